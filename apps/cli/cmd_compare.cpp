@@ -1,0 +1,134 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "apps/cli/command.h"
+#include "apps/cli/job.h"
+#include "apps/cli/text_report.h"
+
+namespace rubble::cli {
+namespace {
+
+struct CompareOptions {
+  JobOptions job;
+  std::vector<std::string> backends{"cpu", "reference"};
+  std::vector<int> threads{0};
+  std::optional<double> within;
+  int every = 0;
+};
+
+struct Difference {
+  double position = 0;  ///< largest distance between the two places of a body [m]
+  double angle = 0;     ///< largest angle between its two orientations [rad]
+  std::string body;     ///< the one that is farthest apart
+};
+
+std::string bodyText(const World& world, BodyId id) {
+  const std::string& name = world.definition(id).name;
+  return name.empty() ? fmt::format("body {}", id.index) : name;
+}
+
+Difference differenceOf(const World& a, const World& b) {
+  Difference result;
+  for (const BodyId id : a.bodies()) {
+    if (!b.alive(id)) continue;
+    const BodyState sa = a.state(id), sb = b.state(id);
+    const double distance = length(sa.position - sb.position);
+    const Quat turn = conjugate(sa.orientation) * sb.orientation;
+    result.angle = std::max(result.angle, 2 * std::atan2(length(turn.v), std::fabs(turn.s)));
+    // Written so that a distance that is no number counts as the largest.
+    if (!(distance <= result.position) && !std::isnan(result.position)) {
+      result.position = distance;
+      result.body = bodyText(a, id);
+    }
+  }
+  return result;
+}
+
+/// Steps 1, 2, 5, 10, 20, 50 and so on, or every so many.
+bool isShown(int step, int steps, int every) {
+  if (step == steps) return true;
+  if (every > 0) return step % every == 0;
+  int decade = 1;
+  while (decade * 10 <= step) decade *= 10;
+  return step == decade || step == 2 * decade || step == 5 * decade;
+}
+
+PreparedJob prepared(const CompareOptions& options, std::size_t side) {
+  JobOptions job = options.job;
+  job.backend = options.backends[std::min(side, options.backends.size() - 1)];
+  job.threads = options.threads[std::min(side, options.threads.size() - 1)];
+  return prepareJob(job);
+}
+
+int compareTwo(const CompareOptions& options) {
+  PreparedJob jobs[2] = {prepared(options, 0), prepared(options, 1)};
+  const int steps = jobs[0].steps;
+  scenes::Runner a(std::move(jobs[0].job), jobs[0].world), b(std::move(jobs[1].job), jobs[1].world);
+  fmt::print("{}: {} ({} threads) against {} ({} threads)\n", jobs[0].title, jobs[0].world.backend, jobs[0].world.threads,
+             jobs[1].world.backend, jobs[1].world.threads);
+  fmt::print("{:>8}{:>16}{:>16}   {}\n", "step", "position [m]", "angle [rad]", "farthest apart");
+  double worst = 0;
+  bool identical = true;
+  for (int step = 1; step <= steps; ++step) {
+    a.step();
+    b.step();
+    const Difference difference = differenceOf(a.world(), b.world());
+    worst = std::isnan(difference.position) ? difference.position : std::max(worst, difference.position);
+    identical = identical && difference.position == 0 && difference.angle == 0;
+    if (isShown(step, steps, options.every)) fmt::print("{:>8}{:>16.3e}{:>16.3e}   {}\n", step, difference.position, difference.angle, difference.body);
+  }
+  if (jobs[0].world.backend == jobs[1].world.backend) {
+    identical = identical && a.world().hash() == b.world().hash();
+    fmt::print("{}\n", identical ? "bit for bit the same" : "not the same bits");
+  }
+  if (!options.within) return kHolds;
+  const bool holds = worst <= *options.within;
+  fmt::print("verdict: {}: largest difference {}, wanted at most {}\n", holds ? "holds" : "does not hold", lengthText(worst), lengthText(*options.within));
+  return holds ? kHolds : kDoesNotHold;
+}
+
+int lockstep(const CompareOptions& options) {
+  PreparedJob job = prepared(options, 0);
+  scenes::Runner runner(std::move(job.job), job.world);
+  for (int step = 1; step <= job.steps; ++step) {
+    runner.step();
+    const std::string found = runner.world().firstDifference();
+    if (found.empty()) continue;
+    fmt::print("{}: first difference in step {}: {}\n", job.title, step, found);
+    return kDoesNotHold;
+  }
+  fmt::print("{}: no difference in {} steps\n", job.title, job.steps);
+  return kHolds;
+}
+
+int compare(const CompareOptions& options) {
+  if (options.backends.size() == 1 && options.backends[0] == "lockstep") return lockstep(options);
+  if (options.backends.size() > 2) throw Error("--backends", "two backends, or lockstep alone", fmt::format("{}", options.backends.size()));
+  if (options.threads.size() > 2) throw Error("--threads", "one or two numbers", fmt::format("{}", options.threads.size()));
+  return compareTwo(options);
+}
+
+}  // namespace
+
+void addCompare(CLI::App& app, int& status) {
+  auto options = std::make_shared<CompareOptions>();
+  CLI::App* command = app.add_subcommand("compare", "Run a scene on two backends side by side and show how far apart they come");
+  command->add_option("scene", options->job.scene, "Name of a scene, or a scene file (.json)")->required();
+  addArgumentOptions(*command, options->job);
+  addSolverOptions(*command, options->job);
+  command->add_option("-b,--backends", options->backends, "The two backends; one name stands for both; 'lockstep' alone compares stage by stage")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("-t,--threads", options->threads, "Worker threads of each; 0 is one a core")
+      ->delimiter(',')
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--every", options->every, "Show every so many steps (default: 1, 2, 5, 10, 20, 50 ...)")->check(CLI::PositiveNumber);
+  command->add_option("--within", options->within, "Wanted: no body farther apart than this [m]; else the exit status is 1")
+      ->check(CLI::NonNegativeNumber);
+  command->callback([options, &status] { status = compare(*options); });
+}
+
+}  // namespace rubble::cli

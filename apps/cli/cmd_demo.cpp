@@ -1,0 +1,87 @@
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "apps/cli/command.h"
+#include "apps/cli/session.h"
+#include "apps/cli/text_report.h"
+
+namespace rubble::cli {
+namespace {
+
+constexpr int kDemoSteps = 600;
+constexpr int kDemoIterations = 4;
+/// When the pictures are taken: after so many steps of 1/60 s from the smash on.
+constexpr int kImpact = 24;
+constexpr int kAfter = 90;
+
+struct DemoOptions {
+  JobOptions job;
+  std::string folder = "out";
+  bool quiet = false;
+};
+
+bool hasBackend(const std::string& name) {
+  const std::vector<std::string> all = backends();
+  return std::find(all.begin(), all.end(), name) != all.end();
+}
+
+std::vector<PictureRequest> demoPictures(const std::filesystem::path& folder, int smashStep, int steps) {
+  const auto file = [&](const char* name) { return (folder / name).string(); };
+  std::vector<PictureRequest> requests;
+  const auto add = [&](int after, const char* name) {
+    if (after >= 0 && after < steps) requests.push_back({after, file(name)});
+  };
+  add(0, "1-start.png");
+  if (smashStep >= 0) {
+    add(smashStep, "2-settled.png");
+    add(smashStep + kImpact, "3-impact.png");
+    add(smashStep + kAfter, "4-after.png");
+  }
+  requests.push_back({steps, file("5-end.png")});
+  return requests;
+}
+
+int demo(DemoOptions options) {
+  if (options.job.scene.empty()) options.job.scene = options.job.backend == "cuda" ? "ring-110k" : "pile-10k";
+  PreparedJob prepared = prepareJob(options.job);
+  const std::filesystem::path folder = options.folder;
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) throw Error("--out", "a folder that can be made", failed.message());
+
+  SessionOptions session;
+  session.quiet = options.quiet;
+  session.recordFile = (folder / "trajectory.rubble").string();
+  session.pictures = demoPictures(folder, prepared.job.smashStep, prepared.steps);
+  const SessionResult result = runSession(std::move(prepared), session);
+  const std::string text = textReport(result.record, result.reports);
+  fmt::print("{}\nwritten to {}:\n  report.json, report.txt, trajectory.rubble\n", text, folder.string());
+  for (const PictureRequest& request : session.pictures) fmt::print("  {}\n", std::filesystem::path(request.file).filename().string());
+  writeOutput((folder / "report.json").string(), io::toJson(result.record));
+  writeOutput((folder / "report.txt").string(), text);
+  return result.record.holds ? kHolds : kDoesNotHold;
+}
+
+}  // namespace
+
+void addDemo(CLI::App& app, int& status) {
+  auto options = std::make_shared<DemoOptions>();
+  options->job.steps = kDemoSteps;
+  options->job.iterations = kDemoIterations;
+  CLI::App* command = app.add_subcommand("demo", "Smash a 40-level pile; write a report, a trajectory and pictures");
+  command->add_option("--scene", options->job.scene, "Another scene or scene file (default: ring-110k on cuda, else pile-10k)");
+  command->add_option("-o,--out", options->folder, "Folder to write to")->capture_default_str();
+  addArgumentOptions(*command, options->job);
+  addSolverOptions(*command, options->job);
+  auto* backend = command->add_option("-b,--backend", options->job.backend, "Where the step runs (default: cuda where there is a GPU, else cpu)");
+  command->add_option("-t,--threads", options->job.threads, "Worker threads; 0 is one a core")->check(CLI::NonNegativeNumber)->capture_default_str();
+  command->add_flag("-q,--quiet", options->quiet, "No progress");
+  command->callback([options, backend, &status] {
+    if (backend->count() == 0 && hasBackend("cuda")) options->job.backend = "cuda";
+    status = demo(*options);
+  });
+}
+
+}  // namespace rubble::cli

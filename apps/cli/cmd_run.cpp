@@ -1,0 +1,50 @@
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "apps/cli/command.h"
+#include "apps/cli/output.h"
+#include "apps/cli/session.h"
+#include "apps/cli/text_report.h"
+
+namespace rubble::cli {
+namespace {
+
+struct RunOptions {
+  JobOptions job;
+  std::string jsonFile, recordFile;
+  PictureOptions picture;
+  bool quiet = false;
+};
+
+int run(const RunOptions& options) {
+  PreparedJob prepared = prepareJob(options.job);
+  SessionOptions session;
+  session.quiet = options.quiet;
+  session.recordFile = options.recordFile;
+  session.look = lookOf(options.picture);
+  session.pictures = picturesOf(options.picture, prepared.steps);
+  const SessionResult result = runSession(std::move(prepared), session);
+  // JSON on standard output has it for itself.
+  if (!options.quiet) fmt::print(options.jsonFile == "-" ? stderr : stdout, "{}", textReport(result.record, result.reports));
+  if (!options.jsonFile.empty()) writeOutput(options.jsonFile, io::toJson(result.record));
+  return result.record.holds ? kHolds : kDoesNotHold;
+}
+
+}  // namespace
+
+void addRun(CLI::App& app, int& status) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "Run a scene, report times and quality, and judge its verdict");
+  command->add_option("scene", options->job.scene, "Name of a scene (see 'rubble info scenes'), or a scene file (.json)")->required();
+  addArgumentOptions(*command, options->job);
+  addSolverOptions(*command, options->job);
+  addBackendOptions(*command, options->job);
+  command->add_option("--json", options->jsonFile, "Write the report as JSON; '-' is standard output")->type_name("FILE");
+  command->add_option("--record", options->recordFile, "Write the trajectory of every body")->type_name("FILE");
+  addPictureOptions(*command, options->picture, "--picture");
+  command->add_flag("-q,--quiet", options->quiet, "No progress and no text report; the exit status is the verdict");
+  command->callback([options, &status] { status = run(*options); });
+}
+
+}  // namespace rubble::cli

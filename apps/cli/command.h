@@ -1,0 +1,22 @@
+#pragma once
+/// Subcommands. Each adds itself to the program and, when chosen, runs and sets the exit status.
+#include <CLI/CLI.hpp>
+
+namespace rubble::cli {
+
+/// Exit status of the program.
+enum Status : int {
+  kHolds = 0,        ///< done; the verdict holds
+  kDoesNotHold = 1, ///< done; the verdict does not hold
+  kBadInput = 2,     ///< the input or the command line is wrong
+};
+
+void addRun(CLI::App& app, int& status);
+void addBench(CLI::App& app, int& status);
+void addCheck(CLI::App& app, int& status);
+void addCompare(CLI::App& app, int& status);
+void addDemo(CLI::App& app, int& status);
+void addInfo(CLI::App& app, int& status);
+void addPicture(CLI::App& app, int& status);
+
+}  // namespace rubble::cli

@@ -1,0 +1,84 @@
+#include "apps/cli/file_job.h"
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "apps/cli/file_probe.h"
+#include "io/picture.h"
+#include "scenes/probes.h"
+
+namespace rubble::cli {
+namespace {
+
+/// A camera that shows what the scene holds at the start.
+scenes::Camera cameraFor(const Scene& scene) {
+  io::PictureSettings settings;
+  io::frameBodies(io::pictureBodies(scene), scene.gravity, settings);
+  return {settings.eye, settings.target};
+}
+
+scenes::Probes probesFor(const io::SceneFile& file) {
+  const bool smashes = file.smashStep >= 0;
+  const double moment = smashes ? file.smashStep * file.dt : std::numeric_limits<double>::infinity();
+  scenes::Probes probes;
+  if (smashes) probes = scenes::smashProbes(file.scene, moment);
+  // Stacks have no joints; a mechanism has no top level unless its verdict says so.
+  const auto isStackMetric = [](const io::FileClaim& claim) {
+    return claim.metric.starts_with("top_drop") || claim.metric == "max_drift_m" || claim.metric == "bricks_lost" || claim.metric == "lowest_m";
+  };
+  if (file.scene.joints.empty() || std::any_of(file.claims.begin(), file.claims.end(), isStackMetric))
+    probes.push_back(scenes::stackProbe(file.scene, moment));
+  probes.push_back(scenes::qualityProbe(moment));
+  probes.push_back(namedProbe(file.claims));
+  return probes;
+}
+
+}  // namespace
+
+std::vector<io::Fault> checkFile(const std::string& file, io::SceneFile& scene) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (!in || !(text << in.rdbuf())) throw Error(file, "a file that can be read", "none");
+  std::vector<io::Fault> faults;
+  scene = io::parseScene(text.str(), faults);
+  for (std::size_t i = 0; i < scene.claims.size(); ++i) {
+    const std::string wrong = metricFault(scene, scene.claims[i].metric);
+    if (!wrong.empty() && !scene.claims[i].metric.empty()) faults.push_back({fmt::format("verdict[{}].metric", i), 0, 0, wrong});
+  }
+  return faults;
+}
+
+scenes::Job loadFileJob(const std::string& file) {
+  io::SceneFile scene;
+  const std::vector<io::Fault> faults = checkFile(file, scene);
+  if (!faults.empty()) throw Error(io::faultText(file, faults));
+  scenes::Job job;
+  for (const io::FileClaim& claim : scene.claims) job.claims.push_back({claim.metric, claim.min, claim.max, claim.why});
+  job.probes = probesFor(scene);
+  job.camera = scene.camera ? scenes::Camera{scene.camera->eye, scene.camera->target} : cameraFor(scene.scene);
+  job.steps = scene.steps;
+  job.iterations = scene.iterations;
+  job.smashStep = scene.smashStep;
+  job.dt = scene.dt;
+  job.scene = std::move(scene.scene);
+  return job;
+}
+
+io::SceneFile fileOf(const scenes::Job& job) {
+  io::SceneFile file;
+  file.scene = job.scene;
+  for (const scenes::Claim& claim : job.claims)
+    if (metricFault(file, claim.metric).empty()) file.claims.push_back({claim.metric, claim.min, claim.max, claim.why});
+  file.camera = io::FileCamera{job.camera.eye, job.camera.target};
+  file.steps = job.steps;
+  file.iterations = job.iterations;
+  file.smashStep = job.smashStep;
+  file.dt = job.dt;
+  return file;
+}
+
+}  // namespace rubble::cli

@@ -1,0 +1,25 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "io/scene_json.h"
+#include "scenes/registry.h"
+
+namespace rubble::cli {
+
+/// One thing that can be measured of a body or joint by name: "crate.height_m".
+struct NamedMetric {
+  const char* quantity;
+  const char* doc;
+};
+const std::vector<NamedMetric>& bodyMetrics();
+const std::vector<NamedMetric>& jointMetrics();
+
+/// Measures the "name.quantity" metrics that the claims of a file name, at the end of the run.
+std::unique_ptr<scenes::Probe> namedProbe(const std::vector<io::FileClaim>& claims);
+
+/// What is wrong with the metric of a claim, or "".
+std::string metricFault(const io::SceneFile& file, const std::string& metric);
+
+}  // namespace rubble::cli

@@ -1,0 +1,64 @@
+#include "apps/cli/info_json.h"
+
+#include <rubble/info.h>
+
+#include "io/json_text.h"
+#include "scenes/registry.h"
+
+namespace rubble::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+}  // namespace
+
+std::string scenesJson() {
+  Json list = Json::array();
+  for (const scenes::Spec& spec : scenes::registry()) {
+    Json arguments = Json::array();
+    for (const scenes::Argument& a : spec.arguments)
+      arguments.push_back({{"name", a.name}, {"value", a.value}, {"min", a.min}, {"max", a.max}, {"unit", a.unit}, {"doc", a.doc}});
+    list.push_back({{"name", spec.name},
+                    {"doc", spec.doc},
+                    {"steps", spec.steps},
+                    {"iterations", spec.iterations},
+                    {"tags", spec.tags},
+                    {"arguments", std::move(arguments)}});
+  }
+  return io::prettyJson(list);
+}
+
+std::string forcesJson() {
+  Json list = Json::array();
+  for (const ForceInfo& force : forceInfos()) {
+    Json fields = Json::array();
+    for (const ForceField& f : force.fields) fields.push_back({{"field", f.field}, {"unit", f.unit}, {"doc", f.doc}});
+    list.push_back({{"name", force.name}, {"doc", force.doc}, {"rows", force.rows}, {"fields", std::move(fields)}});
+  }
+  return io::prettyJson(list);
+}
+
+std::string paramsJson() {
+  Json list = Json::array();
+  for (const ParamField& field : paramFields()) {
+    list.push_back({{"name", field.name},
+                    {"unit", field.unit},
+                    {"doc", field.doc},
+                    {"engine", field.get(Params::of(Preset::Engine))},
+                    {"paper", field.get(Params::of(Preset::Paper))},
+                    {"demo3d", field.get(Params::of(Preset::Demo3d))}});
+  }
+  return io::prettyJson(list);
+}
+
+std::string buildJson() {
+  const BuildInfo build = buildInfo();
+  return io::prettyJson({{"version", build.version},
+                         {"commit", build.commit},
+                         {"compiler", build.compiler},
+                         {"precision", build.precision},
+                         {"features", build.features},
+                         {"backends", backends()}});
+}
+
+}  // namespace rubble::cli

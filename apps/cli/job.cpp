@@ -1,0 +1,110 @@
+#include "apps/cli/job.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "apps/cli/file_job.h"
+
+namespace rubble::cli {
+namespace {
+
+Preset presetNamed(const std::string& name) {
+  if (name == "engine") return Preset::Engine;
+  if (name == "paper") return Preset::Paper;
+  if (name == "demo3d") return Preset::Demo3d;
+  throw Error("--preset", "engine, paper or demo3d", name);
+}
+
+scenes::Arguments parseArguments(const std::vector<std::string>& texts) {
+  scenes::Arguments arguments;
+  for (const std::string& text : texts) {
+    const auto [name, value] = parseAssignment(text, "--arg");
+    arguments[name] = value;
+  }
+  return arguments;
+}
+
+Params paramsOf(const JobOptions& options, const scenes::Job& job) {
+  Params params = Params::of(presetNamed(options.preset));
+  params.iterations = options.iterations.value_or(job.iterations);
+  params.dt = options.dt.value_or(job.dt);
+  for (const std::string& text : options.parameters) {
+    const auto [name, value] = parseAssignment(text, "--param");
+    setParam(params, name, value);
+  }
+  validate(params);
+  return params;
+}
+
+void checkBackend(const std::string& backend) {
+  const std::vector<std::string> known = backends();
+  if (std::find(known.begin(), known.end(), backend) == known.end())
+    throw Error("--backend", fmt::format("one of {}", fmt::join(known, ", ")), backend);
+}
+
+}  // namespace
+
+void addArgumentOptions(CLI::App& app, JobOptions& options) {
+  app.add_option("-a,--arg", options.arguments, "Set an argument of the scene (see 'rubble info scene NAME'); may be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+}
+
+void addSolverOptions(CLI::App& app, JobOptions& options) {
+  app.add_option("-n,--steps", options.steps, "Number of steps (default: as the scene says)")->check(CLI::PositiveNumber);
+  app.add_option("-i,--iterations", options.iterations, "Solver iterations in a step (default: as the scene says)")->check(CLI::PositiveNumber);
+  app.add_option("--dt", options.dt, "Time step [s] (default: 1/60)")->check(CLI::PositiveNumber);
+  app.add_option("--preset", options.preset, "Parameter set: engine, paper or demo3d")->capture_default_str();
+  app.add_option("--param", options.parameters, "Set a parameter of the method, for study (see 'rubble info params'); may be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+}
+
+void addBackendOptions(CLI::App& app, JobOptions& options) {
+  app.add_option("-b,--backend", options.backend, "Where the step runs (see 'rubble info build')")->capture_default_str();
+  app.add_option("-t,--threads", options.threads, "Worker threads; 0 is one a core")->check(CLI::NonNegativeNumber)->capture_default_str();
+}
+
+std::pair<std::string, double> parseAssignment(const std::string& text, const std::string& option) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) throw Error(option, "NAME=VALUE", text);
+  const std::string name = text.substr(0, equals);
+  const std::string value = text.substr(equals + 1);
+  if (value == "true" || value == "false") return {name, value == "true" ? 1.0 : 0.0};
+  double number = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (error != std::errc{} || end != value.data() + value.size() || !std::isfinite(number))
+    throw Error(option + " " + name, "a number", value.empty() ? "nothing" : value);
+  return {name, number};
+}
+
+bool isSceneFile(const std::string& scene) { return std::filesystem::path(scene).extension() == ".json"; }
+
+scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& arguments) {
+  if (isSceneFile(scene)) {
+    if (!arguments.empty()) throw Error("--arg", "no arguments for a scene file", arguments.front());
+    return loadFileJob(scene);
+  }
+  const scenes::Spec& spec = scenes::find(scene);
+  return scenes::prepare(spec, scenes::resolve(spec, parseArguments(arguments)));
+}
+
+PreparedJob prepareJob(const JobOptions& options) {
+  checkBackend(options.backend);
+  PreparedJob prepared;
+  prepared.title = options.arguments.empty() ? options.scene : fmt::format("{} {}", options.scene, fmt::join(options.arguments, " "));
+  prepared.job = loadJob(options.scene, options.arguments);
+  prepared.world.backend = options.backend;
+  prepared.world.threads = options.threads;
+  prepared.world.params = paramsOf(options, prepared.job);
+  const double stepsAtDt = prepared.job.steps * prepared.job.dt / prepared.world.params.dt;
+  prepared.steps = options.steps.value_or(std::max(1, static_cast<int>(std::lround(stepsAtDt))));
+  return prepared;
+}
+
+}  // namespace rubble::cli

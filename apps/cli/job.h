@@ -1,0 +1,49 @@
+#pragma once
+/// From what was typed to a job that is ready to run. Every subcommand that runs a scene shares these options.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "scenes/registry.h"
+
+namespace rubble::cli {
+
+struct JobOptions {
+  std::string scene;                     ///< name in the registry, or path of a scene file
+  std::vector<std::string> arguments;    ///< "name=value"
+  std::vector<std::string> parameters;   ///< "name=value", of rubble::paramFields()
+  std::optional<int> steps, iterations;
+  std::optional<double> dt;              ///< [s]
+  std::string backend = "cpu";
+  std::string preset = "engine";
+  int threads = 0;
+};
+
+/// Adds the options to a subcommand. `scene` is left to the caller, which knows whether it takes one or several.
+void addArgumentOptions(CLI::App& app, JobOptions& options);
+void addSolverOptions(CLI::App& app, JobOptions& options);
+void addBackendOptions(CLI::App& app, JobOptions& options);
+
+/// A job with everything that its run needs.
+struct PreparedJob {
+  std::string title;  ///< scene with the arguments that were given
+  scenes::Job job;
+  WorldOptions world;
+  int steps = 0;
+};
+
+/// Throws Error for anything that was typed wrong or does not exist.
+PreparedJob prepareJob(const JobOptions& options);
+
+/// The scene of a registry name or file, with its camera and claims.
+scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& arguments);
+
+/// Does this name a file rather than a scene of the registry?
+bool isSceneFile(const std::string& scene);
+
+/// Splits "name=value"; `option` is named in the Error.
+std::pair<std::string, double> parseAssignment(const std::string& text, const std::string& option);
+
+}  // namespace rubble::cli

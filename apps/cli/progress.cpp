@@ -1,0 +1,61 @@
+#include "apps/cli/progress.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "apps/cli/system.h"
+
+namespace rubble::cli {
+namespace {
+
+constexpr int kBarWidth = 30;
+/// Time between two drawings of the bar [s].
+constexpr double kRedraw = .1;
+
+std::string duration(double seconds) {
+  const int whole = static_cast<int>(seconds + .5);
+  return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{}:{:02} min", whole / 60, whole % 60);
+}
+
+}  // namespace
+
+Progress::Progress(std::string title, int steps, bool quiet)
+    : title_(std::move(title)), steps_(std::max(steps, 1)), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), startTime_(secondsNow()) {}
+
+Progress::~Progress() {
+  if (barIsOpen_) fmt::print(stderr, "\n");
+}
+
+void Progress::update(int done, double ms) {
+  if (quiet_) return;
+  terminal_ ? drawBar(done, ms) : printLine(done, ms);
+}
+
+void Progress::drawBar(int done, double ms) {
+  const double now = secondsNow();
+  if (done < steps_ && now - lastDrawn_ < kRedraw) return;
+  lastDrawn_ = now;
+  const int filled = std::min(kBarWidth, kBarWidth * done / steps_);
+  std::string bar;
+  for (int i = 0; i < kBarWidth; ++i) bar += i < filled ? "█" : "░";
+  const double elapsed = now - startTime_;
+  const double left = elapsed / done * (steps_ - done);
+  fmt::print(stderr, "\r{} {} {}/{}  {:.1f} ms/step  {}\x1b[K", title_, bar, done, steps_, ms,
+             done < steps_ ? duration(left) + " left" : duration(elapsed));
+  std::fflush(stderr);
+  barIsOpen_ = done < steps_;
+  if (!barIsOpen_) fmt::print(stderr, "\n");
+}
+
+void Progress::printLine(int done, double ms) {
+  const int tenths = 10 * done / steps_;
+  if (tenths == tenthsPrinted_) return;
+  tenthsPrinted_ = tenths;
+  fmt::print(stderr, "{}: step {}/{}, {:.1f} ms/step, {}\n", title_, done, steps_, ms, duration(secondsNow() - startTime_));
+}
+
+}  // namespace rubble::cli

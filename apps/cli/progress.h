@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+
+namespace rubble::cli {
+
+/// Says on standard error how far a run is: a bar that is drawn over itself on a terminal, a plain line every tenth of the way in a log.
+class Progress {
+ public:
+  /// `quiet` says nothing at all.
+  Progress(std::string title, int steps, bool quiet);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// After step `done` (counted from 1) that took `ms`.
+  void update(int done, double ms);
+
+ private:
+  void drawBar(int done, double ms);
+  void printLine(int done, double ms);
+
+  std::string title_;
+  int steps_;
+  bool quiet_;
+  bool terminal_;
+  bool barIsOpen_ = false;
+  double startTime_;
+  double lastDrawn_ = 0;
+  int tenthsPrinted_ = 0;
+};
+
+}  // namespace rubble::cli

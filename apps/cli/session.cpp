@@ -1,0 +1,60 @@
+#include "apps/cli/session.h"
+
+#include <optional>
+
+#include "apps/cli/measure.h"
+#include "apps/cli/progress.h"
+#include "io/recording.h"
+
+namespace rubble::cli {
+namespace {
+
+/// Feeds a recording, if there is one.
+class Recorder {
+ public:
+  Recorder(const std::string& file, const std::string& title, const World& world) {
+    if (file.empty()) return;
+    const std::vector<io::RecordedBody> bodies = io::recordedBodies(world);
+    writer_.emplace(file, io::RecordingHeader{title, world.params().dt, world.gravity(), io::recordingResolution(bodies)});
+    record(world);
+  }
+
+  void record(const World& world) {
+    if (writer_) writer_->write(io::recordedBodies(world), io::recordedFrame(world));
+  }
+
+  void finish() {
+    if (writer_) writer_->finish();
+  }
+
+ private:
+  std::optional<io::RecordingWriter> writer_;
+};
+
+}  // namespace
+
+SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
+  scenes::Runner runner(std::move(prepared.job), prepared.world);
+  const scenes::Camera camera = runner.job().camera;
+  Recorder recorder(options.recordFile, prepared.title, runner.world());
+  Progress progress(prepared.title, prepared.steps, options.quiet);
+  const auto takePictures = [&](const World& world, int stepsTaken) {
+    for (const PictureRequest& request : options.pictures)
+      if (request.afterSteps == stepsTaken) takePicture(io::pictureBodies(world), world.gravity(), camera, options.look, request.file);
+  };
+  takePictures(runner.world(), 0);
+
+  const int quoted = qualityStep(runner.job().smashStep, prepared.steps, prepared.world.params.dt);
+  std::optional<Quality> quality;
+  const scenes::RunResult result = runner.run(prepared.steps, [&](const World& world, const StepReport& report, int step, int) {
+    if (step == quoted) quality = world.quality();
+    recorder.record(world);
+    takePictures(world, step + 1);
+    progress.update(step + 1, report.totalMs);
+    return true;
+  });
+  recorder.finish();
+  return {makeRecord(prepared, runner.job(), result, quality.value_or(result.quality)), result.reports};
+}
+
+}  // namespace rubble::cli

@@ -1,0 +1,27 @@
+#pragma once
+/// One run with everything that it may leave behind: a progress bar, a recording, pictures, a record.
+#include <string>
+#include <vector>
+
+#include "apps/cli/job.h"
+#include "apps/cli/output.h"
+#include "io/report_json.h"
+
+namespace rubble::cli {
+
+struct SessionOptions {
+  bool quiet = false;      ///< no progress on standard error
+  std::string recordFile;  ///< "" for none
+  std::vector<PictureRequest> pictures;
+  Look look;
+};
+
+struct SessionResult {
+  io::RunRecord record;
+  std::vector<StepReport> reports;
+};
+
+/// Runs a job to its end.
+SessionResult runSession(PreparedJob prepared, const SessionOptions& options);
+
+}  // namespace rubble::cli

@@ -1,0 +1,106 @@
+#include "apps/cli/text_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "apps/cli/statistics.h"
+
+namespace rubble::cli {
+namespace {
+
+using Out = std::back_insert_iterator<std::string>;
+
+void heading(Out out, const io::RunRecord& record) {
+  fmt::format_to(out, "{}\n", record.scene);
+  fmt::format_to(out, "  {} on {}, {} thread{}, {} iterations, dt {:.6g} s\n", record.backend, record.device, record.threads,
+                 record.threads == 1 ? "" : "s", record.iterations, record.dt);
+  fmt::format_to(out, "  {} bodies, {} manifolds, {} contact points, {} colours, {} clashes\n\n", record.bodies, record.manifolds,
+                 record.contacts, record.colors, record.clashes);
+}
+
+void timeRow(Out out, const std::string& name, const io::PhaseTimes& t) {
+  fmt::format_to(out, "  {:<24}{:>10.3f}{:>10.3f}{:>10.3f}{:>10.3f}\n", name, t.mean, t.median, t.p95, t.max);
+}
+
+void times(Out out, const io::RunRecord& record, const std::vector<StepReport>& reports) {
+  const StepRange all{0, static_cast<int>(reports.size())};
+  std::vector<double> totals;
+  for (const StepReport& report : reports) totals.push_back(report.totalMs);
+  fmt::format_to(out, "  {:<24}{:>10}{:>10}{:>10}{:>10}\n", "time [ms]", "mean", "median", "95 %", "max");
+  for (const auto& [name, t] : stageTimes(reports, all)) timeRow(out, name, t);
+  timeRow(out, fmt::format("step, all {}", reports.size()), summarize(std::move(totals)));
+  if (record.settled) timeRow(out, "step, settled", *record.settled);
+  if (record.smash) timeRow(out, "step, smash", *record.smash);
+  fmt::format_to(out, "  settled: collision {:.3f}, solve {:.3f}\n\n", record.collisionMs, record.solveMs);
+}
+
+void quality(Out out, const io::RunRecord& record) {
+  if (record.penetration)
+    fmt::format_to(out, "  penetration             mean {}, 99 % {}, max {}\n", lengthText(record.penetration->mean),
+                   lengthText(record.penetration->p99), lengthText(record.penetration->max));
+  if (record.jointGapMean)
+    fmt::format_to(out, "  joint error             mean {}, max {}\n", lengthText(*record.jointGapMean), lengthText(record.jointGapMax.value_or(0)));
+  if (record.topDrop) fmt::format_to(out, "  top level down          {}\n", lengthText(*record.topDrop));
+  fmt::format_to(out, "  energy                  {:.6g} J\n", record.energy);
+  fmt::format_to(out, "  resident memory         {:.1f} MB\n", record.rssMb);
+}
+
+/// What the steps report beyond counts: nothing that the engine had to do out of the ordinary goes unsaid.
+void notices(Out out, const std::vector<StepReport>& reports) {
+  long broken = 0, spin = 0, restarts = 0, clashes = 0;
+  int quarantined = 0;
+  for (const StepReport& r : reports) {
+    broken += r.brokenJoints, spin += r.spinLimited, restarts += r.restarts, clashes += r.clashes;
+    quarantined = std::max(quarantined, r.quarantined);
+  }
+  if (broken) fmt::format_to(out, "  notice: {} joints broke\n", broken);
+  if (spin) fmt::format_to(out, "  notice: the spin of a body was limited {} times\n", spin);
+  if (restarts) fmt::format_to(out, "  notice: {} steps were begun again with more room\n", restarts);
+  if (clashes) fmt::format_to(out, "  notice: {} pairs of neighbours were solved with one colour\n", clashes);
+  if (quarantined) fmt::format_to(out, "  notice: {} bodies were frozen because their state was not finite\n", quarantined);
+}
+
+std::string bounds(const io::ClaimRecord& claim) {
+  if (std::isinf(claim.min)) return fmt::format("<= {:.6g}", claim.max);
+  if (std::isinf(claim.max)) return fmt::format(">= {:.6g}", claim.min);
+  return fmt::format("{:.6g} .. {:.6g}", claim.min, claim.max);
+}
+
+void verdict(Out out, const io::RunRecord& record) {
+  if (record.claims.empty()) {
+    fmt::format_to(out, "\nverdict: the scene makes no claim\n");
+    return;
+  }
+  fmt::format_to(out, "\nverdict: {}\n", record.holds ? "holds" : "does not hold");
+  for (const io::ClaimRecord& claim : record.claims) {
+    fmt::format_to(out, "  {:<4} {:<28}{:>14}   wanted {:<22} {}\n", claim.holds ? "yes" : "NO", claim.metric,
+                   std::isnan(claim.value) ? "not measured" : fmt::format("{:.6g}", claim.value), bounds(claim), claim.why);
+  }
+}
+
+}  // namespace
+
+std::string lengthText(double metres) {
+  const double size = std::fabs(metres);
+  if (size == 0) return "0 mm";
+  if (size >= 1) return fmt::format("{:.3f} m", metres);
+  if (size >= 1e-3) return fmt::format("{:.2f} mm", metres * 1e3);
+  if (size >= 1e-7) return fmt::format("{:.2f} um", metres * 1e6);
+  return fmt::format("{:.1e} m", metres);
+}
+
+std::string textReport(const io::RunRecord& record, const std::vector<StepReport>& reports) {
+  std::string text;
+  const Out out = std::back_inserter(text);
+  heading(out, record);
+  if (!reports.empty()) times(out, record, reports);
+  quality(out, record);
+  notices(out, reports);
+  verdict(out, record);
+  return text;
+}
+
+}  // namespace rubble::cli

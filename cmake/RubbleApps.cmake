@@ -1,0 +1,41 @@
+# What stands around the library and is not installed with it: files, scenes and the command line program.
+
+find_package(fmt REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(PNG)
+find_path(RUBBLE_ZSTD_INCLUDE zstd.h)
+find_library(RUBBLE_ZSTD_LIBRARY zstd)
+
+# A static library from the sources of one folder. They include one another as "io/file.h".
+function(rubble_add_library name folder)
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
+  file(GLOB headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.h)
+  add_library(${name} STATIC ${sources} ${headers})
+  set_target_properties(${name} PROPERTIES LINKER_LANGUAGE CXX)
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PUBLIC rubble::rubble PRIVATE rubble_warnings)
+endfunction()
+
+rubble_add_library(rubble_scenes scenes)
+
+rubble_add_library(rubble_io io)
+target_link_libraries(rubble_io PUBLIC rubble_scenes nlohmann_json::nlohmann_json)
+if(PNG_FOUND)
+  target_link_libraries(rubble_io PRIVATE PNG::PNG)
+  target_compile_definitions(rubble_io PUBLIC RUBBLE_HAS_PNG=1)
+endif()
+if(RUBBLE_ZSTD_INCLUDE AND RUBBLE_ZSTD_LIBRARY)
+  target_include_directories(rubble_io SYSTEM PRIVATE ${RUBBLE_ZSTD_INCLUDE})
+  target_link_libraries(rubble_io PRIVATE ${RUBBLE_ZSTD_LIBRARY})
+  target_compile_definitions(rubble_io PUBLIC RUBBLE_HAS_ZSTD=1)
+endif()
+
+file(GLOB rubble_cli_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/apps/cli/*.cpp)
+if(RUBBLE_APPS AND rubble_cli_sources)
+  add_executable(rubble_cli ${rubble_cli_sources})
+  set_target_properties(rubble_cli PROPERTIES OUTPUT_NAME rubble RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}
+    INSTALL_RPATH $ORIGIN/../${CMAKE_INSTALL_LIBDIR})
+  target_include_directories(rubble_cli PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/apps)
+  target_link_libraries(rubble_cli PRIVATE rubble_io rubble_scenes rubble::rubble rubble_warnings CLI11::CLI11 fmt::fmt)
+endif()

@@ -1,0 +1,48 @@
+# The library: host code, the CPU core once in float and once in double, and the CUDA backend.
+
+file(GLOB rubble_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/rubble/*.h)
+file(GLOB rubble_host_sources CONFIGURE_DEPENDS
+  ${PROJECT_SOURCE_DIR}/src/world/*.cpp ${PROJECT_SOURCE_DIR}/src/cook/*.cpp ${PROJECT_SOURCE_DIR}/src/backend/*.cpp)
+file(GLOB rubble_core_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/cpu/*.cpp)
+file(GLOB rubble_lockstep_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/lockstep/*.cpp)
+file(GLOB rubble_cuda_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/cuda/*.cu)
+
+# What every part of the library is compiled with.
+add_library(rubble_common INTERFACE)
+target_include_directories(rubble_common INTERFACE
+  ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src ${rubble_generated_dir})
+target_link_libraries(rubble_common INTERFACE rubble_warnings rubble_engine_flags TBB::tbb)
+
+# An object library whose solver works in `real`; its code lives in namespace rubble::`core`.
+function(rubble_add_core name core real)
+  add_library(${name} OBJECT ${ARGN})
+  target_compile_definitions(${name} PRIVATE RUBBLE_CORE=${core} RUBBLE_REAL=${real})
+  target_link_libraries(${name} PRIVATE rubble_common)
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ${BUILD_SHARED_LIBS})
+  target_sources(rubble PRIVATE $<TARGET_OBJECTS:${name}>)
+endfunction()
+
+add_library(rubble ${rubble_host_sources} ${rubble_headers})
+add_library(rubble::rubble ALIAS rubble)
+add_dependencies(rubble rubble_build_info)
+set_target_properties(rubble PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR} LINKER_LANGUAGE CXX)
+target_compile_features(rubble PUBLIC cxx_std_20)
+target_include_directories(rubble PUBLIC
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_link_libraries(rubble PRIVATE $<BUILD_INTERFACE:rubble_common> TBB::tbb)
+
+if(rubble_core_sources)
+  rubble_add_core(rubble_core_f32 f32 float ${rubble_core_sources})
+  rubble_add_core(rubble_core_f64 f64 double ${rubble_core_sources})
+endif()
+if(rubble_lockstep_sources)
+  rubble_add_core(rubble_lockstep f32 float ${rubble_lockstep_sources})
+endif()
+if(rubble_cuda AND rubble_cuda_sources)
+  rubble_add_core(rubble_core_cuda f32 float ${rubble_cuda_sources})
+  # A host-only call in device code is a mere warning to nvcc, and the kernel silently becomes empty: so warnings are errors.
+  target_compile_options(rubble_core_cuda PRIVATE
+    $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings --expt-relaxed-constexpr --extended-lambda -Xcompiler=-ffp-contract=off>)
+  target_compile_definitions(rubble PRIVATE RUBBLE_HAS_CUDA=1)
+  target_link_libraries(rubble PRIVATE CUDA::cudart_static)
+endif()

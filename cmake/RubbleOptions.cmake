@@ -1,0 +1,51 @@
+# Compiler settings: one interface target for everything that is ours, one more for the engine's own objects.
+
+if(PROJECT_IS_TOP_LEVEL)
+  if(NOT CMAKE_BUILD_TYPE)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+  endif()
+  set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+  find_program(RUBBLE_CCACHE ccache DOC "Compiler cache, used where it is found")
+  if(RUBBLE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${RUBBLE_CCACHE})
+    set(CMAKE_CUDA_COMPILER_LAUNCHER ${RUBBLE_CCACHE})
+  endif()
+endif()
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+
+add_library(rubble_warnings INTERFACE)
+target_compile_options(rubble_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wconversion>)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION MATCHES "^12\\.")
+  # GCC bug 105651: GCC 12 takes "text" + std::string for an overlapping copy.
+  target_compile_options(rubble_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
+endif()
+
+# The compilers of Debian 12, which every change is built with. Newer ones may know warnings that nobody has seen yet.
+set(rubble_werror ${RUBBLE_WERROR})
+if(RUBBLE_WERROR STREQUAL "AUTO")
+  set(rubble_werror OFF)
+  if((CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION MATCHES "^12\\.")
+     OR (CMAKE_CXX_COMPILER_ID STREQUAL "Clang" AND CMAKE_CXX_COMPILER_VERSION MATCHES "^14\\."))
+    set(rubble_werror ${PROJECT_IS_TOP_LEVEL})
+  endif()
+endif()
+if(rubble_werror)
+  # GCC's flow warnings depend on the optimiser and misfire under sanitizers: they stay warnings.
+  target_compile_options(rubble_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Werror>
+    $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CXX_COMPILER_ID:GNU>>:-Wno-error=maybe-uninitialized -Wno-error=array-bounds
+      -Wno-error=stringop-overflow -Wno-error=restrict -Wno-error=free-nonheap-object>)
+endif()
+
+# Engine objects. No fast-math: contraction is off so that every build rounds alike, and the two -fno- flags change no result,
+# they only free the compiler from keeping errno and floating-point traps (sqrt becomes one instruction, branches become masks).
+# Release is -O3. -Wno-psabi: lanes are wider than a baseline register, and no function that takes them by value is called from elsewhere.
+add_library(rubble_engine_flags INTERFACE)
+target_compile_options(rubble_engine_flags INTERFACE
+  $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off -Wno-psabi -fno-math-errno -fno-trapping-math>
+  $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${BUILD_SHARED_LIBS}>>:-fno-semantic-interposition>)
+if(RUBBLE_ARCH)
+  target_compile_options(rubble_engine_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-march=${RUBBLE_ARCH}>)
+endif()

@@ -1,0 +1,20 @@
+#pragma once
+#include <stdexcept>
+#include <string>
+
+namespace rubble {
+
+/// Bad input. `path` says where ("bodies[3].mass"), `what()` says path, what was expected and what came.
+class Error : public std::runtime_error {
+ public:
+  Error(std::string path, const std::string& expected, const std::string& got)
+      : std::runtime_error(path + ": expected " + expected + ", got " + got), path_(std::move(path)) {}
+  explicit Error(const std::string& message) : std::runtime_error(message) {}
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace rubble

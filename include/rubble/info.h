@@ -1,0 +1,36 @@
+#pragma once
+/// What this build of the library is and what it knows, for listings and bug reports.
+#include <string>
+#include <vector>
+
+namespace rubble {
+
+/// One thing that an author sets on a force or joint: its name in scene files, its unit ("1" for none) and its meaning.
+struct ForceField {
+  std::string field;
+  std::string unit;
+  std::string doc;
+};
+
+/// One kind of force: contact, ball joint and so on.
+struct ForceInfo {
+  std::string name;
+  std::string doc;
+  int rows = 0;  ///< scalar constraint rows that one element adds to the solve
+  std::vector<ForceField> fields;
+};
+
+/// Every force of the engine, contact first.
+std::vector<ForceInfo> forceInfos();
+
+struct BuildInfo {
+  std::string version;    ///< "0.1.0"
+  std::string commit;     ///< of the sources, or "unknown"
+  std::string compiler;   ///< name and version
+  std::string precision;  ///< of the solver: "float" or "double"
+  std::vector<std::string> features;  ///< optional parts that are in
+};
+
+BuildInfo buildInfo();
+
+}  // namespace rubble

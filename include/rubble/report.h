@@ -1,0 +1,48 @@
+#pragma once
+/// What a step says of itself, and what can be measured of a world.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace rubble {
+
+struct StageTime {
+  std::string name;
+  double ms = 0;
+};
+
+struct StepReport {
+  std::int64_t step = 0;      ///< index of the step just taken
+  int bodies = 0;             ///< dynamic, kinematic and static
+  int pairs = 0;              ///< found by the broad phase
+  int manifolds = 0;          ///< touching pairs
+  int contacts = 0;           ///< contact points
+  int recycled = 0;           ///< manifolds kept without a new narrow-phase test
+  int colors = 0;
+  int colorRounds = 0;        ///< rounds of the colouring until it was proper
+  int clashes = 0;            ///< neighbours left with one colour (0, or Jacobi pairs)
+  int brokenJoints = 0;       ///< joints that broke in this step
+  int quarantined = 0;        ///< bodies frozen because their state was not finite
+  int spinLimited = 0;        ///< bodies whose spin was above 2 rad a step and was limited
+  int restarts = 0;           ///< times the step was begun again with more room
+  std::vector<StageTime> stages;
+  double totalMs = 0;         ///< wall clock of the step
+
+  double stageMs(const std::string& name) const;
+};
+
+struct Distribution {
+  double mean = 0, p99 = 0, max = 0;
+};
+
+/// Quality of the present state, from the contacts and joints of the last step.
+struct Quality {
+  Distribution penetration;   ///< depth of touching points [m]
+  double jointGapMean = 0;    ///< distance of the anchors of ball and fixed joints [m]
+  double jointGapMax = 0;
+  double kineticEnergy = 0;   ///< [J]
+  double potentialEnergy = 0; ///< in the scene's gravity, from the origin [J]
+  double maxSpeed = 0;        ///< [m/s]
+};
+
+}  // namespace rubble

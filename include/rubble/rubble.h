@@ -1,0 +1,9 @@
+#pragma once
+/// Rubble: rigid-body physics by augmented vertex block descent. One header for everything.
+#include <rubble/error.h>
+#include <rubble/ids.h>
+#include <rubble/math.h>
+#include <rubble/params.h>
+#include <rubble/report.h>
+#include <rubble/scene.h>
+#include <rubble/world.h>

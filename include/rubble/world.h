@@ -1,0 +1,121 @@
+#pragma once
+/// A running simulation.
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <rubble/error.h>
+#include <rubble/ids.h>
+#include <rubble/params.h>
+#include <rubble/report.h>
+#include <rubble/scene.h>
+
+namespace rubble {
+
+struct BodyState {
+  Vec3 position;         ///< centre of mass, world [m]
+  Quat orientation;      ///< body -> world
+  Vec3 velocity;         ///< [m/s]
+  Vec3 angularVelocity;  ///< world axes [rad/s]
+};
+
+/// A contact point of the last step. The force acts on B; its opposite acts on A.
+struct ContactPoint {
+  BodyId a, b;
+  Vec3 position;   ///< world [m]
+  Vec3 normal;     ///< from A to B, unit
+  double depth;    ///< > 0: penetration [m]
+  Vec3 force;      ///< on B [N]
+};
+
+struct JointState {
+  double gap = 0;     ///< distance of the anchors [m]
+  double angle = 0;   ///< fixed: deviation from the wanted orientation [rad]
+  Vec3 force;         ///< on body B [N]
+  Vec3 torque;        ///< on body B [N m], of the orientation rows
+  bool broken = false;
+};
+
+struct WorldOptions {
+  std::string backend = "cpu";  ///< "cpu", "reference" (double precision), "lockstep", or one named by backends()
+  int threads = 0;              ///< 0: one a core
+  Params params;
+  bool timings = true;          ///< measure stages
+};
+
+/// The whole state of a world, to go on from bit for bit.
+class Snapshot {
+ public:
+  struct Data;
+  std::shared_ptr<const Data> data;
+};
+
+class World {
+ public:
+  /// Throws Error if the scene, the options or the parameters are not valid.
+  explicit World(const Scene& scene, const WorldOptions& options = {});
+  ~World();
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+
+  /// One step of params().dt. Events of the scene are not run here: see rubble::scenes::Runner.
+  StepReport step();
+
+  const Params& params() const;
+  void setParams(const Params& params);
+  Vec3 gravity() const;
+  void setGravity(const Vec3& gravity);
+  std::int64_t stepCount() const;
+  double time() const;  ///< [s]
+
+  // Bodies. Every call with an id that is not alive throws Error.
+  BodyId add(const BodyDef& body);
+  void remove(BodyId id);  ///< with its joints
+  bool alive(BodyId id) const;
+  std::vector<BodyId> bodies() const;  ///< alive ones, by index
+  BodyId find(const std::string& name) const;  ///< throws Error if there is none
+  BodyId bodyAt(int sceneIndex) const;         ///< body of Scene::bodies[sceneIndex]
+  const BodyDef& definition(BodyId id) const;
+  MassProperties massOf(BodyId id) const;
+  BodyState state(BodyId id) const;
+  void setState(BodyId id, const BodyState& state);
+  /// Kinematic bodies: be at this pose after the next step.
+  void setTarget(BodyId id, const Vec3& position, const Quat& orientation);
+  void applyForce(BodyId id, const Vec3& force);                       ///< at the centre, for the next step [N]
+  void applyForceAt(BodyId id, const Vec3& force, const Vec3& point);  ///< [N], world point [m]
+  void applyTorque(BodyId id, const Vec3& torque);                     ///< for the next step [N m]
+  void applyImpulse(BodyId id, const Vec3& impulse);                   ///< at the centre, at once [N s]
+
+  // Joints.
+  /// bodyA and bodyB of the definition are ignored: the ids say which (BodyId{} is the world).
+  JointId addJoint(const JointDef& joint, BodyId a, BodyId b);
+  void remove(JointId id);
+  bool alive(JointId id) const;
+  std::vector<JointId> joints() const;
+  JointId findJoint(const std::string& name) const;
+  JointState state(JointId id) const;
+
+  // Measures.
+  Quality quality() const;
+  std::vector<ContactPoint> contacts() const;
+  /// Bytes of the engine's tables on the device or host.
+  std::size_t memoryBytes() const;
+  /// A hash of the persistent state; equal states have equal hashes.
+  std::uint64_t hash() const;
+
+  Snapshot snapshot() const;
+  void restore(const Snapshot& snapshot);
+
+  /// lockstep only: the first difference found ("" if none).
+  std::string firstDifference() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Backends of this build that can run on this machine.
+std::vector<std::string> backends();
+
+}  // namespace rubble

@@ -1,0 +1,171 @@
+#include "io/chunk_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#if defined(RUBBLE_HAS_ZSTD)
+#include <zstd.h>
+#endif
+
+#include <rubble/error.h>
+
+#include "io/byte_stream.h"
+
+namespace rubble::io {
+namespace {
+
+/// How the content of a chunk is stored.
+enum class Codec : std::uint32_t { None = 0, Zstd = 1 };
+
+/// name, codec, stored size, content size, checksum of what is stored, checksum of these five.
+constexpr std::size_t kHeadSize = 24;
+/// No chunk is larger; a size beyond is a sign of damage.
+constexpr std::uint32_t kLargestContent = 1u << 30;
+
+std::uint32_t crc32(const std::uint8_t* bytes, std::size_t count) {
+  static const std::array<std::uint32_t, 256> table = [] {
+    std::array<std::uint32_t, 256> made{};
+    for (std::uint32_t i = 0; i < 256; ++i) {
+      std::uint32_t value = i;
+      for (int bit = 0; bit < 8; ++bit) value = (value & 1u) ? 0xedb88320u ^ (value >> 1) : value >> 1;
+      made[i] = value;
+    }
+    return made;
+  }();
+  std::uint32_t sum = 0xffffffffu;
+  for (std::size_t i = 0; i < count; ++i) sum = table[(sum ^ bytes[i]) & 255u] ^ (sum >> 8);
+  return ~sum;
+}
+
+#if defined(RUBBLE_HAS_ZSTD)
+/// Fast enough to keep up with a run; higher levels gain little on trajectories.
+constexpr int kLevel = 3;
+
+Codec compress(const Bytes& content, Bytes& stored) {
+  stored.resize(ZSTD_compressBound(content.size()));
+  const std::size_t size = ZSTD_compress(stored.data(), stored.size(), content.data(), content.size(), kLevel);
+  if (ZSTD_isError(size) || size >= content.size()) {
+    stored = content;
+    return Codec::None;
+  }
+  stored.resize(size);
+  return Codec::Zstd;
+}
+
+/// An explanation of what is wrong, or "".
+std::string decompress(const Bytes& stored, Bytes& content) {
+  const std::size_t size = ZSTD_decompress(content.data(), content.size(), stored.data(), stored.size());
+  if (ZSTD_isError(size)) return ZSTD_getErrorName(size);
+  return size == content.size() ? "" : std::to_string(size) + " bytes";
+}
+#else
+Codec compress(const Bytes& content, Bytes& stored) {
+  stored = content;
+  return Codec::None;
+}
+
+std::string decompress(const Bytes&, Bytes&) { return "a compressed chunk, which this build (without zstd) cannot read"; }
+#endif
+
+}  // namespace
+
+ChunkWriter::ChunkWriter(const std::string& file) : file_(file), out_(file, std::ios::binary | std::ios::trunc) {
+  if (!out_) throw Error(file_, "a file that can be written", std::strerror(errno));
+}
+
+void ChunkWriter::check() {
+  if (!out_.flush()) throw Error(file_, "to be written in full", std::strerror(errno));
+}
+
+void ChunkWriter::writeRaw(const Bytes& bytes) {
+  out_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  check();
+  offset_ += bytes.size();
+}
+
+std::uint64_t ChunkWriter::write(std::uint32_t name, const Bytes& content) {
+  if (content.size() > kLargestContent) throw Error(file_, "chunks of at most 1 GiB", std::to_string(content.size()) + " bytes");
+  Bytes stored;
+  const Codec codec = compress(content, stored);
+  ByteWriter head;
+  head.put(name);
+  head.put(static_cast<std::uint32_t>(codec));
+  head.put(static_cast<std::uint32_t>(stored.size()));
+  head.put(static_cast<std::uint32_t>(content.size()));
+  head.put(crc32(stored.data(), stored.size()));
+  head.put(crc32(head.bytes().data(), head.bytes().size()));
+  const std::uint64_t offset = offset_;
+  out_.write(reinterpret_cast<const char*>(head.bytes().data()), static_cast<std::streamsize>(kHeadSize));
+  out_.write(reinterpret_cast<const char*>(stored.data()), static_cast<std::streamsize>(stored.size()));
+  check();
+  offset_ += kHeadSize + stored.size();
+  return offset;
+}
+
+struct ChunkReader::FullHead {
+  std::uint32_t name = 0;
+  Codec codec = Codec::None;
+  std::uint32_t storedSize = 0, contentSize = 0, checksum = 0;
+};
+
+ChunkReader::ChunkReader(const std::string& file) : file_(file), in_(file, std::ios::binary | std::ios::ate) {
+  const std::streamoff end = in_ ? static_cast<std::streamoff>(in_.tellg()) : -1;
+  if (end < 0) throw Error(file_, "a file that can be read", "none");
+  size_ = static_cast<std::uint64_t>(end);
+}
+
+void ChunkReader::fail(std::uint64_t offset, const std::string& expected, const std::string& got) const {
+  throw Error(file_ + " at byte " + std::to_string(offset), expected, got);
+}
+
+Bytes ChunkReader::readRaw(std::uint64_t offset, std::size_t count) {
+  Bytes bytes(offset >= size_ ? 0 : static_cast<std::size_t>(std::min<std::uint64_t>(count, size_ - offset)));
+  in_.clear();
+  in_.seekg(static_cast<std::streamoff>(offset));
+  in_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!in_) fail(offset, std::to_string(bytes.size()) + " bytes", "a read error");
+  return bytes;
+}
+
+std::optional<ChunkReader::FullHead> ChunkReader::fullHead(std::uint64_t offset) {
+  const Bytes bytes = readRaw(offset, kHeadSize);
+  if (bytes.size() < kHeadSize) return std::nullopt;
+  ByteReader in(bytes);
+  FullHead head;
+  head.name = in.get<std::uint32_t>();
+  head.codec = static_cast<Codec>(in.get<std::uint32_t>());
+  head.storedSize = in.get<std::uint32_t>();
+  head.contentSize = in.get<std::uint32_t>();
+  head.checksum = in.get<std::uint32_t>();
+  if (in.get<std::uint32_t>() != crc32(bytes.data(), kHeadSize - 4)) fail(offset, "the head of a chunk", "a wrong checksum");
+  const bool known = head.codec == Codec::Zstd || (head.codec == Codec::None && head.storedSize == head.contentSize);
+  if (!known || head.contentSize > kLargestContent) fail(offset, "a known codec and a size of at most 1 GiB", "another");
+  if (offset + kHeadSize + head.storedSize > size_) return std::nullopt;
+  return head;
+}
+
+std::optional<ChunkReader::Head> ChunkReader::head(std::uint64_t offset) {
+  const auto full = fullHead(offset);
+  if (!full) return std::nullopt;
+  return Head{full->name, offset + kHeadSize + full->storedSize};
+}
+
+std::optional<Chunk> ChunkReader::read(std::uint64_t offset) {
+  const auto head = fullHead(offset);
+  if (!head) return std::nullopt;
+  Bytes stored = readRaw(offset + kHeadSize, head->storedSize);
+  if (crc32(stored.data(), stored.size()) != head->checksum) fail(offset + kHeadSize, "the content of a chunk", "a wrong checksum");
+  Chunk chunk{offset, head->name, {}};
+  if (head->codec == Codec::None) {
+    chunk.content = std::move(stored);
+    return chunk;
+  }
+  chunk.content.resize(head->contentSize);
+  const std::string wrong = decompress(stored, chunk.content);
+  if (!wrong.empty()) fail(offset + kHeadSize, std::to_string(head->contentSize) + " bytes of content", wrong);
+  return chunk;
+}
+
+}  // namespace rubble::io

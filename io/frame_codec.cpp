@@ -1,0 +1,147 @@
+#include "io/frame_codec.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "io/byte_stream.h"
+
+namespace rubble::io {
+namespace {
+
+/// Words of 32 bits a body: position x, y, z and the two halves of the quaternion.
+constexpr std::size_t kWords = 5;
+constexpr int kQuaternionBits = 20;
+constexpr std::uint64_t kQuaternionMask = (1u << kQuaternionBits) - 1;
+constexpr double kLargestOffset = 2147483000;
+
+std::uint32_t zigzag(std::int32_t value) { return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31); }
+std::int32_t unzigzag(std::uint32_t value) { return static_cast<std::int32_t>((value >> 1) ^ (~(value & 1u) + 1u)); }
+
+/// Component of a quaternion: s, x, y, z.
+double component(const Quat& q, int i) { return i == 0 ? q.s : q.v[i - 1]; }
+
+/// Offset in steps of the resolution, or nothing if it does not fit.
+std::optional<std::int32_t> quantize(double offset, double resolution) {
+  const double steps = std::round(offset / resolution);
+  if (!(std::fabs(steps) < kLargestOffset)) return std::nullopt;
+  return static_cast<std::int32_t>(steps);
+}
+
+}  // namespace
+
+std::uint64_t packQuaternion(const Quat& q) {
+  int largest = 0;
+  for (int i = 1; i < 4; ++i)
+    if (std::fabs(component(q, i)) > std::fabs(component(q, largest))) largest = i;
+  const double sign = component(q, largest) < 0 ? -1 : 1;
+  std::uint64_t bits = static_cast<std::uint64_t>(largest);
+  for (int i = 0; i < 4; ++i) {
+    if (i == largest) continue;
+    // The smaller three lie within 1/sqrt 2 of zero, and zero itself is met exactly.
+    const double scaled = sign * component(q, i) * std::numbers::sqrt2 * (kQuaternionMask / 2);
+    const double whole = std::isfinite(scaled) ? std::clamp(std::round(scaled), -double(kQuaternionMask / 2), double(kQuaternionMask / 2)) : 0;
+    bits = bits << kQuaternionBits | static_cast<std::uint64_t>(whole + double(kQuaternionMask / 2));
+  }
+  return bits;
+}
+
+Quat unpackQuaternion(std::uint64_t bits) {
+  const int largest = static_cast<int>(bits >> (3 * kQuaternionBits) & 3u);
+  std::array<double, 4> c{};
+  double rest = 1;
+  int shift = 2 * kQuaternionBits;
+  for (int i = 0; i < 4; ++i) {
+    if (i == largest) continue;
+    const auto whole = static_cast<double>(bits >> shift & kQuaternionMask) - double(kQuaternionMask / 2);
+    c[static_cast<std::size_t>(i)] = whole / (std::numbers::sqrt2 * (kQuaternionMask / 2));
+    rest -= c[static_cast<std::size_t>(i)] * c[static_cast<std::size_t>(i)];
+    shift -= kQuaternionBits;
+  }
+  c[static_cast<std::size_t>(largest)] = std::sqrt(std::max(rest, 0.));
+  return normalize(Quat{c[0], c[1], c[2], c[3]});
+}
+
+bool FrameEncoder::add(const RecordedFrame& frame) {
+  const std::size_t count = frame.poses.size();
+  const bool first = steps_.empty();
+  std::vector<std::uint32_t> words(kWords * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const RecordedPose& pose = frame.poses[i];
+    for (int axis = 0; axis < 3 && !first; ++axis) {
+      const auto steps = quantize(pose.position[axis] - origins_[i][axis], resolution_);
+      if (!steps) return false;
+      words[static_cast<std::size_t>(axis) * count + i] = static_cast<std::uint32_t>(*steps);
+    }
+    const std::uint64_t turn = packQuaternion(pose.orientation);
+    words[3 * count + i] = static_cast<std::uint32_t>(turn);
+    words[4 * count + i] = static_cast<std::uint32_t>(turn >> 32);
+  }
+  if (first) {
+    for (const RecordedPose& pose : frame.poses) origins_.push_back(pose.position);
+    previous_.assign(words.size(), 0);
+  }
+  steps_.push_back(frame.step);
+  times_.push_back(frame.time);
+  const std::size_t begin = planes_.size();
+  planes_.resize(begin + 4 * words.size());
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::uint32_t difference = zigzag(static_cast<std::int32_t>(words[i] - previous_[i]));
+    for (std::size_t byte = 0; byte < 4; ++byte) planes_[begin + byte * words.size() + i] = static_cast<std::uint8_t>(difference >> (8 * byte));
+  }
+  previous_ = std::move(words);
+  return true;
+}
+
+std::vector<std::uint8_t> FrameEncoder::finish() {
+  ByteWriter out;
+  out.put(static_cast<std::uint32_t>(steps_.size()));
+  out.put(static_cast<std::uint32_t>(origins_.size()));
+  for (std::size_t i = 0; i < steps_.size(); ++i) out.put(steps_[i]), out.put(times_[i]);
+  for (const Vec3& origin : origins_)
+    for (int axis = 0; axis < 3; ++axis) out.put(origin[axis]);
+  std::vector<std::uint8_t> content = out.bytes();
+  content.insert(content.end(), planes_.begin(), planes_.end());
+  *this = FrameEncoder(resolution_);
+  return content;
+}
+
+std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content, std::size_t bodyCount, double resolution) {
+  ByteReader in(content);
+  const std::size_t frameCount = in.get<std::uint32_t>();
+  const std::size_t count = in.get<std::uint32_t>();
+  const std::size_t wordCount = kWords * count;
+  if (!in.ok() || count != bodyCount || in.left() != frameCount * 16 + count * 24 + frameCount * wordCount * 4) return std::nullopt;
+
+  std::vector<RecordedFrame> frames(frameCount);
+  for (RecordedFrame& frame : frames) {
+    frame.step = in.get<std::int64_t>();
+    frame.time = in.getDouble();
+    frame.poses.resize(count);
+  }
+  std::vector<Vec3> origins(count);
+  for (Vec3& origin : origins)
+    for (int axis = 0; axis < 3; ++axis) origin[axis] = in.getDouble();
+
+  std::vector<std::uint32_t> words(wordCount, 0);
+  const std::uint8_t* plane = content.data() + (content.size() - in.left());
+  for (RecordedFrame& frame : frames) {
+    for (std::size_t i = 0; i < wordCount; ++i) {
+      std::uint32_t difference = 0;
+      for (std::size_t byte = 0; byte < 4; ++byte) difference |= static_cast<std::uint32_t>(plane[byte * wordCount + i]) << (8 * byte);
+      words[i] += static_cast<std::uint32_t>(unzigzag(difference));
+    }
+    plane += 4 * wordCount;
+    for (std::size_t i = 0; i < count; ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto steps = static_cast<std::int32_t>(words[static_cast<std::size_t>(axis) * count + i]);
+        frame.poses[i].position[axis] = origins[i][axis] + steps * resolution;
+      }
+      frame.poses[i].orientation = unpackQuaternion(words[3 * count + i] | static_cast<std::uint64_t>(words[4 * count + i]) << 32);
+    }
+  }
+  return frames;
+}
+
+}  // namespace rubble::io

@@ -1,0 +1,55 @@
+#pragma once
+/// Pictures of a world, drawn on the CPU: perspective, sun and sky light, a soft shadow, ambient occlusion, four samples a pixel.
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <rubble/scene.h>
+#include <rubble/world.h>
+
+namespace rubble::io {
+
+/// A body as it is drawn.
+struct PictureBody {
+  Shape shape;
+  Vec3 position;         ///< world [m]
+  Quat orientation;      ///< body -> world
+  double speed = 0;      ///< [m/s]
+  std::uint32_t key = 0; ///< picks the colour; stays with the body
+  Motion motion = Motion::Dynamic;
+};
+
+enum class ColorBy { Body, Speed };
+
+struct PictureSettings {
+  int width = 1280, height = 720;
+  Vec3 eye{8, -12, 6}, target{0, 0, 1};  ///< [m]
+  Vec3 up{0, 0, 1};                      ///< any length; need not be square to the view
+  double fieldOfView = .6;               ///< full vertical angle [rad]
+  ColorBy colorBy = ColorBy::Body;
+  double fullSpeed = 0;                  ///< speed drawn in the hottest colour [m/s]; 0: the fastest body
+};
+
+/// Rows from the top, three bytes (red, green, blue; sRGB) a pixel.
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// Draws the bodies. Throws Error for settings that give no picture (no size, eye at target, up along the view).
+Image drawPicture(std::span<const PictureBody> bodies, const PictureSettings& settings);
+
+/// Every body of a world as it is now.
+std::vector<PictureBody> pictureBodies(const World& world);
+/// Every body of a scene as it begins.
+std::vector<PictureBody> pictureBodies(const Scene& scene);
+
+/// Eye, target and up that show all the bodies that are not planes, from the side and a little above. Up is against gravity.
+void frameBodies(std::span<const PictureBody> bodies, const Vec3& gravity, PictureSettings& settings);
+
+/// Throws Error if the file cannot be written.
+void writePng(const Image& image, const std::string& file);
+
+}  // namespace rubble::io

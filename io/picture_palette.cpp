@@ -1,0 +1,84 @@
+#include "io/picture_palette.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+namespace rubble::io::draw {
+namespace {
+
+float toLinear(float srgb) { return srgb <= .04045f ? srgb / 12.92f : std::pow((srgb + .055f) / 1.055f, 2.4f); }
+
+Vec fromHex(std::uint32_t rgb) {
+  const auto channel = [&](int shift) { return toLinear(static_cast<float>((rgb >> shift) & 255u) / 255.f); };
+  return {channel(16), channel(8), channel(0)};
+}
+
+Vec mix(const Vec& a, const Vec& b, float t) { return a + (b - a) * t; }
+
+/// Two ends of each family: bodies of one kind lie between them.
+constexpr std::array<std::array<std::uint32_t, 2>, 6> kFamilies{{
+    {0xb9532f, 0xe2b07e},  // brick
+    {0x1f5673, 0x5fa3b5},  // harbour
+    {0x56703b, 0xb4bf76},  // moss
+    {0x6a4a78, 0xb894b5},  // heather
+    {0xb98a1c, 0xecd07a},  // straw
+    {0x8c2f39, 0xd9797a},  // madder
+}};
+constexpr std::uint32_t kStaticColor = 0xa3a7ab;
+constexpr std::uint32_t kKinematicColor = 0x52616b;
+constexpr std::uint32_t kPlaneColor = 0xcfd2d4;
+
+std::uint32_t quantized(double value) { return std::bit_cast<std::uint32_t>(static_cast<float>(value)) >> 12; }
+
+/// Equal for bodies of one kind and size.
+std::size_t familyOf(const Shape& shape) {
+  if (shape.type == ShapeType::Box) {
+    const std::uint32_t size = quantized(shape.halfExtents.x) ^ hash(quantized(shape.halfExtents.y)) ^ hash(hash(quantized(shape.halfExtents.z)));
+    // Boxes of the usual sizes are bricks; the others are told apart.
+    return hash(size) % 3 == 0 ? 4 : 0;
+  }
+  return shape.type == ShapeType::Sphere ? 1 : 2 + hash(quantized(shape.radius)) % 2;
+}
+
+}  // namespace
+
+std::uint32_t hash(std::uint32_t value) {
+  value ^= value >> 16;
+  value *= 0x7feb352du;
+  value ^= value >> 15;
+  value *= 0x846ca68bu;
+  return value ^ (value >> 16);
+}
+
+Vec bodyColor(const PictureBody& body) {
+  if (body.shape.type == ShapeType::Plane) return fromHex(kPlaneColor);
+  const std::uint32_t bits = hash(body.key + 1);
+  const float shade = .92f + .16f * static_cast<float>((bits >> 8) & 255u) / 255.f;
+  if (body.motion == Motion::Static) return fromHex(kStaticColor) * shade;
+  if (body.motion == Motion::Kinematic) return fromHex(kKinematicColor) * shade;
+  const auto& family = kFamilies[familyOf(body.shape)];
+  const float along = static_cast<float>(bits & 255u) / 255.f;
+  return mix(fromHex(family[0]), fromHex(family[1]), along) * shade;
+}
+
+Vec speedColor(double fraction) {
+  constexpr std::array<std::uint32_t, 6> kStops{0x4a5a72, 0x2f7f93, 0x5fb58b, 0xe9d46a, 0xee8f3c, 0xd6362f};
+  const float at = static_cast<float>(std::clamp(fraction, 0., 1.)) * (kStops.size() - 1);
+  const auto stop = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
+  return mix(fromHex(kStops[stop]), fromHex(kStops[stop + 1]), at - static_cast<float>(stop));
+}
+
+Vec displayed(const Vec& light) {
+  const auto channel = [](float value) {
+    // Straight up to .7, then towards 1 without ever clipping.
+    constexpr float kKnee = .7f;
+    const float x = std::max(value, 0.f);
+    const float rolled = x <= kKnee ? x : kKnee + (1 - kKnee) * (1 - std::exp(-(x - kKnee) / (1 - kKnee)));
+    return rolled <= .0031308f ? 12.92f * rolled : 1.055f * std::pow(rolled, 1 / 2.4f) - .055f;
+  };
+  return {channel(light.x), channel(light.y), channel(light.z)};
+}
+
+}  // namespace rubble::io::draw

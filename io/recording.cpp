@@ -1,0 +1,222 @@
+#include "io/recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "io/byte_stream.h"
+#include "io/frame_codec.h"
+#include "io/recording_format.h"
+
+namespace rubble::io {
+namespace {
+
+/// A chunk of frames ends at this many frames, or bytes before compression.
+constexpr int kFramesInChunk = 32;
+constexpr std::size_t kBytesInChunk = 16u << 20;
+constexpr std::size_t kBytesOfPose = 20;
+
+}  // namespace
+
+bool operator==(const RecordedBody& a, const RecordedBody& b) {
+  return a.id == b.id && a.motion == b.motion && a.name == b.name && a.shape.type == b.shape.type &&
+         a.shape.halfExtents == b.shape.halfExtents && a.shape.radius == b.shape.radius && a.shape.halfLength == b.shape.halfLength;
+}
+
+double recordingResolution(const std::vector<RecordedBody>& bodies) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const RecordedBody& body : bodies) {
+    const Vec3& h = body.shape.halfExtents;
+    if (body.shape.type == ShapeType::Box) smallest = std::min({smallest, h.x, h.y, h.z});
+    if (body.shape.type == ShapeType::Sphere || body.shape.type == ShapeType::Capsule) smallest = std::min(smallest, body.shape.radius);
+  }
+  return std::isfinite(smallest) ? std::ldexp(smallest, -16) : RecordingHeader{}.resolution;
+}
+
+struct RecordingWriter::Impl {
+  ChunkWriter out;
+  FrameEncoder frames;
+  std::vector<RecordedBody> bodies;
+  bool hasBodies = false;
+  std::uint64_t bodyOffset = 0;
+  std::vector<FrameChunk> index;
+  bool finished = false;
+
+  Impl(const std::string& file, const RecordingHeader& header) : out(file), frames(header.resolution) {
+    out.writeRaw(magicBytes());
+    out.write(kHead, encodeHeader(header));
+  }
+
+  void flushFrames() {
+    const int count = frames.frameCount();
+    if (count == 0) return;
+    index.push_back({out.write(kFrames, frames.finish()), bodyOffset, count});
+  }
+
+  void add(const RecordedFrame& frame) {
+    if (frames.add(frame)) return;
+    flushFrames();
+    frames.add(frame);
+  }
+};
+
+RecordingWriter::RecordingWriter(const std::string& file, const RecordingHeader& header) {
+  if (!(header.resolution > 0)) throw Error("recording.resolution", "a length above 0 [m]", std::to_string(header.resolution));
+  impl_ = std::make_unique<Impl>(file, header);
+}
+
+RecordingWriter::~RecordingWriter() {
+  try {
+    finish();
+  } catch (const Error&) {
+    // A destructor has nobody to tell; who needs to know calls finish().
+  }
+}
+
+void RecordingWriter::write(const std::vector<RecordedBody>& bodies, const RecordedFrame& frame) {
+  Impl& s = *impl_;
+  if (s.finished) throw Error("recording", "a recording that is not finished", "one that is");
+  if (bodies.size() != frame.poses.size())
+    throw Error("recording.frame", std::to_string(bodies.size()) + " poses", std::to_string(frame.poses.size()));
+  if (!s.hasBodies || bodies != s.bodies) {
+    s.flushFrames();
+    s.bodies = bodies;
+    s.hasBodies = true;
+    s.bodyOffset = s.out.write(kBody, encodeBodies(bodies));
+  }
+  s.add(frame);
+  const std::size_t bytes = static_cast<std::size_t>(s.frames.frameCount()) * bodies.size() * kBytesOfPose;
+  if (s.frames.frameCount() >= kFramesInChunk || bytes >= kBytesInChunk) s.flushFrames();
+}
+
+void RecordingWriter::finish() {
+  Impl& s = *impl_;
+  if (s.finished) return;
+  s.finished = true;
+  s.flushFrames();
+  ByteWriter footer;
+  footer.put(s.out.write(kIndex, encodeIndex(s.index)));
+  Bytes bytes = footer.bytes();
+  bytes.insert(bytes.end(), kMagic.begin(), kMagic.end());
+  s.out.writeRaw(bytes);
+}
+
+struct RecordingReader::Impl {
+  ChunkReader in;
+  RecordingHeader header;
+  std::vector<FrameChunk> chunks;
+  std::vector<int> firstFrames;  ///< of each chunk
+  int frameCount = 0;
+  bool complete = false;
+  // The chunks that were read last.
+  std::uint64_t framesOffset = 0, bodiesOffset = 0;
+  std::vector<RecordedFrame> frames;
+  std::vector<RecordedBody> bodies;
+
+  explicit Impl(const std::string& file) : in(file) {
+    const std::uint64_t first = readHeader();
+    if (const auto offset = indexOffset()) {
+      readIndex(*offset);
+    } else {
+      walk(first);
+    }
+    for (const FrameChunk& chunk : chunks) {
+      firstFrames.push_back(frameCount);
+      if (chunk.frameCount > std::numeric_limits<int>::max() - frameCount) in.fail(chunk.offset, "fewer than 2^31 frames", "more");
+      frameCount += chunk.frameCount;
+    }
+  }
+
+  Chunk need(std::uint64_t offset, std::uint32_t name, const std::string& what) {
+    std::optional<Chunk> chunk = in.read(offset);
+    if (!chunk) in.fail(offset, what, "the end of the file");
+    if (chunk->name != name) in.fail(offset, what, "another chunk");
+    return std::move(*chunk);
+  }
+
+  /// Returns the offset behind the header.
+  std::uint64_t readHeader() {
+    if (in.readRaw(0, kMagic.size()) != magicBytes()) in.fail(0, "a Rubble trajectory", "another file");
+    const Chunk chunk = need(kMagic.size(), kHead, "the header of a trajectory");
+    std::optional<RecordingHeader> decoded;
+    const std::uint32_t version = decodeHeader(chunk.content, decoded);
+    if (version != kVersion) in.fail(chunk.offset, "version " + std::to_string(kVersion), "version " + std::to_string(version));
+    if (!decoded) in.fail(chunk.offset, "the header of a trajectory", "other content");
+    header = *decoded;
+    return in.head(kMagic.size())->end;
+  }
+
+  /// Where the index is, if the file has its footer.
+  std::optional<std::uint64_t> indexOffset() {
+    if (in.size() < kFooterSize) return std::nullopt;
+    const Bytes footer = in.readRaw(in.size() - kFooterSize, kFooterSize);
+    if (!std::equal(kMagic.begin(), kMagic.end(), footer.begin() + 8)) return std::nullopt;
+    return ByteReader(footer).get<std::uint64_t>();
+  }
+
+  void readIndex(std::uint64_t offset) {
+    const Chunk chunk = need(offset, kIndex, "the index of a trajectory");
+    const auto decoded = decodeIndex(chunk.content);
+    if (!decoded) in.fail(offset, "the index of a trajectory", "other content");
+    chunks = *decoded;
+    complete = true;
+  }
+
+  /// Finds the chunks of a file without an index, up to one that is cut off.
+  void walk(std::uint64_t offset) {
+    std::uint64_t bodyOffset = 0;
+    while (const auto head = in.head(offset)) {
+      if (head->name == kBody) bodyOffset = offset;
+      if (head->name == kFrames) {
+        const Chunk chunk = need(offset, kFrames, "frames");
+        if (bodyOffset == 0) in.fail(offset, "bodies before frames", "frames");
+        const int count = ByteReader(chunk.content).get<std::int32_t>();
+        if (count < 1) in.fail(offset, "at least one frame", std::to_string(count));
+        chunks.push_back({offset, bodyOffset, count});
+      }
+      offset = head->end;
+      // Behind the index comes the footer, and this file has not got a whole one.
+      if (head->name == kIndex && in.size() - offset >= kFooterSize) in.fail(offset, "the footer of a trajectory", "other content");
+    }
+  }
+
+  /// Makes the chunk of a frame the present one; returns the frame's place in it.
+  std::size_t load(int frame) {
+    if (frame < 0 || frame >= frameCount) throw Error("recording.frame", "one of " + std::to_string(frameCount) + " frames", std::to_string(frame));
+    const auto place = static_cast<std::size_t>(std::upper_bound(firstFrames.begin(), firstFrames.end(), frame) - firstFrames.begin()) - 1;
+    const FrameChunk& chunk = chunks[place];
+    if (chunk.bodyOffset != bodiesOffset) {
+      const auto decoded = decodeBodies(need(chunk.bodyOffset, kBody, "the bodies of a trajectory").content);
+      if (!decoded) in.fail(chunk.bodyOffset, "the bodies of a trajectory", "other content");
+      bodies = *decoded;
+      bodiesOffset = chunk.bodyOffset;
+    }
+    if (chunk.offset != framesOffset) {
+      auto decoded = decodeFrames(need(chunk.offset, kFrames, "frames").content, bodies.size(), header.resolution);
+      if (!decoded || static_cast<int>(decoded->size()) != chunk.frameCount) in.fail(chunk.offset, "frames of " + std::to_string(bodies.size()) + " bodies", "other content");
+      frames = std::move(*decoded);
+      framesOffset = chunk.offset;
+    }
+    return static_cast<std::size_t>(frame - firstFrames[place]);
+  }
+};
+
+RecordingReader::RecordingReader(const std::string& file) : impl_(std::make_unique<Impl>(file)) {}
+RecordingReader::~RecordingReader() = default;
+RecordingReader::RecordingReader(RecordingReader&&) noexcept = default;
+RecordingReader& RecordingReader::operator=(RecordingReader&&) noexcept = default;
+
+const RecordingHeader& RecordingReader::header() const { return impl_->header; }
+bool RecordingReader::complete() const { return impl_->complete; }
+int RecordingReader::frameCount() const { return impl_->frameCount; }
+RecordedFrame RecordingReader::frame(int index) {
+  const std::size_t place = impl_->load(index);
+  return impl_->frames[place];
+}
+const std::vector<RecordedBody>& RecordingReader::bodies(int frameIndex) {
+  impl_->load(frameIndex);
+  return impl_->bodies;
+}
+
+}  // namespace rubble::io

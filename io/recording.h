@@ -1,0 +1,91 @@
+#pragma once
+/// Trajectory files: where every body was in every frame, compressed, readable from any frame and after a run that was killed.
+///
+/// A file is a sequence of chunks, each with a checksum: HEAD (what was run), BODY (the bodies of the frames that follow), FRAM (up to 32
+/// frames) and at the end INDX (where the FRAM chunks are) with a footer that points to it. A file without an index is read by walking
+/// over its chunks; a last chunk that is cut off is left out.
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <rubble/scene.h>
+#include <rubble/world.h>
+
+namespace rubble::io {
+
+struct RecordingHeader {
+  std::string scene;         ///< title of the run
+  double dt = 1.0 / 60;      ///< time between two steps [s]
+  Vec3 gravity;              ///< [m/s2]
+  double resolution = 1e-5;  ///< positions are rounded to multiples of this from where a chunk of frames begins [m]
+};
+
+struct RecordedBody {
+  std::string name;
+  Shape shape;
+  Motion motion = Motion::Dynamic;
+  BodyId id;
+
+  friend bool operator==(const RecordedBody& a, const RecordedBody& b);
+};
+
+struct RecordedPose {
+  Vec3 position;     ///< world [m], within half a resolution
+  Quat orientation;  ///< body -> world, within 2e-6
+};
+
+struct RecordedFrame {
+  std::int64_t step = 0;  ///< steps taken before this frame
+  double time = 0;        ///< [s]
+  std::vector<RecordedPose> poses;  ///< in the order of the bodies
+};
+
+/// The bodies and poses of a world as it is now.
+std::vector<RecordedBody> recordedBodies(const World& world);
+RecordedFrame recordedFrame(const World& world);
+/// A resolution that no picture shows: 2^-16 of the smallest dimension of a body [m].
+double recordingResolution(const std::vector<RecordedBody>& bodies);
+
+/// Writes a trajectory frame by frame. What was flushed survives whatever happens to the process.
+class RecordingWriter {
+ public:
+  /// Throws Error if the file cannot be written.
+  RecordingWriter(const std::string& file, const RecordingHeader& header);
+  /// Finishes the file; a failure is silent here, so call finish() where it matters.
+  ~RecordingWriter();
+  RecordingWriter(const RecordingWriter&) = delete;
+  RecordingWriter& operator=(const RecordingWriter&) = delete;
+
+  /// `bodies` and `frame.poses` have one order and size. The body table is written again only when it has changed.
+  void write(const std::vector<RecordedBody>& bodies, const RecordedFrame& frame);
+  /// Writes the last frames and the index. Throws Error if anything could not be written.
+  void finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Reads a trajectory. Every call throws Error, with the file and the byte, on data that are not what was written.
+class RecordingReader {
+ public:
+  explicit RecordingReader(const std::string& file);
+  ~RecordingReader();
+  RecordingReader(RecordingReader&&) noexcept;
+  RecordingReader& operator=(RecordingReader&&) noexcept;
+
+  const RecordingHeader& header() const;
+  /// False if the writer did not come to its end: the frames are those that had been written by then.
+  bool complete() const;
+  int frameCount() const;
+  RecordedFrame frame(int index);
+  const std::vector<RecordedBody>& bodies(int frameIndex);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rubble::io

@@ -1,0 +1,91 @@
+#include "io/report_json.h"
+
+#include <cmath>
+
+#include "io/json_text.h"
+
+namespace rubble::io {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
+Json settledJson(const std::optional<PhaseTimes>& phase) {
+  if (!phase) return nullptr;
+  return {{"mean", number(phase->mean)}, {"median", number(phase->median)}, {"p95", number(phase->p95)}};
+}
+
+Json smashJson(const std::optional<PhaseTimes>& phase) {
+  if (!phase) return nullptr;
+  return {{"mean", number(phase->mean)}, {"max", number(phase->max)}, {"p95", number(phase->p95)}};
+}
+
+Json penetrationJson(const std::optional<Distribution>& depth) {
+  if (!depth) return nullptr;
+  return {{"mean", number(depth->mean)}, {"p99", number(depth->p99)}, {"max", number(depth->max)}};
+}
+
+Json jointGapJson(const RunRecord& record) {
+  if (!record.jointGapMean) return nullptr;
+  return {{"mean", number(record.jointGapMean)}, {"max", number(record.jointGapMax)}};
+}
+
+Json verdictJson(const RunRecord& record) {
+  Json claims = Json::array();
+  for (const ClaimRecord& claim : record.claims) {
+    claims.push_back({{"metric", claim.metric},
+                      {"min", number(claim.min)},
+                      {"max", number(claim.max)},
+                      {"value", number(claim.value)},
+                      {"holds", claim.holds},
+                      {"why", claim.why}});
+  }
+  Json metrics = Json::object();
+  for (const auto& [name, value] : record.metrics) metrics[name] = number(value);
+  return {{"holds", record.holds}, {"claims", std::move(claims)}, {"metrics", std::move(metrics)}};
+}
+
+Json recordJson(const RunRecord& record) {
+  Json stages = Json::object();
+  for (const auto& [name, ms] : record.stages) stages[name] = number(ms);
+  return {{"scene", record.scene},
+          {"backend", record.backend},
+          {"device", record.device},
+          {"threads", record.threads},
+          {"commit", record.commit},
+          {"bodies", record.bodies},
+          {"manifolds", record.manifolds},
+          {"contacts", record.contacts},
+          {"colors", record.colors},
+          {"clashes", record.clashes},
+          {"iterations", record.iterations},
+          {"dt", number(record.dt)},
+          {"settled_ms", settledJson(record.settled)},
+          {"smash_ms", smashJson(record.smash)},
+          {"stages_ms", std::move(stages)},
+          {"solve_ms", number(record.solveMs)},
+          {"collision_ms", number(record.collisionMs)},
+          {"total_ms", number(record.totalMs)},
+          {"top_drop_m", number(record.topDrop)},
+          {"penetration_m", penetrationJson(record.penetration)},
+          {"joint_gap_m", jointGapJson(record)},
+          {"energy_j", number(record.energy)},
+          {"rss_mb", number(record.rssMb)},
+          {"verdict", verdictJson(record)},
+          {"machine", record.machine},
+          {"date", record.date}};
+}
+
+}  // namespace
+
+std::string toJson(const RunRecord& record) { return prettyJson(recordJson(record)); }
+
+std::string toJson(std::span<const RunRecord> records) {
+  Json list = Json::array();
+  for (const RunRecord& record : records) list.push_back(recordJson(record));
+  return prettyJson(list);
+}
+
+}  // namespace rubble::io

@@ -1,0 +1,279 @@
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "io/body_reader.h"
+
+namespace rubble::io {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+class SceneReader {
+ public:
+  explicit SceneReader(std::vector<Fault>& faults) : faults_(faults) {}
+  SceneFile read(const Json& json);
+
+ private:
+  JointDef joint(const Node& node, const Scene& scene);
+  void readAnchors(ObjectReader& object, JointDef& joint, const Scene& scene);
+  void readJointRotation(ObjectReader& object, JointDef& joint, const Scene& scene);
+  int bodyIndex(const Node& node, const Scene& scene);
+  Event event(const Node& node, const Scene& scene);
+  void checkRemoval(const Node& node, const std::string& pattern, const Scene& scene);
+  FileClaim claim(const Node& node);
+  FileCamera camera(const Node& node);
+  void limit(ObjectReader& object, const std::string& key, double& out, const char* word, const std::string& unit);
+  std::vector<std::string> bodyNames() const;
+
+  std::vector<Fault>& faults_;
+  BodyReader bodyReader_;
+  std::map<std::string, int> bodies_;  ///< index in the scene by name; -1 for a body that an event adds
+  std::set<std::string> joints_;
+};
+
+std::vector<std::string> SceneReader::bodyNames() const {
+  std::vector<std::string> names;
+  for (const auto& entry : bodies_) names.push_back(entry.first);
+  return names;
+}
+
+int SceneReader::bodyIndex(const Node& node, const Scene& scene) {
+  if (node.value().is_number_integer()) {
+    const auto index = node.whole(0, "the index of a body, from 0");
+    if (index && *index < static_cast<int>(scene.bodies.size())) return *index;
+    if (index) node.fault("the index of one of " + std::to_string(scene.bodies.size()) + " bodies");
+    return kWorld;
+  }
+  const auto name = node.text();
+  if (!name || *name == "world") return kWorld;
+  const auto found = bodies_.find(*name);
+  if (found != bodies_.end() && found->second >= 0) return found->second;
+  node.faultText("expected the name or index of a body, or \"world\", got " + describe(node.value()) + hint(*name, bodyNames()));
+  return kWorld;
+}
+
+/// "hard" or "never" is infinite; else a number above 0.
+void SceneReader::limit(ObjectReader& object, const std::string& key, double& out, const char* word, const std::string& unit) {
+  const auto node = object.get(key);
+  if (!node) return;
+  const std::string text = "a number above 0 [" + unit + "], or \"" + word + "\"";
+  if (node->value().is_string() && node->value().get<std::string>() == word) {
+    out = std::numeric_limits<double>::infinity();
+  } else {
+    out = node->number({0, false, kInfinity, text.c_str()}).value_or(out);
+  }
+}
+
+struct Pose {
+  Vec3 position;
+  Quat orientation;
+};
+
+Pose poseOf(const Scene& scene, int index) {
+  if (index == kWorld) return {};
+  const BodyDef& body = scene.bodies[static_cast<std::size_t>(index)];
+  return {body.position, body.orientation};
+}
+
+void SceneReader::readAnchors(ObjectReader& object, JointDef& joint, const Scene& scene) {
+  const auto anchor = object.get("anchor");
+  object.read("anchor_a", joint.anchorA);
+  object.read("anchor_b", joint.anchorB);
+  const bool own = object.get("anchor_a") || object.get("anchor_b");
+  if (anchor && own) anchor->faultText("expected either \"anchor\" (a point of the world) or \"anchor_a\" and \"anchor_b\", got both");
+  if (!anchor && !own) object.node().faultText("expected \"anchor\", a point of the world [m], or \"anchor_a\" and \"anchor_b\", got none");
+  if (!anchor || own) return;
+  const Vec3 point = anchor->vector().value_or(Vec3{});
+  const Pose a = poseOf(scene, joint.bodyA), b = poseOf(scene, joint.bodyB);
+  joint.anchorA = rotateInverse(a.orientation, point - a.position);
+  joint.anchorB = rotateInverse(b.orientation, point - b.position);
+}
+
+void SceneReader::readJointRotation(ObjectReader& object, JointDef& joint, const Scene& scene) {
+  const auto given = object.get("orientation_a_to_b");
+  const bool fixed = joint.type == JointType::Fixed;
+  if (given) {
+    joint.orientationAtoB = readOrientation(*given);
+    if (!fixed) given->faultText("expected only for a joint of type \"fixed\", got one for another");
+  } else if (fixed) {
+    joint.orientationAtoB = normalize(conjugate(poseOf(scene, joint.bodyB).orientation) * poseOf(scene, joint.bodyA).orientation);
+  }
+  limit(object, "angular_stiffness", joint.angularStiffness, "hard", "N m/rad");
+  limit(object, "break_torque", joint.breakTorque, "never", "N m");
+}
+
+JointDef SceneReader::joint(const Node& node, const Scene& scene) {
+  JointDef out;
+  ObjectReader object(node, "a joint");
+  if (!object.isObject()) return out;
+  object.read("name", out.name);
+  if (const auto found = object.need("type", "\"ball\" or \"fixed\"")) out.type = static_cast<JointType>(found->choice({"ball", "fixed"}).value_or(0));
+  const auto a = object.need("body_a", "the name or index of a body, or \"world\"");
+  const auto b = object.need("body_b", "the name or index of a body, or \"world\"");
+  const std::size_t before = faults_.size();
+  if (a) out.bodyA = bodyIndex(*a, scene);
+  if (b) out.bodyB = bodyIndex(*b, scene);
+  if (a && b && faults_.size() == before && out.bodyA == out.bodyB) node.faultText("expected two different bodies, got one twice");
+  readAnchors(object, out, scene);
+  readJointRotation(object, out, scene);
+  limit(object, "stiffness", out.stiffness, "hard", "N/m");
+  limit(object, "break_force", out.breakForce, "never", "N");
+  object.read("collide", out.collide);
+  object.finish();
+  if (!out.name.empty() && !joints_.insert(out.name).second) node.child("name").faultText("expected a name of its own, got " + describe(out.name) + " again");
+  return out;
+}
+
+void SceneReader::checkRemoval(const Node& node, const std::string& pattern, const Scene&) {
+  const bool prefix = !pattern.empty() && pattern.back() == '*';
+  const std::string stem = prefix ? pattern.substr(0, pattern.size() - 1) : pattern;
+  const bool known = prefix ? std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& entry) { return entry.first.starts_with(stem); })
+                            : bodies_.contains(pattern);
+  if (!known) node.faultText("expected the name of a body, or the beginning of one and '*', got " + describe(node.value()) + hint(stem, bodyNames()));
+}
+
+Event SceneReader::event(const Node& node, const Scene& scene) {
+  Event out;
+  ObjectReader object(node, "an event");
+  if (!object.isObject()) return out;
+  if (const auto found = object.need("step", "the step that it comes before")) out.step = found->whole(0, "a whole number of at least 0").value_or(0);
+  if (const auto found = object.get("add")) {
+    for (const Node& element : found->elements("a list of bodies")) {
+      out.add.push_back(bodyReader_.body(element));
+      if (!out.add.back().name.empty()) bodies_.emplace(out.add.back().name, -1);
+    }
+  }
+  if (const auto found = object.get("remove")) {
+    for (const Node& element : found->elements("a list of names")) {
+      const auto pattern = element.text();
+      if (!pattern) continue;
+      checkRemoval(element, *pattern, scene);
+      out.remove.push_back(*pattern);
+    }
+  }
+  if (const auto found = object.get("remove_joints")) {
+    for (const Node& element : found->elements("a list of names")) {
+      const auto name = element.text();
+      if (!name) continue;
+      if (!joints_.contains(*name))
+        element.faultText("expected the name of a joint, got " + describe(element.value()) + hint(*name, {joints_.begin(), joints_.end()}));
+      out.removeJoints.push_back(*name);
+    }
+  }
+  if (const auto found = object.get("set_velocity")) {
+    for (const Node& element : found->elements("a list")) {
+      Event::Push push;
+      ObjectReader reader(element, "an object with a body and its new velocity");
+      if (const auto name = reader.need("body", "the name of a body")) {
+        push.body = name->text().value_or("");
+        if (!push.body.empty() && !bodies_.contains(push.body))
+          name->faultText("expected the name of a body, got " + describe(name->value()) + hint(push.body, bodyNames()));
+      }
+      reader.read("velocity", push.velocity);
+      reader.read("angular_velocity", push.angularVelocity);
+      reader.finish();
+      out.setVelocity.push_back(push);
+    }
+  }
+  object.finish();
+  return out;
+}
+
+FileClaim SceneReader::claim(const Node& node) {
+  FileClaim out;
+  ObjectReader object(node, "a claim, such as {\"metric\": \"max_speed_m_s\", \"max\": 0.01}");
+  if (!object.isObject()) return out;
+  if (const auto found = object.need("metric", "the name of what is measured")) out.metric = found->text().value_or("");
+  object.read("min", out.min);
+  object.read("max", out.max);
+  object.read("why", out.why);
+  if (!object.get("min") && !object.get("max")) node.faultText("expected \"min\", \"max\" or both, got neither");
+  if (out.min > out.max) node.faultText("expected min of at most max, got " + Json(out.min).dump() + " above " + Json(out.max).dump());
+  object.finish();
+  return out;
+}
+
+FileCamera SceneReader::camera(const Node& node) {
+  FileCamera out;
+  ObjectReader object(node, "a camera");
+  if (const auto found = object.need("eye", "a point [m]")) out.eye = found->vector().value_or(out.eye);
+  if (const auto found = object.need("target", "a point [m]")) out.target = found->vector().value_or(out.target);
+  if (out.eye == out.target) node.faultText("expected an eye away from the target, got one point");
+  object.finish();
+  return out;
+}
+
+SceneFile SceneReader::read(const Json& json) {
+  SceneFile out;
+  Scene& scene = out.scene;
+  ObjectReader object(Node(json, "", faults_), "a scene");
+  if (!object.isObject()) return out;
+  object.read("name", scene.name);
+  object.read("description", scene.description);
+  object.read("gravity", scene.gravity);
+  if (const auto found = object.get("steps")) out.steps = found->whole(1, "a whole number above 0").value_or(out.steps);
+  if (const auto found = object.get("iterations")) out.iterations = found->whole(1, "a whole number above 0").value_or(out.iterations);
+  if (const auto found = object.get("smash_step")) out.smashStep = found->whole(0, "a whole number of at least 0").value_or(out.smashStep);
+  object.read("dt", out.dt, {0, false, kInfinity, "a time above 0 [s]"});
+  if (const auto found = object.get("materials")) bodyReader_.readMaterials(*found);
+  if (const auto found = object.need("bodies", "a list of bodies")) {
+    for (const Node& element : found->elements("a list of bodies")) {
+      scene.bodies.push_back(bodyReader_.body(element));
+      const BodyDef& added = scene.bodies.back();
+      const int index = static_cast<int>(scene.bodies.size()) - 1;
+      if (!added.name.empty() && !bodies_.emplace(added.name, index).second)
+        element.child("name").faultText("expected a name of its own, got " + describe(added.name) + " again");
+    }
+  }
+  if (const auto found = object.get("joints"))
+    for (const Node& element : found->elements("a list of joints")) scene.joints.push_back(joint(element, scene));
+  if (const auto found = object.get("events"))
+    for (const Node& element : found->elements("a list of events")) scene.events.push_back(event(element, scene));
+  if (const auto found = object.get("camera")) out.camera = camera(*found);
+  if (const auto found = object.get("verdict"))
+    for (const Node& element : found->elements("a list of claims")) out.claims.push_back(claim(element));
+  object.finish();
+  return out;
+}
+
+}  // namespace
+
+SceneFile parseScene(const std::string& text, std::vector<Fault>& faults) {
+  const std::size_t before = faults.size();
+  const std::optional<Json> json = parseJson(text, faults);
+  if (!json) return {};
+  SceneFile file = SceneReader(faults).read(*json);
+  if (faults.size() == before) {
+    // What the engine itself asks for beyond this reader.
+    try {
+      validate(file.scene);
+    } catch (const Error& error) {
+      faults.push_back({"", 0, 0, error.what()});
+    }
+  }
+  return file;
+}
+
+std::string faultText(const std::string& file, const std::vector<Fault>& faults) {
+  // More would only bury the first.
+  constexpr std::size_t kShown = 50;
+  std::string message = file + ": " + std::to_string(faults.size()) + (faults.size() == 1 ? " fault" : " faults");
+  for (std::size_t i = 0; i < std::min(faults.size(), kShown); ++i) message += "\n  " + faults[i].text();
+  if (faults.size() > kShown) message += "\n  and " + std::to_string(faults.size() - kShown) + " more";
+  return message;
+}
+
+SceneFile readScene(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (!in || !(text << in.rdbuf())) throw Error(file, "a file that can be read", "none");
+  std::vector<Fault> faults;
+  SceneFile scene = parseScene(text.str(), faults);
+  if (!faults.empty()) throw Error(faultText(file, faults));
+  return scene;
+}
+
+}  // namespace rubble::io

@@ -1,0 +1,20 @@
+#pragma once
+/// The scene families that the registry is made of, one function a file.
+#include <vector>
+
+#include "registry.h"
+
+namespace rubble::scenes {
+
+std::vector<Spec> basicSpecs();      ///< closed forms: fall, projectile, pendulum, spin, impact
+std::vector<Spec> pileSpecs();       ///< bonded blocks of bricks, 40 levels
+std::vector<Spec> wallSpecs();       ///< running-bond walls, the ring wall, gables
+std::vector<Spec> pyramidSpecs();    ///< pyramids of unit cubes
+std::vector<Spec> towerSpecs();      ///< columns: equal cubes, heavy on light, growing cubes
+std::vector<Spec> chainSpecs();      ///< hanging and swinging chains with a heavy end
+std::vector<Spec> ropeSpecs();       ///< ropes of bricks, a bridge, a joint grid
+std::vector<Spec> frictionSpecs();   ///< sliding and rolling
+std::vector<Spec> structureSpecs();  ///< card tower, dominoes, arch, breakable beam
+std::vector<Spec> removalSpecs();    ///< stacks whose support goes
+
+}  // namespace rubble::scenes

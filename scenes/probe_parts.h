@@ -1,0 +1,47 @@
+#pragma once
+/// Parts that probes are made of; for the probe files only.
+#include <vector>
+
+#include "registry.h"
+
+namespace rubble::scenes {
+
+/// Has the world come to that time? Half a step early counts, because times are sums of steps.
+inline bool reached(const World& world, double seconds) { return world.time() > seconds - .5 * world.params().dt; }
+
+/// Bodies of the scene, with where they started.
+struct Watched {
+  int sceneIndex = -1;
+  BodyId id;
+  Vec3 start;           ///< position at the start of the run [m]
+  double halfEdge = 0;  ///< half the smallest edge, or the radius [m]
+};
+/// `start` and `id` are filled in by begin().
+std::vector<Watched> watch(const Scene& scene, const std::vector<int>& sceneIndices);
+void begin(std::vector<Watched>& bodies, const World& world);
+
+/// Largest height of a shape over its centre, along `up` [m].
+double reach(const Shape& shape, const Quat& orientation, const Vec3& up);
+/// Height of the surface of the body "ground" along up; without one, -infinity.
+double groundHeight(const Scene& scene);
+
+/// Measures once: at a time, or (unless it `waits`) at the end of a run that is shorter.
+class MomentProbe : public Probe {
+ public:
+  explicit MomentProbe(double at, bool waits = false) : at_(at), waits_(waits) {}
+  void afterStep(const World& world, const StepReport& report) override;
+  void finish(const World& world, Metrics& metrics) final;
+
+ protected:
+  virtual void measure(const World& world, Metrics& metrics) = 0;
+  /// What is known of the whole run.
+  virtual void conclude(Metrics& metrics) const { (void)metrics; }
+
+ private:
+  double at_;
+  bool waits_;
+  bool done_ = false;
+  Metrics metrics_;
+};
+
+}  // namespace rubble::scenes

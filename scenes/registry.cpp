@@ -1,0 +1,128 @@
+#include "registry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "build.h"
+#include "families.h"
+#include "probes.h"
+
+namespace rubble::scenes {
+namespace {
+
+std::string text(double number) {
+  std::ostringstream out;
+  out << number;
+  return out.str();
+}
+
+/// Number of insertions, deletions and replacements that turn `a` into `b`.
+std::size_t editDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0u : 1u)});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+/// "one of a, b, c" of those names that are like `name`; all of them if none is.
+std::string nearNames(const std::string& name, const std::vector<std::string>& names) {
+  const std::size_t tolerance = std::max<std::size_t>(2, name.size() / 3);
+  std::string near;
+  for (const bool all : {false, true}) {
+    for (const std::string& candidate : names) {
+      const bool alike = candidate.find(name) != std::string::npos || editDistance(name, candidate) <= tolerance;
+      if (all || alike) near += (near.empty() ? "" : ", ") + candidate;
+    }
+    if (!near.empty()) break;
+  }
+  return near.empty() ? "no name at all" : "one of " + near;
+}
+
+std::vector<Spec> makeRegistry() {
+  std::vector<Spec> all;
+  for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &chainSpecs, &ropeSpecs, &frictionSpecs,
+                       &structureSpecs, &basicSpecs})
+    for (Spec& spec : family()) all.push_back(std::move(spec));
+  return all;
+}
+
+}  // namespace
+
+Verdict judge(const std::vector<Claim>& claims, const Metrics& metrics) {
+  Verdict verdict;
+  for (const Claim& claim : claims) {
+    ClaimResult result{claim, std::numeric_limits<double>::quiet_NaN(), false};
+    if (const auto found = metrics.find(claim.metric); found != metrics.end()) {
+      result.value = found->second;
+      result.holds = std::isfinite(result.value) && result.value >= claim.min && result.value <= claim.max;
+    }
+    verdict.holds = verdict.holds && result.holds;
+    verdict.results.push_back(std::move(result));
+  }
+  return verdict;
+}
+
+const std::vector<Spec>& registry() {
+  static const std::vector<Spec> specs = makeRegistry();
+  return specs;
+}
+
+const Spec& find(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Spec& spec : registry()) {
+    if (spec.name == name) return spec;
+    names.push_back(spec.name);
+  }
+  throw Error("scene", nearNames(name, names), "\"" + name + "\"");
+}
+
+Arguments resolve(const Spec& spec, const Arguments& overrides) {
+  Arguments resolved;
+  std::vector<std::string> names;
+  for (const Argument& argument : spec.arguments) {
+    resolved[argument.name] = argument.value;
+    names.push_back(argument.name);
+  }
+  for (const auto& [name, number] : overrides) {
+    const auto found =
+        std::find_if(spec.arguments.begin(), spec.arguments.end(), [&, key = name](const Argument& a) { return a.name == key; });
+    if (found == spec.arguments.end()) throw Error(spec.name + ", argument", nearNames(name, names), "\"" + name + "\"");
+    const std::string range = "[" + text(found->min) + ", " + text(found->max) + "]";
+    if (!(number >= found->min && number <= found->max))
+      throw Error(spec.name + ", argument " + name, "a number in " + range, text(number));
+    if (found->whole && number != std::floor(number))
+      throw Error(spec.name + ", argument " + name, "a whole number in " + range, text(number));
+    resolved[name] = number;
+  }
+  return resolved;
+}
+
+Job prepare(const Spec& spec, const Arguments& arguments) {
+  const Arguments resolved = resolve(spec, arguments);
+  Job job;
+  job.scene = spec.build(resolved);
+  job.scene.name = spec.name;
+  job.scene.description = spec.doc;
+  job.claims = spec.claims(resolved);
+  job.camera = spec.camera(resolved, job.scene);
+  job.steps = spec.steps;
+  job.iterations = spec.iterations;
+  // Arguments may leave the smash out.
+  const bool smashes =
+      std::any_of(job.scene.events.begin(), job.scene.events.end(), [&](const Event& e) { return e.step == spec.smashStep; });
+  job.smashStep = smashes ? spec.smashStep : -1;
+  job.probes = spec.probes(resolved, job.scene);
+  job.probes.push_back(qualityProbe(smashes ? spec.smashStep * job.dt : kNoBound));
+  return job;
+}
+
+}  // namespace rubble::scenes

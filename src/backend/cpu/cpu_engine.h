@@ -1,0 +1,48 @@
+#pragma once
+/// An engine whose tables lie in host memory.
+#include "backend/cpu/cpu_executor.h"
+#include "backend/cpu/table_edit.h"
+#include "solver/settings.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Fills the counts of a report.
+void reportCounters(const View& s, StepReport& report);
+
+/// Sets counters and constants for the next step.
+void beginStep(View& s, const EngineSettings& settings, double previousDt);
+
+class CpuEngine final : public Engine {
+ public:
+  explicit CpuEngine(int threads) : executor_(threads) {}
+
+  void configure(const EngineSettings& settings) override { settings_ = settings; }
+  void setBodyCount(int slots) override { RUBBLE_CORE::setBodyCount(tables(), slots); }
+  void setBody(int slot, const EngineBody& body) override { RUBBLE_CORE::setBody(tables(), slot, body); }
+  void forgetContacts(int slot) override { RUBBLE_CORE::forgetContacts(tables(), slot); }
+  void setPlanes(const std::vector<int>& slots) override { RUBBLE_CORE::setPlanes(tables(), slots); }
+  void setJointCount(int type, int slots) override { RUBBLE_CORE::setJointCount(tables(), type, slots); }
+  void setJoint(int slot, const EngineJoint& joint) override { RUBBLE_CORE::setJoint(tables(), slot, joint); }
+  void setExclusions(const std::vector<std::pair<int, int>>& pairs) override { RUBBLE_CORE::setExclusions(tables(), pairs); }
+  BodyState state(int slot) const override { return bodyState(tables(), slot); }
+  void setState(int slot, const BodyState& state) override { setBodyState(tables(), slot, state); }
+  void addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) override;
+  void step(StepReport& report) override;
+  Quality quality() const override { return qualityOf(tables()); }
+  std::vector<EngineContact> contacts() const override { return contactsOf(tables()); }
+  JointState jointState(int type, int slot) const override { return jointStateOf(tables(), type, slot); }
+  std::size_t memoryBytes() const override { return tables().bytes(); }
+  std::uint64_t hash() const override { return hashBytes(save()); }
+  std::vector<std::byte> save() const override;
+  void load(std::span<const std::byte> data) override;
+
+ private:
+  HostTables& tables() { return executor_.tables(); }
+  const HostTables& tables() const { return executor_.tables(); }
+
+  CpuExecutor executor_;
+  EngineSettings settings_;
+  double previousDt_ = 0;
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,130 @@
+#pragma once
+/// The step on oneTBB. Kernels write only what belongs to their index, so results do not depend on the number of threads.
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <rubble/report.h>
+
+#include "backend/cpu/host_memory.h"
+#include "stages/step.h"
+#include "state/tables.h"
+
+namespace rubble::RUBBLE_CORE {
+
+class CpuExecutor {
+ public:
+  using Lane = Real4;
+  /// A proper colouring is found in a few rounds (each settles the clashing body of highest rank at least); this is a guard.
+  static constexpr int kMaxRounds = 10000;
+
+  explicit CpuExecutor(int threads) : arena_(threads > 0 ? threads : tbb::task_arena::automatic) {}
+
+  Tables<HostMemory>& tables() { return tables_; }
+  const Tables<HostMemory>& tables() const { return tables_; }
+  View& view() { return tables_.view(); }
+  const View& view() const { return tables_.view(); }
+
+  /// Runs f() with the threads of this executor.
+  template <class F>
+  void run(F&& f) { arena_.execute(f); }
+
+  template <class Kernel>
+  void forEach(const Kernel& kernel, int n) {
+    const StageClock clock(*this, Kernel::kName);
+    const View& s = view();
+    forRange(n, [&](int i) { kernel(s, i); });
+  }
+  template <class Kernel>
+  void forEach(const Kernel& kernel, int Counters::*n) { forEach(kernel, view().counters->*n); }
+
+  void clear(int* View::*array, int n) { std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n)); }
+  void clear(int* View::*array, int Counters::*n) { clear(array, view().counters->*n); }
+
+  void scan(int* View::*counts, int* View::*offsets, int n, int Counters::*total = nullptr) {
+    int sum = 0;
+    const int* const in = view().*counts;
+    int* const out = view().*offsets;
+    for (int i = 0; i < n; ++i) {
+      out[i] = sum;
+      sum += in[i];
+    }
+    out[n] = sum;
+    if (total) view().counters->*total = sum;
+  }
+  void scan(int* View::*counts, int* View::*offsets, int Counters::*n, int Counters::*total = nullptr) {
+    scan(counts, offsets, view().counters->*n, total);
+  }
+
+  void require(Per per, int Counters::*count) { tables_.reserve(per, view().counters->*count); }
+
+  template <class Round>
+  void untilZero(int Counters::*counter, Round&& round) {
+    int rounds = 0;
+    do {
+      view().counters->*counter = 0;
+      round();
+    } while (view().counters->*counter != 0 && ++rounds < kMaxRounds);
+    view().counters->rounds = rounds;
+  }
+
+  template <class Kernel>
+  void forEachColor(const Kernel& kernel) {
+    const StageClock clock(*this, Kernel::kName);
+    const View& s = view();
+    for (int c = 0; c < s.counters->colors; ++c) {
+      const int begin = s.colorOffset[c];
+      forRange(s.colorOffset[c + 1] - begin, [&](int k) { kernel(s, s.colorBody[begin + k]); });
+    }
+  }
+
+  void keepManifolds() { tables_.keepManifolds(); }
+
+  /// Time of each stage since the last call [ms].
+  std::vector<StageTime> takeTimes() { return std::exchange(times_, {}); }
+
+ private:
+  /// Adds the time of its life to a stage.
+  class StageClock {
+   public:
+    StageClock(CpuExecutor& executor, const char* name) : executor_(executor), name_(name), begin_(Clock::now()) {}
+    ~StageClock() {
+      const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begin_).count();
+      for (StageTime& t : executor_.times_)
+        if (t.name == name_) {
+          t.ms += ms;
+          return;
+        }
+      executor_.times_.push_back({name_, ms});
+    }
+
+   private:
+    using Clock = std::chrono::steady_clock;
+    CpuExecutor& executor_;
+    const char* name_;
+    Clock::time_point begin_;
+  };
+
+  template <class F>
+  void forRange(int n, F&& f) {
+    // below this there is too little work to share
+    constexpr int kGrain = 128;
+    if (n <= kGrain || arena_.max_concurrency() == 1) {
+      for (int i = 0; i < n; ++i) f(i);
+      return;
+    }
+    const auto body = [&](const tbb::blocked_range<int>& range) {
+      for (int i = range.begin(); i < range.end(); ++i) f(i);
+    };
+    tbb::parallel_for(tbb::blocked_range<int>(0, n, kGrain), body, tbb::static_partitioner{});
+  }
+
+  Tables<HostMemory> tables_;
+  tbb::task_arena arena_;
+  std::vector<StageTime> times_;
+};
+
+}  // namespace rubble::RUBBLE_CORE

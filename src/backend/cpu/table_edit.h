@@ -1,0 +1,33 @@
+#pragma once
+/// Edits and measures of tables in host memory.
+#include <vector>
+
+#include "backend/cpu/host_memory.h"
+#include "backend/engine.h"
+#include "state/tables.h"
+
+namespace rubble::RUBBLE_CORE {
+
+using HostTables = Tables<HostMemory>;
+
+void setBodyCount(HostTables& tables, int slots);
+void setBody(HostTables& tables, int slot, const EngineBody& body);
+void forgetContacts(HostTables& tables, int slot);
+void setPlanes(HostTables& tables, const std::vector<int>& slots);
+void setJointCount(HostTables& tables, int type, int slots);
+void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
+void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs);
+BodyState bodyState(const HostTables& tables, int slot);
+void setBodyState(HostTables& tables, int slot, const BodyState& state);
+
+/// The contacts of the last step at the present poses.
+std::vector<EngineContact> contactsOf(const HostTables& tables);
+JointState jointStateOf(const HostTables& tables, int type, int slot);
+Quality qualityOf(const HostTables& tables);
+
+/// Everything that lasts from step to step, as bytes; equal states give equal bytes.
+std::vector<std::byte> saveTables(const HostTables& tables);
+void loadTables(HostTables& tables, std::span<const std::byte> data);
+std::uint64_t hashBytes(std::span<const std::byte> data);
+
+}  // namespace rubble::RUBBLE_CORE

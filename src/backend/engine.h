@@ -1,0 +1,87 @@
+#pragma once
+/// What a World asks of a backend, free of the precision that the backend works in.
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <rubble/world.h>
+
+namespace rubble {
+
+/// A body as authored, with its state. `kind`: 0 removed, 1 static, 2 kinematic, 3 dynamic.
+struct EngineBody {
+  int kind = 0;
+  Shape shape;
+  Material material;
+  MassProperties mass;
+  double gravityScale = 1;
+  BodyState state;
+};
+
+/// A joint between body slots (kWorld: none). `type`: position in the list of joint types.
+struct EngineJoint {
+  int type = 0;
+  int a = kWorld, b = kWorld;
+  bool alive = false;
+  Vec3 anchorA, anchorB;
+  Quat aToB;
+  double compliance[2] = {0, 0};                       ///< linear [m/N], angular [rad/(N m)]
+  double bound[2] = {kUnbreakable, kUnbreakable};      ///< [N], [N m]
+};
+
+struct EngineContact {
+  int a, b;
+  Vec3 position, normal, force;
+  double depth;
+};
+
+struct EngineSettings {
+  Params params;
+  Vec3 gravity;
+  double maxMassLength = 0;  ///< mass times bounding diameter of the heaviest dynamic body [kg m]
+  double typicalRadius = 1;  ///< bounding radius of the median dynamic body [m]
+};
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+
+  virtual void configure(const EngineSettings& settings) = 0;
+  /// At least so many slots; new ones are removed bodies.
+  virtual void setBodyCount(int slots) = 0;
+  virtual void setBody(int slot, const EngineBody& body) = 0;
+  /// Contacts of a slot are forgotten: it is another body from now on, or none.
+  virtual void forgetContacts(int slot) = 0;
+  virtual void setPlanes(const std::vector<int>& slots) = 0;
+  virtual void setJointCount(int type, int slots) = 0;
+  virtual void setJoint(int slot, const EngineJoint& joint) = 0;
+  /// Pairs (low, high) of bodies that do not collide, sorted.
+  virtual void setExclusions(const std::vector<std::pair<int, int>>& pairs) = 0;
+
+  virtual BodyState state(int slot) const = 0;
+  virtual void setState(int slot, const BodyState& state) = 0;
+  virtual void addForce(int slot, const Vec3& force, const Vec3& torque) = 0;
+
+  virtual void step(StepReport& report) = 0;
+
+  virtual Quality quality() const = 0;
+  virtual std::vector<EngineContact> contacts() const = 0;
+  virtual JointState jointState(int type, int slot) const = 0;
+  virtual std::size_t memoryBytes() const = 0;
+  virtual std::uint64_t hash() const = 0;
+  virtual std::vector<std::byte> save() const = 0;
+  virtual void load(std::span<const std::byte> data) = 0;
+  virtual std::string firstDifference() const { return {}; }
+};
+
+namespace f32 {
+std::unique_ptr<Engine> makeCpuEngine(int threads);
+std::unique_ptr<Engine> makeLockstepEngine(int threads);
+}  // namespace f32
+namespace f64 {
+std::unique_ptr<Engine> makeCpuEngine(int threads);
+}
+
+}  // namespace rubble

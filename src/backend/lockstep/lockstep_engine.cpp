@@ -1,0 +1,84 @@
+#include "backend/cpu/cpu_engine.h"
+#include "backend/lockstep/lockstep_executor.h"
+
+namespace rubble::RUBBLE_CORE {
+
+namespace {
+
+/// One thread beside many. Measures come from the first.
+class LockstepEngine final : public Engine {
+ public:
+  explicit LockstepEngine(int threads) : executor_(1, threads) {}
+
+  void configure(const EngineSettings& settings) override { settings_ = settings; }
+  void setBodyCount(int slots) override {
+    both([&](HostTables& t) { RUBBLE_CORE::setBodyCount(t, slots); });
+  }
+  void setBody(int slot, const EngineBody& body) override {
+    both([&](HostTables& t) { RUBBLE_CORE::setBody(t, slot, body); });
+  }
+  void forgetContacts(int slot) override {
+    both([&](HostTables& t) { RUBBLE_CORE::forgetContacts(t, slot); });
+  }
+  void setPlanes(const std::vector<int>& slots) override {
+    both([&](HostTables& t) { RUBBLE_CORE::setPlanes(t, slots); });
+  }
+  void setJointCount(int type, int slots) override {
+    both([&](HostTables& t) { RUBBLE_CORE::setJointCount(t, type, slots); });
+  }
+  void setJoint(int slot, const EngineJoint& joint) override {
+    both([&](HostTables& t) { RUBBLE_CORE::setJoint(t, slot, joint); });
+  }
+  void setExclusions(const std::vector<std::pair<int, int>>& pairs) override {
+    both([&](HostTables& t) { RUBBLE_CORE::setExclusions(t, pairs); });
+  }
+  BodyState state(int slot) const override { return bodyState(first(), slot); }
+  void setState(int slot, const BodyState& state) override {
+    both([&](HostTables& t) { setBodyState(t, slot, state); });
+  }
+  void addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) override {
+    both([&](HostTables& t) {
+      t.view().force[slot] += Vec3(force);
+      t.view().torque[slot] += Vec3(torque);
+    });
+  }
+  void step(StepReport& report) override {
+    executor_.setStep(report.step);
+    for (int k = 0; k < settings_.params.substeps; ++k) {
+      both([&](HostTables& t) { beginStep(t.view(), settings_, previousDt_); });
+      RUBBLE_CORE::step(executor_);
+      previousDt_ = settings_.params.dt / settings_.params.substeps;
+    }
+    reportCounters(executor_.view(), report);
+    report.stages = executor_.a().takeTimes();
+    executor_.b().takeTimes();
+  }
+  Quality quality() const override { return qualityOf(first()); }
+  std::vector<EngineContact> contacts() const override { return contactsOf(first()); }
+  JointState jointState(int type, int slot) const override { return jointStateOf(first(), type, slot); }
+  std::size_t memoryBytes() const override { return 2 * first().bytes(); }
+  std::uint64_t hash() const override { return hashBytes(save()); }
+  std::vector<std::byte> save() const override { return saveTables(first()); }
+  void load(std::span<const std::byte> data) override {
+    both([&](HostTables& t) { loadTables(t, data); });
+  }
+  std::string firstDifference() const override { return executor_.firstDifference(); }
+
+ private:
+  template <class F>
+  void both(F&& f) {
+    f(executor_.a().tables());
+    f(executor_.b().tables());
+  }
+  const HostTables& first() const { return executor_.a().tables(); }
+
+  LockstepExecutor executor_;
+  EngineSettings settings_;
+  double previousDt_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> makeLockstepEngine(int threads) { return std::make_unique<LockstepEngine>(threads); }
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,111 @@
+#pragma once
+/// Two executors side by side: the step runs on both, stage by stage, and the first stage, table and element that differ are named.
+#include <cstring>
+#include <string>
+
+#include "backend/cpu/cpu_executor.h"
+
+namespace rubble::RUBBLE_CORE {
+
+class LockstepExecutor {
+ public:
+  using Lane = CpuExecutor::Lane;
+
+  LockstepExecutor(int threadsA, int threadsB) : a_(threadsA), b_(threadsB) {}
+
+  CpuExecutor& a() { return a_; }
+  CpuExecutor& b() { return b_; }
+  const CpuExecutor& a() const { return a_; }
+  View& view() { return a_.view(); }
+
+  template <class Kernel, class Count>
+  void forEach(const Kernel& kernel, Count n) {
+    enter(Kernel::kName);
+    both([&](CpuExecutor& e) { e.forEach(kernel, n); });
+  }
+  template <class Kernel>
+  void forEachColor(const Kernel& kernel) {
+    enter(Kernel::kName);
+    both([&](CpuExecutor& e) { e.forEachColor(kernel); });
+  }
+  template <class Count>
+  void clear(int* View::*array, Count n) {
+    both([&](CpuExecutor& e) { e.clear(array, n); });
+  }
+  template <class Count>
+  void scan(int* View::*counts, int* View::*offsets, Count n, int Counters::*total = nullptr) {
+    both([&](CpuExecutor& e) { e.scan(counts, offsets, n, total); });
+  }
+  void require(Per per, int Counters::*count) {
+    both([&](CpuExecutor& e) { e.require(per, count); });
+  }
+  template <class Round>
+  void untilZero(int Counters::*counter, Round&& round) {
+    int rounds = 0;
+    do {
+      both([&](CpuExecutor& e) { e.view().counters->*counter = 0; });
+      round();
+    } while (view().counters->*counter != 0 && ++rounds < CpuExecutor::kMaxRounds);
+    both([&](CpuExecutor& e) { e.view().counters->rounds = rounds; });
+  }
+  void keepManifolds() {
+    enter("");
+    both([](CpuExecutor& e) { e.keepManifolds(); });
+  }
+
+  /// "stage narrow, table manifold, element 12" of the first difference since the start, or "".
+  const std::string& firstDifference() const { return difference_; }
+  void setStep(std::int64_t step) { step_ = step; }
+
+ private:
+  template <class F>
+  void both(F&& f) {
+    a_.run([&] { f(a_); });
+    b_.run([&] { f(b_); });
+  }
+
+  /// A stage of several kernels is compared when it has ended: in between, orders may differ.
+  void enter(const char* stage) {
+    if (stage_ && std::strcmp(stage, stage_) != 0) compare();
+    stage_ = stage;
+  }
+
+  /// Elements of an array that this step has written so far.
+  static std::size_t written(const View& s, Per per) {
+    const Counters& c = *s.counters;
+    switch (per) {
+      case Per::Body: return static_cast<std::size_t>(s.bodies);
+      case Per::Pair: return static_cast<std::size_t>(c.pairs);
+      case Per::Manifold: return static_cast<std::size_t>(c.manifolds);
+      case Per::Entry: return static_cast<std::size_t>(c.entries);
+      case Per::Color: return static_cast<std::size_t>(c.colors);
+      case Per::Cell: return static_cast<std::size_t>(s.cells);
+      case Per::Ball: return static_cast<std::size_t>(s.joints[0]);
+      case Per::Fixed: return static_cast<std::size_t>(s.joints[1]);
+      default: return 0;
+    }
+  }
+
+  void compare() {
+    if (!difference_.empty()) return;
+    const View &s = a_.view(), &t = b_.view();
+    forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+      if (!difference_.empty() || array.life == Life::Unordered) return;
+      const T *p = s.*array.member, *q = t.*array.member;
+      const std::size_t n = written(s, array.per);
+      if (!p || !q || std::memcmp(p, q, n * sizeof(T)) == 0) return;
+      for (std::size_t i = 0; i < n; ++i)
+        if (std::memcmp(p + i, q + i, sizeof(T)) != 0) {
+          difference_ = "step " + std::to_string(step_) + ", stage " + stage_ + ", table " + array.name + ", element " + std::to_string(i);
+          return;
+        }
+    });
+  }
+
+  CpuExecutor a_, b_;
+  const char* stage_ = nullptr;
+  std::int64_t step_ = 0;
+  std::string difference_;
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,38 @@
+#pragma once
+/// The pair test for any two shapes.
+#include "collision/box_box.h"
+#include "collision/round.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// The manifold of (B, A), told of (A, B): `t` = p_B - p_A.
+RUBBLE_HD inline RawManifold flipped(RawManifold m, const Vec3& t) {
+  m.n = -m.n;
+  m.normalOnB = !m.normalOnB;
+  for (int k = 0; k < m.count; ++k) {
+    const RawPoint p = m.points[k];
+    m.points[k] = {p.onB + t, p.onA + t, p.feature};
+  }
+  return m;
+}
+
+namespace pairs {
+
+/// For kinds in rising order: round, box, plane.
+RUBBLE_HD inline RawManifold collideOrdered(const ShapeData& sa, const Quat& qa, const ShapeData& sb, const Quat& qb, const Vec3& t, Real margin,
+                                            Real length) {
+  if (sb.kind == ShapeKind::Plane) return sa.kind == ShapeKind::Plane ? RawManifold{} : collidePlane(sa, qa, qb, t, margin);
+  if (sb.kind != ShapeKind::Box) return collideRounds(sa, qa, sb, qb, t, margin);
+  if (sa.kind != ShapeKind::Box) return collideRoundBox(sa, qa, sb, qb, t, margin);
+  return collideBoxes(sa.half, qa, sb.half, qb, t, margin, length);
+}
+
+}  // namespace pairs
+
+/// Touching points of A and B within `margin` [m]; `t` = p_B - p_A, `length` = bounding diameter of the smaller one.
+RUBBLE_HD inline RawManifold collide(const ShapeData& sa, const Quat& qa, const ShapeData& sb, const Quat& qb, const Vec3& t, Real margin, Real length) {
+  if (sa.kind > sb.kind) return flipped(pairs::collideOrdered(sb, qb, sa, qa, -t, margin, length), t);
+  return pairs::collideOrdered(sa, qa, sb, qb, t, margin, length);
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,142 @@
+#pragma once
+/// The manifold of a pair: geometry found at the last full test and everything that its points hand on to the next step.
+#include <cstring>
+
+#include "collision/collide.h"
+#include "forces/contact.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Normals of the same contact in two steps differ by less than this (cos 30 deg).
+inline constexpr Real kSameNormal = Real(.866);
+/// An old point within this share of L of a new one, on either body, is the same point though its feature changed.
+inline constexpr Real kSamePoint = Real(.03);
+
+struct Manifold {
+  Lanes aX, aY, aZ;                 ///< point on the surface of A, in its frame [m]
+  Lanes bX, bY, bZ;                 ///< on B
+  Lanes lambdaN, lambda1, lambda2;  ///< multipliers to go on with, tangent basis of `normal` [N]
+  Lanes kN, kT;                     ///< [N/m], 0: new
+  Lanes drift1, drift2;             ///< tangential drift since the point stuck, same basis [m]
+  int feature[kLanes];
+  Vec3 localNormal;                 ///< from A to B in the frame of A, or of B if normalOnB
+  Vec3 normal;                      ///< world, in the last step
+  Vec3 testedOffset;                ///< R_A^T (p_B - p_A) at the last full test [m]
+  Quat testedRotation;              ///< q_A^-1 q_B at the last full test
+  Real separation;                  ///< count 0: lower bound of the distance at that test [m]
+  int count;                        ///< points, 0: not touching
+  int row;                          ///< index of its rows in this step, -1 if it has none
+  std::uint8_t stick;               ///< bit k: point k stuck
+  std::uint8_t impact;              ///< bit k: point k stops a fast approach in this step
+  bool normalOnB;
+  bool recycled;                    ///< not tested anew in this step
+};
+
+RUBBLE_HD inline Vec3 pointOnA(const Manifold& m, int k) { return {m.aX[k], m.aY[k], m.aZ[k]}; }
+RUBBLE_HD inline Vec3 pointOnB(const Manifold& m, int k) { return {m.bX[k], m.bY[k], m.bZ[k]}; }
+
+/// A pair at x^t, as the tests need it.
+struct PairPose {
+  Quat qA, qB;
+  Vec3 t;          ///< p_B - p_A [m]
+  Real length;     ///< L: bounding diameter of the smaller body [m]
+  Real margin;     ///< detection margin [m]
+};
+
+/// Has the pair moved so little since its last full test that the result still holds?
+RUBBLE_HD inline bool hardlyMoved(const Manifold& old, const PairPose& pair, Real tolerance) {
+  const Vec3 move = rotateInverse(pair.qA, pair.t) - old.testedOffset;
+  const Quat turn = conjugate(pair.qA) * pair.qB * conjugate(old.testedRotation);
+  if (dot(move, move) > tolerance * tolerance * pair.length * pair.length) return false;
+  if (Real(4) * dot(turn.v, turn.v) > tolerance * tolerance) return false;
+  // a pair apart must stay apart by more than what it may have moved
+  return old.count > 0 || old.separation - Real(2) * tolerance * pair.length > pair.margin;
+}
+
+/// Manifold of a new test, with nothing handed on yet.
+RUBBLE_HD inline Manifold freshManifold(const RawManifold& raw, const PairPose& pair) {
+  Manifold m;
+  memset(static_cast<void*>(&m), 0, sizeof m);  // padding too: states are hashed
+  const Lanes zero = splatLanes(0);
+  m.aX = m.aY = m.aZ = m.bX = m.bY = m.bZ = zero;
+  m.lambdaN = m.lambda1 = m.lambda2 = m.kN = m.kT = m.drift1 = m.drift2 = zero;
+  for (int k = 0; k < kLanes; ++k) {
+    m.feature[k] = -1;
+    if (k >= raw.count) continue;
+    const Vec3 a = rotateInverse(pair.qA, raw.points[k].onA), b = rotateInverse(pair.qB, raw.points[k].onB - pair.t);
+    m.aX[k] = a.x, m.aY[k] = a.y, m.aZ[k] = a.z;
+    m.bX[k] = b.x, m.bY[k] = b.y, m.bZ[k] = b.z;
+    m.feature[k] = raw.points[k].feature;
+  }
+  m.normal = raw.n;
+  m.localNormal = rotateInverse(raw.normalOnB ? pair.qB : pair.qA, raw.n);
+  m.testedOffset = rotateInverse(pair.qA, pair.t);
+  m.testedRotation = conjugate(pair.qA) * pair.qB;
+  m.separation = raw.separation;
+  m.count = raw.count;
+  m.row = -1;
+  m.stick = m.impact = 0;
+  m.normalOnB = raw.normalOnB;
+  m.recycled = false;
+  return m;
+}
+
+/// Hands multipliers, stiffness and drift of point `from` of `old` to point `to`: tangential vectors keep their world direction as far as
+/// it lies in the new tangent plane.
+RUBBLE_HD inline void handOn(const Manifold& old, int from, Manifold& m, int to) {
+  Vec3 o1, o2, t1, t2;
+  tangentBasis(old.normal, o1, o2);
+  tangentBasis(m.normal, t1, t2);
+  const Vec3 lambda = o1 * old.lambda1[from] + o2 * old.lambda2[from];
+  const Vec3 drift = o1 * old.drift1[from] + o2 * old.drift2[from];
+  m.lambdaN[to] = old.lambdaN[from];
+  m.lambda1[to] = dot(t1, lambda), m.lambda2[to] = dot(t2, lambda);
+  m.drift1[to] = dot(t1, drift), m.drift2[to] = dot(t2, drift);
+  m.kN[to] = old.kN[from], m.kT[to] = old.kT[from];
+  if (old.stick >> from & 1) m.stick |= static_cast<std::uint8_t>(1u << to);
+}
+
+/// The manifold of this step: the old one, if the pair hardly moved, else a new test whose points are matched with the old ones, first by
+/// feature, then by place. `old` may be null.
+RUBBLE_HD inline Manifold updateManifold(const ShapeData& sa, const ShapeData& sb, const PairPose& pair, const Manifold* old, Real recycleTolerance) {
+  if (old && recycleTolerance > Real(0) && hardlyMoved(*old, pair, recycleTolerance)) {
+    Manifold m = *old;
+    const Vec3 n = rotate(m.normalOnB ? pair.qB : pair.qA, m.localNormal);
+    m.normal = n;
+    m.stick = 0;
+    for (int k = 0; k < m.count; ++k) handOn(*old, k, m, k);
+    m.row = -1;
+    m.impact = 0;
+    m.recycled = true;
+    return m;
+  }
+  Manifold m = freshManifold(collide(sa, pair.qA, sb, pair.qB, pair.t, pair.margin, pair.length), pair);
+  if (!old || old->count == 0 || m.count == 0 || dot(m.normal, old->normal) < kSameNormal) return m;
+
+  unsigned usedOld = 0, matched = 0;
+  for (int k = 0; k < m.count; ++k) {
+    for (int j = 0; j < old->count; ++j) {
+      if ((usedOld >> j & 1) || old->feature[j] != m.feature[k]) continue;
+      handOn(*old, j, m, k);
+      usedOld |= 1u << j, matched |= 1u << k;
+      break;
+    }
+  }
+  const Real reach2 = kSamePoint * kSamePoint * pair.length * pair.length;
+  for (int k = 0; k < m.count; ++k) {
+    if (matched >> k & 1) continue;
+    int nearest = -1;
+    Real nearest2 = reach2;
+    for (int j = 0; j < old->count; ++j) {
+      if (usedOld >> j & 1) continue;
+      const Real d2 = min(lengthSquared(pointOnA(m, k) - pointOnA(*old, j)), lengthSquared(pointOnB(m, k) - pointOnB(*old, j)));
+      if (d2 < nearest2) nearest = j, nearest2 = d2;
+    }
+    if (nearest < 0) continue;
+    handOn(*old, nearest, m, k);
+    usedOld |= 1u << nearest;
+  }
+  return m;
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,161 @@
+#pragma once
+/// Contact with friction: up to four points of a pair of bodies A, B, with one normal.
+///
+///   at x^t      n from A to B, r_A, r_B levers to the point, C_n0 = penetration, C_t0 = tangential drift since the point stuck
+///   in the step d_A = Dp_A + Dw_A x r_A, d_B likewise: first-order displacements of the point on both bodies
+///   normal      C_n = C_n0' + n.(d_A - d_B),           0 <= F_n                    [m], [N]
+///   tangent     C_t = (1 - alpha) C_t0 + t.(d_A - d_B), |F_t| <= mu F_n             [m], [N]
+///   force       on A: -(F_n n + F_t) at r_A, on B: the opposite at r_B
+///
+/// Normal and levers stay frozen at x^t (a true first-order expansion), so there is no curvature term. Both bodies use the same point, in
+/// the middle of the gap: their forces have no net moment. (Giles et al. 2025, section 3.3 and 4.)
+#include "solver/block.h"
+#include "solver/friction.h"
+#include "solver/stiffness.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// What a body moved since x^t: translation [m] and rotation vector [rad]. All that contacts read of a body during the iterations.
+struct alignas(8 * sizeof(Real)) Displacement {
+  Vec3 dp;
+  Real pad0;
+  Vec3 dw;
+  Real pad1;
+};
+
+/// The rows of one manifold in one step. Unused and dormant points have k = 0 and lambda = 0 and so neither push nor resist.
+struct ContactRows {
+  Lanes rAx, rAy, rAz;       ///< lever of the point on A [m]; on B: rA + offset
+  Lanes c0;                  ///< C_n at x^t after regularisation [m]
+  Lanes drift1, drift2;      ///< C_t at x^t before regularisation, tangent basis of n [m]
+  Lanes mu;                  ///< static or dynamic friction, by what the point did before [1]
+  Lanes lambdaN, lambda1, lambda2;  ///< multipliers [N]
+  Lanes kN, kT;              ///< stiffness of the normal row and of the two tangential rows [N/m]
+  Vec3 n;                    ///< unit, from A to B
+  Real muDynamic;
+  Vec3 offset;               ///< p_A - p_B at x^t [m]
+  Real start;                ///< k_start of the normal rows [N/m]
+  int a, b;                  ///< bodies, a < b
+  int pair;                  ///< the pair whose manifold this is
+  Real length;               ///< L: bounding diameter of the smaller dynamic body [m]
+};
+
+/// Position errors and forces of the points of one manifold.
+template <class L>
+struct ContactForces {
+  L cN, c1, c2;
+  L fN;
+  TangentForce<L> t;
+};
+
+/// Points of a manifold as lanes, with everything that is uniform over them.
+template <class L>
+struct ContactFrame {
+  Vec3 t1, t2;
+  Vec3T<L> rA, rB;
+};
+
+template <class L>
+RUBBLE_HD ContactFrame<L> contactFrame(const ContactRows& m, int lane) {
+  using A = LaneAccess<L>;
+  ContactFrame<L> f;
+  tangentBasis(m.n, f.t1, f.t2);
+  f.rA = {A::load(m.rAx, lane), A::load(m.rAy, lane), A::load(m.rAz, lane)};
+  f.rB = {f.rA.x + m.offset.x, f.rA.y + m.offset.y, f.rA.z + m.offset.z};
+  return f;
+}
+
+/// d_A - d_B
+template <class L>
+RUBBLE_HD Vec3T<L> relativeDisplacement(const ContactFrame<L>& f, const Displacement& a, const Displacement& b) {
+  using A = LaneAccess<L>;
+  const auto at = [](const Vec3& dw, const Vec3T<L>& r) {
+    return Vec3T<L>{dw.y * r.z - dw.z * r.y, dw.z * r.x - dw.x * r.z, dw.x * r.y - dw.y * r.x};
+  };
+  const Vec3 dp = a.dp - b.dp;
+  const Vec3T<L> turn = at(a.dw, f.rA) - at(b.dw, f.rB);
+  return {A::splat(dp.x) + turn.x, A::splat(dp.y) + turn.y, A::splat(dp.z) + turn.z};
+}
+
+template <class L>
+RUBBLE_HD L along(const Vec3& u, const Vec3T<L>& d) { return u.x * d.x + u.y * d.y + u.z * d.z; }
+
+/// Errors and bounded forces at the present displacements.
+template <class L>
+RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRows& m, const ContactFrame<L>& f, const Displacement& a,
+                                         const Displacement& b, int lane) {
+  using A = LaneAccess<L>;
+  const Vec3T<L> d = relativeDisplacement(f, a, b);
+  const Real corrected = Real(1) - c.alpha;
+  ContactForces<L> o;
+  o.cN = A::load(m.c0, lane) + along(m.n, d);
+  o.c1 = corrected * A::load(m.drift1, lane) + along(f.t1, d);
+  o.c2 = corrected * A::load(m.drift2, lane) + along(f.t2, d);
+  o.fN = minOf(maxOf(A::load(m.kN, lane) * o.cN + A::load(m.lambdaN, lane), A::splat(0)), A::splat(c.maxMultiplier));
+  o.t = frictionForce(A::load(m.kT, lane), o.c1, o.c2, A::load(m.lambda1, lane), A::load(m.lambda2, lane), o.fN, A::load(m.mu, lane),
+                      A::splat(m.muDynamic), c.coneHessian);
+  return o;
+}
+
+/// Adds forces and Hessians of the points to the block of A (onA) or B: [[W, -W [r]], [[r] W, -[r] W [r]]], W = k_n n n^T + tangential part.
+template <class L>
+RUBBLE_HD void stampContact(const StepConstants& c, const ContactRows& m, bool onA, const Displacement& a, const Displacement& b, int lane,
+                            Block6T<L>& block) {
+  using A = LaneAccess<L>;
+  const ContactFrame<L> f = contactFrame<L>(m, lane);
+  const ContactForces<L> o = contactForces(c, m, f, a, b, lane);
+  const Vec3T<L>& r = onA ? f.rA : f.rB;
+  const Vec3 &n = m.n, &t1 = f.t1, &t2 = f.t2;
+
+  const Real sign = onA ? Real(-1) : Real(1);
+  const L fn = sign * o.fN, f1 = sign * o.t.f1, f2 = sign * o.t.f2;
+  const Vec3T<L> force{n.x * fn + t1.x * f1 + t2.x * f2, n.y * fn + t1.y * f1 + t2.y * f2, n.z * fn + t1.z * f1 + t2.z * f2};
+  block.fl += force;
+  block.fa += cross(r, force);
+
+  const L kn = A::load(m.kN, lane), w11 = o.t.w11, w12 = o.t.w12, w22 = o.t.w22;
+  const auto entry = [&](Real n2, Real a2, Real ab, Real b2) { return n2 * kn + a2 * w11 + ab * w12 + b2 * w22; };
+  Sym3T<L> w;
+  w.xx = entry(n.x * n.x, t1.x * t1.x, 2 * t1.x * t2.x, t2.x * t2.x);
+  w.yy = entry(n.y * n.y, t1.y * t1.y, 2 * t1.y * t2.y, t2.y * t2.y);
+  w.zz = entry(n.z * n.z, t1.z * t1.z, 2 * t1.z * t2.z, t2.z * t2.z);
+  w.xy = entry(n.x * n.y, t1.x * t1.y, t1.x * t2.y + t1.y * t2.x, t2.x * t2.y);
+  w.xz = entry(n.x * n.z, t1.x * t1.z, t1.x * t2.z + t1.z * t2.x, t2.x * t2.z);
+  w.yz = entry(n.y * n.z, t1.y * t1.z, t1.y * t2.z + t1.z * t2.y, t2.y * t2.z);
+  block.ll += w;
+
+  const Vec3T<L> b0 = cross(r, Vec3T<L>{w.xx, w.xy, w.xz}), b1 = cross(r, Vec3T<L>{w.xy, w.yy, w.yz}), b2 = cross(r, Vec3T<L>{w.xz, w.yz, w.zz});
+  block.al0 += b0, block.al1 += b1, block.al2 += b2;
+  // row i of [r] W [r]^T is r x (row i of [r] W)
+  block.aa.xx += r.y * b2.x - r.z * b1.x;
+  block.aa.xy += r.z * b0.x - r.x * b2.x;
+  block.aa.xz += r.x * b1.x - r.y * b0.x;
+  block.aa.yy += r.z * b0.y - r.x * b2.y;
+  block.aa.yz += r.x * b1.y - r.y * b0.y;
+  block.aa.zz += r.x * b1.z - r.y * b0.z;
+}
+
+/// The dual update [S 13], [S 14] of the points: normal force first, then the cone with it, then both stiffnesses.
+template <class L>
+RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const Displacement& a, const Displacement& b, int lane) {
+  using A = LaneAccess<L>;
+  const ContactFrame<L> f = contactFrame<L>(m, lane);
+  const ContactForces<L> o = contactForces(c, m, f, a, b, lane);
+  const L kN = A::load(m.kN, lane), kT = A::load(m.kT, lane), zero = A::splat(0);
+  A::store(m.lambdaN, lane, o.fN);
+  A::store(m.lambda1, lane, o.t.f1);
+  A::store(m.lambda2, lane, o.t.f2);
+  A::store(m.mu, lane, select(o.t.inside > zero, A::load(m.mu, lane), A::splat(m.muDynamic)));
+
+  const StiffnessRule normal = stiffnessRule(c, c.contactPolicy, m.start, m.length);
+  StiffnessRule tangent = normal;
+  tangent.start *= c.tangentStiffness;
+  tangent.perLoad *= c.tangentStiffness;
+  const L grownN = grownStiffness(normal, kN, o.cN, o.fN);
+  const L grownT = grownStiffness(tangent, kT, sqrtOf(o.c1 * o.c1 + o.c2 * o.c2), o.fN);
+  const auto loaded = o.fN > zero;
+  A::store(m.kN, lane, select(loaded, grownN, kN));
+  A::store(m.kT, lane, select(loaded, select(o.t.inside > zero, grownT, kT), kT));
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,31 @@
+#pragma once
+/// The list of forces. A new joint is its header and one entry here.
+#include <type_traits>
+
+#include "forces/ball.h"
+#include "forces/fixed.h"
+
+namespace rubble::RUBBLE_CORE {
+
+template <class... F>
+struct TypeList {
+  static constexpr int kSize = sizeof...(F);
+};
+
+using JointTypes = TypeList<BallJoint, FixedJoint>;
+
+/// f.template operator()<F>() for each joint type, in order.
+template <class Function, class... F>
+RUBBLE_HD void forEachType(TypeList<F...>, Function&& f) {
+  (f.template operator()<F>(), ...);
+}
+
+/// Position of F in the list.
+template <class G, class... F>
+constexpr int typeIndex(TypeList<F...>) {
+  int index = 0, found = -1;
+  ((found = std::is_same_v<F, G> ? index : found, ++index), ...);
+  return found;
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,59 @@
+#pragma once
+/// What differs between host and device code. The only header outside the CUDA backend that looks at the compiler's target.
+#include <atomic>
+#include <cstdint>
+
+#include <rubble/math.h>
+
+#if !defined(RUBBLE_CORE) || !defined(RUBBLE_REAL)
+#error "the core is compiled once a precision: define RUBBLE_CORE (f32 or f64) and RUBBLE_REAL (float or double)"
+#endif
+
+namespace rubble::RUBBLE_CORE {
+
+/// The scalar of the solver.
+using Real = RUBBLE_REAL;
+using Vec3 = Vec3T<Real>;
+using Quat = QuatT<Real>;
+using Mat3 = Mat3T<Real>;
+/// World positions keep double precision; the solver works on displacements from them.
+using Vec3d = Vec3T<double>;
+
+/// *p += a; returns the old value. Only for counting: the order of the additions is not fixed.
+RUBBLE_HD inline int atomicCount(int* p, int a) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(p, a);
+#else
+  return std::atomic_ref<int>(*p).fetch_add(a, std::memory_order_relaxed);
+#endif
+}
+
+/// *p = max(*p, a)
+RUBBLE_HD inline void atomicRaise(int* p, int a) {
+#if defined(__CUDA_ARCH__)
+  atomicMax(p, a);
+#else
+  std::atomic_ref<int> ref(*p);
+  int old = ref.load(std::memory_order_relaxed);
+  while (old < a && !ref.compare_exchange_weak(old, a, std::memory_order_relaxed)) {
+  }
+#endif
+}
+
+template <class T> RUBBLE_HD constexpr T min(T a, T b) { return b < a ? b : a; }
+template <class T> RUBBLE_HD constexpr T max(T a, T b) { return a < b ? b : a; }
+template <class T> RUBBLE_HD constexpr T clamp(T a, T lo, T hi) { return a < lo ? lo : hi < a ? hi : a; }
+
+RUBBLE_HD inline bool isFinite(Real a) { return a - a == Real(0); }
+RUBBLE_HD inline bool isFinite(const Vec3& a) { return isFinite(a.x + a.y + a.z); }
+
+/// A well-mixed 32-bit hash (the finaliser of MurmurHash3).
+RUBBLE_HD constexpr std::uint32_t hash32(std::uint32_t h) {
+  h ^= h >> 16;
+  h *= 0x85ebca6bu;
+  h ^= h >> 13;
+  h *= 0xc2b2ae35u;
+  return h ^ (h >> 16);
+}
+
+}  // namespace rubble::RUBBLE_CORE

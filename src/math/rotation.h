@@ -1,0 +1,42 @@
+#pragma once
+/// Rotation vectors: exact exponential and logarithm of unit quaternions, for rotations of a whole step.
+#include "math/hd.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// The same rotation with s >= 0.
+RUBBLE_HD inline Quat shortArc(const Quat& q) { return q.s < Real(0) ? Quat{-q.s, -q.v} : q; }
+
+/// (cos(|a|/2), sin(|a|/2) a/|a|): rotation by the vector a [rad].
+RUBBLE_HD inline Quat expRotation(const Vec3& a) {
+  const Real angle2 = dot(a, a);
+  if (angle2 < Real(1e-4)) {
+    // sin(t/2)/t and cos(t/2) by their series: exact to round-off here
+    return {Real(1) - angle2 * (Real(1) / 8 - angle2 / 384), a * (Real(.5) - angle2 * (Real(1) / 48 - angle2 / 3840))};
+  }
+  const Real angle = std::sqrt(angle2);
+  return {std::cos(angle / 2), a * (std::sin(angle / 2) / angle)};
+}
+
+/// The vector a in [-pi, pi] with expRotation(a) = q up to sign [rad].
+RUBBLE_HD inline Vec3 logRotation(const Quat& rotation) {
+  const Quat q = shortArc(rotation);
+  const Real u2 = dot(q.v, q.v);
+  if (u2 < Real(.0025)) {
+    // 2 asin(u)/u by its series: relative error below 1e-9 here
+    return q.v * (Real(2) * (Real(1) + u2 * (Real(1) / 6 + u2 * (Real(3) / 40 + u2 * (Real(15) / 336)))));
+  }
+  const Real u = std::sqrt(u2);
+  return q.v * (Real(2) * std::atan2(u, q.s) / u);
+}
+
+/// Two unit vectors that make a right-handed basis with the unit vector n; a continuous function of n but for one point (Duff et al. 2017).
+RUBBLE_HD inline void tangentBasis(const Vec3& n, Vec3& t1, Vec3& t2) {
+  const Real sign = n.z < Real(0) ? Real(-1) : Real(1);
+  const Real a = Real(-1) / (sign + n.z);
+  const Real b = n.x * n.y * a;
+  t1 = {Real(1) + sign * n.x * n.x * a, sign * b, -sign * n.x};
+  t2 = {b, sign + n.y * n.y * a, -n.y};
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,99 @@
+#pragma once
+/// Symmetric 3x3 and 6x6 matrices and the 6x6 solve.
+#include "math/lanes.h"
+
+namespace rubble::RUBBLE_CORE {
+
+template <class L>
+struct Sym3T {
+  L xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
+
+  RUBBLE_HD Vec3T<L> column(int i) const {
+    return i == 0 ? Vec3T<L>{xx, xy, xz} : i == 1 ? Vec3T<L>{xy, yy, yz} : Vec3T<L>{xz, yz, zz};
+  }
+  RUBBLE_HD Sym3T& operator+=(const Sym3T& o) {
+    xx += o.xx, xy += o.xy, xz += o.xz, yy += o.yy, yz += o.yz, zz += o.zz;
+    return *this;
+  }
+  RUBBLE_HD friend Vec3T<L> operator*(const Sym3T& m, const Vec3T<L>& a) {
+    return {m.xx * a.x + m.xy * a.y + m.xz * a.z, m.xy * a.x + m.yy * a.y + m.yz * a.z, m.xz * a.x + m.yz * a.y + m.zz * a.z};
+  }
+};
+using Sym3 = Sym3T<Real>;
+
+/// s a a^T
+RUBBLE_HD inline Sym3 outer(const Vec3& a, Real s = 1) {
+  return {s * a.x * a.x, s * a.x * a.y, s * a.x * a.z, s * a.y * a.y, s * a.y * a.z, s * a.z * a.z};
+}
+/// R diag(d) R^T for the rotation of q.
+RUBBLE_HD inline Sym3 rotateDiagonal(const Quat& q, const Vec3& d) {
+  const Mat3 r = rotationMatrix(q);
+  Sym3 m = outer(r.c0, d.x);
+  m += outer(r.c1, d.y);
+  m += outer(r.c2, d.z);
+  return m;
+}
+/// Solves M x = b for a symmetric positive definite 3x3 M, by cofactors.
+RUBBLE_HD inline Vec3 solve(const Sym3& m, const Vec3& b) {
+  const Vec3 c0 = cross(m.column(1), m.column(2)), c1 = cross(m.column(2), m.column(0)), c2 = cross(m.column(0), m.column(1));
+  const Real det = dot(m.column(0), c0);
+  const Real floor = Real(1e-12) * m.xx * m.yy * m.zz;
+  return (c0 * b.x + c1 * b.y + c2 * b.z) / max(det, floor);
+}
+
+/// The 6x6 system H dx = f of one body, linear part first: H = [[ll, la], [la^T, aa]].
+/// `al` holds la^T (row: angular, column: linear) by columns. L as in lanes.h, to accumulate points side by side.
+template <class L>
+struct Block6T {
+  Sym3T<L> ll, aa;
+  Vec3T<L> al0{}, al1{}, al2{};  ///< columns of al
+  Vec3T<L> fl{}, fa{};           ///< force, torque
+};
+using Block6 = Block6T<Real>;
+
+/// Packed lower triangle of a symmetric 6x6 matrix, row by row.
+struct Sym6 {
+  Real a[21];
+  RUBBLE_HD static constexpr int index(int i, int j) { return i * (i + 1) / 2 + j; }
+  RUBBLE_HD Real operator()(int i, int j) const { return i >= j ? a[index(i, j)] : a[index(j, i)]; }
+};
+
+RUBBLE_HD inline Sym6 pack(const Block6& b) {
+  return {{b.ll.xx,
+           b.ll.xy, b.ll.yy,
+           b.ll.xz, b.ll.yz, b.ll.zz,
+           b.al0.x, b.al1.x, b.al2.x, b.aa.xx,
+           b.al0.y, b.al1.y, b.al2.y, b.aa.xy, b.aa.yy,
+           b.al0.z, b.al1.z, b.al2.z, b.aa.xz, b.aa.yz, b.aa.zz}};
+}
+
+/// Smallest pivot of the scaled matrix (diagonal 1): relative, since masses and inertias of one body may differ by 1e4 and more.
+inline constexpr Real kPivotFloor = sizeof(Real) == 8 ? Real(1e-12) : Real(1e-6);
+
+/// Solves H x = f in place (x holds f) for a symmetric positive definite H: diagonal scaling, then LDL^T without pivoting.
+RUBBLE_HD inline void solveLdlt(Sym6 h, Real (&x)[6]) {
+  Real scale[6], d[6];
+  for (int i = 0; i < 6; ++i) scale[i] = Real(1) / std::sqrt(h.a[Sym6::index(i, i)]);
+  for (int j = 0; j < 6; ++j) {
+    Real pivot = h.a[Sym6::index(j, j)] * scale[j] * scale[j];
+    for (int k = 0; k < j; ++k) pivot -= h.a[Sym6::index(j, k)] * h.a[Sym6::index(j, k)] * d[k];
+    d[j] = max(pivot, kPivotFloor);
+    const Real inverse = Real(1) / d[j];
+    for (int i = j + 1; i < 6; ++i) {
+      Real sum = h.a[Sym6::index(i, j)] * scale[i] * scale[j];
+      for (int k = 0; k < j; ++k) sum -= h.a[Sym6::index(i, k)] * h.a[Sym6::index(j, k)] * d[k];
+      h.a[Sym6::index(i, j)] = sum * inverse;
+    }
+  }
+  for (int i = 0; i < 6; ++i) {
+    x[i] *= scale[i];
+    for (int k = 0; k < i; ++k) x[i] -= h.a[Sym6::index(i, k)] * x[k];
+  }
+  for (int i = 5; i >= 0; --i) {
+    x[i] /= d[i];
+    for (int k = i + 1; k < 6; ++k) x[i] -= h.a[Sym6::index(k, i)] * x[k];
+  }
+  for (int i = 0; i < 6; ++i) x[i] *= scale[i];
+}
+
+}  // namespace rubble::RUBBLE_CORE

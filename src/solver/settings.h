@@ -1,0 +1,43 @@
+#pragma once
+/// From what users set to the constants of a step.
+#include <algorithm>
+
+#include "solver/constants.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// `maxMassLength`: mass times bounding diameter of the heaviest dynamic body [kg m]; `previousDt` of the last step, 0 before the first.
+inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, double maxMassLength, double previousDt) {
+  const Tuning& t = params.tuning;
+  const double dt = params.dt / params.substeps;
+  // (1 - alpha) / dt, the rate at which errors are corrected, is the same for every time step
+  constexpr double kCorrectionRate = 3;
+  const double alpha = t.errorRetention >= 0 ? t.errorRetention : 1 - std::min(1.0, kCorrectionRate * dt);
+  StepConstants c{};
+  c.dt = static_cast<Real>(dt);
+  c.inverseDt = static_cast<Real>(1 / dt);
+  c.gravity = Vec3(gravity);
+  c.iterations = params.iterations;
+  c.alpha = static_cast<Real>(alpha);
+  c.gamma = static_cast<Real>(params.preset == Preset::Engine ? std::pow(t.warmStartDecay, 60 * dt) : t.warmStartDecay);
+  c.startStiffness = static_cast<Real>(t.startStiffness);
+  c.tangentStiffness = static_cast<Real>(t.tangentStiffness);
+  c.rampRate = static_cast<Real>(t.rampRate);
+  c.literalBeta = t.literalBeta;
+  c.maxStiffness = static_cast<Real>(t.maxStiffness);
+  c.contactPolicy = t.contactPolicy;
+  c.jointPolicy = t.jointPolicy;
+  c.loadDepth = static_cast<Real>(t.loadDepth);
+  c.maxMultiplier = static_cast<Real>(std::min(1e30, static_cast<double>(kMaxMultiplier) * maxMassLength / (dt * dt)));
+  c.coneHessian = t.coneHessian;
+  c.dormantRows = t.dormantRows;
+  c.impactRule = t.impactRule;
+  c.compliantRows = t.compliantRows;
+  c.literalRotations = params.preset == Preset::Demo3d;
+  c.contactMargin = static_cast<Real>(t.contactMargin);
+  c.recycleTolerance = static_cast<Real>(t.recycleTolerance);
+  c.stiffnessRescale = previousDt > 0 ? static_cast<Real>((previousDt / dt) * (previousDt / dt)) : Real(1);
+  return c;
+}
+
+}  // namespace rubble::RUBBLE_CORE

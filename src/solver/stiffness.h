@@ -1,0 +1,37 @@
+#pragma once
+/// The penalty stiffness k of a row: where it starts and how it moves. It sets how fast multipliers converge, never what they converge to.
+#include "math/lanes.h"
+#include "solver/constants.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Floor of k: K m_row / dt^2, with m_row the mass of the lighter dynamic body of the row (angular rows: its inertia about the row).
+RUBBLE_HD inline Real startStiffness(const StepConstants& c, Real rowInertia) {
+  return c.startStiffness * rowInertia * c.inverseDt * c.inverseDt;
+}
+
+/// How k of one row moves. `unit` = m_row / dt^2.
+struct StiffnessRule {
+  StiffnessPolicy policy;
+  Real start;         ///< k_start
+  Real limit;         ///< k_max
+  Real beta;          ///< Ramp: growth for each unit of error
+  Real perLoad;       ///< FollowLoad: 1 / delta
+};
+
+/// `length`: characteristic length of a linear row [m], 1 for an angular row.
+RUBBLE_HD inline StiffnessRule stiffnessRule(const StepConstants& c, StiffnessPolicy policy, Real start, Real length) {
+  const Real unit = start / c.startStiffness;
+  return {policy, start, c.maxStiffness * unit, c.literalBeta ? c.rampRate : c.rampRate * unit / length, Real(1) / (c.loadDepth * length)};
+}
+
+/// \eq{S14} k + beta |C|, up to the ceiling; or the stiffness that follows the load, max(k_start, |lambda| / delta).
+template <class L>
+RUBBLE_HD L grownStiffness(const StiffnessRule& rule, L k, L error, L multiplier) {
+  using A = LaneAccess<L>;
+  if (rule.policy == StiffnessPolicy::FollowLoad)
+    return minOf(maxOf(A::splat(rule.start), absOf(multiplier) * A::splat(rule.perLoad)), A::splat(rule.limit));
+  return minOf(k + A::splat(rule.beta) * absOf(error), A::splat(rule.limit));
+}
+
+}  // namespace rubble::RUBBLE_CORE

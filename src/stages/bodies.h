@@ -1,0 +1,137 @@
+#pragma once
+/// Begin and end of a body's step, and its primal update.
+#include "stages/contacts.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Inertial target y [S 2], mass matrix [S 8] and initial guess of every body.
+struct PredictBodies {
+  static constexpr const char* kName = "predict";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const StepConstants& c = s.step;
+    const BodyParams& p = s.params[i];
+    const Vec3 v = s.velocity[i], w = s.spin[i];
+    Displacement& moved = s.moved[i];
+    if (p.kind != BodyKind::Dynamic) {
+      const bool moves = p.kind == BodyKind::Kinematic;
+      moved = moves ? Displacement{c.dt * v, 0, c.dt * w, 0} : Displacement{{0, 0, 0}, 0, {0, 0, 0}, 0};
+      s.turned[i] = expRotation(moved.dw);
+      return;
+    }
+    const Quat q = s.orientation[i];
+    const Vec3 acceleration = p.gravityScale * c.gravity + s.force[i] / p.mass;
+    Vec3 w1;
+    if (c.literalRotations)
+      w1 = w;
+    else
+      w1 = rotate(q, torqueFreeSpin(rotateInverse(q, w), rotateInverse(q, s.torque[i]), p.inertia, c.dt));
+    BodyTarget& target = s.target[i];
+    target.mass = massMatrix(p.mass, p.inertia, q);
+    target.y.p = inertialDisplacement(v, acceleration, c.dt);
+    target.y.q = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q : expRotation(c.dt * w1);
+
+    const Real share = followedShare(v, s.previousVelocity[i], acceleration, c.dt);
+    moved.dp = inertialDisplacement(v, share * acceleration, c.dt);
+    moved.dw = logRotation(target.y.q);
+    s.turned[i] = target.y.q;
+  }
+};
+
+/// Pose of a body in the frame of a joint, whose origin is p_B^t: `offset` = p^t minus that origin.
+RUBBLE_HD inline Pose jointPose(const View& s, int body, const Vec3& offset) {
+  if (body == kWorldBody) return {offset, Quat{}};
+  return {offset + s.moved[body].dp, s.turned[body] * s.orientation[body]};
+}
+
+/// Where the origin p_B^t of a joint lies; the world has its own.
+RUBBLE_HD inline Vec3d jointOrigin(const View& s, int body) { return body == kWorldBody ? Vec3d{} : s.position[body]; }
+
+template <class F>
+RUBBLE_HD void stampJointOfBody(const View& s, int index, int side, Block6& block) {
+  const Joint<F>& joint = s.jointsOf<F>()[index];
+  stampJoint(joint, jointPose(s, joint.a, joint.offset), jointPose(s, joint.b, {0, 0, 0}), side, block);
+}
+
+/// Adds one lane-wise block into a scalar one.
+template <class L>
+RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
+  to.ll.xx += sumOf(from.ll.xx), to.ll.xy += sumOf(from.ll.xy), to.ll.xz += sumOf(from.ll.xz);
+  to.ll.yy += sumOf(from.ll.yy), to.ll.yz += sumOf(from.ll.yz), to.ll.zz += sumOf(from.ll.zz);
+  to.aa.xx += sumOf(from.aa.xx), to.aa.xy += sumOf(from.aa.xy), to.aa.xz += sumOf(from.aa.xz);
+  to.aa.yy += sumOf(from.aa.yy), to.aa.yz += sumOf(from.aa.yz), to.aa.zz += sumOf(from.aa.zz);
+  const auto add = [](Vec3& a, const Vec3T<L>& b) { a += Vec3{sumOf(b.x), sumOf(b.y), sumOf(b.z)}; };
+  add(to.al0, from.al0), add(to.al1, from.al1), add(to.al2, from.al2);
+  add(to.fl, from.fl), add(to.fa, from.fa);
+}
+
+/// The primal update of one body: force [S 5] and Hessian [S 6] of its inertia and its rows, one Newton step [S 3].
+template <class L>
+struct SolveBody {
+  static constexpr const char* kName = "primal";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const BodyTarget& target = s.target[i];
+    const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
+    Pose x{s.moved[i].dp, s.turned[i]};
+    Block6 block;
+    setInertialForce(block, target.mass, x, target.y, inverseDt2);
+    setInertialHessian(block, target.mass, inverseDt2);
+
+    constexpr int kStep = sizeof(L) / sizeof(Real);
+    Block6T<L> points;
+    int k = s.entryOffset[i];
+    const int end = s.entryOffset[i + 1];
+    for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
+      const std::uint32_t code = s.entry[k].code;
+      const ContactRows& r = s.contact[entryIndex(code)];
+      for (int lane = 0; lane < kLanes; lane += kStep)
+        stampContact<L>(s.step, r, entrySide(code) == 0, s.moved[r.a], s.moved[r.b], lane, points);
+    }
+    addLanes(block, points);
+    for (; k < end; ++k) {
+      const std::uint32_t code = s.entry[k].code;
+      forEachType(JointTypes{}, [&]<class F>() {
+        if (entryType(code) == typeIndex<F>(JointTypes{}) + 1) stampJointOfBody<F>(s, entryIndex(code), entrySide(code), block);
+      });
+    }
+
+    if (!descend(block, x)) {
+      atomicCount(&s.counters->quarantined, 1);
+      return;
+    }
+    s.turned[i] = x.q;
+    s.moved[i] = {x.p, 0, logRotation(x.q), 0};
+  }
+};
+
+/// Velocities v = (x - x^t) / dt and the new pose. A body whose state is not finite stays where it was, at rest.
+struct FinishBodies {
+  static constexpr const char* kName = "velocity";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const StepConstants& c = s.step;
+    s.force[i] = s.torque[i] = {0, 0, 0};
+    const BodyKind kind = s.params[i].kind;
+    if (kind == BodyKind::Removed || kind == BodyKind::Static) return;
+    const Displacement d = s.moved[i];
+    if (kind == BodyKind::Dynamic) {
+      Vec3 v = c.inverseDt * d.dp;
+      Vec3 w = c.inverseDt * (c.literalRotations ? Real(2) * shortArc(s.turned[i]).v : d.dw);
+      if (!isFinite(v) || !isFinite(w)) {
+        atomicCount(&s.counters->quarantined, 1);
+        s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};
+        return;
+      }
+      const Real turn = length(w) * c.dt;
+      if (turn > kMaxSpinPerStep) {
+        w *= kMaxSpinPerStep / turn;
+        atomicCount(&s.counters->spinLimited, 1);
+      }
+      s.previousVelocity[i] = s.velocity[i];
+      s.velocity[i] = v;
+      s.spin[i] = w;
+    }
+    s.position[i] += Vec3d(d.dp);
+    s.orientation[i] = normalize(s.turned[i] * s.orientation[i]);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

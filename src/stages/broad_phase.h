@@ -1,0 +1,169 @@
+#pragma once
+/// Broad phase: a hashed grid with levels. A body lies in the cell of its centre, at the level that fits its swept box; it looks for
+/// partners in its own level and in all coarser ones. Buckets of cells with rising x are neighbours in memory.
+#include <cstring>
+
+#include "state/view.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// A level holds bodies up to this many cells wide (half extent): typical bodies, turned any way, share one level.
+inline constexpr Real kLevelFill = Real(1.25);
+
+RUBBLE_HD inline Real cellSize(const View& s, int level) { return s.baseCell * std::ldexp(Real(1), level - kBaseLevel); }
+
+RUBBLE_HD inline int cellOf(Real x, Real size) {
+  constexpr Real kFar = Real(1e9);
+  return static_cast<int>(std::floor(clamp(x / size, -kFar, kFar)));
+}
+
+RUBBLE_HD inline int bucketOf(const View& s, int level, int x, int y, int z) {
+  const std::uint32_t row = hash32(static_cast<std::uint32_t>(y) * 0x9e3779b1u ^ hash32(static_cast<std::uint32_t>(z) * 32u + static_cast<std::uint32_t>(level)));
+  return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(s.cells - 1));
+}
+
+/// Bits of a non-negative float: they are ordered as the numbers are.
+RUBBLE_HD inline int floatBits(Real a) {
+  const float f = static_cast<float>(a);
+  int bits;
+  memcpy(&bits, &f, sizeof bits);
+  return bits;
+}
+RUBBLE_HD inline Real fromFloatBits(int bits) {
+  float f;
+  memcpy(&f, &bits, sizeof f);
+  return static_cast<Real>(f);
+}
+
+/// Detection margin of a body: half of the smallest margin of a pair of its like [m].
+RUBBLE_HD inline Real ownMargin(const View& s, const BodyParams& p) { return s.step.contactMargin * p.radius; }
+
+/// Boxes at x^t, swept to x^t + dt v and for the turn, with the detection margin; their cells.
+struct ComputeBounds {
+  static constexpr const char* kName = "bounds";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const BodyParams& p = s.params[i];
+    Bounds& b = s.bounds[i];
+    b.level = -1;
+    if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return;
+    const Quat q = s.orientation[i];
+    const Vec3 sweep = (s.step.dt / 2) * s.velocity[i];
+    const Vec3 x(s.position[i]);
+    // turning moves the surface by no more than the radius; the error of a single-precision centre is added
+    const Real turn = min(s.step.dt * length(s.spin[i]), Real(1)) * p.radius;
+    const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
+    const Real grow = turn + ownMargin(s, p) + roundOff;
+    b.centre = x + sweep;
+    b.half = boundingHalf(p.shape, q) + abs(sweep) + Vec3{grow, grow, grow};
+    int level = 0;
+    const Real widest = max(b.half.x, max(b.half.y, b.half.z));
+    while (level < kGridLevels - 1 && widest > kLevelFill * cellSize(s, level)) ++level;
+    const Real size = cellSize(s, level);
+    b.level = level;
+    b.x = cellOf(b.centre.x, size), b.y = cellOf(b.centre.y, size), b.z = cellOf(b.centre.z, size);
+    if (s.counters->levelUsed[level] == 0) atomicRaise(&s.counters->levelUsed[level], 1);
+    for (int k = 0; k < 3; ++k) {
+      const int bits = floatBits(b.half[k] * Real(1.000001));
+      if (bits > s.counters->levelHalf[level][k]) atomicRaise(&s.counters->levelHalf[level][k], bits);
+    }
+    atomicCount(&s.bucketCount[bucketOf(s, level, b.x, b.y, b.z)], 1);
+  }
+};
+
+/// Bodies into their buckets. The order inside a bucket is not fixed; pairs are sorted later.
+struct FillGrid {
+  static constexpr const char* kName = "grid";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Bounds& b = s.bounds[i];
+    if (b.level < 0) return;
+    const int bucket = bucketOf(s, b.level, b.x, b.y, b.z);
+    const int slot = s.bucketOffset[bucket] + atomicCount(&s.bucketCount[bucket], -1) - 1;
+    s.grid[slot] = {b, i};
+  }
+};
+
+RUBBLE_HD inline bool excluded(const View& s, int a, int b) {
+  const int low = a < b ? a : b, high = a < b ? b : a;
+  for (int k = s.exclusionOffset[low]; k < s.exclusionOffset[low + 1]; ++k)
+    if (s.exclusionBody[k] == high) return true;
+  return false;
+}
+
+RUBBLE_HD inline bool mayCollide(const View& s, int a, int b) {
+  return (s.params[a].kind == BodyKind::Dynamic || s.params[b].kind == BodyKind::Dynamic) && !excluded(s, a, b);
+}
+
+/// found(other) for every partner whose pair body i owns.
+template <class Found>
+RUBBLE_HD void searchPartners(const View& s, int i, Found&& found) {
+  const BodyParams& p = s.params[i];
+  if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return;
+  const Bounds& b = s.bounds[i];
+  for (int level = b.level; level < kGridLevels; ++level) {
+    if (s.counters->levelUsed[level] == 0) continue;
+    const Real size = cellSize(s, level);
+    Vec3 reach;
+    for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
+    const int x0 = cellOf(b.centre.x - reach.x, size), x1 = cellOf(b.centre.x + reach.x, size);
+    const int y0 = cellOf(b.centre.y - reach.y, size), y1 = cellOf(b.centre.y + reach.y, size);
+    const int z0 = cellOf(b.centre.z - reach.z, size), z1 = cellOf(b.centre.z + reach.z, size);
+    for (int z = z0; z <= z1; ++z) {
+      for (int y = y0; y <= y1; ++y) {
+        int bucket = bucketOf(s, level, x0, y, z);
+        for (int x = x0; x <= x1; ++x, bucket = (bucket + 1) & (s.cells - 1)) {
+          for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
+            const GridEntry& e = s.grid[k];
+            const Bounds& o = e.bounds;
+            // another cell may share the bucket
+            if (o.x != x || o.y != y || o.z != z || o.level != level) continue;
+            if (level == b.level && e.body <= i) continue;
+            if (std::fabs(o.centre.x - b.centre.x) > o.half.x + b.half.x || std::fabs(o.centre.y - b.centre.y) > o.half.y + b.half.y ||
+                std::fabs(o.centre.z - b.centre.z) > o.half.z + b.half.z)
+              continue;
+            if (mayCollide(s, i, e.body)) found(e.body);
+          }
+        }
+      }
+    }
+  }
+  for (int k = 0; k < s.planes; ++k) {
+    const int plane = s.planeBody[k];
+    const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
+    const Real height = dot(up, b.centre - Vec3(s.position[plane]));
+    if (height <= dot(abs(up), b.half) && mayCollide(s, i, plane)) found(plane);
+  }
+}
+
+/// Partners of each body, the first kPairSlots of them kept.
+struct FindPairs {
+  static constexpr const char* kName = "pairs";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    int count = 0;
+    int* slots = s.pairSlot + i * kPairSlots;
+    searchPartners(s, i, [&](int other) {
+      if (count < kPairSlots) slots[count] = other;
+      ++count;
+    });
+    s.pairCount[i] = count;
+  }
+};
+
+/// Pairs sorted by owner, then by partner.
+struct WritePairs {
+  static constexpr const char* kName = "pairs";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const int begin = s.pairOffset[i], count = s.pairOffset[i + 1] - begin;
+    int n = 0;
+    const auto insert = [&](int other) {
+      int k = begin + n++;
+      for (; k > begin && s.pair[k - 1].other > other; --k) s.pair[k] = s.pair[k - 1];
+      s.pair[k] = {i, other};
+    };
+    if (count <= kPairSlots)
+      for (int k = 0; k < count; ++k) insert(s.pairSlot[i * kPairSlots + k]);
+    else
+      searchPartners(s, i, insert);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,94 @@
+#pragma once
+/// Which row blocks act on a body: a compressed list per dynamic body, sorted by force type and index.
+#include "stages/joints.h"
+
+namespace rubble::RUBBLE_CORE {
+
+RUBBLE_HD inline bool isDynamic(const View& s, int body) { return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic; }
+
+/// visit(body, side, other) for the dynamic bodies of a block between a and b.
+template <class Visit>
+RUBBLE_HD void visitSides(const View& s, int a, int b, Visit&& visit) {
+  const bool da = isDynamic(s, a), db = isDynamic(s, b);
+  if (da) visit(a, 0, db ? b : -1);
+  if (db) visit(b, 1, da ? a : -1);
+}
+
+/// The two bodies of a row block of type T (ContactRows or a joint), if it acts in this step.
+struct BlockBodies {
+  int a, b;
+  bool acts;
+};
+struct ContactBlocks {
+  static constexpr int kType = kContactType;
+  RUBBLE_HD static BlockBodies bodies(const View& s, int i) { return {s.contact[i].a, s.contact[i].b, true}; }
+};
+template <class F>
+struct JointBlocks {
+  static constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
+  RUBBLE_HD static BlockBodies bodies(const View& s, int i) {
+    const Joint<F>& joint = s.jointsOf<F>()[i];
+    return {joint.a, joint.b, active(s, joint)};
+  }
+};
+
+template <class Blocks>
+struct CountEntries {
+  static constexpr const char* kName = "incidence";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const BlockBodies block = Blocks::bodies(s, i);
+    if (block.acts) visitSides(s, block.a, block.b, [&](int body, int, int) { atomicCount(&s.entryCount[body], 1); });
+  }
+};
+
+/// In no fixed order: SortEntries follows.
+template <class Blocks>
+struct FillEntries {
+  static constexpr const char* kName = "incidence";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const BlockBodies block = Blocks::bodies(s, i);
+    if (!block.acts) return;
+    visitSides(s, block.a, block.b, [&](int body, int side, int other) {
+      const int slot = s.entryOffset[body] + atomicCount(&s.entryCount[body], -1) - 1;
+      s.entry[slot] = {entryCode(Blocks::kType, i, side), other};
+    });
+  }
+};
+
+struct SortEntries {
+  static constexpr const char* kName = "incidence";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Entry* const first = s.entry + s.entryOffset[i];
+    const int count = s.entryOffset[i + 1] - s.entryOffset[i];
+    constexpr int kInsertion = 24;
+    if (count <= kInsertion) {
+      for (int k = 1; k < count; ++k) {
+        const Entry e = first[k];
+        int j = k;
+        for (; j > 0 && first[j - 1].code > e.code; --j) first[j] = first[j - 1];
+        first[j] = e;
+      }
+      return;
+    }
+    // heap sort: in place and without recursion, for the few bodies that touch many others
+    const auto sift = [&](int root, int size) {
+      for (int child = 2 * root + 1; child < size; child = 2 * root + 1) {
+        if (child + 1 < size && first[child].code < first[child + 1].code) ++child;
+        if (first[root].code >= first[child].code) return;
+        const Entry e = first[root];
+        first[root] = first[child];
+        first[child] = e;
+        root = child;
+      }
+    };
+    for (int k = count / 2 - 1; k >= 0; --k) sift(k, count);
+    for (int k = count - 1; k > 0; --k) {
+      const Entry e = first[0];
+      first[0] = first[k];
+      first[k] = e;
+      sift(0, k);
+    }
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

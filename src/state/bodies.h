@@ -1,0 +1,73 @@
+#pragma once
+/// What is kept of a body, besides its arrays of state.
+#include "collision/manifold.h"
+#include "forces/forces.h"
+
+namespace rubble::RUBBLE_CORE {
+
+enum class BodyKind : int { Removed, Static, Kinematic, Dynamic };
+
+/// Authored once; read-only in a step.
+struct BodyParams {
+  ShapeData shape;
+  BodyKind kind;
+  Real mass;          ///< [kg]; 0 unless dynamic
+  Vec3 inertia;       ///< principal moments, body axes [kg m2]
+  Real radius;        ///< bounding sphere [m]
+  Real muStatic, muDynamic;
+  Real restitution;
+  Real gravityScale;
+};
+
+/// World-aligned box swept over the step, with its cell in the grid of its level.
+struct Bounds {
+  Vec3 centre, half;  ///< [m]
+  int level;          ///< -1: not in the grid (planes, removed bodies)
+  int x, y, z;        ///< cell
+};
+
+/// A body in its place in the grid.
+struct GridEntry {
+  Bounds bounds;
+  int body;
+};
+
+/// Two bodies whose swept boxes meet. The pair belongs to the body of the finer grid level (ties: of lower index).
+struct Pair {
+  int owner, other;
+};
+
+/// One row block that acts on a body, seen from it.
+struct Entry {
+  std::uint32_t code;  ///< sorted: force type (4 bits), index (27 bits), side (1 bit)
+  int other;           ///< the other dynamic body, or -1
+};
+inline constexpr int kContactType = 0;  ///< joint type i is i + 1
+RUBBLE_HD constexpr std::uint32_t entryCode(int type, int index, int side) {
+  return static_cast<std::uint32_t>(type) << 28 | static_cast<std::uint32_t>(index) << 1 | static_cast<std::uint32_t>(side);
+}
+RUBBLE_HD constexpr int entryType(std::uint32_t code) { return static_cast<int>(code >> 28); }
+RUBBLE_HD constexpr int entryIndex(std::uint32_t code) { return static_cast<int>((code & 0x0fffffffu) >> 1); }
+RUBBLE_HD constexpr int entrySide(std::uint32_t code) { return static_cast<int>(code & 1u); }
+
+/// Where a body would go without constraints, and its inertia, in this step.
+struct BodyTarget {
+  MassMatrix mass;
+  Pose y;             ///< displacement [m] and rotation relative to x^t
+};
+
+/// Levels of the grid: cell of level k is 2^(k - kBaseLevel) base cells.
+inline constexpr int kGridLevels = 32;
+inline constexpr int kBaseLevel = 12;
+
+/// Numbers that a step counts. `required` fields may exceed the room there is; then the step is begun again with more.
+struct Counters {
+  int pairs, manifolds, entries, colors;
+  int contacts, recycled;
+  int clashes, rounds;
+  int quarantined, spinLimited, broken;
+  int levelUsed[kGridLevels];
+  int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,142 @@
+#pragma once
+/// Every array of the engine, declared once: meaning, unit, shape and who writes it. A View is handed to each kernel by value.
+#include "state/bodies.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// What an array has one element of.
+enum class Per { Body, BodySlot, Pair, Manifold, Entry, Cell, Color, Plane, Exclusion, Ball, Fixed };
+inline constexpr int kPerCount = 11;
+
+/// How long its content matters: authored (written by edits), state (from step to step), work (inside one step),
+/// unordered (work whose order of elements is not fixed and has no influence on results).
+enum class Life { Authored, State, Work, Unordered };
+
+/// Candidates that a body may own before its pairs are searched a second time.
+inline constexpr int kPairSlots = 12;
+
+template <class F>
+constexpr Per perJoint() { return static_cast<Per>(static_cast<int>(Per::Ball) + typeIndex<F>(JointTypes{})); }
+
+struct View {
+  int bodies = 0;                     ///< slots in use, removed ones included
+  int planes = 0;
+  int cells = 0;                      ///< buckets of the grid, a power of two
+  Real baseCell = 1;                  ///< [m]
+  int joints[JointTypes::kSize] = {}; ///< slots in use of each type
+  StepConstants step{};
+  Counters* counters = nullptr;
+
+  // bodies: authored
+  BodyParams* params = nullptr;
+  int* planeBody = nullptr;           ///< indices of the planes
+  int* exclusionOffset = nullptr;     ///< [bodies + 1] into exclusionBody
+  int* exclusionBody = nullptr;       ///< bodies that this one does not collide with (of higher index), sorted
+  // bodies: state
+  Vec3d* position = nullptr;          ///< centre of mass [m]
+  Quat* orientation = nullptr;        ///< body -> world
+  Vec3* velocity = nullptr;           ///< [m/s]
+  Vec3* spin = nullptr;               ///< world axes [rad/s]
+  Vec3* previousVelocity = nullptr;   ///< one step earlier [m/s]
+  Vec3* force = nullptr;              ///< applied by the user, for one step [N]
+  Vec3* torque = nullptr;             ///< [N m]
+  // bodies: work
+  Bounds* bounds = nullptr;           ///< by Bounds stage
+  int* bucketCount = nullptr;         ///< bodies of each bucket
+  int* bucketOffset = nullptr;        ///< [cells + 1]
+  GridEntry* grid = nullptr;          ///< bodies by bucket
+  int* pairSlot = nullptr;            ///< [bodies][kPairSlots] partners found
+  int* pairCount = nullptr;           ///< pairs that a body owns
+  BodyTarget* target = nullptr;       ///< inertial target
+  Displacement* moved = nullptr;      ///< x - x^t, present iterate
+  Quat* turned = nullptr;             ///< its rotation, q (q^t)^-1
+  int* color = nullptr;               ///< kept from step to step
+  int* nextColor = nullptr;
+  int* colorBody = nullptr;           ///< dynamic bodies by colour
+  int* entryCount = nullptr;          ///< row blocks of a body
+  int* entryOffset = nullptr;         ///< [bodies + 1]
+  int* entryFill = nullptr;
+  // colours
+  int* colorCount = nullptr;          ///< bodies of each colour
+  int* colorOffset = nullptr;         ///< [colors + 1]
+  // pairs
+  int* pairOffset = nullptr;          ///< [bodies + 1] first pair of a body
+  int* oldPairOffset = nullptr;
+  Pair* pair = nullptr;               ///< by owner, then by partner
+  Pair* oldPair = nullptr;
+  Manifold* manifold = nullptr;       ///< one a pair
+  Manifold* oldManifold = nullptr;
+  int* touching = nullptr;            ///< 1 if the pair has points
+  int* rowOfPair = nullptr;           ///< index of its rows
+  // rows
+  ContactRows* contact = nullptr;     ///< one a touching pair, in the order of pairs
+  Entry* entry = nullptr;             ///< row blocks by body
+  Joint<BallJoint>* ball = nullptr;
+  Joint<FixedJoint>* fixed = nullptr;
+
+  template <class F>
+  RUBBLE_HD Joint<F>* jointsOf() const {
+    if constexpr (std::is_same_v<F, BallJoint>) return ball;
+    else return fixed;
+  }
+};
+
+template <class T>
+struct ArrayInfo {
+  T* View::*member;
+  const char* name;
+  const char* unit;
+  Per per;
+  Life life;
+  int extra = 0;  ///< elements beyond one for each
+};
+
+/// Calls f(ArrayInfo) for every array.
+template <class F>
+void forEachArray(F&& f) {
+  const auto is = [&]<class T>(T* View::*member, const char* name, const char* unit, Per per, Life life, int extra = 0) {
+    f(ArrayInfo<T>{member, name, unit, per, life, extra});
+  };
+  is(&View::params, "params", "", Per::Body, Life::Authored);
+  is(&View::planeBody, "planeBody", "", Per::Plane, Life::Authored);
+  is(&View::exclusionOffset, "exclusionOffset", "", Per::Body, Life::Authored, 1);
+  is(&View::exclusionBody, "exclusionBody", "", Per::Exclusion, Life::Authored);
+  is(&View::position, "position", "m", Per::Body, Life::State);
+  is(&View::orientation, "orientation", "", Per::Body, Life::State);
+  is(&View::velocity, "velocity", "m/s", Per::Body, Life::State);
+  is(&View::spin, "spin", "rad/s", Per::Body, Life::State);
+  is(&View::previousVelocity, "previousVelocity", "m/s", Per::Body, Life::State);
+  is(&View::force, "force", "N", Per::Body, Life::State);
+  is(&View::torque, "torque", "N m", Per::Body, Life::State);
+  is(&View::color, "color", "", Per::Body, Life::State);
+  is(&View::oldPairOffset, "oldPairOffset", "", Per::Body, Life::State, 1);
+  is(&View::oldPair, "oldPair", "", Per::Pair, Life::State);
+  is(&View::oldManifold, "oldManifold", "", Per::Pair, Life::State);
+  is(&View::ball, "ball", "", Per::Ball, Life::State);
+  is(&View::fixed, "fixed", "", Per::Fixed, Life::State);
+  is(&View::bounds, "bounds", "m", Per::Body, Life::Work);
+  is(&View::bucketCount, "bucketCount", "", Per::Cell, Life::Work);
+  is(&View::bucketOffset, "bucketOffset", "", Per::Cell, Life::Work, 1);
+  is(&View::grid, "grid", "", Per::Body, Life::Unordered);
+  is(&View::pairSlot, "pairSlot", "", Per::BodySlot, Life::Unordered);
+  is(&View::pairCount, "pairCount", "", Per::Body, Life::Work);
+  is(&View::target, "target", "", Per::Body, Life::Work);
+  is(&View::moved, "moved", "m, rad", Per::Body, Life::Work);
+  is(&View::turned, "turned", "", Per::Body, Life::Work);
+  is(&View::nextColor, "nextColor", "", Per::Body, Life::Work);
+  is(&View::colorBody, "colorBody", "", Per::Body, Life::Unordered);
+  is(&View::entryCount, "entryCount", "", Per::Body, Life::Work);
+  is(&View::entryOffset, "entryOffset", "", Per::Body, Life::Work, 1);
+  is(&View::entryFill, "entryFill", "", Per::Body, Life::Work);
+  is(&View::colorCount, "colorCount", "", Per::Color, Life::Work);
+  is(&View::colorOffset, "colorOffset", "", Per::Color, Life::Work, 1);
+  is(&View::pairOffset, "pairOffset", "", Per::Body, Life::Work, 1);
+  is(&View::pair, "pair", "", Per::Pair, Life::Work);
+  is(&View::manifold, "manifold", "", Per::Pair, Life::Work);
+  is(&View::touching, "touching", "", Per::Pair, Life::Work);
+  is(&View::rowOfPair, "rowOfPair", "", Per::Pair, Life::Work, 1);
+  is(&View::contact, "contact", "", Per::Manifold, Life::State);
+  is(&View::entry, "entry", "", Per::Entry, Life::Work);
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,122 @@
+#include <rubble/error.h>
+#include <rubble/params.h>
+
+#include <cmath>
+#include <sstream>
+
+namespace rubble {
+
+Params Params::of(Preset preset) {
+  Params p;
+  p.preset = preset;
+  Tuning& t = p.tuning;
+  switch (preset) {
+    case Preset::Engine: break;
+    case Preset::Paper:
+      // the seed's line; k_start is left open by it and scales with mass here, tangential rows less because their Hessian is unclamped
+      t.rampRate = 10;
+      t.literalBeta = true;
+      t.errorRetention = .95;
+      t.warmStartDecay = .99;
+      t.tangentStiffness = .01;
+      t.contactPolicy = t.jointPolicy = StiffnessPolicy::Ramp;
+      t.coneHessian = t.dormantRows = t.impactRule = t.compliantRows = false;
+      break;
+    case Preset::Demo3d:
+      t.rampRate = 1e4;
+      t.literalBeta = true;
+      t.errorRetention = .99;
+      t.warmStartDecay = .999;
+      t.contactPolicy = t.jointPolicy = StiffnessPolicy::Ramp;
+      t.coneHessian = t.dormantRows = t.impactRule = t.compliantRows = false;
+      break;
+  }
+  return p;
+}
+
+namespace {
+
+struct RangedField {
+  ParamField field;
+  double min, max;
+};
+
+template <class T>
+RangedField tuning(const char* name, const char* unit, const char* doc, T Tuning::*member, double min, double max) {
+  return {{name, unit, doc, [member](const Params& p) { return static_cast<double>(p.tuning.*member); },
+           [member](Params& p, double v) { p.tuning.*member = static_cast<T>(static_cast<std::conditional_t<std::is_enum_v<T>, int, T>>(v)); }},
+          min, max};
+}
+
+template <class T>
+RangedField direct(const char* name, const char* unit, const char* doc, T Params::*member, double min, double max) {
+  return {{name, unit, doc, [member](const Params& p) { return static_cast<double>(p.*member); },
+           [member](Params& p, double v) { p.*member = static_cast<T>(v); }},
+          min, max};
+}
+
+const std::vector<RangedField>& ranges() {
+  constexpr double kBig = 1e30;
+  static const std::vector<RangedField> fields = {
+      direct("dt", "s", "time step", &Params::dt, 1e-6, 1),
+      direct("iterations", "1", "iterations a step", &Params::iterations, 1, 100000),
+      direct("substeps", "1", "full steps of dt / substeps each", &Params::substeps, 1, 1000),
+      tuning("startStiffness", "1", "K: k_start = K m_row / dt^2", &Tuning::startStiffness, 1e-6, 3),
+      tuning("rampRate", "1", "B: beta = B (m_row / dt^2) / L; beta itself [N/m2] if literalBeta", &Tuning::rampRate, 0, kBig),
+      tuning("literalBeta", "bool", "rampRate is beta itself", &Tuning::literalBeta, 0, 1),
+      tuning("errorRetention", "1", "alpha: part of an inherited error left alone in a step; below 0: 1 - min(1, 3 dt)", &Tuning::errorRetention, -1, 1),
+      tuning("warmStartDecay", "1", "gamma of a step of 1/60 s", &Tuning::warmStartDecay, 0, 1 - 1e-9),
+      tuning("maxStiffness", "1", "k_max over m_row / dt^2", &Tuning::maxStiffness, 1, kBig),
+      tuning("tangentStiffness", "1", "stiffness of tangential rows over that of normal rows", &Tuning::tangentStiffness, 1e-6, 10),
+      tuning("contactPolicy", "enum", "stiffness of contacts: 0 ramp, 1 follows the load", &Tuning::contactPolicy, 0, 1),
+      tuning("jointPolicy", "enum", "stiffness of joints: 0 ramp, 1 follows the load", &Tuning::jointPolicy, 0, 1),
+      tuning("loadDepth", "1", "delta over L: k = |lambda| / delta where stiffness follows the load", &Tuning::loadDepth, 1e-9, 1),
+      tuning("coneHessian", "bool", "cone-consistent Hessian of friction", &Tuning::coneHessian, 0, 1),
+      tuning("dormantRows", "bool", "rows that stay open are left out of a step", &Tuning::dormantRows, 0, 1),
+      tuning("impactRule", "bool", "multipliers of an impact are not warm-started", &Tuning::impactRule, 0, 1),
+      tuning("compliantRows", "bool", "finite stiffness by compliant multipliers, else by the ramp", &Tuning::compliantRows, 0, 1),
+      tuning("contactMargin", "1", "smallest detection margin over the bounding diameter", &Tuning::contactMargin, 0, 1),
+      tuning("recycleTolerance", "1", "relative motion (over the diameter; rad) below which a manifold is kept; 0: never", &Tuning::recycleTolerance, 0, .1),
+  };
+  return fields;
+}
+
+std::string text(double a) {
+  std::ostringstream out;
+  out << a;
+  return out.str();
+}
+
+void check(const RangedField& f, double value) {
+  if (!(value >= f.min && value <= f.max))
+    throw Error(std::string("params.") + f.field.name, "a value from " + text(f.min) + " to " + text(f.max), text(value));
+}
+
+}  // namespace
+
+const std::vector<ParamField>& paramFields() {
+  static const std::vector<ParamField> fields = [] {
+    std::vector<ParamField> out;
+    for (const RangedField& f : ranges()) out.push_back(f.field);
+    return out;
+  }();
+  return fields;
+}
+
+void setParam(Params& params, const std::string& name, double value) {
+  for (const RangedField& f : ranges()) {
+    if (name != f.field.name) continue;
+    check(f, value);
+    f.field.set(params, value);
+    return;
+  }
+  std::string names;
+  for (const RangedField& f : ranges()) names += std::string(names.empty() ? "" : ", ") + f.field.name;
+  throw Error("params", "one of " + names, "\"" + name + "\"");
+}
+
+void validate(const Params& params) {
+  for (const RangedField& f : ranges()) check(f, f.field.get(params));
+}
+
+}  // namespace rubble

@@ -1,0 +1,108 @@
+#include <cmath>
+#include <sstream>
+
+#include <rubble/error.h>
+#include <rubble/scene.h>
+
+namespace rubble {
+
+namespace {
+
+std::string text(double a) {
+  std::ostringstream out;
+  out << a;
+  return out.str();
+}
+std::string text(const Vec3& a) { return "(" + text(a.x) + ", " + text(a.y) + ", " + text(a.z) + ")"; }
+
+void positive(double a, const std::string& path) {
+  if (!(a > 0) || !std::isfinite(a)) throw Error(path, "a positive number", text(a));
+}
+void notNegative(double a, const std::string& path) {
+  if (!(a >= 0) || !std::isfinite(a)) throw Error(path, "a number of at least 0", text(a));
+}
+void finite(const Vec3& a, const std::string& path) {
+  if (!std::isfinite(a.x) || !std::isfinite(a.y) || !std::isfinite(a.z)) throw Error(path, "three finite numbers", text(a));
+}
+void unit(const Quat& q, const std::string& path) {
+  const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
+  if (!(std::fabs(norm - 1) < 1e-3)) throw Error(path, "a unit quaternion", "one of norm " + text(norm));
+}
+/// A stiffness or a threshold: infinity is meant.
+void positiveOrInfinite(double a, const std::string& path) {
+  if (!(a > 0)) throw Error(path, "a positive number or infinity", text(a));
+}
+
+void validateShape(const BodyDef& body, const std::string& path) {
+  const Shape& s = body.shape;
+  switch (s.type) {
+    case ShapeType::Sphere: positive(s.radius, path + ".radius"); break;
+    case ShapeType::Capsule:
+      positive(s.radius, path + ".radius");
+      positive(s.halfLength, path + ".halfLength");
+      break;
+    case ShapeType::Box:
+      positive(s.halfExtents.x, path + ".halfExtents.x");
+      positive(s.halfExtents.y, path + ".halfExtents.y");
+      positive(s.halfExtents.z, path + ".halfExtents.z");
+      break;
+    case ShapeType::Plane:
+      if (body.motion != Motion::Static) throw Error(path, "a static body for a plane", "a moving one");
+      break;
+  }
+}
+
+void validateJoint(const Scene& scene, const JointDef& joint, const std::string& path) {
+  const int count = static_cast<int>(scene.bodies.size());
+  const auto inRange = [&](int body, const char* name) {
+    if (body != kWorld && (body < 0 || body >= count))
+      throw Error(path + name, "a body index below " + std::to_string(count) + " or the world", std::to_string(body));
+  };
+  inRange(joint.bodyA, ".bodyA");
+  inRange(joint.bodyB, ".bodyB");
+  if (joint.bodyA == joint.bodyB) throw Error(path, "two different bodies", "the same one twice");
+  const auto dynamic = [&](int body) { return body != kWorld && scene.bodies[static_cast<std::size_t>(body)].motion == Motion::Dynamic; };
+  if (!dynamic(joint.bodyA) && !dynamic(joint.bodyB)) throw Error(path, "at least one dynamic body", "none");
+  finite(joint.anchorA, path + ".anchorA");
+  finite(joint.anchorB, path + ".anchorB");
+  unit(joint.orientationAtoB, path + ".orientationAtoB");
+  positiveOrInfinite(joint.stiffness, path + ".stiffness");
+  positiveOrInfinite(joint.angularStiffness, path + ".angularStiffness");
+  positiveOrInfinite(joint.breakForce, path + ".breakForce");
+  positiveOrInfinite(joint.breakTorque, path + ".breakTorque");
+}
+
+}  // namespace
+
+void validate(const BodyDef& body, const std::string& path) {
+  validateShape(body, path + ".shape");
+  const Material& m = body.material;
+  notNegative(m.staticFriction, path + ".material.staticFriction");
+  notNegative(m.dynamicFriction, path + ".material.dynamicFriction");
+  if (m.dynamicFriction > m.staticFriction)
+    throw Error(path + ".material.dynamicFriction", "at most the static friction " + text(m.staticFriction), text(m.dynamicFriction));
+  notNegative(m.restitution, path + ".material.restitution");
+  if (m.restitution > 1) throw Error(path + ".material.restitution", "at most 1", text(m.restitution));
+  if (body.motion == Motion::Dynamic) {
+    if (body.mass) positive(*body.mass, path + ".mass");
+    else positive(body.density, path + ".density");
+  }
+  finite(body.position, path + ".position");
+  unit(body.orientation, path + ".orientation");
+  finite(body.velocity, path + ".velocity");
+  finite(body.angularVelocity, path + ".angularVelocity");
+  if (!std::isfinite(body.gravityScale)) throw Error(path + ".gravityScale", "a finite number", text(body.gravityScale));
+}
+
+void validate(const Scene& scene) {
+  finite(scene.gravity, "gravity");
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) validate(scene.bodies[i], "bodies[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < scene.joints.size(); ++i) validateJoint(scene, scene.joints[i], "joints[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < scene.events.size(); ++i) {
+    const std::string path = "events[" + std::to_string(i) + "]";
+    if (scene.events[i].step < 0) throw Error(path + ".step", "a step of at least 0", std::to_string(scene.events[i].step));
+    for (std::size_t k = 0; k < scene.events[i].add.size(); ++k) validate(scene.events[i].add[k], path + ".add[" + std::to_string(k) + "]");
+  }
+}
+
+}  // namespace rubble

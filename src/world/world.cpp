@@ -1,0 +1,194 @@
+#include <rubble/world.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "world/world_impl.h"
+
+namespace rubble {
+
+namespace {
+
+std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
+  if (options.backend == "cpu") return f32::makeCpuEngine(options.threads);
+  if (options.backend == "reference") return f64::makeCpuEngine(options.threads);
+  if (options.backend == "lockstep") return f32::makeLockstepEngine(options.threads);
+  std::string names;
+  for (const std::string& name : backends()) names += (names.empty() ? "" : ", ") + name;
+  throw Error("backend", "one of " + names, "\"" + options.backend + "\"");
+}
+
+}  // namespace
+
+std::vector<std::string> backends() { return {"cpu", "reference", "lockstep"}; }
+
+double StepReport::stageMs(const std::string& name) const {
+  for (const StageTime& stage : stages)
+    if (stage.name == name) return stage.ms;
+  return 0;
+}
+
+World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_unique<Impl>()) {
+  validate(scene);
+  validate(options.params);
+  if (options.threads < 0) throw Error("threads", "a number of at least 0", std::to_string(options.threads));
+  impl_->params = options.params;
+  impl_->engine = makeEngine(options);
+  Registry& r = impl_->registry;
+  r.gravity = scene.gravity;
+  impl_->engine->setBodyCount(static_cast<int>(scene.bodies.size()));
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    r.sceneBodies.push_back(impl_->addBody(scene.bodies[i], "bodies[" + std::to_string(i) + "]"));
+  const auto idOf = [&](int body) { return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)]; };
+  for (const JointDef& joint : scene.joints) impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB));
+}
+
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+StepReport World::step() {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  impl_->flush();
+  StepReport report;
+  report.step = impl_->registry.step;
+  impl_->engine->step(report);
+  ++impl_->registry.step;
+  impl_->registry.time += impl_->params.dt;
+  report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  return report;
+}
+
+const Params& World::params() const { return impl_->params; }
+void World::setParams(const Params& params) {
+  validate(params);
+  impl_->params = params;
+  impl_->settingsChanged = true;
+}
+Vec3 World::gravity() const { return impl_->registry.gravity; }
+void World::setGravity(const Vec3& gravity) {
+  impl_->registry.gravity = gravity;
+  impl_->settingsChanged = true;
+}
+std::int64_t World::stepCount() const { return impl_->registry.step; }
+double World::time() const { return impl_->registry.time; }
+
+BodyId World::add(const BodyDef& body) {
+  validate(body, "body");
+  return impl_->addBody(body, "body");
+}
+void World::remove(BodyId id) { impl_->removeBody(id); }
+bool World::alive(BodyId id) const { return impl_->registry.bodies.alive(id); }
+std::vector<BodyId> World::bodies() const { return impl_->registry.bodies.ids(); }
+
+BodyId World::find(const std::string& name) const {
+  const auto it = impl_->registry.bodyNames.find(name);
+  if (it == impl_->registry.bodyNames.end()) throw Error("body", "the name of a body", "\"" + name + "\"");
+  return it->second;
+}
+BodyId World::bodyAt(int sceneIndex) const {
+  const std::vector<BodyId>& ids = impl_->registry.sceneBodies;
+  if (sceneIndex < 0 || static_cast<std::size_t>(sceneIndex) >= ids.size())
+    throw Error("body", "an index below " + std::to_string(ids.size()), std::to_string(sceneIndex));
+  return ids[static_cast<std::size_t>(sceneIndex)];
+}
+const BodyDef& World::definition(BodyId id) const {
+  impl_->requireAlive(id);
+  return impl_->registry.bodies[id].def;
+}
+MassProperties World::massOf(BodyId id) const {
+  impl_->requireAlive(id);
+  return impl_->registry.bodies[id].mass;
+}
+BodyState World::state(BodyId id) const {
+  impl_->requireAlive(id);
+  return impl_->engine->state(id.index);
+}
+void World::setState(BodyId id, const BodyState& state) {
+  impl_->requireAlive(id);
+  BodyDef probe = impl_->registry.bodies[id].def;
+  probe.position = state.position, probe.orientation = state.orientation;
+  probe.velocity = state.velocity, probe.angularVelocity = state.angularVelocity;
+  validate(probe, "state");
+  impl_->engine->setState(id.index, state);
+}
+void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) {
+  impl_->requireAlive(id);
+  if (impl_->registry.bodies[id].def.motion != Motion::Kinematic) throw Error("target", "a kinematic body", "another");
+  BodyState s = impl_->engine->state(id.index);
+  const double dt = impl_->params.dt;
+  s.velocity = (position - s.position) / dt;
+  Quat d = normalize(orientation) * conjugate(s.orientation);
+  if (d.s < 0) d = {-d.s, -d.v};
+  const double u = length(d.v);
+  s.angularVelocity = u > 0 ? d.v * (2 * std::atan2(u, d.s) / (u * dt)) : Vec3{};
+  impl_->engine->setState(id.index, s);
+}
+void World::applyForce(BodyId id, const Vec3& force) {
+  impl_->requireAlive(id);
+  impl_->engine->addForce(id.index, force, {});
+}
+void World::applyForceAt(BodyId id, const Vec3& force, const Vec3& point) {
+  impl_->requireAlive(id);
+  impl_->engine->addForce(id.index, force, cross(point - impl_->engine->state(id.index).position, force));
+}
+void World::applyTorque(BodyId id, const Vec3& torque) {
+  impl_->requireAlive(id);
+  impl_->engine->addForce(id.index, {}, torque);
+}
+void World::applyImpulse(BodyId id, const Vec3& impulse) {
+  impl_->requireAlive(id);
+  if (impl_->registry.bodies[id].def.motion != Motion::Dynamic) return;
+  BodyState s = impl_->engine->state(id.index);
+  s.velocity += impulse / impl_->registry.bodies[id].mass.mass;
+  impl_->engine->setState(id.index, s);
+}
+
+JointId World::addJoint(const JointDef& joint, BodyId a, BodyId b) { return impl_->addJoint(joint, a, b); }
+void World::remove(JointId id) { impl_->removeJoint(id); }
+bool World::alive(JointId id) const { return impl_->registry.joints.alive(id); }
+std::vector<JointId> World::joints() const { return impl_->registry.joints.ids(); }
+JointId World::findJoint(const std::string& name) const {
+  const auto it = impl_->registry.jointNames.find(name);
+  if (it == impl_->registry.jointNames.end()) throw Error("joint", "the name of a joint", "\"" + name + "\"");
+  return it->second;
+}
+JointState World::state(JointId id) const {
+  impl_->requireAlive(id);
+  const JointRecord& joint = impl_->registry.joints[id];
+  return impl_->engine->jointState(static_cast<int>(joint.def.type), joint.engineSlot);
+}
+
+Quality World::quality() const { return impl_->engine->quality(); }
+
+std::vector<ContactPoint> World::contacts() const {
+  std::vector<ContactPoint> out;
+  for (const EngineContact& c : impl_->engine->contacts()) {
+    const auto a = impl_->registry.bodies.at(c.a), b = impl_->registry.bodies.at(c.b);
+    if (a && b) out.push_back({*a, *b, c.position, c.normal, c.depth, c.force});
+  }
+  return out;
+}
+
+std::size_t World::memoryBytes() const { return impl_->engine->memoryBytes(); }
+std::uint64_t World::hash() const {
+  impl_->flush();
+  return impl_->engine->hash();
+}
+
+Snapshot World::snapshot() const {
+  impl_->flush();
+  return {std::make_shared<Snapshot::Data>(Snapshot::Data{impl_->registry, impl_->params, impl_->engine->save()})};
+}
+void World::restore(const Snapshot& snapshot) {
+  if (!snapshot.data) throw Error("snapshot", "one made by World::snapshot", "an empty one");
+  impl_->registry = snapshot.data->registry;
+  impl_->params = snapshot.data->params;
+  impl_->engine->load(snapshot.data->engine);
+  impl_->settingsChanged = true;
+}
+
+std::string World::firstDifference() const { return impl_->engine->firstDifference(); }
+
+}  // namespace rubble

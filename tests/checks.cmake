@@ -1,0 +1,65 @@
+# The project's own checks as tests, so that one ctest says everything. Label checks: in any run. Label heavy: builds something first.
+
+function(rubble_add_check name label)
+  add_test(NAME check.${name} COMMAND ${ARGN} WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set_tests_properties(check.${name} PROPERTIES LABELS ${label} TIMEOUT 1800 SKIP_RETURN_CODE 77)
+endfunction()
+
+# A build of another preset, and what then runs in it. Builds take every core, so nothing runs beside them.
+function(rubble_add_build preset)
+  rubble_add_check(build.${preset} heavy ${CMAKE_COMMAND} -E env RUBBLE_SETUP=off ./dev build ${preset})
+  set_tests_properties(check.build.${preset} PROPERTIES FIXTURES_SETUP ${preset} RUN_SERIAL ON)
+  if(ARGN)
+    rubble_add_check(run.${preset} heavy ${ARGN})
+    set_tests_properties(check.run.${preset} PROPERTIES FIXTURES_REQUIRED ${preset} RUN_SERIAL ON)
+  endif()
+endfunction()
+
+# nvcc must take all of the engine that is shared by host and device, whether or not the CUDA backend is built.
+if(RUBBLE_NVCC)
+  file(GLOB core_headers RELATIVE ${PROJECT_SOURCE_DIR}/src CONFIGURE_DEPENDS
+    ${PROJECT_SOURCE_DIR}/src/math/*.h ${PROJECT_SOURCE_DIR}/src/solver/*.h
+    ${PROJECT_SOURCE_DIR}/src/forces/*.h ${PROJECT_SOURCE_DIR}/src/collision/*.h)
+  list(TRANSFORM core_headers REPLACE "(.+)" "#include \"\\1\"")
+  list(JOIN core_headers "\n" core_headers)
+  file(CONFIGURE OUTPUT ${rubble_generated_dir}/core_headers.h CONTENT "#pragma once\n@core_headers@\n" @ONLY)
+  set(object ${CMAKE_CURRENT_BINARY_DIR}/cuda_compile_check.o)
+  add_custom_command(OUTPUT ${object}
+    COMMAND ${RUBBLE_NVCC} -std=c++20 -O1 -arch=sm_90 -Werror=all-warnings --expt-relaxed-constexpr --extended-lambda
+      -DRUBBLE_CORE=f32 -DRUBBLE_REAL=float
+      -I${PROJECT_SOURCE_DIR}/include -I${PROJECT_SOURCE_DIR}/src -I${rubble_generated_dir}
+      -MD -MF ${object}.d -c ${CMAKE_CURRENT_SOURCE_DIR}/cuda/compile_check.cu -o ${object}
+    DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/cuda/compile_check.cu ${rubble_generated_dir}/core_headers.h
+    DEPFILE ${object}.d
+    COMMENT "nvcc: headers of math, solver, forces and collision" VERBATIM)
+  add_custom_target(cuda_compile_check DEPENDS ${object})
+endif()
+
+if(RUBBLE_CHECKS)
+  foreach(script layers equations links sizes words)
+    rubble_add_check(${script} checks ${Python3_EXECUTABLE} tools/check_${script})
+  endforeach()
+  rubble_add_check(tools checks ${Python3_EXECUTABLE} -B -m unittest discover -s tests/tools)
+  rubble_add_check(packaging heavy bash tests/packaging/run ${PROJECT_BINARY_DIR} ${CMAKE_CXX_COMPILER})
+
+  if(RUBBLE_NVCC)
+    rubble_add_check(build.cuda_compile checks ${CMAKE_COMMAND} --build ${PROJECT_BINARY_DIR} --target cuda_compile_check)
+    set_tests_properties(check.build.cuda_compile PROPERTIES RUN_SERIAL ON)
+  endif()
+  find_program(RUBBLE_CLANG clang++)
+  if(RUBBLE_CLANG)
+    rubble_add_build(clang)
+  endif()
+  cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
+  rubble_add_build(sanitize ${CMAKE_CTEST_COMMAND} --test-dir build/sanitize --output-on-failure --parallel ${cores})
+
+  # A GPU that works: its tests run in the build that has the CUDA backend.
+  find_program(RUBBLE_NVIDIA_SMI nvidia-smi)
+  if(RUBBLE_NVCC AND RUBBLE_NVIDIA_SMI)
+    execute_process(COMMAND ${RUBBLE_NVIDIA_SMI} -L RESULT_VARIABLE no_gpu OUTPUT_QUIET ERROR_QUIET)
+    if(no_gpu EQUAL 0)
+      rubble_add_build(cuda ${CMAKE_CTEST_COMMAND} --test-dir build/cuda --output-on-failure --label-regex gpu)
+      set_tests_properties(check.build.cuda check.run.cuda PROPERTIES LABELS "heavy;gpu")
+    endif()
+  endif()
+endif()

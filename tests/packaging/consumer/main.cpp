@@ -1,0 +1,20 @@
+#include <cstdio>
+#include <rubble/rubble.h>
+
+int main() {
+  rubble::Scene scene;
+  rubble::BodyDef ground;
+  ground.motion = rubble::Motion::Static;
+  ground.shape = rubble::Shape::plane();
+  scene.bodies.push_back(ground);
+  for (int level = 0; level < 10; ++level) {
+    rubble::BodyDef brick;  // 1000 kg/m3 and friction .6, unless said otherwise
+    brick.shape = rubble::Shape::box({.5, .25, .25});
+    brick.position = {.2 * (level % 2), 0, .25 + .5 * level};
+    scene.bodies.push_back(brick);
+  }
+
+  rubble::World world(scene);
+  for (int step = 0; step < 120; ++step) world.step();
+  std::printf("the top brick rests at %.2f m\n", world.state(world.bodyAt(10)).position.z);
+}
