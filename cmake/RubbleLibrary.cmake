@@ -5,7 +5,7 @@ file(GLOB rubble_host_sources CONFIGURE_DEPENDS
   ${PROJECT_SOURCE_DIR}/src/world/*.cpp ${PROJECT_SOURCE_DIR}/src/cook/*.cpp ${PROJECT_SOURCE_DIR}/src/backend/*.cpp)
 file(GLOB rubble_core_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/cpu/*.cpp)
 file(GLOB rubble_lockstep_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/lockstep/*.cpp)
-file(GLOB rubble_cuda_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/cuda/*.cu)
+file(GLOB rubble_cuda_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/cuda/*.cu ${PROJECT_SOURCE_DIR}/src/backend/cuda/*.cpp)
 
 # What every part of the library is compiled with.
 add_library(rubble_common INTERFACE)
@@ -43,6 +43,7 @@ if(rubble_cuda AND rubble_cuda_sources)
   # A host-only call in device code is a mere warning to nvcc, and the kernel silently becomes empty: so warnings are errors.
   target_compile_options(rubble_core_cuda PRIVATE
     $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings --expt-relaxed-constexpr --extended-lambda -Xcompiler=-ffp-contract=off>)
+  target_link_libraries(rubble_core_cuda PRIVATE CUDA::cudart_static)
   target_compile_definitions(rubble PRIVATE RUBBLE_HAS_CUDA=1)
   target_link_libraries(rubble PRIVATE CUDA::cudart_static)
 endif()

@@ -45,7 +45,8 @@ void checkName(const Node& node, const BodyDef& body) {
   if (body.name.empty()) return;
   const Node where = node.child("name");
   if (body.name == "world") where.faultText("expected a name other than \"world\", which joints use for the fixed world, got it");
-  if (body.name.back() == '*') where.faultText("expected a name without a final '*', which stands for a prefix, got " + describe(body.name));
+  if (body.name.back() == '*')
+    where.faultText("expected a name without a final '*', which stands for a prefix, got " + describe(body.name));
 }
 
 }  // namespace
@@ -114,7 +115,8 @@ Material BodyReader::material(const Node& node) const {
   object.read("dynamic_friction", out.dynamicFriction, kNotNegative);
   object.read("restitution", out.restitution, kRatio);
   if (out.dynamicFriction > out.staticFriction)
-    node.faultText("expected dynamic_friction of at most static_friction, got " + Json(out.dynamicFriction).dump() + " above " + Json(out.staticFriction).dump());
+    node.faultText("expected dynamic_friction of at most static_friction, got " + Json(out.dynamicFriction).dump() + " above " +
+                   Json(out.staticFriction).dump());
   object.finish();
   return out;
 }
@@ -124,7 +126,8 @@ BodyDef BodyReader::body(const Node& node) const {
   ObjectReader object(node, "a body");
   if (!object.isObject()) return out;
   object.read("name", out.name);
-  if (const auto found = object.get("motion")) out.motion = static_cast<Motion>(found->choice({"static", "kinematic", "dynamic"}).value_or(2));
+  if (const auto found = object.get("motion"))
+    out.motion = static_cast<Motion>(found->choice({"static", "kinematic", "dynamic"}).value_or(2));
   const auto shapeNode = object.need("shape", "such as {\"type\": \"box\", \"size\": [1, 1, 1]}");
   if (shapeNode) out.shape = readShape(*shapeNode);
   // A plane has no volume to move: it need not be said that it is static.

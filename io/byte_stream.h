@@ -12,7 +12,7 @@ namespace rubble::io {
 class ByteWriter {
  public:
   template <class T>
-    requires std::is_integral_v<T>
+  requires std::is_integral_v<T>
   void put(T value) {
     const auto bits = static_cast<std::make_unsigned_t<T>>(value);
     for (std::size_t i = 0; i < sizeof(T); ++i) bytes_.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
@@ -34,11 +34,11 @@ class ByteReader {
   explicit ByteReader(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
 
   template <class T>
-    requires std::is_integral_v<T>
-  T get() {
+  requires std::is_integral_v<T> T get() {
     std::make_unsigned_t<T> bits = 0;
     if (!has(sizeof(T))) return 0;
-    for (std::size_t i = 0; i < sizeof(T); ++i) bits = static_cast<std::make_unsigned_t<T>>(bits | static_cast<std::make_unsigned_t<T>>(bytes_[at_ + i]) << (8 * i));
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+      bits = static_cast<std::make_unsigned_t<T>>(bits | static_cast<std::make_unsigned_t<T>>(bytes_[at_ + i]) << (8 * i));
     at_ += sizeof(T);
     return static_cast<T>(bits);
   }

@@ -20,7 +20,7 @@ constexpr std::uint32_t chunkName(const char (&letters)[5]) {
 struct Chunk {
   std::uint64_t offset = 0;  ///< of its head in the file
   std::uint32_t name = 0;
-  Bytes content;             ///< decompressed
+  Bytes content;  ///< decompressed
 };
 
 /// Appends chunks. Every call throws Error if the file cannot be written.

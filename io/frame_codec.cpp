@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t kWords = 5;
 constexpr int kQuaternionBits = 20;
 constexpr std::uint64_t kQuaternionMask = (1u << kQuaternionBits) - 1;
+/// Zero lies in the middle of the range.
+constexpr double kQuaternionHalf = (1u << (kQuaternionBits - 1)) - 1;
 constexpr double kLargestOffset = 2147483000;
 
 std::uint32_t zigzag(std::int32_t value) { return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31); }
@@ -40,9 +42,9 @@ std::uint64_t packQuaternion(const Quat& q) {
   for (int i = 0; i < 4; ++i) {
     if (i == largest) continue;
     // The smaller three lie within 1/sqrt 2 of zero, and zero itself is met exactly.
-    const double scaled = sign * component(q, i) * std::numbers::sqrt2 * (kQuaternionMask / 2);
-    const double whole = std::isfinite(scaled) ? std::clamp(std::round(scaled), -double(kQuaternionMask / 2), double(kQuaternionMask / 2)) : 0;
-    bits = bits << kQuaternionBits | static_cast<std::uint64_t>(whole + double(kQuaternionMask / 2));
+    const double scaled = sign * component(q, i) * std::numbers::sqrt2 * kQuaternionHalf;
+    const double whole = std::isfinite(scaled) ? std::clamp(std::round(scaled), -kQuaternionHalf, kQuaternionHalf) : 0;
+    bits = bits << kQuaternionBits | static_cast<std::uint64_t>(whole + kQuaternionHalf);
   }
   return bits;
 }
@@ -54,8 +56,8 @@ Quat unpackQuaternion(std::uint64_t bits) {
   int shift = 2 * kQuaternionBits;
   for (int i = 0; i < 4; ++i) {
     if (i == largest) continue;
-    const auto whole = static_cast<double>(bits >> shift & kQuaternionMask) - double(kQuaternionMask / 2);
-    c[static_cast<std::size_t>(i)] = whole / (std::numbers::sqrt2 * (kQuaternionMask / 2));
+    const auto whole = static_cast<double>(bits >> shift & kQuaternionMask) - kQuaternionHalf;
+    c[static_cast<std::size_t>(i)] = whole / (std::numbers::sqrt2 * kQuaternionHalf);
     rest -= c[static_cast<std::size_t>(i)] * c[static_cast<std::size_t>(i)];
     shift -= kQuaternionBits;
   }
@@ -88,7 +90,8 @@ bool FrameEncoder::add(const RecordedFrame& frame) {
   planes_.resize(begin + 4 * words.size());
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::uint32_t difference = zigzag(static_cast<std::int32_t>(words[i] - previous_[i]));
-    for (std::size_t byte = 0; byte < 4; ++byte) planes_[begin + byte * words.size() + i] = static_cast<std::uint8_t>(difference >> (8 * byte));
+    for (std::size_t byte = 0; byte < 4; ++byte)
+      planes_[begin + byte * words.size() + i] = static_cast<std::uint8_t>(difference >> (8 * byte));
   }
   previous_ = std::move(words);
   return true;

@@ -29,9 +29,9 @@ class FrameEncoder {
   double resolution_;
   std::vector<std::int64_t> steps_;
   std::vector<double> times_;
-  std::vector<Vec3> origins_;           ///< positions of the first frame, exact
-  std::vector<std::uint32_t> previous_; ///< words of the frame before
-  std::vector<std::uint8_t> planes_;    ///< differences, byte by byte
+  std::vector<Vec3> origins_;            ///< positions of the first frame, exact
+  std::vector<std::uint32_t> previous_;  ///< words of the frame before
+  std::vector<std::uint8_t> planes_;     ///< differences, byte by byte
 };
 
 /// Frames of a chunk; nothing if the bytes are not what an encoder makes for that many bodies.

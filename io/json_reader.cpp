@@ -26,42 +26,45 @@ std::string inQuotes(const std::string& text) {
   return "\"" + (text.size() <= kShown ? text : text.substr(0, kShown) + "...") + "\"";
 }
 
+/// What follows the mark: the library says "[json.exception.parse_error.101] parse error at line 3, column 7: syntax error while ...".
+std::string behind(const std::string& mark, const std::string& message) {
+  const std::size_t begin = message.find(mark);
+  return begin == std::string::npos ? message : message.substr(begin + mark.size());
+}
+
 Fault syntaxFault(const std::string& text, const Json::parse_error& error) {
   Fault fault;
   const std::size_t end = std::min(error.byte > 0 ? error.byte - 1 : 0, text.size());
   fault.line = 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
   const std::size_t lineStart = end == 0 ? std::string::npos : text.rfind('\n', end - 1);
   fault.column = static_cast<int>(end - (lineStart == std::string::npos ? 0 : lineStart + 1)) + 1;
-  // The library says "[json.exception.parse_error.101] parse error at line 3, column 7: syntax error while parsing ...".
-  const std::string message = error.what();
-  const std::size_t begin = message.find(": ");
-  fault.message = begin == std::string::npos ? message : message.substr(begin + 2);
+  fault.message = behind(": ", error.what());
   return fault;
 }
 
-/// Follows the parser through the text, to see keys that appear twice: a parsed object has only the last.
-class DuplicateKeys {
+/// Goes through a text and notes keys that appear twice in one object: a parsed object has only the last. It leaves syntax to the parser.
+class DuplicateKeys final : public Json::json_sax_t {
  public:
   explicit DuplicateKeys(std::vector<Fault>& faults) : faults_(faults) {}
 
-  void operator()(Json::parse_event_t event, const Json& parsed) {
-    using Event = Json::parse_event_t;
-    switch (event) {
-      case Event::object_start:
-      case Event::array_start:
-        countElement();
-        levels_.push_back({event == Event::array_start, -1, "", {}});
-        break;
-      case Event::object_end:
-      case Event::array_end: levels_.pop_back(); break;
-      case Event::key:
-        levels_.back().key = parsed.get<std::string>();
-        if (!levels_.back().keys.insert(levels_.back().key).second)
-          faults_.push_back({path(), 0, 0, "expected each key once, got " + inQuotes(levels_.back().key) + " again"});
-        break;
-      case Event::value: countElement(); break;
-    }
+  bool null() override { return element(); }
+  bool boolean(bool) override { return element(); }
+  bool number_integer(number_integer_t) override { return element(); }
+  bool number_unsigned(number_unsigned_t) override { return element(); }
+  bool number_float(number_float_t, const string_t&) override { return element(); }
+  bool string(string_t&) override { return element(); }
+  bool binary(binary_t&) override { return element(); }
+  bool start_object(std::size_t) override { return begin(false); }
+  bool start_array(std::size_t) override { return begin(true); }
+  bool end_object() override { return end(); }
+  bool end_array() override { return end(); }
+  bool key(string_t& key) override {
+    Level& level = levels_.back();
+    level.key = key;
+    if (!level.keys.insert(key).second) faults_.push_back({path(), 0, 0, "expected each key once, got " + inQuotes(key) + " again"});
+    return true;
   }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
 
  private:
   struct Level {
@@ -71,8 +74,18 @@ class DuplicateKeys {
     std::set<std::string> keys;
   };
 
-  void countElement() {
+  bool element() {
     if (!levels_.empty() && levels_.back().isArray) ++levels_.back().index;
+    return true;
+  }
+  bool begin(bool isArray) {
+    element();
+    levels_.push_back({isArray, -1, "", {}});
+    return true;
+  }
+  bool end() {
+    levels_.pop_back();
+    return true;
   }
   std::string path() const {
     std::string text;
@@ -228,21 +241,17 @@ void ObjectReader::read(const std::string& key, Vec3& out) {
 }
 
 std::optional<Json> parseJson(const std::string& text, std::vector<Fault>& faults) {
-  const std::size_t before = faults.size();
-  DuplicateKeys duplicates(faults);
   try {
-    return Json::parse(text, [&](int, Json::parse_event_t event, const Json& parsed) {
-      duplicates(event, parsed);
-      return true;
-    });
+    Json json = Json::parse(text);
+    DuplicateKeys duplicates(faults);
+    Json::sax_parse(text, &duplicates);
+    return json;
   } catch (const Json::parse_error& error) {
-    faults.resize(before);
     faults.push_back(syntaxFault(text, error));
-    return std::nullopt;
   } catch (const Json::out_of_range& error) {
-    faults.push_back({"", 0, 0, error.what()});
-    return std::nullopt;
+    faults.push_back({"", 0, 0, behind("] ", error.what())});
   }
+  return std::nullopt;
 }
 
 }  // namespace rubble::io

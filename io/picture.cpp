@@ -29,8 +29,10 @@ float smoothstep(float low, float high, float x) {
 }
 
 View cameraView(const PictureSettings& s) {
-  if (s.width < 1 || s.height < 1) throw Error("picture.size", "at least one pixel", std::to_string(s.width) + "x" + std::to_string(s.height));
-  if (!(s.fieldOfView > 0 && s.fieldOfView < 3.1)) throw Error("picture.fieldOfView", "an angle above 0 and below 3.1 rad", std::to_string(s.fieldOfView));
+  if (s.width < 1 || s.height < 1)
+    throw Error("picture.size", "at least one pixel", std::to_string(s.width) + "x" + std::to_string(s.height));
+  if (!(s.fieldOfView > 0 && s.fieldOfView < 3.1))
+    throw Error("picture.fieldOfView", "an angle above 0 and below 3.1 rad", std::to_string(s.fieldOfView));
   const double distance = length(s.target - s.eye);
   if (!(distance > 0)) throw Error("picture.eye", "a point other than the target", "the target");
   View view;
@@ -77,7 +79,7 @@ class Painter {
   std::span<const PictureBody> bodies_;
   View view_;
   std::vector<ViewBody> viewBodies_;
-  Vec up_;          ///< view space
+  Vec up_;  ///< view space
   Vec3 toSunWorld_;
   Vec toSun_;       ///< view space
   float distance_;  ///< eye to target [m]
@@ -149,7 +151,8 @@ Vec Painter::surfaceColor(std::uint32_t index, std::uint32_t face, const Vec& po
   const float pixel = 2 / (view_.scale * nearness);
   const Vec p = point - body.center;
   switch (body.type) {
-    case ShapeType::Plane: return color * (1 - .28f * groundLines(body, point, nearness));
+    case ShapeType::Plane:
+      return color * (1 - .28f * groundLines(body, point, nearness));
     case ShapeType::Box: {
       // A fine dark rim tells neighbours apart.
       const int axis = static_cast<int>(face / 2), u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -200,7 +203,8 @@ Vec Painter::sample(int x, int y) const {
   const Vec normal = normalAt(viewBodies_[index], face, point);
   const float open = skySeen(x, y);
   const float facing = std::max(0.f, dot(normal, toSun_));
-  const auto pattern = static_cast<std::uint32_t>((x & 1) + 2 * (y & 1)) * 16 + hash(static_cast<std::uint32_t>((x / 2 % 4) + 4 * (y / 2 % 4))) % 16;
+  const auto pattern =
+      static_cast<std::uint32_t>((x & 1) + 2 * (y & 1)) * 16 + hash(static_cast<std::uint32_t>((x / 2 % 4) + 4 * (y / 2 % 4))) % 16;
   const float sun = facing > 0 ? facing * shadow_.sunlight(point, normal, pattern) : 0;
   const Vec ambient = mix(kGroundlight, kSkylight, .5f + .5f * dot(normal, up_)) * (.62f * open);
   const Vec light = ambient + kSunlight * (sun * (.65f + .35f * open));
@@ -217,7 +221,7 @@ Image Painter::paint() const {
       Vec sum;
       for (int sy = 0; sy < kSamples; ++sy)
         for (int sx = 0; sx < kSamples; ++sx) sum += displayed(sample(kSamples * x + sx, kSamples * y + sy));
-      for (int c = 0; c < 3; ++c) image.rgb.push_back(static_cast<std::uint8_t>(255 * sum[c] / (kSamples * kSamples) + .5f));
+      for (int c = 0; c < 3; ++c) image.rgb.push_back(static_cast<std::uint8_t>(std::lround(255 * sum[c] / (kSamples * kSamples))));
     }
   }
   return image;

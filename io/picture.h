@@ -14,10 +14,10 @@ namespace rubble::io {
 /// A body as it is drawn.
 struct PictureBody {
   Shape shape;
-  Vec3 position;         ///< world [m]
-  Quat orientation;      ///< body -> world
-  double speed = 0;      ///< [m/s]
-  std::uint32_t key = 0; ///< picks the colour; stays with the body
+  Vec3 position;          ///< world [m]
+  Quat orientation;       ///< body -> world
+  double speed = 0;       ///< [m/s]
+  std::uint32_t key = 0;  ///< picks the colour; stays with the body
   Motion motion = Motion::Dynamic;
 };
 
@@ -29,7 +29,7 @@ struct PictureSettings {
   Vec3 up{0, 0, 1};                      ///< any length; need not be square to the view
   double fieldOfView = .6;               ///< full vertical angle [rad]
   ColorBy colorBy = ColorBy::Body;
-  double fullSpeed = 0;                  ///< speed drawn in the hottest colour [m/s]; 0: the fastest body
+  double fullSpeed = 0;  ///< speed drawn in the hottest colour [m/s]; 0: the fastest body
 };
 
 /// Rows from the top, three bytes (red, green, blue; sRGB) a pixel.
@@ -43,11 +43,17 @@ Image drawPicture(std::span<const PictureBody> bodies, const PictureSettings& se
 
 /// Every body of a world as it is now.
 std::vector<PictureBody> pictureBodies(const World& world);
-/// Every body of a scene as it begins.
-std::vector<PictureBody> pictureBodies(const Scene& scene);
+/// Every body of a scene as it begins; also those that events add, if `withEvents`.
+std::vector<PictureBody> pictureBodies(const Scene& scene, bool withEvents = false);
 
-/// Eye, target and up that show all the bodies that are not planes, from the side and a little above. Up is against gravity.
-void frameBodies(std::span<const PictureBody> bodies, const Vec3& gravity, PictureSettings& settings);
+/// What frameBodies leaves room for and where it looks along.
+struct Framing {
+  Vec3 direction;     ///< from the eye on; zero: from the side and a little above
+  double spread = 0;  ///< room on every side for what may fall there, over the height of what stands
+};
+
+/// Sets eye, target and up so that all the bodies that are not planes are seen. Up is against gravity.
+void frameBodies(std::span<const PictureBody> bodies, const Vec3& gravity, PictureSettings& settings, const Framing& framing = {});
 
 /// Throws Error if the file cannot be written.
 void writePng(const Image& image, const std::string& file);

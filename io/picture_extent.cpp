@@ -15,10 +15,14 @@ Range coreRange(std::vector<double> values) {
 
 double boundingRadius(const Shape& shape) {
   switch (shape.type) {
-    case ShapeType::Box: return length(shape.halfExtents);
-    case ShapeType::Sphere: return shape.radius;
-    case ShapeType::Capsule: return shape.radius + shape.halfLength;
-    case ShapeType::Plane: break;
+    case ShapeType::Box:
+      return length(shape.halfExtents);
+    case ShapeType::Sphere:
+      return shape.radius;
+    case ShapeType::Capsule:
+      return shape.radius + shape.halfLength;
+    case ShapeType::Plane:
+      break;
   }
   return 0;
 }

@@ -12,7 +12,7 @@
 namespace rubble::io::draw {
 namespace {
 
-constexpr int kMapSize = 4096;
+constexpr int kSmallestMap = 256, kLargestMap = 4096;
 /// Half the angle under which the sun is seen: soft enough to read, sharp at the foot of things.
 constexpr float kSunSpread = .045f;
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
@@ -45,14 +45,14 @@ View sunView(const View& camera, std::span<const PictureBody> bodies, const Vec3
   if (xs.empty()) return view;
   const Range x = coreRange(std::move(xs)), y = coreRange(std::move(ys));
   view.eye = view.right * x.middle() + view.up * y.middle();
-  view.width = view.height = kMapSize;
-  view.scale = static_cast<float>(kMapSize / (2.1 * (std::max(x.half(), y.half()) + margin)));
+  // As fine as the picture is.
+  view.width = view.height = std::clamp(std::max(camera.width, camera.height), kSmallestMap / 2, kLargestMap / 2) * 2;
+  view.scale = static_cast<float>(view.width / (2.1 * (std::max(x.half(), y.half()) + margin)));
   return view;
 }
 
 /// `count` points of a disc, evenly spread, turned by `turn` [1 = once round].
-template <std::size_t count>
-struct Disc {
+template <std::size_t count> struct Disc {
   std::array<float, count> x, y;
   explicit Disc(float turn) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -67,8 +67,7 @@ struct Disc {
 constexpr std::size_t kPatterns = 64;
 
 /// Discs turned by equal amounts; neighbours in the list are far apart in angle.
-template <std::size_t count>
-const std::vector<Disc<count>>& discs() {
+template <std::size_t count> const std::vector<Disc<count>>& discs() {
   static const std::vector<Disc<count>> all = [] {
     std::vector<Disc<count>> made;
     for (std::size_t i = 0; i < kPatterns; ++i) made.emplace_back(std::fmod(.618034f * static_cast<float>(i), 1.f));
@@ -90,9 +89,9 @@ Shadow::Shadow(const View& camera, std::span<const PictureBody> bodies, const Ve
 Vec Shadow::toMap(const Vec& pointInCamera) const { return turn_ * pointInCamera + shift_; }
 
 float Shadow::nearnessAt(float x, float y) const {
-  const float half = .5f * static_cast<float>(kMapSize);
+  const float half = .5f * static_cast<float>(view_.width);
   const int column = static_cast<int>(x * view_.scale + half), row = static_cast<int>(half - y * view_.scale);
-  if (column < 0 || row < 0 || column >= kMapSize || row >= kMapSize) return -std::numeric_limits<float>::infinity();
+  if (column < 0 || row < 0 || column >= view_.width || row >= view_.height) return -std::numeric_limits<float>::infinity();
   return map_.nearness[map_.at(column, row)];
 }
 
@@ -100,7 +99,7 @@ float Shadow::sunlight(const Vec& pointInCamera, const Vec& normalInCamera, std:
   if (empty_) return 1;
   const Vec p = toMap(pointInCamera + normalInCamera * (1.5f * texel_));
   const float widest = 24 * texel_;
-  const float edge = .5f * static_cast<float>(kMapSize) * texel_ - widest;
+  const float edge = .5f * static_cast<float>(view_.width) * texel_ - widest;
   if (std::fabs(p.x) > edge || std::fabs(p.y) > edge) return 1;
   const float bias = 1.5f * texel_;
 
@@ -116,8 +115,7 @@ float Shadow::sunlight(const Vec& pointInCamera, const Vec& normalInCamera, std:
   const float width = std::clamp(distance / static_cast<float>(blockers) * kSunSpread, 1.5f * texel_, widest);
   const Disc<8>& taps = discs<8>()[(pattern + 29) % kPatterns];
   int lit = 0;
-  for (std::size_t i = 0; i < 8; ++i)
-    lit += nearnessAt(p.x + width * taps.x[i], p.y + width * taps.y[i]) + p.z < bias;
+  for (std::size_t i = 0; i < 8; ++i) lit += nearnessAt(p.x + width * taps.x[i], p.y + width * taps.y[i]) + p.z < bias;
   return static_cast<float>(lit) / 8;
 }
 

@@ -24,7 +24,7 @@ class Shadow {
   Surfaces map_;
   Mat3T<float> turn_;  ///< camera -> sun
   Vec shift_;
-  float texel_ = 1;    ///< [m]
+  float texel_ = 1;  ///< [m]
   bool empty_ = false;
 };
 

@@ -18,28 +18,23 @@ Vec fromHex(std::uint32_t rgb) {
 Vec mix(const Vec& a, const Vec& b, float t) { return a + (b - a) * t; }
 
 /// Two ends of each family: bodies of one kind lie between them.
-constexpr std::array<std::array<std::uint32_t, 2>, 6> kFamilies{{
+constexpr std::array<std::array<std::uint32_t, 2>, 5> kFamilies{{
     {0xb9532f, 0xe2b07e},  // brick
     {0x1f5673, 0x5fa3b5},  // harbour
     {0x56703b, 0xb4bf76},  // moss
     {0x6a4a78, 0xb894b5},  // heather
     {0xb98a1c, 0xecd07a},  // straw
-    {0x8c2f39, 0xd9797a},  // madder
 }};
 constexpr std::uint32_t kStaticColor = 0xa3a7ab;
 constexpr std::uint32_t kKinematicColor = 0x52616b;
 constexpr std::uint32_t kPlaneColor = 0xcfd2d4;
 
-std::uint32_t quantized(double value) { return std::bit_cast<std::uint32_t>(static_cast<float>(value)) >> 12; }
+std::uint32_t sizeBits(double size) { return std::bit_cast<std::uint32_t>(static_cast<float>(size)) >> 12; }
 
-/// Equal for bodies of one kind and size.
+/// Boxes are bricks, spheres are blue, capsules of one radius are alike.
 std::size_t familyOf(const Shape& shape) {
-  if (shape.type == ShapeType::Box) {
-    const std::uint32_t size = quantized(shape.halfExtents.x) ^ hash(quantized(shape.halfExtents.y)) ^ hash(hash(quantized(shape.halfExtents.z)));
-    // Boxes of the usual sizes are bricks; the others are told apart.
-    return hash(size) % 3 == 0 ? 4 : 0;
-  }
-  return shape.type == ShapeType::Sphere ? 1 : 2 + hash(quantized(shape.radius)) % 2;
+  if (shape.type == ShapeType::Box) return 0;
+  return shape.type == ShapeType::Sphere ? 1 : 2 + hash(sizeBits(shape.radius)) % 3;
 }
 
 }  // namespace

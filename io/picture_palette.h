@@ -7,7 +7,7 @@ namespace rubble::io::draw {
 
 /// Colours are linear light (red, green, blue), 0 to 1.
 
-/// A body's own colour: one family for each kind of shape and size, varied a little from body to body.
+/// A body's own colour: one family for each kind of shape, varied a little from body to body.
 Vec bodyColor(const PictureBody& body);
 /// Cold and dark at rest, through teal and yellow to red at `fraction` 1.
 Vec speedColor(double fraction);

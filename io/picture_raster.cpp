@@ -175,7 +175,8 @@ float Rasterizer::hitRound(const ViewBody& body, const Vec& origin, const Vec& d
     if (std::fabs(height) <= body.halfLength) return t;
     return hitSphere(height > 0 ? body.center + tip : body.center - tip, body.radius, origin, direction);
   }
-  return std::min(hitSphere(body.center + tip, body.radius, origin, direction), hitSphere(body.center - tip, body.radius, origin, direction));
+  return std::min(hitSphere(body.center + tip, body.radius, origin, direction),
+                  hitSphere(body.center - tip, body.radius, origin, direction));
 }
 
 void Rasterizer::round(const ViewBody& body, std::uint32_t surface) {
@@ -236,20 +237,30 @@ void rasterize(const View& view, std::span<const ViewBody> bodies, Surfaces& out
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::uint32_t surface = static_cast<std::uint32_t>(i) * 8;
     switch (bodies[i].type) {
-      case ShapeType::Box: rasterizer.box(bodies[i], surface); break;
+      case ShapeType::Box:
+        rasterizer.box(bodies[i], surface);
+        break;
       case ShapeType::Sphere:
-      case ShapeType::Capsule: rasterizer.round(bodies[i], surface); break;
-      case ShapeType::Plane: rasterizer.plane(bodies[i], surface); break;
+      case ShapeType::Capsule:
+        rasterizer.round(bodies[i], surface);
+        break;
+      case ShapeType::Plane:
+        rasterizer.plane(bodies[i], surface);
+        break;
     }
   }
 }
 
 Vec normalAt(const ViewBody& body, std::uint32_t face, const Vec& point) {
   switch (body.type) {
-    case ShapeType::Box: return face % 2 == 0 ? body.axes[face / 2] : -body.axes[face / 2];
-    case ShapeType::Plane: return body.axes[2];
-    case ShapeType::Sphere: return normalize(point - body.center);
-    case ShapeType::Capsule: break;
+    case ShapeType::Box:
+      return face % 2 == 0 ? body.axes[face / 2] : -body.axes[face / 2];
+    case ShapeType::Plane:
+      return body.axes[2];
+    case ShapeType::Sphere:
+      return normalize(point - body.center);
+    case ShapeType::Capsule:
+      break;
   }
   const Vec out = point - body.center;
   return normalize(out - body.axes[2] * std::clamp(dot(out, body.axes[2]), -body.halfLength, body.halfLength));

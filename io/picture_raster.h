@@ -14,9 +14,9 @@ using Vec = Vec3T<float>;
 struct View {
   Vec3 eye, right, up, forward;  ///< world
   bool perspective = true;
-  float scale = 1;               ///< samples for each metre, at distance 1 m if in perspective
-  float nearest = 1e-3f;         ///< what is nearer is cut away [m]; perspective only
-  int width = 0, height = 0;     ///< samples
+  float scale = 1;            ///< samples for each metre, at distance 1 m if in perspective
+  float nearest = 1e-3f;      ///< what is nearer is cut away [m]; perspective only
+  int width = 0, height = 0;  ///< samples
 
   Vec toView(const Vec3& world) const;
   Vec turnToView(const Vec3& world) const;

@@ -16,10 +16,14 @@ using namespace draw;
 double extentAlong(const PictureBody& body, const Vec3& axis) {
   const Vec3 local = rotateInverse(body.orientation, axis);
   switch (body.shape.type) {
-    case ShapeType::Box: return dot(abs(local), body.shape.halfExtents);
-    case ShapeType::Sphere: return body.shape.radius;
-    case ShapeType::Capsule: return body.shape.radius + body.shape.halfLength * std::fabs(local.z);
-    case ShapeType::Plane: break;
+    case ShapeType::Box:
+      return dot(abs(local), body.shape.halfExtents);
+    case ShapeType::Sphere:
+      return body.shape.radius;
+    case ShapeType::Capsule:
+      return body.shape.radius + body.shape.halfLength * std::fabs(local.z);
+    case ShapeType::Plane:
+      break;
   }
   return 0;
 }
@@ -53,14 +57,20 @@ std::vector<PictureBody> pictureBodies(const World& world) {
   return bodies;
 }
 
-std::vector<PictureBody> pictureBodies(const Scene& scene) {
+std::vector<PictureBody> pictureBodies(const Scene& scene, bool withEvents) {
   std::vector<PictureBody> bodies;
-  for (const BodyDef& body : scene.bodies)
-    bodies.push_back({body.shape, body.position, body.orientation, length(body.velocity), static_cast<std::uint32_t>(bodies.size()), body.motion});
+  const auto add = [&](const BodyDef& body) {
+    bodies.push_back(
+        {body.shape, body.position, body.orientation, length(body.velocity), static_cast<std::uint32_t>(bodies.size()), body.motion});
+  };
+  for (const BodyDef& body : scene.bodies) add(body);
+  for (const Event& event : scene.events)
+    for (const BodyDef& body : event.add)
+      if (withEvents) add(body);
   return bodies;
 }
 
-void frameBodies(std::span<const PictureBody> bodies, const Vec3& gravity, PictureSettings& settings) {
+void frameBodies(std::span<const PictureBody> bodies, const Vec3& gravity, PictureSettings& settings, const Framing& framing) {
   const Vec3 up = normalize(-gravity, {0, 0, 1});
   Vec3 right = normalize(std::fabs(up.x) < .9 ? Vec3{1, 0, 0} - up * up.x : Vec3{0, 1, 0} - up * up.y);
   Vec3 away = cross(up, right);
@@ -73,11 +83,15 @@ void frameBodies(std::span<const PictureBody> bodies, const Vec3& gravity, Pictu
   const std::array<Vec3, 3> axes{right, away, up};
   std::array<Range, 3> ranges;
   for (std::size_t i = 0; i < 3; ++i) ranges[i] = rangeAlong(bodies, axes[i]);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double room = 2 * framing.spread * ranges[2].half();
+    ranges[i] = {ranges[i].low - room, ranges[i].high + room};
+  }
   settings.up = up;
   settings.target = axes[0] * ranges[0].middle() + axes[1] * ranges[1].middle() + axes[2] * ranges[2].middle();
 
-  const Vec3 forward = normalize(away - right * .55 - up * .42);
-  const Vec3 cameraRight = normalize(cross(forward, up));
+  const Vec3 forward = normalize(framing.direction, normalize(away - right * .55 - up * .42));
+  const Vec3 cameraRight = normalize(cross(forward, up), right);
   const Vec3 cameraUp = cross(cameraRight, forward);
   const double tall = std::tan(settings.fieldOfView / 2), wide = tall * settings.width / settings.height;
   double distance = 0;
@@ -88,7 +102,8 @@ void frameBodies(std::span<const PictureBody> bodies, const Vec3& gravity, Pictu
       p += axes[k] * ((corner >> i & 1) ? ranges[k].half() : -ranges[k].half());
     }
     const double behind = -dot(p, forward);
-    distance = std::max({distance, kMargin * std::fabs(dot(p, cameraRight)) / wide + behind, kMargin * std::fabs(dot(p, cameraUp)) / tall + behind});
+    distance = std::max(
+        {distance, kMargin * std::fabs(dot(p, cameraRight)) / wide + behind, kMargin * std::fabs(dot(p, cameraUp)) / tall + behind});
   }
   settings.eye = settings.target - forward * std::max(distance, 1e-3);
 }

@@ -183,7 +183,8 @@ struct RecordingReader::Impl {
 
   /// Makes the chunk of a frame the present one; returns the frame's place in it.
   std::size_t load(int frame) {
-    if (frame < 0 || frame >= frameCount) throw Error("recording.frame", "one of " + std::to_string(frameCount) + " frames", std::to_string(frame));
+    if (frame < 0 || frame >= frameCount)
+      throw Error("recording.frame", "one of " + std::to_string(frameCount) + " frames", std::to_string(frame));
     const auto place = static_cast<std::size_t>(std::upper_bound(firstFrames.begin(), firstFrames.end(), frame) - firstFrames.begin()) - 1;
     const FrameChunk& chunk = chunks[place];
     if (chunk.bodyOffset != bodiesOffset) {
@@ -194,7 +195,8 @@ struct RecordingReader::Impl {
     }
     if (chunk.offset != framesOffset) {
       auto decoded = decodeFrames(need(chunk.offset, kFrames, "frames").content, bodies.size(), header.resolution);
-      if (!decoded || static_cast<int>(decoded->size()) != chunk.frameCount) in.fail(chunk.offset, "frames of " + std::to_string(bodies.size()) + " bodies", "other content");
+      if (!decoded || static_cast<int>(decoded->size()) != chunk.frameCount)
+        in.fail(chunk.offset, "frames of " + std::to_string(bodies.size()) + " bodies", "other content");
       frames = std::move(*decoded);
       framesOffset = chunk.offset;
     }

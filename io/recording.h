@@ -37,8 +37,8 @@ struct RecordedPose {
 };
 
 struct RecordedFrame {
-  std::int64_t step = 0;  ///< steps taken before this frame
-  double time = 0;        ///< [s]
+  std::int64_t step = 0;            ///< steps taken before this frame
+  double time = 0;                  ///< [s]
   std::vector<RecordedPose> poses;  ///< in the order of the bodies
 };
 

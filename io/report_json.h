@@ -36,21 +36,23 @@ struct RunRecord {
   std::string commit;
   int bodies = 0, manifolds = 0, contacts = 0, colors = 0;  ///< at the end of the settled phase
   int clashes = 0;                                          ///< of the worst step
-  int iterations = 0;
+  int iterations = 0;                                       ///< of a substep
+  int substeps = 1;                                         ///< not written as JSON
   double dt = 0;                                            ///< [s]
   std::optional<PhaseTimes> settled, smash;
-  std::vector<std::pair<std::string, double>> stages;       ///< mean of the settled phase [ms], in the order of the step
-  double solveMs = 0, collisionMs = 0, totalMs = 0;         ///< means of the settled phase
-  std::optional<double> topDrop;                            ///< [m]
-  std::optional<Distribution> penetration;                  ///< [m]
-  std::optional<double> jointGapMean, jointGapMax;          ///< [m]; empty for a scene without joints
-  double energy = 0;                                        ///< kinetic and potential [J]
-  double rssMb = 0;                                         ///< resident memory of the process [MB]
-  bool holds = true;                                        ///< the verdict
+  std::vector<std::pair<std::string, double>> stages;  ///< mean of the settled phase [ms], in the order of the step
+  double solveMs = 0, collisionMs = 0, totalMs = 0;    ///< means of the settled phase; solve and collision add up to total
+  std::optional<double> topDrop;                       ///< [m]
+  std::optional<Distribution> penetration;             ///< [m]
+  std::optional<double> jointGapMean, jointGapMax;     ///< [m]; empty for a scene without joints
+  double energy = 0;                                   ///< kinetic and potential [J]
+  double rssMb = 0;                                    ///< resident memory of the process [MB]
+  bool holds = true;                                   ///< the verdict
+  std::string statedFor;                               ///< what the verdict is stated for, where the run was another; not written as JSON
   std::vector<ClaimRecord> claims;
-  std::map<std::string, double> metrics;                    ///< everything that the probes measured
+  std::map<std::string, double> metrics;  ///< everything that the probes measured
   std::string machine;
-  std::string date;                                         ///< ISO 8601, UTC
+  std::string date;  ///< ISO 8601, UTC
 };
 
 /// One JSON object.

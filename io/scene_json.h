@@ -29,10 +29,11 @@ struct SceneFile {
   Scene scene;
   std::vector<FileClaim> claims;
   std::optional<FileCamera> camera;
-  int steps = 600;      ///< of a full run
-  int iterations = 4;   ///< that the verdict is stated for
-  int smashStep = -1;   ///< first step of the smash phase, or -1
-  double dt = 1.0 / 60; ///< time step that steps and events are counted in [s]
+  int steps = 600;       ///< of a full run
+  int iterations = 4;    ///< that the verdict is stated for
+  int substeps = 1;      ///< likewise
+  int smashStep = -1;    ///< first step of the smash phase, or -1
+  double dt = 1.0 / 60;  ///< time step that steps and events are counted in [s]
 };
 
 /// One fault of a file.

@@ -110,7 +110,8 @@ JointDef SceneReader::joint(const Node& node, const Scene& scene) {
   ObjectReader object(node, "a joint");
   if (!object.isObject()) return out;
   object.read("name", out.name);
-  if (const auto found = object.need("type", "\"ball\" or \"fixed\"")) out.type = static_cast<JointType>(found->choice({"ball", "fixed"}).value_or(0));
+  if (const auto found = object.need("type", "\"ball\" or \"fixed\""))
+    out.type = static_cast<JointType>(found->choice({"ball", "fixed"}).value_or(0));
   const auto a = object.need("body_a", "the name or index of a body, or \"world\"");
   const auto b = object.need("body_b", "the name or index of a body, or \"world\"");
   const std::size_t before = faults_.size();
@@ -123,7 +124,8 @@ JointDef SceneReader::joint(const Node& node, const Scene& scene) {
   limit(object, "break_force", out.breakForce, "never", "N");
   object.read("collide", out.collide);
   object.finish();
-  if (!out.name.empty() && !joints_.insert(out.name).second) node.child("name").faultText("expected a name of its own, got " + describe(out.name) + " again");
+  if (!out.name.empty() && !joints_.insert(out.name).second)
+    node.child("name").faultText("expected a name of its own, got " + describe(out.name) + " again");
   return out;
 }
 
@@ -132,14 +134,16 @@ void SceneReader::checkRemoval(const Node& node, const std::string& pattern, con
   const std::string stem = prefix ? pattern.substr(0, pattern.size() - 1) : pattern;
   const bool known = prefix ? std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& entry) { return entry.first.starts_with(stem); })
                             : bodies_.contains(pattern);
-  if (!known) node.faultText("expected the name of a body, or the beginning of one and '*', got " + describe(node.value()) + hint(stem, bodyNames()));
+  if (!known)
+    node.faultText("expected the name of a body, or the beginning of one and '*', got " + describe(node.value()) + hint(stem, bodyNames()));
 }
 
 Event SceneReader::event(const Node& node, const Scene& scene) {
   Event out;
   ObjectReader object(node, "an event");
   if (!object.isObject()) return out;
-  if (const auto found = object.need("step", "the step that it comes before")) out.step = found->whole(0, "a whole number of at least 0").value_or(0);
+  if (const auto found = object.need("step", "the step that it comes before"))
+    out.step = found->whole(0, "a whole number of at least 0").value_or(0);
   if (const auto found = object.get("add")) {
     for (const Node& element : found->elements("a list of bodies")) {
       out.add.push_back(bodyReader_.body(element));
@@ -216,6 +220,7 @@ SceneFile SceneReader::read(const Json& json) {
   object.read("gravity", scene.gravity);
   if (const auto found = object.get("steps")) out.steps = found->whole(1, "a whole number above 0").value_or(out.steps);
   if (const auto found = object.get("iterations")) out.iterations = found->whole(1, "a whole number above 0").value_or(out.iterations);
+  if (const auto found = object.get("substeps")) out.substeps = found->whole(1, "a whole number above 0").value_or(out.substeps);
   if (const auto found = object.get("smash_step")) out.smashStep = found->whole(0, "a whole number of at least 0").value_or(out.smashStep);
   object.read("dt", out.dt, {0, false, kInfinity, "a time above 0 [s]"});
   if (const auto found = object.get("materials")) bodyReader_.readMaterials(*found);

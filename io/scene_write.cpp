@@ -37,10 +37,14 @@ Json materialJson(const Material& material) {
 
 Json shapeJson(const Shape& shape) {
   switch (shape.type) {
-    case ShapeType::Box: return {{"type", "box"}, {"size", vectorJson(shape.halfExtents * 2)}};
-    case ShapeType::Sphere: return {{"type", "sphere"}, {"radius", shape.radius}};
-    case ShapeType::Capsule: return {{"type", "capsule"}, {"radius", shape.radius}, {"length", 2 * shape.halfLength}};
-    case ShapeType::Plane: break;
+    case ShapeType::Box:
+      return {{"type", "box"}, {"size", vectorJson(shape.halfExtents * 2)}};
+    case ShapeType::Sphere:
+      return {{"type", "sphere"}, {"radius", shape.radius}};
+    case ShapeType::Capsule:
+      return {{"type", "capsule"}, {"radius", shape.radius}, {"length", 2 * shape.halfLength}};
+    case ShapeType::Plane:
+      break;
   }
   return Json::object({{"type", "plane"}});
 }
@@ -76,7 +80,8 @@ Json SceneWriter::body(const BodyDef& body) const {
   const BodyDef usual;
   Json json = Json::object();
   if (!body.name.empty()) json["name"] = body.name;
-  if (body.motion != Motion::Dynamic && body.shape.type != ShapeType::Plane) json["motion"] = kMotions[static_cast<std::size_t>(body.motion)];
+  if (body.motion != Motion::Dynamic && body.shape.type != ShapeType::Plane)
+    json["motion"] = kMotions[static_cast<std::size_t>(body.motion)];
   json["shape"] = shapeJson(body.shape);
   if (const auto found = materials_.find(keyOf(body.material)); found != materials_.end()) json["material"] = found->second;
   if (body.mass) {
@@ -154,6 +159,7 @@ Json SceneWriter::write() {
   json["gravity"] = vectorJson(scene.gravity);
   json["steps"] = file_.steps;
   json["iterations"] = file_.iterations;
+  if (file_.substeps != 1) json["substeps"] = file_.substeps;
   if (file_.smashStep >= 0) json["smash_step"] = file_.smashStep;
   if (!same(file_.dt, SceneFile{}.dt)) json["dt"] = file_.dt;
   if (file_.camera) json["camera"] = {{"eye", vectorJson(file_.camera->eye)}, {"target", vectorJson(file_.camera->target)}};

@@ -234,7 +234,7 @@ std::vector<Spec> basicSpecs() {
   impact.probes = impactProbes;
   impact.claims = impactClaims;
   impact.steps = 120;
-  impact.iterations = 10;
+  impact.iterations = 20;
 
   return {fall, projectile, drop, bounce, pendulum, spin, impact};
 }

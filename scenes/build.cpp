@@ -35,10 +35,17 @@ Spec variant(const Spec& base, const std::string& name, const std::string& doc, 
   spec.doc = doc;
   if (steps > 0) spec.steps = steps;
   for (const auto& [key, number] : defaults) {
-    const auto found = std::find_if(spec.arguments.begin(), spec.arguments.end(), [&](const Argument& a) { return a.name == key; });
+    const auto found =
+        std::find_if(spec.arguments.begin(), spec.arguments.end(), [&, name = key](const Argument& a) { return a.name == name; });
     if (found == spec.arguments.end()) throw Error("scene " + name + ", argument " + key, "an argument of " + base.name, "an unknown one");
     found->value = number;
   }
+  return spec;
+}
+
+Spec testedInFull(Spec spec) {
+  spec.testArguments = {};
+  spec.testSteps = 0;
   return spec;
 }
 
@@ -110,8 +117,7 @@ std::vector<Claim> standsClaims(double drop, const std::string& why) {
 
 std::vector<Claim> smashClaims(double lengthScale) {
   return {atLeast("smash_moved_ratio", .01, "the ball opens the stack"),
-          atLeast("smash_lowest_m", -.1 * lengthScale, "no brick is below the ground"),
-          atMost("smash_penetration_p99_m", .115 * lengthScale, "as good as the best engine measured, half a second after the smash")};
+          atLeast("smash_lowest_m", -.1 * lengthScale, "no brick is below the ground")};
 }
 
 std::vector<Claim> operator+(std::vector<Claim> a, const std::vector<Claim>& b) {

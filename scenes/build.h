@@ -30,6 +30,9 @@ int whole(const Arguments& arguments, const std::string& name);
 /// A scene of the registry at another size: the same spec with other defaults.
 Spec variant(const Spec& base, const std::string& name, const std::string& doc, const Arguments& defaults, int steps = 0);
 
+/// The same scene, run in tests at its own size and length.
+Spec testedInFull(Spec spec);
+
 /// Scale of a stack. Speeds go with the square root of lengths, so that the motion is similar under the same gravity.
 struct Scale {
   double length = 1;      ///< [1]
@@ -60,8 +63,7 @@ Claim atMost(const std::string& metric, double max, const std::string& why);
 Claim atLeast(const std::string& metric, double min, const std::string& why);
 /// Every brick stays and the top layer moves by `drop` metres at most.
 std::vector<Claim> standsClaims(double drop, const std::string& why);
-/// After the smash (see smashProbes): something gives way, nothing sinks into the ground, bricks stay out of one another as well as
-/// in the best engine measured. `lengthScale` is a factor on the bounds in metres.
+/// After the smash (see smashProbes): something gives way, nothing sinks into the ground. `lengthScale` is a factor on bounds in metres.
 std::vector<Claim> smashClaims(double lengthScale);
 std::vector<Claim> operator+(std::vector<Claim> a, const std::vector<Claim>& b);
 

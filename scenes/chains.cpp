@@ -3,6 +3,7 @@
 
 #include "build.h"
 #include "families.h"
+#include "motion_probes.h"
 #include "probes.h"
 
 namespace rubble::scenes {
@@ -56,6 +57,12 @@ Probes probes(const Arguments& arguments, const Scene& scene) {
   return result;
 }
 
+Probes swingProbes(const Arguments& arguments, const Scene& scene) {
+  Probes result = probes(arguments, scene);
+  result.push_back(swingProbe("heavy", {1, 0, 0}));
+  return result;
+}
+
 const Claim& keepsEnergy() {
   // Rounding in float, summed over the run.
   static const Claim claim = atMost("energy_gain_ratio", 1e-3, "it never gains energy");
@@ -66,10 +73,19 @@ std::vector<Claim> claims(const Arguments&) {
   return {atMost("stretch", .02, "under 2 % of the length"), keepsEnergy(), atMost("quarantined", 0, "every state stays finite")};
 }
 
+constexpr int kPendulumLinks = 50;
+constexpr double kPendulumRatio = 50000;
+constexpr double kPendulumSwing = 5.887;  // first swing at 1600 iterations in double precision [s]
+
 std::vector<Claim> pendulumClaims(const Arguments& arguments) {
-  const double link = kLink * scaleOf(arguments).length;
-  return {atMost("joint_gap_mean_m", .01 * link, "mean joint gap under 1 % of a link"), keepsEnergy(),
-          atMost("quarantined", 0, "every state stays finite")};
+  const Scale scale = scaleOf(arguments);
+  std::vector<Claim> result{atMost("joint_gap_mean_m", .01 * kLink * scale.length, "mean joint gap under 1 % of a link"), keepsEnergy(),
+                            atMost("quarantined", 0, "every state stays finite")};
+  if (whole(arguments, "links") == kPendulumLinks && value(arguments, "ratio") == kPendulumRatio) {
+    const double swing = kPendulumSwing * std::sqrt(scale.length);
+    result.push_back(within("swing_time_s", .98 * swing, 1.02 * swing, "it swings with the period of a converged run, within 2 %"));
+  }
+  return result;
 }
 
 }  // namespace
@@ -93,24 +109,26 @@ std::vector<Spec> chainSpecs() {
   swing.name = "swing";
   swing.doc = "The chain let go from horizontal.";
   swing.build = buildSwing;
+  swing.probes = swingProbes;
   swing.testSteps = 300;
 
   Spec pendulum = variant(swing, "pendulum-50-50000",
                           "Fifty bodies, the last 50,000 times as heavy as a link, let go from horizontal (AVBD paper, Figure 7).",
-                          {{"links", 50}, {"ratio", 50000}});
+                          {{"links", kPendulumLinks}, {"ratio", kPendulumRatio}});
   pendulum.claims = pendulumClaims;
   pendulum.iterations = 20;
 
-  std::vector<Spec> specs{chain,
-                          variant(chain, "chain-100-1000", "A hundred bodies, the last 1,000 times as heavy as a link, hanging.",
-                                  {{"links", 100}, {"ratio", 1000}}),
-                          variant(chain, "chain-1000-1000", "A thousand bodies, the last 1,000 times as heavy as a link, hanging.",
-                                  {{"links", 1000}, {"ratio", 1000}}),
-                          swing,
-                          variant(swing, "swing-100-1000", "The chain of a hundred bodies with 1,000:1 let go from horizontal.",
-                                  {{"links", 100}, {"ratio", 1000}}),
-                          pendulum};
-  return specs;
+  const Spec chain100 = variant(chain, "chain-100-1000", "A hundred bodies, the last 1,000 times as heavy as a link, hanging.",
+                                {{"links", 100}, {"ratio", 1000}});
+  const Spec swing100 = variant(swing, "swing-100-1000", "The chain of a hundred bodies with 1,000:1 let go from horizontal.",
+                                {{"links", 100}, {"ratio", 1000}});
+  return {chain,
+          testedInFull(chain100),
+          variant(chain, "chain-1000-1000", "A thousand bodies, the last 1,000 times as heavy as a link, hanging.",
+                  {{"links", 1000}, {"ratio", 1000}}),
+          swing,
+          testedInFull(swing100),
+          testedInFull(pendulum)};
 }
 
 }  // namespace rubble::scenes

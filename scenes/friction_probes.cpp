@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "build.h"
 #include "probe_parts.h"
 
 namespace rubble::scenes {
@@ -80,6 +81,44 @@ class RampProbe final : public Probe {
   std::vector<Vec3> first_, middle_;
 };
 
+class SpeedProbe final : public BodyProbe {
+ public:
+  SpeedProbe(const std::string& body, const Vec3& direction, double reference)
+      : BodyProbe(body), direction_(direction), reference_(reference) {}
+  void finish(const World& world, Metrics& metrics) override {
+    metrics["final_speed_ratio"] = dot(state(world).velocity, direction_) / reference_;
+  }
+
+ private:
+  Vec3 direction_;
+  double reference_;
+};
+
+class SlipProbe final : public BodyProbe {
+ public:
+  SlipProbe(const Scene& scene, const std::string& body, double reference) : BodyProbe(body), up_(upOf(scene)), reference_(reference) {}
+  void finish(const World& world, Metrics& metrics) override {
+    const BodyState now = state(world);
+    const Vec3 touching = now.velocity - world.definition(id()).shape.radius * cross(now.angularVelocity, up_);
+    metrics["final_slip_ratio"] = length(touching - dot(touching, up_) * up_) / reference_;
+  }
+
+ private:
+  Vec3 up_;
+  double reference_;
+};
+
+class TravelProbe final : public BodyProbe {
+ public:
+  TravelProbe(const std::string& body, const Vec3& direction) : BodyProbe(body), direction_(direction) {}
+  void finish(const World& world, Metrics& metrics) override {
+    metrics["travel_m"] = dot(state(world).position - first().position, direction_);
+  }
+
+ private:
+  Vec3 direction_;
+};
+
 }  // namespace
 
 std::unique_ptr<Probe> stopProbe(const Scene& scene, const std::vector<Slider>& sliders) {
@@ -88,6 +127,18 @@ std::unique_ptr<Probe> stopProbe(const Scene& scene, const std::vector<Slider>& 
 
 std::unique_ptr<Probe> rampProbe(const std::vector<RampBox>& boxes, double hold, double settled) {
   return std::make_unique<RampProbe>(boxes, hold, settled);
+}
+
+std::unique_ptr<Probe> speedProbe(const std::string& body, const Vec3& direction, double reference) {
+  return std::make_unique<SpeedProbe>(body, direction, reference);
+}
+
+std::unique_ptr<Probe> slipProbe(const Scene& scene, const std::string& body, double reference) {
+  return std::make_unique<SlipProbe>(scene, body, reference);
+}
+
+std::unique_ptr<Probe> travelProbe(const std::string& body, const Vec3& direction) {
+  return std::make_unique<TravelProbe>(body, direction);
 }
 
 }  // namespace rubble::scenes

@@ -1,5 +1,5 @@
 #pragma once
-/// Probes for sliding boxes.
+/// Probes for bodies that slide and roll.
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,5 +28,14 @@ struct RampBox {
 /// threshold_error: largest |ratio - 1| of those, 0 without; creep_max_m: largest displacement of a box that should hold, from
 /// `settled` seconds to the end.
 std::unique_ptr<Probe> rampProbe(const std::vector<RampBox>& boxes, double hold, double settled);
+
+/// final_speed_ratio: speed of a body along `direction` at the end over `reference` [m/s].
+std::unique_ptr<Probe> speedProbe(const std::string& body, const Vec3& direction, double reference);
+
+/// final_slip_ratio: speed of the point of a sphere that touches the ground, over `reference` [m/s], at the end.
+std::unique_ptr<Probe> slipProbe(const Scene& scene, const std::string& body, double reference);
+
+/// travel_m: how far a body has come along `direction` by the end.
+std::unique_ptr<Probe> travelProbe(const std::string& body, const Vec3& direction);
 
 }  // namespace rubble::scenes

@@ -141,8 +141,8 @@ std::vector<Spec> towerSpecs() {
   drop.testSteps = 0;
 
   return {tower,
-          variant(tower, "tower-20", "A column of 20 unit cubes, 10 s.", {{"levels", 20}}),
-          variant(tower, "tower-40", "A column of 40 unit cubes, 10 s.", {{"levels", 40}}),
+          testedInFull(variant(tower, "tower-20", "A column of 20 unit cubes, 10 s.", {{"levels", 20}})),
+          testedInFull(variant(tower, "tower-40", "A column of 40 unit cubes, 10 s.", {{"levels", 40}})),
           mass,
           variant(mass, "mass-100", "Ten cubes under one of 100 times their mass, 10 s.", {{"ratio", 100}}),
           variant(mass, "mass-1000", "Ten cubes under one of 1,000 times their mass, 10 s.", {{"ratio", 1000}}),

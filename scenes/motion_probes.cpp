@@ -10,26 +10,6 @@
 namespace rubble::scenes {
 namespace {
 
-/// A probe that follows one body by name.
-class BodyProbe : public Probe {
- public:
-  explicit BodyProbe(std::string name) : name_(std::move(name)) {}
-  void start(const World& world) override {
-    id_ = world.find(name_);
-    first_ = world.state(id_);
-  }
-
- protected:
-  BodyState state(const World& world) const { return world.state(id_); }
-  BodyId id() const { return id_; }
-  const BodyState& first() const { return first_; }
-
- private:
-  std::string name_;
-  BodyId id_;
-  BodyState first_;
-};
-
 class KineticProbe final : public MomentProbe {
  public:
   KineticProbe(double at, std::string metric, double reference)
@@ -129,17 +109,19 @@ class SpinProbe final : public BodyProbe {
   void start(const World& world) override {
     BodyProbe::start(world);
     inertia_ = world.massOf(id()).inertia;
-    momentum_ = momentumOf(first());
-    energy_ = dot(momentum_, first().angularVelocity);
-    side_ = dot(rotate(first().orientation, axis_), momentum_) > 0;
   }
   void afterStep(const World& world, const StepReport&) override {
     const BodyState now = state(world);
-    const Vec3 momentum = momentumOf(now);
-    const double ratio = dot(momentum, now.angularVelocity) / energy_;
+    const Vec3 momentum = momentumOf(now, world.params().dt / world.params().substeps);
+    const double energy = dot(momentum, now.angularVelocity);
+    if (energy_ == 0) {
+      momentum_ = momentum;
+      energy_ = energy;
+      side_ = dot(rotate(now.orientation, axis_), momentum_) > 0;
+    }
     error_ = std::max(error_, length(momentum - momentum_) / length(momentum_));
-    least_ = std::min(least_, ratio);
-    most_ = std::max(most_, ratio);
+    least_ = std::min(least_, energy / energy_);
+    most_ = std::max(most_, energy / energy_);
     const bool side = dot(rotate(now.orientation, axis_), momentum_) > 0;
     flips_ += side != side_;
     side_ = side;
@@ -152,8 +134,11 @@ class SpinProbe final : public BodyProbe {
   }
 
  private:
-  Vec3 momentumOf(const BodyState& state) const {
-    return rotate(state.orientation, mul(inertia_, rotateInverse(state.orientation, state.angularVelocity)));
+  /// The spin is that of the last step of h, so it belongs to the orientation in the middle of that step.
+  Vec3 momentumOf(const BodyState& state, double h) const {
+    const double speed = length(state.angularVelocity);
+    const Quat middle = fromAxisAngle(normalize(state.angularVelocity), -.5 * h * speed) * state.orientation;
+    return rotate(middle, mul(inertia_, rotateInverse(middle, state.angularVelocity)));
   }
 
   Vec3 axis_, inertia_, momentum_;
@@ -216,44 +201,6 @@ class ReboundProbe final : public BodyProbe {
   double apex_ = 0;
 };
 
-class SpeedProbe final : public BodyProbe {
- public:
-  SpeedProbe(const std::string& body, const Vec3& direction, double reference)
-      : BodyProbe(body), direction_(direction), reference_(reference) {}
-  void finish(const World& world, Metrics& metrics) override {
-    metrics["final_speed_ratio"] = dot(state(world).velocity, direction_) / reference_;
-  }
-
- private:
-  Vec3 direction_;
-  double reference_;
-};
-
-class SlipProbe final : public BodyProbe {
- public:
-  SlipProbe(const Scene& scene, const std::string& body, double reference) : BodyProbe(body), up_(upOf(scene)), reference_(reference) {}
-  void finish(const World& world, Metrics& metrics) override {
-    const BodyState now = state(world);
-    const Vec3 touching = now.velocity - world.definition(id()).shape.radius * cross(now.angularVelocity, up_);
-    metrics["final_slip_ratio"] = length(touching - dot(touching, up_) * up_) / reference_;
-  }
-
- private:
-  Vec3 up_;
-  double reference_;
-};
-
-class TravelProbe final : public BodyProbe {
- public:
-  TravelProbe(const std::string& body, const Vec3& direction) : BodyProbe(body), direction_(direction) {}
-  void finish(const World& world, Metrics& metrics) override {
-    metrics["travel_m"] = dot(state(world).position - first().position, direction_);
-  }
-
- private:
-  Vec3 direction_;
-};
-
 class FallenProbe final : public Probe {
  public:
   FallenProbe(const Scene& scene, const Vec3& local) : local_(local), bodies_(watch(scene, dynamicBodies(scene))) {}
@@ -290,15 +237,6 @@ std::unique_ptr<Probe> spinProbe(const std::string& body, const Vec3& axis) { re
 std::unique_ptr<Probe> impactProbe(const std::string& a, const std::string& b) { return std::make_unique<ImpactProbe>(a, b); }
 std::unique_ptr<Probe> reboundProbe(const Scene& scene, const std::string& body, double rest, double drop) {
   return std::make_unique<ReboundProbe>(scene, body, rest, drop);
-}
-std::unique_ptr<Probe> speedProbe(const std::string& body, const Vec3& direction, double reference) {
-  return std::make_unique<SpeedProbe>(body, direction, reference);
-}
-std::unique_ptr<Probe> slipProbe(const Scene& scene, const std::string& body, double reference) {
-  return std::make_unique<SlipProbe>(scene, body, reference);
-}
-std::unique_ptr<Probe> travelProbe(const std::string& body, const Vec3& direction) {
-  return std::make_unique<TravelProbe>(body, direction);
 }
 std::unique_ptr<Probe> fallenProbe(const Scene& scene, const Vec3& local) { return std::make_unique<FallenProbe>(scene, local); }
 

@@ -25,27 +25,18 @@ std::unique_ptr<Probe> ballisticProbe(const Scene& scene, const std::string& bod
 /// period_s: mean time between the passages of a body through the vertical below the origin, in +x; period_error against `period`.
 std::unique_ptr<Probe> periodProbe(const std::string& body, double period);
 
-/// Free spin: momentum_error (largest |L - L0| / |L0|), energy_ratio (smallest E / E0), energy_ratio_max, flips (how often the body's
-/// `axis` turned over against L).
+/// Free spin, against the first step: momentum_error (largest |L - L1| / |L1|), energy_ratio (smallest E / E1), energy_ratio_max, flips
+/// (how often the body's `axis` turned over against L).
 std::unique_ptr<Probe> spinProbe(const std::string& body, const Vec3& axis);
 
-/// Momentum of all dynamic bodies: momentum_error (largest |p - p0| / |p0|); closing_speed_ratio: speed of a towards b along the
+/// Momentum of the two bodies: momentum_error (largest |p - p0| / |p0|); closing_speed_ratio: speed of a towards b along the
 /// start's, over its start.
 std::unique_ptr<Probe> impactProbe(const std::string& a, const std::string& b);
 
 /// restitution_found: sqrt of the height of the first rebound over that of the drop, `drop` metres above the place of rest at `rest`.
 std::unique_ptr<Probe> reboundProbe(const Scene& scene, const std::string& body, double rest, double drop);
 
-/// final_speed_ratio: speed of a body along `direction` at the end over `reference` [m/s].
-std::unique_ptr<Probe> speedProbe(const std::string& body, const Vec3& direction, double reference);
-
-/// final_slip_ratio: speed of the point of a sphere that touches the ground, over `reference` [m/s], at the end.
-std::unique_ptr<Probe> slipProbe(const Scene& scene, const std::string& body, double reference);
-
 /// fallen_ratio: share of the bodies whose axis `local` has turned more than 45 degrees away from its start.
 std::unique_ptr<Probe> fallenProbe(const Scene& scene, const Vec3& local);
-
-/// travel_m: how far a body has come along `direction` by the end.
-std::unique_ptr<Probe> travelProbe(const std::string& body, const Vec3& direction);
 
 }  // namespace rubble::scenes

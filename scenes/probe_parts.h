@@ -1,5 +1,6 @@
 #pragma once
 /// Parts that probes are made of; for the probe files only.
+#include <string>
 #include <vector>
 
 #include "registry.h"
@@ -24,6 +25,26 @@ void begin(std::vector<Watched>& bodies, const World& world);
 double reach(const Shape& shape, const Quat& orientation, const Vec3& up);
 /// Height of the surface of the body "ground" along up; without one, -infinity.
 double groundHeight(const Scene& scene);
+
+/// A probe that follows one body by name.
+class BodyProbe : public Probe {
+ public:
+  explicit BodyProbe(std::string name) : name_(std::move(name)) {}
+  void start(const World& world) override {
+    id_ = world.find(name_);
+    first_ = world.state(id_);
+  }
+
+ protected:
+  BodyState state(const World& world) const { return world.state(id_); }
+  BodyId id() const { return id_; }
+  const BodyState& first() const { return first_; }
+
+ private:
+  std::string name_;
+  BodyId id_;
+  BodyState first_;
+};
 
 /// Measures once: at a time, or (unless it `waits`) at the end of a run that is shorter.
 class MomentProbe : public Probe {

@@ -116,6 +116,7 @@ Job prepare(const Spec& spec, const Arguments& arguments) {
   job.camera = spec.camera(resolved, job.scene);
   job.steps = spec.steps;
   job.iterations = spec.iterations;
+  job.substeps = spec.substeps;
   // Arguments may leave the smash out.
   const bool smashes =
       std::any_of(job.scene.events.begin(), job.scene.events.end(), [&](const Event& e) { return e.step == spec.smashStep; });

@@ -68,6 +68,7 @@ struct Spec {
   std::function<Camera(const Arguments&, const Scene&)> camera;
   int steps = 600;                       ///< of a full run at dt 1/60; scaled with dt
   int iterations = 4;                    ///< what the verdict is stated for
+  int substeps = 1;                      ///< likewise
   int smashStep = -1;                    ///< first step of the smash phase, or -1
   Arguments testArguments;               ///< a size that a test can afford
   int testSteps = 0;                     ///< 0: as `steps`
@@ -88,6 +89,7 @@ struct Job {
   Camera camera;
   int steps = 600;
   int iterations = 4;
+  int substeps = 1;
   int smashStep = -1;
   double dt = 1.0 / 60;  ///< time step that `steps`, `smashStep` and the events are counted in [s]; a runner at another one scales them
 };

@@ -197,7 +197,8 @@ std::vector<Spec> structureSpecs() {
   cards.claims = cardClaims;
   cards.camera = overview;
   cards.steps = kCardSmashStep + 180;
-  cards.iterations = 10;
+  cards.iterations = 5;
+  cards.substeps = 5;
   cards.smashStep = kCardSmashStep;
   cards.testArguments = {{"levels", 3}};
   cards.tags = {"friction", "smash"};
@@ -211,6 +212,8 @@ std::vector<Spec> structureSpecs() {
   dominoes.probes = dominoProbes;
   dominoes.claims = dominoClaims;
   dominoes.steps = 900;
+  dominoes.iterations = 10;
+  dominoes.substeps = 1;
   dominoes.smashStep = -1;
   dominoes.testArguments = {{"dominoes", 10}};
   dominoes.testSteps = 420;

@@ -1,5 +1,6 @@
 /// Running-bond walls, the ring wall of the seed's Figure 1, the gables of its Figure 2. y up, g 9.81;
 /// the single wall has z up, g 10.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -74,11 +75,11 @@ Scene buildWalls(const Arguments& arguments) {
   for (int i = 0; i < walls; ++i)
     addWall(scene, bricks, courses, kGap, {1, 0, 0}, kUpY, {0, 0, (i - .5 * (walls - 1)) * (2 * kHalfBrick.z + kGap)}, kHalfBrick, scale);
   if (smashes(arguments)) {
-    const double radius = 2.5;
+    const double radius = value(arguments, "ball_radius");
     const double halfLength = (bricks * (2 * kHalfBrick.x + kGap) - kGap) / 2;
     addAt(scene, kSettleSteps,
           {ball("ball", scale.length * radius, 4 * scale.density,
-                scale.length * Vec3{-(halfLength + radius + .5), courses * kHeight / 2, 0}, {30 * scale.speed, 0, 0})});
+                scale.length * Vec3{-(halfLength + radius + .5), std::max(radius, courses * kHeight / 2), 0}, {30 * scale.speed, 0, 0})});
   }
   return scene;
 }
@@ -89,7 +90,7 @@ Scene buildWall(const Arguments& arguments) {
   const Scale scale = scaleOf(arguments);
   Scene scene = emptyScene(kUpZ, 10);
   scene.bodies.push_back(ground(kUpZ));
-  addWall(scene, whole(arguments, "bricks"), whole(arguments, "courses"), 0, {1, 0, 0}, kUpZ, {}, kHalfBrick, scale);
+  addWall(scene, whole(arguments, "bricks"), whole(arguments, "courses"), value(arguments, "gap"), {1, 0, 0}, kUpZ, {}, kHalfBrick, scale);
   setFriction(scene, .5);
   return scene;
 }
@@ -184,7 +185,8 @@ std::vector<Spec> wallSpecs() {
   walls.name = "walls";
   walls.doc = "Running-bond walls of 40 courses side by side, two contacts a brick, a ball from one end.";
   walls.arguments = stackArguments({count("walls", 4, 1, 2000, "walls side by side"), count("bricks", 40, 2, 1000, "bricks in a course"),
-                                    count("courses", 40, 1, 200, "courses of a wall"), smash});
+                                    count("courses", 40, 1, 200, "courses of a wall"), smash,
+                                    quantity("ball_radius", 2.5, .2, 20, "m", "radius of the ball, four times as dense as a brick")});
   walls.build = buildWalls;
   walls.probes = probes;
   walls.claims = claims;
@@ -192,14 +194,16 @@ std::vector<Spec> wallSpecs() {
   walls.steps = 240;
   walls.iterations = 4;
   walls.smashStep = kSettleSteps;
-  walls.testArguments = {{"walls", 2}, {"bricks", 6}, {"courses", 10}};
+  walls.testArguments = {{"walls", 2}, {"bricks", 6}, {"courses", 10}, {"ball_radius", 1}};
   walls.testSteps = 240;
   walls.tags = {"stack", "smash"};
 
   Spec wall = walls;
   wall.name = "wall";
   wall.doc = "One running-bond wall, bricks touching end to end, left alone for 10 s.";
-  wall.arguments = stackArguments({count("bricks", 20, 2, 1000, "bricks in a course"), count("courses", 10, 1, 200, "courses")}, 1);
+  wall.arguments = stackArguments({count("bricks", 20, 2, 1000, "bricks in a course"), count("courses", 10, 1, 200, "courses"),
+                                   quantity("gap", 0, 0, .2, "m", "between the bricks of a course")},
+                                  1);
   wall.build = buildWall;
   wall.probes = wallProbes;
   wall.claims = wallClaims;

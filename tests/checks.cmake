@@ -19,7 +19,8 @@ endfunction()
 if(RUBBLE_NVCC)
   file(GLOB core_headers RELATIVE ${PROJECT_SOURCE_DIR}/src CONFIGURE_DEPENDS
     ${PROJECT_SOURCE_DIR}/src/math/*.h ${PROJECT_SOURCE_DIR}/src/solver/*.h
-    ${PROJECT_SOURCE_DIR}/src/forces/*.h ${PROJECT_SOURCE_DIR}/src/collision/*.h)
+    ${PROJECT_SOURCE_DIR}/src/forces/*.h ${PROJECT_SOURCE_DIR}/src/collision/*.h
+    ${PROJECT_SOURCE_DIR}/src/state/*.h ${PROJECT_SOURCE_DIR}/src/graph/*.h ${PROJECT_SOURCE_DIR}/src/stages/*.h)
   list(TRANSFORM core_headers REPLACE "(.+)" "#include \"\\1\"")
   list(JOIN core_headers "\n" core_headers)
   file(CONFIGURE OUTPUT ${rubble_generated_dir}/core_headers.h CONTENT "#pragma once\n@core_headers@\n" @ONLY)
@@ -31,7 +32,7 @@ if(RUBBLE_NVCC)
       -MD -MF ${object}.d -c ${CMAKE_CURRENT_SOURCE_DIR}/cuda/compile_check.cu -o ${object}
     DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/cuda/compile_check.cu ${rubble_generated_dir}/core_headers.h
     DEPFILE ${object}.d
-    COMMENT "nvcc: headers of math, solver, forces and collision" VERBATIM)
+    COMMENT "nvcc: all that host and device share" VERBATIM)
   add_custom_target(cuda_compile_check DEPENDS ${object})
 endif()
 

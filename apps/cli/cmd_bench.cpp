@@ -28,7 +28,9 @@ int benchSteps(const PreparedJob& prepared) {
 }
 
 void printRow(std::FILE* out, const io::RunRecord& r) {
-  const auto ms = [](const std::optional<io::PhaseTimes>& phase, auto member) { return phase ? fmt::format("{:.3f}", (*phase).*member) : "-"; };
+  const auto ms = [](const std::optional<io::PhaseTimes>& phase, auto member) {
+    return phase ? fmt::format("{:.3f}", (*phase).*member) : "-";
+  };
   fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9.0f}\n", r.scene, r.threads, r.bodies,
              ms(r.settled, &io::PhaseTimes::mean), ms(r.settled, &io::PhaseTimes::median), fmt::format("{:.3f}", r.collisionMs),
              fmt::format("{:.3f}", r.solveMs), ms(r.smash, &io::PhaseTimes::mean), ms(r.smash, &io::PhaseTimes::max),
@@ -56,8 +58,8 @@ int bench(BenchOptions options) {
       records.push_back(std::move(result.record));
     }
   }
-  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9}\n", "ms a step", "thr", "bodies", "settled", "median",
-             "collide", "solve", "smash", "peak", "top drop", "depth 99 %", "MB");
+  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9}\n", "ms a step", "thr", "bodies", "settled",
+             "median", "collide", "solve", "smash", "peak", "top drop", "depth 99 %", "MB");
   for (const io::RunRecord& record : records) printRow(out, record);
   if (!options.jsonFile.empty()) writeOutput(options.jsonFile, io::toJson(std::span<const io::RunRecord>(records)));
   return kHolds;
@@ -67,8 +69,9 @@ int bench(BenchOptions options) {
 
 void addBench(CLI::App& app, int& status) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command = app.add_subcommand("bench", "Measure scenes: times of the settled phase (the 60 steps before the smash, or steps 60 to 119) "
-                                                  "and of the smash (the 120 steps from it on)");
+  CLI::App* command = app.add_subcommand("bench",
+                                         "Measure scenes: times of the settled phase (the 60 steps before the smash, or steps 60 to 119) "
+                                         "and of the smash (the 120 steps from it on)");
   command->add_option("scenes", options->scenes, "Names of scenes or scene files, with commas between")->required()->delimiter(',');
   addArgumentOptions(*command, options->job);
   addSolverOptions(*command, options->job);
@@ -77,7 +80,8 @@ void addBench(CLI::App& app, int& status) {
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--json", options->jsonFile, "Write a list with one record for each run as JSON; '-' is standard output")->type_name("FILE");
+  command->add_option("--json", options->jsonFile, "Write a list with one record for each run as JSON; '-' is standard output")
+      ->type_name("FILE");
   command->add_flag("-q,--quiet", options->quiet, "No progress, and only the table at the end");
   command->footer("The verdict is in the records; it does not change the exit status.");
   command->callback([options, &status] { status = bench(*options); });

@@ -5,6 +5,7 @@
 
 #include "apps/cli/command.h"
 #include "apps/cli/job.h"
+#include "apps/cli/system.h"
 #include "apps/cli/text_report.h"
 
 namespace rubble::cli {
@@ -66,8 +67,8 @@ int compareTwo(const CompareOptions& options) {
   PreparedJob jobs[2] = {prepared(options, 0), prepared(options, 1)};
   const int steps = jobs[0].steps;
   scenes::Runner a(std::move(jobs[0].job), jobs[0].world), b(std::move(jobs[1].job), jobs[1].world);
-  fmt::print("{}: {} ({} threads) against {} ({} threads)\n", jobs[0].title, jobs[0].world.backend, jobs[0].world.threads,
-             jobs[1].world.backend, jobs[1].world.threads);
+  fmt::print("{}: {} ({} threads) against {} ({} threads)\n", jobs[0].title, jobs[0].world.backend, threadCount(jobs[0].world.threads),
+             jobs[1].world.backend, threadCount(jobs[1].world.threads));
   fmt::print("{:>8}{:>16}{:>16}   {}\n", "step", "position [m]", "angle [rad]", "farthest apart");
   double worst = 0;
   bool identical = true;
@@ -77,7 +78,8 @@ int compareTwo(const CompareOptions& options) {
     const Difference difference = differenceOf(a.world(), b.world());
     worst = std::isnan(difference.position) ? difference.position : std::max(worst, difference.position);
     identical = identical && difference.position == 0 && difference.angle == 0;
-    if (isShown(step, steps, options.every)) fmt::print("{:>8}{:>16.3e}{:>16.3e}   {}\n", step, difference.position, difference.angle, difference.body);
+    if (isShown(step, steps, options.every))
+      fmt::print("{:>8}{:>16.3e}{:>16.3e}   {}\n", step, difference.position, difference.angle, difference.body);
   }
   if (jobs[0].world.backend == jobs[1].world.backend) {
     identical = identical && a.world().hash() == b.world().hash();
@@ -85,7 +87,8 @@ int compareTwo(const CompareOptions& options) {
   }
   if (!options.within) return kHolds;
   const bool holds = worst <= *options.within;
-  fmt::print("verdict: {}: largest difference {}, wanted at most {}\n", holds ? "holds" : "does not hold", lengthText(worst), lengthText(*options.within));
+  fmt::print("verdict: {}: largest difference {}, wanted at most {}\n", holds ? "holds" : "does not hold", lengthText(worst),
+             lengthText(*options.within));
   return holds ? kHolds : kDoesNotHold;
 }
 
@@ -118,7 +121,9 @@ void addCompare(CLI::App& app, int& status) {
   command->add_option("scene", options->job.scene, "Name of a scene, or a scene file (.json)")->required();
   addArgumentOptions(*command, options->job);
   addSolverOptions(*command, options->job);
-  command->add_option("-b,--backends", options->backends, "The two backends; one name stands for both; 'lockstep' alone compares stage by stage")
+  command
+      ->add_option("-b,--backends", options->backends,
+                   "The two backends; one name stands for both; 'lockstep' alone compares stage by stage")
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("-t,--threads", options->threads, "Worker threads of each; 0 is one a core")

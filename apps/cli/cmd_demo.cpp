@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kDemoSteps = 600;
 constexpr int kDemoIterations = 4;
-/// When the pictures are taken: after so many steps of 1/60 s from the smash on.
-constexpr int kImpact = 24;
-constexpr int kAfter = 90;
+/// When the pictures are taken: so many steps after the smash.
+constexpr int kImpact = 45;
+constexpr int kAfter = 150;
 
 struct DemoOptions {
   JobOptions job;
@@ -75,8 +75,11 @@ void addDemo(CLI::App& app, int& status) {
   command->add_option("-o,--out", options->folder, "Folder to write to")->capture_default_str();
   addArgumentOptions(*command, options->job);
   addSolverOptions(*command, options->job);
-  auto* backend = command->add_option("-b,--backend", options->job.backend, "Where the step runs (default: cuda where there is a GPU, else cpu)");
-  command->add_option("-t,--threads", options->job.threads, "Worker threads; 0 is one a core")->check(CLI::NonNegativeNumber)->capture_default_str();
+  auto* backend =
+      command->add_option("-b,--backend", options->job.backend, "Where the step runs (default: cuda where there is a GPU, else cpu)");
+  command->add_option("-t,--threads", options->job.threads, "Worker threads; 0 is one a core")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->callback([options, backend, &status] {
     if (backend->count() == 0 && hasBackend("cuda")) options->job.backend = "cuda";

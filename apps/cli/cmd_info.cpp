@@ -5,6 +5,7 @@
 
 #include "apps/cli/command.h"
 #include "apps/cli/file_job.h"
+#include "apps/cli/file_probe.h"
 #include "apps/cli/info_json.h"
 #include "apps/cli/job.h"
 #include "apps/cli/output.h"
@@ -21,8 +22,8 @@ std::string unitText(const std::string& unit) { return unit == "1" ? "" : " [" +
 
 void printScenes() {
   for (const scenes::Spec& spec : scenes::registry())
-    fmt::print("{:<24} {}\n{:<24} {} iterations, {} steps{}{}\n", spec.name, spec.doc, "", spec.iterations, spec.steps, spec.tags.empty() ? "" : "; ",
-               fmt::join(spec.tags, ", "));
+    fmt::print("{:<24} {}\n{:<24} {} iterations, {} steps{}{}\n", spec.name, spec.doc, "", spec.iterations, spec.steps,
+               spec.tags.empty() ? "" : "; ", fmt::join(spec.tags, ", "));
 }
 
 void printForces() {
@@ -50,6 +51,15 @@ void printBuild() {
   fmt::print("{:<12}{}\n", "backends", fmt::join(backends(), ", "));
 }
 
+void printMetrics() {
+  fmt::print("Of a body by its name:\n");
+  for (const NamedMetric& metric : bodyMetrics()) fmt::print("  NAME.{:<14} {}\n", metric.quantity, metric.doc);
+  fmt::print("Of a joint by its name:\n");
+  for (const NamedMetric& metric : jointMetrics()) fmt::print("  NAME.{:<14} {}\n", metric.quantity, metric.doc);
+  fmt::print("Of the scene (docs/scene_format.md says what they mean):\n");
+  for (const std::string& metric : sceneMetrics(true)) fmt::print("  {}\n", metric);
+}
+
 void printScene(const JobOptions& options) {
   const scenes::Spec& spec = scenes::find(options.scene);
   const scenes::Job job = loadJob(options.scene, options.arguments);
@@ -57,10 +67,11 @@ void printScene(const JobOptions& options) {
              job.scene.joints.size(), job.scene.events.size(), job.steps, job.iterations);
   if (!spec.arguments.empty()) fmt::print("arguments\n");
   for (const scenes::Argument& argument : spec.arguments)
-    fmt::print("  {:<20}{:>10.6g}   {}{}, {:.6g} to {:.6g}\n", argument.name, argument.value, argument.doc, unitText(argument.unit), argument.min,
-               argument.max);
+    fmt::print("  {:<20}{:>10.6g}   {}{}, {:.6g} to {:.6g}\n", argument.name, argument.value, argument.doc, unitText(argument.unit),
+               argument.min, argument.max);
   fmt::print("verdict\n");
-  for (const scenes::Claim& claim : job.claims) fmt::print("  {:<32}{:>12.6g} to {:<12.6g} {}\n", claim.metric, claim.min, claim.max, claim.why);
+  for (const scenes::Claim& claim : job.claims)
+    fmt::print("  {:<32}{:>12.6g} to {:<12.6g} {}\n", claim.metric, claim.min, claim.max, claim.why);
 }
 
 void showScene(const InfoOptions& options) {
@@ -93,7 +104,9 @@ void addInfo(CLI::App& app, int& status) {
   add("forces", "Forces: rows and what an author sets", list(printForces, forcesJson));
   add("params", "Parameters of the method, for --param", list(printParams, paramsJson));
   add("build", "Version, compiler, backends", list(printBuild, buildJson));
-  CLI::App* scene = add("scene", "One scene: arguments and verdict; with --json the scene itself, as a scene file", [options] { showScene(*options); });
+  add("metrics", "What the verdict of a scene file may name", list(printMetrics, metricsJson));
+  CLI::App* scene =
+      add("scene", "One scene: arguments and verdict; with --json the scene itself, as a scene file", [options] { showScene(*options); });
   scene->add_option("name", options->scene.scene, "Name of the scene, or a scene file (.json)")->required();
   addArgumentOptions(*scene, options->scene);
 }

@@ -45,8 +45,8 @@ std::vector<io::PictureBody> bodiesOfFrame(io::RecordingReader& recording, int i
   std::vector<io::PictureBody> drawn;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const double speed = moved ? length(frame.poses[i].position - neighbour.poses[i].position) / apart : 0;
-    drawn.push_back({bodies[i].shape, frame.poses[i].position, frame.poses[i].orientation, speed, static_cast<std::uint32_t>(bodies[i].id.index),
-                     bodies[i].motion});
+    drawn.push_back({bodies[i].shape, frame.poses[i].position, frame.poses[i].orientation, speed,
+                     static_cast<std::uint32_t>(bodies[i].id.index), bodies[i].motion});
   }
   return drawn;
 }

@@ -7,7 +7,7 @@ namespace rubble::cli {
 /// Exit status of the program.
 enum Status : int {
   kHolds = 0,        ///< done; the verdict holds
-  kDoesNotHold = 1, ///< done; the verdict does not hold
+  kDoesNotHold = 1,  ///< done; the verdict does not hold
   kBadInput = 2,     ///< the input or the command line is wrong
 };
 

@@ -8,18 +8,11 @@
 #include <fmt/format.h>
 
 #include "apps/cli/file_probe.h"
-#include "io/picture.h"
+#include "apps/cli/job.h"
 #include "scenes/probes.h"
 
 namespace rubble::cli {
 namespace {
-
-/// A camera that shows what the scene holds at the start.
-scenes::Camera cameraFor(const Scene& scene) {
-  io::PictureSettings settings;
-  io::frameBodies(io::pictureBodies(scene), scene.gravity, settings);
-  return {settings.eye, settings.target};
-}
 
 scenes::Probes probesFor(const io::SceneFile& file) {
   const bool smashes = file.smashStep >= 0;
@@ -28,7 +21,8 @@ scenes::Probes probesFor(const io::SceneFile& file) {
   if (smashes) probes = scenes::smashProbes(file.scene, moment);
   // Stacks have no joints; a mechanism has no top level unless its verdict says so.
   const auto isStackMetric = [](const io::FileClaim& claim) {
-    return claim.metric.starts_with("top_drop") || claim.metric == "max_drift_m" || claim.metric == "bricks_lost" || claim.metric == "lowest_m";
+    return claim.metric.starts_with("top_drop") || claim.metric == "max_drift_m" || claim.metric == "bricks_lost" ||
+           claim.metric == "lowest_m";
   };
   if (file.scene.joints.empty() || std::any_of(file.claims.begin(), file.claims.end(), isStackMetric))
     probes.push_back(scenes::stackProbe(file.scene, moment));
@@ -59,9 +53,11 @@ scenes::Job loadFileJob(const std::string& file) {
   scenes::Job job;
   for (const io::FileClaim& claim : scene.claims) job.claims.push_back({claim.metric, claim.min, claim.max, claim.why});
   job.probes = probesFor(scene);
-  job.camera = scene.camera ? scenes::Camera{scene.camera->eye, scene.camera->target} : cameraFor(scene.scene);
+  job.camera =
+      scene.camera ? scenes::Camera{scene.camera->eye, scene.camera->target} : cameraShowing(scene.scene, {}, scene.smashStep >= 0);
   job.steps = scene.steps;
   job.iterations = scene.iterations;
+  job.substeps = scene.substeps;
   job.smashStep = scene.smashStep;
   job.dt = scene.dt;
   job.scene = std::move(scene.scene);
@@ -71,12 +67,13 @@ scenes::Job loadFileJob(const std::string& file) {
 io::SceneFile fileOf(const scenes::Job& job) {
   io::SceneFile file;
   file.scene = job.scene;
+  file.smashStep = job.smashStep;
   for (const scenes::Claim& claim : job.claims)
     if (metricFault(file, claim.metric).empty()) file.claims.push_back({claim.metric, claim.min, claim.max, claim.why});
   file.camera = io::FileCamera{job.camera.eye, job.camera.target};
   file.steps = job.steps;
   file.iterations = job.iterations;
-  file.smashStep = job.smashStep;
+  file.substeps = job.substeps;
   file.dt = job.dt;
   return file;
 }

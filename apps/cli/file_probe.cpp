@@ -40,7 +40,8 @@ const std::vector<BodyMetric>& bodyTable() {
          return angleBetween(start.orientation, now.orientation) * 180 / std::numbers::pi;
        }},
       {{"speed_m_s", "speed of its centre [m/s]"}, [](const World&, const BodyDef&, const BodyState& now) { return length(now.velocity); }},
-      {{"spin_rad_s", "angular speed [rad/s]"}, [](const World&, const BodyDef&, const BodyState& now) { return length(now.angularVelocity); }},
+      {{"spin_rad_s", "angular speed [rad/s]"},
+       [](const World&, const BodyDef&, const BodyState& now) { return length(now.angularVelocity); }},
   };
   return table;
 }
@@ -62,15 +63,14 @@ const std::vector<JointMetric>& jointTable() {
   return table;
 }
 
-template <class Table>
-std::vector<NamedMetric> namesOf(const Table& table) {
+template <class Table> std::vector<NamedMetric> namesOf(const Table& table) {
   std::vector<NamedMetric> names;
+  names.reserve(table.size());
   for (const auto& entry : table) names.push_back(entry.name);
   return names;
 }
 
-template <class Table>
-auto findIn(const Table& table, const std::string& quantity) -> decltype(&table.front()) {
+template <class Table> auto findIn(const Table& table, const std::string& quantity) -> decltype(&table.front()) {
   const auto found = std::find_if(table.begin(), table.end(), [&](const auto& entry) { return quantity == entry.name.quantity; });
   return found == table.end() ? nullptr : &*found;
 }
@@ -86,12 +86,11 @@ struct Split {
   }
 };
 
-/// Metrics without a dot that the probes of scene files give.
-constexpr const char* kGeneral[] = {
-    "penetration_mean_m", "penetration_p99_m", "penetration_max_m", "joint_gap_mean_m",  "joint_gap_max_m", "kinetic_energy_j",
-    "max_speed_m_s",      "quarantined",       "broken_joints",     "top_drop_m",        "top_drop_peak_m", "max_drift_m",
-    "bricks_lost",        "lowest_m",          "smash_moved_ratio", "smash_lowest_m",    "smash_top_drop_m", "smash_penetration_mean_m",
-    "smash_penetration_p99_m", "smash_penetration_max_m"};
+/// What the probes of scene files measure of the whole scene: before a smash (or at the end), and after it with "smash_" in front.
+constexpr const char* kQuality[] = {"penetration_mean_m", "penetration_p99_m", "penetration_max_m", "joint_gap_mean_m", "joint_gap_max_m",
+                                    "kinetic_energy_j",   "max_speed_m_s",     "quarantined",       "broken_joints"};
+constexpr const char* kStack[] = {"top_drop_m", "top_drop_peak_m", "max_drift_m", "bricks_lost", "lowest_m"};
+constexpr const char* kSmash[] = {"moved_ratio", "lowest_m", "top_drop_m"};
 
 class NamedProbe final : public scenes::Probe {
  public:
@@ -125,10 +124,10 @@ bool hasJoint(const Scene& scene, const std::string& name) {
   return std::any_of(scene.joints.begin(), scene.joints.end(), [&](const JointDef& joint) { return joint.name == name; });
 }
 
-template <class Table>
-std::vector<std::string> quantities(const Table& table) {
+std::vector<std::string> quantities(const std::vector<NamedMetric>& metrics) {
   std::vector<std::string> names;
-  for (const auto& entry : table) names.emplace_back(entry.name.quantity);
+  names.reserve(metrics.size());
+  for (const NamedMetric& metric : metrics) names.emplace_back(metric.quantity);
   return names;
 }
 
@@ -144,6 +143,15 @@ const std::vector<NamedMetric>& jointMetrics() {
   return names;
 }
 
+std::vector<std::string> sceneMetrics(bool smashes) {
+  std::vector<std::string> names(std::begin(kQuality), std::end(kQuality));
+  names.insert(names.end(), std::begin(kStack), std::end(kStack));
+  if (!smashes) return names;
+  for (const char* name : kQuality) names.push_back(std::string("smash_") + name);
+  for (const char* name : kSmash) names.push_back(std::string("smash_") + name);
+  return names;
+}
+
 std::unique_ptr<scenes::Probe> namedProbe(const std::vector<io::FileClaim>& claims) {
   std::vector<std::string> metrics;
   for (const io::FileClaim& claim : claims)
@@ -154,15 +162,16 @@ std::unique_ptr<scenes::Probe> namedProbe(const std::vector<io::FileClaim>& clai
 std::string metricFault(const io::SceneFile& file, const std::string& metric) {
   const Split split(metric);
   if (split.quantity.empty()) {
-    if (std::find(std::begin(kGeneral), std::end(kGeneral), metric) != std::end(kGeneral)) return "";
-    return fmt::format("expected one of {}, or NAME.QUANTITY of a body or joint, got \"{}\"", fmt::join(kGeneral, ", "), metric);
+    const std::vector<std::string> known = sceneMetrics(file.smashStep >= 0);
+    if (std::find(known.begin(), known.end(), metric) != known.end()) return "";
+    return fmt::format("expected one of {}, or NAME.QUANTITY of a body or joint, got \"{}\"", fmt::join(known, ", "), metric);
   }
   if (findIn(bodyTable(), split.quantity))
     return hasBody(file.scene, split.name) ? "" : fmt::format("expected the name of a body before the dot, got \"{}\"", split.name);
   if (findIn(jointTable(), split.quantity))
     return hasJoint(file.scene, split.name) ? "" : fmt::format("expected the name of a joint before the dot, got \"{}\"", split.name);
-  return fmt::format("expected one of {} (bodies) or {} (joints) after the dot, got \"{}\"", fmt::join(quantities(bodyTable()), ", "),
-                     fmt::join(quantities(jointTable()), ", "), split.quantity);
+  return fmt::format("expected one of {} (bodies) or {} (joints) after the dot, got \"{}\"", fmt::join(quantities(bodyMetrics()), ", "),
+                     fmt::join(quantities(jointMetrics()), ", "), split.quantity);
 }
 
 }  // namespace rubble::cli

@@ -15,6 +15,8 @@ struct NamedMetric {
 };
 const std::vector<NamedMetric>& bodyMetrics();
 const std::vector<NamedMetric>& jointMetrics();
+/// Names of what is measured of the whole scene; `smashes` adds what is measured after a smash.
+std::vector<std::string> sceneMetrics(bool smashes);
 
 /// Measures the "name.quantity" metrics that the claims of a file name, at the end of the run.
 std::unique_ptr<scenes::Probe> namedProbe(const std::vector<io::FileClaim>& claims);

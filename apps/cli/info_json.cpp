@@ -2,15 +2,13 @@
 
 #include <rubble/info.h>
 
+#include "apps/cli/file_probe.h"
 #include "io/json_text.h"
 #include "scenes/registry.h"
 
 namespace rubble::cli {
-namespace {
 
 using Json = nlohmann::ordered_json;
-
-}  // namespace
 
 std::string scenesJson() {
   Json list = Json::array();
@@ -59,6 +57,15 @@ std::string buildJson() {
                          {"precision", build.precision},
                          {"features", build.features},
                          {"backends", backends()}});
+}
+
+std::string metricsJson() {
+  const auto named = [](const std::vector<NamedMetric>& metrics) {
+    Json list = Json::array();
+    for (const NamedMetric& metric : metrics) list.push_back({{"quantity", metric.quantity}, {"doc", metric.doc}});
+    return list;
+  };
+  return io::prettyJson({{"body", named(bodyMetrics())}, {"joint", named(jointMetrics())}, {"scene", sceneMetrics(true)}});
 }
 
 }  // namespace rubble::cli

@@ -8,5 +8,6 @@ std::string scenesJson();
 std::string forcesJson();
 std::string paramsJson();
 std::string buildJson();
+std::string metricsJson();
 
 }  // namespace rubble::cli

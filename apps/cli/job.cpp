@@ -9,9 +9,13 @@
 #include <fmt/ranges.h>
 
 #include "apps/cli/file_job.h"
+#include "io/picture.h"
 
 namespace rubble::cli {
 namespace {
+
+/// How far rubble lies from a smashed stack, over its height.
+constexpr double kRubbleSpread = .4;
 
 Preset presetNamed(const std::string& name) {
   if (name == "engine") return Preset::Engine;
@@ -32,6 +36,7 @@ scenes::Arguments parseArguments(const std::vector<std::string>& texts) {
 Params paramsOf(const JobOptions& options, const scenes::Job& job) {
   Params params = Params::of(presetNamed(options.preset));
   params.iterations = options.iterations.value_or(job.iterations);
+  params.substeps = options.substeps.value_or(job.substeps);
   params.dt = options.dt.value_or(job.dt);
   for (const std::string& text : options.parameters) {
     const auto [name, value] = parseAssignment(text, "--param");
@@ -49,6 +54,12 @@ void checkBackend(const std::string& backend) {
 
 }  // namespace
 
+scenes::Camera cameraShowing(const Scene& scene, const Vec3& direction, bool smashed) {
+  io::PictureSettings settings;
+  io::frameBodies(io::pictureBodies(scene, true), scene.gravity, settings, {direction, smashed ? kRubbleSpread : 0});
+  return {settings.eye, settings.target};
+}
+
 void addArgumentOptions(CLI::App& app, JobOptions& options) {
   app.add_option("-a,--arg", options.arguments, "Set an argument of the scene (see 'rubble info scene NAME'); may be repeated")
       ->type_name("NAME=VALUE")
@@ -57,7 +68,10 @@ void addArgumentOptions(CLI::App& app, JobOptions& options) {
 
 void addSolverOptions(CLI::App& app, JobOptions& options) {
   app.add_option("-n,--steps", options.steps, "Number of steps (default: as the scene says)")->check(CLI::PositiveNumber);
-  app.add_option("-i,--iterations", options.iterations, "Solver iterations in a step (default: as the scene says)")->check(CLI::PositiveNumber);
+  app.add_option("-i,--iterations", options.iterations, "Solver iterations in a step (default: as the scene says)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--substeps", options.substeps, "Full steps that a time step is divided into (default: as the scene says)")
+      ->check(CLI::PositiveNumber);
   app.add_option("--dt", options.dt, "Time step [s] (default: 1/60)")->check(CLI::PositiveNumber);
   app.add_option("--preset", options.preset, "Parameter set: engine, paper or demo3d")->capture_default_str();
   app.add_option("--param", options.parameters, "Set a parameter of the method, for study (see 'rubble info params'); may be repeated")
@@ -91,7 +105,9 @@ scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& ar
     return loadFileJob(scene);
   }
   const scenes::Spec& spec = scenes::find(scene);
-  return scenes::prepare(spec, scenes::resolve(spec, parseArguments(arguments)));
+  scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, parseArguments(arguments)));
+  job.camera = cameraShowing(job.scene, job.camera.target - job.camera.eye, job.smashStep >= 0);
+  return job;
 }
 
 PreparedJob prepareJob(const JobOptions& options) {

@@ -11,11 +11,11 @@
 namespace rubble::cli {
 
 struct JobOptions {
-  std::string scene;                     ///< name in the registry, or path of a scene file
-  std::vector<std::string> arguments;    ///< "name=value"
-  std::vector<std::string> parameters;   ///< "name=value", of rubble::paramFields()
-  std::optional<int> steps, iterations;
-  std::optional<double> dt;              ///< [s]
+  std::string scene;                    ///< name in the registry, or path of a scene file
+  std::vector<std::string> arguments;   ///< "name=value"
+  std::vector<std::string> parameters;  ///< "name=value", of rubble::paramFields()
+  std::optional<int> steps, iterations, substeps;
+  std::optional<double> dt;  ///< [s]
   std::string backend = "cpu";
   std::string preset = "engine";
   int threads = 0;
@@ -39,6 +39,10 @@ PreparedJob prepareJob(const JobOptions& options);
 
 /// The scene of a registry name or file, with its camera and claims.
 scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& arguments);
+
+/// A camera that shows everything that the scene holds or will hold, along `direction` (zero: a usual one), with room for rubble if it
+/// is smashed.
+scenes::Camera cameraShowing(const Scene& scene, const Vec3& direction, bool smashed);
 
 /// Does this name a file rather than a scene of the registry?
 bool isSceneFile(const std::string& scene);

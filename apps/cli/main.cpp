@@ -1,8 +1,11 @@
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rubble/info.h>
 
@@ -10,14 +13,33 @@
 
 namespace {
 
-constexpr const char* kDescription = "Rubble: rigid-body physics by augmented vertex block descent.\n"
-                                     "Runs, measures and checks scenes, from the built-in registry or from JSON files.";
-constexpr const char* kFooter = "Exit status: 0 the verdict holds, 1 it does not, 2 bad input or usage.\n"
-                                "Start with: rubble info scenes; rubble run pyramid --picture pyramid.png";
+constexpr const char* kDescription =
+    "Rubble: rigid-body physics by augmented vertex block descent.\n"
+    "Runs, measures and checks scenes, from the built-in registry or from JSON files.";
+constexpr const char* kFooter =
+    "Exit status: 0 the verdict holds, 1 it does not, 2 bad input or usage.\n"
+    "Start with: rubble info scenes; rubble run pyramid --picture pyramid.png";
 
-}  // namespace
+/// The subcommands that were chosen, the program itself first.
+std::vector<const CLI::App*> chosenCommands(const CLI::App& app) {
+  std::vector<const CLI::App*> chosen{&app};
+  while (!chosen.back()->get_subcommands().empty()) chosen.push_back(chosen.back()->get_subcommands().front());
+  return chosen;
+}
 
-int main(int argc, char** argv) {
+std::string messageOf(const CLI::App& app, const CLI::ParseError& error) {
+  const std::vector<const CLI::App*> chosen = chosenCommands(app);
+  std::string message = error.what();
+  // The library takes an unknown subcommand for a missing one.
+  const std::vector<std::string> unknown = app.remaining(true);
+  if (chosen.back()->get_require_subcommand_min() > 0 && !unknown.empty())
+    message = fmt::format("there is no subcommand '{}'", unknown.front());
+  std::string name;
+  for (const CLI::App* command : chosen) name += command->get_name() + " ";
+  return fmt::format("{}\nRun '{}--help' for what there is.", message, name);
+}
+
+int runProgram(int argc, char** argv) {
   using namespace rubble::cli;
   CLI::App app(kDescription, "rubble");
   app.footer(kFooter);
@@ -34,10 +56,19 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kHolds : kBadInput;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "rubble: {}\n", error.what());
-    return kBadInput;
+    if (error.get_exit_code() == 0) return app.exit(error);
+    throw std::runtime_error(messageOf(app, error));
   }
   return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return runProgram(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rubble: %s\n", error.what());
+    return rubble::cli::kBadInput;
+  }
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <string_view>
 
+#include <fmt/format.h>
 #include <rubble/info.h>
 
 #include "apps/cli/statistics.h"
@@ -34,9 +35,10 @@ void addTimes(io::RunRecord& record, const std::vector<StepReport>& reports, con
   if (phases.smash) record.smash = summarize(totals(reports, *phases.smash));
   for (const auto& [name, times] : stageTimes(reports, phases.settled)) {
     record.stages.emplace_back(name, times.mean);
-    (isCollisionStage(name) ? record.collisionMs : record.solveMs) += times.mean;
+    if (isCollisionStage(name)) record.collisionMs += times.mean;
   }
   record.totalMs = record.settled->mean;
+  record.solveMs = record.totalMs - record.collisionMs;
 }
 
 void addCounts(io::RunRecord& record, const std::vector<StepReport>& reports, const Phases& phases) {
@@ -54,8 +56,8 @@ void addVerdict(io::RunRecord& record, const scenes::RunResult& result) {
   record.metrics = result.metrics;
   for (const scenes::ClaimResult& r : result.verdict.results) {
     const bool measured = result.metrics.contains(r.claim.metric);
-    record.claims.push_back({r.claim.metric, r.claim.min, r.claim.max, r.claim.why,
-                             measured ? r.value : std::numeric_limits<double>::quiet_NaN(), r.holds});
+    record.claims.push_back(
+        {r.claim.metric, r.claim.min, r.claim.max, r.claim.why, measured ? r.value : std::numeric_limits<double>::quiet_NaN(), r.holds});
   }
 }
 
@@ -81,8 +83,8 @@ int qualityStep(int smashStep, int steps, double dt) {
 }
 
 bool isCollisionStage(const std::string& stage) {
-  constexpr std::array<std::string_view, 8> kWords{"broad", "narrow", "collide", "collision", "bounds", "pair", "manifold", "contact"};
-  return std::any_of(kWords.begin(), kWords.end(), [&](std::string_view word) { return stage.find(word) != std::string::npos; });
+  constexpr std::array<std::string_view, 4> kStages{"bounds", "grid", "pairs", "narrow"};
+  return std::find(kStages.begin(), kStages.end(), stage) != kStages.end();
 }
 
 std::vector<std::pair<std::string, io::PhaseTimes>> stageTimes(const std::vector<StepReport>& reports, StepRange range) {
@@ -96,6 +98,7 @@ std::vector<std::pair<std::string, io::PhaseTimes>> stageTimes(const std::vector
     }
   }
   std::vector<std::pair<std::string, io::PhaseTimes>> times;
+  times.reserve(order.size());
   for (const std::string& name : order) times.emplace_back(name, summarize(samples[name]));
   return times;
 }
@@ -108,6 +111,7 @@ io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, co
   record.threads = threadCount(prepared.world.threads);
   record.commit = buildInfo().commit;
   record.iterations = prepared.world.params.iterations;
+  record.substeps = prepared.world.params.substeps;
   record.dt = prepared.world.params.dt;
   const Phases phases = phasesOf(job.smashStep, static_cast<int>(result.reports.size()));
   addTimes(record, result.reports, phases);
@@ -121,6 +125,10 @@ io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, co
   record.energy = quality.kineticEnergy + quality.potentialEnergy;
   record.rssMb = residentMb();
   addVerdict(record, result);
+  const Params& params = prepared.world.params;
+  if (static_cast<int>(result.reports.size()) != job.steps || params.iterations != job.iterations || params.substeps != job.substeps)
+    record.statedFor =
+        fmt::format("{} steps of {}{} iterations", job.steps, job.substeps == 1 ? "" : fmt::format("{} x ", job.substeps), job.iterations);
   record.machine = machineName();
   record.date = timestamp();
   return record;

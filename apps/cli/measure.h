@@ -24,7 +24,7 @@ Phases phasesOf(int smashStep, int stepsTaken);
 /// Step after which the quality of a run is quoted: half a second after the smash, or the last one.
 int qualityStep(int smashStep, int steps, double dt);
 
-/// Does a stage of the step belong to collision (finding contacts), not to the solve?
+/// Is a stage of the step one of those that find contact points? All else of the step counts as solving.
 bool isCollisionStage(const std::string& stage);
 
 /// Times and counts of a run. `quality` is the one to quote.

@@ -32,7 +32,10 @@ void addPictureOptions(CLI::App& app, PictureOptions& options, const std::string
   app.add_option("--at", options.at, "Take the picture after these numbers of steps (0: the start); several files are numbered")
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--eye", options.eye, "Where the camera is [m] (default: as the scene says)")->delimiter(',')->expected(3)->type_name("X,Y,Z");
+  app.add_option("--eye", options.eye, "Where the camera is [m] (default: as the scene says)")
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("X,Y,Z");
   app.add_option("--target", options.target, "What the camera looks at [m]")->delimiter(',')->expected(3)->type_name("X,Y,Z");
   app.add_option("--fov", options.fieldOfView, "Vertical field of view [degrees]")->check(CLI::Range(1.0, 150.0))->capture_default_str();
   app.add_option("--size", options.size, "Size of the picture in pixels")->type_name("WxH")->capture_default_str();

@@ -23,7 +23,7 @@ struct PictureOptions {
   std::vector<double> eye, target;  ///< none: the camera of the scene
   std::string size = "1280x720";
   std::string colorBy = "body";
-  double fieldOfView = 34;          ///< [degrees]
+  double fieldOfView = 34;  ///< [degrees]
 };
 
 /// How pictures are taken; what is empty is up to the scene.

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -17,14 +18,18 @@ constexpr int kBarWidth = 30;
 constexpr double kRedraw = .1;
 
 std::string duration(double seconds) {
-  const int whole = static_cast<int>(seconds + .5);
+  const int whole = static_cast<int>(std::lround(seconds));
   return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{}:{:02} min", whole / 60, whole % 60);
 }
 
 }  // namespace
 
 Progress::Progress(std::string title, int steps, bool quiet)
-    : title_(std::move(title)), steps_(std::max(steps, 1)), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1), startTime_(secondsNow()) {}
+    : title_(std::move(title)),
+      steps_(std::max(steps, 1)),
+      quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      startTime_(secondsNow()) {}
 
 Progress::~Progress() {
   if (barIsOpen_) fmt::print(stderr, "\n");

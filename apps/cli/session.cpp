@@ -14,13 +14,20 @@ class Recorder {
  public:
   Recorder(const std::string& file, const std::string& title, const World& world) {
     if (file.empty()) return;
-    const std::vector<io::RecordedBody> bodies = io::recordedBodies(world);
-    writer_.emplace(file, io::RecordingHeader{title, world.params().dt, world.gravity(), io::recordingResolution(bodies)});
+    ids_ = world.bodies();
+    bodies_ = io::recordedBodies(world);
+    writer_.emplace(file, io::RecordingHeader{title, world.params().dt, world.gravity(), io::recordingResolution(bodies_)});
     record(world);
   }
 
   void record(const World& world) {
-    if (writer_) writer_->write(io::recordedBodies(world), io::recordedFrame(world));
+    if (!writer_) return;
+    // A body's definition stays the same as long as its id lives.
+    if (std::vector<BodyId> ids = world.bodies(); ids != ids_) {
+      ids_ = std::move(ids);
+      bodies_ = io::recordedBodies(world);
+    }
+    writer_->write(bodies_, io::recordedFrame(world));
   }
 
   void finish() {
@@ -29,6 +36,8 @@ class Recorder {
 
  private:
   std::optional<io::RecordingWriter> writer_;
+  std::vector<BodyId> ids_;
+  std::vector<io::RecordedBody> bodies_;
 };
 
 }  // namespace

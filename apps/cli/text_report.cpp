@@ -15,8 +15,9 @@ using Out = std::back_insert_iterator<std::string>;
 
 void heading(Out out, const io::RunRecord& record) {
   fmt::format_to(out, "{}\n", record.scene);
-  fmt::format_to(out, "  {} on {}, {} thread{}, {} iterations, dt {:.6g} s\n", record.backend, record.device, record.threads,
-                 record.threads == 1 ? "" : "s", record.iterations, record.dt);
+  fmt::format_to(out, "  {} on {}, {} thread{}, {}{} iterations, dt {:.6g} s\n", record.backend, record.device, record.threads,
+                 record.threads == 1 ? "" : "s", record.substeps == 1 ? "" : fmt::format("{} substeps of ", record.substeps),
+                 record.iterations, record.dt);
   fmt::format_to(out, "  {} bodies, {} manifolds, {} contact points, {} colours, {} clashes\n\n", record.bodies, record.manifolds,
                  record.contacts, record.colors, record.clashes);
 }
@@ -28,9 +29,13 @@ void timeRow(Out out, const std::string& name, const io::PhaseTimes& t) {
 void times(Out out, const io::RunRecord& record, const std::vector<StepReport>& reports) {
   const StepRange all{0, static_cast<int>(reports.size())};
   std::vector<double> totals;
+  totals.reserve(reports.size());
   for (const StepReport& report : reports) totals.push_back(report.totalMs);
   fmt::format_to(out, "  {:<24}{:>10}{:>10}{:>10}{:>10}\n", "time [ms]", "mean", "median", "95 %", "max");
-  for (const auto& [name, t] : stageTimes(reports, all)) timeRow(out, name, t);
+  // Stages that have nothing to do in this scene are left out.
+  constexpr double kNothing = .0005;
+  for (const auto& [name, t] : stageTimes(reports, all))
+    if (t.mean >= kNothing) timeRow(out, name, t);
   timeRow(out, fmt::format("step, all {}", reports.size()), summarize(std::move(totals)));
   if (record.settled) timeRow(out, "step, settled", *record.settled);
   if (record.smash) timeRow(out, "step, smash", *record.smash);
@@ -42,7 +47,8 @@ void quality(Out out, const io::RunRecord& record) {
     fmt::format_to(out, "  penetration             mean {}, 99 % {}, max {}\n", lengthText(record.penetration->mean),
                    lengthText(record.penetration->p99), lengthText(record.penetration->max));
   if (record.jointGapMean)
-    fmt::format_to(out, "  joint error             mean {}, max {}\n", lengthText(*record.jointGapMean), lengthText(record.jointGapMax.value_or(0)));
+    fmt::format_to(out, "  joint error             mean {}, max {}\n", lengthText(*record.jointGapMean),
+                   lengthText(record.jointGapMax.value_or(0)));
   if (record.topDrop) fmt::format_to(out, "  top level down          {}\n", lengthText(*record.topDrop));
   fmt::format_to(out, "  energy                  {:.6g} J\n", record.energy);
   fmt::format_to(out, "  resident memory         {:.1f} MB\n", record.rssMb);
@@ -75,6 +81,7 @@ void verdict(Out out, const io::RunRecord& record) {
     return;
   }
   fmt::format_to(out, "\nverdict: {}\n", record.holds ? "holds" : "does not hold");
+  if (!record.statedFor.empty()) fmt::format_to(out, "  (it is stated for {})\n", record.statedFor);
   for (const io::ClaimRecord& claim : record.claims) {
     fmt::format_to(out, "  {:<4} {:<28}{:>14}   wanted {:<22} {}\n", claim.holds ? "yes" : "NO", claim.metric,
                    std::isnan(claim.value) ? "not measured" : fmt::format("{:.6g}", claim.value), bounds(claim), claim.why);

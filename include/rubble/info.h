@@ -24,13 +24,16 @@ struct ForceInfo {
 std::vector<ForceInfo> forceInfos();
 
 struct BuildInfo {
-  std::string version;    ///< "0.1.0"
-  std::string commit;     ///< of the sources, or "unknown"
-  std::string compiler;   ///< name and version
-  std::string precision;  ///< of the solver: "float" or "double"
+  std::string version;                ///< "0.1.0"
+  std::string commit;                 ///< of the sources, or "unknown"
+  std::string compiler;               ///< name and version
+  std::string precision;              ///< of the solver: "float" or "double"
   std::vector<std::string> features;  ///< optional parts that are in
 };
 
 BuildInfo buildInfo();
+
+/// Whether the CUDA backend can run here, and on what, or why not: "on: NVIDIA H200, ...", "off: built without CUDA", "off: no device found".
+std::string cudaStatus();
 
 }  // namespace rubble

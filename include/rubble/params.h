@@ -12,21 +12,25 @@ enum class Preset { Engine, Paper, Demo3d };
 /// How the penalty stiffness k of a hard row moves between its floor k_start and its ceiling.
 enum class StiffnessPolicy {
   Ramp,        ///< k += beta |C| after each iteration [S 14]
-  FollowLoad,  ///< k = max(k_start, |lambda| / delta), set anew at warm start and after each iteration
+  FollowLoad,  ///< k = max(k_start, |lambda| / (a dt^2)), set anew at warm start and after each iteration
 };
 
-/// The parameters of the method. No scene may touch them; they are the same for every scene of a preset.
+/// The parameters of the method. No scene may touch them; they are the same for every scene of a preset. docs/stiffness.md has the study
+/// that they come from.
 struct Tuning {
-  double startStiffness = 1;      ///< K: k_start = K m_row / dt^2 [1]; at most 3
-  double rampRate = 10;           ///< B: beta = B (m_row / dt^2) / L [1]
-  bool literalBeta = false;       ///< take rampRate as beta itself [N/m2], as the seed does
-  double errorRetention = -1;     ///< alpha [1]; below 0: 1 - min(1, 3 dt)
-  double warmStartDecay = .99;    ///< gamma of a 1/60 s step [1]; scaled as gamma^(60 dt)
+  double startStiffness = 3;      ///< K: k_start = K m_row / dt^2 [1]; at most 3
+  double tangentStiffness = .1;   ///< k_start of tangential rows over that of normal rows [1]
   double maxStiffness = 1e6;      ///< k_max in m_row / dt^2 [1]
-  double tangentStiffness = 1;    ///< k_start of tangential rows over that of normal rows [1]
-  StiffnessPolicy contactPolicy = StiffnessPolicy::Ramp;
+  StiffnessPolicy contactPolicy = StiffnessPolicy::FollowLoad;
   StiffnessPolicy jointPolicy = StiffnessPolicy::Ramp;
-  double loadDepth = 1e-3;        ///< delta of FollowLoad over the row's length L [1]
+  double loadAcceleration = 10;   ///< a of FollowLoad: a load counts as the weight of the mass |lambda| / a [m/s2]
+  double contactRampRate = 10;    ///< B of Ramp for contacts: beta = B (m_row / dt^2) / L [1]
+  double jointRampRate = 300;     ///< B of Ramp for joints [1]
+  bool literalBeta = false;       ///< ramp rates are beta itself [N/m2], as in the seed
+  double errorRetention = -1;     ///< alpha [1]; below 0: 1 - min(1, 3 dt)
+  double driftCorrection = 1.2;   ///< rate at which tangential drift of sticking contacts is taken back [1/s]; below 0: that of other errors
+  double warmStartDecay = .99;    ///< gamma of a 1/60 s step [1]; scaled as gamma^(60 dt)
+  bool coarseCorrection = true;   ///< rigid motions of groups of bodies are solved for as well
   bool coneHessian = true;        ///< cone-consistent Hessian of sliding friction; else the unclamped one
   bool dormantRows = true;        ///< rows that stay open at the inertial targets are left out of the step
   bool impactRule = true;         ///< multipliers of an impact are not warm-started

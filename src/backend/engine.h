@@ -76,12 +76,17 @@ class Engine {
   virtual std::string firstDifference() const { return {}; }
 };
 
+/// Is the CUDA backend built, and is there a device that it can use?
+bool cudaReady();
+/// Null unless cudaReady(). `timings`: measure stages.
+std::unique_ptr<Engine> makeCudaEngine(bool timings);
+
 namespace f32 {
-std::unique_ptr<Engine> makeCpuEngine(int threads);
+std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings);
 std::unique_ptr<Engine> makeLockstepEngine(int threads);
 }  // namespace f32
 namespace f64 {
-std::unique_ptr<Engine> makeCpuEngine(int threads);
+std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings);
 }
 
 }  // namespace rubble

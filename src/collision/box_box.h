@@ -131,7 +131,7 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
     return out;
   }
 
-  if (edge >= 0 && bestEdge > kEdgePreference * bestFace + kEdgeMargin * length) {
+  const auto edgeContact = [&] {
     const int i = edge / 3, j = edge % 3;
     out.n = normalize(cross(axisA[i], axisB[j]) * edgeSign);
     // a point on each supporting edge, then the closest points of the two lines
@@ -145,6 +145,9 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
     const Real sa = clamp((da - cosine * db) * inverse, -halfA[i], halfA[i]), sb = clamp((cosine * da - db) * inverse, -halfB[j], halfB[j]);
     out.count = 1;
     out.points[0] = {pa + axisA[i] * sa, pb + axisB[j] * sb, 0x1000 + edge};
+  };
+  if (edge >= 0 && bestEdge > kEdgePreference * bestFace + kEdgeMargin * length) {
+    edgeContact();
     return out;
   }
 
@@ -184,6 +187,11 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
   for (int k = 0; k < count; ++k)
     if (p[k].w <= margin) p[kept++] = p[k];
   count = kept;
+  if (count == 0 && edge >= 0) {
+    // the faces pass one another although they were preferred: two edges cross
+    edgeContact();
+    return out;
+  }
   reduceToFour(p, count, halfX[iu], halfX[iv], length);
 
   const Vec3 centreX = refB ? t : Vec3{0, 0, 0};

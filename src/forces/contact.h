@@ -4,7 +4,7 @@
 ///   at x^t      n from A to B, r_A, r_B levers to the point, C_n0 = penetration, C_t0 = tangential drift since the point stuck
 ///   in the step d_A = Dp_A + Dw_A x r_A, d_B likewise: first-order displacements of the point on both bodies
 ///   normal      C_n = C_n0' + n.(d_A - d_B),           0 <= F_n                    [m], [N]
-///   tangent     C_t = (1 - alpha) C_t0 + t.(d_A - d_B), |F_t| <= mu F_n             [m], [N]
+///   tangent     C_t = c C_t0 + t.(d_A - d_B), |F_t| <= mu F_n                       [m], [N]   (c: part of the drift corrected in a step)
 ///   force       on A: -(F_n n + F_t) at r_A, on B: the opposite at r_B
 ///
 /// Normal and levers stay frozen at x^t (a true first-order expansion), so there is no curvature term. Both bodies use the same point, in
@@ -86,11 +86,10 @@ RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRo
                                          const Displacement& b, int lane) {
   using A = LaneAccess<L>;
   const Vec3T<L> d = relativeDisplacement(f, a, b);
-  const Real corrected = Real(1) - c.alpha;
   ContactForces<L> o;
   o.cN = A::load(m.c0, lane) + along(m.n, d);
-  o.c1 = corrected * A::load(m.drift1, lane) + along(f.t1, d);
-  o.c2 = corrected * A::load(m.drift2, lane) + along(f.t2, d);
+  o.c1 = c.driftCorrection * A::load(m.drift1, lane) + along(f.t1, d);
+  o.c2 = c.driftCorrection * A::load(m.drift2, lane) + along(f.t2, d);
   o.fN = minOf(maxOf(A::load(m.kN, lane) * o.cN + A::load(m.lambdaN, lane), A::splat(0)), A::splat(c.maxMultiplier));
   o.t = frictionForce(A::load(m.kT, lane), o.c1, o.c2, A::load(m.lambda1, lane), A::load(m.lambda2, lane), o.fN, A::load(m.mu, lane),
                       A::splat(m.muDynamic), c.coneHessian);
@@ -98,13 +97,15 @@ RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRo
 }
 
 /// Adds forces and Hessians of the points to the block of A (onA) or B: [[W, -W [r]], [[r] W, -[r] W [r]]], W = k_n n n^T + tangential part.
+/// The block may be about another point than the body's centre, which then lies `shift` from that point.
 template <class L>
 RUBBLE_HD void stampContact(const StepConstants& c, const ContactRows& m, bool onA, const Displacement& a, const Displacement& b, int lane,
-                            Block6T<L>& block) {
+                            Block6T<L>& block, const Vec3& shift = {0, 0, 0}) {
   using A = LaneAccess<L>;
   const ContactFrame<L> f = contactFrame<L>(m, lane);
   const ContactForces<L> o = contactForces(c, m, f, a, b, lane);
-  const Vec3T<L>& r = onA ? f.rA : f.rB;
+  const Vec3T<L>& own = onA ? f.rA : f.rB;
+  const Vec3T<L> r{own.x + shift.x, own.y + shift.y, own.z + shift.z};
   const Vec3 &n = m.n, &t1 = f.t1, &t2 = f.t2;
 
   const Real sign = onA ? Real(-1) : Real(1);
@@ -147,12 +148,11 @@ RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const 
   A::store(m.lambda2, lane, o.t.f2);
   A::store(m.mu, lane, select(o.t.inside > zero, A::load(m.mu, lane), A::splat(m.muDynamic)));
 
-  const StiffnessRule normal = stiffnessRule(c, c.contactPolicy, m.start, m.length);
-  StiffnessRule tangent = normal;
-  tangent.start *= c.tangentStiffness;
-  tangent.perLoad *= c.tangentStiffness;
+  const StiffnessRule normal = contactRule(c, m.start, m.length);
+  const StiffnessRule tangent = tangentRule(c, normal);
   const L grownN = grownStiffness(normal, kN, o.cN, o.fN);
-  const L grownT = grownStiffness(tangent, kT, sqrtOf(o.c1 * o.c1 + o.c2 * o.c2), o.fN);
+  const L grownT = grownStiffness(tangent, kT, sqrtOf(o.c1 * o.c1 + o.c2 * o.c2),
+                                  sqrtOf(o.t.f1 * o.t.f1 + o.t.f2 * o.t.f2));
   const auto loaded = o.fN > zero;
   A::store(m.kN, lane, select(loaded, grownN, kN));
   A::store(m.kT, lane, select(loaded, select(o.t.inside > zero, grownT, kT), kT));

@@ -16,6 +16,19 @@ namespace rubble::RUBBLE_CORE {
 /// In place of a body index: the fixed world.
 inline constexpr int kWorldBody = -1;
 
+/// F::kGroups[g], for device code too, where a static array has no address.
+template <class F>
+RUBBLE_HD constexpr RowGroup rowGroup(int g) {
+  struct Table {
+    RowGroup groups[F::kGroupCount]{};
+    constexpr Table() {
+      for (int i = 0; i < F::kGroupCount; ++i) groups[i] = F::kGroups[i];
+    }
+  };
+  constexpr Table table;
+  return table.groups[g];
+}
+
 /// One joint of type F: authored data, state that lasts from step to step, and what a step works with.
 template <class F>
 struct Joint {
@@ -55,7 +68,7 @@ RUBBLE_HD void beginJoint(const StepConstants& c, Joint<F>& joint, const Pose& a
   Real error[F::kRows];
   F::constraint(joint.data, a, b, error);
   for (int g = 0; g < F::kGroupCount; ++g) {
-    const RowGroup group = F::kGroups[g];
+    const RowGroup group = rowGroup<F>(g);
     Real inertia = 0;
     if (bodyA.mass > Real(0)) inertia = rowInertia(bodyA, group.unit, F::lever2(joint.data, 0));
     if (bodyB.mass > Real(0)) {
@@ -65,7 +78,7 @@ RUBBLE_HD void beginJoint(const StepConstants& c, Joint<F>& joint, const Pose& a
     GroupState& state = joint.group[g];
     const Real compliance = joint.compliance[g];
     const bool hard = compliance == Real(0);
-    StiffnessRule rule = stiffnessRule(c, c.jointPolicy, startStiffness(c, inertia), group.unit == RowUnit::Linear ? length : Real(1));
+    StiffnessRule rule = jointRule(c, startStiffness(c, inertia), group.unit == RowUnit::Linear ? length : Real(1));
     const bool ramp = !hard && !c.compliantRows;
     if (ramp) {
       rule.policy = StiffnessPolicy::Ramp;
@@ -92,7 +105,7 @@ RUBBLE_HD void stampJoint(const Joint<F>& joint, const Pose& a, const Pose& b, i
   regularisedError(joint, a, b, error);
   F::jacobian(joint.data, a, b, side, j);
   for (int g = 0; g < F::kGroupCount; ++g) {
-    const RowGroup group = F::kGroups[g];
+    const RowGroup group = rowGroup<F>(g);
     Real groupRows[F::kRows], hessian;
     groupForce<F::kRows>(joint.group[g], error + group.begin, joint.lambda + group.begin, groupRows, group.count, hessian);
     for (int i = 0; i < group.count; ++i) {
@@ -108,7 +121,7 @@ RUBBLE_HD void updateJointDuals(Joint<F>& joint, const Pose& a, const Pose& b) {
   Real error[F::kRows];
   regularisedError(joint, a, b, error);
   for (int g = 0; g < F::kGroupCount; ++g)
-    updateGroup<F::kRows>(joint.group[g], error + F::kGroups[g].begin, joint.lambda + F::kGroups[g].begin, F::kGroups[g].count);
+    updateGroup<F::kRows>(joint.group[g], error + rowGroup<F>(g).begin, joint.lambda + rowGroup<F>(g).begin, rowGroup<F>(g).count);
 }
 
 /// Keeps the stiffness for the next step; a joint whose force has reached a break threshold is broken from now on: returns true.
@@ -116,7 +129,7 @@ template <class F>
 RUBBLE_HD bool endJoint(Joint<F>& joint) {
   bool broke = false;
   for (int g = 0; g < F::kGroupCount; ++g) {
-    const RowGroup group = F::kGroups[g];
+    const RowGroup group = rowGroup<F>(g);
     joint.k[g] = joint.group[g].k;
     Real size2 = 0;
     for (int i = group.begin; i < group.begin + group.count; ++i) size2 += joint.lambda[i] * joint.lambda[i];

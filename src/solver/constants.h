@@ -24,13 +24,14 @@ struct StepConstants {
   Real gamma;            ///< warm-start decay [1]
   Real startStiffness;   ///< K [1]
   Real tangentStiffness; ///< k_start of tangential over normal rows [1]
-  Real rampRate;         ///< B [1], or beta itself if literalBeta
+  Real contactRampRate, jointRampRate;  ///< B [1], or beta itself if literalBeta
   bool literalBeta;
   Real maxStiffness;     ///< k_max dt^2 / m_row [1]
   StiffnessPolicy contactPolicy, jointPolicy;
-  Real loadDepth;        ///< delta over L [1]
+  Real loadAcceleration; ///< a: a load stands for the mass |lambda| / a [m/s2]
   Real maxMultiplier;    ///< lambda_max [N]
-  bool coneHessian, dormantRows, impactRule, compliantRows, literalRotations;
+  bool coneHessian, dormantRows, impactRule, compliantRows, literalRotations, coarseCorrection;
+  Real driftCorrection;  ///< part of a tangential drift that is corrected in a step [1]
   Real contactMargin;    ///< d_min over L [1]
   Real recycleTolerance; ///< [1], [rad]
   Real stiffnessRescale; ///< (dt of the last step / dt)^2 [1]

@@ -16,16 +16,29 @@ struct StiffnessRule {
   Real start;         ///< k_start
   Real limit;         ///< k_max
   Real beta;          ///< Ramp: growth for each unit of error
-  Real perLoad;       ///< FollowLoad: 1 / delta
+  Real perLoad;       ///< FollowLoad: 1 / (a dt^2): the mass that the load is the weight of, at acceleration a, over dt^2
 };
 
-/// `length`: characteristic length of a linear row [m], 1 for an angular row.
-RUBBLE_HD inline StiffnessRule stiffnessRule(const StepConstants& c, StiffnessPolicy policy, Real start, Real length) {
+/// `rampRate`: B; `length`: characteristic length of a linear row [m], 1 for an angular row.
+RUBBLE_HD inline StiffnessRule stiffnessRule(const StepConstants& c, StiffnessPolicy policy, Real rampRate, Real start, Real length) {
   const Real unit = start / c.startStiffness;
-  return {policy, start, c.maxStiffness * unit, c.literalBeta ? c.rampRate : c.rampRate * unit / length, Real(1) / (c.loadDepth * length)};
+  return {policy, start, c.maxStiffness * unit, c.literalBeta ? rampRate : rampRate * unit / length,
+          c.inverseDt * c.inverseDt / c.loadAcceleration};
+}
+RUBBLE_HD inline StiffnessRule contactRule(const StepConstants& c, Real start, Real length) {
+  return stiffnessRule(c, c.contactPolicy, c.contactRampRate, start, length);
+}
+RUBBLE_HD inline StiffnessRule jointRule(const StepConstants& c, Real start, Real length) {
+  return stiffnessRule(c, c.jointPolicy, c.jointRampRate, start, length);
 }
 
-/// \eq{S14} k + beta |C|, up to the ceiling; or the stiffness that follows the load, max(k_start, |lambda| / delta).
+/// Tangential rows of a contact: they start softer and follow their own load.
+RUBBLE_HD inline StiffnessRule tangentRule(const StepConstants& c, StiffnessRule normal) {
+  normal.start *= c.tangentStiffness;
+  return normal;
+}
+
+/// \eq{S14} k + beta |C|, up to the ceiling; or the stiffness that follows the load, max(k_start, |lambda| / (a dt^2)).
 template <class L>
 RUBBLE_HD L grownStiffness(const StiffnessRule& rule, L k, L error, L multiplier) {
   using A = LaneAccess<L>;

@@ -68,10 +68,8 @@ struct BuildContactRows {
     const Real muStatic = std::sqrt(pa.muStatic * pb.muStatic);
     r.muDynamic = std::sqrt(pa.muDynamic * pb.muDynamic);
     const Real restitution = max(pa.restitution, pb.restitution);
-    const StiffnessRule normal = stiffnessRule(c, c.contactPolicy, r.start, r.length);
-    StiffnessRule tangent = normal;
-    tangent.start *= c.tangentStiffness;
-    tangent.perLoad *= c.tangentStiffness;
+    const StiffnessRule normal = contactRule(c, r.start, r.length);
+    const StiffnessRule tangent = tangentRule(c, normal);
 
     r.rAx = r.rAy = r.rAz = r.c0 = r.drift1 = r.drift2 = splatLanes(0);
     r.lambdaN = r.lambda1 = r.lambda2 = r.kN = r.kT = splatLanes(0);
@@ -100,7 +98,7 @@ struct BuildContactRows {
       }
       r.lambdaN[k] = lambda, r.lambda1[k] = l1, r.lambda2[k] = l2;
       r.kN[k] = isNew ? coldStart(normal.start).k : warmStiffness(c, normal, m.kN[k], lambda);
-      r.kT[k] = isNew ? coldStart(tangent.start).k : warmStiffness(c, tangent, m.kT[k], lambda);
+      r.kT[k] = isNew ? coldStart(tangent.start).k : warmStiffness(c, tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
     }
     s.contact[row] = r;
   }

@@ -1,5 +1,6 @@
 #pragma once
 /// Which row blocks act on a body: a compressed list per dynamic body, sorted by force type and index.
+#include "stages/groups.h"
 #include "stages/joints.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -50,7 +51,9 @@ struct FillEntries {
     if (!block.acts) return;
     visitSides(s, block.a, block.b, [&](int body, int side, int other) {
       const int slot = s.entryOffset[body] + atomicCount(&s.entryCount[body], -1) - 1;
-      s.entry[slot] = {entryCode(Blocks::kType, i, side), other};
+      // contacts are linear in displacements from x^t and so do not see a rigid motion about it; joints turn, and do
+      const bool inner = Blocks::kType == kContactType && other >= 0 && s.step.coarseCorrection;
+      s.entry[slot] = {entryCode(Blocks::kType, i, side), other, inner ? separateLevels(s, body, other) : kCoarseLevels};
     });
   }
 };

@@ -1,5 +1,6 @@
 #pragma once
 /// The step on one page: algorithm 1 of the method, written once over an Executor. What runs in parallel, and where, is its business.
+#include "stages/coarse.h"
 #include "stages/coloring.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -8,8 +9,10 @@ namespace rubble::RUBBLE_CORE {
 ///
 ///   forEach(kernel, n)                      n known before the step: bodies, joints
 ///   forEach(kernel, counter)                n counted in this step
-///   clear(array, n)                         zeros
+///   forEachIn(kernel, offsets, k)           the range [offsets[k], offsets[k + 1])
+///   clear(array, n), fill(array, n, value)
 ///   scan(counts, offsets, n[, counter])     exclusive sums, the total behind the last one and in the counter
+///   group(keys, n, offsets, order, counter) indices modulo `bodies` by key, ascending; keys below 0 are left out; the counter has the number of keys
 ///   require(per, counter)                   room for that many, or the step is begun again with more
 ///   untilZero(counter, round)               repeats round() until it leaves the counter at zero
 ///   forEachColor(kernel)                    colour by colour, over its bodies
@@ -24,6 +27,8 @@ concept Executor = requires(E e, View& v) {
   e.scan(&View::pairCount, &View::pairOffset, 1, &Counters::pairs);
   e.require(Per::Pair, &Counters::pairs);
   e.forEachColor(SolveBody<typename E::Lane>{});
+  e.forEachIn(SolveGroup{}, &View::levelGroup, 0);
+  e.group(&View::groupOf, 1, &View::memberOffset, &View::member, &Counters::groups);
 };
 
 template <Executor E>
@@ -45,6 +50,52 @@ void findContacts(E& e) {
   e.scan(&View::touching, &View::rowOfPair, &Counters::pairs, &Counters::manifolds);
   e.require(Per::Manifold, &Counters::manifolds);
   e.forEach(BuildContactRows{}, &Counters::pairs);
+}
+
+/// Groups of the coarse correction, from the poses at x^t.
+template <Executor E>
+void findGroups(E& e) {
+  const int bodies = e.view().bodies, cells = e.view().cells, all = bodies * kCoarseLevels;
+  for (int level = 0; level < kCoarseLevels; ++level) {
+    e.fill(&View::cellHead, cells, -1);
+    e.fill(&View::cellLeader, cells, bodies);
+    e.forEach(FindCells{level}, bodies);
+    e.forEach(TakeLeaders{level}, bodies);
+  }
+  e.clear(&View::memberCount, all);
+  e.forEach(FollowLeaders{}, bodies);
+  e.forEach(FindLeaders{}, all);
+  e.scan(&View::leads, &View::groupIndex, all, &Counters::groups);
+  e.require(Per::Group, &Counters::groups);
+  e.forEach(NumberGroups{}, all);
+  e.group(&View::groupOf, all, &View::memberOffset, &View::member, &Counters::groups);
+  e.scan(&View::groupChunks, &View::chunkOffset, &Counters::groups, &Counters::chunks);
+  e.require(Per::Chunk, &Counters::chunks);
+  e.forEach(FindLevels{}, kCoarseLevels + 1);
+  e.forEach(MakeChunks{}, &Counters::groups);
+  e.forEach(SumMasses{}, &Counters::chunks);
+  e.forEach(FindCentres{}, &Counters::groups);
+}
+
+/// Their inertia, and the rows that leave them.
+template <Executor E>
+void prepareGroups(E& e) {
+  e.forEach(SumInertia{}, &Counters::chunks);
+  e.forEach(TakeInertia{}, &Counters::groups);
+  e.forEach(CountExternals{}, &Counters::chunks);
+  e.scan(&View::externalCount, &View::externalOffset, &Counters::chunks, &Counters::externals);
+  e.require(Per::External, &Counters::externals);
+  e.forEach(FillExternals{}, &Counters::chunks);
+}
+
+/// One sweep over the groups of every level, from coarse to fine.
+template <Executor E>
+void correctGroups(E& e) {
+  for (int level = kCoarseLevels - 1; level >= 0; --level) {
+    e.forEachIn(SumChunk<typename E::Lane>{}, &View::levelChunk, level);
+    e.forEachIn(SolveGroup{}, &View::levelGroup, level);
+    e.forEachIn(MoveChunk{}, &View::levelChunk, level);
+  }
 }
 
 template <Executor E>
@@ -88,13 +139,16 @@ void step(E& e) {
   findPairs(e);
   findContacts(e);
   forEachJoint.template operator()<BeginJoints>();
+  if (e.view().step.coarseCorrection) findGroups(e);
   findIncidence(e);
   colorBodies(e);
 
   e.forEach(PredictBodies{}, bodies);
   e.forEach(MarkDormant{}, &Counters::manifolds);
+  if (e.view().step.coarseCorrection) prepareGroups(e);
 
   for (int n = 0; n < e.view().step.iterations; ++n) {
+    if (e.view().step.coarseCorrection) correctGroups(e);
     e.forEachColor(SolveBody<L>{});
     e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     forEachJoint.template operator()<UpdateJointDuals>();

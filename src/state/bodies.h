@@ -41,6 +41,7 @@ struct Pair {
 struct Entry {
   std::uint32_t code;  ///< sorted: force type (4 bits), index (27 bits), side (1 bit)
   int other;           ///< the other dynamic body, or -1
+  int depth;           ///< coarse levels at which the two bodies are in different groups (nested: the finest ones)
 };
 inline constexpr int kContactType = 0;  ///< joint type i is i + 1
 RUBBLE_HD constexpr std::uint32_t entryCode(int type, int index, int side) {
@@ -56,6 +57,26 @@ struct BodyTarget {
   Pose y;             ///< displacement [m] and rotation relative to x^t
 };
 
+/// Levels of groups of bodies, from fine to coarse (stages/groups.h).
+inline constexpr int kCoarseLevels = 4;
+
+/// A group of bodies that the coarse correction moves as one, frozen at x^t.
+struct Group {
+  Vec3d centre;       ///< centre of mass [m]
+  Block6 inertia;     ///< Hessian of the inertia of its bodies about the centre; force unused
+  Vec6 step;          ///< motion found by the last solve [m, rad]
+  int level;
+  int chunkBegin, chunkEnd;
+};
+
+/// A part of a group that one worker sums over.
+struct Chunk {
+  int group;
+  int begin, end;     ///< members
+  Block6 sum;
+};
+inline constexpr int kChunkMembers = 128;
+
 /// Levels of the grid: cell of level k is 2^(k - kBaseLevel) base cells.
 inline constexpr int kGridLevels = 32;
 inline constexpr int kBaseLevel = 12;
@@ -64,6 +85,7 @@ inline constexpr int kBaseLevel = 12;
 struct Counters {
   int pairs, manifolds, entries, colors;
   int contacts, recycled;
+  int groups, chunks, externals;
   int clashes, rounds;
   int quarantined, spinLimited, broken;
   int levelUsed[kGridLevels];

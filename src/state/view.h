@@ -5,8 +5,8 @@
 namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
-enum class Per { Body, BodySlot, Pair, Manifold, Entry, Cell, Color, Plane, Exclusion, Ball, Fixed };
-inline constexpr int kPerCount = 11;
+enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion, Ball, Fixed };
+inline constexpr int kPerCount = 16;
 
 /// How long its content matters: authored (written by edits), state (from step to step), work (inside one step),
 /// unordered (work whose order of elements is not fixed and has no influence on results).
@@ -56,6 +56,25 @@ struct View {
   int* entryCount = nullptr;          ///< row blocks of a body
   int* entryOffset = nullptr;         ///< [bodies + 1]
   int* entryFill = nullptr;
+  // groups; arrays over (level, body) have index level * bodies + body
+  int* cellHead = nullptr;            ///< a body of the cell, -1: empty
+  int* cellLeader = nullptr;          ///< lowest body of the cell
+  int* leader = nullptr;              ///< [level][body] lowest body of the group
+  int* memberCount = nullptr;         ///< [level][body] members of the group that the body leads
+  int* leads = nullptr;               ///< [level][body] 1: leads a group of two or more
+  int* groupIndex = nullptr;          ///< [level][body] its number, coarse levels last
+  int* groupOf = nullptr;             ///< [level][body] group of a body, -1: alone
+  int* member = nullptr;              ///< bodies by group, ascending
+  Group* group = nullptr;
+  int* memberOffset = nullptr;        ///< [groups + 1] into member
+  int* groupChunks = nullptr;         ///< chunks of each group
+  int* chunkOffset = nullptr;         ///< [groups + 1]
+  Chunk* chunk = nullptr;
+  int* externalCount = nullptr;       ///< row blocks between a chunk's bodies and others
+  int* externalOffset = nullptr;      ///< [chunks + 1]
+  std::uint32_t* external = nullptr;  ///< entry codes by chunk
+  int* levelGroup = nullptr;          ///< [levels + 1] first group of a level
+  int* levelChunk = nullptr;          ///< [levels + 1] first chunk of a level
   // colours
   int* colorCount = nullptr;          ///< bodies of each colour
   int* colorOffset = nullptr;         ///< [colors + 1]
@@ -128,6 +147,24 @@ void forEachArray(F&& f) {
   is(&View::entryCount, "entryCount", "", Per::Body, Life::Work);
   is(&View::entryOffset, "entryOffset", "", Per::Body, Life::Work, 1);
   is(&View::entryFill, "entryFill", "", Per::Body, Life::Work);
+  is(&View::cellHead, "cellHead", "", Per::Cell, Life::Unordered);
+  is(&View::cellLeader, "cellLeader", "", Per::Cell, Life::Unordered);
+  is(&View::leader, "leader", "", Per::BodyLevel, Life::Work);
+  is(&View::memberCount, "memberCount", "", Per::BodyLevel, Life::Work);
+  is(&View::leads, "leads", "", Per::BodyLevel, Life::Work);
+  is(&View::groupIndex, "groupIndex", "", Per::BodyLevel, Life::Work, 1);
+  is(&View::groupOf, "groupOf", "", Per::BodyLevel, Life::Work);
+  is(&View::member, "member", "", Per::BodyLevel, Life::Work);
+  is(&View::group, "group", "", Per::Group, Life::Work);
+  is(&View::memberOffset, "memberOffset", "", Per::Group, Life::Work, 1);
+  is(&View::groupChunks, "groupChunks", "", Per::Group, Life::Work);
+  is(&View::chunkOffset, "chunkOffset", "", Per::Group, Life::Work, 1);
+  is(&View::chunk, "chunk", "", Per::Chunk, Life::Work);
+  is(&View::externalCount, "externalCount", "", Per::Chunk, Life::Work);
+  is(&View::externalOffset, "externalOffset", "", Per::Chunk, Life::Work, 1);
+  is(&View::external, "external", "", Per::External, Life::Work);
+  is(&View::levelGroup, "levelGroup", "", Per::Level, Life::Work, kCoarseLevels);
+  is(&View::levelChunk, "levelChunk", "", Per::Level, Life::Work, kCoarseLevels);
   is(&View::colorCount, "colorCount", "", Per::Color, Life::Work);
   is(&View::colorOffset, "colorOffset", "", Per::Color, Life::Work, 1);
   is(&View::pairOffset, "pairOffset", "", Per::Body, Life::Work, 1);

@@ -6,6 +6,18 @@
 
 namespace rubble {
 
+namespace {
+
+/// What the published presets have in common: none of the engine's own rules.
+void literal(Tuning& t) {
+  t.contactPolicy = t.jointPolicy = StiffnessPolicy::Ramp;
+  t.literalBeta = true;
+  t.driftCorrection = -1;
+  t.coarseCorrection = t.coneHessian = t.dormantRows = t.impactRule = t.compliantRows = false;
+}
+
+}  // namespace
+
 Params Params::of(Preset preset) {
   Params p;
   p.preset = preset;
@@ -14,21 +26,20 @@ Params Params::of(Preset preset) {
     case Preset::Engine: break;
     case Preset::Paper:
       // the seed's line; k_start is left open by it and scales with mass here, tangential rows less because their Hessian is unclamped
-      t.rampRate = 10;
-      t.literalBeta = true;
+      t.startStiffness = 1;
+      t.tangentStiffness = .01;
+      t.contactRampRate = t.jointRampRate = 10;
       t.errorRetention = .95;
       t.warmStartDecay = .99;
-      t.tangentStiffness = .01;
-      t.contactPolicy = t.jointPolicy = StiffnessPolicy::Ramp;
-      t.coneHessian = t.dormantRows = t.impactRule = t.compliantRows = false;
+      literal(t);
       break;
     case Preset::Demo3d:
-      t.rampRate = 1e4;
-      t.literalBeta = true;
+      t.startStiffness = 1;
+      t.tangentStiffness = 1;
+      t.contactRampRate = t.jointRampRate = 1e4;
       t.errorRetention = .99;
       t.warmStartDecay = .999;
-      t.contactPolicy = t.jointPolicy = StiffnessPolicy::Ramp;
-      t.coneHessian = t.dormantRows = t.impactRule = t.compliantRows = false;
+      literal(t);
       break;
   }
   return p;
@@ -62,19 +73,22 @@ const std::vector<RangedField>& ranges() {
       direct("iterations", "1", "iterations a step", &Params::iterations, 1, 100000),
       direct("substeps", "1", "full steps of dt / substeps each", &Params::substeps, 1, 1000),
       tuning("startStiffness", "1", "K: k_start = K m_row / dt^2", &Tuning::startStiffness, 1e-6, 3),
-      tuning("rampRate", "1", "B: beta = B (m_row / dt^2) / L; beta itself [N/m2] if literalBeta", &Tuning::rampRate, 0, kBig),
-      tuning("literalBeta", "bool", "rampRate is beta itself", &Tuning::literalBeta, 0, 1),
+      tuning("contactRampRate", "1", "B of contacts: beta = B (m_row / dt^2) / L; beta itself [N/m2] if literalBeta", &Tuning::contactRampRate, 0, kBig),
+      tuning("jointRampRate", "1", "B of joints", &Tuning::jointRampRate, 0, kBig),
+      tuning("literalBeta", "bool", "ramp rates are beta itself", &Tuning::literalBeta, 0, 1),
       tuning("errorRetention", "1", "alpha: part of an inherited error left alone in a step; below 0: 1 - min(1, 3 dt)", &Tuning::errorRetention, -1, 1),
       tuning("warmStartDecay", "1", "gamma of a step of 1/60 s", &Tuning::warmStartDecay, 0, 1 - 1e-9),
       tuning("maxStiffness", "1", "k_max over m_row / dt^2", &Tuning::maxStiffness, 1, kBig),
       tuning("tangentStiffness", "1", "stiffness of tangential rows over that of normal rows", &Tuning::tangentStiffness, 1e-6, 10),
       tuning("contactPolicy", "enum", "stiffness of contacts: 0 ramp, 1 follows the load", &Tuning::contactPolicy, 0, 1),
       tuning("jointPolicy", "enum", "stiffness of joints: 0 ramp, 1 follows the load", &Tuning::jointPolicy, 0, 1),
-      tuning("loadDepth", "1", "delta over L: k = |lambda| / delta where stiffness follows the load", &Tuning::loadDepth, 1e-9, 1),
+      tuning("loadAcceleration", "m/s2", "a: k = |lambda| / (a dt^2) where stiffness follows the load", &Tuning::loadAcceleration, 1e-6, kBig),
       tuning("coneHessian", "bool", "cone-consistent Hessian of friction", &Tuning::coneHessian, 0, 1),
       tuning("dormantRows", "bool", "rows that stay open are left out of a step", &Tuning::dormantRows, 0, 1),
       tuning("impactRule", "bool", "multipliers of an impact are not warm-started", &Tuning::impactRule, 0, 1),
       tuning("compliantRows", "bool", "finite stiffness by compliant multipliers, else by the ramp", &Tuning::compliantRows, 0, 1),
+      tuning("coarseCorrection", "bool", "rigid motions of groups of bodies are solved for as well", &Tuning::coarseCorrection, 0, 1),
+      tuning("driftCorrection", "1/s", "rate at which tangential drift of sticking contacts is taken back; below 0: that of other errors", &Tuning::driftCorrection, -1, 1e3),
       tuning("contactMargin", "1", "smallest detection margin over the bounding diameter", &Tuning::contactMargin, 0, 1),
       tuning("recycleTolerance", "1", "relative motion (over the diameter; rad) below which a manifold is kept; 0: never", &Tuning::recycleTolerance, 0, .1),
   };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include <rubble/info.h>
+
 #include "world/world_impl.h"
 
 namespace rubble {
@@ -10,9 +12,13 @@ namespace rubble {
 namespace {
 
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
-  if (options.backend == "cpu") return f32::makeCpuEngine(options.threads);
-  if (options.backend == "reference") return f64::makeCpuEngine(options.threads);
+  if (options.backend == "cpu") return f32::makeCpuEngine(options.threads, options.timings);
+  if (options.backend == "reference") return f64::makeCpuEngine(options.threads, options.timings);
   if (options.backend == "lockstep") return f32::makeLockstepEngine(options.threads);
+  if (options.backend == "cuda") {
+    if (!cudaReady()) throw Error("backend", "a machine and a build with CUDA", cudaStatus());
+    return makeCudaEngine(options.timings);
+  }
   std::string names;
   for (const std::string& name : backends()) names += (names.empty() ? "" : ", ") + name;
   throw Error("backend", "one of " + names, "\"" + options.backend + "\"");
@@ -20,7 +26,11 @@ std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
 
 }  // namespace
 
-std::vector<std::string> backends() { return {"cpu", "reference", "lockstep"}; }
+std::vector<std::string> backends() {
+  std::vector<std::string> names = {"cpu", "reference", "lockstep"};
+  if (cudaReady()) names.push_back("cuda");
+  return names;
+}
 
 double StepReport::stageMs(const std::string& name) const {
   for (const StageTime& stage : stages)
@@ -160,7 +170,10 @@ JointState World::state(JointId id) const {
   return impl_->engine->jointState(static_cast<int>(joint.def.type), joint.engineSlot);
 }
 
-Quality World::quality() const { return impl_->engine->quality(); }
+Quality World::quality() const {
+  impl_->flush();
+  return impl_->engine->quality();
+}
 
 std::vector<ContactPoint> World::contacts() const {
   std::vector<ContactPoint> out;

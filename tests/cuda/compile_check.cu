@@ -1,13 +1,10 @@
-// Compiled, never run: nvcc must take every header that host and device share, without a warning.
-#include <rubble/math.h>
-
+// Compiled, never run: nvcc must take every header that host and device share, and every kernel of the step, without a warning.
+#include "backend/cuda/cuda_executor.cuh"
 #include "core_headers.h"
 
-namespace rubble {
+namespace rubble::RUBBLE_CORE {
 
-__global__ void rotateAll(QuatT<float> q, const Vec3T<float>* in, Vec3T<float>* out, int count) {
-  const int i = int(blockIdx.x * blockDim.x + threadIdx.x);
-  if (i < count) out[i] = rotate(q, in[i]);
-}
+// with it every kernel that the step names
+template void step(CudaExecutor&);
 
-}  // namespace rubble
+}  // namespace rubble::RUBBLE_CORE

@@ -43,18 +43,18 @@ void CpuEngine::step(StepReport& report) {
   report.stages = executor_.takeTimes();
 }
 
-std::vector<std::byte> CpuEngine::save() const {
-  std::vector<std::byte> out = saveTables(tables());
-  const auto* dt = reinterpret_cast<const std::byte*>(&previousDt_);
-  out.insert(out.end(), dt, dt + sizeof previousDt_);
+std::vector<std::byte> saveState(const HostTables& tables, double previousDt) {
+  std::vector<std::byte> out = saveTables(tables);
+  const auto* dt = reinterpret_cast<const std::byte*>(&previousDt);
+  out.insert(out.end(), dt, dt + sizeof previousDt);
   return out;
 }
 
-void CpuEngine::load(std::span<const std::byte> data) {
-  loadTables(executor_.tables(), data.first(data.size() - sizeof previousDt_));
-  std::memcpy(&previousDt_, data.data() + data.size() - sizeof previousDt_, sizeof previousDt_);
+void loadState(HostTables& tables, double& previousDt, std::span<const std::byte> data) {
+  loadTables(tables, data.first(data.size() - sizeof previousDt));
+  std::memcpy(&previousDt, data.data() + data.size() - sizeof previousDt, sizeof previousDt);
 }
 
-std::unique_ptr<Engine> makeCpuEngine(int threads) { return std::make_unique<CpuEngine>(threads); }
+std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings) { return std::make_unique<CpuEngine>(threads, timings); }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -12,11 +12,18 @@ void reportCounters(const View& s, StepReport& report);
 /// Sets counters and constants for the next step.
 void beginStep(View& s, const EngineSettings& settings, double previousDt);
 
+/// Tables and the time step they were last stepped with: all that an engine on the host keeps.
+std::vector<std::byte> saveState(const HostTables& tables, double previousDt);
+void loadState(HostTables& tables, double& previousDt, std::span<const std::byte> data);
+
 class CpuEngine final : public Engine {
  public:
-  explicit CpuEngine(int threads) : executor_(threads) {}
+  CpuEngine(int threads, bool timings) : executor_(threads, timings) {}
 
-  void configure(const EngineSettings& settings) override { settings_ = settings; }
+  void configure(const EngineSettings& settings) override {
+    settings_ = settings;
+    tables().view().step.gravity = Vec3(settings.gravity);
+  }
   void setBodyCount(int slots) override { RUBBLE_CORE::setBodyCount(tables(), slots); }
   void setBody(int slot, const EngineBody& body) override { RUBBLE_CORE::setBody(tables(), slot, body); }
   void forgetContacts(int slot) override { RUBBLE_CORE::forgetContacts(tables(), slot); }
@@ -33,8 +40,8 @@ class CpuEngine final : public Engine {
   JointState jointState(int type, int slot) const override { return jointStateOf(tables(), type, slot); }
   std::size_t memoryBytes() const override { return tables().bytes(); }
   std::uint64_t hash() const override { return hashBytes(save()); }
-  std::vector<std::byte> save() const override;
-  void load(std::span<const std::byte> data) override;
+  std::vector<std::byte> save() const override { return saveState(tables(), previousDt_); }
+  void load(std::span<const std::byte> data) override { loadState(tables(), previousDt_, data); }
 
  private:
   HostTables& tables() { return executor_.tables(); }

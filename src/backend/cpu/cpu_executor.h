@@ -1,5 +1,6 @@
 #pragma once
 /// The step on oneTBB. Kernels write only what belongs to their index, so results do not depend on the number of threads.
+#include <algorithm>
 #include <chrono>
 #include <utility>
 #include <vector>
@@ -21,7 +22,8 @@ class CpuExecutor {
   /// A proper colouring is found in a few rounds (each settles the clashing body of highest rank at least); this is a guard.
   static constexpr int kMaxRounds = 10000;
 
-  explicit CpuExecutor(int threads) : arena_(threads > 0 ? threads : tbb::task_arena::automatic) {}
+  /// `timings`: measure stages.
+  explicit CpuExecutor(int threads, bool timings = true) : arena_(threads > 0 ? threads : tbb::task_arena::automatic), timings_(timings) {}
 
   Tables<HostMemory>& tables() { return tables_; }
   const Tables<HostMemory>& tables() const { return tables_; }
@@ -41,6 +43,15 @@ class CpuExecutor {
   template <class Kernel>
   void forEach(const Kernel& kernel, int Counters::*n) { forEach(kernel, view().counters->*n); }
 
+  template <class Kernel>
+  void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
+    const StageClock clock(*this, Kernel::kName);
+    const View& s = view();
+    const int begin = (s.*offsets)[k];
+    forRange((s.*offsets)[k + 1] - begin, [&](int i) { kernel(s, begin + i); });
+  }
+
+  void fill(int* View::*array, int n, int value) { std::fill_n(view().*array, n, value); }
   void clear(int* View::*array, int n) { std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n)); }
   void clear(int* View::*array, int Counters::*n) { clear(array, view().counters->*n); }
 
@@ -57,6 +68,23 @@ class CpuExecutor {
   }
   void scan(int* View::*counts, int* View::*offsets, int Counters::*n, int Counters::*total = nullptr) {
     scan(counts, offsets, view().counters->*n, total);
+  }
+
+  void group(int* View::*keys, int n, int* View::*offsets, int* View::*order, int Counters::*keyCount) {
+    const View& s = view();
+    const int count = s.counters->*keyCount;
+    int *const offset = s.*offsets, *const to = s.*order;
+    const int* const key = s.*keys;
+    std::fill_n(offset, count + 1, 0);
+    for (int i = 0; i < n; ++i)
+      if (key[i] >= 0) ++offset[key[i]];
+    int sum = 0;
+    for (int k = 0; k <= count; ++k) sum += std::exchange(offset[k], sum);
+    // fill from each offset on, then move the offsets back by one
+    for (int i = 0; i < n; ++i)
+      if (key[i] >= 0) to[offset[key[i]]++] = i % s.bodies;
+    for (int k = count; k > 0; --k) offset[k] = offset[k - 1];
+    offset[0] = 0;
   }
 
   void require(Per per, int Counters::*count) { tables_.reserve(per, view().counters->*count); }
@@ -92,6 +120,7 @@ class CpuExecutor {
    public:
     StageClock(CpuExecutor& executor, const char* name) : executor_(executor), name_(name), begin_(Clock::now()) {}
     ~StageClock() {
+      if (!executor_.timings_) return;
       const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begin_).count();
       for (StageTime& t : executor_.times_)
         if (t.name == name_) {
@@ -111,7 +140,7 @@ class CpuExecutor {
   template <class F>
   void forRange(int n, F&& f) {
     // below this there is too little work to share
-    constexpr int kGrain = 128;
+    constexpr int kGrain = 64;
     if (n <= kGrain || arena_.max_concurrency() == 1) {
       for (int i = 0; i < n; ++i) f(i);
       return;
@@ -124,6 +153,7 @@ class CpuExecutor {
 
   Tables<HostMemory> tables_;
   tbb::task_arena arena_;
+  bool timings_;
   std::vector<StageTime> times_;
 };
 

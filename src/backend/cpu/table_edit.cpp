@@ -65,6 +65,8 @@ void setBodyCount(HostTables& tables, int slots) {
   if (slots <= tables.view().bodies) return;
   tables.reserve(Per::Body, slots);
   tables.reserve(Per::BodySlot, tables.capacity(Per::Body) * kPairSlots);
+  tables.reserve(Per::BodyLevel, tables.capacity(Per::Body) * kCoarseLevels);
+  tables.reserve(Per::Level, kCoarseLevels);
   const int cells = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * slots))));
   tables.reserve(Per::Cell, cells);
   View& s = tables.view();

@@ -10,7 +10,10 @@ class LockstepEngine final : public Engine {
  public:
   explicit LockstepEngine(int threads) : executor_(1, threads) {}
 
-  void configure(const EngineSettings& settings) override { settings_ = settings; }
+  void configure(const EngineSettings& settings) override {
+    settings_ = settings;
+    both([&](HostTables& t) { t.view().step.gravity = Vec3(settings.gravity); });
+  }
   void setBodyCount(int slots) override {
     both([&](HostTables& t) { RUBBLE_CORE::setBodyCount(t, slots); });
   }
@@ -58,9 +61,9 @@ class LockstepEngine final : public Engine {
   JointState jointState(int type, int slot) const override { return jointStateOf(first(), type, slot); }
   std::size_t memoryBytes() const override { return 2 * first().bytes(); }
   std::uint64_t hash() const override { return hashBytes(save()); }
-  std::vector<std::byte> save() const override { return saveTables(first()); }
+  std::vector<std::byte> save() const override { return saveState(first(), previousDt_); }
   void load(std::span<const std::byte> data) override {
-    both([&](HostTables& t) { loadTables(t, data); });
+    both([&](HostTables& t) { loadState(t, previousDt_, data); });
   }
   std::string firstDifference() const override { return executor_.firstDifference(); }
 

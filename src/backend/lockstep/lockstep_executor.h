@@ -28,6 +28,17 @@ class LockstepExecutor {
     enter(Kernel::kName);
     both([&](CpuExecutor& e) { e.forEachColor(kernel); });
   }
+  template <class Kernel>
+  void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
+    enter(Kernel::kName);
+    both([&](CpuExecutor& e) { e.forEachIn(kernel, offsets, k); });
+  }
+  void fill(int* View::*array, int n, int value) {
+    both([&](CpuExecutor& e) { e.fill(array, n, value); });
+  }
+  void group(int* View::*keys, int n, int* View::*offsets, int* View::*order, int Counters::*keyCount) {
+    both([&](CpuExecutor& e) { e.group(keys, n, offsets, order, keyCount); });
+  }
   template <class Count>
   void clear(int* View::*array, Count n) {
     both([&](CpuExecutor& e) { e.clear(array, n); });
@@ -49,7 +60,7 @@ class LockstepExecutor {
     both([&](CpuExecutor& e) { e.view().counters->rounds = rounds; });
   }
   void keepManifolds() {
-    enter("");
+    enter("between steps");
     both([](CpuExecutor& e) { e.keepManifolds(); });
   }
 
@@ -77,6 +88,10 @@ class LockstepExecutor {
       case Per::Body: return static_cast<std::size_t>(s.bodies);
       case Per::Pair: return static_cast<std::size_t>(c.pairs);
       case Per::Manifold: return static_cast<std::size_t>(c.manifolds);
+      case Per::Group: return static_cast<std::size_t>(c.groups);
+      case Per::Chunk: return static_cast<std::size_t>(c.chunks);
+      case Per::External: return static_cast<std::size_t>(c.externals);
+      case Per::BodyLevel: return static_cast<std::size_t>(s.bodies * kCoarseLevels);
       case Per::Entry: return static_cast<std::size_t>(c.entries);
       case Per::Color: return static_cast<std::size_t>(c.colors);
       case Per::Cell: return static_cast<std::size_t>(s.cells);

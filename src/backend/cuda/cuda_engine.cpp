@@ -1,0 +1,132 @@
+#include <nvtx3/nvToolsExt.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "backend/cpu/cpu_engine.h"
+#include "backend/cuda/mirror.h"
+
+namespace rubble::RUBBLE_CORE {
+
+namespace {
+
+/// An engine whose tables lie on the device. Its host tables follow where they are needed.
+class CudaEngine final : public Engine {
+ public:
+  explicit CudaEngine(bool timings) : stepper_(timings) {}
+
+  void configure(const EngineSettings& settings) override {
+    settings_ = settings;
+    settingsChanged_ = true;
+    host().view().step.gravity = Vec3(settings.gravity);
+  }
+  void setBodyCount(int slots) override {
+    const int before = host().view().bodies;
+    RUBBLE_CORE::setBodyCount(host(), slots);
+    mirror_.bodiesAdded(before);
+  }
+  void setBody(int slot, const EngineBody& body) override {
+    RUBBLE_CORE::setBody(host(), slot, body);
+    mirror_.bodyWritten(slot);
+    bodiesChanged_ = true;
+  }
+  void forgetContacts(int slot) override { mirror_.forgetContacts(slot); }
+  void setPlanes(const std::vector<int>& slots) override {
+    RUBBLE_CORE::setPlanes(host(), slots);
+    mirror_.listsWritten();
+  }
+  void setJointCount(int type, int slots) override { RUBBLE_CORE::setJointCount(host(), type, slots); }
+  void setJoint(int slot, const EngineJoint& joint) override {
+    RUBBLE_CORE::setJoint(host(), slot, joint);
+    mirror_.jointWritten(joint.type, slot);
+  }
+  void setExclusions(const std::vector<std::pair<int, int>>& pairs) override {
+    RUBBLE_CORE::setExclusions(host(), pairs);
+    mirror_.listsWritten();
+  }
+  BodyState state(int slot) const override {
+    mirror_.fetchState(slot);
+    return bodyState(host(), slot);
+  }
+  void setState(int slot, const BodyState& state) override {
+    setBodyState(host(), slot, state);
+    mirror_.stateWritten(slot);
+  }
+  void addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) override {
+    host().view().force[slot] += Vec3(force);
+    host().view().torque[slot] += Vec3(torque);
+    mirror_.forceWritten(slot);
+  }
+
+  void step(StepReport& report) override;
+
+  Quality quality() const override { return qualityOf(fetched()); }
+  std::vector<EngineContact> contacts() const override { return contactsOf(fetched()); }
+  JointState jointState(int type, int slot) const override { return jointStateOf(fetched(), type, slot); }
+  /// On the device.
+  std::size_t memoryBytes() const override { return stepper_.bytes(); }
+  std::uint64_t hash() const override { return hashBytes(save()); }
+  std::vector<std::byte> save() const override { return saveState(fetched(), previousDt_); }
+  void load(std::span<const std::byte> data) override;
+
+ private:
+  HostTables& host() const { return mirror_.host(); }
+  const HostTables& fetched() const {
+    mirror_.fetchAll();
+    return mirror_.host();
+  }
+  void prepareConstants();
+
+  CudaStepper stepper_;
+  mutable Mirror mirror_{stepper_};  ///< reading fetches
+  EngineSettings settings_;
+  bool settingsChanged_ = true;
+  bool bodiesChanged_ = true;
+  int bodyCount_ = 0;
+  double previousDt_ = 0;
+  double preparedFor_ = -1;  ///< previousDt_ that the constants were worked out with
+};
+
+/// Works out the constants of the step only where they may differ: a graph is kept as long as they are the same, bit for bit.
+void CudaEngine::prepareConstants() {
+  if (!settingsChanged_ && preparedFor_ == previousDt_) return;
+  const Counters last = *host().view().counters;
+  beginStep(host().view(), settings_, previousDt_);
+  *host().view().counters = last;
+  settingsChanged_ = false;
+  preparedFor_ = previousDt_;
+}
+
+void CudaEngine::step(StepReport& report) {
+  nvtxRangePushA("rubble step");
+  for (int k = 0; k < settings_.params.substeps; ++k) {
+    mirror_.flush();
+    prepareConstants();
+    mirror_.stepped(stepper_.step(host().view(), report));
+    previousDt_ = settings_.params.dt / settings_.params.substeps;
+  }
+  nvtxRangePop();
+
+  if (std::exchange(bodiesChanged_, false)) {
+    const View& s = host().view();
+    bodyCount_ =
+        static_cast<int>(std::count_if(s.params, s.params + s.bodies, [](const BodyParams& p) { return p.kind != BodyKind::Removed; }));
+  }
+  // the bodies are counted above, and only when they have changed
+  View counts = host().view();
+  counts.bodies = 0;
+  reportCounters(counts, report);
+  report.bodies = bodyCount_;
+}
+
+void CudaEngine::load(std::span<const std::byte> data) {
+  loadState(host(), previousDt_, data);
+  mirror_.allWritten();
+  bodiesChanged_ = true;
+}
+
+}  // namespace
+
+std::unique_ptr<Engine> makeCudaEngine(bool timings) { return std::make_unique<CudaEngine>(timings); }
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,260 @@
+#pragma once
+/// The step as kernels of one stream. Every call enqueues work and returns; what the step counts stays on the device.
+#include <nvtx3/nvToolsExt.h>
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/iterator/transform_iterator.h>
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+
+#include "backend/cuda/device_memory.h"
+#include "backend/cuda/kernels.cuh"
+#include "backend/cuda/timeline.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Where in the step to begin, what to measure with, and whether a graph is being captured.
+struct EnqueueOptions {
+  int from = 0;                  ///< first operation that is enqueued
+  int rounds = 0, colors = 0;    ///< launches for rounds of untilZero and for colours
+  Timeline* timeline = nullptr;  ///< of the stages, or none
+  bool captured = false;
+};
+
+class CudaExecutor {
+ public:
+  using Lane = Real;
+  /// As on the CPU: a guard, not a limit that a proper step meets.
+  static constexpr int kMaxRounds = 10000;
+
+  CudaExecutor(DeviceTables& tables, cudaStream_t stream) : tables_(tables), stream_(stream) {
+    int device = 0, processors = 0;
+    checkCuda(cudaGetDevice(&device), "cudaGetDevice");
+    checkCuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "cudaDeviceGetAttribute");
+    // a full device: more blocks would only wait
+    constexpr int kThreadsPerProcessor = 2048;
+    maxBlocks_ = processors * (kThreadsPerProcessor / kThreads);
+    control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
+    std::fill(std::begin(perOf_), std::end(perOf_), -1);
+  }
+  ~CudaExecutor() { DeviceMemory::release(control_); }
+  CudaExecutor(const CudaExecutor&) = delete;
+  CudaExecutor& operator=(const CudaExecutor&) = delete;
+
+  const Control* control() const { return control_; }
+  /// Is this kind one whose number the device counts?
+  bool counted(Per per) const { return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_); }
+  std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size(); }
+
+  /// Room for what the scans and sorts of a step need besides the tables: the step itself must not allocate.
+  void reserveScratch() {
+    scanned_ = grouped_ = 0;
+    EnqueueOptions nothing;
+    nothing.from = std::numeric_limits<int>::max();
+    if (walk(nothing)) tables_.keepManifolds();
+    std::size_t scanBytes = 0, sortBytes = 0;
+    exclusiveSum(nullptr, scanBytes, CountAt{}, nullptr, scanned_ + 1);
+    if (grouped_ > 0) sortPairs(nullptr, sortBytes, nullptr, nullptr, grouped_);
+    scratch_.reserve(std::max(scanBytes, sortBytes));
+    sortedKeys_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
+    indices_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
+  }
+
+  /// Enqueues the step from an operation on; does the tables' part of keepManifolds on the host. Returns whether that was called.
+  bool enqueue(const EnqueueOptions& options) {
+    if (options.from == 0) checkCuda(cudaMemsetAsync(view().counters, 0, sizeof(Counters), stream_), "cudaMemsetAsync");
+    checkCuda(cudaMemsetAsync(control_, 0, sizeof(Control), stream_), "cudaMemsetAsync");
+    return walk(options);
+  }
+
+  // Executor
+  const View& view() const { return tables_.view(); }
+
+  template <class Kernel>
+  void forEach(const Kernel& kernel, int n) {
+    if (!begins() || n <= 0) return;
+    enterStage(Kernel::kName);
+    launch(kernel, {n, nullptr}, n, Kernel::kName);
+  }
+  template <class Kernel>
+  void forEach(const Kernel& kernel, int Counters::*n) {
+    if (!begins()) return;
+    enterStage(Kernel::kName);
+    launch(kernel, {0, counter(n)}, capacityOf(n), Kernel::kName);
+  }
+
+  /// Nobody knows here how long a range is: the grid is that of all bodies, and any grid will do.
+  template <class Kernel>
+  void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
+    if (!begins()) return;
+    enterStage(Kernel::kName);
+    runRange<Kernel><<<blocksFor(view().bodies), kThreads, 0, stream_>>>(view(), kernel, view().*offsets, k, Gate{control_, inRound_});
+    checkCuda(cudaGetLastError(), Kernel::kName);
+  }
+
+  void fill(int* View::*array, int n, int value) {
+    if (begins() && n > 0) launch(FillArray{view().*array, value}, {n, nullptr}, n, "fill");
+  }
+  void clear(int* View::*array, int n) { fill(array, n, 0); }
+  void clear(int* View::*array, int Counters::*n) {
+    if (begins()) launch(FillArray{view().*array, 0}, {0, counter(n)}, capacityOf(n), "clear");
+  }
+
+  void scan(int* View::*counts, int* View::*offsets, int n, int Counters::*total = nullptr) {
+    scanTo({view().*counts, nullptr, n, n}, view().*offsets, total);
+  }
+  /// Offsets behind the last element get the total too.
+  void scan(int* View::*counts, int* View::*offsets, int Counters::*n, int Counters::*total = nullptr) {
+    scanTo({view().*counts, counter(n), 0, capacityOf(n)}, view().*offsets, total);
+  }
+
+  /// A stable sort; the keys that are left out stand behind the last one.
+  void group(int* View::*keys, int n, int* View::*offsets, int* View::*order, int Counters::*keyCount) {
+    grouped_ = std::max(grouped_, n);
+    if (!begins()) return;
+    if (n > 0) {
+      launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().bodies}, {n, nullptr}, n, "indices");
+      std::size_t bytes = scratch_.size();
+      sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n);
+    }
+    launch(FindFirst{reinterpret_cast<const int*>(sortedKeys_.data()), n, view().*offsets}, {1, counter(keyCount)},
+           capacityOf(keyCount) + 1, "offsets");
+  }
+
+  void require(Per per, int Counters::*count) {
+    perOf_[indexOf(count)] = static_cast<int>(per);
+    if (!begins()) return;
+    checkRoom<<<1, 1, 0, stream_>>>(control_, counter(count), tables_.capacity(per), static_cast<int>(per), operation());
+    checkCuda(cudaGetLastError(), "checkRoom");
+  }
+
+  /// As many rounds as there are launches for; later ones do nothing once the counter is at zero.
+  template <class Round>
+  void untilZero(int Counters::*count, Round&& round) {
+    const bool on = begins();
+    inRound_ = true;
+    roundsOn_ = on;
+    int* const c = counter(count);
+    if (on) {
+      openRounds<<<1, 1, 0, stream_>>>(control_, c);
+      checkCuda(cudaGetLastError(), "openRounds");
+    }
+    for (int k = 0; k < options_.rounds; ++k) {
+      round();
+      if (!on) break;
+      closeRound<<<1, 1, 0, stream_>>>(control_, c, counter(&Counters::rounds), kMaxRounds, k + 1 == options_.rounds, operation());
+      checkCuda(cudaGetLastError(), "closeRound");
+    }
+    inRound_ = false;
+  }
+
+  template <class Kernel>
+  void forEachColor(const Kernel& kernel) {
+    if (!begins() || view().bodies == 0) return;
+    enterStage(Kernel::kName);
+    for (int c = 0; c < options_.colors; ++c) {
+      runColor<Kernel><<<blocksFor(view().bodies), kThreads, 0, stream_>>>(view(), kernel, c, options_.colors, control_, operation());
+      checkCuda(cudaGetLastError(), Kernel::kName);
+    }
+  }
+
+  void keepManifolds() {
+    tables_.keepManifolds();
+    kept_ = !kept_;
+  }
+
+ private:
+  bool walk(const EnqueueOptions& options) {
+    options_ = options;
+    operation_ = 0;
+    stage_ = nullptr;
+    kept_ = false;
+    step(*this);
+    enterStage(nullptr);
+    return kept_;
+  }
+
+  /// Counts operations and says whether this one is enqueued. Those inside untilZero count as one with it, so that the numbers do not
+  /// depend on how many rounds there are launches for.
+  bool begins() {
+    if (inRound_) return roundsOn_;
+    return operation_++ >= options_.from;
+  }
+  int operation() const { return operation_ - 1; }
+
+  void enterStage(const char* name) {
+    if (stage_ && name && std::strcmp(stage_, name) == 0) return;
+    if (stage_) nvtxRangePop();
+    if (name) nvtxRangePushA(name);
+    if (options_.timeline && (stage_ || name)) options_.timeline->mark(name, stream_, options_.captured);
+    stage_ = name;
+  }
+
+  int blocksFor(int n) const { return std::clamp((n + kThreads - 1) / kThreads, 1, maxBlocks_); }
+
+  /// `most`: no more elements than that.
+  template <class Kernel>
+  void launch(const Kernel& kernel, Count n, int most, const char* name) {
+    runKernel<Kernel><<<blocksFor(most), kThreads, 0, stream_>>>(view(), kernel, n, Gate{control_, inRound_});
+    checkCuda(cudaGetLastError(), name);
+  }
+
+  /// Without scratch memory it only says how many bytes of it are needed.
+  void exclusiveSum(void* scratch, std::size_t& bytes, const CountAt& in, int* out, int n) const {
+    const auto counts = thrust::make_transform_iterator(thrust::make_counting_iterator(0), in);
+    checkCuda(cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, out, n, stream_), "scan");
+  }
+
+  void sortPairs(void* scratch, std::size_t& bytes, const int* keys, int* order, int n) const {
+    // keys number fewer than n elements: these bits tell them apart from -1
+    const int bits = std::bit_width(static_cast<unsigned>(n));
+    checkCuda(cub::DeviceRadixSort::SortPairs(scratch, bytes, reinterpret_cast<const unsigned*>(keys),
+                                              reinterpret_cast<unsigned*>(sortedKeys_.data()),
+                                              reinterpret_cast<const int*>(indices_.data()), order, n, 0, bits, stream_),
+              "sort");
+  }
+
+  void scanTo(const CountAt& in, int* offsets, int Counters::*total) {
+    scanned_ = std::max(scanned_, in.limit);
+    if (!begins()) return;
+    // one element more than there are counts: the total stands behind the last
+    std::size_t bytes = scratch_.size();
+    exclusiveSum(scratch_.data(), bytes, in, offsets, in.limit + 1);
+    if (!total) return;
+    keepTotal<<<1, 1, 0, stream_>>>(control_, offsets, in.limit, counter(total));
+    checkCuda(cudaGetLastError(), "keepTotal");
+  }
+
+  /// Counters are ints one after another.
+  static std::size_t indexOf(int Counters::*c) {
+    static const Counters probe{};
+    return static_cast<std::size_t>(&(probe.*c) - reinterpret_cast<const int*>(&probe));
+  }
+  int* counter(int Counters::*c) const { return reinterpret_cast<int*>(view().counters) + indexOf(c); }
+  /// Room of the kind that this counter counts: require() has named it.
+  int capacityOf(int Counters::*c) const {
+    const int per = perOf_[indexOf(c)];
+    if (per < 0) throw std::logic_error("CudaExecutor: a counter is used before the room for it is required");
+    return tables_.capacity(static_cast<Per>(per));
+  }
+
+  DeviceTables& tables_;
+  cudaStream_t stream_;
+  Control* control_ = nullptr;
+  DeviceBuffer scratch_, sortedKeys_, indices_;
+  int scanned_ = 0, grouped_ = 0;  ///< most elements of a scan and of group() in this step
+  int maxBlocks_ = 1;
+  int perOf_[sizeof(Counters) / sizeof(int)];
+
+  EnqueueOptions options_;
+  int operation_ = 0;
+  const char* stage_ = nullptr;
+  bool kept_ = false;
+  bool inRound_ = false, roundsOn_ = false;
+};
+
+}  // namespace rubble::RUBBLE_CORE

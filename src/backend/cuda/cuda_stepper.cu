@@ -1,0 +1,209 @@
+#include "backend/cuda/cuda_stepper.h"
+
+#include "backend/cuda/cuda_executor.cuh"
+
+namespace rubble::RUBBLE_CORE {
+
+namespace {
+
+/// How many launches to enqueue for something that only the device counts: what was needed of late and a few more.
+class Bound {
+ public:
+  explicit Bound(int limit) : limit_(limit) {}
+  int limit() const { return limit_; }
+  /// After a step that needed so many.
+  void note(int used) {
+    seen_ = std::max(seen_, used);
+    if (++steps_ < kWindow) return;
+    // every change costs a capture: not for a launch or two
+    if (seen_ + 2 * kSpare < limit_) limit_ = seen_ + kSpare;
+    seen_ = steps_ = 0;
+  }
+  void raise(int needed) { limit_ = needed + kSpare; }
+
+ private:
+  static constexpr int kWindow = 64, kSpare = 2;
+  int limit_, seen_ = 0, steps_ = 0;
+};
+
+/// All that the nodes of a graph depend on. Padding may make equal ones differ: that costs a capture, never a wrong result.
+struct Configuration {
+  View view;
+  int rounds = 0, colors = 0;
+  bool operator==(const Configuration& o) const {
+    return rounds == o.rounds && colors == o.colors && std::memcmp(&view, &o.view, sizeof view) == 0;
+  }
+};
+
+/// A captured step.
+class StepGraph {
+ public:
+  StepGraph() = default;
+  ~StepGraph() {
+    if (exec_) cudaGraphExecDestroy(exec_);
+  }
+  StepGraph(const StepGraph&) = delete;
+  StepGraph& operator=(const StepGraph&) = delete;
+
+  bool holds(const Configuration& c) const { return exec_ && captured_ == c; }
+  /// Has this configuration been asked for the second time in a row?
+  bool seen(const Configuration& c) {
+    const bool again = asked_ == c;
+    if (!again) asked_ = c;
+    return again;
+  }
+
+  template <class Enqueue>
+  void capture(const Configuration& c, cudaStream_t stream, Enqueue&& enqueue) {
+    captured_ = {};
+    timeline_.clear();
+    cudaGraph_t graph = nullptr;
+    checkCuda(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), "cudaStreamBeginCapture");
+    try {
+      enqueue(timeline_);
+    } catch (...) {
+      cudaStreamEndCapture(stream, &graph);
+      if (graph) cudaGraphDestroy(graph);
+      throw;
+    }
+    checkCuda(cudaStreamEndCapture(stream, &graph), "cudaStreamEndCapture");
+    const cudaError_t status = adopt(graph);
+    cudaGraphDestroy(graph);
+    checkCuda(status, "cudaGraphInstantiate");
+    captured_ = c;
+  }
+
+  void launch(cudaStream_t stream) { checkCuda(cudaGraphLaunch(exec_, stream), "cudaGraphLaunch"); }
+  const Timeline& timeline() const { return timeline_; }
+
+ private:
+  /// Updates the graph that there is, if only parameters changed, or makes a new one.
+  cudaError_t adopt(cudaGraph_t graph) {
+    if (exec_) {
+      cudaGraphExecUpdateResultInfo info{};
+      if (cudaGraphExecUpdate(exec_, graph, &info) == cudaSuccess) return cudaSuccess;
+      cudaGetLastError();
+      cudaGraphExecDestroy(exec_);
+      exec_ = nullptr;
+    }
+    return cudaGraphInstantiate(&exec_, graph, 0);
+  }
+
+  cudaGraphExec_t exec_ = nullptr;
+  Configuration captured_, asked_;
+  Timeline timeline_;
+};
+
+/// What the host learns of a step.
+struct StepStatus {
+  Control control;
+  Counters counters;
+};
+
+/// Rounds and colours before anything is known of a scene.
+constexpr int kFirstRounds = 16;
+constexpr int kFirstColors = 16;
+
+}  // namespace
+
+struct CudaStepper::Impl {
+  explicit Impl(bool measure) : timings(measure) {}
+
+  /// From operation `from` on; afterwards the tables stand as before the step.
+  void enqueue(int from, Timeline* timeline, bool captured) {
+    if (timeline) timeline->clear();
+    swaps = executor.enqueue({from, rounds.limit(), colors.limit(), timings ? timeline : nullptr, captured});
+    if (swaps) tables.keepManifolds();
+    const auto copy = [&](void* to, const void* what, std::size_t bytes) {
+      checkCuda(cudaMemcpyAsync(to, what, bytes, cudaMemcpyDeviceToHost, stream.get()), "cudaMemcpyAsync");
+    };
+    copy(&status->control, executor.control(), sizeof(Control));
+    copy(&status->counters, tables.view().counters, sizeof(Counters));
+  }
+
+  /// The whole step, by a graph if its configuration has come up before. Pointers alternate from step to step, and so do two graphs.
+  const Timeline& runWhole() {
+    const Configuration now{tables.view(), rounds.limit(), colors.limit()};
+    StepGraph& graph = graphs[parity];
+    if (!graph.holds(now)) {
+      executor.reserveScratch();
+      if (!graph.seen(now)) {
+        enqueue(0, &direct, false);
+        stream.wait();
+        return direct;
+      }
+      graph.capture(now, stream.get(), [&](Timeline& timeline) { enqueue(0, &timeline, true); });
+    }
+    graph.launch(stream.get());
+    stream.wait();
+    return graph.timeline();
+  }
+
+  void makeRoom(const Control& control) {
+    switch (control.lacking) {
+      case kLacksColors:
+        colors.raise(control.needed);
+        break;
+      case kLacksRounds:
+        rounds.raise(2 * rounds.limit());
+        break;
+      default: {
+        const Per per = static_cast<Per>(control.lacking);
+        // the first time there is no room at all, and the next steps need a little more
+        constexpr int kLeastSpare = 64;
+        const int spare = tables.capacity(per) > 1 ? 0 : kLeastSpare + control.needed / 8;
+        tables.reserve(per, control.needed + spare);
+        executor.reserveScratch();
+      }
+    }
+  }
+
+  Stream stream;
+  DeviceTables tables;
+  CudaExecutor executor{tables, stream.get()};
+  Pinned<StepStatus> status;
+  StepGraph graphs[2];
+  Timeline direct;
+  Bound rounds{kFirstRounds}, colors{kFirstColors};
+  int parity = 0;
+  bool swaps = false;
+  bool timings;
+};
+
+CudaStepper::CudaStepper(bool timings) : impl_(std::make_unique<Impl>(timings)) {}
+CudaStepper::~CudaStepper() = default;
+
+DeviceTables& CudaStepper::tables() { return impl_->tables; }
+const DeviceTables& CudaStepper::tables() const { return impl_->tables; }
+cudaStream_t CudaStepper::stream() const { return impl_->stream.get(); }
+bool CudaStepper::counted(Per per) const { return impl_->executor.counted(per); }
+std::size_t CudaStepper::bytes() const { return impl_->tables.bytes() + impl_->executor.scratchBytes(); }
+
+Counters CudaStepper::step(const View& host, StepReport& report) {
+  Impl& m = *impl_;
+  View view = host;
+  forEachArray([&](const auto& array) { view.*array.member = m.tables.view().*array.member; });
+  view.counters = m.tables.view().counters;
+  m.tables.view() = view;
+
+  const Timeline* timeline = &m.runWhole();
+  if (m.timings) timeline->addTo(report.stages);
+  while (m.status->control.stop != 0) {
+    const Control control = m.status->control;
+    m.makeRoom(control);
+    ++report.restarts;
+    m.enqueue(control.stop - 1, &m.direct, false);
+    m.stream.wait();
+    if (m.timings) m.direct.addTo(report.stages);
+  }
+  if (m.swaps) {
+    m.tables.keepManifolds();
+    m.parity ^= 1;
+  }
+  const Counters counters = m.status->counters;
+  m.rounds.note(counters.rounds + 1);
+  m.colors.note(counters.colors);
+  return counters;
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,106 @@
+#pragma once
+/// Owners of what the CUDA runtime hands out.
+#include <cstddef>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+#include "backend/cuda/cuda_check.h"
+#include "state/tables.h"
+
+namespace rubble {
+
+/// Zeroed memory of the device. Calls end before they return, so that any stream may use it.
+struct DeviceMemory {
+  static void* allocate(std::size_t bytes) {
+    void* p = nullptr;
+    const cudaError_t status = cudaMalloc(&p, bytes ? bytes : 1);
+    if (status == cudaErrorMemoryAllocation) throw outOfMemory(bytes);
+    checkCuda(status, "cudaMalloc");
+    checkCuda(cudaMemset(p, 0, bytes), "cudaMemset");
+    checkCuda(cudaDeviceSynchronize(), "cudaMemset");
+    return p;
+  }
+  static void release(void* p) { cudaFree(p); }
+  static void copy(void* to, const void* from, std::size_t bytes) {
+    checkCuda(cudaMemcpy(to, from, bytes, cudaMemcpyDeviceToDevice), "cudaMemcpy on the device");
+    checkCuda(cudaDeviceSynchronize(), "cudaMemcpy on the device");
+  }
+
+ private:
+  static Error outOfMemory(std::size_t wanted) {
+    cudaGetLastError();
+    std::size_t free = 0, total = 0;
+    cudaMemGetInfo(&free, &total);
+    char text[160];
+    const auto mb = [](std::size_t bytes) { return static_cast<double>(bytes) / 1e6; };
+    std::snprintf(text, sizeof text, "CUDA: out of device memory: %.1f MB wanted for one array, %.1f of %.1f MB free", mb(wanted), mb(free),
+                  mb(total));
+    return Error(text);
+  }
+};
+
+/// Bytes on the device that grow and forget.
+class DeviceBuffer {
+ public:
+  DeviceBuffer() = default;
+  ~DeviceBuffer() { DeviceMemory::release(data_); }
+  DeviceBuffer(const DeviceBuffer&) = delete;
+  DeviceBuffer& operator=(const DeviceBuffer&) = delete;
+
+  /// Waits for the device where it has to grow.
+  void reserve(std::size_t bytes) {
+    if (bytes <= bytes_) return;
+    checkCuda(cudaDeviceSynchronize(), "wait for the device");
+    DeviceMemory::release(std::exchange(data_, nullptr));
+    bytes_ = 0;
+    data_ = static_cast<std::byte*>(DeviceMemory::allocate(bytes + bytes / 2));
+    bytes_ = bytes + bytes / 2;
+  }
+  std::byte* data() const { return data_; }
+  std::size_t size() const { return bytes_; }
+
+ private:
+  std::byte* data_ = nullptr;
+  std::size_t bytes_ = 0;
+};
+
+/// One object in page-locked host memory, that copies of a stream write to while the host goes on.
+template <class T>
+class Pinned {
+ public:
+  Pinned() {
+    void* p = nullptr;
+    checkCuda(cudaMallocHost(&p, sizeof(T)), "cudaMallocHost");
+    value_.reset(new (p) T{});
+  }
+  T& operator*() const { return *value_; }
+  T* operator->() const { return value_.get(); }
+  T* get() const { return value_.get(); }
+
+ private:
+  struct Release {
+    void operator()(T* p) const { cudaFreeHost(p); }
+  };
+  std::unique_ptr<T, Release> value_;
+};
+
+/// A stream of its own, that does not wait for the default stream.
+class Stream {
+ public:
+  Stream() { checkCuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate"); }
+  ~Stream() { cudaStreamDestroy(stream_); }
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+  cudaStream_t get() const { return stream_; }
+  void wait() const { checkCuda(cudaStreamSynchronize(stream_), "step on the device"); }
+
+ private:
+  cudaStream_t stream_ = nullptr;
+};
+
+namespace RUBBLE_CORE {
+using DeviceTables = Tables<DeviceMemory>;
+}
+
+}  // namespace rubble

@@ -1,0 +1,145 @@
+#pragma once
+/// How a functor of the step becomes a kernel, and the few kernels that replace decisions of the host.
+#include <cuda_runtime.h>
+
+#include "stages/step.h"
+
+namespace rubble::RUBBLE_CORE {
+
+inline constexpr int kThreads = 128;
+
+/// What a step lacks besides elements of a table.
+inline constexpr int kLacksColors = -1;
+inline constexpr int kLacksRounds = -2;
+
+/// A step that lacks room stops: every later kernel sees it and does nothing, and the host goes on from there with more room.
+struct Control {
+  int stop;     ///< 0, or 1 + the operation that could not be done
+  int lacking;  ///< what there is too little of: a Per, kLacksColors or kLacksRounds
+  int needed;   ///< how many
+  int settled;  ///< untilZero: a round has left its counter at zero
+};
+
+/// When a kernel has nothing to do.
+struct Gate {
+  const Control* control;
+  bool inRound;  ///< one of the rounds of untilZero
+  __device__ bool closed() const { return control->stop != 0 || (inRound && control->settled != 0); }
+};
+
+/// A number of elements, known on the host or counted on the device.
+struct Count {
+  int fixed;           ///< added to what is counted
+  const int* counted;  ///< or null
+  __device__ int get() const { return counted ? *counted + fixed : fixed; }
+};
+
+__device__ inline void lack(Control* control, int operation, int lacking, int needed) {
+  control->lacking = lacking;
+  control->needed = needed;
+  control->stop = operation + 1;
+}
+
+/// kernel(s, i) for all i < n, whatever the size of the grid.
+template <class Kernel>
+__global__ void __launch_bounds__(kThreads) runKernel(const __grid_constant__ View s, const Kernel kernel, Count n, Gate gate) {
+  if (gate.closed()) return;
+  const int count = n.get(), stride = static_cast<int>(gridDim.x * blockDim.x);
+  for (int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x); i < count; i += stride) kernel(s, i);
+}
+
+/// kernel(s, body) for the bodies of one colour. `bound`: colours that there are launches for.
+template <class Kernel>
+__global__ void __launch_bounds__(kThreads)
+    runColor(const __grid_constant__ View s, const Kernel kernel, int color, int bound, Control* control, int operation) {
+  if (control->stop != 0) return;
+  const int colors = s.counters->colors, first = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+  if (colors > bound) {
+    // the launches of all colours find the same, so that no body has moved
+    if (first == 0) lack(control, operation, kLacksColors, colors);
+    return;
+  }
+  if (color >= colors) return;
+  const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin, stride = static_cast<int>(gridDim.x * blockDim.x);
+  for (int k = first; k < count; k += stride) kernel(s, s.colorBody[begin + k]);
+}
+
+/// kernel(s, i) for offsets[range] <= i < offsets[range + 1].
+template <class Kernel>
+__global__ void __launch_bounds__(kThreads)
+    runRange(const __grid_constant__ View s, const Kernel kernel, const int* offsets, int range, Gate gate) {
+  if (gate.closed()) return;
+  const int begin = offsets[range], count = offsets[range + 1] - begin, stride = static_cast<int>(gridDim.x * blockDim.x);
+  for (int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x); k < count; k += stride) kernel(s, begin + k);
+}
+
+struct FillArray {
+  int* array;
+  int value;
+  __device__ void operator()(const View&, int i) const { array[i] = value; }
+};
+
+/// 0 to modulo - 1, again and again.
+struct WriteIndices {
+  int* array;
+  int modulo;
+  __device__ void operator()(const View&, int i) const { array[i] = i % modulo; }
+};
+
+/// Of key k: its first place among `count` sorted keys. Keys are compared as unsigned numbers, so that negative ones are the last.
+struct FindFirst {
+  const int* sorted;
+  int count;
+  int* offsets;
+  __device__ void operator()(const View&, int k) const {
+    int low = 0, high = count;
+    while (low < high) {
+      const int middle = low + (high - low) / 2;
+      if (static_cast<unsigned>(sorted[middle]) < static_cast<unsigned>(k))
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    offsets[k] = low;
+  }
+};
+
+/// Input of a scan: zeros beyond the last element.
+struct CountAt {
+  const int* counts;
+  const int* counted;
+  int fixed, limit;
+  __host__ __device__ int operator()(int i) const {
+    const int n = counted ? *counted : fixed;
+    return i < n && i < limit ? counts[i] : 0;
+  }
+};
+
+/// The total of a scan over at most `limit` elements, from behind the last one.
+static __global__ void keepTotal(const Control* control, const int* offsets, int limit, int* total) {
+  if (control->stop == 0) *total = offsets[limit];
+}
+
+static __global__ void checkRoom(Control* control, const int* count, int capacity, int per, int operation) {
+  if (control->stop == 0 && *count > capacity) lack(control, operation, per, *count);
+}
+
+static __global__ void openRounds(Control* control, int* counter) {
+  if (control->stop != 0) return;
+  control->settled = 0;
+  *counter = 0;
+}
+
+/// After a round: settled if the counter is at zero, else ready for the next one. `rounds` counts those that did not settle.
+static __global__ void closeRound(Control* control, int* counter, int* rounds, int maxRounds, bool last, int operation) {
+  if (control->stop != 0 || control->settled != 0) return;
+  if (*counter == 0 || ++*rounds >= maxRounds) {
+    control->settled = 1;
+  } else if (last) {
+    lack(control, operation, kLacksRounds, *rounds);
+  } else {
+    *counter = 0;
+  }
+}
+
+}  // namespace rubble::RUBBLE_CORE

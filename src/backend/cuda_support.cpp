@@ -1,0 +1,31 @@
+// What the rest of the library sees of the CUDA backend, whether or not it is built.
+#include <rubble/info.h>
+
+#include "backend/engine.h"
+
+namespace rubble {
+
+#if defined(RUBBLE_HAS_CUDA)
+
+namespace f32 {
+std::string deviceStatus();
+bool deviceReady();
+std::unique_ptr<Engine> makeCudaEngine(bool timings);
+}  // namespace f32
+
+std::string cudaStatus() { return f32::deviceStatus(); }
+bool cudaReady() {
+  static const bool ready = f32::deviceReady();  // starts the driver: a matter of seconds on some machines
+  return ready;
+}
+std::unique_ptr<Engine> makeCudaEngine(bool timings) { return cudaReady() ? f32::makeCudaEngine(timings) : nullptr; }
+
+#else
+
+std::string cudaStatus() { return "off: built without CUDA"; }
+bool cudaReady() { return false; }
+std::unique_ptr<Engine> makeCudaEngine(bool) { return nullptr; }
+
+#endif
+
+}  // namespace rubble

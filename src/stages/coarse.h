@@ -1,0 +1,171 @@
+#pragma once
+/// The coarse correction: block descent whose blocks are rigid motions of whole groups. A body-by-body sweep carries news one body at a
+/// time; a sweep over groups carries it across a pile. For a group with centre c the unknowns are dx = (dp, dw), body i moves by
+/// (dp + dw x (p_i - c), dw), and the local problem [S 3]-[S 6] sums the inertia of its bodies and the rows that leave the group (rows
+/// inside do not see a rigid motion). All groups of a level move at once, under-relaxed: a row J_a x_a + J_b x_b obeys
+/// (J_a x_a + J_b x_b)^2 <= 2 ((J_a x_a)^2 + (J_b x_b)^2), so any factor below 1 descends.
+#include "stages/incidence.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Under-relaxation of the simultaneous group steps: below 1, where descent is certain.
+inline constexpr Real kGroupRelaxation = Real(.8);
+
+/// Vector from the centre of a group to a body at x^t.
+RUBBLE_HD inline Vec3 shiftOf(const View& s, const Group& group, int body) { return Vec3(s.position[body] - group.centre); }
+
+/// Adds a block about a point into one about another from which the point lies `shift` away: H' = T^T H T, f' = T^T f, T = [1, -[shift]; 0, 1].
+RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shift) {
+  const Vec3 ll[3] = {from.ll.column(0), from.ll.column(1), from.ll.column(2)}, al[3] = {from.al0, from.al1, from.al2};
+  const Vec3 sl[3] = {cross(shift, ll[0]), cross(shift, ll[1]), cross(shift, ll[2])};  // [shift] LL
+  to.ll += from.ll;
+  to.al0 += al[0] + sl[0], to.al1 += al[1] + sl[1], to.al2 += al[2] + sl[2];
+  to.aa += from.aa;
+  // [shift] LA + its transpose + [shift] LL [shift]^T; row i of X [shift]^T is shift x (row i of X)
+  const auto row = [](const Vec3 (&m)[3], int i) { return Vec3{m[0][i], m[1][i], m[2][i]}; };
+  Vec3 p[3], q[3];
+  for (int i = 0; i < 3; ++i) {
+    p[i] = cross(shift, row(al, i));
+    q[i] = cross(shift, row(sl, i));
+  }
+  to.aa.xx += 2 * p[0].x + q[0].x;
+  to.aa.xy += p[0].y + p[1].x + q[0].y;
+  to.aa.xz += p[0].z + p[2].x + q[0].z;
+  to.aa.yy += 2 * p[1].y + q[1].y;
+  to.aa.yz += p[1].z + p[2].y + q[1].z;
+  to.aa.zz += 2 * p[2].z + q[2].z;
+  to.fl += from.fl;
+  to.fa += from.fa + cross(shift, from.fl);
+}
+
+/// The inertia of a chunk's bodies about the centre of the group: constant in the step.
+struct SumInertia {
+  static constexpr const char* kName = "groups";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Chunk& chunk = s.chunk[i];
+    const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
+    Block6 sum;
+    for (int k = chunk.begin; k < chunk.end; ++k) {
+      const int body = s.member[k];
+      Block6 own;
+      setInertialHessian(own, s.target[body].mass, inverseDt2);
+      addShifted(sum, own, shiftOf(s, s.group[chunk.group], body));
+    }
+    chunk.sum = sum;
+  }
+};
+
+struct TakeInertia {
+  static constexpr const char* kName = "groups";
+  RUBBLE_HD void operator()(const View& s, int g) const {
+    Group& group = s.group[g];
+    group.inertia = s.chunk[group.chunkBegin].sum;
+    for (int k = group.chunkBegin + 1; k < group.chunkEnd; ++k) addShifted(group.inertia, s.chunk[k].sum, {0, 0, 0});
+  }
+};
+
+/// visit(entry) for the row blocks that leave the group of a chunk.
+template <class Visit>
+RUBBLE_HD void visitExternals(const View& s, int i, Visit&& visit) {
+  const Chunk& chunk = s.chunk[i];
+  const int level = s.group[chunk.group].level;
+  for (int k = chunk.begin; k < chunk.end; ++k) {
+    const int body = s.member[k];
+    for (int e = s.entryOffset[body]; e < s.entryOffset[body + 1]; ++e)
+      if (s.entry[e].depth > level) visit(s.entry[e]);
+  }
+}
+
+struct CountExternals {
+  static constexpr const char* kName = "groups";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    int count = 0;
+    visitExternals(s, i, [&](const Entry&) { ++count; });
+    s.externalCount[i] = count;
+  }
+};
+
+struct FillExternals {
+  static constexpr const char* kName = "groups";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    int to = s.externalOffset[i];
+    visitExternals(s, i, [&](const Entry& e) { s.external[to++] = e.code; });
+  }
+};
+
+RUBBLE_HD inline bool isInside(const View& s, int group, int body) {
+  return body != kWorldBody && s.groupOf[atLevel(s, s.group[group].level, body)] == group;
+}
+
+/// Force and row Hessians of a chunk about the centre of its group.
+template <class L>
+struct SumChunk {
+  static constexpr const char* kName = "coarse";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Chunk& chunk = s.chunk[i];
+    const Group& group = s.group[chunk.group];
+    const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
+    Block6 sum;
+    for (int k = chunk.begin; k < chunk.end; ++k) {
+      const int body = s.member[k];
+      const BodyTarget& target = s.target[body];
+      Block6 own;
+      setInertialForce(own, target.mass, {s.moved[body].dp, s.turned[body]}, target.y, inverseDt2);
+      sum.fl += own.fl;
+      sum.fa += own.fa + cross(shiftOf(s, group, body), own.fl);
+    }
+    constexpr int kStep = sizeof(L) / sizeof(Real);
+    Block6T<L> points;
+    for (int k = s.externalOffset[i]; k < s.externalOffset[i + 1]; ++k) {
+      const std::uint32_t code = s.external[k];
+      const int side = entrySide(code);
+      if (entryType(code) == kContactType) {
+        const ContactRows& r = s.contact[entryIndex(code)];
+        const Vec3 shift = shiftOf(s, group, side == 0 ? r.a : r.b);
+        for (int lane = 0; lane < kLanes; lane += kStep) stampContact<L>(s.step, r, side == 0, s.moved[r.a], s.moved[r.b], lane, points, shift);
+        continue;
+      }
+      forEachType(JointTypes{}, [&]<class F>() {
+        if (entryType(code) != typeIndex<F>(JointTypes{}) + 1) return;
+        const Joint<F>& joint = s.jointsOf<F>()[entryIndex(code)];
+        Block6 own;
+        stampJointOfBody<F>(s, entryIndex(code), side, own);
+        // a joint inside the group turns with it: it resists nothing, but its two forces act at points that have moved since x^t
+        if (isInside(s, chunk.group, side == 0 ? joint.b : joint.a)) own.ll = own.aa = Sym3{}, own.al0 = own.al1 = own.al2 = {0, 0, 0};
+        addShifted(sum, own, shiftOf(s, group, side == 0 ? joint.a : joint.b));
+      });
+    }
+    addLanes(sum, points);
+    chunk.sum = sum;
+  }
+};
+
+struct SolveGroup {
+  static constexpr const char* kName = "coarse";
+  RUBBLE_HD void operator()(const View& s, int g) const {
+    Group& group = s.group[g];
+    Block6 block = group.inertia;
+    block.fl = block.fa = {0, 0, 0};
+    for (int k = group.chunkBegin; k < group.chunkEnd; ++k) addShifted(block, s.chunk[k].sum, {0, 0, 0});
+    const Vec6 dx = newtonStep(block);
+    const bool valid = isFinite(dx.lin) && isFinite(dx.ang);
+    group.step = valid ? kGroupRelaxation * dx : Vec6{{0, 0, 0}, {0, 0, 0}};
+  }
+};
+
+struct MoveChunk {
+  static constexpr const char* kName = "coarse";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Chunk& chunk = s.chunk[i];
+    const Group& group = s.group[chunk.group];
+    for (int k = chunk.begin; k < chunk.end; ++k) {
+      const int body = s.member[k];
+      const Vec3 move = group.step.lin + cross(group.step.ang, shiftOf(s, group, body));
+      const Pose x = retract({s.moved[body].dp, s.turned[body]}, {move, group.step.ang});
+      s.turned[body] = x.q;
+      s.moved[body] = {x.p, 0, logRotation(x.q), 0};
+    }
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,236 @@
+#!/usr/bin/env python3
+"""Drives the real program: exit status, messages, what the files hold. Usage: cli_test.py PATH_OF_RUBBLE"""
+import json
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+RUBBLE = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else "rubble"
+FILES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scenes", "files")
+
+RECORD_KEYS = {
+    "scene", "backend", "device", "threads", "commit", "bodies", "manifolds", "contacts", "colors", "clashes", "iterations", "dt",
+    "settled_ms", "smash_ms", "stages_ms", "solve_ms", "collision_ms", "total_ms", "top_drop_m", "penetration_m", "joint_gap_m",
+    "energy_j", "rss_mb", "verdict", "machine", "date"}
+
+FALLING = {
+    "name": "falling ball",
+    "steps": 30,
+    "bodies": [{"name": "ball", "shape": {"type": "sphere", "radius": 0.5}, "position": [0, 0, 100]}],
+}
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def write(self, name, content):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(content if isinstance(content, str) else json.dumps(content))
+        return self.path(name)
+
+    def falling(self, **changes):
+        return self.write("falling.json", {**FALLING, **changes})
+
+    def rubble(self, *arguments, status=0):
+        done = subprocess.run([RUBBLE, *arguments], capture_output=True, text=True, timeout=600)
+        self.assertEqual(done.returncode, status, f"{arguments}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def refused(self, *arguments, says):
+        """Status 2, the message on standard error, nothing on standard output."""
+        done = self.rubble(*arguments, status=2)
+        self.assertIn(says, done.stderr)
+        self.assertEqual(done.stdout, "")
+        return done
+
+
+class Usage(Case):
+    def test_help_everywhere(self):
+        self.assertIn("Subcommands", self.rubble("--help").stdout)
+        for command in ["run", "bench", "check", "compare", "demo", "info", "picture"]:
+            self.assertIn("Usage: rubble " + command, self.rubble(command, "--help").stdout)
+        self.assertRegex(self.rubble("--version").stdout, r"^rubble \d+\.\d+\.\d+")
+
+    def test_bad_usage(self):
+        self.refused(says="subcommand")
+        self.refused("fly", says="fly")
+        self.refused("run", says="scene")
+        self.refused("run", "pile-1k", "--steps", "0", says="--steps")
+        self.refused("run", "pile-1k", "--steps", "many", says="--steps")
+        self.refused("run", "pile-1k", "--whatever", says="--whatever")
+        self.refused("bench", says="scenes")
+        self.refused("picture", "pile-1k", says="--out")
+
+    def test_names_that_do_not_exist(self):
+        self.assertIn("pile-1k", self.refused("run", "pile-1kk", says="pile-1kk").stderr)
+        self.refused("run", "pile-1k", "--arg", "nxx=3", says="nxx")
+        self.refused("run", "pile-1k", "--arg", "nx", says="NAME=VALUE")
+        self.refused("run", "pile-1k", "--arg", "nx=three", says="a number")
+        self.refused("run", "pile-1k", "--arg", "nx=-3", says="nx")
+        self.refused("run", "pile-1k", "--backend", "abacus", says="cpu")
+        self.refused("run", "pile-1k", "--preset", "magic", says="engine, paper or demo3d")
+        self.refused("run", "pile-1k", "--param", "magic=1", says="magic")
+        self.refused("run", "nowhere.json", says="nowhere.json")
+        self.refused("run", "pile-1k", "--picture", "x.png", "--size", "big", says="--size")
+        self.refused("run", "pile-1k", "--at", "3", says="--picture")
+
+    def test_files_that_cannot_be_written(self):
+        for option in ["--json", "--record", "--picture"]:
+            self.refused_late(option)
+
+    def refused_late(self, option):
+        done = self.rubble("run", self.falling(steps=2), "-q", option, "/nowhere/at/all.png", status=2)
+        self.assertIn("/nowhere/at/all.png", done.stderr)
+
+
+class Run(Case):
+    def test_free_fall_and_verdict(self):
+        # Implicit Euler: g dt^2 n (n + 1) / 2.
+        fall = 9.81 / 3600 * 30 * 31 / 2
+        claim = {"metric": "ball.drop_m", "min": fall * 0.9999, "max": fall * 1.0001, "why": "free fall"}
+        done = self.rubble("run", self.falling(verdict=[claim]))
+        self.assertIn("verdict: holds", done.stdout)
+        self.assertIn("free fall", done.stdout)
+        self.assertIn("step 30/30", done.stderr)
+        done = self.rubble("run", self.falling(verdict=[{**claim, "max": fall * 0.99991}]), status=1)
+        self.assertIn("verdict: does not hold", done.stdout)
+
+    def test_time_step_scales_steps(self):
+        record = json.loads(self.rubble("run", self.falling(), "--dt", "0.008333333333333333", "--json", "-").stdout)
+        self.assertAlmostEqual(record["dt"], 1 / 120)
+        self.assertIn("step 60/60", self.rubble("run", self.falling(), "--dt", "0.008333333333333333").stderr)
+
+    def test_quiet_says_nothing(self):
+        done = self.rubble("run", self.falling(), "-q")
+        self.assertEqual((done.stdout, done.stderr), ("", ""))
+
+    def test_json_record(self):
+        file = self.path("record.json")
+        # What the verdict of so small a pile is, this test does not judge.
+        done = subprocess.run([RUBBLE, "run", "pile-1k", "--arg", "nx=2", "--arg", "nz=2", "--arg", "levels=3", "--steps", "130",
+                               "--threads", "1", "-q", "--json", file], capture_output=True, text=True, timeout=600)
+        self.assertIn(done.returncode, (0, 1), done.stderr)
+        with open(file, encoding="utf-8") as text:
+            record = json.load(text)
+        self.assertEqual(set(record), RECORD_KEYS)
+        self.assertEqual(record["threads"], 1)
+        self.assertEqual(record["iterations"], 4)
+        self.assertEqual(record["bodies"], 13)
+        self.assertGreater(record["rss_mb"], 1)
+        self.assertEqual(set(record["settled_ms"]), {"mean", "median", "p95"})
+        self.assertEqual(set(record["smash_ms"]), {"mean", "max", "p95"})
+        self.assertAlmostEqual(record["collision_ms"] + record["solve_ms"], record["total_ms"], places=6)
+        self.assertEqual(record["verdict"]["holds"], done.returncode == 0)
+
+    def test_json_on_standard_output_is_alone(self):
+        done = self.rubble("run", self.falling(), "--json", "-")
+        self.assertEqual(set(json.loads(done.stdout)), RECORD_KEYS)
+
+    def test_pictures_and_trajectory(self):
+        trajectory = self.path("run.rubble")
+        self.rubble("run", self.falling(), "-q", "--record", trajectory, "--picture", self.path("p.png"), "--at", "0,30", "--size", "80x50")
+        for name in ["p-000000.png", "p-000030.png"]:
+            self.assert_png(name, 80, 50)
+        self.rubble("picture", trajectory, "-o", self.path("t.png"), "--at", "10", "--size", "64x48", "--color-by", "speed")
+        self.assert_png("t.png", 64, 48)
+        self.rubble("picture", "pile-1k", "-o", self.path("s.png"), "--size", "64x48")
+        self.assert_png("s.png", 64, 48)
+        self.refused("picture", trajectory, "-o", self.path("t.png"), "--at", "31", says="at most")
+        with open(trajectory, "r+b") as file:
+            file.seek(50)
+            file.write(b"\xff\xff\xff")
+        self.refused("picture", trajectory, "-o", self.path("t.png"), says="checksum")
+
+    def assert_png(self, name, width, height):
+        with open(self.path(name), "rb") as file:
+            head = file.read(24)
+        self.assertEqual(head[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(struct.unpack(">II", head[16:]), (width, height))
+
+
+class Bench(Case):
+    def test_a_record_for_each_scene_and_thread_count(self):
+        done = self.rubble("bench", f"{self.falling()},pile-1k", "--steps", "12", "--threads", "1,2", "-q", "--json", "-")
+        records = json.loads(done.stdout)
+        self.assertEqual([(os.path.basename(r["scene"]), r["threads"]) for r in records],
+                         [("falling.json", 1), ("falling.json", 2), ("pile-1k", 1), ("pile-1k", 2)])
+        for record in records:
+            self.assertEqual(set(record), RECORD_KEYS)
+            self.assertIsNone(record["smash_ms"])
+
+    def test_what_cannot_run_is_said_first(self):
+        self.refused("bench", "pile-1k,nothing", says="nothing")
+
+
+class Check(Case):
+    def test_good_files(self):
+        for name in sorted(os.listdir(FILES)):
+            self.assertIn("good", self.rubble("check", os.path.join(FILES, name)).stdout)
+
+    def test_every_fault_is_named(self):
+        file = self.write("bad.json", {"bodies": [{"shape": {"type": "bix"}, "mass": -1}],
+                                       "verdict": [{"metric": "x.y", "min": 0}], "step": 3})
+        done = self.refused("check", file, says="bad.json: 4 faults")
+        for path in ["bodies[0].shape.type", "bodies[0].mass", "verdict[0].metric", "step"]:
+            self.assertIn(path + ": ", done.stderr)
+        self.assertIn("step: unknown key (did you mean", done.stderr)
+
+    def test_syntax(self):
+        self.refused("check", self.write("bad.json", "{\n  \"bodies\": [}\n"), says="line 2, column 14")
+
+    def test_run_refuses_the_same(self):
+        self.refused("run", self.falling(verdict=[{"metric": "bull.drop_m", "min": 0}]), says="verdict[0].metric")
+
+
+class Info(Case):
+    def test_lists(self):
+        for topic in ["scenes", "forces", "params", "build", "metrics"]:
+            self.assertTrue(self.rubble("info", topic).stdout)
+            self.assertTrue(json.loads(self.rubble("info", topic, "--json").stdout))
+        names = [scene["name"] for scene in json.loads(self.rubble("info", "scenes", "--json").stdout)]
+        self.assertIn("pile-10k", names)
+        self.assertEqual(len(names), len(set(names)))
+        self.refused("info", says="subcommand")
+        self.refused("info", "magic", says="there is no subcommand 'magic'")
+        self.refused("info", "scene", "nothing-like-it", says="nothing-like-it")
+
+    def test_registry_scenes_are_good_files(self):
+        for name in ["pile-1k", "pyramid-50", "pendulum"]:
+            known = [scene["name"] for scene in json.loads(self.rubble("info", "scenes", "--json").stdout)]
+            if name not in known:
+                continue
+            self.assertIn(name, self.rubble("info", "scene", name).stdout)
+            file = self.write(name + ".json", self.rubble("info", "scene", name, "--json").stdout)
+            self.rubble("check", file, "-q")
+
+
+class Compare(Case):
+    def test_one_backend_against_itself(self):
+        done = self.rubble("compare", self.falling(), "--backends", "cpu", "--threads", "1,2", "--within", "0")
+        self.assertIn("bit for bit the same", done.stdout)
+        self.assertIn("verdict: holds", done.stdout)
+
+    def test_bad_lists(self):
+        self.refused("compare", self.falling(), "--backends", "cpu,cpu,cpu", says="two backends")
+        self.refused("compare", self.falling(), "--backends", "cpu,abacus", says="abacus")
+
+
+class Demo(Case):
+    def test_writes_everything(self):
+        out = self.path("out")
+        self.rubble("demo", "--scene", self.falling(), "--out", out, "--steps", "5", "-q")
+        self.assertLessEqual({"report.json", "report.txt", "trajectory.rubble", "1-start.png", "5-end.png"}, set(os.listdir(out)))
+        with open(os.path.join(out, "report.json"), encoding="utf-8") as text:
+            self.assertEqual(set(json.load(text)), RECORD_KEYS)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)

@@ -1,0 +1,205 @@
+/// What a manifold hands on from step to step: matching by feature and by place, world directions, recycling.
+#include <collision/manifold.h>
+
+#include "tests/collision/shapes_for_tests.h"
+
+namespace rubble::RUBBLE_CORE {
+namespace {
+
+using test::Random;
+
+const ShapeData kBrick = box({.5, .25, .125});
+
+PairPose pose(const Quat& qA, const Quat& qB, const Vec3& t) { return {qA, qB, t, 2 * length(kBrick.half), .02}; }
+PairPose stacked(Real shift = .2) { return pose(Quat{}, Quat{}, {shift, .1, .25}); }
+
+Manifold fresh(const PairPose& p) { return updateManifold(kBrick, kBrick, p, nullptr, 0); }
+
+/// Gives each point multipliers that tell it from the others.
+void load(Manifold& m) {
+  for (int k = 0; k < m.count; ++k) {
+    m.lambdaN[k] = 10 + k, m.lambda1[k] = 1 + k, m.lambda2[k] = -1 - k;
+    m.kN[k] = 100 + k, m.kT[k] = 200 + k;
+    m.drift1[k] = .001 * (k + 1), m.drift2[k] = .002 * (k + 1);
+  }
+  m.stick = 0b0101;
+}
+
+Vec3 worldVector(const Manifold& m, Real l1, Real l2) {
+  Vec3 t1, t2;
+  tangentBasis(m.normal, t1, t2);
+  return t1 * l1 + t2 * l2;
+}
+
+/// The point of `m` whose place on A is nearest to that of point k of `old`.
+int nearestTo(const Manifold& m, const Manifold& old, int k) {
+  int best = 0;
+  for (int j = 1; j < m.count; ++j)
+    if (length(pointOnA(m, j) - pointOnA(old, k)) < length(pointOnA(m, best) - pointOnA(old, k))) best = j;
+  return best;
+}
+
+TEST(Manifold, KeepsPointsInTheFramesOfTheirBodies) {
+  Random random(1);
+  const Quat qA = random.rotation(), qB = qA * fromAxisAngle(Vec3{0, 0, 1}, .2);
+  const PairPose p = pose(qA, qB, rotate(qA, Vec3{.1, .05, .249}));
+  const RawManifold raw = collide(kBrick, p.qA, kBrick, p.qB, p.t, p.margin, p.length);
+  const Manifold m = freshManifold(raw, p);
+  ASSERT_EQ(m.count, raw.count);
+  for (int k = 0; k < m.count; ++k) {
+    EXPECT_TRUE(test::near(rotate(qA, pointOnA(m, k)), raw.points[k].onA, 1e-12));
+    EXPECT_TRUE(test::near(p.t + rotate(qB, pointOnB(m, k)), raw.points[k].onB, 1e-12));
+    EXPECT_EQ(m.feature[k], raw.points[k].feature);
+    EXPECT_EQ(m.kN[k], 0);
+  }
+  EXPECT_TRUE(test::near(rotate(m.normalOnB ? qB : qA, m.localNormal), raw.n, 1e-12));
+}
+
+TEST(Manifold, MatchedByFeatureKeepsEverything) {
+  Manifold old = fresh(stacked());
+  ASSERT_EQ(old.count, 4);
+  load(old);
+  const Manifold m = updateManifold(kBrick, kBrick, stacked(.25), &old, 0);
+  ASSERT_EQ(m.count, 4);
+  EXPECT_FALSE(m.recycled);
+  for (int k = 0; k < 4; ++k) {
+    int from = -1;
+    for (int j = 0; j < 4; ++j)
+      if (old.feature[j] == m.feature[k]) from = j;
+    ASSERT_GE(from, 0);
+    EXPECT_EQ(m.lambdaN[k], old.lambdaN[from]);
+    EXPECT_NEAR(m.lambda1[k], old.lambda1[from], 1e-12);
+    EXPECT_NEAR(m.lambda2[k], old.lambda2[from], 1e-12);
+    EXPECT_NEAR(m.drift1[k], old.drift1[from], 1e-15);
+    EXPECT_EQ(m.kN[k], old.kN[from]);
+    EXPECT_EQ(m.kT[k], old.kT[from]);
+    EXPECT_EQ(m.stick >> k & 1, old.stick >> from & 1);
+  }
+}
+
+TEST(Manifold, MatchesByPlaceWhenFeaturesFlicker) {
+  Manifold old = fresh(stacked());
+  load(old);
+  for (int k = 0; k < 4; ++k) old.feature[k] += 7;  // nothing matches by feature
+  const Manifold m = updateManifold(kBrick, kBrick, stacked(.201), &old, 0);
+  ASSERT_EQ(m.count, 4);
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(m.lambdaN[nearestTo(m, old, k)], old.lambdaN[k]);
+}
+
+TEST(Manifold, AlignedBricksKeepTheirLoadUnderTinyTurns) {
+  // equal bricks edge on edge: any turn changes which edges cut one another
+  Random random(2);
+  Manifold m = fresh(pose(Quat{}, Quat{}, {0, 0, .25}));
+  ASSERT_EQ(m.count, 4);
+  load(m);
+  for (int n = 0; n < 200; ++n) {
+    const PairPose p = pose(expRotation(random.vector(1e-5)), expRotation(random.vector(1e-5)),
+                            {random.uniform(-1e-5, 1e-5), random.uniform(-1e-5, 1e-5), .25});
+    m = updateManifold(kBrick, kBrick, p, &m, 0);
+    ASSERT_EQ(m.count, 4);
+    Real sum = 0;
+    for (int k = 0; k < 4; ++k) sum += m.lambdaN[k];
+    ASSERT_EQ(sum, 10 + 11 + 12 + 13) << n;
+  }
+}
+
+TEST(Manifold, FarPointsAndTurnedNormalsAreNew) {
+  Manifold old = fresh(stacked());
+  load(old);
+  for (int k = 0; k < 4; ++k) old.feature[k] += 7;
+  // the other way: every corner of the overlap is another one, on both bricks
+  const Manifold moved = updateManifold(kBrick, kBrick, stacked(-.2), &old, 0);
+  ASSERT_EQ(moved.count, 4);
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(moved.kN[k], 0);
+  Manifold turned = fresh(stacked());
+  load(turned);
+  turned.normal = normalize(Vec3{1, 0, 1});
+  const Manifold m = updateManifold(kBrick, kBrick, stacked(), &turned, 0);
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(m.kN[k], 0);
+}
+
+TEST(Manifold, EachOldPointIsHandedOnOnce) {
+  Manifold old = fresh(stacked());
+  load(old);
+  for (int k = 0; k < 4; ++k) old.feature[k] = old.feature[0];
+  const Manifold m = updateManifold(kBrick, kBrick, stacked(.201), &old, 0);
+  Real sum = 0;
+  for (int k = 0; k < 4; ++k) sum += m.lambdaN[k];
+  EXPECT_LE(sum, 10 + 11 + 12 + 13);
+}
+
+TEST(HandOn, KeepsTheWorldTangentialVectorAsFarAsItLiesInTheNewPlane) {
+  Random random(3);
+  for (int n = 0; n < 100; ++n) {
+    Manifold old = fresh(stacked()), m = old;
+    load(old);
+    // across the half sphere where the basis jumps, too
+    old.normal = normalize(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-.1, .1)});
+    m.normal = normalize(old.normal + random.vector(.2));
+    handOn(old, 2, m, 1);
+    const Vec3 before = worldVector(old, old.lambda1[2], old.lambda2[2]), after = worldVector(m, m.lambda1[1], m.lambda2[1]);
+    EXPECT_TRUE(test::near(after, before - m.normal * dot(m.normal, before), 1e-12));
+    const Vec3 drift = worldVector(old, old.drift1[2], old.drift2[2]), carried = worldVector(m, m.drift1[1], m.drift2[1]);
+    EXPECT_TRUE(test::near(carried, drift - m.normal * dot(m.normal, drift), 1e-14));
+  }
+}
+
+TEST(Recycling, KeepsAManifoldThatHardlyMovedAndTurnsItsNormal) {
+  Manifold old = fresh(stacked());
+  load(old);
+  const Quat turn = fromAxisAngle(Vec3{0, 1, 0}, .3);
+  const PairPose p = pose(turn, turn, rotate(turn, Vec3{.2001, .1, .25}));
+  const Manifold m = updateManifold(kBrick, kBrick, p, &old, 2e-3);
+  EXPECT_TRUE(m.recycled);
+  EXPECT_TRUE(test::near(m.normal, rotate(turn, Vec3{0, 0, 1}), 1e-12));
+  EXPECT_EQ(m.count, old.count);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_EQ(m.feature[k], old.feature[k]);
+    EXPECT_EQ(m.lambdaN[k], old.lambdaN[k]);
+    EXPECT_EQ(m.stick >> k & 1, old.stick >> k & 1);
+    // the tangential vector keeps its world direction
+    const Vec3 before = worldVector(old, old.lambda1[k], old.lambda2[k]);
+    EXPECT_TRUE(test::near(worldVector(m, m.lambda1[k], m.lambda2[k]), before - m.normal * dot(m.normal, before), 1e-12));
+  }
+}
+
+TEST(Recycling, MeasuresFromTheLastFullTestAndNotFromTheLastStep) {
+  Manifold m = fresh(stacked());
+  const Real tolerance = 2e-3, step = .3 * tolerance * stacked().length;
+  int tests = 0;
+  for (int i = 1; i <= 20; ++i) {
+    m = updateManifold(kBrick, kBrick, stacked(.2 + i * step), &m, tolerance);
+    tests += !m.recycled;
+  }
+  // one in four: .3, .6, .9 are kept, 1.2 is tested
+  EXPECT_EQ(tests, 5);
+}
+
+TEST(Recycling, TestsAnewAfterAMoveOrATurnBeyondTheTolerance) {
+  const Real tolerance = 2e-3;
+  const Manifold m = fresh(stacked());
+  const Real length = stacked().length;
+  EXPECT_TRUE(hardlyMoved(m, stacked(.2 + .9 * tolerance * length), tolerance));
+  EXPECT_FALSE(hardlyMoved(m, stacked(.2 + 1.1 * tolerance * length), tolerance));
+  const auto turned = [&](Real angle) { return pose(Quat{}, fromAxisAngle(Vec3{0, 0, 1}, angle), stacked().t); };
+  EXPECT_TRUE(hardlyMoved(m, turned(.9 * tolerance), tolerance));
+  EXPECT_FALSE(hardlyMoved(m, turned(1.1 * tolerance), tolerance));
+}
+
+TEST(Recycling, PairsApartAreTestedAnewUnlessFarEnough) {
+  const Real tolerance = 2e-3;
+  const Real slack = 2 * tolerance * stacked().length;
+  const auto apart = [&](Real gap) { return pose(Quat{}, Quat{}, {0, 0, .25 + gap}); };
+  const Manifold near = fresh(apart(.02 + .5 * slack)), far = fresh(apart(.02 + 1.5 * slack));
+  ASSERT_EQ(near.count + far.count, 0);
+  EXPECT_FALSE(hardlyMoved(near, apart(.02 + .5 * slack), tolerance));
+  EXPECT_TRUE(hardlyMoved(far, apart(.02 + 1.5 * slack), tolerance));
+}
+
+TEST(Recycling, WithoutToleranceIsOff) {
+  Manifold old = fresh(stacked());
+  EXPECT_FALSE(updateManifold(kBrick, kBrick, stacked(), &old, 0).recycled);
+}
+
+}  // namespace
+}  // namespace rubble::RUBBLE_CORE

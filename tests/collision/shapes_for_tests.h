@@ -1,0 +1,79 @@
+#pragma once
+/// Shapes, poses and brute-force measures for the pair tests.
+#include <collision/collide.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/support/core.h"
+
+namespace rubble::RUBBLE_CORE {
+
+inline ShapeData sphere(Real radius) { return {{0, 0, 0}, radius, ShapeKind::Sphere}; }
+inline ShapeData capsule(Real radius, Real halfLength) { return {{0, 0, halfLength}, radius, ShapeKind::Capsule}; }
+inline ShapeData box(const Vec3& half) { return {half, 0, ShapeKind::Box}; }
+inline ShapeData plane() { return {{0, 0, 0}, 0, ShapeKind::Plane}; }
+
+/// Two shapes in the frame of A's centre.
+struct PairCase {
+  ShapeData a, b;
+  Quat qA, qB;
+  Vec3 t;  ///< p_B - p_A
+
+  Real length() const {
+    const Real ra = boundingRadius(a), rb = boundingRadius(b);
+    return 2 * (ra > 0 && rb > 0 ? std::min(ra, rb) : std::max(ra, rb));
+  }
+  RawManifold collide(Real margin) const { return RUBBLE_CORE::collide(a, qA, b, qB, t, margin, length()); }
+  PairCase swapped() const { return {b, a, qB, qA, -t}; }
+  PairCase turned(const Quat& turn) const { return {a, b, turn * qA, turn * qB, rotate(turn, t)}; }
+};
+
+/// Furthest extent of a shape about its centre along the unit vector d.
+inline Real reach(const ShapeData& s, const Quat& q, const Vec3& d) {
+  const Vec3 local = rotateInverse(q, d);
+  return dot(abs(local), s.half) + s.radius;
+}
+/// Distance of the two shapes' supports along d; negative: they overlap along d.
+inline Real separationAlong(const PairCase& x, const Vec3& d) { return dot(x.t, d) - reach(x.a, x.qA, d) - reach(x.b, x.qB, d); }
+
+/// How far a point (relative to the shape's centre) lies outside a box, along its axes.
+inline Real outside(const ShapeData& s, const Quat& q, const Vec3& point) {
+  const Vec3 local = rotateInverse(q, point);
+  return std::max({std::fabs(local.x) - s.half.x, std::fabs(local.y) - s.half.y, std::fabs(local.z) - s.half.z});
+}
+
+inline Real depthOf(const RawManifold& m, int k) { return dot(m.n, m.points[k].onA - m.points[k].onB); }
+inline Real deepest(const RawManifold& m) {
+  Real depth = -1e30;
+  for (int k = 0; k < m.count; ++k) depth = std::max(depth, depthOf(m, k));
+  return depth;
+}
+
+/// Is there a point of `m` with these places, and features alike?
+inline bool hasPoint(const RawManifold& m, const Vec3& onA, const Vec3& onB, Real tolerance) {
+  for (int k = 0; k < m.count; ++k)
+    if (length(m.points[k].onA - onA) <= tolerance && length(m.points[k].onB - onB) <= tolerance) return true;
+  return false;
+}
+
+inline std::vector<int> features(const RawManifold& m) {
+  std::vector<int> out;
+  for (int k = 0; k < m.count; ++k) out.push_back(m.points[k].feature);
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+/// Two boxes near touching, turned anyhow.
+inline PairCase randomBoxes(test::Random& random) {
+  PairCase x{box({random.uniform(.2, 1), random.uniform(.2, 1), random.uniform(.2, 1)}),
+             box({random.uniform(.2, 1), random.uniform(.2, 1), random.uniform(.2, 1)}),
+             random.rotation(),
+             random.rotation(),
+             {}};
+  const Vec3 d = random.direction();
+  x.t = d * ((reach(x.a, x.qA, d) + reach(x.b, x.qB, d)) * random.uniform(.75, 1.05));
+  return x;
+}
+
+}  // namespace rubble::RUBBLE_CORE

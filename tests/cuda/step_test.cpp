@@ -1,0 +1,99 @@
+// The step on the device: the same bits from run to run, and what the CPU finds.
+#include "tests/cuda/cuda_scenes.h"
+
+namespace rubble::test {
+namespace {
+
+class CudaStep : public CudaTest {};
+
+TEST_F(CudaStep, GivesTheSameBitsEachTime) {
+  World a(mixedScene(), optionsFor("cuda")), b(mixedScene(), optionsFor("cuda"));
+  for (int i = 0; i < 60; ++i) {
+    a.step(), b.step();
+    ASSERT_EQ(a.hash(), b.hash()) << "after step " << i;
+  }
+}
+
+TEST_F(CudaStep, FindsWhatTheCpuFindsInTheFirstStep) {
+  World cpu(mixedScene(), optionsFor("cpu")), cuda(mixedScene(), optionsFor("cuda"));
+  const StepReport a = cpu.step(), b = cuda.step();
+  EXPECT_EQ(a.bodies, b.bodies);
+  EXPECT_EQ(a.pairs, b.pairs);
+  EXPECT_EQ(a.manifolds, b.manifolds);
+  EXPECT_EQ(a.contacts, b.contacts);
+  EXPECT_EQ(a.colors, b.colors);
+  EXPECT_EQ(a.colorRounds, b.colorRounds);
+  EXPECT_EQ(b.clashes, 0);
+  EXPECT_EQ(b.quarantined, 0);
+}
+
+TEST_F(CudaStep, StaysBesideTheCpuWhileAPileSettles) {
+  World cpu(brickPile(5, 8), optionsFor("cpu")), cuda(brickPile(5, 8), optionsFor("cuda"));
+  run(cpu, 60), run(cuda, 60);
+  EXPECT_LT(distance(cpu, cuda), 1e-3);
+  const Quality a = cpu.quality(), b = cuda.quality();
+  EXPECT_NEAR(a.penetration.mean, b.penetration.mean, 1e-4);
+  EXPECT_NEAR(a.potentialEnergy, b.potentialEnergy, 1e-4 * std::fabs(a.potentialEnergy));
+  EXPECT_EQ(cpu.contacts().empty(), cuda.contacts().empty());
+}
+
+TEST_F(CudaStep, StaysBesideTheCpuWithJoints) {
+  Scene chain = mixedScene();
+  // the links and their joints alone: nothing chaotic
+  chain.bodies.erase(chain.bodies.begin(), chain.bodies.end() - 6);
+  for (std::size_t i = 0; i < chain.joints.size(); ++i) {
+    chain.joints[i].bodyA = static_cast<int>(i);
+    chain.joints[i].bodyB = static_cast<int>(i) - 1;
+  }
+  World cpu(chain, optionsFor("cpu")), cuda(chain, optionsFor("cuda"));
+  run(cpu, 60), run(cuda, 60);
+  EXPECT_LT(distance(cpu, cuda), 1e-2);
+  for (const JointId joint : cuda.joints()) {
+    EXPECT_NEAR(cpu.state(joint).gap, cuda.state(joint).gap, 1e-3);
+    EXPECT_LT(cuda.state(joint).gap, .05);
+  }
+}
+
+TEST_F(CudaStep, MeasuresStagesOnlyIfAsked) {
+  WorldOptions options = optionsFor("cuda");
+  World with(brickPile(3, 3), options);
+  options.timings = false;
+  World without(brickPile(3, 3), options);
+  for (int i = 0; i < 8; ++i) {
+    const StepReport a = with.step(), b = without.step();
+    EXPECT_GT(a.stageMs("primal"), 0) << i;
+    EXPECT_GT(a.stageMs("narrow"), 0) << i;
+    EXPECT_TRUE(b.stages.empty()) << i;
+  }
+  EXPECT_EQ(with.hash(), without.hash());
+  EXPECT_GT(with.memoryBytes(), 0u);
+}
+
+TEST_F(CudaStep, TakesNewParametersWhileRunning) {
+  World cpu(brickPile(3, 4), optionsFor("cpu")), cuda(brickPile(3, 4), optionsFor("cuda"));
+  for (World* world : {&cpu, &cuda}) {
+    run(*world, 10);
+    Params params = world->params();
+    params.iterations = 8;
+    params.dt = 1.0 / 120;
+    params.substeps = 2;
+    world->setParams(params);
+    run(*world, 10);
+    world->setGravity({0, 0, -5});
+    run(*world, 10);
+  }
+  EXPECT_LT(distance(cpu, cuda), 1e-3);
+}
+
+TEST_F(CudaStep, RunsAWorldWithoutBodies) {
+  World world(Scene{}, optionsFor("cuda"));
+  const StepReport report = run(world, 3);
+  EXPECT_EQ(report.bodies, 0);
+  EXPECT_EQ(report.contacts, 0);
+  world.add(boxAt({0, 0, 10}));
+  run(world, 3);
+  EXPECT_LT(world.state(world.bodies()[0]).position.z, 10);
+}
+
+}  // namespace
+}  // namespace rubble::test

@@ -1,0 +1,267 @@
+/// Contact points: forces from the energy, Hessian blocks, momentum, and lanes against single points.
+#include <forces/contact.h>
+#include <solver/row.h>
+
+#include <cstring>
+
+#include <Eigen/Dense>
+
+#include "tests/support/core.h"
+#include "tests/support/eigen.h"
+
+namespace rubble::RUBBLE_CORE {
+namespace {
+
+using test::eigen;
+using test::Random;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+StepConstants constants() {
+  StepConstants c = testConstants();
+  c.maxMultiplier = 1e30;
+  return c;
+}
+
+Displacement displacement(const Vec6& d) { return {d.lin, 0, d.ang, 0}; }
+
+struct ContactCase {
+  ContactRows rows;
+  Vec6 a, b;
+};
+
+/// Four points with everything of them at random; `friction` large makes them stick.
+ContactCase randomContact(Random& random, Real friction) {
+  ContactCase x{};
+  ContactRows& r = x.rows;
+  r.n = random.direction();
+  r.offset = random.vector(2);
+  r.muDynamic = friction;
+  r.start = 10;
+  r.length = .5;
+  r.a = 0, r.b = 1;
+  for (int k = 0; k < kLanes; ++k) {
+    const Vec3 lever = random.vector();
+    r.rAx[k] = lever.x, r.rAy[k] = lever.y, r.rAz[k] = lever.z;
+    r.c0[k] = random.uniform(-.1, .1);
+    r.drift1[k] = random.uniform(-.1, .1), r.drift2[k] = random.uniform(-.1, .1);
+    r.mu[k] = friction;
+    r.lambdaN[k] = random.uniform(0, 5);
+    r.lambda1[k] = random.uniform(-1, 1), r.lambda2[k] = random.uniform(-1, 1);
+    r.kN[k] = random.logUniform(10, 1000), r.kT[k] = random.logUniform(10, 1000);
+  }
+  x.a = randomVec6(random, .02), x.b = randomVec6(random, .02);
+  return x;
+}
+
+ContactForces<Real> forcesOf(const StepConstants& c, const ContactCase& x, int lane) {
+  return contactForces<Real>(c, x.rows, contactFrame<Real>(x.rows, lane), displacement(x.a), displacement(x.b), lane);
+}
+
+Block6 blockOf(const StepConstants& c, const ContactCase& x, bool onA, int lane) {
+  Block6 block;
+  stampContact<Real>(c, x.rows, onA, displacement(x.a), displacement(x.b), lane, block);
+  return block;
+}
+
+Vec3 leverOf(const ContactRows& r, int lane, bool onA) {
+  const Vec3 lever{r.rAx[lane], r.rAy[lane], r.rAz[lane]};
+  return onA ? lever : lever + r.offset;
+}
+
+TEST(Contact, MeasuresDisplacementsOfThePointOnBothBodies) {
+  Random random(1);
+  const StepConstants c = constants();
+  for (int n = 0; n < 20; ++n) {
+    const ContactCase x = randomContact(random, 1);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Vec3 d = x.a.lin + cross(x.a.ang, leverOf(x.rows, lane, true)) - x.b.lin - cross(x.b.ang, leverOf(x.rows, lane, false));
+      Vec3 t1, t2;
+      tangentBasis(x.rows.n, t1, t2);
+      const ContactForces<Real> f = forcesOf(c, x, lane);
+      EXPECT_NEAR(f.cN, x.rows.c0[lane] + dot(x.rows.n, d), 1e-14);
+      EXPECT_NEAR(f.c1, .05 * x.rows.drift1[lane] + dot(t1, d), 1e-14);
+      EXPECT_NEAR(f.c2, .05 * x.rows.drift2[lane] + dot(t2, d), 1e-14);
+    }
+  }
+}
+
+TEST(Contact, InsideTheConePushesByTheGradientOfItsEnergy) {
+  Random random(2);
+  const StepConstants c = constants();
+  int pushing = 0;
+  for (int n = 0; n < 40; ++n) {
+    const ContactCase x = randomContact(random, 1e6);
+    const int lane = n % kLanes;
+    const ContactForces<Real> f = forcesOf(c, x, lane);
+    if (f.fN <= .5) continue;
+    ++pushing;
+    const auto energy = [&](const ContactCase& y) {
+      const ContactForces<Real> g = forcesOf(c, y, lane);
+      const ContactRows& r = y.rows;
+      return augmentedEnergy(r.kN[lane], r.lambdaN[lane], g.cN) + augmentedEnergy(r.kT[lane], r.lambda1[lane], g.c1) +
+             augmentedEnergy(r.kT[lane], r.lambda2[lane], g.c2);
+    };
+    for (const bool onA : {true, false}) {
+      const Block6 block = blockOf(c, x, onA, lane);
+      const Vec6 force{block.fl, block.fa};
+      constexpr Real h = 1e-4;
+      for (int i = 0; i < 6; ++i) {
+        const auto at = [&](Real s) {
+          ContactCase y = x;
+          Vec6& d = onA ? y.a : y.b;
+          d.lin += s * h * unitVec6(i).lin, d.ang += s * h * unitVec6(i).ang;
+          return energy(y);
+        };
+        EXPECT_NEAR(component(force, i), -(at(1) - at(-1)) / (2 * h), 1e-6) << onA << " " << i;
+      }
+    }
+  }
+  EXPECT_GT(pushing, 10);
+}
+
+TEST(Contact, HessianIsTheJacobianAroundTheMatrixOfThePoint) {
+  Random random(3);
+  const StepConstants c = constants();
+  for (int n = 0; n < 60; ++n) {
+    const ContactCase x = randomContact(random, n % 2 ? .3 : 1e6);
+    const int lane = n % kLanes;
+    const ContactForces<Real> f = forcesOf(c, x, lane);
+    Vec3 t1, t2;
+    tangentBasis(x.rows.n, t1, t2);
+    Eigen::Matrix3d axes, w;
+    axes << eigen(x.rows.n), eigen(t1), eigen(t2);
+    w << x.rows.kN[lane], 0, 0, 0, f.t.w11, f.t.w12, 0, f.t.w12, f.t.w22;
+    for (const bool onA : {true, false}) {
+      Eigen::Matrix<double, 3, 6> j;
+      j << Eigen::Matrix3d::Identity(), -eigen(crossMatrix(leverOf(x.rows, lane, onA)));
+      const Matrix6 expected = j.transpose() * axes * w * axes.transpose() * j;
+      const Sym6 h = pack(blockOf(c, x, onA, lane));
+      for (int i = 0; i < 6; ++i)
+        for (int k = 0; k < 6; ++k) EXPECT_NEAR(h(i, k), expected(i, k), 1e-11 * expected.norm()) << i << " " << k;
+    }
+  }
+}
+
+TEST(Contact, ForcesOnBothBodiesHaveNoNetForceAndNoNetMoment) {
+  Random random(4);
+  const StepConstants c = constants();
+  for (int n = 0; n < 40; ++n) {
+    const ContactCase x = randomContact(random, .4);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Block6 a = blockOf(c, x, true, lane), b = blockOf(c, x, false, lane);
+      EXPECT_TRUE(test::near(a.fl + b.fl, Vec3{}, 1e-12));
+      // about the centre of B: A's lies at `offset`
+      EXPECT_TRUE(test::near(a.fa + cross(x.rows.offset, a.fl) + b.fa, Vec3{}, 1e-11));
+    }
+  }
+}
+
+TEST(Contact, PushesButNeverPulls) {
+  const StepConstants c = constants();
+  ContactCase x{};
+  x.rows.n = {0, 0, 1};
+  x.rows.kN = splatLanes(100);
+  x.rows.mu = splatLanes(.5);
+  x.rows.c0 = splatLanes(.2);
+  EXPECT_NEAR(forcesOf(c, x, 0).fN, 20, 1e-12);
+  EXPECT_NEAR(blockOf(c, x, true, 0).fl.z, -20, 1e-12);
+  EXPECT_NEAR(blockOf(c, x, false, 0).fl.z, 20, 1e-12);
+  x.rows.c0 = splatLanes(-.2);
+  EXPECT_EQ(forcesOf(c, x, 0).fN, 0);
+}
+
+TEST(Contact, LimitsTheNormalForceToTheCeilingOfTheScene) {
+  StepConstants c = constants();
+  c.maxMultiplier = 7;
+  ContactCase x{};
+  x.rows.n = {0, 0, 1};
+  x.rows.kN = splatLanes(100);
+  x.rows.c0 = splatLanes(.2);
+  EXPECT_EQ(forcesOf(c, x, 0).fN, 7);
+}
+
+TEST(Contact, DualUpdateTakesOverTheForcesAndKeepsThemInTheCone) {
+  Random random(5);
+  const StepConstants c = constants();
+  int sliding = 0;
+  for (int n = 0; n < 40; ++n) {
+    ContactCase x = randomContact(random, .4);
+    x.rows.muDynamic = .25;
+    const ContactCase before = x;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const ContactForces<Real> f = forcesOf(c, before, lane);
+      updateContactDuals<Real>(c, x.rows, displacement(x.a), displacement(x.b), lane);
+      const ContactRows& r = x.rows;
+      EXPECT_EQ(r.lambdaN[lane], f.fN);
+      EXPECT_EQ(r.lambda1[lane], f.t.f1);
+      EXPECT_EQ(r.lambda2[lane], f.t.f2);
+      const bool sticks = f.t.inside > 0;
+      const Real size = std::hypot(r.lambda1[lane], r.lambda2[lane]);
+      EXPECT_LE(size, (sticks ? .4 : .25) * f.fN * (1 + 1e-12));
+      EXPECT_EQ(r.mu[lane], sticks ? .4 : .25);
+      const bool loaded = f.fN > 0;
+      EXPECT_EQ(r.kN[lane] > before.rows.kN[lane], loaded && f.cN != 0);
+      EXPECT_EQ(r.kT[lane] > before.rows.kT[lane], loaded && sticks);
+      sliding += !sticks;
+    }
+  }
+  EXPECT_GT(sliding, 20);
+  EXPECT_LT(sliding, 140);
+}
+
+TEST(Contact, FourLanesEqualSinglePoints) {
+  Random random(6);
+  const StepConstants c = constants();
+  for (int n = 0; n < 40; ++n) {
+    const ContactCase x = randomContact(random, .4);
+    const Displacement a = displacement(x.a), b = displacement(x.b);
+    for (const bool onA : {true, false}) {
+      Block6T<Real4> four;
+      stampContact<Real4>(c, x.rows, onA, a, b, 0, four);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const Block6 one = blockOf(c, x, onA, lane);
+        const auto same = [&](const Vec3T<Real4>& v, const Vec3& w) { return v.x[lane] == w.x && v.y[lane] == w.y && v.z[lane] == w.z; };
+        for (int i = 0; i < 3; ++i) {
+          EXPECT_TRUE(same(four.ll.column(i), one.ll.column(i))) << i;
+          EXPECT_TRUE(same(four.aa.column(i), one.aa.column(i))) << i;
+        }
+        EXPECT_TRUE(same(four.al0, one.al0) && same(four.al1, one.al1) && same(four.al2, one.al2));
+        EXPECT_TRUE(same(four.fl, one.fl) && same(four.fa, one.fa));
+      }
+    }
+    ContactRows together = x.rows, single = x.rows;
+    updateContactDuals<Real4>(c, together, a, b, 0);
+    for (int lane = 0; lane < kLanes; ++lane) updateContactDuals<Real>(c, single, a, b, lane);
+    EXPECT_EQ(std::memcmp(&together, &single, sizeof single), 0);
+  }
+}
+
+TEST(Contact, TurnsWithTheWorld) {
+  Random random(7);
+  const StepConstants c = constants();
+  for (int n = 0; n < 40; ++n) {
+    // without drift and tangential multipliers, which lie in the tangent basis, everything else is a vector
+    ContactCase x = randomContact(random, .4);
+    x.rows.drift1 = x.rows.drift2 = x.rows.lambda1 = x.rows.lambda2 = splatLanes(0);
+    const Quat turn = random.rotation();
+    ContactCase y = x;
+    y.rows.n = rotate(turn, x.rows.n);
+    y.rows.offset = rotate(turn, x.rows.offset);
+    for (int k = 0; k < kLanes; ++k) {
+      const Vec3 lever = rotate(turn, leverOf(x.rows, k, true));
+      y.rows.rAx[k] = lever.x, y.rows.rAy[k] = lever.y, y.rows.rAz[k] = lever.z;
+    }
+    const auto turned = [&](const Vec6& d) { return Vec6{rotate(turn, d.lin), rotate(turn, d.ang)}; };
+    y.a = turned(x.a), y.b = turned(x.b);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Block6 before = blockOf(c, x, true, lane), after = blockOf(c, y, true, lane);
+      EXPECT_TRUE(test::near(rotate(turn, before.fl), after.fl, 1e-10));
+      EXPECT_TRUE(test::near(rotate(turn, before.fa), after.fa, 1e-10));
+      const Vec3 v{.3, -.2, .7};
+      EXPECT_TRUE(test::near(rotate(turn, before.aa * v), after.aa * rotate(turn, v), 1e-8));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,196 @@
+/// The grid of levels against all pairs by brute force.
+#include "tests/support/core_world.h"
+
+namespace rubble::RUBBLE_CORE {
+namespace {
+
+using test::Random;
+
+BodyDef ball(double radius, const Vec3& position) {
+  BodyDef body;
+  body.shape = Shape::sphere(radius);
+  body.position = position;
+  return body;
+}
+
+BodyDef staticBox(const Vec3& half, const Vec3& position, const Quat& orientation = {}) {
+  BodyDef body;
+  body.motion = Motion::Static;
+  body.shape = Shape::box(half);
+  body.position = position;
+  body.orientation = orientation;
+  return body;
+}
+
+BodyDef groundPlane(const Vec3& position, const Quat& orientation) {
+  BodyDef body;
+  body.motion = Motion::Static;
+  body.shape = Shape::plane();
+  body.position = position;
+  body.orientation = orientation;
+  return body;
+}
+
+void expectAllPairs(CoreWorld& world, std::size_t atLeast) {
+  world.finish();
+  const auto found = world.pairs(), expected = allPairs(world.view());
+  EXPECT_GE(expected.size(), atLeast);
+  EXPECT_EQ(found, expected);
+  EXPECT_EQ(static_cast<std::size_t>(world.view().counters->pairs), found.size()) << "a pair was found twice";
+}
+
+TEST(BroadPhase, FindsAllPairsOfEqualBodies) {
+  Random random(1);
+  CoreWorld world;
+  world.settings().typicalRadius = .5;
+  for (int i = 0; i < 400; ++i) world.add(ball(.5, random.vector(4)));
+  expectAllPairs(world, 500);
+}
+
+TEST(BroadPhase, FindsAllPairsOfSizesFromOneToAThousand) {
+  Random random(2);
+  CoreWorld world;
+  world.settings().typicalRadius = .1;
+  for (int i = 0; i < 500; ++i) {
+    const double radius = random.logUniform(.01, 10);
+    world.add(ball(radius, random.vector(8)));
+  }
+  expectAllPairs(world, 5000);
+}
+
+TEST(BroadPhase, FindsAllPairsOfFastAndSpinningBodies) {
+  Random random(3);
+  CoreWorld world;
+  world.settings().typicalRadius = .2;
+  for (int i = 0; i < 300; ++i) {
+    BodyDef body = ball(.1, random.vector(20));
+    body.shape = Shape::box({.1, .2, .3});
+    body.orientation = random.rotation();
+    body.velocity = random.vector(300);
+    body.angularVelocity = random.vector(100);
+    world.add(body);
+  }
+  expectAllPairs(world, 200);
+}
+
+TEST(BroadPhase, BoundsHoldABodyAllThroughItsStep) {
+  Random random(9);
+  CoreWorld world;
+  for (int i = 0; i < 200; ++i) {
+    BodyDef body = ball(.1, random.vector(20));
+    body.shape = Shape::box({random.uniform(.1, 1), random.uniform(.1, 1), random.uniform(.1, 1)});
+    body.orientation = random.rotation();
+    body.velocity = random.vector(50);
+    body.angularVelocity = random.vector(10);
+    world.add(body);
+  }
+  world.finish();
+  world.pairs();
+  const View& s = world.view();
+  for (int i = 0; i < s.bodies; ++i) {
+    const Vec3 h = s.params[i].shape.half;
+    for (const Real share : {0., .5, 1.}) {
+      const Real time = share * s.step.dt;
+      const Quat q = expRotation(time * s.spin[i]) * s.orientation[i];
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 local{(corner & 1) ? h.x : -h.x, (corner & 2) ? h.y : -h.y, (corner & 4) ? h.z : -h.z};
+        const Vec3 d = abs(s.position[i] + time * s.velocity[i] + rotate(q, local) - s.bounds[i].centre);
+        for (int k = 0; k < 3; ++k) EXPECT_LE(d[k], s.bounds[i].half[k]);
+      }
+    }
+  }
+}
+
+TEST(BroadPhase, FindsAllPairsWithHugeStaticBoxesAndPlanes) {
+  Random random(4);
+  CoreWorld world;
+  world.settings().typicalRadius = .2;
+  world.add(staticBox({500, 500, 1}, {0, 0, -1}));
+  world.add(groundPlane({0, 0, 0}, Quat{}));
+  world.add(groundPlane({5, 0, 0}, random.rotation()));
+  for (int i = 0; i < 20; ++i)
+    world.add(staticBox({random.logUniform(.1, 30), random.logUniform(.1, 30), .5}, random.vector(30), random.rotation()));
+  for (int i = 0; i < 400; ++i) {
+    BodyDef body = ball(.2, random.vector(10));
+    if (i % 3 == 0) body.shape = Shape::capsule(.1, .3);
+    if (i % 10 == 0) body.motion = Motion::Kinematic;
+    body.orientation = random.rotation();
+    world.add(body);
+  }
+  expectAllPairs(world, 500);
+}
+
+TEST(BroadPhase, FindsAllPairsFarFromTheOriginAndWithAnyTypicalRadius) {
+  for (const double typical : {1e-3, .5, 1e3}) {
+    Random random(5);
+    CoreWorld world;
+    world.settings().typicalRadius = typical;
+    for (int i = 0; i < 200; ++i) world.add(ball(.5, Vec3{1e5, -2e5, 3e4} + random.vector(3)));
+    expectAllPairs(world, 200);
+  }
+}
+
+TEST(BroadPhase, FindsMorePartnersThanABodyHasSlotsFor) {
+  Random random(6);
+  CoreWorld world;
+  world.settings().typicalRadius = .1;
+  for (int i = 0; i < 100; ++i) world.add(ball(.1, random.vector(.1)));
+  expectAllPairs(world, 4900);
+}
+
+TEST(BroadPhase, SortsPairsByOwnerAndPartner) {
+  Random random(7);
+  CoreWorld world(2);
+  world.settings().typicalRadius = .3;
+  for (int i = 0; i < 500; ++i) world.add(ball(random.logUniform(.1, 1), random.vector(3)));
+  world.finish();
+  world.pairs();
+  const View& s = world.view();
+  int k = 0;
+  for (int i = 0; i < s.bodies; ++i) {
+    EXPECT_EQ(s.pairOffset[i], k);
+    for (; k < s.pairOffset[i + 1]; ++k) {
+      EXPECT_EQ(s.pair[k].owner, i);
+      if (k > s.pairOffset[i]) {
+        EXPECT_LT(s.pair[k - 1].other, s.pair[k].other);
+      }
+    }
+  }
+  EXPECT_EQ(k, s.counters->pairs);
+}
+
+TEST(BroadPhase, LeavesOutExcludedPairs) {
+  CoreWorld world;
+  world.settings().typicalRadius = .5;
+  for (int i = 0; i < 4; ++i) world.add(ball(.5, {.1 * i, 0, 0}));
+  world.finish({{0, 2}, {1, 3}});
+  const std::set<std::pair<int, int>> expected{{0, 1}, {0, 3}, {1, 2}, {2, 3}};
+  EXPECT_EQ(world.pairs(), expected);
+}
+
+TEST(BroadPhase, SkipsPairsWithoutADynamicBody) {
+  CoreWorld world;
+  world.settings().typicalRadius = .5;
+  for (const Motion motion : {Motion::Static, Motion::Kinematic, Motion::Static, Motion::Dynamic}) {
+    BodyDef body = ball(.5, {0, 0, 0});
+    body.motion = motion;
+    world.add(body);
+  }
+  world.finish();
+  const std::set<std::pair<int, int>> expected{{0, 3}, {1, 3}, {2, 3}};
+  EXPECT_EQ(world.pairs(), expected);
+}
+
+TEST(BroadPhase, GrowsFromTinyCapacityWithoutDroppingPairs) {
+  Random random(8);
+  CoreWorld world;
+  world.settings().typicalRadius = .2;
+  world.add(ball(.2, {0, 0, 0}));
+  world.finish();
+  EXPECT_TRUE(world.pairs().empty());
+  for (int i = 0; i < 1000; ++i) world.add(ball(.2, random.vector(1.5)));
+  expectAllPairs(world, 5000);
+}
+
+}  // namespace
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,189 @@
+#include <bit>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "io/scene_json.h"
+#include "scenes/registry.h"
+
+namespace rubble::io {
+namespace {
+
+std::uint64_t bits(double value) { return std::bit_cast<std::uint64_t>(value); }
+void expectSame(double a, double b) { EXPECT_EQ(bits(a), bits(b)); }
+void expectSame(const Vec3& a, const Vec3& b) {
+  for (int i = 0; i < 3; ++i) expectSame(a[i], b[i]);
+}
+void expectSame(const Quat& a, const Quat& b) {
+  expectSame(a.s, b.s);
+  expectSame(a.v, b.v);
+}
+
+void expectSame(const BodyDef& a, const BodyDef& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.motion, b.motion);
+  EXPECT_EQ(a.shape.type, b.shape.type);
+  const bool isBox = a.shape.type == ShapeType::Box, isRound = !isBox && a.shape.type != ShapeType::Plane;
+  if (isBox) expectSame(a.shape.halfExtents, b.shape.halfExtents);
+  if (isRound) expectSame(a.shape.radius, b.shape.radius);
+  if (a.shape.type == ShapeType::Capsule) expectSame(a.shape.halfLength, b.shape.halfLength);
+  expectSame(a.material.staticFriction, b.material.staticFriction);
+  expectSame(a.material.dynamicFriction, b.material.dynamicFriction);
+  expectSame(a.material.restitution, b.material.restitution);
+  ASSERT_EQ(a.mass.has_value(), b.mass.has_value());
+  if (a.mass) {
+    expectSame(*a.mass, *b.mass);
+  } else {
+    expectSame(a.density, b.density);
+  }
+  expectSame(a.position, b.position);
+  expectSame(a.orientation, b.orientation);
+  expectSame(a.velocity, b.velocity);
+  expectSame(a.angularVelocity, b.angularVelocity);
+  expectSame(a.gravityScale, b.gravityScale);
+}
+
+void expectSame(const JointDef& a, const JointDef& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.type, b.type);
+  EXPECT_EQ(a.bodyA, b.bodyA);
+  EXPECT_EQ(a.bodyB, b.bodyB);
+  expectSame(a.anchorA, b.anchorA);
+  expectSame(a.anchorB, b.anchorB);
+  if (a.type == JointType::Fixed) expectSame(a.orientationAtoB, b.orientationAtoB);
+  expectSame(a.stiffness, b.stiffness);
+  expectSame(a.angularStiffness, b.angularStiffness);
+  expectSame(a.breakForce, b.breakForce);
+  expectSame(a.breakTorque, b.breakTorque);
+  EXPECT_EQ(a.collide, b.collide);
+}
+
+void expectRoundTrip(const SceneFile& file) {
+  const std::string text = toJson(file);
+  std::vector<Fault> faults;
+  const SceneFile back = parseScene(text, faults);
+  ASSERT_TRUE(faults.empty()) << faults.front().text();
+  EXPECT_EQ(back.scene.name, file.scene.name);
+  EXPECT_EQ(back.scene.description, file.scene.description);
+  expectSame(back.scene.gravity, file.scene.gravity);
+  EXPECT_EQ(back.steps, file.steps);
+  EXPECT_EQ(back.iterations, file.iterations);
+  EXPECT_EQ(back.substeps, file.substeps);
+  EXPECT_EQ(back.smashStep, file.smashStep);
+  expectSame(back.dt, file.dt);
+  ASSERT_EQ(back.scene.bodies.size(), file.scene.bodies.size());
+  for (std::size_t i = 0; i < file.scene.bodies.size(); ++i) expectSame(back.scene.bodies[i], file.scene.bodies[i]);
+  ASSERT_EQ(back.scene.joints.size(), file.scene.joints.size());
+  for (std::size_t i = 0; i < file.scene.joints.size(); ++i) expectSame(back.scene.joints[i], file.scene.joints[i]);
+  ASSERT_EQ(back.scene.events.size(), file.scene.events.size());
+  for (std::size_t i = 0; i < file.scene.events.size(); ++i) {
+    const Event &a = back.scene.events[i], &b = file.scene.events[i];
+    EXPECT_EQ(a.step, b.step);
+    EXPECT_EQ(a.remove, b.remove);
+    EXPECT_EQ(a.removeJoints, b.removeJoints);
+    ASSERT_EQ(a.add.size(), b.add.size());
+    for (std::size_t k = 0; k < a.add.size(); ++k) expectSame(a.add[k], b.add[k]);
+    ASSERT_EQ(a.setVelocity.size(), b.setVelocity.size());
+    for (std::size_t k = 0; k < a.setVelocity.size(); ++k) {
+      EXPECT_EQ(a.setVelocity[k].body, b.setVelocity[k].body);
+      expectSame(a.setVelocity[k].velocity, b.setVelocity[k].velocity);
+      expectSame(a.setVelocity[k].angularVelocity, b.setVelocity[k].angularVelocity);
+    }
+  }
+  ASSERT_EQ(back.claims.size(), file.claims.size());
+  for (std::size_t i = 0; i < file.claims.size(); ++i) {
+    EXPECT_EQ(back.claims[i].metric, file.claims[i].metric);
+    expectSame(back.claims[i].min, file.claims[i].min);
+    expectSame(back.claims[i].max, file.claims[i].max);
+    EXPECT_EQ(back.claims[i].why, file.claims[i].why);
+  }
+  EXPECT_EQ(toJson(back), text);
+}
+
+TEST(SceneRoundTrip, EverythingIsExact) {
+  SceneFile file;
+  Scene& scene = file.scene;
+  scene.name = "every \"key\"\n\xc3\xa9";
+  scene.description = "Not often seen.";
+  scene.gravity = {-0.0, 1. / 3, -9.80665};
+  BodyDef ground;
+  ground.motion = Motion::Static;
+  ground.shape = Shape::plane();
+  scene.bodies.push_back(ground);
+  BodyDef box;
+  box.name = "box";
+  box.shape = Shape::box({1. / 3, .1, 1e-9});
+  box.material = {.7, .3, .25};
+  box.mass = 1e10 / 3;
+  box.position = {1e-300, -1. / 7, 12345678.9};
+  box.orientation = normalize(Quat{.3, -.4, .5, .6});
+  box.velocity = {0, -0.0, 1};
+  box.angularVelocity = {.1, .2, .3};
+  box.gravityScale = .5;
+  scene.bodies.push_back(box);
+  BodyDef capsule;
+  capsule.shape = Shape::capsule(.1, 1. / 3);
+  capsule.density = 1.1;
+  capsule.motion = Motion::Kinematic;
+  capsule.name = "twice";
+  scene.bodies.push_back(capsule);
+  JointDef ball;
+  ball.bodyA = 1;
+  ball.anchorB = {1, 2, 1. / 3};
+  ball.stiffness = 1e5;
+  ball.breakForce = 12.5;
+  ball.collide = true;
+  JointDef fixed;
+  fixed.name = "weld";
+  fixed.type = JointType::Fixed;
+  fixed.bodyA = 1;
+  fixed.bodyB = 2;
+  fixed.orientationAtoB = normalize(Quat{.1, .2, .3, .4});
+  fixed.angularStiffness = 3;
+  fixed.breakTorque = 4;
+  scene.joints = {ball, fixed};
+  BodyDef ball2;
+  ball2.name = "ball";
+  ball2.shape = Shape::sphere(.1);
+  Event event;
+  event.step = 7;
+  event.add = {ball2};
+  event.remove = {"bo*"};
+  event.removeJoints = {"weld"};
+  event.setVelocity = {{"ball", {1, 2, 3}, {.1, 0, 0}}};
+  scene.events = {event};
+  file.claims = {{"ball.x_m", 0, 1. / 3, "because"}, {"max_speed_m_s", -std::numeric_limits<double>::infinity(), 3, ""}};
+  file.camera = FileCamera{{1, 2, 3}, {4, 5, 1. / 3}};
+  file.steps = 12;
+  file.iterations = 3;
+  file.substeps = 2;
+  file.smashStep = 7;
+  file.dt = 1. / 240;
+  expectRoundTrip(file);
+}
+
+TEST(SceneRoundTrip, TheRegistryIsExact) {
+  for (const scenes::Spec& spec : scenes::registry()) {
+    SCOPED_TRACE(spec.name);
+    const scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, spec.testArguments));
+    SceneFile file;
+    file.scene = job.scene;
+    file.smashStep = job.smashStep;
+    expectRoundTrip(file);
+  }
+}
+
+TEST(SceneRoundTrip, ExampleFilesAreGood) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(RUBBLE_SOURCE_DIR) + "/scenes/files")) {
+    const SceneFile file = readScene(entry.path().string());
+    EXPECT_FALSE(file.scene.name.empty()) << entry.path();
+    EXPECT_FALSE(file.claims.empty()) << entry.path();
+    expectRoundTrip(file);
+    ++count;
+  }
+  EXPECT_GE(count, 3);
+}
+
+}  // namespace
+}  // namespace rubble::io

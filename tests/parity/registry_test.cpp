@@ -1,0 +1,82 @@
+/// Every scene of the registry at test size: single against double precision over the first steps, before chaos parts them.
+#include <gtest/gtest.h>
+#include <scenes/registry.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "tests/support/expect.h"
+
+namespace rubble {
+namespace {
+
+constexpr int kSteps = 10;
+/// [m] in a metre-sized scene whose bodies move by up to metres a second
+constexpr double kPosition = 3e-3;
+constexpr double kAngle = 5e-3;
+
+scenes::Job jobOf(const std::string& name) {
+  const scenes::Spec& spec = scenes::find(name);
+  return scenes::prepare(spec, scenes::resolve(spec, spec.testArguments));
+}
+
+WorldOptions optionsOf(const scenes::Job& job, const std::string& backend) {
+  WorldOptions options;
+  options.backend = backend;
+  options.threads = 1;
+  options.params.iterations = job.iterations;
+  options.params.substeps = job.substeps;
+  return options;
+}
+
+class Parity : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(Parity, OfCpuAndReferenceOverTenSteps) {
+  scenes::Runner cpu(jobOf(GetParam()), optionsOf(jobOf(GetParam()), "cpu"));
+  scenes::Runner reference(jobOf(GetParam()), optionsOf(jobOf(GetParam()), "reference"));
+  for (int i = 0; i < kSteps; ++i) {
+    const StepReport a = cpu.step(), b = reference.step();
+    EXPECT_EQ(a.bodies, b.bodies);
+    EXPECT_EQ(a.clashes, 0);
+    EXPECT_EQ(a.quarantined, 0);
+  }
+  const std::vector<BodyId> ids = cpu.world().bodies();
+  ASSERT_EQ(ids, reference.world().bodies());
+  ASSERT_FALSE(ids.empty());
+  double worst = 0, worstAngle = 0;
+  for (const BodyId id : ids) {
+    const BodyState a = cpu.world().state(id), b = reference.world().state(id);
+    worst = std::max(worst, length(a.position - b.position));
+    worstAngle = std::max(worstAngle, test::angleBetween(a.orientation, b.orientation));
+  }
+  RecordProperty("worst_um", static_cast<int>(worst * 1e6));
+  EXPECT_LT(worst, kPosition);
+  EXPECT_LT(worstAngle, kAngle);
+}
+
+std::vector<std::string> names() {
+  std::vector<std::string> out;
+  for (const scenes::Spec& spec : scenes::registry()) out.push_back(spec.name);
+  return out;
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, Parity, ::testing::ValuesIn(names()), [](const auto& info) {
+  std::string name = info.param;
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
+  return name;
+});
+
+TEST(Parity, OfManyThreadsIsExact) {
+  const tbb::global_control manyThreads(tbb::global_control::max_allowed_parallelism, 4);
+  scenes::Runner one(jobOf("pile-1k"), optionsOf(jobOf("pile-1k"), "cpu"));
+  WorldOptions options = optionsOf(jobOf("pile-1k"), "cpu");
+  options.threads = 3;
+  scenes::Runner three(jobOf("pile-1k"), options);
+  for (int i = 0; i < kSteps; ++i) one.step(), three.step();
+  EXPECT_EQ(one.world().hash(), three.world().hash());
+}
+
+}  // namespace
+}  // namespace rubble

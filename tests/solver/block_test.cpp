@@ -1,0 +1,119 @@
+/// The block of one body against dense matrices.
+#include <solver/row.h>
+
+#include "tests/support/core.h"
+#include "tests/support/eigen.h"
+
+namespace rubble::RUBBLE_CORE {
+namespace {
+
+using test::eigen;
+using test::Random;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+Vector6 eigenOf(const Vec6& a) {
+  Vector6 out;
+  out << eigen(a.lin), eigen(a.ang);
+  return out;
+}
+Matrix6 hessianOf(const Block6& block) {
+  const Sym6 h = pack(block);
+  Matrix6 out;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) out(i, j) = h(i, j);
+  return out;
+}
+Vector6 forceOf(const Block6& block) { return eigenOf({block.fl, block.fa}); }
+
+/// A block and the same as dense matrices.
+struct Both {
+  Block6 block;
+  Matrix6 h = Matrix6::Zero();
+  Vector6 f = Vector6::Zero();
+};
+
+Both randomBoth(Random& random) {
+  Both both;
+  const Pose x = randomPose(random), y = randomPose(random);
+  const Quat q = random.rotation();
+  const Vec3 inertia{.3, .5, .7};
+  const Real mass = 2, inverseDt2 = 3600;
+  setInertialForce(both.block, massMatrix(mass, inertia, q), x, y, inverseDt2);
+  setInertialHessian(both.block, massMatrix(mass, inertia, q), inverseDt2);
+  const Eigen::Matrix3d r = eigen(q).toRotationMatrix();
+  both.h.topLeftCorner<3, 3>() = inverseDt2 * mass * Eigen::Matrix3d::Identity();
+  both.h.bottomRightCorner<3, 3>() = inverseDt2 * r * eigen(inertia).asDiagonal() * r.transpose();
+  both.f = -both.h * eigenOf(difference(x, y));
+  for (int i = 0; i < 5; ++i) {
+    const Vec6 j = randomVec6(random);
+    const Real force = random.uniform(-100, 100), k = random.logUniform(1, 1e5);
+    stampRow(both.block, j, force, k);
+    both.f -= force * eigenOf(j);
+    both.h += k * eigenOf(j) * eigenOf(j).transpose();
+  }
+  const Vec6 g{{1, 2, 3}, {4, 5, 6}};
+  stampCurvature(both.block, g);
+  both.h += eigenOf(g).asDiagonal();
+  return both;
+}
+
+TEST(Block, StampsRowsAsOuterProducts) {
+  Random random(1);
+  for (int i = 0; i < 50; ++i) {
+    const Both both = randomBoth(random);
+    EXPECT_NEAR((hessianOf(both.block) - both.h).norm(), 0, 1e-12 * both.h.norm());
+    EXPECT_NEAR((forceOf(both.block) - both.f).norm(), 0, 1e-12 * both.f.norm());
+  }
+}
+
+TEST(Block, NewtonStepIsTheDenseSolution) {
+  Random random(2);
+  for (int i = 0; i < 50; ++i) {
+    const Both both = randomBoth(random);
+    const Vector6 expected = both.h.llt().solve(both.f);
+    EXPECT_NEAR((eigenOf(newtonStep(both.block)) - expected).norm(), 0, 1e-11 * expected.norm());
+  }
+}
+
+TEST(Block, DescendReachesTheInertialTargetInOneStepWithoutRows) {
+  Random random(3);
+  const Pose y = randomPose(random);
+  Pose x{y.p + random.vector(.1), expRotation(.01 * random.direction()) * y.q};
+  const MassMatrix m = massMatrix(2, {.3, .5, .7}, y.q);
+  Block6 block;
+  setInertialForce(block, m, x, y, 3600);
+  setInertialHessian(block, m, 3600);
+  ASSERT_TRUE(descend(block, x));
+  EXPECT_TRUE(test::near(x.p, y.p, 1e-14));
+  EXPECT_TRUE(test::sameRotation(x.q, y.q, 1e-6));
+}
+
+TEST(Block, DescendTakesNoStepThatIsNotFinite) {
+  Random random(4);
+  const Both both = randomBoth(random);
+  for (int i = 0; i < 6; ++i) {
+    Block6 broken = both.block;
+    (i < 3 ? broken.fl : broken.fa)[i % 3] = std::numeric_limits<Real>::quiet_NaN();
+    Pose x = randomPose(random);
+    const Pose before = x;
+    EXPECT_FALSE(descend(broken, x)) << i;
+    EXPECT_EQ(x.p, before.p);
+    EXPECT_EQ(x.q, before.q);
+  }
+}
+
+TEST(Block, CurvatureNormsAreThoseOfTheColumnsOfS) {
+  Random random(5);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 a = random.vector(), b = random.vector();
+    const Eigen::Vector3d ea = eigen(a), eb = eigen(b);
+    const Eigen::Matrix3d s = .5 * (ea * eb.transpose() + eb * ea.transpose()) - ea.dot(eb) * Eigen::Matrix3d::Identity();
+    const Vec3 norms = turningColumnNorms(a, b);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(norms[c], s.col(c).norm(), 1e-7);
+  }
+  EXPECT_EQ(turningColumnNorms({0, 0, 0}, {1, 2, 3}), (Vec3{0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace rubble::RUBBLE_CORE

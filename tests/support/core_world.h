@@ -1,0 +1,92 @@
+#pragma once
+/// The tables and the executor of the core without a World, for tests of single stages.
+#include <backend/cpu/cpu_engine.h>
+
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "tests/support/core.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// An executor with bodies in its tables; runs single parts of a step.
+class CoreWorld {
+ public:
+  explicit CoreWorld(int threads = 1) : executor_(threads) { settings_.gravity = {0, 0, -10}; }
+
+  CpuExecutor& executor() { return executor_; }
+  View& view() { return executor_.view(); }
+  EngineSettings& settings() { return settings_; }
+
+  int add(const BodyDef& def) {
+    const int slot = view().bodies;
+    setBodyCount(executor_.tables(), slot + 1);
+    EngineBody body;
+    body.kind = def.motion == Motion::Static ? 1 : def.motion == Motion::Kinematic ? 2 : 3;
+    body.shape = def.shape;
+    body.material = def.material;
+    body.mass = massProperties(def.shape, def.density);
+    body.state = {def.position, def.orientation, def.velocity, def.angularVelocity};
+    setBody(executor_.tables(), slot, body);
+    if (def.shape.type == ShapeType::Plane) planes_.push_back(slot);
+    return slot;
+  }
+  /// After the last body and before the first step.
+  void finish(const std::vector<std::pair<int, int>>& exclusions = {}) {
+    setPlanes(executor_.tables(), planes_);
+    setExclusions(executor_.tables(), exclusions);
+  }
+  /// A ball joint of two slots, as engines have them.
+  void addBall(int slot, int a, int b) {
+    setJointCount(executor_.tables(), 0, slot + 1);
+    EngineJoint joint;
+    joint.a = a, joint.b = b;
+    joint.alive = true;
+    setJoint(executor_.tables(), slot, joint);
+  }
+  /// Counters at zero, constants of the next step.
+  void begin() { beginStep(view(), settings_, 0); }
+
+  /// Pairs (low, high) of the broad phase.
+  std::set<std::pair<int, int>> pairs() {
+    begin();
+    findPairs(executor_);
+    std::set<std::pair<int, int>> out;
+    for (int k = 0; k < view().counters->pairs; ++k) {
+      const OrderedPair o = ordered(view().pair[k]);
+      out.emplace(o.a, o.b);
+    }
+    return out;
+  }
+
+ private:
+  CpuExecutor executor_;
+  EngineSettings settings_;
+  std::vector<int> planes_;
+};
+
+/// Every pair whose swept boxes meet, or whose box meets a half space; at least one body of it is dynamic.
+inline std::set<std::pair<int, int>> allPairs(const View& s) {
+  std::set<std::pair<int, int>> out;
+  const auto isPlane = [&](int i) { return s.params[i].shape.kind == ShapeKind::Plane; };
+  for (int i = 0; i < s.bodies; ++i)
+    for (int j = i + 1; j < s.bodies; ++j) {
+      if (s.params[i].kind != BodyKind::Dynamic && s.params[j].kind != BodyKind::Dynamic) continue;
+      if (isPlane(i) && isPlane(j)) continue;
+      bool meet = true;
+      if (isPlane(i) || isPlane(j)) {
+        const int p = isPlane(i) ? i : j;
+        const Bounds& b = s.bounds[isPlane(i) ? j : i];
+        const Vec3 up = rotate(s.orientation[p], Vec3{0, 0, 1});
+        meet = dot(up, b.centre - Vec3(s.position[p])) <= dot(abs(up), b.half);
+      } else {
+        for (int k = 0; k < 3; ++k)
+          meet &= std::fabs(s.bounds[i].centre[k] - s.bounds[j].centre[k]) <= s.bounds[i].half[k] + s.bounds[j].half[k];
+      }
+      if (meet) out.emplace(i, j);
+    }
+  return out;
+}
+
+}  // namespace rubble::RUBBLE_CORE

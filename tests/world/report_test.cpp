@@ -1,0 +1,82 @@
+/// What a step says of itself, and what happens to bodies that are no longer finite or spin too fast.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/support/expect.h"
+#include "tests/support/scenes.h"
+
+namespace rubble {
+namespace {
+
+using test::options;
+
+TEST(StepReport, CountsBodiesManifoldsAndContacts) {
+  World world(test::tower(3), options(4));
+  test::run(world, 120);
+  const StepReport report = world.step();
+  EXPECT_EQ(report.step, 120);
+  EXPECT_EQ(report.bodies, 4);
+  EXPECT_EQ(report.manifolds, 3);
+  EXPECT_EQ(report.contacts, 12);
+  EXPECT_GE(report.pairs, 3);
+  // a tower at rest hardly moves
+  EXPECT_EQ(report.recycled, 3);
+  EXPECT_EQ(report.colors, 2);
+  EXPECT_EQ(report.clashes, 0);
+  EXPECT_EQ(report.brokenJoints, 0);
+  EXPECT_EQ(report.quarantined, 0);
+  EXPECT_EQ(report.spinLimited, 0);
+  EXPECT_EQ(world.stepCount(), 121);
+  EXPECT_NEAR(world.time(), 121. / 60, 1e-12);
+}
+
+TEST(StepReport, NamesItsStagesIfTimed) {
+  WorldOptions timed = options(4), plain = options(4);
+  plain.timings = false;
+  World a(test::tower(3), timed), b(test::tower(3), plain);
+  const StepReport report = a.step();
+  double sum = 0;
+  for (const StageTime& stage : report.stages) {
+    EXPECT_FALSE(stage.name.empty());
+    EXPECT_EQ(report.stageMs(stage.name), stage.ms);
+    sum += stage.ms;
+  }
+  EXPECT_GT(report.stages.size(), 5u);
+  EXPECT_LE(sum, report.totalMs);
+  EXPECT_EQ(report.stageMs("no such stage"), 0);
+  EXPECT_TRUE(b.step().stages.empty());
+  EXPECT_EQ(a.hash(), b.hash());
+}
+
+TEST(StepReport, CountsBodiesWhoseSpinIsLimited) {
+  Scene scene = test::emptyScene({0, 0, 0});
+  for (int i = 0; i < 3; ++i) {
+    scene.bodies.push_back(test::unitCube({3. * i, 0, 0}));
+    scene.bodies.back().angularVelocity = {0, 0, i == 1 ? 170. : 100.};
+  }
+  World world(scene, options(4));
+  EXPECT_EQ(world.step().spinLimited, 1);
+  // 2 rad a step
+  EXPECT_NEAR(world.state(world.bodyAt(1)).angularVelocity.z, 120, 1e-3);
+  EXPECT_NEAR(world.state(world.bodyAt(0)).angularVelocity.z, 100, 1e-3);
+}
+
+TEST(Quarantine, FreezesABodyThatIsNotFiniteAndLetsTheRestGoOn) {
+  Scene scene = test::tower(3);
+  scene.bodies.push_back(test::unitCube({10, 0, 50}));
+  World world(scene, options(4));
+  test::run(world, 10);
+  const Vec3 before = world.state(world.bodyAt(2)).position;
+  world.applyForce(world.bodyAt(2), {std::numeric_limits<double>::infinity(), 0, 0});
+  EXPECT_GE(world.step().quarantined, 1);
+  EXPECT_EQ(world.state(world.bodyAt(2)).position, before);
+  EXPECT_EQ(world.state(world.bodyAt(2)).velocity, (Vec3{0, 0, 0}));
+  test::run(world, 49);
+  for (const BodyId id : world.bodies()) EXPECT_TRUE(std::isfinite(length(world.state(id).position))) << id.index;
+  EXPECT_NEAR(world.state(world.bodyAt(4)).position.z, 50 - 10 * 60. * 61 / 7200, 1e-3);
+  EXPECT_NEAR(world.state(world.bodyAt(1)).position.z, .5, .02);
+}
+
+}  // namespace
+}  // namespace rubble

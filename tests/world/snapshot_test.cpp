@@ -1,0 +1,101 @@
+/// Snapshots continue bit for bit.
+#include <gtest/gtest.h>
+
+#include "tests/support/scenes.h"
+
+namespace rubble {
+namespace {
+
+using test::options;
+
+std::vector<std::uint64_t> hashes(World& world, int steps) {
+  std::vector<std::uint64_t> out;
+  for (int i = 0; i < steps; ++i) {
+    world.step();
+    out.push_back(world.hash());
+  }
+  return out;
+}
+
+class SnapshotOf : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(SnapshotOf, ContinuesBitForBit) {
+  World world(test::heap(3), options(4, GetParam()));
+  test::run(world, 40);
+  const Snapshot snapshot = world.snapshot();
+  const std::uint64_t hash = world.hash();
+  const double time = world.time();
+  const auto first = hashes(world, 30);
+  world.restore(snapshot);
+  EXPECT_EQ(world.hash(), hash);
+  EXPECT_EQ(world.time(), time);
+  EXPECT_EQ(world.stepCount(), 40);
+  EXPECT_EQ(hashes(world, 30), first);
+}
+
+TEST_P(SnapshotOf, ContinuesInAnotherWorld) {
+  World world(test::heap(3), options(4, GetParam()));
+  test::run(world, 40);
+  const Snapshot snapshot = world.snapshot();
+  World other(test::tower(1), options(7, GetParam()));
+  test::run(other, 3);
+  other.restore(snapshot);
+  EXPECT_EQ(other.params().iterations, 4);
+  EXPECT_EQ(hashes(other, 30), hashes(world, 30));
+}
+
+TEST_P(SnapshotOf, BringsBackRemovedBodiesAndForgetsAddedOnes) {
+  Scene scene = test::heap(2);
+  scene.bodies[3].name = "third";
+  World world(scene, options(4, GetParam()));
+  test::run(world, 30);
+  const Snapshot snapshot = world.snapshot();
+  const auto first = hashes(world, 20);
+  world.restore(snapshot);
+  const BodyId third = world.find("third");
+  world.remove(third);
+  BodyDef sphere = test::body(Shape::sphere(.5), {0, 0, 9});
+  for (int i = 0; i < 50; ++i) {
+    sphere.position.x = 2. * i;
+    world.add(sphere);
+  }
+  world.setGravity({1, 2, 3});
+  test::run(world, 10);
+  world.restore(snapshot);
+  EXPECT_TRUE(world.alive(third));
+  EXPECT_EQ(world.find("third"), third);
+  EXPECT_EQ(world.bodies().size(), scene.bodies.size());
+  EXPECT_EQ(world.gravity(), scene.gravity);
+  EXPECT_EQ(hashes(world, 20), first);
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, SnapshotOf, ::testing::Values("cpu", "reference", "lockstep"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(Snapshot, ThatIsEmptyThrows) {
+  World world(test::tower(1), options());
+  EXPECT_THROW(world.restore(Snapshot{}), Error);
+}
+
+TEST(WorldHash, TellsStatesApart) {
+  World a(test::heap(1), options()), b(test::heap(1), options());
+  EXPECT_EQ(a.hash(), b.hash());
+  BodyState state = b.state(b.bodyAt(3));
+  state.velocity.x += 1e-6;
+  b.setState(b.bodyAt(3), state);
+  EXPECT_NE(a.hash(), b.hash());
+  a.step();
+  World c(test::heap(1), options());
+  EXPECT_NE(a.hash(), c.hash());
+  c.step();
+  EXPECT_EQ(a.hash(), c.hash());
+}
+
+TEST(WorldHash, SeesForcesThatWait) {
+  World a(test::heap(1), options()), b(test::heap(1), options());
+  b.applyForce(b.bodyAt(2), {1, 0, 0});
+  EXPECT_NE(a.hash(), b.hash());
+}
+
+}  // namespace
+}  // namespace rubble
