@@ -40,18 +40,6 @@ RUBBLE_HD inline void atomicRaise(int* p, int a) {
 #endif
 }
 
-/// *p = min(*p, a)
-RUBBLE_HD inline void atomicLower(int* p, int a) {
-#if defined(__CUDA_ARCH__)
-  atomicMin(p, a);
-#else
-  std::atomic_ref<int> ref(*p);
-  int old = ref.load(std::memory_order_relaxed);
-  while (old > a && !ref.compare_exchange_weak(old, a, std::memory_order_relaxed)) {
-  }
-#endif
-}
-
 /// Puts `a` in *p if it holds `empty`; returns what it held.
 RUBBLE_HD inline int atomicClaim(int* p, int empty, int a) {
 #if defined(__CUDA_ARCH__)

@@ -12,6 +12,9 @@ struct TangentForce {
   L inside;  ///< 1 where the force is inside the cone (sticking), else 0
 };
 
+/// Least Hessian stiffness along the sliding direction, in cone force over slip [1]: 1 would stop the slip within the step.
+inline constexpr Real kSlidingResistance = Real(.5);
+
 /// l = k C + lambda, cut to the cone |l| <= mu F_n. A point that leaves the cone of `mu` slides with `muDynamic` at once.
 /// The Hessian is that of the cut force: along the sliding direction e the secant |b - lambda.e| / |C.e|, across it k b / |l| (exact).
 /// With `coneHessian` false it is k in both directions, as in the paper.
@@ -36,7 +39,9 @@ RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L
   }
   const L along = absOf(c1 * e1 + c2 * e2);
   const L secant = absOf(bound - (lambda1 * e1 + lambda2 * e2)) / maxOf(along, tiny);
-  const L parallel = select(stick, k, select(along < tiny, k, minOf(k, secant)));
+  // With lambda on the cone the secant is 0, and the body would overshoot and flip lambda for ever: resist half of what stops it.
+  const L resistance = maxOf(secant, A::splat(kSlidingResistance) * bound / maxOf(along, tiny));
+  const L parallel = select(stick, k, select(along < tiny, k, minOf(k, resistance)));
   const L across = select(stick, k, minOf(k, k * bound / safe));
   const L d = parallel - across;
   t.w11 = across + d * e1 * e1;

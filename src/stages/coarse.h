@@ -38,19 +38,20 @@ RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shi
   to.fa += from.fa + cross(shift, from.fl);
 }
 
+/// Adds the inertia of a body about the centre of its group.
+RUBBLE_HD inline void addInertia(const View& s, const Group& group, int body, Block6& sum) {
+  Block6 own;
+  setInertialHessian(own, s.target[body].mass, s.step.inverseDt * s.step.inverseDt);
+  addShifted(sum, own, shiftOf(s, group, body));
+}
+
 /// The inertia of a chunk's bodies about the centre of the group: constant in the step.
 struct SumInertia {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int i) const {
     Chunk& chunk = s.chunk[i];
-    const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
     Block6 sum;
-    for (int k = chunk.begin; k < chunk.end; ++k) {
-      const int body = s.member[k];
-      Block6 own;
-      setInertialHessian(own, s.target[body].mass, inverseDt2);
-      addShifted(sum, own, shiftOf(s, s.group[chunk.group], body));
-    }
+    for (int k = chunk.begin; k < chunk.end; ++k) addInertia(s, s.group[chunk.group], s.member[k], sum);
     chunk.sum = sum;
   }
 };
@@ -97,6 +98,36 @@ RUBBLE_HD inline bool isInside(const View& s, int group, int body) {
   return body != kWorldBody && s.groupOf[atLevel(s, s.group[group].level, body)] == group;
 }
 
+/// Adds the inertial force of a body about the centre of its group.
+RUBBLE_HD inline void addInertialForce(const View& s, const Group& group, int body, Block6& sum) {
+  const BodyTarget& target = s.target[body];
+  Block6 own;
+  setInertialForce(own, target.mass, {s.moved[body].dp, s.turned[body]}, target.y, s.step.inverseDt * s.step.inverseDt);
+  sum.fl += own.fl;
+  sum.fa += own.fa + cross(shiftOf(s, group, body), own.fl);
+}
+
+/// Adds points of a contact that leaves the group.
+template <class L>
+RUBBLE_HD void addExternalContact(const View& s, const Group& group, std::uint32_t code, int lane, Block6T<L>& points) {
+  const ContactRows& r = s.contact[entryIndex(code)];
+  const int side = entrySide(code);
+  stampContact<L>(s.step, r, side == 0, s.moved[r.a], s.moved[r.b], lane, points, shiftOf(s, group, side == 0 ? r.a : r.b));
+}
+
+RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t code, Block6& sum) {
+  const int side = entrySide(code);
+  forEachType(JointTypes{}, [&]<class F>() {
+    if (entryType(code) != typeIndex<F>(JointTypes{}) + 1) return;
+    const Joint<F>& joint = s.jointsOf<F>()[entryIndex(code)];
+    Block6 own;
+    stampJointOfBody<F>(s, entryIndex(code), side, own);
+    // a joint inside the group turns with it: it resists nothing, but its two forces act at points that have moved since x^t
+    if (isInside(s, group, side == 0 ? joint.b : joint.a)) own.ll = own.aa = Sym3{}, own.al0 = own.al1 = own.al2 = {0, 0, 0};
+    addShifted(sum, own, shiftOf(s, s.group[group], side == 0 ? joint.a : joint.b));
+  });
+}
+
 /// Force and row Hessians of a chunk about the centre of its group.
 template <class L>
 struct SumChunk {
@@ -104,41 +135,28 @@ struct SumChunk {
   RUBBLE_HD void operator()(const View& s, int i) const {
     Chunk& chunk = s.chunk[i];
     const Group& group = s.group[chunk.group];
-    const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
     Block6 sum;
-    for (int k = chunk.begin; k < chunk.end; ++k) {
-      const int body = s.member[k];
-      const BodyTarget& target = s.target[body];
-      Block6 own;
-      setInertialForce(own, target.mass, {s.moved[body].dp, s.turned[body]}, target.y, inverseDt2);
-      sum.fl += own.fl;
-      sum.fa += own.fa + cross(shiftOf(s, group, body), own.fl);
-    }
+    for (int k = chunk.begin; k < chunk.end; ++k) addInertialForce(s, group, s.member[k], sum);
     constexpr int kStep = sizeof(L) / sizeof(Real);
     Block6T<L> points;
     for (int k = s.externalOffset[i]; k < s.externalOffset[i + 1]; ++k) {
       const std::uint32_t code = s.external[k];
-      const int side = entrySide(code);
-      if (entryType(code) == kContactType) {
-        const ContactRows& r = s.contact[entryIndex(code)];
-        const Vec3 shift = shiftOf(s, group, side == 0 ? r.a : r.b);
-        for (int lane = 0; lane < kLanes; lane += kStep) stampContact<L>(s.step, r, side == 0, s.moved[r.a], s.moved[r.b], lane, points, shift);
-        continue;
-      }
-      forEachType(JointTypes{}, [&]<class F>() {
-        if (entryType(code) != typeIndex<F>(JointTypes{}) + 1) return;
-        const Joint<F>& joint = s.jointsOf<F>()[entryIndex(code)];
-        Block6 own;
-        stampJointOfBody<F>(s, entryIndex(code), side, own);
-        // a joint inside the group turns with it: it resists nothing, but its two forces act at points that have moved since x^t
-        if (isInside(s, chunk.group, side == 0 ? joint.b : joint.a)) own.ll = own.aa = Sym3{}, own.al0 = own.al1 = own.al2 = {0, 0, 0};
-        addShifted(sum, own, shiftOf(s, group, side == 0 ? joint.a : joint.b));
-      });
+      if (entryType(code) == kContactType)
+        for (int lane = 0; lane < kLanes; lane += kStep) addExternalContact<L>(s, group, code, lane, points);
+      else
+        addExternalJoint(s, chunk.group, code, sum);
     }
     addLanes(sum, points);
     chunk.sum = sum;
   }
 };
+
+/// The step of a group whose rows and forces are summed: under-relaxed, and none if it is not finite.
+RUBBLE_HD inline Vec6 groupStep(const Block6& block) {
+  const Vec6 dx = newtonStep(block);
+  const bool valid = isFinite(dx.lin) && isFinite(dx.ang);
+  return valid ? kGroupRelaxation * dx : Vec6{{0, 0, 0}, {0, 0, 0}};
+}
 
 struct SolveGroup {
   static constexpr const char* kName = "coarse";
@@ -147,24 +165,24 @@ struct SolveGroup {
     Block6 block = group.inertia;
     block.fl = block.fa = {0, 0, 0};
     for (int k = group.chunkBegin; k < group.chunkEnd; ++k) addShifted(block, s.chunk[k].sum, {0, 0, 0});
-    const Vec6 dx = newtonStep(block);
-    const bool valid = isFinite(dx.lin) && isFinite(dx.ang);
-    group.step = valid ? kGroupRelaxation * dx : Vec6{{0, 0, 0}, {0, 0, 0}};
+    group.step = groupStep(block);
   }
 };
+
+/// Moves a body with its group.
+RUBBLE_HD inline void moveWithGroup(const View& s, const Group& group, int body) {
+  const Vec3 move = group.step.lin + cross(group.step.ang, shiftOf(s, group, body));
+  const Pose x = retract({s.moved[body].dp, s.turned[body]}, {move, group.step.ang});
+  s.turned[body] = x.q;
+  s.moved[body] = {x.p, 0, logRotation(x.q), 0};
+}
 
 struct MoveChunk {
   static constexpr const char* kName = "coarse";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const Chunk& chunk = s.chunk[i];
     const Group& group = s.group[chunk.group];
-    for (int k = chunk.begin; k < chunk.end; ++k) {
-      const int body = s.member[k];
-      const Vec3 move = group.step.lin + cross(group.step.ang, shiftOf(s, group, body));
-      const Pose x = retract({s.moved[body].dp, s.turned[body]}, {move, group.step.ang});
-      s.turned[body] = x.q;
-      s.moved[body] = {x.p, 0, logRotation(x.q), 0};
-    }
+    for (int k = chunk.begin; k < chunk.end; ++k) moveWithGroup(s, group, s.member[k]);
   }
 };
 

@@ -111,6 +111,10 @@ RUBBLE_HD inline Displacement targetDisplacement(const View& s, int body) {
   return {y.p, 0, logRotation(y.q), 0};
 }
 
+/// A point counts as staying open if its gap at the inertial targets is more than this share of L: the gap of bodies that merely rest is
+/// round-off, and of no consequence.
+inline constexpr Real kDormantGap = Real(1e-3);
+
 /// Points without load that stay open at the inertial targets of both bodies take no part in the step: k = 0.
 struct MarkDormant {
   static constexpr const char* kName = "dormant";
@@ -124,7 +128,7 @@ struct MarkDormant {
     for (int k = 0; k < kLanes; ++k) {
       if (r.lambdaN[k] != Real(0)) continue;
       const ContactFrame<Real> f = contactFrame<Real>(r, k);
-      if (r.c0[k] + along(r.n, relativeDisplacement(f, a, b)) < Real(0)) r.kN[k] = r.kT[k] = Real(0);
+      if (r.c0[k] + along(r.n, relativeDisplacement(f, a, b)) < -kDormantGap * r.length) r.kN[k] = r.kT[k] = Real(0);
     }
   }
 };

@@ -1,7 +1,7 @@
 #pragma once
-/// Groups of bodies for the coarse correction: the bodies of one cell of a nested hierarchy of cubes, at several sizes. Any grouping gives
-/// a valid descent (coarse.h); cells make it cheap, nested and independent of order.
-#include "stages/contacts.h"
+/// Groups of bodies for the coarse correction: bodies of one cell of a nested hierarchy of cubes that hang together by touching contacts and
+/// joints, at several sizes. Any grouping gives a valid descent (coarse.h); bodies that do not touch would only disturb one another.
+#include "stages/blocks.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -31,49 +31,48 @@ RUBBLE_HD inline GroupCell groupCell(const View& s, int level, int body) {
   return {cell(p.x), cell(p.y), cell(p.z)};
 }
 
-/// Does the body stand for itself (finest level) or for its finer group at this level?
-RUBBLE_HD inline bool standsAt(const View& s, int level, int body) {
-  return s.params[body].kind == BodyKind::Dynamic && (level == 0 || s.leader[atLevel(s, level - 1, body)] == body);
+/// Each body starts in the group that it has at the finer level, or alone. `leader` is a forest until FlattenGroups: roots lead themselves.
+struct StartGroups {
+  static constexpr const char* kName = "groups";
+  int level;
+  RUBBLE_HD void operator()(const View& s, int i) const { s.leader[atLevel(s, level, i)] = level == 0 ? i : s.groupOf[atLevel(s, level - 1, i)]; }
+};
+
+RUBBLE_HD inline int findLeader(const int* leader, int i) {
+  while (leader[i] != i) i = leader[i];
+  return i;
 }
 
-/// Slot of a body's cell in the table: the one of the first body that came.
-RUBBLE_HD inline int findCell(const View& s, int level, int body) {
-  const GroupCell cell = groupCell(s, level, body);
-  const std::uint32_t h = hash32(static_cast<std::uint32_t>(cell.x) ^ hash32(static_cast<std::uint32_t>(cell.y) ^ hash32(static_cast<std::uint32_t>(cell.z))));
-  int slot = static_cast<int>(h & static_cast<std::uint32_t>(s.cells - 1));
-  for (;; slot = (slot + 1) & (s.cells - 1)) {
-    const int head = atomicClaim(&s.cellHead[slot], -1, body);
-    if (head < 0 || groupCell(s, level, head) == cell) return slot;
+/// Unites the groups of a and b; the lower leader leads, so the result does not depend on the order of unions.
+RUBBLE_HD inline void unite(int* leader, int a, int b) {
+  for (;;) {
+    a = findLeader(leader, a), b = findLeader(leader, b);
+    if (a == b) return;
+    const int low = a < b ? a : b, high = a < b ? b : a;
+    if (atomicClaim(&leader[high], high, low) == high) return;
   }
 }
 
-struct FindCells {
+/// Bodies that a row block holds together now: joined, or touching up to the gap below which a point is not dormant.
+template <class Blocks>
+struct JoinGroups {
   static constexpr const char* kName = "groups";
   int level;
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (standsAt(s, level, i)) atomicLower(&s.cellLeader[findCell(s, level, i)], i);
+    const BlockBodies block = Blocks::bodies(s, i);
+    if (!block.acts || !isDynamic(s, block.a) || !isDynamic(s, block.b) || !Blocks::holds(s, i)) return;
+    if (groupCell(s, level, block.a) == groupCell(s, level, block.b)) unite(s.leader + level * s.bodies, block.a, block.b);
   }
 };
 
-struct TakeLeaders {
+/// Every body knows its leader; members are counted.
+struct FlattenGroups {
   static constexpr const char* kName = "groups";
   int level;
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (standsAt(s, level, i)) s.leader[atLevel(s, level, i)] = s.cellLeader[findCell(s, level, i)];
-  }
-};
-
-/// Bodies follow the body that stands for them; members are counted.
-struct FollowLeaders {
-  static constexpr const char* kName = "groups";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    if (s.params[i].kind != BodyKind::Dynamic) return;
-    int leader = i;
-    for (int level = 0; level < kCoarseLevels; ++level) {
-      leader = s.leader[atLevel(s, level, leader)];
-      s.groupOf[atLevel(s, level, i)] = leader;
-      atomicCount(&s.memberCount[atLevel(s, level, leader)], 1);
-    }
+    const int leader = findLeader(s.leader + level * s.bodies, i);
+    s.groupOf[atLevel(s, level, i)] = leader;
+    if (s.params[i].kind == BodyKind::Dynamic) atomicCount(&s.memberCount[atLevel(s, level, leader)], 1);
   }
 };
 

@@ -1,37 +1,8 @@
 #pragma once
 /// Which row blocks act on a body: a compressed list per dynamic body, sorted by force type and index.
 #include "stages/groups.h"
-#include "stages/joints.h"
 
 namespace rubble::RUBBLE_CORE {
-
-RUBBLE_HD inline bool isDynamic(const View& s, int body) { return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic; }
-
-/// visit(body, side, other) for the dynamic bodies of a block between a and b.
-template <class Visit>
-RUBBLE_HD void visitSides(const View& s, int a, int b, Visit&& visit) {
-  const bool da = isDynamic(s, a), db = isDynamic(s, b);
-  if (da) visit(a, 0, db ? b : -1);
-  if (db) visit(b, 1, da ? a : -1);
-}
-
-/// The two bodies of a row block of type T (ContactRows or a joint), if it acts in this step.
-struct BlockBodies {
-  int a, b;
-  bool acts;
-};
-struct ContactBlocks {
-  static constexpr int kType = kContactType;
-  RUBBLE_HD static BlockBodies bodies(const View& s, int i) { return {s.contact[i].a, s.contact[i].b, true}; }
-};
-template <class F>
-struct JointBlocks {
-  static constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
-  RUBBLE_HD static BlockBodies bodies(const View& s, int i) {
-    const Joint<F>& joint = s.jointsOf<F>()[i];
-    return {joint.a, joint.b, active(s, joint)};
-  }
-};
 
 template <class Blocks>
 struct CountEntries {

@@ -10,7 +10,7 @@ namespace rubble::RUBBLE_CORE {
 ///   forEach(kernel, n)                      n known before the step: bodies, joints
 ///   forEach(kernel, counter)                n counted in this step
 ///   forEachIn(kernel, offsets, k)           the range [offsets[k], offsets[k + 1])
-///   clear(array, n), fill(array, n, value)
+///   clear(array, n)                         zeros
 ///   scan(counts, offsets, n[, counter])     exclusive sums, the total behind the last one and in the counter
 ///   group(keys, n, offsets, order, counter) indices modulo `bodies` by key, ascending; keys below 0 are left out; the counter has the number of keys
 ///   require(per, counter)                   room for that many, or the step is begun again with more
@@ -55,15 +55,14 @@ void findContacts(E& e) {
 /// Groups of the coarse correction, from the poses at x^t.
 template <Executor E>
 void findGroups(E& e) {
-  const int bodies = e.view().bodies, cells = e.view().cells, all = bodies * kCoarseLevels;
-  for (int level = 0; level < kCoarseLevels; ++level) {
-    e.fill(&View::cellHead, cells, -1);
-    e.fill(&View::cellLeader, cells, bodies);
-    e.forEach(FindCells{level}, bodies);
-    e.forEach(TakeLeaders{level}, bodies);
-  }
+  const int bodies = e.view().bodies, all = bodies * kCoarseLevels;
   e.clear(&View::memberCount, all);
-  e.forEach(FollowLeaders{}, bodies);
+  for (int level = 0; level < kCoarseLevels; ++level) {
+    e.forEach(StartGroups{level}, bodies);
+    e.forEach(JoinGroups<ContactBlocks>{level}, &Counters::manifolds);
+    forEachType(JointTypes{}, [&]<class F>() { e.forEach(JoinGroups<JointBlocks<F>>{level}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+    e.forEach(FlattenGroups{level}, bodies);
+  }
   e.forEach(FindLeaders{}, all);
   e.scan(&View::leads, &View::groupIndex, all, &Counters::groups);
   e.require(Per::Group, &Counters::groups);

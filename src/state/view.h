@@ -57,9 +57,7 @@ struct View {
   int* entryOffset = nullptr;         ///< [bodies + 1]
   int* entryFill = nullptr;
   // groups; arrays over (level, body) have index level * bodies + body
-  int* cellHead = nullptr;            ///< a body of the cell, -1: empty
-  int* cellLeader = nullptr;          ///< lowest body of the cell
-  int* leader = nullptr;              ///< [level][body] lowest body of the group
+  int* leader = nullptr;              ///< [level][body] forest of groups being united
   int* memberCount = nullptr;         ///< [level][body] members of the group that the body leads
   int* leads = nullptr;               ///< [level][body] 1: leads a group of two or more
   int* groupIndex = nullptr;          ///< [level][body] its number, coarse levels last
@@ -147,9 +145,7 @@ void forEachArray(F&& f) {
   is(&View::entryCount, "entryCount", "", Per::Body, Life::Work);
   is(&View::entryOffset, "entryOffset", "", Per::Body, Life::Work, 1);
   is(&View::entryFill, "entryFill", "", Per::Body, Life::Work);
-  is(&View::cellHead, "cellHead", "", Per::Cell, Life::Unordered);
-  is(&View::cellLeader, "cellLeader", "", Per::Cell, Life::Unordered);
-  is(&View::leader, "leader", "", Per::BodyLevel, Life::Work);
+  is(&View::leader, "leader", "", Per::BodyLevel, Life::Unordered);
   is(&View::memberCount, "memberCount", "", Per::BodyLevel, Life::Work);
   is(&View::leads, "leads", "", Per::BodyLevel, Life::Work);
   is(&View::groupIndex, "groupIndex", "", Per::BodyLevel, Life::Work, 1);

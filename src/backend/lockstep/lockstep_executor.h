@@ -33,9 +33,6 @@ class LockstepExecutor {
     enter(Kernel::kName);
     both([&](CpuExecutor& e) { e.forEachIn(kernel, offsets, k); });
   }
-  void fill(int* View::*array, int n, int value) {
-    both([&](CpuExecutor& e) { e.fill(array, n, value); });
-  }
   void group(int* View::*keys, int n, int* View::*offsets, int* View::*order, int Counters::*keyCount) {
     both([&](CpuExecutor& e) { e.group(keys, n, offsets, order, keyCount); });
   }

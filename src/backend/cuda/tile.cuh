@@ -1,0 +1,128 @@
+#pragma once
+/// Lanes of a warp that work on one element together, and sums over them by a fixed tree: the same bits each time.
+#include <cuda_runtime.h>
+
+#include <cstring>
+
+#include "stages/step.h"
+
+namespace rubble::RUBBLE_CORE {
+
+inline constexpr int kWarp = 32;
+inline constexpr unsigned kAllLanes = 0xffffffffu;
+
+/// kWidth lanes, a power of two up to a warp. All of them make the same calls.
+template <int kWidth>
+struct Tile {
+  static_assert(kWidth >= 1 && kWidth <= kWarp && (kWidth & (kWidth - 1)) == 0);
+  int lane;
+  unsigned mask;  ///< lanes of the warp that belong to the tile
+
+  /// Of the thread that calls; blocks are one-dimensional.
+  __device__ static Tile ofThread() {
+    const unsigned thread = threadIdx.x % kWarp, first = thread & ~static_cast<unsigned>(kWidth - 1);
+    return {static_cast<int>(thread - first), (kAllLanes >> (kWarp - kWidth)) << first};
+  }
+
+  __device__ Real sum(Real a) const {
+#pragma unroll
+    for (int step = kWidth / 2; step > 0; step /= 2) a += __shfl_xor_sync(mask, a, step, kWidth);
+    return a;
+  }
+  __device__ Vec3 sum(const Vec3& a) const { return {sum(a.x), sum(a.y), sum(a.z)}; }
+  __device__ int sum(int a) const {
+#pragma unroll
+    for (int step = kWidth / 2; step > 0; step /= 2) a += __shfl_xor_sync(mask, a, step, kWidth);
+    return a;
+  }
+  /// Sum over the lanes before this one.
+  __device__ int sumBefore(int a) const {
+    int total = a;
+#pragma unroll
+    for (int step = 1; step < kWidth; step *= 2) {
+      const int other = __shfl_up_sync(mask, total, step, kWidth);
+      if (lane >= step) total += other;
+    }
+    return total - a;
+  }
+  /// Bit k: lane k says yes.
+  __device__ unsigned ballot(bool yes) const { return (__ballot_sync(mask, yes) & mask) >> (__ffs(static_cast<int>(mask)) - 1); }
+};
+
+/// The numbers of a Block6, and how many of their sums a lane is left with.
+inline constexpr int kBlockReals = static_cast<int>(sizeof(Block6) / sizeof(Real));
+inline constexpr int kPaddedReals = 32;
+static_assert(kBlockReals <= kPaddedReals && sizeof(Block6) == sizeof(Real) * kBlockReals);
+template <int kWidth>
+inline constexpr int kRealsPerLane = kPaddedReals / kWidth;
+
+/// Sums blocks over a tile, each number in one lane: lane l gets the sums of the numbers from kRealsPerLane * l on. Halves of the numbers
+/// change sides at each step, so that it takes 31 shuffles and not 27 log2(kWidth).
+template <int kWidth>
+__device__ void sumBlocks(const Tile<kWidth>& tile, const Block6& block, Real (&sums)[kRealsPerLane<kWidth>]) {
+  Real v[kPaddedReals] = {};
+  memcpy(v, &block, sizeof block);
+#pragma unroll
+  for (int step = kWidth / 2, n = kPaddedReals / 2; step > 0; step /= 2, n /= 2) {
+    const bool upper = (tile.lane & step) != 0;
+#pragma unroll
+    for (int k = 0; k < kPaddedReals / 2; ++k) {
+      if (k >= n) break;
+      const Real sent = upper ? v[k] : v[k + n], kept = upper ? v[k + n] : v[k];
+      v[k] = kept + __shfl_xor_sync(tile.mask, sent, step, kWidth);
+    }
+  }
+#pragma unroll
+  for (int k = 0; k < kRealsPerLane<kWidth>; ++k) sums[k] = v[k];
+}
+
+/// Writes what sumBlocks has left in the lanes of a tile.
+template <int kWidth>
+__device__ void storeSums(const Tile<kWidth>& tile, const Real (&sums)[kRealsPerLane<kWidth>], Block6& to) {
+  Real* const numbers = reinterpret_cast<Real*>(&to);
+#pragma unroll
+  for (int k = 0; k < kRealsPerLane<kWidth>; ++k)
+    if (const int i = tile.lane * kRealsPerLane<kWidth> + k; i < kBlockReals) numbers[i] = sums[k];
+}
+
+/// The sum of a whole warp, in every lane.
+__device__ inline Block6 gatherSums(Real sum) {
+  Real v[kBlockReals];
+#pragma unroll
+  for (int k = 0; k < kBlockReals; ++k) v[k] = __shfl_sync(kAllLanes, sum, k);
+  Block6 block;
+  memcpy(static_cast<void*>(&block), v, sizeof block);
+  return block;
+}
+
+RUBBLE_HD inline void addBlock(Block6& to, const Block6& from) {
+  to.ll += from.ll, to.aa += from.aa;
+  to.al0 += from.al0, to.al1 += from.al1, to.al2 += from.al2;
+  to.fl += from.fl, to.fa += from.fa;
+}
+
+/// Which kernel runs a stage on the device. One with `kWidth` lanes has operator()(View, element, Tile<kWidth>) and takes the place of a
+/// stage that has operator()(View, element).
+template <class Kernel>
+struct OnDevice {
+  using Type = Kernel;
+};
+
+template <class Kernel>
+concept Tiled = requires { Kernel::kWidth; };
+
+/// Threads that one element takes.
+template <class Kernel>
+constexpr int widthOf() {
+  if constexpr (Tiled<Kernel>) return Kernel::kWidth;
+  else return 1;
+}
+
+/// kernel(s, i, lane) for the element of this thread's tile.
+template <class Kernel>
+__device__ void apply(const Kernel& kernel, const View& s, int i) {
+  if constexpr (Tiled<Kernel>) kernel(s, i, Tile<Kernel::kWidth>::ofThread());
+  else kernel(s, i);
+}
+
+}  // namespace rubble::RUBBLE_CORE

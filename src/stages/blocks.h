@@ -1,0 +1,43 @@
+#pragma once
+/// Row blocks of every type, seen alike: which bodies they act on.
+#include "stages/joints.h"
+
+namespace rubble::RUBBLE_CORE {
+
+RUBBLE_HD inline bool isDynamic(const View& s, int body) { return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic; }
+
+/// visit(body, side, other) for the dynamic bodies of a block between a and b.
+template <class Visit>
+RUBBLE_HD void visitSides(const View& s, int a, int b, Visit&& visit) {
+  const bool da = isDynamic(s, a), db = isDynamic(s, b);
+  if (da) visit(a, 0, db ? b : -1);
+  if (db) visit(b, 1, da ? a : -1);
+}
+
+/// The two bodies of a row block of type T (ContactRows or a joint), if it acts in this step.
+struct BlockBodies {
+  int a, b;
+  bool acts;
+};
+struct ContactBlocks {
+  static constexpr int kType = kContactType;
+  RUBBLE_HD static BlockBodies bodies(const View& s, int i) { return {s.contact[i].a, s.contact[i].b, true}; }
+  /// Does it hold its bodies together now?
+  RUBBLE_HD static bool holds(const View& s, int i) {
+    const ContactRows& r = s.contact[i];
+    for (int k = 0; k < kLanes; ++k)
+      if (r.kN[k] > Real(0) && r.c0[k] > -kDormantGap * r.length) return true;
+    return false;
+  }
+};
+template <class F>
+struct JointBlocks {
+  static constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
+  RUBBLE_HD static BlockBodies bodies(const View& s, int i) {
+    const Joint<F>& joint = s.jointsOf<F>()[i];
+    return {joint.a, joint.b, active(s, joint)};
+  }
+  RUBBLE_HD static bool holds(const View&, int) { return true; }
+};
+
+}  // namespace rubble::RUBBLE_CORE
