@@ -19,11 +19,11 @@ enum class StiffnessPolicy {
 /// that they come from.
 struct Tuning {
   double startStiffness = 3;      ///< K: k_start = K m_row / dt^2 [1]; at most 3
-  double tangentStiffness = .1;   ///< k_start of tangential rows over that of normal rows [1]
+  double tangentStiffness = .2;   ///< k_start of tangential rows over that of normal rows [1]
   double maxStiffness = 1e6;      ///< k_max in m_row / dt^2 [1]
   StiffnessPolicy contactPolicy = StiffnessPolicy::FollowLoad;
   StiffnessPolicy jointPolicy = StiffnessPolicy::Ramp;
-  double loadAcceleration = 10;   ///< a of FollowLoad: a load counts as the weight of the mass |lambda| / a [m/s2]
+  double loadAcceleration = 1;    ///< a of FollowLoad over gravity: a load counts as the weight of the mass |lambda| / a [1]
   double contactRampRate = 10;    ///< B of Ramp for contacts: beta = B (m_row / dt^2) / L [1]
   double jointRampRate = 300;     ///< B of Ramp for joints [1]
   bool literalBeta = false;       ///< ramp rates are beta itself [N/m2], as in the seed

@@ -28,7 +28,10 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.maxStiffness = static_cast<Real>(t.maxStiffness);
   c.contactPolicy = t.contactPolicy;
   c.jointPolicy = t.jointPolicy;
-  c.loadAcceleration = static_cast<Real>(t.loadAcceleration);
+  // the mass that a load is the weight of; where nothing weighs, any acceleration of that order will do
+  constexpr double kEarthGravity = 9.81;
+  const double g = length(gravity);
+  c.loadAcceleration = static_cast<Real>(t.loadAcceleration * (g > 0 ? g : kEarthGravity));
   c.maxMultiplier = static_cast<Real>(std::min(1e30, static_cast<double>(kMaxMultiplier) * maxMassLength / (dt * dt)));
   c.coneHessian = t.coneHessian;
   c.dormantRows = t.dormantRows;

@@ -64,42 +64,55 @@ RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
   add(to.fl, from.fl), add(to.fa, from.fa);
 }
 
+/// The inertial part of a body's local problem at its present pose, which is returned.
+RUBBLE_HD inline Pose startBlock(const View& s, int i, Block6& block) {
+  const BodyTarget& target = s.target[i];
+  const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
+  const Pose x{s.moved[i].dp, s.turned[i]};
+  setInertialForce(block, target.mass, x, target.y, inverseDt2);
+  setInertialHessian(block, target.mass, inverseDt2);
+  return x;
+}
+
+/// Adds points of a contact on one of its bodies.
+template <class L>
+RUBBLE_HD void addContact(const View& s, std::uint32_t code, int lane, Block6T<L>& points) {
+  const ContactRows& r = s.contact[entryIndex(code)];
+  stampContact<L>(s.step, r, entrySide(code) == 0, s.moved[r.a], s.moved[r.b], lane, points);
+}
+
+RUBBLE_HD inline void addJoint(const View& s, std::uint32_t code, Block6& block) {
+  forEachType(JointTypes{}, [&]<class F>() {
+    if (entryType(code) == typeIndex<F>(JointTypes{}) + 1) stampJointOfBody<F>(s, entryIndex(code), entrySide(code), block);
+  });
+}
+
+/// Solves the local problem of a body at x and moves it.
+RUBBLE_HD inline void finishBlock(const View& s, int i, const Block6& block, Pose x) {
+  if (!descend(block, x)) {
+    atomicCount(&s.counters->quarantined, 1);
+    return;
+  }
+  s.turned[i] = x.q;
+  s.moved[i] = {x.p, 0, logRotation(x.q), 0};
+}
+
 /// The primal update of one body: force [S 5] and Hessian [S 6] of its inertia and its rows, one Newton step [S 3].
 template <class L>
 struct SolveBody {
   static constexpr const char* kName = "primal";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const BodyTarget& target = s.target[i];
-    const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
-    Pose x{s.moved[i].dp, s.turned[i]};
     Block6 block;
-    setInertialForce(block, target.mass, x, target.y, inverseDt2);
-    setInertialHessian(block, target.mass, inverseDt2);
-
+    const Pose x = startBlock(s, i, block);
     constexpr int kStep = sizeof(L) / sizeof(Real);
     Block6T<L> points;
     int k = s.entryOffset[i];
     const int end = s.entryOffset[i + 1];
-    for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
-      const std::uint32_t code = s.entry[k].code;
-      const ContactRows& r = s.contact[entryIndex(code)];
-      for (int lane = 0; lane < kLanes; lane += kStep)
-        stampContact<L>(s.step, r, entrySide(code) == 0, s.moved[r.a], s.moved[r.b], lane, points);
-    }
+    for (; k < end && entryType(s.entry[k].code) == kContactType; ++k)
+      for (int lane = 0; lane < kLanes; lane += kStep) addContact<L>(s, s.entry[k].code, lane, points);
     addLanes(block, points);
-    for (; k < end; ++k) {
-      const std::uint32_t code = s.entry[k].code;
-      forEachType(JointTypes{}, [&]<class F>() {
-        if (entryType(code) == typeIndex<F>(JointTypes{}) + 1) stampJointOfBody<F>(s, entryIndex(code), entrySide(code), block);
-      });
-    }
-
-    if (!descend(block, x)) {
-      atomicCount(&s.counters->quarantined, 1);
-      return;
-    }
-    s.turned[i] = x.q;
-    s.moved[i] = {x.p, 0, logRotation(x.q), 0};
+    for (; k < end; ++k) addJoint(s, s.entry[k].code, block);
+    finishBlock(s, i, block, x);
   }
 };
 

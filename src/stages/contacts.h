@@ -43,64 +43,83 @@ struct UpdateManifolds {
   }
 };
 
-/// Rows of a touching pair at x^t: geometry, regularised errors, warm start [S 12] [S 17].
+/// What the points of a touching pair have in common at x^t.
+struct PairRows {
+  OrderedPair bodies;
+  Quat qa, qb;
+  Vec3 t;
+  Real muStatic, restitution;
+  StiffnessRule normal, tangent;
+};
+
+/// Begins the rows of a touching pair: everything but its points. `r` is all zeros.
+RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
+  const StepConstants& c = s.step;
+  const Manifold& m = s.manifold[i];
+  const OrderedPair o = ordered(s.pair[i]);
+  const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
+  PairRows p;
+  p.bodies = o;
+  p.qa = s.orientation[o.a], p.qb = s.orientation[o.b];
+  p.t = centreDistance(s, o.a, o.b);
+  r.a = o.a, r.b = o.b, r.pair = i;
+  r.n = m.normal;
+  r.offset = -p.t;
+  r.length = pairLength(pa, pb);
+  const Real lighter = pa.kind != BodyKind::Dynamic ? pb.mass : pb.kind != BodyKind::Dynamic ? pa.mass : min(pa.mass, pb.mass);
+  r.start = startStiffness(c, lighter);
+  p.muStatic = std::sqrt(pa.muStatic * pb.muStatic);
+  r.muDynamic = std::sqrt(pa.muDynamic * pb.muDynamic);
+  p.restitution = max(pa.restitution, pb.restitution);
+  p.normal = contactRule(c, r.start, r.length);
+  p.tangent = tangentRule(c, p.normal);
+  return p;
+}
+
+/// Rows of point k, in lane `to` of r: geometry, regularised errors, warm start [S 12] [S 17]. Returns whether it stops a fast approach.
+RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRows& p, int k, ContactRows& r, int to) {
+  const StepConstants& c = s.step;
+  const OrderedPair& o = p.bodies;
+  const Vec3 xa = rotate(p.qa, pointOnA(m, k)), xb = p.t + rotate(p.qb, pointOnB(m, k));
+  const Vec3 lever = (xa + xb) * Real(.5);
+  r.rAx[to] = lever.x, r.rAy[to] = lever.y, r.rAz[to] = lever.z;
+  const Real depth = dot(r.n, xa - xb);
+  const Vec3 approach = s.velocity[o.a] + cross(s.spin[o.a], lever) - s.velocity[o.b] - cross(s.spin[o.b], lever - p.t);
+  const Real closing = dot(r.n, approach);
+  const bool hits = closing > kImpactSpeed && depth + closing * c.dt > Real(0);
+  r.c0[to] = hits && p.restitution > Real(0) ? p.restitution * closing * c.dt : inheritedViolation(c, depth);
+
+  const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
+  r.drift1[to] = stuck ? m.drift1[k] : Real(0), r.drift2[to] = stuck ? m.drift2[k] : Real(0);
+  r.mu[to] = stuck || isNew ? p.muStatic : r.muDynamic;
+  const Real lambda = min(warmMultiplier(c, m.lambdaN[k], true), c.maxMultiplier);
+  Real l1 = warmMultiplier(c, m.lambda1[k], true), l2 = warmMultiplier(c, m.lambda2[k], true);
+  const Real size2 = l1 * l1 + l2 * l2, bound = p.muStatic * lambda;
+  if (size2 > bound * bound) {
+    const Real cut = bound / std::sqrt(size2);
+    l1 *= cut, l2 *= cut;
+  }
+  r.lambdaN[to] = lambda, r.lambda1[to] = l1, r.lambda2[to] = l2;
+  r.kN[to] = isNew ? coldStart(p.normal.start).k : warmStiffness(c, p.normal, m.kN[k], lambda);
+  r.kT[to] = isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
+  return hits && c.impactRule;
+}
+
+/// Rows of a touching pair at x^t.
 struct BuildContactRows {
   static constexpr const char* kName = "rows";
   RUBBLE_HD void operator()(const View& s, int i) const {
     Manifold& m = s.manifold[i];
     if (m.count == 0) return;
-    const int row = s.rowOfPair[i];
-    m.row = row;
-    const StepConstants& c = s.step;
-    const OrderedPair o = ordered(s.pair[i]);
-    const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
-    const Quat qa = s.orientation[o.a], qb = s.orientation[o.b];
-    const Vec3 t = centreDistance(s, o.a, o.b);
-
+    m.row = s.rowOfPair[i];
     ContactRows r;
-    memset(static_cast<void*>(&r), 0, sizeof r);  // padding too: states are hashed
-    r.a = o.a, r.b = o.b, r.pair = i;
-    r.n = m.normal;
-    r.offset = -t;
-    r.length = pairLength(pa, pb);
-    const Real lighter = pa.kind != BodyKind::Dynamic ? pb.mass : pb.kind != BodyKind::Dynamic ? pa.mass : min(pa.mass, pb.mass);
-    r.start = startStiffness(c, lighter);
-    const Real muStatic = std::sqrt(pa.muStatic * pb.muStatic);
-    r.muDynamic = std::sqrt(pa.muDynamic * pb.muDynamic);
-    const Real restitution = max(pa.restitution, pb.restitution);
-    const StiffnessRule normal = contactRule(c, r.start, r.length);
-    const StiffnessRule tangent = tangentRule(c, normal);
-
-    r.rAx = r.rAy = r.rAz = r.c0 = r.drift1 = r.drift2 = splatLanes(0);
-    r.lambdaN = r.lambda1 = r.lambda2 = r.kN = r.kT = splatLanes(0);
-    r.mu = splatLanes(muStatic);
+    memset(static_cast<void*>(&r), 0, sizeof r);  // points that are not used too
+    const PairRows p = beginRows(s, i, r);
+    r.mu = splatLanes(p.muStatic);
     m.impact = 0;
-    for (int k = 0; k < m.count; ++k) {
-      const Vec3 xa = rotate(qa, pointOnA(m, k)), xb = t + rotate(qb, pointOnB(m, k));
-      const Vec3 lever = (xa + xb) * Real(.5);
-      r.rAx[k] = lever.x, r.rAy[k] = lever.y, r.rAz[k] = lever.z;
-      const Real depth = dot(r.n, xa - xb);
-      const Vec3 approach = s.velocity[o.a] + cross(s.spin[o.a], lever) - s.velocity[o.b] - cross(s.spin[o.b], lever - t);
-      const Real closing = dot(r.n, approach);
-      const bool hits = closing > kImpactSpeed && depth + closing * c.dt > Real(0);
-      if (hits && c.impactRule) m.impact |= static_cast<std::uint8_t>(1u << k);
-      r.c0[k] = hits && restitution > Real(0) ? restitution * closing * c.dt : inheritedViolation(c, depth);
-
-      const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
-      r.drift1[k] = stuck ? m.drift1[k] : Real(0), r.drift2[k] = stuck ? m.drift2[k] : Real(0);
-      r.mu[k] = stuck || isNew ? muStatic : r.muDynamic;
-      const Real lambda = min(warmMultiplier(c, m.lambdaN[k], true), c.maxMultiplier);
-      Real l1 = warmMultiplier(c, m.lambda1[k], true), l2 = warmMultiplier(c, m.lambda2[k], true);
-      const Real size2 = l1 * l1 + l2 * l2, bound = muStatic * lambda;
-      if (size2 > bound * bound) {
-        const Real cut = bound / std::sqrt(size2);
-        l1 *= cut, l2 *= cut;
-      }
-      r.lambdaN[k] = lambda, r.lambda1[k] = l1, r.lambda2[k] = l2;
-      r.kN[k] = isNew ? coldStart(normal.start).k : warmStiffness(c, normal, m.kN[k], lambda);
-      r.kT[k] = isNew ? coldStart(tangent.start).k : warmStiffness(c, tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
-    }
-    s.contact[row] = r;
+    for (int k = 0; k < m.count; ++k)
+      if (buildPoint(s, m, p, k, r, k)) m.impact |= static_cast<std::uint8_t>(1u << k);
+    s.contact[m.row] = r;
   }
 };
 
@@ -115,6 +134,13 @@ RUBBLE_HD inline Displacement targetDisplacement(const View& s, int body) {
 /// round-off, and of no consequence.
 inline constexpr Real kDormantGap = Real(1e-3);
 
+/// Is point k without load, and does it stay open with its bodies at a and b?
+RUBBLE_HD inline bool staysOpen(const ContactRows& r, int k, const Displacement& a, const Displacement& b) {
+  if (r.lambdaN[k] != Real(0)) return false;
+  const ContactFrame<Real> f = contactFrame<Real>(r, k);
+  return r.c0[k] + along(r.n, relativeDisplacement(f, a, b)) < -kDormantGap * r.length;
+}
+
 /// Points without load that stay open at the inertial targets of both bodies take no part in the step: k = 0.
 struct MarkDormant {
   static constexpr const char* kName = "dormant";
@@ -125,11 +151,8 @@ struct MarkDormant {
     for (int k = 0; k < kLanes; ++k) any |= r.lambdaN[k] == Real(0) && r.kN[k] > Real(0);
     if (!any) return;
     const Displacement a = targetDisplacement(s, r.a), b = targetDisplacement(s, r.b);
-    for (int k = 0; k < kLanes; ++k) {
-      if (r.lambdaN[k] != Real(0)) continue;
-      const ContactFrame<Real> f = contactFrame<Real>(r, k);
-      if (r.c0[k] + along(r.n, relativeDisplacement(f, a, b)) < -kDormantGap * r.length) r.kN[k] = r.kT[k] = Real(0);
-    }
+    for (int k = 0; k < kLanes; ++k)
+      if (staysOpen(r, k, a, b)) r.kN[k] = r.kT[k] = Real(0);
   }
 };
 
@@ -144,37 +167,52 @@ struct UpdateContactDuals {
   }
 };
 
-/// Hands multipliers, stiffness and drift to the manifold. The multipliers of an impact are not kept: those before it are.
+/// Turns and tangents that storing the points of a contact takes.
+struct StoredFrame {
+  Displacement a, b;
+  Quat turnA, turnB;
+  Vec3 t1, t2;
+};
+RUBBLE_HD inline StoredFrame storedFrame(const View& s, const ContactRows& r) {
+  StoredFrame f;
+  f.a = s.moved[r.a], f.b = s.moved[r.b];
+  f.turnA = expRotation(f.a.dw), f.turnB = expRotation(f.b.dw);
+  tangentBasis(r.n, f.t1, f.t2);
+  return f;
+}
+
+/// Hands multipliers, stiffness and drift of point k to the manifold. The multipliers of an impact are not kept: those before it are.
+/// Returns whether the point sticks.
+RUBBLE_HD inline bool storePoint(const View& s, const ContactRows& r, const StoredFrame& f, Manifold& m, int k) {
+  if (!(m.impact >> k & 1)) {
+    m.lambdaN[k] = r.lambdaN[k], m.lambda1[k] = r.lambda1[k], m.lambda2[k] = r.lambda2[k];
+  }
+  m.kN[k] = r.kN[k] > Real(0) ? r.kN[k] : r.start;
+  m.kT[k] = r.kN[k] > Real(0) ? r.kT[k] : r.start * s.step.tangentStiffness;
+  // a sliding point has been given the dynamic coefficient; with equal ones the force on the cone tells
+  const Real lt2 = r.lambda1[k] * r.lambda1[k] + r.lambda2[k] * r.lambda2[k], bound = r.mu[k] * r.lambdaN[k];
+  const bool stuck = r.lambdaN[k] > Real(0) && lt2 < bound * bound * (Real(1) - Real(1e-5));
+  if (!stuck) {
+    m.drift1[k] = m.drift2[k] = Real(0);
+    return false;
+  }
+  // exact displacements here: errors of the linear ones would add up from step to step
+  const Vec3 rA{r.rAx[k], r.rAy[k], r.rAz[k]}, rB = rA + r.offset;
+  const Vec3 d = (f.a.dp + rotate(f.turnA, rA) - rA) - (f.b.dp + rotate(f.turnB, rB) - rB);
+  m.drift1[k] = r.drift1[k] + dot(f.t1, d);
+  m.drift2[k] = r.drift2[k] + dot(f.t2, d);
+  return true;
+}
+
 struct StoreContacts {
   static constexpr const char* kName = "store";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const ContactRows& r = s.contact[i];
     Manifold& m = s.manifold[r.pair];
-    const Displacement a = s.moved[r.a], b = s.moved[r.b];
-    const Quat turnA = expRotation(a.dw), turnB = expRotation(b.dw);
-    Vec3 t1, t2;
-    tangentBasis(r.n, t1, t2);
+    const StoredFrame f = storedFrame(s, r);
     m.stick = 0;
-    for (int k = 0; k < m.count; ++k) {
-      const Vec3 rA{r.rAx[k], r.rAy[k], r.rAz[k]}, rB = rA + r.offset;
-      if (!(m.impact >> k & 1)) {
-        m.lambdaN[k] = r.lambdaN[k], m.lambda1[k] = r.lambda1[k], m.lambda2[k] = r.lambda2[k];
-      }
-      m.kN[k] = r.kN[k] > Real(0) ? r.kN[k] : r.start;
-      m.kT[k] = r.kN[k] > Real(0) ? r.kT[k] : r.start * s.step.tangentStiffness;
-      // a sliding point has been given the dynamic coefficient; with equal ones the force on the cone tells
-      const Real lt2 = r.lambda1[k] * r.lambda1[k] + r.lambda2[k] * r.lambda2[k], bound = r.mu[k] * r.lambdaN[k];
-      const bool stuck = r.lambdaN[k] > Real(0) && lt2 < bound * bound * (Real(1) - Real(1e-5));
-      if (!stuck) {
-        m.drift1[k] = m.drift2[k] = Real(0);
-        continue;
-      }
-      m.stick |= static_cast<std::uint8_t>(1u << k);
-      // exact displacements here: errors of the linear ones would add up from step to step
-      const Vec3 d = (a.dp + rotate(turnA, rA) - rA) - (b.dp + rotate(turnB, rB) - rB);
-      m.drift1[k] = r.drift1[k] + dot(t1, d);
-      m.drift2[k] = r.drift2[k] + dot(t2, d);
-    }
+    for (int k = 0; k < m.count; ++k)
+      if (storePoint(s, r, f, m, k)) m.stick |= static_cast<std::uint8_t>(1u << k);
   }
 };
 

@@ -82,7 +82,7 @@ const std::vector<RangedField>& ranges() {
       tuning("tangentStiffness", "1", "stiffness of tangential rows over that of normal rows", &Tuning::tangentStiffness, 1e-6, 10),
       tuning("contactPolicy", "enum", "stiffness of contacts: 0 ramp, 1 follows the load", &Tuning::contactPolicy, 0, 1),
       tuning("jointPolicy", "enum", "stiffness of joints: 0 ramp, 1 follows the load", &Tuning::jointPolicy, 0, 1),
-      tuning("loadAcceleration", "m/s2", "a: k = |lambda| / (a dt^2) where stiffness follows the load", &Tuning::loadAcceleration, 1e-6, kBig),
+      tuning("loadAcceleration", "1", "a over gravity: k = |lambda| / (a dt^2) where stiffness follows the load", &Tuning::loadAcceleration, 1e-6, kBig),
       tuning("coneHessian", "bool", "cone-consistent Hessian of friction", &Tuning::coneHessian, 0, 1),
       tuning("dormantRows", "bool", "rows that stay open are left out of a step", &Tuning::dormantRows, 0, 1),
       tuning("impactRule", "bool", "multipliers of an impact are not warm-started", &Tuning::impactRule, 0, 1),

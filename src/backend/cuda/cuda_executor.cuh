@@ -11,8 +11,10 @@
 #include <cstring>
 #include <limits>
 
+#include "backend/cuda/contact_kernels.cuh"
 #include "backend/cuda/device_memory.h"
-#include "backend/cuda/kernels.cuh"
+#include "backend/cuda/group_kernels.cuh"
+#include "backend/cuda/primal_kernels.cuh"
 #include "backend/cuda/timeline.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -32,12 +34,12 @@ class CudaExecutor {
   static constexpr int kMaxRounds = 10000;
 
   CudaExecutor(DeviceTables& tables, cudaStream_t stream) : tables_(tables), stream_(stream) {
-    int device = 0, processors = 0;
+    int device = 0;
     checkCuda(cudaGetDevice(&device), "cudaGetDevice");
-    checkCuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "cudaDeviceGetAttribute");
+    checkCuda(cudaDeviceGetAttribute(&processors_, cudaDevAttrMultiProcessorCount, device), "cudaDeviceGetAttribute");
     // a full device: more blocks would only wait
     constexpr int kThreadsPerProcessor = 2048;
-    maxBlocks_ = processors * (kThreadsPerProcessor / kThreads);
+    maxBlocks_ = processors_ * (kThreadsPerProcessor / kThreads);
     control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
     std::fill(std::begin(perOf_), std::end(perOf_), -1);
   }
@@ -78,22 +80,36 @@ class CudaExecutor {
   void forEach(const Kernel& kernel, int n) {
     if (!begins() || n <= 0) return;
     enterStage(Kernel::kName);
-    launch(kernel, {n, nullptr}, n, Kernel::kName);
+    launch(onDevice(kernel), {n, nullptr}, n, Kernel::kName);
   }
   template <class Kernel>
   void forEach(const Kernel& kernel, int Counters::*n) {
     if (!begins()) return;
     enterStage(Kernel::kName);
-    launch(kernel, {0, counter(n)}, capacityOf(n), Kernel::kName);
+    launch(onDevice(kernel), {0, counter(n)}, capacityOf(n), Kernel::kName);
   }
 
-  /// Nobody knows here how long a range is: the grid is that of all bodies, and any grid will do.
+  /// Nobody knows here how long a range is: the grid is that of ranges which hold one element for a few bodies, and any grid will do.
   template <class Kernel>
   void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
     if (!begins()) return;
     enterStage(Kernel::kName);
-    runRange<Kernel><<<blocksFor(view().bodies), kThreads, 0, stream_>>>(view(), kernel, view().*offsets, k, Gate{control_, inRound_});
+    constexpr int kBodiesPerElement = 16;
+    using Type = typename OnDevice<Kernel>::Type;
+    const int blocks = blocksFor(view().bodies / kBodiesPerElement + 1, widthOf<Type>());
+    runRange<Type><<<blocks, kThreads, 0, stream_>>>(view(), onDevice(kernel), view().*offsets, k, Gate{control_, inRound_});
     checkCuda(cudaGetLastError(), Kernel::kName);
+  }
+  /// Groups of the finest level are many and small, those of coarser ones few and large.
+  void forEachIn(const SolveGroup& kernel, int* View::*offsets, int level) {
+    if (level == 0) {
+      forEachIn<SolveGroup>(kernel, offsets, level);
+      return;
+    }
+    if (!begins()) return;
+    enterStage(SolveGroup::kName);
+    solveLargeGroups<<<2 * processors_, kSolveThreads, 0, stream_>>>(view(), level, Gate{control_, inRound_});
+    checkCuda(cudaGetLastError(), SolveGroup::kName);
   }
 
   void fill(int* View::*array, int n, int value) {
@@ -152,14 +168,18 @@ class CudaExecutor {
     inRound_ = false;
   }
 
-  template <class Kernel>
-  void forEachColor(const Kernel& kernel) {
+  /// A launch for each of the first colours, and one for all that follow.
+  void forEachColor(const SolveBody<Real>&) {
     if (!begins() || view().bodies == 0) return;
-    enterStage(Kernel::kName);
+    enterStage(SolveBody<Real>::kName);
+    // as many blocks as the device holds at a time: they share out whatever a colour has
+    const int blocks = std::min(blocksFor(view().bodies, kFewWidth), kSolveBlocks * processors_);
     for (int c = 0; c < options_.colors; ++c) {
-      runColor<Kernel><<<blocksFor(view().bodies), kThreads, 0, stream_>>>(view(), kernel, c, options_.colors, control_, operation());
-      checkCuda(cudaGetLastError(), Kernel::kName);
+      solveColor<<<blocks, kThreads, 0, stream_>>>(view(), c, control_);
+      checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
     }
+    solveTail<<<1, kTailThreads, 0, stream_>>>(view(), options_.colors, control_);
+    checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
   }
 
   void keepManifolds() {
@@ -194,12 +214,16 @@ class CudaExecutor {
     stage_ = name;
   }
 
-  int blocksFor(int n) const { return std::clamp((n + kThreads - 1) / kThreads, 1, maxBlocks_); }
+  /// For n elements of `width` threads each.
+  int blocksFor(int n, int width = 1) const {
+    const std::int64_t blocks = (std::int64_t{n} * width + kThreads - 1) / kThreads;
+    return static_cast<int>(std::clamp<std::int64_t>(blocks, 1, maxBlocks_));
+  }
 
   /// `most`: no more elements than that.
   template <class Kernel>
   void launch(const Kernel& kernel, Count n, int most, const char* name) {
-    runKernel<Kernel><<<blocksFor(most), kThreads, 0, stream_>>>(view(), kernel, n, Gate{control_, inRound_});
+    runKernel<Kernel><<<blocksFor(most, widthOf<Kernel>()), kThreads, 0, stream_>>>(view(), kernel, n, Gate{control_, inRound_});
     checkCuda(cudaGetLastError(), name);
   }
 
@@ -247,7 +271,7 @@ class CudaExecutor {
   Control* control_ = nullptr;
   DeviceBuffer scratch_, sortedKeys_, indices_;
   int scanned_ = 0, grouped_ = 0;  ///< most elements of a scan and of group() in this step
-  int maxBlocks_ = 1;
+  int processors_ = 1, maxBlocks_ = 1;
   int perOf_[sizeof(Counters) / sizeof(int)];
 
   EnqueueOptions options_;

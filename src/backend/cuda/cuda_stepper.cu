@@ -9,21 +9,22 @@ namespace {
 /// How many launches to enqueue for something that only the device counts: what was needed of late and a few more.
 class Bound {
  public:
-  explicit Bound(int limit) : limit_(limit) {}
+  Bound(int limit, int spare) : limit_(limit), spare_(spare) {}
   int limit() const { return limit_; }
   /// After a step that needed so many.
   void note(int used) {
     seen_ = std::max(seen_, used);
+    if (used > limit_) raise(used);
     if (++steps_ < kWindow) return;
     // every change costs a capture: not for a launch or two
-    if (seen_ + 2 * kSpare < limit_) limit_ = seen_ + kSpare;
+    if (seen_ + 2 * spare_ < limit_) limit_ = seen_ + spare_;
     seen_ = steps_ = 0;
   }
-  void raise(int needed) { limit_ = needed + kSpare; }
+  void raise(int needed) { limit_ = needed + spare_; }
 
  private:
-  static constexpr int kWindow = 64, kSpare = 2;
-  int limit_, seen_ = 0, steps_ = 0;
+  static constexpr int kWindow = 64;
+  int limit_, spare_, seen_ = 0, steps_ = 0;
 };
 
 /// All that the nodes of a graph depend on. Padding may make equal ones differ: that costs a capture, never a wrong result.
@@ -141,9 +142,6 @@ struct CudaStepper::Impl {
 
   void makeRoom(const Control& control) {
     switch (control.lacking) {
-      case kLacksColors:
-        colors.raise(control.needed);
-        break;
       case kLacksRounds:
         rounds.raise(2 * rounds.limit());
         break;
@@ -164,7 +162,7 @@ struct CudaStepper::Impl {
   Pinned<StepStatus> status;
   StepGraph graphs[2];
   Timeline direct;
-  Bound rounds{kFirstRounds}, colors{kFirstColors};
+  Bound rounds{kFirstRounds, 2}, colors{kFirstColors, 1};
   int parity = 0;
   bool swaps = false;
   bool timings;
@@ -202,7 +200,7 @@ Counters CudaStepper::step(const View& host, StepReport& report) {
   }
   const Counters counters = m.status->counters;
   m.rounds.note(counters.rounds + 1);
-  m.colors.note(counters.colors);
+  m.colors.note(m.status->control.wideColors);
   return counters;
 }
 

@@ -2,22 +2,22 @@
 /// How a functor of the step becomes a kernel, and the few kernels that replace decisions of the host.
 #include <cuda_runtime.h>
 
-#include "stages/step.h"
+#include "backend/cuda/tile.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
 inline constexpr int kThreads = 128;
 
 /// What a step lacks besides elements of a table.
-inline constexpr int kLacksColors = -1;
-inline constexpr int kLacksRounds = -2;
+inline constexpr int kLacksRounds = -1;
 
 /// A step that lacks room stops: every later kernel sees it and does nothing, and the host goes on from there with more room.
 struct Control {
   int stop;     ///< 0, or 1 + the operation that could not be done
-  int lacking;  ///< what there is too little of: a Per, kLacksColors or kLacksRounds
+  int lacking;  ///< what there is too little of: a Per or kLacksRounds
   int needed;   ///< how many
   int settled;  ///< untilZero: a round has left its counter at zero
+  int wideColors;  ///< colours up to the last that is worth a launch
 };
 
 /// When a kernel has nothing to do.
@@ -40,37 +40,28 @@ __device__ inline void lack(Control* control, int operation, int lacking, int ne
   control->stop = operation + 1;
 }
 
-/// kernel(s, i) for all i < n, whatever the size of the grid.
+/// kernel(s, i) for all i of [begin, begin + count), whatever the size of the grid. The lanes of a tile go along together.
+template <class Kernel>
+__device__ void runStrided(const View& s, const Kernel& kernel, int begin, int count) {
+  constexpr unsigned kWidth = widthOf<Kernel>();
+  static_assert(kThreads % kWidth == 0);
+  const int stride = static_cast<int>(gridDim.x * blockDim.x / kWidth);
+  for (int k = static_cast<int>((blockIdx.x * blockDim.x + threadIdx.x) / kWidth); k < count; k += stride) apply(kernel, s, begin + k);
+}
+
+/// kernel(s, i) for all i < n.
 template <class Kernel>
 __global__ void __launch_bounds__(kThreads) runKernel(const __grid_constant__ View s, const Kernel kernel, Count n, Gate gate) {
   if (gate.closed()) return;
-  const int count = n.get(), stride = static_cast<int>(gridDim.x * blockDim.x);
-  for (int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x); i < count; i += stride) kernel(s, i);
-}
-
-/// kernel(s, body) for the bodies of one colour. `bound`: colours that there are launches for.
-template <class Kernel>
-__global__ void __launch_bounds__(kThreads)
-    runColor(const __grid_constant__ View s, const Kernel kernel, int color, int bound, Control* control, int operation) {
-  if (control->stop != 0) return;
-  const int colors = s.counters->colors, first = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  if (colors > bound) {
-    // the launches of all colours find the same, so that no body has moved
-    if (first == 0) lack(control, operation, kLacksColors, colors);
-    return;
-  }
-  if (color >= colors) return;
-  const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin, stride = static_cast<int>(gridDim.x * blockDim.x);
-  for (int k = first; k < count; k += stride) kernel(s, s.colorBody[begin + k]);
+  runStrided(s, kernel, 0, n.get());
 }
 
 /// kernel(s, i) for offsets[range] <= i < offsets[range + 1].
 template <class Kernel>
-__global__ void __launch_bounds__(kThreads)
+__global__ void __launch_bounds__(kThreads, 4)
     runRange(const __grid_constant__ View s, const Kernel kernel, const int* offsets, int range, Gate gate) {
   if (gate.closed()) return;
-  const int begin = offsets[range], count = offsets[range + 1] - begin, stride = static_cast<int>(gridDim.x * blockDim.x);
-  for (int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x); k < count; k += stride) kernel(s, begin + k);
+  runStrided(s, kernel, offsets[range], offsets[range + 1] - offsets[range]);
 }
 
 struct FillArray {

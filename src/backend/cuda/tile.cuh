@@ -102,11 +102,17 @@ RUBBLE_HD inline void addBlock(Block6& to, const Block6& from) {
 }
 
 /// Which kernel runs a stage on the device. One with `kWidth` lanes has operator()(View, element, Tile<kWidth>) and takes the place of a
-/// stage that has operator()(View, element).
+/// stage that has operator()(View, element); what the stage's functor holds it is made from.
 template <class Kernel>
 struct OnDevice {
   using Type = Kernel;
 };
+template <class Kernel>
+auto onDevice(const Kernel& kernel) {
+  using Type = typename OnDevice<Kernel>::Type;
+  if constexpr (std::is_constructible_v<Type, const Kernel&>) return Type(kernel);
+  else return Type{};
+}
 
 template <class Kernel>
 concept Tiled = requires { Kernel::kWidth; };
