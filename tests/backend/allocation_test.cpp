@@ -18,18 +18,20 @@ void* counted(std::size_t bytes, std::size_t alignment) {
 }
 }  // namespace
 
-void* operator new(std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
-void* operator new[](std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
-void* operator new(std::size_t bytes, std::align_val_t a) { return counted(bytes, static_cast<std::size_t>(a)); }
-void* operator new[](std::size_t bytes, std::align_val_t a) { return counted(bytes, static_cast<std::size_t>(a)); }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete[](void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+// Not inlined: a compiler that saw both sides would take free() for a mismatch of the new above it.
+#define RUBBLE_NOINLINE __attribute__((noinline))
+RUBBLE_NOINLINE void* operator new(std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
+RUBBLE_NOINLINE void* operator new[](std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
+RUBBLE_NOINLINE void* operator new(std::size_t bytes, std::align_val_t a) { return counted(bytes, static_cast<std::size_t>(a)); }
+RUBBLE_NOINLINE void* operator new[](std::size_t bytes, std::align_val_t a) { return counted(bytes, static_cast<std::size_t>(a)); }
+RUBBLE_NOINLINE void operator delete(void* p) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete[](void* p) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+RUBBLE_NOINLINE void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 
 namespace rubble {
 namespace {
