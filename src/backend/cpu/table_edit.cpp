@@ -249,6 +249,22 @@ void forEachKept(const View& s, Visit&& visit) {
   });
 }
 
+/// Copies elements with their padding cleared, where the compiler can: it holds no state, but is hashed with it.
+template <class T>
+void copyClean(std::byte* to, const T* from, std::size_t bytes) {
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_clear_padding)
+  for (std::size_t i = 0; i < bytes / sizeof(T); ++i) {
+    T element = from[i];
+    __builtin_clear_padding(&element);
+    std::memcpy(to + i * sizeof(T), &element, sizeof(T));
+  }
+  return;
+#endif
+#endif
+  if (bytes > 0) std::memcpy(to, from, bytes);
+}
+
 struct SavedCounts {
   int bodies, planes, pairs, manifolds, exclusions;
   int joints[JointTypes::kSize];
@@ -270,7 +286,10 @@ std::vector<std::byte> saveTables(const HostTables& tables) {
     to += bytes;
   };
   put(&counts, sizeof counts);
-  forEachKept(s, [&](const auto& array, std::size_t bytes) { put(s.*array.member, bytes); });
+  forEachKept(s, [&](const auto& array, std::size_t bytes) {
+    copyClean(to, s.*array.member, bytes);
+    to += bytes;
+  });
   return out;
 }
 
