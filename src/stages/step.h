@@ -13,7 +13,7 @@ namespace rubble::RUBBLE_CORE {
 ///   clear(array, n)                         zeros
 ///   scan(counts, offsets, n[, counter])     exclusive sums, the total behind the last one and in the counter
 ///   group(keys, n, offsets, order, counter) indices modulo `bodies` by key, ascending; keys below 0 are left out; the counter has the number of keys
-///   require(per, counter)                   room for that many, or the step is begun again with more
+///   require(per, counter)                   room for that many before they are written: nothing is dropped
 ///   untilZero(counter, round)               repeats round() until it leaves the counter at zero
 ///   forEachColor(kernel)                    colour by colour, over its bodies
 ///   keepManifolds()                         those of this step are the old ones of the next

@@ -138,7 +138,7 @@ class Sizes(CheckTest):
 
 class Words(CheckTest):
     def test_clean(self):
-        self.plant("src/a.h", "// the frame/work/flow of a step\n#include <rubble/math.h>\n")
+        self.plant("src/a.h", "// a word such as network/workflow names no path\n#include <rubble/math.h>\n")
         self.plant("picture.bin", "")
         (self.root / "picture.bin").write_bytes(b"\x89PNG\xff\xfe")
         self.assert_clean("words")
