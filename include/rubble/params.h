@@ -35,7 +35,7 @@ struct Tuning {
   bool dormantRows = true;        ///< rows that stay open at the inertial targets are left out of the step
   bool impactRule = true;         ///< multipliers of an impact are not warm-started
   bool compliantRows = true;      ///< finite stiffness by compliant multipliers; else by the ramp of the paper
-  double contactMargin = .02;     ///< smallest detection margin over the bounding diameter of the smaller body [1]
+  double contactMargin = .01;     ///< smallest detection margin over the bounding diameter of the smaller body [1]
   double recycleTolerance = 2e-3; ///< relative motion below which a manifold is kept, over the bounding diameter [1] and in [rad]
 };
 

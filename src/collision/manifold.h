@@ -28,6 +28,7 @@ struct Manifold {
   int row;                          ///< index of its rows in this step, -1 if it has none
   std::uint8_t stick;               ///< bit k: point k stuck
   std::uint8_t impact;              ///< bit k: point k stops a fast approach in this step
+  std::uint8_t awake;               ///< bit k: point k takes part in this step
   bool normalOnB;
   bool recycled;                    ///< not tested anew in this step
 };
@@ -44,7 +45,8 @@ struct PairPose {
 };
 
 /// Has the pair moved so little since its last full test that the result still holds?
-RUBBLE_HD inline bool hardlyMoved(const Manifold& old, const PairPose& pair, Real tolerance) {
+RUBBLE_HD inline bool recyclable(const Manifold& old, const PairPose& pair, Real tolerance) {
+  if (!(tolerance > Real(0))) return false;
   const Vec3 move = rotateInverse(pair.qA, pair.t) - old.testedOffset;
   const Quat turn = conjugate(pair.qA) * pair.qB * conjugate(old.testedRotation);
   if (dot(move, move) > tolerance * tolerance * pair.length * pair.length) return false;
@@ -75,41 +77,62 @@ RUBBLE_HD inline Manifold freshManifold(const RawManifold& raw, const PairPose& 
   m.separation = raw.separation;
   m.count = raw.count;
   m.row = -1;
-  m.stick = m.impact = 0;
+  m.stick = m.impact = m.awake = 0;
   m.normalOnB = raw.normalOnB;
   m.recycled = false;
   return m;
 }
 
-/// Hands multipliers, stiffness and drift of point `from` of `old` to point `to`: tangential vectors keep their world direction as far as
-/// it lies in the new tangent plane.
-RUBBLE_HD inline void handOn(const Manifold& old, int from, Manifold& m, int to) {
+/// What a point hands on from step to step besides its place: tangential vectors keep their world direction as far as it lies in the new
+/// tangent plane.
+struct PointMemory {
+  Real lambdaN, lambda1, lambda2, kN, kT, drift1, drift2;
+};
+RUBBLE_HD inline PointMemory memoryOf(const Manifold& old, int k, const Vec3& normal) {
   Vec3 o1, o2, t1, t2;
   tangentBasis(old.normal, o1, o2);
-  tangentBasis(m.normal, t1, t2);
-  const Vec3 lambda = o1 * old.lambda1[from] + o2 * old.lambda2[from];
-  const Vec3 drift = o1 * old.drift1[from] + o2 * old.drift2[from];
-  m.lambdaN[to] = old.lambdaN[from];
-  m.lambda1[to] = dot(t1, lambda), m.lambda2[to] = dot(t2, lambda);
-  m.drift1[to] = dot(t1, drift), m.drift2[to] = dot(t2, drift);
-  m.kN[to] = old.kN[from], m.kT[to] = old.kT[from];
+  tangentBasis(normal, t1, t2);
+  const Vec3 lambda = o1 * old.lambda1[k] + o2 * old.lambda2[k];
+  const Vec3 drift = o1 * old.drift1[k] + o2 * old.drift2[k];
+  return {old.lambdaN[k], dot(t1, lambda), dot(t2, lambda), old.kN[k], old.kT[k], dot(t1, drift), dot(t2, drift)};
+}
+RUBBLE_HD inline void remember(Manifold& m, int k, const PointMemory& p) {
+  m.lambdaN[k] = p.lambdaN, m.lambda1[k] = p.lambda1, m.lambda2[k] = p.lambda2;
+  m.kN[k] = p.kN, m.kT[k] = p.kT;
+  m.drift1[k] = p.drift1, m.drift2[k] = p.drift2;
+}
+
+/// Point `from` of `old` hands on to point `to`.
+RUBBLE_HD inline void handOn(const Manifold& old, int from, Manifold& m, int to) {
+  remember(m, to, memoryOf(old, from, m.normal));
   if (old.stick >> from & 1) m.stick |= static_cast<std::uint8_t>(1u << to);
 }
 
-/// The manifold of this step: the old one, if the pair hardly moved, else a new test whose points are matched with the old ones, first by
-/// feature, then by place. `old` may be null.
-RUBBLE_HD inline Manifold updateManifold(const ShapeData& sa, const ShapeData& sb, const PairPose& pair, const Manifold* old, Real recycleTolerance) {
-  if (old && recycleTolerance > Real(0) && hardlyMoved(*old, pair, recycleTolerance)) {
-    Manifold m = *old;
-    const Vec3 n = rotate(m.normalOnB ? pair.qB : pair.qA, m.localNormal);
-    m.normal = n;
-    m.stick = 0;
-    for (int k = 0; k < m.count; ++k) handOn(*old, k, m, k);
-    m.row = -1;
-    m.impact = 0;
-    m.recycled = true;
-    return m;
-  }
+/// Points that take no part in a step are new to the next one.
+RUBBLE_HD inline void forgetPoints(Manifold& m) {
+  m.kN = m.kT = m.drift1 = m.drift2 = splatLanes(0);
+  m.stick = 0;
+}
+
+/// The normal of a manifold that turns with its pair.
+RUBBLE_HD inline Vec3 turnedNormal(const Manifold& old, const PairPose& pair) {
+  return rotate(old.normalOnB ? pair.qB : pair.qA, old.localNormal);
+}
+
+/// The old manifold of a pair that hardly moved.
+RUBBLE_HD inline Manifold recycledManifold(const Manifold& old, const PairPose& pair) {
+  Manifold m = old;
+  m.normal = turnedNormal(old, pair);
+  m.stick = 0;
+  for (int k = 0; k < m.count; ++k) handOn(old, k, m, k);
+  m.row = -1;
+  m.impact = 0;
+  m.recycled = true;
+  return m;
+}
+
+/// The manifold of a new test, whose points are matched with the old ones, first by feature, then by place. `old` may be null.
+RUBBLE_HD inline Manifold testedManifold(const ShapeData& sa, const ShapeData& sb, const PairPose& pair, const Manifold* old) {
   Manifold m = freshManifold(collide(sa, pair.qA, sb, pair.qB, pair.t, pair.margin, pair.length), pair);
   if (!old || old->count == 0 || m.count == 0 || dot(m.normal, old->normal) < kSameNormal) return m;
 

@@ -22,13 +22,8 @@ struct BlockBodies {
 struct ContactBlocks {
   static constexpr int kType = kContactType;
   RUBBLE_HD static BlockBodies bodies(const View& s, int i) { return {s.contact[i].a, s.contact[i].b, true}; }
-  /// Does it hold its bodies together now?
-  RUBBLE_HD static bool holds(const View& s, int i) {
-    const ContactRows& r = s.contact[i];
-    for (int k = 0; k < kLanes; ++k)
-      if (r.kN[k] > Real(0) && r.c0[k] > -kDormantGap * r.length) return true;
-    return false;
-  }
+  /// Level of the groups at which it unites its bodies.
+  RUBBLE_HD static int joinLevel(const View& s, int i) { return s.joinLevel[i]; }
 };
 template <class F>
 struct JointBlocks {
@@ -37,7 +32,10 @@ struct JointBlocks {
     const Joint<F>& joint = s.jointsOf<F>()[i];
     return {joint.a, joint.b, active(s, joint)};
   }
-  RUBBLE_HD static bool holds(const View&, int) { return true; }
+  RUBBLE_HD static int joinLevel(const View& s, int i) {
+    const Joint<F>& joint = s.jointsOf<F>()[i];
+    return joint.a == kWorldBody || joint.b == kWorldBody ? kCoarseLevels : finestSharedLevel(s, joint.a, joint.b);
+  }
 };
 
 }  // namespace rubble::RUBBLE_CORE

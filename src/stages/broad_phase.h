@@ -78,7 +78,7 @@ struct FillGrid {
     if (b.level < 0) return;
     const int bucket = bucketOf(s, b.level, b.x, b.y, b.z);
     const int slot = s.bucketOffset[bucket] + atomicCount(&s.bucketCount[bucket], -1) - 1;
-    s.grid[slot] = {b, i};
+    s.grid[slot] = {b.centre, b.half, i, b.level};
   }
 };
 
@@ -112,14 +112,13 @@ RUBBLE_HD void searchPartners(const View& s, int i, Found&& found) {
         int bucket = bucketOf(s, level, x0, y, z);
         for (int x = x0; x <= x1; ++x, bucket = (bucket + 1) & (s.cells - 1)) {
           for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
-            const GridEntry& e = s.grid[k];
-            const Bounds& o = e.bounds;
-            // another cell may share the bucket
-            if (o.x != x || o.y != y || o.z != z || o.level != level) continue;
-            if (level == b.level && e.body <= i) continue;
-            if (std::fabs(o.centre.x - b.centre.x) > o.half.x + b.half.x || std::fabs(o.centre.y - b.centre.y) > o.half.y + b.half.y ||
-                std::fabs(o.centre.z - b.centre.z) > o.half.z + b.half.z)
+            const GridEntry e = s.grid[k];
+            if (e.level != level || (level == b.level && e.body <= i)) continue;
+            if (std::fabs(e.centre.x - b.centre.x) > e.half.x + b.half.x || std::fabs(e.centre.y - b.centre.y) > e.half.y + b.half.y ||
+                std::fabs(e.centre.z - b.centre.z) > e.half.z + b.half.z)
               continue;
+            // another cell may share the bucket, and would be visited again
+            if (cellOf(e.centre.x, size) != x || cellOf(e.centre.y, size) != y || cellOf(e.centre.z, size) != z) continue;
             if (mayCollide(s, i, e.body)) found(e.body);
           }
         }

@@ -27,30 +27,51 @@ RUBBLE_HD inline int smallestFreeColor(const View& s, int i) {
   }
 }
 
-/// One round: a body that clashes with a neighbour of higher rank chooses anew. Reads `color`, writes `nextColor`.
-struct ProposeColors {
+/// Does body i share a colour with a neighbour of higher rank? Then it is to take `next`.
+RUBBLE_HD inline bool clashes(const View& s, int i, int& next) {
+  const int own = s.color[i];
+  for (int k = s.entryOffset[i]; k < s.entryOffset[i + 1]; ++k) {
+    const int other = s.entry[k].other;
+    if (other < 0 || s.color[other] != own || !outranks(other, i)) continue;
+    next = smallestFreeColor(s, i);
+    return true;
+  }
+  return false;
+}
+
+/// The bodies that clash, and what they choose. Only these can clash later: a choice avoids the colours of all neighbours that keep theirs.
+struct FindClashes {
   static constexpr const char* kName = "coloring";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const int own = s.color[i];
-    int next = own;
-    if (s.params[i].kind == BodyKind::Dynamic) {
-      for (int k = s.entryOffset[i]; k < s.entryOffset[i + 1]; ++k) {
-        const int other = s.entry[k].other;
-        if (other < 0 || s.color[other] != own || !outranks(other, i)) continue;
-        atomicCount(&s.counters->clashes, 1);
-        next = smallestFreeColor(s, i);
-        break;
-      }
+    if (s.params[i].kind != BodyKind::Dynamic) return;
+    if (!clashes(s, i, s.nextColor[i])) {
+      raiseColors(s, s.color[i]);
+      return;
     }
-    s.nextColor[i] = next;
+    s.clashing[atomicCount(&s.counters->clashing, 1)] = i;
+    atomicCount(&s.counters->clashes, 1);
+  }
+  RUBBLE_HD static void raiseColors(const View& s, int color) {
+    // most bodies find it high enough
+    if (s.counters->colors <= color) atomicRaise(&s.counters->colors, color + 1);
   }
 };
 
+/// One round: those that clashed take their choice, and choose again if a neighbour has made the same. Reads `color`, writes `nextColor`, so
+/// that the order inside a round is of no consequence.
 struct TakeColors {
   static constexpr const char* kName = "coloring";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const int i = s.clashing[k];
     s.color[i] = s.nextColor[i];
-    if (s.params[i].kind == BodyKind::Dynamic) atomicRaise(&s.counters->colors, s.color[i] + 1);
+    FindClashes::raiseColors(s, s.color[i]);
+  }
+};
+struct ProposeColors {
+  static constexpr const char* kName = "coloring";
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const int i = s.clashing[k];
+    if (clashes(s, i, s.nextColor[i])) atomicCount(&s.counters->clashes, 1);
   }
 };
 

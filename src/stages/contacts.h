@@ -2,6 +2,7 @@
 /// From pairs to contact rows and back: narrow phase, warm start, dormancy, and what is kept for the next step.
 #include "solver/warmstart.h"
 #include "stages/broad_phase.h"
+#include "stages/cells.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -19,31 +20,112 @@ RUBBLE_HD inline Real pairLength(const BodyParams& a, const BodyParams& b) {
 
 RUBBLE_HD inline Vec3 centreDistance(const View& s, int a, int b) { return Vec3(s.position[b] - s.position[a]); }
 
-/// Narrow phase of one pair, matched with its manifold of the step before.
-struct UpdateManifolds {
+/// Point k of a manifold at x^t.
+struct PointAt {
+  Vec3 lever;  ///< from the centre of A to the middle of the gap [m]
+  Real depth;  ///< penetration [m]
+};
+RUBBLE_HD inline PointAt pointAt(const Manifold& m, int k, const Vec3& normal, const Quat& qa, const Quat& qb, const Vec3& t) {
+  const Vec3 xa = rotate(qa, pointOnA(m, k)), xb = t + rotate(qb, pointOnB(m, k));
+  return {(xa + xb) * Real(.5), dot(normal, xa - xb)};
+}
+
+/// Speed at which a point closes at x^t; `t` = p_B - p_A. [m/s]
+RUBBLE_HD inline Real closingSpeed(const View& s, const OrderedPair& o, const Vec3& n, const Vec3& lever, const Vec3& t) {
+  return dot(n, s.velocity[o.a] + cross(s.spin[o.a], lever) - s.velocity[o.b] - cross(s.spin[o.b], lever - t));
+}
+
+/// Does a point at this depth stop a fast approach in the step?
+RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth) { return closing > kImpactSpeed && depth + closing * c.dt > Real(0); }
+
+/// Displacement of a body at its inertial target.
+RUBBLE_HD inline Displacement targetDisplacement(const View& s, int body) {
+  if (s.params[body].kind != BodyKind::Dynamic) return s.moved[body];
+  const Pose& y = s.target[body].y;
+  return {y.p, 0, logRotation(y.q), 0};
+}
+
+/// A point counts as staying open if its gap at the inertial targets is more than this share of L: the gap of bodies that merely rest is
+/// round-off, and of no consequence.
+inline constexpr Real kDormantGap = Real(1e-3);
+
+/// Does a point take part in the step? It does if it bears a load, or if it does not stay open at the inertial targets of both bodies.
+struct WakeRule {
+  Displacement a, b;  ///< at the targets
+  RUBBLE_HD bool operator()(const View& s, const OrderedPair& o, const PairPose& pair, const Vec3& n, const PointAt& p, Real lambda) const {
+    if (!s.step.dormantRows || lambda != Real(0)) return true;
+    if (hits(s.step, closingSpeed(s, o, n, p.lever, pair.t), p.depth)) return true;
+    const Vec3 move = a.dp + cross(a.dw, p.lever) - b.dp - cross(b.dw, p.lever - pair.t);
+    return inheritedViolation(s.step, p.depth) + dot(n, move) >= -kDormantGap * pair.length;
+  }
+};
+RUBBLE_HD inline WakeRule wakeRule(const View& s, const OrderedPair& o) { return {targetDisplacement(s, o.a), targetDisplacement(s, o.b)}; }
+
+RUBBLE_HD inline int countPoints(std::uint8_t bits) {
+  int count = 0;
+  for (int k = 0; k < kLanes; ++k) count += bits >> k & 1;
+  return count;
+}
+
+/// A pair at x^t, for its narrow phase.
+RUBBLE_HD inline PairPose pairPose(const View& s, const OrderedPair& o) {
+  const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
+  PairPose pose{s.orientation[o.a], s.orientation[o.b], centreDistance(s, o.a, o.b), pairLength(pa, pb), 0};
+  // a plane has no centre: measure from the foot of the other body's
+  const Vec3 relative = s.velocity[o.a] - s.velocity[o.b];
+  const Real approach = length(relative) + length(s.spin[o.a]) * pa.radius + length(s.spin[o.b]) * pb.radius;
+  pose.margin = max(s.step.contactMargin * pose.length, s.step.dt * approach);
+  return pose;
+}
+
+/// The manifold that a pair had in the step before, or null.
+RUBBLE_HD inline const Manifold* findOldManifold(const View& s, const Pair& p) {
+  for (int k = s.oldPairOffset[p.owner]; k < s.oldPairOffset[p.owner + 1]; ++k)
+    if (s.oldPair[k].other == p.other) return &s.oldManifold[k];
+  return nullptr;
+}
+
+/// Notes which points of the manifold of pair i take part in the step. Those of one without any are forgotten.
+RUBBLE_HD inline void keepManifold(const View& s, int i, const OrderedPair& o, const PairPose& pair, Manifold m) {
+  const WakeRule awake = wakeRule(s, o);
+  m.awake = 0;
+  for (int k = 0; k < m.count; ++k)
+    if (awake(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t), m.lambdaN[k])) m.awake |= static_cast<std::uint8_t>(1u << k);
+  if (m.awake == 0) forgetPoints(m);
+  s.manifold[i] = m;
+  s.hasRows[i] = m.awake != 0;
+  if (m.awake == 0) return;
+  atomicCount(&s.counters->contacts, countPoints(m.awake));
+  if (m.recycled) atomicCount(&s.counters->recycled, 1);
+}
+
+/// Narrow phase of pairs that have hardly moved: the manifold of the step before. The others are listed.
+struct RecycleManifolds {
   static constexpr const char* kName = "narrow";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const Pair p = s.pair[i];
     const OrderedPair o = ordered(p);
-    const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
-    PairPose pose{s.orientation[o.a], s.orientation[o.b], centreDistance(s, o.a, o.b), pairLength(pa, pb), 0};
-    // a plane has no centre: measure from the foot of the other body's
-    const Vec3 relative = s.velocity[o.a] - s.velocity[o.b];
-    const Real approach = length(relative) + length(s.spin[o.a]) * pa.radius + length(s.spin[o.b]) * pb.radius;
-    pose.margin = max(s.step.contactMargin * pose.length, s.step.dt * approach);
-
-    const Manifold* old = nullptr;
-    for (int k = s.oldPairOffset[p.owner]; k < s.oldPairOffset[p.owner + 1]; ++k)
-      if (s.oldPair[k].other == p.other) old = &s.oldManifold[k];
-    s.manifold[i] = updateManifold(pa.shape, pb.shape, pose, old, s.step.recycleTolerance);
-    const Manifold& m = s.manifold[i];
-    s.touching[i] = m.count > 0;
-    if (m.count > 0) atomicCount(&s.counters->contacts, m.count);
-    if (m.recycled && m.count > 0) atomicCount(&s.counters->recycled, 1);
+    const PairPose pose = pairPose(s, o);
+    const Manifold* const old = findOldManifold(s, p);
+    if (old && recyclable(*old, pose, s.step.recycleTolerance))
+      keepManifold(s, i, o, pose, recycledManifold(*old, pose));
+    else
+      s.tested[atomicCount(&s.counters->tested, 1)] = i;
   }
 };
 
-/// What the points of a touching pair have in common at x^t.
+/// Narrow phase of the listed pairs: a new manifold, whose points are matched with the old ones.
+struct TestPairs {
+  static constexpr const char* kName = "narrow";
+  RUBBLE_HD void operator()(const View& s, int t) const {
+    const int i = s.tested[t];
+    const OrderedPair o = ordered(s.pair[i]);
+    const PairPose pose = pairPose(s, o);
+    keepManifold(s, i, o, pose, testedManifold(s.params[o.a].shape, s.params[o.b].shape, pose, findOldManifold(s, s.pair[i])));
+  }
+};
+
+/// What the points of a pair with rows have in common at x^t.
 struct PairRows {
   OrderedPair bodies;
   Quat qa, qb;
@@ -52,7 +134,7 @@ struct PairRows {
   StiffnessRule normal, tangent;
 };
 
-/// Begins the rows of a touching pair: everything but its points. `r` is all zeros.
+/// Begins the rows of a pair: everything but its points. `r` is all zeros.
 RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   const StepConstants& c = s.step;
   const Manifold& m = s.manifold[i];
@@ -80,14 +162,11 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
 RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRows& p, int k, ContactRows& r, int to) {
   const StepConstants& c = s.step;
   const OrderedPair& o = p.bodies;
-  const Vec3 xa = rotate(p.qa, pointOnA(m, k)), xb = p.t + rotate(p.qb, pointOnB(m, k));
-  const Vec3 lever = (xa + xb) * Real(.5);
-  r.rAx[to] = lever.x, r.rAy[to] = lever.y, r.rAz[to] = lever.z;
-  const Real depth = dot(r.n, xa - xb);
-  const Vec3 approach = s.velocity[o.a] + cross(s.spin[o.a], lever) - s.velocity[o.b] - cross(s.spin[o.b], lever - p.t);
-  const Real closing = dot(r.n, approach);
-  const bool hits = closing > kImpactSpeed && depth + closing * c.dt > Real(0);
-  r.c0[to] = hits && p.restitution > Real(0) ? p.restitution * closing * c.dt : inheritedViolation(c, depth);
+  const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
+  r.rAx[to] = point.lever.x, r.rAy[to] = point.lever.y, r.rAz[to] = point.lever.z;
+  const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);
+  const bool impact = hits(c, closing, point.depth);
+  r.c0[to] = impact && p.restitution > Real(0) ? p.restitution * closing * c.dt : inheritedViolation(c, point.depth);
 
   const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
   r.drift1[to] = stuck ? m.drift1[k] : Real(0), r.drift2[to] = stuck ? m.drift2[k] : Real(0);
@@ -100,17 +179,28 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
     l1 *= cut, l2 *= cut;
   }
   r.lambdaN[to] = lambda, r.lambda1[to] = l1, r.lambda2[to] = l2;
-  r.kN[to] = isNew ? coldStart(p.normal.start).k : warmStiffness(c, p.normal, m.kN[k], lambda);
-  r.kT[to] = isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
-  return hits && c.impactRule;
+  const bool awake = m.awake >> k & 1;
+  r.kN[to] = !awake ? Real(0) : isNew ? coldStart(p.normal.start).k : warmStiffness(c, p.normal, m.kN[k], lambda);
+  r.kT[to] = !awake ? Real(0) : isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
+  return impact && c.impactRule;
 }
 
-/// Rows of a touching pair at x^t.
+/// Does point k hold its bodies together now, up to the gap below which a point is not dormant?
+RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) { return r.kN[k] > Real(0) && r.c0[k] > -kDormantGap * r.length; }
+
+/// Level of the groups at which rows unite their bodies: the finest at which these share a cell, if a point holds them together (cells.h).
+RUBBLE_HD inline int joinLevel(const View& s, const ContactRows& r) {
+  for (int k = 0; k < kLanes; ++k)
+    if (holdsAt(r, k)) return finestSharedLevel(s, r.a, r.b);
+  return kCoarseLevels;
+}
+
+/// Rows of a pair at x^t. Points that are not awake have k = 0.
 struct BuildContactRows {
   static constexpr const char* kName = "rows";
   RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.hasRows[i] == 0) return;
     Manifold& m = s.manifold[i];
-    if (m.count == 0) return;
     m.row = s.rowOfPair[i];
     ContactRows r;
     memset(static_cast<void*>(&r), 0, sizeof r);  // points that are not used too
@@ -120,39 +210,7 @@ struct BuildContactRows {
     for (int k = 0; k < m.count; ++k)
       if (buildPoint(s, m, p, k, r, k)) m.impact |= static_cast<std::uint8_t>(1u << k);
     s.contact[m.row] = r;
-  }
-};
-
-/// Displacement of a body at its inertial target.
-RUBBLE_HD inline Displacement targetDisplacement(const View& s, int body) {
-  if (s.params[body].kind != BodyKind::Dynamic) return s.moved[body];
-  const Pose& y = s.target[body].y;
-  return {y.p, 0, logRotation(y.q), 0};
-}
-
-/// A point counts as staying open if its gap at the inertial targets is more than this share of L: the gap of bodies that merely rest is
-/// round-off, and of no consequence.
-inline constexpr Real kDormantGap = Real(1e-3);
-
-/// Is point k without load, and does it stay open with its bodies at a and b?
-RUBBLE_HD inline bool staysOpen(const ContactRows& r, int k, const Displacement& a, const Displacement& b) {
-  if (r.lambdaN[k] != Real(0)) return false;
-  const ContactFrame<Real> f = contactFrame<Real>(r, k);
-  return r.c0[k] + along(r.n, relativeDisplacement(f, a, b)) < -kDormantGap * r.length;
-}
-
-/// Points without load that stay open at the inertial targets of both bodies take no part in the step: k = 0.
-struct MarkDormant {
-  static constexpr const char* kName = "dormant";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    if (!s.step.dormantRows) return;
-    ContactRows& r = s.contact[i];
-    bool any = false;
-    for (int k = 0; k < kLanes; ++k) any |= r.lambdaN[k] == Real(0) && r.kN[k] > Real(0);
-    if (!any) return;
-    const Displacement a = targetDisplacement(s, r.a), b = targetDisplacement(s, r.b);
-    for (int k = 0; k < kLanes; ++k)
-      if (staysOpen(r, k, a, b)) r.kN[k] = r.kT[k] = Real(0);
+    s.joinLevel[m.row] = joinLevel(s, r);
   }
 };
 

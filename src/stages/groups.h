@@ -5,37 +5,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Edge of the finest cells in base cells of the grid (about the bounding radius of a typical body), and the ratio from level to level.
-inline constexpr Real kFinestGroup = 4;
-inline constexpr int kGroupRatio = 8;
-
 RUBBLE_HD inline int atLevel(const View& s, int level, int body) { return level * s.bodies + body; }
 
-struct GroupCell {
-  int x, y, z;
-  RUBBLE_HD friend bool operator==(const GroupCell& a, const GroupCell& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
-};
-
-/// Cell of a body at a level: nested, so that bodies that share one share all coarser ones.
-RUBBLE_HD inline GroupCell groupCell(const View& s, int level, int body) {
-  const double size = static_cast<double>(kFinestGroup * s.baseCell);
-  int ratio = 1;
-  for (int k = 0; k < level; ++k) ratio *= kGroupRatio;
-  const auto cell = [&](double x) {
-    constexpr double kFar = 1e9;
-    // shifted, so that scenes built about the origin are not cut there at every level
-    const int fine = static_cast<int>(floor(clamp(x / size, -kFar, kFar))) + 3 * kGroupRatio * kGroupRatio * kGroupRatio / 8 + 1;
-    return fine >= 0 ? fine / ratio : -((ratio - 1 - fine) / ratio);
-  };
-  const Vec3d p = s.position[body];
-  return {cell(p.x), cell(p.y), cell(p.z)};
-}
-
-/// Each body starts in the group that it has at the finer level, or alone. `leader` is a forest until FlattenGroups: roots lead themselves.
+/// Every body is alone at first. `leader` is a forest until FlattenGroups: roots lead themselves.
 struct StartGroups {
   static constexpr const char* kName = "groups";
-  int level;
-  RUBBLE_HD void operator()(const View& s, int i) const { s.leader[atLevel(s, level, i)] = level == 0 ? i : s.groupOf[atLevel(s, level - 1, i)]; }
+  RUBBLE_HD void operator()(const View& s, int i) const { s.leader[i] = i; }
 };
 
 RUBBLE_HD inline int findLeader(const int* leader, int i) {
@@ -53,25 +28,33 @@ RUBBLE_HD inline void unite(int* leader, int a, int b) {
   }
 }
 
-/// Bodies that a row block holds together now: joined, or touching up to the gap below which a point is not dormant.
+/// Unites bodies that a row block holds together now and that share a cell at this level and at none that is finer: those that share a
+/// finer one are united already.
 template <class Blocks>
 struct JoinGroups {
   static constexpr const char* kName = "groups";
   int level;
   RUBBLE_HD void operator()(const View& s, int i) const {
+    if (Blocks::joinLevel(s, i) != level) return;
     const BlockBodies block = Blocks::bodies(s, i);
-    if (!block.acts || !isDynamic(s, block.a) || !isDynamic(s, block.b) || !Blocks::holds(s, i)) return;
-    if (groupCell(s, level, block.a) == groupCell(s, level, block.b)) unite(s.leader + level * s.bodies, block.a, block.b);
+    if (block.acts && isDynamic(s, block.a) && isDynamic(s, block.b)) unite(s.leader + level * s.bodies, block.a, block.b);
   }
 };
 
-/// Every body knows its leader; members are counted.
+/// Every body knows its leader, and starts the next level with it.
+RUBBLE_HD inline int flatten(const View& s, int level, int body) {
+  const int leader = findLeader(s.leader + level * s.bodies, body);
+  s.groupOf[atLevel(s, level, body)] = leader;
+  if (level + 1 < kCoarseLevels) s.leader[atLevel(s, level + 1, body)] = leader;
+  return leader;
+}
+
+/// Leaders, and the number of members of their groups.
 struct FlattenGroups {
   static constexpr const char* kName = "groups";
   int level;
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const int leader = findLeader(s.leader + level * s.bodies, i);
-    s.groupOf[atLevel(s, level, i)] = leader;
+    const int leader = flatten(s, level, i);
     if (s.params[i].kind == BodyKind::Dynamic) atomicCount(&s.memberCount[atLevel(s, level, leader)], 1);
   }
 };
@@ -81,7 +64,7 @@ struct FindLeaders {
   RUBBLE_HD void operator()(const View& s, int t) const { s.leads[t] = s.memberCount[t] >= 2; }
 };
 
-/// From leaders to group numbers; a body alone in its cell is in no group.
+/// From leaders to group numbers; a body that is alone in its cell is in no group.
 struct NumberGroups {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int t) const {
@@ -106,21 +89,33 @@ struct FindLevels {
   }
 };
 
-struct MakeChunks {
+/// Level and chunks of each group.
+struct BeginGroups {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int g) const {
-    const int begin = s.memberOffset[g], end = s.memberOffset[g + 1];
     int level = 0;
     while (g >= s.levelGroup[level + 1]) ++level;
     s.group[g].level = level;
     s.group[g].chunkBegin = s.chunkOffset[g];
     s.group[g].chunkEnd = s.chunkOffset[g + 1];
-    for (int k = 0; k < s.groupChunks[g]; ++k) {
-      Chunk& chunk = s.chunk[s.chunkOffset[g] + k];
-      chunk.group = g;
-      chunk.begin = begin + k * kChunkMembers;
-      chunk.end = min(end, chunk.begin + kChunkMembers);
+  }
+};
+
+/// Group and members of each chunk.
+struct MakeChunks {
+  static constexpr const char* kName = "groups";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    // the last group that begins at i or before
+    int low = 0, high = s.counters->groups;
+    while (high - low > 1) {
+      const int middle = low + (high - low) / 2;
+      if (s.chunkOffset[middle] <= i) low = middle;
+      else high = middle;
     }
+    Chunk& chunk = s.chunk[i];
+    chunk.group = low;
+    chunk.begin = s.memberOffset[low] + (i - s.chunkOffset[low]) * kChunkMembers;
+    chunk.end = min(s.memberOffset[low + 1], chunk.begin + kChunkMembers);
   }
 };
 

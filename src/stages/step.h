@@ -11,10 +11,10 @@ namespace rubble::RUBBLE_CORE {
 ///   forEach(kernel, counter)                n counted in this step
 ///   forEachIn(kernel, offsets, k)           the range [offsets[k], offsets[k + 1])
 ///   clear(array, n)                         zeros
-///   scan(counts, offsets, n[, counter])     exclusive sums, the total behind the last one and in the counter
+///   scan(counts, offsets, n[, counter, per])  exclusive sums, the total behind the last one and in the counter, and room for that many
 ///   group(keys, n, offsets, order, counter) indices modulo `bodies` by key, ascending; keys below 0 are left out; the counter has the number of keys
 ///   require(per, counter)                   room for that many before they are written: nothing is dropped
-///   untilZero(counter, round)               repeats round() until it leaves the counter at zero
+///   rounds(take, propose, counter, left)    takes turns of two kernels over as many as are counted, until `propose` leaves `left` at zero
 ///   forEachColor(kernel)                    colour by colour, over its bodies
 ///   keepManifolds()                         those of this step are the old ones of the next
 ///   Lane                                    Real or Real4: points that one call treats side by side
@@ -24,8 +24,9 @@ concept Executor = requires(E e, View& v) {
   e.forEach(PredictBodies{}, 1);
   e.forEach(StoreContacts{}, &Counters::manifolds);
   e.clear(&View::pairCount, 1);
-  e.scan(&View::pairCount, &View::pairOffset, 1, &Counters::pairs);
-  e.require(Per::Pair, &Counters::pairs);
+  e.scan(&View::pairCount, &View::pairOffset, 1, &Counters::pairs, Per::Pair);
+  e.require(Per::Color, &Counters::colors);
+  e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes);
   e.forEachColor(SolveBody<typename E::Lane>{});
   e.forEachIn(SolveGroup{}, &View::levelGroup, 0);
   e.group(&View::groupOf, 1, &View::memberOffset, &View::member, &Counters::groups);
@@ -39,16 +40,15 @@ void findPairs(E& e) {
   e.scan(&View::bucketCount, &View::bucketOffset, cells);
   e.forEach(FillGrid{}, bodies);
   e.forEach(FindPairs{}, bodies);
-  e.scan(&View::pairCount, &View::pairOffset, bodies, &Counters::pairs);
-  e.require(Per::Pair, &Counters::pairs);
+  e.scan(&View::pairCount, &View::pairOffset, bodies, &Counters::pairs, Per::Pair);
   e.forEach(WritePairs{}, bodies);
 }
 
 template <Executor E>
 void findContacts(E& e) {
-  e.forEach(UpdateManifolds{}, &Counters::pairs);
-  e.scan(&View::touching, &View::rowOfPair, &Counters::pairs, &Counters::manifolds);
-  e.require(Per::Manifold, &Counters::manifolds);
+  e.forEach(RecycleManifolds{}, &Counters::pairs);
+  e.forEach(TestPairs{}, &Counters::tested);
+  e.scan(&View::hasRows, &View::rowOfPair, &Counters::pairs, &Counters::manifolds, Per::Manifold);
   e.forEach(BuildContactRows{}, &Counters::pairs);
 }
 
@@ -57,21 +57,20 @@ template <Executor E>
 void findGroups(E& e) {
   const int bodies = e.view().bodies, all = bodies * kCoarseLevels;
   e.clear(&View::memberCount, all);
+  e.forEach(StartGroups{}, bodies);
   for (int level = 0; level < kCoarseLevels; ++level) {
-    e.forEach(StartGroups{level}, bodies);
     e.forEach(JoinGroups<ContactBlocks>{level}, &Counters::manifolds);
     forEachType(JointTypes{}, [&]<class F>() { e.forEach(JoinGroups<JointBlocks<F>>{level}, e.view().joints[typeIndex<F>(JointTypes{})]); });
     e.forEach(FlattenGroups{level}, bodies);
   }
   e.forEach(FindLeaders{}, all);
-  e.scan(&View::leads, &View::groupIndex, all, &Counters::groups);
-  e.require(Per::Group, &Counters::groups);
+  e.scan(&View::leads, &View::groupIndex, all, &Counters::groups, Per::Group);
   e.forEach(NumberGroups{}, all);
   e.group(&View::groupOf, all, &View::memberOffset, &View::member, &Counters::groups);
-  e.scan(&View::groupChunks, &View::chunkOffset, &Counters::groups, &Counters::chunks);
-  e.require(Per::Chunk, &Counters::chunks);
+  e.scan(&View::groupChunks, &View::chunkOffset, &Counters::groups, &Counters::chunks, Per::Chunk);
   e.forEach(FindLevels{}, kCoarseLevels + 1);
-  e.forEach(MakeChunks{}, &Counters::groups);
+  e.forEach(BeginGroups{}, &Counters::groups);
+  e.forEach(MakeChunks{}, &Counters::chunks);
   e.forEach(SumMasses{}, &Counters::chunks);
   e.forEach(FindCentres{}, &Counters::groups);
 }
@@ -82,15 +81,14 @@ void prepareGroups(E& e) {
   e.forEach(SumInertia{}, &Counters::chunks);
   e.forEach(TakeInertia{}, &Counters::groups);
   e.forEach(CountExternals{}, &Counters::chunks);
-  e.scan(&View::externalCount, &View::externalOffset, &Counters::chunks, &Counters::externals);
-  e.require(Per::External, &Counters::externals);
+  e.scan(&View::externalCount, &View::externalOffset, &Counters::chunks, &Counters::externals, Per::External);
   e.forEach(FillExternals{}, &Counters::chunks);
 }
 
-/// One sweep over the groups of every level, from coarse to fine.
+/// One sweep over the groups, from coarse to fine: the fine levels in every iteration, the coarse ones in every other.
 template <Executor E>
-void correctGroups(E& e) {
-  for (int level = kCoarseLevels - 1; level >= 0; --level) {
+void correctGroups(E& e, int iteration) {
+  for (int level = iteration % 2 == 0 ? kCoarseLevels - 1 : kFineLevels - 1; level >= 0; --level) {
     e.forEachIn(SumChunk<typename E::Lane>{}, &View::levelChunk, level);
     e.forEachIn(SolveGroup{}, &View::levelGroup, level);
     e.forEachIn(MoveChunk{}, &View::levelChunk, level);
@@ -106,8 +104,7 @@ void findIncidence(E& e) {
   };
   e.clear(&View::entryCount, bodies);
   forEachBlock.template operator()<CountEntries>();
-  e.scan(&View::entryCount, &View::entryOffset, bodies, &Counters::entries);
-  e.require(Per::Entry, &Counters::entries);
+  e.scan(&View::entryCount, &View::entryOffset, bodies, &Counters::entries, Per::Entry);
   forEachBlock.template operator()<FillEntries>();
   e.forEach(SortEntries{}, bodies);
 }
@@ -115,10 +112,8 @@ void findIncidence(E& e) {
 template <Executor E>
 void colorBodies(E& e) {
   const int bodies = e.view().bodies;
-  e.untilZero(&Counters::clashes, [&] {
-    e.forEach(ProposeColors{}, bodies);
-    e.forEach(TakeColors{}, bodies);
-  });
+  e.forEach(FindClashes{}, bodies);
+  e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes);
   e.require(Per::Color, &Counters::colors);
   e.clear(&View::colorCount, &Counters::colors);
   e.forEach(CountColors{}, bodies);
@@ -126,7 +121,7 @@ void colorBodies(E& e) {
   e.forEach(FillColors{}, bodies);
 }
 
-/// One step of dt. Everything before the iterations happens at x^t and changes no body.
+/// One step of dt. Everything before the iterations happens at x^t and moves no body beyond its initial guess.
 template <Executor E>
 void step(E& e) {
   using L = typename E::Lane;
@@ -135,19 +130,17 @@ void step(E& e) {
     forEachType(JointTypes{}, [&]<class F>() { e.forEach(Kernel<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   };
 
+  e.forEach(PredictBodies{}, bodies);
   findPairs(e);
   findContacts(e);
   forEachJoint.template operator()<BeginJoints>();
   if (e.view().step.coarseCorrection) findGroups(e);
   findIncidence(e);
   colorBodies(e);
-
-  e.forEach(PredictBodies{}, bodies);
-  e.forEach(MarkDormant{}, &Counters::manifolds);
   if (e.view().step.coarseCorrection) prepareGroups(e);
 
   for (int n = 0; n < e.view().step.iterations; ++n) {
-    if (e.view().step.coarseCorrection) correctGroups(e);
+    if (e.view().step.coarseCorrection) correctGroups(e, n);
     e.forEachColor(SolveBody<L>{});
     e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     forEachJoint.template operator()<UpdateJointDuals>();

@@ -27,9 +27,10 @@ struct Bounds {
 };
 
 /// A body in its place in the grid.
-struct GridEntry {
-  Bounds bounds;
+struct alignas(8 * sizeof(Real)) GridEntry {
+  Vec3 centre, half;  ///< of its bounds [m]
   int body;
+  int level;
 };
 
 /// Two bodies whose swept boxes meet. The pair belongs to the body of the finer grid level (ties: of lower index).
@@ -59,6 +60,8 @@ struct BodyTarget {
 
 /// Levels of groups of bodies, from fine to coarse (stages/groups.h).
 inline constexpr int kCoarseLevels = 4;
+/// The finest of them, which are swept in every iteration.
+inline constexpr int kFineLevels = 2;
 
 /// A group of bodies that the coarse correction moves as one, frozen at x^t.
 struct Group {
@@ -75,7 +78,7 @@ struct Chunk {
   int begin, end;     ///< members
   Block6 sum;
 };
-inline constexpr int kChunkMembers = 128;
+inline constexpr int kChunkMembers = 32;
 
 /// Levels of the grid: cell of level k is 2^(k - kBaseLevel) base cells.
 inline constexpr int kGridLevels = 32;
@@ -84,9 +87,9 @@ inline constexpr int kBaseLevel = 12;
 /// Numbers that a step counts. `required` fields may exceed the room there is; then the step is begun again with more.
 struct Counters {
   int pairs, manifolds, entries, colors;
-  int contacts, recycled;
+  int contacts, recycled, tested;
   int groups, chunks, externals;
-  int clashes, rounds;
+  int clashing, clashes, rounds;  ///< bodies that choose a colour, those left to choose again, rounds of that
   int quarantined, spinLimited, broken;
   int levelUsed[kGridLevels];
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]

@@ -13,7 +13,7 @@ inline constexpr int kPerCount = 16;
 enum class Life { Authored, State, Work, Unordered };
 
 /// Candidates that a body may own before its pairs are searched a second time.
-inline constexpr int kPairSlots = 12;
+inline constexpr int kPairSlots = 20;
 
 template <class F>
 constexpr Per perJoint() { return static_cast<Per>(static_cast<int>(Per::Ball) + typeIndex<F>(JointTypes{})); }
@@ -51,11 +51,11 @@ struct View {
   Displacement* moved = nullptr;      ///< x - x^t, present iterate
   Quat* turned = nullptr;             ///< its rotation, q (q^t)^-1
   int* color = nullptr;               ///< kept from step to step
-  int* nextColor = nullptr;
+  int* nextColor = nullptr;           ///< of the bodies that choose one
+  int* clashing = nullptr;            ///< bodies that choose a colour in this step
   int* colorBody = nullptr;           ///< dynamic bodies by colour
   int* entryCount = nullptr;          ///< row blocks of a body
   int* entryOffset = nullptr;         ///< [bodies + 1]
-  int* entryFill = nullptr;
   // groups; arrays over (level, body) have index level * bodies + body
   int* leader = nullptr;              ///< [level][body] forest of groups being united
   int* memberCount = nullptr;         ///< [level][body] members of the group that the body leads
@@ -83,10 +83,12 @@ struct View {
   Pair* oldPair = nullptr;
   Manifold* manifold = nullptr;       ///< one a pair
   Manifold* oldManifold = nullptr;
-  int* touching = nullptr;            ///< 1 if the pair has points
+  int* tested = nullptr;              ///< pairs whose narrow phase is run anew
+  int* hasRows = nullptr;             ///< 1 if a point of the pair takes part in the step
   int* rowOfPair = nullptr;           ///< index of its rows
   // rows
-  ContactRows* contact = nullptr;     ///< one a touching pair, in the order of pairs
+  ContactRows* contact = nullptr;     ///< one a pair that has rows, in the order of pairs
+  int* joinLevel = nullptr;           ///< level of the groups at which they unite their bodies, kCoarseLevels: at none
   Entry* entry = nullptr;             ///< row blocks by body
   Joint<BallJoint>* ball = nullptr;
   Joint<FixedJoint>* fixed = nullptr;
@@ -140,11 +142,11 @@ void forEachArray(F&& f) {
   is(&View::target, "target", "", Per::Body, Life::Work);
   is(&View::moved, "moved", "m, rad", Per::Body, Life::Work);
   is(&View::turned, "turned", "", Per::Body, Life::Work);
-  is(&View::nextColor, "nextColor", "", Per::Body, Life::Work);
+  is(&View::nextColor, "nextColor", "", Per::Body, Life::Unordered);
+  is(&View::clashing, "clashing", "", Per::Body, Life::Unordered);
   is(&View::colorBody, "colorBody", "", Per::Body, Life::Unordered);
   is(&View::entryCount, "entryCount", "", Per::Body, Life::Work);
   is(&View::entryOffset, "entryOffset", "", Per::Body, Life::Work, 1);
-  is(&View::entryFill, "entryFill", "", Per::Body, Life::Work);
   is(&View::leader, "leader", "", Per::BodyLevel, Life::Unordered);
   is(&View::memberCount, "memberCount", "", Per::BodyLevel, Life::Work);
   is(&View::leads, "leads", "", Per::BodyLevel, Life::Work);
@@ -166,9 +168,11 @@ void forEachArray(F&& f) {
   is(&View::pairOffset, "pairOffset", "", Per::Body, Life::Work, 1);
   is(&View::pair, "pair", "", Per::Pair, Life::Work);
   is(&View::manifold, "manifold", "", Per::Pair, Life::Work);
-  is(&View::touching, "touching", "", Per::Pair, Life::Work);
+  is(&View::tested, "tested", "", Per::Pair, Life::Unordered);
+  is(&View::hasRows, "hasRows", "", Per::Pair, Life::Work);
   is(&View::rowOfPair, "rowOfPair", "", Per::Pair, Life::Work, 1);
   is(&View::contact, "contact", "", Per::Manifold, Life::State);
+  is(&View::joinLevel, "joinLevel", "", Per::Manifold, Life::Work);
   is(&View::entry, "entry", "", Per::Entry, Life::Work);
 }
 

@@ -13,6 +13,10 @@ const ShapeData kBrick = box({.5, .25, .125});
 PairPose pose(const Quat& qA, const Quat& qB, const Vec3& t) { return {qA, qB, t, 2 * length(kBrick.half), .02}; }
 PairPose stacked(Real shift = .2) { return pose(Quat{}, Quat{}, {shift, .1, .25}); }
 
+/// As the narrow phase does it.
+Manifold updateManifold(const ShapeData& a, const ShapeData& b, const PairPose& p, const Manifold* old, Real tolerance) {
+  return old && recyclable(*old, p, tolerance) ? recycledManifold(*old, p) : testedManifold(a, b, p, old);
+}
 Manifold fresh(const PairPose& p) { return updateManifold(kBrick, kBrick, p, nullptr, 0); }
 
 /// Gives each point multipliers that tell it from the others.
@@ -179,11 +183,11 @@ TEST(Recycling, TestsAnewAfterAMoveOrATurnBeyondTheTolerance) {
   const Real tolerance = 2e-3;
   const Manifold m = fresh(stacked());
   const Real length = stacked().length;
-  EXPECT_TRUE(hardlyMoved(m, stacked(.2 + .9 * tolerance * length), tolerance));
-  EXPECT_FALSE(hardlyMoved(m, stacked(.2 + 1.1 * tolerance * length), tolerance));
+  EXPECT_TRUE(recyclable(m, stacked(.2 + .9 * tolerance * length), tolerance));
+  EXPECT_FALSE(recyclable(m, stacked(.2 + 1.1 * tolerance * length), tolerance));
   const auto turned = [&](Real angle) { return pose(Quat{}, fromAxisAngle(Vec3{0, 0, 1}, angle), stacked().t); };
-  EXPECT_TRUE(hardlyMoved(m, turned(.9 * tolerance), tolerance));
-  EXPECT_FALSE(hardlyMoved(m, turned(1.1 * tolerance), tolerance));
+  EXPECT_TRUE(recyclable(m, turned(.9 * tolerance), tolerance));
+  EXPECT_FALSE(recyclable(m, turned(1.1 * tolerance), tolerance));
 }
 
 TEST(Recycling, PairsApartAreTestedAnewUnlessFarEnough) {
@@ -192,8 +196,8 @@ TEST(Recycling, PairsApartAreTestedAnewUnlessFarEnough) {
   const auto apart = [&](Real gap) { return pose(Quat{}, Quat{}, {0, 0, .25 + gap}); };
   const Manifold near = fresh(apart(.02 + .5 * slack)), far = fresh(apart(.02 + 1.5 * slack));
   ASSERT_EQ(near.count + far.count, 0);
-  EXPECT_FALSE(hardlyMoved(near, apart(.02 + .5 * slack), tolerance));
-  EXPECT_TRUE(hardlyMoved(far, apart(.02 + 1.5 * slack), tolerance));
+  EXPECT_FALSE(recyclable(near, apart(.02 + .5 * slack), tolerance));
+  EXPECT_TRUE(recyclable(far, apart(.02 + 1.5 * slack), tolerance));
 }
 
 TEST(Recycling, WithoutToleranceIsOff) {

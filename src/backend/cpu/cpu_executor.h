@@ -54,7 +54,7 @@ class CpuExecutor {
   void clear(int* View::*array, int n) { std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n)); }
   void clear(int* View::*array, int Counters::*n) { clear(array, view().counters->*n); }
 
-  void scan(int* View::*counts, int* View::*offsets, int n, int Counters::*total = nullptr) {
+  void scan(int* View::*counts, int* View::*offsets, int n) {
     int sum = 0;
     const int* const in = view().*counts;
     int* const out = view().*offsets;
@@ -63,10 +63,13 @@ class CpuExecutor {
       sum += in[i];
     }
     out[n] = sum;
-    if (total) view().counters->*total = sum;
   }
-  void scan(int* View::*counts, int* View::*offsets, int Counters::*n, int Counters::*total = nullptr) {
-    scan(counts, offsets, view().counters->*n, total);
+  void scan(int* View::*counts, int* View::*offsets, int Counters::*n) { scan(counts, offsets, view().counters->*n); }
+  template <class Count>
+  void scan(int* View::*counts, int* View::*offsets, Count n, int Counters::*total, Per per) {
+    scan(counts, offsets, n);
+    view().counters->*total = (view().*offsets)[countOf(n)];
+    require(per, total);
   }
 
   void group(int* View::*keys, int n, int* View::*offsets, int* View::*order, int Counters::*keyCount) {
@@ -88,14 +91,15 @@ class CpuExecutor {
 
   void require(Per per, int Counters::*count) { tables_.reserve(per, view().counters->*count); }
 
-  template <class Round>
-  void untilZero(int Counters::*counter, Round&& round) {
-    int rounds = 0;
-    do {
-      view().counters->*counter = 0;
-      round();
-    } while (view().counters->*counter != 0 && ++rounds < kMaxRounds);
-    view().counters->rounds = rounds;
+  template <class Take, class Propose>
+  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left) {
+    Counters& c = *view().counters;
+    while (c.*left != 0 && c.rounds < kMaxRounds) {
+      forEach(take, count);
+      c.*left = 0;
+      forEach(propose, count);
+      ++c.rounds;
+    }
   }
 
   template <class Kernel>
@@ -114,6 +118,9 @@ class CpuExecutor {
   std::vector<StageTime> takeTimes() { return std::exchange(times_, {}); }
 
  private:
+  int countOf(int n) const { return n; }
+  int countOf(int Counters::*n) const { return view().counters->*n; }
+
   /// Adds the time of its life to a stage.
   class StageClock {
    public:

@@ -17,29 +17,67 @@ struct OnDevice<UpdateContactDuals<Real>> {
   using Type = DualOfPoint;
 };
 
-struct MarkDormantPoint {
-  static constexpr const char* kName = MarkDormant::kName;
+/// A lane a point: most manifolds are recycled, and that is copying.
+struct RecycleManifoldByLanes {
+  static constexpr const char* kName = RecycleManifolds::kName;
   static constexpr int kWidth = kLanes;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
-    if (!s.step.dormantRows) return;
-    ContactRows& r = s.contact[i];
+    const Pair p = s.pair[i];
+    const OrderedPair o = ordered(p);
+    const PairPose pose = pairPose(s, o);
+    const Manifold* const found = findOldManifold(s, p);
+    if (!found || !recyclable(*found, pose, s.step.recycleTolerance)) {
+      if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
+      return;
+    }
+    const Manifold& old = *found;
+    Manifold& m = s.manifold[i];
     const int k = tile.lane;
-    // unused points have no stiffness to lose
-    if (r.lambdaN[k] != Real(0) || !(r.kN[k] > Real(0))) return;
-    if (staysOpen(r, k, targetDisplacement(s, r.a), targetDisplacement(s, r.b))) r.kN[k] = r.kT[k] = Real(0);
+    copyTogether(old, m, tile);
+    const bool on = k < old.count;
+    const Vec3 n = turnedNormal(old, pose);
+    PointMemory memory{};
+    if (on) memory = memoryOf(old, k, n);
+    bool awake = on;
+    // points that bear a load need no targets
+    if (tile.ballot(on && memory.lambdaN == Real(0)) != 0 && on)
+      awake = wakeRule(s, o)(s, o, pose, n, pointAt(old, k, n, pose.qA, pose.qB, pose.t), memory.lambdaN);
+    const unsigned bits = tile.ballot(awake), stick = tile.ballot(on && (old.stick >> k & 1));
+    if (bits == 0) memory.kN = memory.kT = memory.drift1 = memory.drift2 = Real(0);
+    remember(m, k, memory);
+    if (k != 0) return;
+    m.normal = n, m.row = -1;
+    m.stick = bits == 0 ? 0 : static_cast<std::uint8_t>(stick);
+    m.impact = 0, m.awake = static_cast<std::uint8_t>(bits), m.recycled = true;
+    s.hasRows[i] = bits != 0;
+    if (bits == 0) return;
+    atomicCountTogether(&s.counters->contacts, __popc(bits));
+    atomicCountTogether(&s.counters->recycled, 1);
+  }
+
+ private:
+  /// Sixteen bytes a lane at a time.
+  __device__ static void copyTogether(const Manifold& from, Manifold& to, const Tile<kWidth>& tile) {
+    constexpr int kParts = sizeof(Manifold) / sizeof(float4);
+    static_assert(sizeof(Manifold) % sizeof(float4) == 0);
+#pragma unroll
+    for (int first = 0; first < kParts; first += kWidth)
+      if (first + tile.lane < kParts)
+        reinterpret_cast<float4*>(&to)[first + tile.lane] = reinterpret_cast<const float4*>(&from)[first + tile.lane];
+    __syncwarp(tile.mask);
   }
 };
 template <>
-struct OnDevice<MarkDormant> {
-  using Type = MarkDormantPoint;
+struct OnDevice<RecycleManifolds> {
+  using Type = RecycleManifoldByLanes;
 };
 
 struct BuildRowsOfPoint {
   static constexpr const char* kName = BuildContactRows::kName;
   static constexpr int kWidth = kLanes;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+    if (s.hasRows[i] == 0) return;
     Manifold& m = s.manifold[i];
-    if (m.count == 0) return;
     const int k = tile.lane, row = s.rowOfPair[i];
     // everything that the points share, and the point of this thread in lane 0
     ContactRows own;
@@ -53,7 +91,9 @@ struct BuildRowsOfPoint {
     r.c0[k] = own.c0[0], r.drift1[k] = own.drift1[0], r.drift2[k] = own.drift2[0], r.mu[k] = own.mu[0];
     r.lambdaN[k] = own.lambdaN[0], r.lambda1[k] = own.lambda1[0], r.lambda2[k] = own.lambda2[0];
     r.kN[k] = own.kN[0], r.kT[k] = own.kT[0];
+    const bool holds = tile.ballot(holdsAt(own, 0)) != 0;
     if (k != 0) return;
+    s.joinLevel[row] = holds ? finestSharedLevel(s, own.a, own.b) : kCoarseLevels;
     r.n = own.n, r.muDynamic = own.muDynamic, r.offset = own.offset, r.start = own.start;
     r.a = own.a, r.b = own.b, r.pair = own.pair, r.length = own.length;
     m.row = row;

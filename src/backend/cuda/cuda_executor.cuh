@@ -11,6 +11,7 @@
 #include <cstring>
 #include <limits>
 
+#include "backend/cuda/color_kernels.cuh"
 #include "backend/cuda/contact_kernels.cuh"
 #include "backend/cuda/device_memory.h"
 #include "backend/cuda/group_kernels.cuh"
@@ -22,7 +23,7 @@ namespace rubble::RUBBLE_CORE {
 /// Where in the step to begin, what to measure with, and whether a graph is being captured.
 struct EnqueueOptions {
   int from = 0;                  ///< first operation that is enqueued
-  int rounds = 0, colors = 0;    ///< launches for rounds of untilZero and for colours
+  int colors = 0;                ///< launches for colours
   Timeline* timeline = nullptr;  ///< of the stages, or none
   bool captured = false;
 };
@@ -42,6 +43,8 @@ class CudaExecutor {
     maxBlocks_ = processors_ * (kThreadsPerProcessor / kThreads);
     control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
     std::fill(std::begin(perOf_), std::end(perOf_), -1);
+    // some of the pairs: no room of its own
+    perOf_[indexOf(&Counters::tested)] = static_cast<int>(Per::Pair);
   }
   ~CudaExecutor() { DeviceMemory::release(control_); }
   CudaExecutor(const CudaExecutor&) = delete;
@@ -50,7 +53,7 @@ class CudaExecutor {
   const Control* control() const { return control_; }
   /// Is this kind one whose number the device counts?
   bool counted(Per per) const { return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_); }
-  std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size(); }
+  std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size(); }
 
   /// Room for what the scans and sorts of a step need besides the tables: the step itself must not allocate.
   void reserveScratch() {
@@ -64,6 +67,7 @@ class CudaExecutor {
     scratch_.reserve(std::max(scanBytes, sortBytes));
     sortedKeys_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
     indices_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
+    tickets_.reserve(sizeof(int) * static_cast<std::size_t>(tables_.capacity(Per::Chunk)) * kTreeLevels);
   }
 
   /// Enqueues the step from an operation on; does the tables' part of keepManifolds on the host. Returns whether that was called.
@@ -97,35 +101,40 @@ class CudaExecutor {
     constexpr int kBodiesPerElement = 16;
     using Type = typename OnDevice<Kernel>::Type;
     const int blocks = blocksFor(view().bodies / kBodiesPerElement + 1, widthOf<Type>());
-    runRange<Type><<<blocks, kThreads, 0, stream_>>>(view(), onDevice(kernel), view().*offsets, k, Gate{control_, inRound_});
+    runRange<Type><<<blocks, kThreads, 0, stream_>>>(view(), onDevice(kernel), view().*offsets, k, Gate{control_});
     checkCuda(cudaGetLastError(), Kernel::kName);
   }
-  /// Groups of the finest level are many and small, those of coarser ones few and large.
-  void forEachIn(const SolveGroup& kernel, int* View::*offsets, int level) {
-    if (level == 0) {
-      forEachIn<SolveGroup>(kernel, offsets, level);
-      return;
-    }
-    if (!begins()) return;
-    enterStage(SolveGroup::kName);
-    solveLargeGroups<<<2 * processors_, kSolveThreads, 0, stream_>>>(view(), level, Gate{control_, inRound_});
-    checkCuda(cudaGetLastError(), SolveGroup::kName);
-  }
+  /// The last warp to sum a chunk of a group goes on with it.
+  void forEach(const SumMasses&, int Counters::*n) { forEach(SumMassesByWarp{tree()}, n); }
+  void forEach(const FindCentres&, int Counters::*) {}
+  void forEach(const SumInertia&, int Counters::*n) { forEach(SumInertiaByWarp{tree()}, n); }
+  void forEach(const TakeInertia&, int Counters::*) {}
+  void forEachIn(const SumChunk<Real>&, int* View::*offsets, int level) { forEachIn(SumChunkByWarp{tree()}, offsets, level); }
+  void forEachIn(const SolveGroup&, int* View::*, int) {}
 
-  void fill(int* View::*array, int n, int value) {
-    if (begins() && n > 0) launch(FillArray{view().*array, value}, {n, nullptr}, n, "fill");
+  void forEach(const CountColors&, int n) { launchOverBodies(countColors, CountColors::kName, n); }
+  void forEach(const FillColors&, int n) { launchOverBodies(fillColors, FillColors::kName, n); }
+
+  void clear(int* View::*array, int n) {
+    if (begins() && n > 0) launch(FillArray{view().*array, 0}, {n, nullptr}, n, "clear");
   }
-  void clear(int* View::*array, int n) { fill(array, n, 0); }
   void clear(int* View::*array, int Counters::*n) {
     if (begins()) launch(FillArray{view().*array, 0}, {0, counter(n)}, capacityOf(n), "clear");
   }
 
-  void scan(int* View::*counts, int* View::*offsets, int n, int Counters::*total = nullptr) {
-    scanTo({view().*counts, nullptr, n, n}, view().*offsets, total);
-  }
+  void scan(int* View::*counts, int* View::*offsets, int n) { scanTo({view().*counts, nullptr, n, n}, view().*offsets); }
   /// Offsets behind the last element get the total too.
-  void scan(int* View::*counts, int* View::*offsets, int Counters::*n, int Counters::*total = nullptr) {
-    scanTo({view().*counts, counter(n), 0, capacityOf(n)}, view().*offsets, total);
+  void scan(int* View::*counts, int* View::*offsets, int Counters::*n) {
+    scanTo({view().*counts, counter(n), 0, capacityOf(n)}, view().*offsets);
+  }
+  template <class N>
+  void scan(int* View::*counts, int* View::*offsets, N n, int Counters::*total, Per per) {
+    const int limit = limitOf(n);
+    scan(counts, offsets, n);
+    perOf_[indexOf(total)] = static_cast<int>(per);
+    if (!begun()) return;
+    keepTotal<<<1, 1, 0, stream_>>>(control_, view().*offsets, limit, counter(total), roomFor(per));
+    checkCuda(cudaGetLastError(), "keepTotal");
   }
 
   /// A stable sort; the keys that are left out stand behind the last one.
@@ -144,28 +153,28 @@ class CudaExecutor {
   void require(Per per, int Counters::*count) {
     perOf_[indexOf(count)] = static_cast<int>(per);
     if (!begins()) return;
-    checkRoom<<<1, 1, 0, stream_>>>(control_, counter(count), tables_.capacity(per), static_cast<int>(per), operation());
-    checkCuda(cudaGetLastError(), "checkRoom");
+    requireRoom<<<1, 1, 0, stream_>>>(control_, counter(count), roomFor(per));
+    checkCuda(cudaGetLastError(), "requireRoom");
   }
 
-  /// As many rounds as there are launches for; later ones do nothing once the counter is at zero.
-  template <class Round>
-  void untilZero(int Counters::*count, Round&& round) {
-    const bool on = begins();
-    inRound_ = true;
-    roundsOn_ = on;
-    int* const c = counter(count);
-    if (on) {
-      openRounds<<<1, 1, 0, stream_>>>(control_, c);
-      checkCuda(cudaGetLastError(), "openRounds");
-    }
-    for (int k = 0; k < options_.rounds; ++k) {
-      round();
-      if (!on) break;
-      closeRound<<<1, 1, 0, stream_>>>(control_, c, counter(&Counters::rounds), kMaxRounds, k + 1 == options_.rounds, operation());
-      checkCuda(cudaGetLastError(), "closeRound");
-    }
-    inRound_ = false;
+  /// One launch, whose blocks wait for one another between the kernels.
+  template <class Take, class Propose>
+  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left) {
+    if (!begins()) return;
+    enterStage(Take::kName);
+    cudaLaunchAttribute together{};
+    together.id = cudaLaunchAttributeCooperative;
+    together.val.cooperative = 1;
+    cudaLaunchConfig_t config{};
+    config.gridDim = dim3(static_cast<unsigned>(processors_));
+    config.blockDim = dim3(kRoundThreads);
+    config.stream = stream_;
+    config.attrs = &together;
+    config.numAttrs = 1;
+    const int* const n = counter(count);
+    checkCuda(cudaLaunchKernelEx(&config, runRounds<Take, Propose>, view(), take, propose, n, counter(left), counter(&Counters::rounds),
+                                 kMaxRounds, Gate{control_}),
+              "rounds");
   }
 
   /// A launch for each of the first colours, and one for all that follow.
@@ -173,12 +182,13 @@ class CudaExecutor {
     if (!begins() || view().bodies == 0) return;
     enterStage(SolveBody<Real>::kName);
     // as many blocks as the device holds at a time: they share out whatever a colour has
-    const int blocks = std::min(blocksFor(view().bodies, kFewWidth), kSolveBlocks * processors_);
+    constexpr int kBatch = kGatherThreads / kFewWidth;
+    const int blocks = std::min((view().bodies + kBatch - 1) / kBatch, kSolveBlocks * processors_);
     for (int c = 0; c < options_.colors; ++c) {
-      solveColor<<<blocks, kThreads, 0, stream_>>>(view(), c, control_);
+      solveColor<<<blocks, kSolveThreads, 0, stream_>>>(view(), c, control_);
       checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
     }
-    solveTail<<<1, kTailThreads, 0, stream_>>>(view(), options_.colors, control_);
+    solveTail<<<1, kSolveThreads, 0, stream_>>>(view(), options_.colors, control_);
     checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
   }
 
@@ -198,12 +208,10 @@ class CudaExecutor {
     return kept_;
   }
 
-  /// Counts operations and says whether this one is enqueued. Those inside untilZero count as one with it, so that the numbers do not
-  /// depend on how many rounds there are launches for.
-  bool begins() {
-    if (inRound_) return roundsOn_;
-    return operation_++ >= options_.from;
-  }
+  /// Counts operations and says whether this one is enqueued.
+  bool begins() { return operation_++ >= options_.from; }
+  /// Is the present operation?
+  bool begun() const { return operation_ > options_.from; }
   int operation() const { return operation_ - 1; }
 
   void enterStage(const char* name) {
@@ -223,7 +231,7 @@ class CudaExecutor {
   /// `most`: no more elements than that.
   template <class Kernel>
   void launch(const Kernel& kernel, Count n, int most, const char* name) {
-    runKernel<Kernel><<<blocksFor(most, widthOf<Kernel>()), kThreads, 0, stream_>>>(view(), kernel, n, Gate{control_, inRound_});
+    runKernel<Kernel><<<blocksFor(most, widthOf<Kernel>()), kThreads, 0, stream_>>>(view(), kernel, n, Gate{control_});
     checkCuda(cudaGetLastError(), name);
   }
 
@@ -242,16 +250,26 @@ class CudaExecutor {
               "sort");
   }
 
-  void scanTo(const CountAt& in, int* offsets, int Counters::*total) {
+  void scanTo(const CountAt& in, int* offsets) {
     scanned_ = std::max(scanned_, in.limit);
     if (!begins()) return;
     // one element more than there are counts: the total stands behind the last
     std::size_t bytes = scratch_.size();
     exclusiveSum(scratch_.data(), bytes, in, offsets, in.limit + 1);
-    if (!total) return;
-    keepTotal<<<1, 1, 0, stream_>>>(control_, offsets, in.limit, counter(total));
-    checkCuda(cudaGetLastError(), "keepTotal");
   }
+
+  template <class Kernel>
+  void launchOverBodies(Kernel* kernel, const char* name, int n) {
+    if (!begins() || n <= 0) return;
+    enterStage(name);
+    kernel<<<(n + kColorBodies - 1) / kColorBodies, kThreads, 0, stream_>>>(view(), Gate{control_});
+    checkCuda(cudaGetLastError(), name);
+  }
+
+  SumTree tree() const { return {reinterpret_cast<int*>(tickets_.data()), tables_.capacity(Per::Chunk)}; }
+  Room roomFor(Per per) const { return {static_cast<int>(per), tables_.capacity(per), operation()}; }
+  int limitOf(int n) const { return n; }
+  int limitOf(int Counters::*n) const { return capacityOf(n); }
 
   /// Counters are ints one after another.
   static std::size_t indexOf(int Counters::*c) {
@@ -269,7 +287,7 @@ class CudaExecutor {
   DeviceTables& tables_;
   cudaStream_t stream_;
   Control* control_ = nullptr;
-  DeviceBuffer scratch_, sortedKeys_, indices_;
+  DeviceBuffer scratch_, sortedKeys_, indices_, tickets_;
   int scanned_ = 0, grouped_ = 0;  ///< most elements of a scan and of group() in this step
   int processors_ = 1, maxBlocks_ = 1;
   int perOf_[sizeof(Counters) / sizeof(int)];
@@ -278,7 +296,6 @@ class CudaExecutor {
   int operation_ = 0;
   const char* stage_ = nullptr;
   bool kept_ = false;
-  bool inRound_ = false, roundsOn_ = false;
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -30,9 +30,9 @@ class Bound {
 /// All that the nodes of a graph depend on. Padding may make equal ones differ: that costs a capture, never a wrong result.
 struct Configuration {
   View view;
-  int rounds = 0, colors = 0;
+  int colors = 0;
   bool operator==(const Configuration& o) const {
-    return rounds == o.rounds && colors == o.colors && std::memcmp(&view, &o.view, sizeof view) == 0;
+    return colors == o.colors && std::memcmp(&view, &o.view, sizeof view) == 0;
   }
 };
 
@@ -101,8 +101,7 @@ struct StepStatus {
   Counters counters;
 };
 
-/// Rounds and colours before anything is known of a scene.
-constexpr int kFirstRounds = 16;
+/// Colours before anything is known of a scene.
 constexpr int kFirstColors = 16;
 
 }  // namespace
@@ -113,7 +112,7 @@ struct CudaStepper::Impl {
   /// From operation `from` on; afterwards the tables stand as before the step.
   void enqueue(int from, Timeline* timeline, bool captured) {
     if (timeline) timeline->clear();
-    swaps = executor.enqueue({from, rounds.limit(), colors.limit(), timings ? timeline : nullptr, captured});
+    swaps = executor.enqueue({from, colors.limit(), timings ? timeline : nullptr, captured});
     if (swaps) tables.keepManifolds();
     const auto copy = [&](void* to, const void* what, std::size_t bytes) {
       checkCuda(cudaMemcpyAsync(to, what, bytes, cudaMemcpyDeviceToHost, stream.get()), "cudaMemcpyAsync");
@@ -124,7 +123,7 @@ struct CudaStepper::Impl {
 
   /// The whole step, by a graph if its configuration has come up before. Pointers alternate from step to step, and so do two graphs.
   const Timeline& runWhole() {
-    const Configuration now{tables.view(), rounds.limit(), colors.limit()};
+    const Configuration now{tables.view(), colors.limit()};
     StepGraph& graph = graphs[parity];
     if (!graph.holds(now)) {
       executor.reserveScratch();
@@ -141,19 +140,12 @@ struct CudaStepper::Impl {
   }
 
   void makeRoom(const Control& control) {
-    switch (control.lacking) {
-      case kLacksRounds:
-        rounds.raise(2 * rounds.limit());
-        break;
-      default: {
-        const Per per = static_cast<Per>(control.lacking);
-        // the first time there is no room at all, and the next steps need a little more
-        constexpr int kLeastSpare = 64;
-        const int spare = tables.capacity(per) > 1 ? 0 : kLeastSpare + control.needed / 8;
-        tables.reserve(per, control.needed + spare);
-        executor.reserveScratch();
-      }
-    }
+    const Per per = static_cast<Per>(control.lacking);
+    // the first time there is no room at all, and the next steps need a little more
+    constexpr int kLeastSpare = 64;
+    const int spare = tables.capacity(per) > 1 ? 0 : kLeastSpare + control.needed / 8;
+    tables.reserve(per, control.needed + spare);
+    executor.reserveScratch();
   }
 
   Stream stream;
@@ -162,7 +154,7 @@ struct CudaStepper::Impl {
   Pinned<StepStatus> status;
   StepGraph graphs[2];
   Timeline direct;
-  Bound rounds{kFirstRounds, 2}, colors{kFirstColors, 1};
+  Bound colors{kFirstColors, 1};
   int parity = 0;
   bool swaps = false;
   bool timings;
@@ -199,7 +191,6 @@ Counters CudaStepper::step(const View& host, StepReport& report) {
     m.parity ^= 1;
   }
   const Counters counters = m.status->counters;
-  m.rounds.note(counters.rounds + 1);
   m.colors.note(m.status->control.wideColors);
   return counters;
 }

@@ -10,8 +10,7 @@ struct FlattenGroupsTogether {
   int level;
   explicit FlattenGroupsTogether(const FlattenGroups& stage) : level(stage.level) {}
   __device__ void operator()(const View& s, int i) const {
-    const int leader = findLeader(s.leader + level * s.bodies, i);
-    s.groupOf[atLevel(s, level, i)] = leader;
+    const int leader = flatten(s, level, i);
     if (s.params[i].kind != BodyKind::Dynamic) return;
     const unsigned same = __match_any_sync(__activemask(), leader);
     if (static_cast<int>(threadIdx.x % kWarp) == __ffs(static_cast<int>(same)) - 1)
@@ -23,84 +22,84 @@ struct OnDevice<FlattenGroups> {
   using Type = FlattenGroupsTogether;
 };
 
+/// Sums of chunks into those of their group by a tree of fan-in kWarp: the last of a node's children to come adds them up, in their order.
+inline constexpr int kTreeLevels = 5;
+struct SumTree {
+  int* tickets;  ///< [kTreeLevels][chunks] children that have come; zero between kernels
+  int chunks;
+
+  /// Hands the sum of chunk `c` (number `lane` in each lane) up the tree; true in the warp that is left with the sum of the group.
+  __device__ bool carryUp(const View& s, const Group& group, int c, const Tile<kWarp>& tile, Real (&sum)[1]) const {
+    int place = c - group.chunkBegin, count = group.chunkEnd - group.chunkBegin, stride = 1;
+    for (int level = 0; count > 1; ++level) {
+      storeSums(tile, sum, s.chunk[group.chunkBegin + place * stride].sum);
+      const int first = place / kWarp * kWarp, children = min(kWarp, count - first), node = group.chunkBegin + first * stride;
+      int* const ticket = tickets + level * chunks + node;
+      __threadfence();
+      __syncwarp();
+      int come = 0;
+      if (tile.lane == 0) come = atomicAdd(ticket, 1) + 1;
+      if (__shfl_sync(kAllLanes, come, 0) < children) return false;
+      __threadfence();
+      if (tile.lane == 0) *ticket = 0;
+      Block6 own;
+      if (tile.lane < children) own = loadFresh(s.chunk[node + tile.lane * stride].sum);
+      sumBlocks(tile, own, sum);
+      place = first / kWarp, count = (count + kWarp - 1) / kWarp, stride *= kWarp;
+    }
+    return true;
+  }
+
+ private:
+  /// What other blocks have written in this kernel.
+  __device__ static Block6 loadFresh(const Block6& from) {
+    Real v[kBlockReals];
+    const Real* const numbers = reinterpret_cast<const Real*>(&from);
+#pragma unroll
+    for (int k = 0; k < kBlockReals; ++k) v[k] = __ldcg(numbers + k);
+    Block6 block;
+    memcpy(static_cast<void*>(&block), v, sizeof block);
+    return block;
+  }
+};
+
+/// SumMasses and FindCentres in one: the warp that completes the sum of a group goes on with it.
 struct SumMassesByWarp {
   static constexpr const char* kName = SumMasses::kName;
   static constexpr int kWidth = kWarp;
+  SumTree tree;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
-    Chunk& chunk = s.chunk[i];
+    const Chunk& chunk = s.chunk[i];
+    Group& group = s.group[chunk.group];
     const Vec3d origin = s.position[s.member[s.memberOffset[chunk.group]]];
-    Real mass = 0;
-    Vec3 moment;
+    Block6 own;
     for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) {
       const int body = s.member[k];
-      mass += s.params[body].mass;
-      moment += s.params[body].mass * Vec3(s.position[body] - origin);
+      own.ll.xx += s.params[body].mass;
+      own.fl += s.params[body].mass * Vec3(s.position[body] - origin);
     }
-    mass = tile.sum(mass);
-    moment = tile.sum(moment);
-    if (tile.lane != 0) return;
-    chunk.sum.ll.xx = mass;
-    chunk.sum.fl = moment;
+    Real sums[1];
+    sumBlocks(tile, own, sums);
+    if (!tree.carryUp(s, group, i, tile, sums)) return;
+    const Block6 all = gatherSums(sums[0]);
+    if (tile.lane == 0) group.centre = origin + Vec3d(all.fl / all.ll.xx);
   }
 };
-template <>
-struct OnDevice<SumMasses> {
-  using Type = SumMassesByWarp;
-};
 
-struct FindCentresByWarp {
-  static constexpr const char* kName = FindCentres::kName;
-  static constexpr int kWidth = kWarp;
-  __device__ void operator()(const View& s, int g, const Tile<kWidth>& tile) const {
-    Group& group = s.group[g];
-    Real mass = 0;
-    Vec3 moment;
-    for (int k = group.chunkBegin + tile.lane; k < group.chunkEnd; k += kWidth) {
-      mass += s.chunk[k].sum.ll.xx;
-      moment += s.chunk[k].sum.fl;
-    }
-    mass = tile.sum(mass);
-    moment = tile.sum(moment);
-    if (tile.lane == 0) group.centre = s.position[s.member[s.memberOffset[g]]] + Vec3d(moment / mass);
-  }
-};
-template <>
-struct OnDevice<FindCentres> {
-  using Type = FindCentresByWarp;
-};
-
+/// SumInertia and TakeInertia in one.
 struct SumInertiaByWarp {
   static constexpr const char* kName = SumInertia::kName;
   static constexpr int kWidth = kWarp;
+  SumTree tree;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
-    Chunk& chunk = s.chunk[i];
+    const Chunk& chunk = s.chunk[i];
+    Group& group = s.group[chunk.group];
     Block6 own;
-    for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) addInertia(s, s.group[chunk.group], s.member[k], own);
+    for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) addInertia(s, group, s.member[k], own);
     Real sums[1];
     sumBlocks(tile, own, sums);
-    storeSums(tile, sums, chunk.sum);
+    if (tree.carryUp(s, group, i, tile, sums)) storeSums(tile, sums, group.inertia);
   }
-};
-template <>
-struct OnDevice<SumInertia> {
-  using Type = SumInertiaByWarp;
-};
-
-struct TakeInertiaByWarp {
-  static constexpr const char* kName = TakeInertia::kName;
-  static constexpr int kWidth = kWarp;
-  __device__ void operator()(const View& s, int g, const Tile<kWidth>& tile) const {
-    Group& group = s.group[g];
-    Block6 own;
-    for (int k = group.chunkBegin + tile.lane; k < group.chunkEnd; k += kWidth) addBlock(own, s.chunk[k].sum);
-    Real sums[1];
-    sumBlocks(tile, own, sums);
-    storeSums(tile, sums, group.inertia);
-  }
-};
-template <>
-struct OnDevice<TakeInertia> {
-  using Type = TakeInertiaByWarp;
 };
 
 /// visit(entry) for the row blocks of a body that leave its group at a level.
@@ -152,46 +151,52 @@ struct OnDevice<FillExternals> {
   using Type = FillExternalsByWarp;
 };
 
-/// Rare, and large: a call keeps its registers out of the kernels that contacts fill.
-static __device__ __noinline__ void addExternalJointApart(const View& s, int group, std::uint32_t code, Block6* sum) {
-  Block6 own;
-  addExternalJoint(s, group, code, own);
-  *sum = own;
+/// Adds the joints among external row blocks [k, end). Rare, and large: a call keeps its registers out of the kernels that contacts fill.
+static __device__ __noinline__ void addExternalJointsApart(const View& s, int group, int k, int end, int stride, Block6* sum) {
+  for (; k < end; k += stride)
+    if (const std::uint32_t code = s.external[k]; entryType(code) != kContactType) addExternalJoint(s, group, code, *sum);
 }
 
+/// SumChunk and SolveGroup in one: the warp that completes the sum of a group solves it.
 struct SumChunkByWarp {
   static constexpr const char* kName = SumChunk<Real>::kName;
   static constexpr int kWidth = kWarp;
+  SumTree tree;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
-    Chunk& chunk = s.chunk[i];
-    const Group& group = s.group[chunk.group];
+    const Chunk chunk = s.chunk[i];
+    Group& group = s.group[chunk.group];
     Block6 own;
     for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) addInertialForce(s, group, s.member[k], own);
     // a lane a point: four lanes share a row block
-    const int end = s.externalOffset[i + 1], point = tile.lane % kLanes;
-    for (int k = s.externalOffset[i] + tile.lane / kLanes; k < end; k += kWidth / kLanes) {
+    constexpr int kStride = kWidth / kLanes;
+    const int begin = s.externalOffset[i] + tile.lane / kLanes, end = s.externalOffset[i + 1], point = tile.lane % kLanes;
+    bool joints = false;
+    for (int k = begin; k < end; k += kStride) {
       const std::uint32_t code = s.external[k];
-      if (entryType(code) == kContactType) {
+      if (entryType(code) == kContactType)
         addExternalContact<Real>(s, group, code, point, own);
-      } else if (point == 0) {
-        Block6 joint;
-        addExternalJointApart(s, chunk.group, code, &joint);
-        addBlock(own, joint);
-      }
+      else
+        joints = true;
+    }
+    if (joints && point == 0) {
+      Block6 sum = own;
+      addExternalJointsApart(s, chunk.group, begin, end, kStride, &sum);
+      own = sum;
     }
     Real sums[1];
     sumBlocks(tile, own, sums);
-    storeSums(tile, sums, chunk.sum);
+    if (!tree.carryUp(s, group, i, tile, sums)) return;
+    Block6 block = group.inertia;
+    block.fl = block.fa = {0, 0, 0};
+    addBlock(block, gatherSums(sums[0]));
+    const Vec6 dx = groupStep(block);
+    if (tile.lane == 0) group.step = dx;
   }
-};
-template <>
-struct OnDevice<SumChunk<Real>> {
-  using Type = SumChunkByWarp;
 };
 
 struct MoveChunkByLanes {
   static constexpr const char* kName = MoveChunk::kName;
-  static constexpr int kWidth = 16;
+  static constexpr int kWidth = kWarp;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Chunk& chunk = s.chunk[i];
     for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) moveWithGroup(s, s.group[chunk.group], s.member[k]);
@@ -201,57 +206,5 @@ template <>
 struct OnDevice<MoveChunk> {
   using Type = MoveChunkByLanes;
 };
-
-/// A group of few chunks.
-struct SolveGroupByWarp {
-  static constexpr const char* kName = SolveGroup::kName;
-  static constexpr int kWidth = kWarp;
-  __device__ void operator()(const View& s, int g, const Tile<kWidth>& tile) const {
-    Group& group = s.group[g];
-    Block6 own;
-    for (int k = group.chunkBegin + tile.lane; k < group.chunkEnd; k += kWidth) addBlock(own, s.chunk[k].sum);
-    Real sums[1];
-    sumBlocks(tile, own, sums);
-    solve(group, gatherSums(sums[0]), tile.lane);
-  }
-  __device__ static void solve(Group& group, const Block6& rows, int lane) {
-    Block6 block = group.inertia;
-    block.fl = block.fa = {0, 0, 0};
-    addBlock(block, rows);
-    const Vec6 dx = groupStep(block);
-    if (lane == 0) group.step = dx;
-  }
-};
-template <>
-struct OnDevice<SolveGroup> {
-  using Type = SolveGroupByWarp;
-};
-
-/// Groups of a coarser level have up to thousands of chunks: a block each.
-inline constexpr int kSolveThreads = 256;
-static __global__ void __launch_bounds__(kSolveThreads) solveLargeGroups(const __grid_constant__ View s, int level, Gate gate) {
-  if (gate.closed()) return;
-  constexpr int kWarps = kSolveThreads / kWarp;
-  __shared__ Real partial[kWarps][kPaddedReals];
-  const Tile<kWarp> tile = Tile<kWarp>::ofThread();
-  const int warp = static_cast<int>(threadIdx.x) / kWarp;
-  const int end = s.levelGroup[level + 1];
-  for (int g = s.levelGroup[level] + static_cast<int>(blockIdx.x); g < end; g += static_cast<int>(gridDim.x)) {
-    Group& group = s.group[g];
-    Block6 own;
-    for (int k = group.chunkBegin + static_cast<int>(threadIdx.x); k < group.chunkEnd; k += kSolveThreads) addBlock(own, s.chunk[k].sum);
-    Real sums[1];
-    sumBlocks(tile, own, sums);
-    partial[warp][tile.lane] = sums[0];
-    __syncthreads();
-    if (warp == 0) {
-      Real sum = 0;
-#pragma unroll
-      for (int w = 0; w < kWarps; ++w) sum += partial[w][tile.lane];
-      SolveGroupByWarp::solve(group, gatherSums(sum), tile.lane);
-    }
-    __syncthreads();
-  }
-}
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,5 +1,6 @@
 #pragma once
 /// How a functor of the step becomes a kernel, and the few kernels that replace decisions of the host.
+#include <cooperative_groups.h>
 #include <cuda_runtime.h>
 
 #include "backend/cuda/tile.cuh"
@@ -8,23 +9,18 @@ namespace rubble::RUBBLE_CORE {
 
 inline constexpr int kThreads = 128;
 
-/// What a step lacks besides elements of a table.
-inline constexpr int kLacksRounds = -1;
-
 /// A step that lacks room stops: every later kernel sees it and does nothing, and the host goes on from there with more room.
 struct Control {
   int stop;     ///< 0, or 1 + the operation that could not be done
-  int lacking;  ///< what there is too little of: a Per or kLacksRounds
+  int lacking;  ///< what there is too little of: a Per
   int needed;   ///< how many
-  int settled;  ///< untilZero: a round has left its counter at zero
   int wideColors;  ///< colours up to the last that is worth a launch
 };
 
 /// When a kernel has nothing to do.
 struct Gate {
   const Control* control;
-  bool inRound;  ///< one of the rounds of untilZero
-  __device__ bool closed() const { return control->stop != 0 || (inRound && control->settled != 0); }
+  __device__ bool closed() const { return control->stop != 0; }
 };
 
 /// A number of elements, known on the host or counted on the device.
@@ -58,7 +54,7 @@ __global__ void __launch_bounds__(kThreads) runKernel(const __grid_constant__ Vi
 
 /// kernel(s, i) for offsets[range] <= i < offsets[range + 1].
 template <class Kernel>
-__global__ void __launch_bounds__(kThreads, 4)
+__global__ void __launch_bounds__(kThreads, 6)
     runRange(const __grid_constant__ View s, const Kernel kernel, const int* offsets, int range, Gate gate) {
   if (gate.closed()) return;
   runStrided(s, kernel, offsets[range], offsets[range + 1] - offsets[range]);
@@ -106,30 +102,41 @@ struct CountAt {
   }
 };
 
+/// Room for elements that a step counts, and the operation that needs it.
+struct Room {
+  int per, capacity, operation;
+};
+
+__device__ inline void checkRoom(Control* control, int count, const Room& room) {
+  if (count > room.capacity) lack(control, room.operation, room.per, count);
+}
+
 /// The total of a scan over at most `limit` elements, from behind the last one.
-static __global__ void keepTotal(const Control* control, const int* offsets, int limit, int* total) {
-  if (control->stop == 0) *total = offsets[limit];
-}
-
-static __global__ void checkRoom(Control* control, const int* count, int capacity, int per, int operation) {
-  if (control->stop == 0 && *count > capacity) lack(control, operation, per, *count);
-}
-
-static __global__ void openRounds(Control* control, int* counter) {
+static __global__ void keepTotal(Control* control, const int* offsets, int limit, int* total, Room room) {
   if (control->stop != 0) return;
-  control->settled = 0;
-  *counter = 0;
+  *total = offsets[limit];
+  checkRoom(control, *total, room);
 }
 
-/// After a round: settled if the counter is at zero, else ready for the next one. `rounds` counts those that did not settle.
-static __global__ void closeRound(Control* control, int* counter, int* rounds, int maxRounds, bool last, int operation) {
-  if (control->stop != 0 || control->settled != 0) return;
-  if (*counter == 0 || ++*rounds >= maxRounds) {
-    control->settled = 1;
-  } else if (last) {
-    lack(control, operation, kLacksRounds, *rounds);
-  } else {
-    *counter = 0;
+static __global__ void requireRoom(Control* control, const int* count, Room room) {
+  if (control->stop == 0) checkRoom(control, *count, room);
+}
+
+/// Rounds of `take` and `propose` over the same elements until a round leaves *left at zero. All blocks of the grid run at a time.
+inline constexpr int kRoundThreads = 256;
+template <class Take, class Propose>
+__global__ void __launch_bounds__(kRoundThreads)
+    runRounds(const __grid_constant__ View s, Take take, Propose propose, const int* count, int* left, int* rounds, int maxRounds, Gate gate) {
+  if (gate.closed()) return;
+  const auto grid = cooperative_groups::this_grid();
+  const int n = *count, first = static_cast<int>(grid.thread_rank()), stride = static_cast<int>(grid.size());
+  for (int round = 0; round < maxRounds && *static_cast<volatile int*>(left) != 0; ++round) {
+    for (int k = first; k < n; k += stride) take(s, k);
+    grid.sync();
+    if (first == 0) *left = 0, *rounds = round + 1;
+    grid.sync();
+    for (int k = first; k < n; k += stride) propose(s, k);
+    grid.sync();
   }
 }
 

@@ -1,24 +1,23 @@
 #pragma once
-/// The primal update: several lanes a body gather its points, and one warp solves the local problems of a block's bodies.
+/// The primal update: several lanes a body gather its rows, while the last warp of the block solves the local problems gathered before.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
 /// Colours of at most this many bodies share a launch of one block: an extra launch would take longer than they do.
 inline constexpr int kTailBodies = 128;
-inline constexpr int kTailThreads = 512;
+/// Threads of a block that gather; one warp more solves.
+inline constexpr int kGatherThreads = 224, kSolveThreads = kGatherThreads + kWarp;
 /// Blocks of a colour's kernel that a multiprocessor holds at a time.
-inline constexpr int kSolveBlocks = 4;
+inline constexpr int kSolveBlocks = 3;
 /// Lanes a body: few where bodies fill the device, so that none is idle; more where they don't, so that a body takes fewer rounds. By the
 /// population alone, and not by the kernel that finds the colour: the order of sums must be the same each time.
 inline constexpr int kCrowdWidth = 8, kFewWidth = 16;
 inline constexpr int kCrowd = 4096;
 
-/// Rare, and large: a call keeps its registers out of the kernels that contacts fill.
-static __device__ __noinline__ void addJointApart(const View& s, std::uint32_t code, Block6* sum) {
-  Block6 own;
-  addJoint(s, code, own);
-  *sum = own;
+/// Adds the joints of a body: its entries from `k` on. Rare, and large: a call keeps its registers out of the kernels that contacts fill.
+static __device__ __noinline__ void addJointsApart(const View& s, int k, int end, int stride, Block6* sum) {
+  for (; k < end; k += stride) addJoint(s, s.entry[k].code, *sum);
 }
 
 /// Forces and Hessians of the row blocks of a body that are this lane's.
@@ -27,76 +26,84 @@ __device__ Block6 gatherRows(const View& s, int body, int lane) {
   constexpr int kStride = kWidth / kLanes;
   const int end = s.entryOffset[body + 1], point = lane % kLanes;
   int k = s.entryOffset[body] + lane / kLanes;
-  Block6 own;
-  // the code of the next round is on its way while this one is worked on
-  std::uint32_t next = k < end ? s.entry[k].code : 0;
+  const Displacement own = s.moved[body];
+  Block6 sum;
+  // entries are sorted by type, contacts first
   for (; k < end; k += kStride) {
-    const std::uint32_t code = next;
-    if (k + kStride < end) next = s.entry[k + kStride].code;
-    if (entryType(code) == kContactType) {
-      addContact<Real>(s, code, point, own);
-    } else if (point == 0) {
-      Block6 joint;
-      addJointApart(s, code, &joint);
-      addBlock(own, joint);
-    }
+    const Entry entry = s.entry[k];
+    if (entryType(entry.code) != kContactType) break;
+    // known from the entry, the displacement of the other body need not wait for the rows
+    const ContactRows& r = s.contact[entryIndex(entry.code)];
+    const bool onA = entrySide(entry.code) == 0;
+    const Displacement other = s.moved[entry.other >= 0 ? entry.other : onA ? r.b : r.a];
+    stampContact<Real>(s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
   }
-  return own;
+  if (k < end && point == 0) {
+    Block6 joints = sum;
+    addJointsApart(s, k, end, kStride, &joints);
+    sum = joints;
+  }
+  return sum;
 }
 
-template <int kBlockThreads>
-using BlockSums = Real[kBlockThreads / kCrowdWidth][kPaddedReals + 1];
+/// Sums of the rows of the bodies of a batch, twice: one is filled while the other is used.
+using BatchSums = Real[kGatherThreads / kCrowdWidth][kPaddedReals + 1];
 
-/// Solves `count` bodies of one colour, which share no rows: all blocks of a grid that call it together.
-template <int kBlockThreads, int kWidth>
-__device__ void solveBodies(const View& s, const int* bodies, int count, BlockSums<kBlockThreads>& sums) {
-  constexpr int kBodies = kBlockThreads / kWidth;
+/// Solves `count` bodies of one colour, which share no rows: all blocks of a grid that call it together. Ends with all threads at a barrier.
+template <int kWidth>
+__device__ void solveBodies(const View& s, const int* bodies, int count, BatchSums (&sums)[2]) {
+  constexpr int kBodies = kGatherThreads / kWidth;
+  static_assert(kBodies <= kWarp);
   const Tile<kWidth> tile = Tile<kWidth>::ofThread();
-  const int thread = static_cast<int>(threadIdx.x), slot = thread / kWidth, stride = static_cast<int>(gridDim.x) * kBodies;
-  for (int first = static_cast<int>(blockIdx.x) * kBodies; first < count; first += stride) {
-    Block6 own;
-    if (first + slot < count) own = gatherRows<kWidth>(s, bodies[first + slot], tile.lane);
-    Real mine[kRealsPerLane<kWidth>];
-    sumBlocks(tile, own, mine);
+  const int thread = static_cast<int>(threadIdx.x), slot = thread / kWidth, solver = thread - kGatherThreads;
+  const int stride = static_cast<int>(gridDim.x) * kBodies;
+  int batch = 0;
+  for (int first = static_cast<int>(blockIdx.x) * kBodies;; first += stride, batch ^= 1) {
+    if (solver < 0) {
+      if (first < count) {
+        Block6 own;
+        if (first + slot < count) own = gatherRows<kWidth>(s, bodies[first + slot], tile.lane);
+        Real mine[kRealsPerLane<kWidth>];
+        sumBlocks(tile, own, mine);
 #pragma unroll
-    for (int k = 0; k < kRealsPerLane<kWidth>; ++k) sums[slot][tile.lane * kRealsPerLane<kWidth> + k] = mine[k];
-    __syncthreads();
-    if (thread < kBodies && first + thread < count) {
-      const int body = bodies[first + thread];
+        for (int k = 0; k < kRealsPerLane<kWidth>; ++k) sums[batch][slot][tile.lane * kRealsPerLane<kWidth> + k] = mine[k];
+      }
+    } else if (const int before = first - stride + solver; first >= stride && solver < kBodies && before < count) {
+      const int body = bodies[before];
       Block6 block, rows;
       const Pose x = startBlock(s, body, block);
-      memcpy(static_cast<void*>(&rows), sums[thread], sizeof rows);
+      memcpy(static_cast<void*>(&rows), sums[batch ^ 1][solver], sizeof rows);
       addBlock(block, rows);
       finishBlock(s, body, block, x);
     }
     __syncthreads();
+    if (first >= count) return;
   }
 }
 
-template <int kBlockThreads>
-__device__ void solveColorTogether(const View& s, int color, BlockSums<kBlockThreads>& sums) {
+__device__ inline void solveColorTogether(const View& s, int color, BatchSums (&sums)[2]) {
   const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
   if (count > kCrowd)
-    solveBodies<kBlockThreads, kCrowdWidth>(s, s.colorBody + begin, count, sums);
+    solveBodies<kCrowdWidth>(s, s.colorBody + begin, count, sums);
   else
-    solveBodies<kBlockThreads, kFewWidth>(s, s.colorBody + begin, count, sums);
+    solveBodies<kFewWidth>(s, s.colorBody + begin, count, sums);
 }
 
 /// One colour.
-static __global__ void __launch_bounds__(kThreads, kSolveBlocks)
+static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
     solveColor(const __grid_constant__ View s, int color, const Control* control) {
-  __shared__ BlockSums<kThreads> sums;
-  if (control->stop == 0 && color < s.counters->colors) solveColorTogether<kThreads>(s, color, sums);
+  __shared__ BatchSums sums[2];
+  if (control->stop == 0 && color < s.counters->colors) solveColorTogether(s, color, sums);
 }
 
 /// The colours from `first` on, one after another in one block, whatever their size. Notes how many colours are worth a launch.
-static __global__ void __launch_bounds__(kTailThreads) solveTail(const __grid_constant__ View s, int first, Control* control) {
+static __global__ void __launch_bounds__(kSolveThreads) solveTail(const __grid_constant__ View s, int first, Control* control) {
   if (control->stop != 0) return;
-  __shared__ BlockSums<kTailThreads> sums;
+  __shared__ BatchSums sums[2];
   const int colors = s.counters->colors;
-  for (int c = static_cast<int>(threadIdx.x); c < colors; c += kTailThreads)
+  for (int c = static_cast<int>(threadIdx.x); c < colors; c += kSolveThreads)
     if (s.colorOffset[c + 1] - s.colorOffset[c] > kTailBodies) atomicMax(&control->wideColors, c + 1);
-  for (int c = first; c < colors; ++c) solveColorTogether<kTailThreads>(s, c, sums);
+  for (int c = first; c < colors; ++c) solveColorTogether(s, c, sums);
 }
 
 }  // namespace rubble::RUBBLE_CORE

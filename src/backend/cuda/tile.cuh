@@ -101,6 +101,21 @@ RUBBLE_HD inline void addBlock(Block6& to, const Block6& from) {
   to.fl += from.fl, to.fa += from.fa;
 }
 
+/// *p += a for threads of a warp that come here together, by one of them.
+__device__ inline void atomicCountTogether(int* p, int a) {
+  const unsigned here = __activemask();
+  const int sum = __reduce_add_sync(here, a);
+  if (static_cast<int>(threadIdx.x % kWarp) == __ffs(static_cast<int>(here)) - 1) atomicAdd(p, sum);
+}
+/// The same by ones; returns a number of its own to each thread that comes here, from the old *p on.
+__device__ inline int claimTogether(int* p) {
+  const unsigned here = __activemask();
+  const int lane = static_cast<int>(threadIdx.x % kWarp), first = __ffs(static_cast<int>(here)) - 1;
+  int base = 0;
+  if (lane == first) base = atomicAdd(p, __popc(here));
+  return __shfl_sync(here, base, first) + __popc(here & ((1u << lane) - 1));
+}
+
 /// Which kernel runs a stage on the device. One with `kWidth` lanes has operator()(View, element, Tile<kWidth>) and takes the place of a
 /// stage that has operator()(View, element); what the stage's functor holds it is made from.
 template <class Kernel>

@@ -41,20 +41,19 @@ class LockstepExecutor {
     both([&](CpuExecutor& e) { e.clear(array, n); });
   }
   template <class Count>
-  void scan(int* View::*counts, int* View::*offsets, Count n, int Counters::*total = nullptr) {
-    both([&](CpuExecutor& e) { e.scan(counts, offsets, n, total); });
+  void scan(int* View::*counts, int* View::*offsets, Count n) {
+    both([&](CpuExecutor& e) { e.scan(counts, offsets, n); });
+  }
+  template <class Count>
+  void scan(int* View::*counts, int* View::*offsets, Count n, int Counters::*total, Per per) {
+    both([&](CpuExecutor& e) { e.scan(counts, offsets, n, total, per); });
   }
   void require(Per per, int Counters::*count) {
     both([&](CpuExecutor& e) { e.require(per, count); });
   }
-  template <class Round>
-  void untilZero(int Counters::*counter, Round&& round) {
-    int rounds = 0;
-    do {
-      both([&](CpuExecutor& e) { e.view().counters->*counter = 0; });
-      round();
-    } while (view().counters->*counter != 0 && ++rounds < CpuExecutor::kMaxRounds);
-    both([&](CpuExecutor& e) { e.view().counters->rounds = rounds; });
+  template <class Take, class Propose>
+  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left) {
+    both([&](CpuExecutor& e) { e.rounds(take, propose, count, left); });
   }
   void keepManifolds() {
     enter("between steps");
