@@ -87,7 +87,7 @@ struct Counters {
   int contacts, recycled;
   int groups, chunks, externals;
   int clashes, rounds;
-  int quarantined, spinLimited, broken;
+  int quarantined, failedSolves, spinLimited, broken;
   int levelUsed[kGridLevels];
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]
 };

@@ -55,7 +55,6 @@ struct View {
   int* colorBody = nullptr;           ///< dynamic bodies by colour
   int* entryCount = nullptr;          ///< row blocks of a body
   int* entryOffset = nullptr;         ///< [bodies + 1]
-  int* entryFill = nullptr;
   // groups; arrays over (level, body) have index level * bodies + body
   int* leader = nullptr;              ///< [level][body] forest of groups being united
   int* memberCount = nullptr;         ///< [level][body] members of the group that the body leads
@@ -144,7 +143,6 @@ void forEachArray(F&& f) {
   is(&View::colorBody, "colorBody", "", Per::Body, Life::Unordered);
   is(&View::entryCount, "entryCount", "", Per::Body, Life::Work);
   is(&View::entryOffset, "entryOffset", "", Per::Body, Life::Work, 1);
-  is(&View::entryFill, "entryFill", "", Per::Body, Life::Work);
   is(&View::leader, "leader", "", Per::BodyLevel, Life::Unordered);
   is(&View::memberCount, "memberCount", "", Per::BodyLevel, Life::Work);
   is(&View::leads, "leads", "", Per::BodyLevel, Life::Work);

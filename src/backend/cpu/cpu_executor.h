@@ -11,6 +11,7 @@
 #include <rubble/report.h>
 
 #include "backend/cpu/host_memory.h"
+#include "backend/state_rows.h"
 #include "stages/step.h"
 #include "state/tables.h"
 
@@ -86,7 +87,12 @@ class CpuExecutor {
     offset[0] = 0;
   }
 
-  void require(Per per, int Counters::*count) { tables_.reserve(per, view().counters->*count); }
+  void require(Per per, int Counters::*count) {
+    const int needed = view().counters->*count;
+    if (needed <= tables_.capacity(per)) return;
+    tables_.reserve(per, needed);
+    grown_.push_back({kindName(per), needed});
+  }
 
   template <class Round>
   void untilZero(int Counters::*counter, Round&& round) {
@@ -112,6 +118,8 @@ class CpuExecutor {
 
   /// Time of each stage since the last call [ms].
   std::vector<StageTime> takeTimes() { return std::exchange(times_, {}); }
+  /// Tables that have grown since the last call.
+  std::vector<Growth> takeGrown() { return std::exchange(grown_, {}); }
 
  private:
   /// Adds the time of its life to a stage.
@@ -154,6 +162,7 @@ class CpuExecutor {
   tbb::task_arena arena_;
   bool timings_;
   std::vector<StageTime> times_;
+  std::vector<Growth> grown_;
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -112,10 +112,9 @@ class CudaExecutor {
     checkCuda(cudaGetLastError(), SolveGroup::kName);
   }
 
-  void fill(int* View::*array, int n, int value) {
-    if (begins() && n > 0) launch(FillArray{view().*array, value}, {n, nullptr}, n, "fill");
+  void clear(int* View::*array, int n) {
+    if (begins() && n > 0) launch(FillArray{view().*array, 0}, {n, nullptr}, n, "clear");
   }
-  void clear(int* View::*array, int n) { fill(array, n, 0); }
   void clear(int* View::*array, int Counters::*n) {
     if (begins()) launch(FillArray{view().*array, 0}, {0, counter(n)}, capacityOf(n), "clear");
   }
