@@ -14,7 +14,7 @@
 #include "backend/cuda/contact_kernels.cuh"
 #include "backend/cuda/device_memory.h"
 #include "backend/cuda/group_kernels.cuh"
-#include "backend/cuda/primal_kernels.cuh"
+#include "backend/cuda/strict_kernels.cuh"
 #include "backend/cuda/timeline.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -95,14 +95,14 @@ class CudaExecutor {
     if (!begins()) return;
     enterStage(Kernel::kName);
     constexpr int kBodiesPerElement = 16;
-    using Type = typename OnDevice<Kernel>::Type;
+    using Type = DeviceKernel<Kernel>;
     const int blocks = blocksFor(view().bodies / kBodiesPerElement + 1, widthOf<Type>());
     runRange<Type><<<blocks, kThreads, 0, stream_>>>(view(), onDevice(kernel), view().*offsets, k, Gate{control_, inRound_});
     checkCuda(cudaGetLastError(), Kernel::kName);
   }
   /// Groups of the finest level are many and small, those of coarser ones few and large.
   void forEachIn(const SolveGroup& kernel, int* View::*offsets, int level) {
-    if (level == 0) {
+    if (level == 0 || kStrict) {
       forEachIn<SolveGroup>(kernel, offsets, level);
       return;
     }
@@ -171,6 +171,15 @@ class CudaExecutor {
   void forEachColor(const SolveBody<Real>&) {
     if (!begins() || view().bodies == 0) return;
     enterStage(SolveBody<Real>::kName);
+    if constexpr (kStrict) {
+      for (int c = 0; c < options_.colors; ++c) {
+        solveColorStrictly<<<blocksFor(view().bodies), kThreads, 0, stream_>>>(view(), c, control_);
+        checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
+      }
+      solveTailStrictly<<<1, kThreads, 0, stream_>>>(view(), options_.colors, control_);
+      checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
+      return;
+    }
     // as many blocks as the device holds at a time: they share out whatever a colour has
     const int blocks = std::min(blocksFor(view().bodies, kFewWidth), kSolveBlocks * processors_);
     for (int c = 0; c < options_.colors; ++c) {
