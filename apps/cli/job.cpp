@@ -46,13 +46,13 @@ Params paramsOf(const JobOptions& options, const scenes::Job& job) {
   return params;
 }
 
+}  // namespace
+
 void checkBackend(const std::string& backend) {
   const std::vector<std::string> known = backends();
   if (std::find(known.begin(), known.end(), backend) == known.end())
     throw Error("--backend", fmt::format("one of {}", fmt::join(known, ", ")), backend);
 }
-
-}  // namespace
 
 scenes::Camera cameraShowing(const Scene& scene, const Vec3& direction, bool smashed) {
   io::PictureSettings settings;

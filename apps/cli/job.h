@@ -26,6 +26,9 @@ void addArgumentOptions(CLI::App& app, JobOptions& options);
 void addSolverOptions(CLI::App& app, JobOptions& options);
 void addBackendOptions(CLI::App& app, JobOptions& options);
 
+/// Throws Error if this machine or build has no such backend.
+void checkBackend(const std::string& backend);
+
 /// A job with everything that its run needs.
 struct PreparedJob {
   std::string title;  ///< scene with the arguments that were given
