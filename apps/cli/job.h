@@ -16,7 +16,7 @@ struct JobOptions {
   std::vector<std::string> parameters;  ///< "name=value", of rubble::paramFields()
   std::optional<int> steps, iterations, substeps;
   std::optional<double> dt;  ///< [s]
-  std::string backend = "cpu";
+  std::string backend = "cpu";  ///< "": bestBackend()
   std::string preset = "engine";
   int threads = 0;
 };
@@ -28,6 +28,8 @@ void addBackendOptions(CLI::App& app, JobOptions& options);
 
 /// Throws Error if this machine or build has no such backend.
 void checkBackend(const std::string& backend);
+/// cuda where there is a device, else cpu.
+std::string bestBackend();
 
 /// A job with everything that its run needs.
 struct PreparedJob {
