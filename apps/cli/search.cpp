@@ -43,8 +43,7 @@ Trial tryWalls(const SearchOptions& options, int walls) {
     trial.verdict = record.holds;
     trial.holds = trial.settled <= options.limitMs && trial.smash <= options.limitMs;
   } catch (const Error& error) {
-    // a scene that does not fit is too large; what was typed wrong is the first trial's error too
-    if (walls == 1) throw;
+    // a scene that does not fit is too large
     trial.error = error.what();
   }
   return trial;
@@ -67,6 +66,9 @@ nlohmann::ordered_json jsonOf(const SearchOptions& options, const std::vector<Tr
 }  // namespace
 
 bool searchLargest(const SearchOptions& options) {
+  JobOptions first = options.job;
+  first.scene = "walls";
+  prepareJob(first);  // what was typed wrong is said before anything else
   std::FILE* const out = options.jsonFile == "-" ? stderr : stdout;
   fmt::print(out, "{:>8}{:>10}{:>14}{:>12}{:>10}   {}\n", "walls", "bodies", "settled [ms]", "smash [ms]", "B/body", "");
   std::vector<Trial> trials;
