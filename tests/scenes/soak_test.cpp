@@ -15,16 +15,16 @@ Soak soakOf(const std::string& backend, std::uint64_t seed, int bodies = 60) {
   return Soak(options);
 }
 
-TEST(Soak, OfAFewHundredStepsFindsNoFault) {
+TEST(Soak, OfAThousandStepsFindsNoFault) {
   for (const char* backend : {"cpu", "reference"}) {
     Soak soak = soakOf(backend, 5);
-    for (int i = 0; i < 400; ++i) soak.step();
+    for (int i = 0; i < 1000; ++i) soak.step();
     for (const std::string& fault : soak.faults()) ADD_FAILURE() << backend << ", " << fault;
     const SoakCounts& c = soak.counts();
     for (const std::int64_t happened :
          {c.added, c.removed, c.pushed, c.placed, c.forced, c.snapshots, c.restores, c.replays, c.reads, c.growths})
       EXPECT_GT(happened, 0) << backend;
-    EXPECT_GE(c.steps, 400);
+    EXPECT_GE(c.steps, 1000);
   }
 }
 
