@@ -43,6 +43,10 @@ if(rubble_cuda AND rubble_cuda_sources)
   # A host-only call in device code is a mere warning to nvcc, and the kernel silently becomes empty: so warnings are errors.
   target_compile_options(rubble_core_cuda PRIVATE
     $<$<COMPILE_LANGUAGE:CUDA>:-Werror=all-warnings --expt-relaxed-constexpr --extended-lambda -Xcompiler=-ffp-contract=off>)
+  if(RUBBLE_STRICT)
+    target_compile_definitions(rubble_core_cuda PRIVATE RUBBLE_STRICT=1)
+    target_compile_options(rubble_core_cuda PRIVATE $<$<COMPILE_LANGUAGE:CUDA>:-fmad=false>)
+  endif()
   target_link_libraries(rubble_core_cuda PRIVATE CUDA::cudart_static)
   target_compile_definitions(rubble PRIVATE RUBBLE_HAS_CUDA=1)
   target_link_libraries(rubble PRIVATE CUDA::cudart_static)

@@ -72,6 +72,8 @@ Json recordJson(const RunRecord& record) {
           {"penetration_m", penetrationJson(record.penetration)},
           {"joint_gap_m", jointGapJson(record)},
           {"energy_j", number(record.energy)},
+          {"engine_mb", number(record.engineMb)},
+          {"bytes_per_body", number(record.bytesPerBody)},
           {"rss_mb", number(record.rssMb)},
           {"verdict", verdictJson(record)},
           {"machine", record.machine},

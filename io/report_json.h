@@ -46,6 +46,8 @@ struct RunRecord {
   std::optional<Distribution> penetration;             ///< [m]
   std::optional<double> jointGapMean, jointGapMax;     ///< [m]; empty for a scene without joints
   double energy = 0;                                   ///< kinetic and potential [J]
+  double engineMb = 0;                                 ///< tables of the engine at the end, on host or device [MB]
+  double bytesPerBody = 0;                             ///< of those tables at the end of the settled phase [B]
   double rssMb = 0;                                    ///< resident memory of the process [MB]
   bool holds = true;                                   ///< the verdict
   std::string statedFor;                               ///< what the verdict is stated for, where the run was another; not written as JSON

@@ -16,5 +16,6 @@ std::vector<Spec> ropeSpecs();       ///< ropes of bricks, a bridge, a joint gri
 std::vector<Spec> frictionSpecs();   ///< sliding and rolling
 std::vector<Spec> structureSpecs();  ///< card tower, dominoes, arch, breakable beam
 std::vector<Spec> removalSpecs();    ///< stacks whose support goes
+std::vector<Spec> scaleSpecs();      ///< joints by the ten thousand
 
 }  // namespace rubble::scenes

@@ -184,7 +184,7 @@ std::vector<Spec> wallSpecs() {
   Spec walls;
   walls.name = "walls";
   walls.doc = "Running-bond walls of 40 courses side by side, two contacts a brick, a ball from one end.";
-  walls.arguments = stackArguments({count("walls", 4, 1, 2000, "walls side by side"), count("bricks", 40, 2, 1000, "bricks in a course"),
+  walls.arguments = stackArguments({count("walls", 4, 1, 20000, "walls side by side"), count("bricks", 40, 2, 1000, "bricks in a course"),
                                     count("courses", 40, 1, 200, "courses of a wall"), smash,
                                     quantity("ball_radius", 2.5, .2, 20, "m", "radius of the ball, four times as dense as a brick")});
   walls.build = buildWalls;
@@ -248,9 +248,13 @@ std::vector<Spec> wallSpecs() {
   large(walls, "walls-110k", "68 walls of 1,620 bricks: 110,160, smashed.", {{"walls", 68}});
   large(walls, "walls-510k", "315 walls of 1,620 bricks: 510,300, smashed.", {{"walls", 315}});
   large(walls, "walls-1m", "648 walls of 1,620 bricks: 1,049,760, smashed.", {{"walls", 648}});
+  large(walls, "walls-2m", "1,235 walls of 1,620 bricks: 2,000,700, smashed.", {{"walls", 1235}});
+  large(walls, "walls-4m", "2,470 walls of 1,620 bricks: 4,001,400, smashed.", {{"walls", 2470}});
   large(ring, "ring-5k", "The ring wall at 40 courses, 2 rows and 5,000 bricks, smashed.", {});
   large(ring, "ring-110k", "The ring wall of 110,000 bricks, 40 courses, 10 rows, 160 m across, smashed.",
         {{"radius", 79.7}, {"rows", 10}, {"ball_radius", 8}});
+  large(ring, "ring-1m", "The ring wall of 999,942 bricks, 40 courses, 34 rows, 480 m across, smashed.",
+        {{"radius", 221}, {"rows", 34}, {"ball_radius", 20}});
   large(gables, "gables-510k", "16 x 68 gables of 465 bricks: 505,920, smashed.", {{"nx", 16}, {"nz", 68}});
   return specs;
 }

@@ -4,6 +4,7 @@
 
 #include "apps/cli/command.h"
 #include "apps/cli/measure.h"
+#include "apps/cli/search.h"
 #include "apps/cli/session.h"
 #include "apps/cli/text_report.h"
 
@@ -20,6 +21,8 @@ struct BenchOptions {
   std::vector<int> threads{0};
   std::string jsonFile;
   bool quiet = false;
+  bool search = false;
+  double limitMs = 1000.0 / 60;
 };
 
 /// Long enough for both phases and no longer.
@@ -31,13 +34,16 @@ void printRow(std::FILE* out, const io::RunRecord& r) {
   const auto ms = [](const std::optional<io::PhaseTimes>& phase, auto member) {
     return phase ? fmt::format("{:.3f}", (*phase).*member) : "-";
   };
-  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9.0f}\n", r.scene, r.threads, r.bodies,
+  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9.0f}{:>9.0f}\n", r.scene, r.threads, r.bodies,
              ms(r.settled, &io::PhaseTimes::mean), ms(r.settled, &io::PhaseTimes::median), fmt::format("{:.3f}", r.collisionMs),
              fmt::format("{:.3f}", r.solveMs), ms(r.smash, &io::PhaseTimes::mean), ms(r.smash, &io::PhaseTimes::max),
-             r.topDrop ? lengthText(*r.topDrop) : "-", r.penetration ? lengthText(r.penetration->p99) : "-", r.rssMb);
+             r.topDrop ? lengthText(*r.topDrop) : "-", r.penetration ? lengthText(r.penetration->p99) : "-", r.rssMb,
+             r.bytesPerBody);
 }
 
 int bench(BenchOptions options) {
+  if (options.search) return searchLargest({options.job, options.limitMs, options.jsonFile}) ? kHolds : kDoesNotHold;
+  if (options.scenes.empty()) throw Error("scenes", "names of scenes, or --search-60hz", "none");
   std::FILE* out = options.jsonFile == "-" ? stderr : stdout;
   std::vector<io::RunRecord> records;
   // What cannot run is to be known before the first minute is spent.
@@ -58,8 +64,8 @@ int bench(BenchOptions options) {
       records.push_back(std::move(result.record));
     }
   }
-  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9}\n", "ms a step", "thr", "bodies", "settled",
-             "median", "collide", "solve", "smash", "peak", "top drop", "depth 99 %", "MB");
+  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9}{:>9}\n", "ms a step", "thr", "bodies", "settled",
+             "median", "collide", "solve", "smash", "peak", "top drop", "depth 99 %", "MB", "B/body");
   for (const io::RunRecord& record : records) printRow(out, record);
   if (!options.jsonFile.empty()) writeOutput(options.jsonFile, io::toJson(std::span<const io::RunRecord>(records)));
   return kHolds;
@@ -72,7 +78,7 @@ void addBench(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand("bench",
                                          "Measure scenes: times of the settled phase (the 60 steps before the smash, or steps 60 to 119) "
                                          "and of the smash (the 120 steps from it on)");
-  command->add_option("scenes", options->scenes, "Names of scenes or scene files, with commas between")->required()->delimiter(',');
+  command->add_option("scenes", options->scenes, "Names of scenes or scene files, with commas between")->delimiter(',');
   addArgumentOptions(*command, options->job);
   addSolverOptions(*command, options->job);
   command->add_option("-b,--backend", options->job.backend, "Where the step runs (see 'rubble info build')")->capture_default_str();
@@ -80,6 +86,9 @@ void addBench(CLI::App& app, int& status) {
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command->add_flag("--search-60hz", options->search,
+                    "Instead of scenes: find the most walls ('walls', 1,620 bricks each) whose mean step, settled and smash, stays under --limit");
+  command->add_option("--limit", options->limitMs, "For --search-60hz [ms]")->check(CLI::PositiveNumber)->capture_default_str();
   command->add_option("--json", options->jsonFile, "Write a list with one record for each run as JSON; '-' is standard output")
       ->type_name("FILE");
   command->add_flag("-q,--quiet", options->quiet, "No progress, and only the table at the end");

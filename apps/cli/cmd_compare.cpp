@@ -47,6 +47,21 @@ Difference differenceOf(const World& a, const World& b) {
   return result;
 }
 
+/// The first body whose state has other bits, and in what; "" if there is none.
+std::string firstOtherBits(const World& a, const World& b) {
+  for (const BodyId id : a.bodies()) {
+    if (!b.alive(id)) return bodyText(a, id) + ", which is gone in one of them";
+    const BodyState s = a.state(id), t = b.state(id);
+    const char* const what = s.position != t.position                 ? "position"
+                             : s.orientation != t.orientation         ? "orientation"
+                             : s.velocity != t.velocity               ? "velocity"
+                             : s.angularVelocity != t.angularVelocity ? "angular velocity"
+                                                                      : nullptr;
+    if (what) return fmt::format("{} of {}", what, bodyText(a, id));
+  }
+  return "";
+}
+
 /// Steps 1, 2, 5, 10, 20, 50 and so on, or every so many.
 bool isShown(int step, int steps, int every) {
   if (step == steps) return true;
@@ -71,20 +86,25 @@ int compareTwo(const CompareOptions& options) {
              jobs[1].world.backend, threadCount(jobs[1].world.threads));
   fmt::print("{:>8}{:>16}{:>16}   {}\n", "step", "position [m]", "angle [rad]", "farthest apart");
   double worst = 0;
-  bool identical = true;
+  int parted = 0;           // first step after which the states have other bits
+  std::string other;        // whose
   for (int step = 1; step <= steps; ++step) {
     a.step();
     b.step();
     const Difference difference = differenceOf(a.world(), b.world());
     worst = std::isnan(difference.position) ? difference.position : std::max(worst, difference.position);
-    identical = identical && difference.position == 0 && difference.angle == 0;
+    if (parted == 0) {
+      other = firstOtherBits(a.world(), b.world());
+      if (!other.empty()) parted = step;
+    }
     if (isShown(step, steps, options.every))
       fmt::print("{:>8}{:>16.3e}{:>16.3e}   {}\n", step, difference.position, difference.angle, difference.body);
   }
-  if (jobs[0].world.backend == jobs[1].world.backend) {
-    identical = identical && a.world().hash() == b.world().hash();
-    fmt::print("{}\n", identical ? "bit for bit the same" : "not the same bits");
-  }
+  if (parted > 0)
+    fmt::print("not the same bits: the first difference is after step {}, in the {}\n", parted, other);
+  else
+    fmt::print("identical bits: {}\n", a.world().hash() == b.world().hash() ? "every state of every step, and all that lasts at the end"
+                                                                             : "every state of every step, though not all that lasts");
   if (!options.within) return kHolds;
   const bool holds = worst <= *options.within;
   fmt::print("verdict: {}: largest difference {}, wanted at most {}\n", holds ? "holds" : "does not hold", lengthText(worst),

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -21,11 +20,6 @@ struct DemoOptions {
   std::string folder = "out";
   bool quiet = false;
 };
-
-bool hasBackend(const std::string& name) {
-  const std::vector<std::string> all = backends();
-  return std::find(all.begin(), all.end(), name) != all.end();
-}
 
 std::vector<PictureRequest> demoPictures(const std::filesystem::path& folder, int smashStep, int steps) {
   const auto file = [&](const char* name) { return (folder / name).string(); };
@@ -82,7 +76,7 @@ void addDemo(CLI::App& app, int& status) {
       ->capture_default_str();
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->callback([options, backend, &status] {
-    if (backend->count() == 0 && hasBackend("cuda")) options->job.backend = "cuda";
+    if (backend->count() == 0) options->job.backend = bestBackend();
     status = demo(*options);
   });
 }

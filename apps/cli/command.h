@@ -18,5 +18,6 @@ void addCompare(CLI::App& app, int& status);
 void addDemo(CLI::App& app, int& status);
 void addInfo(CLI::App& app, int& status);
 void addPicture(CLI::App& app, int& status);
+void addSoak(CLI::App& app, int& status);
 
 }  // namespace rubble::cli

@@ -46,13 +46,18 @@ Params paramsOf(const JobOptions& options, const scenes::Job& job) {
   return params;
 }
 
+}  // namespace
+
 void checkBackend(const std::string& backend) {
   const std::vector<std::string> known = backends();
   if (std::find(known.begin(), known.end(), backend) == known.end())
     throw Error("--backend", fmt::format("one of {}", fmt::join(known, ", ")), backend);
 }
 
-}  // namespace
+std::string bestBackend() {
+  const std::vector<std::string> all = backends();
+  return std::find(all.begin(), all.end(), "cuda") == all.end() ? "cpu" : "cuda";
+}
 
 scenes::Camera cameraShowing(const Scene& scene, const Vec3& direction, bool smashed) {
   io::PictureSettings settings;
@@ -80,7 +85,8 @@ void addSolverOptions(CLI::App& app, JobOptions& options) {
 }
 
 void addBackendOptions(CLI::App& app, JobOptions& options) {
-  app.add_option("-b,--backend", options.backend, "Where the step runs (see 'rubble info build')")->capture_default_str();
+  options.backend.clear();
+  app.add_option("-b,--backend", options.backend, "Where the step runs (see 'rubble info build'; default: cuda where there is a GPU, else cpu)");
   app.add_option("-t,--threads", options.threads, "Worker threads; 0 is one a core")->check(CLI::NonNegativeNumber)->capture_default_str();
 }
 
@@ -111,11 +117,12 @@ scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& ar
 }
 
 PreparedJob prepareJob(const JobOptions& options) {
-  checkBackend(options.backend);
+  const std::string backend = options.backend.empty() ? bestBackend() : options.backend;
+  checkBackend(backend);
   PreparedJob prepared;
   prepared.title = options.arguments.empty() ? options.scene : fmt::format("{} {}", options.scene, fmt::join(options.arguments, " "));
   prepared.job = loadJob(options.scene, options.arguments);
-  prepared.world.backend = options.backend;
+  prepared.world.backend = backend;
   prepared.world.threads = options.threads;
   prepared.world.params = paramsOf(options, prepared.job);
   const double stepsAtDt = prepared.job.steps * prepared.job.dt / prepared.world.params.dt;

@@ -16,7 +16,7 @@ struct JobOptions {
   std::vector<std::string> parameters;  ///< "name=value", of rubble::paramFields()
   std::optional<int> steps, iterations, substeps;
   std::optional<double> dt;  ///< [s]
-  std::string backend = "cpu";
+  std::string backend = "cpu";  ///< "": bestBackend()
   std::string preset = "engine";
   int threads = 0;
 };
@@ -25,6 +25,11 @@ struct JobOptions {
 void addArgumentOptions(CLI::App& app, JobOptions& options);
 void addSolverOptions(CLI::App& app, JobOptions& options);
 void addBackendOptions(CLI::App& app, JobOptions& options);
+
+/// Throws Error if this machine or build has no such backend.
+void checkBackend(const std::string& backend);
+/// cuda where there is a device, else cpu.
+std::string bestBackend();
 
 /// A job with everything that its run needs.
 struct PreparedJob {

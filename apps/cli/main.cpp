@@ -53,6 +53,7 @@ int runProgram(int argc, char** argv) {
   addDemo(app, status);
   addInfo(app, status);
   addPicture(app, status);
+  addSoak(app, status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,5 +1,7 @@
 #include "apps/cli/session.h"
 
+#include <algorithm>
+
 #include <optional>
 
 #include "apps/cli/measure.h"
@@ -54,16 +56,22 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   takePictures(runner.world(), 0);
 
   const int quoted = qualityStep(runner.job().smashStep, prepared.steps, prepared.world.params.dt);
+  const int settledEnd = phasesOf(runner.job().smashStep, prepared.steps).settled.end;
   std::optional<Quality> quality;
+  double bytesPerBody = 0;
   const scenes::RunResult result = runner.run(prepared.steps, [&](const World& world, const StepReport& report, int step, int) {
     if (step == quoted) quality = world.quality();
+    if (step + 1 == settledEnd) bytesPerBody = static_cast<double>(world.memoryBytes()) / std::max(1, report.bodies);
     recorder.record(world);
     takePictures(world, step + 1);
     progress.update(step + 1, report.totalMs);
     return true;
   });
   recorder.finish();
-  return {makeRecord(prepared, runner.job(), result, quality.value_or(result.quality)), result.reports};
+  io::RunRecord record = makeRecord(prepared, runner.job(), result, quality.value_or(result.quality));
+  record.engineMb = static_cast<double>(runner.world().memoryBytes()) / 1e6;
+  record.bytesPerBody = bytesPerBody;
+  return {std::move(record), result.reports};
 }
 
 }  // namespace rubble::cli

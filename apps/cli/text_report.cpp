@@ -51,21 +51,23 @@ void quality(Out out, const io::RunRecord& record) {
                    lengthText(record.jointGapMax.value_or(0)));
   if (record.topDrop) fmt::format_to(out, "  top level down          {}\n", lengthText(*record.topDrop));
   fmt::format_to(out, "  energy                  {:.6g} J\n", record.energy);
+  fmt::format_to(out, "  tables of the engine    {:.1f} MB, {:.0f} bytes a body settled\n", record.engineMb, record.bytesPerBody);
   fmt::format_to(out, "  resident memory         {:.1f} MB\n", record.rssMb);
 }
 
 /// What the steps report beyond counts: nothing that the engine had to do out of the ordinary goes unsaid.
 void notices(Out out, const std::vector<StepReport>& reports) {
-  long broken = 0, spin = 0, restarts = 0, clashes = 0;
+  long broken = 0, spin = 0, restarts = 0, clashes = 0, failed = 0;
   int quarantined = 0;
   for (const StepReport& r : reports) {
-    broken += r.brokenJoints, spin += r.spinLimited, restarts += r.restarts, clashes += r.clashes;
+    failed += r.failedSolves, broken += r.brokenJoints, spin += r.spinLimited, restarts += r.restarts, clashes += r.clashes;
     quarantined = std::max(quarantined, r.quarantined);
   }
   if (broken) fmt::format_to(out, "  notice: {} joints broke\n", broken);
   if (spin) fmt::format_to(out, "  notice: the spin of a body was limited {} times\n", spin);
   if (restarts) fmt::format_to(out, "  notice: {} steps were begun again with more room\n", restarts);
   if (clashes) fmt::format_to(out, "  notice: {} pairs of neighbours were solved with one colour\n", clashes);
+  if (failed) fmt::format_to(out, "  notice: {} local problems were left unsolved for an iteration\n", failed);
   if (quarantined) fmt::format_to(out, "  notice: {} bodies were frozen because their state was not finite\n", quarantined);
 }
 

@@ -11,6 +11,12 @@ struct StageTime {
   double ms = 0;
 };
 
+/// A table that was too small in a step and grew: nothing was dropped.
+struct Growth {
+  std::string what;     ///< "pairs", "manifolds", "entries", "colors", "groups", "chunks", "externals", ...
+  std::int64_t needed = 0;  ///< elements that the step had
+};
+
 struct StepReport {
   std::int64_t step = 0;      ///< index of the step just taken
   int bodies = 0;             ///< dynamic, kinematic and static
@@ -22,9 +28,11 @@ struct StepReport {
   int colorRounds = 0;        ///< rounds of the colouring until it was proper
   int clashes = 0;            ///< neighbours left with one colour (0, or Jacobi pairs)
   int brokenJoints = 0;       ///< joints that broke in this step
-  int quarantined = 0;        ///< bodies frozen because their state was not finite
+  int quarantined = 0;        ///< bodies frozen in this step because their state was not finite
+  int failedSolves = 0;       ///< local problems left unsolved for an iteration because they were not positive definite or not finite
   int spinLimited = 0;        ///< bodies whose spin was above 2 rad a step and was limited
   int restarts = 0;           ///< times the step was begun again with more room
+  std::vector<Growth> grown;  ///< what there was too little room for
   std::vector<StageTime> stages;
   double totalMs = 0;         ///< wall clock of the step
 

@@ -1,5 +1,6 @@
 #pragma once
 /// Rubble: rigid-body physics by augmented vertex block descent. One header for everything.
+#include <rubble/arrays.h>
 #include <rubble/error.h>
 #include <rubble/ids.h>
 #include <rubble/math.h>

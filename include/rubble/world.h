@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <rubble/arrays.h>
 #include <rubble/error.h>
 #include <rubble/ids.h>
 #include <rubble/params.h>
@@ -44,7 +45,8 @@ struct WorldOptions {
   bool timings = true;          ///< measure stages
 };
 
-/// The whole state of a world, to go on from bit for bit.
+/// The whole state of a world, to go on from bit for bit, in that world or in another one of the same backend. On a GPU it stays on the
+/// device. It does not change when the world goes on, and copies share it.
 class Snapshot {
  public:
   struct Data;
@@ -87,6 +89,35 @@ class World {
   void applyTorque(BodyId id, const Vec3& torque);                     ///< for the next step [N m]
   void applyImpulse(BodyId id, const Vec3& impulse);                   ///< at the centre, at once [N s]
 
+  // Many bodies at once: what the calls above do, for element k of every list. The whole list is checked first: an Error changes nothing.
+  // On a GPU all edits between two steps travel together, in one upload, and nothing waits for the device.
+  std::vector<BodyId> addBodies(std::span<const BodyDef> bodies);
+  void removeBodies(std::span<const BodyId> ids);
+  void setStates(std::span<const BodyId> ids, std::span<const BodyState> states);
+  /// `torques` may be empty: none.
+  void applyForces(std::span<const BodyId> ids, std::span<const Vec3> forces, std::span<const Vec3> torques = {});
+  void applyImpulses(std::span<const BodyId> ids, std::span<const Vec3> impulses);
+
+  // State of all bodies as arrays. Row BodyId::index belongs to that body; rows of removed bodies hold what was there last.
+  /// The array as the engine keeps it, with all edits made so far. Read-only: scatter() writes. It stays where it is until the next edit that
+  /// adds or removes bodies or restores a snapshot; steps and other edits change its content only, an edit by the next step at the latest.
+  ArrayView array(StateArray which) const;
+  /// Counts edits that end the life of views.
+  std::int64_t epoch() const;
+  /// Row k of `values` becomes row rows[k] of an array; to Force and Torque it is added. `rows`: shape (n, 1), "<i4", each at most once;
+  /// `values`: shape (n, 3 or 4), "<f4" or "<f8". Both lie on the host or, for backend "cuda", both on the device: then they are read in the
+  /// order of values.stream, and work that is enqueued there later may overwrite them. Rows that are no body's are left out. Numbers on the
+  /// device are not checked: a body that gets others than finite ones is quarantined by the step. Orientations are normalised.
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
+
+  // Poses for a picture or a learner on the host while the world steps on.
+  /// Begins to copy the present poses; returns at once, and the next steps do not wait. Two copies may be under way; a third throws Error.
+  void beginPoses();
+  /// Has the oldest copy under way ended? Never waits.
+  bool posesReady() const;
+  /// The oldest copy under way, waiting for its end. It stays valid until the second beginPoses() after the one that began it.
+  PoseFrame takePoses();
+
   // Joints.
   /// bodyA and bodyB of the definition are ignored: the ids say which (BodyId{} is the world).
   JointId addJoint(const JointDef& joint, BodyId a, BodyId b);
@@ -101,6 +132,9 @@ class World {
   std::vector<ContactPoint> contacts() const;
   /// Bytes of the engine's tables on the device or host.
   std::size_t memoryBytes() const;
+  /// Makes room in the engine's tables for `count` elements of a kind that only steps count, so that they need not grow: "pairs",
+  /// "manifolds", "entries", "colors", "groups", "chunks" or "externals". It never changes a result.
+  void reserve(const std::string& kind, int count);
   /// A hash of the persistent state; equal states have equal hashes.
   std::uint64_t hash() const;
 

@@ -44,6 +44,25 @@ struct EngineSettings {
   double typicalRadius = 1;  ///< bounding radius of the median dynamic body [m]
 };
 
+/// What an engine keeps of its state. Another engine takes it by its bytes.
+class EngineSnapshot {
+ public:
+  virtual ~EngineSnapshot() = default;
+  virtual std::vector<std::byte> bytes() const = 0;
+};
+
+/// Copies of poses from a device to the host beside the steps; see World::beginPoses.
+class PoseCopies {
+ public:
+  virtual ~PoseCopies() = default;
+  /// Into buffer 0 or 1, which nobody waits for.
+  virtual void begin(int buffer) = 0;
+  virtual bool ready(int buffer) const = 0;
+  virtual void wait(int buffer) = 0;
+  virtual ArrayView position(int buffer) const = 0;
+  virtual ArrayView orientation(int buffer) const = 0;
+};
+
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -63,6 +82,20 @@ class Engine {
   virtual BodyState state(int slot) const = 0;
   virtual void setState(int slot, const BodyState& state) = 0;
   virtual void addForce(int slot, const Vec3& force, const Vec3& torque) = 0;
+  /// Slots differ from one another.
+  virtual void addVelocities(std::span<const int> slots, std::span<const Vec3> changes) = 0;
+  virtual void forgetContactsOf(std::span<const int> slots) {
+    for (const int slot : slots) forgetContacts(slot);
+  }
+
+  /// With all edits in it.
+  virtual ArrayView array(StateArray which) = 0;
+  /// As World::scatter; shapes and types are checked, and that memory is where this engine can read it.
+  virtual void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) = 0;
+  /// Null: array() is host memory.
+  virtual PoseCopies* poseCopies() { return nullptr; }
+  /// Room for what steps count; false if there is no such kind.
+  virtual bool reserve(const std::string& kind, int count) = 0;
 
   virtual void step(StepReport& report) = 0;
 
@@ -73,6 +106,8 @@ class Engine {
   virtual std::uint64_t hash() const = 0;
   virtual std::vector<std::byte> save() const = 0;
   virtual void load(std::span<const std::byte> data) = 0;
+  virtual std::shared_ptr<const EngineSnapshot> snapshot() const;
+  virtual void restore(const EngineSnapshot& snapshot) { load(snapshot.bytes()); }
   virtual std::string firstDifference() const { return {}; }
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 /// Rotation vectors: exact exponential and logarithm of unit quaternions, for rotations of a whole step.
-#include "math/hd.h"
+#include "math/trig.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -15,7 +15,8 @@ RUBBLE_HD inline Quat expRotation(const Vec3& a) {
     return {Real(1) - angle2 * (Real(1) / 8 - angle2 / 384), a * (Real(.5) - angle2 * (Real(1) / 48 - angle2 / 3840))};
   }
   const Real angle = std::sqrt(angle2);
-  return {std::cos(angle / 2), a * (std::sin(angle / 2) / angle)};
+  const SinCos half = sinCos(angle / 2);
+  return {half.cos, a * (half.sin / angle)};
 }
 
 /// The vector a in [-pi, pi] with expRotation(a) = q up to sign [rad].
@@ -27,7 +28,7 @@ RUBBLE_HD inline Vec3 logRotation(const Quat& rotation) {
     return q.v * (Real(2) * (Real(1) + u2 * (Real(1) / 6 + u2 * (Real(3) / 40 + u2 * (Real(15) / 336)))));
   }
   const Real u = std::sqrt(u2);
-  return q.v * (Real(2) * std::atan2(u, q.s) / u);
+  return q.v * (Real(2) * angleOf(u, q.s) / u);
 }
 
 /// Two unit vectors that make a right-handed basis with the unit vector n; a continuous function of n but for one point (Duff et al. 2017).

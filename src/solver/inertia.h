@@ -32,7 +32,8 @@ RUBBLE_HD inline Vec3 torqueFreeSpin(const Vec3& w0, const Vec3& torque, const V
   const auto momentum = [&](const Vec3& w, Real sign) {
     const Vec3 x = dt * w, iw = mul(inertia, w);
     const Real a2 = dot(x, x), a = std::sqrt(a2);
-    const Real c = a < Real(.1) ? Real(1) / 12 + a2 / 720 : (Real(1) - (a / 2) / std::tan(a / 2)) / a2;
+    const SinCos half = sinCos(a / 2);
+    const Real c = a < Real(.1) ? Real(1) / 12 + a2 / 720 : (Real(1) - (a / 2) * half.cos / half.sin) / a2;
     const Vec3 xi = cross(x, iw);
     return iw + (sign / 2) * xi + c * cross(x, xi);
   };

@@ -90,7 +90,7 @@ RUBBLE_HD inline void addJoint(const View& s, std::uint32_t code, Block6& block)
 /// Solves the local problem of a body at x and moves it.
 RUBBLE_HD inline void finishBlock(const View& s, int i, const Block6& block, Pose x) {
   if (!descend(block, x)) {
-    atomicCount(&s.counters->quarantined, 1);
+    atomicCount(&s.counters->failedSolves, 1);
     return;
   }
   s.turned[i] = x.q;

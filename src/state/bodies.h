@@ -90,7 +90,7 @@ struct Counters {
   int contacts, recycled, tested;
   int groups, chunks, externals;
   int clashing, clashes, rounds;  ///< bodies that choose a colour, those left to choose again, rounds of that
-  int quarantined, spinLimited, broken;
+  int quarantined, failedSolves, spinLimited, broken;
   int levelUsed[kGridLevels];
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]
 };

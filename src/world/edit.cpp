@@ -56,21 +56,35 @@ BodyId World::Impl::addBody(const BodyDef& def, const std::string& path) {
   body.state = {def.position, normalize(def.orientation), def.velocity, def.angularVelocity};
   engine->setBody(id.index, body);
   settingsChanged = true;
+  ++epoch;
   planesChanged |= def.shape.type == ShapeType::Plane;
   return id;
 }
 
-void World::Impl::removeBody(BodyId id) {
-  requireAlive(id);
+void World::Impl::removeBody(BodyId id) { removeBodies({&id, 1}); }
+
+void World::Impl::removeBodies(std::span<const BodyId> ids) {
+  std::vector<int> slots;
+  for (const BodyId id : ids) {
+    requireAlive(id);
+    slots.push_back(id.index);
+  }
+  if (slots.empty()) return;
+  std::sort(slots.begin(), slots.end());
+  if (std::adjacent_find(slots.begin(), slots.end()) != slots.end()) throw Error("bodies", "each body once", "one of them twice");
+  const auto goes = [&](BodyId id) { return std::binary_search(slots.begin(), slots.end(), id.index); };
   for (const JointId joint : registry.joints.ids())
-    if (registry.joints[joint].a == id || registry.joints[joint].b == id) removeJoint(joint);
-  const BodyDef& def = registry.bodies[id].def;
-  if (!def.name.empty()) registry.bodyNames.erase(def.name);
-  planesChanged |= def.shape.type == ShapeType::Plane;
-  registry.bodies.remove(id);
-  engine->setBody(id.index, {});
-  engine->forgetContacts(id.index);
+    if (goes(registry.joints[joint].a) || goes(registry.joints[joint].b)) removeJoint(joint);
+  for (const BodyId id : ids) {
+    const BodyDef& def = registry.bodies[id].def;
+    if (!def.name.empty()) registry.bodyNames.erase(def.name);
+    planesChanged |= def.shape.type == ShapeType::Plane;
+    registry.bodies.remove(id);
+    engine->setBody(id.index, {});
+  }
+  engine->forgetContactsOf(slots);
   settingsChanged = true;
+  ++epoch;
 }
 
 JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {

@@ -44,6 +44,7 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
   if (options.threads < 0) throw Error("threads", "a number of at least 0", std::to_string(options.threads));
   impl_->params = options.params;
   impl_->engine = makeEngine(options);
+  impl_->doublePrecision = options.backend == "reference";
   Registry& r = impl_->registry;
   r.gravity = scene.gravity;
   impl_->engine->setBodyCount(static_cast<int>(scene.bodies.size()));
@@ -147,13 +148,7 @@ void World::applyTorque(BodyId id, const Vec3& torque) {
   impl_->requireAlive(id);
   impl_->engine->addForce(id.index, {}, torque);
 }
-void World::applyImpulse(BodyId id, const Vec3& impulse) {
-  impl_->requireAlive(id);
-  if (impl_->registry.bodies[id].def.motion != Motion::Dynamic) return;
-  BodyState s = impl_->engine->state(id.index);
-  s.velocity += impulse / impl_->registry.bodies[id].mass.mass;
-  impl_->engine->setState(id.index, s);
-}
+void World::applyImpulse(BodyId id, const Vec3& impulse) { applyImpulses({&id, 1}, {&impulse, 1}); }
 
 JointId World::addJoint(const JointDef& joint, BodyId a, BodyId b) { return impl_->addJoint(joint, a, b); }
 void World::remove(JointId id) { impl_->removeJoint(id); }
@@ -192,13 +187,17 @@ std::uint64_t World::hash() const {
 
 Snapshot World::snapshot() const {
   impl_->flush();
-  return {std::make_shared<Snapshot::Data>(Snapshot::Data{impl_->registry, impl_->params, impl_->engine->save()})};
+  return {std::make_shared<Snapshot::Data>(
+      Snapshot::Data{impl_->registry, impl_->params, impl_->doublePrecision, impl_->engine->snapshot()})};
 }
 void World::restore(const Snapshot& snapshot) {
   if (!snapshot.data) throw Error("snapshot", "one made by World::snapshot", "an empty one");
+  if (snapshot.data->doublePrecision != impl_->doublePrecision)
+    throw Error("snapshot", "one of the precision of this backend", snapshot.data->doublePrecision ? "one in double" : "one in float");
   impl_->registry = snapshot.data->registry;
   impl_->params = snapshot.data->params;
-  impl_->engine->load(snapshot.data->engine);
+  impl_->engine->restore(*snapshot.data->engine);
+  ++impl_->epoch;
   impl_->settingsChanged = true;
 }
 

@@ -6,36 +6,37 @@
 
 namespace rubble {
 
-/// Alive objects of one kind by slot; a freed slot is used again with the next generation.
+/// Alive objects of one kind by slot; a freed slot is used again with the next generation. Copies share their items until one of them is
+/// edited: a snapshot costs nothing here.
 template <class Id, class Def>
 class Slots {
  public:
   Id add(Def def) {
-    if (free_.empty()) {
-      items_.push_back({std::move(def), 0, true});
-      return {static_cast<std::int32_t>(items_.size() - 1), 0};
+    std::vector<Item>& items = own(items_);
+    std::vector<std::int32_t>& free = own(free_);
+    if (free.empty()) {
+      items.push_back({std::move(def), 0, true});
+      return {static_cast<std::int32_t>(items.size() - 1), 0};
     }
-    const std::int32_t index = free_.back();
-    free_.pop_back();
-    Item& item = items_[static_cast<std::size_t>(index)];
+    const std::int32_t index = free.back();
+    free.pop_back();
+    Item& item = items[static_cast<std::size_t>(index)];
     item = {std::move(def), item.generation + 1, true};
     return {index, item.generation};
   }
   void remove(Id id) {
-    items_[static_cast<std::size_t>(id.index)].alive = false;
-    free_.push_back(id.index);
+    own(items_)[static_cast<std::size_t>(id.index)].alive = false;
+    own(free_).push_back(id.index);
   }
   bool alive(Id id) const {
-    return id.index >= 0 && static_cast<std::size_t>(id.index) < items_.size() && items_[static_cast<std::size_t>(id.index)].alive &&
-           items_[static_cast<std::size_t>(id.index)].generation == id.generation;
+    return id.index >= 0 && id.index < size() && item(id.index).alive && item(id.index).generation == id.generation;
   }
-  Def& operator[](Id id) { return items_[static_cast<std::size_t>(id.index)].def; }
-  const Def& operator[](Id id) const { return items_[static_cast<std::size_t>(id.index)].def; }
+  const Def& operator[](Id id) const { return item(id.index).def; }
   std::optional<Id> at(int index) const {
-    const Item& item = items_[static_cast<std::size_t>(index)];
-    return item.alive ? std::optional<Id>(Id{index, item.generation}) : std::nullopt;
+    return item(index).alive ? std::optional<Id>(Id{index, item(index).generation}) : std::nullopt;
   }
-  int size() const { return static_cast<int>(items_.size()); }
+  int size() const { return static_cast<int>(items_->size()); }
+  int count() const { return size() - static_cast<int>(free_->size()); }
   std::vector<Id> ids() const {
     std::vector<Id> out;
     for (int i = 0; i < size(); ++i)
@@ -49,8 +50,16 @@ class Slots {
     std::uint32_t generation;
     bool alive;
   };
-  std::vector<Item> items_;
-  std::vector<std::int32_t> free_;
+  const Item& item(int index) const { return (*items_)[static_cast<std::size_t>(index)]; }
+  /// The one copy that may be edited.
+  template <class T>
+  static T& own(std::shared_ptr<T>& shared) {
+    if (shared.use_count() > 1) shared = std::make_shared<T>(*shared);
+    return *shared;
+  }
+
+  std::shared_ptr<std::vector<Item>> items_ = std::make_shared<std::vector<Item>>();
+  std::shared_ptr<std::vector<std::int32_t>> free_ = std::make_shared<std::vector<std::int32_t>>();
 };
 
 struct BodyRecord {
@@ -78,6 +87,17 @@ struct Registry {
   double time = 0;
 };
 
+/// Copies of poses under way: the oldest first, of buffers that take turns.
+struct PoseRing {
+  struct Frame {
+    std::int64_t step = 0;
+    double time = 0;
+  };
+  std::unique_ptr<PoseCopies> host;  ///< where the engine has none of its own
+  Frame frames[2];
+  std::int64_t begun = 0, taken = 0;
+};
+
 struct World::Impl {
   std::unique_ptr<Engine> engine;
   Registry registry;
@@ -85,13 +105,18 @@ struct World::Impl {
   bool settingsChanged = true;
   bool planesChanged = true;
   bool exclusionsChanged = true;
+  bool doublePrecision = false;  ///< of the engine: its snapshots are of no use to others
+  std::int64_t epoch = 0;
+  PoseRing poses;
 
   BodyId addBody(const BodyDef& def, const std::string& path);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b);
   void removeBody(BodyId id);
+  void removeBodies(std::span<const BodyId> ids);
   void removeJoint(JointId id);
   void requireAlive(BodyId id) const;
   void requireAlive(JointId id) const;
+  PoseCopies& poseCopies();
   /// Brings the engine up to date with all edits since the last step.
   void flush();
 };
@@ -99,7 +124,8 @@ struct World::Impl {
 struct Snapshot::Data {
   Registry registry;
   Params params;
-  std::vector<std::byte> engine;
+  bool doublePrecision = false;
+  std::shared_ptr<const EngineSnapshot> engine;
 };
 
 }  // namespace rubble

@@ -14,7 +14,7 @@ FILES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "sc
 RECORD_KEYS = {
     "scene", "backend", "device", "threads", "commit", "bodies", "manifolds", "contacts", "colors", "clashes", "iterations", "dt",
     "settled_ms", "smash_ms", "stages_ms", "solve_ms", "collision_ms", "total_ms", "top_drop_m", "penetration_m", "joint_gap_m",
-    "energy_j", "rss_mb", "verdict", "machine", "date"}
+    "energy_j", "engine_mb", "bytes_per_body", "rss_mb", "verdict", "machine", "date"}
 
 FALLING = {
     "name": "falling ball",
@@ -55,7 +55,7 @@ class Case(unittest.TestCase):
 class Usage(Case):
     def test_help_everywhere(self):
         self.assertIn("Subcommands", self.rubble("--help").stdout)
-        for command in ["run", "bench", "check", "compare", "demo", "info", "picture"]:
+        for command in ["run", "bench", "check", "compare", "demo", "info", "picture", "soak"]:
             self.assertIn("Usage: rubble " + command, self.rubble(command, "--help").stdout)
         self.assertRegex(self.rubble("--version").stdout, r"^rubble \d+\.\d+\.\d+")
 
@@ -166,6 +166,18 @@ class Bench(Case):
             self.assertEqual(set(record), RECORD_KEYS)
             self.assertIsNone(record["smash_ms"])
 
+    def test_search_brackets_the_largest_scene(self):
+        small = ["--arg", "bricks=4", "--arg", "courses=4", "--arg", "ball_radius=0.5", "--steps", "124", "--threads", "1"]
+        # no scene is as fast as this: the search ends after its first trial
+        done = self.rubble("bench", "--search-60hz", "--limit", "1e-9", *small, "--json", "-", status=1)
+        found = json.loads(done.stdout)
+        self.assertEqual((found["walls"], len(found["trials"])), (0, 1))
+        trial = found["trials"][0]
+        self.assertEqual((trial["walls"], trial["holds"]), (1, False))
+        self.assertEqual(trial["bodies"], 4 * 4 + 2 + 1)
+        self.assertGreater(trial["bytes_per_body"], 0)
+        self.refused("bench", "--search-60hz", "--backend", "abacus", says="abacus")
+
     def test_what_cannot_run_is_said_first(self):
         self.refused("bench", "pile-1k,nothing", says="nothing")
 
@@ -215,12 +227,37 @@ class Info(Case):
 class Compare(Case):
     def test_one_backend_against_itself(self):
         done = self.rubble("compare", self.falling(), "--backends", "cpu", "--threads", "1,2", "--within", "0")
-        self.assertIn("bit for bit the same", done.stdout)
+        self.assertIn("identical bits", done.stdout)
         self.assertIn("verdict: holds", done.stdout)
 
     def test_bad_lists(self):
         self.refused("compare", self.falling(), "--backends", "cpu,cpu,cpu", says="two backends")
         self.refused("compare", self.falling(), "--backends", "cpu,abacus", says="abacus")
+
+
+class Soak(Case):
+    def test_a_short_one_holds_and_repeats(self):
+        first, again = (json.loads(self.rubble("soak", "--steps", "150", "--bodies", "40", "--seed", "3", "--json", "-").stdout) for _ in "ab")
+        self.assertEqual(first["faults"], [])
+        self.assertGreaterEqual(first["steps"], 150)
+        self.assertGreater(first["edits"]["added"], 40)
+        self.assertEqual(first["edits"], again["edits"])
+        self.assertEqual(first["engine_mb"], again["engine_mb"])
+
+    def test_bad_numbers(self):
+        self.refused("soak", "--bodies", "1", says="--bodies")
+        self.refused("soak", "--backend", "abacus", says="abacus")
+
+
+class BestBackend(Case):
+    def test_is_taken_by_run_and_demo(self):
+        names = json.loads(self.rubble("info", "build", "--json").stdout)["backends"]
+        best = "cuda" if "cuda" in names else "cpu"
+        self.rubble("run", self.falling(), "-q", "--json", self.path("run.json"))
+        self.rubble("demo", "--scene", self.falling(), "--out", self.path("out"), "--steps", "3", "-q")
+        for file in ["run.json", "out/report.json"]:
+            with open(self.path(file), encoding="utf-8") as text:
+                self.assertEqual(json.load(text)["backend"], best)
 
 
 class Demo(Case):

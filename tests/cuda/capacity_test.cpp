@@ -23,6 +23,35 @@ TEST_F(CudaCapacity, OverflowDoesNotChangeTheResult) {
   EXPECT_LT(ampleRestarts, scarceRestarts);
 }
 
+/// Room for all but one kind, which begins with one element.
+TEST_F(CudaCapacity, OverflowOfEachTableIsReportedAndChangesNoResult) {
+  const std::vector<std::string> kinds = {"pairs", "manifolds", "entries", "colors", "groups", "chunks", "externals"};
+  const auto worldBut = [&](const std::string& scarce) {
+    World world(mixedScene(), optionsFor("cuda"));
+    for (const std::string& kind : kinds)
+      if (kind != scarce) world.reserve(kind, 100'000);
+    return world;
+  };
+  World ample = worldBut("");
+  std::vector<std::uint64_t> wanted;
+  for (int i = 0; i < 40; ++i) {
+    EXPECT_TRUE(ample.step().grown.empty()) << i;
+    wanted.push_back(ample.hash());
+  }
+  for (const std::string& kind : kinds) {
+    World scarce = worldBut(kind);
+    int growths = 0;
+    for (int i = 0; i < 40; ++i) {
+      const StepReport report = scarce.step();
+      EXPECT_EQ(report.restarts, static_cast<int>(report.grown.size()));
+      for (const Growth& growth : report.grown) EXPECT_EQ(growth.what, kind) << i;
+      growths += report.restarts;
+      ASSERT_EQ(scarce.hash(), wanted[static_cast<std::size_t>(i)]) << kind << " after step " << i;
+    }
+    EXPECT_GT(growths, 0) << kind;
+  }
+}
+
 TEST_F(CudaCapacity, SettledScenesDoNotRestart) {
   World world(brickPile(4, 4), optionsFor("cuda"));
   run(world, 30);
@@ -56,7 +85,12 @@ TEST_F(CudaCapacity, FindsAsManyColorsAsItTakes) {
   for (int i = 0; i < kClique; ++i) scene.bodies.push_back(boxAt({.001 * i, .0013 * i, 3 + .0017 * i}));
   World cpu(scene, optionsFor("cpu")), cuda(scene, optionsFor("cuda"));
   const StepReport a = cpu.step(), b = cuda.step();
+  // the first of the boxes owns more pairs than it has slots for: its partners are searched twice
+  EXPECT_GE(b.pairs, kClique * (kClique - 1) / 2);
+  EXPECT_EQ(a.pairs, b.pairs);
   EXPECT_GE(b.colors, kClique);
+  EXPECT_GT(a.colorRounds, 16);
+  EXPECT_EQ(a.colorRounds, b.colorRounds);
   EXPECT_EQ(a.colors, b.colors);
   EXPECT_EQ(b.clashes, 0);
 }

@@ -37,6 +37,18 @@ TEST_F(CudaStep, StaysBesideTheCpuWhileAPileSettles) {
   EXPECT_EQ(cpu.contacts().empty(), cuda.contacts().empty());
 }
 
+/// A build with RUBBLE_STRICT promises the bits of the CPU.
+TEST_F(CudaStep, HasTheBitsOfTheCpuInAStrictBuild) {
+  const std::vector<std::string> features = buildInfo().features;
+  if (std::none_of(features.begin(), features.end(), [](const std::string& f) { return f.find("strict") != std::string::npos; }))
+    GTEST_SKIP() << "not a strict build";
+  World cpu(mixedScene(), optionsFor("cpu")), cuda(mixedScene(), optionsFor("cuda"));
+  for (int i = 0; i < 90; ++i) {
+    cpu.step(), cuda.step();
+    ASSERT_TRUE(sameStates(cpu, cuda)) << "after step " << i;
+  }
+}
+
 TEST_F(CudaStep, StaysBesideTheCpuWithJoints) {
   Scene chain = mixedScene();
   // the links and their joints alone: nothing chaotic

@@ -29,7 +29,7 @@ TEST(ReportJson, KeysAreTheFixedOnes) {
   const std::set<std::string> expected{"scene",     "backend",  "device",       "threads",    "commit",     "bodies",        "manifolds",
                                        "contacts",  "colors",   "clashes",      "iterations", "dt",         "settled_ms",    "smash_ms",
                                        "stages_ms", "solve_ms", "collision_ms", "total_ms",   "top_drop_m", "penetration_m", "joint_gap_m",
-                                       "energy_j",  "rss_mb",   "verdict",      "machine",    "date"};
+                                       "energy_j",  "engine_mb", "bytes_per_body", "rss_mb",   "verdict",      "machine",    "date"};
   EXPECT_EQ(keysOf(json), expected);
   EXPECT_EQ(keysOf(json["settled_ms"]), (std::set<std::string>{"mean", "median", "p95"}));
   EXPECT_EQ(keysOf(json["smash_ms"]), (std::set<std::string>{"mean", "max", "p95"}));

@@ -148,6 +148,9 @@ TEST(Scenes, HaveTheirCountsOfBodies) {
   EXPECT_EQ(bricks("walls-110k"), 110'160);
   EXPECT_EQ(bricks("walls-510k"), 510'300);
   EXPECT_EQ(bricks("walls-1m"), 1'049'760);
+  // of larger ones, a wall has as many
+  EXPECT_EQ(1620 * resolve(find("walls-2m"), {}).at("walls"), 2'000'700);
+  EXPECT_EQ(1620 * resolve(find("walls-4m"), {}).at("walls"), 4'001'400);
   EXPECT_EQ(bricks("ring-5k"), 5'000);
   EXPECT_EQ(bricks("ring-110k"), 110'000);
   EXPECT_EQ(bricks("gables-510k"), 505'920);
@@ -165,6 +168,15 @@ TEST(Scenes, JointGridHasEveryJointThatHoldsSomething) {
   const Spec& spec = find("joint-grid");
   // 19,800 less the 99 between two static spheres of the first row.
   EXPECT_EQ(spec.build(resolve(spec, {})).joints.size(), 19'701u);
+}
+
+TEST(Scenes, OfJointsHaveTheirCounts) {
+  const auto scene = [](const char* name) { return find(name).build(resolve(find(name), {})); };
+  const Scene quilts = scene("joints-35k"), chains = scene("chains-1000x50");
+  EXPECT_EQ(quilts.bodies.size(), 34'993u);  // with the ground
+  EXPECT_EQ(quilts.joints.size(), 71'984u);
+  EXPECT_EQ(chains.bodies.size(), 50'000u);
+  EXPECT_EQ(chains.joints.size(), 50'000u);
 }
 
 TEST(Scenes, DoNotOverlapAtFullSize) {

@@ -21,6 +21,7 @@ void reportCounters(const View& s, StepReport& report) {
   report.clashes = c.clashes;
   report.brokenJoints = c.broken;
   report.quarantined = c.quarantined;
+  report.failedSolves = c.failedSolves;
   report.spinLimited = c.spinLimited;
 }
 
@@ -41,6 +42,7 @@ void CpuEngine::step(StepReport& report) {
   });
   reportCounters(s, report);
   report.stages = executor_.takeTimes();
+  report.grown = executor_.takeGrown();
 }
 
 std::vector<std::byte> saveState(const HostTables& tables, double previousDt) {

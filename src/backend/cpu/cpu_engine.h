@@ -2,6 +2,7 @@
 /// An engine whose tables lie in host memory.
 #include "backend/cpu/cpu_executor.h"
 #include "backend/cpu/table_edit.h"
+#include "backend/state_rows.h"
 #include "solver/settings.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -34,6 +35,13 @@ class CpuEngine final : public Engine {
   BodyState state(int slot) const override { return bodyState(tables(), slot); }
   void setState(int slot, const BodyState& state) override { setBodyState(tables(), slot, state); }
   void addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) override;
+  void addVelocities(std::span<const int> slots, std::span<const rubble::Vec3> changes) override {
+    for (std::size_t k = 0; k < slots.size(); ++k) addVelocity(tables(), slots[k], changes[k]);
+  }
+  void forgetContactsOf(std::span<const int> slots) override { RUBBLE_CORE::forgetContactsOf(tables(), slots); }
+  ArrayView array(StateArray which) override { return arrayOf(tables(), which); }
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override { scatterRows(tables(), which, rows, values); }
+  bool reserve(const std::string& kind, int count) override { return reserveKind(tables(), kind, count); }
   void step(StepReport& report) override;
   Quality quality() const override { return qualityOf(tables()); }
   std::vector<EngineContact> contacts() const override { return contactsOf(tables()); }

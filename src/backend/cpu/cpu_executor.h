@@ -11,6 +11,7 @@
 #include <rubble/report.h>
 
 #include "backend/cpu/host_memory.h"
+#include "backend/state_rows.h"
 #include "stages/step.h"
 #include "state/tables.h"
 
@@ -89,7 +90,12 @@ class CpuExecutor {
     offset[0] = 0;
   }
 
-  void require(Per per, int Counters::*count) { tables_.reserve(per, view().counters->*count); }
+  void require(Per per, int Counters::*count) {
+    const int needed = view().counters->*count;
+    if (needed <= tables_.capacity(per)) return;
+    tables_.reserve(per, needed);
+    grown_.push_back({kindName(per), needed});
+  }
 
   template <class Take, class Propose>
   void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left) {
@@ -116,6 +122,8 @@ class CpuExecutor {
 
   /// Time of each stage since the last call [ms].
   std::vector<StageTime> takeTimes() { return std::exchange(times_, {}); }
+  /// Tables that have grown since the last call.
+  std::vector<Growth> takeGrown() { return std::exchange(grown_, {}); }
 
  private:
   int countOf(int n) const { return n; }
@@ -161,6 +169,7 @@ class CpuExecutor {
   tbb::task_arena arena_;
   bool timings_;
   std::vector<StageTime> times_;
+  std::vector<Growth> grown_;
 };
 
 }  // namespace rubble::RUBBLE_CORE

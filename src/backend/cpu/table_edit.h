@@ -19,6 +19,13 @@ void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
 void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs);
 BodyState bodyState(const HostTables& tables, int slot);
 void setBodyState(HostTables& tables, int slot, const BodyState& state);
+void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change);
+/// Contacts of many slots at once.
+void forgetContactsOf(HostTables& tables, std::span<const int> slots);
+
+ArrayView arrayOf(const HostTables& tables, StateArray which);
+/// As World::scatter, from host memory.
+void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, const ArrayView& values);
 
 /// The contacts of the last step at the present poses.
 std::vector<EngineContact> contactsOf(const HostTables& tables);

@@ -1,5 +1,7 @@
 #include <cuda_runtime.h>
 
+#include <algorithm>
+
 #include "backend/cuda/cuda_stepper.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -8,11 +10,33 @@ namespace {
 
 constexpr int kEditThreads = 128;
 
-__global__ void scatterWords(int* to, const int* from, const int* slots, int count, int words) {
-  const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  if (i >= count * words) return;
-  const int k = i / words, word = i - k * words;
-  to[static_cast<std::size_t>(slots[k]) * static_cast<std::size_t>(words) + static_cast<std::size_t>(word)] = from[i];
+/// Pieces that one launch takes: they travel with its arguments.
+constexpr int kMostPieces = 32;
+struct ScatterList {
+  ScatterPiece piece[kMostPieces];
+};
+
+/// A row of blocks a piece, a thread a word.
+__global__ void scatterWords(const __grid_constant__ ScatterList list) {
+  const ScatterPiece& p = list.piece[blockIdx.y];
+  const std::size_t words = static_cast<std::size_t>(p.words), all = static_cast<std::size_t>(p.count) * words;
+  const std::size_t stride = static_cast<std::size_t>(gridDim.x) * blockDim.x;
+  for (std::size_t i = static_cast<std::size_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < all; i += stride) {
+    const std::size_t k = i / words;
+    static_cast<int*>(p.to)[static_cast<std::size_t>(p.slots[k]) * words + (i - k * words)] = static_cast<const int*>(p.from)[i];
+  }
+}
+
+__global__ void changeVelocities(const __grid_constant__ View s, const int* slots, const Vec3d* changes, int count) {
+  const int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+  if (k >= count) return;
+  const int slot = slots[k];
+  s.velocity[slot] = s.previousVelocity[slot] = changedVelocity(s.velocity[slot], changes[k]);
+}
+
+__global__ void scatterRowsOf(const __grid_constant__ View s, const ScatterRows rows, int count) {
+  const int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+  if (k < count) rows(s, k);
 }
 
 __device__ bool contains(const int* sorted, int count, int value) {
@@ -43,18 +67,30 @@ unsigned blocksFor(std::size_t n) { return static_cast<unsigned>((n + kEditThrea
 
 }  // namespace
 
-void scatterElements(cudaStream_t stream, void* to, const void* from, const int* slots, int count, std::size_t elementBytes) {
-  const int words = static_cast<int>(elementBytes / sizeof(int));
-  // a launch for so many elements that their words can be counted by an int
-  constexpr int kMostWords = 1 << 28;
-  const int most = kMostWords / words;
-  for (int done = 0; done < count; done += most) {
-    const int n = count - done < most ? count - done : most;
-    const int* const source = static_cast<const int*>(from) + static_cast<std::size_t>(done) * static_cast<std::size_t>(words);
-    scatterWords<<<blocksFor(static_cast<std::size_t>(n) * static_cast<std::size_t>(words)), kEditThreads, 0, stream>>>(
-        static_cast<int*>(to), source, slots + done, n, words);
+void scatterPieces(cudaStream_t stream, const std::vector<ScatterPiece>& pieces) {
+  constexpr std::size_t kMostBlocks = 4096;
+  for (std::size_t first = 0; first < pieces.size(); first += kMostPieces) {
+    const std::size_t n = std::min<std::size_t>(kMostPieces, pieces.size() - first);
+    ScatterList list{};
+    std::size_t most = 1;
+    for (std::size_t k = 0; k < n; ++k) {
+      list.piece[k] = pieces[first + k];
+      most = std::max(most, static_cast<std::size_t>(list.piece[k].count) * static_cast<std::size_t>(list.piece[k].words));
+    }
+    const dim3 blocks(std::min<unsigned>(blocksFor(most), kMostBlocks), static_cast<unsigned>(n));
+    scatterWords<<<blocks, kEditThreads, 0, stream>>>(list);
     checkCuda(cudaGetLastError(), "scatterWords");
   }
+}
+
+void addVelocities(cudaStream_t stream, const View& device, const int* slots, const Vec3d* changes, int count) {
+  changeVelocities<<<blocksFor(static_cast<std::size_t>(count)), kEditThreads, 0, stream>>>(device, slots, changes, count);
+  checkCuda(cudaGetLastError(), "changeVelocities");
+}
+
+void scatterStateRows(cudaStream_t stream, const View& device, const ScatterRows& rows, int count) {
+  scatterRowsOf<<<blocksFor(static_cast<std::size_t>(count)), kEditThreads, 0, stream>>>(device, rows, count);
+  checkCuda(cudaGetLastError(), "scatterRowsOf");
 }
 
 void forgetContactsOf(cudaStream_t stream, const View& device, const int* slots, int count, int pairs) {

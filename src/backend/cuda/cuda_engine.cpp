@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "backend/cpu/cpu_engine.h"
+#include "backend/cuda/device_poses.h"
 #include "backend/cuda/mirror.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -11,7 +12,7 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 /// An engine whose tables lie on the device. Its host tables follow where they are needed.
-class CudaEngine final : public Engine {
+class CudaEngine final : public Engine, private PoseCopies {
  public:
   explicit CudaEngine(bool timings) : stepper_(timings) {}
 
@@ -52,11 +53,38 @@ class CudaEngine final : public Engine {
     setBodyState(host(), slot, state);
     mirror_.stateWritten(slot);
   }
+  void addVelocities(std::span<const int> slots, std::span<const rubble::Vec3> changes) override {
+    for (std::size_t k = 0; k < slots.size(); ++k) mirror_.addVelocity(slots[k], changes[k]);
+  }
   void addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) override {
+    mirror_.beforeForce();
     host().view().force[slot] += Vec3(force);
     host().view().torque[slot] += Vec3(torque);
     mirror_.forceWritten(slot);
   }
+
+  ArrayView array(StateArray which) override {
+    mirror_.flush();
+    ArrayView view = withStateArray(which, [&](auto member) { return rowsOf(stepper_.tables().view().*member, host().view().bodies); });
+    view.device = true;
+    view.stream = reinterpret_cast<std::uintptr_t>(stepper_.stream());
+    return view;
+  }
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override { mirror_.scatter(which, rows, values); }
+  bool reserve(const std::string& kind, int count) override { return reserveKind(stepper_.tables(), kind, count); }
+
+  PoseCopies* poseCopies() override { return this; }
+  void begin(int buffer) override {
+    mirror_.flush();
+    // the sizes of the device's view are those of the last step
+    View view = stepper_.tables().view();
+    view.bodies = host().view().bodies;
+    poses_.begin(buffer, view, stepper_.stream());
+  }
+  bool ready(int buffer) const override { return poses_.ready(buffer); }
+  void wait(int buffer) override { poses_.wait(buffer); }
+  ArrayView position(int buffer) const override { return poses_.position(buffer); }
+  ArrayView orientation(int buffer) const override { return poses_.orientation(buffer); }
 
   void step(StepReport& report) override;
 
@@ -68,6 +96,8 @@ class CudaEngine final : public Engine {
   std::uint64_t hash() const override { return hashBytes(save()); }
   std::vector<std::byte> save() const override { return saveState(fetched(), previousDt_); }
   void load(std::span<const std::byte> data) override;
+  std::shared_ptr<const EngineSnapshot> snapshot() const override { return mirror_.snapshot(previousDt_); }
+  void restore(const EngineSnapshot& snapshot) override;
 
  private:
   HostTables& host() const { return mirror_.host(); }
@@ -79,6 +109,7 @@ class CudaEngine final : public Engine {
 
   CudaStepper stepper_;
   mutable Mirror mirror_{stepper_};  ///< reading fetches
+  DevicePoses poses_;
   EngineSettings settings_;
   bool settingsChanged_ = true;
   bool bodiesChanged_ = true;
@@ -122,6 +153,14 @@ void CudaEngine::step(StepReport& report) {
 void CudaEngine::load(std::span<const std::byte> data) {
   loadState(host(), previousDt_, data);
   mirror_.allWritten();
+  bodiesChanged_ = true;
+}
+
+void CudaEngine::restore(const EngineSnapshot& snapshot) {
+  const auto* const own = dynamic_cast<const DeviceSnapshot*>(&snapshot);
+  if (!own) return load(snapshot.bytes());
+  mirror_.restore(*own);
+  previousDt_ = own->previousDt;
   bodiesChanged_ = true;
 }
 

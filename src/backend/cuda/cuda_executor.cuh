@@ -15,7 +15,7 @@
 #include "backend/cuda/contact_kernels.cuh"
 #include "backend/cuda/device_memory.h"
 #include "backend/cuda/group_kernels.cuh"
-#include "backend/cuda/primal_kernels.cuh"
+#include "backend/cuda/strict_kernels.cuh"
 #include "backend/cuda/timeline.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -99,18 +99,23 @@ class CudaExecutor {
     if (!begins()) return;
     enterStage(Kernel::kName);
     constexpr int kBodiesPerElement = 16;
-    using Type = typename OnDevice<Kernel>::Type;
+    using Type = DeviceKernel<Kernel>;
     const int blocks = blocksFor(view().bodies / kBodiesPerElement + 1, widthOf<Type>());
     runRange<Type><<<blocks, kThreads, 0, stream_>>>(view(), onDevice(kernel), view().*offsets, k, Gate{control_});
     checkCuda(cudaGetLastError(), Kernel::kName);
   }
-  /// The last warp to sum a chunk of a group goes on with it.
-  void forEach(const SumMasses&, int Counters::*n) { forEach(SumMassesByWarp{tree()}, n); }
-  void forEach(const FindCentres&, int Counters::*) {}
-  void forEach(const SumInertia&, int Counters::*n) { forEach(SumInertiaByWarp{tree()}, n); }
-  void forEach(const TakeInertia&, int Counters::*) {}
-  void forEachIn(const SumChunk<Real>&, int* View::*offsets, int level) { forEachIn(SumChunkByWarp{tree()}, offsets, level); }
-  void forEachIn(const SolveGroup&, int* View::*, int) {}
+  /// The last warp to sum a chunk of a group goes on with it, and so does what a stage of its own does elsewhere.
+  void forEach(const SumMasses& kernel, int Counters::*n) { sumGroups<SumMassesByWarp>(kernel, n); }
+  void forEach(const SumInertia& kernel, int Counters::*n) { sumGroups<SumInertiaByWarp>(kernel, n); }
+  void forEach(const FindCentres& kernel, int Counters::*n) { onlyIfStrict(kernel, n); }
+  void forEach(const TakeInertia& kernel, int Counters::*n) { onlyIfStrict(kernel, n); }
+  void forEachIn(const SumChunk<Real>& kernel, int* View::*offsets, int level) {
+    if constexpr (kStrict) forEachIn<SumChunk<Real>>(kernel, offsets, level);
+    else forEachIn(SumChunkByWarp{tree()}, offsets, level);
+  }
+  void forEachIn(const SolveGroup& kernel, int* View::*offsets, int level) {
+    if constexpr (kStrict) forEachIn<SolveGroup>(kernel, offsets, level);
+  }
 
   void forEach(const CountColors&, int n) { launchOverBodies(countColors, CountColors::kName, n); }
   void forEach(const FillColors&, int n) { launchOverBodies(fillColors, FillColors::kName, n); }
@@ -181,6 +186,15 @@ class CudaExecutor {
   void forEachColor(const SolveBody<Real>&) {
     if (!begins() || view().bodies == 0) return;
     enterStage(SolveBody<Real>::kName);
+    if constexpr (kStrict) {
+      for (int c = 0; c < options_.colors; ++c) {
+        solveColorStrictly<<<blocksFor(view().bodies), kThreads, 0, stream_>>>(view(), c, control_);
+        checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
+      }
+      solveTailStrictly<<<1, kThreads, 0, stream_>>>(view(), options_.colors, control_);
+      checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
+      return;
+    }
     // as many blocks as the device holds at a time: they share out whatever a colour has
     constexpr int kBatch = kGatherThreads / kFewWidth;
     const int blocks = std::min((view().bodies + kBatch - 1) / kBatch, kSolveBlocks * processors_);
@@ -264,6 +278,16 @@ class CudaExecutor {
     enterStage(name);
     kernel<<<(n + kColorBodies - 1) / kColorBodies, kThreads, 0, stream_>>>(view(), Gate{control_});
     checkCuda(cudaGetLastError(), name);
+  }
+
+  template <class Tree, class Kernel>
+  void sumGroups(const Kernel& kernel, int Counters::*n) {
+    if constexpr (kStrict) forEach<Kernel>(kernel, n);
+    else forEach(Tree{tree()}, n);
+  }
+  template <class Kernel>
+  void onlyIfStrict(const Kernel& kernel, int Counters::*n) {
+    if constexpr (kStrict) forEach<Kernel>(kernel, n);
   }
 
   SumTree tree() const { return {reinterpret_cast<int*>(tickets_.data()), tables_.capacity(Per::Chunk)}; }

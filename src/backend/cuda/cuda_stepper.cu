@@ -182,6 +182,7 @@ Counters CudaStepper::step(const View& host, StepReport& report) {
     const Control control = m.status->control;
     m.makeRoom(control);
     ++report.restarts;
+    report.grown.push_back({kindName(static_cast<Per>(control.lacking)), control.needed});
     m.enqueue(control.stop - 1, &m.direct, false);
     m.stream.wait();
     if (m.timings) m.direct.addTo(report.stages);

@@ -7,6 +7,7 @@
 #include <rubble/report.h>
 
 #include "backend/cuda/device_memory.h"
+#include "backend/state_rows.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -35,8 +36,18 @@ class CudaStepper {
 
 /// Small kernels of edits; all run in the order of the stream.
 ///
-/// Element k of `from` goes to element slots[k] of `to`; `slots` and `from` on the device, elements of whole 4-byte words.
-void scatterElements(cudaStream_t stream, void* to, const void* from, const int* slots, int count, std::size_t elementBytes);
+/// Element k of `from` goes to element slots[k] of `to`; all on the device, elements of so many 4-byte words.
+struct ScatterPiece {
+  void* to;
+  const void* from;
+  const int* slots;
+  int count, words;
+};
+/// One launch for up to some tens of pieces.
+void scatterPieces(cudaStream_t stream, const std::vector<ScatterPiece>& pieces);
+/// changedVelocity() of bodies that differ from one another.
+void addVelocities(cudaStream_t stream, const View& device, const int* slots, const Vec3d* changes, int count);
+void scatterStateRows(cudaStream_t stream, const View& device, const ScatterRows& rows, int count);
 /// Old manifolds of these bodies (sorted, on the device) are emptied.
 void forgetContactsOf(cudaStream_t stream, const View& device, const int* slots, int count, int pairs);
 /// Bodies [begin, end) are new and own no old pairs.

@@ -51,11 +51,14 @@ class DeviceBuffer {
   /// Waits for the device where it has to grow.
   void reserve(std::size_t bytes) {
     if (bytes <= bytes_) return;
+    reserveExactly(bytes + bytes / 2);
+  }
+  void reserveExactly(std::size_t bytes) {
     checkCuda(cudaDeviceSynchronize(), "wait for the device");
     DeviceMemory::release(std::exchange(data_, nullptr));
     bytes_ = 0;
-    data_ = static_cast<std::byte*>(DeviceMemory::allocate(bytes + bytes / 2));
-    bytes_ = bytes + bytes / 2;
+    data_ = static_cast<std::byte*>(DeviceMemory::allocate(bytes));
+    bytes_ = bytes;
   }
   std::byte* data() const { return data_; }
   std::size_t size() const { return bytes_; }
@@ -83,6 +86,53 @@ class Pinned {
     void operator()(T* p) const { cudaFreeHost(p); }
   };
   std::unique_ptr<T, Release> value_;
+};
+
+/// Bytes in page-locked host memory that grow and forget: copies between them and the device go on beside the host.
+class PinnedBuffer {
+ public:
+  PinnedBuffer() = default;
+  ~PinnedBuffer() { cudaFreeHost(data_); }
+  PinnedBuffer(const PinnedBuffer&) = delete;
+  PinnedBuffer& operator=(const PinnedBuffer&) = delete;
+
+  /// No copy may be under way.
+  void reserve(std::size_t bytes) {
+    if (bytes <= bytes_) return;
+    checkCuda(cudaFreeHost(std::exchange(data_, nullptr)), "cudaFreeHost");
+    bytes_ = 0;
+    const std::size_t grown = bytes + bytes / 2;
+    void* p = nullptr;
+    checkCuda(cudaMallocHost(&p, grown), "cudaMallocHost");
+    data_ = static_cast<std::byte*>(p);
+    bytes_ = grown;
+  }
+  std::byte* data() const { return data_; }
+
+ private:
+  std::byte* data_ = nullptr;
+  std::size_t bytes_ = 0;
+};
+
+/// A place in the order of a stream. One that was never recorded has passed.
+class StreamEvent {
+ public:
+  StreamEvent() { checkCuda(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "cudaEventCreate"); }
+  ~StreamEvent() { cudaEventDestroy(event_); }
+  StreamEvent(const StreamEvent&) = delete;
+  StreamEvent& operator=(const StreamEvent&) = delete;
+  void record(cudaStream_t stream) const { checkCuda(cudaEventRecord(event_, stream), "cudaEventRecord"); }
+  /// What is enqueued in the stream from now on waits for the event.
+  void holdBack(cudaStream_t stream) const { checkCuda(cudaStreamWaitEvent(stream, event_, 0), "cudaStreamWaitEvent"); }
+  void wait() const { checkCuda(cudaEventSynchronize(event_), "cudaEventSynchronize"); }
+  bool passed() const {
+    const cudaError_t status = cudaEventQuery(event_);
+    if (status != cudaErrorNotReady) checkCuda(status, "cudaEventQuery");
+    return status == cudaSuccess;
+  }
+
+ private:
+  cudaEvent_t event_ = nullptr;
 };
 
 /// A stream of its own, that does not wait for the default stream.

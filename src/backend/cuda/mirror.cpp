@@ -1,7 +1,6 @@
 #include "backend/cuda/mirror.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace rubble::RUBBLE_CORE {
 
@@ -15,71 +14,13 @@ bool perBody(const ArrayInfo<T>& array) {
   return array.per == Per::Body && array.extra == 0 && kept(array.life);
 }
 
-/// The arrays that BodyState is made of, and what follows from it.
-template <class F>
-void forEachStateArray(F&& f) {
-  f(&View::position), f(&View::orientation), f(&View::velocity), f(&View::spin), f(&View::previousVelocity);
-}
-
 }  // namespace
-
-/// Elements of many arrays on their way to the device: one copy, then one small kernel an array.
-class Mirror::Packet {
- public:
-  Packet(const View& host, const View& device) : host_(host), device_(device) {}
-
-  /// From here on, elements of these slots.
-  void setSlots(const std::vector<int>& slots) {
-    slots_ = &slots;
-    slotsAt_ = append(slots.data(), slots.size() * sizeof(int));
-  }
-  template <class T>
-  void add(T* View::*array) {
-    static_assert(sizeof(T) % sizeof(int) == 0 && alignof(T) <= kAlign);
-    const std::size_t at = append(nullptr, slots_->size() * sizeof(T));
-    for (std::size_t k = 0; k < slots_->size(); ++k)
-      std::memcpy(bytes_.data() + at + k * sizeof(T), host_.*array + (*slots_)[k], sizeof(T));
-    pieces_.push_back({device_.*array, slotsAt_, at, static_cast<int>(slots_->size()), sizeof(T)});
-  }
-
-  void send(DeviceBuffer& staging, cudaStream_t stream) const {
-    if (pieces_.empty()) return;
-    staging.reserve(bytes_.size());
-    checkCuda(cudaMemcpyAsync(staging.data(), bytes_.data(), bytes_.size(), cudaMemcpyHostToDevice, stream), "cudaMemcpyAsync of edits");
-    for (const Piece& p : pieces_)
-      scatterElements(stream, p.to, staging.data() + p.at, reinterpret_cast<const int*>(staging.data() + p.slotsAt), p.count,
-                      p.elementBytes);
-  }
-
- private:
-  static constexpr std::size_t kAlign = 64;
-  struct Piece {
-    void* to;
-    std::size_t slotsAt, at;
-    int count;
-    std::size_t elementBytes;
-  };
-
-  std::size_t append(const void* from, std::size_t size) {
-    const std::size_t at = (bytes_.size() + kAlign - 1) / kAlign * kAlign;
-    bytes_.resize(at + size);
-    if (from && size > 0) std::memcpy(bytes_.data() + at, from, size);
-    return at;
-  }
-
-  const View& host_;
-  const View& device_;
-  const std::vector<int>* slots_ = nullptr;
-  std::size_t slotsAt_ = 0;
-  std::vector<std::byte> bytes_;
-  std::vector<Piece> pieces_;
-};
 
 void Mirror::mark(int slot, std::uint8_t bits) {
   std::uint8_t& b = bits_[static_cast<std::size_t>(slot)];
   if (b == 0) touched_.push_back(slot);
   b |= bits;
-  if (bits & (kBody | kState)) b |= kKnown;
+  if (bits & (kBody | kState)) b = static_cast<std::uint8_t>((b | kKnown) & ~kSwerved);
   if (bits & kForce) b |= kPushed;
 }
 
@@ -94,7 +35,7 @@ void Mirror::bodiesAdded(int before) {
   const int after = host_.view().bodies;
   if (after == before) return;
   bits_.resize(static_cast<std::size_t>(after));
-  listsDirty_ = true;
+  listsWritten();
   if (addedFrom_ < 0) addedFrom_ = before;
   for (int i = before; i < after; ++i) mark(i, kBody);
 }
@@ -106,9 +47,11 @@ void Mirror::allWritten() {
   touched_.clear();
   forgotten_.clear();
   for (std::vector<int>& slots : joints_) slots.clear();
+  swerved_.clear(), swerves_.clear();
   addedFrom_ = -1;
   allDirty_ = true;
-  listsDirty_ = statesOld_ = restOld_ = false;
+  authored_.reset();
+  listsDirty_ = statesOld_ = restOld_ = forcesOnDevice_ = false;
 }
 
 void Mirror::forgetContacts(int slot) {
@@ -159,19 +102,7 @@ void Mirror::flush() {
   if (addedFrom_ >= 0) startPairOffsets(stepper_.stream(), device, addedFrom_, host_.view().bodies);
   addedFrom_ = -1;
   if (listsDirty_) sendLists();
-  Packet packet(host_.view(), device);
-  sendBodies(packet);
-  sendJoints(packet);
-  packet.send(staging_, stepper_.stream());
-
-  if (forgotten_.empty()) return;
-  std::sort(forgotten_.begin(), forgotten_.end());
-  staging_.reserve(forgotten_.size() * sizeof(int));
-  checkCuda(cudaMemcpyAsync(staging_.data(), forgotten_.data(), forgotten_.size() * sizeof(int), cudaMemcpyHostToDevice, stepper_.stream()),
-            "cudaMemcpyAsync of removals");
-  forgetContactsOf(stepper_.stream(), device, reinterpret_cast<const int*>(staging_.data()), static_cast<int>(forgotten_.size()),
-                   liveCount(Per::Pair));
-  forgotten_.clear();
+  sendEdits();
 }
 
 void Mirror::sendAll() {
@@ -187,7 +118,11 @@ void Mirror::sendAll() {
   host_.view().counters->pairs = liveCount(Per::Pair);
   allWritten();
   allDirty_ = false;
-  // forces end with the next step: remember who has one
+  noteForces();
+}
+
+/// Forces end with the next step: remembers who has one.
+void Mirror::noteForces() {
   const View& s = host_.view();
   const Vec3 none{0, 0, 0};
   for (int i = 0; i < s.bodies; ++i)
@@ -206,93 +141,60 @@ void Mirror::sendLists() {
   listsDirty_ = false;
 }
 
-void Mirror::sendBodies(Packet& packet) {
-  if (const std::vector<int> slots = slotsWith(kBody); !slots.empty()) {
-    packet.setSlots(slots);
+/// One upload for all that was edited element by element, and one kernel for each kind of edit.
+void Mirror::sendEdits() {
+  const View& device = stepper_.tables().view();
+  const cudaStream_t stream = stepper_.stream();
+  Packet packet(host_.view(), device);
+  const std::vector<int> bodies = slotsWith(kBody), states = slotsWith(kState), forces = slotsWith(kForce);
+  if (!bodies.empty()) {
+    packet.setSlots(bodies);
     forEachArray([&](const auto& array) {
       if (perBody(array)) packet.add(array.member);
     });
   }
-  if (const std::vector<int> slots = slotsWith(kState); !slots.empty()) {
-    packet.setSlots(slots);
-    forEachStateArray([&](auto array) { packet.add(array); });
+  if (!states.empty()) {
+    packet.setSlots(states);
+    forEachMotionArray([&](auto array) { packet.add(array); });
   }
-  if (const std::vector<int> slots = slotsWith(kForce); !slots.empty()) {
-    packet.setSlots(slots);
+  if (!forces.empty()) {
+    packet.setSlots(forces);
     packet.add(&View::force);
     packet.add(&View::torque);
   }
-  for (const int slot : touched_) bits_[static_cast<std::size_t>(slot)] &= kKnown | kPushed;
-}
-
-void Mirror::sendJoints(Packet& packet) {
-  forEachType(JointTypes{}, [&]<class F>() {
-    std::vector<int>& slots = joints_[typeIndex<F>(JointTypes{})];
-    if (slots.empty()) return;
+  for (std::vector<int>& slots : joints_) {
     std::sort(slots.begin(), slots.end());
     slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  }
+  forEachType(JointTypes{}, [&]<class F>() {
+    const std::vector<int>& slots = joints_[typeIndex<F>(JointTypes{})];
+    if (slots.empty()) return;
     packet.setSlots(slots);
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
       if constexpr (std::is_same_v<T, Joint<F>>) packet.add(array.member);
     });
-    slots.clear();
   });
-}
-
-void Mirror::stepped(const Counters& counters) {
-  View& s = host_.view();
-  *s.counters = counters;
-  for (const int slot : touched_) {
-    if (bits_[static_cast<std::size_t>(slot)] & kPushed) s.force[slot] = s.torque[slot] = {0, 0, 0};
-    bits_[static_cast<std::size_t>(slot)] = 0;
+  // a body that was set afterwards has the velocity that it was given
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < swerved_.size(); ++k) {
+    if (!(bits_[static_cast<std::size_t>(swerved_[k])] & kSwerved)) continue;
+    swerved_[kept] = swerved_[k], swerves_[kept++] = swerves_[k];
   }
-  touched_.clear();
-  statesOld_ = restOld_ = true;
-  singleFetches_ = 0;
-}
+  swerved_.resize(kept), swerves_.resize(kept);
+  std::sort(forgotten_.begin(), forgotten_.end());
 
-template <class T>
-void Mirror::download(const ArrayInfo<T>& array, int count) {
-  const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(count);
-  checkCuda(
-      cudaMemcpyAsync(host_.view().*array.member, stepper_.tables().view().*array.member, bytes, cudaMemcpyDeviceToHost, stepper_.stream()),
-      "cudaMemcpyAsync to the host");
-}
-
-void Mirror::fetchStates() {
-  flush();
-  forEachStateArray([&]<class T>(T* View::*array) { download(ArrayInfo<T>{array, "", "", Per::Body, Life::State}, host_.view().bodies); });
-  checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
-  statesOld_ = false;
-}
-
-void Mirror::fetchState(int slot) {
-  if (!statesOld_ || (bits_[static_cast<std::size_t>(slot)] & kKnown)) return;
-  // one by one for a few bodies; who asks for more will ask for all
-  constexpr int kMostSingle = 16;
-  if (++singleFetches_ > kMostSingle) {
-    fetchStates();
-    return;
+  std::size_t swervedAt = 0, swervesAt = 0, forgottenAt = 0;
+  if (kept > 0) swervedAt = packet.append(swerved_), swervesAt = packet.append(swerves_);
+  if (!forgotten_.empty()) forgottenAt = packet.append(forgotten_);
+  if (const std::byte* const sent = packet.send(upload_, stream)) {
+    const auto at = [&]<class T>(std::size_t place, const std::vector<T>&) { return reinterpret_cast<const T*>(sent + place); };
+    if (kept > 0) addVelocities(stream, device, at(swervedAt, swerved_), at(swervesAt, swerves_), static_cast<int>(kept));
+    if (!forgotten_.empty())
+      forgetContactsOf(stream, device, at(forgottenAt, forgotten_), static_cast<int>(forgotten_.size()), liveCount(Per::Pair));
   }
-  forEachStateArray([&]<class T>(T* View::*array) {
-    checkCuda(cudaMemcpyAsync(host_.view().*array + slot, stepper_.tables().view().*array + slot, sizeof(T), cudaMemcpyDeviceToHost,
-                              stepper_.stream()),
-              "cudaMemcpyAsync of a body");
-  });
-  checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
-  mark(slot, kKnown);
-}
-
-void Mirror::fetchAll() {
-  if (!statesOld_ && !restOld_) return;
-  flush();
-  host_.reserve(Per::Pair, liveCount(Per::Pair));
-  host_.reserve(Per::Manifold, liveCount(Per::Manifold));
-  forEachArray([&](const auto& array) {
-    if (array.life == Life::State) download(array, liveCount(array.per) + array.extra);
-  });
-  checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
-  statesOld_ = restOld_ = false;
+  for (const int slot : touched_) bits_[static_cast<std::size_t>(slot)] &= kKnown | kPushed;
+  for (std::vector<int>& slots : joints_) slots.clear();
+  swerved_.clear(), swerves_.clear(), forgotten_.clear();
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -6,6 +6,8 @@
 
 #include "backend/cpu/table_edit.h"
 #include "backend/cuda/cuda_stepper.h"
+#include "backend/cuda/device_snapshot.h"
+#include "backend/cuda/packet.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -18,13 +20,31 @@ class Mirror {
 
   // What an edit of the host's tables has written.
   void bodiesAdded(int before);  ///< slots from `before` on
-  void bodyWritten(int slot) { mark(slot, kBody); }
+  void bodyWritten(int slot) {
+    mark(slot, kBody);
+    authored_.reset();
+  }
   void stateWritten(int slot) { mark(slot, kState); }
   void forceWritten(int slot) { mark(slot, kForce); }
   void jointWritten(int type, int slot);
-  void listsWritten() { listsDirty_ = true; }  ///< planes or exclusions
+  void listsWritten() {  ///< planes or exclusions
+    listsDirty_ = true;
+    authored_.reset();
+  }
   void allWritten();                           ///< by loading: nothing of the device matters any more
   void forgetContacts(int slot);
+
+  /// Changes the velocity of a body, on the device unless the host knows it.
+  void addVelocity(int slot, const rubble::Vec3& change);
+  /// As Engine::scatter; the host's tables do not follow.
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
+  /// Before a force of the host is added: those that lie on the device only are fetched.
+  void beforeForce() {
+    if (forcesOnDevice_) fetchAll();
+  }
+
+  std::shared_ptr<const DeviceSnapshot> snapshot(double previousDt);
+  void restore(const DeviceSnapshot& snapshot);
 
   /// Sends all edits.
   void flush();
@@ -44,8 +64,8 @@ class Mirror {
     kForce = 4,    ///< to be sent: force and torque
     kKnown = 8,    ///< the state of this slot is that of the device, or newer
     kPushed = 16,  ///< has a force until the next step
+    kSwerved = 32, ///< to be changed on the device: velocity
   };
-  class Packet;
 
   void mark(int slot, std::uint8_t bits);
   std::vector<int> slotsWith(std::uint8_t bits) const;
@@ -53,24 +73,35 @@ class Mirror {
   void reserveDevice();
   void sendAll();
   void sendLists();
-  void sendBodies(Packet& packet);
-  void sendJoints(Packet& packet);
+  void sendEdits();
+  void noteForces();
   template <class T>
   void download(const ArrayInfo<T>& array, int count);
   void fetchStates();
 
   CudaStepper& stepper_;
   HostTables host_;
-  DeviceBuffer staging_;
+  Upload upload_;
   std::vector<std::uint8_t> bits_;  ///< of each body
   std::vector<int> touched_;        ///< bodies with bits
   std::vector<int> joints_[JointTypes::kSize];
   std::vector<int> forgotten_;
+  std::vector<int> swerved_;        ///< bodies whose velocity changes on the device, and by how much [m/s]
+  std::vector<Vec3d> swerves_;
+  std::shared_ptr<const AuthoredBytes> authored_;  ///< of the last snapshot, while it is up to date
   int addedFrom_ = -1;  ///< first body that the device does not know, or -1
   bool listsDirty_ = false;
   bool allDirty_ = true;  ///< the device has nothing yet
   bool statesOld_ = false, restOld_ = false;
+  bool forcesOnDevice_ = false;  ///< some that the host's tables do not have
   int singleFetches_ = 0;
+  StreamEvent handed_;  ///< a place in a stream of a caller of scatter(), or in ours before the caller goes on
 };
+
+/// The arrays that BodyState is made of, and what follows from it.
+template <class F>
+void forEachMotionArray(F&& f) {
+  f(&View::position), f(&View::orientation), f(&View::velocity), f(&View::spin), f(&View::previousVelocity);
+}
 
 }  // namespace rubble::RUBBLE_CORE

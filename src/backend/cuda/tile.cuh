@@ -122,9 +122,22 @@ template <class Kernel>
 struct OnDevice {
   using Type = Kernel;
 };
+/// The kernel that takes its place in a strict build, where that of the CPU would add in another order.
+template <class Kernel>
+struct InOrder {
+  using Type = Kernel;
+};
+#if defined(RUBBLE_STRICT)
+inline constexpr bool kStrict = true;
+#else
+inline constexpr bool kStrict = false;
+#endif
+template <class Kernel>
+using DeviceKernel = typename std::conditional_t<kStrict, InOrder<Kernel>, OnDevice<Kernel>>::Type;
+
 template <class Kernel>
 auto onDevice(const Kernel& kernel) {
-  using Type = typename OnDevice<Kernel>::Type;
+  using Type = DeviceKernel<Kernel>;
   if constexpr (std::is_constructible_v<Type, const Kernel&>) return Type(kernel);
   else return Type{};
 }

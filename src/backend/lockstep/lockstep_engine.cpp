@@ -45,6 +45,24 @@ class LockstepEngine final : public Engine {
       t.view().torque[slot] += Vec3(torque);
     });
   }
+  void addVelocities(std::span<const int> slots, std::span<const rubble::Vec3> changes) override {
+    both([&](HostTables& t) {
+      for (std::size_t k = 0; k < slots.size(); ++k) addVelocity(t, slots[k], changes[k]);
+    });
+  }
+  void forgetContactsOf(std::span<const int> slots) override {
+    both([&](HostTables& t) { RUBBLE_CORE::forgetContactsOf(t, slots); });
+  }
+  /// Of the first: nobody but the engine writes.
+  ArrayView array(StateArray which) override { return arrayOf(first(), which); }
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
+    both([&](HostTables& t) { scatterRows(t, which, rows, values); });
+  }
+  bool reserve(const std::string& kind, int count) override {
+    bool known = false;
+    both([&](HostTables& t) { known = reserveKind(t, kind, count); });
+    return known;
+  }
   void step(StepReport& report) override {
     executor_.setStep(report.step);
     for (int k = 0; k < settings_.params.substeps; ++k) {
@@ -55,6 +73,8 @@ class LockstepEngine final : public Engine {
     reportCounters(executor_.view(), report);
     report.stages = executor_.a().takeTimes();
     executor_.b().takeTimes();
+    report.grown = executor_.a().takeGrown();
+    executor_.b().takeGrown();
   }
   Quality quality() const override { return qualityOf(first()); }
   std::vector<EngineContact> contacts() const override { return contactsOf(first()); }

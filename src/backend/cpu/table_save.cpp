@@ -1,0 +1,112 @@
+#include "backend/cpu/table_edit.h"
+
+#include <algorithm>
+
+namespace rubble::RUBBLE_CORE {
+
+namespace {
+
+/// Elements of an array that matter at present.
+std::size_t liveCount(const View& s, Per per) {
+  switch (per) {
+    case Per::Body: return static_cast<std::size_t>(s.bodies);
+    case Per::Pair: return static_cast<std::size_t>(s.oldPairOffset[s.bodies]);
+    case Per::Manifold: return static_cast<std::size_t>(s.counters->manifolds);
+    case Per::Plane: return static_cast<std::size_t>(s.planes);
+    case Per::Exclusion: return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
+    case Per::Ball: return static_cast<std::size_t>(s.joints[0]);
+    case Per::Fixed: return static_cast<std::size_t>(s.joints[1]);
+    default: return 0;
+  }
+}
+
+template <class Visit>
+void forEachKept(const View& s, Visit&& visit) {
+  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+    if (array.life != Life::Authored && array.life != Life::State) return;
+    visit(array, sizeof(T) * (liveCount(s, array.per) + static_cast<std::size_t>(array.extra)));
+  });
+}
+
+/// Copies elements with their padding cleared, where the compiler can: it holds no state, but is hashed with it.
+template <class T>
+void copyClean(std::byte* to, const T* from, std::size_t bytes) {
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_clear_padding)
+  for (std::size_t i = 0; i < bytes / sizeof(T); ++i) {
+    T element = from[i];
+    __builtin_clear_padding(&element);
+    std::memcpy(to + i * sizeof(T), &element, sizeof(T));
+  }
+  return;
+#endif
+#endif
+  if (bytes > 0) std::memcpy(to, from, bytes);
+}
+
+struct SavedCounts {
+  int bodies, planes, pairs, manifolds, exclusions;
+  int joints[JointTypes::kSize];
+};
+
+}  // namespace
+
+std::vector<std::byte> saveTables(const HostTables& tables) {
+  const View& s = tables.view();
+  SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->manifolds,
+                     static_cast<int>(liveCount(s, Per::Exclusion)), {}};
+  std::copy(std::begin(s.joints), std::end(s.joints), counts.joints);
+  std::size_t size = sizeof counts;
+  forEachKept(s, [&](const auto&, std::size_t bytes) { size += bytes; });
+  std::vector<std::byte> out(size);
+  std::byte* to = out.data();
+  const auto put = [&](const void* from, std::size_t bytes) {
+    if (bytes > 0) std::memcpy(to, from, bytes);
+    to += bytes;
+  };
+  put(&counts, sizeof counts);
+  forEachKept(s, [&](const auto& array, std::size_t bytes) {
+    copyClean(to, s.*array.member, bytes);
+    to += bytes;
+  });
+  return out;
+}
+
+void loadTables(HostTables& tables, std::span<const std::byte> data) {
+  SavedCounts counts;
+  std::memcpy(&counts, data.data(), sizeof counts);
+  setBodyCount(tables, counts.bodies);
+  for (int t = 0; t < JointTypes::kSize; ++t) setJointCount(tables, t, counts.joints[t]);
+  tables.reserve(Per::Pair, counts.pairs);
+  tables.reserve(Per::Manifold, counts.manifolds);
+  tables.reserve(Per::Plane, counts.planes);
+  tables.reserve(Per::Exclusion, counts.exclusions);
+  View& s = tables.view();
+  s.bodies = counts.bodies;
+  s.planes = counts.planes;
+  s.counters->manifolds = counts.manifolds;
+  // sizes of later arrays depend on these
+  s.oldPairOffset[counts.bodies] = counts.pairs;
+  s.exclusionOffset[counts.bodies] = counts.exclusions;
+  const std::byte* from = data.data() + sizeof counts;
+  forEachKept(s, [&](const auto& array, std::size_t bytes) {
+    if (bytes > 0) std::memcpy(s.*array.member, from, bytes);
+    from += bytes;
+  });
+}
+
+std::uint64_t hashBytes(std::span<const std::byte> data) {
+  // FNV-1a over 64-bit words
+  std::uint64_t h = 0xcbf29ce484222325ull;
+  std::size_t i = 0;
+  for (; i + 8 <= data.size(); i += 8) {
+    std::uint64_t word;
+    std::memcpy(&word, data.data() + i, 8);
+    h = (h ^ word) * 0x100000001b3ull;
+    h ^= h >> 32;
+  }
+  for (; i < data.size(); ++i) h = (h ^ static_cast<std::uint64_t>(data[i])) * 0x100000001b3ull;
+  return h;
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,53 @@
+#pragma once
+/// Poses on their way to the host beside the steps: copied aside on the device in the order of the steps, then to page-locked memory by a
+/// stream of their own.
+#include "backend/cuda/device_memory.h"
+#include "backend/engine.h"
+#include "backend/state_rows.h"
+
+namespace rubble::RUBBLE_CORE {
+
+class DevicePoses {
+ public:
+  /// Position and orientation of `device`, when the steps enqueued so far have ended.
+  void begin(int buffer, const View& device, cudaStream_t steps) {
+    Frame& f = frames_[buffer];
+    f.rows = device.bodies;
+    const std::size_t positions = sizeof(Vec3d) * static_cast<std::size_t>(f.rows), turns = sizeof(Quat) * static_cast<std::size_t>(f.rows);
+    f.turnsAt = (positions + kAlign - 1) / kAlign * kAlign;
+    const std::size_t bytes = f.turnsAt + turns;
+    f.aside.reserve(bytes);
+    f.host.reserve(bytes);
+    const auto copy = [](void* to, const void* from, std::size_t size, cudaMemcpyKind kind, cudaStream_t stream) {
+      checkCuda(cudaMemcpyAsync(to, from, size, kind, stream), "cudaMemcpyAsync of poses");
+    };
+    copy(f.aside.data(), device.position, positions, cudaMemcpyDeviceToDevice, steps);
+    copy(f.aside.data() + f.turnsAt, device.orientation, turns, cudaMemcpyDeviceToDevice, steps);
+    f.isAside.record(steps);
+    f.isAside.holdBack(stream_.get());
+    copy(f.host.data(), f.aside.data(), bytes, cudaMemcpyDeviceToHost, stream_.get());
+    f.isHere.record(stream_.get());
+  }
+  bool ready(int buffer) const { return frames_[buffer].isHere.passed(); }
+  void wait(int buffer) const { frames_[buffer].isHere.wait(); }
+  ArrayView position(int buffer) const {
+    return rowsOf(reinterpret_cast<const Vec3d*>(frames_[buffer].host.data()), frames_[buffer].rows);
+  }
+  ArrayView orientation(int buffer) const {
+    return rowsOf(reinterpret_cast<const Quat*>(frames_[buffer].host.data() + frames_[buffer].turnsAt), frames_[buffer].rows);
+  }
+
+ private:
+  static constexpr std::size_t kAlign = 64;
+  struct Frame {
+    DeviceBuffer aside;
+    PinnedBuffer host;
+    StreamEvent isAside, isHere;
+    std::size_t turnsAt = 0;
+    int rows = 0;
+  };
+  Stream stream_;
+  Frame frames_[2];
+};
+
+}  // namespace rubble::RUBBLE_CORE

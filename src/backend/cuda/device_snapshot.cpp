@@ -1,0 +1,111 @@
+#include "backend/cuda/device_snapshot.h"
+
+#include <cstring>
+
+#include "backend/cpu/cpu_engine.h"
+
+namespace rubble::RUBBLE_CORE {
+
+namespace {
+
+constexpr std::size_t kAlign = 64;
+
+bool kept(Life life) { return life == Life::Authored || life == Life::State; }
+
+/// visit(array, bytes, place) for the arrays that `wanted(life)` names, one behind the other. Returns the bytes of all.
+template <class Wanted, class Visit>
+std::size_t forEachPart(const SnapshotSizes& sizes, Wanted&& wanted, Visit&& visit) {
+  std::size_t at = 0;
+  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+    if (!wanted(array.life)) return;
+    const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(sizes.count(array.per) + array.extra);
+    visit(array, bytes, at);
+    at += (bytes + kAlign - 1) / kAlign * kAlign;
+  });
+  return at;
+}
+std::size_t keptBytes(const SnapshotSizes& sizes) {
+  return forEachPart(sizes, kept, [](const auto&, std::size_t, std::size_t) {});
+}
+bool isAuthored(Life life) { return life == Life::Authored; }
+
+}  // namespace
+
+int SnapshotSizes::count(Per per) const {
+  const int joint = static_cast<int>(per) - static_cast<int>(Per::Ball);
+  if (joint >= 0 && joint < JointTypes::kSize) return joints[joint];
+  switch (per) {
+    case Per::Body: return bodies;
+    case Per::Pair: return pairs;
+    case Per::Manifold: return manifolds;
+    case Per::Plane: return planes;
+    case Per::Exclusion: return exclusions;
+    default: return 0;
+  }
+}
+
+SnapshotSizes sizesOf(const View& s, int pairs, int manifolds) {
+  SnapshotSizes sizes;
+  sizes.bodies = s.bodies, sizes.planes = s.planes, sizes.exclusions = s.exclusionOffset[s.bodies];
+  sizes.pairs = pairs, sizes.manifolds = manifolds;
+  std::copy(std::begin(s.joints), std::end(s.joints), sizes.joints);
+  return sizes;
+}
+
+void adopt(HostTables& tables, const SnapshotSizes& sizes) {
+  setBodyCount(tables, sizes.bodies);
+  for (int t = 0; t < JointTypes::kSize; ++t) setJointCount(tables, t, sizes.joints[t]);
+  tables.reserve(Per::Plane, sizes.planes);
+  tables.reserve(Per::Exclusion, sizes.exclusions);
+  tables.view().bodies = sizes.bodies;
+  tables.view().planes = sizes.planes;
+}
+
+std::shared_ptr<const AuthoredBytes> copyAuthored(const HostTables& tables, const SnapshotSizes& sizes) {
+  const View& s = tables.view();
+  auto out = std::make_shared<AuthoredBytes>();
+  out->resize(forEachPart(sizes, isAuthored, [](const auto&, std::size_t, std::size_t) {}));
+  forEachPart(sizes, isAuthored, [&](const auto& array, std::size_t bytes, std::size_t at) {
+    if (bytes > 0) std::memcpy(out->data() + at, s.*array.member, bytes);
+  });
+  return out;
+}
+
+void putAuthored(HostTables& tables, const SnapshotSizes& sizes, const AuthoredBytes& from) {
+  const View& s = tables.view();
+  forEachPart(sizes, isAuthored, [&](const auto& array, std::size_t bytes, std::size_t at) {
+    if (bytes > 0) std::memcpy(s.*array.member, from.data() + at, bytes);
+  });
+}
+
+DeviceSnapshot::DeviceSnapshot(const SnapshotSizes& s, const View& device, std::shared_ptr<const AuthoredBytes> authoredBytes,
+                               cudaStream_t stream)
+    : sizes(s), authored(std::move(authoredBytes)) {
+  data_.reserveExactly(keptBytes(sizes));
+  forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {
+    checkCuda(cudaMemcpyAsync(data_.data() + at, device.*array.member, bytes, cudaMemcpyDeviceToDevice, stream), "cudaMemcpyAsync of a snapshot");
+  });
+  made_.record(stream);
+}
+
+void DeviceSnapshot::put(const View& device, cudaStream_t stream) const {
+  made_.holdBack(stream);
+  forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {
+    checkCuda(cudaMemcpyAsync(device.*array.member, data_.data() + at, bytes, cudaMemcpyDeviceToDevice, stream), "cudaMemcpyAsync of a snapshot");
+  });
+}
+
+std::vector<std::byte> DeviceSnapshot::bytes() const {
+  made_.wait();
+  HostTables tables;
+  adopt(tables, sizes);
+  tables.reserve(Per::Pair, sizes.pairs);
+  tables.reserve(Per::Manifold, sizes.manifolds);
+  *tables.view().counters = counters;
+  forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {
+    checkCuda(cudaMemcpy(tables.view().*array.member, data_.data() + at, bytes, cudaMemcpyDeviceToHost), "cudaMemcpy of a snapshot");
+  });
+  return saveState(tables, previousDt);
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,149 @@
+// What the device has changed, and what is changed there.
+#include <cstring>
+#include <utility>
+
+#include "backend/cuda/mirror.h"
+
+namespace rubble::RUBBLE_CORE {
+
+void Mirror::stepped(const Counters& counters) {
+  View& s = host_.view();
+  *s.counters = counters;
+  for (const int slot : touched_) {
+    if (bits_[static_cast<std::size_t>(slot)] & kPushed) s.force[slot] = s.torque[slot] = {0, 0, 0};
+    bits_[static_cast<std::size_t>(slot)] = 0;
+  }
+  touched_.clear();
+  statesOld_ = restOld_ = true;
+  forcesOnDevice_ = false;
+  singleFetches_ = 0;
+}
+
+template <class T>
+void Mirror::download(const ArrayInfo<T>& array, int count) {
+  const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(count);
+  checkCuda(
+      cudaMemcpyAsync(host_.view().*array.member, stepper_.tables().view().*array.member, bytes, cudaMemcpyDeviceToHost, stepper_.stream()),
+      "cudaMemcpyAsync to the host");
+}
+
+void Mirror::fetchStates() {
+  flush();
+  forEachMotionArray([&]<class T>(T* View::*array) { download(ArrayInfo<T>{array, "", "", Per::Body, Life::State}, host_.view().bodies); });
+  checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
+  statesOld_ = false;
+}
+
+void Mirror::fetchState(int slot) {
+  const std::uint8_t bits = bits_[static_cast<std::size_t>(slot)];
+  if (!statesOld_ || (bits & kKnown)) return;
+  if (bits & kSwerved) flush();
+  // one by one for a few bodies; who asks for more will ask for all
+  constexpr int kMostSingle = 16;
+  if (++singleFetches_ > kMostSingle) {
+    fetchStates();
+    return;
+  }
+  forEachMotionArray([&]<class T>(T* View::*array) {
+    checkCuda(cudaMemcpyAsync(host_.view().*array + slot, stepper_.tables().view().*array + slot, sizeof(T), cudaMemcpyDeviceToHost,
+                              stepper_.stream()),
+              "cudaMemcpyAsync of a body");
+  });
+  checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
+  mark(slot, kKnown);
+}
+
+void Mirror::fetchAll() {
+  if (!statesOld_ && !restOld_) return;
+  flush();
+  host_.reserve(Per::Pair, liveCount(Per::Pair));
+  host_.reserve(Per::Manifold, liveCount(Per::Manifold));
+  forEachArray([&](const auto& array) {
+    if (array.life == Life::State) download(array, liveCount(array.per) + array.extra);
+  });
+  checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
+  statesOld_ = restOld_ = false;
+  if (std::exchange(forcesOnDevice_, false)) noteForces();
+}
+
+void Mirror::addVelocity(int slot, const rubble::Vec3& change) {
+  if (const std::uint8_t bits = bits_[static_cast<std::size_t>(slot)]; !statesOld_ || (bits & kKnown)) {
+    RUBBLE_CORE::addVelocity(host_, slot, change);
+    stateWritten(slot);
+    return;
+  } else if (bits & kSwerved) {
+    flush();  // one change a body and batch, so that they add up in the order of the calls
+  }
+  mark(slot, kSwerved);
+  swerved_.push_back(slot);
+  swerves_.push_back(change);
+}
+
+void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
+  flush();
+  const cudaStream_t stream = stepper_.stream();
+  const View& device = stepper_.tables().view();
+  const int count = static_cast<int>(rows.shape[0]);
+  if (values.device) {
+    // behind the caller's work, and before what the caller enqueues next
+    const auto order = [&](std::uintptr_t handle, cudaStream_t first, cudaStream_t then) {
+      if (handle == 0) return;
+      handed_.record(first);
+      handed_.holdBack(then);
+    };
+    const auto handle = [](const ArrayView& view) { return reinterpret_cast<cudaStream_t>(view.stream); };
+    order(rows.stream, handle(rows), stream);
+    order(values.stream, handle(values), stream);
+    scatterStateRows(stream, device, ScatterRows(which, rows, values), count);
+    order(rows.stream, stream, handle(rows));
+    order(values.stream, stream, handle(values));
+  } else {
+    const auto bytes = [](const ArrayView& view, int numbers) {
+      return static_cast<std::size_t>(view.strides[0] * (view.shape[0] - 1) + view.strides[1] * numbers);
+    };
+    const std::size_t rowBytes = bytes(rows, 1), valuesAt = (rowBytes + sizeof(double) - 1) / sizeof(double) * sizeof(double);
+    const std::size_t valueBytes = bytes(values, static_cast<int>(values.shape[1]));
+    std::byte* const to = upload_.begin(valuesAt + valueBytes);
+    std::memcpy(to, rows.data, rowBytes);
+    std::memcpy(to + valuesAt, values.data, valueBytes);
+    const std::byte* const sent = upload_.send(stream);
+    ArrayView rowsThere = rows, valuesThere = values;
+    rowsThere.data = sent, valuesThere.data = sent + valuesAt;
+    scatterStateRows(stream, device, ScatterRows(which, rowsThere, valuesThere), count);
+  }
+  for (const int slot : touched_) bits_[static_cast<std::size_t>(slot)] &= static_cast<std::uint8_t>(~kKnown);
+  statesOld_ = restOld_ = true;
+  forcesOnDevice_ |= which == StateArray::Force || which == StateArray::Torque;
+}
+
+std::shared_ptr<const DeviceSnapshot> Mirror::snapshot(double previousDt) {
+  flush();
+  const SnapshotSizes sizes = sizesOf(host_.view(), liveCount(Per::Pair), liveCount(Per::Manifold));
+  if (!authored_) authored_ = copyAuthored(host_, sizes);
+  auto out = std::make_shared<DeviceSnapshot>(sizes, stepper_.tables().view(), authored_, stepper_.stream());
+  out->counters = *host_.view().counters;
+  out->previousDt = previousDt;
+  out->hasForces = forcesOnDevice_;
+  for (const int slot : touched_) out->hasForces |= (bits_[static_cast<std::size_t>(slot)] & kPushed) != 0;
+  return out;
+}
+
+void Mirror::restore(const DeviceSnapshot& snapshot) {
+  View& s = host_.view();
+  for (const int slot : touched_) s.force[slot] = s.torque[slot] = {0, 0, 0};
+  const bool sameAuthored = authored_ == snapshot.authored;
+  adopt(host_, snapshot.sizes);
+  if (!sameAuthored) putAuthored(host_, snapshot.sizes, *snapshot.authored);
+  reserveDevice();
+  stepper_.tables().reserve(Per::Pair, snapshot.sizes.pairs);
+  stepper_.tables().reserve(Per::Manifold, snapshot.sizes.manifolds);
+  snapshot.put(stepper_.tables().view(), stepper_.stream());
+  allWritten();
+  authored_ = snapshot.authored;
+  allDirty_ = false;
+  statesOld_ = restOld_ = true;
+  forcesOnDevice_ = snapshot.hasForces;
+  *s.counters = snapshot.counters;
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,99 @@
+#pragma once
+/// The arrays of state as rows of numbers, on host and device alike; see rubble/arrays.h.
+#include <type_traits>
+
+#include <rubble/arrays.h>
+
+#include "state/view.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// f(member of View) of the array.
+template <class F>
+auto withStateArray(StateArray which, F&& f) {
+  switch (which) {
+    case StateArray::Position: break;
+    case StateArray::Orientation: return f(&View::orientation);
+    case StateArray::Velocity: return f(&View::velocity);
+    case StateArray::AngularVelocity: return f(&View::spin);
+    case StateArray::Force: return f(&View::force);
+    case StateArray::Torque: return f(&View::torque);
+  }
+  return f(&View::position);
+}
+
+/// Elements of three or four numbers as an array of host memory.
+template <class T>
+ArrayView rowsOf(const T* data, int rows) {
+  using Number = std::conditional_t<std::is_same_v<T, Vec3d>, double, Real>;
+  static_assert(sizeof(T) % sizeof(Number) == 0);
+  ArrayView view;
+  view.data = data;
+  view.shape[0] = rows;
+  view.shape[1] = static_cast<std::int64_t>(sizeof(T) / sizeof(Number));
+  view.strides[0] = sizeof(T);
+  view.strides[1] = sizeof(Number);
+  view.typestr = sizeof(Number) == sizeof(double) ? "<f8" : "<f4";
+  return view;
+}
+
+/// Velocity after an impulse, worked out in double precision as by one who reads it, adds and writes it.
+RUBBLE_HD inline Vec3 changedVelocity(const Vec3& velocity, const Vec3d& change) { return Vec3(Vec3d(velocity) + change); }
+
+/// Row k of the values becomes a row of an array, or is added to it.
+struct ScatterRows {
+  StateArray which;
+  const char *rows, *values;
+  std::int64_t rowStride, valueStride, numberStride;  ///< [bytes]
+  bool isDouble;
+
+  ScatterRows(StateArray array, const ArrayView& rowView, const ArrayView& valueView)
+      : which(array), rows(static_cast<const char*>(rowView.data)), values(static_cast<const char*>(valueView.data)),
+        rowStride(rowView.strides[0]), valueStride(valueView.strides[0]), numberStride(valueView.strides[1]),
+        isDouble(valueView.typestr[2] == '8') {}
+
+  RUBBLE_HD double number(int k, int column) const {
+    const char* const at = values + k * valueStride + column * numberStride;
+    return isDouble ? *reinterpret_cast<const double*>(at) : static_cast<double>(*reinterpret_cast<const float*>(at));
+  }
+
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const int slot = *reinterpret_cast<const int*>(rows + k * rowStride);
+    if (slot < 0 || slot >= s.bodies || s.params[slot].kind == BodyKind::Removed) return;
+    const Vec3d v{number(k, 0), number(k, 1), number(k, 2)};
+    switch (which) {
+      case StateArray::Position: s.position[slot] = v; break;
+      case StateArray::Orientation: s.orientation[slot] = normalize(Quat(QuatT<double>{v.x, v.y, v.z, number(k, 3)})); break;
+      case StateArray::Velocity: s.velocity[slot] = s.previousVelocity[slot] = Vec3(v); break;
+      case StateArray::AngularVelocity: s.spin[slot] = Vec3(v); break;
+      case StateArray::Force: s.force[slot] += Vec3(v); break;
+      case StateArray::Torque: s.torque[slot] += Vec3(v); break;
+    }
+  }
+};
+
+/// Kinds of tables whose size only steps know, by the names that reports and World::reserve() use.
+struct CountedKind {
+  const char* name;
+  Per per;
+};
+inline constexpr CountedKind kCountedKinds[] = {{"pairs", Per::Pair},   {"manifolds", Per::Manifold}, {"entries", Per::Entry},
+                                                {"colors", Per::Color}, {"groups", Per::Group},       {"chunks", Per::Chunk},
+                                                {"externals", Per::External}};
+inline const char* kindName(Per per) {
+  for (const CountedKind& kind : kCountedKinds)
+    if (kind.per == per) return kind.name;
+  return "";
+}
+/// Room in tables for a kind by its name; false if there is none of that name.
+template <class SomeTables>
+bool reserveKind(SomeTables& tables, const std::string& name, int count) {
+  for (const CountedKind& kind : kCountedKinds)
+    if (name == kind.name) {
+      tables.reserve(kind.per, count);
+      return true;
+    }
+  return false;
+}
+
+}  // namespace rubble::RUBBLE_CORE

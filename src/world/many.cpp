@@ -1,0 +1,195 @@
+// Many bodies at once, and the state as arrays.
+#include <cmath>
+#include <cstring>
+#include <string_view>
+
+#include "world/world_impl.h"
+
+namespace rubble {
+
+namespace {
+
+std::string element(const char* list, std::size_t k) { return std::string(list) + "[" + std::to_string(k) + "]"; }
+
+void sameLength(std::size_t wanted, std::size_t got, const char* path) {
+  if (got != wanted) throw Error(path, "as many as there are ids, " + std::to_string(wanted), std::to_string(got));
+}
+
+bool isFinite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+
+void finite(const Vec3& a, const char* list, std::size_t k, const char* member = "") {
+  if (!isFinite(a)) throw Error(element(list, k) + member, "three finite numbers", "others");
+}
+
+void validateState(const BodyState& s, std::size_t k) {
+  finite(s.position, "states", k, ".position");
+  finite(s.velocity, "states", k, ".velocity");
+  finite(s.angularVelocity, "states", k, ".angularVelocity");
+  const double norm = std::sqrt(s.orientation.s * s.orientation.s + dot(s.orientation.v, s.orientation.v));
+  if (!(std::fabs(norm - 1) < 1e-3)) throw Error(element("states", k) + ".orientation", "a unit quaternion", "another");
+}
+
+int numbersOf(StateArray which) { return which == StateArray::Orientation ? 4 : 3; }
+
+void expect(bool holds, const std::string& path, const std::string& expected, const std::string& got) {
+  if (!holds) throw Error(path, expected, got);
+}
+
+std::string shapeText(const ArrayView& view) { return "(" + std::to_string(view.shape[0]) + ", " + std::to_string(view.shape[1]) + ")"; }
+
+double numberAt(const ArrayView& view, std::int64_t row, std::int64_t column) {
+  const char* const at = static_cast<const char*>(view.data) + row * view.strides[0] + column * view.strides[1];
+  if (view.typestr[2] == '8') return *reinterpret_cast<const double*>(at);
+  return static_cast<double>(*reinterpret_cast<const float*>(at));
+}
+
+/// Copies of host arrays: done when they begin.
+class HostPoseCopies final : public PoseCopies {
+ public:
+  explicit HostPoseCopies(Engine& engine) : engine_(engine) {}
+  void begin(int buffer) override {
+    frames_[buffer][0].take(engine_.array(StateArray::Position));
+    frames_[buffer][1].take(engine_.array(StateArray::Orientation));
+  }
+  bool ready(int) const override { return true; }
+  void wait(int) override {}
+  ArrayView position(int buffer) const override { return frames_[buffer][0].view; }
+  ArrayView orientation(int buffer) const override { return frames_[buffer][1].view; }
+
+ private:
+  struct Copy {
+    std::vector<std::byte> bytes;
+    ArrayView view;
+    void take(const ArrayView& from) {
+      bytes.resize(static_cast<std::size_t>(from.shape[0] * from.strides[0]));
+      if (!bytes.empty()) std::memcpy(bytes.data(), from.data, bytes.size());
+      view = from;
+      view.data = bytes.data();
+    }
+  };
+  Engine& engine_;
+  Copy frames_[2][2];
+};
+
+}  // namespace
+
+std::vector<BodyId> World::addBodies(std::span<const BodyDef> bodies) {
+  std::unordered_map<std::string_view, std::size_t> names;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const std::string path = element("bodies", k);
+    validate(bodies[k], path);
+    if (bodies[k].name.empty()) continue;
+    expect(names.emplace(bodies[k].name, k).second && !impl_->registry.bodyNames.contains(bodies[k].name), path + ".name",
+           "a name that no other body has", "\"" + bodies[k].name + "\"");
+  }
+  std::vector<BodyId> ids;
+  ids.reserve(bodies.size());
+  for (const BodyDef& body : bodies) ids.push_back(impl_->addBody(body, "bodies"));
+  return ids;
+}
+
+void World::removeBodies(std::span<const BodyId> ids) { impl_->removeBodies(ids); }
+
+void World::setStates(std::span<const BodyId> ids, std::span<const BodyState> states) {
+  sameLength(ids.size(), states.size(), "states");
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    impl_->requireAlive(ids[k]);
+    validateState(states[k], k);
+  }
+  for (std::size_t k = 0; k < ids.size(); ++k) impl_->engine->setState(ids[k].index, states[k]);
+}
+
+void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> forces, std::span<const Vec3> torques) {
+  sameLength(ids.size(), forces.size(), "forces");
+  if (!torques.empty()) sameLength(ids.size(), torques.size(), "torques");
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    impl_->requireAlive(ids[k]);
+    finite(forces[k], "forces", k);
+    if (!torques.empty()) finite(torques[k], "torques", k);
+  }
+  for (std::size_t k = 0; k < ids.size(); ++k) impl_->engine->addForce(ids[k].index, forces[k], torques.empty() ? Vec3{} : torques[k]);
+}
+
+void World::applyImpulses(std::span<const BodyId> ids, std::span<const Vec3> impulses) {
+  sameLength(ids.size(), impulses.size(), "impulses");
+  std::vector<int> slots;
+  std::vector<Vec3> changes;
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    impl_->requireAlive(ids[k]);
+    finite(impulses[k], "impulses", k);
+    const BodyRecord& body = impl_->registry.bodies[ids[k]];
+    if (body.def.motion != Motion::Dynamic) continue;
+    slots.push_back(ids[k].index);
+    changes.push_back(impulses[k] / body.mass.mass);
+  }
+  impl_->engine->addVelocities(slots, changes);
+}
+
+ArrayView World::array(StateArray which) const {
+  impl_->flush();
+  ArrayView view = impl_->engine->array(which);
+  view.epoch = impl_->epoch;
+  return view;
+}
+
+std::int64_t World::epoch() const { return impl_->epoch; }
+
+void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
+  const std::string_view rowType = rows.typestr, type = values.typestr;
+  const int numbers = numbersOf(which);
+  expect(rowType == "<i4", "rows.typestr", "<i4", rows.typestr);
+  expect(rows.shape[0] >= 0 && rows.shape[1] == 1, "rows.shape", "(n, 1)", shapeText(rows));
+  expect(type == "<f4" || type == "<f8", "values.typestr", "<f4 or <f8", values.typestr);
+  expect(values.shape[0] == rows.shape[0] && values.shape[1] == numbers, "values.shape",
+         "(" + std::to_string(rows.shape[0]) + ", " + std::to_string(numbers) + ")", shapeText(values));
+  if (rows.shape[0] == 0) return;
+  expect(rows.data && values.data, "rows, values", "memory", "none");
+  impl_->flush();
+  const bool onDevice = impl_->engine->poseCopies() != nullptr;
+  expect(rows.device == values.device, "rows, values", "both on the host or both on the device", "one of each");
+  expect(onDevice || !values.device, "values", "host memory", "memory of a device");
+  if (!values.device)
+    for (std::int64_t k = 0; k < values.shape[0]; ++k)
+      for (int j = 0; j < numbers; ++j)
+        expect(std::isfinite(numberAt(values, k, j)), element("values", static_cast<std::size_t>(k)), "finite numbers", "others");
+  impl_->engine->scatter(which, rows, values);
+}
+
+PoseCopies& World::Impl::poseCopies() {
+  if (PoseCopies* own = engine->poseCopies()) return *own;
+  if (!poses.host) poses.host = std::make_unique<HostPoseCopies>(*engine);
+  return *poses.host;
+}
+
+void World::beginPoses() {
+  PoseRing& ring = impl_->poses;
+  if (ring.begun - ring.taken >= 2) throw Error("beginPoses", "at most two copies under way: take one", "a third");
+  impl_->flush();
+  const int buffer = static_cast<int>(ring.begun % 2);
+  impl_->poseCopies().begin(buffer);
+  ring.frames[buffer] = {impl_->registry.step, impl_->registry.time};
+  ++ring.begun;
+}
+
+bool World::posesReady() const {
+  const PoseRing& ring = impl_->poses;
+  return ring.begun > ring.taken && impl_->poseCopies().ready(static_cast<int>(ring.taken % 2));
+}
+
+PoseFrame World::takePoses() {
+  PoseRing& ring = impl_->poses;
+  if (ring.begun == ring.taken) throw Error("takePoses", "a copy that beginPoses() began", "none");
+  const int buffer = static_cast<int>(ring.taken % 2);
+  PoseCopies& copies = impl_->poseCopies();
+  copies.wait(buffer);
+  ++ring.taken;
+  return {ring.frames[buffer].step, ring.frames[buffer].time, copies.position(buffer), copies.orientation(buffer)};
+}
+
+void World::reserve(const std::string& kind, int count) {
+  if (count < 0) throw Error("count", "a number of at least 0", std::to_string(count));
+  if (!impl_->engine->reserve(kind, count))
+    throw Error("kind", "pairs, manifolds, entries, colors, groups, chunks or externals", "\"" + kind + "\"");
+}
+
+}  // namespace rubble

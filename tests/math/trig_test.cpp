@@ -1,0 +1,3 @@
+/// In double precision.
+#define RUBBLE_TRIG_SUITE TrigInDouble
+#include "tests/math/trig_cases.h"
