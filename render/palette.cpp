@@ -1,0 +1,133 @@
+#include "render/palette.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+namespace rubble::render {
+namespace {
+
+/// Fewer boxes than this are no stack: each has a colour of its own.
+constexpr std::size_t kStack = 30;
+/// A ball this much larger than a brick is a wrecking ball.
+constexpr double kWreckingBall = 1.3;
+
+/// From the lowest course to the highest: clay, sandstone, limestone.
+constexpr std::array<std::uint32_t, 6> kCourses{0x6b4a40, 0x95614c, 0xb78460, 0xc9a27a, 0xd6bd98, 0xdfd0b4};
+/// Colours that go with one another, for scenes of few bodies.
+constexpr std::array<std::uint32_t, 8> kAccents{0xc0623f, 0x2f6f7e, 0xd9a441, 0x5d7f5a, 0x8a5a78, 0x3f5f8a, 0xb98d6c, 0x6f7f86};
+constexpr std::uint32_t kConcrete = 0xb4b3ae, kSteel = 0x6d7378, kDarkMetal = 0x595c62, kGroundColor = 0xbdbab4;
+
+std::uint32_t mixed(std::uint32_t value) {
+  value ^= value >> 16;
+  value *= 0x7feb352du;
+  value ^= value >> 15;
+  value *= 0x846ca68bu;
+  return value ^ (value >> 16);
+}
+float fraction(std::uint32_t bits, int shift) { return static_cast<float>((bits >> shift) & 255u) / 255.f; }
+
+double halfSize(const Shape& shape) {
+  const Vec3& h = shape.halfExtents;
+  return shape.type == ShapeType::Box ? std::cbrt(h.x * h.y * h.z) : shape.radius;
+}
+
+double middleOf(std::vector<double>& values, double fallback) {
+  if (values.empty()) return fallback;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Vec3f along(std::span<const std::uint32_t> stops, double t) {
+  const double at = std::clamp(t, 0., 1.) * static_cast<double>(stops.size() - 1);
+  const std::size_t stop = std::min(static_cast<std::size_t>(at), stops.size() - 2);
+  const Vec3f a = linearColor(stops[stop]), b = linearColor(stops[stop + 1]);
+  return a + (b - a) * static_cast<float>(at - static_cast<double>(stop));
+}
+
+}  // namespace
+
+Vec3f linearColor(std::uint32_t rgb) {
+  const auto channel = [&](int shift) {
+    const float s = static_cast<float>((rgb >> shift) & 255u) / 255.f;
+    return s <= .04045f ? s / 12.92f : std::pow((s + .055f) / 1.055f, 2.4f);
+  };
+  return {channel(16), channel(8), channel(0)};
+}
+
+Vec3f heat(double fraction) {
+  constexpr std::array<std::uint32_t, 6> kStops{0x4a5a72, 0x2f7f93, 0x5fb58b, 0xe9d46a, 0xee8f3c, 0xd6362f};
+  return along(kStops, fraction);
+}
+
+Palette::Palette(std::span<const io::PictureBody> bodies, const Vec3& up) : up_(up) {
+  std::vector<double> sizes, heights;
+  std::size_t boxes = 0;
+  double low = 1e30, high = -1e30;
+  for (const io::PictureBody& body : bodies) {
+    if (body.shape.type == ShapeType::Plane || body.motion == Motion::Static) continue;
+    sizes.push_back(halfSize(body.shape));
+    const double height = dot(body.position, up);
+    if (std::isfinite(height)) low = std::min(low, height), high = std::max(high, height);
+    if (body.shape.type != ShapeType::Box) continue;
+    ++boxes;
+    heights.push_back(2 * dot(abs(rotateInverse(body.orientation, up)), body.shape.halfExtents));
+  }
+  bodySize_ = std::max(1e-6, middleOf(sizes, 1));
+  course_ = std::max(1e-6, middleOf(heights, 1));
+  isStack_ = boxes >= kStack;
+  if (low <= high) low_ = low, high_ = std::max(high, low + 3 * course_);
+}
+
+Vec3f Palette::stone(const io::PictureBody& body) const {
+  const std::uint32_t bits = mixed(body.key + 1);
+  const float shade = .90f + .20f * fraction(bits, 8);
+  if (!isStack_) return linearColor(kAccents[mixed(body.key * 7 + 3) % kAccents.size()]) * shade;
+  const double height = dot(body.position, up_) - low_;
+  // Courses differ a little from one another, bricks of a course less.
+  const auto course = static_cast<std::uint32_t>(std::max(0., std::round(height / course_)));
+  const double t = height / (high_ - low_) + .05 * (fraction(mixed(course + 11), 0) - .5) + .07 * (fraction(bits, 0) - .5);
+  return along(kCourses, t) * shade;
+}
+
+BodyLook Palette::look(const io::PictureBody& body) {
+  if (const auto known = known_.find(body.key); known != known_.end()) return known->second;
+  BodyLook look;
+  const Shape& shape = body.shape;
+  const std::uint32_t bits = mixed(body.key + 1);
+  const float shade = .93f + .14f * fraction(bits, 8);
+  switch (shape.type) {
+    case ShapeType::Box:
+      look.geometry = kBox;
+      look.size = Vec3f(shape.halfExtents);
+      look.color = stone(body);
+      break;
+    case ShapeType::Sphere:
+    case ShapeType::Capsule: {
+      const auto radius = static_cast<float>(shape.radius);
+      look.geometry = kRound;
+      look.size = {radius, radius, radius};
+      look.halfLength = shape.type == ShapeType::Capsule ? static_cast<float>(shape.halfLength) : 0;
+      const bool wrecks = isStack_ && shape.type == ShapeType::Sphere && shape.radius > kWreckingBall * bodySize_;
+      look.finish = wrecks ? Finish::Metal : Finish::Plastic;
+      const std::uint32_t kind = shape.type == ShapeType::Capsule ? std::bit_cast<std::uint32_t>(radius) >> 12 : body.key;
+      look.color = wrecks ? linearColor(kDarkMetal) : linearColor(kAccents[mixed(kind * 7 + 3) % kAccents.size()]) * shade;
+      break;
+    }
+    case ShapeType::Plane:
+      look.geometry = kPlane;
+      look.color = linearColor(kGroundColor);
+      look.finish = Finish::Ground;
+      return known_[body.key] = look;
+  }
+  if (body.motion == Motion::Static) look.color = linearColor(kConcrete) * shade;
+  if (body.motion == Motion::Kinematic) {
+    look.color = linearColor(kSteel) * shade;
+    look.finish = Finish::Metal;
+  }
+  return known_[body.key] = look;
+}
+
+}  // namespace rubble::render
