@@ -14,10 +14,10 @@ constexpr std::size_t kStack = 30;
 constexpr double kWreckingBall = 1.3;
 
 /// From the lowest course to the highest: clay, sandstone, limestone.
-constexpr std::array<std::uint32_t, 6> kCourses{0x6b4a40, 0x95614c, 0xb78460, 0xc9a27a, 0xd6bd98, 0xdfd0b4};
+constexpr std::array<std::uint32_t, 6> kCourses{0x6a4d45, 0x8f6656, 0xab846b, 0xbf9f80, 0xccb899, 0xd8ccb4};
 /// Colours that go with one another, for scenes of few bodies.
 constexpr std::array<std::uint32_t, 8> kAccents{0xc0623f, 0x2f6f7e, 0xd9a441, 0x5d7f5a, 0x8a5a78, 0x3f5f8a, 0xb98d6c, 0x6f7f86};
-constexpr std::uint32_t kConcrete = 0xb4b3ae, kSteel = 0x6d7378, kDarkMetal = 0x595c62, kGroundColor = 0xbdbab4;
+constexpr std::uint32_t kConcrete = 0xb4b3ae, kSteel = 0x6d7378, kDarkMetal = 0x77777a, kGroundColor = 0xbdbab4;
 
 std::uint32_t mixed(std::uint32_t value) {
   value ^= value >> 16;

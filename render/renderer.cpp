@@ -15,7 +15,7 @@ namespace {
 /// Half the angle under which the sun is drawn [rad]: wider than the real one, for softer shadows.
 constexpr float kSunSpread = .02f;
 /// Reach of occlusion and radius of the shadow filter, over the half size of a typical body.
-constexpr float kOcclusionReach = 5, kShadowSoftness = .10f;
+constexpr float kOcclusionReach = 12, kShadowSoftness = .10f;
 /// Share of the distance to the nearest body at which the view begins.
 constexpr float kNearShare = .5f;
 constexpr int kCellsToScene = 12;

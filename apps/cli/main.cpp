@@ -54,6 +54,7 @@ int runProgram(int argc, char** argv) {
   addInfo(app, status);
   addPicture(app, status);
   addSoak(app, status);
+  addPlot(app, status);
   addRender(app, status);
   try {
     app.parse(argc, argv);

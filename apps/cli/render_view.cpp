@@ -12,7 +12,7 @@ namespace rubble::cli {
 namespace {
 
 /// Room for rubble on every side of a scene that is smashed, over its height.
-constexpr double kRubbleRoom = .22;
+constexpr double kRubbleRoom = .3;
 constexpr int kDivider = 4;  // pixels
 constexpr std::uint8_t kDividerGrey = 250;
 

@@ -21,8 +21,8 @@ uniform float turn;
 layout(location = 0) out vec4 picture;
 
 const vec3 kSun = vec3(3.00, 2.66, 2.20);
-const vec3 kSky = vec3(0.56, 0.64, 0.78);
-const vec3 kBounce = vec3(0.40, 0.35, 0.30);
+const vec3 kSky = vec3(0.62, 0.67, 0.75);
+const vec3 kBounce = vec3(0.66, 0.60, 0.53);
 const vec3 kHorizon = vec3(1.02, 1.03, 1.04);
 const vec3 kZenith = vec3(0.50, 0.66, 0.86);
 const float kExposure = 0.46;
@@ -37,13 +37,15 @@ vec3 sky(vec3 direction) {
 // What a mirror sees: the sky above, the ground below.
 vec3 surroundings(vec3 direction) {
   float height = dot(direction, up);
-  return mix(kBounce * 0.55, sky(direction) * 1.25, smoothstep(-0.12, 0.10, height));
+  return mix(kBounce * mix(1.6, 0.7, smoothstep(-0.1, -0.9, height)), sky(direction) * 1.3, smoothstep(-0.10, 0.06, height));
 }
 
 float sunSeen(vec3 position, vec3 normal) {
   for (int i = 0; i < shadowMapCount; ++i) {
     float offset = shadowTexel[i] * (1.0 + 1.5 * (1.0 - dot(normal, toSun)));
     vec3 at = (toShadow[i] * vec4(position + normal * offset, 1.0)).xyz;
+    // Below all bodies there is still their shadow.
+    float depth = min(at.z, 1.0);
     float margin = 3.0 / float(textureSize(shadowMaps, 0).x);
     if (any(lessThan(at.xy, vec2(margin))) || any(greaterThan(at.xy, vec2(1.0 - margin)))) continue;
     float texels = max(1.1, shadowSoftness / shadowTexel[i]) / float(textureSize(shadowMaps, 0).x);
@@ -52,7 +54,7 @@ float sunSeen(vec3 position, vec3 normal) {
     for (int k = 0; k < shadowTaps; ++k) {
       float r = sqrt((float(k) + 0.5) / float(shadowTaps)) * texels;
       float a = angle + 2.399963 * float(k);
-      sum += texture(shadowMaps, vec4(at.xy + r * vec2(cos(a), sin(a)), float(i), at.z));
+      sum += texture(shadowMaps, vec4(at.xy + r * vec2(cos(a), sin(a)), float(i), depth));
     }
     return sum / float(shadowTaps);
   }
@@ -103,7 +105,7 @@ void main() {
   float height = dot(normal, up);
 
   bool isMetal = finish == 2;
-  float roughness = isMetal ? 0.36 : finish == 3 ? 0.40 : 0.82;
+  float roughness = isMetal ? 0.42 : finish == 3 ? 0.40 : 0.82;
   vec3 halfway = normalize(toSun - toward);
   float nh = max(dot(normal, halfway), 0.0), nv = max(dot(normal, -toward), 0.02);
   float a2 = roughness * roughness * roughness * roughness;

@@ -81,8 +81,8 @@ void main() {
     wear = max(closeness.x, max(closeness.y, closeness.z)) * shown;
     // Far away the gaps between neighbours are below a pixel: a rim keeps them apart.
     float rim = min(inside.x + face.x * 1e9, min(inside.y + face.y * 1e9, inside.z + face.z * 1e9));
-    float tiny = smoothstep(0.03, 0.12, footprint / smallest) * (1.0 - smoothstep(0.25, 0.7, footprint / smallest));
-    albedo *= 1.0 - 0.22 * tiny * (1.0 - clamp(rim / (1.3 * footprint), 0.0, 1.0));
+    float tiny = smoothstep(0.02, 0.08, footprint / smallest) * (1.0 - smoothstep(0.3, 0.9, footprint / smallest));
+    albedo *= 1.0 - 0.42 * tiny * (1.0 - clamp(rim / (1.2 * footprint) - 0.2, 0.0, 1.0));
   } else if (finish == kGround) {
     normal = turned(q, vec3(0.0, 0.0, 1.0));
     float slant = max(0.04, abs(dot(normal, normalize(ray))));

@@ -26,7 +26,8 @@ void main() {
   float z = viewDepth(depth);
   vec3 normal = normalize(texture(shadedNormals, uv).xyz);
   vec3 point = rayAt(uv) * z;
-  point += normal * (0.5 * pixelAngle * z);
+  // Off the surface by what depth cannot tell apart.
+  point += normal * (1.5 * pixelAngle * z);
   vec3 toEye = normalize(-point);
   float reach = clamp(radius / (pixelAngle * z), 3.0, 0.18 * pixelsAcross.y);
   float noiseA = fract(pattern(floor(gl_FragCoord.xy)) + turn);
