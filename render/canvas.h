@@ -57,6 +57,9 @@ class SvgCanvas final : public Canvas {
   std::string body_, head_;
 };
 
+/// Can this build draw text and plots onto pixels: "on" or "off: built without Cairo".
+std::string cairoStatus();
+
 #if defined(RUBBLE_HAS_CAIRO)
 /// Draws over an image.
 class ImageCanvas final : public Canvas {

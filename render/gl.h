@@ -68,7 +68,7 @@ class Buffer {
 /// A buffer that shaders read as an array of texels.
 class TexelBuffer {
  public:
-  explicit TexelBuffer(GLenum format) : buffer_(GL_TEXTURE_BUFFER), format_(format) {}
+  explicit TexelBuffer(GLenum format) : buffer_(GL_TEXTURE_BUFFER), format_(format) { buffer_.upload(nullptr, 0); }
   Buffer& buffer() { return buffer_; }
   void bind(int unit) const;
 

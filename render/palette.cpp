@@ -28,6 +28,9 @@ std::uint32_t mixed(std::uint32_t value) {
 }
 float fraction(std::uint32_t bits, int shift) { return static_cast<float>((bits >> shift) & 255u) / 255.f; }
 
+/// Neighbours take colours that are far apart.
+std::size_t accentOf(std::uint32_t kind) { return (kind * 5u + 3u) % kAccents.size(); }
+
 double halfSize(const Shape& shape) {
   const Vec3& h = shape.halfExtents;
   return shape.type == ShapeType::Box ? std::cbrt(h.x * h.y * h.z) : shape.radius;
@@ -84,7 +87,7 @@ Palette::Palette(std::span<const io::PictureBody> bodies, const Vec3& up) : up_(
 Vec3f Palette::stone(const io::PictureBody& body) const {
   const std::uint32_t bits = mixed(body.key + 1);
   const float shade = .90f + .20f * fraction(bits, 8);
-  if (!isStack_) return linearColor(kAccents[mixed(body.key * 7 + 3) % kAccents.size()]) * shade;
+  if (!isStack_) return linearColor(kAccents[accentOf(body.key)]) * shade;
   const double height = dot(body.position, up_) - low_;
   // Courses differ a little from one another, bricks of a course less.
   const auto course = static_cast<std::uint32_t>(std::max(0., std::round(height / course_)));
@@ -92,8 +95,18 @@ Vec3f Palette::stone(const io::PictureBody& body) const {
   return along(kCourses, t) * shade;
 }
 
+bool sameShape(const Shape& a, const Shape& b) {
+  return a.type == b.type && a.halfExtents == b.halfExtents && a.radius == b.radius && a.halfLength == b.halfLength;
+}
+
 BodyLook Palette::look(const io::PictureBody& body) {
-  if (const auto known = known_.find(body.key); known != known_.end()) return known->second;
+  // The key of a body that was removed may come back with another.
+  const auto known = known_.find(body.key);
+  if (known != known_.end() && sameShape(known->second.shape, body.shape)) return known->second.look;
+  return (known_[body.key] = {body.shape, newLook(body)}).look;
+}
+
+BodyLook Palette::newLook(const io::PictureBody& body) const {
   BodyLook look;
   const Shape& shape = body.shape;
   const std::uint32_t bits = mixed(body.key + 1);
@@ -112,22 +125,23 @@ BodyLook Palette::look(const io::PictureBody& body) {
       look.halfLength = shape.type == ShapeType::Capsule ? static_cast<float>(shape.halfLength) : 0;
       const bool wrecks = isStack_ && shape.type == ShapeType::Sphere && shape.radius > kWreckingBall * bodySize_;
       look.finish = wrecks ? Finish::Metal : Finish::Plastic;
-      const std::uint32_t kind = shape.type == ShapeType::Capsule ? std::bit_cast<std::uint32_t>(radius) >> 12 : body.key;
-      look.color = wrecks ? linearColor(kDarkMetal) : linearColor(kAccents[mixed(kind * 7 + 3) % kAccents.size()]) * shade;
+      // Capsules of one radius are links of one chain or bundle.
+      const std::uint32_t kind = shape.type == ShapeType::Capsule ? mixed(std::bit_cast<std::uint32_t>(radius) >> 12) : body.key;
+      look.color = wrecks ? linearColor(kDarkMetal) : linearColor(kAccents[accentOf(kind)]) * shade;
       break;
     }
     case ShapeType::Plane:
       look.geometry = kPlane;
       look.color = linearColor(kGroundColor);
       look.finish = Finish::Ground;
-      return known_[body.key] = look;
+      return look;
   }
   if (body.motion == Motion::Static) look.color = linearColor(kConcrete) * shade;
   if (body.motion == Motion::Kinematic) {
     look.color = linearColor(kSteel) * shade;
     look.finish = Finish::Metal;
   }
-  return known_[body.key] = look;
+  return look;
 }
 
 }  // namespace rubble::render

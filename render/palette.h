@@ -16,7 +16,7 @@ class Palette {
   /// Looks at the scene as it begins: how high it is, what it is mostly made of.
   Palette(std::span<const io::PictureBody> bodies, const Vec3& up);
 
-  /// How a body looks; the same for the same key in every frame, from where it was first seen.
+  /// How a body looks; the same for the same key and shape in every frame, from where it was first seen.
   BodyLook look(const io::PictureBody& body);
   /// Typical half size of a moving body [m].
   double bodySize() const { return bodySize_; }
@@ -29,8 +29,16 @@ class Palette {
   double bodySize_ = .5;       ///< [m]
   double course_ = 1;          ///< height of a course of bricks [m]
   bool isStack_ = false;       ///< many boxes: coloured by course
-  std::unordered_map<std::uint32_t, BodyLook> known_;
+  BodyLook newLook(const io::PictureBody& body) const;
+
+  struct Known {
+    Shape shape;
+    BodyLook look;
+  };
+  std::unordered_map<std::uint32_t, Known> known_;
 };
+
+bool sameShape(const Shape& a, const Shape& b);
 
 /// Cold at rest, through teal and yellow to red at `fraction` 1.
 Vec3f heat(double fraction);

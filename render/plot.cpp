@@ -53,6 +53,28 @@ std::vector<std::string> namesOf(const std::vector<Json>& reports) {
   return names;
 }
 
+/// Parts that are thin in every bar become one, "other".
+void gatherSmallParts(std::vector<PlotRow>& rows) {
+  constexpr double kThin = .01;
+  std::vector<std::string> thick;
+  for (const PlotRow& row : rows) {
+    double total = 0;
+    for (const PlotValue& value : row.values) total += value.value;
+    for (const PlotValue& value : row.values)
+      if (value.value >= kThin * total) thick.push_back(value.part);
+  }
+  for (PlotRow& row : rows) {
+    PlotValue other{"other", 0};
+    std::vector<PlotValue> kept;
+    for (const PlotValue& value : row.values) {
+      const bool isThick = std::find(thick.begin(), thick.end(), value.part) != thick.end();
+      isThick ? kept.push_back(value) : void(other.value += value.value);
+    }
+    if (other.value > 0) kept.push_back(other);
+    row.values = std::move(kept);
+  }
+}
+
 std::vector<Panel> timingPanels(const std::vector<Json>& reports, const std::vector<std::string>& names) {
   Panel panel;
   panel.form = PanelForm::StackedBars;
@@ -65,6 +87,7 @@ std::vector<Panel> timingPanels(const std::vector<Json>& reports, const std::vec
         if (ms.is_number()) row.values.push_back({name, ms.get<double>()});
     if (!row.values.empty()) panel.rows.push_back(std::move(row));
   }
+  gatherSmallParts(panel.rows);
   return panel.rows.empty() ? std::vector<Panel>{} : std::vector<Panel>{panel};
 }
 

@@ -19,6 +19,8 @@ constexpr float kOcclusionReach = 12, kShadowSoftness = .10f;
 /// Share of the distance to the nearest body at which the view begins.
 constexpr float kNearShare = .5f;
 constexpr int kCellsToScene = 12;
+/// From so many samples on, occlusion needs no blur: the samples average its pattern.
+constexpr int kSamplesWithoutBlur = 24;
 
 /// Point `index` of the radical inverse sequence of a base, in [0, 1).
 float radicalInverse(int index, int base) {
@@ -268,7 +270,7 @@ void Renderer::Impl::drawSample(const Eye& eye, const Setting& setting, const Qu
   drawBodies(eye, jitterX, jitterY);
   glDisable(GL_DEPTH_TEST);
   drawMaterial(eye, setting, jitterX, jitterY);
-  drawOcclusion(eye, setting, jitterX, jitterY, turn, quality.samples < 4);
+  drawOcclusion(eye, setting, jitterX, jitterY, turn, quality.samples < kSamplesWithoutBlur);
   drawLight(eye, setting, quality, maps, toSun, jitterX, jitterY, turn);
 }
 

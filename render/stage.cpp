@@ -6,10 +6,6 @@
 namespace rubble::render {
 namespace {
 
-bool sameShape(const Shape& a, const Shape& b) {
-  return a.type == b.type && a.halfExtents == b.halfExtents && a.radius == b.radius && a.halfLength == b.halfLength;
-}
-
 Pose poseOf(const io::PictureBody& body, const Vec3& origin) {
   const Vec3f p(body.position - origin);
   const QuatT<float> q(body.orientation);

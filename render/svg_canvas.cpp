@@ -44,6 +44,14 @@ std::string attribute(const char* name, double value) { return std::string(" ") 
 
 }  // namespace
 
+std::string cairoStatus() {
+#if defined(RUBBLE_HAS_CAIRO)
+  return "on";
+#else
+  return "off: built without Cairo";
+#endif
+}
+
 SvgCanvas::SvgCanvas(double width, double height) {
   head_ = "<svg xmlns=\"http://www.w3.org/2000/svg\"" + attribute("width", width) + attribute("height", height) + " viewBox=\"0 0 " +
           number(width) + " " + number(height) + "\" font-family=\"" + kFonts + "\">\n";
