@@ -14,10 +14,10 @@ constexpr std::size_t kStack = 30;
 constexpr double kWreckingBall = 1.3;
 
 /// From the lowest course to the highest: clay, sandstone, limestone.
-constexpr std::array<std::uint32_t, 6> kCourses{0x6a4d45, 0x8f6656, 0xab846b, 0xbf9f80, 0xccb899, 0xd8ccb4};
+constexpr std::array<std::uint32_t, 6> kCourses{0x6a4d45, 0x8f6656, 0xab846b, 0xbc9c7d, 0xc6b192, 0xcdc0a6};
 /// Colours that go with one another, for scenes of few bodies.
-constexpr std::array<std::uint32_t, 8> kAccents{0xc0623f, 0x2f6f7e, 0xd9a441, 0x5d7f5a, 0x8a5a78, 0x3f5f8a, 0xb98d6c, 0x6f7f86};
-constexpr std::uint32_t kConcrete = 0xb4b3ae, kSteel = 0x6d7378, kDarkMetal = 0x77777a, kGroundColor = 0xbdbab4;
+constexpr std::array<std::uint32_t, 8> kAccents{0xab6a52, 0x4a7480, 0xc9a668, 0x6f8868, 0x86667c, 0x566f8f, 0xb4957a, 0x7b888d};
+constexpr std::uint32_t kConcrete = 0xb4b3ae, kSteel = 0x6d7378, kDarkMetal = 0x77777a, kGroundColor = 0xb5b3af;
 
 std::uint32_t mixed(std::uint32_t value) {
   value ^= value >> 16;
@@ -81,6 +81,7 @@ Palette::Palette(std::span<const io::PictureBody> bodies, const Vec3& up) : up_(
   bodySize_ = std::max(1e-6, middleOf(sizes, 1));
   course_ = std::max(1e-6, middleOf(heights, 1));
   isStack_ = boxes >= kStack;
+  isFlat_ = high - low < 1.5 * course_;
   if (low <= high) low_ = low, high_ = std::max(high, low + 3 * course_);
 }
 
@@ -91,7 +92,9 @@ Vec3f Palette::stone(const io::PictureBody& body) const {
   const double height = dot(body.position, up_) - low_;
   // Courses differ a little from one another, bricks of a course less.
   const auto course = static_cast<std::uint32_t>(std::max(0., std::round(height / course_)));
-  const double t = height / (high_ - low_) + .05 * (fraction(mixed(course + 11), 0) - .5) + .07 * (fraction(bits, 0) - .5);
+  // What lies in one course has nothing but its own shade.
+  const double place = isFlat_ ? .25 + .45 * fraction(bits, 16) : height / (high_ - low_);
+  const double t = place + .05 * (fraction(mixed(course + 11), 0) - .5) + .07 * (fraction(bits, 0) - .5);
   return along(kCourses, t) * shade;
 }
 

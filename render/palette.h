@@ -29,6 +29,7 @@ class Palette {
   double bodySize_ = .5;       ///< [m]
   double course_ = 1;          ///< height of a course of bricks [m]
   bool isStack_ = false;       ///< many boxes: coloured by course
+  bool isFlat_ = false;        ///< all in one course
   BodyLook newLook(const io::PictureBody& body) const;
 
   struct Known {

@@ -21,8 +21,8 @@ struct RenderCommand {
 
 void printMeasure(const RenderMeasure& m, const RenderOptions& options) {
   fmt::print("{} bodies, {}x{}, {}\n", grouped(static_cast<long long>(m.bodies)), options.width, options.height, m.device);
-  fmt::print("  frame: mean {:.2f} ms, median {:.2f} ms, 95 % {:.2f} ms ({:.1f} frames a second), {} frames\n", m.meanMs, m.medianMs, m.p95Ms,
-             1000 / m.meanMs, m.frames);
+  fmt::print("  frame: mean {:.2f} ms, median {:.2f} ms, 95 % {:.2f} ms ({:.1f} frames a second), {} frames\n  processor time of all threads: {:.1f} ms a frame\n", m.meanMs, m.medianMs, m.p95Ms,
+             1000 / m.meanMs, m.frames, m.cpuMs);
   for (const auto& [name, ms] : m.passes) fmt::print("  {:<12}{:>9.2f} ms\n", name, ms);
 }
 

@@ -42,6 +42,7 @@ struct RenderMeasure {
   std::size_t bodies = 0;
   int frames = 0;
   double meanMs = 0, medianMs = 0, p95Ms = 0;               ///< a frame, from the poses to the picture on the device
+  double cpuMs = 0;                                         ///< of all threads of the process, a frame; what a software renderer needs
   std::vector<std::pair<std::string, double>> passes;       ///< of a frame drawn pass by pass [ms]
 };
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <numbers>
 
 #include "apps/cli/render_job.h"
@@ -31,7 +32,7 @@ RenderMeasure measureRender(const RenderOptions& options, int frames) {
     const QuatT<float> q(body.orientation);
     poses.push_back({p.x, p.y, p.z, 0, q.v.x, q.v.y, q.v.z, q.s});
   }
-  RenderMeasure result{context.renderer(), start.bodies.size(), frames, 0, 0, 0, {}};
+  RenderMeasure result{context.renderer(), start.bodies.size(), frames, 0, 0, 0, 0, {}};
   const auto draw = [&](int frame) {
     renderer.bodies().setPoses(poses);
     renderer.draw(turned(camera, 2 * std::numbers::pi * frame / std::max(1, frames)), stage.setting(), quality);
@@ -39,11 +40,13 @@ RenderMeasure measureRender(const RenderOptions& options, int frames) {
   };
   draw(0);  // shaders are compiled at their first use
   std::vector<double> ms;
+  const std::clock_t cpuBegan = std::clock();
   for (int frame = 0; frame < frames; ++frame) {
     const Clock::time_point began = Clock::now();
     draw(frame);
     ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - began).count());
   }
+  result.cpuMs = 1000. * static_cast<double>(std::clock() - cpuBegan) / CLOCKS_PER_SEC / frames;
   for (const double value : ms) result.meanMs += value / frames;
   std::sort(ms.begin(), ms.end());
   result.medianMs = ms[ms.size() / 2];
