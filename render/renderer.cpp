@@ -80,6 +80,7 @@ struct ShadowTargets {
 struct Renderer::Impl {
   int width, height;
   Vec3 origin;
+  std::optional<Eye> lastEye;
   Bodies bodies;
   Surfaces surfaces;
   Bounds surfaceBounds;
@@ -312,6 +313,7 @@ void Renderer::draw(const Camera& camera, const Setting& setting, const Quality&
   // View depth is less than distance towards the corners of the picture.
   const float corner = 1 / std::sqrt(1 + eye.spanX * eye.spanX + eye.spanY * eye.spanY);
   eye.nearest = std::clamp(kNearShare * corner * nearest, eye.nearest, 300 * eye.nearest);
+  r.lastEye = eye;
 
   if (many) {
     r.targets->lightTarget.bind();
@@ -359,6 +361,15 @@ int Renderer::bodyAt(int x, int y) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->bodies.id());
   glReadPixels(x, impl_->height - 1 - y, 1, 1, GL_RG_INTEGER, GL_UNSIGNED_INT, seen);
   return seen[0] == 0 ? -1 : impl_->bodies.bodyOfSlot(seen[0] - 1);
+}
+
+Vec3 Renderer::pointAt(int x, int y) const {
+  GLfloat depth = 1;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->bodies.id());
+  glReadPixels(x, impl_->height - 1 - y, 1, 1, GL_DEPTH_COMPONENT, GL_FLOAT, &depth);
+  const auto across = static_cast<float>(2 * x + 1) / static_cast<float>(impl_->width) - 1;
+  const auto up = 1 - static_cast<float>(2 * y + 1) / static_cast<float>(impl_->height);
+  return impl_->origin + Vec3(impl_->lastEye->at(across, up, impl_->lastEye->nearest / std::max(1 - depth, 1e-7f)));
 }
 
 void Renderer::select(int body) { impl_->selected = body; }

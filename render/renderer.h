@@ -60,6 +60,8 @@ class Renderer {
   void show(unsigned framebuffer) const;
   /// Body at a pixel (from the left and the top) of the last picture, or -1.
   int bodyAt(int x, int y) const;
+  /// Point of the world that is seen at a pixel of the last picture; far away where that is the sky.
+  Vec3 pointAt(int x, int y) const;
   /// Draws this body highlighted; -1: none.
   void select(int body);
 

@@ -56,6 +56,7 @@ int runProgram(int argc, char** argv) {
   addSoak(app, status);
   addPlot(app, status);
   addRender(app, status);
+  addView(app, status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
