@@ -54,7 +54,7 @@ void addView(CLI::App& app, int& status) {
   sub->add_option("--size", command->size, "Size of the window in pixels")->type_name("WxH")->capture_default_str();
   sub->add_option("--frames", command->frames, "Close after so many frames")->check(CLI::PositiveNumber);
   sub->add_option("--screenshot", command->screenshot, "Write the last frame (PNG)")->type_name("FILE");
-  sub->add_option("--state", command->stateFile, "Write what the window showed at its end (JSON)")->type_name("FILE");
+  sub->add_option("--state", command->stateFile, "Write what the window shows, anew in every frame (JSON; for tests)")->type_name("FILE");
   addArgumentOptions(*sub, command->job);
   addSolverOptions(*sub, command->job);
   addBackendOptions(*sub, command->job);

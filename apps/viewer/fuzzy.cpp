@@ -6,7 +6,7 @@
 namespace rubble::viewer {
 namespace {
 
-constexpr int kLetter = 1, kWordBegin = 4, kRun = 3;
+constexpr int kLetter = 1, kWordBegin = 4, kRun = 5;
 
 char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 bool isWord(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; }

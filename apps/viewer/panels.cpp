@@ -1,6 +1,7 @@
 #include "apps/viewer/panels.h"
 
 #include <algorithm>
+#include <cfloat>
 #include <cstdio>
 
 #include <imgui/imgui.h>
@@ -41,7 +42,7 @@ void drawScenePanel(Desk& desk, Player& player) {
     const std::vector<float>& times = player.stepTimes();
     char now[32];
     std::snprintf(now, sizeof now, "%.2f ms a step", report.totalMs);
-    ImGui::PlotLines("##step", times.data(), static_cast<int>(times.size()), 0, now, 0, 3.4e38f, {280, 60});
+    ImGui::PlotLines("##step", times.data(), static_cast<int>(times.size()), 0, now, 0, FLT_MAX, {280, 60});
     for (const StageTime& stage : report.stages)
       if (stage.ms > .02 * report.totalMs) ImGui::Text("%-14s %8.3f ms", stage.name.c_str(), stage.ms);
   }
@@ -96,7 +97,7 @@ void drawHelp(Desk& desk) {
       "P             pick a scene         PgUp, PgDn    previous, next scene\n"
       "- +           slower, faster       C             colour by body, speed\n"
       "F             show everything      Esc           nothing selected\n"
-      "?             these keys");
+      "?             these keys           Ctrl Q        close");
   ImGui::End();
 }
 
@@ -112,19 +113,18 @@ std::string drawPicker(Desk& desk, const std::vector<std::string>& scenes) {
     desk.choice = 0;
   }
   ImGui::SetNextItemWidth(-1);
-  const bool entered = ImGui::InputText("##search", &desk.search, ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+  ImGui::InputText("##search", &desk.search, ImGuiInputTextFlags_AutoSelectAll);
   if (ImGui::IsItemEdited()) desk.choice = 0;
   const std::vector<std::size_t> found = fuzzySearch(desk.search, scenes);
   const int last = static_cast<int>(found.size()) - 1;
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_DownArrow))) ++desk.choice;
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_UpArrow))) --desk.choice;
   desk.choice = std::clamp(desk.choice, 0, std::max(0, last));
   std::string chosen;
   ImGui::BeginChild("##list");
   for (int i = 0; i <= last; ++i)
     if (ImGui::Selectable(scenes[found[static_cast<std::size_t>(i)]].c_str(), i == desk.choice)) chosen = scenes[found[static_cast<std::size_t>(i)]];
   ImGui::EndChild();
-  if (entered && last >= 0) chosen = scenes[found[static_cast<std::size_t>(desk.choice)]];
+  if (desk.takeChoice && last >= 0) chosen = scenes[found[static_cast<std::size_t>(desk.choice)]];
+  desk.takeChoice = false;
   ImGui::End();
   if (!chosen.empty()) desk.showPicker = false;
   return chosen;

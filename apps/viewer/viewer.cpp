@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 
 #include <epoxy/gl.h>
@@ -79,8 +80,9 @@ class Viewer {
  public:
   explicit Viewer(const ViewerOptions& options) : options_(options), window_(options.width, options.height), player_(options.open) {
     glfwSetWindowUserPointer(window_.handle(), this);
-    glfwSetKeyCallback(window_.handle(), [](GLFWwindow* w, int key, int, int action, int) {
-      if (action != GLFW_RELEASE) static_cast<Viewer*>(glfwGetWindowUserPointer(w))->key(key);
+    glfwSetKeyCallback(window_.handle(), [](GLFWwindow* w, int key, int, int action, int modifiers) {
+      if (key == GLFW_KEY_Q && modifiers == GLFW_MOD_CONTROL) glfwSetWindowShouldClose(w, GLFW_TRUE);
+      else if (action != GLFW_RELEASE) static_cast<Viewer*>(glfwGetWindowUserPointer(w))->key(key);
     });
     glfwSetCharCallback(window_.handle(), [](GLFWwindow* w, unsigned letter) {
       static_cast<Viewer*>(glfwGetWindowUserPointer(w))->letter(letter);
@@ -104,9 +106,9 @@ class Viewer {
       before = now;
       draw();
       ++frame;
+      if (!options_.stateFile.empty()) writeState(frame);
     }
     if (!options_.screenshot.empty()) io::writePng(screen_, options_.screenshot);
-    if (!options_.stateFile.empty()) writeState();
   }
 
  private:
@@ -145,6 +147,11 @@ class Viewer {
 
   void key(int key) {
     if (key == GLFW_KEY_ESCAPE) desk_.selected.reset(), desk_.showPicker = false;
+    if (desk_.showPicker) {
+      // Here and not from Dear ImGui, which does not see a key that goes down and up within one frame.
+      desk_.takeChoice = desk_.takeChoice || key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
+      desk_.choice += key == GLFW_KEY_DOWN ? 1 : key == GLFW_KEY_UP ? -1 : 0;
+    }
     if (ImGui::GetIO().WantTextInput || desk_.showPicker) return;
     switch (key) {
       case GLFW_KEY_SPACE: player_.paused = !player_.paused; break;
@@ -258,7 +265,7 @@ class Viewer {
       screen_.rgb.insert(screen_.rgb.end(), upward.begin() + static_cast<std::ptrdiff_t>(row) * y, upward.begin() + static_cast<std::ptrdiff_t>(row) * (y + 1));
   }
 
-  void writeState() {
+  void writeState(int frame) {
     nlohmann::ordered_json bodies = nlohmann::ordered_json::object();
     int shots = 0;
     for (const BodyId id : player_.world().bodies()) {
@@ -269,7 +276,9 @@ class Viewer {
     }
     const Vec3 eye = orbit_.camera().eye;
     const bool hasSelected = desk_.selected && player_.world().alive(*desk_.selected);
-    io::writeText(options_.stateFile, io::prettyJson({{"scene", player_.scene()},
+    const std::string unfinished = options_.stateFile + ".new";
+    io::writeText(unfinished, io::prettyJson({{"frame", frame},
+                                                     {"scene", player_.scene()},
                                                      {"paused", player_.paused},
                                                      {"steps", player_.world().stepCount()},
                                                      {"speed", player_.speed},
@@ -278,7 +287,9 @@ class Viewer {
                                                      {"shots", shots},
                                                      {"selected", hasSelected ? player_.world().definition(*desk_.selected).name : ""},
                                                      {"eye", {eye.x, eye.y, eye.z}},
+                                                     {"held", player_.held().has_value()},
                                                      {"bodies", bodies}}));
+    std::filesystem::rename(unfinished, options_.stateFile);
   }
 
   ViewerOptions options_;

@@ -14,7 +14,7 @@ struct ViewerOptions {
   int width = 1280, height = 720;
   int frames = 0;           ///< closes after so many frames; 0: when the user closes it
   std::string screenshot;   ///< the last frame, with its panels, goes into this PNG file
-  std::string stateFile;    ///< what the window shows when it closes, as JSON, for tests
+  std::string stateFile;    ///< what the window shows, as JSON, written anew in every frame: for tests that drive the window
 };
 
 /// Opens a window and runs until it is closed. Throws Error without a display or OpenGL 4.1.
