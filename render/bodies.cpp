@@ -71,9 +71,9 @@ struct Bodies::Level {
 };
 
 struct Bodies::Shape {
-  std::vector<Level> levels;     ///< finest first
+  std::vector<Level> levels;  ///< finest first
   std::size_t chunkBodies = 1;
-  float radius = 1;              ///< of the mesh at scale 1 [m]
+  float radius = 1;  ///< of the mesh at scale 1 [m]
 };
 
 Bodies::Bodies()
@@ -163,7 +163,8 @@ void Bodies::setLooks(std::span<const BodyLook> looks) {
   }
   for (Chunk& chunk : chunks_) {
     const std::size_t bodies = shapes_[static_cast<std::size_t>(chunk.geometry)]->chunkBodies;
-    chunk.largest = *std::max_element(radii_.begin() + chunk.firstSlot, radii_.begin() + static_cast<std::ptrdiff_t>(chunk.firstSlot + bodies));
+    chunk.largest =
+        *std::max_element(radii_.begin() + chunk.firstSlot, radii_.begin() + static_cast<std::ptrdiff_t>(chunk.firstSlot + bodies));
   }
   uploadTables();
 }
@@ -230,7 +231,7 @@ void Bodies::setPoses(std::span<const Pose> poses) {
 void Bodies::updateCore() {
   std::vector<float> lows[3], highs[3];
   const std::size_t stride = std::max<std::size_t>(1, bodyInSlot_.size() / kCoreSample);
-  for (std::size_t slot = 0; slot < bodyInSlot_.size(); slot += radii_[slot] > 0 ? stride : 1) {
+  for (std::size_t slot = 0; slot<bodyInSlot_.size(); slot += radii_[slot]> 0 ? stride : 1) {
     if (radii_[slot] == 0 || poses_[slot].x == kNowhere) continue;
     const float centre[3] = {poses_[slot].x, poses_[slot].y, poses_[slot].z};
     for (int axis = 0; axis < 3; ++axis) {

@@ -13,8 +13,8 @@ namespace rubble::render {
 
 /// Where a body is, as the shaders read it: 32 bytes. A body whose pose is not finite is not drawn.
 struct Pose {
-  float x = 0, y = 0, z = 0, unused = 0;      ///< centre, in the renderer's frame [m]
-  float qx = 0, qy = 0, qz = 0, qs = 1;       ///< unit quaternion, body -> world, scalar last
+  float x = 0, y = 0, z = 0, unused = 0;  ///< centre, in the renderer's frame [m]
+  float qx = 0, qy = 0, qz = 0, qs = 1;   ///< unit quaternion, body -> world, scalar last
 };
 
 enum class Finish { Stone = 1, Metal, Plastic, Ground, Cloth };
@@ -24,8 +24,8 @@ enum Geometry : int { kBox, kRound, kCylinder, kPlane, kOwnMesh };
 
 struct BodyLook {
   int geometry = kBox;
-  Vec3f size{.5f, .5f, .5f};  ///< box: half extents; round and cylinder: radius twice, then radius or half height; mesh: scale [m]
-  float halfLength = 0;       ///< round: half the distance of the two centres of a capsule [m]
+  Vec3f size{.5f, .5f, .5f};   ///< box: half extents; round and cylinder: radius twice, then radius or half height; mesh: scale [m]
+  float halfLength = 0;        ///< round: half the distance of the two centres of a capsule [m]
   Vec3f color{.5f, .5f, .5f};  ///< linear, 0 to 1
   Finish finish = Finish::Stone;
 };
@@ -33,11 +33,11 @@ struct BodyLook {
 /// What one pass draws of the bodies.
 struct DrawView {
   Matrix viewProjection;
-  Vec3f viewer;                     ///< the eye, or for parallel rays the direction to where they come from
+  Vec3f viewer;  ///< the eye, or for parallel rays the direction to where they come from
   bool parallel = false;
-  std::vector<HalfSpace> visible;   ///< chunks outside are left out
-  float pixelSize = 0;              ///< [m], at view depth 1 or, for parallel rays, anywhere
-  bool withIds = true;              ///< false: depth alone
+  std::vector<HalfSpace> visible;  ///< chunks outside are left out
+  float pixelSize = 0;             ///< [m], at view depth 1 or, for parallel rays, anywhere
+  bool withIds = true;             ///< false: depth alone
 };
 
 class Bodies {
@@ -72,8 +72,8 @@ class Bodies {
   std::uint32_t surfaceSlot(std::size_t surface) const { return surfaceSlot_ + static_cast<std::uint32_t>(surface); }
 
  private:
-  struct Level;     ///< one level of detail of a geometry
-  struct Shape;     ///< a geometry
+  struct Level;  ///< one level of detail of a geometry
+  struct Shape;  ///< a geometry
   struct Chunk {
     std::uint32_t firstSlot = 0;
     int geometry = 0;
@@ -90,9 +90,9 @@ class Bodies {
   std::vector<std::uint32_t> slotOfBody_;
   std::vector<int> bodyInSlot_;  ///< -1: padding
   std::vector<BodyLook> looks_, surfaceLooks_;
-  std::vector<float> radii_;     ///< by slot [m]
-  std::vector<Pose> poses_;      ///< by slot
-  std::vector<Chunk> chunks_;    ///< by geometry, then by slot
+  std::vector<float> radii_;           ///< by slot [m]
+  std::vector<Pose> poses_;            ///< by slot
+  std::vector<Chunk> chunks_;          ///< by geometry, then by slot
   std::vector<std::uint32_t> planes_;  ///< slots
   std::uint32_t surfaceSlot_ = 0;
   Bounds core_;

@@ -20,9 +20,8 @@ void Bounds::add(const Bounds& other) {
 
 bool touches(const Bounds& bounds, const std::vector<HalfSpace>& spaces) {
   const Vec3f middle = bounds.middle(), half = bounds.half();
-  return std::all_of(spaces.begin(), spaces.end(), [&](const HalfSpace& space) {
-    return dot(space.normal, middle) + space.offset + dot(abs(space.normal), half) >= 0;
-  });
+  return std::all_of(spaces.begin(), spaces.end(),
+                     [&](const HalfSpace& space) { return dot(space.normal, middle) + space.offset + dot(abs(space.normal), half) >= 0; });
 }
 
 float distanceTo(const Bounds& bounds, const Vec3f& point) {

@@ -57,14 +57,15 @@ class NumberedPictures final : public PictureSink {
 
 std::vector<std::string> ffmpegArguments(const std::string& file, int width, int height, double fps) {
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
-  std::vector<std::string> arguments{"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgb24",
-                                     "-video_size", size, "-framerate", std::to_string(fps), "-i", "-"};
+  std::vector<std::string> arguments{"ffmpeg", "-hide_banner", "-loglevel",         "error", "-y",
+                                     "-f",     "rawvideo",     "-pixel_format",     "rgb24", "-video_size",
+                                     size,     "-framerate",   std::to_string(fps), "-i",    "-"};
   const std::string extension = fs::path(file).extension().string();
   if (extension == ".mp4" || extension == ".mkv" || extension == ".mov") {
     // A file that every player shows, with the colours of the picture named in it.
-    for (const char* a : {"-c:v", "libx264", "-preset", "medium", "-crf", "17", "-pix_fmt", "yuv420p", "-vf",
-                          "scale=out_color_matrix=bt709:out_range=tv", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc",
-                          "bt709", "-movflags", "+faststart"})
+    for (const char* a :
+         {"-c:v", "libx264", "-preset", "medium", "-crf", "17", "-pix_fmt", "yuv420p", "-vf", "scale=out_color_matrix=bt709:out_range=tv",
+          "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-movflags", "+faststart"})
       arguments.emplace_back(a);
   } else if (extension == ".gif") {
     for (const char* a : {"-filter_complex", "[0:v]split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=sierra2_4a"})
@@ -166,7 +167,8 @@ std::unique_ptr<PictureSink> pictureSink(const std::string& file, int width, int
     throw Error("--size", "even numbers for a film", std::to_string(width) + "x" + std::to_string(height));
   const std::string program = ffmpegProgram();
   if (program.empty())
-    throw Error(file, "the ffmpeg program for a film (Debian, Ubuntu: apt-get install ffmpeg; or write pictures: frame_%04d.png)", "none on PATH");
+    throw Error(file, "the ffmpeg program for a film (Debian, Ubuntu: apt-get install ffmpeg; or write pictures: frame_%04d.png)",
+                "none on PATH");
   return std::make_unique<Film>(file, program, width, height, framesPerSecond);
 }
 

@@ -10,8 +10,7 @@
 namespace rubble::render::gl {
 
 /// Owns one object; moves, does not copy. `Kind` has make() and release(GLuint).
-template <class Kind>
-class Handle {
+template <class Kind> class Handle {
  public:
   Handle() : id_(Kind::make()) {}
   ~Handle() {

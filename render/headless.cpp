@@ -36,8 +36,8 @@ struct HeadlessContext::Impl {
     EGLConfig config = nullptr;
     EGLint count = 0;
     if (!eglChooseConfig(candidate, wanted, &config, 1, &count) || count == 0) return false;
-    const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 1,
-                              EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 1, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                              EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
     const EGLContext made = eglCreateContext(candidate, config, EGL_NO_CONTEXT, version);
     if (made == EGL_NO_CONTEXT) return false;
     if (!eglMakeCurrent(candidate, EGL_NO_SURFACE, EGL_NO_SURFACE, made)) {

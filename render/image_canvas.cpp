@@ -29,8 +29,7 @@ struct ImageCanvas::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  template <class Visit>
-  void forEachPixel(const Visit& visit) {
+  template <class Visit> void forEachPixel(const Visit& visit) {
     unsigned char* data = cairo_image_surface_get_data(surface);
     const auto stride = static_cast<std::size_t>(cairo_image_surface_get_stride(surface));
     const auto width = static_cast<std::size_t>(image.width);

@@ -85,7 +85,8 @@ std::unique_ptr<PaintDevice> makePaintDevice(const std::string& kind) {
     if (kind == "gl") throw;
   }
 #else
-  if (kind == "gl") throw Error("--renderer", "a build with libepoxy and EGL (Debian: apt-get install libepoxy-dev libegl-dev)", "one without");
+  if (kind == "gl")
+    throw Error("--renderer", "a build with libepoxy and EGL (Debian: apt-get install libepoxy-dev libegl-dev)", "one without");
 #endif
   return std::make_unique<CpuDevice>();
 }

@@ -29,7 +29,8 @@ double numberAt(const Json& report, const std::string& section, const std::strin
 /// Names that tell the reports apart: the scene, and what differs between reports of one scene.
 std::vector<std::string> namesOf(const std::vector<Json>& reports) {
   const auto differs = [&](const char* key) {
-    return std::any_of(reports.begin(), reports.end(), [&](const Json& r) { return r.value(key, Json()) != reports[0].value(key, Json()); });
+    return std::any_of(reports.begin(), reports.end(),
+                       [&](const Json& r) { return r.value(key, Json()) != reports[0].value(key, Json()); });
   };
   const bool scene = differs("scene") || reports.size() == 1, backend = differs("backend"), threads = differs("threads"),
              iterations = differs("iterations"), dt = differs("dt");
@@ -150,7 +151,8 @@ Figure::Figure(const std::vector<Json>& reports, const std::string& kind) {
   add("step", seriesPanel(reports, names, "step_ms", "Time of a step", "ms"));
   if (panels_.empty()) {
     const bool needsSeries = kind == "energy" || kind == "step";
-    throw Error("reports", std::string("something to plot as ") + kind + (needsSeries ? " (write them with run --series --json)" : ""), "none");
+    throw Error("reports", std::string("something to plot as ") + kind + (needsSeries ? " (write them with run --series --json)" : ""),
+                "none");
   }
 }
 
@@ -187,7 +189,8 @@ std::vector<Json> readReports(const std::vector<std::string>& files) {
     for (const Json& report : content) {
       const bool good = report.is_object() && report.contains("scene") && report["scene"].is_string() && report.contains("backend") &&
                         report["backend"].is_string() && report.contains("iterations") && report["iterations"].is_number_integer() &&
-                        report.contains("threads") && report["threads"].is_number_integer() && report.contains("dt") && report["dt"].is_number();
+                        report.contains("threads") && report["threads"].is_number_integer() && report.contains("dt") &&
+                        report["dt"].is_number();
       if (!good) throw Error(file, "reports of run or bench (--json)", "something else");
       reports.push_back(report);
     }

@@ -13,23 +13,23 @@ namespace rubble::render {
 struct Surface {
   std::vector<Vec3f> vertices;  ///< in the renderer's frame [m]
   std::vector<Triangle> triangles;
-  Vec3f color{.5f, .5f, .5f};   ///< linear
+  Vec3f color{.5f, .5f, .5f};  ///< linear
   Finish finish = Finish::Cloth;
 };
 
 /// Light and scale of a scene; nothing here depends on the view, so it stays as the camera moves.
 struct Setting {
-  Vec3 up{0, 0, 1};            ///< unit
-  Vec3 toSun{-.4, -.5, .77};   ///< unit
-  double bodySize = .5;        ///< half size of a typical body: what occlusion and shadows are scaled by [m]
-  double sceneSize = 20;       ///< planes fade into the horizon from about here on [m]
+  Vec3 up{0, 0, 1};           ///< unit
+  Vec3 toSun{-.4, -.5, .77};  ///< unit
+  double bodySize = .5;       ///< half size of a typical body: what occlusion and shadows are scaled by [m]
+  double sceneSize = 20;      ///< planes fade into the horizon from about here on [m]
 };
 
 struct Quality {
-  int samples = 1;          ///< a pixel; with one, edges are smoothed afterwards
-  int shadowSize = 2048;    ///< texels across a shadow map
-  int shadowMaps = 4;       ///< at most
-  int shadowTaps = 8;       ///< a pixel and sample
+  int samples = 1;        ///< a pixel; with one, edges are smoothed afterwards
+  int shadowSize = 2048;  ///< texels across a shadow map
+  int shadowMaps = 4;     ///< at most
+  int shadowTaps = 8;     ///< a pixel and sample
 };
 
 /// Milliseconds of the last picture by pass; measured only if asked for, since that waits for the GPU after each pass.

@@ -78,7 +78,8 @@ std::vector<ShadowMap> fitShadowMaps(const Eye& eye, const Bounds& core, const V
   float from = nearDepth;
   for (int i = 1; i <= count; ++i) {
     const float t = static_cast<float>(i) / static_cast<float>(count);
-    const float to = kSplitShape * nearDepth * std::pow(farDepth / nearDepth, t) + (1 - kSplitShape) * (nearDepth + (farDepth - nearDepth) * t);
+    const float to =
+        kSplitShape * nearDepth * std::pow(farDepth / nearDepth, t) + (1 - kSplitShape) * (nearDepth + (farDepth - nearDepth) * t);
     Bounds slice;
     for (const float depth : {from, to})
       for (const float x : {-1.f, 1.f})

@@ -75,12 +75,15 @@ bool isNumber(const std::string& text) { return !text.empty() && text.find_first
 std::vector<JobOptions> jobsOf(const RenderOptions& options) {
   if (options.compare.empty()) return {options.job};
   if (options.compare.size() != 2)
-    throw Error("--compare", "two backends or two numbers of iterations, with a comma between them", fmt::format("{}", options.compare.size()));
+    throw Error("--compare", "two backends or two numbers of iterations, with a comma between them",
+                fmt::format("{}", options.compare.size()));
   if (isRecording(options.job.scene)) throw Error("--compare", "a scene to simulate", options.job.scene);
   std::vector<JobOptions> jobs(2, options.job);
   for (std::size_t i = 0; i < 2; ++i) {
-    if (isNumber(options.compare[i])) jobs[i].iterations = std::max(1, std::stoi(options.compare[i]));
-    else jobs[i].backend = options.compare[i];
+    if (isNumber(options.compare[i]))
+      jobs[i].iterations = std::max(1, std::stoi(options.compare[i]));
+    else
+      jobs[i].backend = options.compare[i];
   }
   return jobs;
 }
@@ -97,14 +100,18 @@ RenderResult renderFilm(const RenderOptions& options) {
   // What cannot be written is said before anything is simulated.
   const std::unique_ptr<render::PictureSink> sink = render::pictureSink(options.out, whole, options.height, options.fps);
   const std::unique_ptr<render::PaintDevice> device = render::makePaintDevice(options.renderer);
-  const int samples = options.samples > 0 ? options.samples : single ? kPictureSamples : device->isSoftware() ? kFilmSamples : kFilmSamplesGpu;
+  const int samples = options.samples > 0    ? options.samples
+                      : single               ? kPictureSamples
+                      : device->isSoftware() ? kFilmSamples
+                                             : kFilmSamplesGpu;
   std::vector<std::unique_ptr<Side>> sides;
   for (const JobOptions& job : jobs) sides.push_back(std::make_unique<Side>(options, job, width, options.height, *device, samples));
 
   const Side& first = *sides.front();
   const double dt = first.source().dt(), start = first.time();
   const int steps = first.source().steps();
-  if (options.from >= steps && options.from > 0) throw Error("--from", fmt::format("a step before the last, {}", steps), std::to_string(options.from));
+  if (options.from >= steps && options.from > 0)
+    throw Error("--from", fmt::format("a step before the last, {}", steps), std::to_string(options.from));
   const double frameTime = options.every > 0 ? options.every * dt : 1 / (options.fps * options.slow);
   const double begin = start + options.from * dt, end = start + steps * dt;
   const int frames = single ? 1 : 1 + static_cast<int>(std::floor((end - begin) / frameTime + 1e-6));

@@ -13,8 +13,7 @@ namespace {
 
 class Simulation final : public MomentSource {
  public:
-  explicit Simulation(const JobOptions& options)
-      : Simulation(prepareJob(options), isSceneFile(options.scene)) {}
+  explicit Simulation(const JobOptions& options) : Simulation(prepareJob(options), isSceneFile(options.scene)) {}
 
   bool advance(Moment& moment) override {
     if (taken_ >= steps_) return false;
@@ -68,9 +67,7 @@ class Recording final : public MomentSource {
   int steps() const override { return frames_ - 1; }
   double dt() const override { return reader_.header().dt; }
   Vec3 gravity() const override { return reader_.header().gravity; }
-  std::vector<io::PictureBody> framed() const override {
-    return const_cast<Recording*>(this)->read(0).bodies;
-  }
+  std::vector<io::PictureBody> framed() const override { return const_cast<Recording*>(this)->read(0).bodies; }
   scenes::Camera camera() const override { return {}; }
   bool smashes() const override { return true; }
   std::string title() const override { return reader_.header().scene; }

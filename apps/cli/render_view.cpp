@@ -22,9 +22,8 @@ struct Direction {
   double away, right, down;
   double closer = 1;  ///< distance over that of a view of everything
 };
-constexpr Direction kDirections[] = {{"front", 1, 0, .12},      {"side", 0, -1, .12},    {"back", -1, 0, .12},
-                                     {"top", .02, 0, 1},        {"corner", 1, -1, .75},  {"low", 1, -.55, .06},
-                                     {"close", 1, -.7, .3, .5}};
+constexpr Direction kDirections[] = {{"front", 1, 0, .12},   {"side", 0, -1, .12},  {"back", -1, 0, .12},     {"top", .02, 0, 1},
+                                     {"corner", 1, -1, .75}, {"low", 1, -.55, .06}, {"close", 1, -.7, .3, .5}};
 
 }  // namespace
 
@@ -80,7 +79,8 @@ void drawCaption(io::Image& image, const Caption& caption) {
 #if defined(RUBBLE_HAS_CAIRO)
   const double scale = std::max(.5, image.height / 720.);
   render::ImageCanvas canvas(image, scale);
-  const render::TextStyle title{17, {0x26221d, .95}, true, render::Align::Start, 0}, facts{13.5, {0x3a352f, .92}, false, render::Align::Start, 0};
+  const render::TextStyle title{17, {0x26221d, .95}, true, render::Align::Start, 0},
+      facts{13.5, {0x3a352f, .92}, false, render::Align::Start, 0};
   const std::string line = fmt::format("{}", fmt::join(caption.facts, "  ·  "));
   const double height = 54, margin = 18, inside = 14, bottom = image.height / scale - margin;
   const double width = std::max(canvas.textWidth(caption.title, title), canvas.textWidth(line, facts)) + 2 * inside;

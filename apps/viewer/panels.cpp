@@ -23,7 +23,8 @@ void drawScenePanel(Desk& desk, Player& player) {
   ImGui::Begin("Scene", nullptr, kPlain);
   ImGui::Text("%s", player.title().c_str());
   const StepReport& report = player.report();
-  ImGui::Text("%.2f s, step %lld, %s", player.world().time(), static_cast<long long>(player.world().stepCount()), player.paused ? "paused" : "running");
+  ImGui::Text("%.2f s, step %lld, %s", player.world().time(), static_cast<long long>(player.world().stepCount()),
+              player.paused ? "paused" : "running");
   ImGui::Text("%zu bodies, %d contact points, %d colours", player.world().bodies().size(), report.contacts, report.colors);
   if (ImGui::Button(player.paused ? "Run" : "Pause")) player.paused = !player.paused;
   ImGui::SameLine();
@@ -121,7 +122,8 @@ std::string drawPicker(Desk& desk, const std::vector<std::string>& scenes) {
   std::string chosen;
   ImGui::BeginChild("##list");
   for (int i = 0; i <= last; ++i)
-    if (ImGui::Selectable(scenes[found[static_cast<std::size_t>(i)]].c_str(), i == desk.choice)) chosen = scenes[found[static_cast<std::size_t>(i)]];
+    if (ImGui::Selectable(scenes[found[static_cast<std::size_t>(i)]].c_str(), i == desk.choice))
+      chosen = scenes[found[static_cast<std::size_t>(i)]];
   ImGui::EndChild();
   if (desk.takeChoice && last >= 0) chosen = scenes[found[static_cast<std::size_t>(desk.choice)]];
   desk.takeChoice = false;

@@ -13,8 +13,8 @@ struct Desk {
   bool showPicker = false;
   bool focusPicker = false;
   std::string search;
-  int choice = 0;              ///< of the picker
-  bool takeChoice = false;     ///< Enter was pressed
+  int choice = 0;           ///< of the picker
+  bool takeChoice = false;  ///< Enter was pressed
   io::ColorBy colorBy = io::ColorBy::Body;
   std::optional<BodyId> selected;
   std::string message;  ///< the last error

@@ -81,12 +81,13 @@ class Viewer {
   explicit Viewer(const ViewerOptions& options) : options_(options), window_(options.width, options.height), player_(options.open) {
     glfwSetWindowUserPointer(window_.handle(), this);
     glfwSetKeyCallback(window_.handle(), [](GLFWwindow* w, int key, int, int action, int modifiers) {
-      if (key == GLFW_KEY_Q && modifiers == GLFW_MOD_CONTROL) glfwSetWindowShouldClose(w, GLFW_TRUE);
-      else if (action != GLFW_RELEASE) static_cast<Viewer*>(glfwGetWindowUserPointer(w))->key(key);
+      if (key == GLFW_KEY_Q && modifiers == GLFW_MOD_CONTROL)
+        glfwSetWindowShouldClose(w, GLFW_TRUE);
+      else if (action != GLFW_RELEASE)
+        static_cast<Viewer*>(glfwGetWindowUserPointer(w))->key(key);
     });
-    glfwSetCharCallback(window_.handle(), [](GLFWwindow* w, unsigned letter) {
-      static_cast<Viewer*>(glfwGetWindowUserPointer(w))->letter(letter);
-    });
+    glfwSetCharCallback(window_.handle(),
+                        [](GLFWwindow* w, unsigned letter) { static_cast<Viewer*>(glfwGetWindowUserPointer(w))->letter(letter); });
     glfwSetDropCallback(window_.handle(), [](GLFWwindow* w, int count, const char** files) {
       if (count > 0) static_cast<Viewer*>(glfwGetWindowUserPointer(w))->open(files[0]);
     });
@@ -154,18 +155,41 @@ class Viewer {
     }
     if (ImGui::GetIO().WantTextInput || desk_.showPicker) return;
     switch (key) {
-      case GLFW_KEY_SPACE: player_.paused = !player_.paused; break;
-      case GLFW_KEY_N: player_.paused = true, player_.step(); break;
-      case GLFW_KEY_R: player_.restart(), begin(); break;
-      case GLFW_KEY_B: shoot(); break;
-      case GLFW_KEY_P: desk_.showPicker = desk_.focusPicker = true, openedPicker_ = true; break;
-      case GLFW_KEY_PAGE_UP: openNeighbour(-1); break;
-      case GLFW_KEY_PAGE_DOWN: openNeighbour(1); break;
-      case GLFW_KEY_F: begin(); break;
-      case GLFW_KEY_C: desk_.colorBy = desk_.colorBy == io::ColorBy::Body ? io::ColorBy::Speed : io::ColorBy::Body; break;
-      case GLFW_KEY_MINUS: player_.speed /= kSpeedStep; break;
-      case GLFW_KEY_EQUAL: player_.speed *= kSpeedStep; break;
-      default: break;
+      case GLFW_KEY_SPACE:
+        player_.paused = !player_.paused;
+        break;
+      case GLFW_KEY_N:
+        player_.paused = true, player_.step();
+        break;
+      case GLFW_KEY_R:
+        player_.restart(), begin();
+        break;
+      case GLFW_KEY_B:
+        shoot();
+        break;
+      case GLFW_KEY_P:
+        desk_.showPicker = desk_.focusPicker = true, openedPicker_ = true;
+        break;
+      case GLFW_KEY_PAGE_UP:
+        openNeighbour(-1);
+        break;
+      case GLFW_KEY_PAGE_DOWN:
+        openNeighbour(1);
+        break;
+      case GLFW_KEY_F:
+        begin();
+        break;
+      case GLFW_KEY_C:
+        desk_.colorBy = desk_.colorBy == io::ColorBy::Body ? io::ColorBy::Speed : io::ColorBy::Body;
+        break;
+      case GLFW_KEY_MINUS:
+        player_.speed /= kSpeedStep;
+        break;
+      case GLFW_KEY_EQUAL:
+        player_.speed *= kSpeedStep;
+        break;
+      default:
+        break;
     }
   }
 
@@ -188,8 +212,10 @@ class Viewer {
     if (free && io.MouseWheel != 0) orbit_.zoom(std::pow(kZoomStep, io.MouseWheel));
     if (free && ImGui::IsMouseClicked(0)) press(io.MousePos);
     if (pressed_ && ImGui::IsMouseDown(0)) {
-      if (player_.held()) pull(io.MousePos);
-      else orbit_.turn(dx, dy);
+      if (player_.held())
+        pull(io.MousePos);
+      else
+        orbit_.turn(dx, dy);
     }
     if (pressed_ && ImGui::IsMouseReleased(0)) {
       pressed_ = false;
@@ -262,7 +288,8 @@ class Viewer {
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
     glReadPixels(0, 0, width_, height_, GL_RGB, GL_UNSIGNED_BYTE, upward.data());
     for (int y = height_ - 1; y >= 0; --y)
-      screen_.rgb.insert(screen_.rgb.end(), upward.begin() + static_cast<std::ptrdiff_t>(row) * y, upward.begin() + static_cast<std::ptrdiff_t>(row) * (y + 1));
+      screen_.rgb.insert(screen_.rgb.end(), upward.begin() + static_cast<std::ptrdiff_t>(row) * y,
+                         upward.begin() + static_cast<std::ptrdiff_t>(row) * (y + 1));
   }
 
   void writeState(int frame) {
@@ -278,17 +305,17 @@ class Viewer {
     const bool hasSelected = desk_.selected && player_.world().alive(*desk_.selected);
     const std::string unfinished = options_.stateFile + ".new";
     io::writeText(unfinished, io::prettyJson({{"frame", frame},
-                                                     {"scene", player_.scene()},
-                                                     {"paused", player_.paused},
-                                                     {"steps", player_.world().stepCount()},
-                                                     {"speed", player_.speed},
-                                                     {"color_by", desk_.colorBy == io::ColorBy::Speed ? "speed" : "body"},
-                                                     {"help", desk_.showHelp},
-                                                     {"shots", shots},
-                                                     {"selected", hasSelected ? player_.world().definition(*desk_.selected).name : ""},
-                                                     {"eye", {eye.x, eye.y, eye.z}},
-                                                     {"held", player_.held().has_value()},
-                                                     {"bodies", bodies}}));
+                                              {"scene", player_.scene()},
+                                              {"paused", player_.paused},
+                                              {"steps", player_.world().stepCount()},
+                                              {"speed", player_.speed},
+                                              {"color_by", desk_.colorBy == io::ColorBy::Speed ? "speed" : "body"},
+                                              {"help", desk_.showHelp},
+                                              {"shots", shots},
+                                              {"selected", hasSelected ? player_.world().definition(*desk_.selected).name : ""},
+                                              {"eye", {eye.x, eye.y, eye.z}},
+                                              {"held", player_.held().has_value()},
+                                              {"bodies", bodies}}));
     std::filesystem::rename(unfinished, options_.stateFile);
   }
 

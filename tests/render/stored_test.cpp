@@ -27,8 +27,9 @@ Picture ofScene(const char* name, const char* scene, const scenes::Arguments& ar
 }
 
 Picture shapes() {
-  std::vector<io::PictureBody> bodies{bodyOf(Shape::plane()), bodyOf(Shape::box({1, .6, .5}), {0, 0, .5}), bodyOf(Shape::sphere(.7), {2.2, 0, .7}),
-                                      bodyOf(Shape::capsule(.4, .8), {-2, 0, 1.2}), bodyOf(Shape::box({.4, .4, .4}), {.3, -.2, 1.4})};
+  std::vector<io::PictureBody> bodies{bodyOf(Shape::plane()), bodyOf(Shape::box({1, .6, .5}), {0, 0, .5}),
+                                      bodyOf(Shape::sphere(.7), {2.2, 0, .7}), bodyOf(Shape::capsule(.4, .8), {-2, 0, 1.2}),
+                                      bodyOf(Shape::box({.4, .4, .4}), {.3, -.2, 1.4})};
   bodies[4].orientation = fromAxisAngle(Vec3{0, 0, 1}, .6);
   bodies[3].orientation = fromAxisAngle(Vec3{0, 1, 0}, .3);
   for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].key = static_cast<std::uint32_t>(i);
@@ -65,7 +66,8 @@ TEST_P(StoredPicture, LooksAsItDid) {
   EXPECT_LE(found.largest, kLargestDifference);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, StoredPicture, testing::Values("pile", "pyramid", "shapes"), [](const auto& test) { return std::string(test.param); });
+INSTANTIATE_TEST_SUITE_P(Scenes, StoredPicture, testing::Values("pile", "pyramid", "shapes"),
+                         [](const auto& test) { return std::string(test.param); });
 
 TEST(Likeness, SeesAMissingBrick) {
   Picture pile = pictureNamed("pile");
