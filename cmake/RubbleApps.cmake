@@ -31,11 +31,16 @@ if(RUBBLE_ZSTD_INCLUDE AND RUBBLE_ZSTD_LIBRARY)
   target_compile_definitions(rubble_io PUBLIC RUBBLE_HAS_ZSTD=1)
 endif()
 
+include(RubbleRender)
+
 file(GLOB rubble_cli_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/apps/cli/*.cpp)
 if(RUBBLE_APPS AND rubble_cli_sources)
   add_executable(rubble_cli ${rubble_cli_sources})
   set_target_properties(rubble_cli PROPERTIES OUTPUT_NAME rubble RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}
     INSTALL_RPATH $ORIGIN/../${CMAKE_INSTALL_LIBDIR})
   target_include_directories(rubble_cli PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/apps)
-  target_link_libraries(rubble_cli PRIVATE rubble_io rubble_scenes rubble::rubble rubble_warnings CLI11::CLI11 fmt::fmt)
+  target_link_libraries(rubble_cli PRIVATE rubble_render rubble_io rubble_scenes rubble::rubble rubble_warnings CLI11::CLI11 fmt::fmt)
+  if(rubble_viewer)
+    target_link_libraries(rubble_cli PRIVATE rubble_viewer)
+  endif()
 endif()

@@ -50,7 +50,7 @@ Json verdictJson(const RunRecord& record) {
 Json recordJson(const RunRecord& record) {
   Json stages = Json::object();
   for (const auto& [name, ms] : record.stages) stages[name] = number(ms);
-  return {{"scene", record.scene},
+  Json json{{"scene", record.scene},
           {"backend", record.backend},
           {"device", record.device},
           {"threads", record.threads},
@@ -78,6 +78,8 @@ Json recordJson(const RunRecord& record) {
           {"verdict", verdictJson(record)},
           {"machine", record.machine},
           {"date", record.date}};
+  if (record.series) json["series"] = {{"time_s", record.series->time}, {"step_ms", record.series->stepMs}, {"energy_j", record.series->energy}};
+  return json;
 }
 
 }  // namespace

@@ -27,6 +27,13 @@ struct PhaseTimes {
   double mean = 0, median = 0, p95 = 0, max = 0;
 };
 
+/// What changes from step to step, for plots; all of one length.
+struct RunSeries {
+  std::vector<double> time;    ///< after the step [s]
+  std::vector<double> stepMs;  ///< wall clock of the step [ms]
+  std::vector<double> energy;  ///< kinetic and potential [J]
+};
+
 /// Everything that one run leaves behind. What does not exist in a run (a phase, a drop) is empty and written as null.
 struct RunRecord {
   std::string scene;
@@ -53,6 +60,7 @@ struct RunRecord {
   std::string statedFor;                               ///< what the verdict is stated for, where the run was another; not written as JSON
   std::vector<ClaimRecord> claims;
   std::map<std::string, double> metrics;  ///< everything that the probes measured
+  std::optional<RunSeries> series;        ///< written only if it is there
   std::string machine;
   std::string date;  ///< ISO 8601, UTC
 };

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include "apps/cli/command.h"
+#include "apps/cli/render_job.h"
 #include "apps/cli/session.h"
 #include "apps/cli/text_report.h"
+#include "render/film.h"
+#include "render/painter.h"
 
 namespace rubble::cli {
 namespace {
@@ -19,6 +22,7 @@ struct DemoOptions {
   JobOptions job;
   std::string folder = "out";
   bool quiet = false;
+  bool noFilm = false;
 };
 
 std::vector<PictureRequest> demoPictures(const std::filesystem::path& folder, int smashStep, int steps) {
@@ -37,6 +41,24 @@ std::vector<PictureRequest> demoPictures(const std::filesystem::path& folder, in
   return requests;
 }
 
+/// Makes a film of the trajectory, or says why there is none.
+std::string filmOf(const std::filesystem::path& folder, bool quiet) {
+  if (render::ffmpegProgram().empty()) return "no film: ffmpeg is not on PATH";
+  RenderOptions film;
+  film.job.scene = (folder / "trajectory.rubble").string();
+  film.out = (folder / "film.mp4").string();
+  film.renderer = "gl";
+  film.overlay = true;
+  film.quiet = quiet;
+  try {
+    if (render::makePaintDevice("gl")->isSoftware()) film.samples = 1;
+    const RenderResult result = renderFilm(film);
+    return fmt::format("film.mp4 ({} pictures, {})", result.frames, result.device);
+  } catch (const Error& error) {
+    return fmt::format("no film: {}", error.what());
+  }
+}
+
 int demo(DemoOptions options) {
   if (options.job.scene.empty()) options.job.scene = options.job.backend == "cuda" ? "ring-110k" : "pile-10k";
   PreparedJob prepared = prepareJob(options.job);
@@ -53,6 +75,7 @@ int demo(DemoOptions options) {
   const std::string text = textReport(result.record, result.reports);
   fmt::print("{}\nwritten to {}:\n  report.json, report.txt, trajectory.rubble\n", text, folder.string());
   for (const PictureRequest& request : session.pictures) fmt::print("  {}\n", std::filesystem::path(request.file).filename().string());
+  if (!options.noFilm) fmt::print("  {}\n", filmOf(folder, options.quiet));
   writeOutput((folder / "report.json").string(), io::toJson(result.record));
   writeOutput((folder / "report.txt").string(), text);
   return result.record.holds ? kHolds : kDoesNotHold;
@@ -64,7 +87,7 @@ void addDemo(CLI::App& app, int& status) {
   auto options = std::make_shared<DemoOptions>();
   options->job.steps = kDemoSteps;
   options->job.iterations = kDemoIterations;
-  CLI::App* command = app.add_subcommand("demo", "Smash a 40-level pile; write a report, a trajectory and pictures");
+  CLI::App* command = app.add_subcommand("demo", "Smash a 40-level pile; write a report, a trajectory, pictures and a film");
   command->add_option("--scene", options->job.scene, "Another scene or scene file (default: ring-110k on cuda, else pile-10k)");
   command->add_option("-o,--out", options->folder, "Folder to write to")->capture_default_str();
   addArgumentOptions(*command, options->job);
@@ -74,6 +97,7 @@ void addDemo(CLI::App& app, int& status) {
   command->add_option("-t,--threads", options->job.threads, "Worker threads; 0 is one a core")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command->add_flag("--no-film", options->noFilm, "Pictures only");
   command->add_flag("-q,--quiet", options->quiet, "No progress");
   command->callback([options, backend, &status] {
     if (backend->count() == 0) options->job.backend = bestBackend();

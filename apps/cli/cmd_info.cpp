@@ -48,6 +48,7 @@ void printBuild() {
   fmt::print("rubble {}\n", build.version);
   fmt::print("{:<12}{}\n{:<12}{}\n{:<12}{}\n", "commit", build.commit, "compiler", build.compiler, "precision", build.precision);
   fmt::print("{:<12}{}\n", "features", build.features.empty() ? "none" : fmt::format("{}", fmt::join(build.features, ", ")));
+  for (const auto& [name, state] : pictureFeatures()) fmt::print("{:<12}{}\n", name, state);
   fmt::print("{:<12}{}\n", "backends", fmt::join(backends(), ", "));
 }
 

@@ -15,12 +15,14 @@ struct RunOptions {
   std::string jsonFile, recordFile;
   PictureOptions picture;
   bool quiet = false;
+  bool series = false;
 };
 
 int run(const RunOptions& options) {
   PreparedJob prepared = prepareJob(options.job);
   SessionOptions session;
   session.quiet = options.quiet;
+  session.series = options.series;
   session.recordFile = options.recordFile;
   session.look = lookOf(options.picture);
   session.pictures = picturesOf(options.picture, prepared.steps);
@@ -41,6 +43,7 @@ void addRun(CLI::App& app, int& status) {
   addSolverOptions(*command, options->job);
   addBackendOptions(*command, options->job);
   command->add_option("--json", options->jsonFile, "Write the report as JSON; '-' is standard output")->type_name("FILE");
+  command->add_flag("--series", options->series, "Have time, step time and energy of every step in the report, for 'rubble plot'");
   command->add_option("--record", options->recordFile, "Write the trajectory of every body")->type_name("FILE");
   addPictureOptions(*command, options->picture, "--picture");
   command->add_flag("-q,--quiet", options->quiet, "No progress and no text report; the exit status is the verdict");

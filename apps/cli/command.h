@@ -19,5 +19,8 @@ void addDemo(CLI::App& app, int& status);
 void addInfo(CLI::App& app, int& status);
 void addPicture(CLI::App& app, int& status);
 void addSoak(CLI::App& app, int& status);
+void addPlot(CLI::App& app, int& status);
+void addRender(CLI::App& app, int& status);
+void addView(CLI::App& app, int& status);
 
 }  // namespace rubble::cli

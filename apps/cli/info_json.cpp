@@ -4,6 +4,9 @@
 
 #include "apps/cli/file_probe.h"
 #include "io/json_text.h"
+#include "render/canvas.h"
+#include "render/film.h"
+#include "render/painter.h"
 #include "scenes/registry.h"
 
 namespace rubble::cli {
@@ -49,13 +52,21 @@ std::string paramsJson() {
   return io::prettyJson(list);
 }
 
+std::vector<std::pair<std::string, std::string>> pictureFeatures() {
+  const std::string ffmpeg = render::ffmpegProgram();
+  return {{"pictures", render::openglStatus()}, {"text", "Cairo " + render::cairoStatus()}, {"films", ffmpeg.empty() ? "off: no ffmpeg on PATH" : "on: " + ffmpeg}};
+}
+
 std::string buildJson() {
   const BuildInfo build = buildInfo();
+  Json drawing = Json::object();
+  for (const auto& [name, state] : pictureFeatures()) drawing[name] = state;
   return io::prettyJson({{"version", build.version},
                          {"commit", build.commit},
                          {"compiler", build.compiler},
                          {"precision", build.precision},
                          {"features", build.features},
+                         {"drawing", std::move(drawing)},
                          {"backends", backends()}});
 }
 

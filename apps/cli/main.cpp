@@ -54,6 +54,9 @@ int runProgram(int argc, char** argv) {
   addInfo(app, status);
   addPicture(app, status);
   addSoak(app, status);
+  addPlot(app, status);
+  addRender(app, status);
+  addView(app, status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -32,6 +32,10 @@ void addPictureOptions(CLI::App& app, PictureOptions& options, const std::string
   app.add_option("--at", options.at, "Take the picture after these numbers of steps (0: the start); several files are numbered")
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber);
+  addViewOptions(app, options);
+}
+
+void addViewOptions(CLI::App& app, PictureOptions& options) {
   app.add_option("--eye", options.eye, "Where the camera is [m] (default: as the scene says)")
       ->delimiter(',')
       ->expected(3)

@@ -36,6 +36,8 @@ struct Look {
 
 /// Adds the picture options; `fileOption` names the one that takes the file.
 void addPictureOptions(CLI::App& app, PictureOptions& options, const std::string& fileOption);
+/// Those of them that say how the picture looks.
+void addViewOptions(CLI::App& app, PictureOptions& options);
 /// Throws Error for a size or a point that is none.
 Look lookOf(const PictureOptions& options);
 /// One request for each step of --at; files are numbered if there are several. Throws Error for a step beyond the run.

@@ -59,9 +59,16 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   const int settledEnd = phasesOf(runner.job().smashStep, prepared.steps).settled.end;
   std::optional<Quality> quality;
   double bytesPerBody = 0;
+  io::RunSeries series;
   const scenes::RunResult result = runner.run(prepared.steps, [&](const World& world, const StepReport& report, int step, int) {
     if (step == quoted) quality = world.quality();
     if (step + 1 == settledEnd) bytesPerBody = static_cast<double>(world.memoryBytes()) / std::max(1, report.bodies);
+    if (options.series) {
+      const Quality now = world.quality();
+      series.time.push_back(world.time());
+      series.stepMs.push_back(report.totalMs);
+      series.energy.push_back(now.kineticEnergy + now.potentialEnergy);
+    }
     recorder.record(world);
     takePictures(world, step + 1);
     progress.update(step + 1, report.totalMs);
@@ -71,6 +78,7 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   io::RunRecord record = makeRecord(prepared, runner.job(), result, quality.value_or(result.quality));
   record.engineMb = static_cast<double>(runner.world().memoryBytes()) / 1e6;
   record.bytesPerBody = bytesPerBody;
+  if (options.series) record.series = std::move(series);
   return {std::move(record), result.reports};
 }
 

@@ -55,7 +55,7 @@ class Case(unittest.TestCase):
 class Usage(Case):
     def test_help_everywhere(self):
         self.assertIn("Subcommands", self.rubble("--help").stdout)
-        for command in ["run", "bench", "check", "compare", "demo", "info", "picture", "soak"]:
+        for command in ["run", "bench", "check", "compare", "demo", "info", "picture", "plot", "render", "soak", "view"]:
             self.assertIn("Usage: rubble " + command, self.rubble(command, "--help").stdout)
         self.assertRegex(self.rubble("--version").stdout, r"^rubble \d+\.\d+\.\d+")
 
@@ -263,7 +263,7 @@ class BestBackend(Case):
 class Demo(Case):
     def test_writes_everything(self):
         out = self.path("out")
-        self.rubble("demo", "--scene", self.falling(), "--out", out, "--steps", "5", "-q")
+        self.rubble("demo", "--scene", self.falling(), "--out", out, "--steps", "5", "--no-film", "-q")
         self.assertLessEqual({"report.json", "report.txt", "trajectory.rubble", "1-start.png", "5-end.png"}, set(os.listdir(out)))
         with open(os.path.join(out, "report.json"), encoding="utf-8") as text:
             self.assertEqual(set(json.load(text)), RECORD_KEYS)

@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "apps/cli/command.h"
+#include "apps/cli/output.h"
+#include "apps/cli/render_job.h"
+#include "apps/cli/render_view.h"
+
+namespace rubble::cli {
+namespace {
+
+struct RenderCommand {
+  RenderOptions options;
+  PictureOptions look;
+  double orbitDegrees = 0;
+  int measure = 0;
+};
+
+void printMeasure(const RenderMeasure& m, const RenderOptions& options) {
+  fmt::print("{} bodies, {}x{}, {}\n", grouped(static_cast<long long>(m.bodies)), options.width, options.height, m.device);
+  fmt::print(
+      "  frame: mean {:.2f} ms, median {:.2f} ms, 95 % {:.2f} ms ({:.1f} frames a second), {} frames\n  processor time of all threads: "
+      "{:.1f} ms a frame\n",
+      m.meanMs, m.medianMs, m.p95Ms, 1000 / m.meanMs, m.frames, m.cpuMs);
+  for (const auto& [name, ms] : m.passes) fmt::print("  {:<12}{:>9.2f} ms\n", name, ms);
+}
+
+int renderNow(RenderCommand& command) {
+  RenderOptions& options = command.options;
+  const Look look = lookOf(command.look);
+  options.width = look.width;
+  options.height = look.height;
+  options.fieldOfView = look.fieldOfView;
+  options.eye = look.eye;
+  options.target = look.target;
+  options.colorBy = look.colorBy;
+  options.orbit = command.orbitDegrees * std::numbers::pi / 180;
+  if (command.measure > 0) {
+    printMeasure(measureRender(options, command.measure), options);
+    return kHolds;
+  }
+  if (options.out.empty()) throw Error("--out", "a file for the film or the pictures", "none");
+  const RenderResult result = renderFilm(options);
+  if (!options.quiet) fmt::print("{}: {} picture{}, {}\n", options.out, result.frames, result.frames == 1 ? "" : "s", result.device);
+  return kHolds;
+}
+
+}  // namespace
+
+void addRender(CLI::App& app, int& status) {
+  auto command = std::make_shared<RenderCommand>();
+  command->look.fieldOfView = 28;
+  RenderOptions& options = command->options;
+  CLI::App* sub = app.add_subcommand("render", "Make a film or pictures of a scene or a trajectory, without a display");
+  sub->add_option("scene", options.job.scene, "Name of a scene, a scene file (.json) or a trajectory (.rubble)")->required();
+  sub->add_option("-o,--out", options.out, "film.mp4 (.mkv, .mov, .webm, .gif), frame_%04d.png, or picture.png for the end alone")
+      ->type_name("FILE");
+  sub->add_option("--camera", options.camera, fmt::format("{}", fmt::join(cameraNames(), ", ")))->capture_default_str();
+  addViewOptions(*sub, command->look);
+  sub->add_option("--orbit", command->orbitDegrees, "Turn the camera about its target [degrees/s of film]");
+  sub->add_option("--fps", options.fps, "Frames a second of film")->check(CLI::Range(1.0, 1000.0))->capture_default_str();
+  sub->add_option("--slow", options.slow, "Slow motion: seconds of film for a second of the scene")
+      ->check(CLI::Range(.01, 1000.0))
+      ->capture_default_str();
+  sub->add_option("--every", options.every, "A frame every so many steps, whatever the time")->check(CLI::PositiveNumber);
+  sub->add_option("--from", options.from, "Begin after this step")->check(CLI::NonNegativeNumber);
+  sub->add_option("--samples", options.samples, "Samples a pixel (default: 32 for a picture; 4 for a film, 16 on a GPU)")
+      ->check(CLI::Range(1, 4096));
+  sub->add_option("--compare", options.compare, "Side by side: two backends (cpu,reference) or two numbers of iterations (4,16)")
+      ->delimiter(',');
+  sub->add_flag("--overlay", options.overlay, "Write scene, bodies, time and step time on the picture");
+  sub->add_option("--renderer", options.renderer, "gl, cpu, or auto: gl where it works")->capture_default_str();
+  sub->add_option("--measure", command->measure, "Write nothing: draw this many frames of the start and report milliseconds")
+      ->check(CLI::PositiveNumber);
+  addArgumentOptions(*sub, options.job);
+  addSolverOptions(*sub, options.job);
+  addBackendOptions(*sub, options.job);
+  sub->add_flag("-q,--quiet", options.quiet, "No progress");
+  sub->callback([command, &status] { status = renderNow(*command); });
+}
+
+}  // namespace rubble::cli

@@ -1,0 +1,142 @@
+#include "apps/cli/render_job.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "apps/cli/progress.h"
+#include "apps/cli/render_view.h"
+#include "render/film.h"
+#include "render/painter.h"
+
+namespace rubble::cli {
+namespace {
+
+constexpr int kPictureSamples = 32, kFilmSamples = 4, kFilmSamplesGpu = 16;
+constexpr int kDivider = 4;  // pixels between two runs
+constexpr double kTimeSlack = 1e-9;
+
+/// One run that is drawn: its two last moments and what draws it.
+class Side {
+ public:
+  Side(const RenderOptions& options, const JobOptions& job, int width, int height, render::PaintDevice& device, int samples)
+      : options_(options), source_(momentSource(job)), current_(source_->start()), previous_(current_) {
+    camera_ = cameraOf(options.camera, *source_, width, height, options.fieldOfView);
+    if (options.eye) camera_.eye = *options.eye;
+    if (options.target) camera_.target = *options.target;
+    painter_ = device.painter(current_.bodies, source_->gravity(), camera_, {width, height, samples, options.colorBy, 0});
+  }
+
+  const MomentSource& source() const { return *source_; }
+  bool step() {
+    std::swap(previous_, current_);
+    if (source_->advance(current_)) return true;
+    std::swap(previous_, current_);
+    return false;
+  }
+  /// Steps until the moment is not before `time` [s]; false if the source ends earlier.
+  bool reach(double time) {
+    while (current_.time < time - kTimeSlack)
+      if (!step()) return false;
+    return true;
+  }
+
+  io::Image paint(double time, double filmTime) {
+    const double span = current_.time - previous_.time;
+    shown_ = span > 0 ? between(previous_, current_, std::clamp((time - previous_.time) / span, 0., 1.)) : current_;
+    io::Image image = painter_->paint(shown_.bodies, turned(camera_, options_.orbit * filmTime));
+    if (options_.overlay) drawCaption(image, caption());
+    return image;
+  }
+  double time() const { return current_.time; }
+  std::int64_t stepCount() const { return current_.step; }
+  double stepMs() const { return current_.stepMs; }
+
+ private:
+  Caption caption() const {
+    Caption caption{source_->title(), {grouped(static_cast<long long>(shown_.bodies.size())) + " bodies"}};
+    if (!source_->label().empty()) caption.facts.push_back(source_->label());
+    if (current_.stepMs > 0) caption.facts.push_back(fmt::format("{:.1f} ms a step", current_.stepMs));
+    caption.facts.push_back(fmt::format("{:.2f} s", shown_.time));
+    if (options_.slow != 1) caption.facts.push_back(fmt::format("{:g}x slower", options_.slow));
+    return caption;
+  }
+
+  const RenderOptions& options_;
+  std::unique_ptr<MomentSource> source_;
+  Moment current_, previous_, shown_;
+  render::Camera camera_;
+  std::unique_ptr<render::Painter> painter_;
+};
+
+bool isNumber(const std::string& text) { return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos; }
+
+std::vector<JobOptions> jobsOf(const RenderOptions& options) {
+  if (options.compare.empty()) return {options.job};
+  if (options.compare.size() != 2)
+    throw Error("--compare", "two backends or two numbers of iterations, with a comma between them",
+                fmt::format("{}", options.compare.size()));
+  if (isRecording(options.job.scene)) throw Error("--compare", "a scene to simulate", options.job.scene);
+  std::vector<JobOptions> jobs(2, options.job);
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (isNumber(options.compare[i]))
+      jobs[i].iterations = std::max(1, std::stoi(options.compare[i]));
+    else
+      jobs[i].backend = options.compare[i];
+  }
+  return jobs;
+}
+
+io::Image together(std::vector<io::Image> images) { return images.size() == 1 ? std::move(images[0]) : beside(images[0], images[1]); }
+
+}  // namespace
+
+RenderResult renderFilm(const RenderOptions& options) {
+  const bool single = !render::isFilm(options.out) && !render::isNumbered(options.out);
+  const std::vector<JobOptions> jobs = jobsOf(options);
+  const int width = jobs.size() == 1 ? options.width : (options.width - kDivider) / 2;
+  const int whole = jobs.size() == 1 ? width : 2 * width + kDivider;
+  // What cannot be written is said before anything is simulated.
+  const std::unique_ptr<render::PictureSink> sink = render::pictureSink(options.out, whole, options.height, options.fps);
+  const std::unique_ptr<render::PaintDevice> device = render::makePaintDevice(options.renderer);
+  const int samples = options.samples > 0    ? options.samples
+                      : single               ? kPictureSamples
+                      : device->isSoftware() ? kFilmSamples
+                                             : kFilmSamplesGpu;
+  std::vector<std::unique_ptr<Side>> sides;
+  for (const JobOptions& job : jobs) sides.push_back(std::make_unique<Side>(options, job, width, options.height, *device, samples));
+
+  const Side& first = *sides.front();
+  const double dt = first.source().dt(), start = first.time();
+  const int steps = first.source().steps();
+  if (options.from >= steps && options.from > 0)
+    throw Error("--from", fmt::format("a step before the last, {}", steps), std::to_string(options.from));
+  const double frameTime = options.every > 0 ? options.every * dt : 1 / (options.fps * options.slow);
+  const double begin = start + options.from * dt, end = start + steps * dt;
+  const int frames = single ? 1 : 1 + static_cast<int>(std::floor((end - begin) / frameTime + 1e-6));
+  Progress progress(first.source().title(), single ? std::max(1, steps) : frames, options.quiet);
+  RenderResult result{0, device->name()};
+  if (single) {
+    // The last step, whatever the time between pictures would be.
+    for (int step = 1; step <= steps; ++step) {
+      for (const auto& side : sides) side->step();
+      progress.update(step, first.stepMs());
+    }
+  }
+  for (int frame = 0; frame < frames; ++frame) {
+    const double time = single ? end : begin + frame * frameTime;
+    std::vector<io::Image> images;
+    for (const auto& side : sides) {
+      side->reach(time);
+      images.push_back(side->paint(time, frame / options.fps));
+    }
+    sink->put(together(std::move(images)));
+    ++result.frames;
+    if (!single) progress.update(frame + 1, first.stepMs());
+  }
+  sink->finish();
+  return result;
+}
+
+}  // namespace rubble::cli

@@ -1,0 +1,52 @@
+#pragma once
+/// A film, or pictures, of one scene or of two side by side.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/cli/job.h"
+#include "io/picture.h"
+
+namespace rubble::cli {
+
+struct RenderOptions {
+  JobOptions job;
+  std::string out;  ///< "" only for a measurement
+  int width = 1280, height = 720;
+  double fieldOfView = .5;  ///< vertical [rad]
+  std::string camera = "scene";
+  std::optional<Vec3> eye, target;  ///< in place of the named camera's [m]
+  double orbit = 0;                 ///< the camera turns about the target [rad/s of film]
+  io::ColorBy colorBy = io::ColorBy::Body;
+  int samples = 0;  ///< a pixel; 0: 32 for a single picture, 4 for a film (16 on a GPU)
+  double fps = 30;  ///< frames a second of film
+  double slow = 1;  ///< seconds of film for a second of the scene
+  int every = 0;    ///< a frame every so many steps; 0: by time
+  int from = 0;     ///< the film begins after this step
+  std::string renderer = "auto";
+  std::vector<std::string> compare;  ///< two backends or two numbers of iterations
+  bool overlay = false;
+  bool quiet = false;
+};
+
+struct RenderResult {
+  int frames = 0;
+  std::string device;  ///< what drew
+};
+
+/// Throws Error for options that do not go together, and for what cannot be written.
+RenderResult renderFilm(const RenderOptions& options);
+
+struct RenderMeasure {
+  std::string device;
+  std::size_t bodies = 0;
+  int frames = 0;
+  double meanMs = 0, medianMs = 0, p95Ms = 0;          ///< a frame, from the poses to the picture on the device
+  double cpuMs = 0;                                    ///< of all threads of the process, a frame; what a software renderer needs
+  std::vector<std::pair<std::string, double>> passes;  ///< of a frame drawn pass by pass [ms]
+};
+
+/// Draws the scene as it begins, from `frames` places round about, with new poses each time; nothing is read back or written.
+RenderMeasure measureRender(const RenderOptions& options, int frames);
+
+}  // namespace rubble::cli

@@ -1,0 +1,126 @@
+#include "apps/cli/render_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "io/recording.h"
+
+namespace rubble::cli {
+namespace {
+
+class Simulation final : public MomentSource {
+ public:
+  explicit Simulation(const JobOptions& options) : Simulation(prepareJob(options), isSceneFile(options.scene)) {}
+
+  bool advance(Moment& moment) override {
+    if (taken_ >= steps_) return false;
+    ++taken_;
+    const StepReport report = runner_.step();
+    moment = now();
+    moment.stepMs = report.totalMs;
+    return true;
+  }
+  Moment start() override { return now(); }
+  int steps() const override { return steps_; }
+  double dt() const override { return world().params().dt; }
+  Vec3 gravity() const override { return world().gravity(); }
+  std::vector<io::PictureBody> framed() const override { return io::pictureBodies(runner_.job().scene, true); }
+  scenes::Camera camera() const override { return runner_.job().camera; }
+  bool smashes() const override { return runner_.job().smashStep >= 0; }
+  std::string title() const override { return title_; }
+  std::string label() const override { return label_; }
+
+ private:
+  Simulation(PreparedJob prepared, bool)
+      : title_(prepared.title),
+        label_(fmt::format("{}, {} iteration{}", prepared.world.backend, prepared.world.params.iterations,
+                           prepared.world.params.iterations == 1 ? "" : "s")),
+        steps_(prepared.steps),
+        runner_(std::move(prepared.job), prepared.world) {}
+
+  const World& world() const { return const_cast<scenes::Runner&>(runner_).world(); }
+  Moment now() const { return {world().stepCount(), world().time(), io::pictureBodies(world()), 0}; }
+
+  std::string title_, label_;
+  int steps_;
+  int taken_ = 0;
+  scenes::Runner runner_;
+};
+
+class Recording final : public MomentSource {
+ public:
+  Recording(const std::string& file, const std::optional<int>& steps) : file_(file), reader_(file) {
+    if (reader_.frameCount() == 0) throw Error(file, "a trajectory with frames", "none");
+    frames_ = reader_.frameCount();
+    if (steps) frames_ = std::min(frames_, *steps + 1);
+  }
+
+  bool advance(Moment& moment) override {
+    if (next_ >= frames_) return false;
+    moment = read(next_++);
+    return true;
+  }
+  Moment start() override { return read(0); }
+  int steps() const override { return frames_ - 1; }
+  double dt() const override { return reader_.header().dt; }
+  Vec3 gravity() const override { return reader_.header().gravity; }
+  std::vector<io::PictureBody> framed() const override { return const_cast<Recording*>(this)->read(0).bodies; }
+  scenes::Camera camera() const override { return {}; }
+  bool smashes() const override { return true; }
+  std::string title() const override { return reader_.header().scene; }
+  std::string label() const override { return ""; }
+
+ private:
+  /// Speeds come from the frame before.
+  Moment read(int index) {
+    const std::vector<io::RecordedBody>& bodies = reader_.bodies(index);
+    const io::RecordedFrame frame = reader_.frame(index);
+    const double apart = frame.time - lastTime_;
+    const bool moved = apart > 0 && lastPoses_.size() == frame.poses.size();
+    Moment moment{frame.step, frame.time, {}, 0};
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const double speed = moved ? length(frame.poses[i].position - lastPoses_[i].position) / apart : 0;
+      moment.bodies.push_back({bodies[i].shape, frame.poses[i].position, frame.poses[i].orientation, speed,
+                               static_cast<std::uint32_t>(bodies[i].id.index), bodies[i].motion});
+    }
+    lastTime_ = frame.time;
+    lastPoses_ = frame.poses;
+    return moment;
+  }
+
+  std::string file_;
+  io::RecordingReader reader_;
+  int frames_ = 0, next_ = 1;
+  double lastTime_ = 0;
+  std::vector<io::RecordedPose> lastPoses_;
+};
+
+}  // namespace
+
+bool isRecording(const std::string& scene) { return std::filesystem::path(scene).extension() == ".rubble"; }
+
+std::unique_ptr<MomentSource> momentSource(const JobOptions& options) {
+  if (isRecording(options.scene)) return std::make_unique<Recording>(options.scene, options.steps);
+  return std::make_unique<Simulation>(options);
+}
+
+Moment between(const Moment& a, const Moment& b, double at) {
+  Moment moment = b;
+  if (at >= 1 || a.bodies.size() != b.bodies.size()) return moment;
+  moment.time = a.time + (b.time - a.time) * at;
+  for (std::size_t i = 0; i < b.bodies.size(); ++i) {
+    if (a.bodies[i].key != b.bodies[i].key) return b;
+    const Quat& p = a.bodies[i].orientation;
+    Quat q = b.bodies[i].orientation;
+    // The short way round; steps are small, so the chord is as good as the arc.
+    if (p.s * q.s + dot(p.v, q.v) < 0) q = {-q.s, -q.v};
+    moment.bodies[i].orientation = normalize(Quat{p.s + (q.s - p.s) * at, p.v + (q.v - p.v) * at});
+    moment.bodies[i].position = a.bodies[i].position + (b.bodies[i].position - a.bodies[i].position) * at;
+  }
+  return moment;
+}
+
+}  // namespace rubble::cli

@@ -1,0 +1,30 @@
+#pragma once
+/// Cameras by name, and the captions of films.
+#include <string>
+#include <vector>
+
+#include "apps/cli/render_source.h"
+#include "render/camera.h"
+
+namespace rubble::cli {
+
+/// Names that cameraOf takes.
+const std::vector<std::string>& cameraNames();
+/// A camera that shows what the source holds, in a picture of this size. "scene" is the scene's own. Throws Error for an unknown name.
+render::Camera cameraOf(const std::string& name, const MomentSource& source, int width, int height, double fieldOfView);
+/// The camera turned about the up axis through its target [rad].
+render::Camera turned(const render::Camera& camera, double angle);
+
+struct Caption {
+  std::string title;               ///< bold
+  std::vector<std::string> facts;  ///< one line, dots between them
+};
+
+/// "10,001"
+std::string grouped(long long number);
+/// Writes the caption onto the lower left of a picture, where the build has Cairo.
+void drawCaption(io::Image& image, const Caption& caption);
+/// Two pictures of one height beside each other with a thin line between them.
+io::Image beside(const io::Image& left, const io::Image& right);
+
+}  // namespace rubble::cli

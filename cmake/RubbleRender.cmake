@@ -1,0 +1,71 @@
+# Pictures and films: OpenGL through libepoxy and EGL, text and plots through Cairo. Each is left out where its package is missing.
+# RUBBLE_HAS_GL and RUBBLE_HAS_CAIRO say what is in.
+
+find_package(PkgConfig)
+if(PkgConfig_FOUND)
+  pkg_check_modules(EPOXY IMPORTED_TARGET epoxy)
+  pkg_check_modules(EGL IMPORTED_TARGET egl)
+  pkg_check_modules(CAIRO IMPORTED_TARGET cairo)
+endif()
+option(RUBBLE_GL "Draw with OpenGL where libepoxy and EGL are found" ON)
+set(rubble_gl OFF)
+if(RUBBLE_GL AND EPOXY_FOUND AND EGL_FOUND)
+  set(rubble_gl ON)
+endif()
+
+file(GLOB render_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/render/*.cpp)
+file(GLOB render_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/render/*.h)
+file(GLOB render_shaders CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/render/shaders/*)
+set(render_gl_files gl.cpp headless.cpp bodies.cpp surfaces.cpp renderer.cpp stage.cpp)
+if(NOT rubble_gl)
+  list(TRANSFORM render_gl_files PREPEND ${PROJECT_SOURCE_DIR}/render/)
+  list(REMOVE_ITEM render_sources ${render_gl_files})
+endif()
+
+# The shaders travel in the program as text.
+set(shader_cases "")
+foreach(shader IN LISTS render_shaders)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${shader})
+  get_filename_component(shader_name ${shader} NAME)
+  file(READ ${shader} shader_content)
+  string(APPEND shader_cases "  if (file == \"${shader_name}\") return R\"glsl(${shader_content})glsl\";\n")
+endforeach()
+file(CONFIGURE OUTPUT ${rubble_generated_dir}/shader_text.cpp @ONLY CONTENT
+"#include \"render/shader_text.h\"
+
+#include <rubble/error.h>
+
+namespace rubble::render {
+
+std::string shaderText(const std::string& file) {
+@shader_cases@  throw Error(\"shader\", \"a file of render/shaders\", file);
+}
+
+}  // namespace rubble::render
+")
+
+add_library(rubble_render STATIC ${render_sources} ${render_headers} ${rubble_generated_dir}/shader_text.cpp)
+target_include_directories(rubble_render PUBLIC ${PROJECT_SOURCE_DIR})
+target_link_libraries(rubble_render PUBLIC rubble_io rubble_scenes PRIVATE rubble_warnings TBB::tbb)
+if(rubble_gl)
+  target_link_libraries(rubble_render PUBLIC PkgConfig::EPOXY PkgConfig::EGL)
+  target_compile_definitions(rubble_render PUBLIC RUBBLE_HAS_GL=1)
+endif()
+if(CAIRO_FOUND)
+  target_link_libraries(rubble_render PRIVATE PkgConfig::CAIRO)
+  target_compile_definitions(rubble_render PUBLIC RUBBLE_HAS_CAIRO=1)
+endif()
+
+# The window: GLFW and Dear ImGui.
+find_package(glfw3 QUIET)
+if(PkgConfig_FOUND)
+  pkg_check_modules(IMGUI IMPORTED_TARGET imgui)
+endif()
+set(rubble_viewer OFF)
+if(rubble_gl AND glfw3_FOUND AND IMGUI_FOUND)
+  set(rubble_viewer ON)
+  file(GLOB viewer_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/apps/viewer/*.cpp)
+  add_library(rubble_viewer STATIC ${viewer_sources})
+  target_link_libraries(rubble_viewer PUBLIC rubble_render PRIVATE PkgConfig::IMGUI glfw rubble_warnings)
+  target_compile_definitions(rubble_viewer PUBLIC RUBBLE_HAS_VIEWER=1)
+endif()

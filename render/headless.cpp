@@ -1,0 +1,91 @@
+#include "render/headless.h"
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
+
+#include <rubble/error.h>
+
+namespace rubble::render {
+namespace {
+
+bool clientHas(const char* extension) { return epoxy_has_egl_extension(EGL_NO_DISPLAY, extension); }
+
+}  // namespace
+
+struct HeadlessContext::Impl {
+  EGLDisplay display = EGL_NO_DISPLAY;
+  EGLContext context = EGL_NO_CONTEXT;
+  std::string renderer;
+  bool software = false;
+
+  /// Tries to make a context of this display current; leaves everything as it was if that fails.
+  bool start(EGLDisplay candidate) {
+    if (candidate == EGL_NO_DISPLAY || !eglInitialize(candidate, nullptr, nullptr)) return false;
+    if (makeCurrent(candidate)) return true;
+    eglTerminate(candidate);
+    return false;
+  }
+
+  bool makeCurrent(EGLDisplay candidate) {
+    if (!eglBindAPI(EGL_OPENGL_API)) return false;
+    const EGLint wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+    EGLConfig config = nullptr;
+    EGLint count = 0;
+    if (!eglChooseConfig(candidate, wanted, &config, 1, &count) || count == 0) return false;
+    const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 1, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                              EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+    const EGLContext made = eglCreateContext(candidate, config, EGL_NO_CONTEXT, version);
+    if (made == EGL_NO_CONTEXT) return false;
+    if (!eglMakeCurrent(candidate, EGL_NO_SURFACE, EGL_NO_SURFACE, made)) {
+      eglDestroyContext(candidate, made);
+      return false;
+    }
+    display = candidate;
+    context = made;
+    renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    software = renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
+    return true;
+  }
+
+  bool startOnDevices() {
+    if (!clientHas("EGL_EXT_platform_device") || !clientHas("EGL_EXT_device_enumeration")) return false;
+    std::array<EGLDeviceEXT, 32> devices{};
+    EGLint count = 0;
+    if (!eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count)) return false;
+    for (int i = 0; i < count; ++i) {
+      const char* extensions = eglQueryDeviceStringEXT(devices[static_cast<std::size_t>(i)], EGL_EXTENSIONS);
+      if (extensions && std::strstr(extensions, "EGL_MESA_device_software")) continue;
+      if (start(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr))) return true;
+    }
+    return false;
+  }
+
+  bool startSurfaceless() {
+    return clientHas("EGL_MESA_platform_surfaceless") &&
+           start(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
+  }
+};
+
+HeadlessContext::HeadlessContext() : impl_(std::make_unique<Impl>()) {
+  const char* choice = std::getenv("RUBBLE_GL");
+  const bool wantSoftware = choice && std::string(choice) == "software";
+  if (wantSoftware) setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
+  if (!wantSoftware && impl_->startOnDevices()) return;
+  if (!impl_->startSurfaceless())
+    throw Error("EGL", "an OpenGL 4.1 context without a display (Debian: apt-get install libegl1 libgl1-mesa-dri)", "none");
+}
+
+HeadlessContext::~HeadlessContext() {
+  eglMakeCurrent(impl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  eglDestroyContext(impl_->display, impl_->context);
+  eglTerminate(impl_->display);
+}
+
+const std::string& HeadlessContext::renderer() const { return impl_->renderer; }
+bool HeadlessContext::isSoftware() const { return impl_->software; }
+
+}  // namespace rubble::render

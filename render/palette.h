@@ -1,0 +1,47 @@
+#pragma once
+/// Colours of bodies: one muted family for a scene, varied from body to body, so that what a body was part of can still be told in rubble.
+#include <span>
+#include <unordered_map>
+
+#include "io/picture.h"
+#include "render/bodies.h"
+
+namespace rubble::render {
+
+/// Linear colour of "#rrggbb" as 0xrrggbb (sRGB).
+Vec3f linearColor(std::uint32_t rgb);
+
+class Palette {
+ public:
+  /// Looks at the scene as it begins: how high it is, what it is mostly made of.
+  Palette(std::span<const io::PictureBody> bodies, const Vec3& up);
+
+  /// How a body looks; the same for the same key and shape in every frame, from where it was first seen.
+  BodyLook look(const io::PictureBody& body);
+  /// Typical half size of a moving body [m].
+  double bodySize() const { return bodySize_; }
+
+ private:
+  Vec3f stone(const io::PictureBody& body) const;
+
+  Vec3 up_;
+  double low_ = 0, high_ = 1;  ///< of the scene along up [m]
+  double bodySize_ = .5;       ///< [m]
+  double course_ = 1;          ///< height of a course of bricks [m]
+  bool isStack_ = false;       ///< many boxes: coloured by course
+  bool isFlat_ = false;        ///< all in one course
+  BodyLook newLook(const io::PictureBody& body) const;
+
+  struct Known {
+    Shape shape;
+    BodyLook look;
+  };
+  std::unordered_map<std::uint32_t, Known> known_;
+};
+
+bool sameShape(const Shape& a, const Shape& b);
+
+/// Cold at rest, through teal and yellow to red at `fraction` 1.
+Vec3f heat(double fraction);
+
+}  // namespace rubble::render

@@ -1,0 +1,32 @@
+// The picture as it is shown: from the linear light of many samples, or from that of one (ONE_SAMPLE), whose edges are smoothed along
+// themselves.
+#include "bytes.glsl"
+in vec2 uv;
+uniform sampler2D lights;
+uniform vec2 texel;
+layout(location = 0) out vec4 shown;
+
+#ifdef ONE_SAMPLE
+// Least difference in brightness that is an edge, absolute and over the brightness.
+const float kEdge = 0.05, kRelativeEdge = 0.10;
+const float kLongestBlur = 6.0;  // pixels
+
+void main() {
+  // Brightness of the pixels to the south west and to the north east, both with the pixel itself.
+  vec4 a = textureGather(lights, uv - 0.5 * texel, 3), b = textureGather(lights, uv + 0.5 * texel, 3);
+  float low = min(min(min(a.x, a.y), min(a.z, a.w)), min(b.x, min(b.y, b.z)));
+  float high = max(max(max(a.x, a.y), max(a.z, a.w)), max(b.x, max(b.y, b.z)));
+  // Gathered are: x upper left, y upper right, z lower right, w lower left.
+  float west = a.x, south = a.z, southWest = a.w, north = b.x, northEast = b.y, east = b.z;
+  vec2 gradient = vec2(2.0 * (east - west) + northEast - southWest, 2.0 * (north - south) + northEast - southWest);
+  vec2 along = vec2(-gradient.y, gradient.x);
+  along /= max(min(abs(along.x), abs(along.y)), 0.125 * (abs(along.x) + abs(along.y))) + 1e-4;
+  along = clamp(along, -kLongestBlur, kLongestBlur) * texel * (high - low < max(kEdge, kRelativeEdge * high) ? 0.0 : 1.0);
+  vec4 near = 0.5 * (texture(lights, uv - along / 6.0) + texture(lights, uv + along / 6.0));
+  vec4 wide = 0.5 * near + 0.25 * (texture(lights, uv - 0.5 * along) + texture(lights, uv + 0.5 * along));
+  // A blur that brings in what is beyond the edge is too long.
+  shown = vec4(wide.a < low || wide.a > high ? near.rgb : wide.rgb, 1.0);
+}
+#else
+void main() { shown = vec4(displayed(texture(lights, uv).rgb), 1.0); }
+#endif

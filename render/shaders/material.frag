@@ -1,0 +1,114 @@
+// From what is seen to its normal, colour and finish.
+#include "pose.glsl"
+#include "view.glsl"
+#include "pack.glsl"
+in vec2 uv;
+uniform usampler2D seenBodies;
+uniform sampler2D depths;
+uniform float pixelAngle;  // size of a pixel at view depth 1 [m]
+uniform float gridCell;    // of the lines on planes [m]
+uniform int selected;      // slot + 1, or 0
+layout(location = 0) out vec4 color;   // square root of the albedo; finish / 8, 0 for the sky
+layout(location = 1) out vec4 shaded;  // normal; wear of the surface, which roughens it
+
+const int kStone = 1, kMetal = 2, kPlastic = 3, kGround = 4, kCloth = 5;
+
+float hash(vec3 p) {
+  p = fract(p * vec3(0.1031, 0.1030, 0.0973));
+  p += dot(p, p.yxz + 33.33);
+  return fract((p.x + p.y) * p.z);
+}
+
+float noise(vec3 p) {
+  vec3 i = floor(p), f = fract(p);
+  f = f * f * (3.0 - 2.0 * f);
+  vec4 low = vec4(hash(i), hash(i + vec3(1, 0, 0)), hash(i + vec3(0, 1, 0)), hash(i + vec3(1, 1, 0)));
+  vec4 high = vec4(hash(i + vec3(0, 0, 1)), hash(i + vec3(1, 0, 1)), hash(i + vec3(0, 1, 1)), hash(i + vec3(1, 1, 1)));
+  vec4 z = mix(low, high, f.z);
+  vec2 y = mix(z.xy, z.zw, f.y);
+  return mix(y.x, y.y, f.x);
+}
+
+// How much of a pixel a line covers that runs every `cell`.
+float lineCover(float at, float cell, float width, float pixel) {
+  float away = abs(at - cell * round(at / cell));
+  float soft = max(pixel, 1e-6);
+  return clamp((width + 0.5 * soft - away) / soft, 0.0, 1.0) * min(1.0, width / soft + 0.25);
+}
+
+float gridLines(vec2 p, float footprint) {
+  float fine = max(lineCover(p.x, gridCell, 0.004 * gridCell, footprint), lineCover(p.y, gridCell, 0.004 * gridCell, footprint));
+  float coarse = max(lineCover(p.x, 10.0 * gridCell, 0.008 * gridCell, footprint), lineCover(p.y, 10.0 * gridCell, 0.008 * gridCell, footprint));
+  fine *= 1.0 - smoothstep(0.05, 0.25, footprint / gridCell);
+  coarse *= 1.0 - smoothstep(0.5, 2.5, footprint / gridCell);
+  return max(0.45 * fine, coarse);
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  uvec2 seen = texelFetch(seenBodies, pixel, 0).xy;
+  if (seen.x == 0u) {
+    color = vec4(0.0);
+    shaded = vec4(0.0);
+    return;
+  }
+  int slot = int(seen.x - 1u);
+  vec4 size = texelFetch(looks, 2 * slot);
+  vec4 look = texelFetch(looks, 2 * slot + 1);
+  vec3 centre = texelFetch(poses, 2 * slot).xyz;
+  vec4 q = texelFetch(poses, 2 * slot + 1);
+  float z = viewDepth(texelFetch(depths, pixel, 0).x);
+  vec3 ray = rayAt(uv);
+  vec3 position = eye + ray * z;
+  vec3 local = turnedBack(q, position - centre);
+  int code = int(look.w + 0.5), finish = code & 7;
+  bool isBox = (code & 8) != 0, isRound = (code & 16) != 0;
+  float footprint = pixelAngle * z;
+  vec3 albedo = look.rgb, normal;
+  float wear = 0.0;
+
+  if (isBox) {
+    vec3 inside = size.xyz - abs(local), side = sign(local);
+    vec3 face = inside.x < inside.y ? (inside.x < inside.z ? vec3(1, 0, 0) : vec3(0, 0, 1))
+                                    : (inside.y < inside.z ? vec3(0, 1, 0) : vec3(0, 0, 1));
+    // A rounded edge, as far as pixels are small enough to show it.
+    float smallest = min(size.x, min(size.y, size.z));
+    float bevel = 0.085 * smallest;
+    float shown = 1.0 - smoothstep(0.6, 1.6, footprint / bevel);
+    vec3 closeness = clamp(1.0 - max(inside, 0.0) / bevel, 0.0, 1.0) * (1.0 - face);
+    vec3 bent = face + closeness * closeness * 0.75 * shown;
+    normal = turned(q, normalize(bent * side));
+    wear = max(closeness.x, max(closeness.y, closeness.z)) * shown;
+    // Far away the gaps between neighbours are below a pixel: a rim keeps them apart.
+    float rim = min(inside.x + face.x * 1e9, min(inside.y + face.y * 1e9, inside.z + face.z * 1e9));
+    float tiny = smoothstep(0.02, 0.08, footprint / smallest) * (1.0 - smoothstep(0.3, 0.9, footprint / smallest));
+    albedo *= 1.0 - 0.42 * tiny * (1.0 - clamp(rim / (1.2 * footprint) - 0.2, 0.0, 1.0));
+  } else if (finish == kGround) {
+    normal = turned(q, vec3(0.0, 0.0, 1.0));
+    float slant = max(0.04, abs(dot(normal, normalize(ray))));
+    albedo *= 1.0 - 0.30 * gridLines(local.xy, footprint / sqrt(slant)) * smoothstep(0.04, 0.16, slant);
+  } else {
+    normal = unpackNormal(seen.y);
+    if (dot(normal, ray) > 0.0 && finish == kCloth) normal = -normal;
+    // Sectors in two shades make rolling visible.
+    if (isRound) {
+      float sectors = (local.x > 0.0 ? 1.0 : 0.0) + (local.y > 0.0 ? 1.0 : 0.0) + (local.z > 0.0 && size.w == 0.0 ? 1.0 : 0.0);
+      albedo *= mod(sectors, 2.0) < 0.5 ? 1.0 : (finish == kMetal ? 0.80 : 0.72);
+    }
+  }
+
+  if (finish == kStone) {
+    float grain = max(size.x, max(size.y, size.z)) * 0.5;
+    vec3 p = local / grain + float(slot % 977) * vec3(3.1, 1.7, 2.3);
+    float detail = 1.0 - smoothstep(0.1, 0.5, footprint / grain);
+    if (detail > 0.0) {
+      float cloud = noise(p * 3.0) - 0.5, speck = noise(p * 19.0) - 0.5;
+      float fine = 1.0 - smoothstep(0.01, 0.05, footprint / grain);
+      albedo *= 1.0 + detail * (0.16 * cloud + 0.14 * fine * speck);
+    }
+    albedo *= 1.0 + 0.10 * wear;
+  }
+  if (selected != 0 && int(seen.x) == selected) albedo = mix(albedo, vec3(1.0, 0.55, 0.08), 0.6);
+  color = vec4(sqrt(clamp(albedo, 0.0, 1.0)), float(finish) / 8.0);
+  shaded = vec4(normal, wear);
+}

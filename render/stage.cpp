@@ -1,0 +1,74 @@
+#include "render/stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rubble::render {
+namespace {
+
+Pose poseOf(const io::PictureBody& body, const Vec3& origin) {
+  const Vec3f p(body.position - origin);
+  const QuatT<float> q(body.orientation);
+  return {p.x, p.y, p.z, 0, q.v.x, q.v.y, q.v.z, q.s};
+}
+
+}  // namespace
+
+Vec3 sunFor(const Camera& camera, const Vec3& up) {
+  const Vec3 ahead = camera.target - camera.eye;
+  const Vec3 level = ahead - up * dot(ahead, up);
+  const Vec3 back = -normalize(level, cross(up, normalize(cross(Vec3{0, 1, 0}, up), {1, 0, 0})));
+  const Vec3 right = cross(up, back);
+  return normalize(up * .92 - right * .80 + back * .30);
+}
+
+Stage::Stage(std::span<const io::PictureBody> bodies, const Vec3& gravity, const Camera& camera, int width, int height)
+    : palette_(bodies, normalize(-gravity, {0, 0, 1})), renderer_(width, height) {
+  setting_.up = normalize(-gravity, {0, 0, 1});
+  setting_.toSun = sunFor(camera, setting_.up);
+  setting_.bodySize = palette_.bodySize();
+  setting_.sceneSize = length(camera.target - camera.eye);
+  renderer_.setOrigin(camera.target);
+  setBodies(bodies);
+}
+
+bool Stage::sameBodies(std::span<const io::PictureBody> bodies) const {
+  if (bodies.size() != keys_.size()) return false;
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (bodies[i].key != keys_[i] || !sameShape(bodies[i].shape, shapes_[i])) return false;
+  return true;
+}
+
+void Stage::setBodies(std::span<const io::PictureBody> bodies, io::ColorBy colorBy, double fullSpeed) {
+  if (!sameBodies(bodies) || keys_.empty()) {
+    std::vector<BodyLook> looks;
+    keys_.clear();
+    shapes_.clear();
+    for (const io::PictureBody& body : bodies) {
+      looks.push_back(palette_.look(body));
+      keys_.push_back(body.key);
+      shapes_.push_back(body.shape);
+    }
+    renderer_.bodies().setLooks(looks);
+  }
+  if (colorBy == io::ColorBy::Speed) {
+    if (fullSpeed <= 0)
+      for (const io::PictureBody& body : bodies) fullSpeed = std::max(fullSpeed, body.speed);
+    std::vector<Vec3f> colors;
+    for (const io::PictureBody& body : bodies) {
+      const bool moves = body.motion != Motion::Static && body.shape.type != ShapeType::Plane;
+      colors.push_back(moves ? heat(fullSpeed > 0 ? body.speed / fullSpeed : 0) : palette_.look(body).color);
+    }
+    renderer_.bodies().setColors(colors);
+  }
+  poses_.resize(bodies.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) poses_[i] = poseOf(bodies[i], renderer_.origin());
+  renderer_.bodies().setPoses(poses_);
+}
+
+io::Image Stage::picture(const Camera& camera, const Quality& quality) {
+  renderer_.draw(camera, setting_, quality);
+  return renderer_.read();
+}
+
+}  // namespace rubble::render

@@ -1,0 +1,209 @@
+#!/usr/bin/env python3
+"""Films, pictures and plots of the real program, drawn in software. Usage: render_test.py PATH_OF_RUBBLE"""
+import json
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree as xml
+
+RUBBLE = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else "rubble"
+ENVIRONMENT = {**os.environ, "RUBBLE_GL": "software"}
+DRAWING = json.loads(subprocess.run([RUBBLE, "info", "build", "--json"], capture_output=True, text=True, check=True).stdout)["drawing"]
+HAS_GL = DRAWING["pictures"].startswith("on")
+HAS_CAIRO = DRAWING["text"].startswith("Cairo on")
+
+# A ball falls beside a block that stands.
+SCENE = {
+    "name": "falling ball", "steps": 60,
+    "bodies": [
+        {"name": "ground", "motion": "static", "shape": {"type": "plane"}},
+        {"name": "block", "shape": {"type": "box", "size": [1, 1, 1]}, "position": [0, 0, 0.5]},
+        {"name": "ball", "shape": {"type": "sphere", "radius": 0.5}, "position": [2, 0, 3]},
+    ],
+}
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def scene(self):
+        with open(self.path("scene.json"), "w", encoding="utf-8") as file:
+            json.dump(SCENE, file)
+        return self.path("scene.json")
+
+    def rubble(self, *arguments, status=0, environment=None):
+        done = subprocess.run([RUBBLE, *arguments], capture_output=True, text=True, timeout=600, env=environment or ENVIRONMENT)
+        self.assertEqual(done.returncode, status, f"{arguments}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def refused(self, *arguments, says, environment=None):
+        done = self.rubble(*arguments, status=2, environment=environment)
+        self.assertIn(says, done.stderr)
+
+    def png_size(self, name):
+        with open(self.path(name), "rb") as file:
+            head = file.read(24)
+        self.assertEqual(head[:8], b"\x89PNG\r\n\x1a\n")
+        return struct.unpack(">II", head[16:])
+
+    def content(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
+
+@unittest.skipUnless(HAS_GL, "built without OpenGL")
+class Render(Case):
+    def test_numbered_pictures_by_time(self):
+        # One second of scene at 10 pictures a second: 0, .1, ... 1.
+        self.rubble("render", self.scene(), "-o", self.path("f_%03d.png"), "--size", "64x36", "--fps", "10", "--samples", "1", "-q")
+        names = sorted(name for name in os.listdir(self.folder.name) if name.startswith("f_"))
+        self.assertEqual(names, [f"f_{i:03}.png" for i in range(11)])
+        self.assertEqual(self.png_size("f_010.png"), (64, 36))
+        self.assertNotEqual(self.content("f_000.png"), self.content("f_005.png"))
+
+    def test_every_and_from_count_steps(self):
+        self.rubble("render", self.scene(), "-o", self.path("f_%d.png"), "--size", "64x36", "--every", "20", "--from", "20", "--samples", "1", "-q")
+        self.assertEqual(sorted(n for n in os.listdir(self.folder.name) if n.startswith("f_")), ["f_0.png", "f_1.png", "f_2.png"])
+
+    def test_the_same_run_gives_the_same_picture(self):
+        for name in ["a.png", "b.png"]:
+            self.rubble("render", self.scene(), "-o", self.path(name), "--steps", "10", "--size", "64x36", "--samples", "2", "-q")
+        self.assertEqual(self.content("a.png"), self.content("b.png"))
+
+    def test_a_recording_looks_like_its_run(self):
+        recording = self.path("run.rubble")
+        self.rubble("run", self.scene(), "-q", "--steps", "20", "--record", recording)
+        self.rubble("render", recording, "-o", self.path("r.png"), "--size", "64x36", "--samples", "1", "-q")
+        self.assertEqual(self.png_size("r.png"), (64, 36))
+
+    def test_damaged_recordings_are_refused(self):
+        recording = self.path("run.rubble")
+        self.rubble("run", self.scene(), "-q", "--steps", "5", "--record", recording)
+        with open(recording, "r+b") as file:
+            file.seek(50)
+            file.write(b"\xff\xff\xff")
+        self.refused("render", recording, "-o", self.path("r.png"), says="checksum")
+        with open(recording, "wb") as file:
+            file.write(b"not a recording at all, but long enough to have been one")
+        self.refused("render", recording, "-o", self.path("r.png"), says=recording)
+        self.refused("render", self.path("none.rubble"), "-o", self.path("r.png"), says="none.rubble")
+
+    def test_two_runs_side_by_side(self):
+        for compare in ["1,8", "cpu,reference"]:
+            self.rubble("render", self.scene(), "-o", self.path("c.png"), "--compare", compare, "--size", "164x48", "--steps", "3",
+                        "--samples", "1", "--overlay", "-q")
+            self.assertEqual(self.png_size("c.png"), (164, 48))
+        self.refused("render", self.scene(), "-o", self.path("c.png"), "--compare", "1,2,3", says="--compare")
+        self.refused("render", self.scene(), "-o", self.path("c.png"), "--compare", "cpu,abacus", says="abacus")
+
+    def test_every_camera(self):
+        pictures = set()
+        for camera in ["scene", "front", "side", "back", "top", "corner", "low", "close"]:
+            self.rubble("render", self.scene(), "-o", self.path("c.png"), "--camera", camera, "--size", "64x36", "--steps", "1",
+                        "--samples", "1", "-q")
+            pictures.add(self.content("c.png"))
+        self.assertEqual(len(pictures), 8)
+        self.refused("render", self.scene(), "-o", self.path("c.png"), "--camera", "moon", says="corner")
+
+    def test_measure_writes_nothing(self):
+        before = set(os.listdir(self.folder.name)) | {"scene.json"}
+        done = self.rubble("render", self.scene(), "--measure", "2", "--size", "64x36")
+        self.assertIn("frames a second", done.stdout)
+        self.assertIn("shadows", done.stdout)
+        self.assertEqual(set(os.listdir(self.folder.name)), before)
+
+    def test_bad_requests(self):
+        self.refused("render", self.scene(), says="--out")
+        self.refused("render", self.scene(), "-o", self.path("film.txt"), says=".mp4")
+        self.refused("render", self.scene(), "-o", self.path("p.png"), "--renderer", "crayons", says="gl, cpu or auto")
+        self.refused("render", self.scene(), "-o", "/nowhere/at/all.png", "--size", "64x36", "--steps", "1", "--samples", "1", says="/nowhere")
+
+
+class Film(Case):
+    def test_without_ffmpeg_it_says_so_before_it_simulates(self):
+        environment = {**ENVIRONMENT, "PATH": self.folder.name}
+        self.refused("render", "pile-510k", "-o", self.path("film.mp4"), says="apt-get install ffmpeg", environment=environment)
+        self.assertFalse(os.path.exists(self.path("film.mp4")))
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg")
+    def test_a_failure_of_ffmpeg_is_reported(self):
+        self.refused("render", self.scene(), "-o", "/nowhere/film.mp4", "--size", "64x36", "--renderer", "cpu", says="ffmpeg")
+        self.refused("render", self.scene(), "-o", self.path("film.mp4"), "--size", "65x36", says="even")
+
+    @unittest.skipUnless(shutil.which("ffmpeg") and shutil.which("ffprobe"), "no ffmpeg")
+    def test_a_film_has_the_right_length(self):
+        # One second of scene, two times slower, at 15 pictures a second, both ends: 31 pictures.
+        film = self.path("film.mp4")
+        self.rubble("render", self.scene(), "-o", film, "--size", "64x36", "--fps", "15", "--slow", "2", "--samples", "1", "--overlay", "-q")
+        probed = json.loads(subprocess.run(
+            ["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=width,height,nb_read_frames,avg_frame_rate", "-of", "json", film],
+            capture_output=True, text=True, check=True).stdout)["streams"][0]
+        self.assertEqual((probed["width"], probed["height"]), (64, 36))
+        self.assertEqual(int(probed["nb_read_frames"]), 31)
+        self.assertEqual(probed["avg_frame_rate"], "15/1")
+
+
+class Plot(Case):
+    SVG = "{http://www.w3.org/2000/svg}"
+
+    def report(self, name, *arguments):
+        self.rubble("run", self.scene(), "-q", "--steps", "60", "--series", "--json", self.path(name), *arguments)
+        return self.path(name)
+
+    def test_content(self):
+        a, b = self.report("a.json"), self.report("b.json", "--iterations", "9")
+        self.rubble("plot", a, b, "-o", self.path("plot.svg"))
+        root = xml.fromstring(self.content("plot.svg"))
+        texts = [text.text for text in root.iter(self.SVG + "text")]
+        for expected in ["Time of a settled step by stage", "Energy, kinetic and potential", "Time of a step", "9 iterations", "primal", "time [s]"]:
+            self.assertIn(expected, texts)
+        lines = [line.get("points").split() for line in root.iter(self.SVG + "polyline")]
+        curves = [points for points in lines if len(points) > 2]
+        self.assertEqual([len(points) for points in curves], [60] * 4)  # two runs, energy and step time
+        # Energy only falls here, and down is down: y grows.
+        heights = [float(point.split(",")[1]) for point in curves[0]]
+        self.assertEqual(heights, sorted(heights))
+        self.assertGreater(heights[-1], heights[0] + 20)
+
+    def test_bars_are_as_long_as_the_times(self):
+        report = self.report("a.json")
+        with open(report, encoding="utf-8") as file:
+            record = json.load(file)
+        record["stages_ms"] = {"primal": 6.0, "dual": 2.0}
+        with open(report, "w", encoding="utf-8") as file:
+            json.dump(record, file)
+        self.rubble("plot", report, "-o", self.path("plot.svg"), "--kind", "timing")
+        rectangles = xml.fromstring(self.content("plot.svg")).iter(self.SVG + "rect")
+        bars = [float(r.get("width")) for r in rectangles if r.get("rx") is None and r.get("x") != "0"]
+        self.assertEqual(len(bars), 2)
+        self.assertAlmostEqual(bars[0] / bars[1], 3, places=2)
+
+    @unittest.skipUnless(HAS_CAIRO, "built without Cairo")
+    def test_png(self):
+        self.rubble("plot", self.report("a.json"), "-o", self.path("plot.png"), "--kind", "energy")
+        self.assertEqual(self.png_size("plot.png")[0], 1720)
+
+    def test_bad_input(self):
+        report = self.report("a.json")
+        self.refused("plot", report, "-o", self.path("plot.bmp"), says=".svg")
+        self.refused("plot", report, "-o", self.path("plot.svg"), "--kind", "pie", says="energy")
+        self.refused("plot", self.scene(), "-o", self.path("plot.svg"), says="reports of run or bench")
+        self.refused("plot", self.path("none.json"), "-o", self.path("plot.svg"), says="none.json")
+        with open(report, "w", encoding="utf-8") as file:
+            file.write("{\"scene\": ")
+        self.refused("plot", report, "-o", self.path("plot.svg"), says="JSON")
+        self.rubble("run", self.scene(), "-q", "--json", report)
+        self.refused("plot", report, "-o", self.path("plot.svg"), "--kind", "energy", says="--series")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)
