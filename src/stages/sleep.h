@@ -50,6 +50,8 @@ struct WakeBodies {
     if (s.asleep[i] == 0 || s.islandFlag[s.asleep[i] - 1] == 0) return;
     s.asleep[i] = 0;
     s.stillTime[i] = 0;
+    // it was left out when the others were predicted
+    PredictBodies{}(s, i);
   }
 };
 
