@@ -235,6 +235,18 @@ SceneFile SceneReader::read(const Json& json) {
   }
   if (const auto found = object.get("joints"))
     for (const Node& element : found->elements("a list of joints")) scene.joints.push_back(joint(element, scene));
+  if (const auto found = object.get("exclusions")) {
+    for (const Node& element : found->elements("a list of pairs of bodies")) {
+      const std::vector<Node> two = element.elements("two bodies");
+      if (two.size() != 2) {
+        element.fault("two bodies");
+        continue;
+      }
+      const int a = bodyIndex(two[0], scene), b = bodyIndex(two[1], scene);
+      if (a == b || a == kWorld || b == kWorld) element.faultText("expected two different bodies of the scene");
+      else scene.exclusions.emplace_back(a, b);
+    }
+  }
   if (const auto found = object.get("events"))
     for (const Node& element : found->elements("a list of events")) scene.events.push_back(event(element, scene));
   if (const auto found = object.get("camera")) out.camera = camera(*found);

@@ -49,6 +49,34 @@ Json shapeJson(const Shape& shape) {
   return Json::object({{"type", "plane"}});
 }
 
+Json layersJson(std::uint32_t bits) {
+  Json json = Json::array();
+  for (int layer = 0; layer < 32; ++layer)
+    if (bits >> layer & 1) json.push_back(layer);
+  return json;
+}
+
+Json axesJson(const std::array<bool, 3>& axes) {
+  Json json = Json::array();
+  for (std::size_t k = 0; k < 3; ++k)
+    if (axes[k]) json.push_back(std::string(1, "xyz"[k]));
+  return json;
+}
+
+/// What BodyReader's readExtras reads.
+void writeExtras(const BodyDef& body, Json& json) {
+  const BodyDef usual;
+  if (body.inertia) json["inertia"] = vectorJson(*body.inertia);
+  if (!same(body.linearDamping, usual.linearDamping)) json["linear_damping"] = body.linearDamping;
+  if (!same(body.angularDamping, usual.angularDamping)) json["angular_damping"] = body.angularDamping;
+  if (body.lockTranslation != usual.lockTranslation) json["lock_translation"] = axesJson(body.lockTranslation);
+  if (body.lockRotation != usual.lockRotation) json["lock_rotation"] = axesJson(body.lockRotation);
+  if (body.filter.layers != usual.filter.layers) json["layers"] = layersJson(body.filter.layers);
+  if (body.filter.mask != usual.filter.mask) json["mask"] = layersJson(body.filter.mask);
+  if (body.filter.group != usual.filter.group) json["group"] = body.filter.group;
+  if (body.sensor) json["sensor"] = true;
+}
+
 class SceneWriter {
  public:
   explicit SceneWriter(const SceneFile& file) : file_(file) {}
@@ -94,6 +122,7 @@ Json SceneWriter::body(const BodyDef& body) const {
   if (!same(body.velocity, usual.velocity)) json["velocity"] = vectorJson(body.velocity);
   if (!same(body.angularVelocity, usual.angularVelocity)) json["angular_velocity"] = vectorJson(body.angularVelocity);
   if (!same(body.gravityScale, usual.gravityScale)) json["gravity_scale"] = body.gravityScale;
+  writeExtras(body, json);
   return json;
 }
 
@@ -167,6 +196,7 @@ Json SceneWriter::write() {
   json["bodies"] = Json::array();
   for (const BodyDef& added : scene.bodies) json["bodies"].push_back(body(added));
   for (const JointDef& added : scene.joints) json["joints"].push_back(joint(added));
+  for (const auto& [a, b] : scene.exclusions) json["exclusions"].push_back(Json{bodyReference(a), bodyReference(b)});
   for (const Event& added : scene.events) json["events"].push_back(event(added));
   for (const FileClaim& added : file_.claims) json["verdict"].push_back(claim(added));
   return json;

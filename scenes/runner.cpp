@@ -50,8 +50,14 @@ void apply(World& world, const Event& event) {
 
 }  // namespace
 
+WorldOptions Runner::optionsOf(const Job& job, WorldOptions options) {
+  options.params.sleeping |= job.sleeping;
+  options.events |= job.events;
+  return options;
+}
+
 Runner::Runner(Job job, const WorldOptions& options)
-    : job_(inOrder(inStepsOf(options.params.dt, std::move(job)))), world_(job_.scene, options) {}
+    : job_(inOrder(inStepsOf(options.params.dt, std::move(job)))), world_(job_.scene, optionsOf(job_, options)) {}
 
 StepReport Runner::step() {
   if (!started_) {

@@ -1,8 +1,11 @@
 #pragma once
 /// What an author writes: bodies, joints and what happens to them, in physical units only. Nothing here is about the solver.
+#include <array>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <rubble/math.h>
@@ -39,6 +42,14 @@ struct Material {
   double restitution = 0;       ///< e [1], for closing speeds above 1 m/s
 };
 
+/// What a body collides with. Two bodies meet if each has a layer that the other's mask names; two of one group other than 0 always meet if
+/// its number is positive, and never if it is negative. Queries have a filter too.
+struct CollisionFilter {
+  std::uint32_t layers = 1;           ///< bit set of the layers that the body is in
+  std::uint32_t mask = 0xffffffffu;   ///< bit set of the layers that it meets
+  int group = 0;
+};
+
 enum class Motion { Static, Kinematic, Dynamic };
 
 struct BodyDef {
@@ -48,11 +59,18 @@ struct BodyDef {
   Material material;
   double density = 1000;        ///< [kg/m3], gives mass and inertia of a dynamic body unless `mass` is set
   std::optional<double> mass;   ///< [kg]; inertia scales with it
+  std::optional<Vec3> inertia;  ///< principal moments about the centre of mass, body axes, in place of those of the shape [kg m2]
   Vec3 position;                ///< centre of mass, world [m]
   Quat orientation;             ///< body -> world
   Vec3 velocity;                ///< [m/s]
   Vec3 angularVelocity;         ///< world axes [rad/s]
   double gravityScale = 1;      ///< factor on the scene's gravity [1]
+  double linearDamping = 0;     ///< c [1/s]: a free body's velocity goes with exp(-c t), exactly at any time step
+  double angularDamping = 0;    ///< likewise of the spin [1/s]
+  std::array<bool, 3> lockTranslation{};  ///< along these world axes a dynamic body does not move
+  std::array<bool, 3> lockRotation{};     ///< about these world axes it does not turn
+  CollisionFilter filter;
+  bool sensor = false;          ///< overlaps are reported, and nothing is pushed
 };
 
 enum class JointType { Ball, Fixed };
@@ -91,6 +109,7 @@ struct Scene {
   Vec3 gravity{0, 0, -9.81};  ///< [m/s2]
   std::vector<BodyDef> bodies;
   std::vector<JointDef> joints;
+  std::vector<std::pair<int, int>> exclusions;  ///< bodies by index that do not collide with one another
   std::vector<Event> events;
 };
 

@@ -7,8 +7,10 @@
 
 #include <rubble/arrays.h>
 #include <rubble/error.h>
+#include <rubble/events.h>
 #include <rubble/ids.h>
 #include <rubble/params.h>
+#include <rubble/query.h>
 #include <rubble/report.h>
 #include <rubble/scene.h>
 
@@ -21,13 +23,12 @@ struct BodyState {
   Vec3 angularVelocity;  ///< world axes [rad/s]
 };
 
-/// A contact point of the last step. The force acts on B; its opposite acts on A.
-struct ContactPoint {
-  BodyId a, b;
-  Vec3 position;   ///< world [m]
-  Vec3 normal;     ///< from A to B, unit
-  double depth;    ///< > 0: penetration [m]
-  Vec3 force;      ///< on B [N]
+/// What all contacts of the last step do to a body.
+struct ContactLoad {
+  Vec3 force;           ///< [N]
+  Vec3 torque;          ///< about its centre [N m]
+  double residual = 0;  ///< deepest penetration that is left [m]
+  int points = 0;
 };
 
 struct JointState {
@@ -43,6 +44,7 @@ struct WorldOptions {
   int threads = 0;              ///< 0: one a core
   Params params;
   bool timings = true;          ///< measure stages
+  bool events = false;          ///< collect the events of each step; on a device this fetches its contacts after each step
 };
 
 /// The whole state of a world, to go on from bit for bit, in that world or in another one of the same backend. On a GPU it stays on the
@@ -74,6 +76,8 @@ class World {
   // Bodies. Every call with an id that is not alive throws Error.
   BodyId add(const BodyDef& body);
   void remove(BodyId id);  ///< with its joints
+  /// Do the two collide with one another? (They do not if a joint between them says so.)
+  void setCollide(BodyId a, BodyId b, bool collide);
   bool alive(BodyId id) const;
   std::vector<BodyId> bodies() const;  ///< alive ones, by index
   BodyId find(const std::string& name) const;  ///< throws Error if there is none
@@ -130,6 +134,18 @@ class World {
   // Measures.
   Quality quality() const;
   std::vector<ContactPoint> contacts() const;
+  ContactLoad contactLoad(BodyId id) const;
+  /// Of the last step, if WorldOptions::events is set.
+  const Events& events() const;
+  /// Sleeping (Params::sleeping). An edit or a push wakes a body with its island by itself.
+  bool asleep(BodyId id) const;
+  void wake(BodyId id);
+  // Queries, a batch at a time (query.h).
+  std::vector<RayHit> castRays(std::span<const RayQuery> rays);
+  std::vector<CastHit> castShapes(std::span<const CastQuery> casts);
+  std::vector<std::vector<BodyId>> overlaps(std::span<const OverlapQuery> shapes);  ///< of each by slot
+  std::vector<ClosestHit> closestPoints(std::span<const ClosestQuery> points);
+
   /// Bytes of the engine's tables on the device or host.
   std::size_t memoryBytes() const;
   /// Makes room in the engine's tables for `count` elements of a kind that only steps count, so that they need not grow: "pairs",

@@ -17,6 +17,10 @@ struct EngineBody {
   Material material;
   MassProperties mass;
   double gravityScale = 1;
+  double linearDamping = 0, angularDamping = 0;
+  int locks = 0;  ///< bits 0-2: translation along x, y, z; bits 3-5: rotation about them
+  CollisionFilter filter;
+  bool sensor = false;
   BodyState state;
 };
 
@@ -37,10 +41,37 @@ struct EngineContact {
   double depth;
 };
 
+/// Two bodies that touch, a < b.
+struct EngineTouch {
+  int a, b;
+  bool sensor;
+};
+
+/// A query (rubble/query.h); body slots.
+struct EngineQuery {
+  enum Kind { Ray, Cast, Overlap, Closest };
+  Kind kind = Ray;
+  Shape shape;
+  Vec3 position;
+  Quat orientation;
+  Vec3 move;
+  double reach = 0;
+  std::uint32_t layers = 0, mask = 0;
+  bool sensors = false;
+  int ignore = -1;
+};
+struct EngineHit {
+  int body;          ///< -1: none
+  double fraction;   ///< of the move; closest point: distance [m]
+  Vec3 position, normal;
+};
+
 struct EngineSettings {
   Params params;
   Vec3 gravity;
+  bool wakeAll = false;      ///< for the next step: nothing sleeps on
   double maxMassLength = 0;  ///< mass times bounding diameter of the heaviest dynamic body [kg m]
+  double maxMass = 0;        ///< of the heaviest dynamic body [kg]
   double typicalRadius = 1;  ///< bounding radius of the median dynamic body [m]
 };
 
@@ -101,6 +132,12 @@ class Engine {
 
   virtual Quality quality() const = 0;
   virtual std::vector<EngineContact> contacts() const = 0;
+  virtual std::vector<EngineTouch> touches() const = 0;
+  /// Slots of bodies that sleep, rising.
+  virtual std::vector<int> sleepers() const = 0;
+  virtual bool isAsleep(int slot) const = 0;
+  virtual std::vector<EngineHit> query(std::span<const EngineQuery> queries) = 0;
+  virtual std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) = 0;
   virtual JointState jointState(int type, int slot) const = 0;
   virtual std::size_t memoryBytes() const = 0;
   virtual std::uint64_t hash() const = 0;

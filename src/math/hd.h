@@ -40,6 +40,15 @@ RUBBLE_HD inline void atomicRaise(int* p, int a) {
 #endif
 }
 
+/// *p |= bits
+RUBBLE_HD inline void atomicSet(int* p, int bits) {
+#if defined(__CUDA_ARCH__)
+  atomicOr(p, bits);
+#else
+  std::atomic_ref<int>(*p).fetch_or(bits, std::memory_order_relaxed);
+#endif
+}
+
 /// Puts `a` in *p if it holds `empty`; returns what it held.
 RUBBLE_HD inline int atomicClaim(int* p, int empty, int a) {
 #if defined(__CUDA_ARCH__)

@@ -4,8 +4,6 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline bool isDynamic(const View& s, int body) { return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic; }
-
 /// visit(body, side, other) for the dynamic bodies of a block between a and b.
 template <class Visit>
 RUBBLE_HD void visitSides(const View& s, int a, int b, Visit&& visit) {

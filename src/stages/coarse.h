@@ -152,7 +152,8 @@ struct SumChunk {
 };
 
 /// The step of a group whose rows and forces are summed: under-relaxed, and none if it is not finite.
-RUBBLE_HD inline Vec6 groupStep(const Block6& block) {
+RUBBLE_HD inline Vec6 groupStep(const Group& group, Block6 block) {
+  if (group.locks != 0) lockAxes(block, group.locks);
   const Vec6 dx = newtonStep(block);
   const bool valid = isFinite(dx.lin) && isFinite(dx.ang);
   return valid ? kGroupRelaxation * dx : Vec6{{0, 0, 0}, {0, 0, 0}};
@@ -165,7 +166,7 @@ struct SolveGroup {
     Block6 block = group.inertia;
     block.fl = block.fa = {0, 0, 0};
     for (int k = group.chunkBegin; k < group.chunkEnd; ++k) addShifted(block, s.chunk[k].sum, {0, 0, 0});
-    group.step = groupStep(block);
+    group.step = groupStep(group, block);
   }
 };
 

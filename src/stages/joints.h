@@ -6,8 +6,7 @@ namespace rubble::RUBBLE_CORE {
 
 template <class F>
 RUBBLE_HD bool active(const View& s, const Joint<F>& joint) {
-  const auto dynamic = [&](int body) { return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic; };
-  return joint.alive && !joint.broken && (dynamic(joint.a) || dynamic(joint.b));
+  return joint.alive && !joint.broken && (isDynamic(s, joint.a) || isDynamic(s, joint.b));
 }
 
 RUBBLE_HD inline JointBody jointBody(const View& s, int body) {

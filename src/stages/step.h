@@ -2,6 +2,7 @@
 /// The step on one page: algorithm 1 of the method, written once over an Executor. What runs in parallel, and where, is its business.
 #include "stages/coarse.h"
 #include "stages/coloring.h"
+#include "stages/sleep.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -44,8 +45,34 @@ void findPairs(E& e) {
   e.forEach(WritePairs{}, bodies);
 }
 
+/// Islands that something disturbs.
+template <Executor E>
+void wakeIslands(E& e) {
+  const int bodies = e.view().bodies;
+  e.clear(&View::islandFlag, bodies);
+  e.forEach(WakeByForces{}, bodies);
+  e.forEach(WakeByPairs{}, &Counters::pairs);
+  forEachType(JointTypes{}, [&]<class F>() { e.forEach(WakeByJoints<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  e.forEach(WakeBodies{}, bodies);
+}
+
+/// Islands that have come to rest.
+template <Executor E>
+void sleepIslands(E& e) {
+  const int bodies = e.view().bodies;
+  e.clear(&View::islandFlag, bodies);
+  e.forEach(StartIslands{}, bodies);
+  e.forEach(JoinIslandsByPairs{}, &Counters::pairs);
+  forEachType(JointTypes{}, [&]<class F>() { e.forEach(JoinIslandsByJoints<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  e.forEach(FindRestless{}, bodies);
+  e.forEach(FindMovedIslands{}, &Counters::pairs);
+  e.forEach(FallAsleep{}, bodies);
+}
+
 template <Executor E>
 void findContacts(E& e) {
+  e.clear(&View::agitation, e.view().bodies);
+  e.forEach(FindAgitation{}, &Counters::pairs);
   e.forEach(RecycleManifolds{}, &Counters::pairs);
   e.forEach(TestPairs{}, &Counters::tested);
   e.scan(&View::hasRows, &View::rowOfPair, &Counters::pairs, &Counters::manifolds, Per::Manifold);
@@ -71,6 +98,7 @@ void findGroups(E& e) {
   e.forEach(FindLevels{}, kCoarseLevels + 1);
   e.forEach(BeginGroups{}, &Counters::groups);
   e.forEach(MakeChunks{}, &Counters::chunks);
+  if (e.view().locked) e.forEach(LockGroups{}, all);
   e.forEach(SumMasses{}, &Counters::chunks);
   e.forEach(FindCentres{}, &Counters::groups);
 }
@@ -121,6 +149,16 @@ void colorBodies(E& e) {
   e.forEach(FillColors{}, bodies);
 }
 
+/// Fast bodies stop where they meet others.
+template <Executor E>
+void stopFastBodies(E& e) {
+  e.forEach(FindFast{}, e.view().bodies);
+  e.require(Per::Pair, &Counters::swept);
+  e.forEach(FindStops{}, &Counters::swept);
+  e.forEach(ChooseStops{}, &Counters::swept);
+  e.forEach(StopBodies{}, &Counters::swept);
+}
+
 /// One step of dt. Everything before the iterations happens at x^t and moves no body beyond its initial guess.
 template <Executor E>
 void step(E& e) {
@@ -132,6 +170,7 @@ void step(E& e) {
 
   e.forEach(PredictBodies{}, bodies);
   findPairs(e);
+  if (e.view().step.sleeping) wakeIslands(e);
   findContacts(e);
   forEachJoint.template operator()<BeginJoints>();
   if (e.view().step.coarseCorrection) findGroups(e);
@@ -148,7 +187,9 @@ void step(E& e) {
 
   e.forEach(StoreContacts{}, &Counters::manifolds);
   forEachJoint.template operator()<FinishJoints>();
+  stopFastBodies(e);
   e.forEach(FinishBodies{}, bodies);
+  if (e.view().step.sleeping) sleepIslands(e);
   e.keepManifolds();
 }
 

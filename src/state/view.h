@@ -23,12 +23,17 @@ struct View {
   int planes = 0;
   int cells = 0;                      ///< buckets of the grid, a power of two
   Real baseCell = 1;                  ///< [m]
+  int filtered = 0;                   ///< 1: some body has a filter or is a sensor
+  int wakeAll = 0;                    ///< 1: nothing sleeps on in this step
+  int locked = 0;                     ///< 1: some body has locked axes
   int joints[JointTypes::kSize] = {}; ///< slots in use of each type
   StepConstants step{};
   Counters* counters = nullptr;
 
   // bodies: authored
   BodyParams* params = nullptr;
+  BodyExtras* extras = nullptr;
+  BodyFilter* filter = nullptr;
   int* planeBody = nullptr;           ///< indices of the planes
   int* exclusionOffset = nullptr;     ///< [bodies + 1] into exclusionBody
   int* exclusionBody = nullptr;       ///< bodies that this one does not collide with (of higher index), sorted
@@ -40,6 +45,8 @@ struct View {
   Vec3* previousVelocity = nullptr;   ///< one step earlier [m/s]
   Vec3* force = nullptr;              ///< applied by the user, for one step [N]
   Vec3* torque = nullptr;             ///< [N m]
+  int* asleep = nullptr;              ///< 1 + a body that stands for the island that sleeps, 0: awake
+  Real* stillTime = nullptr;          ///< for how long a body has been still [s]
   // bodies: work
   Bounds* bounds = nullptr;           ///< by Bounds stage
   int* bucketCount = nullptr;         ///< bodies of each bucket
@@ -47,9 +54,16 @@ struct View {
   GridEntry* grid = nullptr;          ///< bodies by bucket
   int* pairSlot = nullptr;            ///< [bodies][kPairSlots] partners found
   int* pairCount = nullptr;           ///< pairs that a body owns
+  int* agitation = nullptr;           ///< speed that a neighbour may give a body in this step, as the bits of a float [m/s]
   BodyTarget* target = nullptr;       ///< inertial target
   Displacement* moved = nullptr;      ///< x - x^t, present iterate
   Quat* turned = nullptr;             ///< its rotation, q (q^t)^-1
+  int* island = nullptr;              ///< a body that stands for the island
+  int* islandFlag = nullptr;          ///< of that body: 1 if the island wakes, or does not sleep
+  int* fast = nullptr;                ///< 1: went further than it is thick
+  int* stopBits = nullptr;            ///< part of the way that a body does not make since it meets another, as the bits of a float
+  int* stopPair = nullptr;            ///< 1 + the pair that it stops at, or 0
+  Displacement* stopped = nullptr;    ///< the way that it makes then
   int* color = nullptr;               ///< kept from step to step
   int* nextColor = nullptr;           ///< of the bodies that choose one
   int* clashing = nullptr;            ///< bodies that choose a colour in this step
@@ -83,6 +97,7 @@ struct View {
   Pair* oldPair = nullptr;
   Manifold* manifold = nullptr;       ///< one a pair
   Manifold* oldManifold = nullptr;
+  int* meetBits = nullptr;            ///< part of the way that is left when its bodies meet, as the bits of a float; 0: never
   int* tested = nullptr;              ///< pairs whose narrow phase is run anew
   int* hasRows = nullptr;             ///< 1 if a point of the pair takes part in the step
   int* rowOfPair = nullptr;           ///< index of its rows
@@ -117,6 +132,8 @@ void forEachArray(F&& f) {
     f(ArrayInfo<T>{member, name, unit, per, life, extra});
   };
   is(&View::params, "params", "", Per::Body, Life::Authored);
+  is(&View::extras, "extras", "1/s", Per::Body, Life::Authored);
+  is(&View::filter, "filter", "", Per::Body, Life::Authored);
   is(&View::planeBody, "planeBody", "", Per::Plane, Life::Authored);
   is(&View::exclusionOffset, "exclusionOffset", "", Per::Body, Life::Authored, 1);
   is(&View::exclusionBody, "exclusionBody", "", Per::Exclusion, Life::Authored);
@@ -128,6 +145,8 @@ void forEachArray(F&& f) {
   is(&View::force, "force", "N", Per::Body, Life::State);
   is(&View::torque, "torque", "N m", Per::Body, Life::State);
   is(&View::color, "color", "", Per::Body, Life::State);
+  is(&View::asleep, "asleep", "", Per::Body, Life::State);
+  is(&View::stillTime, "stillTime", "s", Per::Body, Life::State);
   is(&View::oldPairOffset, "oldPairOffset", "", Per::Body, Life::State, 1);
   is(&View::oldPair, "oldPair", "", Per::Pair, Life::State);
   is(&View::oldManifold, "oldManifold", "", Per::Pair, Life::State);
@@ -139,9 +158,16 @@ void forEachArray(F&& f) {
   is(&View::grid, "grid", "", Per::Body, Life::Unordered);
   is(&View::pairSlot, "pairSlot", "", Per::BodySlot, Life::Unordered);
   is(&View::pairCount, "pairCount", "", Per::Body, Life::Work);
+  is(&View::agitation, "agitation", "m/s", Per::Body, Life::Work);
   is(&View::target, "target", "", Per::Body, Life::Work);
   is(&View::moved, "moved", "m, rad", Per::Body, Life::Work);
   is(&View::turned, "turned", "", Per::Body, Life::Work);
+  is(&View::island, "island", "", Per::Body, Life::Unordered);
+  is(&View::islandFlag, "islandFlag", "", Per::Body, Life::Work);
+  is(&View::fast, "fast", "", Per::Body, Life::Work);
+  is(&View::stopBits, "stopBits", "", Per::Body, Life::Work);
+  is(&View::stopPair, "stopPair", "", Per::Body, Life::Work);
+  is(&View::stopped, "stopped", "m, rad", Per::Body, Life::Work);
   is(&View::nextColor, "nextColor", "", Per::Body, Life::Unordered);
   is(&View::clashing, "clashing", "", Per::Body, Life::Unordered);
   is(&View::colorBody, "colorBody", "", Per::Body, Life::Unordered);
@@ -168,12 +194,19 @@ void forEachArray(F&& f) {
   is(&View::pairOffset, "pairOffset", "", Per::Body, Life::Work, 1);
   is(&View::pair, "pair", "", Per::Pair, Life::Work);
   is(&View::manifold, "manifold", "", Per::Pair, Life::Work);
+  is(&View::meetBits, "meetBits", "", Per::Pair, Life::Work);
   is(&View::tested, "tested", "", Per::Pair, Life::Unordered);
   is(&View::hasRows, "hasRows", "", Per::Pair, Life::Work);
   is(&View::rowOfPair, "rowOfPair", "", Per::Pair, Life::Work, 1);
   is(&View::contact, "contact", "", Per::Manifold, Life::State);
   is(&View::joinLevel, "joinLevel", "", Per::Manifold, Life::Work);
   is(&View::entry, "entry", "", Per::Entry, Life::Work);
+}
+
+RUBBLE_HD inline bool isAsleep(const View& s, int body) { return s.step.sleeping && s.asleep[body] != 0; }
+/// Does the step move it by its forces? Bodies that sleep are like static ones.
+RUBBLE_HD inline bool isDynamic(const View& s, int body) {
+  return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic && !isAsleep(s, body);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "world/world_impl.h"
 
@@ -23,7 +24,9 @@ MassProperties massOfDefinition(const BodyDef& def) {
   if (def.motion != Motion::Dynamic) return {};
   const MassProperties unit = massProperties(def.shape, 1);
   const double density = def.mass ? *def.mass / unit.mass : def.density;
-  return massProperties(def.shape, density);
+  MassProperties mass = massProperties(def.shape, density);
+  if (def.inertia) mass.inertia = *def.inertia;
+  return mass;
 }
 
 template <class Id>
@@ -53,6 +56,10 @@ BodyId World::Impl::addBody(const BodyDef& def, const std::string& path) {
   body.material = def.material;
   body.mass = registry.bodies[id].mass;
   body.gravityScale = def.gravityScale;
+  body.linearDamping = def.linearDamping, body.angularDamping = def.angularDamping;
+  for (std::size_t k = 0; k < 3; ++k) body.locks |= (def.lockTranslation[k] ? 1 : 0) << k | (def.lockRotation[k] ? 8 : 0) << k;
+  body.filter = def.filter;
+  body.sensor = def.sensor;
   body.state = {def.position, normalize(def.orientation), def.velocity, def.angularVelocity};
   engine->setBody(id.index, body);
   settingsChanged = true;
@@ -79,6 +86,7 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
     const BodyDef& def = registry.bodies[id].def;
     if (!def.name.empty()) registry.bodyNames.erase(def.name);
     planesChanged |= def.shape.type == ShapeType::Plane;
+    exclusionsChanged |= std::erase_if(registry.exclusions, [&](const auto& pair) { return pair.first == id.index || pair.second == id.index; }) > 0;
     registry.bodies.remove(id);
     engine->setBody(id.index, {});
   }
@@ -112,6 +120,7 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {
   joint.compliance[0] = def.stiffness == kHard ? 0 : 1 / def.stiffness;
   joint.compliance[1] = def.angularStiffness == kHard ? 0 : 1 / def.angularStiffness;
   joint.bound[0] = def.breakForce, joint.bound[1] = def.breakTorque;
+  wake(a), wake(b);
   engine->setJoint(slot, joint);
   const JointId id = registry.joints.add({def, a, b, slot});
   if (!def.name.empty()) registry.jointNames[def.name] = id;
@@ -125,11 +134,20 @@ void World::Impl::removeJoint(JointId id) {
   const int type = static_cast<int>(joint.def.type);
   EngineJoint none;
   none.type = type;
+  wake(joint.a), wake(joint.b);
+  std::erase(registry.brokenJoints, id.index);
   engine->setJoint(joint.engineSlot, none);
   registry.freeJointSlots[type].push_back(joint.engineSlot);
   if (!joint.def.name.empty()) registry.jointNames.erase(joint.def.name);
   exclusionsChanged |= !joint.def.collide;
   registry.joints.remove(id);
+}
+
+void World::Impl::exclude(BodyId a, BodyId b, bool excluded) {
+  requireAlive(a), requireAlive(b);
+  if (a == b) throw Error("exclusion", "two different bodies", "the same one twice");
+  const std::pair<int, int> pair = std::minmax(a.index, b.index);
+  exclusionsChanged |= excluded ? registry.exclusions.insert(pair).second : registry.exclusions.erase(pair) > 0;
 }
 
 void World::Impl::flush() {
@@ -141,7 +159,7 @@ void World::Impl::flush() {
     planesChanged = false;
   }
   if (exclusionsChanged) {
-    std::vector<std::pair<int, int>> pairs;
+    std::vector<std::pair<int, int>> pairs(registry.exclusions.begin(), registry.exclusions.end());
     for (const JointId id : registry.joints.ids()) {
       const JointRecord& joint = registry.joints[id];
       if (!joint.def.collide && joint.a.index >= 0 && joint.b.index >= 0) pairs.emplace_back(std::minmax(joint.a.index, joint.b.index));
@@ -155,12 +173,14 @@ void World::Impl::flush() {
     EngineSettings settings;
     settings.params = params;
     settings.gravity = registry.gravity;
+    settings.wakeAll = std::exchange(disturbed, false);
     std::vector<double> radii;
     for (const BodyId id : registry.bodies.ids()) {
       const BodyRecord& body = registry.bodies[id];
       if (body.def.motion != Motion::Dynamic) continue;
       const double radius = boundingRadius(body.def.shape);
       radii.push_back(radius);
+      settings.maxMass = std::max(settings.maxMass, body.mass.mass);
       settings.maxMassLength = std::max(settings.maxMassLength, body.mass.mass * 2 * radius);
     }
     if (!radii.empty()) {

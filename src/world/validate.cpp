@@ -86,11 +86,20 @@ void validate(const BodyDef& body, const std::string& path) {
   if (body.motion == Motion::Dynamic) {
     if (body.mass) positive(*body.mass, path + ".mass");
     else positive(body.density, path + ".density");
+    if (body.inertia) {
+      const Vec3& i = *body.inertia;
+      for (int k = 0; k < 3; ++k) positive(i[k], path + ".inertia");
+      constexpr double kRoundOff = 1 + 1e-9;
+      if (i.x > (i.y + i.z) * kRoundOff || i.y > (i.z + i.x) * kRoundOff || i.z > (i.x + i.y) * kRoundOff)
+        throw Error(path + ".inertia", "moments none of which is above the sum of the others", text(i));
+    }
   }
   finite(body.position, path + ".position");
   unit(body.orientation, path + ".orientation");
   finite(body.velocity, path + ".velocity");
   finite(body.angularVelocity, path + ".angularVelocity");
+  notNegative(body.linearDamping, path + ".linearDamping");
+  notNegative(body.angularDamping, path + ".angularDamping");
   if (!std::isfinite(body.gravityScale)) throw Error(path + ".gravityScale", "a finite number", text(body.gravityScale));
 }
 
@@ -98,6 +107,14 @@ void validate(const Scene& scene) {
   finite(scene.gravity, "gravity");
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) validate(scene.bodies[i], "bodies[" + std::to_string(i) + "]");
   for (std::size_t i = 0; i < scene.joints.size(); ++i) validateJoint(scene, scene.joints[i], "joints[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < scene.exclusions.size(); ++i) {
+    const auto [a, b] = scene.exclusions[i];
+    const std::string path = "exclusions[" + std::to_string(i) + "]";
+    const int count = static_cast<int>(scene.bodies.size());
+    for (const int body : {a, b})
+      if (body < 0 || body >= count) throw Error(path, "body indices below " + std::to_string(count), std::to_string(body));
+    if (a == b) throw Error(path, "two different bodies", "the same one twice");
+  }
   for (std::size_t i = 0; i < scene.events.size(); ++i) {
     const std::string path = "events[" + std::to_string(i) + "]";
     if (scene.events[i].step < 0) throw Error(path + ".step", "a step of at least 0", std::to_string(scene.events[i].step));

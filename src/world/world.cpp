@@ -45,6 +45,7 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
   impl_->params = options.params;
   impl_->engine = makeEngine(options);
   impl_->doublePrecision = options.backend == "reference";
+  impl_->wantsEvents = options.events;
   Registry& r = impl_->registry;
   r.gravity = scene.gravity;
   impl_->engine->setBodyCount(static_cast<int>(scene.bodies.size()));
@@ -52,6 +53,7 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
     r.sceneBodies.push_back(impl_->addBody(scene.bodies[i], "bodies[" + std::to_string(i) + "]"));
   const auto idOf = [&](int body) { return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)]; };
   for (const JointDef& joint : scene.joints) impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB));
+  for (const auto& [a, b] : scene.exclusions) impl_->exclude(idOf(a), idOf(b), true);
 }
 
 World::~World() = default;
@@ -65,6 +67,7 @@ StepReport World::step() {
   StepReport report;
   report.step = impl_->registry.step;
   impl_->engine->step(report);
+  impl_->collectEvents(report);
   ++impl_->registry.step;
   impl_->registry.time += impl_->params.dt;
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -75,12 +78,12 @@ const Params& World::params() const { return impl_->params; }
 void World::setParams(const Params& params) {
   validate(params);
   impl_->params = params;
-  impl_->settingsChanged = true;
+  impl_->settingsChanged = impl_->disturbed = true;
 }
 Vec3 World::gravity() const { return impl_->registry.gravity; }
 void World::setGravity(const Vec3& gravity) {
   impl_->registry.gravity = gravity;
-  impl_->settingsChanged = true;
+  impl_->settingsChanged = impl_->disturbed = true;
 }
 std::int64_t World::stepCount() const { return impl_->registry.step; }
 double World::time() const { return impl_->registry.time; }
@@ -90,6 +93,7 @@ BodyId World::add(const BodyDef& body) {
   return impl_->addBody(body, "body");
 }
 void World::remove(BodyId id) { impl_->removeBody(id); }
+void World::setCollide(BodyId a, BodyId b, bool collide) { impl_->exclude(a, b, !collide); }
 bool World::alive(BodyId id) const { return impl_->registry.bodies.alive(id); }
 std::vector<BodyId> World::bodies() const { return impl_->registry.bodies.ids(); }
 
@@ -122,6 +126,7 @@ void World::setState(BodyId id, const BodyState& state) {
   probe.position = state.position, probe.orientation = state.orientation;
   probe.velocity = state.velocity, probe.angularVelocity = state.angularVelocity;
   validate(probe, "state");
+  if (probe.motion != Motion::Dynamic) impl_->wake(id);
   impl_->engine->setState(id.index, state);
 }
 void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) {
@@ -168,15 +173,6 @@ JointState World::state(JointId id) const {
 Quality World::quality() const {
   impl_->flush();
   return impl_->engine->quality();
-}
-
-std::vector<ContactPoint> World::contacts() const {
-  std::vector<ContactPoint> out;
-  for (const EngineContact& c : impl_->engine->contacts()) {
-    const auto a = impl_->registry.bodies.at(c.a), b = impl_->registry.bodies.at(c.b);
-    if (a && b) out.push_back({*a, *b, c.position, c.normal, c.depth, c.force});
-  }
-  return out;
 }
 
 std::size_t World::memoryBytes() const { return impl_->engine->memoryBytes(); }

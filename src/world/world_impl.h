@@ -1,6 +1,9 @@
 #pragma once
 #include <optional>
+#include <set>
 #include <unordered_map>
+
+#include <rubble/events.h>
 
 #include "backend/engine.h"
 
@@ -73,6 +76,12 @@ struct JointRecord {
   int engineSlot;     ///< among the joints of its type
 };
 
+/// Two bodies that touch, by rising slot.
+struct Touch {
+  BodyId a, b;
+  bool sensor;
+};
+
 /// Everything of a world but its engine: copied whole into a snapshot.
 struct Registry {
   Slots<BodyId, BodyRecord> bodies;
@@ -82,6 +91,10 @@ struct Registry {
   std::vector<BodyId> sceneBodies;
   std::vector<int> freeJointSlots[2];
   int jointSlots[2] = {0, 0};
+  std::set<std::pair<int, int>> exclusions;  ///< slots (low, high), besides those of joints
+  std::vector<Touch> touches;       ///< after the last step whose events were collected, sorted
+  std::vector<int> sleepers;        ///< likewise, slots
+  std::vector<int> brokenJoints;    ///< slots of joints whose event has been told, sorted
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;
@@ -108,15 +121,24 @@ struct World::Impl {
   bool doublePrecision = false;  ///< of the engine: its snapshots are of no use to others
   std::int64_t epoch = 0;
   PoseRing poses;
+  bool disturbed = false;  ///< something that acts on all bodies has changed: none sleeps on
+  bool wantsEvents = false;
+  Events events;
 
   BodyId addBody(const BodyDef& def, const std::string& path);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b);
   void removeBody(BodyId id);
   void removeBodies(std::span<const BodyId> ids);
   void removeJoint(JointId id);
+  void exclude(BodyId a, BodyId b, bool excluded);
   void requireAlive(BodyId id) const;
   void requireAlive(JointId id) const;
   PoseCopies& poseCopies();
+  void wake(BodyId id);
+  void collectEvents(const StepReport& report);
+  void collectContacts();
+  void collectBreaks();
+  void collectSleeps();
   /// Brings the engine up to date with all edits since the last step.
   void flush();
 };

@@ -45,6 +45,11 @@ class CpuEngine final : public Engine {
   void step(StepReport& report) override;
   Quality quality() const override { return qualityOf(tables()); }
   std::vector<EngineContact> contacts() const override { return contactsOf(tables()); }
+  std::vector<EngineTouch> touches() const override { return touchesOf(tables()); }
+  std::vector<int> sleepers() const override { return sleepersOf(tables()); }
+  bool isAsleep(int slot) const override { return tables().view().asleep[slot] != 0; }
+  std::vector<EngineHit> query(std::span<const EngineQuery> queries) override { return runQueries(tables(), queries); }
+  std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override { return runOverlaps(tables(), queries); }
   JointState jointState(int type, int slot) const override { return jointStateOf(tables(), type, slot); }
   std::size_t memoryBytes() const override { return tables().bytes(); }
   std::uint64_t hash() const override { return hashBytes(save()); }

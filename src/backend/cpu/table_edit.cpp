@@ -8,8 +8,6 @@
 
 namespace rubble::RUBBLE_CORE {
 
-namespace {
-
 ShapeData shapeData(const Shape& shape) {
   ShapeData s{{0, 0, 0}, 0, ShapeKind::Plane};
   switch (shape.type) {
@@ -20,6 +18,8 @@ ShapeData shapeData(const Shape& shape) {
   }
   return s;
 }
+
+namespace {
 
 template <class F>
 void setJointOf(HostTables& tables, int slot, const EngineJoint& in) {
@@ -74,6 +74,8 @@ void setBodyCount(HostTables& tables, int slots) {
   s.cells = cells;
   for (int i = s.bodies; i < slots; ++i) {
     s.params[i] = {};
+    s.extras[i] = {};
+    s.filter[i] = {};
     s.orientation[i] = Quat{};
     // a new slot owns no pairs
     s.oldPairOffset[i + 1] = s.oldPairOffset[i];
@@ -95,6 +97,11 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   p.muDynamic = static_cast<Real>(body.material.dynamicFriction);
   p.restitution = static_cast<Real>(body.material.restitution);
   p.gravityScale = static_cast<Real>(body.gravityScale);
+  s.extras[slot] = {static_cast<Real>(body.linearDamping), static_cast<Real>(body.angularDamping), dynamic ? body.locks : 0};
+  const CollisionFilter &f = body.filter, usual;
+  s.filter[slot] = {f.layers, f.mask, f.group, body.sensor};
+  s.locked |= s.extras[slot].locks != 0;
+  s.filtered |= body.sensor || f.layers != usual.layers || f.mask != usual.mask || f.group != usual.group;
   s.color[slot] = 0;
   s.force[slot] = s.torque[slot] = {0, 0, 0};
   setBodyState(tables, slot, body.state);
@@ -113,6 +120,8 @@ void setBodyState(HostTables& tables, int slot, const BodyState& state) {
   s.orientation[slot] = normalize(Quat(state.orientation));
   s.velocity[slot] = s.previousVelocity[slot] = Vec3(state.velocity);
   s.spin[slot] = Vec3(state.angularVelocity);
+  s.asleep[slot] = 0;
+  s.stillTime[slot] = 0;
 }
 
 void forgetContacts(HostTables& tables, int slot) {
@@ -120,6 +129,9 @@ void forgetContacts(HostTables& tables, int slot) {
   for (int i = 0; i < s.bodies; ++i)
     for (int k = s.oldPairOffset[i]; k < s.oldPairOffset[i + 1]; ++k)
       if (s.oldPair[k].owner == slot || s.oldPair[k].other == slot) {
+        // what it touched can not sleep on
+        s.asleep[s.oldPair[k].owner] = 0;
+        if (s.oldPair[k].other >= 0) s.asleep[s.oldPair[k].other] = 0;
         s.oldPair[k].other = -1;
         s.oldManifold[k].count = 0;
       }
@@ -132,6 +144,9 @@ void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
   for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k) {
     const Pair& p = s.oldPair[k];
     if (!gone[static_cast<std::size_t>(p.owner)] && !(p.other >= 0 && gone[static_cast<std::size_t>(p.other)])) continue;
+    // what it touched can not sleep on
+    s.asleep[p.owner] = 0;
+    if (p.other >= 0) s.asleep[p.other] = 0;
     s.oldPair[k].other = -1;
     s.oldManifold[k].count = 0;
   }
@@ -178,25 +193,66 @@ void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& p
   s.exclusionOffset[s.bodies] = static_cast<int>(k);
 }
 
+namespace {
+
+/// visit(pair, old pair's index) for every pair of the last step that has points.
+template <class Visit>
+void forEachManifold(const View& s, Visit&& visit) {
+  for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
+    if (s.oldManifold[k].count > 0 && s.oldPair[k].other >= 0) visit(ordered(s.oldPair[k]), s.oldManifold[k]);
+}
+
+/// The two surfaces at a point, relative to the centre of A.
+struct SurfacePoints {
+  Vec3 onA, onB;
+};
+SurfacePoints surfacePoints(const View& s, const OrderedPair& o, const Manifold& m, int point) {
+  return {rotate(s.orientation[o.a], pointOnA(m, point)), centreDistance(s, o.a, o.b) + rotate(s.orientation[o.b], pointOnB(m, point))};
+}
+
+}  // namespace
+
 std::vector<EngineContact> contactsOf(const HostTables& tables) {
   const View& s = tables.view();
   std::vector<EngineContact> out;
-  for (int i = 0; i < s.bodies; ++i) {
-    for (int k = s.oldPairOffset[i]; k < s.oldPairOffset[i + 1]; ++k) {
-      const Manifold& m = s.oldManifold[k];
-      if (m.count == 0 || m.row < 0) continue;
-      const ContactRows& r = s.contact[m.row];
-      for (int point = 0; point < m.count; ++point) {
-        const Vec3 onA = rotate(s.orientation[r.a], pointOnA(m, point));
-        const Vec3 onB = centreDistance(s, r.a, r.b) + rotate(s.orientation[r.b], pointOnB(m, point));
-        Vec3 t1, t2;
-        tangentBasis(r.n, t1, t2);
-        const Vec3 force = r.n * r.lambdaN[point] + t1 * r.lambda1[point] + t2 * r.lambda2[point];
-        out.push_back({r.a, r.b, s.position[r.a] + Vec3d((onA + onB) * Real(.5)), Vec3d(r.n), Vec3d(force),
-                       static_cast<double>(dot(r.n, onA - onB))});
-      }
+  forEachManifold(s, [&](const OrderedPair& o, const Manifold& m) {
+    // a pair that sleeps has no rows, but what they held
+    const bool sleeps = m.row < 0 && (isAsleep(s, o.a) || isAsleep(s, o.b));
+    if (m.row < 0 && !sleeps) return;
+    const ContactRows* const r = sleeps ? nullptr : &s.contact[m.row];
+    const Vec3 n = r ? r->n : m.normal;
+    Vec3 t1, t2;
+    tangentBasis(n, t1, t2);
+    for (int k = 0; k < m.count; ++k) {
+      const SurfacePoints x = surfacePoints(s, o, m, k);
+      const Vec3 force = r ? n * r->lambdaN[k] + t1 * r->lambda1[k] + t2 * r->lambda2[k] : n * m.lambdaN[k] + t1 * m.lambda1[k] + t2 * m.lambda2[k];
+      out.push_back({o.a, o.b, s.position[o.a] + Vec3d((x.onA + x.onB) * Real(.5)), Vec3d(n), Vec3d(force),
+                     static_cast<double>(dot(n, x.onA - x.onB))});
     }
-  }
+  });
+  return out;
+}
+
+std::vector<EngineTouch> touchesOf(const HostTables& tables) {
+  const View& s = tables.view();
+  std::vector<EngineTouch> out;
+  forEachManifold(s, [&](const OrderedPair& o, const Manifold& m) {
+    bool touch = false;
+    for (int k = 0; k < m.count; ++k) {
+      const SurfacePoints x = surfacePoints(s, o, m, k);
+      const bool loaded = m.row >= 0 && s.contact[m.row].lambdaN[k] > Real(0);
+      touch |= loaded || dot(m.normal, x.onA - x.onB) > -kDormantGap * pairLength(s.params[o.a], s.params[o.b]);
+    }
+    if (touch) out.push_back({o.a, o.b, isSensor(s, o.a) || isSensor(s, o.b)});
+  });
+  return out;
+}
+
+std::vector<int> sleepersOf(const HostTables& tables) {
+  const View& s = tables.view();
+  std::vector<int> out;
+  for (int i = 0; i < s.bodies; ++i)
+    if (s.asleep[i] != 0 && s.params[i].kind == BodyKind::Dynamic) out.push_back(i);
   return out;
 }
 

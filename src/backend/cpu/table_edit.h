@@ -10,6 +10,7 @@ namespace rubble::RUBBLE_CORE {
 
 using HostTables = Tables<HostMemory>;
 
+ShapeData shapeData(const Shape& shape);
 void setBodyCount(HostTables& tables, int slots);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
 void forgetContacts(HostTables& tables, int slot);
@@ -29,6 +30,11 @@ void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, co
 
 /// The contacts of the last step at the present poses.
 std::vector<EngineContact> contactsOf(const HostTables& tables);
+std::vector<EngineTouch> touchesOf(const HostTables& tables);
+std::vector<int> sleepersOf(const HostTables& tables);
+/// At the present poses. They fill the grid anew.
+std::vector<EngineHit> runQueries(HostTables& tables, std::span<const EngineQuery> queries);
+std::vector<std::vector<int>> runOverlaps(HostTables& tables, std::span<const EngineQuery> queries);
 JointState jointStateOf(const HostTables& tables, int type, int slot);
 Quality qualityOf(const HostTables& tables);
 

@@ -45,7 +45,7 @@ void copyClean(std::byte* to, const T* from, std::size_t bytes) {
 }
 
 struct SavedCounts {
-  int bodies, planes, pairs, manifolds, exclusions;
+  int bodies, planes, pairs, manifolds, exclusions, filtered, locked;
   int joints[JointTypes::kSize];
 };
 
@@ -54,7 +54,7 @@ struct SavedCounts {
 std::vector<std::byte> saveTables(const HostTables& tables) {
   const View& s = tables.view();
   SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->manifolds,
-                     static_cast<int>(liveCount(s, Per::Exclusion)), {}};
+                     static_cast<int>(liveCount(s, Per::Exclusion)), s.filtered, s.locked, {}};
   std::copy(std::begin(s.joints), std::end(s.joints), counts.joints);
   std::size_t size = sizeof counts;
   forEachKept(s, [&](const auto&, std::size_t bytes) { size += bytes; });
@@ -84,6 +84,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   View& s = tables.view();
   s.bodies = counts.bodies;
   s.planes = counts.planes;
+  s.filtered = counts.filtered, s.locked = counts.locked;
   s.counters->manifolds = counts.manifolds;
   // sizes of later arrays depend on these
   s.oldPairOffset[counts.bodies] = counts.pairs;

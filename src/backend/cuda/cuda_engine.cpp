@@ -90,6 +90,21 @@ class CudaEngine final : public Engine, private PoseCopies {
 
   Quality quality() const override { return qualityOf(fetched()); }
   std::vector<EngineContact> contacts() const override { return contactsOf(fetched()); }
+  std::vector<EngineTouch> touches() const override { return touchesOf(fetched()); }
+  std::vector<int> sleepers() const override { return sleepersOf(fetched()); }
+  bool isAsleep(int slot) const override {
+    mirror_.fetchState(slot);
+    return host().view().asleep[slot] != 0;
+  }
+  /// On the host, by the same functors, over the states that are fetched: a batch costs a copy and no launch.
+  std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
+    mirror_.fetchAll();
+    return runQueries(host(), queries);
+  }
+  std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override {
+    mirror_.fetchAll();
+    return runOverlaps(host(), queries);
+  }
   JointState jointState(int type, int slot) const override { return jointStateOf(fetched(), type, slot); }
   /// On the device.
   std::size_t memoryBytes() const override { return stepper_.bytes(); }
@@ -136,6 +151,8 @@ void CudaEngine::step(StepReport& report) {
     mirror_.stepped(stepper_.step(host().view(), report));
     previousDt_ = settings_.params.dt / settings_.params.substeps;
   }
+  settings_.wakeAll = false;
+  host().view().wakeAll = 0;
   nvtxRangePop();
 
   if (std::exchange(bodiesChanged_, false)) {

@@ -101,7 +101,7 @@ class Mirror {
 /// The arrays that BodyState is made of, and what follows from it.
 template <class F>
 void forEachMotionArray(F&& f) {
-  f(&View::position), f(&View::orientation), f(&View::velocity), f(&View::spin), f(&View::previousVelocity);
+  f(&View::position), f(&View::orientation), f(&View::velocity), f(&View::spin), f(&View::previousVelocity), f(&View::asleep), f(&View::stillTime);
 }
 
 }  // namespace rubble::RUBBLE_CORE
