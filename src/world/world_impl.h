@@ -3,6 +3,7 @@
 #include <unordered_map>
 
 #include "backend/engine.h"
+#include "world/joint_build.h"
 
 namespace rubble {
 
@@ -70,7 +71,9 @@ struct BodyRecord {
 struct JointRecord {
   JointDef def;
   BodyId a, b;        ///< index -1: the world
+  EngineJoint engine; ///< as the engine has it
   int engineSlot;     ///< among the joints of its type
+  bool broken = false;
 };
 
 /// Everything of a world but its engine: copied whole into a snapshot.
@@ -80,8 +83,8 @@ struct Registry {
   std::unordered_map<std::string, BodyId> bodyNames;
   std::unordered_map<std::string, JointId> jointNames;
   std::vector<BodyId> sceneBodies;
-  std::vector<int> freeJointSlots[2];
-  int jointSlots[2] = {0, 0};
+  std::vector<int> freeJointSlots[kEngineJointTypes];
+  int jointSlots[kEngineJointTypes] = {};
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;
@@ -111,6 +114,21 @@ struct World::Impl {
 
   BodyId addBody(const BodyDef& def, const std::string& path);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b);
+  /// Another definition of the same type for a joint.
+  void redefine(JointId id, const JointDef& def);
+  /// The same with an axis changed by edit(JointAxis&).
+  template <class Edit>
+  void editAxis(JointId id, int axis, Edit&& edit) {
+    requireAlive(id);
+    JointDef def = registry.joints[id].def;
+    if (axis < 0 || axis >= axisCount(def.type))
+      throw Error("axis", "one of " + std::to_string(axisCount(def.type)) + " axes of this joint, from 0", std::to_string(axis));
+    edit(def.axes[static_cast<std::size_t>(axis)]);
+    redefine(id, def);
+  }
+  /// Notes the joints that have broken in this step.
+  void findBroken(std::vector<JointId>& broken);
+  JointBodies jointBodies(BodyId a, BodyId b) const;
   void removeBody(BodyId id);
   void removeBodies(std::span<const BodyId> ids);
   void removeJoint(JointId id);

@@ -16,6 +16,7 @@ void forgetContacts(HostTables& tables, int slot);
 void setPlanes(HostTables& tables, const std::vector<int>& slots);
 void setJointCount(HostTables& tables, int type, int slots);
 void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
+void editJoint(HostTables& tables, int slot, const EngineJoint& joint);
 void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs);
 BodyState bodyState(const HostTables& tables, int slot);
 void setBodyState(HostTables& tables, int slot, const BodyState& state);
@@ -30,6 +31,7 @@ void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, co
 /// The contacts of the last step at the present poses.
 std::vector<EngineContact> contactsOf(const HostTables& tables);
 JointState jointStateOf(const HostTables& tables, int type, int slot);
+std::vector<std::pair<int, int>> brokenJointsOf(const HostTables& tables);
 Quality qualityOf(const HostTables& tables);
 
 /// Everything that lasts from step to step, as bytes; equal states give equal bytes.
