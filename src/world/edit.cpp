@@ -135,7 +135,7 @@ JointBodies World::Impl::jointBodies(BodyId a, BodyId b) const {
 
 void World::Impl::redefine(JointId id, const JointDef& def) {
   requireAlive(id);
-  JointRecord& record = registry.joints[id];
+  const JointRecord& record = registry.joints[id];
   if (def.type != record.def.type) throw Error("joint.type", "that of the joint, " + std::string(keyword(record.def.type)), keyword(def.type));
   if (def.name != record.def.name) throw Error("joint.name", "that of the joint, \"" + record.def.name + "\"", "\"" + def.name + "\"");
   validate(def, "joint");
@@ -145,17 +145,18 @@ void World::Impl::redefine(JointId id, const JointDef& def) {
   joint.a = record.engine.a, joint.b = record.engine.b;
   engine->editJoint(record.engineSlot, joint);
   exclusionsChanged |= def.collide != record.def.collide;
-  record.def = def;
-  record.engine = joint;
+  JointRecord& changed = registry.joints.edit(id);
+  changed.def = def;
+  changed.engine = joint;
 }
 
 void World::Impl::findBroken(std::vector<JointId>& broken) {
   const std::vector<std::pair<int, int>> all = engine->brokenJoints();
   for (const JointId id : registry.joints.ids()) {
-    JointRecord& joint = registry.joints[id];
+    const JointRecord& joint = registry.joints[id];
     if (joint.broken || !std::binary_search(all.begin(), all.end(), std::pair{static_cast<int>(joint.engine.type), joint.engineSlot})) continue;
-    joint.broken = true;
     exclusionsChanged |= !joint.def.collide;
+    registry.joints.edit(id).broken = true;
     broken.push_back(id);
   }
 }

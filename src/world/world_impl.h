@@ -33,6 +33,8 @@ class Slots {
     return id.index >= 0 && id.index < size() && item(id.index).alive && item(id.index).generation == id.generation;
   }
   const Def& operator[](Id id) const { return item(id.index).def; }
+  /// To change it.
+  Def& edit(Id id) { return own(items_)[static_cast<std::size_t>(id.index)].def; }
   std::optional<Id> at(int index) const {
     return item(index).alive ? std::optional<Id>(Id{index, item(index).generation}) : std::nullopt;
   }
