@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 
+#include "io/joint_reader.h"
 #include "io/json_text.h"
 #include "io/scene_json.h"
 
@@ -16,7 +17,6 @@ using Json = nlohmann::ordered_json;
 
 Json vectorJson(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json quaternionJson(const Quat& q) { return {q.s, q.v.x, q.v.y, q.v.z}; }
-Json limitJson(double value, const char* word) { return std::isinf(value) ? Json(word) : Json(value); }
 
 /// The same bits, so that -0 is not taken for 0.
 bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
@@ -134,21 +134,7 @@ Json SceneWriter::bodyReference(int index) const {
 }
 
 Json SceneWriter::joint(const JointDef& joint) const {
-  const JointDef usual;
-  Json json = Json::object();
-  if (!joint.name.empty()) json["name"] = joint.name;
-  json["type"] = joint.type == JointType::Ball ? "ball" : "fixed";
-  json["body_a"] = bodyReference(joint.bodyA);
-  json["body_b"] = bodyReference(joint.bodyB);
-  json["anchor_a"] = vectorJson(joint.anchorA);
-  json["anchor_b"] = vectorJson(joint.anchorB);
-  if (joint.type == JointType::Fixed) json["orientation_a_to_b"] = quaternionJson(joint.orientationAtoB);
-  if (!same(joint.stiffness, kHard)) json["stiffness"] = limitJson(joint.stiffness, "hard");
-  if (!same(joint.angularStiffness, kHard)) json["angular_stiffness"] = limitJson(joint.angularStiffness, "hard");
-  if (!same(joint.breakForce, kUnbreakable)) json["break_force"] = limitJson(joint.breakForce, "never");
-  if (!same(joint.breakTorque, kUnbreakable)) json["break_torque"] = limitJson(joint.breakTorque, "never");
-  if (joint.collide != usual.collide) json["collide"] = joint.collide;
-  return json;
+  return jointJson(joint, bodyReference(joint.bodyA), bodyReference(joint.bodyB));
 }
 
 Json SceneWriter::event(const Event& event) const {
@@ -163,6 +149,16 @@ Json SceneWriter::event(const Event& event) const {
     entry["velocity"] = vectorJson(push.velocity);
     if (!same(push.angularVelocity, {})) entry["angular_velocity"] = vectorJson(push.angularVelocity);
     json["set_velocity"].push_back(std::move(entry));
+  }
+  for (const Event::Turn& turn : event.setJoint) {
+    Json entry = Json::object();
+    entry["joint"] = turn.joint;
+    if (turn.axis != 0) entry["axis"] = turn.axis;
+    if (turn.targetPosition) entry["target_position"] = *turn.targetPosition;
+    if (turn.targetSpeed) entry["target_speed"] = *turn.targetSpeed;
+    if (turn.length) entry["length"] = *turn.length;
+    if (turn.grabTo) entry["grab_to"] = vectorJson(*turn.grabTo);
+    json["set_joint"].push_back(std::move(entry));
   }
   return json;
 }

@@ -46,6 +46,13 @@ void apply(World& world, const Event& event) {
     state.angularVelocity = push.angularVelocity;
     world.setState(id, state);
   }
+  for (const Event::Turn& turn : event.setJoint) {
+    const JointId id = world.findJoint(turn.joint);
+    if (turn.targetPosition) world.setTargetPosition(id, turn.axis, *turn.targetPosition);
+    if (turn.targetSpeed) world.setTargetSpeed(id, turn.axis, *turn.targetSpeed);
+    if (turn.length) world.setLength(id, *turn.length);
+    if (turn.grabTo) world.moveGrab(id, *turn.grabTo);
+  }
 }
 
 }  // namespace

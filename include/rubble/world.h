@@ -31,11 +31,22 @@ struct ContactLoad {
   int points = 0;
 };
 
+/// An axis of a joint, in the order of JointDef::axes. Forces act along it on A, so that they raise `position` where they are positive.
+struct JointAxisState {
+  double position = 0;       ///< [m], [rad], counted over whole turns
+  double speed = 0;          ///< [m/s], [rad/s]
+  double limitForce = 0;     ///< [N], [N m]
+  double driveForce = 0;
+  double frictionForce = 0;
+};
+
+/// A joint after the last step.
 struct JointState {
-  double gap = 0;     ///< distance of the anchors [m]
-  double angle = 0;   ///< fixed: deviation from the wanted orientation [rad]
-  Vec3 force;         ///< on body B [N]
-  Vec3 torque;        ///< on body B [N m], of the orientation rows
+  double gap = 0;     ///< error of what is held or limited in metres: distance of the anchors, excess of a length [m]
+  double angle = 0;   ///< error of what is held or limited in angles [rad]
+  Vec3 force;         ///< on body B, at its anchor [N]
+  Vec3 torque;        ///< on body B, about its anchor [N m]
+  std::vector<JointAxisState> axes;  ///< those that the type has
   bool broken = false;
 };
 
@@ -129,7 +140,21 @@ class World {
   bool alive(JointId id) const;
   std::vector<JointId> joints() const;
   JointId findJoint(const std::string& name) const;
+  const JointDef& definition(JointId id) const;
   JointState state(JointId id) const;
+  /// Has another definition from the next step on: limits, drives, lengths, stiffnesses, frames. Its type must stay, and it keeps its bodies,
+  /// its multipliers and whether it is broken. What is measured when a joint is made (a length below 0, axes of gears) stays as it was.
+  void setDefinition(JointId id, const JointDef& joint);
+  /// The drive of an axis. Throws Error for an axis that the joint does not have.
+  void setTargetPosition(JointId id, int axis, double position);  ///< [m], [rad]
+  void setTargetSpeed(JointId id, int axis, double speed);        ///< [m/s], [rad/s]
+  void setLimits(JointId id, int axis, double min, double max);
+  void setLength(JointId id, double length);                      ///< distance, rope, spring, pulley [m]
+  void setDriveOrientation(JointId id, const Quat& orientation);  ///< swing-twist
+  /// Draws a point of a body (world [m]) to where it is now, and from then on to where moveGrab says, with a stiffness that swings the body's
+  /// mass at `frequency` [1/s] without overshoot, and `maxForce` [N] at most. Ends with remove().
+  JointId grab(BodyId id, const Vec3& point, double maxForce, double frequency = 5);
+  void moveGrab(JointId id, const Vec3& target);                  ///< world [m]
 
   // Measures.
   Quality quality() const;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <rubble/world.h>
@@ -24,15 +25,34 @@ struct EngineBody {
   BodyState state;
 };
 
-/// A joint between body slots (kWorld: none). `type`: position in the list of joint types.
+/// Joint types of the engine, in the order of JointTypes. Several types of an author may be one of them.
+enum class EngineJointType { Ball, Fixed, Hinge, Slider, Distance, Universal, SwingTwist, SixDof, Gear, Rack, Pulley };
+inline constexpr int kEngineJointTypes = 11;
+
+/// Rows that are held together: off, held, or friction towards the start of the step.
+struct EngineGroup {
+  enum class Mode { Off, Hold, Friction };
+  Mode mode = Mode::Hold;
+  double stiffness = kHard, damping = 0, bound = kHard;
+};
+
+/// A joint between body slots (kWorld: none). Groups and axes are those of its parts, in their order.
 struct EngineJoint {
-  int type = 0;
+  EngineJointType type = EngineJointType::Ball;
   int a = kWorld, b = kWorld;
   bool alive = false;
+  bool holds = true;                 ///< the bodies hang together
   Vec3 anchorA, anchorB;
-  Quat aToB;
-  double compliance[2] = {0, 0};                       ///< linear [m/N], angular [rad/(N m)]
-  double bound[2] = {kUnbreakable, kUnbreakable};      ///< [N], [N m]
+  Quat frameA, frameB, aToB;
+  Quat baseA, baseB;                 ///< gears: the axes in the world
+  Vec3 pointA, pointB, direction;    ///< pulleys, racks: in the world
+  double ratio = 1;
+  Quat driveTarget;
+  double coneY = 1, coneZ = 1;
+  std::vector<EngineGroup> groups;
+  std::vector<JointAxis> axes;
+  double breakForce = kUnbreakable, breakTorque = kUnbreakable;
+  int turned = 0;                    ///< six-dof: the author's axis i + turned (modulo 3) is axis i here
 };
 
 struct EngineContact {
@@ -107,6 +127,8 @@ class Engine {
   virtual void setPlanes(const std::vector<int>& slots) = 0;
   virtual void setJointCount(int type, int slots) = 0;
   virtual void setJoint(int slot, const EngineJoint& joint) = 0;
+  /// Only what is authored changes: the joint keeps its multipliers.
+  virtual void editJoint(int slot, const EngineJoint& joint) = 0;
   /// Pairs (low, high) of bodies that do not collide, sorted.
   virtual void setExclusions(const std::vector<std::pair<int, int>>& pairs) = 0;
 
@@ -139,6 +161,8 @@ class Engine {
   virtual std::vector<EngineHit> query(std::span<const EngineQuery> queries) = 0;
   virtual std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) = 0;
   virtual JointState jointState(int type, int slot) const = 0;
+  /// (type, slot) of all joints that are broken.
+  virtual std::vector<std::pair<int, int>> brokenJoints() const = 0;
   virtual std::size_t memoryBytes() const = 0;
   virtual std::uint64_t hash() const = 0;
   virtual std::vector<std::byte> save() const = 0;

@@ -9,6 +9,13 @@
 #error "the core is compiled once a precision: define RUBBLE_CORE (f32 or f64) and RUBBLE_REAL (float or double)"
 #endif
 
+/// Rare and large: a call keeps its registers out of the kernels that it is called from.
+#if defined(__CUDACC__)
+#define RUBBLE_APART __noinline__
+#else
+#define RUBBLE_APART __attribute__((noinline))
+#endif
+
 namespace rubble::RUBBLE_CORE {
 
 /// The scalar of the solver.

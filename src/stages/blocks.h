@@ -27,12 +27,12 @@ template <class F>
 struct JointBlocks {
   static constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
   RUBBLE_HD static BlockBodies bodies(const View& s, int i) {
-    const Joint<F>& joint = s.jointsOf<F>()[i];
-    return {joint.a, joint.b, active(s, joint)};
+    const JointSpec<F>& spec = s.specsOf<F>()[i];
+    return {spec.a, spec.b, active<F>(s, i)};
   }
   RUBBLE_HD static int joinLevel(const View& s, int i) {
-    const Joint<F>& joint = s.jointsOf<F>()[i];
-    return joint.a == kWorldBody || joint.b == kWorldBody ? kCoarseLevels : finestSharedLevel(s, joint.a, joint.b);
+    const JointSpec<F>& spec = s.specsOf<F>()[i];
+    return !spec.holds || spec.a == kWorldBody || spec.b == kWorldBody ? kCoarseLevels : finestSharedLevel(s, spec.a, spec.b);
   }
 };
 

@@ -60,9 +60,10 @@ RUBBLE_HD inline Pose jointPose(const View& s, int body, const Vec3& offset) {
 RUBBLE_HD inline Vec3d jointOrigin(const View& s, int body) { return body == kWorldBody ? Vec3d{} : s.position[body]; }
 
 template <class F>
-RUBBLE_HD void stampJointOfBody(const View& s, int index, int side, Block6& block) {
+RUBBLE_HD RUBBLE_APART void stampJointOfBody(const View& s, int index, int side, Block6& block) {
+  const JointSpec<F>& spec = s.specsOf<F>()[index];
   const Joint<F>& joint = s.jointsOf<F>()[index];
-  stampJoint(joint, jointPose(s, joint.a, joint.offset), jointPose(s, joint.b, {0, 0, 0}), side, block);
+  stampJoint(spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}), side, block);
 }
 
 /// Adds one lane-wise block into a scalar one.

@@ -119,12 +119,12 @@ RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t c
   const int side = entrySide(code);
   forEachType(JointTypes{}, [&]<class F>() {
     if (entryType(code) != typeIndex<F>(JointTypes{}) + 1) return;
-    const Joint<F>& joint = s.jointsOf<F>()[entryIndex(code)];
+    const JointSpec<F>& spec = s.specsOf<F>()[entryIndex(code)];
     Block6 own;
     stampJointOfBody<F>(s, entryIndex(code), side, own);
     // a joint inside the group turns with it: it resists nothing, but its two forces act at points that have moved since x^t
-    if (isInside(s, group, side == 0 ? joint.b : joint.a)) own.ll = own.aa = Sym3{}, own.al0 = own.al1 = own.al2 = {0, 0, 0};
-    addShifted(sum, own, shiftOf(s, s.group[group], side == 0 ? joint.a : joint.b));
+    if (!F::kGrounded && isInside(s, group, side == 0 ? spec.b : spec.a)) own.ll = own.aa = Sym3{}, own.al0 = own.al1 = own.al2 = {0, 0, 0};
+    addShifted(sum, own, shiftOf(s, s.group[group], side == 0 ? spec.a : spec.b));
   });
 }
 

@@ -24,8 +24,8 @@ template <class F>
 struct WakeByJoints {
   static constexpr const char* kName = "sleep";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const Joint<F>& joint = s.jointsOf<F>()[i];
-    if (!joint.alive || joint.broken) return;
+    const JointSpec<F>& joint = s.specsOf<F>()[i];
+    if (!joint.alive || s.jointsOf<F>()[i].broken) return;
     const auto wake = [&](int body, int other) {
       if (body == kWorldBody || other == kWorldBody || s.asleep[body] == 0) return;
       if (moves(s, other)) atomicRaise(&s.islandFlag[s.asleep[body] - 1], 1);
@@ -79,8 +79,8 @@ template <class F>
 struct JoinIslandsByJoints {
   static constexpr const char* kName = "sleep";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const Joint<F>& joint = s.jointsOf<F>()[i];
-    if (joint.alive && !joint.broken && isDynamic(s, joint.a) && isDynamic(s, joint.b)) unite(s.island, joint.a, joint.b);
+    const JointSpec<F>& joint = s.specsOf<F>()[i];
+    if (active<F>(s, i) && isDynamic(s, joint.a) && isDynamic(s, joint.b)) unite(s.island, joint.a, joint.b);
   }
 };
 

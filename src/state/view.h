@@ -5,8 +5,9 @@
 namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
-enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion, Ball, Fixed };
-inline constexpr int kPerCount = 16;
+enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion, FirstJoint };
+/// The joint types follow one another from FirstJoint on.
+inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes::kSize;
 
 /// How long its content matters: authored (written by edits), state (from step to step), work (inside one step),
 /// unordered (work whose order of elements is not fixed and has no influence on results).
@@ -15,10 +16,22 @@ enum class Life { Authored, State, Work, Unordered };
 /// Candidates that a body may own before its pairs are searched a second time.
 inline constexpr int kPairSlots = 20;
 
-template <class F>
-constexpr Per perJoint() { return static_cast<Per>(static_cast<int>(Per::Ball) + typeIndex<F>(JointTypes{})); }
+constexpr Per perJoint(int type) { return static_cast<Per>(static_cast<int>(Per::FirstJoint) + type); }
+/// The joint type that a kind of element is one of, or -1.
+constexpr int jointTypeOf(Per per) { return per < Per::FirstJoint ? -1 : static_cast<int>(per) - static_cast<int>(Per::FirstJoint); }
 
-struct View {
+/// The arrays of one joint type.
+template <class F>
+struct JointTable {
+  JointSpec<F>* spec = nullptr;
+  Joint<F>* joint = nullptr;
+};
+template <class List>
+struct JointTables;
+template <class... F>
+struct JointTables<TypeList<F...>> : JointTable<F>... {};
+
+struct View : JointTables<JointTypes> {
   int bodies = 0;                     ///< slots in use, removed ones included
   int planes = 0;
   int cells = 0;                      ///< buckets of the grid, a power of two
@@ -105,14 +118,11 @@ struct View {
   ContactRows* contact = nullptr;     ///< one a pair that has rows, in the order of pairs
   int* joinLevel = nullptr;           ///< level of the groups at which they unite their bodies, kCoarseLevels: at none
   Entry* entry = nullptr;             ///< row blocks by body
-  Joint<BallJoint>* ball = nullptr;
-  Joint<FixedJoint>* fixed = nullptr;
 
   template <class F>
-  RUBBLE_HD Joint<F>* jointsOf() const {
-    if constexpr (std::is_same_v<F, BallJoint>) return ball;
-    else return fixed;
-  }
+  RUBBLE_HD JointSpec<F>* specsOf() const { return JointTable<F>::spec; }
+  template <class F>
+  RUBBLE_HD Joint<F>* jointsOf() const { return JointTable<F>::joint; }
 };
 
 template <class T>
@@ -150,8 +160,11 @@ void forEachArray(F&& f) {
   is(&View::oldPairOffset, "oldPairOffset", "", Per::Body, Life::State, 1);
   is(&View::oldPair, "oldPair", "", Per::Pair, Life::State);
   is(&View::oldManifold, "oldManifold", "", Per::Pair, Life::State);
-  is(&View::ball, "ball", "", Per::Ball, Life::State);
-  is(&View::fixed, "fixed", "", Per::Fixed, Life::State);
+  forEachType(JointTypes{}, [&]<class J>() {
+    const Per per = perJoint(typeIndex<J>(JointTypes{}));
+    is(static_cast<JointSpec<J>* View::*>(&JointTable<J>::spec), J::kName, "", per, Life::Authored);
+    is(static_cast<Joint<J>* View::*>(&JointTable<J>::joint), J::kName, "", per, Life::State);
+  });
   is(&View::bounds, "bounds", "m", Per::Body, Life::Work);
   is(&View::bucketCount, "bucketCount", "", Per::Cell, Life::Work);
   is(&View::bucketOffset, "bucketOffset", "", Per::Cell, Life::Work, 1);

@@ -56,16 +56,12 @@ void World::Impl::collectContacts() {
   registry.touches = std::move(now);
 }
 
-void World::Impl::collectBreaks() {
-  for (const JointId id : registry.joints.ids()) {
+void World::Impl::collectBreaks(const std::vector<JointId>& broken) {
+  for (const JointId id : broken) {
     const JointRecord& joint = registry.joints[id];
-    if (std::binary_search(registry.brokenJoints.begin(), registry.brokenJoints.end(), id.index)) continue;
-    const JointState state = engine->jointState(static_cast<int>(joint.def.type), joint.engineSlot);
-    if (!state.broken) continue;
+    const JointState state = engine->jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
     events.joints.push_back({id, joint.a, joint.b, state.force, state.torque});
   }
-  for (const JointEvent& event : events.joints)
-    registry.brokenJoints.insert(std::lower_bound(registry.brokenJoints.begin(), registry.brokenJoints.end(), event.joint.index), event.joint.index);
 }
 
 void World::Impl::collectSleeps() {
@@ -87,7 +83,7 @@ void World::Impl::collectEvents(const StepReport& report) {
   events = {};
   if (!wantsEvents) return;
   collectContacts();
-  if (report.brokenJoints > 0) collectBreaks();
+  collectBreaks(report.broken);
   if (params.sleeping || !registry.sleepers.empty()) collectSleeps();
 }
 

@@ -28,11 +28,6 @@ void unit(const Quat& q, const std::string& path) {
   const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
   if (!(std::fabs(norm - 1) < 1e-3)) throw Error(path, "a unit quaternion", "one of norm " + text(norm));
 }
-/// A stiffness or a threshold: infinity is meant.
-void positiveOrInfinite(double a, const std::string& path) {
-  if (!(a > 0)) throw Error(path, "a positive number or infinity", text(a));
-}
-
 void validateShape(const BodyDef& body, const std::string& path) {
   const Shape& s = body.shape;
   switch (s.type) {
@@ -63,13 +58,7 @@ void validateJoint(const Scene& scene, const JointDef& joint, const std::string&
   if (joint.bodyA == joint.bodyB) throw Error(path, "two different bodies", "the same one twice");
   const auto dynamic = [&](int body) { return body != kWorld && scene.bodies[static_cast<std::size_t>(body)].motion == Motion::Dynamic; };
   if (!dynamic(joint.bodyA) && !dynamic(joint.bodyB)) throw Error(path, "at least one dynamic body", "none");
-  finite(joint.anchorA, path + ".anchorA");
-  finite(joint.anchorB, path + ".anchorB");
-  unit(joint.orientationAtoB, path + ".orientationAtoB");
-  positiveOrInfinite(joint.stiffness, path + ".stiffness");
-  positiveOrInfinite(joint.angularStiffness, path + ".angularStiffness");
-  positiveOrInfinite(joint.breakForce, path + ".breakForce");
-  positiveOrInfinite(joint.breakTorque, path + ".breakTorque");
+  validate(joint, path);
 }
 
 }  // namespace

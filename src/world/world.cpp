@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numbers>
 
 #include <rubble/info.h>
 
@@ -67,6 +68,7 @@ StepReport World::step() {
   StepReport report;
   report.step = impl_->registry.step;
   impl_->engine->step(report);
+  if (report.brokenJoints > 0) impl_->findBroken(report.broken);
   impl_->collectEvents(report);
   ++impl_->registry.step;
   impl_->registry.time += impl_->params.dt;
@@ -155,7 +157,10 @@ void World::applyTorque(BodyId id, const Vec3& torque) {
 }
 void World::applyImpulse(BodyId id, const Vec3& impulse) { applyImpulses({&id, 1}, {&impulse, 1}); }
 
-JointId World::addJoint(const JointDef& joint, BodyId a, BodyId b) { return impl_->addJoint(joint, a, b); }
+JointId World::addJoint(const JointDef& joint, BodyId a, BodyId b) {
+  validate(joint, "joint");
+  return impl_->addJoint(joint, a, b);
+}
 void World::remove(JointId id) { impl_->removeJoint(id); }
 bool World::alive(JointId id) const { return impl_->registry.joints.alive(id); }
 std::vector<JointId> World::joints() const { return impl_->registry.joints.ids(); }
@@ -167,7 +172,69 @@ JointId World::findJoint(const std::string& name) const {
 JointState World::state(JointId id) const {
   impl_->requireAlive(id);
   const JointRecord& joint = impl_->registry.joints[id];
-  return impl_->engine->jointState(static_cast<int>(joint.def.type), joint.engineSlot);
+  JointState state = impl_->engine->jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
+  state.axes.resize(static_cast<std::size_t>(axisCount(joint.def.type)));
+  if (joint.engine.turned != 0) {
+    const std::vector<JointAxisState> own = state.axes;
+    for (std::size_t i = 0; i < own.size(); ++i) state.axes[i / 3 * 3 + (i + static_cast<std::size_t>(joint.engine.turned)) % 3] = own[i];
+  }
+  return state;
+}
+
+const JointDef& World::definition(JointId id) const {
+  impl_->requireAlive(id);
+  return impl_->registry.joints[id].def;
+}
+void World::setDefinition(JointId id, const JointDef& joint) { impl_->redefine(id, joint); }
+void World::setTargetPosition(JointId id, int axis, double position) {
+  impl_->requireAlive(id);
+  if (definition(id).type == JointType::Spring) throw Error("joint", "setLength for a spring", "setTargetPosition");
+  impl_->editAxis(id, axis, [&](JointAxis& a) { a.targetPosition = position; });
+}
+void World::setTargetSpeed(JointId id, int axis, double speed) {
+  impl_->editAxis(id, axis, [&](JointAxis& a) { a.targetSpeed = speed; });
+}
+void World::setLimits(JointId id, int axis, double min, double max) {
+  impl_->requireAlive(id);
+  const JointType type = definition(id).type;
+  if (hasLength(type) && type != JointType::Spring) throw Error("joint", std::string("setLength for a ") + keyword(type), "setLimits");
+  impl_->editAxis(id, axis, [&](JointAxis& a) { a.min = min, a.max = max; });
+}
+void World::setLength(JointId id, double length) {
+  impl_->requireAlive(id);
+  JointDef def = definition(id);
+  if (!hasLength(def.type)) throw Error("joint", "a distance, rope, spring or pulley", keyword(def.type));
+  def.length = length;
+  impl_->redefine(id, def);
+}
+void World::setDriveOrientation(JointId id, const Quat& orientation) {
+  impl_->requireAlive(id);
+  JointDef def = definition(id);
+  if (def.type != JointType::SwingTwist) throw Error("joint", "a swing-twist joint", keyword(def.type));
+  def.driveOrientation = orientation;
+  impl_->redefine(id, def);
+}
+
+JointId World::grab(BodyId id, const Vec3& point, double maxForce, double frequency) {
+  impl_->requireAlive(id);
+  if (!(frequency > 0)) throw Error("frequency", "a number above 0 [1/s]", std::to_string(frequency));
+  const BodyState body = impl_->engine->state(id.index);
+  JointDef def;
+  def.type = JointType::Grab;
+  def.anchorA = rotateInverse(body.orientation, point - body.position);
+  def.anchorB = point;
+  const double rate = 2 * std::numbers::pi * frequency;
+  def.stiffness = impl_->registry.bodies[id].mass.mass * rate * rate;
+  def.dampingRatio = 1;
+  def.maxForce = maxForce;
+  return addJoint(def, id, {});
+}
+void World::moveGrab(JointId id, const Vec3& target) {
+  impl_->requireAlive(id);
+  JointDef def = definition(id);
+  if (def.type != JointType::Grab) throw Error("joint", "a grab", keyword(def.type));
+  def.anchorB = target;
+  impl_->redefine(id, def);
 }
 
 Quality World::quality() const {

@@ -21,34 +21,6 @@ ShapeData shapeData(const Shape& shape) {
 
 namespace {
 
-template <class F>
-void setJointOf(HostTables& tables, int slot, const EngineJoint& in) {
-  Joint<F>& joint = tables.view().jointsOf<F>()[slot];
-  joint = {};
-  joint.data.anchorA = Vec3(in.anchorA);
-  joint.data.anchorB = Vec3(in.anchorB);
-  if constexpr (requires { joint.data.aToB; }) joint.data.aToB = Quat(in.aToB);
-  joint.a = in.a, joint.b = in.b;
-  joint.alive = in.alive;
-  for (int g = 0; g < F::kGroupCount; ++g) {
-    joint.bound[g] = static_cast<Real>(std::min(in.bound[g], 1e18));
-    joint.compliance[g] = static_cast<Real>(in.compliance[g]);
-  }
-}
-
-/// f.operator()<F>() for the joint type of that index.
-template <class Function>
-void withJointType(int type, Function&& f) {
-  forEachType(JointTypes{}, [&]<class F>() {
-    if (typeIndex<F>(JointTypes{}) == type) f.template operator()<F>();
-  });
-}
-
-Pose worldPose(const View& s, int body, const Vec3d& origin) {
-  if (body == kWorldBody) return {Vec3(Vec3d{} - origin), Quat{}};
-  return {Vec3(s.position[body] - origin), s.orientation[body]};
-}
-
 Distribution distribution(std::vector<double>& values) {
   Distribution d;
   if (values.empty()) return d;
@@ -173,15 +145,6 @@ void setPlanes(HostTables& tables, const std::vector<int>& slots) {
   tables.view().planes = static_cast<int>(slots.size());
 }
 
-void setJointCount(HostTables& tables, int type, int slots) {
-  tables.reserve(static_cast<Per>(static_cast<int>(Per::Ball) + type), slots);
-  tables.view().joints[type] = slots;
-}
-
-void setJoint(HostTables& tables, int slot, const EngineJoint& joint) {
-  withJointType(joint.type, [&]<class F>() { setJointOf<F>(tables, slot, joint); });
-}
-
 void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs) {
   tables.reserve(Per::Exclusion, static_cast<int>(pairs.size()));
   View& s = tables.view();
@@ -256,26 +219,6 @@ std::vector<int> sleepersOf(const HostTables& tables) {
   return out;
 }
 
-JointState jointStateOf(const HostTables& tables, int type, int slot) {
-  const View& s = tables.view();
-  JointState state;
-  withJointType(type, [&]<class F>() {
-    const Joint<F>& joint = s.jointsOf<F>()[slot];
-    const Vec3d origin = jointOrigin(s, joint.b);
-    Real error[F::kRows];
-    F::constraint(joint.data, worldPose(s, joint.a, origin), worldPose(s, joint.b, origin), error);
-    state.broken = joint.broken;
-    state.gap = length(Vec3{error[0], error[1], error[2]});
-    state.force = {joint.lambda[0], joint.lambda[1], joint.lambda[2]};
-    if constexpr (F::kRows == 6) {
-      state.angle = length(Vec3{error[3], error[4], error[5]});
-      const Vec3 torque = rotate(joint.b == kWorldBody ? Quat{} : s.orientation[joint.b], Vec3{joint.lambda[3], joint.lambda[4], joint.lambda[5]});
-      state.torque = Vec3d(torque);
-    }
-  });
-  return state;
-}
-
 Quality qualityOf(const HostTables& tables) {
   const View& s = tables.view();
   Quality q;
@@ -287,8 +230,7 @@ Quality qualityOf(const HostTables& tables) {
   forEachType(JointTypes{}, [&]<class F>() {
     const int type = typeIndex<F>(JointTypes{});
     for (int i = 0; i < s.joints[type]; ++i) {
-      const Joint<F>& joint = s.jointsOf<F>()[i];
-      if (!active(s, joint)) continue;
+      if (!active<F>(s, i)) continue;
       const double gap = jointStateOf(tables, type, i).gap;
       q.jointGapMean += gap;
       q.jointGapMax = std::max(q.jointGapMax, gap);

@@ -17,6 +17,7 @@ void forgetContacts(HostTables& tables, int slot);
 void setPlanes(HostTables& tables, const std::vector<int>& slots);
 void setJointCount(HostTables& tables, int type, int slots);
 void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
+void editJoint(HostTables& tables, int slot, const EngineJoint& joint);
 void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs);
 BodyState bodyState(const HostTables& tables, int slot);
 void setBodyState(HostTables& tables, int slot, const BodyState& state);
@@ -36,6 +37,7 @@ std::vector<int> sleepersOf(const HostTables& tables);
 std::vector<EngineHit> runQueries(HostTables& tables, std::span<const EngineQuery> queries);
 std::vector<std::vector<int>> runOverlaps(HostTables& tables, std::span<const EngineQuery> queries);
 JointState jointStateOf(const HostTables& tables, int type, int slot);
+std::vector<std::pair<int, int>> brokenJointsOf(const HostTables& tables);
 Quality qualityOf(const HostTables& tables);
 
 /// Everything that lasts from step to step, as bytes; equal states give equal bytes.

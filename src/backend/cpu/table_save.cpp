@@ -8,14 +8,13 @@ namespace {
 
 /// Elements of an array that matter at present.
 std::size_t liveCount(const View& s, Per per) {
+  if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(s.joints[type]);
   switch (per) {
     case Per::Body: return static_cast<std::size_t>(s.bodies);
     case Per::Pair: return static_cast<std::size_t>(s.oldPairOffset[s.bodies]);
     case Per::Manifold: return static_cast<std::size_t>(s.counters->manifolds);
     case Per::Plane: return static_cast<std::size_t>(s.planes);
     case Per::Exclusion: return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
-    case Per::Ball: return static_cast<std::size_t>(s.joints[0]);
-    case Per::Fixed: return static_cast<std::size_t>(s.joints[1]);
     default: return 0;
   }
 }

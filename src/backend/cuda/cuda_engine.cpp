@@ -39,7 +39,11 @@ class CudaEngine final : public Engine, private PoseCopies {
   void setJointCount(int type, int slots) override { RUBBLE_CORE::setJointCount(host(), type, slots); }
   void setJoint(int slot, const EngineJoint& joint) override {
     RUBBLE_CORE::setJoint(host(), slot, joint);
-    mirror_.jointWritten(joint.type, slot);
+    mirror_.jointWritten(static_cast<int>(joint.type), slot);
+  }
+  void editJoint(int slot, const EngineJoint& joint) override {
+    RUBBLE_CORE::editJoint(host(), slot, joint);
+    mirror_.specWritten(static_cast<int>(joint.type), slot);
   }
   void setExclusions(const std::vector<std::pair<int, int>>& pairs) override {
     RUBBLE_CORE::setExclusions(host(), pairs);
@@ -106,6 +110,7 @@ class CudaEngine final : public Engine, private PoseCopies {
     return runOverlaps(host(), queries);
   }
   JointState jointState(int type, int slot) const override { return jointStateOf(fetched(), type, slot); }
+  std::vector<std::pair<int, int>> brokenJoints() const override { return brokenJointsOf(fetched()); }
   /// On the device.
   std::size_t memoryBytes() const override { return stepper_.bytes(); }
   std::uint64_t hash() const override { return hashBytes(save()); }

@@ -32,6 +32,9 @@ class LockstepEngine final : public Engine {
   void setJoint(int slot, const EngineJoint& joint) override {
     both([&](HostTables& t) { RUBBLE_CORE::setJoint(t, slot, joint); });
   }
+  void editJoint(int slot, const EngineJoint& joint) override {
+    both([&](HostTables& t) { RUBBLE_CORE::editJoint(t, slot, joint); });
+  }
   void setExclusions(const std::vector<std::pair<int, int>>& pairs) override {
     both([&](HostTables& t) { RUBBLE_CORE::setExclusions(t, pairs); });
   }
@@ -91,6 +94,7 @@ class LockstepEngine final : public Engine {
     return runOverlaps(executor_.a().tables(), queries);
   }
   JointState jointState(int type, int slot) const override { return jointStateOf(first(), type, slot); }
+  std::vector<std::pair<int, int>> brokenJoints() const override { return brokenJointsOf(first()); }
   std::size_t memoryBytes() const override { return 2 * first().bytes(); }
   std::uint64_t hash() const override { return hashBytes(save()); }
   std::vector<std::byte> save() const override { return saveState(first(), previousDt_); }
