@@ -220,30 +220,51 @@ RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Join
   });
 }
 
+/// Forces of the rows of part I and their stiffness at the present poses; false if the part does not act.
+template <class F, int I, class P>
+RUBBLE_HD bool partForces(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, Real (&force)[P::kRows], Real& hessian) {
+  const auto& rows = partOf<I>(joint.parts);
+  Real error[P::kRows];
+  if constexpr (P::kAxis) {
+    if (!actsAtAll(rows)) return false;
+    P::constraint(spec.data, joint.memory, a, b, error);
+    axisForces(rows, error[0], force[0], hessian);
+  } else {
+    if (partOf<I>(spec.parts).mode == GroupMode::Off) return false;
+    P::constraint(spec.data, joint.memory, a, b, error);
+    for (int i = 0; i < P::kRows; ++i) error[i] -= rows.shift[i];
+    groupForce<P::kRows>(rows.state, error, rows.lambda, force, P::kRows, hessian);
+  }
+  return true;
+}
+
 /// Adds all rows of a joint to the block of one of its bodies (side 0: A, 1: B).
 template <class F>
 RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, int side, Block6& block) {
   forEachPart<F>([&]<int I, class P>() {
-    const auto& rows = partOf<I>(joint.parts);
-    Real force[P::kRows];
+    Real force[P::kRows], hessian;
+    if (!partForces<F, I, P>(spec, joint, a, b, force, hessian)) return;
     Vec6 j[P::kRows];
-    if constexpr (P::kAxis) {
-      if (!actsAtAll(rows)) return;
-      Real value[1], hessian;
-      P::constraint(spec.data, joint.memory, a, b, value);
-      axisForces(rows, value[0], force[0], hessian);
-      P::jacobian(spec.data, joint.memory, a, b, side, j);
-      stampRow(block, j[0], force[0], hessian);
-    } else {
-      if (partOf<I>(spec.parts).mode == GroupMode::Off) return;
-      Real error[P::kRows], hessian;
-      P::constraint(spec.data, joint.memory, a, b, error);
-      for (int i = 0; i < P::kRows; ++i) error[i] -= rows.shift[i];
-      P::jacobian(spec.data, joint.memory, a, b, side, j);
-      groupForce<P::kRows>(rows.state, error, rows.lambda, force, P::kRows, hessian);
-      for (int i = 0; i < P::kRows; ++i) stampRow(block, j[i], force[i], hessian);
-    }
+    P::jacobian(spec.data, joint.memory, a, b, side, j);
+    for (int i = 0; i < P::kRows; ++i) stampRow(block, j[i], force[i], hessian);
     stampCurvature(block, P::curvature(spec.data, joint.memory, a, b, side, force));
+  });
+}
+
+/// Adds all rows of a joint to the block of a group that both of its bodies move with: by (dp + dw x shift_i, dw), with the levers
+/// shift_A, shift_B of x^t. A row changes by J_A T_A + J_B T_B, T_i = [1, -[shift_i]; 0, 1]. That would be nothing if the bodies had not moved
+/// relative to one another since x^t.
+template <class F>
+RUBBLE_HD void stampJointOfGroup(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, const Vec3& shiftA,
+                                 const Vec3& shiftB, Block6& block) {
+  forEachPart<F>([&]<int I, class P>() {
+    Real force[P::kRows], hessian;
+    if (!partForces<F, I, P>(spec, joint, a, b, force, hessian)) return;
+    Vec6 ja[P::kRows], jb[P::kRows];
+    P::jacobian(spec.data, joint.memory, a, b, 0, ja);
+    P::jacobian(spec.data, joint.memory, a, b, 1, jb);
+    for (int i = 0; i < P::kRows; ++i)
+      stampRow(block, {ja[i].lin + jb[i].lin, ja[i].ang + jb[i].ang + cross(shiftA, ja[i].lin) + cross(shiftB, jb[i].lin)}, force[i], hessian);
   });
 }
 
