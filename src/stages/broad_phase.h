@@ -3,7 +3,7 @@
 /// partners in its own level and in all coarser ones. Buckets of cells with rising x are neighbours in memory.
 #include <cstring>
 
-#include "collision/filter.h"
+#include "stages/filter.h"
 
 namespace rubble::RUBBLE_CORE {
 

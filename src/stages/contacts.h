@@ -235,7 +235,9 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
   }
   r.lambdaN[to] = lambda, r.lambda1[to] = l1, r.lambda2[to] = l2;
   const bool awake = m.awake >> k & 1;
-  r.kN[to] = !awake ? Real(0) : isNew ? coldStart(p.normal.start).k : warmStiffness(c, p.normal, m.kN[k], lambda);
+  StiffnessRule normal = p.normal;
+  normal.limit = contactCeiling(c, r.start, r.length, point.depth);
+  r.kN[to] = !awake ? Real(0) : isNew ? coldStart(normal.start).k : warmStiffness(c, normal, m.kN[k], lambda);
   r.kT[to] = !awake ? Real(0) : isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
   return impact && c.impactRule;
 }

@@ -216,6 +216,11 @@ void forEachArray(F&& f) {
   is(&View::entry, "entry", "", Per::Entry, Life::Work);
 }
 
+/// What is edited does not sleep on; its island wakes with it, for it is a moving neighbour of the others.
+RUBBLE_HD inline void rouse(const View& s, int body) {
+  s.asleep[body] = 0;
+  s.stillTime[body] = 0;
+}
 RUBBLE_HD inline bool isAsleep(const View& s, int body) { return s.step.sleeping && s.asleep[body] != 0; }
 /// Does the step move it by its forces? Bodies that sleep are like static ones.
 RUBBLE_HD inline bool isDynamic(const View& s, int body) {

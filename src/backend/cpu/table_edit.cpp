@@ -92,8 +92,7 @@ void setBodyState(HostTables& tables, int slot, const BodyState& state) {
   s.orientation[slot] = normalize(Quat(state.orientation));
   s.velocity[slot] = s.previousVelocity[slot] = Vec3(state.velocity);
   s.spin[slot] = Vec3(state.angularVelocity);
-  s.asleep[slot] = 0;
-  s.stillTime[slot] = 0;
+  rouse(s, slot);
 }
 
 void forgetContacts(HostTables& tables, int slot) {
@@ -125,8 +124,7 @@ void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
 }
 
 void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change) {
-  View& s = tables.view();
-  s.velocity[slot] = s.previousVelocity[slot] = changedVelocity(s.velocity[slot], change);
+  changeVelocity(tables.view(), slot, change);
 }
 
 ArrayView arrayOf(const HostTables& tables, StateArray which) {
