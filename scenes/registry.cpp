@@ -50,7 +50,7 @@ std::string nearNames(const std::string& name, const std::vector<std::string>& n
 std::vector<Spec> makeRegistry() {
   std::vector<Spec> all;
   for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &chainSpecs, &ropeSpecs, &frictionSpecs,
-                       &structureSpecs, &basicSpecs, &scaleSpecs})
+                       &structureSpecs, &shapeRestSpecs, &shapeMotionSpecs, &basicSpecs, &scaleSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));
   return all;
 }

@@ -15,9 +15,9 @@
 namespace rubble {
 
 struct BodyState {
-  Vec3 position;         ///< centre of mass, world [m]
+  Vec3 position;         ///< of the shape's frame, world [m]
   Quat orientation;      ///< body -> world
-  Vec3 velocity;         ///< [m/s]
+  Vec3 velocity;         ///< of the centre of mass [m/s]
   Vec3 angularVelocity;  ///< world axes [rad/s]
 };
 

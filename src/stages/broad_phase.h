@@ -3,7 +3,7 @@
 /// partners in its own level and in all coarser ones. Buckets of cells with rising x are neighbours in memory.
 #include <cstring>
 
-#include "state/view.h"
+#include "stages/pair_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -133,33 +133,45 @@ RUBBLE_HD void searchPartners(const View& s, int i, Found&& found) {
   }
 }
 
-/// Partners of each body, the first kPairSlots of them kept.
+/// Partners of each body, the first kPairSlots of them kept, and the number of pairs of their parts. `kParts` false: no body has parts, and the
+/// kernel stays small.
+template <bool kParts>
 struct FindPairs {
   static constexpr const char* kName = "pairs";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    int count = 0;
+    int count = 0, partners = 0;
     int* slots = s.pairSlot + i * kPairSlots;
     searchPartners(s, i, [&](int other) {
-      if (count < kPairSlots) slots[count] = other;
-      ++count;
+      const int without = count;
+      if constexpr (kParts) forEachPartPair(s, i, other, [&](int, int) { ++count; });
+      else ++count;
+      if (count == without) return;
+      if (partners < kPairSlots) slots[partners] = other;
+      ++partners;
     });
     s.pairCount[i] = count;
   }
 };
 
-/// Pairs sorted by owner, then by partner.
+/// Pairs sorted by owner, then by partner and parts.
+template <bool kParts>
 struct WritePairs {
   static constexpr const char* kName = "pairs";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const int begin = s.pairOffset[i], count = s.pairOffset[i + 1] - begin;
     int n = 0;
-    const auto insert = [&](int other) {
+    const auto insertPair = [&](const Pair& pair) {
       int k = begin + n++;
-      for (; k > begin && s.pair[k - 1].other > other; --k) s.pair[k] = s.pair[k - 1];
-      s.pair[k] = {i, other};
+      for (; k > begin && before(pair, s.pair[k - 1]); --k) s.pair[k] = s.pair[k - 1];
+      s.pair[k] = pair;
     };
+    const auto insert = [&](int other) {
+      if constexpr (kParts) forEachPartPair(s, i, other, [&](int first, int second) { insertPair({i, other, first, second}); });
+      else insertPair({i, other, 0, 0});
+    };
+    // every partner has a pair at least, so that as many slots as pairs are enough
     if (count <= kPairSlots)
-      for (int k = 0; k < count; ++k) insert(s.pairSlot[i * kPairSlots + k]);
+      for (int k = 0; n < count; ++k) insert(s.pairSlot[i * kPairSlots + k]);
     else
       searchPartners(s, i, insert);
   }

@@ -5,8 +5,9 @@
 namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
-enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion, Ball, Fixed };
-inline constexpr int kPerCount = 16;
+enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
+                 ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, Ball, Fixed };
+inline constexpr int kPerCount = 21;
 
 /// How long its content matters: authored (written by edits), state (from step to step), work (inside one step),
 /// unordered (work whose order of elements is not fixed and has no influence on results).
@@ -21,6 +22,9 @@ constexpr Per perJoint() { return static_cast<Per>(static_cast<int>(Per::Ball) +
 struct View {
   int bodies = 0;                     ///< slots in use, removed ones included
   int planes = 0;
+  int shapeVectors = 0, shapeIndices = 0, shapeParts = 0, surfaces = 0;  ///< elements of the shared tables in use
+  bool rareShapes = false;            ///< some body is not of a plain kind
+  bool rolls = false;                 ///< some material has rolling or torsional friction
   int cells = 0;                      ///< buckets of the grid, a power of two
   Real baseCell = 1;                  ///< [m]
   int joints[JointTypes::kSize] = {}; ///< slots in use of each type
@@ -32,6 +36,11 @@ struct View {
   int* planeBody = nullptr;           ///< indices of the planes
   int* exclusionOffset = nullptr;     ///< [bodies + 1] into exclusionBody
   int* exclusionBody = nullptr;       ///< bodies that this one does not collide with (of higher index), sorted
+  // shapes and materials that bodies share: authored
+  Vec4* shapeVector = nullptr;        ///< see ShapeTables
+  int* shapeIndex = nullptr;
+  ShapePart* shapePart = nullptr;
+  SurfaceData* surface = nullptr;     ///< materials that are more than two frictions and a restitution
   // bodies: state
   Vec3d* position = nullptr;          ///< centre of mass [m]
   Quat* orientation = nullptr;        ///< body -> world
@@ -85,6 +94,8 @@ struct View {
   Manifold* oldManifold = nullptr;
   int* tested = nullptr;              ///< pairs whose narrow phase is run anew
   int* hasRows = nullptr;             ///< 1 if a point of the pair takes part in the step
+  RollingRows* rolling = nullptr;     ///< one a pair, if rolls
+  RollingRows* oldRolling = nullptr;
   int* rowOfPair = nullptr;           ///< index of its rows
   // rows
   ContactRows* contact = nullptr;     ///< one a pair that has rows, in the order of pairs
@@ -92,6 +103,8 @@ struct View {
   Entry* entry = nullptr;             ///< row blocks by body
   Joint<BallJoint>* ball = nullptr;
   Joint<FixedJoint>* fixed = nullptr;
+
+  RUBBLE_HD ShapeTables shapeTables() const { return {shapeVector, shapeIndex, shapePart}; }
 
   template <class F>
   RUBBLE_HD Joint<F>* jointsOf() const {
@@ -120,6 +133,10 @@ void forEachArray(F&& f) {
   is(&View::planeBody, "planeBody", "", Per::Plane, Life::Authored);
   is(&View::exclusionOffset, "exclusionOffset", "", Per::Body, Life::Authored, 1);
   is(&View::exclusionBody, "exclusionBody", "", Per::Exclusion, Life::Authored);
+  is(&View::shapeVector, "shapeVector", "m", Per::ShapeVector, Life::Authored);
+  is(&View::shapeIndex, "shapeIndex", "", Per::ShapeIndex, Life::Authored);
+  is(&View::shapePart, "shapePart", "", Per::ShapePart, Life::Authored);
+  is(&View::surface, "surface", "", Per::Surface, Life::Authored);
   is(&View::position, "position", "m", Per::Body, Life::State);
   is(&View::orientation, "orientation", "", Per::Body, Life::State);
   is(&View::velocity, "velocity", "m/s", Per::Body, Life::State);
@@ -131,6 +148,8 @@ void forEachArray(F&& f) {
   is(&View::oldPairOffset, "oldPairOffset", "", Per::Body, Life::State, 1);
   is(&View::oldPair, "oldPair", "", Per::Pair, Life::State);
   is(&View::oldManifold, "oldManifold", "", Per::Pair, Life::State);
+  is(&View::oldRolling, "oldRolling", "", Per::Rolling, Life::State);
+  is(&View::rolling, "rolling", "", Per::Rolling, Life::Work);
   is(&View::ball, "ball", "", Per::Ball, Life::State);
   is(&View::fixed, "fixed", "", Per::Fixed, Life::State);
   is(&View::bounds, "bounds", "m", Per::Body, Life::Work);

@@ -8,22 +8,11 @@ namespace {
 
 int kindOf(Motion motion) { return motion == Motion::Static ? 1 : motion == Motion::Kinematic ? 2 : 3; }
 
-/// Radius of the sphere about the centre that holds the shape [m].
-double boundingRadius(const Shape& shape) {
-  switch (shape.type) {
-    case ShapeType::Sphere: return shape.radius;
-    case ShapeType::Capsule: return shape.radius + shape.halfLength;
-    case ShapeType::Box: return length(shape.halfExtents);
-    case ShapeType::Plane: break;
-  }
-  return 0;
-}
-
-MassProperties massOfDefinition(const BodyDef& def) {
+/// Mass of a body whose shape has these properties at density 1.
+MassProperties massOfDefinition(const BodyDef& def, const MassProperties& unit) {
   if (def.motion != Motion::Dynamic) return {};
-  const MassProperties unit = massProperties(def.shape, 1);
   const double density = def.mass ? *def.mass / unit.mass : def.density;
-  return massProperties(def.shape, density);
+  return {unit.mass * density, unit.inertia * density, unit.centre, unit.axes};
 }
 
 template <class Id>
@@ -43,17 +32,23 @@ void World::Impl::requireAlive(JointId id) const {
 BodyId World::Impl::addBody(const BodyDef& def, const std::string& path) {
   if (!def.name.empty() && registry.bodyNames.contains(def.name))
     throw Error(path + ".name", "a name that no other body has", "\"" + def.name + "\"");
-  const BodyId id = registry.bodies.add({def, massOfDefinition(def)});
+  int indexBase = 0;
+  const std::shared_ptr<const CookedShape> cooked = cookShape(def.shape, path + ".shape", indexBase);
+  const int surface = surfaceOf(def.material);
+  const BodyId id = registry.bodies.add({def, massOfDefinition(def, cooked->unit), {cooked->unit.centre, cooked->unit.axes}, cooked->radius});
   if (!def.name.empty()) registry.bodyNames[def.name] = id;
   engine->setBodyCount(registry.bodies.size());
   if (id.generation > 0) engine->forgetContacts(id.index);
   EngineBody body;
   body.kind = kindOf(def.motion);
-  body.shape = def.shape;
+  body.shape = cooked->shape;
+  if (body.shape.data >= 0) body.shape.data += indexBase;
+  body.radius = cooked->radius;
   body.material = def.material;
+  body.surface = surface;
   body.mass = registry.bodies[id].mass;
   body.gravityScale = def.gravityScale;
-  body.state = {def.position, normalize(def.orientation), def.velocity, def.angularVelocity};
+  body.state = registry.bodies[id].frame.toEngine({def.position, normalize(def.orientation), def.velocity, def.angularVelocity});
   engine->setBody(id.index, body);
   settingsChanged = true;
   ++epoch;
@@ -107,8 +102,10 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {
   joint.type = type;
   joint.a = a.index, joint.b = b.index;
   joint.alive = true;
-  joint.anchorA = def.anchorA, joint.anchorB = def.anchorB;
-  joint.aToB = normalize(def.orientationAtoB);
+  const auto frameOf = [&](BodyId body) { return body.index >= 0 ? registry.bodies[body].frame : ShapeFrame{}; };
+  const ShapeFrame frameA = frameOf(a), frameB = frameOf(b);
+  joint.anchorA = frameA.pointToEngine(def.anchorA), joint.anchorB = frameB.pointToEngine(def.anchorB);
+  joint.aToB = normalize(conjugate(frameB.axes) * normalize(def.orientationAtoB) * frameA.axes);
   joint.compliance[0] = def.stiffness == kHard ? 0 : 1 / def.stiffness;
   joint.compliance[1] = def.angularStiffness == kHard ? 0 : 1 / def.angularStiffness;
   joint.bound[0] = def.breakForce, joint.bound[1] = def.breakTorque;
@@ -159,7 +156,7 @@ void World::Impl::flush() {
     for (const BodyId id : registry.bodies.ids()) {
       const BodyRecord& body = registry.bodies[id];
       if (body.def.motion != Motion::Dynamic) continue;
-      const double radius = boundingRadius(body.def.shape);
+      const double radius = body.radius;
       radii.push_back(radius);
       settings.maxMassLength = std::max(settings.maxMassLength, body.mass.mass * 2 * radius);
     }

@@ -3,6 +3,7 @@
 #include <unordered_map>
 
 #include "backend/engine.h"
+#include "world/shape_frame.h"
 
 namespace rubble {
 
@@ -65,6 +66,8 @@ class Slots {
 struct BodyRecord {
   BodyDef def;
   MassProperties mass;
+  ShapeFrame frame;  ///< of the engine in that of the author
+  double radius;     ///< of the bounding sphere about the centre of mass [m]
 };
 
 struct JointRecord {
@@ -80,6 +83,9 @@ struct Registry {
   std::unordered_map<std::string, BodyId> bodyNames;
   std::unordered_map<std::string, JointId> jointNames;
   std::vector<BodyId> sceneBodies;
+  std::vector<CookedEntry> shapes;   ///< whose geometry the engine keeps in its tables
+  int shapeIndices = 0, shapeParts = 0;
+  std::vector<Material> surfaces;    ///< that the engine keeps in its table
   std::vector<int> freeJointSlots[2];
   int jointSlots[2] = {0, 0};
   Vec3 gravity;
@@ -109,6 +115,10 @@ struct World::Impl {
   std::int64_t epoch = 0;
   PoseRing poses;
 
+  /// The shape as the engine takes it; shapes with the same geometry are cooked and kept once.
+  std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const std::string& path, int& indexBase);
+  /// Place among the engine's materials, -1 for one that needs none.
+  int surfaceOf(const Material& material);
   BodyId addBody(const BodyDef& def, const std::string& path);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b);
   void removeBody(BodyId id);

@@ -11,6 +11,8 @@ namespace rubble::RUBBLE_CORE {
 using HostTables = Tables<HostMemory>;
 
 void setBodyCount(HostTables& tables, int slots);
+void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces);
+void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
 void forgetContacts(HostTables& tables, int slot);
 void setPlanes(HostTables& tables, const std::vector<int>& slots);

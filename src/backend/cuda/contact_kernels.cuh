@@ -26,7 +26,7 @@ struct RecycleManifoldByLanes {
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
     const Manifold* const found = findOldManifold(s, p);
-    if (!found || !recyclable(*found, pose, s.step.recycleTolerance)) {
+    if (!found || !mayRecycle(s, o) || !recyclable(*found, pose, s.step.recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
     }
