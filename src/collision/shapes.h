@@ -65,7 +65,7 @@ RUBBLE_HD inline Vec3 boundingHalf(const ShapeData& s, const Quat& q) {
 /// A point of contact, relative to the centre of the first body, world axes.
 struct RawPoint {
   Vec3 onA, onB;  ///< on the two surfaces [m]
-  int feature;    ///< what touches what; the same in the next step if the configuration is
+  int feature = 0;  ///< what touches what; the same in the next step if the configuration is
 };
 
 /// The result of a pair test.
