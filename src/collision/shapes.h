@@ -43,7 +43,7 @@ struct ShapePart {
 ///   compound      ..., ..., first part, parts
 ///   mesh          vectors, indices, nodes, triangles, vertices, two-sided;  see triangles.h
 ///   height field  vectors, indices, samples along x, along y;  see triangles.h
-///   distance      vectors, indices, samples along x, y, z, surface points;  see distance.h
+///   distance      vectors, indices, samples along x, y, z, surface points;  see lattice.h
 struct ShapeTables {
   const Vec4* vector;
   const int* index;

@@ -1,6 +1,6 @@
 #pragma once
 /// What is kept of a body, besides its arrays of state.
-#include "collision/distance.h"
+#include "collision/lattice.h"
 #include "collision/manifold.h"
 #include "forces/forces.h"
 #include "forces/rolling.h"
