@@ -2,9 +2,11 @@
 /// Rubble: rigid-body physics by augmented vertex block descent. One header for everything.
 #include <rubble/arrays.h>
 #include <rubble/error.h>
+#include <rubble/events.h>
 #include <rubble/ids.h>
 #include <rubble/math.h>
 #include <rubble/params.h>
+#include <rubble/query.h>
 #include <rubble/report.h>
 #include <rubble/scene.h>
 #include <rubble/world.h>

@@ -194,7 +194,7 @@ RUBBLE_HD inline void faceContact(const ConvexPair& p, const BestFace& best, Rea
 }
 
 /// Edges side by side have two points, anything else one.
-RUBBLE_HD inline void edgeContact(const ConvexPair& p, const Separation& x, Real margin, RawManifold& out) {
+RUBBLE_HD inline void edgeContact(const ConvexPair& p, const SeparatingDirection& x, Real margin, RawManifold& out) {
   const Real radii = p.a.radius + p.b.radius;
   out.n = x.n;
   out.normalOnB = false;
@@ -255,7 +255,7 @@ RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, cons
     if (out.count > 0 && exact && kEdgePreference * face.s + kEdgeMargin * length > Real(0)) return told();
     start = out.n;
   }
-  const Separation x = mostSeparating(p, start);
+  const SeparatingDirection x = mostSeparating(p, start);
   if (x.s - radii > margin) {
     out.count = 0;
     out.separation = x.s - radii;

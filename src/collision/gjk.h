@@ -41,7 +41,7 @@ struct Nearest {
   Vec3 onA, onB;
 };
 
-namespace gjk {
+namespace simplices {
 
 /// Points of B - A with the points of A that they come from, and weights of the point nearest to the origin.
 struct Simplex {
@@ -125,11 +125,11 @@ RUBBLE_HD inline bool reduce(Simplex& s) {
   return true;
 }
 
-}  // namespace gjk
+}  // namespace simplices
 
 /// Nearest points of the cores, each `size` times as large, with B moved by `shift`, from a first guess of the direction.
 RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, const Vec3& guess, Real size = 1) {
-  gjk::Simplex s;
+  simplices::Simplex s;
   Vec3 v = guess;
   Real v2 = Real(1e30);
   Nearest out{guess, 0, {0, 0, 0}, {0, 0, 0}};
@@ -141,8 +141,8 @@ RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, c
     for (int k = 0; k < s.count; ++k) known |= s.w[k] == w;
     if (known) break;
     s.w[s.count] = w, s.a[s.count++] = a;
-    const gjk::Simplex before = s;
-    if (!gjk::reduce(s)) return out;
+    const simplices::Simplex before = s;
+    if (!simplices::reduce(s)) return out;
     Vec3 next{0, 0, 0};
     for (int k = 0; k < s.count; ++k) next += s.w[k] * s.weight[k];
     const Real next2 = dot(next, next);
@@ -164,7 +164,7 @@ RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, c
 }
 
 /// A direction with its separation of the cores, and the nearest points there (onB - onA = separation n).
-struct Separation {
+struct SeparatingDirection {
   Vec3 n;
   Real s;
   Vec3 onA, onB;
@@ -172,7 +172,7 @@ struct Separation {
 
 /// The direction that separates most: of bodies apart that between their nearest points; of others a local maximum, climbed to from the
 /// better one of the unit vector n and the direction between the bodies made smaller about their centres, which loses little of their form.
-RUBBLE_HD inline Separation mostSeparating(const ConvexPair& p, Vec3 n) {
+RUBBLE_HD inline SeparatingDirection mostSeparating(const ConvexPair& p, Vec3 n) {
   const Real gap = kPushedGap * p.length;
   const Nearest whole = nearestPoints(p, {0, 0, 0}, n);
   if (whole.distance > kLeastGap * p.length) return {whole.n, whole.distance, whole.onA, whole.onB};
@@ -185,7 +185,7 @@ RUBBLE_HD inline Separation mostSeparating(const ConvexPair& p, Vec3 n) {
     break;
   }
   const Vec3 tips = (support(p.a, n) + supportOfB(p, -n)) * Real(.5);
-  Separation best{n, separationAlong(p, n), tips, tips};
+  SeparatingDirection best{n, separationAlong(p, n), tips, tips};
   for (int push = 0; push < kMaxPushes; ++push) {
     const Vec3 shift = best.n * (gap - best.s);
     const Nearest near = nearestPoints(p, shift, best.n);

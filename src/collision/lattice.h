@@ -6,7 +6,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// How far below a surface of triangles a point is still held up by it, over L [1].
-inline constexpr Real kHeldDepth = Real(.1);
+inline constexpr Real kHeldFromBelow = Real(.1);
 
 /// A lattice of distances in its body's frame.
 struct DistanceLattice {
@@ -163,7 +163,7 @@ RUBBLE_HD inline void collideDistance(const ShapeTables& tables, const ShapeData
     return;
   }
   if (other.kind == ShapeKind::Mesh || other.kind == ShapeKind::HeightField) {
-    const Real depth = max(margin, kHeldDepth * out.length);
+    const Real depth = max(margin, kHeldFromBelow * out.length);
     const Vec3 reach{depth, depth, depth};
     const bool twoSided = isTwoSided(tables, other);
     for (int k = 0; k < lattice.pointCount; ++k) {

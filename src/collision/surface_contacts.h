@@ -78,7 +78,7 @@ RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const
     const convex::BestFace start = convex::bestFace(p, margin + part.radius);
     if (start.s - part.radius > margin) return;
     const Vec3 plane = xyz(facePlane(start.onB ? part : triangle, start.face < 0 ? 0 : start.face));
-    const Separation x = mostSeparating(p, start.onB ? -(turn * plane) : n);
+    const SeparatingDirection x = mostSeparating(p, start.onB ? -(turn * plane) : n);
     if (x.s - part.radius > margin) return;
     // the corner or edge that lies furthest out along the direction
     Real height[3];

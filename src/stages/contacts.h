@@ -13,6 +13,28 @@ RUBBLE_HD inline PairPose pairPose(const View& s, const OrderedPair& o) {
   return {s.orientation[o.a], s.orientation[o.b], centreDistance(s, o.a, o.b), size, pairMargin(s, o.a, o.b, size)};
 }
 
+/// A body at rest that is about to be struck has rows with what it may be driven into: its neighbours look for it as for a fast one.
+struct FindAgitation {
+  static constexpr const char* kName = "agitation";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Pair p = s.pair[i];
+    const BodyParams &po = s.params[p.owner], &pb = s.params[p.other];
+    const PairSpeed speed = pairSpeed(s, p.owner, p.other, po, pb);
+    if (speed.closing < kImpactSpeed || speed.bullet || isSensor(s, p.owner) || isSensor(s, p.other)) return;
+    const auto agitate = [&](int body, const BodyParams& own, const BodyParams& other) {
+      const int bits = floatBits(speed.closing * shareOfImpact(own, other));
+      if (own.kind == BodyKind::Dynamic && bits > s.agitation[body]) atomicRaise(&s.agitation[body], bits);
+    };
+    agitate(p.owner, po, pb), agitate(p.other, pb, po);
+  }
+};
+
+/// May a body be elsewhere than in the last step?
+RUBBLE_HD inline bool moves(const View& s, int body) {
+  if (s.params[body].kind == BodyKind::Kinematic) return s.velocity[body] != Vec3{0, 0, 0} || s.spin[body] != Vec3{0, 0, 0};
+  return s.params[body].kind == BodyKind::Dynamic ? !isAsleep(s, body) : !s.step.sleeping;
+}
+
 /// Point k of a manifold at x^t.
 struct PointAt {
   Vec3 lever;  ///< from the centre of A to the middle of the gap [m]
@@ -33,7 +55,7 @@ RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth) { r
 
 /// Displacement of a body at its inertial target.
 RUBBLE_HD inline Displacement targetDisplacement(const View& s, int body) {
-  if (s.params[body].kind != BodyKind::Dynamic) return s.moved[body];
+  if (!isDynamic(s, body)) return s.moved[body];
   const Pose& y = s.target[body].y;
   return {y.p, 0, logRotation(y.q), 0};
 }
@@ -48,6 +70,8 @@ struct WakeRule {
   RUBBLE_HD bool operator()(const View& s, const OrderedPair& o, const PairPose& pair, const Vec3& n, const PointAt& p, Real lambda) const {
     if (!s.step.dormantRows || lambda != Real(0)) return true;
     if (hits(s.step, closingSpeed(s, o, n, p.lever, pair.t), p.depth)) return true;
+    // a body that is struck in this step goes elsewhere than its target says
+    if (inheritedViolation(s.step, p.depth) + s.step.dt * agitationOf(s, o.a, o.b) > Real(0)) return true;
     const Vec3 move = a.dp + cross(a.dw, p.lever) - b.dp - cross(b.dw, p.lever - pair.t);
     return inheritedViolation(s.step, p.depth) + dot(n, move) >= -kDormantGap * pair.length;
   }
@@ -74,9 +98,11 @@ RUBBLE_HD inline void keepManifold(const View& s, int i, const OrderedPair& o, c
   for (int k = 0; k < m.count; ++k)
     if (awake(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t), m.lambdaN[k])) m.awake |= static_cast<std::uint8_t>(1u << k);
   if (m.awake == 0) forgetPoints(m);
+  // a sensor has points, and no rows
+  const bool rows = m.awake != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
   s.manifold[i] = m;
-  s.hasRows[i] = m.awake != 0;
-  if (m.awake == 0) return;
+  s.hasRows[i] = rows;
+  if (!rows) return;
   atomicCount(&s.counters->contacts, countPoints(m.awake));
   if (m.recycled) atomicCount(&s.counters->recycled, 1);
 }
@@ -84,6 +110,15 @@ RUBBLE_HD inline void keepManifold(const View& s, int i, const OrderedPair& o, c
 /// What a part has of a surface is gathered anew in every step.
 RUBBLE_HD inline bool mayRecycle(const View& s, const OrderedPair& o) {
   return !s.rareShapes || !(isSurface(s.params[o.a].shape.kind) || isSurface(s.params[o.b].shape.kind));
+}
+
+/// A pair of which no body moves has everything kept as it is.
+RUBBLE_HD inline bool keepAsleep(const View& s, int i, const Pair& p, const Manifold* old) {
+  if (!old || !s.step.sleeping || moves(s, p.owner) || moves(s, p.other)) return false;
+  s.manifold[i] = *old;
+  s.manifold[i].row = -1;
+  s.hasRows[i] = 0;
+  return true;
 }
 
 /// Narrow phase of pairs that have hardly moved: the manifold of the step before. The others are listed.
@@ -94,6 +129,7 @@ struct RecycleManifolds {
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
     const Manifold* const old = findOldManifold(s, p);
+    if (keepAsleep(s, i, p, old)) return;
     if (old && mayRecycle(s, o) && recyclable(*old, pose, s.step.recycleTolerance))
       keepManifold(s, i, o, pose, recycledManifold(*old, pose));
     else

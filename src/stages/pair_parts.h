@@ -1,7 +1,9 @@
 #pragma once
 /// From pairs of bodies to pairs of parts. A pair of plain shapes is one pair. A compound has one for each of its parts that comes near; a
 /// surface (mesh, height field, distance field) has kSurfaceSlots, one for each direction in which it may hold the other part.
-#include "state/view.h"
+#include <cstring>
+
+#include "stages/filter.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -19,14 +21,52 @@ RUBBLE_HD inline Real pairLength(const BodyParams& a, const BodyParams& b) {
 
 RUBBLE_HD inline Vec3 centreDistance(const View& s, int a, int b) { return Vec3(s.position[b] - s.position[a]); }
 
-/// Detection margin of a pair: what it may approach in a step, and not less than contactMargin of its size. [m]
-RUBBLE_HD inline Real pairMargin(const View& s, int a, int b, Real pairSize) {
+RUBBLE_HD inline bool isPlainPair(const View& s, int a, int b) { return isPlain(s.params[a].shape.kind) && isPlain(s.params[b].shape.kind); }
+
+/// What the speed of a pair can do in a step.
+struct PairSpeed {
+  Real closing;  ///< bound of the speed at which two of their points approach one another [m/s]
+  bool bullet;   ///< they may pass one another altogether: no row made before the step can tell where they meet (stages/stops.h)
+};
+RUBBLE_HD inline PairSpeed pairSpeed(const View& s, int a, int b, const BodyParams& pa, const BodyParams& pb) {
   const Vec3 relative = s.velocity[a] - s.velocity[b];
-  const Real approach = length(relative) + length(s.spin[a]) * s.params[a].radius + length(s.spin[b]) * s.params[b].radius;
-  return max(s.step.contactMargin * pairSize, s.step.dt * approach);
+  const Real closing = length(relative) + length(s.spin[a]) * pa.radius + length(s.spin[b]) * pb.radius;
+  return {closing, s.step.dt * closing > pairLength(pa, pb) && isPlainPair(s, a, b)};
 }
 
-RUBBLE_HD inline bool isPlainPair(const View& s, int a, int b) { return isPlain(s.params[a].shape.kind) && isPlain(s.params[b].shape.kind); }
+/// Share of the closing speed of an impact that body `own` may take over, by the masses: all of it from a body as heavy as a third of it.
+RUBBLE_HD inline Real shareOfImpact(const BodyParams& own, const BodyParams& other) {
+  if (other.kind != BodyKind::Dynamic) return 1;
+  return min(Real(1), 4 * other.mass / (own.mass + other.mass));
+}
+
+/// Bits of a non-negative float: they are ordered as the numbers are.
+RUBBLE_HD inline int floatBits(Real a) {
+  const float f = static_cast<float>(a);
+  int bits;
+  memcpy(&bits, &f, sizeof bits);
+  return bits;
+}
+RUBBLE_HD inline Real fromFloatBits(int bits) {
+  float f;
+  memcpy(&f, &bits, sizeof f);
+  return static_cast<Real>(f);
+}
+
+RUBBLE_HD inline Real agitationOf(const View& s, int a, int b) { return max(fromFloatBits(s.agitation[a]), fromFloatBits(s.agitation[b])); }
+
+/// Detection margin of a pair: not less than contactMargin of its size, and what it may approach in a step, unless that is its whole size. [m]
+RUBBLE_HD inline Real pairMargin(const View& s, int a, int b, Real pairSize) {
+  const PairSpeed speed = pairSpeed(s, a, b, s.params[a], s.params[b]);
+  const Real least = s.step.contactMargin * pairSize;
+  return speed.bullet ? least : max(least, s.step.dt * max(speed.closing, agitationOf(s, a, b)));
+}
+
+/// How far apart parts of a pair may be that have to be looked at in this step. [m]
+RUBBLE_HD inline Real pairReach(const View& s, int a, int b) {
+  const BodyParams &pa = s.params[a], &pb = s.params[b];
+  return max(s.step.contactMargin * pairLength(pa, pb), s.step.dt * pairSpeed(s, a, b, pa, pb).closing);
+}
 
 /// Of two bodies with a surface among them: is it the first one's? A distance field takes any other surface as a part.
 RUBBLE_HD inline bool surfaceIsFirst(ShapeKind a, ShapeKind b) { return a == ShapeKind::Distance || (isSurface(a) && b != ShapeKind::Distance); }
@@ -71,7 +111,7 @@ RUBBLE_HD void forEachPartPair(const View& s, int owner, int other, Found&& foun
     return;
   }
   const ShapeData &shapeA = s.params[owner].shape, &shapeB = s.params[other].shape;
-  const Real margin = pairMargin(s, owner, other, pairLength(s.params[owner], s.params[other]));
+  const Real margin = pairReach(s, owner, other);
   if (isSurface(shapeA.kind) || isSurface(shapeB.kind)) {
     const bool first = surfaceIsFirst(shapeA.kind, shapeB.kind);
     const int surface = first ? owner : other, body = first ? other : owner;

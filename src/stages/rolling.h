@@ -16,9 +16,13 @@ struct BuildRolling {
   RUBBLE_HD void operator()(const View& s, int i) const {
     RollingRows r{{0, 0, 1}, {0, 0, 0}, 0, 0, 0, 0};
     const Manifold& m = s.manifold[i];
-    if (s.hasRows[i] != 0) {
-      const Pair p = s.pair[i];
-      const OrderedPair o = ordered(p);
+    const Pair p = s.pair[i];
+    const OrderedPair o = ordered(p);
+    if (s.step.sleeping && !moves(s, o.a) && !moves(s, o.b)) {
+      // kept as it is, like the manifold
+      for (int j = s.oldPairOffset[p.owner]; j < s.oldPairOffset[p.owner + 1]; ++j)
+        if (samePair(s.oldPair[j], p)) r = s.oldRolling[j];
+    } else if (s.hasRows[i] != 0) {
       const PairMaterial material = pairMaterial(s, p, o);
       const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
       const Real lighter = pa.kind != BodyKind::Dynamic ? pb.mass : pb.kind != BodyKind::Dynamic ? pa.mass : min(pa.mass, pb.mass);

@@ -3,6 +3,7 @@
 #include "stages/coarse.h"
 #include "stages/coloring.h"
 #include "stages/rare_contacts.h"
+#include "stages/sleep.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -48,8 +49,34 @@ void findPairs(E& e) {
   else e.forEach(WritePairs<false>{}, bodies);
 }
 
+/// Islands that something disturbs.
+template <Executor E>
+void wakeIslands(E& e) {
+  const int bodies = e.view().bodies;
+  e.clear(&View::islandFlag, bodies);
+  e.forEach(WakeByForces{}, bodies);
+  e.forEach(WakeByPairs{}, &Counters::pairs);
+  forEachType(JointTypes{}, [&]<class F>() { e.forEach(WakeByJoints<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  e.forEach(WakeBodies{}, bodies);
+}
+
+/// Islands that have come to rest.
+template <Executor E>
+void sleepIslands(E& e) {
+  const int bodies = e.view().bodies;
+  e.clear(&View::islandFlag, bodies);
+  e.forEach(StartIslands{}, bodies);
+  e.forEach(JoinIslandsByPairs{}, &Counters::pairs);
+  forEachType(JointTypes{}, [&]<class F>() { e.forEach(JoinIslandsByJoints<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  e.forEach(FindRestless{}, bodies);
+  e.forEach(FindMovedIslands{}, &Counters::pairs);
+  e.forEach(FallAsleep{}, bodies);
+}
+
 template <Executor E>
 void findContacts(E& e) {
+  e.clear(&View::agitation, e.view().bodies);
+  e.forEach(FindAgitation{}, &Counters::pairs);
   e.forEach(RecycleManifolds{}, &Counters::pairs);
   e.forEach(TestPairs{}, &Counters::tested);
   if (e.view().rareShapes) e.forEach(TestRarePairs{}, &Counters::tested);
@@ -80,6 +107,7 @@ void findGroups(E& e) {
   e.forEach(FindLevels{}, kCoarseLevels + 1);
   e.forEach(BeginGroups{}, &Counters::groups);
   e.forEach(MakeChunks{}, &Counters::chunks);
+  if (e.view().locked) e.forEach(LockGroups{}, all);
   e.forEach(SumMasses{}, &Counters::chunks);
   e.forEach(FindCentres{}, &Counters::groups);
 }
@@ -130,6 +158,16 @@ void colorBodies(E& e) {
   e.forEach(FillColors{}, bodies);
 }
 
+/// Fast bodies stop where they meet others.
+template <Executor E>
+void stopFastBodies(E& e) {
+  e.forEach(FindFast{}, e.view().bodies);
+  e.require(Per::Pair, &Counters::swept);
+  e.forEach(FindStops{}, &Counters::swept);
+  e.forEach(ChooseStops{}, &Counters::swept);
+  e.forEach(StopBodies{}, &Counters::swept);
+}
+
 /// One step of dt. Everything before the iterations happens at x^t and moves no body beyond its initial guess.
 template <Executor E>
 void step(E& e) {
@@ -141,6 +179,7 @@ void step(E& e) {
 
   e.forEach(PredictBodies{}, bodies);
   findPairs(e);
+  if (e.view().step.sleeping) wakeIslands(e);
   findContacts(e);
   forEachJoint.template operator()<BeginJoints>();
   if (e.view().step.coarseCorrection) findGroups(e);
@@ -158,7 +197,9 @@ void step(E& e) {
 
   e.forEach(StoreContacts{}, &Counters::manifolds);
   forEachJoint.template operator()<FinishJoints>();
+  stopFastBodies(e);
   e.forEach(FinishBodies{}, bodies);
+  if (e.view().step.sleeping) sleepIslands(e);
   e.keepManifolds();
 }
 

@@ -30,6 +30,19 @@ struct SurfaceData {
   Vec3 velocity;                            ///< of a belt, body axes [m/s]
 };
 
+/// What few bodies have: read once a step.
+struct BodyExtras {
+  Real linearDamping, angularDamping;  ///< [1/s]
+  int locks;                           ///< bits 0-2: no translation along world x, y, z; bits 3-5: no rotation about them
+};
+
+/// Which bodies meet (CollisionFilter), and whether they push.
+struct BodyFilter {
+  std::uint32_t layers, mask;
+  int group;
+  int sensor;
+};
+
 /// World-aligned box swept over the step, with its cell in the grid of its level.
 struct Bounds {
   Vec3 centre, half;  ///< [m]
@@ -73,6 +86,7 @@ RUBBLE_HD constexpr int entrySide(std::uint32_t code) { return static_cast<int>(
 /// Where a body would go without constraints, and its inertia, in this step.
 struct BodyTarget {
   MassMatrix mass;
+  int locks;          ///< of BodyExtras
   Pose y;             ///< displacement [m] and rotation relative to x^t
 };
 
@@ -87,6 +101,7 @@ struct Group {
   Block6 inertia;     ///< Hessian of the inertia of its bodies about the centre; force unused
   Vec6 step;          ///< motion found by the last solve [m, rad]
   int level;
+  int locks;          ///< motions that one of its bodies must not make, as in BodyExtras
   int chunkBegin, chunkEnd;
 };
 
@@ -108,6 +123,9 @@ struct Counters {
   int contacts, recycled, tested;
   int groups, chunks, externals;
   int clashing, clashes, rounds;  ///< bodies that choose a colour, those left to choose again, rounds of that
+  int swept;    ///< pairs to be searched for fast bodies: all, or none
+  int stopped;  ///< bodies that stopped at an impact
+  int asleep;   ///< bodies that sleep after this step
   int quarantined, failedSolves, spinLimited, broken;
   int rollers;                    ///< pairs, where some material has rolling friction
   int levelUsed[kGridLevels];

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
 
 #include "world/world_impl.h"
 
@@ -8,11 +11,25 @@ namespace {
 
 int kindOf(Motion motion) { return motion == Motion::Static ? 1 : motion == Motion::Kinematic ? 2 : 3; }
 
+/// Moments about the axes of a body as moments about the principal axes of its shape, which the engine works in: they have to be principal there too.
+Vec3 inertiaAlong(const Vec3& moments, const Quat& axes, const std::string& path) {
+  Vec3 out;
+  const std::array<Vec3, 3> local{rotate(axes, Vec3{1, 0, 0}), rotate(axes, Vec3{0, 1, 0}), rotate(axes, Vec3{0, 0, 1})};
+  for (std::size_t i = 0; i < 3; ++i) {
+    out[static_cast<int>(i)] = dot(local[i], mul(moments, local[i]));
+    constexpr double kRoundOff = 1e-9;
+    const double off = dot(local[i], mul(moments, local[(i + 1) % 3]));
+    if (std::fabs(off) > kRoundOff * (moments.x + moments.y + moments.z))
+      throw Error(path + ".inertia", "moments about axes that are principal ones of the shape (give its density or mass instead)", "a shape whose principal axes are others");
+  }
+  return out;
+}
+
 /// Mass of a body whose shape has these properties at density 1.
-MassProperties massOfDefinition(const BodyDef& def, const MassProperties& unit) {
+MassProperties massOfDefinition(const BodyDef& def, const MassProperties& unit, const std::string& path) {
   if (def.motion != Motion::Dynamic) return {};
   const double density = def.mass ? *def.mass / unit.mass : def.density;
-  return {unit.mass * density, unit.inertia * density, unit.centre, unit.axes};
+  return {unit.mass * density, def.inertia ? inertiaAlong(*def.inertia, unit.axes, path) : unit.inertia * density, unit.centre, unit.axes};
 }
 
 template <class Id>
@@ -35,7 +52,7 @@ BodyId World::Impl::addBody(const BodyDef& def, const std::string& path) {
   int indexBase = 0;
   const std::shared_ptr<const CookedShape> cooked = cookShape(def.shape, path + ".shape", indexBase);
   const int surface = surfaceOf(def.material);
-  const BodyId id = registry.bodies.add({def, massOfDefinition(def, cooked->unit), {cooked->unit.centre, cooked->unit.axes}, cooked->radius});
+  const BodyId id = registry.bodies.add({def, massOfDefinition(def, cooked->unit, path), {cooked->unit.centre, cooked->unit.axes}, cooked->radius});
   if (!def.name.empty()) registry.bodyNames[def.name] = id;
   engine->setBodyCount(registry.bodies.size());
   if (id.generation > 0) engine->forgetContacts(id.index);
@@ -48,6 +65,10 @@ BodyId World::Impl::addBody(const BodyDef& def, const std::string& path) {
   body.surface = surface;
   body.mass = registry.bodies[id].mass;
   body.gravityScale = def.gravityScale;
+  body.linearDamping = def.linearDamping, body.angularDamping = def.angularDamping;
+  for (std::size_t k = 0; k < 3; ++k) body.locks |= (def.lockTranslation[k] ? 1 : 0) << k | (def.lockRotation[k] ? 8 : 0) << k;
+  body.filter = def.filter;
+  body.sensor = def.sensor;
   body.state = registry.bodies[id].frame.toEngine({def.position, normalize(def.orientation), def.velocity, def.angularVelocity});
   engine->setBody(id.index, body);
   settingsChanged = true;
@@ -74,6 +95,7 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
     const BodyDef& def = registry.bodies[id].def;
     if (!def.name.empty()) registry.bodyNames.erase(def.name);
     planesChanged |= def.shape.type == ShapeType::Plane;
+    exclusionsChanged |= std::erase_if(registry.exclusions, [&](const auto& pair) { return pair.first == id.index || pair.second == id.index; }) > 0;
     registry.bodies.remove(id);
     engine->setBody(id.index, {});
   }
@@ -89,8 +111,10 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {
   check(a), check(b);
   if (a == b) throw Error("joint", "two different bodies", "the same one twice");
   if (!def.name.empty() && registry.jointNames.contains(def.name)) throw Error("joint.name", "a name that no other joint has", "\"" + def.name + "\"");
-  const int type = static_cast<int>(def.type);
-  int slot;
+  JointRecord record{def, a, b, engineJoint(inEngineFrames(def, a, b), jointBodies(a, b)), 0};
+  record.engine.a = a.index, record.engine.b = b.index;
+  const int type = static_cast<int>(record.engine.type);
+  int& slot = record.engineSlot;
   if (registry.freeJointSlots[type].empty()) {
     slot = registry.jointSlots[type]++;
     engine->setJointCount(type, registry.jointSlots[type]);
@@ -98,19 +122,9 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {
     slot = registry.freeJointSlots[type].back();
     registry.freeJointSlots[type].pop_back();
   }
-  EngineJoint joint;
-  joint.type = type;
-  joint.a = a.index, joint.b = b.index;
-  joint.alive = true;
-  const auto frameOf = [&](BodyId body) { return body.index >= 0 ? registry.bodies[body].frame : ShapeFrame{}; };
-  const ShapeFrame frameA = frameOf(a), frameB = frameOf(b);
-  joint.anchorA = frameA.pointToEngine(def.anchorA), joint.anchorB = frameB.pointToEngine(def.anchorB);
-  joint.aToB = normalize(conjugate(frameB.axes) * normalize(def.orientationAtoB) * frameA.axes);
-  joint.compliance[0] = def.stiffness == kHard ? 0 : 1 / def.stiffness;
-  joint.compliance[1] = def.angularStiffness == kHard ? 0 : 1 / def.angularStiffness;
-  joint.bound[0] = def.breakForce, joint.bound[1] = def.breakTorque;
-  engine->setJoint(slot, joint);
-  const JointId id = registry.joints.add({def, a, b, slot});
+  wake(a), wake(b);
+  engine->setJoint(slot, record.engine);
+  const JointId id = registry.joints.add(record);
   if (!def.name.empty()) registry.jointNames[def.name] = id;
   exclusionsChanged |= !def.collide;
   return id;
@@ -119,14 +133,69 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {
 void World::Impl::removeJoint(JointId id) {
   requireAlive(id);
   const JointRecord& joint = registry.joints[id];
-  const int type = static_cast<int>(joint.def.type);
   EngineJoint none;
-  none.type = type;
+  none.type = joint.engine.type;
+  wake(joint.a), wake(joint.b);
   engine->setJoint(joint.engineSlot, none);
-  registry.freeJointSlots[type].push_back(joint.engineSlot);
+  registry.freeJointSlots[static_cast<int>(none.type)].push_back(joint.engineSlot);
   if (!joint.def.name.empty()) registry.jointNames.erase(joint.def.name);
   exclusionsChanged |= !joint.def.collide;
   registry.joints.remove(id);
+}
+
+void World::Impl::exclude(BodyId a, BodyId b, bool excluded) {
+  requireAlive(a), requireAlive(b);
+  if (a == b) throw Error("exclusion", "two different bodies", "the same one twice");
+  const std::pair<int, int> pair = std::minmax(a.index, b.index);
+  exclusionsChanged |= excluded ? registry.exclusions.insert(pair).second : registry.exclusions.erase(pair) > 0;
+}
+
+JointDef World::Impl::inEngineFrames(JointDef def, BodyId a, BodyId b) const {
+  const auto frameOf = [&](BodyId body) { return body.index >= 0 ? registry.bodies[body].frame : ShapeFrame{}; };
+  const ShapeFrame frameA = frameOf(a), frameB = frameOf(b);
+  if (frameA.same() && frameB.same()) return def;
+  def.anchorA = frameA.pointToEngine(def.anchorA), def.anchorB = frameB.pointToEngine(def.anchorB);
+  def.frameA = conjugate(frameA.axes) * def.frameA, def.frameB = conjugate(frameB.axes) * def.frameB;
+  def.orientationAtoB = conjugate(frameB.axes) * def.orientationAtoB * frameA.axes;
+  return def;
+}
+
+JointBodies World::Impl::jointBodies(BodyId a, BodyId b) const {
+  const auto of = [&](BodyId id) {
+    if (id.index < 0) return JointBodyState{};
+    const BodyState state = engine->state(id.index);
+    return JointBodyState{state.position, state.orientation, registry.bodies[id].mass};
+  };
+  return {of(a), of(b)};
+}
+
+void World::Impl::redefine(JointId id, const JointDef& def) {
+  requireAlive(id);
+  const JointRecord& record = registry.joints[id];
+  if (def.type != record.def.type) throw Error("joint.type", "that of the joint, " + std::string(keyword(record.def.type)), keyword(def.type));
+  if (def.name != record.def.name) throw Error("joint.name", "that of the joint, \"" + record.def.name + "\"", "\"" + def.name + "\"");
+  validate(def, "joint");
+  EngineJoint joint = engineJoint(inEngineFrames(def, record.a, record.b), jointBodies(record.a, record.b), &record.engine);
+  if (joint.turned != record.engine.turned) throw Error("joint", "the same rotations locked as when it was made: they decide how turns are counted", "others");
+  if (joint.type != record.engine.type) throw Error("joint", "friction or none, as when it was made: it decides what kind of joint it is", "the other");
+  joint.a = record.engine.a, joint.b = record.engine.b;
+  wake(record.a), wake(record.b);
+  engine->editJoint(record.engineSlot, joint);
+  exclusionsChanged |= def.collide != record.def.collide;
+  JointRecord& changed = registry.joints.edit(id);
+  changed.def = def;
+  changed.engine = joint;
+}
+
+void World::Impl::findBroken(std::vector<JointId>& broken) {
+  const std::vector<std::pair<int, int>> all = engine->brokenJoints();
+  for (const JointId id : registry.joints.ids()) {
+    const JointRecord& joint = registry.joints[id];
+    if (joint.broken || !std::binary_search(all.begin(), all.end(), std::pair{static_cast<int>(joint.engine.type), joint.engineSlot})) continue;
+    exclusionsChanged |= !joint.def.collide;
+    registry.joints.edit(id).broken = true;
+    broken.push_back(id);
+  }
 }
 
 void World::Impl::flush() {
@@ -138,10 +207,10 @@ void World::Impl::flush() {
     planesChanged = false;
   }
   if (exclusionsChanged) {
-    std::vector<std::pair<int, int>> pairs;
+    std::vector<std::pair<int, int>> pairs(registry.exclusions.begin(), registry.exclusions.end());
     for (const JointId id : registry.joints.ids()) {
       const JointRecord& joint = registry.joints[id];
-      if (!joint.def.collide && joint.a.index >= 0 && joint.b.index >= 0) pairs.emplace_back(std::minmax(joint.a.index, joint.b.index));
+      if (!joint.def.collide && !joint.broken && joint.a.index >= 0 && joint.b.index >= 0) pairs.emplace_back(std::minmax(joint.a.index, joint.b.index));
     }
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
@@ -152,12 +221,14 @@ void World::Impl::flush() {
     EngineSettings settings;
     settings.params = params;
     settings.gravity = registry.gravity;
+    settings.wakeAll = std::exchange(disturbed, false);
     std::vector<double> radii;
     for (const BodyId id : registry.bodies.ids()) {
       const BodyRecord& body = registry.bodies[id];
       if (body.def.motion != Motion::Dynamic) continue;
       const double radius = body.radius;
       radii.push_back(radius);
+      settings.maxMass = std::max(settings.maxMass, body.mass.mass);
       settings.maxMassLength = std::max(settings.maxMassLength, body.mass.mass * 2 * radius);
     }
     if (!radii.empty()) {

@@ -18,6 +18,7 @@ struct ShapeFrame {
   /// The pose of the engine's frame for a pose of the author's, and back.
   BodyState toEngine(BodyState s) const {
     if (same()) return s;
+    s.orientation = normalize(s.orientation);
     s.position += rotate(s.orientation, centre);
     s.orientation = normalize(s.orientation * axes);
     return s;

@@ -121,8 +121,15 @@ TEST_P(EveryScene, JointAnchorsCoincideAtTheStart) {
     const BodyDef& def = scene.bodies[std::size_t(body)];
     return def.position + rotate(def.orientation, local);
   };
-  for (const JointDef& joint : scene.joints)
-    EXPECT_LT(length(anchor(joint.bodyA, joint.anchorA) - anchor(joint.bodyB, joint.anchorB)), 1e-9) << joint.name;
+  const auto coincide = [](JointType type) {
+    return type == JointType::Ball || type == JointType::Fixed || type == JointType::Hinge || type == JointType::Universal ||
+           type == JointType::SwingTwist || type == JointType::Grab;
+  };
+  for (const JointDef& joint : scene.joints) {
+    if (coincide(joint.type)) {
+      EXPECT_LT(length(anchor(joint.bodyA, joint.anchorA) - anchor(joint.bodyB, joint.anchorB)), 1e-9) << joint.name;
+    }
+  }
 }
 
 std::vector<std::string> sceneNames() {

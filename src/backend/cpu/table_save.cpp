@@ -8,6 +8,7 @@ namespace {
 
 /// Elements of an array that matter at present.
 std::size_t liveCount(const View& s, Per per) {
+  if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(s.joints[type]);
   switch (per) {
     case Per::Body: return static_cast<std::size_t>(s.bodies);
     case Per::Pair: return static_cast<std::size_t>(s.oldPairOffset[s.bodies]);
@@ -20,8 +21,6 @@ std::size_t liveCount(const View& s, Per per) {
     case Per::Surface: return static_cast<std::size_t>(s.surfaces);
     // none before the first step with such materials
     case Per::Rolling: return s.rolls ? static_cast<std::size_t>(s.counters->rollers) : 0;
-    case Per::Ball: return static_cast<std::size_t>(s.joints[0]);
-    case Per::Fixed: return static_cast<std::size_t>(s.joints[1]);
     default: return 0;
   }
 }
@@ -51,7 +50,7 @@ void copyClean(std::byte* to, const T* from, std::size_t bytes) {
 }
 
 struct SavedCounts {
-  int bodies, planes, pairs, manifolds, exclusions;
+  int bodies, planes, pairs, manifolds, exclusions, filtered, locked;
   int shapeVectors, shapeIndices, shapeParts, surfaces, rareShapes, rolls, rollers;
   int joints[JointTypes::kSize];
 };
@@ -61,8 +60,8 @@ struct SavedCounts {
 std::vector<std::byte> saveTables(const HostTables& tables) {
   const View& s = tables.view();
   SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->manifolds,
-                     static_cast<int>(liveCount(s, Per::Exclusion)), s.shapeVectors, s.shapeIndices, s.shapeParts, s.surfaces,
-                     s.rareShapes, s.rolls, static_cast<int>(liveCount(s, Per::Rolling)), {}};
+                     static_cast<int>(liveCount(s, Per::Exclusion)), s.filtered, s.locked, s.shapeVectors, s.shapeIndices, s.shapeParts,
+                     s.surfaces, s.rareShapes, s.rolls, static_cast<int>(liveCount(s, Per::Rolling)), {}};
   std::copy(std::begin(s.joints), std::end(s.joints), counts.joints);
   std::size_t size = sizeof counts;
   forEachKept(s, [&](const auto&, std::size_t bytes) { size += bytes; });
@@ -97,6 +96,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   View& s = tables.view();
   s.bodies = counts.bodies;
   s.planes = counts.planes;
+  s.filtered = counts.filtered, s.locked = counts.locked;
   s.shapeVectors = counts.shapeVectors, s.shapeIndices = counts.shapeIndices, s.shapeParts = counts.shapeParts;
   s.surfaces = counts.surfaces;
   s.rareShapes = counts.rareShapes != 0;
