@@ -86,6 +86,9 @@ RUBBLE_HD inline void cutToFace(const Feature& face, const Feature& incident, Re
   if (in != &result) result = *in;
 }
 
+/// Of vertices that reach as far to this share of L the first one is taken.
+inline constexpr Real kSameReach = Real(1e-4);
+
 /// Picks at most four vertices within `reach` of the face: the extreme ones along the diagonals of a frame fixed to the face, then the
 /// deepest if it stands out.
 template <int kSize>
@@ -101,13 +104,14 @@ RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, Real reach, Real le
   unsigned used = 0;
   Real depth = 0;
   for (int k = 0; k < kLanes; ++k) {
-    const Vec3 d = t1 * ((k & 1) ? Real(1) : Real(-1)) + t2 * ((k & 2) ? Real(1) : Real(-1));
+    // steeper than the diagonals of a square, to which corners of discs lie symmetric: their order would be that of round-off
+    const Vec3 d = t1 * ((k & 1) ? Real(1) : Real(-1)) + t2 * ((k & 2) ? Real(.8) : Real(-.8));
     int best = -1;
     Real most = 0;
     for (int i = 0; i < c.count; ++i) {
       if (used >> i & 1) continue;
       const Real along = dot(d, c.v[i].x);
-      if (best < 0 || along > most) best = i, most = along;
+      if (best < 0 || along > most + kSameReach * length) best = i, most = along;
     }
     used |= 1u << best;
     chosen[k] = c.v[best];
