@@ -57,6 +57,7 @@ class Tables {
     swap(view_.pair, view_.oldPair);
     swap(view_.manifold, view_.oldManifold);
     swap(view_.pairOffset, view_.oldPairOffset);
+    swap(view_.rolling, view_.oldRolling);
   }
 
  private:

@@ -5,7 +5,8 @@
 namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
-enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion, FirstJoint };
+enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
+                 ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, FirstJoint };
 /// The joint types follow one another from FirstJoint on.
 inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes::kSize;
 
@@ -34,6 +35,9 @@ struct JointTables<TypeList<F...>> : JointTable<F>... {};
 struct View : JointTables<JointTypes> {
   int bodies = 0;                     ///< slots in use, removed ones included
   int planes = 0;
+  int shapeVectors = 0, shapeIndices = 0, shapeParts = 0, surfaces = 0;  ///< elements of the shared tables in use
+  bool rareShapes = false;            ///< some body is not of a plain kind
+  bool rolls = false;                 ///< some material has rolling or torsional friction
   int cells = 0;                      ///< buckets of the grid, a power of two
   Real baseCell = 1;                  ///< [m]
   int filtered = 0;                   ///< 1: some body has a filter or is a sensor
@@ -50,6 +54,11 @@ struct View : JointTables<JointTypes> {
   int* planeBody = nullptr;           ///< indices of the planes
   int* exclusionOffset = nullptr;     ///< [bodies + 1] into exclusionBody
   int* exclusionBody = nullptr;       ///< bodies that this one does not collide with (of higher index), sorted
+  // shapes and materials that bodies share: authored
+  Vec4* shapeVector = nullptr;        ///< see ShapeTables
+  int* shapeIndex = nullptr;
+  ShapePart* shapePart = nullptr;
+  SurfaceData* surface = nullptr;     ///< materials that are more than two frictions and a restitution
   // bodies: state
   Vec3d* position = nullptr;          ///< centre of mass [m]
   Quat* orientation = nullptr;        ///< body -> world
@@ -113,11 +122,15 @@ struct View : JointTables<JointTypes> {
   int* meetBits = nullptr;            ///< part of the way that is left when its bodies meet, as the bits of a float; 0: never
   int* tested = nullptr;              ///< pairs whose narrow phase is run anew
   int* hasRows = nullptr;             ///< 1 if a point of the pair takes part in the step
+  RollingRows* rolling = nullptr;     ///< one a pair, if rolls
+  RollingRows* oldRolling = nullptr;
   int* rowOfPair = nullptr;           ///< index of its rows
   // rows
   ContactRows* contact = nullptr;     ///< one a pair that has rows, in the order of pairs
   int* joinLevel = nullptr;           ///< level of the groups at which they unite their bodies, kCoarseLevels: at none
   Entry* entry = nullptr;             ///< row blocks by body
+
+  RUBBLE_HD ShapeTables shapeTables() const { return {shapeVector, shapeIndex, shapePart}; }
 
   template <class F>
   RUBBLE_HD JointSpec<F>* specsOf() const { return JointTable<F>::spec; }
@@ -147,6 +160,10 @@ void forEachArray(F&& f) {
   is(&View::planeBody, "planeBody", "", Per::Plane, Life::Authored);
   is(&View::exclusionOffset, "exclusionOffset", "", Per::Body, Life::Authored, 1);
   is(&View::exclusionBody, "exclusionBody", "", Per::Exclusion, Life::Authored);
+  is(&View::shapeVector, "shapeVector", "m", Per::ShapeVector, Life::Authored);
+  is(&View::shapeIndex, "shapeIndex", "", Per::ShapeIndex, Life::Authored);
+  is(&View::shapePart, "shapePart", "", Per::ShapePart, Life::Authored);
+  is(&View::surface, "surface", "", Per::Surface, Life::Authored);
   is(&View::position, "position", "m", Per::Body, Life::State);
   is(&View::orientation, "orientation", "", Per::Body, Life::State);
   is(&View::velocity, "velocity", "m/s", Per::Body, Life::State);
@@ -160,6 +177,8 @@ void forEachArray(F&& f) {
   is(&View::oldPairOffset, "oldPairOffset", "", Per::Body, Life::State, 1);
   is(&View::oldPair, "oldPair", "", Per::Pair, Life::State);
   is(&View::oldManifold, "oldManifold", "", Per::Pair, Life::State);
+  is(&View::oldRolling, "oldRolling", "", Per::Rolling, Life::State);
+  is(&View::rolling, "rolling", "", Per::Rolling, Life::Work);
   forEachType(JointTypes{}, [&]<class J>() {
     const Per per = perJoint(typeIndex<J>(JointTypes{}));
     is(static_cast<JointSpec<J>* View::*>(&JointTable<J>::spec), J::kName, "", per, Life::Authored);

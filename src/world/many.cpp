@@ -97,8 +97,9 @@ void World::setStates(std::span<const BodyId> ids, std::span<const BodyState> st
     validateState(states[k], k);
   }
   for (std::size_t k = 0; k < ids.size(); ++k) {
-    if (impl_->registry.bodies[ids[k]].def.motion != Motion::Dynamic) impl_->wake(ids[k]);
-    impl_->engine->setState(ids[k].index, states[k]);
+    const BodyRecord& body = impl_->registry.bodies[ids[k]];
+    if (body.def.motion != Motion::Dynamic) impl_->wake(ids[k]);
+    impl_->engine->setState(ids[k].index, body.frame.toEngine(states[k]));
   }
 }
 

@@ -9,10 +9,10 @@
 
 namespace rubble::RUBBLE_CORE {
 
-inline ShapeData sphere(Real radius) { return {{0, 0, 0}, radius, ShapeKind::Sphere}; }
-inline ShapeData capsule(Real radius, Real halfLength) { return {{0, 0, halfLength}, radius, ShapeKind::Capsule}; }
-inline ShapeData box(const Vec3& half) { return {half, 0, ShapeKind::Box}; }
-inline ShapeData plane() { return {{0, 0, 0}, 0, ShapeKind::Plane}; }
+inline ShapeData sphere(Real radius) { return {{0, 0, 0}, radius, ShapeKind::Sphere, -1}; }
+inline ShapeData capsule(Real radius, Real halfLength) { return {{0, 0, halfLength}, radius, ShapeKind::Capsule, -1}; }
+inline ShapeData box(const Vec3& half) { return {half, 0, ShapeKind::Box, -1}; }
+inline ShapeData plane() { return {{0, 0, 0}, 0, ShapeKind::Plane, -1}; }
 
 /// Two shapes in the frame of A's centre.
 struct PairCase {

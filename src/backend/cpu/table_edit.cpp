@@ -3,23 +3,14 @@
 #include <algorithm>
 #include <bit>
 
+#include "backend/cpu/shape_edit.h"
 #include "backend/state_rows.h"
 #include "stages/joints.h"
 
 namespace rubble::RUBBLE_CORE {
 
-ShapeData shapeData(const Shape& shape) {
-  ShapeData s{{0, 0, 0}, 0, ShapeKind::Plane};
-  switch (shape.type) {
-    case ShapeType::Sphere: return {{0, 0, 0}, static_cast<Real>(shape.radius), ShapeKind::Sphere};
-    case ShapeType::Box: return {Vec3(shape.halfExtents), 0, ShapeKind::Box};
-    case ShapeType::Capsule: return {{0, 0, static_cast<Real>(shape.halfLength)}, static_cast<Real>(shape.radius), ShapeKind::Capsule};
-    case ShapeType::Plane: break;
-  }
-  return s;
-}
-
 namespace {
+
 
 Distribution distribution(std::vector<double>& values) {
   Distribution d;
@@ -60,15 +51,17 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   View& s = tables.view();
   BodyParams& p = s.params[slot];
   p.shape = shapeData(body.shape);
+  s.rareShapes |= body.kind != 0 && !isPlain(p.shape.kind);
   p.kind = static_cast<BodyKind>(body.kind);
   const bool dynamic = p.kind == BodyKind::Dynamic;
   p.mass = dynamic ? static_cast<Real>(body.mass.mass) : Real(0);
   p.inertia = dynamic ? Vec3(body.mass.inertia) : Vec3{0, 0, 0};
-  p.radius = boundingRadius(p.shape);
+  p.radius = static_cast<Real>(body.radius);
   p.muStatic = static_cast<Real>(body.material.staticFriction);
   p.muDynamic = static_cast<Real>(body.material.dynamicFriction);
   p.restitution = static_cast<Real>(body.material.restitution);
   p.gravityScale = static_cast<Real>(body.gravityScale);
+  p.surface = body.surface;
   s.extras[slot] = {static_cast<Real>(body.linearDamping), static_cast<Real>(body.angularDamping), dynamic ? body.locks : 0};
   const CollisionFilter &f = body.filter, usual;
   s.filter[slot] = {f.layers, f.mask, f.group, body.sensor};
