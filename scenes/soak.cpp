@@ -17,6 +17,8 @@ constexpr double kChurn = .2, kDisturb = .3, kJoints = .1, kSnapshot = .01, kRes
 constexpr double kDeepest = kSize;
 /// Farthest that a body may be from the start [m]: what the largest impulse would give in a minute.
 constexpr double kFarthest = 600;
+/// No body moves as fast as this [m/s]: they fall from up to 15 m and are pushed by 5 m/s.
+constexpr double kFastest = 60;
 
 Scene emptyHeap() {
   Scene scene;
@@ -191,6 +193,7 @@ void Soak::checkStates() {
                         std::fabs(s.orientation.s * s.orientation.s + dot(s.orientation.v, s.orientation.v) - 1) < 1e-3;
     expect(finite, "body " + std::to_string(id.index) + " has a state that is none");
     if (!finite) continue;
+    expect(length(s.velocity) < kFastest, "body " + std::to_string(id.index) + " flies off at " + std::to_string(length(s.velocity)) + " m/s");
     expect(s.position.z > -kDeepest, "body " + std::to_string(id.index) + " lies " + std::to_string(-s.position.z) + " m below the ground");
     expect(length(s.position) < kFarthest, "body " + std::to_string(id.index) + " is lost, " + std::to_string(length(s.position)) + " m away");
   }

@@ -155,7 +155,7 @@ RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const 
                                   sqrtOf(o.t.f1 * o.t.f1 + o.t.f2 * o.t.f2));
   const auto loaded = o.fN > zero;
   const L ceiling = contactCeiling(c, m.start, (Real(1) - c.alpha) * m.length, A::load(m.c0, lane));
-  A::store(m.kN, lane, select(loaded, minOf(grownN, ceiling), kN));
+  A::store(m.kN, lane, select(loaded, minOf(grownN, maxOf(kN, ceiling)), kN));
   A::store(m.kT, lane, select(loaded, select(o.t.inside > zero, grownT, kT), kT));
 }
 

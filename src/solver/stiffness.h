@@ -1,5 +1,7 @@
 #pragma once
 /// The penalty stiffness k of a row: where it starts and how it moves. It sets how fast multipliers converge, never what they converge to.
+#include <limits>
+
 #include "math/lanes.h"
 #include "solver/constants.h"
 
@@ -38,7 +40,8 @@ RUBBLE_HD inline StiffnessRule jointRule(const StepConstants& c, Real start, Rea
 template <class L>
 RUBBLE_HD L contactCeiling(const StepConstants& c, Real start, Real length, L depth) {
   using A = LaneAccess<L>;
-  return select(depth > A::splat(kDeepShare * length), A::splat(kDeepStiffness * start), A::splat(c.maxStiffness * start / c.startStiffness));
+  const Real deep = c.contactPolicy == StiffnessPolicy::FollowLoad ? kDeepShare * length : std::numeric_limits<Real>::max();
+  return select(depth > A::splat(deep), A::splat(kDeepStiffness * start), A::splat(c.maxStiffness * start / c.startStiffness));
 }
 
 /// Tangential rows of a contact: they start softer and follow their own load.

@@ -155,6 +155,7 @@ struct PairRows {
   Quat qa, qb;
   Vec3 t;
   Real muStatic, restitution;
+  bool bothMove;
   Vec3 belt;  ///< [m], see PairMaterial
   StiffnessRule normal, tangent;
 };
@@ -176,6 +177,7 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   const Real lighter = pa.kind != BodyKind::Dynamic ? pb.mass : pb.kind != BodyKind::Dynamic ? pa.mass : min(pa.mass, pb.mass);
   r.start = startStiffness(c, lighter);
   const PairMaterial material = pairMaterial(s, s.pair[i], o);
+  p.bothMove = pa.kind == BodyKind::Dynamic && pb.kind == BodyKind::Dynamic;
   p.muStatic = material.muStatic;
   r.muDynamic = material.muDynamic;
   p.restitution = material.restitution;
@@ -205,7 +207,13 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
     r.drift2[to] += dot(t2, p.belt) / c.driftCorrection;
   }
   r.mu[to] = stuck || isNew ? p.muStatic : r.muDynamic;
-  const Real lambda = min(warmMultiplier(c, m.lambdaN[k], true), c.maxMultiplier);
+  StiffnessRule normal = p.normal;
+  Real most = c.maxMultiplier;
+  if (p.bothMove) {
+    normal.limit = contactCeiling(c, r.start, r.length, point.depth);
+    most = min(most, normal.limit / normal.perLoad);
+  }
+  const Real lambda = min(warmMultiplier(c, m.lambdaN[k], true), most);
   Real l1 = warmMultiplier(c, m.lambda1[k], true), l2 = warmMultiplier(c, m.lambda2[k], true);
   const Real size2 = l1 * l1 + l2 * l2, bound = p.muStatic * lambda;
   if (size2 > bound * bound) {
@@ -214,8 +222,6 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
   }
   r.lambdaN[to] = lambda, r.lambda1[to] = l1, r.lambda2[to] = l2;
   const bool awake = m.awake >> k & 1;
-  StiffnessRule normal = p.normal;
-  normal.limit = contactCeiling(c, r.start, r.length, point.depth);
   r.kN[to] = !awake ? Real(0) : isNew ? coldStart(normal.start).k : warmStiffness(c, normal, m.kN[k], lambda);
   r.kT[to] = !awake ? Real(0) : isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
   return impact && c.impactRule;
