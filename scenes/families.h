@@ -15,6 +15,9 @@ std::vector<Spec> chainSpecs();      ///< hanging and swinging chains with a hea
 std::vector<Spec> ropeSpecs();       ///< ropes of bricks, a bridge, a joint grid
 std::vector<Spec> frictionSpecs();   ///< sliding and rolling
 std::vector<Spec> structureSpecs();  ///< card tower, dominoes, arch, breakable beam
+std::vector<Spec> softSolidSpecs();  ///< solids of tetrahedra
+std::vector<Spec> softSheetSpecs();  ///< cloth, nets, ropes
+std::vector<Spec> softGrainSpecs();  ///< granular particles
 std::vector<Spec> removalSpecs();    ///< stacks whose support goes
 std::vector<Spec> scaleSpecs();      ///< joints by the ten thousand
 

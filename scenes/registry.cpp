@@ -50,7 +50,8 @@ std::string nearNames(const std::string& name, const std::vector<std::string>& n
 std::vector<Spec> makeRegistry() {
   std::vector<Spec> all;
   for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &chainSpecs, &ropeSpecs, &frictionSpecs,
-                       &structureSpecs, &basicSpecs, &scaleSpecs})
+                       &structureSpecs, &basicSpecs, &scaleSpecs,
+                       &softSolidSpecs, &softSheetSpecs, &softGrainSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));
   return all;
 }

@@ -3,8 +3,10 @@
 #include <rubble/arrays.h>
 #include <rubble/error.h>
 #include <rubble/ids.h>
+#include <rubble/material.h>
 #include <rubble/math.h>
 #include <rubble/params.h>
 #include <rubble/report.h>
 #include <rubble/scene.h>
+#include <rubble/soft.h>
 #include <rubble/world.h>

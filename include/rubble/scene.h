@@ -1,20 +1,14 @@
 #pragma once
 /// What an author writes: bodies, joints and what happens to them, in physical units only. Nothing here is about the solver.
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <rubble/material.h>
 #include <rubble/math.h>
+#include <rubble/soft.h>
 
 namespace rubble {
-
-/// "hard": a constraint of infinite stiffness.
-inline constexpr double kHard = std::numeric_limits<double>::infinity();
-/// "never": a threshold that is not reached.
-inline constexpr double kUnbreakable = std::numeric_limits<double>::infinity();
-/// In place of a body index of a joint: the fixed world.
-inline constexpr int kWorld = -1;
 
 enum class ShapeType { Sphere, Box, Capsule, Plane };
 
@@ -30,13 +24,6 @@ struct Shape {
   static Shape capsule(double radius, double halfLength) { return {ShapeType::Capsule, {}, radius, halfLength}; }
   /// Half space below the body's local x-y plane (solid where local z < 0). Static bodies only.
   static Shape plane() { return {ShapeType::Plane, {}, 0, 0}; }
-};
-
-/// Surface of a body. A pair takes the geometric mean of both frictions and the larger restitution.
-struct Material {
-  double staticFriction = .6;   ///< mu_s [1]
-  double dynamicFriction = .6;  ///< mu_d [1], at most mu_s
-  double restitution = 0;       ///< e [1], for closing speeds above 1 m/s
 };
 
 enum class Motion { Static, Kinematic, Dynamic };
@@ -91,6 +78,8 @@ struct Scene {
   Vec3 gravity{0, 0, -9.81};  ///< [m/s2]
   std::vector<BodyDef> bodies;
   std::vector<JointDef> joints;
+  std::vector<Deformable> deformables;
+  std::vector<AttachmentDef> attachments;
   std::vector<Event> events;
 };
 

@@ -115,6 +115,16 @@ RUBBLE_HD void addExternalContact(const View& s, const Group& group, std::uint32
   stampContact<L>(s.step, r, side == 0, s.moved[r.a], s.moved[r.b], lane, points, shiftOf(s, group, side == 0 ? r.a : r.b));
 }
 
+/// Adds an attachment or contact of vertices, none of which is in a group.
+RUBBLE_HD inline void addExternalSoftRows(const View& s, int group, std::uint32_t code, Block6& sum) {
+  const int type = entryType(code);
+  if (type != kBodyAttachmentType && type != kBodyPointContactType) return;
+  Block6 own;
+  addSoftRows(s, code, own);
+  const int body = type == kBodyAttachmentType ? s.attachment[entryIndex(code)].body : s.pointContact[entryIndex(code)].body;
+  addShifted(sum, own, shiftOf(s, s.group[group], body));
+}
+
 RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t code, Block6& sum) {
   const int side = entrySide(code);
   forEachType(JointTypes{}, [&]<class F>() {
@@ -126,6 +136,7 @@ RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t c
     if (isInside(s, group, side == 0 ? joint.b : joint.a)) own.ll = own.aa = Sym3{}, own.al0 = own.al1 = own.al2 = {0, 0, 0};
     addShifted(sum, own, shiftOf(s, s.group[group], side == 0 ? joint.a : joint.b));
   });
+  addExternalSoftRows(s, group, code, sum);
 }
 
 /// Force and row Hessians of a chunk about the centre of its group.

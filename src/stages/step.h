@@ -1,7 +1,7 @@
 #pragma once
 /// The step on one page: algorithm 1 of the method, written once over an Executor. What runs in parallel, and where, is its business.
 #include "stages/coarse.h"
-#include "stages/coloring.h"
+#include "stages/soft_step.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -15,7 +15,7 @@ namespace rubble::RUBBLE_CORE {
 ///   group(keys, n, offsets, order, counter) indices modulo `bodies` by key, ascending; keys below 0 are left out; the counter has the number of keys
 ///   require(per, counter)                   room for that many before they are written: nothing is dropped
 ///   rounds(take, propose, counter, left)    takes turns of two kernels over as many as are counted, until `propose` leaves `left` at zero
-///   forEachColor(kernel)                    colour by colour, over its bodies
+///   forEachColor(kernel, vertexKernel)      colour by colour, over its bodies and its vertices
 ///   keepManifolds()                         those of this step are the old ones of the next
 ///   Lane                                    Real or Real4: points that one call treats side by side
 template <class E>
@@ -27,7 +27,7 @@ concept Executor = requires(E e, View& v) {
   e.scan(&View::pairCount, &View::pairOffset, 1, &Counters::pairs, Per::Pair);
   e.require(Per::Color, &Counters::colors);
   e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes);
-  e.forEachColor(SolveBody<typename E::Lane>{});
+  e.forEachColor(SolveBody<typename E::Lane>{}, SolveVertex{});
   e.forEachIn(SolveGroup{}, &View::levelGroup, 0);
   e.group(&View::groupOf, 1, &View::memberOffset, &View::member, &Counters::groups);
 };
@@ -102,30 +102,35 @@ void findIncidence(E& e) {
     e.forEach(Kernel<ContactBlocks>{}, &Counters::manifolds);
     forEachType(JointTypes{}, [&]<class F>() { e.forEach(Kernel<JointBlocks<F>>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   };
+  const bool soft = e.view().vertices > 0;
   e.clear(&View::entryCount, bodies);
   forEachBlock.template operator()<CountEntries>();
+  if (soft) countSoftEntries(e);
   e.scan(&View::entryCount, &View::entryOffset, bodies, &Counters::entries, Per::Entry);
   forEachBlock.template operator()<FillEntries>();
+  if (soft) fillSoftEntries(e);
   e.forEach(SortEntries{}, bodies);
 }
 
 template <Executor E>
-void colorBodies(E& e) {
-  const int bodies = e.view().bodies;
+void colorNodes(E& e) {
+  const int bodies = e.view().bodies, vertices = e.view().vertices;
   e.forEach(FindClashes{}, bodies);
+  e.forEach(FindVertexClashes{}, vertices);
   e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes);
   e.require(Per::Color, &Counters::colors);
   e.clear(&View::colorCount, &Counters::colors);
   e.forEach(CountColors{}, bodies);
   e.scan(&View::colorCount, &View::colorOffset, &Counters::colors);
   e.forEach(FillColors{}, bodies);
+  if (vertices > 0) listVertexColors(e);
 }
 
 /// One step of dt. Everything before the iterations happens at x^t and moves no body beyond its initial guess.
 template <Executor E>
 void step(E& e) {
   using L = typename E::Lane;
-  const int bodies = e.view().bodies;
+  const int bodies = e.view().bodies, vertices = e.view().vertices;
   const auto forEachJoint = [&]<template <class> class Kernel>() {
     forEachType(JointTypes{}, [&]<class F>() { e.forEach(Kernel<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   };
@@ -134,21 +139,29 @@ void step(E& e) {
   findPairs(e);
   findContacts(e);
   forEachJoint.template operator()<BeginJoints>();
+  if (vertices > 0) beginVertices(e);
   if (e.view().step.coarseCorrection) findGroups(e);
   findIncidence(e);
-  colorBodies(e);
+  colorNodes(e);
+  e.forEach(PredictVertices{}, vertices);
+  if (vertices > 0) e.forEach(MarkDormantPoints{}, &Counters::pointPairs);
   if (e.view().step.coarseCorrection) prepareGroups(e);
+  if (e.view().step.coarseCorrection && vertices > 0) placeClusters(e);
 
   for (int n = 0; n < e.view().step.iterations; ++n) {
     if (e.view().step.coarseCorrection) correctGroups(e, n);
-    e.forEachColor(SolveBody<L>{});
+    if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
+    e.forEachColor(SolveBody<L>{}, SolveVertex{});
     e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     forEachJoint.template operator()<UpdateJointDuals>();
+    if (vertices > 0) updateSoftDuals(e);
   }
 
   e.forEach(StoreContacts{}, &Counters::manifolds);
   forEachJoint.template operator()<FinishJoints>();
+  if (vertices > 0) finishSoftRows(e);
   e.forEach(FinishBodies{}, bodies);
+  e.forEach(FinishVertices{}, vertices);
   e.keepManifolds();
 }
 

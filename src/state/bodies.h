@@ -41,7 +41,7 @@ struct Pair {
 /// One row block that acts on a body, seen from it.
 struct Entry {
   std::uint32_t code;  ///< sorted: force type (4 bits), index (27 bits), side (1 bit)
-  int other;           ///< the other dynamic body, or -1
+  int other;           ///< the other dynamic body or vertex (kVertexNode + index), or -1
   int depth;           ///< coarse levels at which the two bodies are in different groups (nested: the finest ones)
 };
 inline constexpr int kContactType = 0;  ///< joint type i is i + 1
@@ -89,8 +89,10 @@ struct Counters {
   int pairs, manifolds, entries, colors;
   int contacts, recycled, tested;
   int groups, chunks, externals;
-  int clashing, clashes, rounds;  ///< bodies that choose a colour, those left to choose again, rounds of that
+  int clashing, clashes, rounds;  ///< nodes that choose a colour, those left to choose again, rounds of that
   int quarantined, failedSolves, spinLimited, broken;
+  int pointPairs, pointContacts, pointEntries;
+  int grainHalf[3];               ///< largest half extents of granular particles, as bits like levelHalf [m]
   int levelUsed[kGridLevels];
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]
 };

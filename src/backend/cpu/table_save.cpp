@@ -1,4 +1,4 @@
-#include "backend/cpu/table_edit.h"
+#include "backend/cpu/soft_edit.h"
 
 #include <algorithm>
 
@@ -16,7 +16,14 @@ std::size_t liveCount(const View& s, Per per) {
     case Per::Exclusion: return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
     case Per::Ball: return static_cast<std::size_t>(s.joints[0]);
     case Per::Fixed: return static_cast<std::size_t>(s.joints[1]);
-    default: return 0;
+    case Per::Vertex: return static_cast<std::size_t>(s.vertices);
+    case Per::ElementRef: return static_cast<std::size_t>(s.refOffset[s.vertices]);
+    case Per::Neighbor: return static_cast<std::size_t>(s.neighborOffset[s.vertices]);
+    case Per::PointPair: return static_cast<std::size_t>(s.oldPointPairOffset[s.vertices]);
+    case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
+    case Per::ClusterRef: return static_cast<std::size_t>(s.clusterRefs);
+    case Per::Attachment: return static_cast<std::size_t>(s.attachments);
+    default: return elementCount(s, per);
   }
 }
 
@@ -47,6 +54,8 @@ void copyClean(std::byte* to, const T* from, std::size_t bytes) {
 struct SavedCounts {
   int bodies, planes, pairs, manifolds, exclusions;
   int joints[JointTypes::kSize];
+  int pointPairs;
+  SoftCounts soft;
 };
 
 }  // namespace
@@ -54,7 +63,7 @@ struct SavedCounts {
 std::vector<std::byte> saveTables(const HostTables& tables) {
   const View& s = tables.view();
   SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->manifolds,
-                     static_cast<int>(liveCount(s, Per::Exclusion)), {}};
+                     static_cast<int>(liveCount(s, Per::Exclusion)), {}, static_cast<int>(liveCount(s, Per::PointPair)), softCounts(s)};
   std::copy(std::begin(s.joints), std::end(s.joints), counts.joints);
   std::size_t size = sizeof counts;
   forEachKept(s, [&](const auto&, std::size_t bytes) { size += bytes; });
@@ -81,6 +90,8 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   tables.reserve(Per::Manifold, counts.manifolds);
   tables.reserve(Per::Plane, counts.planes);
   tables.reserve(Per::Exclusion, counts.exclusions);
+  setSoftCounts(tables, counts.soft);
+  tables.reserve(Per::PointPair, counts.pointPairs);
   View& s = tables.view();
   s.bodies = counts.bodies;
   s.planes = counts.planes;
@@ -88,6 +99,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   // sizes of later arrays depend on these
   s.oldPairOffset[counts.bodies] = counts.pairs;
   s.exclusionOffset[counts.bodies] = counts.exclusions;
+  s.oldPointPairOffset[counts.soft.vertices] = counts.pointPairs;
   const std::byte* from = data.data() + sizeof counts;
   forEachKept(s, [&](const auto& array, std::size_t bytes) {
     if (bytes > 0) std::memcpy(s.*array.member, from, bytes);
