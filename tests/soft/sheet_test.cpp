@@ -31,6 +31,26 @@ TEST(Cloth, HangsFromTwoCornersWithoutStretchingMuch) {
   EXPECT_LT(lowest, -.85);
 }
 
+TEST(Cloth, StripStretchesUnderItsLoadAsItsModulusSays) {
+  // 1 m long, .1 m wide, E h w = 1000 N; the load comes on slowly, since a blow would fold the strip
+  ClothDef strip = clothSheet({0, 0, 0}, {0, 0, -1}, {.1, 0, 0}, 10, 1);
+  strip.youngsModulus = 1e7, strip.thickness = 1e-3, strip.poissonRatio = 0, strip.density = 100;
+  strip.collide = false;
+  strip.fixed = {0, 11};
+  World world(sceneWith(strip), options(20));
+  const SoftId id = world.deformableAt(0);
+  for (int i = 0; i < 500; ++i) {
+    const double load = 50 * std::min(1., i / 300.);
+    world.applyVertexForce(id, 10, {0, 0, -load});
+    world.applyVertexForce(id, 21, {0, 0, -load});
+    world.step();
+  }
+  // stretch s with E h w s (s^2 - 1)/2 = F; its own weight adds less than 1e-4
+  double s = 1;
+  for (int i = 0; i < 50; ++i) s -= (1000 * s * (s * s - 1) / 2 - 100.) / (1000 * (3 * s * s - 1) / 2);
+  EXPECT_NEAR(-world.positions(id)[10].z, s, 1e-3);
+}
+
 TEST(Cloth, TearsWhereItIsStretchedTooFar) {
   ClothDef cloth = clothSheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 8, 8);
   cloth.tearStretch = 1.3, cloth.density = 1000, cloth.thickness = 1e-3, cloth.youngsModulus = 1e5;
