@@ -60,7 +60,7 @@ Spec columnSpec() {
 
 // Hourglass: a funnel of four tilted slabs over a closed box; what has run through lies below the neck.
 
-constexpr double kNeck = .1, kSlabTilt = .9;
+constexpr double kNeck = .13, kSlabTilt = .9;
 
 Scene buildHourglass(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
