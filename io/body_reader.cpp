@@ -41,6 +41,39 @@ Shape readShape(const Node& node) {
   return out;
 }
 
+/// A list of layers, 0 to 31, as a bit set.
+std::uint32_t readLayers(const Node& node) {
+  std::uint32_t bits = 0;
+  for (const Node& element : node.elements("a list of layers, 0 to 31")) {
+    const auto layer = element.whole(0, "a layer, 0 to 31");
+    if (layer && *layer > 31) element.fault("a layer, 0 to 31");
+    if (layer && *layer <= 31) bits |= std::uint32_t{1} << *layer;
+  }
+  return bits;
+}
+
+/// A list of "x", "y", "z".
+std::array<bool, 3> readAxes(const Node& node) {
+  std::array<bool, 3> axes{};
+  for (const Node& element : node.elements("a list of \"x\", \"y\", \"z\""))
+    if (const auto axis = element.choice({"x", "y", "z"})) axes[*axis] = true;
+  return axes;
+}
+
+/// What a body meets, and how it is held back besides contacts and joints.
+void readExtras(ObjectReader& object, BodyDef& out) {
+  if (const auto found = object.get("inertia"))
+    out.inertia = found->vector({0, false, kPositive.max, "a moment of inertia above 0 [kg m2]"}, "three moments of inertia [kg m2]");
+  object.read("linear_damping", out.linearDamping, kNotNegative);
+  object.read("angular_damping", out.angularDamping, kNotNegative);
+  if (const auto found = object.get("lock_translation")) out.lockTranslation = readAxes(*found);
+  if (const auto found = object.get("lock_rotation")) out.lockRotation = readAxes(*found);
+  if (const auto found = object.get("layers")) out.filter.layers = readLayers(*found);
+  if (const auto found = object.get("mask")) out.filter.mask = readLayers(*found);
+  if (const auto found = object.get("group")) out.filter.group = found->whole(std::numeric_limits<int>::min(), "a whole number").value_or(0);
+  object.read("sensor", out.sensor);
+}
+
 void checkName(const Node& node, const BodyDef& body) {
   if (body.name.empty()) return;
   const Node where = node.child("name");
@@ -145,6 +178,7 @@ BodyDef BodyReader::body(const Node& node) const {
   object.read("velocity", out.velocity);
   object.read("angular_velocity", out.angularVelocity);
   object.read("gravity_scale", out.gravityScale);
+  readExtras(object, out);
   object.finish();
   checkName(node, out);
   return out;

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "io/body_reader.h"
+#include "io/joint_reader.h"
 
 namespace rubble::io {
 namespace {
@@ -18,14 +19,12 @@ class SceneReader {
 
  private:
   JointDef joint(const Node& node, const Scene& scene);
-  void readAnchors(ObjectReader& object, JointDef& joint, const Scene& scene);
-  void readJointRotation(ObjectReader& object, JointDef& joint, const Scene& scene);
   int bodyIndex(const Node& node, const Scene& scene);
   Event event(const Node& node, const Scene& scene);
+  Event::Turn turn(const Node& node);
   void checkRemoval(const Node& node, const std::string& pattern, const Scene& scene);
   FileClaim claim(const Node& node);
   FileCamera camera(const Node& node);
-  void limit(ObjectReader& object, const std::string& key, double& out, const char* word, const std::string& unit);
   std::vector<std::string> bodyNames() const;
 
   std::vector<Fault>& faults_;
@@ -55,74 +54,20 @@ int SceneReader::bodyIndex(const Node& node, const Scene& scene) {
   return kWorld;
 }
 
-/// "hard" or "never" is infinite; else a number above 0.
-void SceneReader::limit(ObjectReader& object, const std::string& key, double& out, const char* word, const std::string& unit) {
-  const auto node = object.get(key);
-  if (!node) return;
-  const std::string text = "a number above 0 [" + unit + "], or \"" + word + "\"";
-  if (node->value().is_string() && node->value().get<std::string>() == word) {
-    out = std::numeric_limits<double>::infinity();
-  } else {
-    out = node->number({0, false, kInfinity, text.c_str()}).value_or(out);
-  }
-}
-
-struct Pose {
-  Vec3 position;
-  Quat orientation;
-};
-
-Pose poseOf(const Scene& scene, int index) {
-  if (index == kWorld) return {};
-  const BodyDef& body = scene.bodies[static_cast<std::size_t>(index)];
-  return {body.position, body.orientation};
-}
-
-void SceneReader::readAnchors(ObjectReader& object, JointDef& joint, const Scene& scene) {
-  const auto anchor = object.get("anchor");
-  object.read("anchor_a", joint.anchorA);
-  object.read("anchor_b", joint.anchorB);
-  const bool own = object.get("anchor_a") || object.get("anchor_b");
-  if (anchor && own) anchor->faultText("expected either \"anchor\" (a point of the world) or \"anchor_a\" and \"anchor_b\", got both");
-  if (!anchor && !own) object.node().faultText("expected \"anchor\", a point of the world [m], or \"anchor_a\" and \"anchor_b\", got none");
-  if (!anchor || own) return;
-  const Vec3 point = anchor->vector().value_or(Vec3{});
-  const Pose a = poseOf(scene, joint.bodyA), b = poseOf(scene, joint.bodyB);
-  joint.anchorA = rotateInverse(a.orientation, point - a.position);
-  joint.anchorB = rotateInverse(b.orientation, point - b.position);
-}
-
-void SceneReader::readJointRotation(ObjectReader& object, JointDef& joint, const Scene& scene) {
-  const auto given = object.get("orientation_a_to_b");
-  const bool fixed = joint.type == JointType::Fixed;
-  if (given) {
-    joint.orientationAtoB = readOrientation(*given);
-    if (!fixed) given->faultText("expected only for a joint of type \"fixed\", got one for another");
-  } else if (fixed) {
-    joint.orientationAtoB = normalize(conjugate(poseOf(scene, joint.bodyB).orientation) * poseOf(scene, joint.bodyA).orientation);
-  }
-  limit(object, "angular_stiffness", joint.angularStiffness, "hard", "N m/rad");
-  limit(object, "break_torque", joint.breakTorque, "never", "N m");
-}
-
 JointDef SceneReader::joint(const Node& node, const Scene& scene) {
   JointDef out;
   ObjectReader object(node, "a joint");
   if (!object.isObject()) return out;
   object.read("name", out.name);
-  if (const auto found = object.need("type", "\"ball\" or \"fixed\""))
-    out.type = static_cast<JointType>(found->choice({"ball", "fixed"}).value_or(0));
+  if (const auto found = object.need("type", "\"ball\", \"hinge\" or another of the joint types"))
+    out.type = static_cast<JointType>(found->choice(jointKeywords()).value_or(0));
   const auto a = object.need("body_a", "the name or index of a body, or \"world\"");
   const auto b = object.need("body_b", "the name or index of a body, or \"world\"");
   const std::size_t before = faults_.size();
   if (a) out.bodyA = bodyIndex(*a, scene);
   if (b) out.bodyB = bodyIndex(*b, scene);
   if (a && b && faults_.size() == before && out.bodyA == out.bodyB) node.faultText("expected two different bodies, got one twice");
-  readAnchors(object, out, scene);
-  readJointRotation(object, out, scene);
-  limit(object, "stiffness", out.stiffness, "hard", "N/m");
-  limit(object, "break_force", out.breakForce, "never", "N");
-  object.read("collide", out.collide);
+  readJoint(object, out, scene);
   object.finish();
   if (!out.name.empty() && !joints_.insert(out.name).second)
     node.child("name").faultText("expected a name of its own, got " + describe(out.name) + " again");
@@ -182,6 +127,26 @@ Event SceneReader::event(const Node& node, const Scene& scene) {
       out.setVelocity.push_back(push);
     }
   }
+  if (const auto found = object.get("set_joint")) {
+    for (const Node& element : found->elements("a list")) out.setJoint.push_back(turn(element));
+  }
+  object.finish();
+  return out;
+}
+
+Event::Turn SceneReader::turn(const Node& node) {
+  Event::Turn out;
+  ObjectReader object(node, "an object with a joint and its new targets");
+  if (const auto name = object.need("joint", "the name of a joint")) {
+    out.joint = name->text().value_or("");
+    if (!out.joint.empty() && !joints_.contains(out.joint))
+      name->faultText("expected the name of a joint, got " + describe(name->value()) + hint(out.joint, {joints_.begin(), joints_.end()}));
+  }
+  if (const auto found = object.get("axis")) out.axis = found->whole(0, "the number of an axis, from 0").value_or(0);
+  if (const auto found = object.get("target_position")) out.targetPosition = found->number();
+  if (const auto found = object.get("target_speed")) out.targetSpeed = found->number();
+  if (const auto found = object.get("length")) out.length = found->number();
+  if (const auto found = object.get("grab_to")) out.grabTo = found->vector();
   object.finish();
   return out;
 }
@@ -235,6 +200,18 @@ SceneFile SceneReader::read(const Json& json) {
   }
   if (const auto found = object.get("joints"))
     for (const Node& element : found->elements("a list of joints")) scene.joints.push_back(joint(element, scene));
+  if (const auto found = object.get("exclusions")) {
+    for (const Node& element : found->elements("a list of pairs of bodies")) {
+      const std::vector<Node> two = element.elements("two bodies");
+      if (two.size() != 2) {
+        element.fault("two bodies");
+        continue;
+      }
+      const int a = bodyIndex(two[0], scene), b = bodyIndex(two[1], scene);
+      if (a == b || a == kWorld || b == kWorld) element.faultText("expected two different bodies of the scene");
+      else scene.exclusions.emplace_back(a, b);
+    }
+  }
   if (const auto found = object.get("events"))
     for (const Node& element : found->elements("a list of events")) scene.events.push_back(event(element, scene));
   if (const auto found = object.get("camera")) out.camera = camera(*found);

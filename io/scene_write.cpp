@@ -6,6 +6,7 @@
 #include <fstream>
 #include <map>
 
+#include "io/joint_reader.h"
 #include "io/json_text.h"
 #include "io/scene_json.h"
 
@@ -16,7 +17,6 @@ using Json = nlohmann::ordered_json;
 
 Json vectorJson(const Vec3& v) { return {v.x, v.y, v.z}; }
 Json quaternionJson(const Quat& q) { return {q.s, q.v.x, q.v.y, q.v.z}; }
-Json limitJson(double value, const char* word) { return std::isinf(value) ? Json(word) : Json(value); }
 
 /// The same bits, so that -0 is not taken for 0.
 bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
@@ -47,6 +47,34 @@ Json shapeJson(const Shape& shape) {
       break;
   }
   return Json::object({{"type", "plane"}});
+}
+
+Json layersJson(std::uint32_t bits) {
+  Json json = Json::array();
+  for (int layer = 0; layer < 32; ++layer)
+    if (bits >> layer & 1) json.push_back(layer);
+  return json;
+}
+
+Json axesJson(const std::array<bool, 3>& axes) {
+  Json json = Json::array();
+  for (std::size_t k = 0; k < 3; ++k)
+    if (axes[k]) json.push_back(std::string(1, "xyz"[k]));
+  return json;
+}
+
+/// What BodyReader's readExtras reads.
+void writeExtras(const BodyDef& body, Json& json) {
+  const BodyDef usual;
+  if (body.inertia) json["inertia"] = vectorJson(*body.inertia);
+  if (!same(body.linearDamping, usual.linearDamping)) json["linear_damping"] = body.linearDamping;
+  if (!same(body.angularDamping, usual.angularDamping)) json["angular_damping"] = body.angularDamping;
+  if (body.lockTranslation != usual.lockTranslation) json["lock_translation"] = axesJson(body.lockTranslation);
+  if (body.lockRotation != usual.lockRotation) json["lock_rotation"] = axesJson(body.lockRotation);
+  if (body.filter.layers != usual.filter.layers) json["layers"] = layersJson(body.filter.layers);
+  if (body.filter.mask != usual.filter.mask) json["mask"] = layersJson(body.filter.mask);
+  if (body.filter.group != usual.filter.group) json["group"] = body.filter.group;
+  if (body.sensor) json["sensor"] = true;
 }
 
 class SceneWriter {
@@ -94,6 +122,7 @@ Json SceneWriter::body(const BodyDef& body) const {
   if (!same(body.velocity, usual.velocity)) json["velocity"] = vectorJson(body.velocity);
   if (!same(body.angularVelocity, usual.angularVelocity)) json["angular_velocity"] = vectorJson(body.angularVelocity);
   if (!same(body.gravityScale, usual.gravityScale)) json["gravity_scale"] = body.gravityScale;
+  writeExtras(body, json);
   return json;
 }
 
@@ -105,21 +134,7 @@ Json SceneWriter::bodyReference(int index) const {
 }
 
 Json SceneWriter::joint(const JointDef& joint) const {
-  const JointDef usual;
-  Json json = Json::object();
-  if (!joint.name.empty()) json["name"] = joint.name;
-  json["type"] = joint.type == JointType::Ball ? "ball" : "fixed";
-  json["body_a"] = bodyReference(joint.bodyA);
-  json["body_b"] = bodyReference(joint.bodyB);
-  json["anchor_a"] = vectorJson(joint.anchorA);
-  json["anchor_b"] = vectorJson(joint.anchorB);
-  if (joint.type == JointType::Fixed) json["orientation_a_to_b"] = quaternionJson(joint.orientationAtoB);
-  if (!same(joint.stiffness, kHard)) json["stiffness"] = limitJson(joint.stiffness, "hard");
-  if (!same(joint.angularStiffness, kHard)) json["angular_stiffness"] = limitJson(joint.angularStiffness, "hard");
-  if (!same(joint.breakForce, kUnbreakable)) json["break_force"] = limitJson(joint.breakForce, "never");
-  if (!same(joint.breakTorque, kUnbreakable)) json["break_torque"] = limitJson(joint.breakTorque, "never");
-  if (joint.collide != usual.collide) json["collide"] = joint.collide;
-  return json;
+  return jointJson(joint, bodyReference(joint.bodyA), bodyReference(joint.bodyB));
 }
 
 Json SceneWriter::event(const Event& event) const {
@@ -134,6 +149,16 @@ Json SceneWriter::event(const Event& event) const {
     entry["velocity"] = vectorJson(push.velocity);
     if (!same(push.angularVelocity, {})) entry["angular_velocity"] = vectorJson(push.angularVelocity);
     json["set_velocity"].push_back(std::move(entry));
+  }
+  for (const Event::Turn& turn : event.setJoint) {
+    Json entry = Json::object();
+    entry["joint"] = turn.joint;
+    if (turn.axis != 0) entry["axis"] = turn.axis;
+    if (turn.targetPosition) entry["target_position"] = *turn.targetPosition;
+    if (turn.targetSpeed) entry["target_speed"] = *turn.targetSpeed;
+    if (turn.length) entry["length"] = *turn.length;
+    if (turn.grabTo) entry["grab_to"] = vectorJson(*turn.grabTo);
+    json["set_joint"].push_back(std::move(entry));
   }
   return json;
 }
@@ -169,6 +194,7 @@ Json SceneWriter::write() {
   json["bodies"] = Json::array();
   for (const BodyDef& added : scene.bodies) json["bodies"].push_back(body(added));
   for (const JointDef& added : scene.joints) json["joints"].push_back(joint(added));
+  for (const auto& [a, b] : scene.exclusions) json["exclusions"].push_back(Json{bodyReference(a), bodyReference(b)});
   for (const Event& added : scene.events) json["events"].push_back(event(added));
   for (const FileClaim& added : file_.claims) json["verdict"].push_back(claim(added));
   return json;

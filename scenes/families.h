@@ -18,7 +18,15 @@ std::vector<Spec> structureSpecs();  ///< card tower, dominoes, arch, breakable 
 std::vector<Spec> softSolidSpecs();  ///< solids of tetrahedra
 std::vector<Spec> softSheetSpecs();  ///< cloth, nets, ropes
 std::vector<Spec> softGrainSpecs();  ///< granular particles
+std::vector<Spec> fastSpecs();       ///< bullets against plates
+std::vector<Spec> bodySpecs();       ///< damping, locked axes, layers, sensors, sleep
 std::vector<Spec> removalSpecs();    ///< stacks whose support goes
 std::vector<Spec> scaleSpecs();      ///< joints by the ten thousand
+std::vector<Spec> jointAxisSpecs();  ///< hinges, springs, motors, ropes, breakage, grab: one axis at a time
+std::vector<Spec> machineSpecs();    ///< crank, gears, rack, pulley, universal shaft, platform
+std::vector<Spec> robotSpecs();      ///< robot arm, car
+std::vector<Spec> ragdollSpecs();    ///< ragdolls and their limbs
+std::vector<Spec> cableSpecs();      ///< mail, suspension bridge, trebuchet, wrecking ball
+std::vector<Spec> springSpecs();     ///< springs of avbd-demo3d
 
 }  // namespace rubble::scenes

@@ -49,8 +49,9 @@ std::string nearNames(const std::string& name, const std::vector<std::string>& n
 
 std::vector<Spec> makeRegistry() {
   std::vector<Spec> all;
-  for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &chainSpecs, &ropeSpecs, &frictionSpecs,
-                       &structureSpecs, &basicSpecs, &scaleSpecs,
+  for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &fastSpecs, &bodySpecs, &chainSpecs, &ropeSpecs,
+                       &frictionSpecs, &structureSpecs, &basicSpecs, &scaleSpecs, &jointAxisSpecs, &machineSpecs, &robotSpecs,
+                       &ragdollSpecs, &cableSpecs, &springSpecs,
                        &softSolidSpecs, &softSheetSpecs, &softGrainSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));
   return all;
@@ -121,6 +122,7 @@ Job prepare(const Spec& spec, const Arguments& arguments) {
   // Arguments may leave the smash out.
   const bool smashes =
       std::any_of(job.scene.events.begin(), job.scene.events.end(), [&](const Event& e) { return e.step == spec.smashStep; });
+  job.sleeping = spec.sleeping, job.events = spec.events;
   job.smashStep = smashes ? spec.smashStep : -1;
   job.probes = spec.probes(resolved, job.scene);
   job.probes.push_back(qualityProbe(smashes ? spec.smashStep * job.dt : kNoBound));

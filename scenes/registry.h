@@ -70,6 +70,8 @@ struct Spec {
   int iterations = 4;                    ///< what the verdict is stated for
   int substeps = 1;                      ///< likewise
   int smashStep = -1;                    ///< first step of the smash phase, or -1
+  bool sleeping = false;                 ///< its bodies may sleep: what the verdict is about
+  bool events = false;                   ///< its probes read events
   Arguments testArguments;               ///< a size that a test can afford
   int testSteps = 0;                     ///< 0: as `steps`
   std::vector<std::string> tags;         ///< "stack", "joint", "friction", "scale" ...
@@ -91,6 +93,7 @@ struct Job {
   int iterations = 4;
   int substeps = 1;
   int smashStep = -1;
+  bool sleeping = false, events = false;
   double dt = 1.0 / 60;  ///< time step that `steps`, `smashStep` and the events are counted in [s]; a runner at another one scales them
 };
 /// Builds the scene and its probes (those of the spec, and qualityProbe of probes.h).
@@ -116,6 +119,8 @@ class Runner {
   RunResult run(int steps, const Observer& observer = {});
 
  private:
+  static WorldOptions optionsOf(const Job& job, WorldOptions options);
+
   Job job_;
   World world_;
   std::size_t nextEvent_ = 0;

@@ -46,12 +46,25 @@ void apply(World& world, const Event& event) {
     state.angularVelocity = push.angularVelocity;
     world.setState(id, state);
   }
+  for (const Event::Turn& turn : event.setJoint) {
+    const JointId id = world.findJoint(turn.joint);
+    if (turn.targetPosition) world.setTargetPosition(id, turn.axis, *turn.targetPosition);
+    if (turn.targetSpeed) world.setTargetSpeed(id, turn.axis, *turn.targetSpeed);
+    if (turn.length) world.setLength(id, *turn.length);
+    if (turn.grabTo) world.moveGrab(id, *turn.grabTo);
+  }
 }
 
 }  // namespace
 
+WorldOptions Runner::optionsOf(const Job& job, WorldOptions options) {
+  options.params.sleeping |= job.sleeping;
+  options.events |= job.events;
+  return options;
+}
+
 Runner::Runner(Job job, const WorldOptions& options)
-    : job_(inOrder(inStepsOf(options.params.dt, std::move(job)))), world_(job_.scene, options) {}
+    : job_(inOrder(inStepsOf(options.params.dt, std::move(job)))), world_(job_.scene, optionsOf(job_, options)) {}
 
 StepReport Runner::step() {
   if (!started_) {

@@ -12,7 +12,7 @@ struct SoakOptions {
   WorldOptions world;
   std::uint64_t seed = 1;
   int bodies = 500;   ///< that the heap varies about: it holds from half as many to one and a half times
-  bool joints = false;  ///< pairs of cubes on ball and fixed joints among them
+  bool joints = true;  ///< pairs of cubes on ball and fixed joints among them
 };
 
 /// What has happened so far.
@@ -74,7 +74,8 @@ class Soak {
   Snapshot kept_;
   std::uint64_t keptHash_ = 0;
   std::vector<BodyId> keptAlive_, keptJointed_;
-  std::size_t mostSlots_ = 0, mostJoints_ = 0;
+  std::size_t mostSlots_ = 0;
+  bool joinedNow_ = false;  ///< a joint came in this step: its type may need a row more
 };
 
 }  // namespace rubble::scenes

@@ -131,7 +131,7 @@ double stiffStretch(const World& w) {
 
 Spec springsSpec() {
   Spec spec;
-  spec.name = "spring-ratio";
+  spec.name = "net-ratio";
   spec.doc = "Ten masses between two walls, joined by springs of 1e6 and 100 N/m in turn (figure 4 of the paper).";
   spec.arguments = {count("masses", 10, 2, 200, "masses"), quantity("ratio", 1e4, 1, 1e6, "1", "stiffness of every second spring over that of the others")};
   spec.build = buildSprings;

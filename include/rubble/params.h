@@ -36,6 +36,8 @@ struct Tuning {
   bool impactRule = true;         ///< multipliers of an impact are not warm-started
   bool compliantRows = true;      ///< finite stiffness by compliant multipliers; else by the ramp of the paper
   double contactMargin = .01;     ///< smallest detection margin over the bounding diameter of the smaller body [1]
+  double sleepSpeed = .02;        ///< a body is still below this speed of its surface over sqrt(g L), L its bounding diameter [1]
+  double sleepDelay = .5;         ///< an island sleeps when all of its bodies have been still for so long [s]
   double recycleTolerance = 2e-3; ///< relative motion below which a manifold is kept, over the bounding diameter [1] and in [rad]
 };
 
@@ -44,6 +46,7 @@ struct Params {
   int iterations = 10;
   int substeps = 1;      ///< full steps of dt / substeps each
   Preset preset = Preset::Engine;
+  bool sleeping = false; ///< islands of bodies that have come to rest are left out of the steps until something disturbs them
   Tuning tuning;
 
   /// The parameters of a preset.

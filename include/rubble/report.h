@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <rubble/ids.h>
+
 namespace rubble {
 
 struct StageTime {
@@ -30,6 +32,9 @@ struct StepReport {
   int colorRounds = 0;        ///< rounds of the colouring until it was proper
   int clashes = 0;            ///< neighbours left with one colour (0, or Jacobi pairs)
   int brokenJoints = 0;       ///< joints that broke in this step
+  std::vector<JointId> broken;  ///< which, by index
+  int sleepingBodies = 0;     ///< after the step
+  int stoppedBodies = 0;      ///< fast bodies that stopped where they met another; the next step deals with the impact
   int quarantined = 0;        ///< bodies frozen in this step because their state was not finite
   int failedSolves = 0;       ///< local problems left unsolved for an iteration because they were not positive definite or not finite
   int spinLimited = 0;        ///< bodies whose spin was above 2 rad a step and was limited

@@ -2,10 +2,12 @@
 /// Rubble: rigid-body physics by augmented vertex block descent. One header for everything.
 #include <rubble/arrays.h>
 #include <rubble/error.h>
+#include <rubble/events.h>
 #include <rubble/ids.h>
 #include <rubble/material.h>
 #include <rubble/math.h>
 #include <rubble/params.h>
+#include <rubble/query.h>
 #include <rubble/report.h>
 #include <rubble/scene.h>
 #include <rubble/soft.h>

@@ -1,7 +1,11 @@
 #pragma once
 /// What an author writes: bodies, joints and what happens to them, in physical units only. Nothing here is about the solver.
+#include <array>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <rubble/material.h>
@@ -9,6 +13,8 @@
 #include <rubble/soft.h>
 
 namespace rubble {
+
+struct Scene;
 
 enum class ShapeType { Sphere, Box, Capsule, Plane };
 
@@ -26,6 +32,14 @@ struct Shape {
   static Shape plane() { return {ShapeType::Plane, {}, 0, 0}; }
 };
 
+/// What a body collides with. Two bodies meet if each has a layer that the other's mask names; two of one group other than 0 always meet if
+/// its number is positive, and never if it is negative. Queries have a filter too.
+struct CollisionFilter {
+  std::uint32_t layers = 1;           ///< bit set of the layers that the body is in
+  std::uint32_t mask = 0xffffffffu;   ///< bit set of the layers that it meets
+  int group = 0;
+};
+
 enum class Motion { Static, Kinematic, Dynamic };
 
 struct BodyDef {
@@ -35,28 +49,97 @@ struct BodyDef {
   Material material;
   double density = 1000;        ///< [kg/m3], gives mass and inertia of a dynamic body unless `mass` is set
   std::optional<double> mass;   ///< [kg]; inertia scales with it
+  std::optional<Vec3> inertia;  ///< principal moments about the centre of mass, body axes, in place of those of the shape [kg m2]
   Vec3 position;                ///< centre of mass, world [m]
   Quat orientation;             ///< body -> world
   Vec3 velocity;                ///< [m/s]
   Vec3 angularVelocity;         ///< world axes [rad/s]
   double gravityScale = 1;      ///< factor on the scene's gravity [1]
+  double linearDamping = 0;     ///< c [1/s]: a free body's velocity goes with exp(-c t), exactly at any time step
+  double angularDamping = 0;    ///< likewise of the spin [1/s]
+  std::array<bool, 3> lockTranslation{};  ///< along these world axes a dynamic body does not move
+  std::array<bool, 3> lockRotation{};     ///< about these world axes it does not turn
+  CollisionFilter filter;
+  bool sensor = false;          ///< overlaps are reported, and nothing is pushed
 };
 
-enum class JointType { Ball, Fixed };
+/// docs/joints.md describes each with its axes.
+enum class JointType {
+  Ball,       ///< the anchors coincide
+  Fixed,      ///< and the relative orientation is kept
+  Hinge,      ///< A turns about the x axis of the joint
+  Slider,     ///< A travels along the x axis of the joint and does not turn
+  Distance,   ///< the anchors keep a distance
+  Rope,       ///< or a largest one
+  Spring,     ///< a spring and damper between the anchors
+  AngularSpring,  ///< a spring and damper towards a relative orientation; the anchors are free
+  SwingTwist, ///< ball joint whose x axis swings in a cone and twists within limits
+  Universal,  ///< two shafts (x axes) joined by a cross
+  SixDof,     ///< three travels and three turns, each free, limited or locked
+  Gear,       ///< turns of A and B about axes fixed in the world go together
+  Rack,       ///< turn of A about an axis fixed in the world, travel of B along a direction of the world
+  Pulley,     ///< a rope from A over two points of the world to B
+  Grab,       ///< soft drag of A's anchor to B's, with a largest force: a mouse
+};
 
-/// Ball: the two anchors coincide (3 rows). Fixed: in addition the relative orientation is kept (3 + 3 rows).
+/// No limit on that side of a free axis.
+inline constexpr double kFree = std::numeric_limits<double>::infinity();
+
+/// What acts along one axis of a joint: a travel or a length [m], or an angle [rad]. Forces are [N] or [N m], stiffnesses [N/m] or [N m/rad],
+/// dampers [N s/m] or [N m s/rad].
+struct JointAxis {
+  double min = -kFree, max = kFree;  ///< limits; equal ones lock the axis
+  double limitStiffness = kHard;     ///< of the limits, or hard
+  double limitDamping = 0;           ///< of limits with a stiffness
+  double targetPosition = 0;         ///< of the drive
+  double targetSpeed = 0;            ///< of the drive [m/s], [rad/s]
+  double driveStiffness = 0;         ///< towards targetPosition; 0: none; may be hard
+  double driveDamping = 0;           ///< towards targetSpeed; 0: none; hard: a motor that keeps its speed as far as maxDriveForce lets it
+  double maxDriveForce = kHard;      ///< largest force of the drive
+  double friction = 0;               ///< resists any motion, up to this force
+};
+
+/// A joint of two bodies, or of a body and the world. The joint's frame is anchor and x, y, z axes on each body; coordinates are those of the
+/// frame of A seen from the frame of B. `axes` by type: hinge {turn}, slider {travel}, distance, rope, spring {length}, swing-twist
+/// {swing (cone), twist}, six-dof {travel x, y, z, turn x, y, z}, gear {theta_A + ratio theta_B}, rack {ratio theta_A - travel_B}, pulley
+/// {length of A + ratio length of B}.
 struct JointDef {
   std::string name;
   JointType type = JointType::Ball;
   int bodyA = kWorld, bodyB = kWorld;  ///< indices into Scene::bodies; one of them may be kWorld
   Vec3 anchorA, anchorB;               ///< in the frame of its body [m] (world: world coordinates)
-  Quat orientationAtoB;                ///< fixed: wanted orientation of A seen from B, q_B^-1 q_A
-  double stiffness = kHard;            ///< of the anchors [N/m], or hard
+  Quat frameA, frameB;                 ///< axes of the joint in the frame of its body (world: world axes)
+  Quat orientationAtoB;                ///< fixed, slider, angular spring: wanted orientation of A seen from B, q_B^-1 q_A
+  double stiffness = kHard;            ///< of the anchors [N/m], or hard; spring, rope, distance, pulley: of the length
+  double damping = 0;                  ///< beside a stiffness [N s/m]
+  double dampingRatio = 0;             ///< in place of damping: of critical, for the two bodies alone [1]
   double angularStiffness = kHard;     ///< of the orientation [N m/rad], or hard
+  double angularDamping = 0;           ///< [N m s/rad]
+  double angularDampingRatio = 0;      ///< in place of angularDamping [1]
+  double maxForce = kHard;             ///< ball, fixed, grab: the anchors are held with this force at most [N]
+  double maxTorque = kHard;            ///< fixed, angular spring: the orientation is held with this torque at most [N m]
+  std::array<JointAxis, 6> axes;       ///< see above
+  double length = -1;                  ///< distance, rope, spring, pulley [m]; below 0: as it is when the joint is made
+  double ratio = 1;                    ///< gear, pulley [1]; rack: travel of B for a radian of A [m]
+  Vec3 pulleyA, pulleyB;               ///< pulley: points of the world that the rope runs over [m]
+  double swingY = kFree, swingZ = kFree;  ///< swing-twist: half angles of the cone about y and z [rad], up to pi
+  double friction = 0;                 ///< ball, swing-twist: torque that resists any turn [N m]
+  Quat driveOrientation;               ///< swing-twist: wanted orientation of A's frame seen from B's
+  double driveStiffness = 0;           ///< swing-twist: towards it [N m/rad]
+  double driveDamping = 0;             ///< [N m s/rad]
+  double maxDriveTorque = kHard;       ///< [N m]
   double breakForce = kUnbreakable;    ///< [N]
   double breakTorque = kUnbreakable;   ///< [N m]
   bool collide = false;                ///< do the two bodies collide with one another?
 };
+
+/// Keyword of a type in scene files, "swing_twist".
+const char* keyword(JointType type);
+/// Rotation whose x axis is that direction.
+Quat frameAlong(const Vec3& x);
+/// A joint at a point of the world [m] whose axes are those of `frame` (world), for two bodies of the scene as they are placed in it. It has no
+/// error and its angles are 0; orientationAtoB is as placed.
+JointDef jointAt(const Scene& scene, JointType type, int bodyA, int bodyB, const Vec3& point, const Quat& frame = {});
 
 /// Something that happens before the step of that index is taken (step 0 is the first).
 struct Event {
@@ -70,6 +153,16 @@ struct Event {
     Vec3 angularVelocity;                    ///< new angular velocity [rad/s]
   };
   std::vector<Push> setVelocity;
+  /// A joint has another target from then on; what is not given stays.
+  struct Turn {
+    std::string joint;
+    int axis = 0;
+    std::optional<double> targetPosition;    ///< of the axis's drive [m], [rad]
+    std::optional<double> targetSpeed;       ///< [m/s], [rad/s]
+    std::optional<double> length;            ///< distance, rope, spring, pulley [m]
+    std::optional<Vec3> grabTo;              ///< grab: world [m]
+  };
+  std::vector<Turn> setJoint;
 };
 
 struct Scene {
@@ -78,6 +171,7 @@ struct Scene {
   Vec3 gravity{0, 0, -9.81};  ///< [m/s2]
   std::vector<BodyDef> bodies;
   std::vector<JointDef> joints;
+  std::vector<std::pair<int, int>> exclusions;  ///< bodies by index that do not collide with one another
   std::vector<Deformable> deformables;
   std::vector<AttachmentDef> attachments;
   std::vector<Event> events;
@@ -94,5 +188,7 @@ MassProperties massProperties(const Shape& shape, double density);
 /// Throws Error with the path of the first thing that is wrong ("scene.bodies[3].mass").
 void validate(const Scene& scene);
 void validate(const BodyDef& body, const std::string& path);
+/// Bodies are not looked at.
+void validate(const JointDef& joint, const std::string& path);
 
 }  // namespace rubble

@@ -8,8 +8,10 @@
 
 #include <rubble/arrays.h>
 #include <rubble/error.h>
+#include <rubble/events.h>
 #include <rubble/ids.h>
 #include <rubble/params.h>
+#include <rubble/query.h>
 #include <rubble/report.h>
 #include <rubble/scene.h>
 
@@ -22,20 +24,30 @@ struct BodyState {
   Vec3 angularVelocity;  ///< world axes [rad/s]
 };
 
-/// A contact point of the last step. The force acts on B; its opposite acts on A.
-struct ContactPoint {
-  BodyId a, b;
-  Vec3 position;   ///< world [m]
-  Vec3 normal;     ///< from A to B, unit
-  double depth;    ///< > 0: penetration [m]
-  Vec3 force;      ///< on B [N]
+/// What all contacts of the last step do to a body.
+struct ContactLoad {
+  Vec3 force;           ///< [N]
+  Vec3 torque;          ///< about its centre [N m]
+  double residual = 0;  ///< deepest penetration that is left [m]
+  int points = 0;
 };
 
+/// An axis of a joint, in the order of JointDef::axes. Forces act along it on A, so that they raise `position` where they are positive.
+struct JointAxisState {
+  double position = 0;       ///< [m], [rad], counted over whole turns
+  double speed = 0;          ///< [m/s], [rad/s]
+  double limitForce = 0;     ///< [N], [N m]
+  double driveForce = 0;
+  double frictionForce = 0;
+};
+
+/// A joint after the last step.
 struct JointState {
-  double gap = 0;     ///< distance of the anchors [m]
-  double angle = 0;   ///< fixed: deviation from the wanted orientation [rad]
-  Vec3 force;         ///< on body B [N]
-  Vec3 torque;        ///< on body B [N m], of the orientation rows
+  double gap = 0;     ///< error of what is held or limited in metres: distance of the anchors, excess of a length [m]
+  double angle = 0;   ///< error of what is held or limited in angles [rad]
+  Vec3 force;         ///< on body B, at its anchor [N]
+  Vec3 torque;        ///< on body B, about its anchor [N m]
+  std::vector<JointAxisState> axes;  ///< those that the type has
   bool broken = false;
 };
 
@@ -56,6 +68,7 @@ struct WorldOptions {
   int threads = 0;              ///< 0: one a core
   Params params;
   bool timings = true;          ///< measure stages
+  bool events = false;          ///< collect the events of each step; on a device this fetches its contacts after each step
 };
 
 /// The whole state of a world, to go on from bit for bit, in that world or in another one of the same backend. On a GPU it stays on the
@@ -87,6 +100,8 @@ class World {
   // Bodies. Every call with an id that is not alive throws Error.
   BodyId add(const BodyDef& body);
   void remove(BodyId id);  ///< with its joints
+  /// Do the two collide with one another? (They do not if a joint between them says so.)
+  void setCollide(BodyId a, BodyId b, bool collide);
   bool alive(BodyId id) const;
   std::vector<BodyId> bodies() const;  ///< alive ones, by index
   BodyId find(const std::string& name) const;  ///< throws Error if there is none
@@ -138,7 +153,21 @@ class World {
   bool alive(JointId id) const;
   std::vector<JointId> joints() const;
   JointId findJoint(const std::string& name) const;
+  const JointDef& definition(JointId id) const;
   JointState state(JointId id) const;
+  /// Has another definition from the next step on: limits, drives, lengths, stiffnesses, frames. Its type must stay, and it keeps its bodies,
+  /// its multipliers and whether it is broken. What is measured when a joint is made (a length below 0, axes of gears) stays as it was.
+  void setDefinition(JointId id, const JointDef& joint);
+  /// The drive of an axis. Throws Error for an axis that the joint does not have.
+  void setTargetPosition(JointId id, int axis, double position);  ///< [m], [rad]
+  void setTargetSpeed(JointId id, int axis, double speed);        ///< [m/s], [rad/s]
+  void setLimits(JointId id, int axis, double min, double max);
+  void setLength(JointId id, double length);                      ///< distance, rope, spring, pulley [m]
+  void setDriveOrientation(JointId id, const Quat& orientation);  ///< swing-twist
+  /// Draws a point of a body (world [m]) to where it is now, and from then on to where moveGrab says, with a stiffness that swings the body's
+  /// mass at `frequency` [1/s] without overshoot, and `maxForce` [N] at most. Ends with remove().
+  JointId grab(BodyId id, const Vec3& point, double maxForce, double frequency = 5);
+  void moveGrab(JointId id, const Vec3& target);                  ///< world [m]
 
   // Deformable objects. Every call with an id that is not alive throws Error.
   SoftId add(const Deformable& deformable);
@@ -177,6 +206,18 @@ class World {
   // Measures.
   Quality quality() const;
   std::vector<ContactPoint> contacts() const;
+  ContactLoad contactLoad(BodyId id) const;
+  /// Of the last step, if WorldOptions::events is set.
+  const Events& events() const;
+  /// Sleeping (Params::sleeping). An edit or a push wakes a body with its island by itself.
+  bool asleep(BodyId id) const;
+  void wake(BodyId id);
+  // Queries, a batch at a time (query.h).
+  std::vector<RayHit> castRays(std::span<const RayQuery> rays);
+  std::vector<CastHit> castShapes(std::span<const CastQuery> casts);
+  std::vector<std::vector<BodyId>> overlaps(std::span<const OverlapQuery> shapes);  ///< of each by slot
+  std::vector<ClosestHit> closestPoints(std::span<const ClosestQuery> points);
+
   /// Bytes of the engine's tables on the device or host.
   std::size_t memoryBytes() const;
   /// Makes room in the engine's tables for `count` elements of a kind that only steps count, so that they need not grow: "pairs",

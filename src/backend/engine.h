@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <rubble/world.h>
@@ -19,18 +20,41 @@ struct EngineBody {
   Material material;
   MassProperties mass;
   double gravityScale = 1;
+  double linearDamping = 0, angularDamping = 0;
+  int locks = 0;  ///< bits 0-2: translation along x, y, z; bits 3-5: rotation about them
+  CollisionFilter filter;
+  bool sensor = false;
   BodyState state;
 };
 
-/// A joint between body slots (kWorld: none). `type`: position in the list of joint types.
+/// Joint types of the engine, in the order of JointTypes. Several types of an author may be one of them.
+enum class EngineJointType { Ball, Fixed, Hinge, Slider, Distance, Universal, SwingTwist, SixDof, Gear, Rack, Pulley };
+inline constexpr int kEngineJointTypes = 11;
+
+/// Rows that are held together: off, held, or friction towards the start of the step.
+struct EngineGroup {
+  enum class Mode { Off, Hold, Friction };
+  Mode mode = Mode::Hold;
+  double stiffness = kHard, damping = 0, bound = kHard;
+};
+
+/// A joint between body slots (kWorld: none). Groups and axes are those of its parts, in their order.
 struct EngineJoint {
-  int type = 0;
+  EngineJointType type = EngineJointType::Ball;
   int a = kWorld, b = kWorld;
   bool alive = false;
+  bool holds = true;                 ///< the bodies hang together
   Vec3 anchorA, anchorB;
-  Quat aToB;
-  double compliance[2] = {0, 0};                       ///< linear [m/N], angular [rad/(N m)]
-  double bound[2] = {kUnbreakable, kUnbreakable};      ///< [N], [N m]
+  Quat frameA, frameB, aToB;
+  Quat baseA, baseB;                 ///< gears: the axes in the world
+  Vec3 pointA, pointB, direction;    ///< pulleys, racks: in the world
+  double ratio = 1;
+  Quat driveTarget;
+  double coneY = 1, coneZ = 1;
+  std::vector<EngineGroup> groups;
+  std::vector<JointAxis> axes;
+  double breakForce = kUnbreakable, breakTorque = kUnbreakable;
+  int turned = 0;                    ///< six-dof: the author's axis i + turned (modulo 3) is axis i here
 };
 
 struct EngineContact {
@@ -47,10 +71,37 @@ struct EngineVertexContact {
   double depth;
 };
 
+/// Two bodies that touch, a < b.
+struct EngineTouch {
+  int a, b;
+  bool sensor;
+};
+
+/// A query (rubble/query.h); body slots.
+struct EngineQuery {
+  enum Kind { Ray, Cast, Overlap, Closest };
+  Kind kind = Ray;
+  Shape shape;
+  Vec3 position;
+  Quat orientation;
+  Vec3 move;
+  double reach = 0;
+  std::uint32_t layers = 0, mask = 0;
+  bool sensors = false;
+  int ignore = -1;
+};
+struct EngineHit {
+  int body;          ///< -1: none
+  double fraction;   ///< of the move; closest point: distance [m]
+  Vec3 position, normal;
+};
+
 struct EngineSettings {
   Params params;
   Vec3 gravity;
+  bool wakeAll = false;      ///< for the next step: nothing sleeps on
   double maxMassLength = 0;  ///< mass times bounding diameter of the heaviest dynamic body [kg m]
+  double maxMass = 0;        ///< of the heaviest dynamic body [kg]
   double typicalRadius = 1;  ///< bounding radius of the median dynamic body [m]
 };
 
@@ -86,6 +137,8 @@ class Engine {
   virtual void setPlanes(const std::vector<int>& slots) = 0;
   virtual void setJointCount(int type, int slots) = 0;
   virtual void setJoint(int slot, const EngineJoint& joint) = 0;
+  /// Only what is authored changes: the joint keeps its multipliers.
+  virtual void editJoint(int slot, const EngineJoint& joint) = 0;
   /// Pairs (low, high) of bodies that do not collide, sorted.
   virtual void setExclusions(const std::vector<std::pair<int, int>>& pairs) = 0;
 
@@ -121,7 +174,15 @@ class Engine {
 
   virtual Quality quality() const = 0;
   virtual std::vector<EngineContact> contacts() const = 0;
+  virtual std::vector<EngineTouch> touches() const = 0;
+  /// Slots of bodies that sleep, rising.
+  virtual std::vector<int> sleepers() const = 0;
+  virtual bool isAsleep(int slot) const = 0;
+  virtual std::vector<EngineHit> query(std::span<const EngineQuery> queries) = 0;
+  virtual std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) = 0;
   virtual JointState jointState(int type, int slot) const = 0;
+  /// (type, slot) of all joints that are broken.
+  virtual std::vector<std::pair<int, int>> brokenJoints() const = 0;
   virtual std::size_t memoryBytes() const = 0;
   virtual std::uint64_t hash() const = 0;
   virtual std::vector<std::byte> save() const = 0;

@@ -3,7 +3,16 @@
 #include <type_traits>
 
 #include "forces/ball.h"
+#include "forces/distance.h"
 #include "forces/fixed.h"
+#include "forces/gear.h"
+#include "forces/hinge.h"
+#include "forces/pulley.h"
+#include "forces/rack.h"
+#include "forces/six_dof.h"
+#include "forces/slider.h"
+#include "forces/swing_twist.h"
+#include "forces/universal.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -12,7 +21,8 @@ struct TypeList {
   static constexpr int kSize = sizeof...(F);
 };
 
-using JointTypes = TypeList<BallJoint, FixedJoint>;
+using JointTypes = TypeList<BallJoint, FixedJoint, HingeJoint, SliderJoint, DistanceJoint, UniversalJoint, SwingTwistJoint, SixDofJoint, GearJoint,
+                            RackJoint, PulleyJoint>;
 
 /// f.template operator()<F>() for each joint type, in order.
 template <class Function, class... F>

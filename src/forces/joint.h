@@ -1,13 +1,25 @@
 #pragma once
-/// What every joint shares: two bodies, groups of rows, and the loops over them. A joint type F declares
+/// What every joint shares: two bodies, a list of parts, and the loops over them. A joint type F declares
 ///
-///   kRows, kGroups   its rows and which of them share a stiffness and a bound
-///   Data             authored constants
+///   kName      keyword
+///   Parts      PartList<...> of row blocks (linear_parts.h, angular_parts.h, or its own)
+///   Data       authored constants
+///   Memory     what it remembers from step to step besides multipliers (NoMemory, or a struct with remember(data, a, b, origin))
+///   kGrounded  do its errors change when both bodies move rigidly together (it refers to the world)?
+///
+/// A part P declares kRows, kUnit, kAxis (true: one scalar coordinate with limits, drive and friction, see axis.h; false: rows that are held
+/// together, with one stiffness and one bound on the size of their force) and
+///
 ///   constraint       C(x), for the poses of A and B in a common frame
 ///   jacobian         dC/dx of A (side 0) or B (side 1), rotations in world axes on the left
 ///   curvature        column norms of sum F d2C/dx2 of that body
+///   turns            axes: what whole turns add to the coordinate (optional)
+///   kStiffnessShare  axes: factor on the row inertia that k_start and the growth of k refer to (optional)
 ///
 /// and everything else follows: warm start, primal, dual, breakage, incidence, tests.
+#include <utility>
+
+#include "forces/axis.h"
 #include "forces/contact.h"
 #include "solver/dual.h"
 
@@ -16,126 +28,288 @@ namespace rubble::RUBBLE_CORE {
 /// In place of a body index: the fixed world.
 inline constexpr int kWorldBody = -1;
 
-/// F::kGroups[g], for device code too, where a static array has no address.
-template <class F>
-RUBBLE_HD constexpr RowGroup rowGroup(int g) {
-  struct Table {
-    RowGroup groups[F::kGroupCount]{};
-    constexpr Table() {
-      for (int i = 0; i < F::kGroupCount; ++i) groups[i] = F::kGroups[i];
-    }
-  };
-  constexpr Table table;
-  return table.groups[g];
+/// Share of couplings (gear, rack, pulley), whose two bodies speed up together: at 1 the heavier mass over a pulley falls at .85 of its
+/// acceleration at 4 iterations, and a rack at .76 (docs/joints.md).
+inline constexpr Real kCouplingShare = Real(1) / 30;
+
+template <class... P>
+struct PartList {
+  static constexpr int kCount = sizeof...(P);
+};
+
+enum class GroupMode { Off, Hold, Friction };
+
+/// Authored, of rows that are held together.
+struct GroupSpec {
+  GroupMode mode;
+  Real stiffness, damping;  ///< kHardValue: hard
+  Real bound;               ///< largest force [N], [N m]
+};
+
+/// Their multipliers and what a step works with.
+template <int N>
+struct GroupRows {
+  Real lambda[N];    ///< [N], [N m]
+  Real shift[N];     ///< part of C(x^t) that is left alone
+  GroupState state;  ///< k lasts; 0 before the first step
+};
+
+template <class P>
+using PartSpec = std::conditional_t<P::kAxis, AxisSpec, GroupSpec>;
+template <class P>
+using PartRows = std::conditional_t<P::kAxis, AxisRows, GroupRows<P::kRows>>;
+
+template <int I, class T>
+struct PartSlot {
+  T value;
+};
+template <template <class> class Of, class List, class Sequence>
+struct PartStoreOf;
+template <template <class> class Of, class... P, std::size_t... I>
+struct PartStoreOf<Of, PartList<P...>, std::index_sequence<I...>> : PartSlot<static_cast<int>(I), Of<P>>... {};
+/// One Of<P> for each part P of a list.
+template <template <class> class Of, class List>
+using PartStore = PartStoreOf<Of, List, std::make_index_sequence<static_cast<std::size_t>(List::kCount)>>;
+
+template <int I, class T>
+RUBBLE_HD T& partOf(PartSlot<I, T>& slot) { return slot.value; }
+template <int I, class T>
+RUBBLE_HD const T& partOf(const PartSlot<I, T>& slot) { return slot.value; }
+
+/// f.operator()<I, P>() for each part.
+template <class Function, class... P, std::size_t... I>
+RUBBLE_HD void forEachPartOf(PartList<P...>, std::index_sequence<I...>, Function&& f) {
+  (f.template operator()<static_cast<int>(I), P>(), ...);
+}
+template <class F, class Function>
+RUBBLE_HD void forEachPart(Function&& f) {
+  forEachPartOf(typename F::Parts{}, std::make_index_sequence<static_cast<std::size_t>(F::Parts::kCount)>{}, f);
 }
 
-/// One joint of type F: authored data, state that lasts from step to step, and what a step works with.
+template <class F>
+constexpr int rowCount() {
+  int rows = 0;
+  forEachPart<F>([&]<int, class P>() { rows += P::kRows; });
+  return rows;
+}
+
+/// A joint that needs no memory of its own.
+struct NoMemory {
+  template <class D>
+  RUBBLE_HD void remember(const D&, const Pose&, const Pose&, const Vec3d&) {}
+};
+
+/// A joint of type F as authored. Read-only in a step.
+template <class F>
+struct JointSpec {
+  typename F::Data data;
+  int a, b;                       ///< bodies, or kWorldBody
+  bool alive;
+  bool holds;                     ///< does it hold its bodies together, as one group of the coarse correction?
+  Real breakForce, breakTorque;   ///< [N], [N m]
+  PartStore<PartSpec, typename F::Parts> parts;
+};
+
+/// Its state.
 template <class F>
 struct Joint {
-  typename F::Data data;
-  int a, b;                          ///< bodies, or kWorldBody
-  bool alive, broken;
-  Real bound[F::kGroupCount];        ///< break threshold of each group [N], [N m]
-  Real compliance[F::kGroupCount];   ///< 1 / K_mat, 0 hard
-  Real lambda[F::kRows];             ///< [N], [N m]
-  Real k[F::kGroupCount];            ///< 0 before the first step
-  GroupState group[F::kGroupCount];  ///< of this step
-  Real c0[F::kRows];                 ///< alpha C(x^t)
-  Vec3 offset;                       ///< p_A - p_B at x^t [m]; the step works in the frame with origin p_B^t
+  bool broken;
+  Real length;                    ///< L: bounding diameter of the smaller dynamic body [m]
+  Vec3 offset;                    ///< p_A - p_B at x^t [m]; the step works in the frame with origin p_B^t
+  typename F::Memory memory;
+  PartStore<PartRows, typename F::Parts> parts;
 };
 
-/// C(x) - alpha C(x^t)
-template <class F>
-RUBBLE_HD void regularisedError(const Joint<F>& joint, const Pose& a, const Pose& b, Real (&error)[F::kRows]) {
-  F::constraint(joint.data, a, b, error);
-  for (int i = 0; i < F::kRows; ++i) error[i] -= joint.c0[i];
-}
-
-/// Row inertia of a group: mass [kg] or moment of inertia with lever [kg m2] of the lighter dynamic body.
+/// What a joint needs to know of one of its bodies at the start of a step.
 struct JointBody {
-  Real mass;        ///< 0: not dynamic
-  Vec3 inertia;     ///< principal moments
+  Real mass;         ///< 0: not dynamic [kg]
+  Vec3 inertia;      ///< principal moments [kg m2]
+  Vec6 change;       ///< motion in this step without joints, to first order [m, rad]
 };
+
+/// Row inertia of a group: mass [kg] or moment of inertia with lever [kg m2].
 RUBBLE_HD inline Real rowInertia(const JointBody& body, RowUnit unit, Real lever2) {
   if (unit == RowUnit::Linear) return body.mass;
   return min(min(body.inertia.x, body.inertia.y), body.inertia.z) + body.mass * lever2 / 3;
 }
+/// Of a coordinate with Jacobian j: m / |j|^2, or that of the moment about the axis, with the lever r of the joint.
+RUBBLE_HD inline Real axisInertia(const JointBody& body, const Quat& q, const Vec6& j, const Vec3& r) {
+  const Real l2 = lengthSquared(j.lin), a2 = lengthSquared(j.ang);
+  if (l2 > Real(0)) return body.mass / l2;
+  if (!(a2 > Real(0))) return rowInertia(body, RowUnit::Angular, lengthSquared(r));
+  const Vec3 local = rotateInverse(q, j.ang);
+  return (dot(local, mul(body.inertia, local)) / a2 + body.mass * lengthSquared(cross(j.ang, r)) / a2) / a2;
+}
 
-/// Warm start of all rows at x^t. `stepPose` of both bodies in the joint's frame.
-template <class F>
-RUBBLE_HD void beginJoint(const StepConstants& c, Joint<F>& joint, const Pose& a, const Pose& b, const JointBody& bodyA, const JointBody& bodyB,
-                          Real length) {
-  Real error[F::kRows];
-  F::constraint(joint.data, a, b, error);
-  for (int g = 0; g < F::kGroupCount; ++g) {
-    const RowGroup group = rowGroup<F>(g);
-    Real inertia = 0;
-    if (bodyA.mass > Real(0)) inertia = rowInertia(bodyA, group.unit, F::lever2(joint.data, 0));
-    if (bodyB.mass > Real(0)) {
-      const Real other = rowInertia(bodyB, group.unit, F::lever2(joint.data, 1));
-      inertia = inertia > Real(0) ? min(inertia, other) : other;
-    }
-    GroupState& state = joint.group[g];
-    const Real compliance = joint.compliance[g];
-    const bool hard = compliance == Real(0);
-    StiffnessRule rule = jointRule(c, startStiffness(c, inertia), group.unit == RowUnit::Linear ? length : Real(1));
-    const bool ramp = !hard && !c.compliantRows;
-    if (ramp) {
-      rule.policy = StiffnessPolicy::Ramp;
-      rule.limit = min(rule.limit, Real(1) / compliance);
-      rule.start = min(rule.start, rule.limit);
-    }
-    Real size2 = 0;
-    for (int i = group.begin; i < group.begin + group.count; ++i) {
-      joint.lambda[i] = ramp ? Real(0) : warmMultiplier(c, joint.lambda[i], hard);
-      joint.c0[i] = hard ? c.alpha * error[i] : Real(0);
-      size2 += joint.lambda[i] * joint.lambda[i];
-    }
-    const Real k = joint.k[g] > Real(0) ? warmStiffness(c, rule, joint.k[g], std::sqrt(size2)) : coldStart(rule.start).k;
-    const Real ceiling = group.unit == RowUnit::Linear ? c.maxMultiplier : c.maxMultiplier * length;
-    state = {k, ramp ? Real(0) : compliance, min(joint.bound[g], ceiling), rule, !ramp};
+template <class D>
+RUBBLE_HD Vec3 leverOf(const D& d, const Quat& q, int side) {
+  if constexpr (requires { d.anchorA; }) return rotate(q, side == 0 ? d.anchorA : d.anchorB);
+  else return {0, 0, 0};
+}
+
+/// The smaller of the two inertias that are there.
+template <class Of>
+RUBBLE_HD Real lighter(const JointBody& a, const JointBody& b, Of&& of) {
+  const Real ia = a.mass > Real(0) ? of(a, 0) : Real(0), ib = b.mass > Real(0) ? of(b, 1) : Real(0);
+  return ia > Real(0) && ib > Real(0) ? min(ia, ib) : max(ia, ib);
+}
+
+template <class P, class F>
+RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const GroupSpec& own, GroupRows<P::kRows>& rows,
+                         const Pose& a, const Pose& b, const JointBody& bodyA, const JointBody& bodyB, Real bound) {
+  GroupState& state = rows.state;
+  if (own.mode == GroupMode::Off) return;
+  Real error[P::kRows];
+  P::constraint(spec.data, joint.memory, a, b, error);
+  const Real inertia = lighter(bodyA, bodyB, [&](const JointBody& body, int side) {
+    return rowInertia(body, P::kUnit, lengthSquared(leverOf(spec.data, Quat{}, side)));
+  });
+  const Real damping = own.damping * c.inverseDt;
+  const bool hard = own.stiffness >= kHardValue, friction = own.mode == GroupMode::Friction, ramp = !hard && !c.compliantRows;
+  const Real total = hard ? own.stiffness : own.stiffness + damping;
+  StiffnessRule rule = jointRule(c, startStiffness(c, inertia), P::kUnit == RowUnit::Linear ? joint.length : Real(1));
+  if (ramp) {
+    rule.policy = StiffnessPolicy::Ramp;
+    rule.limit = min(rule.limit, total);
+    rule.start = min(rule.start, rule.limit);
   }
+  const Real share = friction ? Real(1) : hard ? c.alpha : damping / total;
+  Real size2 = 0;
+  for (int i = 0; i < P::kRows; ++i) {
+    rows.lambda[i] = ramp ? Real(0) : warmMultiplier(c, rows.lambda[i], hard && !friction);
+    rows.shift[i] = share * error[i];
+    size2 += rows.lambda[i] * rows.lambda[i];
+  }
+  const Real k = state.k > Real(0) ? warmStiffness(c, rule, state.k, std::sqrt(size2)) : coldStart(rule.start).k;
+  state = {k, hard || ramp ? Real(0) : Real(1) / total, min(own.bound, bound), rule, !ramp};
+}
+
+template <class P, class F>
+RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const AxisSpec& own, AxisRows& rows,
+                         const Pose& a, const Pose& b, const JointBody& bodyA, const JointBody& bodyB, Real bound) {
+  Real value[1];
+  Vec6 ja[1], jb[1];
+  P::constraint(spec.data, joint.memory, a, b, value);
+  P::jacobian(spec.data, joint.memory, a, b, 0, ja);
+  P::jacobian(spec.data, joint.memory, a, b, 1, jb);
+  AxisSituation at;
+  at.value = value[0];
+  at.turn = 0;
+  if constexpr (requires { P::turns(spec.data, joint.memory); }) at.turn = static_cast<Real>(P::turns(spec.data, joint.memory));
+  at.change = dot(ja[0], bodyA.change) + dot(jb[0], bodyB.change);
+  at.inertia = lighter(bodyA, bodyB, [&](const JointBody& body, int side) {
+    const Quat& q = side == 0 ? a.q : b.q;
+    return axisInertia(body, q, side == 0 ? ja[0] : jb[0], leverOf(spec.data, q, side));
+  });
+  // two bodies that a coupling moves together lag behind by its stiffness: block descent moves one of them at a time
+  if constexpr (requires { P::kStiffnessShare; }) at.inertia *= P::kStiffnessShare;
+  at.length = P::kUnit == RowUnit::Linear ? joint.length : Real(1);
+  at.reach = P::kUnit == RowUnit::Linear ? Real(1) : joint.length / 2;
+  at.bound = bound;
+  beginAxis(c, own, rows, at);
+}
+
+/// Warm start of all rows at x^t: joint.offset, length and memory are set. Poses of both bodies in the joint's frame.
+template <class F>
+RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const Pose& a, const Pose& b, const JointBody& bodyA,
+                          const JointBody& bodyB) {
+  forEachPart<F>([&]<int I, class P>() {
+    const bool linear = P::kUnit == RowUnit::Linear;
+    const Real bound = linear ? min(spec.breakForce, c.maxMultiplier) : min(spec.breakTorque, c.maxMultiplier * joint.length);
+    beginPart<P>(c, spec, joint, partOf<I>(spec.parts), partOf<I>(joint.parts), a, b, bodyA, bodyB, bound);
+  });
+}
+
+/// Forces of the rows of part I and their stiffness at the present poses; false if the part does not act.
+template <class F, int I, class P>
+RUBBLE_HD bool partForces(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, Real (&force)[P::kRows], Real& hessian) {
+  const auto& rows = partOf<I>(joint.parts);
+  Real error[P::kRows];
+  if constexpr (P::kAxis) {
+    if (!actsAtAll(rows)) return false;
+    P::constraint(spec.data, joint.memory, a, b, error);
+    axisForces(rows, error[0], force[0], hessian);
+  } else {
+    if (partOf<I>(spec.parts).mode == GroupMode::Off) return false;
+    P::constraint(spec.data, joint.memory, a, b, error);
+    for (int i = 0; i < P::kRows; ++i) error[i] -= rows.shift[i];
+    groupForce<P::kRows>(rows.state, error, rows.lambda, force, P::kRows, hessian);
+  }
+  return true;
 }
 
 /// Adds all rows of a joint to the block of one of its bodies (side 0: A, 1: B).
 template <class F>
-RUBBLE_HD void stampJoint(const Joint<F>& joint, const Pose& a, const Pose& b, int side, Block6& block) {
-  Real error[F::kRows], force[F::kRows];
-  Vec6 j[F::kRows];
-  regularisedError(joint, a, b, error);
-  F::jacobian(joint.data, a, b, side, j);
-  for (int g = 0; g < F::kGroupCount; ++g) {
-    const RowGroup group = rowGroup<F>(g);
-    Real groupRows[F::kRows], hessian;
-    groupForce<F::kRows>(joint.group[g], error + group.begin, joint.lambda + group.begin, groupRows, group.count, hessian);
-    for (int i = 0; i < group.count; ++i) {
-      force[group.begin + i] = groupRows[i];
-      stampRow(block, j[group.begin + i], groupRows[i], hessian);
+RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, int side, Block6& block) {
+  forEachPart<F>([&]<int I, class P>() {
+    Real force[P::kRows], hessian;
+    if (!partForces<F, I, P>(spec, joint, a, b, force, hessian)) return;
+    Vec6 j[P::kRows];
+    P::jacobian(spec.data, joint.memory, a, b, side, j);
+    for (int i = 0; i < P::kRows; ++i) stampRow(block, j[i], force[i], hessian);
+    stampCurvature(block, P::curvature(spec.data, joint.memory, a, b, side, force));
+  });
+}
+
+/// Adds all rows of a joint to the block of a group that both of its bodies move with: by (dp + dw x shift_i, dw), with the levers
+/// shift_A, shift_B of x^t. A row changes by J_A T_A + J_B T_B, T_i = [1, -[shift_i]; 0, 1]. That would be nothing if the bodies had not moved
+/// relative to one another since x^t.
+template <class F>
+RUBBLE_HD void stampJointOfGroup(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, const Vec3& shiftA,
+                                 const Vec3& shiftB, Block6& block) {
+  forEachPart<F>([&]<int I, class P>() {
+    Real force[P::kRows], hessian;
+    if (!partForces<F, I, P>(spec, joint, a, b, force, hessian)) return;
+    Vec6 ja[P::kRows], jb[P::kRows];
+    P::jacobian(spec.data, joint.memory, a, b, 0, ja);
+    P::jacobian(spec.data, joint.memory, a, b, 1, jb);
+    for (int i = 0; i < P::kRows; ++i)
+      stampRow(block, {ja[i].lin + jb[i].lin, ja[i].ang + jb[i].ang + cross(shiftA, ja[i].lin) + cross(shiftB, jb[i].lin)}, force[i], hessian);
+  });
+}
+
+template <class F>
+RUBBLE_HD void updateJointDuals(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const Pose& a, const Pose& b) {
+  forEachPart<F>([&]<int I, class P>() {
+    auto& rows = partOf<I>(joint.parts);
+    Real error[P::kRows];
+    if constexpr (P::kAxis) {
+      if (!actsAtAll(rows)) return;
+      P::constraint(spec.data, joint.memory, a, b, error);
+      updateAxis(c, rows, error[0]);
+    } else {
+      if (partOf<I>(spec.parts).mode == GroupMode::Off) return;
+      P::constraint(spec.data, joint.memory, a, b, error);
+      for (int i = 0; i < P::kRows; ++i) error[i] -= rows.shift[i];
+      updateGroup<P::kRows>(rows.state, error, rows.lambda, P::kRows);
     }
-  }
-  stampCurvature(block, F::curvature(joint.data, a, b, side, force));
+  });
 }
 
+/// Squares of the size of all linear and of all angular forces after the last dual update [N2], [N2 m2].
 template <class F>
-RUBBLE_HD void updateJointDuals(Joint<F>& joint, const Pose& a, const Pose& b) {
-  Real error[F::kRows];
-  regularisedError(joint, a, b, error);
-  for (int g = 0; g < F::kGroupCount; ++g)
-    updateGroup<F::kRows>(joint.group[g], error + rowGroup<F>(g).begin, joint.lambda + rowGroup<F>(g).begin, rowGroup<F>(g).count);
+RUBBLE_HD void jointLoads(const JointSpec<F>& spec, const Joint<F>& joint, Real& linear, Real& angular) {
+  linear = angular = Real(0);
+  forEachPart<F>([&]<int I, class P>() {
+    const auto& rows = partOf<I>(joint.parts);
+    Real& sum = P::kUnit == RowUnit::Linear ? linear : angular;
+    if constexpr (P::kAxis) {
+      const Real load = axisLoad(rows);
+      sum += load * load;
+    } else if (partOf<I>(spec.parts).mode != GroupMode::Off) {
+      for (int i = 0; i < P::kRows; ++i) sum += rows.lambda[i] * rows.lambda[i];
+    }
+  });
 }
 
-/// Keeps the stiffness for the next step; a joint whose force has reached a break threshold is broken from now on: returns true.
+/// A joint whose force or torque has reached its break threshold is broken from now on: returns true.
 template <class F>
-RUBBLE_HD bool endJoint(Joint<F>& joint) {
-  bool broke = false;
-  for (int g = 0; g < F::kGroupCount; ++g) {
-    const RowGroup group = rowGroup<F>(g);
-    joint.k[g] = joint.group[g].k;
-    Real size2 = 0;
-    for (int i = group.begin; i < group.begin + group.count; ++i) size2 += joint.lambda[i] * joint.lambda[i];
-    // the force was cut to the bound, so "reached" is up to round-off
-    broke |= size2 >= joint.bound[g] * joint.bound[g] * (Real(1) - Real(1e-5));
-  }
+RUBBLE_HD bool endJoint(const JointSpec<F>& spec, Joint<F>& joint) {
+  Real linear, angular;
+  jointLoads(spec, joint, linear, angular);
+  // forces were cut to the threshold, so "reached" is up to round-off
+  constexpr Real kReached = Real(1) - Real(1e-5);
+  const bool broke = linear >= kReached * spec.breakForce * spec.breakForce || angular >= kReached * spec.breakTorque * spec.breakTorque;
   joint.broken |= broke;
   return broke;
 }

@@ -9,6 +9,13 @@
 #error "the core is compiled once a precision: define RUBBLE_CORE (f32 or f64) and RUBBLE_REAL (float or double)"
 #endif
 
+/// Rare and large: a call keeps its registers out of the kernels that it is called from.
+#if defined(__CUDACC__)
+#define RUBBLE_APART __noinline__
+#else
+#define RUBBLE_APART __attribute__((noinline))
+#endif
+
 namespace rubble::RUBBLE_CORE {
 
 /// The scalar of the solver.
@@ -37,6 +44,15 @@ RUBBLE_HD inline void atomicRaise(int* p, int a) {
   int old = ref.load(std::memory_order_relaxed);
   while (old < a && !ref.compare_exchange_weak(old, a, std::memory_order_relaxed)) {
   }
+#endif
+}
+
+/// *p |= bits
+RUBBLE_HD inline void atomicSet(int* p, int bits) {
+#if defined(__CUDA_ARCH__)
+  atomicOr(p, bits);
+#else
+  std::atomic_ref<int>(*p).fetch_or(bits, std::memory_order_relaxed);
 #endif
 }
 

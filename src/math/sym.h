@@ -33,17 +33,12 @@ RUBBLE_HD inline Sym3 rotateDiagonal(const Quat& q, const Vec3& d) {
   m += outer(r.c2, d.z);
   return m;
 }
-/// Solves M x = b for a symmetric positive definite 3x3 M: diagonal scaling, then LDL^T. Cofactors would lose all digits of a matrix as
-/// ill-conditioned as that of a crushed tetrahedron.
+/// Solves M x = b for a symmetric positive definite 3x3 M, by cofactors.
 RUBBLE_HD inline Vec3 solve(const Sym3& m, const Vec3& b) {
-  constexpr Real kFloor = sizeof(Real) == 8 ? Real(1e-14) : Real(1e-7);
-  const Vec3 scale{Real(1) / std::sqrt(m.xx), Real(1) / std::sqrt(m.yy), Real(1) / std::sqrt(m.zz)};
-  const Real xy = m.xy * scale.x * scale.y, xz = m.xz * scale.x * scale.z, yz = m.yz * scale.y * scale.z;
-  const Real d1 = max(Real(1) - xy * xy, kFloor), l21 = (yz - xz * xy) / d1;
-  const Real d2 = max(Real(1) - xz * xz - l21 * l21 * d1, kFloor);
-  const Real x0 = b.x * scale.x, x1 = b.y * scale.y - xy * x0, x2 = (b.z * scale.z - xz * x0 - l21 * x1) / d2;
-  const Real y1 = x1 / d1 - l21 * x2;
-  return {(x0 - xy * y1 - xz * x2) * scale.x, y1 * scale.y, x2 * scale.z};
+  const Vec3 c0 = cross(m.column(1), m.column(2)), c1 = cross(m.column(2), m.column(0)), c2 = cross(m.column(0), m.column(1));
+  const Real det = dot(m.column(0), c0);
+  const Real floor = Real(1e-12) * m.xx * m.yy * m.zz;
+  return (c0 * b.x + c1 * b.y + c2 * b.z) / max(det, floor);
 }
 
 /// The 6x6 system H dx = f of one body, linear part first: H = [[ll, la], [la^T, aa]].

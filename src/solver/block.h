@@ -28,10 +28,48 @@ RUBBLE_HD inline Vec6 newtonStep(const Block6& block) {
   return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
 }
 
+/// Bits of locked axes: 0-2 translation along world x, y, z, 3-5 rotation about them.
+RUBBLE_HD inline Vec3 unlocked(const Vec3& a, int bits) { return {bits & 1 ? Real(0) : a.x, bits & 2 ? Real(0) : a.y, bits & 4 ? Real(0) : a.z}; }
+
+/// Takes locked axes out of the system: their rows and columns are those of the diagonal, and nothing pushes along them.
+RUBBLE_HD inline void lockAxes(Block6& b, int locks) {
+  const auto keep = [&](int axis) { return (locks >> axis & 1) == 0; };
+  const auto off = [&](Sym3& m, int first) {
+    const bool x = keep(first), y = keep(first + 1), z = keep(first + 2);
+    if (!x || !y) m.xy = 0;
+    if (!x || !z) m.xz = 0;
+    if (!y || !z) m.yz = 0;
+  };
+  off(b.ll, 0), off(b.aa, 3);
+  Vec3* const columns[3] = {&b.al0, &b.al1, &b.al2};
+  for (int j = 0; j < 3; ++j) *columns[j] = keep(j) ? unlocked(*columns[j], locks >> 3) : Vec3{0, 0, 0};
+  b.fl = unlocked(b.fl, locks);
+  b.fa = unlocked(b.fa, locks >> 3);
+}
+
+/// Largest rotation of one Newton step [rad]: rows are linear in it, and a small body that is hit off its centre would answer by turning many
+/// times, which moves none of its points.
+inline constexpr Real kMostTurn = 1;
+/// Cosine of half the rotation since x^t beyond which no Newton step turns a body further (1.5 rad).
+inline constexpr Real kMostTurned = Real(.7317);
+
+/// The Newton step from a rotation q since x^t, with its own rotation in bounds; the translation is the best one for that rotation.
+RUBBLE_HD inline Vec6 trustedStep(const Block6& block, const Quat& q) {
+  Vec6 dx = newtonStep(block);
+  const Real turn2 = dot(dx.ang, dx.ang), turned = std::fabs(q.s);
+  if (turn2 > kMostTurn * kMostTurn) dx.ang *= kMostTurn / std::sqrt(turn2);
+  const Real then = std::fabs(retract({{0, 0, 0}, q}, dx).q.s);
+  const bool further = then < kMostTurned && then < turned;
+  if (further) dx.ang = {0, 0, 0};
+  if (further || turn2 > kMostTurn * kMostTurn)
+    dx.lin = solve(block.ll, block.fl - Vec3{dot(block.al0, dx.ang), dot(block.al1, dx.ang), dot(block.al2, dx.ang)});
+  return dx;
+}
+
 /// \eq{S3} One Newton step on the local problem of a body, all others held at their latest poses. A step that is not finite is not taken:
 /// returns false.
 RUBBLE_HD inline bool descend(const Block6& block, Pose& x) {
-  const Vec6 dx = newtonStep(block);
+  const Vec6 dx = trustedStep(block, x.q);
   if (!isFinite(dx.lin) || !isFinite(dx.ang)) return false;
   x = retract(x, dx);
   return true;

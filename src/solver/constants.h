@@ -12,6 +12,9 @@ inline constexpr Real kMaxSpinPerStep = 2;
 inline constexpr Real kImpactSpeed = 1;
 /// Ceiling of |lambda| in m L / dt^2 of the heaviest body of the scene [1].
 inline constexpr Real kMaxMultiplier = 100;
+/// Ceiling of |lambda| dt over the mass of the heaviest body [m/s], if that is more: what stops a small body from that speed within a step.
+/// Iterates overshoot the load of an impact, so a higher one would let heaps explode.
+inline constexpr double kMostImpulse = 1e4;
 /// Ceiling of k over m_row / dt^2 when no finite material stiffness is lower; K_mat above it is treated as hard [1].
 inline constexpr Real kHardFromStiffness = Real(1e6);
 
@@ -34,6 +37,9 @@ struct StepConstants {
   Real driftCorrection;  ///< part of a tangential drift that is corrected in a step [1]
   Real contactMargin;    ///< d_min over L [1]
   Real recycleTolerance; ///< [1], [rad]
+  bool sleeping;
+  Real sleepSpeed;       ///< surface speed below which a body of L = 1 m is still; others by sqrt(L) [m/s]
+  Real sleepDelay;       ///< [s]
   Real stiffnessRescale; ///< (dt of the last step / dt)^2 [1]
 };
 

@@ -41,6 +41,9 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.driftCorrection = static_cast<Real>(t.driftCorrection >= 0 ? std::min(1.0, t.driftCorrection * dt) : 1 - alpha);
   c.literalRotations = params.preset == Preset::Demo3d;
   c.contactMargin = static_cast<Real>(t.contactMargin);
+  c.sleeping = params.sleeping;
+  c.sleepSpeed = static_cast<Real>(t.sleepSpeed * std::sqrt(g > 0 ? g : kEarthGravity));
+  c.sleepDelay = static_cast<Real>(t.sleepDelay);
   c.recycleTolerance = static_cast<Real>(t.recycleTolerance);
   c.stiffnessRescale = previousDt > 0 ? static_cast<Real>((previousDt / dt) * (previousDt / dt)) : Real(1);
   return c;

@@ -4,8 +4,6 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline bool isDynamic(const View& s, int body) { return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic; }
-
 /// visit(body, side, other) for the dynamic bodies of a block between a and b.
 template <class Visit>
 RUBBLE_HD void visitSides(const View& s, int a, int b, Visit&& visit) {
@@ -29,12 +27,12 @@ template <class F>
 struct JointBlocks {
   static constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
   RUBBLE_HD static BlockBodies bodies(const View& s, int i) {
-    const Joint<F>& joint = s.jointsOf<F>()[i];
-    return {joint.a, joint.b, active(s, joint)};
+    const JointSpec<F>& spec = s.specsOf<F>()[i];
+    return {spec.a, spec.b, active<F>(s, i)};
   }
   RUBBLE_HD static int joinLevel(const View& s, int i) {
-    const Joint<F>& joint = s.jointsOf<F>()[i];
-    return joint.a == kWorldBody || joint.b == kWorldBody ? kCoarseLevels : finestSharedLevel(s, joint.a, joint.b);
+    const JointSpec<F>& spec = s.specsOf<F>()[i];
+    return !spec.holds || spec.a == kWorldBody || spec.b == kWorldBody ? kCoarseLevels : finestSharedLevel(s, spec.a, spec.b);
   }
 };
 

@@ -1,8 +1,15 @@
 #pragma once
 /// Begin and end of a body's step, and its primal update.
 #include "stages/soft_rows.h"
+#include "stages/stops.h"
 
 namespace rubble::RUBBLE_CORE {
+
+/// Damps v over a step by exp(-c dt); returns the mean of what is kept, (1 - exp(-c dt)) / (c dt), by which the impulse of a force counts.
+RUBBLE_HD inline Real keptBy(Real damping, Real dt, Vec3& v) {
+  v *= std::exp(-damping * dt);
+  return -std::expm1(-damping * dt) / (damping * dt);
+}
 
 /// Inertial target y [S 2], mass matrix [S 8] and initial guess of every body.
 struct PredictBodies {
@@ -10,23 +17,30 @@ struct PredictBodies {
   RUBBLE_HD void operator()(const View& s, int i) const {
     const StepConstants& c = s.step;
     const BodyParams& p = s.params[i];
-    const Vec3 v = s.velocity[i], w = s.spin[i];
+    Vec3 v = s.velocity[i], w = s.spin[i];
     Displacement& moved = s.moved[i];
-    if (p.kind != BodyKind::Dynamic) {
+    if (!isDynamic(s, i)) {
       const bool moves = p.kind == BodyKind::Kinematic;
       moved = moves ? Displacement{c.dt * v, 0, c.dt * w, 0} : Displacement{{0, 0, 0}, 0, {0, 0, 0}, 0};
       s.turned[i] = expRotation(moved.dw);
       return;
     }
     const Quat q = s.orientation[i];
-    const Vec3 acceleration = p.gravityScale * c.gravity + s.force[i] / p.mass;
+    Vec3 acceleration = p.gravityScale * c.gravity + s.force[i] / p.mass, torque = s.torque[i];
+    const BodyExtras& extras = s.extras[i];
+    // exact for constant forces: v exp(-c dt) + a (1 - exp(-c dt)) / c
+    if (extras.linearDamping > Real(0)) acceleration *= keptBy(extras.linearDamping, c.dt, v);
+    if (extras.angularDamping > Real(0)) torque *= keptBy(extras.angularDamping, c.dt, w);
+    v = unlocked(v, extras.locks), acceleration = unlocked(acceleration, extras.locks);
     Vec3 w1;
     if (c.literalRotations)
       w1 = w;
     else
-      w1 = rotate(q, torqueFreeSpin(rotateInverse(q, w), rotateInverse(q, s.torque[i]), p.inertia, c.dt));
+      w1 = rotate(q, torqueFreeSpin(rotateInverse(q, w), rotateInverse(q, torque), p.inertia, c.dt));
+    w1 = unlocked(w1, extras.locks >> 3);
     BodyTarget& target = s.target[i];
     target.mass = massMatrix(p.mass, p.inertia, q);
+    target.locks = extras.locks;
     target.y.p = inertialDisplacement(v, acceleration, c.dt);
     target.y.q = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q : expRotation(c.dt * w1);
 
@@ -47,9 +61,10 @@ RUBBLE_HD inline Pose jointPose(const View& s, int body, const Vec3& offset) {
 RUBBLE_HD inline Vec3d jointOrigin(const View& s, int body) { return body == kWorldBody ? Vec3d{} : s.position[body]; }
 
 template <class F>
-RUBBLE_HD void stampJointOfBody(const View& s, int index, int side, Block6& block) {
+RUBBLE_HD RUBBLE_APART void stampJointOfBody(const View& s, int index, int side, Block6& block) {
+  const JointSpec<F>& spec = s.specsOf<F>()[index];
   const Joint<F>& joint = s.jointsOf<F>()[index];
-  stampJoint(joint, jointPose(s, joint.a, joint.offset), jointPose(s, joint.b, {0, 0, 0}), side, block);
+  stampJoint(spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}), side, block);
 }
 
 /// Adds one lane-wise block into a scalar one.
@@ -89,7 +104,8 @@ RUBBLE_HD inline void addJoint(const View& s, std::uint32_t code, Block6& block)
 }
 
 /// Solves the local problem of a body at x and moves it.
-RUBBLE_HD inline void finishBlock(const View& s, int i, const Block6& block, Pose x) {
+RUBBLE_HD inline void finishBlock(const View& s, int i, Block6 block, Pose x) {
+  if (s.target[i].locks != 0) lockAxes(block, s.target[i].locks);
   if (!descend(block, x)) {
     atomicCount(&s.counters->failedSolves, 1);
     return;
@@ -124,7 +140,7 @@ struct FinishBodies {
     const StepConstants& c = s.step;
     s.force[i] = s.torque[i] = {0, 0, 0};
     const BodyKind kind = s.params[i].kind;
-    if (kind == BodyKind::Removed || kind == BodyKind::Static) return;
+    if (kind == BodyKind::Removed || kind == BodyKind::Static || isAsleep(s, i)) return;
     const Displacement d = s.moved[i];
     if (kind == BodyKind::Dynamic) {
       Vec3 v = c.inverseDt * d.dp;
@@ -143,8 +159,14 @@ struct FinishBodies {
       s.velocity[i] = v;
       s.spin[i] = w;
     }
-    s.position[i] += Vec3d(d.dp);
-    s.orientation[i] = normalize(s.turned[i] * s.orientation[i]);
+    if (s.stopBits[i] == 0) {
+      s.position[i] += Vec3d(d.dp);
+      s.orientation[i] = normalize(s.turned[i] * s.orientation[i]);
+    } else {
+      const Displacement& made = s.stopped[i];
+      s.position[i] += Vec3d(made.dp);
+      s.orientation[i] = normalize(expRotation(made.dw) * s.orientation[i]);
+    }
   }
 };
 

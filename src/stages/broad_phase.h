@@ -3,7 +3,7 @@
 /// partners in its own level and in all coarser ones. Buckets of cells with rising x are neighbours in memory.
 #include <cstring>
 
-#include "state/view.h"
+#include "collision/filter.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -53,8 +53,11 @@ struct ComputeBounds {
     const Real turn = min(s.step.dt * length(s.spin[i]), Real(1)) * p.radius;
     const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
     const Real grow = turn + ownMargin(s, p) + roundOff;
-    b.centre = x + sweep;
-    b.half = boundingHalf(p.shape, q) + abs(sweep) + Vec3{grow, grow, grow};
+    // who goes further than its own size may end its way in any direction
+    const Real way = s.step.dt * length(s.velocity[i]);
+    const bool anywhere = way > 2 * p.radius && p.kind == BodyKind::Dynamic;
+    b.centre = anywhere ? x : x + sweep;
+    b.half = boundingHalf(p.shape, q) + (anywhere ? Vec3{way, way, way} : abs(sweep)) + Vec3{grow, grow, grow};
     int level = 0;
     const Real widest = max(b.half.x, max(b.half.y, b.half.z));
     while (level < kGridLevels - 1 && widest > kLevelFill * cellSize(s, level)) ++level;
@@ -82,17 +85,6 @@ struct FillGrid {
   }
 };
 
-RUBBLE_HD inline bool excluded(const View& s, int a, int b) {
-  const int low = a < b ? a : b, high = a < b ? b : a;
-  for (int k = s.exclusionOffset[low]; k < s.exclusionOffset[low + 1]; ++k)
-    if (s.exclusionBody[k] == high) return true;
-  return false;
-}
-
-RUBBLE_HD inline bool mayCollide(const View& s, int a, int b) {
-  return (s.params[a].kind == BodyKind::Dynamic || s.params[b].kind == BodyKind::Dynamic) && !excluded(s, a, b);
-}
-
 /// found(other) for every partner whose pair body i owns.
 template <class Found>
 RUBBLE_HD void searchPartners(const View& s, int i, Found&& found) {
@@ -107,19 +99,28 @@ RUBBLE_HD void searchPartners(const View& s, int i, Found&& found) {
     const int x0 = cellOf(b.centre.x - reach.x, size), x1 = cellOf(b.centre.x + reach.x, size);
     const int y0 = cellOf(b.centre.y - reach.y, size), y1 = cellOf(b.centre.y + reach.y, size);
     const int z0 = cellOf(b.centre.z - reach.z, size), z1 = cellOf(b.centre.z + reach.z, size);
+    const auto tryEntry = [&](const GridEntry& e) {
+      if (level == b.level && e.body <= i) return;
+      if (std::fabs(e.centre.x - b.centre.x) > e.half.x + b.half.x || std::fabs(e.centre.y - b.centre.y) > e.half.y + b.half.y ||
+          std::fabs(e.centre.z - b.centre.z) > e.half.z + b.half.z)
+        return;
+      if (mayCollide(s, i, e.body)) found(e.body);
+    };
+    // more cells than buckets: then rather all bodies (one that flies off at any speed costs no more than that)
+    if ((double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1) > s.cells) {
+      for (int k = 0; k < s.bucketOffset[s.cells]; ++k)
+        if (s.grid[k].level == level) tryEntry(s.grid[k]);
+      continue;
+    }
     for (int z = z0; z <= z1; ++z) {
       for (int y = y0; y <= y1; ++y) {
         int bucket = bucketOf(s, level, x0, y, z);
         for (int x = x0; x <= x1; ++x, bucket = (bucket + 1) & (s.cells - 1)) {
           for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
             const GridEntry e = s.grid[k];
-            if (e.level != level || (level == b.level && e.body <= i)) continue;
-            if (std::fabs(e.centre.x - b.centre.x) > e.half.x + b.half.x || std::fabs(e.centre.y - b.centre.y) > e.half.y + b.half.y ||
-                std::fabs(e.centre.z - b.centre.z) > e.half.z + b.half.z)
-              continue;
             // another cell may share the bucket, and would be visited again
-            if (cellOf(e.centre.x, size) != x || cellOf(e.centre.y, size) != y || cellOf(e.centre.z, size) != z) continue;
-            if (mayCollide(s, i, e.body)) found(e.body);
+            if (e.level != level || cellOf(e.centre.x, size) != x || cellOf(e.centre.y, size) != y || cellOf(e.centre.z, size) != z) continue;
+            tryEntry(e);
           }
         }
       }

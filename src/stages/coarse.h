@@ -116,7 +116,7 @@ RUBBLE_HD void addExternalContact(const View& s, const Group& group, std::uint32
 }
 
 /// Adds an attachment or contact of vertices, none of which is in a group.
-RUBBLE_HD inline void addExternalSoftRows(const View& s, int group, std::uint32_t code, Block6& sum) {
+RUBBLE_HD RUBBLE_APART inline void addExternalSoftRows(const View& s, int group, std::uint32_t code, Block6& sum) {
   const int type = entryType(code);
   if (type != kBodyAttachmentType && type != kBodyPointContactType) return;
   Block6 own;
@@ -125,16 +125,28 @@ RUBBLE_HD inline void addExternalSoftRows(const View& s, int group, std::uint32_
   addShifted(sum, own, shiftOf(s, s.group[group], body));
 }
 
+template <class F>
+RUBBLE_HD RUBBLE_APART void stampJointWithGroup(const View& s, int group, int index, Block6& sum) {
+  const JointSpec<F>& spec = s.specsOf<F>()[index];
+  const Joint<F>& joint = s.jointsOf<F>()[index];
+  const Group& g = s.group[group];
+  stampJointOfGroup(spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}), shiftOf(s, g, spec.a), shiftOf(s, g, spec.b),
+                    sum);
+}
+
 RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t code, Block6& sum) {
   const int side = entrySide(code);
   forEachType(JointTypes{}, [&]<class F>() {
     if (entryType(code) != typeIndex<F>(JointTypes{}) + 1) return;
-    const Joint<F>& joint = s.jointsOf<F>()[entryIndex(code)];
+    const JointSpec<F>& spec = s.specsOf<F>()[entryIndex(code)];
+    if (!F::kGrounded && isInside(s, group, side == 0 ? spec.b : spec.a)) {
+      // both of its bodies move: one row of the motion of the group, summed where side 0 is met
+      if (side == 0) stampJointWithGroup<F>(s, group, entryIndex(code), sum);
+      return;
+    }
     Block6 own;
     stampJointOfBody<F>(s, entryIndex(code), side, own);
-    // a joint inside the group turns with it: it resists nothing, but its two forces act at points that have moved since x^t
-    if (isInside(s, group, side == 0 ? joint.b : joint.a)) own.ll = own.aa = Sym3{}, own.al0 = own.al1 = own.al2 = {0, 0, 0};
-    addShifted(sum, own, shiftOf(s, s.group[group], side == 0 ? joint.a : joint.b));
+    addShifted(sum, own, shiftOf(s, s.group[group], side == 0 ? spec.a : spec.b));
   });
   addExternalSoftRows(s, group, code, sum);
 }
@@ -168,6 +180,10 @@ RUBBLE_HD inline Vec6 groupStep(const Block6& block) {
   const bool valid = isFinite(dx.lin) && isFinite(dx.ang);
   return valid ? kGroupRelaxation * dx : Vec6{{0, 0, 0}, {0, 0, 0}};
 }
+RUBBLE_HD inline Vec6 groupStep(const Group& group, Block6 block) {
+  if (group.locks != 0) lockAxes(block, group.locks);
+  return groupStep(block);
+}
 
 struct SolveGroup {
   static constexpr const char* kName = "coarse";
@@ -176,7 +192,7 @@ struct SolveGroup {
     Block6 block = group.inertia;
     block.fl = block.fa = {0, 0, 0};
     for (int k = group.chunkBegin; k < group.chunkEnd; ++k) addShifted(block, s.chunk[k].sum, {0, 0, 0});
-    group.step = groupStep(block);
+    group.step = groupStep(group, block);
   }
 };
 

@@ -64,7 +64,7 @@ RUBBLE_HD inline bool vertexClashes(const View& s, int v, int& next) {
 struct FindClashes {
   static constexpr const char* kName = "coloring";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (s.params[i].kind != BodyKind::Dynamic) return;
+    if (!isDynamic(s, i)) return;
     if (!clashes(s, i, s.nextColor[i])) {
       raiseColors(s, s.color[i]);
       return;
@@ -114,7 +114,7 @@ struct ProposeColors {
 struct CountColors {
   static constexpr const char* kName = "coloring";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (s.params[i].kind == BodyKind::Dynamic) atomicCount(&s.colorCount[s.color[i]], 1);
+    if (isDynamic(s, i)) atomicCount(&s.colorCount[s.color[i]], 1);
   }
 };
 
@@ -122,7 +122,7 @@ struct CountColors {
 struct FillColors {
   static constexpr const char* kName = "coloring";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (s.params[i].kind != BodyKind::Dynamic) return;
+    if (!isDynamic(s, i)) return;
     const int color = s.color[i];
     s.colorBody[s.colorOffset[color] + atomicCount(&s.colorCount[color], -1) - 1] = i;
   }

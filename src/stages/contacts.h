@@ -20,6 +20,47 @@ RUBBLE_HD inline Real pairLength(const BodyParams& a, const BodyParams& b) {
 
 RUBBLE_HD inline Vec3 centreDistance(const View& s, int a, int b) { return Vec3(s.position[b] - s.position[a]); }
 
+/// What the speed of a pair can do in a step.
+struct PairSpeed {
+  Real closing;  ///< bound of the speed at which two of their points approach one another [m/s]
+  bool bullet;   ///< they may pass one another altogether: no row made before the step can tell where they meet (stages/stops.h)
+};
+RUBBLE_HD inline PairSpeed pairSpeed(const View& s, int a, int b, const BodyParams& pa, const BodyParams& pb) {
+  const Vec3 relative = s.velocity[a] - s.velocity[b];
+  const Real closing = length(relative) + length(s.spin[a]) * pa.radius + length(s.spin[b]) * pb.radius;
+  return {closing, s.step.dt * closing > pairLength(pa, pb)};
+}
+
+/// Share of the closing speed of an impact that body `own` may take over, by the masses: all of it from a body as heavy as a third of it.
+RUBBLE_HD inline Real shareOfImpact(const BodyParams& own, const BodyParams& other) {
+  if (other.kind != BodyKind::Dynamic) return 1;
+  return min(Real(1), 4 * other.mass / (own.mass + other.mass));
+}
+
+/// A body at rest that is about to be struck has rows with what it may be driven into: its neighbours look for it as for a fast one.
+struct FindAgitation {
+  static constexpr const char* kName = "agitation";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Pair p = s.pair[i];
+    const BodyParams &po = s.params[p.owner], &pb = s.params[p.other];
+    const PairSpeed speed = pairSpeed(s, p.owner, p.other, po, pb);
+    if (speed.closing < kImpactSpeed || speed.bullet || isSensor(s, p.owner) || isSensor(s, p.other)) return;
+    const auto agitate = [&](int body, const BodyParams& own, const BodyParams& other) {
+      const int bits = floatBits(speed.closing * shareOfImpact(own, other));
+      if (own.kind == BodyKind::Dynamic && bits > s.agitation[body]) atomicRaise(&s.agitation[body], bits);
+    };
+    agitate(p.owner, po, pb), agitate(p.other, pb, po);
+  }
+};
+
+RUBBLE_HD inline Real agitationOf(const View& s, int a, int b) { return max(fromFloatBits(s.agitation[a]), fromFloatBits(s.agitation[b])); }
+
+/// May a body be elsewhere than in the last step?
+RUBBLE_HD inline bool moves(const View& s, int body) {
+  if (s.params[body].kind == BodyKind::Kinematic) return s.velocity[body] != Vec3{0, 0, 0} || s.spin[body] != Vec3{0, 0, 0};
+  return s.params[body].kind == BodyKind::Dynamic ? !isAsleep(s, body) : !s.step.sleeping;
+}
+
 /// Point k of a manifold at x^t.
 struct PointAt {
   Vec3 lever;  ///< from the centre of A to the middle of the gap [m]
@@ -40,7 +81,7 @@ RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth) { r
 
 /// Displacement of a body at its inertial target.
 RUBBLE_HD inline Displacement targetDisplacement(const View& s, int body) {
-  if (s.params[body].kind != BodyKind::Dynamic) return s.moved[body];
+  if (!isDynamic(s, body)) return s.moved[body];
   const Pose& y = s.target[body].y;
   return {y.p, 0, logRotation(y.q), 0};
 }
@@ -55,6 +96,8 @@ struct WakeRule {
   RUBBLE_HD bool operator()(const View& s, const OrderedPair& o, const PairPose& pair, const Vec3& n, const PointAt& p, Real lambda) const {
     if (!s.step.dormantRows || lambda != Real(0)) return true;
     if (hits(s.step, closingSpeed(s, o, n, p.lever, pair.t), p.depth)) return true;
+    // a body that is struck in this step goes elsewhere than its target says
+    if (inheritedViolation(s.step, p.depth) + s.step.dt * agitationOf(s, o.a, o.b) > Real(0)) return true;
     const Vec3 move = a.dp + cross(a.dw, p.lever) - b.dp - cross(b.dw, p.lever - pair.t);
     return inheritedViolation(s.step, p.depth) + dot(n, move) >= -kDormantGap * pair.length;
   }
@@ -72,9 +115,9 @@ RUBBLE_HD inline PairPose pairPose(const View& s, const OrderedPair& o) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   PairPose pose{s.orientation[o.a], s.orientation[o.b], centreDistance(s, o.a, o.b), pairLength(pa, pb), 0};
   // a plane has no centre: measure from the foot of the other body's
-  const Vec3 relative = s.velocity[o.a] - s.velocity[o.b];
-  const Real approach = length(relative) + length(s.spin[o.a]) * pa.radius + length(s.spin[o.b]) * pb.radius;
-  pose.margin = max(s.step.contactMargin * pose.length, s.step.dt * approach);
+  const PairSpeed speed = pairSpeed(s, o.a, o.b, pa, pb);
+  pose.margin = s.step.contactMargin * pose.length;
+  if (!speed.bullet) pose.margin = max(pose.margin, s.step.dt * max(speed.closing, agitationOf(s, o.a, o.b)));
   return pose;
 }
 
@@ -92,11 +135,22 @@ RUBBLE_HD inline void keepManifold(const View& s, int i, const OrderedPair& o, c
   for (int k = 0; k < m.count; ++k)
     if (awake(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t), m.lambdaN[k])) m.awake |= static_cast<std::uint8_t>(1u << k);
   if (m.awake == 0) forgetPoints(m);
+  // a sensor has points, and no rows
+  const bool rows = m.awake != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
   s.manifold[i] = m;
-  s.hasRows[i] = m.awake != 0;
-  if (m.awake == 0) return;
+  s.hasRows[i] = rows;
+  if (!rows) return;
   atomicCount(&s.counters->contacts, countPoints(m.awake));
   if (m.recycled) atomicCount(&s.counters->recycled, 1);
+}
+
+/// A pair of which no body moves has everything kept as it is.
+RUBBLE_HD inline bool keepAsleep(const View& s, int i, const Pair& p, const Manifold* old) {
+  if (!old || !s.step.sleeping || moves(s, p.owner) || moves(s, p.other)) return false;
+  s.manifold[i] = *old;
+  s.manifold[i].row = -1;
+  s.hasRows[i] = 0;
+  return true;
 }
 
 /// Narrow phase of pairs that have hardly moved: the manifold of the step before. The others are listed.
@@ -107,6 +161,7 @@ struct RecycleManifolds {
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
     const Manifold* const old = findOldManifold(s, p);
+    if (keepAsleep(s, i, p, old)) return;
     if (old && recyclable(*old, pose, s.step.recycleTolerance))
       keepManifold(s, i, o, pose, recycledManifold(*old, pose));
     else

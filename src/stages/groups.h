@@ -96,6 +96,7 @@ struct BeginGroups {
     int level = 0;
     while (g >= s.levelGroup[level + 1]) ++level;
     s.group[g].level = level;
+    s.group[g].locks = 0;
     s.group[g].chunkBegin = s.chunkOffset[g];
     s.group[g].chunkEnd = s.chunkOffset[g + 1];
   }
@@ -116,6 +117,17 @@ struct MakeChunks {
     chunk.group = low;
     chunk.begin = s.memberOffset[low] + (i - s.chunkOffset[low]) * kChunkMembers;
     chunk.end = min(s.memberOffset[low + 1], chunk.begin + kChunkMembers);
+  }
+};
+
+/// A group does not move as one of its bodies must not: it does not turn such that a body would leave its line or plane either.
+struct LockGroups {
+  static constexpr const char* kName = "groups";
+  RUBBLE_HD void operator()(const View& s, int t) const {
+    const int group = s.groupOf[t], locks = s.extras[t % s.bodies].locks;
+    if (group < 0 || locks == 0) return;
+    const bool x = locks & 1, y = locks & 2, z = locks & 4;
+    atomicSet(&s.group[group].locks, locks | (y || z ? 8 : 0) | (x || z ? 16 : 0) | (x || y ? 32 : 0));
   }
 };
 

@@ -5,14 +5,18 @@
 namespace rubble::RUBBLE_CORE {
 
 template <class F>
-RUBBLE_HD bool active(const View& s, const Joint<F>& joint) {
-  const auto dynamic = [&](int body) { return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic; };
-  return joint.alive && !joint.broken && (dynamic(joint.a) || dynamic(joint.b));
+RUBBLE_HD bool active(const View& s, int i) {
+  const JointSpec<F>& spec = s.specsOf<F>()[i];
+  return spec.alive && !s.jointsOf<F>()[i].broken && (isDynamic(s, spec.a) || isDynamic(s, spec.b));
 }
 
 RUBBLE_HD inline JointBody jointBody(const View& s, int body) {
-  if (body == kWorldBody || s.params[body].kind != BodyKind::Dynamic) return {0, {0, 0, 0}};
-  return {s.params[body].mass, s.params[body].inertia};
+  if (body == kWorldBody) return {0, {0, 0, 0}, {{0, 0, 0}, {0, 0, 0}}};
+  const BodyParams& p = s.params[body];
+  const bool dynamic = p.kind == BodyKind::Dynamic;
+  Vec3 way = s.step.dt * s.velocity[body];
+  if (dynamic) way += (s.step.dt * s.step.dt) * (p.gravityScale * s.step.gravity);
+  return {dynamic ? p.mass : Real(0), p.inertia, {way, s.step.dt * s.spin[body]}};
 }
 
 /// Warm start at x^t. Runs before bodies are moved to their initial guess.
@@ -20,14 +24,18 @@ template <class F>
 struct BeginJoints {
   static constexpr const char* kName = "joint rows";
   RUBBLE_HD void operator()(const View& s, int i) const {
+    if (!active<F>(s, i)) return;
+    const JointSpec<F>& spec = s.specsOf<F>()[i];
     Joint<F>& joint = s.jointsOf<F>()[i];
-    if (!active(s, joint)) return;
-    joint.offset = Vec3(jointOrigin(s, joint.a) - jointOrigin(s, joint.b));
+    const Vec3d origin = jointOrigin(s, spec.b);
+    joint.offset = Vec3(jointOrigin(s, spec.a) - origin);
     const auto still = [&](int body, const Vec3& offset) { return Pose{offset, body == kWorldBody ? Quat{} : s.orientation[body]}; };
     const auto radius = [&](int body) { return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic ? s.params[body].radius : Real(0); };
-    const Real ra = radius(joint.a), rb = radius(joint.b);
-    const Real length = 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
-    beginJoint(s.step, joint, still(joint.a, joint.offset), still(joint.b, {0, 0, 0}), jointBody(s, joint.a), jointBody(s, joint.b), length);
+    const Real ra = radius(spec.a), rb = radius(spec.b);
+    joint.length = 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
+    const Pose a = still(spec.a, joint.offset), b = still(spec.b, {0, 0, 0});
+    joint.memory.remember(spec.data, a, b, origin);
+    beginJoint(s.step, spec, joint, a, b, jointBody(s, spec.a), jointBody(s, spec.b));
   }
 };
 
@@ -35,8 +43,10 @@ template <class F>
 struct UpdateJointDuals {
   static constexpr const char* kName = "joint dual";
   RUBBLE_HD void operator()(const View& s, int i) const {
+    if (!active<F>(s, i)) return;
+    const JointSpec<F>& spec = s.specsOf<F>()[i];
     Joint<F>& joint = s.jointsOf<F>()[i];
-    if (active(s, joint)) updateJointDuals(joint, jointPose(s, joint.a, joint.offset), jointPose(s, joint.b, {0, 0, 0}));
+    updateJointDuals(s.step, spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}));
   }
 };
 
@@ -44,8 +54,7 @@ template <class F>
 struct FinishJoints {
   static constexpr const char* kName = "joint end";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    Joint<F>& joint = s.jointsOf<F>()[i];
-    if (active(s, joint) && endJoint(joint)) atomicCount(&s.counters->broken, 1);
+    if (active<F>(s, i) && endJoint(s.specsOf<F>()[i], s.jointsOf<F>()[i])) atomicCount(&s.counters->broken, 1);
   }
 };
 

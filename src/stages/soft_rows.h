@@ -27,7 +27,7 @@ RUBBLE_HD inline Vec3 pointDisplacement(const View& s, const PointContact& p) {
 RUBBLE_HD inline bool active(const View&, const Attachment& a) { return a.alive && !a.broken; }
 
 /// Adds an attachment or contact of vertices to the block of its body.
-RUBBLE_HD inline void addSoftRows(const View& s, std::uint32_t code, Block6& block) {
+RUBBLE_HD RUBBLE_APART inline void addSoftRows(const View& s, std::uint32_t code, Block6& block) {
   if (entryType(code) == kBodyAttachmentType) {
     const Attachment& a = s.attachment[entryIndex(code)];
     a.stampBody(bodyMove(s, a), movedSum(s, a), block);

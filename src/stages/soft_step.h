@@ -1,6 +1,7 @@
 #pragma once
 /// The parts of the step that only scenes with vertices have: contacts of vertices, their elements, and their place in the graph.
 #include "stages/clusters.h"
+#include "stages/soft_sleep.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -18,9 +19,9 @@ void placeClusters(E& e) {
   e.forEach(PlaceLargeClusters{}, begin[kClusterLevels] - begin[1]);
 }
 
-/// Contacts, elements and attachments at x^t.
+/// What each vertex is near to.
 template <class E>
-void beginVertices(E& e) {
+void findVertexPairs(E& e) {
   const int vertices = e.view().vertices, cells = e.view().grainCells;
   if (cells > 0) {
     e.clear(&View::grainCount, cells);
@@ -31,6 +32,19 @@ void beginVertices(E& e) {
   e.forEach(FindPointPairs{}, vertices);
   e.scan(&View::pointPairCount, &View::pointPairOffset, vertices, &Counters::pointPairs, Per::PointPair);
   e.forEach(WritePointPairs{}, vertices);
+}
+
+/// Kernel over what keeps bodies awake.
+template <template <class> class Kernel, class E>
+void forEachSoftNeighbor(E& e) {
+  e.forEach(Kernel<NearVertex>{}, &Counters::pointPairs);
+  e.forEach(Kernel<HeldByVertices>{}, e.view().attachments);
+}
+
+/// Contacts, elements and attachments at x^t.
+template <class E>
+void beginVertices(E& e) {
+  const int vertices = e.view().vertices;
   e.forEach(UpdatePointContacts{}, &Counters::pointPairs);
   e.forEach(PlaceVertices{}, vertices);
   forEachElement<BeginElements>(e);

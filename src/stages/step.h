@@ -1,6 +1,7 @@
 #pragma once
 /// The step on one page: algorithm 1 of the method, written once over an Executor. What runs in parallel, and where, is its business.
 #include "stages/coarse.h"
+#include "stages/sleep.h"
 #include "stages/soft_step.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -44,8 +45,36 @@ void findPairs(E& e) {
   e.forEach(WritePairs{}, bodies);
 }
 
+/// Islands that something disturbs.
+template <Executor E>
+void wakeIslands(E& e) {
+  const int bodies = e.view().bodies;
+  e.clear(&View::islandFlag, bodies);
+  e.forEach(WakeByForces{}, bodies);
+  e.forEach(WakeByPairs{}, &Counters::pairs);
+  if (e.view().vertices > 0) forEachSoftNeighbor<WakeBySoft>(e);
+  forEachType(JointTypes{}, [&]<class F>() { e.forEach(WakeByJoints<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  e.forEach(WakeBodies{}, bodies);
+}
+
+/// Islands that have come to rest.
+template <Executor E>
+void sleepIslands(E& e) {
+  const int bodies = e.view().bodies;
+  e.clear(&View::islandFlag, bodies);
+  e.forEach(StartIslands{}, bodies);
+  e.forEach(JoinIslandsByPairs{}, &Counters::pairs);
+  forEachType(JointTypes{}, [&]<class F>() { e.forEach(JoinIslandsByJoints<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  e.forEach(FindRestless{}, bodies);
+  e.forEach(FindMovedIslands{}, &Counters::pairs);
+  if (e.view().vertices > 0) forEachSoftNeighbor<KeepAwakeBySoft>(e);
+  e.forEach(FallAsleep{}, bodies);
+}
+
 template <Executor E>
 void findContacts(E& e) {
+  e.clear(&View::agitation, e.view().bodies);
+  e.forEach(FindAgitation{}, &Counters::pairs);
   e.forEach(RecycleManifolds{}, &Counters::pairs);
   e.forEach(TestPairs{}, &Counters::tested);
   e.scan(&View::hasRows, &View::rowOfPair, &Counters::pairs, &Counters::manifolds, Per::Manifold);
@@ -71,6 +100,7 @@ void findGroups(E& e) {
   e.forEach(FindLevels{}, kCoarseLevels + 1);
   e.forEach(BeginGroups{}, &Counters::groups);
   e.forEach(MakeChunks{}, &Counters::chunks);
+  if (e.view().locked) e.forEach(LockGroups{}, all);
   e.forEach(SumMasses{}, &Counters::chunks);
   e.forEach(FindCentres{}, &Counters::groups);
 }
@@ -126,6 +156,16 @@ void colorNodes(E& e) {
   if (vertices > 0) listVertexColors(e);
 }
 
+/// Fast bodies stop where they meet others.
+template <Executor E>
+void stopFastBodies(E& e) {
+  e.forEach(FindFast{}, e.view().bodies);
+  e.require(Per::Pair, &Counters::swept);
+  e.forEach(FindStops{}, &Counters::swept);
+  e.forEach(ChooseStops{}, &Counters::swept);
+  e.forEach(StopBodies{}, &Counters::swept);
+}
+
 /// One step of dt. Everything before the iterations happens at x^t and moves no body beyond its initial guess.
 template <Executor E>
 void step(E& e) {
@@ -137,6 +177,8 @@ void step(E& e) {
 
   e.forEach(PredictBodies{}, bodies);
   findPairs(e);
+  if (vertices > 0) findVertexPairs(e);
+  if (e.view().step.sleeping) wakeIslands(e);
   findContacts(e);
   forEachJoint.template operator()<BeginJoints>();
   if (vertices > 0) beginVertices(e);
@@ -160,8 +202,10 @@ void step(E& e) {
   e.forEach(StoreContacts{}, &Counters::manifolds);
   forEachJoint.template operator()<FinishJoints>();
   if (vertices > 0) finishSoftRows(e);
+  stopFastBodies(e);
   e.forEach(FinishBodies{}, bodies);
   e.forEach(FinishVertices{}, vertices);
+  if (e.view().step.sleeping) sleepIslands(e);
   e.keepManifolds();
 }
 

@@ -153,7 +153,7 @@ RUBBLE_HD inline Block3 startVertexBlock(const View& s, int v) {
 
 /// Solves the local problem of a vertex and moves it. A step that is not finite is not taken.
 RUBBLE_HD inline void finishVertexBlock(const View& s, int v, const Block3& block) {
-  const Vec3 dx = solve(block.h, block.f);
+  const Vec3 dx = solve(block);
   if (!isFinite(dx)) {
     atomicCount(&s.counters->quarantined, 1);
     return;

@@ -19,6 +19,19 @@ struct BodyParams {
   Real gravityScale;
 };
 
+/// What few bodies have: read once a step.
+struct BodyExtras {
+  Real linearDamping, angularDamping;  ///< [1/s]
+  int locks;                           ///< bits 0-2: no translation along world x, y, z; bits 3-5: no rotation about them
+};
+
+/// Which bodies meet (CollisionFilter), and whether they push.
+struct BodyFilter {
+  std::uint32_t layers, mask;
+  int group;
+  int sensor;
+};
+
 /// World-aligned box swept over the step, with its cell in the grid of its level.
 struct Bounds {
   Vec3 centre, half;  ///< [m]
@@ -40,21 +53,22 @@ struct Pair {
 
 /// One row block that acts on a body, seen from it.
 struct Entry {
-  std::uint32_t code;  ///< sorted: force type (4 bits), index (27 bits), side (1 bit)
+  std::uint32_t code;  ///< sorted: force type (5 bits), index (26 bits), side (1 bit)
   int other;           ///< the other dynamic body or vertex (kVertexNode + index), or -1
   int depth;           ///< coarse levels at which the two bodies are in different groups (nested: the finest ones)
 };
 inline constexpr int kContactType = 0;  ///< joint type i is i + 1
 RUBBLE_HD constexpr std::uint32_t entryCode(int type, int index, int side) {
-  return static_cast<std::uint32_t>(type) << 28 | static_cast<std::uint32_t>(index) << 1 | static_cast<std::uint32_t>(side);
+  return static_cast<std::uint32_t>(type) << 27 | static_cast<std::uint32_t>(index) << 1 | static_cast<std::uint32_t>(side);
 }
-RUBBLE_HD constexpr int entryType(std::uint32_t code) { return static_cast<int>(code >> 28); }
-RUBBLE_HD constexpr int entryIndex(std::uint32_t code) { return static_cast<int>((code & 0x0fffffffu) >> 1); }
+RUBBLE_HD constexpr int entryType(std::uint32_t code) { return static_cast<int>(code >> 27); }
+RUBBLE_HD constexpr int entryIndex(std::uint32_t code) { return static_cast<int>((code & 0x07ffffffu) >> 1); }
 RUBBLE_HD constexpr int entrySide(std::uint32_t code) { return static_cast<int>(code & 1u); }
 
 /// Where a body would go without constraints, and its inertia, in this step.
 struct BodyTarget {
   MassMatrix mass;
+  int locks;          ///< of BodyExtras
   Pose y;             ///< displacement [m] and rotation relative to x^t
 };
 
@@ -69,6 +83,7 @@ struct Group {
   Block6 inertia;     ///< Hessian of the inertia of its bodies about the centre; force unused
   Vec6 step;          ///< motion found by the last solve [m, rad]
   int level;
+  int locks;          ///< motions that one of its bodies must not make, as in BodyExtras
   int chunkBegin, chunkEnd;
 };
 
@@ -90,6 +105,9 @@ struct Counters {
   int contacts, recycled, tested;
   int groups, chunks, externals;
   int clashing, clashes, rounds;  ///< nodes that choose a colour, those left to choose again, rounds of that
+  int swept;    ///< pairs to be searched for fast bodies: all, or none
+  int stopped;  ///< bodies that stopped at an impact
+  int asleep;   ///< bodies that sleep after this step
   int quarantined, failedSolves, spinLimited, broken;
   int pointPairs, pointContacts, pointEntries;
   int grainHalf[3];               ///< largest half extents of granular particles, as bits like levelHalf [m]

@@ -6,10 +6,11 @@
 namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
-enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion, Ball, Fixed,
+enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
                  Vertex, VertexSlot, Neighbor, ElementRef, PointPair, PointEntry, GrainCell, Attachment, Cluster, ClusterRef, Node,
-                 Tetrahedron, Membrane, FlatBend, FoldBend, LineBend, Spring };
-inline constexpr int kPerCount = 33;
+                 FirstElement, FirstJoint = FirstElement + ElementTypes::kSize };
+/// The element types follow one another from FirstElement on, the joint types from FirstJoint on.
+inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes::kSize;
 
 /// How long its content matters: authored (written by edits), state (from step to step), work (inside one step),
 /// unordered (work whose order of elements is not fixed and has no influence on results).
@@ -18,17 +19,32 @@ enum class Life { Authored, State, Work, Unordered };
 /// Candidates that a body may own before its pairs are searched a second time.
 inline constexpr int kPairSlots = 20;
 
-template <class F>
-constexpr Per perJoint() { return static_cast<Per>(static_cast<int>(Per::Ball) + typeIndex<F>(JointTypes{})); }
+constexpr Per perJoint(int type) { return static_cast<Per>(static_cast<int>(Per::FirstJoint) + type); }
+/// The joint type that a kind of element is one of, or -1.
+constexpr int jointTypeOf(Per per) { return per < Per::FirstJoint ? -1 : static_cast<int>(per) - static_cast<int>(Per::FirstJoint); }
 
 template <class F>
-constexpr Per perElement() { return static_cast<Per>(static_cast<int>(Per::Tetrahedron) + typeIndex<F>(ElementTypes{})); }
+constexpr Per perElement() { return static_cast<Per>(static_cast<int>(Per::FirstElement) + typeIndex<F>(ElementTypes{})); }
 
-struct View {
+/// The arrays of one joint type.
+template <class F>
+struct JointTable {
+  JointSpec<F>* spec = nullptr;
+  Joint<F>* joint = nullptr;
+};
+template <class List>
+struct JointTables;
+template <class... F>
+struct JointTables<TypeList<F...>> : JointTable<F>... {};
+
+struct View : JointTables<JointTypes> {
   int bodies = 0;                     ///< slots in use, removed ones included
   int planes = 0;
   int cells = 0;                      ///< buckets of the grid, a power of two
   Real baseCell = 1;                  ///< [m]
+  int filtered = 0;                   ///< 1: some body has a filter or is a sensor
+  int wakeAll = 0;                    ///< 1: nothing sleeps on in this step
+  int locked = 0;                     ///< 1: some body has locked axes
   int joints[JointTypes::kSize] = {}; ///< slots in use of each type
   int vertices = 0;                   ///< slots in use, removed ones included
   int grainCells = 0;                 ///< buckets of the grid of granular particles, a power of two; 0: there are none
@@ -42,6 +58,8 @@ struct View {
 
   // bodies: authored
   BodyParams* params = nullptr;
+  BodyExtras* extras = nullptr;
+  BodyFilter* filter = nullptr;
   int* planeBody = nullptr;           ///< indices of the planes
   int* exclusionOffset = nullptr;     ///< [bodies + 1] into exclusionBody
   int* exclusionBody = nullptr;       ///< bodies that this one does not collide with (of higher index), sorted
@@ -53,6 +71,8 @@ struct View {
   Vec3* previousVelocity = nullptr;   ///< one step earlier [m/s]
   Vec3* force = nullptr;              ///< applied by the user, for one step [N]
   Vec3* torque = nullptr;             ///< [N m]
+  int* asleep = nullptr;              ///< 1 + a body that stands for the island that sleeps, 0: awake
+  Real* stillTime = nullptr;          ///< for how long a body has been still [s]
   // bodies: work
   Bounds* bounds = nullptr;           ///< by Bounds stage
   int* bucketCount = nullptr;         ///< bodies of each bucket
@@ -60,9 +80,16 @@ struct View {
   GridEntry* grid = nullptr;          ///< bodies by bucket
   int* pairSlot = nullptr;            ///< [bodies][kPairSlots] partners found
   int* pairCount = nullptr;           ///< pairs that a body owns
+  int* agitation = nullptr;           ///< speed that a neighbour may give a body in this step, as the bits of a float [m/s]
   BodyTarget* target = nullptr;       ///< inertial target
   Displacement* moved = nullptr;      ///< x - x^t, present iterate
   Quat* turned = nullptr;             ///< its rotation, q (q^t)^-1
+  int* island = nullptr;              ///< a body that stands for the island
+  int* islandFlag = nullptr;          ///< of that body: 1 if the island wakes, or does not sleep
+  int* fast = nullptr;                ///< 1: went further than it is thick
+  int* stopBits = nullptr;            ///< part of the way that a body does not make since it meets another, as the bits of a float
+  int* stopPair = nullptr;            ///< 1 + the pair that it stops at, or 0
+  Displacement* stopped = nullptr;    ///< the way that it makes then
   int* color = nullptr;               ///< kept from step to step
   int* nextColor = nullptr;           ///< of the bodies that choose one
   int* clashing = nullptr;            ///< bodies, and vertices (kVertexNode + index), that choose a colour in this step
@@ -96,6 +123,7 @@ struct View {
   Pair* oldPair = nullptr;
   Manifold* manifold = nullptr;       ///< one a pair
   Manifold* oldManifold = nullptr;
+  int* meetBits = nullptr;            ///< part of the way that is left when its bodies meet, as the bits of a float; 0: never
   int* tested = nullptr;              ///< pairs whose narrow phase is run anew
   int* hasRows = nullptr;             ///< 1 if a point of the pair takes part in the step
   int* rowOfPair = nullptr;           ///< index of its rows
@@ -103,8 +131,6 @@ struct View {
   ContactRows* contact = nullptr;     ///< one a pair that has rows, in the order of pairs
   int* joinLevel = nullptr;           ///< level of the groups at which they unite their bodies, kCoarseLevels: at none
   Entry* entry = nullptr;             ///< row blocks by body
-  Joint<BallJoint>* ball = nullptr;
-  Joint<FixedJoint>* fixed = nullptr;
 
   // vertices: authored
   VertexParams* vertexParams = nullptr;
@@ -166,15 +192,14 @@ struct View {
   }
 
   template <class F>
-  RUBBLE_HD Joint<F>* jointsOf() const {
-    if constexpr (std::is_same_v<F, BallJoint>) return ball;
-    else return fixed;
-  }
+  RUBBLE_HD JointSpec<F>* specsOf() const { return JointTable<F>::spec; }
+  template <class F>
+  RUBBLE_HD Joint<F>* jointsOf() const { return JointTable<F>::joint; }
 };
 
 /// Slots in use of a type of element, 0 for other kinds.
 inline std::size_t elementCount(const View& s, Per per) {
-  const int type = static_cast<int>(per) - static_cast<int>(Per::Tetrahedron);
+  const int type = static_cast<int>(per) - static_cast<int>(Per::FirstElement);
   return type >= 0 && type < ElementTypes::kSize ? static_cast<std::size_t>(s.elements[type]) : 0;
 }
 
@@ -195,6 +220,8 @@ void forEachArray(F&& f) {
     f(ArrayInfo<T>{member, name, unit, per, life, extra});
   };
   is(&View::params, "params", "", Per::Body, Life::Authored);
+  is(&View::extras, "extras", "1/s", Per::Body, Life::Authored);
+  is(&View::filter, "filter", "", Per::Body, Life::Authored);
   is(&View::planeBody, "planeBody", "", Per::Plane, Life::Authored);
   is(&View::exclusionOffset, "exclusionOffset", "", Per::Body, Life::Authored, 1);
   is(&View::exclusionBody, "exclusionBody", "", Per::Exclusion, Life::Authored);
@@ -206,20 +233,32 @@ void forEachArray(F&& f) {
   is(&View::force, "force", "N", Per::Body, Life::State);
   is(&View::torque, "torque", "N m", Per::Body, Life::State);
   is(&View::color, "color", "", Per::Body, Life::State);
+  is(&View::asleep, "asleep", "", Per::Body, Life::State);
+  is(&View::stillTime, "stillTime", "s", Per::Body, Life::State);
   is(&View::oldPairOffset, "oldPairOffset", "", Per::Body, Life::State, 1);
   is(&View::oldPair, "oldPair", "", Per::Pair, Life::State);
   is(&View::oldManifold, "oldManifold", "", Per::Pair, Life::State);
-  is(&View::ball, "ball", "", Per::Ball, Life::State);
-  is(&View::fixed, "fixed", "", Per::Fixed, Life::State);
+  forEachType(JointTypes{}, [&]<class J>() {
+    const Per per = perJoint(typeIndex<J>(JointTypes{}));
+    is(static_cast<JointSpec<J>* View::*>(&JointTable<J>::spec), J::kName, "", per, Life::Authored);
+    is(static_cast<Joint<J>* View::*>(&JointTable<J>::joint), J::kName, "", per, Life::State);
+  });
   is(&View::bounds, "bounds", "m", Per::Body, Life::Work);
   is(&View::bucketCount, "bucketCount", "", Per::Cell, Life::Work);
   is(&View::bucketOffset, "bucketOffset", "", Per::Cell, Life::Work, 1);
   is(&View::grid, "grid", "", Per::Body, Life::Unordered);
   is(&View::pairSlot, "pairSlot", "", Per::BodySlot, Life::Unordered);
   is(&View::pairCount, "pairCount", "", Per::Body, Life::Work);
+  is(&View::agitation, "agitation", "m/s", Per::Body, Life::Work);
   is(&View::target, "target", "", Per::Body, Life::Work);
   is(&View::moved, "moved", "m, rad", Per::Body, Life::Work);
   is(&View::turned, "turned", "", Per::Body, Life::Work);
+  is(&View::island, "island", "", Per::Body, Life::Unordered);
+  is(&View::islandFlag, "islandFlag", "", Per::Body, Life::Work);
+  is(&View::fast, "fast", "", Per::Body, Life::Work);
+  is(&View::stopBits, "stopBits", "", Per::Body, Life::Work);
+  is(&View::stopPair, "stopPair", "", Per::Body, Life::Work);
+  is(&View::stopped, "stopped", "m, rad", Per::Body, Life::Work);
   is(&View::nextColor, "nextColor", "", Per::Body, Life::Unordered);
   is(&View::clashing, "clashing", "", Per::Node, Life::Unordered);
   is(&View::colorBody, "colorBody", "", Per::Body, Life::Unordered);
@@ -246,6 +285,7 @@ void forEachArray(F&& f) {
   is(&View::pairOffset, "pairOffset", "", Per::Body, Life::Work, 1);
   is(&View::pair, "pair", "", Per::Pair, Life::Work);
   is(&View::manifold, "manifold", "", Per::Pair, Life::Work);
+  is(&View::meetBits, "meetBits", "", Per::Pair, Life::Work);
   is(&View::tested, "tested", "", Per::Pair, Life::Unordered);
   is(&View::hasRows, "hasRows", "", Per::Pair, Life::Work);
   is(&View::rowOfPair, "rowOfPair", "", Per::Pair, Life::Work, 1);
@@ -266,12 +306,12 @@ void forEachArray(F&& f) {
   is(&View::oldPointPair, "oldPointPair", "", Per::PointPair, Life::State);
   is(&View::oldPointContact, "oldPointContact", "", Per::PointPair, Life::State);
   is(&View::attachment, "attachment", "", Per::Attachment, Life::State);
-  is(&View::tetrahedron, "tetrahedron", "", Per::Tetrahedron, Life::State);
-  is(&View::membrane, "membrane", "", Per::Membrane, Life::State);
-  is(&View::flatBend, "flatBend", "", Per::FlatBend, Life::State);
-  is(&View::foldBend, "foldBend", "", Per::FoldBend, Life::State);
-  is(&View::lineBend, "lineBend", "", Per::LineBend, Life::State);
-  is(&View::spring, "spring", "", Per::Spring, Life::State);
+  is(&View::tetrahedron, "tetrahedron", "", perElement<Tetrahedron>(), Life::State);
+  is(&View::membrane, "membrane", "", perElement<Membrane>(), Life::State);
+  is(&View::flatBend, "flatBend", "", perElement<FlatBend>(), Life::State);
+  is(&View::foldBend, "foldBend", "", perElement<FoldBend>(), Life::State);
+  is(&View::lineBend, "lineBend", "", perElement<LineBend>(), Life::State);
+  is(&View::spring, "spring", "", perElement<Spring>(), Life::State);
   is(&View::cluster, "cluster", "", Per::Cluster, Life::Authored);
   is(&View::clusterMember, "clusterMember", "", Per::Vertex, Life::Authored);
   is(&View::clusterRef, "clusterRef", "", Per::ClusterRef, Life::Authored);
@@ -294,6 +334,12 @@ void forEachArray(F&& f) {
   is(&View::pointPair, "pointPair", "", Per::PointPair, Life::Work);
   is(&View::pointContact, "pointContact", "", Per::PointPair, Life::Work);
   is(&View::pointEntry, "pointEntry", "", Per::PointEntry, Life::Work);
+}
+
+RUBBLE_HD inline bool isAsleep(const View& s, int body) { return s.step.sleeping && s.asleep[body] != 0; }
+/// Does the step move it by its forces? Bodies that sleep are like static ones.
+RUBBLE_HD inline bool isDynamic(const View& s, int body) {
+  return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic && !isAsleep(s, body);
 }
 
 }  // namespace rubble::RUBBLE_CORE

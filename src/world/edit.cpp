@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "world/world_impl.h"
 
@@ -23,7 +24,9 @@ MassProperties massOfDefinition(const BodyDef& def) {
   if (def.motion != Motion::Dynamic) return {};
   const MassProperties unit = massProperties(def.shape, 1);
   const double density = def.mass ? *def.mass / unit.mass : def.density;
-  return massProperties(def.shape, density);
+  MassProperties mass = massProperties(def.shape, density);
+  if (def.inertia) mass.inertia = *def.inertia;
+  return mass;
 }
 
 template <class Id>
@@ -53,6 +56,10 @@ BodyId World::Impl::addBody(const BodyDef& def, const std::string& path) {
   body.material = def.material;
   body.mass = registry.bodies[id].mass;
   body.gravityScale = def.gravityScale;
+  body.linearDamping = def.linearDamping, body.angularDamping = def.angularDamping;
+  for (std::size_t k = 0; k < 3; ++k) body.locks |= (def.lockTranslation[k] ? 1 : 0) << k | (def.lockRotation[k] ? 8 : 0) << k;
+  body.filter = def.filter;
+  body.sensor = def.sensor;
   body.state = {def.position, normalize(def.orientation), def.velocity, def.angularVelocity};
   engine->setBody(id.index, body);
   settingsChanged = true;
@@ -80,6 +87,7 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
     const BodyDef& def = registry.bodies[id].def;
     if (!def.name.empty()) registry.bodyNames.erase(def.name);
     planesChanged |= def.shape.type == ShapeType::Plane;
+    exclusionsChanged |= std::erase_if(registry.exclusions, [&](const auto& pair) { return pair.first == id.index || pair.second == id.index; }) > 0;
     registry.bodies.remove(id);
     engine->setBody(id.index, {});
   }
@@ -95,8 +103,10 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {
   check(a), check(b);
   if (a == b) throw Error("joint", "two different bodies", "the same one twice");
   if (!def.name.empty() && registry.jointNames.contains(def.name)) throw Error("joint.name", "a name that no other joint has", "\"" + def.name + "\"");
-  const int type = static_cast<int>(def.type);
-  int slot;
+  JointRecord record{def, a, b, engineJoint(def, jointBodies(a, b)), 0};
+  record.engine.a = a.index, record.engine.b = b.index;
+  const int type = static_cast<int>(record.engine.type);
+  int& slot = record.engineSlot;
   if (registry.freeJointSlots[type].empty()) {
     slot = registry.jointSlots[type]++;
     engine->setJointCount(type, registry.jointSlots[type]);
@@ -104,17 +114,9 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {
     slot = registry.freeJointSlots[type].back();
     registry.freeJointSlots[type].pop_back();
   }
-  EngineJoint joint;
-  joint.type = type;
-  joint.a = a.index, joint.b = b.index;
-  joint.alive = true;
-  joint.anchorA = def.anchorA, joint.anchorB = def.anchorB;
-  joint.aToB = normalize(def.orientationAtoB);
-  joint.compliance[0] = def.stiffness == kHard ? 0 : 1 / def.stiffness;
-  joint.compliance[1] = def.angularStiffness == kHard ? 0 : 1 / def.angularStiffness;
-  joint.bound[0] = def.breakForce, joint.bound[1] = def.breakTorque;
-  engine->setJoint(slot, joint);
-  const JointId id = registry.joints.add({def, a, b, slot});
+  wake(a), wake(b);
+  engine->setJoint(slot, record.engine);
+  const JointId id = registry.joints.add(record);
   if (!def.name.empty()) registry.jointNames[def.name] = id;
   exclusionsChanged |= !def.collide;
   return id;
@@ -123,14 +125,59 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {
 void World::Impl::removeJoint(JointId id) {
   requireAlive(id);
   const JointRecord& joint = registry.joints[id];
-  const int type = static_cast<int>(joint.def.type);
   EngineJoint none;
-  none.type = type;
+  none.type = joint.engine.type;
+  wake(joint.a), wake(joint.b);
   engine->setJoint(joint.engineSlot, none);
-  registry.freeJointSlots[type].push_back(joint.engineSlot);
+  registry.freeJointSlots[static_cast<int>(none.type)].push_back(joint.engineSlot);
   if (!joint.def.name.empty()) registry.jointNames.erase(joint.def.name);
   exclusionsChanged |= !joint.def.collide;
   registry.joints.remove(id);
+}
+
+void World::Impl::exclude(BodyId a, BodyId b, bool excluded) {
+  requireAlive(a), requireAlive(b);
+  if (a == b) throw Error("exclusion", "two different bodies", "the same one twice");
+  const std::pair<int, int> pair = std::minmax(a.index, b.index);
+  exclusionsChanged |= excluded ? registry.exclusions.insert(pair).second : registry.exclusions.erase(pair) > 0;
+}
+
+JointBodies World::Impl::jointBodies(BodyId a, BodyId b) const {
+  const auto of = [&](BodyId id) {
+    if (id.index < 0) return JointBodyState{};
+    const BodyState state = engine->state(id.index);
+    return JointBodyState{state.position, state.orientation, registry.bodies[id].mass};
+  };
+  return {of(a), of(b)};
+}
+
+void World::Impl::redefine(JointId id, const JointDef& def) {
+  requireAlive(id);
+  const JointRecord& record = registry.joints[id];
+  if (def.type != record.def.type) throw Error("joint.type", "that of the joint, " + std::string(keyword(record.def.type)), keyword(def.type));
+  if (def.name != record.def.name) throw Error("joint.name", "that of the joint, \"" + record.def.name + "\"", "\"" + def.name + "\"");
+  validate(def, "joint");
+  EngineJoint joint = engineJoint(def, jointBodies(record.a, record.b), &record.engine);
+  if (joint.turned != record.engine.turned) throw Error("joint", "the same rotations locked as when it was made: they decide how turns are counted", "others");
+  if (joint.type != record.engine.type) throw Error("joint", "friction or none, as when it was made: it decides what kind of joint it is", "the other");
+  joint.a = record.engine.a, joint.b = record.engine.b;
+  wake(record.a), wake(record.b);
+  engine->editJoint(record.engineSlot, joint);
+  exclusionsChanged |= def.collide != record.def.collide;
+  JointRecord& changed = registry.joints.edit(id);
+  changed.def = def;
+  changed.engine = joint;
+}
+
+void World::Impl::findBroken(std::vector<JointId>& broken) {
+  const std::vector<std::pair<int, int>> all = engine->brokenJoints();
+  for (const JointId id : registry.joints.ids()) {
+    const JointRecord& joint = registry.joints[id];
+    if (joint.broken || !std::binary_search(all.begin(), all.end(), std::pair{static_cast<int>(joint.engine.type), joint.engineSlot})) continue;
+    exclusionsChanged |= !joint.def.collide;
+    registry.joints.edit(id).broken = true;
+    broken.push_back(id);
+  }
 }
 
 void World::Impl::flush() {
@@ -143,10 +190,10 @@ void World::Impl::flush() {
     planesChanged = false;
   }
   if (exclusionsChanged) {
-    std::vector<std::pair<int, int>> pairs;
+    std::vector<std::pair<int, int>> pairs(registry.exclusions.begin(), registry.exclusions.end());
     for (const JointId id : registry.joints.ids()) {
       const JointRecord& joint = registry.joints[id];
-      if (!joint.def.collide && joint.a.index >= 0 && joint.b.index >= 0) pairs.emplace_back(std::minmax(joint.a.index, joint.b.index));
+      if (!joint.def.collide && !joint.broken && joint.a.index >= 0 && joint.b.index >= 0) pairs.emplace_back(std::minmax(joint.a.index, joint.b.index));
     }
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
@@ -157,12 +204,14 @@ void World::Impl::flush() {
     EngineSettings settings;
     settings.params = params;
     settings.gravity = registry.gravity;
+    settings.wakeAll = std::exchange(disturbed, false);
     std::vector<double> radii;
     for (const BodyId id : registry.bodies.ids()) {
       const BodyRecord& body = registry.bodies[id];
       if (body.def.motion != Motion::Dynamic) continue;
       const double radius = boundingRadius(body.def.shape);
       radii.push_back(radius);
+      settings.maxMass = std::max(settings.maxMass, body.mass.mass);
       settings.maxMassLength = std::max(settings.maxMassLength, body.mass.mass * 2 * radius);
     }
     for (const SoftId id : registry.softs.ids()) {

@@ -28,11 +28,6 @@ void unit(const Quat& q, const std::string& path) {
   const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
   if (!(std::fabs(norm - 1) < 1e-3)) throw Error(path, "a unit quaternion", "one of norm " + text(norm));
 }
-/// A stiffness or a threshold: infinity is meant.
-void positiveOrInfinite(double a, const std::string& path) {
-  if (!(a > 0)) throw Error(path, "a positive number or infinity", text(a));
-}
-
 void validateShape(const BodyDef& body, const std::string& path) {
   const Shape& s = body.shape;
   switch (s.type) {
@@ -63,13 +58,7 @@ void validateJoint(const Scene& scene, const JointDef& joint, const std::string&
   if (joint.bodyA == joint.bodyB) throw Error(path, "two different bodies", "the same one twice");
   const auto dynamic = [&](int body) { return body != kWorld && scene.bodies[static_cast<std::size_t>(body)].motion == Motion::Dynamic; };
   if (!dynamic(joint.bodyA) && !dynamic(joint.bodyB)) throw Error(path, "at least one dynamic body", "none");
-  finite(joint.anchorA, path + ".anchorA");
-  finite(joint.anchorB, path + ".anchorB");
-  unit(joint.orientationAtoB, path + ".orientationAtoB");
-  positiveOrInfinite(joint.stiffness, path + ".stiffness");
-  positiveOrInfinite(joint.angularStiffness, path + ".angularStiffness");
-  positiveOrInfinite(joint.breakForce, path + ".breakForce");
-  positiveOrInfinite(joint.breakTorque, path + ".breakTorque");
+  validate(joint, path);
 }
 
 }  // namespace
@@ -86,11 +75,20 @@ void validate(const BodyDef& body, const std::string& path) {
   if (body.motion == Motion::Dynamic) {
     if (body.mass) positive(*body.mass, path + ".mass");
     else positive(body.density, path + ".density");
+    if (body.inertia) {
+      const Vec3& i = *body.inertia;
+      for (int k = 0; k < 3; ++k) positive(i[k], path + ".inertia");
+      constexpr double kRoundOff = 1 + 1e-9;
+      if (i.x > (i.y + i.z) * kRoundOff || i.y > (i.z + i.x) * kRoundOff || i.z > (i.x + i.y) * kRoundOff)
+        throw Error(path + ".inertia", "moments none of which is above the sum of the others", text(i));
+    }
   }
   finite(body.position, path + ".position");
   unit(body.orientation, path + ".orientation");
   finite(body.velocity, path + ".velocity");
   finite(body.angularVelocity, path + ".angularVelocity");
+  notNegative(body.linearDamping, path + ".linearDamping");
+  notNegative(body.angularDamping, path + ".angularDamping");
   if (!std::isfinite(body.gravityScale)) throw Error(path + ".gravityScale", "a finite number", text(body.gravityScale));
 }
 
@@ -108,6 +106,14 @@ void validate(const Scene& scene) {
     check(a.object, scene.deformables.size(), 0, ".object");
     check(a.otherObject, scene.deformables.size(), -1, ".otherObject");
     check(a.body, scene.bodies.size(), kWorld, ".body");
+  }
+  for (std::size_t i = 0; i < scene.exclusions.size(); ++i) {
+    const auto [a, b] = scene.exclusions[i];
+    const std::string path = "exclusions[" + std::to_string(i) + "]";
+    const int count = static_cast<int>(scene.bodies.size());
+    for (const int body : {a, b})
+      if (body < 0 || body >= count) throw Error(path, "body indices below " + std::to_string(count), std::to_string(body));
+    if (a == b) throw Error(path, "two different bodies", "the same one twice");
   }
   for (std::size_t i = 0; i < scene.events.size(); ++i) {
     const std::string path = "events[" + std::to_string(i) + "]";

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numbers>
 
 #include <rubble/info.h>
 
@@ -45,6 +46,7 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
   impl_->params = options.params;
   impl_->engine = makeEngine(options);
   impl_->doublePrecision = options.backend == "reference";
+  impl_->wantsEvents = options.events;
   Registry& r = impl_->registry;
   r.gravity = scene.gravity;
   impl_->engine->setBodyCount(static_cast<int>(scene.bodies.size()));
@@ -52,6 +54,7 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
     r.sceneBodies.push_back(impl_->addBody(scene.bodies[i], "bodies[" + std::to_string(i) + "]"));
   const auto idOf = [&](int body) { return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)]; };
   for (const JointDef& joint : scene.joints) impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB));
+  for (const auto& [a, b] : scene.exclusions) impl_->exclude(idOf(a), idOf(b), true);
   for (std::size_t i = 0; i < scene.deformables.size(); ++i)
     r.sceneSofts.push_back(impl_->addSoft(scene.deformables[i], "deformables[" + std::to_string(i) + "]"));
   const auto softOf = [&](int object) { return object < 0 ? SoftId{} : r.sceneSofts[static_cast<std::size_t>(object)]; };
@@ -72,6 +75,8 @@ StepReport World::step() {
   StepReport report;
   report.step = impl_->registry.step;
   impl_->engine->step(report);
+  if (report.brokenJoints > 0) impl_->findBroken(report.broken);
+  impl_->collectEvents(report);
   ++impl_->registry.step;
   impl_->registry.time += impl_->params.dt;
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -82,12 +87,12 @@ const Params& World::params() const { return impl_->params; }
 void World::setParams(const Params& params) {
   validate(params);
   impl_->params = params;
-  impl_->settingsChanged = true;
+  impl_->settingsChanged = impl_->disturbed = true;
 }
 Vec3 World::gravity() const { return impl_->registry.gravity; }
 void World::setGravity(const Vec3& gravity) {
   impl_->registry.gravity = gravity;
-  impl_->settingsChanged = true;
+  impl_->settingsChanged = impl_->disturbed = true;
 }
 std::int64_t World::stepCount() const { return impl_->registry.step; }
 double World::time() const { return impl_->registry.time; }
@@ -97,6 +102,7 @@ BodyId World::add(const BodyDef& body) {
   return impl_->addBody(body, "body");
 }
 void World::remove(BodyId id) { impl_->removeBody(id); }
+void World::setCollide(BodyId a, BodyId b, bool collide) { impl_->exclude(a, b, !collide); }
 bool World::alive(BodyId id) const { return impl_->registry.bodies.alive(id); }
 std::vector<BodyId> World::bodies() const { return impl_->registry.bodies.ids(); }
 
@@ -129,6 +135,7 @@ void World::setState(BodyId id, const BodyState& state) {
   probe.position = state.position, probe.orientation = state.orientation;
   probe.velocity = state.velocity, probe.angularVelocity = state.angularVelocity;
   validate(probe, "state");
+  if (probe.motion != Motion::Dynamic) impl_->wake(id);
   impl_->engine->setState(id.index, state);
 }
 void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) {
@@ -157,7 +164,10 @@ void World::applyTorque(BodyId id, const Vec3& torque) {
 }
 void World::applyImpulse(BodyId id, const Vec3& impulse) { applyImpulses({&id, 1}, {&impulse, 1}); }
 
-JointId World::addJoint(const JointDef& joint, BodyId a, BodyId b) { return impl_->addJoint(joint, a, b); }
+JointId World::addJoint(const JointDef& joint, BodyId a, BodyId b) {
+  validate(joint, "joint");
+  return impl_->addJoint(joint, a, b);
+}
 void World::remove(JointId id) { impl_->removeJoint(id); }
 bool World::alive(JointId id) const { return impl_->registry.joints.alive(id); }
 std::vector<JointId> World::joints() const { return impl_->registry.joints.ids(); }
@@ -169,21 +179,74 @@ JointId World::findJoint(const std::string& name) const {
 JointState World::state(JointId id) const {
   impl_->requireAlive(id);
   const JointRecord& joint = impl_->registry.joints[id];
-  return impl_->engine->jointState(static_cast<int>(joint.def.type), joint.engineSlot);
+  JointState state = impl_->engine->jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
+  state.axes.resize(static_cast<std::size_t>(axisCount(joint.def.type)));
+  if (joint.engine.turned != 0) {
+    const std::vector<JointAxisState> own = state.axes;
+    for (std::size_t i = 0; i < own.size(); ++i) state.axes[i / 3 * 3 + (i + static_cast<std::size_t>(joint.engine.turned)) % 3] = own[i];
+  }
+  return state;
+}
+
+const JointDef& World::definition(JointId id) const {
+  impl_->requireAlive(id);
+  return impl_->registry.joints[id].def;
+}
+void World::setDefinition(JointId id, const JointDef& joint) { impl_->redefine(id, joint); }
+void World::setTargetPosition(JointId id, int axis, double position) {
+  impl_->requireAlive(id);
+  if (definition(id).type == JointType::Spring) throw Error("joint", "setLength for a spring", "setTargetPosition");
+  impl_->editAxis(id, axis, [&](JointAxis& a) { a.targetPosition = position; });
+}
+void World::setTargetSpeed(JointId id, int axis, double speed) {
+  impl_->editAxis(id, axis, [&](JointAxis& a) { a.targetSpeed = speed; });
+}
+void World::setLimits(JointId id, int axis, double min, double max) {
+  impl_->requireAlive(id);
+  const JointType type = definition(id).type;
+  if (hasLength(type) && type != JointType::Spring) throw Error("joint", std::string("setLength for a ") + keyword(type), "setLimits");
+  impl_->editAxis(id, axis, [&](JointAxis& a) { a.min = min, a.max = max; });
+}
+void World::setLength(JointId id, double length) {
+  impl_->requireAlive(id);
+  JointDef def = definition(id);
+  if (!hasLength(def.type)) throw Error("joint", "a distance, rope, spring or pulley", keyword(def.type));
+  def.length = length;
+  impl_->redefine(id, def);
+}
+void World::setDriveOrientation(JointId id, const Quat& orientation) {
+  impl_->requireAlive(id);
+  JointDef def = definition(id);
+  if (def.type != JointType::SwingTwist) throw Error("joint", "a swing-twist joint", keyword(def.type));
+  def.driveOrientation = orientation;
+  impl_->redefine(id, def);
+}
+
+JointId World::grab(BodyId id, const Vec3& point, double maxForce, double frequency) {
+  impl_->requireAlive(id);
+  if (!(frequency > 0)) throw Error("frequency", "a number above 0 [1/s]", std::to_string(frequency));
+  const BodyState body = impl_->engine->state(id.index);
+  JointDef def;
+  def.type = JointType::Grab;
+  def.anchorA = rotateInverse(body.orientation, point - body.position);
+  def.anchorB = point;
+  const double rate = 2 * std::numbers::pi * frequency;
+  def.stiffness = impl_->registry.bodies[id].mass.mass * rate * rate;
+  def.dampingRatio = 1;
+  def.maxForce = maxForce;
+  return addJoint(def, id, {});
+}
+void World::moveGrab(JointId id, const Vec3& target) {
+  impl_->requireAlive(id);
+  JointDef def = definition(id);
+  if (def.type != JointType::Grab) throw Error("joint", "a grab", keyword(def.type));
+  def.anchorB = target;
+  impl_->redefine(id, def);
 }
 
 Quality World::quality() const {
   impl_->flush();
   return impl_->engine->quality();
-}
-
-std::vector<ContactPoint> World::contacts() const {
-  std::vector<ContactPoint> out;
-  for (const EngineContact& c : impl_->engine->contacts()) {
-    const auto a = impl_->registry.bodies.at(c.a), b = impl_->registry.bodies.at(c.b);
-    if (a && b) out.push_back({*a, *b, c.position, c.normal, c.depth, c.force});
-  }
-  return out;
 }
 
 std::size_t World::memoryBytes() const { return impl_->engine->memoryBytes(); }

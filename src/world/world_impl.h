@@ -1,8 +1,12 @@
 #pragma once
 #include <optional>
+#include <set>
 #include <unordered_map>
 
+#include <rubble/events.h>
+
 #include "backend/engine.h"
+#include "world/joint_build.h"
 
 namespace rubble {
 
@@ -32,6 +36,7 @@ class Slots {
     return id.index >= 0 && id.index < size() && item(id.index).alive && item(id.index).generation == id.generation;
   }
   const Def& operator[](Id id) const { return item(id.index).def; }
+  /// To change it.
   Def& edit(Id id) { return own(items_)[static_cast<std::size_t>(id.index)].def; }
   std::optional<Id> at(int index) const {
     return item(index).alive ? std::optional<Id>(Id{index, item(index).generation}) : std::nullopt;
@@ -71,7 +76,15 @@ struct BodyRecord {
 struct JointRecord {
   JointDef def;
   BodyId a, b;        ///< index -1: the world
+  EngineJoint engine; ///< as the engine has it
   int engineSlot;     ///< among the joints of its type
+  bool broken = false;
+};
+
+/// Two bodies that touch, by rising slot.
+struct Touch {
+  BodyId a, b;
+  bool sensor;
 };
 
 struct SoftRecord {
@@ -102,8 +115,11 @@ struct Registry {
   std::unordered_map<std::string, BodyId> bodyNames;
   std::unordered_map<std::string, JointId> jointNames;
   std::vector<BodyId> sceneBodies;
-  std::vector<int> freeJointSlots[2];
-  int jointSlots[2] = {0, 0};
+  std::vector<int> freeJointSlots[kEngineJointTypes];
+  int jointSlots[kEngineJointTypes] = {};
+  std::set<std::pair<int, int>> exclusions;  ///< slots (low, high), besides those of joints
+  std::vector<Touch> touches;       ///< after the last step whose events were collected, sorted
+  std::vector<int> sleepers;        ///< likewise, slots
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;
@@ -131,12 +147,31 @@ struct World::Impl {
   std::int64_t epoch = 0;
   PoseRing poses;
   bool softChanged = false;
+  bool disturbed = false;  ///< something that acts on all bodies has changed: none sleeps on
+  bool wantsEvents = false;
+  Events events;
 
   BodyId addBody(const BodyDef& def, const std::string& path);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b);
+  /// Another definition of the same type for a joint.
+  void redefine(JointId id, const JointDef& def);
+  /// The same with an axis changed by edit(JointAxis&).
+  template <class Edit>
+  void editAxis(JointId id, int axis, Edit&& edit) {
+    requireAlive(id);
+    JointDef def = registry.joints[id].def;
+    if (axis < 0 || axis >= axisCount(def.type))
+      throw Error("axis", "one of " + std::to_string(axisCount(def.type)) + " axes of this joint, from 0", std::to_string(axis));
+    edit(def.axes[static_cast<std::size_t>(axis)]);
+    redefine(id, def);
+  }
+  /// Notes the joints that have broken in this step.
+  void findBroken(std::vector<JointId>& broken);
+  JointBodies jointBodies(BodyId a, BodyId b) const;
   void removeBody(BodyId id);
   void removeBodies(std::span<const BodyId> ids);
   void removeJoint(JointId id);
+  void exclude(BodyId a, BodyId b, bool excluded);
   void requireAlive(BodyId id) const;
   void requireAlive(JointId id) const;
   PoseCopies& poseCopies();
@@ -149,6 +184,11 @@ struct World::Impl {
   void requireAlive(AttachmentId id) const;
   /// Brings the tables of deformable objects up to date.
   void flushSoft();
+  void wake(BodyId id);
+  void collectEvents(const StepReport& report);
+  void collectContacts();
+  void collectBreaks(const std::vector<JointId>& broken);
+  void collectSleeps();
   /// Brings the engine up to date with all edits since the last step.
   void flush();
 };

@@ -10,30 +10,95 @@ namespace rubble::RUBBLE_CORE {
 template <class F> struct JointCase {
   typename F::Data data;
   Pose a, b;
+  typename F::Memory memory{};
 };
+
+/// A frame on a body that is turned by up to 2 rad against `base`: not close to half a turn, where angles fold over.
+inline Quat frameNear(test::Random& random, const Quat& base, const Quat& body) { return conjugate(body) * base * random.rotationUpTo(2); }
 
 /// Anywhere, with large errors.
 template <class F> JointCase<F> randomJointCase(test::Random& random) {
   JointCase<F> x{};
-  x.data.anchorA = random.vector(), x.data.anchorB = random.vector();
+  auto& d = x.data;
   x.a = randomPose(random), x.b = randomPose(random);
-  if constexpr (requires { x.data.aToB; }) {
-    // not close to half a turn away, where the short arc changes sides
-    const Quat deviation = random.rotationUpTo(2);
-    x.data.aToB = conjugate(deviation) * conjugate(x.b.q) * x.a.q;
+  if constexpr (requires { d.anchorA; }) d.anchorA = random.vector(), d.anchorB = random.vector();
+  if constexpr (requires { d.aToB; }) d.aToB = conjugate(random.rotationUpTo(2)) * conjugate(x.b.q) * x.a.q;
+  if constexpr (requires { d.frameB; }) d.frameB = random.rotation();
+  if constexpr (requires { d.baseA; }) {
+    d.baseA = random.rotation();
+    d.frameA = frameNear(random, d.baseA, x.a.q);
+  } else if constexpr (requires { d.frameA; }) {
+    // not at the tip of the cone, which has no direction
+    do d.frameA = frameNear(random, x.b.q * d.frameB, x.a.q);
+    while (std::fabs(rotate(conjugate(x.b.q * d.frameB) * x.a.q * d.frameA, Vec3{1, 0, 0}).x) > .95);
   }
+  if constexpr (requires { d.baseB; }) {
+    d.baseB = random.rotation();
+    d.frameB = frameNear(random, d.baseB, x.b.q);
+  }
+  if constexpr (requires { d.driveTarget; }) {
+    d.driveTarget = random.rotationUpTo(.4) * conjugate(x.b.q * d.frameB) * x.a.q * d.frameA;
+    d.coneY = 1 + random.uniform(0, 1), d.coneZ = 1;
+  }
+  if constexpr (requires { d.pointA; }) d.pointA = random.vector(3);
+  if constexpr (requires { d.pointB; }) d.pointB = random.vector(3);
+  if constexpr (requires { d.direction; }) d.direction = random.direction();
+  if constexpr (requires { d.ratio; }) d.ratio = random.uniform(.5, 3);
+  x.memory.remember(d, x.a, x.b, {});
+  if constexpr (requires { x.memory.start; }) x.memory.start = random.rotationUpTo(.4) * x.memory.start;
   return x;
 }
 
 /// Moves A so that the anchors coincide.
-template <class F> void closeAnchors(JointCase<F>& x) { x.a.p = x.b.p + rotate(x.b.q, x.data.anchorB) - rotate(x.a.q, x.data.anchorA); }
+template <class F> void closeAnchors(JointCase<F>& x) {
+  if constexpr (requires { x.data.anchorA; }) x.a.p = x.b.p + rotate(x.b.q, x.data.anchorB) - rotate(x.a.q, x.data.anchorA);
+}
 
-/// Without any error.
-template <class F> JointCase<F> closedJointCase(test::Random& random) {
-  JointCase<F> x = randomJointCase<F>(random);
-  closeAnchors(x);
-  if constexpr (requires { x.data.aToB; }) x.data.aToB = conjugate(x.b.q) * x.a.q;
+/// C of one part.
+template <class P> struct Rows { Real c[P::kRows]; };
+template <class P, class F> Rows<P> constraintOf(const JointCase<F>& x) {
+  Rows<P> rows;
+  P::constraint(x.data, x.memory, x.a, x.b, rows.c);
+  return rows;
+}
+
+/// The case with one body moved along the retraction [S 9].
+template <class F> JointCase<F> moved(JointCase<F> x, int side, const Vec6& dx) {
+  Pose& pose = side == 0 ? x.a : x.b;
+  pose = retract(pose, dx);
   return x;
+}
+
+/// Everything turned and shifted, the world's own part of the joint too.
+template <class F> JointCase<F> image(const JointCase<F>& x, const Quat& turn, const Vec3& shift) {
+  JointCase<F> y = x;
+  const auto of = [&](const Pose& p) { return Pose{rotate(turn, p.p) + shift, turn * p.q}; };
+  y.a = of(x.a), y.b = of(x.b);
+  auto& d = y.data;
+  if constexpr (requires { d.baseA; }) d.baseA = turn * d.baseA;
+  if constexpr (requires { d.baseB; }) d.baseB = turn * d.baseB;
+  if constexpr (requires { d.pointA; }) d.pointA = rotate(turn, d.pointA) + shift;
+  if constexpr (requires { d.pointB; }) d.pointB = rotate(turn, d.pointB) + shift;
+  if constexpr (requires { d.direction; }) d.direction = rotate(turn, d.direction);
+  y.memory.remember(d, y.a, y.b, {});
+  if constexpr (requires { y.memory.start; }) y.memory.start = x.memory.start;
+  return y;
+}
+
+/// A joint with all its parts held, hard and unbreakable; axes locked at 0.
+template <class F> JointSpec<F> specOf(const typename F::Data& data) {
+  JointSpec<F> spec{};
+  spec.data = data;
+  spec.a = 0, spec.b = 1;
+  spec.alive = spec.holds = true;
+  spec.breakForce = spec.breakTorque = kHardValue;
+  forEachPart<F>([&]<int I, class P>() {
+    if constexpr (P::kAxis)
+      partOf<I>(spec.parts) = {0, 0, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0};
+    else
+      partOf<I>(spec.parts) = {GroupMode::Hold, kHardValue, 0, kHardValue};
+  });
+  return spec;
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -24,6 +24,8 @@ void findGraph(CoreWorld& world) {
   findIncidence(e);
 }
 
+const JointSpec<BallJoint>& ball(const View& s, int i) { return s.specsOf<BallJoint>()[i]; }
+
 /// Row blocks between two dynamic bodies, each once, from the tables of rows and not from the incidence lists.
 std::vector<std::pair<int, int>> edges(const View& s) {
   std::vector<std::pair<int, int>> out;
@@ -31,7 +33,7 @@ std::vector<std::pair<int, int>> edges(const View& s) {
   for (int i = 0; i < s.counters->manifolds; ++i)
     if (dynamic(s.contact[i].a) && dynamic(s.contact[i].b)) out.emplace_back(s.contact[i].a, s.contact[i].b);
   for (int i = 0; i < s.joints[0]; ++i)
-    if (s.ball[i].alive && dynamic(s.ball[i].a) && dynamic(s.ball[i].b)) out.emplace_back(s.ball[i].a, s.ball[i].b);
+    if (ball(s, i).alive && dynamic(ball(s, i).a) && dynamic(ball(s, i).b)) out.emplace_back(ball(s, i).a, ball(s, i).b);
   return out;
 }
 
@@ -60,7 +62,7 @@ void expectIncidence(const View& s) {
   };
   for (int i = 0; i < s.counters->manifolds; ++i) add(kContactType, i, s.contact[i].a, s.contact[i].b);
   for (int i = 0; i < s.joints[0]; ++i)
-    if (s.ball[i].alive && !s.ball[i].broken) add(1, i, s.ball[i].a, s.ball[i].b);
+    if (ball(s, i).alive && !s.jointsOf<BallJoint>()[i].broken) add(1, i, ball(s, i).a, ball(s, i).b);
   for (int i = 0; i < s.bodies; ++i) {
     auto& codes = expected[static_cast<std::size_t>(i)];
     std::sort(codes.begin(), codes.end());
@@ -70,7 +72,7 @@ void expectIncidence(const View& s) {
       ASSERT_EQ(e.code, codes[k]) << "body " << i;
       const int index = entryIndex(e.code);
       const bool contact = entryType(e.code) == kContactType;
-      const int a = contact ? s.contact[index].a : s.ball[index].a, b = contact ? s.contact[index].b : s.ball[index].b;
+      const int a = contact ? s.contact[index].a : ball(s, index).a, b = contact ? s.contact[index].b : ball(s, index).b;
       const int other = entrySide(e.code) == 0 ? b : a;
       EXPECT_EQ(entrySide(e.code) == 0 ? a : b, i);
       EXPECT_EQ(e.other, other != kWorldBody && s.params[other].kind == BodyKind::Dynamic ? other : -1);
@@ -207,8 +209,8 @@ TEST(Incidence, LeavesOutBrokenAndRemovedJoints) {
   for (int i = 0; i < 3; ++i) world.add(cube({10. * i, 0, 0}));
   for (int i = 0; i < 3; ++i) world.addBall(i, i, (i + 1) % 3);
   world.finish();
-  world.view().ball[0].broken = true;
-  world.view().ball[1].alive = false;
+  world.view().jointsOf<BallJoint>()[0].broken = true;
+  world.view().specsOf<BallJoint>()[1].alive = false;
   findGraph(world);
   EXPECT_EQ(world.view().counters->entries, 2);
   EXPECT_EQ(entryIndex(world.view().entry[0].code), 2);

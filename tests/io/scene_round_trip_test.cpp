@@ -56,6 +56,20 @@ void expectSame(const JointDef& a, const JointDef& b) {
   expectSame(a.breakForce, b.breakForce);
   expectSame(a.breakTorque, b.breakTorque);
   EXPECT_EQ(a.collide, b.collide);
+  expectSame(a.frameA, b.frameA);
+  expectSame(a.frameB, b.frameB);
+  expectSame(a.driveOrientation, b.driveOrientation);
+  expectSame(a.pulleyA, b.pulleyA);
+  expectSame(a.pulleyB, b.pulleyB);
+  for (const auto member : {&JointDef::damping, &JointDef::dampingRatio, &JointDef::angularDamping, &JointDef::angularDampingRatio,
+                            &JointDef::maxForce, &JointDef::maxTorque, &JointDef::length, &JointDef::ratio, &JointDef::swingY, &JointDef::swingZ,
+                            &JointDef::friction, &JointDef::driveStiffness, &JointDef::driveDamping, &JointDef::maxDriveTorque})
+    expectSame(a.*member, b.*member);
+  for (std::size_t i = 0; i < a.axes.size(); ++i)
+    for (const auto member : {&JointAxis::min, &JointAxis::max, &JointAxis::limitStiffness, &JointAxis::limitDamping, &JointAxis::targetPosition,
+                              &JointAxis::targetSpeed, &JointAxis::driveStiffness, &JointAxis::driveDamping, &JointAxis::maxDriveForce,
+                              &JointAxis::friction})
+      expectSame(a.axes[i].*member, b.axes[i].*member);
 }
 
 void expectRoundTrip(const SceneFile& file) {
@@ -141,7 +155,30 @@ TEST(SceneRoundTrip, EverythingIsExact) {
   fixed.orientationAtoB = normalize(Quat{.1, .2, .3, .4});
   fixed.angularStiffness = 3;
   fixed.breakTorque = 4;
-  scene.joints = {ball, fixed};
+  JointDef six;
+  six.type = JointType::SixDof;
+  six.bodyA = 1;
+  six.frameA = normalize(Quat{.4, -.2, .3, .1});
+  six.axes[0].min = six.axes[0].max = 0;
+  six.axes[2].max = 1. / 3;
+  six.axes[2].limitStiffness = 1e4;
+  six.axes[4].driveDamping = kHard;
+  six.axes[4].targetSpeed = -2;
+  six.axes[5].maxDriveForce = 7;
+  JointDef pulley;
+  pulley.type = JointType::Pulley;
+  pulley.bodyA = 1, pulley.bodyB = 2;
+  pulley.pulleyA = {1, 2, 1. / 3};
+  pulley.ratio = 2;
+  pulley.length = 4;
+  JointDef shoulder;
+  shoulder.type = JointType::SwingTwist;
+  shoulder.bodyA = 1;
+  shoulder.swingY = .5;
+  shoulder.driveOrientation = normalize(Quat{1, .2, 0, 0});
+  shoulder.friction = 3;
+  shoulder.axes[1].min = -.3;
+  scene.joints = {ball, fixed, six, pulley, shoulder};
   BodyDef ball2;
   ball2.name = "ball";
   ball2.shape = Shape::sphere(.1);

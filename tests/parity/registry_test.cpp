@@ -45,12 +45,19 @@ TEST_P(Parity, OfCpuAndReferenceOverTenSteps) {
   }
   const std::vector<BodyId> ids = cpu.world().bodies();
   ASSERT_EQ(ids, reference.world().bodies());
-  ASSERT_FALSE(ids.empty());
+  const std::vector<SoftId> softIds = cpu.world().deformables();
+  ASSERT_EQ(softIds, reference.world().deformables());
+  ASSERT_FALSE(ids.empty() && softIds.empty());
   double worst = 0, worstAngle = 0;
   for (const BodyId id : ids) {
     const BodyState a = cpu.world().state(id), b = reference.world().state(id);
     worst = std::max(worst, length(a.position - b.position));
     worstAngle = std::max(worstAngle, test::angleBetween(a.orientation, b.orientation));
+  }
+  for (const SoftId id : softIds) {
+    const std::vector<Vec3> a = cpu.world().positions(id), b = reference.world().positions(id);
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, length(a[i] - b[i]));
   }
   RecordProperty("worst_um", static_cast<int>(worst * 1e6));
   EXPECT_LT(worst, kPosition);

@@ -5,6 +5,8 @@ namespace rubble::RUBBLE_CORE {
 void beginStep(View& s, const EngineSettings& settings, double previousDt) {
   *s.counters = {};
   s.step = stepConstants(settings.params, settings.gravity, settings.maxMassLength, previousDt);
+  s.wakeAll = settings.wakeAll;
+  s.step.maxMultiplier = max(s.step.maxMultiplier, static_cast<Real>(std::min(1e30, settings.maxMass * kMostImpulse)) * s.step.inverseDt);
   // cells as wide as a typical body's bounding sphere is high: it shares its level however it turns
   s.baseCell = static_cast<Real>(settings.typicalRadius * 1.1) / kLevelFill;
 }
@@ -22,6 +24,8 @@ void reportCounters(const View& s, StepReport& report) {
   report.colorRounds = c.rounds;
   report.clashes = c.clashes;
   report.brokenJoints = c.broken;
+  report.sleepingBodies = c.asleep;
+  report.stoppedBodies = c.stopped;
   report.quarantined = c.quarantined;
   report.failedSolves = c.failedSolves;
   report.spinLimited = c.spinLimited;
@@ -42,6 +46,7 @@ void CpuEngine::step(StepReport& report) {
       previousDt_ = settings_.params.dt / settings_.params.substeps;
     }
   });
+  settings_.wakeAll = false;
   reportCounters(s, report);
   report.stages = executor_.takeTimes();
   report.grown = executor_.takeGrown();

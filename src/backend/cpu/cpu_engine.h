@@ -32,6 +32,7 @@ class CpuEngine final : public Engine {
   void setPlanes(const std::vector<int>& slots) override { RUBBLE_CORE::setPlanes(tables(), slots); }
   void setJointCount(int type, int slots) override { RUBBLE_CORE::setJointCount(tables(), type, slots); }
   void setJoint(int slot, const EngineJoint& joint) override { RUBBLE_CORE::setJoint(tables(), slot, joint); }
+  void editJoint(int slot, const EngineJoint& joint) override { RUBBLE_CORE::editJoint(tables(), slot, joint); }
   void setExclusions(const std::vector<std::pair<int, int>>& pairs) override { RUBBLE_CORE::setExclusions(tables(), pairs); }
   void setSoft(const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) override {
     RUBBLE_CORE::setSoft(tables(), objects, attachments);
@@ -59,7 +60,13 @@ class CpuEngine final : public Engine {
   void step(StepReport& report) override;
   Quality quality() const override { return qualityOf(tables()); }
   std::vector<EngineContact> contacts() const override { return contactsOf(tables()); }
+  std::vector<EngineTouch> touches() const override { return touchesOf(tables()); }
+  std::vector<int> sleepers() const override { return sleepersOf(tables()); }
+  bool isAsleep(int slot) const override { return tables().view().asleep[slot] != 0; }
+  std::vector<EngineHit> query(std::span<const EngineQuery> queries) override { return runQueries(tables(), queries); }
+  std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override { return runOverlaps(tables(), queries); }
   JointState jointState(int type, int slot) const override { return jointStateOf(tables(), type, slot); }
+  std::vector<std::pair<int, int>> brokenJoints() const override { return brokenJointsOf(tables()); }
   std::size_t memoryBytes() const override { return tables().bytes(); }
   std::uint64_t hash() const override { return hashBytes(save()); }
   std::vector<std::byte> save() const override { return saveState(tables(), previousDt_); }

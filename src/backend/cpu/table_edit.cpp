@@ -9,8 +9,6 @@
 
 namespace rubble::RUBBLE_CORE {
 
-namespace {
-
 ShapeData shapeData(const Shape& shape) {
   ShapeData s{{0, 0, 0}, 0, ShapeKind::Plane};
   switch (shape.type) {
@@ -22,33 +20,7 @@ ShapeData shapeData(const Shape& shape) {
   return s;
 }
 
-template <class F>
-void setJointOf(HostTables& tables, int slot, const EngineJoint& in) {
-  Joint<F>& joint = tables.view().jointsOf<F>()[slot];
-  joint = {};
-  joint.data.anchorA = Vec3(in.anchorA);
-  joint.data.anchorB = Vec3(in.anchorB);
-  if constexpr (requires { joint.data.aToB; }) joint.data.aToB = Quat(in.aToB);
-  joint.a = in.a, joint.b = in.b;
-  joint.alive = in.alive;
-  for (int g = 0; g < F::kGroupCount; ++g) {
-    joint.bound[g] = static_cast<Real>(std::min(in.bound[g], 1e18));
-    joint.compliance[g] = static_cast<Real>(in.compliance[g]);
-  }
-}
-
-/// f.operator()<F>() for the joint type of that index.
-template <class Function>
-void withJointType(int type, Function&& f) {
-  forEachType(JointTypes{}, [&]<class F>() {
-    if (typeIndex<F>(JointTypes{}) == type) f.template operator()<F>();
-  });
-}
-
-Pose worldPose(const View& s, int body, const Vec3d& origin) {
-  if (body == kWorldBody) return {Vec3(Vec3d{} - origin), Quat{}};
-  return {Vec3(s.position[body] - origin), s.orientation[body]};
-}
+namespace {
 
 Distribution distribution(std::vector<double>& values) {
   Distribution d;
@@ -76,6 +48,8 @@ void setBodyCount(HostTables& tables, int slots) {
   s.cells = cells;
   for (int i = s.bodies; i < slots; ++i) {
     s.params[i] = {};
+    s.extras[i] = {};
+    s.filter[i] = {};
     s.orientation[i] = Quat{};
     // a new slot owns no pairs
     s.oldPairOffset[i + 1] = s.oldPairOffset[i];
@@ -97,6 +71,11 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   p.muDynamic = static_cast<Real>(body.material.dynamicFriction);
   p.restitution = static_cast<Real>(body.material.restitution);
   p.gravityScale = static_cast<Real>(body.gravityScale);
+  s.extras[slot] = {static_cast<Real>(body.linearDamping), static_cast<Real>(body.angularDamping), dynamic ? body.locks : 0};
+  const CollisionFilter &f = body.filter, usual;
+  s.filter[slot] = {f.layers, f.mask, f.group, body.sensor};
+  s.locked |= s.extras[slot].locks != 0;
+  s.filtered |= body.sensor || f.layers != usual.layers || f.mask != usual.mask || f.group != usual.group;
   s.color[slot] = 0;
   s.force[slot] = s.torque[slot] = {0, 0, 0};
   setBodyState(tables, slot, body.state);
@@ -115,6 +94,8 @@ void setBodyState(HostTables& tables, int slot, const BodyState& state) {
   s.orientation[slot] = normalize(Quat(state.orientation));
   s.velocity[slot] = s.previousVelocity[slot] = Vec3(state.velocity);
   s.spin[slot] = Vec3(state.angularVelocity);
+  s.asleep[slot] = 0;
+  s.stillTime[slot] = 0;
 }
 
 void forgetContacts(HostTables& tables, int slot) {
@@ -122,6 +103,9 @@ void forgetContacts(HostTables& tables, int slot) {
   for (int i = 0; i < s.bodies; ++i)
     for (int k = s.oldPairOffset[i]; k < s.oldPairOffset[i + 1]; ++k)
       if (s.oldPair[k].owner == slot || s.oldPair[k].other == slot) {
+        // what it touched can not sleep on
+        s.asleep[s.oldPair[k].owner] = 0;
+        if (s.oldPair[k].other >= 0) s.asleep[s.oldPair[k].other] = 0;
         s.oldPair[k].other = -1;
         s.oldManifold[k].count = 0;
       }
@@ -135,6 +119,9 @@ void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
   for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k) {
     const Pair& p = s.oldPair[k];
     if (!gone[static_cast<std::size_t>(p.owner)] && !(p.other >= 0 && gone[static_cast<std::size_t>(p.other)])) continue;
+    // what it touched can not sleep on
+    s.asleep[p.owner] = 0;
+    if (p.other >= 0) s.asleep[p.other] = 0;
     s.oldPair[k].other = -1;
     s.oldManifold[k].count = 0;
   }
@@ -162,15 +149,6 @@ void setPlanes(HostTables& tables, const std::vector<int>& slots) {
   tables.view().planes = static_cast<int>(slots.size());
 }
 
-void setJointCount(HostTables& tables, int type, int slots) {
-  tables.reserve(static_cast<Per>(static_cast<int>(Per::Ball) + type), slots);
-  tables.view().joints[type] = slots;
-}
-
-void setJoint(HostTables& tables, int slot, const EngineJoint& joint) {
-  withJointType(joint.type, [&]<class F>() { setJointOf<F>(tables, slot, joint); });
-}
-
 void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs) {
   tables.reserve(Per::Exclusion, static_cast<int>(pairs.size()));
   View& s = tables.view();
@@ -182,46 +160,67 @@ void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& p
   s.exclusionOffset[s.bodies] = static_cast<int>(k);
 }
 
+namespace {
+
+/// visit(pair, old pair's index) for every pair of the last step that has points.
+template <class Visit>
+void forEachManifold(const View& s, Visit&& visit) {
+  for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
+    if (s.oldManifold[k].count > 0 && s.oldPair[k].other >= 0) visit(ordered(s.oldPair[k]), s.oldManifold[k]);
+}
+
+/// The two surfaces at a point, relative to the centre of A.
+struct SurfacePoints {
+  Vec3 onA, onB;
+};
+SurfacePoints surfacePoints(const View& s, const OrderedPair& o, const Manifold& m, int point) {
+  return {rotate(s.orientation[o.a], pointOnA(m, point)), centreDistance(s, o.a, o.b) + rotate(s.orientation[o.b], pointOnB(m, point))};
+}
+
+}  // namespace
+
 std::vector<EngineContact> contactsOf(const HostTables& tables) {
   const View& s = tables.view();
   std::vector<EngineContact> out;
-  for (int i = 0; i < s.bodies; ++i) {
-    for (int k = s.oldPairOffset[i]; k < s.oldPairOffset[i + 1]; ++k) {
-      const Manifold& m = s.oldManifold[k];
-      if (m.count == 0 || m.row < 0) continue;
-      const ContactRows& r = s.contact[m.row];
-      for (int point = 0; point < m.count; ++point) {
-        const Vec3 onA = rotate(s.orientation[r.a], pointOnA(m, point));
-        const Vec3 onB = centreDistance(s, r.a, r.b) + rotate(s.orientation[r.b], pointOnB(m, point));
-        Vec3 t1, t2;
-        tangentBasis(r.n, t1, t2);
-        const Vec3 force = r.n * r.lambdaN[point] + t1 * r.lambda1[point] + t2 * r.lambda2[point];
-        out.push_back({r.a, r.b, s.position[r.a] + Vec3d((onA + onB) * Real(.5)), Vec3d(r.n), Vec3d(force),
-                       static_cast<double>(dot(r.n, onA - onB))});
-      }
+  forEachManifold(s, [&](const OrderedPair& o, const Manifold& m) {
+    // a pair that sleeps has no rows, but what they held
+    const bool sleeps = m.row < 0 && (isAsleep(s, o.a) || isAsleep(s, o.b));
+    if (m.row < 0 && !sleeps) return;
+    const ContactRows* const r = sleeps ? nullptr : &s.contact[m.row];
+    const Vec3 n = r ? r->n : m.normal;
+    Vec3 t1, t2;
+    tangentBasis(n, t1, t2);
+    for (int k = 0; k < m.count; ++k) {
+      const SurfacePoints x = surfacePoints(s, o, m, k);
+      const Vec3 force = r ? n * r->lambdaN[k] + t1 * r->lambda1[k] + t2 * r->lambda2[k] : n * m.lambdaN[k] + t1 * m.lambda1[k] + t2 * m.lambda2[k];
+      out.push_back({o.a, o.b, s.position[o.a] + Vec3d((x.onA + x.onB) * Real(.5)), Vec3d(n), Vec3d(force),
+                     static_cast<double>(dot(n, x.onA - x.onB))});
     }
-  }
+  });
   return out;
 }
 
-JointState jointStateOf(const HostTables& tables, int type, int slot) {
+std::vector<EngineTouch> touchesOf(const HostTables& tables) {
   const View& s = tables.view();
-  JointState state;
-  withJointType(type, [&]<class F>() {
-    const Joint<F>& joint = s.jointsOf<F>()[slot];
-    const Vec3d origin = jointOrigin(s, joint.b);
-    Real error[F::kRows];
-    F::constraint(joint.data, worldPose(s, joint.a, origin), worldPose(s, joint.b, origin), error);
-    state.broken = joint.broken;
-    state.gap = length(Vec3{error[0], error[1], error[2]});
-    state.force = {joint.lambda[0], joint.lambda[1], joint.lambda[2]};
-    if constexpr (F::kRows == 6) {
-      state.angle = length(Vec3{error[3], error[4], error[5]});
-      const Vec3 torque = rotate(joint.b == kWorldBody ? Quat{} : s.orientation[joint.b], Vec3{joint.lambda[3], joint.lambda[4], joint.lambda[5]});
-      state.torque = Vec3d(torque);
+  std::vector<EngineTouch> out;
+  forEachManifold(s, [&](const OrderedPair& o, const Manifold& m) {
+    bool touch = false;
+    for (int k = 0; k < m.count; ++k) {
+      const SurfacePoints x = surfacePoints(s, o, m, k);
+      const bool loaded = m.row >= 0 && s.contact[m.row].lambdaN[k] > Real(0);
+      touch |= loaded || dot(m.normal, x.onA - x.onB) > -kDormantGap * pairLength(s.params[o.a], s.params[o.b]);
     }
+    if (touch) out.push_back({o.a, o.b, isSensor(s, o.a) || isSensor(s, o.b)});
   });
-  return state;
+  return out;
+}
+
+std::vector<int> sleepersOf(const HostTables& tables) {
+  const View& s = tables.view();
+  std::vector<int> out;
+  for (int i = 0; i < s.bodies; ++i)
+    if (s.asleep[i] != 0 && s.params[i].kind == BodyKind::Dynamic) out.push_back(i);
+  return out;
 }
 
 Quality qualityOf(const HostTables& tables) {
@@ -235,8 +234,7 @@ Quality qualityOf(const HostTables& tables) {
   forEachType(JointTypes{}, [&]<class F>() {
     const int type = typeIndex<F>(JointTypes{});
     for (int i = 0; i < s.joints[type]; ++i) {
-      const Joint<F>& joint = s.jointsOf<F>()[i];
-      if (!active(s, joint)) continue;
+      if (!active<F>(s, i)) continue;
       const double gap = jointStateOf(tables, type, i).gap;
       q.jointGapMean += gap;
       q.jointGapMax = std::max(q.jointGapMax, gap);

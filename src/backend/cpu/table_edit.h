@@ -10,12 +10,14 @@ namespace rubble::RUBBLE_CORE {
 
 using HostTables = Tables<HostMemory>;
 
+ShapeData shapeData(const Shape& shape);
 void setBodyCount(HostTables& tables, int slots);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
 void forgetContacts(HostTables& tables, int slot);
 void setPlanes(HostTables& tables, const std::vector<int>& slots);
 void setJointCount(HostTables& tables, int type, int slots);
 void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
+void editJoint(HostTables& tables, int slot, const EngineJoint& joint);
 void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs);
 BodyState bodyState(const HostTables& tables, int slot);
 void setBodyState(HostTables& tables, int slot, const BodyState& state);
@@ -29,7 +31,13 @@ void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, co
 
 /// The contacts of the last step at the present poses.
 std::vector<EngineContact> contactsOf(const HostTables& tables);
+std::vector<EngineTouch> touchesOf(const HostTables& tables);
+std::vector<int> sleepersOf(const HostTables& tables);
+/// At the present poses. They fill the grid anew.
+std::vector<EngineHit> runQueries(HostTables& tables, std::span<const EngineQuery> queries);
+std::vector<std::vector<int>> runOverlaps(HostTables& tables, std::span<const EngineQuery> queries);
 JointState jointStateOf(const HostTables& tables, int type, int slot);
+std::vector<std::pair<int, int>> brokenJointsOf(const HostTables& tables);
 Quality qualityOf(const HostTables& tables);
 
 /// Everything that lasts from step to step, as bytes; equal states give equal bytes.

@@ -8,14 +8,13 @@ namespace {
 
 /// Elements of an array that matter at present.
 std::size_t liveCount(const View& s, Per per) {
+  if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(s.joints[type]);
   switch (per) {
     case Per::Body: return static_cast<std::size_t>(s.bodies);
     case Per::Pair: return static_cast<std::size_t>(s.oldPairOffset[s.bodies]);
     case Per::Manifold: return static_cast<std::size_t>(s.counters->manifolds);
     case Per::Plane: return static_cast<std::size_t>(s.planes);
     case Per::Exclusion: return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
-    case Per::Ball: return static_cast<std::size_t>(s.joints[0]);
-    case Per::Fixed: return static_cast<std::size_t>(s.joints[1]);
     case Per::Vertex: return static_cast<std::size_t>(s.vertices);
     case Per::ElementRef: return static_cast<std::size_t>(s.refOffset[s.vertices]);
     case Per::Neighbor: return static_cast<std::size_t>(s.neighborOffset[s.vertices]);
@@ -52,7 +51,7 @@ void copyClean(std::byte* to, const T* from, std::size_t bytes) {
 }
 
 struct SavedCounts {
-  int bodies, planes, pairs, manifolds, exclusions;
+  int bodies, planes, pairs, manifolds, exclusions, filtered, locked;
   int joints[JointTypes::kSize];
   int pointPairs;
   SoftCounts soft;
@@ -63,7 +62,8 @@ struct SavedCounts {
 std::vector<std::byte> saveTables(const HostTables& tables) {
   const View& s = tables.view();
   SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->manifolds,
-                     static_cast<int>(liveCount(s, Per::Exclusion)), {}, static_cast<int>(liveCount(s, Per::PointPair)), softCounts(s)};
+                     static_cast<int>(liveCount(s, Per::Exclusion)), s.filtered, s.locked, {},
+                     static_cast<int>(liveCount(s, Per::PointPair)), softCounts(s)};
   std::copy(std::begin(s.joints), std::end(s.joints), counts.joints);
   std::size_t size = sizeof counts;
   forEachKept(s, [&](const auto&, std::size_t bytes) { size += bytes; });
@@ -95,6 +95,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   View& s = tables.view();
   s.bodies = counts.bodies;
   s.planes = counts.planes;
+  s.filtered = counts.filtered, s.locked = counts.locked;
   s.counters->manifolds = counts.manifolds;
   // sizes of later arrays depend on these
   s.oldPairOffset[counts.bodies] = counts.pairs;

@@ -26,6 +26,10 @@ struct RecycleManifoldByLanes {
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
     const Manifold* const found = findOldManifold(s, p);
+    if (found && s.step.sleeping && !moves(s, p.owner) && !moves(s, p.other)) {
+      if (tile.lane == 0) keepAsleep(s, i, p, found);
+      return;
+    }
     if (!found || !recyclable(*found, pose, s.step.recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
@@ -49,8 +53,9 @@ struct RecycleManifoldByLanes {
     m.normal = n, m.row = -1;
     m.stick = bits == 0 ? 0 : static_cast<std::uint8_t>(stick);
     m.impact = 0, m.awake = static_cast<std::uint8_t>(bits), m.recycled = true;
-    s.hasRows[i] = bits != 0;
-    if (bits == 0) return;
+    const bool rows = bits != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
+    s.hasRows[i] = rows;
+    if (!rows) return;
     atomicCountTogether(&s.counters->contacts, __popc(bits));
     atomicCountTogether(&s.counters->recycled, 1);
   }

@@ -39,7 +39,11 @@ class CudaEngine final : public Engine, private PoseCopies {
   void setJointCount(int type, int slots) override { RUBBLE_CORE::setJointCount(host(), type, slots); }
   void setJoint(int slot, const EngineJoint& joint) override {
     RUBBLE_CORE::setJoint(host(), slot, joint);
-    mirror_.jointWritten(joint.type, slot);
+    mirror_.jointWritten(static_cast<int>(joint.type), slot);
+  }
+  void editJoint(int slot, const EngineJoint& joint) override {
+    RUBBLE_CORE::editJoint(host(), slot, joint);
+    mirror_.specWritten(static_cast<int>(joint.type), slot);
   }
   void setExclusions(const std::vector<std::pair<int, int>>& pairs) override {
     RUBBLE_CORE::setExclusions(host(), pairs);
@@ -113,7 +117,23 @@ class CudaEngine final : public Engine, private PoseCopies {
 
   Quality quality() const override { return qualityOf(fetched()); }
   std::vector<EngineContact> contacts() const override { return contactsOf(fetched()); }
+  std::vector<EngineTouch> touches() const override { return touchesOf(fetched()); }
+  std::vector<int> sleepers() const override { return sleepersOf(fetched()); }
+  bool isAsleep(int slot) const override {
+    mirror_.fetchState(slot);
+    return host().view().asleep[slot] != 0;
+  }
+  /// On the host, by the same functors, over the states that are fetched: a batch costs a copy and no launch.
+  std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
+    mirror_.fetchAll();
+    return runQueries(host(), queries);
+  }
+  std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override {
+    mirror_.fetchAll();
+    return runOverlaps(host(), queries);
+  }
   JointState jointState(int type, int slot) const override { return jointStateOf(fetched(), type, slot); }
+  std::vector<std::pair<int, int>> brokenJoints() const override { return brokenJointsOf(fetched()); }
   /// On the device.
   std::size_t memoryBytes() const override { return stepper_.bytes(); }
   std::uint64_t hash() const override { return hashBytes(save()); }
@@ -162,6 +182,8 @@ void CudaEngine::step(StepReport& report) {
     mirror_.stepped(stepper_.step(host().view(), report));
     previousDt_ = settings_.params.dt / settings_.params.substeps;
   }
+  settings_.wakeAll = false;
+  host().view().wakeAll = 0;
   nvtxRangePop();
 
   if (std::exchange(bodiesChanged_, false)) {

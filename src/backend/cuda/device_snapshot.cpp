@@ -32,8 +32,7 @@ bool isAuthored(Life life) { return life == Life::Authored; }
 }  // namespace
 
 int SnapshotSizes::count(Per per) const {
-  const int joint = static_cast<int>(per) - static_cast<int>(Per::Ball);
-  if (joint >= 0 && joint < JointTypes::kSize) return joints[joint];
+  if (const int type = jointTypeOf(per); type >= 0) return joints[type];
   switch (per) {
     case Per::Body: return bodies;
     case Per::Pair: return pairs;

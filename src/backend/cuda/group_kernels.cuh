@@ -189,7 +189,7 @@ struct SumChunkByWarp {
     Block6 block = group.inertia;
     block.fl = block.fa = {0, 0, 0};
     addBlock(block, gatherSums(sums[0]));
-    const Vec6 dx = groupStep(block);
+    const Vec6 dx = groupStep(group, block);
     if (tile.lane == 0) group.step = dx;
   }
 };

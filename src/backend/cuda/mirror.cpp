@@ -40,13 +40,21 @@ void Mirror::bodiesAdded(int before) {
   for (int i = before; i < after; ++i) mark(i, kBody);
 }
 
-void Mirror::jointWritten(int type, int slot) { joints_[type].push_back(slot); }
+void Mirror::jointWritten(int type, int slot) {
+  joints_[type].push_back(slot);
+  specWritten(type, slot);
+}
+void Mirror::specWritten(int type, int slot) {
+  specs_[type].push_back(slot);
+  authored_.reset();
+}
 
 void Mirror::allWritten() {
   bits_.assign(static_cast<std::size_t>(host_.view().bodies), 0);
   touched_.clear();
   forgotten_.clear();
   for (std::vector<int>& slots : joints_) slots.clear();
+  for (std::vector<int>& slots : specs_) slots.clear();
   swerved_.clear(), swerves_.clear();
   addedFrom_ = -1;
   allDirty_ = true;
@@ -66,8 +74,7 @@ void Mirror::forgetContacts(int slot) {
 
 int Mirror::liveCount(Per per) const {
   const View& s = host_.view();
-  const int joint = static_cast<int>(per) - static_cast<int>(Per::Ball);
-  if (joint >= 0 && joint < JointTypes::kSize) return s.joints[joint];
+  if (const int type = jointTypeOf(per); type >= 0) return s.joints[type];
   switch (per) {
     case Per::Body:
       return s.bodies;
@@ -185,17 +192,21 @@ void Mirror::sendEdits() {
     packet.add(&View::force);
     packet.add(&View::torque);
   }
-  for (std::vector<int>& slots : joints_) {
+  const auto inOrder = [](std::vector<int>& slots) {
     std::sort(slots.begin(), slots.end());
     slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
-  }
+  };
+  for (std::vector<int>& slots : joints_) inOrder(slots);
+  for (std::vector<int>& slots : specs_) inOrder(slots);
   forEachType(JointTypes{}, [&]<class F>() {
-    const std::vector<int>& slots = joints_[typeIndex<F>(JointTypes{})];
-    if (slots.empty()) return;
-    packet.setSlots(slots);
-    forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-      if constexpr (std::is_same_v<T, Joint<F>>) packet.add(array.member);
-    });
+    constexpr int kType = typeIndex<F>(JointTypes{});
+    const auto send = [&](const std::vector<int>& slots, auto array) {
+      if (slots.empty()) return;
+      packet.setSlots(slots);
+      packet.add(array);
+    };
+    send(joints_[kType], static_cast<Joint<F>* View::*>(&JointTable<F>::joint));
+    send(specs_[kType], static_cast<JointSpec<F>* View::*>(&JointTable<F>::spec));
   });
   // a body that was set afterwards has the velocity that it was given
   std::size_t kept = 0;
@@ -219,6 +230,7 @@ void Mirror::sendEdits() {
   }
   for (const int slot : touched_) bits_[static_cast<std::size_t>(slot)] &= kKnown | kPushed;
   for (std::vector<int>& slots : joints_) slots.clear();
+  for (std::vector<int>& slots : specs_) slots.clear();
   swerved_.clear(), swerves_.clear(), forgotten_.clear();
 }
 

@@ -26,7 +26,8 @@ class Mirror {
   }
   void stateWritten(int slot) { mark(slot, kState); }
   void forceWritten(int slot) { mark(slot, kForce); }
-  void jointWritten(int type, int slot);
+  void jointWritten(int type, int slot);  ///< all of a joint
+  void specWritten(int type, int slot);   ///< what is authored of it
   void listsWritten() {  ///< planes or exclusions
     listsDirty_ = true;
     authored_.reset();
@@ -84,7 +85,7 @@ class Mirror {
   Upload upload_;
   std::vector<std::uint8_t> bits_;  ///< of each body
   std::vector<int> touched_;        ///< bodies with bits
-  std::vector<int> joints_[JointTypes::kSize];
+  std::vector<int> joints_[JointTypes::kSize], specs_[JointTypes::kSize];
   std::vector<int> forgotten_;
   std::vector<int> swerved_;        ///< bodies whose velocity changes on the device, and by how much [m/s]
   std::vector<Vec3d> swerves_;
@@ -101,7 +102,7 @@ class Mirror {
 /// The arrays that BodyState is made of, and what follows from it.
 template <class F>
 void forEachMotionArray(F&& f) {
-  f(&View::position), f(&View::orientation), f(&View::velocity), f(&View::spin), f(&View::previousVelocity);
+  f(&View::position), f(&View::orientation), f(&View::velocity), f(&View::spin), f(&View::previousVelocity), f(&View::asleep), f(&View::stillTime);
 }
 
 }  // namespace rubble::RUBBLE_CORE

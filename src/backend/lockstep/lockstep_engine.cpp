@@ -32,6 +32,9 @@ class LockstepEngine final : public Engine {
   void setJoint(int slot, const EngineJoint& joint) override {
     both([&](HostTables& t) { RUBBLE_CORE::setJoint(t, slot, joint); });
   }
+  void editJoint(int slot, const EngineJoint& joint) override {
+    both([&](HostTables& t) { RUBBLE_CORE::editJoint(t, slot, joint); });
+  }
   void setExclusions(const std::vector<std::pair<int, int>>& pairs) override {
     both([&](HostTables& t) { RUBBLE_CORE::setExclusions(t, pairs); });
   }
@@ -85,6 +88,7 @@ class LockstepEngine final : public Engine {
       RUBBLE_CORE::step(executor_);
       previousDt_ = settings_.params.dt / settings_.params.substeps;
     }
+    settings_.wakeAll = false;
     reportCounters(executor_.view(), report);
     report.stages = executor_.a().takeTimes();
     executor_.b().takeTimes();
@@ -93,7 +97,19 @@ class LockstepEngine final : public Engine {
   }
   Quality quality() const override { return qualityOf(first()); }
   std::vector<EngineContact> contacts() const override { return contactsOf(first()); }
+  std::vector<EngineTouch> touches() const override { return touchesOf(first()); }
+  std::vector<int> sleepers() const override { return sleepersOf(first()); }
+  bool isAsleep(int slot) const override { return first().view().asleep[slot] != 0; }
+  std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
+    runQueries(executor_.b().tables(), queries);
+    return runQueries(executor_.a().tables(), queries);
+  }
+  std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override {
+    runOverlaps(executor_.b().tables(), queries);
+    return runOverlaps(executor_.a().tables(), queries);
+  }
   JointState jointState(int type, int slot) const override { return jointStateOf(first(), type, slot); }
+  std::vector<std::pair<int, int>> brokenJoints() const override { return brokenJointsOf(first()); }
   std::size_t memoryBytes() const override { return 2 * first().bytes(); }
   std::uint64_t hash() const override { return hashBytes(save()); }
   std::vector<std::byte> save() const override { return saveState(first(), previousDt_); }

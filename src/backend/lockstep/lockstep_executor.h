@@ -80,6 +80,7 @@ class LockstepExecutor {
   /// Elements of an array that this step has written so far.
   static std::size_t written(const View& s, Per per) {
     const Counters& c = *s.counters;
+    if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(s.joints[type]);
     switch (per) {
       case Per::Body: return static_cast<std::size_t>(s.bodies);
       case Per::Pair: return static_cast<std::size_t>(c.pairs);
@@ -91,8 +92,6 @@ class LockstepExecutor {
       case Per::Entry: return static_cast<std::size_t>(c.entries);
       case Per::Color: return static_cast<std::size_t>(c.colors);
       case Per::Cell: return static_cast<std::size_t>(s.cells);
-      case Per::Ball: return static_cast<std::size_t>(s.joints[0]);
-      case Per::Fixed: return static_cast<std::size_t>(s.joints[1]);
       case Per::Vertex: return static_cast<std::size_t>(s.vertices);
       case Per::GrainCell: return static_cast<std::size_t>(s.grainCells);
       case Per::PointPair: return static_cast<std::size_t>(c.pointPairs);

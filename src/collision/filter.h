@@ -1,0 +1,32 @@
+#pragma once
+/// Which bodies meet: layers and masks, groups, and pairs that are excluded.
+#include "state/view.h"
+
+namespace rubble::RUBBLE_CORE {
+
+RUBBLE_HD inline bool filtersMeet(const BodyFilter& a, const BodyFilter& b) {
+  if (a.group != 0 && a.group == b.group) return a.group > 0;
+  return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
+}
+
+RUBBLE_HD inline bool isSensor(const View& s, int body) { return s.filtered != 0 && s.filter[body].sensor != 0; }
+
+RUBBLE_HD inline bool excluded(const View& s, int a, int b) {
+  const int low = a < b ? a : b, high = a < b ? b : a;
+  for (int k = s.exclusionOffset[low]; k < s.exclusionOffset[low + 1]; ++k)
+    if (s.exclusionBody[k] == high) return true;
+  return false;
+}
+
+/// Two bodies of which one is dynamic, or of which one moves and the other is a sensor.
+RUBBLE_HD inline bool mayCollide(const View& s, int a, int b) {
+  const BodyKind ka = s.params[a].kind, kb = s.params[b].kind;
+  if (ka != BodyKind::Dynamic && kb != BodyKind::Dynamic) {
+    const bool moves = ka == BodyKind::Kinematic || kb == BodyKind::Kinematic;
+    if (!moves || (!isSensor(s, a) && !isSensor(s, b))) return false;
+  }
+  if (s.filtered != 0 && !filtersMeet(s.filter[a], s.filter[b])) return false;
+  return !excluded(s, a, b);
+}
+
+}  // namespace rubble::RUBBLE_CORE

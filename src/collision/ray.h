@@ -1,0 +1,73 @@
+#pragma once
+/// Where a ray meets a shape, in closed form.
+#include "collision/distance.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Fraction of the way at which the surface is met (above 1: never), and the outer normal there.
+struct RayMeeting {
+  double fraction;
+  Vec3d n;
+};
+
+namespace rays {
+
+inline constexpr double kNever = 2;
+
+/// x + t d against the sphere of that radius about the origin.
+RUBBLE_HD inline RayMeeting sphere(const Vec3d& x, const Vec3d& d, double radius) {
+  const double b = dot(x, d), c = dot(x, x) - radius * radius, dd = dot(d, d);
+  if (c <= 0) return {0, {0, 0, 0}};
+  const double q = b * b - c * dd;
+  if (b >= 0 || q < 0) return {kNever, {}};
+  const double t = c / (std::sqrt(q) - b);  // without cancellation
+  return {t, (x + d * t) / radius};
+}
+
+RUBBLE_HD inline RayMeeting box(const Vec3d& x, const Vec3d& d, const Vec3d& half) {
+  double in = 0, out = 1;
+  int axis = -1;
+  for (int k = 0; k < 3; ++k) {
+    if (d[k] == 0) {
+      if (std::fabs(x[k]) > half[k]) return {kNever, {}};
+      continue;
+    }
+    const double sign = d[k] > 0 ? 1 : -1, enter = (-sign * half[k] - x[k]) / d[k], leave = (sign * half[k] - x[k]) / d[k];
+    if (enter > in) in = enter, axis = k;
+    out = min(out, leave);
+  }
+  if (in > out) return {kNever, {}};
+  Vec3d n;
+  if (axis >= 0) n[axis] = d[axis] > 0 ? -1 : 1;
+  return {in, n};
+}
+
+/// About the z axis, with round ends at +- half.
+RUBBLE_HD inline RayMeeting capsule(const Vec3d& x, const Vec3d& d, double half, double radius) {
+  const Vec3d side{x.x, x.y, 0}, along{d.x, d.y, 0};
+  RayMeeting m = dot(along, along) > 0 || dot(side, side) <= radius * radius ? sphere(side, along, radius) : RayMeeting{kNever, {}};
+  if (m.fraction <= 1 && std::fabs(x.z + m.fraction * d.z) <= half) return m;
+  const RayMeeting a = sphere(x - Vec3d{0, 0, half}, d, radius), b = sphere(x + Vec3d{0, 0, half}, d, radius);
+  return a.fraction < b.fraction ? a : b;
+}
+
+}  // namespace rays
+
+/// A ray from `origin` that goes `move`, against a shape.
+RUBBLE_HD inline RayMeeting castRay(const Placed& shape, const Vec3d& origin, const Vec3d& move) {
+  const Vec3d x = rotateInverse(shape.q, origin - shape.p), d = rotateInverse(shape.q, move);
+  RayMeeting m{rays::kNever, {}};
+  if (shape.plane) {
+    if (x.z <= 0) m = {0, {0, 0, 0}};
+    else if (d.z < 0) m = {x.z / -d.z, {0, 0, 1}};
+  } else if (shape.radius == 0) {
+    m = rays::box(x, d, shape.half);
+  } else {
+    m = rays::capsule(x, d, shape.half.z, shape.radius);
+  }
+  if (m.fraction > 1) return {rays::kNever, {}};
+  m.n = m.n == Vec3d{} ? normalize(-move) : rotate(shape.q, m.n);
+  return m;
+}
+
+}  // namespace rubble::RUBBLE_CORE

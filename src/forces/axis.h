@@ -1,0 +1,197 @@
+#pragma once
+/// A scalar coordinate c(x) of a joint (an angle, a travel, a length) and the three rows that may act on it. They share one Jacobian.
+///
+///   limit     c in [lo, hi]; lo = hi: locked. Hard, or with a stiffness and a damper
+///   drive     towards a position and a speed, by stiffness and damper (either may be hard), with a largest force
+///   friction  against any motion, up to a bound
+///
+/// Each is one row whose force is that of an interval [l, h], which the drive and the friction have with l = h:
+///
+///   F = s (k (c - h) + lambda) if that is above 0,  s (k (c - l) + lambda) if that is below 0,  else 0;     cut to [-bound, bound]
+///
+/// which is the force of the augmented Lagrangian of l <= c <= h. At most one of the two is on its side, since l <= h. A damper of D joins
+/// the stiffness K in one finite row: K_tot = K + D / dt, and the error is C - w C(x^t) with w = (D / dt) / K_tot. [N, N m]
+#include "solver/row.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// A stiffness [N/m, N m/rad] or damper [N s/m, N m s/rad] from here on is hard, a bound from here on is none.
+inline constexpr Real kHardValue = Real(1e18);
+/// A limit beyond this is none [m, rad].
+inline constexpr Real kNoLimit = Real(1e18);
+/// A limit without load takes no part in a step if the coordinate stays inside even when it moves so many times as far as predicted [1].
+inline constexpr Real kDormantReach = Real(1.5);
+
+/// Authored.
+struct AxisSpec {
+  Real lo, hi;                        ///< [m], [rad]
+  Real limitStiffness, limitDamping;
+  Real target, speed;                 ///< of the drive [m, rad], [m/s, rad/s]
+  Real driveStiffness, driveDamping;
+  Real driveBound;                    ///< largest force of the drive [N, N m]
+  Real friction;                      ///< [N, N m]
+};
+
+/// One row of a coordinate: what lasts (lambda, k) and what a step works with.
+struct AxisRow {
+  Real lambda, k;
+  Real lo, hi;        ///< interval after regularisation
+  Real compliance;    ///< 1 / K_tot; 0: hard
+  Real bound;
+  bool acts;
+  bool keepsMultiplier;
+};
+
+struct AxisRows {
+  AxisRow limit, drive, friction;
+  Real start, length;       ///< k_start, and the length that its growth refers to (1 for angles)
+  Real beforeImpact;        ///< multiplier of the limit to go on with after an impact
+  bool impact;              ///< the limit stops a fast approach in this step
+};
+
+/// Force and Hessian stiffness of a row at c; returns the distance from the interval that the force comes from (0: no force).
+RUBBLE_HD inline Real axisForce(const AxisRow& row, Real c, Real& force, Real& hessian) {
+  const Real s = row.keepsMultiplier ? Real(1) / (Real(1) + row.k * row.compliance) : Real(1);
+  const Real up = s * (row.k * (c - row.hi) + row.lambda), low = s * (row.k * (c - row.lo) + row.lambda);
+  force = up > Real(0) ? up : low < Real(0) ? low : Real(0);
+  hessian = s * row.k;
+  const Real error = force > Real(0) ? c - row.hi : force < Real(0) ? c - row.lo : Real(0);
+  const Real size = absOf(force);
+  if (size > row.bound) {
+    const Real sign = force > Real(0) ? Real(1) : Real(-1);
+    // the secant of the cut force, kept above half of what stops the motion: with lambda at the bound the secant alone is zero
+    if (absOf(error) > Real(0)) hessian = min(hessian, max(absOf(row.bound - sign * row.lambda), row.bound / 2) / absOf(error));
+    force = sign * row.bound;
+  }
+  return error;
+}
+
+/// Sum of the forces and Hessian stiffnesses of the rows that act.
+RUBBLE_HD inline void axisForces(const AxisRows& rows, Real c, Real& force, Real& hessian) {
+  force = hessian = Real(0);
+  const auto add = [&](const AxisRow& row) {
+    if (!row.acts) return;
+    Real f, k;
+    axisForce(row, c, f, k);
+    force += f;
+    hessian += k;
+  };
+  add(rows.limit), add(rows.drive), add(rows.friction);
+}
+RUBBLE_HD inline bool actsAtAll(const AxisRows& rows) { return rows.limit.acts || rows.drive.acts || rows.friction.acts; }
+/// The force that the rows have after the last dual update.
+RUBBLE_HD inline Real axisLoad(const AxisRows& rows) {
+  return (rows.limit.acts ? rows.limit.lambda : Real(0)) + (rows.drive.acts ? rows.drive.lambda : Real(0)) +
+         (rows.friction.acts ? rows.friction.lambda : Real(0));
+}
+
+/// [S 13] and [S 14] of one row.
+RUBBLE_HD inline void updateAxisRow(const StepConstants& c, const AxisRows& rows, AxisRow& row, Real value) {
+  if (!row.acts) return;
+  Real force, hessian;
+  const Real error = axisForce(row, value, force, hessian);
+  const bool inside = absOf(force) < row.bound && force != Real(0);
+  if (row.keepsMultiplier) row.lambda = force;
+  if (!inside || (row.keepsMultiplier && row.compliance > Real(0))) return;
+  StiffnessRule rule = jointRule(c, rows.start, rows.length);
+  if (!row.keepsMultiplier) {
+    rule.policy = StiffnessPolicy::Ramp;
+    rule.limit = min(rule.limit, Real(1) / row.compliance);
+  }
+  row.k = grownStiffness<Real>(rule, row.k, error, force);
+}
+RUBBLE_HD inline void updateAxis(const StepConstants& c, AxisRows& rows, Real value) {
+  updateAxisRow(c, rows, rows.limit, value);
+  updateAxisRow(c, rows, rows.drive, value);
+  updateAxisRow(c, rows, rows.friction, value);
+}
+
+/// What beginAxis knows of the joint.
+struct AxisSituation {
+  Real value;       ///< c(x^t), within its turn
+  Real turn;        ///< what whole turns add to it
+  Real change;      ///< of c in this step without any row, to first order
+  Real inertia;     ///< row inertia
+  Real length;      ///< characteristic length [m]; 1 for angles
+  Real reach;       ///< speed of a point for a unit of speed of c [1, m]
+  Real bound;       ///< break threshold and ceiling [N, N m]
+};
+
+/// Stiffness, compliance and kept multiplier of a row. `hard`: infinite stiffness. `kept`: factor on the multiplier.
+RUBBLE_HD inline void beginAxisRow(const StepConstants& c, AxisRows& rows, AxisRow& row, Real total, Real kept, Real bound) {
+  const bool hard = total >= kHardValue, ramp = !hard && !c.compliantRows;
+  StiffnessRule rule = jointRule(c, rows.start, rows.length);
+  row.compliance = hard ? Real(0) : Real(1) / total;
+  row.keepsMultiplier = !ramp;
+  if (ramp) {
+    rule.policy = StiffnessPolicy::Ramp;
+    rule.limit = min(rule.limit, total);
+    rule.start = min(rule.start, rule.limit);
+  }
+  row.lambda = ramp ? Real(0) : kept * row.lambda;
+  row.k = row.k > Real(0) ? warmStiffness(c, rule, row.k, row.lambda) : coldStart(rule.start).k;
+  row.bound = bound;
+  row.acts = true;
+}
+
+/// Rows of this step, from x^t.
+RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, AxisRows& rows, const AxisSituation& at) {
+  rows.start = startStiffness(c, at.inertia);
+  rows.length = at.length;
+  const auto rest = [](AxisRow& row) { row.acts = false, row.lambda = 0, row.k = 0; };
+
+  AxisRow& limit = rows.limit;
+  if (rows.impact) limit.lambda = rows.beforeImpact;
+  rows.impact = false;
+  if (spec.lo > -kNoLimit || spec.hi < kNoLimit) {
+    const Real lo = spec.lo - at.turn, hi = spec.hi - at.turn, next = at.value + kDormantReach * at.change;
+    const bool locked = spec.lo == spec.hi;
+    const auto inside = [&](Real v) { return v > lo && v < hi; };
+    if (!locked && limit.lambda == Real(0) && inside(at.value) && inside(next)) {
+      rest(limit);
+    } else {
+      const bool hard = spec.limitStiffness >= kHardValue;
+      const Real damping = spec.limitDamping * c.inverseDt, total = hard ? spec.limitStiffness : spec.limitStiffness + damping;
+      const Real share = hard ? c.alpha : damping / total;
+      limit.hi = hi + share * (locked ? at.value - hi : max(at.value - hi, Real(0)));
+      limit.lo = locked ? limit.hi : lo - share * max(lo - at.value, Real(0));
+      const Real before = limit.lambda;
+      beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma, at.bound);
+      // as for contacts: the multiplier of an impact is many times the load that follows
+      rows.impact = c.impactRule && hard && !locked && absOf(at.change) * c.inverseDt * at.reach > kImpactSpeed && !inside(at.value + at.change);
+      rows.beforeImpact = before;
+    }
+  } else {
+    rest(limit);
+  }
+
+  if ((spec.driveStiffness > Real(0) || spec.driveDamping > Real(0)) && spec.driveBound > Real(0)) {
+    AxisRow& drive = rows.drive;
+    const Real target = spec.target - at.turn;
+    Real total = kHardValue, kept = c.gamma;
+    if (spec.driveStiffness >= kHardValue) {
+      drive.hi = target + c.alpha * (at.value - target);
+      kept *= c.alpha;
+    } else if (spec.driveDamping >= kHardValue) {
+      // the speed is no error of position: all of c(x^t) is left alone
+      drive.hi = at.value + c.dt * spec.speed;
+    } else {
+      const Real damping = spec.driveDamping * c.inverseDt;
+      total = spec.driveStiffness + damping;
+      drive.hi = target + damping / total * (at.value - target + c.dt * spec.speed);
+    }
+    drive.lo = drive.hi;
+    beginAxisRow(c, rows, drive, total, kept, min(spec.driveBound, at.bound));
+  } else {
+    rest(rows.drive);
+  }
+
+  if (spec.friction > Real(0)) {
+    rows.friction.lo = rows.friction.hi = at.value;
+    beginAxisRow(c, rows, rows.friction, kHardValue, c.gamma, min(spec.friction, at.bound));
+  } else {
+    rest(rows.friction);
+  }
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,57 @@
+#pragma once
+/// Pulley: a rope from A over two points of the world to B. d_i = x_i - o_i, n_i = d_i / |d_i|.
+///
+///   c = |d_A| + rho |d_B|                             [m], F [N] in the part of A, rho F in that of B
+///   J_A = [n_A, r_A x n_A],  J_B = rho [n_B, r_B x n_B];  G_A, G_B: lengthCurvature with F and rho F
+#include "forces/linear_parts.h"
+
+namespace rubble::RUBBLE_CORE {
+
+struct PulleyAxis {
+  static constexpr int kRows = 1;
+  static constexpr RowUnit kUnit = RowUnit::Linear;
+  static constexpr bool kAxis = true;
+  static constexpr Real kStiffnessShare = kCouplingShare;
+
+  template <class D, class M>
+  RUBBLE_HD static Vec3 span(const D& d, const M& m, const Pose& a, const Pose& b, int side) {
+    return side == 0 ? a.p + rotate(a.q, d.anchorA) - m.overA : b.p + rotate(b.q, d.anchorB) - m.overB;
+  }
+  template <class D, class M>
+  RUBBLE_HD static void constraint(const D& d, const M& m, const Pose& a, const Pose& b, Real (&c)[kRows]) {
+    c[0] = length(span(d, m, a, b, 0)) + d.ratio * length(span(d, m, a, b, 1));
+  }
+  template <class D, class M>
+  RUBBLE_HD static void jacobian(const D& d, const M& m, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
+    Vec3 n;
+    direction(span(d, m, a, b, side), n);
+    j[0] = (side == 0 ? Real(1) : d.ratio) * Vec6{n, cross(anchorLever(d, side == 0 ? a : b, side), n)};
+  }
+  template <class D, class M>
+  RUBBLE_HD static Vec6 curvature(const D& d, const M& m, const Pose& a, const Pose& b, int side, const Real (&f)[kRows]) {
+    Vec3 n;
+    const Real size = direction(span(d, m, a, b, side), n);
+    return lengthCurvature(side == 0 ? f[0] : d.ratio * f[0], n, size, anchorLever(d, side == 0 ? a : b, side));
+  }
+};
+
+struct PulleyJoint {
+  static constexpr const char* kName = "pulley";
+  static constexpr bool kGrounded = true;
+  using Parts = PartList<PulleyAxis>;
+  struct Memory {
+    Vec3 overA, overB;  ///< the points of the world, from p_B^t [m]
+    template <class D>
+    RUBBLE_HD void remember(const D& d, const Pose&, const Pose&, const Vec3d& origin) {
+      overA = Vec3(d.pointA - origin);
+      overB = Vec3(d.pointB - origin);
+    }
+  };
+  struct Data {
+    Vec3d pointA, pointB;   ///< points that the rope runs over, world [m]
+    Vec3 anchorA, anchorB;  ///< in the frame of their body [m]
+    Real ratio;             ///< rho [1]
+  };
+};
+
+}  // namespace rubble::RUBBLE_CORE

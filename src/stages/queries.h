@@ -1,0 +1,201 @@
+#pragma once
+/// Queries over the grid of the broad phase, filled for the present poses: a functor a query.
+#include "collision/ray.h"
+#include "stages/broad_phase.h"
+
+namespace rubble::RUBBLE_CORE {
+
+enum class QueryKind : int { Ray, Cast, Overlap, Closest };
+
+struct QueryData {
+  QueryKind kind;
+  Placed shape;         ///< of a ray and of a closest point: the point alone
+  Vec3d move;           ///< [m]
+  double reach;         ///< closest point: largest distance [m]
+  double size;          ///< diameter of the shape [m]
+  std::uint32_t layers, mask;
+  int sensors, ignore;
+};
+
+struct QueryHit {
+  int body;             ///< -1: none
+  double fraction;      ///< of the move; closest point: distance [m]
+  Vec3d position, n;
+};
+
+/// Half extents of the box about the centre of a placed shape [m].
+RUBBLE_HD inline Vec3d extent(const Placed& s) {
+  const Vec3d x = abs(rotate(s.q, Vec3d{s.half.x, 0, 0})), y = abs(rotate(s.q, Vec3d{0, s.half.y, 0})), z = abs(rotate(s.q, Vec3d{0, 0, s.half.z}));
+  return x + y + z + Vec3d{s.radius, s.radius, s.radius};
+}
+
+RUBBLE_HD inline bool looksAt(const View& s, const QueryData& q, int body) {
+  if (body == q.ignore) return false;
+  const BodyFilter& f = s.filter[body];
+  return (q.sensors != 0 || f.sensor == 0) && (f.layers & q.mask) != 0 && (q.layers & f.mask) != 0;
+}
+
+/// Does a box of half extents `reach` about x meet the origin on its way x + t d, t in [0, limit]?
+RUBBLE_HD inline bool passes(const Vec3d& x, const Vec3d& d, const Vec3d& reach, double limit) {
+  double in = 0, out = limit;
+  for (int k = 0; k < 3; ++k) {
+    if (d[k] == 0) {
+      if (std::fabs(x[k]) > reach[k]) return false;
+      continue;
+    }
+    const double a = (-reach[k] - x[k]) / d[k], b = (reach[k] - x[k]) / d[k];
+    in = max(in, min(a, b)), out = min(out, max(a, b));
+  }
+  return in <= out;
+}
+
+/// visit(body) for every body whose box may meet one of half extents `half` that goes from `x` by `limit` of `d`. The visitor may lower the limit
+/// as it finds hits. Each body is visited once: slab by slab of cells along the main direction, so that near ones come first at each level.
+template <class Visit>
+RUBBLE_HD void visitAlong(const View& s, const Vec3d& x, const Vec3d& d, const Vec3d& half, double& limit, Visit&& visit) {
+  int m = 0;
+  for (int k = 1; k < 3; ++k)
+    if (std::fabs(d[k]) > std::fabs(d[m])) m = k;
+  const int u = (m + 1) % 3, v = (m + 2) % 3;
+  const auto tryEntry = [&](const GridEntry& e) {
+    const Vec3d away = x - Vec3d(e.centre);
+    if (passes(away, d, half + Vec3d(e.half), limit)) visit(e.body);
+  };
+  const int entries = s.bucketOffset[s.cells];
+  for (int level = 0; level < kGridLevels; ++level) {
+    if (s.counters->levelUsed[level] == 0) continue;
+    const double size = static_cast<double>(cellSize(s, level));
+    Vec3d reach = half;
+    for (int k = 0; k < 3; ++k) reach[k] += static_cast<double>(fromFloatBits(s.counters->levelHalf[level][k]));
+    const auto cell = [&](double a) { return static_cast<int>(floor(clamp(a / size, -1e9, 1e9))); };
+    const auto low = [&](int k, double t0, double t1) { return cell(min(x[k] + t0 * d[k], x[k] + t1 * d[k]) - reach[k]); };
+    const auto high = [&](int k, double t0, double t1) { return cell(max(x[k] + t0 * d[k], x[k] + t1 * d[k]) + reach[k]); };
+    const int first = low(m, 0, limit), last = high(m, 0, limit);
+    // as many cells as bodies: then rather the bodies
+    const double cells = (double(last) - first + 1) * (2 * reach[u] / size + 2) * (2 * reach[v] / size + 2);
+    if (cells > 2.0 * entries + 64) {
+      for (int k = 0; k < entries; ++k)
+        if (s.grid[k].level == level) tryEntry(s.grid[k]);
+      continue;
+    }
+    const bool forward = d[m] >= 0;
+    for (int n = 0; n <= last - first; ++n) {
+      const int slab = forward ? first + n : last - n;
+      double t0 = 0, t1 = limit;
+      if (d[m] != 0) {
+        const double a = (slab * size - reach[m] - x[m]) / d[m], b = ((slab + 1.0) * size + reach[m] - x[m]) / d[m];
+        t0 = max(t0, min(a, b)), t1 = min(t1, max(a, b));
+        if (t0 > t1) continue;
+      }
+      for (int cv = low(v, t0, t1); cv <= high(v, t0, t1); ++cv)
+        for (int cu = low(u, t0, t1); cu <= high(u, t0, t1); ++cu) {
+          int c[3];
+          c[m] = slab, c[u] = cu, c[v] = cv;
+          const int bucket = bucketOf(s, level, c[0], c[1], c[2]);
+          for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
+            const GridEntry& e = s.grid[k];
+            // another cell may share the bucket
+            const bool here = e.level == level && cellOf(e.centre.x, cellSize(s, level)) == c[0] && cellOf(e.centre.y, cellSize(s, level)) == c[1] &&
+                              cellOf(e.centre.z, cellSize(s, level)) == c[2];
+            if (here) tryEntry(e);
+          }
+        }
+    }
+  }
+  for (int k = 0; k < s.planes; ++k) visit(s.planeBody[k]);
+}
+
+/// A body as a query sees it: relative to the shape's place, so that far from the origin nothing is lost.
+RUBBLE_HD inline Placed placedBody(const View& s, int body, const Vec3d& origin) {
+  return placed(s.params[body].shape, s.position[body] - origin, Quatd(s.orientation[body]));
+}
+
+/// Shapes count as touching within this share of the size of a shape that is cast [1].
+inline constexpr double kCastGap = 1e-4;
+
+/// The first hit, or the nearest body. Of several at the same place the one of lowest index.
+struct RunQuery {
+  static constexpr const char* kName = "queries";
+  const QueryData* queries;
+  QueryHit* hits;
+
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const QueryData& q = queries[i];
+    QueryHit best{-1, 0, {}, {}};
+    double limit = 1;
+    Placed own = q.shape;
+    own.p = {};
+    const bool closest = q.kind == QueryKind::Closest;
+    const Vec3d half = closest ? Vec3d{q.reach, q.reach, q.reach} : extent(own);
+    double bestDistance = q.reach;
+    visitAlong(s, q.shape.p, q.move, half, limit, [&](int body) {
+      if (!looksAt(s, q, body)) return;
+      const Placed other = placedBody(s, body, q.shape.p);
+      QueryHit hit{body, 0, {}, {}};
+      if (q.kind == QueryKind::Ray) {
+        const RayMeeting m = castRay(other, {}, q.move);
+        if (m.fraction > 1) return;
+        hit.fraction = m.fraction, hit.position = q.move * m.fraction, hit.n = m.n;
+      } else if (closest) {
+        const Separation at = separation(own, other);
+        const bool inside = !(at.distance > 0);
+        hit.fraction = inside ? 0 : at.distance;
+        hit.position = inside ? Vec3d{} : at.onB;
+        if (hit.fraction > bestDistance) return;
+      } else {
+        const Meeting m = meeting(own, {q.move, {}}, other, {{}, {}}, kCastGap * q.size);
+        if (m.fraction > 1) return;
+        hit.fraction = m.fraction, hit.n = -m.at.n;
+        hit.position = m.at.n == Vec3d{} ? Vec3d{} : m.at.onB;
+      }
+      const bool first = best.body < 0 || hit.fraction < best.fraction || (hit.fraction == best.fraction && body < best.body);
+      if (!first) return;
+      best = hit;
+      if (closest) bestDistance = hit.fraction;
+      else limit = hit.fraction;
+    });
+    best.position += q.shape.p;
+    hits[i] = best;
+  }
+};
+
+/// Bodies that a shape overlaps: found(body), in no fixed order.
+template <class Found>
+RUBBLE_HD void searchOverlaps(const View& s, const QueryData& q, Found&& found) {
+  Placed own = q.shape;
+  own.p = {};
+  double limit = 1;
+  visitAlong(s, q.shape.p, {}, extent(own), limit, [&](int body) {
+    if (looksAt(s, q, body) && separation(own, placedBody(s, body, q.shape.p)).distance <= 0) found(body);
+  });
+}
+
+struct CountOverlaps {
+  static constexpr const char* kName = "queries";
+  const QueryData* queries;
+  int* counts;
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    int n = 0;
+    searchOverlaps(s, queries[i], [&](int) { ++n; });
+    counts[i] = n;
+  }
+};
+
+/// Into [offsets[i], offsets[i + 1]), rising.
+struct FillOverlaps {
+  static constexpr const char* kName = "queries";
+  const QueryData* queries;
+  const int* offsets;
+  int* bodies;
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    int n = 0;
+    int* const to = bodies + offsets[i];
+    searchOverlaps(s, queries[i], [&](int body) {
+      int k = n++;
+      for (; k > 0 && to[k - 1] > body; --k) to[k] = to[k - 1];
+      to[k] = body;
+    });
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,118 @@
+#pragma once
+/// Bodies that go further in a step than they are thick, and so could pass through others. Contact rows are made at x^t and can not know where
+/// such a body hits. So its way is checked after the iterations, from x^t to where they have put it: at the first body in the way it stops
+/// for the rest of the step and keeps its velocity. The next step finds the two in touch, and its rows deal with the impact: momentum is
+/// handed over there and nowhere else, and what is missed is not touched. Such a body loses the rest of one step for each impact.
+#include "collision/distance.h"
+#include "stages/contacts.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Bodies meet when they are this near, over L [1]: so near that the next step counts them as touching (kDormantGap), and its groups move them
+/// together, without which light bodies that run into one another head-on would not keep their momentum at few iterations.
+inline constexpr Real kMeetingGap = Real(1e-3);
+/// The rows of a pair have held if they leave no point deeper than this share of L.
+inline constexpr Real kHeldDepth = Real(.05);
+
+/// Which bodies went far, and whether there are any.
+struct FindFast {
+  static constexpr const char* kName = "stops";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    s.stopBits[i] = s.stopPair[i] = s.fast[i] = 0;
+    const BodyParams& p = s.params[i];
+    if (p.kind != BodyKind::Dynamic && p.kind != BodyKind::Kinematic) return;
+    const Displacement& d = s.moved[i];
+    // the turn moves no point further than the way around
+    const Real way2 = dot(d.dp, d.dp), turn = length(d.dw) * (p.radius - p.shape.radius), inner = innerRadius(p.shape);
+    if (!(way2 > Real(0)) || std::sqrt(way2) + turn <= inner) return;
+    s.fast[i] = 1;
+    atomicRaise(&s.counters->swept, s.counters->pairs);
+  }
+};
+
+RUBBLE_HD inline Way wayOf(const Displacement& d) { return {Vec3d(d.dp), Vec3d(d.dw)}; }
+
+/// Do the rows of a pair keep its bodies apart?
+RUBBLE_HD inline bool rowsHold(const View& s, const Manifold& m) {
+  if (m.count == 0 || m.row < 0) return false;
+  const ContactRows& r = s.contact[m.row];
+  bool acts = false;
+  for (int k = 0; k < m.count; ++k) {
+    if (!(r.kN[k] > Real(0))) continue;
+    acts = true;
+    const ContactFrame<Real> f = contactFrame<Real>(r, k);
+    if (r.c0[k] + along(r.n, relativeDisplacement(f, s.moved[r.a], s.moved[r.b])) > kHeldDepth * r.length) return false;
+  }
+  return acts;
+}
+
+/// Which of two bodies stops where they meet: the fast one, and of a moved and a free one the free one.
+RUBBLE_HD inline bool stopsAt(const View& s, int body, int other) {
+  if (s.params[body].kind != BodyKind::Dynamic) return false;
+  return s.fast[body] != 0 || s.params[other].kind != BodyKind::Dynamic;
+}
+
+/// Where the bodies of a pair meet on their ways: the part of the way that is left then.
+struct FindStops {
+  static constexpr const char* kName = "stops";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    s.meetBits[i] = 0;
+    const OrderedPair o = ordered(s.pair[i]);
+    if ((!s.fast[o.a] && !s.fast[o.b]) || isSensor(s, o.a) || isSensor(s, o.b)) return;
+    const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
+    const Displacement still{{0, 0, 0}, 0, {0, 0, 0}, 0};
+    const Displacement &da = pa.kind == BodyKind::Static ? still : s.moved[o.a], &db = pb.kind == BodyKind::Static ? still : s.moved[o.b];
+    const Real way = length(da.dp - db.dp) + length(da.dw) * (pa.radius - pa.shape.radius) + length(db.dw) * (pb.radius - pb.shape.radius);
+    if (way <= innerRadius(pa.shape) + innerRadius(pb.shape) || rowsHold(s, s.manifold[i])) return;
+    const Placed a = placed(pa.shape, {0, 0, 0}, Quatd(s.orientation[o.a]));
+    const Placed b = placed(pb.shape, s.position[o.b] - s.position[o.a], Quatd(s.orientation[o.b]));
+    const double tolerance = static_cast<double>(kMeetingGap * pairLength(pa, pb));
+    const Meeting m = meeting(a, wayOf(da), b, wayOf(db), tolerance);
+    if (m.fraction > 1) return;
+    // already there: only if they go on into one another
+    if (m.fraction == 0 && dot(m.at.n, Vec3d(da.dp - db.dp)) <= 0) return;
+    const int bits = floatBits(static_cast<Real>(1 - m.fraction));
+    s.meetBits[i] = bits;
+    if (stopsAt(s, o.a, o.b)) atomicRaise(&s.stopBits[o.a], bits);
+    if (stopsAt(s, o.b, o.a)) atomicRaise(&s.stopBits[o.b], bits);
+  }
+};
+
+/// The pair that a body stops at: of several at the same time the last one.
+struct ChooseStops {
+  static constexpr const char* kName = "stops";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const int bits = s.meetBits[i];
+    if (bits == 0) return;
+    const OrderedPair o = ordered(s.pair[i]);
+    if (stopsAt(s, o.a, o.b) && s.stopBits[o.a] == bits) atomicRaise(&s.stopPair[o.a], i + 1);
+    if (stopsAt(s, o.b, o.a) && s.stopBits[o.b] == bits) atomicRaise(&s.stopPair[o.b], i + 1);
+  }
+};
+
+/// The ways that the bodies of a pair make until they stop there. What they have met carries them along, unless it has stopped as well.
+struct StopBodies {
+  static constexpr const char* kName = "stops";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.meetBits[i] == 0) return;
+    const OrderedPair o = ordered(s.pair[i]);
+    if (s.stopPair[o.a] == i + 1) stop(s, o.a, o.b);
+    if (s.stopPair[o.b] == i + 1) stop(s, o.b, o.a);
+  }
+
+  RUBBLE_HD static void stop(const View& s, int body, int other) {
+    atomicCount(&s.counters->stopped, 1);
+    const Real left = fromFloatBits(s.stopBits[body]), done = Real(1) - left;
+    Displacement d = s.moved[body];
+    d.dp *= done, d.dw *= done;
+    if (s.params[other].kind != BodyKind::Static && s.stopBits[other] == 0) {
+      const Displacement& e = s.moved[other];
+      const Vec3 arm = Vec3(s.position[body] - s.position[other]) + d.dp - done * e.dp;
+      d.dp += left * (e.dp + cross(e.dw, arm));
+      d.dw = logRotation(expRotation(left * e.dw) * expRotation(d.dw));
+    }
+    s.stopped[body] = d;
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

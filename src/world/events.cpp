@@ -1,0 +1,132 @@
+/// Events of a step, from what the engine tells after it and what was known before.
+#include <algorithm>
+
+#include <rubble/world.h>
+
+#include "world/world_impl.h"
+
+namespace rubble {
+
+namespace {
+
+bool before(const Touch& s, const Touch& t) { return std::pair(s.a.index, s.b.index) < std::pair(t.a.index, t.b.index); }
+bool same(const Touch& s, const Touch& t) { return s.a == t.a && s.b == t.b; }
+
+}  // namespace
+
+void World::Impl::collectContacts() {
+  std::vector<Touch> now;
+  for (const EngineTouch& t : engine->touches()) {
+    const auto a = registry.bodies.at(t.a), b = registry.bodies.at(t.b);
+    if (a && b) now.push_back({*a, *b, t.sensor});
+  }
+  std::sort(now.begin(), now.end(), before);
+  std::vector<EngineContact> points = engine->contacts();
+  std::stable_sort(points.begin(), points.end(),
+                   [](const EngineContact& p, const EngineContact& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });
+
+  const auto add = [&](Phase phase, const Touch& touch) {
+    ContactEvent& event = events.contacts.emplace_back();
+    event.phase = phase;
+    event.a = touch.a, event.b = touch.b;
+    event.sensor = touch.sensor;
+    if (phase == Phase::End || touch.sensor) return;
+    const auto key = std::pair(touch.a.index, touch.b.index);
+    auto p = std::lower_bound(points.begin(), points.end(), key, [](const EngineContact& c, const auto& k) { return std::pair(c.a, c.b) < k; });
+    for (; p != points.end() && std::pair(p->a, p->b) == key; ++p) {
+      event.points.push_back({touch.a, touch.b, p->position, p->normal, p->depth, p->force});
+      event.impulse += p->force * params.dt;
+    }
+  };
+  // two sorted lists side by side; a slot that has been used again counts as another pair
+  const std::vector<Touch>& old = registry.touches;
+  std::size_t i = 0, k = 0;
+  while (i < old.size() || k < now.size()) {
+    if (k == now.size() || (i < old.size() && before(old[i], now[k]))) {
+      add(Phase::End, old[i++]);
+    } else if (i == old.size() || before(now[k], old[i])) {
+      add(Phase::Begin, now[k++]);
+    } else if (same(old[i], now[k])) {
+      add(Phase::Stay, now[k++]), ++i;
+    } else {
+      add(Phase::End, old[i++]);
+      add(Phase::Begin, now[k++]);
+    }
+  }
+  registry.touches = std::move(now);
+}
+
+void World::Impl::collectBreaks(const std::vector<JointId>& broken) {
+  for (const JointId id : broken) {
+    const JointRecord& joint = registry.joints[id];
+    const JointState state = engine->jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
+    events.joints.push_back({id, joint.a, joint.b, state.force, state.torque});
+  }
+}
+
+void World::Impl::collectSleeps() {
+  const std::vector<int> now = engine->sleepers();
+  const std::vector<int>& old = registry.sleepers;
+  std::size_t i = 0, k = 0;
+  const auto add = [&](int slot, bool asleep) {
+    if (const auto id = registry.bodies.at(slot)) events.sleeps.push_back({*id, asleep});
+  };
+  while (i < old.size() || k < now.size()) {
+    if (k == now.size() || (i < old.size() && old[i] < now[k])) add(old[i++], false);
+    else if (i == old.size() || now[k] < old[i]) add(now[k++], true);
+    else ++i, ++k;
+  }
+  registry.sleepers = now;
+}
+
+void World::Impl::collectEvents(const StepReport& report) {
+  events = {};
+  if (!wantsEvents) return;
+  collectContacts();
+  collectBreaks(report.broken);
+  if (params.sleeping || !registry.sleepers.empty()) collectSleeps();
+}
+
+const Events& World::events() const { return impl_->events; }
+
+bool World::asleep(BodyId id) const {
+  impl_->requireAlive(id);
+  return impl_->params.sleeping && impl_->engine->isAsleep(id.index);
+}
+
+void World::wake(BodyId id) {
+  impl_->requireAlive(id);
+  impl_->wake(id);
+}
+
+void World::Impl::wake(BodyId id) {
+  if (!params.sleeping || id.index < 0) return;
+  if (registry.bodies[id].def.motion == Motion::Dynamic) engine->setState(id.index, engine->state(id.index));
+  else engine->forgetContacts(id.index);
+}
+
+std::vector<ContactPoint> World::contacts() const {
+  std::vector<ContactPoint> out;
+  for (const EngineContact& c : impl_->engine->contacts()) {
+    const auto a = impl_->registry.bodies.at(c.a), b = impl_->registry.bodies.at(c.b);
+    if (a && b) out.push_back({*a, *b, c.position, c.normal, c.depth, c.force});
+  }
+  return out;
+}
+
+ContactLoad World::contactLoad(BodyId id) const {
+  impl_->requireAlive(id);
+  const Vec3 centre = impl_->engine->state(id.index).position;
+  ContactLoad load;
+  for (const EngineContact& c : impl_->engine->contacts()) {
+    if (c.a != id.index && c.b != id.index) continue;
+    const Vec3 force = c.b == id.index ? c.force : -c.force;
+    load.force += force;
+    load.torque += cross(c.position - centre, force);
+    load.residual = std::max(load.residual, c.depth);
+    ++load.points;
+  }
+  return load;
+}
+
+}  // namespace rubble

@@ -1,0 +1,135 @@
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include <rubble/error.h>
+#include <rubble/scene.h>
+
+namespace rubble {
+
+namespace {
+
+std::string text(double a) {
+  std::ostringstream out;
+  out << a;
+  return out.str();
+}
+void finite(const Vec3& a, const std::string& path) {
+  if (!std::isfinite(a.x + a.y + a.z)) throw Error(path, "three finite numbers", "(" + text(a.x) + ", " + text(a.y) + ", " + text(a.z) + ")");
+}
+void finite(double a, const std::string& path) {
+  if (!std::isfinite(a)) throw Error(path, "a finite number", text(a));
+}
+void unit(const Quat& q, const std::string& path) {
+  const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
+  if (!(std::fabs(norm - 1) < 1e-3)) throw Error(path, "a unit quaternion", "one of norm " + text(norm));
+}
+/// A stiffness or a threshold: infinity is meant.
+void positiveOrInfinite(double a, const std::string& path) {
+  if (!(a > 0)) throw Error(path, "a positive number or infinity", text(a));
+}
+void notNegative(double a, const std::string& path) {
+  if (!(a >= 0)) throw Error(path, "a number of at least 0", text(a));
+}
+
+void validateAxis(const JointAxis& axis, const std::string& path) {
+  if (!(axis.min <= axis.max)) throw Error(path + ".min", "at most max, " + text(axis.max), text(axis.min));
+  positiveOrInfinite(axis.limitStiffness, path + ".limitStiffness");
+  notNegative(axis.limitDamping, path + ".limitDamping");
+  finite(axis.targetPosition, path + ".targetPosition");
+  finite(axis.targetSpeed, path + ".targetSpeed");
+  notNegative(axis.driveStiffness, path + ".driveStiffness");
+  notNegative(axis.driveDamping, path + ".driveDamping");
+  notNegative(axis.maxDriveForce, path + ".maxDriveForce");
+  notNegative(axis.friction, path + ".friction");
+  if (!std::isfinite(axis.friction)) throw Error(path + ".friction", "a finite number; equal limits lock an axis", text(axis.friction));
+}
+
+}  // namespace
+
+void validate(const JointDef& joint, const std::string& path) {
+  finite(joint.anchorA, path + ".anchorA");
+  finite(joint.anchorB, path + ".anchorB");
+  unit(joint.frameA, path + ".frameA");
+  unit(joint.frameB, path + ".frameB");
+  unit(joint.orientationAtoB, path + ".orientationAtoB");
+  unit(joint.driveOrientation, path + ".driveOrientation");
+  positiveOrInfinite(joint.stiffness, path + ".stiffness");
+  positiveOrInfinite(joint.angularStiffness, path + ".angularStiffness");
+  positiveOrInfinite(joint.breakForce, path + ".breakForce");
+  positiveOrInfinite(joint.breakTorque, path + ".breakTorque");
+  positiveOrInfinite(joint.maxForce, path + ".maxForce");
+  positiveOrInfinite(joint.maxTorque, path + ".maxTorque");
+  for (const auto& [value, name] : {std::pair{joint.damping, ".damping"}, {joint.dampingRatio, ".dampingRatio"},
+                                    {joint.angularDamping, ".angularDamping"}, {joint.angularDampingRatio, ".angularDampingRatio"},
+                                    {joint.friction, ".friction"}, {joint.driveDamping, ".driveDamping"},
+                                    {joint.driveStiffness, ".driveStiffness"}, {joint.maxDriveTorque, ".maxDriveTorque"}})
+    notNegative(value, path + name);
+  finite(joint.damping, path + ".damping");
+  finite(joint.angularDamping, path + ".angularDamping");
+  if (joint.dampingRatio > 0 && joint.stiffness == kHard) throw Error(path + ".dampingRatio", "a stiffness beside it", "a hard joint");
+  if (joint.angularDampingRatio > 0 && joint.angularStiffness == kHard)
+    throw Error(path + ".angularDampingRatio", "an angularStiffness beside it", "a hard joint");
+  finite(joint.ratio, path + ".ratio");
+  if (joint.ratio == 0) throw Error(path + ".ratio", "a number other than 0", "0");
+  if (joint.type == JointType::Pulley && joint.ratio < 0) throw Error(path + ".ratio", "a positive number for a pulley", text(joint.ratio));
+  if (joint.type == JointType::Spring && joint.stiffness == kHard) throw Error(path + ".stiffness", "a finite stiffness for a spring", "hard");
+  if (joint.type == JointType::Grab && joint.stiffness == kHard) throw Error(path + ".stiffness", "a finite stiffness for a grab", "hard");
+  finite(joint.length, path + ".length");
+  finite(joint.pulleyA, path + ".pulleyA");
+  finite(joint.pulleyB, path + ".pulleyB");
+  // a narrower cone is a hinge
+  constexpr double kNarrowest = 1e-3;
+  for (const auto& [angle, name] : {std::pair{joint.swingY, ".swingY"}, {joint.swingZ, ".swingZ"}})
+    if (!(angle >= kNarrowest)) throw Error(path + name, "an angle of at least 0.001 rad", text(angle));
+  for (std::size_t i = 0; i < joint.axes.size(); ++i) validateAxis(joint.axes[i], path + ".axes[" + std::to_string(i) + "]");
+}
+
+const char* keyword(JointType type) {
+  switch (type) {
+    case JointType::Ball: return "ball";
+    case JointType::Fixed: return "fixed";
+    case JointType::Hinge: return "hinge";
+    case JointType::Slider: return "slider";
+    case JointType::Distance: return "distance";
+    case JointType::Rope: return "rope";
+    case JointType::Spring: return "spring";
+    case JointType::AngularSpring: return "angular_spring";
+    case JointType::SwingTwist: return "swing_twist";
+    case JointType::Universal: return "universal";
+    case JointType::SixDof: return "six_dof";
+    case JointType::Gear: return "gear";
+    case JointType::Rack: return "rack";
+    case JointType::Pulley: return "pulley";
+    case JointType::Grab: return "grab";
+  }
+  return "";
+}
+
+Quat frameAlong(const Vec3& x) {
+  const Vec3 axis = normalize(x, Vec3{1, 0, 0});
+  // the shortest turn of x, and half a turn about z where there is no shortest one
+  if (axis.x < -1 + 1e-9) return {0, 0, 0, 1};
+  return normalize(Quat{1 + axis.x, 0, -axis.z, axis.y});
+}
+
+JointDef jointAt(const Scene& scene, JointType type, int bodyA, int bodyB, const Vec3& point, const Quat& frame) {
+  const auto pose = [&](int body) {
+    if (body == kWorld) return std::pair{Vec3{}, Quat{}};
+    const BodyDef& def = scene.bodies.at(static_cast<std::size_t>(body));
+    return std::pair{def.position, normalize(def.orientation)};
+  };
+  const auto [pa, qa] = pose(bodyA);
+  const auto [pb, qb] = pose(bodyB);
+  JointDef joint;
+  joint.type = type;
+  joint.bodyA = bodyA, joint.bodyB = bodyB;
+  joint.anchorA = rotateInverse(qa, point - pa);
+  joint.anchorB = rotateInverse(qb, point - pb);
+  joint.frameA = normalize(conjugate(qa) * frame);
+  joint.frameB = normalize(conjugate(qb) * frame);
+  joint.orientationAtoB = normalize(conjugate(qb) * qa);
+  return joint;
+}
+
+}  // namespace rubble

@@ -1,0 +1,113 @@
+/// Queries: checked here, answered by the engine in slots, told in ids.
+#include <cmath>
+
+#include <rubble/world.h>
+
+#include "world/world_impl.h"
+
+namespace rubble {
+
+namespace {
+
+bool finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+
+std::string at(const char* list, std::size_t i, const char* field) { return std::string(list) + "[" + std::to_string(i) + "]." + field; }
+
+EngineQuery filtered(EngineQuery::Kind kind, const QueryFilter& filter) {
+  EngineQuery q;
+  q.kind = kind;
+  q.layers = filter.layers, q.mask = filter.mask;
+  q.sensors = filter.sensors;
+  q.ignore = filter.ignore.index;
+  return q;
+}
+
+template <class Query>
+EngineQuery shaped(EngineQuery::Kind kind, const Query& query, const char* list, std::size_t i) {
+  if (query.shape.type == ShapeType::Plane) throw Error(at(list, i, "shape"), "a shape other than a plane", "a plane");
+  BodyDef probe;
+  probe.shape = query.shape;
+  probe.position = query.position, probe.orientation = query.orientation;
+  validate(probe, std::string(list) + "[" + std::to_string(i) + "]");
+  EngineQuery q = filtered(kind, query.filter);
+  q.shape = query.shape;
+  q.position = query.position, q.orientation = normalize(query.orientation);
+  return q;
+}
+
+}  // namespace
+
+std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
+  std::vector<EngineQuery> queries;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const RayQuery& ray = rays[i];
+    if (!finite(ray.origin)) throw Error(at("rays", i, "origin"), "three finite numbers", "others");
+    const double size = length(ray.direction);
+    if (!(size > 0) || !std::isfinite(size)) throw Error(at("rays", i, "direction"), "a direction", "a vector of length " + std::to_string(size));
+    if (!(ray.maxDistance > 0) || !std::isfinite(ray.maxDistance))
+      throw Error(at("rays", i, "maxDistance"), "a positive number", std::to_string(ray.maxDistance));
+    EngineQuery q = filtered(EngineQuery::Ray, ray.filter);
+    q.position = ray.origin;
+    q.move = ray.direction * (ray.maxDistance / size);
+    queries.push_back(q);
+  }
+  impl_->flush();
+  std::vector<RayHit> out;
+  const std::vector<EngineHit> hits = impl_->engine->query(queries);
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    const EngineHit& hit = hits[i];
+    if (hit.body < 0) out.push_back({});
+    else out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction * rays[i].maxDistance, hit.position, hit.normal});
+  }
+  return out;
+}
+
+std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
+  std::vector<EngineQuery> queries;
+  for (std::size_t i = 0; i < casts.size(); ++i) {
+    queries.push_back(shaped(EngineQuery::Cast, casts[i], "casts", i));
+    if (!finite(casts[i].displacement)) throw Error(at("casts", i, "displacement"), "three finite numbers", "others");
+    queries.back().move = casts[i].displacement;
+  }
+  impl_->flush();
+  std::vector<CastHit> out;
+  for (const EngineHit& hit : impl_->engine->query(queries)) {
+    if (hit.body < 0) out.push_back({});
+    else out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position, hit.normal});
+  }
+  return out;
+}
+
+std::vector<std::vector<BodyId>> World::overlaps(std::span<const OverlapQuery> shapes) {
+  std::vector<EngineQuery> queries;
+  for (std::size_t i = 0; i < shapes.size(); ++i) queries.push_back(shaped(EngineQuery::Overlap, shapes[i], "shapes", i));
+  impl_->flush();
+  std::vector<std::vector<BodyId>> out;
+  for (const std::vector<int>& slots : impl_->engine->overlaps(queries)) {
+    out.emplace_back();
+    for (const int slot : slots) out.back().push_back(*impl_->registry.bodies.at(slot));
+  }
+  return out;
+}
+
+std::vector<ClosestHit> World::closestPoints(std::span<const ClosestQuery> points) {
+  std::vector<EngineQuery> queries;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!finite(points[i].point)) throw Error(at("points", i, "point"), "three finite numbers", "others");
+    if (!(points[i].maxDistance > 0) || !std::isfinite(points[i].maxDistance))
+      throw Error(at("points", i, "maxDistance"), "a positive number", std::to_string(points[i].maxDistance));
+    EngineQuery q = filtered(EngineQuery::Closest, points[i].filter);
+    q.position = points[i].point;
+    q.reach = points[i].maxDistance;
+    queries.push_back(q);
+  }
+  impl_->flush();
+  std::vector<ClosestHit> out;
+  for (const EngineHit& hit : impl_->engine->query(queries)) {
+    if (hit.body < 0) out.push_back({});
+    else out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position});
+  }
+  return out;
+}
+
+}  // namespace rubble

@@ -1,0 +1,290 @@
+/// Queries against distance functions that share no code with them: in a random world, over every body.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "tests/support/expect.h"
+#include "tests/support/random.h"
+#include "tests/support/scenes.h"
+
+namespace rubble {
+namespace {
+
+/// Distance of x from the surface of a body; inside not above 0. Exact outside.
+double distanceTo(const BodyDef& b, const Vec3& x) {
+  const Vec3 y = rotateInverse(b.orientation, x - b.position);
+  switch (b.shape.type) {
+    case ShapeType::Sphere: return length(y) - b.shape.radius;
+    case ShapeType::Capsule: return length(y - Vec3{0, 0, std::clamp(y.z, -b.shape.halfLength, b.shape.halfLength)}) - b.shape.radius;
+    case ShapeType::Plane: return y.z;
+    case ShapeType::Box: break;
+  }
+  const Vec3 out = abs(y) - b.shape.halfExtents, positive{std::max(0., out.x), std::max(0., out.y), std::max(0., out.z)};
+  return length(positive) + std::min(0., std::max({out.x, out.y, out.z}));
+}
+
+/// The point of a box, sphere or capsule that is nearest to x.
+Vec3 project(const BodyDef& b, const Vec3& x) {
+  Vec3 y = rotateInverse(b.orientation, x - b.position);
+  if (b.shape.type == ShapeType::Box) {
+    for (int k = 0; k < 3; ++k) y[k] = std::clamp(y[k], -b.shape.halfExtents[k], b.shape.halfExtents[k]);
+  } else {
+    const Vec3 centre{0, 0, b.shape.type == ShapeType::Capsule ? std::clamp(y.z, -b.shape.halfLength, b.shape.halfLength) : 0};
+    if (length(y - centre) > b.shape.radius) y = centre + (y - centre) * (b.shape.radius / length(y - centre));
+  }
+  return b.position + rotate(b.orientation, y);
+}
+
+/// Distance of two convex bodies by projecting from one on the other in turn, which converges for convex sets.
+double distanceBetween(const BodyDef& a, const BodyDef& b) {
+  if (a.shape.type == ShapeType::Plane) return distanceBetween(b, a);
+  if (b.shape.type == ShapeType::Plane) {
+    const Vec3 up = rotateInverse(a.orientation, rotate(b.orientation, Vec3{0, 0, 1}));
+    const double reach = a.shape.type == ShapeType::Box ? dot(abs(up), a.shape.halfExtents)
+                                                        : a.shape.radius + (a.shape.type == ShapeType::Capsule ? std::fabs(up.z) * a.shape.halfLength : 0);
+    return distanceTo(b, a.position) - reach;
+  }
+  Vec3 x = a.position;
+  for (int i = 0; i < 300; ++i) x = project(a, project(b, x));
+  return length(project(b, x) - x);
+}
+
+Shape randomShape(test::Random& random) {
+  const double size = random.logUniform(.1, 2);
+  switch (random.below(3)) {
+    case 0: return Shape::sphere(size);
+    case 1: return Shape::capsule(size, random.logUniform(.1, 2));
+    default: return Shape::box({size, random.logUniform(.1, 2), random.logUniform(.1, 2)});
+  }
+}
+
+/// 300 bodies in a cube of 20 m that overlap as they like, over a half space.
+Scene crowd(std::uint64_t seed) {
+  test::Random random(seed);
+  Scene scene = test::emptyScene();
+  BodyDef ground = test::ground();
+  ground.position = {0, 0, -8};
+  ground.orientation = random.rotationUpTo(.3);
+  scene.bodies.push_back(ground);
+  for (int i = 0; i < 300; ++i) {
+    BodyDef def = test::body(randomShape(random), random.vector(10));
+    def.orientation = random.rotation();
+    def.motion = random.below(2) ? Motion::Static : Motion::Dynamic;
+    def.filter.layers = 1u << random.below(3);
+    def.sensor = random.below(10) == 0;
+    scene.bodies.push_back(def);
+  }
+  return scene;
+}
+
+bool seen(const BodyDef& b, const QueryFilter& f) { return (f.sensors || !b.sensor) && (b.filter.layers & f.mask) != 0; }
+
+QueryFilter randomFilter(test::Random& random) {
+  QueryFilter f;
+  f.mask = random.below(2) ? 0xffffffffu : 1u << random.below(3);
+  f.sensors = random.below(2);
+  return f;
+}
+
+/// First point of a way at which some body is nearer than `radius`, by going on by the distance each time. Body and length of the way.
+std::optional<std::pair<int, double>> march(const Scene& scene, const QueryFilter& filter, const Vec3& x, const Vec3& d, double end, double radius) {
+  double t = 0;
+  while (t <= end) {
+    double nearest = 1e30;
+    int who = -1;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      if (!seen(scene.bodies[i], filter)) continue;
+      const double s = distanceTo(scene.bodies[i], x + t * d) - radius;
+      if (s < nearest) nearest = s, who = static_cast<int>(i);
+    }
+    if (nearest < 1e-8) return std::pair(who, t);
+    t += nearest;
+  }
+  return {};
+}
+
+class Query : public testing::TestWithParam<std::string> {};
+
+TEST_P(Query, RaysMeetWhatMarchingMeets) {
+  const Scene scene = crowd(1);
+  World world(scene, test::options(4, GetParam()));
+  test::Random random(2);
+  std::vector<RayQuery> rays;
+  for (int i = 0; i < 600; ++i) {
+    RayQuery ray{random.vector(18), random.direction() * random.uniform(.1, 3), random.uniform(1, 80), randomFilter(random)};
+    if (i % 5 == 0) ray.direction = Vec3{i % 3 == 0 ? 1. : 0., i % 3 == 1 ? -1. : 0., i % 3 == 2 ? 1. : 0.};  // along axes
+    rays.push_back(ray);
+  }
+  const std::vector<RayHit> hits = world.castRays(rays);
+  int met = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const RayQuery& ray = rays[i];
+    const Vec3 d = normalize(ray.direction);
+    const auto expected = march(scene, ray.filter, ray.origin, d, ray.maxDistance, 0);
+    ASSERT_EQ(hits[i].hit, expected.has_value()) << i;
+    if (!expected) continue;
+    ++met;
+    EXPECT_NEAR(hits[i].distance, expected->second, 1e-4) << i;
+    const BodyDef& body = scene.bodies[static_cast<std::size_t>(hits[i].body.index)];
+    EXPECT_NEAR(distanceTo(body, hits[i].position), std::min(0., distanceTo(body, ray.origin)), 1e-4) << i;
+    EXPECT_NEAR(length(hits[i].normal), 1, 1e-5);
+    EXPECT_LT(dot(hits[i].normal, d), 1e-6);
+    // outwards: the distance grows by as much as one goes
+    if (hits[i].distance > 0) {
+      EXPECT_NEAR(distanceTo(body, hits[i].position + .01 * hits[i].normal), .01, 2e-4) << i;
+    }
+  }
+  EXPECT_GT(met, 150);
+}
+
+TEST_P(Query, SpheresThatAreCastMeetWhatMarchingMeets) {
+  const Scene scene = crowd(3);
+  World world(scene, test::options(4, GetParam()));
+  test::Random random(4);
+  std::vector<CastQuery> casts;
+  for (int i = 0; i < 200; ++i)
+    casts.push_back({Shape::sphere(random.logUniform(.02, 1)), random.vector(16), random.rotation(), random.direction() * random.uniform(.1, 40),
+                     randomFilter(random)});
+  const std::vector<CastHit> hits = world.castShapes(casts);
+  int met = 0;
+  for (std::size_t i = 0; i < casts.size(); ++i) {
+    const double way = length(casts[i].displacement), radius = casts[i].shape.radius;
+    const auto expected = march(scene, casts[i].filter, casts[i].position, normalize(casts[i].displacement), way, radius);
+    if (hits[i].hit != expected.has_value()) {
+      // only by a hair
+      const double t = hits[i].hit ? hits[i].fraction : expected->second / way;
+      double nearest = 1e30;
+      for (const BodyDef& b : scene.bodies)
+        if (seen(b, casts[i].filter)) nearest = std::min(nearest, std::fabs(distanceTo(b, casts[i].position + t * casts[i].displacement) - radius));
+      EXPECT_LT(nearest, 3e-4 * radius) << i;
+      continue;
+    }
+    if (!expected) continue;
+    ++met;
+    // grazing, the gap of 1e-4 of the size is met earlier by its root
+    EXPECT_NEAR(hits[i].fraction * way, expected->second, .05 * radius) << i;
+    if (hits[i].fraction == 0) continue;
+    const BodyDef& body = scene.bodies[static_cast<std::size_t>(hits[i].body.index)];
+    EXPECT_NEAR(distanceTo(body, hits[i].position), 0, 1e-4) << i;
+    EXPECT_NEAR(distanceTo(body, casts[i].position + hits[i].fraction * casts[i].displacement), radius, 3e-4 * radius + 1e-5) << i;
+  }
+  EXPECT_GT(met, 60);
+}
+
+TEST_P(Query, ShapesThatAreCastStopAtTouch) {
+  const Scene scene = crowd(5);
+  World world(scene, test::options(4, GetParam()));
+  test::Random random(6);
+  std::vector<CastQuery> casts;
+  for (int i = 0; i < 60; ++i)
+    casts.push_back({randomShape(random), random.vector(14), random.rotation(), random.direction() * random.uniform(.1, 20), {}});
+  const std::vector<CastHit> hits = world.castShapes(casts);
+  int met = 0;
+  for (std::size_t i = 0; i < casts.size(); ++i) {
+    BodyDef own = test::body(casts[i].shape, casts[i].position);
+    own.orientation = casts[i].orientation;
+    const auto nearest = [&](double t) {
+      own.position = casts[i].position + t * casts[i].displacement;
+      double least = 1e30;
+      for (const BodyDef& b : scene.bodies)
+        if (seen(b, {}) && length(b.position - own.position) < 8 + 1e9 * (b.shape.type == ShapeType::Plane)) least = std::min(least, distanceBetween(own, b));
+      return least;
+    };
+    const double end = hits[i].hit ? hits[i].fraction : 1;
+    for (const double share : {.2, .6, .95})
+      if (end > 0) {
+        EXPECT_GT(nearest(end * share), 0) << i;
+      }
+    if (!hits[i].hit) continue;
+    ++met;
+    EXPECT_LT(nearest(end), 2e-3) << i;
+  }
+  EXPECT_GT(met, 20);
+}
+
+TEST_P(Query, OverlapsAreThoseOfZeroDistance) {
+  const Scene scene = crowd(7);
+  World world(scene, test::options(4, GetParam()));
+  test::Random random(8);
+  std::vector<OverlapQuery> queries;
+  for (int i = 0; i < 200; ++i) queries.push_back({randomShape(random), random.vector(11), random.rotation(), randomFilter(random)});
+  const auto found = world.overlaps(queries);
+  std::size_t total = 0;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    BodyDef own = test::body(queries[i].shape, queries[i].position);
+    own.orientation = queries[i].orientation;
+    std::vector<int> slots;
+    for (const BodyId id : found[i]) slots.push_back(id.index);
+    EXPECT_TRUE(std::is_sorted(slots.begin(), slots.end()));
+    total += slots.size();
+    for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+      const BodyDef& other = scene.bodies[k];
+      // no shape reaches further than 4 m from its centre
+      const bool far = other.shape.type != ShapeType::Plane && length(other.position - own.position) > 8;
+      const double distance = seen(other, queries[i].filter) && !far ? distanceBetween(own, other) : 1;
+      const bool listed = std::binary_search(slots.begin(), slots.end(), static_cast<int>(k));
+      if (distance > 1e-2) {
+        EXPECT_FALSE(listed) << i << " " << k << " " << distance;
+      }
+      if (distance <= 1e-9) {
+        EXPECT_TRUE(listed) << i << " " << k;
+      }
+    }
+  }
+  EXPECT_GT(total, 60u);
+}
+
+TEST_P(Query, ClosestPointsAreThoseOfTheDistanceFunctions) {
+  const Scene scene = crowd(9);
+  World world(scene, test::options(4, GetParam()));
+  test::Random random(10);
+  std::vector<ClosestQuery> queries;
+  for (int i = 0; i < 300; ++i) queries.push_back({random.vector(16), random.logUniform(.5, 100), randomFilter(random)});
+  const std::vector<ClosestHit> hits = world.closestPoints(queries);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    double least = 1e30;
+    for (const BodyDef& b : scene.bodies)
+      if (seen(b, queries[i].filter)) least = std::min(least, std::max(0., distanceTo(b, queries[i].point)));
+    ASSERT_EQ(hits[i].hit, least <= queries[i].maxDistance) << i;
+    if (!hits[i].hit) continue;
+    EXPECT_NEAR(hits[i].distance, least, 1e-5) << i;
+    EXPECT_NEAR(length(hits[i].position - queries[i].point), hits[i].distance, 1e-5) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, Query, testing::Values("cpu", "reference", "lockstep"));
+
+TEST(QueryWorld, SeesWhereTheLastStepHasPutBodies) {
+  World world(test::tower(2), test::options(4));
+  world.applyImpulse(world.bodyAt(2), {0, 0, 6});
+  test::run(world, 30);
+  const RayQuery down{{.2, .1, 50}, {0, 0, -1}, 100, {}};
+  const double top = world.state(world.bodyAt(2)).position.z + .5;
+  EXPECT_NEAR(world.castRays(std::vector{down})[0].position.z, top, 1e-3);
+  RayQuery through = down;
+  through.filter.ignore = world.bodyAt(2);
+  EXPECT_EQ(world.castRays(std::vector{through})[0].body, world.bodyAt(1));
+  world.remove(world.bodyAt(2));
+  EXPECT_EQ(world.castRays(std::vector{down})[0].body, world.bodyAt(1));
+}
+
+TEST(QueryWorld, ChangesNothing) {
+  World asked(test::heap(3), test::options(4)), quiet(test::heap(3), test::options(4));
+  for (int i = 0; i < 60; ++i) {
+    asked.castRays(std::vector{RayQuery{{0, 0, 9}, {.1, .2, -1}, 50, {}}});
+    asked.step(), quiet.step();
+  }
+  EXPECT_EQ(asked.hash(), quiet.hash());
+}
+
+TEST(QueryWorld, TellsWhatIsWrong) {
+  World world(test::tower(1), test::options(4));
+  EXPECT_THROW(world.castRays(std::vector{RayQuery{{}, {}, 1, {}}}), Error);
+  EXPECT_THROW(world.castShapes(std::vector{CastQuery{Shape::plane(), {}, {}, {}, {}}}), Error);
+  EXPECT_THROW(world.closestPoints(std::vector{ClosestQuery{{}, -1, {}}}), Error);
+  EXPECT_TRUE(world.castRays({}).empty());
+}
+
+}  // namespace
+}  // namespace rubble
