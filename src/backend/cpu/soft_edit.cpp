@@ -276,6 +276,13 @@ void placeContacts(HostTables& tables, const OldVertices& old, const std::vector
   s.oldPointPairOffset[s.vertices] = n;
 }
 
+void reserveVertices(HostTables& tables, int vertices) {
+  if (vertices == 0) return;
+  tables.reserve(Per::Vertex, vertices);
+  tables.reserve(Per::VertexSlot, tables.capacity(Per::Vertex) * kPointPairSlots);
+  tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
+}
+
 }  // namespace
 
 void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) {
@@ -283,9 +290,7 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
   const OldVertices old(s);
   int vertices = 0;
   for (const EngineSoftObject& o : objects) vertices += static_cast<int>(o.model->vertices.size());
-  tables.reserve(Per::Vertex, vertices);
-  tables.reserve(Per::VertexSlot, tables.capacity(Per::Vertex) * kPointPairSlots);
-  tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
+  reserveVertices(tables, vertices);
   std::vector<int> origin(static_cast<std::size_t>(vertices), -1), now(old.position.size(), -1);
   s.vertices = vertices;
   Real widest = 0;
@@ -339,9 +344,7 @@ SoftCounts softCounts(const View& s) {
 }
 
 void setSoftCounts(HostTables& tables, const SoftCounts& c) {
-  tables.reserve(Per::Vertex, c.vertices);
-  tables.reserve(Per::VertexSlot, tables.capacity(Per::Vertex) * kPointPairSlots);
-  tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
+  reserveVertices(tables, c.vertices);
   tables.reserve(Per::ElementRef, c.refs);
   tables.reserve(Per::Neighbor, c.neighbors);
   tables.reserve(Per::GrainCell, c.grainCells);

@@ -75,6 +75,7 @@ void Mirror::forgetContacts(int slot) {
 int Mirror::liveCount(Per per) const {
   const View& s = host_.view();
   if (const int type = jointTypeOf(per); type >= 0) return s.joints[type];
+  if (per >= Per::FirstElement) return static_cast<int>(elementCount(s, per));
   switch (per) {
     case Per::Body:
       return s.bodies;
@@ -100,13 +101,6 @@ int Mirror::liveCount(Per per) const {
       return s.attachments;
     case Per::PointPair:
       return allDirty_ ? s.oldPointPairOffset[s.vertices] : s.counters->pointPairs;
-    case Per::Tetrahedron:
-    case Per::Membrane:
-    case Per::FlatBend:
-    case Per::FoldBend:
-    case Per::LineBend:
-    case Per::Spring:
-      return static_cast<int>(elementCount(s, per));
     default:
       return std::min(host_.capacity(per), stepper_.tables().capacity(per));
   }
