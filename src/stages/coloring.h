@@ -52,7 +52,7 @@ RUBBLE_HD inline bool clashes(const View& s, int i, int& next) {
   return false;
 }
 /// The same for a vertex.
-RUBBLE_HD inline bool vertexClashes(const View& s, int v, int& next) {
+RUBBLE_HD RUBBLE_APART inline bool vertexClashes(const View& s, int v, int& next) {
   const int own = s.vertexColor[v];
   bool any = false;
   visitNeighbors(s, v, [&](int node) { any |= colorOf(s, node) == own && outranks(node, kVertexNode + v); });

@@ -77,6 +77,24 @@ INSTANTIATE_TEST_SUITE_P(Registry, Parity, ::testing::ValuesIn(names()), [](cons
   return name;
 });
 
+/// Scenes of the registry with deformable objects.
+std::vector<std::string> softNames() {
+  std::vector<std::string> out = names();
+  std::erase_if(out, [](const std::string& name) { return jobOf(name).scene.deformables.empty(); });
+  return out;
+}
+
+TEST(Parity, OfManyThreadsIsExactForDeformableObjects) {
+  ASSERT_FALSE(softNames().empty());
+  for (const std::string& name : softNames()) {
+    WorldOptions options = optionsOf(jobOf(name), "lockstep");
+    options.threads = 3;
+    scenes::Runner lockstep(jobOf(name), options);
+    for (int i = 0; i < kSteps; ++i) lockstep.step();
+    EXPECT_EQ(lockstep.world().firstDifference(), "") << name;
+  }
+}
+
 TEST(Parity, OfManyThreadsIsExact) {
   const tbb::global_control manyThreads(tbb::global_control::max_allowed_parallelism, 4);
   scenes::Runner one(jobOf("pile-1k"), optionsOf(jobOf("pile-1k"), "cpu"));

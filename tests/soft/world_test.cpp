@@ -129,5 +129,34 @@ TEST(SoftWorld, BadInputIsNamed) {
   EXPECT_THROW(World{sceneWith(cloth)}, Error);
 }
 
+TEST(SoftWorld, KeepsBodiesAwakeThatLieOnCloth) {
+  ClothDef sheet = clothSheet({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, 8, 8);
+  for (int k = 0; k <= 8; ++k) sheet.fixed.insert(sheet.fixed.end(), {k, 72 + k});
+  Scene scene = sceneWith(sheet);
+  scene.bodies.push_back(ground());
+  scene.bodies.push_back(body(Shape::sphere(.3), {0, 0, 1.4}));
+  scene.bodies.push_back(body(Shape::box({.3, .3, .3}), {5, 0, .3}));
+  WorldOptions slept = options(4);
+  slept.params.sleeping = true;
+  World world(scene, slept);
+  run(world, 120);
+  EXPECT_FALSE(world.asleep(world.bodies()[1]));
+  EXPECT_TRUE(world.asleep(world.bodies()[2]));
+}
+
+TEST(SoftWorld, LetsVerticesThroughSensors) {
+  ParticlesDef grains;
+  grains.vertices = {{0, 0, 1}};
+  grains.radius = .05;
+  Scene scene = sceneWith(grains);
+  BodyDef sensor = body(Shape::box({1, 1, .1}), {0, 0, .5});
+  sensor.motion = Motion::Static;
+  sensor.sensor = true;
+  scene.bodies.push_back(sensor);
+  World world(scene, options(4));
+  run(world, 60);
+  EXPECT_LT(world.positions(world.deformables()[0])[0].z, 0);
+}
+
 }  // namespace
 }  // namespace rubble
