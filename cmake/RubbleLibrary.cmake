@@ -31,6 +31,12 @@ target_include_directories(rubble PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 target_link_libraries(rubble PRIVATE $<BUILD_INTERFACE:rubble_common> TBB::tbb)
 
+if(RUBBLE_QHULL_INCLUDE AND RUBBLE_QHULL_LIBRARY)
+  target_include_directories(rubble SYSTEM PRIVATE ${RUBBLE_QHULL_INCLUDE})
+  target_compile_definitions(rubble PRIVATE RUBBLE_HAS_QHULL=1)
+  target_link_libraries(rubble PRIVATE ${RUBBLE_QHULL_LIBRARY})
+endif()
+
 if(rubble_core_sources)
   rubble_add_core(rubble_core_f32 f32 float ${rubble_core_sources})
   rubble_add_core(rubble_core_f64 f64 double ${rubble_core_sources})

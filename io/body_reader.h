@@ -11,15 +11,16 @@ class BodyReader {
  public:
   /// The table that material() looks names up in.
   void readMaterials(const Node& node);
+  /// The table that bodies look up shapes in. After the materials, which parts may name.
+  void readShapes(const Node& node);
   BodyDef body(const Node& node) const;
 
  private:
   Material material(const Node& node) const;
+  Shape shape(const Node& node) const;
 
   std::map<std::string, Material> materials_;
+  std::map<std::string, Shape> shapes_;
 };
-
-/// A unit quaternion [w, x, y, z], or an axis with an angle in degrees.
-Quat readOrientation(const Node& node);
 
 }  // namespace rubble::io

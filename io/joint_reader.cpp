@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "io/body_reader.h"
+#include "io/shape_json.h"
 
 namespace rubble::io {
 namespace {

@@ -5,6 +5,7 @@
 
 #include <rubble/error.h>
 
+#include "io/picture_extent.h"
 #include "io/picture_light.h"
 #include "io/picture_palette.h"
 #include "io/picture_raster.h"
@@ -56,7 +57,7 @@ float occlusionRadius(std::span<const PictureBody> bodies) {
   for (const PictureBody& body : bodies) {
     if (body.shape.type == ShapeType::Plane || body.motion == Motion::Static) continue;
     const Vec3& h = body.shape.halfExtents;
-    sizes.push_back(body.shape.type == ShapeType::Box ? std::cbrt(h.x * h.y * h.z) : body.shape.radius);
+    sizes.push_back(body.shape.type == ShapeType::Box ? std::cbrt(h.x * h.y * h.z) : .6 * boundingRadius(body.shape));
   }
   if (sizes.empty()) return 1;
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
@@ -154,6 +155,7 @@ Vec Painter::surfaceColor(std::uint32_t index, std::uint32_t face, const Vec& po
     case ShapeType::Plane:
       return color * (1 - .28f * groundLines(body, point, nearness));
     case ShapeType::Box: {
+      if (body.mesh) break;
       // A fine dark rim tells neighbours apart.
       const int axis = static_cast<int>(face / 2), u = (axis + 1) % 3, v = (axis + 2) % 3;
       const float toRim = std::min(body.half[u] - std::fabs(dot(p, body.axes[u])), body.half[v] - std::fabs(dot(p, body.axes[v])));
@@ -162,12 +164,16 @@ Vec Painter::surfaceColor(std::uint32_t index, std::uint32_t face, const Vec& po
       return color * (1 - .35f * visible * (1 - smoothstep(0, std::max(.035f * smallest, 1.1f * pixel), toRim)));
     }
     case ShapeType::Sphere:
-    case ShapeType::Capsule: {
+    case ShapeType::Capsule:
+    case ShapeType::Cylinder:
+    case ShapeType::Cone: {
       // Sectors in two shades make rolling visible.
       int sectors = 0;
       for (int axis = 0; axis < (body.type == ShapeType::Sphere ? 3 : 2); ++axis) sectors += dot(p, body.axes[axis]) > 0;
       return color * (sectors % 2 == 0 ? 1.f : .78f);
     }
+    default:
+      break;
   }
   return color;
 }
@@ -200,7 +206,7 @@ Vec Painter::sample(int x, int y) const {
   const float nearness = seen_.nearness[at];
   const Vec point = direction * (1 / nearness);
   const std::uint32_t index = surface / 8, face = surface % 8;
-  const Vec normal = normalAt(viewBodies_[index], face, point);
+  const Vec normal = normalAt(viewBodies_[index], face, point, seen_.detail[at]);
   const float open = skySeen(x, y);
   const float facing = std::max(0.f, dot(normal, toSun_));
   const auto pattern =

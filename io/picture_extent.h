@@ -15,6 +15,9 @@ struct Range {
 /// shrink all the others. `values` is not empty.
 Range coreRange(std::vector<double> values);
 
+/// Half extents of a box about the shape's origin, along its axes or within its bounding sphere [m]; 0 for a plane.
+Vec3 shapeExtent(const Shape& shape);
+
 /// Radius of a sphere about a shape's origin that holds it [m]; 0 for a plane.
 double boundingRadius(const Shape& shape);
 

@@ -169,7 +169,7 @@ std::vector<float> skyVisibility(const View& camera, const Surfaces& seen, std::
       const float reach = std::min(radius * camera.scale * nearness / 2, 96.f);
       if (reach < 1.5f) continue;
       const Vec point = pointAt(x, y, nearness);
-      const Vec normal = normalAt(bodies[surface / 8], surface % 8, point);
+      const Vec normal = normalAt(bodies[surface / 8], surface % 8, point, seen.detail[seen.at(2 * x, 2 * y)]);
       const auto pattern = static_cast<std::size_t>(hash(static_cast<std::uint32_t>((y % 4) * 4 + x % 4)) % kPatterns);
       const Disc<kTaps>& disc = discs<kTaps>()[pattern];
       float occluded = 0;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <tuple>
 
 namespace rubble::io::draw {
 namespace {
@@ -49,13 +51,16 @@ class Rasterizer {
   void box(const ViewBody& body, std::uint32_t surface);
   void round(const ViewBody& body, std::uint32_t surface);
   void plane(const ViewBody& body, std::uint32_t surface);
+  void triangles(const ViewBody& body, std::uint32_t surface);
 
  private:
   void face(const Polygon& polygon, const Vec& normal, std::uint32_t surface);
   void put(std::size_t index, float nearness, std::uint32_t surface) {
     if (nearness <= out_.nearness[index]) return;
     out_.nearness[index] = nearness;
-    if (!out_.surface.empty()) out_.surface[index] = surface;
+    if (out_.surface.empty()) return;
+    out_.surface[index] = surface;
+    out_.detail[index] = detail_;
   }
   float sampleX(float planeX) const { return planeX * view_.scale + .5f * static_cast<float>(view_.width); }
   float sampleY(float planeY) const { return .5f * static_cast<float>(view_.height) - planeY * view_.scale; }
@@ -70,6 +75,7 @@ class Rasterizer {
   const View& view_;
   Surfaces& out_;
   std::vector<Span> spans_;
+  std::uint32_t detail_ = 0;
 };
 
 void Rasterizer::face(const Polygon& whole, const Vec& normal, std::uint32_t surface) {
@@ -205,7 +211,48 @@ void Rasterizer::plane(const ViewBody& body, std::uint32_t surface) {
   }
 }
 
+void Rasterizer::triangles(const ViewBody& body, std::uint32_t surface) {
+  const ShapeMesh& mesh = *body.mesh;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    Vec corner[3];
+    for (std::size_t k = 0; k < 3; ++k) corner[k] = body.placed(mesh.points[static_cast<std::size_t>(mesh.triangles[t][k])]);
+    // view space is left-handed
+    const Vec normal = -cross(corner[1] - corner[0], corner[2] - corner[0]);
+    const bool towardsEye = view_.perspective ? dot(normal, corner[0]) < 0 : normal.z < 0;
+    if (!towardsEye) continue;
+    Polygon polygon;
+    for (const Vec& c : corner) polygon.push(c);
+    detail_ = static_cast<std::uint32_t>(t);
+    face(polygon, normalize(normal), surface);
+  }
+  detail_ = 0;
+}
+
+/// The normals of the corners, mixed as the point lies between them.
+Vec smoothNormal(const ViewBody& body, std::uint32_t triangle, const Vec& point) {
+  const ShapeMesh& mesh = *body.mesh;
+  const std::array<int, 3>& t = mesh.triangles[triangle];
+  Vec corner[3], normal[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    corner[k] = body.placed(mesh.points[static_cast<std::size_t>(t[k])]);
+    normal[k] = body.turned(mesh.normals[static_cast<std::size_t>(t[k])]);
+  }
+  const Vec flat = cross(corner[1] - corner[0], corner[2] - corner[0]);
+  Vec sum;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec &a = corner[(k + 1) % 3], &b = corner[(k + 2) % 3];
+    sum += normal[k] * std::max(0.f, dot(flat, cross(b - a, point - a)));
+  }
+  return normalize(sum, normalize(-flat));
+}
+
 }  // namespace
+
+Vec ViewBody::turned(const Vec3& direction) const {
+  const Vec d(direction);
+  return axes[0] * d.x + axes[1] * d.y + axes[2] * d.z;
+}
+Vec ViewBody::placed(const Vec3& point) const { return center + turned(point); }
 
 Vec View::toView(const Vec3& world) const { return turnToView(world - eye); }
 
@@ -214,6 +261,17 @@ Vec View::turnToView(const Vec3& world) const { return Vec(Vec3{dot(right, world
 std::vector<ViewBody> toView(const View& view, std::span<const PictureBody> bodies) {
   std::vector<ViewBody> out;
   out.reserve(bodies.size());
+  // bodies of one shape share its triangles
+  using Key = std::tuple<ShapeType, double, double, double, double, double, double, const ShapeGeometry*>;
+  std::map<Key, std::shared_ptr<const ShapeMesh>> meshes;
+  const auto meshOf = [&](const Shape& s) -> std::shared_ptr<const ShapeMesh> {
+    const bool plain = s.type == ShapeType::Sphere || s.type == ShapeType::Capsule || s.type == ShapeType::Plane;
+    if (plain || (s.type == ShapeType::Box && s.rounding == 0)) return nullptr;
+    const Key key{s.type, s.halfExtents.x, s.halfExtents.y, s.halfExtents.z, s.radius, s.halfLength, s.rounding, s.geometry.get()};
+    std::shared_ptr<const ShapeMesh>& mesh = meshes[key];
+    if (!mesh) mesh = std::make_shared<const ShapeMesh>(shapeMesh(s));
+    return mesh;
+  };
   for (const PictureBody& body : bodies) {
     const Mat3 axes = rotationMatrix(body.orientation);
     out.push_back({body.shape.type,
@@ -221,7 +279,8 @@ std::vector<ViewBody> toView(const View& view, std::span<const PictureBody> bodi
                    {view.turnToView(axes.c0), view.turnToView(axes.c1), view.turnToView(axes.c2)},
                    Vec(body.shape.halfExtents),
                    static_cast<float>(body.shape.radius),
-                   static_cast<float>(body.shape.halfLength)});
+                   static_cast<float>(body.shape.halfLength),
+                   meshOf(body.shape)});
   }
   return out;
 }
@@ -229,13 +288,17 @@ std::vector<ViewBody> toView(const View& view, std::span<const PictureBody> bodi
 Surfaces::Surfaces(const View& view, bool withSurface) : width(view.width), height(view.height) {
   const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   nearness.assign(count, view.perspective ? 0 : -kInfinity);
-  if (withSurface) surface.assign(count, kNothing);
+  if (withSurface) surface.assign(count, kNothing), detail.assign(count, 0);
 }
 
 void rasterize(const View& view, std::span<const ViewBody> bodies, Surfaces& out) {
   Rasterizer rasterizer(view, out);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::uint32_t surface = static_cast<std::uint32_t>(i) * 8;
+    if (bodies[i].mesh) {
+      rasterizer.triangles(bodies[i], surface);
+      continue;
+    }
     switch (bodies[i].type) {
       case ShapeType::Box:
         rasterizer.box(bodies[i], surface);
@@ -247,11 +310,13 @@ void rasterize(const View& view, std::span<const ViewBody> bodies, Surfaces& out
       case ShapeType::Plane:
         rasterizer.plane(bodies[i], surface);
         break;
+      default: break;
     }
   }
 }
 
-Vec normalAt(const ViewBody& body, std::uint32_t face, const Vec& point) {
+Vec normalAt(const ViewBody& body, std::uint32_t face, const Vec& point, std::uint32_t detail) {
+  if (body.mesh) return smoothNormal(body, detail, point);
   switch (body.type) {
     case ShapeType::Box:
       return face % 2 == 0 ? body.axes[face / 2] : -body.axes[face / 2];
@@ -259,7 +324,7 @@ Vec normalAt(const ViewBody& body, std::uint32_t face, const Vec& point) {
       return body.axes[2];
     case ShapeType::Sphere:
       return normalize(point - body.center);
-    case ShapeType::Capsule:
+    default:
       break;
   }
   const Vec out = point - body.center;

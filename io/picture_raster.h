@@ -1,9 +1,11 @@
 #pragma once
 /// Depth and surface of bodies as seen through a window: the first half of a picture, and its shadow map.
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "cook/shape_mesh.h"
 #include "io/picture.h"
 
 namespace rubble::io::draw {
@@ -33,6 +35,10 @@ struct ViewBody {
   Vec half;     ///< box [m]
   float radius = 0;
   float halfLength = 0;
+  std::shared_ptr<const ShapeMesh> mesh = nullptr;  ///< of what has no formula of its own here
+
+  Vec placed(const Vec3& point) const;
+  Vec turned(const Vec3& direction) const;
 };
 std::vector<ViewBody> toView(const View& view, std::span<const PictureBody> bodies);
 
@@ -44,6 +50,7 @@ struct Surfaces {
   int width = 0, height = 0;
   std::vector<float> nearness;
   std::vector<std::uint32_t> surface;  ///< body index * 8 + face; kNothing
+  std::vector<std::uint32_t> detail;   ///< triangle of a mesh
 
   Surfaces(const View& view, bool withSurface);
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x); }
@@ -53,6 +60,6 @@ struct Surfaces {
 void rasterize(const View& view, std::span<const ViewBody> bodies, Surfaces& out);
 
 /// Outward unit normal of a body at a point of its surface, view space. `face` is axis * 2 + (0: positive, 1: negative side) of a box.
-Vec normalAt(const ViewBody& body, std::uint32_t face, const Vec& point);
+Vec normalAt(const ViewBody& body, std::uint32_t face, const Vec& point, std::uint32_t detail = 0);
 
 }  // namespace rubble::io::draw

@@ -23,9 +23,11 @@ double extentAlong(const PictureBody& body, const Vec3& axis) {
     case ShapeType::Capsule:
       return body.shape.radius + body.shape.halfLength * std::fabs(local.z);
     case ShapeType::Plane:
+      return 0;
+    default:
       break;
   }
-  return 0;
+  return dot(abs(local), shapeExtent(body.shape));
 }
 
 Range rangeAlong(std::span<const PictureBody> bodies, const Vec3& axis) {

@@ -7,7 +7,9 @@
 
 #include "io/byte_stream.h"
 #include "io/frame_codec.h"
+#include "io/picture_extent.h"
 #include "io/recording_format.h"
+#include "io/shape_json.h"
 
 namespace rubble::io {
 namespace {
@@ -21,7 +23,8 @@ constexpr std::size_t kBytesOfPose = 20;
 
 bool operator==(const RecordedBody& a, const RecordedBody& b) {
   return a.id == b.id && a.motion == b.motion && a.name == b.name && a.shape.type == b.shape.type &&
-         a.shape.halfExtents == b.shape.halfExtents && a.shape.radius == b.shape.radius && a.shape.halfLength == b.shape.halfLength;
+         a.shape.halfExtents == b.shape.halfExtents && a.shape.radius == b.shape.radius && a.shape.halfLength == b.shape.halfLength && a.shape.rounding == b.shape.rounding &&
+         (a.shape.geometry == b.shape.geometry || (a.shape.geometry && b.shape.geometry && shapeJson(a.shape) == shapeJson(b.shape)));
 }
 
 double recordingResolution(const std::vector<RecordedBody>& bodies) {
@@ -30,6 +33,7 @@ double recordingResolution(const std::vector<RecordedBody>& bodies) {
     const Vec3& h = body.shape.halfExtents;
     if (body.shape.type == ShapeType::Box) smallest = std::min({smallest, h.x, h.y, h.z});
     if (body.shape.type == ShapeType::Sphere || body.shape.type == ShapeType::Capsule) smallest = std::min(smallest, body.shape.radius);
+    if (body.shape.type > ShapeType::Plane) smallest = std::min(smallest, .1 * draw::boundingRadius(body.shape));
   }
   return std::isfinite(smallest) ? std::ldexp(smallest, -16) : RecordingHeader{}.resolution;
 }

@@ -1,8 +1,16 @@
 #include "io/recording_format.h"
 
 #include "io/byte_stream.h"
+#include "io/shape_json.h"
 
 namespace rubble::io {
+
+namespace {
+
+/// Bit of a shape's type: the shape as JSON text follows the name of the body.
+constexpr int kDescribed = 0x80;
+
+}  // namespace
 
 Bytes magicBytes() { return {kMagic.begin(), kMagic.end()}; }
 
@@ -36,11 +44,13 @@ Bytes encodeBodies(const std::vector<RecordedBody>& bodies) {
     out.put(body.id.index);
     out.put(body.id.generation);
     out.put(static_cast<std::uint8_t>(body.motion));
-    out.put(static_cast<std::uint8_t>(body.shape.type));
+    const bool described = body.shape.type > ShapeType::Plane || body.shape.rounding > 0;
+    out.put(static_cast<std::uint8_t>(static_cast<int>(body.shape.type) | (described ? kDescribed : 0)));
     for (int axis = 0; axis < 3; ++axis) out.put(body.shape.halfExtents[axis]);
     out.put(body.shape.radius);
     out.put(body.shape.halfLength);
     out.put(body.name);
+    if (described) out.put(shapeJson(body.shape).dump());
   }
   return out.bytes();
 }
@@ -54,14 +64,21 @@ std::optional<std::vector<RecordedBody>> decodeBodies(const Bytes& content) {
   for (RecordedBody& body : bodies) {
     body.id.index = in.get<std::int32_t>();
     body.id.generation = in.get<std::uint32_t>();
-    const auto motion = in.get<std::uint8_t>(), type = in.get<std::uint8_t>();
-    if (motion > static_cast<int>(Motion::Dynamic) || type > static_cast<int>(ShapeType::Plane)) return std::nullopt;
+    const auto motion = in.get<std::uint8_t>(), code = in.get<std::uint8_t>();
+    const int type = code & ~kDescribed;
+    if (motion > static_cast<int>(Motion::Dynamic) || type > static_cast<int>(ShapeType::DistanceField)) return std::nullopt;
     body.motion = static_cast<Motion>(motion);
     body.shape.type = static_cast<ShapeType>(type);
     for (int axis = 0; axis < 3; ++axis) body.shape.halfExtents[axis] = in.getDouble();
     body.shape.radius = in.getDouble();
     body.shape.halfLength = in.getDouble();
     body.name = in.getText();
+    if (!(code & kDescribed)) continue;
+    std::vector<Fault> faults;
+    const std::optional<Json> json = parseJson(in.getText(), faults);
+    if (!json) return std::nullopt;
+    body.shape = readShape(Node(*json, "shape", faults), {}, readMaterial);
+    if (!faults.empty()) return std::nullopt;
   }
   return in.atEnd() ? std::optional(std::move(bodies)) : std::nullopt;
 }

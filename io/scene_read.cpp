@@ -6,6 +6,7 @@
 
 #include "io/body_reader.h"
 #include "io/joint_reader.h"
+#include "io/shape_json.h"
 
 namespace rubble::io {
 namespace {
@@ -189,6 +190,7 @@ SceneFile SceneReader::read(const Json& json) {
   if (const auto found = object.get("smash_step")) out.smashStep = found->whole(0, "a whole number of at least 0").value_or(out.smashStep);
   object.read("dt", out.dt, {0, false, kInfinity, "a time above 0 [s]"});
   if (const auto found = object.get("materials")) bodyReader_.readMaterials(*found);
+  if (const auto found = object.get("shapes")) bodyReader_.readShapes(*found);
   if (const auto found = object.need("bodies", "a list of bodies")) {
     for (const Node& element : found->elements("a list of bodies")) {
       scene.bodies.push_back(bodyReader_.body(element));

@@ -9,6 +9,7 @@
 #include "io/joint_reader.h"
 #include "io/json_text.h"
 #include "io/scene_json.h"
+#include "io/shape_json.h"
 
 namespace rubble::io {
 namespace {
@@ -22,32 +23,6 @@ Json quaternionJson(const Quat& q) { return {q.s, q.v.x, q.v.y, q.v.z}; }
 bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 bool same(const Vec3& a, const Vec3& b) { return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z); }
 bool same(const Quat& a, const Quat& b) { return same(a.s, b.s) && same(a.v, b.v); }
-
-Json materialJson(const Material& material) {
-  Json json = Json::object();
-  if (same(material.staticFriction, material.dynamicFriction)) {
-    json["friction"] = material.staticFriction;
-  } else {
-    json["static_friction"] = material.staticFriction;
-    json["dynamic_friction"] = material.dynamicFriction;
-  }
-  if (!same(material.restitution, 0)) json["restitution"] = material.restitution;
-  return json;
-}
-
-Json shapeJson(const Shape& shape) {
-  switch (shape.type) {
-    case ShapeType::Box:
-      return {{"type", "box"}, {"size", vectorJson(shape.halfExtents * 2)}};
-    case ShapeType::Sphere:
-      return {{"type", "sphere"}, {"radius", shape.radius}};
-    case ShapeType::Capsule:
-      return {{"type", "capsule"}, {"radius", shape.radius}, {"length", 2 * shape.halfLength}};
-    case ShapeType::Plane:
-      break;
-  }
-  return Json::object({{"type", "plane"}});
-}
 
 Json layersJson(std::uint32_t bits) {
   Json json = Json::array();
@@ -84,6 +59,7 @@ class SceneWriter {
 
  private:
   void nameMaterial(const BodyDef& body);
+  void nameShape(const BodyDef& body);
   void countName(const BodyDef& body) { ++nameUses_[body.name]; }
   Json body(const BodyDef& body) const;
   Json bodyReference(int index) const;
@@ -92,15 +68,23 @@ class SceneWriter {
   Json claim(const FileClaim& claim) const;
 
   const SceneFile& file_;
-  std::map<std::array<double, 3>, std::string> materials_;
+  std::map<std::vector<double>, std::pair<std::string, Material>> materials_;
+  std::map<const ShapeGeometry*, std::string> shapeNames_;  ///< of several bodies
+  std::vector<std::pair<std::string, Shape>> shapes_;       ///< the same in the order of their second use
   std::map<std::string, int> nameUses_;
+  std::map<const ShapeGeometry*, int> geometryUses_;
 };
 
-std::array<double, 3> keyOf(const Material& m) { return {m.staticFriction, m.dynamicFriction, m.restitution}; }
-
 void SceneWriter::nameMaterial(const BodyDef& body) {
-  const auto key = keyOf(body.material);
-  if (key != keyOf(Material{})) materials_.emplace(key, "material" + std::to_string(materials_.size() + 1));
+  const auto key = materialKey(body.material);
+  if (key != materialKey(Material{})) materials_.try_emplace(key, "material" + std::to_string(materials_.size() + 1), body.material);
+}
+
+void SceneWriter::nameShape(const BodyDef& body) {
+  const ShapeGeometry* const geometry = body.shape.geometry.get();
+  if (!geometry || ++geometryUses_[geometry] != 2) return;
+  shapes_.emplace_back("shape" + std::to_string(shapes_.size() + 1), body.shape);
+  shapeNames_[geometry] = shapes_.back().first;
 }
 
 Json SceneWriter::body(const BodyDef& body) const {
@@ -110,8 +94,9 @@ Json SceneWriter::body(const BodyDef& body) const {
   if (!body.name.empty()) json["name"] = body.name;
   if (body.motion != Motion::Dynamic && body.shape.type != ShapeType::Plane)
     json["motion"] = kMotions[static_cast<std::size_t>(body.motion)];
-  json["shape"] = shapeJson(body.shape);
-  if (const auto found = materials_.find(keyOf(body.material)); found != materials_.end()) json["material"] = found->second;
+  const auto named = shapeNames_.find(body.shape.geometry.get());
+  json["shape"] = named != shapeNames_.end() ? Json(named->second) : shapeJson(body.shape);
+  if (const auto found = materials_.find(materialKey(body.material)); found != materials_.end()) json["material"] = found->second.first;
   if (body.mass) {
     json["mass"] = *body.mass;
   } else if (!same(body.density, usual.density)) {
@@ -176,9 +161,9 @@ Json SceneWriter::write() {
   const Scene& scene = file_.scene;
   if (!scene.deformables.empty())
     throw Error("deformables", "none: scene files hold bodies and joints only", std::to_string(scene.deformables.size()));
-  for (const BodyDef& body : scene.bodies) nameMaterial(body), countName(body);
+  for (const BodyDef& body : scene.bodies) nameMaterial(body), nameShape(body), countName(body);
   for (const Event& event : scene.events)
-    for (const BodyDef& body : event.add) nameMaterial(body);
+    for (const BodyDef& body : event.add) nameMaterial(body), nameShape(body);
 
   Json json = Json::object();
   json["name"] = scene.name;
@@ -190,7 +175,8 @@ Json SceneWriter::write() {
   if (file_.smashStep >= 0) json["smash_step"] = file_.smashStep;
   if (!same(file_.dt, SceneFile{}.dt)) json["dt"] = file_.dt;
   if (file_.camera) json["camera"] = {{"eye", vectorJson(file_.camera->eye)}, {"target", vectorJson(file_.camera->target)}};
-  for (const auto& [key, name] : materials_) json["materials"][name] = materialJson({key[0], key[1], key[2]});
+  for (const auto& [key, named] : materials_) json["materials"][named.first] = materialJson(named.second);
+  for (const auto& [name, shape] : shapes_) json["shapes"][name] = shapeJson(shape);
   json["bodies"] = Json::array();
   for (const BodyDef& added : scene.bodies) json["bodies"].push_back(body(added));
   for (const JointDef& added : scene.joints) json["joints"].push_back(joint(added));

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "io/picture_extent.h"
+
 namespace rubble::render {
 namespace {
 
@@ -33,7 +35,8 @@ std::size_t accentOf(std::uint32_t kind) { return (kind * 5u + 3u) % kAccents.si
 
 double halfSize(const Shape& shape) {
   const Vec3& h = shape.halfExtents;
-  return shape.type == ShapeType::Box ? std::cbrt(h.x * h.y * h.z) : shape.radius;
+  if (shape.type == ShapeType::Box) return std::cbrt(h.x * h.y * h.z);
+  return shape.geometry ? .6 * io::draw::boundingRadius(shape) : shape.radius;
 }
 
 double middleOf(std::vector<double>& values, double fallback) {
@@ -99,7 +102,8 @@ Vec3f Palette::stone(const io::PictureBody& body) const {
 }
 
 bool sameShape(const Shape& a, const Shape& b) {
-  return a.type == b.type && a.halfExtents == b.halfExtents && a.radius == b.radius && a.halfLength == b.halfLength;
+  return a.type == b.type && a.halfExtents == b.halfExtents && a.radius == b.radius && a.halfLength == b.halfLength &&
+         a.rounding == b.rounding && a.geometry == b.geometry;
 }
 
 BodyLook Palette::look(const io::PictureBody& body) {
@@ -116,8 +120,8 @@ BodyLook Palette::newLook(const io::PictureBody& body) const {
   const float shade = .93f + .14f * fraction(bits, 8);
   switch (shape.type) {
     case ShapeType::Box:
-      look.geometry = kBox;
-      look.size = Vec3f(shape.halfExtents);
+      look.geometry = shape.rounding > 0 ? kOwnMesh : kBox;
+      look.size = shape.rounding > 0 ? Vec3f{1, 1, 1} : Vec3f(shape.halfExtents);
       look.color = stone(body);
       break;
     case ShapeType::Sphere:
@@ -138,6 +142,24 @@ BodyLook Palette::newLook(const io::PictureBody& body) const {
       look.color = linearColor(kGroundColor);
       look.finish = Finish::Ground;
       return look;
+    case ShapeType::Cylinder:
+    case ShapeType::Cone: {
+      const auto radius = static_cast<float>(shape.radius);
+      const bool plain = shape.rounding == 0;
+      look.geometry = plain && shape.type == ShapeType::Cylinder ? kCylinder : kOwnMesh;
+      look.size = plain ? Vec3f{radius, radius, static_cast<float>(shape.halfLength)} : Vec3f{1, 1, 1};
+      look.color = linearColor(kAccents[accentOf(body.key)]) * shade;
+      break;
+    }
+    case ShapeType::Hull:
+    case ShapeType::Compound:
+    case ShapeType::Mesh:
+    case ShapeType::HeightField:
+    case ShapeType::DistanceField:
+      look.geometry = kOwnMesh;
+      look.size = {1, 1, 1};
+      look.color = stone(body);
+      break;
   }
   if (body.motion == Motion::Static) look.color = linearColor(kConcrete) * shade;
   if (body.motion == Motion::Kinematic) {

@@ -16,7 +16,8 @@ class Palette {
   /// Looks at the scene as it begins: how high it is, what it is mostly made of.
   Palette(std::span<const io::PictureBody> bodies, const Vec3& up);
 
-  /// How a body looks; the same for the same key and shape in every frame, from where it was first seen.
+  /// How a body looks; the same for the same key and shape in every frame, from where it was first seen. Geometry kOwnMesh stands for a mesh
+  /// that ShapeMeshes has.
   BodyLook look(const io::PictureBody& body);
   /// Typical half size of a moving body [m].
   double bodySize() const { return bodySize_; }

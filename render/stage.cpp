@@ -45,7 +45,7 @@ void Stage::setBodies(std::span<const io::PictureBody> bodies, io::ColorBy color
     keys_.clear();
     shapes_.clear();
     for (const io::PictureBody& body : bodies) {
-      looks.push_back(palette_.look(body));
+      looks.push_back(meshes_.withMesh(renderer_.bodies(), palette_.look(body), body.shape));
       keys_.push_back(body.key);
       shapes_.push_back(body.shape);
     }

@@ -4,6 +4,7 @@
 
 #include "render/palette.h"
 #include "render/renderer.h"
+#include "render/shape_meshes.h"
 
 namespace rubble::render {
 
@@ -24,6 +25,7 @@ class Stage {
 
   Palette palette_;
   Renderer renderer_;
+  ShapeMeshes meshes_;
   Setting setting_;
   std::vector<std::uint32_t> keys_;
   std::vector<Shape> shapes_;

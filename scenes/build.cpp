@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cook/cook.h"
+
 namespace rubble::scenes {
 
 Argument count(const std::string& name, int value, int min, int max, const std::string& doc) {
@@ -127,18 +129,10 @@ std::vector<Claim> operator+(std::vector<Claim> a, const std::vector<Claim>& b) 
 
 namespace {
 
+/// Of a sphere about the shape's origin that holds it [m].
 double radiusOf(const Shape& shape) {
-  switch (shape.type) {
-    case ShapeType::Sphere:
-      return shape.radius;
-    case ShapeType::Box:
-      return length(shape.halfExtents);
-    case ShapeType::Capsule:
-      return shape.radius + shape.halfLength;
-    case ShapeType::Plane:
-      break;
-  }
-  return 0;
+  const CookedShape cooked = cook(shape);
+  return cooked.radius + length(cooked.unit.centre);
 }
 
 struct Bounds {
@@ -146,8 +140,9 @@ struct Bounds {
 
   void add(const BodyDef& body) {
     // Half spaces and slabs would shrink everything else to a dot.
-    if (body.shape.type == ShapeType::Plane || (body.motion == Motion::Static && radiusOf(body.shape) > 20)) return;
+    if (body.shape.type == ShapeType::Plane) return;
     const double r = radiusOf(body.shape);
+    if (body.motion == Motion::Static && r > 20) return;
     for (int i = 0; i < 3; ++i) {
       low[i] = std::min(low[i], body.position[i] - r);
       high[i] = std::max(high[i], body.position[i] + r);

@@ -18,6 +18,8 @@ std::vector<Spec> structureSpecs();  ///< card tower, dominoes, arch, breakable 
 std::vector<Spec> softSolidSpecs();  ///< solids of tetrahedra
 std::vector<Spec> softSheetSpecs();  ///< cloth, nets, ropes
 std::vector<Spec> softGrainSpecs();  ///< granular particles
+std::vector<Spec> shapeRestSpecs();    ///< shapes at rest: an arch of wedges, a drop of every kind, a bowl
+std::vector<Spec> shapeMotionSpecs();  ///< shapes in motion: a marble run, a tumbler, conveyors
 std::vector<Spec> fastSpecs();       ///< bullets against plates
 std::vector<Spec> bodySpecs();       ///< damping, locked axes, layers, sensors, sleep
 std::vector<Spec> removalSpecs();    ///< stacks whose support goes

@@ -4,12 +4,15 @@
 #include <cmath>
 #include <limits>
 
+#include "cook/cook.h"
+#include "cook/shape_mesh.h"
+
 namespace rubble::scenes {
 namespace {
 
 double smallestHalfEdge(const Shape& shape) {
   if (shape.type == ShapeType::Box) return std::min({shape.halfExtents.x, shape.halfExtents.y, shape.halfExtents.z});
-  return shape.radius;
+  return shape.geometry ? .3 * cook(shape).radius : shape.radius;
 }
 
 }  // namespace
@@ -40,10 +43,16 @@ double reach(const Shape& shape, const Quat& orientation, const Vec3& up) {
       return shape.radius + shape.halfLength * local.z;
     case ShapeType::Sphere:
       return shape.radius;
+    case ShapeType::Cylinder:
+      return shape.halfLength * local.z + shape.radius * std::sqrt(std::max(0., 1 - local.z * local.z));
     case ShapeType::Plane:
+      return 0;
+    default:
       break;
   }
-  return 0;
+  double most = 0;
+  for (const Vec3& point : shapeMesh(shape, 24).points) most = std::max(most, dot(point, rotateInverse(orientation, up)));
+  return most;
 }
 
 double groundHeight(const Scene& scene) {

@@ -50,9 +50,9 @@ std::string nearNames(const std::string& name, const std::vector<std::string>& n
 std::vector<Spec> makeRegistry() {
   std::vector<Spec> all;
   for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &fastSpecs, &bodySpecs, &chainSpecs, &ropeSpecs,
-                       &frictionSpecs, &structureSpecs, &basicSpecs, &scaleSpecs, &jointAxisSpecs, &machineSpecs, &robotSpecs,
-                       &ragdollSpecs, &cableSpecs, &springSpecs,
-                       &softSolidSpecs, &softSheetSpecs, &softGrainSpecs})
+                       &frictionSpecs, &structureSpecs, &shapeRestSpecs, &shapeMotionSpecs, &basicSpecs, &scaleSpecs, &jointAxisSpecs,
+                       &machineSpecs, &robotSpecs, &ragdollSpecs, &cableSpecs, &springSpecs, &softSolidSpecs, &softSheetSpecs,
+                       &softGrainSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));
   return all;
 }

@@ -18,9 +18,9 @@
 namespace rubble {
 
 struct BodyState {
-  Vec3 position;         ///< centre of mass, world [m]
+  Vec3 position;         ///< of the shape's frame, world [m]
   Quat orientation;      ///< body -> world
-  Vec3 velocity;         ///< [m/s]
+  Vec3 velocity;         ///< of the centre of mass [m/s]
   Vec3 angularVelocity;  ///< world axes [rad/s]
 };
 
@@ -126,7 +126,8 @@ class World {
   void applyForces(std::span<const BodyId> ids, std::span<const Vec3> forces, std::span<const Vec3> torques = {});
   void applyImpulses(std::span<const BodyId> ids, std::span<const Vec3> impulses);
 
-  // State of all bodies as arrays. Row BodyId::index belongs to that body; rows of removed bodies hold what was there last.
+  // State of all bodies as arrays. Row BodyId::index belongs to that body; rows of removed bodies hold what was there last. Positions and
+  // orientations are those of the centre of mass and of the principal axes: MassProperties says where these lie in the frame of the shape.
   /// The array as the engine keeps it, with all edits made so far. Read-only: scatter() writes. It stays where it is until the next edit that
   /// adds or removes bodies or restores a snapshot; steps and other edits change its content only, an edit by the next step at the latest.
   ArrayView array(StateArray which) const;

@@ -9,15 +9,18 @@
 
 #include <rubble/world.h>
 
+#include "collision/cooked_shape.h"
 #include "forces/soft_model.h"
 
 namespace rubble {
 
-/// A body as authored, with its state. `kind`: 0 removed, 1 static, 2 kinematic, 3 dynamic.
+/// A body with its state, in the frame of the engine: about the centre of mass, along the principal axes. `kind`: 0 removed, 1 static, 2 kinematic, 3 dynamic.
 struct EngineBody {
   int kind = 0;
-  Shape shape;
+  CookedData shape;      ///< `data` counts from the beginning of the engine's tables
+  double radius = 0;     ///< of the sphere about the origin that holds it [m]
   Material material;
+  int surface = -1;      ///< place among the materials of setSurfaces, -1: one of two frictions and a restitution with the usual rules
   MassProperties mass;
   double gravityScale = 1;
   double linearDamping = 0, angularDamping = 0;
@@ -81,8 +84,8 @@ struct EngineTouch {
 struct EngineQuery {
   enum Kind { Ray, Cast, Overlap, Closest };
   Kind kind = Ray;
-  Shape shape;
-  Vec3 position;
+  CookedData shape;      ///< of a cast and an overlap
+  Vec3 position;         ///< of its frame in the engine
   Quat orientation;
   Vec3 move;
   double reach = 0;
@@ -134,6 +137,9 @@ class Engine {
   virtual void setBody(int slot, const EngineBody& body) = 0;
   /// Contacts of a slot are forgotten: it is another body from now on, or none.
   virtual void forgetContacts(int slot) = 0;
+  /// Appends the tables of a shape, with the materials of its parts (places among those of setSurfaces, -1: that of the body).
+  virtual void addShape(const CookedShape& shape, const std::vector<int>& partSurfaces) = 0;
+  virtual void setSurfaces(const std::vector<Material>& surfaces) = 0;
   virtual void setPlanes(const std::vector<int>& slots) = 0;
   virtual void setJointCount(int type, int slots) = 0;
   virtual void setJoint(int slot, const EngineJoint& joint) = 0;

@@ -37,8 +37,11 @@ ArrayView rowsOf(const T* data, int rows) {
   return view;
 }
 
-/// Velocity after an impulse, worked out in double precision as by one who reads it, adds and writes it.
-RUBBLE_HD inline Vec3 changedVelocity(const Vec3& velocity, const Vec3d& change) { return Vec3(Vec3d(velocity) + change); }
+/// An impulse's change of velocity, added in double precision as by one who reads it, adds and writes it.
+RUBBLE_HD inline void changeVelocity(const View& s, int slot, const Vec3d& change) {
+  s.velocity[slot] = s.previousVelocity[slot] = Vec3(Vec3d(s.velocity[slot]) + change);
+  rouse(s, slot);
+}
 
 /// Row k of the values becomes a row of an array, or is added to it.
 struct ScatterRows {
@@ -69,6 +72,7 @@ struct ScatterRows {
       case StateArray::Force: s.force[slot] += Vec3(v); break;
       case StateArray::Torque: s.torque[slot] += Vec3(v); break;
     }
+    if (which != StateArray::Force && which != StateArray::Torque) rouse(s, slot);
   }
 };
 

@@ -213,7 +213,7 @@ RUBBLE_HD inline Meeting meeting(const Placed& a, const Way& wayA, const Placed&
 
 /// Half of the smallest thickness of a shape [m].
 RUBBLE_HD inline Real innerRadius(const ShapeData& s) {
-  if (s.kind == ShapeKind::Plane) return Real(1e18);
+  if (s.kind == ShapeKind::Plane || !isPlain(s.kind)) return Real(1e18);
   if (s.kind != ShapeKind::Box) return s.radius;
   return min(s.half.x, min(s.half.y, s.half.z));
 }

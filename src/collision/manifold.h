@@ -131,9 +131,11 @@ RUBBLE_HD inline Manifold recycledManifold(const Manifold& old, const PairPose& 
   return m;
 }
 
-/// The manifold of a new test, whose points are matched with the old ones, first by feature, then by place. `old` may be null.
-RUBBLE_HD inline Manifold testedManifold(const ShapeData& sa, const ShapeData& sb, const PairPose& pair, const Manifold* old) {
-  Manifold m = freshManifold(collide(sa, pair.qA, sb, pair.qB, pair.t, pair.margin, pair.length), pair);
+/// The manifold of a new test, whose points are matched with the old ones, first by feature, then by place. `old` may be null; `test()` gives
+/// the raw manifold.
+template <class Test>
+RUBBLE_HD Manifold testedManifoldBy(const PairPose& pair, const Manifold* old, Test&& test) {
+  Manifold m = freshManifold(test(), pair);
   if (!old || old->count == 0 || m.count == 0 || dot(m.normal, old->normal) < kSameNormal) return m;
 
   unsigned usedOld = 0, matched = 0;
@@ -160,6 +162,11 @@ RUBBLE_HD inline Manifold testedManifold(const ShapeData& sa, const ShapeData& s
     usedOld |= 1u << nearest;
   }
   return m;
+}
+
+/// The same for two plain shapes.
+RUBBLE_HD inline Manifold testedManifold(const ShapeData& sa, const ShapeData& sb, const PairPose& pair, const Manifold* old) {
+  return testedManifoldBy(pair, old, [&] { return collide(sa, pair.qA, sb, pair.qB, pair.t, pair.margin, pair.length); });
 }
 
 }  // namespace rubble::RUBBLE_CORE

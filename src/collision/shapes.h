@@ -5,13 +5,49 @@
 
 namespace rubble::RUBBLE_CORE {
 
-enum class ShapeKind : int { Sphere, Capsule, Box, Plane };
+/// Kinds up to Plane are plain: their pairs have one manifold each, tested by the fast kernel. The others keep data in shared tables.
+enum class ShapeKind : int { Sphere, Capsule, Box, Plane, RoundBox, Cylinder, Cone, Hull, Triangle, Compound, Mesh, HeightField, Distance };
 
-/// A shape in its body's frame.
+/// A shape in its body's frame, whose origin is the centre of mass and whose axes are principal.
 struct ShapeData {
-  Vec3 half;       ///< box: half edges; capsule: (0, 0, half length of its axis) [m]
-  Real radius;     ///< sphere, capsule [m]
+  Vec3 half;       ///< box: half edges; capsule: (0, 0, half length of its axis); others: half extents about the origin, without radius [m]
+  Real radius;     ///< sphere, capsule; rounding of the others [m]
   ShapeKind kind;
+  int data;        ///< place of its header in ShapeTables::index; -1: has none
+};
+
+RUBBLE_HD constexpr bool isPlain(ShapeKind kind) { return kind <= ShapeKind::Plane; }
+/// Convex, with a support function.
+RUBBLE_HD constexpr bool isConvex(ShapeKind kind) { return kind != ShapeKind::Plane && kind <= ShapeKind::Triangle; }
+/// Touches another shape in places with several normals: a pair has kSurfaceSlots manifolds.
+RUBBLE_HD constexpr bool isSurface(ShapeKind kind) { return kind >= ShapeKind::Mesh; }
+
+/// Four numbers side by side: a vertex, a plane (normal, offset), samples.
+struct alignas(4 * sizeof(Real)) Vec4 {
+  Real x, y, z, w;
+};
+RUBBLE_HD inline Vec3 xyz(const Vec4& v) { return {v.x, v.y, v.z}; }
+
+/// A part of a compound, in the frame of its body.
+struct ShapePart {
+  ShapeData shape;
+  Vec3 position;   ///< [m]
+  Quat rotation;
+  Real radius;     ///< bounding sphere about `position` [m]
+  int surface;     ///< its material, -1: that of the body
+};
+
+/// What many bodies share: geometry that does not fit a ShapeData. A header begins with the places of its vectors and indices:
+///   hull          index[data + 0..3] = vectors, indices, vertices, faces;  vectors: vertices, then planes; indices: first vertex of each
+///                 face (and of one more), then the vertices of the faces, counter-clockwise from outside
+///   compound      ..., ..., first part, parts
+///   mesh          vectors, indices, nodes, triangles, vertices, two-sided;  see triangles.h
+///   height field  vectors, indices, samples along x, along y;  see triangles.h
+///   distance      vectors, indices, samples along x, y, z, surface points;  see lattice.h
+struct ShapeTables {
+  const Vec4* vector;
+  const int* index;
+  const ShapePart* part;
 };
 
 /// Radius of the sphere about the centre that holds the shape; 0 for a plane. [m]
@@ -29,7 +65,7 @@ RUBBLE_HD inline Vec3 boundingHalf(const ShapeData& s, const Quat& q) {
 /// A point of contact, relative to the centre of the first body, world axes.
 struct RawPoint {
   Vec3 onA, onB;  ///< on the two surfaces [m]
-  int feature;    ///< what touches what; the same in the next step if the configuration is
+  int feature = 0;  ///< what touches what; the same in the next step if the configuration is
 };
 
 /// The result of a pair test.

@@ -58,6 +58,12 @@ void checkCommon(const DeformableDef& d, std::size_t least, const std::string& p
   if (m.dynamicFriction > m.staticFriction)
     throw Error(path + ".material.dynamicFriction", "at most the static friction " + text(m.staticFriction), text(m.dynamicFriction));
   notNegative(m.restitution, path + ".material.restitution");
+  const auto none = [&](double a, const char* name, const char* why) {
+    if (a != 0) throw Error(path + ".material." + name, why, text(a));
+  };
+  none(m.rollingFriction, "rollingFriction", "0: vertices do not turn");
+  none(m.torsionalFriction, "torsionalFriction", "0: vertices do not turn");
+  none(length(m.surfaceVelocity), "surfaceVelocity", "none: only the surfaces of bodies move along themselves");
   if (m.restitution > 1) throw Error(path + ".material.restitution", "at most 1", text(m.restitution));
   if (!std::isfinite(d.gravityScale)) throw Error(path + ".gravityScale", "a finite number", text(d.gravityScale));
 }

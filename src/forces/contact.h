@@ -154,7 +154,8 @@ RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const 
   const L grownT = grownStiffness(tangent, kT, sqrtOf(o.c1 * o.c1 + o.c2 * o.c2),
                                   sqrtOf(o.t.f1 * o.t.f1 + o.t.f2 * o.t.f2));
   const auto loaded = o.fN > zero;
-  A::store(m.kN, lane, select(loaded, grownN, kN));
+  const L ceiling = contactCeiling(c, m.start, (Real(1) - c.alpha) * m.length, A::load(m.c0, lane));
+  A::store(m.kN, lane, select(loaded, minOf(grownN, ceiling), kN));
   A::store(m.kT, lane, select(loaded, select(o.t.inside > zero, grownT, kT), kT));
 }
 

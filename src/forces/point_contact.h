@@ -17,6 +17,7 @@ struct PointContact {
   int v[kPointCorners];        ///< -1: none
   Real weight[kPointCorners];  ///< c_i
   int body;                    ///< side A, or -1
+  int part;                    ///< of its shape
   int active;                  ///< near enough to have rows in this step
   int stick, impact;           ///< it stuck at the end of the step; it stops a fast approach in it
   Vec3 n;                      ///< unit

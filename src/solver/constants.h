@@ -18,6 +18,10 @@ inline constexpr double kMostImpulse = 1e4;
 /// Ceiling of k over m_row / dt^2 when no finite material stiffness is lower; K_mat above it is treated as hard [1].
 inline constexpr Real kHardFromStiffness = Real(1e6);
 
+/// Depth of a contact point over L from which its stiffness follows no load, and the ceiling of k over k_start there [1].
+inline constexpr Real kDeepShare = Real(.1);
+inline constexpr Real kDeepStiffness = 10;
+
 struct StepConstants {
   Real dt;               ///< [s]
   Real inverseDt;        ///< [1/s]

@@ -32,6 +32,15 @@ RUBBLE_HD inline StiffnessRule jointRule(const StepConstants& c, Real start, Rea
   return stiffnessRule(c, c.jointPolicy, c.jointRampRate, start, length);
 }
 
+/// Largest k of a normal row of depth C_n0 at x^t. Bodies deep in one another may have no way out (a cube born between two that a joint
+/// holds): there the error stays whatever the force, and a stiffness that follows its load doubles that load every step, up to the day when
+/// the bodies slip free. With k held the load is too: the part that the warm start forgets balances what the error adds.
+template <class L>
+RUBBLE_HD L contactCeiling(const StepConstants& c, Real start, Real length, L depth) {
+  using A = LaneAccess<L>;
+  return select(depth > A::splat(kDeepShare * length), A::splat(kDeepStiffness * start), A::splat(c.maxStiffness * start / c.startStiffness));
+}
+
 /// Tangential rows of a contact: they start softer and follow their own load.
 RUBBLE_HD inline StiffnessRule tangentRule(const StepConstants& c, StiffnessRule normal) {
   normal.start *= c.tangentStiffness;

@@ -1,5 +1,6 @@
 #pragma once
 /// Begin and end of a body's step, and its primal update.
+#include "stages/rolling.h"
 #include "stages/soft_rows.h"
 #include "stages/stops.h"
 
@@ -125,8 +126,10 @@ struct SolveBody {
     Block6T<L> points;
     int k = s.entryOffset[i];
     const int end = s.entryOffset[i + 1];
-    for (; k < end && entryType(s.entry[k].code) == kContactType; ++k)
+    for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
       for (int lane = 0; lane < kLanes; lane += kStep) addContact<L>(s, s.entry[k].code, lane, points);
+      if (s.rolls) addRolling(s, s.entry[k].code, block);
+    }
     addLanes(block, points);
     for (; k < end; ++k) addJoint(s, s.entry[k].code, block);
     finishBlock(s, i, block, x);

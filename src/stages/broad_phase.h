@@ -1,9 +1,8 @@
 #pragma once
 /// Broad phase: a hashed grid with levels. A body lies in the cell of its centre, at the level that fits its swept box; it looks for
 /// partners in its own level and in all coarser ones. Buckets of cells with rising x are neighbours in memory.
-#include <cstring>
-
-#include "collision/filter.h"
+#include "stages/filter.h"
+#include "stages/pair_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -20,19 +19,6 @@ RUBBLE_HD inline int cellOf(Real x, Real size) {
 RUBBLE_HD inline int bucketOf(const View& s, int level, int x, int y, int z) {
   const std::uint32_t row = hash32(static_cast<std::uint32_t>(y) * 0x9e3779b1u ^ hash32(static_cast<std::uint32_t>(z) * 32u + static_cast<std::uint32_t>(level)));
   return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(s.cells - 1));
-}
-
-/// Bits of a non-negative float: they are ordered as the numbers are.
-RUBBLE_HD inline int floatBits(Real a) {
-  const float f = static_cast<float>(a);
-  int bits;
-  memcpy(&bits, &f, sizeof bits);
-  return bits;
-}
-RUBBLE_HD inline Real fromFloatBits(int bits) {
-  float f;
-  memcpy(&f, &bits, sizeof f);
-  return static_cast<Real>(f);
 }
 
 /// Detection margin of a body: half of the smallest margin of a pair of its like [m].
@@ -134,33 +120,45 @@ RUBBLE_HD void searchPartners(const View& s, int i, Found&& found) {
   }
 }
 
-/// Partners of each body, the first kPairSlots of them kept.
+/// Partners of each body, the first kPairSlots of them kept, and the number of pairs of their parts. `kParts` false: no body has parts, and the
+/// kernel stays small.
+template <bool kParts>
 struct FindPairs {
   static constexpr const char* kName = "pairs";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    int count = 0;
+    int count = 0, partners = 0;
     int* slots = s.pairSlot + i * kPairSlots;
     searchPartners(s, i, [&](int other) {
-      if (count < kPairSlots) slots[count] = other;
-      ++count;
+      const int without = count;
+      if constexpr (kParts) forEachPartPair(s, i, other, [&](int, int) { ++count; });
+      else ++count;
+      if (count == without) return;
+      if (partners < kPairSlots) slots[partners] = other;
+      ++partners;
     });
     s.pairCount[i] = count;
   }
 };
 
-/// Pairs sorted by owner, then by partner.
+/// Pairs sorted by owner, then by partner and parts.
+template <bool kParts>
 struct WritePairs {
   static constexpr const char* kName = "pairs";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const int begin = s.pairOffset[i], count = s.pairOffset[i + 1] - begin;
     int n = 0;
-    const auto insert = [&](int other) {
+    const auto insertPair = [&](const Pair& pair) {
       int k = begin + n++;
-      for (; k > begin && s.pair[k - 1].other > other; --k) s.pair[k] = s.pair[k - 1];
-      s.pair[k] = {i, other};
+      for (; k > begin && before(pair, s.pair[k - 1]); --k) s.pair[k] = s.pair[k - 1];
+      s.pair[k] = pair;
     };
+    const auto insert = [&](int other) {
+      if constexpr (kParts) forEachPartPair(s, i, other, [&](int first, int second) { insertPair({i, other, first, second}); });
+      else insertPair({i, other, 0, 0});
+    };
+    // every partner has a pair at least, so that as many slots as pairs are enough
     if (count <= kPairSlots)
-      for (int k = 0; k < count; ++k) insert(s.pairSlot[i * kPairSlots + k]);
+      for (int k = 0; n < count; ++k) insert(s.pairSlot[i * kPairSlots + k]);
     else
       searchPartners(s, i, insert);
   }

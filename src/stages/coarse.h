@@ -164,10 +164,12 @@ struct SumChunk {
     Block6T<L> points;
     for (int k = s.externalOffset[i]; k < s.externalOffset[i + 1]; ++k) {
       const std::uint32_t code = s.external[k];
-      if (entryType(code) == kContactType)
+      if (entryType(code) == kContactType) {
         for (int lane = 0; lane < kLanes; lane += kStep) addExternalContact<L>(s, group, code, lane, points);
-      else
+        if (s.rolls) addRolling(s, code, sum);
+      } else {
         addExternalJoint(s, chunk.group, code, sum);
+      }
     }
     addLanes(sum, points);
     chunk.sum = sum;

@@ -3,38 +3,14 @@
 #include "solver/warmstart.h"
 #include "stages/broad_phase.h"
 #include "stages/cells.h"
+#include "stages/materials.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A pair with the lower index first.
-struct OrderedPair {
-  int a, b;
-};
-RUBBLE_HD inline OrderedPair ordered(const Pair& p) { return p.owner < p.other ? OrderedPair{p.owner, p.other} : OrderedPair{p.other, p.owner}; }
-
-RUBBLE_HD inline Real pairLength(const BodyParams& a, const BodyParams& b) {
-  // the smaller dynamic body; a fixed one says nothing about the scale of the contact
-  const Real ra = a.kind == BodyKind::Dynamic ? a.radius : Real(0), rb = b.kind == BodyKind::Dynamic ? b.radius : Real(0);
-  return 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
-}
-
-RUBBLE_HD inline Vec3 centreDistance(const View& s, int a, int b) { return Vec3(s.position[b] - s.position[a]); }
-
-/// What the speed of a pair can do in a step.
-struct PairSpeed {
-  Real closing;  ///< bound of the speed at which two of their points approach one another [m/s]
-  bool bullet;   ///< they may pass one another altogether: no row made before the step can tell where they meet (stages/stops.h)
-};
-RUBBLE_HD inline PairSpeed pairSpeed(const View& s, int a, int b, const BodyParams& pa, const BodyParams& pb) {
-  const Vec3 relative = s.velocity[a] - s.velocity[b];
-  const Real closing = length(relative) + length(s.spin[a]) * pa.radius + length(s.spin[b]) * pb.radius;
-  return {closing, s.step.dt * closing > pairLength(pa, pb)};
-}
-
-/// Share of the closing speed of an impact that body `own` may take over, by the masses: all of it from a body as heavy as a third of it.
-RUBBLE_HD inline Real shareOfImpact(const BodyParams& own, const BodyParams& other) {
-  if (other.kind != BodyKind::Dynamic) return 1;
-  return min(Real(1), 4 * other.mass / (own.mass + other.mass));
+/// A pair of bodies as the pair tests need it.
+RUBBLE_HD inline PairPose pairPose(const View& s, const OrderedPair& o) {
+  const Real size = pairLength(s.params[o.a], s.params[o.b]);
+  return {s.orientation[o.a], s.orientation[o.b], centreDistance(s, o.a, o.b), size, pairMargin(s, o.a, o.b, size)};
 }
 
 /// A body at rest that is about to be struck has rows with what it may be driven into: its neighbours look for it as for a fast one.
@@ -52,8 +28,6 @@ struct FindAgitation {
     agitate(p.owner, po, pb), agitate(p.other, pb, po);
   }
 };
-
-RUBBLE_HD inline Real agitationOf(const View& s, int a, int b) { return max(fromFloatBits(s.agitation[a]), fromFloatBits(s.agitation[b])); }
 
 /// May a body be elsewhere than in the last step?
 RUBBLE_HD inline bool moves(const View& s, int body) {
@@ -110,21 +84,10 @@ RUBBLE_HD inline int countPoints(std::uint8_t bits) {
   return count;
 }
 
-/// A pair at x^t, for its narrow phase.
-RUBBLE_HD inline PairPose pairPose(const View& s, const OrderedPair& o) {
-  const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
-  PairPose pose{s.orientation[o.a], s.orientation[o.b], centreDistance(s, o.a, o.b), pairLength(pa, pb), 0};
-  // a plane has no centre: measure from the foot of the other body's
-  const PairSpeed speed = pairSpeed(s, o.a, o.b, pa, pb);
-  pose.margin = s.step.contactMargin * pose.length;
-  if (!speed.bullet) pose.margin = max(pose.margin, s.step.dt * max(speed.closing, agitationOf(s, o.a, o.b)));
-  return pose;
-}
-
 /// The manifold that a pair had in the step before, or null.
 RUBBLE_HD inline const Manifold* findOldManifold(const View& s, const Pair& p) {
   for (int k = s.oldPairOffset[p.owner]; k < s.oldPairOffset[p.owner + 1]; ++k)
-    if (s.oldPair[k].other == p.other) return &s.oldManifold[k];
+    if (samePair(s.oldPair[k], p)) return &s.oldManifold[k];
   return nullptr;
 }
 
@@ -142,6 +105,11 @@ RUBBLE_HD inline void keepManifold(const View& s, int i, const OrderedPair& o, c
   if (!rows) return;
   atomicCount(&s.counters->contacts, countPoints(m.awake));
   if (m.recycled) atomicCount(&s.counters->recycled, 1);
+}
+
+/// What a part has of a surface is gathered anew in every step.
+RUBBLE_HD inline bool mayRecycle(const View& s, const OrderedPair& o) {
+  return !s.rareShapes || !(isSurface(s.params[o.a].shape.kind) || isSurface(s.params[o.b].shape.kind));
 }
 
 /// A pair of which no body moves has everything kept as it is.
@@ -162,19 +130,20 @@ struct RecycleManifolds {
     const PairPose pose = pairPose(s, o);
     const Manifold* const old = findOldManifold(s, p);
     if (keepAsleep(s, i, p, old)) return;
-    if (old && recyclable(*old, pose, s.step.recycleTolerance))
+    if (old && mayRecycle(s, o) && recyclable(*old, pose, s.step.recycleTolerance))
       keepManifold(s, i, o, pose, recycledManifold(*old, pose));
     else
       s.tested[atomicCount(&s.counters->tested, 1)] = i;
   }
 };
 
-/// Narrow phase of the listed pairs: a new manifold, whose points are matched with the old ones.
+/// Narrow phase of the listed pairs of plain shapes: a new manifold, whose points are matched with the old ones. Others follow in TestRarePairs.
 struct TestPairs {
   static constexpr const char* kName = "narrow";
   RUBBLE_HD void operator()(const View& s, int t) const {
     const int i = s.tested[t];
     const OrderedPair o = ordered(s.pair[i]);
+    if (s.rareShapes && !isPlainPair(s, o.a, o.b)) return;
     const PairPose pose = pairPose(s, o);
     keepManifold(s, i, o, pose, testedManifold(s.params[o.a].shape, s.params[o.b].shape, pose, findOldManifold(s, s.pair[i])));
   }
@@ -186,6 +155,7 @@ struct PairRows {
   Quat qa, qb;
   Vec3 t;
   Real muStatic, restitution;
+  Vec3 belt;  ///< [m], see PairMaterial
   StiffnessRule normal, tangent;
 };
 
@@ -205,9 +175,11 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   r.length = pairLength(pa, pb);
   const Real lighter = pa.kind != BodyKind::Dynamic ? pb.mass : pb.kind != BodyKind::Dynamic ? pa.mass : min(pa.mass, pb.mass);
   r.start = startStiffness(c, lighter);
-  p.muStatic = std::sqrt(pa.muStatic * pb.muStatic);
-  r.muDynamic = std::sqrt(pa.muDynamic * pb.muDynamic);
-  p.restitution = max(pa.restitution, pb.restitution);
+  const PairMaterial material = pairMaterial(s, s.pair[i], o);
+  p.muStatic = material.muStatic;
+  r.muDynamic = material.muDynamic;
+  p.restitution = material.restitution;
+  p.belt = material.belt;
   p.normal = contactRule(c, r.start, r.length);
   p.tangent = tangentRule(c, p.normal);
   return p;
@@ -225,6 +197,13 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
 
   const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
   r.drift1[to] = stuck ? m.drift1[k] : Real(0), r.drift2[to] = stuck ? m.drift2[k] : Real(0);
+  if (s.surfaces > 0) {
+    // The drift is corrected by the part driftCorrection of it: what the belt moves is to be made good in full.
+    Vec3 t1, t2;
+    tangentBasis(r.n, t1, t2);
+    r.drift1[to] += dot(t1, p.belt) / c.driftCorrection;
+    r.drift2[to] += dot(t2, p.belt) / c.driftCorrection;
+  }
   r.mu[to] = stuck || isNew ? p.muStatic : r.muDynamic;
   const Real lambda = min(warmMultiplier(c, m.lambdaN[k], true), c.maxMultiplier);
   Real l1 = warmMultiplier(c, m.lambda1[k], true), l2 = warmMultiplier(c, m.lambda2[k], true);
@@ -235,7 +214,9 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
   }
   r.lambdaN[to] = lambda, r.lambda1[to] = l1, r.lambda2[to] = l2;
   const bool awake = m.awake >> k & 1;
-  r.kN[to] = !awake ? Real(0) : isNew ? coldStart(p.normal.start).k : warmStiffness(c, p.normal, m.kN[k], lambda);
+  StiffnessRule normal = p.normal;
+  normal.limit = contactCeiling(c, r.start, r.length, point.depth);
+  r.kN[to] = !awake ? Real(0) : isNew ? coldStart(normal.start).k : warmStiffness(c, normal, m.kN[k], lambda);
   r.kT[to] = !awake ? Real(0) : isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
   return impact && c.impactRule;
 }
@@ -314,6 +295,12 @@ RUBBLE_HD inline bool storePoint(const View& s, const ContactRows& r, const Stor
   const Vec3 d = (f.a.dp + rotate(f.turnA, rA) - rA) - (f.b.dp + rotate(f.turnB, rB) - rB);
   m.drift1[k] = r.drift1[k] + dot(f.t1, d);
   m.drift2[k] = r.drift2[k] + dot(f.t2, d);
+  if (s.surfaces > 0) {
+    // against the belt: its way in this step instead of what stood for it in the row
+    const Vec3 belt = pairMaterial(s, s.pair[r.pair], {r.a, r.b}).belt * (Real(1) - Real(1) / s.step.driftCorrection);
+    m.drift1[k] += dot(f.t1, belt);
+    m.drift2[k] += dot(f.t2, belt);
+  }
   return true;
 }
 

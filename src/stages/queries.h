@@ -30,7 +30,7 @@ RUBBLE_HD inline Vec3d extent(const Placed& s) {
 }
 
 RUBBLE_HD inline bool looksAt(const View& s, const QueryData& q, int body) {
-  if (body == q.ignore) return false;
+  if (body == q.ignore || !isPlain(s.params[body].shape.kind)) return false;
   const BodyFilter& f = s.filter[body];
   return (q.sensors != 0 || f.sensor == 0) && (f.layers & q.mask) != 0 && (q.layers & f.mask) != 0;
 }

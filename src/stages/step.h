@@ -1,6 +1,8 @@
 #pragma once
 /// The step on one page: algorithm 1 of the method, written once over an Executor. What runs in parallel, and where, is its business.
 #include "stages/coarse.h"
+#include "stages/coloring.h"
+#include "stages/rare_contacts.h"
 #include "stages/sleep.h"
 #include "stages/soft_step.h"
 
@@ -40,9 +42,12 @@ void findPairs(E& e) {
   e.forEach(ComputeBounds{}, bodies);
   e.scan(&View::bucketCount, &View::bucketOffset, cells);
   e.forEach(FillGrid{}, bodies);
-  e.forEach(FindPairs{}, bodies);
+  const bool parts = e.view().rareShapes;
+  if (parts) e.forEach(FindPairs<true>{}, bodies);
+  else e.forEach(FindPairs<false>{}, bodies);
   e.scan(&View::pairCount, &View::pairOffset, bodies, &Counters::pairs, Per::Pair);
-  e.forEach(WritePairs{}, bodies);
+  if (parts) e.forEach(WritePairs<true>{}, bodies);
+  else e.forEach(WritePairs<false>{}, bodies);
 }
 
 /// Islands that something disturbs.
@@ -77,8 +82,13 @@ void findContacts(E& e) {
   e.forEach(FindAgitation{}, &Counters::pairs);
   e.forEach(RecycleManifolds{}, &Counters::pairs);
   e.forEach(TestPairs{}, &Counters::tested);
+  if (e.view().rareShapes) e.forEach(TestRarePairs{}, &Counters::tested);
   e.scan(&View::hasRows, &View::rowOfPair, &Counters::pairs, &Counters::manifolds, Per::Manifold);
   e.forEach(BuildContactRows{}, &Counters::pairs);
+  if (!e.view().rolls) return;
+  e.forEach(CountRolling{}, 1);
+  e.require(Per::Rolling, &Counters::rollers);
+  e.forEach(BuildRolling{}, &Counters::rollers);
 }
 
 /// Groups of the coarse correction, from the poses at x^t.
@@ -195,6 +205,7 @@ void step(E& e) {
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
     e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
+    if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);
     forEachJoint.template operator()<UpdateJointDuals>();
     if (vertices > 0) updateSoftDuals(e);
   }

@@ -58,7 +58,7 @@ struct FindStops {
   RUBBLE_HD void operator()(const View& s, int i) const {
     s.meetBits[i] = 0;
     const OrderedPair o = ordered(s.pair[i]);
-    if ((!s.fast[o.a] && !s.fast[o.b]) || isSensor(s, o.a) || isSensor(s, o.b)) return;
+    if (!isPlainPair(s, o.a, o.b) || (!s.fast[o.a] && !s.fast[o.b]) || isSensor(s, o.a) || isSensor(s, o.b)) return;
     const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
     const Displacement still{{0, 0, 0}, 0, {0, 0, 0}, 0};
     const Displacement &da = pa.kind == BodyKind::Static ? still : s.moved[o.a], &db = pb.kind == BodyKind::Static ? still : s.moved[o.b];

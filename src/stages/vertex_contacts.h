@@ -174,28 +174,52 @@ struct WritePointPairs {
 
 RUBBLE_HD inline Real lighter(Real a, Real b) { return a > Real(0) && b > Real(0) ? min(a, b) : max(a, b); }
 
+/// A vertex against a body at x^t, world axes. Surfaces are looked for up to `reach` from the vertex; `side` is the direction in which the body
+/// held it last, or zero.
+RUBBLE_HD inline PointDistance pointToBody(const View& s, int v, int body, Real reach, const Vec3& side) {
+  const Quat q = s.orientation[body];
+  const ShapeData& shape = s.params[body].shape;
+  const Vec3 x = rotateInverse(q, Vec3(s.vertexPosition[v] - s.position[body]));
+  PointDistance at;
+  if (isPlain(shape.kind))
+    at = pointToPlainShape(shape, x);
+  else
+    at = pointToRareShape(s.shapeTables(), shape, x, {reach, max(reach, kHeldFromBelow * s.vertexParams[v].length), rotateInverse(q, side)});
+  at.n = rotate(q, at.n);
+  return at;
+}
+
+/// How far the surface of the body of a contact moves in a step, besides the body. [m]
+RUBBLE_HD inline Vec3 beltOf(const View& s, const PointContact& p) {
+  if (s.surfaces == 0 || p.body < 0) return {0, 0, 0};
+  return s.step.dt * rotate(s.orientation[p.body], surfaceOf(s, p.body, p.part).velocity);
+}
+
 /// A vertex (B) against a body (A) at x^t. Returns what the rows start from; fills the geometry.
-RUBBLE_HD inline PointContactStart touchBody(const View& s, int v, int body, PointContact& p, Real& gap, Real& margin) {
+RUBBLE_HD inline PointContactStart touchBody(const View& s, int v, int body, const PointContact* old, PointContact& p, Real& gap, Real& margin) {
   const VertexParams& point = s.vertexParams[v];
   const BodyParams& b = s.params[body];
-  const Quat q = s.orientation[body];
   const Vec3 x(s.vertexPosition[v] - s.position[body]);
-  const PointDistance at = pointToShape(b.shape, rotateInverse(q, x));
-  gap = at.distance - point.radius;
   const Real width = b.kind == BodyKind::Dynamic ? min(point.length, 2 * b.radius) : point.length;
   const Vec3 relative = s.vertexVelocity[v] - s.velocity[body];
   margin = max(s.step.contactMargin * width, s.step.dt * (length(relative) + length(s.spin[body]) * length(x)));
+  const PointDistance at = pointToBody(s, v, body, point.radius + margin, old && old->active ? old->n : Vec3{0, 0, 0});
+  gap = at.distance - point.radius;
   p.v[0] = v, p.v[1] = p.v[2] = p.v[3] = -1;
   p.weight[0] = -1;
   p.body = body;
-  p.n = rotate(q, at.n);
+  p.part = at.part;
+  p.n = at.n;
   // in the middle of the gap
   p.lever = x - p.n * ((at.distance + point.radius) / 2);
   p.length = width;
-  p.muStatic = std::sqrt(b.muStatic * point.muStatic);
-  p.muDynamic = std::sqrt(b.muDynamic * point.muDynamic);
+  const SurfaceData surface = surfaceOf(s, body, at.part);
+  const auto friction = [&](Real a, Real c) { return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c); };
+  p.muStatic = friction(surface.muStatic, point.muStatic);
+  p.muDynamic = friction(surface.muDynamic, point.muDynamic);
   const Real closing = -dot(p.n, relative) + dot(p.n, cross(s.spin[body], p.lever));
-  return {lighter(point.mass, b.mass), -gap, closing, max(point.restitution, b.restitution)};
+  return {lighter(point.mass, b.mass), -gap, closing,
+          combined(surface.restitutionCombine, point.restitutionCombine, Combine::Maximum, surface.restitution, point.restitution)};
 }
 
 /// Granular particles a (A) and b (B).
@@ -210,9 +234,21 @@ RUBBLE_HD inline PointContactStart touchGrain(const View& s, int a, int b, Point
   p.weight[0] = 1, p.weight[1] = -1;
   p.body = -1;
   p.n = normalize(d);
-  p.muStatic = std::sqrt(pa.muStatic * pb.muStatic);
-  p.muDynamic = std::sqrt(pa.muDynamic * pb.muDynamic);
-  return {lighter(pa.mass, pb.mass), -gap, dot(p.n, relative), max(pa.restitution, pb.restitution)};
+  const auto friction = [&](Real x, Real y) { return combined(pa.frictionCombine, pb.frictionCombine, Combine::GeometricMean, x, y); };
+  p.muStatic = friction(pa.muStatic, pb.muStatic);
+  p.muDynamic = friction(pa.muDynamic, pb.muDynamic);
+  return {lighter(pa.mass, pb.mass), -gap, dot(p.n, relative),
+          combined(pa.restitutionCombine, pb.restitutionCombine, Combine::Maximum, pa.restitution, pb.restitution)};
+}
+
+/// Adds a share of the way of a belt to the drift of a contact. The rows correct the part driftCorrection of a drift: what the belt moves is
+/// to be made good in full.
+RUBBLE_HD inline void addBelt(const View& s, PointContact& p, Real share) {
+  if (s.surfaces == 0 || p.body < 0) return;
+  Vec3 t1, t2;
+  tangentBasis(p.n, t1, t2);
+  const Vec3 belt = share * beltOf(s, p);
+  p.drift1 += dot(t1, belt), p.drift2 += dot(t2, belt);
 }
 
 /// Rows of a pair at x^t, matched with those of the step before.
@@ -223,15 +259,16 @@ struct UpdatePointContacts {
     PointContact p;
     memset(static_cast<void*>(&p), 0, sizeof p);  // padding too: states are hashed
     Real gap, margin;
+    const PointContact* old = nullptr;
+    for (int k = s.oldPointPairOffset[pair.vertex]; k < s.oldPointPairOffset[pair.vertex + 1]; ++k)
+      if (s.oldPointPair[k].other == pair.other) old = &s.oldPointContact[k];
     const bool isBody = pair.other < kVertexNode;
-    const PointContactStart start =
-        isBody ? touchBody(s, pair.vertex, pair.other, p, gap, margin) : touchGrain(s, pair.vertex, pair.other - kVertexNode, p, gap, margin);
+    const PointContactStart start = isBody ? touchBody(s, pair.vertex, pair.other, old, p, gap, margin)
+                                           : touchGrain(s, pair.vertex, pair.other - kVertexNode, p, gap, margin);
     p.active = gap <= margin;
     if (p.active) {
-      const PointContact* old = nullptr;
-      for (int k = s.oldPointPairOffset[pair.vertex]; k < s.oldPointPairOffset[pair.vertex + 1]; ++k)
-        if (s.oldPointPair[k].other == pair.other) old = &s.oldPointContact[k];
       beginPointContact(s.step, p, start, old);
+      addBelt(s, p, Real(1) / s.step.driftCorrection);
       atomicCount(&s.counters->pointContacts, 1);
     }
     s.pointContact[i] = p;
@@ -268,6 +305,8 @@ struct FinishPoints {
     // exact here: errors of the linear displacement would add up from step to step
     if (p.body >= 0) d += s.moved[p.body].dp + rotate(s.turned[p.body], p.lever) - p.lever;
     p.finish(s.step, d);
+    // its way in this step instead of what stood for it in the row
+    if (p.stick) addBelt(s, p, Real(1) - Real(1) / s.step.driftCorrection);
   }
 };
 

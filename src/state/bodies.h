@@ -1,7 +1,9 @@
 #pragma once
 /// What is kept of a body, besides its arrays of state.
+#include "collision/lattice.h"
 #include "collision/manifold.h"
 #include "forces/forces.h"
+#include "forces/rolling.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -17,6 +19,15 @@ struct BodyParams {
   Real muStatic, muDynamic;
   Real restitution;
   Real gravityScale;
+  int surface;        ///< its material in the shared table, -1: the four numbers above with the usual rules
+};
+
+/// A material in full.
+struct SurfaceData {
+  Real muStatic, muDynamic, restitution;
+  int frictionCombine, restitutionCombine;  ///< rubble::Combine
+  Real rolling, torsional;                  ///< levers of the moments that resist [m]
+  Vec3 velocity;                            ///< of a belt, body axes [m/s]
 };
 
 /// What few bodies have: read once a step.
@@ -46,10 +57,17 @@ struct alignas(8 * sizeof(Real)) GridEntry {
   int level;
 };
 
-/// Two bodies whose swept boxes meet. The pair belongs to the body of the finer grid level (ties: of lower index).
-struct Pair {
+/// Two parts of bodies whose swept boxes meet. The pair belongs to the body of the finer grid level (ties: of lower index). What first and
+/// second are is said in stages/pair_parts.h; of two plain shapes both are 0.
+struct alignas(16) Pair {
   int owner, other;
+  int first, second;
 };
+/// Pairs of one owner are in this order.
+RUBBLE_HD constexpr bool before(const Pair& a, const Pair& b) {
+  return a.other != b.other ? a.other < b.other : a.first != b.first ? a.first < b.first : a.second < b.second;
+}
+RUBBLE_HD constexpr bool samePair(const Pair& a, const Pair& b) { return a.other == b.other && a.first == b.first && a.second == b.second; }
 
 /// One row block that acts on a body, seen from it.
 struct Entry {
@@ -111,6 +129,7 @@ struct Counters {
   int quarantined, failedSolves, spinLimited, broken;
   int pointPairs, pointContacts, pointEntries;
   int grainHalf[3];               ///< largest half extents of granular particles, as bits like levelHalf [m]
+  int rollers;                    ///< pairs, where some material has rolling friction
   int levelUsed[kGridLevels];
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]
 };

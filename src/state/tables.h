@@ -60,6 +60,7 @@ class Tables {
     swap(view_.pointPair, view_.oldPointPair);
     swap(view_.pointContact, view_.oldPointContact);
     swap(view_.pointPairOffset, view_.oldPointPairOffset);
+    swap(view_.rolling, view_.oldRolling);
   }
 
  private:

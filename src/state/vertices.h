@@ -14,6 +14,7 @@ struct VertexParams {
   Real length;        ///< L: mean length of its edges, or its diameter [m]
   Real muStatic, muDynamic;
   Real restitution;
+  int frictionCombine, restitutionCombine;  ///< rubble::Combine
   Real gravityScale;
   int first;          ///< first vertex of its object: the origin that the object's elements are seen from
   int cluster;        ///< the one that is its whole object, or -1: it has no elements

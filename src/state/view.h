@@ -7,6 +7,7 @@ namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
 enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
+                 ShapeVector, ShapeIndex, ShapePart, Surface, Rolling,
                  Vertex, VertexSlot, Neighbor, ElementRef, PointPair, PointEntry, GrainCell, Attachment, Cluster, ClusterRef, Node,
                  FirstElement, FirstJoint = FirstElement + ElementTypes::kSize };
 /// The element types follow one another from FirstElement on, the joint types from FirstJoint on.
@@ -40,6 +41,9 @@ struct JointTables<TypeList<F...>> : JointTable<F>... {};
 struct View : JointTables<JointTypes> {
   int bodies = 0;                     ///< slots in use, removed ones included
   int planes = 0;
+  int shapeVectors = 0, shapeIndices = 0, shapeParts = 0, surfaces = 0;  ///< elements of the shared tables in use
+  bool rareShapes = false;            ///< some body is not of a plain kind
+  bool rolls = false;                 ///< some material has rolling or torsional friction
   int cells = 0;                      ///< buckets of the grid, a power of two
   Real baseCell = 1;                  ///< [m]
   int filtered = 0;                   ///< 1: some body has a filter or is a sensor
@@ -63,6 +67,11 @@ struct View : JointTables<JointTypes> {
   int* planeBody = nullptr;           ///< indices of the planes
   int* exclusionOffset = nullptr;     ///< [bodies + 1] into exclusionBody
   int* exclusionBody = nullptr;       ///< bodies that this one does not collide with (of higher index), sorted
+  // shapes and materials that bodies share: authored
+  Vec4* shapeVector = nullptr;        ///< see ShapeTables
+  int* shapeIndex = nullptr;
+  ShapePart* shapePart = nullptr;
+  SurfaceData* surface = nullptr;     ///< materials that are more than two frictions and a restitution
   // bodies: state
   Vec3d* position = nullptr;          ///< centre of mass [m]
   Quat* orientation = nullptr;        ///< body -> world
@@ -126,6 +135,8 @@ struct View : JointTables<JointTypes> {
   int* meetBits = nullptr;            ///< part of the way that is left when its bodies meet, as the bits of a float; 0: never
   int* tested = nullptr;              ///< pairs whose narrow phase is run anew
   int* hasRows = nullptr;             ///< 1 if a point of the pair takes part in the step
+  RollingRows* rolling = nullptr;     ///< one a pair, if rolls
+  RollingRows* oldRolling = nullptr;
   int* rowOfPair = nullptr;           ///< index of its rows
   // rows
   ContactRows* contact = nullptr;     ///< one a pair that has rows, in the order of pairs
@@ -190,6 +201,7 @@ struct View : JointTables<JointTypes> {
     else if constexpr (std::is_same_v<F, LineBend>) return lineBend;
     else return spring;
   }
+  RUBBLE_HD ShapeTables shapeTables() const { return {shapeVector, shapeIndex, shapePart}; }
 
   template <class F>
   RUBBLE_HD JointSpec<F>* specsOf() const { return JointTable<F>::spec; }
@@ -225,6 +237,10 @@ void forEachArray(F&& f) {
   is(&View::planeBody, "planeBody", "", Per::Plane, Life::Authored);
   is(&View::exclusionOffset, "exclusionOffset", "", Per::Body, Life::Authored, 1);
   is(&View::exclusionBody, "exclusionBody", "", Per::Exclusion, Life::Authored);
+  is(&View::shapeVector, "shapeVector", "m", Per::ShapeVector, Life::Authored);
+  is(&View::shapeIndex, "shapeIndex", "", Per::ShapeIndex, Life::Authored);
+  is(&View::shapePart, "shapePart", "", Per::ShapePart, Life::Authored);
+  is(&View::surface, "surface", "", Per::Surface, Life::Authored);
   is(&View::position, "position", "m", Per::Body, Life::State);
   is(&View::orientation, "orientation", "", Per::Body, Life::State);
   is(&View::velocity, "velocity", "m/s", Per::Body, Life::State);
@@ -238,6 +254,8 @@ void forEachArray(F&& f) {
   is(&View::oldPairOffset, "oldPairOffset", "", Per::Body, Life::State, 1);
   is(&View::oldPair, "oldPair", "", Per::Pair, Life::State);
   is(&View::oldManifold, "oldManifold", "", Per::Pair, Life::State);
+  is(&View::oldRolling, "oldRolling", "", Per::Rolling, Life::State);
+  is(&View::rolling, "rolling", "", Per::Rolling, Life::Work);
   forEachType(JointTypes{}, [&]<class J>() {
     const Per per = perJoint(typeIndex<J>(JointTypes{}));
     is(static_cast<JointSpec<J>* View::*>(&JointTable<J>::spec), J::kName, "", per, Life::Authored);
@@ -336,6 +354,11 @@ void forEachArray(F&& f) {
   is(&View::pointEntry, "pointEntry", "", Per::PointEntry, Life::Work);
 }
 
+/// What is edited does not sleep on; its island wakes with it, for it is a moving neighbour of the others.
+RUBBLE_HD inline void rouse(const View& s, int body) {
+  s.asleep[body] = 0;
+  s.stillTime[body] = 0;
+}
 RUBBLE_HD inline bool isAsleep(const View& s, int body) { return s.step.sleeping && s.asleep[body] != 0; }
 /// Does the step move it by its forces? Bodies that sleep are like static ones.
 RUBBLE_HD inline bool isDynamic(const View& s, int body) {

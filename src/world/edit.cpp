@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <utility>
 
 #include "world/world_impl.h"
@@ -9,24 +11,25 @@ namespace {
 
 int kindOf(Motion motion) { return motion == Motion::Static ? 1 : motion == Motion::Kinematic ? 2 : 3; }
 
-/// Radius of the sphere about the centre that holds the shape [m].
-double boundingRadius(const Shape& shape) {
-  switch (shape.type) {
-    case ShapeType::Sphere: return shape.radius;
-    case ShapeType::Capsule: return shape.radius + shape.halfLength;
-    case ShapeType::Box: return length(shape.halfExtents);
-    case ShapeType::Plane: break;
+/// Moments about the axes of a body as moments about the principal axes of its shape, which the engine works in: they have to be principal there too.
+Vec3 inertiaAlong(const Vec3& moments, const Quat& axes, const std::string& path) {
+  Vec3 out;
+  const std::array<Vec3, 3> local{rotate(axes, Vec3{1, 0, 0}), rotate(axes, Vec3{0, 1, 0}), rotate(axes, Vec3{0, 0, 1})};
+  for (std::size_t i = 0; i < 3; ++i) {
+    out[static_cast<int>(i)] = dot(local[i], mul(moments, local[i]));
+    constexpr double kRoundOff = 1e-9;
+    const double off = dot(local[i], mul(moments, local[(i + 1) % 3]));
+    if (std::fabs(off) > kRoundOff * (moments.x + moments.y + moments.z))
+      throw Error(path + ".inertia", "moments about axes that are principal ones of the shape (give its density or mass instead)", "a shape whose principal axes are others");
   }
-  return 0;
+  return out;
 }
 
-MassProperties massOfDefinition(const BodyDef& def) {
+/// Mass of a body whose shape has these properties at density 1.
+MassProperties massOfDefinition(const BodyDef& def, const MassProperties& unit, const std::string& path) {
   if (def.motion != Motion::Dynamic) return {};
-  const MassProperties unit = massProperties(def.shape, 1);
   const double density = def.mass ? *def.mass / unit.mass : def.density;
-  MassProperties mass = massProperties(def.shape, density);
-  if (def.inertia) mass.inertia = *def.inertia;
-  return mass;
+  return {unit.mass * density, def.inertia ? inertiaAlong(*def.inertia, unit.axes, path) : unit.inertia * density, unit.centre, unit.axes};
 }
 
 template <class Id>
@@ -46,21 +49,27 @@ void World::Impl::requireAlive(JointId id) const {
 BodyId World::Impl::addBody(const BodyDef& def, const std::string& path) {
   if (!def.name.empty() && registry.bodyNames.contains(def.name))
     throw Error(path + ".name", "a name that no other body has", "\"" + def.name + "\"");
-  const BodyId id = registry.bodies.add({def, massOfDefinition(def)});
+  int indexBase = 0;
+  const std::shared_ptr<const CookedShape> cooked = cookShape(def.shape, path + ".shape", indexBase);
+  const int surface = surfaceOf(def.material);
+  const BodyId id = registry.bodies.add({def, massOfDefinition(def, cooked->unit, path), {cooked->unit.centre, cooked->unit.axes}, cooked->radius});
   if (!def.name.empty()) registry.bodyNames[def.name] = id;
   engine->setBodyCount(registry.bodies.size());
   if (id.generation > 0) engine->forgetContacts(id.index);
   EngineBody body;
   body.kind = kindOf(def.motion);
-  body.shape = def.shape;
+  body.shape = cooked->shape;
+  if (body.shape.data >= 0) body.shape.data += indexBase;
+  body.radius = cooked->radius;
   body.material = def.material;
+  body.surface = surface;
   body.mass = registry.bodies[id].mass;
   body.gravityScale = def.gravityScale;
   body.linearDamping = def.linearDamping, body.angularDamping = def.angularDamping;
   for (std::size_t k = 0; k < 3; ++k) body.locks |= (def.lockTranslation[k] ? 1 : 0) << k | (def.lockRotation[k] ? 8 : 0) << k;
   body.filter = def.filter;
   body.sensor = def.sensor;
-  body.state = {def.position, normalize(def.orientation), def.velocity, def.angularVelocity};
+  body.state = registry.bodies[id].frame.toEngine({def.position, normalize(def.orientation), def.velocity, def.angularVelocity});
   engine->setBody(id.index, body);
   settingsChanged = true;
   ++epoch;
@@ -103,7 +112,7 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {
   check(a), check(b);
   if (a == b) throw Error("joint", "two different bodies", "the same one twice");
   if (!def.name.empty() && registry.jointNames.contains(def.name)) throw Error("joint.name", "a name that no other joint has", "\"" + def.name + "\"");
-  JointRecord record{def, a, b, engineJoint(def, jointBodies(a, b)), 0};
+  JointRecord record{def, a, b, engineJoint(inEngineFrames(def, a, b), jointBodies(a, b)), 0};
   record.engine.a = a.index, record.engine.b = b.index;
   const int type = static_cast<int>(record.engine.type);
   int& slot = record.engineSlot;
@@ -142,6 +151,16 @@ void World::Impl::exclude(BodyId a, BodyId b, bool excluded) {
   exclusionsChanged |= excluded ? registry.exclusions.insert(pair).second : registry.exclusions.erase(pair) > 0;
 }
 
+JointDef World::Impl::inEngineFrames(JointDef def, BodyId a, BodyId b) const {
+  const auto frameOf = [&](BodyId body) { return body.index >= 0 ? registry.bodies[body].frame : ShapeFrame{}; };
+  const ShapeFrame frameA = frameOf(a), frameB = frameOf(b);
+  if (frameA.same() && frameB.same()) return def;
+  def.anchorA = frameA.pointToEngine(def.anchorA), def.anchorB = frameB.pointToEngine(def.anchorB);
+  def.frameA = conjugate(frameA.axes) * def.frameA, def.frameB = conjugate(frameB.axes) * def.frameB;
+  def.orientationAtoB = conjugate(frameB.axes) * def.orientationAtoB * frameA.axes;
+  return def;
+}
+
 JointBodies World::Impl::jointBodies(BodyId a, BodyId b) const {
   const auto of = [&](BodyId id) {
     if (id.index < 0) return JointBodyState{};
@@ -157,7 +176,7 @@ void World::Impl::redefine(JointId id, const JointDef& def) {
   if (def.type != record.def.type) throw Error("joint.type", "that of the joint, " + std::string(keyword(record.def.type)), keyword(def.type));
   if (def.name != record.def.name) throw Error("joint.name", "that of the joint, \"" + record.def.name + "\"", "\"" + def.name + "\"");
   validate(def, "joint");
-  EngineJoint joint = engineJoint(def, jointBodies(record.a, record.b), &record.engine);
+  EngineJoint joint = engineJoint(inEngineFrames(def, record.a, record.b), jointBodies(record.a, record.b), &record.engine);
   if (joint.turned != record.engine.turned) throw Error("joint", "the same rotations locked as when it was made: they decide how turns are counted", "others");
   if (joint.type != record.engine.type) throw Error("joint", "friction or none, as when it was made: it decides what kind of joint it is", "the other");
   joint.a = record.engine.a, joint.b = record.engine.b;
@@ -209,7 +228,7 @@ void World::Impl::flush() {
     for (const BodyId id : registry.bodies.ids()) {
       const BodyRecord& body = registry.bodies[id];
       if (body.def.motion != Motion::Dynamic) continue;
-      const double radius = boundingRadius(body.def.shape);
+      const double radius = body.radius;
       radii.push_back(radius);
       settings.maxMass = std::max(settings.maxMass, body.mass.mass);
       settings.maxMassLength = std::max(settings.maxMassLength, body.mass.mass * 2 * radius);

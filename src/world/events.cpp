@@ -21,6 +21,8 @@ void World::Impl::collectContacts() {
     if (a && b) now.push_back({*a, *b, t.sensor});
   }
   std::sort(now.begin(), now.end(), before);
+  // two bodies may touch at several of their parts
+  now.erase(std::unique(now.begin(), now.end(), same), now.end());
   std::vector<EngineContact> points = engine->contacts();
   std::stable_sort(points.begin(), points.end(),
                    [](const EngineContact& p, const EngineContact& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });

@@ -96,7 +96,11 @@ void World::setStates(std::span<const BodyId> ids, std::span<const BodyState> st
     impl_->requireAlive(ids[k]);
     validateState(states[k], k);
   }
-  for (std::size_t k = 0; k < ids.size(); ++k) impl_->engine->setState(ids[k].index, states[k]);
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    const BodyRecord& body = impl_->registry.bodies[ids[k]];
+    if (body.def.motion != Motion::Dynamic) impl_->wake(ids[k]);
+    impl_->engine->setState(ids[k].index, body.frame.toEngine(states[k]));
+  }
 }
 
 void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> forces, std::span<const Vec3> torques) {

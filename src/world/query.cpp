@@ -3,6 +3,7 @@
 
 #include <rubble/world.h>
 
+#include "cook/cook.h"
 #include "world/world_impl.h"
 
 namespace rubble {
@@ -24,13 +25,15 @@ EngineQuery filtered(EngineQuery::Kind kind, const QueryFilter& filter) {
 
 template <class Query>
 EngineQuery shaped(EngineQuery::Kind kind, const Query& query, const char* list, std::size_t i) {
-  if (query.shape.type == ShapeType::Plane) throw Error(at(list, i, "shape"), "a shape other than a plane", "a plane");
+  const ShapeType type = query.shape.type;
+  if ((type != ShapeType::Sphere && type != ShapeType::Box && type != ShapeType::Capsule) || query.shape.rounding != 0)
+    throw Error(at(list, i, "shape"), "a sphere, box or capsule", type == ShapeType::Plane ? "a plane" : "another shape");
   BodyDef probe;
   probe.shape = query.shape;
   probe.position = query.position, probe.orientation = query.orientation;
   validate(probe, std::string(list) + "[" + std::to_string(i) + "]");
   EngineQuery q = filtered(kind, query.filter);
-  q.shape = query.shape;
+  q.shape = cook(query.shape, at(list, i, "shape")).shape;
   q.position = query.position, q.orientation = normalize(query.orientation);
   return q;
 }

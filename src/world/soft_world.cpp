@@ -86,7 +86,7 @@ AttachmentId World::Impl::addAttachment(const AttachmentDef& def, SoftId object,
     else std::transform(soft.model->vertices.begin(), soft.model->vertices.end(), at.begin(), [](const auto& v) { return v.position; });
     for (std::size_t i = 0; i < def.vertices.size(); ++i) record.anchor += record.def.weights[i] * at[std::size_t(def.vertices[i])];
     if (body.index >= 0) {
-      const BodyState state = engine->state(body.index);
+      const BodyState state = registry.bodies[body].frame.toAuthor(engine->state(body.index));
       record.anchor = rotateInverse(state.orientation, record.anchor - state.position);
     }
   }
@@ -139,7 +139,8 @@ void World::Impl::flushSoft() {
     a.seam = r.otherObject.index >= 0;
     if (a.seam) addSide(r.otherObject, r.def.otherVertices, r.def.otherWeights, 1);
     a.body = a.seam ? kWorld : r.body.index;
-    (a.body == kWorld ? a.worldPoint : a.anchor) = r.anchor;
+    if (a.body == kWorld) a.worldPoint = r.anchor;
+    else a.anchor = registry.bodies[r.body].frame.pointToEngine(r.anchor);
     a.bound = r.def.breakForce;
     a.compliance = r.def.stiffness == kHard ? 0 : 1 / r.def.stiffness;
     a.previous = r.engineIndex;

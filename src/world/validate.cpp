@@ -28,8 +28,20 @@ void unit(const Quat& q, const std::string& path) {
   const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
   if (!(std::fabs(norm - 1) < 1e-3)) throw Error(path, "a unit quaternion", "one of norm " + text(norm));
 }
-void validateShape(const BodyDef& body, const std::string& path) {
-  const Shape& s = body.shape;
+
+void validateMaterial(const Material& m, const std::string& path) {
+  notNegative(m.staticFriction, path + ".staticFriction");
+  notNegative(m.dynamicFriction, path + ".dynamicFriction");
+  if (m.dynamicFriction > m.staticFriction)
+    throw Error(path + ".dynamicFriction", "at most the static friction " + text(m.staticFriction), text(m.dynamicFriction));
+  notNegative(m.restitution, path + ".restitution");
+  if (m.restitution > 1) throw Error(path + ".restitution", "at most 1", text(m.restitution));
+  notNegative(m.rollingFriction, path + ".rollingFriction");
+  notNegative(m.torsionalFriction, path + ".torsionalFriction");
+  finite(m.surfaceVelocity, path + ".surfaceVelocity");
+}
+
+void validateShape(const Shape& s, Motion motion, const std::string& path) {
   switch (s.type) {
     case ShapeType::Sphere: positive(s.radius, path + ".radius"); break;
     case ShapeType::Capsule:
@@ -41,9 +53,33 @@ void validateShape(const BodyDef& body, const std::string& path) {
       positive(s.halfExtents.y, path + ".halfExtents.y");
       positive(s.halfExtents.z, path + ".halfExtents.z");
       break;
-    case ShapeType::Plane:
-      if (body.motion != Motion::Static) throw Error(path, "a static body for a plane", "a moving one");
+    case ShapeType::Cylinder:
+    case ShapeType::Cone:
+      positive(s.radius, path + ".radius");
+      positive(s.halfLength, path + ".halfLength");
       break;
+    case ShapeType::Plane:
+      if (motion != Motion::Static) throw Error(path, "a static body for a plane", "a moving one");
+      break;
+    case ShapeType::Mesh:
+    case ShapeType::HeightField:
+      if (motion == Motion::Dynamic) throw Error(path, "a static or kinematic body for a surface without thickness", "a dynamic one");
+      break;
+    case ShapeType::Hull:
+    case ShapeType::Compound:
+    case ShapeType::DistanceField: break;
+  }
+  notNegative(s.rounding, path + ".rounding");
+  if (!s.geometry) return;
+  for (std::size_t i = 0; i < s.geometry->points.size(); ++i) finite(s.geometry->points[i], path + ".points[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < s.geometry->parts.size(); ++i) {
+    const ShapePartDef& part = s.geometry->parts[i];
+    const std::string where = path + ".parts[" + std::to_string(i) + "]";
+    finite(part.position, where + ".position");
+    unit(part.orientation, where + ".orientation");
+    if (part.material) validateMaterial(*part.material, where + ".material");
+    if (part.shape.type == ShapeType::Plane) throw Error(where + ".shape", "a convex solid", "a plane");
+    validateShape(part.shape, motion, where + ".shape");
   }
 }
 
@@ -64,14 +100,8 @@ void validateJoint(const Scene& scene, const JointDef& joint, const std::string&
 }  // namespace
 
 void validate(const BodyDef& body, const std::string& path) {
-  validateShape(body, path + ".shape");
-  const Material& m = body.material;
-  notNegative(m.staticFriction, path + ".material.staticFriction");
-  notNegative(m.dynamicFriction, path + ".material.dynamicFriction");
-  if (m.dynamicFriction > m.staticFriction)
-    throw Error(path + ".material.dynamicFriction", "at most the static friction " + text(m.staticFriction), text(m.dynamicFriction));
-  notNegative(m.restitution, path + ".material.restitution");
-  if (m.restitution > 1) throw Error(path + ".material.restitution", "at most 1", text(m.restitution));
+  validateShape(body.shape, body.motion, path + ".shape");
+  validateMaterial(body.material, path + ".material");
   if (body.motion == Motion::Dynamic) {
     if (body.mass) positive(*body.mass, path + ".mass");
     else positive(body.density, path + ".density");

@@ -127,7 +127,7 @@ MassProperties World::massOf(BodyId id) const {
 }
 BodyState World::state(BodyId id) const {
   impl_->requireAlive(id);
-  return impl_->engine->state(id.index);
+  return impl_->registry.bodies[id].frame.toAuthor(impl_->engine->state(id.index));
 }
 void World::setState(BodyId id, const BodyState& state) {
   impl_->requireAlive(id);
@@ -136,15 +136,16 @@ void World::setState(BodyId id, const BodyState& state) {
   probe.velocity = state.velocity, probe.angularVelocity = state.angularVelocity;
   validate(probe, "state");
   if (probe.motion != Motion::Dynamic) impl_->wake(id);
-  impl_->engine->setState(id.index, state);
+  impl_->engine->setState(id.index, impl_->registry.bodies[id].frame.toEngine(state));
 }
 void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) {
   impl_->requireAlive(id);
   if (impl_->registry.bodies[id].def.motion != Motion::Kinematic) throw Error("target", "a kinematic body", "another");
   BodyState s = impl_->engine->state(id.index);
   const double dt = impl_->params.dt;
-  s.velocity = (position - s.position) / dt;
-  Quat d = normalize(orientation) * conjugate(s.orientation);
+  const BodyState target = impl_->registry.bodies[id].frame.toEngine({position, normalize(orientation), {}, {}});
+  s.velocity = (target.position - s.position) / dt;
+  Quat d = target.orientation * conjugate(s.orientation);
   if (d.s < 0) d = {-d.s, -d.v};
   const double u = length(d.v);
   s.angularVelocity = u > 0 ? d.v * (2 * std::atan2(u, d.s) / (u * dt)) : Vec3{};
@@ -225,7 +226,7 @@ void World::setDriveOrientation(JointId id, const Quat& orientation) {
 JointId World::grab(BodyId id, const Vec3& point, double maxForce, double frequency) {
   impl_->requireAlive(id);
   if (!(frequency > 0)) throw Error("frequency", "a number above 0 [1/s]", std::to_string(frequency));
-  const BodyState body = impl_->engine->state(id.index);
+  const BodyState body = state(id);
   JointDef def;
   def.type = JointType::Grab;
   def.anchorA = rotateInverse(body.orientation, point - body.position);

@@ -7,6 +7,7 @@
 
 #include "backend/engine.h"
 #include "world/joint_build.h"
+#include "world/shape_frame.h"
 
 namespace rubble {
 
@@ -71,6 +72,8 @@ class Slots {
 struct BodyRecord {
   BodyDef def;
   MassProperties mass;
+  ShapeFrame frame;  ///< of the engine in that of the author
+  double radius;     ///< of the bounding sphere about the centre of mass [m]
 };
 
 struct JointRecord {
@@ -115,6 +118,9 @@ struct Registry {
   std::unordered_map<std::string, BodyId> bodyNames;
   std::unordered_map<std::string, JointId> jointNames;
   std::vector<BodyId> sceneBodies;
+  std::vector<CookedEntry> shapes;   ///< whose geometry the engine keeps in its tables
+  int shapeIndices = 0, shapeParts = 0;
+  std::vector<Material> surfaces;    ///< that the engine keeps in its table
   std::vector<int> freeJointSlots[kEngineJointTypes];
   int jointSlots[kEngineJointTypes] = {};
   std::set<std::pair<int, int>> exclusions;  ///< slots (low, high), besides those of joints
@@ -151,6 +157,10 @@ struct World::Impl {
   bool wantsEvents = false;
   Events events;
 
+  /// The shape as the engine takes it; shapes with the same geometry are cooked and kept once.
+  std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const std::string& path, int& indexBase);
+  /// Place among the engine's materials, -1 for one that needs none.
+  int surfaceOf(const Material& material);
   BodyId addBody(const BodyDef& def, const std::string& path);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b);
   /// Another definition of the same type for a joint.
@@ -168,6 +178,8 @@ struct World::Impl {
   /// Notes the joints that have broken in this step.
   void findBroken(std::vector<JointId>& broken);
   JointBodies jointBodies(BodyId a, BodyId b) const;
+  /// The same with anchors and frames in the axes of the engine.
+  JointDef inEngineFrames(JointDef def, BodyId a, BodyId b) const;
   void removeBody(BodyId id);
   void removeBodies(std::span<const BodyId> ids);
   void removeJoint(JointId id);

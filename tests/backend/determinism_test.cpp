@@ -77,8 +77,10 @@ class Lockstep : public ::testing::Test {
       for (int i = 0; i < kBodies; ++i) {
         EngineBody body;
         body.kind = 3;
-        body.shape = Shape::box({.5, .5, .5});
-        body.mass = massProperties(body.shape, 1);
+        const Shape cube = Shape::box({.5, .5, .5});
+        const CookedShape cooked = cook(cube);
+        body.shape = cooked.shape, body.radius = cooked.radius;
+        body.mass = massProperties(cube, 1);
         body.state.position = {1. * (i % 10), 1. * (i / 10 % 10), 1. * (i / 100)};
         body.state.velocity = {0, 0, i >= 100 ? -1. : 0.};
         setBody(t, i, body);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "io/scene_json.h"
+#include "io/shape_json.h"
 #include "scenes/registry.h"
 
 namespace rubble::io {
@@ -23,7 +24,9 @@ void expectSame(const BodyDef& a, const BodyDef& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.motion, b.motion);
   EXPECT_EQ(a.shape.type, b.shape.type);
-  const bool isBox = a.shape.type == ShapeType::Box, isRound = !isBox && a.shape.type != ShapeType::Plane;
+  EXPECT_EQ(shapeJson(a.shape), shapeJson(b.shape));
+  EXPECT_EQ(materialKey(a.material), materialKey(b.material));
+  const bool isBox = a.shape.type == ShapeType::Box, isRound = a.shape.type == ShapeType::Sphere || a.shape.type == ShapeType::Capsule;
   if (isBox) expectSame(a.shape.halfExtents, b.shape.halfExtents);
   if (isRound) expectSame(a.shape.radius, b.shape.radius);
   if (a.shape.type == ShapeType::Capsule) expectSame(a.shape.halfLength, b.shape.halfLength);

@@ -53,7 +53,7 @@ SmallScene swingingChain() {
     scene.bodies.push_back(test::body(Shape::box({.25, .05, .05}), {.25 + .5 * i, 0, 0}));
     scene.joints.push_back(i == 0 ? test::ball(0, {-.25, 0, 0}, kWorld, {0, 0, 0}) : test::ball(i, {-.25, 0, 0}, i - 1, {.25, 0, 0}));
   }
-  return {"swinging chain", scene, 60, .05, .03};
+  return {"swinging chain", scene, 60, .1, .03};
 }
 
 SmallScene stack() { return {"stack", test::tower(4), 120, .003, .0003}; }

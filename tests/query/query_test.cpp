@@ -18,7 +18,7 @@ double distanceTo(const BodyDef& b, const Vec3& x) {
     case ShapeType::Sphere: return length(y) - b.shape.radius;
     case ShapeType::Capsule: return length(y - Vec3{0, 0, std::clamp(y.z, -b.shape.halfLength, b.shape.halfLength)}) - b.shape.radius;
     case ShapeType::Plane: return y.z;
-    case ShapeType::Box: break;
+    default: break;
   }
   const Vec3 out = abs(y) - b.shape.halfExtents, positive{std::max(0., out.x), std::max(0., out.y), std::max(0., out.z)};
   return length(positive) + std::min(0., std::max({out.x, out.y, out.z}));

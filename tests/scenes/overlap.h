@@ -13,6 +13,9 @@
 
 #include <rubble/scene.h>
 
+#include "cook/cook.h"
+#include "cook/shape_mesh.h"
+
 namespace rubble::scenes {
 
 /// Depth of the shallowest separating axis of two boxes; negative when they are apart.
@@ -35,13 +38,48 @@ inline double boxOverlap(const BodyDef& a, const BodyDef& b) {
   return least;
 }
 
+/// Are the triangles of a shape the surface of a convex solid?
+inline bool isConvex(const Shape& s) { return s.type < ShapeType::Compound && s.type != ShapeType::Plane; }
+
+/// The least overlap of two convex solids along the normals of their triangles: at most what a separating face leaves.
+inline double faceOverlap(const BodyDef& a, const BodyDef& b) {
+  const ShapeMesh ma = shapeMesh(a.shape, 24), mb = shapeMesh(b.shape, 24);
+  const auto range = [](const BodyDef& body, const ShapeMesh& mesh, const Vec3& n, double& low, double& high) {
+    low = 1e300, high = -1e300;
+    for (const Vec3& p : mesh.points) {
+      const double h = dot(n, body.position + rotate(body.orientation, p));
+      low = std::min(low, h), high = std::max(high, h);
+    }
+  };
+  double least = 1e300;
+  for (const auto& [body, mesh] : {std::pair{&a, &ma}, {&b, &mb}})
+    for (const auto& t : mesh->triangles) {
+      const auto at = [&](std::size_t k) { return mesh->points[std::size_t(t[k])]; };
+      const Vec3 n = rotate(body->orientation, normalize(cross(at(1) - at(0), at(2) - at(0))));
+      double lowA, highA, lowB, highB;
+      range(a, ma, n, lowA, highA);
+      range(b, mb, n, lowB, highB);
+      least = std::min({least, highA - lowB, highB - lowA});
+    }
+  return least;
+}
+
 /// Depth of a box below a half space, or of a sphere in whatever it meets.
 inline double overlap(const BodyDef& a, const BodyDef& b) {
   if (b.shape.type == ShapeType::Plane) return overlap(b, a);
   if (a.shape.type == ShapeType::Plane) {
     const Vec3 up = rotate(a.orientation, Vec3{0, 0, 1});
-    const double reach = b.shape.type == ShapeType::Box ? dot(abs(rotateInverse(b.orientation, up)), b.shape.halfExtents) : b.shape.radius;
+    double reach = b.shape.type == ShapeType::Box ? dot(abs(rotateInverse(b.orientation, up)), b.shape.halfExtents) : b.shape.radius;
+    if (b.shape.type > ShapeType::Plane) {
+      reach = -1e300;
+      for (const Vec3& p : shapeMesh(b.shape, 24).points) reach = std::max(reach, -dot(up, rotate(b.orientation, p)));
+    }
     return reach - dot(b.position - a.position, up);
+  }
+  if (a.shape.type > ShapeType::Plane || b.shape.type > ShapeType::Plane) {
+    // bodies in a hollow are not measured
+    if (!isConvex(a.shape) || !isConvex(b.shape)) return -1e300;
+    return faceOverlap(a, b);
   }
   if (a.shape.type == ShapeType::Box && b.shape.type == ShapeType::Box) return boxOverlap(a, b);
   if (b.shape.type == ShapeType::Box) return overlap(b, a);
@@ -57,7 +95,12 @@ inline double deepestOverlap(const Scene& scene) {
   std::set<std::pair<int, int>> joined;
   for (const JointDef& joint : scene.joints)
     if (!joint.collide) joined.insert(std::minmax(joint.bodyA, joint.bodyB));
-  const auto radius = [](const BodyDef& b) { return b.shape.type == ShapeType::Box ? length(b.shape.halfExtents) : b.shape.radius; };
+  const auto radius = [](const BodyDef& b) {
+    if (b.shape.type == ShapeType::Box) return length(b.shape.halfExtents);
+    if (b.shape.type <= ShapeType::Plane) return b.shape.radius;
+    const CookedShape cooked = cook(b.shape);
+    return cooked.radius + length(cooked.unit.centre);
+  };
   const auto at = [&](int i) -> const BodyDef& { return scene.bodies[std::size_t(i)]; };
 
   // Bodies by the size of their cell: small ones in a grid of twice their largest radius, few others against all.

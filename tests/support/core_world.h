@@ -1,6 +1,7 @@
 #pragma once
 /// The tables and the executor of the core without a World, for tests of single stages.
 #include <backend/cpu/cpu_engine.h>
+#include <cook/cook.h>
 
 #include <set>
 #include <utility>
@@ -24,7 +25,13 @@ class CoreWorld {
     setBodyCount(executor_.tables(), slot + 1);
     EngineBody body;
     body.kind = def.motion == Motion::Static ? 1 : def.motion == Motion::Kinematic ? 2 : 3;
-    body.shape = def.shape;
+    const CookedShape cooked = cook(def.shape);
+    body.shape = cooked.shape;
+    if (body.shape.data >= 0) {
+      body.shape.data += view().shapeIndices;
+      addShape(executor_.tables(), cooked, std::vector<int>(cooked.parts.size(), -1));
+    }
+    body.radius = cooked.radius;
     body.material = def.material;
     body.mass = massProperties(def.shape, def.density);
     body.state = {def.position, def.orientation, def.velocity, def.angularVelocity};

@@ -146,6 +146,8 @@ TEST_P(ManyBodies, AreWrittenFromArrays) {
   values.shape[0] = 4, values.shape[1] = 3, values.strides[0] = 24, values.strides[1] = 8;
   forceView = values;
   forceView.data = forces.data(), forceView.typestr = "<f4", forceView.strides[0] = 12, forceView.strides[1] = 4;
+  // a state that is set is normalized, velocities alone leave the orientation as it is
+  for (const BodyId id : ids) many.setState(id, many.state(id));
   many.scatter(StateArray::Velocity, rowView, values);
   many.scatter(StateArray::Force, rowView, forceView);
   many.scatter(StateArray::Force, rowView, forceView);

@@ -29,6 +29,8 @@ class CpuEngine final : public Engine {
   void setBodyCount(int slots) override { RUBBLE_CORE::setBodyCount(tables(), slots); }
   void setBody(int slot, const EngineBody& body) override { RUBBLE_CORE::setBody(tables(), slot, body); }
   void forgetContacts(int slot) override { RUBBLE_CORE::forgetContacts(tables(), slot); }
+  void addShape(const CookedShape& shape, const std::vector<int>& partSurfaces) override { RUBBLE_CORE::addShape(tables(), shape, partSurfaces); }
+  void setSurfaces(const std::vector<Material>& surfaces) override { RUBBLE_CORE::setSurfaces(tables(), surfaces); }
   void setPlanes(const std::vector<int>& slots) override { RUBBLE_CORE::setPlanes(tables(), slots); }
   void setJointCount(int type, int slots) override { RUBBLE_CORE::setJointCount(tables(), type, slots); }
   void setJoint(int slot, const EngineJoint& joint) override { RUBBLE_CORE::setJoint(tables(), slot, joint); }

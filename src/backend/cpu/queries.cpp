@@ -5,6 +5,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "backend/cpu/shape_edit.h"
 #include "backend/cpu/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -42,7 +43,7 @@ std::vector<QueryData> coreQueries(std::span<const EngineQuery> queries) {
   out.reserve(queries.size());
   for (const EngineQuery& q : queries) {
     const bool point = q.kind == EngineQuery::Ray || q.kind == EngineQuery::Closest;
-    const ShapeData shape = point ? ShapeData{{0, 0, 0}, 0, ShapeKind::Sphere} : shapeData(q.shape);
+    const ShapeData shape = point ? ShapeData{{0, 0, 0}, 0, ShapeKind::Sphere, -1} : shapeData(q.shape);
     QueryData d{static_cast<QueryKind>(q.kind), placed(shape, q.position, q.orientation), q.move, q.reach,
                 2 * static_cast<double>(boundingRadius(shape)), q.layers, q.mask, q.sensors, q.ignore};
     out.push_back(d);

@@ -306,6 +306,8 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
       p.mass = real(in.mass), p.radius = real(in.radius), p.length = real(in.length);
       p.muStatic = real(m.material.staticFriction), p.muDynamic = real(m.material.dynamicFriction);
       p.restitution = real(m.material.restitution);
+      p.frictionCombine = static_cast<int>(m.material.frictionCombine);
+      p.restitutionCombine = static_cast<int>(m.material.restitutionCombine);
       p.gravityScale = real(m.gravityScale);
       p.first = o.at.vertex, p.collides = m.collides;
       p.cluster = -1, p.reach = real(meanLength);
@@ -413,8 +415,7 @@ std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
     double depth;
     int vertex = p.v[0], other = -1;
     if (p.body >= 0) {
-      const Vec3 x = rotateInverse(s.orientation[p.body], Vec3(s.vertexPosition[vertex] - s.position[p.body]));
-      depth = static_cast<double>(s.vertexParams[vertex].radius - pointToShape(s.params[p.body].shape, x).distance);
+      depth = static_cast<double>(s.vertexParams[vertex].radius - pointToBody(s, vertex, p.body, s.vertexParams[vertex].length, p.n).distance);
     } else {
       other = p.v[1];
       depth = static_cast<double>(s.vertexParams[vertex].radius + s.vertexParams[other].radius) -

@@ -3,24 +3,15 @@
 #include <algorithm>
 #include <bit>
 
+#include "backend/cpu/shape_edit.h"
 #include "backend/cpu/soft_edit.h"
 #include "backend/state_rows.h"
 #include "stages/joints.h"
 
 namespace rubble::RUBBLE_CORE {
 
-ShapeData shapeData(const Shape& shape) {
-  ShapeData s{{0, 0, 0}, 0, ShapeKind::Plane};
-  switch (shape.type) {
-    case ShapeType::Sphere: return {{0, 0, 0}, static_cast<Real>(shape.radius), ShapeKind::Sphere};
-    case ShapeType::Box: return {Vec3(shape.halfExtents), 0, ShapeKind::Box};
-    case ShapeType::Capsule: return {{0, 0, static_cast<Real>(shape.halfLength)}, static_cast<Real>(shape.radius), ShapeKind::Capsule};
-    case ShapeType::Plane: break;
-  }
-  return s;
-}
-
 namespace {
+
 
 Distribution distribution(std::vector<double>& values) {
   Distribution d;
@@ -62,15 +53,17 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   View& s = tables.view();
   BodyParams& p = s.params[slot];
   p.shape = shapeData(body.shape);
+  s.rareShapes |= body.kind != 0 && !isPlain(p.shape.kind);
   p.kind = static_cast<BodyKind>(body.kind);
   const bool dynamic = p.kind == BodyKind::Dynamic;
   p.mass = dynamic ? static_cast<Real>(body.mass.mass) : Real(0);
   p.inertia = dynamic ? Vec3(body.mass.inertia) : Vec3{0, 0, 0};
-  p.radius = boundingRadius(p.shape);
+  p.radius = static_cast<Real>(body.radius);
   p.muStatic = static_cast<Real>(body.material.staticFriction);
   p.muDynamic = static_cast<Real>(body.material.dynamicFriction);
   p.restitution = static_cast<Real>(body.material.restitution);
   p.gravityScale = static_cast<Real>(body.gravityScale);
+  p.surface = body.surface;
   s.extras[slot] = {static_cast<Real>(body.linearDamping), static_cast<Real>(body.angularDamping), dynamic ? body.locks : 0};
   const CollisionFilter &f = body.filter, usual;
   s.filter[slot] = {f.layers, f.mask, f.group, body.sensor};
@@ -94,8 +87,7 @@ void setBodyState(HostTables& tables, int slot, const BodyState& state) {
   s.orientation[slot] = normalize(Quat(state.orientation));
   s.velocity[slot] = s.previousVelocity[slot] = Vec3(state.velocity);
   s.spin[slot] = Vec3(state.angularVelocity);
-  s.asleep[slot] = 0;
-  s.stillTime[slot] = 0;
+  rouse(s, slot);
 }
 
 void forgetContacts(HostTables& tables, int slot) {
@@ -129,8 +121,7 @@ void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
 }
 
 void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change) {
-  View& s = tables.view();
-  s.velocity[slot] = s.previousVelocity[slot] = changedVelocity(s.velocity[slot], change);
+  changeVelocity(tables.view(), slot, change);
 }
 
 ArrayView arrayOf(const HostTables& tables, StateArray which) {

@@ -10,8 +10,9 @@ namespace rubble::RUBBLE_CORE {
 
 using HostTables = Tables<HostMemory>;
 
-ShapeData shapeData(const Shape& shape);
 void setBodyCount(HostTables& tables, int slots);
+void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces);
+void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
 void forgetContacts(HostTables& tables, int slot);
 void setPlanes(HostTables& tables, const std::vector<int>& slots);

@@ -15,6 +15,12 @@ std::size_t liveCount(const View& s, Per per) {
     case Per::Manifold: return static_cast<std::size_t>(s.counters->manifolds);
     case Per::Plane: return static_cast<std::size_t>(s.planes);
     case Per::Exclusion: return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
+    case Per::ShapeVector: return static_cast<std::size_t>(s.shapeVectors);
+    case Per::ShapeIndex: return static_cast<std::size_t>(s.shapeIndices);
+    case Per::ShapePart: return static_cast<std::size_t>(s.shapeParts);
+    case Per::Surface: return static_cast<std::size_t>(s.surfaces);
+    // none before the first step with such materials
+    case Per::Rolling: return s.rolls ? static_cast<std::size_t>(s.counters->rollers) : 0;
     case Per::Vertex: return static_cast<std::size_t>(s.vertices);
     case Per::ElementRef: return static_cast<std::size_t>(s.refOffset[s.vertices]);
     case Per::Neighbor: return static_cast<std::size_t>(s.neighborOffset[s.vertices]);
@@ -52,6 +58,7 @@ void copyClean(std::byte* to, const T* from, std::size_t bytes) {
 
 struct SavedCounts {
   int bodies, planes, pairs, manifolds, exclusions, filtered, locked;
+  int shapeVectors, shapeIndices, shapeParts, surfaces, rareShapes, rolls, rollers;
   int joints[JointTypes::kSize];
   int pointPairs;
   SoftCounts soft;
@@ -62,7 +69,8 @@ struct SavedCounts {
 std::vector<std::byte> saveTables(const HostTables& tables) {
   const View& s = tables.view();
   SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->manifolds,
-                     static_cast<int>(liveCount(s, Per::Exclusion)), s.filtered, s.locked, {},
+                     static_cast<int>(liveCount(s, Per::Exclusion)), s.filtered, s.locked, s.shapeVectors, s.shapeIndices, s.shapeParts,
+                     s.surfaces, s.rareShapes, s.rolls, static_cast<int>(liveCount(s, Per::Rolling)), {},
                      static_cast<int>(liveCount(s, Per::PointPair)), softCounts(s)};
   std::copy(std::begin(s.joints), std::end(s.joints), counts.joints);
   std::size_t size = sizeof counts;
@@ -92,10 +100,20 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   tables.reserve(Per::Exclusion, counts.exclusions);
   setSoftCounts(tables, counts.soft);
   tables.reserve(Per::PointPair, counts.pointPairs);
+  tables.reserve(Per::ShapeVector, counts.shapeVectors);
+  tables.reserve(Per::ShapeIndex, counts.shapeIndices);
+  tables.reserve(Per::ShapePart, counts.shapeParts);
+  tables.reserve(Per::Surface, counts.surfaces);
+  tables.reserve(Per::Rolling, counts.rolls ? std::max(counts.pairs, counts.rollers) : 0);
   View& s = tables.view();
   s.bodies = counts.bodies;
   s.planes = counts.planes;
   s.filtered = counts.filtered, s.locked = counts.locked;
+  s.shapeVectors = counts.shapeVectors, s.shapeIndices = counts.shapeIndices, s.shapeParts = counts.shapeParts;
+  s.surfaces = counts.surfaces;
+  s.rareShapes = counts.rareShapes != 0;
+  s.rolls = counts.rolls != 0;
+  s.counters->rollers = counts.rollers;
   s.counters->manifolds = counts.manifolds;
   // sizes of later arrays depend on these
   s.oldPairOffset[counts.bodies] = counts.pairs;

@@ -30,7 +30,7 @@ struct RecycleManifoldByLanes {
       if (tile.lane == 0) keepAsleep(s, i, p, found);
       return;
     }
-    if (!found || !recyclable(*found, pose, s.step.recycleTolerance)) {
+    if (!found || !mayRecycle(s, o) || !recyclable(*found, pose, s.step.recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
     }

@@ -30,8 +30,7 @@ __global__ void scatterWords(const __grid_constant__ ScatterList list) {
 __global__ void changeVelocities(const __grid_constant__ View s, const int* slots, const Vec3d* changes, int count) {
   const int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (k >= count) return;
-  const int slot = slots[k];
-  s.velocity[slot] = s.previousVelocity[slot] = changedVelocity(s.velocity[slot], changes[k]);
+  changeVelocity(s, slots[k], changes[k]);
 }
 
 __global__ void scatterRowsOf(const __grid_constant__ View s, const ScatterRows rows, int count) {

@@ -32,6 +32,14 @@ class CudaEngine final : public Engine, private PoseCopies {
     bodiesChanged_ = true;
   }
   void forgetContacts(int slot) override { mirror_.forgetContacts(slot); }
+  void addShape(const CookedShape& shape, const std::vector<int>& partSurfaces) override {
+    RUBBLE_CORE::addShape(host(), shape, partSurfaces);
+    mirror_.listsWritten();
+  }
+  void setSurfaces(const std::vector<Material>& surfaces) override {
+    RUBBLE_CORE::setSurfaces(host(), surfaces);
+    mirror_.listsWritten();
+  }
   void setPlanes(const std::vector<int>& slots) override {
     RUBBLE_CORE::setPlanes(host(), slots);
     mirror_.listsWritten();

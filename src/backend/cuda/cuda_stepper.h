@@ -45,7 +45,7 @@ struct ScatterPiece {
 };
 /// One launch for up to some tens of pieces.
 void scatterPieces(cudaStream_t stream, const std::vector<ScatterPiece>& pieces);
-/// changedVelocity() of bodies that differ from one another.
+/// changeVelocity() of bodies that differ from one another.
 void addVelocities(cudaStream_t stream, const View& device, const int* slots, const Vec3d* changes, int count);
 void scatterStateRows(cudaStream_t stream, const View& device, const ScatterRows& rows, int count);
 /// Old manifolds of these bodies (sorted, on the device) are emptied.

@@ -1,5 +1,6 @@
 #include "backend/cuda/device_snapshot.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "backend/cpu/cpu_engine.h"
@@ -39,6 +40,11 @@ int SnapshotSizes::count(Per per) const {
     case Per::Manifold: return manifolds;
     case Per::Plane: return planes;
     case Per::Exclusion: return exclusions;
+    case Per::ShapeVector: return shapeVectors;
+    case Per::ShapeIndex: return shapeIndices;
+    case Per::ShapePart: return shapeParts;
+    case Per::Surface: return surfaces;
+    case Per::Rolling: return rollers;
     default: return 0;
   }
 }
@@ -47,6 +53,9 @@ SnapshotSizes sizesOf(const View& s, int pairs, int manifolds) {
   SnapshotSizes sizes;
   sizes.bodies = s.bodies, sizes.planes = s.planes, sizes.exclusions = s.exclusionOffset[s.bodies];
   sizes.pairs = pairs, sizes.manifolds = manifolds;
+  sizes.shapeVectors = s.shapeVectors, sizes.shapeIndices = s.shapeIndices, sizes.shapeParts = s.shapeParts, sizes.surfaces = s.surfaces;
+  sizes.rareShapes = s.rareShapes, sizes.rolls = s.rolls;
+  sizes.rollers = s.rolls ? s.counters->rollers : 0;
   std::copy(std::begin(s.joints), std::end(s.joints), sizes.joints);
   return sizes;
 }
@@ -58,6 +67,14 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   tables.reserve(Per::Exclusion, sizes.exclusions);
   tables.view().bodies = sizes.bodies;
   tables.view().planes = sizes.planes;
+  tables.reserve(Per::ShapeVector, sizes.shapeVectors);
+  tables.reserve(Per::ShapeIndex, sizes.shapeIndices);
+  tables.reserve(Per::ShapePart, sizes.shapeParts);
+  tables.reserve(Per::Surface, sizes.surfaces);
+  tables.reserve(Per::Rolling, sizes.rolls ? std::max(sizes.pairs, sizes.rollers) : 0);
+  View& s = tables.view();
+  s.shapeVectors = sizes.shapeVectors, s.shapeIndices = sizes.shapeIndices, s.shapeParts = sizes.shapeParts;
+  s.surfaces = sizes.surfaces, s.rareShapes = sizes.rareShapes, s.rolls = sizes.rolls;
 }
 
 std::shared_ptr<const AuthoredBytes> copyAuthored(const HostTables& tables, const SnapshotSizes& sizes) {

@@ -157,6 +157,11 @@ static __device__ __noinline__ void addExternalJointsApart(const View& s, int gr
     if (const std::uint32_t code = s.external[k]; entryType(code) != kContactType) addExternalJoint(s, group, code, *sum);
 }
 
+static __device__ __noinline__ void addExternalRollingApart(const View& s, int k, int end, int stride, Block6* sum) {
+  for (; k < end; k += stride)
+    if (const std::uint32_t code = s.external[k]; entryType(code) == kContactType) addRolling(s, code, *sum);
+}
+
 /// SumChunk and SolveGroup in one: the warp that completes the sum of a group solves it.
 struct SumChunkByWarp {
   static constexpr const char* kName = SumChunk<Real>::kName;
@@ -177,6 +182,11 @@ struct SumChunkByWarp {
         addExternalContact<Real>(s, group, code, point, own);
       else
         joints = true;
+    }
+    if (s.rolls && point == 0) {
+      Block6 sum = own;
+      addExternalRollingApart(s, begin, end, kStride, &sum);
+      own = sum;
     }
     if (joints && point == 0) {
       Block6 sum = own;

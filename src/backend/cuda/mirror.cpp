@@ -85,6 +85,16 @@ int Mirror::liveCount(Per per) const {
       return s.counters->manifolds;
     case Per::Plane:
       return s.planes;
+    case Per::ShapeVector:
+      return s.shapeVectors;
+    case Per::ShapeIndex:
+      return s.shapeIndices;
+    case Per::ShapePart:
+      return s.shapeParts;
+    case Per::Surface:
+      return s.surfaces;
+    case Per::Rolling:
+      return s.rolls ? s.counters->rollers : 0;
     case Per::Exclusion:
       return s.exclusionOffset[s.bodies];
     case Per::Vertex:
@@ -116,6 +126,8 @@ void Mirror::reserveDevice() {
 
 void Mirror::flush() {
   reserveDevice();
+  // as many old rows as old pairs, also in the first step with such materials
+  if (host_.view().rolls) stepper_.tables().reserve(Per::Rolling, stepper_.tables().capacity(Per::Pair));
   if (allDirty_) {
     sendAll();
     return;
@@ -131,6 +143,7 @@ void Mirror::sendAll() {
   stepper_.tables().reserve(Per::Pair, liveCount(Per::Pair));
   stepper_.tables().reserve(Per::Manifold, liveCount(Per::Manifold));
   stepper_.tables().reserve(Per::PointPair, liveCount(Per::PointPair));
+  stepper_.tables().reserve(Per::Rolling, liveCount(Per::Rolling));
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (!kept(array.life)) return;
     const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(liveCount(array.per) + array.extra);

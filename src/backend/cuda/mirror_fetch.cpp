@@ -1,5 +1,7 @@
 // What the device has changed, and what is changed there.
 #include <cstring>
+
+#include <algorithm>
 #include <utility>
 
 #include "backend/cuda/mirror.h"
@@ -59,6 +61,7 @@ void Mirror::fetchAll() {
   host_.reserve(Per::Pair, liveCount(Per::Pair));
   host_.reserve(Per::Manifold, liveCount(Per::Manifold));
   host_.reserve(Per::PointPair, liveCount(Per::PointPair));
+  host_.reserve(Per::Rolling, liveCount(Per::Rolling));
   forEachArray([&](const auto& array) {
     if (array.life == Life::State) download(array, liveCount(array.per) + array.extra);
   });
@@ -138,6 +141,7 @@ void Mirror::restore(const DeviceSnapshot& snapshot) {
   reserveDevice();
   stepper_.tables().reserve(Per::Pair, snapshot.sizes.pairs);
   stepper_.tables().reserve(Per::Manifold, snapshot.sizes.manifolds);
+  stepper_.tables().reserve(Per::Rolling, snapshot.sizes.rolls ? std::max(snapshot.sizes.pairs, snapshot.sizes.rollers) : 0);
   snapshot.put(stepper_.tables().view(), stepper_.stream());
   allWritten();
   authored_ = snapshot.authored;

@@ -20,6 +20,10 @@ static __device__ __noinline__ void addJointsApart(const View& s, int k, int end
   for (; k < end; k += stride) addJoint(s, s.entry[k].code, *sum);
 }
 
+static __device__ __noinline__ void addRollingApart(const View& s, int k, int end, int stride, Block6* sum) {
+  for (; k < end && entryType(s.entry[k].code) == kContactType; k += stride) addRolling(s, s.entry[k].code, *sum);
+}
+
 /// Forces and Hessians of the row blocks of a body that are this lane's.
 template <int kWidth>
 __device__ Block6 gatherRows(const View& s, int body, int lane) {
@@ -37,6 +41,11 @@ __device__ Block6 gatherRows(const View& s, int body, int lane) {
     const bool onA = entrySide(entry.code) == 0;
     const Displacement other = s.moved[entry.other >= 0 ? entry.other : onA ? r.b : r.a];
     stampContact<Real>(s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
+  }
+  if (s.rolls && point == 0) {
+    Block6 rolling = sum;
+    addRollingApart(s, s.entryOffset[body] + lane / kLanes, end, kStride, &rolling);
+    sum = rolling;
   }
   if (k < end && point == 0) {
     Block6 joints = sum;

@@ -23,6 +23,12 @@ class LockstepEngine final : public Engine {
   void forgetContacts(int slot) override {
     both([&](HostTables& t) { RUBBLE_CORE::forgetContacts(t, slot); });
   }
+  void addShape(const CookedShape& shape, const std::vector<int>& partSurfaces) override {
+    both([&](HostTables& t) { RUBBLE_CORE::addShape(t, shape, partSurfaces); });
+  }
+  void setSurfaces(const std::vector<Material>& surfaces) override {
+    both([&](HostTables& t) { RUBBLE_CORE::setSurfaces(t, surfaces); });
+  }
   void setPlanes(const std::vector<int>& slots) override {
     both([&](HostTables& t) { RUBBLE_CORE::setPlanes(t, slots); });
   }

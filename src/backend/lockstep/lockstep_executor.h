@@ -85,6 +85,7 @@ class LockstepExecutor {
       case Per::Body: return static_cast<std::size_t>(s.bodies);
       case Per::Pair: return static_cast<std::size_t>(c.pairs);
       case Per::Manifold: return static_cast<std::size_t>(c.manifolds);
+      case Per::Rolling: return static_cast<std::size_t>(c.rollers);
       case Per::Group: return static_cast<std::size_t>(c.groups);
       case Per::Chunk: return static_cast<std::size_t>(c.chunks);
       case Per::External: return static_cast<std::size_t>(c.externals);

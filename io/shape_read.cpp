@@ -1,0 +1,206 @@
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "io/shape_json.h"
+
+namespace rubble::io {
+namespace {
+
+constexpr Want kLength{0, false, std::numeric_limits<double>::infinity(), "a length above 0 [m]"};
+constexpr Want kNotNegative{0, true, std::numeric_limits<double>::infinity(), "a number of at least 0"};
+constexpr Want kPositive{0, false, std::numeric_limits<double>::infinity(), "a number above 0"};
+constexpr Want kRatio{0, true, 1, "a number from 0 to 1"};
+/// A quaternion is taken as it is if its length is 1 to this much, and made unit if it is nearly so.
+constexpr double kUnit = 1e-12;
+constexpr double kNearlyUnit = 1e-3;
+
+const std::vector<std::string> kTypes{"box", "sphere", "capsule", "plane", "cylinder", "cone", "hull", "compound", "mesh", "height_field", "distance_field"};
+const std::vector<std::string> kRules{"usual", "average", "minimum", "multiply", "maximum", "geometric_mean"};
+
+std::string oneOf(const std::vector<std::string>& names) {
+  std::string out = "one of ";
+  for (const std::string& name : names) out += (out.size() > 7 ? ", \"" : "\"") + name + "\"";
+  return out;
+}
+
+std::vector<Vec3> readPoints(ObjectReader& object, const char* key) {
+  std::vector<Vec3> out;
+  if (const auto list = object.need(key, "a list of points [m]"))
+    for (const Node& node : list->elements("a list of points [m]")) out.push_back(node.vector().value_or(Vec3{}));
+  return out;
+}
+
+std::vector<double> readNumbers(ObjectReader& object, const char* key, const char* what) {
+  std::vector<double> out;
+  if (const auto list = object.need(key, what))
+    for (const Node& node : list->elements(what)) out.push_back(node.number().value_or(0));
+  return out;
+}
+
+template <std::size_t count>
+std::array<int, count> readCounts(const Node& node, int least, const char* what) {
+  std::array<int, count> out;
+  out.fill(least);
+  const std::vector<Node> list = node.elements(what);
+  if (list.size() != count) {
+    if (node.value().is_array()) node.fault(what);
+    return out;
+  }
+  for (std::size_t i = 0; i < count; ++i) out[i] = list[i].whole(least, what).value_or(least);
+  return out;
+}
+
+}  // namespace
+
+Shape readShape(const Node& node, const std::map<std::string, Shape>& named, const std::function<Material(const Node&)>& material) {
+  if (node.value().is_string()) {
+    const std::string name = node.value().get<std::string>();
+    if (const auto found = named.find(name); found != named.end()) return found->second;
+    std::vector<std::string> names;
+    for (const auto& entry : named) names.push_back(entry.first);
+    node.faultText("expected a name in \"shapes\", got " + describe(node.value()) + hint(name, names));
+    return {};
+  }
+  ObjectReader object(node, "a shape, such as {\"type\": \"box\", \"size\": [1, 1, 1]}");
+  const auto type = object.need("type", oneOf(kTypes));
+  if (!type) return {};
+  const auto choice = type->choice(kTypes);
+  if (!choice) return {};
+  const std::string& name = kTypes[*choice];
+  const auto lengthOf = [&](const char* key, const char* what) {
+    const auto found = object.need(key, what);
+    return found ? found->number(kLength).value_or(1) : 1;
+  };
+  double rounding = 0;
+  if (name == "box" || name == "cylinder" || name == "hull") object.read("rounding", rounding, kNotNegative);
+  Shape out;
+  if (name == "box") {
+    const auto size = object.need("size", "its three edge lengths [m]");
+    out = Shape::box((size ? size->vector(kLength, "three edge lengths [m]").value_or(Vec3{1, 1, 1}) : Vec3{1, 1, 1}) * .5, rounding);
+  } else if (name == "sphere") {
+    out = Shape::sphere(lengthOf("radius", "its radius [m]"));
+  } else if (name == "capsule") {
+    const double radius = lengthOf("radius", "its radius [m]");
+    out = Shape::capsule(radius, lengthOf("length", "the distance of the centres of its two ends [m]") / 2);
+  } else if (name == "cylinder") {
+    const double radius = lengthOf("radius", "its radius [m]");
+    out = Shape::cylinder(radius, lengthOf("length", "its height along local z [m]") / 2, rounding);
+  } else if (name == "cone") {
+    const double radius = lengthOf("radius", "the radius of its base [m]");
+    out = Shape::cone(radius, lengthOf("length", "its height along local z [m]") / 2);
+  } else if (name == "hull") {
+    out = Shape::hull(readPoints(object, "points"), rounding);
+  } else if (name == "compound") {
+    std::vector<ShapePartDef> parts;
+    if (const auto list = object.need("parts", "a list of parts"))
+      for (const Node& entry : list->elements("a list of parts")) {
+        ObjectReader part(entry, "a part");
+        ShapePartDef def;
+        if (const auto shape = part.need("shape", "a shape")) def.shape = readShape(*shape, named, material);
+        part.read("position", def.position);
+        if (const auto found = part.get("orientation")) def.orientation = readOrientation(*found);
+        if (const auto found = part.get("material")) def.material = material(*found);
+        part.read("density", def.density, kPositive);
+        part.finish();
+        parts.push_back(std::move(def));
+      }
+    out = Shape::compound(std::move(parts));
+  } else if (name == "mesh") {
+    std::vector<Vec3> points = readPoints(object, "vertices");
+    std::vector<std::array<int, 3>> triangles;
+    constexpr const char* kText = "three places in \"vertices\"";
+    if (const auto list = object.need("triangles", "a list of triangles"))
+      for (const Node& entry : list->elements("a list of triangles")) triangles.push_back(readCounts<3>(entry, 0, kText));
+    bool twoSided = false;
+    object.read("two_sided", twoSided);
+    out = Shape::mesh(std::move(points), std::move(triangles), twoSided);
+  } else if (name == "height_field") {
+    std::array<int, 2> counts{2, 2};
+    if (const auto found = object.need("counts", "samples along x and y")) counts = readCounts<2>(*found, 2, "two counts of at least 2");
+    Vec3 spacing{1, 1, 0};
+    if (const auto found = object.need("spacing", "two lengths [m]")) {
+      const std::vector<Node> list = found->elements("two lengths [m]");
+      if (list.size() == 2) spacing = {list[0].number(kLength).value_or(1), list[1].number(kLength).value_or(1), 0};
+      else if (found->value().is_array()) found->fault("two lengths [m]");
+    }
+    out = Shape::heightField(counts[0], counts[1], spacing, readNumbers(object, "heights", "a list of heights [m]"));
+  } else if (name == "distance_field") {
+    std::array<int, 3> counts{2, 2, 2};
+    if (const auto found = object.need("counts", "samples along x, y and z")) counts = readCounts<3>(*found, 2, "three counts of at least 2");
+    Vec3 origin;
+    object.read("origin", origin);
+    const double spacing = lengthOf("spacing", "the distance of samples [m]");
+    out = Shape::distanceField(counts, origin, spacing, readNumbers(object, "distances", "a list of distances [m]"));
+  } else {
+    out = Shape::plane();
+  }
+  object.finish();
+  return out;
+}
+
+Material readMaterial(const Node& node) {
+  Material out;
+  ObjectReader object(node, "a material, or the name of one");
+  const auto friction = object.get("friction");
+  if (friction) {
+    out.staticFriction = out.dynamicFriction = friction->number(kNotNegative).value_or(out.staticFriction);
+    if (object.get("static_friction") || object.get("dynamic_friction"))
+      friction->faultText("expected either \"friction\" or \"static_friction\" and \"dynamic_friction\", got both");
+  }
+  const bool staticGiven = object.get("static_friction").has_value();
+  object.read("static_friction", out.staticFriction, kNotNegative);
+  if (!friction && staticGiven && !object.get("dynamic_friction")) out.dynamicFriction = out.staticFriction;
+  object.read("dynamic_friction", out.dynamicFriction, kNotNegative);
+  object.read("restitution", out.restitution, kRatio);
+  if (out.dynamicFriction > out.staticFriction)
+    node.faultText("expected dynamic_friction of at most static_friction, got " + Json(out.dynamicFriction).dump() + " above " +
+                   Json(out.staticFriction).dump());
+  const auto rule = [&](const char* key, Combine& to) {
+    if (const auto found = object.get(key)) to = static_cast<Combine>(found->choice(kRules).value_or(0));
+  };
+  rule("friction_combine", out.frictionCombine);
+  rule("restitution_combine", out.restitutionCombine);
+  object.read("rolling_friction", out.rollingFriction, kNotNegative);
+  object.read("torsional_friction", out.torsionalFriction, kNotNegative);
+  object.read("surface_velocity", out.surfaceVelocity);
+  object.finish();
+  return out;
+}
+
+Quat readOrientation(const Node& node) {
+  if (node.value().is_object()) {
+    ObjectReader object(node);
+    Vec3 axis{0, 0, 1};
+    double degrees = 0;
+    if (const auto found = object.need("axis", "a list of 3 numbers")) axis = found->vector().value_or(axis);
+    if (const auto found = object.need("degrees", "an angle")) degrees = found->number().value_or(0);
+    object.finish();
+    if (!(lengthSquared(axis) > 0)) {
+      node.child("axis").fault("an axis of some length");
+      return {};
+    }
+    return fromAxisAngle(normalize(axis), degrees * std::numbers::pi / 180);
+  }
+  constexpr const char* kText = "a unit quaternion [w, x, y, z], or {\"axis\": [x, y, z], \"degrees\": angle}";
+  std::array<double, 4> q{};
+  if (!node.value().is_array() || node.value().size() != 4) {
+    node.fault(kText);
+    return {};
+  }
+  const std::vector<Node> parts = node.elements(kText);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto part = parts[i].number();
+    if (!part) return {};
+    q[i] = *part;
+  }
+  const Quat out{q[0], q[1], q[2], q[3]};
+  const double size = std::sqrt(out.s * out.s + lengthSquared(out.v));
+  if (!(std::fabs(size - 1) <= kNearlyUnit)) {
+    node.faultText(std::string("expected ") + kText + ", got a length of " + Json(size).dump());
+    return {};
+  }
+  return std::fabs(size - 1) <= kUnit ? out : normalize(out);
+}
+
+}  // namespace rubble::io

@@ -1,0 +1,235 @@
+#pragma once
+/// Convex shapes as the general pair test sees them: a core with a support function, faces and contact features, and a rounding around it.
+#include "collision/shapes.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Corners of a contact feature: of a face of a hull with more, an even selection is taken; a disc gets kDiscCorners.
+inline constexpr int kMaxCorners = 16;
+inline constexpr int kDiscCorners = 12;
+/// A disc that leans less than this sine has its corners fixed to its body, else the first one is the lowest.
+inline constexpr Real kFlatDisc = Real(2e-3);
+/// The end of a cylinder (or the base of a cone) is what touches if the direction leans less than this from its axis (cosine).
+inline constexpr Real kCapCosine = Real(.7);
+
+/// A convex shape about its own centre. All sizes are those of the core; `radius` lies around it.
+struct Convex {
+  ShapeKind kind;
+  Vec3 half;
+  Real radius;
+  const Vec4* vertices;  ///< hull
+  const Vec4* planes;
+  const int* faces;      ///< first corner of each face, and of one more
+  int vertexCount, faceCount;
+  Vec3 corner[3];        ///< triangle
+};
+
+RUBBLE_HD inline Convex convexOf(const ShapeTables& tables, const ShapeData& s) {
+  Convex c{s.kind, s.half, s.radius, nullptr, nullptr, nullptr, 0, 0, {}};
+  if (s.kind != ShapeKind::Hull) return c;
+  const int* const header = tables.index + s.data;
+  c.vertexCount = header[2], c.faceCount = header[3];
+  c.vertices = tables.vector + header[0];
+  c.planes = c.vertices + c.vertexCount;
+  c.faces = tables.index + header[1];
+  return c;
+}
+
+/// A contact feature: a face, an edge or a corner, of the core.
+struct Feature {
+  Vec3 corner[kMaxCorners];
+  int id[kMaxCorners];  ///< of each corner
+  int count = 0;        ///< 1: corner, 2: edge, more: face, counter-clockwise from outside
+  Vec3 normal;          ///< of a face
+};
+
+RUBBLE_HD inline void addCorner(Feature& f, const Vec3& x, int id) { f.corner[f.count] = x, f.id[f.count++] = id; }
+
+namespace convex {
+
+/// Height of the base of a cone under its centre of mass: a quarter of the whole.
+RUBBLE_HD inline Real coneBase(const Convex& c) { return -c.half.z / 3; }
+
+/// Unit radial direction of d about z; a fixed one if d has next to none.
+RUBBLE_HD inline Vec3 radial(const Vec3& d, Real least) {
+  const Real l2 = d.x * d.x + d.y * d.y;
+  if (!(l2 > least * least)) return {1, 0, 0};
+  const Real inverse = Real(1) / std::sqrt(l2);
+  return {d.x * inverse, d.y * inverse, 0};
+}
+
+/// Corners of the disc of radius r at height z, counter-clockwise about `side` z.
+RUBBLE_HD inline void addDisc(Feature& f, const Vec3& d, Real r, Real z, Real side, int firstId) {
+  const Vec3 u = radial(d, kFlatDisc), v{-u.y * side, u.x * side, 0};
+  // cos and sin of 30 degrees
+  constexpr Real kCos = Real(.86602540378443864676), kSin = Real(.5);
+  Real c = 1, s = 0;
+  for (int k = 0; k < kDiscCorners; ++k) {
+    addCorner(f, {r * (u.x * c + v.x * s), r * (u.y * c + v.y * s), z}, firstId + k);
+    const Real next = c * kCos - s * kSin;
+    s = s * kCos + c * kSin;
+    c = next;
+  }
+  f.normal = {0, 0, side};
+}
+
+RUBBLE_HD inline void addHullFace(Feature& f, const Convex& c, int face) {
+  const int begin = c.faces[face], count = c.faces[face + 1] - begin;
+  const int taken = min(count, kMaxCorners);
+  for (int k = 0; k < taken; ++k) {
+    const int vertex = c.faces[c.faceCount + 1 + begin + k * count / taken];
+    addCorner(f, xyz(c.vertices[vertex]), vertex);
+  }
+  f.normal = xyz(c.planes[face]);
+}
+
+RUBBLE_HD inline void addBoxFace(Feature& f, const Vec3& h, int axis, Real side) {
+  const int iu = (axis + 1) % 3, iv = (axis + 2) % 3;
+  for (int k = 0; k < 4; ++k) {
+    const int turn = side > Real(0) ? k : 3 - k;
+    Vec3 x;
+    x[axis] = side * h[axis];
+    x[iu] = (turn == 1 || turn == 2) ? h[iu] : -h[iu];
+    x[iv] = turn >= 2 ? h[iv] : -h[iv];
+    addCorner(f, x, (x.x > Real(0)) + 2 * (x.y > Real(0)) + 4 * (x.z > Real(0)));
+  }
+  f.normal = {0, 0, 0};
+  f.normal[axis] = side;
+}
+
+}  // namespace convex
+
+/// The point of the core that is furthest along d (of any length).
+RUBBLE_HD inline Vec3 support(const Convex& c, const Vec3& d) {
+  switch (c.kind) {
+    case ShapeKind::Capsule: return {0, 0, d.z > Real(0) ? c.half.z : -c.half.z};
+    case ShapeKind::Box:
+    case ShapeKind::RoundBox:
+      return {d.x > Real(0) ? c.half.x : -c.half.x, d.y > Real(0) ? c.half.y : -c.half.y, d.z > Real(0) ? c.half.z : -c.half.z};
+    case ShapeKind::Cylinder: {
+      const Vec3 u = convex::radial(d, Real(0));
+      return {u.x * c.half.x, u.y * c.half.x, d.z > Real(0) ? c.half.z : -c.half.z};
+    }
+    case ShapeKind::Cone: {
+      const Vec3 u = convex::radial(d, Real(0));
+      const Vec3 rim{u.x * c.half.x, u.y * c.half.x, convex::coneBase(c)}, apex{0, 0, c.half.z};
+      return dot(rim - apex, d) > Real(0) ? rim : apex;
+    }
+    case ShapeKind::Hull: {
+      int best = 0;
+      Real most = -Real(1e30);
+      for (int i = 0; i < c.vertexCount; ++i) {
+        const Real h = dot(xyz(c.vertices[i]), d);
+        if (h > most) most = h, best = i;
+      }
+      return xyz(c.vertices[best]);
+    }
+    case ShapeKind::Triangle: {
+      const Real a = dot(c.corner[0], d), b = dot(c.corner[1], d), e = dot(c.corner[2], d);
+      return a >= b && a >= e ? c.corner[0] : b >= e ? c.corner[1] : c.corner[2];
+    }
+    default: return {0, 0, 0};
+  }
+}
+
+/// Number of face normals that may separate.
+RUBBLE_HD inline int faceCount(const Convex& c) {
+  switch (c.kind) {
+    case ShapeKind::Box:
+    case ShapeKind::RoundBox: return 6;
+    case ShapeKind::Cylinder:
+    case ShapeKind::Triangle: return 2;
+    case ShapeKind::Cone: return 1;
+    case ShapeKind::Hull: return c.faceCount;
+    default: return 0;
+  }
+}
+
+/// Outward normal of a face and its distance from the centre [m].
+RUBBLE_HD inline Vec4 facePlane(const Convex& c, int face) {
+  const Real side = (face & 1) ? Real(-1) : Real(1);
+  switch (c.kind) {
+    case ShapeKind::Cylinder: return {0, 0, side, c.half.z};
+    case ShapeKind::Cone: return {0, 0, -1, -convex::coneBase(c)};
+    case ShapeKind::Hull: return c.planes[face];
+    case ShapeKind::Triangle: {
+      const Vec3 n = normalize(cross(c.corner[1] - c.corner[0], c.corner[2] - c.corner[0])) * side;
+      return {n.x, n.y, n.z, dot(n, c.corner[0])};
+    }
+    default: {
+      Vec3 n{0, 0, 0};
+      n[face / 2] = side;
+      return {n.x, n.y, n.z, c.half[face / 2]};
+    }
+  }
+}
+
+/// The corners of a face; `lean` says where a disc begins.
+RUBBLE_HD inline void faceFeature(const Convex& c, int face, const Vec3& lean, Feature& f) {
+  const Real side = (face & 1) ? Real(-1) : Real(1);
+  switch (c.kind) {
+    case ShapeKind::Cylinder: convex::addDisc(f, lean, c.half.x, side * c.half.z, side, 16 * (face & 1)); return;
+    case ShapeKind::Cone: convex::addDisc(f, lean, c.half.x, convex::coneBase(c), Real(-1), 0); return;
+    case ShapeKind::Hull: convex::addHullFace(f, c, face); return;
+    case ShapeKind::Triangle:
+      for (int k = 0; k < 3; ++k) {
+        const int corner = (face & 1) ? 2 - k : k;
+        addCorner(f, c.corner[corner], corner);
+      }
+      f.normal = xyz(facePlane(c, face));
+      return;
+    default: convex::addBoxFace(f, c.half, face / 2, side);
+  }
+}
+
+/// What of the core lies furthest along the unit vector d: of a polyhedron the face there that looks most along d.
+RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, Real tolerance, Feature& f) {
+  switch (c.kind) {
+    case ShapeKind::Sphere: addCorner(f, {0, 0, 0}, 0); return;
+    case ShapeKind::Capsule:
+      addCorner(f, {0, 0, c.half.z}, 1);
+      addCorner(f, {0, 0, -c.half.z}, 2);
+      return;
+    case ShapeKind::Cylinder: {
+      if (std::fabs(d.z) > kCapCosine) {
+        faceFeature(c, d.z > Real(0) ? 0 : 1, d, f);
+        return;
+      }
+      const Vec3 rim = convex::radial(d, Real(0)) * c.half.x;
+      addCorner(f, {rim.x, rim.y, c.half.z}, 0);
+      addCorner(f, {rim.x, rim.y, -c.half.z}, 16);
+      return;
+    }
+    case ShapeKind::Cone: {
+      if (d.z < -kCapCosine) {
+        faceFeature(c, 0, d, f);
+        return;
+      }
+      const Vec3 rim = convex::radial(d, Real(0)) * c.half.x;
+      addCorner(f, {0, 0, c.half.z}, 32);
+      addCorner(f, {rim.x, rim.y, convex::coneBase(c)}, 0);
+      return;
+    }
+    case ShapeKind::Hull: {
+      const Vec3 tip = support(c, d);
+      int best = 0;
+      Real most = Real(-2);
+      for (int i = 0; i < c.faceCount; ++i) {
+        const Vec4 plane = c.planes[i];
+        const Real along = dot(xyz(plane), d);
+        if (along > most && dot(xyz(plane), tip) > plane.w - tolerance) most = along, best = i;
+      }
+      convex::addHullFace(f, c, best);
+      return;
+    }
+    case ShapeKind::Triangle: faceFeature(c, dot(xyz(facePlane(c, 0)), d) > Real(0) ? 0 : 1, d, f); return;
+    default: {
+      int axis = 0;
+      for (int i = 1; i < 3; ++i)
+        if (std::fabs(d[i]) > std::fabs(d[axis])) axis = i;
+      convex::addBoxFace(f, c.half, axis, d[axis] > Real(0) ? Real(1) : Real(-1));
+    }
+  }
+}
+
+}  // namespace rubble::RUBBLE_CORE

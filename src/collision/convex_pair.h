@@ -1,0 +1,272 @@
+#pragma once
+/// Any two convex shapes: the faces of both and the direction of gjk.h are tried as separating planes; near ties belong to faces. Contact of
+/// a face is the incident feature cut to it, at most four points; else there are the two ends of edges side by side, or one point.
+#include "collision/box_box.h"
+#include "collision/gjk.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Vertices of a feature that is being cut by a face.
+inline constexpr int kMaxCut = 2 * kMaxCorners;
+/// Edges count as side by side up to this sine of the angle between them.
+inline constexpr Real kParallelSides = Real(.05);
+/// A feature lies as far out as its tip, within this share of L.
+inline constexpr Real kSameHeight = Real(1e-3);
+
+namespace convex {
+
+/// A point of the incident feature; `w` is its height over the reference face. Edges: 0-31 of the incident feature, 32-63 of the reference.
+struct CutVertex {
+  Vec3 x;
+  Real w;
+  int from, to;
+};
+
+template <int kSize>
+struct CutOf {
+  CutVertex v[kSize];
+  int count = 0;
+};
+using Cut = CutOf<kMaxCut>;
+
+RUBBLE_HD inline CutVertex between(const CutVertex& p, const CutVertex& q, Real t) {
+  return {p.x + (q.x - p.x) * t, p.w + (q.w - p.w) * t, p.to, p.to};
+}
+
+/// Keeps what lies on the inner side of a plane, d <= 0.
+RUBBLE_HD inline void cutByPlane(Cut& in, Cut& out, const Vec3& n, Real offset, int plane) {
+  out.count = 0;
+  for (int i = 0; i < in.count; ++i) {
+    const CutVertex &p = in.v[i], &q = in.v[i + 1 == in.count ? 0 : i + 1];
+    const Real dp = dot(n, p.x) - offset, dq = dot(n, q.x) - offset;
+    const bool keepP = dp <= Real(0), keepQ = dq <= Real(0);
+    if (keepP && out.count < kMaxCut) out.v[out.count++] = p;
+    // an edge feature is there and back: it is cut on the way there
+    if (keepP == keepQ || out.count >= kMaxCut) continue;
+    CutVertex& x = out.v[out.count++];
+    x = between(p, q, dp / (dp - dq));
+    if (keepP) x.to = plane;
+    else x.from = plane;
+  }
+}
+
+/// The incident feature within the reference face, with heights over it.
+RUBBLE_HD inline void cutToFace(const Feature& face, const Feature& incident, Real slack, Cut& result) {
+  Cut other;
+  Cut *in = &result, *out = &other;
+  for (int k = 0; k < incident.count; ++k)
+    in->v[k] = {incident.corner[k], dot(face.normal, incident.corner[k] - face.corner[0]), (k + incident.count - 1) % incident.count, k};
+  in->count = incident.count;
+  for (int k = 0; k < face.count && in->count > 0; ++k) {
+    const Vec3 a = face.corner[k], b = face.corner[k + 1 == face.count ? 0 : k + 1];
+    const Vec3 side = normalize(cross(b - a, face.normal), Vec3{0, 0, 0});
+    const Real offset = dot(side, a) + slack;
+    if (incident.count >= 3) {
+      cutByPlane(*in, *out, side, offset, 32 + k);
+      Cut* const swapped = in;
+      in = out, out = swapped;
+      continue;
+    }
+    // a corner or an edge
+    Real d[2];
+    for (int i = 0; i < in->count; ++i) d[i] = dot(side, in->v[i].x) - offset;
+    if (in->count == 1) {
+      if (d[0] > Real(0)) in->count = 0;
+      continue;
+    }
+    if (d[0] > Real(0) && d[1] > Real(0)) {
+      in->count = 0;
+    } else if (d[0] > Real(0) || d[1] > Real(0)) {
+      const int cut = d[0] > Real(0) ? 0 : 1;
+      const int to = in->v[cut].to;
+      in->v[cut] = between(in->v[0], in->v[1], d[0] / (d[0] - d[1]));
+      in->v[cut].from = 32 + k, in->v[cut].to = to;
+    }
+  }
+  if (in != &result) result = *in;
+}
+
+/// Of vertices that reach as far to this share of L the first one is taken.
+inline constexpr Real kSameReach = Real(1e-4);
+
+/// Picks at most four vertices within `reach` of the face: the extreme ones along the diagonals of a frame fixed to the face, then the
+/// deepest if it stands out.
+template <int kSize>
+RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, Real reach, Real length) {
+  int kept = 0;
+  for (int k = 0; k < c.count; ++k)
+    if (c.v[k].w <= reach) c.v[kept++] = c.v[k];
+  c.count = kept;
+  if (c.count <= kLanes) return;
+  Vec3 t1, t2;
+  tangentBasis(normal, t1, t2);
+  CutVertex chosen[kLanes];
+  unsigned used = 0;
+  Real depth = 0;
+  for (int k = 0; k < kLanes; ++k) {
+    // steeper than the diagonals of a square, to which corners of discs lie symmetric: their order would be that of round-off
+    const Vec3 d = t1 * ((k & 1) ? Real(1) : Real(-1)) + t2 * ((k & 2) ? Real(.8) : Real(-.8));
+    int best = -1;
+    Real most = 0;
+    for (int i = 0; i < c.count; ++i) {
+      if (used >> i & 1) continue;
+      const Real along = dot(d, c.v[i].x);
+      if (best < 0 || along > most + kSameReach * length) best = i, most = along;
+    }
+    used |= 1u << best;
+    chosen[k] = c.v[best];
+    depth = k == 0 ? chosen[k].w : min(depth, chosen[k].w);
+  }
+  int deepest = 0;
+  for (int i = 1; i < c.count; ++i) deepest = c.v[i].w < c.v[deepest].w ? i : deepest;
+  if (c.v[deepest].w < depth - kDeeperPoint * length) {
+    int nearest = 0;
+    Real least = 0;
+    for (int k = 0; k < kLanes; ++k) {
+      const Real d = lengthSquared(chosen[k].x - c.v[deepest].x);
+      if (k == 0 || d < least) nearest = k, least = d;
+    }
+    chosen[nearest] = c.v[deepest];
+  }
+  for (int k = 0; k < kLanes; ++k) c.v[k] = chosen[k];
+  c.count = kLanes;
+}
+
+/// A feature of B told in the frame of A.
+RUBBLE_HD inline void place(Feature& f, const ConvexPair& p) {
+  for (int k = 0; k < f.count; ++k) f.corner[k] = p.at + p.turn * f.corner[k];
+  f.normal = p.turn * f.normal;
+}
+
+struct BestFace {
+  int face = -1;
+  bool onB = false;
+  Real s = 0;
+};
+
+/// The face that separates most; those of A win near ties. Stops at one that separates by more than `enough`.
+RUBBLE_HD inline BestFace bestFace(const ConvexPair& p, Real enough) {
+  BestFace best;
+  const int ofA = faceCount(p.a), ofB = faceCount(p.b);
+  for (int i = 0; i < ofA; ++i) {
+    const Vec4 plane = facePlane(p.a, i);
+    const Real s = dot(xyz(plane), supportOfB(p, -xyz(plane))) - plane.w;
+    if (best.face >= 0 && !(s > best.s)) continue;
+    best = {i, false, s};
+    if (s > enough) return best;
+  }
+  for (int i = 0; i < ofB; ++i) {
+    const Vec4 plane = facePlane(p.b, i);
+    const Vec3 n = p.turn * xyz(plane);
+    const Real s = -dot(n, p.at) - plane.w + dot(n, support(p.a, -n));
+    if (best.face >= 0 && !(s > best.s + (best.onB ? Real(0) : Real(1e-3) * p.length))) continue;
+    best = {i, true, s};
+    if (s > enough) return best;
+  }
+  return best;
+}
+
+/// Points of a face contact in the frame of A. `lowest`: height of the lowest point over the face.
+RUBBLE_HD inline void faceContact(const ConvexPair& p, const BestFace& best, Real margin, RawManifold& out, Real& lowest) {
+  const Convex &reference = best.onB ? p.b : p.a, &other = best.onB ? p.a : p.b;
+  const Vec3 local = xyz(facePlane(reference, best.face));
+  const Vec3 normal = best.onB ? p.turn * local : local;  // out of the reference face, frame of A
+  const Vec3 towards = best.onB ? normal * Real(-1) : mulTransposed(p.turn, -normal);
+  Feature face, incident;
+  // a disc begins where the other shape leans on it
+  const Vec3 lean = best.onB ? mulTransposed(p.turn, -p.at) : p.at;
+  faceFeature(reference, best.face, lean, face);
+  featureAlong(other, towards, kSameHeight * p.length, incident);
+  place(best.onB ? face : incident, p);
+  Cut cut;
+  cutToFace(face, incident, Real(1e-6) * p.length, cut);
+  lowest = Real(1e30);
+  for (int k = 0; k < cut.count; ++k) lowest = min(lowest, cut.v[k].w);
+  const Real radii = p.a.radius + p.b.radius;
+  pickFour(cut, local, margin + radii, p.length);
+  out.n = best.onB ? -normal : normal;
+  out.normalOnB = best.onB;
+  out.count = cut.count;
+  for (int k = 0; k < cut.count; ++k) {
+    const CutVertex& v = cut.v[k];
+    const Vec3 onOther = v.x - normal * other.radius, onFace = v.x - normal * (v.w - reference.radius);
+    // corners go by their names, which stay as faces change
+    const bool corner = v.from < 32 && v.to < 32;
+    const int name = corner ? incident.id[v.to] : 0x800 | v.from << 6 | v.to;
+    out.points[k] = {best.onB ? onOther : onFace, best.onB ? onFace : onOther, name | (best.onB ? 0x1000 : 0)};
+  }
+}
+
+/// Edges side by side have two points, anything else one.
+RUBBLE_HD inline void edgeContact(const ConvexPair& p, const SeparatingDirection& x, Real margin, RawManifold& out) {
+  const Real radii = p.a.radius + p.b.radius;
+  out.n = x.n;
+  out.normalOnB = false;
+  out.count = 0;
+  const auto add = [&](const Vec3& a, const Vec3& b, int feature) {
+    if (dot(x.n, b - a) - radii > margin) return;
+    out.points[out.count++] = {a + x.n * p.a.radius, b - x.n * p.b.radius, feature};
+  };
+  Feature fa, fb;
+  featureAlong(p.a, x.n, kSameHeight * p.length, fa);
+  featureAlong(p.b, mulTransposed(p.turn, -x.n), kSameHeight * p.length, fb);
+  place(fb, p);
+  if (fa.count == 2 && fb.count == 2) {
+    const Vec3 da = fa.corner[1] - fa.corner[0], db = fb.corner[1] - fb.corner[0];
+    const Real aa = dot(da, da), bb = dot(db, db);
+    const Vec3 across = cross(da, db);
+    if (dot(across, across) < kParallelSides * kParallelSides * aa * bb) {
+      Real t0 = dot(fb.corner[0] - fa.corner[0], da) / aa, t1 = dot(fb.corner[1] - fa.corner[0], da) / aa;
+      const Real lo = max(Real(0), min(t0, t1)), hi = min(Real(1), max(t0, t1));
+      if (hi - lo > Real(.05)) {
+        for (int k = 0; k < 2; ++k) {
+          const Vec3 a = fa.corner[0] + da * (k == 0 ? lo : hi);
+          const Real u = clamp(dot(a - fb.corner[0], db) / bb, Real(0), Real(1));
+          const Vec3 b = fb.corner[0] + db * u;
+          // the same place along the normal's plane on both
+          add(a, a + x.n * dot(x.n, b - a), 0x2001 + k);
+        }
+        if (out.count > 0) return;
+      }
+    }
+  }
+  add(x.onA, x.onB, 0x2000);
+}
+
+}  // namespace convex
+
+/// `t` = p_B - p_A. Points within `margin` of touching.
+RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, const Convex& b, const Quat& qb, const Vec3& t, Real margin, Real length) {
+  using namespace convex;
+  const ConvexPair p{a, b, rotationMatrix(conjugate(qa) * qb), rotateInverse(qa, t), length};
+  const Real radii = a.radius + b.radius;
+  RawManifold out;
+  const auto told = [&] {
+    out.n = rotate(qa, out.n);
+    for (int k = 0; k < out.count; ++k) out.points[k].onA = rotate(qa, out.points[k].onA), out.points[k].onB = rotate(qa, out.points[k].onB);
+    return out;
+  };
+
+  const BestFace face = bestFace(p, margin + radii);
+  Vec3 start = normalize(p.at);
+  if (face.face >= 0) {
+    out.separation = face.s - radii;
+    if (out.separation > margin) return out;
+    Real lowest;
+    faceContact(p, face, margin, out, lowest);
+    // The face is as far as the bodies are apart, or they touch in it and no edge can be preferred: no need to look any further.
+    const bool exact = lowest <= face.s + kSameHeight * length;
+    if (out.count > 0 && exact && kEdgePreference * face.s + kEdgeMargin * length > Real(0)) return told();
+    start = out.n;
+  }
+  const SeparatingDirection x = mostSeparating(p, start);
+  if (x.s - radii > margin) {
+    out.count = 0;
+    out.separation = x.s - radii;
+    return out;
+  }
+  if (face.face < 0 || out.count == 0 || x.s > kEdgePreference * face.s + kEdgeMargin * length) edgeContact(p, x, margin, out);
+  return told();
+}
+
+}  // namespace rubble::RUBBLE_CORE

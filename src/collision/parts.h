@@ -1,0 +1,39 @@
+#pragma once
+/// Parts of bodies in pair tests: one convex part against another, whatever their kinds.
+#include "collision/collide.h"
+#include "collision/convex_plane.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// A part of a body in the world.
+struct PlacedPart {
+  ShapeData shape;
+  Quat q;
+  Vec3 at;  ///< its centre less that of its body, world axes [m]
+};
+
+/// Part `part` of a body of that shape; a shape that is no compound is its own part.
+RUBBLE_HD inline PlacedPart placedPart(const ShapeTables& tables, const ShapeData& shape, const Quat& q, int part) {
+  if (shape.kind != ShapeKind::Compound) return {shape, q, {0, 0, 0}};
+  const ShapePart& p = tables.part[tables.index[shape.data + 2] + part];
+  return {p.shape, q * p.rotation, rotate(q, p.position)};
+}
+
+/// Touching points of two parts, relative to the centre of A's body; `t` = p_B - p_A of the bodies.
+RUBBLE_HD inline RawManifold collideParts(const ShapeTables& tables, const PlacedPart& a, const PlacedPart& b, const Vec3& t, Real margin, Real length) {
+  const Vec3 between = t + b.at - a.at;
+  RawManifold m;
+  if (isPlain(a.shape.kind) && isPlain(b.shape.kind)) {
+    m = collide(a.shape, a.q, b.shape, b.q, between, margin, length);
+  } else if (b.shape.kind == ShapeKind::Plane) {
+    m = collideConvexPlane(convexOf(tables, a.shape), a.q, b.q, between, margin, length);
+  } else if (a.shape.kind == ShapeKind::Plane) {
+    m = flipped(collideConvexPlane(convexOf(tables, b.shape), b.q, a.q, -between, margin, length), between);
+  } else {
+    m = collideConvex(convexOf(tables, a.shape), a.q, convexOf(tables, b.shape), b.q, between, margin, length);
+  }
+  for (int k = 0; k < m.count; ++k) m.points[k].onA += a.at, m.points[k].onB += a.at;
+  return m;
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,109 @@
+#pragma once
+/// The triangles of meshes and height fields that lie in a box.
+///   mesh          vectors: low and high corner of each node of a tree in depth-first order, then vertices; indices: for each node the one to
+///                 go on with if it is not entered, and its triangle or -1; then corners of the triangles, their flags, and beyond each edge
+///                 the corner of the triangle on its other side, or -1
+///   height field  vectors: (spacing x, spacing y, lowest, highest), (x, y of the first sample, -, -), then samples, four a vector, x fastest;
+///                 indices: flags of the two triangles of each cell
+/// Flags: bit e: the edge from corner e on can be touched; bit 3 + k: so can corner k; six bits further up the same from behind.
+#include "collision/shapes.h"
+
+namespace rubble::RUBBLE_CORE {
+
+struct SurfaceTriangle {
+  Vec3 corner[3];
+  int flags;
+  int index;
+  Vec3 beyond[3];  ///< far corner of the triangle on the other side of the edge from corner e on; corner e if there is none
+};
+
+RUBBLE_HD inline bool boxesMeet(const Vec3& lowA, const Vec3& highA, const Vec3& lowB, const Vec3& highB) {
+  return lowA.x <= highB.x && lowB.x <= highA.x && lowA.y <= highB.y && lowB.y <= highA.y && lowA.z <= highB.z && lowB.z <= highA.z;
+}
+
+RUBBLE_HD inline Vec3 lower(const Vec3& a, const Vec3& b) { return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)}; }
+RUBBLE_HD inline Vec3 upper(const Vec3& a, const Vec3& b) { return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)}; }
+
+RUBBLE_HD inline bool isTwoSided(const ShapeTables& tables, const ShapeData& s) {
+  return s.kind == ShapeKind::Mesh && tables.index[s.data + 5] != 0;
+}
+
+namespace surface {
+
+template <class Visit>
+RUBBLE_HD bool visitMesh(const ShapeTables& tables, const ShapeData& s, const Vec3& low, const Vec3& high, Visit&& visit) {
+  const int* const header = tables.index + s.data;
+  const int nodes = header[2], triangles = header[3];
+  const Vec4* const boxes = tables.vector + header[0];
+  const Vec4* const vertices = boxes + 2 * nodes;
+  const int* const links = tables.index + header[1];
+  const int* const corners = links + 2 * nodes;
+  const int* const flags = corners + 3 * triangles;
+  const int* const beyond = flags + triangles;
+  for (int i = 0; i < nodes;) {
+    if (!boxesMeet(low, high, xyz(boxes[2 * i]), xyz(boxes[2 * i + 1]))) {
+      i = links[2 * i];
+      continue;
+    }
+    const int t = links[2 * i + 1];
+    ++i;
+    if (t < 0) continue;
+    SurfaceTriangle triangle;
+    for (int k = 0; k < 3; ++k) {
+      triangle.corner[k] = xyz(vertices[corners[3 * t + k]]);
+      triangle.beyond[k] = beyond[3 * t + k] < 0 ? triangle.corner[k] : xyz(vertices[beyond[3 * t + k]]);
+    }
+    triangle.flags = flags[t];
+    triangle.index = t;
+    if (visit(triangle)) return true;
+  }
+  return false;
+}
+
+RUBBLE_HD inline int cellAt(Real x, int cells) { return static_cast<int>(clamp(std::floor(x), Real(0), Real(cells - 1))); }
+
+template <class Visit>
+RUBBLE_HD bool visitHeights(const ShapeTables& tables, const ShapeData& s, const Vec3& low, const Vec3& high, Visit&& visit) {
+  const int* const header = tables.index + s.data;
+  const Vec4* const vectors = tables.vector + header[0];
+  const int* const flags = tables.index + header[1];
+  const int nx = header[2], ny = header[3];
+  const Vec4 grid = vectors[0], first = vectors[1];
+  if (low.z > grid.w || high.z < grid.z) return false;
+  const Real x0 = (low.x - first.x) / grid.x, x1 = (high.x - first.x) / grid.x, y0 = (low.y - first.y) / grid.y, y1 = (high.y - first.y) / grid.y;
+  if (x1 < Real(0) || y1 < Real(0) || x0 > Real(nx - 1) || y0 > Real(ny - 1)) return false;
+  const auto corner = [&](int i, int j) {
+    const int k = j * nx + i;
+    const Vec4 four = vectors[2 + k / 4];
+    const Real h = (k & 3) == 0 ? four.x : (k & 3) == 1 ? four.y : (k & 3) == 2 ? four.z : four.w;
+    return Vec3{first.x + Real(i) * grid.x, first.y + Real(j) * grid.y, h};
+  };
+  for (int j = cellAt(y0, ny - 1); j <= cellAt(y1, ny - 1); ++j) {
+    for (int i = cellAt(x0, nx - 1); i <= cellAt(x1, nx - 1); ++i) {
+      const Vec3 a = corner(i, j), b = corner(i + 1, j), c = corner(i + 1, j + 1), d = corner(i, j + 1);
+      const int cell = 2 * (j * (nx - 1) + i);
+      for (int half = 0; half < 2; ++half) {
+        SurfaceTriangle t{{a, half == 0 ? b : c, half == 0 ? c : d}, flags[cell + half], cell + half, {}};
+        // cells beyond the rim give the corner itself or a point of the rim: neither rises over the edge
+        t.beyond[0] = half == 0 ? corner(i, max(j - 1, 0)) : b;
+        t.beyond[1] = half == 0 ? corner(min(i + 2, nx - 1), j + 1) : corner(i + 1, min(j + 2, ny - 1));
+        t.beyond[2] = half == 0 ? d : corner(max(i - 1, 0), j);
+        const Vec3 lowest = lower(t.corner[0], lower(t.corner[1], t.corner[2])), highest = upper(t.corner[0], upper(t.corner[1], t.corner[2]));
+        if (boxesMeet(low, high, lowest, highest) && visit(t)) return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace surface
+
+/// visit(triangle) for all that meet the box [low, high] of the surface's frame, until it returns true; whether it did.
+template <class Visit>
+RUBBLE_HD bool visitTriangles(const ShapeTables& tables, const ShapeData& s, const Vec3& low, const Vec3& high, Visit&& visit) {
+  if (s.kind == ShapeKind::Mesh) return surface::visitMesh(tables, s, low, high, visit);
+  if (s.kind == ShapeKind::HeightField) return surface::visitHeights(tables, s, low, high, visit);
+  return false;
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,152 @@
+#include "cook/cook.h"
+
+#include <rubble/error.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cook/hull.h"
+#include "cook/shape_mesh.h"
+#include "cook/solid_mass.h"
+
+namespace rubble {
+
+namespace cooking {
+
+int beginHeader(CookedShape& out, int size) {
+  const int header = static_cast<int>(out.indices.size());
+  out.indices.resize(out.indices.size() + static_cast<std::size_t>(size));
+  out.indices[static_cast<std::size_t>(header)] = static_cast<int>(out.vectors.size());
+  out.indices[static_cast<std::size_t>(header) + 1] = header + size;
+  out.vectorPlaces.push_back(header);
+  out.indexPlaces.push_back(header + 1);
+  return header;
+}
+
+void addHull(CookedShape& out, const Shape& shape, const std::string& path) {
+  if (!shape.geometry) throw Error(path + ".points", "the points of a hull", "none");
+  constexpr std::size_t kMostVertices = 256;
+  const Hull hull = convexHull(shape.geometry->points, path + ".points");
+  if (hull.vertices.size() > kMostVertices)
+    throw Error(path + ".points", "a hull of at most " + std::to_string(kMostVertices) + " corners", std::to_string(hull.vertices.size()));
+  if (shape.rounding > 0) {
+    out.unit = massProperties(shape, 1);
+  } else {
+    SolidSums sums;
+    for (const std::vector<int>& face : hull.faces)
+      for (std::size_t k = 1; k + 1 < face.size(); ++k) {
+        const auto at = [&](std::size_t i) { return hull.vertices[static_cast<std::size_t>(face[i])]; };
+        sums += tetrahedronSums(at(0), at(k), at(k + 1));
+      }
+    out.unit = principal(sums);
+  }
+  const int header = beginHeader(out, 4);
+  out.indices[static_cast<std::size_t>(header) + 2] = static_cast<int>(hull.vertices.size());
+  out.indices[static_cast<std::size_t>(header) + 3] = static_cast<int>(hull.faces.size());
+  out.shape = {CookedKind::Hull, {}, shape.rounding, header};
+  std::vector<Vec3> local;
+  for (const Vec3& v : hull.vertices) {
+    const Vec3 x = rotateInverse(out.unit.axes, v - out.unit.centre);
+    local.push_back(x);
+    out.vectors.push_back({x.x, x.y, x.z, 0});
+    for (int i = 0; i < 3; ++i) out.shape.half[i] = std::max(out.shape.half[i], std::fabs(x[i]));
+    out.radius = std::max(out.radius, length(x) + shape.rounding);
+  }
+  int corners = 0;
+  for (std::size_t f = 0; f < hull.faces.size(); ++f) {
+    const Vec3 n = rotateInverse(out.unit.axes, hull.normals[f]);
+    double offset = -1e300;
+    for (const int v : hull.faces[f]) offset = std::max(offset, dot(n, local[static_cast<std::size_t>(v)]));
+    out.vectors.push_back({n.x, n.y, n.z, offset});
+    out.indices.push_back(corners);
+    corners += static_cast<int>(hull.faces[f].size());
+  }
+  out.indices.push_back(corners);
+  for (const std::vector<int>& face : hull.faces) out.indices.insert(out.indices.end(), face.begin(), face.end());
+}
+
+void addCompound(CookedShape& out, const Shape& shape, const std::string& path) {
+  if (!shape.geometry || shape.geometry->parts.empty()) throw Error(path + ".parts", "the parts of a compound", "none");
+  const std::vector<ShapePartDef>& parts = shape.geometry->parts;
+  std::vector<CookedShape> cooked;
+  SolidSums sums;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::string where = path + ".parts[" + std::to_string(i) + "]";
+    const CookedShape& part = cooked.emplace_back(cook(parts[i].shape, where + ".shape"));
+    if (part.shape.kind == CookedKind::Plane || part.shape.kind >= CookedKind::Compound) throw Error(where + ".shape", "a convex solid", "another shape");
+    if (!(parts[i].density > 0)) throw Error(where + ".density", "a number above 0", std::to_string(parts[i].density));
+    sums += placed(sumsOf(part.unit), parts[i].position, normalize(parts[i].orientation), parts[i].density);
+  }
+  out.unit = principal(sums);
+  const int header = beginHeader(out, 4);
+  out.indices[static_cast<std::size_t>(header) + 2] = 0;
+  out.indices[static_cast<std::size_t>(header) + 3] = static_cast<int>(parts.size());
+  out.partPlaces.push_back(header + 2);
+  out.shape = {CookedKind::Compound, {}, 0, header};
+  const Quat back = conjugate(out.unit.axes);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    CookedShape& part = cooked[i];
+    const Quat q = normalize(parts[i].orientation);
+    CookedPart entry;
+    entry.shape = part.shape;
+    entry.position = rotate(back, parts[i].position + rotate(q, part.unit.centre) - out.unit.centre);
+    entry.rotation = normalize(back * q * part.unit.axes);
+    entry.radius = part.radius;
+    entry.material = parts[i].material;
+    // its tables behind those that are there
+    const int vectors = static_cast<int>(out.vectors.size()), indices = static_cast<int>(out.indices.size());
+    for (const int place : part.vectorPlaces) part.indices[static_cast<std::size_t>(place)] += vectors, out.vectorPlaces.push_back(place + indices);
+    for (const int place : part.indexPlaces) part.indices[static_cast<std::size_t>(place)] += indices, out.indexPlaces.push_back(place + indices);
+    if (entry.shape.data >= 0) entry.shape.data += indices;
+    out.vectors.insert(out.vectors.end(), part.vectors.begin(), part.vectors.end());
+    out.indices.insert(out.indices.end(), part.indices.begin(), part.indices.end());
+
+    const Mat3 r = rotationMatrix(entry.rotation);
+    const Vec3& h = part.shape.half;
+    const double extra = part.shape.radius;
+    const Vec3 reach = abs(r.c0) * h.x + abs(r.c1) * h.y + abs(r.c2) * h.z + Vec3{extra, extra, extra};
+    for (int k = 0; k < 3; ++k) out.shape.half[k] = std::max(out.shape.half[k], std::fabs(entry.position[k]) + reach[k]);
+    out.radius = std::max(out.radius, length(entry.position) + part.radius);
+    out.parts.push_back(entry);
+  }
+}
+
+}  // namespace cooking
+
+CookedShape cook(const Shape& shape, const std::string& path) {
+  CookedShape out;
+  const double r = shape.rounding;
+  if (!(r >= 0) || !std::isfinite(r)) throw Error(path + ".rounding", "a number of at least 0", std::to_string(r));
+  const auto inside = [&](double smallest) {
+    if (r > 0 && !(r < smallest)) throw Error(path + ".rounding", "less than half of the smallest size", std::to_string(r));
+  };
+  switch (shape.type) {
+    case ShapeType::Sphere: out.shape = {CookedKind::Sphere, {}, shape.radius}; break;
+    case ShapeType::Capsule: out.shape = {CookedKind::Capsule, {0, 0, shape.halfLength}, shape.radius}; break;
+    case ShapeType::Box:
+      inside(std::min({shape.halfExtents.x, shape.halfExtents.y, shape.halfExtents.z}));
+      out.shape = {r > 0 ? CookedKind::RoundBox : CookedKind::Box, shape.halfExtents - Vec3{r, r, r}, r};
+      break;
+    case ShapeType::Plane: return out;
+    case ShapeType::Cylinder:
+      inside(std::min(shape.radius, shape.halfLength));
+      out.shape = {CookedKind::Cylinder, {shape.radius - r, shape.radius - r, shape.halfLength - r}, r};
+      out.radius = std::hypot(shape.radius - r, shape.halfLength - r) + r;
+      break;
+    case ShapeType::Cone:
+      // the tip is three quarters of the height above the centre of mass
+      out.shape = {CookedKind::Cone, {shape.radius, shape.radius, 1.5 * shape.halfLength}, 0};
+      out.radius = std::max(1.5 * shape.halfLength, std::hypot(shape.radius, .5 * shape.halfLength));
+      break;
+    case ShapeType::Hull: cooking::addHull(out, shape, path); return out;
+    case ShapeType::Compound: cooking::addCompound(out, shape, path); return out;
+    case ShapeType::Mesh: cooking::addMesh(out, shape, path); return out;
+    case ShapeType::HeightField: cooking::addHeightField(out, shape, path); return out;
+    case ShapeType::DistanceField: cooking::addDistanceField(out, shape, path); return out;
+  }
+  out.unit = massProperties(shape, 1);
+  if (out.radius == 0) out.radius = out.shape.radius + length(out.shape.half);
+  return out;
+}
+
+}  // namespace rubble

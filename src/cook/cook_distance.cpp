@@ -1,0 +1,73 @@
+#include <rubble/error.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cook/cook.h"
+#include "cook/distance_surface.h"
+#include "cook/solid_mass.h"
+
+namespace rubble::cooking {
+
+namespace {
+
+/// Inside or outside is asked for at this many places along each edge of a cell.
+constexpr int kProbes = 4;
+
+SolidSums insideOf(const ShapeGeometry& g) {
+  SolidSums sums;
+  const Vec3 half = g.spacing * (.5 / kProbes);
+  const SolidSums piece = boxSums(half);
+  for (int k = 0; k < (g.counts[2] - 1) * kProbes; ++k)
+    for (int j = 0; j < (g.counts[1] - 1) * kProbes; ++j)
+      for (int i = 0; i < (g.counts[0] - 1) * kProbes; ++i) {
+        const Vec3 x = g.origin + Vec3{(2 * i + 1) * half.x, (2 * j + 1) * half.y, (2 * k + 1) * half.z};
+        const double d = distanceAt(g, x);
+        // the part of the piece that is inside, if the surface passes through it as a plane
+        const double share = std::clamp(.5 - d / (2 * half.x), 0.0, 1.0);
+        if (share > 0) sums += placed(piece, x, Quat{}, share);
+      }
+  return sums;
+}
+
+}  // namespace
+
+void addDistanceField(CookedShape& out, const Shape& shape, const std::string& path) {
+  const ShapeGeometry none, &g = shape.geometry ? *shape.geometry : none;
+  std::size_t count = 1;
+  for (const int n : g.counts) {
+    if (n < 2) throw Error(path + ".counts", "at least 2 samples along each axis", std::to_string(n));
+    count *= static_cast<std::size_t>(n);
+  }
+  if (g.samples.size() != count) throw Error(path + ".distances", std::to_string(count) + " distances", std::to_string(g.samples.size()));
+  if (!(g.spacing.x > 0) || g.spacing.y != g.spacing.x || g.spacing.z != g.spacing.x) throw Error(path + ".spacing", "a length above 0", "another");
+  for (std::size_t i = 0; i < count; ++i)
+    if (!std::isfinite(g.samples[i])) throw Error(path + ".distances[" + std::to_string(i) + "]", "a finite number", "another");
+  const ShapeMesh surface = distanceSurface(g);
+  if (surface.triangles.empty()) throw Error(path + ".distances", "a surface of distance 0 within the lattice", "none");
+  out.unit = principal(insideOf(g));
+  if (!(out.unit.mass > 0)) throw Error(path + ".distances", "something inside", "nothing");
+
+  const int header = beginHeader(out, 6);
+  for (std::size_t i = 0; i < 3; ++i) out.indices[static_cast<std::size_t>(header) + 2 + i] = g.counts[i];
+  out.indices[static_cast<std::size_t>(header) + 5] = static_cast<int>(surface.points.size());
+  out.shape.kind = CookedKind::Distance;
+  out.shape.data = header;
+  // pose of the lattice in the engine's frame
+  const Quat back = conjugate(out.unit.axes);
+  const Vec3 first = rotate(back, g.origin - out.unit.centre);
+  out.vectors.push_back({first.x, first.y, first.z, g.spacing.x});
+  out.vectors.push_back({back.v.x, back.v.y, back.v.z, back.s});
+  for (std::size_t k = 0; k < count; k += 4) {
+    const auto sample = [&](std::size_t i) { return i < count ? g.samples[i] : 0.0; };
+    out.vectors.push_back({sample(k), sample(k + 1), sample(k + 2), sample(k + 3)});
+  }
+  for (const Vec3& p : surface.points) {
+    const Vec3 x = rotate(back, p - out.unit.centre);
+    out.vectors.push_back({x.x, x.y, x.z, 0});
+    for (int i = 0; i < 3; ++i) out.shape.half[i] = std::max(out.shape.half[i], std::fabs(x[i]));
+    out.radius = std::max(out.radius, length(x));
+  }
+}
+
+}  // namespace rubble::cooking

@@ -1,0 +1,53 @@
+#pragma once
+/// Rolling and torsional friction of a contact: moments that resist the relative turn of two bodies A, B at their contact with normal n.
+///
+///   turn        w = Dw_A - Dw_B since x^t, of which n.w is a spin on the spot and the rest a roll     [rad]
+///   torsion     C = n.w,             |F| <= l_t F_n                                                    [N m]
+///   rolling     C = (1 - n n^T) w,   |F| <= l_r F_n                                                    [N m]
+///   moment      on A: -(F_t n + F_r), on B: the opposite
+///
+/// F_n is the normal force of all points together, as the last iteration left it; l_t and l_r are the levers of the two materials, in metres:
+/// a wheel of radius r rolls down a slope of more than l_r / r. C is linear in the displacements: there is no curvature term.
+#include "forces/contact.h"
+
+namespace rubble::RUBBLE_CORE {
+
+struct RollingRows {
+  Vec3 n;              ///< unit, of the contact
+  Vec3 lambda;         ///< multipliers of both rows as a world vector [N m]
+  Real kTwist, kRoll;  ///< [N m/rad]; 0: the contact has no such friction
+  Real torsional, rolling;  ///< levers [m]
+};
+
+/// Moment on A and the Hessian of the angular part.
+struct RollingMoment {
+  Vec3 moment;
+  TangentForce<Real> roll, twist;
+};
+
+RUBBLE_HD inline RollingMoment rollingMoment(const RollingRows& r, const Vec3& w, Real normalForce) {
+  Vec3 t1, t2;
+  tangentBasis(r.n, t1, t2);
+  RollingMoment out;
+  out.roll = frictionForce<Real>(r.kRoll, dot(t1, w), dot(t2, w), dot(t1, r.lambda), dot(t2, r.lambda), normalForce, r.rolling, r.rolling, true);
+  out.twist = frictionForce<Real>(r.kTwist, dot(r.n, w), Real(0), dot(r.n, r.lambda), Real(0), normalForce, r.torsional, r.torsional, true);
+  out.moment = t1 * out.roll.f1 + t2 * out.roll.f2 + r.n * out.twist.f1;
+  return out;
+}
+
+RUBBLE_HD inline Real sumOfNormals(const ContactRows& m) { return (m.lambdaN[0] + m.lambdaN[1]) + (m.lambdaN[2] + m.lambdaN[3]); }
+
+/// Adds the moment and its Hessian to the block of A or B.
+RUBBLE_HD inline void stampRolling(const RollingRows& r, const ContactRows& m, bool onA, const Displacement& a, const Displacement& b, Block6& block) {
+  if (r.kRoll == Real(0) && r.kTwist == Real(0)) return;
+  const RollingMoment o = rollingMoment(r, a.dw - b.dw, sumOfNormals(m));
+  block.fa += o.moment * (onA ? Real(-1) : Real(1));
+  Vec3 t1, t2;
+  tangentBasis(r.n, t1, t2);
+  const auto entry = [&](int i, int j) {
+    return o.twist.w11 * r.n[i] * r.n[j] + o.roll.w11 * t1[i] * t1[j] + o.roll.w12 * (t1[i] * t2[j] + t1[j] * t2[i]) + o.roll.w22 * t2[i] * t2[j];
+  };
+  block.aa += Sym3{entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)};
+}
+
+}  // namespace rubble::RUBBLE_CORE
