@@ -159,6 +159,8 @@ Json SceneWriter::claim(const FileClaim& claim) const {
 
 Json SceneWriter::write() {
   const Scene& scene = file_.scene;
+  if (!scene.deformables.empty())
+    throw Error("deformables", "none: scene files hold bodies and joints only", std::to_string(scene.deformables.size()));
   for (const BodyDef& body : scene.bodies) nameMaterial(body), nameShape(body), countName(body);
   for (const Event& event : scene.events)
     for (const BodyDef& body : event.add) nameMaterial(body), nameShape(body);

@@ -15,6 +15,9 @@ std::vector<Spec> chainSpecs();      ///< hanging and swinging chains with a hea
 std::vector<Spec> ropeSpecs();       ///< ropes of bricks, a bridge, a joint grid
 std::vector<Spec> frictionSpecs();   ///< sliding and rolling
 std::vector<Spec> structureSpecs();  ///< card tower, dominoes, arch, breakable beam
+std::vector<Spec> softSolidSpecs();  ///< solids of tetrahedra
+std::vector<Spec> softSheetSpecs();  ///< cloth, nets, ropes
+std::vector<Spec> softGrainSpecs();  ///< granular particles
 std::vector<Spec> shapeRestSpecs();    ///< shapes at rest: an arch of wedges, a drop of every kind, a bowl
 std::vector<Spec> shapeMotionSpecs();  ///< shapes in motion: a marble run, a tumbler, conveyors
 std::vector<Spec> fastSpecs();       ///< bullets against plates

@@ -14,6 +14,8 @@ struct Id {
 
 using BodyId = Id<struct BodyTag>;
 using JointId = Id<struct JointTag>;
+using SoftId = Id<struct SoftTag>;              ///< a deformable object
+using AttachmentId = Id<struct AttachmentTag>;
 
 }  // namespace rubble
 

@@ -25,6 +25,8 @@ struct StepReport {
   int pairs = 0;              ///< found by the broad phase
   int manifolds = 0;          ///< touching pairs
   int contacts = 0;           ///< contact points
+  int vertices = 0;           ///< of deformable objects, granular particles among them
+  int vertexContacts = 0;     ///< contact points of vertices
   int recycled = 0;           ///< manifolds kept without a new narrow-phase test
   int colors = 0;
   int colorRounds = 0;        ///< rounds of the colouring until it was proper

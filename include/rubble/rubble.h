@@ -4,9 +4,11 @@
 #include <rubble/error.h>
 #include <rubble/events.h>
 #include <rubble/ids.h>
+#include <rubble/material.h>
 #include <rubble/math.h>
 #include <rubble/params.h>
 #include <rubble/query.h>
 #include <rubble/report.h>
 #include <rubble/scene.h>
+#include <rubble/soft.h>
 #include <rubble/world.h>

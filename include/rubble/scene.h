@@ -9,18 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include <rubble/material.h>
 #include <rubble/math.h>
+#include <rubble/soft.h>
 
 namespace rubble {
 
 struct Scene;
-
-/// "hard": a constraint of infinite stiffness.
-inline constexpr double kHard = std::numeric_limits<double>::infinity();
-/// "never": a threshold that is not reached.
-inline constexpr double kUnbreakable = std::numeric_limits<double>::infinity();
-/// In place of a body index of a joint: the fixed world.
-inline constexpr int kWorld = -1;
 
 enum class ShapeType { Sphere, Box, Capsule, Plane, Cylinder, Cone, Hull, Compound, Mesh, HeightField, DistanceField };
 
@@ -61,28 +56,6 @@ struct Shape {
   /// A solid of any form, by its signed distance [m] (negative inside) at the points of a lattice: counts along x, y and z, x fastest, the
   /// first one at `origin`, `spacing` apart [m].
   static Shape distanceField(const std::array<int, 3>& counts, const Vec3& origin, double spacing, std::vector<double> distances);
-};
-
-/// How the coefficients of two materials make that of their contact. Of two different rules the one that stands later here is taken.
-enum class Combine {
-  Usual,          ///< friction: geometric mean; restitution: the larger
-  Average,
-  Minimum,
-  Multiply,
-  Maximum,
-  GeometricMean,
-};
-
-/// Surface of a body.
-struct Material {
-  double staticFriction = .6;   ///< mu_s [1]
-  double dynamicFriction = .6;  ///< mu_d [1], at most mu_s
-  double restitution = 0;       ///< e [1], for closing speeds above 1 m/s
-  Combine frictionCombine = Combine::Usual;
-  Combine restitutionCombine = Combine::Usual;
-  double rollingFriction = 0;    ///< lever: the moment that resists rolling is at most this times the normal force [m]; a pair takes the larger
-  double torsionalFriction = 0;  ///< lever of the moment that resists spinning about the normal [m]; a pair takes the larger
-  Vec3 surfaceVelocity{};        ///< of a belt: what lies on the surface is carried along at this velocity, body axes [m/s]
 };
 
 /// A part of a compound.
@@ -246,6 +219,8 @@ struct Scene {
   std::vector<BodyDef> bodies;
   std::vector<JointDef> joints;
   std::vector<std::pair<int, int>> exclusions;  ///< bodies by index that do not collide with one another
+  std::vector<Deformable> deformables;
+  std::vector<AttachmentDef> attachments;
   std::vector<Event> events;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 /// A running simulation.
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
@@ -48,6 +49,18 @@ struct JointState {
   Vec3 torque;        ///< on body B, about its anchor [N m]
   std::vector<JointAxisState> axes;  ///< those that the type has
   bool broken = false;
+};
+
+/// A contact of a vertex in the last step: with a body, or with a vertex of a deformable object.
+struct VertexContact {
+  SoftId object;
+  int vertex;
+  BodyId body;         ///< BodyId{}: none
+  SoftId otherObject;  ///< SoftId{}: none
+  int otherVertex;
+  Vec3 normal;         ///< unit, from the body to the vertex, or from the vertex to the other one
+  double depth;        ///< > 0: penetration [m]
+  Vec3 force;          ///< on the vertex, or on the other vertex [N]
 };
 
 struct WorldOptions {
@@ -156,6 +169,40 @@ class World {
   /// mass at `frequency` [1/s] without overshoot, and `maxForce` [N] at most. Ends with remove().
   JointId grab(BodyId id, const Vec3& point, double maxForce, double frequency = 5);
   void moveGrab(JointId id, const Vec3& target);                  ///< world [m]
+
+  // Deformable objects. Every call with an id that is not alive throws Error.
+  SoftId add(const Deformable& deformable);
+  void remove(SoftId id);  ///< with its attachments
+  bool alive(SoftId id) const;
+  std::vector<SoftId> deformables() const;       ///< alive ones, by index
+  SoftId findDeformable(const std::string& name) const;
+  SoftId deformableAt(int sceneIndex) const;     ///< object of Scene::deformables[sceneIndex]
+  const Deformable& definition(SoftId id) const;
+  int vertexCount(SoftId id) const;
+  std::vector<Vec3> positions(SoftId id) const;  ///< of its vertices [m]
+  std::vector<Vec3> velocities(SoftId id) const; ///< [m/s]
+  std::vector<double> masses(SoftId id) const;   ///< of its vertices, 0: fixed [kg]
+  /// As many as it has vertices. Contacts and multipliers are kept.
+  void setVertices(SoftId id, std::span<const Vec3> positions, std::span<const Vec3> velocities);
+  void applyVertexForce(SoftId id, int vertex, const Vec3& force);  ///< for the next step [N]
+  /// What is drawn of it: triangles (outward where it is closed; torn ones left out) or, without any, spheres or a line.
+  struct Surface {
+    SoftId id;
+    std::vector<Vec3> vertices;                    ///< [m]
+    std::vector<std::array<int, 3>> triangles;
+    std::vector<std::array<int, 2>> segments;      ///< of rods and nets; broken ones left out
+    double radius = 0;                             ///< of the spheres or of the line [m]
+    bool spheres = false;                          ///< every vertex is a sphere
+  };
+  Surface surface(SoftId id) const;
+
+  /// Attachments; object and body indices of the definition are ignored: the ids say which (BodyId{}: the world; SoftId{}: no seam).
+  AttachmentId addAttachment(const AttachmentDef& attachment, SoftId object, BodyId body, SoftId otherObject = {});
+  void remove(AttachmentId id);
+  bool alive(AttachmentId id) const;
+  std::vector<AttachmentId> attachments() const;
+  JointState state(AttachmentId id) const;  ///< gap, force on the vertices, broken
+  std::vector<VertexContact> vertexContacts() const;
 
   // Measures.
   Quality quality() const;

@@ -10,6 +10,7 @@
 #include <rubble/world.h>
 
 #include "collision/cooked_shape.h"
+#include "forces/soft_model.h"
 
 namespace rubble {
 
@@ -62,6 +63,14 @@ struct EngineJoint {
 struct EngineContact {
   int a, b;
   Vec3 position, normal, force;
+  double depth;
+};
+
+/// Contact of a vertex with a body, or with another vertex (body -1).
+struct EngineVertexContact {
+  int vertex, body, otherVertex;
+  Vec3 normal;  ///< towards the vertex, or to the other one
+  Vec3 force;   ///< on the vertex, or on the other one [N]
   double depth;
 };
 
@@ -138,6 +147,16 @@ class Engine {
   virtual void editJoint(int slot, const EngineJoint& joint) = 0;
   /// Pairs (low, high) of bodies that do not collide, sorted.
   virtual void setExclusions(const std::vector<std::pair<int, int>>& pairs) = 0;
+
+  /// All deformable objects and attachments, in an order that leaves those that were there in theirs. Their state is kept.
+  virtual void setSoft(const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) = 0;
+  virtual void vertexStates(int first, std::span<Vec3> positions, std::span<Vec3> velocities) const = 0;
+  virtual void setVertexStates(int first, std::span<const Vec3> positions, std::span<const Vec3> velocities) = 0;
+  virtual void addVertexForce(int vertex, const Vec3& force) = 0;
+  /// Of `count` elements of a type from `first` on: 1 those that have not broken.
+  virtual void elementsAlive(int type, int first, std::span<char> alive) const = 0;
+  virtual JointState attachmentState(int index) const = 0;
+  virtual std::vector<EngineVertexContact> vertexContacts() const = 0;
 
   virtual BodyState state(int slot) const = 0;
   virtual void setState(int slot, const BodyState& state) = 0;

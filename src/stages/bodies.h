@@ -1,6 +1,7 @@
 #pragma once
 /// Begin and end of a body's step, and its primal update.
 #include "stages/rolling.h"
+#include "stages/soft_rows.h"
 #include "stages/stops.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -100,6 +101,7 @@ RUBBLE_HD inline void addJoint(const View& s, std::uint32_t code, Block6& block)
   forEachType(JointTypes{}, [&]<class F>() {
     if (entryType(code) == typeIndex<F>(JointTypes{}) + 1) stampJointOfBody<F>(s, entryIndex(code), entrySide(code), block);
   });
+  if (entryType(code) > JointTypes::kSize) addSoftRows(s, code, block);
 }
 
 /// Solves the local problem of a body at x and moves it.

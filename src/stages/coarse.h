@@ -115,6 +115,16 @@ RUBBLE_HD void addExternalContact(const View& s, const Group& group, std::uint32
   stampContact<L>(s.step, r, side == 0, s.moved[r.a], s.moved[r.b], lane, points, shiftOf(s, group, side == 0 ? r.a : r.b));
 }
 
+/// Adds an attachment or contact of vertices, none of which is in a group.
+RUBBLE_HD RUBBLE_APART inline void addExternalSoftRows(const View& s, int group, std::uint32_t code, Block6& sum) {
+  const int type = entryType(code);
+  if (type != kBodyAttachmentType && type != kBodyPointContactType) return;
+  Block6 own;
+  addSoftRows(s, code, own);
+  const int body = type == kBodyAttachmentType ? s.attachment[entryIndex(code)].body : s.pointContact[entryIndex(code)].body;
+  addShifted(sum, own, shiftOf(s, s.group[group], body));
+}
+
 template <class F>
 RUBBLE_HD RUBBLE_APART void stampJointWithGroup(const View& s, int group, int index, Block6& sum) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
@@ -138,6 +148,7 @@ RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t c
     stampJointOfBody<F>(s, entryIndex(code), side, own);
     addShifted(sum, own, shiftOf(s, s.group[group], side == 0 ? spec.a : spec.b));
   });
+  addExternalSoftRows(s, group, code, sum);
 }
 
 /// Force and row Hessians of a chunk about the centre of its group.
@@ -166,11 +177,14 @@ struct SumChunk {
 };
 
 /// The step of a group whose rows and forces are summed: under-relaxed, and none if it is not finite.
-RUBBLE_HD inline Vec6 groupStep(const Group& group, Block6 block) {
-  if (group.locks != 0) lockAxes(block, group.locks);
+RUBBLE_HD inline Vec6 groupStep(const Block6& block) {
   const Vec6 dx = newtonStep(block);
   const bool valid = isFinite(dx.lin) && isFinite(dx.ang);
   return valid ? kGroupRelaxation * dx : Vec6{{0, 0, 0}, {0, 0, 0}};
+}
+RUBBLE_HD inline Vec6 groupStep(const Group& group, Block6 block) {
+  if (group.locks != 0) lockAxes(block, group.locks);
+  return groupStep(block);
 }
 
 struct SolveGroup {

@@ -1,7 +1,7 @@
 #pragma once
-/// Colours: dynamic bodies that share a row block have different ones, so that a colour can be solved in parallel. Incremental
-/// Jones-Plassmann with hashed priorities: colours are kept from step to step, and only bodies that clash choose anew.
-#include "stages/incidence.h"
+/// Colours: dynamic bodies and vertices that share a row block or element have different ones, so that a colour can be solved in parallel.
+/// Incremental Jones-Plassmann with hashed priorities: colours are kept from step to step, and only nodes that clash choose anew.
+#include "stages/vertex_graph.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -10,16 +10,18 @@ RUBBLE_HD inline bool outranks(int a, int b) {
   return ha != hb ? ha > hb : a > b;
 }
 
-/// Smallest colour that no neighbour of body i has.
-RUBBLE_HD inline int smallestFreeColor(const View& s, int i) {
-  const int begin = s.entryOffset[i], end = s.entryOffset[i + 1];
+/// Of a node of the graph: a body, or a vertex (kVertexNode + index).
+RUBBLE_HD inline int colorOf(const View& s, int node) { return node >= kVertexNode ? s.vertexColor[node - kVertexNode] : s.color[node]; }
+
+/// Smallest colour that none of the nodes has which neighbors(visit) visits.
+template <class Neighbors>
+RUBBLE_HD int smallestFreeColor(const View& s, Neighbors&& neighbors) {
   for (int base = 0;; base += 64) {
     std::uint64_t used = 0;
-    for (int k = begin; k < end; ++k) {
-      if (s.entry[k].other < 0) continue;
-      const int c = s.color[s.entry[k].other] - base;
+    neighbors([&](int node) {
+      const int c = colorOf(s, node) - base;
       if (c >= 0 && c < 64) used |= std::uint64_t{1} << c;
-    }
+    });
     if (~used == 0) continue;
     int c = 0;
     while (used >> c & 1) ++c;
@@ -27,16 +29,35 @@ RUBBLE_HD inline int smallestFreeColor(const View& s, int i) {
   }
 }
 
+/// visit(node) for the neighbours of a node.
+template <class Visit>
+RUBBLE_HD void visitNodeNeighbors(const View& s, int node, Visit&& visit) {
+  if (node >= kVertexNode) {
+    visitNeighbors(s, node - kVertexNode, visit);
+    return;
+  }
+  for (int k = s.entryOffset[node]; k < s.entryOffset[node + 1]; ++k)
+    if (s.entry[k].other >= 0) visit(s.entry[k].other);
+}
+
 /// Does body i share a colour with a neighbour of higher rank? Then it is to take `next`.
 RUBBLE_HD inline bool clashes(const View& s, int i, int& next) {
   const int own = s.color[i];
   for (int k = s.entryOffset[i]; k < s.entryOffset[i + 1]; ++k) {
     const int other = s.entry[k].other;
-    if (other < 0 || s.color[other] != own || !outranks(other, i)) continue;
-    next = smallestFreeColor(s, i);
+    if (other < 0 || colorOf(s, other) != own || !outranks(other, i)) continue;
+    next = smallestFreeColor(s, [&](auto&& visit) { visitNodeNeighbors(s, i, visit); });
     return true;
   }
   return false;
+}
+/// The same for a vertex.
+RUBBLE_HD RUBBLE_APART inline bool vertexClashes(const View& s, int v, int& next) {
+  const int own = s.vertexColor[v];
+  bool any = false;
+  visitNeighbors(s, v, [&](int node) { any |= colorOf(s, node) == own && outranks(node, kVertexNode + v); });
+  if (any) next = smallestFreeColor(s, [&](auto&& visit) { visitNeighbors(s, v, visit); });
+  return any;
 }
 
 /// The bodies that clash, and what they choose. Only these can clash later: a choice avoids the colours of all neighbours that keep theirs.
@@ -57,21 +78,35 @@ struct FindClashes {
   }
 };
 
+struct FindVertexClashes {
+  static constexpr const char* kName = "coloring";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    if (!isDynamicVertex(s, v)) return;
+    if (!vertexClashes(s, v, s.vertexNextColor[v])) {
+      FindClashes::raiseColors(s, s.vertexColor[v]);
+      return;
+    }
+    s.clashing[atomicCount(&s.counters->clashing, 1)] = kVertexNode + v;
+    atomicCount(&s.counters->clashes, 1);
+  }
+};
+
 /// One round: those that clashed take their choice, and choose again if a neighbour has made the same. Reads `color`, writes `nextColor`, so
 /// that the order inside a round is of no consequence.
 struct TakeColors {
   static constexpr const char* kName = "coloring";
   RUBBLE_HD void operator()(const View& s, int k) const {
-    const int i = s.clashing[k];
-    s.color[i] = s.nextColor[i];
-    FindClashes::raiseColors(s, s.color[i]);
+    const int i = s.clashing[k], v = i - kVertexNode;
+    if (v >= 0) s.vertexColor[v] = s.vertexNextColor[v];
+    else s.color[i] = s.nextColor[i];
+    FindClashes::raiseColors(s, colorOf(s, i));
   }
 };
 struct ProposeColors {
   static constexpr const char* kName = "coloring";
   RUBBLE_HD void operator()(const View& s, int k) const {
-    const int i = s.clashing[k];
-    if (clashes(s, i, s.nextColor[i])) atomicCount(&s.counters->clashes, 1);
+    const int i = s.clashing[k], v = i - kVertexNode;
+    if (v >= 0 ? vertexClashes(s, v, s.vertexNextColor[v]) : clashes(s, i, s.nextColor[i])) atomicCount(&s.counters->clashes, 1);
   }
 };
 
@@ -90,6 +125,22 @@ struct FillColors {
     if (!isDynamic(s, i)) return;
     const int color = s.color[i];
     s.colorBody[s.colorOffset[color] + atomicCount(&s.colorCount[color], -1) - 1] = i;
+  }
+};
+
+struct CountVertexColors {
+  static constexpr const char* kName = "coloring";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    if (isDynamicVertex(s, v)) atomicCount(&s.vertexColorCount[s.vertexColor[v]], 1);
+  }
+};
+/// The order inside a colour has no influence on results.
+struct FillVertexColors {
+  static constexpr const char* kName = "coloring";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    if (!isDynamicVertex(s, v)) return;
+    const int color = s.vertexColor[v];
+    s.colorVertex[s.vertexColorOffset[color] + atomicCount(&s.vertexColorCount[color], -1) - 1] = v;
   }
 };
 

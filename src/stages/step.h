@@ -4,6 +4,7 @@
 #include "stages/coloring.h"
 #include "stages/rare_contacts.h"
 #include "stages/sleep.h"
+#include "stages/soft_step.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -17,7 +18,7 @@ namespace rubble::RUBBLE_CORE {
 ///   group(keys, n, offsets, order, counter) indices modulo `bodies` by key, ascending; keys below 0 are left out; the counter has the number of keys
 ///   require(per, counter)                   room for that many before they are written: nothing is dropped
 ///   rounds(take, propose, counter, left)    takes turns of two kernels over as many as are counted, until `propose` leaves `left` at zero
-///   forEachColor(kernel)                    colour by colour, over its bodies
+///   forEachColor(kernel, vertexKernel)      colour by colour, over its bodies and its vertices
 ///   keepManifolds()                         those of this step are the old ones of the next
 ///   Lane                                    Real or Real4: points that one call treats side by side
 template <class E>
@@ -29,7 +30,7 @@ concept Executor = requires(E e, View& v) {
   e.scan(&View::pairCount, &View::pairOffset, 1, &Counters::pairs, Per::Pair);
   e.require(Per::Color, &Counters::colors);
   e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes);
-  e.forEachColor(SolveBody<typename E::Lane>{});
+  e.forEachColor(SolveBody<typename E::Lane>{}, SolveVertex{});
   e.forEachIn(SolveGroup{}, &View::levelGroup, 0);
   e.group(&View::groupOf, 1, &View::memberOffset, &View::member, &Counters::groups);
 };
@@ -56,6 +57,7 @@ void wakeIslands(E& e) {
   e.clear(&View::islandFlag, bodies);
   e.forEach(WakeByForces{}, bodies);
   e.forEach(WakeByPairs{}, &Counters::pairs);
+  if (e.view().vertices > 0) forEachSoftNeighbor<WakeBySoft>(e);
   forEachType(JointTypes{}, [&]<class F>() { e.forEach(WakeByJoints<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   e.forEach(WakeBodies{}, bodies);
 }
@@ -70,6 +72,7 @@ void sleepIslands(E& e) {
   forEachType(JointTypes{}, [&]<class F>() { e.forEach(JoinIslandsByJoints<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   e.forEach(FindRestless{}, bodies);
   e.forEach(FindMovedIslands{}, &Counters::pairs);
+  if (e.view().vertices > 0) forEachSoftNeighbor<KeepAwakeBySoft>(e);
   e.forEach(FallAsleep{}, bodies);
 }
 
@@ -139,23 +142,28 @@ void findIncidence(E& e) {
     e.forEach(Kernel<ContactBlocks>{}, &Counters::manifolds);
     forEachType(JointTypes{}, [&]<class F>() { e.forEach(Kernel<JointBlocks<F>>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   };
+  const bool soft = e.view().vertices > 0;
   e.clear(&View::entryCount, bodies);
   forEachBlock.template operator()<CountEntries>();
+  if (soft) countSoftEntries(e);
   e.scan(&View::entryCount, &View::entryOffset, bodies, &Counters::entries, Per::Entry);
   forEachBlock.template operator()<FillEntries>();
+  if (soft) fillSoftEntries(e);
   e.forEach(SortEntries{}, bodies);
 }
 
 template <Executor E>
-void colorBodies(E& e) {
-  const int bodies = e.view().bodies;
+void colorNodes(E& e) {
+  const int bodies = e.view().bodies, vertices = e.view().vertices;
   e.forEach(FindClashes{}, bodies);
+  e.forEach(FindVertexClashes{}, vertices);
   e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes);
   e.require(Per::Color, &Counters::colors);
   e.clear(&View::colorCount, &Counters::colors);
   e.forEach(CountColors{}, bodies);
   e.scan(&View::colorCount, &View::colorOffset, &Counters::colors);
   e.forEach(FillColors{}, bodies);
+  if (vertices > 0) listVertexColors(e);
 }
 
 /// Fast bodies stop where they meet others.
@@ -172,33 +180,42 @@ void stopFastBodies(E& e) {
 template <Executor E>
 void step(E& e) {
   using L = typename E::Lane;
-  const int bodies = e.view().bodies;
+  const int bodies = e.view().bodies, vertices = e.view().vertices;
   const auto forEachJoint = [&]<template <class> class Kernel>() {
     forEachType(JointTypes{}, [&]<class F>() { e.forEach(Kernel<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   };
 
   e.forEach(PredictBodies{}, bodies);
   findPairs(e);
+  if (vertices > 0) findVertexPairs(e);
   if (e.view().step.sleeping) wakeIslands(e);
   findContacts(e);
   forEachJoint.template operator()<BeginJoints>();
+  if (vertices > 0) beginVertices(e);
   if (e.view().step.coarseCorrection) findGroups(e);
   findIncidence(e);
-  colorBodies(e);
+  colorNodes(e);
+  e.forEach(PredictVertices{}, vertices);
+  if (vertices > 0) e.forEach(MarkDormantPoints{}, &Counters::pointPairs);
   if (e.view().step.coarseCorrection) prepareGroups(e);
+  if (e.view().step.coarseCorrection && vertices > 0) placeClusters(e);
 
   for (int n = 0; n < e.view().step.iterations; ++n) {
     if (e.view().step.coarseCorrection) correctGroups(e, n);
-    e.forEachColor(SolveBody<L>{});
+    if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
+    e.forEachColor(SolveBody<L>{}, SolveVertex{});
     e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);
     forEachJoint.template operator()<UpdateJointDuals>();
+    if (vertices > 0) updateSoftDuals(e);
   }
 
   e.forEach(StoreContacts{}, &Counters::manifolds);
   forEachJoint.template operator()<FinishJoints>();
+  if (vertices > 0) finishSoftRows(e);
   stopFastBodies(e);
   e.forEach(FinishBodies{}, bodies);
+  e.forEach(FinishVertices{}, vertices);
   if (e.view().step.sleeping) sleepIslands(e);
   e.keepManifolds();
 }

@@ -71,16 +71,16 @@ RUBBLE_HD constexpr bool samePair(const Pair& a, const Pair& b) { return a.other
 
 /// One row block that acts on a body, seen from it.
 struct Entry {
-  std::uint32_t code;  ///< sorted: force type (4 bits), index (27 bits), side (1 bit)
-  int other;           ///< the other dynamic body, or -1
+  std::uint32_t code;  ///< sorted: force type (5 bits), index (26 bits), side (1 bit)
+  int other;           ///< the other dynamic body or vertex (kVertexNode + index), or -1
   int depth;           ///< coarse levels at which the two bodies are in different groups (nested: the finest ones)
 };
 inline constexpr int kContactType = 0;  ///< joint type i is i + 1
 RUBBLE_HD constexpr std::uint32_t entryCode(int type, int index, int side) {
-  return static_cast<std::uint32_t>(type) << 28 | static_cast<std::uint32_t>(index) << 1 | static_cast<std::uint32_t>(side);
+  return static_cast<std::uint32_t>(type) << 27 | static_cast<std::uint32_t>(index) << 1 | static_cast<std::uint32_t>(side);
 }
-RUBBLE_HD constexpr int entryType(std::uint32_t code) { return static_cast<int>(code >> 28); }
-RUBBLE_HD constexpr int entryIndex(std::uint32_t code) { return static_cast<int>((code & 0x0fffffffu) >> 1); }
+RUBBLE_HD constexpr int entryType(std::uint32_t code) { return static_cast<int>(code >> 27); }
+RUBBLE_HD constexpr int entryIndex(std::uint32_t code) { return static_cast<int>((code & 0x07ffffffu) >> 1); }
 RUBBLE_HD constexpr int entrySide(std::uint32_t code) { return static_cast<int>(code & 1u); }
 
 /// Where a body would go without constraints, and its inertia, in this step.
@@ -122,11 +122,13 @@ struct Counters {
   int pairs, manifolds, entries, colors;
   int contacts, recycled, tested;
   int groups, chunks, externals;
-  int clashing, clashes, rounds;  ///< bodies that choose a colour, those left to choose again, rounds of that
+  int clashing, clashes, rounds;  ///< nodes that choose a colour, those left to choose again, rounds of that
   int swept;    ///< pairs to be searched for fast bodies: all, or none
   int stopped;  ///< bodies that stopped at an impact
   int asleep;   ///< bodies that sleep after this step
   int quarantined, failedSolves, spinLimited, broken;
+  int pointPairs, pointContacts, pointEntries;
+  int grainHalf[3];               ///< largest half extents of granular particles, as bits like levelHalf [m]
   int rollers;                    ///< pairs, where some material has rolling friction
   int levelUsed[kGridLevels];
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]

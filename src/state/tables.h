@@ -57,6 +57,9 @@ class Tables {
     swap(view_.pair, view_.oldPair);
     swap(view_.manifold, view_.oldManifold);
     swap(view_.pairOffset, view_.oldPairOffset);
+    swap(view_.pointPair, view_.oldPointPair);
+    swap(view_.pointContact, view_.oldPointContact);
+    swap(view_.pointPairOffset, view_.oldPointPairOffset);
     swap(view_.rolling, view_.oldRolling);
   }
 

@@ -1,13 +1,16 @@
 #pragma once
 /// Every array of the engine, declared once: meaning, unit, shape and who writes it. A View is handed to each kernel by value.
 #include "state/bodies.h"
+#include "state/vertices.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
 enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
-                 ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, FirstJoint };
-/// The joint types follow one another from FirstJoint on.
+                 ShapeVector, ShapeIndex, ShapePart, Surface, Rolling,
+                 Vertex, VertexSlot, Neighbor, ElementRef, PointPair, PointEntry, GrainCell, Attachment, Cluster, ClusterRef, Node,
+                 FirstElement, FirstJoint = FirstElement + ElementTypes::kSize };
+/// The element types follow one another from FirstElement on, the joint types from FirstJoint on.
 inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes::kSize;
 
 /// How long its content matters: authored (written by edits), state (from step to step), work (inside one step),
@@ -20,6 +23,9 @@ inline constexpr int kPairSlots = 20;
 constexpr Per perJoint(int type) { return static_cast<Per>(static_cast<int>(Per::FirstJoint) + type); }
 /// The joint type that a kind of element is one of, or -1.
 constexpr int jointTypeOf(Per per) { return per < Per::FirstJoint ? -1 : static_cast<int>(per) - static_cast<int>(Per::FirstJoint); }
+
+template <class F>
+constexpr Per perElement() { return static_cast<Per>(static_cast<int>(Per::FirstElement) + typeIndex<F>(ElementTypes{})); }
 
 /// The arrays of one joint type.
 template <class F>
@@ -44,6 +50,13 @@ struct View : JointTables<JointTypes> {
   int wakeAll = 0;                    ///< 1: nothing sleeps on in this step
   int locked = 0;                     ///< 1: some body has locked axes
   int joints[JointTypes::kSize] = {}; ///< slots in use of each type
+  int vertices = 0;                   ///< slots in use, removed ones included
+  int grainCells = 0;                 ///< buckets of the grid of granular particles, a power of two; 0: there are none
+  Real grainCell = 1;                 ///< [m]
+  int attachments = 0;                ///< slots in use
+  int clusterBegin[kClusterLevels + 1] = {}; ///< first cluster of each level, fine ones first
+  int clusterRefs = 0;
+  int elements[ElementTypes::kSize] = {}; ///< slots in use of each type
   StepConstants step{};
   Counters* counters = nullptr;
 
@@ -88,7 +101,7 @@ struct View : JointTables<JointTypes> {
   Displacement* stopped = nullptr;    ///< the way that it makes then
   int* color = nullptr;               ///< kept from step to step
   int* nextColor = nullptr;           ///< of the bodies that choose one
-  int* clashing = nullptr;            ///< bodies that choose a colour in this step
+  int* clashing = nullptr;            ///< bodies, and vertices (kVertexNode + index), that choose a colour in this step
   int* colorBody = nullptr;           ///< dynamic bodies by colour
   int* entryCount = nullptr;          ///< row blocks of a body
   int* entryOffset = nullptr;         ///< [bodies + 1]
@@ -130,6 +143,64 @@ struct View : JointTables<JointTypes> {
   int* joinLevel = nullptr;           ///< level of the groups at which they unite their bodies, kCoarseLevels: at none
   Entry* entry = nullptr;             ///< row blocks by body
 
+  // vertices: authored
+  VertexParams* vertexParams = nullptr;
+  int* refOffset = nullptr;           ///< [vertices + 1] into ref
+  std::uint32_t* ref = nullptr;       ///< elements and attachments of each vertex
+  int* neighborOffset = nullptr;      ///< [vertices + 1] into neighbor
+  int* neighbor = nullptr;            ///< vertices that share an element or attachment with this one, sorted
+  // vertices: state
+  Vec3d* vertexPosition = nullptr;    ///< [m]
+  Vec3* vertexVelocity = nullptr;     ///< [m/s]
+  Vec3* vertexOldVelocity = nullptr;  ///< one step earlier [m/s]
+  Vec3* vertexForce = nullptr;        ///< applied by the user, for one step [N]
+  int* vertexColor = nullptr;
+  // vertices: work
+  Vec3* vertexTarget = nullptr;       ///< y - x^t [m]
+  Vec3* vertexMoved = nullptr;        ///< x - x^t, present iterate [m]
+  Vec3* vertexPlace = nullptr;        ///< x from the first vertex of its object at x^t, present iterate [m]
+  int* vertexNextColor = nullptr;
+  int* colorVertex = nullptr;         ///< dynamic vertices by colour
+  int* grainCount = nullptr;          ///< granular particles of each bucket
+  int* grainOffset = nullptr;         ///< [grainCells + 1]
+  GrainEntry* grain = nullptr;        ///< granular particles by bucket
+  int* pointPairSlot = nullptr;       ///< [vertices][kPointPairSlots] partners found
+  int* pointPairCount = nullptr;      ///< pairs that a vertex owns
+  int* pointPairOffset = nullptr;     ///< [vertices + 1] first pair of a vertex
+  int* oldPointPairOffset = nullptr;
+  int* pointEntryCount = nullptr;     ///< contacts of a vertex
+  int* pointEntryOffset = nullptr;    ///< [vertices + 1]
+  int* vertexColorCount = nullptr;    ///< vertices of each colour
+  int* vertexColorOffset = nullptr;   ///< [colors + 1]
+  // pairs of vertices with bodies and with one another, and their rows
+  PointPair* pointPair = nullptr;     ///< by vertex, then by partner
+  PointPair* oldPointPair = nullptr;
+  PointContact* pointContact = nullptr;  ///< one a pair
+  PointContact* oldPointContact = nullptr;
+  std::uint32_t* pointEntry = nullptr;   ///< contacts by vertex
+  // clusters
+  Cluster* cluster = nullptr;            ///< by level
+  int* clusterMember = nullptr;          ///< dynamic vertices of objects with elements, by cluster
+  ClusterRef* clusterRef = nullptr;      ///< elements that leave a cluster, by cluster
+  ClusterMotion* clusterMotion = nullptr;
+  // elements
+  Attachment* attachment = nullptr;
+  Tetrahedron* tetrahedron = nullptr;
+  Membrane* membrane = nullptr;
+  FlatBend* flatBend = nullptr;
+  FoldBend* foldBend = nullptr;
+  LineBend* lineBend = nullptr;
+  Spring* spring = nullptr;
+
+  template <class F>
+  RUBBLE_HD F* elementsOf() const {
+    if constexpr (std::is_same_v<F, Tetrahedron>) return tetrahedron;
+    else if constexpr (std::is_same_v<F, Membrane>) return membrane;
+    else if constexpr (std::is_same_v<F, FlatBend>) return flatBend;
+    else if constexpr (std::is_same_v<F, FoldBend>) return foldBend;
+    else if constexpr (std::is_same_v<F, LineBend>) return lineBend;
+    else return spring;
+  }
   RUBBLE_HD ShapeTables shapeTables() const { return {shapeVector, shapeIndex, shapePart}; }
 
   template <class F>
@@ -137,6 +208,12 @@ struct View : JointTables<JointTypes> {
   template <class F>
   RUBBLE_HD Joint<F>* jointsOf() const { return JointTable<F>::joint; }
 };
+
+/// Slots in use of a type of element, 0 for other kinds.
+inline std::size_t elementCount(const View& s, Per per) {
+  const int type = static_cast<int>(per) - static_cast<int>(Per::FirstElement);
+  return type >= 0 && type < ElementTypes::kSize ? static_cast<std::size_t>(s.elements[type]) : 0;
+}
 
 template <class T>
 struct ArrayInfo {
@@ -201,7 +278,7 @@ void forEachArray(F&& f) {
   is(&View::stopPair, "stopPair", "", Per::Body, Life::Work);
   is(&View::stopped, "stopped", "m, rad", Per::Body, Life::Work);
   is(&View::nextColor, "nextColor", "", Per::Body, Life::Unordered);
-  is(&View::clashing, "clashing", "", Per::Body, Life::Unordered);
+  is(&View::clashing, "clashing", "", Per::Node, Life::Unordered);
   is(&View::colorBody, "colorBody", "", Per::Body, Life::Unordered);
   is(&View::entryCount, "entryCount", "", Per::Body, Life::Work);
   is(&View::entryOffset, "entryOffset", "", Per::Body, Life::Work, 1);
@@ -233,6 +310,48 @@ void forEachArray(F&& f) {
   is(&View::contact, "contact", "", Per::Manifold, Life::State);
   is(&View::joinLevel, "joinLevel", "", Per::Manifold, Life::Work);
   is(&View::entry, "entry", "", Per::Entry, Life::Work);
+  is(&View::vertexParams, "vertexParams", "", Per::Vertex, Life::Authored);
+  is(&View::refOffset, "refOffset", "", Per::Vertex, Life::Authored, 1);
+  is(&View::ref, "ref", "", Per::ElementRef, Life::Authored);
+  is(&View::neighborOffset, "neighborOffset", "", Per::Vertex, Life::Authored, 1);
+  is(&View::neighbor, "neighbor", "", Per::Neighbor, Life::Authored);
+  is(&View::vertexPosition, "vertexPosition", "m", Per::Vertex, Life::State);
+  is(&View::vertexVelocity, "vertexVelocity", "m/s", Per::Vertex, Life::State);
+  is(&View::vertexOldVelocity, "vertexOldVelocity", "m/s", Per::Vertex, Life::State);
+  is(&View::vertexForce, "vertexForce", "N", Per::Vertex, Life::State);
+  is(&View::vertexColor, "vertexColor", "", Per::Vertex, Life::State);
+  is(&View::oldPointPairOffset, "oldPointPairOffset", "", Per::Vertex, Life::State, 1);
+  is(&View::oldPointPair, "oldPointPair", "", Per::PointPair, Life::State);
+  is(&View::oldPointContact, "oldPointContact", "", Per::PointPair, Life::State);
+  is(&View::attachment, "attachment", "", Per::Attachment, Life::State);
+  is(&View::tetrahedron, "tetrahedron", "", perElement<Tetrahedron>(), Life::State);
+  is(&View::membrane, "membrane", "", perElement<Membrane>(), Life::State);
+  is(&View::flatBend, "flatBend", "", perElement<FlatBend>(), Life::State);
+  is(&View::foldBend, "foldBend", "", perElement<FoldBend>(), Life::State);
+  is(&View::lineBend, "lineBend", "", perElement<LineBend>(), Life::State);
+  is(&View::spring, "spring", "", perElement<Spring>(), Life::State);
+  is(&View::cluster, "cluster", "", Per::Cluster, Life::Authored);
+  is(&View::clusterMember, "clusterMember", "", Per::Vertex, Life::Authored);
+  is(&View::clusterRef, "clusterRef", "", Per::ClusterRef, Life::Authored);
+  is(&View::clusterMotion, "clusterMotion", "", Per::Cluster, Life::Work);
+  is(&View::vertexTarget, "vertexTarget", "m", Per::Vertex, Life::Work);
+  is(&View::vertexMoved, "vertexMoved", "m", Per::Vertex, Life::Work);
+  is(&View::vertexPlace, "vertexPlace", "m", Per::Vertex, Life::Work);
+  is(&View::vertexNextColor, "vertexNextColor", "", Per::Vertex, Life::Work);
+  is(&View::colorVertex, "colorVertex", "", Per::Vertex, Life::Unordered);
+  is(&View::grainCount, "grainCount", "", Per::GrainCell, Life::Work);
+  is(&View::grainOffset, "grainOffset", "", Per::GrainCell, Life::Work, 1);
+  is(&View::grain, "grain", "", Per::Vertex, Life::Unordered);
+  is(&View::pointPairSlot, "pointPairSlot", "", Per::VertexSlot, Life::Unordered);
+  is(&View::pointPairCount, "pointPairCount", "", Per::Vertex, Life::Work);
+  is(&View::pointPairOffset, "pointPairOffset", "", Per::Vertex, Life::Work, 1);
+  is(&View::pointEntryCount, "pointEntryCount", "", Per::Vertex, Life::Work);
+  is(&View::pointEntryOffset, "pointEntryOffset", "", Per::Vertex, Life::Work, 1);
+  is(&View::vertexColorCount, "vertexColorCount", "", Per::Color, Life::Work);
+  is(&View::vertexColorOffset, "vertexColorOffset", "", Per::Color, Life::Work, 1);
+  is(&View::pointPair, "pointPair", "", Per::PointPair, Life::Work);
+  is(&View::pointContact, "pointContact", "", Per::PointPair, Life::Work);
+  is(&View::pointEntry, "pointEntry", "", Per::PointEntry, Life::Work);
 }
 
 /// What is edited does not sleep on; its island wakes with it, for it is a moving neighbour of the others.

@@ -92,6 +92,7 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
   for (const JointId joint : registry.joints.ids())
     if (goes(registry.joints[joint].a) || goes(registry.joints[joint].b)) removeJoint(joint);
   for (const BodyId id : ids) {
+    removeAttachmentsOf(id);
     const BodyDef& def = registry.bodies[id].def;
     if (!def.name.empty()) registry.bodyNames.erase(def.name);
     planesChanged |= def.shape.type == ShapeType::Plane;
@@ -199,6 +200,7 @@ void World::Impl::findBroken(std::vector<JointId>& broken) {
 }
 
 void World::Impl::flush() {
+  flushSoft();
   if (planesChanged) {
     std::vector<int> planes;
     for (const BodyId id : registry.bodies.ids())
@@ -230,6 +232,10 @@ void World::Impl::flush() {
       radii.push_back(radius);
       settings.maxMass = std::max(settings.maxMass, body.mass.mass);
       settings.maxMassLength = std::max(settings.maxMassLength, body.mass.mass * 2 * radius);
+    }
+    for (const SoftId id : registry.softs.ids()) {
+      const SoftModel& model = *registry.softs[id].model;
+      settings.maxMassLength = std::max(settings.maxMassLength, model.mass * model.size);
     }
     if (!radii.empty()) {
       const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);

@@ -126,6 +126,17 @@ void validate(const Scene& scene) {
   finite(scene.gravity, "gravity");
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) validate(scene.bodies[i], "bodies[" + std::to_string(i) + "]");
   for (std::size_t i = 0; i < scene.joints.size(); ++i) validateJoint(scene, scene.joints[i], "joints[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < scene.attachments.size(); ++i) {
+    const AttachmentDef& a = scene.attachments[i];
+    const std::string path = "attachments[" + std::to_string(i) + "]";
+    const auto check = [&](int index, std::size_t count, int least, const char* name) {
+      if (index < least || (index >= 0 && static_cast<std::size_t>(index) >= count))
+        throw Error(path + name, "an index below " + std::to_string(count), std::to_string(index));
+    };
+    check(a.object, scene.deformables.size(), 0, ".object");
+    check(a.otherObject, scene.deformables.size(), -1, ".otherObject");
+    check(a.body, scene.bodies.size(), kWorld, ".body");
+  }
   for (std::size_t i = 0; i < scene.exclusions.size(); ++i) {
     const auto [a, b] = scene.exclusions[i];
     const std::string path = "exclusions[" + std::to_string(i) + "]";

@@ -55,6 +55,13 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
   const auto idOf = [&](int body) { return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)]; };
   for (const JointDef& joint : scene.joints) impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB));
   for (const auto& [a, b] : scene.exclusions) impl_->exclude(idOf(a), idOf(b), true);
+  for (std::size_t i = 0; i < scene.deformables.size(); ++i)
+    r.sceneSofts.push_back(impl_->addSoft(scene.deformables[i], "deformables[" + std::to_string(i) + "]"));
+  const auto softOf = [&](int object) { return object < 0 ? SoftId{} : r.sceneSofts[static_cast<std::size_t>(object)]; };
+  for (std::size_t i = 0; i < scene.attachments.size(); ++i) {
+    const AttachmentDef& a = scene.attachments[i];
+    impl_->addAttachment(a, softOf(a.object), idOf(a.body), softOf(a.otherObject), "attachments[" + std::to_string(i) + "]");
+  }
 }
 
 World::~World() = default;
@@ -263,6 +270,7 @@ void World::restore(const Snapshot& snapshot) {
   impl_->engine->restore(*snapshot.data->engine);
   ++impl_->epoch;
   impl_->settingsChanged = true;
+  impl_->softChanged = false;
 }
 
 std::string World::firstDifference() const { return impl_->engine->firstDifference(); }

@@ -90,10 +90,31 @@ struct Touch {
   bool sensor;
 };
 
+struct SoftRecord {
+  Deformable def;
+  std::shared_ptr<const SoftModel> model;
+  std::int64_t order;  ///< objects lie in the tables in the order in which they were added
+  SoftRange range;     ///< in the tables; vertex -1: not there yet
+};
+
+struct AttachmentRecord {
+  AttachmentDef def;
+  SoftId object, otherObject;  ///< other: index -1: no seam
+  BodyId body;                 ///< index -1: the world
+  Vec3 anchor;                 ///< in the frame of the body, or in the world [m]
+  std::int64_t order;
+  int engineIndex = -1;        ///< -1: not there yet
+};
+
 /// Everything of a world but its engine: copied whole into a snapshot.
 struct Registry {
   Slots<BodyId, BodyRecord> bodies;
   Slots<JointId, JointRecord> joints;
+  Slots<SoftId, SoftRecord> softs;
+  Slots<AttachmentId, AttachmentRecord> attachments;
+  std::unordered_map<std::string, SoftId> softNames;
+  std::vector<SoftId> sceneSofts;
+  std::int64_t softOrder = 0;
   std::unordered_map<std::string, BodyId> bodyNames;
   std::unordered_map<std::string, JointId> jointNames;
   std::vector<BodyId> sceneBodies;
@@ -131,6 +152,7 @@ struct World::Impl {
   bool doublePrecision = false;  ///< of the engine: its snapshots are of no use to others
   std::int64_t epoch = 0;
   PoseRing poses;
+  bool softChanged = false;
   bool disturbed = false;  ///< something that acts on all bodies has changed: none sleeps on
   bool wantsEvents = false;
   Events events;
@@ -165,6 +187,15 @@ struct World::Impl {
   void requireAlive(BodyId id) const;
   void requireAlive(JointId id) const;
   PoseCopies& poseCopies();
+  SoftId addSoft(const Deformable& def, const std::string& path);
+  AttachmentId addAttachment(const AttachmentDef& def, SoftId object, BodyId body, SoftId other, const std::string& path);
+  void removeSoft(SoftId id);
+  void removeAttachment(AttachmentId id);
+  void removeAttachmentsOf(BodyId id);
+  void requireAlive(SoftId id) const;
+  void requireAlive(AttachmentId id) const;
+  /// Brings the tables of deformable objects up to date.
+  void flushSoft();
   void wake(BodyId id);
   void collectEvents(const StepReport& report);
   void collectContacts();

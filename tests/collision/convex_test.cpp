@@ -1,6 +1,5 @@
 /// The general convex test against brute force: the separation over many directions, points of contact, closed forms of flat contact.
 #include <collision/parts.h>
-#include <cook/cook.h>
 
 #include <numbers>
 
@@ -10,26 +9,6 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 using test::Random;
-
-/// Shapes with the tables that they need.
-class Shelf {
- public:
-  ShapeData add(const Shape& shape) {
-    const CookedShape cooked = cook(shape);
-    const int vectors = static_cast<int>(vectors_.size()), indices = static_cast<int>(indices_.size());
-    for (const auto& v : cooked.vectors) vectors_.push_back({v[0], v[1], v[2], v[3]});
-    for (const int i : cooked.indices) indices_.push_back(i);
-    for (const int place : cooked.vectorPlaces) indices_[static_cast<std::size_t>(indices + place)] += vectors;
-    for (const int place : cooked.indexPlaces) indices_[static_cast<std::size_t>(indices + place)] += indices;
-    const int data = cooked.shape.data < 0 ? -1 : cooked.shape.data + indices;
-    return {cooked.shape.half, cooked.shape.radius, static_cast<ShapeKind>(cooked.shape.kind), data};
-  }
-  ShapeTables tables() const { return {vectors_.data(), indices_.data(), nullptr}; }
-
- private:
-  std::vector<Vec4> vectors_;
-  std::vector<int> indices_;
-};
 
 struct ConvexCase {
   ShapeData a, b;

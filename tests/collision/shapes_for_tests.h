@@ -1,6 +1,7 @@
 #pragma once
 /// Shapes, poses and brute-force measures for the pair tests.
 #include <collision/collide.h>
+#include <cook/cook.h>
 
 #include <algorithm>
 #include <vector>
@@ -13,6 +14,26 @@ inline ShapeData sphere(Real radius) { return {{0, 0, 0}, radius, ShapeKind::Sph
 inline ShapeData capsule(Real radius, Real halfLength) { return {{0, 0, halfLength}, radius, ShapeKind::Capsule, -1}; }
 inline ShapeData box(const Vec3& half) { return {half, 0, ShapeKind::Box, -1}; }
 inline ShapeData plane() { return {{0, 0, 0}, 0, ShapeKind::Plane, -1}; }
+
+/// Shapes with the tables that they need.
+class Shelf {
+ public:
+  ShapeData add(const Shape& shape) {
+    const CookedShape cooked = cook(shape);
+    const int vectors = static_cast<int>(vectors_.size()), indices = static_cast<int>(indices_.size());
+    for (const auto& v : cooked.vectors) vectors_.push_back({v[0], v[1], v[2], v[3]});
+    for (const int i : cooked.indices) indices_.push_back(i);
+    for (const int place : cooked.vectorPlaces) indices_[static_cast<std::size_t>(indices + place)] += vectors;
+    for (const int place : cooked.indexPlaces) indices_[static_cast<std::size_t>(indices + place)] += indices;
+    const int data = cooked.shape.data < 0 ? -1 : cooked.shape.data + indices;
+    return {cooked.shape.half, cooked.shape.radius, static_cast<ShapeKind>(cooked.shape.kind), data};
+  }
+  ShapeTables tables() const { return {vectors_.data(), indices_.data(), nullptr}; }
+
+ private:
+  std::vector<Vec4> vectors_;
+  std::vector<int> indices_;
+};
 
 /// Two shapes in the frame of A's centre.
 struct PairCase {

@@ -90,7 +90,7 @@ TEST(Coloring, ColoursAChainInAFewRounds) {
   CoreWorld world;
   buildChain(world, 5000);
   findGraph(world);
-  colorBodies(world.executor());
+  colorNodes(world.executor());
   expectProper(world.view(), 4999);
   EXPECT_LE(world.view().counters->colors, 4);
   EXPECT_LE(world.view().counters->rounds, 15);
@@ -106,7 +106,7 @@ TEST(Coloring, OfAStarWithFiveHundredNeighboursNeedsTwoColours) {
   world.finish();
   findGraph(world);
   expectIncidence(world.view());
-  colorBodies(world.executor());
+  colorNodes(world.executor());
   expectProper(world.view(), 500);
   EXPECT_LE(world.view().counters->colors, 3);
 }
@@ -121,7 +121,7 @@ TEST(Coloring, OfACliqueNeedsAsManyColoursAsBodies) {
     for (int j = 0; j < i; ++j) world.addBall(joint++, i, j);
   world.finish();
   findGraph(world);
-  colorBodies(world.executor());
+  colorNodes(world.executor());
   expectProper(world.view(), kBodies * (kBodies - 1) / 2);
   EXPECT_EQ(world.view().counters->colors, kBodies);
 }
@@ -146,7 +146,7 @@ TEST(Coloring, OfAPileIsProperAtAnyNumberOfThreads) {
     buildPile(world);
     findGraph(world);
     expectIncidence(world.view());
-    colorBodies(world.executor());
+    colorNodes(world.executor());
     expectProper(world.view(), 5000);
     EXPECT_LE(world.view().counters->colors, 20);
     const std::vector<int> colors(world.view().color, world.view().color + world.view().bodies);
@@ -159,11 +159,11 @@ TEST(Coloring, KeepsColoursFromStepToStep) {
   CoreWorld world;
   buildPile(world);
   findGraph(world);
-  colorBodies(world.executor());
+  colorNodes(world.executor());
   EXPECT_GT(world.view().counters->rounds, 1);
   const std::vector<int> before(world.view().color, world.view().color + world.view().bodies);
   findGraph(world);
-  colorBodies(world.executor());
+  colorNodes(world.executor());
   EXPECT_EQ(world.view().counters->rounds, 0);
   EXPECT_EQ(std::vector<int>(world.view().color, world.view().color + world.view().bodies), before);
 }
@@ -172,12 +172,12 @@ TEST(Coloring, RepairsAFewNewNeighboursInAFewRounds) {
   CoreWorld world;
   buildPile(world);
   findGraph(world);
-  colorBodies(world.executor());
+  colorNodes(world.executor());
   Random random(1);
   const std::vector<int> before(world.view().color, world.view().color + world.view().bodies);
   for (int i = 0; i < 30; ++i) world.addBall(i, 1 + random.below(700), 701 + random.below(700));
   findGraph(world);
-  colorBodies(world.executor());
+  colorNodes(world.executor());
   expectProper(world.view(), 5000);
   EXPECT_LE(world.view().counters->rounds, 4);
   int changed = 0;

@@ -209,7 +209,12 @@ TEST(SceneRoundTrip, TheRegistryIsExact) {
     SceneFile file;
     file.scene = job.scene;
     file.smashStep = job.smashStep;
-    expectRoundTrip(file);
+    if (job.scene.deformables.empty()) {
+      expectRoundTrip(file);
+    } else {
+      // scene files do not hold deformable objects, and say so
+      EXPECT_THROW(toJson(file), Error);
+    }
   }
 }
 

@@ -45,12 +45,19 @@ TEST_P(Parity, OfCpuAndReferenceOverTenSteps) {
   }
   const std::vector<BodyId> ids = cpu.world().bodies();
   ASSERT_EQ(ids, reference.world().bodies());
-  ASSERT_FALSE(ids.empty());
+  const std::vector<SoftId> softIds = cpu.world().deformables();
+  ASSERT_EQ(softIds, reference.world().deformables());
+  ASSERT_FALSE(ids.empty() && softIds.empty());
   double worst = 0, worstAngle = 0;
   for (const BodyId id : ids) {
     const BodyState a = cpu.world().state(id), b = reference.world().state(id);
     worst = std::max(worst, length(a.position - b.position));
     worstAngle = std::max(worstAngle, test::angleBetween(a.orientation, b.orientation));
+  }
+  for (const SoftId id : softIds) {
+    const std::vector<Vec3> a = cpu.world().positions(id), b = reference.world().positions(id);
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, length(a[i] - b[i]));
   }
   RecordProperty("worst_um", static_cast<int>(worst * 1e6));
   EXPECT_LT(worst, kPosition);
@@ -69,6 +76,24 @@ INSTANTIATE_TEST_SUITE_P(Registry, Parity, ::testing::ValuesIn(names()), [](cons
       name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
   return name;
 });
+
+/// Scenes of the registry with deformable objects.
+std::vector<std::string> softNames() {
+  std::vector<std::string> out = names();
+  std::erase_if(out, [](const std::string& name) { return jobOf(name).scene.deformables.empty(); });
+  return out;
+}
+
+TEST(Parity, OfManyThreadsIsExactForDeformableObjects) {
+  ASSERT_FALSE(softNames().empty());
+  for (const std::string& name : softNames()) {
+    WorldOptions options = optionsOf(jobOf(name), "lockstep");
+    options.threads = 3;
+    scenes::Runner lockstep(jobOf(name), options);
+    for (int i = 0; i < kSteps; ++i) lockstep.step();
+    EXPECT_EQ(lockstep.world().firstDifference(), "") << name;
+  }
+}
 
 TEST(Parity, OfManyThreadsIsExact) {
   const tbb::global_control manyThreads(tbb::global_control::max_allowed_parallelism, 4);

@@ -16,6 +16,7 @@ Arguments testSize(const Spec& spec) { return resolve(spec, spec.testArguments);
 int dynamicCount(const Scene& scene) {
   int count = 0;
   for (const BodyDef& body : scene.bodies) count += body.motion == Motion::Dynamic;
+  for (const Deformable& object : scene.deformables) count += static_cast<int>(common(object).vertices.size() - common(object).fixed.size());
   return count;
 }
 

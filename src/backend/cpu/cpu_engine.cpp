@@ -17,6 +17,8 @@ void reportCounters(const View& s, StepReport& report) {
   report.pairs = c.pairs;
   report.manifolds = c.manifolds;
   report.contacts = c.contacts;
+  report.vertices = s.vertices;
+  report.vertexContacts = c.pointContacts;
   report.recycled = c.recycled;
   report.colors = c.colors;
   report.colorRounds = c.rounds;

@@ -1,6 +1,7 @@
 #pragma once
 /// An engine whose tables lie in host memory.
 #include "backend/cpu/cpu_executor.h"
+#include "backend/cpu/soft_edit.h"
 #include "backend/cpu/table_edit.h"
 #include "backend/state_rows.h"
 #include "solver/settings.h"
@@ -35,6 +36,19 @@ class CpuEngine final : public Engine {
   void setJoint(int slot, const EngineJoint& joint) override { RUBBLE_CORE::setJoint(tables(), slot, joint); }
   void editJoint(int slot, const EngineJoint& joint) override { RUBBLE_CORE::editJoint(tables(), slot, joint); }
   void setExclusions(const std::vector<std::pair<int, int>>& pairs) override { RUBBLE_CORE::setExclusions(tables(), pairs); }
+  void setSoft(const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) override {
+    RUBBLE_CORE::setSoft(tables(), objects, attachments);
+  }
+  void vertexStates(int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities) const override {
+    vertexStatesOf(tables(), first, positions, velocities);
+  }
+  void setVertexStates(int first, std::span<const rubble::Vec3> positions, std::span<const rubble::Vec3> velocities) override {
+    RUBBLE_CORE::setVertexStates(tables(), first, positions, velocities);
+  }
+  void addVertexForce(int vertex, const rubble::Vec3& force) override { tables().view().vertexForce[vertex] += Vec3(force); }
+  void elementsAlive(int type, int first, std::span<char> alive) const override { elementsAliveOf(tables(), type, first, alive); }
+  JointState attachmentState(int index) const override { return attachmentStateOf(tables(), index); }
+  std::vector<EngineVertexContact> vertexContacts() const override { return vertexContactsOf(tables()); }
   BodyState state(int slot) const override { return bodyState(tables(), slot); }
   void setState(int slot, const BodyState& state) override { setBodyState(tables(), slot, state); }
   void addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) override;

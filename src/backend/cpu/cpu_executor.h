@@ -108,13 +108,16 @@ class CpuExecutor {
     }
   }
 
-  template <class Kernel>
-  void forEachColor(const Kernel& kernel) {
+  template <class Kernel, class VertexKernel>
+  void forEachColor(const Kernel& kernel, const VertexKernel& vertexKernel) {
     const StageClock clock(*this, Kernel::kName);
     const View& s = view();
     for (int c = 0; c < s.counters->colors; ++c) {
       const int begin = s.colorOffset[c];
       forRange(s.colorOffset[c + 1] - begin, [&](int k) { kernel(s, s.colorBody[begin + k]); });
+      if (s.vertices == 0) continue;
+      const int first = s.vertexColorOffset[c];
+      forRange(s.vertexColorOffset[c + 1] - first, [&](int k) { vertexKernel(s, s.colorVertex[first + k]); });
     }
   }
 

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "backend/cpu/shape_edit.h"
+#include "backend/cpu/soft_edit.h"
 #include "backend/state_rows.h"
 #include "stages/joints.h"
 
@@ -30,6 +31,7 @@ void setBodyCount(HostTables& tables, int slots) {
   tables.reserve(Per::Body, slots);
   tables.reserve(Per::BodySlot, tables.capacity(Per::Body) * kPairSlots);
   tables.reserve(Per::BodyLevel, tables.capacity(Per::Body) * kCoarseLevels);
+  tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
   tables.reserve(Per::Level, kCoarseLevels);
   const int cells = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * slots))));
   tables.reserve(Per::Cell, cells);
@@ -99,6 +101,7 @@ void forgetContacts(HostTables& tables, int slot) {
         s.oldPair[k].other = -1;
         s.oldManifold[k].count = 0;
       }
+  forgetVertexContacts(tables, slot);
 }
 
 void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
@@ -114,6 +117,7 @@ void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
     s.oldPair[k].other = -1;
     s.oldManifold[k].count = 0;
   }
+  for (const int slot : slots) forgetVertexContacts(tables, slot);
 }
 
 void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change) {
@@ -215,9 +219,9 @@ Quality qualityOf(const HostTables& tables) {
   Quality q;
   std::vector<double> depths;
   for (const EngineContact& c : contactsOf(tables)) depths.push_back(std::max(0.0, c.depth));
-  q.penetration = distribution(depths);
-
   int joints = 0;
+  addSoftQuality(tables, q, depths, joints);
+  q.penetration = distribution(depths);
   forEachType(JointTypes{}, [&]<class F>() {
     const int type = typeIndex<F>(JointTypes{});
     for (int i = 0; i < s.joints[type]; ++i) {

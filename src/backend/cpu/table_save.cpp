@@ -1,4 +1,4 @@
-#include "backend/cpu/table_edit.h"
+#include "backend/cpu/soft_edit.h"
 
 #include <algorithm>
 
@@ -21,7 +21,14 @@ std::size_t liveCount(const View& s, Per per) {
     case Per::Surface: return static_cast<std::size_t>(s.surfaces);
     // none before the first step with such materials
     case Per::Rolling: return s.rolls ? static_cast<std::size_t>(s.counters->rollers) : 0;
-    default: return 0;
+    case Per::Vertex: return static_cast<std::size_t>(s.vertices);
+    case Per::ElementRef: return static_cast<std::size_t>(s.refOffset[s.vertices]);
+    case Per::Neighbor: return static_cast<std::size_t>(s.neighborOffset[s.vertices]);
+    case Per::PointPair: return static_cast<std::size_t>(s.oldPointPairOffset[s.vertices]);
+    case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
+    case Per::ClusterRef: return static_cast<std::size_t>(s.clusterRefs);
+    case Per::Attachment: return static_cast<std::size_t>(s.attachments);
+    default: return elementCount(s, per);
   }
 }
 
@@ -53,6 +60,8 @@ struct SavedCounts {
   int bodies, planes, pairs, manifolds, exclusions, filtered, locked;
   int shapeVectors, shapeIndices, shapeParts, surfaces, rareShapes, rolls, rollers;
   int joints[JointTypes::kSize];
+  int pointPairs;
+  SoftCounts soft;
 };
 
 }  // namespace
@@ -61,7 +70,8 @@ std::vector<std::byte> saveTables(const HostTables& tables) {
   const View& s = tables.view();
   SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->manifolds,
                      static_cast<int>(liveCount(s, Per::Exclusion)), s.filtered, s.locked, s.shapeVectors, s.shapeIndices, s.shapeParts,
-                     s.surfaces, s.rareShapes, s.rolls, static_cast<int>(liveCount(s, Per::Rolling)), {}};
+                     s.surfaces, s.rareShapes, s.rolls, static_cast<int>(liveCount(s, Per::Rolling)), {},
+                     static_cast<int>(liveCount(s, Per::PointPair)), softCounts(s)};
   std::copy(std::begin(s.joints), std::end(s.joints), counts.joints);
   std::size_t size = sizeof counts;
   forEachKept(s, [&](const auto&, std::size_t bytes) { size += bytes; });
@@ -88,6 +98,8 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   tables.reserve(Per::Manifold, counts.manifolds);
   tables.reserve(Per::Plane, counts.planes);
   tables.reserve(Per::Exclusion, counts.exclusions);
+  setSoftCounts(tables, counts.soft);
+  tables.reserve(Per::PointPair, counts.pointPairs);
   tables.reserve(Per::ShapeVector, counts.shapeVectors);
   tables.reserve(Per::ShapeIndex, counts.shapeIndices);
   tables.reserve(Per::ShapePart, counts.shapeParts);
@@ -106,6 +118,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   // sizes of later arrays depend on these
   s.oldPairOffset[counts.bodies] = counts.pairs;
   s.exclusionOffset[counts.bodies] = counts.exclusions;
+  s.oldPointPairOffset[counts.soft.vertices] = counts.pointPairs;
   const std::byte* from = data.data() + sizeof counts;
   forEachKept(s, [&](const auto& array, std::size_t bytes) {
     if (bytes > 0) std::memcpy(s.*array.member, from, bytes);

@@ -60,6 +60,13 @@ __global__ void forgetManifolds(const __grid_constant__ View s, const int* slots
   s.oldManifold[i].count = 0;
 }
 
+__global__ void forgetPoints(const __grid_constant__ View s, const int* slots, int count) {
+  const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+  if (i >= s.oldPointPairOffset[s.vertices] || !contains(slots, count, s.oldPointPair[i].other)) return;
+  s.oldPointPair[i].other = -1;
+  s.oldPointContact[i].active = 0;
+}
+
 __global__ void repeatOffset(int* offsets, int begin, int end) {
   const int i = begin + static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (i < end) offsets[i + 1] = offsets[begin];
@@ -99,6 +106,12 @@ void forgetContactsOf(cudaStream_t stream, const View& device, const int* slots,
   if (pairs <= 0 || count <= 0) return;
   forgetManifolds<<<blocksFor(static_cast<std::size_t>(pairs)), kEditThreads, 0, stream>>>(device, slots, count, pairs);
   checkCuda(cudaGetLastError(), "forgetManifolds");
+}
+
+void forgetVertexContactsOf(cudaStream_t stream, const View& device, const int* slots, int count, int pairs) {
+  if (pairs <= 0 || count <= 0) return;
+  forgetPoints<<<blocksFor(static_cast<std::size_t>(pairs)), kEditThreads, 0, stream>>>(device, slots, count);
+  checkCuda(cudaGetLastError(), "forgetPoints");
 }
 
 void startPairOffsets(cudaStream_t stream, const View& device, int begin, int end) {

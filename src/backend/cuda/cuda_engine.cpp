@@ -57,6 +57,29 @@ class CudaEngine final : public Engine, private PoseCopies {
     RUBBLE_CORE::setExclusions(host(), pairs);
     mirror_.listsWritten();
   }
+  // edits of deformable objects are rare and rewrite lists of all of them: everything is fetched, edited and sent anew
+  void setSoft(const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) override {
+    mirror_.fetchAll();
+    RUBBLE_CORE::setSoft(host(), objects, attachments);
+    mirror_.allWritten();
+    bodiesChanged_ = true;
+  }
+  void vertexStates(int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities) const override {
+    vertexStatesOf(fetched(), first, positions, velocities);
+  }
+  void setVertexStates(int first, std::span<const rubble::Vec3> positions, std::span<const rubble::Vec3> velocities) override {
+    mirror_.fetchAll();
+    RUBBLE_CORE::setVertexStates(host(), first, positions, velocities);
+    mirror_.allWritten();
+  }
+  void addVertexForce(int vertex, const rubble::Vec3& force) override {
+    mirror_.fetchAll();
+    host().view().vertexForce[vertex] += Vec3(force);
+    mirror_.allWritten();
+  }
+  void elementsAlive(int type, int first, std::span<char> alive) const override { elementsAliveOf(fetched(), type, first, alive); }
+  JointState attachmentState(int index) const override { return attachmentStateOf(fetched(), index); }
+  std::vector<EngineVertexContact> vertexContacts() const override { return vertexContactsOf(fetched()); }
   BodyState state(int slot) const override {
     mirror_.fetchState(slot);
     return bodyState(host(), slot);
@@ -124,7 +147,10 @@ class CudaEngine final : public Engine, private PoseCopies {
   std::uint64_t hash() const override { return hashBytes(save()); }
   std::vector<std::byte> save() const override { return saveState(fetched(), previousDt_); }
   void load(std::span<const std::byte> data) override;
-  std::shared_ptr<const EngineSnapshot> snapshot() const override { return mirror_.snapshot(previousDt_); }
+  /// With vertices by way of the host: snapshots on the device hold bodies and joints.
+  std::shared_ptr<const EngineSnapshot> snapshot() const override {
+    return host().view().vertices > 0 ? Engine::snapshot() : mirror_.snapshot(previousDt_);
+  }
   void restore(const EngineSnapshot& snapshot) override;
 
  private:
@@ -189,6 +215,7 @@ void CudaEngine::load(std::span<const std::byte> data) {
 void CudaEngine::restore(const EngineSnapshot& snapshot) {
   const auto* const own = dynamic_cast<const DeviceSnapshot*>(&snapshot);
   if (!own) return load(snapshot.bytes());
+  if (host().view().vertices > 0) setSoft({}, {});
   mirror_.restore(*own);
   previousDt_ = own->previousDt;
   bodiesChanged_ = true;

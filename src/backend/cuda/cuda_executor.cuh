@@ -183,12 +183,12 @@ class CudaExecutor {
   }
 
   /// A launch for each of the first colours, and one for all that follow.
-  void forEachColor(const SolveBody<Real>&) {
-    if (!begins() || view().bodies == 0) return;
+  void forEachColor(const SolveBody<Real>&, const SolveVertex&) {
+    if (!begins() || view().bodies + view().vertices == 0) return;
     enterStage(SolveBody<Real>::kName);
     if constexpr (kStrict) {
       for (int c = 0; c < options_.colors; ++c) {
-        solveColorStrictly<<<blocksFor(view().bodies), kThreads, 0, stream_>>>(view(), c, control_);
+        solveColorStrictly<<<blocksFor(std::max(view().bodies, view().vertices)), kThreads, 0, stream_>>>(view(), c, control_);
         checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
       }
       solveTailStrictly<<<1, kThreads, 0, stream_>>>(view(), options_.colors, control_);
@@ -199,8 +199,14 @@ class CudaExecutor {
     constexpr int kBatch = kGatherThreads / kFewWidth;
     const int blocks = std::min((view().bodies + kBatch - 1) / kBatch, kSolveBlocks * processors_);
     for (int c = 0; c < options_.colors; ++c) {
-      solveColor<<<blocks, kSolveThreads, 0, stream_>>>(view(), c, control_);
-      checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
+      if (view().bodies > 0) {
+        solveColor<<<blocks, kSolveThreads, 0, stream_>>>(view(), c, control_);
+        checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
+      }
+      if (view().vertices > 0) {
+        solveVertexColor<<<blocksFor(view().vertices), kThreads, 0, stream_>>>(view(), c, control_);
+        checkCuda(cudaGetLastError(), SolveVertex::kName);
+      }
     }
     solveTail<<<1, kSolveThreads, 0, stream_>>>(view(), options_.colors, control_);
     checkCuda(cudaGetLastError(), SolveBody<Real>::kName);

@@ -50,6 +50,8 @@ void addVelocities(cudaStream_t stream, const View& device, const int* slots, co
 void scatterStateRows(cudaStream_t stream, const View& device, const ScatterRows& rows, int count);
 /// Old manifolds of these bodies (sorted, on the device) are emptied.
 void forgetContactsOf(cudaStream_t stream, const View& device, const int* slots, int count, int pairs);
+/// Likewise those of vertices with these bodies; `pairs`: room for them.
+void forgetVertexContactsOf(cudaStream_t stream, const View& device, const int* slots, int count, int pairs);
 /// Bodies [begin, end) are new and own no old pairs.
 void startPairOffsets(cudaStream_t stream, const View& device, int begin, int end);
 

@@ -75,6 +75,7 @@ void Mirror::forgetContacts(int slot) {
 int Mirror::liveCount(Per per) const {
   const View& s = host_.view();
   if (const int type = jointTypeOf(per); type >= 0) return s.joints[type];
+  if (per >= Per::FirstElement) return static_cast<int>(elementCount(s, per));
   switch (per) {
     case Per::Body:
       return s.bodies;
@@ -96,6 +97,20 @@ int Mirror::liveCount(Per per) const {
       return s.rolls ? s.counters->rollers : 0;
     case Per::Exclusion:
       return s.exclusionOffset[s.bodies];
+    case Per::Vertex:
+      return s.vertices;
+    case Per::ElementRef:
+      return s.refOffset[s.vertices];
+    case Per::Neighbor:
+      return s.neighborOffset[s.vertices];
+    case Per::Cluster:
+      return s.clusterBegin[kClusterLevels];
+    case Per::ClusterRef:
+      return s.clusterRefs;
+    case Per::Attachment:
+      return s.attachments;
+    case Per::PointPair:
+      return allDirty_ ? s.oldPointPairOffset[s.vertices] : s.counters->pointPairs;
     default:
       return std::min(host_.capacity(per), stepper_.tables().capacity(per));
   }
@@ -127,6 +142,7 @@ void Mirror::flush() {
 void Mirror::sendAll() {
   stepper_.tables().reserve(Per::Pair, liveCount(Per::Pair));
   stepper_.tables().reserve(Per::Manifold, liveCount(Per::Manifold));
+  stepper_.tables().reserve(Per::PointPair, liveCount(Per::PointPair));
   stepper_.tables().reserve(Per::Rolling, liveCount(Per::Rolling));
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (!kept(array.life)) return;
@@ -136,6 +152,7 @@ void Mirror::sendAll() {
               "cudaMemcpyAsync of tables");
   });
   host_.view().counters->pairs = liveCount(Per::Pair);
+  host_.view().counters->pointPairs = liveCount(Per::PointPair);
   allWritten();
   allDirty_ = false;
   noteForces();
@@ -213,8 +230,10 @@ void Mirror::sendEdits() {
   if (const std::byte* const sent = packet.send(upload_, stream)) {
     const auto at = [&]<class T>(std::size_t place, const std::vector<T>&) { return reinterpret_cast<const T*>(sent + place); };
     if (kept > 0) addVelocities(stream, device, at(swervedAt, swerved_), at(swervesAt, swerves_), static_cast<int>(kept));
-    if (!forgotten_.empty())
+    if (!forgotten_.empty()) {
       forgetContactsOf(stream, device, at(forgottenAt, forgotten_), static_cast<int>(forgotten_.size()), liveCount(Per::Pair));
+      forgetVertexContactsOf(stream, device, at(forgottenAt, forgotten_), static_cast<int>(forgotten_.size()), liveCount(Per::PointPair));
+    }
   }
   for (const int slot : touched_) bits_[static_cast<std::size_t>(slot)] &= kKnown | kPushed;
   for (std::vector<int>& slots : joints_) slots.clear();

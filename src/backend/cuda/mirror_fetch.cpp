@@ -60,6 +60,7 @@ void Mirror::fetchAll() {
   flush();
   host_.reserve(Per::Pair, liveCount(Per::Pair));
   host_.reserve(Per::Manifold, liveCount(Per::Manifold));
+  host_.reserve(Per::PointPair, liveCount(Per::PointPair));
   host_.reserve(Per::Rolling, liveCount(Per::Rolling));
   forEachArray([&](const auto& array) {
     if (array.life == Life::State) download(array, liveCount(array.per) + array.extra);

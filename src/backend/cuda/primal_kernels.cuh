@@ -105,14 +105,31 @@ static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
   if (control->stop == 0 && color < s.counters->colors) solveColorTogether(s, color, sums);
 }
 
+/// The vertices of one colour, a thread each.
+static __global__ void __launch_bounds__(kThreads) solveVertexColor(const __grid_constant__ View s, int color, const Control* control) {
+  if (control->stop != 0 || color >= s.counters->colors) return;
+  const int begin = s.vertexColorOffset[color], count = s.vertexColorOffset[color + 1] - begin;
+  const int stride = static_cast<int>(gridDim.x * blockDim.x);
+  for (int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x); k < count; k += stride) SolveVertex{}(s, s.colorVertex[begin + k]);
+}
+
 /// The colours from `first` on, one after another in one block, whatever their size. Notes how many colours are worth a launch.
 static __global__ void __launch_bounds__(kSolveThreads) solveTail(const __grid_constant__ View s, int first, Control* control) {
   if (control->stop != 0) return;
   __shared__ BatchSums sums[2];
   const int colors = s.counters->colors;
   for (int c = static_cast<int>(threadIdx.x); c < colors; c += kSolveThreads)
-    if (s.colorOffset[c + 1] - s.colorOffset[c] > kTailBodies) atomicMax(&control->wideColors, c + 1);
-  for (int c = first; c < colors; ++c) solveColorTogether(s, c, sums);
+    if (s.colorOffset[c + 1] - s.colorOffset[c] > kTailBodies ||
+        (s.vertices > 0 && s.vertexColorOffset[c + 1] - s.vertexColorOffset[c] > kSolveThreads))
+      atomicMax(&control->wideColors, c + 1);
+  for (int c = first; c < colors; ++c) {
+    if (s.bodies > 0) solveColorTogether(s, c, sums);
+    if (s.vertices == 0) continue;
+    // the vertices of a colour share nothing with its bodies, but all must be done before the next colour
+    for (int k = s.vertexColorOffset[c] + static_cast<int>(threadIdx.x); k < s.vertexColorOffset[c + 1]; k += kSolveThreads)
+      SolveVertex{}(s, s.colorVertex[k]);
+    __syncthreads();
+  }
 }
 
 }  // namespace rubble::RUBBLE_CORE

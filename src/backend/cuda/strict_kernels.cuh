@@ -28,6 +28,9 @@ __device__ inline void solveBodyInOrder(const View& s, int i) {
 __device__ inline void solveColorInOrder(const View& s, int color, int thread, int threads) {
   const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
   for (int k = thread; k < count; k += threads) solveBodyInOrder(s, s.colorBody[begin + k]);
+  if (s.vertices == 0) return;
+  const int first = s.vertexColorOffset[color], vertices = s.vertexColorOffset[color + 1] - first;
+  for (int k = thread; k < vertices; k += threads) SolveVertex{}(s, s.colorVertex[first + k]);
 }
 
 static __global__ void __launch_bounds__(kThreads) solveColorStrictly(const __grid_constant__ View s, int color, const Control* control) {

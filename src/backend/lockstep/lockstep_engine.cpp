@@ -44,6 +44,21 @@ class LockstepEngine final : public Engine {
   void setExclusions(const std::vector<std::pair<int, int>>& pairs) override {
     both([&](HostTables& t) { RUBBLE_CORE::setExclusions(t, pairs); });
   }
+  void setSoft(const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) override {
+    both([&](HostTables& t) { RUBBLE_CORE::setSoft(t, objects, attachments); });
+  }
+  void vertexStates(int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities) const override {
+    vertexStatesOf(this->first(), first, positions, velocities);
+  }
+  void setVertexStates(int first, std::span<const rubble::Vec3> positions, std::span<const rubble::Vec3> velocities) override {
+    both([&](HostTables& t) { RUBBLE_CORE::setVertexStates(t, first, positions, velocities); });
+  }
+  void addVertexForce(int vertex, const rubble::Vec3& force) override {
+    both([&](HostTables& t) { t.view().vertexForce[vertex] += Vec3(force); });
+  }
+  void elementsAlive(int type, int first, std::span<char> alive) const override { elementsAliveOf(this->first(), type, first, alive); }
+  JointState attachmentState(int index) const override { return attachmentStateOf(first(), index); }
+  std::vector<EngineVertexContact> vertexContacts() const override { return vertexContactsOf(first()); }
   BodyState state(int slot) const override { return bodyState(first(), slot); }
   void setState(int slot, const BodyState& state) override {
     both([&](HostTables& t) { setBodyState(t, slot, state); });

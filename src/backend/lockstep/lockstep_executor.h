@@ -23,10 +23,10 @@ class LockstepExecutor {
     enter(Kernel::kName);
     both([&](CpuExecutor& e) { e.forEach(kernel, n); });
   }
-  template <class Kernel>
-  void forEachColor(const Kernel& kernel) {
+  template <class Kernel, class VertexKernel>
+  void forEachColor(const Kernel& kernel, const VertexKernel& vertexKernel) {
     enter(Kernel::kName);
-    both([&](CpuExecutor& e) { e.forEachColor(kernel); });
+    both([&](CpuExecutor& e) { e.forEachColor(kernel, vertexKernel); });
   }
   template <class Kernel>
   void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
@@ -93,7 +93,13 @@ class LockstepExecutor {
       case Per::Entry: return static_cast<std::size_t>(c.entries);
       case Per::Color: return static_cast<std::size_t>(c.colors);
       case Per::Cell: return static_cast<std::size_t>(s.cells);
-      default: return 0;
+      case Per::Vertex: return static_cast<std::size_t>(s.vertices);
+      case Per::GrainCell: return static_cast<std::size_t>(s.grainCells);
+      case Per::PointPair: return static_cast<std::size_t>(c.pointPairs);
+      case Per::PointEntry: return static_cast<std::size_t>(c.pointEntries);
+      case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
+      case Per::Attachment: return static_cast<std::size_t>(s.attachments);
+      default: return elementCount(s, per);
     }
   }
 

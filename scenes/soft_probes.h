@@ -1,0 +1,41 @@
+#pragma once
+/// What scenes of deformable objects measure, and the parts that they are built from.
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "registry.h"
+
+namespace rubble::scenes {
+
+/// A number of a world, by the name of its metric.
+struct Measure {
+  std::string name;
+  std::function<double(const World&)> of;
+};
+/// Taken at the end of the run.
+std::unique_ptr<Probe> endProbe(std::vector<Measure> measures);
+/// The largest value over the steps from `from` seconds on.
+std::unique_ptr<Probe> peakProbe(double from, std::vector<Measure> measures);
+/// The mean over the steps from `from` seconds on.
+std::unique_ptr<Probe> meanProbe(double from, std::vector<Measure> measures);
+
+/// Ratio of the longest edge of triangles and segments of an object to its length at rest.
+double largestStretch(const World& world, int object);
+/// Lowest height of all vertices of all objects along the opposite of gravity [m].
+double lowestVertex(const World& world);
+/// Tetrahedra of an object whose volume is below half of that at rest.
+double crushedCells(const World& world, int object);
+/// Mean position of some vertices.
+Vec3 meanOf(const World& world, int object, const std::vector<int>& vertices);
+/// Sum of the contact forces of vertices on bodies along the opposite of gravity [N].
+double liftOfVertices(const World& world);
+/// Kinetic energy of all [J].
+double motion(const World& world);
+
+/// A ball of tetrahedra: a cube lattice drawn to a ball.
+SoftDef softBall(const Vec3& centre, double radius, int cells);
+/// Indices of the vertices with inside(position).
+std::vector<int> verticesWhere(const DeformableDef& object, const std::function<bool(const Vec3&)>& inside);
+
+}  // namespace rubble::scenes

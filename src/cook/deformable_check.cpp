@@ -1,0 +1,193 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <rubble/error.h>
+#include <rubble/soft.h>
+
+namespace rubble {
+
+namespace {
+
+std::string text(double a) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%g", a);
+  return buffer;
+}
+std::string item(const std::string& path, const char* list, std::size_t i) { return path + "." + list + "[" + std::to_string(i) + "]"; }
+
+void positive(double a, const std::string& path) {
+  if (!(a > 0) || !std::isfinite(a)) throw Error(path, "a number above 0", text(a));
+}
+void notNegative(double a, const std::string& path) {
+  if (!(a >= 0) || !std::isfinite(a)) throw Error(path, "a number of at least 0", text(a));
+}
+void threshold(double a, const std::string& path) {
+  if (!(a > 0)) throw Error(path, "a number above 0 or infinity", text(a));
+}
+void finite(const Vec3& a, const std::string& path) {
+  if (!std::isfinite(a.x) || !std::isfinite(a.y) || !std::isfinite(a.z)) throw Error(path, "three finite numbers", "others");
+}
+void ratio(double a, double least, const std::string& path) {
+  if (!(a > least && a < .5) && !(a == least && least == 0)) throw Error(path, "a number from " + text(least) + " to below .5", text(a));
+}
+
+/// Indices are of vertices, and differ from one another.
+template <class Corners>
+void corners(const DeformableDef& d, const Corners& c, const std::string& path) {
+  for (const int v : c)
+    if (v < 0 || std::size_t(v) >= d.vertices.size())
+      throw Error(path, "indices below " + std::to_string(d.vertices.size()), std::to_string(v));
+  for (std::size_t i = 0; i < c.size(); ++i)
+    for (std::size_t j = i + 1; j < c.size(); ++j)
+      if (c[i] == c[j]) throw Error(path, "different vertices", "vertex " + std::to_string(c[i]) + " twice");
+}
+
+void checkCommon(const DeformableDef& d, std::size_t least, const std::string& path) {
+  if (d.vertices.size() < least) throw Error(path + ".vertices", "at least " + std::to_string(least), std::to_string(d.vertices.size()));
+  for (std::size_t i = 0; i < d.vertices.size(); ++i) finite(d.vertices[i], item(path, "vertices", i));
+  if (!d.start.empty() && d.start.size() != d.vertices.size())
+    throw Error(path + ".start", "as many positions as vertices, " + std::to_string(d.vertices.size()), std::to_string(d.start.size()));
+  for (std::size_t i = 0; i < d.start.size(); ++i) finite(d.start[i], item(path, "start", i));
+  for (std::size_t i = 0; i < d.fixed.size(); ++i) corners(d, std::array<int, 1>{d.fixed[i]}, item(path, "fixed", i));
+  finite(d.velocity, path + ".velocity");
+  finite(d.angularVelocity, path + ".angularVelocity");
+  const Material& m = d.material;
+  notNegative(m.staticFriction, path + ".material.staticFriction");
+  notNegative(m.dynamicFriction, path + ".material.dynamicFriction");
+  if (m.dynamicFriction > m.staticFriction)
+    throw Error(path + ".material.dynamicFriction", "at most the static friction " + text(m.staticFriction), text(m.dynamicFriction));
+  notNegative(m.restitution, path + ".material.restitution");
+  const auto none = [&](double a, const char* name, const char* why) {
+    if (a != 0) throw Error(path + ".material." + name, why, text(a));
+  };
+  none(m.rollingFriction, "rollingFriction", "0: vertices do not turn");
+  none(m.torsionalFriction, "torsionalFriction", "0: vertices do not turn");
+  none(length(m.surfaceVelocity), "surfaceVelocity", "none: only the surfaces of bodies move along themselves");
+  if (m.restitution > 1) throw Error(path + ".material.restitution", "at most 1", text(m.restitution));
+  if (!std::isfinite(d.gravityScale)) throw Error(path + ".gravityScale", "a finite number", text(d.gravityScale));
+}
+
+/// Every vertex must have mass: each is a corner of something.
+void allUsed(const std::vector<bool>& used, const std::string& path, const char* of) {
+  const auto it = std::find(used.begin(), used.end(), false);
+  if (it != used.end())
+    throw Error(item(path, "vertices", std::size_t(it - used.begin())), std::string("a corner of a ") + of, "a vertex of none");
+}
+
+/// Below this share of the cube (square) of the longest edge a volume (area) counts as none.
+constexpr double kDegenerate = 1e-9;
+
+void check(const SoftDef& d, const std::string& path) {
+  checkCommon(d, 4, path);
+  positive(d.youngsModulus, path + ".youngsModulus");
+  ratio(d.poissonRatio, 0, path + ".poissonRatio");
+  positive(d.density, path + ".density");
+  notNegative(d.viscosity, path + ".viscosity");
+  notNegative(d.contactRadius, path + ".contactRadius");
+  if (d.tetrahedra.empty()) throw Error(path + ".tetrahedra", "at least one", "none");
+  std::vector<bool> used(d.vertices.size());
+  std::map<std::array<int, 3>, int> faces;
+  for (std::size_t i = 0; i < d.tetrahedra.size(); ++i) {
+    const auto& t = d.tetrahedra[i];
+    const std::string here = item(path, "tetrahedra", i);
+    corners(d, t, here);
+    Vec3 x[4];
+    for (std::size_t k = 0; k < 4; ++k) x[k] = d.vertices[std::size_t(t[k])], used[std::size_t(t[k])] = true;
+    double longest = 0;
+    for (int a = 0; a < 4; ++a)
+      for (int b = a + 1; b < 4; ++b) longest = std::max(longest, length(x[a] - x[b]));
+    const double volume = dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6;
+    if (!(volume > kDegenerate * longest * longest * longest))
+      throw Error(here, "a positive volume", volume < 0 ? "an inverted tetrahedron of volume " + text(volume) + " m3" : "a flat one");
+    for (std::size_t k = 0; k < 4; ++k) {
+      std::array<int, 3> f{t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]};
+      std::sort(f.begin(), f.end());
+      if (++faces[f] > 2) throw Error(here, "faces that at most two tetrahedra share", "a third one on a face");
+    }
+  }
+  allUsed(used, path, "tetrahedron");
+}
+
+void checkTriangles(const DeformableDef& d, const std::vector<std::array<int, 3>>& triangles, const std::string& path,
+                    std::vector<bool>& used) {
+  std::map<std::pair<int, int>, int> edges;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto& t = triangles[i];
+    const std::string here = item(path, "triangles", i);
+    corners(d, t, here);
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3];
+      used[std::size_t(a)] = true;
+      longest = std::max(longest, length(d.vertices[std::size_t(a)] - d.vertices[std::size_t(b)]));
+      if (++edges[{std::min(a, b), std::max(a, b)}] > 2) throw Error(here, "edges that at most two triangles share", "a third one on an edge");
+    }
+    const Vec3 a = d.vertices[std::size_t(t[0])], b = d.vertices[std::size_t(t[1])], c = d.vertices[std::size_t(t[2])];
+    if (!(length(cross(b - a, c - a)) > kDegenerate * longest * longest)) throw Error(here, "a positive area", "zero");
+  }
+}
+
+void check(const ClothDef& d, const std::string& path) {
+  checkCommon(d, 3, path);
+  positive(d.thickness, path + ".thickness");
+  positive(d.youngsModulus, path + ".youngsModulus");
+  ratio(d.poissonRatio, -1, path + ".poissonRatio");
+  positive(d.density, path + ".density");
+  notNegative(d.viscosity, path + ".viscosity");
+  if (d.bendingStiffness) notNegative(*d.bendingStiffness, path + ".bendingStiffness");
+  notNegative(d.bendingDamping, path + ".bendingDamping");
+  if (d.bendingDamping > 0 && !d.restFolded) throw Error(path + ".bendingDamping", "restFolded with it", "a flat rest shape");
+  if (!(d.tearStretch > 1)) throw Error(path + ".tearStretch", "a number above 1 or infinity", text(d.tearStretch));
+  if (d.triangles.empty()) throw Error(path + ".triangles", "at least one", "none");
+  std::vector<bool> used(d.vertices.size());
+  checkTriangles(d, d.triangles, path, used);
+  allUsed(used, path, "triangle");
+}
+
+void check(const RodDef& d, const std::string& path) {
+  checkCommon(d, d.closed ? 3 : 2, path);
+  positive(d.radius, path + ".radius");
+  positive(d.youngsModulus, path + ".youngsModulus");
+  positive(d.density, path + ".density");
+  notNegative(d.viscosity, path + ".viscosity");
+  threshold(d.breakForce, path + ".breakForce");
+  const std::size_t n = d.vertices.size();
+  for (std::size_t i = 0; i + (d.closed ? 0 : 1) < n; ++i)
+    if (!(length(d.vertices[(i + 1) % n] - d.vertices[i]) > 0)) throw Error(item(path, "vertices", i), "another place than the next vertex", "the same");
+}
+
+void check(const NetDef& d, const std::string& path) {
+  checkCommon(d, 1, path);
+  if (d.masses.size() != 1 && d.masses.size() != d.vertices.size())
+    throw Error(path + ".masses", "one, or as many as vertices, " + std::to_string(d.vertices.size()), std::to_string(d.masses.size()));
+  for (std::size_t i = 0; i < d.masses.size(); ++i) positive(d.masses[i], item(path, "masses", i));
+  notNegative(d.contactRadius, path + ".contactRadius");
+  threshold(d.breakForce, path + ".breakForce");
+  for (std::size_t i = 0; i < d.edges.size(); ++i) {
+    const NetDef::Edge& e = d.edges[i];
+    const std::string here = item(path, "edges", i);
+    corners(d, std::array<int, 2>{e.a, e.b}, here);
+    positive(e.stiffness, here + ".stiffness");
+    notNegative(e.damping, here + ".damping");
+    if (!std::isfinite(e.restLength)) throw Error(here + ".restLength", "a finite number", text(e.restLength));
+    if (e.restLength < 0 && !(length(d.vertices[std::size_t(e.a)] - d.vertices[std::size_t(e.b)]) > 0))
+      throw Error(here, "two places, or a rest length", "two vertices at one place");
+  }
+  std::vector<bool> used(d.vertices.size());
+  checkTriangles(d, d.triangles, path, used);
+}
+
+void check(const ParticlesDef& d, const std::string& path) {
+  checkCommon(d, 1, path);
+  positive(d.radius, path + ".radius");
+  positive(d.density, path + ".density");
+}
+
+}  // namespace
+
+void validate(const Deformable& deformable, const std::string& path) {
+  std::visit([&](const auto& d) { check(d, path); }, deformable);
+}
+
+}  // namespace rubble

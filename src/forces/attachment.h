@@ -1,0 +1,96 @@
+#pragma once
+/// Attachment: a point of a body, or of the world, and a weighted mean of vertices coincide; or two means of vertices (a seam).
+///
+///   C = x_A + sum c_i x_i,  x_A = p + r, r = R a (absent in a seam)     [m], 3 rows, F [N]
+///   c_i: minus the weights of the vertices that stand against x_A; in a seam + on one side, - on the other
+///   J_body = [1, -[r]],  J_i = c_i 1;  G of the body: S(F, r), by its column norms
+///
+/// The three rows share one stiffness and one bound on |F|, which is the break threshold. C is kept as its value at x^t plus displacements.
+#include "forces/joint.h"
+#include "math/block3.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Vertices that one contact or attachment acts on at most.
+inline constexpr int kPointCorners = 4;
+
+/// How a body moved in this step.
+struct BodyMove {
+  Vec3 dp;    ///< [m]
+  Quat turn;  ///< q (q^t)^-1
+};
+
+struct Attachment {
+  static constexpr const char* kName = "attachment";
+  static constexpr int kRows = 3;
+
+  int v[kPointCorners];        ///< -1: none
+  Real weight[kPointCorners];  ///< c_i
+  int body;                    ///< or kWorldBody
+  int seam;                    ///< 1: between vertices only
+  int alive, broken;
+  Vec3d worldPoint;            ///< x_A if the body is kWorldBody [m]
+  Vec3 anchor;                 ///< a [m]
+  Real bound, compliance;      ///< break threshold [N], 1/K [m/N]; 0: hard
+  Real length;                 ///< L of the rows [m]
+  Real mass;                   ///< of the vertices: least m_i / c_i^2 [kg]
+  Vec3 lambda;                 ///< F [N]
+  Real k;                      ///< 0 before the first step [N/m]
+  GroupState group;            ///< of this step
+  Vec3 c0;                     ///< C(x^t) after regularisation [m]
+  Vec3 lever;                  ///< r at x^t [m]
+
+  /// `gap`: C*(x^t); `leverNow`: r at x^t; `bodyMass`: 0 unless dynamic.
+  RUBBLE_HD void begin(const StepConstants& c, const Vec3& gap, const Vec3& leverNow, Real bodyMass) {
+    const bool hard = compliance == Real(0);
+    const Real row = bodyMass > Real(0) ? (mass > Real(0) ? min(mass, bodyMass) : bodyMass) : mass;
+    const StiffnessRule rule = jointRule(c, startStiffness(c, row), length);
+    lambda = warmMultiplier(c, Real(1), hard) * lambda;
+    const Real warm = k > Real(0) ? warmStiffness(c, rule, k, std::sqrt(dot(lambda, lambda))) : rule.start;
+    group = {warm, compliance, min(bound, c.maxMultiplier), rule, true};
+    c0 = hard ? (Real(1) - c.alpha) * gap : gap;
+    lever = leverNow;
+  }
+  RUBBLE_HD void error(const BodyMove& a, const Vec3& moved, Real (&e)[kRows]) const {
+    const Vec3 at = c0 + moved + (seam ? Vec3{0, 0, 0} : a.dp + (rotate(a.turn, lever) - lever));
+    e[0] = at.x, e[1] = at.y, e[2] = at.z;
+  }
+  /// `moved`: sum c_i (x_i - x_i^t).
+  RUBBLE_HD Vec3 force(const BodyMove& a, const Vec3& moved, Real& hessian) const {
+    Real e[kRows], f[kRows];
+    const Real l[kRows] = {lambda.x, lambda.y, lambda.z};
+    error(a, moved, e);
+    groupForce<kRows>(group, e, l, f, kRows, hessian);
+    return {f[0], f[1], f[2]};
+  }
+  RUBBLE_HD void stampVertex(const BodyMove& a, const Vec3& moved, int corner, Block3& block) const {
+    Real hessian;
+    const Vec3 f = force(a, moved, hessian);
+    block.f -= weight[corner] * f;
+    block.addDiagonal(weight[corner] * weight[corner] * hessian);
+  }
+  RUBBLE_HD void stampBody(const BodyMove& a, const Vec3& moved, Block6& block) const {
+    Real hessian;
+    const Vec3 f = force(a, moved, hessian), r = rotate(a.turn, lever);
+    stampRow(block, {{1, 0, 0}, {0, r.z, -r.y}}, f.x, hessian);
+    stampRow(block, {{0, 1, 0}, {-r.z, 0, r.x}}, f.y, hessian);
+    stampRow(block, {{0, 0, 1}, {r.y, -r.x, 0}}, f.z, hessian);
+    stampCurvature(block, {{0, 0, 0}, turningColumnNorms(f, r)});
+  }
+  RUBBLE_HD void updateDual(const BodyMove& a, const Vec3& moved) {
+    Real e[kRows], l[kRows] = {lambda.x, lambda.y, lambda.z};
+    error(a, moved, e);
+    updateGroup<kRows>(group, e, l, kRows);
+    lambda = {l[0], l[1], l[2]};
+  }
+  /// Keeps the stiffness; returns whether it breaks now.
+  RUBBLE_HD bool finish() {
+    k = group.k;
+    // the force was cut to the bound, so "reached" is up to round-off
+    const bool broke = dot(lambda, lambda) >= bound * bound * (Real(1) - Real(1e-5));
+    broken |= broke;
+    return broke;
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,133 @@
+#pragma once
+/// An element as a cluster of vertices sees it that moves as one: x_a -> x_a + dp + dw x s_a for the corners a inside, the others stay.
+///
+/// Force and moment are those of the corners. The Hessian is that of rows C with J_S = (sum J_a, sum s_a x J_a), summed before it is squared;
+/// the curvature of rows is dropped where it is negative. For the tetrahedron the rows are the entries of F (stiffness mu) and J (lambda),
+/// which bound its Hessian from above where it is under pressure.
+#include "forces/soft_forces.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Rows e_i (sum_a w_a x_a), i = 1..3, of stiffness k: `lin` = sum w_a, `ang` = sum w_a s_a over the corners inside.
+RUBBLE_HD inline void stampMeanRows(Block6& block, Real lin, const Vec3& ang, Real k) {
+  block.ll.xx += k * lin * lin, block.ll.yy += k * lin * lin, block.ll.zz += k * lin * lin;
+  const Vec3 b = (k * lin) * ang;
+  // columns of [b]
+  block.al0 += Vec3{0, b.z, -b.y}, block.al1 += Vec3{-b.z, 0, b.x}, block.al2 += Vec3{b.y, -b.x, 0};
+  const Real size = k * dot(ang, ang);
+  block.aa += outer(ang, -k);
+  block.aa.xx += size, block.aa.yy += size, block.aa.zz += size;
+}
+
+/// Calls f(corner, s) for the corners inside.
+template <int N, class Function>
+RUBBLE_HD void forEachInside(const Vec3 (&x)[N], unsigned mask, const Vec3& centre, Function&& f) {
+  for (int k = 0; k < N; ++k)
+    if (mask >> k & 1u) f(k, x[k] - centre);
+}
+
+RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const Tetrahedron& e, const Vec3 (&x)[4], unsigned mask, const Vec3& centre,
+                                        Real scale, Block6& block) {
+  const Mat3 f = e.deformation(x);
+  const Vec3 k0 = cross(f.c1, f.c2), k1 = cross(f.c2, f.c0), k2 = cross(f.c0, f.c1);
+  Vec3 m{0, 0, 0}, b0{0, 0, 0}, b1{0, 0, 0}, b2{0, 0, 0};
+  Vec6 volume{{0, 0, 0}, {0, 0, 0}};
+  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
+    const Vec3 g = e.gradient(k), w = k0 * g.x + k1 * g.y + k2 * g.z;
+    m += g;
+    b0 += g.x * s, b1 += g.y * s, b2 += g.z * s;
+    volume.lin += w, volume.ang += cross(s, w);
+  });
+  // far from its volume the second derivative of J between corners counts too: bounded by |F|
+  constexpr Real kFarVolume = Real(.5);
+  const Real excess = max(Real(0), std::fabs(dot(f.c0, k0) - 1) - kFarVolume);
+  const Real bend = excess > Real(0) ? e.lambda * excess * std::sqrt(dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2)) : Real(0);
+  const Real mu = scale * (e.mu + bend + e.volume * e.viscosity * c.inverseDt);
+  stampMeanRows(block, m.x, b0, mu);
+  stampMeanRows(block, m.y, b1, mu);
+  stampMeanRows(block, m.z, b2, mu);
+  stampRow(block, volume, Real(0), scale * e.lambda);
+}
+
+RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const Membrane& e, const Vec3 (&x)[3], unsigned mask, const Vec3& centre,
+                                        Real scale, Block6& block) {
+  const Membrane::Columns f = e.deformation(x);
+  Real error[Membrane::kRows];
+  Membrane::strains(f, error);
+  Vec6 rows[Membrane::kRows]{};
+  Membrane::Gradient m{0, 0};
+  Vec3 bx{0, 0, 0}, by{0, 0, 0};
+  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
+    const Membrane::Gradient g = e.gradient(k);
+    const Vec3 a = f.f1 * g.x, b = f.f2 * g.y;
+    const Vec3 j[3] = {a + b, a - b, f.f1 * g.y + f.f2 * g.x};
+    for (int i = 0; i < Membrane::kRows; ++i) rows[i].lin += j[i], rows[i].ang += cross(s, j[i]);
+    m.x += g.x, m.y += g.y;
+    bx += g.x * s, by += g.y * s;
+  });
+  Real force[Membrane::kRows];
+  for (int i = 0; i < Membrane::kRows; ++i) {
+    const FiniteForce o = e.force(c, error, i);
+    force[i] = o.force;
+    stampRow(block, rows[i], Real(0), scale * o.hessian);
+  }
+  // tension: the stress S in the axes of the material, at most its trace each way
+  const Real sx = force[0] + force[1], sy = force[0] - force[1], largest = max(Real(0), (sx + sy) / 2 + std::sqrt((sx - sy) * (sx - sy) / 4 + force[2] * force[2]));
+  stampMeanRows(block, m.x, bx, scale * largest);
+  stampMeanRows(block, m.y, by, scale * largest);
+}
+
+template <int N>
+RUBBLE_HD void stampGroupHessian(const StepConstants&, const QuadraticBend<N>& e, const Vec3 (&x)[N], unsigned mask, const Vec3& centre,
+                                 Real scale, Block6& block) {
+  Real lin = 0;
+  Vec3 ang{0, 0, 0};
+  forEachInside(x, mask, centre, [&](int k, const Vec3& s) { lin += e.weight[k], ang += e.weight[k] * s; });
+  stampMeanRows(block, lin, ang, scale * e.stiffness);
+}
+
+RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const FoldBend& e, const Vec3 (&x)[4], unsigned mask, const Vec3& centre,
+                                        Real scale, Block6& block) {
+  const FoldBend::Fold f = e.fold(x);
+  if (!f.valid) return;
+  Vec6 row{{0, 0, 0}, {0, 0, 0}};
+  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
+    const Vec3 g = e.gradient(f, x, k);
+    row.lin += g, row.ang += cross(s, g);
+  });
+  stampRow(block, row, Real(0), scale * (e.stiffness + e.damping * c.inverseDt));
+}
+
+RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const Spring& e, const Vec3 (&x)[2], unsigned mask, const Vec3& centre,
+                                        Real scale, Block6& block) {
+  const Vec3 d = x[0] - x[1];
+  const Real l = length(d);
+  if (!(l > Real(1e-6) * e.restLength)) return;
+  const FiniteForce o = e.evaluate(c, x);
+  const Vec3 u = d / l;
+  Vec6 row{{0, 0, 0}, {0, 0, 0}};
+  Real lin = 0;
+  Vec3 ang{0, 0, 0};
+  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
+    const Real sign = k == 0 ? Real(1) : Real(-1);
+    row.lin += sign * u, row.ang += cross(s, sign * u);
+    lin += sign, ang += sign * s;
+  });
+  const Real across = max(o.force, Real(0)) / l;
+  stampRow(block, row, Real(0), scale * max(o.hessian - across, Real(0)));
+  stampMeanRows(block, lin, ang, scale * across);
+}
+
+/// Adds force and Hessian of an element that has corners inside and others outside. `scale`: on the Hessian.
+template <class F>
+RUBBLE_HD void stampGroup(const StepConstants& c, const F& e, const Vec3 (&x)[F::kCorners], unsigned mask, const Vec3& centre, Real scale,
+                          Block6& block) {
+  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
+    Block3 own;
+    e.stamp(c, x, k, own);
+    block.fl += own.f, block.fa += cross(s, own.f);
+  });
+  stampGroupHessian(c, e, x, mask, centre, scale, block);
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,86 @@
+#pragma once
+/// Tetrahedron of stable neo-Hookean material (Smith, de Goes, Kim 2018) with viscosity.
+///
+///   F = sum x_i m_i^T, J = det F, m_i: gradient of the shape function of corner i at rest; V: volume at rest
+///   psi = mu/2 (|F|^2 - 3) + lam/2 (J - a)^2,  a = 1 + mu/lam,  mu = E/(2 (1 + nu)),  lam = E nu/((1 + nu)(1 - 2 nu)) + mu       [Pa]
+///   f_i = -V (mu F m_i + lam (J - a) w_i),   w_i = cof(F) m_i
+///   H_i = V (mu |m_i|^2 1 + lam w_i w_i^T)
+///
+/// J is linear in one vertex, so H_i is its complete second derivative; it is positive definite for any F, inverted ones too.
+/// Viscosity acts on the rate of the Green strain E = (F^T F - 1)/2, which no rigid motion has: dissipation V eta/(2 dt) |E - E^t|^2,
+/// Gauss-Newton Hessian.
+#include "math/block3.h"
+#include "solver/constants.h"
+
+namespace rubble::RUBBLE_CORE {
+
+struct Tetrahedron {
+  static constexpr const char* kName = "tetrahedron";
+  static constexpr int kCorners = 4;
+  static constexpr bool kHasDual = false;
+
+  int v[kCorners];
+  int alive;
+  Vec3 m[3];         ///< m_1, m_2, m_3; m_0 is minus their sum [1/m]
+  Real mu, lambda;   ///< times the volume at rest [J]
+  Real volume;       ///< at rest [m3]
+  Real viscosity;    ///< eta [Pa s]
+  Sym3 strainStart;  ///< E^t, if there is viscosity
+
+  RUBBLE_HD Vec3 gradient(int corner) const { return corner == 0 ? -(m[0] + m[1] + m[2]) : m[corner - 1]; }
+
+  /// F by columns.
+  RUBBLE_HD Mat3 deformation(const Vec3 (&x)[kCorners]) const {
+    const Vec3 e1 = x[1] - x[0], e2 = x[2] - x[0], e3 = x[3] - x[0];
+    const auto column = [&](Real a, Real b, Real c) { return e1 * a + e2 * b + e3 * c; };
+    return {column(m[0].x, m[1].x, m[2].x), column(m[0].y, m[1].y, m[2].y), column(m[0].z, m[1].z, m[2].z)};
+  }
+  RUBBLE_HD static Sym3 greenStrain(const Mat3& f) {
+    return {(dot(f.c0, f.c0) - 1) / 2, dot(f.c0, f.c1) / 2, dot(f.c0, f.c2) / 2, (dot(f.c1, f.c1) - 1) / 2, dot(f.c1, f.c2) / 2,
+            (dot(f.c2, f.c2) - 1) / 2};
+  }
+  RUBBLE_HD Real target() const { return Real(1) + mu / lambda; }
+
+  RUBBLE_HD void begin(const StepConstants&, const Vec3 (&x)[kCorners]) {
+    if (viscosity > Real(0)) strainStart = greenStrain(deformation(x));
+  }
+  /// With the dissipation of the step, V eta/(2 dt) |E - E^t|^2. [J]
+  RUBBLE_HD Real energy(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
+    const Mat3 f = deformation(x);
+    const Real excess = dot(f.c0, cross(f.c1, f.c2)) - target();
+    Real sum = mu / 2 * (dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2) - 3) + lambda / 2 * excess * excess;
+    if (viscosity > Real(0)) {
+      const Sym3 d = strainChange(f);
+      const Real size2 = d.xx * d.xx + d.yy * d.yy + d.zz * d.zz + 2 * (d.xy * d.xy + d.xz * d.xz + d.yz * d.yz);
+      sum += volume * viscosity * c.inverseDt / 2 * size2;
+    }
+    return sum;
+  }
+  RUBBLE_HD void stamp(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
+    const Mat3 f = deformation(x);
+    const Vec3 g = gradient(corner);
+    const Vec3 k0 = cross(f.c1, f.c2), k1 = cross(f.c2, f.c0), k2 = cross(f.c0, f.c1);  // cof F
+    const Vec3 w = k0 * g.x + k1 * g.y + k2 * g.z, fg = f * g;
+    block.f -= mu * fg + (lambda * (dot(f.c0, k0) - target())) * w;
+    block.h += outer(w, lambda);
+    block.addDiagonal(mu * dot(g, g));
+    if (!(viscosity > Real(0))) return;
+    const Real d = volume * viscosity * c.inverseDt;
+    block.f -= d * (f * (strainChange(f) * g));
+    const Real half = d / 2, size = half * dot(g, g);
+    block.h += outer(f.c0, size);
+    block.h += outer(f.c1, size);
+    block.h += outer(f.c2, size);
+    block.h += outer(fg, half);
+  }
+
+ private:
+  RUBBLE_HD Sym3 strainChange(const Mat3& f) const {
+    Sym3 d = greenStrain(f);
+    const Sym3& s = strainStart;
+    d += Sym3{-s.xx, -s.xy, -s.xz, -s.yy, -s.yz, -s.zz};
+    return d;
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,111 @@
+#pragma once
+/// A deformable object as the engine takes it: cooked from what the author wrote, in double precision. Vertex indices are those of the object.
+#include <array>
+#include <memory>
+#include <vector>
+
+#include <rubble/soft.h>
+
+namespace rubble {
+
+/// The elements are those of the same name in this folder. No precision: this header is for the host.
+struct SoftModel {
+  struct Vertex {
+    Vec3 position, velocity;
+    double mass = 0;       ///< 0: fixed [kg]
+    double radius = 0;     ///< [m]
+    double length = 0;     ///< L [m]
+  };
+  struct Tetrahedron {
+    std::array<int, 4> v;
+    Vec3 m[3];             ///< [1/m]
+    double mu, lambda;     ///< [Pa]
+    double volume;         ///< [m3]
+    double viscosity;      ///< [Pa s]
+  };
+  struct Membrane {
+    std::array<int, 3> v;
+    double m1[2], m2[2];   ///< [1/m]
+    double stiffness[2];   ///< [J]
+    double damper;         ///< [J s]
+    double tearStretch;
+    double unit;           ///< [kg m2]
+    double largest;        ///< [1/m]
+  };
+  struct FlatBend {
+    std::array<int, 4> v;
+    double stiffness, weight[4];
+  };
+  struct FoldBend {
+    std::array<int, 4> v;
+    double stiffness, damping, restAngle;
+  };
+  struct LineBend {
+    std::array<int, 3> v;
+    double stiffness, weight[3];
+  };
+  struct Spring {
+    std::array<int, 2> v;
+    double stiffness, damping, restLength, bound, mass;
+  };
+
+  std::vector<Vertex> vertices;
+  Material material;
+  double gravityScale = 1;
+  int collides = 0;        ///< kCollides... of state/vertices.h
+  std::vector<Tetrahedron> tetrahedra;
+  std::vector<Membrane> membranes;
+  std::vector<FlatBend> flatBends;
+  std::vector<FoldBend> foldBends;
+  std::vector<LineBend> lineBends;
+  std::vector<Spring> springs;
+  std::vector<std::array<int, 3>> surface;  ///< triangles to draw, outward
+  /// Nested clusters for the coarse correction; parents come before their parts.
+  struct Cluster {
+    int level, begin, end; ///< members in clusterOrder
+    int parent;            ///< or -1
+  };
+  static constexpr int kClusterLevels = 6, kFinestCluster = 8;
+  std::vector<int> clusterOrder;
+  std::vector<Cluster> clusters;
+  double size = 0;         ///< diagonal of the box about the vertices [m]
+  double mass = 0;         ///< of all vertices [kg]
+};
+
+/// Throws Error as validate() of soft.h does.
+std::shared_ptr<const SoftModel> cookDeformable(const Deformable& def, const std::string& path);
+
+/// One attachment between vertices that are already numbered as the engine numbers them.
+struct EngineAttachment {
+  int v[4] = {-1, -1, -1, -1};
+  double weight[4] = {0, 0, 0, 0};
+  int body = kWorld;
+  bool seam = false;
+  Vec3 worldPoint, anchor;
+  double bound = kUnbreakable, compliance = 0;
+  double length = 1, mass = 0;
+  int previous = -1;       ///< its index at the last call, or -1: new
+};
+
+/// Where an object lies in the tables: its first vertex and its first element of each type, in the order of ElementTypes.
+struct SoftRange {
+  static constexpr int kElementTypes = 6;
+  int vertex = -1;
+  int element[kElementTypes] = {};
+};
+/// Elements of an object, in the same order.
+inline std::array<int, SoftRange::kElementTypes> elementCounts(const SoftModel& m) {
+  return {int(m.tetrahedra.size()), int(m.membranes.size()), int(m.flatBends.size()),
+          int(m.foldBends.size()),  int(m.lineBends.size()), int(m.springs.size())};
+}
+
+/// Fills the clusters of a model whose vertices and elements are set.
+void makeClusters(SoftModel& model);
+
+struct EngineSoftObject {
+  std::shared_ptr<const SoftModel> model;
+  SoftRange at;
+  SoftRange previous;      ///< where it was until now; vertex -1: new
+};
+
+}  // namespace rubble

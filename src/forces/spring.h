@@ -1,0 +1,73 @@
+#pragma once
+/// Spring between two vertices.
+///
+///   C = |x_0 - x_1| - L_0              [m], F [N]
+///   J_0 = u^T = -J_1,  u = (x_0 - x_1) / l
+///   d2C/dx2 = (1 - u u^T) / l          kept for F > 0 (tension), dropped for F < 0, where it would make H indefinite
+///
+/// Finite rows of finite_row.h, with a damper on dC/dt. Breaks when the force of a step ends above its threshold.
+#include "forces/finite_row.h"
+#include "math/block3.h"
+
+namespace rubble::RUBBLE_CORE {
+
+struct Spring {
+  static constexpr const char* kName = "spring";
+  static constexpr int kCorners = 2;
+  static constexpr bool kHasDual = true;
+
+  int v[kCorners];
+  int alive;
+  Real stiffness;   ///< K [N/m]
+  Real damping;     ///< [N s/m]
+  Real restLength;  ///< [m]
+  Real bound;       ///< break threshold [N]
+  Real mass;        ///< of the lighter vertex [kg]
+  Real lambda;      ///< [N]
+  Real k;           ///< [N/m]
+  DampedRow row;    ///< of this step
+  Real c0;          ///< [m]
+
+  RUBBLE_HD Real elongation(const Vec3 (&x)[kCorners]) const { return length(x[0] - x[1]) - restLength; }
+  RUBBLE_HD Real unit(const StepConstants& c) const { return mass * c.inverseDt * c.inverseDt; }
+
+  RUBBLE_HD void begin(const StepConstants& c, const Vec3 (&x)[kCorners]) {
+    const Real error = elongation(x);
+    row = dampedRow(stiffness, damping * c.inverseDt, error);
+    const FiniteStart start = beginFiniteRow(c, row.stiffness, unit(c), Real(1), error - row.shift, k, lambda);
+    k = start.k, lambda = start.lambda, c0 = start.c0;
+  }
+  RUBBLE_HD Real error(const Vec3 (&x)[kCorners]) const { return elongation(x) - row.shift - c0; }
+  RUBBLE_HD FiniteForce evaluate(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
+    return finiteForce(c.compliantRows, row.stiffness, k, error(x), lambda);
+  }
+  /// Of one iteration [J].
+  RUBBLE_HD Real energy(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
+    const Real e = error(x), s = c.compliantRows ? row.stiffness / (row.stiffness + k) : Real(1);
+    return s * (k * e * e / 2 + lambda * e);
+  }
+  RUBBLE_HD void stamp(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
+    const Vec3 d = corner == 0 ? x[0] - x[1] : x[1] - x[0];
+    const Real l2 = dot(d, d);
+    // ends on one another have no direction: the others pull them apart
+    if (!(l2 > Real(1e-12) * restLength * restLength)) return;
+    const Real l = std::sqrt(l2);
+    const FiniteForce f = evaluate(c, x);
+    const Vec3 u = d / l;
+    block.f -= f.force * u;
+    const Real across = max(f.force, Real(0)) / l;
+    block.h += outer(u, f.hessian - across);
+    block.addDiagonal(across);
+  }
+  RUBBLE_HD void updateDual(const StepConstants& c, const Vec3 (&x)[kCorners]) {
+    const FiniteForce f = evaluate(c, x);
+    if (c.compliantRows) lambda = f.force;
+    k = grownFiniteRow(c, row.stiffness, unit(c), Real(1), error(x), k, f.force, restLength);
+  }
+  /// Does it break?
+  RUBBLE_HD bool finish(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
+    return std::fabs(c.compliantRows ? lambda : evaluate(c, x).force) >= bound;
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,151 @@
+#pragma once
+/// The coarse correction of deformable objects: block descent whose blocks are rigid motions of clusters of vertices, at several sizes, the
+/// largest being the whole object. A vertex-by-vertex sweep carries news one edge at a time, and does not even keep the momentum of an
+/// object; a sweep over clusters does both. Clusters are nested, fixed when the object is made (src/cook/clusters.cpp), and all of a level
+/// move at once, under-relaxed as the groups of bodies are (coarse.h); an element that n > 2 of them share counts n/2 times in each Hessian.
+#include "forces/group_stamp.h"
+#include "stages/coarse.h"
+#include "stages/coloring.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Rotational Hessian that is added about every axis, over the trace of a cluster's own [1].
+inline constexpr Real kLeastTurn = Real(.01);
+
+RUBBLE_HD inline void stampOnGroup(const Block3& own, const Vec3& s, Block6& to) {
+  const Sym3& h = own.h;
+  to.fl += own.f;
+  to.fa += cross(s, own.f);
+  to.ll += h;
+  const Vec3 b0 = cross(s, h.column(0)), b1 = cross(s, h.column(1)), b2 = cross(s, h.column(2));
+  to.al0 += b0, to.al1 += b1, to.al2 += b2;
+  // row i of [s] H [s]^T is s x (row i of [s] H)
+  to.aa.xx += s.y * b2.x - s.z * b1.x;
+  to.aa.xy += s.z * b0.x - s.x * b2.x;
+  to.aa.xz += s.x * b1.x - s.y * b0.x;
+  to.aa.yy += s.z * b0.y - s.x * b2.y;
+  to.aa.yz += s.x * b1.y - s.y * b0.y;
+  to.aa.zz += s.x * b1.z - s.y * b0.z;
+}
+
+/// Centre and mean velocity of each of the finest clusters: at x^t, and again at the initial guess.
+struct PlaceClusters {
+  static constexpr const char* kName = "clusters";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Cluster& c = s.cluster[i];
+    Real mass = 0;
+    Vec3 moment{0, 0, 0}, momentum{0, 0, 0};
+    for (int k = c.begin; k < c.end; ++k) {
+      const int v = s.clusterMember[k];
+      const Real m = s.vertexParams[v].mass;
+      mass += m;
+      moment += m * s.vertexPlace[v];
+      momentum += m * s.vertexVelocity[v];
+    }
+    s.clusterMotion[i].mass = mass;
+    s.clusterMotion[i].centre = moment / mass;
+    s.clusterMotion[i].velocity = momentum / mass;
+  }
+};
+/// And of those that are made of them.
+struct PlaceLargeClusters {
+  static constexpr const char* kName = "clusters";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const int large = s.clusterBegin[1] + i;
+    const Cluster& c = s.cluster[large];
+    Real mass = 0;
+    Vec3 moment{0, 0, 0}, momentum{0, 0, 0};
+    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) {
+      const ClusterMotion& part = s.clusterMotion[k];
+      mass += part.mass;
+      moment += part.mass * part.centre;
+      momentum += part.mass * part.velocity;
+    }
+    ClusterMotion& motion = s.clusterMotion[large];
+    motion.mass = mass;
+    motion.centre = moment / mass;
+    motion.velocity = momentum / mass;
+  }
+};
+
+/// Inertia, contacts and attachments of the vertices of one of the finest clusters, about its centre.
+struct SumCluster {
+  static constexpr const char* kName = "clusters";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Cluster& c = s.cluster[i];
+    Block6 sum;
+    for (int k = c.begin; k < c.end; ++k) {
+      const int v = s.clusterMember[k];
+      Block3 own = startVertexBlock(s, v);
+      for (int r = s.refOffset[v]; r < s.refOffset[v + 1]; ++r)
+        if (pointType(s.ref[r]) == kAttachmentCode) addShared(s.attachment[pointIndex(s.ref[r])], own, [&](Block3& b) { addElement(s, s.ref[r], b); });
+      for (int r = s.pointEntryOffset[v]; r < s.pointEntryOffset[v + 1]; ++r)
+        addShared(s.pointContact[pointIndex(s.pointEntry[r])], own, [&](Block3& b) { addPointContact(s, s.pointEntry[r], b); });
+      stampOnGroup(own, s.vertexPlace[v] - s.clusterMotion[i].centre, sum);
+    }
+    s.clusterMotion[i].sum = sum;
+  }
+
+ private:
+  /// Vertices that share a row with n corners may all be inside: (sum h)^2 <= n sum h^2.
+  template <class Row, class Add>
+  RUBBLE_HD static void addShared(const Row& row, Block3& to, Add&& add) {
+    int corners = 0;
+    while (corners < kPointCorners && row.v[corners] >= 0) ++corners;
+    Block3 own;
+    add(own);
+    const Real n = static_cast<Real>(corners);
+    to.f += own.f;
+    to.h += Sym3{n * own.h.xx, n * own.h.xy, n * own.h.xz, n * own.h.yy, n * own.h.yz, n * own.h.zz};
+  }
+};
+
+/// Cluster i of a level: its vertices, and the elements that leave it.
+struct SolveCluster {
+  static constexpr const char* kName = "clusters";
+  int level;
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const int index = s.clusterBegin[level] + i;
+    const Cluster& c = s.cluster[index];
+    ClusterMotion& motion = s.clusterMotion[index];
+    Block6 block;
+    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) addShifted(block, s.clusterMotion[k].sum, s.clusterMotion[k].centre - motion.centre);
+    for (int k = c.refBegin; k < c.refEnd; ++k) {
+      const ClusterRef ref = s.clusterRef[k];
+      forEachType(ElementTypes{}, [&]<class F>() {
+        if (ref.type != typeIndex<F>(ElementTypes{})) return;
+        const F& e = s.elementsOf<F>()[ref.index];
+        if (!e.alive) return;
+        Vec3 x[F::kCorners];
+        gatherCorners(s, e, x);
+        stampGroup(s.step, e, x, ref.inside, motion.centre, static_cast<Real>(ref.clusters) / 2, block);
+      });
+    }
+    // vertices on one line do not resist a turn about it: all axes get a little of what the others resist with
+    const Real least = kLeastTurn * (block.aa.xx + block.aa.yy + block.aa.zz);
+    block.aa.xx += least, block.aa.yy += least, block.aa.zz += least;
+    motion.step = groupStep(block);
+  }
+};
+
+/// Moves the vertices of one of the finest clusters with the cluster of a level that it belongs to.
+struct MoveCluster {
+  static constexpr const char* kName = "clusters";
+  int level;
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    int owner = i;
+    for (int k = 0; k < level && owner >= 0; ++k) owner = s.cluster[owner].parent;
+    if (owner < 0) return;
+    const ClusterMotion& motion = s.clusterMotion[owner];
+    // an exact rotation: the elements inside feel nothing of it
+    const Quat turn = expRotation(motion.step.ang);
+    for (int k = s.cluster[i].begin; k < s.cluster[i].end; ++k) {
+      const int v = s.clusterMember[k];
+      const Vec3 at = s.vertexPlace[v] - motion.centre, move = motion.step.lin + rotate(turn, at) - at;
+      s.vertexMoved[v] += move;
+      s.vertexPlace[v] += move;
+    }
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

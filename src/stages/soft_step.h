@@ -1,0 +1,114 @@
+#pragma once
+/// The parts of the step that only scenes with vertices have: contacts of vertices, their elements, and their place in the graph.
+#include "stages/clusters.h"
+#include "stages/soft_sleep.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Kernel<F> over all elements of each type.
+template <template <class> class Kernel, class E>
+void forEachElement(E& e) {
+  forEachType(ElementTypes{}, [&]<class F>() { e.forEach(Kernel<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]); });
+}
+
+/// Where the clusters are, and their mean velocities.
+template <class E>
+void placeClusters(E& e) {
+  const int* const begin = e.view().clusterBegin;
+  e.forEach(PlaceClusters{}, begin[1]);
+  e.forEach(PlaceLargeClusters{}, begin[kClusterLevels] - begin[1]);
+}
+
+/// What each vertex is near to.
+template <class E>
+void findVertexPairs(E& e) {
+  const int vertices = e.view().vertices, cells = e.view().grainCells;
+  if (cells > 0) {
+    e.clear(&View::grainCount, cells);
+    e.forEach(CountGrains{}, vertices);
+    e.scan(&View::grainCount, &View::grainOffset, cells);
+    e.forEach(FillGrains{}, vertices);
+  }
+  e.forEach(FindPointPairs{}, vertices);
+  e.scan(&View::pointPairCount, &View::pointPairOffset, vertices, &Counters::pointPairs, Per::PointPair);
+  e.forEach(WritePointPairs{}, vertices);
+}
+
+/// Kernel over what keeps bodies awake.
+template <template <class> class Kernel, class E>
+void forEachSoftNeighbor(E& e) {
+  e.forEach(Kernel<NearVertex>{}, &Counters::pointPairs);
+  e.forEach(Kernel<HeldByVertices>{}, e.view().attachments);
+}
+
+/// Contacts, elements and attachments at x^t.
+template <class E>
+void beginVertices(E& e) {
+  const int vertices = e.view().vertices;
+  e.forEach(UpdatePointContacts{}, &Counters::pointPairs);
+  e.forEach(PlaceVertices{}, vertices);
+  forEachElement<BeginElements>(e);
+  e.forEach(BeginAttachments{}, e.view().attachments);
+  placeClusters(e);
+}
+
+template <class E>
+void countSoftEntries(E& e) {
+  e.forEach(CountSoftEntries<AttachmentBlocks>{}, e.view().attachments);
+  e.forEach(CountSoftEntries<PointContactBlocks>{}, &Counters::pointPairs);
+  e.clear(&View::pointEntryCount, e.view().vertices);
+  e.forEach(CountPointEntries{}, &Counters::pointPairs);
+}
+
+template <class E>
+void fillSoftEntries(E& e) {
+  const int vertices = e.view().vertices;
+  e.forEach(FillSoftEntries<AttachmentBlocks>{}, e.view().attachments);
+  e.forEach(FillSoftEntries<PointContactBlocks>{}, &Counters::pointPairs);
+  e.scan(&View::pointEntryCount, &View::pointEntryOffset, vertices, &Counters::pointEntries, Per::PointEntry);
+  e.forEach(FillPointEntries{}, &Counters::pointPairs);
+  e.forEach(SortPointEntries{}, vertices);
+}
+
+/// Vertices by colour; the colours are those of the bodies.
+template <class E>
+void listVertexColors(E& e) {
+  const int vertices = e.view().vertices;
+  e.clear(&View::vertexColorCount, &Counters::colors);
+  e.forEach(CountVertexColors{}, vertices);
+  e.scan(&View::vertexColorCount, &View::vertexColorOffset, &Counters::colors);
+  e.forEach(FillVertexColors{}, vertices);
+}
+
+/// One sweep over the clusters of every level, from coarse to fine.
+template <class E>
+void correctClusters(E& e) {
+  const int* const begin = e.view().clusterBegin;
+  for (int level = kClusterLevels - 1; level >= 0; --level) {
+    const int clusters = begin[level + 1] - begin[level];
+    if (clusters == 0) continue;
+    e.forEach(SumCluster{}, begin[1]);
+    e.forEach(SolveCluster{level}, clusters);
+    e.forEach(MoveCluster{level}, begin[1]);
+  }
+}
+
+template <class E>
+void updateSoftDuals(E& e) {
+  e.forEach(UpdatePointDuals{}, &Counters::pointPairs);
+  forEachType(ElementTypes{}, [&]<class F>() {
+    if constexpr (F::kHasDual) e.forEach(UpdateElementDuals<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]);
+  });
+  e.forEach(UpdateAttachmentDuals{}, e.view().attachments);
+}
+
+template <class E>
+void finishSoftRows(E& e) {
+  e.forEach(FinishPoints{}, &Counters::pointPairs);
+  forEachType(ElementTypes{}, [&]<class F>() {
+    if constexpr (F::kHasDual) e.forEach(FinishElements<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]);
+  });
+  e.forEach(FinishAttachments{}, e.view().attachments);
+}
+
+}  // namespace rubble::RUBBLE_CORE

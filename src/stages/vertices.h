@@ -1,0 +1,194 @@
+#pragma once
+/// Begin and end of the step of a vertex and of its elements, and its primal update.
+#include "stages/joints.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Where each vertex lies at x^t, seen from the first one of its object.
+struct PlaceVertices {
+  static constexpr const char* kName = "elements";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    s.vertexPlace[v] = Vec3(s.vertexPosition[v] - s.vertexPosition[s.vertexParams[v].first]);
+  }
+};
+
+template <class F>
+RUBBLE_HD void gatherCorners(const View& s, const F& element, Vec3 (&x)[F::kCorners]) {
+  for (int k = 0; k < F::kCorners; ++k) x[k] = s.vertexPlace[element.v[k]];
+}
+
+/// What an element takes from x^t.
+template <class F>
+struct BeginElements {
+  static constexpr const char* kName = "elements";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    F& element = s.elementsOf<F>()[i];
+    if (!element.alive) return;
+    Vec3 x[F::kCorners];
+    gatherCorners(s, element, x);
+    element.begin(s.step, x);
+  }
+};
+
+template <class F>
+struct UpdateElementDuals {
+  static constexpr const char* kName = "element dual";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    F& element = s.elementsOf<F>()[i];
+    if (!element.alive) return;
+    Vec3 x[F::kCorners];
+    gatherCorners(s, element, x);
+    element.updateDual(s.step, x);
+  }
+};
+
+/// Elements that bore too much are gone from now on.
+template <class F>
+struct FinishElements {
+  static constexpr const char* kName = "element end";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    F& element = s.elementsOf<F>()[i];
+    if (!element.alive) return;
+    Vec3 x[F::kCorners];
+    gatherCorners(s, element, x);
+    if (!element.finish(s.step, x)) return;
+    element.alive = 0;
+    atomicCount(&s.counters->broken, 1);
+  }
+};
+
+struct BeginAttachments {
+  static constexpr const char* kName = "elements";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Attachment& a = s.attachment[i];
+    if (!active(s, a)) return;
+    // about the first vertex, in double: weights may add up to -1 or, in a seam, to 0
+    const Vec3d origin = s.vertexPosition[a.v[0]];
+    Vec3 gap{0, 0, 0}, lever{0, 0, 0};
+    for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) gap += a.weight[k] * Vec3(s.vertexPosition[a.v[k]] - origin);
+    Real bodyMass = 0;
+    if (a.seam == 0) {
+      if (a.body == kWorldBody) {
+        gap += Vec3(a.worldPoint - origin);
+      } else {
+        lever = rotate(s.orientation[a.body], a.anchor);
+        gap += Vec3(s.position[a.body] - origin) + lever;
+        bodyMass = s.params[a.body].mass;
+      }
+    }
+    a.begin(s.step, gap, lever, bodyMass);
+  }
+};
+struct UpdateAttachmentDuals {
+  static constexpr const char* kName = "element dual";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Attachment& a = s.attachment[i];
+    if (active(s, a)) a.updateDual(bodyMove(s, a), movedSum(s, a));
+  }
+};
+struct FinishAttachments {
+  static constexpr const char* kName = "element end";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Attachment& a = s.attachment[i];
+    if (active(s, a) && a.finish()) atomicCount(&s.counters->broken, 1);
+  }
+};
+
+/// Inertial target y [S 2] and initial guess of every vertex.
+struct PredictVertices {
+  static constexpr const char* kName = "predict";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    const StepConstants& c = s.step;
+    const VertexParams& p = s.vertexParams[v];
+    if (p.kind != VertexKind::Dynamic) {
+      s.vertexTarget[v] = s.vertexMoved[v] = {0, 0, 0};
+      return;
+    }
+    const Vec3 velocity = s.vertexVelocity[v];
+    const Vec3 acceleration = p.gravityScale * c.gravity + s.vertexForce[v] / p.mass;
+    s.vertexTarget[v] = inertialDisplacement(velocity, acceleration, c.dt);
+    const Real share = followedShare(velocity, s.vertexOldVelocity[v], acceleration, c.dt);
+    Vec3 guess = inertialDisplacement(velocity, share * acceleration, c.dt);
+    if (p.cluster >= 0) {
+      // from the motion of the whole object it goes no further than an edge is long: beyond, elements would be torn to shapes of an energy
+      // that a few sweeps do not work off
+      const Vec3 rigid = inertialDisplacement(s.clusterMotion[p.cluster].velocity, share * acceleration, c.dt), own = guess - rigid;
+      const Real size = length(own);
+      if (size > p.reach) guess = rigid + own * (p.reach / size);
+    }
+    s.vertexMoved[v] = guess;
+    s.vertexPlace[v] += guess;
+  }
+};
+
+/// Adds one element or attachment to the block of a vertex.
+RUBBLE_HD inline void addElement(const View& s, std::uint32_t code, Block3& block) {
+  const int type = pointType(code), index = pointIndex(code), corner = pointCorner(code);
+  forEachType(ElementTypes{}, [&]<class F>() {
+    if (type != typeIndex<F>(ElementTypes{})) return;
+    const F& element = s.elementsOf<F>()[index];
+    if (!element.alive) return;
+    Vec3 x[F::kCorners];
+    gatherCorners(s, element, x);
+    element.stamp(s.step, x, corner, block);
+  });
+  if (type != kAttachmentCode) return;
+  const Attachment& a = s.attachment[index];
+  if (active(s, a)) a.stampVertex(bodyMove(s, a), movedSum(s, a), corner, block);
+}
+
+RUBBLE_HD inline void addPointContact(const View& s, std::uint32_t code, Block3& block) {
+  const PointContact& p = s.pointContact[pointIndex(code)];
+  p.stampVertex(s.step, pointDisplacement(s, p), pointCorner(code), block);
+}
+
+/// The inertial part of the local problem of a vertex.
+RUBBLE_HD inline Block3 startVertexBlock(const View& s, int v) {
+  const Real m = s.vertexParams[v].mass * s.step.inverseDt * s.step.inverseDt;
+  Block3 block;
+  block.addDiagonal(m);
+  block.f = m * (s.vertexTarget[v] - s.vertexMoved[v]);
+  return block;
+}
+
+/// Solves the local problem of a vertex and moves it. A step that is not finite is not taken.
+RUBBLE_HD inline void finishVertexBlock(const View& s, int v, const Block3& block) {
+  const Vec3 dx = solve(block);
+  if (!isFinite(dx)) {
+    atomicCount(&s.counters->quarantined, 1);
+    return;
+  }
+  s.vertexMoved[v] += dx;
+  s.vertexPlace[v] += dx;
+}
+
+/// The primal update of one vertex: force [S 5] and Hessian [S 6] of its inertia, elements and contacts, one Newton step [S 3].
+struct SolveVertex {
+  static constexpr const char* kName = "primal";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    Block3 block = startVertexBlock(s, v);
+    for (int k = s.refOffset[v]; k < s.refOffset[v + 1]; ++k) addElement(s, s.ref[k], block);
+    for (int k = s.pointEntryOffset[v]; k < s.pointEntryOffset[v + 1]; ++k) addPointContact(s, s.pointEntry[k], block);
+    finishVertexBlock(s, v, block);
+  }
+};
+
+/// Velocities and new positions. A vertex whose state is not finite stays where it was, at rest.
+struct FinishVertices {
+  static constexpr const char* kName = "velocity";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    s.vertexForce[v] = {0, 0, 0};
+    if (!isDynamicVertex(s, v)) return;
+    const Vec3 moved = s.vertexMoved[v], velocity = s.step.inverseDt * moved;
+    if (!isFinite(velocity)) {
+      atomicCount(&s.counters->quarantined, 1);
+      s.vertexVelocity[v] = s.vertexOldVelocity[v] = {0, 0, 0};
+      return;
+    }
+    s.vertexOldVelocity[v] = s.vertexVelocity[v];
+    s.vertexVelocity[v] = velocity;
+    s.vertexPosition[v] += Vec3d(moved);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,270 @@
+/// The deformable objects of a world.
+#include <algorithm>
+
+#include "world/world_impl.h"
+
+namespace rubble {
+
+namespace {
+
+template <class Id>
+std::string describe(Id id) {
+  return "id " + std::to_string(id.index) + " of generation " + std::to_string(id.generation) + ", which is not alive";
+}
+
+/// Ids in the order in which their objects were added.
+template <class Id, class Record>
+std::vector<Id> inOrder(const Slots<Id, Record>& slots) {
+  std::vector<Id> ids = slots.ids();
+  std::sort(ids.begin(), ids.end(), [&](Id a, Id b) { return slots[a].order < slots[b].order; });
+  return ids;
+}
+
+/// Weights of one side of an attachment: they add up to 1.
+std::vector<double> sideWeights(const std::vector<int>& vertices, const std::vector<double>& weights, int count, const std::string& path) {
+  if (vertices.empty()) throw Error(path, "at least one vertex", "none");
+  for (const int v : vertices)
+    if (v < 0 || v >= count) throw Error(path, "indices below " + std::to_string(count), std::to_string(v));
+  if (weights.empty()) return std::vector<double>(vertices.size(), 1.0 / double(vertices.size()));
+  double sum = 0;
+  for (const double w : weights) sum += w;
+  if (weights.size() != vertices.size() || !(std::abs(sum - 1) < 1e-6))
+    throw Error(path, "a weight for each vertex, which add up to 1", std::to_string(weights.size()) + " of sum " + std::to_string(sum));
+  return weights;
+}
+
+}  // namespace
+
+void World::Impl::requireAlive(SoftId id) const {
+  if (!registry.softs.alive(id)) throw Error("deformable", "an id that is alive", describe(id));
+}
+void World::Impl::requireAlive(AttachmentId id) const {
+  if (!registry.attachments.alive(id)) throw Error("attachment", "an id that is alive", describe(id));
+}
+
+SoftId World::Impl::addSoft(const Deformable& def, const std::string& path) {
+  const std::string& name = common(def).name;
+  if (!name.empty() && registry.softNames.contains(name))
+    throw Error(path + ".name", "a name that no other deformable object has", "\"" + name + "\"");
+  const SoftId id = registry.softs.add({def, cookDeformable(def, path), registry.softOrder++, {}});
+  if (!name.empty()) registry.softNames[name] = id;
+  softChanged = settingsChanged = true;
+  return id;
+}
+
+void World::Impl::removeSoft(SoftId id) {
+  requireAlive(id);
+  for (const AttachmentId a : registry.attachments.ids())
+    if (registry.attachments[a].object == id || registry.attachments[a].otherObject == id) removeAttachment(a);
+  const std::string& name = common(registry.softs[id].def).name;
+  if (!name.empty()) registry.softNames.erase(name);
+  registry.softs.remove(id);
+  softChanged = settingsChanged = true;
+}
+
+AttachmentId World::Impl::addAttachment(const AttachmentDef& def, SoftId object, BodyId body, SoftId other, const std::string& path) {
+  requireAlive(object);
+  if (body.index >= 0) requireAlive(body);
+  if (other.index >= 0) requireAlive(other);
+  if (!(def.stiffness > 0)) throw Error(path + ".stiffness", "a number above 0 or infinity", std::to_string(def.stiffness));
+  if (!(def.breakForce > 0)) throw Error(path + ".breakForce", "a number above 0 or infinity", std::to_string(def.breakForce));
+  AttachmentRecord record{def, object, other, body, {}, registry.softOrder++, -1};
+  const auto countOf = [&](SoftId id) { return int(registry.softs[id].model->vertices.size()); };
+  record.def.weights = sideWeights(def.vertices, def.weights, countOf(object), path + ".vertices");
+  std::size_t corners = def.vertices.size();
+  if (other.index >= 0) {
+    record.def.otherWeights = sideWeights(def.otherVertices, def.otherWeights, countOf(other), path + ".otherVertices");
+    corners += def.otherVertices.size();
+  }
+  if (corners > 4) throw Error(path + ".vertices", "four vertices at most", std::to_string(corners));
+  if (def.anchor) {
+    record.anchor = *def.anchor;
+  } else if (other.index < 0) {
+    const SoftRecord& soft = registry.softs[object];
+    std::vector<Vec3> at(std::size_t(countOf(object)));
+    if (soft.range.vertex >= 0) engine->vertexStates(soft.range.vertex, at, {});
+    else std::transform(soft.model->vertices.begin(), soft.model->vertices.end(), at.begin(), [](const auto& v) { return v.position; });
+    for (std::size_t i = 0; i < def.vertices.size(); ++i) record.anchor += record.def.weights[i] * at[std::size_t(def.vertices[i])];
+    if (body.index >= 0) {
+      const BodyState state = registry.bodies[body].frame.toAuthor(engine->state(body.index));
+      record.anchor = rotateInverse(state.orientation, record.anchor - state.position);
+    }
+  }
+  softChanged = settingsChanged = true;
+  return registry.attachments.add(std::move(record));
+}
+
+void World::Impl::removeAttachment(AttachmentId id) {
+  requireAlive(id);
+  registry.attachments.remove(id);
+  softChanged = true;
+}
+
+void World::Impl::removeAttachmentsOf(BodyId id) {
+  for (const AttachmentId a : registry.attachments.ids())
+    if (registry.attachments[a].body == id) removeAttachment(a);
+}
+
+void World::Impl::flushSoft() {
+  if (!softChanged) return;
+  std::vector<EngineSoftObject> objects;
+  SoftRange next{0, {}};
+  for (const SoftId id : inOrder(registry.softs)) {
+    SoftRecord& r = registry.softs.edit(id);
+    objects.push_back({r.model, next, r.range});
+    r.range = next;
+    next.vertex += int(r.model->vertices.size());
+    const auto counts = elementCounts(*r.model);
+    for (std::size_t k = 0; k < counts.size(); ++k) next.element[k] += counts[k];
+  }
+  std::vector<EngineAttachment> attachments;
+  for (const AttachmentId id : inOrder(registry.attachments)) {
+    AttachmentRecord& r = registry.attachments.edit(id);
+    EngineAttachment a;
+    int corner = 0;
+    const auto addSide = [&](SoftId object, const std::vector<int>& vertices, const std::vector<double>& weights, double sign) {
+      const SoftRecord& soft = registry.softs[object];
+      for (std::size_t i = 0; i < vertices.size(); ++i, ++corner) {
+        const SoftModel::Vertex& vertex = soft.model->vertices[std::size_t(vertices[i])];
+        a.v[corner] = soft.range.vertex + vertices[i];
+        a.weight[corner] = sign * weights[i];
+        if (vertex.mass > 0 && weights[i] != 0) {
+          const double mass = vertex.mass / (weights[i] * weights[i]);
+          a.mass = a.mass > 0 ? std::min(a.mass, mass) : mass;
+        }
+        a.length = corner == 0 ? vertex.length : std::min(a.length, vertex.length);
+      }
+    };
+    addSide(r.object, r.def.vertices, r.def.weights, -1);
+    a.seam = r.otherObject.index >= 0;
+    if (a.seam) addSide(r.otherObject, r.def.otherVertices, r.def.otherWeights, 1);
+    a.body = a.seam ? kWorld : r.body.index;
+    if (a.body == kWorld) a.worldPoint = r.anchor;
+    else a.anchor = registry.bodies[r.body].frame.pointToEngine(r.anchor);
+    a.bound = r.def.breakForce;
+    a.compliance = r.def.stiffness == kHard ? 0 : 1 / r.def.stiffness;
+    a.previous = r.engineIndex;
+    r.engineIndex = int(attachments.size());
+    attachments.push_back(a);
+  }
+  engine->setSoft(objects, attachments);
+  softChanged = false;
+}
+
+SoftId World::add(const Deformable& deformable) { return impl_->addSoft(deformable, "deformable"); }
+void World::remove(SoftId id) { impl_->removeSoft(id); }
+bool World::alive(SoftId id) const { return impl_->registry.softs.alive(id); }
+std::vector<SoftId> World::deformables() const { return impl_->registry.softs.ids(); }
+SoftId World::findDeformable(const std::string& name) const {
+  const auto it = impl_->registry.softNames.find(name);
+  if (it == impl_->registry.softNames.end()) throw Error("deformable", "the name of a deformable object", "\"" + name + "\"");
+  return it->second;
+}
+SoftId World::deformableAt(int sceneIndex) const {
+  const std::vector<SoftId>& ids = impl_->registry.sceneSofts;
+  if (sceneIndex < 0 || static_cast<std::size_t>(sceneIndex) >= ids.size())
+    throw Error("deformable", "an index below " + std::to_string(ids.size()), std::to_string(sceneIndex));
+  return ids[static_cast<std::size_t>(sceneIndex)];
+}
+const Deformable& World::definition(SoftId id) const {
+  impl_->requireAlive(id);
+  return impl_->registry.softs[id].def;
+}
+int World::vertexCount(SoftId id) const {
+  impl_->requireAlive(id);
+  return int(impl_->registry.softs[id].model->vertices.size());
+}
+std::vector<Vec3> World::positions(SoftId id) const {
+  std::vector<Vec3> out(static_cast<std::size_t>(vertexCount(id)));
+  impl_->flush();
+  impl_->engine->vertexStates(impl_->registry.softs[id].range.vertex, out, {});
+  return out;
+}
+std::vector<Vec3> World::velocities(SoftId id) const {
+  std::vector<Vec3> out(static_cast<std::size_t>(vertexCount(id)));
+  impl_->flush();
+  impl_->engine->vertexStates(impl_->registry.softs[id].range.vertex, {}, out);
+  return out;
+}
+std::vector<double> World::masses(SoftId id) const {
+  impl_->requireAlive(id);
+  std::vector<double> out;
+  for (const SoftModel::Vertex& v : impl_->registry.softs[id].model->vertices) out.push_back(v.mass);
+  return out;
+}
+void World::setVertices(SoftId id, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
+  const auto count = static_cast<std::size_t>(vertexCount(id));
+  if (positions.size() != count || velocities.size() != count)
+    throw Error("vertices", std::to_string(count) + " positions and velocities", std::to_string(positions.size()) + " and " + std::to_string(velocities.size()));
+  for (const auto& list : {positions, velocities})
+    for (std::size_t i = 0; i < count; ++i)
+      if (!std::isfinite(list[i].x + list[i].y + list[i].z)) throw Error("vertices[" + std::to_string(i) + "]", "finite numbers", "others");
+  impl_->flush();
+  impl_->engine->setVertexStates(impl_->registry.softs[id].range.vertex, positions, velocities);
+}
+void World::applyVertexForce(SoftId id, int vertex, const Vec3& force) {
+  if (vertex < 0 || vertex >= vertexCount(id))
+    throw Error("vertex", "an index below " + std::to_string(vertexCount(id)), std::to_string(vertex));
+  impl_->flush();
+  impl_->engine->addVertexForce(impl_->registry.softs[id].range.vertex + vertex, force);
+}
+
+World::Surface World::surface(SoftId id) const {
+  Surface out;
+  out.id = id;
+  out.vertices = positions(id);
+  const SoftRecord& r = impl_->registry.softs[id];
+  const SoftModel& m = *r.model;
+  const auto counts = elementCounts(m);
+  const auto alive = [&](int type) {
+    std::vector<char> flags(static_cast<std::size_t>(counts[std::size_t(type)]));
+    impl_->engine->elementsAlive(type, r.range.element[type], flags);
+    return flags;
+  };
+  constexpr int kMembranes = 1, kSprings = 5;
+  const std::vector<char> whole = alive(kMembranes);
+  for (std::size_t i = 0; i < m.surface.size(); ++i)
+    if (whole.empty() || whole[i]) out.triangles.push_back(m.surface[i]);
+  const std::vector<char> unbroken = alive(kSprings);
+  for (std::size_t i = 0; i < m.springs.size(); ++i)
+    if (unbroken[i]) out.segments.push_back(m.springs[i].v);
+  out.radius = m.vertices[0].radius;
+  out.spheres = std::holds_alternative<ParticlesDef>(r.def);
+  return out;
+}
+
+AttachmentId World::addAttachment(const AttachmentDef& attachment, SoftId object, BodyId body, SoftId otherObject) {
+  return impl_->addAttachment(attachment, object, body, otherObject, "attachment");
+}
+void World::remove(AttachmentId id) { impl_->removeAttachment(id); }
+bool World::alive(AttachmentId id) const { return impl_->registry.attachments.alive(id); }
+std::vector<AttachmentId> World::attachments() const { return impl_->registry.attachments.ids(); }
+JointState World::state(AttachmentId id) const {
+  impl_->requireAlive(id);
+  impl_->flush();
+  return impl_->engine->attachmentState(impl_->registry.attachments[id].engineIndex);
+}
+
+std::vector<VertexContact> World::vertexContacts() const {
+  impl_->flush();
+  const Registry& r = impl_->registry;
+  const std::vector<SoftId> order = inOrder(r.softs);
+  // the object of a vertex: the last one that begins at or before it
+  const auto owner = [&](int vertex, int& local) {
+    const auto next = std::upper_bound(order.begin(), order.end(), vertex, [&](int v, SoftId id) { return v < r.softs[id].range.vertex; });
+    const SoftId id = *(next - 1);
+    local = vertex - r.softs[id].range.vertex;
+    return id;
+  };
+  std::vector<VertexContact> out;
+  for (const EngineVertexContact& c : impl_->engine->vertexContacts()) {
+    VertexContact v{{}, -1, {}, {}, -1, c.normal, c.depth, c.force};
+    v.object = owner(c.vertex, v.vertex);
+    if (c.otherVertex >= 0) v.otherObject = owner(c.otherVertex, v.otherVertex);
+    if (c.body >= 0) v.body = r.bodies.at(c.body).value_or(BodyId{});
+    out.push_back(v);
+  }
+  return out;
+}
+
+}  // namespace rubble
