@@ -1,6 +1,6 @@
 #pragma once
 /// The manifold of a pair: geometry found at the last full test and everything that its points hand on to the next step.
-#include <cstring>
+#include <cstddef>
 
 #include "collision/collide.h"
 #include "forces/contact.h"
@@ -31,7 +31,9 @@ struct Manifold {
   std::uint8_t awake;               ///< bit k: point k takes part in this step
   bool normalOnB;
   bool recycled;                    ///< not tested anew in this step
+  std::uint8_t unused[sizeof(Real) == 4 ? 11 : 19];  ///< 0: states are compared byte by byte, so no byte may be left to chance
 };
+static_assert(offsetof(Manifold, unused) + sizeof(Manifold::unused) == sizeof(Manifold));
 
 RUBBLE_HD inline Vec3 pointOnA(const Manifold& m, int k) { return {m.aX[k], m.aY[k], m.aZ[k]}; }
 RUBBLE_HD inline Vec3 pointOnB(const Manifold& m, int k) { return {m.bX[k], m.bY[k], m.bZ[k]}; }
@@ -58,7 +60,6 @@ RUBBLE_HD inline bool recyclable(const Manifold& old, const PairPose& pair, Real
 /// Manifold of a new test, with nothing handed on yet.
 RUBBLE_HD inline Manifold freshManifold(const RawManifold& raw, const PairPose& pair) {
   Manifold m;
-  memset(static_cast<void*>(&m), 0, sizeof m);  // padding too: states are hashed
   const Lanes zero = splatLanes(0);
   m.aX = m.aY = m.aZ = m.bX = m.bY = m.bZ = zero;
   m.lambdaN = m.lambda1 = m.lambda2 = m.kN = m.kT = m.drift1 = m.drift2 = zero;
@@ -80,6 +81,7 @@ RUBBLE_HD inline Manifold freshManifold(const RawManifold& raw, const PairPose& 
   m.stick = m.impact = m.awake = 0;
   m.normalOnB = raw.normalOnB;
   m.recycled = false;
+  for (std::uint8_t& byte : m.unused) byte = 0;
   return m;
 }
 

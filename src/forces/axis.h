@@ -38,15 +38,15 @@ struct AxisRow {
   Real lo, hi;        ///< interval after regularisation
   Real compliance;    ///< 1 / K_tot; 0: hard
   Real bound;
-  bool acts;
-  bool keepsMultiplier;
+  int acts;             ///< 0, 1; no bool, for padding would be left to chance where states are compared byte by byte
+  int keepsMultiplier;  ///< 0, 1
 };
 
 struct AxisRows {
   AxisRow limit, drive, friction;
   Real start, length;       ///< k_start, and the length that its growth refers to (1 for angles)
   Real beforeImpact;        ///< multiplier of the limit to go on with after an impact
-  bool impact;              ///< the limit stops a fast approach in this step
+  int impact;               ///< the limit stops a fast approach in this step
 };
 
 /// Force and Hessian stiffness of a row at c; returns the distance from the interval that the force comes from (0: no force).

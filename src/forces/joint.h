@@ -113,7 +113,7 @@ struct JointSpec {
 /// Its state.
 template <class F>
 struct Joint {
-  bool broken;
+  int broken;                     ///< 0, 1
   Real length;                    ///< L: bounding diameter of the smaller dynamic body [m]
   Vec3 offset;                    ///< p_A - p_B at x^t [m]; the step works in the frame with origin p_B^t
   typename F::Memory memory;

@@ -24,7 +24,7 @@ struct GroupState {
   Real compliance;  ///< 1 / K_mat; 0 for a hard group
   Real bound;       ///< largest |force| [N] or [N m]
   StiffnessRule rule;
-  bool keepsMultiplier;  ///< false: a soft group whose k ramps up to K_mat instead (the paper's rule for finite stiffness)
+  int keepsMultiplier;  ///< 0 (no bool: padding would be left to chance where states are compared): a soft group whose k ramps up to K_mat instead (the paper's rule for finite stiffness)
 };
 
 /// Force multiplier and Hessian stiffness of a group at error C: s (k C + lambda) and s k, s = 1 / (1 + k compliance), the force cut to the
