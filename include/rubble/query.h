@@ -23,6 +23,7 @@ struct RayQuery {
   QueryFilter filter;
 };
 /// The first surface that a ray meets. A ray that begins inside a body meets it at distance 0 with the normal against its direction.
+/// One-sided meshes and height fields are met from their front only.
 struct RayHit {
   bool hit = false;
   BodyId body;
@@ -31,7 +32,7 @@ struct RayHit {
   Vec3 normal;          ///< out of the body
 };
 
-/// A shape that is moved along a line without turning. Planes can not be moved.
+/// A convex shape or a compound that is moved along a line without turning.
 struct CastQuery {
   Shape shape;
   Vec3 position;  ///< [m]
@@ -48,8 +49,9 @@ struct CastHit {
   Vec3 normal;          ///< out of the body, towards the shape; zero if they overlap deeply at the start
 };
 
+/// Meshes and height fields are overlapped where their surface is.
 struct OverlapQuery {
-  Shape shape;
+  Shape shape;    ///< convex, or a compound
   Vec3 position;  ///< [m]
   Quat orientation;
   QueryFilter filter;

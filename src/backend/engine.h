@@ -84,7 +84,7 @@ struct EngineTouch {
 struct EngineQuery {
   enum Kind { Ray, Cast, Overlap, Closest };
   Kind kind = Ray;
-  CookedData shape;      ///< of a cast and an overlap
+  std::shared_ptr<const CookedShape> shape;  ///< of a cast and an overlap
   Vec3 position;         ///< of its frame in the engine
   Quat orientation;
   Vec3 move;

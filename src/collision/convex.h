@@ -51,10 +51,11 @@ namespace convex {
 RUBBLE_HD inline Real coneBase(const Convex& c) { return -c.half.z / 3; }
 
 /// Unit radial direction of d about z; a fixed one if d has next to none.
-RUBBLE_HD inline Vec3 radial(const Vec3& d, Real least) {
-  const Real l2 = d.x * d.x + d.y * d.y;
+template <class S>
+RUBBLE_HD Vec3T<S> radial(const Vec3T<S>& d, S least) {
+  const S l2 = d.x * d.x + d.y * d.y;
   if (!(l2 > least * least)) return {1, 0, 0};
-  const Real inverse = Real(1) / std::sqrt(l2);
+  const S inverse = S(1) / std::sqrt(l2);
   return {d.x * inverse, d.y * inverse, 0};
 }
 
@@ -99,34 +100,36 @@ RUBBLE_HD inline void addBoxFace(Feature& f, const Vec3& h, int axis, Real side)
 
 }  // namespace convex
 
-/// The point of the core that is furthest along d (of any length).
-RUBBLE_HD inline Vec3 support(const Convex& c, const Vec3& d) {
+/// The point of the core that is furthest along d (of any length), in the precision of d.
+template <class S>
+RUBBLE_HD Vec3T<S> support(const Convex& c, const Vec3T<S>& d) {
+  const Vec3T<S> half(c.half);
   switch (c.kind) {
-    case ShapeKind::Capsule: return {0, 0, d.z > Real(0) ? c.half.z : -c.half.z};
+    case ShapeKind::Capsule: return {0, 0, d.z > S(0) ? half.z : -half.z};
     case ShapeKind::Box:
-    case ShapeKind::RoundBox:
-      return {d.x > Real(0) ? c.half.x : -c.half.x, d.y > Real(0) ? c.half.y : -c.half.y, d.z > Real(0) ? c.half.z : -c.half.z};
+    case ShapeKind::RoundBox: return {d.x > S(0) ? half.x : -half.x, d.y > S(0) ? half.y : -half.y, d.z > S(0) ? half.z : -half.z};
     case ShapeKind::Cylinder: {
-      const Vec3 u = convex::radial(d, Real(0));
-      return {u.x * c.half.x, u.y * c.half.x, d.z > Real(0) ? c.half.z : -c.half.z};
+      const Vec3T<S> u = convex::radial(d, S(0));
+      return {u.x * half.x, u.y * half.x, d.z > S(0) ? half.z : -half.z};
     }
     case ShapeKind::Cone: {
-      const Vec3 u = convex::radial(d, Real(0));
-      const Vec3 rim{u.x * c.half.x, u.y * c.half.x, convex::coneBase(c)}, apex{0, 0, c.half.z};
-      return dot(rim - apex, d) > Real(0) ? rim : apex;
+      const Vec3T<S> u = convex::radial(d, S(0));
+      const Vec3T<S> rim{u.x * half.x, u.y * half.x, static_cast<S>(convex::coneBase(c))}, apex{0, 0, half.z};
+      return dot(rim - apex, d) > S(0) ? rim : apex;
     }
     case ShapeKind::Hull: {
       int best = 0;
-      Real most = -Real(1e30);
+      S most = -S(1e30);
       for (int i = 0; i < c.vertexCount; ++i) {
-        const Real h = dot(xyz(c.vertices[i]), d);
+        const S h = dot(Vec3T<S>(xyz(c.vertices[i])), d);
         if (h > most) most = h, best = i;
       }
-      return xyz(c.vertices[best]);
+      return Vec3T<S>(xyz(c.vertices[best]));
     }
     case ShapeKind::Triangle: {
-      const Real a = dot(c.corner[0], d), b = dot(c.corner[1], d), e = dot(c.corner[2], d);
-      return a >= b && a >= e ? c.corner[0] : b >= e ? c.corner[1] : c.corner[2];
+      const Vec3T<S> x(c.corner[0]), y(c.corner[1]), z(c.corner[2]);
+      const S a = dot(x, d), b = dot(y, d), e = dot(z, d);
+      return a >= b && a >= e ? x : b >= e ? y : z;
     }
     default: return {0, 0, 0};
   }

@@ -1,22 +1,25 @@
 #pragma once
 /// Distances between convex shapes by GJK (Gilbert, Johnson, Keerthi 1988; Ericson 2005, chapter 9), the time at which moving ones meet by
 /// conservative advancement (Mirtich 1996), and rays. In double precision: a bullet is small beside the way it goes in a step.
-#include "collision/shapes.h"
+#include "collision/convex.h"
 
 namespace rubble::RUBBLE_CORE {
 
 using Quatd = QuatT<double>;
 
-/// A shape at a pose. Its core is a box of half extents `half`, of no size for a sphere and a line for a capsule; `radius` goes around it.
+/// A convex shape, or a half space, at a pose.
 struct Placed {
-  Vec3d half;  ///< [m]
-  double radius;
-  bool plane;  ///< the half space z < 0 of its frame
-  Vec3d p;     ///< [m]
+  Convex shape;
+  Vec3d p;      ///< its centre [m]
   Quatd q;
+  Vec3d arm{};  ///< its centre less that of the body that it turns with [m]
+
+  RUBBLE_HD bool isPlane() const { return shape.kind == ShapeKind::Plane; }
+  RUBBLE_HD double radius() const { return static_cast<double>(shape.radius); }
 };
+/// Plain shapes need no tables.
 RUBBLE_HD inline Placed placed(const ShapeData& shape, const Vec3d& p, const Quatd& q) {
-  return {Vec3d(shape.half), static_cast<double>(shape.radius), shape.kind == ShapeKind::Plane, p, q};
+  return {{shape.kind, shape.half, shape.radius, nullptr, nullptr, nullptr, 0, 0, {}}, p, q};
 }
 
 /// Shortest way from A to B.
@@ -39,9 +42,14 @@ struct Simplex {
   int count;
 };
 
+RUBBLE_HD RUBBLE_APART inline Vec3d rareSupport(const Convex& c, const Vec3d& d) { return RUBBLE_CORE::support(c, d); }
+
 RUBBLE_HD inline Vec3d support(const Placed& s, const Vec3d& direction) {
   const Vec3d d = rotateInverse(s.q, direction);
-  return s.p + rotate(s.q, Vec3d{d.x < 0 ? -s.half.x : s.half.x, d.y < 0 ? -s.half.y : s.half.y, d.z < 0 ? -s.half.z : s.half.z});
+  if (s.shape.kind > ShapeKind::RoundBox) return s.p + rotate(s.q, rareSupport(s.shape, d));
+  // the core of a sphere is a box of no size, that of a capsule a line
+  const Vec3d half(s.shape.half);
+  return s.p + rotate(s.q, Vec3d{d.x < 0 ? -half.x : half.x, d.y < 0 ? -half.y : half.y, d.z < 0 ? -half.z : half.z});
 }
 
 RUBBLE_HD inline Vec3d nearest(const Simplex& s) {
@@ -118,7 +126,8 @@ RUBBLE_HD inline Separation cores(const Placed& a, const Placed& b) {
   s.v[0].a = support(a, d), s.v[0].b = support(b, -d), s.v[0].w = s.v[0].a - s.v[0].b;
   s.count = 1, s.weight[0] = 1;
   Vec3d x = s.v[0].w;
-  const double scale2 = dot(a.half, a.half) + dot(b.half, b.half) + 1e-30;
+  const Vec3d halfA(a.shape.half), halfB(b.shape.half);
+  const double scale2 = dot(halfA, halfA) + dot(halfB, halfB) + 1e-30;
   bool apart = true;
   for (int step = 0; step < kMostSteps; ++step) {
     const double x2 = dot(x, x);
@@ -153,7 +162,7 @@ RUBBLE_HD inline Separation cores(const Placed& a, const Placed& b) {
 RUBBLE_HD inline Separation fromPlane(const Placed& plane, const Placed& b) {
   const Vec3d up = rotate(plane.q, Vec3d{0, 0, 1});
   Separation out;
-  out.onB = support(b, -up) - up * b.radius;
+  out.onB = support(b, -up) - up * b.radius();
   out.distance = dot(up, out.onB - plane.p);
   out.onA = out.onB - up * out.distance;
   out.n = up;
@@ -164,15 +173,15 @@ RUBBLE_HD inline Separation fromPlane(const Placed& plane, const Placed& b) {
 
 /// Distance of two shapes; two half spaces are never near.
 RUBBLE_HD inline Separation separation(const Placed& a, const Placed& b) {
-  if (a.plane && b.plane) return {1e300, a.p, b.p, {0, 0, 1}};
-  if (a.plane) return gjk::fromPlane(a, b);
-  if (b.plane) {
+  if (a.isPlane() && b.isPlane()) return {1e300, a.p, b.p, {0, 0, 1}};
+  if (a.isPlane()) return gjk::fromPlane(a, b);
+  if (b.isPlane()) {
     const Separation s = gjk::fromPlane(b, a);
     return {s.distance, s.onB, s.onA, -s.n};
   }
   Separation s = gjk::cores(a, b);
-  s.onA += s.n * a.radius, s.onB -= s.n * b.radius;
-  s.distance -= a.radius + b.radius;
+  s.onA += s.n * a.radius(), s.onB -= s.n * b.radius();
+  s.distance -= a.radius() + b.radius();
   return s;
 }
 
@@ -187,6 +196,20 @@ RUBBLE_HD inline Quatd turnOf(const Vec3d& w) {
   return angle > 0 ? fromAxisAngle(w / angle, angle) : Quatd{};
 }
 
+RUBBLE_HD inline Placed movedBy(const Placed& s, const Way& way, double fraction) {
+  Placed m = s;
+  m.p += way.move * fraction;
+  if (way.turn == Vec3d{}) return m;
+  const Quatd turn = turnOf(way.turn * fraction);
+  m.q = turn * s.q;
+  m.arm = rotate(turn, s.arm);
+  m.p += m.arm - s.arm;
+  return m;
+}
+
+/// No point of the core goes further by a turn of its body than this [m].
+RUBBLE_HD inline double turnReach(const Placed& s, const Way& way) { return length(way.turn) * (length(Vec3d(s.shape.half)) + length(s.arm)); }
+
 /// Where and when A and B come within `tolerance` of one another.
 struct Meeting {
   double fraction;  ///< of the way, above 1: never
@@ -195,25 +218,21 @@ struct Meeting {
 RUBBLE_HD inline Meeting meeting(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, double tolerance) {
   constexpr int kMostSteps = 128;  // whoever needs more stays within the tolerance for long: then that is where they meet
   const Vec3d relative = wayA.move - wayB.move;
-  // no point of a core moves faster by the turn than this
-  const double turning = length(wayA.turn) * length(a.half) + length(wayB.turn) * length(b.half);
-  Placed pa = a, pb = b;
+  const double turning = turnReach(a, wayA) + turnReach(b, wayB);
   Meeting m{0, separation(a, b)};
   for (int step = 0; step < kMostSteps && m.at.distance > tolerance; ++step) {
     const double closing = dot(m.at.n, relative) + turning;
     if (!(closing > 0)) return {2, m.at};
     m.fraction += (m.at.distance - tolerance / 2) / closing;
     if (m.fraction > 1) return {2, m.at};
-    pa.p = a.p + wayA.move * m.fraction, pb.p = b.p + wayB.move * m.fraction;
-    if (turning > 0) pa.q = turnOf(wayA.turn * m.fraction) * a.q, pb.q = turnOf(wayB.turn * m.fraction) * b.q;
-    m.at = separation(pa, pb);
+    m.at = separation(movedBy(a, wayA, m.fraction), movedBy(b, wayB, m.fraction));
   }
   return m;
 }
 
-/// Half of the smallest thickness of a shape [m].
+/// Half of the smallest thickness of a plain shape [m].
 RUBBLE_HD inline Real innerRadius(const ShapeData& s) {
-  if (s.kind == ShapeKind::Plane || !isPlain(s.kind)) return Real(1e18);
+  if (s.kind == ShapeKind::Plane) return Real(1e18);
   if (s.kind != ShapeKind::Box) return s.radius;
   return min(s.half.x, min(s.half.y, s.half.z));
 }

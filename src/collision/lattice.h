@@ -31,7 +31,7 @@ RUBBLE_HD inline Real sampleAt(const DistanceLattice& l, int i) {
   return (i & 3) == 0 ? four.x : (i & 3) == 1 ? four.y : (i & 3) == 2 ? four.z : four.w;
 }
 
-/// Distance and outward normal at x, body frame; outside of the lattice the way to it is added.
+/// Distance and outward normal at x, body frame. Outside of the lattice it is no more than the true one: the solid lies within.
 RUBBLE_HD inline Real latticeDistance(const DistanceLattice& l, const Vec3& x, Vec3& normal) {
   const Vec3 local = rotateInverse(l.turn, x - l.first) / l.spacing;
   const int counts[3] = {l.nx, l.ny, l.nz};
@@ -55,7 +55,8 @@ RUBBLE_HD inline Real latticeDistance(const DistanceLattice& l, const Vec3& x, V
   const Vec3 beyond = local - inside;
   const Real away = length(beyond) * l.spacing;
   normal = rotate(l.turn, away > Real(0) ? normalize(beyond) : normalize(g));
-  return mix(y0, y1, t.z) + away;
+  const Real within = mix(y0, y1, t.z);
+  return away > Real(0) && within > Real(0) ? std::sqrt(within * within + away * away) : within + away;
 }
 
 /// Signed distance of a point to a convex shape, its frame; of hulls outside an edge a little less.
@@ -133,9 +134,11 @@ RUBBLE_HD void visitCorners(const Convex& c, Visit&& visit) {
 
 }  // namespace distance
 
-/// A lattice solid against another shape, which lies at `at`, turned by q, in the frame of the solid. Points relative to the solid's centre.
-RUBBLE_HD inline void collideDistance(const ShapeTables& tables, const ShapeData& s, const ShapeData& other, const Vec3& at, const Quat& q,
-                                      Real margin, SurfaceContacts& out) {
+/// found(n, onSurface, gap, feature) for every place where a lattice solid comes within `margin` of another shape, which lies at `at`, turned by q,
+/// in the frame of the solid; n from the solid to the other, points relative to the solid's centre. The margin may be lowered on the way.
+template <class Found>
+RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const ShapeData& other, const Vec3& at, const Quat& q, Real length,
+                         const Real& margin, Found&& found) {
   const DistanceLattice lattice = latticeOf(tables, s);
   constexpr int kOfPoint = 0x4000;
   if (other.kind == ShapeKind::Plane) {
@@ -143,7 +146,7 @@ RUBBLE_HD inline void collideDistance(const ShapeTables& tables, const ShapeData
     for (int k = 0; k < lattice.pointCount; ++k) {
       const Vec3 x = xyz(lattice.points[k]);
       const Real gap = dot(up, x - at);
-      if (gap <= margin) addSurfacePoint(out, -up, x, gap, kOfPoint + k);
+      if (gap <= margin) found(-up, x, gap, kOfPoint + k);
     }
     return;
   }
@@ -153,17 +156,17 @@ RUBBLE_HD inline void collideDistance(const ShapeTables& tables, const ShapeData
     for (int k = 0; k < lattice.pointCount; ++k) {
       const Vec3 x = xyz(lattice.points[k]);
       const Real gap = latticeDistance(second, rotateInverse(q, x - at), n);
-      if (gap <= margin) addSurfacePoint(out, -rotate(q, n), x, gap, kOfPoint + k);
+      if (gap <= margin) found(-rotate(q, n), x, gap, kOfPoint + k);
     }
     for (int k = 0; k < second.pointCount; ++k) {
       const Vec3 x = at + rotate(q, xyz(second.points[k]));
       const Real gap = latticeDistance(lattice, x, n);
-      if (gap <= margin) addSurfacePoint(out, n, x - n * gap, gap, 2 * kOfPoint + k);
+      if (gap <= margin) found(n, x - n * gap, gap, 2 * kOfPoint + k);
     }
     return;
   }
   if (other.kind == ShapeKind::Mesh || other.kind == ShapeKind::HeightField) {
-    const Real depth = max(margin, kHeldFromBelow * out.length);
+    const Real depth = max(margin, kHeldFromBelow * length);
     const Vec3 reach{depth, depth, depth};
     const bool twoSided = isTwoSided(tables, other);
     for (int k = 0; k < lattice.pointCount; ++k) {
@@ -178,25 +181,32 @@ RUBBLE_HD inline void collideDistance(const ShapeTables& tables, const ShapeData
           n = -n;
         }
         const Real gap = dot(n, inOther - t.corner[0]);
-        if (gap <= margin && gap >= -depth) addSurfacePoint(out, -rotate(q, n), x, gap, kOfPoint + k);
+        if (gap <= margin && gap >= -depth) found(-rotate(q, n), x, gap, kOfPoint + k);
         return false;
       });
     }
     return;
   }
   const Convex convexOther = convexOf(tables, other);
-  const Real h = Real(1e-3) * out.length;
+  const Real h = Real(1e-3) * length;
   for (int k = 0; k < lattice.pointCount; ++k) {
     const Vec3 x = xyz(lattice.points[k]), local = rotateInverse(q, x - at);
     const Real gap = distanceTo(convexOther, local);
-    if (gap <= margin) addSurfacePoint(out, -rotate(q, normalTo(convexOther, local, h)), x, gap, kOfPoint + k);
+    if (gap <= margin) found(-rotate(q, normalTo(convexOther, local, h)), x, gap, kOfPoint + k);
   }
   distance::visitCorners(convexOther, [&](const Vec3& corner, int id) {
     const Vec3 x = at + rotate(q, corner);
     Vec3 n;
     const Real toCore = latticeDistance(lattice, x, n), gap = toCore - convexOther.radius;
-    if (gap <= margin) addSurfacePoint(out, n, x - n * toCore, gap, id);
+    if (gap <= margin) found(n, x - n * toCore, gap, id);
   });
+}
+
+/// Contacts of a lattice solid and another shape.
+RUBBLE_HD inline void collideDistance(const ShapeTables& tables, const ShapeData& s, const ShapeData& other, const Vec3& at, const Quat& q,
+                                      Real margin, SurfaceContacts& out) {
+  visitGaps(tables, s, other, at, q, out.length, margin,
+            [&](const Vec3& n, const Vec3& onSurface, Real gap, int feature) { addSurfacePoint(out, n, onSurface, gap, feature); });
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,5 +1,5 @@
 #pragma once
-/// Where a ray meets a shape, in closed form.
+/// Where a ray meets a plain shape or a triangle, in closed form.
 #include "collision/distance.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -51,19 +51,31 @@ RUBBLE_HD inline RayMeeting capsule(const Vec3d& x, const Vec3d& d, double half,
   return a.fraction < b.fraction ? a : b;
 }
 
+/// Against a triangle, from its front, or from either side.
+RUBBLE_HD inline RayMeeting triangle(const Vec3d& x, const Vec3d& d, const Vec3d& a, const Vec3d& b, const Vec3d& c, bool twoSided) {
+  Vec3d n = cross(b - a, c - a);
+  double over = dot(n, x - a), down = -dot(n, d);
+  if (down < 0 && twoSided) n = -n, over = -over, down = -down;
+  if (!(down > 0) || over < 0 || over > down) return {kNever, {}};
+  // neighbours see their common edge with opposite signs, so nothing slips through between them
+  const double u = dot(d, cross(b - x, a - x)), v = dot(d, cross(c - x, b - x)), w = dot(d, cross(a - x, c - x));
+  if (!((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0))) return {kNever, {}};
+  return {over / down, normalize(n)};
+}
+
 }  // namespace rays
 
-/// A ray from `origin` that goes `move`, against a shape.
+/// A ray from `origin` that goes `move`, against a plain shape.
 RUBBLE_HD inline RayMeeting castRay(const Placed& shape, const Vec3d& origin, const Vec3d& move) {
   const Vec3d x = rotateInverse(shape.q, origin - shape.p), d = rotateInverse(shape.q, move);
   RayMeeting m{rays::kNever, {}};
-  if (shape.plane) {
+  if (shape.isPlane()) {
     if (x.z <= 0) m = {0, {0, 0, 0}};
     else if (d.z < 0) m = {x.z / -d.z, {0, 0, 1}};
-  } else if (shape.radius == 0) {
-    m = rays::box(x, d, shape.half);
+  } else if (shape.shape.kind == ShapeKind::Box) {
+    m = rays::box(x, d, Vec3d(shape.shape.half));
   } else {
-    m = rays::capsule(x, d, shape.half.z, shape.radius);
+    m = rays::capsule(x, d, static_cast<double>(shape.shape.half.z), shape.radius());
   }
   if (m.fraction > 1) return {rays::kNever, {}};
   m.n = m.n == Vec3d{} ? normalize(-move) : rotate(shape.q, m.n);

@@ -30,8 +30,9 @@ RUBBLE_HD inline bool isTwoSided(const ShapeTables& tables, const ShapeData& s) 
 
 namespace surface {
 
-template <class Visit>
-RUBBLE_HD bool visitMesh(const ShapeTables& tables, const ShapeData& s, const Vec3& low, const Vec3& high, Visit&& visit) {
+/// visit(triangle) for the triangles of a mesh whose boxes, and those of the nodes above them, pass meets(low, high).
+template <class Meets, class Visit>
+RUBBLE_HD bool visitMesh(const ShapeTables& tables, const ShapeData& s, Meets&& meets, Visit&& visit) {
   const int* const header = tables.index + s.data;
   const int nodes = header[2], triangles = header[3];
   const Vec4* const boxes = tables.vector + header[0];
@@ -41,7 +42,7 @@ RUBBLE_HD bool visitMesh(const ShapeTables& tables, const ShapeData& s, const Ve
   const int* const flags = corners + 3 * triangles;
   const int* const beyond = flags + triangles;
   for (int i = 0; i < nodes;) {
-    if (!boxesMeet(low, high, xyz(boxes[2 * i]), xyz(boxes[2 * i + 1]))) {
+    if (!meets(xyz(boxes[2 * i]), xyz(boxes[2 * i + 1]))) {
       i = links[2 * i];
       continue;
     }
@@ -62,37 +63,52 @@ RUBBLE_HD bool visitMesh(const ShapeTables& tables, const ShapeData& s, const Ve
 
 RUBBLE_HD inline int cellAt(Real x, int cells) { return static_cast<int>(clamp(std::floor(x), Real(0), Real(cells - 1))); }
 
-template <class Visit>
-RUBBLE_HD bool visitHeights(const ShapeTables& tables, const ShapeData& s, const Vec3& low, const Vec3& high, Visit&& visit) {
-  const int* const header = tables.index + s.data;
-  const Vec4* const vectors = tables.vector + header[0];
-  const int* const flags = tables.index + header[1];
-  const int nx = header[2], ny = header[3];
-  const Vec4 grid = vectors[0], first = vectors[1];
-  if (low.z > grid.w || high.z < grid.z) return false;
-  const Real x0 = (low.x - first.x) / grid.x, x1 = (high.x - first.x) / grid.x, y0 = (low.y - first.y) / grid.y, y1 = (high.y - first.y) / grid.y;
-  if (x1 < Real(0) || y1 < Real(0) || x0 > Real(nx - 1) || y0 > Real(ny - 1)) return false;
-  const auto corner = [&](int i, int j) {
+/// The samples of a height field.
+struct HeightGrid {
+  const Vec4* vectors;
+  const int* flags;
+  int nx, ny;
+  Vec4 grid, first;
+
+  RUBBLE_HD Vec3 corner(int i, int j) const {
     const int k = j * nx + i;
     const Vec4 four = vectors[2 + k / 4];
     const Real h = (k & 3) == 0 ? four.x : (k & 3) == 1 ? four.y : (k & 3) == 2 ? four.z : four.w;
-    return Vec3{first.x + Real(i) * grid.x, first.y + Real(j) * grid.y, h};
-  };
-  for (int j = cellAt(y0, ny - 1); j <= cellAt(y1, ny - 1); ++j) {
-    for (int i = cellAt(x0, nx - 1); i <= cellAt(x1, nx - 1); ++i) {
-      const Vec3 a = corner(i, j), b = corner(i + 1, j), c = corner(i + 1, j + 1), d = corner(i, j + 1);
-      const int cell = 2 * (j * (nx - 1) + i);
-      for (int half = 0; half < 2; ++half) {
-        SurfaceTriangle t{{a, half == 0 ? b : c, half == 0 ? c : d}, flags[cell + half], cell + half, {}};
-        // cells beyond the rim give the corner itself or a point of the rim: neither rises over the edge
-        t.beyond[0] = half == 0 ? corner(i, max(j - 1, 0)) : b;
-        t.beyond[1] = half == 0 ? corner(min(i + 2, nx - 1), j + 1) : corner(i + 1, min(j + 2, ny - 1));
-        t.beyond[2] = half == 0 ? d : corner(max(i - 1, 0), j);
-        const Vec3 lowest = lower(t.corner[0], lower(t.corner[1], t.corner[2])), highest = upper(t.corner[0], upper(t.corner[1], t.corner[2]));
-        if (boxesMeet(low, high, lowest, highest) && visit(t)) return true;
-      }
-    }
+    return {first.x + Real(i) * grid.x, first.y + Real(j) * grid.y, h};
   }
+  /// visit(triangle) for those of a cell whose boxes pass meets(low, high).
+  template <class Meets, class Visit>
+  RUBBLE_HD bool visitCell(int i, int j, Meets&& meets, Visit&& visit) const {
+    const Vec3 a = corner(i, j), b = corner(i + 1, j), c = corner(i + 1, j + 1), d = corner(i, j + 1);
+    const int cell = 2 * (j * (nx - 1) + i);
+    for (int half = 0; half < 2; ++half) {
+      SurfaceTriangle t{{a, half == 0 ? b : c, half == 0 ? c : d}, flags[cell + half], cell + half, {}};
+      // cells beyond the rim give the corner itself or a point of the rim: neither rises over the edge
+      t.beyond[0] = half == 0 ? corner(i, max(j - 1, 0)) : b;
+      t.beyond[1] = half == 0 ? corner(min(i + 2, nx - 1), j + 1) : corner(i + 1, min(j + 2, ny - 1));
+      t.beyond[2] = half == 0 ? d : corner(max(i - 1, 0), j);
+      const Vec3 lowest = lower(t.corner[0], lower(t.corner[1], t.corner[2])), highest = upper(t.corner[0], upper(t.corner[1], t.corner[2]));
+      if (meets(lowest, highest) && visit(t)) return true;
+    }
+    return false;
+  }
+};
+RUBBLE_HD inline HeightGrid heightGrid(const ShapeTables& tables, const ShapeData& s) {
+  const int* const header = tables.index + s.data;
+  const Vec4* const vectors = tables.vector + header[0];
+  return {vectors, tables.index + header[1], header[2], header[3], vectors[0], vectors[1]};
+}
+
+template <class Visit>
+RUBBLE_HD bool visitHeights(const HeightGrid& g, const Vec3& low, const Vec3& high, Visit&& visit) {
+  if (low.z > g.grid.w || high.z < g.grid.z) return false;
+  const Real x0 = (low.x - g.first.x) / g.grid.x, x1 = (high.x - g.first.x) / g.grid.x;
+  const Real y0 = (low.y - g.first.y) / g.grid.y, y1 = (high.y - g.first.y) / g.grid.y;
+  if (x1 < Real(0) || y1 < Real(0) || x0 > Real(g.nx - 1) || y0 > Real(g.ny - 1)) return false;
+  const auto meets = [&](const Vec3& l, const Vec3& h) { return boxesMeet(low, high, l, h); };
+  for (int j = cellAt(y0, g.ny - 1); j <= cellAt(y1, g.ny - 1); ++j)
+    for (int i = cellAt(x0, g.nx - 1); i <= cellAt(x1, g.nx - 1); ++i)
+      if (g.visitCell(i, j, meets, visit)) return true;
   return false;
 }
 
@@ -101,8 +117,9 @@ RUBBLE_HD bool visitHeights(const ShapeTables& tables, const ShapeData& s, const
 /// visit(triangle) for all that meet the box [low, high] of the surface's frame, until it returns true; whether it did.
 template <class Visit>
 RUBBLE_HD bool visitTriangles(const ShapeTables& tables, const ShapeData& s, const Vec3& low, const Vec3& high, Visit&& visit) {
-  if (s.kind == ShapeKind::Mesh) return surface::visitMesh(tables, s, low, high, visit);
-  if (s.kind == ShapeKind::HeightField) return surface::visitHeights(tables, s, low, high, visit);
+  if (s.kind == ShapeKind::Mesh)
+    return surface::visitMesh(tables, s, [&](const Vec3& l, const Vec3& h) { return boxesMeet(low, high, l, h); }, visit);
+  if (s.kind == ShapeKind::HeightField) return surface::visitHeights(surface::heightGrid(tables, s), low, high, visit);
   return false;
 }
 

@@ -31,7 +31,7 @@ struct PairSpeed {
 RUBBLE_HD inline PairSpeed pairSpeed(const View& s, int a, int b, const BodyParams& pa, const BodyParams& pb) {
   const Vec3 relative = s.velocity[a] - s.velocity[b];
   const Real closing = length(relative) + length(s.spin[a]) * pa.radius + length(s.spin[b]) * pb.radius;
-  return {closing, s.step.dt * closing > pairLength(pa, pb) && isPlainPair(s, a, b)};
+  return {closing, s.step.dt * closing > pairLength(pa, pb)};
 }
 
 /// Share of the closing speed of an impact that body `own` may take over, by the masses: all of it from a body as heavy as a third of it.
@@ -70,6 +70,12 @@ RUBBLE_HD inline Real pairReach(const View& s, int a, int b) {
 
 /// Of two bodies with a surface among them: is it the first one's? A distance field takes any other surface as a part.
 RUBBLE_HD inline bool surfaceIsFirst(ShapeKind a, ShapeKind b) { return a == ShapeKind::Distance || (isSurface(a) && b != ShapeKind::Distance); }
+
+/// Of a pair with a surface: is it the first body's?
+RUBBLE_HD inline bool surfaceIsOnA(const View& s, const Pair& p, const OrderedPair& o) {
+  const ShapeKind a = s.params[o.a].shape.kind, b = s.params[o.b].shape.kind;
+  return p.owner == o.a ? surfaceIsFirst(a, b) : !surfaceIsFirst(b, a);
+}
 
 namespace parts {
 

@@ -1,6 +1,6 @@
 #pragma once
 /// Queries over the grid of the broad phase, filled for the present poses: a functor a query.
-#include "collision/ray.h"
+#include "collision/probe.h"
 #include "stages/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -9,7 +9,9 @@ enum class QueryKind : int { Ray, Cast, Overlap, Closest };
 
 struct QueryData {
   QueryKind kind;
-  Placed shape;         ///< of a ray and of a closest point: the point alone
+  ShapeData shape;      ///< of a cast and an overlap: convex or a compound, with tables of the queries' own
+  Vec3d position;       ///< of its centre; of a ray and of a closest point: the point [m]
+  Quatd orientation;
   Vec3d move;           ///< [m]
   double reach;         ///< closest point: largest distance [m]
   double size;          ///< diameter of the shape [m]
@@ -23,30 +25,18 @@ struct QueryHit {
   Vec3d position, n;
 };
 
-/// Half extents of the box about the centre of a placed shape [m].
-RUBBLE_HD inline Vec3d extent(const Placed& s) {
-  const Vec3d x = abs(rotate(s.q, Vec3d{s.half.x, 0, 0})), y = abs(rotate(s.q, Vec3d{0, s.half.y, 0})), z = abs(rotate(s.q, Vec3d{0, 0, s.half.z}));
-  return x + y + z + Vec3d{s.radius, s.radius, s.radius};
+/// Half extents of the box about the centre of a query's shape [m].
+RUBBLE_HD inline Vec3d extent(const QueryData& q) {
+  const Vec3d half(q.shape.half);
+  const Vec3d x = abs(rotate(q.orientation, Vec3d{half.x, 0, 0})), y = abs(rotate(q.orientation, Vec3d{0, half.y, 0}));
+  const double radius = static_cast<double>(q.shape.radius);
+  return x + y + abs(rotate(q.orientation, Vec3d{0, 0, half.z})) + Vec3d{radius, radius, radius};
 }
 
 RUBBLE_HD inline bool looksAt(const View& s, const QueryData& q, int body) {
-  if (body == q.ignore || !isPlain(s.params[body].shape.kind)) return false;
+  if (body == q.ignore) return false;
   const BodyFilter& f = s.filter[body];
   return (q.sensors != 0 || f.sensor == 0) && (f.layers & q.mask) != 0 && (q.layers & f.mask) != 0;
-}
-
-/// Does a box of half extents `reach` about x meet the origin on its way x + t d, t in [0, limit]?
-RUBBLE_HD inline bool passes(const Vec3d& x, const Vec3d& d, const Vec3d& reach, double limit) {
-  double in = 0, out = limit;
-  for (int k = 0; k < 3; ++k) {
-    if (d[k] == 0) {
-      if (std::fabs(x[k]) > reach[k]) return false;
-      continue;
-    }
-    const double a = (-reach[k] - x[k]) / d[k], b = (reach[k] - x[k]) / d[k];
-    in = max(in, min(a, b)), out = min(out, max(a, b));
-  }
-  return in <= out;
 }
 
 /// visit(body) for every body whose box may meet one of half extents `half` that goes from `x` by `limit` of `d`. The visitor may lower the limit
@@ -105,9 +95,23 @@ RUBBLE_HD void visitAlong(const View& s, const Vec3d& x, const Vec3d& d, const V
   for (int k = 0; k < s.planes; ++k) visit(s.planeBody[k]);
 }
 
-/// A body as a query sees it: relative to the shape's place, so that far from the origin nothing is lost.
-RUBBLE_HD inline Placed placedBody(const View& s, int body, const Vec3d& origin) {
-  return placed(s.params[body].shape, s.position[body] - origin, Quatd(s.orientation[body]));
+/// visit(part) for the parts of a body as a query sees them: relative to the query's place, so that far from the origin nothing is lost.
+template <class Visit>
+RUBBLE_HD void visitParts(const View& s, int body, const Vec3d& origin, Visit&& visit) {
+  const ShapeData& shape = s.params[body].shape;
+  const int count = parts::count(s, shape);
+  for (int k = 0; k < count; ++k) visit(placedAny(s.shapeTables(), shape, s.position[body] - origin, s.orientation[body], k));
+}
+
+/// visit(own) for the parts of a query's shape.
+template <class Visit>
+RUBBLE_HD void visitOwn(const ShapeTables& tables, const QueryData& q, Visit&& visit) {
+  if (q.shape.kind != ShapeKind::Compound) {
+    visit(PlacedAny{tables, q.shape, {}, q.orientation});
+    return;
+  }
+  const int count = tables.index[q.shape.data + 3];
+  for (int k = 0; k < count; ++k) visit(placedAny(tables, q.shape, {}, Quat(q.orientation), k));
 }
 
 /// Shapes count as touching within this share of the size of a shape that is cast [1].
@@ -117,66 +121,69 @@ inline constexpr double kCastGap = 1e-4;
 struct RunQuery {
   static constexpr const char* kName = "queries";
   const QueryData* queries;
+  ShapeTables own;
   QueryHit* hits;
 
   RUBBLE_HD void operator()(const View& s, int i) const {
     const QueryData& q = queries[i];
     QueryHit best{-1, 0, {}, {}};
     double limit = 1;
-    Placed own = q.shape;
-    own.p = {};
     const bool closest = q.kind == QueryKind::Closest;
-    const Vec3d half = closest ? Vec3d{q.reach, q.reach, q.reach} : extent(own);
+    const Vec3d half = closest ? Vec3d{q.reach, q.reach, q.reach} : extent(q);
     double bestDistance = q.reach;
-    visitAlong(s, q.shape.p, q.move, half, limit, [&](int body) {
-      if (!looksAt(s, q, body)) return;
-      const Placed other = placedBody(s, body, q.shape.p);
-      QueryHit hit{body, 0, {}, {}};
-      if (q.kind == QueryKind::Ray) {
-        const RayMeeting m = castRay(other, {}, q.move);
-        if (m.fraction > 1) return;
-        hit.fraction = m.fraction, hit.position = q.move * m.fraction, hit.n = m.n;
-      } else if (closest) {
-        const Separation at = separation(own, other);
-        const bool inside = !(at.distance > 0);
-        hit.fraction = inside ? 0 : at.distance;
-        hit.position = inside ? Vec3d{} : at.onB;
-        if (hit.fraction > bestDistance) return;
-      } else {
-        const Meeting m = meeting(own, {q.move, {}}, other, {{}, {}}, kCastGap * q.size);
-        if (m.fraction > 1) return;
-        hit.fraction = m.fraction, hit.n = -m.at.n;
-        hit.position = m.at.n == Vec3d{} ? Vec3d{} : m.at.onB;
-      }
-      const bool first = best.body < 0 || hit.fraction < best.fraction || (hit.fraction == best.fraction && body < best.body);
+    const auto take = [&](const QueryHit& hit) {
+      const bool first = best.body < 0 || hit.fraction < best.fraction || (hit.fraction == best.fraction && hit.body < best.body);
       if (!first) return;
       best = hit;
       if (closest) bestDistance = hit.fraction;
       else limit = hit.fraction;
+    };
+    visitAlong(s, q.position, q.move, half, limit, [&](int body) {
+      if (!looksAt(s, q, body)) return;
+      visitParts(s, body, q.position, [&](const PlacedAny& target) {
+        if (q.kind == QueryKind::Ray) {
+          const RayMeeting m = castRay(target, q.move);
+          if (m.fraction <= 1) take({body, m.fraction, q.move * m.fraction, m.n});
+        } else if (closest) {
+          const Separation at = nearestPoint(target, bestDistance);
+          const bool inside = !(at.distance > 0);
+          const double distance = inside ? 0 : at.distance;
+          if (distance <= bestDistance) take({body, distance, inside ? Vec3d{} : at.onB, {}});
+        } else {
+          visitOwn(own, q, [&](const PlacedAny& part) {
+            const Meeting m = castShape(part, q.move, target, kCastGap * q.size);
+            if (m.fraction <= 1) take({body, m.fraction, m.at.n == Vec3d{} ? Vec3d{} : m.at.onA, m.at.n});
+          });
+        }
+      });
     });
-    best.position += q.shape.p;
+    best.position += q.position;
     hits[i] = best;
   }
 };
 
 /// Bodies that a shape overlaps: found(body), in no fixed order.
 template <class Found>
-RUBBLE_HD void searchOverlaps(const View& s, const QueryData& q, Found&& found) {
-  Placed own = q.shape;
-  own.p = {};
+RUBBLE_HD void searchOverlaps(const View& s, const ShapeTables& tables, const QueryData& q, Found&& found) {
   double limit = 1;
-  visitAlong(s, q.shape.p, {}, extent(own), limit, [&](int body) {
-    if (looksAt(s, q, body) && separation(own, placedBody(s, body, q.shape.p)).distance <= 0) found(body);
+  visitAlong(s, q.position, {}, extent(q), limit, [&](int body) {
+    if (!looksAt(s, q, body)) return;
+    bool meets = false;
+    visitParts(s, body, q.position, [&](const PlacedAny& target) {
+      visitOwn(tables, q, [&](const PlacedAny& part) { meets = meets || overlaps(part, target); });
+    });
+    if (meets) found(body);
   });
 }
 
 struct CountOverlaps {
   static constexpr const char* kName = "queries";
   const QueryData* queries;
+  ShapeTables own;
   int* counts;
   RUBBLE_HD void operator()(const View& s, int i) const {
     int n = 0;
-    searchOverlaps(s, queries[i], [&](int) { ++n; });
+    searchOverlaps(s, own, queries[i], [&](int) { ++n; });
     counts[i] = n;
   }
 };
@@ -185,12 +192,13 @@ struct CountOverlaps {
 struct FillOverlaps {
   static constexpr const char* kName = "queries";
   const QueryData* queries;
+  ShapeTables own;
   const int* offsets;
   int* bodies;
   RUBBLE_HD void operator()(const View& s, int i) const {
     int n = 0;
     int* const to = bodies + offsets[i];
-    searchOverlaps(s, queries[i], [&](int body) {
+    searchOverlaps(s, own, queries[i], [&](int body) {
       int k = n++;
       for (; k > 0 && to[k - 1] > body; --k) to[k] = to[k - 1];
       to[k] = body;

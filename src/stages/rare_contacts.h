@@ -11,7 +11,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
   const OrderedPair o = ordered(p);
   const PairPose pose = pairPose(s, o);
   const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
-  const bool onA = p.owner == o.a ? surfaceIsFirst(shapeA.kind, shapeB.kind) : !surfaceIsFirst(shapeB.kind, shapeA.kind);
+  const bool onA = surfaceIsOnA(s, p, o);
   const ShapeData& surface = onA ? shapeA : shapeB;
   const Quat &qs = onA ? pose.qA : pose.qB, &qp = onA ? pose.qB : pose.qA;
   const ShapeTables tables = s.shapeTables();

@@ -3,6 +3,7 @@
 #include "stages/coarse.h"
 #include "stages/coloring.h"
 #include "stages/rare_contacts.h"
+#include "stages/rare_stops.h"
 #include "stages/sleep.h"
 #include "stages/soft_step.h"
 
@@ -172,6 +173,7 @@ void stopFastBodies(E& e) {
   e.forEach(FindFast{}, e.view().bodies);
   e.require(Per::Pair, &Counters::swept);
   e.forEach(FindStops{}, &Counters::swept);
+  if (e.view().rareShapes) e.forEach(FindRareStops{}, &Counters::swept);
   e.forEach(ChooseStops{}, &Counters::swept);
   e.forEach(StopBodies{}, &Counters::swept);
 }

@@ -3,7 +3,7 @@
 /// such a body hits. So its way is checked after the iterations, from x^t to where they have put it: at the first body in the way it stops
 /// for the rest of the step and keeps its velocity. The next step finds the two in touch, and its rows deal with the impact: momentum is
 /// handed over there and nowhere else, and what is missed is not touched. Such a body loses the rest of one step for each impact.
-#include "collision/distance.h"
+#include "collision/sweep.h"
 #include "stages/contacts.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -23,7 +23,7 @@ struct FindFast {
     if (p.kind != BodyKind::Dynamic && p.kind != BodyKind::Kinematic) return;
     const Displacement& d = s.moved[i];
     // the turn moves no point further than the way around
-    const Real way2 = dot(d.dp, d.dp), turn = length(d.dw) * (p.radius - p.shape.radius), inner = innerRadius(p.shape);
+    const Real way2 = dot(d.dp, d.dp), turn = length(d.dw) * (p.radius - p.shape.radius), inner = innerRadiusOf(s.shapeTables(), p.shape);
     if (!(way2 > Real(0)) || std::sqrt(way2) + turn <= inner) return;
     s.fast[i] = 1;
     atomicRaise(&s.counters->swept, s.counters->pairs);
@@ -52,18 +52,40 @@ RUBBLE_HD inline bool stopsAt(const View& s, int body, int other) {
   return s.fast[body] != 0 || s.params[other].kind != BodyKind::Dynamic;
 }
 
-/// Where the bodies of a pair meet on their ways: the part of the way that is left then.
+/// May the bodies of a pair stop one another?
+RUBBLE_HD inline bool mayStop(const View& s, const OrderedPair& o) {
+  return (s.fast[o.a] || s.fast[o.b]) && !isSensor(s, o.a) && !isSensor(s, o.b);
+}
+
+/// The way of a body in the step.
+RUBBLE_HD inline Displacement wayIn(const View& s, int body) {
+  return s.params[body].kind == BodyKind::Static ? Displacement{{0, 0, 0}, 0, {0, 0, 0}, 0} : s.moved[body];
+}
+
+/// No two points of the bodies approach one another by more [m].
+RUBBLE_HD inline Real approach(const View& s, const OrderedPair& o, const Displacement& a, const Displacement& b) {
+  const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
+  return length(a.dp - b.dp) + length(a.dw) * (pa.radius - pa.shape.radius) + length(b.dw) * (pb.radius - pb.shape.radius);
+}
+
+/// Notes that the bodies of pair i meet at this part of their ways.
+RUBBLE_HD inline void noteMeeting(const View& s, int i, const OrderedPair& o, double fraction) {
+  const int bits = floatBits(static_cast<Real>(1 - fraction));
+  s.meetBits[i] = bits;
+  if (stopsAt(s, o.a, o.b)) atomicRaise(&s.stopBits[o.a], bits);
+  if (stopsAt(s, o.b, o.a)) atomicRaise(&s.stopBits[o.b], bits);
+}
+
+/// Where the bodies of a pair of plain shapes meet on their ways: the part of the way that is left then.
 struct FindStops {
   static constexpr const char* kName = "stops";
   RUBBLE_HD void operator()(const View& s, int i) const {
     s.meetBits[i] = 0;
     const OrderedPair o = ordered(s.pair[i]);
-    if (!isPlainPair(s, o.a, o.b) || (!s.fast[o.a] && !s.fast[o.b]) || isSensor(s, o.a) || isSensor(s, o.b)) return;
+    if (!isPlainPair(s, o.a, o.b) || !mayStop(s, o)) return;
     const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
-    const Displacement still{{0, 0, 0}, 0, {0, 0, 0}, 0};
-    const Displacement &da = pa.kind == BodyKind::Static ? still : s.moved[o.a], &db = pb.kind == BodyKind::Static ? still : s.moved[o.b];
-    const Real way = length(da.dp - db.dp) + length(da.dw) * (pa.radius - pa.shape.radius) + length(db.dw) * (pb.radius - pb.shape.radius);
-    if (way <= innerRadius(pa.shape) + innerRadius(pb.shape) || rowsHold(s, s.manifold[i])) return;
+    const Displacement da = wayIn(s, o.a), db = wayIn(s, o.b);
+    if (approach(s, o, da, db) <= innerRadius(pa.shape) + innerRadius(pb.shape) || rowsHold(s, s.manifold[i])) return;
     const Placed a = placed(pa.shape, {0, 0, 0}, Quatd(s.orientation[o.a]));
     const Placed b = placed(pb.shape, s.position[o.b] - s.position[o.a], Quatd(s.orientation[o.b]));
     const double tolerance = static_cast<double>(kMeetingGap * pairLength(pa, pb));
@@ -71,10 +93,7 @@ struct FindStops {
     if (m.fraction > 1) return;
     // already there: only if they go on into one another
     if (m.fraction == 0 && dot(m.at.n, Vec3d(da.dp - db.dp)) <= 0) return;
-    const int bits = floatBits(static_cast<Real>(1 - m.fraction));
-    s.meetBits[i] = bits;
-    if (stopsAt(s, o.a, o.b)) atomicRaise(&s.stopBits[o.a], bits);
-    if (stopsAt(s, o.b, o.a)) atomicRaise(&s.stopBits[o.b], bits);
+    noteMeeting(s, i, o, m.fraction);
   }
 };
 

@@ -1,4 +1,5 @@
 /// Queries: checked here, answered by the engine in slots, told in ids.
+#include <algorithm>
 #include <cmath>
 
 #include <rubble/world.h>
@@ -23,20 +24,42 @@ EngineQuery filtered(EngineQuery::Kind kind, const QueryFilter& filter) {
   return q;
 }
 
-template <class Query>
-EngineQuery shaped(EngineQuery::Kind kind, const Query& query, const char* list, std::size_t i) {
-  const ShapeType type = query.shape.type;
-  if ((type != ShapeType::Sphere && type != ShapeType::Box && type != ShapeType::Capsule) || query.shape.rounding != 0)
-    throw Error(at(list, i, "shape"), "a sphere, box or capsule", type == ShapeType::Plane ? "a plane" : "another shape");
-  BodyDef probe;
-  probe.shape = query.shape;
-  probe.position = query.position, probe.orientation = query.orientation;
-  validate(probe, std::string(list) + "[" + std::to_string(i) + "]");
-  EngineQuery q = filtered(kind, query.filter);
-  q.shape = cook(query.shape, at(list, i, "shape")).shape;
-  q.position = query.position, q.orientation = normalize(query.orientation);
-  return q;
-}
+/// Shapes that are asked with. Bodies of the world, and other queries of the batch, may share what is cooked.
+class QueryShapes {
+ public:
+  explicit QueryShapes(const std::vector<CookedEntry>& known) : known_(known) {}
+
+  template <class Query>
+  EngineQuery query(EngineQuery::Kind kind, const Query& query, const char* list, std::size_t i) {
+    const ShapeType type = query.shape.type;
+    if (type == ShapeType::Plane || type == ShapeType::Mesh || type == ShapeType::HeightField || type == ShapeType::DistanceField)
+      throw Error(at(list, i, "shape"), "a convex solid or a compound", type == ShapeType::Plane ? "a plane" : "another shape");
+    BodyDef probe;
+    probe.shape = query.shape;
+    probe.position = query.position, probe.orientation = query.orientation;
+    validate(probe, std::string(list) + "[" + std::to_string(i) + "]");
+    EngineQuery q = filtered(kind, query.filter);
+    q.shape = cooked(query.shape, at(list, i, "shape"));
+    const BodyState state = ShapeFrame{q.shape->unit.centre, q.shape->unit.axes}.toEngine({query.position, normalize(query.orientation), {}, {}});
+    q.position = state.position, q.orientation = state.orientation;
+    return q;
+  }
+
+ private:
+  std::shared_ptr<const CookedShape> cooked(const Shape& shape, const std::string& path) {
+    if (!shape.geometry) return std::make_shared<const CookedShape>(cook(shape, path));
+    const auto same = [&](const CookedEntry& e) {
+      return e.key.geometry == shape.geometry && e.key.type == shape.type && e.key.rounding == shape.rounding;
+    };
+    if (const auto e = std::find_if(known_.begin(), known_.end(), same); e != known_.end()) return e->cooked;
+    if (const auto e = std::find_if(own_.begin(), own_.end(), same); e != own_.end()) return e->cooked;
+    own_.push_back({shape, std::make_shared<const CookedShape>(cook(shape, path)), 0});
+    return own_.back().cooked;
+  }
+
+  const std::vector<CookedEntry>& known_;
+  std::vector<CookedEntry> own_;
+};
 
 }  // namespace
 
@@ -67,8 +90,9 @@ std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
 
 std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
   std::vector<EngineQuery> queries;
+  QueryShapes shapesOf(impl_->registry.shapes);
   for (std::size_t i = 0; i < casts.size(); ++i) {
-    queries.push_back(shaped(EngineQuery::Cast, casts[i], "casts", i));
+    queries.push_back(shapesOf.query(EngineQuery::Cast, casts[i], "casts", i));
     if (!finite(casts[i].displacement)) throw Error(at("casts", i, "displacement"), "three finite numbers", "others");
     queries.back().move = casts[i].displacement;
   }
@@ -83,7 +107,8 @@ std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
 
 std::vector<std::vector<BodyId>> World::overlaps(std::span<const OverlapQuery> shapes) {
   std::vector<EngineQuery> queries;
-  for (std::size_t i = 0; i < shapes.size(); ++i) queries.push_back(shaped(EngineQuery::Overlap, shapes[i], "shapes", i));
+  QueryShapes shapesOf(impl_->registry.shapes);
+  for (std::size_t i = 0; i < shapes.size(); ++i) queries.push_back(shapesOf.query(EngineQuery::Overlap, shapes[i], "shapes", i));
   impl_->flush();
   std::vector<std::vector<BodyId>> out;
   for (const std::vector<int>& slots : impl_->engine->overlaps(queries)) {

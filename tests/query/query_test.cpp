@@ -4,60 +4,14 @@
 #include <algorithm>
 #include <optional>
 
+#include "tests/query/exact.h"
 #include "tests/support/expect.h"
-#include "tests/support/random.h"
-#include "tests/support/scenes.h"
 
 namespace rubble {
 namespace {
 
-/// Distance of x from the surface of a body; inside not above 0. Exact outside.
-double distanceTo(const BodyDef& b, const Vec3& x) {
-  const Vec3 y = rotateInverse(b.orientation, x - b.position);
-  switch (b.shape.type) {
-    case ShapeType::Sphere: return length(y) - b.shape.radius;
-    case ShapeType::Capsule: return length(y - Vec3{0, 0, std::clamp(y.z, -b.shape.halfLength, b.shape.halfLength)}) - b.shape.radius;
-    case ShapeType::Plane: return y.z;
-    default: break;
-  }
-  const Vec3 out = abs(y) - b.shape.halfExtents, positive{std::max(0., out.x), std::max(0., out.y), std::max(0., out.z)};
-  return length(positive) + std::min(0., std::max({out.x, out.y, out.z}));
-}
-
-/// The point of a box, sphere or capsule that is nearest to x.
-Vec3 project(const BodyDef& b, const Vec3& x) {
-  Vec3 y = rotateInverse(b.orientation, x - b.position);
-  if (b.shape.type == ShapeType::Box) {
-    for (int k = 0; k < 3; ++k) y[k] = std::clamp(y[k], -b.shape.halfExtents[k], b.shape.halfExtents[k]);
-  } else {
-    const Vec3 centre{0, 0, b.shape.type == ShapeType::Capsule ? std::clamp(y.z, -b.shape.halfLength, b.shape.halfLength) : 0};
-    if (length(y - centre) > b.shape.radius) y = centre + (y - centre) * (b.shape.radius / length(y - centre));
-  }
-  return b.position + rotate(b.orientation, y);
-}
-
-/// Distance of two convex bodies by projecting from one on the other in turn, which converges for convex sets.
-double distanceBetween(const BodyDef& a, const BodyDef& b) {
-  if (a.shape.type == ShapeType::Plane) return distanceBetween(b, a);
-  if (b.shape.type == ShapeType::Plane) {
-    const Vec3 up = rotateInverse(a.orientation, rotate(b.orientation, Vec3{0, 0, 1}));
-    const double reach = a.shape.type == ShapeType::Box ? dot(abs(up), a.shape.halfExtents)
-                                                        : a.shape.radius + (a.shape.type == ShapeType::Capsule ? std::fabs(up.z) * a.shape.halfLength : 0);
-    return distanceTo(b, a.position) - reach;
-  }
-  Vec3 x = a.position;
-  for (int i = 0; i < 300; ++i) x = project(a, project(b, x));
-  return length(project(b, x) - x);
-}
-
-Shape randomShape(test::Random& random) {
-  const double size = random.logUniform(.1, 2);
-  switch (random.below(3)) {
-    case 0: return Shape::sphere(size);
-    case 1: return Shape::capsule(size, random.logUniform(.1, 2));
-    default: return Shape::box({size, random.logUniform(.1, 2), random.logUniform(.1, 2)});
-  }
-}
+using test::distanceBetween;
+using test::distanceTo;
 
 /// 300 bodies in a cube of 20 m that overlap as they like, over a half space.
 Scene crowd(std::uint64_t seed) {
@@ -68,9 +22,10 @@ Scene crowd(std::uint64_t seed) {
   ground.orientation = random.rotationUpTo(.3);
   scene.bodies.push_back(ground);
   for (int i = 0; i < 300; ++i) {
-    BodyDef def = test::body(randomShape(random), random.vector(10));
+    const bool mesh = random.below(10) == 0;
+    BodyDef def = test::body(mesh ? test::randomMesh(random, 2) : test::randomSolid(random, 3), random.vector(10));
     def.orientation = random.rotation();
-    def.motion = random.below(2) ? Motion::Static : Motion::Dynamic;
+    def.motion = mesh || random.below(2) ? Motion::Static : Motion::Dynamic;
     def.filter.layers = 1u << random.below(3);
     def.sensor = random.below(10) == 0;
     scene.bodies.push_back(def);
@@ -88,21 +43,31 @@ QueryFilter randomFilter(test::Random& random) {
 }
 
 /// First point of a way at which some body is nearer than `radius`, by going on by the distance each time. Body and length of the way.
-std::optional<std::pair<int, double>> march(const Scene& scene, const QueryFilter& filter, const Vec3& x, const Vec3& d, double end, double radius) {
-  double t = 0;
-  while (t <= end) {
-    double nearest = 1e30;
-    int who = -1;
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
-      if (!seen(scene.bodies[i], filter)) continue;
-      const double s = distanceTo(scene.bodies[i], x + t * d) - radius;
-      if (s < nearest) nearest = s, who = static_cast<int>(i);
-    }
-    if (nearest < 1e-8) return std::pair(who, t);
-    t += nearest;
+class March {
+ public:
+  explicit March(const Scene& scene) : scene_(scene) {
+    for (const BodyDef& b : scene.bodies) pieces_.push_back(test::piecesOf(b));
   }
-  return {};
-}
+  std::optional<std::pair<int, double>> operator()(const QueryFilter& filter, const Vec3& x, const Vec3& d, double end, double radius) const {
+    double t = 0;
+    while (t <= end) {
+      double nearest = 1e30;
+      int who = -1;
+      for (std::size_t i = 0; i < pieces_.size(); ++i) {
+        if (!seen(scene_.bodies[i], filter)) continue;
+        const double s = distanceTo(pieces_[i], x + t * d, nearest + radius) - radius;
+        if (s < nearest) nearest = s, who = static_cast<int>(i);
+      }
+      if (nearest < 1e-8) return std::pair(who, t);
+      t += nearest;
+    }
+    return {};
+  }
+
+ private:
+  const Scene& scene_;
+  std::vector<std::vector<test::Piece>> pieces_;
+};
 
 class Query : public testing::TestWithParam<std::string> {};
 
@@ -117,11 +82,12 @@ TEST_P(Query, RaysMeetWhatMarchingMeets) {
     rays.push_back(ray);
   }
   const std::vector<RayHit> hits = world.castRays(rays);
+  const March march(scene);
   int met = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const RayQuery& ray = rays[i];
     const Vec3 d = normalize(ray.direction);
-    const auto expected = march(scene, ray.filter, ray.origin, d, ray.maxDistance, 0);
+    const auto expected = march(ray.filter, ray.origin, d, ray.maxDistance, 0);
     ASSERT_EQ(hits[i].hit, expected.has_value()) << i;
     if (!expected) continue;
     ++met;
@@ -147,10 +113,11 @@ TEST_P(Query, SpheresThatAreCastMeetWhatMarchingMeets) {
     casts.push_back({Shape::sphere(random.logUniform(.02, 1)), random.vector(16), random.rotation(), random.direction() * random.uniform(.1, 40),
                      randomFilter(random)});
   const std::vector<CastHit> hits = world.castShapes(casts);
+  const March march(scene);
   int met = 0;
   for (std::size_t i = 0; i < casts.size(); ++i) {
     const double way = length(casts[i].displacement), radius = casts[i].shape.radius;
-    const auto expected = march(scene, casts[i].filter, casts[i].position, normalize(casts[i].displacement), way, radius);
+    const auto expected = march(casts[i].filter, casts[i].position, normalize(casts[i].displacement), way, radius);
     if (hits[i].hit != expected.has_value()) {
       // only by a hair
       const double t = hits[i].hit ? hits[i].fraction : expected->second / way;
@@ -178,7 +145,7 @@ TEST_P(Query, ShapesThatAreCastStopAtTouch) {
   test::Random random(6);
   std::vector<CastQuery> casts;
   for (int i = 0; i < 60; ++i)
-    casts.push_back({randomShape(random), random.vector(14), random.rotation(), random.direction() * random.uniform(.1, 20), {}});
+    casts.push_back({test::randomSolid(random, 3), random.vector(14), random.rotation(), random.direction() * random.uniform(.1, 20), {}});
   const std::vector<CastHit> hits = world.castShapes(casts);
   int met = 0;
   for (std::size_t i = 0; i < casts.size(); ++i) {
@@ -208,7 +175,7 @@ TEST_P(Query, OverlapsAreThoseOfZeroDistance) {
   World world(scene, test::options(4, GetParam()));
   test::Random random(8);
   std::vector<OverlapQuery> queries;
-  for (int i = 0; i < 200; ++i) queries.push_back({randomShape(random), random.vector(11), random.rotation(), randomFilter(random)});
+  for (int i = 0; i < 200; ++i) queries.push_back({test::randomSolid(random, 3), random.vector(11), random.rotation(), randomFilter(random)});
   const auto found = world.overlaps(queries);
   std::size_t total = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) {
@@ -282,6 +249,7 @@ TEST(QueryWorld, TellsWhatIsWrong) {
   World world(test::tower(1), test::options(4));
   EXPECT_THROW(world.castRays(std::vector{RayQuery{{}, {}, 1, {}}}), Error);
   EXPECT_THROW(world.castShapes(std::vector{CastQuery{Shape::plane(), {}, {}, {}, {}}}), Error);
+  EXPECT_THROW(world.overlaps(std::vector{OverlapQuery{Shape::mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), {}, {}, {}}}), Error);
   EXPECT_THROW(world.closestPoints(std::vector{ClosestQuery{{}, -1, {}}}), Error);
   EXPECT_TRUE(world.castRays({}).empty());
 }

@@ -1,6 +1,8 @@
 #include "stages/queries.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -38,26 +40,38 @@ void fillGrid(View& s) {
   s.step.dt = dt;
 }
 
-std::vector<QueryData> coreQueries(std::span<const EngineQuery> queries) {
-  std::vector<QueryData> out;
-  out.reserve(queries.size());
-  for (const EngineQuery& q : queries) {
-    const bool point = q.kind == EngineQuery::Ray || q.kind == EngineQuery::Closest;
-    const ShapeData shape = point ? ShapeData{{0, 0, 0}, 0, ShapeKind::Sphere, -1} : shapeData(q.shape);
-    QueryData d{static_cast<QueryKind>(q.kind), placed(shape, q.position, q.orientation), q.move, q.reach,
-                2 * static_cast<double>(boundingRadius(shape)), q.layers, q.mask, q.sensors, q.ignore};
-    out.push_back(d);
+/// Queries in the precision of the tables, with tables of the shapes that are asked with.
+struct CoreQueries {
+  std::vector<QueryData> data;
+  std::optional<HostTables> shelf;
+
+  explicit CoreQueries(std::span<const EngineQuery> queries) {
+    std::map<const CookedShape*, int> places;
+    data.reserve(queries.size());
+    for (const EngineQuery& q : queries) {
+      const bool point = q.kind == EngineQuery::Ray || q.kind == EngineQuery::Closest;
+      ShapeData shape = point ? ShapeData{{0, 0, 0}, 0, ShapeKind::Sphere, -1} : shapeData(q.shape->shape);
+      if (shape.data >= 0) {
+        if (!shelf) shelf.emplace();
+        const auto [place, isNew] = places.try_emplace(q.shape.get(), shelf->view().shapeIndices);
+        if (isNew) addShape(*shelf, *q.shape, std::vector<int>(q.shape->parts.size(), -1));
+        shape.data += place->second;
+      }
+      data.push_back({static_cast<QueryKind>(q.kind), shape, q.position, q.orientation, q.move, q.reach,
+                      2 * static_cast<double>(boundingRadius(shape)), q.layers, q.mask, q.sensors, q.ignore});
+    }
   }
-  return out;
-}
+  ShapeTables tables() const { return shelf ? shelf->view().shapeTables() : ShapeTables{}; }
+};
 
 }  // namespace
 
 std::vector<EngineHit> runQueries(HostTables& tables, std::span<const EngineQuery> queries) {
   fillGrid(tables.view());
-  const std::vector<QueryData> data = coreQueries(queries);
+  const CoreQueries core(queries);
+  const std::vector<QueryData>& data = core.data;
   std::vector<QueryHit> hits(data.size());
-  forEach(tables.view(), RunQuery{data.data(), hits.data()}, data.size());
+  forEach(tables.view(), RunQuery{data.data(), core.tables(), hits.data()}, data.size());
   std::vector<EngineHit> out;
   out.reserve(hits.size());
   for (const QueryHit& hit : hits) out.push_back({hit.body, hit.fraction, hit.position, hit.n});
@@ -66,13 +80,14 @@ std::vector<EngineHit> runQueries(HostTables& tables, std::span<const EngineQuer
 
 std::vector<std::vector<int>> runOverlaps(HostTables& tables, std::span<const EngineQuery> queries) {
   fillGrid(tables.view());
-  const std::vector<QueryData> data = coreQueries(queries);
+  const CoreQueries core(queries);
+  const std::vector<QueryData>& data = core.data;
   std::vector<int> offsets(data.size() + 1);
-  forEach(tables.view(), CountOverlaps{data.data(), offsets.data()}, data.size());
+  forEach(tables.view(), CountOverlaps{data.data(), core.tables(), offsets.data()}, data.size());
   int sum = 0;
   for (int& offset : offsets) sum += std::exchange(offset, sum);
   std::vector<int> bodies(static_cast<std::size_t>(sum));
-  forEach(tables.view(), FillOverlaps{data.data(), offsets.data(), bodies.data()}, data.size());
+  forEach(tables.view(), FillOverlaps{data.data(), core.tables(), offsets.data(), bodies.data()}, data.size());
   std::vector<std::vector<int>> out;
   for (std::size_t i = 0; i < data.size(); ++i) out.emplace_back(bodies.begin() + offsets[i], bodies.begin() + offsets[i + 1]);
   return out;
