@@ -162,7 +162,8 @@ Spec ballsSpec() {
   };
   spec.camera = [](const Arguments& arguments, const Scene&) {
     const double size = .6 * whole(arguments, "side");
-    return Camera{{1.2 * size, -1.6 * size, 1.6 * size}, {0, 0, .2}};
+    // over the rim of the bin, whose walls are 4 m high
+    return Camera{{.2 * size, -.4 * size, 5 + 1.2 * size}, {0, 0, .2}};
   };
   spec.steps = 300;
   spec.iterations = 10;
