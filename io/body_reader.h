@@ -14,9 +14,10 @@ class BodyReader {
   /// The table that bodies look up shapes in. After the materials, which parts may name.
   void readShapes(const Node& node);
   BodyDef body(const Node& node) const;
+  /// A material, or the name of one of the table.
+  Material material(const Node& node) const;
 
  private:
-  Material material(const Node& node) const;
   Shape shape(const Node& node) const;
 
   std::map<std::string, Material> materials_;

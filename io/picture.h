@@ -19,7 +19,12 @@ struct PictureBody {
   double speed = 0;       ///< [m/s]
   std::uint32_t key = 0;  ///< picks the colour; stays with the body
   Motion motion = Motion::Dynamic;
+  bool deforms = false;   ///< a mesh that is another one in every frame; those stand behind all others in a list
 };
+/// Keys from here on are of deformable objects.
+inline constexpr std::uint32_t kSoftKeys = 1u << 31;
+/// Below these bits of such a key: the number of the vertex; above: that of the object.
+inline constexpr int kSoftKeyBits = 22;
 
 enum class ColorBy { Body, Speed };
 
@@ -41,10 +46,14 @@ struct Image {
 /// Draws the bodies. Throws Error for settings that give no picture (no size, eye at target, up along the view).
 Image drawPicture(std::span<const PictureBody> bodies, const PictureSettings& settings);
 
-/// Every body of a world as it is now.
+/// Every body of a world as it is now, then its deformable objects: a sphere for each particle, a mesh for each of the others.
 std::vector<PictureBody> pictureBodies(const World& world);
-/// Every body of a scene as it begins; also those that events add, if `withEvents`.
+/// The same of a scene as it begins; also the bodies that events add, if `withEvents`.
 std::vector<PictureBody> pictureBodies(const Scene& scene, bool withEvents = false);
+
+/// The deformable objects of a world as they are now, or of a scene as they begin.
+void addDeformables(const World& world, std::vector<PictureBody>& bodies);
+void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies);
 
 /// What frameBodies leaves room for and where it looks along.
 struct Framing {

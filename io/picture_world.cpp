@@ -56,6 +56,7 @@ std::vector<PictureBody> pictureBodies(const World& world) {
     bodies.push_back({definition.shape, state.position, state.orientation, length(state.velocity), static_cast<std::uint32_t>(id.index),
                       definition.motion});
   }
+  addDeformables(world, bodies);
   return bodies;
 }
 
@@ -69,6 +70,7 @@ std::vector<PictureBody> pictureBodies(const Scene& scene, bool withEvents) {
   for (const Event& event : scene.events)
     for (const BodyDef& body : event.add)
       if (withEvents) add(body);
+  addDeformables(scene, bodies);
   return bodies;
 }
 

@@ -7,6 +7,7 @@
 #include "io/body_reader.h"
 #include "io/joint_reader.h"
 #include "io/shape_json.h"
+#include "io/soft_json.h"
 
 namespace rubble::io {
 namespace {
@@ -202,6 +203,12 @@ SceneFile SceneReader::read(const Json& json) {
   }
   if (const auto found = object.get("joints"))
     for (const Node& element : found->elements("a list of joints")) scene.joints.push_back(joint(element, scene));
+  if (const auto found = object.get("deformables"))
+    for (const Node& element : found->elements("a list of deformable objects"))
+      scene.deformables.push_back(readDeformable(element, [this](const Node& material) { return bodyReader_.material(material); }));
+  if (const auto found = object.get("attachments"))
+    for (const Node& element : found->elements("a list of attachments"))
+      scene.attachments.push_back(readAttachment(element, scene.deformables, [&](const Node& body) { return bodyIndex(body, scene); }));
   if (const auto found = object.get("exclusions")) {
     for (const Node& element : found->elements("a list of pairs of bodies")) {
       const std::vector<Node> two = element.elements("two bodies");

@@ -10,6 +10,7 @@
 #include "io/json_text.h"
 #include "io/scene_json.h"
 #include "io/shape_json.h"
+#include "io/soft_json.h"
 
 namespace rubble::io {
 namespace {
@@ -58,7 +59,9 @@ class SceneWriter {
   Json write();
 
  private:
-  void nameMaterial(const BodyDef& body);
+  void nameMaterial(const Material& material);
+  /// How the file names a material; null for the usual one.
+  Json materialName(const Material& material) const;
   void nameShape(const BodyDef& body);
   void countName(const BodyDef& body) { ++nameUses_[body.name]; }
   Json body(const BodyDef& body) const;
@@ -75,9 +78,14 @@ class SceneWriter {
   std::map<const ShapeGeometry*, int> geometryUses_;
 };
 
-void SceneWriter::nameMaterial(const BodyDef& body) {
-  const auto key = materialKey(body.material);
-  if (key != materialKey(Material{})) materials_.try_emplace(key, "material" + std::to_string(materials_.size() + 1), body.material);
+void SceneWriter::nameMaterial(const Material& material) {
+  const auto key = materialKey(material);
+  if (key != materialKey(Material{})) materials_.try_emplace(key, "material" + std::to_string(materials_.size() + 1), material);
+}
+
+Json SceneWriter::materialName(const Material& material) const {
+  const auto found = materials_.find(materialKey(material));
+  return found == materials_.end() ? Json() : Json(found->second.first);
 }
 
 void SceneWriter::nameShape(const BodyDef& body) {
@@ -96,7 +104,7 @@ Json SceneWriter::body(const BodyDef& body) const {
     json["motion"] = kMotions[static_cast<std::size_t>(body.motion)];
   const auto named = shapeNames_.find(body.shape.geometry.get());
   json["shape"] = named != shapeNames_.end() ? Json(named->second) : shapeJson(body.shape);
-  if (const auto found = materials_.find(materialKey(body.material)); found != materials_.end()) json["material"] = found->second.first;
+  if (const Json material = materialName(body.material); !material.is_null()) json["material"] = material;
   if (body.mass) {
     json["mass"] = *body.mass;
   } else if (!same(body.density, usual.density)) {
@@ -159,11 +167,10 @@ Json SceneWriter::claim(const FileClaim& claim) const {
 
 Json SceneWriter::write() {
   const Scene& scene = file_.scene;
-  if (!scene.deformables.empty())
-    throw Error("deformables", "none: scene files hold bodies and joints only", std::to_string(scene.deformables.size()));
-  for (const BodyDef& body : scene.bodies) nameMaterial(body), nameShape(body), countName(body);
+  for (const BodyDef& body : scene.bodies) nameMaterial(body.material), nameShape(body), countName(body);
+  for (const Deformable& object : scene.deformables) nameMaterial(common(object).material);
   for (const Event& event : scene.events)
-    for (const BodyDef& body : event.add) nameMaterial(body), nameShape(body);
+    for (const BodyDef& body : event.add) nameMaterial(body.material), nameShape(body);
 
   Json json = Json::object();
   json["name"] = scene.name;
@@ -180,6 +187,8 @@ Json SceneWriter::write() {
   json["bodies"] = Json::array();
   for (const BodyDef& added : scene.bodies) json["bodies"].push_back(body(added));
   for (const JointDef& added : scene.joints) json["joints"].push_back(joint(added));
+  for (const Deformable& object : scene.deformables) json["deformables"].push_back(deformableJson(object, materialName(common(object).material)));
+  for (const AttachmentDef& added : scene.attachments) json["attachments"].push_back(attachmentJson(added, bodyReference(added.body)));
   for (const auto& [a, b] : scene.exclusions) json["exclusions"].push_back(Json{bodyReference(a), bodyReference(b)});
   for (const Event& added : scene.events) json["events"].push_back(event(added));
   for (const FileClaim& added : file_.claims) json["verdict"].push_back(claim(added));

@@ -73,7 +73,7 @@ Palette::Palette(std::span<const io::PictureBody> bodies, const Vec3& up) : up_(
   std::size_t boxes = 0;
   double low = 1e30, high = -1e30;
   for (const io::PictureBody& body : bodies) {
-    if (body.shape.type == ShapeType::Plane || body.motion == Motion::Static) continue;
+    if (body.shape.type == ShapeType::Plane || body.motion == Motion::Static || body.deforms) continue;
     sizes.push_back(halfSize(body.shape));
     const double height = dot(body.position, up);
     if (std::isfinite(height)) low = std::min(low, height), high = std::max(high, height);
@@ -99,6 +99,10 @@ Vec3f Palette::stone(const io::PictureBody& body) const {
   const double place = isFlat_ ? .25 + .45 * fraction(bits, 16) : height / (high_ - low_);
   const double t = place + .05 * (fraction(mixed(course + 11), 0) - .5) + .07 * (fraction(bits, 0) - .5);
   return along(kCourses, t) * shade;
+}
+
+Vec3f Palette::softColor(std::uint32_t key) const {
+  return linearColor(kAccents[accentOf(key >> io::kSoftKeyBits)]) * (.93f + .14f * fraction(mixed(key + 1), 8));
 }
 
 bool sameShape(const Shape& a, const Shape& b) {
@@ -133,7 +137,8 @@ BodyLook Palette::newLook(const io::PictureBody& body) const {
       const bool wrecks = isStack_ && shape.type == ShapeType::Sphere && shape.radius > kWreckingBall * bodySize_;
       look.finish = wrecks ? Finish::Metal : Finish::Plastic;
       // Capsules of one radius are links of one chain or bundle.
-      const std::uint32_t kind = shape.type == ShapeType::Capsule ? mixed(std::bit_cast<std::uint32_t>(radius) >> 12) : body.key;
+      const std::uint32_t ball = body.key >= io::kSoftKeys ? body.key >> io::kSoftKeyBits : body.key;
+      const std::uint32_t kind = shape.type == ShapeType::Capsule ? mixed(std::bit_cast<std::uint32_t>(radius) >> 12) : ball;
       look.color = wrecks ? linearColor(kDarkMetal) : linearColor(kAccents[accentOf(kind)]) * shade;
       break;
     }

@@ -19,6 +19,8 @@ class Palette {
   /// How a body looks; the same for the same key and shape in every frame, from where it was first seen. Geometry kOwnMesh stands for a mesh
   /// that ShapeMeshes has.
   BodyLook look(const io::PictureBody& body);
+  /// Colour of a deformable object.
+  Vec3f softColor(std::uint32_t key) const;
   /// Typical half size of a moving body [m].
   double bodySize() const { return bodySize_; }
 

@@ -39,7 +39,27 @@ bool Stage::sameBodies(std::span<const io::PictureBody> bodies) const {
   return true;
 }
 
-void Stage::setBodies(std::span<const io::PictureBody> bodies, io::ColorBy colorBy, double fullSpeed) {
+void Stage::setSurfaces(std::span<const io::PictureBody> bodies, io::ColorBy colorBy, double fullSpeed) {
+  std::vector<Surface> surfaces;
+  for (const io::PictureBody& body : bodies) {
+    const ShapeGeometry& g = *body.shape.geometry;
+    Surface& surface = surfaces.emplace_back();
+    const Vec3 from = body.position - renderer_.origin();
+    for (const Vec3& p : g.points) surface.vertices.emplace_back(from + p);
+    for (const auto& t : g.triangles)
+      surface.triangles.push_back({static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])});
+    surface.color = colorBy == io::ColorBy::Speed ? heat(fullSpeed > 0 ? body.speed / fullSpeed : 0) : palette_.softColor(body.key);
+    surface.finish = g.twoSided ? Finish::Cloth : Finish::Plastic;
+  }
+  if (hasSurfaces_ || !surfaces.empty()) renderer_.setSurfaces(surfaces);
+  hasSurfaces_ = !surfaces.empty();
+}
+
+void Stage::setBodies(std::span<const io::PictureBody> all, io::ColorBy colorBy, double fullSpeed) {
+  if (colorBy == io::ColorBy::Speed && fullSpeed <= 0)
+    for (const io::PictureBody& body : all) fullSpeed = std::max(fullSpeed, body.speed);
+  const auto firstSurface = std::find_if(all.begin(), all.end(), [](const io::PictureBody& body) { return body.deforms; });
+  const std::span<const io::PictureBody> bodies(all.begin(), firstSurface);
   if (!sameBodies(bodies) || keys_.empty()) {
     std::vector<BodyLook> looks;
     keys_.clear();
@@ -52,8 +72,6 @@ void Stage::setBodies(std::span<const io::PictureBody> bodies, io::ColorBy color
     renderer_.bodies().setLooks(looks);
   }
   if (colorBy == io::ColorBy::Speed) {
-    if (fullSpeed <= 0)
-      for (const io::PictureBody& body : bodies) fullSpeed = std::max(fullSpeed, body.speed);
     std::vector<Vec3f> colors;
     for (const io::PictureBody& body : bodies) {
       const bool moves = body.motion != Motion::Static && body.shape.type != ShapeType::Plane;
@@ -61,6 +79,7 @@ void Stage::setBodies(std::span<const io::PictureBody> bodies, io::ColorBy color
     }
     renderer_.bodies().setColors(colors);
   }
+  setSurfaces({firstSurface, all.end()}, colorBy, fullSpeed);
   poses_.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) poses_[i] = poseOf(bodies[i], renderer_.origin());
   renderer_.bodies().setPoses(poses_);

@@ -22,6 +22,7 @@ class Stage {
 
  private:
   bool sameBodies(std::span<const io::PictureBody> bodies) const;
+  void setSurfaces(std::span<const io::PictureBody> bodies, io::ColorBy colorBy, double fullSpeed);
 
   Palette palette_;
   Renderer renderer_;
@@ -30,6 +31,7 @@ class Stage {
   std::vector<std::uint32_t> keys_;
   std::vector<Shape> shapes_;
   std::vector<Pose> poses_;
+  bool hasSurfaces_ = false;
 };
 
 /// Direction to the sun: high, over the left shoulder of whoever looks through the camera.

@@ -16,8 +16,8 @@ constexpr double kBeamSide = .1;
 Scene buildBeam(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
   scene.bodies.push_back(ground(kUpZ, -1));
-  const int across = whole(arguments, "cells_across"), along = whole(arguments, "cells_along");
-  SoftDef beam = softBox({0, -kBeamSide / 2, -kBeamSide / 2}, {1, kBeamSide, kBeamSide}, {along, across, across});
+  SoftDef beam = softBox({0, -kBeamSide / 2, -kBeamSide / 2}, {1, kBeamSide, kBeamSide},
+                         {whole(arguments, "cells_along"), whole(arguments, "cells_wide"), whole(arguments, "cells_high")});
   beam.name = "beam";
   beam.youngsModulus = value(arguments, "youngs_modulus");
   beam.poissonRatio = 0;
@@ -30,8 +30,9 @@ Spec beamSpec() {
   Spec spec;
   spec.name = "soft-beam";
   spec.doc = "A clamped beam of tetrahedra bends under its own weight: against Euler and Bernoulli.";
-  spec.arguments = {count("cells_along", 20, 2, 400, "cells along the beam"), count("cells_across", 2, 1, 40, "cells each way across it"),
-                    quantity("youngs_modulus", 3e7, 1e4, 1e10, "Pa", "Young's modulus")};
+  spec.arguments = {count("cells_along", 50, 2, 400, "cells along the beam"), count("cells_wide", 1, 1, 40, "cells across it, level"),
+                    count("cells_high", 8, 1, 40, "cells across it, upright: the way it bends"),
+                    quantity("youngs_modulus", 2e7, 1e4, 1e10, "Pa", "Young's modulus")};
   spec.build = buildBeam;
   spec.probes = [](const Arguments& arguments, const Scene& scene) {
     const double inertia = std::pow(kBeamSide, 4) / 12, load = 1000 * 10 * kBeamSide * kBeamSide;
@@ -43,12 +44,12 @@ Spec beamSpec() {
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{within("tip_over_beam_theory", .5, 1.02, "linear tetrahedra are stiffer than the beam, never softer"),
+    return std::vector<Claim>{within("tip_over_beam_theory", .9, 1.02, "the sag of beam theory, but for the stiffness of linear tetrahedra"),
                               atMost("crushed_cells", 0, "no cell is inverted")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{.5, -2.2, .5}, {.5, 0, -.1}}; };
   spec.steps = 240;
-  spec.iterations = 10;
+  spec.iterations = 20;
   spec.tags = {"soft"};
   return spec;
 }
@@ -161,7 +162,8 @@ Spec ballsSpec() {
   };
   spec.camera = [](const Arguments& arguments, const Scene&) {
     const double size = .6 * whole(arguments, "side");
-    return Camera{{1.2 * size, -1.6 * size, 1.6 * size}, {0, 0, .2}};
+    // over the rim of the bin, whose walls are 4 m high
+    return Camera{{.2 * size, -.4 * size, 5 + 1.2 * size}, {0, 0, .2}};
   };
   spec.steps = 300;
   spec.iterations = 10;

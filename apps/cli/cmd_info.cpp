@@ -26,10 +26,21 @@ void printScenes() {
                spec.tags.empty() ? "" : "; ", fmt::join(spec.tags, ", "));
 }
 
+void printFields(const std::vector<ForceField>& fields) {
+  for (const ForceField& field : fields) fmt::print("  {:<24} {}{}\n", field.field, field.doc, unitText(field.unit));
+}
+
 void printForces() {
   for (const ForceInfo& force : forceInfos()) {
     fmt::print("{} ({} rows)\n  {}\n", force.name, force.rows, force.doc);
-    for (const ForceField& field : force.fields) fmt::print("  {:<24} {}{}\n", field.field, field.doc, unitText(field.unit));
+    printFields(force.fields);
+  }
+}
+
+void printDeformables() {
+  for (const DeformableInfo& info : deformableInfos()) {
+    fmt::print("{}\n  {}\n", info.name, info.doc);
+    printFields(info.fields);
   }
 }
 
@@ -64,8 +75,8 @@ void printMetrics() {
 void printScene(const JobOptions& options) {
   const scenes::Spec& spec = scenes::find(options.scene);
   const scenes::Job job = loadJob(options.scene, options.arguments);
-  fmt::print("{}\n  {}\n  {} bodies, {} joints, {} events; {} steps at {} iterations\n", spec.name, spec.doc, job.scene.bodies.size(),
-             job.scene.joints.size(), job.scene.events.size(), job.steps, job.iterations);
+  fmt::print("{}\n  {}\n  {} bodies, {} joints, {} deformable objects, {} events; {} steps at {} iterations\n", spec.name, spec.doc,
+             job.scene.bodies.size(), job.scene.joints.size(), job.scene.deformables.size(), job.scene.events.size(), job.steps, job.iterations);
   if (!spec.arguments.empty()) fmt::print("arguments\n");
   for (const scenes::Argument& argument : spec.arguments)
     fmt::print("  {:<20}{:>10.6g}   {}{}, {:.6g} to {:.6g}\n", argument.name, argument.value, argument.doc, unitText(argument.unit),
@@ -103,6 +114,7 @@ void addInfo(CLI::App& app, int& status) {
   };
   add("scenes", "Scenes of the registry", list(printScenes, scenesJson));
   add("forces", "Forces: rows and what an author sets", list(printForces, forcesJson));
+  add("deformables", "Deformable objects and attachments: what an author sets", list(printDeformables, deformablesJson));
   add("params", "Parameters of the method, for --param", list(printParams, paramsJson));
   add("build", "Version, compiler, backends", list(printBuild, buildJson));
   add("metrics", "What the verdict of a scene file may name", list(printMetrics, metricsJson));

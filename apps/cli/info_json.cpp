@@ -29,13 +29,22 @@ std::string scenesJson() {
   return io::prettyJson(list);
 }
 
+static Json fieldsJson(const std::vector<ForceField>& fields) {
+  Json list = Json::array();
+  for (const ForceField& f : fields) list.push_back({{"field", f.field}, {"unit", f.unit}, {"doc", f.doc}});
+  return list;
+}
+
 std::string forcesJson() {
   Json list = Json::array();
-  for (const ForceInfo& force : forceInfos()) {
-    Json fields = Json::array();
-    for (const ForceField& f : force.fields) fields.push_back({{"field", f.field}, {"unit", f.unit}, {"doc", f.doc}});
-    list.push_back({{"name", force.name}, {"doc", force.doc}, {"rows", force.rows}, {"fields", std::move(fields)}});
-  }
+  for (const ForceInfo& force : forceInfos())
+    list.push_back({{"name", force.name}, {"doc", force.doc}, {"rows", force.rows}, {"fields", fieldsJson(force.fields)}});
+  return io::prettyJson(list);
+}
+
+std::string deformablesJson() {
+  Json list = Json::array();
+  for (const DeformableInfo& info : deformableInfos()) list.push_back({{"name", info.name}, {"doc", info.doc}, {"fields", fieldsJson(info.fields)}});
   return io::prettyJson(list);
 }
 

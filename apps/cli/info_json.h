@@ -8,6 +8,7 @@ namespace rubble::cli {
 
 std::string scenesJson();
 std::string forcesJson();
+std::string deformablesJson();
 std::string paramsJson();
 std::string buildJson();
 /// What this build and machine have for pictures and films: part and state.

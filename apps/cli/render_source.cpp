@@ -98,6 +98,17 @@ class Recording final : public MomentSource {
   std::vector<io::RecordedPose> lastPoses_;
 };
 
+/// A surface whose vertices lie between those of two; `b` where these are not the same ones.
+Shape between(const Shape& a, const Shape& b, double at) {
+  if (a.geometry->points.size() != b.geometry->points.size() || a.geometry->triangles != b.geometry->triangles) return b;
+  ShapeGeometry geometry = *b.geometry;
+  for (std::size_t i = 0; i < geometry.points.size(); ++i)
+    geometry.points[i] = a.geometry->points[i] + (geometry.points[i] - a.geometry->points[i]) * at;
+  Shape out = b;
+  out.geometry = std::make_shared<const ShapeGeometry>(std::move(geometry));
+  return out;
+}
+
 }  // namespace
 
 bool isRecording(const std::string& scene) { return std::filesystem::path(scene).extension() == ".rubble"; }
@@ -119,6 +130,7 @@ Moment between(const Moment& a, const Moment& b, double at) {
     if (p.s * q.s + dot(p.v, q.v) < 0) q = {-q.s, -q.v};
     moment.bodies[i].orientation = normalize(Quat{p.s + (q.s - p.s) * at, p.v + (q.v - p.v) * at});
     moment.bodies[i].position = a.bodies[i].position + (b.bodies[i].position - a.bodies[i].position) * at;
+    if (b.bodies[i].deforms) moment.bodies[i].shape = between(a.bodies[i].shape, b.bodies[i].shape, at);
   }
   return moment;
 }

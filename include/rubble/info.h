@@ -23,6 +23,16 @@ struct ForceInfo {
 /// Every force of the engine, contact first.
 std::vector<ForceInfo> forceInfos();
 
+/// A kind of deformable object: its name in scene files and what an author sets on it.
+struct DeformableInfo {
+  std::string name;
+  std::string doc;
+  std::vector<ForceField> fields;
+};
+
+/// Every kind; what they share is the first entry, "deformable", and attachments are the last one.
+std::vector<DeformableInfo> deformableInfos();
+
 struct BuildInfo {
   std::string version;                ///< "0.1.0"
   std::string commit;                 ///< of the sources, or "unknown"

@@ -2,6 +2,8 @@
 
 #include <build_info.h>
 
+#include "cook/soft_fields.h"
+
 namespace rubble {
 
 namespace {
@@ -86,6 +88,30 @@ std::vector<ForceInfo> forceInfos() {
        kAnchors + Fields{{"pulley_a, pulley_b", "m", "the points of the world"}} + kRatio + kLength + length + kBreak},
       {"grab", "soft drag of A's anchor to B's, with a largest force", 3, kAnchors + kStiffness + kMaxForce},
   };
+}
+
+std::vector<DeformableInfo> deformableInfos() {
+  std::vector<DeformableInfo> infos;
+  const auto add = [&](const char* name, const char* doc, auto&& visit) {
+    DeformableInfo& info = infos.emplace_back(DeformableInfo{name, doc, {}});
+    visit([&](const char* key, const char* unit, const char* meaning, const auto&) { info.fields.push_back({key, unit, meaning}); });
+  };
+  const auto own = [&]<class D>(const D& def, const char* doc) {
+    add(kDeformableKeywords[Deformable(def).index()], doc, [&](auto&& f) { ownFields(def, f); });
+  };
+  add("deformable", "what every deformable object has", [](auto&& f) { commonFields(static_cast<const DeformableDef&>(ParticlesDef{}), f); });
+  own(SoftDef{}, "solid of tetrahedra, stable neo-Hookean");
+  own(ClothDef{}, "sheet of triangles that resists stretch, shear and bending");
+  own(RodDef{}, "line of vertices that resists stretch and bending, straight at rest; no twist");
+  own(NetDef{}, "point masses joined by springs");
+  own(ParticlesDef{}, "spheres that collide with bodies and with one another, and do not turn");
+  add("attachment", "mean of vertices held to a point of a body or of the world, or to another mean of vertices", [](auto&& f) {
+    f("object", "1", "name or index of a deformable object", 0);
+    f("body", "1", "name or index of a body; the world if it is not given", 0);
+    f("other_object", "1", "of a seam: name or index of the other object", 0);
+    attachmentFields(static_cast<const AttachmentDef&>(AttachmentDef{}), f);
+  });
+  return infos;
 }
 
 BuildInfo buildInfo() {

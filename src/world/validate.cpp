@@ -126,6 +126,7 @@ void validate(const Scene& scene) {
   finite(scene.gravity, "gravity");
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) validate(scene.bodies[i], "bodies[" + std::to_string(i) + "]");
   for (std::size_t i = 0; i < scene.joints.size(); ++i) validateJoint(scene, scene.joints[i], "joints[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < scene.deformables.size(); ++i) validate(scene.deformables[i], "deformables[" + std::to_string(i) + "]");
   for (std::size_t i = 0; i < scene.attachments.size(); ++i) {
     const AttachmentDef& a = scene.attachments[i];
     const std::string path = "attachments[" + std::to_string(i) + "]";

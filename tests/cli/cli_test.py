@@ -204,7 +204,7 @@ class Check(Case):
 
 class Info(Case):
     def test_lists(self):
-        for topic in ["scenes", "forces", "params", "build", "metrics"]:
+        for topic in ["scenes", "forces", "deformables", "params", "build", "metrics"]:
             self.assertTrue(self.rubble("info", topic).stdout)
             self.assertTrue(json.loads(self.rubble("info", topic, "--json").stdout))
         names = [scene["name"] for scene in json.loads(self.rubble("info", "scenes", "--json").stdout)]

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +44,58 @@ PictureBody bodyOf(const Shape& shape, const Vec3& position = {}) {
 bool isCovered(const Image& image, const Image& empty, int x, int y) {
   const Color a = at(image, x, y), b = at(empty, x, y);
   return std::abs(a.red - b.red) + std::abs(a.green - b.green) + std::abs(a.blue - b.blue) > 24;
+}
+
+/// A sheet that stands up in the middle of the view, a rod to its left, a grain and a solid to its right.
+Scene softScene() {
+  Scene scene;
+  scene.gravity = {};
+  ClothDef sheet = clothSheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 4, 4);
+  RodDef rod = straightRod({-5, 0, -2}, {-5, 0, 2}, 8);
+  rod.radius = .3;
+  ParticlesDef grains;
+  grains.vertices = {{4, 0, 0}};
+  grains.radius = .5;
+  scene.deformables = {sheet, rod, grains, softBox({6, -.5, -.5}, {1, 1, 1}, {1, 1, 1})};
+  return scene;
+}
+
+TEST(Picture, DeformableObjectsAreSeenWhereTheyAre) {
+  World world(softScene());
+  const PictureSettings settings = frontView();
+  const Image empty = drawPicture({}, settings);
+  const auto covered = [&](const Image& image, double x, double z) {
+    return isCovered(image, empty, static_cast<int>(100 + kPixelsPerMetre * x), static_cast<int>(50 - kPixelsPerMetre * z));
+  };
+  // seen from the front and, the sheet, from behind
+  for (const double side : {1., -1.}) {
+    PictureSettings from = settings;
+    from.eye = settings.eye * side;
+    for (const Image& image : {drawPicture(pictureBodies(world), from), drawPicture(pictureBodies(softScene()), from)}) {
+      for (const double x : {0., .8, -5., 4., 6.5}) EXPECT_TRUE(covered(image, side * x, .3)) << x;
+      for (const double x : {-2., 2., -4., 5.2, 8.}) EXPECT_FALSE(covered(image, side * x, .3)) << x;
+    }
+  }
+  // and elsewhere in the next frame
+  const SoftId sheet = world.deformableAt(0);
+  std::vector<Vec3> moved = world.positions(sheet);
+  for (Vec3& x : moved) x.z += 3;
+  world.setVertices(sheet, moved, world.velocities(sheet));
+  const Image later = drawPicture(pictureBodies(world), settings);
+  EXPECT_FALSE(covered(later, 0, .3));
+  EXPECT_TRUE(covered(later, 0, 3.3));
+}
+
+TEST(Picture, DeformableObjectsKeepKeysOfTheirOwn) {
+  Scene scene = softScene();
+  scene.bodies.emplace_back();
+  std::set<std::uint32_t> keys;
+  const std::vector<PictureBody> bodies = pictureBodies(World(scene));
+  for (const PictureBody& body : bodies) keys.insert(body.key);
+  EXPECT_EQ(keys.size(), 5u);
+  // what deforms stands last
+  EXPECT_FALSE(bodies[1].deforms);
+  for (std::size_t i = 2; i < bodies.size(); ++i) EXPECT_TRUE(bodies[i].deforms);
 }
 
 TEST(Picture, ACubeCoversItsPixels) {

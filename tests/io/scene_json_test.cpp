@@ -18,6 +18,10 @@ std::vector<Fault> faultsOf(const std::string& text) {
 /// A scene of one body with these keys beside its shape.
 std::string withBody(const std::string& keys) { return R"({"bodies": [{"shape": {"type": "sphere", "radius": 1}, )" + keys + "}]}"; }
 std::string withShape(const std::string& shape) { return R"({"bodies": [{"shape": )" + shape + "}]}"; }
+/// A scene with one deformable object of two vertices.
+std::string withSoft(const std::string& keys, const std::string& more = "") {
+  return R"({"bodies": [], "deformables": [{"name": "line", "vertices": [[0, 0, 0], [1, 0, 0]], )" + keys + "}]" + more + "}";
+}
 /// A scene with the bodies "a" and "b" and these further keys.
 std::string withTwo(const std::string& keys) {
   return R"({"bodies": [{"name": "a", "shape": {"type": "sphere", "radius": 1}},
@@ -48,6 +52,15 @@ const std::vector<BadFile>& badFiles() {
       {R"({"bodies": [{"shape": {"type": "plane"}, "name": "x", "name": "y"}]})", "bodies[0].name", "each key once"},
       {R"({"bodies": [3]})", "bodies[0]", "a body, got 3"},
       {R"({"bodies": [{}]})", "bodies[0]", "\"shape\""},
+      {withSoft(R"("radius": 1)"), "deformables[0]", "\"type\""},
+      {withSoft(R"("type": "rods")"), "deformables[0].type", "did you mean \"rod\"?"},
+      {withSoft(R"("type": "rod", "radios": 1)"), "deformables[0].radios", "did you mean \"radius\"?"},
+      {withSoft(R"("type": "rod", "tetrahedra": [])"), "deformables[0].tetrahedra", "unknown key"},
+      {withSoft(R"("type": "rod", "fixed": [0.5])"), "deformables[0].fixed[0]", "the index of a vertex"},
+      {withSoft(R"("type": "rod", "radius": -1)"), "", "deformables[0].radius"},
+      {withSoft(R"("type": "net", "edges": [[0, 1]])"), "deformables[0].edges[0]", "stiffness"},
+      {withSoft(R"("type": "rod")", R"(, "attachments": [{"object": "lime", "vertices": [0]}])"), "attachments[0].object", "did you mean \"line\"?"},
+      {withSoft(R"("type": "rod")", R"(, "attachments": [{"object": 1, "vertices": [0]}])"), "attachments[0].object", "one of 1"},
       {withShape("7"), "bodies[0].shape", "a shape"},
       {withShape("{}"), "bodies[0].shape", "\"type\""},
       {withShape(R"({"type": "bix"})"), "bodies[0].shape.type", "did you mean \"box\"?"},

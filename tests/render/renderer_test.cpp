@@ -195,6 +195,30 @@ TEST_F(Rendering, ManySamplesSmoothAnEdge) {
   EXPECT_GT(between, 40) << "edges of 240 pixels must have some in between";
 }
 
+TEST_F(Rendering, ADeformableObjectOfAWorldIsDrawnInEveryFrame) {
+  Scene scene;
+  scene.gravity = {};
+  scene.deformables.push_back(clothSheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 4, 4));
+  World world(scene);
+  const Camera camera = frontView();
+  Stage stage(io::pictureBodies(world), {0, 0, -9.81}, camera, kWidth, kHeight);
+  const io::Image first = stage.picture(camera, {});
+  const SoftId sheet = world.deformableAt(0);
+  std::vector<Vec3> moved = world.positions(sheet);
+  for (Vec3& x : moved) x.x -= 5;
+  world.setVertices(sheet, moved, world.velocities(sheet));
+  stage.setBodies(io::pictureBodies(world));
+  const io::Image second = stage.picture(camera, {});
+  world.remove(sheet);
+  stage.setBodies(io::pictureBodies(world));
+  const io::Image none = stage.picture(camera, {});
+  const auto seen = [&](const io::Image& image, int x) { return std::abs(channel(image, x, 50, 0) - channel(none, x, 50, 0)) > 20; };
+  EXPECT_TRUE(seen(first, 100));
+  EXPECT_FALSE(seen(first, 50));
+  EXPECT_FALSE(seen(second, 100));
+  EXPECT_TRUE(seen(second, 50));
+}
+
 TEST_F(Rendering, ADeformableSurfaceIsDrawnWhereItIs) {
   Renderer renderer(kWidth, kHeight);
   Surface cloth;

@@ -1,0 +1,127 @@
+/// Deformable objects as they are drawn: the triangles of sheets and solids, tubes about rods and springs, a ball for each particle.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "forces/soft_model.h"
+#include "io/picture.h"
+
+namespace rubble::io {
+namespace {
+
+constexpr int kTubeSides = 8;
+/// Springs without a radius are drawn this thick, over their length [1].
+constexpr double kThinTube = .03;
+
+/// What there is to draw of one object.
+struct SoftLook {
+  std::uint32_t number;                             ///< of the object
+  const std::vector<Vec3>& vertices;                ///< [m]
+  const std::vector<Vec3>& velocities;              ///< [m/s]
+  const std::vector<std::array<int, 3>>& triangles;
+  const std::vector<std::array<int, 2>>& segments;
+  double radius;                                    ///< [m]
+  bool spheres, solid;
+};
+
+/// Keys of deformable objects do not meet those of bodies; they keep their colours.
+std::uint32_t keyOf(const SoftLook& object, std::size_t vertex) {
+  return kSoftKeys | (((object.number << kSoftKeyBits) + static_cast<std::uint32_t>(vertex)) & (kSoftKeys - 1));
+}
+
+void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points, std::vector<std::array<int, 3>>& triangles) {
+  const Vec3 along = normalize(b - a, {0, 0, 1});
+  const Vec3 u = normalize(cross(along, std::fabs(along.z) < .9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0})), v = cross(along, u);
+  const int first = static_cast<int>(points.size());
+  for (const Vec3& end : {a, b})
+    for (int k = 0; k < kTubeSides; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kTubeSides;
+      points.push_back(end + radius * (std::cos(angle) * u + std::sin(angle) * v));
+    }
+  for (int k = 0; k < kTubeSides; ++k) {
+    const int i = first + k, j = first + (k + 1) % kTubeSides;
+    triangles.push_back({i, j, j + kTubeSides}), triangles.push_back({i, j + kTubeSides, i + kTubeSides});
+  }
+  for (int k = 1; k + 1 < kTubeSides; ++k) {
+    triangles.push_back({first, first + k + 1, first + k});
+    triangles.push_back({first + kTubeSides, first + kTubeSides + k, first + kTubeSides + k + 1});
+  }
+}
+
+void addMesh(const SoftLook& object, std::vector<Vec3> points, const std::vector<std::array<int, 3>>& triangles, bool twoSided,
+             std::vector<PictureBody>& out) {
+  // vertices that are not finite have no place in a picture
+  const auto finite = [&](const std::array<int, 3>& t) {
+    return std::all_of(t.begin(), t.end(), [&](int v) {
+      const Vec3& x = points[static_cast<std::size_t>(v)];
+      return std::isfinite(x.x + x.y + x.z);
+    });
+  };
+  std::vector<std::array<int, 3>> drawn;
+  std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(drawn), finite);
+  if (drawn.empty()) return;
+  Vec3 middle;
+  for (const auto& t : drawn)
+    for (const int v : t) middle += points[static_cast<std::size_t>(v)] / (3. * static_cast<double>(drawn.size()));
+  for (Vec3& x : points) x = std::isfinite(x.x + x.y + x.z) ? x - middle : Vec3{};
+  double speed = 0;
+  for (const Vec3& v : object.velocities) speed += length(v) / static_cast<double>(object.velocities.size());
+  PictureBody body{Shape::mesh(std::move(points), std::move(drawn), twoSided), middle, {}, speed, keyOf(object, 0), Motion::Dynamic};
+  body.deforms = true;
+  out.push_back(std::move(body));
+}
+
+void add(const SoftLook& object, std::vector<PictureBody>& balls, std::vector<PictureBody>& meshes) {
+  if (object.spheres) {
+    for (std::size_t i = 0; i < object.vertices.size(); ++i)
+      balls.push_back({Shape::sphere(object.radius), object.vertices[i], {}, length(object.velocities[i]), keyOf(object, i), Motion::Dynamic});
+    return;
+  }
+  if (!object.triangles.empty()) {
+    addMesh(object, object.vertices, object.triangles, !object.solid, meshes);
+    return;
+  }
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 3>> triangles;
+  for (const auto& s : object.segments) {
+    const Vec3 &a = object.vertices[static_cast<std::size_t>(s[0])], &b = object.vertices[static_cast<std::size_t>(s[1])];
+    addTube(a, b, object.radius > 0 ? object.radius : kThinTube * length(b - a), points, triangles);
+  }
+  addMesh(object, std::move(points), triangles, false, meshes);
+}
+
+void append(std::vector<PictureBody>& to, std::vector<PictureBody>&& more) {
+  to.insert(to.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+}  // namespace
+
+void addDeformables(const World& world, std::vector<PictureBody>& bodies) {
+  std::vector<PictureBody> meshes;
+  for (const SoftId id : world.deformables()) {
+    const World::Surface s = world.surface(id);
+    const std::vector<Vec3> velocities = world.velocities(id);
+    add({static_cast<std::uint32_t>(id.index), s.vertices, velocities, s.triangles, s.segments, s.radius, s.spheres,
+         std::holds_alternative<SoftDef>(world.definition(id))},
+        bodies, meshes);
+  }
+  append(bodies, std::move(meshes));
+}
+
+void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies) {
+  std::vector<PictureBody> meshes;
+  for (std::size_t i = 0; i < scene.deformables.size(); ++i) {
+    const Deformable& def = scene.deformables[i];
+    const auto model = cookDeformable(def, "deformables[" + std::to_string(i) + "]");
+    std::vector<Vec3> vertices, velocities;
+    for (const SoftModel::Vertex& v : model->vertices) vertices.push_back(v.position), velocities.push_back(v.velocity);
+    std::vector<std::array<int, 2>> segments;
+    for (const SoftModel::Spring& s : model->springs) segments.push_back(s.v);
+    add({static_cast<std::uint32_t>(i), vertices, velocities, model->surface, segments, model->vertices[0].radius,
+         std::holds_alternative<ParticlesDef>(def), std::holds_alternative<SoftDef>(def)},
+        bodies, meshes);
+  }
+  append(bodies, std::move(meshes));
+}
+
+}  // namespace rubble::io

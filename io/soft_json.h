@@ -1,0 +1,19 @@
+#pragma once
+/// Deformable objects and attachments of scene files.
+#include <functional>
+
+#include "io/json_reader.h"
+
+namespace rubble::io {
+
+/// `material` reads one, or looks up its name.
+Deformable readDeformable(const Node& node, const std::function<Material(const Node&)>& material);
+/// `body` reads a reference to a body; `objects` are those of the scene.
+AttachmentDef readAttachment(const Node& node, const std::vector<Deformable>& objects, const std::function<int(const Node&)>& body);
+
+/// `material`: how the file names that of the object; null for the usual one.
+nlohmann::ordered_json deformableJson(const Deformable& object, const nlohmann::ordered_json& material);
+/// `body`: how the file refers to it.
+nlohmann::ordered_json attachmentJson(const AttachmentDef& attachment, const nlohmann::ordered_json& body);
+
+}  // namespace rubble::io
