@@ -31,7 +31,7 @@ RUBBLE_HD inline Real sampleAt(const DistanceLattice& l, int i) {
   return (i & 3) == 0 ? four.x : (i & 3) == 1 ? four.y : (i & 3) == 2 ? four.z : four.w;
 }
 
-/// Distance and outward normal at x, body frame. Outside of the lattice it is no more than the true one: the solid lies within.
+/// Distance and outward normal at x, body frame; outside of the lattice the way to it is added.
 RUBBLE_HD inline Real latticeDistance(const DistanceLattice& l, const Vec3& x, Vec3& normal) {
   const Vec3 local = rotateInverse(l.turn, x - l.first) / l.spacing;
   const int counts[3] = {l.nx, l.ny, l.nz};
@@ -55,8 +55,7 @@ RUBBLE_HD inline Real latticeDistance(const DistanceLattice& l, const Vec3& x, V
   const Vec3 beyond = local - inside;
   const Real away = length(beyond) * l.spacing;
   normal = rotate(l.turn, away > Real(0) ? normalize(beyond) : normalize(g));
-  const Real within = mix(y0, y1, t.z);
-  return away > Real(0) && within > Real(0) ? std::sqrt(within * within + away * away) : within + away;
+  return mix(y0, y1, t.z) + away;
 }
 
 /// Signed distance of a point to a convex shape, its frame; of hulls outside an edge a little less.

@@ -16,6 +16,7 @@ RUBBLE_HD inline Convex point() { return {ShapeKind::Sphere, {0, 0, 0}, 0, nullp
 /// On by the distance each time; what is gone too far, since distances between samples are not exact, is found back by halving.
 RUBBLE_HD inline RayMeeting rayToField(const PlacedAny& field, const Vec3d& move) {
   constexpr int kMostSteps = 512, kHalvings = 30;
+  constexpr double kSafe = .7;  // outside of the lattice up to sqrt(2) of the distance is told
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
   const Vec3d x = rotateInverse(field.q, -field.p), d = rotateInverse(field.q, move);
   const double speed = length(d), near = kFieldRayGap * static_cast<double>(lattice.spacing);
@@ -27,7 +28,7 @@ RUBBLE_HD inline RayMeeting rayToField(const PlacedAny& field, const Vec3d& move
     if (gap <= 0 && fraction == 0) return {0, {0, 0, 0}};
     if (gap > near) {
       before = fraction;
-      fraction += gap / speed;
+      fraction += kSafe * gap / speed;
       continue;
     }
     if (gap < 0) {
