@@ -156,11 +156,10 @@ struct WritePairs {
       if constexpr (kParts) forEachPartPair(s, i, other, [&](int first, int second) { insertPair({i, other, first, second}); });
       else insertPair({i, other, 0, 0});
     };
+    if (count > kPairSlots) return searchPartners(s, i, insert);
     // every partner has a pair at least, so that as many slots as pairs are enough
-    if (count <= kPairSlots)
-      for (int k = 0; n < count; ++k) insert(s.pairSlot[i * kPairSlots + k]);
-    else
-      searchPartners(s, i, insert);
+    int slot = i * kPairSlots;
+    while (n < count) insert(s.pairSlot[slot++]);
   }
 };
 
