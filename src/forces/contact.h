@@ -23,14 +23,26 @@ struct alignas(8 * sizeof(Real)) Displacement {
   Real pad1;
 };
 
+/// The rows of one point, in three pieces that are read and written whole.
+struct alignas(4 * sizeof(Real)) PointPlace {
+  Vec3 rA;                         ///< lever on A [m]; on B: rA + offset
+  Real c0;                         ///< C_n at x^t after regularisation [m]
+};
+struct alignas(4 * sizeof(Real)) PointLoad {
+  Real lambdaN, lambda1, lambda2;  ///< multipliers, those of friction in the tangent basis of n [N]
+  Real kN;                         ///< stiffness of the normal row [N/m]
+};
+struct alignas(4 * sizeof(Real)) PointSlip {
+  Real drift1, drift2;             ///< C_t at x^t before regularisation, same basis [m]
+  Real mu;                         ///< static or dynamic friction, by what the point did before [1]
+  Real kT;                         ///< stiffness of the two tangential rows [N/m]
+};
+
 /// The rows of one manifold in one step. Unused and dormant points have k = 0 and lambda = 0 and so neither push nor resist.
 struct ContactRows {
-  Lanes rAx, rAy, rAz;       ///< lever of the point on A [m]; on B: rA + offset
-  Lanes c0;                  ///< C_n at x^t after regularisation [m]
-  Lanes drift1, drift2;      ///< C_t at x^t before regularisation, tangent basis of n [m]
-  Lanes mu;                  ///< static or dynamic friction, by what the point did before [1]
-  Lanes lambdaN, lambda1, lambda2;  ///< multipliers [N]
-  Lanes kN, kT;              ///< stiffness of the normal row and of the two tangential rows [N/m]
+  PointPlace place[kLanes];
+  PointLoad load[kLanes];
+  PointSlip slip[kLanes];
   Vec3 n;                    ///< unit, from A to B
   Real muDynamic;
   Vec3 offset;               ///< p_A - p_B at x^t [m]
@@ -48,20 +60,25 @@ struct ContactForces {
   TangentForce<L> t;
 };
 
-/// Points of a manifold as lanes, with everything that is uniform over them.
+/// Points of a manifold as lanes, with the tangents that they share. Load: lambdaN, lambda1, lambda2, kN. Slip: drift1, drift2, mu, kT.
 template <class L>
 struct ContactFrame {
   Vec3 t1, t2;
   Vec3T<L> rA, rB;
+  L c0;
+  Quad<L> load, slip;
 };
 
 template <class L>
 RUBBLE_HD ContactFrame<L> contactFrame(const ContactRows& m, int lane) {
   using A = LaneAccess<L>;
+  const Quad<L> place = A::loadQuad(m.place, lane);
   ContactFrame<L> f;
+  f.load = A::loadQuad(m.load, lane), f.slip = A::loadQuad(m.slip, lane);
   tangentBasis(m.n, f.t1, f.t2);
-  f.rA = {A::load(m.rAx, lane), A::load(m.rAy, lane), A::load(m.rAz, lane)};
+  f.rA = {place.x, place.y, place.z};
   f.rB = {f.rA.x + m.offset.x, f.rA.y + m.offset.y, f.rA.z + m.offset.z};
+  f.c0 = place.w;
   return f;
 }
 
@@ -83,16 +100,15 @@ RUBBLE_HD L along(const Vec3& u, const Vec3T<L>& d) { return u.x * d.x + u.y * d
 /// Errors and bounded forces at the present displacements.
 template <class L>
 RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRows& m, const ContactFrame<L>& f, const Displacement& a,
-                                         const Displacement& b, int lane) {
+                                         const Displacement& b) {
   using A = LaneAccess<L>;
   const Vec3T<L> d = relativeDisplacement(f, a, b);
   ContactForces<L> o;
-  o.cN = A::load(m.c0, lane) + along(m.n, d);
-  o.c1 = c.driftCorrection * A::load(m.drift1, lane) + along(f.t1, d);
-  o.c2 = c.driftCorrection * A::load(m.drift2, lane) + along(f.t2, d);
-  o.fN = minOf(maxOf(A::load(m.kN, lane) * o.cN + A::load(m.lambdaN, lane), A::splat(0)), A::splat(c.maxMultiplier));
-  o.t = frictionForce(A::load(m.kT, lane), o.c1, o.c2, A::load(m.lambda1, lane), A::load(m.lambda2, lane), o.fN, A::load(m.mu, lane),
-                      A::splat(m.muDynamic), c.coneHessian);
+  o.cN = f.c0 + along(m.n, d);
+  o.c1 = c.driftCorrection * f.slip.x + along(f.t1, d);
+  o.c2 = c.driftCorrection * f.slip.y + along(f.t2, d);
+  o.fN = minOf(maxOf(f.load.w * o.cN + f.load.x, A::splat(0)), A::splat(c.maxMultiplier));
+  o.t = frictionForce(f.slip.w, o.c1, o.c2, f.load.y, f.load.z, o.fN, f.slip.z, A::splat(m.muDynamic), c.coneHessian);
   return o;
 }
 
@@ -101,9 +117,8 @@ RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRo
 template <class L>
 RUBBLE_HD void stampContact(const StepConstants& c, const ContactRows& m, bool onA, const Displacement& a, const Displacement& b, int lane,
                             Block6T<L>& block, const Vec3& shift = {0, 0, 0}) {
-  using A = LaneAccess<L>;
   const ContactFrame<L> f = contactFrame<L>(m, lane);
-  const ContactForces<L> o = contactForces(c, m, f, a, b, lane);
+  const ContactForces<L> o = contactForces(c, m, f, a, b);
   const Vec3T<L>& own = onA ? f.rA : f.rB;
   const Vec3T<L> r{own.x + shift.x, own.y + shift.y, own.z + shift.z};
   const Vec3 &n = m.n, &t1 = f.t1, &t2 = f.t2;
@@ -114,7 +129,7 @@ RUBBLE_HD void stampContact(const StepConstants& c, const ContactRows& m, bool o
   block.fl += force;
   block.fa += cross(r, force);
 
-  const L kn = A::load(m.kN, lane), w11 = o.t.w11, w12 = o.t.w12, w22 = o.t.w22;
+  const L kn = f.load.w, w11 = o.t.w11, w12 = o.t.w12, w22 = o.t.w22;
   const auto entry = [&](Real n2, Real a2, Real ab, Real b2) { return n2 * kn + a2 * w11 + ab * w12 + b2 * w22; };
   Sym3T<L> w;
   w.xx = entry(n.x * n.x, t1.x * t1.x, 2 * t1.x * t2.x, t2.x * t2.x);
@@ -141,22 +156,19 @@ template <class L>
 RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const Displacement& a, const Displacement& b, int lane) {
   using A = LaneAccess<L>;
   const ContactFrame<L> f = contactFrame<L>(m, lane);
-  const ContactForces<L> o = contactForces(c, m, f, a, b, lane);
-  const L kN = A::load(m.kN, lane), kT = A::load(m.kT, lane), zero = A::splat(0);
-  A::store(m.lambdaN, lane, o.fN);
-  A::store(m.lambda1, lane, o.t.f1);
-  A::store(m.lambda2, lane, o.t.f2);
-  A::store(m.mu, lane, select(o.t.inside > zero, A::load(m.mu, lane), A::splat(m.muDynamic)));
+  const ContactForces<L> o = contactForces(c, m, f, a, b);
+  const L kN = f.load.w, kT = f.slip.w;
+  const auto sticks = o.t.inside > A::splat(0);
 
   const StiffnessRule normal = contactRule(c, m.start, m.length);
   const StiffnessRule tangent = tangentRule(c, normal);
   const L grownN = grownStiffness(normal, kN, o.cN, o.fN);
   const L grownT = grownStiffness(tangent, kT, sqrtOf(o.c1 * o.c1 + o.c2 * o.c2),
                                   sqrtOf(o.t.f1 * o.t.f1 + o.t.f2 * o.t.f2));
-  const auto loaded = o.fN > zero;
-  const L ceiling = contactCeiling(c, m.start, (Real(1) - c.alpha) * m.length, A::load(m.c0, lane));
-  A::store(m.kN, lane, select(loaded, minOf(grownN, maxOf(kN, ceiling)), kN));
-  A::store(m.kT, lane, select(loaded, select(o.t.inside > zero, grownT, kT), kT));
+  const auto loaded = o.fN > A::splat(0);
+  const L ceiling = contactCeiling(c, m.start, (Real(1) - c.alpha) * m.length, f.c0);
+  A::storeQuad(m.load, lane, {o.fN, o.t.f1, o.t.f2, select(loaded, minOf(grownN, maxOf(kN, ceiling)), kN)});
+  A::storeQuad(m.slip, lane, {f.slip.x, f.slip.y, select(sticks, f.slip.z, A::splat(m.muDynamic)), select(loaded, select(sticks, grownT, kT), kT)});
 }
 
 }  // namespace rubble::RUBBLE_CORE

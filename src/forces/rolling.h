@@ -35,7 +35,7 @@ RUBBLE_HD inline RollingMoment rollingMoment(const RollingRows& r, const Vec3& w
   return out;
 }
 
-RUBBLE_HD inline Real sumOfNormals(const ContactRows& m) { return (m.lambdaN[0] + m.lambdaN[1]) + (m.lambdaN[2] + m.lambdaN[3]); }
+RUBBLE_HD inline Real sumOfNormals(const ContactRows& m) { return (m.load[0].lambdaN + m.load[1].lambdaN) + (m.load[2].lambdaN + m.load[3].lambdaN); }
 
 /// Adds the moment and its Hessian to the block of A or B.
 RUBBLE_HD inline void stampRolling(const RollingRows& r, const ContactRows& m, bool onA, const Displacement& a, const Displacement& b, Block6& block) {

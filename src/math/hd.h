@@ -16,6 +16,13 @@
 #define RUBBLE_APART __attribute__((noinline))
 #endif
 
+/// A short loop over an array that is to live in registers on the device.
+#if defined(__CUDACC__)
+#define RUBBLE_UNROLL _Pragma("unroll")
+#else
+#define RUBBLE_UNROLL
+#endif
+
 namespace rubble::RUBBLE_CORE {
 
 /// The scalar of the solver.

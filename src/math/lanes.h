@@ -1,6 +1,8 @@
 #pragma once
 /// Four contact points side by side. Formulas over points are written once, for a lane type L: `Real` (one point, a GPU thread) or
 /// `Real4` (four points, a CPU vector register).
+#include <cstring>
+
 #include "math/hd.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -24,12 +26,33 @@ RUBBLE_HD inline Real minOf(Real a, Real b) { return b < a ? b : a; }
 RUBBLE_HD inline Real maxOf(Real a, Real b) { return a < b ? b : a; }
 RUBBLE_HD inline Real sumOf(Real a) { return a; }
 
-/// Reads and writes the points that an L stands for: with L = Real that of `lane`.
+/// Four numbers of each point that an L stands for.
+template <class L>
+struct Quad {
+  L x, y, z, w;
+};
+
+/// Reads and writes the points that an L stands for: with L = Real that of `lane`. Quads lie in memory point by point, one access of a GPU's
+/// thread each; a T holds four numbers.
 template <class L>
 struct LaneAccess {
   RUBBLE_HD static L load(const Lanes& lanes, int lane) { return lanes.v[lane]; }
   RUBBLE_HD static void store(Lanes& lanes, int lane, L a) { lanes.v[lane] = a; }
   RUBBLE_HD static L splat(Real a) { return a; }
+  template <class T>
+  RUBBLE_HD static Quad<L> loadQuad(const T* points, int lane) {
+    static_assert(sizeof(T) == sizeof(Quad<Real>) && alignof(T) == sizeof(T));
+    const T own = points[lane];
+    Quad<L> q;
+    memcpy(&q, &own, sizeof q);
+    return q;
+  }
+  template <class T>
+  RUBBLE_HD static void storeQuad(T* points, int lane, const Quad<L>& q) {
+    T own;
+    memcpy(&own, &q, sizeof own);
+    points[lane] = own;
+  }
 };
 
 #if !defined(__CUDACC__)
@@ -51,6 +74,26 @@ struct LaneAccess<Real4> {
   static Real4 load(const Lanes& lanes, int) { return *reinterpret_cast<const Real4Aliased*>(lanes.v); }
   static void store(Lanes& lanes, int, Real4 a) { *reinterpret_cast<Real4Aliased*>(lanes.v) = a; }
   static Real4 splat(Real a) { return Real4{a, a, a, a}; }
+  template <class T>
+  static Quad<Real4> loadQuad(const T* points, int) {
+    static_assert(sizeof(T) == sizeof(Real4));
+    const auto* const p = reinterpret_cast<const Real4Aliased*>(points);
+    return transposed({p[0], p[1], p[2], p[3]});
+  }
+  template <class T>
+  static void storeQuad(T* points, int, const Quad<Real4>& q) {
+    const Quad<Real4> v = transposed(q);
+    auto* const p = reinterpret_cast<Real4Aliased*>(points);
+    p[0] = v.x, p[1] = v.y, p[2] = v.z, p[3] = v.w;
+  }
+
+ private:
+  static Quad<Real4> transposed(const Quad<Real4>& q) {
+    const Real4 a = __builtin_shufflevector(q.x, q.y, 0, 4, 1, 5), b = __builtin_shufflevector(q.z, q.w, 0, 4, 1, 5);
+    const Real4 c = __builtin_shufflevector(q.x, q.y, 2, 6, 3, 7), d = __builtin_shufflevector(q.z, q.w, 2, 6, 3, 7);
+    return {__builtin_shufflevector(a, b, 0, 1, 4, 5), __builtin_shufflevector(a, b, 2, 3, 6, 7),
+            __builtin_shufflevector(c, d, 0, 1, 4, 5), __builtin_shufflevector(c, d, 2, 3, 6, 7)};
+  }
 };
 
 #endif

@@ -39,16 +39,17 @@ struct PredictBodies {
     else
       w1 = rotate(q, torqueFreeSpin(rotateInverse(q, w), rotateInverse(q, torque), p.inertia, c.dt));
     w1 = unlocked(w1, extras.locks >> 3);
-    BodyTarget& target = s.target[i];
+    BodyTarget target;
     target.mass = massMatrix(p.mass, p.inertia, q);
     target.locks = extras.locks;
+    target.unused = 0;
     target.y.p = inertialDisplacement(v, acceleration, c.dt);
     target.y.q = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q : expRotation(c.dt * w1);
 
     const Real share = followedShare(v, s.previousVelocity[i], acceleration, c.dt);
-    moved.dp = inertialDisplacement(v, share * acceleration, c.dt);
-    moved.dw = logRotation(target.y.q);
+    moved = {inertialDisplacement(v, share * acceleration, c.dt), 0, logRotation(target.y.q), 0};
     s.turned[i] = target.y.q;
+    s.target[i] = target;
   }
 };
 

@@ -13,7 +13,7 @@ RUBBLE_HD inline Real cellSize(const View& s, int level) { return s.baseCell * s
 
 RUBBLE_HD inline int cellOf(Real x, Real size) {
   constexpr Real kFar = Real(1e9);
-  return static_cast<int>(std::floor(clamp(x / size, -kFar, kFar)));
+  return static_cast<int>(std::floor(clamp(x * (Real(1) / size), -kFar, kFar)));
 }
 
 RUBBLE_HD inline int bucketOf(const View& s, int level, int x, int y, int z) {

@@ -107,11 +107,9 @@ RUBBLE_HD inline void addInertialForce(const View& s, const Group& group, int bo
   sum.fa += own.fa + cross(shiftOf(s, group, body), own.fl);
 }
 
-/// Adds points of a contact that leaves the group.
+/// Adds points of a contact `r` that leaves the group, on its bodies' side.
 template <class L>
-RUBBLE_HD void addExternalContact(const View& s, const Group& group, std::uint32_t code, int lane, Block6T<L>& points) {
-  const ContactRows& r = s.contact[entryIndex(code)];
-  const int side = entrySide(code);
+RUBBLE_HD void addExternalContact(const View& s, const Group& group, const ContactRows& r, int side, int lane, Block6T<L>& points) {
   stampContact<L>(s.step, r, side == 0, s.moved[r.a], s.moved[r.b], lane, points, shiftOf(s, group, side == 0 ? r.a : r.b));
 }
 
@@ -165,7 +163,8 @@ struct SumChunk {
     for (int k = s.externalOffset[i]; k < s.externalOffset[i + 1]; ++k) {
       const std::uint32_t code = s.external[k];
       if (entryType(code) == kContactType) {
-        for (int lane = 0; lane < kLanes; lane += kStep) addExternalContact<L>(s, group, code, lane, points);
+        const ContactRows& r = s.contact[entryIndex(code)];
+        for (int lane = 0; lane < kLanes; lane += kStep) addExternalContact<L>(s, group, r, entrySide(code), lane, points);
         if (s.rolls) addRolling(s, code, sum);
       } else {
         addExternalJoint(s, chunk.group, code, sum);

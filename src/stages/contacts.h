@@ -192,21 +192,19 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
   const StepConstants& c = s.step;
   const OrderedPair& o = p.bodies;
   const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
-  r.rAx[to] = point.lever.x, r.rAy[to] = point.lever.y, r.rAz[to] = point.lever.z;
   const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);
   const bool impact = hits(c, closing, point.depth);
-  r.c0[to] = impact && p.restitution > Real(0) ? p.restitution * closing * c.dt : inheritedViolation(c, point.depth);
+  const Real c0 = impact && p.restitution > Real(0) ? p.restitution * closing * c.dt : inheritedViolation(c, point.depth);
 
   const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
-  r.drift1[to] = stuck ? m.drift1[k] : Real(0), r.drift2[to] = stuck ? m.drift2[k] : Real(0);
+  Real drift1 = stuck ? m.drift1[k] : Real(0), drift2 = stuck ? m.drift2[k] : Real(0);
   if (s.surfaces > 0) {
     // The drift is corrected by the part driftCorrection of it: what the belt moves is to be made good in full.
     Vec3 t1, t2;
     tangentBasis(r.n, t1, t2);
-    r.drift1[to] += dot(t1, p.belt) / c.driftCorrection;
-    r.drift2[to] += dot(t2, p.belt) / c.driftCorrection;
+    drift1 += dot(t1, p.belt) / c.driftCorrection;
+    drift2 += dot(t2, p.belt) / c.driftCorrection;
   }
-  r.mu[to] = stuck || isNew ? p.muStatic : r.muDynamic;
   StiffnessRule normal = p.normal;
   Real most = c.maxMultiplier;
   if (p.bothMove) {
@@ -220,15 +218,17 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
     const Real cut = bound / std::sqrt(size2);
     l1 *= cut, l2 *= cut;
   }
-  r.lambdaN[to] = lambda, r.lambda1[to] = l1, r.lambda2[to] = l2;
   const bool awake = m.awake >> k & 1;
-  r.kN[to] = !awake ? Real(0) : isNew ? coldStart(normal.start).k : warmStiffness(c, normal, m.kN[k], lambda);
-  r.kT[to] = !awake ? Real(0) : isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
+  const Real kN = !awake ? Real(0) : isNew ? coldStart(normal.start).k : warmStiffness(c, normal, m.kN[k], lambda);
+  const Real kT = !awake ? Real(0) : isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
+  r.place[to] = {point.lever, c0};
+  r.load[to] = {lambda, l1, l2, kN};
+  r.slip[to] = {drift1, drift2, stuck || isNew ? p.muStatic : r.muDynamic, kT};
   return impact && c.impactRule;
 }
 
 /// Does point k hold its bodies together now, up to the gap below which a point is not dormant?
-RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) { return r.kN[k] > Real(0) && r.c0[k] > -kDormantGap * r.length; }
+RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) { return r.load[k].kN > Real(0) && r.place[k].c0 > -kDormantGap * r.length; }
 
 /// Level of the groups at which rows unite their bodies: the finest at which these share a cell, if a point holds them together (cells.h).
 RUBBLE_HD inline int joinLevel(const View& s, const ContactRows& r) {
@@ -247,7 +247,7 @@ struct BuildContactRows {
     ContactRows r;
     memset(static_cast<void*>(&r), 0, sizeof r);  // points that are not used too
     const PairRows p = beginRows(s, i, r);
-    r.mu = splatLanes(p.muStatic);
+    for (PointSlip& slip : r.slip) slip.mu = p.muStatic;
     m.impact = 0;
     for (int k = 0; k < m.count; ++k)
       if (buildPoint(s, m, p, k, r, k)) m.impact |= static_cast<std::uint8_t>(1u << k);
@@ -281,44 +281,50 @@ RUBBLE_HD inline StoredFrame storedFrame(const View& s, const ContactRows& r) {
   return f;
 }
 
-/// Hands multipliers, stiffness and drift of point k to the manifold. The multipliers of an impact are not kept: those before it are.
-/// Returns whether the point sticks.
-RUBBLE_HD inline bool storePoint(const View& s, const ContactRows& r, const StoredFrame& f, Manifold& m, int k) {
-  if (!(m.impact >> k & 1)) {
-    m.lambdaN[k] = r.lambdaN[k], m.lambda1[k] = r.lambda1[k], m.lambda2[k] = r.lambda2[k];
-  }
-  m.kN[k] = r.kN[k] > Real(0) ? r.kN[k] : r.start;
-  m.kT[k] = r.kN[k] > Real(0) ? r.kT[k] : r.start * s.step.tangentStiffness;
+/// What point k hands on to the next step, and whether it sticks. The multipliers of an impact are not kept: those `before` it are.
+struct StoredPoint {
+  PointMemory memory;
+  bool sticks;
+};
+RUBBLE_HD inline StoredPoint storedPoint(const View& s, const ContactRows& r, const StoredFrame& f, int k, bool impact, const Vec3& before) {
+  const PointLoad load = r.load[k];
+  const PointSlip slip = r.slip[k];
+  const Vec3 lambda = impact ? before : Vec3{load.lambdaN, load.lambda1, load.lambda2};
+  const bool acts = load.kN > Real(0);
+  PointMemory m{lambda.x, lambda.y, lambda.z, acts ? load.kN : r.start, acts ? slip.kT : r.start * s.step.tangentStiffness, 0, 0};
   // a sliding point has been given the dynamic coefficient; with equal ones the force on the cone tells
-  const Real lt2 = r.lambda1[k] * r.lambda1[k] + r.lambda2[k] * r.lambda2[k], bound = r.mu[k] * r.lambdaN[k];
-  const bool stuck = r.lambdaN[k] > Real(0) && lt2 < bound * bound * (Real(1) - Real(1e-5));
-  if (!stuck) {
-    m.drift1[k] = m.drift2[k] = Real(0);
-    return false;
-  }
+  const Real lt2 = load.lambda1 * load.lambda1 + load.lambda2 * load.lambda2, bound = slip.mu * load.lambdaN;
+  const bool stuck = load.lambdaN > Real(0) && lt2 < bound * bound * (Real(1) - Real(1e-5));
+  if (!stuck) return {m, false};
   // exact displacements here: errors of the linear ones would add up from step to step
-  const Vec3 rA{r.rAx[k], r.rAy[k], r.rAz[k]}, rB = rA + r.offset;
+  const Vec3 rA = r.place[k].rA, rB = rA + r.offset;
   const Vec3 d = (f.a.dp + rotate(f.turnA, rA) - rA) - (f.b.dp + rotate(f.turnB, rB) - rB);
-  m.drift1[k] = r.drift1[k] + dot(f.t1, d);
-  m.drift2[k] = r.drift2[k] + dot(f.t2, d);
+  m.drift1 = slip.drift1 + dot(f.t1, d);
+  m.drift2 = slip.drift2 + dot(f.t2, d);
   if (s.surfaces > 0) {
     // against the belt: its way in this step instead of what stood for it in the row
     const Vec3 belt = pairMaterial(s, s.pair[r.pair], {r.a, r.b}).belt * (Real(1) - Real(1) / s.step.driftCorrection);
-    m.drift1[k] += dot(f.t1, belt);
-    m.drift2[k] += dot(f.t2, belt);
+    m.drift1 += dot(f.t1, belt);
+    m.drift2 += dot(f.t2, belt);
   }
-  return true;
+  return {m, true};
 }
 
-struct StoreContacts {
+/// The last dual update, and what the points hand on to the next step.
+template <class L>
+struct FinishContacts {
   static constexpr const char* kName = "store";
   RUBBLE_HD void operator()(const View& s, int i) const {
+    UpdateContactDuals<L>{}(s, i);
     const ContactRows& r = s.contact[i];
     Manifold& m = s.manifold[r.pair];
     const StoredFrame f = storedFrame(s, r);
     m.stick = 0;
-    for (int k = 0; k < m.count; ++k)
-      if (storePoint(s, r, f, m, k)) m.stick |= static_cast<std::uint8_t>(1u << k);
+    for (int k = 0; k < m.count; ++k) {
+      const StoredPoint point = storedPoint(s, r, f, k, m.impact >> k & 1, {m.lambdaN[k], m.lambda1[k], m.lambda2[k]});
+      remember(m, k, point.memory);
+      if (point.sticks) m.stick |= static_cast<std::uint8_t>(1u << k);
+    }
   }
 };
 

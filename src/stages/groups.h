@@ -68,12 +68,7 @@ struct FindLeaders {
 struct NumberGroups {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int t) const {
-    const int level = t / s.bodies, body = t - level * s.bodies;
-    if (s.params[body].kind != BodyKind::Dynamic) {
-      s.groupOf[t] = -1;
-      return;
-    }
-    const int led = atLevel(s, level, s.groupOf[t]);
+    const int led = atLevel(s, t / s.bodies, s.groupOf[t]);
     s.groupOf[t] = s.leads[led] ? s.groupIndex[led] : -1;
     if (s.leads[t]) s.groupChunks[s.groupIndex[t]] = (s.memberCount[t] + kChunkMembers - 1) / kChunkMembers;
   }

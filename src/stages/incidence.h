@@ -34,7 +34,22 @@ struct SortEntries {
   RUBBLE_HD void operator()(const View& s, int i) const {
     Entry* const first = s.entry + s.entryOffset[i];
     const int count = s.entryOffset[i + 1] - s.entryOffset[i];
-    constexpr int kInsertion = 24;
+    if (count < 2) return;
+    // most bodies: all in registers
+    constexpr int kFew = 8, kInsertion = 24;
+    if (count <= kFew) {
+      Entry own[kFew];
+      RUBBLE_UNROLL
+      for (int k = 0; k < kFew; ++k) own[k] = k < count ? first[k] : Entry{};
+      RUBBLE_UNROLL
+      for (int k = 0; k < kFew; ++k) {
+        int place = 0;
+        RUBBLE_UNROLL
+        for (int j = 0; j < kFew; ++j) place += j < count && own[j].code < own[k].code ? 1 : 0;
+        if (k < count) first[place] = own[k];
+      }
+      return;
+    }
     if (count <= kInsertion) {
       for (int k = 1; k < count; ++k) {
         const Entry e = first[k];

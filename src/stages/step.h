@@ -20,13 +20,14 @@ namespace rubble::RUBBLE_CORE {
 ///   require(per, counter)                   room for that many before they are written: nothing is dropped
 ///   rounds(take, propose, counter, left)    takes turns of two kernels over as many as are counted, until `propose` leaves `left` at zero
 ///   forEachColor(kernel, vertexKernel)      colour by colour, over its bodies and its vertices
-///   keepManifolds()                         those of this step are the old ones of the next
+///   lodgeRows()                             contact rows take the place of the old manifolds
+///   keepManifolds()                         manifolds of this step are the old ones of the next
 ///   Lane                                    Real or Real4: points that one call treats side by side
 template <class E>
 concept Executor = requires(E e, View& v) {
   typename E::Lane;
   e.forEach(PredictBodies{}, 1);
-  e.forEach(StoreContacts{}, &Counters::manifolds);
+  e.forEach(BuildContactRows{}, &Counters::pairs);
   e.clear(&View::pairCount, 1);
   e.scan(&View::pairCount, &View::pairOffset, 1, &Counters::pairs, Per::Pair);
   e.require(Per::Color, &Counters::colors);
@@ -85,11 +86,13 @@ void findContacts(E& e) {
   e.forEach(TestPairs{}, &Counters::tested);
   if (e.view().rareShapes) e.forEach(TestRarePairs{}, &Counters::tested);
   e.scan(&View::hasRows, &View::rowOfPair, &Counters::pairs, &Counters::manifolds, Per::Manifold);
+  if (e.view().rolls) {
+    e.forEach(CountRolling{}, 1);
+    e.require(Per::Rolling, &Counters::rollers);
+    e.forEach(BuildRolling{}, &Counters::rollers);
+  }
+  e.lodgeRows();
   e.forEach(BuildContactRows{}, &Counters::pairs);
-  if (!e.view().rolls) return;
-  e.forEach(CountRolling{}, 1);
-  e.require(Per::Rolling, &Counters::rollers);
-  e.forEach(BuildRolling{}, &Counters::rollers);
 }
 
 /// Groups of the coarse correction, from the poses at x^t.
@@ -206,13 +209,13 @@ void step(E& e) {
     if (e.view().step.coarseCorrection) correctGroups(e, n);
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
-    e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
+    if (n + 1 < e.view().step.iterations) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
+    else e.forEach(FinishContacts<L>{}, &Counters::manifolds);
     if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);
     forEachJoint.template operator()<UpdateJointDuals>();
     if (vertices > 0) updateSoftDuals(e);
   }
 
-  e.forEach(StoreContacts{}, &Counters::manifolds);
   forEachJoint.template operator()<FinishJoints>();
   if (vertices > 0) finishSoftRows(e);
   stopFastBodies(e);

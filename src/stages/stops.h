@@ -38,10 +38,10 @@ RUBBLE_HD inline bool rowsHold(const View& s, const Manifold& m) {
   const ContactRows& r = s.contact[m.row];
   bool acts = false;
   for (int k = 0; k < m.count; ++k) {
-    if (!(r.kN[k] > Real(0))) continue;
+    if (!(r.load[k].kN > Real(0))) continue;
     acts = true;
     const ContactFrame<Real> f = contactFrame<Real>(r, k);
-    if (r.c0[k] + along(r.n, relativeDisplacement(f, s.moved[r.a], s.moved[r.b])) > kHeldDepth * r.length) return false;
+    if (f.c0 + along(r.n, relativeDisplacement(f, s.moved[r.a], s.moved[r.b])) > kHeldDepth * r.length) return false;
   }
   return acts;
 }

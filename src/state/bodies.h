@@ -83,11 +83,12 @@ RUBBLE_HD constexpr int entryType(std::uint32_t code) { return static_cast<int>(
 RUBBLE_HD constexpr int entryIndex(std::uint32_t code) { return static_cast<int>((code & 0x07ffffffu) >> 1); }
 RUBBLE_HD constexpr int entrySide(std::uint32_t code) { return static_cast<int>(code & 1u); }
 
-/// Where a body would go without constraints, and its inertia, in this step.
-struct BodyTarget {
+/// Where a body would go without constraints, and its inertia, in this step. Aligned, so that it is read and written in few pieces.
+struct alignas(4 * sizeof(Real)) BodyTarget {
   MassMatrix mass;
-  int locks;          ///< of BodyExtras
   Pose y;             ///< displacement [m] and rotation relative to x^t
+  int locks;          ///< of BodyExtras
+  int unused;         ///< 0
 };
 
 /// Levels of groups of bodies, from fine to coarse (stages/groups.h).

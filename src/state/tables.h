@@ -16,7 +16,7 @@ class Tables {
   }
   ~Tables() {
     Memory::release(view_.counters);
-    forEachArray([&](const auto& array) { Memory::release(view_.*array.member); });
+    forEachArray([&](const auto& array) { if (!array.lodges) Memory::release(view_.*array.member); });
   }
   Tables(const Tables&) = delete;
   Tables& operator=(const Tables&) = delete;
@@ -30,8 +30,9 @@ class Tables {
     int& capacity = capacity_[static_cast<int>(per)];
     if (count <= capacity) return;
     const int grown = capacity > 1 ? count + count / 2 : count;
+    const bool rowsAmongOld = rowsLodgeIn(view_.oldManifold);
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-      if (array.per != per) return;
+      if (array.per != per || array.lodges) return;
       T*& pointer = view_.*array.member;
       T* const fresh = static_cast<T*>(Memory::allocate(bytesOf(array, grown)));
       if (pointer) Memory::copy(fresh, pointer, bytesOf(array, capacity));
@@ -39,13 +40,18 @@ class Tables {
       pointer = fresh;
     });
     capacity = grown;
+    lodgeRowsIn(rowsAmongOld ? view_.oldManifold : view_.manifold);
   }
 
   std::size_t bytes() const {
     std::size_t sum = sizeof(Counters);
-    forEachArray([&](const auto& array) { if (view_.*array.member) sum += bytesOf(array, capacity(array.per)); });
+    forEachArray([&](const auto& array) { if (view_.*array.member) sum += array.lodges ? 0 : bytesOf(array, capacity(array.per)); });
     return sum;
   }
+
+  /// Contact rows have no memory of their own: when all manifolds are found, nobody reads those of the step before, and there are no more rows
+  /// than pairs. Between steps the rows of the last one stay there, in what the next step fills with manifolds.
+  void lodgeRows() { lodgeRowsIn(view_.oldManifold); }
 
   /// The manifolds of this step become those that the next one starts from.
   void keepManifolds() {
@@ -64,6 +70,10 @@ class Tables {
   }
 
  private:
+  static_assert(sizeof(ContactRows) <= sizeof(Manifold) && alignof(ContactRows) <= alignof(Manifold));
+  bool rowsLodgeIn(const Manifold* place) const { return place && static_cast<const void*>(view_.contact) == place; }
+  void lodgeRowsIn(Manifold* place) { view_.contact = reinterpret_cast<ContactRows*>(place); }
+
   template <class T>
   static std::size_t bytesOf(const ArrayInfo<T>& array, int count) {
     return sizeof(T) * static_cast<std::size_t>(count + array.extra);

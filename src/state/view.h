@@ -139,7 +139,7 @@ struct View : JointTables<JointTypes> {
   RollingRows* oldRolling = nullptr;
   int* rowOfPair = nullptr;           ///< index of its rows
   // rows
-  ContactRows* contact = nullptr;     ///< one a pair that has rows, in the order of pairs
+  ContactRows* contact = nullptr;     ///< one a pair that has rows, in the order of pairs; where the old manifolds were (Tables::lodgeRows)
   int* joinLevel = nullptr;           ///< level of the groups at which they unite their bodies, kCoarseLevels: at none
   Entry* entry = nullptr;             ///< row blocks by body
 
@@ -223,6 +223,7 @@ struct ArrayInfo {
   Per per;
   Life life;
   int extra = 0;  ///< elements beyond one for each
+  bool lodges = false;  ///< in the memory of another array
 };
 
 /// Calls f(ArrayInfo) for every array.
@@ -307,7 +308,7 @@ void forEachArray(F&& f) {
   is(&View::tested, "tested", "", Per::Pair, Life::Unordered);
   is(&View::hasRows, "hasRows", "", Per::Pair, Life::Work);
   is(&View::rowOfPair, "rowOfPair", "", Per::Pair, Life::Work, 1);
-  is(&View::contact, "contact", "", Per::Manifold, Life::State);
+  f(ArrayInfo<ContactRows>{&View::contact, "contact", "", Per::Manifold, Life::State, 0, true});
   is(&View::joinLevel, "joinLevel", "", Per::Manifold, Life::Work);
   is(&View::entry, "entry", "", Per::Entry, Life::Work);
   is(&View::vertexParams, "vertexParams", "", Per::Vertex, Life::Authored);

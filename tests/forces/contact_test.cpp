@@ -40,21 +40,22 @@ ContactCase randomContact(Random& random, Real friction) {
   r.length = .5;
   r.a = 0, r.b = 1;
   for (int k = 0; k < kLanes; ++k) {
-    const Vec3 lever = random.vector();
-    r.rAx[k] = lever.x, r.rAy[k] = lever.y, r.rAz[k] = lever.z;
-    r.c0[k] = random.uniform(-.1, .1);
-    r.drift1[k] = random.uniform(-.1, .1), r.drift2[k] = random.uniform(-.1, .1);
-    r.mu[k] = friction;
-    r.lambdaN[k] = random.uniform(0, 5);
-    r.lambda1[k] = random.uniform(-1, 1), r.lambda2[k] = random.uniform(-1, 1);
-    r.kN[k] = random.logUniform(10, 1000), r.kT[k] = random.logUniform(10, 1000);
+    PointLoad& load = r.load[k];
+    PointSlip& slip = r.slip[k];
+    r.place[k].rA = random.vector();
+    r.place[k].c0 = random.uniform(-.1, .1);
+    slip.drift1 = random.uniform(-.1, .1), slip.drift2 = random.uniform(-.1, .1);
+    slip.mu = friction;
+    load.lambdaN = random.uniform(0, 5);
+    load.lambda1 = random.uniform(-1, 1), load.lambda2 = random.uniform(-1, 1);
+    load.kN = random.logUniform(10, 1000), slip.kT = random.logUniform(10, 1000);
   }
   x.a = randomVec6(random, .02), x.b = randomVec6(random, .02);
   return x;
 }
 
 ContactForces<Real> forcesOf(const StepConstants& c, const ContactCase& x, int lane) {
-  return contactForces<Real>(c, x.rows, contactFrame<Real>(x.rows, lane), displacement(x.a), displacement(x.b), lane);
+  return contactForces<Real>(c, x.rows, contactFrame<Real>(x.rows, lane), displacement(x.a), displacement(x.b));
 }
 
 Block6 blockOf(const StepConstants& c, const ContactCase& x, bool onA, int lane) {
@@ -64,8 +65,7 @@ Block6 blockOf(const StepConstants& c, const ContactCase& x, bool onA, int lane)
 }
 
 Vec3 leverOf(const ContactRows& r, int lane, bool onA) {
-  const Vec3 lever{r.rAx[lane], r.rAy[lane], r.rAz[lane]};
-  return onA ? lever : lever + r.offset;
+  return onA ? r.place[lane].rA : r.place[lane].rA + r.offset;
 }
 
 TEST(Contact, MeasuresDisplacementsOfThePointOnBothBodies) {
@@ -78,9 +78,9 @@ TEST(Contact, MeasuresDisplacementsOfThePointOnBothBodies) {
       Vec3 t1, t2;
       tangentBasis(x.rows.n, t1, t2);
       const ContactForces<Real> f = forcesOf(c, x, lane);
-      EXPECT_NEAR(f.cN, x.rows.c0[lane] + dot(x.rows.n, d), 1e-14);
-      EXPECT_NEAR(f.c1, .05 * x.rows.drift1[lane] + dot(t1, d), 1e-14);
-      EXPECT_NEAR(f.c2, .05 * x.rows.drift2[lane] + dot(t2, d), 1e-14);
+      EXPECT_NEAR(f.cN, x.rows.place[lane].c0 + dot(x.rows.n, d), 1e-14);
+      EXPECT_NEAR(f.c1, .05 * x.rows.slip[lane].drift1 + dot(t1, d), 1e-14);
+      EXPECT_NEAR(f.c2, .05 * x.rows.slip[lane].drift2 + dot(t2, d), 1e-14);
     }
   }
 }
@@ -98,8 +98,8 @@ TEST(Contact, InsideTheConePushesByTheGradientOfItsEnergy) {
     const auto energy = [&](const ContactCase& y) {
       const ContactForces<Real> g = forcesOf(c, y, lane);
       const ContactRows& r = y.rows;
-      return augmentedEnergy(r.kN[lane], r.lambdaN[lane], g.cN) + augmentedEnergy(r.kT[lane], r.lambda1[lane], g.c1) +
-             augmentedEnergy(r.kT[lane], r.lambda2[lane], g.c2);
+      return augmentedEnergy(r.load[lane].kN, r.load[lane].lambdaN, g.cN) + augmentedEnergy(r.slip[lane].kT, r.load[lane].lambda1, g.c1) +
+             augmentedEnergy(r.slip[lane].kT, r.load[lane].lambda2, g.c2);
     };
     for (const bool onA : {true, false}) {
       const Block6 block = blockOf(c, x, onA, lane);
@@ -130,7 +130,7 @@ TEST(Contact, HessianIsTheJacobianAroundTheMatrixOfThePoint) {
     tangentBasis(x.rows.n, t1, t2);
     Eigen::Matrix3d axes, w;
     axes << eigen(x.rows.n), eigen(t1), eigen(t2);
-    w << x.rows.kN[lane], 0, 0, 0, f.t.w11, f.t.w12, 0, f.t.w12, f.t.w22;
+    w << x.rows.load[lane].kN, 0, 0, 0, f.t.w11, f.t.w12, 0, f.t.w12, f.t.w22;
     for (const bool onA : {true, false}) {
       Eigen::Matrix<double, 3, 6> j;
       j << Eigen::Matrix3d::Identity(), -eigen(crossMatrix(leverOf(x.rows, lane, onA)));
@@ -160,13 +160,13 @@ TEST(Contact, PushesButNeverPulls) {
   const StepConstants c = constants();
   ContactCase x{};
   x.rows.n = {0, 0, 1};
-  x.rows.kN = splatLanes(100);
-  x.rows.mu = splatLanes(.5);
-  x.rows.c0 = splatLanes(.2);
+  x.rows.load[0].kN = 100;
+  x.rows.slip[0].mu = .5;
+  x.rows.place[0].c0 = .2;
   EXPECT_NEAR(forcesOf(c, x, 0).fN, 20, 1e-12);
   EXPECT_NEAR(blockOf(c, x, true, 0).fl.z, -20, 1e-12);
   EXPECT_NEAR(blockOf(c, x, false, 0).fl.z, 20, 1e-12);
-  x.rows.c0 = splatLanes(-.2);
+  x.rows.place[0].c0 = -.2;
   EXPECT_EQ(forcesOf(c, x, 0).fN, 0);
 }
 
@@ -175,8 +175,8 @@ TEST(Contact, LimitsTheNormalForceToTheCeilingOfTheScene) {
   c.maxMultiplier = 7;
   ContactCase x{};
   x.rows.n = {0, 0, 1};
-  x.rows.kN = splatLanes(100);
-  x.rows.c0 = splatLanes(.2);
+  x.rows.load[0].kN = 100;
+  x.rows.place[0].c0 = .2;
   EXPECT_EQ(forcesOf(c, x, 0).fN, 7);
 }
 
@@ -192,16 +192,16 @@ TEST(Contact, DualUpdateTakesOverTheForcesAndKeepsThemInTheCone) {
       const ContactForces<Real> f = forcesOf(c, before, lane);
       updateContactDuals<Real>(c, x.rows, displacement(x.a), displacement(x.b), lane);
       const ContactRows& r = x.rows;
-      EXPECT_EQ(r.lambdaN[lane], f.fN);
-      EXPECT_EQ(r.lambda1[lane], f.t.f1);
-      EXPECT_EQ(r.lambda2[lane], f.t.f2);
+      EXPECT_EQ(r.load[lane].lambdaN, f.fN);
+      EXPECT_EQ(r.load[lane].lambda1, f.t.f1);
+      EXPECT_EQ(r.load[lane].lambda2, f.t.f2);
       const bool sticks = f.t.inside > 0;
-      const Real size = std::hypot(r.lambda1[lane], r.lambda2[lane]);
+      const Real size = std::hypot(r.load[lane].lambda1, r.load[lane].lambda2);
       EXPECT_LE(size, (sticks ? .4 : .25) * f.fN * (1 + 1e-12));
-      EXPECT_EQ(r.mu[lane], sticks ? .4 : .25);
+      EXPECT_EQ(r.slip[lane].mu, sticks ? .4 : .25);
       const bool loaded = f.fN > 0;
-      EXPECT_EQ(r.kN[lane] > before.rows.kN[lane], loaded && f.cN != 0);
-      EXPECT_EQ(r.kT[lane] > before.rows.kT[lane], loaded && sticks);
+      EXPECT_EQ(r.load[lane].kN > before.rows.load[lane].kN, loaded && f.cN != 0);
+      EXPECT_EQ(r.slip[lane].kT > before.rows.slip[lane].kT, loaded && sticks);
       sliding += !sticks;
     }
   }
@@ -219,11 +219,11 @@ TEST(Contact, DeepInOneAnotherItsStiffnessFollowsNoLoad) {
   for (const Real share : {.5, 2.}) {
     const bool deep = share > 1;
     for (int lane = 0; lane < kLanes; ++lane) {
-      r.c0[lane] = share * (1 - c.alpha) * kDeepShare * r.length;
-      r.kN[lane] = r.start, r.lambdaN[lane] = 1e3 * c.loadAcceleration * ceiling * c.dt * c.dt;
+      r.place[lane].c0 = share * (1 - c.alpha) * kDeepShare * r.length;
+      r.load[lane].kN = r.start, r.load[lane].lambdaN = 1e3 * c.loadAcceleration * ceiling * c.dt * c.dt;
       updateContactDuals<Real>(c, r, {}, {}, lane);
-      EXPECT_EQ(r.kN[lane] == ceiling, deep);
-      EXPECT_EQ(r.kN[lane] > 100 * ceiling, !deep);
+      EXPECT_EQ(r.load[lane].kN == ceiling, deep);
+      EXPECT_EQ(r.load[lane].kN > 100 * ceiling, !deep);
     }
   }
 }
@@ -261,15 +261,13 @@ TEST(Contact, TurnsWithTheWorld) {
   for (int n = 0; n < 40; ++n) {
     // without drift and tangential multipliers, which lie in the tangent basis, everything else is a vector
     ContactCase x = randomContact(random, .4);
-    x.rows.drift1 = x.rows.drift2 = x.rows.lambda1 = x.rows.lambda2 = splatLanes(0);
+    for (PointSlip& slip : x.rows.slip) slip.drift1 = slip.drift2 = 0;
+    for (PointLoad& load : x.rows.load) load.lambda1 = load.lambda2 = 0;
     const Quat turn = random.rotation();
     ContactCase y = x;
     y.rows.n = rotate(turn, x.rows.n);
     y.rows.offset = rotate(turn, x.rows.offset);
-    for (int k = 0; k < kLanes; ++k) {
-      const Vec3 lever = rotate(turn, leverOf(x.rows, k, true));
-      y.rows.rAx[k] = lever.x, y.rows.rAy[k] = lever.y, y.rows.rAz[k] = lever.z;
-    }
+    for (int k = 0; k < kLanes; ++k) y.rows.place[k].rA = rotate(turn, leverOf(x.rows, k, true));
     const auto turned = [&](const Vec6& d) { return Vec6{rotate(turn, d.lin), rotate(turn, d.ang)}; };
     y.a = turned(x.a), y.b = turned(x.b);
     for (int lane = 0; lane < kLanes; ++lane) {

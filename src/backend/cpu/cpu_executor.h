@@ -121,6 +121,7 @@ class CpuExecutor {
     }
   }
 
+  void lodgeRows() { tables_.lodgeRows(); }
   void keepManifolds() { tables_.keepManifolds(); }
 
   /// Time of each stage since the last call [ms].

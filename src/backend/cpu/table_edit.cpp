@@ -183,7 +183,7 @@ std::vector<EngineContact> contactsOf(const HostTables& tables) {
     tangentBasis(n, t1, t2);
     for (int k = 0; k < m.count; ++k) {
       const SurfacePoints x = surfacePoints(s, o, m, k);
-      const Vec3 force = r ? n * r->lambdaN[k] + t1 * r->lambda1[k] + t2 * r->lambda2[k] : n * m.lambdaN[k] + t1 * m.lambda1[k] + t2 * m.lambda2[k];
+      const Vec3 force = r ? n * r->load[k].lambdaN + t1 * r->load[k].lambda1 + t2 * r->load[k].lambda2 : n * m.lambdaN[k] + t1 * m.lambda1[k] + t2 * m.lambda2[k];
       out.push_back({o.a, o.b, s.position[o.a] + Vec3d((x.onA + x.onB) * Real(.5)), Vec3d(n), Vec3d(force),
                      static_cast<double>(dot(n, x.onA - x.onB))});
     }
@@ -198,7 +198,7 @@ std::vector<EngineTouch> touchesOf(const HostTables& tables) {
     bool touch = false;
     for (int k = 0; k < m.count; ++k) {
       const SurfacePoints x = surfacePoints(s, o, m, k);
-      const bool loaded = m.row >= 0 && s.contact[m.row].lambdaN[k] > Real(0);
+      const bool loaded = m.row >= 0 && s.contact[m.row].load[k].lambdaN > Real(0);
       touch |= loaded || dot(m.normal, x.onA - x.onB) > -kDormantGap * pairLength(s.params[o.a], s.params[o.b]);
     }
     if (touch) out.push_back({o.a, o.b, isSensor(s, o.a) || isSensor(s, o.b)});

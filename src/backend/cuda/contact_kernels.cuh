@@ -1,13 +1,15 @@
 #pragma once
 /// Stages over contacts, a thread a point: the four lanes of a manifold read and write what lies side by side.
 #include "backend/cuda/kernels.cuh"
+#include "backend/cuda/points.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
 struct DualOfPoint {
   static constexpr const char* kName = UpdateContactDuals<Real>::kName;
   static constexpr int kWidth = kLanes;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+  static constexpr int kBlocks = 12;
+  __device__ void operator()(const View& s, int i, const PointTile& tile) const {
     ContactRows& r = s.contact[i];
     updateContactDuals<Real>(s.step, r, s.moved[r.a], s.moved[r.b], tile.lane);
   }
@@ -17,10 +19,36 @@ struct OnDevice<UpdateContactDuals<Real>> {
   using Type = DualOfPoint;
 };
 
+struct FinishPoint {
+  static constexpr const char* kName = FinishContacts<Real>::kName;
+  static constexpr int kWidth = kLanes;
+  static constexpr int kBlocks = 10;
+  __device__ void operator()(const View& s, int i, const PointTile& tile) const {
+    ContactRows& r = s.contact[i];
+    Manifold& m = s.manifold[r.pair];
+    const int k = tile.lane;
+    // asked for before it is needed
+    const bool on = k < m.count, impact = on && (m.impact >> k & 1);
+    updateContactDuals<Real>(s.step, r, s.moved[r.a], s.moved[r.b], k);
+    Vec3 before;
+    if (impact) before = {m.lambdaN[k], m.lambda1[k], m.lambda2[k]};
+    StoredPoint point{};
+    if (on) point = storedPoint(s, r, storedFrame(s, r), k, impact, before);
+    storeMemory(point.memory, m, tile);
+    const unsigned sticks = tile.ballot(point.sticks);
+    if (k == 0) m.stick = static_cast<std::uint8_t>(sticks);
+  }
+};
+template <>
+struct OnDevice<FinishContacts<Real>> {
+  using Type = FinishPoint;
+};
+
 /// A lane a point: most manifolds are recycled, and that is copying.
 struct RecycleManifoldByLanes {
   static constexpr const char* kName = RecycleManifolds::kName;
   static constexpr int kWidth = kLanes;
+  static constexpr int kBlocks = 6;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Pair p = s.pair[i];
     const OrderedPair o = ordered(p);
@@ -34,21 +62,23 @@ struct RecycleManifoldByLanes {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
     }
-    const Manifold& old = *found;
     Manifold& m = s.manifold[i];
+    const Manifold old = manifoldOfPoint(*found, tile);
+    copyGeometry(*found, m, tile);
     const int k = tile.lane;
-    copyTogether(old, m, tile);
     const bool on = k < old.count;
     const Vec3 n = turnedNormal(old, pose);
     PointMemory memory{};
-    if (on) memory = memoryOf(old, k, n);
+    if (on) memory = memoryOf(old, 0, n);
     bool awake = on;
     // points that bear a load need no targets
     if (tile.ballot(on && memory.lambdaN == Real(0)) != 0 && on)
-      awake = wakeRule(s, o)(s, o, pose, n, pointAt(old, k, n, pose.qA, pose.qB, pose.t), memory.lambdaN);
-    const unsigned bits = tile.ballot(awake), stick = tile.ballot(on && (old.stick >> k & 1));
+      awake = wakeRule(s, o)(s, o, pose, n, pointAt(old, 0, n, pose.qA, pose.qB, pose.t), memory.lambdaN);
+    const unsigned bits = tile.ballot(awake), stick = tile.ballot(on && old.stick != 0);
     if (bits == 0) memory.kN = memory.kT = memory.drift1 = memory.drift2 = Real(0);
-    remember(m, k, memory);
+    storeMemory(memory, m, tile);
+    // everything that is written above is in place before its first lane writes over parts of it
+    __syncwarp(tile.mask);
     if (k != 0) return;
     m.normal = n, m.row = -1;
     m.stick = bits == 0 ? 0 : static_cast<std::uint8_t>(stick);
@@ -61,15 +91,17 @@ struct RecycleManifoldByLanes {
   }
 
  private:
-  /// Sixteen bytes a lane at a time.
-  __device__ static void copyTogether(const Manifold& from, Manifold& to, const Tile<kWidth>& tile) {
-    constexpr int kParts = sizeof(Manifold) / sizeof(float4);
-    static_assert(sizeof(Manifold) % sizeof(float4) == 0);
+  /// Everything but what points hand on, sixteen bytes a lane at a time.
+  __device__ static void copyGeometry(const Manifold& from, Manifold& to, const PointTile& tile) {
+    constexpr int kQuads = sizeof(Manifold) / sizeof(float4), kPlaces = offsetof(Manifold, lambdaN) / sizeof(float4);
+    constexpr int kHandedOn = offsetof(Manifold, feature) / sizeof(float4) - kPlaces, kCopied = kQuads - kHandedOn;
+    static_assert(sizeof(Manifold) % sizeof(float4) == 0 && kCopied % kWidth == 0);
+    const auto quadOf = [&](int turn) { return turn * kWidth + tile.lane + (turn * kWidth + tile.lane < kPlaces ? 0 : kHandedOn); };
+    float4 quads[kCopied / kWidth];
 #pragma unroll
-    for (int first = 0; first < kParts; first += kWidth)
-      if (first + tile.lane < kParts)
-        reinterpret_cast<float4*>(&to)[first + tile.lane] = reinterpret_cast<const float4*>(&from)[first + tile.lane];
-    __syncwarp(tile.mask);
+    for (int turn = 0; turn < kCopied / kWidth; ++turn) quads[turn] = reinterpret_cast<const float4*>(&from)[quadOf(turn)];
+#pragma unroll
+    for (int turn = 0; turn < kCopied / kWidth; ++turn) reinterpret_cast<float4*>(&to)[quadOf(turn)] = quads[turn];
   }
 };
 template <>
@@ -80,6 +112,7 @@ struct OnDevice<RecycleManifolds> {
 struct BuildRowsOfPoint {
   static constexpr const char* kName = BuildContactRows::kName;
   static constexpr int kWidth = kLanes;
+  static constexpr int kBlocks = 8;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     if (s.hasRows[i] == 0) return;
     Manifold& m = s.manifold[i];
@@ -88,41 +121,31 @@ struct BuildRowsOfPoint {
     ContactRows own;
     memset(static_cast<void*>(&own), 0, sizeof own);
     const PairRows p = beginRows(s, i, own);
-    own.mu[0] = p.muStatic;
+    own.slip[0].mu = p.muStatic;
     const unsigned impact = tile.ballot(k < m.count && buildPoint(s, m, p, k, own, 0));
-
     ContactRows& r = s.contact[row];
-    r.rAx[k] = own.rAx[0], r.rAy[k] = own.rAy[0], r.rAz[k] = own.rAz[0];
-    r.c0[k] = own.c0[0], r.drift1[k] = own.drift1[0], r.drift2[k] = own.drift2[0], r.mu[k] = own.mu[0];
-    r.lambdaN[k] = own.lambdaN[0], r.lambda1[k] = own.lambda1[0], r.lambda2[k] = own.lambda2[0];
-    r.kN[k] = own.kN[0], r.kT[k] = own.kT[0];
+    r.place[k] = own.place[0], r.load[k] = own.load[0], r.slip[k] = own.slip[0];
+    storeHead(own, r, tile);
     const bool holds = tile.ballot(holdsAt(own, 0)) != 0;
     if (k != 0) return;
     s.joinLevel[row] = holds ? finestSharedLevel(s, own.a, own.b) : kCoarseLevels;
-    r.n = own.n, r.muDynamic = own.muDynamic, r.offset = own.offset, r.start = own.start;
-    r.a = own.a, r.b = own.b, r.pair = own.pair, r.length = own.length;
     m.row = row;
     m.impact = static_cast<std::uint8_t>(impact);
+  }
+
+ private:
+  /// What the points share, sixteen bytes a lane.
+  __device__ static void storeHead(const ContactRows& own, ContactRows& r, const PointTile& tile) {
+    constexpr int kQuads = (sizeof(ContactRows) - offsetof(ContactRows, n)) / sizeof(float4);
+    static_assert(kQuads == 3);
+    float4 head[kQuads];
+    memcpy(head, &own.n, sizeof head);
+    if (tile.lane < kQuads) reinterpret_cast<float4*>(&r.n)[tile.lane] = tile.lane == 0 ? head[0] : tile.lane == 1 ? head[1] : head[2];
   }
 };
 template <>
 struct OnDevice<BuildContactRows> {
   using Type = BuildRowsOfPoint;
-};
-
-struct StorePoint {
-  static constexpr const char* kName = StoreContacts::kName;
-  static constexpr int kWidth = kLanes;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
-    const ContactRows& r = s.contact[i];
-    Manifold& m = s.manifold[r.pair];
-    const unsigned stick = tile.ballot(tile.lane < m.count && storePoint(s, r, storedFrame(s, r), m, tile.lane));
-    if (tile.lane == 0) m.stick = static_cast<std::uint8_t>(stick);
-  }
-};
-template <>
-struct OnDevice<StoreContacts> {
-  using Type = StorePoint;
 };
 
 }  // namespace rubble::RUBBLE_CORE

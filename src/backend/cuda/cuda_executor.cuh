@@ -104,17 +104,23 @@ class CudaExecutor {
     runRange<Type><<<blocks, kThreads, 0, stream_>>>(view(), onDevice(kernel), view().*offsets, k, Gate{control_});
     checkCuda(cudaGetLastError(), Kernel::kName);
   }
-  /// The last warp to sum a chunk of a group goes on with it, and so does what a stage of its own does elsewhere.
-  void forEach(const SumMasses& kernel, int Counters::*n) { sumGroups<SumMassesByWarp>(kernel, n); }
-  void forEach(const SumInertia& kernel, int Counters::*n) { sumGroups<SumInertiaByWarp>(kernel, n); }
+  /// The last tile to sum a chunk of a group goes on with it, and so does what a stage of its own does elsewhere.
+  void forEach(const SumMasses& kernel, int Counters::*n) { sumGroups<SumMassesByTile>(kernel, n); }
+  void forEach(const SumInertia& kernel, int Counters::*n) { sumGroups<SumInertiaByTile>(kernel, n); }
   void forEach(const FindCentres& kernel, int Counters::*n) { onlyIfStrict(kernel, n); }
   void forEach(const TakeInertia& kernel, int Counters::*n) { onlyIfStrict(kernel, n); }
   void forEachIn(const SumChunk<Real>& kernel, int* View::*offsets, int level) {
     if constexpr (kStrict) forEachIn<SumChunk<Real>>(kernel, offsets, level);
-    else forEachIn(SumChunkByWarp{tree()}, offsets, level);
+    else if (level == 0) forEachIn(SumChunkByTile<kSmallWidth>{tree()}, offsets, level);
+    else forEachIn(SumChunkByTile<kWarp>{tree()}, offsets, level);
   }
   void forEachIn(const SolveGroup& kernel, int* View::*offsets, int level) {
     if constexpr (kStrict) forEachIn<SolveGroup>(kernel, offsets, level);
+  }
+  void forEachIn(const MoveChunk& kernel, int* View::*offsets, int level) {
+    if constexpr (kStrict) forEachIn<MoveChunk>(kernel, offsets, level);
+    else if (level == 0) forEachIn(MoveChunkByTile<kSmallWidth>{}, offsets, level);
+    else forEachIn(MoveChunkByTile<kWarp>{}, offsets, level);
   }
 
   void forEach(const CountColors&, int n) { launchOverBodies(countColors, CountColors::kName, n); }
@@ -212,6 +218,8 @@ class CudaExecutor {
     checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
   }
 
+  void lodgeRows() { tables_.lodgeRows(); }
+
   void keepManifolds() {
     tables_.keepManifolds();
     kept_ = !kept_;
@@ -251,7 +259,9 @@ class CudaExecutor {
   /// `most`: no more elements than that.
   template <class Kernel>
   void launch(const Kernel& kernel, Count n, int most, const char* name) {
-    runKernel<Kernel><<<blocksFor(most, widthOf<Kernel>()), kThreads, 0, stream_>>>(view(), kernel, n, Gate{control_});
+    const int blocks = blocksFor(most, widthOf<Kernel>());
+    if constexpr (Limited<Kernel>) runLimited<Kernel><<<blocks, kThreads, 0, stream_>>>(view(), kernel, n, Gate{control_});
+    else runKernel<Kernel><<<blocks, kThreads, 0, stream_>>>(view(), kernel, n, Gate{control_});
     checkCuda(cudaGetLastError(), name);
   }
 

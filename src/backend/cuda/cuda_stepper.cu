@@ -188,6 +188,8 @@ Counters CudaStepper::step(const View& host, StepReport& report) {
     if (m.timings) m.direct.addTo(report.stages);
   }
   if (m.swaps) {
+    // a graph's launch leaves the host's pointers alone
+    m.tables.lodgeRows();
     m.tables.keepManifolds();
     m.parity ^= 1;
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// Stages of the coarse correction, a warp a chunk or a group: lanes stride over members, row blocks, points or chunks.
+/// Stages of the coarse correction, a tile of lanes a chunk: they stride over members, row blocks, points or chunks.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -22,30 +22,35 @@ struct OnDevice<FlattenGroups> {
   using Type = FlattenGroupsTogether;
 };
 
-/// Sums of chunks into those of their group by a tree of fan-in kWarp: the last of a node's children to come adds them up, in their order.
-inline constexpr int kTreeLevels = 5;
+/// Lanes of a chunk: the groups of the finest level are small, those of the others fill their chunks.
+inline constexpr int kSmallWidth = 8;
+
+/// Sums of chunks into those of their group by a tree whose fan-in is the width of a tile: the last of a node's children to come adds them
+/// up, in their order.
+inline constexpr int kTreeLevels = 8;
 struct SumTree {
   int* tickets;  ///< [kTreeLevels][chunks] children that have come; zero between kernels
   int chunks;
 
-  /// Hands the sum of chunk `c` (number `lane` in each lane) up the tree; true in the warp that is left with the sum of the group.
-  __device__ bool carryUp(const View& s, const Group& group, int c, const Tile<kWarp>& tile, Real (&sum)[1]) const {
+  /// Hands the sum of chunk `c` up the tree; true in the tile that is left with the sum of the group.
+  template <int kWidth>
+  __device__ bool carryUp(const View& s, const Group& group, int c, const Tile<kWidth>& tile, Real (&sum)[kRealsPerLane<kWidth>]) const {
     int place = c - group.chunkBegin, count = group.chunkEnd - group.chunkBegin, stride = 1;
     for (int level = 0; count > 1; ++level) {
       storeSums(tile, sum, s.chunk[group.chunkBegin + place * stride].sum);
-      const int first = place / kWarp * kWarp, children = min(kWarp, count - first), node = group.chunkBegin + first * stride;
+      const int first = place / kWidth * kWidth, children = min(kWidth, count - first), node = group.chunkBegin + first * stride;
       int* const ticket = tickets + level * chunks + node;
       __threadfence();
-      __syncwarp();
+      __syncwarp(tile.mask);
       int come = 0;
       if (tile.lane == 0) come = atomicAdd(ticket, 1) + 1;
-      if (__shfl_sync(kAllLanes, come, 0) < children) return false;
+      if (__shfl_sync(tile.mask, come, 0, kWidth) < children) return false;
       __threadfence();
       if (tile.lane == 0) *ticket = 0;
       Block6 own;
       if (tile.lane < children) own = loadFresh(s.chunk[node + tile.lane * stride].sum);
       sumBlocks(tile, own, sum);
-      place = first / kWarp, count = (count + kWarp - 1) / kWarp, stride *= kWarp;
+      place = first / kWidth, count = (count + kWidth - 1) / kWidth, stride *= kWidth;
     }
     return true;
   }
@@ -63,10 +68,10 @@ struct SumTree {
   }
 };
 
-/// SumMasses and FindCentres in one: the warp that completes the sum of a group goes on with it.
-struct SumMassesByWarp {
+/// SumMasses and FindCentres in one: the tile that completes the sum of a group goes on with it.
+struct SumMassesByTile {
   static constexpr const char* kName = SumMasses::kName;
-  static constexpr int kWidth = kWarp;
+  static constexpr int kWidth = kSmallWidth;
   SumTree tree;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Chunk& chunk = s.chunk[i];
@@ -78,25 +83,25 @@ struct SumMassesByWarp {
       own.ll.xx += s.params[body].mass;
       own.fl += s.params[body].mass * Vec3(s.position[body] - origin);
     }
-    Real sums[1];
+    Real sums[kRealsPerLane<kWidth>];
     sumBlocks(tile, own, sums);
     if (!tree.carryUp(s, group, i, tile, sums)) return;
-    const Block6 all = gatherSums(sums[0]);
+    const Block6 all = gatherSums(tile, sums);
     if (tile.lane == 0) group.centre = origin + Vec3d(all.fl / all.ll.xx);
   }
 };
 
 /// SumInertia and TakeInertia in one.
-struct SumInertiaByWarp {
+struct SumInertiaByTile {
   static constexpr const char* kName = SumInertia::kName;
-  static constexpr int kWidth = kWarp;
+  static constexpr int kWidth = kSmallWidth;
   SumTree tree;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Chunk& chunk = s.chunk[i];
     Group& group = s.group[chunk.group];
     Block6 own;
     for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) addInertia(s, group, s.member[k], own);
-    Real sums[1];
+    Real sums[kRealsPerLane<kWidth>];
     sumBlocks(tile, own, sums);
     if (tree.carryUp(s, group, i, tile, sums)) storeSums(tile, sums, group.inertia);
   }
@@ -109,9 +114,9 @@ __device__ void visitExternalsOf(const View& s, int body, int level, Visit&& vis
     if (s.entry[e].depth > level) visit(s.entry[e].code);
 }
 
-struct CountExternalsByWarp {
+struct CountExternalsByTile {
   static constexpr const char* kName = CountExternals::kName;
-  static constexpr int kWidth = kWarp;
+  static constexpr int kWidth = kSmallWidth;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Chunk& chunk = s.chunk[i];
     const int level = s.group[chunk.group].level;
@@ -124,13 +129,13 @@ struct CountExternalsByWarp {
 };
 template <>
 struct OnDevice<CountExternals> {
-  using Type = CountExternalsByWarp;
+  using Type = CountExternalsByTile;
 };
 
 /// In the order that one thread would write them.
-struct FillExternalsByWarp {
+struct FillExternalsByTile {
   static constexpr const char* kName = FillExternals::kName;
-  static constexpr int kWidth = kWarp;
+  static constexpr int kWidth = kSmallWidth;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Chunk& chunk = s.chunk[i];
     const int level = s.group[chunk.group].level;
@@ -148,7 +153,7 @@ struct FillExternalsByWarp {
 };
 template <>
 struct OnDevice<FillExternals> {
-  using Type = FillExternalsByWarp;
+  using Type = FillExternalsByTile;
 };
 
 /// Adds the joints among external row blocks [k, end). Rare, and large: a call keeps its registers out of the kernels that contacts fill.
@@ -162,10 +167,11 @@ static __device__ __noinline__ void addExternalRollingApart(const View& s, int k
     if (const std::uint32_t code = s.external[k]; entryType(code) == kContactType) addRolling(s, code, *sum);
 }
 
-/// SumChunk and SolveGroup in one: the warp that completes the sum of a group solves it.
-struct SumChunkByWarp {
+/// SumChunk and SolveGroup in one: the tile that completes the sum of a group solves it.
+template <int kTile>
+struct SumChunkByTile {
   static constexpr const char* kName = SumChunk<Real>::kName;
-  static constexpr int kWidth = kWarp;
+  static constexpr int kWidth = kTile;
   SumTree tree;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Chunk chunk = s.chunk[i];
@@ -179,7 +185,7 @@ struct SumChunkByWarp {
     for (int k = begin; k < end; k += kStride) {
       const std::uint32_t code = s.external[k];
       if (entryType(code) == kContactType)
-        addExternalContact<Real>(s, group, code, point, own);
+        addExternalContact<Real>(s, group, s.contact[entryIndex(code)], entrySide(code), point, own);
       else
         joints = true;
     }
@@ -193,28 +199,24 @@ struct SumChunkByWarp {
       addExternalJointsApart(s, chunk.group, begin, end, kStride, &sum);
       own = sum;
     }
-    Real sums[1];
+    Real sums[kRealsPerLane<kWidth>];
     sumBlocks(tile, own, sums);
     if (!tree.carryUp(s, group, i, tile, sums)) return;
     Block6 block = group.inertia;
     block.fl = block.fa = {0, 0, 0};
-    addBlock(block, gatherSums(sums[0]));
+    addBlock(block, gatherSums(tile, sums));
     const Vec6 dx = groupStep(group, block);
     if (tile.lane == 0) group.step = dx;
   }
 };
 
-struct MoveChunkByLanes {
+template <int kTile>
+struct MoveChunkByTile {
   static constexpr const char* kName = MoveChunk::kName;
-  static constexpr int kWidth = kWarp;
+  static constexpr int kWidth = kTile;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Chunk& chunk = s.chunk[i];
     for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) moveWithGroup(s, s.group[chunk.group], s.member[k]);
   }
 };
-template <>
-struct OnDevice<MoveChunk> {
-  using Type = MoveChunkByLanes;
-};
-
 }  // namespace rubble::RUBBLE_CORE

@@ -52,6 +52,15 @@ __global__ void __launch_bounds__(kThreads) runKernel(const __grid_constant__ Vi
   runStrided(s, kernel, 0, n.get());
 }
 
+/// A kernel that wants so many blocks on a multiprocessor at a time, and its registers limited for it.
+template <class Kernel>
+concept Limited = requires { Kernel::kBlocks; };
+template <Limited Kernel>
+__global__ void __launch_bounds__(kThreads, Kernel::kBlocks) runLimited(const __grid_constant__ View s, const Kernel kernel, Count n, Gate gate) {
+  if (gate.closed()) return;
+  runStrided(s, kernel, 0, n.get());
+}
+
 /// kernel(s, i) for offsets[range] <= i < offsets[range + 1].
 template <class Kernel>
 __global__ void __launch_bounds__(kThreads, 6)

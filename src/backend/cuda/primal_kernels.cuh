@@ -1,19 +1,19 @@
 #pragma once
-/// The primal update: several lanes a body gather its rows, while the last warp of the block solves the local problems gathered before.
+/// The primal update: several lanes a body gather its rows, while the last warps of the block solve the local problems gathered before.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
 /// Colours of at most this many bodies share a launch of one block: an extra launch would take longer than they do.
 inline constexpr int kTailBodies = 128;
-/// Threads of a block that gather; one warp more solves.
-inline constexpr int kGatherThreads = 224, kSolveThreads = kGatherThreads + kWarp;
+/// Threads of a block that gather; two warps more solve.
+inline constexpr int kGatherThreads = 192, kSolvers = 2 * kWarp, kSolveThreads = kGatherThreads + kSolvers;
 /// Blocks of a colour's kernel that a multiprocessor holds at a time.
 inline constexpr int kSolveBlocks = 3;
-/// Lanes a body: few where bodies fill the device, so that none is idle; more where they don't, so that a body takes fewer rounds. By the
-/// population alone, and not by the kernel that finds the colour: the order of sums must be the same each time.
-inline constexpr int kCrowdWidth = 8, kFewWidth = 16;
-inline constexpr int kCrowd = 4096;
+/// Lanes a body: few where bodies fill the device, so that sums over lanes are short; more where they don't, so that a body takes fewer
+/// rounds. By the population alone, and not by the kernel that finds the colour: the order of sums must be the same each time.
+inline constexpr int kCrowdWidth = 4, kManyWidth = 8, kFewWidth = 16;
+inline constexpr int kCrowd = 32768, kMany = 4096;
 
 /// Adds the joints of a body: its entries from `k` on. Rare, and large: a call keeps its registers out of the kernels that contacts fill.
 static __device__ __noinline__ void addJointsApart(const View& s, int k, int end, int stride, Block6* sum) {
@@ -55,45 +55,63 @@ __device__ Block6 gatherRows(const View& s, int body, int lane) {
   return sum;
 }
 
-/// Sums of the rows of the bodies of a batch, twice: one is filled while the other is used.
+/// Sums of the rows of the bodies of a batch, several times: gatherers may be ahead of solvers by so many batches.
+inline constexpr int kBuffers = 3;
 using BatchSums = Real[kGatherThreads / kCrowdWidth][kPaddedReals + 1];
+
+/// Barriers of a block by number; that of __syncthreads() is 0.
+inline constexpr int kFull = 1, kEmpty = kFull + kBuffers;
+__device__ inline void waitAt(int barrier) { asm volatile("barrier.sync %0, %1;" ::"r"(barrier), "n"(kSolveThreads) : "memory"); }
+__device__ inline void passBy(int barrier) {
+  __threadfence_block();
+  asm volatile("barrier.arrive %0, %1;" ::"r"(barrier), "n"(kSolveThreads) : "memory");
+}
 
 /// Solves `count` bodies of one colour, which share no rows: all blocks of a grid that call it together. Ends with all threads at a barrier.
 template <int kWidth>
-__device__ void solveBodies(const View& s, const int* bodies, int count, BatchSums (&sums)[2]) {
+__device__ void solveBodies(const View& s, const int* bodies, int count, BatchSums (&sums)[kBuffers]) {
   constexpr int kBodies = kGatherThreads / kWidth;
-  static_assert(kBodies <= kWarp);
+  static_assert(kBodies <= kSolvers);
   const Tile<kWidth> tile = Tile<kWidth>::ofThread();
   const int thread = static_cast<int>(threadIdx.x), slot = thread / kWidth, solver = thread - kGatherThreads;
-  const int stride = static_cast<int>(gridDim.x) * kBodies;
-  int batch = 0;
-  for (int first = static_cast<int>(blockIdx.x) * kBodies;; first += stride, batch ^= 1) {
+  const int first = static_cast<int>(blockIdx.x) * kBodies, stride = static_cast<int>(gridDim.x) * kBodies;
+  const int batches = first < count ? (count - first + stride - 1) / stride : 0;
+  for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = buffer + 1 < kBuffers ? buffer + 1 : 0) {
+    const int begin = first + batch * stride;
     if (solver < 0) {
-      if (first < count) {
-        Block6 own;
-        if (first + slot < count) own = gatherRows<kWidth>(s, bodies[first + slot], tile.lane);
-        Real mine[kRealsPerLane<kWidth>];
-        sumBlocks(tile, own, mine);
+      Block6 own;
+      if (begin + slot < count) own = gatherRows<kWidth>(s, bodies[begin + slot], tile.lane);
+      Real mine[kRealsPerLane<kWidth>];
+      sumBlocks(tile, own, mine);
+      if (batch >= kBuffers) waitAt(kEmpty + buffer);
 #pragma unroll
-        for (int k = 0; k < kRealsPerLane<kWidth>; ++k) sums[batch][slot][tile.lane * kRealsPerLane<kWidth> + k] = mine[k];
-      }
-    } else if (const int before = first - stride + solver; first >= stride && solver < kBodies && before < count) {
-      const int body = bodies[before];
+      for (int k = 0; k < kRealsPerLane<kWidth>; ++k) sums[buffer][slot][tile.lane * kRealsPerLane<kWidth> + k] = mine[k];
+      passBy(kFull + buffer);
+    } else {
+      const bool on = solver < kBodies && begin + solver < count;
+      const int body = on ? bodies[begin + solver] : 0;
       Block6 block, rows;
-      const Pose x = startBlock(s, body, block);
-      memcpy(static_cast<void*>(&rows), sums[batch ^ 1][solver], sizeof rows);
-      addBlock(block, rows);
-      finishBlock(s, body, block, x);
+      Pose x;
+      if (on) x = startBlock(s, body, block);
+      waitAt(kFull + buffer);
+      if (on) memcpy(static_cast<void*>(&rows), sums[buffer][solver], sizeof rows);
+      // the last ones are waited for by nobody
+      if (batch + kBuffers < batches) passBy(kEmpty + buffer);
+      if (on) {
+        addBlock(block, rows);
+        finishBlock(s, body, block, x);
+      }
     }
-    __syncthreads();
-    if (first >= count) return;
   }
+  __syncthreads();
 }
 
-__device__ inline void solveColorTogether(const View& s, int color, BatchSums (&sums)[2]) {
+__device__ inline void solveColorTogether(const View& s, int color, BatchSums (&sums)[kBuffers]) {
   const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
   if (count > kCrowd)
     solveBodies<kCrowdWidth>(s, s.colorBody + begin, count, sums);
+  else if (count > kMany)
+    solveBodies<kManyWidth>(s, s.colorBody + begin, count, sums);
   else
     solveBodies<kFewWidth>(s, s.colorBody + begin, count, sums);
 }
@@ -101,7 +119,7 @@ __device__ inline void solveColorTogether(const View& s, int color, BatchSums (&
 /// One colour.
 static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
     solveColor(const __grid_constant__ View s, int color, const Control* control) {
-  __shared__ BatchSums sums[2];
+  __shared__ BatchSums sums[kBuffers];
   if (control->stop == 0 && color < s.counters->colors) solveColorTogether(s, color, sums);
 }
 
@@ -116,7 +134,7 @@ static __global__ void __launch_bounds__(kThreads) solveVertexColor(const __grid
 /// The colours from `first` on, one after another in one block, whatever their size. Notes how many colours are worth a launch.
 static __global__ void __launch_bounds__(kSolveThreads) solveTail(const __grid_constant__ View s, int first, Control* control) {
   if (control->stop != 0) return;
-  __shared__ BatchSums sums[2];
+  __shared__ BatchSums sums[kBuffers];
   const int colors = s.counters->colors;
   for (int c = static_cast<int>(threadIdx.x); c < colors; c += kSolveThreads)
     if (s.colorOffset[c + 1] - s.colorOffset[c] > kTailBodies ||

@@ -57,7 +57,8 @@ struct SumChunkInOrder {
     for (int k = s.externalOffset[i]; k < s.externalOffset[i + 1]; ++k) {
       const std::uint32_t code = s.external[k];
       if (entryType(code) == kContactType)
-        for (int lane = 0; lane < kLanes; ++lane) addExternalContact<Real>(s, group, code, lane, points[lane]);
+        for (int lane = 0; lane < kLanes; ++lane)
+          addExternalContact<Real>(s, group, s.contact[entryIndex(code)], entrySide(code), lane, points[lane]);
       else
         addExternalJoint(s, chunk.group, code, sum);
     }

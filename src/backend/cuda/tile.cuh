@@ -85,11 +85,13 @@ __device__ void storeSums(const Tile<kWidth>& tile, const Real (&sums)[kRealsPer
     if (const int i = tile.lane * kRealsPerLane<kWidth> + k; i < kBlockReals) numbers[i] = sums[k];
 }
 
-/// The sum of a whole warp, in every lane.
-__device__ inline Block6 gatherSums(Real sum) {
+/// What sumBlocks has left in the lanes of a tile, in every lane.
+template <int kWidth>
+__device__ Block6 gatherSums(const Tile<kWidth>& tile, const Real (&sums)[kRealsPerLane<kWidth>]) {
   Real v[kBlockReals];
 #pragma unroll
-  for (int k = 0; k < kBlockReals; ++k) v[k] = __shfl_sync(kAllLanes, sum, k);
+  for (int k = 0; k < kBlockReals; ++k)
+    v[k] = __shfl_sync(tile.mask, sums[k % kRealsPerLane<kWidth>], k / kRealsPerLane<kWidth>, kWidth);
   Block6 block;
   memcpy(static_cast<void*>(&block), v, sizeof block);
   return block;

@@ -55,6 +55,9 @@ class LockstepExecutor {
   void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left) {
     both([&](CpuExecutor& e) { e.rounds(take, propose, count, left); });
   }
+  void lodgeRows() {
+    both([](CpuExecutor& e) { e.lodgeRows(); });
+  }
   void keepManifolds() {
     enter("between steps");
     both([](CpuExecutor& e) { e.keepManifolds(); });

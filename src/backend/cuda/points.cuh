@@ -1,0 +1,58 @@
+#pragma once
+/// Points of manifolds in registers. In memory a field of the four points of a manifold is sixteen bytes, half a sector of a cache. So each of
+/// four lanes reads whole fields, and they exchange what they have.
+#include "backend/cuda/tile.cuh"
+
+namespace rubble::RUBBLE_CORE {
+
+static_assert(kLanes == 4 && sizeof(Lanes) == sizeof(float4));
+/// The four lanes of a manifold.
+using PointTile = Tile<kLanes>;
+
+/// Number k of lane j becomes number j of lane k.
+__device__ inline float4 transposed(const float4& v, const PointTile& tile) {
+  const auto exchange = [&](float a, int step) { return __shfl_xor_sync(tile.mask, a, step, kLanes); };
+  const bool odd = tile.lane & 1, upper = tile.lane & 2;
+  const float a = exchange(odd ? v.x : v.y, 1), b = exchange(odd ? v.z : v.w, 1);
+  const float4 pairs = odd ? make_float4(a, v.y, b, v.w) : make_float4(v.x, a, v.z, b);
+  const float c = exchange(upper ? pairs.x : pairs.z, 2), d = exchange(upper ? pairs.y : pairs.w, 2);
+  return upper ? make_float4(c, d, pairs.z, pairs.w) : make_float4(pairs.x, pairs.y, c, d);
+}
+
+/// Four fields one after another, at the point of this lane.
+__device__ inline float4 loadFields(const Lanes& first, const PointTile& tile) {
+  return transposed(reinterpret_cast<const float4*>(&first)[tile.lane], tile);
+}
+/// Writes the first `count` of four fields one after another, at the points of all lanes.
+__device__ inline void storeFields(Lanes& first, int count, const float4& values, const PointTile& tile) {
+  const float4 field = transposed(values, tile);
+  if (tile.lane < count) reinterpret_cast<float4*>(&first)[tile.lane] = field;
+}
+
+/// A manifold as the point of this lane needs it: it is point 0 of the copy. Features and other points are not set.
+__device__ inline Manifold manifoldOfPoint(const Manifold& m, const PointTile& tile) {
+  constexpr int kQuads = (sizeof(Manifold) - offsetof(Manifold, localNormal)) / sizeof(float4);
+  static_assert(offsetof(Manifold, localNormal) == 14 * sizeof(Lanes) && kQuads * sizeof(float4) + 14 * sizeof(Lanes) == sizeof(Manifold));
+  const float4 onA = loadFields(m.aX, tile), onB = loadFields(m.bY, tile), load = loadFields(m.lambda2, tile);
+  Manifold own;
+  float4 head[kQuads];
+#pragma unroll
+  for (int q = 0; q < kQuads; ++q) head[q] = reinterpret_cast<const float4*>(&m.localNormal)[q];
+  memcpy(static_cast<void*>(&own.localNormal), head, sizeof head);
+  own.aX[0] = onA.x, own.aY[0] = onA.y, own.aZ[0] = onA.z, own.bX[0] = onA.w;
+  own.bY[0] = onB.x, own.bZ[0] = onB.y, own.lambdaN[0] = onB.z, own.lambda1[0] = onB.w;
+  own.lambda2[0] = load.x, own.kN[0] = load.y, own.kT[0] = load.z, own.drift1[0] = load.w;
+  own.drift2[0] = m.drift2[tile.lane];
+  const auto ofPoint = [&](std::uint8_t bits) { return static_cast<std::uint8_t>(bits >> tile.lane & 1); };
+  own.stick = ofPoint(own.stick), own.impact = ofPoint(own.impact), own.awake = ofPoint(own.awake);
+  return own;
+}
+
+/// Writes what the point of this lane hands on.
+__device__ inline void storeMemory(const PointMemory& p, Manifold& m, const PointTile& tile) {
+  static_assert(offsetof(Manifold, drift2) == offsetof(Manifold, lambdaN) + 6 * sizeof(Lanes));
+  storeFields(m.lambdaN, 4, make_float4(p.lambdaN, p.lambda1, p.lambda2, p.kN), tile);
+  storeFields(m.kT, 3, make_float4(p.kT, p.drift1, p.drift2, 0), tile);
+}
+
+}  // namespace rubble::RUBBLE_CORE
