@@ -2,8 +2,9 @@
 /// The rows of a joint as the block of a whole tree of joints sees them (stages/trees.h).
 ///
 /// In a tree that is solved exactly a hard row has the stiffness kTreeStiffness m_row / dt^2 in place of its own k, a row of finite stiffness its
-/// own compliance beside it, and its multiplier is that of the solution: F + h J dx, the dual update [S 13] of a row so stiff. All other rows
-/// (limits, friction, drives, forces cut at their bound) are as in the block of a body.
+/// own compliance beside it, and its multiplier is that of the solution: F + h J dx, the dual update [S 13] of a row so stiff. Limits are among
+/// them while they push; one that would have to pull lets go. All other rows (friction, drives, forces cut at their bound) are as in the block of
+/// a body.
 #include "forces/joint.h"
 #include "math/dense6.h"
 
@@ -19,6 +20,7 @@ struct TreeRows {
   double solved[N], solvedHessian; ///< the share whose multiplier the tree finds
   Real own[N];                     ///< force by the rows' own stiffness, for the curvature
   bool exact;                      ///< is there such a share?
+  int side;                        ///< of a limit: 1 it pushes down, -1 up; 0 both
 };
 
 /// Rows of part I at the present poses; false if the part does not act. `exact`: the tree is solved exactly.
@@ -39,14 +41,15 @@ RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const 
     P::constraint(spec.data, joint.memory, a, b, error);
     Real hessian;
     axisForces(rows, error[0], out.own[0], hessian);
+    if (!(hessian > Real(0))) return false;
     out.force[0] = static_cast<double>(out.own[0]), out.hessian = static_cast<double>(hessian);
     const AxisRow& limit = rows.limit;
-    if (!exact || !limit.acts || !limit.keepsMultiplier || limit.lo != limit.hi) return true;
+    if (!exact || !limit.acts || !limit.keepsMultiplier) return true;
     Real force, stiffness;
-    axisForce(limit, error[0], force, stiffness);
-    if (!(absOf(force) < limit.bound)) return true;
-    const Real value = error[0];
-    error[0] = value - limit.hi;
+    const Real beyond = axisForce(limit, error[0], force, stiffness);
+    if (!(absOf(force) < limit.bound) || (force == Real(0) && limit.lo != limit.hi)) return true;
+    error[0] = force == Real(0) ? error[0] - limit.hi : beyond;
+    out.side = limit.lo == limit.hi ? 0 : force > Real(0) ? 1 : -1;
     solve(0, static_cast<double>(rows.start / c.startStiffness), static_cast<double>(limit.compliance), limit.lambda);
     out.force[0] += out.solved[0] - static_cast<double>(force);
     out.hessian += out.solvedHessian - static_cast<double>(stiffness);
@@ -111,7 +114,9 @@ RUBBLE_HD void takeTreeForces(const StepConstants& c, const JointSpec<F>& spec, 
       lambda = static_cast<Real>(static_cast<double>(lambda) + share * (cut * to - static_cast<double>(lambda)));
     };
     if constexpr (P::kAxis) {
-      take(own.limit.lambda, force[0], own.limit.bound);
+      // a limit that would have to pull lets go: the next solve is without it
+      const double kept = rows.side > 0 ? max(force[0], 0.0) : rows.side < 0 ? min(force[0], 0.0) : force[0];
+      take(own.limit.lambda, kept, own.limit.bound);
     } else {
       for (int i = 0; i < P::kRows; ++i) take(own.lambda[i], force[i], own.state.bound);
     }
