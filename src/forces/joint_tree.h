@@ -14,27 +14,33 @@ namespace rubble::RUBBLE_CORE {
 /// links under R times their mass is about N R / kTreeStiffness; the elimination, in double, keeps seven digits beside it.
 inline constexpr double kTreeStiffness = 1e9;
 
-template <int N>
-struct TreeRows {
-  double force[N], hessian;        ///< all that acts
-  double solved[N], solvedHessian; ///< the share whose multiplier the tree finds
-  Real own[N];                     ///< force by the rows' own stiffness, for the curvature
-  bool exact;                      ///< is there such a share?
-  int side;                        ///< of a limit: 1 it pushes down, -1 up; 0 both
+/// A row whose multiplier the tree finds.
+struct SolvedRow {
+  double force = 0, hessian = 0;
+  int side = 0;        ///< of a limit: 1 it pushes down, -1 up; 0 both
+  bool there = false;
 };
 
-/// Rows of part I at the present poses; false if the part does not act. `exact`: the tree is solved exactly.
+template <int N>
+struct TreeRows {
+  double force[N], hessian;  ///< all that acts
+  Real own[N];               ///< force by the rows' own stiffness, for the curvature
+  SolvedRow solved[N];       ///< rows that are held together, or the limit of an axis
+  SolvedRow drive;           ///< of an axis
+};
+
+/// Rows of part I at the present poses; false if the part does not act. `exact`: the tree is solved exactly. Rows of finite stiffness are in
+/// every tree: their force at the solution is stiffness times error, whatever the loops.
 template <class F, int I, class P>
 RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, bool exact,
                         TreeRows<P::kRows>& out) {
   const auto& rows = partOf<I>(joint.parts);
   Real error[P::kRows];
-  out.exact = false;
-  const auto solve = [&](int i, double unit, double compliance, Real lambda) {
-    const double k = kTreeStiffness * unit, s = 1 / (1 + k * compliance);
-    out.solved[i] = s * (k * static_cast<double>(error[i]) + static_cast<double>(lambda));
-    out.solvedHessian = s * k;
-    out.exact = true;
+  const auto solve = [&](SolvedRow& row, Real start, Real compliance, Real value, Real lambda) {
+    const double k = kTreeStiffness * static_cast<double>(start / c.startStiffness), s = 1 / (1 + k * static_cast<double>(compliance));
+    row.force = s * (k * static_cast<double>(value) + static_cast<double>(lambda));
+    row.hessian = s * k;
+    row.there = true;
   };
   if constexpr (P::kAxis) {
     if (!actsAtAll(rows)) return false;
@@ -43,16 +49,19 @@ RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const 
     axisForces(rows, error[0], out.own[0], hessian);
     if (!(hessian > Real(0))) return false;
     out.force[0] = static_cast<double>(out.own[0]), out.hessian = static_cast<double>(hessian);
-    const AxisRow& limit = rows.limit;
-    if (!exact || !limit.acts || !limit.keepsMultiplier) return true;
-    Real force, stiffness;
-    const Real beyond = axisForce(limit, error[0], force, stiffness);
-    if (!(absOf(force) < limit.bound) || (force == Real(0) && limit.lo != limit.hi)) return true;
-    error[0] = force == Real(0) ? error[0] - limit.hi : beyond;
-    out.side = limit.lo == limit.hi ? 0 : force > Real(0) ? 1 : -1;
-    solve(0, static_cast<double>(rows.start / c.startStiffness), static_cast<double>(limit.compliance), limit.lambda);
-    out.force[0] += out.solved[0] - static_cast<double>(force);
-    out.hessian += out.solvedHessian - static_cast<double>(stiffness);
+    const auto take = [&](const AxisRow& row, SolvedRow& solved) {
+      if (!row.acts || !row.keepsMultiplier || !(exact || row.compliance > Real(0))) return;
+      const bool both = row.lo == row.hi;
+      Real force, stiffness;
+      const Real beyond = axisForce(row, error[0], force, stiffness);
+      if (!(absOf(force) < row.bound) || (force == Real(0) && !both)) return;
+      solve(solved, rows.start, row.compliance, both ? error[0] - row.hi : beyond, row.lambda);
+      solved.side = both ? 0 : force > Real(0) ? 1 : -1;
+      out.force[0] += solved.force - static_cast<double>(force);
+      out.hessian += solved.hessian - static_cast<double>(stiffness);
+    };
+    take(rows.limit, out.solved[0]);
+    take(rows.drive, out.drive);
   } else {
     const GroupSpec& own = partOf<I>(spec.parts);
     if (own.mode == GroupMode::Off) return false;
@@ -62,12 +71,12 @@ RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const 
     const bool inside = groupForce<P::kRows>(rows.state, error, rows.lambda, out.own, P::kRows, hessian);
     out.hessian = static_cast<double>(hessian);
     for (int i = 0; i < P::kRows; ++i) out.force[i] = static_cast<double>(out.own[i]);
-    if (!exact || !inside || own.mode != GroupMode::Hold || !rows.state.keepsMultiplier) return true;
+    if (!inside || own.mode != GroupMode::Hold || !rows.state.keepsMultiplier || !(exact || rows.state.compliance > Real(0))) return true;
     for (int i = 0; i < P::kRows; ++i) {
-      solve(i, static_cast<double>(rows.state.rule.start / c.startStiffness), static_cast<double>(rows.state.compliance), rows.lambda[i]);
-      out.force[i] = out.solved[i];
+      solve(out.solved[i], rows.state.rule.start, rows.state.compliance, error[i], rows.lambda[i]);
+      out.force[i] = out.solved[i].force;
     }
-    out.hessian = out.solvedHessian;
+    out.hessian = out.solved[0].hessian;
   }
   return true;
 }
@@ -96,29 +105,38 @@ RUBBLE_HD void stampJointOfTree(const StepConstants& c, const JointSpec<F>& spec
 /// Multipliers after the tree has found that the bodies move by dxA, dxB, of which they make `share`. The poses are those before.
 template <class F>
 RUBBLE_HD void takeTreeForces(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const Pose& a, const Pose& b, const Long6& dxA,
-                              const Long6& dxB, double share) {
+                              const Long6& dxB, bool exact, double share) {
   forEachPart<F>([&]<int I, class P>() {
     TreeRows<P::kRows> rows;
-    if (!treeRows<F, I, P>(c, spec, joint, a, b, true, rows) || !rows.exact) return;
+    if (!treeRows<F, I, P>(c, spec, joint, a, b, exact, rows) || !(rows.solved[0].there || rows.drive.there)) return;
     Vec6 ja[P::kRows], jb[P::kRows];
     P::jacobian(spec.data, joint.memory, a, b, 0, ja);
     P::jacobian(spec.data, joint.memory, a, b, 1, jb);
-    double force[P::kRows], size2 = 0;
-    for (int i = 0; i < P::kRows; ++i) {
-      force[i] = rows.solved[i] + rows.solvedHessian * (dot(longer(ja[i]), dxA) + dot(longer(jb[i]), dxB));
-      size2 += force[i] * force[i];
-    }
-    auto& own = partOf<I>(joint.parts);
-    const auto take = [&](Real& lambda, double to, Real bound) {
-      const double size = std::sqrt(size2), cut = size > static_cast<double>(bound) ? static_cast<double>(bound) / size : 1;
-      lambda = static_cast<Real>(static_cast<double>(lambda) + share * (cut * to - static_cast<double>(lambda)));
-    };
-    if constexpr (P::kAxis) {
+    const auto forceOf = [&](const SolvedRow& row, int i) {
+      const double force = row.force + row.hessian * (dot(longer(ja[i]), dxA) + dot(longer(jb[i]), dxB));
       // a limit that would have to pull lets go: the next solve is without it
-      const double kept = rows.side > 0 ? max(force[0], 0.0) : rows.side < 0 ? min(force[0], 0.0) : force[0];
-      take(own.limit.lambda, kept, own.limit.bound);
+      return row.side > 0 ? max(force, 0.0) : row.side < 0 ? min(force, 0.0) : force;
+    };
+    const auto take = [&](Real& lambda, double force, double size, Real bound) {
+      if (size > static_cast<double>(bound)) force *= static_cast<double>(bound) / size;
+      lambda = static_cast<Real>(static_cast<double>(lambda) + share * (force - static_cast<double>(lambda)));
+    };
+    auto& own = partOf<I>(joint.parts);
+    if constexpr (P::kAxis) {
+      const auto takeRow = [&](AxisRow& row, const SolvedRow& solved) {
+        if (!solved.there) return;
+        const double force = forceOf(solved, 0);
+        take(row.lambda, force, std::fabs(force), row.bound);
+      };
+      takeRow(own.limit, rows.solved[0]);
+      takeRow(own.drive, rows.drive);
     } else {
-      for (int i = 0; i < P::kRows; ++i) take(own.lambda[i], force[i], own.state.bound);
+      double force[P::kRows], size2 = 0;
+      for (int i = 0; i < P::kRows; ++i) {
+        force[i] = forceOf(rows.solved[i], i);
+        size2 += force[i] * force[i];
+      }
+      for (int i = 0; i < P::kRows; ++i) take(own.lambda[i], force[i], std::sqrt(size2), own.state.bound);
     }
   });
 }

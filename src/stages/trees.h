@@ -43,7 +43,7 @@ RUBBLE_HD inline void decouple(TreeWork& w, int axis) {
 /// The block of each body of a tree, and its coupling to the neighbours that it has when it is eliminated.
 template <class L>
 struct AssembleTrees {
-  static constexpr const char* kName = "trees";
+  static constexpr const char* kName = "tree rows";
   RUBBLE_HD void operator()(const View& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
@@ -144,23 +144,22 @@ RUBBLE_HD inline double treeShare(const View& s, int tree) {
   return turn > static_cast<double>(kMostTurn) ? static_cast<double>(kMostTurn) / turn : 1;
 }
 
-/// Multipliers of the joints of exact trees.
+/// Multipliers of joints whose rows the tree has solved for.
 template <class F>
 struct TakeTreeForces {
-  static constexpr const char* kName = "trees";
+  static constexpr const char* kName = "tree forces";
   RUBBLE_HD void operator()(const View& s, int i) const {
     if (!active<F>(s, i)) return;
     const JointSpec<F>& spec = s.specsOf<F>()[i];
-    if (!spec.holds) return;
     const auto nodeOf = [&](int body) { return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1; };
     const int a = nodeOf(spec.a), b = nodeOf(spec.b), any = a >= 0 ? a : b;
-    if (any < 0 || !s.treeNode[any].exact) return;
+    if (any < 0) return;
     const double share = treeShare(s, s.treeNode[any].tree);
     if (!(share > 0)) return;
     const Long6 still{};
     Joint<F>& joint = s.jointsOf<F>()[i];
     takeTreeForces(s.step, spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}),
-                   a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, share);
+                   a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, s.treeNode[any].exact && spec.holds, share);
   }
 };
 
