@@ -97,6 +97,10 @@ void findContacts(E& e) {
 template <Executor E>
 void findGroups(E& e) {
   const int bodies = e.view().bodies, all = bodies * kCoarseLevels;
+  if (treeNodes(e.view()) > 0) {
+    e.clear(&View::treeTouched, treeNodes(e.view()));
+    e.forEach(MarkTouchedTrees{}, &Counters::manifolds);
+  }
   e.clear(&View::memberCount, all);
   e.forEach(StartGroups{}, bodies);
   for (int level = 0; level < kCoarseLevels; ++level) {

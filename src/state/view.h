@@ -132,6 +132,7 @@ struct View : JointTables<JointTypes> {
   TreeNode* treeNode = nullptr;       ///< by round
   int* treeSource = nullptr;          ///< 2 * node + side of its coupling, by the node that it passes something on to
   TreeWork* treeWork = nullptr;
+  int* treeTouched = nullptr;         ///< 1: a body of the tree has contacts in this step
   int* treeTurn = nullptr;            ///< largest rotation of a tree's step, as the bits of a float [rad]
   // colours
   int* colorCount = nullptr;          ///< bodies of each colour
@@ -313,6 +314,7 @@ void forEachArray(F&& f) {
   is(&View::treeNode, "treeNode", "", Per::TreeNode, Life::Derived);
   is(&View::treeSource, "treeSource", "", Per::TreeSource, Life::Derived);
   is(&View::treeWork, "treeWork", "", Per::TreeNode, Life::Work);
+  is(&View::treeTouched, "treeTouched", "", Per::TreeNode, Life::Work);
   is(&View::treeTurn, "treeTurn", "", Per::TreeNode, Life::Work);
   is(&View::colorCount, "colorCount", "", Per::Color, Life::Work);
   is(&View::colorOffset, "colorOffset", "", Per::Color, Life::Work, 1);
