@@ -6,7 +6,7 @@
 /// them while they push; one that would have to pull lets go. All other rows (friction, drives, forces cut at their bound) are as in the block of
 /// a body.
 #include "forces/joint.h"
-#include "math/dense6.h"
+#include "solver/dense6.h"
 
 namespace rubble::RUBBLE_CORE {
 

@@ -1,6 +1,6 @@
 #pragma once
 /// Trees of joints: which bodies are solved together, and in which order (stages/trees.h).
-#include "math/dense6.h"
+#include "solver/dense6.h"
 
 namespace rubble::RUBBLE_CORE {
 

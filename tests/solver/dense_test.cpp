@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <random>
 
-#include "math/dense6.h"
+#include "solver/dense6.h"
 
 namespace rubble::RUBBLE_CORE {
 namespace {
