@@ -1,6 +1,6 @@
 #pragma once
 /// Full 6x6 matrices in double, for eliminations that subtract large stiffnesses from one another: what is left may be 1e-9 of them.
-#include "solver/pose_algebra.h"
+#include "solver/block.h"
 
 namespace rubble::RUBBLE_CORE {
 
