@@ -78,7 +78,9 @@ Json recordJson(const RunRecord& record) {
           {"verdict", verdictJson(record)},
           {"machine", record.machine},
           {"date", record.date}};
-  if (record.series) json["series"] = {{"time_s", record.series->time}, {"step_ms", record.series->stepMs}, {"energy_j", record.series->energy}};
+  if (record.series)
+    json["series"] = {{"time_s", record.series->time}, {"step_ms", record.series->stepMs}, {"energy_j", record.series->energy},
+                      {"gap_mean_m", record.series->gapMean}, {"gap_max_m", record.series->gapMax}, {"penetration_max_m", record.series->penetration}};
   return json;
 }
 

@@ -32,6 +32,8 @@ struct RunSeries {
   std::vector<double> time;    ///< after the step [s]
   std::vector<double> stepMs;  ///< wall clock of the step [ms]
   std::vector<double> energy;  ///< kinetic and potential [J]
+  std::vector<double> gapMean, gapMax;  ///< of the joints [m]
+  std::vector<double> penetration;      ///< deepest contact [m]
 };
 
 /// Everything that one run leaves behind. What does not exist in a run (a phase, a drop) is empty and written as null.

@@ -26,8 +26,19 @@ double numberAt(const Json& report, const std::string& section, const std::strin
   return value != found->end() && value->is_number() ? value->get<double>() : NAN;
 }
 
-/// Names that tell the reports apart: the scene, and what differs between reports of one scene.
+/// Did a study give this report a name?
+bool hasLabel(const Json& report) {
+  const auto label = report.find("label");
+  return label != report.end() && label->is_string();
+}
+
+/// Names that tell the reports apart: their labels, or the scene and what differs between reports of one scene.
 std::vector<std::string> namesOf(const std::vector<Json>& reports) {
+  if (std::all_of(reports.begin(), reports.end(), hasLabel)) {
+    std::vector<std::string> labels;
+    for (const Json& r : reports) labels.push_back(r.at("label").get<std::string>());
+    return labels;
+  }
   const auto differs = [&](const char* key) {
     return std::any_of(reports.begin(), reports.end(),
                        [&](const Json& r) { return r.value(key, Json()) != reports[0].value(key, Json()); });
@@ -113,8 +124,9 @@ std::vector<Panel> errorPanels(const std::vector<Json>& reports, const std::vect
 }
 
 std::vector<Panel> seriesPanel(const std::vector<Json>& reports, const std::vector<std::string>& names, const std::string& key,
-                               const char* title, const char* unit) {
+                               const char* title, const char* unit, bool logarithmic = false) {
   Panel panel;
+  panel.logY = logarithmic;
   panel.title = title;
   panel.unitX = "time [s]";
   panel.unitY = unit;
@@ -130,27 +142,48 @@ std::vector<Panel> seriesPanel(const std::vector<Json>& reports, const std::vect
   return panel.rows.empty() ? std::vector<Panel>{} : std::vector<Panel>{panel};
 }
 
+/// "error" of a study over the iterations of a step, a line for each label.
+std::vector<Panel> convergencePanel(const std::vector<Json>& reports) {
+  Panel panel;
+  panel.title = "Error against a converged run";
+  panel.unitX = "iterations a step";
+  panel.logX = panel.logY = true;
+  for (const Json& report : reports) {
+    const auto error = report.find("error");
+    if (!hasLabel(report) || error == report.end() || !error->is_number()) continue;
+    const std::string label = report.at("label").get<std::string>();
+    if (const auto unit = report.find("error_unit"); unit != report.end() && unit->is_string()) panel.unitY = unit->get<std::string>();
+    auto row = std::find_if(panel.rows.begin(), panel.rows.end(), [&](const PlotRow& r) { return r.name == label; });
+    if (row == panel.rows.end()) row = panel.rows.insert(panel.rows.end(), PlotRow{label, {}, {}});
+    row->points.push_back({report.at("iterations").get<double>(), error->get<double>()});
+  }
+  return panel.rows.empty() ? std::vector<Panel>{} : std::vector<Panel>{panel};
+}
+
 }  // namespace
 
 const std::vector<std::string>& plotKinds() {
-  static const std::vector<std::string> kinds{"all", "timing", "error", "energy", "step"};
+  static const std::vector<std::string> kinds{"all", "convergence", "timing", "error", "energy", "gap", "depth", "step"};
   return kinds;
 }
 
 Figure::Figure(const std::vector<Json>& reports, const std::string& kind) {
   if (std::find(plotKinds().begin(), plotKinds().end(), kind) == plotKinds().end())
-    throw Error("--kind", "all, timing, error, energy or step", kind);
+    throw Error("--kind", "all, convergence, timing, error, energy, gap, depth or step", kind);
   if (reports.empty()) throw Error("reports", "at least one", "none");
   const std::vector<std::string> names = namesOf(reports);
   const auto add = [&](const char* name, std::vector<Panel> panels) {
     if (kind == "all" || kind == name) panels_.insert(panels_.end(), panels.begin(), panels.end());
   };
+  add("convergence", convergencePanel(reports));
   add("timing", timingPanels(reports, names));
   add("error", errorPanels(reports, names));
   add("energy", seriesPanel(reports, names, "energy_j", "Energy, kinetic and potential", "J"));
+  add("gap", seriesPanel(reports, names, "gap_mean_m", "Mean gap of joints", "m", true));
+  add("depth", seriesPanel(reports, names, "penetration_max_m", "Deepest contact", "m"));
   add("step", seriesPanel(reports, names, "step_ms", "Time of a step", "ms"));
   if (panels_.empty()) {
-    const bool needsSeries = kind == "energy" || kind == "step";
+    const bool needsSeries = kind == "energy" || kind == "gap" || kind == "depth" || kind == "step";
     throw Error("reports", std::string("something to plot as ") + kind + (needsSeries ? " (write them with run --series --json)" : ""),
                 "none");
   }

@@ -9,7 +9,7 @@
 
 namespace rubble::render {
 
-/// What can be plotted: "timing" (stages of a step), "error" (penetration and gaps), "energy" and "step" (over time; needs --series),
+/// What can be plotted: "convergence" (what tools/study_convergence writes), "timing" (stages of a step), "error" (penetration and gaps), "energy", "gap", "depth" and "step" (over time; needs --series),
 /// "all" (whatever the reports hold).
 const std::vector<std::string>& plotKinds();
 

@@ -118,14 +118,17 @@ void Figure::Panel::drawDots(Canvas& canvas, double top) const {
 }
 
 void Figure::Panel::drawLines(Canvas& canvas, double top) const {
-  double lowX = 1e300, highX = -1e300, lowY = 0, highY = -1e300;
+  double lowX = 1e300, highX = -1e300, lowY = logY ? 1e300 : 0, highY = -1e300;
+  const auto shown = [&](const Point& p) { return (!logX || p.x > 0) && (!logY || p.y > 0); };
   for (const PlotRow& row : rows) {
     for (const Point& p : row.points) {
+      if (!shown(p)) continue;
       lowX = std::min(lowX, p.x), highX = std::max(highX, p.x);
       lowY = std::min(lowY, p.y), highY = std::max(highY, p.y);
     }
   }
-  const Axis x = linearAxis(lowX, highX, 8), y = linearAxis(lowY, highY);
+  if (highY < lowY) lowX = highX = lowY = highY = 1;
+  const Axis x = logX ? logAxis(lowX, highX) : linearAxis(lowX, highX, 8), y = logY ? logAxis(lowY, highY) : linearAxis(lowY, highY);
   const double bottom = top + kLinesHeight;
   const auto up = [&](double value) { return bottom - y.at(value) * (kLinesHeight - 8); };
   drawAxisX(canvas, x, top + 8, bottom, unitX);
@@ -136,8 +139,11 @@ void Figure::Panel::drawLines(Canvas& canvas, double top) const {
   canvas.text({kLeft - 92, (top + bottom) / 2}, unitY, {12, kSoft, false, Align::Middle, 90});
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::vector<Point> points;
-    for (const Point& p : rows[i].points) points.push_back({inside(x, p.x), up(p.y)});
+    for (const Point& p : rows[i].points)
+      if (shown(p)) points.push_back({inside(x, p.x), up(p.y)});
     canvas.line(points, 1.8, colorOf(i));
+    if (logX)
+      for (const Point& p : points) canvas.disc(p, 3.5, colorOf(i));
   }
 }
 

@@ -22,6 +22,7 @@ struct Figure::Panel {
   PanelForm form = PanelForm::Lines;
   std::string title, unitX, unitY;
   std::vector<PlotRow> rows;
+  bool logX = false, logY = false;  ///< of lines; values that are not above 0 are left out there
 
   double height() const;
   void draw(Canvas& canvas, double top) const;

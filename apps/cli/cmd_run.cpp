@@ -43,7 +43,7 @@ void addRun(CLI::App& app, int& status) {
   addSolverOptions(*command, options->job);
   addBackendOptions(*command, options->job);
   command->add_option("--json", options->jsonFile, "Write the report as JSON; '-' is standard output")->type_name("FILE");
-  command->add_flag("--series", options->series, "Have time, step time and energy of every step in the report, for 'rubble plot'");
+  command->add_flag("--series", options->series, "Have time, step time, energy and errors of every step in the report, for 'rubble plot'");
   command->add_option("--record", options->recordFile, "Write the trajectory of every body")->type_name("FILE");
   addPictureOptions(*command, options->picture, "--picture");
   command->add_flag("-q,--quiet", options->quiet, "No progress and no text report; the exit status is the verdict");

@@ -68,6 +68,8 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
       series.time.push_back(world.time());
       series.stepMs.push_back(report.totalMs);
       series.energy.push_back(now.kineticEnergy + now.potentialEnergy);
+      series.gapMean.push_back(now.jointGapMean), series.gapMax.push_back(now.jointGapMax);
+      series.penetration.push_back(now.penetration.max);
     }
     recorder.record(world);
     takePictures(world, step + 1);

@@ -19,8 +19,11 @@ namespace rubble::RUBBLE_CORE {
 inline constexpr Real kHardValue = Real(1e18);
 /// A limit beyond this is none [m, rad].
 inline constexpr Real kNoLimit = Real(1e18);
-/// A limit without load takes no part in a step if the coordinate stays inside even when it moves so many times as far as predicted [1].
+/// A limit without load takes no part in a step if the coordinate stays inside even when it moves so many times as far as predicted [1] ...
 inline constexpr Real kDormantReach = Real(1.5);
+/// ... unless an impact may drive it there: within so many radians, or shares of the characteristic length, it is watched [rad, 1]. A limit that is
+/// watched has no stiffness until it is crossed, so free motion stays free.
+inline constexpr Real kWatchReach = Real(.5);
 
 /// Authored.
 struct AxisSpec {
@@ -38,9 +41,11 @@ struct AxisRow {
   Real lo, hi;        ///< interval after regularisation
   Real compliance;    ///< 1 / K_tot; 0: hard
   Real bound;
-  int acts;             ///< 0, 1; no bool, for padding would be left to chance where states are compared byte by byte
+  int acts;             ///< 0, 1, or kWatched; no bool, for padding would be left to chance where states are compared byte by byte
   int keepsMultiplier;  ///< 0, 1
 };
+
+inline constexpr int kWatched = 2;
 
 struct AxisRows {
   AxisRow limit, drive, friction;
@@ -54,7 +59,7 @@ RUBBLE_HD inline Real axisForce(const AxisRow& row, Real c, Real& force, Real& h
   const Real s = row.keepsMultiplier ? Real(1) / (Real(1) + row.k * row.compliance) : Real(1);
   const Real up = s * (row.k * (c - row.hi) + row.lambda), low = s * (row.k * (c - row.lo) + row.lambda);
   force = up > Real(0) ? up : low < Real(0) ? low : Real(0);
-  hessian = s * row.k;
+  hessian = row.acts == kWatched && force == Real(0) ? Real(0) : s * row.k;
   const Real error = force > Real(0) ? c - row.hi : force < Real(0) ? c - row.lo : Real(0);
   const Real size = absOf(force);
   if (size > row.bound) {
@@ -147,7 +152,9 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
     const Real lo = spec.lo - at.turn, hi = spec.hi - at.turn, next = at.value + kDormantReach * at.change;
     const bool locked = spec.lo == spec.hi;
     const auto inside = [&](Real v) { return v > lo && v < hi; };
-    if (!locked && limit.lambda == Real(0) && inside(at.value) && inside(next)) {
+    const bool dormant = !locked && limit.lambda == Real(0) && inside(at.value) && inside(next);
+    const Real watched = kWatchReach * at.length;
+    if (dormant && at.value - lo > watched && hi - at.value > watched) {
       rest(limit);
     } else {
       const bool hard = spec.limitStiffness >= kHardValue;
@@ -157,6 +164,7 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       limit.lo = locked ? limit.hi : lo - share * max(lo - at.value, Real(0));
       const Real before = limit.lambda;
       beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma, at.bound);
+      if (dormant) limit.acts = kWatched;
       // as for contacts: the multiplier of an impact is many times the load that follows
       rows.impact = c.impactRule && hard && !locked && absOf(at.change) * c.inverseDt * at.reach > kImpactSpeed && !inside(at.value + at.change);
       rows.beforeImpact = before;

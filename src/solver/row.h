@@ -29,7 +29,8 @@ struct GroupState {
 
 /// Force multiplier and Hessian stiffness of a group at error C: s (k C + lambda) and s k, s = 1 / (1 + k compliance), the force cut to the
 /// bound. Hard rows have s = 1. Returns whether the force is inside its bound.
-/// A cut force has the secant stiffness |bound - lambda| / |C| along itself.
+/// A cut force has the secant stiffness |bound - lambda| / |C| along itself, and at least half of what stops it: with lambda at the bound the
+/// secant alone is zero, the bodies overshoot, and the force turns round at its full size.
 template <int N>
 RUBBLE_HD bool groupForce(const GroupState& g, const Real* error, const Real* lambda, Real (&force)[N], int count, Real& hessian) {
   const Real s = Real(1) / (Real(1) + g.k * g.compliance);
@@ -45,7 +46,7 @@ RUBBLE_HD bool groupForce(const GroupState& g, const Real* error, const Real* la
   const Real size = std::sqrt(size2);
   const Real cut = g.bound / size;
   for (int i = 0; i < count; ++i) force[i] *= cut;
-  if (error2 > Real(0)) hessian = min(hessian, absOf(g.bound - lambdaAlong / size) / std::sqrt(error2));
+  if (error2 > Real(0)) hessian = min(hessian, max(absOf(g.bound - lambdaAlong / size), g.bound / 2) / std::sqrt(error2));
   return false;
 }
 

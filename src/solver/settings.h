@@ -38,6 +38,7 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.impactRule = t.impactRule;
   c.compliantRows = t.compliantRows;
   c.coarseCorrection = t.coarseCorrection;
+  c.jointTrees = t.jointTrees;
   // not zero: belts divide by it
   constexpr double kLeastDriftCorrection = 1e-6;
   c.driftCorrection = static_cast<Real>(std::max(kLeastDriftCorrection, t.driftCorrection >= 0 ? std::min(1.0, t.driftCorrection * dt) : 1 - alpha));

@@ -12,6 +12,22 @@ RUBBLE_HD void visitSides(const View& s, int a, int b, Visit&& visit) {
   if (db) visit(b, 1, da ? a : -1);
 }
 
+/// Is it in an exact tree that touches nothing? Such a tree has no use for groups: they would only disturb it.
+RUBBLE_HD inline bool inFreeTree(const View& s, int body) {
+  const int node = s.step.jointTrees ? s.nodeOfBody[body] : -1;
+  return node >= 0 && s.treeNode[node].exact && !s.treeTouched[s.treeNode[node].tree];
+}
+/// Finds the trees that touch something, from the contacts of this step.
+struct MarkTouchedTrees {
+  static constexpr const char* kName = "groups";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const auto touch = [&](int body) {
+      if (s.nodeOfBody[body] >= 0) atomicSet(&s.treeTouched[s.treeNode[s.nodeOfBody[body]].tree], 1);
+    };
+    touch(s.contact[i].a), touch(s.contact[i].b);
+  }
+};
+
 /// The two bodies of a row block of type T (ContactRows or a joint), if it acts in this step.
 struct BlockBodies {
   int a, b;
@@ -32,7 +48,8 @@ struct JointBlocks {
   }
   RUBBLE_HD static int joinLevel(const View& s, int i) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
-    return !spec.holds || spec.a == kWorldBody || spec.b == kWorldBody ? kCoarseLevels : finestSharedLevel(s, spec.a, spec.b);
+    if (!spec.holds || spec.a == kWorldBody || spec.b == kWorldBody) return kCoarseLevels;
+    return inFreeTree(s, spec.a) ? kCoarseLevels : finestSharedLevel(s, spec.a, spec.b);
   }
 };
 

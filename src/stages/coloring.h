@@ -110,11 +110,20 @@ struct ProposeColors {
   }
 };
 
+/// Does an exact tree solve for all that acts on this body? Then its sweeps have nothing to add.
+RUBBLE_HD inline bool solvedByTree(const View& s, int i) {
+  const int node = s.nodeOfBody[i], first = s.entryOffset[i], last = s.entryOffset[i + 1] - 1;
+  if (!s.step.jointTrees || node < 0 || !s.treeNode[node].exact || last < first) return false;
+  return entryType(s.entry[first].code) != kContactType && entryType(s.entry[last].code) <= JointTypes::kSize;
+}
+/// Does a body take part in the sweeps?
+RUBBLE_HD inline bool isSwept(const View& s, int i) { return isDynamic(s, i) && !solvedByTree(s, i); }
+
 /// Population of each colour.
 struct CountColors {
   static constexpr const char* kName = "coloring";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (isDynamic(s, i)) atomicCount(&s.colorCount[s.color[i]], 1);
+    if (isSwept(s, i)) atomicCount(&s.colorCount[s.color[i]], 1);
   }
 };
 
@@ -122,7 +131,7 @@ struct CountColors {
 struct FillColors {
   static constexpr const char* kName = "coloring";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (!isDynamic(s, i)) return;
+    if (!isSwept(s, i)) return;
     const int color = s.color[i];
     s.colorBody[s.colorOffset[color] + atomicCount(&s.colorCount[color], -1) - 1] = i;
   }

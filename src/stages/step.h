@@ -6,6 +6,7 @@
 #include "stages/rare_stops.h"
 #include "stages/sleep.h"
 #include "stages/soft_step.h"
+#include "stages/trees.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -99,6 +100,10 @@ void findContacts(E& e) {
 template <Executor E>
 void findGroups(E& e) {
   const int bodies = e.view().bodies, all = bodies * kCoarseLevels;
+  if (treeNodes(e.view()) > 0) {
+    e.clear(&View::treeTouched, treeNodes(e.view()));
+    e.forEach(MarkTouchedTrees{}, &Counters::manifolds);
+  }
   e.clear(&View::memberCount, all);
   e.forEach(StartGroups{}, bodies);
   for (int level = 0; level < kCoarseLevels; ++level) {
@@ -137,6 +142,19 @@ void correctGroups(E& e, int iteration) {
     e.forEachIn(SolveGroup{}, &View::levelGroup, level);
     e.forEachIn(MoveChunk{}, &View::levelChunk, level);
   }
+}
+
+/// One step of all bodies that hang together by joints.
+template <Executor E>
+void correctTrees(E& e) {
+  const View& s = e.view();
+  const int nodes = treeNodes(s);
+  e.clear(&View::treeTurn, nodes);
+  e.forEach(AssembleTrees<typename E::Lane>{}, nodes);
+  for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+  for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+  forEachType(JointTypes{}, [&]<class F>() { e.forEach(TakeTreeForces<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  e.forEach(MoveTrees{}, nodes);
 }
 
 template <Executor E>
@@ -208,6 +226,7 @@ void step(E& e) {
   for (int n = 0; n < e.view().step.iterations; ++n) {
     if (e.view().step.coarseCorrection) correctGroups(e, n);
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
+    if (e.view().step.jointTrees && treeNodes(e.view()) > 0) correctTrees(e);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
     if (n + 1 < e.view().step.iterations) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);

@@ -1,21 +1,22 @@
 #pragma once
 /// Every array of the engine, declared once: meaning, unit, shape and who writes it. A View is handed to each kernel by value.
 #include "state/bodies.h"
+#include "state/trees.h"
 #include "state/vertices.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
 enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
-                 ShapeVector, ShapeIndex, ShapePart, Surface, Rolling,
+                 ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, TreeNode, TreeSource,
                  Vertex, VertexSlot, Neighbor, ElementRef, PointPair, PointEntry, GrainCell, Attachment, Cluster, ClusterRef, Node,
                  FirstElement, FirstJoint = FirstElement + ElementTypes::kSize };
 /// The element types follow one another from FirstElement on, the joint types from FirstJoint on.
 inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes::kSize;
 
-/// How long its content matters: authored (written by edits), state (from step to step), work (inside one step),
-/// unordered (work whose order of elements is not fixed and has no influence on results).
-enum class Life { Authored, State, Work, Unordered };
+/// How long its content matters: authored (written by edits), derived (by the host from what is authored), state (from step to step),
+/// work (inside one step), unordered (work whose order of elements is not fixed and has no influence on results).
+enum class Life { Authored, Derived, State, Work, Unordered };
 
 /// Candidates that a body may own before its pairs are searched a second time.
 inline constexpr int kPairSlots = 20;
@@ -50,6 +51,10 @@ struct View : JointTables<JointTypes> {
   int wakeAll = 0;                    ///< 1: nothing sleeps on in this step
   int locked = 0;                     ///< 1: some body has locked axes
   int joints[JointTypes::kSize] = {}; ///< slots in use of each type
+  int treeBegin[kTreeRounds + 1] = {};///< first node of each round of elimination; the last one: how many there are
+  int treeRounds = 0;
+  int treeSources = 0;
+  int treesStale = 1;                 ///< 1: bodies or joints were edited since the trees were found
   int vertices = 0;                   ///< slots in use, removed ones included
   int grainCells = 0;                 ///< buckets of the grid of granular particles, a power of two; 0: there are none
   Real grainCell = 1;                 ///< [m]
@@ -122,6 +127,13 @@ struct View : JointTables<JointTypes> {
   std::uint32_t* external = nullptr;  ///< entry codes by chunk
   int* levelGroup = nullptr;          ///< [levels + 1] first group of a level
   int* levelChunk = nullptr;          ///< [levels + 1] first chunk of a level
+  // trees of joints: derived, and work
+  int* nodeOfBody = nullptr;          ///< of each body, -1: none
+  TreeNode* treeNode = nullptr;       ///< by round
+  int* treeSource = nullptr;          ///< 2 * node + side of its coupling, by the node that it passes something on to
+  TreeWork* treeWork = nullptr;
+  int* treeTouched = nullptr;         ///< 1: a body of the tree has contacts in this step
+  int* treeTurn = nullptr;            ///< largest rotation of a tree's step, as the bits of a float [rad]
   // colours
   int* colorCount = nullptr;          ///< bodies of each colour
   int* colorOffset = nullptr;         ///< [colors + 1]
@@ -299,6 +311,12 @@ void forEachArray(F&& f) {
   is(&View::external, "external", "", Per::External, Life::Work);
   is(&View::levelGroup, "levelGroup", "", Per::Level, Life::Work, kCoarseLevels);
   is(&View::levelChunk, "levelChunk", "", Per::Level, Life::Work, kCoarseLevels);
+  is(&View::nodeOfBody, "nodeOfBody", "", Per::Body, Life::Derived);
+  is(&View::treeNode, "treeNode", "", Per::TreeNode, Life::Derived);
+  is(&View::treeSource, "treeSource", "", Per::TreeSource, Life::Derived);
+  is(&View::treeWork, "treeWork", "", Per::TreeNode, Life::Work);
+  is(&View::treeTouched, "treeTouched", "", Per::TreeNode, Life::Work);
+  is(&View::treeTurn, "treeTurn", "", Per::TreeNode, Life::Work);
   is(&View::colorCount, "colorCount", "", Per::Color, Life::Work);
   is(&View::colorOffset, "colorOffset", "", Per::Color, Life::Work, 1);
   is(&View::pairOffset, "pairOffset", "", Per::Body, Life::Work, 1);
@@ -354,6 +372,9 @@ void forEachArray(F&& f) {
   is(&View::pointContact, "pointContact", "", Per::PointPair, Life::Work);
   is(&View::pointEntry, "pointEntry", "", Per::PointEntry, Life::Work);
 }
+
+/// Bodies that are solved by trees.
+RUBBLE_HD inline int treeNodes(const View& s) { return s.treeBegin[kTreeRounds]; }
 
 /// What is edited does not sleep on; its island wakes with it, for it is a moving neighbour of the others.
 RUBBLE_HD inline void rouse(const View& s, int body) {

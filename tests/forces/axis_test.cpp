@@ -46,12 +46,33 @@ TEST(Axis, LimitThatStaysOpenIsDormant) {
   AxisSpec spec = nothing();
   spec.hi = 1;
   AxisRows rows{};
-  beginAxis(c, spec, rows, at(.5, .1));
+  beginAxis(c, spec, rows, at(.3, .1));
   EXPECT_FALSE(rows.limit.acts);
   beginAxis(c, spec, rows, at(.5, .4));
-  EXPECT_TRUE(rows.limit.acts);
+  EXPECT_EQ(rows.limit.acts, 1);
   beginAxis(c, spec, rows, at(1.01, -1));
-  EXPECT_TRUE(rows.limit.acts);
+  EXPECT_EQ(rows.limit.acts, 1);
+}
+
+TEST(Axis, LimitNearbyIsWatchedWithoutStiffnessUntilItIsCrossed) {
+  const StepConstants c = constants();
+  AxisSpec spec = nothing();
+  spec.hi = 1;
+  AxisRows rows{};
+  beginAxis(c, spec, rows, at(.8, .01));
+  EXPECT_EQ(rows.limit.acts, kWatched);
+  Real force, hessian;
+  axisForces(rows, Real(.9), force, hessian);
+  EXPECT_EQ(force, 0);
+  EXPECT_EQ(hessian, 0);
+  // an impact drives it past its stop: it pushes back in the same step, and has a multiplier in the next
+  axisForces(rows, Real(1.1), force, hessian);
+  EXPECT_NEAR(force, rows.limit.k * Real(.1), 1e-6 * rows.limit.k);
+  EXPECT_EQ(hessian, rows.limit.k);
+  updateAxis(c, rows, Real(1.1));
+  EXPECT_GT(rows.limit.lambda, 0);
+  beginAxis(c, spec, rows, at(.99, -1));
+  EXPECT_EQ(rows.limit.acts, 1);
 }
 
 TEST(Axis, LimitForgivesExcessButNoGap) {

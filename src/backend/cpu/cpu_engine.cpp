@@ -39,6 +39,7 @@ void CpuEngine::addForce(int slot, const rubble::Vec3& force, const rubble::Vec3
 
 void CpuEngine::step(StepReport& report) {
   View& s = executor_.view();
+  planTrees(tables());
   executor_.run([&] {
     for (int k = 0; k < settings_.params.substeps; ++k) {
       beginStep(s, settings_, previousDt_);

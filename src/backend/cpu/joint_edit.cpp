@@ -57,6 +57,8 @@ void setData(Data& data, const EngineJoint& in) {
 template <class F>
 void editJointOf(HostTables& tables, int slot, const EngineJoint& in) {
   JointSpec<F>& spec = tables.view().specsOf<F>()[slot];
+  // other edits of a joint leave the trees as they are
+  tables.view().treesStale |= spec.a != in.a || spec.b != in.b || spec.alive != in.alive || spec.holds != in.holds;
   spec = {};
   setData(spec.data, in);
   spec.a = in.a, spec.b = in.b;

@@ -39,6 +39,7 @@ void setBodyCount(HostTables& tables, int slots) {
   s.cells = cells;
   for (int i = s.bodies; i < slots; ++i) {
     s.params[i] = {};
+    s.nodeOfBody[i] = -1;
     s.extras[i] = {};
     s.filter[i] = {};
     s.orientation[i] = Quat{};
@@ -54,6 +55,7 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   BodyParams& p = s.params[slot];
   p.shape = shapeData(body.shape);
   s.rareShapes |= body.kind != 0 && !isPlain(p.shape.kind);
+  s.treesStale |= p.kind != static_cast<BodyKind>(body.kind);
   p.kind = static_cast<BodyKind>(body.kind);
   const bool dynamic = p.kind == BodyKind::Dynamic;
   p.mass = dynamic ? static_cast<Real>(body.mass.mass) : Real(0);

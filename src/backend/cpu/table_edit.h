@@ -19,6 +19,8 @@ void setPlanes(HostTables& tables, const std::vector<int>& slots);
 void setJointCount(HostTables& tables, int type, int slots);
 void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
 void editJoint(HostTables& tables, int slot, const EngineJoint& joint);
+/// Finds the trees of joints anew if bodies or joints were edited: returns whether they were.
+bool planTrees(HostTables& tables);
 void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs);
 BodyState bodyState(const HostTables& tables, int slot);
 void setBodyState(HostTables& tables, int slot, const BodyState& state);

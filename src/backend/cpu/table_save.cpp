@@ -108,6 +108,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   View& s = tables.view();
   s.bodies = counts.bodies;
   s.planes = counts.planes;
+  s.treesStale = 1;
   s.filtered = counts.filtered, s.locked = counts.locked;
   s.shapeVectors = counts.shapeVectors, s.shapeIndices = counts.shapeIndices, s.shapeParts = counts.shapeParts;
   s.surfaces = counts.surfaces;

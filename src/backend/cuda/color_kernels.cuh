@@ -10,7 +10,7 @@ inline constexpr int kBodiesPerThread = 8;
 inline constexpr int kColorBodies = kThreads * kBodiesPerThread;
 
 /// The colour of body i, or -1 if it has none.
-__device__ inline int dynamicColor(const View& s, int i) { return i < s.bodies && s.params[i].kind == BodyKind::Dynamic ? s.color[i] : -1; }
+__device__ inline int sweptColor(const View& s, int i) { return i < s.bodies && isSwept(s, i) ? s.color[i] : -1; }
 
 /// CountColors.
 static __global__ void __launch_bounds__(kThreads) countColors(const __grid_constant__ View s, Gate gate) {
@@ -21,7 +21,7 @@ static __global__ void __launch_bounds__(kThreads) countColors(const __grid_cons
   const int first = static_cast<int>(blockIdx.x) * kColorBodies + static_cast<int>(threadIdx.x);
 #pragma unroll
   for (int k = 0; k < kBodiesPerThread; ++k) {
-    const int c = dynamicColor(s, first + k * kThreads);
+    const int c = sweptColor(s, first + k * kThreads);
     if (c >= 0) atomicAdd(c < kSharedColors ? &count[c] : &s.colorCount[c], 1);
   }
   __syncthreads();
@@ -39,7 +39,7 @@ static __global__ void __launch_bounds__(kThreads) fillColors(const __grid_const
   int color[kBodiesPerThread], rank[kBodiesPerThread];
 #pragma unroll
   for (int k = 0; k < kBodiesPerThread; ++k) {
-    color[k] = dynamicColor(s, first + k * kThreads);
+    color[k] = sweptColor(s, first + k * kThreads);
     if (color[k] >= 0 && color[k] < kSharedColors) rank[k] = atomicAdd(&count[color[k]], 1);
   }
   __syncthreads();

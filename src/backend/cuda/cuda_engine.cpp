@@ -184,6 +184,7 @@ void CudaEngine::prepareConstants() {
 
 void CudaEngine::step(StepReport& report) {
   nvtxRangePushA("rubble step");
+  if (planTrees(host())) mirror_.derivedWritten();
   for (int k = 0; k < settings_.params.substeps; ++k) {
     mirror_.flush();
     prepareConstants();

@@ -109,6 +109,10 @@ int Mirror::liveCount(Per per) const {
       return s.clusterRefs;
     case Per::Attachment:
       return s.attachments;
+    case Per::TreeNode:
+      return treeNodes(s);
+    case Per::TreeSource:
+      return s.treeSources;
     case Per::PointPair:
       return allDirty_ ? s.oldPointPairOffset[s.vertices] : s.counters->pointPairs;
     default:
@@ -145,7 +149,7 @@ void Mirror::sendAll() {
   stepper_.tables().reserve(Per::PointPair, liveCount(Per::PointPair));
   stepper_.tables().reserve(Per::Rolling, liveCount(Per::Rolling));
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (!kept(array.life)) return;
+    if (!kept(array.life) && array.life != Life::Derived) return;
     const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(liveCount(array.per) + array.extra);
     checkCuda(cudaMemcpyAsync(stepper_.tables().view().*array.member, host_.view().*array.member, bytes, cudaMemcpyHostToDevice,
                               stepper_.stream()),
@@ -166,10 +170,10 @@ void Mirror::noteForces() {
     if (s.force[i] != none || s.torque[i] != none) mark(i, kPushed);
 }
 
-/// Authored arrays that are not edited element by element: planes, exclusions and their offsets.
+/// Authored arrays that are not edited element by element: planes, exclusions and their offsets; and what is derived.
 void Mirror::sendLists() {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (array.life != Life::Authored || perBody(array)) return;
+    if (array.life != Life::Derived && (array.life != Life::Authored || perBody(array))) return;
     const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(liveCount(array.per) + array.extra);
     checkCuda(cudaMemcpyAsync(stepper_.tables().view().*array.member, host_.view().*array.member, bytes, cudaMemcpyHostToDevice,
                               stepper_.stream()),

@@ -32,6 +32,7 @@ class Mirror {
     listsDirty_ = true;
     authored_.reset();
   }
+  void derivedWritten() { listsDirty_ = true; }
   void allWritten();                           ///< by loading: nothing of the device matters any more
   void forgetContacts(int slot);
 

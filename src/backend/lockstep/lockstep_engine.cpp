@@ -89,6 +89,7 @@ class LockstepEngine final : public Engine {
   }
   void step(StepReport& report) override {
     executor_.setStep(report.step);
+    both([](HostTables& t) { planTrees(t); });
     for (int k = 0; k < settings_.params.substeps; ++k) {
       both([&](HostTables& t) { beginStep(t.view(), settings_, previousDt_); });
       RUBBLE_CORE::step(executor_);

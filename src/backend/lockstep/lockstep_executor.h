@@ -102,6 +102,8 @@ class LockstepExecutor {
       case Per::PointEntry: return static_cast<std::size_t>(c.pointEntries);
       case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
       case Per::Attachment: return static_cast<std::size_t>(s.attachments);
+      case Per::TreeNode: return static_cast<std::size_t>(treeNodes(s));
+      case Per::TreeSource: return static_cast<std::size_t>(s.treeSources);
       default: return elementCount(s, per);
     }
   }

@@ -1,0 +1,179 @@
+#pragma once
+/// One more block of the same descent: all bodies that hang together by joints, solved at once.
+///
+/// News travels one body a sweep, and groups move rigidly; a chain bends. But where joints form a tree, the Newton step [S 3] in the unknowns
+/// of all of its bodies costs little more than those of the bodies one by one: eliminate bodies that have at most two neighbours left, which
+/// leaves at most one new coupling each, and substitute back. Loops that this closes (rings, ladders, four-bars) are solved with the rest; bodies
+/// that always keep three neighbours (nets) stay as they are and count as fixed here. Bodies that are eliminated in the same round are not
+/// neighbours, so a round is one kernel, and a chain of N bodies takes about log2 N rounds.
+///
+/// Rows that leave the tree are those of a body's own block. Between two bodies that both move in this block without being coupled in it (a
+/// contact of two limbs) the bound of coarse.h holds: their Hessian counts twice.
+#include "forces/joint_tree.h"
+#include "stages/incidence.h"
+
+namespace rubble::RUBBLE_CORE {
+
+RUBBLE_HD inline bool movesInTree(const View& s, int body) { return body >= 0 && body < s.bodies && s.nodeOfBody[body] >= 0; }
+
+template <class F>
+RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, int side) {
+  const JointSpec<F>& spec = s.specsOf<F>()[index];
+  const Joint<F>& joint = s.jointsOf<F>()[index];
+  const TreeNode& node = s.treeNode[n];
+  TreeWork& w = s.treeWork[n];
+  const int other = side == 0 ? spec.b : spec.a;
+  Dense6* across = nullptr;
+  if (other != kWorldBody && isDynamic(s, other) && s.nodeOfBody[other] >= 0)
+    for (int k = 0; k < 2; ++k)
+      if (node.near[k] == s.nodeOfBody[other]) across = &w.e[k];
+  stampJointOfTree(s.step, spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}), side,
+                   node.exact && spec.holds, w.h, w.x, across);
+}
+
+/// A body that does not move, or an axis that is locked, is decoupled from all others.
+RUBBLE_HD inline void decouple(TreeWork& w, int axis) {
+  for (int k = 0; k < 6; ++k) {
+    if (k != axis) w.h.m[axis][k] = w.h.m[k][axis] = 0;
+    w.e[0].m[axis][k] = w.e[1].m[axis][k] = 0;
+  }
+  w.x.v[axis] = 0;
+}
+
+/// The block of each body of a tree, and its coupling to the neighbours that it has when it is eliminated.
+template <class L>
+struct AssembleTrees {
+  static constexpr const char* kName = "tree rows";
+  RUBBLE_HD void operator()(const View& s, int n) const {
+    const TreeNode& node = s.treeNode[n];
+    TreeWork& w = s.treeWork[n];
+    clear(w.h), clear(w.x), clear(w.e[0]), clear(w.e[1]);
+    const int i = node.body;
+    if (!isDynamic(s, i)) {
+      for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
+      return;
+    }
+    Block6 own, shared;
+    startBlock(s, i, own);
+    constexpr int kStep = sizeof(L) / sizeof(Real);
+    Block6T<L> ownPoints, sharedPoints;
+    int k = s.entryOffset[i];
+    const int end = s.entryOffset[i + 1];
+    for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
+      const bool both = movesInTree(s, s.entry[k].other);
+      for (int lane = 0; lane < kLanes; lane += kStep) addContact<L>(s, s.entry[k].code, lane, both ? sharedPoints : ownPoints);
+      if (s.rolls) addRolling(s, s.entry[k].code, both ? shared : own);
+    }
+    addLanes(own, ownPoints);
+    addLanes(shared, sharedPoints);
+    for (; k < end; ++k) {
+      const std::uint32_t code = s.entry[k].code;
+      if (entryType(code) > JointTypes::kSize) addSoftRows(s, code, own);
+      else
+        forEachType(JointTypes{}, [&]<class F>() {
+          if (entryType(code) == typeIndex<F>(JointTypes{}) + 1) stampJointOfNode<F>(s, n, entryIndex(code), entrySide(code));
+        });
+    }
+    addBlock(w.h, w.x, own, 1);
+    addBlock(w.h, w.x, shared, 2);
+    const int locks = s.target[i].locks;
+    for (int axis = 0; axis < 6; ++axis)
+      if (locks >> axis & 1) decouple(w, axis);
+    for (int side = 0; side < 2; ++side) {
+      const int far = node.near[side] >= 0 ? s.target[s.treeNode[node.near[side]].body].locks : 0;
+      for (int axis = 0; axis < 6; ++axis)
+        if (far >> axis & 1)
+          for (double(&row)[6] : w.e[side].m) row[axis] = 0;
+    }
+  }
+};
+
+/// Takes a body out: its neighbours get what it passes on when they are taken out themselves. Bodies from `begin` on.
+struct EliminateNode {
+  static constexpr const char* kName = "trees";
+  int begin;
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const int n = begin + k;
+    const TreeNode& node = s.treeNode[n];
+    TreeWork& w = s.treeWork[n];
+    for (int source = node.sourceBegin; source < node.sourceEnd; ++source) {
+      const int from = s.treeSource[source] >> 1, side = s.treeSource[source] & 1;
+      const TreeWork& o = s.treeWork[from];
+      subtractProduct(w.h, o.e[side], o.w[side]);
+      subtractProduct(w.x, o.e[side], o.x);
+      const int far = s.treeNode[from].near[1 - side];
+      for (int t = 0; t < 2; ++t)
+        if (far >= 0 && node.near[t] == far) subtractProduct(w.e[t], o.e[side], o.w[1 - side]);
+    }
+    factor(w.h);
+    solveFactored(w.h, w.x);
+    for (int t = 0; t < 2; ++t) {
+      if (node.near[t] < 0) continue;
+      w.w[t] = w.e[t];
+      solveFactored(w.h, w.w[t]);
+    }
+  }
+};
+
+/// The step of a body, whose neighbours know theirs, and the largest rotation of its tree.
+struct SubstituteNode {
+  static constexpr const char* kName = "trees";
+  int begin;
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const int n = begin + k;
+    const TreeNode& node = s.treeNode[n];
+    TreeWork& w = s.treeWork[n];
+    for (int t = 0; t < 2; ++t) {
+      if (node.near[t] < 0) continue;
+      const Long6& x = s.treeWork[node.near[t]].x;
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) w.x.v[i] -= w.w[t].m[i][j] * x.v[j];
+    }
+    const Vec6 dx = shorter(w.x, 1);
+    const bool finite = isFinite(dx.lin) && isFinite(dx.ang);
+    atomicRaise(&s.treeTurn[node.tree], floatBits(finite ? length(dx.ang) : kNoTurn));
+  }
+  /// Of a step that is not finite: larger than any rotation [rad].
+  static constexpr Real kNoTurn = Real(1e30);
+};
+
+/// Share of its step that a tree makes: no body turns by more than kMostTurn, and a step that is not finite is not made.
+RUBBLE_HD inline double treeShare(const View& s, int tree) {
+  const double turn = static_cast<double>(fromFloatBits(s.treeTurn[tree]));
+  if (turn >= .5 * static_cast<double>(SubstituteNode::kNoTurn)) return 0;
+  return turn > static_cast<double>(kMostTurn) ? static_cast<double>(kMostTurn) / turn : 1;
+}
+
+/// Multipliers of joints whose rows the tree has solved for.
+template <class F>
+struct TakeTreeForces {
+  static constexpr const char* kName = "tree forces";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (!active<F>(s, i)) return;
+    const JointSpec<F>& spec = s.specsOf<F>()[i];
+    const auto nodeOf = [&](int body) { return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1; };
+    const int a = nodeOf(spec.a), b = nodeOf(spec.b), any = a >= 0 ? a : b;
+    if (any < 0) return;
+    const double share = treeShare(s, s.treeNode[any].tree);
+    if (!(share > 0)) return;
+    const Long6 still{};
+    Joint<F>& joint = s.jointsOf<F>()[i];
+    takeTreeForces(s.step, spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}),
+                   a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, s.treeNode[any].exact && spec.holds, share);
+  }
+};
+
+struct MoveTrees {
+  static constexpr const char* kName = "trees";
+  RUBBLE_HD void operator()(const View& s, int n) const {
+    const TreeNode& node = s.treeNode[n];
+    const int i = node.body;
+    const double share = treeShare(s, node.tree);
+    if (!isDynamic(s, i) || !(share > 0)) return;
+    const Pose x = retract({s.moved[i].dp, s.turned[i]}, shorter(s.treeWork[n].x, share));
+    s.turned[i] = x.q;
+    s.moved[i] = {x.p, 0, logRotation(x.q), 0};
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,27 @@
+#pragma once
+/// Trees of joints: which bodies are solved together, and in which order (stages/trees.h).
+#include "solver/dense6.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Rounds of elimination at most: a chain of N bodies takes log2 N. Bodies that would come later are left to the other blocks.
+inline constexpr int kTreeRounds = 64;
+
+/// A body in the order of elimination.
+struct TreeNode {
+  int body;
+  int tree;                    ///< a number below that of nodes
+  int near[2];                 ///< nodes that it is coupled to when it is eliminated, -1: none
+  int sourceBegin, sourceEnd;  ///< nodes eliminated before that pass something on to it
+  int exact;                   ///< 1: its joints close no loop, with the world neither, and all of its tree is eliminated
+};
+
+/// Its block, and what becomes of it.
+struct TreeWork {
+  Dense6 h;     ///< Hessian, then its factors
+  Dense6 e[2];  ///< block (this, near) of the Hessian
+  Dense6 w[2];  ///< H^-1 e
+  Long6 x;      ///< force, then H^-1 f, then the step of the body
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,129 @@
+/// The order in which trees of joints are eliminated (backend/cpu/tree_plan.cpp).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "tests/support/core_world.h"
+
+namespace rubble::RUBBLE_CORE {
+namespace {
+
+using Links = std::vector<std::pair<int, int>>;
+
+/// Cubes with ball joints between them; kWorldBody: a joint to the world.
+struct Linked : CoreWorld {
+  Linked(int bodies, const Links& links) {
+    for (int i = 0; i < bodies; ++i) {
+      BodyDef body;
+      body.shape = Shape::box({.1, .1, .1});
+      body.position = {static_cast<double>(i), 0, 0};
+      add(body);
+    }
+    finish();
+    int slot = 0;
+    for (const auto& [a, b] : links) addBall(slot++, a, b);
+    planTrees(executor().tables());
+  }
+};
+Links chainOf(int bodies) {
+  Links links{{0, kWorldBody}};
+  for (int i = 1; i < bodies; ++i) links.emplace_back(i, i - 1);
+  return links;
+}
+
+int roundOf(const View& s, int node) {
+  int r = 0;
+  while (node >= s.treeBegin[r + 1]) ++r;
+  return r;
+}
+
+/// Every coupling goes to a later round, every joint is a coupling, and what is passed on arrives.
+void expectSound(const View& s, const Links& links) {
+  for (int n = 0; n < treeNodes(s); ++n) {
+    const TreeNode& node = s.treeNode[n];
+    EXPECT_EQ(s.nodeOfBody[node.body], n);
+    for (int side = 0; side < 2; ++side) {
+      const int to = node.near[side];
+      if (to < 0) continue;
+      EXPECT_GT(roundOf(s, to), roundOf(s, n));
+      const TreeNode& other = s.treeNode[to];
+      const int* const first = s.treeSource + other.sourceBegin;
+      const int* const last = s.treeSource + other.sourceEnd;
+      EXPECT_EQ(std::count(first, last, 2 * n + side), 1);
+    }
+  }
+  for (const auto& [a, b] : links) {
+    if (b == kWorldBody || s.nodeOfBody[a] < 0) continue;
+    const int na = s.nodeOfBody[a], nb = s.nodeOfBody[b];
+    ASSERT_GE(nb, 0);
+    const TreeNode& first = s.treeNode[std::min(na, nb)];
+    EXPECT_TRUE(first.near[0] == std::max(na, nb) || first.near[1] == std::max(na, nb)) << a << " " << b;
+  }
+}
+
+TEST(JointTrees, ThousandLinksTakeTenRounds) {
+  const Links links = chainOf(1000);
+  Linked world(1000, links);
+  const View& s = world.view();
+  EXPECT_EQ(treeNodes(s), 1000);
+  EXPECT_LE(s.treeRounds, 11);
+  EXPECT_EQ(s.treeNode[0].exact, 1);
+  expectSound(s, links);
+}
+
+TEST(JointTrees, BranchesAreEliminatedWhole) {
+  // every body hangs on that of half its number
+  Links links;
+  for (int i = 1; i < 200; ++i) links.emplace_back(i, i / 2);
+  Linked world(200, links);
+  EXPECT_EQ(treeNodes(world.view()), 200);
+  EXPECT_EQ(world.view().treeNode[0].exact, 1);
+  expectSound(world.view(), links);
+}
+
+TEST(JointTrees, ARingIsEliminatedButNotExact) {
+  Links links;
+  for (int i = 0; i < 12; ++i) links.emplace_back(i, (i + 1) % 12);
+  Linked world(12, links);
+  EXPECT_EQ(treeNodes(world.view()), 12);
+  EXPECT_EQ(world.view().treeNode[0].exact, 0);
+  expectSound(world.view(), links);
+}
+
+TEST(JointTrees, ALoopThroughTheWorldIsNotExact) {
+  Links links = chainOf(5);
+  links.emplace_back(4, kWorldBody);
+  Linked world(5, links);
+  EXPECT_EQ(treeNodes(world.view()), 5);
+  EXPECT_EQ(world.view().treeNode[0].exact, 0);
+}
+
+TEST(JointTrees, TwoJointsBetweenTwoBodiesAreNotExact) {
+  Links links = chainOf(3);
+  links.emplace_back(1, 2);
+  Linked world(3, links);
+  EXPECT_EQ(treeNodes(world.view()), 3);
+  EXPECT_EQ(world.view().treeNode[0].exact, 0);
+}
+
+TEST(JointTrees, NetsAreLeftToTheSweeps) {
+  constexpr int kEdge = 6;
+  Links links;
+  for (int y = 0; y < kEdge; ++y)
+    for (int x = 0; x < kEdge; ++x) {
+      if (x > 0) links.emplace_back(y * kEdge + x, y * kEdge + x - 1);
+      if (y > 0) links.emplace_back(y * kEdge + x, (y - 1) * kEdge + x);
+    }
+  Linked world(kEdge * kEdge, links);
+  EXPECT_EQ(treeNodes(world.view()), 0);
+}
+
+TEST(JointTrees, LoneBodiesAreNone) {
+  Linked world(4, {{0, kWorldBody}});
+  EXPECT_EQ(treeNodes(world.view()), 0);
+}
+
+}  // namespace
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,25 @@
+/// Joints that break: what breaks must not depend on how far the iterations go.
+#include <gtest/gtest.h>
+#include <scenes/registry.h>
+
+#include "tests/support/scenes.h"
+
+namespace rubble {
+namespace {
+
+/// Joints of the breakable wall that are broken a second after the balls have struck.
+double brokenAt(int iterations) {
+  const scenes::Spec& spec = scenes::find("breakable-wall");
+  scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, {}));
+  return scenes::Runner(std::move(job), test::options(iterations)).run(60).metrics.at("broken");
+}
+
+TEST(Breakage, OfAWallIsLocalAtFewAndManyIterations) {
+  const double few = brokenAt(4), many = brokenAt(20);
+  EXPECT_GE(many, 10);
+  EXPECT_LE(few, 2 * many);
+  EXPECT_LE(many, 2 * few);
+}
+
+}  // namespace
+}  // namespace rubble
