@@ -36,6 +36,7 @@ void Buffer::bind() const { glBindBuffer(target_, handle_.id()); }
 void Buffer::reserve(std::size_t bytes) {
   bind();
   if (bytes <= room_ && room_ > 0) return;
+  ++storage_;
   room_ = std::max<std::size_t>(bytes, 16);
   glBufferData(target_, static_cast<GLsizeiptr>(room_), nullptr, GL_STREAM_DRAW);
 }

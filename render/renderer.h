@@ -6,6 +6,7 @@
 
 #include "io/picture.h"
 #include "render/bodies.h"
+#include "render/overlay.h"
 
 namespace rubble::render {
 
@@ -15,6 +16,7 @@ struct Surface {
   std::vector<Triangle> triangles;
   Vec3f color{.5f, .5f, .5f};  ///< linear
   Finish finish = Finish::Cloth;
+  std::vector<float> heat = {};  ///< of the vertices, 0 to 1: colours in place of `color`; empty: none
 };
 
 /// Light and scale of a scene; nothing here depends on the view, so it stays as the camera moves.
@@ -48,6 +50,8 @@ class Renderer {
   const Vec3& origin() const;
   Bodies& bodies();
   void setSurfaces(std::span<const Surface> surfaces);
+  /// Drawn over the picture, until they are set anew.
+  void setLines(std::span<const Line> lines);
   void resize(int width, int height);
 
   /// Draws a picture into the renderer's own target.
