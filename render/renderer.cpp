@@ -100,6 +100,8 @@ struct Renderer::Impl {
     program.set("pixelAngle", eye.pixelAngle);
   }
 
+  /// Slot + 1 of what is seen at a pixel, or 0.
+  std::uint32_t slotAt(int x, int y) const;
   void drawSample(const Eye& eye, const Setting& setting, const Quality& quality, int sample);
   std::vector<ShadowMap> drawShadows(const Eye& eye, const Vec3f& toSun, const Quality& quality);
   void drawBodies(const Eye& eye, float jitterX, float jitterY);
@@ -323,18 +325,29 @@ io::Image Renderer::read() const {
   return image;
 }
 
-void Renderer::show(unsigned framebuffer) const {
+void Renderer::show(unsigned framebuffer, int left) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->pictureTarget.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-  glBlitFramebuffer(0, 0, impl_->width, impl_->height, 0, 0, impl_->width, impl_->height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitFramebuffer(0, 0, impl_->width, impl_->height, left, 0, left + impl_->width, impl_->height, GL_COLOR_BUFFER_BIT,
+                    GL_NEAREST);
+}
+
+std::uint32_t Renderer::Impl::slotAt(int x, int y) const {
+  if (!targets || x < 0 || y < 0 || x >= width || y >= height) return 0;
+  GLuint seen[2] = {0, 0};
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, targets->bodies.id());
+  glReadPixels(x, height - 1 - y, 1, 1, GL_RG_INTEGER, GL_UNSIGNED_INT, seen);
+  return seen[0];
 }
 
 int Renderer::bodyAt(int x, int y) const {
-  if (!impl_->targets || x < 0 || y < 0 || x >= impl_->width || y >= impl_->height) return -1;
-  GLuint seen[2] = {0, 0};
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->bodies.id());
-  glReadPixels(x, impl_->height - 1 - y, 1, 1, GL_RG_INTEGER, GL_UNSIGNED_INT, seen);
-  return seen[0] == 0 ? -1 : impl_->bodies.bodyOfSlot(seen[0] - 1);
+  const std::uint32_t seen = impl_->slotAt(x, y);
+  return seen == 0 ? -1 : impl_->bodies.bodyOfSlot(seen - 1);
+}
+
+int Renderer::surfaceAt(int x, int y) const {
+  const std::uint32_t seen = impl_->slotAt(x, y), first = impl_->bodies.surfaceSlot(0);
+  return seen == 0 || seen - 1 < first ? -1 : static_cast<int>(seen - 1 - first);
 }
 
 Vec3 Renderer::pointAt(int x, int y) const {

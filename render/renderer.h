@@ -60,10 +60,12 @@ class Renderer {
   void finish() const;
   /// The last picture. Waits for the GPU.
   io::Image read() const;
-  /// Copies the last picture to a framebuffer of the same size (0: the window).
-  void show(unsigned framebuffer) const;
+  /// Copies the last picture to a framebuffer (0: the window), so many pixels from its left.
+  void show(unsigned framebuffer, int left = 0) const;
   /// Body at a pixel (from the left and the top) of the last picture, or -1.
   int bodyAt(int x, int y) const;
+  /// Deformable surface at a pixel, by its place in setSurfaces, or -1.
+  int surfaceAt(int x, int y) const;
   /// Point of the world that is seen at a pixel of the last picture; far away where that is the sky.
   Vec3 pointAt(int x, int y) const;
   /// Draws this body highlighted; -1: none.

@@ -43,9 +43,11 @@ bool Stage::sameBodies(std::span<const io::PictureBody> bodies) const {
 
 void Stage::setSurfaces(std::span<const io::PictureBody> bodies, io::ColorBy colorBy, double fullValue) {
   std::vector<Surface> surfaces;
+  surfaceKeys_.clear();
   for (const io::PictureBody& body : bodies) {
     const ShapeGeometry& g = *body.shape.geometry;
     Surface& surface = surfaces.emplace_back();
+    surfaceKeys_.push_back(body.key);
     const Vec3 from = body.position - renderer_.origin();
     for (const Vec3& p : g.points) surface.vertices.emplace_back(from + p);
     for (const auto& t : g.triangles)
@@ -60,6 +62,7 @@ void Stage::setSurfaces(std::span<const io::PictureBody> bodies, io::ColorBy col
 }
 
 void Stage::setBodies(std::span<const io::PictureBody> all, io::ColorBy colorBy, double fullValue) {
+  ++bodiesSet_;
   if (fullValue <= 0) fullValue = io::largestValue(all, colorBy);
   fullValue_ = fullValue;
   const auto firstSurface = std::find_if(all.begin(), all.end(), [](const io::PictureBody& body) { return body.deforms; });

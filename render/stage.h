@@ -23,6 +23,10 @@ class Stage {
   const std::string& posesFrom() const { return posesFrom_; }
   io::Image picture(const Camera& camera, const Quality& quality);
 
+  /// Keys of the bodies and of the deforming surfaces as they are drawn, in the order that the renderer names them in.
+  const std::vector<std::uint32_t>& keys() const { return keys_; }
+  const std::vector<std::uint32_t>& surfaceKeys() const { return surfaceKeys_; }
+
   Renderer& renderer() { return renderer_; }
   const Setting& setting() const { return setting_; }
   /// What the hottest colour stands for in the last picture.
@@ -36,7 +40,7 @@ class Stage {
   Renderer renderer_;
   ShapeMeshes meshes_;
   Setting setting_;
-  std::vector<std::uint32_t> keys_;
+  std::vector<std::uint32_t> keys_, surfaceKeys_;
   std::vector<Shape> shapes_;
   std::vector<Pose> poses_;
   bool hasSurfaces_ = false;
@@ -47,6 +51,7 @@ class Stage {
   void learn(World& world);
   std::shared_ptr<Followed> followed_;
   std::string posesFrom_;
+  int bodiesSet_ = 0;  ///< calls of setBodies
 };
 
 /// Direction to the sun: high, over the left shoulder of whoever looks through the camera.

@@ -14,6 +14,7 @@ namespace rubble::render {
 struct Stage::Followed {
   std::int64_t epoch = -1;
   const World* world = nullptr;
+  int bodiesSet = 0;    ///< of the stage, when it learned them
   bool simple = false;  ///< nothing deforms and no plane moves: poses are all that changes
   std::string why;      ///< not, or not on the device
   std::vector<PoseSource> sources;
@@ -62,6 +63,7 @@ void Stage::learn(World& world) {
   Followed& f = *followed_;
   setBodies(io::pictureBodies(world));
   f.world = &world;
+  f.bodiesSet = bodiesSet_;
   f.epoch = world.epoch();
   f.sources.clear();
   f.simple = world.deformables().empty();
@@ -83,7 +85,7 @@ void Stage::learn(World& world) {
 void Stage::follow(World& world) {
   if (!followed_) followed_ = std::make_shared<Followed>();
   Followed& f = *followed_;
-  if (f.world != &world || f.epoch != world.epoch() || !f.simple) {
+  if (f.world != &world || f.epoch != world.epoch() || f.bodiesSet != bodiesSet_ || !f.simple) {
     learn(world);
     posesFrom_ = "body by body (" + (f.why.empty() ? "new ones" : f.why) + ")";
     return;

@@ -79,31 +79,14 @@ class Side {
   std::unique_ptr<render::Painter> painter_;
 };
 
-bool isNumber(const std::string& text) { return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos; }
-
-std::vector<JobOptions> jobsOf(const RenderOptions& options) {
-  if (options.compare.empty()) return {options.job};
-  if (options.compare.size() != 2)
-    throw Error("--compare", "two backends or two numbers of iterations, with a comma between them",
-                fmt::format("{}", options.compare.size()));
-  if (isRecording(options.job.scene)) throw Error("--compare", "a scene to simulate", options.job.scene);
-  std::vector<JobOptions> jobs(2, options.job);
-  for (std::size_t i = 0; i < 2; ++i) {
-    if (isNumber(options.compare[i]))
-      jobs[i].iterations = std::max(1, std::stoi(options.compare[i]));
-    else
-      jobs[i].backend = options.compare[i];
-  }
-  return jobs;
-}
-
 io::Image together(std::vector<io::Image> images) { return images.size() == 1 ? std::move(images[0]) : beside(images[0], images[1]); }
 
 }  // namespace
 
 RenderResult renderFilm(const RenderOptions& options) {
   const bool single = !render::isFilm(options.out) && !render::isNumbered(options.out);
-  const std::vector<JobOptions> jobs = jobsOf(options);
+  if (!options.compare.empty() && isRecording(options.job.scene)) throw Error("--compare", "a scene to simulate", options.job.scene);
+  const std::vector<JobOptions> jobs = comparedJobs(options.job, options.compare);
   const int width = jobs.size() == 1 ? options.width : (options.width - kDivider) / 2;
   const int whole = jobs.size() == 1 ? width : 2 * width + kDivider;
   // What cannot be written is said before anything is simulated.
