@@ -195,6 +195,11 @@ void Program::setMatrices(const char* name, const float* columns, int count) {
 }
 void Program::setArray(const char* name, const float* values, int count) { glUniform1fv(location(name), count, values); }
 
+bool drawsInSoftware() {
+  const std::string renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  return renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
+}
+
 void check(const char* where) {
   const GLenum error = glGetError();
   if (error != GL_NO_ERROR) throw Error(std::string("OpenGL in ") + where, "no error", "error " + std::to_string(error));

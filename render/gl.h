@@ -137,6 +137,9 @@ class Program {
   std::unordered_map<std::string, GLint> locations_;
 };
 
+/// Is the current context Mesa's software renderer?
+bool drawsInSoftware();
+
 /// Throws Error if the driver has reported a fault since the last call.
 void check(const char* where);
 

@@ -9,6 +9,8 @@
 
 #include <rubble/error.h>
 
+#include "render/gl.h"
+
 namespace rubble::render {
 namespace {
 
@@ -47,7 +49,7 @@ struct HeadlessContext::Impl {
     display = candidate;
     context = made;
     renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-    software = renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
+    software = gl::drawsInSoftware();
     return true;
   }
 

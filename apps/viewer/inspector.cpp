@@ -34,7 +34,7 @@ std::string axesOf(const std::array<bool, 3>& axes) {
 }
 void turnRow(const char* name, const Quat& q, const char* doc = "scalar first") {
   char text[80];
-  std::snprintf(text, sizeof text, "%11.4g %11.4g %11.4g %11.4g", q.s, q.v.x, q.v.y, q.v.z);
+  std::snprintf(text, sizeof text, "%8.4f %8.4f %8.4f %8.4f", q.s, q.v.x, q.v.y, q.v.z);
   row(name, std::string(text), doc);
 }
 

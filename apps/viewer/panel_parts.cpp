@@ -36,15 +36,15 @@ Range rangeOf(const std::vector<Series>& series, bool logarithmic) {
 }  // namespace
 
 void row(const char* name, const char* unit, const Vec3& v, const char* doc) {
-  ImGui::Text("%-22s %11.4g %11.4g %11.4g  %s", name, v.x, v.y, v.z, unit);
+  ImGui::Text("%-20s %9.3g %9.3g %9.3g %s", name, v.x, v.y, v.z, unit);
   explain(doc);
 }
 void row(const char* name, const char* unit, double v, const char* doc) {
-  ImGui::Text("%-22s %11.4g  %s", name, v, std::string(unit) == "1" ? "" : unit);
+  ImGui::Text("%-20s %11.5g %s", name, v, std::string(unit) == "1" ? "" : unit);
   explain(doc);
 }
 void row(const char* name, const std::string& text, const char* doc) {
-  ImGui::Text("%-22s %s", name, text.c_str());
+  ImGui::Text("%-20s %s", name, text.c_str());
   explain(doc);
 }
 

@@ -60,8 +60,8 @@ void drawCounts(Player& player) {
     const StepReport& report = player.report(side);
     if (player.sides() > 1) ImGui::Text("%s: %s", side == 0 ? "left" : "right", player.label(side).c_str());
     else ImGui::Text("%s", player.label(side).c_str());
-    ImGui::Text("%zu bodies, %d contact points, %d colours, %.2f ms a step", player.world(side).bodies().size(),
-                report.contacts + report.vertexContacts, report.colors, report.totalMs);
+    ImGui::Text("%zu bodies, %d contact points", player.world(side).bodies().size(), report.contacts + report.vertexContacts);
+    ImGui::Text("%d colours, %.2f ms a step", report.colors, report.totalMs);
     if (!player.world(side).firstDifference().empty()) ImGui::TextWrapped("differs: %s", player.world(side).firstDifference().c_str());
   }
 }
@@ -195,6 +195,8 @@ void drawTimeline(Desk& desk, Show& show) {
 }
 
 void drawPanels(Desk& desk, Show& show, const std::vector<std::string>& scenes) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  if (show.sides() == 2) ImGui::GetBackgroundDrawList()->AddLine({size.x / 2, 0}, {size.x / 2, size.y}, IM_COL32(250, 250, 250, 255), 3);
   drawScenePanel(desk, show);
   if (Player* player = show.live()) {
     drawInspector(desk, *player);

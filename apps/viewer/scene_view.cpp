@@ -54,6 +54,8 @@ std::optional<SoftId> objectWithKey(const World& world, std::uint32_t key) {
 void SceneView::begin(Show& show, int width, int height) {
   width_ = width, height_ = height;
   stages_.clear();
+  // Without a GPU a window that answers is worth more than fine shadows.
+  if (render::gl::drawsInSoftware()) quality_ = {1, 1024, 2, 4};
   const int sideWidth = std::max(1, width / show.sides());
   orbit = Orbit(cameraShowing(show, sideWidth, height));
   for (int side = 0; side < show.sides(); ++side)
@@ -85,7 +87,7 @@ void SceneView::draw(Show& show, Desk& desk, int width, int height) {
     renderer.resize(sideWidth(), height);
     renderer.select(selected);
     renderer.setLines(lines);
-    renderer.draw(orbit.camera(), stage.setting(), {});
+    renderer.draw(orbit.camera(), stage.setting(), quality_);
     renderer.show(0, side * sideWidth());
   }
 }

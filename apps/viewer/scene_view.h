@@ -45,6 +45,7 @@ class SceneView {
   double across(double x) const;
 
   std::vector<std::unique_ptr<render::Stage>> stages_;
+  render::Quality quality_;
   int width_ = 1, height_ = 1;
 };
 
