@@ -1,5 +1,6 @@
 #pragma once
 /// Pictures of a world, drawn on the CPU: perspective, sun and sky light, a soft shadow, ambient occlusion, four samples a pixel.
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -54,6 +55,15 @@ Image drawPicture(std::span<const PictureBody> bodies, const PictureSettings& se
 std::vector<PictureBody> pictureBodies(const World& world, ColorBy colorBy = ColorBy::Body);
 /// The same of a scene as it begins; also the bodies that events add, if `withEvents`.
 std::vector<PictureBody> pictureBodies(const Scene& scene, bool withEvents = false);
+
+/// Ropes, rods and springs between bodies, as joints of these types are: one mesh of tubes for all of them.
+void addRopes(const World& world, std::vector<PictureBody>& bodies);
+/// Does a world have some?
+bool hasRopes(const World& world);
+/// Key of that mesh.
+inline constexpr std::uint32_t kRopeKey = ~0u;
+/// A tube from a to b with closed ends, added to a mesh [m].
+void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points, std::vector<std::array<int, 3>>& triangles);
 
 /// The deformable objects of a world as they are now, or of a scene as they begin.
 void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy = ColorBy::Body);

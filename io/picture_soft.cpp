@@ -32,25 +32,6 @@ std::uint32_t keyOf(const SoftLook& object, std::size_t vertex) {
   return kSoftKeys | (((object.number << kSoftKeyBits) + static_cast<std::uint32_t>(vertex)) & (kSoftKeys - 1));
 }
 
-void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points, std::vector<std::array<int, 3>>& triangles) {
-  const Vec3 along = normalize(b - a, {0, 0, 1});
-  const Vec3 u = normalize(cross(along, std::fabs(along.z) < .9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0})), v = cross(along, u);
-  const int first = static_cast<int>(points.size());
-  for (const Vec3& end : {a, b})
-    for (int k = 0; k < kTubeSides; ++k) {
-      const double angle = 2 * std::numbers::pi * k / kTubeSides;
-      points.push_back(end + radius * (std::cos(angle) * u + std::sin(angle) * v));
-    }
-  for (int k = 0; k < kTubeSides; ++k) {
-    const int i = first + k, j = first + (k + 1) % kTubeSides;
-    triangles.push_back({i, j, j + kTubeSides}), triangles.push_back({i, j + kTubeSides, i + kTubeSides});
-  }
-  for (int k = 1; k + 1 < kTubeSides; ++k) {
-    triangles.push_back({first, first + k + 1, first + k});
-    triangles.push_back({first + kTubeSides, first + kTubeSides + k, first + kTubeSides + k + 1});
-  }
-}
-
 /// `values` are those of the points.
 void addMesh(const SoftLook& object, std::vector<Vec3> points, const std::vector<std::array<int, 3>>& triangles, bool twoSided,
              std::vector<float> values, std::vector<PictureBody>& out) {
@@ -106,6 +87,25 @@ void append(std::vector<PictureBody>& to, std::vector<PictureBody>&& more) {
 }
 
 }  // namespace
+
+void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points, std::vector<std::array<int, 3>>& triangles) {
+  const Vec3 along = normalize(b - a, {0, 0, 1});
+  const Vec3 u = normalize(cross(along, std::fabs(along.z) < .9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0})), v = cross(along, u);
+  const int first = static_cast<int>(points.size());
+  for (const Vec3& end : {a, b})
+    for (int k = 0; k < kTubeSides; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kTubeSides;
+      points.push_back(end + radius * (std::cos(angle) * u + std::sin(angle) * v));
+    }
+  for (int k = 0; k < kTubeSides; ++k) {
+    const int i = first + k, j = first + (k + 1) % kTubeSides;
+    triangles.push_back({i, j, j + kTubeSides}), triangles.push_back({i, j + kTubeSides, i + kTubeSides});
+  }
+  for (int k = 1; k + 1 < kTubeSides; ++k) {
+    triangles.push_back({first, first + k + 1, first + k});
+    triangles.push_back({first + kTubeSides, first + kTubeSides + k, first + kTubeSides + k + 1});
+  }
+}
 
 void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy) {
   std::vector<PictureBody> meshes;

@@ -80,6 +80,7 @@ std::vector<PictureBody> pictureBodies(const World& world, ColorBy colorBy) {
     if (!values.empty()) bodies.back().value = values[bodies.size() - 1];
   }
   addDeformables(world, bodies, colorBy);
+  addRopes(world, bodies);
   return bodies;
 }
 

@@ -21,6 +21,7 @@ constexpr double kWreckingBall = 1.3;
 constexpr std::array<std::uint32_t, 6> kCourses{0x6a4d45, 0x8f6656, 0xab846b, 0xbc9c7d, 0xc6b192, 0xcdc0a6};
 /// Colours that go with one another, for scenes of few bodies.
 constexpr std::array<std::uint32_t, 8> kAccents{0xab6a52, 0x4a7480, 0xc9a668, 0x6f8868, 0x86667c, 0x566f8f, 0xb4957a, 0x7b888d};
+constexpr std::uint32_t kRope = 0x5b5247;
 constexpr std::uint32_t kConcrete = 0xb4b3ae, kSteel = 0x6d7378, kDarkMetal = 0x77777a, kGroundColor = 0xb5b3af;
 
 std::uint32_t mixed(std::uint32_t value) {
@@ -110,6 +111,7 @@ Vec3f Palette::stone(const io::PictureBody& body) const {
 }
 
 Vec3f Palette::softColor(std::uint32_t key) const {
+  if (key == io::kRopeKey) return linearColor(kRope);
   return linearColor(kAccents[accentOf(key >> io::kSoftKeyBits)]) * (.93f + .14f * fraction(mixed(key + 1), 8));
 }
 

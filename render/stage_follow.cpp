@@ -66,7 +66,7 @@ void Stage::learn(World& world) {
   f.bodiesSet = bodiesSet_;
   f.epoch = world.epoch();
   f.sources.clear();
-  f.simple = world.deformables().empty();
+  f.simple = world.deformables().empty() && !io::hasRopes(world);
   f.why = f.simple ? "" : "something deforms";
   if (!f.simple) return;
   world.beginPoses();

@@ -63,7 +63,7 @@ void addRender(CLI::App& app, int& status) {
   RenderOptions& options = command->options;
   CLI::App* sub = app.add_subcommand("render", "Make a film or pictures of a scene or a trajectory, without a display");
   sub->add_option("scene", options.job.scene, "Name of a scene, a scene file (.json) or a trajectory (.rubble)")->required();
-  sub->add_option("-o,--out", options.out, "film.mp4 (.mkv, .mov, .webm, .gif), frame_%04d.png, or picture.png for the end alone")
+  sub->add_option("-o,--out", options.out, "film.mp4 (.mkv, .mov, .webm, .gif), frame_%04d.png, or picture.png (.jpg) for the end alone")
       ->type_name("FILE");
   sub->add_option("--camera", options.camera, fmt::format("{}", fmt::join(cameraNames(), ", ")))->capture_default_str();
   addViewOptions(*sub, command->look);

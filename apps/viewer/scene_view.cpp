@@ -119,6 +119,7 @@ Seen SceneView::at(Show& show, double x, double y) const {
   if (!show.live()) return seen;
   World& world = show.live()->world(seen.side);
   const std::uint32_t key = body >= 0 ? stage.keys()[static_cast<std::size_t>(body)] : stage.surfaceKeys()[static_cast<std::size_t>(surface)];
+  if (key == io::kRopeKey) return seen;
   if (key < io::kSoftKeys) {
     seen.what.body = show.live()->bodyWithKey(key);
   } else if (const auto object = objectWithKey(world, key)) {

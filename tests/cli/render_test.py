@@ -159,6 +159,11 @@ class Film(Case):
         self.assertFalse(os.path.exists(self.path("film.mp4")))
 
     @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg")
+    def test_a_small_picture_of_the_end(self):
+        self.rubble("render", self.scene(), "-o", self.path("end.jpg"), "--size", "65x37", "--steps", "3", "--renderer", "cpu", "-q")
+        self.assertEqual(self.content("end.jpg")[:3], b"\xff\xd8\xff")
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg")
     def test_a_failure_of_ffmpeg_is_reported(self):
         self.refused("render", self.scene(), "-o", "/nowhere/film.mp4", "--size", "64x36", "--renderer", "cpu", says="ffmpeg")
         self.refused("render", self.scene(), "-o", self.path("film.mp4"), "--size", "65x36", says="even")
