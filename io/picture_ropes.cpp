@@ -9,7 +9,7 @@ namespace rubble::io {
 namespace {
 
 /// Radius of a tube over the half size of a typical body.
-constexpr double kThickness = .05;
+constexpr double kThickness = .08;
 
 bool isRope(JointType type) {
   return type == JointType::Distance || type == JointType::Rope || type == JointType::Spring || type == JointType::Pulley;
