@@ -25,8 +25,9 @@ void addContacts(const View& s, std::vector<SolverState>& bodies) {
     if (m.count == 0 || m.row < 0 || s.oldPair[pair].other < 0) continue;
     const ContactRows& rows = s.contact[m.row];
     for (int k = 0; k < m.count; ++k) {
-      const Real lambda[3] = {rows.lambdaN[k], rows.lambda1[k], rows.lambda2[k]};
-      for (const int body : {rows.a, rows.b}) raise(bodies[static_cast<std::size_t>(body)], std::max(rows.kN[k], rows.kT[k]), sizeOf(lambda, 3));
+      const auto& load = rows.load[k];
+      const Real lambda[3] = {load.lambdaN, load.lambda1, load.lambda2};
+      for (const int body : {rows.a, rows.b}) raise(bodies[static_cast<std::size_t>(body)], std::max(load.kN, rows.slip[k].kT), sizeOf(lambda, 3));
     }
   }
 }
