@@ -9,6 +9,7 @@
 #include "io/picture_light.h"
 #include "io/picture_palette.h"
 #include "io/picture_raster.h"
+#include "io/picture_values.h"
 
 namespace rubble::io {
 namespace {
@@ -108,12 +109,10 @@ Painter::Painter(std::span<const PictureBody> bodies, const PictureSettings& set
       shadow_(view_, bodies, toSunWorld_) {
   rasterize(view_, viewBodies_, seen_);
   skyVisible_ = skyVisibility(view_, seen_, viewBodies_, occlusionRadius(bodies));
-  double fullSpeed = settings.fullSpeed;
-  if (fullSpeed <= 0)
-    for (const PictureBody& body : bodies) fullSpeed = std::max(fullSpeed, body.speed);
+  const double full = settings.fullValue > 0 ? settings.fullValue : largestValue(bodies, settings.colorBy);
   for (const PictureBody& body : bodies) {
-    const bool bySpeed = settings.colorBy == ColorBy::Speed && body.motion != Motion::Static;
-    colors_.push_back(bySpeed ? speedColor(fullSpeed > 0 ? body.speed / fullSpeed : 0) : bodyColor(body));
+    const bool own = settings.colorBy == ColorBy::Body || body.motion == Motion::Static;
+    colors_.push_back(own ? bodyColor(body) : valueColor(shownValue(body, settings.colorBy), settings.colorBy, full));
   }
 }
 

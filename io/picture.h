@@ -1,5 +1,6 @@
 #pragma once
 /// Pictures of a world, drawn on the CPU: perspective, sun and sky light, a soft shadow, ambient occlusion, four samples a pixel.
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -20,13 +21,16 @@ struct PictureBody {
   std::uint32_t key = 0;  ///< picks the colour; stays with the body
   Motion motion = Motion::Dynamic;
   bool deforms = false;   ///< a mesh that is another one in every frame; those stand behind all others in a list
+  double value = 0;       ///< what colours tell of it (picture_values.h); not a number: nothing
+  std::vector<float> vertexValues = {};  ///< likewise, of the points of a mesh that deforms; empty: `value` for all
 };
 /// Keys from here on are of deformable objects.
 inline constexpr std::uint32_t kSoftKeys = 1u << 31;
 /// Below these bits of such a key: the number of the vertex; above: that of the object.
 inline constexpr int kSoftKeyBits = 22;
 
-enum class ColorBy { Body, Speed };
+/// What colours tell (picture_values.h). Bodies of a recording know Body and Speed; the others are taken from a world.
+enum class ColorBy { Body, Material, Speed, Island, Color, Error, Multiplier, Stiffness, Strain };
 
 struct PictureSettings {
   int width = 1280, height = 720;
@@ -34,7 +38,7 @@ struct PictureSettings {
   Vec3 up{0, 0, 1};                      ///< any length; need not be square to the view
   double fieldOfView = .6;               ///< full vertical angle [rad]
   ColorBy colorBy = ColorBy::Body;
-  double fullSpeed = 0;  ///< speed drawn in the hottest colour [m/s]; 0: the fastest body
+  double fullValue = 0;  ///< value drawn in the hottest colour; 0: the largest one of the picture
 };
 
 /// Rows from the top, three bytes (red, green, blue; sRGB) a pixel.
@@ -46,14 +50,29 @@ struct Image {
 /// Draws the bodies. Throws Error for settings that give no picture (no size, eye at target, up along the view).
 Image drawPicture(std::span<const PictureBody> bodies, const PictureSettings& settings);
 
-/// Every body of a world as it is now, then its deformable objects: a sphere for each particle, a mesh for each of the others.
-std::vector<PictureBody> pictureBodies(const World& world);
+/// Every body of a world as it is now, then its deformable objects: a sphere for each particle, a mesh for each of the others. Values are
+/// those of `colorBy`.
+std::vector<PictureBody> pictureBodies(const World& world, ColorBy colorBy = ColorBy::Body);
 /// The same of a scene as it begins; also the bodies that events add, if `withEvents`.
 std::vector<PictureBody> pictureBodies(const Scene& scene, bool withEvents = false);
 
+/// Ropes, rods and springs between bodies, as joints of these types are: one mesh of tubes for all of them.
+void addRopes(const World& world, std::vector<PictureBody>& bodies);
+/// Does a world have some?
+bool hasRopes(const World& world);
+/// Key of that mesh.
+inline constexpr std::uint32_t kRopeKey = ~0u;
+/// A tube from a to b with closed ends, added to a mesh [m].
+void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points, std::vector<std::array<int, 3>>& triangles);
+
 /// The deformable objects of a world as they are now, or of a scene as they begin.
-void addDeformables(const World& world, std::vector<PictureBody>& bodies);
+void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy = ColorBy::Body);
 void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies);
+
+/// Half size of the median moving body, or a tenth of that of a deformable object where there are no bodies [m].
+double typicalSize(std::span<const PictureBody> bodies);
+/// How far a body reaches from its position along an axis of the world, at most [m].
+double extentAlong(const PictureBody& body, const Vec3& axis);
 
 /// What frameBodies leaves room for and where it looks along.
 struct Framing {

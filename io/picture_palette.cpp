@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "io/picture_values.h"
+
 namespace rubble::io::draw {
 namespace {
 
@@ -58,11 +60,12 @@ Vec bodyColor(const PictureBody& body) {
   return mix(fromHex(family[0]), fromHex(family[1]), along) * shade;
 }
 
-Vec speedColor(double fraction) {
-  constexpr std::array<std::uint32_t, 6> kStops{0x4a5a72, 0x2f7f93, 0x5fb58b, 0xe9d46a, 0xee8f3c, 0xd6362f};
-  const float at = static_cast<float>(std::clamp(fraction, 0., 1.)) * (kStops.size() - 1);
-  const auto stop = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
-  return mix(fromHex(kStops[stop]), fromHex(kStops[stop + 1]), at - static_cast<float>(stop));
+Vec valueColor(double value, ColorBy colorBy, double full) {
+  if (std::isnan(value)) return fromHex(kNoValue);
+  if (quantity(colorBy).isKind) return value < 0 ? fromHex(kNoValue) : fromHex(kKindColors[static_cast<std::size_t>(value) % kKindColors.size()]);
+  const float at = static_cast<float>(full > 0 ? std::clamp(value / full, 0., 1.) : 0) * (kHeatStops.size() - 1);
+  const auto stop = std::min(static_cast<std::size_t>(at), kHeatStops.size() - 2);
+  return mix(fromHex(kHeatStops[stop]), fromHex(kHeatStops[stop + 1]), at - static_cast<float>(stop));
 }
 
 Vec displayed(const Vec& light) {

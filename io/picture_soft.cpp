@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "forces/soft_model.h"
-#include "io/picture.h"
+#include "io/picture_values.h"
 
 namespace rubble::io {
 namespace {
@@ -22,12 +22,71 @@ struct SoftLook {
   const std::vector<std::array<int, 2>>& segments;
   double radius;                                    ///< [m]
   bool spheres, solid;
+  std::vector<float> values = {};                   ///< of the vertices; may be empty
+
+  double value(std::size_t vertex) const { return values.empty() ? 0 : static_cast<double>(values[vertex]); }
 };
 
 /// Keys of deformable objects do not meet those of bodies; they keep their colours.
 std::uint32_t keyOf(const SoftLook& object, std::size_t vertex) {
   return kSoftKeys | (((object.number << kSoftKeyBits) + static_cast<std::uint32_t>(vertex)) & (kSoftKeys - 1));
 }
+
+/// `values` are those of the points.
+void addMesh(const SoftLook& object, std::vector<Vec3> points, const std::vector<std::array<int, 3>>& triangles, bool twoSided,
+             std::vector<float> values, std::vector<PictureBody>& out) {
+  // vertices that are not finite have no place in a picture
+  const auto finite = [&](const std::array<int, 3>& t) {
+    return std::all_of(t.begin(), t.end(), [&](int v) {
+      const Vec3& x = points[static_cast<std::size_t>(v)];
+      return std::isfinite(x.x + x.y + x.z);
+    });
+  };
+  std::vector<std::array<int, 3>> drawn;
+  std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(drawn), finite);
+  if (drawn.empty()) return;
+  Vec3 middle;
+  for (const auto& t : drawn)
+    for (const int v : t) middle += points[static_cast<std::size_t>(v)] / (3. * static_cast<double>(drawn.size()));
+  for (Vec3& x : points) x = std::isfinite(x.x + x.y + x.z) ? x - middle : Vec3{};
+  double speed = 0;
+  for (const Vec3& v : object.velocities) speed += length(v) / static_cast<double>(object.velocities.size());
+  PictureBody body{Shape::mesh(std::move(points), std::move(drawn), twoSided), middle, {}, speed, keyOf(object, 0), Motion::Dynamic};
+  body.deforms = true;
+  for (std::size_t i = 0; i < object.values.size(); ++i) body.value = i == 0 ? object.value(0) : std::max(body.value, object.value(i));
+  body.vertexValues = std::move(values);
+  out.push_back(std::move(body));
+}
+
+void add(const SoftLook& object, std::vector<PictureBody>& balls, std::vector<PictureBody>& meshes) {
+  if (object.spheres) {
+    for (std::size_t i = 0; i < object.vertices.size(); ++i) {
+      balls.push_back({Shape::sphere(object.radius), object.vertices[i], {}, length(object.velocities[i]), keyOf(object, i), Motion::Dynamic});
+      balls.back().value = object.value(i);
+    }
+    return;
+  }
+  if (!object.triangles.empty()) {
+    addMesh(object, object.vertices, object.triangles, !object.solid, object.values, meshes);
+    return;
+  }
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 3>> triangles;
+  std::vector<float> values;
+  for (const auto& s : object.segments) {
+    const Vec3 &a = object.vertices[static_cast<std::size_t>(s[0])], &b = object.vertices[static_cast<std::size_t>(s[1])];
+    addTube(a, b, object.radius > 0 ? object.radius : kThinTube * length(b - a), points, triangles);
+    if (object.values.empty()) continue;
+    for (const int end : s) values.insert(values.end(), kTubeSides, object.values[static_cast<std::size_t>(end)]);
+  }
+  addMesh(object, std::move(points), triangles, false, std::move(values), meshes);
+}
+
+void append(std::vector<PictureBody>& to, std::vector<PictureBody>&& more) {
+  to.insert(to.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+}  // namespace
 
 void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points, std::vector<std::array<int, 3>>& triangles) {
   const Vec3 along = normalize(b - a, {0, 0, 1});
@@ -48,61 +107,15 @@ void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& poi
   }
 }
 
-void addMesh(const SoftLook& object, std::vector<Vec3> points, const std::vector<std::array<int, 3>>& triangles, bool twoSided,
-             std::vector<PictureBody>& out) {
-  // vertices that are not finite have no place in a picture
-  const auto finite = [&](const std::array<int, 3>& t) {
-    return std::all_of(t.begin(), t.end(), [&](int v) {
-      const Vec3& x = points[static_cast<std::size_t>(v)];
-      return std::isfinite(x.x + x.y + x.z);
-    });
-  };
-  std::vector<std::array<int, 3>> drawn;
-  std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(drawn), finite);
-  if (drawn.empty()) return;
-  Vec3 middle;
-  for (const auto& t : drawn)
-    for (const int v : t) middle += points[static_cast<std::size_t>(v)] / (3. * static_cast<double>(drawn.size()));
-  for (Vec3& x : points) x = std::isfinite(x.x + x.y + x.z) ? x - middle : Vec3{};
-  double speed = 0;
-  for (const Vec3& v : object.velocities) speed += length(v) / static_cast<double>(object.velocities.size());
-  PictureBody body{Shape::mesh(std::move(points), std::move(drawn), twoSided), middle, {}, speed, keyOf(object, 0), Motion::Dynamic};
-  body.deforms = true;
-  out.push_back(std::move(body));
-}
-
-void add(const SoftLook& object, std::vector<PictureBody>& balls, std::vector<PictureBody>& meshes) {
-  if (object.spheres) {
-    for (std::size_t i = 0; i < object.vertices.size(); ++i)
-      balls.push_back({Shape::sphere(object.radius), object.vertices[i], {}, length(object.velocities[i]), keyOf(object, i), Motion::Dynamic});
-    return;
-  }
-  if (!object.triangles.empty()) {
-    addMesh(object, object.vertices, object.triangles, !object.solid, meshes);
-    return;
-  }
-  std::vector<Vec3> points;
-  std::vector<std::array<int, 3>> triangles;
-  for (const auto& s : object.segments) {
-    const Vec3 &a = object.vertices[static_cast<std::size_t>(s[0])], &b = object.vertices[static_cast<std::size_t>(s[1])];
-    addTube(a, b, object.radius > 0 ? object.radius : kThinTube * length(b - a), points, triangles);
-  }
-  addMesh(object, std::move(points), triangles, false, meshes);
-}
-
-void append(std::vector<PictureBody>& to, std::vector<PictureBody>&& more) {
-  to.insert(to.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-}
-
-}  // namespace
-
-void addDeformables(const World& world, std::vector<PictureBody>& bodies) {
+void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy) {
   std::vector<PictureBody> meshes;
+  const std::vector<std::vector<float>> values = vertexValues(world, colorBy);
+  std::size_t object = 0;
   for (const SoftId id : world.deformables()) {
     const World::Surface s = world.surface(id);
     const std::vector<Vec3> velocities = world.velocities(id);
     add({static_cast<std::uint32_t>(id.index), s.vertices, velocities, s.triangles, s.segments, s.radius, s.spheres,
-         std::holds_alternative<SoftDef>(world.definition(id))},
+         std::holds_alternative<SoftDef>(world.definition(id)), values[object++]},
         bodies, meshes);
   }
   append(bodies, std::move(meshes));

@@ -2,8 +2,8 @@
 #include <array>
 #include <cmath>
 
-#include "io/picture.h"
 #include "io/picture_extent.h"
+#include "io/picture_values.h"
 
 namespace rubble::io {
 namespace {
@@ -12,6 +12,30 @@ namespace {
 constexpr double kMargin = 1.12;
 
 using namespace draw;
+
+Range rangeAlong(std::span<const PictureBody> bodies, const Vec3& axis) {
+  std::vector<double> lows, highs;
+  for (const bool onlyMoving : {true, false}) {
+    for (const PictureBody& body : bodies) {
+      if (body.shape.type == ShapeType::Plane || (onlyMoving && body.motion == Motion::Static)) continue;
+      const double at = dot(axis, body.position), extent = extentAlong(body, axis);
+      if (!std::isfinite(at + extent)) continue;
+      lows.push_back(at - extent);
+      highs.push_back(at + extent);
+    }
+    if (!lows.empty()) break;
+  }
+  if (lows.empty()) return {-1, 1};
+  return {coreRange(std::move(lows)).low, coreRange(std::move(highs)).high};
+}
+
+double halfSize(const Shape& shape) {
+  const Vec3& h = shape.halfExtents;
+  if (shape.type == ShapeType::Box) return std::cbrt(h.x * h.y * h.z);
+  return shape.geometry ? .6 * boundingRadius(shape) : shape.radius;
+}
+
+}  // namespace
 
 double extentAlong(const PictureBody& body, const Vec3& axis) {
   const Vec3 local = rotateInverse(body.orientation, axis);
@@ -30,33 +54,33 @@ double extentAlong(const PictureBody& body, const Vec3& axis) {
   return dot(abs(local), shapeExtent(body.shape));
 }
 
-Range rangeAlong(std::span<const PictureBody> bodies, const Vec3& axis) {
-  std::vector<double> lows, highs;
-  for (const bool onlyMoving : {true, false}) {
-    for (const PictureBody& body : bodies) {
-      if (body.shape.type == ShapeType::Plane || (onlyMoving && body.motion == Motion::Static)) continue;
-      const double at = dot(axis, body.position), extent = extentAlong(body, axis);
-      if (!std::isfinite(at + extent)) continue;
-      lows.push_back(at - extent);
-      highs.push_back(at + extent);
-    }
-    if (!lows.empty()) break;
+double typicalSize(std::span<const PictureBody> bodies) {
+  constexpr double kOfObject = .1;
+  std::vector<double> sizes, objects;
+  for (const PictureBody& body : bodies) {
+    if (body.shape.type == ShapeType::Plane || body.motion == Motion::Static) continue;
+    if (body.deforms) objects.push_back(kOfObject * boundingRadius(body.shape));
+    else sizes.push_back(halfSize(body.shape));
   }
-  if (lows.empty()) return {-1, 1};
-  return {coreRange(std::move(lows)).low, coreRange(std::move(highs)).high};
+  if (sizes.empty()) sizes = std::move(objects);
+  if (sizes.empty()) return 1;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return std::max(1e-6, *middle);
 }
 
-}  // namespace
-
-std::vector<PictureBody> pictureBodies(const World& world) {
+std::vector<PictureBody> pictureBodies(const World& world, ColorBy colorBy) {
   std::vector<PictureBody> bodies;
+  const std::vector<double> values = bodyValues(world, colorBy);
   for (const BodyId id : world.bodies()) {
     const BodyDef& definition = world.definition(id);
     const BodyState state = world.state(id);
     bodies.push_back({definition.shape, state.position, state.orientation, length(state.velocity), static_cast<std::uint32_t>(id.index),
                       definition.motion});
+    if (!values.empty()) bodies.back().value = values[bodies.size() - 1];
   }
-  addDeformables(world, bodies);
+  addDeformables(world, bodies, colorBy);
+  addRopes(world, bodies);
   return bodies;
 }
 

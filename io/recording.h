@@ -13,6 +13,8 @@
 #include <rubble/scene.h>
 #include <rubble/world.h>
 
+#include "io/picture.h"
+
 namespace rubble::io {
 
 struct RecordingHeader {
@@ -41,6 +43,12 @@ struct RecordedFrame {
   double time = 0;                  ///< [s]
   std::vector<RecordedPose> poses;  ///< in the order of the bodies
 };
+
+class RecordingReader;
+/// Bodies of a frame as they are drawn; speeds come from the frame before, or from the one after the first.
+std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameIndex);
+/// The first frame that was taken after so many steps or more; the last one if there is none.
+int frameAfter(RecordingReader& recording, std::int64_t steps);
 
 /// The bodies and poses of a world as it is now.
 std::vector<RecordedBody> recordedBodies(const World& world);

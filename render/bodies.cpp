@@ -4,9 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <rubble/error.h>
 
 namespace rubble::render {
@@ -15,11 +12,7 @@ namespace {
 /// Vertices of one instanced draw element: enough to keep the GPU's units full, few enough to leave out what is not seen.
 constexpr std::size_t kChunkVertices = 2048;
 constexpr std::size_t kLargestChunk = 64;
-/// Where padding and bodies without a place are: outside of any view.
-constexpr float kNowhere = 1e18f;
 constexpr int kPlaneSectors = 48, kPlaneRings = 12;
-/// Bodies that the bounds are taken from.
-constexpr std::size_t kCoreSample = 4096;
 /// A body whose radius is below so many pixels takes the coarsest level of detail, and so on up [pixels].
 constexpr float kLevelPixels[] = {60, 12};
 
@@ -38,8 +31,6 @@ float boundingRadius(const BodyLook& look, float meshRadius) {
   }
 }
 
-bool finite(const Pose& p) { return std::isfinite(p.x + p.y + p.z + p.qx + p.qy + p.qz + p.qs); }
-
 std::vector<std::uint32_t> planeTriangles() {
   std::vector<std::uint32_t> indices;
   for (std::uint32_t ring = 0; ring + 1 < kPlaneRings; ++ring) {
@@ -50,15 +41,6 @@ std::vector<std::uint32_t> planeTriangles() {
     }
   }
   return indices;
-}
-
-/// Values within [low, high] without the outermost half percent at either end where those lie far out.
-void coreOf(std::vector<float>& values, float& low, float& high) {
-  std::sort(values.begin(), values.end());
-  const std::size_t cut = values.size() / 200;
-  low = values[cut], high = values[values.size() - 1 - cut];
-  constexpr float kFar = 2.5f;
-  if (values.back() - values.front() <= kFar * (high - low)) low = values.front(), high = values.back();
 }
 
 }  // namespace
@@ -75,6 +57,8 @@ struct Bodies::Shape {
   std::size_t chunkBodies = 1;
   float radius = 1;  ///< of the mesh at scale 1 [m]
 };
+
+std::size_t Bodies::chunkBodies(int geometry) const { return shapes_[static_cast<std::size_t>(geometry)]->chunkBodies; }
 
 Bodies::Bodies()
     : boxes_("bodies.vert", "body.frag"),
@@ -154,7 +138,7 @@ void Bodies::setLooks(std::span<const BodyLook> looks) {
   }
   surfaceSlot_ = static_cast<std::uint32_t>(bodyInSlot_.size());
   looks_.assign(looks.begin(), looks.end());
-  poses_.assign(bodyInSlot_.size(), {kNowhere, kNowhere, kNowhere, 0, 0, 0, 0, 1});
+  poses_.assign(bodyInSlot_.size(), kNoPose);
   radii_.assign(bodyInSlot_.size(), 0);
   for (std::size_t slot = 0; slot < bodyInSlot_.size(); ++slot) {
     if (bodyInSlot_[slot] < 0) continue;
@@ -188,76 +172,13 @@ void Bodies::uploadTables() {
     const BodyLook look = slot >= bodyInSlot_.size() ? surfaceLooks_[slot - bodyInSlot_.size()]
                           : body >= 0                ? looks_[static_cast<std::size_t>(body)]
                                                      : BodyLook{};
-    const int shape = look.finish == Finish::Cloth ? 0 : look.geometry == kBox ? 8 : look.geometry == kRound ? 16 : 0;
+    const bool isSurface = slot >= bodyInSlot_.size();
+    const int shape = isSurface ? (look.heated ? 96 : 32) : look.geometry == kBox ? 8 : look.geometry == kRound ? 16 : 0;
     const float texels[8] = {look.size.x,  look.size.y,  look.size.z,  look.halfLength,
                              look.color.x, look.color.y, look.color.z, static_cast<float>(static_cast<int>(look.finish) + shape)};
     std::copy_n(texels, 8, out + 8 * slot);
   }
   lookTable_.buffer().unmap();
-}
-
-void Bodies::setPoses(std::span<const Pose> poses) {
-  if (poses.size() != slotOfBody_.size())
-    throw Error("poses", std::to_string(slotOfBody_.size()) + " of them, one a body", std::to_string(poses.size()));
-  const std::size_t slots = bodyInSlot_.size() + surfaceLooks_.size();
-  if (slots == 0) return;
-  for (const std::uint32_t slot : planes_) poses_[slot] = poses[static_cast<std::size_t>(bodyInSlot_[slot])];
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks_.size(), 64), [&](const tbb::blocked_range<std::size_t>& range) {
-    for (std::size_t c = range.begin(); c < range.end(); ++c) {
-      Chunk& chunk = chunks_[c];
-      chunk.bounds = {};
-      const std::size_t end = chunk.firstSlot + shapes_[static_cast<std::size_t>(chunk.geometry)]->chunkBodies;
-      for (std::size_t slot = chunk.firstSlot; slot < end; ++slot) {
-        if (bodyInSlot_[slot] < 0) continue;
-        const Pose& pose = poses[static_cast<std::size_t>(bodyInSlot_[slot])];
-        if (!finite(pose)) {
-          poses_[slot] = {kNowhere, kNowhere, kNowhere, 0, 0, 0, 0, 1};
-          continue;
-        }
-        poses_[slot] = pose;
-        const Vec3f centre{pose.x, pose.y, pose.z}, room{radii_[slot], radii_[slot], radii_[slot]};
-        chunk.bounds.add(centre - room);
-        chunk.bounds.add(centre + room);
-      }
-    }
-  });
-  auto* out = static_cast<Pose*>(poseTable_.buffer().map(slots * sizeof(Pose)));
-  std::copy(poses_.begin(), poses_.end(), out);
-  std::fill(out + poses_.size(), out + slots, Pose{});
-  poseTable_.buffer().unmap();
-  updateCore();
-}
-
-void Bodies::updateCore() {
-  std::vector<float> lows[3], highs[3];
-  const std::size_t stride = std::max<std::size_t>(1, bodyInSlot_.size() / kCoreSample);
-  for (std::size_t slot = 0; slot<bodyInSlot_.size(); slot += radii_[slot]> 0 ? stride : 1) {
-    if (radii_[slot] == 0 || poses_[slot].x == kNowhere) continue;
-    const float centre[3] = {poses_[slot].x, poses_[slot].y, poses_[slot].z};
-    for (int axis = 0; axis < 3; ++axis) {
-      lows[axis].push_back(centre[axis] - radii_[slot]);
-      highs[axis].push_back(centre[axis] + radii_[slot]);
-    }
-  }
-  core_ = {};
-  if (lows[0].empty()) return;
-  for (int axis = 0; axis < 3; ++axis) {
-    float unused = 0;
-    coreOf(lows[axis], core_.low[axis], unused);
-    coreOf(highs[axis], unused, core_.high[axis]);
-  }
-}
-
-float Bodies::nearestTo(const Vec3f& point, const std::vector<HalfSpace>& visible) const {
-  float nearest = 1e30f;
-  for (const Chunk& chunk : chunks_)
-    if (!chunk.bounds.empty() && touches(chunk.bounds, visible)) nearest = std::min(nearest, distanceTo(chunk.bounds, point));
-  for (const std::uint32_t slot : planes_) {
-    const Pose& p = poses_[slot];
-    const Vec3f normal = rotate(QuatT<float>{p.qs, p.qx, p.qy, p.qz}, Vec3f{0, 0, 1});
-    nearest = std::min(nearest, std::fabs(dot(point - Vec3f{p.x, p.y, p.z}, normal)));
-  }
-  return nearest;
 }
 
 int Bodies::bodyOfSlot(std::uint32_t slot) const { return slot < bodyInSlot_.size() ? bodyInSlot_[slot] : -1; }

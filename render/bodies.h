@@ -8,6 +8,7 @@
 #include "render/camera.h"
 #include "render/geometry.h"
 #include "render/gl.h"
+#include "render/pose_feed.h"
 
 namespace rubble::render {
 
@@ -16,6 +17,9 @@ struct Pose {
   float x = 0, y = 0, z = 0, unused = 0;  ///< centre, in the renderer's frame [m]
   float qx = 0, qy = 0, qz = 0, qs = 1;   ///< unit quaternion, body -> world, scalar last
 };
+
+/// Of padding, and of bodies whose pose is not finite: outside of any view.
+inline constexpr Pose kNoPose{kNowhere, kNowhere, kNowhere, 0, 0, 0, 0, 1};
 
 enum class Finish { Stone = 1, Metal, Plastic, Ground, Cloth };
 
@@ -28,6 +32,7 @@ struct BodyLook {
   float halfLength = 0;        ///< round: half the distance of the two centres of a capsule [m]
   Vec3f color{.5f, .5f, .5f};  ///< linear, 0 to 1
   Finish finish = Finish::Stone;
+  bool heated = false;         ///< surfaces: coloured by what their vertices say
 };
 
 /// What one pass draws of the bodies.
@@ -52,6 +57,10 @@ class Bodies {
   void setColors(std::span<const Vec3f> colors);
   /// Places of all bodies, in the order of the looks.
   void setPoses(std::span<const Pose> poses);
+  /// Tells a feed where the poses of these bodies are, in the order of the looks; to be told anew when the looks or surfaces change.
+  void setSources(std::span<const PoseSource> sources, PoseFeed& feed);
+  /// Places of all bodies from there. Planes must not have moved since the last setPoses of the host.
+  void setPoses(PoseFeed& feed, const PoseArrays& arrays);
   std::size_t count() const { return slotOfBody_.size(); }
 
   /// Bounds of what is neither a plane nor far from all else.
@@ -83,6 +92,8 @@ class Bodies {
   void addShape(std::vector<MeshData> levels);
   void uploadTables();
   void updateCore();
+  void setCore(std::vector<float> (&lows)[3], std::vector<float> (&highs)[3]);
+  std::size_t chunkBodies(int geometry) const;
   void drawGeometry(int geometry, const DrawView& view);
   void drawPlanes(const DrawView& view);
 
@@ -96,6 +107,7 @@ class Bodies {
   std::vector<std::uint32_t> planes_;  ///< slots
   std::uint32_t surfaceSlot_ = 0;
   Bounds core_;
+  std::vector<Bounds> fedBounds_;
   std::size_t drawn_ = 0;
 
   gl::TexelBuffer poseTable_{GL_RGBA32F}, lookTable_{GL_RGBA32F};

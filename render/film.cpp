@@ -25,19 +25,6 @@ namespace fs = std::filesystem;
 
 const std::regex kNumber("%0?([0-9]?)d");
 
-class OnePicture final : public PictureSink {
- public:
-  explicit OnePicture(std::string file) : file_(std::move(file)) {}
-  void put(const io::Image& image) override { last_ = image; }
-  void finish() override {
-    if (last_.width > 0) io::writePng(last_, file_);
-  }
-
- private:
-  std::string file_;
-  io::Image last_;
-};
-
 class NumberedPictures final : public PictureSink {
  public:
   explicit NumberedPictures(std::string pattern) : pattern_(std::move(pattern)) {}
@@ -67,6 +54,8 @@ std::vector<std::string> ffmpegArguments(const std::string& file, int width, int
          {"-c:v", "libx264", "-preset", "medium", "-crf", "17", "-pix_fmt", "yuv420p", "-vf", "scale=out_color_matrix=bt709:out_range=tv",
           "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-movflags", "+faststart"})
       arguments.emplace_back(a);
+  } else if (extension == ".jpg") {
+    for (const char* a : {"-frames:v", "1", "-q:v", "4", "-pix_fmt", "yuvj444p"}) arguments.emplace_back(a);
   } else if (extension == ".gif") {
     for (const char* a : {"-filter_complex", "[0:v]split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=sierra2_4a"})
       arguments.emplace_back(a);
@@ -139,11 +128,40 @@ class Film final : public PictureSink {
   int status_ = 0;
 };
 
+/// The last picture alone, through `program` unless that is "".
+class OnePicture final : public PictureSink {
+ public:
+  OnePicture(std::string file, std::string program) : file_(std::move(file)), program_(std::move(program)) {}
+  void put(const io::Image& image) override { last_ = image; }
+  void finish() override {
+    if (last_.width == 0) return;
+    if (program_.empty()) return io::writePng(last_, file_);
+    Film picture(file_, program_, last_.width, last_.height, 1);
+    picture.put(last_);
+    picture.finish();
+  }
+
+ private:
+  std::string file_, program_;
+  io::Image last_;
+};
+
+std::string needFfmpeg(const std::string& file) {
+  const std::string program = ffmpegProgram();
+  if (program.empty())
+    throw Error(file, "the ffmpeg program for a film (Debian, Ubuntu: apt-get install ffmpeg; or write pictures: frame_%04d.png)",
+                "none on PATH");
+  return program;
+}
+
 }  // namespace
 
 bool isNumbered(const std::string& file) { return std::regex_search(file, kNumber) && fs::path(file).extension() == ".png"; }
 
-bool isFilm(const std::string& file) { return fs::path(file).extension() != ".png"; }
+bool isFilm(const std::string& file) {
+  const std::string extension = fs::path(file).extension().string();
+  return extension != ".png" && extension != ".jpg";
+}
 
 std::string ffmpegProgram() {
   const char* path = std::getenv("PATH");
@@ -159,17 +177,13 @@ std::string ffmpegProgram() {
 
 std::unique_ptr<PictureSink> pictureSink(const std::string& file, int width, int height, double framesPerSecond) {
   if (isNumbered(file)) return std::make_unique<NumberedPictures>(file);
-  if (!isFilm(file)) return std::make_unique<OnePicture>(file);
   const std::string extension = fs::path(file).extension().string();
+  if (!isFilm(file)) return std::make_unique<OnePicture>(file, extension == ".jpg" ? needFfmpeg(file) : "");
   if (extension != ".mp4" && extension != ".mkv" && extension != ".mov" && extension != ".webm" && extension != ".gif")
-    throw Error("--out", "a .png, numbered pictures (frame_%04d.png) or a film (.mp4, .mkv, .mov, .webm, .gif)", file);
+    throw Error("--out", "a .png or .jpg, numbered pictures (frame_%04d.png) or a film (.mp4, .mkv, .mov, .webm, .gif)", file);
   if (width % 2 != 0 || height % 2 != 0)
     throw Error("--size", "even numbers for a film", std::to_string(width) + "x" + std::to_string(height));
-  const std::string program = ffmpegProgram();
-  if (program.empty())
-    throw Error(file, "the ffmpeg program for a film (Debian, Ubuntu: apt-get install ffmpeg; or write pictures: frame_%04d.png)",
-                "none on PATH");
-  return std::make_unique<Film>(file, program, width, height, framesPerSecond);
+  return std::make_unique<Film>(file, needFfmpeg(file), width, height, framesPerSecond);
 }
 
 }  // namespace rubble::render

@@ -16,7 +16,7 @@ class PictureSink {
   virtual void finish() {}
 };
 
-/// By the name: "frame_%04d.png" numbers pictures from 0, another ".png" keeps the last picture, everything else is a film that the ffmpeg
+/// By the name: "frame_%04d.png" numbers pictures from 0, another ".png" or a ".jpg" keeps the last picture (the latter by ffmpeg), everything else is a film that the ffmpeg
 /// program writes (.mp4, .mkv, .webm, .gif). Throws Error for a film if that program is missing or the size is odd.
 std::unique_ptr<PictureSink> pictureSink(const std::string& file, int width, int height, double framesPerSecond);
 

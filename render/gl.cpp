@@ -36,6 +36,7 @@ void Buffer::bind() const { glBindBuffer(target_, handle_.id()); }
 void Buffer::reserve(std::size_t bytes) {
   bind();
   if (bytes <= room_ && room_ > 0) return;
+  ++storage_;
   room_ = std::max<std::size_t>(bytes, 16);
   glBufferData(target_, static_cast<GLsizeiptr>(room_), nullptr, GL_STREAM_DRAW);
 }
@@ -193,6 +194,11 @@ void Program::setMatrices(const char* name, const float* columns, int count) {
   glUniformMatrix4fv(location(name), count, GL_FALSE, columns);
 }
 void Program::setArray(const char* name, const float* values, int count) { glUniform1fv(location(name), count, values); }
+
+bool drawsInSoftware() {
+  const std::string renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  return renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
+}
 
 void check(const char* where) {
   const GLenum error = glGetError();

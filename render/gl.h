@@ -53,15 +53,19 @@ class Buffer {
   /// Room for `bytes` whose old content is given up; valid until unmap().
   void* map(std::size_t bytes);
   void unmap();
+  /// Room for `bytes`; what was there may be lost.
+  void reserve(std::size_t bytes);
   GLuint id() const { return handle_.id(); }
+  /// Counts how often it got another memory.
+  int storage() const { return storage_; }
   void bind() const;
 
  private:
-  void reserve(std::size_t bytes);
 
   Handle<BufferKind> handle_;
   GLenum target_;
   std::size_t room_ = 0;
+  int storage_ = 0;
 };
 
 /// A buffer that shaders read as an array of texels.
@@ -132,6 +136,9 @@ class Program {
   GLuint id_ = 0;
   std::unordered_map<std::string, GLint> locations_;
 };
+
+/// Is the current context Mesa's software renderer?
+bool drawsInSoftware();
 
 /// Throws Error if the driver has reported a fault since the last call.
 void check(const char* where);

@@ -1,18 +1,34 @@
 #include "render/headless.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
 #include <rubble/error.h>
 
+#include "render/gl.h"
+
 namespace rubble::render {
 namespace {
 
 bool clientHas(const char* extension) { return epoxy_has_egl_extension(EGL_NO_DISPLAY, extension); }
+
+bool deviceHas(EGLDeviceEXT device, const char* extension) {
+  const char* extensions = eglQueryDeviceStringEXT(device, EGL_EXTENSIONS);
+  return extensions && std::strstr(extensions, extension);
+}
+
+/// Which CUDA device this is; a large number for those that are none.
+EGLAttrib cudaIndex(EGLDeviceEXT device) {
+  EGLAttrib index = 0;
+  if (deviceHas(device, "EGL_NV_device_cuda") && eglQueryDeviceAttribEXT(device, EGL_CUDA_DEVICE_NV, &index)) return index;
+  return std::numeric_limits<EGLAttrib>::max();
+}
 
 }  // namespace
 
@@ -47,7 +63,7 @@ struct HeadlessContext::Impl {
     display = candidate;
     context = made;
     renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-    software = renderer.find("llvmpipe") != std::string::npos || renderer.find("softpipe") != std::string::npos;
+    software = gl::drawsInSoftware();
     return true;
   }
 
@@ -56,10 +72,12 @@ struct HeadlessContext::Impl {
     std::array<EGLDeviceEXT, 32> devices{};
     EGLint count = 0;
     if (!eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count)) return false;
-    for (int i = 0; i < count; ++i) {
-      const char* extensions = eglQueryDeviceStringEXT(devices[static_cast<std::size_t>(i)], EGL_EXTENSIONS);
-      if (extensions && std::strstr(extensions, "EGL_MESA_device_software")) continue;
-      if (start(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(i)], nullptr))) return true;
+    // The first CUDA device first: that is where worlds are stepped, and poses need not leave it.
+    const auto last = devices.begin() + count;
+    std::stable_sort(devices.begin(), last, [](EGLDeviceEXT a, EGLDeviceEXT b) { return cudaIndex(a) < cudaIndex(b); });
+    for (auto device = devices.begin(); device != last; ++device) {
+      if (deviceHas(*device, "EGL_MESA_device_software")) continue;
+      if (start(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, *device, nullptr))) return true;
     }
     return false;
   }

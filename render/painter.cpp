@@ -14,12 +14,13 @@ class CpuPainter final : public Painter {
  public:
   explicit CpuPainter(const PaintSettings& settings) : settings_(settings) {}
 
-  io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera) override {
+  io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera, std::span<const Line> lines) override {
+    if (!lines.empty()) throw Error("--show", "the renderer gl", "cpu");
     io::PictureSettings s;
     s.width = settings_.width;
     s.height = settings_.height;
     s.colorBy = settings_.colorBy;
-    s.fullSpeed = settings_.fullSpeed;
+    s.fullValue = settings_.fullValue;
     s.eye = camera.eye;
     s.target = camera.target;
     s.up = camera.up;
@@ -48,8 +49,9 @@ class GlPainter final : public Painter {
     quality_.samples = settings.samples;
   }
 
-  io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera) override {
-    stage_.setBodies(bodies, settings_.colorBy, settings_.fullSpeed);
+  io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera, std::span<const Line> lines) override {
+    stage_.renderer().setLines(lines);
+    stage_.setBodies(bodies, settings_.colorBy, settings_.fullValue);
     return stage_.picture(camera, quality_);
   }
 

@@ -6,6 +6,7 @@
 
 #include "io/picture.h"
 #include "render/camera.h"
+#include "render/overlay.h"
 
 namespace rubble::render {
 
@@ -13,14 +14,15 @@ struct PaintSettings {
   int width = 1280, height = 720;
   int samples = 1;
   io::ColorBy colorBy = io::ColorBy::Body;
-  double fullSpeed = 0;  ///< speed of the hottest colour [m/s]; 0: the fastest body of each picture
+  double fullValue = 0;  ///< value of the hottest colour; 0: the largest one of each picture
 };
 
 /// Draws the pictures of one run. Colours and light are chosen from the scene as it begins.
 class Painter {
  public:
   virtual ~Painter() = default;
-  virtual io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera) = 0;
+  /// Throws Error for lines if it cannot draw them.
+  virtual io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera, std::span<const Line> lines = {}) = 0;
 };
 
 /// What draws. Painters must not outlive it.

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "io/picture_extent.h"
+#include "io/picture_palette.h"
+#include "io/picture_values.h"
 
 namespace rubble::render {
 namespace {
@@ -19,6 +21,7 @@ constexpr double kWreckingBall = 1.3;
 constexpr std::array<std::uint32_t, 6> kCourses{0x6a4d45, 0x8f6656, 0xab846b, 0xbc9c7d, 0xc6b192, 0xcdc0a6};
 /// Colours that go with one another, for scenes of few bodies.
 constexpr std::array<std::uint32_t, 8> kAccents{0xab6a52, 0x4a7480, 0xc9a668, 0x6f8868, 0x86667c, 0x566f8f, 0xb4957a, 0x7b888d};
+constexpr std::uint32_t kRope = 0x5b5247;
 constexpr std::uint32_t kConcrete = 0xb4b3ae, kSteel = 0x6d7378, kDarkMetal = 0x77777a, kGroundColor = 0xb5b3af;
 
 std::uint32_t mixed(std::uint32_t value) {
@@ -32,12 +35,6 @@ float fraction(std::uint32_t bits, int shift) { return static_cast<float>((bits 
 
 /// Neighbours take colours that are far apart.
 std::size_t accentOf(std::uint32_t kind) { return (kind * 5u + 3u) % kAccents.size(); }
-
-double halfSize(const Shape& shape) {
-  const Vec3& h = shape.halfExtents;
-  if (shape.type == ShapeType::Box) return std::cbrt(h.x * h.y * h.z);
-  return shape.geometry ? .6 * io::draw::boundingRadius(shape) : shape.radius;
-}
 
 double middleOf(std::vector<double>& values, double fallback) {
   if (values.empty()) return fallback;
@@ -63,25 +60,37 @@ Vec3f linearColor(std::uint32_t rgb) {
   return {channel(16), channel(8), channel(0)};
 }
 
-Vec3f heat(double fraction) {
-  constexpr std::array<std::uint32_t, 6> kStops{0x4a5a72, 0x2f7f93, 0x5fb58b, 0xe9d46a, 0xee8f3c, 0xd6362f};
-  return along(kStops, fraction);
+Vec3f heat(double fraction) { return along(io::draw::kHeatStops, fraction); }
+
+std::vector<float> heatStops() {
+  std::vector<float> out;
+  for (const std::uint32_t stop : io::draw::kHeatStops) {
+    const Vec3f c = linearColor(stop);
+    out.insert(out.end(), {c.x, c.y, c.z});
+  }
+  return out;
+}
+
+Vec3f valueColor(double value, io::ColorBy colorBy, double full) {
+  if (std::isnan(value)) return linearColor(io::draw::kNoValue);
+  if (!io::quantity(colorBy).isKind) return heat(full > 0 ? value / full : 0);
+  const auto& kinds = io::draw::kKindColors;
+  return linearColor(value < 0 ? io::draw::kNoValue : kinds[static_cast<std::size_t>(value) % kinds.size()]);
 }
 
 Palette::Palette(std::span<const io::PictureBody> bodies, const Vec3& up) : up_(up) {
-  std::vector<double> sizes, heights;
+  std::vector<double> heights;
   std::size_t boxes = 0;
   double low = 1e30, high = -1e30;
   for (const io::PictureBody& body : bodies) {
     if (body.shape.type == ShapeType::Plane || body.motion == Motion::Static || body.deforms) continue;
-    sizes.push_back(halfSize(body.shape));
     const double height = dot(body.position, up);
     if (std::isfinite(height)) low = std::min(low, height), high = std::max(high, height);
     if (body.shape.type != ShapeType::Box) continue;
     ++boxes;
     heights.push_back(2 * dot(abs(rotateInverse(body.orientation, up)), body.shape.halfExtents));
   }
-  bodySize_ = std::max(1e-6, middleOf(sizes, 1));
+  bodySize_ = io::typicalSize(bodies);
   course_ = std::max(1e-6, middleOf(heights, 1));
   isStack_ = boxes >= kStack;
   isFlat_ = high - low < 1.5 * course_;
@@ -102,6 +111,7 @@ Vec3f Palette::stone(const io::PictureBody& body) const {
 }
 
 Vec3f Palette::softColor(std::uint32_t key) const {
+  if (key == io::kRopeKey) return linearColor(kRope);
   return linearColor(kAccents[accentOf(key >> io::kSoftKeyBits)]) * (.93f + .14f * fraction(mixed(key + 1), 8));
 }
 

@@ -2,6 +2,7 @@
 /// Colours of bodies: one muted family for a scene, varied from body to body, so that what a body was part of can still be told in rubble.
 #include <span>
 #include <unordered_map>
+#include <vector>
 
 #include "io/picture.h"
 #include "render/bodies.h"
@@ -46,5 +47,9 @@ bool sameShape(const Shape& a, const Shape& b);
 
 /// Cold at rest, through teal and yellow to red at `fraction` 1.
 Vec3f heat(double fraction);
+/// The colours that heat runs along, three numbers each.
+std::vector<float> heatStops();
+/// Colour of a value of a quantity; what has none is grey.
+Vec3f valueColor(double value, io::ColorBy colorBy, double full);
 
 }  // namespace rubble::render

@@ -6,8 +6,10 @@
 #include <numbers>
 #include <optional>
 
-#include "render/shadow.h"
+#include "render/lines.h"
+#include "render/palette.h"
 #include "render/surfaces.h"
+#include "render/targets.h"
 
 namespace rubble::render {
 namespace {
@@ -41,40 +43,6 @@ Vec3f sunPoint(const Vec3f& toSun, int sample, int samples) {
   return normalize(toSun + x * (r * std::cos(angle)) + y * (r * std::sin(angle)));
 }
 
-/// Textures and framebuffers of one size of picture.
-struct Targets {
-  Targets(int width_, int height_, bool many)
-      : width(width_),
-        height(height_),
-        ids(width, height, GL_RG32UI, GL_NEAREST),
-        depths(width, height, GL_DEPTH_COMPONENT32F, GL_NEAREST),
-        colors(width, height, GL_RGBA8, GL_NEAREST),
-        normals(width, height, GL_RGBA16F, GL_NEAREST),
-        occlusion((width + 1) / 2, (height + 1) / 2, GL_RG32F, GL_NEAREST),
-        blurred((width + 1) / 2, (height + 1) / 2, GL_RG32F, GL_NEAREST),
-        light(width, height, many ? GL_RGBA32F : GL_RGBA8, GL_LINEAR),
-        picture(width, height, GL_RGBA8, GL_NEAREST),
-        bodies({&ids}, &depths),
-        material({&colors, &normals}, nullptr),
-        occlusionTarget({&occlusion}, nullptr),
-        blurTarget({&blurred}, nullptr),
-        lightTarget({&light}, nullptr),
-        pictureTarget({&picture}, nullptr) {}
-
-  int width, height;
-  gl::Texture ids, depths, colors, normals, occlusion, blurred, light, picture;
-  gl::Framebuffer bodies, material, occlusionTarget, blurTarget, lightTarget, pictureTarget;
-};
-
-struct ShadowTargets {
-  ShadowTargets(int size_) : size(size_), maps(size, size, GL_DEPTH_COMPONENT32F, GL_LINEAR, kMostShadowMaps) {
-    for (int layer = 0; layer < kMostShadowMaps; ++layer) targets.emplace_back(std::vector<const gl::Texture*>{}, &maps, layer);
-  }
-  int size;
-  gl::Texture maps;
-  std::vector<gl::Framebuffer> targets;
-};
-
 }  // namespace
 
 struct Renderer::Impl {
@@ -83,11 +51,13 @@ struct Renderer::Impl {
   std::optional<Eye> lastEye;
   Bodies bodies;
   Surfaces surfaces;
+  Lines lines;
   Bounds surfaceBounds;
   std::optional<Targets> targets;
   std::optional<ShadowTargets> shadows;
   bool many = false;
   int selected = -1;
+  const std::vector<float> heatStops = render::heatStops();
   bool measure = false;
   std::vector<PassTime> times;
   std::chrono::steady_clock::time_point passBegan;
@@ -130,6 +100,8 @@ struct Renderer::Impl {
     program.set("pixelAngle", eye.pixelAngle);
   }
 
+  /// Slot + 1 of what is seen at a pixel, or 0.
+  std::uint32_t slotAt(int x, int y) const;
   void drawSample(const Eye& eye, const Setting& setting, const Quality& quality, int sample);
   std::vector<ShadowMap> drawShadows(const Eye& eye, const Vec3f& toSun, const Quality& quality);
   void drawBodies(const Eye& eye, float jitterX, float jitterY);
@@ -183,6 +155,7 @@ void Renderer::Impl::drawMaterial(const Eye& eye, const Setting& setting, float 
   material.set("seenBodies", 3);
   material.set("depths", 4);
   const double cell = std::pow(10., std::round(std::log10(setting.sceneSize / kCellsToScene)));
+  material.setArray("heatStops", heatStops.data(), static_cast<int>(heatStops.size()));
   material.set("gridCell", static_cast<float>(cell));
   material.set("selected", selected < 0 ? 0 : static_cast<int>(bodies.slotOf(static_cast<std::size_t>(selected))) + 1);
   fill();
@@ -286,12 +259,14 @@ void Renderer::setSurfaces(std::span<const Surface> surfaces) {
   std::vector<BodyLook> looks;
   impl_->surfaceBounds = {};
   for (const Surface& surface : surfaces) {
-    looks.push_back({kOwnMesh, {1, 1, 1}, 0, surface.color, surface.finish});
+    looks.push_back({kOwnMesh, {1, 1, 1}, 0, surface.color, surface.finish, !surface.heat.empty()});
     for (const Vec3f& vertex : surface.vertices) impl_->surfaceBounds.add(vertex);
   }
   impl_->bodies.setSurfaceLooks(looks);
   impl_->surfaces.set(surfaces);
 }
+
+void Renderer::setLines(std::span<const Line> lines) { impl_->lines.set(lines, impl_->origin); }
 
 void Renderer::resize(int width, int height) {
   impl_->width = width;
@@ -329,6 +304,7 @@ void Renderer::draw(const Camera& camera, const Setting& setting, const Quality&
   display.set("lights", 0);
   display.set("texel", 1 / static_cast<float>(r.width), 1 / static_cast<float>(r.height));
   r.fill();
+  r.lines.draw(eye, r.targets->depths);
   r.endPass("display");
   gl::check("draw");
 }
@@ -349,18 +325,29 @@ io::Image Renderer::read() const {
   return image;
 }
 
-void Renderer::show(unsigned framebuffer) const {
+void Renderer::show(unsigned framebuffer, int left) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->pictureTarget.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-  glBlitFramebuffer(0, 0, impl_->width, impl_->height, 0, 0, impl_->width, impl_->height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBlitFramebuffer(0, 0, impl_->width, impl_->height, left, 0, left + impl_->width, impl_->height, GL_COLOR_BUFFER_BIT,
+                    GL_NEAREST);
+}
+
+std::uint32_t Renderer::Impl::slotAt(int x, int y) const {
+  if (!targets || x < 0 || y < 0 || x >= width || y >= height) return 0;
+  GLuint seen[2] = {0, 0};
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, targets->bodies.id());
+  glReadPixels(x, height - 1 - y, 1, 1, GL_RG_INTEGER, GL_UNSIGNED_INT, seen);
+  return seen[0];
 }
 
 int Renderer::bodyAt(int x, int y) const {
-  if (!impl_->targets || x < 0 || y < 0 || x >= impl_->width || y >= impl_->height) return -1;
-  GLuint seen[2] = {0, 0};
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->bodies.id());
-  glReadPixels(x, impl_->height - 1 - y, 1, 1, GL_RG_INTEGER, GL_UNSIGNED_INT, seen);
-  return seen[0] == 0 ? -1 : impl_->bodies.bodyOfSlot(seen[0] - 1);
+  const std::uint32_t seen = impl_->slotAt(x, y);
+  return seen == 0 ? -1 : impl_->bodies.bodyOfSlot(seen - 1);
+}
+
+int Renderer::surfaceAt(int x, int y) const {
+  const std::uint32_t seen = impl_->slotAt(x, y), first = impl_->bodies.surfaceSlot(0);
+  return seen == 0 || seen - 1 < first ? -1 : static_cast<int>(seen - 1 - first);
 }
 
 Vec3 Renderer::pointAt(int x, int y) const {

@@ -6,6 +6,7 @@
 
 #include "io/picture.h"
 #include "render/bodies.h"
+#include "render/overlay.h"
 
 namespace rubble::render {
 
@@ -15,6 +16,7 @@ struct Surface {
   std::vector<Triangle> triangles;
   Vec3f color{.5f, .5f, .5f};  ///< linear
   Finish finish = Finish::Cloth;
+  std::vector<float> heat = {};  ///< of the vertices, 0 to 1: colours in place of `color`; empty: none
 };
 
 /// Light and scale of a scene; nothing here depends on the view, so it stays as the camera moves.
@@ -48,6 +50,8 @@ class Renderer {
   const Vec3& origin() const;
   Bodies& bodies();
   void setSurfaces(std::span<const Surface> surfaces);
+  /// Drawn over the picture, until they are set anew.
+  void setLines(std::span<const Line> lines);
   void resize(int width, int height);
 
   /// Draws a picture into the renderer's own target.
@@ -56,10 +60,12 @@ class Renderer {
   void finish() const;
   /// The last picture. Waits for the GPU.
   io::Image read() const;
-  /// Copies the last picture to a framebuffer of the same size (0: the window).
-  void show(unsigned framebuffer) const;
+  /// Copies the last picture to a framebuffer (0: the window), so many pixels from its left.
+  void show(unsigned framebuffer, int left = 0) const;
   /// Body at a pixel (from the left and the top) of the last picture, or -1.
   int bodyAt(int x, int y) const;
+  /// Deformable surface at a pixel, by its place in setSurfaces, or -1.
+  int surfaceAt(int x, int y) const;
   /// Point of the world that is seen at a pixel of the last picture; far away where that is the sky.
   Vec3 pointAt(int x, int y) const;
   /// Draws this body highlighted; -1: none.

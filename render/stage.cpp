@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "io/picture_values.h"
+
 namespace rubble::render {
 namespace {
 
@@ -39,25 +41,30 @@ bool Stage::sameBodies(std::span<const io::PictureBody> bodies) const {
   return true;
 }
 
-void Stage::setSurfaces(std::span<const io::PictureBody> bodies, io::ColorBy colorBy, double fullSpeed) {
+void Stage::setSurfaces(std::span<const io::PictureBody> bodies, io::ColorBy colorBy, double fullValue) {
   std::vector<Surface> surfaces;
+  surfaceKeys_.clear();
   for (const io::PictureBody& body : bodies) {
     const ShapeGeometry& g = *body.shape.geometry;
     Surface& surface = surfaces.emplace_back();
+    surfaceKeys_.push_back(body.key);
     const Vec3 from = body.position - renderer_.origin();
     for (const Vec3& p : g.points) surface.vertices.emplace_back(from + p);
     for (const auto& t : g.triangles)
       surface.triangles.push_back({static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])});
-    surface.color = colorBy == io::ColorBy::Speed ? heat(fullSpeed > 0 ? body.speed / fullSpeed : 0) : palette_.softColor(body.key);
+    surface.color = colorBy == io::ColorBy::Body ? palette_.softColor(body.key) : valueColor(io::shownValue(body, colorBy), colorBy, fullValue);
+    if (colorBy != io::ColorBy::Body && !io::quantity(colorBy).isKind && fullValue > 0)
+      for (const float value : body.vertexValues) surface.heat.push_back(static_cast<float>(value / fullValue));
     surface.finish = g.twoSided ? Finish::Cloth : Finish::Plastic;
   }
   if (hasSurfaces_ || !surfaces.empty()) renderer_.setSurfaces(surfaces);
   hasSurfaces_ = !surfaces.empty();
 }
 
-void Stage::setBodies(std::span<const io::PictureBody> all, io::ColorBy colorBy, double fullSpeed) {
-  if (colorBy == io::ColorBy::Speed && fullSpeed <= 0)
-    for (const io::PictureBody& body : all) fullSpeed = std::max(fullSpeed, body.speed);
+void Stage::setBodies(std::span<const io::PictureBody> all, io::ColorBy colorBy, double fullValue) {
+  ++bodiesSet_;
+  if (fullValue <= 0) fullValue = io::largestValue(all, colorBy);
+  fullValue_ = fullValue;
   const auto firstSurface = std::find_if(all.begin(), all.end(), [](const io::PictureBody& body) { return body.deforms; });
   const std::span<const io::PictureBody> bodies(all.begin(), firstSurface);
   if (!sameBodies(bodies) || keys_.empty()) {
@@ -71,15 +78,16 @@ void Stage::setBodies(std::span<const io::PictureBody> all, io::ColorBy colorBy,
     }
     renderer_.bodies().setLooks(looks);
   }
-  if (colorBy == io::ColorBy::Speed) {
+  if (colorBy != io::ColorBy::Body || coloredBy_ != colorBy) {
     std::vector<Vec3f> colors;
     for (const io::PictureBody& body : bodies) {
-      const bool moves = body.motion != Motion::Static && body.shape.type != ShapeType::Plane;
-      colors.push_back(moves ? heat(fullSpeed > 0 ? body.speed / fullSpeed : 0) : palette_.look(body).color);
+      const bool own = colorBy == io::ColorBy::Body || body.motion == Motion::Static || body.shape.type == ShapeType::Plane;
+      colors.push_back(own ? palette_.look(body).color : valueColor(io::shownValue(body, colorBy), colorBy, fullValue));
     }
     renderer_.bodies().setColors(colors);
   }
-  setSurfaces({firstSurface, all.end()}, colorBy, fullSpeed);
+  coloredBy_ = colorBy;
+  setSurfaces({firstSurface, all.end()}, colorBy, fullValue);
   poses_.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) poses_[i] = poseOf(bodies[i], renderer_.origin());
   renderer_.bodies().setPoses(poses_);

@@ -2,21 +2,33 @@
 
 namespace rubble::render {
 
+namespace {
+
+struct Vertex {
+  Vec3f position, normal;
+  float heat;
+};
+
+}  // namespace
+
 void Surfaces::set(std::span<const Surface> surfaces) {
   while (parts_.size() < surfaces.size()) parts_.emplace_back();
   used_ = surfaces.size();
   for (std::size_t i = 0; i < used_; ++i) {
     Part& part = parts_[i];
     const std::vector<Vec3f> normals = smoothNormals(surfaces[i].vertices, surfaces[i].triangles);
-    std::vector<Vec3f> interleaved;
-    for (std::size_t v = 0; v < normals.size(); ++v) interleaved.insert(interleaved.end(), {surfaces[i].vertices[v], normals[v]});
+    std::vector<Vertex> interleaved;
+    interleaved.reserve(normals.size());
+    const std::vector<float>& heat = surfaces[i].heat;
+    for (std::size_t v = 0; v < normals.size(); ++v) interleaved.push_back({surfaces[i].vertices[v], normals[v], heat.empty() ? 0 : heat[v]});
     glBindVertexArray(part.array.id());
-    part.vertices.upload(interleaved.data(), interleaved.size() * sizeof(Vec3f));
+    part.vertices.upload(interleaved.data(), interleaved.size() * sizeof(Vertex));
     part.indices.upload(surfaces[i].triangles.data(), surfaces[i].triangles.size() * sizeof(Triangle));
     part.indexCount = static_cast<GLsizei>(3 * surfaces[i].triangles.size());
-    for (GLuint attribute = 0; attribute < 2; ++attribute) {
+    for (GLuint attribute = 0; attribute < 3; ++attribute) {
       glEnableVertexAttribArray(attribute);
-      glVertexAttribPointer(attribute, 3, GL_FLOAT, GL_FALSE, 2 * sizeof(Vec3f), reinterpret_cast<const void*>(attribute * sizeof(Vec3f)));
+      glVertexAttribPointer(attribute, attribute < 2 ? 3 : 1, GL_FLOAT, GL_FALSE, sizeof(Vertex),
+                            reinterpret_cast<const void*>(attribute * sizeof(Vec3f)));
     }
     glBindVertexArray(0);
   }

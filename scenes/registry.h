@@ -117,6 +117,8 @@ class Runner {
   const Job& job() const { return job_; }
   StepReport step();                                  ///< events of this step, then one step
   RunResult run(int steps, const Observer& observer = {});
+  /// The world was set back to a snapshot that was taken between two steps: events from there on happen again.
+  void rewound();
 
  private:
   static WorldOptions optionsOf(const Job& job, WorldOptions options);

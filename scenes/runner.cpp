@@ -78,6 +78,12 @@ StepReport Runner::step() {
   return report;
 }
 
+void Runner::rewound() {
+  const std::vector<Event>& events = job_.scene.events;
+  nextEvent_ = 0;
+  while (nextEvent_ < events.size() && events[nextEvent_].step < world_.stepCount()) ++nextEvent_;
+}
+
 RunResult Runner::run(int steps, const Observer& observer) {
   RunResult result;
   result.reports.reserve(std::size_t(std::max(0, steps)));

@@ -7,6 +7,7 @@
 #include "apps/cli/job.h"
 #include "apps/cli/output.h"
 #include "apps/cli/session.h"
+#include "io/picture_values.h"
 #include "io/recording.h"
 
 namespace rubble::cli {
@@ -20,52 +21,27 @@ struct PictureCommand {
 
 bool isTrajectory(const std::string& name) { return std::filesystem::path(name).extension() == ".rubble"; }
 
-/// The first frame that was taken after so many steps or more; the last one if there is none.
-int frameAfter(io::RecordingReader& recording, int steps) {
-  int low = 0, high = recording.frameCount() - 1;
-  while (low < high) {
-    const int middle = low + (high - low) / 2;
-    if (recording.frame(middle).step >= steps) {
-      high = middle;
-    } else {
-      low = middle + 1;
-    }
-  }
-  return low;
-}
-
-/// Bodies of a frame; speeds come from the frame before, or the one after the first.
-std::vector<io::PictureBody> bodiesOfFrame(io::RecordingReader& recording, int index) {
-  const std::vector<io::RecordedBody> bodies = recording.bodies(index);
-  const io::RecordedFrame frame = recording.frame(index);
-  const int other = index > 0 ? index - 1 : std::min(1, recording.frameCount() - 1);
-  const io::RecordedFrame neighbour = recording.frame(other);
-  const double apart = std::fabs(frame.time - neighbour.time);
-  const bool moved = apart > 0 && recording.bodies(other) == bodies;
-  std::vector<io::PictureBody> drawn;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const double speed = moved ? length(frame.poses[i].position - neighbour.poses[i].position) / apart : 0;
-    drawn.push_back({bodies[i].shape, frame.poses[i].position, frame.poses[i].orientation, speed,
-                     static_cast<std::uint32_t>(bodies[i].id.index), bodies[i].motion});
-  }
-  return drawn;
-}
-
 void fromTrajectory(const PictureCommand& options, const Look& look) {
+  requireWorldless(look.colorBy);
   io::RecordingReader recording(options.job.scene);
   if (recording.frameCount() == 0) throw Error(options.job.scene, "a trajectory with frames", "none");
   const int last = static_cast<int>(recording.frame(recording.frameCount() - 1).step);
   for (const PictureRequest& request : picturesOf(options.picture, last)) {
-    const auto bodies = bodiesOfFrame(recording, frameAfter(recording, request.afterSteps));
+    const auto bodies = io::pictureBodies(recording, io::frameAfter(recording, request.afterSteps));
     takePicture(bodies, recording.header().gravity, {}, look, request.file);
   }
+}
+
+std::vector<io::PictureBody> bodiesAtStart(const PreparedJob& prepared, const Look& look) {
+  if (io::knownWithoutWorld(look.colorBy)) return io::pictureBodies(prepared.job.scene);
+  return io::pictureBodies(World(prepared.job.scene, prepared.world), look.colorBy);
 }
 
 void fromScene(const PictureCommand& options, const Look& look) {
   PreparedJob prepared = prepareJob(options.job);
   const bool atStart = options.picture.at.empty() && !options.job.steps;
   if (atStart) {
-    takePicture(io::pictureBodies(prepared.job.scene), prepared.job.scene.gravity, prepared.job.camera, look, options.picture.file);
+    takePicture(bodiesAtStart(prepared, look), prepared.job.scene.gravity, prepared.job.camera, look, options.picture.file);
     return;
   }
   SessionOptions session;

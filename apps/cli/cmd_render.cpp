@@ -16,11 +16,16 @@ struct RenderCommand {
   RenderOptions options;
   PictureOptions look;
   double orbitDegrees = 0;
+  std::vector<std::string> show;
   int measure = 0;
+  bool live = false;
 };
 
 void printMeasure(const RenderMeasure& m, const RenderOptions& options) {
   fmt::print("{} bodies, {}x{}, {}\n", grouped(static_cast<long long>(m.bodies)), options.width, options.height, m.device);
+  if (m.stepMs > 0)
+    fmt::print("  step: mean {:.2f} ms; step and frame: {:.2f} ms ({:.1f} a second); poses {}\n", m.stepMs, m.stepMs + m.meanMs,
+               1000 / (m.stepMs + m.meanMs), m.poses);
   fmt::print(
       "  frame: mean {:.2f} ms, median {:.2f} ms, 95 % {:.2f} ms ({:.1f} frames a second), {} frames\n  processor time of all threads: "
       "{:.1f} ms a frame\n",
@@ -38,8 +43,10 @@ int renderNow(RenderCommand& command) {
   options.target = look.target;
   options.colorBy = look.colorBy;
   options.orbit = command.orbitDegrees * std::numbers::pi / 180;
+  options.show = render::overlaysNamed(command.show);
+  if (command.live && command.measure == 0) throw Error("--live", "--measure as well", "none");
   if (command.measure > 0) {
-    printMeasure(measureRender(options, command.measure), options);
+    printMeasure(measureRender(options, command.measure, command.live), options);
     return kHolds;
   }
   if (options.out.empty()) throw Error("--out", "a file for the film or the pictures", "none");
@@ -56,7 +63,7 @@ void addRender(CLI::App& app, int& status) {
   RenderOptions& options = command->options;
   CLI::App* sub = app.add_subcommand("render", "Make a film or pictures of a scene or a trajectory, without a display");
   sub->add_option("scene", options.job.scene, "Name of a scene, a scene file (.json) or a trajectory (.rubble)")->required();
-  sub->add_option("-o,--out", options.out, "film.mp4 (.mkv, .mov, .webm, .gif), frame_%04d.png, or picture.png for the end alone")
+  sub->add_option("-o,--out", options.out, "film.mp4 (.mkv, .mov, .webm, .gif), frame_%04d.png, or picture.png (.jpg) for the end alone")
       ->type_name("FILE");
   sub->add_option("--camera", options.camera, fmt::format("{}", fmt::join(cameraNames(), ", ")))->capture_default_str();
   addViewOptions(*sub, command->look);
@@ -73,8 +80,12 @@ void addRender(CLI::App& app, int& status) {
       ->delimiter(',');
   sub->add_flag("--overlay", options.overlay, "Write scene, bodies, time and step time on the picture");
   sub->add_option("--renderer", options.renderer, "gl, cpu, or auto: gl where it works")->capture_default_str();
+  sub->add_option("--color-max", options.colorMax, "Value of the hottest colour (default: the largest of each picture)")
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--show", command->show, "Draw over the picture: contacts, forces, joints, bounds")->delimiter(',');
   sub->add_option("--measure", command->measure, "Write nothing: draw this many frames of the start and report milliseconds")
       ->check(CLI::PositiveNumber);
+  sub->add_flag("--live", command->live, "With --measure: take a step of the scene before each frame, and report it as well");
   addArgumentOptions(*sub, options.job);
   addSolverOptions(*sub, options.job);
   addBackendOptions(*sub, options.job);

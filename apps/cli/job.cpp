@@ -90,6 +90,20 @@ void addBackendOptions(CLI::App& app, JobOptions& options) {
   app.add_option("-t,--threads", options.threads, "Worker threads; 0 is one a core")->check(CLI::NonNegativeNumber)->capture_default_str();
 }
 
+std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vector<std::string>& compare) {
+  if (compare.empty()) return {options};
+  if (compare.size() != 2)
+    throw Error("--compare", "two backends or two numbers of iterations, with a comma between them", fmt::format("{}", compare.size()));
+  std::vector<JobOptions> jobs(2, options);
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (!compare[i].empty() && compare[i].find_first_not_of("0123456789") == std::string::npos)
+      jobs[i].iterations = std::max(1, std::stoi(compare[i]));
+    else
+      jobs[i].backend = compare[i];
+  }
+  return jobs;
+}
+
 std::pair<std::string, double> parseAssignment(const std::string& text, const std::string& option) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0) throw Error(option, "NAME=VALUE", text);

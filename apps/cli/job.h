@@ -42,6 +42,9 @@ struct PreparedJob {
 /// Throws Error for anything that was typed wrong or does not exist.
 PreparedJob prepareJob(const JobOptions& options);
 
+/// One job, or two that differ in what `compare` names: two backends or two numbers of iterations. Throws Error for anything else.
+std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vector<std::string>& compare);
+
 /// The scene of a registry name or file, with its camera and claims.
 scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& arguments);
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "io/picture_values.h"
 #include "io/scene_json.h"
 
 namespace rubble::cli {
@@ -35,6 +36,16 @@ void addPictureOptions(CLI::App& app, PictureOptions& options, const std::string
   addViewOptions(app, options);
 }
 
+std::vector<std::string> colorKeys() {
+  std::vector<std::string> keys;
+  for (const io::Quantity& quantity : io::quantities()) keys.emplace_back(quantity.key);
+  return keys;
+}
+
+void requireWorldless(io::ColorBy colorBy) {
+  if (!io::knownWithoutWorld(colorBy)) throw Error("--color-by", "body or speed for a trajectory, which has poses alone", io::quantity(colorBy).key);
+}
+
 void addViewOptions(CLI::App& app, PictureOptions& options) {
   app.add_option("--eye", options.eye, "Where the camera is [m] (default: as the scene says)")
       ->delimiter(',')
@@ -43,7 +54,7 @@ void addViewOptions(CLI::App& app, PictureOptions& options) {
   app.add_option("--target", options.target, "What the camera looks at [m]")->delimiter(',')->expected(3)->type_name("X,Y,Z");
   app.add_option("--fov", options.fieldOfView, "Vertical field of view [degrees]")->check(CLI::Range(1.0, 150.0))->capture_default_str();
   app.add_option("--size", options.size, "Size of the picture in pixels")->type_name("WxH")->capture_default_str();
-  app.add_option("--color-by", options.colorBy, "What the colours show")->check(CLI::IsMember({"body", "speed"}))->capture_default_str();
+  app.add_option("--color-by", options.colorBy, "What the colours show")->check(CLI::IsMember(colorKeys()))->capture_default_str();
 }
 
 Look lookOf(const PictureOptions& options) {
@@ -52,7 +63,7 @@ Look lookOf(const PictureOptions& options) {
   look.target = pointOf(options.target);
   parseSize(options.size, look.width, look.height);
   look.fieldOfView = options.fieldOfView * std::numbers::pi / 180;
-  look.colorBy = options.colorBy == "speed" ? io::ColorBy::Speed : io::ColorBy::Body;
+  look.colorBy = io::colorByNamed(options.colorBy);
   return look;
 }
 

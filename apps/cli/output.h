@@ -38,6 +38,10 @@ struct Look {
 void addPictureOptions(CLI::App& app, PictureOptions& options, const std::string& fileOption);
 /// Those of them that say how the picture looks.
 void addViewOptions(CLI::App& app, PictureOptions& options);
+/// Names for --color-by.
+std::vector<std::string> colorKeys();
+/// Throws Error for a quantity that is not known of a trajectory.
+void requireWorldless(io::ColorBy colorBy);
 /// Throws Error for a size or a point that is none.
 Look lookOf(const PictureOptions& options);
 /// One request for each step of --at; files are numbered if there are several. Throws Error for a step beyond the run.

@@ -7,6 +7,7 @@
 
 #include "apps/cli/progress.h"
 #include "apps/cli/render_view.h"
+#include "io/picture_values.h"
 #include "render/film.h"
 #include "render/painter.h"
 
@@ -21,11 +22,11 @@ constexpr double kTimeSlack = 1e-9;
 class Side {
  public:
   Side(const RenderOptions& options, const JobOptions& job, int width, int height, render::PaintDevice& device, int samples)
-      : options_(options), source_(momentSource(job)), current_(source_->start()), previous_(current_) {
-    camera_ = cameraOf(options.camera, *source_, width, height, options.fieldOfView);
+      : options_(options), source_(momentSource(job, options.colorBy, options.show)), current_(source_->start()), previous_(current_) {
+    camera_ = cameraOf(options.camera, sightOf(*source_), width, height, options.fieldOfView);
     if (options.eye) camera_.eye = *options.eye;
     if (options.target) camera_.target = *options.target;
-    painter_ = device.painter(current_.bodies, source_->gravity(), camera_, {width, height, samples, options.colorBy, 0});
+    painter_ = device.painter(current_.bodies, source_->gravity(), camera_, {width, height, samples, options.colorBy, options.colorMax});
   }
 
   const MomentSource& source() const { return *source_; }
@@ -45,7 +46,7 @@ class Side {
   io::Image paint(double time, double filmTime) {
     const double span = current_.time - previous_.time;
     shown_ = span > 0 ? between(previous_, current_, std::clamp((time - previous_.time) / span, 0., 1.)) : current_;
-    io::Image image = painter_->paint(shown_.bodies, turned(camera_, options_.orbit * filmTime));
+    io::Image image = painter_->paint(shown_.bodies, turned(camera_, options_.orbit * filmTime), shown_.lines);
     if (options_.overlay) drawCaption(image, caption());
     return image;
   }
@@ -58,9 +59,17 @@ class Side {
     Caption caption{source_->title(), {grouped(static_cast<long long>(shown_.bodies.size())) + " bodies"}};
     if (!source_->label().empty()) caption.facts.push_back(source_->label());
     if (current_.stepMs > 0) caption.facts.push_back(fmt::format("{:.1f} ms a step", current_.stepMs));
+    if (const io::Quantity& shown = io::quantity(options_.colorBy); shown.by != io::ColorBy::Body) caption.facts.push_back(legend(shown));
     caption.facts.push_back(fmt::format("{:.2f} s", shown_.time));
     if (options_.slow != 1) caption.facts.push_back(fmt::format("{:g}x slower", options_.slow));
     return caption;
+  }
+
+  /// "speed up to 3.2 m/s"
+  std::string legend(const io::Quantity& quantity) const {
+    if (quantity.isKind) return fmt::format("coloured by {}", quantity.key);
+    const double full = options_.colorMax > 0 ? options_.colorMax : io::largestValue(shown_.bodies, quantity.by);
+    return fmt::format("{} up to {:.3g}{}{}", quantity.key, full, quantity.unit == std::string("1") ? "" : " ", quantity.unit == std::string("1") ? "" : quantity.unit);
   }
 
   const RenderOptions& options_;
@@ -70,31 +79,14 @@ class Side {
   std::unique_ptr<render::Painter> painter_;
 };
 
-bool isNumber(const std::string& text) { return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos; }
-
-std::vector<JobOptions> jobsOf(const RenderOptions& options) {
-  if (options.compare.empty()) return {options.job};
-  if (options.compare.size() != 2)
-    throw Error("--compare", "two backends or two numbers of iterations, with a comma between them",
-                fmt::format("{}", options.compare.size()));
-  if (isRecording(options.job.scene)) throw Error("--compare", "a scene to simulate", options.job.scene);
-  std::vector<JobOptions> jobs(2, options.job);
-  for (std::size_t i = 0; i < 2; ++i) {
-    if (isNumber(options.compare[i]))
-      jobs[i].iterations = std::max(1, std::stoi(options.compare[i]));
-    else
-      jobs[i].backend = options.compare[i];
-  }
-  return jobs;
-}
-
 io::Image together(std::vector<io::Image> images) { return images.size() == 1 ? std::move(images[0]) : beside(images[0], images[1]); }
 
 }  // namespace
 
 RenderResult renderFilm(const RenderOptions& options) {
   const bool single = !render::isFilm(options.out) && !render::isNumbered(options.out);
-  const std::vector<JobOptions> jobs = jobsOf(options);
+  if (!options.compare.empty() && isRecording(options.job.scene)) throw Error("--compare", "a scene to simulate", options.job.scene);
+  const std::vector<JobOptions> jobs = comparedJobs(options.job, options.compare);
   const int width = jobs.size() == 1 ? options.width : (options.width - kDivider) / 2;
   const int whole = jobs.size() == 1 ? width : 2 * width + kDivider;
   // What cannot be written is said before anything is simulated.

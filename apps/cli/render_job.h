@@ -6,6 +6,7 @@
 
 #include "apps/cli/job.h"
 #include "io/picture.h"
+#include "render/overlay.h"
 
 namespace rubble::cli {
 
@@ -18,6 +19,8 @@ struct RenderOptions {
   std::optional<Vec3> eye, target;  ///< in place of the named camera's [m]
   double orbit = 0;                 ///< the camera turns about the target [rad/s of film]
   io::ColorBy colorBy = io::ColorBy::Body;
+  double colorMax = 0;              ///< value of the hottest colour; 0: the largest of each picture
+  render::Overlays show;
   int samples = 0;  ///< a pixel; 0: 32 for a single picture, 4 for a film (16 on a GPU)
   double fps = 30;  ///< frames a second of film
   double slow = 1;  ///< seconds of film for a second of the scene
@@ -43,10 +46,13 @@ struct RenderMeasure {
   int frames = 0;
   double meanMs = 0, medianMs = 0, p95Ms = 0;          ///< a frame, from the poses to the picture on the device
   double cpuMs = 0;                                    ///< of all threads of the process, a frame; what a software renderer needs
+  double stepMs = 0;                                   ///< of the simulation, a frame; 0: it stood still
+  std::string poses;                                   ///< how they came to the renderer
   std::vector<std::pair<std::string, double>> passes;  ///< of a frame drawn pass by pass [ms]
 };
 
-/// Draws the scene as it begins, from `frames` places round about, with new poses each time; nothing is read back or written.
-RenderMeasure measureRender(const RenderOptions& options, int frames);
+/// Draws the scene as it begins, from `frames` places round about, with new poses each time; nothing is read back or written. If it is
+/// `live`, a step is taken before each picture.
+RenderMeasure measureRender(const RenderOptions& options, int frames, bool live);
 
 }  // namespace rubble::cli

@@ -3,6 +3,7 @@
 #include <ctime>
 #include <numbers>
 
+#include "apps/cli/output.h"
 #include "apps/cli/render_job.h"
 #include "apps/cli/render_view.h"
 #include "apps/cli/statistics.h"
@@ -15,49 +16,79 @@
 namespace rubble::cli {
 
 #if defined(RUBBLE_HAS_GL)
-RenderMeasure measureRender(const RenderOptions& options, int frames) {
-  using Clock = std::chrono::steady_clock;
-  render::HeadlessContext context;
-  const std::unique_ptr<MomentSource> source = momentSource(options.job);
-  const Moment start = source->start();
-  const render::Camera camera = cameraOf(options.camera, *source, options.width, options.height, options.fieldOfView);
-  render::Stage stage(start.bodies, source->gravity(), camera, options.width, options.height);
-  render::Renderer& renderer = stage.renderer();
-  render::Quality quality;
-  quality.samples = std::max(1, options.samples);
+namespace {
 
-  std::vector<render::Pose> poses;
-  for (const io::PictureBody& body : start.bodies) {
-    const render::Vec3f p(body.position - renderer.origin());
-    const QuatT<float> q(body.orientation);
-    poses.push_back({p.x, p.y, p.z, 0, q.v.x, q.v.y, q.v.z, q.s});
+using Clock = std::chrono::steady_clock;
+
+double since(Clock::time_point began) { return std::chrono::duration<double, std::milli>(Clock::now() - began).count(); }
+
+/// What is drawn, and where from.
+class Measurement {
+ public:
+  Measurement(const RenderOptions& options, int frames)
+      : frames_(frames),
+        prepared_(prepareJob(options.job)),
+        camera_(cameraOf(options.camera, sightOf(prepared_.job), options.width, options.height, options.fieldOfView)),
+        runner_(std::move(prepared_.job), prepared_.world),
+        stage_(io::pictureBodies(runner_.world()), runner_.world().gravity(), camera_, options.width, options.height) {
+    quality_.samples = std::max(1, options.samples);
+    stage_.follow(runner_.world());
   }
-  RenderMeasure result{context.renderer(), start.bodies.size(), frames, 0, 0, 0, 0, {}};
-  const auto draw = [&](int frame) {
-    renderer.bodies().setPoses(poses);
-    renderer.draw(turned(camera, 2 * std::numbers::pi * frame / std::max(1, frames)), stage.setting(), quality);
-    renderer.finish();
-  };
-  draw(0);  // shaders are compiled at their first use
+  void step() { runner_.step(); }
+  void draw(int frame) {
+    stage_.follow(runner_.world());
+    stage_.renderer().draw(turned(camera_, 2 * std::numbers::pi * frame / std::max(1, frames_)), stage_.setting(), quality_);
+    stage_.renderer().finish();
+  }
+  render::Stage& stage() { return stage_; }
+  std::size_t bodies() { return runner_.world().bodies().size(); }
+
+ private:
+  int frames_;
+  PreparedJob prepared_;
+  render::Camera camera_;
+  scenes::Runner runner_;
+  render::Stage stage_;
+  render::Quality quality_;
+};
+
+}  // namespace
+
+RenderMeasure measureRender(const RenderOptions& options, int frames, bool live) {
+  if (isRecording(options.job.scene)) throw Error("--measure", "a scene", options.job.scene);
+  render::HeadlessContext context;
+  Measurement measurement(options, frames);
+  RenderMeasure result;
+  result.device = context.renderer();
+  result.bodies = measurement.bodies();
+  result.frames = frames;
+  measurement.draw(0);  // shaders are compiled at their first use
+  if (live) measurement.step();
   std::vector<double> ms;
-  const std::clock_t cpuBegan = std::clock();
+  std::clock_t cpu = 0;
   for (int frame = 0; frame < frames; ++frame) {
+    const Clock::time_point stepBegan = Clock::now();
+    if (live) measurement.step();
+    if (live) result.stepMs += since(stepBegan) / frames;
     const Clock::time_point began = Clock::now();
-    draw(frame);
-    ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - began).count());
+    const std::clock_t cpuBegan = std::clock();
+    measurement.draw(frame);
+    ms.push_back(since(began));
+    cpu += std::clock() - cpuBegan;
   }
-  result.cpuMs = 1000. * static_cast<double>(std::clock() - cpuBegan) / CLOCKS_PER_SEC / frames;
+  result.cpuMs = 1000. * static_cast<double>(cpu) / CLOCKS_PER_SEC / frames;
+  result.poses = measurement.stage().posesFrom();
   for (const double value : ms) result.meanMs += value / frames;
   std::sort(ms.begin(), ms.end());
   result.medianMs = ms[ms.size() / 2];
   result.p95Ms = ms[std::min(ms.size() - 1, ms.size() * 95 / 100)];
-  renderer.measurePasses(true);
-  draw(0);
-  for (const render::PassTime& pass : renderer.passTimes()) result.passes.emplace_back(pass.name, pass.ms);
+  measurement.stage().renderer().measurePasses(true);
+  measurement.draw(0);
+  for (const render::PassTime& pass : measurement.stage().renderer().passTimes()) result.passes.emplace_back(pass.name, pass.ms);
   return result;
 }
 #else
-RenderMeasure measureRender(const RenderOptions&, int) {
+RenderMeasure measureRender(const RenderOptions&, int, bool) {
   throw Error("--measure", "a build with libepoxy and EGL (Debian: apt-get install libepoxy-dev libegl-dev)", "one without");
 }
 #endif

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/cli/output.h"
+#include "io/picture_extent.h"
 #include "io/recording.h"
 
 namespace rubble::cli {
@@ -13,7 +15,8 @@ namespace {
 
 class Simulation final : public MomentSource {
  public:
-  explicit Simulation(const JobOptions& options) : Simulation(prepareJob(options), isSceneFile(options.scene)) {}
+  Simulation(const JobOptions& options, io::ColorBy colorBy, const render::Overlays& overlays)
+      : Simulation(prepareJob(options), colorBy, overlays) {}
 
   bool advance(Moment& moment) override {
     if (taken_ >= steps_) return false;
@@ -34,20 +37,30 @@ class Simulation final : public MomentSource {
   std::string label() const override { return label_; }
 
  private:
-  Simulation(PreparedJob prepared, bool)
+  Simulation(PreparedJob prepared, io::ColorBy colorBy, const render::Overlays& overlays)
       : title_(prepared.title),
         label_(fmt::format("{}, {} iteration{}", prepared.world.backend, prepared.world.params.iterations,
                            prepared.world.params.iterations == 1 ? "" : "s")),
         steps_(prepared.steps),
-        runner_(std::move(prepared.job), prepared.world) {}
+        runner_(std::move(prepared.job), prepared.world),
+        colorBy_(colorBy),
+        overlays_(overlays),
+        bodySize_(io::typicalSize(io::pictureBodies(world()))) {}
 
   const World& world() const { return const_cast<scenes::Runner&>(runner_).world(); }
-  Moment now() const { return {world().stepCount(), world().time(), io::pictureBodies(world()), 0}; }
+  Moment now() const {
+    Moment moment{world().stepCount(), world().time(), io::pictureBodies(world(), colorBy_), 0};
+    if (overlays_.any()) moment.lines = render::overlayLines(world(), overlays_, bodySize_);
+    return moment;
+  }
 
   std::string title_, label_;
   int steps_;
   int taken_ = 0;
   scenes::Runner runner_;
+  io::ColorBy colorBy_;
+  render::Overlays overlays_;
+  double bodySize_;  ///< [m]
 };
 
 class Recording final : public MomentSource {
@@ -74,28 +87,14 @@ class Recording final : public MomentSource {
   std::string label() const override { return ""; }
 
  private:
-  /// Speeds come from the frame before.
   Moment read(int index) {
-    const std::vector<io::RecordedBody>& bodies = reader_.bodies(index);
     const io::RecordedFrame frame = reader_.frame(index);
-    const double apart = frame.time - lastTime_;
-    const bool moved = apart > 0 && lastPoses_.size() == frame.poses.size();
-    Moment moment{frame.step, frame.time, {}, 0};
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      const double speed = moved ? length(frame.poses[i].position - lastPoses_[i].position) / apart : 0;
-      moment.bodies.push_back({bodies[i].shape, frame.poses[i].position, frame.poses[i].orientation, speed,
-                               static_cast<std::uint32_t>(bodies[i].id.index), bodies[i].motion});
-    }
-    lastTime_ = frame.time;
-    lastPoses_ = frame.poses;
-    return moment;
+    return {frame.step, frame.time, io::pictureBodies(reader_, index), 0};
   }
 
   std::string file_;
   io::RecordingReader reader_;
   int frames_ = 0, next_ = 1;
-  double lastTime_ = 0;
-  std::vector<io::RecordedPose> lastPoses_;
 };
 
 /// A surface whose vertices lie between those of two; `b` where these are not the same ones.
@@ -113,9 +112,11 @@ Shape between(const Shape& a, const Shape& b, double at) {
 
 bool isRecording(const std::string& scene) { return std::filesystem::path(scene).extension() == ".rubble"; }
 
-std::unique_ptr<MomentSource> momentSource(const JobOptions& options) {
-  if (isRecording(options.scene)) return std::make_unique<Recording>(options.scene, options.steps);
-  return std::make_unique<Simulation>(options);
+std::unique_ptr<MomentSource> momentSource(const JobOptions& options, io::ColorBy colorBy, const render::Overlays& overlays) {
+  if (!isRecording(options.scene)) return std::make_unique<Simulation>(options, colorBy, overlays);
+  requireWorldless(colorBy);
+  if (overlays.any()) throw Error("--show", "a scene to simulate: a trajectory has poses alone", options.scene);
+  return std::make_unique<Recording>(options.scene, options.steps);
 }
 
 Moment between(const Moment& a, const Moment& b, double at) {

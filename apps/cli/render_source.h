@@ -7,6 +7,7 @@
 
 #include "apps/cli/job.h"
 #include "io/picture.h"
+#include "render/overlay.h"
 
 namespace rubble::cli {
 
@@ -16,6 +17,7 @@ struct Moment {
   double time = 0;  ///< [s]
   std::vector<io::PictureBody> bodies;
   double stepMs = 0;  ///< wall clock of the step [ms]; 0 where nothing was simulated
+  std::vector<render::Line> lines = {};  ///< over the picture
 };
 
 class MomentSource {
@@ -42,7 +44,9 @@ class MomentSource {
 /// Is this the name of a recording?
 bool isRecording(const std::string& scene);
 /// Throws Error if there is no such scene or file, or a recording is empty or damaged.
-std::unique_ptr<MomentSource> momentSource(const JobOptions& options);
+/// `colorBy` and `overlays` say what its moments have; a recording has poses alone.
+std::unique_ptr<MomentSource> momentSource(const JobOptions& options, io::ColorBy colorBy = io::ColorBy::Body,
+                                           const render::Overlays& overlays = {});
 
 /// Between two moments, at 0 to 1 of the way; `b` where their bodies differ.
 Moment between(const Moment& a, const Moment& b, double at);

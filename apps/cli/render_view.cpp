@@ -36,13 +36,16 @@ const std::vector<std::string>& cameraNames() {
   return names;
 }
 
-render::Camera cameraOf(const std::string& name, const MomentSource& source, int width, int height, double fieldOfView) {
+Sight sightOf(const MomentSource& source) { return {source.camera(), source.gravity(), source.framed(), source.smashes()}; }
+Sight sightOf(const scenes::Job& job) { return {job.camera, job.scene.gravity, io::pictureBodies(job.scene, true), job.smashStep >= 0}; }
+
+render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height, double fieldOfView) {
   io::PictureSettings settings;
   settings.width = width;
   settings.height = height;
   settings.fieldOfView = fieldOfView;
-  const scenes::Camera own = source.camera();
-  const Vec3 up = normalize(-source.gravity(), {0, 0, 1});
+  const scenes::Camera& own = sight.own;
+  const Vec3 up = normalize(-sight.gravity, {0, 0, 1});
   Vec3 direction = own.target - own.eye;
   double closer = 1;
   if (name != "scene") {
@@ -59,7 +62,7 @@ render::Camera cameraOf(const std::string& name, const MomentSource& source, int
     direction = normalize(level) * found->away + cross(level, up) * found->right - up * found->down;
     closer = found->closer;
   }
-  io::frameBodies(source.framed(), source.gravity(), settings, {direction, source.smashes() ? kRubbleRoom : 0});
+  io::frameBodies(sight.bodies, sight.gravity, settings, {direction, sight.smashes ? kRubbleRoom : 0});
   return {settings.target - (settings.target - settings.eye) * closer, settings.target, settings.up, fieldOfView};
 }
 

@@ -10,8 +10,17 @@ namespace rubble::cli {
 
 /// Names that cameraOf takes.
 const std::vector<std::string>& cameraNames();
-/// A camera that shows what the source holds, in a picture of this size. "scene" is the scene's own. Throws Error for an unknown name.
-render::Camera cameraOf(const std::string& name, const MomentSource& source, int width, int height, double fieldOfView);
+/// What a camera is to show.
+struct Sight {
+  scenes::Camera own;  ///< of the scene; eye at target if it has none
+  Vec3 gravity;        ///< [m/s2]
+  std::vector<io::PictureBody> bodies;
+  bool smashes = false;  ///< leave room for rubble
+};
+Sight sightOf(const MomentSource& source);
+Sight sightOf(const scenes::Job& job);
+/// A camera that shows all of it, in a picture of this size. "scene" is the scene's own. Throws Error for an unknown name.
+render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height, double fieldOfView);
 /// The camera turned about the up axis through its target [rad].
 render::Camera turned(const render::Camera& camera, double angle);
 

@@ -51,7 +51,7 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   Progress progress(prepared.title, prepared.steps, options.quiet);
   const auto takePictures = [&](const World& world, int stepsTaken) {
     for (const PictureRequest& request : options.pictures)
-      if (request.afterSteps == stepsTaken) takePicture(io::pictureBodies(world), world.gravity(), camera, options.look, request.file);
+      if (request.afterSteps == stepsTaken) takePicture(io::pictureBodies(world, options.look.colorBy), world.gravity(), camera, options.look, request.file);
   };
   takePictures(runner.world(), 0);
 

@@ -44,4 +44,16 @@ Vec3 Orbit::ray(double x, double y, double aspect) const {
   return normalize(ahead_ + side * ((2 * x - 1) * tall * aspect) + cross(side, ahead_) * ((1 - 2 * y) * tall));
 }
 
+void Orbit::aim(const Vec3& target, double distance) {
+  target_ = target;
+  distance_ = std::max(1e-3, distance);
+}
+
+std::optional<std::array<double, 2>> Orbit::place(const Vec3& point, double aspect) const {
+  const Vec3 there = point - (target_ - ahead_ * distance_), side = normalize(cross(ahead_, up_), {1, 0, 0});
+  const double depth = dot(there, ahead_), tall = std::tan(fieldOfView_ / 2);
+  if (depth <= 0) return std::nullopt;
+  return std::array{.5 + dot(there, side) / (2 * depth * tall * aspect), .5 - dot(there, cross(side, ahead_)) / (2 * depth * tall)};
+}
+
 }  // namespace rubble::viewer

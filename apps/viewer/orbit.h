@@ -1,5 +1,8 @@
 #pragma once
 /// A camera on a sphere about its target.
+#include <array>
+#include <optional>
+
 #include "render/camera.h"
 
 namespace rubble::viewer {
@@ -15,9 +18,13 @@ class Orbit {
   void pan(double right, double up);
   /// Nearer (above 1) or farther by a factor.
   void zoom(double factor);
+  /// Looks at another point from a distance, in the same direction [m].
+  void aim(const Vec3& target, double distance);
   render::Camera camera() const;
   /// Direction of the ray through a point of the picture: 0,0 is the upper left, 1,1 the lower right; aspect is width over height.
   Vec3 ray(double x, double y, double aspect) const;
+  /// Where a point of the world is seen, in the same coordinates; nothing for one behind the eye.
+  std::optional<std::array<double, 2>> place(const Vec3& point, double aspect) const;
 
  private:
   Vec3 target_, up_{0, 0, 1}, ahead_{0, 1, 0};  ///< ahead_ is unit, from the eye to the target

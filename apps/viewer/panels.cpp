@@ -1,109 +1,121 @@
-#include "apps/viewer/panels.h"
-
+/// The panels that any show has: scene, help and picker, and the timeline.
 #include <algorithm>
-#include <cfloat>
 #include <cstdio>
 
 #include <imgui/imgui.h>
 #include <imgui/imgui_stdlib.h>
 
+#include "apps/viewer/desk.h"
 #include "apps/viewer/fuzzy.h"
+#include "apps/viewer/panel_parts.h"
+#include "apps/viewer/playback.h"
+#include "io/picture_values.h"
 
 namespace rubble::viewer {
 namespace {
 
-constexpr float kMargin = 12;
-constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing;
-
-void row(const char* name, const char* unit, const Vec3& v) { ImGui::Text("%-18s %11.4g %11.4g %11.4g  %s", name, v.x, v.y, v.z, unit); }
-void row(const char* name, const char* unit, double v) { ImGui::Text("%-18s %11.4g  %s", name, v, unit); }
-
-void drawScenePanel(Desk& desk, Player& player) {
-  ImGui::SetNextWindowPos({kMargin, kMargin}, ImGuiCond_Once);
-  ImGui::Begin("Scene", nullptr, kPlain);
-  ImGui::Text("%s", player.title().c_str());
-  const StepReport& report = player.report();
-  ImGui::Text("%.2f s, step %lld, %s", player.world().time(), static_cast<long long>(player.world().stepCount()),
-              player.paused ? "paused" : "running");
-  ImGui::Text("%zu bodies, %d contact points, %d colours", player.world().bodies().size(), report.contacts, report.colors);
-  if (ImGui::Button(player.paused ? "Run" : "Pause")) player.paused = !player.paused;
+void drawButtons(Desk& desk, Show& show) {
+  if (ImGui::Button(show.paused ? "Run" : "Pause")) show.paused = !show.paused;
   ImGui::SameLine();
-  if (ImGui::Button("Step")) player.paused = true, player.step();
+  if (ImGui::Button("Step")) show.paused = true, show.step();
   ImGui::SameLine();
-  if (ImGui::Button("Restart")) player.restart(), desk.selected.reset();
+  if (ImGui::Button("Restart")) show.live() ? void(desk.wanted = show.live()->request()) : show.seek(0);
   ImGui::SameLine();
-  if (ImGui::Button("Scenes ...")) desk.showPicker = desk.focusPicker = true;
-  auto speed = static_cast<float>(player.speed);
-  ImGui::SetNextItemWidth(160);
-  if (ImGui::SliderFloat("speed", &speed, .02f, 2, "%.2f", ImGuiSliderFlags_Logarithmic)) player.speed = speed;
-  int colors = desk.colorBy == io::ColorBy::Speed;
-  ImGui::SetNextItemWidth(160);
-  if (ImGui::Combo("colour by", &colors, "body\0speed\0")) desk.colorBy = colors == 1 ? io::ColorBy::Speed : io::ColorBy::Body;
-  if (ImGui::CollapsingHeader("Times", ImGuiTreeNodeFlags_DefaultOpen)) {
-    const std::vector<float>& times = player.stepTimes();
-    char now[32];
-    std::snprintf(now, sizeof now, "%.2f ms a step", report.totalMs);
-    ImGui::PlotLines("##step", times.data(), static_cast<int>(times.size()), 0, now, 0, FLT_MAX, {280, 60});
-    for (const StageTime& stage : report.stages)
-      if (stage.ms > .02 * report.totalMs) ImGui::Text("%-14s %8.3f ms", stage.name.c_str(), stage.ms);
-  }
-  if (!desk.message.empty()) ImGui::TextWrapped("%s", desk.message.c_str());
-  ImGui::TextDisabled("? for the keys");
-  ImGui::End();
+  if (ImGui::Button("Scenes")) desk.showPicker = desk.focusPicker = true;
+  if (!show.live()) return;
+  ImGui::SameLine();
+  if (ImGui::Button("Settings")) desk.showSettings = !desk.showSettings;
+  ImGui::SameLine();
+  if (ImGui::Button("Plots")) desk.showPlots = !desk.showPlots;
 }
 
-void drawInspector(Desk& desk, Player& player) {
-  if (!desk.selected || !player.world().alive(*desk.selected)) return;
-  World& world = player.world();
-  const BodyId id = *desk.selected;
-  const BodyDef& body = world.definition(id);
-  const BodyState state = world.state(id);
-  ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - kMargin, kMargin}, ImGuiCond_Once, {1, 0});
-  ImGui::Begin("Body", nullptr, kPlain);
-  ImGui::Text("%s (index %d)", body.name.empty() ? "unnamed" : body.name.c_str(), static_cast<int>(id.index));
-  row("mass", "kg", world.massOf(id).mass);
-  row("inertia", "kg m2", world.massOf(id).inertia);
-  row("static friction", "", body.material.staticFriction);
-  row("dynamic friction", "", body.material.dynamicFriction);
-  row("restitution", "", body.material.restitution);
-  row("position", "m", state.position);
-  row("velocity", "m/s", state.velocity);
-  row("angular velocity", "rad/s", state.angularVelocity);
-  Vec3 force;
-  int points = 0;
-  double deepest = 0;
-  for (const ContactPoint& contact : world.contacts()) {
-    if (contact.a != id && contact.b != id) continue;
-    force += contact.b == id ? contact.force : -contact.force;
-    deepest = std::max(deepest, contact.depth);
-    ++points;
+void drawColors(Desk& desk, const Show& show) {
+  ImGui::SetNextItemWidth(120);
+  const io::Quantity& now = io::quantity(desk.colorBy);
+  if (ImGui::BeginCombo("colour", now.key)) {
+    for (const io::Quantity& q : io::quantities()) {
+      const bool known = const_cast<Show&>(show).live() || io::knownWithoutWorld(q.by);
+      if (ImGui::Selectable(q.key, q.by == desk.colorBy, known ? 0 : ImGuiSelectableFlags_Disabled)) desk.colorBy = q.by;
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", q.doc);
+    }
+    ImGui::EndCombo();
   }
-  ImGui::Separator();
-  ImGui::Text("%d contact points", points);
-  row("contact force", "N", force);
-  row("deepest", "m", deepest);
+  if (now.isKind) return;
+  ImGui::SameLine();
+  ImGui::Text("up to %.3g %s", desk.fullValue, std::string(now.unit) == "1" ? "" : now.unit);
+}
+
+void drawOverlays(render::Overlays& overlays) {
+  ImGui::Checkbox("contacts", &overlays.contacts);
+  ImGui::SameLine();
+  ImGui::Checkbox("forces", &overlays.forces);
+  ImGui::SameLine();
+  ImGui::Checkbox("joints", &overlays.joints);
+  ImGui::SameLine();
+  ImGui::Checkbox("bounds", &overlays.bounds);
+}
+
+void drawCounts(Player& player) {
+  for (int side = 0; side < player.sides(); ++side) {
+    const StepReport& report = player.report(side);
+    if (player.sides() > 1) ImGui::Text("%s: %s", side == 0 ? "left" : "right", player.label(side).c_str());
+    else ImGui::Text("%s", player.label(side).c_str());
+    ImGui::Text("%zu bodies, %d contact points", player.world(side).bodies().size(), report.contacts + report.vertexContacts);
+    ImGui::Text("%d colours, %.2f ms a step", report.colors, report.totalMs);
+    if (!player.world(side).firstDifference().empty()) ImGui::TextWrapped("differs: %s", player.world(side).firstDifference().c_str());
+  }
+}
+
+void drawScenePanel(Desk& desk, Show& show) {
+  ImGui::SetNextWindowPos({kMargin, kMargin}, ImGuiCond_Once);
+  ImGui::Begin("Scene", nullptr, kPlain);
+  ImGui::Text("%s", show.title().c_str());
+  ImGui::Text("%.2f s, step %lld, %s", show.time(), static_cast<long long>(show.now()), show.paused ? "paused" : "running");
+  if (show.live()) drawCounts(*show.live());
+  else if (const auto* film = dynamic_cast<const Playback*>(&show))
+    ImGui::Text("frame %d of %d%s", film->frame() + 1, film->frames(), film->complete() ? "" : ", the run was cut off");
+  drawButtons(desk, show);
+  auto speed = static_cast<float>(show.speed);
+  ImGui::SetNextItemWidth(120);
+  if (ImGui::SliderFloat("speed", &speed, .02f, 4, "%.2f", ImGuiSliderFlags_Logarithmic)) show.speed = static_cast<double>(speed);
+  drawColors(desk, show);
+  if (show.live()) drawOverlays(desk.overlays);
+  if (!desk.message.empty()) {
+    ImGui::PushTextWrapPos(340);
+    ImGui::TextColored({.75f, .1f, .05f, 1}, "%s", desk.message.c_str());
+    ImGui::PopTextWrapPos();
+  }
+  ImGui::TextDisabled("? for the keys");
   ImGui::End();
 }
 
 void drawHelp(Desk& desk) {
   if (!desk.showHelp) return;
-  ImGui::SetNextWindowPos({kMargin, ImGui::GetIO().DisplaySize.y - kMargin}, ImGuiCond_Always, {0, 1});
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {.5f, .5f});
   ImGui::Begin("Keys", &desk.showHelp, kPlain);
   ImGui::TextUnformatted(
-      "left drag     pull a body; beside bodies: turn the camera\n"
-      "right drag    turn the camera      middle drag   move it\n"
-      "wheel         zoom                 click         select a body\n"
-      "Space         pause, go on         N             one step\n"
-      "R             restart              B             shoot a ball at the mouse\n"
-      "P             pick a scene         PgUp, PgDn    previous, next scene\n"
-      "- +           slower, faster       C             colour by body, speed\n"
-      "F             show everything      Esc           nothing selected\n"
-      "?             these keys           Ctrl Q        close");
+      "left drag     pull a body or vertex; beside them: turn the camera\n"
+      "right drag    turn the camera          middle drag   move it\n"
+      "wheel         zoom                     click         select a body, joint (with 3) or vertex\n"
+      "Space         pause, go on             N, Right      one step\n"
+      "Left          one step back            Home, End     to the start, to the last step\n"
+      "R             restart                  - +           slower, faster\n"
+      "B             shoot a ball             X             drop a box where the mouse is\n"
+      "P             pick a scene             PgUp, PgDn    previous, next scene\n"
+      "C, Shift C    next, previous colouring\n"
+      "1 2 3 4       contacts, forces, frames of joints, bounds\n"
+      "G             plots of times, energy and residuals\n"
+      "T             arguments of the scene and parameters\n"
+      "J             next joint\n"
+      "F             show the selection, or everything\n"
+      "Esc           nothing selected         ?             these keys\n"
+      "Ctrl Q        close");
   ImGui::End();
 }
 
-std::string drawPicker(Desk& desk, const std::vector<std::string>& scenes) {
-  if (!desk.showPicker) return "";
+void drawPicker(Desk& desk, const std::vector<std::string>& scenes) {
+  if (!desk.showPicker) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y * .2f}, ImGuiCond_Always, {.5f, 0});
   ImGui::SetNextWindowSize({420, 380}, ImGuiCond_Always);
@@ -128,17 +140,72 @@ std::string drawPicker(Desk& desk, const std::vector<std::string>& scenes) {
   if (desk.takeChoice && last >= 0) chosen = scenes[found[static_cast<std::size_t>(desk.choice)]];
   desk.takeChoice = false;
   ImGui::End();
-  if (!chosen.empty()) desk.showPicker = false;
-  return chosen;
+  if (chosen.empty()) return;
+  desk.showPicker = false;
+  desk.wanted = Request{chosen, {}, ""};
+}
+
+/// Marks under the slider: where snapshots are, and where the branch began.
+void drawMarks(const Player& player, const ImVec2& corner, float width) {
+  const auto at = [&](std::int64_t step) {
+    return corner.x + width * static_cast<float>(step) / static_cast<float>(std::max<std::int64_t>(1, player.last()));
+  };
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  const Branch& branch = player.history().branch();
+  for (const auto& [step, worlds] : branch.moments)
+    if (step <= player.last()) draw->AddLine({at(step), corner.y}, {at(step), corner.y + 4}, IM_COL32(90, 110, 140, 255));
+  for (const Input& input : branch.inputs) draw->AddLine({at(input.step), corner.y}, {at(input.step), corner.y + 7}, IM_COL32(200, 110, 20, 255));
+  if (branch.parent >= 0) draw->AddLine({at(branch.begins), corner.y}, {at(branch.begins), corner.y + 10}, IM_COL32(200, 30, 30, 255), 2);
 }
 
 }  // namespace
 
-std::string drawPanels(Desk& desk, Player& player, const std::vector<std::string>& scenes) {
-  drawScenePanel(desk, player);
-  drawInspector(desk, player);
+void drawTimeline(Desk& desk, Show& show) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({size.x / 2, size.y - kMargin}, ImGuiCond_Always, {.5f, 1});
+  ImGui::SetNextWindowSize({std::min(size.x - 2 * kMargin, 900.f), 0});
+  ImGui::Begin("Timeline", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoFocusOnAppearing);
+  auto now = static_cast<int>(show.now());
+  const auto last = static_cast<int>(std::max<std::int64_t>(1, show.last()));
+  const bool branches = show.live() && show.live()->history().branches().size() > 1;
+  const float width = ImGui::GetContentRegionAvail().x - (branches ? 140.f : 0.f);
+  const ImVec2 corner = ImGui::GetCursorScreenPos();
+  ImGui::SetNextItemWidth(width);
+  if (ImGui::SliderInt("##step", &now, 0, last, "step %d")) show.paused = true, show.seek(now);
+  if (branches) {
+    Player& player = *show.live();
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::BeginCombo("##branch", player.history().branch().name.c_str())) {
+      for (std::size_t i = 0; i < player.history().branches().size(); ++i) {
+        const Branch& branch = player.history().branches()[i];
+        char label[96];
+        std::snprintf(label, sizeof label, "%s: from %lld to %lld", branch.name.c_str(), static_cast<long long>(branch.begins),
+                      static_cast<long long>(branch.last));
+        if (ImGui::Selectable(label, static_cast<int>(i) == player.history().current())) player.choose(static_cast<int>(i)), desk.selection = {};
+      }
+      ImGui::EndCombo();
+    }
+  }
+  if (show.live()) {
+    drawMarks(*show.live(), {corner.x, ImGui::GetCursorScreenPos().y - 3}, width);
+    ImGui::Dummy({0, 5});
+  }
+  ImGui::End();
+}
+
+void drawPanels(Desk& desk, Show& show, const std::vector<std::string>& scenes) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  if (show.sides() == 2) ImGui::GetBackgroundDrawList()->AddLine({size.x / 2, 0}, {size.x / 2, size.y}, IM_COL32(250, 250, 250, 255), 3);
+  drawScenePanel(desk, show);
+  if (Player* player = show.live()) {
+    drawInspector(desk, *player);
+    if (desk.showPlots) drawPlots(desk, *player);
+    if (desk.showSettings) drawSettings(desk, *player);
+  }
+  drawTimeline(desk, show);
   drawHelp(desk);
-  return drawPicker(desk, scenes);
+  drawPicker(desk, scenes);
 }
 
 }  // namespace rubble::viewer

@@ -2,86 +2,135 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace rubble::viewer {
 namespace {
 
-constexpr int kMostStepsAFrame = 4;
-constexpr std::size_t kTimesKept = 240;
-/// The grip holds a body as a spring of this frequency would [Hz].
-constexpr double kGripFrequency = 3;
-constexpr double kBallSize = 2, kBallDensity = 4000, kBallSpeed = 25;  // of a body's half size [1], [kg/m3], [m/s]
+constexpr std::size_t kPastKept = 240;  // steps
+
+std::vector<Snapshot> snapshotsOf(const std::vector<std::unique_ptr<scenes::Runner>>& runners) {
+  std::vector<Snapshot> out;
+  for (const auto& runner : runners) out.push_back(runner->world().snapshot());
+  return out;
+}
 
 }  // namespace
 
-void Player::open(const std::string& scene) {
-  Opened opened = opener_(scene);
-  auto runner = std::make_unique<scenes::Runner>(std::move(opened.job), opened.world);
-  runner_ = std::move(runner);
-  scene_ = scene;
-  title_ = opened.title;
-  report_ = {};
-  stepTimes_.clear();
-  due_ = 0;
-  held_.reset();
-  gripJoint_.reset();
+Player::Player(const Opener& opener, const Request& request, int sides) : request_(request) {
+  std::size_t bytes = 0;
+  for (int side = 0; side < sides; ++side) {
+    Opened opened = opener(request, side);
+    runners_.push_back(std::make_unique<scenes::Runner>(std::move(opened.job), opened.world));
+    labels_.push_back(opened.label);
+    bytes += runners_.back()->world().memoryBytes();
+    if (side > 0) continue;
+    title_ = opened.title;
+    backend_ = opened.world.backend;
+    arguments_ = std::move(opened.arguments);
+  }
+  reports_.resize(runners_.size());
+  history_.begin(snapshotsOf(runners_), bytes);
 }
 
-void Player::step() {
-  report_ = runner_->step();
-  stepTimes_.push_back(static_cast<float>(report_.totalMs));
-  if (stepTimes_.size() > kTimesKept) stepTimes_.erase(stepTimes_.begin());
-  if (held_ && !world().alive(*held_)) release();
+void Player::measure() {
+  const StepReport& report = reports_.front();
+  Past past{now(), report.totalMs, report.stages, 0, 0, 0};
+  if (measureEnergy) {
+    const Quality quality = world().quality();
+    past.kinetic = quality.kineticEnergy, past.potential = quality.potentialEnergy;
+    past.error = std::max(quality.penetration.max, quality.jointGapMax);
+  }
+  if (past_.size() >= kPastKept) past_.erase(past_.begin());
+  past_.push_back(std::move(past));
 }
 
-void Player::play(double seconds) {
-  if (paused) return;
-  const double dt = world().params().dt;
-  due_ = std::min(due_ + seconds * speed, kMostStepsAFrame * dt);
-  for (; due_ >= dt; due_ -= dt) step();
+bool Player::step() {
+  applyDue();
+  for (std::size_t side = 0; side < runners_.size(); ++side) reports_[side] = runners_[side]->step();
+  history_.reached(now());
+  if (history_.wantsMoment(now())) history_.keep(now(), snapshotsOf(runners_));
+  measure();
+  return true;
+}
+
+void Player::restore(std::int64_t step) {
+  const auto& [at, worlds] = history_.before(step);
+  for (std::size_t side = 0; side < runners_.size(); ++side) {
+    runners_[side]->world().restore(worlds[side]);
+    runners_[side]->rewound();
+  }
+  history_.rewound(at);
+  past_.clear();
+}
+
+void Player::seek(std::int64_t step) {
+  const std::int64_t wanted = std::clamp<std::int64_t>(step, 0, last());
+  if (wanted < now() || history_.before(wanted).first > now()) restore(wanted);
+  while (now() < wanted) this->step();
+  // What was done at the end of a branch, after its last step.
+  if (now() == last()) applyDue();
+}
+
+void Player::choose(int branch) {
+  if (branch == history_.current() || branch < 0 || branch >= static_cast<int>(history_.branches().size())) return;
+  history_.choose(branch);
+  restore(last());
+  seek(last());
+}
+
+void Player::applyDue() {
+  while (const Input* input = history_.due(now()))
+    for (const auto& runner : runners_) input->apply(runner->world());
+}
+
+void Player::apply(const std::string& what, std::function<void(World&)> change, bool replaces) {
+  for (const auto& runner : runners_) change(runner->world());
+  history_.add({now(), what, std::move(change)}, replaces);
+}
+
+void Player::changeParams(const std::string& what, std::function<void(Params&)> change) {
+  apply(
+      what,
+      [change](World& world) {
+        Params params = world.params();
+        change(params);
+        world.setParams(params);
+      },
+      true);
 }
 
 std::optional<BodyId> Player::bodyWithKey(std::uint32_t key) const {
-  for (const BodyId id : runner_->world().bodies())
+  for (const BodyId id : runners_.front()->world().bodies())
     if (static_cast<std::uint32_t>(id.index) == key) return id;
   return std::nullopt;
 }
 
-BodyId Player::shoot(const Vec3& from, const Vec3& direction, double bodySize) {
-  BodyDef ball;
-  ball.name = "shot";
-  ball.shape = Shape::sphere(kBallSize * bodySize);
-  ball.density = kBallDensity;
-  ball.position = from;
-  ball.velocity = direction * kBallSpeed;
-  return world().add(ball);
-}
-
-bool Player::grab(BodyId body, const Vec3& point) {
-  release();
-  if (world().definition(body).motion != Motion::Dynamic) return false;
-  const BodyState state = world().state(body);
-  const double rate = 2 * std::numbers::pi * kGripFrequency;
-  grip_ = {};
-  grip_.anchorA = rotateInverse(state.orientation, point - state.position);
-  grip_.stiffness = world().massOf(body).mass * rate * rate;
-  held_ = body;
-  pull(point);
-  return true;
-}
-
-void Player::pull(const Vec3& point) {
-  if (!held_) return;
-  if (gripJoint_ && world().alive(*gripJoint_)) world().remove(*gripJoint_);
-  grip_.anchorB = point;
-  gripJoint_ = world().addJoint(grip_, *held_, BodyId{});
-}
-
-void Player::release() {
-  if (gripJoint_ && world().alive(*gripJoint_)) world().remove(*gripJoint_);
-  gripJoint_.reset();
-  held_.reset();
+std::vector<IterationError> iterationErrors(World& world) {
+  const auto places = [&] {
+    std::vector<Vec3> out;
+    for (const BodyId id : world.bodies()) out.push_back(world.state(id).position);
+    for (const SoftId id : world.deformables())
+      for (const Vec3& p : world.positions(id)) out.push_back(p);
+    return out;
+  };
+  const Snapshot present = world.snapshot();
+  const Params params = world.params();
+  std::vector<IterationError> errors;
+  std::vector<Vec3> before;
+  for (int iterations = 1; iterations <= params.iterations; ++iterations) {
+    Params fewer = params;
+    fewer.iterations = iterations;
+    world.setParams(fewer);
+    world.step();
+    const Quality quality = world.quality();
+    IterationError& error = errors.emplace_back();
+    error.error = std::max(quality.penetration.max, quality.jointGapMax);
+    std::vector<Vec3> now = places();
+    for (std::size_t i = 0; i < before.size(); ++i) error.change = std::max(error.change, length(now[i] - before[i]));
+    before = std::move(now);
+    world.restore(present);
+  }
+  return errors;
 }
 
 }  // namespace rubble::viewer

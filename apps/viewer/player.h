@@ -1,67 +1,106 @@
 #pragma once
-/// A scene that runs in the viewer, and what the mouse does to it.
+/// A scene that runs in the viewer, or two that are compared, and what is done to them.
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "io/picture.h"
-#include "scenes/registry.h"
+#include "apps/viewer/history.h"
+#include "apps/viewer/show.h"
 
 namespace rubble::viewer {
 
+/// What is asked to be shown.
+struct Request {
+  std::string scene;            ///< a name, or a file
+  scenes::Arguments arguments;  ///< that differ from the usual ones
+  std::string backend;          ///< "": the usual one
+};
 /// A scene, ready to run.
 struct Opened {
   std::string title;
+  std::string label;  ///< of one side: "cpu, 4 iterations"
   scenes::Job job;
   WorldOptions world;
+  std::vector<scenes::Argument> arguments = {};  ///< that the scene can be built with, with the values that it has
 };
-/// Opens a scene by name or file; throws Error if there is none.
-using Opener = std::function<Opened(const std::string&)>;
+/// Opens the scene of a side; throws Error if there is none.
+using Opener = std::function<Opened(const Request&, int side)>;
 
-class Player {
+/// What a step said of itself, to be plotted.
+struct Past {
+  std::int64_t step = 0;
+  double totalMs = 0;
+  std::vector<StageTime> stages;
+  double kinetic = 0, potential = 0;  ///< [J]; measured if asked for
+  double error = 0;                   ///< largest penetration or gap [m]
+};
+
+class Player final : public Show {
  public:
-  explicit Player(Opener opener) : opener_(std::move(opener)) {}
+  /// Throws Error if the scene cannot be opened.
+  Player(const Opener& opener, const Request& request, int sides = 1);
 
-  /// Throws Error and keeps the present scene if it cannot be opened.
-  void open(const std::string& scene);
-  void restart() { open(scene_); }
-  /// Takes the steps that are due after `seconds` of wall clock; at most a few, so that a slow scene becomes slow motion.
-  void play(double seconds);
-  void step();
+  Player* live() override { return this; }
+  const std::string& title() const override { return title_; }
+  int sides() const override { return static_cast<int>(runners_.size()); }
+  std::string label(int side) const override { return labels_[static_cast<std::size_t>(side)]; }
+  std::vector<io::PictureBody> bodies(int side, io::ColorBy colorBy) override { return io::pictureBodies(world(side), colorBy); }
+  std::vector<io::PictureBody> framed() override { return io::pictureBodies(job().scene, true); }
+  Vec3 gravity() const override { return runners_.front()->world().gravity(); }
+  scenes::Camera camera() const override { return runners_.front()->job().camera; }
+  double time() const override { return runners_.front()->world().time(); }
+  double dt() const override { return runners_.front()->world().params().dt; }
+  std::int64_t now() const override { return runners_.front()->world().stepCount(); }
+  std::int64_t last() const override { return history_.branch().last; }
+  bool step() override;
+  void seek(std::int64_t step) override;
+  /// Goes on with another branch, at its end.
+  void choose(int branch);
 
-  World& world() { return runner_->world(); }
-  const scenes::Job& job() const { return runner_->job(); }
-  const std::string& scene() const { return scene_; }
-  const std::string& title() const { return title_; }
-  const StepReport& report() const { return report_; }
-  const std::vector<float>& stepTimes() const { return stepTimes_; }  ///< the last ones [ms]
+  World& world(int side = 0) { return runners_[static_cast<std::size_t>(side)]->world(); }
+  const scenes::Job& job() const { return runners_.front()->job(); }
+  const Request& request() const { return request_; }
+  const std::string& backend() const { return backend_; }
+  const std::vector<scenes::Argument>& arguments() const { return arguments_; }
+  const History& history() const { return history_; }
+  const StepReport& report(int side = 0) const { return reports_[static_cast<std::size_t>(side)]; }
+  const std::vector<Past>& past() const { return past_; }
+  bool measureEnergy = false;
+
+  /// Does something to all worlds, and remembers it as part of the branch. `replaces`: an input of the same name in the same step.
+  void apply(const std::string& what, std::function<void(World&)> change, bool replaces = false);
+  /// Changes parameters of all worlds.
+  void changeParams(const std::string& what, std::function<void(Params&)> change);
+  /// Another one each time: for names.
+  int nextNumber() { return ++numbers_; }
   std::optional<BodyId> bodyWithKey(std::uint32_t key) const;
 
-  /// A ball from a point along a unit direction, a little larger and several times as dense as what the scene is made of.
-  BodyId shoot(const Vec3& from, const Vec3& direction, double bodySize);
-
-  /// Takes hold of a body at a point of the world with a ball joint of finite stiffness; bodies that do not move are left alone.
-  bool grab(BodyId body, const Vec3& point);
-  /// Pulls the held point here.
-  void pull(const Vec3& point);
-  void release();
-  std::optional<BodyId> held() const { return held_; }
-
-  bool paused = false;
-  double speed = 1;  ///< seconds of the scene in a second
-
  private:
-  Opener opener_;
-  std::unique_ptr<scenes::Runner> runner_;
-  std::string scene_, title_;
-  StepReport report_;
-  std::vector<float> stepTimes_;
-  double due_ = 0;  ///< [s] of the scene
-  std::optional<BodyId> held_;
-  JointDef grip_;
-  std::optional<JointId> gripJoint_;
+  void measure();
+  /// To the moment at or before a step.
+  void restore(std::int64_t step);
+  /// What was done to this step before, and is not done yet.
+  void applyDue();
+
+  std::vector<std::unique_ptr<scenes::Runner>> runners_;
+  std::vector<std::string> labels_;
+  std::string title_, backend_;
+  Request request_;
+  std::vector<scenes::Argument> arguments_;
+  History history_;
+  std::vector<StepReport> reports_;
+  std::vector<Past> past_;
+  int numbers_ = 0;
 };
+
+/// How the next step converges: after 1, 2, ... iterations.
+struct IterationError {
+  double error = 0;   ///< largest penetration or gap of a joint [m]
+  double change = 0;  ///< farthest that a body or vertex lies from where one iteration less leaves it [m]
+};
+/// Takes the next step with ever more iterations, each from the present state, which is as before afterwards.
+std::vector<IterationError> iterationErrors(World& world);
 
 }  // namespace rubble::viewer

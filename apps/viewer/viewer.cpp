@@ -7,19 +7,18 @@
 
 #include <epoxy/gl.h>
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
 #include <imgui/backends/imgui_impl_glfw.h>
 #include <imgui/backends/imgui_impl_opengl3.h>
 #include <imgui/imgui.h>
 
 #include <rubble/error.h>
 
-#include "apps/viewer/orbit.h"
-#include "apps/viewer/panels.h"
-#include "io/json_text.h"
-#include "io/scene_json.h"
-#include "render/stage.h"
+#include "apps/viewer/hand.h"
+#include "apps/viewer/playback.h"
+#include "apps/viewer/scene_view.h"
+#include "apps/viewer/state_file.h"
+#include "apps/viewer/window.h"
+#include "io/picture_values.h"
 
 namespace rubble::viewer {
 namespace {
@@ -28,73 +27,24 @@ namespace {
 constexpr double kClick = 4;
 constexpr double kZoomStep = 1.12, kSpeedStep = 1.5;
 
-class Window {
- public:
-  Window(int width, int height) {
-    if (!glfwInit()) throw Error("view", "a display (X11 or Wayland)", "none; 'rubble render' needs none");
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 1);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-    handle_ = glfwCreateWindow(width, height, "Rubble", nullptr, nullptr);
-    if (!handle_) {
-      glfwTerminate();
-      throw Error("view", "a window with OpenGL 4.1", "none");
-    }
-    glfwMakeContextCurrent(handle_);
-    glfwSwapInterval(1);
-  }
-  ~Window() {
-    glfwDestroyWindow(handle_);
-    glfwTerminate();
-  }
-  Window(const Window&) = delete;
-  Window& operator=(const Window&) = delete;
-  GLFWwindow* handle() const { return handle_; }
-
- private:
-  GLFWwindow* handle_;
-};
-
-class Panels {
- public:
-  explicit Panels(GLFWwindow* window) {
-    ImGui::CreateContext();
-    ImGui::GetIO().IniFilename = nullptr;
-    ImGui::StyleColorsLight();
-    ImGui::GetStyle().WindowRounding = 6;
-    ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = .88f;
-    ImGui_ImplGlfw_InitForOpenGL(window, true);
-    ImGui_ImplOpenGL3_Init("#version 410 core");
-  }
-  ~Panels() {
-    ImGui_ImplOpenGL3_Shutdown();
-    ImGui_ImplGlfw_Shutdown();
-    ImGui::DestroyContext();
-  }
-  Panels(const Panels&) = delete;
-  Panels& operator=(const Panels&) = delete;
-};
-
 class Viewer {
  public:
-  explicit Viewer(const ViewerOptions& options) : options_(options), window_(options.width, options.height), player_(options.open) {
+  static Viewer* viewerOf(GLFWwindow* window) { return static_cast<Viewer*>(glfwGetWindowUserPointer(window)); }
+
+  explicit Viewer(const ViewerOptions& options) : options_(options), window_(options.width, options.height) {
     glfwSetWindowUserPointer(window_.handle(), this);
     glfwSetKeyCallback(window_.handle(), [](GLFWwindow* w, int key, int, int action, int modifiers) {
-      if (key == GLFW_KEY_Q && modifiers == GLFW_MOD_CONTROL)
-        glfwSetWindowShouldClose(w, GLFW_TRUE);
-      else if (action != GLFW_RELEASE)
-        static_cast<Viewer*>(glfwGetWindowUserPointer(w))->key(key);
+      if (key == GLFW_KEY_Q && modifiers == GLFW_MOD_CONTROL) glfwSetWindowShouldClose(w, GLFW_TRUE);
+      else if (action != GLFW_RELEASE) viewerOf(w)->guarded([&] { viewerOf(w)->key(key, (modifiers & GLFW_MOD_SHIFT) != 0); });
     });
-    glfwSetCharCallback(window_.handle(),
-                        [](GLFWwindow* w, unsigned letter) { static_cast<Viewer*>(glfwGetWindowUserPointer(w))->letter(letter); });
+    glfwSetCharCallback(window_.handle(), [](GLFWwindow* w, unsigned letter) { viewerOf(w)->letter(letter); });
     glfwSetDropCallback(window_.handle(), [](GLFWwindow* w, int count, const char** files) {
-      if (count > 0) static_cast<Viewer*>(glfwGetWindowUserPointer(w))->open(files[0]);
+      if (count > 0) viewerOf(w)->open({files[0], {}, ""});
     });
-    // Dear ImGui chains to the callbacks that were there before it.
-    panels_ = std::make_unique<Panels>(window_.handle());
-    player_.open(options.scene);
-    begin();
+    panels_ = std::make_unique<PanelContext>(window_.handle());
+    show_ = showOf(options.first);
+    request_ = options.first;
+    view_.begin(*show_, options.width, options.height);
   }
 
   void run() {
@@ -103,51 +53,84 @@ class Viewer {
     while (!glfwWindowShouldClose(window_.handle()) && (options_.frames == 0 || frame < options_.frames)) {
       glfwPollEvents();
       const double now = glfwGetTime();
-      player_.play(now - before);
+      guarded([&] { show_->play(now - before); });
       before = now;
       draw();
       ++frame;
-      if (!options_.stateFile.empty()) writeState(frame);
+      if (!options_.stateFile.empty())
+        replaceText(options_.stateFile, stateText(frame, *show_, request_.scene, desk_, view_.orbit, hand_.holds()));
     }
     if (!options_.screenshot.empty()) io::writePng(screen_, options_.screenshot);
   }
 
  private:
-  void begin() {
-    const scenes::Job& job = player_.job();
-    const std::vector<io::PictureBody> bodies = io::pictureBodies(player_.world());
-    io::PictureSettings settings;
-    settings.width = options_.width;
-    settings.height = options_.height;
-    settings.fieldOfView = .5;
-    io::frameBodies(io::pictureBodies(job.scene, true), job.scene.gravity, settings, {job.camera.target - job.camera.eye, .2});
-    orbit_ = Orbit({settings.eye, settings.target, settings.up, settings.fieldOfView});
-    stage_ = std::make_unique<render::Stage>(bodies, job.scene.gravity, orbit_.camera(), options_.width, options_.height);
-    keys_.clear();
-    desk_.selected.reset();
-    pressed_ = false;
-  }
-
-  void open(const std::string& scene) {
+  /// A fault stops the show and is said in the window.
+  template <class Work>
+  void guarded(Work&& work) {
     try {
-      player_.open(scene);
-      desk_.message.clear();
-      begin();
+      work();
     } catch (const Error& error) {
       desk_.message = error.what();
+      show_->paused = true;
     }
   }
 
-  void openNeighbour(int by) {
-    const auto at = std::find(options_.scenes.begin(), options_.scenes.end(), player_.scene());
-    if (at == options_.scenes.end()) return;
-    const auto count = static_cast<int>(options_.scenes.size());
-    const int index = (static_cast<int>(at - options_.scenes.begin()) + by + count) % count;
-    open(options_.scenes[static_cast<std::size_t>(index)]);
+  std::unique_ptr<Show> showOf(const Request& request) const {
+    if (std::filesystem::path(request.scene).extension() == ".rubble") return std::make_unique<Playback>(request.scene);
+    return std::make_unique<Player>(options_.open, request, options_.sides);
   }
 
-  void key(int key) {
-    if (key == GLFW_KEY_ESCAPE) desk_.selected.reset(), desk_.showPicker = false;
+  /// Shows something else; keeps the present show, and says why, if that cannot be opened.
+  void open(const Request& request) {
+    guarded([&] {
+      std::unique_ptr<Show> next = showOf(request);
+      const bool sameScene = request.scene == request_.scene;
+      next->speed = show_->speed;
+      next->paused = sameScene && show_->paused;
+      hand_.forget();
+      show_ = std::move(next);
+      request_ = request;
+      desk_.message.clear();
+      desk_.selection = {};
+      desk_.iterations.clear();
+      desk_.iterationsOf = -1;
+      if (!show_->live() && !io::knownWithoutWorld(desk_.colorBy)) desk_.colorBy = io::ColorBy::Body;
+      const Orbit orbit = view_.orbit;
+      view_.begin(*show_, width_, height_);
+      if (sameScene) view_.orbit = orbit;
+    });
+  }
+
+  void openNeighbour(int by) {
+    const auto at = std::find(options_.scenes.begin(), options_.scenes.end(), request_.scene);
+    const auto count = static_cast<int>(options_.scenes.size());
+    if (count == 0) return;
+    const int from = at == options_.scenes.end() ? (by > 0 ? -1 : 0) : static_cast<int>(at - options_.scenes.begin());
+    open({options_.scenes[static_cast<std::size_t>((from + by + count) % count)], {}, request_.backend});
+  }
+
+  void nextColor(int by) {
+    const int count = static_cast<int>(io::quantities().size());
+    do desk_.colorBy = static_cast<io::ColorBy>((static_cast<int>(desk_.colorBy) + by + count) % count);
+    while (!show_->live() && !io::knownWithoutWorld(desk_.colorBy));
+  }
+
+  void nextJoint(Player& player) {
+    const std::vector<JointId> joints = player.world().joints();
+    if (joints.empty()) return;
+    auto at = desk_.selection.joint ? std::find(joints.begin(), joints.end(), *desk_.selection.joint) : joints.end();
+    if (at != joints.end()) ++at;
+    desk_.selection = {std::nullopt, at == joints.end() ? joints.front() : *at, std::nullopt, -1};
+  }
+
+  void seek(std::int64_t step) {
+    if (show_->live()) hand_.forget();
+    show_->paused = true;
+    show_->seek(step);
+  }
+
+  void key(int key, bool shift) {
+    if (key == GLFW_KEY_ESCAPE) desk_.selection = {}, desk_.showPicker = false;
     if (desk_.showPicker) {
       // Here and not from Dear ImGui, which does not see a key that goes down and up within one frame.
       desk_.takeChoice = desk_.takeChoice || key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
@@ -155,41 +138,42 @@ class Viewer {
     }
     if (ImGui::GetIO().WantTextInput || desk_.showPicker) return;
     switch (key) {
-      case GLFW_KEY_SPACE:
-        player_.paused = !player_.paused;
-        break;
+      case GLFW_KEY_SPACE: show_->paused = !show_->paused; return;
       case GLFW_KEY_N:
-        player_.paused = true, player_.step();
-        break;
-      case GLFW_KEY_R:
-        player_.restart(), begin();
-        break;
-      case GLFW_KEY_B:
-        shoot();
-        break;
-      case GLFW_KEY_P:
-        desk_.showPicker = desk_.focusPicker = true, openedPicker_ = true;
-        break;
-      case GLFW_KEY_PAGE_UP:
-        openNeighbour(-1);
-        break;
-      case GLFW_KEY_PAGE_DOWN:
-        openNeighbour(1);
-        break;
-      case GLFW_KEY_F:
-        begin();
-        break;
-      case GLFW_KEY_C:
-        desk_.colorBy = desk_.colorBy == io::ColorBy::Body ? io::ColorBy::Speed : io::ColorBy::Body;
-        break;
-      case GLFW_KEY_MINUS:
-        player_.speed /= kSpeedStep;
-        break;
-      case GLFW_KEY_EQUAL:
-        player_.speed *= kSpeedStep;
-        break;
-      default:
-        break;
+      case GLFW_KEY_RIGHT: show_->paused = true, show_->step(); return;
+      case GLFW_KEY_LEFT: return seek(show_->now() - 1);
+      case GLFW_KEY_HOME: return seek(0);
+      case GLFW_KEY_END: return seek(show_->last());
+      case GLFW_KEY_R: return open(request_);
+      case GLFW_KEY_P: desk_.showPicker = desk_.focusPicker = true, openedPicker_ = true; return;
+      case GLFW_KEY_PAGE_UP: return openNeighbour(-1);
+      case GLFW_KEY_PAGE_DOWN: return openNeighbour(1);
+      case GLFW_KEY_F: return view_.frame(*show_, desk_.selection);
+      case GLFW_KEY_C: return nextColor(shift ? -1 : 1);
+      case GLFW_KEY_MINUS: show_->speed /= kSpeedStep; return;
+      case GLFW_KEY_EQUAL: show_->speed *= kSpeedStep; return;
+      default: break;
+    }
+    if (show_->live()) liveKey(key, *show_->live());
+  }
+
+  void liveKey(int key, Player& player) {
+    const ImVec2 at = ImGui::GetIO().MousePos;
+    switch (key) {
+      case GLFW_KEY_B: shoot(player, view_.orbit.camera().eye, view_.ray(double{at.x}, double{at.y}), view_.bodySize()); return;
+      case GLFW_KEY_X: {
+        const Seen seen = view_.at(*show_, double{at.x}, double{at.y});
+        dropBox(player, seen.something ? seen.point : view_.orbit.camera().target, view_.bodySize());
+        return;
+      }
+      case GLFW_KEY_1: desk_.overlays.contacts = !desk_.overlays.contacts; return;
+      case GLFW_KEY_2: desk_.overlays.forces = !desk_.overlays.forces; return;
+      case GLFW_KEY_3: desk_.overlays.joints = !desk_.overlays.joints; return;
+      case GLFW_KEY_4: desk_.overlays.bounds = !desk_.overlays.bounds; return;
+      case GLFW_KEY_G: desk_.showPlots = !desk_.showPlots; return;
+      case GLFW_KEY_T: desk_.showSettings = !desk_.showSettings; return;
+      case GLFW_KEY_J: return nextJoint(player);
+      default: return;
     }
   }
 
@@ -197,54 +181,43 @@ class Viewer {
     if (letter == '?' && !ImGui::GetIO().WantTextInput) desk_.showHelp = !desk_.showHelp;
   }
 
-  double aspect() const { return static_cast<double>(width_) / height_; }
-  Vec3 rayAt(const ImVec2& mouse) const { return orbit_.ray(double{mouse.x} / width_, double{mouse.y} / height_, aspect()); }
-
-  void shoot() {
-    const ImVec2 mouse = ImGui::GetIO().MousePos;
-    player_.shoot(orbit_.camera().eye, rayAt(mouse), stage_->setting().bodySize);
-  }
-
   void mouse() {
     const ImGuiIO& io = ImGui::GetIO();
     const double dx = double{io.MouseDelta.x} / height_, dy = double{-io.MouseDelta.y} / height_;
+    const double x = double{io.MousePos.x}, y = double{io.MousePos.y};
     const bool free = !io.WantCaptureMouse;
-    if (free && io.MouseWheel != 0) orbit_.zoom(std::pow(kZoomStep, io.MouseWheel));
-    if (free && ImGui::IsMouseClicked(0)) press(io.MousePos);
+    if (free && io.MouseWheel != 0) view_.orbit.zoom(std::pow(kZoomStep, double{io.MouseWheel}));
+    if (free && ImGui::IsMouseClicked(0)) press(x, y);
     if (pressed_ && ImGui::IsMouseDown(0)) {
-      if (player_.held())
-        pull(io.MousePos);
-      else
-        orbit_.turn(dx, dy);
+      if (hand_.holds()) hand_.pull(*show_->live(), view_.pointAt(x, y, gripDepth_));
+      else view_.orbit.turn(dx, dy);
     }
     if (pressed_ && ImGui::IsMouseReleased(0)) {
       pressed_ = false;
-      player_.release();
-      if (std::hypot(io.MousePos.x - pressedAt_.x, io.MousePos.y - pressedAt_.y) < kClick) desk_.selected = under_;
+      if (show_->live()) hand_.release(*show_->live());
+      if (std::hypot(x - pressedX_, y - pressedY_) < kClick) click(x, y);
     }
-    if (free && ImGui::IsMouseDown(1)) orbit_.turn(dx, dy);
-    if (free && ImGui::IsMouseDown(2)) orbit_.pan(dx, dy);
+    if (free && ImGui::IsMouseDown(1)) view_.orbit.turn(dx, dy);
+    if (free && ImGui::IsMouseDown(2)) view_.orbit.pan(dx, dy);
   }
 
-  void press(const ImVec2& at) {
+  void press(double x, double y) {
     pressed_ = true;
-    pressedAt_ = at;
-    under_.reset();
-    const int body = stage_->renderer().bodyAt(static_cast<int>(at.x), static_cast<int>(at.y));
-    if (body < 0 || static_cast<std::size_t>(body) >= keys_.size()) return;
-    under_ = player_.bodyWithKey(keys_[static_cast<std::size_t>(body)]);
-    if (!under_) return;
-    const Vec3 point = stage_->renderer().pointAt(static_cast<int>(at.x), static_cast<int>(at.y));
-    const render::Camera camera = orbit_.camera();
-    gripDepth_ = dot(point - camera.eye, normalize(camera.target - camera.eye));
-    player_.grab(*under_, point);
+    pressedX_ = x, pressedY_ = y;
+    const Seen seen = view_.at(*show_, x, y);
+    under_ = seen.what;
+    Player* player = show_->live();
+    if (!player || !under_.any()) return;
+    gripDepth_ = view_.depthOf(seen.point);
+    if (under_.body) hand_.take(*player, *under_.body, seen.point);
+    else if (hand_.take(*player, *under_.object, under_.vertex))
+      gripDepth_ = view_.depthOf(player->world().positions(*under_.object)[static_cast<std::size_t>(under_.vertex)]);
   }
 
-  /// The held point follows the mouse in the plane that faces the camera at the depth where it was taken.
-  void pull(const ImVec2& at) {
-    const render::Camera camera = orbit_.camera();
-    const Vec3 ray = rayAt(at);
-    player_.pull(camera.eye + ray * (gripDepth_ / dot(ray, normalize(camera.target - camera.eye))));
+  void click(double x, double y) {
+    desk_.selection = under_;
+    if (!show_->live() || !desk_.overlays.joints) return;
+    if (const auto joint = view_.jointAt(*show_->live(), x, y)) desk_.selection = {std::nullopt, joint, std::nullopt, -1};
   }
 
   void draw() {
@@ -258,24 +231,19 @@ class Viewer {
       openedPicker_ = false;
     }
     ImGui::NewFrame();
-    mouse();
-    const std::string chosen = drawPanels(desk_, player_, options_.scenes);
-    if (!chosen.empty()) open(chosen);
-    const std::vector<io::PictureBody> bodies = io::pictureBodies(player_.world());
-    keys_.clear();
-    int selected = -1;
-    for (const io::PictureBody& body : bodies) {
-      if (desk_.selected && body.key == static_cast<std::uint32_t>(desk_.selected->index)) selected = static_cast<int>(keys_.size());
-      keys_.push_back(body.key);
-    }
-    stage_->setBodies(bodies, desk_.colorBy);
-    render::Renderer& renderer = stage_->renderer();
-    renderer.resize(width_, height_);
-    renderer.select(selected);
-    renderer.draw(orbit_.camera(), stage_->setting(), {});
-    renderer.show(0);
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    guarded([&] { mouse(); });
+    guarded([&] { drawPanels(desk_, *show_, options_.scenes); });
     ImGui::Render();
+    if (desk_.wanted) {
+      const Request wanted = *desk_.wanted;
+      desk_.wanted.reset();
+      open(wanted);
+    }
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glClearColor(1, 1, 1, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    guarded([&] { view_.draw(*show_, desk_, width_, height_); });
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     if (!options_.screenshot.empty()) capture();
     glfwSwapBuffers(window_.handle());
@@ -292,46 +260,19 @@ class Viewer {
                          upward.begin() + static_cast<std::ptrdiff_t>(row) * (y + 1));
   }
 
-  void writeState(int frame) {
-    nlohmann::ordered_json bodies = nlohmann::ordered_json::object();
-    int shots = 0;
-    for (const BodyId id : player_.world().bodies()) {
-      const std::string& name = player_.world().definition(id).name;
-      const Vec3 p = player_.world().state(id).position;
-      shots += name == "shot";
-      if (!name.empty()) bodies[name] = {p.x, p.y, p.z};
-    }
-    const Vec3 eye = orbit_.camera().eye;
-    const bool hasSelected = desk_.selected && player_.world().alive(*desk_.selected);
-    const std::string unfinished = options_.stateFile + ".new";
-    io::writeText(unfinished, io::prettyJson({{"frame", frame},
-                                              {"scene", player_.scene()},
-                                              {"paused", player_.paused},
-                                              {"steps", player_.world().stepCount()},
-                                              {"speed", player_.speed},
-                                              {"color_by", desk_.colorBy == io::ColorBy::Speed ? "speed" : "body"},
-                                              {"help", desk_.showHelp},
-                                              {"shots", shots},
-                                              {"selected", hasSelected ? player_.world().definition(*desk_.selected).name : ""},
-                                              {"eye", {eye.x, eye.y, eye.z}},
-                                              {"held", player_.held().has_value()},
-                                              {"bodies", bodies}}));
-    std::filesystem::rename(unfinished, options_.stateFile);
-  }
-
   ViewerOptions options_;
   Window window_;
-  Player player_;
-  std::unique_ptr<Panels> panels_;
-  std::unique_ptr<render::Stage> stage_;
-  Orbit orbit_;
+  std::unique_ptr<PanelContext> panels_;
+  std::unique_ptr<Show> show_;
+  Request request_;
+  SceneView view_;
+  Hand hand_;
   Desk desk_;
-  std::vector<std::uint32_t> keys_;  ///< of the bodies as they are drawn
   int width_ = 1, height_ = 1;
   bool pressed_ = false, openedPicker_ = false;
-  ImVec2 pressedAt_;
-  std::optional<BodyId> under_;
-  double gripDepth_ = 0;  ///< view depth of the held point [m]
+  double pressedX_ = 0, pressedY_ = 0;  ///< [pixels]
+  Selection under_;                     ///< the press
+  double gripDepth_ = 0;                ///< view depth of the held point [m]
   io::Image screen_;
 };
 

@@ -8,9 +8,10 @@
 namespace rubble::viewer {
 
 struct ViewerOptions {
-  std::string scene;
+  Request first;                    ///< a scene, a scene file or a recording
   std::vector<std::string> scenes;  ///< what the picker offers
   Opener open;
+  int sides = 1;                    ///< 2: two runs of the scene side by side
   int width = 1280, height = 720;
   int frames = 0;          ///< closes after so many frames; 0: when the user closes it
   std::string screenshot;  ///< the last frame, with its panels, goes into this PNG file

@@ -46,6 +46,13 @@ struct StepReport {
   double stageMs(const std::string& name) const;
 };
 
+/// What the solver keeps of a body or a vertex of a deformable object after the last step.
+struct SolverState {
+  int color = -1;         ///< those of one colour are solved at the same time; -1: none
+  double stiffness = 0;   ///< largest stiffness k of the rows that act on it: contacts, attachments, linear rows of joints [N/m]
+  double multiplier = 0;  ///< largest multiplier |lambda| of these rows [N]
+};
+
 struct Distribution {
   double mean = 0, p99 = 0, max = 0;
 };

@@ -155,6 +155,7 @@ class World {
   std::vector<JointId> joints() const;
   JointId findJoint(const std::string& name) const;
   const JointDef& definition(JointId id) const;
+  std::array<BodyId, 2> bodiesOf(JointId id) const;  ///< A and B; BodyId{}: the world
   JointState state(JointId id) const;
   /// Has another definition from the next step on: limits, drives, lengths, stiffnesses, frames. Its type must stay, and it keeps its bodies,
   /// its multipliers and whether it is broken. What is measured when a joint is made (a length below 0, axes of gears) stays as it was.
@@ -202,12 +203,23 @@ class World {
   bool alive(AttachmentId id) const;
   std::vector<AttachmentId> attachments() const;
   JointState state(AttachmentId id) const;  ///< gap, force on the vertices, broken
+  /// What an attachment holds together.
+  struct AttachmentEnds {
+    SoftId object;
+    SoftId otherObject;  ///< SoftId{}: no seam
+    BodyId body;         ///< BodyId{}: the world, or a seam
+    Vec3 anchor;         ///< in the frame of the body, or in the world [m]
+  };
+  AttachmentEnds endsOf(AttachmentId id) const;
   std::vector<VertexContact> vertexContacts() const;
 
   // Measures.
   Quality quality() const;
   std::vector<ContactPoint> contacts() const;
   ContactLoad contactLoad(BodyId id) const;
+  /// Of all bodies, in the order of bodies(); of the vertices of a deformable object.
+  std::vector<SolverState> solverStates() const;
+  std::vector<SolverState> solverStates(SoftId id) const;
   /// Of the last step, if WorldOptions::events is set.
   const Events& events() const;
   /// Sleeping (Params::sleeping). An edit or a push wakes a body with its island by itself.

@@ -3,11 +3,16 @@
 flat in uint slot;
 #ifdef MESH
 in vec3 normal;
+#ifdef HEAT
+in float heat;
+#endif
 #endif
 layout(location = 0) out uvec2 seen;
 
 void main() {
-#ifdef MESH
+#if defined(HEAT)
+  seen = uvec2(slot + 1u, packHeat(normalize(normal), heat));
+#elif defined(MESH)
   seen = uvec2(slot + 1u, packNormal(normalize(normal)));
 #else
   seen = uvec2(slot + 1u, 0u);

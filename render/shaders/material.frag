@@ -8,6 +8,7 @@ uniform sampler2D depths;
 uniform float pixelAngle;  // size of a pixel at view depth 1 [m]
 uniform float gridCell;    // of the lines on planes [m]
 uniform int selected;      // slot + 1, or 0
+uniform float heatStops[18];
 layout(location = 0) out vec4 color;   // square root of the albedo; finish / 8, 0 for the sky
 layout(location = 1) out vec4 shaded;  // normal; wear of the surface, which roughens it
 
@@ -42,6 +43,14 @@ float gridLines(vec2 p, float footprint) {
   fine *= 1.0 - smoothstep(0.05, 0.25, footprint / gridCell);
   coarse *= 1.0 - smoothstep(0.5, 2.5, footprint / gridCell);
   return max(0.45 * fine, coarse);
+}
+
+vec3 heatColor(float heat) {
+  float at = heat * 5.0;
+  int stop = min(int(at), 4);
+  vec3 a = vec3(heatStops[3 * stop], heatStops[3 * stop + 1], heatStops[3 * stop + 2]);
+  vec3 b = vec3(heatStops[3 * stop + 3], heatStops[3 * stop + 4], heatStops[3 * stop + 5]);
+  return mix(a, b, at - float(stop));
 }
 
 void main() {
@@ -88,7 +97,9 @@ void main() {
     float slant = max(0.04, abs(dot(normal, normalize(ray))));
     albedo *= 1.0 - 0.30 * gridLines(local.xy, footprint / sqrt(slant)) * smoothstep(0.04, 0.16, slant);
   } else {
-    normal = unpackNormal(seen.y);
+    float heat = 0.0;
+    normal = (code & 32) != 0 ? unpackHeat(seen.y, heat) : unpackNormal(seen.y);
+    if ((code & 64) != 0) albedo = heatColor(heat);
     if (dot(normal, ray) > 0.0 && finish == kCloth) normal = -normal;
     // Sectors in two shades make rolling visible.
     if (isRound) {

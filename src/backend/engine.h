@@ -179,6 +179,8 @@ class Engine {
   virtual void step(StepReport& report) = 0;
 
   virtual Quality quality() const = 0;
+  /// By slot.
+  virtual void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const = 0;
   virtual std::vector<EngineContact> contacts() const = 0;
   virtual std::vector<EngineTouch> touches() const = 0;
   /// Slots of bodies that sleep, rising.

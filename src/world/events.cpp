@@ -116,6 +116,23 @@ std::vector<ContactPoint> World::contacts() const {
   return out;
 }
 
+std::vector<SolverState> World::solverStates() const {
+  std::vector<SolverState> bySlot, ofVertices, out;
+  impl_->engine->solverStates(bySlot, ofVertices);
+  for (const BodyId id : bodies()) out.push_back(bySlot[static_cast<std::size_t>(id.index)]);
+  return out;
+}
+
+std::vector<SolverState> World::solverStates(SoftId id) const {
+  impl_->requireAlive(id);
+  impl_->flush();
+  const SoftRange& range = impl_->registry.softs[id].range;
+  std::vector<SolverState> ofBodies, bySlot, out(static_cast<std::size_t>(vertexCount(id)));
+  impl_->engine->solverStates(ofBodies, bySlot);
+  std::copy_n(bySlot.begin() + range.vertex, out.size(), out.begin());
+  return out;
+}
+
 ContactLoad World::contactLoad(BodyId id) const {
   impl_->requireAlive(id);
   const Vec3 centre = impl_->engine->state(id.index).position;

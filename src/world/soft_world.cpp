@@ -239,6 +239,11 @@ AttachmentId World::addAttachment(const AttachmentDef& attachment, SoftId object
 void World::remove(AttachmentId id) { impl_->removeAttachment(id); }
 bool World::alive(AttachmentId id) const { return impl_->registry.attachments.alive(id); }
 std::vector<AttachmentId> World::attachments() const { return impl_->registry.attachments.ids(); }
+World::AttachmentEnds World::endsOf(AttachmentId id) const {
+  impl_->requireAlive(id);
+  const AttachmentRecord& record = impl_->registry.attachments[id];
+  return {record.object, record.otherObject, record.body, record.anchor};
+}
 JointState World::state(AttachmentId id) const {
   impl_->requireAlive(id);
   impl_->flush();

@@ -193,6 +193,10 @@ const JointDef& World::definition(JointId id) const {
   impl_->requireAlive(id);
   return impl_->registry.joints[id].def;
 }
+std::array<BodyId, 2> World::bodiesOf(JointId id) const {
+  impl_->requireAlive(id);
+  return {impl_->registry.joints[id].a, impl_->registry.joints[id].b};
+}
 void World::setDefinition(JointId id, const JointDef& joint) { impl_->redefine(id, joint); }
 void World::setTargetPosition(JointId id, int axis, double position) {
   impl_->requireAlive(id);

@@ -114,6 +114,30 @@ class Render(Case):
         self.assertEqual(len(pictures), 8)
         self.refused("render", self.scene(), "-o", self.path("c.png"), "--camera", "moon", says="corner")
 
+    def test_colours_and_lines_tell_of_the_world(self):
+        pictures = set()
+        for option in [[], ["--color-by", "multiplier"], ["--color-by", "island"], ["--color-by", "multiplier", "--color-max", "1e9"],
+                       ["--show", "contacts"], ["--show", "contacts,forces"], ["--show", "bounds"]]:
+            self.rubble("render", self.scene(), "-o", self.path("c.png"), "--size", "96x54", "--steps", "20", "--samples", "1", "-q", *option)
+            pictures.add(self.content("c.png"))
+        self.assertEqual(len(pictures), 7)
+        self.refused("render", self.scene(), "-o", self.path("c.png"), "--color-by", "taste", says="--color-by")
+        self.refused("render", self.scene(), "-o", self.path("c.png"), "--show", "thoughts", says="contacts, forces, joints or bounds")
+        self.refused("render", self.scene(), "-o", self.path("c.png"), "--show", "bounds", "--renderer", "cpu", "--steps", "1", says="renderer gl")
+
+    def test_a_trajectory_has_no_forces_to_show(self):
+        recording = self.path("run.rubble")
+        self.rubble("run", self.scene(), "-q", "--steps", "2", "--record", recording)
+        self.rubble("render", recording, "-o", self.path("r.png"), "--size", "64x36", "--samples", "1", "-q", "--color-by", "speed")
+        self.refused("render", recording, "-o", self.path("r.png"), "--color-by", "multiplier", says="poses alone")
+        self.refused("render", recording, "-o", self.path("r.png"), "--show", "forces", says="poses alone")
+
+    def test_measure_can_step_before_each_frame(self):
+        done = self.rubble("render", self.scene(), "--measure", "2", "--live", "--size", "64x36", "--backend", "cpu")
+        self.assertIn("step: mean", done.stdout)
+        self.assertIn("from the host's arrays", done.stdout)
+        self.refused("render", self.scene(), "-o", self.path("r.png"), "--live", says="--measure")
+
     def test_measure_writes_nothing(self):
         before = set(os.listdir(self.folder.name)) | {"scene.json"}
         done = self.rubble("render", self.scene(), "--measure", "2", "--size", "64x36")
@@ -133,6 +157,11 @@ class Film(Case):
         environment = {**ENVIRONMENT, "PATH": self.folder.name}
         self.refused("render", "pile-510k", "-o", self.path("film.mp4"), says="apt-get install ffmpeg", environment=environment)
         self.assertFalse(os.path.exists(self.path("film.mp4")))
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg")
+    def test_a_small_picture_of_the_end(self):
+        self.rubble("render", self.scene(), "-o", self.path("end.jpg"), "--size", "65x37", "--steps", "3", "--renderer", "cpu", "-q")
+        self.assertEqual(self.content("end.jpg")[:3], b"\xff\xd8\xff")
 
     @unittest.skipUnless(shutil.which("ffmpeg"), "no ffmpeg")
     def test_a_failure_of_ffmpeg_is_reported(self):

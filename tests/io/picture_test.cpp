@@ -170,7 +170,7 @@ TEST(Picture, ABodyThrowsAShadowOnTheGround) {
 TEST(Picture, SpeedHasItsOwnColours) {
   PictureSettings settings = frontView();
   settings.colorBy = ColorBy::Speed;
-  settings.fullSpeed = 10;
+  settings.fullValue = 10;
   std::vector<PictureBody> bodies{bodyOf(Shape::box({1, 1, 1}))};
   const Color slow = at(drawPicture(bodies, settings), 100, 50);
   bodies[0].speed = 10;

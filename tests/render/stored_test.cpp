@@ -1,4 +1,5 @@
 /// Pictures of fixed scenes against stored ones. RUBBLE_UPDATE_PICTURES=1 stores them anew: look at them before they are committed.
+#include <cmath>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -36,6 +37,69 @@ Picture shapes() {
   return {"shapes", bodies, {0, 0, -9.81}, {}};
 }
 
+/// Convex shapes and what is made of them.
+Picture solids() {
+  const double g = 1.618;
+  std::vector<Vec3> points;
+  for (const double a : {-.45, .45})
+    for (const double b : {-.45 * g, .45 * g}) points.insert(points.end(), {{0, a, b}, {a, b, 0}, {b, 0, a}});
+  const Shape dumbbell = Shape::compound({{Shape::sphere(.45), {-.7, 0, 0}, {}}, {Shape::sphere(.45), {.7, 0, 0}, {}},
+                                          {Shape::cylinder(.18, .7), {0, 0, 0}, fromAxisAngle(Vec3{0, 1, 0}, 1.5708)}});
+  std::vector<io::PictureBody> bodies{bodyOf(Shape::plane()),
+                                      bodyOf(Shape::hull(points), {-2.4, 0, .73}),
+                                      bodyOf(Shape::cone(.6, .7), {-.8, .2, .7}),
+                                      bodyOf(dumbbell, {.9, -.6, .45}),
+                                      bodyOf(Shape::cylinder(.5, .6, .2), {.6, 1.3, .6}),
+                                      bodyOf(Shape::box({.5, .5, .5}, .2), {2.5, .2, .5})};
+  for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].key = static_cast<std::uint32_t>(i);
+  return {"solids", bodies, {0, 0, -9.81}, {}};
+}
+
+/// Ground over a lattice, a solid by its distances, and a mesh.
+Picture grounds() {
+  constexpr int kSide = 17;
+  std::vector<double> heights, distances;
+  for (int j = 0; j < kSide; ++j)
+    for (int i = 0; i < kSide; ++i) heights.push_back(.35 * std::sin(.7 * i) * std::cos(.5 * j));
+  for (int k = 0; k < kSide; ++k)
+    for (int j = 0; j < kSide; ++j)
+      for (int i = 0; i < kSide; ++i) {
+        const Vec3 p{-1.2 + .15 * i, -1.2 + .15 * j, -1.2 + .15 * k};
+        distances.push_back(std::hypot(std::hypot(p.x, p.y) - .7, p.z) - .28);
+      }
+  std::vector<io::PictureBody> bodies{
+      bodyOf(Shape::heightField(kSide, kSide, {.4, .4, 1}, heights), {-3.2, -3.2, 0}),
+      bodyOf(Shape::distanceField({kSide, kSide, kSide}, {-1.2, -1.2, -1.2}, .15, distances), {.3, .4, 1.3}),
+      bodyOf(Shape::mesh({{0, 0, 0}, {1.4, 0, 0}, {0, 1.4, 0}, {.3, .3, 1.5}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}), {-2.2, -1.6, .4})};
+  bodies[1].orientation = fromAxisAngle(Vec3{1, 0, 0}, 1.);
+  bodies[0].motion = Motion::Static;
+  for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].key = static_cast<std::uint32_t>(i);
+  return {"grounds", bodies, {0, 0, -9.81}, {}};
+}
+
+/// Cloth over nothing, a block of tetrahedra, a rod, a net and grains.
+Picture deformables() {
+  Scene scene;
+  ClothDef cloth = clothSheet({-2.5, -.8, 1.6}, {1.8, 0, 0}, {0, 1.8, 0}, 16, 16);
+  for (Vec3& p : cloth.vertices) p.z -= .25 * (p.x + 1.6) * (p.x + 1.6) + .1 * std::sin(5 * p.y);
+  RodDef rod = straightRod({-2.5, -1.2, .3}, {.5, -1.4, .6}, 12);
+  rod.radius = .08;
+  for (std::size_t i = 0; i < rod.vertices.size(); ++i) rod.vertices[i].z += .25 * std::sin(.6 * static_cast<double>(i));
+  NetDef net;
+  net.vertices = {{1.6, .6, .2}, {2.4, .6, .2}, {2., .6, 1.1}, {2., 1.3, .5}};
+  net.masses = {1};
+  net.contactRadius = .05;
+  for (int a = 0; a < 4; ++a)
+    for (int b = a + 1; b < 4; ++b) net.edges.push_back({a, b, 100, 0, -1});
+  ParticlesDef grains;
+  grains.radius = .12;
+  for (int i = 0; i < 20; ++i) grains.vertices.push_back({1.1 + .25 * (i % 4), -1.2 + .25 * (i / 4 % 3), .12 + .24 * (i / 12)});
+  scene.deformables = {cloth, softBox({-.3, -.4, .05}, {1, 1, 1}, {3, 3, 3}), rod, net, grains};
+  std::vector<io::PictureBody> bodies = io::pictureBodies(scene);
+  bodies.insert(bodies.begin(), bodyOf(Shape::plane()));
+  return {"deformables", bodies, scene.gravity, {}};
+}
+
 io::Image draw(const Picture& picture) {
   softwareContext();
   io::PictureSettings settings;
@@ -53,6 +117,9 @@ class StoredPicture : public testing::TestWithParam<const char*> {};
 Picture pictureNamed(const std::string& name) {
   if (name == "pile") return ofScene("pile", "pile", {{"nx", 4}, {"nz", 5}, {"levels", 10}, {"smash", 0}});
   if (name == "pyramid") return ofScene("pyramid", "pyramid", {{"base", 12}});
+  if (name == "solids") return solids();
+  if (name == "grounds") return grounds();
+  if (name == "deformables") return deformables();
   return shapes();
 }
 
@@ -66,7 +133,7 @@ TEST_P(StoredPicture, LooksAsItDid) {
   EXPECT_LE(found.largest, kLargestDifference);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, StoredPicture, testing::Values("pile", "pyramid", "shapes"),
+INSTANTIATE_TEST_SUITE_P(Scenes, StoredPicture, testing::Values("pile", "pyramid", "shapes", "solids", "grounds", "deformables"),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST(Likeness, SeesAMissingBrick) {

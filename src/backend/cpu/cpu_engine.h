@@ -61,6 +61,9 @@ class CpuEngine final : public Engine {
   bool reserve(const std::string& kind, int count) override { return reserveKind(tables(), kind, count); }
   void step(StepReport& report) override;
   Quality quality() const override { return qualityOf(tables()); }
+  void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override {
+    solverStatesOf(tables(), bodies, vertices);
+  }
   std::vector<EngineContact> contacts() const override { return contactsOf(tables()); }
   std::vector<EngineTouch> touches() const override { return touchesOf(tables()); }
   std::vector<int> sleepers() const override { return sleepersOf(tables()); }

@@ -42,6 +42,8 @@ std::vector<std::vector<int>> runOverlaps(HostTables& tables, std::span<const En
 JointState jointStateOf(const HostTables& tables, int type, int slot);
 std::vector<std::pair<int, int>> brokenJointsOf(const HostTables& tables);
 Quality qualityOf(const HostTables& tables);
+/// By slot.
+void solverStatesOf(const HostTables& tables, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices);
 
 /// Everything that lasts from step to step, as bytes; equal states give equal bytes.
 std::vector<std::byte> saveTables(const HostTables& tables);

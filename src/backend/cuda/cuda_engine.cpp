@@ -124,6 +124,9 @@ class CudaEngine final : public Engine, private PoseCopies {
   void step(StepReport& report) override;
 
   Quality quality() const override { return qualityOf(fetched()); }
+  void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override {
+    solverStatesOf(fetched(), bodies, vertices);
+  }
   std::vector<EngineContact> contacts() const override { return contactsOf(fetched()); }
   std::vector<EngineTouch> touches() const override { return touchesOf(fetched()); }
   std::vector<int> sleepers() const override { return sleepersOf(fetched()); }

@@ -103,6 +103,9 @@ class LockstepEngine final : public Engine {
     executor_.b().takeGrown();
   }
   Quality quality() const override { return qualityOf(first()); }
+  void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override {
+    solverStatesOf(first(), bodies, vertices);
+  }
   std::vector<EngineContact> contacts() const override { return contactsOf(first()); }
   std::vector<EngineTouch> touches() const override { return touchesOf(first()); }
   std::vector<int> sleepers() const override { return sleepersOf(first()); }

@@ -1,0 +1,147 @@
+/// The panels of numbers: live plots, and what can be set.
+#include <algorithm>
+#include <cmath>
+
+#include <imgui/imgui.h>
+
+#include "apps/viewer/desk.h"
+#include "apps/viewer/panel_parts.h"
+
+namespace rubble::viewer {
+namespace {
+
+const ImVec2 kPlotSize{330, 70};
+/// Stages shorter than this share of the step are added up as "rest".
+constexpr double kSmallStage = .05;
+/// The residuals of a step that runs are measured every so many steps, and in scenes of so many bodies only when they stand still.
+constexpr std::int64_t kMeasureEvery = 15;
+constexpr std::size_t kManyBodies = 3000;
+
+std::vector<Series> stageSeries(const std::vector<Past>& past) {
+  std::vector<Series> series{{"step", {}}};
+  if (past.empty()) return series;
+  for (const StageTime& stage : past.back().stages)
+    if (stage.ms > kSmallStage * past.back().totalMs) series.push_back({stage.name, {}});
+  for (const Past& p : past) {
+    series[0].values.push_back(p.totalMs);
+    for (std::size_t s = 1; s < series.size(); ++s) {
+      double ms = 0;
+      for (const StageTime& stage : p.stages)
+        if (stage.name == series[s].name) ms += stage.ms;
+      series[s].values.push_back(ms);
+    }
+  }
+  return series;
+}
+
+void measureIterations(Desk& desk, Player& player) {
+  const bool due = player.paused ? desk.iterationsOf != player.now()
+                                 : desk.iterationsOf < 0 || std::abs(player.now() - desk.iterationsOf) >= kMeasureEvery;
+  if (!desk.measureIterations || !due || (!player.paused && player.world().bodies().size() > kManyBodies)) return;
+  desk.iterations = iterationErrors(player.world());
+  desk.iterationsOf = player.now();
+}
+
+void numberOf(Player& player, const ParamField& field) {
+  double value = field.get(player.world().params());
+  ImGui::SetNextItemWidth(110);
+  bool changed = false;
+  if (std::string(field.unit) == "bool") {
+    bool on = value != 0;
+    changed = ImGui::Checkbox(field.name, &on);
+    value = on ? 1 : 0;
+  } else {
+    changed = ImGui::InputDouble(field.name, &value, 0, 0, "%.6g", ImGuiInputTextFlags_EnterReturnsTrue);
+  }
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s [%s]", field.doc, field.unit);
+  if (!changed) return;
+  const std::string name = field.name;
+  player.changeParams(name, [name, value](Params& params) { setParam(params, name, value); });
+}
+
+void drawArguments(Desk& desk, Player& player) {
+  for (const scenes::Argument& argument : player.arguments()) {
+    double value = argument.value;
+    ImGui::SetNextItemWidth(110);
+    const bool changed = ImGui::InputDouble(argument.name.c_str(), &value, 0, 0, "%.6g", ImGuiInputTextFlags_EnterReturnsTrue);
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("%s [%s], %g to %g", argument.doc.c_str(), argument.unit.c_str(), argument.min, argument.max);
+    if (!changed) continue;
+    desk.wanted = player.request();
+    desk.wanted->arguments[argument.name] = value;
+  }
+}
+
+void drawGravity(Player& player) {
+  const Vec3 gravity = player.world().gravity();
+  double g[3] = {gravity.x, gravity.y, gravity.z};
+  ImGui::SetNextItemWidth(220);
+  if (!ImGui::InputScalarN("gravity [m/s2]", ImGuiDataType_Double, g, 3, nullptr, nullptr, "%.4g", ImGuiInputTextFlags_EnterReturnsTrue)) return;
+  const Vec3 wanted{g[0], g[1], g[2]};
+  player.apply("gravity", [wanted](World& world) { world.setGravity(wanted); }, true);
+}
+
+}  // namespace
+
+void drawPlots(Desk& desk, Player& player) {
+  player.measureEnergy = true;
+  const std::vector<Past>& past = player.past();
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({kMargin, size.y - 70}, ImGuiCond_Once, {0, 1});
+  ImGui::Begin("Plots", &desk.showPlots, kPlain);
+  plot("stages", "ms", stageSeries(past), kPlotSize);
+  std::vector<Series> energy{{"kinetic", {}}, {"potential from here", {}}, {"sum", {}}};
+  Series error{"largest error", {}};
+  for (const Past& p : past) {
+    const double potential = p.potential - past.front().potential;
+    energy[0].values.push_back(p.kinetic);
+    energy[1].values.push_back(potential);
+    energy[2].values.push_back(p.kinetic + potential);
+    error.values.push_back(p.error);
+  }
+  plot("energy", "J", energy, kPlotSize);
+  plot("penetration and gaps", "m", {error}, kPlotSize);
+  ImGui::Checkbox("residuals of the next step by iteration", &desk.measureIterations);
+  measureIterations(desk, player);
+  if (desk.measureIterations && !desk.iterations.empty()) {
+    Series errors{"error", {}}, changes{"motion by the last iteration", {}};
+    for (std::size_t i = 0; i < desk.iterations.size(); ++i) {
+      errors.values.push_back(desk.iterations[i].error);
+      changes.values.push_back(i == 0 ? std::nan("") : desk.iterations[i].change);
+    }
+    plot("residual", "m", {errors, changes}, kPlotSize, true);
+  }
+  ImGui::End();
+}
+
+void drawSettings(Desk& desk, Player& player) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({size.x / 2, kMargin}, ImGuiCond_Once, {.5f, 0});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {size.x, size.y - 90});
+  ImGui::Begin("Settings", &desk.showSettings, kPlain);
+  ImGui::SetNextItemWidth(110);
+  if (ImGui::BeginCombo("backend", player.backend().c_str())) {
+    for (const std::string& backend : backends()) {
+      if (!ImGui::Selectable(backend.c_str(), backend == player.backend())) continue;
+      desk.wanted = player.request();
+      desk.wanted->backend = backend;
+    }
+    ImGui::EndCombo();
+  }
+  int iterations = player.world().params().iterations;
+  ImGui::SetNextItemWidth(110);
+  if (ImGui::SliderInt("iterations", &iterations, 1, 50))
+    player.changeParams("iterations", [iterations](Params& params) { params.iterations = std::max(1, iterations); });
+  drawGravity(player);
+  if (!player.arguments().empty() && ImGui::CollapsingHeader("Arguments of the scene (restart)", ImGuiTreeNodeFlags_DefaultOpen))
+    drawArguments(desk, player);
+  if (ImGui::CollapsingHeader("Parameters"))
+    for (const ParamField& field : paramFields()) {
+      const std::string name = field.name;
+      // Steps are what the timeline counts; the length of one is not changed on the way.
+      if (name != "dt" && name != "iterations") numberOf(player, field);
+    }
+  ImGui::End();
+}
+
+}  // namespace rubble::viewer

@@ -1,0 +1,165 @@
+#include "apps/viewer/scene_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rubble::viewer {
+namespace {
+
+/// A joint is picked within so many pixels of its anchor.
+constexpr double kJointReach = 10;
+/// A selection is looked at from so many times its size.
+constexpr double kFrameDistance = 9;
+constexpr float kSelectedWidth = 3, kSelectedDot = 9;
+constexpr std::uint32_t kSelectedColor = 0xe08a12;
+
+render::Camera cameraShowing(Show& show, int width, int height) {
+  io::PictureSettings settings;
+  settings.width = width;
+  settings.height = height;
+  settings.fieldOfView = .5;
+  const scenes::Camera own = show.camera();
+  io::frameBodies(show.framed(), show.gravity(), settings, {own.target - own.eye, .2});
+  return {settings.eye, settings.target, settings.up, settings.fieldOfView};
+}
+
+void addSelection(World& world, const Selection& selection, double size, std::vector<render::Line>& lines) {
+  if (selection.joint && world.alive(*selection.joint)) {
+    for (const int side : {0, 1}) {
+      const render::Frame frame = render::jointFrame(world, *selection.joint, side);
+      render::addFrame(frame, size, kSelectedWidth, lines);
+      lines.push_back({frame.position, frame.position, kSelectedColor, kSelectedDot});
+    }
+  }
+  if (selection.object && world.alive(*selection.object) && selection.vertex >= 0) {
+    const Vec3 p = world.positions(*selection.object)[static_cast<std::size_t>(selection.vertex)];
+    lines.push_back({p, p, kSelectedColor, kSelectedDot});
+  }
+}
+
+int nearestVertex(const World& world, SoftId object, const Vec3& point) {
+  const std::vector<Vec3> x = world.positions(object);
+  const auto nearest = std::min_element(x.begin(), x.end(), [&](const Vec3& a, const Vec3& b) { return lengthSquared(a - point) < lengthSquared(b - point); });
+  return static_cast<int>(nearest - x.begin());
+}
+
+std::optional<SoftId> objectWithKey(const World& world, std::uint32_t key) {
+  for (const SoftId id : world.deformables())
+    if (static_cast<std::uint32_t>(id.index) == (key & (io::kSoftKeys - 1)) >> io::kSoftKeyBits) return id;
+  return std::nullopt;
+}
+
+}  // namespace
+
+void SceneView::begin(Show& show, int width, int height) {
+  width_ = width, height_ = height;
+  stages_.clear();
+  // Without a GPU a window that answers is worth more than fine shadows.
+  if (render::gl::drawsInSoftware()) quality_ = {1, 1024, 2, 4};
+  const int sideWidth = std::max(1, width / show.sides());
+  orbit = Orbit(cameraShowing(show, sideWidth, height));
+  for (int side = 0; side < show.sides(); ++side)
+    stages_.push_back(std::make_unique<render::Stage>(show.bodies(side, io::ColorBy::Body), show.gravity(), orbit.camera(), sideWidth, height));
+}
+
+void SceneView::draw(Show& show, Desk& desk, int width, int height) {
+  width_ = width, height_ = height;
+  desk.fullValue = 0;
+  for (int side = 0; side < show.sides(); ++side) {
+    render::Stage& stage = *stages_[static_cast<std::size_t>(side)];
+    render::Renderer& renderer = stage.renderer();
+    Player* player = show.live();
+    if (player && desk.colorBy == io::ColorBy::Body) stage.follow(player->world(side));
+    else stage.setBodies(show.bodies(side, desk.colorBy), desk.colorBy);
+    desk.fullValue = std::max(desk.fullValue, stage.fullValue());
+    std::vector<render::Line> lines;
+    int selected = -1;
+    if (player) {
+      World& world = player->world(side);
+      if (desk.overlays.any()) lines = render::overlayLines(world, desk.overlays, stage.setting().bodySize);
+      addSelection(world, desk.selection, stage.setting().bodySize, lines);
+      if (desk.selection.body) {
+        const auto& keys = stage.keys();
+        const auto at = std::find(keys.begin(), keys.end(), static_cast<std::uint32_t>(desk.selection.body->index));
+        if (at != keys.end()) selected = static_cast<int>(at - keys.begin());
+      }
+    }
+    renderer.resize(sideWidth(), height);
+    renderer.select(selected);
+    renderer.setLines(lines);
+    renderer.draw(orbit.camera(), stage.setting(), quality_);
+    renderer.show(0, side * sideWidth());
+  }
+}
+
+double SceneView::across(double x) const { return std::fmod(x, sideWidth()) / sideWidth(); }
+
+Vec3 SceneView::ray(double x, double y) const { return orbit.ray(across(x), y / height_, aspect()); }
+
+double SceneView::depthOf(const Vec3& point) const {
+  const render::Camera camera = orbit.camera();
+  return dot(point - camera.eye, normalize(camera.target - camera.eye));
+}
+
+Vec3 SceneView::pointAt(double x, double y, double depth) const {
+  const render::Camera camera = orbit.camera();
+  const Vec3 along = ray(x, y);
+  return camera.eye + along * (depth / dot(along, normalize(camera.target - camera.eye)));
+}
+
+Seen SceneView::at(Show& show, double x, double y) const {
+  Seen seen;
+  seen.side = std::clamp(static_cast<int>(x) / sideWidth(), 0, static_cast<int>(stages_.size()) - 1);
+  render::Stage& stage = *stages_[static_cast<std::size_t>(seen.side)];
+  const int px = static_cast<int>(x) - seen.side * sideWidth(), py = static_cast<int>(y);
+  const int body = stage.renderer().bodyAt(px, py), surface = stage.renderer().surfaceAt(px, py);
+  if (body < 0 && surface < 0) return seen;
+  seen.something = true;
+  seen.point = stage.renderer().pointAt(px, py);
+  if (!show.live()) return seen;
+  World& world = show.live()->world(seen.side);
+  const std::uint32_t key = body >= 0 ? stage.keys()[static_cast<std::size_t>(body)] : stage.surfaceKeys()[static_cast<std::size_t>(surface)];
+  if (key == io::kRopeKey) return seen;
+  if (key < io::kSoftKeys) {
+    seen.what.body = show.live()->bodyWithKey(key);
+  } else if (const auto object = objectWithKey(world, key)) {
+    seen.what.object = object;
+    seen.what.vertex = nearestVertex(world, *object, seen.point);
+  }
+  return seen;
+}
+
+std::optional<JointId> SceneView::jointAt(Player& player, double x, double y) const {
+  std::optional<JointId> best;
+  double nearest = kJointReach;
+  for (const JointId id : player.world().joints()) {
+    for (const int side : {0, 1}) {
+      const auto place = orbit.place(render::jointFrame(player.world(), id, side).position, aspect());
+      if (!place) continue;
+      const double away = std::hypot((*place)[0] * sideWidth() - std::fmod(x, sideWidth()), (*place)[1] * height_ - y);
+      if (away < nearest) nearest = away, best = id;
+    }
+  }
+  return best;
+}
+
+void SceneView::frame(Show& show, const Selection& selection) {
+  Player* player = show.live();
+  if (!player || !selection.any()) {
+    orbit = Orbit(cameraShowing(show, sideWidth(), height_));
+    return;
+  }
+  World& world = player->world();
+  if (selection.body) {
+    double radius = bodySize();
+    for (const io::PictureBody& body : io::pictureBodies(world))
+      if (body.key == static_cast<std::uint32_t>(selection.body->index)) radius = io::extentAlong(body, normalize(Vec3{1, 1, 1}));
+    orbit.aim(world.state(*selection.body).position, kFrameDistance * std::max(radius, bodySize()));
+  } else if (selection.joint) {
+    orbit.aim(render::jointFrame(world, *selection.joint, 0).position, kFrameDistance * bodySize());
+  } else {
+    orbit.aim(world.positions(*selection.object)[static_cast<std::size_t>(std::max(0, selection.vertex))], kFrameDistance * bodySize());
+  }
+}
+
+}  // namespace rubble::viewer

@@ -1,0 +1,52 @@
+#pragma once
+/// The scene in the window, once or twice beside itself, and what lies under the mouse.
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "apps/viewer/desk.h"
+#include "apps/viewer/orbit.h"
+#include "render/stage.h"
+
+namespace rubble::viewer {
+
+/// What is seen at a pixel.
+struct Seen {
+  int side = 0;
+  Vec3 point;           ///< [m]
+  bool something = false;
+  Selection what;       ///< body or vertex; nothing for recordings
+};
+
+class SceneView {
+ public:
+  /// A new scene: light, colours and camera are taken from it.
+  void begin(Show& show, int width, int height);
+  /// Draws into the window.
+  void draw(Show& show, Desk& desk, int width, int height);
+
+  /// `x`, `y`: pixels from the upper left of the window.
+  Seen at(Show& show, double x, double y) const;
+  /// The joint whose anchor is seen within some pixels.
+  std::optional<JointId> jointAt(Player& player, double x, double y) const;
+  Vec3 ray(double x, double y) const;
+  /// The point of the plane through `depth` that faces the camera.
+  Vec3 pointAt(double x, double y, double depth) const;
+  double depthOf(const Vec3& point) const;
+  /// Shows the selection, or everything.
+  void frame(Show& show, const Selection& selection);
+
+  Orbit orbit;
+  double bodySize() const { return stages_.front()->setting().bodySize; }
+
+ private:
+  double aspect() const { return static_cast<double>(sideWidth()) / height_; }
+  int sideWidth() const { return std::max(1, width_ / static_cast<int>(stages_.size())); }
+  double across(double x) const;
+
+  std::vector<std::unique_ptr<render::Stage>> stages_;
+  render::Quality quality_;
+  int width_ = 1, height_ = 1;
+};
+
+}  // namespace rubble::viewer

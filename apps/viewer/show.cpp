@@ -1,0 +1,22 @@
+#include "apps/viewer/show.h"
+
+#include <algorithm>
+
+namespace rubble::viewer {
+namespace {
+
+constexpr int kMostStepsAFrame = 4;
+
+}  // namespace
+
+void Show::play(double seconds) {
+  if (paused) return;
+  due_ = std::min(due_ + seconds * speed, kMostStepsAFrame * dt());
+  for (; due_ >= dt(); due_ -= dt()) {
+    if (step()) continue;
+    paused = true;
+    return;
+  }
+}
+
+}  // namespace rubble::viewer

@@ -1,0 +1,88 @@
+#include "apps/viewer/state_file.h"
+
+#include <filesystem>
+
+#include "apps/viewer/playback.h"
+#include "io/json_text.h"
+#include "io/picture_values.h"
+#include "io/scene_json.h"
+
+namespace rubble::viewer {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Bodies of the registry's largest scenes have no names: those of few are listed.
+constexpr std::size_t kMostListed = 64;
+
+Json pointJson(const Vec3& p) { return {p.x, p.y, p.z}; }
+
+void addLive(Json& state, Player& player, const Desk& desk) {
+  World& world = player.world();
+  Json bodies = Json::object(), vertices = Json::object();
+  const std::vector<BodyId> ids = world.bodies();
+  for (std::size_t i = 0; i < ids.size() && i < kMostListed; ++i)
+    if (const std::string& name = world.definition(ids[i]).name; !name.empty()) bodies[name] = pointJson(world.state(ids[i]).position);
+  int shots = 0, dropped = 0;
+  for (const auto& [name, place] : bodies.items()) shots += name.rfind("shot ", 0) == 0, dropped += name.rfind("dropped ", 0) == 0;
+  for (const SoftId id : world.deformables()) {
+    Vec3 low = world.positions(id).front(), high = low;
+    for (const Vec3& p : world.positions(id))
+      for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
+    vertices[std::to_string(id.index)] = {pointJson(low), pointJson(high)};
+  }
+  const Selection& s = desk.selection;
+  state["backend"] = player.backend();
+  state["bodies"] = bodies;
+  state["objects"] = vertices;
+  state["shots"] = shots;
+  state["dropped"] = dropped;
+  state["selected"] = s.body && world.alive(*s.body) ? world.definition(*s.body).name : "";
+  state["selected_joint"] = s.joint && world.alive(*s.joint) ? world.definition(*s.joint).name : "";
+  state["selected_vertex"] = s.object ? s.vertex : -1;
+  state["branch"] = player.history().branch().name;
+  state["branches"] = player.history().branches().size();
+  state["moments"] = player.history().branch().moments.size();
+  state["hash"] = std::to_string(world.hash());
+  state["iterations"] = world.params().iterations;
+  state["plotted_steps"] = player.past().size();
+  state["plotted_iterations"] = desk.iterations.size();
+}
+
+}  // namespace
+
+std::string stateText(int frame, Show& show, const std::string& scene, const Desk& desk, const Orbit& orbit, bool holds) {
+  Json overlays = Json::array();
+  if (desk.overlays.contacts) overlays.push_back("contacts");
+  if (desk.overlays.forces) overlays.push_back("forces");
+  if (desk.overlays.joints) overlays.push_back("joints");
+  if (desk.overlays.bounds) overlays.push_back("bounds");
+  Json state = {{"frame", frame},
+                {"scene", scene},
+                {"title", show.title()},
+                {"sides", show.sides()},
+                {"paused", show.paused},
+                {"steps", show.now()},
+                {"last", show.last()},
+                {"speed", show.speed},
+                {"color_by", io::quantity(desk.colorBy).key},
+                {"full_value", desk.fullValue},
+                {"overlays", overlays},
+                {"help", desk.showHelp},
+                {"plots", desk.showPlots},
+                {"settings", desk.showSettings},
+                {"message", desk.message},
+                {"eye", pointJson(orbit.camera().eye)},
+                {"held", holds},
+                {"recording", show.live() == nullptr}};
+  if (show.live()) addLive(state, *show.live(), desk);
+  return io::prettyJson(state);
+}
+
+void replaceText(const std::string& file, const std::string& text) {
+  const std::string unfinished = file + ".new";
+  io::writeText(unfinished, text);
+  std::filesystem::rename(unfinished, file);
+}
+
+}  // namespace rubble::viewer

@@ -1,0 +1,130 @@
+/// Where bodies are: their poses on the way to the GPU, and the bounds that follow from them.
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <rubble/error.h>
+
+#include "render/bodies.h"
+
+namespace rubble::render {
+namespace {
+
+/// Bodies that the bounds are taken from.
+constexpr std::size_t kCoreSample = 4096;
+
+bool finite(const Pose& p) { return std::isfinite(p.x + p.y + p.z + p.qx + p.qy + p.qz + p.qs); }
+
+/// Values within [low, high] without the outermost half percent at either end where those lie far out.
+void coreOf(std::vector<float>& values, float& low, float& high) {
+  std::sort(values.begin(), values.end());
+  const std::size_t cut = values.size() / 200;
+  low = values[cut], high = values[values.size() - 1 - cut];
+  constexpr float kFar = 2.5f;
+  if (values.back() - values.front() <= kFar * (high - low)) low = values.front(), high = values.back();
+}
+
+}  // namespace
+
+void Bodies::setPoses(std::span<const Pose> poses) {
+  if (poses.size() != slotOfBody_.size())
+    throw Error("poses", std::to_string(slotOfBody_.size()) + " of them, one a body", std::to_string(poses.size()));
+  const std::size_t slots = bodyInSlot_.size() + surfaceLooks_.size();
+  if (slots == 0) return;
+  for (const std::uint32_t slot : planes_) poses_[slot] = poses[static_cast<std::size_t>(bodyInSlot_[slot])];
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks_.size(), 64), [&](const tbb::blocked_range<std::size_t>& range) {
+    for (std::size_t c = range.begin(); c < range.end(); ++c) {
+      Chunk& chunk = chunks_[c];
+      chunk.bounds = {};
+      const std::size_t end = chunk.firstSlot + chunkBodies(chunk.geometry);
+      for (std::size_t slot = chunk.firstSlot; slot < end; ++slot) {
+        if (bodyInSlot_[slot] < 0) continue;
+        const Pose& pose = poses[static_cast<std::size_t>(bodyInSlot_[slot])];
+        if (!finite(pose)) {
+          poses_[slot] = kNoPose;
+          continue;
+        }
+        poses_[slot] = pose;
+        const Vec3f centre{pose.x, pose.y, pose.z}, room{radii_[slot], radii_[slot], radii_[slot]};
+        chunk.bounds.add(centre - room);
+        chunk.bounds.add(centre + room);
+      }
+    }
+  });
+  auto* out = static_cast<Pose*>(poseTable_.buffer().map(slots * sizeof(Pose)));
+  std::copy(poses_.begin(), poses_.end(), out);
+  std::fill(out + poses_.size(), out + slots, Pose{});
+  poseTable_.buffer().unmap();
+  updateCore();
+}
+
+void Bodies::setSources(std::span<const PoseSource> sources, PoseFeed& feed) {
+  std::vector<PoseSource> bySlot(bodyInSlot_.size() + surfaceLooks_.size());
+  for (std::size_t slot = 0; slot < bodyInSlot_.size(); ++slot) {
+    if (bodyInSlot_[slot] < 0) continue;
+    bySlot[slot] = sources[static_cast<std::size_t>(bodyInSlot_[slot])];
+    bySlot[slot].radius = radii_[slot];
+  }
+  std::vector<SlotRange> ranges;
+  for (const Chunk& chunk : chunks_) ranges.push_back({chunk.firstSlot, static_cast<std::uint32_t>(chunkBodies(chunk.geometry))});
+  for (const std::uint32_t slot : planes_) ranges.push_back({slot, 1});
+  feed.setSlots(bySlot, ranges);
+  fedBounds_.resize(ranges.size());
+}
+
+void Bodies::setPoses(PoseFeed& feed, const PoseArrays& arrays) {
+  gl::Buffer& buffer = poseTable_.buffer();
+  buffer.reserve((bodyInSlot_.size() + surfaceLooks_.size()) * sizeof(Pose));
+  feed.fill(buffer.id(), buffer.storage(), arrays, fedBounds_);
+  for (std::size_t i = 0; i < chunks_.size(); ++i) chunks_[i].bounds = fedBounds_[i];
+  // Of chunks, which are as near to the truth as their bodies are to one another.
+  std::vector<float> lows[3], highs[3];
+  for (const Chunk& chunk : chunks_) {
+    if (chunk.bounds.empty()) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      lows[axis].push_back(chunk.bounds.low[axis]);
+      highs[axis].push_back(chunk.bounds.high[axis]);
+    }
+  }
+  setCore(lows, highs);
+}
+
+void Bodies::updateCore() {
+  std::vector<float> lows[3], highs[3];
+  const std::size_t stride = std::max<std::size_t>(1, bodyInSlot_.size() / kCoreSample);
+  for (std::size_t slot = 0; slot<bodyInSlot_.size(); slot += radii_[slot]> 0 ? stride : 1) {
+    if (radii_[slot] == 0 || poses_[slot].x == kNoPose.x) continue;
+    const float centre[3] = {poses_[slot].x, poses_[slot].y, poses_[slot].z};
+    for (int axis = 0; axis < 3; ++axis) {
+      lows[axis].push_back(centre[axis] - radii_[slot]);
+      highs[axis].push_back(centre[axis] + radii_[slot]);
+    }
+  }
+  setCore(lows, highs);
+}
+
+void Bodies::setCore(std::vector<float> (&lows)[3], std::vector<float> (&highs)[3]) {
+  core_ = {};
+  if (lows[0].empty()) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    float unused = 0;
+    coreOf(lows[axis], core_.low[axis], unused);
+    coreOf(highs[axis], unused, core_.high[axis]);
+  }
+}
+
+float Bodies::nearestTo(const Vec3f& point, const std::vector<HalfSpace>& visible) const {
+  float nearest = 1e30f;
+  for (const Chunk& chunk : chunks_)
+    if (!chunk.bounds.empty() && touches(chunk.bounds, visible)) nearest = std::min(nearest, distanceTo(chunk.bounds, point));
+  for (const std::uint32_t slot : planes_) {
+    const Pose& p = poses_[slot];
+    const Vec3f normal = rotate(QuatT<float>{p.qs, p.qx, p.qy, p.qz}, Vec3f{0, 0, 1});
+    nearest = std::min(nearest, std::fabs(dot(point - Vec3f{p.x, p.y, p.z}, normal)));
+  }
+  return nearest;
+}
+
+}  // namespace rubble::render
