@@ -29,8 +29,7 @@ struct TreeRows {
   SolvedRow drive;           ///< of an axis
 };
 
-/// Rows of part I at the present poses; false if the part does not act. `exact`: the tree is solved exactly. Rows of finite stiffness are in
-/// every tree: their force at the solution is stiffness times error, whatever the loops.
+/// Rows of part I at the present poses; false if the part does not act. `exact`: the tree is solved exactly.
 template <class F, int I, class P>
 RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, bool exact,
                         TreeRows<P::kRows>& out) {
@@ -50,7 +49,7 @@ RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const 
     if (!(hessian > Real(0))) return false;
     out.force[0] = static_cast<double>(out.own[0]), out.hessian = static_cast<double>(hessian);
     const auto take = [&](const AxisRow& row, SolvedRow& solved) {
-      if (!row.acts || !row.keepsMultiplier || !(exact || row.compliance > Real(0))) return;
+      if (!exact || !row.acts || !row.keepsMultiplier) return;
       const bool both = row.lo == row.hi;
       Real force, stiffness;
       const Real beyond = axisForce(row, error[0], force, stiffness);
@@ -71,7 +70,7 @@ RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const 
     const bool inside = groupForce<P::kRows>(rows.state, error, rows.lambda, out.own, P::kRows, hessian);
     out.hessian = static_cast<double>(hessian);
     for (int i = 0; i < P::kRows; ++i) out.force[i] = static_cast<double>(out.own[i]);
-    if (!inside || own.mode != GroupMode::Hold || !rows.state.keepsMultiplier || !(exact || rows.state.compliance > Real(0))) return true;
+    if (!exact || !inside || own.mode != GroupMode::Hold || !rows.state.keepsMultiplier) return true;
     for (int i = 0; i < P::kRows; ++i) {
       solve(out.solved[i], rows.state.rule.start, rows.state.compliance, error[i], rows.lambda[i]);
       out.force[i] = out.solved[i].force;

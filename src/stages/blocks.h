@@ -12,14 +12,15 @@ RUBBLE_HD void visitSides(const View& s, int a, int b, Visit&& visit) {
   if (db) visit(b, 1, da ? a : -1);
 }
 
-/// Is it in an exact tree that touches nothing? Such a tree has no use for groups: they would only disturb it.
-RUBBLE_HD inline bool inFreeTree(const View& s, int body) {
+/// Is a tree solved exactly in this step: without loops, and touching nothing? All of its bodies are solved by its block alone then.
+RUBBLE_HD inline bool isExact(const View& s, const TreeNode& node) { return node.exact && !s.treeTouched[node.tree]; }
+RUBBLE_HD inline bool inExactTree(const View& s, int body) {
   const int node = s.step.jointTrees ? s.nodeOfBody[body] : -1;
-  return node >= 0 && s.treeNode[node].exact && !s.treeTouched[s.treeNode[node].tree];
+  return node >= 0 && isExact(s, s.treeNode[node]);
 }
 /// Finds the trees that touch something, from the contacts of this step.
 struct MarkTouchedTrees {
-  static constexpr const char* kName = "groups";
+  static constexpr const char* kName = "trees";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const auto touch = [&](int body) {
       if (s.nodeOfBody[body] >= 0) atomicSet(&s.treeTouched[s.treeNode[s.nodeOfBody[body]].tree], 1);
@@ -49,7 +50,7 @@ struct JointBlocks {
   RUBBLE_HD static int joinLevel(const View& s, int i) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     if (!spec.holds || spec.a == kWorldBody || spec.b == kWorldBody) return kCoarseLevels;
-    return inFreeTree(s, spec.a) ? kCoarseLevels : finestSharedLevel(s, spec.a, spec.b);
+    return inExactTree(s, spec.a) ? kCoarseLevels : finestSharedLevel(s, spec.a, spec.b);
   }
 };
 

@@ -110,14 +110,8 @@ struct ProposeColors {
   }
 };
 
-/// Does an exact tree solve for all that acts on this body? Then its sweeps have nothing to add.
-RUBBLE_HD inline bool solvedByTree(const View& s, int i) {
-  const int node = s.nodeOfBody[i], first = s.entryOffset[i], last = s.entryOffset[i + 1] - 1;
-  if (!s.step.jointTrees || node < 0 || !s.treeNode[node].exact || last < first) return false;
-  return entryType(s.entry[first].code) != kContactType && entryType(s.entry[last].code) <= JointTypes::kSize;
-}
-/// Does a body take part in the sweeps?
-RUBBLE_HD inline bool isSwept(const View& s, int i) { return isDynamic(s, i) && !solvedByTree(s, i); }
+/// Does a body take part in the sweeps? They have nothing to add to what an exact tree has solved.
+RUBBLE_HD inline bool isSwept(const View& s, int i) { return isDynamic(s, i) && !inExactTree(s, i); }
 
 /// Population of each colour.
 struct CountColors {

@@ -100,10 +100,6 @@ void findContacts(E& e) {
 template <Executor E>
 void findGroups(E& e) {
   const int bodies = e.view().bodies, all = bodies * kCoarseLevels;
-  if (treeNodes(e.view()) > 0) {
-    e.clear(&View::treeTouched, treeNodes(e.view()));
-    e.forEach(MarkTouchedTrees{}, &Counters::manifolds);
-  }
   e.clear(&View::memberCount, all);
   e.forEach(StartGroups{}, bodies);
   for (int level = 0; level < kCoarseLevels; ++level) {
@@ -215,8 +211,14 @@ void step(E& e) {
   findContacts(e);
   forEachJoint.template operator()<BeginJoints>();
   if (vertices > 0) beginVertices(e);
+  const int nodes = e.view().step.jointTrees ? treeNodes(e.view()) : 0;
+  if (nodes > 0) {
+    e.clear(&View::treeTouched, nodes);
+    e.forEach(MarkTouchedTrees{}, &Counters::manifolds);
+  }
   if (e.view().step.coarseCorrection) findGroups(e);
   findIncidence(e);
+  if (nodes > 0 && vertices > 0) e.forEach(MarkSoftTrees{}, nodes);
   colorNodes(e);
   e.forEach(PredictVertices{}, vertices);
   if (vertices > 0) e.forEach(MarkDormantPoints{}, &Counters::pointPairs);
@@ -226,7 +228,7 @@ void step(E& e) {
   for (int n = 0; n < e.view().step.iterations; ++n) {
     if (e.view().step.coarseCorrection) correctGroups(e, n);
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
-    if (e.view().step.jointTrees && treeNodes(e.view()) > 0) correctTrees(e);
+    if (nodes > 0) correctTrees(e);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
     if (n + 1 < e.view().step.iterations) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);

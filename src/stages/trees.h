@@ -7,12 +7,24 @@
 /// that always keep three neighbours (nets) stay as they are and count as fixed here. Bodies that are eliminated in the same round are not
 /// neighbours, so a round is one kernel, and a chain of N bodies takes about log2 N rounds.
 ///
+/// A tree that has no loops and touches nothing is solved exactly, and by this block alone; all others share their rows, and so the objective that
+/// every block descends on, with sweeps and groups.
+///
 /// Rows that leave the tree are those of a body's own block. Between two bodies that both move in this block without being coupled in it (a
 /// contact of two limbs) the bound of coarse.h holds: their Hessian counts twice.
 #include "forces/joint_tree.h"
 #include "stages/incidence.h"
 
 namespace rubble::RUBBLE_CORE {
+
+/// Trees that deformable objects touch.
+struct MarkSoftTrees {
+  static constexpr const char* kName = "trees";
+  RUBBLE_HD void operator()(const View& s, int n) const {
+    const int i = s.treeNode[n].body, last = s.entryOffset[i + 1] - 1;
+    if (last >= s.entryOffset[i] && entryType(s.entry[last].code) > JointTypes::kSize) atomicSet(&s.treeTouched[s.treeNode[n].tree], 1);
+  }
+};
 
 RUBBLE_HD inline bool movesInTree(const View& s, int body) { return body >= 0 && body < s.bodies && s.nodeOfBody[body] >= 0; }
 
@@ -28,7 +40,7 @@ RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, in
     for (int k = 0; k < 2; ++k)
       if (node.near[k] == s.nodeOfBody[other]) across = &w.e[k];
   stampJointOfTree(s.step, spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}), side,
-                   node.exact && spec.holds, w.h, w.x, across);
+                   isExact(s, node) && spec.holds, w.h, w.x, across);
 }
 
 /// A body that does not move, or an axis that is locked, is decoupled from all others.
@@ -153,13 +165,13 @@ struct TakeTreeForces {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     const auto nodeOf = [&](int body) { return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1; };
     const int a = nodeOf(spec.a), b = nodeOf(spec.b), any = a >= 0 ? a : b;
-    if (any < 0) return;
+    if (any < 0 || !isExact(s, s.treeNode[any])) return;
     const double share = treeShare(s, s.treeNode[any].tree);
     if (!(share > 0)) return;
     const Long6 still{};
     Joint<F>& joint = s.jointsOf<F>()[i];
     takeTreeForces(s.step, spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}),
-                   a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, s.treeNode[any].exact && spec.holds, share);
+                   a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, spec.holds, share);
   }
 };
 

@@ -120,9 +120,11 @@ TEST(JointTrees, NetsAreLeftToTheSweeps) {
   EXPECT_EQ(treeNodes(world.view()), 0);
 }
 
-TEST(JointTrees, LoneBodiesAreNone) {
-  Linked world(4, {{0, kWorldBody}});
-  EXPECT_EQ(treeNodes(world.view()), 0);
+TEST(JointTrees, ALoneBodyIsOneIfAJointHoldsIt) {
+  Linked world(4, {{2, kWorldBody}});
+  ASSERT_EQ(treeNodes(world.view()), 1);
+  EXPECT_EQ(world.view().treeNode[0].body, 2);
+  EXPECT_EQ(world.view().treeNode[0].exact, 1);
 }
 
 }  // namespace

@@ -107,10 +107,10 @@ void Plan::write(HostTables& tables) {
   std::vector<int> bodiesOf(at(s.bodies), 0);
   for (int i = 0; i < s.bodies; ++i)
     if (joined_[at(i)] && dynamic(i)) ++bodiesOf[at(root(i))];
-  // a body alone is solved by its own block as well, unless it hangs on something
+  // a body alone is solved by its own block as well, unless a joint holds it to something
   const auto useful = [&](int i) {
     const std::size_t c = at(root(i));
-    return bodiesOf[c] > 1 && whole_[c];
+    return whole_[c] && (bodiesOf[c] > 1 || grounded_[c] == 1);
   };
   const auto exact = [&](int i) {
     const std::size_t c = at(root(i));
