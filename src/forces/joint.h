@@ -229,7 +229,7 @@ RUBBLE_HD bool partForces(const JointSpec<F>& spec, const Joint<F>& joint, const
     if (!actsAtAll(rows)) return false;
     P::constraint(spec.data, joint.memory, a, b, error);
     axisForces(rows, error[0], force[0], hessian);
-    if (!(hessian > Real(0))) return false;
+    if (force[0] == Real(0) && !(hessian > Real(0))) return false;
   } else {
     if (partOf<I>(spec.parts).mode == GroupMode::Off) return false;
     P::constraint(spec.data, joint.memory, a, b, error);

@@ -197,7 +197,7 @@ class Plot(Case):
             self.assertIn(expected, texts)
         lines = [line.get("points").split() for line in root.iter(self.SVG + "polyline")]
         curves = [points for points in lines if len(points) > 2]
-        self.assertEqual([len(points) for points in curves], [60] * 4)  # two runs, energy and step time
+        self.assertEqual([len(points) for points in curves], [60] * 6)  # two runs: error, energy and step time
         # Energy only falls here, and down is down: y grows.
         heights = [float(point.split(",")[1]) for point in curves[0]]
         self.assertEqual(heights, sorted(heights))
