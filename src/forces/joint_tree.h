@@ -46,7 +46,7 @@ RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const 
     P::constraint(spec.data, joint.memory, a, b, error);
     Real hessian;
     axisForces(rows, error[0], out.own[0], hessian);
-    if (!(hessian > Real(0))) return false;
+    if (out.own[0] == Real(0) && !(hessian > Real(0))) return false;
     out.force[0] = static_cast<double>(out.own[0]), out.hessian = static_cast<double>(hessian);
     const auto take = [&](const AxisRow& row, SolvedRow& solved) {
       if (!exact || !row.acts || !row.keepsMultiplier) return;
