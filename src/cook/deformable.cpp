@@ -11,7 +11,11 @@ namespace rubble {
 namespace {
 
 // Collision flags of state/vertices.h.
-constexpr int kWithBodies = 1, kWithGrains = 2;
+constexpr int kWithBodies = 1, kWithGrains = 2, kWithSurfaces = 4, kWithSelf = 8;
+// Types of elements by their place in ElementTypes.
+constexpr int kMembranes = 1, kSprings = 5;
+/// Least radius of a surface over the mean length of its edges: what is thinner has no direction to be held apart in [1].
+constexpr double kLeastSurfaceRadius = .01;
 
 using Edge = std::pair<int, int>;
 
@@ -23,10 +27,11 @@ double triangleArea(const Vec3& a, const Vec3& b, const Vec3& c) { return length
 SoftModel startModel(const DeformableDef& d) {
   SoftModel m;
   const std::vector<Vec3>& from = d.start.empty() ? d.vertices : d.start;
-  for (const Vec3& x : from) m.vertices.push_back({x, {}, 0, 0, 0});
+  for (std::size_t v = 0; v < from.size(); ++v) m.vertices.push_back({from[v], {}, 0, 0, 0, true, d.vertices[v] - d.vertices[0]});
   m.material = d.material;
   m.gravityScale = d.gravityScale;
-  m.collides = (d.collide ? kWithBodies : 0) | (d.collideVertices ? kWithGrains : 0);
+  m.collides = (d.collide ? kWithBodies : 0) | (d.collideVertices ? kWithGrains : 0) | (d.collideSurface ? kWithSurfaces : 0) |
+               (d.collideSelf ? kWithSelf : 0);
   return m;
 }
 
@@ -87,6 +92,33 @@ std::vector<Edge> edgesOf(const std::vector<std::array<int, N>>& cells) {
   return edges;
 }
 
+/// Triangles, their edges and `bare` edges as what other surfaces meet. `elements`: triangle k vanishes with membrane k, bare edge k with
+/// spring k.
+void addSurface(SoftModel& m, const DeformableDef& d, const std::vector<std::array<int, 3>>& triangles, const std::vector<Edge>& bare,
+                bool elements) {
+  if (!d.collideSurface && !d.collideSelf) return;
+  const auto source = [&](int type, std::size_t k) { return elements ? SoftModel::Source{type, int(k)} : SoftModel::Source{}; };
+  for (std::size_t k = 0; k < bare.size(); ++k) m.edges.push_back({{bare[k].first, bare[k].second}, true, {source(kSprings, k), {}}});
+  std::map<Edge, int> numbers;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    SoftModel::SurfaceFace face{triangles[t], {}, source(kMembranes, t)};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Edge edge = ordered(triangles[t][k], triangles[t][(k + 1) % 3]);
+      const auto [entry, isNew] = numbers.emplace(edge, int(m.edges.size()));
+      if (isNew) m.edges.push_back({{edge.first, edge.second}, false, {face.source, {}}});
+      else m.edges[std::size_t(entry->second)].source[1] = face.source;
+      face.edge[k] = entry->second;
+    }
+    m.faces.push_back(face);
+  }
+  for (SoftModel::Vertex& v : m.vertices) v.onSurface = false;
+  for (const SoftModel::SurfaceEdge& e : m.edges) {
+    m.meanEdge += length(at(d, e.v[0]) - at(d, e.v[1])) / double(m.edges.size());
+    for (const int v : e.v) m.vertices[std::size_t(v)].onSurface = true;
+  }
+  m.surfaceRadius = std::max(m.vertices[0].radius, kLeastSurfaceRadius * m.meanEdge);
+}
+
 SoftModel::Tetrahedron cookTetrahedron(const SoftDef& d, const std::array<int, 4>& v) {
   const Vec3 a = at(d, v[0]), e1 = at(d, v[1]) - a, e2 = at(d, v[2]) - a, e3 = at(d, v[3]) - a;
   const double det = dot(e1, cross(e2, e3));
@@ -127,6 +159,7 @@ std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.contactRadius;
   setLengths(m, d, edgesOf(d.tetrahedra), 1);
   m.surface = boundary(d.tetrahedra);
+  addSurface(m, d, m.surface, {}, false);
   return finished(std::move(m), d);
 }
 
@@ -203,6 +236,7 @@ std::shared_ptr<const SoftModel> cook(const ClothDef& d) {
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.thickness / 2;
   setLengths(m, d, edgesOf(d.triangles), 1);
   m.surface = d.triangles;
+  addSurface(m, d, d.triangles, {}, true);
   return finished(std::move(m), d);
 }
 
@@ -228,6 +262,7 @@ std::shared_ptr<const SoftModel> cook(const RodDef& d) {
   }
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.radius;
   setLengths(m, d, edges, 1);
+  addSurface(m, d, {}, edges, true);
   return finished(std::move(m), d);
 }
 
@@ -245,6 +280,7 @@ std::shared_ptr<const SoftModel> cook(const NetDef& d) {
   }
   setLengths(m, d, edges, d.contactRadius > 0 ? 2 * d.contactRadius : 1);
   m.surface = d.triangles;
+  addSurface(m, d, d.triangles, {}, false);
   return finished(std::move(m), d);
 }
 
@@ -253,6 +289,7 @@ std::shared_ptr<const SoftModel> cook(const ParticlesDef& d) {
   const double mass = d.density * 4 / 3 * std::numbers::pi * std::pow(d.radius, 3);
   for (SoftModel::Vertex& v : m.vertices) v.mass = mass, v.radius = d.radius, v.length = 2 * d.radius;
   m.collides |= kWithGrains;
+  m.surfaceRadius = d.radius;
   return finished(std::move(m), d);
 }
 
