@@ -98,15 +98,17 @@ void addSurface(SoftModel& m, const DeformableDef& d, const std::vector<std::arr
                 bool elements) {
   if (!d.collideSurface && !d.collideSelf) return;
   const auto source = [&](int type, std::size_t k) { return elements ? SoftModel::Source{type, int(k)} : SoftModel::Source{}; };
-  for (std::size_t k = 0; k < bare.size(); ++k) m.edges.push_back({{bare[k].first, bare[k].second}, true, {source(kSprings, k), {}}});
+  for (std::size_t k = 0; k < bare.size(); ++k) m.edges.push_back({{bare[k].first, bare[k].second}, true, {source(kSprings, k), {}}, {-1, -1}});
   std::map<Edge, int> numbers;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     SoftModel::SurfaceFace face{triangles[t], {}, source(kMembranes, t)};
     for (std::size_t k = 0; k < 3; ++k) {
       const Edge edge = ordered(triangles[t][k], triangles[t][(k + 1) % 3]);
       const auto [entry, isNew] = numbers.emplace(edge, int(m.edges.size()));
-      if (isNew) m.edges.push_back({{edge.first, edge.second}, false, {face.source, {}}});
-      else m.edges[std::size_t(entry->second)].source[1] = face.source;
+      if (isNew) m.edges.push_back({{edge.first, edge.second}, false, {}, {-1, -1}});
+      SoftModel::SurfaceEdge& own = m.edges[std::size_t(entry->second)];
+      own.source[isNew ? 0 : 1] = face.source;
+      own.opposite[isNew ? 0 : 1] = triangles[t][(k + 2) % 3];
       face.edge[k] = entry->second;
     }
     m.faces.push_back(face);

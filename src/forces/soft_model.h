@@ -71,6 +71,7 @@ struct SoftModel {
     std::array<int, 2> v;
     bool bare;             ///< of no triangle
     Source source[2];
+    int opposite[2] = {-1, -1};  ///< third corners of its triangles
   };
   struct SurfaceFace {
     std::array<int, 3> v, edge;  ///< edge k joins corners k and k + 1

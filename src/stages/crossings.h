@@ -21,9 +21,9 @@ inline constexpr Real kLeastSurfaceShare = Real(.8);
 /// What a change adds to the distance at a meeting, in distances that the parts may come nearer by: else it would be met again [1].
 inline constexpr Real kClearance = Real(.2);
 /// Rounds in which ways are changed; in those that follow they are cut.
-inline constexpr int kDeflections = 40;
+inline constexpr int kDeflections = 20;
 /// Halvings of a way after which nothing of it is left.
-inline constexpr int kMostHalvings = 5;
+inline constexpr int kMostHalvings = 3;
 
 /// Clears what the step before has left. Before the grid is filled: boxes hold all detours.
 struct BeginCrossings {
@@ -32,22 +32,88 @@ struct BeginCrossings {
     VertexRepair& r = s.vertexRepair[v];
     memset(static_cast<void*>(&r), 0, sizeof r);
     r.unit = longestDetour(s, v) / static_cast<Real>(FoundWay::kDetourUnits);
-    if (v == 0) s.counters->owners = s.owners();
   }
 };
 
-/// The meeting of an owner with a feature, if there is one.
-RUBBLE_HD inline bool findCrossing(const View& s, int owner, int feature, NearParts& p, FeatureMeeting& m, Real& clear) {
-  p = nearParts(s, owner, kFeatureNode + feature);
+/// found(feature) for the features that an owner may meet, whatever detours they take.
+template <class Found>
+RUBBLE_HD void searchNear(const View& s, int owner, Found&& found) {
+  if (!ownsFeatures(s, owner)) return;
+  int own[2];
+  const int corners = ownerCorners(s, owner, own);
+  const SweptBox box = sweptBox<FoundWay>(s, own, corners);
+  const auto look = [&](int i) {
+    if ((corners == 2 && s.vertices + i <= owner) || !mayMeet(s, own, corners, s.feature[i])) return;
+    const NearParts p = nearParts(s, owner, kFeatureNode + i);
+    Vec3 mean{0, 0, 0};
+    for (const int v : p.v) mean += Real(.25) * s.vertexMoved[v];
+    Real reach[2] = {0, 0};
+    for (int k = 0; k < 4; ++k) {
+      Real& most = reach[k < p.sideA ? 0 : 1];
+      most = max(most, length(s.vertexMoved[p.v[k]] - mean) + longestDetour(s, p.v[k]));
+    }
+    const Real distance = length(p.gap);
+    if (distance > Real(0) && distance - kLeastSurfaceGap * bothRadii(s, p) <= reach[0] + reach[1]) found(i);
+  };
+  if (corners == 1) {
+    seekFeatures(s, FeatureKind::Triangle, box, look);
+  } else {
+    seekFeatures(s, FeatureKind::BareEdge, box, look);
+    seekFeatures(s, FeatureKind::Edge, box, look);
+  }
+}
+
+struct FindNear {
+  static constexpr const char* kName = "crossings";
+  RUBBLE_HD void operator()(const View& s, int owner) const {
+    int count = 0;
+    int* const slots = s.pointPairSlot + owner * kPointPairSlots;
+    searchNear(s, owner, [&](int i) {
+      if (count < kPointPairSlots) slots[count] = i;
+      ++count;
+    });
+    s.nearCount[owner] = count;
+  }
+};
+struct WriteNear {
+  static constexpr const char* kName = "crossings";
+  RUBBLE_HD void operator()(const View& s, int owner) const {
+    if (owner == 0) s.counters->crossingWork = max(s.vertices, s.counters->nearFeatures);
+    int n = s.nearOffset[owner];
+    const int count = s.nearOffset[owner + 1] - n;
+    const auto write = [&](int feature) { s.nearFeature[n++] = {owner, feature, 0}; };
+    if (count > kPointPairSlots) {
+      searchNear(s, owner, write);
+      return;
+    }
+    for (int k = 0; k < count; ++k) write(s.pointPairSlot[owner * kPointPairSlots + k]);
+  }
+};
+
+/// The meeting of an owner with a feature, if there is one. `clear`: how much further apart they are to stay [m].
+RUBBLE_HD inline bool findCrossing(const View& s, const NearFeature& near, NearParts& p, FeatureMeeting& m, Real& clear) {
+  p = nearParts(s, near.owner, kFeatureNode + near.feature);
   const Real distance = length(p.gap), keep = min(kLeastSurfaceGap * bothRadii(s, p), kLeastSurfaceShare * distance);
-  // what crosses already can not be told apart by distances
-  if (!(distance > Real(0))) return false;
   Vec3 move[4];
   for (int k = 0; k < 4; ++k) move[k] = s.vertexMoved[p.v[k]];
   m = firstMeeting(p.x, move, p.sideA, keep);
   clear = kClearance * (distance - keep);
   return m.meets;
 }
+
+/// Counts the meetings of each vertex.
+struct CountCrossings {
+  static constexpr const char* kName = "crossings";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    NearParts p;
+    FeatureMeeting m;
+    Real clear;
+    if (!findCrossing(s, s.nearFeature[i], p, m, clear)) return;
+    s.nearFeature[i].meets = 1;
+    atomicCount(&s.counters->crossings, 1);
+    for (const int v : p.v) atomicCount(&s.vertexRepair[v].hits, 1);
+  }
+};
 
 RUBBLE_HD inline void deflect(const View& s, const NearParts& p, const FeatureMeeting& m, Real clear) {
   Real rate = 0, mobility = 0;
@@ -74,40 +140,7 @@ RUBBLE_HD inline void deflect(const View& s, const NearParts& p, const FeatureMe
   }
 }
 
-/// visit(parts, meeting, clearance) for every meeting of an owner's features with others.
-template <class Visit>
-RUBBLE_HD void visitCrossings(const View& s, int owner, Visit&& visit) {
-  if (!ownsFeatures(s, owner)) return;
-  int own[2];
-  const int corners = ownerCorners(s, owner, own);
-  const SweptBox box = sweptBox<FoundWay>(s, own, corners);
-  const auto look = [&](int i) {
-    if ((corners == 2 && s.vertices + i <= owner) || !mayMeet(s, own, corners, s.feature[i])) return;
-    NearParts p;
-    FeatureMeeting m;
-    Real clear;
-    if (findCrossing(s, owner, i, p, m, clear)) visit(p, m, clear);
-  };
-  if (corners == 1) {
-    seekFeatures(s, FeatureKind::Triangle, box, look);
-  } else {
-    seekFeatures(s, FeatureKind::BareEdge, box, look);
-    seekFeatures(s, FeatureKind::Edge, box, look);
-  }
-}
-
-/// Counts the meetings of each vertex.
-struct CountCrossings {
-  static constexpr const char* kName = "crossings";
-  RUBBLE_HD void operator()(const View& s, int owner) const {
-    visitCrossings(s, owner, [&](const NearParts& p, const FeatureMeeting&, Real) {
-      atomicCount(&s.counters->crossings, 1);
-      for (const int v : p.v) atomicCount(&s.vertexRepair[v].hits, 1);
-    });
-  }
-};
-
-/// Takes the changes that the last round found. Every owner is called; those that are edges do nothing.
+/// Takes the changes that the last round found. Called as often as there is crossingWork.
 struct TakeWays {
   static constexpr const char* kName = "crossings";
   RUBBLE_HD void operator()(const View& s, int v) const {
@@ -126,6 +159,7 @@ struct TakeWays {
       move = wanted - r.detour;
       r.detour = wanted;
     }
+    r.changed = move != Vec3{0, 0, 0};
     s.vertexMoved[v] += move;
     s.vertexPlace[v] += move;
     r.before = r.hits;
@@ -133,19 +167,37 @@ struct TakeWays {
   }
 };
 
-/// Finds what is left, and how to change it.
+/// Finds what is left, and how to change it. Pairs that did not meet and whose ways are as they were are not looked at again.
 struct ProposeWays {
   static constexpr const char* kName = "crossings";
-  RUBBLE_HD void operator()(const View& s, int owner) const {
-    const bool deflects = s.counters->crossingRounds <= kDeflections;
-    visitCrossings(s, owner, [&](const NearParts& p, const FeatureMeeting& m, Real clear) {
-      atomicCount(&s.counters->crossings, 1);
-      for (const int v : p.v) {
-        atomicCount(&s.vertexRepair[v].hits, 1);
-        if (!deflects && isDynamicVertex(s, v)) atomicRaise(&s.vertexRepair[v].hold, 1);
-      }
-      if (deflects) deflect(s, p, m, clear);
-    });
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (i >= s.counters->nearFeatures) return;
+    NearFeature& near = s.nearFeature[i];
+    if (near.meets == 0 && !changed(s, near)) return;
+    NearParts p;
+    FeatureMeeting m;
+    Real clear;
+    near.meets = findCrossing(s, near, p, m, clear);
+    if (near.meets == 0) return;
+    atomicCount(&s.counters->crossings, 1);
+    for (const int v : p.v) atomicCount(&s.vertexRepair[v].hits, 1);
+    if (s.counters->crossingRounds <= kDeflections) {
+      deflect(s, p, m, clear);
+      return;
+    }
+    for (const int v : p.v)
+      if (isDynamicVertex(s, v)) atomicRaise(&s.vertexRepair[v].hold, 1);
+  }
+
+ private:
+  RUBBLE_HD static bool changed(const View& s, const NearFeature& near) {
+    int own[2];
+    const int corners = ownerCorners(s, near.owner, own);
+    const SurfaceFeature& f = s.feature[near.feature];
+    int any = 0;
+    for (int k = 0; k < corners; ++k) any |= s.vertexRepair[own[k]].changed;
+    for (int k = 0; k < cornersOf(f); ++k) any |= s.vertexRepair[f.v[k]].changed;
+    return any != 0;
   }
 };
 

@@ -76,23 +76,78 @@ RUBBLE_HD inline Real touchDistance(const View& s, const NearParts& p) {
   return min(radii, kRestShare * length(rest.gap));
 }
 
+/// Is an edge of a surface (corners a, b of `parts`) where the surface bends away from the other edge? In the flat, and where it bends towards
+/// it, contacts of vertices hold the surfaces apart already. `towards`: from the nearest point of the edge to that of the other.
+RUBBLE_HD inline bool bendsAway(const View& s, const SurfaceFeature& edge, const Vec3& towards) {
+  // an edge of one triangle, or of none, is a rim
+  if (edge.opposite[0] < 0 || edge.opposite[1] < 0) return true;
+  const Vec3 along(s.vertexPosition[edge.v[1]] - s.vertexPosition[edge.v[0]]);
+  Real rise = 0;
+  for (const int corner : edge.opposite) {
+    const Vec3 out(s.vertexPosition[corner] - s.vertexPosition[edge.v[0]]), across = out - along * (dot(out, along) / dot(along, along));
+    rise += dot(towards, across) / std::sqrt(max(dot(across, across) * dot(towards, towards), std::numeric_limits<Real>::min()));
+  }
+  constexpr Real kBend = Real(-.05);
+  return rise < kBend;
+}
+
 /// What the nearest point of a feature belongs to: the feature, one of its edges or a corner, as PointPair::other. -1: the contact is that of
-/// other pairs (two edges whose nearest points are not inside of both).
-RUBBLE_HD inline int nearestPart(const View& s, const NearParts& p, int feature) {
+/// other pairs (two edges whose nearest points are not inside of both, or that are flat there).
+RUBBLE_HD inline int nearestPart(const View& s, const NearParts& p, int own, int feature) {
   if (p.sideA == 2) {
     for (int k = 0; k < 4; ++k)
       if (p.c[k] == Real(0)) return -1;
-    return kFeatureNode + feature;
+    const bool held = bendsAway(s, s.feature[own], -p.gap) || bendsAway(s, s.feature[feature], p.gap);
+    return held ? kFeatureNode + feature : -1;
   }
   int used = 0, last = -1, unused = -1;
   for (int k = 1; k < p.count; ++k) {
     if (p.c[k] != Real(0)) ++used, last = k;
     else unused = k;
   }
-  if (used == 1) return kCornerNode + p.v[last];
+  // of two corners each of which sees the other it is the contact of the lower one; particles are seen by nobody
+  if (used == 1) return p.v[last] > p.v[0] || s.vertexParams[p.v[0]].cluster < 0 ? kCornerNode + p.v[last] : -1;
   // corners k and k + 1 are those that are not `unused`: edge k of the three
   if (p.count == 4 && used == 2) return kFeatureNode + s.feature[feature].edge[unused % 3];
   return kFeatureNode + feature;
+}
+
+/// Corners of a part of a surface, as PointPair::other.
+RUBBLE_HD inline int partCorners(const View& s, int part, int (&v)[3]) {
+  if (part < kFeatureNode) {
+    v[0] = part - kCornerNode;
+    return 1;
+  }
+  const SurfaceFeature& f = s.feature[part - kFeatureNode];
+  for (int k = 0; k < 3; ++k) v[k] = f.v[k];
+  return cornersOf(f);
+}
+
+/// Is a part of a surface a side or corner of another? A vertex has a contact with the larger one only: no point of it is further away.
+RUBBLE_HD inline bool isSideOf(const View& s, int part, int larger) {
+  if (part < kCornerNode || larger < kFeatureNode || part == larger) return false;
+  int v[3], w[3];
+  const int few = partCorners(s, part, v), many = partCorners(s, larger, w);
+  if (few >= many) return false;
+  for (int i = 0; i < few; ++i) {
+    bool in = false;
+    for (int k = 0; k < many; ++k) in |= v[i] == w[k];
+    if (!in) return false;
+  }
+  return true;
+}
+
+/// Leaves out the parts that are sides of others, of a list of partners; returns how many are left.
+RUBBLE_HD inline int dropSides(const View& s, int owner, int count, int* partner, int stride) {
+  if (owner >= s.vertices) return count;
+  int kept = 0;
+  for (int i = 0; i < count; ++i) {
+    // those left out so far are behind `kept`, and sides of parts that are still there
+    bool side = false;
+    for (int k = 0; k < count && !side; ++k) side = (k < kept || k > i) && isSideOf(s, partner[i * stride], partner[k * stride]);
+    if (!side) partner[kept++ * stride] = partner[i * stride];
+  }
+  return kept;
 }
 
 /// found(part) for every part of a surface that the owner, a vertex or an edge, may touch in this step. One part may be found several times.
@@ -107,7 +162,7 @@ RUBBLE_HD void searchFeatures(const View& s, int owner, Found&& found) {
     if ((corners == 2 && s.vertices + i <= owner) || !mayMeet(s, own, corners, s.feature[i])) return;
     const NearParts p = nearParts(s, owner, kFeatureNode + i);
     if (!(length(p.gap) <= bothRadii(s, p) + featureMargin(s, p))) return;
-    if (const int part = nearestPart(s, p, i); part >= 0) found(part);
+    if (const int part = nearestPart(s, p, owner - s.vertices, i); part >= 0) found(part);
   };
   seekFeatures(s, FeatureKind::BareEdge, box, look);
   seekFeatures(s, corners == 1 ? FeatureKind::Triangle : FeatureKind::Edge, box, look);

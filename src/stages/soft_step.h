@@ -37,8 +37,11 @@ void keepApart(E& e) {
   const int owners = e.view().owners();
   e.forEach(BeginCrossings{}, e.view().vertices);
   fillFeatures<FoundWay>(e);
-  e.forEach(CountCrossings{}, owners);
-  e.rounds(TakeWays{}, ProposeWays{}, &Counters::owners, &Counters::crossings, &Counters::crossingRounds);
+  e.forEach(FindNear{}, owners);
+  e.scan(&View::nearCount, &View::nearOffset, owners, &Counters::nearFeatures, Per::NearFeature);
+  e.forEach(WriteNear{}, owners);
+  e.forEach(CountCrossings{}, &Counters::nearFeatures);
+  e.rounds(TakeWays{}, ProposeWays{}, &Counters::crossingWork, &Counters::crossings, &Counters::crossingRounds);
 }
 
 /// What each vertex and edge is near to.

@@ -128,7 +128,7 @@ RUBBLE_HD void searchPoint(const View& s, int owner, Found&& found) {
   for (int k = 0; !done && k < s.grainOffset[s.grainCells]; ++k) look(s.grain[k]);
 }
 
-/// Partners of each vertex and edge, the first kPointPairSlots of them kept. Those beyond may be counted several times.
+/// Partners of each vertex and edge, the first kPointPairSlots of them kept. If there are more, some may be counted several times.
 struct FindPointPairs {
   static constexpr const char* kName = "pairs";
   RUBBLE_HD void operator()(const View& s, int owner) const {
@@ -140,7 +140,7 @@ struct FindPointPairs {
       if (count < kPointPairSlots) slots[count] = other;
       ++count;
     });
-    s.pointPairCount[owner] = count;
+    s.pointPairCount[owner] = s.features > 0 && count <= kPointPairSlots ? dropSides(s, owner, count, slots, 1) : count;
   }
 };
 
@@ -157,10 +157,13 @@ struct WritePointPairs {
       for (int k = n++; k > place; --k) s.pointPair[k] = s.pointPair[k - 1];
       s.pointPair[place] = {owner, other};
     };
-    if (count <= kPointPairSlots)
+    if (count <= kPointPairSlots) {
       for (int k = 0; k < count; ++k) insert(s.pointPairSlot[owner * kPointPairSlots + k]);
-    else
+    } else {
       searchPoint(s, owner, insert);
+      static_assert(sizeof(PointPair) == 2 * sizeof(int));
+      if (s.features > 0) n = begin + dropSides(s, owner, n - begin, &s.pointPair[begin].other, 2);
+    }
     for (; n < end; ++n) s.pointPair[n] = {owner, -1};
   }
 };
@@ -278,10 +281,18 @@ struct MarkDormantPoints {
   RUBBLE_HD void operator()(const View& s, int i) const {
     PointContact& p = s.pointContact[i];
     if (!s.step.dormantRows || !p.active || p.lambdaN != Real(0)) return;
+    const bool surfaces = s.pointPair[i].other >= kCornerNode;
     Vec3 d{0, 0, 0};
-    for (int k = 0; k < kPointCorners && p.v[k] >= 0; ++k) d += p.weight[k] * s.vertexTarget[p.v[k]];
+    Real nearer[2] = {0, 0};
+    for (int k = 0; k < kPointCorners && p.v[k] >= 0; ++k) {
+      const Vec3 own = p.weight[k] * s.vertexTarget[p.v[k]];
+      d += own;
+      nearer[p.weight[k] > Real(0) ? 0 : 1] += dot(p.n, own);
+    }
     if (p.body >= 0) d = p.displacement(targetDisplacement(s, p.body), d);
-    if (p.c0 + dot(p.n, d) < -kDormantGap * p.length) p.kN = p.kT = Real(0);
+    // layers that fall together come together when the lowest is stopped: open means that it is if either side stays where it is
+    const Real closes = surfaces ? max(dot(p.n, d), max(nearer[0], nearer[1])) : dot(p.n, d);
+    if (p.c0 + closes < -kDormantGap * p.length) p.kN = p.kT = Real(0);
   }
 };
 

@@ -132,7 +132,8 @@ struct Counters {
   int pointPairs, pointContacts, pointEntries;
   int grainHalf[3];               ///< largest half extents of granular particles, as bits like levelHalf [m]
   int rollers;                    ///< pairs, where some material has rolling friction
-  int owners;                     ///< vertices and edges, which own pairs
+  int nearFeatures;               ///< pairs of features that may meet on their ways
+  int crossingWork;               ///< as many, and at least as many as there are vertices
   int crossings, crossingRounds;  ///< pairs of features that would come too near, and rounds until there are none
   int deflected, held;            ///< vertices whose way was changed, or cut, for that
   int featureLevels[kFeatureKinds];  ///< levels of the grid in use, a bit each

@@ -31,7 +31,8 @@ inline constexpr int kFeatureKinds = 3, kFeatureLevels = 16;
 struct SurfaceFeature {
   FeatureKind kind;
   int v[3];                 ///< corners, -1: none
-  int edge[3];              ///< of a triangle: features that join corners k and k + 1; -1: none
+  int edge[3];              ///< of a triangle: features that join corners k and k + 1
+  int opposite[2];          ///< of an edge: third corners of its triangles, -1: none
   std::uint32_t source[2];  ///< elements (pointCode) that it vanishes with, or kNoSource
 };
 inline constexpr std::uint32_t kNoSource = ~0u;
@@ -43,6 +44,12 @@ struct alignas(8 * sizeof(Real)) FeatureEntry {
   int place;                ///< kind + kFeatureKinds * level
 };
 
+/// A vertex or edge (as PointPair::vertex) and a feature that it may meet on their ways.
+struct NearFeature {
+  int owner, feature;
+  int meets;                ///< in the last round that looked
+};
+
 /// How the way of a vertex is changed where surfaces would cross (stages/crossings.h).
 struct VertexRepair {
   int shift[3];             ///< sum of changes, in units of VertexRepair unit: whole numbers add up to the same in any order
@@ -50,6 +57,7 @@ struct VertexRepair {
   int before;               ///< in the round before
   int hold;                 ///< 1: it goes half the way in the next round
   int held;                 ///< how often it did
+  int changed;              ///< 1: its way is another than in the round before
   Real unit;                ///< of shift [m]
   Vec3 detour;              ///< what has changed in all [m]
 };

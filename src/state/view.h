@@ -9,7 +9,7 @@ namespace rubble::RUBBLE_CORE {
 /// What an array has one element of.
 enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
                  ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, TreeNode, TreeSource,
-                 Vertex, PointOwner, PointOwnerSlot, Feature, FeatureCell, Neighbor, ElementRef, PointPair, PointEntry, GrainCell, Attachment, Cluster, ClusterRef, Node,
+                 Vertex, PointOwner, PointOwnerSlot, NearFeature, Feature, FeatureCell, Neighbor, ElementRef, PointPair, PointEntry, GrainCell, Attachment, Cluster, ClusterRef, Node,
                  FirstElement, FirstJoint = FirstElement + ElementTypes::kSize };
 /// The element types follow one another from FirstElement on, the joint types from FirstJoint on.
 inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes::kSize;
@@ -191,6 +191,9 @@ struct View : JointTables<JointTypes> {
   int* featureOffset = nullptr;       ///< [featureCells + 1]
   FeatureEntry* featureEntry = nullptr;  ///< features by bucket
   VertexRepair* vertexRepair = nullptr;
+  NearFeature* nearFeature = nullptr;  ///< by owner, in no fixed order
+  int* nearCount = nullptr;           ///< of each vertex and edge
+  int* nearOffset = nullptr;          ///< [owners + 1]
   int* pointEntryCount = nullptr;     ///< contacts of a vertex
   int* pointEntryOffset = nullptr;    ///< [vertices + 1]
   int* vertexColorCount = nullptr;    ///< vertices of each colour
@@ -385,6 +388,9 @@ void forEachArray(F&& f) {
   is(&View::featureOffset, "featureOffset", "", Per::FeatureCell, Life::Work, 1);
   is(&View::featureEntry, "featureEntry", "", Per::Feature, Life::Unordered);
   is(&View::vertexRepair, "vertexRepair", "", Per::Vertex, Life::Work);
+  is(&View::nearFeature, "nearFeature", "", Per::NearFeature, Life::Unordered);
+  is(&View::nearCount, "nearCount", "", Per::PointOwner, Life::Work);
+  is(&View::nearOffset, "nearOffset", "", Per::PointOwner, Life::Work, 1);
   is(&View::vertexColorCount, "vertexColorCount", "", Per::Color, Life::Work);
   is(&View::vertexColorOffset, "vertexColorOffset", "", Per::Color, Life::Work, 1);
   is(&View::pointPair, "pointPair", "", Per::PointPair, Life::Work);

@@ -145,9 +145,10 @@ void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& obje
       s.feature[edge++] = {e.bare ? FeatureKind::BareEdge : FeatureKind::Edge,
                            {o.at.vertex + e.v[0], o.at.vertex + e.v[1], -1},
                            {-1, -1, -1},
+                           {e.opposite[0] < 0 ? -1 : o.at.vertex + e.opposite[0], e.opposite[1] < 0 ? -1 : o.at.vertex + e.opposite[1]},
                            {sourceOf(e.source[0]), sourceOf(e.source[1])}};
     for (const SoftModel::SurfaceFace& f : o.model->faces) {
-      SurfaceFeature to{FeatureKind::Triangle, {}, {}, {sourceOf(f.source), kNoSource}};
+      SurfaceFeature to{FeatureKind::Triangle, {}, {}, {-1, -1}, {sourceOf(f.source), kNoSource}};
       for (std::size_t k = 0; k < 3; ++k) to.v[k] = o.at.vertex + f.v[k], to.edge[k] = firstEdge + f.edge[k];
       s.feature[triangle++] = to;
     }
