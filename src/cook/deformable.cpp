@@ -14,8 +14,8 @@ namespace {
 constexpr int kWithBodies = 1, kWithGrains = 2, kWithSurfaces = 4, kWithSelf = 8;
 // Types of elements by their place in ElementTypes.
 constexpr int kMembranes = 1, kSprings = 5;
-/// Least radius of a surface over the mean length of its edges: what is thinner has no direction to be held apart in [1].
-constexpr double kLeastSurfaceRadius = .01;
+/// Radius of a surface whose author gives none, over the mean length of its edges: without any it has no direction to be held apart in [1].
+constexpr double kBareSurfaceRadius = .01;
 
 using Edge = std::pair<int, int>;
 
@@ -118,7 +118,7 @@ void addSurface(SoftModel& m, const DeformableDef& d, const std::vector<std::arr
     m.meanEdge += length(at(d, e.v[0]) - at(d, e.v[1])) / double(m.edges.size());
     for (const int v : e.v) m.vertices[std::size_t(v)].onSurface = true;
   }
-  m.surfaceRadius = std::max(m.vertices[0].radius, kLeastSurfaceRadius * m.meanEdge);
+  m.surfaceRadius = m.vertices[0].radius > 0 ? m.vertices[0].radius : kBareSurfaceRadius * m.meanEdge;
 }
 
 SoftModel::Tetrahedron cookTetrahedron(const SoftDef& d, const std::array<int, 4>& v) {
