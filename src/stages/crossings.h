@@ -46,11 +46,11 @@ RUBBLE_HD void searchNear(const View& s, int owner, Found&& found) {
     if ((corners == 2 && s.vertices + i <= owner) || !mayMeet(s, own, corners, s.feature[i])) return;
     const NearParts p = nearParts(s, owner, kFeatureNode + i);
     Vec3 mean{0, 0, 0};
-    for (const int v : p.v) mean += Real(.25) * s.vertexMoved[v];
+    for (const int v : p.v) mean += Real(.25) * foundWay(s, v);
     Real reach[2] = {0, 0};
     for (int k = 0; k < 4; ++k) {
       Real& most = reach[k < p.sideA ? 0 : 1];
-      most = max(most, length(s.vertexMoved[p.v[k]] - mean) + longestDetour(s, p.v[k]));
+      most = max(most, length(foundWay(s, p.v[k]) - mean) + longestDetour(s, p.v[k]));
     }
     const Real distance = length(p.gap);
     if (distance > Real(0) && distance - kLeastSurfaceGap * bothRadii(s, p) <= reach[0] + reach[1]) found(i);
@@ -95,7 +95,7 @@ RUBBLE_HD inline bool findCrossing(const View& s, const NearFeature& near, NearP
   p = nearParts(s, near.owner, kFeatureNode + near.feature);
   const Real distance = length(p.gap), keep = min(kLeastSurfaceGap * bothRadii(s, p), kLeastSurfaceShare * distance);
   Vec3 move[4];
-  for (int k = 0; k < 4; ++k) move[k] = s.vertexMoved[p.v[k]];
+  for (int k = 0; k < 4; ++k) move[k] = foundWay(s, p.v[k]);
   m = firstMeeting(p.x, move, p.sideA, keep);
   clear = kClearance * (distance - keep);
   return m.meets;
@@ -120,7 +120,7 @@ RUBBLE_HD inline void deflect(const View& s, const NearParts& p, const FeatureMe
   int share = 1;
   for (int k = 0; k < 4; ++k) {
     const VertexParams& own = s.vertexParams[p.v[k]];
-    rate += m.c[k] * dot(m.n, s.vertexMoved[p.v[k]]);
+    rate += m.c[k] * dot(m.n, foundWay(s, p.v[k]));
     if (own.kind == VertexKind::Dynamic) mobility += m.c[k] * m.c[k] / own.mass;
     // changes of all meetings of a vertex add up
     share = max(share, s.vertexRepair[p.v[k]].before);

@@ -23,13 +23,15 @@ struct ExpectedWay {
 
 /// How far a vertex may be led off its way where surfaces would cross: this many radii of its surface and this share of its way [1].
 inline constexpr Real kDetourRadii = 2, kDetourShare = Real(.5);
+/// The way that the iterations have found; none if it is not finite, for then the vertex stays where it is (FinishVertices).
+RUBBLE_HD inline Vec3 foundWay(const View& s, int v) { return isFinite(s.vertexMoved[v]) ? s.vertexMoved[v] : Vec3{0, 0, 0}; }
 RUBBLE_HD inline Real longestDetour(const View& s, int v) {
-  return kDetourRadii * s.vertexParams[v].surfaceRadius + kDetourShare * length(s.vertexMoved[v]);
+  return kDetourRadii * s.vertexParams[v].surfaceRadius + kDetourShare * length(foundWay(s, v));
 }
 
 /// Where the iterations have put them.
 struct FoundWay {
-  RUBBLE_HD static Vec3 way(const View& s, int v) { return s.vertexMoved[v]; }
+  RUBBLE_HD static Vec3 way(const View& s, int v) { return foundWay(s, v); }
   RUBBLE_HD static Real reach(const View& s, int v) {
     // as it was when the grid was filled
     return s.vertexParams[v].surfaceRadius + s.vertexRepair[v].unit * kDetourUnits;
