@@ -4,7 +4,7 @@
 #include <map>
 #include <numbers>
 
-#include "forces/soft_model.h"
+#include "cook/soft_surface.h"
 
 namespace rubble {
 
@@ -12,10 +12,6 @@ namespace {
 
 // Collision flags of state/vertices.h.
 constexpr int kWithBodies = 1, kWithGrains = 2, kWithSurfaces = 4, kWithSelf = 8;
-// Types of elements by their place in ElementTypes.
-constexpr int kMembranes = 1, kSprings = 5;
-/// Radius of a surface whose author gives none, over the mean length of its edges: without any it has no direction to be held apart in [1].
-constexpr double kBareSurfaceRadius = .01;
 
 using Edge = std::pair<int, int>;
 
@@ -92,35 +88,6 @@ std::vector<Edge> edgesOf(const std::vector<std::array<int, N>>& cells) {
   return edges;
 }
 
-/// Triangles, their edges and `bare` edges as what other surfaces meet. `elements`: triangle k vanishes with membrane k, bare edge k with
-/// spring k.
-void addSurface(SoftModel& m, const DeformableDef& d, const std::vector<std::array<int, 3>>& triangles, const std::vector<Edge>& bare,
-                bool elements) {
-  if (!d.collideSurface && !d.collideSelf) return;
-  const auto source = [&](int type, std::size_t k) { return elements ? SoftModel::Source{type, int(k)} : SoftModel::Source{}; };
-  for (std::size_t k = 0; k < bare.size(); ++k) m.edges.push_back({{bare[k].first, bare[k].second}, true, {source(kSprings, k), {}}, {-1, -1}});
-  std::map<Edge, int> numbers;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    SoftModel::SurfaceFace face{triangles[t], {}, source(kMembranes, t)};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Edge edge = ordered(triangles[t][k], triangles[t][(k + 1) % 3]);
-      const auto [entry, isNew] = numbers.emplace(edge, int(m.edges.size()));
-      if (isNew) m.edges.push_back({{edge.first, edge.second}, false, {}, {-1, -1}});
-      SoftModel::SurfaceEdge& own = m.edges[std::size_t(entry->second)];
-      own.source[isNew ? 0 : 1] = face.source;
-      own.opposite[isNew ? 0 : 1] = triangles[t][(k + 2) % 3];
-      face.edge[k] = entry->second;
-    }
-    m.faces.push_back(face);
-  }
-  for (SoftModel::Vertex& v : m.vertices) v.onSurface = false;
-  for (const SoftModel::SurfaceEdge& e : m.edges) {
-    m.meanEdge += length(at(d, e.v[0]) - at(d, e.v[1])) / double(m.edges.size());
-    for (const int v : e.v) m.vertices[std::size_t(v)].onSurface = true;
-  }
-  m.surfaceRadius = m.vertices[0].radius > 0 ? m.vertices[0].radius : kBareSurfaceRadius * m.meanEdge;
-}
-
 SoftModel::Tetrahedron cookTetrahedron(const SoftDef& d, const std::array<int, 4>& v) {
   const Vec3 a = at(d, v[0]), e1 = at(d, v[1]) - a, e2 = at(d, v[2]) - a, e3 = at(d, v[3]) - a;
   const double det = dot(e1, cross(e2, e3));
@@ -134,24 +101,6 @@ SoftModel::Tetrahedron cookTetrahedron(const SoftDef& d, const std::array<int, 4
   return t;
 }
 
-/// Faces that belong to one tetrahedron only, outward.
-std::vector<std::array<int, 3>> boundary(const std::vector<std::array<int, 4>>& tetrahedra) {
-  std::map<std::array<int, 3>, std::pair<std::array<int, 3>, int>> faces;
-  for (const auto& t : tetrahedra) {
-    for (const std::array<int, 3>& f : {std::array<int, 3>{t[1], t[2], t[3]}, {t[0], t[3], t[2]}, {t[0], t[1], t[3]}, {t[0], t[2], t[1]}}) {
-      std::array<int, 3> key = f;
-      std::sort(key.begin(), key.end());
-      auto& entry = faces[key];
-      entry.first = f;
-      ++entry.second;
-    }
-  }
-  std::vector<std::array<int, 3>> out;
-  for (const auto& [key, face] : faces)
-    if (face.second == 1) out.push_back(face.first);
-  return out;
-}
-
 std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
   SoftModel m = startModel(d);
   for (const auto& v : d.tetrahedra) {
@@ -160,7 +109,7 @@ std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
   }
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.contactRadius;
   setLengths(m, d, edgesOf(d.tetrahedra), 1);
-  m.surface = boundary(d.tetrahedra);
+  m.surface = boundaryOf(d.tetrahedra);
   addSurface(m, d, m.surface, {}, false);
   return finished(std::move(m), d);
 }
