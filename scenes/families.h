@@ -17,6 +17,7 @@ std::vector<Spec> frictionSpecs();   ///< sliding and rolling
 std::vector<Spec> structureSpecs();  ///< card tower, dominoes, arch, breakable beam
 std::vector<Spec> softSolidSpecs();  ///< solids of tetrahedra
 std::vector<Spec> softSheetSpecs();  ///< cloth, nets, ropes
+std::vector<Spec> softContactSpecs();  ///< surfaces that touch themselves and one another
 std::vector<Spec> softPlateSpecs();  ///< many jointed bodies on cloth
 std::vector<Spec> softGrainSpecs();  ///< granular particles
 std::vector<Spec> shapeRestSpecs();    ///< shapes at rest: an arch of wedges, a drop of every kind, a bowl

@@ -125,6 +125,7 @@ Scene buildBalls(const Arguments& arguments) {
         ball.viscosity = 100;
         ball.contactRadius = radius / whole(arguments, "cells");
         ball.collideVertices = true;
+        ball.collideSurface = false;
         scene.deformables.push_back(ball);
       }
   return scene;

@@ -27,6 +27,8 @@ struct StepReport {
   int contacts = 0;           ///< contact points
   int vertices = 0;           ///< of deformable objects, granular particles among them
   int vertexContacts = 0;     ///< contact points of vertices
+  int deflectedVertices = 0;  ///< vertices whose way was changed where surfaces would have crossed
+  int heldVertices = 0;       ///< and those that had to go less far for it
   int recycled = 0;           ///< manifolds kept without a new narrow-phase test
   int colors = 0;
   int colorRounds = 0;        ///< rounds of the colouring until it was proper

@@ -22,11 +22,14 @@ struct DeformableDef {
   Material material;                  ///< of the surface, in contact with bodies
   double gravityScale = 1;            ///< factor on the scene's gravity [1]
   bool collide = true;                ///< with bodies
+  bool collideSurface = true;         ///< its vertices, edges and triangles collide with those of other objects that say so
+  bool collideSelf = true;            ///< and with one another
   bool collideVertices = false;       ///< its vertices, as spheres of its contact radius, collide with those of other objects that say so
 };
 
 /// A solid of tetrahedra: stable neo-Hookean.
 struct SoftDef : DeformableDef {
+  SoftDef() { collideSelf = false; }  ///< its volume resists; and a surface that is folded into itself must be free to come out again
   std::vector<std::array<int, 4>> tetrahedra;  ///< of positive volume at rest: vertex 3 on the side that (1 - 0) x (2 - 0) points to
   double youngsModulus = 1e5;         ///< [Pa]
   double poissonRatio = .4;           ///< [1], 0 to below .5
@@ -61,6 +64,7 @@ struct RodDef : DeformableDef {
 
 /// Point masses joined by springs.
 struct NetDef : DeformableDef {
+  NetDef() { collideSurface = collideSelf = false; }  ///< springs may cross; of its surface only triangles collide
   struct Edge {
     int a, b;
     double stiffness;                 ///< [N/m]
@@ -69,7 +73,7 @@ struct NetDef : DeformableDef {
   };
   std::vector<double> masses;         ///< of each vertex [kg]; one number serves all
   std::vector<Edge> edges;
-  std::vector<std::array<int, 3>> triangles;  ///< only drawn
+  std::vector<std::array<int, 3>> triangles;  ///< drawn, and its surface
   double contactRadius = 0;           ///< [m]
   double breakForce = kUnbreakable;  ///< of a spring [N]
 };

@@ -4,14 +4,14 @@
 #include <map>
 #include <numbers>
 
-#include "forces/soft_model.h"
+#include "cook/soft_surface.h"
 
 namespace rubble {
 
 namespace {
 
 // Collision flags of state/vertices.h.
-constexpr int kWithBodies = 1, kWithGrains = 2;
+constexpr int kWithBodies = 1, kWithGrains = 2, kWithSurfaces = 4, kWithSelf = 8;
 
 using Edge = std::pair<int, int>;
 
@@ -23,10 +23,11 @@ double triangleArea(const Vec3& a, const Vec3& b, const Vec3& c) { return length
 SoftModel startModel(const DeformableDef& d) {
   SoftModel m;
   const std::vector<Vec3>& from = d.start.empty() ? d.vertices : d.start;
-  for (const Vec3& x : from) m.vertices.push_back({x, {}, 0, 0, 0});
+  for (std::size_t v = 0; v < from.size(); ++v) m.vertices.push_back({from[v], {}, 0, 0, 0, true, d.vertices[v] - d.vertices[0]});
   m.material = d.material;
   m.gravityScale = d.gravityScale;
-  m.collides = (d.collide ? kWithBodies : 0) | (d.collideVertices ? kWithGrains : 0);
+  m.collides = (d.collide ? kWithBodies : 0) | (d.collideVertices ? kWithGrains : 0) | (d.collideSurface ? kWithSurfaces : 0) |
+               (d.collideSelf ? kWithSelf : 0);
   return m;
 }
 
@@ -100,24 +101,6 @@ SoftModel::Tetrahedron cookTetrahedron(const SoftDef& d, const std::array<int, 4
   return t;
 }
 
-/// Faces that belong to one tetrahedron only, outward.
-std::vector<std::array<int, 3>> boundary(const std::vector<std::array<int, 4>>& tetrahedra) {
-  std::map<std::array<int, 3>, std::pair<std::array<int, 3>, int>> faces;
-  for (const auto& t : tetrahedra) {
-    for (const std::array<int, 3>& f : {std::array<int, 3>{t[1], t[2], t[3]}, {t[0], t[3], t[2]}, {t[0], t[1], t[3]}, {t[0], t[2], t[1]}}) {
-      std::array<int, 3> key = f;
-      std::sort(key.begin(), key.end());
-      auto& entry = faces[key];
-      entry.first = f;
-      ++entry.second;
-    }
-  }
-  std::vector<std::array<int, 3>> out;
-  for (const auto& [key, face] : faces)
-    if (face.second == 1) out.push_back(face.first);
-  return out;
-}
-
 std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
   SoftModel m = startModel(d);
   for (const auto& v : d.tetrahedra) {
@@ -126,7 +109,8 @@ std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
   }
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.contactRadius;
   setLengths(m, d, edgesOf(d.tetrahedra), 1);
-  m.surface = boundary(d.tetrahedra);
+  m.surface = boundaryOf(d.tetrahedra);
+  addSurface(m, d, m.surface, {}, false);
   return finished(std::move(m), d);
 }
 
@@ -203,6 +187,7 @@ std::shared_ptr<const SoftModel> cook(const ClothDef& d) {
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.thickness / 2;
   setLengths(m, d, edgesOf(d.triangles), 1);
   m.surface = d.triangles;
+  addSurface(m, d, d.triangles, {}, true);
   return finished(std::move(m), d);
 }
 
@@ -228,6 +213,7 @@ std::shared_ptr<const SoftModel> cook(const RodDef& d) {
   }
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.radius;
   setLengths(m, d, edges, 1);
+  addSurface(m, d, {}, edges, true);
   return finished(std::move(m), d);
 }
 
@@ -245,6 +231,7 @@ std::shared_ptr<const SoftModel> cook(const NetDef& d) {
   }
   setLengths(m, d, edges, d.contactRadius > 0 ? 2 * d.contactRadius : 1);
   m.surface = d.triangles;
+  addSurface(m, d, d.triangles, {}, false);
   return finished(std::move(m), d);
 }
 
@@ -253,6 +240,7 @@ std::shared_ptr<const SoftModel> cook(const ParticlesDef& d) {
   const double mass = d.density * 4 / 3 * std::numbers::pi * std::pow(d.radius, 3);
   for (SoftModel::Vertex& v : m.vertices) v.mass = mass, v.radius = d.radius, v.length = 2 * d.radius;
   m.collides |= kWithGrains;
+  m.surfaceRadius = d.radius;
   return finished(std::move(m), d);
 }
 

@@ -19,6 +19,8 @@ void commonFields(D& d, F&& f) {
   f("material", "1", "of the surface; without rolling friction and belt", d.material);
   f("gravity_scale", "1", "factor on the scene's gravity", d.gravityScale);
   f("collide", "1", "with bodies", d.collide);
+  f("collide_surface", "1", "vertices, edges and triangles, with those of other objects that say so", d.collideSurface);
+  f("collide_self", "1", "vertices, edges and triangles, with one another", d.collideSelf);
   f("collide_vertices", "1", "with vertices of other objects that say so, as spheres", d.collideVertices);
 }
 

@@ -15,6 +15,8 @@ struct SoftModel {
     double mass = 0;       ///< 0: fixed [kg]
     double radius = 0;     ///< [m]
     double length = 0;     ///< L [m]
+    bool onSurface = true; ///< or inside of a solid
+    Vec3 rest;             ///< where it is at rest, from the first vertex [m]
   };
   struct Tetrahedron {
     std::array<int, 4> v;
@@ -60,6 +62,25 @@ struct SoftModel {
   std::vector<LineBend> lineBends;
   std::vector<Spring> springs;
   std::vector<std::array<int, 3>> surface;  ///< triangles to draw, outward
+  /// What the surface is made of that other surfaces meet; empty unless it collides.
+  struct Source {
+    int type = -1;         ///< of the element that it vanishes with, in the order of ElementTypes; -1: none
+    int index = 0;
+  };
+  struct SurfaceEdge {
+    std::array<int, 2> v;
+    bool bare;             ///< of no triangle
+    Source source[2];
+    int opposite[2] = {-1, -1};  ///< third corners of its triangles
+  };
+  struct SurfaceFace {
+    std::array<int, 3> v, edge;  ///< edge k joins corners k and k + 1
+    Source source;
+  };
+  std::vector<SurfaceEdge> edges;
+  std::vector<SurfaceFace> faces;
+  double meanEdge = 0;     ///< mean length of the edges at rest [m]
+  double surfaceRadius = 0;  ///< half of the distance that surfaces keep [m]
   /// Nested clusters for the coarse correction; parents come before their parts.
   struct Cluster {
     int level, begin, end; ///< members in clusterOrder
@@ -92,6 +113,7 @@ struct SoftRange {
   static constexpr int kElementTypes = 6;
   int vertex = -1;
   int element[kElementTypes] = {};
+  int edge = 0, face = 0;  ///< of its surface
 };
 /// Elements of an object, in the same order.
 inline std::array<int, SoftRange::kElementTypes> elementCounts(const SoftModel& m) {

@@ -73,20 +73,39 @@ struct SumCluster {
   static constexpr const char* kName = "clusters";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const Cluster& c = s.cluster[i];
-    Block6 sum;
+    Block6 sum, inner;
+    bool folded = false;
     for (int k = c.begin; k < c.end; ++k) {
       const int v = s.clusterMember[k];
-      Block3 own = startVertexBlock(s, v);
+      Block3 own = startVertexBlock(s, v), self;
       for (int r = s.refOffset[v]; r < s.refOffset[v + 1]; ++r)
         if (pointType(s.ref[r]) == kAttachmentCode) addShared(s.attachment[pointIndex(s.ref[r])], own, [&](Block3& b) { addElement(s, s.ref[r], b); });
-      for (int r = s.pointEntryOffset[v]; r < s.pointEntryOffset[v + 1]; ++r)
-        addShared(s.pointContact[pointIndex(s.pointEntry[r])], own, [&](Block3& b) { addPointContact(s, s.pointEntry[r], b); });
+      bool touchesSelf = false;
+      for (int r = s.pointEntryOffset[v]; r < s.pointEntryOffset[v + 1]; ++r) {
+        const PointContact& p = s.pointContact[pointIndex(s.pointEntry[r])];
+        const bool isInner = withinObject(s, p);
+        touchesSelf |= isInner;
+        addShared(p, isInner ? self : own, [&](Block3& b) { addPointContact(s, s.pointEntry[r], b); });
+      }
       stampOnGroup(own, s.vertexPlace[v] - s.clusterMotion[i].centre, sum);
+      if (touchesSelf) stampOnGroup(self, s.vertexPlace[v] - s.clusterMotion[i].centre, inner);
+      folded |= touchesSelf;
     }
     s.clusterMotion[i].sum = sum;
+    if (s.features > 0) {
+      s.clusterMotion[i].inner = inner;
+      s.clusterMotion[i].folded = folded;
+    }
   }
 
  private:
+  /// Is it a contact of an object with itself?
+  RUBBLE_HD static bool withinObject(const View& s, const PointContact& p) {
+    if (p.body >= 0) return false;
+    for (int k = 1; k < kPointCorners && p.v[k] >= 0; ++k)
+      if (s.vertexParams[p.v[k]].first != s.vertexParams[p.v[0]].first) return false;
+    return true;
+  }
   /// Vertices that share a row with n corners may all be inside: (sum h)^2 <= n sum h^2.
   template <class Row, class Add>
   RUBBLE_HD static void addShared(const Row& row, Block3& to, Add&& add) {
@@ -110,6 +129,9 @@ struct SolveCluster {
     ClusterMotion& motion = s.clusterMotion[index];
     Block6 block;
     for (int k = c.chunkBegin; k < c.chunkEnd; ++k) addShifted(block, s.clusterMotion[k].sum, s.clusterMotion[k].centre - motion.centre);
+    // the whole object feels nothing of what it does to itself
+    for (int k = c.chunkBegin; s.features > 0 && c.parent >= 0 && k < c.chunkEnd; ++k)
+      if (s.clusterMotion[k].folded) addShifted(block, s.clusterMotion[k].inner, s.clusterMotion[k].centre - motion.centre);
     for (int k = c.refBegin; k < c.refEnd; ++k) {
       const ClusterRef ref = s.clusterRef[k];
       forEachType(ElementTypes{}, [&]<class F>() {

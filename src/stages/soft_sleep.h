@@ -8,7 +8,7 @@ namespace rubble::RUBBLE_CORE {
 struct NearVertex {
   RUBBLE_HD static int body(const View& s, int i) {
     const PointPair p = s.pointPair[i];
-    return p.other < kVertexNode && isDynamicVertex(s, p.vertex) ? p.other : -1;
+    return p.other >= 0 && p.other < kVertexNode && isDynamicVertex(s, p.vertex) ? p.other : -1;
   }
 };
 struct HeldByVertices {

@@ -1,6 +1,7 @@
 #pragma once
 /// The parts of the step that only scenes with vertices have: contacts of vertices, their elements, and their place in the graph.
 #include "stages/clusters.h"
+#include "stages/crossings.h"
 #include "stages/soft_sleep.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -19,7 +20,31 @@ void placeClusters(E& e) {
   e.forEach(PlaceLargeClusters{}, begin[kClusterLevels] - begin[1]);
 }
 
-/// What each vertex is near to.
+/// The triangles and edges of surfaces, in a grid.
+template <class Way, class E>
+void fillFeatures(E& e) {
+  const int features = e.view().features, cells = e.view().featureCells;
+  e.forEach(ForgetFeatureLevels{}, kFeatureKinds);
+  e.clear(&View::featureCount, cells);
+  e.forEach(CountFeatures<Way>{}, features);
+  e.scan(&View::featureCount, &View::featureOffset, cells);
+  e.forEach(FillFeatures<Way>{}, features);
+}
+
+/// Ends ways on which surfaces would cross.
+template <class E>
+void keepApart(E& e) {
+  const int owners = e.view().owners();
+  e.forEach(BeginCrossings{}, e.view().vertices);
+  fillFeatures<FoundWay>(e);
+  e.forEach(FindNear{}, owners);
+  e.scan(&View::nearCount, &View::nearOffset, owners, &Counters::nearFeatures, Per::NearFeature);
+  e.forEach(WriteNear{}, owners);
+  e.forEach(CountCrossings{}, &Counters::nearFeatures);
+  e.rounds(TakeWays{}, ProposeWays{}, &Counters::crossingWork, &Counters::crossings, &Counters::crossingRounds);
+}
+
+/// What each vertex and edge is near to.
 template <class E>
 void findVertexPairs(E& e) {
   const int vertices = e.view().vertices, cells = e.view().grainCells;
@@ -29,9 +54,11 @@ void findVertexPairs(E& e) {
     e.scan(&View::grainCount, &View::grainOffset, cells);
     e.forEach(FillGrains{}, vertices);
   }
-  e.forEach(FindPointPairs{}, vertices);
-  e.scan(&View::pointPairCount, &View::pointPairOffset, vertices, &Counters::pointPairs, Per::PointPair);
-  e.forEach(WritePointPairs{}, vertices);
+  if (e.view().features > 0) fillFeatures<ExpectedWay>(e);
+  const int owners = e.view().owners();
+  e.forEach(FindPointPairs{}, owners);
+  e.scan(&View::pointPairCount, &View::pointPairOffset, owners, &Counters::pointPairs, Per::PointPair);
+  e.forEach(WritePointPairs{}, owners);
 }
 
 /// Kernel over what keeps bodies awake.

@@ -19,7 +19,8 @@ namespace rubble::RUBBLE_CORE {
 ///   scan(counts, offsets, n[, counter, per])  exclusive sums, the total behind the last one and in the counter, and room for that many
 ///   group(keys, n, offsets, order, counter) indices modulo `bodies` by key, ascending; keys below 0 are left out; the counter has the number of keys
 ///   require(per, counter)                   room for that many before they are written: nothing is dropped
-///   rounds(take, propose, counter, left)    takes turns of two kernels over as many as are counted, until `propose` leaves `left` at zero
+///   rounds(take, propose, counter, left, turn)  takes turns of two kernels over as many as are counted, until `propose` leaves `left` at
+///                                           zero; `turn` counts them
 ///   forEachColor(kernel, vertexKernel)      colour by colour, over its bodies and its vertices
 ///   lodgeRows()                             contact rows take the place of the old manifolds
 ///   keepManifolds()                         manifolds of this step are the old ones of the next
@@ -32,7 +33,7 @@ concept Executor = requires(E e, View& v) {
   e.clear(&View::pairCount, 1);
   e.scan(&View::pairCount, &View::pairOffset, 1, &Counters::pairs, Per::Pair);
   e.require(Per::Color, &Counters::colors);
-  e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes);
+  e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes, &Counters::rounds);
   e.forEachColor(SolveBody<typename E::Lane>{}, SolveVertex{});
   e.forEachIn(SolveGroup{}, &View::levelGroup, 0);
   e.group(&View::groupOf, 1, &View::memberOffset, &View::member, &Counters::groups);
@@ -175,7 +176,7 @@ void colorNodes(E& e) {
   const int bodies = e.view().bodies, vertices = e.view().vertices;
   e.forEach(FindClashes{}, bodies);
   e.forEach(FindVertexClashes{}, vertices);
-  e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes);
+  e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes, &Counters::rounds);
   e.require(Per::Color, &Counters::colors);
   e.clear(&View::colorCount, &Counters::colors);
   e.forEach(CountColors{}, bodies);
@@ -237,6 +238,7 @@ void step(E& e) {
     if (vertices > 0) updateSoftDuals(e);
   }
 
+  if (e.view().features > 0) keepApart(e);
   forEachJoint.template operator()<FinishJoints>();
   if (vertices > 0) finishSoftRows(e);
   stopFastBodies(e);

@@ -1,8 +1,8 @@
 #pragma once
-/// Contacts of vertices: a broad phase against the grid of the bodies and, for granular particles, against a grid of their own; rows; and
-/// what is kept for the next step.
+/// Contacts of vertices and edges: a broad phase against the grid of the bodies, for granular particles against a grid of their own, for
+/// surfaces against that of features.h; rows; and what is kept for the next step.
 #include "collision/point_shape.h"
-#include "stages/vertices.h"
+#include "stages/feature_contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -73,26 +73,12 @@ RUBBLE_HD inline bool mayTouch(const View& s, int v, int body) {
   return (isDynamicVertex(s, v) || s.params[body].kind == BodyKind::Dynamic) && !isAttached(s, v, body);
 }
 
-/// Cells that a search visits at most; beyond, looking at everything there is takes less.
-inline constexpr Real kMostCells = 512;
-
-/// visit(cell by cell: x, y, z) for the cells of edge `size` that something within `reach` of `centre` may have its centre in. Returns false,
-/// and visits none, if they are too many: something that flies fast sweeps over many small cells.
-template <class Visit>
-RUBBLE_HD bool forEachCell(const Vec3& centre, const Vec3& reach, Real size, Visit&& visit) {
-  if (!((2 * reach.x / size + 1) * (2 * reach.y / size + 1) * (2 * reach.z / size + 1) < kMostCells)) return false;
-  const int x0 = cellOf(centre.x - reach.x, size), x1 = cellOf(centre.x + reach.x, size);
-  const int y0 = cellOf(centre.y - reach.y, size), y1 = cellOf(centre.y + reach.y, size);
-  const int z0 = cellOf(centre.z - reach.z, size), z1 = cellOf(centre.z + reach.z, size);
-  for (int z = z0; z <= z1; ++z)
-    for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x) visit(x, y, z);
-  return true;
-}
-
-/// found(other) for every partner whose pair vertex v owns.
+/// found(other) for every partner whose pair a vertex or edge owns. One may be found several times.
 template <class Found>
-RUBBLE_HD void searchPoint(const View& s, int v, Found&& found) {
+RUBBLE_HD void searchPoint(const View& s, int owner, Found&& found) {
+  if (s.features > 0) searchFeatures(s, owner, found);
+  if (owner >= s.vertices) return;
+  const int v = owner;
   const VertexParams& p = s.vertexParams[v];
   if (p.kind == VertexKind::Removed) return;
   const VertexBounds b = vertexBounds(s, v);
@@ -128,6 +114,8 @@ RUBBLE_HD void searchPoint(const View& s, int v, Found&& found) {
     if (e.vertex <= v || !meets(b, e.centre, e.half)) return;
     // vertices of one object with elements do not: they overlap at rest
     if (p.cluster >= 0 && p.cluster == s.vertexParams[e.vertex].cluster) return;
+    // nor do surfaces, whose triangles and edges do
+    if (p.cluster >= 0 && s.vertexParams[e.vertex].cluster >= 0 && (p.collides & s.vertexParams[e.vertex].collides & kCollidesWithSurfaces)) return;
     if (isDynamicVertex(s, v) || isDynamicVertex(s, e.vertex)) found(kVertexNode + e.vertex);
   };
   const bool done = forEachCell(b.centre, reach, s.grainCell, [&](int x, int y, int z) {
@@ -140,35 +128,43 @@ RUBBLE_HD void searchPoint(const View& s, int v, Found&& found) {
   for (int k = 0; !done && k < s.grainOffset[s.grainCells]; ++k) look(s.grain[k]);
 }
 
-/// Partners of each vertex, the first kPointPairSlots of them kept.
+/// Partners of each vertex and edge, the first kPointPairSlots of them kept. If there are more, some may be counted several times.
 struct FindPointPairs {
   static constexpr const char* kName = "pairs";
-  RUBBLE_HD void operator()(const View& s, int v) const {
+  RUBBLE_HD void operator()(const View& s, int owner) const {
     int count = 0;
-    int* const slots = s.pointPairSlot + v * kPointPairSlots;
-    searchPoint(s, v, [&](int other) {
+    int* const slots = s.pointPairSlot + owner * kPointPairSlots;
+    searchPoint(s, owner, [&](int other) {
+      for (int k = 0; k < min(count, kPointPairSlots); ++k)
+        if (slots[k] == other) return;
       if (count < kPointPairSlots) slots[count] = other;
       ++count;
     });
-    s.pointPairCount[v] = count;
+    s.pointPairCount[owner] = s.features > 0 && count <= kPointPairSlots ? dropSides(s, owner, count, slots, 1) : count;
   }
 };
 
-/// Pairs sorted by vertex, then by partner.
+/// Pairs sorted by owner, then by partner; behind them pairs with nothing for what was counted several times.
 struct WritePointPairs {
   static constexpr const char* kName = "pairs";
-  RUBBLE_HD void operator()(const View& s, int v) const {
-    const int begin = s.pointPairOffset[v], count = s.pointPairOffset[v + 1] - begin;
-    int n = 0;
+  RUBBLE_HD void operator()(const View& s, int owner) const {
+    const int begin = s.pointPairOffset[owner], end = s.pointPairOffset[owner + 1], count = end - begin;
+    int n = begin;
     const auto insert = [&](int other) {
-      int k = begin + n++;
-      for (; k > begin && s.pointPair[k - 1].other > other; --k) s.pointPair[k] = s.pointPair[k - 1];
-      s.pointPair[k] = {v, other};
+      int place = n;
+      while (place > begin && s.pointPair[place - 1].other > other) --place;
+      if (place > begin && s.pointPair[place - 1].other == other) return;
+      for (int k = n++; k > place; --k) s.pointPair[k] = s.pointPair[k - 1];
+      s.pointPair[place] = {owner, other};
     };
-    if (count <= kPointPairSlots)
-      for (int k = 0; k < count; ++k) insert(s.pointPairSlot[v * kPointPairSlots + k]);
-    else
-      searchPoint(s, v, insert);
+    if (count <= kPointPairSlots) {
+      for (int k = 0; k < count; ++k) insert(s.pointPairSlot[owner * kPointPairSlots + k]);
+    } else {
+      searchPoint(s, owner, insert);
+      static_assert(sizeof(PointPair) == 2 * sizeof(int));
+      if (s.features > 0) n = begin + dropSides(s, owner, n - begin, &s.pointPair[begin].other, 2);
+    }
+    for (; n < end; ++n) s.pointPair[n] = {owner, -1};
   }
 };
 
@@ -260,11 +256,15 @@ struct UpdatePointContacts {
     memset(static_cast<void*>(&p), 0, sizeof p);  // padding too: states are hashed
     Real gap, margin;
     const PointContact* old = nullptr;
+    if (pair.other < 0) {
+      s.pointContact[i] = p;
+      return;
+    }
     for (int k = s.oldPointPairOffset[pair.vertex]; k < s.oldPointPairOffset[pair.vertex + 1]; ++k)
       if (s.oldPointPair[k].other == pair.other) old = &s.oldPointContact[k];
-    const bool isBody = pair.other < kVertexNode;
-    const PointContactStart start = isBody ? touchBody(s, pair.vertex, pair.other, old, p, gap, margin)
-                                           : touchGrain(s, pair.vertex, pair.other - kVertexNode, p, gap, margin);
+    const PointContactStart start = pair.other < kVertexNode   ? touchBody(s, pair.vertex, pair.other, old, p, gap, margin)
+                                    : pair.other < kCornerNode ? touchGrain(s, pair.vertex, pair.other - kVertexNode, p, gap, margin)
+                                                               : touchFeature(s, pair.vertex, pair.other, p, gap, margin);
     p.active = gap <= margin;
     if (p.active) {
       beginPointContact(s.step, p, start, old);
@@ -281,10 +281,18 @@ struct MarkDormantPoints {
   RUBBLE_HD void operator()(const View& s, int i) const {
     PointContact& p = s.pointContact[i];
     if (!s.step.dormantRows || !p.active || p.lambdaN != Real(0)) return;
+    const bool surfaces = s.pointPair[i].other >= kCornerNode;
     Vec3 d{0, 0, 0};
-    for (int k = 0; k < kPointCorners && p.v[k] >= 0; ++k) d += p.weight[k] * s.vertexTarget[p.v[k]];
+    Real nearer[2] = {0, 0};
+    for (int k = 0; k < kPointCorners && p.v[k] >= 0; ++k) {
+      const Vec3 own = p.weight[k] * s.vertexTarget[p.v[k]];
+      d += own;
+      nearer[p.weight[k] > Real(0) ? 0 : 1] += dot(p.n, own);
+    }
     if (p.body >= 0) d = p.displacement(targetDisplacement(s, p.body), d);
-    if (p.c0 + dot(p.n, d) < -kDormantGap * p.length) p.kN = p.kT = Real(0);
+    // layers that fall together come together when the lowest is stopped: open means that it is if either side stays where it is
+    const Real closes = surfaces ? max(dot(p.n, d), max(nearer[0], nearer[1])) : dot(p.n, d);
+    if (p.c0 + closes < -kDormantGap * p.length) p.kN = p.kT = Real(0);
   }
 };
 

@@ -4,6 +4,7 @@
 #include "collision/manifold.h"
 #include "forces/forces.h"
 #include "forces/rolling.h"
+#include "state/vertices.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -131,6 +132,12 @@ struct Counters {
   int pointPairs, pointContacts, pointEntries;
   int grainHalf[3];               ///< largest half extents of granular particles, as bits like levelHalf [m]
   int rollers;                    ///< pairs, where some material has rolling friction
+  int nearFeatures;               ///< pairs of features that may meet on their ways
+  int crossingWork;               ///< as many, and at least as many as there are vertices
+  int crossings, crossingRounds;  ///< pairs of features that would come too near, and rounds until there are none
+  int deflected, held;            ///< vertices whose way was changed, or cut, for that
+  int featureLevels[kFeatureKinds];  ///< levels of the grid in use, a bit each
+  int featureHalf[kFeatureKinds][kFeatureLevels][3];  ///< largest half extents, as bits like levelHalf [m]
   int levelUsed[kGridLevels];
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]
 };

@@ -20,9 +20,47 @@ struct VertexParams {
   int cluster;        ///< the one that is its whole object, or -1: it has no elements
   Real reach;         ///< mean L of its object [m]
   int collides;       ///< kCollides... of below
+  Real surfaceRadius; ///< half the thickness that its surface has to other surfaces [m]
 };
-/// With bodies; with other vertices that do, as spheres.
-inline constexpr int kCollidesWithBodies = 1, kCollidesWithGrains = 2;
+/// With bodies; with other vertices that do, as spheres; with the surfaces of other objects that do, with the surface of its own.
+inline constexpr int kCollidesWithBodies = 1, kCollidesWithGrains = 2, kCollidesWithSurfaces = 4, kCollidesWithSelf = 8;
+
+/// A triangle or an edge of the surface of an object. Those of a kind lie in one grid.
+enum class FeatureKind : int { Triangle, BareEdge, Edge };  // bare: of no triangle
+inline constexpr int kFeatureKinds = 3, kFeatureLevels = 16;
+struct SurfaceFeature {
+  FeatureKind kind;
+  int v[3];                 ///< corners, -1: none
+  int edge[3];              ///< of a triangle: features that join corners k and k + 1
+  int opposite[2];          ///< of an edge: third corners of its triangles, -1: none
+  std::uint32_t source[2];  ///< elements (pointCode) that it vanishes with, or kNoSource
+};
+inline constexpr std::uint32_t kNoSource = ~0u;
+
+/// A feature in its place in the grid.
+struct alignas(8 * sizeof(Real)) FeatureEntry {
+  Vec3 centre, half;        ///< swept box [m]
+  int feature;
+  int place;                ///< kind + kFeatureKinds * level
+};
+
+/// A vertex or edge (as PointPair::vertex) and a feature that it may meet on their ways.
+struct NearFeature {
+  int owner, feature;
+  int meets;                ///< in the last round that looked
+};
+
+/// How the way of a vertex is changed where surfaces would cross (stages/crossings.h).
+struct VertexRepair {
+  int shift[3];             ///< sum of changes, in units of VertexRepair unit: whole numbers add up to the same in any order
+  int hits;                 ///< meetings that it takes part in
+  int before;               ///< in the round before
+  int hold;                 ///< 1: it goes half the way in the next round
+  int held;                 ///< how often it did
+  int changed;              ///< 1: its way is another than in the round before
+  Real unit;                ///< of shift [m]
+  Vec3 detour;              ///< what has changed in all [m]
+};
 
 /// A vertex in its place in the grid of granular particles.
 struct GrainEntry {
@@ -31,7 +69,8 @@ struct GrainEntry {
   int vertex;
 };
 
-/// A vertex and what it may touch: a body, or a granular particle of higher index (kVertexNode + index).
+/// What may touch: `vertex` is a vertex or, from `vertices` on, an edge (vertices + feature); `other` a body, a granular particle of higher
+/// index (kVertexNode + index), a vertex of a surface (kCornerNode + index), an edge or triangle (kFeatureNode + feature), or -1: nothing.
 struct PointPair {
   int vertex, other;
 };
@@ -51,6 +90,8 @@ inline constexpr int kBodyAttachmentType = JointTypes::kSize + 1, kBodyPointCont
 
 /// In Entry::other and among neighbours: vertex v is written kVertexNode + v.
 inline constexpr int kVertexNode = 1 << 30;
+/// In PointPair::other only.
+inline constexpr int kCornerNode = kVertexNode + (1 << 28), kFeatureNode = kVertexNode + (1 << 29);
 
 /// A cluster of vertices of one object, which the coarse correction moves as one (stages/clusters.h).
 struct Cluster {
@@ -74,10 +115,12 @@ struct ClusterMotion {
   Real mass;                 ///< [kg]
   Vec3 velocity;             ///< mean of its vertices at x^t [m/s]
   Vec6 step;                 ///< motion found by the last solve [m, rad]
-  Block6 sum;                ///< finest level: of its vertices
+  Block6 sum;                ///< finest level: of its vertices, without `inner`
+  Block6 inner;              ///< finest level: of contacts of its object with itself
+  int folded;                ///< 1: there are any
 };
 
-/// Pairs that a vertex may own before they are searched a second time.
+/// Pairs that a vertex or edge may own before they are searched a second time.
 inline constexpr int kPointPairSlots = 12;
 
 }  // namespace rubble::RUBBLE_CORE

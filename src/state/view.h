@@ -9,7 +9,8 @@ namespace rubble::RUBBLE_CORE {
 /// What an array has one element of.
 enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
                  ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, TreeNode, TreeSource,
-                 Vertex, VertexSlot, Neighbor, ElementRef, PointPair, PointEntry, GrainCell, Attachment, Cluster, ClusterRef, Node,
+                 Vertex, PointOwner, PointOwnerSlot, NearFeature, Feature, FeatureCell, Neighbor, ElementRef, PointPair, PointEntry, GrainCell,
+                 Attachment, Cluster, ClusterRef, Node,
                  FirstElement, FirstJoint = FirstElement + ElementTypes::kSize };
 /// The element types follow one another from FirstElement on, the joint types from FirstJoint on.
 inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes::kSize;
@@ -59,6 +60,9 @@ struct View : JointTables<JointTypes> {
   int grainCells = 0;                 ///< buckets of the grid of granular particles, a power of two; 0: there are none
   Real grainCell = 1;                 ///< [m]
   int attachments = 0;                ///< slots in use
+  int edges = 0, features = 0;        ///< of surfaces that collide: edges come first, then triangles
+  int featureCells = 0;               ///< buckets of their grid, a power of two
+  Real featureCell = 1;               ///< cells of its finest level [m]
   int clusterBegin[kClusterLevels + 1] = {}; ///< first cluster of each level, fine ones first
   int clusterRefs = 0;
   int elements[ElementTypes::kSize] = {}; ///< slots in use of each type
@@ -176,10 +180,21 @@ struct View : JointTables<JointTypes> {
   int* grainCount = nullptr;          ///< granular particles of each bucket
   int* grainOffset = nullptr;         ///< [grainCells + 1]
   GrainEntry* grain = nullptr;        ///< granular particles by bucket
-  int* pointPairSlot = nullptr;       ///< [vertices][kPointPairSlots] partners found
-  int* pointPairCount = nullptr;      ///< pairs that a vertex owns
-  int* pointPairOffset = nullptr;     ///< [vertices + 1] first pair of a vertex
+  // vertices and edges as owners of pairs
+  int* pointPairSlot = nullptr;       ///< [owners][kPointPairSlots] partners found
+  int* pointPairCount = nullptr;      ///< pairs that a vertex or edge owns
+  int* pointPairOffset = nullptr;     ///< [owners + 1] first pair of an owner
   int* oldPointPairOffset = nullptr;
+  // surfaces
+  SurfaceFeature* feature = nullptr;         ///< authored
+  Vec3* vertexRest = nullptr;         ///< authored: shape at rest, from the first vertex of the object [m]
+  int* featureCount = nullptr;        ///< features of each bucket
+  int* featureOffset = nullptr;       ///< [featureCells + 1]
+  FeatureEntry* featureEntry = nullptr;  ///< features by bucket
+  VertexRepair* vertexRepair = nullptr;
+  NearFeature* nearFeature = nullptr;  ///< by owner, in no fixed order
+  int* nearCount = nullptr;           ///< of each vertex and edge
+  int* nearOffset = nullptr;          ///< [owners + 1]
   int* pointEntryCount = nullptr;     ///< contacts of a vertex
   int* pointEntryOffset = nullptr;    ///< [vertices + 1]
   int* vertexColorCount = nullptr;    ///< vertices of each colour
@@ -213,6 +228,8 @@ struct View : JointTables<JointTypes> {
     else if constexpr (std::is_same_v<F, LineBend>) return lineBend;
     else return spring;
   }
+  /// What owns pairs of vertices: every vertex, then every edge.
+  RUBBLE_HD int owners() const { return vertices + edges; }
   RUBBLE_HD ShapeTables shapeTables() const { return {shapeVector, shapeIndex, shapePart}; }
 
   template <class F>
@@ -334,12 +351,14 @@ void forEachArray(F&& f) {
   is(&View::ref, "ref", "", Per::ElementRef, Life::Authored);
   is(&View::neighborOffset, "neighborOffset", "", Per::Vertex, Life::Authored, 1);
   is(&View::neighbor, "neighbor", "", Per::Neighbor, Life::Authored);
+  is(&View::vertexRest, "vertexRest", "m", Per::Vertex, Life::Authored);
+  is(&View::feature, "feature", "", Per::Feature, Life::Authored);
   is(&View::vertexPosition, "vertexPosition", "m", Per::Vertex, Life::State);
   is(&View::vertexVelocity, "vertexVelocity", "m/s", Per::Vertex, Life::State);
   is(&View::vertexOldVelocity, "vertexOldVelocity", "m/s", Per::Vertex, Life::State);
   is(&View::vertexForce, "vertexForce", "N", Per::Vertex, Life::State);
   is(&View::vertexColor, "vertexColor", "", Per::Vertex, Life::State);
-  is(&View::oldPointPairOffset, "oldPointPairOffset", "", Per::Vertex, Life::State, 1);
+  is(&View::oldPointPairOffset, "oldPointPairOffset", "", Per::PointOwner, Life::State, 1);
   is(&View::oldPointPair, "oldPointPair", "", Per::PointPair, Life::State);
   is(&View::oldPointContact, "oldPointContact", "", Per::PointPair, Life::State);
   is(&View::attachment, "attachment", "", Per::Attachment, Life::State);
@@ -361,11 +380,18 @@ void forEachArray(F&& f) {
   is(&View::grainCount, "grainCount", "", Per::GrainCell, Life::Work);
   is(&View::grainOffset, "grainOffset", "", Per::GrainCell, Life::Work, 1);
   is(&View::grain, "grain", "", Per::Vertex, Life::Unordered);
-  is(&View::pointPairSlot, "pointPairSlot", "", Per::VertexSlot, Life::Unordered);
-  is(&View::pointPairCount, "pointPairCount", "", Per::Vertex, Life::Work);
-  is(&View::pointPairOffset, "pointPairOffset", "", Per::Vertex, Life::Work, 1);
+  is(&View::pointPairSlot, "pointPairSlot", "", Per::PointOwnerSlot, Life::Unordered);
+  is(&View::pointPairCount, "pointPairCount", "", Per::PointOwner, Life::Work);
+  is(&View::pointPairOffset, "pointPairOffset", "", Per::PointOwner, Life::Work, 1);
   is(&View::pointEntryCount, "pointEntryCount", "", Per::Vertex, Life::Work);
   is(&View::pointEntryOffset, "pointEntryOffset", "", Per::Vertex, Life::Work, 1);
+  is(&View::featureCount, "featureCount", "", Per::FeatureCell, Life::Work);
+  is(&View::featureOffset, "featureOffset", "", Per::FeatureCell, Life::Work, 1);
+  is(&View::featureEntry, "featureEntry", "", Per::Feature, Life::Unordered);
+  is(&View::vertexRepair, "vertexRepair", "", Per::Vertex, Life::Work);
+  is(&View::nearFeature, "nearFeature", "", Per::NearFeature, Life::Unordered);
+  is(&View::nearCount, "nearCount", "", Per::PointOwner, Life::Work);
+  is(&View::nearOffset, "nearOffset", "", Per::PointOwner, Life::Work, 1);
   is(&View::vertexColorCount, "vertexColorCount", "", Per::Color, Life::Work);
   is(&View::vertexColorOffset, "vertexColorOffset", "", Per::Color, Life::Work, 1);
   is(&View::pointPair, "pointPair", "", Per::PointPair, Life::Work);

@@ -108,7 +108,8 @@ void World::Impl::removeAttachmentsOf(BodyId id) {
 void World::Impl::flushSoft() {
   if (!softChanged) return;
   std::vector<EngineSoftObject> objects;
-  SoftRange next{0, {}};
+  SoftRange next;
+  next.vertex = 0;
   for (const SoftId id : inOrder(registry.softs)) {
     SoftRecord& r = registry.softs.edit(id);
     objects.push_back({r.model, next, r.range});
@@ -116,6 +117,7 @@ void World::Impl::flushSoft() {
     next.vertex += int(r.model->vertices.size());
     const auto counts = elementCounts(*r.model);
     for (std::size_t k = 0; k < counts.size(); ++k) next.element[k] += counts[k];
+    next.edge += int(r.model->edges.size()), next.face += int(r.model->faces.size());
   }
   std::vector<EngineAttachment> attachments;
   for (const AttachmentId id : inOrder(registry.attachments)) {

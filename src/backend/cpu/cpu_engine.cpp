@@ -19,6 +19,8 @@ void reportCounters(const View& s, StepReport& report) {
   report.contacts = c.contacts;
   report.vertices = s.vertices;
   report.vertexContacts = c.pointContacts;
+  report.deflectedVertices = c.deflected;
+  report.heldVertices = c.held;
   report.recycled = c.recycled;
   report.colors = c.colors;
   report.colorRounds = c.rounds;

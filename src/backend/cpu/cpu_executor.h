@@ -98,13 +98,13 @@ class CpuExecutor {
   }
 
   template <class Take, class Propose>
-  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left) {
+  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left, int Counters::*turn) {
     Counters& c = *view().counters;
-    while (c.*left != 0 && c.rounds < kMaxRounds) {
+    while (c.*left != 0 && c.*turn < kMaxRounds) {
       forEach(take, count);
       c.*left = 0;
+      ++(c.*turn);
       forEach(propose, count);
-      ++c.rounds;
     }
   }
 

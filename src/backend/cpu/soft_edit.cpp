@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "backend/cpu/soft_graph.h"
 #include "stages/soft_step.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -119,118 +120,6 @@ void placeAttachments(HostTables& tables, const std::vector<EngineAttachment>& a
   }
 }
 
-/// Which elements and attachments act on each vertex, and which vertices share one.
-void connect(HostTables& tables) {
-  View& s = tables.view();
-  std::vector<std::pair<int, std::uint32_t>> refs;
-  std::vector<std::pair<int, int>> neighbors;
-  const auto add = [&](int type, int index, const int* v, int corners) {
-    for (int a = 0; a < corners && v[a] >= 0; ++a) {
-      if (!isDynamicVertex(s, v[a])) continue;
-      refs.emplace_back(v[a], pointCode(type, index, a));
-      for (int b = 0; b < corners && v[b] >= 0; ++b)
-        if (v[a] != v[b] && isDynamicVertex(s, v[b])) neighbors.emplace_back(v[a], v[b]);
-    }
-  };
-  forEachType(ElementTypes{}, [&]<class F>() {
-    constexpr int kType = typeIndex<F>(ElementTypes{});
-    for (int i = 0; i < s.elements[kType]; ++i) add(kType, i, s.elementsOf<F>()[i].v, F::kCorners);
-  });
-  for (int i = 0; i < s.attachments; ++i) add(kAttachmentCode, i, s.attachment[i].v, kPointCorners);
-  std::sort(refs.begin(), refs.end());
-  std::sort(neighbors.begin(), neighbors.end());
-  neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
-  tables.reserve(Per::ElementRef, static_cast<int>(refs.size()));
-  tables.reserve(Per::Neighbor, static_cast<int>(neighbors.size()));
-  const auto fill = [&](const auto& pairs, int* offset, auto* to) {
-    std::size_t k = 0;
-    for (int v = 0; v < s.vertices; ++v) {
-      offset[v] = static_cast<int>(k);
-      for (; k < pairs.size() && pairs[k].first == v; ++k) to[k] = pairs[k].second;
-    }
-    offset[s.vertices] = static_cast<int>(k);
-  };
-  fill(refs, s.refOffset, s.ref);
-  fill(neighbors, s.neighborOffset, s.neighbor);
-}
-
-static_assert(kClusterLevels == SoftModel::kClusterLevels);
-
-/// The clusters of all objects by level, and the elements that leave each.
-void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
-  View& s = tables.view();
-  std::vector<std::pair<int, int>> byLevel[kClusterLevels];  // object, its cluster
-  std::vector<std::vector<int>> number(objects.size());
-  for (std::size_t o = 0; o < objects.size(); ++o) {
-    number[o].resize(objects[o].model->clusters.size());
-    for (std::size_t c = 0; c < number[o].size(); ++c)
-      byLevel[objects[o].model->clusters[c].level].emplace_back(static_cast<int>(o), static_cast<int>(c));
-  }
-  int count = 0;
-  for (int level = 0; level < kClusterLevels; ++level) {
-    s.clusterBegin[level] = count;
-    for (const auto& [o, c] : byLevel[level]) number[static_cast<std::size_t>(o)][static_cast<std::size_t>(c)] = count++;
-  }
-  s.clusterBegin[kClusterLevels] = count;
-  tables.reserve(Per::Cluster, count);
-
-  // members of an object are one range; parts of a cluster come one after another in it
-  std::vector<int> memberBegin, clusterOf(static_cast<std::size_t>(s.vertices) * kClusterLevels, -1);
-  int members = 0;
-  for (const EngineSoftObject& o : objects) {
-    memberBegin.push_back(members);
-    for (const int v : o.model->clusterOrder) s.clusterMember[members++] = o.at.vertex + v;
-  }
-  for (int level = 0; level < kClusterLevels; ++level)
-    for (const auto& [o, c] : byLevel[level]) {
-      const std::size_t object = static_cast<std::size_t>(o);
-      const SoftModel::Cluster& in = objects[object].model->clusters[static_cast<std::size_t>(c)];
-      const int own = number[object][static_cast<std::size_t>(c)];
-      Cluster& to = s.cluster[own];
-      to = {memberBegin[object] + in.begin, memberBegin[object] + in.end, own, own + 1, 0, 0,
-            in.parent < 0 ? -1 : number[object][static_cast<std::size_t>(in.parent)]};
-      if (in.parent < 0)
-        for (int k = to.begin; k < to.end; ++k) s.vertexParams[s.clusterMember[k]].cluster = own;
-      if (level > 0) to.chunkBegin = count, to.chunkEnd = -1;
-      for (int k = to.begin; k < to.end; ++k) clusterOf[static_cast<std::size_t>(s.clusterMember[k]) * kClusterLevels + static_cast<std::size_t>(level)] = own;
-    }
-  for (int c = 0; c < count; ++c) {
-    const int parent = s.cluster[c].parent;
-    if (parent < 0) continue;
-    s.cluster[parent].chunkBegin = std::min(s.cluster[parent].chunkBegin, s.cluster[c].chunkBegin);
-    s.cluster[parent].chunkEnd = std::max(s.cluster[parent].chunkEnd, s.cluster[c].chunkEnd);
-  }
-
-  std::vector<std::pair<int, ClusterRef>> refs;
-  forEachType(ElementTypes{}, [&]<class F>() {
-    constexpr int kType = typeIndex<F>(ElementTypes{});
-    for (int i = 0; i < s.elements[kType]; ++i)
-      for (int level = 0; level < kClusterLevels; ++level) {
-        int own[F::kCorners], different = 0;
-        for (int k = 0; k < F::kCorners; ++k)
-          own[k] = clusterOf[static_cast<std::size_t>(s.elementsOf<F>()[i].v[k]) * kClusterLevels + static_cast<std::size_t>(level)];
-        for (int k = 0; k < F::kCorners; ++k) different += std::find(own, own + k, own[k]) == own + k;
-        if (different < 2) continue;
-        for (int k = 0; k < F::kCorners; ++k) {
-          if (own[k] < 0 || std::find(own, own + k, own[k]) != own + k) continue;
-          ClusterRef ref{kType, i, 0, different};
-          for (int j = 0; j < F::kCorners; ++j)
-            if (own[j] == own[k]) ref.inside |= 1u << j;
-          refs.emplace_back(own[k], ref);
-        }
-      }
-  });
-  std::stable_sort(refs.begin(), refs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  tables.reserve(Per::ClusterRef, static_cast<int>(refs.size()));
-  s.clusterRefs = static_cast<int>(refs.size());
-  std::size_t k = 0;
-  for (int c = 0; c < count; ++c) {
-    s.cluster[c].refBegin = static_cast<int>(k);
-    for (; k < refs.size() && refs[k].first == c; ++k) s.clusterRef[k] = refs[k].second;
-    s.cluster[c].refEnd = static_cast<int>(k);
-  }
-}
-
 /// What vertices have that lasts, by old index.
 struct OldVertices {
   explicit OldVertices(const View& s)
@@ -239,47 +128,83 @@ struct OldVertices {
         oldVelocity(s.vertexOldVelocity, s.vertexOldVelocity + s.vertices),
         force(s.vertexForce, s.vertexForce + s.vertices),
         color(s.vertexColor, s.vertexColor + s.vertices),
-        offset(s.oldPointPairOffset, s.oldPointPairOffset + s.vertices + 1),
+        offset(s.oldPointPairOffset, s.oldPointPairOffset + s.owners() + 1),
         pair(s.oldPointPair, s.oldPointPair + offset.back()),
-        contact(s.oldPointContact, s.oldPointContact + offset.back()) {}
+        contact(s.oldPointContact, s.oldPointContact + offset.back()),
+        edges(s.edges), features(s.features) {}
   std::vector<Vec3d> position;
   std::vector<Vec3> velocity, oldVelocity, force;
   std::vector<int> color, offset;
   std::vector<PointPair> pair;
   std::vector<PointContact> contact;
+  int edges, features;
 };
 
-/// Contacts of the last step between vertices that are still there. `origin`: old index of each vertex; `now`: new index of each old one.
-void placeContacts(HostTables& tables, const OldVertices& old, const std::vector<int>& origin, const std::vector<int>& now) {
+/// Old index of each new vertex and feature, and new index of each old one; -1: none.
+struct Moves {
+  std::vector<int> vertexFrom, vertexTo, featureFrom, featureTo;
+
+  void addFeatures(const View& s, const OldVertices& old, const std::vector<EngineSoftObject>& objects) {
+    featureFrom.assign(static_cast<std::size_t>(s.features), -1);
+    featureTo.assign(static_cast<std::size_t>(old.features), -1);
+    const auto add = [&](int from, int to, std::size_t count) {
+      for (std::size_t k = 0; k < count; ++k) {
+        featureFrom[static_cast<std::size_t>(to) + k] = from + static_cast<int>(k);
+        featureTo[static_cast<std::size_t>(from) + k] = to + static_cast<int>(k);
+      }
+    };
+    for (const EngineSoftObject& o : objects) {
+      if (o.previous.vertex < 0) continue;
+      add(o.previous.edge, o.at.edge, o.model->edges.size());
+      add(old.edges + o.previous.face, s.edges + o.at.face, o.model->faces.size());
+    }
+  }
+  /// Where an owner of pairs was.
+  int ownerFrom(const View& s, const OldVertices& old, int owner) const {
+    if (owner < s.vertices) return vertexFrom[static_cast<std::size_t>(owner)];
+    const int from = featureFrom[static_cast<std::size_t>(owner - s.vertices)];
+    return from < 0 ? -1 : static_cast<int>(old.position.size()) + from;
+  }
+  /// What the partner of a pair is now; bodies stay. Below -1: gone.
+  int partnerTo(int other) const {
+    const auto moved = [&](int base, const std::vector<int>& to) {
+      const int now = to[static_cast<std::size_t>(other - base)];
+      return now < 0 ? kGone : base + now;
+    };
+    if (other >= kFeatureNode) return moved(kFeatureNode, featureTo);
+    if (other >= kCornerNode) return moved(kCornerNode, vertexTo);
+    return other >= kVertexNode ? moved(kVertexNode, vertexTo) : other;
+  }
+  static constexpr int kGone = -2;
+};
+
+/// Contacts of the last step between vertices that are still there.
+void placeContacts(HostTables& tables, const OldVertices& old, const Moves& moves) {
   tables.reserve(Per::PointPair, static_cast<int>(old.pair.size()));
   View& s = tables.view();
   int n = 0;
-  for (int v = 0; v < s.vertices; ++v) {
-    s.oldPointPairOffset[v] = n;
-    const int from = origin[static_cast<std::size_t>(v)];
+  for (int owner = 0; owner < s.owners(); ++owner) {
+    s.oldPointPairOffset[owner] = n;
+    const int from = moves.ownerFrom(s, old, owner);
     if (from < 0) continue;
     for (int k = old.offset[static_cast<std::size_t>(from)]; k < old.offset[static_cast<std::size_t>(from) + 1]; ++k) {
       PointPair pair = old.pair[static_cast<std::size_t>(k)];
       PointContact contact = old.contact[static_cast<std::size_t>(k)];
-      pair.vertex = v;
-      if (pair.other >= kVertexNode) {
-        const int other = now[static_cast<std::size_t>(pair.other - kVertexNode)];
-        if (other < 0) continue;
-        pair.other = kVertexNode + other;
-      }
+      pair.vertex = owner;
+      pair.other = moves.partnerTo(pair.other);
+      if (pair.other == Moves::kGone) continue;
       for (int& corner : contact.v)
-        if (corner >= 0) corner = now[static_cast<std::size_t>(corner)];
+        if (corner >= 0) corner = moves.vertexTo[static_cast<std::size_t>(corner)];
       s.oldPointPair[n] = pair;
       s.oldPointContact[n++] = contact;
     }
   }
-  s.oldPointPairOffset[s.vertices] = n;
+  s.oldPointPairOffset[s.owners()] = n;
 }
 
 void reserveVertices(HostTables& tables, int vertices) {
   if (vertices == 0) return;
   tables.reserve(Per::Vertex, vertices);
-  tables.reserve(Per::VertexSlot, tables.capacity(Per::Vertex) * kPointPairSlots);
   tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
 }
 
@@ -291,7 +216,8 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
   int vertices = 0;
   for (const EngineSoftObject& o : objects) vertices += static_cast<int>(o.model->vertices.size());
   reserveVertices(tables, vertices);
-  std::vector<int> origin(static_cast<std::size_t>(vertices), -1), now(old.position.size(), -1);
+  Moves moves;
+  moves.vertexFrom.assign(static_cast<std::size_t>(vertices), -1), moves.vertexTo.assign(old.position.size(), -1);
   s.vertices = vertices;
   Real widest = 0;
   for (const EngineSoftObject& o : objects) {
@@ -309,7 +235,9 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
       p.frictionCombine = static_cast<int>(m.material.frictionCombine);
       p.restitutionCombine = static_cast<int>(m.material.restitutionCombine);
       p.gravityScale = real(m.gravityScale);
-      p.first = o.at.vertex, p.collides = m.collides;
+      p.first = o.at.vertex, p.collides = in.onSurface ? m.collides : m.collides & ~(kCollidesWithSurfaces | kCollidesWithSelf);
+      p.surfaceRadius = real(m.surfaceRadius);
+      s.vertexRest[v] = Vec3(in.rest);
       p.cluster = -1, p.reach = real(meanLength);
       if (p.collides & kCollidesWithGrains) widest = max(widest, p.radius);
       if (o.previous.vertex < 0) {
@@ -323,8 +251,8 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
       s.vertexPosition[v] = old.position[from];
       s.vertexVelocity[v] = old.velocity[from], s.vertexOldVelocity[v] = old.oldVelocity[from];
       s.vertexForce[v] = old.force[from], s.vertexColor[v] = old.color[from];
-      origin[static_cast<std::size_t>(v)] = static_cast<int>(from);
-      now[from] = v;
+      moves.vertexFrom[static_cast<std::size_t>(v)] = static_cast<int>(from);
+      moves.vertexTo[from] = v;
     }
   }
   // cells a little wider than the largest particle
@@ -335,11 +263,14 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
   placeAttachments(tables, attachments);
   connect(tables);
   placeClusters(tables, objects);
-  placeContacts(tables, old, origin, now);
+  placeFeatures(tables, objects);
+  moves.addFeatures(s, old, objects);
+  placeContacts(tables, old, moves);
 }
 
 SoftCounts softCounts(const View& s) {
-  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.neighborOffset[s.vertices], s.grainCells, s.attachments, {}, {}, s.clusterRefs, static_cast<float>(s.grainCell)};
+  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.neighborOffset[s.vertices], s.grainCells, s.attachments, {}, {}, s.clusterRefs, static_cast<float>(s.grainCell),
+               s.edges, s.features, s.featureCells, static_cast<float>(s.featureCell)};
   std::copy(std::begin(s.clusterBegin), std::end(s.clusterBegin), c.clusterBegin);
   std::copy(std::begin(s.elements), std::end(s.elements), c.elements);
   return c;
@@ -356,6 +287,9 @@ void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   View& s = tables.view();
   s.vertices = c.vertices, s.grainCells = c.grainCells, s.attachments = c.attachments;
   s.grainCell = real(c.grainCell);
+  s.edges = c.edges, s.features = c.features, s.featureCells = c.featureCells;
+  s.featureCell = real(c.featureCell);
+  reserveFeatures(tables);
   s.clusterRefs = c.clusterRefs;
   std::copy(std::begin(c.clusterBegin), std::end(c.clusterBegin), s.clusterBegin);
   s.refOffset[c.vertices] = c.refs;
@@ -390,67 +324,9 @@ void elementsAliveOf(const HostTables& tables, int type, int first, std::span<ch
   });
 }
 
-JointState attachmentStateOf(const HostTables& tables, int index) {
-  const View& s = tables.view();
-  const Attachment& a = s.attachment[index];
-  Vec3d gap;
-  for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) gap += s.vertexPosition[a.v[k]] * static_cast<double>(a.weight[k]);
-  if (a.seam == 0) gap += a.body == kWorldBody ? a.worldPoint : s.position[a.body] + Vec3d(rotate(s.orientation[a.body], a.anchor));
-  JointState state;
-  state.gap = length(gap);
-  // on the vertices (B); the rows push C down
-  state.force = Vec3d(a.lambda);
-  state.broken = a.broken != 0;
-  return state;
-}
-
-std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
-  const View& s = tables.view();
-  std::vector<EngineVertexContact> out;
-  for (int k = 0; k < s.oldPointPairOffset[s.vertices]; ++k) {
-    const PointContact& p = s.oldPointContact[k];
-    if (!p.active) continue;
-    Vec3 t1, t2;
-    tangentBasis(p.n, t1, t2);
-    double depth;
-    int vertex = p.v[0], other = -1;
-    if (p.body >= 0) {
-      depth = static_cast<double>(s.vertexParams[vertex].radius - pointToBody(s, vertex, p.body, s.vertexParams[vertex].length, p.n).distance);
-    } else {
-      other = p.v[1];
-      depth = static_cast<double>(s.vertexParams[vertex].radius + s.vertexParams[other].radius) -
-              length(s.vertexPosition[other] - s.vertexPosition[vertex]);
-    }
-    if (depth < 0 && !(p.lambdaN > Real(0))) continue;
-    out.push_back({vertex, p.body, other, Vec3d(p.n), Vec3d(p.n * p.lambdaN + t1 * p.lambda1 + t2 * p.lambda2), depth});
-  }
-  return out;
-}
-
-void addSoftQuality(const HostTables& tables, Quality& q, std::vector<double>& depths, int& joints) {
-  const View& s = tables.view();
-  if (s.vertices == 0) return;
-  for (const EngineVertexContact& c : vertexContactsOf(tables)) depths.push_back(std::max(0.0, c.depth));
-  for (int i = 0; i < s.attachments; ++i) {
-    if (!active(s, s.attachment[i])) continue;
-    const double gap = attachmentStateOf(tables, i).gap;
-    q.jointGapMean += gap;
-    q.jointGapMax = std::max(q.jointGapMax, gap);
-    ++joints;
-  }
-  for (int v = 0; v < s.vertices; ++v) {
-    if (!isDynamicVertex(s, v)) continue;
-    const VertexParams& p = s.vertexParams[v];
-    const double v2 = dot(Vec3d(s.vertexVelocity[v]), Vec3d(s.vertexVelocity[v]));
-    q.kineticEnergy += .5 * static_cast<double>(p.mass) * v2;
-    q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) * dot(Vec3d(s.step.gravity), s.vertexPosition[v]);
-    q.maxSpeed = std::max(q.maxSpeed, std::sqrt(v2));
-  }
-}
-
 void forgetVertexContacts(HostTables& tables, int body) {
   View& s = tables.view();
-  for (int k = 0; k < s.oldPointPairOffset[s.vertices]; ++k)
+  for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k)
     if (s.oldPointPair[k].other == body) {
       s.oldPointPair[k].other = -1;
       s.oldPointContact[k].active = 0;

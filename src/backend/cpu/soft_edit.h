@@ -11,6 +11,8 @@ struct SoftCounts {
   int elements[ElementTypes::kSize];
   int clusterBegin[kClusterLevels + 1], clusterRefs;
   float grainCell;
+  int edges, features, featureCells;
+  float featureCell;
 };
 SoftCounts softCounts(const View& s);
 void setSoftCounts(HostTables& tables, const SoftCounts& counts);

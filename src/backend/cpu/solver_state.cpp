@@ -53,7 +53,7 @@ void addJoint(const View& s, int slot, std::vector<SolverState>& bodies) {
 }
 
 void addVertexRows(const View& s, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) {
-  for (int k = 0; k < s.oldPointPairOffset[s.vertices]; ++k) {
+  for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k) {
     const PointContact& p = s.oldPointContact[k];
     if (!p.active) continue;
     const Real lambda[3] = {p.lambdaN, p.lambda1, p.lambda2};

@@ -22,9 +22,11 @@ std::size_t liveCount(const View& s, Per per) {
     // none before the first step with such materials
     case Per::Rolling: return s.rolls ? static_cast<std::size_t>(s.counters->rollers) : 0;
     case Per::Vertex: return static_cast<std::size_t>(s.vertices);
+    case Per::PointOwner: return static_cast<std::size_t>(s.owners());
+    case Per::Feature: return static_cast<std::size_t>(s.features);
     case Per::ElementRef: return static_cast<std::size_t>(s.refOffset[s.vertices]);
     case Per::Neighbor: return static_cast<std::size_t>(s.neighborOffset[s.vertices]);
-    case Per::PointPair: return static_cast<std::size_t>(s.oldPointPairOffset[s.vertices]);
+    case Per::PointPair: return static_cast<std::size_t>(s.oldPointPairOffset[s.owners()]);
     case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
     case Per::ClusterRef: return static_cast<std::size_t>(s.clusterRefs);
     case Per::Attachment: return static_cast<std::size_t>(s.attachments);
@@ -119,7 +121,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   // sizes of later arrays depend on these
   s.oldPairOffset[counts.bodies] = counts.pairs;
   s.exclusionOffset[counts.bodies] = counts.exclusions;
-  s.oldPointPairOffset[counts.soft.vertices] = counts.pointPairs;
+  s.oldPointPairOffset[s.owners()] = counts.pointPairs;
   const std::byte* from = data.data() + sizeof counts;
   forEachKept(s, [&](const auto& array, std::size_t bytes) {
     if (bytes > 0) std::memcpy(s.*array.member, from, bytes);

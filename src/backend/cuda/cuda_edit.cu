@@ -62,7 +62,7 @@ __global__ void forgetManifolds(const __grid_constant__ View s, const int* slots
 
 __global__ void forgetPoints(const __grid_constant__ View s, const int* slots, int count) {
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  if (i >= s.oldPointPairOffset[s.vertices] || !contains(slots, count, s.oldPointPair[i].other)) return;
+  if (i >= s.oldPointPairOffset[s.owners()] || !contains(slots, count, s.oldPointPair[i].other)) return;
   s.oldPointPair[i].other = -1;
   s.oldPointContact[i].active = 0;
 }

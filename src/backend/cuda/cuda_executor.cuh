@@ -170,7 +170,7 @@ class CudaExecutor {
 
   /// One launch, whose blocks wait for one another between the kernels.
   template <class Take, class Propose>
-  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left) {
+  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left, int Counters::*turn) {
     if (!begins()) return;
     enterStage(Take::kName);
     cudaLaunchAttribute together{};
@@ -183,7 +183,7 @@ class CudaExecutor {
     config.attrs = &together;
     config.numAttrs = 1;
     const int* const n = counter(count);
-    checkCuda(cudaLaunchKernelEx(&config, runRounds<Take, Propose>, view(), take, propose, n, counter(left), counter(&Counters::rounds),
+    checkCuda(cudaLaunchKernelEx(&config, runRounds<Take, Propose>, view(), take, propose, n, counter(left), counter(turn),
                                  kMaxRounds, Gate{control_}),
               "rounds");
   }

@@ -99,6 +99,10 @@ int Mirror::liveCount(Per per) const {
       return s.exclusionOffset[s.bodies];
     case Per::Vertex:
       return s.vertices;
+    case Per::PointOwner:
+      return s.owners();
+    case Per::Feature:
+      return s.features;
     case Per::ElementRef:
       return s.refOffset[s.vertices];
     case Per::Neighbor:
@@ -114,7 +118,7 @@ int Mirror::liveCount(Per per) const {
     case Per::TreeSource:
       return s.treeSources;
     case Per::PointPair:
-      return allDirty_ ? s.oldPointPairOffset[s.vertices] : s.counters->pointPairs;
+      return allDirty_ ? s.oldPointPairOffset[s.owners()] : s.counters->pointPairs;
     default:
       return std::min(host_.capacity(per), stepper_.tables().capacity(per));
   }

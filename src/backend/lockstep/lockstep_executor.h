@@ -52,8 +52,8 @@ class LockstepExecutor {
     both([&](CpuExecutor& e) { e.require(per, count); });
   }
   template <class Take, class Propose>
-  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left) {
-    both([&](CpuExecutor& e) { e.rounds(take, propose, count, left); });
+  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left, int Counters::*turn) {
+    both([&](CpuExecutor& e) { e.rounds(take, propose, count, left, turn); });
   }
   void lodgeRows() {
     both([](CpuExecutor& e) { e.lodgeRows(); });
@@ -97,6 +97,9 @@ class LockstepExecutor {
       case Per::Color: return static_cast<std::size_t>(c.colors);
       case Per::Cell: return static_cast<std::size_t>(s.cells);
       case Per::Vertex: return static_cast<std::size_t>(s.vertices);
+      case Per::PointOwner: return static_cast<std::size_t>(s.owners());
+      case Per::Feature: return static_cast<std::size_t>(s.features);
+      case Per::FeatureCell: return static_cast<std::size_t>(s.featureCells);
       case Per::GrainCell: return static_cast<std::size_t>(s.grainCells);
       case Per::PointPair: return static_cast<std::size_t>(c.pointPairs);
       case Per::PointEntry: return static_cast<std::size_t>(c.pointEntries);

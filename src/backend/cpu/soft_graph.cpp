@@ -1,0 +1,167 @@
+#include "backend/cpu/soft_graph.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "stages/soft_step.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Which elements and attachments act on each vertex, and which vertices share one.
+void connect(HostTables& tables) {
+  View& s = tables.view();
+  std::vector<std::pair<int, std::uint32_t>> refs;
+  std::vector<std::pair<int, int>> neighbors;
+  const auto add = [&](int type, int index, const int* v, int corners) {
+    for (int a = 0; a < corners && v[a] >= 0; ++a) {
+      if (!isDynamicVertex(s, v[a])) continue;
+      refs.emplace_back(v[a], pointCode(type, index, a));
+      for (int b = 0; b < corners && v[b] >= 0; ++b)
+        if (v[a] != v[b] && isDynamicVertex(s, v[b])) neighbors.emplace_back(v[a], v[b]);
+    }
+  };
+  forEachType(ElementTypes{}, [&]<class F>() {
+    constexpr int kType = typeIndex<F>(ElementTypes{});
+    for (int i = 0; i < s.elements[kType]; ++i) add(kType, i, s.elementsOf<F>()[i].v, F::kCorners);
+  });
+  for (int i = 0; i < s.attachments; ++i) add(kAttachmentCode, i, s.attachment[i].v, kPointCorners);
+  std::sort(refs.begin(), refs.end());
+  std::sort(neighbors.begin(), neighbors.end());
+  neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
+  tables.reserve(Per::ElementRef, static_cast<int>(refs.size()));
+  tables.reserve(Per::Neighbor, static_cast<int>(neighbors.size()));
+  const auto fill = [&](const auto& pairs, int* offset, auto* to) {
+    std::size_t k = 0;
+    for (int v = 0; v < s.vertices; ++v) {
+      offset[v] = static_cast<int>(k);
+      for (; k < pairs.size() && pairs[k].first == v; ++k) to[k] = pairs[k].second;
+    }
+    offset[s.vertices] = static_cast<int>(k);
+  };
+  fill(refs, s.refOffset, s.ref);
+  fill(neighbors, s.neighborOffset, s.neighbor);
+}
+
+static_assert(kClusterLevels == SoftModel::kClusterLevels);
+
+/// The clusters of all objects by level, and the elements that leave each.
+void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
+  View& s = tables.view();
+  std::vector<std::pair<int, int>> byLevel[kClusterLevels];  // object, its cluster
+  std::vector<std::vector<int>> number(objects.size());
+  for (std::size_t o = 0; o < objects.size(); ++o) {
+    number[o].resize(objects[o].model->clusters.size());
+    for (std::size_t c = 0; c < number[o].size(); ++c)
+      byLevel[objects[o].model->clusters[c].level].emplace_back(static_cast<int>(o), static_cast<int>(c));
+  }
+  int count = 0;
+  for (int level = 0; level < kClusterLevels; ++level) {
+    s.clusterBegin[level] = count;
+    for (const auto& [o, c] : byLevel[level]) number[static_cast<std::size_t>(o)][static_cast<std::size_t>(c)] = count++;
+  }
+  s.clusterBegin[kClusterLevels] = count;
+  tables.reserve(Per::Cluster, count);
+
+  // members of an object are one range; parts of a cluster come one after another in it
+  std::vector<int> memberBegin, clusterOf(static_cast<std::size_t>(s.vertices) * kClusterLevels, -1);
+  int members = 0;
+  for (const EngineSoftObject& o : objects) {
+    memberBegin.push_back(members);
+    for (const int v : o.model->clusterOrder) s.clusterMember[members++] = o.at.vertex + v;
+  }
+  for (int level = 0; level < kClusterLevels; ++level)
+    for (const auto& [o, c] : byLevel[level]) {
+      const std::size_t object = static_cast<std::size_t>(o);
+      const SoftModel::Cluster& in = objects[object].model->clusters[static_cast<std::size_t>(c)];
+      const int own = number[object][static_cast<std::size_t>(c)];
+      Cluster& to = s.cluster[own];
+      to = {memberBegin[object] + in.begin, memberBegin[object] + in.end, own, own + 1, 0, 0,
+            in.parent < 0 ? -1 : number[object][static_cast<std::size_t>(in.parent)]};
+      if (in.parent < 0)
+        for (int k = to.begin; k < to.end; ++k) s.vertexParams[s.clusterMember[k]].cluster = own;
+      if (level > 0) to.chunkBegin = count, to.chunkEnd = -1;
+      for (int k = to.begin; k < to.end; ++k) clusterOf[static_cast<std::size_t>(s.clusterMember[k]) * kClusterLevels + static_cast<std::size_t>(level)] = own;
+    }
+  for (int c = 0; c < count; ++c) {
+    const int parent = s.cluster[c].parent;
+    if (parent < 0) continue;
+    s.cluster[parent].chunkBegin = std::min(s.cluster[parent].chunkBegin, s.cluster[c].chunkBegin);
+    s.cluster[parent].chunkEnd = std::max(s.cluster[parent].chunkEnd, s.cluster[c].chunkEnd);
+  }
+
+  std::vector<std::pair<int, ClusterRef>> refs;
+  forEachType(ElementTypes{}, [&]<class F>() {
+    constexpr int kType = typeIndex<F>(ElementTypes{});
+    for (int i = 0; i < s.elements[kType]; ++i)
+      for (int level = 0; level < kClusterLevels; ++level) {
+        int own[F::kCorners], different = 0;
+        for (int k = 0; k < F::kCorners; ++k)
+          own[k] = clusterOf[static_cast<std::size_t>(s.elementsOf<F>()[i].v[k]) * kClusterLevels + static_cast<std::size_t>(level)];
+        for (int k = 0; k < F::kCorners; ++k) different += std::find(own, own + k, own[k]) == own + k;
+        if (different < 2) continue;
+        for (int k = 0; k < F::kCorners; ++k) {
+          if (own[k] < 0 || std::find(own, own + k, own[k]) != own + k) continue;
+          ClusterRef ref{kType, i, 0, different};
+          for (int j = 0; j < F::kCorners; ++j)
+            if (own[j] == own[k]) ref.inside |= 1u << j;
+          refs.emplace_back(own[k], ref);
+        }
+      }
+  });
+  std::stable_sort(refs.begin(), refs.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  tables.reserve(Per::ClusterRef, static_cast<int>(refs.size()));
+  s.clusterRefs = static_cast<int>(refs.size());
+  std::size_t k = 0;
+  for (int c = 0; c < count; ++c) {
+    s.cluster[c].refBegin = static_cast<int>(k);
+    for (; k < refs.size() && refs[k].first == c; ++k) s.clusterRef[k] = refs[k].second;
+    s.cluster[c].refEnd = static_cast<int>(k);
+  }
+}
+
+/// Edges and triangles of all surfaces that collide, and their grid.
+void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
+  View& s = tables.view();
+  int edges = 0, triangles = 0;
+  double shortest = 0;
+  for (const EngineSoftObject& o : objects) {
+    if (o.model->faces.empty() && o.model->edges.empty()) continue;
+    edges += static_cast<int>(o.model->edges.size()), triangles += static_cast<int>(o.model->faces.size());
+    shortest = shortest > 0 ? std::min(shortest, o.model->meanEdge) : o.model->meanEdge;
+  }
+  s.edges = edges, s.features = edges + triangles;
+  // a triangle is about as wide as its edges are long, and its box a little wider
+  constexpr double kCellEdges = 1.25;
+  s.featureCell = static_cast<Real>(shortest > 0 ? kCellEdges * shortest : 1);
+  s.featureCells = s.features > 0 ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * s.features)))) : 0;
+  reserveFeatures(tables);
+  int edge = 0, triangle = edges;
+  for (const EngineSoftObject& o : objects) {
+    const int firstEdge = edge;
+    const auto sourceOf = [&](const SoftModel::Source& source) {
+      return source.type < 0 ? kNoSource : pointCode(source.type, o.at.element[source.type] + source.index, 0);
+    };
+    for (const SoftModel::SurfaceEdge& e : o.model->edges)
+      s.feature[edge++] = {e.bare ? FeatureKind::BareEdge : FeatureKind::Edge,
+                           {o.at.vertex + e.v[0], o.at.vertex + e.v[1], -1},
+                           {-1, -1, -1},
+                           {e.opposite[0] < 0 ? -1 : o.at.vertex + e.opposite[0], e.opposite[1] < 0 ? -1 : o.at.vertex + e.opposite[1]},
+                           {sourceOf(e.source[0]), sourceOf(e.source[1])}};
+    for (const SoftModel::SurfaceFace& f : o.model->faces) {
+      SurfaceFeature to{FeatureKind::Triangle, {}, {}, {-1, -1}, {sourceOf(f.source), kNoSource}};
+      for (std::size_t k = 0; k < 3; ++k) to.v[k] = o.at.vertex + f.v[k], to.edge[k] = firstEdge + f.edge[k];
+      s.feature[triangle++] = to;
+    }
+  }
+}
+
+void reserveFeatures(HostTables& tables) {
+  const View& s = tables.view();
+  if (s.vertices == 0) return;
+  tables.reserve(Per::Feature, s.features);
+  tables.reserve(Per::FeatureCell, s.featureCells);
+  tables.reserve(Per::PointOwner, s.owners());
+  tables.reserve(Per::PointOwnerSlot, tables.capacity(Per::PointOwner) * kPointPairSlots);
+}
+
+}  // namespace rubble::RUBBLE_CORE
