@@ -14,6 +14,10 @@ namespace rubble::RUBBLE_CORE {
 /// links under R times their mass is about N R / kTreeStiffness; the elimination, in double, keeps seven digits beside it.
 inline constexpr double kTreeStiffness = 1e9;
 
+/// Rows whose force is this near to their bound, as a share of it, are at it: a tree that held them would move bodies by a force that they must
+/// not have. A margin, so that round-off does not decide.
+inline constexpr Real kAtBound = Real(1e-4);
+
 /// A row whose multiplier the tree finds.
 struct SolvedRow {
   double force = 0, hessian = 0;
@@ -53,7 +57,7 @@ RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const 
       const bool both = row.lo == row.hi;
       Real force, stiffness;
       const Real beyond = axisForce(row, error[0], force, stiffness);
-      if (!(absOf(force) < row.bound) || (force == Real(0) && !both)) return;
+      if (!(absOf(force) < row.bound * (Real(1) - kAtBound)) || (force == Real(0) && !both)) return;
       solve(solved, rows.start, row.compliance, both ? error[0] - row.hi : beyond, row.lambda);
       solved.side = both ? 0 : force > Real(0) ? 1 : -1;
       out.force[0] += solved.force - static_cast<double>(force);
@@ -70,7 +74,10 @@ RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const 
     const bool inside = groupForce<P::kRows>(rows.state, error, rows.lambda, out.own, P::kRows, hessian);
     out.hessian = static_cast<double>(hessian);
     for (int i = 0; i < P::kRows; ++i) out.force[i] = static_cast<double>(out.own[i]);
-    if (!exact || !inside || own.mode != GroupMode::Hold || !rows.state.keepsMultiplier) return true;
+    Real size2 = 0;
+    for (int i = 0; i < P::kRows; ++i) size2 += out.own[i] * out.own[i];
+    const bool free = inside && std::sqrt(size2) < rows.state.bound * (Real(1) - kAtBound);
+    if (!exact || !free || own.mode != GroupMode::Hold || !rows.state.keepsMultiplier) return true;
     for (int i = 0; i < P::kRows; ++i) {
       solve(out.solved[i], rows.state.rule.start, rows.state.compliance, error[i], rows.lambda[i]);
       out.force[i] = out.solved[i].force;
