@@ -20,9 +20,9 @@ struct CompareOptions {
 };
 
 struct Difference {
-  double position = 0;  ///< largest distance between the two places of a body [m]
-  double angle = 0;     ///< largest angle between its two orientations [rad]
-  std::string body;     ///< the one that is farthest apart
+  double position = 0;  ///< largest distance between the two places of a body or vertex [m]
+  double angle = 0;     ///< largest angle between the two orientations of a body [rad]
+  std::string what;     ///< the one that is farthest apart
 };
 
 std::string bodyText(const World& world, BodyId id) {
@@ -30,24 +30,35 @@ std::string bodyText(const World& world, BodyId id) {
   return name.empty() ? fmt::format("body {}", id.index) : name;
 }
 
+/// Vertices of a deformable object that both have.
+std::size_t commonVertices(const std::vector<Vec3>& a, const std::vector<Vec3>& b) { return std::min(a.size(), b.size()); }
+std::string vertexText(SoftId id, std::size_t vertex) { return fmt::format("vertex {} of deformable object {}", vertex, id.index); }
+
 Difference differenceOf(const World& a, const World& b) {
   Difference result;
+  // Written so that a distance that is no number counts as the largest.
+  const auto take = [&](double distance, const auto& text) {
+    if (distance <= result.position || std::isnan(result.position)) return;
+    result.position = distance;
+    result.what = text();
+  };
   for (const BodyId id : a.bodies()) {
     if (!b.alive(id)) continue;
     const BodyState sa = a.state(id), sb = b.state(id);
     const double distance = length(sa.position - sb.position);
     const Quat turn = conjugate(sa.orientation) * sb.orientation;
     result.angle = std::max(result.angle, 2 * std::atan2(length(turn.v), std::fabs(turn.s)));
-    // Written so that a distance that is no number counts as the largest.
-    if (!(distance <= result.position) && !std::isnan(result.position)) {
-      result.position = distance;
-      result.body = bodyText(a, id);
-    }
+    take(distance, [&] { return bodyText(a, id); });
+  }
+  for (const SoftId id : a.deformables()) {
+    if (!b.alive(id)) continue;
+    const std::vector<Vec3> pa = a.positions(id), pb = b.positions(id);
+    for (std::size_t i = 0; i < commonVertices(pa, pb); ++i) take(length(pa[i] - pb[i]), [&] { return vertexText(id, i); });
   }
   return result;
 }
 
-/// The first body whose state has other bits, and in what; "" if there is none.
+/// The first body or vertex whose state has other bits, and in what; "" if there is none.
 std::string firstOtherBits(const World& a, const World& b) {
   for (const BodyId id : a.bodies()) {
     if (!b.alive(id)) return bodyText(a, id) + ", which is gone in one of them";
@@ -58,6 +69,16 @@ std::string firstOtherBits(const World& a, const World& b) {
                              : s.angularVelocity != t.angularVelocity ? "angular velocity"
                                                                       : nullptr;
     if (what) return fmt::format("{} of {}", what, bodyText(a, id));
+  }
+  for (const SoftId id : a.deformables()) {
+    if (!b.alive(id)) return fmt::format("deformable object {}, which is gone in one of them", id.index);
+    const auto otherOf = [&](const char* what, const std::vector<Vec3>& x, const std::vector<Vec3>& y) -> std::string {
+      for (std::size_t i = 0; i < commonVertices(x, y); ++i)
+        if (x[i] != y[i]) return fmt::format("{} of {}", what, vertexText(id, i));
+      return "";
+    };
+    if (const std::string other = otherOf("position", a.positions(id), b.positions(id)); !other.empty()) return other;
+    if (const std::string other = otherOf("velocity", a.velocities(id), b.velocities(id)); !other.empty()) return other;
   }
   return "";
 }
@@ -98,7 +119,7 @@ int compareTwo(const CompareOptions& options) {
       if (!other.empty()) parted = step;
     }
     if (isShown(step, steps, options.every))
-      fmt::print("{:>8}{:>16.3e}{:>16.3e}   {}\n", step, difference.position, difference.angle, difference.body);
+      fmt::print("{:>8}{:>16.3e}{:>16.3e}   {}\n", step, difference.position, difference.angle, difference.what);
   }
   if (parted > 0)
     fmt::print("not the same bits: the first difference is after step {}, in the {}\n", parted, other);
