@@ -25,8 +25,9 @@ viewer::Opened opened(JobOptions job, const viewer::Request& request) {
   if (request.scene != job.scene) job.arguments.clear();
   job.scene = request.scene;
   for (const auto& [name, value] : request.arguments) {
-    std::erase_if(job.arguments, [&](const std::string& text) { return text.rfind(name + "=", 0) == 0; });
-    job.arguments.push_back(fmt::format("{}={}", name, value));
+    const std::string setting = name + "=";
+    std::erase_if(job.arguments, [&](const std::string& text) { return text.rfind(setting, 0) == 0; });
+    job.arguments.push_back(fmt::format("{}{}", setting, value));
   }
   if (!request.backend.empty()) job.backend = request.backend;
   PreparedJob prepared = prepareJob(job);
