@@ -126,8 +126,6 @@ RUBBLE_HD void stampContact(const StepConstants& c, const ContactRows& m, bool o
   const Real sign = onA ? Real(-1) : Real(1);
   const L fn = sign * o.fN, f1 = sign * o.t.f1, f2 = sign * o.t.f2;
   const Vec3T<L> force{n.x * fn + t1.x * f1 + t2.x * f2, n.y * fn + t1.y * f1 + t2.y * f2, n.z * fn + t1.z * f1 + t2.z * f2};
-  block.fl += force;
-  block.fa += cross(r, force);
 
   const L kn = f.load.w, w11 = o.t.w11, w12 = o.t.w12, w22 = o.t.w22;
   const auto entry = [&](Real n2, Real a2, Real ab, Real b2) { return n2 * kn + a2 * w11 + ab * w12 + b2 * w22; };
@@ -138,17 +136,7 @@ RUBBLE_HD void stampContact(const StepConstants& c, const ContactRows& m, bool o
   w.xy = entry(n.x * n.y, t1.x * t1.y, t1.x * t2.y + t1.y * t2.x, t2.x * t2.y);
   w.xz = entry(n.x * n.z, t1.x * t1.z, t1.x * t2.z + t1.z * t2.x, t2.x * t2.z);
   w.yz = entry(n.y * n.z, t1.y * t1.z, t1.y * t2.z + t1.z * t2.y, t2.y * t2.z);
-  block.ll += w;
-
-  const Vec3T<L> b0 = cross(r, Vec3T<L>{w.xx, w.xy, w.xz}), b1 = cross(r, Vec3T<L>{w.xy, w.yy, w.yz}), b2 = cross(r, Vec3T<L>{w.xz, w.yz, w.zz});
-  block.al0 += b0, block.al1 += b1, block.al2 += b2;
-  // row i of [r] W [r]^T is r x (row i of [r] W)
-  block.aa.xx += r.y * b2.x - r.z * b1.x;
-  block.aa.xy += r.z * b0.x - r.x * b2.x;
-  block.aa.xz += r.x * b1.x - r.y * b0.x;
-  block.aa.yy += r.z * b0.y - r.x * b2.y;
-  block.aa.yz += r.x * b1.y - r.y * b0.y;
-  block.aa.zz += r.x * b1.z - r.y * b0.z;
+  addAtLever(block, r, force, w);
 }
 
 /// The dual update [S 13], [S 14] of the points: normal force first, then the cone with it, then both stiffnesses.

@@ -69,20 +69,7 @@ struct PointContact {
   }
   RUBBLE_HD void stampBody(const StepConstants& c, const Vec3& d, Block6& block) const {
     const Forces o = forces(c, d);
-    const Vec3 f = -o.vector(n), &r = lever;
-    const Sym3 w = o.hessian(n, kN);
-    block.fl += f;
-    block.fa += cross(r, f);
-    block.ll += w;
-    const Vec3 b0 = cross(r, w.column(0)), b1 = cross(r, w.column(1)), b2 = cross(r, w.column(2));
-    block.al0 += b0, block.al1 += b1, block.al2 += b2;
-    // row i of [r] W [r]^T is r x (row i of [r] W)
-    block.aa.xx += r.y * b2.x - r.z * b1.x;
-    block.aa.xy += r.z * b0.x - r.x * b2.x;
-    block.aa.xz += r.x * b1.x - r.y * b0.x;
-    block.aa.yy += r.z * b0.y - r.x * b2.y;
-    block.aa.yz += r.x * b1.y - r.y * b0.y;
-    block.aa.zz += r.x * b1.z - r.y * b0.z;
+    addAtLever(block, lever, -o.vector(n), o.hessian(n, kN));
   }
   RUBBLE_HD void updateDual(const StepConstants& c, const Vec3& d) {
     const Forces o = forces(c, d);

@@ -51,6 +51,23 @@ struct Block6T {
 };
 using Block6 = Block6T<Real>;
 
+/// Adds a force and a Hessian W that act at a lever r: [[W, -W [r]], [[r] W, -[r] W [r]]].
+template <class L>
+RUBBLE_HD void addAtLever(Block6T<L>& block, const Vec3T<L>& r, const Vec3T<L>& force, const Sym3T<L>& w) {
+  block.fl += force;
+  block.fa += cross(r, force);
+  block.ll += w;
+  const Vec3T<L> b0 = cross(r, w.column(0)), b1 = cross(r, w.column(1)), b2 = cross(r, w.column(2));
+  block.al0 += b0, block.al1 += b1, block.al2 += b2;
+  // row i of [r] W [r]^T is r x (row i of [r] W)
+  block.aa.xx += r.y * b2.x - r.z * b1.x;
+  block.aa.xy += r.z * b0.x - r.x * b2.x;
+  block.aa.xz += r.x * b1.x - r.y * b0.x;
+  block.aa.yy += r.z * b0.y - r.x * b2.y;
+  block.aa.yz += r.x * b1.y - r.y * b0.y;
+  block.aa.zz += r.x * b1.z - r.y * b0.z;
+}
+
 /// Packed lower triangle of a symmetric 6x6 matrix, row by row.
 struct Sym6 {
   Real a[21];

@@ -12,22 +12,6 @@ namespace rubble::RUBBLE_CORE {
 /// Rotational Hessian that is added about every axis, over the trace of a cluster's own [1].
 inline constexpr Real kLeastTurn = Real(.01);
 
-RUBBLE_HD inline void stampOnGroup(const Block3& own, const Vec3& s, Block6& to) {
-  const Sym3& h = own.h;
-  to.fl += own.f;
-  to.fa += cross(s, own.f);
-  to.ll += h;
-  const Vec3 b0 = cross(s, h.column(0)), b1 = cross(s, h.column(1)), b2 = cross(s, h.column(2));
-  to.al0 += b0, to.al1 += b1, to.al2 += b2;
-  // row i of [s] H [s]^T is s x (row i of [s] H)
-  to.aa.xx += s.y * b2.x - s.z * b1.x;
-  to.aa.xy += s.z * b0.x - s.x * b2.x;
-  to.aa.xz += s.x * b1.x - s.y * b0.x;
-  to.aa.yy += s.z * b0.y - s.x * b2.y;
-  to.aa.yz += s.x * b1.y - s.y * b0.y;
-  to.aa.zz += s.x * b1.z - s.y * b0.z;
-}
-
 /// Centre and mean velocity of each of the finest clusters: at x^t, and again at the initial guess.
 struct PlaceClusters {
   static constexpr const char* kName = "clusters";
@@ -87,8 +71,8 @@ struct SumCluster {
         touchesSelf |= isInner;
         addShared(p, isInner ? self : own, [&](Block3& b) { addPointContact(s, s.pointEntry[r], b); });
       }
-      stampOnGroup(own, s.vertexPlace[v] - s.clusterMotion[i].centre, sum);
-      if (touchesSelf) stampOnGroup(self, s.vertexPlace[v] - s.clusterMotion[i].centre, inner);
+      addAtLever(sum, s.vertexPlace[v] - s.clusterMotion[i].centre, own.f, own.h);
+      if (touchesSelf) addAtLever(inner, s.vertexPlace[v] - s.clusterMotion[i].centre, self.f, self.h);
       folded |= touchesSelf;
     }
     s.clusterMotion[i].sum = sum;

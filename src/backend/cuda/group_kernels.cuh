@@ -26,7 +26,7 @@ struct OnDevice<FlattenGroups> {
 inline constexpr int kSmallWidth = 8;
 
 /// Sums of chunks into those of their group by a tree whose fan-in is the width of a tile: the last of a node's children to come adds them
-/// up, in their order.
+/// up, in their order. The levels are enough for kSmallWidth^8 chunks.
 inline constexpr int kTreeLevels = 8;
 struct SumTree {
   int* tickets;  ///< [kTreeLevels][chunks] children that have come; zero between kernels
