@@ -3,10 +3,13 @@
 /// Conventions: right-handed, Hamilton quaternions (scalar first), rotation body -> world, SI units.
 #include <cmath>
 
+/// RUBBLE_HD: for host and device. RUBBLE_NEAR: small and hot; in the one large unit that a step is, a compiler gives up on inlining.
 #if defined(__CUDACC__)
 #define RUBBLE_HD __host__ __device__
+#define RUBBLE_NEAR __forceinline__
 #else
 #define RUBBLE_HD
+#define RUBBLE_NEAR inline __attribute__((always_inline))
 #endif
 
 namespace rubble {
@@ -35,7 +38,7 @@ struct Vec3T {
 };
 
 template <class R> RUBBLE_HD constexpr R dot(const Vec3T<R>& a, const Vec3T<R>& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-template <class R> RUBBLE_HD constexpr Vec3T<R> cross(const Vec3T<R>& a, const Vec3T<R>& b) {
+template <class R> RUBBLE_HD RUBBLE_NEAR constexpr Vec3T<R> cross(const Vec3T<R>& a, const Vec3T<R>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class R> RUBBLE_HD constexpr Vec3T<R> mul(const Vec3T<R>& a, const Vec3T<R>& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
@@ -62,7 +65,7 @@ struct QuatT {
   friend constexpr bool operator==(const QuatT&, const QuatT&) = default;
 };
 
-template <class R> RUBBLE_HD constexpr QuatT<R> operator*(const QuatT<R>& a, const QuatT<R>& b) {
+template <class R> RUBBLE_HD RUBBLE_NEAR constexpr QuatT<R> operator*(const QuatT<R>& a, const QuatT<R>& b) {
   return {a.s * b.s - dot(a.v, b.v), a.s * b.v + b.s * a.v + cross(a.v, b.v)};
 }
 /// Inverse of a unit quaternion.
@@ -72,7 +75,7 @@ template <class R> RUBBLE_HD inline QuatT<R> normalize(const QuatT<R>& q) {
   return {q.s * inv, q.v * inv};
 }
 /// R(q) r
-template <class R> RUBBLE_HD constexpr Vec3T<R> rotate(const QuatT<R>& q, const Vec3T<R>& r) {
+template <class R> RUBBLE_HD RUBBLE_NEAR constexpr Vec3T<R> rotate(const QuatT<R>& q, const Vec3T<R>& r) {
   const Vec3T<R> t = R(2) * cross(q.v, r);
   return r + q.s * t + cross(q.v, t);
 }

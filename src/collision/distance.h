@@ -232,7 +232,8 @@ RUBBLE_HD inline Meeting meeting(const Placed& a, const Way& wayA, const Placed&
 
 /// Half of the smallest thickness of a plain shape [m].
 RUBBLE_HD inline Real innerRadius(const ShapeData& s) {
-  if (s.kind == ShapeKind::Plane) return Real(1e18);
+  // nothing passes a plane, but what goes into it deeply comes back slowly
+  if (s.kind == ShapeKind::Plane) return Real(0);
   if (s.kind != ShapeKind::Box) return s.radius;
   return min(s.half.x, min(s.half.y, s.half.z));
 }

@@ -23,7 +23,7 @@ inline constexpr Real kNoLimit = Real(1e18);
 inline constexpr Real kDormantReach = Real(1.5);
 /// ... unless an impact may drive it there: within so many radians, or shares of the characteristic length, it is watched [rad, 1]. A limit that is
 /// watched has no stiffness until it is crossed, so free motion stays free.
-inline constexpr Real kWatchReach = Real(.5);
+inline constexpr Real kWatchReach = Real(1.5);
 
 /// Authored.
 struct AxisSpec {

@@ -13,6 +13,7 @@
 ///   constraint       C(x), for the poses of A and B in a common frame
 ///   jacobian         dC/dx of A (side 0) or B (side 1), rotations in world axes on the left
 ///   curvature        column norms of sum F d2C/dx2 of that body
+///   stamp            adds -J^T F and k J^T J of that body where a closed form is shorter than rows (optional)
 ///   turns            axes: what whole turns add to the coordinate (optional)
 ///   kStiffnessShare  axes: factor on the row inertia that k_start and the growth of k refer to (optional)
 ///
@@ -222,7 +223,7 @@ RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Join
 
 /// Forces of the rows of part I and their stiffness at the present poses; false if the part does not act.
 template <class F, int I, class P>
-RUBBLE_HD bool partForces(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, Real (&force)[P::kRows], Real& hessian) {
+RUBBLE_HD RUBBLE_NEAR bool partForces(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, Real (&force)[P::kRows], Real& hessian) {
   const auto& rows = partOf<I>(joint.parts);
   Real error[P::kRows];
   if constexpr (P::kAxis) {
@@ -245,27 +246,14 @@ RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const
   forEachPart<F>([&]<int I, class P>() {
     Real force[P::kRows], hessian;
     if (!partForces<F, I, P>(spec, joint, a, b, force, hessian)) return;
-    Vec6 j[P::kRows];
-    P::jacobian(spec.data, joint.memory, a, b, side, j);
-    for (int i = 0; i < P::kRows; ++i) stampRow(block, j[i], force[i], hessian);
+    if constexpr (requires { P::stamp(spec.data, a, b, side, force, hessian, block); }) {
+      P::stamp(spec.data, a, b, side, force, hessian, block);
+    } else {
+      Vec6 j[P::kRows];
+      P::jacobian(spec.data, joint.memory, a, b, side, j);
+      for (int i = 0; i < P::kRows; ++i) stampRow(block, j[i], force[i], hessian);
+    }
     stampCurvature(block, P::curvature(spec.data, joint.memory, a, b, side, force));
-  });
-}
-
-/// Adds all rows of a joint to the block of a group that both of its bodies move with: by (dp + dw x shift_i, dw), with the levers
-/// shift_A, shift_B of x^t. A row changes by J_A T_A + J_B T_B, T_i = [1, -[shift_i]; 0, 1]. That would be nothing if the bodies had not moved
-/// relative to one another since x^t.
-template <class F>
-RUBBLE_HD void stampJointOfGroup(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, const Vec3& shiftA,
-                                 const Vec3& shiftB, Block6& block) {
-  forEachPart<F>([&]<int I, class P>() {
-    Real force[P::kRows], hessian;
-    if (!partForces<F, I, P>(spec, joint, a, b, force, hessian)) return;
-    Vec6 ja[P::kRows], jb[P::kRows];
-    P::jacobian(spec.data, joint.memory, a, b, 0, ja);
-    P::jacobian(spec.data, joint.memory, a, b, 1, jb);
-    for (int i = 0; i < P::kRows; ++i)
-      stampRow(block, {ja[i].lin + jb[i].lin, ja[i].ang + jb[i].ang + cross(shiftA, ja[i].lin) + cross(shiftB, jb[i].lin)}, force[i], hessian);
   });
 }
 

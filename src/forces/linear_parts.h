@@ -5,7 +5,7 @@
 namespace rubble::RUBBLE_CORE {
 
 template <class D>
-RUBBLE_HD Vec3 anchorLever(const D& d, const Pose& pose, int side) { return rotate(pose.q, side == 0 ? d.anchorA : d.anchorB); }
+RUBBLE_HD RUBBLE_NEAR Vec3 anchorLever(const D& d, const Pose& pose, int side) { return rotate(pose.q, side == 0 ? d.anchorA : d.anchorB); }
 
 /// The anchors coincide.
 ///
@@ -18,7 +18,7 @@ struct AnchorRows {
   static constexpr bool kAxis = false;
 
   template <class D, class M>
-  RUBBLE_HD static void constraint(const D& d, const M&, const Pose& a, const Pose& b, Real (&c)[kRows]) {
+  RUBBLE_HD RUBBLE_NEAR static void constraint(const D& d, const M&, const Pose& a, const Pose& b, Real (&c)[kRows]) {
     const Vec3 gap = (a.p - b.p) + rotate(a.q, d.anchorA) - rotate(b.q, d.anchorB);
     c[0] = gap.x, c[1] = gap.y, c[2] = gap.z;
   }
@@ -34,6 +34,11 @@ struct AnchorRows {
   template <class D, class M>
   RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side, const Real (&f)[kRows]) {
     return {{0, 0, 0}, turningColumnNorms({f[0], f[1], f[2]}, anchorLever(d, side == 0 ? a : b, side))};
+  }
+  template <class D>
+  RUBBLE_HD static void stamp(const D& d, const Pose& a, const Pose& b, int side, const Real (&f)[kRows], Real k, Block6& block) {
+    const Real sign = side == 0 ? Real(1) : Real(-1);
+    addAtLever(block, anchorLever(d, side == 0 ? a : b, side), Vec3{-sign * f[0], -sign * f[1], -sign * f[2]}, k);
   }
 };
 

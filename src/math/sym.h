@@ -68,6 +68,20 @@ RUBBLE_HD void addAtLever(Block6T<L>& block, const Vec3T<L>& r, const Vec3T<L>& 
   block.aa.zz += r.x * b1.z - r.y * b0.z;
 }
 
+/// The same for W = k 1.
+RUBBLE_HD RUBBLE_NEAR void addAtLever(Block6& block, const Vec3& r, const Vec3& force, Real k) {
+  block.fl += force;
+  block.fa += cross(r, force);
+  block.ll.xx += k, block.ll.yy += k, block.ll.zz += k;
+  const Vec3 b = k * r;
+  block.al0.y += b.z, block.al0.z -= b.y;
+  block.al1.z += b.x, block.al1.x -= b.z;
+  block.al2.x += b.y, block.al2.y -= b.x;
+  const Real xx = b.x * r.x, yy = b.y * r.y, zz = b.z * r.z;
+  block.aa.xx += yy + zz, block.aa.yy += xx + zz, block.aa.zz += xx + yy;
+  block.aa.xy -= b.x * r.y, block.aa.xz -= b.x * r.z, block.aa.yz -= b.y * r.z;
+}
+
 /// Packed lower triangle of a symmetric 6x6 matrix, row by row.
 struct Sym6 {
   Real a[21];

@@ -32,7 +32,7 @@ struct GroupState {
 /// A cut force has the secant stiffness |bound - lambda| / |C| along itself, and at least half of what stops it: with lambda at the bound the
 /// secant alone is zero, the bodies overshoot, and the force turns round at its full size.
 template <int N>
-RUBBLE_HD bool groupForce(const GroupState& g, const Real* error, const Real* lambda, Real (&force)[N], int count, Real& hessian) {
+RUBBLE_HD RUBBLE_NEAR bool groupForce(const GroupState& g, const Real* error, const Real* lambda, Real (&force)[N], int count, Real& hessian) {
   const Real s = Real(1) / (Real(1) + g.k * g.compliance);
   Real size2 = 0, error2 = 0, lambdaAlong = 0;
   for (int i = 0; i < count; ++i) {
@@ -51,7 +51,7 @@ RUBBLE_HD bool groupForce(const GroupState& g, const Real* error, const Real* la
 }
 
 /// \eq{S15} f -= F J^T, H += k J^T J for one row.
-RUBBLE_HD inline void stampRow(Block6& block, const Vec6& j, Real force, Real k) {
+RUBBLE_HD RUBBLE_NEAR void stampRow(Block6& block, const Vec6& j, Real force, Real k) {
   block.fl -= force * j.lin;
   block.fa -= force * j.ang;
   block.ll += outer(j.lin, k);
@@ -62,13 +62,13 @@ RUBBLE_HD inline void stampRow(Block6& block, const Vec6& j, Real force, Real k)
 }
 
 /// \eq{S16} The second-derivative term G = sum F d2C/dx2 of a force, replaced by the diagonal of its column norms: H += diag(g).
-RUBBLE_HD inline void stampCurvature(Block6& block, const Vec6& g) {
+RUBBLE_HD RUBBLE_NEAR void stampCurvature(Block6& block, const Vec6& g) {
   block.ll.xx += g.lin.x, block.ll.yy += g.lin.y, block.ll.zz += g.lin.z;
   block.aa.xx += g.ang.x, block.aa.yy += g.ang.y, block.aa.zz += g.ang.z;
 }
 
 /// Second derivative of a . r(w) for a vector r = b that turns with the body: S(a, b) = (a b^T + b a^T) / 2 - (a . b) 1. Norms of its columns.
-RUBBLE_HD inline Vec3 turningColumnNorms(const Vec3& a, const Vec3& b) {
+RUBBLE_HD RUBBLE_NEAR Vec3 turningColumnNorms(const Vec3& a, const Vec3& b) {
   const Real aa = dot(a, a), bb = dot(b, b), ab = dot(a, b);
   const auto norm = [&](Real ac, Real bc) {
     return std::sqrt(max((aa * bc * bc + bb * ac * ac) / 4 - Real(1.5) * ab * ac * bc + ab * ab, Real(0)));

@@ -36,6 +36,8 @@ struct BlockBodies {
 };
 struct ContactBlocks {
   static constexpr int kType = kContactType;
+  /// Do two bodies that move as one leave it alone?
+  static constexpr bool kRelative = true;
   RUBBLE_HD static BlockBodies bodies(const View& s, int i) { return {s.contact[i].a, s.contact[i].b, true}; }
   /// Level of the groups at which it unites its bodies.
   RUBBLE_HD static int joinLevel(const View& s, int i) { return s.joinLevel[i]; }
@@ -43,6 +45,7 @@ struct ContactBlocks {
 template <class F>
 struct JointBlocks {
   static constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
+  static constexpr bool kRelative = !F::kGrounded;
   RUBBLE_HD static BlockBodies bodies(const View& s, int i) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     return {spec.a, spec.b, active<F>(s, i)};

@@ -54,7 +54,7 @@ struct PredictBodies {
 };
 
 /// Pose of a body in the frame of a joint, whose origin is p_B^t: `offset` = p^t minus that origin.
-RUBBLE_HD inline Pose jointPose(const View& s, int body, const Vec3& offset) {
+RUBBLE_HD RUBBLE_NEAR Pose jointPose(const View& s, int body, const Vec3& offset) {
   if (body == kWorldBody) return {offset, Quat{}};
   return {offset + s.moved[body].dp, s.turned[body] * s.orientation[body]};
 }

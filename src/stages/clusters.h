@@ -31,24 +31,30 @@ struct PlaceClusters {
     s.clusterMotion[i].velocity = momentum / mass;
   }
 };
+/// Mass, and first moments of place and velocity.
+struct ClusterMoments {
+  Real mass = 0;
+  Vec3 place{0, 0, 0}, velocity{0, 0, 0};
+  RUBBLE_HD void add(const ClusterMotion& part) {
+    mass += part.mass;
+    place += part.mass * part.centre;
+    velocity += part.mass * part.velocity;
+  }
+  RUBBLE_HD void write(ClusterMotion& motion) const {
+    motion.mass = mass;
+    motion.centre = place / mass;
+    motion.velocity = velocity / mass;
+  }
+};
 /// And of those that are made of them.
 struct PlaceLargeClusters {
   static constexpr const char* kName = "clusters";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const int large = s.clusterBegin[1] + i;
     const Cluster& c = s.cluster[large];
-    Real mass = 0;
-    Vec3 moment{0, 0, 0}, momentum{0, 0, 0};
-    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) {
-      const ClusterMotion& part = s.clusterMotion[k];
-      mass += part.mass;
-      moment += part.mass * part.centre;
-      momentum += part.mass * part.velocity;
-    }
-    ClusterMotion& motion = s.clusterMotion[large];
-    motion.mass = mass;
-    motion.centre = moment / mass;
-    motion.velocity = momentum / mass;
+    ClusterMoments sum;
+    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) sum.add(s.clusterMotion[k]);
+    sum.write(s.clusterMotion[large]);
   }
 };
 
@@ -59,27 +65,29 @@ struct SumCluster {
     const Cluster& c = s.cluster[i];
     Block6 sum, inner;
     bool folded = false;
-    for (int k = c.begin; k < c.end; ++k) {
-      const int v = s.clusterMember[k];
-      Block3 own = startVertexBlock(s, v), self;
-      for (int r = s.refOffset[v]; r < s.refOffset[v + 1]; ++r)
-        if (pointType(s.ref[r]) == kAttachmentCode) addShared(s.attachment[pointIndex(s.ref[r])], own, [&](Block3& b) { addElement(s, s.ref[r], b); });
-      bool touchesSelf = false;
-      for (int r = s.pointEntryOffset[v]; r < s.pointEntryOffset[v + 1]; ++r) {
-        const PointContact& p = s.pointContact[pointIndex(s.pointEntry[r])];
-        const bool isInner = withinObject(s, p);
-        touchesSelf |= isInner;
-        addShared(p, isInner ? self : own, [&](Block3& b) { addPointContact(s, s.pointEntry[r], b); });
-      }
-      addAtLever(sum, s.vertexPlace[v] - s.clusterMotion[i].centre, own.f, own.h);
-      if (touchesSelf) addAtLever(inner, s.vertexPlace[v] - s.clusterMotion[i].centre, self.f, self.h);
-      folded |= touchesSelf;
-    }
+    for (int k = c.begin; k < c.end; ++k) folded |= addVertex(s, s.clusterMember[k], s.clusterMotion[i].centre, sum, inner);
     s.clusterMotion[i].sum = sum;
     if (s.features > 0) {
       s.clusterMotion[i].inner = inner;
       s.clusterMotion[i].folded = folded;
     }
+  }
+
+  /// Adds a vertex; returns whether its object touches itself there.
+  RUBBLE_HD static bool addVertex(const View& s, int v, const Vec3& centre, Block6& sum, Block6& inner) {
+    Block3 own = startVertexBlock(s, v), self;
+    for (int r = s.refOffset[v]; r < s.refOffset[v + 1]; ++r)
+      if (pointType(s.ref[r]) == kAttachmentCode) addShared(s.attachment[pointIndex(s.ref[r])], own, [&](Block3& b) { addElement(s, s.ref[r], b); });
+    bool touchesSelf = false;
+    for (int r = s.pointEntryOffset[v]; r < s.pointEntryOffset[v + 1]; ++r) {
+      const PointContact& p = s.pointContact[pointIndex(s.pointEntry[r])];
+      const bool isInner = withinObject(s, p);
+      touchesSelf |= isInner;
+      addShared(p, isInner ? self : own, [&](Block3& b) { addPointContact(s, s.pointEntry[r], b); });
+    }
+    addAtLever(sum, s.vertexPlace[v] - centre, own.f, own.h);
+    if (touchesSelf) addAtLever(inner, s.vertexPlace[v] - centre, self.f, self.h);
+    return touchesSelf;
   }
 
  private:
@@ -112,25 +120,33 @@ struct SolveCluster {
     const Cluster& c = s.cluster[index];
     ClusterMotion& motion = s.clusterMotion[index];
     Block6 block;
-    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) addShifted(block, s.clusterMotion[k].sum, s.clusterMotion[k].centre - motion.centre);
+    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) addChunk(s, c, k, motion.centre, block);
+    for (int k = c.refBegin; k < c.refEnd; ++k) addLeaving(s, s.clusterRef[k], motion.centre, block);
+    motion.step = stepOf(block);
+  }
+
+  /// Adds the vertices of chunk k.
+  RUBBLE_HD static void addChunk(const View& s, const Cluster& c, int k, const Vec3& centre, Block6& block) {
+    const ClusterMotion& chunk = s.clusterMotion[k];
+    addShifted(block, chunk.sum, chunk.centre - centre);
     // the whole object feels nothing of what it does to itself
-    for (int k = c.chunkBegin; s.features > 0 && c.parent >= 0 && k < c.chunkEnd; ++k)
-      if (s.clusterMotion[k].folded) addShifted(block, s.clusterMotion[k].inner, s.clusterMotion[k].centre - motion.centre);
-    for (int k = c.refBegin; k < c.refEnd; ++k) {
-      const ClusterRef ref = s.clusterRef[k];
-      forEachType(ElementTypes{}, [&]<class F>() {
-        if (ref.type != typeIndex<F>(ElementTypes{})) return;
-        const F& e = s.elementsOf<F>()[ref.index];
-        if (!e.alive) return;
-        Vec3 x[F::kCorners];
-        gatherCorners(s, e, x);
-        stampGroup(s.step, e, x, ref.inside, motion.centre, static_cast<Real>(ref.clusters) / 2, block);
-      });
-    }
+    if (s.features > 0 && c.parent >= 0 && chunk.folded) addShifted(block, chunk.inner, chunk.centre - centre);
+  }
+  RUBBLE_HD static void addLeaving(const View& s, const ClusterRef& ref, const Vec3& centre, Block6& block) {
+    forEachType(ElementTypes{}, [&]<class F>() {
+      if (ref.type != typeIndex<F>(ElementTypes{})) return;
+      const F& e = s.elementsOf<F>()[ref.index];
+      if (!e.alive) return;
+      Vec3 x[F::kCorners];
+      gatherCorners(s, e, x);
+      stampGroup(s.step, e, x, ref.inside, centre, static_cast<Real>(ref.clusters) / 2, block);
+    });
+  }
+  RUBBLE_HD static Vec6 stepOf(Block6& block) {
     // vertices on one line do not resist a turn about it: all axes get a little of what the others resist with
     const Real least = kLeastTurn * (block.aa.xx + block.aa.yy + block.aa.zz);
     block.aa.xx += least, block.aa.yy += least, block.aa.zz += least;
-    motion.step = groupStep(block);
+    return groupStep(block);
   }
 };
 
@@ -139,18 +155,21 @@ struct MoveCluster {
   static constexpr const char* kName = "clusters";
   int level;
   RUBBLE_HD void operator()(const View& s, int i) const {
+    for (int k = s.cluster[i].begin; k < s.cluster[i].end; ++k) moveMember(s, i, k);
+  }
+
+  /// Moves the k-th member, which is of the finest cluster i.
+  RUBBLE_HD void moveMember(const View& s, int i, int k) const {
     int owner = i;
-    for (int k = 0; k < level && owner >= 0; ++k) owner = s.cluster[owner].parent;
+    for (int n = 0; n < level && owner >= 0; ++n) owner = s.cluster[owner].parent;
     if (owner < 0) return;
     const ClusterMotion& motion = s.clusterMotion[owner];
     // an exact rotation: the elements inside feel nothing of it
     const Quat turn = expRotation(motion.step.ang);
-    for (int k = s.cluster[i].begin; k < s.cluster[i].end; ++k) {
-      const int v = s.clusterMember[k];
-      const Vec3 at = s.vertexPlace[v] - motion.centre, move = motion.step.lin + rotate(turn, at) - at;
-      s.vertexMoved[v] += move;
-      s.vertexPlace[v] += move;
-    }
+    const int v = s.clusterMember[k];
+    const Vec3 at = s.vertexPlace[v] - motion.centre, move = motion.step.lin + rotate(turn, at) - at;
+    s.vertexMoved[v] += move;
+    s.vertexPlace[v] += move;
   }
 };
 

@@ -1,9 +1,10 @@
 #pragma once
 /// The coarse correction: block descent whose blocks are rigid motions of whole groups. A body-by-body sweep carries news one body at a
 /// time; a sweep over groups carries it across a pile. For a group with centre c the unknowns are dx = (dp, dw), body i moves by
-/// (dp + dw x (p_i - c), dw), and the local problem [S 3]-[S 6] sums the inertia of its bodies and the rows that leave the group (rows
-/// inside do not see a rigid motion). All groups of a level move at once, under-relaxed: a row J_a x_a + J_b x_b obeys
-/// (J_a x_a + J_b x_b)^2 <= 2 ((J_a x_a)^2 + (J_b x_b)^2), so any factor below 1 descends.
+/// (dp + dw x (p_i - c), dw), and the local problem [S 3]-[S 6] sums the inertia of its bodies and the rows that leave the group: rows inside do
+/// not see a rigid motion. For contacts, linear in displacements from x^t, that is one about the places p_i of x^t; for joints, which turn, one
+/// about the present places. Groups with joints inside take the latter. All groups of a level move at once, under-relaxed: a row J_a x_a + J_b x_b obeys (J_a x_a + J_b x_b)^2 <= 2 ((J_a x_a)^2 + (J_b x_b)^2), so
+/// any factor below 1 descends.
 #include "stages/incidence.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -11,8 +12,11 @@ namespace rubble::RUBBLE_CORE {
 /// Under-relaxation of the simultaneous group steps: below 1, where descent is certain.
 inline constexpr Real kGroupRelaxation = Real(.8);
 
-/// Vector from the centre of a group to a body at x^t.
-RUBBLE_HD inline Vec3 shiftOf(const View& s, const Group& group, int body) { return Vec3(s.position[body] - group.centre); }
+/// Vector from the centre of a group to the place p_i that a body moves about.
+RUBBLE_HD inline Vec3 shiftOf(const View& s, const Group& group, int body) {
+  const Vec3 shift(s.position[body] - group.centre);
+  return group.joined ? shift + s.moved[body].dp : shift;
+}
 
 /// Adds a block about a point into one about another from which the point lies `shift` away: H' = T^T H T, f' = T^T f, T = [1, -[shift]; 0, 1].
 RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shift) {
@@ -38,7 +42,7 @@ RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shi
   to.fa += from.fa + cross(shift, from.fl);
 }
 
-/// Adds the inertia of a body about the centre of its group.
+/// Adds the inertia of a body about the centre of its group, at the initial guess.
 RUBBLE_HD inline void addInertia(const View& s, const Group& group, int body, Block6& sum) {
   Block6 own;
   setInertialHessian(own, s.target[body].mass, s.step.inverseDt * s.step.inverseDt);
@@ -65,23 +69,24 @@ struct TakeInertia {
   }
 };
 
-/// visit(entry) for the row blocks that leave the group of a chunk.
+/// visit(code) for the row blocks of a body that leave its group at a level.
+template <class Visit>
+RUBBLE_HD void visitExternalsOf(const View& s, int body, int level, Visit&& visit) {
+  for (int e = s.entryOffset[body]; e < s.entryOffset[body + 1]; ++e)
+    if (s.entry[e].depth > level) visit(s.entry[e].code);
+}
 template <class Visit>
 RUBBLE_HD void visitExternals(const View& s, int i, Visit&& visit) {
   const Chunk& chunk = s.chunk[i];
   const int level = s.group[chunk.group].level;
-  for (int k = chunk.begin; k < chunk.end; ++k) {
-    const int body = s.member[k];
-    for (int e = s.entryOffset[body]; e < s.entryOffset[body + 1]; ++e)
-      if (s.entry[e].depth > level) visit(s.entry[e]);
-  }
+  for (int k = chunk.begin; k < chunk.end; ++k) visitExternalsOf(s, s.member[k], level, visit);
 }
 
 struct CountExternals {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int i) const {
     int count = 0;
-    visitExternals(s, i, [&](const Entry&) { ++count; });
+    visitExternals(s, i, [&](std::uint32_t) { ++count; });
     s.externalCount[i] = count;
   }
 };
@@ -90,13 +95,9 @@ struct FillExternals {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int i) const {
     int to = s.externalOffset[i];
-    visitExternals(s, i, [&](const Entry& e) { s.external[to++] = e.code; });
+    visitExternals(s, i, [&](std::uint32_t code) { s.external[to++] = code; });
   }
 };
-
-RUBBLE_HD inline bool isInside(const View& s, int group, int body) {
-  return body != kWorldBody && s.groupOf[atLevel(s, s.group[group].level, body)] == group;
-}
 
 /// Adds the inertial force of a body about the centre of its group.
 RUBBLE_HD inline void addInertialForce(const View& s, const Group& group, int body, Block6& sum) {
@@ -123,25 +124,11 @@ RUBBLE_HD RUBBLE_APART inline void addExternalSoftRows(const View& s, int group,
   addShifted(sum, own, shiftOf(s, s.group[group], body));
 }
 
-template <class F>
-RUBBLE_HD RUBBLE_APART void stampJointWithGroup(const View& s, int group, int index, Block6& sum) {
-  const JointSpec<F>& spec = s.specsOf<F>()[index];
-  const Joint<F>& joint = s.jointsOf<F>()[index];
-  const Group& g = s.group[group];
-  stampJointOfGroup(spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}), shiftOf(s, g, spec.a), shiftOf(s, g, spec.b),
-                    sum);
-}
-
 RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t code, Block6& sum) {
   const int side = entrySide(code);
   forEachType(JointTypes{}, [&]<class F>() {
     if (entryType(code) != typeIndex<F>(JointTypes{}) + 1) return;
     const JointSpec<F>& spec = s.specsOf<F>()[entryIndex(code)];
-    if (!F::kGrounded && isInside(s, group, side == 0 ? spec.b : spec.a)) {
-      // both of its bodies move: one row of the motion of the group, summed where side 0 is met
-      if (side == 0) stampJointWithGroup<F>(s, group, entryIndex(code), sum);
-      return;
-    }
     Block6 own;
     stampJointOfBody<F>(s, entryIndex(code), side, own);
     addShifted(sum, own, shiftOf(s, s.group[group], side == 0 ? spec.a : spec.b));

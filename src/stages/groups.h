@@ -91,7 +91,7 @@ struct BeginGroups {
     int level = 0;
     while (g >= s.levelGroup[level + 1]) ++level;
     s.group[g].level = level;
-    s.group[g].locks = 0;
+    s.group[g].locks = s.group[g].joined = 0;
     s.group[g].chunkBegin = s.chunkOffset[g];
     s.group[g].chunkEnd = s.chunkOffset[g + 1];
   }
@@ -112,6 +112,18 @@ struct MakeChunks {
     chunk.group = low;
     chunk.begin = s.memberOffset[low] + (i - s.chunkOffset[low]) * kChunkMembers;
     chunk.end = min(s.memberOffset[low + 1], chunk.begin + kChunkMembers);
+  }
+};
+
+/// Finds the groups inside of which there is a joint.
+template <class F>
+struct MarkJoinedGroups {
+  static constexpr const char* kName = "groups";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const BlockBodies block = JointBlocks<F>::bodies(s, i);
+    if (!block.acts || !isDynamic(s, block.a) || !isDynamic(s, block.b)) return;
+    for (int level = JointBlocks<F>::joinLevel(s, i); level < kCoarseLevels; ++level)
+      if (const int group = s.groupOf[atLevel(s, level, block.a)]; group >= 0) atomicSet(&s.group[group].joined, 1);
   }
 };
 

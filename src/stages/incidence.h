@@ -22,8 +22,7 @@ struct FillEntries {
     if (!block.acts) return;
     visitSides(s, block.a, block.b, [&](int body, int side, int other) {
       const int slot = s.entryOffset[body] + atomicCount(&s.entryCount[body], -1) - 1;
-      // contacts are linear in displacements from x^t and so do not see a rigid motion about it; joints turn, and do
-      const bool inner = Blocks::kType == kContactType && other >= 0 && s.step.coarseCorrection;
+      const bool inner = Blocks::kRelative && other >= 0 && s.step.coarseCorrection;
       s.entry[slot] = {entryCode(Blocks::kType, i, side), other, inner ? separateLevels(s, body, other) : kCoarseLevels};
     });
   }

@@ -1,5 +1,6 @@
 #pragma once
 /// The step on one page: algorithm 1 of the method, written once over an Executor. What runs in parallel, and where, is its business.
+#include "stages/assembly_stops.h"
 #include "stages/coarse.h"
 #include "stages/coloring.h"
 #include "stages/rare_contacts.h"
@@ -117,6 +118,7 @@ void findGroups(E& e) {
   e.forEach(BeginGroups{}, &Counters::groups);
   e.forEach(MakeChunks{}, &Counters::chunks);
   if (e.view().locked) e.forEach(LockGroups{}, all);
+  forEachType(JointTypes{}, [&]<class F>() { e.forEach(MarkJoinedGroups<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   e.forEach(SumMasses{}, &Counters::chunks);
   e.forEach(FindCentres{}, &Counters::groups);
 }
@@ -192,6 +194,12 @@ void stopFastBodies(E& e) {
   e.require(Per::Pair, &Counters::swept);
   e.forEach(FindStops{}, &Counters::swept);
   if (e.view().rareShapes) e.forEach(FindRareStops{}, &Counters::swept);
+  if (e.view().hasJoints()) {
+    e.forEach(StartAssemblies{}, e.view().bodies);
+    forEachType(JointTypes{}, [&]<class F>() { e.forEach(JoinAssemblies<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+    e.forEach(RaiseStops{}, e.view().bodies);
+    e.forEach(StopAssemblies{}, e.view().bodies);
+  }
   e.forEach(ChooseStops{}, &Counters::swept);
   e.forEach(StopBodies{}, &Counters::swept);
 }

@@ -97,13 +97,14 @@ inline constexpr int kCoarseLevels = 4;
 /// The finest of them, which are swept in every iteration.
 inline constexpr int kFineLevels = 2;
 
-/// A group of bodies that the coarse correction moves as one, frozen at x^t.
+/// A group of bodies that the coarse correction moves as one.
 struct Group {
   Vec3d centre;       ///< centre of mass [m]
   Block6 inertia;     ///< Hessian of the inertia of its bodies about the centre; force unused
   Vec6 step;          ///< motion found by the last solve [m, rad]
   int level;
   int locks;          ///< motions that one of its bodies must not make, as in BodyExtras
+  int joined;         ///< 1: joints hold some of its bodies together, and all move about their present places (coarse.h)
   int chunkBegin, chunkEnd;
 };
 

@@ -228,6 +228,11 @@ struct View : JointTables<JointTypes> {
     else if constexpr (std::is_same_v<F, LineBend>) return lineBend;
     else return spring;
   }
+  RUBBLE_HD bool hasJoints() const {
+    int all = 0;
+    for (const int n : joints) all += n;
+    return all > 0;
+  }
   /// What owns pairs of vertices: every vertex, then every edge.
   RUBBLE_HD int owners() const { return vertices + edges; }
   RUBBLE_HD ShapeTables shapeTables() const { return {shapeVector, shapeIndex, shapePart}; }

@@ -46,7 +46,7 @@ TEST(Axis, LimitThatStaysOpenIsDormant) {
   AxisSpec spec = nothing();
   spec.hi = 1;
   AxisRows rows{};
-  beginAxis(c, spec, rows, at(.3, .1));
+  beginAxis(c, spec, rows, at(-1, .1));
   EXPECT_FALSE(rows.limit.acts);
   beginAxis(c, spec, rows, at(.5, .4));
   EXPECT_EQ(rows.limit.acts, 1);

@@ -156,5 +156,28 @@ TEST(StruckBody, IsNotDrivenIntoTheGround) {
   }
 }
 
+TEST(Assembly, StopsAsOneAndKeepsItsJointsClosed) {
+  // a leaning row of small cubes on ball joints; a cube goes .67 m a step, and the lowest meets the ground first
+  Scene scene = test::emptyScene({0, 0, 0});
+  scene.bodies.push_back(test::ground());
+  constexpr double kHalf = .05, kStep = .08;
+  for (int i = 0; i < 6; ++i) {
+    BodyDef cube = test::body(Shape::box({kHalf, kHalf, kHalf}), {kStep * i, 0, .8 + kStep * i});
+    cube.velocity = {0, 0, -40};
+    scene.bodies.push_back(cube);
+    if (i > 0) scene.joints.push_back(test::ball(i + 1, {-kStep / 2, 0, -kStep / 2}, i, {kStep / 2, 0, kStep / 2}));
+  }
+  World world(scene, test::options(4));
+  int stops = 0;
+  double gap = 0;
+  for (int i = 0; i < 20; ++i) {
+    stops += world.step().stoppedBodies;
+    for (const JointId joint : world.joints()) gap = std::max(gap, world.state(joint).gap);
+    for (int body = 1; body <= 6; ++body) EXPECT_GT(world.state(world.bodyAt(body)).position.z, 0) << "body " << body << ", step " << i;
+  }
+  EXPECT_GE(stops, 1);
+  EXPECT_LT(gap, .08);
+}
+
 }  // namespace
 }  // namespace rubble

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <limits>
 
+#include "backend/cuda/cluster_kernels.cuh"
 #include "backend/cuda/color_kernels.cuh"
 #include "backend/cuda/contact_kernels.cuh"
 #include "backend/cuda/device_memory.h"
@@ -210,7 +211,7 @@ class CudaExecutor {
         checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
       }
       if (view().vertices > 0) {
-        solveVertexColor<<<blocksFor(view().vertices), kThreads, 0, stream_>>>(view(), c, control_);
+        solveVertexColor<<<blocksFor(view().vertices, kVertexWidth), kThreads, 0, stream_>>>(view(), c, control_);
         checkCuda(cudaGetLastError(), SolveVertex::kName);
       }
     }

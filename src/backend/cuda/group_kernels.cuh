@@ -107,13 +107,6 @@ struct SumInertiaByTile {
   }
 };
 
-/// visit(entry) for the row blocks of a body that leave its group at a level.
-template <class Visit>
-__device__ void visitExternalsOf(const View& s, int body, int level, Visit&& visit) {
-  for (int e = s.entryOffset[body]; e < s.entryOffset[body + 1]; ++e)
-    if (s.entry[e].depth > level) visit(s.entry[e].code);
-}
-
 struct CountExternalsByTile {
   static constexpr const char* kName = CountExternals::kName;
   static constexpr int kWidth = kSmallWidth;
@@ -156,7 +149,8 @@ struct OnDevice<FillExternals> {
   using Type = FillExternalsByTile;
 };
 
-/// Adds the joints among external row blocks [k, end). Rare, and large: a call keeps its registers out of the kernels that contacts fill.
+/// Adds the joints among external row blocks [k, end), a lane each. Rare, and large: a call keeps its registers out of the kernels that
+/// contacts fill.
 static __device__ __noinline__ void addExternalJointsApart(const View& s, int group, int k, int end, int stride, Block6* sum) {
   for (; k < end; k += stride)
     if (const std::uint32_t code = s.external[k]; entryType(code) != kContactType) addExternalJoint(s, group, code, *sum);
@@ -194,9 +188,9 @@ struct SumChunkByTile {
       addExternalRollingApart(s, begin, end, kStride, &sum);
       own = sum;
     }
-    if (joints && point == 0) {
+    if (tile.ballot(joints) != 0) {
       Block6 sum = own;
-      addExternalJointsApart(s, chunk.group, begin, end, kStride, &sum);
+      addExternalJointsApart(s, chunk.group, s.externalOffset[i] + tile.lane, end, kWidth, &sum);
       own = sum;
     }
     Real sums[kRealsPerLane<kWidth>];

@@ -5,7 +5,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Colours of at most this many bodies share a launch of one block: an extra launch would take longer than they do.
-inline constexpr int kTailBodies = 128;
+inline constexpr int kTailBodies = 128, kTailVertices = 64;
 /// Threads of a block that gather; two warps more solve.
 inline constexpr int kGatherThreads = 192, kSolvers = 2 * kWarp, kSolveThreads = kGatherThreads + kSolvers;
 /// Blocks of a colour's kernel that a multiprocessor holds at a time.
@@ -15,9 +15,10 @@ inline constexpr int kSolveBlocks = 3;
 inline constexpr int kCrowdWidth = 4, kManyWidth = 8, kFewWidth = 16;
 inline constexpr int kCrowd = 32768, kMany = 4096;
 
-/// Adds the joints of a body: its entries from `k` on. Rare, and large: a call keeps its registers out of the kernels that contacts fill.
+/// Adds the joints among the entries [k, end) of a body, a lane each. Rare, and large: a call keeps its registers out of the kernels that contacts fill.
 static __device__ __noinline__ void addJointsApart(const View& s, int k, int end, int stride, Block6* sum) {
-  for (; k < end; k += stride) addJoint(s, s.entry[k].code, *sum);
+  for (; k < end; k += stride)
+    if (const std::uint32_t code = s.entry[k].code; entryType(code) != kContactType) addJoint(s, code, *sum);
 }
 
 static __device__ __noinline__ void addRollingApart(const View& s, int k, int end, int stride, Block6* sum) {
@@ -26,10 +27,10 @@ static __device__ __noinline__ void addRollingApart(const View& s, int k, int en
 
 /// Forces and Hessians of the row blocks of a body that are this lane's.
 template <int kWidth>
-__device__ Block6 gatherRows(const View& s, int body, int lane) {
+__device__ Block6 gatherRows(const View& s, int body, const Tile<kWidth>& tile) {
   constexpr int kStride = kWidth / kLanes;
-  const int end = s.entryOffset[body + 1], point = lane % kLanes;
-  int k = s.entryOffset[body] + lane / kLanes;
+  const int begin = s.entryOffset[body], end = s.entryOffset[body + 1], point = tile.lane % kLanes;
+  int k = begin + tile.lane / kLanes;
   const Displacement own = s.moved[body];
   Block6 sum;
   // entries are sorted by type, contacts first
@@ -44,12 +45,13 @@ __device__ Block6 gatherRows(const View& s, int body, int lane) {
   }
   if (s.rolls && point == 0) {
     Block6 rolling = sum;
-    addRollingApart(s, s.entryOffset[body] + lane / kLanes, end, kStride, &rolling);
+    addRollingApart(s, begin + tile.lane / kLanes, end, kStride, &rolling);
     sum = rolling;
   }
-  if (k < end && point == 0) {
+  // a lane that stopped before the end met a joint
+  if (tile.ballot(k < end) != 0) {
     Block6 joints = sum;
-    addJointsApart(s, k, end, kStride, &joints);
+    addJointsApart(s, begin + tile.lane, end, kWidth, &joints);
     sum = joints;
   }
   return sum;
@@ -80,7 +82,7 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, BatchSu
     const int begin = first + batch * stride;
     if (solver < 0) {
       Block6 own;
-      if (begin + slot < count) own = gatherRows<kWidth>(s, bodies[begin + slot], tile.lane);
+      if (begin + slot < count) own = gatherRows<kWidth>(s, bodies[begin + slot], tile);
       Real mine[kRealsPerLane<kWidth>];
       sumBlocks(tile, own, mine);
       if (batch >= kBuffers) waitAt(kEmpty + buffer);
@@ -123,12 +125,27 @@ static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
   if (control->stop == 0 && color < s.counters->colors) solveColorTogether(s, color, sums);
 }
 
-/// The vertices of one colour, a thread each.
+/// Lanes of a vertex: they share out its elements and contacts.
+inline constexpr int kVertexWidth = 8;
+__device__ inline void solveVertexTogether(const View& s, int v) {
+  const Tile<kVertexWidth> tile = Tile<kVertexWidth>::ofThread();
+  Block3 own;
+  for (int k = s.refOffset[v] + tile.lane; k < s.refOffset[v + 1]; k += kVertexWidth) addElement(s, s.ref[k], own);
+  for (int k = s.pointEntryOffset[v] + tile.lane; k < s.pointEntryOffset[v + 1]; k += kVertexWidth) addPointContact(s, s.pointEntry[k], own);
+  Block3 block = startVertexBlock(s, v);
+  block.f += tile.sum(own.f);
+  block.h += Sym3{tile.sum(own.h.xx), tile.sum(own.h.xy), tile.sum(own.h.xz), tile.sum(own.h.yy), tile.sum(own.h.yz), tile.sum(own.h.zz)};
+  if (tile.lane == 0) finishVertexBlock(s, v, block);
+}
+
+/// The vertices of one colour: all threads of a grid or of a block.
+__device__ inline void solveVertices(const View& s, int color, int thread, int threads) {
+  const int end = s.vertexColorOffset[color + 1];
+  for (int k = s.vertexColorOffset[color] + thread / kVertexWidth; k < end; k += threads / kVertexWidth) solveVertexTogether(s, s.colorVertex[k]);
+}
 static __global__ void __launch_bounds__(kThreads) solveVertexColor(const __grid_constant__ View s, int color, const Control* control) {
   if (control->stop != 0 || color >= s.counters->colors) return;
-  const int begin = s.vertexColorOffset[color], count = s.vertexColorOffset[color + 1] - begin;
-  const int stride = static_cast<int>(gridDim.x * blockDim.x);
-  for (int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x); k < count; k += stride) SolveVertex{}(s, s.colorVertex[begin + k]);
+  solveVertices(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
 }
 
 /// The colours from `first` on, one after another in one block, whatever their size. Notes how many colours are worth a launch.
@@ -138,14 +155,13 @@ static __global__ void __launch_bounds__(kSolveThreads) solveTail(const __grid_c
   const int colors = s.counters->colors;
   for (int c = static_cast<int>(threadIdx.x); c < colors; c += kSolveThreads)
     if (s.colorOffset[c + 1] - s.colorOffset[c] > kTailBodies ||
-        (s.vertices > 0 && s.vertexColorOffset[c + 1] - s.vertexColorOffset[c] > kSolveThreads))
+        (s.vertices > 0 && s.vertexColorOffset[c + 1] - s.vertexColorOffset[c] > kTailVertices))
       atomicMax(&control->wideColors, c + 1);
   for (int c = first; c < colors; ++c) {
     if (s.bodies > 0) solveColorTogether(s, c, sums);
     if (s.vertices == 0) continue;
     // the vertices of a colour share nothing with its bodies, but all must be done before the next colour
-    for (int k = s.vertexColorOffset[c] + static_cast<int>(threadIdx.x); k < s.vertexColorOffset[c + 1]; k += kSolveThreads)
-      SolveVertex{}(s, s.colorVertex[k]);
+    solveVertices(s, c, static_cast<int>(threadIdx.x), kSolveThreads);
     __syncthreads();
   }
 }

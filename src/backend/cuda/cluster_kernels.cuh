@@ -1,0 +1,92 @@
+#pragma once
+/// Stages of the clusters of deformable objects, a tile of lanes a cluster.
+#include "backend/cuda/kernels.cuh"
+
+namespace rubble::RUBBLE_CORE {
+
+struct PlaceLargeClustersByTile {
+  static constexpr const char* kName = PlaceLargeClusters::kName;
+  static constexpr int kWidth = kWarp;
+  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+    const int large = s.clusterBegin[1] + i;
+    const Cluster c = s.cluster[large];
+    ClusterMoments own;
+    for (int k = c.chunkBegin + tile.lane; k < c.chunkEnd; k += kWidth) own.add(s.clusterMotion[k]);
+    const ClusterMoments sum{tile.sum(own.mass), tile.sum(own.place), tile.sum(own.velocity)};
+    if (tile.lane == 0) sum.write(s.clusterMotion[large]);
+  }
+};
+template <>
+struct OnDevice<PlaceLargeClusters> {
+  using Type = PlaceLargeClustersByTile;
+};
+
+/// A lane a vertex.
+struct SumClusterByTile {
+  static constexpr const char* kName = SumCluster::kName;
+  static constexpr int kWidth = 8;
+  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+    const Cluster c = s.cluster[i];
+    ClusterMotion& motion = s.clusterMotion[i];
+    const Vec3 centre = motion.centre;
+    Block6 own, self;
+    bool folded = false;
+    for (int k = c.begin + tile.lane; k < c.end; k += kWidth) folded |= SumCluster::addVertex(s, s.clusterMember[k], centre, own, self);
+    Real sums[kRealsPerLane<kWidth>];
+    sumBlocks(tile, own, sums);
+    storeSums(tile, sums, motion.sum);
+    if (s.features == 0) return;
+    const bool any = tile.ballot(folded) != 0;
+    if (tile.lane == 0) motion.folded = any;
+    if (!any) return;
+    sumBlocks(tile, self, sums);
+    storeSums(tile, sums, motion.inner);
+  }
+};
+template <>
+struct OnDevice<SumCluster> {
+  using Type = SumClusterByTile;
+};
+
+/// A lane a chunk, and then a lane an element.
+struct SolveClusterByTile {
+  static constexpr const char* kName = SolveCluster::kName;
+  static constexpr int kWidth = kWarp;
+  int level;
+  explicit SolveClusterByTile(const SolveCluster& stage) : level(stage.level) {}
+  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+    const int index = s.clusterBegin[level] + i;
+    const Cluster c = s.cluster[index];
+    const Vec3 centre = s.clusterMotion[index].centre;
+    Block6 own;
+    for (int k = c.chunkBegin + tile.lane; k < c.chunkEnd; k += kWidth) SolveCluster::addChunk(s, c, k, centre, own);
+    for (int k = c.refBegin + tile.lane; k < c.refEnd; k += kWidth) SolveCluster::addLeaving(s, s.clusterRef[k], centre, own);
+    Real sums[kRealsPerLane<kWidth>];
+    sumBlocks(tile, own, sums);
+    Block6 block = gatherSums(tile, sums);
+    const Vec6 dx = SolveCluster::stepOf(block);
+    if (tile.lane == 0) s.clusterMotion[index].step = dx;
+  }
+};
+template <>
+struct OnDevice<SolveCluster> {
+  using Type = SolveClusterByTile;
+};
+
+/// A lane a vertex.
+struct MoveClusterByTile {
+  static constexpr const char* kName = MoveCluster::kName;
+  static constexpr int kWidth = 8;
+  MoveCluster move;
+  explicit MoveClusterByTile(const MoveCluster& stage) : move(stage) {}
+  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+    const Cluster& c = s.cluster[i];
+    for (int k = c.begin + tile.lane; k < c.end; k += kWidth) move.moveMember(s, i, k);
+  }
+};
+template <>
+struct OnDevice<MoveCluster> {
+  using Type = MoveClusterByTile;
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,51 @@
+#pragma once
+/// Stops of bodies that joints hold together. One that stopped alone would tear its joints open by the rest of its way; so an assembly stops as
+/// one, where the first of its bodies meets something, and all of them keep their velocities.
+#include <limits>
+
+#include "stages/groups.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// In place of the pair that a body stops at: it stops with its assembly.
+inline constexpr int kStopsTogether = std::numeric_limits<int>::max();
+
+/// Bodies of an assembly have one leader, as those of a group.
+struct StartAssemblies {
+  static constexpr const char* kName = "stops";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.counters->swept > 0) s.leader[i] = i;
+  }
+};
+template <class F>
+struct JoinAssemblies {
+  static constexpr const char* kName = "stops";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const JointSpec<F>& spec = s.specsOf<F>()[i];
+    if (s.counters->swept == 0 || !spec.holds || !active<F>(s, i) || !isDynamic(s, spec.a) || !isDynamic(s, spec.b)) return;
+    unite(s.leader, spec.a, spec.b);
+    s.stopPair[spec.a] = s.stopPair[spec.b] = kStopsTogether;
+  }
+};
+/// The leader learns of the first stop.
+struct RaiseStops {
+  static constexpr const char* kName = "stops";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.counters->swept == 0 || s.stopPair[i] != kStopsTogether || s.stopBits[i] == 0) return;
+    if (const int leader = findLeader(s.leader, i); leader != i) atomicRaise(&s.stopBits[leader], s.stopBits[i]);
+  }
+};
+struct StopAssemblies {
+  static constexpr const char* kName = "stops";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.counters->swept == 0 || s.stopPair[i] != kStopsTogether) return;
+    const int leader = findLeader(s.leader, i), bits = s.stopBits[leader];
+    if (bits == 0) return;
+    if (leader == i) atomicCount(&s.counters->stopped, 1);
+    else s.stopBits[i] = bits;
+    const Real done = Real(1) - fromFloatBits(bits);
+    s.stopped[i] = {done * s.moved[i].dp, 0, done * s.moved[i].dw, 0};
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE
