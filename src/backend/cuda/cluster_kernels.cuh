@@ -73,6 +73,34 @@ struct OnDevice<SolveCluster> {
   using Type = SolveClusterByTile;
 };
 
+/// Clusters of this level and above are few and may have hundreds of chunks: a block each.
+inline constexpr int kLargeClusters = 3, kLargeThreads = 512;
+static __global__ void __launch_bounds__(kLargeThreads) solveLargeClusters(const __grid_constant__ View s, int level, Gate gate) {
+  if (gate.closed()) return;
+  constexpr int kWarps = kLargeThreads / kWarp;
+  __shared__ Real sums[kWarps][kPaddedReals + 1];
+  const Tile<kWarp> tile = Tile<kWarp>::ofThread();
+  const int thread = static_cast<int>(threadIdx.x), warp = thread / kWarp;
+  const int index = s.clusterBegin[level] + static_cast<int>(blockIdx.x);
+  const Cluster c = s.cluster[index];
+  const Vec3 centre = s.clusterMotion[index].centre;
+  Block6 own;
+  for (int k = c.chunkBegin + thread; k < c.chunkEnd; k += kLargeThreads) SolveCluster::addChunk(s, c, k, centre, own);
+  for (int k = c.refBegin + thread; k < c.refEnd; k += kLargeThreads) SolveCluster::addLeaving(s, s.clusterRef[k], centre, own);
+  Real mine[kRealsPerLane<kWarp>];
+  sumBlocks(tile, own, mine);
+  static_assert(kRealsPerLane<kWarp> == 1);
+  sums[warp][tile.lane] = mine[0];
+  __syncthreads();
+  if (warp != 0) return;
+  mine[0] = 0;
+#pragma unroll
+  for (int k = 0; k < kWarps; ++k) mine[0] += sums[k][tile.lane];
+  Block6 block = gatherSums(tile, mine);
+  const Vec6 dx = SolveCluster::stepOf(block);
+  if (tile.lane == 0) s.clusterMotion[index].step = dx;
+}
+
 /// A lane a vertex.
 struct MoveClusterByTile {
   static constexpr const char* kName = MoveCluster::kName;

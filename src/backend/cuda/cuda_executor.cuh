@@ -18,6 +18,7 @@
 #include "backend/cuda/group_kernels.cuh"
 #include "backend/cuda/strict_kernels.cuh"
 #include "backend/cuda/timeline.h"
+#include "backend/cuda/tree_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -122,6 +123,14 @@ class CudaExecutor {
     if constexpr (kStrict) forEachIn<MoveChunk>(kernel, offsets, level);
     else if (level == 0) forEachIn(MoveChunkByTile<kSmallWidth>{}, offsets, level);
     else forEachIn(MoveChunkByTile<kWarp>{}, offsets, level);
+  }
+
+  void forEach(const SolveCluster& kernel, int n) {
+    if (kStrict || kernel.level < kLargeClusters) return forEach<SolveCluster>(kernel, n);
+    if (!begins()) return;
+    enterStage(SolveCluster::kName);
+    solveLargeClusters<<<n, kLargeThreads, 0, stream_>>>(view(), kernel.level, Gate{control_});
+    checkCuda(cudaGetLastError(), SolveCluster::kName);
   }
 
   void forEach(const CountColors&, int n) { launchOverBodies(countColors, CountColors::kName, n); }
