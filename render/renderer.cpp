@@ -123,7 +123,7 @@ std::vector<ShadowMap> Renderer::Impl::drawShadows(const Eye& eye, const Vec3f& 
   for (std::size_t i = 0; i < maps.size(); ++i) {
     shadows->targets[i].bind();
     glClear(GL_DEPTH_BUFFER_BIT);
-    DrawView view{maps[i].toClip, toSun, true, maps[i].halfSpaces, maps[i].texel, false};
+    DrawView view{maps[i].toClip, toSun, true, maps[i].halfSpaces, maps[i].texel, false, maps[i].rays, 0};
     bodies.draw(view);
     surfaces.draw(view, bodies.surfaceSlot(0));
   }
@@ -138,7 +138,8 @@ void Renderer::Impl::drawBodies(const Eye& eye, float jitterX, float jitterY) {
   const GLuint none[4] = {0, 0, 0, 0};
   glClearBufferuiv(GL_COLOR, 0, none);
   glClear(GL_DEPTH_BUFFER_BIT);
-  const DrawView view{eye.viewProjection(jitterX, jitterY), eye.position, false, eye.halfSpaces(), eye.pixelAngle, true};
+  const DrawView view{eye.viewProjection(jitterX, jitterY), eye.position, false, eye.halfSpaces(), eye.pixelAngle, true,
+                      raysOf(eye, jitterX, jitterY, width, height), eye.nearest};
   bodies.draw(view);
   surfaces.draw(view, bodies.surfaceSlot(0));
   endPass("bodies");
