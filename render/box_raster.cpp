@@ -91,6 +91,8 @@ void BoxRaster::draw(std::uint32_t boxCount, const Rays& rays, const Matrix& vie
   depths_.bindStorage(0);
   slots_.bindStorage(1);
   lists_.bindStorage(2);
+  // What the last view read of them must be read.
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
   clear_.use();
   clear_.set("pixelCount", static_cast<int>(pixels));
   clear_.set("named", named ? 1 : 0);

@@ -18,7 +18,7 @@ uniform float slopeOffset;   // parallel: added to a depth, in what it changes b
 uniform int listOffset;      // LISTED: of this list
 uniform int listIndex;
 
-const int kSmall = 24, kMiddling = 4096;  // pixels within the bounds of a box
+const int kSmall = 96, kMiddling = 4096;  // pixels within the bounds of a box
 
 // A box on the screen: rays in its own frame, in which it reaches from -1 to 1.
 struct Box {
@@ -80,15 +80,15 @@ void put(in Box box, ivec2 pixel, uint slot) {
   precise vec3 origin = box.origin, direction = box.direction + p.x * box.directionX + p.y * box.directionY;
 #endif
   direction = mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
-  precise vec3 side = sign(direction), inverse = 1.0 / direction;
-  precise vec3 enters = (-side - origin) * inverse, leaves = (side - origin) * inverse;
+  precise vec3 side = sign(direction), perUnit = 1.0 / direction;
+  precise vec3 enters = (-side - origin) * perUnit, leaves = (side - origin) * perUnit;
   precise float from = max(max(enters.x, enters.y), enters.z), to = min(min(leaves.x, leaves.y), leaves.z);
   if (from > to) return;
 #ifdef PARALLEL
   // Of the face where the ray enters.
-  vec2 slope = from == enters.x ? vec2(box.originX.x, box.originY.x) * inverse.x
-             : from == enters.y ? vec2(box.originX.y, box.originY.y) * inverse.y
-                                : vec2(box.originX.z, box.originY.z) * inverse.z;
+  vec2 slope = from == enters.x ? vec2(box.originX.x, box.originY.x) * perUnit.x
+             : from == enters.y ? vec2(box.originX.y, box.originY.y) * perUnit.y
+                                : vec2(box.originX.z, box.originY.z) * perUnit.z;
   precise float depth = clamp(from + slopeOffset * max(abs(slope.x), abs(slope.y)), 0.0, 1.0);
 #else
   if (from < nearest) return;
