@@ -290,6 +290,7 @@ void Renderer::draw(const Camera& camera, const Setting& setting, const Quality&
   const float corner = 1 / std::sqrt(1 + eye.spanX * eye.spanX + eye.spanY * eye.spanY);
   eye.nearest = std::clamp(kNearShare * corner * nearest, eye.nearest, 300 * eye.nearest);
   r.lastEye = eye;
+  r.endPass("view");
 
   if (many) {
     r.targets->lightTarget.bind();
