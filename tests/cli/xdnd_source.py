@@ -124,7 +124,8 @@ class Source:
         if not self.message("XdndStatus")[1] & 1:
             sys.exit("xdnd_source: the window takes no files")
         self.tell("XdndDrop", 0, 0, 0, 0)
-        if not self.message("XdndFinished")[1] & 1:
+        # The lowest bit should say it; GLFW 3.3 puts the length of the list there.
+        if not self.message("XdndFinished")[1]:
             sys.exit("xdnd_source: the drop was refused")
         self.x.XCloseDisplay(self.display)
 
