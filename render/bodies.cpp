@@ -61,7 +61,7 @@ struct Bodies::Shape {
 std::size_t Bodies::chunkBodies(int geometry) const { return shapes_[static_cast<std::size_t>(geometry)]->chunkBodies; }
 
 Bodies::Bodies()
-    : boxRaster_(BoxRaster::wanted() ? std::make_unique<BoxRaster>() : nullptr),
+    : boxRaster_(gl::wantsCompute() ? std::make_unique<BoxRaster>() : nullptr),
       boxes_("bodies.vert", "body.frag"),
       boxDepths_("bodies.vert", "nothing.frag"),
       meshes_("bodies.vert", "body.frag", {"MESH"}),

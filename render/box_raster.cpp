@@ -1,10 +1,6 @@
 #include "render/box_raster.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <string>
-
-#include <rubble/error.h>
 
 namespace rubble::render {
 namespace {
@@ -33,14 +29,6 @@ Rays raysOf(const Eye& eye, float jitterX, float jitterY, int width, int height)
   rays.directionX = eye.right * (eye.spanX * x);
   rays.directionY = eye.up * (eye.spanY * y);
   return rays;
-}
-
-bool BoxRaster::wanted() {
-  const char* const choice = std::getenv("RUBBLE_BOXES");
-  const std::string word = choice ? choice : "";
-  if (!word.empty() && word != "compute" && word != "triangles") throw Error("RUBBLE_BOXES", "compute or triangles", word);
-  if (!gl::canCompute()) return false;
-  return word.empty() ? !gl::drawsInSoftware() : word == "compute";
 }
 
 BoxRaster::BoxRaster()

@@ -18,12 +18,9 @@ struct Rays {
 /// Rays of an eye whose picture is shifted in normalised device coordinates.
 Rays raysOf(const Eye& eye, float jitterX, float jitterY, int width, int height);
 
+/// Needs gl::canCompute().
 class BoxRaster {
  public:
-  /// Does the current context run it, and is it meant to? Not on a software renderer, unless RUBBLE_BOXES=compute asks for it;
-  /// RUBBLE_BOXES=triangles asks for triangles everywhere. Throws Error for another word.
-  static bool wanted();
-
   BoxRaster();
   /// Draws the boxes of the first `boxCount` slots into the framebuffer that is bound, with its depth test. Poses and looks must be bound to
   /// the texture units 0 and 1. `nearest`: of the view [m], or 0 for parallel rays. `named`: what is seen, and not depth alone.

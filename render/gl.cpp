@@ -1,5 +1,7 @@
 #include "render/gl.h"
 
+#include <cstdlib>
+
 #include <rubble/error.h>
 
 #include "render/shader_text.h"
@@ -64,7 +66,7 @@ void TexelBuffer::bind(int unit) const {
 }
 
 Texture::Texture(int width, int height, GLenum format, GLenum filter, int layers)
-    : target_(layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D), width_(width), height_(height) {
+    : target_(layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D), format_(format), width_(width), height_(height) {
   glBindTexture(target_, handle_.id());
   const bool isDepth = format == GL_DEPTH_COMPONENT32F || format == GL_DEPTH_COMPONENT24;
   const bool isInteger = format == GL_RG32UI || format == GL_R32UI;
@@ -160,6 +162,13 @@ GLuint compile(GLenum stage, const std::string& file, const std::vector<std::str
 }  // namespace
 
 bool canCompute() { return epoxy_gl_version() >= kComputeVersion; }
+
+bool wantsCompute() {
+  const char* const choice = std::getenv("RUBBLE_GL_COMPUTE");
+  const std::string word = choice ? choice : "";
+  if (!word.empty() && word != "on" && word != "off") throw Error("RUBBLE_GL_COMPUTE", "on or off", word);
+  return canCompute() && (word.empty() ? !drawsInSoftware() : word == "on");
+}
 
 Program::Program(const std::string& vertexFile, const std::string& fragmentFile, const std::vector<std::string>& defines, int version)
     : id_(glCreateProgram()) {

@@ -89,12 +89,13 @@ class Texture {
   void bind(int unit) const;
   GLuint id() const { return handle_.id(); }
   GLenum target() const { return target_; }
+  GLenum format() const { return format_; }
   int width() const { return width_; }
   int height() const { return height_; }
 
  private:
   Handle<TextureKind> handle_;
-  GLenum target_;
+  GLenum target_, format_;
   int width_, height_;
 };
 
@@ -116,6 +117,9 @@ class Framebuffer {
 inline constexpr int kComputeVersion = 43;
 /// Does the current context have them?
 bool canCompute();
+/// Is drawing meant to be done by compute shaders where both ways are there? Not on a software renderer. RUBBLE_GL_COMPUTE=on asks for it
+/// wherever it can be, RUBBLE_GL_COMPUTE=off nowhere. Throws Error for another word.
+bool wantsCompute();
 
 /// Name of the file of a compute shader.
 struct ComputeFile {

@@ -87,11 +87,11 @@ class Render(Case):
 
     def test_boxes_are_triangles_where_opengl_is_old(self):
         measure = ["render", self.scene(), "--measure", "1", "--size", "64x36"]
-        asked = {**ENVIRONMENT, "RUBBLE_BOXES": "compute"}
+        asked = {**ENVIRONMENT, "RUBBLE_GL_COMPUTE": "on"}
         self.assertIn("boxes by compute", self.rubble(*measure, environment=asked).stdout)
         self.assertIn("boxes as triangles", self.rubble(*measure).stdout)
         self.assertIn("boxes as triangles", self.rubble(*measure, environment={**asked, "MESA_GL_VERSION_OVERRIDE": "4.1"}).stdout)
-        self.refused(*measure, environment={**asked, "RUBBLE_BOXES": "lego"}, says="compute or triangles")
+        self.refused(*measure, environment={**asked, "RUBBLE_GL_COMPUTE": "maybe"}, says="on or off")
 
     def test_the_same_run_gives_the_same_picture(self):
         for name in ["a.png", "b.png"]:
