@@ -13,7 +13,7 @@
 #include <rubble/scene.h>
 #include <rubble/world.h>
 
-#include "io/picture.h"
+#include "io/picture_poses.h"
 
 namespace rubble::io {
 
@@ -53,6 +53,8 @@ int frameAfter(RecordingReader& recording, std::int64_t steps);
 /// The bodies and poses of a world as it is now.
 std::vector<RecordedBody> recordedBodies(const World& world);
 RecordedFrame recordedFrame(const World& world);
+/// The same of poses alone, with the sources of World::epoch().
+RecordedFrame recordedFrame(World& world, std::span<const PoseSource> sources);
 /// A resolution that no picture shows: 2^-16 of the smallest dimension of a body [m].
 double recordingResolution(const std::vector<RecordedBody>& bodies);
 

@@ -23,6 +23,16 @@ RecordedFrame recordedFrame(const World& world) {
   return frame;
 }
 
+RecordedFrame recordedFrame(World& world, std::span<const PoseSource> sources) {
+  const PoseFrame now = posesNow(world);
+  RecordedFrame frame{world.stepCount(), world.time(), {}};
+  for (const PoseSource& source : sources) {
+    const BodyPose pose = poseOf(source, now.position, now.orientation);
+    frame.poses.push_back({pose.position, pose.orientation});
+  }
+  return frame;
+}
+
 std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameIndex) {
   const auto idsOf = [&](int index) {
     std::vector<BodyId> ids;

@@ -61,7 +61,8 @@ struct Bodies::Shape {
 std::size_t Bodies::chunkBodies(int geometry) const { return shapes_[static_cast<std::size_t>(geometry)]->chunkBodies; }
 
 Bodies::Bodies()
-    : boxes_("bodies.vert", "body.frag"),
+    : boxRaster_(gl::wantsCompute() ? std::make_unique<BoxRaster>() : nullptr),
+      boxes_("bodies.vert", "body.frag"),
       boxDepths_("bodies.vert", "nothing.frag"),
       meshes_("bodies.vert", "body.frag", {"MESH"}),
       meshDepths_("bodies.vert", "nothing.frag", {"MESH"}),
@@ -119,6 +120,7 @@ void Bodies::setLooks(std::span<const BodyLook> looks) {
   bodyInSlot_.clear();
   chunks_.clear();
   planes_.clear();
+  boxSlots_ = 0;
   for (std::size_t i = 0; i < order.size();) {
     const int geometry = looks[order[i]].geometry;
     if (geometry < 0 || geometry >= static_cast<int>(shapes_.size()))
@@ -130,6 +132,7 @@ void Bodies::setLooks(std::span<const BodyLook> looks) {
       if (filled) slotOfBody_[order[i]] = static_cast<std::uint32_t>(bodyInSlot_.size());
       bodyInSlot_.push_back(filled ? static_cast<int>(order[i++]) : -1);
     }
+    if (geometry == kBox) boxSlots_ = static_cast<std::uint32_t>(bodyInSlot_.size());
     if (geometry == kPlane) {
       planes_.push_back(first);
     } else {
@@ -192,7 +195,11 @@ void Bodies::draw(const DrawView& view) {
   drawn_ = 0;
   if (bodyInSlot_.empty()) return;
   bindTables(0);
-  for (int geometry = 0; geometry < static_cast<int>(shapes_.size()); ++geometry)
+  if (boxRaster_) {
+    boxRaster_->draw(boxSlots_, view.rays, view.viewProjection, view.nearest, view.withIds);
+    drawn_ += boxSlots_;
+  }
+  for (int geometry = boxRaster_ ? kBox + 1 : kBox; geometry < static_cast<int>(shapes_.size()); ++geometry)
     if (geometry != kPlane) drawGeometry(geometry, view);
   if (view.withIds) drawPlanes(view);
   glBindVertexArray(0);

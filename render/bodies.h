@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "render/box_raster.h"
 #include "render/camera.h"
 #include "render/geometry.h"
 #include "render/gl.h"
@@ -43,6 +44,8 @@ struct DrawView {
   std::vector<HalfSpace> visible;  ///< chunks outside are left out
   float pixelSize = 0;             ///< [m], at view depth 1 or, for parallel rays, anywhere
   bool withIds = true;             ///< false: depth alone
+  Rays rays;
+  float nearest = 0;               ///< view depth that the picture begins at [m]; 0 if parallel
 };
 
 class Bodies {
@@ -69,6 +72,8 @@ class Bodies {
   float nearestTo(const Vec3f& point, const std::vector<HalfSpace>& visible) const;
 
   void draw(const DrawView& view);
+  /// Are boxes drawn by compute shaders?
+  bool computesBoxes() const { return boxRaster_ != nullptr; }
   /// Bodies that the last draw sent to the GPU.
   std::size_t drawn() const { return drawn_; }
   void bindTables(int firstUnit) const;
@@ -105,6 +110,7 @@ class Bodies {
   std::vector<Pose> poses_;            ///< by slot
   std::vector<Chunk> chunks_;          ///< by geometry, then by slot
   std::vector<std::uint32_t> planes_;  ///< slots
+  std::uint32_t boxSlots_ = 0;         ///< they come first
   std::uint32_t surfaceSlot_ = 0;
   Bounds core_;
   std::vector<Bounds> fedBounds_;
@@ -113,6 +119,7 @@ class Bodies {
   gl::TexelBuffer poseTable_{GL_RGBA32F}, lookTable_{GL_RGBA32F};
   gl::Buffer chunkList_{GL_ARRAY_BUFFER}, planeIndices_{GL_ELEMENT_ARRAY_BUFFER};
   gl::VertexArray vertexArray_, planeArray_;
+  std::unique_ptr<BoxRaster> boxRaster_;  ///< null: boxes are triangles
   gl::Program boxes_, boxDepths_, meshes_, meshDepths_, planeProgram_;
 
  public:

@@ -4,6 +4,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <rubble/error.h>
 
@@ -19,11 +20,17 @@ bool finite(const Pose& p) { return std::isfinite(p.x + p.y + p.z + p.qx + p.qy 
 
 /// Values within [low, high] without the outermost half percent at either end where those lie far out.
 void coreOf(std::vector<float>& values, float& low, float& high) {
-  std::sort(values.begin(), values.end());
-  const std::size_t cut = values.size() / 200;
-  low = values[cut], high = values[values.size() - 1 - cut];
+  const auto at = [&](std::size_t rank) { return values.begin() + static_cast<std::ptrdiff_t>(rank); };
+  const auto ends = std::minmax_element(values.begin(), values.end());
+  const float lowest = *ends.first, highest = *ends.second;
+  // Picked and not sorted: this is done in every frame.
+  const std::size_t cut = values.size() / 200, fromTop = values.size() - 1 - cut;
+  std::nth_element(values.begin(), at(cut), values.end());
+  low = values[cut];
+  std::nth_element(at(cut), at(fromTop), values.end());
+  high = values[fromTop];
   constexpr float kFar = 2.5f;
-  if (values.back() - values.front() <= kFar * (high - low)) low = values.front(), high = values.back();
+  if (highest - lowest <= kFar * (high - low)) low = lowest, high = highest;
 }
 
 }  // namespace
@@ -108,17 +115,24 @@ void Bodies::updateCore() {
 void Bodies::setCore(std::vector<float> (&lows)[3], std::vector<float> (&highs)[3]) {
   core_ = {};
   if (lows[0].empty()) return;
-  for (int axis = 0; axis < 3; ++axis) {
+  tbb::parallel_for(0, 6, [&](int i) {
+    const int axis = i / 2;
     float unused = 0;
-    coreOf(lows[axis], core_.low[axis], unused);
-    coreOf(highs[axis], unused, core_.high[axis]);
-  }
+    if (i % 2 == 0) coreOf(lows[axis], core_.low[axis], unused);
+    else coreOf(highs[axis], unused, core_.high[axis]);
+  });
 }
 
 float Bodies::nearestTo(const Vec3f& point, const std::vector<HalfSpace>& visible) const {
-  float nearest = 1e30f;
-  for (const Chunk& chunk : chunks_)
-    if (!chunk.bounds.empty() && touches(chunk.bounds, visible)) nearest = std::min(nearest, distanceTo(chunk.bounds, point));
+  using Range = tbb::blocked_range<std::size_t>;
+  const auto nearestIn = [&](const Range& range, float nearest) {
+    for (std::size_t c = range.begin(); c < range.end(); ++c) {
+      const Bounds& bounds = chunks_[c].bounds;
+      if (!bounds.empty() && touches(bounds, visible)) nearest = std::min(nearest, distanceTo(bounds, point));
+    }
+    return nearest;
+  };
+  float nearest = tbb::parallel_reduce(Range(0, chunks_.size(), 1024), 1e30f, nearestIn, [](float a, float b) { return std::min(a, b); });
   for (const std::uint32_t slot : planes_) {
     const Pose& p = poses_[slot];
     const Vec3f normal = rotate(QuatT<float>{p.qs, p.qx, p.qy, p.qz}, Vec3f{0, 0, 1});

@@ -1,5 +1,7 @@
 #include "render/gl.h"
 
+#include <cstdlib>
+
 #include <rubble/error.h>
 
 #include "render/shader_text.h"
@@ -32,6 +34,7 @@ GLuint VertexArrayKind::make() {
 void VertexArrayKind::release(GLuint id) { glDeleteVertexArrays(1, &id); }
 
 void Buffer::bind() const { glBindBuffer(target_, handle_.id()); }
+void Buffer::bindStorage(GLuint binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, handle_.id()); }
 
 void Buffer::reserve(std::size_t bytes) {
   bind();
@@ -63,7 +66,7 @@ void TexelBuffer::bind(int unit) const {
 }
 
 Texture::Texture(int width, int height, GLenum format, GLenum filter, int layers)
-    : target_(layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D), width_(width), height_(height) {
+    : target_(layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D), format_(format), width_(width), height_(height) {
   glBindTexture(target_, handle_.id());
   const bool isDepth = format == GL_DEPTH_COMPONENT32F || format == GL_DEPTH_COMPONENT24;
   const bool isInteger = format == GL_RG32UI || format == GL_R32UI;
@@ -138,8 +141,8 @@ std::string expanded(const std::string& file) {
   }
 }
 
-GLuint compile(GLenum stage, const std::string& file, const std::vector<std::string>& defines) {
-  std::string text = "#version 410 core\n";
+GLuint compile(GLenum stage, const std::string& file, const std::vector<std::string>& defines, int version) {
+  std::string text = "#version " + std::to_string(10 * version) + " core\n";
   for (const std::string& define : defines) text += "#define " + define + "\n";
   text += expanded(file);
   const GLuint shader = glCreateShader(stage);
@@ -158,20 +161,41 @@ GLuint compile(GLenum stage, const std::string& file, const std::vector<std::str
 
 }  // namespace
 
-Program::Program(const std::string& vertexFile, const std::string& fragmentFile, const std::vector<std::string>& defines)
+bool canCompute() { return epoxy_gl_version() >= kComputeVersion; }
+
+bool wantsCompute() {
+  const char* const choice = std::getenv("RUBBLE_GL_COMPUTE");
+  const std::string word = choice ? choice : "";
+  if (!word.empty() && word != "on" && word != "off") throw Error("RUBBLE_GL_COMPUTE", "on or off", word);
+  return canCompute() && (word.empty() ? !drawsInSoftware() : word == "on");
+}
+
+Program::Program(const std::string& vertexFile, const std::string& fragmentFile, const std::vector<std::string>& defines, int version)
     : id_(glCreateProgram()) {
-  for (const auto& [stage, file] : {std::pair{GLenum{GL_VERTEX_SHADER}, vertexFile}, std::pair{GLenum{GL_FRAGMENT_SHADER}, fragmentFile}}) {
-    const GLuint shader = compile(stage, file, defines);
-    glAttachShader(id_, shader);
-    glDeleteShader(shader);
-  }
+  attach(GL_VERTEX_SHADER, vertexFile, defines, version);
+  attach(GL_FRAGMENT_SHADER, fragmentFile, defines, version);
+  link(vertexFile + " and " + fragmentFile);
+}
+
+Program::Program(const ComputeFile& file, const std::vector<std::string>& defines) : id_(glCreateProgram()) {
+  attach(GL_COMPUTE_SHADER, file.name, defines, kComputeVersion);
+  link(file.name);
+}
+
+void Program::attach(GLenum stage, const std::string& file, const std::vector<std::string>& defines, int version) {
+  const GLuint shader = compile(stage, file, defines, version);
+  glAttachShader(id_, shader);
+  glDeleteShader(shader);
+}
+
+void Program::link(const std::string& files) {
   glLinkProgram(id_);
   GLint good = 0;
   glGetProgramiv(id_, GL_LINK_STATUS, &good);
   if (good == 0) {
     char log[2000] = "";
     glGetProgramInfoLog(id_, sizeof log, nullptr, log);
-    throw Error("shaders " + vertexFile + " and " + fragmentFile, "a pair that this driver links", log);
+    throw Error("shaders " + files, "ones that this driver links", log);
   }
 }
 
@@ -187,6 +211,7 @@ GLint Program::location(const char* name) {
 
 void Program::set(const char* name, int value) { glUniform1i(location(name), value); }
 void Program::set(const char* name, float value) { glUniform1f(location(name), value); }
+void Program::setPixels(const char* name, int x, int y) { glUniform2i(location(name), x, y); }
 void Program::set(const char* name, float x, float y) { glUniform2f(location(name), x, y); }
 void Program::set(const char* name, float x, float y, float z) { glUniform3f(location(name), x, y, z); }
 void Program::set(const char* name, float x, float y, float z, float w) { glUniform4f(location(name), x, y, z, w); }

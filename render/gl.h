@@ -59,9 +59,10 @@ class Buffer {
   /// Counts how often it got another memory.
   int storage() const { return storage_; }
   void bind() const;
+  /// Where shaders find it as a block of storage; needs canCompute().
+  void bindStorage(GLuint binding) const;
 
  private:
-
   Handle<BufferKind> handle_;
   GLenum target_;
   std::size_t room_ = 0;
@@ -88,12 +89,13 @@ class Texture {
   void bind(int unit) const;
   GLuint id() const { return handle_.id(); }
   GLenum target() const { return target_; }
+  GLenum format() const { return format_; }
   int width() const { return width_; }
   int height() const { return height_; }
 
  private:
   Handle<TextureKind> handle_;
-  GLenum target_;
+  GLenum target_, format_;
   int width_, height_;
 };
 
@@ -111,12 +113,26 @@ class Framebuffer {
   int width_ = 0, height_ = 0;
 };
 
+/// Shaders that are newer than OpenGL 4.1: compute, and those that read what it wrote.
+inline constexpr int kComputeVersion = 43;
+/// Does the current context have them?
+bool canCompute();
+/// Is drawing meant to be done by compute shaders where both ways are there? Not on a software renderer. RUBBLE_GL_COMPUTE=on asks for it
+/// wherever it can be, RUBBLE_GL_COMPUTE=off nowhere. Throws Error for another word.
+bool wantsCompute();
+
+/// Name of the file of a compute shader.
+struct ComputeFile {
+  std::string name;
+};
+
 /// A linked program. Names of uniforms that the compiler has taken out are ignored.
 class Program {
  public:
-  /// Shaders by the name of their file in render/shaders; `defines` are put on top of both ("BOX").
+  /// Shaders by the name of their file in render/shaders; `defines` are put on top of both ("BOX"). `version` of OpenGL, 41 or 43.
   /// Throws Error with the driver's log.
-  Program(const std::string& vertexFile, const std::string& fragmentFile, const std::vector<std::string>& defines = {});
+  Program(const std::string& vertexFile, const std::string& fragmentFile, const std::vector<std::string>& defines = {}, int version = 41);
+  explicit Program(const ComputeFile& file, const std::vector<std::string>& defines = {});
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
@@ -127,11 +143,14 @@ class Program {
   void set(const char* name, float x, float y);
   void set(const char* name, float x, float y, float z);
   void set(const char* name, float x, float y, float z, float w);
+  void setPixels(const char* name, int x, int y);
   void setMatrices(const char* name, const float* columns, int count = 1);  ///< 4 x 4, by columns
   void setArray(const char* name, const float* values, int count);
 
  private:
   GLint location(const char* name);
+  void attach(GLenum stage, const std::string& file, const std::vector<std::string>& defines, int version);
+  void link(const std::string& files);
 
   GLuint id_ = 0;
   std::unordered_map<std::string, GLint> locations_;

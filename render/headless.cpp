@@ -52,9 +52,13 @@ struct HeadlessContext::Impl {
     EGLConfig config = nullptr;
     EGLint count = 0;
     if (!eglChooseConfig(candidate, wanted, &config, 1, &count) || count == 0) return false;
-    const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, 1, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                              EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
-    const EGLContext made = eglCreateContext(candidate, config, EGL_NO_CONTEXT, version);
+    EGLContext made = EGL_NO_CONTEXT;
+    // Some drivers give the version that is asked for and none above it.
+    for (const EGLint minor : {gl::kComputeVersion % 10, 1}) {
+      const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, minor, EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+      if (made == EGL_NO_CONTEXT) made = eglCreateContext(candidate, config, EGL_NO_CONTEXT, version);
+    }
     if (made == EGL_NO_CONTEXT) return false;
     if (!eglMakeCurrent(candidate, EGL_NO_SURFACE, EGL_NO_SURFACE, made)) {
       eglDestroyContext(candidate, made);

@@ -5,7 +5,7 @@
 
 namespace rubble::render {
 
-/// Makes a context (4.1 core) current on this thread for as long as it lives: on the GPU where EGL offers one without a display, else on
+/// Makes a context (core, 4.3 or else 4.1) current on this thread for as long as it lives: on the GPU where EGL offers one without a display, else on
 /// Mesa's software renderer. RUBBLE_GL=software asks for the latter.
 class HeadlessContext {
  public:

@@ -8,6 +8,7 @@
 
 #include "render/lines.h"
 #include "render/palette.h"
+#include "render/screen_pass.h"
 #include "render/surfaces.h"
 #include "render/targets.h"
 
@@ -62,10 +63,10 @@ struct Renderer::Impl {
   std::vector<PassTime> times;
   std::chrono::steady_clock::time_point passBegan;
 
-  gl::VertexArray nothing;
-  gl::Program material{"screen.vert", "material.frag"}, occlusion{"screen.vert", "occlusion.frag"}, blur{"screen.vert", "blur.frag"},
-      lightOne{"screen.vert", "light.frag", {"ONE_SAMPLE"}}, lightMany{"screen.vert", "light.frag"},
-      displayOne{"screen.vert", "display.frag", {"ONE_SAMPLE"}}, displayMany{"screen.vert", "display.frag"};
+  const bool computes = gl::wantsCompute();
+  ScreenPass material{"material.frag", computes, {"TWO_TARGETS"}}, occlusion{"occlusion.frag", computes}, blur{"blur.frag", computes},
+      lightOne{"light.frag", computes, {"ONE_SAMPLE"}}, lightMany{"light.frag", computes, {}, true},
+      displayOne{"display.frag", computes, {"ONE_SAMPLE"}}, displayMany{"display.frag", computes};
 
   Impl(int width_, int height_) : width(width_), height(height_) {}
 
@@ -81,11 +82,6 @@ struct Renderer::Impl {
     const auto known = std::find_if(times.begin(), times.end(), [&](const PassTime& t) { return t.name == name; });
     known == times.end() ? times.push_back({name, ms}) : void(known->ms += ms);
     passBegan = now;
-  }
-
-  void fill() {
-    glBindVertexArray(nothing.id());
-    glDrawArrays(GL_TRIANGLES, 0, 3);
   }
 
   void setView(gl::Program& program, const Eye& eye, float jitterX, float jitterY) {
@@ -123,7 +119,7 @@ std::vector<ShadowMap> Renderer::Impl::drawShadows(const Eye& eye, const Vec3f& 
   for (std::size_t i = 0; i < maps.size(); ++i) {
     shadows->targets[i].bind();
     glClear(GL_DEPTH_BUFFER_BIT);
-    DrawView view{maps[i].toClip, toSun, true, maps[i].halfSpaces, maps[i].texel, false};
+    DrawView view{maps[i].toClip, toSun, true, maps[i].halfSpaces, maps[i].texel, false, maps[i].rays, 0};
     bodies.draw(view);
     surfaces.draw(view, bodies.surfaceSlot(0));
   }
@@ -138,61 +134,60 @@ void Renderer::Impl::drawBodies(const Eye& eye, float jitterX, float jitterY) {
   const GLuint none[4] = {0, 0, 0, 0};
   glClearBufferuiv(GL_COLOR, 0, none);
   glClear(GL_DEPTH_BUFFER_BIT);
-  const DrawView view{eye.viewProjection(jitterX, jitterY), eye.position, false, eye.halfSpaces(), eye.pixelAngle, true};
+  const DrawView view{eye.viewProjection(jitterX, jitterY), eye.position, false, eye.halfSpaces(), eye.pixelAngle, true,
+                      raysOf(eye, jitterX, jitterY, width, height), eye.nearest};
   bodies.draw(view);
   surfaces.draw(view, bodies.surfaceSlot(0));
   endPass("bodies");
 }
 
 void Renderer::Impl::drawMaterial(const Eye& eye, const Setting& setting, float jitterX, float jitterY) {
-  targets->material.bind();
-  setView(material, eye, jitterX, jitterY);
+  gl::Program& program = material.program();
+  setView(program, eye, jitterX, jitterY);
   bodies.bindTables(0);
   targets->ids.bind(3);
   targets->depths.bind(4);
-  material.set("poses", 0);
-  material.set("looks", 1);
-  material.set("seenBodies", 3);
-  material.set("depths", 4);
+  program.set("poses", 0);
+  program.set("looks", 1);
+  program.set("seenBodies", 3);
+  program.set("depths", 4);
   const double cell = std::pow(10., std::round(std::log10(setting.sceneSize / kCellsToScene)));
-  material.setArray("heatStops", heatStops.data(), static_cast<int>(heatStops.size()));
-  material.set("gridCell", static_cast<float>(cell));
-  material.set("selected", selected < 0 ? 0 : static_cast<int>(bodies.slotOf(static_cast<std::size_t>(selected))) + 1);
-  fill();
+  program.setArray("heatStops", heatStops.data(), static_cast<int>(heatStops.size()));
+  program.set("gridCell", static_cast<float>(cell));
+  program.set("selected", selected < 0 ? 0 : static_cast<int>(bodies.slotOf(static_cast<std::size_t>(selected))) + 1);
+  material.run(targets->material, {&targets->colors, &targets->normals});
   endPass("material");
 }
 
 void Renderer::Impl::drawOcclusion(const Eye& eye, const Setting& setting, float jitterX, float jitterY, float turn, bool blurred) {
-  targets->occlusionTarget.bind();
-  setView(occlusion, eye, jitterX, jitterY);
+  gl::Program& program = occlusion.program();
+  setView(program, eye, jitterX, jitterY);
   targets->depths.bind(0);
   targets->normals.bind(1);
-  occlusion.set("depths", 0);
-  occlusion.set("shadedNormals", 1);
-  occlusion.set("pixelsAcross", static_cast<float>(width), static_cast<float>(height));
-  occlusion.set("radius", kOcclusionReach * static_cast<float>(setting.bodySize));
-  occlusion.set("turn", turn);
-  fill();
+  program.set("depths", 0);
+  program.set("shadedNormals", 1);
+  program.set("pixelsAcross", static_cast<float>(width), static_cast<float>(height));
+  program.set("radius", kOcclusionReach * static_cast<float>(setting.bodySize));
+  program.set("turn", turn);
+  occlusion.run(targets->occlusionTarget, {&targets->occlusion});
   if (blurred) {
     const float x = 1 / static_cast<float>(targets->occlusion.width()), y = 1 / static_cast<float>(targets->occlusion.height());
-    blur.use();
-    blur.set("occlusion", 0);
-    targets->blurTarget.bind();
+    blur.program().use();
+    blur.program().set("occlusion", 0);
     targets->occlusion.bind(0);
-    blur.set("direction", x, 0);
-    fill();
-    targets->occlusionTarget.bind();
+    blur.program().set("direction", x, 0);
+    blur.run(targets->blurTarget, {&targets->blurred});
     targets->blurred.bind(0);
-    blur.set("direction", 0, y);
-    fill();
+    blur.program().set("direction", 0, y);
+    blur.run(targets->occlusionTarget, {&targets->occlusion});
   }
   endPass("occlusion");
 }
 
 void Renderer::Impl::drawLight(const Eye& eye, const Setting& setting, const Quality& quality, const std::vector<ShadowMap>& maps,
                                const Vec3f& toSun, float jitterX, float jitterY, float turn) {
-  gl::Program& light = quality.samples > 1 ? lightMany : lightOne;
-  targets->lightTarget.bind();
+  ScreenPass& pass = quality.samples > 1 ? lightMany : lightOne;
+  gl::Program& light = pass.program();
   setView(light, eye, jitterX, jitterY);
   const gl::Texture* read[] = {&targets->colors, &targets->normals, &targets->depths, &targets->occlusion, &shadows->maps};
   const char* names[] = {"colors", "shadedNormals", "depths", "occlusion", "shadowMaps"};
@@ -219,12 +214,7 @@ void Renderer::Impl::drawLight(const Eye& eye, const Setting& setting, const Qua
   light.set("fadeDistance", static_cast<float>(setting.sceneSize));
   light.set("weight", 1 / static_cast<float>(quality.samples));
   light.set("turn", turn);
-  if (quality.samples > 1) {
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE);
-  }
-  fill();
-  glDisable(GL_BLEND);
+  pass.run(targets->lightTarget, {&targets->light});
   endPass("light");
 }
 
@@ -289,6 +279,7 @@ void Renderer::draw(const Camera& camera, const Setting& setting, const Quality&
   const float corner = 1 / std::sqrt(1 + eye.spanX * eye.spanX + eye.spanY * eye.spanY);
   eye.nearest = std::clamp(kNearShare * corner * nearest, eye.nearest, 300 * eye.nearest);
   r.lastEye = eye;
+  r.endPass("view");
 
   if (many) {
     r.targets->lightTarget.bind();
@@ -297,13 +288,14 @@ void Renderer::draw(const Camera& camera, const Setting& setting, const Quality&
   }
   for (int sample = 0; sample < quality.samples; ++sample) r.drawSample(eye, setting, quality, sample);
 
-  gl::Program& display = many ? r.displayMany : r.displayOne;
+  ScreenPass& pass = many ? r.displayMany : r.displayOne;
+  gl::Program& display = pass.program();
   display.use();
-  r.targets->pictureTarget.bind();
   r.targets->light.bind(0);
   display.set("lights", 0);
   display.set("texel", 1 / static_cast<float>(r.width), 1 / static_cast<float>(r.height));
-  r.fill();
+  pass.run(r.targets->pictureTarget, {&r.targets->picture});
+  r.targets->pictureTarget.bind();
   r.lines.draw(eye, r.targets->depths);
   r.endPass("display");
   gl::check("draw");

@@ -34,7 +34,8 @@ struct Quality {
   int shadowTaps = 8;     ///< a pixel and sample
 };
 
-/// Milliseconds of the last picture by pass; measured only if asked for, since that waits for the GPU after each pass.
+/// Milliseconds of the last picture by pass: all of them, so that they add up to the picture. Measured only if asked for, since that waits
+/// for the GPU after each pass.
 struct PassTime {
   const char* name;
   double ms;

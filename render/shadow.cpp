@@ -47,6 +47,11 @@ std::optional<ShadowMap> mapOver(const Frame& frame, const Bounds& slice, const 
     map.toClip.columns[12 + row] = offsets[row];
   }
   map.toClip.columns[15] = 1;
+  map.rays.width = map.rays.height = size;
+  map.rays.origin = frame.x * (cx - half + .5f * texel) + frame.y * (cy - half + .5f * texel) + frame.z * (cz + deep);
+  map.rays.originX = frame.x * texel;
+  map.rays.originY = frame.y * texel;
+  map.rays.direction = frame.z * (-2 * deep);
   map.toTexture = map.toClip;
   for (std::size_t axis = 0; axis < 4; ++axis)
     for (std::size_t row = 0; row < 3; ++row)

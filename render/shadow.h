@@ -14,6 +14,7 @@ struct ShadowMap {
   Matrix toTexture;  ///< renderer's frame -> [0, 1]
   float texel = 1;   ///< [m]
   std::vector<HalfSpace> halfSpaces;
+  Rays rays;
 };
 
 /// Maps of `size` texels that cover what the eye sees of `core`, at most `most` of them; none if it sees nothing of it.

@@ -23,14 +23,24 @@ struct RenderCommand {
 
 void printMeasure(const RenderMeasure& m, const RenderOptions& options) {
   fmt::print("{} bodies, {}x{}, {}\n", grouped(static_cast<long long>(m.bodies)), options.width, options.height, m.device);
-  if (m.stepMs > 0)
-    fmt::print("  step: mean {:.2f} ms; step and frame: {:.2f} ms ({:.1f} a second); poses {}\n", m.stepMs, m.stepMs + m.meanMs,
-               1000 / (m.stepMs + m.meanMs), m.poses);
   fmt::print(
       "  frame: mean {:.2f} ms, median {:.2f} ms, 95 % {:.2f} ms ({:.1f} frames a second), {} frames\n  processor time of all threads: "
       "{:.1f} ms a frame\n",
       m.meanMs, m.medianMs, m.p95Ms, 1000 / m.meanMs, m.frames, m.cpuMs);
-  for (const auto& [name, ms] : m.passes) fmt::print("  {:<12}{:>9.2f} ms\n", name, ms);
+  if (m.stepMs > 0) {
+    constexpr double kFrames = 60, kSteps = 30;
+    const double busy = (kFrames * m.meanMs + kSteps * m.stepMs) / 1000;
+    fmt::print("  step: mean {:.2f} ms ({:.1f} a second); a step and a frame: {:.2f} ms ({:.1f} a second)\n", m.stepMs, 1000 / m.stepMs,
+               m.stepMs + m.meanMs, 1000 / (m.stepMs + m.meanMs));
+    fmt::print("  {:.0f} frames and {:.0f} steps take {:.3f} s: {} real time\n", kFrames, kSteps, busy, busy <= 1 ? "within" : "slower than");
+  }
+  fmt::print("  poses {}; boxes {}; stage by stage, waiting after each:\n", m.poses, m.boxes);
+  double sum = 0;
+  for (const auto& [name, ms] : m.passes) {
+    fmt::print("  {:<12}{:>9.2f} ms\n", name, ms);
+    sum += ms;
+  }
+  fmt::print("  {:<12}{:>9.2f} ms\n", "sum", sum);
 }
 
 int renderNow(RenderCommand& command) {

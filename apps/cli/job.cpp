@@ -144,4 +144,9 @@ PreparedJob prepareJob(const JobOptions& options) {
   return prepared;
 }
 
+PreparedJob withoutProbes(PreparedJob prepared) {
+  prepared.job.probes.clear();
+  return prepared;
+}
+
 }  // namespace rubble::cli

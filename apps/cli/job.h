@@ -42,6 +42,9 @@ struct PreparedJob {
 /// Throws Error for anything that was typed wrong or does not exist.
 PreparedJob prepareJob(const JobOptions& options);
 
+/// The same without its probes, which look at every body after every step: for what is drawn and not judged.
+PreparedJob withoutProbes(PreparedJob prepared);
+
 /// One job, or two that differ in what `compare` names: two backends or two numbers of iterations. Throws Error for anything else.
 std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vector<std::string>& compare);
 

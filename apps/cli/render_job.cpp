@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -18,63 +19,74 @@ constexpr int kPictureSamples = 32, kFilmSamples = 4, kFilmSamplesGpu = 16;
 constexpr int kDivider = 4;  // pixels between two runs
 constexpr double kTimeSlack = 1e-9;
 
-/// One run that is drawn: its two last moments and what draws it.
+/// One run that is drawn. Moments are taken where a picture needs them: of the step that it shows, and of the one before if it lies between.
 class Side {
  public:
   Side(const RenderOptions& options, const JobOptions& job, int width, int height, render::PaintDevice& device, int samples)
-      : options_(options), source_(momentSource(job, options.colorBy, options.show)), current_(source_->start()), previous_(current_) {
+      : options_(options), source_(momentSource(job, options.colorBy, options.show)) {
     camera_ = cameraOf(options.camera, sightOf(*source_), width, height, options.fieldOfView);
     if (options.eye) camera_.eye = *options.eye;
     if (options.target) camera_.target = *options.target;
-    painter_ = device.painter(current_.bodies, source_->gravity(), camera_, {width, height, samples, options.colorBy, options.colorMax});
+    painter_ = device.painter(current().bodies, source_->gravity(), camera_, {width, height, samples, options.colorBy, options.colorMax});
   }
 
   const MomentSource& source() const { return *source_; }
   bool step() {
-    std::swap(previous_, current_);
-    if (source_->advance(current_)) return true;
-    std::swap(previous_, current_);
-    return false;
+    if (!source_->advance()) return false;
+    seen_ = hasPrevious_ = false;
+    return true;
   }
   /// Steps until the moment is not before `time` [s]; false if the source ends earlier.
   bool reach(double time) {
-    while (current_.time < time - kTimeSlack)
+    while (source_->time() < time - kTimeSlack) {
+      const bool straddles = source_->nextTime() > time + kTimeSlack;
+      if (straddles) current();
       if (!step()) return false;
+      if (straddles) std::swap(previous_, current_);
+      hasPrevious_ = straddles;
+    }
     return true;
   }
 
   io::Image paint(double time, double filmTime) {
-    const double span = current_.time - previous_.time;
-    shown_ = span > 0 ? between(previous_, current_, std::clamp((time - previous_.time) / span, 0., 1.)) : current_;
-    io::Image image = painter_->paint(shown_.bodies, turned(camera_, options_.orbit * filmTime), shown_.lines);
-    if (options_.overlay) drawCaption(image, caption());
+    const double way = hasPrevious_ ? (time - previous_.time) / (current().time - previous_.time) : 1;
+    const Moment blend = way < 1 ? between(previous_, current(), std::max(0., way)) : Moment();
+    const Moment& shown = way < 1 ? blend : current();
+    io::Image image = painter_->paint(shown.bodies, turned(camera_, options_.orbit * filmTime), shown.lines);
+    if (options_.overlay) drawCaption(image, caption(shown));
     return image;
   }
-  double time() const { return current_.time; }
-  std::int64_t stepCount() const { return current_.step; }
-  double stepMs() const { return current_.stepMs; }
+  double time() const { return source_->time(); }
+  double stepMs() const { return source_->stepMs(); }
 
  private:
-  Caption caption() const {
-    Caption caption{source_->title(), {grouped(static_cast<long long>(shown_.bodies.size())) + " bodies"}};
+  const Moment& current() {
+    if (!std::exchange(seen_, true)) source_->look(current_);
+    return current_;
+  }
+
+  Caption caption(const Moment& shown) const {
+    Caption caption{source_->title(), {grouped(static_cast<long long>(shown.bodies.size())) + " bodies"}};
     if (!source_->label().empty()) caption.facts.push_back(source_->label());
-    if (current_.stepMs > 0) caption.facts.push_back(fmt::format("{:.1f} ms a step", current_.stepMs));
-    if (const io::Quantity& shown = io::quantity(options_.colorBy); shown.by != io::ColorBy::Body) caption.facts.push_back(legend(shown));
-    caption.facts.push_back(fmt::format("{:.2f} s", shown_.time));
+    if (shown.stepMs > 0) caption.facts.push_back(fmt::format("{:.1f} ms a step", shown.stepMs));
+    if (const io::Quantity& by = io::quantity(options_.colorBy); by.by != io::ColorBy::Body) caption.facts.push_back(legend(by, shown));
+    caption.facts.push_back(fmt::format("{:.2f} s", shown.time));
     if (options_.slow != 1) caption.facts.push_back(fmt::format("{:g}x slower", options_.slow));
     return caption;
   }
 
   /// "speed up to 3.2 m/s"
-  std::string legend(const io::Quantity& quantity) const {
+  std::string legend(const io::Quantity& quantity, const Moment& shown) const {
     if (quantity.isKind) return fmt::format("coloured by {}", quantity.key);
-    const double full = options_.colorMax > 0 ? options_.colorMax : io::largestValue(shown_.bodies, quantity.by);
+    const double full = options_.colorMax > 0 ? options_.colorMax : io::largestValue(shown.bodies, quantity.by);
     return fmt::format("{} up to {:.3g}{}{}", quantity.key, full, quantity.unit == std::string("1") ? "" : " ", quantity.unit == std::string("1") ? "" : quantity.unit);
   }
 
   const RenderOptions& options_;
   std::unique_ptr<MomentSource> source_;
-  Moment current_, previous_, shown_;
+  Moment current_, previous_;
+  bool seen_ = false;         ///< `current_` is of the step that the source stands at
+  bool hasPrevious_ = false;  ///< `previous_` is of the one before
   render::Camera camera_;
   std::unique_ptr<render::Painter> painter_;
 };

@@ -47,8 +47,9 @@ struct RenderMeasure {
   double meanMs = 0, medianMs = 0, p95Ms = 0;          ///< a frame, from the poses to the picture on the device
   double cpuMs = 0;                                    ///< of all threads of the process, a frame; what a software renderer needs
   double stepMs = 0;                                   ///< of the simulation, a frame; 0: it stood still
+  std::string boxes;                                   ///< "by compute", "as triangles"
   std::string poses;                                   ///< how they came to the renderer
-  std::vector<std::pair<std::string, double>> passes;  ///< of a frame drawn pass by pass [ms]
+  std::vector<std::pair<std::string, double>> passes;  ///< of frames drawn stage by stage: they add up to such a frame [ms]
 };
 
 /// Draws the scene as it begins, from `frames` places round about, with new poses each time; nothing is read back or written. If it is

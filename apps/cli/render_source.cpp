@@ -8,6 +8,7 @@
 
 #include "apps/cli/output.h"
 #include "io/picture_extent.h"
+#include "io/picture_poses.h"
 #include "io/recording.h"
 
 namespace rubble::cli {
@@ -16,17 +17,24 @@ namespace {
 class Simulation final : public MomentSource {
  public:
   Simulation(const JobOptions& options, io::ColorBy colorBy, const render::Overlays& overlays)
-      : Simulation(prepareJob(options), colorBy, overlays) {}
+      : Simulation(withoutProbes(prepareJob(options)), colorBy, overlays) {}
 
-  bool advance(Moment& moment) override {
+  bool advance() override {
     if (taken_ >= steps_) return false;
     ++taken_;
-    const StepReport report = runner_.step();
-    moment = now();
-    moment.stepMs = report.totalMs;
+    stepMs_ = runner_.step().totalMs;
     return true;
   }
-  Moment start() override { return now(); }
+  void look(Moment& moment) override {
+    moment.step = world().stepCount();
+    moment.time = world().time();
+    moment.stepMs = stepMs_;
+    watched_.update(runner_.world(), colorBy_, moment.bodies, moment.epoch);
+    if (overlays_.any()) moment.lines = render::overlayLines(world(), overlays_, bodySize_);
+  }
+  double time() const override { return world().time(); }
+  double nextTime() const override { return world().time() + world().params().dt; }
+  double stepMs() const override { return stepMs_; }
   int steps() const override { return steps_; }
   double dt() const override { return world().params().dt; }
   Vec3 gravity() const override { return world().gravity(); }
@@ -48,15 +56,12 @@ class Simulation final : public MomentSource {
         bodySize_(io::typicalSize(io::pictureBodies(world()))) {}
 
   const World& world() const { return const_cast<scenes::Runner&>(runner_).world(); }
-  Moment now() const {
-    Moment moment{world().stepCount(), world().time(), io::pictureBodies(world(), colorBy_), 0};
-    if (overlays_.any()) moment.lines = render::overlayLines(world(), overlays_, bodySize_);
-    return moment;
-  }
 
   std::string title_, label_;
   int steps_;
   int taken_ = 0;
+  double stepMs_ = 0;  ///< of the last step [ms]
+  io::WatchedBodies watched_;
   scenes::Runner runner_;
   io::ColorBy colorBy_;
   render::Overlays overlays_;
@@ -69,14 +74,21 @@ class Recording final : public MomentSource {
     if (reader_.frameCount() == 0) throw Error(file, "a trajectory with frames", "none");
     frames_ = reader_.frameCount();
     if (steps) frames_ = std::min(frames_, *steps + 1);
+    time_ = reader_.frame(0).time;
+    nextTime_ = reader_.frame(std::min(1, frames_ - 1)).time;
   }
 
-  bool advance(Moment& moment) override {
-    if (next_ >= frames_) return false;
-    moment = read(next_++);
+  bool advance() override {
+    if (at_ + 1 >= frames_) return false;
+    ++at_;
+    time_ = nextTime_;
+    nextTime_ = reader_.frame(std::min(at_ + 1, frames_ - 1)).time;
     return true;
   }
-  Moment start() override { return read(0); }
+  void look(Moment& moment) override { moment = read(at_); }
+  double time() const override { return time_; }
+  double nextTime() const override { return nextTime_; }
+  double stepMs() const override { return 0; }
   int steps() const override { return frames_ - 1; }
   double dt() const override { return reader_.header().dt; }
   Vec3 gravity() const override { return reader_.header().gravity; }
@@ -94,7 +106,8 @@ class Recording final : public MomentSource {
 
   std::string file_;
   io::RecordingReader reader_;
-  int frames_ = 0, next_ = 1;
+  int frames_ = 0, at_ = 0;
+  double time_ = 0, nextTime_ = 0;  ///< [s]
 };
 
 /// A surface whose vertices lie between those of two; `b` where these are not the same ones.

@@ -18,15 +18,20 @@ struct Moment {
   std::vector<io::PictureBody> bodies;
   double stepMs = 0;  ///< wall clock of the step [ms]; 0 where nothing was simulated
   std::vector<render::Line> lines = {};  ///< over the picture
+  std::int64_t epoch = -1;  ///< of the world that the bodies are from (World::epoch); -1: from none
 };
 
 class MomentSource {
  public:
   virtual ~MomentSource() = default;
-  /// Takes the next step. False at the end; the moment is then as it was.
-  virtual bool advance(Moment& moment) = 0;
-  /// The scene as it begins, without what comes later.
-  virtual Moment start() = 0;
+  /// Takes the next step. False at the end.
+  virtual bool advance() = 0;
+  /// Everything that is drawn of where it is, at first of the start, into a moment from here or a new one. It costs a look at every body: to
+  /// be asked for what is drawn only.
+  virtual void look(Moment& moment) = 0;
+  virtual double time() const = 0;      ///< [s]
+  virtual double nextTime() const = 0;  ///< after the next step [s]
+  virtual double stepMs() const = 0;    ///< wall clock of the last step [ms]; 0 where nothing was simulated
   /// Number of steps from the start to the end.
   virtual int steps() const = 0;
   virtual double dt() const = 0;  ///< [s]

@@ -6,6 +6,7 @@
 
 #include "apps/cli/measure.h"
 #include "apps/cli/progress.h"
+#include "io/picture_poses.h"
 #include "io/recording.h"
 
 namespace rubble::cli {
@@ -14,22 +15,18 @@ namespace {
 /// Feeds a recording, if there is one.
 class Recorder {
  public:
-  Recorder(const std::string& file, const std::string& title, const World& world) {
+  Recorder(const std::string& file, const std::string& title, World& world) {
     if (file.empty()) return;
-    ids_ = world.bodies();
-    bodies_ = io::recordedBodies(world);
+    learn(world);
     writer_.emplace(file, io::RecordingHeader{title, world.params().dt, world.gravity(), io::recordingResolution(bodies_)});
     record(world);
   }
 
-  void record(const World& world) {
+  /// Fetches poses and nothing else, while bodies neither come nor go.
+  void record(World& world) {
     if (!writer_) return;
-    // A body's definition stays the same as long as its id lives.
-    if (std::vector<BodyId> ids = world.bodies(); ids != ids_) {
-      ids_ = std::move(ids);
-      bodies_ = io::recordedBodies(world);
-    }
-    writer_->write(bodies_, io::recordedFrame(world));
+    if (world.epoch() != epoch_) learn(world);
+    writer_->write(bodies_, io::recordedFrame(world, sources_));
   }
 
   void finish() {
@@ -37,8 +34,15 @@ class Recorder {
   }
 
  private:
+  void learn(World& world) {
+    epoch_ = world.epoch();
+    bodies_ = io::recordedBodies(world);
+    sources_ = io::poseSources(world);
+  }
+
   std::optional<io::RecordingWriter> writer_;
-  std::vector<BodyId> ids_;
+  std::int64_t epoch_ = -1;
+  std::vector<io::PoseSource> sources_;
   std::vector<io::RecordedBody> bodies_;
 };
 
@@ -71,7 +75,7 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
       series.gapMean.push_back(now.jointGapMean), series.gapMax.push_back(now.jointGapMax);
       series.penetration.push_back(now.penetration.max);
     }
-    recorder.record(world);
+    recorder.record(runner.world());
     takePictures(world, step + 1);
     progress.update(step + 1, report.totalMs);
     return true;

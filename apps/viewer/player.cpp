@@ -20,6 +20,7 @@ Player::Player(const Opener& opener, const Request& request, int sides) : reques
   std::size_t bytes = 0;
   for (int side = 0; side < sides; ++side) {
     Opened opened = opener(request, side);
+    opened.job.probes.clear();  // they look at every body after every step, for a verdict that nobody asks for here
     runners_.push_back(std::make_unique<scenes::Runner>(std::move(opened.job), opened.world));
     labels_.push_back(opened.label);
     bytes += runners_.back()->world().memoryBytes();

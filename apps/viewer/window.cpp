@@ -6,15 +6,20 @@
 
 #include <rubble/error.h>
 
+#include "render/gl.h"
+
 namespace rubble::viewer {
 
 Window::Window(int width, int height) {
   if (!glfwInit()) throw Error("view", "a display (X11 or Wayland)", "none; 'rubble render' needs none");
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 1);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  handle_ = glfwCreateWindow(width, height, "Rubble", nullptr, nullptr);
+  // Some drivers give the version that is asked for and none above it.
+  for (const int minor : {render::gl::kComputeVersion % 10, 1}) {
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, minor);
+    if (!handle_) handle_ = glfwCreateWindow(width, height, "Rubble", nullptr, nullptr);
+  }
   if (!handle_) {
     glfwTerminate();
     throw Error("view", "a window with OpenGL 4.1", "none");

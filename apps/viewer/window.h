@@ -15,7 +15,7 @@ class Window {
   GLFWwindow* handle() const { return handle_; }
 
  private:
-  GLFWwindow* handle_;
+  GLFWwindow* handle_ = nullptr;
 };
 
 /// Dear ImGui chains to the callbacks that the window has before it.

@@ -1,10 +1,9 @@
 // Takes the pattern out of the occlusion without carrying it over edges of depth.
 uniform sampler2D occlusion;
 uniform vec2 direction;  // one texel
-in vec2 uv;
-layout(location = 0) out vec4 smooth_;
+#include "pixels.glsl"
 
-void main() {
+void shade() {
   vec2 here = texture(occlusion, uv).xy;
   float sum = here.x, weights = 1.0;
   for (int i = -3; i <= 3; ++i) {
@@ -14,5 +13,6 @@ void main() {
     sum += weight * there.x;
     weights += weight;
   }
-  smooth_ = vec4(sum / weights, here.y, 0.0, 0.0);
+  target0 = vec4(sum / weights, here.y, 0.0, 0.0);
 }
+#include "pixels_end.glsl"

@@ -1,17 +1,16 @@
 // The picture as it is shown: from the linear light of many samples, or from that of one (ONE_SAMPLE), whose edges are smoothed along
 // themselves.
+#include "pixels.glsl"
 #include "bytes.glsl"
-in vec2 uv;
 uniform sampler2D lights;
 uniform vec2 texel;
-layout(location = 0) out vec4 shown;
 
 #ifdef ONE_SAMPLE
 // Least difference in brightness that is an edge, absolute and over the brightness.
 const float kEdge = 0.05, kRelativeEdge = 0.10;
 const float kLongestBlur = 6.0;  // pixels
 
-void main() {
+void shade() {
   // Brightness of the pixels to the south west and to the north east, both with the pixel itself.
   vec4 a = textureGather(lights, uv - 0.5 * texel, 3), b = textureGather(lights, uv + 0.5 * texel, 3);
   float low = min(min(min(a.x, a.y), min(a.z, a.w)), min(b.x, min(b.y, b.z)));
@@ -25,8 +24,9 @@ void main() {
   vec4 near = 0.5 * (texture(lights, uv - along / 6.0) + texture(lights, uv + along / 6.0));
   vec4 wide = 0.5 * near + 0.25 * (texture(lights, uv - 0.5 * along) + texture(lights, uv + 0.5 * along));
   // A blur that brings in what is beyond the edge is too long.
-  shown = vec4(wide.a < low || wide.a > high ? near.rgb : wide.rgb, 1.0);
+  target0 = vec4(wide.a < low || wide.a > high ? near.rgb : wide.rgb, 1.0);
 }
 #else
-void main() { shown = vec4(displayed(texture(lights, uv).rgb), 1.0); }
+void shade() { target0 = vec4(displayed(texture(lights, uv).rgb), 1.0); }
 #endif
+#include "pixels_end.glsl"

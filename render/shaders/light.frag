@@ -1,8 +1,8 @@
 // Sun, sky and what they reflect from; a filmic curve at the end.
 // ONE_SAMPLE: writes the bytes to be shown, and their brightness. Else adds this sample to the linear light of the picture.
+#include "pixels.glsl"
 #include "bytes.glsl"
 #include "view.glsl"
-in vec2 uv;
 uniform sampler2D colors;
 uniform sampler2D shadedNormals;
 uniform sampler2D depths;
@@ -18,7 +18,6 @@ uniform vec3 up;
 uniform float fadeDistance;    // where planes turn into the horizon [m]
 uniform float weight;          // of this sample in the picture
 uniform float turn;
-layout(location = 0) out vec4 picture;
 
 const vec3 kSun = vec3(3.00, 2.66, 2.20);
 const vec3 kSky = vec3(0.62, 0.67, 0.75);
@@ -49,7 +48,7 @@ float sunSeen(vec3 position, vec3 normal) {
     float margin = 3.0 / float(textureSize(shadowMaps, 0).x);
     if (any(lessThan(at.xy, vec2(margin))) || any(greaterThan(at.xy, vec2(1.0 - margin)))) continue;
     float texels = max(1.1, shadowSoftness / shadowTexel[i]) / float(textureSize(shadowMaps, 0).x);
-    float angle = 6.2831853 * fract(pattern(gl_FragCoord.xy) + turn);
+    float angle = 6.2831853 * fract(pattern(pixelCentre) + turn);
     float sum = 0.0;
     for (int k = 0; k < shadowTaps; ++k) {
       float r = sqrt((float(k) + 0.5) / float(shadowTaps)) * texels;
@@ -78,14 +77,14 @@ vec3 film(vec3 x) {
 void put(vec3 shown) {
 #ifdef ONE_SAMPLE
   vec3 bytes = displayed(shown);
-  picture = vec4(bytes, dot(bytes, vec3(0.30, 0.59, 0.11)));
+  target0 = vec4(bytes, dot(bytes, vec3(0.30, 0.59, 0.11)));
 #else
-  picture = vec4(shown, 1.0) * weight;
+  target0 = vec4(shown, 1.0) * weight;
 #endif
 }
 
-void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
+void shade() {
+  ivec2 pixel = ivec2(pixelCentre);
   vec4 surface = texelFetch(colors, pixel, 0);
   vec3 ray = rayAt(uv);
   vec3 toward = normalize(ray);
@@ -127,3 +126,4 @@ void main() {
   lit = mix(lit, sky(toward), haze);
   put(film(lit));
 }
+#include "pixels_end.glsl"

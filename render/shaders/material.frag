@@ -1,16 +1,15 @@
-// From what is seen to its normal, colour and finish.
+// From what is seen to its normal, colour and finish. target0: square root of the albedo; finish / 8, 0 for the sky. target1: normal; wear
+// of the surface, which roughens it.
 #include "pose.glsl"
 #include "view.glsl"
 #include "pack.glsl"
-in vec2 uv;
+#include "pixels.glsl"
 uniform usampler2D seenBodies;
 uniform sampler2D depths;
 uniform float pixelAngle;  // size of a pixel at view depth 1 [m]
 uniform float gridCell;    // of the lines on planes [m]
 uniform int selected;      // slot + 1, or 0
 uniform float heatStops[18];
-layout(location = 0) out vec4 color;   // square root of the albedo; finish / 8, 0 for the sky
-layout(location = 1) out vec4 shaded;  // normal; wear of the surface, which roughens it
 
 const int kStone = 1, kMetal = 2, kPlastic = 3, kGround = 4, kCloth = 5;
 
@@ -53,12 +52,12 @@ vec3 heatColor(float heat) {
   return mix(a, b, at - float(stop));
 }
 
-void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
+void shade() {
+  ivec2 pixel = ivec2(pixelCentre);
   uvec2 seen = texelFetch(seenBodies, pixel, 0).xy;
   if (seen.x == 0u) {
-    color = vec4(0.0);
-    shaded = vec4(0.0);
+    target0 = vec4(0.0);
+    target1 = vec4(0.0);
     return;
   }
   int slot = int(seen.x - 1u);
@@ -120,6 +119,7 @@ void main() {
     albedo *= 1.0 + 0.10 * wear;
   }
   if (selected != 0 && int(seen.x) == selected) albedo = mix(albedo, vec3(1.0, 0.55, 0.08), 0.6);
-  color = vec4(sqrt(clamp(albedo, 0.0, 1.0)), float(finish) / 8.0);
-  shaded = vec4(normal, wear);
+  target0 = vec4(sqrt(clamp(albedo, 0.0, 1.0)), float(finish) / 8.0);
+  target1 = vec4(normal, wear);
 }
+#include "pixels_end.glsl"

@@ -74,6 +74,25 @@ class Render(Case):
         self.rubble("render", self.scene(), "-o", self.path("f_%d.png"), "--size", "64x36", "--every", "20", "--from", "20", "--samples", "1", "-q")
         self.assertEqual(sorted(n for n in os.listdir(self.folder.name) if n.startswith("f_")), ["f_0.png", "f_1.png", "f_2.png"])
 
+    def test_a_film_shows_steps_and_what_lies_between(self):
+        # At 120 pictures a second every other one is a step of 1/60 s; those between are neither of their neighbours.
+        options = ["--size", "128x72", "--samples", "1", "-q"]
+        self.rubble("render", self.scene(), "-o", self.path("f_%03d.png"), "--fps", "120", "--steps", "20", *options)
+        self.rubble("render", self.scene(), "-o", self.path("every_%d.png"), "--every", "1", "--steps", "20", *options)
+        self.rubble("render", self.scene(), "-o", self.path("end.png"), "--steps", "20", *options)
+        film, steps = [self.content(f"f_{i:03}.png") for i in range(41)], [self.content(f"every_{i}.png") for i in range(21)]
+        self.assertEqual(film[::2], steps)
+        self.assertEqual(steps[20], self.content("end.png"))
+        self.assertNotIn(film[35], [film[34], film[36]])
+
+    def test_boxes_are_triangles_where_opengl_is_old(self):
+        measure = ["render", self.scene(), "--measure", "1", "--size", "64x36"]
+        asked = {**ENVIRONMENT, "RUBBLE_GL_COMPUTE": "on"}
+        self.assertIn("boxes by compute", self.rubble(*measure, environment=asked).stdout)
+        self.assertIn("boxes as triangles", self.rubble(*measure).stdout)
+        self.assertIn("boxes as triangles", self.rubble(*measure, environment={**asked, "MESA_GL_VERSION_OVERRIDE": "4.1"}).stdout)
+        self.refused(*measure, environment={**asked, "RUBBLE_GL_COMPUTE": "maybe"}, says="on or off")
+
     def test_the_same_run_gives_the_same_picture(self):
         for name in ["a.png", "b.png"]:
             self.rubble("render", self.scene(), "-o", self.path(name), "--steps", "10", "--size", "64x36", "--samples", "2", "-q")
@@ -136,13 +155,17 @@ class Render(Case):
         done = self.rubble("render", self.scene(), "--measure", "2", "--live", "--size", "64x36", "--backend", "cpu")
         self.assertIn("step: mean", done.stdout)
         self.assertIn("from the host's arrays", done.stdout)
+        self.assertIn("60 frames and 30 steps take", done.stdout)
         self.refused("render", self.scene(), "-o", self.path("r.png"), "--live", says="--measure")
 
     def test_measure_writes_nothing(self):
         before = set(os.listdir(self.folder.name)) | {"scene.json"}
         done = self.rubble("render", self.scene(), "--measure", "2", "--size", "64x36")
         self.assertIn("frames a second", done.stdout)
-        self.assertIn("shadows", done.stdout)
+        # The stages add up to what they say.
+        stages = {line.split()[0]: float(line.split()[1]) for line in done.stdout.splitlines() if line.split()[2:] == ["ms"]}
+        self.assertLessEqual({"poses", "view", "shadows", "bodies", "material", "occlusion", "light", "display", "sum"}, set(stages))
+        self.assertAlmostEqual(sum(stages.values()), 2 * stages["sum"], delta=0.1)
         self.assertEqual(set(os.listdir(self.folder.name)), before)
 
     def test_bad_requests(self):

@@ -282,6 +282,29 @@ class Window(unittest.TestCase):
         self.assertNotEqual(self.key("Next")["scene"], "free-fall")
         self.assertEqual(self.key("Prior")["scene"], "free-fall")
 
+    def drop(self, *files):
+        subprocess.run([sys.executable, "-B", os.path.join(os.path.dirname(os.path.abspath(__file__)), "xdnd_source.py"), "Rubble", *files],
+                       env=self.environment, check=True, timeout=PATIENCE)
+        return self.frames(3)
+
+    def test_a_file_that_is_dropped_on_the_window_is_opened(self):
+        self.open("free-fall")
+        state = self.drop(self.scene({**SCENE, "name": "a scene, dropped"}))
+        self.assertEqual((os.path.basename(state["scene"]), state["message"]), ("a scene, dropped.json", ""))
+        self.assertEqual(sorted(state["bodies"]), ["block", "ground"])
+        # What is no scene is said, and the present one stays.
+        with open(self.path("notes.json"), "w", encoding="utf-8") as file:
+            file.write("{ these are notes")
+        state = self.drop(self.path("notes.json"))
+        self.assertIn("notes.json", state["message"])
+        self.assertEqual((os.path.basename(state["scene"]), sorted(state["bodies"])), ("a scene, dropped.json", ["block", "ground"]))
+        # Of several the first is taken; a trajectory is one too.
+        recording = self.path("run.rubble")
+        subprocess.run([RUBBLE, "run", self.scene(HINGED), "-q", "--steps", "5", "--record", recording, "--backend", "cpu"], check=True,
+                       stdout=subprocess.DEVNULL)
+        state = self.drop(recording, self.scene(SHEET))
+        self.assertEqual((state["recording"], state["last"], state["message"]), (True, 5, ""))
+
     def test_two_runs_side_by_side(self):
         self.open(self.scene(SCENE), "--compare", "1,8")
         state = self.key("space")
