@@ -178,9 +178,13 @@ void readJoint(ObjectReader& object, JointDef& out, const Scene& scene) {
     out.orientationAtoB = normalize(conjugate(poseOf(scene, out.bodyB).orientation) * poseOf(scene, out.bodyA).orientation);
   }
   if (const auto found = object.get("drive_orientation")) out.driveOrientation = readOrientation(*found);
-  for (const JointField& field : jointFields()) readField(object, field, out.*field.member);
   object.read("pulley_a", out.pulleyA);
   object.read("pulley_b", out.pulleyB);
+  readJointValues(object, out);
+}
+
+void readJointValues(ObjectReader& object, JointDef& out) {
+  for (const JointField& field : jointFields()) readField(object, field, out.*field.member);
   readAxes(object, out);
   object.read("collide", out.collide);
 }

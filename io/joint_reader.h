@@ -1,11 +1,15 @@
 #pragma once
 /// Joints of scene files.
+#include <functional>
+
 #include "io/json_reader.h"
 
 namespace rubble::io {
 
 /// The rest of a joint whose type and bodies are known (`out`), of a scene whose bodies are read.
 void readJoint(ObjectReader& object, JointDef& out, const Scene& scene);
+/// Of that, what does not depend on bodies: stiffnesses, thresholds, axes.
+void readJointValues(ObjectReader& object, JointDef& out);
 
 /// Keywords of all joint types, in the order of JointType.
 const std::vector<std::string>& jointKeywords();
@@ -37,7 +41,7 @@ std::size_t axesInFile(JointType type);
 /// Do the joint's axes matter?
 bool usesFrames(JointType type);
 
-/// A joint as files have it; `bodyA` and `bodyB`: how it refers to them.
-nlohmann::ordered_json jointJson(const JointDef& joint, const nlohmann::ordered_json& bodyA, const nlohmann::ordered_json& bodyB);
+/// A joint as files have it; `reference`: how it refers to a body by its index.
+nlohmann::ordered_json jointJson(const JointDef& joint, const std::function<nlohmann::ordered_json(int)>& reference);
 
 }  // namespace rubble::io

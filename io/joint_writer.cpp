@@ -28,14 +28,16 @@ void writeFields(Json& json, const Fields& fields, const Object& object) {
 
 }  // namespace
 
-nlohmann::ordered_json jointJson(const JointDef& joint, const nlohmann::ordered_json& bodyA, const nlohmann::ordered_json& bodyB) {
+nlohmann::ordered_json jointJson(const JointDef& joint, const std::function<nlohmann::ordered_json(int)>& reference) {
   using Json = nlohmann::ordered_json;
   const JointDef usual;
   Json json = Json::object();
   if (!joint.name.empty()) json["name"] = joint.name;
   json["type"] = keyword(joint.type);
-  json["body_a"] = bodyA;
-  json["body_b"] = bodyB;
+  json["body_a"] = reference(joint.bodyA);
+  json["body_b"] = reference(joint.bodyB);
+  if (joint.carrierA != kWorld) json["carrier_a"] = reference(joint.carrierA);
+  if (joint.carrierB != kWorld) json["carrier_b"] = reference(joint.carrierB);
   json["anchor_a"] = vectorJson(joint.anchorA);
   json["anchor_b"] = vectorJson(joint.anchorB);
   const bool framed = usesFrames(joint.type) || !same(joint.frameA, usual.frameA) || !same(joint.frameB, usual.frameB);

@@ -21,6 +21,8 @@ class SceneReader {
 
  private:
   JointDef joint(const Node& node, const Scene& scene);
+  int jointOfType(const Node& node, const Scene& scene, JointType type);
+  void coupling(ObjectReader& object, JointDef& out, const Scene& scene);
   int bodyIndex(const Node& node, const Scene& scene);
   Event event(const Node& node, const Scene& scene);
   Event::Turn turn(const Node& node);
@@ -56,6 +58,33 @@ int SceneReader::bodyIndex(const Node& node, const Scene& scene) {
   return kWorld;
 }
 
+/// Index of a joint that the file has told of before, or -1.
+int SceneReader::jointOfType(const Node& node, const Scene& scene, JointType type) {
+  const std::string name = node.text().value_or("");
+  const auto found = std::find_if(scene.joints.begin(), scene.joints.end(), [&](const JointDef& joint) { return joint.name == name; });
+  if (!name.empty() && found != scene.joints.end() && found->type == type) return static_cast<int>(found - scene.joints.begin());
+  node.faultText(std::string("expected the name of a ") + keyword(type) + " further up, got " + describe(node.value()) +
+                 hint(name, {joints_.begin(), joints_.end()}));
+  return -1;
+}
+
+/// A gear of two hinges, or a rack of a hinge and a slider: bodies, carriers and axes are theirs.
+void SceneReader::coupling(ObjectReader& object, JointDef& out, const Scene& scene) {
+  const bool rack = out.type == JointType::Rack;
+  if (!rack && out.type != JointType::Gear) {
+    object.node().faultText("expected \"joint_a\" and \"joint_b\" only for a gear or a rack, got them for another joint");
+    return;
+  }
+  const auto a = object.need("joint_a", "the name of a hinge"), b = object.need("joint_b", "the name of a hinge, or of a slider for a rack");
+  if (!a || !b) return;
+  const int first = jointOfType(*a, scene, JointType::Hinge), second = jointOfType(*b, scene, rack ? JointType::Slider : JointType::Hinge);
+  if (first < 0 || second < 0) return;
+  const std::string name = out.name;
+  out = rack ? rackBetween(scene, first, second, 1) : gearBetween(scene, first, second, 1);
+  out.name = name;
+  readJointValues(object, out);
+}
+
 JointDef SceneReader::joint(const Node& node, const Scene& scene) {
   JointDef out;
   ObjectReader object(node, "a joint");
@@ -63,13 +92,20 @@ JointDef SceneReader::joint(const Node& node, const Scene& scene) {
   object.read("name", out.name);
   if (const auto found = object.need("type", "\"ball\", \"hinge\" or another of the joint types"))
     out.type = static_cast<JointType>(found->choice(jointKeywords()).value_or(0));
-  const auto a = object.need("body_a", "the name or index of a body, or \"world\"");
-  const auto b = object.need("body_b", "the name or index of a body, or \"world\"");
-  const std::size_t before = faults_.size();
-  if (a) out.bodyA = bodyIndex(*a, scene);
-  if (b) out.bodyB = bodyIndex(*b, scene);
-  if (a && b && faults_.size() == before && out.bodyA == out.bodyB) node.faultText("expected two different bodies, got one twice");
-  readJoint(object, out, scene);
+  const auto ja = object.get("joint_a"), jb = object.get("joint_b");
+  if (ja || jb) {
+    coupling(object, out, scene);
+  } else {
+    const auto a = object.need("body_a", "the name or index of a body, or \"world\"");
+    const auto b = object.need("body_b", "the name or index of a body, or \"world\"");
+    const std::size_t before = faults_.size();
+    if (a) out.bodyA = bodyIndex(*a, scene);
+    if (b) out.bodyB = bodyIndex(*b, scene);
+    if (const auto carrier = object.get("carrier_a")) out.carrierA = bodyIndex(*carrier, scene);
+    if (const auto carrier = object.get("carrier_b")) out.carrierB = bodyIndex(*carrier, scene);
+    if (a && b && faults_.size() == before && out.bodyA == out.bodyB) node.faultText("expected two different bodies, got one twice");
+    readJoint(object, out, scene);
+  }
   object.finish();
   if (!out.name.empty() && !joints_.insert(out.name).second)
     node.child("name").faultText("expected a name of its own, got " + describe(out.name) + " again");

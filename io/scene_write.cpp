@@ -127,7 +127,7 @@ Json SceneWriter::bodyReference(int index) const {
 }
 
 Json SceneWriter::joint(const JointDef& joint) const {
-  return jointJson(joint, bodyReference(joint.bodyA), bodyReference(joint.bodyB));
+  return jointJson(joint, [&](int body) { return bodyReference(body); });
 }
 
 Json SceneWriter::event(const Event& event) const {

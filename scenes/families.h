@@ -14,6 +14,7 @@ std::vector<Spec> towerSpecs();      ///< columns: equal cubes, heavy on light, 
 std::vector<Spec> chainSpecs();      ///< hanging and swinging chains with a heavy end
 std::vector<Spec> ropeSpecs();       ///< ropes of bricks, a bridge, a joint grid
 std::vector<Spec> frictionSpecs();   ///< sliding and rolling
+std::vector<Spec> jengaSpecs();      ///< a tower out of which blocks are drawn
 std::vector<Spec> structureSpecs();  ///< card tower, dominoes, arch, breakable beam
 std::vector<Spec> softSolidSpecs();  ///< solids of tetrahedra
 std::vector<Spec> softSheetSpecs();  ///< cloth, nets, ropes
@@ -28,6 +29,7 @@ std::vector<Spec> removalSpecs();    ///< stacks whose support goes
 std::vector<Spec> scaleSpecs();      ///< joints by the ten thousand
 std::vector<Spec> jointAxisSpecs();  ///< hinges, springs, motors, ropes, breakage, grab: one axis at a time
 std::vector<Spec> machineSpecs();    ///< crank, gears, rack, pulley, universal shaft, platform
+std::vector<Spec> gearSpecs();       ///< gears and racks whose axes move
 std::vector<Spec> robotSpecs();      ///< robot arm, car
 std::vector<Spec> ragdollSpecs();    ///< ragdolls and their limbs
 std::vector<Spec> cableSpecs();      ///< mail, suspension bridge, trebuchet, wrecking ball

@@ -53,8 +53,8 @@ void knee(Scene& scene, int lower, int upper, const Vec3& point, const Vec3& axi
   turn.friction = .5;
 }
 
-/// A man of 1.75 m and 70 kg with eleven bodies, standing at `foot`; turned about z.
-void addRagdoll(Scene& scene, const Vec3& foot, double turn, const std::string& name) {
+/// A man of 1.75 m and 70 kg with eleven bodies, standing at `foot`; turned about z, and of another size: all lengths times `size`.
+void addRagdoll(Scene& scene, const Vec3& foot, double turn, const std::string& name, double size = 1) {
   const int first = static_cast<int>(scene.bodies.size());
   const std::size_t firstJoint = scene.joints.size();
   const int pelvis = put(scene, box({.1, .16, .1}, {0, 0, 1}, 11), name + ".pelvis");
@@ -77,10 +77,21 @@ void addRagdoll(Scene& scene, const Vec3& foot, double turn, const std::string& 
   }
   const Quat q = fromAxisAngle(kZ, turn);
   for (std::size_t i = static_cast<std::size_t>(first); i < scene.bodies.size(); ++i) {
-    scene.bodies[i].position = foot + rotate(q, scene.bodies[i].position);
-    scene.bodies[i].orientation = q * scene.bodies[i].orientation;
+    BodyDef& body = scene.bodies[i];
+    body.position = foot + rotate(q, size * body.position);
+    body.orientation = q * body.orientation;
+    body.shape.halfExtents = size * body.shape.halfExtents;
+    body.shape.radius *= size, body.shape.halfLength *= size;
+    *body.mass *= size * size * size;
   }
-  for (std::size_t i = firstJoint; i < scene.joints.size(); ++i) scene.joints[i].name = name + ".joint" + std::to_string(i - firstJoint);
+  for (std::size_t i = firstJoint; i < scene.joints.size(); ++i) {
+    JointDef& joint = scene.joints[i];
+    joint.name = name + ".joint" + std::to_string(i - firstJoint);
+    joint.anchorA = size * joint.anchorA, joint.anchorB = size * joint.anchorB;
+    // a moment goes with weight and length
+    const double moment = size * size * size * size;
+    joint.friction *= moment, joint.axes[0].friction *= moment;
+  }
 }
 
 Scene buildRagdolls(const Arguments& arguments) {
@@ -89,7 +100,9 @@ Scene buildRagdolls(const Arguments& arguments) {
   const int n = whole(arguments, "ragdolls"), wide = std::max(1, static_cast<int>(std::ceil(std::cbrt(n))));
   for (int i = 0; i < n; ++i) {
     const int x = i % wide, y = i / wide % wide, level = i / (wide * wide);
-    addRagdoll(scene, {1.1 * x + .15 * (level % 2), 1.1 * y, .5 + 2.1 * level}, 1.7 * i, "man" + std::to_string(i));
+    // sizes spread evenly, in no order that shows
+    const double spread = value(arguments, "size_spread"), size = 1 + spread * (2 * std::fmod(i * .6180339887, 1) - 1);
+    addRagdoll(scene, {1.1 * x + .15 * (level % 2), 1.1 * y, .5 + 2.1 * level}, 1.7 * i, "man" + std::to_string(i), size);
   }
   return scene;
 }
@@ -130,7 +143,8 @@ std::vector<Spec> ragdollSpecs() {
   Spec ragdoll = limb;
   ragdoll.name = "ragdoll";
   ragdoll.doc = "A man of eleven bodies falls on the ground.";
-  ragdoll.arguments = {count("ragdolls", 1, 1, 10000, "men, in a block above the ground")};
+  ragdoll.arguments = {count("ragdolls", 1, 1, 10000, "men, in a block above the ground"),
+                       quantity("size_spread", 0, 0, .4, "1", "their sizes lie so far about that of a man")};
   ragdoll.build = buildRagdolls;
   ragdoll.probes = ragdollProbes;
   ragdoll.claims = ragdollClaims;
@@ -139,7 +153,9 @@ std::vector<Spec> ragdollSpecs() {
   Spec many = variant(ragdoll, "ragdolls", "A thousand men fall in a heap.", {{"ragdolls", 1000}}, 600);
   many.testArguments = {{"ragdolls", 8}};
   many.tags = {"joint", "scale"};
-  return {limb, ragdoll, many};
+  Spec mixed = variant(many, "ragdolls-mixed", "1,440 men of .7 to 1.3 times a man's size fall in a heap.", {{"ragdolls", 1440}, {"size_spread", .3}});
+  mixed.testArguments = {{"ragdolls", 9}};
+  return {limb, ragdoll, many, mixed};
 }
 
 }  // namespace rubble::scenes

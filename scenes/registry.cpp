@@ -50,8 +50,8 @@ std::string nearNames(const std::string& name, const std::vector<std::string>& n
 std::vector<Spec> makeRegistry() {
   std::vector<Spec> all;
   for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &fastSpecs, &bodySpecs, &chainSpecs, &ropeSpecs,
-                       &frictionSpecs, &structureSpecs, &shapeRestSpecs, &shapeMotionSpecs, &basicSpecs, &scaleSpecs, &jointAxisSpecs,
-                       &machineSpecs, &robotSpecs, &ragdollSpecs, &cableSpecs, &springSpecs, &paperSpecs, &softSolidSpecs, &softSheetSpecs,
+                       &frictionSpecs, &structureSpecs, &jengaSpecs, &shapeRestSpecs, &shapeMotionSpecs, &basicSpecs, &scaleSpecs, &jointAxisSpecs,
+                       &machineSpecs, &gearSpecs, &robotSpecs, &ragdollSpecs, &cableSpecs, &springSpecs, &paperSpecs, &softSolidSpecs, &softSheetSpecs,
                        &softContactSpecs, &softPlateSpecs, &softGrainSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));
   return all;

@@ -158,7 +158,7 @@ std::vector<Spec> shapeRestSpecs() {
   arch.claims = voussoirClaims;
   arch.camera = overview;
   arch.steps = 600;
-  arch.iterations = 10;
+  arch.iterations = 4;
   arch.tags = {"stack", "shape"};
   const Spec thin = variant(arch, "voussoir-arch-thin", "The same arch, too thin to stand.", {{"thickness", .095}});
 
@@ -170,7 +170,6 @@ std::vector<Spec> shapeRestSpecs() {
   every.probes = everyShapeProbes;
   every.claims = everyShapeClaims;
   every.steps = 480;
-  every.iterations = 4;
   every.testArguments = {{"layers", 2}};
   every.testSteps = 360;
   every.tags = {"shape"};

@@ -123,8 +123,8 @@ enum class JointType {
   SwingTwist, ///< ball joint whose x axis swings in a cone and twists within limits
   Universal,  ///< two shafts (x axes) joined by a cross
   SixDof,     ///< three travels and three turns, each free, limited or locked
-  Gear,       ///< turns of A and B about axes fixed in the world go together
-  Rack,       ///< turn of A about an axis fixed in the world, travel of B along a direction of the world
+  Gear,       ///< turns of A and B go together, each about an axis that a carrier (another body, or the world) keeps
+  Rack,       ///< turn of A about an axis and travel of B along a line that carriers keep
   Pulley,     ///< a rope from A over two points of the world to B
   Grab,       ///< soft drag of A's anchor to B's, with a largest force: a mouse
 };
@@ -154,6 +154,7 @@ struct JointDef {
   std::string name;
   JointType type = JointType::Ball;
   int bodyA = kWorld, bodyB = kWorld;  ///< indices into Scene::bodies; one of them may be kWorld
+  int carrierA = kWorld, carrierB = kWorld;  ///< gear, rack: bodies in which the axes of A and B lie as they are placed (a housing, the arm of planets)
   Vec3 anchorA, anchorB;               ///< in the frame of its body [m] (world: world coordinates)
   Quat frameA, frameB;                 ///< axes of the joint in the frame of its body (world: world axes)
   Quat orientationAtoB;                ///< fixed, slider, angular spring: wanted orientation of A seen from B, q_B^-1 q_A
@@ -187,6 +188,11 @@ Quat frameAlong(const Vec3& x);
 /// A joint at a point of the world [m] whose axes are those of `frame` (world), for two bodies of the scene as they are placed in it. It has no
 /// error and its angles are 0; orientationAtoB is as placed.
 JointDef jointAt(const Scene& scene, JointType type, int bodyA, int bodyB, const Vec3& point, const Quat& frame = {});
+/// A gear between the wheels of two hinges of the scene (indices into Scene::joints), on moving frames too: angle_A + ratio angle_B is kept,
+/// with the angles of the hinges. Each hinge's A is its wheel and its B what carries it; the world is never a wheel.
+JointDef gearBetween(const Scene& scene, int hingeA, int hingeB, double ratio);
+/// A rack of the wheel of a hinge and what slides on a slider: ratio [m] times the angle of the hinge minus the travel of the slider is kept.
+JointDef rackBetween(const Scene& scene, int hinge, int slider, double ratio);
 
 /// Something that happens before the step of that index is taken (step 0 is the first).
 struct Event {

@@ -149,13 +149,15 @@ class World {
 
   // Joints.
   /// bodyA and bodyB of the definition are ignored: the ids say which (BodyId{} is the world).
-  JointId addJoint(const JointDef& joint, BodyId a, BodyId b);
+  /// Likewise of carriers, which gears and racks may have.
+  JointId addJoint(const JointDef& joint, BodyId a, BodyId b, BodyId carrierA = {}, BodyId carrierB = {});
   void remove(JointId id);
   bool alive(JointId id) const;
   std::vector<JointId> joints() const;
   JointId findJoint(const std::string& name) const;
   const JointDef& definition(JointId id) const;
   std::array<BodyId, 2> bodiesOf(JointId id) const;  ///< A and B; BodyId{}: the world
+  std::array<BodyId, 2> carriersOf(JointId id) const;  ///< of the axes of A and B; BodyId{}: the world
   JointState state(JointId id) const;
   /// Has another definition from the next step on: limits, drives, lengths, stiffnesses, frames. Its type must stay, and it keeps its bodies,
   /// its multipliers and whether it is broken. What is measured when a joint is made (a length below 0, axes of gears) stays as it was.

@@ -45,12 +45,13 @@ struct EngineGroup {
 struct EngineJoint {
   EngineJointType type = EngineJointType::Ball;
   int a = kWorld, b = kWorld;
+  int carrierA = kWorld, carrierB = kWorld;  ///< gears, racks: bodies in which the axes lie
   bool alive = false;
   bool holds = true;                 ///< the bodies hang together
   Vec3 anchorA, anchorB;
   Quat frameA, frameB, aToB;
-  Quat baseA, baseB;                 ///< gears: the axes in the world
-  Vec3 pointA, pointB, direction;    ///< pulleys, racks: in the world
+  Quat baseA, baseB;                 ///< gears, racks: the axes in their carriers
+  Vec3 pointA, pointB, direction;    ///< pulleys: in the world; racks: in the carrier
   double ratio = 1;
   Quat driveTarget;
   double coneY = 1, coneZ = 1;

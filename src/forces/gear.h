@@ -1,15 +1,29 @@
 #pragma once
-/// Gear: the turns of two bodies about axes that are fixed in the world go together. theta_i: twist of Q_i = q_i f_i about x of the frame W_i,
-/// which the world keeps; both counted over whole turns.
+/// Gear: the turns of two bodies about axes go together. Each axis lies in a body that carries it (the housing, the arm of planets, or the
+/// world), and theta_i is the twist of Q_i = q_i f_i about x seen from W_i = q_carrier,i w_i, counted over whole turns.
 ///
-///   c = theta_A + rho theta_B                         [rad], F [N m] on A, rho F on B; the bearings take the reaction
-///   J_A = R(W_A) g_A,  J_B = rho R(W_B) g_B;  G_A, G_B: twistCurvature with F, rho F
+///   c = theta_A + rho theta_B                         [rad], F [N m] on A, rho F on B; the carriers take the reaction
+///   J_A = R(W_A) g_A,  J_carrier,A = -J_A,  J_B = rho R(W_B) g_B,  J_carrier,B = -J_B;  G: twistCurvature with F, rho F
+///
+/// The moments on all of them sum to zero, so a gearbox that floats keeps its momentum.
 #include "forces/angular_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// frame of a body seen from the world's frame of its axis
-RUBBLE_HD inline Quat seenFromBase(const Quat& base, const Quat& body, const Quat& frame) { return shortArc(conjugate(base) * body * frame); }
+/// Axis of a wheel in the world, and the wheel's frame seen from there.
+RUBBLE_HD inline Quat carriedAxis(const CarriedPose& x, const Quat& base) { return x.carrier.q * base; }
+RUBBLE_HD inline Quat seenFromCarrier(const CarriedPose& x, const Quat& base, const Quat& frame) {
+  return shortArc(conjugate(carriedAxis(x, base)) * x.q * frame);
+}
+
+/// dtheta/dx of a wheel, or of what carries it, and column norms of f theta.
+RUBBLE_HD inline Vec3 turnGradient(const CarriedPose& x, const Quat& base, const Quat& frame, bool ofCarrier) {
+  const Vec3 g = rotate(carriedAxis(x, base), twistGradient(seenFromCarrier(x, base, frame)));
+  return ofCarrier ? -g : g;
+}
+RUBBLE_HD inline Vec6 turnCurvature(const CarriedPose& x, const Quat& base, const Quat& frame, Real f) {
+  return {{0, 0, 0}, twistCurvature(carriedAxis(x, base), twistGradient(seenFromCarrier(x, base, frame)), f)};
+}
 
 struct GearAxis {
   static constexpr int kRows = 1;
@@ -20,37 +34,35 @@ struct GearAxis {
   template <class D, class M>
   RUBBLE_HD static double turns(const D& d, const M& m) { return m.twistA.turned() + static_cast<double>(d.ratio) * m.twistB.turned(); }
   template <class D, class M>
-  RUBBLE_HD static void constraint(const D& d, const M& m, const Pose& a, const Pose& b, Real (&c)[kRows]) {
-    c[0] = m.twistA.nearest(twistAngle(seenFromBase(d.baseA, a.q, d.frameA))) +
-           d.ratio * m.twistB.nearest(twistAngle(seenFromBase(d.baseB, b.q, d.frameB)));
+  RUBBLE_HD static void constraint(const D& d, const M& m, const CarriedPose& a, const CarriedPose& b, Real (&c)[kRows]) {
+    c[0] = m.twistA.nearest(twistAngle(seenFromCarrier(a, d.baseA, d.frameA))) +
+           d.ratio * m.twistB.nearest(twistAngle(seenFromCarrier(b, d.baseB, d.frameB)));
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
-    j[0] = {{0, 0, 0}, side == 0 ? rotate(d.baseA, twistGradient(seenFromBase(d.baseA, a.q, d.frameA)))
-                                 : d.ratio * rotate(d.baseB, twistGradient(seenFromBase(d.baseB, b.q, d.frameB)))};
+  RUBBLE_HD static void jacobian(const D& d, const M&, const CarriedPose& a, const CarriedPose& b, int side, Vec6 (&j)[kRows]) {
+    j[0] = {{0, 0, 0}, (side & 1) == 0 ? turnGradient(a, d.baseA, d.frameA, side >= 2) : d.ratio * turnGradient(b, d.baseB, d.frameB, side >= 2)};
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side, const Real (&f)[kRows]) {
-    return {{0, 0, 0}, side == 0 ? twistCurvature(d.baseA, twistGradient(seenFromBase(d.baseA, a.q, d.frameA)), f[0])
-                                 : twistCurvature(d.baseB, twistGradient(seenFromBase(d.baseB, b.q, d.frameB)), d.ratio * f[0])};
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const CarriedPose& a, const CarriedPose& b, int side, const Real (&f)[kRows]) {
+    return (side & 1) == 0 ? turnCurvature(a, d.baseA, d.frameA, f[0]) : turnCurvature(b, d.baseB, d.frameB, d.ratio * f[0]);
   }
 };
 
 struct GearJoint {
   static constexpr const char* kName = "gear";
-  static constexpr bool kGrounded = true;
+  static constexpr bool kGrounded = false, kCarried = true;
   using Parts = PartList<GearAxis>;
   struct Memory {
     TurnCounter twistA, twistB;
     template <class D>
-    RUBBLE_HD void remember(const D& d, const Pose& a, const Pose& b, const Vec3d&) {
-      twistA.follow(twistAngle(seenFromBase(d.baseA, a.q, d.frameA)));
-      twistB.follow(twistAngle(seenFromBase(d.baseB, b.q, d.frameB)));
+    RUBBLE_HD void remember(const D& d, const CarriedPose& a, const CarriedPose& b, const Vec3d&) {
+      twistA.follow(twistAngle(seenFromCarrier(a, d.baseA, d.frameA)));
+      twistB.follow(twistAngle(seenFromCarrier(b, d.baseB, d.frameB)));
     }
   };
   struct Data {
     Quat frameA, frameB;  ///< joint -> body: x is the axis
-    Quat baseA, baseB;    ///< the same axes in the world, where the angles are 0
+    Quat baseA, baseB;    ///< the same axes in the frames of their carriers, where the angles are 0
     Real ratio;           ///< rho: turns of A for each turn of B, the other way [1]
   };
 };

@@ -6,12 +6,13 @@
 ///   Data       authored constants
 ///   Memory     what it remembers from step to step besides multipliers (NoMemory, or a struct with remember(data, a, b, origin))
 ///   kGrounded  do its errors change when both bodies move rigidly together (it refers to the world)?
+///   kCarried   true: the axes of A and B lie in two more bodies that carry them (optional; gears and racks)
 ///
 /// A part P declares kRows, kUnit, kAxis (true: one scalar coordinate with limits, drive and friction, see axis.h; false: rows that are held
 /// together, with one stiffness and one bound on the size of their force) and
 ///
 ///   constraint       C(x), for the poses of A and B in a common frame
-///   jacobian         dC/dx of A (side 0) or B (side 1), rotations in world axes on the left
+///   jacobian         dC/dx of A (side 0) or B (side 1), rotations in world axes on the left; sides 2 and 3: what carries the axis of A, of B
 ///   curvature        column norms of sum F d2C/dx2 of that body
 ///   stamp            adds -J^T F and k J^T J of that body where a closed form is shorter than rows (optional)
 ///   turns            axes: what whole turns add to the coordinate (optional)
@@ -28,6 +29,38 @@ namespace rubble::RUBBLE_CORE {
 
 /// In place of a body index: the fixed world.
 inline constexpr int kWorldBody = -1;
+
+template <class F>
+constexpr bool isCarried() {
+  if constexpr (requires { F::kCarried; }) return F::kCarried;
+  else return false;
+}
+/// Sides of a joint: A, B and, where their axes are carried, what carries that of A and that of B. One body may have several of them.
+template <class F>
+inline constexpr int kSides = isCarried<F>() ? 4 : 2;
+
+/// A body and what carries its axis.
+struct CarriedPose : Pose {
+  Pose carrier;
+};
+/// Where a joint has A or B.
+template <class F>
+using SidePose = std::conditional_t<isCarried<F>(), CarriedPose, Pose>;
+
+/// Bodies that carry the axes of A and B, or kWorldBody. Nothing for joints without.
+template <bool carried>
+struct Carriers {};
+template <>
+struct Carriers<true> {
+  int carrierA, carrierB;
+};
+/// Their positions from p_B at x^t; 0 for the world, which is where the step has it [m].
+template <bool carried>
+struct CarrierOffsets {};
+template <>
+struct CarrierOffsets<true> {
+  Vec3 offsetCarrierA, offsetCarrierB;
+};
 
 /// Share of couplings (gear, rack, pulley), whose two bodies speed up together: at 1 the heavier mass over a pulley falls at .85 of its
 /// acceleration at 4 iterations, and a rack at .76 (docs/joints.md).
@@ -102,7 +135,7 @@ struct NoMemory {
 
 /// A joint of type F as authored. Read-only in a step.
 template <class F>
-struct JointSpec {
+struct JointSpec : Carriers<isCarried<F>()> {
   typename F::Data data;
   int a, b;                       ///< bodies, or kWorldBody
   bool alive;
@@ -113,13 +146,55 @@ struct JointSpec {
 
 /// Its state.
 template <class F>
-struct Joint {
+struct Joint : CarrierOffsets<isCarried<F>()> {
   int broken;                     ///< 0, 1
   Real length;                    ///< L: bounding diameter of the smaller dynamic body [m]
   Vec3 offset;                    ///< p_A - p_B at x^t [m]; the step works in the frame with origin p_B^t
   typename F::Memory memory;
   PartStore<PartRows, typename F::Parts> parts;
 };
+
+template <class F>
+RUBBLE_HD int bodyOf(const JointSpec<F>& spec, int side) {
+  if constexpr (isCarried<F>())
+    if (side >= 2) return side == 2 ? spec.carrierA : spec.carrierB;
+  return side == 0 ? spec.a : spec.b;
+}
+/// Is it the first of the sides that its body has?
+template <class F>
+RUBBLE_HD bool isFirstSide(const JointSpec<F>& spec, int side) {
+  if constexpr (isCarried<F>())
+    for (int k = 0; k < side; ++k)
+      if (bodyOf(spec, k) == bodyOf(spec, side)) return false;
+  return true;
+}
+
+/// dC/dx of the body of that side: the sum over all sides that it has.
+template <class P, class F>
+RUBBLE_HD void jacobianOf(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side,
+                          Vec6 (&j)[P::kRows]) {
+  P::jacobian(spec.data, joint.memory, a, b, side, j);
+  if constexpr (isCarried<F>())
+    for (int k = 0; k < kSides<F>; ++k) {
+      if (k == side || bodyOf(spec, k) != bodyOf(spec, side)) continue;
+      Vec6 more[P::kRows];
+      P::jacobian(spec.data, joint.memory, a, b, k, more);
+      for (int i = 0; i < P::kRows; ++i) j[i].lin += more[i].lin, j[i].ang += more[i].ang;
+    }
+}
+/// Column norms of that body; of several sides no more than the sum of theirs.
+template <class P, class F>
+RUBBLE_HD Vec6 curvatureOf(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side,
+                           const Real (&f)[P::kRows]) {
+  Vec6 sum = P::curvature(spec.data, joint.memory, a, b, side, f);
+  if constexpr (isCarried<F>())
+    for (int k = 0; k < kSides<F>; ++k) {
+      if (k == side || bodyOf(spec, k) != bodyOf(spec, side)) continue;
+      const Vec6 more = P::curvature(spec.data, joint.memory, a, b, k, f);
+      sum.lin += more.lin, sum.ang += more.ang;
+    }
+  return sum;
+}
 
 /// What a joint needs to know of one of its bodies at the start of a step.
 struct JointBody {
@@ -157,12 +232,12 @@ RUBBLE_HD Real lighter(const JointBody& a, const JointBody& b, Of&& of) {
 
 template <class P, class F>
 RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const GroupSpec& own, GroupRows<P::kRows>& rows,
-                         const Pose& a, const Pose& b, const JointBody& bodyA, const JointBody& bodyB, Real bound) {
+                         const SidePose<F>& a, const SidePose<F>& b, const JointBody (&bodies)[kSides<F>], Real bound, bool) {
   GroupState& state = rows.state;
   if (own.mode == GroupMode::Off) return;
   Real error[P::kRows];
   P::constraint(spec.data, joint.memory, a, b, error);
-  const Real inertia = lighter(bodyA, bodyB, [&](const JointBody& body, int side) {
+  const Real inertia = lighter(bodies[0], bodies[1], [&](const JointBody& body, int side) {
     return rowInertia(body, P::kUnit, lengthSquared(leverOf(spec.data, Quat{}, side)));
   });
   const Real damping = own.damping * c.inverseDt;
@@ -187,43 +262,57 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
 
 template <class P, class F>
 RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const AxisSpec& own, AxisRows& rows,
-                         const Pose& a, const Pose& b, const JointBody& bodyA, const JointBody& bodyB, Real bound) {
+                         const SidePose<F>& a, const SidePose<F>& b, const JointBody (&bodies)[kSides<F>], Real bound, bool together) {
   Real value[1];
   Vec6 ja[1], jb[1];
   P::constraint(spec.data, joint.memory, a, b, value);
-  P::jacobian(spec.data, joint.memory, a, b, 0, ja);
-  P::jacobian(spec.data, joint.memory, a, b, 1, jb);
+  jacobianOf<P>(spec, joint, a, b, 0, ja);
+  jacobianOf<P>(spec, joint, a, b, 1, jb);
   AxisSituation at;
   at.value = value[0];
   at.turn = 0;
   if constexpr (requires { P::turns(spec.data, joint.memory); }) at.turn = static_cast<Real>(P::turns(spec.data, joint.memory));
-  at.change = dot(ja[0], bodyA.change) + dot(jb[0], bodyB.change);
-  at.inertia = lighter(bodyA, bodyB, [&](const JointBody& body, int side) {
+  at.change = dot(ja[0], bodies[0].change) + dot(jb[0], bodies[1].change);
+  at.inertia = lighter(bodies[0], bodies[1], [&](const JointBody& body, int side) {
     const Quat& q = side == 0 ? a.q : b.q;
     return axisInertia(body, q, side == 0 ? ja[0] : jb[0], leverOf(spec.data, q, side));
   });
-  // two bodies that a coupling moves together lag behind by its stiffness: block descent moves one of them at a time
-  if constexpr (requires { P::kStiffnessShare; }) at.inertia *= P::kStiffnessShare;
+  if constexpr (isCarried<F>())
+    for (int side = 2; side < kSides<F>; ++side) {
+      if (!isFirstSide(spec, side) || !(bodies[side].mass > Real(0))) continue;
+      Vec6 j[1];
+      jacobianOf<P>(spec, joint, a, b, side, j);
+      at.change += dot(j[0], bodies[side].change);
+      // a carrier of wheels that turn against one another may feel nothing
+      if (!(lengthSquared(j[0].lin) + lengthSquared(j[0].ang) > Real(1e-8))) continue;
+      const Real own = axisInertia(bodies[side], side == 2 ? a.carrier.q : b.carrier.q, j[0], {0, 0, 0});
+      at.inertia = at.inertia > Real(0) ? min(at.inertia, own) : own;
+    }
+  // two bodies that a coupling moves together lag behind by its stiffness where block descent moves one of them at a time
+  if constexpr (requires { P::kStiffnessShare; })
+    if (!together) at.inertia *= P::kStiffnessShare;
   at.length = P::kUnit == RowUnit::Linear ? joint.length : Real(1);
   at.reach = P::kUnit == RowUnit::Linear ? Real(1) : joint.length / 2;
   at.bound = bound;
   beginAxis(c, own, rows, at);
 }
 
-/// Warm start of all rows at x^t: joint.offset, length and memory are set. Poses of both bodies in the joint's frame.
+/// Warm start of all rows at x^t: joint.offset, length and memory are set. Poses of both bodies in the joint's frame. `together`: its bodies
+/// are moved by one block (stages/trees.h).
 template <class F>
-RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const Pose& a, const Pose& b, const JointBody& bodyA,
-                          const JointBody& bodyB) {
+RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
+                          const JointBody (&bodies)[kSides<F>], bool together = false) {
   forEachPart<F>([&]<int I, class P>() {
     const bool linear = P::kUnit == RowUnit::Linear;
     const Real bound = linear ? min(spec.breakForce, c.maxMultiplier) : min(spec.breakTorque, c.maxMultiplier * joint.length);
-    beginPart<P>(c, spec, joint, partOf<I>(spec.parts), partOf<I>(joint.parts), a, b, bodyA, bodyB, bound);
+    beginPart<P>(c, spec, joint, partOf<I>(spec.parts), partOf<I>(joint.parts), a, b, bodies, bound, together);
   });
 }
 
 /// Forces of the rows of part I and their stiffness at the present poses; false if the part does not act.
 template <class F, int I, class P>
-RUBBLE_HD RUBBLE_NEAR bool partForces(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, Real (&force)[P::kRows], Real& hessian) {
+RUBBLE_HD RUBBLE_NEAR bool partForces(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, Real (&force)[P::kRows],
+                                      Real& hessian) {
   const auto& rows = partOf<I>(joint.parts);
   Real error[P::kRows];
   if constexpr (P::kAxis) {
@@ -240,9 +329,9 @@ RUBBLE_HD RUBBLE_NEAR bool partForces(const JointSpec<F>& spec, const Joint<F>& 
   return true;
 }
 
-/// Adds all rows of a joint to the block of one of its bodies (side 0: A, 1: B).
+/// Adds all rows of a joint to the block of one of its bodies, by the first side that it has.
 template <class F>
-RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, int side, Block6& block) {
+RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side, Block6& block) {
   forEachPart<F>([&]<int I, class P>() {
     Real force[P::kRows], hessian;
     if (!partForces<F, I, P>(spec, joint, a, b, force, hessian)) return;
@@ -250,15 +339,34 @@ RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const
       P::stamp(spec.data, a, b, side, force, hessian, block);
     } else {
       Vec6 j[P::kRows];
-      P::jacobian(spec.data, joint.memory, a, b, side, j);
+      jacobianOf<P>(spec, joint, a, b, side, j);
       for (int i = 0; i < P::kRows; ++i) stampRow(block, j[i], force[i], hessian);
     }
-    stampCurvature(block, P::curvature(spec.data, joint.memory, a, b, side, force));
+    stampCurvature(block, curvatureOf<P>(spec, joint, a, b, side, force));
+  });
+}
+
+/// Adds all rows of a joint to the block of a group that several of its sides move with, and others do not (bits of `inside`): by
+/// (dp + dw x shift_i, dw). A row changes by sum J_i T_i, T_i = [1, -[shift_i]; 0, 1].
+template <class F>
+RUBBLE_HD void stampJointOfGroup(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, unsigned inside,
+                                 const Vec3 (&shift)[kSides<F>], Block6& block) {
+  forEachPart<F>([&]<int I, class P>() {
+    Real force[P::kRows], hessian;
+    if (!partForces<F, I, P>(spec, joint, a, b, force, hessian)) return;
+    Vec6 sum[P::kRows]{};
+    for (int side = 0; side < kSides<F>; ++side) {
+      if (!(inside >> side & 1u)) continue;
+      Vec6 j[P::kRows];
+      P::jacobian(spec.data, joint.memory, a, b, side, j);
+      for (int i = 0; i < P::kRows; ++i) sum[i].lin += j[i].lin, sum[i].ang += j[i].ang + cross(shift[side], j[i].lin);
+    }
+    for (int i = 0; i < P::kRows; ++i) stampRow(block, sum[i], force[i], hessian);
   });
 }
 
 template <class F>
-RUBBLE_HD void updateJointDuals(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const Pose& a, const Pose& b) {
+RUBBLE_HD void updateJointDuals(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b) {
   forEachPart<F>([&]<int I, class P>() {
     auto& rows = partOf<I>(joint.parts);
     Real error[P::kRows];

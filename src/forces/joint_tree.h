@@ -35,7 +35,7 @@ struct TreeRows {
 
 /// Rows of part I at the present poses; false if the part does not act. `exact`: the tree is solved exactly.
 template <class F, int I, class P>
-RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, bool exact,
+RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, bool exact,
                         TreeRows<P::kRows>& out) {
   const auto& rows = partOf<I>(joint.parts);
   Real error[P::kRows];
@@ -87,31 +87,41 @@ RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const 
   return true;
 }
 
-/// Adds the rows of a joint to the block (h, f) of one of its bodies, and to the block (`side`, other side) if `across` is given.
+/// Where the coupling of a body to another one of its joint is summed: by a side of that one.
+struct TreeCoupling {
+  int side;
+  Dense6* block;  ///< null: none
+};
+
+/// Adds the rows of a joint to the block (h, f) of one of its bodies, by its first side, and to its couplings (`side`, other side).
 template <class F>
-RUBBLE_HD void stampJointOfTree(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, int side,
-                                bool exact, Dense6& h, Long6& f, Dense6* across) {
+RUBBLE_HD void stampJointOfTree(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
+                                int side, bool exact, Dense6& h, Long6& f, const TreeCoupling (&across)[2]) {
   forEachPart<F>([&]<int I, class P>() {
     TreeRows<P::kRows> rows;
     if (!treeRows<F, I, P>(c, spec, joint, a, b, exact, rows)) return;
-    Vec6 j[P::kRows], other[P::kRows];
-    P::jacobian(spec.data, joint.memory, a, b, side, j);
-    if (across) P::jacobian(spec.data, joint.memory, a, b, 1 - side, other);
+    Vec6 j[P::kRows];
+    jacobianOf<P>(spec, joint, a, b, side, j);
     for (int i = 0; i < P::kRows; ++i) {
       const Long6 own = longer(j[i]);
       addOuter(h, own, own, rows.hessian);
       for (int k = 0; k < 6; ++k) f.v[k] -= rows.force[i] * own.v[k];
-      if (across) addOuter(*across, own, longer(other[i]), rows.hessian);
     }
-    const Long6 bend = longer(P::curvature(spec.data, joint.memory, a, b, side, rows.own));
+    for (const TreeCoupling& coupling : across) {
+      if (!coupling.block) continue;
+      Vec6 other[P::kRows];
+      jacobianOf<P>(spec, joint, a, b, coupling.side, other);
+      for (int i = 0; i < P::kRows; ++i) addOuter(*coupling.block, longer(j[i]), longer(other[i]), rows.hessian);
+    }
+    const Long6 bend = longer(curvatureOf<P>(spec, joint, a, b, side, rows.own));
     for (int k = 0; k < 6; ++k) h.m[k][k] += bend.v[k];
   });
 }
 
 /// Multipliers after the tree has found that the bodies move by dxA, dxB, of which they make `share`. The poses are those before.
 template <class F>
-RUBBLE_HD void takeTreeForces(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const Pose& a, const Pose& b, const Long6& dxA,
-                              const Long6& dxB, bool exact, double share) {
+RUBBLE_HD void takeTreeForces(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
+                              const Long6& dxA, const Long6& dxB, bool exact, double share) {
   forEachPart<F>([&]<int I, class P>() {
     TreeRows<P::kRows> rows;
     if (!treeRows<F, I, P>(c, spec, joint, a, b, exact, rows) || !(rows.solved[0].there || rows.drive.there)) return;

@@ -45,13 +45,13 @@ struct AnchorRows {
 /// Jacobian of u.(x_A - x_B) for a direction u that turns with B: J_A = [u, r_A x u], J_B = -[u, (x_A - p_B) x u].
 template <class D>
 RUBBLE_HD Vec6 travelJacobian(const D& d, const Pose& a, const Pose& b, int side, const Vec3& u) {
-  const Vec3 r = anchorLever(d, a, 0);
+  const Vec3 r = rotate(a.q, d.anchorA);
   return side == 0 ? Vec6{u, cross(r, u)} : -Vec6{u, cross(a.p + r - b.p, u)};
 }
 /// Column norms for the force vector f = sum F u: A has S(f, r_A) in its angular block; B has [f] beside S(f, x_A - p_B).
 template <class D>
 RUBBLE_HD Vec6 travelCurvature(const D& d, const Pose& a, const Pose& b, int side, const Vec3& f) {
-  const Vec3 r = anchorLever(d, a, 0);
+  const Vec3 r = rotate(a.q, d.anchorA);
   if (side == 0) return {{0, 0, 0}, turningColumnNorms(f, r)};
   const Real f2 = lengthSquared(f);
   const Vec3 turn = turningColumnNorms(f, a.p + r - b.p);

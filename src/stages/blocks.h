@@ -39,16 +39,38 @@ struct ContactBlocks {
   /// Do two bodies that move as one leave it alone?
   static constexpr bool kRelative = true;
   RUBBLE_HD static BlockBodies bodies(const View& s, int i) { return {s.contact[i].a, s.contact[i].b, true}; }
+  template <class Visit>
+  RUBBLE_HD static void visitEntries(const View& s, int i, Visit&& visit) {
+    visitSides(s, s.contact[i].a, s.contact[i].b, [&](int body, int side, int other) { visit(body, entryCode(kType, i, side), other); });
+  }
   /// Level of the groups at which it unites its bodies.
   RUBBLE_HD static int joinLevel(const View& s, int i) { return s.joinLevel[i]; }
 };
 template <class F>
 struct JointBlocks {
   static constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
-  static constexpr bool kRelative = !F::kGrounded;
+  static constexpr bool kRelative = !F::kGrounded && !isCarried<F>();
   RUBBLE_HD static BlockBodies bodies(const View& s, int i) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     return {spec.a, spec.b, active<F>(s, i)};
+  }
+  /// visit(body, code, other) for the entries of its dynamic bodies.
+  template <class Visit>
+  RUBBLE_HD static void visitEntries(const View& s, int i, Visit&& visit) {
+    const JointSpec<F>& spec = s.specsOf<F>()[i];
+    if (!active<F>(s, i)) return;
+    if constexpr (isCarried<F>()) {
+      const auto takesPart = [&](int side) { return isDynamic(s, bodyOf(spec, side)) && isFirstSide(spec, side); };
+      for (int side = 0; side < kSides<F>; ++side) {
+        if (!takesPart(side)) continue;
+        int link = 0;
+        for (int k = 0; k < kSides<F>; ++k)
+          if (k != side && takesPart(k)) visit(bodyOf(spec, side), jointCode<F>(i, side, link++), bodyOf(spec, k));
+        if (link == 0) visit(bodyOf(spec, side), jointCode<F>(i, side), -1);
+      }
+    } else {
+      visitSides(s, spec.a, spec.b, [&](int body, int side, int other) { visit(body, jointCode<F>(i, side), other); });
+    }
   }
   RUBBLE_HD static int joinLevel(const View& s, int i) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];

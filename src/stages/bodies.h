@@ -62,11 +62,27 @@ RUBBLE_HD RUBBLE_NEAR Pose jointPose(const View& s, int body, const Vec3& offset
 /// Where the origin p_B^t of a joint lies; the world has its own.
 RUBBLE_HD inline Vec3d jointOrigin(const View& s, int body) { return body == kWorldBody ? Vec3d{} : s.position[body]; }
 
+/// A or B of a joint where they are now, with what carries their axes.
+template <class F>
+RUBBLE_HD SidePose<F> poseOfA(const View& s, const JointSpec<F>& spec, const Joint<F>& joint) {
+  if constexpr (isCarried<F>())
+    return {jointPose(s, spec.a, joint.offset), jointPose(s, spec.carrierA, joint.offsetCarrierA)};
+  else
+    return jointPose(s, spec.a, joint.offset);
+}
+template <class F>
+RUBBLE_HD SidePose<F> poseOfB(const View& s, const JointSpec<F>& spec, const Joint<F>& joint) {
+  if constexpr (isCarried<F>())
+    return {jointPose(s, spec.b, {0, 0, 0}), jointPose(s, spec.carrierB, joint.offsetCarrierB)};
+  else
+    return jointPose(s, spec.b, {0, 0, 0});
+}
+
 template <class F>
 RUBBLE_HD RUBBLE_APART void stampJointOfBody(const View& s, int index, int side, Block6& block) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
   const Joint<F>& joint = s.jointsOf<F>()[index];
-  stampJoint(spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}), side, block);
+  stampJoint(spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), side, block);
 }
 
 /// Adds one lane-wise block into a scalar one.
@@ -100,7 +116,8 @@ RUBBLE_HD void addContact(const View& s, std::uint32_t code, int lane, Block6T<L
 
 RUBBLE_HD inline void addJoint(const View& s, std::uint32_t code, Block6& block) {
   forEachType(JointTypes{}, [&]<class F>() {
-    if (entryType(code) == typeIndex<F>(JointTypes{}) + 1) stampJointOfBody<F>(s, entryIndex(code), entrySide(code), block);
+    if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
+      stampJointOfBody<F>(s, jointIndex<F>(code), jointSide<F>(code), block);
   });
   if (entryType(code) > JointTypes::kSize) addSoftRows(s, code, block);
 }

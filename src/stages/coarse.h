@@ -124,14 +124,43 @@ RUBBLE_HD RUBBLE_APART inline void addExternalSoftRows(const View& s, int group,
   addShifted(sum, own, shiftOf(s, s.group[group], body));
 }
 
+/// A joint of up to four bodies, of which several may move with the group: one row of the motion of the group then, summed where the first of
+/// them is met, and none if all do. False: just that one does.
+template <class F>
+RUBBLE_HD RUBBLE_APART bool addSharedJoint(const View& s, int g, int index, int side, Block6& sum) {
+  const JointSpec<F>& spec = s.specsOf<F>()[index];
+  const Group& group = s.group[g];
+  const int own = bodyOf(spec, side);
+  unsigned inside = 0;
+  bool several = false, all = true, first = true;
+  Vec3 shift[kSides<F>]{};
+  for (int k = 0; k < kSides<F>; ++k) {
+    const int body = bodyOf(spec, k);
+    if (body == kWorldBody || s.groupOf[atLevel(s, group.level, body)] != g) {
+      all = false;
+      continue;
+    }
+    inside |= 1u << k;
+    several |= body != own;
+    first &= k >= side;
+    shift[k] = shiftOf(s, group, body);
+  }
+  if (!several) return false;
+  const Joint<F>& joint = s.jointsOf<F>()[index];
+  if (first && !all) stampJointOfGroup(spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), inside, shift, sum);
+  return true;
+}
+
 RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t code, Block6& sum) {
-  const int side = entrySide(code);
   forEachType(JointTypes{}, [&]<class F>() {
-    if (entryType(code) != typeIndex<F>(JointTypes{}) + 1) return;
-    const JointSpec<F>& spec = s.specsOf<F>()[entryIndex(code)];
+    if (entryType(code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(code)) return;
+    const int side = jointSide<F>(code), index = jointIndex<F>(code);
+    const JointSpec<F>& spec = s.specsOf<F>()[index];
+    if constexpr (isCarried<F>())
+      if (addSharedJoint<F>(s, group, index, side, sum)) return;
     Block6 own;
-    stampJointOfBody<F>(s, entryIndex(code), side, own);
-    addShifted(sum, own, shiftOf(s, s.group[group], side == 0 ? spec.a : spec.b));
+    stampJointOfBody<F>(s, index, side, own);
+    addShifted(sum, own, shiftOf(s, s.group[group], bodyOf(spec, side)));
   });
   addExternalSoftRows(s, group, code, sum);
 }

@@ -8,8 +8,7 @@ template <class Blocks>
 struct CountEntries {
   static constexpr const char* kName = "incidence";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const BlockBodies block = Blocks::bodies(s, i);
-    if (block.acts) visitSides(s, block.a, block.b, [&](int body, int, int) { atomicCount(&s.entryCount[body], 1); });
+    Blocks::visitEntries(s, i, [&](int body, std::uint32_t, int) { atomicCount(&s.entryCount[body], 1); });
   }
 };
 
@@ -18,12 +17,10 @@ template <class Blocks>
 struct FillEntries {
   static constexpr const char* kName = "incidence";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const BlockBodies block = Blocks::bodies(s, i);
-    if (!block.acts) return;
-    visitSides(s, block.a, block.b, [&](int body, int side, int other) {
+    Blocks::visitEntries(s, i, [&](int body, std::uint32_t code, int other) {
       const int slot = s.entryOffset[body] + atomicCount(&s.entryCount[body], -1) - 1;
       const bool inner = Blocks::kRelative && other >= 0 && s.step.coarseCorrection;
-      s.entry[slot] = {entryCode(Blocks::kType, i, side), other, inner ? separateLevels(s, body, other) : kCoarseLevels};
+      s.entry[slot] = {code, other, inner ? separateLevels(s, body, other) : kCoarseLevels};
     });
   }
 };

@@ -7,7 +7,10 @@ namespace rubble::RUBBLE_CORE {
 template <class F>
 RUBBLE_HD bool active(const View& s, int i) {
   const JointSpec<F>& spec = s.specsOf<F>()[i];
-  return spec.alive && !s.jointsOf<F>()[i].broken && (isDynamic(s, spec.a) || isDynamic(s, spec.b));
+  if (!spec.alive || s.jointsOf<F>()[i].broken) return false;
+  for (int side = 0; side < kSides<F>; ++side)
+    if (isDynamic(s, bodyOf(spec, side))) return true;
+  return false;
 }
 
 RUBBLE_HD inline JointBody jointBody(const View& s, int body) {
@@ -17,6 +20,11 @@ RUBBLE_HD inline JointBody jointBody(const View& s, int body) {
   Vec3 way = s.step.dt * s.velocity[body];
   if (dynamic) way += (s.step.dt * s.step.dt) * (p.gravityScale * s.step.gravity);
   return {dynamic ? p.mass : Real(0), p.inertia, {way, s.step.dt * s.spin[body]}};
+}
+
+/// Pose of a body at x^t, in the frame of a joint.
+RUBBLE_HD inline Pose stillPose(const View& s, int body, const Vec3& offset) {
+  return {offset, body == kWorldBody ? Quat{} : s.orientation[body]};
 }
 
 /// Warm start at x^t. Runs before bodies are moved to their initial guess.
@@ -29,13 +37,29 @@ struct BeginJoints {
     Joint<F>& joint = s.jointsOf<F>()[i];
     const Vec3d origin = jointOrigin(s, spec.b);
     joint.offset = Vec3(jointOrigin(s, spec.a) - origin);
-    const auto still = [&](int body, const Vec3& offset) { return Pose{offset, body == kWorldBody ? Quat{} : s.orientation[body]}; };
+    if constexpr (isCarried<F>()) {
+      const auto offsetOf = [&](int body) { return body == kWorldBody ? Vec3{0, 0, 0} : Vec3(s.position[body] - origin); };
+      joint.offsetCarrierA = offsetOf(spec.carrierA), joint.offsetCarrierB = offsetOf(spec.carrierB);
+    }
     const auto radius = [&](int body) { return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic ? s.params[body].radius : Real(0); };
     const Real ra = radius(spec.a), rb = radius(spec.b);
     joint.length = 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
-    const Pose a = still(spec.a, joint.offset), b = still(spec.b, {0, 0, 0});
+    SidePose<F> a, b;
+    if constexpr (isCarried<F>()) {
+      a = {stillPose(s, spec.a, joint.offset), stillPose(s, spec.carrierA, joint.offsetCarrierA)};
+      b = {stillPose(s, spec.b, {0, 0, 0}), stillPose(s, spec.carrierB, joint.offsetCarrierB)};
+    } else {
+      a = stillPose(s, spec.a, joint.offset), b = stillPose(s, spec.b, {0, 0, 0});
+    }
     joint.memory.remember(spec.data, a, b, origin);
-    beginJoint(s.step, spec, joint, a, b, jointBody(s, spec.a), jointBody(s, spec.b));
+    JointBody bodies[kSides<F>];
+    bool together = s.step.jointTrees && treeNodes(s) > 0;
+    for (int side = 0; side < kSides<F>; ++side) {
+      const int body = bodyOf(spec, side);
+      bodies[side] = jointBody(s, body);
+      together &= !isDynamic(s, body) || s.nodeOfBody[body] >= 0;
+    }
+    beginJoint(s.step, spec, joint, a, b, bodies, together);
   }
 };
 
@@ -46,7 +70,7 @@ struct UpdateJointDuals {
     if (!active<F>(s, i)) return;
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     Joint<F>& joint = s.jointsOf<F>()[i];
-    updateJointDuals(s.step, spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}));
+    updateJointDuals(s.step, spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint));
   }
 };
 

@@ -30,7 +30,9 @@ struct WakeByJoints {
       if (body == kWorldBody || other == kWorldBody || s.asleep[body] == 0) return;
       if (moves(s, other)) atomicRaise(&s.islandFlag[s.asleep[body] - 1], 1);
     };
-    wake(joint.a, joint.b), wake(joint.b, joint.a);
+    for (int side = 0; side < kSides<F>; ++side)
+      for (int k = 0; k < kSides<F>; ++k)
+        if (k != side) wake(bodyOf(joint, side), bodyOf(joint, k));
   }
 };
 
@@ -80,7 +82,10 @@ struct JoinIslandsByJoints {
   static constexpr const char* kName = "sleep";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const JointSpec<F>& joint = s.specsOf<F>()[i];
-    if (active<F>(s, i) && isDynamic(s, joint.a) && isDynamic(s, joint.b)) unite(s.island, joint.a, joint.b);
+    if (!active<F>(s, i)) return;
+    for (int side = 1; side < kSides<F>; ++side)
+      for (int k = 0; k < side; ++k)
+        if (isDynamic(s, bodyOf(joint, k)) && isDynamic(s, bodyOf(joint, side))) unite(s.island, bodyOf(joint, k), bodyOf(joint, side));
   }
 };
 

@@ -34,13 +34,15 @@ RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, in
   const Joint<F>& joint = s.jointsOf<F>()[index];
   const TreeNode& node = s.treeNode[n];
   TreeWork& w = s.treeWork[n];
-  const int other = side == 0 ? spec.b : spec.a;
-  Dense6* across = nullptr;
-  if (other != kWorldBody && isDynamic(s, other) && s.nodeOfBody[other] >= 0)
+  TreeCoupling across[2] = {{0, nullptr}, {0, nullptr}};
+  for (int other = 0; other < kSides<F>; ++other) {
+    const int body = bodyOf(spec, other);
+    if (other == side || body == bodyOf(spec, side) || !isFirstSide(spec, other)) continue;
+    if (body == kWorldBody || !isDynamic(s, body) || s.nodeOfBody[body] < 0) continue;
     for (int k = 0; k < 2; ++k)
-      if (node.near[k] == s.nodeOfBody[other]) across = &w.e[k];
-  stampJointOfTree(s.step, spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}), side,
-                   isExact(s, node) && spec.holds, w.h, w.x, across);
+      if (node.near[k] == s.nodeOfBody[body]) across[k] = {other, &w.e[k]};
+  }
+  stampJointOfTree(s.step, spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), side, isExact(s, node) && spec.holds, w.h, w.x, across);
 }
 
 /// A body that does not move, or an axis that is locked, is decoupled from all others.
@@ -83,7 +85,8 @@ struct AssembleTrees {
       if (entryType(code) > JointTypes::kSize) addSoftRows(s, code, own);
       else
         forEachType(JointTypes{}, [&]<class F>() {
-          if (entryType(code) == typeIndex<F>(JointTypes{}) + 1) stampJointOfNode<F>(s, n, entryIndex(code), entrySide(code));
+          if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
+            stampJointOfNode<F>(s, n, jointIndex<F>(code), jointSide<F>(code));
         });
     }
     addBlock(w.h, w.x, own, 1);
@@ -161,7 +164,8 @@ template <class F>
 struct TakeTreeForces {
   static constexpr const char* kName = "tree forces";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (!active<F>(s, i)) return;
+    // couplings with carriers hold nothing, so a tree does not find their multipliers
+    if (isCarried<F>() || !active<F>(s, i)) return;
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     const auto nodeOf = [&](int body) { return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1; };
     const int a = nodeOf(spec.a), b = nodeOf(spec.b), any = a >= 0 ? a : b;
@@ -170,7 +174,7 @@ struct TakeTreeForces {
     if (!(share > 0)) return;
     const Long6 still{};
     Joint<F>& joint = s.jointsOf<F>()[i];
-    takeTreeForces(s.step, spec, joint, jointPose(s, spec.a, joint.offset), jointPose(s, spec.b, {0, 0, 0}),
+    takeTreeForces(s.step, spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint),
                    a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, spec.holds, share);
   }
 };

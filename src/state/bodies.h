@@ -84,6 +84,20 @@ RUBBLE_HD constexpr int entryType(std::uint32_t code) { return static_cast<int>(
 RUBBLE_HD constexpr int entryIndex(std::uint32_t code) { return static_cast<int>((code & 0x07ffffffu) >> 1); }
 RUBBLE_HD constexpr int entrySide(std::uint32_t code) { return static_cast<int>(code & 1u); }
 
+/// Entries of joints. One with carriers has up to four bodies; each has an entry that acts and, as it has several neighbours there, up to two
+/// more that only tell of these (`link` 1, 2).
+template <class F>
+RUBBLE_HD constexpr std::uint32_t jointCode(int index, int side, int link = 0) {
+  constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
+  return isCarried<F>() ? entryCode(kType, 8 * index + 2 * side + link / 2, link % 2) : entryCode(kType, index, side);
+}
+template <class F>
+RUBBLE_HD constexpr int jointIndex(std::uint32_t code) { return isCarried<F>() ? entryIndex(code) / 8 : entryIndex(code); }
+template <class F>
+RUBBLE_HD constexpr int jointSide(std::uint32_t code) { return isCarried<F>() ? entryIndex(code) / 2 % 4 : entrySide(code); }
+template <class F>
+RUBBLE_HD constexpr bool isLink(std::uint32_t code) { return isCarried<F>() && (entryIndex(code) % 2 != 0 || entrySide(code) != 0); }
+
 /// Where a body would go without constraints, and its inertia, in this step. Aligned, so that it is read and written in few pieces.
 struct alignas(4 * sizeof(Real)) BodyTarget {
   MassMatrix mass;

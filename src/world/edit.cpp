@@ -90,7 +90,7 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
   if (std::adjacent_find(slots.begin(), slots.end()) != slots.end()) throw Error("bodies", "each body once", "one of them twice");
   const auto goes = [&](BodyId id) { return std::binary_search(slots.begin(), slots.end(), id.index); };
   for (const JointId joint : registry.joints.ids())
-    if (goes(registry.joints[joint].a) || goes(registry.joints[joint].b)) removeJoint(joint);
+    if (const JointRecord& r = registry.joints[joint]; goes(r.a) || goes(r.b) || goes(r.carrierA) || goes(r.carrierB)) removeJoint(joint);
   for (const BodyId id : ids) {
     removeAttachmentsOf(id);
     const BodyDef& def = registry.bodies[id].def;
@@ -105,15 +105,19 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
   ++epoch;
 }
 
-JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {
+JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b, BodyId carrierA, BodyId carrierB) {
   const auto check = [&](BodyId id) {
     if (id.index >= 0) requireAlive(id);
   };
-  check(a), check(b);
+  check(a), check(b), check(carrierA), check(carrierB);
   if (a == b) throw Error("joint", "two different bodies", "the same one twice");
+  checkCarrier(def.type, a.index, carrierA.index, "joint.carrierA");
+  checkCarrier(def.type, b.index, carrierB.index, "joint.carrierB");
   if (!def.name.empty() && registry.jointNames.contains(def.name)) throw Error("joint.name", "a name that no other joint has", "\"" + def.name + "\"");
-  JointRecord record{def, a, b, engineJoint(inEngineFrames(def, a, b), jointBodies(a, b)), 0};
+  JointRecord record{def, a, b, carrierA, carrierB, {}, 0};
+  record.engine = engineJoint(inEngineFrames(def, a, b), jointBodies(record));
   record.engine.a = a.index, record.engine.b = b.index;
+  record.engine.carrierA = carrierA.index, record.engine.carrierB = carrierB.index;
   const int type = static_cast<int>(record.engine.type);
   int& slot = record.engineSlot;
   if (registry.freeJointSlots[type].empty()) {
@@ -123,7 +127,7 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b) {
     slot = registry.freeJointSlots[type].back();
     registry.freeJointSlots[type].pop_back();
   }
-  wake(a), wake(b);
+  wakeBodiesOf(record);
   engine->setJoint(slot, record.engine);
   const JointId id = registry.joints.add(record);
   if (!def.name.empty()) registry.jointNames[def.name] = id;
@@ -136,7 +140,7 @@ void World::Impl::removeJoint(JointId id) {
   const JointRecord& joint = registry.joints[id];
   EngineJoint none;
   none.type = joint.engine.type;
-  wake(joint.a), wake(joint.b);
+  wakeBodiesOf(joint);
   engine->setJoint(joint.engineSlot, none);
   registry.freeJointSlots[static_cast<int>(none.type)].push_back(joint.engineSlot);
   if (!joint.def.name.empty()) registry.jointNames.erase(joint.def.name);
@@ -161,13 +165,17 @@ JointDef World::Impl::inEngineFrames(JointDef def, BodyId a, BodyId b) const {
   return def;
 }
 
-JointBodies World::Impl::jointBodies(BodyId a, BodyId b) const {
+void World::Impl::wakeBodiesOf(const JointRecord& joint) {
+  for (const BodyId id : {joint.a, joint.b, joint.carrierA, joint.carrierB}) wake(id);
+}
+
+JointBodies World::Impl::jointBodies(const JointRecord& joint) const {
   const auto of = [&](BodyId id) {
     if (id.index < 0) return JointBodyState{};
     const BodyState state = engine->state(id.index);
     return JointBodyState{state.position, state.orientation, registry.bodies[id].mass};
   };
-  return {of(a), of(b)};
+  return {of(joint.a), of(joint.b), of(joint.carrierA), of(joint.carrierB)};
 }
 
 void World::Impl::redefine(JointId id, const JointDef& def) {
@@ -176,11 +184,12 @@ void World::Impl::redefine(JointId id, const JointDef& def) {
   if (def.type != record.def.type) throw Error("joint.type", "that of the joint, " + std::string(keyword(record.def.type)), keyword(def.type));
   if (def.name != record.def.name) throw Error("joint.name", "that of the joint, \"" + record.def.name + "\"", "\"" + def.name + "\"");
   validate(def, "joint");
-  EngineJoint joint = engineJoint(inEngineFrames(def, record.a, record.b), jointBodies(record.a, record.b), &record.engine);
+  EngineJoint joint = engineJoint(inEngineFrames(def, record.a, record.b), jointBodies(record), &record.engine);
   if (joint.turned != record.engine.turned) throw Error("joint", "the same rotations locked as when it was made: they decide how turns are counted", "others");
   if (joint.type != record.engine.type) throw Error("joint", "friction or none, as when it was made: it decides what kind of joint it is", "the other");
   joint.a = record.engine.a, joint.b = record.engine.b;
-  wake(record.a), wake(record.b);
+  joint.carrierA = record.engine.carrierA, joint.carrierB = record.engine.carrierB;
+  wakeBodiesOf(record);
   engine->editJoint(record.engineSlot, joint);
   exclusionsChanged |= def.collide != record.def.collide;
   JointRecord& changed = registry.joints.edit(id);

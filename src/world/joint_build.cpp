@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <rubble/error.h>
+
 namespace rubble {
 
 namespace {
@@ -120,14 +122,15 @@ void Builder::sixDof() {
   joint_.frameB = normalize(joint_.frameB * third);
 }
 
-/// Axes of gears and racks stay where they are in the world when the joint is made.
+/// Axes of gears and racks stay where they are in their carriers when the joint is made.
 void Builder::geared() {
   useAxes();
   joint_.holds = false;
-  joint_.baseA = before_ ? before_->baseA : normalize(bodies_.a.orientation * def_.frameA);
-  joint_.baseB = before_ ? before_->baseB : normalize(bodies_.b.orientation * def_.frameB);
+  const JointBodyState &ca = bodies_.carrierA, &cb = bodies_.carrierB;
+  joint_.baseA = before_ ? before_->baseA : normalize(conjugate(ca.orientation) * bodies_.a.orientation * def_.frameA);
+  joint_.baseB = before_ ? before_->baseB : normalize(conjugate(cb.orientation) * bodies_.b.orientation * def_.frameB);
   joint_.direction = rotate(joint_.baseB, Vec3{1, 0, 0});
-  joint_.pointB = before_ ? before_->pointB : worldPoint(bodies_.b, def_.anchorB);
+  joint_.pointB = before_ ? before_->pointB : rotateInverse(cb.orientation, worldPoint(bodies_.b, def_.anchorB) - cb.position);
   JointAxis& axis = joint_.axes[0];
   // free as authored means kept: a gear without teeth is none
   if (axis.min == -kFree && axis.max == kFree) axis.min = axis.max = 0;
@@ -226,6 +229,12 @@ int axisCount(JointType type) {
 
 bool hasLength(JointType type) {
   return type == JointType::Distance || type == JointType::Rope || type == JointType::Spring || type == JointType::Pulley;
+}
+
+void checkCarrier(JointType type, int body, int carrier, const std::string& path) {
+  if (carrier == kWorld) return;
+  if (type != JointType::Gear && type != JointType::Rack) throw Error(path, std::string("none for a ") + keyword(type), "a body");
+  if (carrier == body) throw Error(path, "another body than the one that moves in it", "the same");
 }
 
 EngineJoint engineJoint(const JointDef& def, const JointBodies& bodies, const EngineJoint* before) { return Builder(def, bodies, before).build(); }

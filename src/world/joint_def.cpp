@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 #include <sstream>
+#include <utility>
 
 #include <rubble/error.h>
 #include <rubble/scene.h>
@@ -113,14 +114,50 @@ Quat frameAlong(const Vec3& x) {
   return normalize(Quat{1 + axis.x, 0, -axis.z, axis.y});
 }
 
+namespace {
+
+std::pair<Vec3, Quat> poseOf(const Scene& scene, int body) {
+  if (body == kWorld) return {Vec3{}, Quat{}};
+  const BodyDef& def = scene.bodies.at(static_cast<std::size_t>(body));
+  return {def.position, normalize(def.orientation)};
+}
+
+/// The side of a hinge or slider that moves, and the one that carries it. A hinge of the world's, or of a body that stands still, is turned
+/// round: seen from A its B moves the same way about the opposite axis.
+struct Moving {
+  int body, carrier;
+  Vec3 anchor;  ///< on the moving body
+  Quat frame;   ///< on it
+};
+Moving movingSide(const Scene& scene, int index, JointType type, const char* path) {
+  if (index < 0 || static_cast<std::size_t>(index) >= scene.joints.size())
+    throw Error(path, "the index of one of " + std::to_string(scene.joints.size()) + " joints", std::to_string(index));
+  const JointDef& joint = scene.joints[static_cast<std::size_t>(index)];
+  if (joint.type != type) throw Error(path, std::string("a ") + keyword(type), std::string("a ") + keyword(joint.type));
+  const auto stands = [&](int body) { return body == kWorld || scene.bodies.at(static_cast<std::size_t>(body)).motion == Motion::Static; };
+  const Quat a = poseOf(scene, joint.bodyA).second, b = poseOf(scene, joint.bodyB).second;
+  const bool line = type == JointType::Slider;
+  if (!stands(joint.bodyA)) return {joint.bodyA, joint.bodyB, joint.anchorA, line ? normalize(conjugate(a) * b * joint.frameB) : joint.frameA};
+  // half a turn about y
+  return {joint.bodyB, joint.bodyA, joint.anchorB, normalize(joint.frameB * Quat{0, 0, 1, 0})};
+}
+
+JointDef coupling(JointType type, const Moving& a, const Moving& b, double ratio) {
+  JointDef joint;
+  joint.type = type;
+  joint.bodyA = a.body, joint.bodyB = b.body;
+  joint.carrierA = a.carrier, joint.carrierB = b.carrier;
+  joint.anchorA = a.anchor, joint.anchorB = b.anchor;
+  joint.frameA = a.frame, joint.frameB = b.frame;
+  joint.ratio = ratio;
+  return joint;
+}
+
+}  // namespace
+
 JointDef jointAt(const Scene& scene, JointType type, int bodyA, int bodyB, const Vec3& point, const Quat& frame) {
-  const auto pose = [&](int body) {
-    if (body == kWorld) return std::pair{Vec3{}, Quat{}};
-    const BodyDef& def = scene.bodies.at(static_cast<std::size_t>(body));
-    return std::pair{def.position, normalize(def.orientation)};
-  };
-  const auto [pa, qa] = pose(bodyA);
-  const auto [pb, qb] = pose(bodyB);
+  const auto [pa, qa] = poseOf(scene, bodyA);
+  const auto [pb, qb] = poseOf(scene, bodyB);
   JointDef joint;
   joint.type = type;
   joint.bodyA = bodyA, joint.bodyB = bodyB;
@@ -130,6 +167,13 @@ JointDef jointAt(const Scene& scene, JointType type, int bodyA, int bodyB, const
   joint.frameB = normalize(conjugate(qb) * frame);
   joint.orientationAtoB = normalize(conjugate(qb) * qa);
   return joint;
+}
+
+JointDef gearBetween(const Scene& scene, int hingeA, int hingeB, double ratio) {
+  return coupling(JointType::Gear, movingSide(scene, hingeA, JointType::Hinge, "hingeA"), movingSide(scene, hingeB, JointType::Hinge, "hingeB"), ratio);
+}
+JointDef rackBetween(const Scene& scene, int hinge, int slider, double ratio) {
+  return coupling(JointType::Rack, movingSide(scene, hinge, JointType::Hinge, "hinge"), movingSide(scene, slider, JointType::Slider, "slider"), ratio);
 }
 
 }  // namespace rubble

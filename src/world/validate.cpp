@@ -4,6 +4,8 @@
 #include <rubble/error.h>
 #include <rubble/scene.h>
 
+#include "world/joint_build.h"
+
 namespace rubble {
 
 namespace {
@@ -93,6 +95,10 @@ void validateJoint(const Scene& scene, const JointDef& joint, const std::string&
   inRange(joint.bodyB, ".bodyB");
   if (joint.bodyA == joint.bodyB) throw Error(path, "two different bodies", "the same one twice");
   const auto dynamic = [&](int body) { return body != kWorld && scene.bodies[static_cast<std::size_t>(body)].motion == Motion::Dynamic; };
+  inRange(joint.carrierA, ".carrierA");
+  inRange(joint.carrierB, ".carrierB");
+  checkCarrier(joint.type, joint.bodyA, joint.carrierA, path + ".carrierA");
+  checkCarrier(joint.type, joint.bodyB, joint.carrierB, path + ".carrierB");
   if (!dynamic(joint.bodyA) && !dynamic(joint.bodyB)) throw Error(path, "at least one dynamic body", "none");
   validate(joint, path);
 }

@@ -53,7 +53,8 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
     r.sceneBodies.push_back(impl_->addBody(scene.bodies[i], "bodies[" + std::to_string(i) + "]"));
   const auto idOf = [&](int body) { return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)]; };
-  for (const JointDef& joint : scene.joints) impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB));
+  for (const JointDef& joint : scene.joints) 
+    impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB), idOf(joint.carrierA), idOf(joint.carrierB));
   for (const auto& [a, b] : scene.exclusions) impl_->exclude(idOf(a), idOf(b), true);
   for (std::size_t i = 0; i < scene.deformables.size(); ++i)
     r.sceneSofts.push_back(impl_->addSoft(scene.deformables[i], "deformables[" + std::to_string(i) + "]"));
@@ -165,9 +166,9 @@ void World::applyTorque(BodyId id, const Vec3& torque) {
 }
 void World::applyImpulse(BodyId id, const Vec3& impulse) { applyImpulses({&id, 1}, {&impulse, 1}); }
 
-JointId World::addJoint(const JointDef& joint, BodyId a, BodyId b) {
+JointId World::addJoint(const JointDef& joint, BodyId a, BodyId b, BodyId carrierA, BodyId carrierB) {
   validate(joint, "joint");
-  return impl_->addJoint(joint, a, b);
+  return impl_->addJoint(joint, a, b, carrierA, carrierB);
 }
 void World::remove(JointId id) { impl_->removeJoint(id); }
 bool World::alive(JointId id) const { return impl_->registry.joints.alive(id); }
@@ -196,6 +197,10 @@ const JointDef& World::definition(JointId id) const {
 std::array<BodyId, 2> World::bodiesOf(JointId id) const {
   impl_->requireAlive(id);
   return {impl_->registry.joints[id].a, impl_->registry.joints[id].b};
+}
+std::array<BodyId, 2> World::carriersOf(JointId id) const {
+  impl_->requireAlive(id);
+  return {impl_->registry.joints[id].carrierA, impl_->registry.joints[id].carrierB};
 }
 void World::setDefinition(JointId id, const JointDef& joint) { impl_->redefine(id, joint); }
 void World::setTargetPosition(JointId id, int axis, double position) {

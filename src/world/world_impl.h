@@ -79,6 +79,7 @@ struct BodyRecord {
 struct JointRecord {
   JointDef def;
   BodyId a, b;        ///< index -1: the world
+  BodyId carrierA, carrierB;
   EngineJoint engine; ///< as the engine has it
   int engineSlot;     ///< among the joints of its type
   bool broken = false;
@@ -162,7 +163,7 @@ struct World::Impl {
   /// Place among the engine's materials, -1 for one that needs none.
   int surfaceOf(const Material& material);
   BodyId addBody(const BodyDef& def, const std::string& path);
-  JointId addJoint(const JointDef& def, BodyId a, BodyId b);
+  JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId carrierA, BodyId carrierB);
   /// Another definition of the same type for a joint.
   void redefine(JointId id, const JointDef& def);
   /// The same with an axis changed by edit(JointAxis&).
@@ -177,7 +178,8 @@ struct World::Impl {
   }
   /// Notes the joints that have broken in this step.
   void findBroken(std::vector<JointId>& broken);
-  JointBodies jointBodies(BodyId a, BodyId b) const;
+  JointBodies jointBodies(const JointRecord& joint) const;
+  void wakeBodiesOf(const JointRecord& joint);
   /// The same with anchors and frames in the axes of the engine.
   JointDef inEngineFrames(JointDef def, BodyId a, BodyId b) const;
   void removeBody(BodyId id);

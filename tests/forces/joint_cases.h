@@ -9,9 +9,16 @@ namespace rubble::RUBBLE_CORE {
 /// A joint between two poses.
 template <class F> struct JointCase {
   typename F::Data data;
-  Pose a, b;
+  SidePose<F> a, b;
   typename F::Memory memory{};
 };
+
+/// The pose of the body of a side.
+template <class F> Pose& poseOf(JointCase<F>& x, int side) {
+  if constexpr (isCarried<F>())
+    if (side >= 2) return side == 2 ? x.a.carrier : x.b.carrier;
+  return side == 0 ? x.a : x.b;
+}
 
 /// A frame on a body that is turned by up to 2 rad against `base`: not close to half a turn, where angles fold over.
 inline Quat frameNear(test::Random& random, const Quat& base, const Quat& body) { return conjugate(body) * base * random.rotationUpTo(2); }
@@ -20,13 +27,13 @@ inline Quat frameNear(test::Random& random, const Quat& base, const Quat& body) 
 template <class F> JointCase<F> randomJointCase(test::Random& random) {
   JointCase<F> x{};
   auto& d = x.data;
-  x.a = randomPose(random), x.b = randomPose(random);
+  for (int side = 0; side < kSides<F>; ++side) poseOf(x, side) = randomPose(random);
   if constexpr (requires { d.anchorA; }) d.anchorA = random.vector(), d.anchorB = random.vector();
   if constexpr (requires { d.aToB; }) d.aToB = conjugate(random.rotationUpTo(2)) * conjugate(x.b.q) * x.a.q;
   if constexpr (requires { d.frameB; }) d.frameB = random.rotation();
   if constexpr (requires { d.baseA; }) {
     d.baseA = random.rotation();
-    d.frameA = frameNear(random, d.baseA, x.a.q);
+    d.frameA = frameNear(random, x.a.carrier.q * d.baseA, x.a.q);
   } else if constexpr (requires { d.frameA; }) {
     // not at the tip of the cone, which has no direction
     do d.frameA = frameNear(random, x.b.q * d.frameB, x.a.q);
@@ -34,7 +41,7 @@ template <class F> JointCase<F> randomJointCase(test::Random& random) {
   }
   if constexpr (requires { d.baseB; }) {
     d.baseB = random.rotation();
-    d.frameB = frameNear(random, d.baseB, x.b.q);
+    d.frameB = frameNear(random, x.b.carrier.q * d.baseB, x.b.q);
   }
   if constexpr (requires { d.driveTarget; }) {
     d.driveTarget = random.rotationUpTo(.4) * conjugate(x.b.q * d.frameB) * x.a.q * d.frameA;
@@ -64,7 +71,7 @@ template <class P, class F> Rows<P> constraintOf(const JointCase<F>& x) {
 
 /// The case with one body moved along the retraction [S 9].
 template <class F> JointCase<F> moved(JointCase<F> x, int side, const Vec6& dx) {
-  Pose& pose = side == 0 ? x.a : x.b;
+  Pose& pose = poseOf(x, side);
   pose = retract(pose, dx);
   return x;
 }
@@ -73,13 +80,9 @@ template <class F> JointCase<F> moved(JointCase<F> x, int side, const Vec6& dx) 
 template <class F> JointCase<F> image(const JointCase<F>& x, const Quat& turn, const Vec3& shift) {
   JointCase<F> y = x;
   const auto of = [&](const Pose& p) { return Pose{rotate(turn, p.p) + shift, turn * p.q}; };
-  y.a = of(x.a), y.b = of(x.b);
+  for (int side = 0; side < kSides<F>; ++side) poseOf(y, side) = of(poseOf(y, side));
   auto& d = y.data;
-  if constexpr (requires { d.baseA; }) d.baseA = turn * d.baseA;
-  if constexpr (requires { d.baseB; }) d.baseB = turn * d.baseB;
-  if constexpr (requires { d.pointA; }) d.pointA = rotate(turn, d.pointA) + shift;
-  if constexpr (requires { d.pointB; }) d.pointB = rotate(turn, d.pointB) + shift;
-  if constexpr (requires { d.direction; }) d.direction = rotate(turn, d.direction);
+  if constexpr (F::kGrounded) d.pointA = rotate(turn, d.pointA) + shift, d.pointB = rotate(turn, d.pointB) + shift;
   y.memory.remember(d, y.a, y.b, {});
   if constexpr (requires { y.memory.start; }) y.memory.start = x.memory.start;
   return y;
@@ -90,6 +93,7 @@ template <class F> JointSpec<F> specOf(const typename F::Data& data) {
   JointSpec<F> spec{};
   spec.data = data;
   spec.a = 0, spec.b = 1;
+  if constexpr (isCarried<F>()) spec.carrierA = 2, spec.carrierB = 3;
   spec.alive = spec.holds = true;
   spec.breakForce = spec.breakTorque = kHardValue;
   forEachPart<F>([&]<int I, class P>() {

@@ -11,7 +11,8 @@ const JointBody kLight{2, {.1, .2, .3}, {}}, kHeavy{200, {10, 20, 30}, {}}, kFix
 template <class F> void begin(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const JointCase<F>& x,
                               const JointBody& a = kLight, const JointBody& b = kHeavy) {
   joint.length = .5;
-  beginJoint(c, spec, joint, x.a, x.b, a, b);
+  const JointBody bodies[2] = {a, b};
+  beginJoint(c, spec, joint, x.a, x.b, bodies);
 }
 template <class F> Joint<F> begun(const JointCase<F>& x, const StepConstants& c, const JointSpec<F>& spec) {
   Joint<F> joint{};

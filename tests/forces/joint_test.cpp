@@ -29,7 +29,7 @@ TYPED_TEST(JointTest, JacobianIsTheDerivativeOfTheConstraint) {
   for (int n = 0; n < kCases; ++n) {
     const JointCase<F> x = randomJointCase<F>(random);
     forEachPart<F>([&]<int I, class P>() {
-      for (int side = 0; side < 2; ++side) {
+      for (int side = 0; side < kSides<F>; ++side) {
         Vec6 j[P::kRows];
         P::jacobian(x.data, x.memory, x.a, x.b, side, j);
         for (int i = 0; i < 6; ++i) {
@@ -83,7 +83,7 @@ TYPED_TEST(JointTest, CurvatureOfEachPartIsTheColumnNormsOfItsSecondDerivative) 
       Real force[P::kRows];
       // lengths have their whole curvature under tension only
       for (Real& f : force) f = P::kAxis ? random.uniform(.5, 2) : random.uniform(-2, 2);
-      for (int side = 0; side < 2; ++side) {
+      for (int side = 0; side < kSides<F>; ++side) {
         const Vec6 g = P::curvature(x.data, x.memory, x.a, x.b, side, force), norms = columnNorms<P>(x, side, force);
         for (int i = 0; i < 6; ++i)
           EXPECT_NEAR(component(g, i), component(norms, i), 2e-5 * (1 + component(norms, i))) << "part " << I << ", side " << side << ", coordinate " << i;
@@ -92,7 +92,7 @@ TYPED_TEST(JointTest, CurvatureOfEachPartIsTheColumnNormsOfItsSecondDerivative) 
   }
 }
 
-TYPED_TEST(JointTest, ForcesOnBothBodiesCancelUnlessTheWorldTakesPart) {
+TYPED_TEST(JointTest, ForcesOnAllBodiesCancelUnlessTheWorldTakesPart) {
   using F = TypeParam;
   if (F::kGrounded) return;
   Random random(3);
@@ -103,13 +103,15 @@ TYPED_TEST(JointTest, ForcesOnBothBodiesCancelUnlessTheWorldTakesPart) {
       JointCase<F> y = x;
       // rows that hold anchors together act at two points: closed joints have no net moment
       if constexpr (std::is_same_v<P, AnchorRows>) closeAnchors(y);
-      Vec6 ja[P::kRows], jb[P::kRows];
-      P::jacobian(y.data, y.memory, y.a, y.b, 0, ja);
-      P::jacobian(y.data, y.memory, y.a, y.b, 1, jb);
+      Vec3 force[P::kRows]{}, moment[P::kRows]{};
+      for (int side = 0; side < kSides<F>; ++side) {
+        Vec6 j[P::kRows];
+        P::jacobian(y.data, y.memory, y.a, y.b, side, j);
+        for (int row = 0; row < P::kRows; ++row) force[row] += j[row].lin, moment[row] += j[row].ang + cross(poseOf(y, side).p - about, j[row].lin);
+      }
       for (int row = 0; row < P::kRows; ++row) {
-        EXPECT_TRUE(test::near(ja[row].lin + jb[row].lin, Vec3{}, 1e-13)) << I;
-        const Vec3 moment = ja[row].ang + cross(y.a.p - about, ja[row].lin) + jb[row].ang + cross(y.b.p - about, jb[row].lin);
-        EXPECT_TRUE(test::near(moment, Vec3{}, 1e-12)) << I << " " << row;
+        EXPECT_TRUE(test::near(force[row], Vec3{}, 1e-13)) << I;
+        EXPECT_TRUE(test::near(moment[row], Vec3{}, 1e-12)) << I << " " << row;
       }
     });
   }
@@ -137,7 +139,7 @@ TYPED_TEST(JointTest, TurnsAndShiftsWithTheWorld) {
       for (int row = 0; row < P::kRows; ++row) sx += cx.c[row] * cx.c[row], sy += cy.c[row] * cy.c[row];
       EXPECT_NEAR(std::sqrt(sx), std::sqrt(sy), 1e-12) << I;
       // the force of the penalty k C, whatever axes the rows use
-      for (int side = 0; side < 2; ++side) {
+      for (int side = 0; side < kSides<F>; ++side) {
         const Vec6 fx = forceOn<P>(x, side, cx.c), fy = forceOn<P>(y, side, cy.c);
         EXPECT_TRUE(test::near(rotate(turn, fx.lin), fy.lin, 1e-11)) << I;
         EXPECT_TRUE(test::near(rotate(turn, fx.ang), fy.ang, 1e-11)) << I;
@@ -156,7 +158,7 @@ TYPED_TEST(JointTest, DoesNotSeeTheSignOfAQuaternion) {
     forEachPart<F>([&]<int I, class P>() {
       const Rows<P> cx = constraintOf<P>(x), cy = constraintOf<P>(y);
       for (int row = 0; row < P::kRows; ++row) EXPECT_NEAR(cx.c[row], cy.c[row], 1e-13) << I;
-      for (int side = 0; side < 2; ++side)
+      for (int side = 0; side < kSides<F>; ++side)
         EXPECT_TRUE(test::near(forceOn<P>(x, side, cx.c).ang, forceOn<P>(y, side, cx.c).ang, 1e-12)) << I;
     });
   }
@@ -173,11 +175,12 @@ TYPED_TEST(JointTest, ReportsTheForceThatItsBodiesFeelInTheBlockOfEach) {
     Joint<F> joint{};
     joint.memory = x.memory;
     joint.length = 1;
-    const JointBody light{2, {.1, .2, .3}, {}}, heavy{20, {1, 2, 3}, {}};
-    beginJoint(c, spec, joint, x.a, x.b, light, heavy);
+    JointBody bodies[kSides<F>];
+    for (int side = 0; side < kSides<F>; ++side) bodies[side] = side == 0 ? JointBody{2, {.1, .2, .3}, {}} : JointBody{20, {1, 2, 3}, {}};
+    beginJoint(c, spec, joint, x.a, x.b, bodies);
     // after a dual update the multipliers are the forces; with k = 0 the blocks hold them alone
     updateJointDuals(c, spec, joint, x.a, x.b);
-    for (int side = 0; side < 2; ++side) {
+    for (int side = 0; side < kSides<F>; ++side) {
       Vec6 sum{{0, 0, 0}, {0, 0, 0}};
       forEachPart<F>([&]<int I, class P>() {
         auto& rows = partOf<I>(joint.parts);
@@ -198,6 +201,42 @@ TYPED_TEST(JointTest, ReportsTheForceThatItsBodiesFeelInTheBlockOfEach) {
       EXPECT_GT(length(block.fl) + length(block.fa), 0);
     }
   }
+}
+
+/// A body that has several sides of a joint feels the sum of them: the derivative of the constraint as it moves.
+TEST(GearJoint, ABodyOfSeveralSidesFeelsTheSumOfThem) {
+  Random random(12);
+  const int owners[][4] = {{0, 1, 2, 2}, {0, 1, 1, 3}, {0, 1, 2, 0}};
+  for (const int(&body)[4] : owners)
+    for (int n = 0; n < kCases; ++n) {
+      JointCase<GearJoint> x = randomJointCase<GearJoint>(random);
+      for (int side = 1; side < 4; ++side)
+        for (int k = 0; k < side; ++k)
+          if (body[k] == body[side]) poseOf(x, side) = poseOf(x, k);
+      x.data.frameA = frameNear(random, x.a.carrier.q * x.data.baseA, x.a.q);
+      x.data.frameB = frameNear(random, x.b.carrier.q * x.data.baseB, x.b.q);
+      x.memory = {};
+      x.memory.remember(x.data, x.a, x.b, {});
+      JointSpec<GearJoint> spec = specOf<GearJoint>(x.data);
+      spec.a = body[0], spec.b = body[1], spec.carrierA = body[2], spec.carrierB = body[3];
+      Joint<GearJoint> joint{};
+      joint.memory = x.memory;
+      for (int side = 0; side < 4; ++side) {
+        if (!isFirstSide(spec, side)) continue;
+        Vec6 j[1];
+        jacobianOf<GearAxis>(spec, joint, x.a, x.b, side, j);
+        constexpr Real h = 1e-4;
+        for (int i = 3; i < 6; ++i) {
+          const auto at = [&](Real s) {
+            JointCase<GearJoint> y = x;
+            for (int k = 0; k < 4; ++k)
+              if (body[k] == body[side]) y = moved(y, k, (s * h) * unitVec6(i));
+            return constraintOf<GearAxis>(y).c[0];
+          };
+          EXPECT_NEAR(component(j[0], i), (8 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12 * h), 1e-7);
+        }
+      }
+    }
 }
 
 TEST(FixedJoint, MeasuresTheAngleFromTheWantedOrientation) {

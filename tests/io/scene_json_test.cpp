@@ -182,6 +182,45 @@ TEST(SceneJson, AuthorsShorthands) {
   EXPECT_NEAR(joint.orientationAtoB.v.z, -std::sqrt(.5), 1e-15);
 }
 
+/// Hinges "shaft" of a on b and "arm" of b on the world, a slider "guide" of c on b, and this joint.
+std::string withMachine(const std::string& joint) {
+  return R"({"bodies": [{"name": "a", "shape": {"type": "sphere", "radius": 1}}, {"name": "b", "shape": {"type": "sphere", "radius": 1}, "position": [3, 0, 0]},
+                        {"name": "c", "shape": {"type": "sphere", "radius": 1}, "position": [0, 3, 0]}],
+             "joints": [{"name": "shaft", "type": "hinge", "body_a": "a", "body_b": "b", "anchor": [0, 0, 0], "axis": [0, 0, 1]},
+                        {"name": "arm", "type": "hinge", "body_a": "b", "body_b": "world", "anchor": [0, 0, 0], "axis": [0, 0, 1]},
+                        {"name": "guide", "type": "slider", "body_a": "c", "body_b": "b", "anchor": [0, 3, 0], "axis": [0, 1, 0]},)" +
+         joint + "]}";
+}
+
+TEST(SceneJson, AGearIsOfTwoHingesAndARackOfAHingeAndASlider) {
+  std::vector<Fault> faults;
+  const SceneFile gears = parseScene(withMachine(R"({"name": "mesh", "type": "gear", "joint_a": "shaft", "joint_b": "arm", "ratio": 3, "break_torque": 5})"), faults);
+  ASSERT_TRUE(faults.empty()) << faults[0].message;
+  const JointDef& gear = gears.scene.joints[3];
+  EXPECT_EQ(gear.name, "mesh");
+  EXPECT_EQ(gear.bodyA, 0);
+  EXPECT_EQ(gear.carrierA, 1);
+  EXPECT_EQ(gear.bodyB, 1);
+  EXPECT_EQ(gear.carrierB, kWorld);
+  EXPECT_EQ(gear.ratio, 3);
+  EXPECT_EQ(gear.breakTorque, 5);
+  const SceneFile racks = parseScene(withMachine(R"({"type": "rack", "joint_a": "shaft", "joint_b": "guide", "ratio": 0.2})"), faults);
+  ASSERT_TRUE(faults.empty()) << faults[0].message;
+  EXPECT_EQ(racks.scene.joints[3].bodyB, 2);
+  EXPECT_EQ(racks.scene.joints[3].carrierB, 1);
+  EXPECT_LT(length(rotate(racks.scene.joints[3].frameB, Vec3{1, 0, 0}) - Vec3{0, 1, 0}), 1e-12);
+  EXPECT_NO_THROW(validate(racks.scene));
+
+  const auto fault = [](const std::string& joint) {
+    const std::vector<Fault> all = faultsOf(withMachine(joint));
+    return all.empty() ? "" : all[0].path + ": " + all[0].message;
+  };
+  EXPECT_NE(fault(R"({"type": "gear", "joint_a": "shaft", "joint_b": "guide"})").find("joints[3].joint_b: expected the name of a hinge further up"), std::string::npos);
+  EXPECT_NE(fault(R"({"type": "gear", "joint_a": "shaft"})").find("\"joint_b\""), std::string::npos);
+  EXPECT_NE(fault(R"({"type": "ball", "joint_a": "shaft", "joint_b": "arm"})").find("only for a gear or a rack"), std::string::npos);
+  EXPECT_NE(fault(R"({"type": "gear", "joint_a": "shaft", "joint_b": "arm", "body_a": "a"})").find("body_a"), std::string::npos);
+}
+
 TEST(SceneJson, ReadSceneNamesTheFile) {
   try {
     readScene("/nowhere/at/all.json");

@@ -52,6 +52,8 @@ void expectSame(const JointDef& a, const JointDef& b) {
   EXPECT_EQ(a.type, b.type);
   EXPECT_EQ(a.bodyA, b.bodyA);
   EXPECT_EQ(a.bodyB, b.bodyB);
+  EXPECT_EQ(a.carrierA, b.carrierA);
+  EXPECT_EQ(a.carrierB, b.carrierB);
   expectSame(a.anchorA, b.anchorA);
   expectSame(a.anchorB, b.anchorB);
   if (a.type == JointType::Fixed) expectSame(a.orientationAtoB, b.orientationAtoB);
@@ -233,7 +235,13 @@ TEST(SceneRoundTrip, EverythingIsExact) {
   shoulder.driveOrientation = normalize(Quat{1, .2, 0, 0});
   shoulder.friction = 3;
   shoulder.axes[1].min = -.3;
-  scene.joints = {ball, fixed, six, pulley, shoulder};
+  JointDef gear;
+  gear.type = JointType::Gear;
+  gear.bodyA = 1, gear.bodyB = 2;
+  gear.carrierB = 0;
+  gear.frameA = normalize(Quat{.4, -.2, .3, .1});
+  gear.ratio = -2.5;
+  scene.joints = {ball, fixed, six, pulley, shoulder, gear};
   BodyDef ball2;
   ball2.name = "ball";
   ball2.shape = Shape::sphere(.1);

@@ -69,7 +69,7 @@ TEST(Shapes, HoldOnARampUpToItsThresholdAndSlideBeyond) {
       for (const test::Standing& s : test::standingShapes()) scene.bodies.push_back(test::body(s.shape, {-1.03, y += 1.05, s.height}, kFriction));
       const double slope = std::atan(factor * kFriction);
       test::turn(scene, fromAxisAngle(Vec3{0, 1, 0}, slope));
-      World world(scene, options(10));
+      World world(scene, options(4));
       test::run(world, 240);
       const double way = 10 * std::cos(slope) * .01 * kFriction * 16 / 2;
       for (std::size_t i = 1; i < scene.bodies.size(); ++i) {

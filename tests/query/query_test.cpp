@@ -4,43 +4,18 @@
 #include <algorithm>
 #include <optional>
 
-#include "tests/query/exact.h"
+#include "tests/query/crowd.h"
 #include "tests/support/expect.h"
 
 namespace rubble {
 namespace {
 
+using test::crowd;
 using test::distanceBetween;
 using test::distanceTo;
-
-/// 300 bodies in a cube of 20 m that overlap as they like, over a half space.
-Scene crowd(std::uint64_t seed) {
-  test::Random random(seed);
-  Scene scene = test::emptyScene();
-  BodyDef ground = test::ground();
-  ground.position = {0, 0, -8};
-  ground.orientation = random.rotationUpTo(.3);
-  scene.bodies.push_back(ground);
-  for (int i = 0; i < 300; ++i) {
-    const bool mesh = random.below(10) == 0;
-    BodyDef def = test::body(mesh ? test::randomMesh(random, 2) : test::randomSolid(random, 3), random.vector(10));
-    def.orientation = random.rotation();
-    def.motion = mesh || random.below(2) ? Motion::Static : Motion::Dynamic;
-    def.filter.layers = 1u << random.below(3);
-    def.sensor = random.below(10) == 0;
-    scene.bodies.push_back(def);
-  }
-  return scene;
-}
+using test::randomFilter;
 
 bool seen(const BodyDef& b, const QueryFilter& f) { return (f.sensors || !b.sensor) && (b.filter.layers & f.mask) != 0; }
-
-QueryFilter randomFilter(test::Random& random) {
-  QueryFilter f;
-  f.mask = random.below(2) ? 0xffffffffu : 1u << random.below(3);
-  f.sensors = random.below(2);
-  return f;
-}
 
 /// First point of a way at which some body is nearer than `radius`, by going on by the distance each time. Body and length of the way.
 class March {

@@ -1,6 +1,7 @@
 /// Joints of every type in a world: what they hold, what they report, what can be set while it runs.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "tests/support/expect.h"
@@ -57,6 +58,21 @@ TEST(Hinge, CountsTurnsBeyondPiAndStopsAtALimitOfTwoTurns) {
   EXPECT_NEAR(world.state(only(world)).axes[0].position, 7, .05);
   test::run(world, 120);
   EXPECT_NEAR(world.state(only(world)).axes[0].position, 4 * std::numbers::pi, .05);
+}
+
+TEST(Hinge, RestsOnASoftLimitByHookesLaw) {
+  Scene scene = cube();
+  // a cube of 1 kg, its centre .5 m from the hinge, falls onto a limit of 40 N m/rad
+  JointDef hinge = jointAt(scene, JointType::Hinge, 0, kWorld, {-.5, 0, 0}, frameAlong(kY));
+  hinge.axes[0].max = .2;
+  hinge.axes[0].limitStiffness = 40, hinge.axes[0].limitDamping = 4;
+  scene.joints.push_back(hinge);
+  World world(scene, options(4));
+  test::run(world, 600);
+  const JointAxisState axis = world.state(only(world)).axes[0];
+  EXPECT_NEAR(40 * (axis.position - .2), 10 * .5 * std::cos(axis.position), .02);
+  EXPECT_NEAR(axis.limitForce, -40 * (axis.position - .2), .02);
+  EXPECT_NEAR(axis.speed, 0, 1e-3);
 }
 
 TEST(Slider, MovesOnlyAlongItsAxisAndReachesItsDriveTarget) {

@@ -49,6 +49,7 @@ void setData(Data& data, const EngineJoint& in) {
   if constexpr (requires { data.pointA; }) data.pointA = in.pointA;
   if constexpr (requires { data.pointB; }) data.pointB = in.pointB;
   if constexpr (requires { data.direction; }) data.direction = Vec3(in.direction);
+  if constexpr (requires { data.inWorld; }) data.inWorld = in.carrierB == kWorld;
   if constexpr (requires { data.ratio; }) data.ratio = static_cast<Real>(in.ratio);
   if constexpr (requires { data.driveTarget; }) data.driveTarget = Quat(in.driveTarget);
   if constexpr (requires { data.coneY; }) data.coneY = static_cast<Real>(in.coneY), data.coneZ = static_cast<Real>(in.coneZ);
@@ -58,10 +59,13 @@ template <class F>
 void editJointOf(HostTables& tables, int slot, const EngineJoint& in) {
   JointSpec<F>& spec = tables.view().specsOf<F>()[slot];
   // other edits of a joint leave the trees as they are
-  tables.view().treesStale |= spec.a != in.a || spec.b != in.b || spec.alive != in.alive || spec.holds != in.holds;
+  bool moved = spec.a != in.a || spec.b != in.b;
+  if constexpr (isCarried<F>()) moved |= spec.carrierA != in.carrierA || spec.carrierB != in.carrierB;
+  tables.view().treesStale |= moved || spec.alive != in.alive || spec.holds != in.holds;
   spec = {};
   setData(spec.data, in);
   spec.a = in.a, spec.b = in.b;
+  if constexpr (isCarried<F>()) spec.carrierA = in.carrierA, spec.carrierB = in.carrierB;
   spec.alive = in.alive, spec.holds = in.holds;
   spec.breakForce = finite(in.breakForce), spec.breakTorque = finite(in.breakTorque);
   std::size_t group = 0, axis = 0;
@@ -88,9 +92,16 @@ void measureJoint(const View& s, int slot, JointState& state) {
   const JointSpec<F>& spec = s.specsOf<F>()[slot];
   const Joint<F>& joint = s.jointsOf<F>()[slot];
   const Vec3d origin = jointOrigin(s, spec.b);
-  const Pose a = worldPose(s, spec.a, origin), b = worldPose(s, spec.b, origin);
+  SidePose<F> a, b;
+  if constexpr (isCarried<F>()) {
+    // the world as a carrier is where the step has it
+    const auto carrier = [&](int body) { return body == kWorldBody ? Pose{{0, 0, 0}, Quat{}} : worldPose(s, body, origin); };
+    a = {worldPose(s, spec.a, origin), carrier(spec.carrierA)};
+    b = {worldPose(s, spec.b, origin), carrier(spec.carrierB)};
+  } else {
+    a = worldPose(s, spec.a, origin), b = worldPose(s, spec.b, origin);
+  }
   const auto velocity = [&](int body) { return body == kWorldBody ? Vec6{{0, 0, 0}, {0, 0, 0}} : Vec6{s.velocity[body], s.spin[body]}; };
-  const Vec6 va = velocity(spec.a), vb = velocity(spec.b);
   typename F::Memory memory = joint.memory;
   memory.remember(spec.data, a, b, origin);
   double linear2 = 0, angular2 = 0;
@@ -99,9 +110,8 @@ void measureJoint(const View& s, int slot, JointState& state) {
     const auto& rows = partOf<I>(joint.parts);
     double& error2 = P::kUnit == RowUnit::Linear ? linear2 : angular2;
     Real error[P::kRows];
-    Vec6 ja[P::kRows], jb[P::kRows];
+    Vec6 jb[P::kRows];
     P::constraint(spec.data, memory, a, b, error);
-    P::jacobian(spec.data, memory, a, b, 0, ja);
     P::jacobian(spec.data, memory, a, b, 1, jb);
     const auto addLoad = [&](Real f, const Vec6& j) {
       force -= rubble::Vec3(f * j.lin);
@@ -113,7 +123,13 @@ void measureJoint(const View& s, int slot, JointState& state) {
       double turned = 0;
       if constexpr (requires { P::turns(spec.data, memory); }) turned = P::turns(spec.data, memory);
       axis.position = static_cast<double>(error[0]) + turned;
-      axis.speed = static_cast<double>(dot(ja[0], va) + dot(jb[0], vb));
+      Real speed = 0;
+      for (int side = 0; side < kSides<F>; ++side) {
+        Vec6 j[P::kRows];
+        P::jacobian(spec.data, memory, a, b, side, j);
+        speed += dot(j[0], velocity(bodyOf(spec, side)));
+      }
+      axis.speed = static_cast<double>(speed);
       const auto of = [](const AxisRow& row) { return row.acts ? -static_cast<double>(row.lambda) : 0.0; };
       axis.limitForce = of(rows.limit), axis.driveForce = of(rows.drive), axis.frictionForce = of(rows.friction);
       addLoad(axisLoad(rows), jb[0]);

@@ -48,8 +48,8 @@ void addJoint(const View& s, int slot, std::vector<SolverState>& bodies) {
       }
     }
   });
-  for (const int body : {spec.a, spec.b})
-    if (body != kWorldBody) raise(bodies[static_cast<std::size_t>(body)], static_cast<Real>(state.stiffness), static_cast<Real>(state.multiplier));
+  for (int side = 0; side < kSides<F>; ++side)
+    if (const int body = bodyOf(spec, side); body != kWorldBody) raise(bodies[static_cast<std::size_t>(body)], static_cast<Real>(state.stiffness), static_cast<Real>(state.multiplier));
 }
 
 void addVertexRows(const View& s, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) {

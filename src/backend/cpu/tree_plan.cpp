@@ -57,13 +57,19 @@ void Plan::readJoints() {
     for (int i = 0; i < s_.joints[typeIndex<F>(JointTypes{})]; ++i) {
       const JointSpec<F>& spec = s_.specsOf<F>()[i];
       const bool a = dynamic(spec.a), b = dynamic(spec.b);
-      if (!spec.alive || (!a && !b)) continue;
-      if (a) joined_[at(spec.a)] = 1;
-      if (b) joined_[at(spec.b)] = 1;
-      if (spec.holds) holding.emplace_back(a ? spec.a : spec.b, a && b);
-      if (!a || !b) continue;
-      component_[at(std::max(root(spec.a), root(spec.b)))] = std::min(root(spec.a), root(spec.b));
-      link(spec.a, spec.b), link(spec.b, spec.a);
+      if (!spec.alive) continue;
+      if (spec.holds && (a || b)) holding.emplace_back(a ? spec.a : spec.b, a && b);
+      for (int side = 0; side < kSides<F>; ++side) {
+        const int body = bodyOf(spec, side);
+        if (!dynamic(body)) continue;
+        joined_[at(body)] = 1;
+        for (int k = 0; k < side; ++k) {
+          const int other = bodyOf(spec, k);
+          if (!dynamic(other) || other == body) continue;
+          component_[at(std::max(root(other), root(body)))] = std::min(root(other), root(body));
+          link(other, body), link(body, other);
+        }
+      }
     }
   });
   for (const auto& [body, both] : holding) ++(both ? held_ : grounded_)[at(root(body))];

@@ -1,0 +1,102 @@
+/// Queries on the device against the same ones on the CPU, over the same poses.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include <rubble/info.h>
+
+#include "tests/query/crowd.h"
+
+namespace rubble::test {
+namespace {
+
+constexpr int kQueries = 1000;
+/// Answers that may fall to another body, of a near tie: the device contracts multiplications and additions.
+constexpr int kTies = 3;
+constexpr double kNear = 1e-4;
+
+class CudaQuery : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::vector<std::string> names = backends();
+    if (std::find(names.begin(), names.end(), "cuda") == names.end()) GTEST_SKIP() << "CUDA is " << cudaStatus();
+  }
+  static WorldOptions on(const std::string& backend) {
+    WorldOptions options;
+    options.backend = backend;
+    return options;
+  }
+  /// A world on each, after some steps of the one on the device.
+  static void meet(World& device, World& host) {
+    for (int i = 0; i < 5; ++i) device.step();
+    for (const BodyId id : device.bodies())
+      if (device.definition(id).motion == Motion::Dynamic) host.setState(id, device.state(id));
+  }
+};
+
+template <class Hit>
+void expectSame(const std::vector<Hit>& a, const std::vector<Hit>& b, int least) {
+  ASSERT_EQ(a.size(), b.size());
+  int other = 0, hits = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    hits += a[i].hit;
+    const bool both = a[i].hit && b[i].hit && a[i].body == b[i].body;
+    other += a[i].hit != b[i].hit || (a[i].hit && !both);
+    if (both) {
+      EXPECT_LT(length(a[i].position - b[i].position), kNear) << i;
+    }
+  }
+  EXPECT_LE(other, kTies);
+  EXPECT_GT(hits, least);
+}
+
+TEST_F(CudaQuery, AnswersAsTheCpuDoes) {
+  const Scene scene = crowd(31);
+  World device(scene, on("cuda")), host(scene, on("cpu"));
+  meet(device, host);
+  Random random(32);
+  std::vector<RayQuery> rays;
+  std::vector<CastQuery> casts;
+  std::vector<OverlapQuery> shapes;
+  std::vector<ClosestQuery> points;
+  for (int i = 0; i < kQueries; ++i) {
+    rays.push_back({random.vector(12), random.direction(), random.uniform(1, 30), randomFilter(random)});
+    casts.push_back({randomSolid(random, 1), random.vector(12), random.rotation(), random.vector(10), randomFilter(random)});
+    shapes.push_back({randomSolid(random, 3), random.vector(10), random.rotation(), randomFilter(random)});
+    points.push_back({random.vector(12), random.uniform(.1, 8), randomFilter(random)});
+  }
+  expectSame(device.castRays(rays), host.castRays(rays), kQueries / 4);
+  expectSame(device.castShapes(casts), host.castShapes(casts), kQueries / 4);
+  expectSame(device.closestPoints(points), host.closestPoints(points), kQueries / 4);
+  const auto a = device.overlaps(shapes), b = host.overlaps(shapes);
+  ASSERT_EQ(a.size(), b.size());
+  int other = 0;
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) other += a[i] != b[i], found += a[i].size();
+  EXPECT_LE(other, kTies);
+  EXPECT_GT(found, static_cast<std::size_t>(kQueries));
+}
+
+TEST_F(CudaQuery, SeesEditsAndLeavesTheStepAlone) {
+  const Scene scene = crowd(33);
+  World asked(scene, on("cuda")), alone(scene, on("cuda"));
+  const RayQuery ray{{0, 0, 50}, {0, 0, -1}, 30, {}};
+  // before the first step, after an edit, and between steps that a graph takes
+  EXPECT_FALSE(asked.castRays({&ray, 1})[0].hit);
+  BodyDef ball = body(Shape::sphere(1), {0, 0, 40});
+  ball.motion = Motion::Static;
+  const BodyId id = asked.add(ball);
+  alone.add(ball);
+  const RayHit hit = asked.castRays({&ray, 1})[0];
+  EXPECT_TRUE(hit.hit);
+  EXPECT_EQ(hit.body, id);
+  EXPECT_NEAR(hit.distance, 9, 1e-4);
+  for (int i = 0; i < 8; ++i) {
+    asked.step(), alone.step();
+    asked.castRays({&ray, 1});
+  }
+  EXPECT_EQ(asked.hash(), alone.hash());
+}
+
+}  // namespace
+}  // namespace rubble::test

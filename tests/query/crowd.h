@@ -1,0 +1,34 @@
+#pragma once
+/// A world to ask about, and what of it a query looks at.
+#include "tests/query/exact.h"
+
+namespace rubble::test {
+
+/// 300 bodies in a cube of 20 m that overlap as they like, over a half space.
+inline Scene crowd(std::uint64_t seed) {
+  Random random(seed);
+  Scene scene = emptyScene();
+  BodyDef floor = ground();
+  floor.position = {0, 0, -8};
+  floor.orientation = random.rotationUpTo(.3);
+  scene.bodies.push_back(floor);
+  for (int i = 0; i < 300; ++i) {
+    const bool mesh = random.below(10) == 0;
+    BodyDef def = body(mesh ? randomMesh(random, 2) : randomSolid(random, 3), random.vector(10));
+    def.orientation = random.rotation();
+    def.motion = mesh || random.below(2) ? Motion::Static : Motion::Dynamic;
+    def.filter.layers = 1u << random.below(3);
+    def.sensor = random.below(10) == 0;
+    scene.bodies.push_back(def);
+  }
+  return scene;
+}
+
+inline QueryFilter randomFilter(Random& random) {
+  QueryFilter f;
+  f.mask = random.below(2) ? 0xffffffffu : 1u << random.below(3);
+  f.sensors = random.below(2);
+  return f;
+}
+
+}  // namespace rubble::test
