@@ -11,7 +11,7 @@ namespace rubble {
 namespace {
 
 // Collision flags of state/vertices.h.
-constexpr int kWithBodies = 1, kWithGrains = 2, kWithSurfaces = 4, kWithSelf = 8;
+constexpr int kWithBodies = 1, kWithGrains = 2, kWithSurfaces = 4, kWithSelf = 8, kInside = 16;
 
 using Edge = std::pair<int, int>;
 
@@ -110,6 +110,7 @@ std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.contactRadius;
   setLengths(m, d, edgesOf(d.tetrahedra), 1);
   m.surface = boundaryOf(d.tetrahedra);
+  m.collides |= kInside;
   addSurface(m, d, m.surface, {}, false);
   return finished(std::move(m), d);
 }

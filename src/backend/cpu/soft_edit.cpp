@@ -162,6 +162,10 @@ struct Moves {
   /// Where an owner of pairs was.
   int ownerFrom(const View& s, const OldVertices& old, int owner) const {
     if (owner < s.vertices) return vertexFrom[static_cast<std::size_t>(owner)];
+    if (owner >= s.vertices + s.edges) {
+      const int from = owner - s.vertices - s.edges + static_cast<int>(old.position.size()) + old.edges;
+      return from < static_cast<int>(old.offset.size()) - 1 ? from : -1;
+    }
     const int from = featureFrom[static_cast<std::size_t>(owner - s.vertices)];
     return from < 0 ? -1 : static_cast<int>(old.position.size()) + from;
   }
@@ -327,7 +331,7 @@ void elementsAliveOf(const HostTables& tables, int type, int first, std::span<ch
 void forgetVertexContacts(HostTables& tables, int body) {
   View& s = tables.view();
   for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k)
-    if (s.oldPointPair[k].other == body) {
+    if (s.oldPointPair[k].other == body || (s.oldPointPair[k].vertex >= s.vertices + s.edges && bodyOfOwner(s, s.oldPointPair[k].vertex) == body)) {
       s.oldPointPair[k].other = -1;
       s.oldPointContact[k].active = 0;
     }
