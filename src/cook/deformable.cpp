@@ -188,6 +188,10 @@ std::shared_ptr<const SoftModel> cook(const ClothDef& d) {
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.thickness / 2;
   setLengths(m, d, edgesOf(d.triangles), 1);
   m.surface = d.triangles;
+  if (d.pressure != 0) {
+    for (const auto& t : d.triangles) m.pressures.push_back({t, d.pressure});
+    m.collides |= kInside;
+  }
   addSurface(m, d, d.triangles, {}, true);
   return finished(std::move(m), d);
 }

@@ -219,6 +219,7 @@ struct View : JointTables<JointTypes> {
   FoldBend* foldBend = nullptr;
   LineBend* lineBend = nullptr;
   Spring* spring = nullptr;
+  Pressure* pressure = nullptr;
 
   template <class F>
   RUBBLE_HD F* elementsOf() const {
@@ -227,7 +228,8 @@ struct View : JointTables<JointTypes> {
     else if constexpr (std::is_same_v<F, FlatBend>) return flatBend;
     else if constexpr (std::is_same_v<F, FoldBend>) return foldBend;
     else if constexpr (std::is_same_v<F, LineBend>) return lineBend;
-    else return spring;
+    else if constexpr (std::is_same_v<F, Spring>) return spring;
+    else return pressure;
   }
   RUBBLE_HD bool hasJoints() const {
     int all = 0;
@@ -375,6 +377,7 @@ void forEachArray(F&& f) {
   is(&View::foldBend, "foldBend", "", perElement<FoldBend>(), Life::State);
   is(&View::lineBend, "lineBend", "", perElement<LineBend>(), Life::State);
   is(&View::spring, "spring", "", perElement<Spring>(), Life::State);
+  is(&View::pressure, "pressure", "", perElement<Pressure>(), Life::State);
   is(&View::cluster, "cluster", "", Per::Cluster, Life::Authored);
   is(&View::clusterMember, "clusterMember", "", Per::Vertex, Life::Authored);
   is(&View::clusterRef, "clusterRef", "", Per::ClusterRef, Life::Authored);

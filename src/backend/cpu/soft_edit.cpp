@@ -60,6 +60,11 @@ Spring made(const SoftModel::Spring& m, int first) {
   e.bound = bound(m.bound), e.mass = real(m.mass);
   return e;
 }
+Pressure made(const SoftModel::Pressure& m, int first) {
+  Pressure e = fresh<Pressure>(m.v, first);
+  e.pressure = real(m.pressure);
+  return e;
+}
 
 template <class F>
 const auto& listOf(const SoftModel& m) {
@@ -68,7 +73,8 @@ const auto& listOf(const SoftModel& m) {
   else if constexpr (std::is_same_v<F, FlatBend>) return m.flatBends;
   else if constexpr (std::is_same_v<F, FoldBend>) return m.foldBends;
   else if constexpr (std::is_same_v<F, LineBend>) return m.lineBends;
-  else return m.springs;
+  else if constexpr (std::is_same_v<F, Spring>) return m.springs;
+  else return m.pressures;
 }
 static_assert(ElementTypes::kSize == SoftRange::kElementTypes);
 
