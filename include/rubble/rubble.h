@@ -6,6 +6,7 @@
 #include <rubble/ids.h>
 #include <rubble/material.h>
 #include <rubble/math.h>
+#include <rubble/mesh.h>
 #include <rubble/params.h>
 #include <rubble/query.h>
 #include <rubble/report.h>
