@@ -10,6 +10,7 @@
 #include <rubble/params.h>
 #include <rubble/query.h>
 #include <rubble/report.h>
+#include <rubble/rod.h>
 #include <rubble/scene.h>
 #include <rubble/soft.h>
 #include <rubble/world.h>
