@@ -18,7 +18,8 @@ class Recorder {
     if (file.empty()) return;
     ids_ = world.bodies();
     bodies_ = io::recordedBodies(world);
-    writer_.emplace(file, io::RecordingHeader{title, world.params().dt, world.gravity(), io::recordingResolution(bodies_)});
+    const double resolution = io::recordingResolution(bodies_, io::recordedSofts(world));
+    writer_.emplace(file, io::RecordingHeader{title, world.params().dt, world.gravity(), resolution});
     record(world);
   }
 
@@ -29,7 +30,8 @@ class Recorder {
       ids_ = std::move(ids);
       bodies_ = io::recordedBodies(world);
     }
-    writer_->write(bodies_, io::recordedFrame(world));
+    // sheets tear
+    writer_->write(bodies_, io::recordedFrame(world), io::recordedSofts(world));
   }
 
   void finish() {
