@@ -21,6 +21,7 @@ std::vector<Spec> softContactSpecs();  ///< surfaces that touch themselves and o
 std::vector<Spec> softDentSpecs();   ///< small bodies on coarse cloth
 std::vector<Spec> rodSpecs();        ///< rods of oriented segments
 std::vector<Spec> softPressureSpecs();  ///< closed sheets under pressure
+std::vector<Spec> softMachineSpecs();  ///< deformable objects in machines and among bodies
 std::vector<Spec> softPlateSpecs();  ///< many jointed bodies on cloth
 std::vector<Spec> softGrainSpecs();  ///< granular particles
 std::vector<Spec> shapeRestSpecs();    ///< shapes at rest: an arch of wedges, a drop of every kind, a bowl

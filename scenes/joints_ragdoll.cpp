@@ -4,6 +4,7 @@
 
 #include "families.h"
 #include "joint_probes.h"
+#include "ragdoll.h"
 
 namespace rubble::scenes {
 namespace {
@@ -53,7 +54,8 @@ void knee(Scene& scene, int lower, int upper, const Vec3& point, const Vec3& axi
   turn.friction = .5;
 }
 
-/// A man of 1.75 m and 70 kg with eleven bodies, standing at `foot`; turned about z.
+}  // namespace
+
 void addRagdoll(Scene& scene, const Vec3& foot, double turn, const std::string& name) {
   const int first = static_cast<int>(scene.bodies.size());
   const std::size_t firstJoint = scene.joints.size();
@@ -82,6 +84,8 @@ void addRagdoll(Scene& scene, const Vec3& foot, double turn, const std::string& 
   }
   for (std::size_t i = firstJoint; i < scene.joints.size(); ++i) scene.joints[i].name = name + ".joint" + std::to_string(i - firstJoint);
 }
+
+namespace {
 
 Scene buildRagdolls(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 9.81);

@@ -52,7 +52,7 @@ std::vector<Spec> makeRegistry() {
   for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &fastSpecs, &bodySpecs, &chainSpecs, &ropeSpecs,
                        &frictionSpecs, &structureSpecs, &shapeRestSpecs, &shapeMotionSpecs, &basicSpecs, &scaleSpecs, &jointAxisSpecs,
                        &machineSpecs, &robotSpecs, &ragdollSpecs, &cableSpecs, &springSpecs, &paperSpecs, &softSolidSpecs, &softSheetSpecs,
-                       &softContactSpecs, &softDentSpecs, &softPressureSpecs, &rodSpecs,
+                       &softContactSpecs, &softDentSpecs, &softPressureSpecs, &softMachineSpecs, &rodSpecs,
                        &softPlateSpecs, &softGrainSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));
   return all;
