@@ -143,6 +143,7 @@ Spec coilSpec() {
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{.35, -.5, .02}, {0, 0, -.1}}; };
   spec.steps = 600;
+  spec.testArguments = {{"turns", 3}};
   spec.tags = {"rod", "joint"};
   return spec;
 }

@@ -137,7 +137,7 @@ Spec figureSpec() {
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{2, -2.6, 1.5}, {.1, 0, .35}}; };
   spec.steps = 360;
   spec.iterations = 10;
-  spec.testArguments = {{"cell", .09}};
+  spec.testArguments = {{"cell", .11}};
   spec.testSteps = 240;
   spec.tags = {"soft"};
   return spec;
@@ -279,13 +279,14 @@ Spec carSpec() {
   spec.claims = [](const Arguments&) {
     return std::vector<Claim>{
         atLeast("travel_m", 5, "it drives over the sleepers"),  atMost("side_m", 1.2, "nearly straight on"),
-        within("speed_ratio", .85, 1.05, "its tyres roll"),     within("sag_peak_m", .002, .12, "they give way, and carry it"),
+        within("speed_ratio", .8, 1.05, "its tyres roll"),     within("sag_peak_m", .002, .12, "they give way, and carry it"),
         atMost("joint_gap_max_m", .01, "axles and tyres hold"), atMost("quarantined", 0, "finite throughout")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{2.4, -4.2, 1.9}, {2.4, 0, .2}}; };
   spec.steps = 300;
   spec.iterations = 10;
-  spec.testArguments = {{"cell", .09}};
+  spec.testArguments = {{"cell", .1}};
+  spec.testSteps = 200;
   spec.tags = {"soft", "joint"};
   return spec;
 }
