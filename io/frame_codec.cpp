@@ -10,8 +10,10 @@
 namespace rubble::io {
 namespace {
 
-/// Words of 32 bits a body: position x, y, z and the two halves of the quaternion.
-constexpr std::size_t kWords = 5;
+/// Words of 32 bits a body: position x, y, z and the two halves of the quaternion. Vertices have the first three. The words of all bodies and
+/// vertices come one kind after the other: x, y, z of bodies, then of vertices, then quaternions.
+constexpr std::size_t kPlaceWords = 3, kTurnWords = 2;
+std::size_t wordCountOf(std::size_t bodies, std::size_t vertices) { return kPlaceWords * (bodies + vertices) + kTurnWords * bodies; }
 constexpr int kQuaternionBits = 20;
 constexpr std::uint64_t kQuaternionMask = (1u << kQuaternionBits) - 1;
 /// Zero lies in the middle of the range.
@@ -66,22 +68,25 @@ Quat unpackQuaternion(std::uint64_t bits) {
 }
 
 bool FrameEncoder::add(const RecordedFrame& frame) {
-  const std::size_t count = frame.poses.size();
+  const std::size_t bodies = frame.poses.size(), places = bodies + frame.vertices.size();
   const bool first = steps_.empty();
-  std::vector<std::uint32_t> words(kWords * count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const RecordedPose& pose = frame.poses[i];
+  const auto placeOf = [&](std::size_t i) -> const Vec3& { return i < bodies ? frame.poses[i].position : frame.vertices[i - bodies]; };
+  std::vector<std::uint32_t> words(wordCountOf(bodies, frame.vertices.size()));
+  for (std::size_t i = 0; i < places; ++i) {
     for (int axis = 0; axis < 3 && !first; ++axis) {
-      const auto steps = quantize(pose.position[axis] - origins_[i][axis], resolution_);
+      const auto steps = quantize(placeOf(i)[axis] - origins_[i][axis], resolution_);
       if (!steps) return false;
-      words[static_cast<std::size_t>(axis) * count + i] = static_cast<std::uint32_t>(*steps);
+      words[static_cast<std::size_t>(axis) * places + i] = static_cast<std::uint32_t>(*steps);
     }
-    const std::uint64_t turn = packQuaternion(pose.orientation);
-    words[3 * count + i] = static_cast<std::uint32_t>(turn);
-    words[4 * count + i] = static_cast<std::uint32_t>(turn >> 32);
+  }
+  for (std::size_t i = 0; i < bodies; ++i) {
+    const std::uint64_t turn = packQuaternion(frame.poses[i].orientation);
+    words[kPlaceWords * places + i] = static_cast<std::uint32_t>(turn);
+    words[kPlaceWords * places + bodies + i] = static_cast<std::uint32_t>(turn >> 32);
   }
   if (first) {
-    for (const RecordedPose& pose : frame.poses) origins_.push_back(pose.position);
+    bodyCount_ = bodies;
+    for (std::size_t i = 0; i < places; ++i) origins_.push_back(placeOf(i));
     previous_.assign(words.size(), 0);
   }
   steps_.push_back(frame.step);
@@ -100,7 +105,8 @@ bool FrameEncoder::add(const RecordedFrame& frame) {
 std::vector<std::uint8_t> FrameEncoder::finish() {
   ByteWriter out;
   out.put(static_cast<std::uint32_t>(steps_.size()));
-  out.put(static_cast<std::uint32_t>(origins_.size()));
+  out.put(static_cast<std::uint32_t>(bodyCount_));
+  out.put(static_cast<std::uint32_t>(origins_.size() - bodyCount_));
   for (std::size_t i = 0; i < steps_.size(); ++i) out.put(steps_[i]), out.put(times_[i]);
   for (const Vec3& origin : origins_)
     for (int axis = 0; axis < 3; ++axis) out.put(origin[axis]);
@@ -110,20 +116,24 @@ std::vector<std::uint8_t> FrameEncoder::finish() {
   return content;
 }
 
-std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content, std::size_t bodyCount, double resolution) {
+std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content, std::size_t bodyCount, std::size_t vertexCount,
+                                                       double resolution, std::uint32_t version) {
   ByteReader in(content);
   const std::size_t frameCount = in.get<std::uint32_t>();
-  const std::size_t count = in.get<std::uint32_t>();
-  const std::size_t wordCount = kWords * count;
-  if (!in.ok() || count != bodyCount || in.left() != frameCount * 16 + count * 24 + frameCount * wordCount * 4) return std::nullopt;
+  const std::size_t bodies = in.get<std::uint32_t>();
+  const std::size_t vertices = version > 1 ? in.get<std::uint32_t>() : 0;
+  const std::size_t places = bodies + vertices, wordCount = wordCountOf(bodies, vertices);
+  if (!in.ok() || bodies != bodyCount || vertices != vertexCount || in.left() != frameCount * 16 + places * 24 + frameCount * wordCount * 4)
+    return std::nullopt;
 
   std::vector<RecordedFrame> frames(frameCount);
   for (RecordedFrame& frame : frames) {
     frame.step = in.get<std::int64_t>();
     frame.time = in.getDouble();
-    frame.poses.resize(count);
+    frame.poses.resize(bodies);
+    frame.vertices.resize(vertices);
   }
-  std::vector<Vec3> origins(count);
+  std::vector<Vec3> origins(places);
   for (Vec3& origin : origins)
     for (int axis = 0; axis < 3; ++axis) origin[axis] = in.getDouble();
 
@@ -136,13 +146,16 @@ std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::ui
       words[i] += static_cast<std::uint32_t>(unzigzag(difference));
     }
     plane += 4 * wordCount;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < places; ++i) {
+      Vec3& place = i < bodies ? frame.poses[i].position : frame.vertices[i - bodies];
       for (int axis = 0; axis < 3; ++axis) {
-        const auto steps = static_cast<std::int32_t>(words[static_cast<std::size_t>(axis) * count + i]);
-        frame.poses[i].position[axis] = origins[i][axis] + steps * resolution;
+        const auto steps = static_cast<std::int32_t>(words[static_cast<std::size_t>(axis) * places + i]);
+        place[axis] = origins[i][axis] + steps * resolution;
       }
-      frame.poses[i].orientation = unpackQuaternion(words[3 * count + i] | static_cast<std::uint64_t>(words[4 * count + i]) << 32);
     }
+    for (std::size_t i = 0; i < bodies; ++i)
+      frame.poses[i].orientation =
+          unpackQuaternion(words[kPlaceWords * places + i] | static_cast<std::uint64_t>(words[kPlaceWords * places + bodies + i]) << 32);
   }
   return frames;
 }

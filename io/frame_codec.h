@@ -1,6 +1,6 @@
 #pragma once
-/// Frames of a trajectory to bytes and back: positions in steps of a resolution and quaternions in 62 bits, each less the one before,
-/// low bytes apart from high ones, so that what rests costs next to nothing once compressed.
+/// Frames of a trajectory to bytes and back: positions of bodies and vertices in steps of a resolution and quaternions in 62 bits, each less
+/// the one before, low bytes apart from high ones, so that what rests costs next to nothing once compressed.
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -13,13 +13,12 @@ namespace rubble::io {
 std::uint64_t packQuaternion(const Quat& q);
 Quat unpackQuaternion(std::uint64_t bits);
 
-/// Collects frames of one set of bodies into the content of a chunk.
+/// Collects frames of one set of bodies and vertices into the content of a chunk.
 class FrameEncoder {
  public:
   explicit FrameEncoder(double resolution) : resolution_(resolution) {}
 
   int frameCount() const { return static_cast<int>(steps_.size()); }
-  std::size_t bodyCount() const { return origins_.size(); }
   /// False, and nothing is taken, if a position lies too far from where the chunk begins: it needs a new chunk.
   bool add(const RecordedFrame& frame);
   /// The content of the chunk; the encoder is empty again.
@@ -29,12 +28,14 @@ class FrameEncoder {
   double resolution_;
   std::vector<std::int64_t> steps_;
   std::vector<double> times_;
-  std::vector<Vec3> origins_;            ///< positions of the first frame, exact
+  std::size_t bodyCount_ = 0;
+  std::vector<Vec3> origins_;            ///< positions of the first frame, exact: of bodies, then of vertices
   std::vector<std::uint32_t> previous_;  ///< words of the frame before
   std::vector<std::uint8_t> planes_;     ///< differences, byte by byte
 };
 
-/// Frames of a chunk; nothing if the bytes are not what an encoder makes for that many bodies.
-std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content, std::size_t bodyCount, double resolution);
+/// Frames of a chunk of a file of that version; nothing if the bytes are not what an encoder makes for that many bodies and vertices.
+std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content, std::size_t bodyCount, std::size_t vertexCount,
+                                                       double resolution, std::uint32_t version);
 
 }  // namespace rubble::io

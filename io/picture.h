@@ -68,6 +68,18 @@ void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& poi
 /// The deformable objects of a world as they are now, or of a scene as they begin.
 void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy = ColorBy::Body);
 void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies);
+/// What there is to draw of a deformable object.
+struct DrawnSoft {
+  std::uint32_t number;                        ///< of the object
+  std::vector<Vec3> vertices;                  ///< [m]
+  std::vector<Vec3> velocities;                ///< [m/s]
+  std::vector<std::array<int, 3>> triangles;
+  std::vector<std::array<int, 2>> segments;
+  double radius;                               ///< [m]
+  bool spheres, solid;
+  std::vector<float> values = {};              ///< of the vertices; may be empty
+};
+void addDeformables(std::span<const DrawnSoft> objects, std::vector<PictureBody>& bodies);
 
 /// Half size of the median moving body, or a tenth of that of a deformable object where there are no bodies [m].
 double typicalSize(std::span<const PictureBody> bodies);

@@ -13,27 +13,15 @@ constexpr int kTubeSides = 8;
 /// Springs without a radius are drawn this thick, over their length [1].
 constexpr double kThinTube = .03;
 
-/// What there is to draw of one object.
-struct SoftLook {
-  std::uint32_t number;                             ///< of the object
-  const std::vector<Vec3>& vertices;                ///< [m]
-  const std::vector<Vec3>& velocities;              ///< [m/s]
-  const std::vector<std::array<int, 3>>& triangles;
-  const std::vector<std::array<int, 2>>& segments;
-  double radius;                                    ///< [m]
-  bool spheres, solid;
-  std::vector<float> values = {};                   ///< of the vertices; may be empty
-
-  double value(std::size_t vertex) const { return values.empty() ? 0 : static_cast<double>(values[vertex]); }
-};
+double valueOf(const DrawnSoft& object, std::size_t vertex) { return object.values.empty() ? 0 : static_cast<double>(object.values[vertex]); }
 
 /// Keys of deformable objects do not meet those of bodies; they keep their colours.
-std::uint32_t keyOf(const SoftLook& object, std::size_t vertex) {
+std::uint32_t keyOf(const DrawnSoft& object, std::size_t vertex) {
   return kSoftKeys | (((object.number << kSoftKeyBits) + static_cast<std::uint32_t>(vertex)) & (kSoftKeys - 1));
 }
 
 /// `values` are those of the points.
-void addMesh(const SoftLook& object, std::vector<Vec3> points, const std::vector<std::array<int, 3>>& triangles, bool twoSided,
+void addMesh(const DrawnSoft& object, std::vector<Vec3> points, const std::vector<std::array<int, 3>>& triangles, bool twoSided,
              std::vector<float> values, std::vector<PictureBody>& out) {
   // vertices that are not finite have no place in a picture
   const auto finite = [&](const std::array<int, 3>& t) {
@@ -53,16 +41,16 @@ void addMesh(const SoftLook& object, std::vector<Vec3> points, const std::vector
   for (const Vec3& v : object.velocities) speed += length(v) / static_cast<double>(object.velocities.size());
   PictureBody body{Shape::mesh(std::move(points), std::move(drawn), twoSided), middle, {}, speed, keyOf(object, 0), Motion::Dynamic};
   body.deforms = true;
-  for (std::size_t i = 0; i < object.values.size(); ++i) body.value = i == 0 ? object.value(0) : std::max(body.value, object.value(i));
+  for (std::size_t i = 0; i < object.values.size(); ++i) body.value = i == 0 ? valueOf(object, 0) : std::max(body.value, valueOf(object, i));
   body.vertexValues = std::move(values);
   out.push_back(std::move(body));
 }
 
-void add(const SoftLook& object, std::vector<PictureBody>& balls, std::vector<PictureBody>& meshes) {
+void add(const DrawnSoft& object, std::vector<PictureBody>& balls, std::vector<PictureBody>& meshes) {
   if (object.spheres) {
     for (std::size_t i = 0; i < object.vertices.size(); ++i) {
       balls.push_back({Shape::sphere(object.radius), object.vertices[i], {}, length(object.velocities[i]), keyOf(object, i), Motion::Dynamic});
-      balls.back().value = object.value(i);
+      balls.back().value = valueOf(object, i);
     }
     return;
   }
@@ -80,10 +68,6 @@ void add(const SoftLook& object, std::vector<PictureBody>& balls, std::vector<Pi
     for (const int end : s) values.insert(values.end(), kTubeSides, object.values[static_cast<std::size_t>(end)]);
   }
   addMesh(object, std::move(points), triangles, false, std::move(values), meshes);
-}
-
-void append(std::vector<PictureBody>& to, std::vector<PictureBody>&& more) {
-  to.insert(to.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
 }  // namespace
@@ -107,34 +91,35 @@ void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& poi
   }
 }
 
-void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy) {
+void addDeformables(std::span<const DrawnSoft> objects, std::vector<PictureBody>& bodies) {
   std::vector<PictureBody> meshes;
+  for (const DrawnSoft& object : objects) add(object, bodies, meshes);
+  bodies.insert(bodies.end(), std::make_move_iterator(meshes.begin()), std::make_move_iterator(meshes.end()));
+}
+
+void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy) {
+  std::vector<DrawnSoft> objects;
   const std::vector<std::vector<float>> values = vertexValues(world, colorBy);
-  std::size_t object = 0;
   for (const SoftId id : world.deformables()) {
-    const World::Surface s = world.surface(id);
-    const std::vector<Vec3> velocities = world.velocities(id);
-    add({static_cast<std::uint32_t>(id.index), s.vertices, velocities, s.triangles, s.segments, s.radius, s.spheres,
-         std::holds_alternative<SoftDef>(world.definition(id)), values[object++]},
-        bodies, meshes);
+    World::Surface s = world.surface(id);
+    objects.push_back({static_cast<std::uint32_t>(id.index), std::move(s.vertices), world.velocities(id), std::move(s.triangles), std::move(s.segments),
+                       s.radius, s.spheres, std::holds_alternative<SoftDef>(world.definition(id)), values[objects.size()]});
   }
-  append(bodies, std::move(meshes));
+  addDeformables(objects, bodies);
 }
 
 void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies) {
-  std::vector<PictureBody> meshes;
+  std::vector<DrawnSoft> objects;
   for (std::size_t i = 0; i < scene.deformables.size(); ++i) {
     const Deformable& def = scene.deformables[i];
     const auto model = cookDeformable(def, "deformables[" + std::to_string(i) + "]");
-    std::vector<Vec3> vertices, velocities;
-    for (const SoftModel::Vertex& v : model->vertices) vertices.push_back(v.position), velocities.push_back(v.velocity);
-    std::vector<std::array<int, 2>> segments;
-    for (const SoftModel::Spring& s : model->springs) segments.push_back(s.v);
-    add({static_cast<std::uint32_t>(i), vertices, velocities, model->surface, segments, model->vertices[0].radius,
-         std::holds_alternative<ParticlesDef>(def), std::holds_alternative<SoftDef>(def)},
-        bodies, meshes);
+    DrawnSoft object{static_cast<std::uint32_t>(i), {}, {}, model->surface, {}, model->vertices[0].radius, std::holds_alternative<ParticlesDef>(def),
+                     std::holds_alternative<SoftDef>(def)};
+    for (const SoftModel::Vertex& v : model->vertices) object.vertices.push_back(v.position), object.velocities.push_back(v.velocity);
+    for (const SoftModel::Spring& s : model->springs) object.segments.push_back(s.v);
+    objects.push_back(std::move(object));
   }
-  append(bodies, std::move(meshes));
+  addDeformables(objects, bodies);
 }
 
 }  // namespace rubble::io

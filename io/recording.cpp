@@ -17,7 +17,7 @@ namespace {
 /// A chunk of frames ends at this many frames, or bytes before compression.
 constexpr int kFramesInChunk = 32;
 constexpr std::size_t kBytesInChunk = 16u << 20;
-constexpr std::size_t kBytesOfPose = 20;
+constexpr std::size_t kBytesOfPose = 20, kBytesOfVertex = 12;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ bool operator==(const RecordedBody& a, const RecordedBody& b) {
          (a.shape.geometry == b.shape.geometry || (a.shape.geometry && b.shape.geometry && shapeJson(a.shape) == shapeJson(b.shape)));
 }
 
-double recordingResolution(const std::vector<RecordedBody>& bodies) {
+double recordingResolution(const std::vector<RecordedBody>& bodies, const std::vector<RecordedSoft>& softs) {
   double smallest = std::numeric_limits<double>::infinity();
   for (const RecordedBody& body : bodies) {
     const Vec3& h = body.shape.halfExtents;
@@ -35,13 +35,16 @@ double recordingResolution(const std::vector<RecordedBody>& bodies) {
     if (body.shape.type == ShapeType::Sphere || body.shape.type == ShapeType::Capsule) smallest = std::min(smallest, body.shape.radius);
     if (body.shape.type > ShapeType::Plane) smallest = std::min(smallest, .1 * draw::boundingRadius(body.shape));
   }
+  constexpr double kOfRadius = 256;
+  for (const RecordedSoft& soft : softs)
+    if (soft.radius > 0) smallest = std::min(smallest, kOfRadius * soft.radius);
   return std::isfinite(smallest) ? std::ldexp(smallest, -16) : RecordingHeader{}.resolution;
 }
 
 struct RecordingWriter::Impl {
   ChunkWriter out;
   FrameEncoder frames;
-  std::vector<RecordedBody> bodies;
+  RecordedObjects objects;
   bool hasBodies = false;
   std::uint64_t bodyOffset = 0;
   std::vector<FrameChunk> index;
@@ -78,19 +81,24 @@ RecordingWriter::~RecordingWriter() {
   }
 }
 
-void RecordingWriter::write(const std::vector<RecordedBody>& bodies, const RecordedFrame& frame) {
+void RecordingWriter::write(const std::vector<RecordedBody>& bodies, const RecordedFrame& frame, const std::vector<RecordedSoft>& softs) {
   Impl& s = *impl_;
   if (s.finished) throw Error("recording", "a recording that is not finished", "one that is");
   if (bodies.size() != frame.poses.size())
     throw Error("recording.frame", std::to_string(bodies.size()) + " poses", std::to_string(frame.poses.size()));
-  if (!s.hasBodies || bodies != s.bodies) {
+  if (!s.hasBodies || bodies != s.objects.bodies || softs != s.objects.softs) {
+    const RecordedObjects now{bodies, softs};
+    if (now.vertexCount() != frame.vertices.size())
+      throw Error("recording.frame", std::to_string(now.vertexCount()) + " vertices", std::to_string(frame.vertices.size()));
     s.flushFrames();
-    s.bodies = bodies;
+    s.objects = now;
     s.hasBodies = true;
-    s.bodyOffset = s.out.write(kBody, encodeBodies(bodies));
+    s.bodyOffset = s.out.write(kBody, encodeObjects(now));
   }
+  if (s.objects.vertexCount() != frame.vertices.size())
+    throw Error("recording.frame", std::to_string(s.objects.vertexCount()) + " vertices", std::to_string(frame.vertices.size()));
   s.add(frame);
-  const std::size_t bytes = static_cast<std::size_t>(s.frames.frameCount()) * bodies.size() * kBytesOfPose;
+  const std::size_t bytes = static_cast<std::size_t>(s.frames.frameCount()) * (bodies.size() * kBytesOfPose + frame.vertices.size() * kBytesOfVertex);
   if (s.frames.frameCount() >= kFramesInChunk || bytes >= kBytesInChunk) s.flushFrames();
 }
 
@@ -116,7 +124,8 @@ struct RecordingReader::Impl {
   // The chunks that were read last.
   std::uint64_t framesOffset = 0, bodiesOffset = 0;
   std::vector<RecordedFrame> frames;
-  std::vector<RecordedBody> bodies;
+  RecordedObjects objects;
+  std::uint32_t version = kVersion;
 
   explicit Impl(const std::string& file) : in(file) {
     const std::uint64_t first = readHeader();
@@ -144,8 +153,9 @@ struct RecordingReader::Impl {
     if (in.readRaw(0, kMagic.size()) != magicBytes()) in.fail(0, "a Rubble trajectory", "another file");
     const Chunk chunk = need(kMagic.size(), kHead, "the header of a trajectory");
     std::optional<RecordingHeader> decoded;
-    const std::uint32_t version = decodeHeader(chunk.content, decoded);
-    if (version != kVersion) in.fail(chunk.offset, "version " + std::to_string(kVersion), "version " + std::to_string(version));
+    version = decodeHeader(chunk.content, decoded);
+    if (version < kOldestVersion || version > kVersion)
+      in.fail(chunk.offset, "version " + std::to_string(kOldestVersion) + " to " + std::to_string(kVersion), "version " + std::to_string(version));
     if (!decoded) in.fail(chunk.offset, "the header of a trajectory", "other content");
     header = *decoded;
     return in.head(kMagic.size())->end;
@@ -192,15 +202,15 @@ struct RecordingReader::Impl {
     const auto place = static_cast<std::size_t>(std::upper_bound(firstFrames.begin(), firstFrames.end(), frame) - firstFrames.begin()) - 1;
     const FrameChunk& chunk = chunks[place];
     if (chunk.bodyOffset != bodiesOffset) {
-      const auto decoded = decodeBodies(need(chunk.bodyOffset, kBody, "the bodies of a trajectory").content);
+      auto decoded = decodeObjects(need(chunk.bodyOffset, kBody, "the bodies of a trajectory").content, version);
       if (!decoded) in.fail(chunk.bodyOffset, "the bodies of a trajectory", "other content");
-      bodies = *decoded;
+      objects = std::move(*decoded);
       bodiesOffset = chunk.bodyOffset;
     }
     if (chunk.offset != framesOffset) {
-      auto decoded = decodeFrames(need(chunk.offset, kFrames, "frames").content, bodies.size(), header.resolution);
+      auto decoded = decodeFrames(need(chunk.offset, kFrames, "frames").content, objects.bodies.size(), objects.vertexCount(), header.resolution, version);
       if (!decoded || static_cast<int>(decoded->size()) != chunk.frameCount)
-        in.fail(chunk.offset, "frames of " + std::to_string(bodies.size()) + " bodies", "other content");
+        in.fail(chunk.offset, "frames of " + std::to_string(objects.bodies.size()) + " bodies and " + std::to_string(objects.vertexCount()) + " vertices", "other content");
       frames = std::move(*decoded);
       framesOffset = chunk.offset;
     }
@@ -222,7 +232,11 @@ RecordedFrame RecordingReader::frame(int index) {
 }
 const std::vector<RecordedBody>& RecordingReader::bodies(int frameIndex) {
   impl_->load(frameIndex);
-  return impl_->bodies;
+  return impl_->objects.bodies;
+}
+const std::vector<RecordedSoft>& RecordingReader::softs(int frameIndex) {
+  impl_->load(frameIndex);
+  return impl_->objects.softs;
 }
 
 }  // namespace rubble::io

@@ -7,6 +7,8 @@ namespace rubble::io {
 
 namespace {
 
+/// Bits of what a deformable object is.
+constexpr int kSpheres = 1, kSolid = 2;
 /// Bit of a shape's type: the shape as JSON text follows the name of the body.
 constexpr int kDescribed = 0x80;
 
@@ -27,7 +29,7 @@ Bytes encodeHeader(const RecordingHeader& header) {
 std::uint32_t decodeHeader(const Bytes& content, std::optional<RecordingHeader>& header) {
   ByteReader in(content);
   const auto version = in.get<std::uint32_t>();
-  if (version != kVersion) return version;
+  if (version < kOldestVersion || version > kVersion) return version;
   RecordingHeader read;
   read.scene = in.getText();
   read.dt = in.getDouble();
@@ -37,8 +39,15 @@ std::uint32_t decodeHeader(const Bytes& content, std::optional<RecordingHeader>&
   return version;
 }
 
-Bytes encodeBodies(const std::vector<RecordedBody>& bodies) {
-  ByteWriter out;
+std::size_t RecordedObjects::vertexCount() const {
+  std::size_t count = 0;
+  for (const RecordedSoft& soft : softs) count += static_cast<std::size_t>(soft.vertices);
+  return count;
+}
+
+namespace {
+
+void putBodies(ByteWriter& out, const std::vector<RecordedBody>& bodies) {
   out.put(static_cast<std::uint32_t>(bodies.size()));
   for (const RecordedBody& body : bodies) {
     out.put(body.id.index);
@@ -52,11 +61,9 @@ Bytes encodeBodies(const std::vector<RecordedBody>& bodies) {
     out.put(body.name);
     if (described) out.put(shapeJson(body.shape).dump());
   }
-  return out.bytes();
 }
 
-std::optional<std::vector<RecordedBody>> decodeBodies(const Bytes& content) {
-  ByteReader in(content);
+std::optional<std::vector<RecordedBody>> getBodies(ByteReader& in) {
   const std::size_t count = in.get<std::uint32_t>();
   constexpr std::size_t kSmallest = 54;
   if (count > in.left() / kSmallest) return std::nullopt;
@@ -80,7 +87,81 @@ std::optional<std::vector<RecordedBody>> decodeBodies(const Bytes& content) {
     body.shape = readShape(Node(*json, "shape", faults), {}, readMaterial);
     if (!faults.empty()) return std::nullopt;
   }
-  return in.atEnd() ? std::optional(std::move(bodies)) : std::nullopt;
+  return bodies;
+}
+
+template <std::size_t N>
+void putCorners(ByteWriter& out, const std::vector<std::array<int, N>>& lists) {
+  out.put(static_cast<std::uint32_t>(lists.size()));
+  for (const auto& list : lists)
+    for (const int v : list) out.put(static_cast<std::int32_t>(v));
+}
+/// False if there are fewer than they say, or one is no vertex.
+template <std::size_t N>
+bool getCorners(ByteReader& in, int vertices, std::vector<std::array<int, N>>& lists) {
+  const std::size_t count = in.get<std::uint32_t>();
+  if (count > in.left() / (N * sizeof(std::int32_t))) return false;
+  lists.resize(count);
+  for (auto& list : lists)
+    for (int& v : list) {
+      v = in.get<std::int32_t>();
+      if (v < 0 || v >= vertices) return false;
+    }
+  return true;
+}
+
+void putSofts(ByteWriter& out, const std::vector<RecordedSoft>& softs) {
+  out.put(static_cast<std::uint32_t>(softs.size()));
+  for (const RecordedSoft& soft : softs) {
+    out.put(soft.id.index);
+    out.put(soft.id.generation);
+    out.put(static_cast<std::uint8_t>((soft.spheres ? kSpheres : 0) | (soft.solid ? kSolid : 0)));
+    out.put(static_cast<std::int32_t>(soft.vertices));
+    out.put(soft.radius);
+    out.put(soft.name);
+    putCorners(out, soft.triangles);
+    putCorners(out, soft.segments);
+  }
+}
+
+std::optional<std::vector<RecordedSoft>> getSofts(ByteReader& in) {
+  const std::size_t count = in.get<std::uint32_t>();
+  constexpr std::size_t kSmallest = 33;
+  if (count > in.left() / kSmallest) return std::nullopt;
+  std::vector<RecordedSoft> softs(count);
+  for (RecordedSoft& soft : softs) {
+    soft.id.index = in.get<std::int32_t>();
+    soft.id.generation = in.get<std::uint32_t>();
+    const auto bits = in.get<std::uint8_t>();
+    soft.spheres = (bits & kSpheres) != 0, soft.solid = (bits & kSolid) != 0;
+    soft.vertices = in.get<std::int32_t>();
+    soft.radius = in.getDouble();
+    soft.name = in.getText();
+    if (bits > (kSpheres | kSolid) || soft.vertices < 0) return std::nullopt;
+    if (!getCorners(in, soft.vertices, soft.triangles) || !getCorners(in, soft.vertices, soft.segments)) return std::nullopt;
+  }
+  return softs;
+}
+
+}  // namespace
+
+Bytes encodeObjects(const RecordedObjects& objects) {
+  ByteWriter out;
+  putBodies(out, objects.bodies);
+  putSofts(out, objects.softs);
+  return out.bytes();
+}
+
+std::optional<RecordedObjects> decodeObjects(const Bytes& content, std::uint32_t version) {
+  ByteReader in(content);
+  RecordedObjects objects;
+  if (auto bodies = getBodies(in)) objects.bodies = std::move(*bodies);
+  else return std::nullopt;
+  if (version > 1) {
+    if (auto softs = getSofts(in)) objects.softs = std::move(*softs);
+    else return std::nullopt;
+  }
+  return in.atEnd() ? std::optional(std::move(objects)) : std::nullopt;
 }
 
 Bytes encodeIndex(const std::vector<FrameChunk>& chunks) {

@@ -8,7 +8,8 @@
 
 namespace rubble::io {
 
-inline constexpr std::uint32_t kVersion = 1;
+/// Version 1 had no deformable objects.
+inline constexpr std::uint32_t kVersion = 2, kOldestVersion = 1;
 inline constexpr std::uint32_t kHead = chunkName("HEAD");
 inline constexpr std::uint32_t kBody = chunkName("BODY");
 inline constexpr std::uint32_t kFrames = chunkName("FRAM");
@@ -25,10 +26,17 @@ struct FrameChunk {
 
 Bytes magicBytes();
 Bytes encodeHeader(const RecordingHeader& header);
-/// Returns the version that the bytes say; the header is read only if that is kVersion.
+/// Returns the version that the bytes say; the header is read only if that is kOldestVersion to kVersion.
 std::uint32_t decodeHeader(const Bytes& content, std::optional<RecordingHeader>& header);
-Bytes encodeBodies(const std::vector<RecordedBody>& bodies);
-std::optional<std::vector<RecordedBody>> decodeBodies(const Bytes& content);
+/// The tables of a BODY chunk.
+struct RecordedObjects {
+  std::vector<RecordedBody> bodies;
+  std::vector<RecordedSoft> softs;
+
+  std::size_t vertexCount() const;
+};
+Bytes encodeObjects(const RecordedObjects& objects);
+std::optional<RecordedObjects> decodeObjects(const Bytes& content, std::uint32_t version);
 Bytes encodeIndex(const std::vector<FrameChunk>& chunks);
 std::optional<std::vector<FrameChunk>> decodeIndex(const Bytes& content);
 

@@ -14,37 +14,68 @@ std::vector<RecordedBody> recordedBodies(const World& world) {
   return bodies;
 }
 
+std::vector<RecordedSoft> recordedSofts(const World& world) {
+  std::vector<RecordedSoft> softs;
+  for (const SoftId id : world.deformables()) {
+    World::Surface s = world.surface(id);
+    const Deformable& definition = world.definition(id);
+    softs.push_back({common(definition).name, id, static_cast<int>(s.vertices.size()), std::move(s.triangles), std::move(s.segments), s.radius, s.spheres,
+                     std::holds_alternative<SoftDef>(definition)});
+  }
+  return softs;
+}
+
+namespace {
+
+void addVertices(RecordedFrame& frame, const World& world) {
+  for (const SoftId id : world.deformables()) {
+    const std::vector<Vec3> places = world.positions(id);
+    frame.vertices.insert(frame.vertices.end(), places.begin(), places.end());
+  }
+}
+
+}  // namespace
+
 RecordedFrame recordedFrame(const World& world) {
-  RecordedFrame frame{world.stepCount(), world.time(), {}};
+  RecordedFrame frame{world.stepCount(), world.time(), {}, {}};
   for (const BodyId id : world.bodies()) {
     const BodyState state = world.state(id);
     frame.poses.push_back({state.position, state.orientation});
   }
+  addVertices(frame, world);
   return frame;
 }
 
 RecordedFrame recordedFrame(World& world, std::span<const PoseSource> sources) {
   const PoseFrame now = posesNow(world);
-  RecordedFrame frame{world.stepCount(), world.time(), {}};
+  RecordedFrame frame{world.stepCount(), world.time(), {}, {}};
   for (const PoseSource& source : sources) {
     const BodyPose pose = poseOf(source, now.position, now.orientation);
     frame.poses.push_back({pose.position, pose.orientation});
   }
+  addVertices(frame, world);
   return frame;
 }
 
 std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameIndex) {
-  const auto idsOf = [&](int index) {
-    std::vector<BodyId> ids;
-    for (const RecordedBody& body : recording.bodies(index)) ids.push_back(body.id);
-    return ids;
+  /// Who there is in a frame: bodies and deformable objects with their numbers of vertices.
+  struct Present {
+    std::vector<BodyId> bodies;
+    std::vector<std::pair<SoftId, int>> softs;
+    bool operator==(const Present&) const = default;
+  };
+  const auto presentIn = [&](int index) {
+    Present out;
+    for (const RecordedBody& body : recording.bodies(index)) out.bodies.push_back(body.id);
+    for (const RecordedSoft& soft : recording.softs(index)) out.softs.emplace_back(soft.id, soft.vertices);
+    return out;
   };
   const int other = frameIndex > 0 ? frameIndex - 1 : std::min(1, recording.frameCount() - 1);
   const RecordedFrame neighbour = recording.frame(other);
-  const std::vector<BodyId> neighbourIds = idsOf(other);
+  const Present before = presentIn(other);
   const RecordedFrame frame = recording.frame(frameIndex);
   const double apart = std::fabs(frame.time - neighbour.time);
-  const bool moved = apart > 0 && idsOf(frameIndex) == neighbourIds;
+  const bool moved = apart > 0 && presentIn(frameIndex) == before;
   std::vector<PictureBody> drawn;
   std::size_t i = 0;
   for (const RecordedBody& body : recording.bodies(frameIndex)) {
@@ -53,6 +84,18 @@ std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameInde
     drawn.push_back({body.shape, pose.position, pose.orientation, speed, static_cast<std::uint32_t>(body.id.index), body.motion});
     ++i;
   }
+  std::vector<DrawnSoft> softs;
+  std::size_t first = 0;
+  for (const RecordedSoft& soft : recording.softs(frameIndex)) {
+    DrawnSoft look{static_cast<std::uint32_t>(soft.id.index), {}, {}, soft.triangles, soft.segments, soft.radius, soft.spheres, soft.solid};
+    for (std::size_t v = first; v < first + static_cast<std::size_t>(soft.vertices); ++v) {
+      look.vertices.push_back(frame.vertices[v]);
+      look.velocities.push_back(moved ? (frame.vertices[v] - neighbour.vertices[v]) / apart : Vec3{});
+    }
+    first += static_cast<std::size_t>(soft.vertices);
+    softs.push_back(std::move(look));
+  }
+  addDeformables(softs, drawn);
   return drawn;
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
@@ -16,7 +17,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class SceneReader {
  public:
-  explicit SceneReader(std::vector<Fault>& faults) : faults_(faults) {}
+  SceneReader(std::vector<Fault>& faults, std::string folder) : faults_(faults), folder_(std::move(folder)) {}
   SceneFile read(const Json& json);
 
  private:
@@ -32,6 +33,7 @@ class SceneReader {
   std::vector<std::string> bodyNames() const;
 
   std::vector<Fault>& faults_;
+  std::string folder_;                  ///< of mesh files
   BodyReader bodyReader_;
   std::map<std::string, int> bodies_;  ///< index in the scene by name; -1 for a body that an event adds
   std::set<std::string> joints_;
@@ -241,7 +243,7 @@ SceneFile SceneReader::read(const Json& json) {
     for (const Node& element : found->elements("a list of joints")) scene.joints.push_back(joint(element, scene));
   if (const auto found = object.get("deformables"))
     for (const Node& element : found->elements("a list of deformable objects"))
-      scene.deformables.push_back(readDeformable(element, [this](const Node& material) { return bodyReader_.material(material); }));
+      scene.deformables.push_back(readDeformable(element, [this](const Node& material) { return bodyReader_.material(material); }, folder_));
   if (const auto found = object.get("attachments"))
     for (const Node& element : found->elements("a list of attachments"))
       scene.attachments.push_back(readAttachment(element, scene.deformables, [&](const Node& body) { return bodyIndex(body, scene); }));
@@ -268,11 +270,11 @@ SceneFile SceneReader::read(const Json& json) {
 
 }  // namespace
 
-SceneFile parseScene(const std::string& text, std::vector<Fault>& faults) {
+SceneFile parseScene(const std::string& text, std::vector<Fault>& faults, const std::string& folder) {
   const std::size_t before = faults.size();
   const std::optional<Json> json = parseJson(text, faults);
   if (!json) return {};
-  SceneFile file = SceneReader(faults).read(*json);
+  SceneFile file = SceneReader(faults, folder).read(*json);
   if (faults.size() == before) {
     // What the engine itself asks for beyond this reader.
     try {
@@ -293,12 +295,14 @@ std::string faultText(const std::string& file, const std::vector<Fault>& faults)
   return message;
 }
 
+std::string folderOf(const std::string& file) { return std::filesystem::path(file).parent_path().string(); }
+
 SceneFile readScene(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   if (!in || !(text << in.rdbuf())) throw Error(file, "a file that can be read", "none");
   std::vector<Fault> faults;
-  SceneFile scene = parseScene(text.str(), faults);
+  SceneFile scene = parseScene(text.str(), faults, folderOf(file));
   if (!faults.empty()) throw Error(faultText(file, faults));
   return scene;
 }

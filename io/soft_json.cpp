@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "cook/soft_fields.h"
+#include "io/soft_mesh.h"
 
 namespace rubble::io {
 namespace {
@@ -163,7 +164,7 @@ int objectIndex(const Node& node, const std::vector<Deformable>& objects) {
 
 }  // namespace
 
-Deformable readDeformable(const Node& node, const std::function<Material(const Node&)>& material) {
+Deformable readDeformable(const Node& node, const std::function<Material(const Node&)>& material, const std::string& folder) {
   Deformable out;
   ObjectReader object(node, "a deformable object");
   if (!object.isObject()) return out;
@@ -176,6 +177,7 @@ Deformable readDeformable(const Node& node, const std::function<Material(const N
   else if (*kind == 3) out = NetDef{};
   else if (*kind == 4) out = ParticlesDef{};
   std::visit([&](auto& def) { kAllFields(def, FieldReader(object, material)); }, out);
+  if (const auto mesh = object.get("mesh")) readMeshInto(*mesh, folder, out);
   object.finish();
   return out;
 }

@@ -6,8 +6,8 @@
 
 namespace rubble::io {
 
-/// `material` reads one, or looks up its name.
-Deformable readDeformable(const Node& node, const std::function<Material(const Node&)>& material);
+/// `material` reads one, or looks up its name. `folder`: where mesh files are looked for.
+Deformable readDeformable(const Node& node, const std::function<Material(const Node&)>& material, const std::string& folder = "");
 /// `body` reads a reference to a body; `objects` are those of the scene.
 AttachmentDef readAttachment(const Node& node, const std::vector<Deformable>& objects, const std::function<int(const Node&)>& body);
 

@@ -19,6 +19,10 @@ std::vector<Spec> structureSpecs();  ///< card tower, dominoes, arch, breakable 
 std::vector<Spec> softSolidSpecs();  ///< solids of tetrahedra
 std::vector<Spec> softSheetSpecs();  ///< cloth, nets, ropes
 std::vector<Spec> softContactSpecs();  ///< surfaces that touch themselves and one another
+std::vector<Spec> softDentSpecs();   ///< small bodies on coarse cloth
+std::vector<Spec> rodSpecs();        ///< rods of oriented segments
+std::vector<Spec> softPressureSpecs();  ///< closed sheets under pressure
+std::vector<Spec> softMachineSpecs();  ///< deformable objects in machines and among bodies
 std::vector<Spec> softPlateSpecs();  ///< many jointed bodies on cloth
 std::vector<Spec> softGrainSpecs();  ///< granular particles
 std::vector<Spec> shapeRestSpecs();    ///< shapes at rest: an arch of wedges, a drop of every kind, a bowl

@@ -4,6 +4,7 @@
 
 #include "families.h"
 #include "joint_probes.h"
+#include "ragdoll.h"
 
 namespace rubble::scenes {
 namespace {
@@ -53,8 +54,9 @@ void knee(Scene& scene, int lower, int upper, const Vec3& point, const Vec3& axi
   turn.friction = .5;
 }
 
-/// A man of 1.75 m and 70 kg with eleven bodies, standing at `foot`; turned about z, and of another size: all lengths times `size`.
-void addRagdoll(Scene& scene, const Vec3& foot, double turn, const std::string& name, double size = 1) {
+}  // namespace
+
+void addRagdoll(Scene& scene, const Vec3& foot, double turn, const std::string& name, double size) {
   const int first = static_cast<int>(scene.bodies.size());
   const std::size_t firstJoint = scene.joints.size();
   const int pelvis = put(scene, box({.1, .16, .1}, {0, 0, 1}, 11), name + ".pelvis");
@@ -93,6 +95,8 @@ void addRagdoll(Scene& scene, const Vec3& foot, double turn, const std::string& 
     joint.friction *= moment, joint.axes[0].friction *= moment;
   }
 }
+
+namespace {
 
 Scene buildRagdolls(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 9.81);

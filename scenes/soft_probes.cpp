@@ -107,6 +107,34 @@ double liftOfVertices(const World& world) {
 
 double motion(const World& world) { return world.quality().kineticEnergy; }
 
+namespace {
+
+/// Height of the sheet under (or over) a point; a number below all others beside the sheet.
+double heightOfSheet(const World::Surface& sheet, double x, double y) {
+  for (const auto& t : sheet.triangles) {
+    const Vec3 &a = sheet.vertices[static_cast<std::size_t>(t[0])], &b = sheet.vertices[static_cast<std::size_t>(t[1])],
+               &c = sheet.vertices[static_cast<std::size_t>(t[2])];
+    const auto side = [&](const Vec3& p, const Vec3& q) { return (q.x - p.x) * (y - p.y) - (q.y - p.y) * (x - p.x); };
+    const double wa = side(b, c), wb = side(c, a), wc = side(a, b), sum = wa + wb + wc;
+    if (sum != 0 && wa / sum >= 0 && wb / sum >= 0 && wc / sum >= 0) return (wa * a.z + wb * b.z + wc * c.z) / sum;
+  }
+  return -std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+double bodiesBelow(const World& world, int object) {
+  const World::Surface sheet = world.surface(world.deformableAt(object));
+  double below = 0;
+  for (const BodyId id : world.bodies()) {
+    if (world.definition(id).motion != Motion::Dynamic) continue;
+    const Vec3 p = world.state(id).position;
+    const double height = heightOfSheet(sheet, p.x, p.y);
+    below += !(height > -std::numeric_limits<double>::infinity() && p.z > height);
+  }
+  return below;
+}
+
 SoftDef softBall(const Vec3& centre, double radius, int cells) {
   SoftDef d = softBox({-1, -1, -1}, {2, 2, 2}, {cells, cells, cells});
   for (Vec3& x : d.vertices) {

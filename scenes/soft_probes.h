@@ -30,6 +30,8 @@ double crushedCells(const World& world, int object);
 Vec3 meanOf(const World& world, int object, const std::vector<int>& vertices);
 /// Sum of the contact forces of vertices on bodies along the opposite of gravity [N].
 double liftOfVertices(const World& world);
+/// Dynamic bodies whose origin does not lie above the sheet that an object is; z is up.
+double bodiesBelow(const World& world, int object);
 /// Kinetic energy of all [J].
 double motion(const World& world);
 

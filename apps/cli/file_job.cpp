@@ -38,7 +38,7 @@ std::vector<io::Fault> checkFile(const std::string& file, io::SceneFile& scene) 
   std::ostringstream text;
   if (!in || !(text << in.rdbuf())) throw Error(file, "a file that can be read", "none");
   std::vector<io::Fault> faults;
-  scene = io::parseScene(text.str(), faults);
+  scene = io::parseScene(text.str(), faults, io::folderOf(file));
   for (std::size_t i = 0; i < scene.claims.size(); ++i) {
     const std::string wrong = metricFault(scene, scene.claims[i].metric);
     if (!wrong.empty() && !scene.claims[i].metric.empty()) faults.push_back({fmt::format("verdict[{}].metric", i), 0, 0, wrong});

@@ -1,7 +1,6 @@
 #include "apps/cli/session.h"
 
 #include <algorithm>
-
 #include <optional>
 
 #include "apps/cli/measure.h"
@@ -18,7 +17,8 @@ class Recorder {
   Recorder(const std::string& file, const std::string& title, World& world) {
     if (file.empty()) return;
     learn(world);
-    writer_.emplace(file, io::RecordingHeader{title, world.params().dt, world.gravity(), io::recordingResolution(bodies_)});
+    const double resolution = io::recordingResolution(bodies_, io::recordedSofts(world));
+    writer_.emplace(file, io::RecordingHeader{title, world.params().dt, world.gravity(), resolution});
     record(world);
   }
 
@@ -26,7 +26,8 @@ class Recorder {
   void record(World& world) {
     if (!writer_) return;
     if (world.epoch() != epoch_) learn(world);
-    writer_->write(bodies_, io::recordedFrame(world, sources_));
+    // sheets tear
+    writer_->write(bodies_, io::recordedFrame(world, sources_), io::recordedSofts(world));
   }
 
   void finish() {

@@ -6,9 +6,11 @@
 #include <rubble/ids.h>
 #include <rubble/material.h>
 #include <rubble/math.h>
+#include <rubble/mesh.h>
 #include <rubble/params.h>
 #include <rubble/query.h>
 #include <rubble/report.h>
+#include <rubble/rod.h>
 #include <rubble/scene.h>
 #include <rubble/soft.h>
 #include <rubble/world.h>

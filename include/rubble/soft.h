@@ -50,6 +50,7 @@ struct ClothDef : DeformableDef {
   bool restFolded = false;            ///< keep the angles that the mesh has at rest; else it wants to be flat
   double bendingDamping = 0;          ///< restFolded only: of the rate of an angle, for each metre of edge [N s/rad]
   double tearStretch = kUnbreakable;  ///< length over rest length at which a triangle tears
+  double pressure = 0;                ///< inside over outside, of a closed sheet whose triangles are counter-clockwise from outside [Pa]
 };
 
 /// A line of vertices that resists stretch and bending, straight at rest; no twist.

@@ -11,7 +11,7 @@ namespace rubble {
 namespace {
 
 // Collision flags of state/vertices.h.
-constexpr int kWithBodies = 1, kWithGrains = 2, kWithSurfaces = 4, kWithSelf = 8;
+constexpr int kWithBodies = 1, kWithGrains = 2, kWithSurfaces = 4, kWithSelf = 8, kInside = 16;
 
 using Edge = std::pair<int, int>;
 
@@ -110,6 +110,7 @@ std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.contactRadius;
   setLengths(m, d, edgesOf(d.tetrahedra), 1);
   m.surface = boundaryOf(d.tetrahedra);
+  m.collides |= kInside;
   addSurface(m, d, m.surface, {}, false);
   return finished(std::move(m), d);
 }
@@ -187,6 +188,10 @@ std::shared_ptr<const SoftModel> cook(const ClothDef& d) {
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.thickness / 2;
   setLengths(m, d, edgesOf(d.triangles), 1);
   m.surface = d.triangles;
+  if (d.pressure != 0) {
+    for (const auto& t : d.triangles) m.pressures.push_back({t, d.pressure});
+    m.collides |= kInside;
+  }
   addSurface(m, d, d.triangles, {}, true);
   return finished(std::move(m), d);
 }

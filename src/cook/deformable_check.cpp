@@ -128,6 +128,26 @@ void checkTriangles(const DeformableDef& d, const std::vector<std::array<int, 3>
   }
 }
 
+/// A pressure needs an inside: every edge has two triangles, which go along it in opposite directions, and the volume is positive.
+void checkClosed(const ClothDef& d, const std::string& path) {
+  std::map<std::pair<int, int>, std::size_t> ways;
+  for (std::size_t i = 0; i < d.triangles.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [way, isNew] = ways.emplace(std::pair{d.triangles[i][k], d.triangles[i][(k + 1) % 3]}, i);
+      if (!isNew) throw Error(item(path, "triangles", i), "neighbours that are turned the same way, beside a pressure", "one that is turned over");
+    }
+  double volume = 0;
+  for (const auto& [way, i] : ways) {
+    if (!ways.contains({way.second, way.first}))
+      throw Error(item(path, "triangles", i), "a closed sheet beside a pressure",
+                  "a rim between vertices " + std::to_string(way.first) + " and " + std::to_string(way.second));
+  }
+  const Vec3 origin = d.vertices[0];
+  for (const auto& t : d.triangles)
+    volume += dot(d.vertices[std::size_t(t[0])] - origin, cross(d.vertices[std::size_t(t[1])] - origin, d.vertices[std::size_t(t[2])] - origin)) / 6;
+  if (!(volume > 0)) throw Error(path + ".triangles", "corners counter-clockwise seen from outside, beside a pressure", "a volume of " + text(volume) + " m3");
+}
+
 void check(const ClothDef& d, const std::string& path) {
   checkCommon(d, 3, path);
   positive(d.thickness, path + ".thickness");
@@ -143,6 +163,10 @@ void check(const ClothDef& d, const std::string& path) {
   std::vector<bool> used(d.vertices.size());
   checkTriangles(d, d.triangles, path, used);
   allUsed(used, path, "triangle");
+  if (!std::isfinite(d.pressure)) throw Error(path + ".pressure", "a finite number", text(d.pressure));
+  if (d.pressure == 0) return;
+  if (d.tearStretch < kUnbreakable) throw Error(path + ".tearStretch", "none beside a pressure: what is torn does not hold it", text(d.tearStretch));
+  checkClosed(d, path);
 }
 
 void check(const RodDef& d, const std::string& path) {

@@ -47,6 +47,7 @@ void ownFields(D& d, F&& f) {
   f("rest_folded", "1", "keep the angles of the mesh; else it wants to be flat", d.restFolded);
   f("bending_damping", "N s/rad", "of the rate of an angle, for each metre of edge", d.bendingDamping);
   f("tear_stretch", "1", "length over rest length at which a triangle tears", d.tearStretch);
+  f("pressure", "Pa", "inside over outside, of a closed sheet", d.pressure);
 }
 template <class F, class D>
   requires std::is_same_v<std::remove_const_t<D>, RodDef>

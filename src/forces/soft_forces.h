@@ -5,10 +5,16 @@
 #include "forces/membrane.h"
 #include "forces/neo_hookean.h"
 #include "forces/point_contact.h"
+#include "forces/pressure.h"
 #include "forces/spring.h"
 
 namespace rubble::RUBBLE_CORE {
 
-using ElementTypes = TypeList<Tetrahedron, Membrane, FlatBend, FoldBend, LineBend, Spring>;
+using ElementTypes = TypeList<Tetrahedron, Membrane, FlatBend, FoldBend, LineBend, Spring, Pressure>;
+
+/// Does an element push its vertices from outside? Then it is counted by vertex in whole objects and clusters too; others feel nothing of a
+/// rigid motion of theirs.
+template <class F>
+inline constexpr bool kIsLoad = requires { F::kIsLoad; };
 
 }  // namespace rubble::RUBBLE_CORE

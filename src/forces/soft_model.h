@@ -50,6 +50,10 @@ struct SoftModel {
     std::array<int, 2> v;
     double stiffness, damping, restLength, bound, mass;
   };
+  struct Pressure {
+    std::array<int, 3> v;
+    double pressure;       ///< [Pa]
+  };
 
   std::vector<Vertex> vertices;
   Material material;
@@ -61,6 +65,7 @@ struct SoftModel {
   std::vector<FoldBend> foldBends;
   std::vector<LineBend> lineBends;
   std::vector<Spring> springs;
+  std::vector<Pressure> pressures;
   std::vector<std::array<int, 3>> surface;  ///< triangles to draw, outward
   /// What the surface is made of that other surfaces meet; empty unless it collides.
   struct Source {
@@ -110,7 +115,7 @@ struct EngineAttachment {
 
 /// Where an object lies in the tables: its first vertex and its first element of each type, in the order of ElementTypes.
 struct SoftRange {
-  static constexpr int kElementTypes = 6;
+  static constexpr int kElementTypes = 7;
   int vertex = -1;
   int element[kElementTypes] = {};
   int edge = 0, face = 0;  ///< of its surface
@@ -118,7 +123,7 @@ struct SoftRange {
 /// Elements of an object, in the same order.
 inline std::array<int, SoftRange::kElementTypes> elementCounts(const SoftModel& m) {
   return {int(m.tetrahedra.size()), int(m.membranes.size()), int(m.flatBends.size()),
-          int(m.foldBends.size()),  int(m.lineBends.size()), int(m.springs.size())};
+          int(m.foldBends.size()),  int(m.lineBends.size()), int(m.springs.size()), int(m.pressures.size())};
 }
 
 /// Fills the clusters of a model whose vertices and elements are set.

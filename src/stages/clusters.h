@@ -58,7 +58,7 @@ struct PlaceLargeClusters {
   }
 };
 
-/// Inertia, contacts and attachments of the vertices of one of the finest clusters, about its centre.
+/// Inertia, contacts, attachments and loads of the vertices of one of the finest clusters, about its centre.
 struct SumCluster {
   static constexpr const char* kName = "clusters";
   RUBBLE_HD void operator()(const View& s, int i) const {
@@ -77,7 +77,9 @@ struct SumCluster {
   RUBBLE_HD static bool addVertex(const View& s, int v, const Vec3& centre, Block6& sum, Block6& inner) {
     Block3 own = startVertexBlock(s, v), self;
     for (int r = s.refOffset[v]; r < s.refOffset[v + 1]; ++r)
-      if (pointType(s.ref[r]) == kAttachmentCode) addShared(s.attachment[pointIndex(s.ref[r])], own, [&](Block3& b) { addElement(s, s.ref[r], b); });
+      if (isLoad(pointType(s.ref[r]))) addElement(s, s.ref[r], own);
+      else if (pointType(s.ref[r]) == kAttachmentCode)
+        addShared(s.attachment[pointIndex(s.ref[r])], own, [&](Block3& b) { addElement(s, s.ref[r], b); });
     bool touchesSelf = false;
     for (int r = s.pointEntryOffset[v]; r < s.pointEntryOffset[v + 1]; ++r) {
       const PointContact& p = s.pointContact[pointIndex(s.pointEntry[r])];
@@ -91,6 +93,11 @@ struct SumCluster {
   }
 
  private:
+  RUBBLE_HD static bool isLoad(int type) {
+    bool load = false;
+    forEachType(ElementTypes{}, [&]<class F>() { load |= kIsLoad<F> && type == typeIndex<F>(ElementTypes{}); });
+    return load;
+  }
   /// Is it a contact of an object with itself?
   RUBBLE_HD static bool withinObject(const View& s, const PointContact& p) {
     if (p.body >= 0) return false;
@@ -134,12 +141,14 @@ struct SolveCluster {
   }
   RUBBLE_HD static void addLeaving(const View& s, const ClusterRef& ref, const Vec3& centre, Block6& block) {
     forEachType(ElementTypes{}, [&]<class F>() {
-      if (ref.type != typeIndex<F>(ElementTypes{})) return;
-      const F& e = s.elementsOf<F>()[ref.index];
-      if (!e.alive) return;
-      Vec3 x[F::kCorners];
-      gatherCorners(s, e, x);
-      stampGroup(s.step, e, x, ref.inside, centre, static_cast<Real>(ref.clusters) / 2, block);
+      if constexpr (!kIsLoad<F>) {
+        if (ref.type != typeIndex<F>(ElementTypes{})) return;
+        const F& e = s.elementsOf<F>()[ref.index];
+        if (!e.alive) return;
+        Vec3 x[F::kCorners];
+        gatherCorners(s, e, x);
+        stampGroup(s.step, e, x, ref.inside, centre, static_cast<Real>(ref.clusters) / 2, block);
+      }
     });
   }
   RUBBLE_HD static Vec6 stepOf(Block6& block) {

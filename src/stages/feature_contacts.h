@@ -139,7 +139,7 @@ RUBBLE_HD inline bool isSideOf(const View& s, int part, int larger) {
 
 /// Leaves out the parts that are sides of others, of a list of partners; returns how many are left.
 RUBBLE_HD inline int dropSides(const View& s, int owner, int count, int* partner, int stride) {
-  if (owner >= s.vertices) return count;
+  if (owner >= s.vertices && owner < s.vertices + s.edges) return count;
   int kept = 0;
   for (int i = 0; i < count; ++i) {
     // those left out so far are behind `kept`, and sides of parts that are still there

@@ -8,6 +8,12 @@ namespace rubble::RUBBLE_CORE {
 struct NearVertex {
   RUBBLE_HD static int body(const View& s, int i) {
     const PointPair p = s.pointPair[i];
+    if (p.vertex >= s.vertices + s.edges) {
+      int v[3];
+      bool moves = false;
+      for (int k = p.other < 0 ? 0 : partCorners(s, p.other, v); k > 0; --k) moves |= isDynamicVertex(s, v[k - 1]);
+      return moves ? bodyOfOwner(s, p.vertex) : -1;
+    }
     return p.other >= 0 && p.other < kVertexNode && isDynamicVertex(s, p.vertex) ? p.other : -1;
   }
 };

@@ -34,7 +34,7 @@ void fillFeatures(E& e) {
 /// Ends ways on which surfaces would cross.
 template <class E>
 void keepApart(E& e) {
-  const int owners = e.view().owners();
+  const int owners = e.view().vertices + e.view().edges;
   e.forEach(BeginCrossings{}, e.view().vertices);
   fillFeatures<FoundWay>(e);
   e.forEach(FindNear{}, owners);
@@ -54,7 +54,10 @@ void findVertexPairs(E& e) {
     e.scan(&View::grainCount, &View::grainOffset, cells);
     e.forEach(FillGrains{}, vertices);
   }
-  if (e.view().features > 0) fillFeatures<ExpectedWay>(e);
+  if (e.view().features > 0) {
+    fillFeatures<ExpectedWay>(e);
+    e.forEach(FindDentingBodies{}, e.view().bodies);
+  }
   const int owners = e.view().owners();
   e.forEach(FindPointPairs{}, owners);
   e.scan(&View::pointPairCount, &View::pointPairOffset, owners, &Counters::pointPairs, Per::PointPair);

@@ -2,7 +2,7 @@
 /// Contacts of vertices and edges: a broad phase against the grid of the bodies, for granular particles against a grid of their own, for
 /// surfaces against that of features.h; rows; and what is kept for the next step.
 #include "collision/point_shape.h"
-#include "stages/feature_contacts.h"
+#include "stages/body_corners.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -57,25 +57,10 @@ struct FillGrains {
   }
 };
 
-/// Is the vertex attached to that body? Then they do not collide.
-RUBBLE_HD inline bool isAttached(const View& s, int v, int body) {
-  for (int k = s.refOffset[v]; k < s.refOffset[v + 1]; ++k)
-    if (pointType(s.ref[k]) == kAttachmentCode) {
-      const Attachment& a = s.attachment[pointIndex(s.ref[k])];
-      if (active(s, a) && a.seam == 0 && a.body == body) return true;
-    }
-  return false;
-}
-
-/// To filters of bodies a vertex is what a body is that has none.
-RUBBLE_HD inline bool mayTouch(const View& s, int v, int body) {
-  if (s.filtered != 0 && (isSensor(s, body) || !filtersMeet(s.filter[body], {1, ~0u, 0, 0}))) return false;
-  return (isDynamicVertex(s, v) || s.params[body].kind == BodyKind::Dynamic) && !isAttached(s, v, body);
-}
-
-/// found(other) for every partner whose pair a vertex or edge owns. One may be found several times.
+/// found(other) for every partner whose pair a vertex, an edge or a corner of a body owns. One may be found several times.
 template <class Found>
 RUBBLE_HD void searchPoint(const View& s, int owner, Found&& found) {
+  if (owner >= s.vertices + s.edges) return searchCorners(s, owner, found);
   if (s.features > 0) searchFeatures(s, owner, found);
   if (owner >= s.vertices) return;
   const int v = owner;
@@ -262,7 +247,8 @@ struct UpdatePointContacts {
     }
     for (int k = s.oldPointPairOffset[pair.vertex]; k < s.oldPointPairOffset[pair.vertex + 1]; ++k)
       if (s.oldPointPair[k].other == pair.other) old = &s.oldPointContact[k];
-    const PointContactStart start = pair.other < kVertexNode   ? touchBody(s, pair.vertex, pair.other, old, p, gap, margin)
+    const PointContactStart start = pair.vertex >= s.vertices + s.edges ? touchCorner(s, pair.vertex, pair.other, p, gap, margin)
+                                    : pair.other < kVertexNode ? touchBody(s, pair.vertex, pair.other, old, p, gap, margin)
                                     : pair.other < kCornerNode ? touchGrain(s, pair.vertex, pair.other - kVertexNode, p, gap, margin)
                                                                : touchFeature(s, pair.vertex, pair.other, p, gap, margin);
     p.active = gap <= margin;
@@ -289,7 +275,11 @@ struct MarkDormantPoints {
       d += own;
       nearer[p.weight[k] > Real(0) ? 0 : 1] += dot(p.n, own);
     }
-    if (p.body >= 0) d = p.displacement(targetDisplacement(s, p.body), d);
+    if (p.body >= 0) {
+      const Displacement target = targetDisplacement(s, p.body);
+      d = p.displacement(target, d);
+      nearer[0] += dot(p.n, p.displacement(target, {0, 0, 0}));
+    }
     // layers that fall together come together when the lowest is stopped: open means that it is if either side stays where it is
     const Real closes = surfaces ? max(dot(p.n, d), max(nearer[0], nearer[1])) : dot(p.n, d);
     if (p.c0 + closes < -kDormantGap * p.length) p.kN = p.kT = Real(0);

@@ -24,6 +24,8 @@ struct VertexParams {
 };
 /// With bodies; with other vertices that do, as spheres; with the surfaces of other objects that do, with the surface of its own.
 inline constexpr int kCollidesWithBodies = 1, kCollidesWithGrains = 2, kCollidesWithSurfaces = 4, kCollidesWithSelf = 8;
+/// Its surface is closed, counter-clockwise seen from outside.
+inline constexpr int kHasInside = 16;
 
 /// A triangle or an edge of the surface of an object. Those of a kind lie in one grid.
 enum class FeatureKind : int { Triangle, BareEdge, Edge };  // bare: of no triangle
@@ -69,7 +71,8 @@ struct GrainEntry {
   int vertex;
 };
 
-/// What may touch: `vertex` is a vertex or, from `vertices` on, an edge (vertices + feature); `other` a body, a granular particle of higher
+/// What may touch: `vertex` is a vertex or, from `vertices` on, an edge (vertices + feature) or, behind those, some corners of a body
+/// (stages/body_corners.h); `other` a body, a granular particle of higher
 /// index (kVertexNode + index), a vertex of a surface (kCornerNode + index), an edge or triangle (kFeatureNode + feature), or -1: nothing.
 struct PointPair {
   int vertex, other;
@@ -119,6 +122,9 @@ struct ClusterMotion {
   Block6 inner;              ///< finest level: of contacts of its object with itself
   int folded;                ///< 1: there are any
 };
+
+/// Owners of pairs that a body has for its corners, where there are surfaces.
+inline constexpr int kCornerSlots = 8;
 
 /// Pairs that a vertex or edge may own before they are searched a second time.
 inline constexpr int kPointPairSlots = 12;

@@ -105,6 +105,7 @@ struct View : JointTables<JointTypes> {
   int* island = nullptr;              ///< a body that stands for the island
   int* islandFlag = nullptr;          ///< of that body: 1 if the island wakes, or does not sleep
   int* fast = nullptr;                ///< 1: went further than it is thick
+  int* nearSurface = nullptr;         ///< 1: its corners may touch the surface of a deformable object
   int* stopBits = nullptr;            ///< part of the way that a body does not make since it meets another, as the bits of a float
   int* stopPair = nullptr;            ///< 1 + the pair that it stops at, or 0
   Displacement* stopped = nullptr;    ///< the way that it makes then
@@ -218,6 +219,7 @@ struct View : JointTables<JointTypes> {
   FoldBend* foldBend = nullptr;
   LineBend* lineBend = nullptr;
   Spring* spring = nullptr;
+  Pressure* pressure = nullptr;
 
   template <class F>
   RUBBLE_HD F* elementsOf() const {
@@ -226,15 +228,16 @@ struct View : JointTables<JointTypes> {
     else if constexpr (std::is_same_v<F, FlatBend>) return flatBend;
     else if constexpr (std::is_same_v<F, FoldBend>) return foldBend;
     else if constexpr (std::is_same_v<F, LineBend>) return lineBend;
-    else return spring;
+    else if constexpr (std::is_same_v<F, Spring>) return spring;
+    else return pressure;
   }
   RUBBLE_HD bool hasJoints() const {
     int all = 0;
     for (const int n : joints) all += n;
     return all > 0;
   }
-  /// What owns pairs of vertices: every vertex, then every edge.
-  RUBBLE_HD int owners() const { return vertices + edges; }
+  /// What owns pairs of vertices: every vertex, every edge, then corners of every body, if there is a surface.
+  RUBBLE_HD int owners() const { return vertices + edges + (features > 0 ? kCornerSlots * bodies : 0); }
   RUBBLE_HD ShapeTables shapeTables() const { return {shapeVector, shapeIndex, shapePart}; }
 
   template <class F>
@@ -309,6 +312,7 @@ void forEachArray(F&& f) {
   is(&View::island, "island", "", Per::Body, Life::Unordered);
   is(&View::islandFlag, "islandFlag", "", Per::Body, Life::Work);
   is(&View::fast, "fast", "", Per::Body, Life::Work);
+  is(&View::nearSurface, "nearSurface", "", Per::Body, Life::Work);
   is(&View::stopBits, "stopBits", "", Per::Body, Life::Work);
   is(&View::stopPair, "stopPair", "", Per::Body, Life::Work);
   is(&View::stopped, "stopped", "m, rad", Per::Body, Life::Work);
@@ -373,6 +377,7 @@ void forEachArray(F&& f) {
   is(&View::foldBend, "foldBend", "", perElement<FoldBend>(), Life::State);
   is(&View::lineBend, "lineBend", "", perElement<LineBend>(), Life::State);
   is(&View::spring, "spring", "", perElement<Spring>(), Life::State);
+  is(&View::pressure, "pressure", "", perElement<Pressure>(), Life::State);
   is(&View::cluster, "cluster", "", Per::Cluster, Life::Authored);
   is(&View::clusterMember, "clusterMember", "", Per::Vertex, Life::Authored);
   is(&View::clusterRef, "clusterRef", "", Per::ClusterRef, Life::Authored);

@@ -270,6 +270,70 @@ TEST(Spring, MultiplierConvergesToHookesLawAtAnyStiffness) {
   }
 }
 
+/// The faces of a tetrahedron, counter-clockwise from outside, and its corners.
+struct ClosedSurface {
+  Vec3 x[4];
+  static constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+};
+template <class Of>
+void forEachFace(const ClosedSurface& s, Of&& of) {
+  Pressure p{};
+  p.pressure = 700;
+  for (const auto& face : ClosedSurface::kFaces) {
+    const Vec3 x[3] = {s.x[face[0]], s.x[face[1]], s.x[face[2]]};
+    of(p, face, x);
+  }
+}
+Vec3 forceOn(const ClosedSurface& s, int corner) {
+  Vec3 sum{};
+  forEachFace(s, [&](const Pressure& p, const int (&face)[3], const Vec3 (&x)[3]) {
+    for (int k = 0; k < 3; ++k)
+      if (face[k] == corner) {
+        Block3 block;
+        p.stamp(constants(), x, k, block);
+        sum += block.f;
+      }
+  });
+  return sum;
+}
+
+TEST(Pressure, ForcesOnAClosedSurfaceAreThoseOfItsVolumeAndAddUpToNothing) {
+  Random random(9);
+  for (int n = 0; n < 20; ++n) {
+    ClosedSurface s;
+    for (Vec3& x : s.x) x = randomPoint(random, 1) + Vec3{3, -2, 5};
+    const auto energy = [&] {
+      Real sum = 0;
+      forEachFace(s, [&](const Pressure& p, const int (&)[3], const Vec3 (&x)[3]) { sum += p.energy(constants(), x); });
+      return sum;
+    };
+    const Real volume = dot(s.x[1] - s.x[0], cross(s.x[2] - s.x[0], s.x[3] - s.x[0])) / 6;
+    EXPECT_NEAR(energy(), -700 * volume, 1e-9 * 700);
+    Vec3 force{}, moment{};
+    for (int corner = 0; corner < 4; ++corner) {
+      const Vec3 own = forceOn(s, corner);
+      force += own, moment += cross(s.x[corner], own);
+      for (int axis = 0; axis < 3; ++axis) {
+        constexpr Real h = 1e-4;
+        const auto at = [&](Real step) {
+          const Vec3 kept = s.x[corner];
+          s.x[corner][axis] += step;
+          const Real e = energy();
+          const Vec3 f = forceOn(s, corner);
+          s.x[corner] = kept;
+          return std::pair{e, f};
+        };
+        const auto [up, forceUp] = at(h);
+        const auto [down, forceDown] = at(-h);
+        EXPECT_NEAR(own[axis], -(up - down) / (2 * h), 1e-5) << corner << " " << axis;
+        EXPECT_LT(length(forceUp - forceDown), 1e-9) << "the Hessian of a vertex is zero";
+      }
+    }
+    EXPECT_LT(length(force), 1e-9);
+    EXPECT_LT(length(moment), 1e-9);
+  }
+}
+
 TEST(FoldBend, MeasuresTheAngleBetweenItsTriangles) {
   for (const Real angle : {-2., -.3, 0., .5, 3.}) {
     const Vec3 x[4] = {{0, 0, 0}, {1, 0, 0}, {.5, 1, 0}, {.5, -std::cos(angle), std::sin(angle)}};

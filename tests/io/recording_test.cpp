@@ -7,6 +7,7 @@
 
 #include "io/frame_codec.h"
 #include "io/recording.h"
+#include "io/recording_format.h"
 #include "rubble/error.h"
 
 namespace rubble::io {
@@ -106,6 +107,99 @@ TEST(Recording, FramesComeBackInAnyOrder) {
   EXPECT_THROW(reader.frame(100), Error);
   EXPECT_THROW(reader.frame(-1), Error);
 }
+
+/// A sheet of two triangles that loses one at frame 20, a rope and particles that come at frame 40.
+struct SoftTrajectory {
+  std::vector<std::vector<RecordedSoft>> softs;  ///< of each frame
+  std::vector<RecordedFrame> frames;
+};
+SoftTrajectory makeSoftTrajectory(int count) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> step(-.1, .1);
+  std::vector<RecordedSoft> softs{{"sheet", {0, 1}, 4, {{0, 1, 2}, {1, 3, 2}}, {}, .001, false, false}, {"", {1, 1}, 3, {}, {{0, 1}, {1, 2}}, .01, false, false}};
+  std::vector<Vec3> vertices(7);
+  SoftTrajectory made;
+  for (int i = 0; i < count; ++i) {
+    if (i == 20) softs[0].triangles.pop_back();
+    if (i == 40) {
+      softs.push_back({"sand", {2, 3}, 2, {}, {}, .02, true, false});
+      vertices.resize(9);
+    }
+    for (Vec3& x : vertices) x += Vec3{step(random), step(random), step(random)};
+    made.softs.push_back(softs);
+    made.frames.push_back({i, i / 60., {{{.1 * i, 0, 0}, someRotation(random)}}, vertices});
+  }
+  return made;
+}
+const std::vector<RecordedBody> kOneBody{{"box", Shape::box({.5, .25, .125}), Motion::Dynamic, {1, 1}}};
+void writeSoft(const std::string& path, const SoftTrajectory& trajectory) {
+  RecordingWriter writer(path, {"soft", 1 / 60., {0, 0, -9.81}, kResolution});
+  for (std::size_t i = 0; i < trajectory.frames.size(); ++i) writer.write(kOneBody, trajectory.frames[i], trajectory.softs[i]);
+  writer.finish();
+}
+
+TEST(Recording, VerticesOfDeformableObjectsComeBack) {
+  const TemporaryFile file;
+  const SoftTrajectory trajectory = makeSoftTrajectory(60);
+  writeSoft(file.path, trajectory);
+  RecordingReader reader(file.path);
+  ASSERT_EQ(reader.frameCount(), 60);
+  for (const int index : {0, 59, 19, 20, 39, 40, 31, 32, 5}) {
+    const auto i = static_cast<std::size_t>(index);
+    const RecordedFrame frame = reader.frame(index);
+    EXPECT_EQ(reader.softs(index), trajectory.softs[i]) << index;
+    EXPECT_EQ(reader.bodies(index), kOneBody);
+    ASSERT_EQ(frame.vertices.size(), trajectory.frames[i].vertices.size());
+    for (std::size_t v = 0; v < frame.vertices.size(); ++v)
+      EXPECT_LT(length(frame.vertices[v] - trajectory.frames[i].vertices[v]), kResolution) << index;
+    EXPECT_NEAR(frame.poses[0].position.x, .1 * index, kResolution);
+  }
+}
+
+TEST(Recording, DeformableObjectsAreDrawnAsTheyWere) {
+  const TemporaryFile file;
+  Scene scene;
+  scene.deformables = {softBox({0, 0, 1}, {.5, .5, .5}, {2, 2, 2}), clothSheet({-1, -1, 2}, {2, 0, 0}, {0, 2, 0}, 4, 4),
+                       straightRod({0, 0, 3}, {1, 0, 3}, 4)};
+  World world(scene);
+  const std::vector<RecordedSoft> softs = recordedSofts(world);
+  std::vector<PictureBody> live;
+  {
+    RecordingWriter writer(file.path, {"soft", world.params().dt, world.gravity(), recordingResolution({}, softs)});
+    for (int i = 0; i < 5; ++i) {
+      writer.write(recordedBodies(world), recordedFrame(world), recordedSofts(world));
+      live = pictureBodies(world);
+      world.step();
+    }
+  }
+  RecordingReader reader(file.path);
+  const std::vector<PictureBody> drawn = pictureBodies(reader, 4);
+  ASSERT_EQ(drawn.size(), live.size());
+  for (std::size_t i = 0; i < live.size(); ++i) {
+    EXPECT_EQ(drawn[i].key, live[i].key);
+    EXPECT_EQ(drawn[i].deforms, live[i].deforms);
+    EXPECT_NEAR(drawn[i].speed, live[i].speed, 1e-2 * live[i].speed) << "from differences";
+    ASSERT_EQ(drawn[i].shape.geometry->triangles, live[i].shape.geometry->triangles);
+    const auto& points = drawn[i].shape.geometry->points;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      EXPECT_LT(length(points[k] + drawn[i].position - live[i].shape.geometry->points[k] - live[i].position), 2 * reader.header().resolution);
+  }
+}
+
+#if defined(RUBBLE_HAS_ZSTD)
+TEST(Recording, FilesOfVersion1AreRead) {
+  // drop-stack, 3 steps, written before there were deformable objects
+  RecordingReader reader(std::string(RUBBLE_SOURCE_DIR) + "/tests/io/recordings/version_1.rubble");
+  EXPECT_TRUE(reader.complete());
+  ASSERT_EQ(reader.frameCount(), 4);
+  ASSERT_EQ(reader.bodies(3).size(), 11u);
+  EXPECT_TRUE(reader.softs(3).empty());
+  const RecordedFrame first = reader.frame(0), last = reader.frame(3);
+  EXPECT_EQ(last.step, 3);
+  // free fall of implicit Euler: g dt^2 (1 + 2 + 3)
+  EXPECT_NEAR(first.poses[10].position.z - last.poses[10].position.z, 10. * 6 / 3600, 1e-4);
+}
+#endif
 
 TEST(Recording, AnEmptyRecordingIsGood) {
   const TemporaryFile file;
@@ -242,6 +336,31 @@ TEST(Recording, EveryFlippedBitIsNoticed) {
   }
 }
 
+TEST(Recording, EveryFlippedBitIsNoticedBesideDeformableObjects) {
+  const TemporaryFile file;
+  writeSoft(file.path, makeSoftTrajectory(45));
+  const std::vector<char> bytes = readAll(file.path);
+  ASSERT_TRUE(readsThrough(file.path));
+  std::mt19937 random(17);
+  for (std::size_t at = 0; at < bytes.size(); at += 11) {
+    std::vector<char> damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ (1 << (random() % 8)));
+    writeAll(file.path, damaged);
+    EXPECT_FALSE(readsThrough(file.path)) << "byte " << at;
+  }
+}
+
+TEST(Recording, ContentThatNoWriterMakesIsAnError) {
+  // whole and with right checksums, but no vertex has this number
+  RecordedObjects objects{{}, {{"sheet", {0, 1}, 3, {{0, 1, 2}}, {}, .001, false, false}}};
+  ASSERT_TRUE(decodeObjects(encodeObjects(objects), kVersion));
+  EXPECT_FALSE(decodeObjects(encodeObjects(objects), 1)) << "version 1 has no such table";
+  objects.softs[0].triangles[0][2] = 3;
+  EXPECT_FALSE(decodeObjects(encodeObjects(objects), kVersion));
+  objects.softs[0].triangles.clear(), objects.softs[0].vertices = -1;
+  EXPECT_FALSE(decodeObjects(encodeObjects(objects), kVersion));
+}
+
 TEST(Recording, RubbishIsAnErrorAndNoCrash) {
   const TemporaryFile file;
   std::mt19937 random(13);
@@ -261,6 +380,7 @@ TEST(Recording, TheWriterSaysWhatIsWrong) {
   const TemporaryFile file;
   RecordingWriter writer(file.path, {});
   EXPECT_THROW(writer.write({}, {0, 0, {RecordedPose{}}}), Error);
+  EXPECT_THROW(writer.write({}, {0, 0, {}, {Vec3{}}}), Error);
   writer.finish();
   EXPECT_THROW(writer.write({}, {}), Error);
 }

@@ -60,6 +60,11 @@ Spring made(const SoftModel::Spring& m, int first) {
   e.bound = bound(m.bound), e.mass = real(m.mass);
   return e;
 }
+Pressure made(const SoftModel::Pressure& m, int first) {
+  Pressure e = fresh<Pressure>(m.v, first);
+  e.pressure = real(m.pressure);
+  return e;
+}
 
 template <class F>
 const auto& listOf(const SoftModel& m) {
@@ -68,7 +73,8 @@ const auto& listOf(const SoftModel& m) {
   else if constexpr (std::is_same_v<F, FlatBend>) return m.flatBends;
   else if constexpr (std::is_same_v<F, FoldBend>) return m.foldBends;
   else if constexpr (std::is_same_v<F, LineBend>) return m.lineBends;
-  else return m.springs;
+  else if constexpr (std::is_same_v<F, Spring>) return m.springs;
+  else return m.pressures;
 }
 static_assert(ElementTypes::kSize == SoftRange::kElementTypes);
 
@@ -162,6 +168,10 @@ struct Moves {
   /// Where an owner of pairs was.
   int ownerFrom(const View& s, const OldVertices& old, int owner) const {
     if (owner < s.vertices) return vertexFrom[static_cast<std::size_t>(owner)];
+    if (owner >= s.vertices + s.edges) {
+      const int from = owner - s.vertices - s.edges + static_cast<int>(old.position.size()) + old.edges;
+      return from < static_cast<int>(old.offset.size()) - 1 ? from : -1;
+    }
     const int from = featureFrom[static_cast<std::size_t>(owner - s.vertices)];
     return from < 0 ? -1 : static_cast<int>(old.position.size()) + from;
   }
@@ -327,7 +337,7 @@ void elementsAliveOf(const HostTables& tables, int type, int first, std::span<ch
 void forgetVertexContacts(HostTables& tables, int body) {
   View& s = tables.view();
   for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k)
-    if (s.oldPointPair[k].other == body) {
+    if (s.oldPointPair[k].other == body || (s.oldPointPair[k].vertex >= s.vertices + s.edges && bodyOfOwner(s, s.oldPointPair[k].vertex) == body)) {
       s.oldPointPair[k].other = -1;
       s.oldPointContact[k].active = 0;
     }

@@ -92,7 +92,7 @@ void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& obje
   std::vector<std::pair<int, ClusterRef>> refs;
   forEachType(ElementTypes{}, [&]<class F>() {
     constexpr int kType = typeIndex<F>(ElementTypes{});
-    for (int i = 0; i < s.elements[kType]; ++i)
+    for (int i = 0; !kIsLoad<F> && i < s.elements[kType]; ++i)
       for (int level = 0; level < kClusterLevels; ++level) {
         int own[F::kCorners], different = 0;
         for (int k = 0; k < F::kCorners; ++k)

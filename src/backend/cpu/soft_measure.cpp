@@ -29,7 +29,16 @@ std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
     tangentBasis(p.n, t1, t2);
     double depth;
     int vertex = p.v[0], other = -1;
-    if (p.body >= 0) {
+    if (s.oldPointPair[k].vertex >= s.vertices + s.edges) {
+      PointContact now{};
+      Real gap, margin;
+      touchCorner(s, s.oldPointPair[k].vertex, s.oldPointPair[k].other, now, gap, margin);
+      depth = static_cast<double>(max(-gap, -p.length));
+      // the corner that is nearest to the point
+      Real most = 0;
+      for (int c = 0; c < kPointCorners && p.v[c] >= 0; ++c)
+        if (-p.weight[c] > most) most = -p.weight[c], vertex = p.v[c];
+    } else if (p.body >= 0) {
       depth = static_cast<double>(s.vertexParams[vertex].radius - pointToBody(s, vertex, p.body, s.vertexParams[vertex].length, p.n).distance);
     } else if (s.oldPointPair[k].other >= kCornerNode) {
       const NearParts parts = nearParts(s, s.oldPointPair[k].vertex, s.oldPointPair[k].other);

@@ -35,6 +35,14 @@ void setBodyCount(HostTables& tables, int slots) {
   tables.reserve(Per::Level, kCoarseLevels);
   const int cells = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * slots))));
   tables.reserve(Per::Cell, cells);
+  if (tables.view().features > 0) {
+    // nor do its corners
+    const int owners = tables.view().owners(), more = owners + kCornerSlots * (slots - tables.view().bodies);
+    tables.reserve(Per::PointOwner, more);
+    tables.reserve(Per::PointOwnerSlot, tables.capacity(Per::PointOwner) * kPointPairSlots);
+    int* const offset = tables.view().oldPointPairOffset;
+    std::fill(offset + owners + 1, offset + more + 1, offset[owners]);
+  }
   View& s = tables.view();
   s.cells = cells;
   for (int i = s.bodies; i < slots; ++i) {

@@ -62,7 +62,10 @@ __global__ void forgetManifolds(const __grid_constant__ View s, const int* slots
 
 __global__ void forgetPoints(const __grid_constant__ View s, const int* slots, int count) {
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  if (i >= s.oldPointPairOffset[s.owners()] || !contains(slots, count, s.oldPointPair[i].other)) return;
+  if (i >= s.oldPointPairOffset[s.owners()]) return;
+  const int owner = s.oldPointPair[i].vertex, cornersFrom = s.vertices + s.edges;
+  if (!contains(slots, count, s.oldPointPair[i].other) && !(owner >= cornersFrom && contains(slots, count, (owner - cornersFrom) / kCornerSlots)))
+    return;
   s.oldPointPair[i].other = -1;
   s.oldPointContact[i].active = 0;
 }
@@ -117,6 +120,12 @@ void forgetVertexContactsOf(cudaStream_t stream, const View& device, const int* 
 void startPairOffsets(cudaStream_t stream, const View& device, int begin, int end) {
   if (end <= begin) return;
   repeatOffset<<<blocksFor(static_cast<std::size_t>(end - begin)), kEditThreads, 0, stream>>>(device.oldPairOffset, begin, end);
+  checkCuda(cudaGetLastError(), "repeatOffset");
+}
+
+void startCornerOffsets(cudaStream_t stream, const View& device, int begin, int end) {
+  if (end <= begin) return;
+  repeatOffset<<<blocksFor(static_cast<std::size_t>(end - begin)), kEditThreads, 0, stream>>>(device.oldPointPairOffset, begin, end);
   checkCuda(cudaGetLastError(), "repeatOffset");
 }
 

@@ -54,6 +54,8 @@ void forgetContactsOf(cudaStream_t stream, const View& device, const int* slots,
 void forgetVertexContactsOf(cudaStream_t stream, const View& device, const int* slots, int count, int pairs);
 /// Bodies [begin, end) are new and own no old pairs.
 void startPairOffsets(cudaStream_t stream, const View& device, int begin, int end);
+/// Likewise owners [begin, end), which are corners of new bodies.
+void startCornerOffsets(cudaStream_t stream, const View& device, int begin, int end);
 
 /// What cudaStatus() of info.h says when the backend is built.
 std::string deviceStatus();

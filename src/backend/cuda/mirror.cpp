@@ -141,7 +141,11 @@ void Mirror::flush() {
     return;
   }
   const View& device = stepper_.tables().view();
-  if (addedFrom_ >= 0) startPairOffsets(stepper_.stream(), device, addedFrom_, host_.view().bodies);
+  if (addedFrom_ >= 0) {
+    startPairOffsets(stepper_.stream(), device, addedFrom_, host_.view().bodies);
+    const int owners = host_.view().owners();
+    if (host_.view().features > 0) startCornerOffsets(stepper_.stream(), device, owners - kCornerSlots * (host_.view().bodies - addedFrom_), owners);
+  }
   addedFrom_ = -1;
   if (listsDirty_) sendLists();
   sendEdits();

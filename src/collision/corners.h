@@ -1,0 +1,74 @@
+#pragma once
+/// Corners of a shape: the points that it can dent a surface with. A sphere and the ends of a capsule are corners with a radius.
+#include "collision/lattice.h"
+#include "math/trig.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Corners of a rim of a cylinder or cone: between two of them it lies .5 % of its radius further out.
+inline constexpr int kRimCorners = 32;
+
+/// In the frame of its body.
+struct ShapeCorner {
+  Vec3 at;      ///< [m]
+  Real radius;  ///< [m]
+  int part;     ///< of a compound, else 0
+};
+
+/// Of a shape that is no compound. Planes, meshes and height fields have none.
+RUBBLE_HD inline int convexCornerCount(const ShapeTables& tables, const ShapeData& s) {
+  switch (s.kind) {
+    case ShapeKind::Sphere: return 1;
+    case ShapeKind::Capsule: return 2;
+    case ShapeKind::Box:
+    case ShapeKind::RoundBox: return 8;
+    case ShapeKind::Cylinder: return 2 * kRimCorners;
+    case ShapeKind::Cone: return 1 + kRimCorners;
+    case ShapeKind::Hull: return tables.index[s.data + 2];
+    case ShapeKind::Distance: return tables.index[s.data + 5];
+    default: return 0;
+  }
+}
+
+RUBBLE_HD inline Vec3 rimCorner(Real radius, Real height, int k) {
+  constexpr Real kStep = Real(6.283185307179586476925) / static_cast<Real>(kRimCorners);
+  const SinCos t = sinCos(kStep * static_cast<Real>(k));
+  return {radius * t.cos, radius * t.sin, height};
+}
+
+RUBBLE_HD inline Vec3 convexCorner(const ShapeTables& tables, const ShapeData& s, int k) {
+  switch (s.kind) {
+    case ShapeKind::Capsule: return {0, 0, k == 0 ? s.half.z : -s.half.z};
+    case ShapeKind::Box:
+    case ShapeKind::RoundBox: return {k & 1 ? s.half.x : -s.half.x, k & 2 ? s.half.y : -s.half.y, k & 4 ? s.half.z : -s.half.z};
+    case ShapeKind::Cylinder: return rimCorner(s.half.x, k < kRimCorners ? s.half.z : -s.half.z, k % kRimCorners);
+    case ShapeKind::Cone: return k == 0 ? Vec3{0, 0, s.half.z} : rimCorner(s.half.x, -s.half.z / 3, k - 1);
+    case ShapeKind::Hull: return xyz(tables.vector[tables.index[s.data] + k]);
+    case ShapeKind::Distance: return xyz(latticeOf(tables, s).points[k]);
+    default: return {0, 0, 0};
+  }
+}
+
+/// visit(corner) for share `share` of `shares` of the corners of a shape: neighbours in its list, so that corners of one share are near to one
+/// another on rims.
+template <class Visit>
+RUBBLE_HD void visitCorners(const ShapeTables& tables, const ShapeData& s, int share, int shares, Visit&& visit) {
+  const bool compound = s.kind == ShapeKind::Compound;
+  const int parts = compound ? tables.index[s.data + 3] : 1;
+  const auto partAt = [&](int p) { return tables.part + tables.index[s.data + 2] + p; };
+  int all = 0;
+  for (int p = 0; p < parts; ++p) all += convexCornerCount(tables, compound ? partAt(p)->shape : s);
+  const int begin = all * share / shares, end = all * (share + 1) / shares;
+  int before = 0;
+  for (int p = 0; p < parts && before < end; ++p) {
+    const ShapeData& own = compound ? partAt(p)->shape : s;
+    const int count = convexCornerCount(tables, own);
+    for (int k = max(begin - before, 0); k < min(end - before, count); ++k) {
+      const Vec3 at = convexCorner(tables, own, k);
+      visit(ShapeCorner{compound ? partAt(p)->position + rotate(partAt(p)->rotation, at) : at, own.radius, p});
+    }
+    before += count;
+  }
+}
+
+}  // namespace rubble::RUBBLE_CORE
