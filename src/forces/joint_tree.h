@@ -33,9 +33,18 @@ struct TreeRows {
   SolvedRow drive;           ///< of an axis
 };
 
+/// dC/dx of the body of that side. Apart, as treeRows is: F + h J dx with h = kTreeStiffness m_row / dt^2 is a small difference of large numbers,
+/// and has no correct digit unless the blocks were summed with the same bits of C and J. On a device one expression has other bits in each kernel
+/// that it is inlined in, by the products that are contracted there.
+template <class P, class F>
+RUBBLE_HD RUBBLE_APART void treeJacobian(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side,
+                                         Vec6 (&j)[P::kRows]) {
+  jacobianOf<P>(spec, joint, a, b, side, j);
+}
+
 /// Rows of part I at the present poses; false if the part does not act. `exact`: the tree is solved exactly.
 template <class F, int I, class P>
-RUBBLE_HD bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, bool exact,
+RUBBLE_HD RUBBLE_APART bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, bool exact,
                         TreeRows<P::kRows>& out) {
   const auto& rows = partOf<I>(joint.parts);
   Real error[P::kRows];
@@ -96,23 +105,24 @@ struct TreeCoupling {
 /// Adds the rows of a joint to the block (h, f) of one of its bodies, by its first side, and to its couplings (`side`, other side).
 template <class F>
 RUBBLE_HD void stampJointOfTree(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
-                                int side, bool exact, Dense6& h, Long6& f, const TreeCoupling (&across)[2]) {
+                                int side, bool exact, Dense6& h, Long6& f, TreeCoupling first, TreeCoupling second) {
   forEachPart<F>([&]<int I, class P>() {
     TreeRows<P::kRows> rows;
     if (!treeRows<F, I, P>(c, spec, joint, a, b, exact, rows)) return;
     Vec6 j[P::kRows];
-    jacobianOf<P>(spec, joint, a, b, side, j);
+    treeJacobian<P>(spec, joint, a, b, side, j);
     for (int i = 0; i < P::kRows; ++i) {
       const Long6 own = longer(j[i]);
       addOuter(h, own, own, rows.hessian);
       for (int k = 0; k < 6; ++k) f.v[k] -= rows.force[i] * own.v[k];
     }
-    for (const TreeCoupling& coupling : across) {
-      if (!coupling.block) continue;
+    const auto couple = [&](const TreeCoupling& to) {
+      if (!to.block) return;
       Vec6 other[P::kRows];
-      jacobianOf<P>(spec, joint, a, b, coupling.side, other);
-      for (int i = 0; i < P::kRows; ++i) addOuter(*coupling.block, longer(j[i]), longer(other[i]), rows.hessian);
-    }
+      treeJacobian<P>(spec, joint, a, b, to.side, other);
+      for (int i = 0; i < P::kRows; ++i) addOuter(*to.block, longer(j[i]), longer(other[i]), rows.hessian);
+    };
+    couple(first), couple(second);
     const Long6 bend = longer(curvatureOf<P>(spec, joint, a, b, side, rows.own));
     for (int k = 0; k < 6; ++k) h.m[k][k] += bend.v[k];
   });
@@ -126,8 +136,8 @@ RUBBLE_HD void takeTreeForces(const StepConstants& c, const JointSpec<F>& spec, 
     TreeRows<P::kRows> rows;
     if (!treeRows<F, I, P>(c, spec, joint, a, b, exact, rows) || !(rows.solved[0].there || rows.drive.there)) return;
     Vec6 ja[P::kRows], jb[P::kRows];
-    P::jacobian(spec.data, joint.memory, a, b, 0, ja);
-    P::jacobian(spec.data, joint.memory, a, b, 1, jb);
+    treeJacobian<P>(spec, joint, a, b, 0, ja);
+    treeJacobian<P>(spec, joint, a, b, 1, jb);
     const auto forceOf = [&](const SolvedRow& row, int i) {
       const double force = row.force + row.hessian * (dot(longer(ja[i]), dxA) + dot(longer(jb[i]), dxB));
       // a limit that would have to pull lets go: the next solve is without it

@@ -28,21 +28,30 @@ struct MarkSoftTrees {
 
 RUBBLE_HD inline bool movesInTree(const View& s, int body) { return body >= 0 && body < s.bodies && s.nodeOfBody[body] >= 0; }
 
+/// Where a joint has its bodies. Apart, as treeJacobian is.
+template <class F>
+RUBBLE_HD RUBBLE_APART void placeJoint(const View& s, const JointSpec<F>& spec, const Joint<F>& joint, SidePose<F>& a, SidePose<F>& b) {
+  a = poseOfA(s, spec, joint);
+  b = poseOfB(s, spec, joint);
+}
+
 template <class F>
 RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, int side) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
   const Joint<F>& joint = s.jointsOf<F>()[index];
   const TreeNode& node = s.treeNode[n];
   TreeWork& w = s.treeWork[n];
-  TreeCoupling across[2] = {{0, nullptr}, {0, nullptr}};
+  TreeCoupling first{0, nullptr}, second{0, nullptr};
   for (int other = 0; other < kSides<F>; ++other) {
     const int body = bodyOf(spec, other);
     if (other == side || body == bodyOf(spec, side) || !isFirstSide(spec, other)) continue;
     if (body == kWorldBody || !isDynamic(s, body) || s.nodeOfBody[body] < 0) continue;
-    for (int k = 0; k < 2; ++k)
-      if (node.near[k] == s.nodeOfBody[body]) across[k] = {other, &w.e[k]};
+    if (node.near[0] == s.nodeOfBody[body]) first = {other, &w.e[0]};
+    if (node.near[1] == s.nodeOfBody[body]) second = {other, &w.e[1]};
   }
-  stampJointOfTree(s.step, spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), side, isExact(s, node) && spec.holds, w.h, w.x, across);
+  SidePose<F> poseA, poseB;
+  placeJoint(s, spec, joint, poseA, poseB);
+  stampJointOfTree(s.step, spec, joint, poseA, poseB, side, isExact(s, node) && spec.holds, w.h, w.x, first, second);
 }
 
 /// A body that does not move, or an axis that is locked, is decoupled from all others.
@@ -174,8 +183,9 @@ struct TakeTreeForces {
     if (!(share > 0)) return;
     const Long6 still{};
     Joint<F>& joint = s.jointsOf<F>()[i];
-    takeTreeForces(s.step, spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint),
-                   a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, spec.holds, share);
+    SidePose<F> poseA, poseB;
+    placeJoint(s, spec, joint, poseA, poseB);
+    takeTreeForces(s.step, spec, joint, poseA, poseB, a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, spec.holds, share);
   }
 };
 

@@ -1,4 +1,4 @@
-/// Queries on the device against the same ones on the CPU, over the same poses.
+/// Queries of a world on the device against the same ones on the CPU, over the same poses.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace rubble::test {
 namespace {
 
 constexpr int kQueries = 1000;
-/// Answers that may fall to another body, of a near tie: the device contracts multiplications and additions.
+/// Answers that may fall to another body, of a near tie.
 constexpr int kTies = 3;
 constexpr double kNear = 1e-4;
 
@@ -74,7 +74,7 @@ TEST_F(CudaQuery, AnswersAsTheCpuDoes) {
   std::size_t found = 0;
   for (std::size_t i = 0; i < a.size(); ++i) other += a[i] != b[i], found += a[i].size();
   EXPECT_LE(other, kTies);
-  EXPECT_GT(found, static_cast<std::size_t>(kQueries));
+  EXPECT_GT(found, static_cast<std::size_t>(kQueries / 4));
 }
 
 TEST_F(CudaQuery, SeesEditsAndLeavesTheStepAlone) {

@@ -5,7 +5,6 @@
 
 #include "backend/cpu/cpu_engine.h"
 #include "backend/cuda/device_poses.h"
-#include "backend/cuda/device_queries.h"
 #include "backend/cuda/mirror.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -110,7 +109,13 @@ class CudaEngine final : public Engine, private PoseCopies {
   bool reserve(const std::string& kind, int count) override { return reserveKind(stepper_.tables(), kind, count); }
 
   PoseCopies* poseCopies() override { return this; }
-  void begin(int buffer) override { poses_.begin(buffer, present(), stepper_.stream()); }
+  void begin(int buffer) override {
+    mirror_.flush();
+    // the sizes of the device's view are those of the last step
+    View view = stepper_.tables().view();
+    view.bodies = host().view().bodies;
+    poses_.begin(buffer, view, stepper_.stream());
+  }
   bool ready(int buffer) const override { return poses_.ready(buffer); }
   void wait(int buffer) override { poses_.wait(buffer); }
   ArrayView position(int buffer) const override { return poses_.position(buffer); }
@@ -129,11 +134,14 @@ class CudaEngine final : public Engine, private PoseCopies {
     mirror_.fetchState(slot);
     return host().view().asleep[slot] != 0;
   }
+  /// On the host, by the same functors, over the states that are fetched: a batch costs a copy and no launch.
   std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
-    return queries_.run(present(), QueryBatch(queries), stepper_.stream());
+    mirror_.fetchAll();
+    return runQueries(host(), queries);
   }
   std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override {
-    return queries_.overlaps(present(), QueryBatch(queries), stepper_.stream());
+    mirror_.fetchAll();
+    return runOverlaps(host(), queries);
   }
   JointState jointState(int type, int slot) const override { return jointStateOf(fetched(), type, slot); }
   std::vector<std::pair<int, int>> brokenJoints() const override { return brokenJointsOf(fetched()); }
@@ -154,21 +162,11 @@ class CudaEngine final : public Engine, private PoseCopies {
     mirror_.fetchAll();
     return mirror_.host();
   }
-  /// The tables of the device with all edits in them, and their sizes: those of the device's own view are of the last step.
-  View present() {
-    mirror_.flush();
-    View view = host().view();
-    const View& device = stepper_.tables().view();
-    forEachArray([&](const auto& array) { view.*array.member = device.*array.member; });
-    view.counters = device.counters;
-    return view;
-  }
   void prepareConstants();
 
   CudaStepper stepper_;
   mutable Mirror mirror_{stepper_};  ///< reading fetches
   DevicePoses poses_;
-  DeviceQueries queries_;
   EngineSettings settings_;
   bool settingsChanged_ = true;
   bool bodiesChanged_ = true;
