@@ -283,6 +283,7 @@ Spec carSpec() {
         atMost("joint_gap_max_m", .01, "axles and tyres hold"), atMost("quarantined", 0, "finite throughout")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{3.5, -8.5, 4.2}, {3.5, 0, 0}}; };
+  spec.travels = true;
   spec.steps = 300;
   spec.iterations = 10;
   spec.testArguments = {{"cell", .1}};

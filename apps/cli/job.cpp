@@ -126,7 +126,7 @@ scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& ar
   }
   const scenes::Spec& spec = scenes::find(scene);
   scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, parseArguments(arguments)));
-  job.camera = cameraShowing(job.scene, job.camera.target - job.camera.eye, job.smashStep >= 0);
+  if (!spec.travels) job.camera = cameraShowing(job.scene, job.camera.target - job.camera.eye, job.smashStep >= 0);
   return job;
 }
 
