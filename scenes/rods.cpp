@@ -56,7 +56,7 @@ Spec twistSpec() {
   Spec spec;
   spec.name = "rod-twist";
   spec.doc = "A motor twists a rod of oriented segments that is built in at the other end: torque = G J theta / L.";
-  spec.arguments = {count("segments", 10, 2, 12, "pieces of the rod"), quantity("youngs_modulus", 4e5, 2e5, 1e9, "Pa", "of the rod")};
+  spec.arguments = {count("segments", 10, 2, 100, "pieces of the rod; beyond 12 it winds itself up at 4 iterations"), quantity("youngs_modulus", 4e5, 2e5, 1e9, "Pa", "of the rod")};
   spec.build = buildTwist;
   spec.probes = [](const Arguments& arguments, const Scene& scene) {
     const SegmentRodDef rod = twistedRod(arguments);

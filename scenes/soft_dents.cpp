@@ -51,13 +51,7 @@ Scene buildDents(const Arguments& arguments) {
     body.orientation = someTurn(i);
     scene.bodies.push_back(body);
   }
-  ClothDef sheet = clothSheet({-kSheetSide / 2, -kSheetSide / 2, 0}, {kSheetSide, 0, 0}, {0, kSheetSide, 0}, cells, cells);
-  sheet.name = "sheet";
-  sheet.thickness = 4e-3;
-  sheet.youngsModulus = 2e6;
-  sheet.density = 400;
-  sheet.fixed = verticesWhere(sheet, [](const Vec3& x) { return std::fabs(x.x) > .999 || std::fabs(x.y) > .999; });
-  scene.deformables.push_back(sheet);
+  scene.deformables.push_back(heldSheet(kSheetSide, 0, cells));
   return scene;
 }
 

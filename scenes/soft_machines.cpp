@@ -156,12 +156,10 @@ Scene buildJumpers(const Arguments& arguments) {
     addRagdoll(scene, {far * std::cos(angle), far * std::sin(angle), kBedHeight + .5 + .3 * i}, 1.3 * i, "man" + std::to_string(i));
   }
   const int cells = whole(arguments, "cells");
-  ClothDef bed = clothSheet({-kBed / 2, -kBed / 2, kBedHeight}, {kBed, 0, 0}, {0, kBed, 0}, cells, cells);
+  ClothDef bed = heldSheet(kBed, kBedHeight, cells);
   bed.name = "bed";
   bed.thickness = 5e-3;
   bed.youngsModulus = 5e6;
-  bed.density = 400;
-  bed.fixed = verticesWhere(bed, [](const Vec3& x) { return std::max(std::fabs(x.x), std::fabs(x.y)) > kBed / 2 - 1e-6; });
   scene.deformables.push_back(bed);
   return scene;
 }

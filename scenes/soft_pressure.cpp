@@ -133,7 +133,7 @@ Scene buildCushion(const Arguments& arguments) {
 Spec cushionSpec() {
   Spec spec;
   spec.name = "balloon-cushion";
-  spec.doc = "A guided plate lies on four balloons, which are pressed flat until their pressure on the area of contact carries it.";
+  spec.doc = "A guided plate lies on four balloons, which are pressed flat under it.";
   spec.arguments = {count("fineness", 3, 1, 6, "times that the edges of an icosahedron are halved"),
                     quantity("pressure", 1000, 10, 10000, "Pa", "inside over outside"),
                     quantity("mass", 8, .1, 1000, "kg", "of the plate")};

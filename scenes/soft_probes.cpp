@@ -145,6 +145,16 @@ SoftDef softBall(const Vec3& centre, double radius, int cells) {
   return d;
 }
 
+ClothDef heldSheet(double side, double height, int cells) {
+  ClothDef sheet = clothSheet({-side / 2, -side / 2, height}, {side, 0, 0}, {0, side, 0}, cells, cells);
+  sheet.name = "sheet";
+  sheet.thickness = 4e-3;
+  sheet.youngsModulus = 2e6;
+  sheet.density = 400;
+  sheet.fixed = verticesWhere(sheet, [=](const Vec3& x) { return std::max(std::fabs(x.x), std::fabs(x.y)) > .4995 * side; });
+  return sheet;
+}
+
 std::vector<int> verticesWhere(const DeformableDef& object, const std::function<bool(const Vec3&)>& inside) {
   std::vector<int> out;
   for (std::size_t i = 0; i < object.vertices.size(); ++i)

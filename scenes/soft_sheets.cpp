@@ -60,14 +60,7 @@ Scene buildTrampoline(const Arguments& arguments) {
     box.mass = 10;
     scene.bodies.push_back(box);
   }
-  const int cells = whole(arguments, "cells");
-  ClothDef sheet = clothSheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, cells, cells);
-  sheet.name = "sheet";
-  sheet.thickness = 4e-3;
-  sheet.youngsModulus = 2e6;
-  sheet.density = 400;
-  sheet.fixed = verticesWhere(sheet, [](const Vec3& x) { return std::fabs(x.x) > .999 || std::fabs(x.y) > .999; });
-  scene.deformables.push_back(sheet);
+  scene.deformables.push_back(heldSheet(2, 0, whole(arguments, "cells")));
   return scene;
 }
 

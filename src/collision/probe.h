@@ -9,7 +9,7 @@ inline constexpr double kRayGap = 1e-7, kFieldRayGap = 1e-4;
 
 namespace probes {
 
-RUBBLE_HD constexpr Way still() { return {}; }
+inline constexpr Way kStill{};
 
 RUBBLE_HD inline Convex point() { return {ShapeKind::Sphere, {0, 0, 0}, 0, nullptr, nullptr, nullptr, 0, 0, {}}; }
 
@@ -122,7 +122,7 @@ RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) 
   RayMeeting out{rays::kNever, {}};
   if (isConvex(target.shape.kind)) {
     const double gap = kRayGap * static_cast<double>(boundingRadius(target.shape));
-    const Meeting m = meeting({probes::point(), {}, {}}, {move, {}}, asConvex(target), probes::still(), gap);
+    const Meeting m = meeting({probes::point(), {}, {}}, {move, {}}, asConvex(target), probes::kStill, gap);
     out = {m.fraction, m.at.distance > 0 ? -m.at.n : Vec3d{}};
   } else if (target.shape.kind == ShapeKind::Distance) {
     out = probes::rayToField(target, move);
@@ -145,9 +145,9 @@ RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) 
 RUBBLE_HD inline Meeting castShape(const PlacedAny& own, const Vec3d& move, const PlacedAny& target, double tolerance) {
   const auto all = [](const Vec3d&, const Meeting&) { return true; };
   const Way way{move, {}};
-  if (target.shape.kind == ShapeKind::Distance) return meetField(target, probes::still(), own, way, {tolerance}, all);
-  if (isSurface(target.shape.kind)) return meetTriangles(target, probes::still(), asConvex(own), way, {tolerance}, all);
-  return meeting(asConvex(target), probes::still(), asConvex(own), way, tolerance);
+  if (target.shape.kind == ShapeKind::Distance) return meetField(target, probes::kStill, own, way, {tolerance}, all);
+  if (isSurface(target.shape.kind)) return meetTriangles(target, probes::kStill, asConvex(own), way, {tolerance}, all);
+  return meeting(asConvex(target), probes::kStill, asConvex(own), way, tolerance);
 }
 
 /// Does a convex shape overlap another? Of a mesh and a height field only the surface counts.

@@ -66,6 +66,32 @@ TEST_F(CudaStep, StaysBesideTheCpuWithJoints) {
   }
 }
 
+/// Forces of trees are small differences of large numbers: with other bits of a coordinate where they are taken than where the blocks were summed,
+/// limits that are just reached turned elbows by .02 rad a step in free fall.
+TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
+  Scene arms;
+  for (int i = 0; i < 16; ++i) {
+    const Quat turn = fromAxisAngle(normalize(Vec3{1., .3 * i, -.2 * i}), .4 * i);
+    const Vec3 start{3. * i, 0, 0}, along = rotate(turn, Vec3{1, 0, 0});
+    for (int k = 0; k < 3; ++k) {
+      BodyDef limb;
+      limb.shape = Shape::box({.15, .05, .04});
+      limb.position = start + .3 * k * along;
+      limb.orientation = turn;
+      limb.mass = 2;
+      arms.bodies.push_back(limb);
+      if (k == 0) continue;
+      JointDef elbow = jointAt(arms, JointType::Hinge, 3 * i + k, 3 * i + k - 1, start + (.3 * k - .15) * along, turn);
+      elbow.axes[0].min = 0, elbow.axes[0].max = 2.2;
+      elbow.axes[0].friction = .5;
+      arms.joints.push_back(elbow);
+    }
+  }
+  World cpu(arms, optionsFor("cpu")), cuda(arms, optionsFor("cuda"));
+  run(cpu, 10), run(cuda, 10);
+  EXPECT_LT(distance(cpu, cuda), 1e-5);
+}
+
 TEST_F(CudaStep, MeasuresStagesOnlyIfAsked) {
   WorldOptions options = optionsFor("cuda");
   World with(brickPile(3, 3), options);

@@ -95,6 +95,28 @@ TEST(JointTree, EndsWhereManySweepsEnd) {
   EXPECT_LT(worstDistance(tumblingTree(), test::options(kFew), sweeps, 60), .02);
 }
 
+TEST(JointedGroup, SwingsAsFastAsTheTree) {
+  // let go from horizontal; a group that turned about places of x^t would put a moment on it that nobody ordered
+  constexpr int kLinks = 20, kSteps = 120;
+  Scene rope = test::emptyScene();
+  for (int i = 0; i < kLinks; ++i) {
+    rope.bodies.push_back(test::body(Shape::box({.25, .05, .05}), {.25 + .5 * i, 0, 0}));
+    rope.joints.push_back(i == 0 ? test::ball(0, {-.25, 0, 0}, kWorld, {}) : test::ball(i, {-.25, 0, 0}, i - 1, {.25, 0, 0}));
+  }
+  WorldOptions groups = test::options(40);
+  groups.params.tuning.jointTrees = false;
+  const auto kineticEnergies = [&](const WorldOptions& options) {
+    World world(rope, options);
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      world.step();
+      sum += world.quality().kineticEnergy;
+    }
+    return sum;
+  };
+  EXPECT_NEAR(kineticEnergies(groups) / kineticEnergies(test::options(40)), 1, .02);
+}
+
 TEST(JointTree, KeepsMomentum) {
   const Scene scene = tumblingTree();
   World world(scene, test::options(kFew));

@@ -1,12 +1,14 @@
-#include "backend/cpu/query_batch.h"
+#include "stages/queries.h"
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 
 #include "backend/cpu/shape_edit.h"
+#include "backend/cpu/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -38,57 +40,57 @@ void fillGrid(View& s) {
   s.step.dt = dt;
 }
 
+/// Queries in the precision of the tables, with tables of the shapes that are asked with.
+struct CoreQueries {
+  std::vector<QueryData> data;
+  std::optional<HostTables> shelf;
+
+  explicit CoreQueries(std::span<const EngineQuery> queries) {
+    std::map<const CookedShape*, int> places;
+    data.reserve(queries.size());
+    for (const EngineQuery& q : queries) {
+      const bool point = q.kind == EngineQuery::Ray || q.kind == EngineQuery::Closest;
+      ShapeData shape = point ? ShapeData{{0, 0, 0}, 0, ShapeKind::Sphere, -1} : shapeData(q.shape->shape);
+      if (shape.data >= 0) {
+        if (!shelf) shelf.emplace();
+        const auto [place, isNew] = places.try_emplace(q.shape.get(), shelf->view().shapeIndices);
+        if (isNew) addShape(*shelf, *q.shape, std::vector<int>(q.shape->parts.size(), -1));
+        shape.data += place->second;
+      }
+      data.push_back({static_cast<QueryKind>(q.kind), shape, q.position, q.orientation, q.move, q.reach,
+                      2 * static_cast<double>(boundingRadius(shape)), q.layers, q.mask, q.sensors, q.ignore});
+    }
+  }
+  ShapeTables tables() const { return shelf ? shelf->view().shapeTables() : ShapeTables{}; }
+};
+
 }  // namespace
 
-QueryBatch::QueryBatch(std::span<const EngineQuery> queries) {
-  std::map<const CookedShape*, int> places;
-  data.reserve(queries.size());
-  for (const EngineQuery& q : queries) {
-    const bool point = q.kind == EngineQuery::Ray || q.kind == EngineQuery::Closest;
-    ShapeData shape = point ? ShapeData{{0, 0, 0}, 0, ShapeKind::Sphere, -1} : shapeData(q.shape->shape);
-    if (shape.data >= 0) {
-      if (!shelf) shelf.emplace();
-      const auto [place, isNew] = places.try_emplace(q.shape.get(), shelf->view().shapeIndices);
-      if (isNew) addShape(*shelf, *q.shape, std::vector<int>(q.shape->parts.size(), -1));
-      shape.data += place->second;
-    }
-    data.push_back({static_cast<QueryKind>(q.kind), shape, q.position, q.orientation, q.move, q.reach,
-                    2 * static_cast<double>(boundingRadius(shape)), q.layers, q.mask, q.sensors, q.ignore});
-  }
-}
-
-std::vector<EngineHit> engineHits(std::span<const QueryHit> hits) {
+std::vector<EngineHit> runQueries(HostTables& tables, std::span<const EngineQuery> queries) {
+  fillGrid(tables.view());
+  const CoreQueries core(queries);
+  const std::vector<QueryData>& data = core.data;
+  std::vector<QueryHit> hits(data.size());
+  forEach(tables.view(), RunQuery{data.data(), core.tables(), hits.data()}, data.size());
   std::vector<EngineHit> out;
   out.reserve(hits.size());
   for (const QueryHit& hit : hits) out.push_back({hit.body, hit.fraction, hit.position, hit.n});
   return out;
 }
 
-std::vector<std::vector<int>> bodiesByQuery(std::span<const int> offsets, std::span<const int> bodies) {
-  std::vector<std::vector<int>> out;
-  for (std::size_t i = 0; i + 1 < offsets.size(); ++i) out.emplace_back(bodies.begin() + offsets[i], bodies.begin() + offsets[i + 1]);
-  return out;
-}
-
-std::vector<EngineHit> runQueries(HostTables& tables, std::span<const EngineQuery> queries) {
-  fillGrid(tables.view());
-  const QueryBatch batch(queries);
-  std::vector<QueryHit> hits(batch.data.size());
-  forEach(tables.view(), RunQuery{batch.data.data(), batch.tables(), hits.data()}, hits.size());
-  return engineHits(hits);
-}
-
 std::vector<std::vector<int>> runOverlaps(HostTables& tables, std::span<const EngineQuery> queries) {
   fillGrid(tables.view());
-  const QueryBatch batch(queries);
-  const std::size_t n = batch.data.size();
-  std::vector<int> offsets(n + 1);
-  forEach(tables.view(), CountOverlaps{batch.data.data(), batch.tables(), offsets.data()}, n);
+  const CoreQueries core(queries);
+  const std::vector<QueryData>& data = core.data;
+  std::vector<int> offsets(data.size() + 1);
+  forEach(tables.view(), CountOverlaps{data.data(), core.tables(), offsets.data()}, data.size());
   int sum = 0;
   for (int& offset : offsets) sum += std::exchange(offset, sum);
   std::vector<int> bodies(static_cast<std::size_t>(sum));
-  forEach(tables.view(), FillOverlaps{batch.data.data(), batch.tables(), offsets.data(), bodies.data()}, n);
-  return bodiesByQuery(offsets, bodies);
+  forEach(tables.view(), FillOverlaps{data.data(), core.tables(), offsets.data(), bodies.data()}, data.size());
+  std::vector<std::vector<int>> out;
+  for (std::size_t i = 0; i < data.size(); ++i) out.emplace_back(bodies.begin() + offsets[i], bodies.begin() + offsets[i + 1]);
+  return out;
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -48,7 +48,24 @@ struct OnDevice<SumCluster> {
   using Type = SumClusterByTile;
 };
 
-/// A lane a chunk, and then a lane an element.
+/// The share of a worker in the block of a cluster: every `workers`-th chunk, and every `workers`-th element that leaves it.
+__device__ inline Block6 shareOfCluster(const View& s, int index, int worker, int workers) {
+  const Cluster c = s.cluster[index];
+  const Vec3 centre = s.clusterMotion[index].centre;
+  Block6 own;
+  for (int k = c.chunkBegin + worker; k < c.chunkEnd; k += workers) SolveCluster::addChunk(s, c, k, centre, own);
+  for (int k = c.refBegin + worker; k < c.refEnd; k += workers) SolveCluster::addLeaving(s, s.clusterRef[k], centre, own);
+  return own;
+}
+/// The step of a cluster whose block a tile has summed.
+template <int kWidth>
+__device__ void stepCluster(const View& s, int index, const Tile<kWidth>& tile, const Real (&sums)[kRealsPerLane<kWidth>]) {
+  Block6 block = gatherSums(tile, sums);
+  const Vec6 dx = SolveCluster::stepOf(block);
+  if (tile.lane == 0) s.clusterMotion[index].step = dx;
+}
+
+/// A warp a cluster.
 struct SolveClusterByTile {
   static constexpr const char* kName = SolveCluster::kName;
   static constexpr int kWidth = kWarp;
@@ -56,16 +73,9 @@ struct SolveClusterByTile {
   explicit SolveClusterByTile(const SolveCluster& stage) : level(stage.level) {}
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const int index = s.clusterBegin[level] + i;
-    const Cluster c = s.cluster[index];
-    const Vec3 centre = s.clusterMotion[index].centre;
-    Block6 own;
-    for (int k = c.chunkBegin + tile.lane; k < c.chunkEnd; k += kWidth) SolveCluster::addChunk(s, c, k, centre, own);
-    for (int k = c.refBegin + tile.lane; k < c.refEnd; k += kWidth) SolveCluster::addLeaving(s, s.clusterRef[k], centre, own);
     Real sums[kRealsPerLane<kWidth>];
-    sumBlocks(tile, own, sums);
-    Block6 block = gatherSums(tile, sums);
-    const Vec6 dx = SolveCluster::stepOf(block);
-    if (tile.lane == 0) s.clusterMotion[index].step = dx;
+    sumBlocks(tile, shareOfCluster(s, index, tile.lane, kWidth), sums);
+    stepCluster(s, index, tile, sums);
   }
 };
 template <>
@@ -82,13 +92,8 @@ static __global__ void __launch_bounds__(kLargeThreads) solveLargeClusters(const
   const Tile<kWarp> tile = Tile<kWarp>::ofThread();
   const int thread = static_cast<int>(threadIdx.x), warp = thread / kWarp;
   const int index = s.clusterBegin[level] + static_cast<int>(blockIdx.x);
-  const Cluster c = s.cluster[index];
-  const Vec3 centre = s.clusterMotion[index].centre;
-  Block6 own;
-  for (int k = c.chunkBegin + thread; k < c.chunkEnd; k += kLargeThreads) SolveCluster::addChunk(s, c, k, centre, own);
-  for (int k = c.refBegin + thread; k < c.refEnd; k += kLargeThreads) SolveCluster::addLeaving(s, s.clusterRef[k], centre, own);
   Real mine[kRealsPerLane<kWarp>];
-  sumBlocks(tile, own, mine);
+  sumBlocks(tile, shareOfCluster(s, index, thread, kLargeThreads), mine);
   static_assert(kRealsPerLane<kWarp> == 1);
   sums[warp][tile.lane] = mine[0];
   __syncthreads();
@@ -96,9 +101,7 @@ static __global__ void __launch_bounds__(kLargeThreads) solveLargeClusters(const
   mine[0] = 0;
 #pragma unroll
   for (int k = 0; k < kWarps; ++k) mine[0] += sums[k][tile.lane];
-  Block6 block = gatherSums(tile, mine);
-  const Vec6 dx = SolveCluster::stepOf(block);
-  if (tile.lane == 0) s.clusterMotion[index].step = dx;
+  stepCluster(s, index, tile, mine);
 }
 
 /// A lane a vertex.

@@ -127,7 +127,7 @@ class CudaExecutor {
 
   void forEach(const SolveCluster& kernel, int n) {
     if (kStrict || kernel.level < kLargeClusters) return forEach<SolveCluster>(kernel, n);
-    if (!begins()) return;
+    if (!begins() || n <= 0) return;
     enterStage(SolveCluster::kName);
     solveLargeClusters<<<n, kLargeThreads, 0, stream_>>>(view(), kernel.level, Gate{control_});
     checkCuda(cudaGetLastError(), SolveCluster::kName);
