@@ -47,9 +47,13 @@ Json verdictJson(const RunRecord& record) {
   return {{"holds", record.holds}, {"claims", std::move(claims)}, {"metrics", std::move(metrics)}};
 }
 
-Json recordJson(const RunRecord& record) {
+Json stagesJson(const RunRecord::StageMeans& means) {
   Json stages = Json::object();
-  for (const auto& [name, ms] : record.stages) stages[name] = number(ms);
+  for (const auto& [name, ms] : means) stages[name] = number(ms);
+  return stages;
+}
+
+Json recordJson(const RunRecord& record) {
   Json json{{"scene", record.scene},
           {"backend", record.backend},
           {"device", record.device},
@@ -64,7 +68,9 @@ Json recordJson(const RunRecord& record) {
           {"dt", number(record.dt)},
           {"settled_ms", settledJson(record.settled)},
           {"smash_ms", smashJson(record.smash)},
-          {"stages_ms", std::move(stages)},
+          {"stages_ms", stagesJson(record.stages)},
+          {"smash_stages_ms", stagesJson(record.smashStages)},
+          {"restarts", record.restarts},
           {"solve_ms", number(record.solveMs)},
           {"collision_ms", number(record.collisionMs)},
           {"total_ms", number(record.totalMs)},

@@ -49,7 +49,9 @@ struct RunRecord {
   int substeps = 1;                                         ///< not written as JSON
   double dt = 0;                                            ///< [s]
   std::optional<PhaseTimes> settled, smash;
-  std::vector<std::pair<std::string, double>> stages;  ///< mean of the settled phase [ms], in the order of the step
+  using StageMeans = std::vector<std::pair<std::string, double>>;
+  StageMeans stages, smashStages;                      ///< means of the two phases [ms], in the order of the step
+  int restarts = 0;                                    ///< steps of either phase that were begun again with more room: part of their times
   double solveMs = 0, collisionMs = 0, totalMs = 0;    ///< means of the settled phase; solve and collision add up to total
   std::optional<double> topDrop;                       ///< [m]
   std::optional<Distribution> penetration;             ///< [m]

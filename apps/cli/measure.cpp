@@ -32,7 +32,12 @@ std::optional<double> metric(const scenes::Metrics& metrics, const std::string& 
 void addTimes(io::RunRecord& record, const std::vector<StepReport>& reports, const Phases& phases) {
   if (phases.settled.empty()) return;
   record.settled = summarize(totals(reports, phases.settled));
-  if (phases.smash) record.smash = summarize(totals(reports, *phases.smash));
+  if (phases.smash) {
+    record.smash = summarize(totals(reports, *phases.smash));
+    for (const auto& [name, times] : stageTimes(reports, *phases.smash)) record.smashStages.emplace_back(name, times.mean);
+  }
+  for (int i = phases.settled.begin; i < (phases.smash ? *phases.smash : phases.settled).end; ++i)
+    record.restarts += reports[static_cast<std::size_t>(i)].restarts;
   for (const auto& [name, times] : stageTimes(reports, phases.settled)) {
     record.stages.emplace_back(name, times.mean);
     if (isCollisionStage(name)) record.collisionMs += times.mean;

@@ -13,7 +13,7 @@ FILES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "sc
 
 RECORD_KEYS = {
     "scene", "backend", "device", "threads", "commit", "bodies", "manifolds", "contacts", "colors", "clashes", "iterations", "dt",
-    "settled_ms", "smash_ms", "stages_ms", "solve_ms", "collision_ms", "total_ms", "top_drop_m", "penetration_m", "joint_gap_m",
+    "settled_ms", "smash_ms", "stages_ms", "smash_stages_ms", "restarts", "solve_ms", "collision_ms", "total_ms", "top_drop_m", "penetration_m", "joint_gap_m",
     "energy_j", "engine_mb", "bytes_per_body", "rss_mb", "verdict", "machine", "date"}
 
 FALLING = {

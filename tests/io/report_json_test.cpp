@@ -21,6 +21,7 @@ TEST(ReportJson, KeysAreTheFixedOnes) {
   record.settled = PhaseTimes{1, 2, 3, 4};
   record.smash = PhaseTimes{5, 6, 7, 8};
   record.stages = {{"primal", 1.5}};
+  record.smashStages = {{"primal", 2.5}};
   record.penetration = Distribution{.1, .2, .3};
   record.jointGapMean = .1;
   record.jointGapMax = .2;
@@ -29,7 +30,8 @@ TEST(ReportJson, KeysAreTheFixedOnes) {
   const std::set<std::string> expected{"scene",     "backend",  "device",       "threads",    "commit",     "bodies",        "manifolds",
                                        "contacts",  "colors",   "clashes",      "iterations", "dt",         "settled_ms",    "smash_ms",
                                        "stages_ms", "solve_ms", "collision_ms", "total_ms",   "top_drop_m", "penetration_m", "joint_gap_m",
-                                       "energy_j",  "engine_mb", "bytes_per_body", "rss_mb",   "verdict",      "machine",    "date"};
+                                       "energy_j",  "engine_mb", "bytes_per_body", "rss_mb",   "verdict",      "machine",    "date",
+                                       "smash_stages_ms", "restarts"};
   EXPECT_EQ(keysOf(json), expected);
   EXPECT_EQ(keysOf(json["settled_ms"]), (std::set<std::string>{"mean", "median", "p95"}));
   EXPECT_EQ(keysOf(json["smash_ms"]), (std::set<std::string>{"mean", "max", "p95"}));
@@ -37,6 +39,7 @@ TEST(ReportJson, KeysAreTheFixedOnes) {
   EXPECT_EQ(keysOf(json["joint_gap_m"]), (std::set<std::string>{"mean", "max"}));
   EXPECT_EQ(json["smash_ms"]["max"], 8.);
   EXPECT_EQ(json["stages_ms"]["primal"], 1.5);
+  EXPECT_EQ(json["smash_stages_ms"]["primal"], 2.5);
 }
 
 TEST(ReportJson, WhatDoesNotExistIsNull) {
