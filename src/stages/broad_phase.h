@@ -50,7 +50,8 @@ struct ComputeBounds {
     const Real size = cellSize(s, level);
     b.level = level;
     b.x = cellOf(b.centre.x, size), b.y = cellOf(b.centre.y, size), b.z = cellOf(b.centre.z, size);
-    if (s.counters->levelUsed[level] == 0) atomicRaise(&s.counters->levelUsed[level], 1);
+    if (int& members = s.counters->levelCount[level]; members <= kListedBodies)
+      if (const int k = atomicCount(&members, 1); k < kListedBodies) s.counters->levelBody[level][k] = i;
     for (int k = 0; k < 3; ++k) {
       const int bits = floatBits(b.half[k] * Real(1.000001));
       if (bits > s.counters->levelHalf[level][k]) atomicRaise(&s.counters->levelHalf[level][k], bits);
@@ -71,53 +72,91 @@ struct FillGrid {
   }
 };
 
-/// found(other) for every partner whose pair body i owns.
+/// A level of few bodies: visit(entry) for each of them that is its turn, number `lane` of `lanes`. False: there are many.
+template <class Visit>
+RUBBLE_HD bool visitListed(const View& s, int level, Visit&& visit, int lane = 0, int lanes = 1) {
+  const int members = s.counters->levelCount[level];
+  if (members > kListedBodies) return false;
+  for (int k = lane; k < members; k += lanes) {
+    const int body = s.counters->levelBody[level][k];
+    visit(GridEntry{s.bounds[body].centre, s.bounds[body].half, body, level});
+  }
+  return true;
+}
+
+/// Cells of a level in which the centre of a body may be that these bounds touch.
+struct CellRange {
+  int x0, x1, y0, y1, z0, z1;
+  RUBBLE_HD int rows() const { return (y1 - y0 + 1) * (z1 - z0 + 1); }
+  RUBBLE_HD double cells() const { return (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1); }
+};
+RUBBLE_HD inline CellRange cellsAround(const View& s, const Bounds& b, int level) {
+  const Real size = cellSize(s, level);
+  Vec3 reach;
+  for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
+  const auto low = [&](int k) { return cellOf(b.centre[k] - reach[k], size); };
+  const auto high = [&](int k) { return cellOf(b.centre[k] + reach[k], size); };
+  return {low(0), high(0), low(1), high(1), low(2), high(2)};
+}
+
+/// visit(entry) for what the buckets of a row of cells [x0, x1] of a level hold. They lie side by side, and go on from the first after the last.
+template <class Visit>
+RUBBLE_HD void visitRow(const View& s, int level, int x0, int x1, int y, int z, Visit&& visit) {
+  const int bucket = bucketOf(s, level, x0, y, z), cells = x1 - x0 + 1, here = min(cells, s.cells - bucket);
+  for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + here]; ++k) visit(s.grid[k]);
+  if (here < cells)
+    for (int k = 0; k < s.bucketOffset[cells - here]; ++k) visit(s.grid[k]);
+}
+
+/// found(other) for every body whose bounds touch those of body i, if i would own the pair. Of several that search for one body each takes its
+/// part: number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void searchPartners(const View& s, int i, Found&& found) {
+RUBBLE_HD void searchBounds(const View& s, int i, Found&& found, int lane = 0, int lanes = 1) {
   const BodyParams& p = s.params[i];
   if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return;
   const Bounds& b = s.bounds[i];
   for (int level = b.level; level < kGridLevels; ++level) {
-    if (s.counters->levelUsed[level] == 0) continue;
-    const Real size = cellSize(s, level);
-    Vec3 reach;
-    for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
-    const int x0 = cellOf(b.centre.x - reach.x, size), x1 = cellOf(b.centre.x + reach.x, size);
-    const int y0 = cellOf(b.centre.y - reach.y, size), y1 = cellOf(b.centre.y + reach.y, size);
-    const int z0 = cellOf(b.centre.z - reach.z, size), z1 = cellOf(b.centre.z + reach.z, size);
-    const auto tryEntry = [&](const GridEntry& e) {
-      if (level == b.level && e.body <= i) return;
-      if (std::fabs(e.centre.x - b.centre.x) > e.half.x + b.half.x || std::fabs(e.centre.y - b.centre.y) > e.half.y + b.half.y ||
-          std::fabs(e.centre.z - b.centre.z) > e.half.z + b.half.z)
-        return;
-      if (mayCollide(s, i, e.body)) found(e.body);
+    const auto mayTouch = [&](const GridEntry& e) {
+      return (level != b.level || e.body > i) && !(std::fabs(e.centre.x - b.centre.x) > e.half.x + b.half.x) &&
+             !(std::fabs(e.centre.y - b.centre.y) > e.half.y + b.half.y) && !(std::fabs(e.centre.z - b.centre.z) > e.half.z + b.half.z);
     };
+    const auto tryEntry = [&](const GridEntry& e) {
+      if (mayTouch(e)) found(e.body);
+    };
+    if (visitListed(s, level, tryEntry, lane, lanes)) continue;
+    const Real size = cellSize(s, level);
+    const CellRange c = cellsAround(s, b, level);
     // more cells than buckets: then rather all bodies (one that flies off at any speed costs no more than that)
-    if ((double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1) > s.cells) {
-      for (int k = 0; k < s.bucketOffset[s.cells]; ++k)
+    if (c.cells() > s.cells) {
+      for (int k = lane; k < s.bucketOffset[s.cells]; k += lanes)
         if (s.grid[k].level == level) tryEntry(s.grid[k]);
       continue;
     }
-    for (int z = z0; z <= z1; ++z) {
-      for (int y = y0; y <= y1; ++y) {
-        int bucket = bucketOf(s, level, x0, y, z);
-        for (int x = x0; x <= x1; ++x, bucket = (bucket + 1) & (s.cells - 1)) {
-          for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
-            const GridEntry e = s.grid[k];
-            // another cell may share the bucket, and would be visited again
-            if (e.level != level || cellOf(e.centre.x, size) != x || cellOf(e.centre.y, size) != y || cellOf(e.centre.z, size) != z) continue;
-            tryEntry(e);
-          }
-        }
-      }
+    int y = c.y0, z = c.z0;
+    for (int row = 0; row < c.rows(); ++row) {
+      if (row % lanes == lane)
+        visitRow(s, level, c.x0, c.x1, y, z, [&](const GridEntry& e) {
+          if (e.level != level || !mayTouch(e)) return;
+          // cells of another row may share the bucket, and would be visited again
+          const int x = cellOf(e.centre.x, size);
+          if (x >= c.x0 && x <= c.x1 && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z) found(e.body);
+        });
+      if (++y > c.y1) y = c.y0, ++z;
     }
   }
-  for (int k = 0; k < s.planes; ++k) {
+  for (int k = lane; k < s.planes; k += lanes) {
     const int plane = s.planeBody[k];
     const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
     const Real height = dot(up, b.centre - Vec3(s.position[plane]));
-    if (height <= dot(abs(up), b.half) && mayCollide(s, i, plane)) found(plane);
+    if (height <= dot(abs(up), b.half)) found(plane);
   }
+}
+/// The same for those among them that may collide: its partners.
+template <class Found>
+RUBBLE_HD void searchPartners(const View& s, int i, Found&& found, int lane = 0, int lanes = 1) {
+  searchBounds(s, i, [&](int other) {
+    if (mayCollide(s, i, other)) found(other);
+  }, lane, lanes);
 }
 
 /// Partners of each body, the first kPairSlots of them kept, and the number of pairs of their parts. `kParts` false: no body has parts, and the
@@ -126,16 +165,28 @@ template <bool kParts>
 struct FindPairs {
   static constexpr const char* kName = "pairs";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    int count = 0, partners = 0;
-    int* slots = s.pairSlot + i * kPairSlots;
-    searchPartners(s, i, [&](int other) {
+    int* const slots = s.pairSlot + i * kPairSlots;
+    // whom bounds touch is noted at first, and what else keeps two apart is asked for when all are known: bodies that are looked after side by
+    // side find theirs at different times
+    int near = 0, count = 0, partners = 0;
+    searchBounds(s, i, [&](int other) {
+      if (near < kPairSlots) slots[near] = other;
+      ++near;
+    });
+    const auto take = [&](int other) {
       const int without = count;
       if constexpr (kParts) forEachPartPair(s, i, other, [&](int, int) { ++count; });
       else ++count;
       if (count == without) return;
       if (partners < kPairSlots) slots[partners] = other;
       ++partners;
-    });
+    };
+    if (near > kPairSlots) {
+      searchPartners(s, i, take);
+    } else {
+      for (int k = 0; k < near; ++k)
+        if (const int other = slots[k]; mayCollide(s, i, other)) take(other);
+    }
     s.pairCount[i] = count;
   }
 };

@@ -1,6 +1,7 @@
 #pragma once
 /// Colours: dynamic bodies and vertices that share a row block or element have different ones, so that a colour can be solved in parallel.
-/// Incremental Jones-Plassmann with hashed priorities: colours are kept from step to step, and only nodes that clash choose anew.
+/// Incremental Jones-Plassmann with hashed priorities: colours are kept from step to step, and only nodes that clash, or can go down to
+/// a lower one, choose anew.
 #include "stages/vertex_graph.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -13,20 +14,26 @@ RUBBLE_HD inline bool outranks(int a, int b) {
 /// Of a node of the graph: a body, or a vertex (kVertexNode + index).
 RUBBLE_HD inline int colorOf(const View& s, int node) { return node >= kVertexNode ? s.vertexColor[node - kVertexNode] : s.color[node]; }
 
-/// Smallest colour that none of the nodes has which neighbors(visit) visits.
-template <class Neighbors>
-RUBBLE_HD int smallestFreeColor(const View& s, Neighbors&& neighbors) {
+/// Smallest colour that none of the nodes has which neighbors(visit) visits. Several that share them out join what each has found.
+template <class Neighbors, class Join>
+RUBBLE_HD int smallestFreeColor(const View& s, Neighbors&& neighbors, Join&& join) {
   for (int base = 0;; base += 64) {
     std::uint64_t used = 0;
     neighbors([&](int node) {
       const int c = colorOf(s, node) - base;
       if (c >= 0 && c < 64) used |= std::uint64_t{1} << c;
     });
+    used = join(used);
     if (~used == 0) continue;
     int c = 0;
     while (used >> c & 1) ++c;
     return base + c;
   }
+}
+
+template <class Neighbors>
+RUBBLE_HD int smallestFreeColor(const View& s, Neighbors&& neighbors) {
+  return smallestFreeColor(s, neighbors, [](std::uint64_t used) { return used; });
 }
 
 /// visit(node) for the neighbours of a node.
@@ -40,35 +47,59 @@ RUBBLE_HD void visitNodeNeighbors(const View& s, int node, Visit&& visit) {
     if (s.entry[k].other >= 0) visit(s.entry[k].other);
 }
 
-/// Does body i share a colour with a neighbour of higher rank? Then it is to take `next`.
-RUBBLE_HD inline bool clashes(const View& s, int i, int& next) {
-  const int own = s.color[i];
-  for (int k = s.entryOffset[i]; k < s.entryOffset[i + 1]; ++k) {
-    const int other = s.entry[k].other;
-    if (other < 0 || colorOf(s, other) != own || !outranks(other, i)) continue;
-    next = smallestFreeColor(s, [&](auto&& visit) { visitNodeNeighbors(s, i, visit); });
-    return true;
+/// What a node sees of the colours around it.
+struct Surroundings {
+  bool clashes = false;     ///< a neighbour of higher rank has the same
+  bool highest = true;      ///< all have lower ones
+  std::uint64_t taken = 0;  ///< of the first 64
+  RUBBLE_HD void see(int node, int own, int other, int color) {
+    clashes |= color == own && outranks(other, node);
+    highest &= color < own;
+    if (color >= 0 && color < 64) taken |= std::uint64_t{1} << color;
   }
-  return false;
+};
+template <class Neighbors>
+RUBBLE_HD Surroundings lookAround(const View& s, int node, Neighbors&& neighbors) {
+  Surroundings around;
+  const int own = colorOf(s, node);
+  neighbors([&](int other) { around.see(node, own, other, colorOf(s, other)); });
+  return around;
 }
-/// The same for a vertex.
-RUBBLE_HD RUBBLE_APART inline bool vertexClashes(const View& s, int v, int& next) {
-  const int own = s.vertexColor[v];
-  bool any = false;
-  visitNeighbors(s, v, [&](int node) { any |= colorOf(s, node) == own && outranks(node, kVertexNode + v); });
-  if (any) next = smallestFreeColor(s, [&](auto&& visit) { visitNeighbors(s, v, visit); });
-  return any;
+/// May a node go down to a lower colour? Those that see only lower ones are no neighbours of one another, and can all do so at a time. Few colours
+/// make short sweeps.
+RUBBLE_HD inline bool goesDown(const Surroundings& around, int own, int& next) {
+  if (!around.highest || own <= 0) return false;
+  for (next = 0; next < 64 && (around.taken >> next & 1); ++next) {}
+  return next < own && next < 64;
 }
 
-/// The bodies that clash, and what they choose. Only these can clash later: a choice avoids the colours of all neighbours that keep theirs.
+/// Does a body share a colour with a neighbour of higher rank? Then it is to take `next`; or, where it may, one that is lower.
+RUBBLE_HD inline bool leavesColor(const View& s, int i, bool mayGoDown, int& next) {
+  const auto neighbors = [&](auto&& visit) { visitNodeNeighbors(s, i, visit); };
+  const Surroundings around = lookAround(s, i, neighbors);
+  if (around.clashes) next = smallestFreeColor(s, neighbors);
+  return around.clashes || (mayGoDown && goesDown(around, s.color[i], next));
+}
+/// The same for a vertex.
+RUBBLE_HD RUBBLE_APART inline bool vertexLeavesColor(const View& s, int v, bool mayGoDown, int& next) {
+  const auto neighbors = [&](auto&& visit) { visitNeighbors(s, v, visit); };
+  const Surroundings around = lookAround(s, kVertexNode + v, neighbors);
+  if (around.clashes) next = smallestFreeColor(s, neighbors);
+  return around.clashes || (mayGoDown && goesDown(around, s.vertexColor[v], next));
+}
+
+/// The nodes that choose a colour in this step, and what they choose. Only these can clash later: a choice avoids the colours of all neighbours
+/// that keep theirs.
 struct FindClashes {
   static constexpr const char* kName = "coloring";
   RUBBLE_HD void operator()(const View& s, int i) const {
     if (!isDynamic(s, i)) return;
-    if (!clashes(s, i, s.nextColor[i])) {
-      raiseColors(s, s.color[i]);
-      return;
-    }
+    int next;
+    if (leavesColor(s, i, true, next)) note(s, i, next);
+    else raiseColors(s, s.color[i]);
+  }
+  RUBBLE_HD static void note(const View& s, int i, int next) {
+    s.nextColor[i] = next;
     s.clashing[atomicCount(&s.counters->clashing, 1)] = i;
     atomicCount(&s.counters->clashes, 1);
   }
@@ -82,7 +113,7 @@ struct FindVertexClashes {
   static constexpr const char* kName = "coloring";
   RUBBLE_HD void operator()(const View& s, int v) const {
     if (!isDynamicVertex(s, v)) return;
-    if (!vertexClashes(s, v, s.vertexNextColor[v])) {
+    if (!vertexLeavesColor(s, v, true, s.vertexNextColor[v])) {
       FindClashes::raiseColors(s, s.vertexColor[v]);
       return;
     }
@@ -106,7 +137,7 @@ struct ProposeColors {
   static constexpr const char* kName = "coloring";
   RUBBLE_HD void operator()(const View& s, int k) const {
     const int i = s.clashing[k], v = i - kVertexNode;
-    if (v >= 0 ? vertexClashes(s, v, s.vertexNextColor[v]) : clashes(s, i, s.nextColor[i])) atomicCount(&s.counters->clashes, 1);
+    if (v >= 0 ? vertexLeavesColor(s, v, false, s.vertexNextColor[v]) : leavesColor(s, i, false, s.nextColor[i])) atomicCount(&s.counters->clashes, 1);
   }
 };
 

@@ -53,7 +53,7 @@ RUBBLE_HD void visitAlong(const View& s, const Vec3d& x, const Vec3d& d, const V
   };
   const int entries = s.bucketOffset[s.cells];
   for (int level = 0; level < kGridLevels; ++level) {
-    if (s.counters->levelUsed[level] == 0) continue;
+    if (s.counters->levelCount[level] == 0) continue;
     const double size = static_cast<double>(cellSize(s, level));
     Vec3d reach = half;
     for (int k = 0; k < 3; ++k) reach[k] += static_cast<double>(fromFloatBits(s.counters->levelHalf[level][k]));

@@ -69,12 +69,12 @@ RUBBLE_HD void searchPoint(const View& s, int owner, Found&& found) {
   const VertexBounds b = vertexBounds(s, v);
   if (p.collides & kCollidesWithBodies) {
     for (int level = 0; level < kGridLevels; ++level) {
-      if (s.counters->levelUsed[level] == 0) continue;
-      Vec3 reach;
-      for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
       const auto look = [&](const GridEntry& e) {
         if (e.level == level && meets(b, e.centre, e.half) && mayTouch(s, v, e.body)) found(e.body);
       };
+      if (visitListed(s, level, look)) continue;
+      Vec3 reach;
+      for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
       const Real size = cellSize(s, level);
       const bool done = forEachCell(b.centre, reach, size, [&](int x, int y, int z) {
         const int bucket = bucketOf(s, level, x, y, z);

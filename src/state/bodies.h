@@ -133,6 +133,8 @@ inline constexpr int kChunkMembers = 32;
 /// Levels of the grid: cell of level k is 2^(k - kBaseLevel) base cells.
 inline constexpr int kGridLevels = 32;
 inline constexpr int kBaseLevel = 12;
+/// A level with no more bodies than this lists them: nobody looks for a ball or the ground in a hundred cells.
+inline constexpr int kListedBodies = 8;
 
 /// Numbers that a step counts. `required` fields may exceed the room there is; then the step is begun again with more.
 struct Counters {
@@ -153,7 +155,8 @@ struct Counters {
   int deflected, held;            ///< vertices whose way was changed, or cut, for that
   int featureLevels[kFeatureKinds];  ///< levels of the grid in use, a bit each
   int featureHalf[kFeatureKinds][kFeatureLevels][3];  ///< largest half extents, as bits like levelHalf [m]
-  int levelUsed[kGridLevels];
+  int levelCount[kGridLevels];       ///< bodies of a level, counted up to kListedBodies and a few more
+  int levelBody[kGridLevels][kListedBodies];  ///< the first of them, in no fixed order
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]
 };
 

@@ -155,12 +155,32 @@ TEST(Coloring, OfAPileIsProperAtAnyNumberOfThreads) {
   }
 }
 
+/// Colours again and again until nobody chooses one; returns how many times that took.
+int colorUntilKept(CoreWorld& world) {
+  for (int step = 1;; ++step) {
+    findGraph(world);
+    colorNodes(world.executor());
+    if (world.view().counters->rounds == 0 || step == 100) return step;
+  }
+}
+
+TEST(Coloring, GoesDownToFewColorsStepByStep) {
+  CoreWorld world;
+  buildPile(world);
+  // a proper start with a colour for each body
+  for (int i = 0; i < world.view().bodies; ++i) world.view().color[i] = i;
+  EXPECT_LT(colorUntilKept(world), 100);
+  expectProper(world.view(), 5000);
+  EXPECT_LE(world.view().counters->colors, 12);
+}
+
 TEST(Coloring, KeepsColoursFromStepToStep) {
   CoreWorld world;
   buildPile(world);
   findGraph(world);
   colorNodes(world.executor());
   EXPECT_GT(world.view().counters->rounds, 1);
+  EXPECT_LT(colorUntilKept(world), 20);
   const std::vector<int> before(world.view().color, world.view().color + world.view().bodies);
   findGraph(world);
   colorNodes(world.executor());

@@ -26,7 +26,7 @@ void fillGrid(View& s) {
   s.step.dt = 0;
   std::fill_n(s.bucketCount, s.cells, 0);
   for (int level = 0; level < kGridLevels; ++level) {
-    s.counters->levelUsed[level] = 0;
+    s.counters->levelCount[level] = 0;
     for (int& half : s.counters->levelHalf[level]) half = 0;
   }
   for (int i = 0; i < s.bodies; ++i) ComputeBounds{}(s, i);

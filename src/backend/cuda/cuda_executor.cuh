@@ -16,6 +16,7 @@
 #include "backend/cuda/contact_kernels.cuh"
 #include "backend/cuda/device_memory.h"
 #include "backend/cuda/group_kernels.cuh"
+#include "backend/cuda/pair_kernels.cuh"
 #include "backend/cuda/strict_kernels.cuh"
 #include "backend/cuda/timeline.h"
 #include "backend/cuda/tree_kernels.cuh"
@@ -55,7 +56,7 @@ class CudaExecutor {
   const Control* control() const { return control_; }
   /// Is this kind one whose number the device counts?
   bool counted(Per per) const { return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_); }
-  std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size(); }
+  std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size() + hubs_.size() + heavyChunks_.size(); }
 
   /// Room for what the scans and sorts of a step need besides the tables: the step itself must not allocate.
   void reserveScratch() {
@@ -70,6 +71,9 @@ class CudaExecutor {
     sortedKeys_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
     indices_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
     tickets_.reserve(sizeof(int) * static_cast<std::size_t>(tables_.capacity(Per::Chunk)) * kTreeLevels);
+    colorBins_.reserve(sizeof(int) * 2 * kColorBins);
+    reserveList(hubs_, tables_.capacity(Per::Entry), kHubEntries);
+    reserveList(heavyChunks_, tables_.capacity(Per::External), kHeavyRounds * kSmallWidth / kLanes);
   }
 
   /// Enqueues the step from an operation on; does the tables' part of keepManifolds on the host. Returns whether that was called.
@@ -96,14 +100,16 @@ class CudaExecutor {
   }
 
   /// Nobody knows here how long a range is: the grid is that of ranges which hold one element for a few bodies, and any grid will do.
+  int blocksForRange(int width) const {
+    constexpr int kBodiesPerElement = 16;
+    return blocksFor(view().bodies / kBodiesPerElement + 1, width);
+  }
   template <class Kernel>
   void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
     if (!begins()) return;
     enterStage(Kernel::kName);
-    constexpr int kBodiesPerElement = 16;
     using Type = DeviceKernel<Kernel>;
-    const int blocks = blocksFor(view().bodies / kBodiesPerElement + 1, widthOf<Type>());
-    runRange<Type><<<blocks, kThreads, 0, stream_>>>(view(), onDevice(kernel), view().*offsets, k, Gate{control_});
+    runRange<Type><<<blocksForRange(widthOf<Type>()), kThreads, 0, stream_>>>(view(), onDevice(kernel), view().*offsets, k, Gate{control_});
     checkCuda(cudaGetLastError(), Kernel::kName);
   }
   /// The last tile to sum a chunk of a group goes on with it, and so does what a stage of its own does elsewhere.
@@ -113,8 +119,8 @@ class CudaExecutor {
   void forEach(const TakeInertia& kernel, int Counters::*n) { onlyIfStrict(kernel, n); }
   void forEachIn(const SumChunk<Real>& kernel, int* View::*offsets, int level) {
     if constexpr (kStrict) forEachIn<SumChunk<Real>>(kernel, offsets, level);
-    else if (level == 0) forEachIn(SumChunkByTile<kSmallWidth>{tree()}, offsets, level);
-    else forEachIn(SumChunkByTile<kWarp>{tree()}, offsets, level);
+    else if (level == 0) sumLevel<kSmallWidth>(level);
+    else sumLevel<kWarp>(level);
   }
   void forEachIn(const SolveGroup& kernel, int* View::*offsets, int level) {
     if constexpr (kStrict) forEachIn<SolveGroup>(kernel, offsets, level);
@@ -133,7 +139,27 @@ class CudaExecutor {
     checkCuda(cudaGetLastError(), SolveCluster::kName);
   }
 
-  void forEach(const CountColors&, int n) { launchOverBodies(countColors, CountColors::kName, n); }
+  /// Stages in which a few elements have very many parts.
+  void forEach(const FindPairs<false>&, int n) { forEachWarp(FindPairsByWarp{}, n); }
+  void forEach(const WritePairs<false>&, int n) { forEachWarp(WritePairsByWarp{}, n); }
+  void forEach(const FindClashes&, int n) { forEachWarp(FindClashesByWarp{}, n); }
+  void forEach(const SortEntries&, int n) {
+    startList(hubs_, SortEntries::kName);
+    forEachWarp(SortEntriesByWarp{listOf(hubs_)}, n);
+    if (!begun() || n <= 0) return;
+    sortHubs<<<processors_, kSortThreads, 0, stream_>>>(view(), listOf(hubs_), Gate{control_});
+    checkCuda(cudaGetLastError(), SortEntries::kName);
+  }
+  void forEach(const FillExternals& kernel, int Counters::*n) {
+    if constexpr (kStrict) return forEach<FillExternals>(kernel, n);
+    startList(heavyChunks_, FillExternals::kName);
+    forEach(FillExternalsByTile{listOf(heavyChunks_)}, n);
+  }
+
+  void forEach(const CountColors&, int n) {
+    if (begins()) launch(FillArray{colorBins().population, 0}, {2 * kColorBins, nullptr}, 2 * kColorBins, "clear");
+    launchOverBodies(countColors, CountColors::kName, n);
+  }
   void forEach(const FillColors&, int n) { launchOverBodies(fillColors, FillColors::kName, n); }
 
   void clear(int* View::*array, int n) {
@@ -193,7 +219,7 @@ class CudaExecutor {
     config.attrs = &together;
     config.numAttrs = 1;
     const int* const n = counter(count);
-    checkCuda(cudaLaunchKernelEx(&config, runRounds<Take, Propose>, view(), take, propose, n, counter(left), counter(turn),
+    checkCuda(cudaLaunchKernelEx(&config, runRounds<Take, Propose>, view(), take, InBatches<Propose>{propose}, n, counter(left), counter(turn),
                                  kMaxRounds, Gate{control_}),
               "rounds");
   }
@@ -216,7 +242,7 @@ class CudaExecutor {
     const int blocks = std::min((view().bodies + kBatch - 1) / kBatch, kSolveBlocks * processors_);
     for (int c = 0; c < options_.colors; ++c) {
       if (view().bodies > 0) {
-        solveColor<<<blocks, kSolveThreads, 0, stream_>>>(view(), c, control_);
+        solveColor<<<kHubBlocks + blocks, kSolveThreads, 0, stream_>>>(view(), c, listOf(hubs_), kHubBlocks, control_);
         checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
       }
       if (view().vertices > 0) {
@@ -224,7 +250,7 @@ class CudaExecutor {
         checkCuda(cudaGetLastError(), SolveVertex::kName);
       }
     }
-    solveTail<<<1, kSolveThreads, 0, stream_>>>(view(), options_.colors, control_);
+    solveTail<<<1, kSolveThreads, 0, stream_>>>(view(), options_.colors, listOf(hubs_), control_);
     checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
   }
 
@@ -302,7 +328,7 @@ class CudaExecutor {
   void launchOverBodies(Kernel* kernel, const char* name, int n) {
     if (!begins() || n <= 0) return;
     enterStage(name);
-    kernel<<<(n + kColorBodies - 1) / kColorBodies, kThreads, 0, stream_>>>(view(), Gate{control_});
+    kernel<<<(n + kColorBodies - 1) / kColorBodies, kThreads, 0, stream_>>>(view(), colorBins(), Gate{control_});
     checkCuda(cudaGetLastError(), name);
   }
 
@@ -315,6 +341,35 @@ class CudaExecutor {
   void onlyIfStrict(const Kernel& kernel, int Counters::*n) {
     if constexpr (kStrict) forEach<Kernel>(kernel, n);
   }
+
+  template <int kTile>
+  void sumLevel(int level) {
+    if (!begins()) return;
+    enterStage(SumChunk<Real>::kName);
+    sumChunks<kTile><<<processors_ + blocksForRange(kTile), kThreads, 0, stream_>>>(view(), tree(), listOf(heavyChunks_), processors_, level, Gate{control_});
+    checkCuda(cudaGetLastError(), SumChunk<Real>::kName);
+  }
+
+  ColorBins colorBins() const {
+    int* const first = reinterpret_cast<int*>(colorBins_.data());
+    return {first, first + kColorBins};
+  }
+  HeavyList listOf(const DeviceBuffer& list) const {
+    int* const first = reinterpret_cast<int*>(list.data());
+    return {first, first + 1};
+  }
+  void startList(const DeviceBuffer& list, const char* stage) {
+    if (!begins()) return;
+    enterStage(stage);
+    launch(FillArray{listOf(list).count, 0}, {1, nullptr}, 1, "clear");
+  }
+  /// A warp for as many of n bodies as it has lanes.
+  template <class Kernel>
+  void forEachWarp(const Kernel& kernel, int n) {
+    forEach(kernel, warpsFor(n));
+  }
+  /// Room for all elements that can have more than `parts` each.
+  static void reserveList(DeviceBuffer& list, int most, int parts) { list.reserve(sizeof(int) * (2 + static_cast<std::size_t>(most / parts))); }
 
   SumTree tree() const { return {reinterpret_cast<int*>(tickets_.data()), tables_.capacity(Per::Chunk)}; }
   Room roomFor(Per per) const { return {static_cast<int>(per), tables_.capacity(per), operation()}; }
@@ -337,7 +392,7 @@ class CudaExecutor {
   DeviceTables& tables_;
   cudaStream_t stream_;
   Control* control_ = nullptr;
-  DeviceBuffer scratch_, sortedKeys_, indices_, tickets_;
+  DeviceBuffer scratch_, sortedKeys_, indices_, tickets_, hubs_, heavyChunks_, colorBins_;
   int scanned_ = 0, grouped_ = 0;  ///< most elements of a scan and of group() in this step
   int processors_ = 1, maxBlocks_ = 1;
   int perOf_[sizeof(Counters) / sizeof(int)];

@@ -1,6 +1,6 @@
 #pragma once
 /// Stages of the coarse correction, a tile of lanes a chunk: they stride over members, row blocks, points or chunks.
-#include "backend/cuda/kernels.cuh"
+#include "backend/cuda/heavy_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -125,13 +125,21 @@ struct OnDevice<CountExternals> {
   using Type = CountExternalsByTile;
 };
 
-/// In the order that one thread would write them.
+/// Lanes of a chunk in the sweeps, by the level of its group. If they would take more rounds than this, a row block for four lanes, it is a heavy one.
+inline constexpr int kHeavyRounds = 32;
+__device__ inline bool isHeavyChunk(const View& s, int chunk, int level) {
+  return s.externalOffset[chunk + 1] - s.externalOffset[chunk] > kHeavyRounds * (level == 0 ? kSmallWidth : kWarp) / kLanes;
+}
+
+/// In the order that one thread would write them. Lists heavy chunks.
 struct FillExternalsByTile {
   static constexpr const char* kName = FillExternals::kName;
   static constexpr int kWidth = kSmallWidth;
+  HeavyList heavy;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Chunk& chunk = s.chunk[i];
     const int level = s.group[chunk.group].level;
+    if (tile.lane == 0 && isHeavyChunk(s, i, level)) heavy.add(i);
     int first = s.externalOffset[i];
     for (int base = chunk.begin; base < chunk.end; base += kWidth) {
       const int k = base + tile.lane;
@@ -144,11 +152,6 @@ struct FillExternalsByTile {
     }
   }
 };
-template <>
-struct OnDevice<FillExternals> {
-  using Type = FillExternalsByTile;
-};
-
 /// Adds the joints among external row blocks [k, end), a lane each. Rare, and large: a call keeps its registers out of the kernels that
 /// contacts fill.
 static __device__ __noinline__ void addExternalJointsApart(const View& s, int group, int k, int end, int stride, Block6* sum) {
@@ -161,48 +164,94 @@ static __device__ __noinline__ void addExternalRollingApart(const View& s, int k
     if (const std::uint32_t code = s.external[k]; entryType(code) == kContactType) addRolling(s, code, *sum);
 }
 
-/// SumChunk and SolveGroup in one: the tile that completes the sum of a group solves it.
+/// Forces and row Hessians of a chunk that are this lane's, of `kWidth`. any(): does one of them say yes?
+template <int kWidth, class Any>
+__device__ Block6 gatherChunk(const View& s, int i, const Chunk& chunk, const Group& group, int lane, Any&& any) {
+  Block6 own;
+  for (int k = chunk.begin + lane; k < chunk.end; k += kWidth) addInertialForce(s, group, s.member[k], own);
+  // a lane a point: four lanes share a row block
+  constexpr int kStride = kWidth / kLanes;
+  const int begin = s.externalOffset[i] + lane / kLanes, end = s.externalOffset[i + 1], point = lane % kLanes;
+  bool joints = false;
+  for (int k = begin; k < end; k += kStride) {
+    const std::uint32_t code = s.external[k];
+    if (entryType(code) == kContactType)
+      addExternalContact<Real>(s, group, s.contact[entryIndex(code)], entrySide(code), point, own);
+    else
+      joints = true;
+  }
+  if (s.rolls && point == 0) {
+    Block6 sum = own;
+    addExternalRollingApart(s, begin, end, kStride, &sum);
+    own = sum;
+  }
+  if (any(joints)) {
+    Block6 sum = own;
+    addExternalJointsApart(s, chunk.group, s.externalOffset[i] + lane, end, kWidth, &sum);
+    own = sum;
+  }
+  return own;
+}
+
+/// Hands the sums of a chunk on; the tile that completes those of a group solves it.
 template <int kTile>
-struct SumChunkByTile {
-  static constexpr const char* kName = SumChunk<Real>::kName;
-  static constexpr int kWidth = kTile;
-  SumTree tree;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+__device__ void handOn(const View& s, const SumTree& tree, int i, Group& group, const Tile<kTile>& tile, Real (&sums)[kRealsPerLane<kTile>]) {
+  if (!tree.carryUp(s, group, i, tile, sums)) return;
+  Block6 block = group.inertia;
+  block.fl = block.fa = {0, 0, 0};
+  addBlock(block, gatherSums(tile, sums));
+  const Vec6 dx = groupStep(group, block);
+  if (tile.lane == 0) group.step = dx;
+}
+
+/// A heavy chunk, by a block.
+template <int kTile>
+__device__ __noinline__ void sumHeavyChunk(const View& s, const SumTree& tree, int i, Real (&warpSums)[kThreads / kWarp][kWarp]) {
+  const Chunk chunk = s.chunk[i];
+  Group& group = s.group[chunk.group];
+  const int thread = static_cast<int>(threadIdx.x);
+  const Block6 own = gatherChunk<kThreads>(s, i, chunk, group, thread, [](bool yes) { return __syncthreads_or(yes) != 0; });
+  Real mine[kRealsPerLane<kWarp>];
+  sumBlocks(Tile<kWarp>::ofThread(), own, mine);
+  warpSums[thread / kWarp][thread % kWarp] = mine[0];
+  __syncthreads();
+  if (thread < kTile) {
+    Real sums[kRealsPerLane<kTile>];
+#pragma unroll
+    for (int k = 0; k < kRealsPerLane<kTile>; ++k) {
+      sums[k] = 0;
+      for (int w = 0; w < kThreads / kWarp; ++w) sums[k] += warpSums[w][thread * kRealsPerLane<kTile> + k];
+    }
+    handOn(s, tree, i, group, Tile<kTile>::ofThread(), sums);
+  }
+  __syncthreads();
+}
+
+/// SumChunk and SolveGroup in one, for the chunks of a level: the first blocks take the heavy ones, tiles of the others one each.
+template <int kTile>
+__global__ void __launch_bounds__(kThreads, 7)
+    sumChunks(const __grid_constant__ View s, SumTree tree, HeavyList heavy, int heavyBlocks, int level, Gate gate) {
+  if (gate.closed()) return;
+  __shared__ Real warpSums[kThreads / kWarp][kWarp];
+  const int begin = s.levelChunk[level], end = s.levelChunk[level + 1], block = static_cast<int>(blockIdx.x) - heavyBlocks;
+  if (block < 0) {
+    for (int h = static_cast<int>(blockIdx.x); h < *heavy.count; h += heavyBlocks)
+      if (const int i = heavy.element[h]; i >= begin && i < end) sumHeavyChunk<kTile>(s, tree, i, warpSums);
+    return;
+  }
+  const Tile<kTile> tile = Tile<kTile>::ofThread();
+  constexpr int kTiles = kThreads / kTile;
+  const int stride = (static_cast<int>(gridDim.x) - heavyBlocks) * kTiles;
+  for (int i = begin + block * kTiles + static_cast<int>(threadIdx.x) / kTile; i < end; i += stride) {
+    if (isHeavyChunk(s, i, level)) continue;
     const Chunk chunk = s.chunk[i];
     Group& group = s.group[chunk.group];
-    Block6 own;
-    for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) addInertialForce(s, group, s.member[k], own);
-    // a lane a point: four lanes share a row block
-    constexpr int kStride = kWidth / kLanes;
-    const int begin = s.externalOffset[i] + tile.lane / kLanes, end = s.externalOffset[i + 1], point = tile.lane % kLanes;
-    bool joints = false;
-    for (int k = begin; k < end; k += kStride) {
-      const std::uint32_t code = s.external[k];
-      if (entryType(code) == kContactType)
-        addExternalContact<Real>(s, group, s.contact[entryIndex(code)], entrySide(code), point, own);
-      else
-        joints = true;
-    }
-    if (s.rolls && point == 0) {
-      Block6 sum = own;
-      addExternalRollingApart(s, begin, end, kStride, &sum);
-      own = sum;
-    }
-    if (tile.ballot(joints) != 0) {
-      Block6 sum = own;
-      addExternalJointsApart(s, chunk.group, s.externalOffset[i] + tile.lane, end, kWidth, &sum);
-      own = sum;
-    }
-    Real sums[kRealsPerLane<kWidth>];
+    const Block6 own = gatherChunk<kTile>(s, i, chunk, group, tile.lane, [&](bool yes) { return tile.ballot(yes) != 0; });
+    Real sums[kRealsPerLane<kTile>];
     sumBlocks(tile, own, sums);
-    if (!tree.carryUp(s, group, i, tile, sums)) return;
-    Block6 block = group.inertia;
-    block.fl = block.fa = {0, 0, 0};
-    addBlock(block, gatherSums(tile, sums));
-    const Vec6 dx = groupStep(group, block);
-    if (tile.lane == 0) group.step = dx;
+    handOn(s, tree, i, group, tile, sums);
   }
-};
+}
 
 template <int kTile>
 struct MoveChunkByTile {

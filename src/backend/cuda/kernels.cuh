@@ -131,11 +131,21 @@ static __global__ void requireRoom(Control* control, const int* count, Room room
   if (control->stop == 0) checkRoom(control, *count, room);
 }
 
-/// Rounds of `take` and `propose` over the same elements until a round leaves *left at zero. All blocks of the grid run at a time.
+/// kernel(s, k) for as many elements as a warp has lanes, those from batch * kWarp on.
+template <class Kernel>
+struct InBatches {
+  Kernel kernel;
+  __device__ void operator()(const View& s, int batch, int count, const Tile<kWarp>& tile) const {
+    if (const int k = batch * kWarp + tile.lane; k < count) kernel(s, k);
+  }
+};
+
+/// Rounds of `take`, a thread an element, and `propose`, a warp for as many elements as it has lanes, until a round leaves *left at zero. All
+/// blocks of the grid run at a time.
 inline constexpr int kRoundThreads = 256;
 template <class Take, class Propose>
 __global__ void __launch_bounds__(kRoundThreads)
-    runRounds(const __grid_constant__ View s, Take take, Propose propose, const int* count, int* left, int* rounds, int maxRounds, Gate gate) {
+    runRounds(const __grid_constant__ View s, Take take, InBatches<Propose> propose, const int* count, int* left, int* rounds, int maxRounds, Gate gate) {
   if (gate.closed()) return;
   const auto grid = cooperative_groups::this_grid();
   const int n = *count, first = static_cast<int>(grid.thread_rank()), stride = static_cast<int>(grid.size());
@@ -144,7 +154,7 @@ __global__ void __launch_bounds__(kRoundThreads)
     grid.sync();
     if (first == 0) *left = 0, *rounds = round + 1;
     grid.sync();
-    for (int k = first; k < n; k += stride) propose(s, k);
+    for (int batch = first / kWarp; batch * kWarp < n; batch += stride / kWarp) propose(s, batch, n, Tile<kWarp>::ofThread());
     grid.sync();
   }
 }

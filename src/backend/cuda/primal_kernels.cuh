@@ -1,6 +1,7 @@
 #pragma once
-/// The primal update: several lanes a body gather its rows, while the last warps of the block solve the local problems gathered before.
-#include "backend/cuda/kernels.cuh"
+/// The primal update: several lanes a body gather its rows, while the last warps of the block solve the local problems gathered before. Hubs take
+/// a block each.
+#include "backend/cuda/heavy_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -8,6 +9,8 @@ namespace rubble::RUBBLE_CORE {
 inline constexpr int kTailBodies = 128, kTailVertices = 64;
 /// Threads of a block that gather; two warps more solve.
 inline constexpr int kGatherThreads = 192, kSolvers = 2 * kWarp, kSolveThreads = kGatherThreads + kSolvers;
+/// Blocks of a colour's kernel for its hubs, which are few.
+inline constexpr int kHubBlocks = 16;
 /// Blocks of a colour's kernel that a multiprocessor holds at a time.
 inline constexpr int kSolveBlocks = 3;
 /// Lanes a body: few where bodies fill the device, so that sums over lanes are short; more where they don't, so that a body takes fewer
@@ -25,12 +28,12 @@ static __device__ __noinline__ void addRollingApart(const View& s, int k, int en
   for (; k < end && entryType(s.entry[k].code) == kContactType; k += stride) addRolling(s, s.entry[k].code, *sum);
 }
 
-/// Forces and Hessians of the row blocks of a body that are this lane's.
-template <int kWidth>
-__device__ Block6 gatherRows(const View& s, int body, const Tile<kWidth>& tile) {
+/// Forces and Hessians of the row blocks of a body that are this lane's, of `kWidth`. any(): does one of them say yes?
+template <int kWidth, class Any>
+__device__ Block6 gatherRows(const View& s, int body, int lane, Any&& any) {
   constexpr int kStride = kWidth / kLanes;
-  const int begin = s.entryOffset[body], end = s.entryOffset[body + 1], point = tile.lane % kLanes;
-  int k = begin + tile.lane / kLanes;
+  const int begin = s.entryOffset[body], end = s.entryOffset[body + 1], point = lane % kLanes;
+  int k = begin + lane / kLanes;
   const Displacement own = s.moved[body];
   Block6 sum;
   // entries are sorted by type, contacts first
@@ -45,13 +48,13 @@ __device__ Block6 gatherRows(const View& s, int body, const Tile<kWidth>& tile) 
   }
   if (s.rolls && point == 0) {
     Block6 rolling = sum;
-    addRollingApart(s, begin + tile.lane / kLanes, end, kStride, &rolling);
+    addRollingApart(s, begin + lane / kLanes, end, kStride, &rolling);
     sum = rolling;
   }
   // a lane that stopped before the end met a joint
-  if (tile.ballot(k < end) != 0) {
+  if (any(k < end)) {
     Block6 joints = sum;
-    addJointsApart(s, begin + tile.lane, end, kWidth, &joints);
+    addJointsApart(s, begin + lane, end, kWidth, &joints);
     sum = joints;
   }
   return sum;
@@ -69,20 +72,20 @@ __device__ inline void passBy(int barrier) {
   asm volatile("barrier.arrive %0, %1;" ::"r"(barrier), "n"(kSolveThreads) : "memory");
 }
 
-/// Solves `count` bodies of one colour, which share no rows: all blocks of a grid that call it together. Ends with all threads at a barrier.
+/// Solves `count` bodies of one colour, which share no rows: `shares` blocks that call it together. Ends with all threads at a barrier.
 template <int kWidth>
-__device__ void solveBodies(const View& s, const int* bodies, int count, BatchSums (&sums)[kBuffers]) {
+__device__ void solveBodies(const View& s, const int* bodies, int count, int share, int shares, BatchSums (&sums)[kBuffers]) {
   constexpr int kBodies = kGatherThreads / kWidth;
   static_assert(kBodies <= kSolvers);
   const Tile<kWidth> tile = Tile<kWidth>::ofThread();
   const int thread = static_cast<int>(threadIdx.x), slot = thread / kWidth, solver = thread - kGatherThreads;
-  const int first = static_cast<int>(blockIdx.x) * kBodies, stride = static_cast<int>(gridDim.x) * kBodies;
+  const int first = share * kBodies, stride = shares * kBodies;
   const int batches = first < count ? (count - first + stride - 1) / stride : 0;
   for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = buffer + 1 < kBuffers ? buffer + 1 : 0) {
     const int begin = first + batch * stride;
     if (solver < 0) {
       Block6 own;
-      if (begin + slot < count) own = gatherRows<kWidth>(s, bodies[begin + slot], tile);
+      if (begin + slot < count) own = gatherRows<kWidth>(s, bodies[begin + slot], tile.lane, [&](bool yes) { return tile.ballot(yes) != 0; });
       Real mine[kRealsPerLane<kWidth>];
       sumBlocks(tile, own, mine);
       if (batch >= kBuffers) waitAt(kEmpty + buffer);
@@ -108,21 +111,55 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, BatchSu
   __syncthreads();
 }
 
-__device__ inline void solveColorTogether(const View& s, int color, BatchSums (&sums)[kBuffers]) {
-  const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
-  if (count > kCrowd)
-    solveBodies<kCrowdWidth>(s, s.colorBody + begin, count, sums);
-  else if (count > kMany)
-    solveBodies<kManyWidth>(s, s.colorBody + begin, count, sums);
-  else
-    solveBodies<kFewWidth>(s, s.colorBody + begin, count, sums);
+/// A hub by all threads of a block. `sums` is shared memory.
+static __device__ __noinline__ void solveHub(const View& s, int body, Real (&sums)[kSolveThreads / kWarp][kWarp]) {
+  const Tile<kWarp> tile = Tile<kWarp>::ofThread();
+  const int thread = static_cast<int>(threadIdx.x), warp = thread / kWarp;
+  const Block6 own = gatherRows<kSolveThreads>(s, body, thread, [](bool yes) { return __syncthreads_or(yes) != 0; });
+  Real mine[kRealsPerLane<kWarp>];
+  sumBlocks(tile, own, mine);
+  sums[warp][tile.lane] = mine[0];
+  __syncthreads();
+  if (warp == 0) {
+    mine[0] = 0;
+    for (int w = 0; w < kSolveThreads / kWarp; ++w) mine[0] += sums[w][tile.lane];
+    const Block6 rows = gatherSums(tile, mine);
+    if (tile.lane == 0) {
+      Block6 block;
+      const Pose x = startBlock(s, body, block);
+      addBlock(block, rows);
+      finishBlock(s, body, block, x);
+    }
+  }
+  __syncthreads();
 }
 
-/// One colour.
+/// The hubs of a colour: `shares` blocks share them out.
+__device__ inline void solveHubs(const View& s, int color, const HeavyList& hubs, int share, int shares, BatchSums (&sums)[kBuffers]) {
+  static_assert(sizeof sums >= sizeof(Real[kSolveThreads / kWarp][kWarp]));
+  for (int h = share; h < *hubs.count; h += shares)
+    if (const int body = hubs.element[h]; s.color[body] == color && isSwept(s, body))
+      solveHub(s, body, reinterpret_cast<Real(&)[kSolveThreads / kWarp][kWarp]>(sums));
+}
+
+__device__ inline void solveColorTogether(const View& s, int color, int share, int shares, BatchSums (&sums)[kBuffers]) {
+  const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
+  if (count > kCrowd)
+    solveBodies<kCrowdWidth>(s, s.colorBody + begin, count, share, shares, sums);
+  else if (count > kMany)
+    solveBodies<kManyWidth>(s, s.colorBody + begin, count, share, shares, sums);
+  else
+    solveBodies<kFewWidth>(s, s.colorBody + begin, count, share, shares, sums);
+}
+
+/// One colour. The first `hubBlocks` blocks take its hubs.
 static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
-    solveColor(const __grid_constant__ View s, int color, const Control* control) {
+    solveColor(const __grid_constant__ View s, int color, HeavyList hubs, int hubBlocks, const Control* control) {
   __shared__ BatchSums sums[kBuffers];
-  if (control->stop == 0 && color < s.counters->colors) solveColorTogether(s, color, sums);
+  if (control->stop != 0 || color >= s.counters->colors) return;
+  const int share = static_cast<int>(blockIdx.x) - hubBlocks;
+  if (share < 0) solveHubs(s, color, hubs, static_cast<int>(blockIdx.x), hubBlocks, sums);
+  else solveColorTogether(s, color, share, static_cast<int>(gridDim.x) - hubBlocks, sums);
 }
 
 /// Lanes of a vertex: they share out its elements and contacts.
@@ -149,7 +186,7 @@ static __global__ void __launch_bounds__(kThreads) solveVertexColor(const __grid
 }
 
 /// The colours from `first` on, one after another in one block, whatever their size. Notes how many colours are worth a launch.
-static __global__ void __launch_bounds__(kSolveThreads) solveTail(const __grid_constant__ View s, int first, Control* control) {
+static __global__ void __launch_bounds__(kSolveThreads) solveTail(const __grid_constant__ View s, int first, HeavyList hubs, Control* control) {
   if (control->stop != 0) return;
   __shared__ BatchSums sums[kBuffers];
   const int colors = s.counters->colors;
@@ -158,7 +195,10 @@ static __global__ void __launch_bounds__(kSolveThreads) solveTail(const __grid_c
         (s.vertices > 0 && s.vertexColorOffset[c + 1] - s.vertexColorOffset[c] > kTailVertices))
       atomicMax(&control->wideColors, c + 1);
   for (int c = first; c < colors; ++c) {
-    if (s.bodies > 0) solveColorTogether(s, c, sums);
+    if (s.bodies > 0) {
+      solveHubs(s, c, hubs, 0, 1, sums);
+      solveColorTogether(s, c, 0, 1, sums);
+    }
     if (s.vertices == 0) continue;
     // the vertices of a colour share nothing with its bodies, but all must be done before the next colour
     solveVertices(s, c, static_cast<int>(threadIdx.x), kSolveThreads);

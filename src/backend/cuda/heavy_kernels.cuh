@@ -1,0 +1,141 @@
+#pragma once
+/// Elements with so many parts that a few lanes would be busy with them long after all others are done: what a ball has struck, a plate under a
+/// heap. They are listed once a step, and a whole block or warp takes each of them.
+#include "backend/cuda/kernels.cuh"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Indices of such elements, in no fixed order: it has no influence on results.
+struct HeavyList {
+  int* count;
+  int* element;
+  __device__ void add(int i) const { element[claimTogether(count)] = i; }
+};
+
+/// A body with more row blocks than this is one of them.
+inline constexpr int kHubEntries = 64;
+__device__ inline int degreeOf(const View& s, int body) { return s.entryOffset[body + 1] - s.entryOffset[body]; }
+__device__ inline bool isHub(const View& s, int body) { return !kStrict && degreeOf(s, body) > kHubEntries; }
+
+/// Sorts n elements in place by a network; `threads` of one block or warp call it, each with its rank, and sync() makes what they have written
+/// known to all of them. Runs of half the width are merged: mirrored at first, then at ever smaller distances. What lies beyond the end stays there.
+template <class T, class Before, class Sync>
+__device__ void sortTogether(T* first, int n, int rank, int threads, Before&& before, Sync&& sync) {
+  for (int width = 2; width / 2 < n; width *= 2) {
+    for (int step = width / 2; step > 0; step /= 2) {
+      for (int t = rank;; t += threads) {
+        const int low = t / step * (2 * step) + t % step;
+        if (low >= n) break;
+        const int high = step == width / 2 ? low / width * width + (width - 1 - low % width) : low + step;
+        if (high >= n || !before(first[high], first[low])) continue;
+        const T kept = first[low];
+        first[low] = first[high];
+        first[high] = kept;
+      }
+      sync();
+    }
+  }
+}
+
+/// together(i) by all lanes for each i whose lane says so.
+template <class Together>
+__device__ void forEachOfWarp(const Tile<kWarp>& tile, bool mine, int i, Together&& together) {
+  for (unsigned left = tile.ballot(mine); left != 0; left &= left - 1) together(__shfl_sync(tile.mask, i, __ffs(static_cast<int>(left)) - 1));
+}
+/// For a stage over n bodies that takes a warp for as many of them as it has lanes.
+inline int warpsFor(int n) { return (n + kWarp - 1) / kWarp; }
+
+/// SortEntries for 32 bodies: a lane each, those with as many entries as lanes by all of them. Hubs are listed: these are sorted by a block each.
+struct SortEntriesByWarp {
+  static constexpr const char* kName = SortEntries::kName;
+  static constexpr int kWidth = kWarp, kFew = 8;
+  HeavyList hubs;
+  __device__ void operator()(const View& s, int warp, const Tile<kWidth>& tile) const {
+    const int i = warp * kWarp + tile.lane, count = i < s.bodies ? degreeOf(s, i) : 0;
+    if (count > kHubEntries) hubs.add(i);
+    if (count <= kFew && i < s.bodies) SortEntries{}(s, i);
+    forEachOfWarp(tile, count > kFew && count <= kHubEntries, i, [&](int body) { sortByRank(s.entry + s.entryOffset[body], degreeOf(s, body), tile); });
+  }
+
+ private:
+  /// Every lane finds the places of its entries by the number of those before them.
+  __device__ static void sortByRank(Entry* first, int count, const Tile<kWidth>& tile) {
+    constexpr int kTurns = kHubEntries / kWarp;
+    Entry own[kTurns] = {};
+    int place[kTurns] = {};
+#pragma unroll
+    for (int t = 0; t < kTurns; ++t)
+      if (const int k = t * kWarp + tile.lane; k < count) own[t] = first[k];
+    for (int j = 0; j < count; ++j) {
+      const std::uint32_t mine = j < kWarp ? own[0].code : own[kTurns - 1].code, code = __shfl_sync(tile.mask, mine, j % kWarp);
+#pragma unroll
+      for (int t = 0; t < kTurns; ++t) place[t] += code < own[t].code ? 1 : 0;
+    }
+    __syncwarp(tile.mask);
+#pragma unroll
+    for (int t = 0; t < kTurns; ++t)
+      if (t * kWarp + tile.lane < count) first[place[t]] = own[t];
+    static_assert(kTurns == 2);
+  }
+};
+inline constexpr int kSortThreads = 512;
+static __global__ void __launch_bounds__(kSortThreads) sortHubs(const __grid_constant__ View s, HeavyList hubs, Gate gate) {
+  if (gate.closed()) return;
+  for (int h = static_cast<int>(blockIdx.x); h < *hubs.count; h += static_cast<int>(gridDim.x)) {
+    const int body = hubs.element[h];
+    sortTogether(s.entry + s.entryOffset[body], degreeOf(s, body), static_cast<int>(threadIdx.x), kSortThreads,
+                 [](const Entry& a, const Entry& b) { return a.code < b.code; }, [] { __syncthreads(); });
+  }
+}
+
+/// leavesColor() by a warp.
+__device__ inline bool leavesColorTogether(const View& s, int i, bool mayGoDown, const Tile<kWarp>& tile, int& next) {
+  const auto neighbors = [&](auto&& visit) {
+    for (int k = s.entryOffset[i] + tile.lane; k < s.entryOffset[i + 1]; k += kWarp)
+      if (s.entry[k].other >= 0) visit(s.entry[k].other);
+  };
+  const auto join = [&](std::uint64_t taken) {
+    const unsigned low = __reduce_or_sync(tile.mask, static_cast<unsigned>(taken)), high = __reduce_or_sync(tile.mask, static_cast<unsigned>(taken >> 32));
+    return std::uint64_t{high} << 32 | low;
+  };
+  Surroundings around = lookAround(s, i, neighbors);
+  around = {tile.ballot(around.clashes) != 0, tile.ballot(!around.highest) == 0, join(around.taken)};
+  if (around.clashes) next = smallestFreeColor(s, neighbors, join);
+  return around.clashes || (mayGoDown && goesDown(around, s.color[i], next));
+}
+
+/// FindClashes for 32 bodies: a lane each, and hubs by all lanes.
+struct FindClashesByWarp {
+  static constexpr const char* kName = FindClashes::kName;
+  static constexpr int kWidth = kWarp;
+  __device__ void operator()(const View& s, int warp, const Tile<kWidth>& tile) const {
+    const int i = warp * kWarp + tile.lane;
+    const bool on = i < s.bodies && isDynamic(s, i), hub = on && isHub(s, i);
+    if (on && !hub) FindClashes{}(s, i);
+    forEachOfWarp(tile, hub, i, [&](int body) {
+      int next = 0;
+      const bool leaves = leavesColorTogether(s, body, true, tile, next);
+      if (tile.lane != 0) return;
+      if (leaves) FindClashes::note(s, body, next);
+      else FindClashes::raiseColors(s, s.color[body]);
+    });
+  }
+};
+
+template <>
+struct InBatches<ProposeColors> {
+  ProposeColors kernel;
+  __device__ void operator()(const View& s, int batch, int count, const Tile<kWarp>& tile) const {
+    const int k = batch * kWarp + tile.lane, i = k < count ? s.clashing[k] : -1;
+    const bool hub = i >= 0 && i < kVertexNode && isHub(s, i);
+    if (i >= 0 && !hub) kernel(s, k);
+    forEachOfWarp(tile, hub, i, [&](int body) {
+      int next = 0;
+      if (!leavesColorTogether(s, body, false, tile, next) || tile.lane != 0) return;
+      s.nextColor[body] = next;
+      atomicCount(&s.counters->clashes, 1);
+    });
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE
