@@ -242,7 +242,7 @@ class CudaExecutor {
     const int blocks = std::min((view().bodies + kBatch - 1) / kBatch, kSolveBlocks * processors_);
     for (int c = 0; c < options_.colors; ++c) {
       if (view().bodies > 0) {
-        solveColor<<<kHubBlocks + blocks, kSolveThreads, 0, stream_>>>(view(), c, listOf(hubs_), kHubBlocks, control_);
+        solveColors<<<kHubBlocks + blocks, kSolveThreads, 0, stream_>>>(view(), c, listOf(hubs_), kHubBlocks, control_);
         checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
       }
       if (view().vertices > 0) {
@@ -250,7 +250,7 @@ class CudaExecutor {
         checkCuda(cudaGetLastError(), SolveVertex::kName);
       }
     }
-    solveTail<<<1, kSolveThreads, 0, stream_>>>(view(), options_.colors, listOf(hubs_), control_);
+    solveColors<<<1, kSolveThreads, 0, stream_>>>(view(), options_.colors, listOf(hubs_), 0, control_);
     checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
   }
 

@@ -229,7 +229,7 @@ __device__ __noinline__ void sumHeavyChunk(const View& s, const SumTree& tree, i
 
 /// SumChunk and SolveGroup in one, for the chunks of a level: the first blocks take the heavy ones, tiles of the others one each.
 template <int kTile>
-__global__ void __launch_bounds__(kThreads, 7)
+__global__ void __launch_bounds__(kThreads, 6)
     sumChunks(const __grid_constant__ View s, SumTree tree, HeavyList heavy, int heavyBlocks, int level, Gate gate) {
   if (gate.closed()) return;
   __shared__ Real warpSums[kThreads / kWarp][kWarp];

@@ -1,7 +1,7 @@
 #pragma once
 /// The primal update: several lanes a body gather its rows, while the last warps of the block solve the local problems gathered before. Hubs take
 /// a block each.
-#include "backend/cuda/heavy_kernels.cuh"
+#include "backend/cuda/row_stream.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -12,7 +12,7 @@ inline constexpr int kGatherThreads = 192, kSolvers = 2 * kWarp, kSolveThreads =
 /// Blocks of a colour's kernel for its hubs, which are few.
 inline constexpr int kHubBlocks = 16;
 /// Blocks of a colour's kernel that a multiprocessor holds at a time.
-inline constexpr int kSolveBlocks = 3;
+inline constexpr int kSolveBlocks = 2;
 /// Lanes a body: few where bodies fill the device, so that sums over lanes are short; more where they don't, so that a body takes fewer
 /// rounds. By the population alone, and not by the kernel that finds the colour: the order of sums must be the same each time.
 inline constexpr int kCrowdWidth = 4, kManyWidth = 8, kFewWidth = 16;
@@ -28,78 +28,80 @@ static __device__ __noinline__ void addRollingApart(const View& s, int k, int en
   for (; k < end && entryType(s.entry[k].code) == kContactType; k += stride) addRolling(s, s.entry[k].code, *sum);
 }
 
-/// Forces and Hessians of the row blocks of a body that are this lane's, of `kWidth`. any(): does one of them say yes?
+/// Adds what is no contact, or rolls, among the row blocks of a body that are this lane's, of `kWidth`. any(): does one of them say yes?
 template <int kWidth, class Any>
-__device__ Block6 gatherRows(const View& s, int body, int lane, Any&& any) {
-  constexpr int kStride = kWidth / kLanes;
-  const int begin = s.entryOffset[body], end = s.entryOffset[body + 1], point = lane % kLanes;
-  int k = begin + lane / kLanes;
-  const Displacement own = s.moved[body];
-  Block6 sum;
-  // entries are sorted by type, contacts first
-  for (; k < end; k += kStride) {
-    const Entry entry = s.entry[k];
-    if (entryType(entry.code) != kContactType) break;
-    // known from the entry, the displacement of the other body need not wait for the rows
-    const ContactRows& r = s.contact[entryIndex(entry.code)];
-    const bool onA = entrySide(entry.code) == 0;
-    const Displacement other = s.moved[entry.other >= 0 ? entry.other : onA ? r.b : r.a];
-    stampContact<Real>(s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
-  }
-  if (s.rolls && point == 0) {
+__device__ void addRareRows(const View& s, int body, int lane, bool joints, Any&& any, Block6& sum) {
+  const int begin = s.entryOffset[body], end = s.entryOffset[body + 1];
+  if (s.rolls && lane % kLanes == 0) {
     Block6 rolling = sum;
-    addRollingApart(s, begin + lane / kLanes, end, kStride, &rolling);
+    addRollingApart(s, begin + lane / kLanes, end, kWidth / kLanes, &rolling);
     sum = rolling;
   }
-  // a lane that stopped before the end met a joint
-  if (any(k < end)) {
-    Block6 joints = sum;
-    addJointsApart(s, begin + lane, end, kWidth, &joints);
-    sum = joints;
-  }
-  return sum;
+  if (!any(joints)) return;
+  Block6 others = sum;
+  addJointsApart(s, begin + lane, end, kWidth, &others);
+  sum = others;
 }
 
 /// Sums of the rows of the bodies of a batch, several times: gatherers may be ahead of solvers by so many batches.
-inline constexpr int kBuffers = 3;
+inline constexpr int kBuffers = 2;
 using BatchSums = Real[kGatherThreads / kCrowdWidth][kPaddedReals + 1];
+/// Shared memory of a block.
+struct SolveMemory {
+  Staging<kGatherThreads / kLanes> staging;
+  BatchSums sums[kBuffers];
+  Real warpSums[kSolveThreads / kWarp][kWarp];
+};
+constexpr int kSharedMemory = 48 * 1024;
+static_assert(sizeof(SolveMemory) <= kSharedMemory);
 
-/// Barriers of a block by number; that of __syncthreads() is 0.
+/// Barriers of a block by number; that of __syncthreads() is 0. A warp comes as a whole.
 inline constexpr int kFull = 1, kEmpty = kFull + kBuffers;
-__device__ inline void waitAt(int barrier) { asm volatile("barrier.sync %0, %1;" ::"r"(barrier), "n"(kSolveThreads) : "memory"); }
+__device__ inline void waitAt(int barrier) {
+  __syncwarp();
+  asm volatile("barrier.sync %0, %1;" ::"r"(barrier), "n"(kSolveThreads) : "memory");
+}
 __device__ inline void passBy(int barrier) {
   __threadfence_block();
+  __syncwarp();
   asm volatile("barrier.arrive %0, %1;" ::"r"(barrier), "n"(kSolveThreads) : "memory");
 }
 
 /// Solves `count` bodies of one colour, which share no rows: `shares` blocks that call it together. Ends with all threads at a barrier.
 template <int kWidth>
-__device__ void solveBodies(const View& s, const int* bodies, int count, int share, int shares, BatchSums (&sums)[kBuffers]) {
+__device__ void solveBodies(const View& s, const int* bodies, int count, int share, int shares, SolveMemory& memory) {
   constexpr int kBodies = kGatherThreads / kWidth;
   static_assert(kBodies <= kSolvers);
-  const Tile<kWidth> tile = Tile<kWidth>::ofThread();
-  const int thread = static_cast<int>(threadIdx.x), slot = thread / kWidth, solver = thread - kGatherThreads;
-  const int first = share * kBodies, stride = shares * kBodies;
+  const int thread = static_cast<int>(threadIdx.x), first = share * kBodies, stride = shares * kBodies;
   const int batches = first < count ? (count - first + stride - 1) / stride : 0;
-  for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = buffer + 1 < kBuffers ? buffer + 1 : 0) {
-    const int begin = first + batch * stride;
-    if (solver < 0) {
+  const auto nextBuffer = [](int buffer) { return buffer + 1 < kBuffers ? buffer + 1 : 0; };
+  if (thread < kGatherThreads) {
+    const Tile<kWidth> tile = Tile<kWidth>::ofThread();
+    const int slot = thread / kWidth;
+    RowStream<kWidth, kGatherThreads / kLanes> stream(s, memory.staging, tile, bodies, count, first + slot, stride);
+    for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = nextBuffer(buffer)) {
       Block6 own;
-      if (begin + slot < count) own = gatherRows<kWidth>(s, bodies[begin + slot], tile.lane, [&](bool yes) { return tile.ballot(yes) != 0; });
+      const bool joints = stream.gather(own);
+      if (const int k = first + batch * stride + slot; (s.rolls || tile.ballot(joints) != 0) && k < count)
+        addRareRows<kWidth>(s, bodies[k], tile.lane, joints, [&](bool yes) { return tile.ballot(yes) != 0; }, own);
       Real mine[kRealsPerLane<kWidth>];
       sumBlocks(tile, own, mine);
       if (batch >= kBuffers) waitAt(kEmpty + buffer);
 #pragma unroll
-      for (int k = 0; k < kRealsPerLane<kWidth>; ++k) sums[buffer][slot][tile.lane * kRealsPerLane<kWidth> + k] = mine[k];
+      for (int k = 0; k < kRealsPerLane<kWidth>; ++k) memory.sums[buffer][slot][tile.lane * kRealsPerLane<kWidth> + k] = mine[k];
       passBy(kFull + buffer);
-    } else {
-      const bool on = solver < kBodies && begin + solver < count;
-      const int body = on ? bodies[begin + solver] : 0;
+    }
+  } else {
+    const int solver = thread - kGatherThreads;
+    for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = nextBuffer(buffer)) {
+      const int k = first + batch * stride + solver;
+      const bool on = solver < kBodies && k < count;
+      const int body = on ? bodies[k] : 0;
       Block6 block, rows;
       Pose x;
       if (on) x = startBlock(s, body, block);
       waitAt(kFull + buffer);
-      if (on) memcpy(static_cast<void*>(&rows), sums[buffer][solver], sizeof rows);
+      if (on) memcpy(static_cast<void*>(&rows), memory.sums[buffer][solver], sizeof rows);
       // the last ones are waited for by nobody
       if (batch + kBuffers < batches) passBy(kEmpty + buffer);
       if (on) {
@@ -111,18 +113,37 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, int sha
   __syncthreads();
 }
 
-/// A hub by all threads of a block. `sums` is shared memory.
-static __device__ __noinline__ void solveHub(const View& s, int body, Real (&sums)[kSolveThreads / kWarp][kWarp]) {
+/// Forces and Hessians of the row blocks of a hub that are this thread's, of a block.
+__device__ inline Block6 gatherHub(const View& s, int body, int thread) {
+  const int end = s.entryOffset[body + 1], point = thread % kLanes;
+  int k = s.entryOffset[body] + thread / kLanes;
+  const Displacement own = s.moved[body];
+  Block6 sum;
+  // entries are sorted by type, contacts first
+  for (; k < end; k += kSolveThreads / kLanes) {
+    const Entry entry = s.entry[k];
+    if (entryType(entry.code) != kContactType) break;
+    const ContactRows& r = s.contact[entryIndex(entry.code)];
+    const bool onA = entrySide(entry.code) == 0;
+    const Displacement other = s.moved[onA ? r.b : r.a];
+    stampContact<Real>(s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
+  }
+  addRareRows<kSolveThreads>(s, body, thread, k < end, [](bool yes) { return __syncthreads_or(yes) != 0; }, sum);
+  return sum;
+}
+
+/// A hub by all threads of a block.
+static __device__ __noinline__ void solveHub(const View& s, int body, Real (&warpSums)[kSolveThreads / kWarp][kWarp]) {
   const Tile<kWarp> tile = Tile<kWarp>::ofThread();
   const int thread = static_cast<int>(threadIdx.x), warp = thread / kWarp;
-  const Block6 own = gatherRows<kSolveThreads>(s, body, thread, [](bool yes) { return __syncthreads_or(yes) != 0; });
+  const Block6 own = gatherHub(s, body, thread);
   Real mine[kRealsPerLane<kWarp>];
   sumBlocks(tile, own, mine);
-  sums[warp][tile.lane] = mine[0];
+  warpSums[warp][tile.lane] = mine[0];
   __syncthreads();
   if (warp == 0) {
     mine[0] = 0;
-    for (int w = 0; w < kSolveThreads / kWarp; ++w) mine[0] += sums[w][tile.lane];
+    for (int w = 0; w < kSolveThreads / kWarp; ++w) mine[0] += warpSums[w][tile.lane];
     const Block6 rows = gatherSums(tile, mine);
     if (tile.lane == 0) {
       Block6 block;
@@ -135,31 +156,19 @@ static __device__ __noinline__ void solveHub(const View& s, int body, Real (&sum
 }
 
 /// The hubs of a colour: `shares` blocks share them out.
-__device__ inline void solveHubs(const View& s, int color, const HeavyList& hubs, int share, int shares, BatchSums (&sums)[kBuffers]) {
-  static_assert(sizeof sums >= sizeof(Real[kSolveThreads / kWarp][kWarp]));
+__device__ inline void solveHubs(const View& s, int color, const HeavyList& hubs, int share, int shares, SolveMemory& memory) {
   for (int h = share; h < *hubs.count; h += shares)
-    if (const int body = hubs.element[h]; s.color[body] == color && isSwept(s, body))
-      solveHub(s, body, reinterpret_cast<Real(&)[kSolveThreads / kWarp][kWarp]>(sums));
+    if (const int body = hubs.element[h]; s.color[body] == color && isSwept(s, body)) solveHub(s, body, memory.warpSums);
 }
 
-__device__ inline void solveColorTogether(const View& s, int color, int share, int shares, BatchSums (&sums)[kBuffers]) {
+__device__ inline void solveColorTogether(const View& s, int color, int share, int shares, SolveMemory& memory) {
   const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
   if (count > kCrowd)
-    solveBodies<kCrowdWidth>(s, s.colorBody + begin, count, share, shares, sums);
+    solveBodies<kCrowdWidth>(s, s.colorBody + begin, count, share, shares, memory);
   else if (count > kMany)
-    solveBodies<kManyWidth>(s, s.colorBody + begin, count, share, shares, sums);
+    solveBodies<kManyWidth>(s, s.colorBody + begin, count, share, shares, memory);
   else
-    solveBodies<kFewWidth>(s, s.colorBody + begin, count, share, shares, sums);
-}
-
-/// One colour. The first `hubBlocks` blocks take its hubs.
-static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
-    solveColor(const __grid_constant__ View s, int color, HeavyList hubs, int hubBlocks, const Control* control) {
-  __shared__ BatchSums sums[kBuffers];
-  if (control->stop != 0 || color >= s.counters->colors) return;
-  const int share = static_cast<int>(blockIdx.x) - hubBlocks;
-  if (share < 0) solveHubs(s, color, hubs, static_cast<int>(blockIdx.x), hubBlocks, sums);
-  else solveColorTogether(s, color, share, static_cast<int>(gridDim.x) - hubBlocks, sums);
+    solveBodies<kFewWidth>(s, s.colorBody + begin, count, share, shares, memory);
 }
 
 /// Lanes of a vertex: they share out its elements and contacts.
@@ -185,21 +194,28 @@ static __global__ void __launch_bounds__(kThreads) solveVertexColor(const __grid
   solveVertices(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
 }
 
-/// The colours from `first` on, one after another in one block, whatever their size. Notes how many colours are worth a launch.
-static __global__ void __launch_bounds__(kSolveThreads) solveTail(const __grid_constant__ View s, int first, HeavyList hubs, Control* control) {
-  if (control->stop != 0) return;
-  __shared__ BatchSums sums[kBuffers];
-  const int colors = s.counters->colors;
+/// Notes how many colours are worth a launch.
+__device__ inline void noteWideColors(const View& s, int colors, Control* control) {
   for (int c = static_cast<int>(threadIdx.x); c < colors; c += kSolveThreads)
     if (s.colorOffset[c + 1] - s.colorOffset[c] > kTailBodies ||
         (s.vertices > 0 && s.vertexColorOffset[c + 1] - s.vertexColorOffset[c] > kTailVertices))
       atomicMax(&control->wideColors, c + 1);
-  for (int c = first; c < colors; ++c) {
-    if (s.bodies > 0) {
-      solveHubs(s, c, hubs, 0, 1, sums);
-      solveColorTogether(s, c, 0, 1, sums);
-    }
-    if (s.vertices == 0) continue;
+}
+
+/// The bodies of colour `first`, of which the first `hubBlocks` blocks take the hubs. Or, where there are none of these: all colours from it on, one
+/// after another in one block, whatever their size, with their vertices. It is one kernel, so that a body has the same bits wherever it is solved.
+static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
+    solveColors(const __grid_constant__ View s, int first, HeavyList hubs, int hubBlocks, Control* control) {
+  __shared__ SolveMemory memory;
+  if (control->stop != 0) return;
+  const bool tail = hubBlocks == 0;
+  const int colors = s.counters->colors, end = tail ? colors : min(first + 1, colors);
+  const int share = static_cast<int>(blockIdx.x) - hubBlocks, shares = static_cast<int>(gridDim.x) - hubBlocks;
+  if (tail) noteWideColors(s, colors, control);
+  for (int c = first; c < end; ++c) {
+    if (tail || share < 0) solveHubs(s, c, hubs, static_cast<int>(blockIdx.x), tail ? 1 : hubBlocks, memory);
+    if (share >= 0) solveColorTogether(s, c, share, shares, memory);
+    if (!tail || s.vertices == 0) continue;
     // the vertices of a colour share nothing with its bodies, but all must be done before the next colour
     solveVertices(s, c, static_cast<int>(threadIdx.x), kSolveThreads);
     __syncthreads();

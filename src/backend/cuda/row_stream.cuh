@@ -1,0 +1,141 @@
+#pragma once
+/// Rows on their way into shared memory while those before them are worked on. The sweeps wait for memory and for nothing else: a body's number leads
+/// to its entries, these to rows and displacements, and each of them is asked for a body or a row block ahead.
+#include <cuda_pipeline_primitives.h>
+
+#include "backend/cuda/heavy_kernels.cuh"
+#include "backend/cuda/points.cuh"
+
+namespace rubble::RUBBLE_CORE {
+
+/// The rows of one contact and the displacement of the other body in shared memory, with room to spare such that neighbours read from different banks.
+struct StagedRows {
+  static constexpr int kRows = sizeof(ContactRows) / sizeof(float4), kMoved = sizeof(Displacement) / sizeof(float4);
+  float4 quad[20];
+  __device__ const ContactRows& rows() const { return reinterpret_cast<const ContactRows&>(quad[0]); }
+  __device__ const Displacement& other() const { return reinterpret_cast<const Displacement&>(quad[kRows]); }
+};
+static_assert(StagedRows::kRows * sizeof(float4) == sizeof(ContactRows) && StagedRows::kMoved == 2 && kLanes == 4);
+static_assert(StagedRows::kRows + StagedRows::kMoved <= 20);
+
+/// Asks for `kCount` quads: four lanes.
+template <int kCount>
+__device__ void askForQuads(float4* to, const void* from, int lane) {
+#pragma unroll
+  for (int q = 0; q < kCount; q += kLanes)
+    if (q + lane < kCount) __pipeline_memcpy_async(to + q + lane, static_cast<const float4*>(from) + q + lane, sizeof(float4));
+}
+
+/// Shared memory of `kQuads` times four lanes: of two row blocks each, and the displacements of two bodies.
+template <int kQuads>
+struct Staging {
+  StagedRows rows[2][kQuads];
+  float4 own[2][kQuads][StagedRows::kMoved];
+};
+
+/// The row blocks of the bodies number first, first + stride ... of a list, one body a batch, as a tile of `kWidth` lanes gathers them: each four
+/// of its lanes have every (kWidth / 4)-th.
+template <int kWidth, int kQuads>
+class RowStream {
+ public:
+  static constexpr int kStride = kWidth / kLanes;
+
+  __device__ RowStream(const View& s, Staging<kQuads>& staging, const Tile<kWidth>& tile, const int* bodies, int count, int first, int stride)
+      : s_(s), staging_(staging), quad_(PointTile::ofThread()), quadOfBlock_(static_cast<int>(threadIdx.x) / kLanes), offset_(tile.lane / kLanes),
+        bodies_(bodies), count_(count), next_(first + 3 * stride), stride_(stride) {
+    body_[0] = bodyAt(first), body_[1] = bodyAt(first + stride), body_[2] = bodyAt(first + 2 * stride);
+    range_[0] = rangeOf(body_[0]), range_[1] = rangeOf(body_[1]);
+    present_ = entryAt(range_[0], 0);
+    begin(present_, body_[0], 0);
+  }
+
+  /// The contacts of the next body; -1 has none. Returns whether its entries go on with others than contacts.
+  __device__ bool gather(Block6& sum) {
+    // each of these is used in the next batch
+    const Entry following = entryAt(range_[1], 0);
+    const Range afterNext = rangeOf(body_[2]);
+    const int afterThat = bodyAt(next_);
+    next_ += stride_;
+
+    int k = range_[0].begin;
+    const int end = range_[0].end;
+    const Displacement& own = reinterpret_cast<const Displacement&>(staging_.own[parity_][quadOfBlock_]);
+    if (!isContact(present_)) {
+      begin(following, body_[1], parity_ ^ 1);
+    } else {
+      Entry ahead = entryAt(range_[0], 1);
+      for (bool more = true; more; k += kStride) {
+        more = isContact(ahead);
+        stage_ ^= 1;
+        if (more) {
+          askForRows(ahead);
+          __pipeline_commit();
+        } else {
+          begin(following, body_[1], parity_ ^ 1);
+        }
+        const Entry entry = present_;
+        present_ = ahead;
+        if (more) ahead = k + 2 * kStride < end ? s_.entry[k + 2 * kStride] : noEntry();
+        __pipeline_wait_prior(1);
+        __syncwarp(quad_.mask);
+        stamp(entry, own, staging_.rows[stage_ ^ 1][quadOfBlock_], sum);
+        __syncwarp(quad_.mask);
+      }
+    }
+    const bool others = k < end;
+    body_[0] = body_[1], body_[1] = body_[2], body_[2] = afterThat;
+    range_[0] = range_[1], range_[1] = afterNext;
+    present_ = following;
+    parity_ ^= 1;
+    return others;
+  }
+
+ private:
+  struct Range {
+    int begin, end;  ///< of the entries from that of these four lanes on
+  };
+  /// Of no type that there is.
+  __device__ static Entry noEntry() { return {0xffffffffu, -1, 0}; }
+  __device__ static bool isContact(const Entry& e) { return entryType(e.code) == kContactType; }
+  __device__ int bodyAt(int k) const { return k < count_ ? bodies_[k] : -1; }
+  __device__ Range rangeOf(int body) const { return body < 0 ? Range{0, 0} : Range{s_.entryOffset[body] + offset_, s_.entryOffset[body + 1]}; }
+  __device__ Entry entryAt(const Range& r, int turn) const {
+    const int k = r.begin + turn * kStride;
+    return k < r.end ? s_.entry[k] : noEntry();
+  }
+
+  /// Asks for the first row block of a body, and where that is.
+  __device__ void begin(const Entry& e, int body, int parity) {
+    if (isContact(e)) askForRows(e);
+    if (body >= 0) askForQuads<StagedRows::kMoved>(staging_.own[parity][quadOfBlock_], &s_.moved[body], quad_.lane);
+    __pipeline_commit();
+  }
+  __device__ void askForRows(const Entry& e) {
+    StagedRows& to = staging_.rows[stage_][quadOfBlock_];
+    askForQuads<StagedRows::kRows>(to.quad, &s_.contact[entryIndex(e.code)], quad_.lane);
+    if (e.other >= 0) askForQuads<StagedRows::kMoved>(to.quad + StagedRows::kRows, &s_.moved[e.other], quad_.lane);
+  }
+
+  __device__ void stamp(const Entry& e, const Displacement& own, const StagedRows& staged, Block6& sum) const {
+    const ContactRows& r = staged.rows();
+    const bool onA = entrySide(e.code) == 0;
+    const Displacement other = e.other >= 0 ? staged.other() : s_.moved[onA ? r.b : r.a];
+    stampContact<Real>(s_.step, r, onA, onA ? own : other, onA ? other : own, quad_.lane, sum);
+  }
+
+  const View& s_;
+  Staging<kQuads>& staging_;
+  const PointTile quad_;
+  const int quadOfBlock_, offset_;
+  const int* const bodies_;
+  const int count_;
+  int next_;
+  const int stride_;
+  int body_[3];
+  Range range_[2];
+  Entry present_;
+  int stage_ = 0;   ///< where the next row block goes
+  int parity_ = 0;  ///< of the batch
+};
+
+}  // namespace rubble::RUBBLE_CORE
