@@ -92,6 +92,27 @@ TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
   EXPECT_LT(distance(cpu, cuda), 1e-5);
 }
 
+/// The plate has a block of its own in every stage that loops over what touches it, and the fast ball a warp for its search.
+TEST_F(CudaStep, StaysBesideTheCpuWhereOneBodyTouchesAHundred) {
+  Scene heap = ground();
+  BodyDef plate;
+  plate.shape = Shape::box({5, 5, .25});
+  plate.position = {0, 0, .25};
+  heap.bodies.push_back(plate);
+  for (int i = 0; i < 100; ++i) heap.bodies.push_back(boxAt({-4.05 + .9 * (i % 10), -4.05 + .9 * (i / 10), .5 + .4}, .4));
+  BodyDef ball;
+  ball.shape = Shape::sphere(.3);
+  ball.position = {-12, .1, 1.5};
+  ball.velocity = {90, 0, 0};
+  heap.bodies.push_back(ball);
+  World cpu(heap, optionsFor("cpu")), cuda(heap, optionsFor("cuda")), again(heap, optionsFor("cuda"));
+  for (int i = 0; i < 12; ++i) {
+    cpu.step(), cuda.step(), again.step();
+    ASSERT_LT(distance(cpu, cuda), 1e-4) << "after step " << i;
+    ASSERT_TRUE(sameStates(cuda, again)) << "after step " << i;
+  }
+}
+
 TEST_F(CudaStep, MeasuresStagesOnlyIfAsked) {
   WorldOptions options = optionsFor("cuda");
   World with(brickPile(3, 3), options);
