@@ -74,6 +74,8 @@ std::vector<Spec> jengaSpecs() {
                          {atLeast("drawn_least_m", 2 * kBlock.x, "five blocks are out by their length"), atMost("drift_max_m", .5 * kBlock.y, "no other went along by a quarter of its width"),
                           within("top_drop_m", -.01, .01, "the tower stands")},
                          kFirstPull + static_cast<int>(std::size(kDrawn)) * kPullSteps + 60);
+  jenga.camera = [](const Arguments&, const Scene&) { return Camera{{4, -5, 3.2}, {.5, .4, 1.2}}; };
+  jenga.travels = true;
   jenga.tags = {"stack", "joint"};
   return {jenga};
 }

@@ -52,6 +52,7 @@ Spec columnSpec() {
     const double size = 4 * value(arguments, "radius") * whole(arguments, "side");
     return Camera{{1.4 * size, -1.6 * size, 1.1 * size}, {.25 * size, .25 * size, .15 * size}};
   };
+  spec.travels = true;
   spec.steps = 300;
   spec.iterations = 4;
   spec.tags = {"grains"};

@@ -135,6 +135,7 @@ Spec figureSpec() {
                               atMost("quarantined", 0, "finite throughout")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{2, -2.6, 1.5}, {.1, 0, .35}}; };
+  spec.travels = true;
   spec.steps = 360;
   spec.iterations = 10;
   spec.testArguments = {{"cell", .11}};
@@ -184,6 +185,7 @@ Spec jumpersSpec() {
         atMost("quarantined", 0, "finite throughout")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{3.6, -4.8, 4}, {0, 0, 1.3}}; };
+  spec.travels = true;
   spec.steps = 480;
   spec.iterations = 10;
   spec.testArguments = {{"men", 1}, {"cells", 16}};
@@ -370,7 +372,8 @@ Spec gripperSpec() {
                               atMost("slip_m", .015, "and does not slip"), atMost("crushed_cells", 0, "no cell is crushed"),
                               atMost("kinetic_energy_j", .05, "it hangs still")};
   };
-  spec.camera = [](const Arguments&, const Scene&) { return Camera{{.9, -1.3, .7}, {0, 0, .35}}; };
+  spec.camera = [](const Arguments&, const Scene&) { return Camera{{1.3, -1.9, 1}, {0, 0, .5}}; };
+  spec.travels = true;
   spec.steps = 300;
   spec.iterations = 10;
   spec.testArguments = {{"cells", 4}};

@@ -43,6 +43,7 @@ Spec drapeSpec() {
                               atMost("penetration_max_m", 2e-3, "on the sphere, not in it"), atMost("kinetic_energy_j", .02, "it comes to rest")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{1.1, -1.5, .9}, {0, 0, 0}}; };
+  spec.travels = true;
   spec.steps = 300;
   spec.iterations = 10;
   spec.tags = {"cloth"};
@@ -137,6 +138,7 @@ Spec springsSpec() {
     return std::vector<Claim>{atMost("stiff_stretch_peak", .02, "stiff springs keep their length beside soft ones")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{5.5, -16, 0}, {5.5, 0, -3}}; };
+  spec.travels = true;
   spec.steps = 600;
   spec.iterations = 5;
   spec.tags = {"soft", "ratio"};
@@ -165,6 +167,7 @@ Spec springSwingSpec() {
   };
   spec.claims = [](const Arguments&) { return std::vector<Claim>{atMost("stiff_stretch_peak", .02, "the stiff spring keeps its length")}; };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{0, -6, -.5}, {0, 0, -.8}}; };
+  spec.travels = true;
   spec.steps = 600;
   spec.iterations = 5;
   spec.tags = {"soft", "ratio"};
@@ -316,6 +319,7 @@ Spec capstanSpec() {
                                     : atLeast("heavy_drop_m", .5, "the heavy load pulls the rope over")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{0, -2.4, .1}, {0, 0, -.25}}; };
+  spec.travels = true;
   spec.steps = 240;
   spec.iterations = 10;
   spec.tags = {"rope", "friction"};
