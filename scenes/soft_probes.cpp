@@ -79,7 +79,7 @@ double lowestVertex(const World& world) {
   return lowest;
 }
 
-double crushedCells(const World& world, int object) {
+double cellsBelow(const World& world, int object, double share) {
   const SoftId id = world.deformableAt(object);
   const SoftDef& def = std::get<SoftDef>(world.definition(id));
   const std::vector<Vec3> now = world.positions(id);
@@ -88,8 +88,9 @@ double crushedCells(const World& world, int object) {
     return dot(x[std::size_t(t[1])] - a, cross(x[std::size_t(t[2])] - a, x[std::size_t(t[3])] - a));
   };
   return double(std::count_if(def.tetrahedra.begin(), def.tetrahedra.end(),
-                              [&](const auto& t) { return !(volume(now, t) > .5 * volume(def.vertices, t)); }));
+                              [&](const auto& t) { return !(volume(now, t) > share * volume(def.vertices, t)); }));
 }
+double crushedCells(const World& world, int object) { return cellsBelow(world, object, .5); }
 
 Vec3 meanOf(const World& world, int object, const std::vector<int>& vertices) {
   const std::vector<Vec3> x = world.positions(world.deformableAt(object));

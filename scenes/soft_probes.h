@@ -24,7 +24,9 @@ std::unique_ptr<Probe> meanProbe(double from, std::vector<Measure> measures);
 double largestStretch(const World& world, int object);
 /// Lowest height of all vertices of all objects along the opposite of gravity [m].
 double lowestVertex(const World& world);
-/// Tetrahedra of an object whose volume is below half of that at rest.
+/// Tetrahedra of an object whose volume is no more than this share of that at rest.
+double cellsBelow(const World& world, int object, double share);
+/// Those with no more than half of it.
 double crushedCells(const World& world, int object);
 /// Mean position of some vertices.
 Vec3 meanOf(const World& world, int object, const std::vector<int>& vertices);

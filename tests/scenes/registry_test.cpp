@@ -1,6 +1,8 @@
 #include <scenes/registry.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -52,6 +54,13 @@ TEST(Registry, NamesAndArgumentsAreUniqueAndDescribed) {
       EXPECT_LE(argument.value, argument.max);
     }
   }
+}
+
+TEST(Registry, EverySceneStandsInTheDocumentation) {
+  std::ifstream file(RUBBLE_SOURCE_DIR "/docs/scenes.md");
+  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  ASSERT_FALSE(text.empty());
+  for (const Spec& spec : registry()) EXPECT_NE(text.find("`" + spec.name + "`"), std::string::npos) << spec.name;
 }
 
 TEST(Registry, EveryStackHasASupportRemoval) {
