@@ -92,7 +92,7 @@ TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
   EXPECT_LT(distance(cpu, cuda), 1e-5);
 }
 
-/// The plate has a block of its own in every stage that loops over what touches it, and the fast ball a warp for its search.
+/// The plate has a block or a warp of its own in every stage that loops over what touches it; the ball strikes the heap.
 TEST_F(CudaStep, StaysBesideTheCpuWhereOneBodyTouchesAHundred) {
   Scene heap = ground();
   BodyDef plate;

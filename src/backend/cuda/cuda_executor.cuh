@@ -140,7 +140,6 @@ class CudaExecutor {
   }
 
   /// Stages in which a few elements have very many parts.
-  void forEach(const FindPairs<false>&, int n) { forEachWarp(FindPairsByWarp{}, n); }
   void forEach(const WritePairs<false>&, int n) { forEachWarp(WritePairsByWarp{}, n); }
   void forEach(const FindClashes&, int n) { forEachWarp(FindClashesByWarp{}, n); }
   void forEach(const SortEntries&, int n) {

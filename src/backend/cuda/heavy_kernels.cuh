@@ -12,7 +12,7 @@ struct HeavyList {
   __device__ void add(int i) const { element[claimTogether(count)] = i; }
 };
 
-/// A body with more row blocks than this is one of them.
+/// A body with more row blocks than this is one of them: bricks of a heap have about twenty, and a warp sorts two a lane.
 inline constexpr int kHubEntries = 64;
 __device__ inline int degreeOf(const View& s, int body) { return s.entryOffset[body + 1] - s.entryOffset[body]; }
 __device__ inline bool isHub(const View& s, int body) { return !kStrict && degreeOf(s, body) > kHubEntries; }
@@ -45,7 +45,7 @@ __device__ void forEachOfWarp(const Tile<kWarp>& tile, bool mine, int i, Togethe
 /// For a stage over n bodies that takes a warp for as many of them as it has lanes.
 inline int warpsFor(int n) { return (n + kWarp - 1) / kWarp; }
 
-/// SortEntries for 32 bodies: a lane each, those with as many entries as lanes by all of them. Hubs are listed: these are sorted by a block each.
+/// SortEntries for 32 bodies: a lane each where entries are few, else all lanes for one after another. Hubs are listed: these are sorted by a block each.
 struct SortEntriesByWarp {
   static constexpr const char* kName = SortEntries::kName;
   static constexpr int kWidth = kWarp, kFew = 8;

@@ -1,5 +1,5 @@
 #pragma once
-/// Search for pairs: a lane a body. Fast bodies, whose bounds take many cells, and those with many partners have a whole warp.
+/// Pairs of a body in their order: a lane a body, and a warp for those with more partners than slots, whose cells are searched again.
 #include "backend/cuda/heavy_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -25,28 +25,6 @@ class WarpCounter {
     return numbers[threadIdx.x / kWarp];
   }
   const Tile<kWarp>& tile_;
-};
-
-/// FindPairs for 32 bodies, where none has parts.
-struct FindPairsByWarp {
-  static constexpr const char* kName = FindPairs<false>::kName;
-  static constexpr int kWidth = kWarp;
-  /// Rows of cells that a lane looks through alone.
-  static constexpr int kRows = 48;
-  __device__ void operator()(const View& s, int warp, const Tile<kWidth>& tile) const {
-    const int i = warp * kWarp + tile.lane;
-    const bool on = i < s.bodies, wide = on && s.bounds[i].level >= 0 && cellsAround(s, s.bounds[i], s.bounds[i].level).rows() > kRows;
-    if (on && !wide) FindPairs<false>{}(s, i);
-    forEachOfWarp(tile, wide, i, [&](int body) {
-      const WarpCounter partners(tile);
-      int* const slots = s.pairSlot + body * kPairSlots;
-      searchPartners(s, body, [&](int other) {
-        if (const int k = partners.next(); k < kPairSlots) slots[k] = other;
-      }, tile.lane, kWarp);
-      const int count = partners.total();
-      if (tile.lane == 0) s.pairCount[body] = count;
-    });
-  }
 };
 
 /// WritePairs for 32 bodies, where none has parts.

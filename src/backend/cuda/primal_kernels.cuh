@@ -52,7 +52,8 @@ struct SolveMemory {
   BatchSums sums[kBuffers];
   Real warpSums[kSolveThreads / kWarp][kWarp];
 };
-constexpr int kSharedMemory = 48 * 1024;
+/// What a kernel may declare without asking the driver for more [B].
+inline constexpr int kSharedMemory = 48 * 1024;
 static_assert(sizeof(SolveMemory) <= kSharedMemory);
 
 /// Barriers of a block by number; that of __syncthreads() is 0. A warp comes as a whole.

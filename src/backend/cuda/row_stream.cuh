@@ -1,5 +1,5 @@
 #pragma once
-/// Rows on their way into shared memory while those before them are worked on. The sweeps wait for memory and for nothing else: a body's number leads
+/// Rows on their way into shared memory while those before them are worked on. Else the sweeps wait for memory most of the time: a body's number leads
 /// to its entries, these to rows and displacements, and each of them is asked for a body or a row block ahead.
 #include <cuda_pipeline_primitives.h>
 
@@ -11,12 +11,14 @@ namespace rubble::RUBBLE_CORE {
 /// The rows of one contact and the displacement of the other body in shared memory, with room to spare such that neighbours read from different banks.
 struct StagedRows {
   static constexpr int kRows = sizeof(ContactRows) / sizeof(float4), kMoved = sizeof(Displacement) / sizeof(float4);
-  float4 quad[20];
+  /// 320 bytes: neighbours begin 16 of the 32 banks apart.
+  static constexpr int kRoom = 20;
+  float4 quad[kRoom];
   __device__ const ContactRows& rows() const { return reinterpret_cast<const ContactRows&>(quad[0]); }
   __device__ const Displacement& other() const { return reinterpret_cast<const Displacement&>(quad[kRows]); }
 };
 static_assert(StagedRows::kRows * sizeof(float4) == sizeof(ContactRows) && StagedRows::kMoved == 2 && kLanes == 4);
-static_assert(StagedRows::kRows + StagedRows::kMoved <= 20);
+static_assert(StagedRows::kRows + StagedRows::kMoved <= StagedRows::kRoom);
 
 /// Asks for `kCount` quads: four lanes.
 template <int kCount>
