@@ -26,29 +26,6 @@ RUBBLE_HD void forEachInside(const Vec3 (&x)[N], unsigned mask, const Vec3& cent
     if (mask >> k & 1u) f(k, x[k] - centre);
 }
 
-RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const Tetrahedron& e, const Vec3 (&x)[4], unsigned mask, const Vec3& centre,
-                                        Real scale, Block6& block) {
-  const Mat3 f = e.deformation(x);
-  const Vec3 k0 = cross(f.c1, f.c2), k1 = cross(f.c2, f.c0), k2 = cross(f.c0, f.c1);
-  Vec3 m{0, 0, 0}, b0{0, 0, 0}, b1{0, 0, 0}, b2{0, 0, 0};
-  Vec6 volume{{0, 0, 0}, {0, 0, 0}};
-  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
-    const Vec3 g = e.gradient(k), w = k0 * g.x + k1 * g.y + k2 * g.z;
-    m += g;
-    b0 += g.x * s, b1 += g.y * s, b2 += g.z * s;
-    volume.lin += w, volume.ang += cross(s, w);
-  });
-  // far from its volume the second derivative of J between corners counts too: bounded by |F|
-  constexpr Real kFarVolume = Real(.5);
-  const Real excess = max(Real(0), std::fabs(dot(f.c0, k0) - 1) - kFarVolume);
-  const Real bend = excess > Real(0) ? e.lambda * excess * std::sqrt(dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2)) : Real(0);
-  const Real mu = scale * (e.mu + bend + e.volume * e.viscosity * c.inverseDt);
-  stampMeanRows(block, m.x, b0, mu);
-  stampMeanRows(block, m.y, b1, mu);
-  stampMeanRows(block, m.z, b2, mu);
-  stampRow(block, volume, Real(0), scale * e.lambda);
-}
-
 RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const Membrane& e, const Vec3 (&x)[3], unsigned mask, const Vec3& centre,
                                         Real scale, Block6& block) {
   const Membrane::Columns f = e.deformation(x);
@@ -128,6 +105,32 @@ RUBBLE_HD void stampGroup(const StepConstants& c, const F& e, const Vec3 (&x)[F:
     block.fl += own.f, block.fa += cross(s, own.f);
   });
   stampGroupHessian(c, e, x, mask, centre, scale, block);
+}
+
+/// The tetrahedron, all corners at once: with m = sum m_a and B = sum s_a m_a^T over the corners inside (columns b_i), the force is -P m, the
+/// moment -sum b_i x P_i, and the row of J has J_S = (K m, sum b_i x K_i), K = cof F.
+RUBBLE_HD inline void stampGroup(const StepConstants& c, const Tetrahedron& e, const Vec3 (&x)[4], unsigned mask, const Vec3& centre, Real scale,
+                                 Block6& block) {
+  const Mat3 f = e.deformation(x), k = Tetrahedron::cofactors(f), p = e.stress(c, f, k);
+  Vec3 m{0, 0, 0};
+  Mat3 b{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  for (int corner = 0; corner < Tetrahedron::kCorners; ++corner) {
+    const Vec3 g = Real(mask >> corner & 1u) * e.gradient(corner), s = x[corner] - centre;
+    m += g;
+    b.c0 += g.x * s, b.c1 += g.y * s, b.c2 += g.z * s;
+  }
+  const auto moment = [&](const Mat3& a) { return cross(b.c0, a.c0) + cross(b.c1, a.c1) + cross(b.c2, a.c2); };
+  block.fl -= p * m;
+  block.fa -= moment(p);
+  // far from its volume the second derivative of J between corners counts too: bounded by |F|
+  constexpr Real kFarVolume = Real(.5);
+  const Real excess = max(Real(0), std::fabs(dot(f.c0, k.c0) - 1) - kFarVolume);
+  const Real bend = excess > Real(0) ? e.lambda * excess * std::sqrt(dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2)) : Real(0);
+  const Real mu = scale * (e.mu + bend + e.volume * e.viscosity * c.inverseDt);
+  stampMeanRows(block, m.x, b.c0, mu);
+  stampMeanRows(block, m.y, b.c1, mu);
+  stampMeanRows(block, m.z, b.c2, mu);
+  stampRow(block, Vec6{k * m, moment(k)}, Real(0), scale * e.lambda);
 }
 
 }  // namespace rubble::RUBBLE_CORE

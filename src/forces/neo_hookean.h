@@ -14,17 +14,18 @@
 
 namespace rubble::RUBBLE_CORE {
 
-struct Tetrahedron {
+/// In quads of 16 B, what every stamp reads first.
+struct alignas(4 * sizeof(Real)) Tetrahedron {
   static constexpr const char* kName = "tetrahedron";
   static constexpr int kCorners = 4;
   static constexpr bool kHasDual = false;
 
   int v[kCorners];
-  int alive;
   Vec3 m[3];         ///< m_1, m_2, m_3; m_0 is minus their sum [1/m]
   Real mu, lambda;   ///< times the volume at rest [J]
   Real volume;       ///< at rest [m3]
   Real viscosity;    ///< eta [Pa s]
+  int alive;
   Sym3 strainStart;  ///< E^t, if there is viscosity
 
   RUBBLE_HD Vec3 gradient(int corner) const { return corner == 0 ? -(m[0] + m[1] + m[2]) : m[corner - 1]; }
@@ -56,18 +57,26 @@ struct Tetrahedron {
     }
     return sum;
   }
+  RUBBLE_HD static Mat3 cofactors(const Mat3& f) { return {cross(f.c1, f.c2), cross(f.c2, f.c0), cross(f.c0, f.c1)}; }
+  /// P = V (mu F + lam (J - a) cof F + eta/dt F (E - E^t)): f_i = -P m_i. [J]
+  RUBBLE_HD Mat3 stress(const StepConstants& c, const Mat3& f, const Mat3& cof) const {
+    Mat3 p = mu * f + (lambda * (dot(f.c0, cof.c0) - target())) * cof;
+    if (viscosity > Real(0)) {
+      const Sym3 e = strainChange(f);
+      const Mat3 rate{{e.xx, e.xy, e.xz}, {e.xy, e.yy, e.yz}, {e.xz, e.yz, e.zz}};
+      p = p + volume * viscosity * c.inverseDt * (f * rate);
+    }
+    return p;
+  }
   RUBBLE_HD void stamp(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
-    const Mat3 f = deformation(x);
+    const Mat3 f = deformation(x), cof = cofactors(f);
     const Vec3 g = gradient(corner);
-    const Vec3 k0 = cross(f.c1, f.c2), k1 = cross(f.c2, f.c0), k2 = cross(f.c0, f.c1);  // cof F
-    const Vec3 w = k0 * g.x + k1 * g.y + k2 * g.z, fg = f * g;
-    block.f -= mu * fg + (lambda * (dot(f.c0, k0) - target())) * w;
-    block.h += outer(w, lambda);
+    block.f -= stress(c, f, cof) * g;
+    block.h += outer(cof * g, lambda);
     block.addDiagonal(mu * dot(g, g));
     if (!(viscosity > Real(0))) return;
-    const Real d = volume * viscosity * c.inverseDt;
-    block.f -= d * (f * (strainChange(f) * g));
-    const Real half = d / 2, size = half * dot(g, g);
+    const Vec3 fg = f * g;
+    const Real half = volume * viscosity * c.inverseDt / 2, size = half * dot(g, g);
     block.h += outer(f.c0, size);
     block.h += outer(f.c1, size);
     block.h += outer(f.c2, size);

@@ -17,4 +17,8 @@ using ElementTypes = TypeList<Tetrahedron, Membrane, FlatBend, FoldBend, LineBen
 template <class F>
 inline constexpr bool kIsLoad = requires { F::kIsLoad; };
 
+/// Loads are the last of the list, so that the elements of a vertex end with them.
+inline constexpr int kFirstLoad = typeIndex<Pressure>(ElementTypes{});
+static_assert(kFirstLoad == ElementTypes::kSize - 1 && kIsLoad<Pressure> && !kIsLoad<Spring>);
+
 }  // namespace rubble::RUBBLE_CORE

@@ -33,6 +33,22 @@ using Mat3 = Mat3T<Real>;
 /// World positions keep double precision; the solver works on displacements from them.
 using Vec3d = Vec3T<double>;
 
+/// A vector in a table that is read at random: a device reads it as one quad.
+struct alignas(4 * sizeof(Real)) PaddedVec3 : Vec3 {
+  Real padding{};
+  PaddedVec3() = default;
+  RUBBLE_HD PaddedVec3(const Vec3& a) : Vec3(a) {}
+};
+RUBBLE_HD inline Vec3 load(const PaddedVec3& a) {
+#if defined(__CUDA_ARCH__)
+  static_assert(sizeof(PaddedVec3) == sizeof(float4));
+  const float4 quad = reinterpret_cast<const float4&>(a);
+  return {quad.x, quad.y, quad.z};
+#else
+  return a;
+#endif
+}
+
 /// *p += a; returns the old value. Only for counting: the order of the additions is not fixed.
 RUBBLE_HD inline int atomicCount(int* p, int a) {
 #if defined(__CUDA_ARCH__)

@@ -46,15 +46,17 @@ RUBBLE_HD inline bool mayDent(const View& s, int body, const SurfaceFeature& f) 
 /// Bodies whose boxes meet that of a part of a surface, so that others need not look corner by corner.
 struct FindDentingBodies {
   static constexpr const char* kName = "pairs";
-  RUBBLE_HD void operator()(const View& s, int body) const {
-    s.nearSurface[body] = 0;
-    if (s.bounds[body].level < 0) return;
+  RUBBLE_HD void operator()(const View& s, int body) const { s.nearSurface[body] = isNear(s, body, 0, 1) ? 1 : 0; }
+
+  /// By what number `lane` of `lanes` looks at.
+  RUBBLE_HD static bool isNear(const View& s, int body, int lane, int lanes) {
+    if (s.bounds[body].level < 0) return false;
     const SweptBox box{s.bounds[body].centre, s.bounds[body].half};
-    int found = 0;
-    const auto look = [&](int i) { found |= mayDent(s, body, s.feature[i]) ? 1 : 0; };
-    seekFeatures(s, FeatureKind::BareEdge, box, look);
-    seekFeatures(s, FeatureKind::Triangle, box, look);
-    s.nearSurface[body] = found;
+    bool found = false;
+    const auto look = [&](int i) { found = found || mayDent(s, body, s.feature[i]); };
+    seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
+    seekFeatures(s, FeatureKind::Triangle, box, look, lane, lanes);
+    return found;
   }
 };
 
@@ -193,9 +195,9 @@ RUBBLE_HD inline CornerReach reachPart(const View& s, int body, const PlacedCorn
   return out;
 }
 
-/// found(part) for every part of a surface that a corner of this owner may touch in this step.
+/// found(part) for every part of a surface that a corner of this owner may touch in this step, for number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void searchCorners(const View& s, int owner, Found&& found) {
+RUBBLE_HD void searchCorners(const View& s, int owner, Found&& found, int lane, int lanes) {
   const int body = bodyOfOwner(s, owner);
   if (s.nearSurface[body] == 0) return;
   Real behind = 0;
@@ -228,8 +230,8 @@ RUBBLE_HD void searchCorners(const View& s, int owner, Found&& found) {
       const CornerReach r = reachPart(s, body, corner, nearest, heldSide(s, owner, nearest));
       if (r.touch.valid && r.gap <= r.margin) found(part);
     };
-    seekFeatures(s, FeatureKind::BareEdge, box, look);
-    seekFeatures(s, FeatureKind::Triangle, box, look);
+    seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
+    seekFeatures(s, FeatureKind::Triangle, box, look, lane, lanes);
   });
 }
 

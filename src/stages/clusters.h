@@ -76,10 +76,12 @@ struct SumCluster {
   /// Adds a vertex; returns whether its object touches itself there.
   RUBBLE_HD static bool addVertex(const View& s, int v, const Vec3& centre, Block6& sum, Block6& inner) {
     Block3 own = startVertexBlock(s, v), self;
-    for (int r = s.refOffset[v]; r < s.refOffset[v + 1]; ++r)
-      if (isLoad(pointType(s.ref[r]))) addElement(s, s.ref[r], own);
-      else if (pointType(s.ref[r]) == kAttachmentCode)
-        addShared(s.attachment[pointIndex(s.ref[r])], own, [&](Block3& b) { addElement(s, s.ref[r], b); });
+    // loads and attachments come last
+    int r = s.refOffset[v + 1];
+    while (r > s.refOffset[v] && actsFromOutside(pointType(s.ref[r - 1]))) --r;
+    for (; r < s.refOffset[v + 1]; ++r)
+      if (pointType(s.ref[r]) != kAttachmentCode) addElement(s, s.ref[r], own);
+      else addShared(s.attachment[pointIndex(s.ref[r])], own, [&](Block3& b) { addElement(s, s.ref[r], b); });
     bool touchesSelf = false;
     for (int r = s.pointEntryOffset[v]; r < s.pointEntryOffset[v + 1]; ++r) {
       const PointContact& p = s.pointContact[pointIndex(s.pointEntry[r])];
@@ -93,11 +95,7 @@ struct SumCluster {
   }
 
  private:
-  RUBBLE_HD static bool isLoad(int type) {
-    bool load = false;
-    forEachType(ElementTypes{}, [&]<class F>() { load |= kIsLoad<F> && type == typeIndex<F>(ElementTypes{}); });
-    return load;
-  }
+  RUBBLE_HD static bool actsFromOutside(int type) { return type >= kFirstLoad; }
   /// Is it a contact of an object with itself?
   RUBBLE_HD static bool withinObject(const View& s, const PointContact& p) {
     if (p.body >= 0) return false;
@@ -143,7 +141,7 @@ struct SolveCluster {
     forEachType(ElementTypes{}, [&]<class F>() {
       if constexpr (!kIsLoad<F>) {
         if (ref.type != typeIndex<F>(ElementTypes{})) return;
-        const F& e = s.elementsOf<F>()[ref.index];
+        const F e = s.elementsOf<F>()[ref.index];  // a copy: read at once
         if (!e.alive) return;
         Vec3 x[F::kCorners];
         gatherCorners(s, e, x);

@@ -150,9 +150,10 @@ RUBBLE_HD inline int dropSides(const View& s, int owner, int count, int* partner
   return kept;
 }
 
-/// found(part) for every part of a surface that the owner, a vertex or an edge, may touch in this step. One part may be found several times.
+/// found(part) for every part of a surface that the owner, a vertex or an edge, may touch in this step, for number `lane` of `lanes`. One part
+/// may be found several times.
 template <class Found>
-RUBBLE_HD void searchFeatures(const View& s, int owner, Found&& found) {
+RUBBLE_HD void searchFeatures(const View& s, int owner, Found&& found, int lane, int lanes) {
   if (!ownsFeatures(s, owner)) return;
   int own[2];
   const int corners = ownerCorners(s, owner, own);
@@ -164,8 +165,8 @@ RUBBLE_HD void searchFeatures(const View& s, int owner, Found&& found) {
     if (!(length(p.gap) <= bothRadii(s, p) + featureMargin(s, p))) return;
     if (const int part = nearestPart(s, p, owner - s.vertices, i); part >= 0) found(part);
   };
-  seekFeatures(s, FeatureKind::BareEdge, box, look);
-  seekFeatures(s, corners == 1 ? FeatureKind::Triangle : FeatureKind::Edge, box, look);
+  seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
+  seekFeatures(s, corners == 1 ? FeatureKind::Triangle : FeatureKind::Edge, box, look, lane, lanes);
 }
 
 /// Rows of a vertex or edge (A) against a part of a surface (B). Returns what they start from; fills the geometry.

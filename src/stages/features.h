@@ -2,6 +2,7 @@
 /// Triangles and edges of the surfaces of deformable objects: a grid with levels that is filled twice a step, first with the boxes in which
 /// they are expected, then with those in which the iterations have put them (crossings.h).
 #include "collision/features.h"
+#include "stages/box_grid.h"
 #include "stages/vertices.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -9,11 +10,6 @@ namespace rubble::RUBBLE_CORE {
 RUBBLE_HD inline bool isOnSurface(const View& s, int v) {
   return (s.vertexParams[v].collides & (kCollidesWithSurfaces | kCollidesWithSelf)) != 0;
 }
-
-/// A box that holds a vertex, an edge or a triangle during the step.
-struct SweptBox {
-  Vec3 centre, half;  ///< [m]
-};
 
 /// Where vertices are expected before the iterations: along their velocities; and how far from there rows are wanted.
 struct ExpectedWay {
@@ -70,27 +66,10 @@ RUBBLE_HD inline bool isThere(const View& s, const SurfaceFeature& f) {
   return false;
 }
 
-RUBBLE_HD inline Real featureCellSize(const View& s, int level) { return s.featureCell * static_cast<Real>(1 << level); }
-/// The finest level whose cells the box fits in.
-RUBBLE_HD inline int featureLevel(const View& s, const Vec3& half) {
-  const Real size = 2 * max(half.x, max(half.y, half.z));
-  int level = 0;
-  while (level < kFeatureLevels - 1 && !(size <= featureCellSize(s, level))) ++level;
-  return level;
-}
-RUBBLE_HD inline int featureBucket(const View& s, int place, int x, int y, int z) {
-  const std::uint32_t row = hash32(static_cast<std::uint32_t>(y) * 0x9e3779b1u ^ hash32(static_cast<std::uint32_t>(z) * 64u + static_cast<std::uint32_t>(place)));
-  return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(s.featureCells - 1));
-}
-
 template <class Way>
-RUBBLE_HD FeatureEntry featureEntry(const View& s, int i, int& bucket) {
+RUBBLE_HD BoxEntry placeFeature(const View& s, int i, int& bucket) {
   const SurfaceFeature& f = s.feature[i];
-  const SweptBox box = sweptBox<Way>(s, f.v, cornersOf(f));
-  const int level = featureLevel(s, box.half), place = static_cast<int>(f.kind) + kFeatureKinds * level;
-  const Real size = featureCellSize(s, level);
-  bucket = featureBucket(s, place, cellOf(box.centre.x, size), cellOf(box.centre.y, size), cellOf(box.centre.z, size));
-  return {box.centre, box.half, i, place};
+  return featureGrid(s).place(static_cast<int>(f.kind), sweptBox<Way>(s, f.v, cornersOf(f)), i, bucket);
 }
 
 template <class Way>
@@ -99,13 +78,7 @@ struct CountFeatures {
   RUBBLE_HD void operator()(const View& s, int i) const {
     if (!isThere(s, s.feature[i])) return;
     int bucket;
-    const FeatureEntry e = featureEntry<Way>(s, i, bucket);
-    const int kind = e.place % kFeatureKinds, level = e.place / kFeatureKinds;
-    if ((s.counters->featureLevels[kind] >> level & 1) == 0) atomicSet(&s.counters->featureLevels[kind], 1 << level);
-    for (int k = 0; k < 3; ++k) {
-      const int bits = floatBits(e.half[k] * Real(1.000001));
-      if (bits > s.counters->featureHalf[kind][level][k]) atomicRaise(&s.counters->featureHalf[kind][level][k], bits);
-    }
+    noteBox(s, placeFeature<Way>(s, i, bucket));
     atomicCount(&s.featureCount[bucket], 1);
   }
 };
@@ -117,7 +90,7 @@ struct FillFeatures {
   RUBBLE_HD void operator()(const View& s, int i) const {
     if (!isThere(s, s.feature[i])) return;
     int bucket;
-    const FeatureEntry e = featureEntry<Way>(s, i, bucket);
+    const BoxEntry e = placeFeature<Way>(s, i, bucket);
     s.featureEntry[s.featureOffset[bucket] + atomicCount(&s.featureCount[bucket], -1) - 1] = e;
   }
 };
@@ -126,53 +99,15 @@ struct FillFeatures {
 struct ForgetFeatureLevels {
   static constexpr const char* kName = "surfaces";
   RUBBLE_HD void operator()(const View& s, int kind) const {
-    s.counters->featureLevels[kind] = 0;
-    for (auto& half : s.counters->featureHalf[kind]) half[0] = half[1] = half[2] = 0;
+    s.counters->boxLevels[kind] = 0;
+    for (auto& half : s.counters->boxHalf[kind]) half[0] = half[1] = half[2] = 0;
   }
 };
 
-/// Cells that a search visits at most; beyond, looking at everything there is takes less.
-inline constexpr Real kMostCells = 512;
-
-/// visit(cell by cell: x, y, z) for the cells of edge `size` that something within `reach` of `centre` may have its centre in. Returns false,
-/// and visits none, if they are too many: something that flies fast sweeps over many small cells.
-template <class Visit>
-RUBBLE_HD bool forEachCell(const Vec3& centre, const Vec3& reach, Real size, Visit&& visit) {
-  if (!((2 * reach.x / size + 1) * (2 * reach.y / size + 1) * (2 * reach.z / size + 1) < kMostCells)) return false;
-  const int x0 = cellOf(centre.x - reach.x, size), x1 = cellOf(centre.x + reach.x, size);
-  const int y0 = cellOf(centre.y - reach.y, size), y1 = cellOf(centre.y + reach.y, size);
-  const int z0 = cellOf(centre.z - reach.z, size), z1 = cellOf(centre.z + reach.z, size);
-  for (int z = z0; z <= z1; ++z)
-    for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x) visit(x, y, z);
-  return true;
-}
-
-/// found(feature) for those of a kind whose boxes meet the given one.
+/// found(feature) for those of a kind whose boxes meet the given one, for number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void seekFeatures(const View& s, FeatureKind kind, const SweptBox& box, Found&& found) {
-  const int levels = s.counters->featureLevels[static_cast<int>(kind)];
-  for (int level = 0; level < kFeatureLevels; ++level) {
-    if ((levels >> level & 1) == 0) continue;
-    const int place = static_cast<int>(kind) + kFeatureKinds * level;
-    const Real size = featureCellSize(s, level);
-    Vec3 reach;
-    for (int k = 0; k < 3; ++k) reach[k] = box.half[k] + fromFloatBits(s.counters->featureHalf[static_cast<int>(kind)][level][k]);
-    const auto look = [&](const FeatureEntry& e) {
-      if (e.place == place && std::fabs(e.centre.x - box.centre.x) <= e.half.x + box.half.x &&
-          std::fabs(e.centre.y - box.centre.y) <= e.half.y + box.half.y && std::fabs(e.centre.z - box.centre.z) <= e.half.z + box.half.z)
-        found(e.feature);
-    };
-    const bool done = forEachCell(box.centre, reach, size, [&](int x, int y, int z) {
-      const int bucket = featureBucket(s, place, x, y, z);
-      for (int k = s.featureOffset[bucket]; k < s.featureOffset[bucket + 1]; ++k) {
-        // another cell may share the bucket
-        const FeatureEntry& e = s.featureEntry[k];
-        if (cellOf(e.centre.x, size) == x && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z) look(e);
-      }
-    });
-    for (int k = 0; !done && k < s.featureOffset[s.featureCells]; ++k) look(s.featureEntry[k]);
-  }
+RUBBLE_HD void seekFeatures(const View& s, FeatureKind kind, const SweptBox& box, Found&& found, int lane = 0, int lanes = 1) {
+  seekBoxes(s, featureGrid(s), static_cast<int>(kind), box, found, lane, lanes);
 }
 
 /// Does an attachment hold the two vertices to one another?

@@ -7,25 +7,14 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Box of a vertex swept over the step, with the detection margin.
-struct VertexBounds {
-  Vec3 centre, half;  ///< [m]
-};
-RUBBLE_HD inline VertexBounds vertexBounds(const View& s, int v) {
+RUBBLE_HD inline SweptBox vertexBounds(const View& s, int v) {
   const VertexParams& p = s.vertexParams[v];
   const Vec3 sweep = (s.step.dt / 2) * s.vertexVelocity[v], x(s.vertexPosition[v]);
   const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
   const Real grow = p.radius + s.step.contactMargin * p.length + roundOff;
   return {x + sweep, abs(sweep) + Vec3{grow, grow, grow}};
 }
-RUBBLE_HD inline bool meets(const VertexBounds& a, const Vec3& centre, const Vec3& half) {
-  return std::fabs(a.centre.x - centre.x) <= a.half.x + half.x && std::fabs(a.centre.y - centre.y) <= a.half.y + half.y &&
-         std::fabs(a.centre.z - centre.z) <= a.half.z + half.z;
-}
 
-RUBBLE_HD inline int grainBucket(const View& s, int x, int y, int z) {
-  const std::uint32_t row = hash32(static_cast<std::uint32_t>(y) * 0x9e3779b1u ^ hash32(static_cast<std::uint32_t>(z)));
-  return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(s.grainCells - 1));
-}
 RUBBLE_HD inline bool isGrain(const View& s, int v) {
   return s.vertexParams[v].kind != VertexKind::Removed && (s.vertexParams[v].collides & kCollidesWithGrains) != 0;
 }
@@ -34,13 +23,9 @@ struct CountGrains {
   static constexpr const char* kName = "grid";
   RUBBLE_HD void operator()(const View& s, int v) const {
     if (!isGrain(s, v)) return;
-    const VertexBounds b = vertexBounds(s, v);
-    for (int k = 0; k < 3; ++k) {
-      const int bits = floatBits(b.half[k] * Real(1.000001));
-      if (bits > s.counters->grainHalf[k]) atomicRaise(&s.counters->grainHalf[k], bits);
-    }
-    const Real size = s.grainCell;
-    atomicCount(&s.grainCount[grainBucket(s, cellOf(b.centre.x, size), cellOf(b.centre.y, size), cellOf(b.centre.z, size))], 1);
+    int bucket;
+    noteBox(s, grainGrid(s).place(kGrainKind, vertexBounds(s, v), v, bucket));
+    atomicCount(&s.grainCount[bucket], 1);
   }
 };
 
@@ -49,83 +34,88 @@ struct FillGrains {
   static constexpr const char* kName = "grid";
   RUBBLE_HD void operator()(const View& s, int v) const {
     if (!isGrain(s, v)) return;
-    const VertexBounds b = vertexBounds(s, v);
-    const Real size = s.grainCell;
-    const int x = cellOf(b.centre.x, size), y = cellOf(b.centre.y, size), z = cellOf(b.centre.z, size);
-    const int bucket = grainBucket(s, x, y, z);
-    s.grain[s.grainOffset[bucket] + atomicCount(&s.grainCount[bucket], -1) - 1] = {b.centre, b.half, x, y, z, v};
+    int bucket;
+    const BoxEntry e = grainGrid(s).place(kGrainKind, vertexBounds(s, v), v, bucket);
+    s.grain[s.grainOffset[bucket] + atomicCount(&s.grainCount[bucket], -1) - 1] = e;
   }
 };
 
-/// found(other) for every partner whose pair a vertex, an edge or a corner of a body owns. One may be found several times.
+/// found(body) for the bodies whose boxes meet that of a vertex.
 template <class Found>
-RUBBLE_HD void searchPoint(const View& s, int owner, Found&& found) {
-  if (owner >= s.vertices + s.edges) return searchCorners(s, owner, found);
-  if (s.features > 0) searchFeatures(s, owner, found);
+RUBBLE_HD void searchBodies(const View& s, int v, const SweptBox& box, Found&& found, int lane, int lanes) {
+  // cells that a search visits at most; beyond, looking at all bodies takes less
+  constexpr Real kMostCells = 512;
+  for (int level = 0; level < kGridLevels; ++level) {
+    const auto look = [&](const GridEntry& e) {
+      if (e.level == level && meets(box, e.centre, e.half) && mayTouch(s, v, e.body)) found(e.body);
+    };
+    if (visitListed(s, level, look, lane, lanes)) continue;
+    Vec3 reach;
+    for (int k = 0; k < 3; ++k) reach[k] = box.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
+    const Real size = cellSize(s, level);
+    const bool done = forEachCell(box.centre, reach, size, kMostCells, lane, lanes, [&](int x, int y, int z) {
+      const int bucket = bucketOf(s, level, x, y, z);
+      for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
+        // another cell may share the bucket
+        const GridEntry& e = s.grid[k];
+        if (cellOf(e.centre.x, size) == x && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z) look(e);
+      }
+    });
+    for (int k = lane; !done && k < s.bucketOffset[s.cells]; k += lanes) look(s.grid[k]);
+  }
+  for (int k = lane; k < s.planes; k += lanes) {
+    const int plane = s.planeBody[k];
+    const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
+    if (dot(up, box.centre - Vec3(s.position[plane])) <= dot(abs(up), box.half) && mayTouch(s, v, plane)) found(plane);
+  }
+}
+
+/// found(other) for every partner whose pair a vertex, an edge or a corner of a body owns, for number `lane` of `lanes`. One may be found several times.
+template <class Found>
+RUBBLE_HD void searchPoint(const View& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
+  if (owner >= s.vertices + s.edges) return searchCorners(s, owner, found, lane, lanes);
+  if (s.features > 0) searchFeatures(s, owner, found, lane, lanes);
   if (owner >= s.vertices) return;
   const int v = owner;
   const VertexParams& p = s.vertexParams[v];
   if (p.kind == VertexKind::Removed) return;
-  const VertexBounds b = vertexBounds(s, v);
-  if (p.collides & kCollidesWithBodies) {
-    for (int level = 0; level < kGridLevels; ++level) {
-      const auto look = [&](const GridEntry& e) {
-        if (e.level == level && meets(b, e.centre, e.half) && mayTouch(s, v, e.body)) found(e.body);
-      };
-      if (visitListed(s, level, look)) continue;
-      Vec3 reach;
-      for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
-      const Real size = cellSize(s, level);
-      const bool done = forEachCell(b.centre, reach, size, [&](int x, int y, int z) {
-        const int bucket = bucketOf(s, level, x, y, z);
-        for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
-          // another cell may share the bucket
-          const GridEntry& e = s.grid[k];
-          if (cellOf(e.centre.x, size) == x && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z) look(e);
-        }
-      });
-      for (int k = 0; !done && k < s.bucketOffset[s.cells]; ++k) look(s.grid[k]);
-    }
-    for (int k = 0; k < s.planes; ++k) {
-      const int plane = s.planeBody[k];
-      const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
-      if (dot(up, b.centre - Vec3(s.position[plane])) <= dot(abs(up), b.half) && mayTouch(s, v, plane)) found(plane);
-    }
-  }
+  const SweptBox box = vertexBounds(s, v);
+  if (p.collides & kCollidesWithBodies) searchBodies(s, v, box, found, lane, lanes);
   if (!(p.collides & kCollidesWithGrains)) return;
-  Vec3 reach;
-  for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->grainHalf[k]);
-  const auto look = [&](const GrainEntry& e) {
-    if (e.vertex <= v || !meets(b, e.centre, e.half)) return;
+  const auto look = [&](int other) {
+    if (other <= v) return;
     // vertices of one object with elements do not: they overlap at rest
-    if (p.cluster >= 0 && p.cluster == s.vertexParams[e.vertex].cluster) return;
+    if (p.cluster >= 0 && p.cluster == s.vertexParams[other].cluster) return;
     // nor do surfaces, whose triangles and edges do
-    if (p.cluster >= 0 && s.vertexParams[e.vertex].cluster >= 0 && (p.collides & s.vertexParams[e.vertex].collides & kCollidesWithSurfaces)) return;
-    if (isDynamicVertex(s, v) || isDynamicVertex(s, e.vertex)) found(kVertexNode + e.vertex);
+    if (p.cluster >= 0 && s.vertexParams[other].cluster >= 0 && (p.collides & s.vertexParams[other].collides & kCollidesWithSurfaces)) return;
+    if (isDynamicVertex(s, v) || isDynamicVertex(s, other)) found(kVertexNode + other);
   };
-  const bool done = forEachCell(b.centre, reach, s.grainCell, [&](int x, int y, int z) {
-    const int bucket = grainBucket(s, x, y, z);
-    for (int k = s.grainOffset[bucket]; k < s.grainOffset[bucket + 1]; ++k) {
-      const GrainEntry& e = s.grain[k];
-      if (e.x == x && e.y == y && e.z == z) look(e);
-    }
-  });
-  for (int k = 0; !done && k < s.grainOffset[s.grainCells]; ++k) look(s.grain[k]);
+  seekBoxes(s, grainGrid(s), kGrainKind, box, look, lane, lanes);
 }
 
-/// Partners of each vertex and edge, the first kPointPairSlots of them kept. If there are more, some may be counted several times.
+/// The partners of an owner, the first kPointPairSlots of them kept. If there are more, some may be counted several times.
+struct PartnerList {
+  int* slots;
+  int count = 0;
+  RUBBLE_HD void add(int other) {
+    for (int k = 0; k < min(count, kPointPairSlots); ++k)
+      if (slots[k] == other) return;
+    if (count < kPointPairSlots) slots[count] = other;
+    ++count;
+  }
+};
+
+/// Partners of each vertex and edge.
 struct FindPointPairs {
   static constexpr const char* kName = "pairs";
   RUBBLE_HD void operator()(const View& s, int owner) const {
-    int count = 0;
-    int* const slots = s.pointPairSlot + owner * kPointPairSlots;
-    searchPoint(s, owner, [&](int other) {
-      for (int k = 0; k < min(count, kPointPairSlots); ++k)
-        if (slots[k] == other) return;
-      if (count < kPointPairSlots) slots[count] = other;
-      ++count;
-    });
-    s.pointPairCount[owner] = s.features > 0 && count <= kPointPairSlots ? dropSides(s, owner, count, slots, 1) : count;
+    PartnerList list{s.pointPairSlot + owner * kPointPairSlots};
+    searchPoint(s, owner, [&](int other) { list.add(other); });
+    finish(s, owner, list);
+  }
+  RUBBLE_HD static void finish(const View& s, int owner, const PartnerList& list) {
+    const bool whole = s.features > 0 && list.count <= kPointPairSlots;
+    s.pointPairCount[owner] = whole ? dropSides(s, owner, list.count, list.slots, 1) : list.count;
   }
 };
 

@@ -14,7 +14,7 @@ struct PlaceVertices {
 
 template <class F>
 RUBBLE_HD void gatherCorners(const View& s, const F& element, Vec3 (&x)[F::kCorners]) {
-  for (int k = 0; k < F::kCorners; ++k) x[k] = s.vertexPlace[element.v[k]];
+  for (int k = 0; k < F::kCorners; ++k) x[k] = load(s.vertexPlace[element.v[k]]);
 }
 
 /// What an element takes from x^t.
@@ -126,7 +126,7 @@ RUBBLE_HD inline void addElement(const View& s, std::uint32_t code, Block3& bloc
   const int type = pointType(code), index = pointIndex(code), corner = pointCorner(code);
   forEachType(ElementTypes{}, [&]<class F>() {
     if (type != typeIndex<F>(ElementTypes{})) return;
-    const F& element = s.elementsOf<F>()[index];
+    const F element = s.elementsOf<F>()[index];  // a copy: read at once
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);

@@ -147,14 +147,13 @@ struct Counters {
   int asleep;   ///< bodies that sleep after this step
   int quarantined, failedSolves, spinLimited, broken;
   int pointPairs, pointContacts, pointEntries;
-  int grainHalf[3];               ///< largest half extents of granular particles, as bits like levelHalf [m]
   int rollers;                    ///< pairs, where some material has rolling friction
   int nearFeatures;               ///< pairs of features that may meet on their ways
   int crossingWork;               ///< as many, and at least as many as there are vertices
   int crossings, crossingRounds;  ///< pairs of features that would come too near, and rounds until there are none
   int deflected, held;            ///< vertices whose way was changed, or cut, for that
-  int featureLevels[kFeatureKinds];  ///< levels of the grid in use, a bit each
-  int featureHalf[kFeatureKinds][kFeatureLevels][3];  ///< largest half extents, as bits like levelHalf [m]
+  int boxLevels[kBoxKinds];          ///< levels of the grids of boxes in use, a bit each
+  int boxHalf[kBoxKinds][kBoxLevels][3];  ///< largest half extents, as bits like levelHalf [m]
   int levelCount[kGridLevels];       ///< bodies of a level, counted up to kListedBodies and a few more
   int levelBody[kGridLevels][kListedBodies];  ///< the first of them, in no fixed order
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]

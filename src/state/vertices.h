@@ -29,7 +29,7 @@ inline constexpr int kHasInside = 16;
 
 /// A triangle or an edge of the surface of an object. Those of a kind lie in one grid.
 enum class FeatureKind : int { Triangle, BareEdge, Edge };  // bare: of no triangle
-inline constexpr int kFeatureKinds = 3, kFeatureLevels = 16;
+inline constexpr int kFeatureKinds = 3;
 struct SurfaceFeature {
   FeatureKind kind;
   int v[3];                 ///< corners, -1: none
@@ -39,11 +39,13 @@ struct SurfaceFeature {
 };
 inline constexpr std::uint32_t kNoSource = ~0u;
 
-/// A feature in its place in the grid.
-struct alignas(8 * sizeof(Real)) FeatureEntry {
+/// Kinds of boxes in grids (stages/box_grid.h): features, then granular particles.
+inline constexpr int kGrainKind = kFeatureKinds, kBoxKinds = kFeatureKinds + 1, kBoxLevels = 16;
+/// A feature or granular particle in its place in a grid.
+struct alignas(8 * sizeof(Real)) BoxEntry {
   Vec3 centre, half;        ///< swept box [m]
-  int feature;
-  int place;                ///< kind + kFeatureKinds * level
+  int item;                 ///< feature or vertex
+  int place;                ///< kind + kBoxKinds * level
 };
 
 /// A vertex or edge (as PointPair::vertex) and a feature that it may meet on their ways.
@@ -62,13 +64,6 @@ struct VertexRepair {
   int changed;              ///< 1: its way is another than in the round before
   Real unit;                ///< of shift [m]
   Vec3 detour;              ///< what has changed in all [m]
-};
-
-/// A vertex in its place in the grid of granular particles.
-struct GrainEntry {
-  Vec3 centre, half;  ///< swept box [m]
-  int x, y, z;        ///< cell
-  int vertex;
 };
 
 /// What may touch: `vertex` is a vertex or, from `vertices` on, an edge (vertices + feature) or, behind those, some corners of a body

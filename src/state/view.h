@@ -175,12 +175,12 @@ struct View : JointTables<JointTypes> {
   // vertices: work
   Vec3* vertexTarget = nullptr;       ///< y - x^t [m]
   Vec3* vertexMoved = nullptr;        ///< x - x^t, present iterate [m]
-  Vec3* vertexPlace = nullptr;        ///< x from the first vertex of its object at x^t, present iterate [m]
+  PaddedVec3* vertexPlace = nullptr;        ///< x from the first vertex of its object at x^t, present iterate [m]
   int* vertexNextColor = nullptr;
   int* colorVertex = nullptr;         ///< dynamic vertices by colour
   int* grainCount = nullptr;          ///< granular particles of each bucket
   int* grainOffset = nullptr;         ///< [grainCells + 1]
-  GrainEntry* grain = nullptr;        ///< granular particles by bucket
+  BoxEntry* grain = nullptr;        ///< granular particles by bucket
   // vertices and edges as owners of pairs
   int* pointPairSlot = nullptr;       ///< [owners][kPointPairSlots] partners found
   int* pointPairCount = nullptr;      ///< pairs that a vertex or edge owns
@@ -191,7 +191,7 @@ struct View : JointTables<JointTypes> {
   Vec3* vertexRest = nullptr;         ///< authored: shape at rest, from the first vertex of the object [m]
   int* featureCount = nullptr;        ///< features of each bucket
   int* featureOffset = nullptr;       ///< [featureCells + 1]
-  FeatureEntry* featureEntry = nullptr;  ///< features by bucket
+  BoxEntry* featureEntry = nullptr;  ///< features by bucket
   VertexRepair* vertexRepair = nullptr;
   NearFeature* nearFeature = nullptr;  ///< by owner, in no fixed order
   int* nearCount = nullptr;           ///< of each vertex and edge

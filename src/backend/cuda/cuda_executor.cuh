@@ -17,6 +17,7 @@
 #include "backend/cuda/device_memory.h"
 #include "backend/cuda/group_kernels.cuh"
 #include "backend/cuda/pair_kernels.cuh"
+#include "backend/cuda/point_kernels.cuh"
 #include "backend/cuda/strict_kernels.cuh"
 #include "backend/cuda/timeline.h"
 #include "backend/cuda/tree_kernels.cuh"

@@ -1,0 +1,52 @@
+#pragma once
+/// Partners of vertices, edges and corners of bodies: a tile of lanes an owner, which share out the cells that it looks into.
+#include "backend/cuda/kernels.cuh"
+
+namespace rubble::RUBBLE_CORE {
+
+inline constexpr int kSearchWidth = 8;
+
+struct FindDentingBodiesByTile {
+  static constexpr const char* kName = FindDentingBodies::kName;
+  static constexpr int kWidth = kSearchWidth;
+  __device__ void operator()(const View& s, int body, const Tile<kWidth>& tile) const {
+    const bool near = tile.ballot(FindDentingBodies::isNear(s, body, tile.lane, kWidth)) != 0;
+    if (tile.lane == 0) s.nearSurface[body] = near ? 1 : 0;
+  }
+};
+template <>
+struct OnDevice<FindDentingBodies> {
+  using Type = FindDentingBodiesByTile;
+};
+
+struct FindPointPairsByTile {
+  static constexpr const char* kName = FindPointPairs::kName;
+  static constexpr int kWidth = kSearchWidth;
+  /// What the lanes find before it is known what they have found twice.
+  static constexpr int kFound = 32;
+
+  __device__ void operator()(const View& s, int owner, const Tile<kWidth>& tile) const {
+    __shared__ int counts[kThreads / kWidth], found[kThreads / kWidth][kFound];
+    const int own = static_cast<int>(threadIdx.x) / kWidth;
+    __syncwarp(tile.mask);
+    if (tile.lane == 0) counts[own] = 0;
+    __syncwarp(tile.mask);
+    const auto keep = [&](int other) {
+      if (const int k = atomicAdd(&counts[own], 1); k < kFound) found[own][k] = other;
+    };
+    searchPoint(s, owner, keep, tile.lane, kWidth);
+    __syncwarp(tile.mask);
+    if (tile.lane != 0) return;
+    PartnerList list{s.pointPairSlot + owner * kPointPairSlots};
+    for (int k = 0; k < min(counts[own], kFound); ++k) list.add(found[own][k]);
+    // those that were not kept may be of any number
+    if (counts[own] > kFound) list.count = counts[own];
+    FindPointPairs::finish(s, owner, list);
+  }
+};
+template <>
+struct OnDevice<FindPointPairs> {
+  using Type = FindPointPairsByTile;
+};
+
+}  // namespace rubble::RUBBLE_CORE
