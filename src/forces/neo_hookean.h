@@ -14,19 +14,13 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// In quads of 16 B, what every stamp reads first.
-struct alignas(4 * sizeof(Real)) Tetrahedron {
-  static constexpr const char* kName = "tetrahedron";
+/// Material and shape at rest. Any corner may be the one that is called 0.
+struct NeoHookean {
   static constexpr int kCorners = 4;
-  static constexpr bool kHasDual = false;
 
-  int v[kCorners];
   Vec3 m[3];         ///< m_1, m_2, m_3; m_0 is minus their sum [1/m]
-  Real mu, lambda;   ///< times the volume at rest [J]
-  Real volume;       ///< at rest [m3]
-  Real viscosity;    ///< eta [Pa s]
-  int alive;
-  Sym3 strainStart;  ///< E^t, if there is viscosity
+  Real mu, lambda;   ///< times V [J]
+  Real damper;       ///< V eta [J s]
 
   RUBBLE_HD Vec3 gradient(int corner) const { return corner == 0 ? -(m[0] + m[1] + m[2]) : m[corner - 1]; }
 
@@ -36,60 +30,78 @@ struct alignas(4 * sizeof(Real)) Tetrahedron {
     const auto column = [&](Real a, Real b, Real c) { return e1 * a + e2 * b + e3 * c; };
     return {column(m[0].x, m[1].x, m[2].x), column(m[0].y, m[1].y, m[2].y), column(m[0].z, m[1].z, m[2].z)};
   }
+  RUBBLE_HD static Mat3 cofactors(const Mat3& f) { return {cross(f.c1, f.c2), cross(f.c2, f.c0), cross(f.c0, f.c1)}; }
   RUBBLE_HD static Sym3 greenStrain(const Mat3& f) {
     return {(dot(f.c0, f.c0) - 1) / 2, dot(f.c0, f.c1) / 2, dot(f.c0, f.c2) / 2, (dot(f.c1, f.c1) - 1) / 2, dot(f.c1, f.c2) / 2,
             (dot(f.c2, f.c2) - 1) / 2};
   }
+  /// E - E^t
+  RUBBLE_HD static Sym3 strainChange(const Mat3& f, const Sym3& start) {
+    Sym3 d = greenStrain(f);
+    d += Sym3{-start.xx, -start.xy, -start.xz, -start.yy, -start.yz, -start.zz};
+    return d;
+  }
   RUBBLE_HD Real target() const { return Real(1) + mu / lambda; }
 
+  /// P = V (mu F + lam (J - a) cof F + eta/dt F (E - E^t)): f_i = -P m_i. `start`: E^t, where there is viscosity. [J]
+  RUBBLE_HD Mat3 stress(const StepConstants& c, const Mat3& f, const Mat3& cof, const Sym3& start) const {
+    Mat3 p = mu * f + (lambda * (dot(f.c0, cof.c0) - target())) * cof;
+    if (damper > Real(0)) {
+      const Sym3 e = strainChange(f, start);
+      const Mat3 rate{{e.xx, e.xy, e.xz}, {e.xy, e.yy, e.yz}, {e.xz, e.yz, e.zz}};
+      p = p + damper * c.inverseDt * (f * rate);
+    }
+    return p;
+  }
+  RUBBLE_HD void stamp(const StepConstants& c, const Vec3 (&x)[kCorners], const Sym3& start, int corner, Block3& block) const {
+    const Mat3 f = deformation(x), cof = cofactors(f);
+    const Vec3 g = gradient(corner);
+    block.f -= stress(c, f, cof, start) * g;
+    block.h += outer(cof * g, lambda);
+    block.addDiagonal(mu * dot(g, g));
+    if (!(damper > Real(0))) return;
+    const Real half = damper * c.inverseDt / 2, size = half * dot(g, g);
+    block.h += outer(f.c0, size);
+    block.h += outer(f.c1, size);
+    block.h += outer(f.c2, size);
+    block.h += outer(f * g, half);
+  }
+};
+
+/// In quads of 16 B, as its corners are.
+struct alignas(4 * sizeof(Real)) Tetrahedron : NeoHookean {
+  static constexpr const char* kName = "tetrahedron";
+  static constexpr int kCorners = NeoHookean::kCorners;
+  static constexpr bool kHasDual = false;
+
+  int v[kCorners];
+  int alive;         ///< always: it does not tear
+  Sym3 strainStart;  ///< E^t, if there is viscosity
+
   RUBBLE_HD void begin(const StepConstants&, const Vec3 (&x)[kCorners]) {
-    if (viscosity > Real(0)) strainStart = greenStrain(deformation(x));
+    if (damper > Real(0)) strainStart = greenStrain(deformation(x));
   }
   /// With the dissipation of the step, V eta/(2 dt) |E - E^t|^2. [J]
   RUBBLE_HD Real energy(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     const Mat3 f = deformation(x);
     const Real excess = dot(f.c0, cross(f.c1, f.c2)) - target();
     Real sum = mu / 2 * (dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2) - 3) + lambda / 2 * excess * excess;
-    if (viscosity > Real(0)) {
-      const Sym3 d = strainChange(f);
+    if (damper > Real(0)) {
+      const Sym3 d = strainChange(f, strainStart);
       const Real size2 = d.xx * d.xx + d.yy * d.yy + d.zz * d.zz + 2 * (d.xy * d.xy + d.xz * d.xz + d.yz * d.yz);
-      sum += volume * viscosity * c.inverseDt / 2 * size2;
+      sum += damper * c.inverseDt / 2 * size2;
     }
     return sum;
   }
-  RUBBLE_HD static Mat3 cofactors(const Mat3& f) { return {cross(f.c1, f.c2), cross(f.c2, f.c0), cross(f.c0, f.c1)}; }
-  /// P = V (mu F + lam (J - a) cof F + eta/dt F (E - E^t)): f_i = -P m_i. [J]
-  RUBBLE_HD Mat3 stress(const StepConstants& c, const Mat3& f, const Mat3& cof) const {
-    Mat3 p = mu * f + (lambda * (dot(f.c0, cof.c0) - target())) * cof;
-    if (viscosity > Real(0)) {
-      const Sym3 e = strainChange(f);
-      const Mat3 rate{{e.xx, e.xy, e.xz}, {e.xy, e.yy, e.yz}, {e.xz, e.yz, e.zz}};
-      p = p + volume * viscosity * c.inverseDt * (f * rate);
-    }
-    return p;
-  }
   RUBBLE_HD void stamp(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
-    const Mat3 f = deformation(x), cof = cofactors(f);
-    const Vec3 g = gradient(corner);
-    block.f -= stress(c, f, cof) * g;
-    block.h += outer(cof * g, lambda);
-    block.addDiagonal(mu * dot(g, g));
-    if (!(viscosity > Real(0))) return;
-    const Vec3 fg = f * g;
-    const Real half = volume * viscosity * c.inverseDt / 2, size = half * dot(g, g);
-    block.h += outer(f.c0, size);
-    block.h += outer(f.c1, size);
-    block.h += outer(f.c2, size);
-    block.h += outer(fg, half);
+    NeoHookean::stamp(c, x, strainStart, corner, block);
   }
+};
 
- private:
-  RUBBLE_HD Sym3 strainChange(const Mat3& f) const {
-    Sym3 d = greenStrain(f);
-    const Sym3& s = strainStart;
-    d += Sym3{-s.xx, -s.xy, -s.xz, -s.yy, -s.yz, -s.zz};
-    return d;
-  }
+/// A tetrahedron as one of its corners sees it, which is its corner 0: a copy for each of the four, so that a vertex reads what acts on it in a row.
+struct alignas(4 * sizeof(Real)) TetraCorner : NeoHookean {
+  int other[3];      ///< vertices 1, 2, 3
+  int element;
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -58,34 +58,37 @@ struct PlaceLargeClusters {
   }
 };
 
-/// Inertia, contacts, attachments and loads of the vertices of one of the finest clusters, about its centre.
+/// Inertia, contacts, attachments and loads of the vertices of one of the finest clusters, about its centre. `surfaces`: some objects have surfaces
+/// that collide, maybe with themselves, and their vertices many contacts.
+template <bool surfaces>
 struct SumCluster {
   static constexpr const char* kName = "clusters";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const Cluster& c = s.cluster[i];
     Block6 sum, inner;
     bool folded = false;
-    for (int k = c.begin; k < c.end; ++k) folded |= addVertex(s, s.clusterMember[k], s.clusterMotion[i].centre, sum, inner);
+    for (int k = c.begin; k < c.end; ++k) folded |= addVertex(s, s.clusterMember[k], s.clusterMotion[i].centre, 0, 1, sum, inner);
     s.clusterMotion[i].sum = sum;
-    if (s.features > 0) {
+    if (surfaces) {
       s.clusterMotion[i].inner = inner;
       s.clusterMotion[i].folded = folded;
     }
   }
 
-  /// Adds a vertex; returns whether its object touches itself there.
-  RUBBLE_HD static bool addVertex(const View& s, int v, const Vec3& centre, Block6& sum, Block6& inner) {
-    Block3 own = startVertexBlock(s, v), self;
+  /// Adds the share of number `lane` of `lanes` in a vertex; returns whether its object touches itself there.
+  RUBBLE_HD static bool addVertex(const View& s, int v, const Vec3& centre, int lane, int lanes, Block6& sum, Block6& inner) {
+    Block3 own, self;
+    if (lane == 0) own = startVertexBlock(s, v);
     // loads and attachments come last
-    int r = s.refOffset[v + 1];
-    while (r > s.refOffset[v] && actsFromOutside(pointType(s.ref[r - 1]))) --r;
-    for (; r < s.refOffset[v + 1]; ++r)
+    int first = s.refOffset[v + 1];
+    while (first > s.refOffset[v] && actsFromOutside(pointType(s.ref[first - 1]))) --first;
+    for (int r = first + lane; r < s.refOffset[v + 1]; r += lanes)
       if (pointType(s.ref[r]) != kAttachmentCode) addElement(s, s.ref[r], own);
       else addShared(s.attachment[pointIndex(s.ref[r])], own, [&](Block3& b) { addElement(s, s.ref[r], b); });
     bool touchesSelf = false;
-    for (int r = s.pointEntryOffset[v]; r < s.pointEntryOffset[v + 1]; ++r) {
+    for (int r = s.pointEntryOffset[v] + lane; r < s.pointEntryOffset[v + 1]; r += lanes) {
       const PointContact& p = s.pointContact[pointIndex(s.pointEntry[r])];
-      const bool isInner = withinObject(s, p);
+      const bool isInner = surfaces && withinObject(s, p);
       touchesSelf |= isInner;
       addShared(p, isInner ? self : own, [&](Block3& b) { addPointContact(s, s.pointEntry[r], b); });
     }

@@ -117,7 +117,8 @@ void correctClusters(E& e) {
   for (int level = kClusterLevels - 1; level >= 0; --level) {
     const int clusters = begin[level + 1] - begin[level];
     if (clusters == 0) continue;
-    e.forEach(SumCluster{}, begin[1]);
+    if (e.view().features > 0) e.forEach(SumCluster<true>{}, begin[1]);
+    else e.forEach(SumCluster<false>{}, begin[1]);
     e.forEach(SolveCluster{level}, clusters);
     e.forEach(MoveCluster{level}, begin[1]);
   }

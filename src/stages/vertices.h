@@ -121,11 +121,11 @@ struct PredictVertices {
   }
 };
 
-/// Adds one element or attachment to the block of a vertex.
+/// Adds one element, but no tetrahedron, or attachment to the block of a vertex.
 RUBBLE_HD inline void addElement(const View& s, std::uint32_t code, Block3& block) {
   const int type = pointType(code), index = pointIndex(code), corner = pointCorner(code);
   forEachType(ElementTypes{}, [&]<class F>() {
-    if (type != typeIndex<F>(ElementTypes{})) return;
+    if (std::is_same_v<F, Tetrahedron> || type != typeIndex<F>(ElementTypes{})) return;
     const F element = s.elementsOf<F>()[index];  // a copy: read at once
     if (!element.alive) return;
     Vec3 x[F::kCorners];
@@ -135,6 +135,15 @@ RUBBLE_HD inline void addElement(const View& s, std::uint32_t code, Block3& bloc
   if (type != kAttachmentCode) return;
   const Attachment& a = s.attachment[index];
   if (active(s, a)) a.stampVertex(bodyMove(s, a), movedSum(s, a), corner, block);
+}
+
+/// Adds tetrahedron k of the list of a vertex.
+RUBBLE_HD inline void addTetraCorner(const View& s, int k, const Vec3& own, Block3& block) {
+  const TetraCorner corner = s.tetraCorner[k];
+  Vec3 x[TetraCorner::kCorners] = {own, {}, {}, {}};
+  for (int i = 0; i < 3; ++i) x[i + 1] = load(s.vertexPlace[corner.other[i]]);
+  const Sym3 start = corner.damper > Real(0) ? s.tetrahedron[corner.element].strainStart : Sym3{};
+  corner.stamp(s.step, x, start, 0, block);
 }
 
 RUBBLE_HD inline void addPointContact(const View& s, std::uint32_t code, Block3& block) {
@@ -167,6 +176,8 @@ struct SolveVertex {
   static constexpr const char* kName = "primal";
   RUBBLE_HD void operator()(const View& s, int v) const {
     Block3 block = startVertexBlock(s, v);
+    const Vec3 own = s.vertexPlace[v];
+    for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) addTetraCorner(s, k, own, block);
     for (int k = s.refOffset[v]; k < s.refOffset[v + 1]; ++k) addElement(s, s.ref[k], block);
     for (int k = s.pointEntryOffset[v]; k < s.pointEntryOffset[v + 1]; ++k) addPointContact(s, s.pointEntry[k], block);
     finishVertexBlock(s, v, block);

@@ -9,7 +9,7 @@ namespace rubble::RUBBLE_CORE {
 /// What an array has one element of.
 enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
                  ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, TreeNode, TreeSource,
-                 Vertex, PointOwner, PointOwnerSlot, NearFeature, Feature, FeatureCell, Neighbor, ElementRef, PointPair, PointEntry, GrainCell,
+                 Vertex, PointOwner, PointOwnerSlot, NearFeature, Feature, FeatureCell, Neighbor, ElementRef, TetraCorner, PointPair, PointEntry, GrainCell,
                  Attachment, Cluster, ClusterRef, Node,
                  FirstElement, FirstJoint = FirstElement + ElementTypes::kSize };
 /// The element types follow one another from FirstElement on, the joint types from FirstJoint on.
@@ -163,7 +163,9 @@ struct View : JointTables<JointTypes> {
   // vertices: authored
   VertexParams* vertexParams = nullptr;
   int* refOffset = nullptr;           ///< [vertices + 1] into ref
-  std::uint32_t* ref = nullptr;       ///< elements and attachments of each vertex
+  std::uint32_t* ref = nullptr;       ///< elements and attachments of each vertex, tetrahedra excepted
+  int* tetraCornerOffset = nullptr;   ///< [vertices + 1] into tetraCorner
+  TetraCorner* tetraCorner = nullptr; ///< tetrahedra of each vertex
   int* neighborOffset = nullptr;      ///< [vertices + 1] into neighbor
   int* neighbor = nullptr;            ///< vertices that share an element or attachment with this one, sorted
   // vertices: state
@@ -175,12 +177,12 @@ struct View : JointTables<JointTypes> {
   // vertices: work
   Vec3* vertexTarget = nullptr;       ///< y - x^t [m]
   Vec3* vertexMoved = nullptr;        ///< x - x^t, present iterate [m]
-  PaddedVec3* vertexPlace = nullptr;        ///< x from the first vertex of its object at x^t, present iterate [m]
+  PaddedVec3* vertexPlace = nullptr;  ///< x from the first vertex of its object at x^t, present iterate [m]
   int* vertexNextColor = nullptr;
   int* colorVertex = nullptr;         ///< dynamic vertices by colour
   int* grainCount = nullptr;          ///< granular particles of each bucket
   int* grainOffset = nullptr;         ///< [grainCells + 1]
-  BoxEntry* grain = nullptr;        ///< granular particles by bucket
+  BoxEntry* grain = nullptr;          ///< granular particles by bucket
   // vertices and edges as owners of pairs
   int* pointPairSlot = nullptr;       ///< [owners][kPointPairSlots] partners found
   int* pointPairCount = nullptr;      ///< pairs that a vertex or edge owns
@@ -358,6 +360,8 @@ void forEachArray(F&& f) {
   is(&View::vertexParams, "vertexParams", "", Per::Vertex, Life::Authored);
   is(&View::refOffset, "refOffset", "", Per::Vertex, Life::Authored, 1);
   is(&View::ref, "ref", "", Per::ElementRef, Life::Authored);
+  is(&View::tetraCornerOffset, "tetraCornerOffset", "", Per::Vertex, Life::Authored, 1);
+  is(&View::tetraCorner, "tetraCorner", "", Per::TetraCorner, Life::Authored);
   is(&View::neighborOffset, "neighborOffset", "", Per::Vertex, Life::Authored, 1);
   is(&View::neighbor, "neighbor", "", Per::Neighbor, Life::Authored);
   is(&View::vertexRest, "vertexRest", "m", Per::Vertex, Life::Authored);

@@ -34,9 +34,9 @@ Case<Tetrahedron> makeCase(Random& random, Real damping) {
   const Real det = dot(e1, cross(e2, e3));
   Tetrahedron& t = c.element;
   t.m[0] = cross(e2, e3) / det, t.m[1] = cross(e3, e1) / det, t.m[2] = cross(e1, e2) / det;
-  t.volume = det / 6;
-  t.mu = 4e4 * t.volume, t.lambda = 2e5 * t.volume;
-  t.viscosity = damping * 300;
+  const Real volume = det / 6;
+  t.mu = 4e4 * volume, t.lambda = 2e5 * volume;
+  t.damper = damping * 300 * volume;
   return c;
 }
 template <>

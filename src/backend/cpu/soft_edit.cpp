@@ -28,7 +28,7 @@ Tetrahedron made(const SoftModel::Tetrahedron& m, int first) {
   Tetrahedron e = fresh<Tetrahedron>(m.v, first);
   for (int k = 0; k < 3; ++k) e.m[k] = Vec3(m.m[k]);
   e.mu = real(m.mu * m.volume), e.lambda = real(m.lambda * m.volume);
-  e.volume = real(m.volume), e.viscosity = real(m.viscosity);
+  e.damper = real(m.volume * m.viscosity);
   return e;
 }
 Membrane made(const SoftModel::Membrane& m, int first) {
@@ -279,7 +279,7 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
 }
 
 SoftCounts softCounts(const View& s) {
-  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.neighborOffset[s.vertices], s.grainCells, s.attachments, {}, {}, s.clusterRefs, static_cast<float>(s.grainCell),
+  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.tetraCornerOffset[s.vertices], s.neighborOffset[s.vertices], s.grainCells, s.attachments, {}, {}, s.clusterRefs, static_cast<float>(s.grainCell),
                s.edges, s.features, s.featureCells, static_cast<float>(s.featureCell)};
   std::copy(std::begin(s.clusterBegin), std::end(s.clusterBegin), c.clusterBegin);
   std::copy(std::begin(s.elements), std::end(s.elements), c.elements);
@@ -289,6 +289,7 @@ SoftCounts softCounts(const View& s) {
 void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   reserveVertices(tables, c.vertices);
   tables.reserve(Per::ElementRef, c.refs);
+  tables.reserve(Per::TetraCorner, c.tetraCorners);
   tables.reserve(Per::Neighbor, c.neighbors);
   tables.reserve(Per::GrainCell, c.grainCells);
   tables.reserve(Per::Attachment, c.attachments);
@@ -303,6 +304,7 @@ void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   s.clusterRefs = c.clusterRefs;
   std::copy(std::begin(c.clusterBegin), std::end(c.clusterBegin), s.clusterBegin);
   s.refOffset[c.vertices] = c.refs;
+  s.tetraCornerOffset[c.vertices] = c.tetraCorners;
   s.neighborOffset[c.vertices] = c.neighbors;
   forEachType(ElementTypes{}, [&]<class F>() {
     constexpr int kType = typeIndex<F>(ElementTypes{});

@@ -7,7 +7,7 @@ namespace rubble::RUBBLE_CORE {
 void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments);
 /// Slots in use of everything that deformable objects have; states loaded from elsewhere need the same.
 struct SoftCounts {
-  int vertices, refs, neighbors, grainCells, attachments;
+  int vertices, refs, tetraCorners, neighbors, grainCells, attachments;
   int elements[ElementTypes::kSize];
   int clusterBegin[kClusterLevels + 1], clusterRefs;
   float grainCell;

@@ -2,20 +2,37 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 #include "stages/soft_step.h"
 
 namespace rubble::RUBBLE_CORE {
 
+namespace {
+
+/// An element as its given corner sees it.
+TetraCorner seenFrom(const Tetrahedron& e, int index, int corner) {
+  TetraCorner t;
+  std::memset(static_cast<void*>(&t), 0, sizeof t);  // padding too: states are hashed
+  t.mu = e.mu, t.lambda = e.lambda, t.damper = e.damper;
+  t.element = index;
+  for (int k = 0, n = 0; k < Tetrahedron::kCorners; ++k)
+    if (k != corner) t.other[n] = e.v[k], t.m[n++] = e.gradient(k);
+  return t;
+}
+
+}  // namespace
+
 /// Which elements and attachments act on each vertex, and which vertices share one.
 void connect(HostTables& tables) {
   View& s = tables.view();
-  std::vector<std::pair<int, std::uint32_t>> refs;
+  constexpr int kTetrahedron = typeIndex<Tetrahedron>(ElementTypes{});
+  std::vector<std::pair<int, std::uint32_t>> refs, tetrahedra;
   std::vector<std::pair<int, int>> neighbors;
   const auto add = [&](int type, int index, const int* v, int corners) {
     for (int a = 0; a < corners && v[a] >= 0; ++a) {
       if (!isDynamicVertex(s, v[a])) continue;
-      refs.emplace_back(v[a], pointCode(type, index, a));
+      (type == kTetrahedron ? tetrahedra : refs).emplace_back(v[a], pointCode(type, index, a));
       for (int b = 0; b < corners && v[b] >= 0; ++b)
         if (v[a] != v[b] && isDynamicVertex(s, v[b])) neighbors.emplace_back(v[a], v[b]);
     }
@@ -26,20 +43,25 @@ void connect(HostTables& tables) {
   });
   for (int i = 0; i < s.attachments; ++i) add(kAttachmentCode, i, s.attachment[i].v, kPointCorners);
   std::sort(refs.begin(), refs.end());
+  std::sort(tetrahedra.begin(), tetrahedra.end());
   std::sort(neighbors.begin(), neighbors.end());
   neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
   tables.reserve(Per::ElementRef, static_cast<int>(refs.size()));
   tables.reserve(Per::Neighbor, static_cast<int>(neighbors.size()));
-  const auto fill = [&](const auto& pairs, int* offset, auto* to) {
+  tables.reserve(Per::TetraCorner, static_cast<int>(tetrahedra.size()));
+  const auto fill = [&](const auto& pairs, int* offset, auto&& write) {
     std::size_t k = 0;
     for (int v = 0; v < s.vertices; ++v) {
       offset[v] = static_cast<int>(k);
-      for (; k < pairs.size() && pairs[k].first == v; ++k) to[k] = pairs[k].second;
+      for (; k < pairs.size() && pairs[k].first == v; ++k) write(k, pairs[k].second);
     }
     offset[s.vertices] = static_cast<int>(k);
   };
-  fill(refs, s.refOffset, s.ref);
-  fill(neighbors, s.neighborOffset, s.neighbor);
+  fill(refs, s.refOffset, [&](std::size_t k, std::uint32_t code) { s.ref[k] = code; });
+  fill(neighbors, s.neighborOffset, [&](std::size_t k, int v) { s.neighbor[k] = v; });
+  fill(tetrahedra, s.tetraCornerOffset, [&](std::size_t k, std::uint32_t code) {
+    s.tetraCorner[k] = seenFrom(s.tetrahedron[pointIndex(code)], pointIndex(code), pointCorner(code));
+  });
 }
 
 static_assert(kClusterLevels == SoftModel::kClusterLevels);

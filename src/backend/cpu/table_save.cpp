@@ -25,6 +25,7 @@ std::size_t liveCount(const View& s, Per per) {
     case Per::PointOwner: return static_cast<std::size_t>(s.owners());
     case Per::Feature: return static_cast<std::size_t>(s.features);
     case Per::ElementRef: return static_cast<std::size_t>(s.refOffset[s.vertices]);
+    case Per::TetraCorner: return static_cast<std::size_t>(s.tetraCornerOffset[s.vertices]);
     case Per::Neighbor: return static_cast<std::size_t>(s.neighborOffset[s.vertices]);
     case Per::PointPair: return static_cast<std::size_t>(s.oldPointPairOffset[s.owners()]);
     case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);

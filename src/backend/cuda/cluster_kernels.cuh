@@ -21,31 +21,34 @@ struct OnDevice<PlaceLargeClusters> {
   using Type = PlaceLargeClustersByTile;
 };
 
-/// A lane a vertex.
+/// A lane a vertex; several, where vertices have many contacts.
+template <bool surfaces>
 struct SumClusterByTile {
-  static constexpr const char* kName = SumCluster::kName;
-  static constexpr int kWidth = 8;
+  static constexpr const char* kName = SumCluster<surfaces>::kName;
+  static constexpr int kWidth = surfaces ? kWarp : 8, kLanesPerVertex = surfaces ? 4 : 1;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Cluster c = s.cluster[i];
     ClusterMotion& motion = s.clusterMotion[i];
     const Vec3 centre = motion.centre;
     Block6 own, self;
     bool folded = false;
-    for (int k = c.begin + tile.lane; k < c.end; k += kWidth) folded |= SumCluster::addVertex(s, s.clusterMember[k], centre, own, self);
+    for (int k = c.begin + tile.lane / kLanesPerVertex; k < c.end; k += kWidth / kLanesPerVertex)
+      folded |= SumCluster<surfaces>::addVertex(s, s.clusterMember[k], centre, tile.lane % kLanesPerVertex, kLanesPerVertex, own, self);
     Real sums[kRealsPerLane<kWidth>];
     sumBlocks(tile, own, sums);
     storeSums(tile, sums, motion.sum);
-    if (s.features == 0) return;
-    const bool any = tile.ballot(folded) != 0;
-    if (tile.lane == 0) motion.folded = any;
-    if (!any) return;
-    sumBlocks(tile, self, sums);
-    storeSums(tile, sums, motion.inner);
+    if constexpr (surfaces) {
+      const bool any = tile.ballot(folded) != 0;
+      if (tile.lane == 0) motion.folded = any;
+      if (!any) return;
+      sumBlocks(tile, self, sums);
+      storeSums(tile, sums, motion.inner);
+    }
   }
 };
-template <>
-struct OnDevice<SumCluster> {
-  using Type = SumClusterByTile;
+template <bool surfaces>
+struct OnDevice<SumCluster<surfaces>> {
+  using Type = SumClusterByTile<surfaces>;
 };
 
 /// The share of a worker in the block of a cluster: every `workers`-th chunk, and every `workers`-th element that leaves it.

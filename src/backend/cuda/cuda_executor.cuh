@@ -246,7 +246,7 @@ class CudaExecutor {
         checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
       }
       if (view().vertices > 0) {
-        solveVertexColor<<<blocksFor(view().vertices, kVertexWidth), kThreads, 0, stream_>>>(view(), c, control_);
+        solveVertexColor<<<blocksFor(view().vertices, kVertexCrowdWidth), kThreads, 0, stream_>>>(view(), c, control_);
         checkCuda(cudaGetLastError(), SolveVertex::kName);
       }
     }

@@ -105,6 +105,8 @@ int Mirror::liveCount(Per per) const {
       return s.features;
     case Per::ElementRef:
       return s.refOffset[s.vertices];
+    case Per::TetraCorner:
+      return s.tetraCornerOffset[s.vertices];
     case Per::Neighbor:
       return s.neighborOffset[s.vertices];
     case Per::Cluster:

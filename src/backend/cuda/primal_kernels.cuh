@@ -172,23 +172,38 @@ __device__ inline void solveColorTogether(const View& s, int color, int share, i
     solveBodies<kFewWidth>(s, s.colorBody + begin, count, share, shares, memory);
 }
 
-/// Lanes of a vertex: they share out its elements and contacts.
-inline constexpr int kVertexWidth = 8;
-__device__ inline void solveVertexTogether(const View& s, int v) {
-  const Tile<kVertexWidth> tile = Tile<kVertexWidth>::ofThread();
+/// Lanes of a vertex, which share out its elements and contacts: few where vertices fill the device, more where they don't. By the population
+/// alone, as for bodies.
+inline constexpr int kVertexCrowdWidth = 8, kVertexManyWidth = 16, kVertexFewWidth = kWarp;
+inline constexpr int kVertexCrowd = 12288, kVertexMany = 4096;
+template <int kWidth>
+__device__ void solveVertexTogether(const View& s, int v) {
+  const Tile<kWidth> tile = Tile<kWidth>::ofThread();
+  const int corners = s.tetraCornerOffset[v + 1], refs = s.refOffset[v + 1], contacts = s.pointEntryOffset[v + 1];
+  int corner = s.tetraCornerOffset[v] + tile.lane, ref = s.refOffset[v] + tile.lane, contact = s.pointEntryOffset[v] + tile.lane;
+  const Vec3 place = load(s.vertexPlace[v]);
   Block3 own;
-  for (int k = s.refOffset[v] + tile.lane; k < s.refOffset[v + 1]; k += kVertexWidth) addElement(s, s.ref[k], own);
-  for (int k = s.pointEntryOffset[v] + tile.lane; k < s.pointEntryOffset[v + 1]; k += kVertexWidth) addPointContact(s, s.pointEntry[k], own);
+  for (; corner < corners; corner += kWidth) addTetraCorner(s, corner, place, own);
+  for (; ref < refs; ref += kWidth) addElement(s, s.ref[ref], own);
+  for (; contact < contacts; contact += kWidth) addPointContact(s, s.pointEntry[contact], own);
+  own.f = tile.sum(own.f);
+  own.h = {tile.sum(own.h.xx), tile.sum(own.h.xy), tile.sum(own.h.xz), tile.sum(own.h.yy), tile.sum(own.h.yz), tile.sum(own.h.zz)};
+  if (tile.lane != 0) return;
   Block3 block = startVertexBlock(s, v);
-  block.f += tile.sum(own.f);
-  block.h += Sym3{tile.sum(own.h.xx), tile.sum(own.h.xy), tile.sum(own.h.xz), tile.sum(own.h.yy), tile.sum(own.h.yz), tile.sum(own.h.zz)};
-  if (tile.lane == 0) finishVertexBlock(s, v, block);
+  block.f += own.f;
+  block.h += own.h;
+  finishVertexBlock(s, v, block);
 }
 
 /// The vertices of one colour: all threads of a grid or of a block.
 __device__ inline void solveVertices(const View& s, int color, int thread, int threads) {
-  const int end = s.vertexColorOffset[color + 1];
-  for (int k = s.vertexColorOffset[color] + thread / kVertexWidth; k < end; k += threads / kVertexWidth) solveVertexTogether(s, s.colorVertex[k]);
+  const int begin = s.vertexColorOffset[color], count = s.vertexColorOffset[color + 1] - begin;
+  const auto solve = [&]<int kWidth>() {
+    for (int k = thread / kWidth; k < count; k += threads / kWidth) solveVertexTogether<kWidth>(s, s.colorVertex[begin + k]);
+  };
+  if (count > kVertexCrowd) solve.template operator()<kVertexCrowdWidth>();
+  else if (count > kVertexMany) solve.template operator()<kVertexManyWidth>();
+  else solve.template operator()<kVertexFewWidth>();
 }
 static __global__ void __launch_bounds__(kThreads) solveVertexColor(const __grid_constant__ View s, int color, const Control* control) {
   if (control->stop != 0 || color >= s.counters->colors) return;
