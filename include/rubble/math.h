@@ -76,7 +76,7 @@ template <class R> RUBBLE_HD inline QuatT<R> normalize(const QuatT<R>& q) {
 }
 /// R(q) r
 template <class R> RUBBLE_HD RUBBLE_NEAR constexpr Vec3T<R> rotate(const QuatT<R>& q, const Vec3T<R>& r) {
-  const Vec3T<R> half = cross(q.v, r), t = half + half;
+  const Vec3T<R> t = R(2) * cross(q.v, r);
   return r + q.s * t + cross(q.v, t);
 }
 /// R(q)^T r

@@ -148,6 +148,8 @@ struct JointSpec : Carriers<isCarried<F>()> {
 template <class F>
 struct Joint : CarrierOffsets<isCarried<F>()> {
   int broken;                     ///< 0, 1
+  int acts;                       ///< 0, 1: in this step
+  int sharedLevel;                ///< finest level of groups at which its bodies share a cell (stages/groups.h)
   Real length;                    ///< L: bounding diameter of the smaller dynamic body [m]
   Vec3 offset;                    ///< p_A - p_B at x^t [m]; the step works in the frame with origin p_B^t
   typename F::Memory memory;

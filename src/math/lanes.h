@@ -83,6 +83,12 @@ inline bool anyOf(Mask mask) { return !allOf(~mask); }
 /// In a fixed order.
 inline Real sumOf(Real4 a) { return (a[0] + a[1]) + (a[2] + a[3]); }
 
+/// rotate of rubble/math.h, whose 2 is a scalar.
+RUBBLE_NEAR Vec3T<Real4> rotate(const QuatT<Real4>& q, const Vec3T<Real4>& r) {
+  const Vec3T<Real4> half = cross(q.v, r), t = half + half;
+  return r + q.s * t + cross(q.v, t);
+}
+
 template <>
 struct LaneAccess<Real4> {
   static Real4 load(const Lanes& lanes, int) { return *reinterpret_cast<const Real4Aliased*>(lanes.v); }

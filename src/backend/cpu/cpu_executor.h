@@ -162,7 +162,16 @@ class CpuExecutor {
     forRange(n, [&](int begin, int end) {
       int i = begin;
       if constexpr (requires(const Four& four) { Together<Kernel>::run(s, four); })
-        for (; i + kLanes <= end; i += kLanes) Together<Kernel>::run(s, {at(i), at(i + 1), at(i + 2), at(i + 3)});
+        for (; i + kLanes <= end; i += kLanes) {
+          const auto four = [&](auto&& f, int k) {
+            if (k + kLanes <= end) f({at(k), at(k + 1), at(k + 2), at(k + 3)});
+          };
+          if constexpr (requires(const Four& a) { Together<Kernel>::expect(s, a); }) {
+            four([&](const Four& a) { Together<Kernel>::expect(s, a); }, i + kAhead * kLanes);
+            four([&](const Four& a) { Together<Kernel>::prepare(s, a); }, i + kLanes);
+          }
+          four([&](const Four& a) { Together<Kernel>::run(s, a); }, i);
+        }
       for (; i < end; ++i) kernel(s, at(i));
     });
   }

@@ -2,149 +2,14 @@
 /// Kernels that treat four elements side by side, in the lanes of vector registers: four bodies of a colour, four chunks, groups or joints. They
 /// gather what the stages read, use the same formulas for L = Real4 (lanes.h), and hand on what is rare to the stage itself, one by one. A lane has
 /// the bits that the stage would give it, so neighbours in a register have no influence on one another.
-#include <cstddef>
-
-#include "stages/coarse.h"
+#include "backend/cpu/gather.h"
 
 namespace rubble::RUBBLE_CORE {
 
-using Four = int[kLanes];
-
-/// `Together<Kernel>::run(s, i)` does what the kernel does at the four indices. Primary: there is none.
+/// `Together<Kernel>::run(s, i)` does what the kernel does at the four indices; `expect(s, i)` and `prepare(s, i)`, where they are there, ask for
+/// the memory of fours that are kAhead and one before their turn: elements lie in no order that a processor foresees. Primary: there is none.
 template <class Kernel>
 struct Together {};
-
-/// The numbers [4 k, 4 k + 4) of four structs of numbers.
-template <class T>
-RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* a, const T* b, const T* c, const T* d, int k = 0) {
-  const auto at = [&](const T* p) { return reinterpret_cast<const Real*>(p) + 4 * k; };
-  return LaneAccess<Real4>::gatherQuad(at(a), at(b), at(c), at(d));
-}
-template <class T>
-RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* table, const Four& i, int k = 0) {
-  return gatherNumbers(table + i[0], table + i[1], table + i[2], table + i[3], k);
-}
-RUBBLE_NEAR Vec3T<Real4> vectorOf(const Quad<Real4>& q) { return {q.x, q.y, q.z}; }
-RUBBLE_NEAR QuatT<Real4> quaternionOf(const Quad<Real4>& q) { return {q.x, {q.y, q.z, q.w}}; }
-
-/// A block that is read and written by fours.
-struct PaddedBlock {
-  Block6 block;
-  Real pad = 0;
-};
-inline constexpr int kBlockQuads = sizeof(PaddedBlock) / (4 * sizeof(Real));
-static_assert(sizeof(Block6) == 27 * sizeof(Real) && sizeof(Block6T<Real4>) == 27 * sizeof(Real4));
-
-RUBBLE_NEAR void gatherBlocks(const PaddedBlock (&in)[kLanes], Block6T<Real4>& out) {
-  auto* const to = reinterpret_cast<Real4Aliased*>(&out);
-  for (int k = 0; k < kBlockQuads; ++k) {
-    const Quad<Real4> q = gatherNumbers(&in[0], &in[1], &in[2], &in[3], k);
-    to[4 * k] = q.x, to[4 * k + 1] = q.y, to[4 * k + 2] = q.z;
-    if (k + 1 < kBlockQuads) to[4 * k + 3] = q.w;
-  }
-}
-RUBBLE_NEAR void scatterBlocks(const Block6T<Real4>& in, PaddedBlock (&out)[kLanes]) {
-  const auto* const from = reinterpret_cast<const Real4Aliased*>(&in);
-  const auto at = [&](int lane, int k) { return reinterpret_cast<Real*>(&out[lane]) + 4 * k; };
-  for (int k = 0; k < kBlockQuads; ++k) {
-    const Real4 last = k + 1 < kBlockQuads ? from[4 * k + 3] : from[4 * k];
-    LaneAccess<Real4>::scatterQuad(at(0, k), at(1, k), at(2, k), at(3, k), {from[4 * k], from[4 * k + 1], from[4 * k + 2], last});
-  }
-}
-
-/// Displacement and rotation since x^t of four bodies.
-RUBBLE_NEAR PoseT<Real4> gatherPoses(const View& s, const Four& body) {
-  return {vectorOf(gatherNumbers(s.moved, body)), quaternionOf(gatherNumbers(s.turned, body))};
-}
-/// Their inertia and their targets.
-struct TargetLanes {
-  MassMatrixT<Real4> mass;
-  PoseT<Real4> y;
-};
-RUBBLE_NEAR TargetLanes gatherTargets(const View& s, const Four& body) {
-  static_assert(offsetof(BodyTarget, y) == 7 * sizeof(Real) && offsetof(BodyTarget, locks) == 14 * sizeof(Real));
-  const Quad<Real4> q[4] = {gatherNumbers(s.target, body, 0), gatherNumbers(s.target, body, 1), gatherNumbers(s.target, body, 2),
-                            gatherNumbers(s.target, body, 3)};
-  return {{q[0].x, {q[0].y, q[0].z, q[0].w, q[1].x, q[1].y, q[1].z}}, {{q[1].w, q[2].x, q[2].y}, {q[2].z, {q[2].w, q[3].x, q[3].y}}}};
-}
-
-/// Puts four bodies at x; false, and nothing is done, where a rotation is large.
-RUBBLE_NEAR bool placeTogether(const View& s, const Four& body, const PoseT<Real4>& x) {
-  const QuatT<Real4> q = shortArc(x.q);
-  const Real4 u2 = dot(q.v, q.v), zero = LaneAccess<Real4>::splat(0);
-  if (!allOf(u2 < LaneAccess<Real4>::splat(kSmallTurn2))) return false;
-  const Vec3T<Real4> turn = logOfSmall(q, u2);
-  const auto scatter = [&](auto* table, int k, const Quad<Real4>& v) {
-    const auto at = [&](int lane) { return reinterpret_cast<Real*>(table + body[lane]) + 4 * k; };
-    LaneAccess<Real4>::scatterQuad(at(0), at(1), at(2), at(3), v);
-  };
-  scatter(s.turned, 0, {x.q.s, x.q.v.x, x.q.v.y, x.q.v.z});
-  scatter(s.moved, 0, {x.p.x, x.p.y, x.p.z, zero});
-  scatter(s.moved, 1, {turn.x, turn.y, turn.z, zero});
-  return true;
-}
-
-/// Ball joints side by side: what the sweeps read of them.
-struct BallLanes {
-  BallJoint::DataT<Real4> data;
-  PoseT<Real4> a, b;
-  Real4 lambda[3], shift[3];
-  GroupLaw<Real4> law;
-};
-
-/// Is entry or external `code` a ball joint between two bodies that is held?
-RUBBLE_NEAR bool isPlainBall(const View& s, std::uint32_t code) {
-  if (entryType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return false;
-  const JointSpec<BallJoint>& spec = s.specsOf<BallJoint>()[entryIndex(code)];
-  return spec.a != kWorldBody && spec.b != kWorldBody && partOf<0>(spec.parts).mode != GroupMode::Off;
-}
-
-RUBBLE_NEAR BallLanes gatherBalls(const View& s, const Four& index) {
-  using Rows = GroupRows<AnchorRows::kRows>;
-  static_assert(offsetof(Rows, state) == 6 * sizeof(Real) && sizeof(BallJoint::Data) == 6 * sizeof(Real));
-  const JointSpec<BallJoint>* const specs = s.specsOf<BallJoint>();
-  const Joint<BallJoint>* const joints = s.jointsOf<BallJoint>();
-  Four a, b;
-  const Rows* rows[kLanes];
-  for (int lane = 0; lane < kLanes; ++lane) {
-    a[lane] = specs[index[lane]].a, b[lane] = specs[index[lane]].b;
-    rows[lane] = &partOf<0>(joints[index[lane]].parts);
-  }
-  BallLanes j;
-  const auto gatherSpecs = [&](int k) {
-    return gatherNumbers(&specs[index[0]].data, &specs[index[1]].data, &specs[index[2]].data, &specs[index[3]].data, k);
-  };
-  const Quad<Real4> anchors = gatherSpecs(0), rest = gatherSpecs(1);
-  j.data = {{anchors.x, anchors.y, anchors.z}, {anchors.w, rest.x, rest.y}};
-  const auto gatherRows = [&](int k) { return gatherNumbers(rows[0], rows[1], rows[2], rows[3], k); };
-  const Quad<Real4> first = gatherRows(0), second = gatherRows(1), third = gatherRows(2);
-  j.lambda[0] = first.x, j.lambda[1] = first.y, j.lambda[2] = first.z;
-  j.shift[0] = first.w, j.shift[1] = second.x, j.shift[2] = second.y;
-  j.law = {second.z, second.w, third.x};
-  const auto place = [&](const Four& body, const Vec3T<Real4>& offset) -> PoseT<Real4> {
-    const PoseT<Real4> moved = gatherPoses(s, body);
-    return {offset + moved.p, moved.q * quaternionOf(gatherNumbers(s.orientation, body))};
-  };
-  const Real4 zero = LaneAccess<Real4>::splat(0);
-  j.a = place(a, vectorOf(gatherNumbers(&joints[index[0]].offset, &joints[index[1]].offset, &joints[index[2]].offset, &joints[index[3]].offset)));
-  j.b = place(b, {zero, zero, zero});
-  return j;
-}
-
-/// Adds four ball joints to the blocks of one of their bodies each, as stampJoint does.
-inline void stampBalls(const View& s, const std::uint32_t (&code)[kLanes], Block6T<Real4>& block, const Vec3T<Real4>& shift) {
-  Four index;
-  Real4 sign;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    index[lane] = entryIndex(code[lane]);
-    sign[lane] = static_cast<Real>(entrySide(code[lane]));
-  }
-  const BallLanes j = gatherBalls(s, index);
-  Real4 error[3], force[3], hessian;
-  heldErrors<AnchorRows>(j.shift, j.data, NoMemory{}, j.a, j.b, error);
-  cutForce<3>(j.law, error, j.lambda, force, 3, hessian);
-  AnchorRows::stamp(j.data, j.a, j.b, sign == LaneAccess<Real4>::splat(0), shift, force, hessian, block);
-}
 
 /// Adds rounds of ball joints, one of each lane's list a round, while all four lanes have one; returns the number of rounds. codeOf(lane, k): entry
 /// k of a list.
@@ -164,11 +29,38 @@ int stampRounds(const View& s, int least, CodeOf&& codeOf, ShiftOf&& shiftOf, Bl
   return k;
 }
 
+/// A four is expected so many turns ahead, and prepared in the next but one.
+inline constexpr int kAhead = 2;
+
+/// Asks for the first and the last byte of [begin, begin + bytes).
+RUBBLE_NEAR void fetch(const void* begin, std::size_t bytes) {
+  __builtin_prefetch(begin);
+  __builtin_prefetch(static_cast<const char*>(begin) + bytes - 1);
+}
+/// What a sweep reads of a row block.
+RUBBLE_NEAR void fetchBall(const View& s, std::uint32_t code) {
+  if (entryType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return;
+  const int i = entryIndex(code);
+  fetch(&s.specsOf<BallJoint>()[i], sizeof(JointSpec<BallJoint>));
+  const Joint<BallJoint>& joint = s.jointsOf<BallJoint>()[i];
+  fetch(&joint.offset, sizeof(Joint<BallJoint>) - offsetof(Joint<BallJoint>, offset));
+}
+
 RUBBLE_NEAR int leastOf(const Four& a) { return min(min(a[0], a[1]), min(a[2], a[3])); }
 RUBBLE_NEAR int mostOf(const Four& a) { return max(max(a[0], a[1]), max(a[2], a[3])); }
 
 template <>
 struct Together<SolveBody<Real4>> {
+  static void expect(const View& s, const Four& body) {
+    for (const int i : body) {
+      fetch(&s.target[i], sizeof(BodyTarget));
+      fetch(&s.entry[s.entryOffset[i]], 4 * sizeof(Entry));
+    }
+  }
+  static void prepare(const View& s, const Four& body) {
+    for (const int i : body)
+      for (int k = s.entryOffset[i]; k < s.entryOffset[i + 1]; ++k) fetchBall(s, s.entry[k].code);
+  }
   static void run(const View& s, const Four& body) {
     Four count;
     int locks = 0;
@@ -217,18 +109,29 @@ struct GroupLanes {
   }
   /// shiftOf, of one body in each.
   Vec3T<Real4> shiftsOf(const View& s, const Four& body) const {
-    Vec3T<Real4> shift;
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const Vec3 own = shiftOf(s, *group[lane], body[lane]);
-      shift.x[lane] = own.x, shift.y[lane] = own.y, shift.z[lane] = own.z;
-    }
-    return shift;
+    const auto shift = [&](int lane) { return shiftOf(s, *group[lane], body[lane]); };
+    const Vec3 a = shift(0), b = shift(1), c = shift(2), d = shift(3);
+    return {Real4{a.x, b.x, c.x, d.x}, Real4{a.y, b.y, c.y, d.y}, Real4{a.z, b.z, c.z, d.z}};
   }
 };
 RUBBLE_NEAR int membersOf(const Chunk& chunk) { return chunk.end - chunk.begin; }
 
 template <>
 struct Together<SumChunk<Real4>> {
+  static void expect(const View& s, const Four& index) {
+    for (const int i : index) {
+      __builtin_prefetch(&s.external[s.externalOffset[i]]);
+      __builtin_prefetch(&s.group[s.chunk[i].group].centre);
+    }
+  }
+  static void prepare(const View& s, const Four& index) {
+    for (const int i : index) {
+      // those of large chunks are many turns away
+      const int end = min(s.externalOffset[i + 1], s.externalOffset[i] + kLanes * kAhead);
+      for (int k = s.externalOffset[i]; k < end; ++k) fetchBall(s, s.external[k]);
+      for (int k = s.chunk[i].begin; k < min(s.chunk[i].end, s.chunk[i].begin + kLanes); ++k) fetch(&s.target[s.member[k]], sizeof(BodyTarget));
+    }
+  }
   static void run(const View& s, const Four& index) {
     const GroupLanes groups(s, index);
     Four members, externals;
@@ -326,6 +229,41 @@ struct Together<MoveChunk> {
  private:
   static Quad<Real4> gatherSteps(const GroupLanes& groups, int k) {
     return gatherNumbers(&groups.group[0]->step, &groups.group[1]->step, &groups.group[2]->step, &groups.group[3]->step, k);
+  }
+};
+
+template <>
+struct Together<UpdateJointDuals<BallJoint>> {
+  static void run(const View& s, const Four& index) {
+    bool plain = true;
+    for (int lane = 0; lane < kLanes; ++lane) plain &= s.jointsOf<BallJoint>()[index[lane]].acts && isPlainBall(s, index[lane]);
+    if (!plain || !update(s, index))
+      for (int lane = 0; lane < kLanes; ++lane) UpdateJointDuals<BallJoint>{}(s, index[lane]);
+  }
+
+ private:
+  /// False, and nothing is done, where the four have rules of different kinds.
+  static bool update(const View& s, const Four& index) {
+    BallLanes j = gatherBalls(s, index);
+    const auto stateOf = [&](int lane) -> GroupState& { return j.rows[lane]->state; };
+    StiffnessRuleT<Real4> rule;
+    rule.policy = stateOf(0).rule.policy;
+    Real4 keeps;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const GroupState& state = stateOf(lane);
+      if (state.rule.policy != rule.policy) return false;
+      rule.start[lane] = state.rule.start, rule.limit[lane] = state.rule.limit;
+      rule.beta[lane] = state.rule.beta, rule.perLoad[lane] = state.rule.perLoad;
+      keeps[lane] = static_cast<Real>(state.keepsMultiplier);
+    }
+    Real4 error[3];
+    heldErrors<AnchorRows>(j.shift, j.data, NoMemory{}, j.a, j.b, error);
+    updateRows<3>(j.law, rule, keeps != LaneAccess<Real4>::splat(0), error, j.lambda, 3);
+    const auto at = [&](int lane, int k) { return reinterpret_cast<Real*>(j.rows[lane]) + 4 * k; };
+    const auto scatter = [&](int k, const Quad<Real4>& q) { LaneAccess<Real4>::scatterQuad(at(0, k), at(1, k), at(2, k), at(3, k), q); };
+    scatter(0, {j.lambda[0], j.lambda[1], j.lambda[2], j.shift[0]});
+    scatter(1, {j.shift[1], j.shift[2], j.law.k, j.law.compliance});
+    return true;
   }
 };
 
