@@ -85,7 +85,10 @@ TEST(SideBySide, HasTheBitsOfOneByOne) {
     const auto same = [](const auto* a, const auto* b, int count) { return std::memcmp(a, b, sizeof *a * static_cast<std::size_t>(count)) == 0; };
     ASSERT_TRUE(same(s.position, t.position, s.bodies) && same(s.orientation, t.orientation, s.bodies)) << n;
     ASSERT_TRUE(same(s.velocity, t.velocity, s.bodies) && same(s.spin, t.spin, s.bodies)) << n;
-    ASSERT_TRUE(same(s.jointsOf<BallJoint>(), t.jointsOf<BallJoint>(), s.joints[0])) << n;
+    for (int i = 0; i < s.joints[0]; ++i) {
+      const auto &rows = partOf<0>(s.jointsOf<BallJoint>()[i].parts), &alone = partOf<0>(t.jointsOf<BallJoint>()[i].parts);
+      ASSERT_TRUE(same(rows.lambda, alone.lambda, 3) && same(rows.shift, alone.shift, 3) && same(&rows.state.k, &alone.state.k, 1)) << n << " " << i;
+    }
   }
   // all kinds of bodies are there, and move
   EXPECT_GT(touching, 0);
