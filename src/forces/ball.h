@@ -9,9 +9,11 @@ struct BallJoint {
   static constexpr bool kGrounded = false;
   using Parts = PartList<AnchorRows>;
   using Memory = NoMemory;
-  struct Data {
-    Vec3 anchorA, anchorB;  ///< in the frame of their body [m]
+  template <class L>
+  struct DataT {
+    Vec3T<L> anchorA, anchorB;  ///< in the frame of their body [m]
   };
+  using Data = DataT<Real>;
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -14,7 +14,7 @@
 ///   constraint       C(x), for the poses of A and B in a common frame
 ///   jacobian         dC/dx of A (side 0) or B (side 1), rotations in world axes on the left; sides 2 and 3: what carries the axis of A, of B
 ///   curvature        column norms of sum F d2C/dx2 of that body
-///   stamp            adds -J^T F and k J^T J of that body where a closed form is shorter than rows (optional)
+///   stamp            adds -J^T F, k J^T J and the curvature of A or B about a point where a closed form is shorter than rows (optional)
 ///   turns            axes: what whole turns add to the coordinate (optional)
 ///   kStiffnessShare  axes: factor on the row inertia that k_start and the growth of k refer to (optional)
 ///
@@ -148,6 +148,8 @@ struct JointSpec : Carriers<isCarried<F>()> {
 template <class F>
 struct Joint : CarrierOffsets<isCarried<F>()> {
   int broken;                     ///< 0, 1
+  int acts;                       ///< 0, 1: in this step
+  int sharedLevel;                ///< finest level of groups at which its bodies share a cell (stages/groups.h)
   Real length;                    ///< L: bounding diameter of the smaller dynamic body [m]
   Vec3 offset;                    ///< p_A - p_B at x^t [m]; the step works in the frame with origin p_B^t
   typename F::Memory memory;
@@ -309,6 +311,13 @@ RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Join
   });
 }
 
+/// Errors, from their shifts on, of rows that are held together: of one joint (L = Real), or of several side by side (lanes.h).
+template <class P, class L, class D, class M, class S>
+RUBBLE_HD RUBBLE_NEAR void heldErrors(const L (&shift)[P::kRows], const D& data, const M& memory, const S& a, const S& b, L (&error)[P::kRows]) {
+  P::constraint(data, memory, a, b, error);
+  for (int i = 0; i < P::kRows; ++i) error[i] -= shift[i];
+}
+
 /// Forces of the rows of part I and their stiffness at the present poses; false if the part does not act.
 template <class F, int I, class P>
 RUBBLE_HD RUBBLE_NEAR bool partForces(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, Real (&force)[P::kRows],
@@ -322,27 +331,28 @@ RUBBLE_HD RUBBLE_NEAR bool partForces(const JointSpec<F>& spec, const Joint<F>& 
     if (force[0] == Real(0) && !(hessian > Real(0))) return false;
   } else {
     if (partOf<I>(spec.parts).mode == GroupMode::Off) return false;
-    P::constraint(spec.data, joint.memory, a, b, error);
-    for (int i = 0; i < P::kRows; ++i) error[i] -= rows.shift[i];
+    heldErrors<P>(rows.shift, spec.data, joint.memory, a, b, error);
     groupForce<P::kRows>(rows.state, error, rows.lambda, force, P::kRows, hessian);
   }
   return true;
 }
 
-/// Adds all rows of a joint to the block of one of its bodies, by the first side that it has.
+/// Adds all rows of a joint to the block of one of its bodies, by the first side that it has. The block may be about another point than the
+/// centre of the body, which then lies `shift` from that point.
 template <class F>
-RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side, Block6& block) {
+RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side, Block6& block,
+                          const Vec3& shift = {0, 0, 0}) {
   forEachPart<F>([&]<int I, class P>() {
     Real force[P::kRows], hessian;
     if (!partForces<F, I, P>(spec, joint, a, b, force, hessian)) return;
-    if constexpr (requires { P::stamp(spec.data, a, b, side, force, hessian, block); }) {
-      P::stamp(spec.data, a, b, side, force, hessian, block);
+    if constexpr (requires { P::stamp(spec.data, a, b, side == 0, shift, force, hessian, block); }) {
+      P::stamp(spec.data, a, b, side == 0, shift, force, hessian, block);
     } else {
       Vec6 j[P::kRows];
       jacobianOf<P>(spec, joint, a, b, side, j);
-      for (int i = 0; i < P::kRows; ++i) stampRow(block, j[i], force[i], hessian);
+      for (int i = 0; i < P::kRows; ++i) stampRow(block, {j[i].lin, j[i].ang + cross(shift, j[i].lin)}, force[i], hessian);
+      stampCurvature(block, curvatureOf<P>(spec, joint, a, b, side, force), shift);
     }
-    stampCurvature(block, curvatureOf<P>(spec, joint, a, b, side, force));
   });
 }
 
@@ -376,8 +386,7 @@ RUBBLE_HD void updateJointDuals(const StepConstants& c, const JointSpec<F>& spec
       updateAxis(c, rows, error[0]);
     } else {
       if (partOf<I>(spec.parts).mode == GroupMode::Off) return;
-      P::constraint(spec.data, joint.memory, a, b, error);
-      for (int i = 0; i < P::kRows; ++i) error[i] -= rows.shift[i];
+      heldErrors<P>(rows.shift, spec.data, joint.memory, a, b, error);
       updateGroup<P::kRows>(rows.state, error, rows.lambda, P::kRows);
     }
   });

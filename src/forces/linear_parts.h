@@ -17,9 +17,9 @@ struct AnchorRows {
   static constexpr RowUnit kUnit = RowUnit::Linear;
   static constexpr bool kAxis = false;
 
-  template <class D, class M>
-  RUBBLE_HD RUBBLE_NEAR static void constraint(const D& d, const M&, const Pose& a, const Pose& b, Real (&c)[kRows]) {
-    const Vec3 gap = (a.p - b.p) + rotate(a.q, d.anchorA) - rotate(b.q, d.anchorB);
+  template <class D, class M, class L>
+  RUBBLE_HD RUBBLE_NEAR static void constraint(const D& d, const M&, const PoseT<L>& a, const PoseT<L>& b, L (&c)[kRows]) {
+    const Vec3T<L> gap = (a.p - b.p) + rotate(a.q, d.anchorA) - rotate(b.q, d.anchorB);
     c[0] = gap.x, c[1] = gap.y, c[2] = gap.z;
   }
   template <class D, class M>
@@ -35,10 +35,14 @@ struct AnchorRows {
   RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side, const Real (&f)[kRows]) {
     return {{0, 0, 0}, turningColumnNorms({f[0], f[1], f[2]}, anchorLever(d, side == 0 ? a : b, side))};
   }
-  template <class D>
-  RUBBLE_HD static void stamp(const D& d, const Pose& a, const Pose& b, int side, const Real (&f)[kRows], Real k, Block6& block) {
-    const Real sign = side == 0 ? Real(1) : Real(-1);
-    addAtLever(block, anchorLever(d, side == 0 ? a : b, side), Vec3{-sign * f[0], -sign * f[1], -sign * f[2]}, k);
+  /// With the curvature: that of the turn about the body's centre, wherever the block is about.
+  template <class D, class Mask, class L>
+  RUBBLE_HD RUBBLE_NEAR static void stamp(const D& d, const PoseT<L>& a, const PoseT<L>& b, Mask onA, const Vec3T<L>& shift, const L (&f)[kRows], L k,
+                                          Block6T<L>& block) {
+    const Vec3T<L> r = select(onA, rotate(a.q, d.anchorA), rotate(b.q, d.anchorB)), force{f[0], f[1], f[2]};
+    addAtLever(block, r + shift, select(onA, -force, force), k);
+    const L zero = LaneAccess<L>::splat(0);
+    stampCurvature(block, {{zero, zero, zero}, turningColumnNorms(force, r)});
   }
 };
 

@@ -16,11 +16,13 @@
 #define RUBBLE_APART __attribute__((noinline))
 #endif
 
-/// A short loop over an array that is to live in registers on the device.
+/// A short loop over an array that is to live in registers.
 #if defined(__CUDACC__)
 #define RUBBLE_UNROLL _Pragma("unroll")
+#elif defined(__clang__)
+#define RUBBLE_UNROLL _Pragma("unroll")
 #else
-#define RUBBLE_UNROLL
+#define RUBBLE_UNROLL _Pragma("GCC unroll 8")
 #endif
 
 namespace rubble::RUBBLE_CORE {

@@ -1,6 +1,7 @@
 #pragma once
-/// Four contact points side by side. Formulas over points are written once, for a lane type L: `Real` (one point, a GPU thread) or
-/// `Real4` (four points, a CPU vector register).
+/// Four contact points, bodies or joints side by side. Their formulas are written once, for a lane type L: `Real` (one of them, a GPU thread) or
+/// `Real4` (four, a CPU vector register). A lane has the bits that it would have alone.
+#include <bit>
 #include <cstring>
 
 #include "math/hd.h"
@@ -25,6 +26,8 @@ RUBBLE_HD inline Real absOf(Real a) { return std::fabs(a); }
 RUBBLE_HD inline Real minOf(Real a, Real b) { return b < a ? b : a; }
 RUBBLE_HD inline Real maxOf(Real a, Real b) { return a < b ? b : a; }
 RUBBLE_HD inline Real sumOf(Real a) { return a; }
+RUBBLE_HD inline bool allOf(bool mask) { return mask; }
+RUBBLE_HD inline bool anyOf(bool mask) { return mask; }
 
 /// Four numbers of each point that an L stands for.
 template <class L>
@@ -59,6 +62,7 @@ struct LaneAccess {
 
 using Real4 = Real __attribute__((vector_size(kLanes * sizeof(Real))));
 using Real4Aliased = Real __attribute__((vector_size(kLanes * sizeof(Real)), may_alias));
+using Real4Anywhere = Real __attribute__((vector_size(kLanes * sizeof(Real)), aligned(alignof(Real)), may_alias));
 
 template <class Mask>
 inline Real4 select(Mask mask, Real4 a, Real4 b) { return mask ? a : b; }
@@ -66,8 +70,24 @@ inline Real4 sqrtOf(Real4 a) { return Real4{std::sqrt(a[0]), std::sqrt(a[1]), st
 inline Real4 absOf(Real4 a) { return a < 0 ? -a : a; }
 inline Real4 minOf(Real4 a, Real4 b) { return b < a ? b : a; }
 inline Real4 maxOf(Real4 a, Real4 b) { return a < b ? b : a; }
+template <class Mask>
+inline bool allOf(Mask mask) {
+  using Words = long long __attribute__((vector_size(kLanes * sizeof(Real))));
+  const Words w = std::bit_cast<Words>(mask);
+  long long common = w[0];
+  for (std::size_t k = 1; k < sizeof(Mask) / sizeof(long long); ++k) common &= w[k];
+  return common == -1;
+}
+template <class Mask>
+inline bool anyOf(Mask mask) { return !allOf(~mask); }
 /// In a fixed order.
 inline Real sumOf(Real4 a) { return (a[0] + a[1]) + (a[2] + a[3]); }
+
+/// rotate of rubble/math.h, whose 2 is a scalar.
+RUBBLE_NEAR Vec3T<Real4> rotate(const QuatT<Real4>& q, const Vec3T<Real4>& r) {
+  const Vec3T<Real4> half = cross(q.v, r), t = half + half;
+  return r + q.s * t + cross(q.v, t);
+}
 
 template <>
 struct LaneAccess<Real4> {
@@ -86,6 +106,16 @@ struct LaneAccess<Real4> {
     auto* const p = reinterpret_cast<Real4Aliased*>(points);
     p[0] = v.x, p[1] = v.y, p[2] = v.z, p[3] = v.w;
   }
+  /// The four numbers from each of four places on.
+  static Quad<Real4> gatherQuad(const Real* a, const Real* b, const Real* c, const Real* d) {
+    const auto at = [](const Real* p) { return *reinterpret_cast<const Real4Anywhere*>(p); };
+    return transposed({at(a), at(b), at(c), at(d)});
+  }
+  static void scatterQuad(Real* a, Real* b, Real* c, Real* d, const Quad<Real4>& q) {
+    const Quad<Real4> v = transposed(q);
+    const auto put = [](Real* p, Real4 numbers) { *reinterpret_cast<Real4Anywhere*>(p) = numbers; };
+    put(a, v.x), put(b, v.y), put(c, v.z), put(d, v.w);
+  }
 
  private:
   static Quad<Real4> transposed(const Quad<Real4>& q) {
@@ -97,5 +127,15 @@ struct LaneAccess<Real4> {
 };
 
 #endif
+
+template <class Mask, class L>
+RUBBLE_HD RUBBLE_NEAR Vec3T<L> select(Mask mask, const Vec3T<L>& a, const Vec3T<L>& b) {
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
+}
+template <class L>
+RUBBLE_HD bool areFinite(const Vec3T<L>& a) {
+  const L sum = a.x + a.y + a.z;
+  return allOf(sum - sum == LaneAccess<L>::splat(0));
+}
 
 }  // namespace rubble::RUBBLE_CORE

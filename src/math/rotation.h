@@ -1,11 +1,16 @@
 #pragma once
 /// Rotation vectors: exact exponential and logarithm of unit quaternions, for rotations of a whole step.
+#include "math/lanes.h"
 #include "math/trig.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// The same rotation with s >= 0.
-RUBBLE_HD inline Quat shortArc(const Quat& q) { return q.s < Real(0) ? Quat{-q.s, -q.v} : q; }
+template <class L>
+RUBBLE_HD RUBBLE_NEAR QuatT<L> shortArc(const QuatT<L>& q) {
+  const auto far = q.s < LaneAccess<L>::splat(0);
+  return {select(far, -q.s, q.s), select(far, -q.v, q.v)};
+}
 
 /// (cos(|a|/2), sin(|a|/2) a/|a|): rotation by the vector a [rad].
 RUBBLE_HD inline Quat expRotation(const Vec3& a) {
@@ -19,14 +24,19 @@ RUBBLE_HD inline Quat expRotation(const Vec3& a) {
   return {half.cos, a * (half.sin / angle)};
 }
 
+/// Below this |v|^2 of a unit quaternion (s, v) its logarithm is a series (a rotation of .1 rad).
+inline constexpr Real kSmallTurn2 = Real(.0025);
+/// logRotation of a quaternion along the short arc with u2 = |v|^2 < kSmallTurn2: 2 asin(u)/u by its series, relative error below 1e-9.
+template <class L>
+RUBBLE_HD RUBBLE_NEAR Vec3T<L> logOfSmall(const QuatT<L>& q, L u2) {
+  return q.v * (Real(2) * (Real(1) + u2 * (Real(1) / 6 + u2 * (Real(3) / 40 + u2 * (Real(15) / 336)))));
+}
+
 /// The vector a in [-pi, pi] with expRotation(a) = q up to sign [rad].
 RUBBLE_HD inline Vec3 logRotation(const Quat& rotation) {
   const Quat q = shortArc(rotation);
   const Real u2 = dot(q.v, q.v);
-  if (u2 < Real(.0025)) {
-    // 2 asin(u)/u by its series: relative error below 1e-9 here
-    return q.v * (Real(2) * (Real(1) + u2 * (Real(1) / 6 + u2 * (Real(3) / 40 + u2 * (Real(15) / 336)))));
-  }
+  if (u2 < kSmallTurn2) return logOfSmall(q, u2);
   const Real u = std::sqrt(u2);
   return q.v * (Real(2) * angleOf(u, q.s) / u);
 }

@@ -50,6 +50,14 @@ struct Block6T {
   Vec3T<L> fl{}, fa{};           ///< force, torque
 };
 using Block6 = Block6T<Real>;
+/// Adds a block about the same point.
+template <class L>
+RUBBLE_HD RUBBLE_NEAR Block6T<L>& operator+=(Block6T<L>& to, const Block6T<L>& from) {
+  to.ll += from.ll, to.aa += from.aa;
+  to.al0 += from.al0, to.al1 += from.al1, to.al2 += from.al2;
+  to.fl += from.fl, to.fa += from.fa;
+  return to;
+}
 
 /// Adds a force and a Hessian W that act at a lever r: [[W, -W [r]], [[r] W, -[r] W [r]]].
 template <class L>
@@ -69,27 +77,31 @@ RUBBLE_HD void addAtLever(Block6T<L>& block, const Vec3T<L>& r, const Vec3T<L>& 
 }
 
 /// The same for W = k 1.
-RUBBLE_HD RUBBLE_NEAR void addAtLever(Block6& block, const Vec3& r, const Vec3& force, Real k) {
+template <class L>
+RUBBLE_HD RUBBLE_NEAR void addAtLever(Block6T<L>& block, const Vec3T<L>& r, const Vec3T<L>& force, L k) {
   block.fl += force;
   block.fa += cross(r, force);
   block.ll.xx += k, block.ll.yy += k, block.ll.zz += k;
-  const Vec3 b = k * r;
+  const Vec3T<L> b = k * r;
   block.al0.y += b.z, block.al0.z -= b.y;
   block.al1.z += b.x, block.al1.x -= b.z;
   block.al2.x += b.y, block.al2.y -= b.x;
-  const Real xx = b.x * r.x, yy = b.y * r.y, zz = b.z * r.z;
+  const L xx = b.x * r.x, yy = b.y * r.y, zz = b.z * r.z;
   block.aa.xx += yy + zz, block.aa.yy += xx + zz, block.aa.zz += xx + yy;
   block.aa.xy -= b.x * r.y, block.aa.xz -= b.x * r.z, block.aa.yz -= b.y * r.z;
 }
 
 /// Packed lower triangle of a symmetric 6x6 matrix, row by row.
-struct Sym6 {
-  Real a[21];
+template <class L>
+struct Sym6T {
+  L a[21];
   RUBBLE_HD static constexpr int index(int i, int j) { return i * (i + 1) / 2 + j; }
-  RUBBLE_HD Real operator()(int i, int j) const { return i >= j ? a[index(i, j)] : a[index(j, i)]; }
+  RUBBLE_HD L operator()(int i, int j) const { return i >= j ? a[index(i, j)] : a[index(j, i)]; }
 };
+using Sym6 = Sym6T<Real>;
 
-RUBBLE_HD inline Sym6 pack(const Block6& b) {
+template <class L>
+RUBBLE_HD Sym6T<L> pack(const Block6T<L>& b) {
   return {{b.ll.xx,
            b.ll.xy, b.ll.yy,
            b.ll.xz, b.ll.yz, b.ll.zz,
@@ -102,28 +114,43 @@ RUBBLE_HD inline Sym6 pack(const Block6& b) {
 inline constexpr Real kPivotFloor = sizeof(Real) == 8 ? Real(1e-12) : Real(1e-6);
 
 /// Solves H x = f in place (x holds f) for a symmetric positive definite H: diagonal scaling, then LDL^T without pivoting.
-RUBBLE_HD inline void solveLdlt(Sym6 h, Real (&x)[6]) {
-  Real scale[6], d[6];
-  for (int i = 0; i < 6; ++i) scale[i] = Real(1) / std::sqrt(h.a[Sym6::index(i, i)]);
+template <class L>
+RUBBLE_HD RUBBLE_NEAR void solveLdlt(Sym6T<L> h, L (&x)[6]) {
+  using A = LaneAccess<L>;
+  L scale[6], d[6], inverse[6];
+  RUBBLE_UNROLL
+  for (int i = 0; i < 6; ++i) scale[i] = A::splat(1) / sqrtOf(h.a[Sym6::index(i, i)]);
+  RUBBLE_UNROLL
   for (int j = 0; j < 6; ++j) {
-    Real pivot = h.a[Sym6::index(j, j)] * scale[j] * scale[j];
-    for (int k = 0; k < j; ++k) pivot -= h.a[Sym6::index(j, k)] * h.a[Sym6::index(j, k)] * d[k];
-    d[j] = max(pivot, kPivotFloor);
-    const Real inverse = Real(1) / d[j];
+    L pivot = h.a[Sym6::index(j, j)] * scale[j] * scale[j], row[6];
+    RUBBLE_UNROLL
+    for (int k = 0; k < j; ++k) {
+      row[k] = h.a[Sym6::index(j, k)] * d[k];
+      pivot -= h.a[Sym6::index(j, k)] * row[k];
+    }
+    d[j] = maxOf(pivot, A::splat(kPivotFloor));
+    inverse[j] = A::splat(1) / d[j];
+    RUBBLE_UNROLL
     for (int i = j + 1; i < 6; ++i) {
-      Real sum = h.a[Sym6::index(i, j)] * scale[i] * scale[j];
-      for (int k = 0; k < j; ++k) sum -= h.a[Sym6::index(i, k)] * h.a[Sym6::index(j, k)] * d[k];
-      h.a[Sym6::index(i, j)] = sum * inverse;
+      L sum = h.a[Sym6::index(i, j)] * scale[i] * scale[j];
+      RUBBLE_UNROLL
+      for (int k = 0; k < j; ++k) sum -= h.a[Sym6::index(i, k)] * row[k];
+      h.a[Sym6::index(i, j)] = sum * inverse[j];
     }
   }
+  RUBBLE_UNROLL
   for (int i = 0; i < 6; ++i) {
     x[i] *= scale[i];
+    RUBBLE_UNROLL
     for (int k = 0; k < i; ++k) x[i] -= h.a[Sym6::index(i, k)] * x[k];
   }
+  RUBBLE_UNROLL
   for (int i = 5; i >= 0; --i) {
-    x[i] /= d[i];
+    x[i] *= inverse[i];
+    RUBBLE_UNROLL
     for (int k = i + 1; k < 6; ++k) x[i] -= h.a[Sym6::index(k, i)] * x[k];
   }
+  RUBBLE_UNROLL
   for (int i = 0; i < 6; ++i) x[i] *= scale[i];
 }
 

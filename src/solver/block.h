@@ -5,25 +5,28 @@
 namespace rubble::RUBBLE_CORE {
 
 /// \eq{S5} f = -M (x - y) / dt^2 + the forces that rows add (stampRow and the contact's accumulate).
-RUBBLE_HD inline void setInertialForce(Block6& block, const MassMatrix& m, const Pose& x, const Pose& y, Real inverseDt2) {
-  const Vec6 d = difference(x, y);
+template <class L>
+RUBBLE_HD RUBBLE_NEAR void setInertialForce(Block6T<L>& block, const MassMatrixT<L>& m, const PoseT<L>& x, const PoseT<L>& y, Real inverseDt2) {
+  const Vec6T<L> d = difference(x, y);
   block.fl = -(inverseDt2 * m.mass) * d.lin;
-  block.fa = -inverseDt2 * (m.inertia * d.ang);
+  block.fa = LaneAccess<L>::splat(-inverseDt2) * (m.inertia * d.ang);
 }
 
 /// \eq{S6} H = M / dt^2 + the Hessians that rows add.
-RUBBLE_HD inline void setInertialHessian(Block6& block, const MassMatrix& m, Real inverseDt2) {
-  const Real ml = inverseDt2 * m.mass;
-  const Sym3& i = m.inertia;
+template <class L>
+RUBBLE_HD RUBBLE_NEAR void setInertialHessian(Block6T<L>& block, const MassMatrixT<L>& m, Real inverseDt2) {
+  const L ml = inverseDt2 * m.mass, zero = LaneAccess<L>::splat(0);
+  const Sym3T<L>& i = m.inertia;
   const Real s = inverseDt2;
-  block.ll = {ml, 0, 0, ml, 0, ml};
+  block.ll = {ml, zero, zero, ml, zero, ml};
   block.aa = {s * i.xx, s * i.xy, s * i.xz, s * i.yy, s * i.yz, s * i.zz};
-  block.al0 = block.al1 = block.al2 = {0, 0, 0};
+  block.al0 = block.al1 = block.al2 = {zero, zero, zero};
 }
 
 /// \eq{S4} dx with H dx = f.
-RUBBLE_HD inline Vec6 newtonStep(const Block6& block) {
-  Real x[6] = {block.fl.x, block.fl.y, block.fl.z, block.fa.x, block.fa.y, block.fa.z};
+template <class L>
+RUBBLE_HD Vec6T<L> newtonStep(const Block6T<L>& block) {
+  L x[6] = {block.fl.x, block.fl.y, block.fl.z, block.fa.x, block.fa.y, block.fa.z};
   solveLdlt(pack(block), x);
   return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
 }

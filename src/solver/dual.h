@@ -4,19 +4,27 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// \eq{S13} lambda <- F, the bounded force k C + lambda; k moves by its rule while the force is inside its bound.
-template <int N>
-RUBBLE_HD void updateGroup(GroupState& g, const Real* error, Real* lambda, int count) {
-  Real force[N], hessian;
-  const bool inside = groupForce<N>(g, error, lambda, force, count, hessian);
-  Real error2 = 0, force2 = 0;
+/// \eq{S13} lambda <- F, the bounded force k C + lambda; k moves by its rule while the force is inside its bound. `keeps`: where multipliers are kept.
+template <int N, class L, class Mask>
+RUBBLE_HD RUBBLE_NEAR void updateRows(GroupLaw<L>& g, const StiffnessRuleT<L>& rule, Mask keeps, const L* error, L* lambda, int count) {
+  const L zero = LaneAccess<L>::splat(0);
+  L force[N], hessian;
+  const auto over = cutForce<N>(g, error, lambda, force, count, hessian);
+  L error2 = zero, force2 = zero;
   for (int i = 0; i < count; ++i) {
     error2 += error[i] * error[i];
     force2 += force[i] * force[i];
-    lambda[i] = g.keepsMultiplier ? force[i] : Real(0);
+    lambda[i] = select(keeps, force[i], zero);
   }
   // a compliant group needs no growth: its multiplier converges to K_mat C at any k
-  if (inside && g.compliance == Real(0)) g.k = grownStiffness<Real>(g.rule, g.k, std::sqrt(error2), std::sqrt(force2));
+  const L grown = grownBy(rule, g.k, sqrtOf(error2), sqrtOf(force2));
+  g.k = select(over, g.k, select(g.compliance == zero, grown, g.k));
+}
+template <int N>
+RUBBLE_HD void updateGroup(GroupState& g, const Real* error, Real* lambda, int count) {
+  GroupLaw<Real> law{g.k, g.compliance, g.bound};
+  updateRows<N>(law, g.rule, g.keepsMultiplier != 0, error, lambda, count);
+  g.k = law.k;
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -6,10 +6,12 @@
 namespace rubble::RUBBLE_CORE {
 
 /// \eq{S8} M = diag(m 1, I_w), I_w = R I_b R^T, frozen at x^t for the step. [kg, kg m2]
-struct MassMatrix {
-  Real mass;
-  Sym3 inertia;
+template <class L>
+struct MassMatrixT {
+  L mass;
+  Sym3T<L> inertia;
 };
+using MassMatrix = MassMatrixT<Real>;
 RUBBLE_HD inline MassMatrix massMatrix(Real mass, const Vec3& principalInertia, const Quat& q) {
   return {mass, rotateDiagonal(q, principalInertia)};
 }

@@ -18,23 +18,29 @@ struct RowGroup {
   RowUnit unit;
 };
 
+/// What the force of a group depends on, besides errors and multipliers.
+template <class L>
+struct GroupLaw {
+  L k;           ///< [N/m] or [N m/rad]
+  L compliance;  ///< 1 / K_mat; 0 for a hard group
+  L bound;       ///< largest |force| [N] or [N m]
+};
 /// What a group of rows keeps: multipliers live beside it, one a row.
 struct GroupState {
-  Real k;           ///< [N/m] or [N m/rad]
-  Real compliance;  ///< 1 / K_mat; 0 for a hard group
-  Real bound;       ///< largest |force| [N] or [N m]
+  Real k, compliance, bound;  ///< as in GroupLaw
   StiffnessRule rule;
   int keepsMultiplier;  ///< 0 (no bool: padding would be left to chance where states are compared): a soft group whose k ramps up to K_mat instead (the paper's rule for finite stiffness)
 };
 
 /// Force multiplier and Hessian stiffness of a group at error C: s (k C + lambda) and s k, s = 1 / (1 + k compliance), the force cut to the
-/// bound. Hard rows have s = 1. Returns whether the force is inside its bound.
+/// bound. Hard rows have s = 1. Returns where it was cut.
 /// A cut force has the secant stiffness |bound - lambda| / |C| along itself, and at least half of what stops it: with lambda at the bound the
 /// secant alone is zero, the bodies overshoot, and the force turns round at its full size.
-template <int N>
-RUBBLE_HD RUBBLE_NEAR bool groupForce(const GroupState& g, const Real* error, const Real* lambda, Real (&force)[N], int count, Real& hessian) {
-  const Real s = Real(1) / (Real(1) + g.k * g.compliance);
-  Real size2 = 0, error2 = 0, lambdaAlong = 0;
+template <int N, class L>
+RUBBLE_HD RUBBLE_NEAR auto cutForce(const GroupLaw<L>& g, const L* error, const L* lambda, L (&force)[N], int count, L& hessian) {
+  using A = LaneAccess<L>;
+  const L zero = A::splat(0), s = A::splat(1) / (Real(1) + g.k * g.compliance);
+  L size2 = zero, error2 = zero, lambdaAlong = zero;
   for (int i = 0; i < count; ++i) {
     force[i] = s * (g.k * error[i] + lambda[i]);
     size2 += force[i] * force[i];
@@ -42,12 +48,19 @@ RUBBLE_HD RUBBLE_NEAR bool groupForce(const GroupState& g, const Real* error, co
     lambdaAlong += force[i] * lambda[i];
   }
   hessian = s * g.k;
-  if (!(size2 > g.bound * g.bound)) return true;
-  const Real size = std::sqrt(size2);
-  const Real cut = g.bound / size;
-  for (int i = 0; i < count; ++i) force[i] *= cut;
-  if (error2 > Real(0)) hessian = min(hessian, max(absOf(g.bound - lambdaAlong / size), g.bound / 2) / std::sqrt(error2));
-  return false;
+  const auto over = size2 > g.bound * g.bound;
+  if (!anyOf(over)) return over;
+  const L size = sqrtOf(size2);
+  const L cut = g.bound / size;
+  for (int i = 0; i < count; ++i) force[i] = select(over, force[i] * cut, force[i]);
+  const L secant = maxOf(absOf(g.bound - lambdaAlong / size), Real(.5) * g.bound) / sqrtOf(error2);
+  hessian = select(over & (error2 > zero), minOf(hessian, secant), hessian);
+  return over;
+}
+/// The same; returns whether the force is inside its bound.
+template <int N>
+RUBBLE_HD RUBBLE_NEAR bool groupForce(const GroupState& g, const Real* error, const Real* lambda, Real (&force)[N], int count, Real& hessian) {
+  return !cutForce<N, Real>({g.k, g.compliance, g.bound}, error, lambda, force, count, hessian);
 }
 
 /// \eq{S15} f -= F J^T, H += k J^T J for one row.
@@ -62,16 +75,25 @@ RUBBLE_HD RUBBLE_NEAR void stampRow(Block6& block, const Vec6& j, Real force, Re
 }
 
 /// \eq{S16} The second-derivative term G = sum F d2C/dx2 of a force, replaced by the diagonal of its column norms: H += diag(g).
-RUBBLE_HD RUBBLE_NEAR void stampCurvature(Block6& block, const Vec6& g) {
+template <class L>
+RUBBLE_HD RUBBLE_NEAR void stampCurvature(Block6T<L>& block, const Vec6T<L>& g) {
   block.ll.xx += g.lin.x, block.ll.yy += g.lin.y, block.ll.zz += g.lin.z;
   block.aa.xx += g.ang.x, block.aa.yy += g.ang.y, block.aa.zz += g.ang.z;
 }
+/// The same where the body's centre lies `shift` from the point that the block is about.
+RUBBLE_HD RUBBLE_NEAR void stampCurvature(Block6& block, const Vec6& g, const Vec3& shift) {
+  // few rows have a linear part
+  if (!(g.lin.x + g.lin.y + g.lin.z > Real(0))) return stampCurvature(block, g);
+  addAtLever(block, shift, {0, 0, 0}, Sym3{g.lin.x, 0, 0, g.lin.y, 0, g.lin.z});
+  stampCurvature(block, {{0, 0, 0}, g.ang});
+}
 
 /// Second derivative of a . r(w) for a vector r = b that turns with the body: S(a, b) = (a b^T + b a^T) / 2 - (a . b) 1. Norms of its columns.
-RUBBLE_HD RUBBLE_NEAR Vec3 turningColumnNorms(const Vec3& a, const Vec3& b) {
-  const Real aa = dot(a, a), bb = dot(b, b), ab = dot(a, b);
-  const auto norm = [&](Real ac, Real bc) {
-    return std::sqrt(max((aa * bc * bc + bb * ac * ac) / 4 - Real(1.5) * ab * ac * bc + ab * ab, Real(0)));
+template <class L = Real>
+RUBBLE_HD RUBBLE_NEAR Vec3T<L> turningColumnNorms(const Vec3T<L>& a, const Vec3T<L>& b) {
+  const L aa = dot(a, a), bb = dot(b, b), ab = dot(a, b), zero = LaneAccess<L>::splat(0);
+  const auto norm = [&](L ac, L bc) {
+    return sqrtOf(maxOf(Real(.25) * (aa * bc * bc + bb * ac * ac) - Real(1.5) * ab * ac * bc + ab * ab, zero));
   };
   return {norm(a.x, b.x), norm(a.y, b.y), norm(a.z, b.z)};
 }

@@ -13,13 +13,15 @@ RUBBLE_HD inline Real startStiffness(const StepConstants& c, Real rowInertia) {
 }
 
 /// How k of one row moves. `unit` = m_row / dt^2.
-struct StiffnessRule {
+template <class L>
+struct StiffnessRuleT {
   StiffnessPolicy policy;
-  Real start;         ///< k_start
-  Real limit;         ///< k_max
-  Real beta;          ///< Ramp: growth for each unit of error
-  Real perLoad;       ///< FollowLoad: 1 / (a dt^2): the mass that the load is the weight of, at acceleration a, over dt^2
+  L start;            ///< k_start
+  L limit;            ///< k_max
+  L beta;             ///< Ramp: growth for each unit of error
+  L perLoad;          ///< FollowLoad: 1 / (a dt^2): the mass that the load is the weight of, at acceleration a, over dt^2
 };
+using StiffnessRule = StiffnessRuleT<Real>;
 
 /// `rampRate`: B; `length`: characteristic length of a linear row [m], 1 for an angular row.
 RUBBLE_HD inline StiffnessRule stiffnessRule(const StepConstants& c, StiffnessPolicy policy, Real rampRate, Real start, Real length) {
@@ -52,11 +54,16 @@ RUBBLE_HD inline StiffnessRule tangentRule(const StepConstants& c, StiffnessRule
 
 /// \eq{S14} k + beta |C|, up to the ceiling; or the stiffness that follows the load, max(k_start, |lambda| / (a dt^2)).
 template <class L>
+RUBBLE_HD RUBBLE_NEAR L grownBy(const StiffnessRuleT<L>& rule, L k, L error, L multiplier) {
+  if (rule.policy == StiffnessPolicy::FollowLoad) return minOf(maxOf(rule.start, absOf(multiplier) * rule.perLoad), rule.limit);
+  return minOf(k + rule.beta * absOf(error), rule.limit);
+}
+/// The same for rows side by side that have one rule.
+template <class L>
 RUBBLE_HD L grownStiffness(const StiffnessRule& rule, L k, L error, L multiplier) {
   using A = LaneAccess<L>;
-  if (rule.policy == StiffnessPolicy::FollowLoad)
-    return minOf(maxOf(A::splat(rule.start), absOf(multiplier) * A::splat(rule.perLoad)), A::splat(rule.limit));
-  return minOf(k + A::splat(rule.beta) * absOf(error), A::splat(rule.limit));
+  const StiffnessRuleT<L> each{rule.policy, A::splat(rule.start), A::splat(rule.limit), A::splat(rule.beta), A::splat(rule.perLoad)};
+  return grownBy(each, k, error, multiplier);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -52,13 +52,13 @@ struct JointBlocks {
   static constexpr bool kRelative = !F::kGrounded && !isCarried<F>();
   RUBBLE_HD static BlockBodies bodies(const View& s, int i) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
-    return {spec.a, spec.b, active<F>(s, i)};
+    return {spec.a, spec.b, s.jointsOf<F>()[i].acts != 0};
   }
   /// visit(body, code, other) for the entries of its dynamic bodies.
   template <class Visit>
   RUBBLE_HD static void visitEntries(const View& s, int i, Visit&& visit) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
-    if (!active<F>(s, i)) return;
+    if (!s.jointsOf<F>()[i].acts) return;
     if constexpr (isCarried<F>()) {
       const auto takesPart = [&](int side) { return isDynamic(s, bodyOf(spec, side)) && isFirstSide(spec, side); };
       for (int side = 0; side < kSides<F>; ++side) {
@@ -75,7 +75,7 @@ struct JointBlocks {
   RUBBLE_HD static int joinLevel(const View& s, int i) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     if (!spec.holds || spec.a == kWorldBody || spec.b == kWorldBody) return kCoarseLevels;
-    return inExactTree(s, spec.a) ? kCoarseLevels : finestSharedLevel(s, spec.a, spec.b);
+    return inExactTree(s, spec.a) ? kCoarseLevels : s.jointsOf<F>()[i].sharedLevel;
   }
 };
 

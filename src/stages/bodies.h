@@ -78,11 +78,12 @@ RUBBLE_HD SidePose<F> poseOfB(const View& s, const JointSpec<F>& spec, const Joi
     return jointPose(s, spec.b, {0, 0, 0});
 }
 
+/// Adds a joint to the block of one of its bodies, about the point from which its centre lies `shift` away.
 template <class F>
-RUBBLE_HD RUBBLE_APART void stampJointOfBody(const View& s, int index, int side, Block6& block) {
+RUBBLE_HD RUBBLE_APART void stampJointOfBody(const View& s, int index, int side, Block6& block, const Vec3& shift) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
   const Joint<F>& joint = s.jointsOf<F>()[index];
-  stampJoint(spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), side, block);
+  stampJoint(spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), side, block, shift);
 }
 
 /// Adds one lane-wise block into a scalar one.
@@ -117,7 +118,7 @@ RUBBLE_HD void addContact(const View& s, std::uint32_t code, int lane, Block6T<L
 RUBBLE_HD inline void addJoint(const View& s, std::uint32_t code, Block6& block) {
   forEachType(JointTypes{}, [&]<class F>() {
     if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
-      stampJointOfBody<F>(s, jointIndex<F>(code), jointSide<F>(code), block);
+      stampJointOfBody<F>(s, jointIndex<F>(code), jointSide<F>(code), block, {0, 0, 0});
   });
   if (entryType(code) > JointTypes::kSize) addSoftRows(s, code, block);
 }
@@ -133,6 +134,21 @@ RUBBLE_HD inline void finishBlock(const View& s, int i, Block6 block, Pose x) {
   s.moved[i] = {x.p, 0, logRotation(x.q), 0};
 }
 
+/// Adds the row blocks of a body from entry k on.
+template <class L>
+RUBBLE_HD void addRows(const View& s, int k, int end, Block6& block) {
+  if (k < end && entryType(s.entry[k].code) == kContactType) {
+    constexpr int kStep = sizeof(L) / sizeof(Real);
+    Block6T<L> points;
+    for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
+      for (int lane = 0; lane < kLanes; lane += kStep) addContact<L>(s, s.entry[k].code, lane, points);
+      if (s.rolls) addRolling(s, s.entry[k].code, block);
+    }
+    addLanes(block, points);
+  }
+  for (; k < end; ++k) addJoint(s, s.entry[k].code, block);
+}
+
 /// The primal update of one body: force [S 5] and Hessian [S 6] of its inertia and its rows, one Newton step [S 3].
 template <class L>
 struct SolveBody {
@@ -140,16 +156,7 @@ struct SolveBody {
   RUBBLE_HD void operator()(const View& s, int i) const {
     Block6 block;
     const Pose x = startBlock(s, i, block);
-    constexpr int kStep = sizeof(L) / sizeof(Real);
-    Block6T<L> points;
-    int k = s.entryOffset[i];
-    const int end = s.entryOffset[i + 1];
-    for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
-      for (int lane = 0; lane < kLanes; lane += kStep) addContact<L>(s, s.entry[k].code, lane, points);
-      if (s.rolls) addRolling(s, s.entry[k].code, block);
-    }
-    addLanes(block, points);
-    for (; k < end; ++k) addJoint(s, s.entry[k].code, block);
+    addRows<L>(s, s.entryOffset[i], s.entryOffset[i + 1], block);
     finishBlock(s, i, block, x);
   }
 };

@@ -9,7 +9,10 @@ namespace rubble::RUBBLE_CORE {
 /// A level holds bodies up to this many cells wide (half extent): typical bodies, turned any way, share one level.
 inline constexpr Real kLevelFill = Real(1.25);
 
-RUBBLE_HD inline Real cellSize(const View& s, int level) { return s.baseCell * std::ldexp(Real(1), level - kBaseLevel); }
+RUBBLE_HD inline Real cellSize(const View& s, int level) {
+  const int n = level - kBaseLevel;
+  return n < 0 ? s.baseCell / static_cast<Real>(1u << -n) : s.baseCell * static_cast<Real>(1u << n);
+}
 
 RUBBLE_HD inline int cellOf(Real x, Real size) {
   constexpr Real kFar = Real(1e9);
@@ -46,8 +49,8 @@ struct ComputeBounds {
     b.half = boundingHalf(p.shape, q) + (anywhere ? Vec3{way, way, way} : abs(sweep)) + Vec3{grow, grow, grow};
     int level = 0;
     const Real widest = max(b.half.x, max(b.half.y, b.half.z));
-    while (level < kGridLevels - 1 && widest > kLevelFill * cellSize(s, level)) ++level;
-    const Real size = cellSize(s, level);
+    Real size = cellSize(s, level);
+    while (level < kGridLevels - 1 && widest > kLevelFill * size) ++level, size *= 2;
     b.level = level;
     b.x = cellOf(b.centre.x, size), b.y = cellOf(b.centre.y, size), b.z = cellOf(b.centre.z, size);
     if (int& members = s.counters->levelCount[level]; members <= kListedBodies)
@@ -56,6 +59,12 @@ struct ComputeBounds {
       const int bits = floatBits(b.half[k] * Real(1.000001));
       if (bits > s.counters->levelHalf[level][k]) atomicRaise(&s.counters->levelHalf[level][k], bits);
     }
+    const int cell[3] = {b.x, b.y, b.z};
+    for (int k = 0; k < 3; ++k)
+      for (int side = 0; side < 2; ++side) {
+        const int reach = kCellOrigin + (side == 0 ? -cell[k] : cell[k]);
+        if (int& most = s.counters->levelReach[level][side][k]; reach > most) atomicRaise(&most, reach);
+      }
     atomicCount(&s.bucketCount[bucketOf(s, level, b.x, b.y, b.z)], 1);
   }
 };
@@ -87,6 +96,7 @@ RUBBLE_HD bool visitListed(const View& s, int level, Visit&& visit, int lane = 0
 /// Cells of a level in which the centre of a body may be that these bounds touch.
 struct CellRange {
   int x0, x1, y0, y1, z0, z1;
+  RUBBLE_HD bool empty() const { return x1 < x0 || y1 < y0 || z1 < z0; }
   RUBBLE_HD int rows() const { return (y1 - y0 + 1) * (z1 - z0 + 1); }
   RUBBLE_HD double cells() const { return (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1); }
 };
@@ -94,8 +104,9 @@ RUBBLE_HD inline CellRange cellsAround(const View& s, const Bounds& b, int level
   const Real size = cellSize(s, level);
   Vec3 reach;
   for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
-  const auto low = [&](int k) { return cellOf(b.centre[k] - reach[k], size); };
-  const auto high = [&](int k) { return cellOf(b.centre[k] + reach[k], size); };
+  const auto& most = s.counters->levelReach[level];
+  const auto low = [&](int k) { return max(cellOf(b.centre[k] - reach[k], size), kCellOrigin - most[0][k]); };
+  const auto high = [&](int k) { return min(cellOf(b.centre[k] + reach[k], size), most[1][k] - kCellOrigin); };
   return {low(0), high(0), low(1), high(1), low(2), high(2)};
 }
 
@@ -126,6 +137,7 @@ RUBBLE_HD void searchBounds(const View& s, int i, Found&& found, int lane = 0, i
     if (visitListed(s, level, tryEntry, lane, lanes)) continue;
     const Real size = cellSize(s, level);
     const CellRange c = cellsAround(s, b, level);
+    if (c.empty()) continue;
     // more cells than buckets: then rather all bodies (one that flies off at any speed costs no more than that)
     if (c.cells() > s.cells) {
       for (int k = lane; k < s.bucketOffset[s.cells]; k += lanes)

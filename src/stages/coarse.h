@@ -46,7 +46,8 @@ RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shi
 RUBBLE_HD inline void addInertia(const View& s, const Group& group, int body, Block6& sum) {
   Block6 own;
   setInertialHessian(own, s.target[body].mass, s.step.inverseDt * s.step.inverseDt);
-  addShifted(sum, own, shiftOf(s, group, body));
+  addAtLever(sum, shiftOf(s, group, body), {0, 0, 0}, own.ll.xx);
+  sum.aa += own.aa;
 }
 
 /// The inertia of a chunk's bodies about the centre of the group: constant in the step.
@@ -65,7 +66,7 @@ struct TakeInertia {
   RUBBLE_HD void operator()(const View& s, int g) const {
     Group& group = s.group[g];
     group.inertia = s.chunk[group.chunkBegin].sum;
-    for (int k = group.chunkBegin + 1; k < group.chunkEnd; ++k) addShifted(group.inertia, s.chunk[k].sum, {0, 0, 0});
+    for (int k = group.chunkBegin + 1; k < group.chunkEnd; ++k) group.inertia += s.chunk[k].sum;
   }
 };
 
@@ -158,9 +159,7 @@ RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t c
     const JointSpec<F>& spec = s.specsOf<F>()[index];
     if constexpr (isCarried<F>())
       if (addSharedJoint<F>(s, group, index, side, sum)) return;
-    Block6 own;
-    stampJointOfBody<F>(s, index, side, own);
-    addShifted(sum, own, shiftOf(s, s.group[group], bodyOf(spec, side)));
+    stampJointOfBody<F>(s, index, side, sum, shiftOf(s, s.group[group], bodyOf(spec, side)));
   });
   addExternalSoftRows(s, group, code, sum);
 }
@@ -171,23 +170,29 @@ struct SumChunk {
   static constexpr const char* kName = "coarse";
   RUBBLE_HD void operator()(const View& s, int i) const {
     Chunk& chunk = s.chunk[i];
-    const Group& group = s.group[chunk.group];
     Block6 sum;
-    for (int k = chunk.begin; k < chunk.end; ++k) addInertialForce(s, group, s.member[k], sum);
+    for (int k = chunk.begin; k < chunk.end; ++k) addInertialForce(s, s.group[chunk.group], s.member[k], sum);
+    addExternals(s, chunk, s.externalOffset[i], s.externalOffset[i + 1], sum);
+    chunk.sum = sum;
+  }
+  /// Adds the row blocks [k, end) that leave the group.
+  RUBBLE_HD static void addExternals(const View& s, const Chunk& chunk, int k, int end, Block6& sum) {
+    const Group& group = s.group[chunk.group];
     constexpr int kStep = sizeof(L) / sizeof(Real);
     Block6T<L> points;
-    for (int k = s.externalOffset[i]; k < s.externalOffset[i + 1]; ++k) {
+    bool touches = false;
+    for (; k < end; ++k) {
       const std::uint32_t code = s.external[k];
       if (entryType(code) == kContactType) {
         const ContactRows& r = s.contact[entryIndex(code)];
         for (int lane = 0; lane < kLanes; lane += kStep) addExternalContact<L>(s, group, r, entrySide(code), lane, points);
         if (s.rolls) addRolling(s, code, sum);
+        touches = true;
       } else {
         addExternalJoint(s, chunk.group, code, sum);
       }
     }
-    addLanes(sum, points);
-    chunk.sum = sum;
+    if (touches) addLanes(sum, points);
   }
 };
 
@@ -206,10 +211,14 @@ struct SolveGroup {
   static constexpr const char* kName = "coarse";
   RUBBLE_HD void operator()(const View& s, int g) const {
     Group& group = s.group[g];
+    group.step = groupStep(group, sumOf(s, group));
+  }
+  /// Its local problem: inertia and the sums of its chunks.
+  RUBBLE_HD static Block6 sumOf(const View& s, const Group& group) {
     Block6 block = group.inertia;
     block.fl = block.fa = {0, 0, 0};
-    for (int k = group.chunkBegin; k < group.chunkEnd; ++k) addShifted(block, s.chunk[k].sum, {0, 0, 0});
-    group.step = groupStep(group, block);
+    for (int k = group.chunkBegin; k < group.chunkEnd; ++k) block += s.chunk[k].sum;
+    return block;
   }
 };
 

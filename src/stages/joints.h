@@ -32,9 +32,11 @@ template <class F>
 struct BeginJoints {
   static constexpr const char* kName = "joint rows";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (!active<F>(s, i)) return;
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     Joint<F>& joint = s.jointsOf<F>()[i];
+    joint.acts = active<F>(s, i);
+    if (!joint.acts) return;
+    joint.sharedLevel = spec.a == kWorldBody || spec.b == kWorldBody ? kCoarseLevels : finestSharedLevel(s, spec.a, spec.b);
     const Vec3d origin = jointOrigin(s, spec.b);
     joint.offset = Vec3(jointOrigin(s, spec.a) - origin);
     if constexpr (isCarried<F>()) {
@@ -67,9 +69,9 @@ template <class F>
 struct UpdateJointDuals {
   static constexpr const char* kName = "joint dual";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (!active<F>(s, i)) return;
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     Joint<F>& joint = s.jointsOf<F>()[i];
+    if (!joint.acts) return;
     updateJointDuals(s.step, spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint));
   }
 };
@@ -78,7 +80,7 @@ template <class F>
 struct FinishJoints {
   static constexpr const char* kName = "joint end";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (active<F>(s, i) && endJoint(s.specsOf<F>()[i], s.jointsOf<F>()[i])) atomicCount(&s.counters->broken, 1);
+    if (s.jointsOf<F>()[i].acts && endJoint(s.specsOf<F>()[i], s.jointsOf<F>()[i])) atomicCount(&s.counters->broken, 1);
   }
 };
 

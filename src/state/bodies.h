@@ -133,6 +133,8 @@ inline constexpr int kChunkMembers = 32;
 /// Levels of the grid: cell of level k is 2^(k - kBaseLevel) base cells.
 inline constexpr int kGridLevels = 32;
 inline constexpr int kBaseLevel = 12;
+/// More than any cell of the grid is from the first.
+inline constexpr int kCellOrigin = 1 << 30;
 /// A level with no more bodies than this lists them: nobody looks for a ball or the ground in a hundred cells.
 inline constexpr int kListedBodies = 8;
 
@@ -157,6 +159,7 @@ struct Counters {
   int levelCount[kGridLevels];       ///< bodies of a level, counted up to kListedBodies and a few more
   int levelBody[kGridLevels][kListedBodies];  ///< the first of them, in no fixed order
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]
+  int levelReach[kGridLevels][2][3];  ///< cells of a level in use: kCellOrigin less the lowest, and plus the highest
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -12,11 +12,12 @@
 namespace rubble::RUBBLE_CORE {
 
 /// An executor with bodies in its tables; runs single parts of a step.
-class CoreWorld {
+template <class E>
+class CoreWorldOn {
  public:
-  explicit CoreWorld(int threads = 1) : executor_(threads) { settings_.gravity = {0, 0, -10}; }
+  explicit CoreWorldOn(int threads = 1) : executor_(threads) { settings_.gravity = {0, 0, -10}; }
 
-  CpuExecutor& executor() { return executor_; }
+  E& executor() { return executor_; }
   View& view() { return executor_.view(); }
   EngineSettings& settings() { return settings_; }
 
@@ -45,10 +46,11 @@ class CoreWorld {
     setExclusions(executor_.tables(), exclusions);
   }
   /// A ball joint of two slots, as engines have them.
-  void addBall(int slot, int a, int b) {
+  void addBall(int slot, int a, int b, const rubble::Vec3& anchorA = {}, const rubble::Vec3& anchorB = {}) {
     setJointCount(executor_.tables(), 0, slot + 1);
     EngineJoint joint;
     joint.a = a, joint.b = b;
+    joint.anchorA = anchorA, joint.anchorB = anchorB;
     joint.alive = true;
     setJoint(executor_.tables(), slot, joint);
   }
@@ -68,10 +70,11 @@ class CoreWorld {
   }
 
  private:
-  CpuExecutor executor_;
+  E executor_;
   EngineSettings settings_;
   std::vector<int> planes_;
 };
+using CoreWorld = CoreWorldOn<CpuExecutor>;
 
 /// Every pair whose swept boxes meet, or whose box meets a half space; at least one body of it is dynamic.
 inline std::set<std::pair<int, int>> allPairs(const View& s) {

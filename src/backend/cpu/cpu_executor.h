@@ -11,6 +11,7 @@
 #include <rubble/report.h>
 
 #include "backend/cpu/host_memory.h"
+#include "backend/cpu/side_by_side.h"
 #include "backend/state_rows.h"
 #include "stages/step.h"
 #include "state/tables.h"
@@ -39,7 +40,7 @@ class CpuExecutor {
   void forEach(const Kernel& kernel, int n) {
     const StageClock clock(*this, Kernel::kName);
     const View& s = view();
-    forRange(n, [&](int i) { kernel(s, i); });
+    run(s, kernel, n, [](int i) { return i; });
   }
   template <class Kernel>
   void forEach(const Kernel& kernel, int Counters::*n) { forEach(kernel, view().counters->*n); }
@@ -49,7 +50,7 @@ class CpuExecutor {
     const StageClock clock(*this, Kernel::kName);
     const View& s = view();
     const int begin = (s.*offsets)[k];
-    forRange((s.*offsets)[k + 1] - begin, [&](int i) { kernel(s, begin + i); });
+    run(s, kernel, (s.*offsets)[k + 1] - begin, [&](int i) { return begin + i; });
   }
 
   void clear(int* View::*array, int n) { std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n)); }
@@ -114,10 +115,10 @@ class CpuExecutor {
     const View& s = view();
     for (int c = 0; c < s.counters->colors; ++c) {
       const int begin = s.colorOffset[c];
-      forRange(s.colorOffset[c + 1] - begin, [&](int k) { kernel(s, s.colorBody[begin + k]); });
+      run(s, kernel, s.colorOffset[c + 1] - begin, [&](int k) { return s.colorBody[begin + k]; });
       if (s.vertices == 0) continue;
       const int first = s.vertexColorOffset[c];
-      forRange(s.vertexColorOffset[c + 1] - first, [&](int k) { vertexKernel(s, s.colorVertex[first + k]); });
+      run(s, vertexKernel, s.vertexColorOffset[c + 1] - first, [&](int k) { return s.colorVertex[first + k]; });
     }
   }
 
@@ -155,17 +156,32 @@ class CpuExecutor {
     Clock::time_point begin_;
   };
 
+  /// The kernel at at(0), ..., at(n - 1): four side by side where it can.
+  template <class Kernel, class At>
+  void run(const View& s, const Kernel& kernel, int n, At&& at) {
+    forRange(n, [&](int begin, int end) {
+      int i = begin;
+      if constexpr (requires(const Four& four) { Together<Kernel>::run(s, four); })
+        for (; i + kLanes <= end; i += kLanes) {
+          const auto four = [&](auto&& f, int k) {
+            if (k + kLanes <= end) f({at(k), at(k + 1), at(k + 2), at(k + 3)});
+          };
+          if constexpr (requires(const Four& a) { Together<Kernel>::expect(s, a); }) {
+            four([&](const Four& a) { Together<Kernel>::expect(s, a); }, i + kAhead * kLanes);
+            four([&](const Four& a) { Together<Kernel>::prepare(s, a); }, i + kLanes);
+          }
+          four([&](const Four& a) { Together<Kernel>::run(s, a); }, i);
+        }
+      for (; i < end; ++i) kernel(s, at(i));
+    });
+  }
+  /// f(begin, end) for parts of [0, n).
   template <class F>
   void forRange(int n, F&& f) {
     // below this there is too little work to share
     constexpr int kGrain = 64;
-    if (n <= kGrain || arena_.max_concurrency() == 1) {
-      for (int i = 0; i < n; ++i) f(i);
-      return;
-    }
-    const auto body = [&](const tbb::blocked_range<int>& range) {
-      for (int i = range.begin(); i < range.end(); ++i) f(i);
-    };
+    if (n <= kGrain || arena_.max_concurrency() == 1) return f(0, n);
+    const auto body = [&](const tbb::blocked_range<int>& range) { f(range.begin(), range.end()); };
     tbb::parallel_for(tbb::blocked_range<int>(0, n, kGrain), body, tbb::static_partitioner{});
   }
 

@@ -20,7 +20,7 @@ __device__ inline void solveBodyInOrder(const View& s, int i) {
   const int end = s.entryOffset[i + 1];
   for (; k < end && entryType(s.entry[k].code) == kContactType; ++k)
     for (int lane = 0; lane < kLanes; ++lane) addContact<Real>(s, s.entry[k].code, lane, points[lane]);
-  addLanesInOrder(block, points);
+  if (k > s.entryOffset[i]) addLanesInOrder(block, points);
   for (; k < end; ++k) addJoint(s, s.entry[k].code, block);
   finishBlock(s, i, block, x);
 }
@@ -53,6 +53,7 @@ struct SumChunkInOrder {
     Chunk& chunk = s.chunk[i];
     const Group& group = s.group[chunk.group];
     Block6 sum, points[kLanes];
+    bool touches = false;
     for (int k = chunk.begin; k < chunk.end; ++k) addInertialForce(s, group, s.member[k], sum);
     for (int k = s.externalOffset[i]; k < s.externalOffset[i + 1]; ++k) {
       const std::uint32_t code = s.external[k];
@@ -61,8 +62,9 @@ struct SumChunkInOrder {
           addExternalContact<Real>(s, group, s.contact[entryIndex(code)], entrySide(code), lane, points[lane]);
       else
         addExternalJoint(s, chunk.group, code, sum);
+      touches |= entryType(code) == kContactType;
     }
-    addLanesInOrder(sum, points);
+    if (touches) addLanesInOrder(sum, points);
     chunk.sum = sum;
   }
 };

@@ -1,0 +1,143 @@
+#pragma once
+/// What stages read of four bodies, blocks or joints, gathered into the lanes of vector registers and scattered from there.
+#include <cstddef>
+
+#include "stages/coarse.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Indices of four elements.
+using Four = int[kLanes];
+
+/// The numbers [4 k, 4 k + 4) of four structs of numbers.
+template <class T>
+RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* a, const T* b, const T* c, const T* d, int k = 0) {
+  const auto at = [&](const T* p) { return reinterpret_cast<const Real*>(p) + 4 * k; };
+  return LaneAccess<Real4>::gatherQuad(at(a), at(b), at(c), at(d));
+}
+template <class T>
+RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* table, const Four& i, int k = 0) {
+  return gatherNumbers(table + i[0], table + i[1], table + i[2], table + i[3], k);
+}
+RUBBLE_NEAR Vec3T<Real4> vectorOf(const Quad<Real4>& q) { return {q.x, q.y, q.z}; }
+RUBBLE_NEAR QuatT<Real4> quaternionOf(const Quad<Real4>& q) { return {q.x, {q.y, q.z, q.w}}; }
+
+/// A block that is read and written by fours.
+struct PaddedBlock {
+  Block6 block;
+  Real pad = 0;
+};
+inline constexpr int kBlockQuads = sizeof(PaddedBlock) / (4 * sizeof(Real));
+static_assert(sizeof(Block6) == 27 * sizeof(Real) && sizeof(Block6T<Real4>) == 27 * sizeof(Real4));
+
+RUBBLE_NEAR void gatherBlocks(const PaddedBlock (&in)[kLanes], Block6T<Real4>& out) {
+  auto* const to = reinterpret_cast<Real4Aliased*>(&out);
+  for (int k = 0; k < kBlockQuads; ++k) {
+    const Quad<Real4> q = gatherNumbers(&in[0], &in[1], &in[2], &in[3], k);
+    to[4 * k] = q.x, to[4 * k + 1] = q.y, to[4 * k + 2] = q.z;
+    if (k + 1 < kBlockQuads) to[4 * k + 3] = q.w;
+  }
+}
+RUBBLE_NEAR void scatterBlocks(const Block6T<Real4>& in, PaddedBlock (&out)[kLanes]) {
+  const auto* const from = reinterpret_cast<const Real4Aliased*>(&in);
+  const auto at = [&](int lane, int k) { return reinterpret_cast<Real*>(&out[lane]) + 4 * k; };
+  for (int k = 0; k < kBlockQuads; ++k) {
+    const Real4 last = k + 1 < kBlockQuads ? from[4 * k + 3] : from[4 * k];
+    LaneAccess<Real4>::scatterQuad(at(0, k), at(1, k), at(2, k), at(3, k), {from[4 * k], from[4 * k + 1], from[4 * k + 2], last});
+  }
+}
+
+/// Displacement and rotation since x^t of four bodies.
+RUBBLE_NEAR PoseT<Real4> gatherPoses(const View& s, const Four& body) {
+  return {vectorOf(gatherNumbers(s.moved, body)), quaternionOf(gatherNumbers(s.turned, body))};
+}
+/// Their inertia and their targets.
+struct TargetLanes {
+  MassMatrixT<Real4> mass;
+  PoseT<Real4> y;
+};
+RUBBLE_NEAR TargetLanes gatherTargets(const View& s, const Four& body) {
+  static_assert(offsetof(BodyTarget, y) == 7 * sizeof(Real) && offsetof(BodyTarget, locks) == 14 * sizeof(Real));
+  const Quad<Real4> q[4] = {gatherNumbers(s.target, body, 0), gatherNumbers(s.target, body, 1), gatherNumbers(s.target, body, 2),
+                            gatherNumbers(s.target, body, 3)};
+  return {{q[0].x, {q[0].y, q[0].z, q[0].w, q[1].x, q[1].y, q[1].z}}, {{q[1].w, q[2].x, q[2].y}, {q[2].z, {q[2].w, q[3].x, q[3].y}}}};
+}
+
+/// Puts four bodies at x; false, and nothing is done, where a rotation is large.
+RUBBLE_NEAR bool placeTogether(const View& s, const Four& body, const PoseT<Real4>& x) {
+  const QuatT<Real4> q = shortArc(x.q);
+  const Real4 u2 = dot(q.v, q.v), zero = LaneAccess<Real4>::splat(0);
+  if (!allOf(u2 < LaneAccess<Real4>::splat(kSmallTurn2))) return false;
+  const Vec3T<Real4> turn = logOfSmall(q, u2);
+  const auto scatter = [&](auto* table, int k, const Quad<Real4>& v) {
+    const auto at = [&](int lane) { return reinterpret_cast<Real*>(table + body[lane]) + 4 * k; };
+    LaneAccess<Real4>::scatterQuad(at(0), at(1), at(2), at(3), v);
+  };
+  scatter(s.turned, 0, {x.q.s, x.q.v.x, x.q.v.y, x.q.v.z});
+  scatter(s.moved, 0, {x.p.x, x.p.y, x.p.z, zero});
+  scatter(s.moved, 1, {turn.x, turn.y, turn.z, zero});
+  return true;
+}
+
+/// Ball joints side by side: what the sweeps read of them.
+struct BallLanes {
+  BallJoint::DataT<Real4> data;
+  PoseT<Real4> a, b;
+  Real4 lambda[3], shift[3];
+  GroupLaw<Real4> law;
+  GroupRows<AnchorRows::kRows>* rows[kLanes];  ///< where they are from
+};
+
+/// Is a ball joint between two bodies, and held?
+RUBBLE_NEAR bool isPlainBall(const View& s, int index) {
+  const JointSpec<BallJoint>& spec = s.specsOf<BallJoint>()[index];
+  return spec.a != kWorldBody && spec.b != kWorldBody && partOf<0>(spec.parts).mode != GroupMode::Off;
+}
+/// Is a row block one of these?
+RUBBLE_NEAR bool isPlainBall(const View& s, std::uint32_t code) {
+  if (entryType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return false;
+  return isPlainBall(s, entryIndex(code));
+}
+
+RUBBLE_NEAR BallLanes gatherBalls(const View& s, const Four& index) {
+  using Rows = GroupRows<AnchorRows::kRows>;
+  static_assert(offsetof(Rows, state) == 6 * sizeof(Real) && sizeof(Rows) == 15 * sizeof(Real) && sizeof(BallJoint::Data) == 6 * sizeof(Real));
+  const JointSpec<BallJoint>* const specs = s.specsOf<BallJoint>();
+  Joint<BallJoint>* const joints = s.jointsOf<BallJoint>();
+  BallLanes j;
+  Four a, b;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    a[lane] = specs[index[lane]].a, b[lane] = specs[index[lane]].b;
+    j.rows[lane] = &partOf<0>(joints[index[lane]].parts);
+  }
+  const auto gatherSpecs = [&](int k) {
+    return gatherNumbers(&specs[index[0]].data, &specs[index[1]].data, &specs[index[2]].data, &specs[index[3]].data, k);
+  };
+  const Quad<Real4> anchors = gatherSpecs(0), rest = gatherSpecs(1);
+  j.data = {{anchors.x, anchors.y, anchors.z}, {anchors.w, rest.x, rest.y}};
+  const auto gatherRows = [&](int k) { return gatherNumbers(j.rows[0], j.rows[1], j.rows[2], j.rows[3], k); };
+  const Quad<Real4> first = gatherRows(0), second = gatherRows(1), third = gatherRows(2);
+  j.lambda[0] = first.x, j.lambda[1] = first.y, j.lambda[2] = first.z;
+  j.shift[0] = first.w, j.shift[1] = second.x, j.shift[2] = second.y;
+  j.law = {second.z, second.w, third.x};
+  const auto place = [&](const Four& body, const Vec3T<Real4>& offset) -> PoseT<Real4> {
+    const PoseT<Real4> moved = gatherPoses(s, body);
+    return {offset + moved.p, moved.q * quaternionOf(gatherNumbers(s.orientation, body))};
+  };
+  const Real4 zero = LaneAccess<Real4>::splat(0);
+  j.a = place(a, vectorOf(gatherNumbers(&joints[index[0]].offset, &joints[index[1]].offset, &joints[index[2]].offset, &joints[index[3]].offset)));
+  j.b = place(b, {zero, zero, zero});
+  return j;
+}
+
+/// Adds four ball joints to the blocks of one of their bodies each, as stampJoint does.
+inline void stampBalls(const View& s, const std::uint32_t (&code)[kLanes], Block6T<Real4>& block, const Vec3T<Real4>& shift) {
+  const auto side = [&](int lane) { return static_cast<Real>(entrySide(code[lane])); };
+  const BallLanes j = gatherBalls(s, {entryIndex(code[0]), entryIndex(code[1]), entryIndex(code[2]), entryIndex(code[3])});
+  Real4 error[3], force[3], hessian;
+  heldErrors<AnchorRows>(j.shift, j.data, NoMemory{}, j.a, j.b, error);
+  cutForce<3>(j.law, error, j.lambda, force, 3, hessian);
+  AnchorRows::stamp(j.data, j.a, j.b, Real4{side(0), side(1), side(2), side(3)} == LaneAccess<Real4>::splat(0), shift, force, hessian, block);
+}
+
+}  // namespace rubble::RUBBLE_CORE
