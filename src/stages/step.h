@@ -247,13 +247,15 @@ void step(E& e) {
   if (e.view().step.coarseCorrection) prepareGroups(e);
   if (e.view().step.coarseCorrection && vertices > 0) placeClusters(e);
 
+  // vertices that hang on bodies know nothing of joints that are held harder than they are: with them trees stay before the sweep
+  const bool treesEnd = nodes > 0 && vertices == 0;
   for (int n = 0; n < e.view().step.iterations; ++n) {
     if (e.view().step.coarseCorrection) correctGroups(e, n);
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
     const bool last = n + 1 == e.view().step.iterations;
-    if (nodes > 0 && !last) correctTrees(e, false);
+    if (nodes > 0 && !(last && treesEnd)) correctTrees(e, false);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
-    if (nodes > 0 && last) correctTrees(e, true);
+    if (last && treesEnd) correctTrees(e, true);
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);
     if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);
@@ -266,7 +268,7 @@ void step(E& e) {
   if (vertices > 0) finishSoftRows(e);
   stopFastBodies(e);
   e.forEach(FinishBodies{}, bodies);
-  if (nodes > 0) closeTrees(e);
+  if (treesEnd) closeTrees(e);
   e.forEach(FinishVertices{}, vertices);
   if (e.view().step.sleeping) sleepIslands(e);
   e.keepManifolds();
