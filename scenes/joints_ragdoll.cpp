@@ -108,6 +108,10 @@ Scene buildRagdolls(const Arguments& arguments) {
     const double spread = value(arguments, "size_spread"), size = 1 + spread * (2 * std::fmod(i * .6180339887, 1) - 1);
     addRagdoll(scene, {1.1 * x + .15 * (level % 2), 1.1 * y, .5 + 2.1 * level}, 1.7 * i, "man" + std::to_string(i), size);
   }
+  // one man alone lands on both feet, and would stand there until round-off tips him over
+  if (n == 1)
+    for (BodyDef& body : scene.bodies)
+      if (body.name == "man0.head") body.velocity = {1, 0, 0};
   return scene;
 }
 Probes ragdollProbes(const Arguments&, const Scene&) {

@@ -1,6 +1,7 @@
 #pragma once
 /// The step on one page: algorithm 1 of the method, written once over an Executor. What runs in parallel, and where, is its business.
 #include "stages/assembly_stops.h"
+#include "stages/closing.h"
 #include "stages/coarse.h"
 #include "stages/coloring.h"
 #include "stages/rare_contacts.h"
@@ -143,17 +144,29 @@ void correctGroups(E& e, int iteration) {
   }
 }
 
-/// One step of all bodies that hang together by joints.
+/// One step of all bodies that hang together by joints. `last`: nothing moves them after it in this step.
 template <Executor E>
-void correctTrees(E& e) {
+void correctTrees(E& e, bool last) {
   const View& s = e.view();
   const int nodes = treeNodes(s);
   e.clear(&View::treeTurn, nodes);
-  e.forEach(AssembleTrees<typename E::Lane>{}, nodes);
+  e.forEach(AssembleTrees<typename E::Lane>{last}, nodes);
   for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
   for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
   forEachType(JointTypes{}, [&]<class F>() { e.forEach(TakeTreeForces<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   e.forEach(MoveTrees{}, nodes);
+}
+
+/// Joints that are open at the end of the step.
+template <Executor E>
+void closeTrees(E& e) {
+  const View& s = e.view();
+  const int nodes = treeNodes(s);
+  e.clear(&View::treeOpen, nodes);
+  forEachType(JointTypes{}, [&]<class F>() { e.forEach(FindOpenTrees<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  e.forEach(AssembleLinks{}, nodes);
+  for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateLink{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+  for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteLink{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
 }
 
 template <Executor E>
@@ -234,12 +247,16 @@ void step(E& e) {
   if (e.view().step.coarseCorrection) prepareGroups(e);
   if (e.view().step.coarseCorrection && vertices > 0) placeClusters(e);
 
+  // vertices that hang on bodies know nothing of joints that are held harder than they are: with them trees stay before the sweep
+  const bool treesEnd = nodes > 0 && vertices == 0;
   for (int n = 0; n < e.view().step.iterations; ++n) {
     if (e.view().step.coarseCorrection) correctGroups(e, n);
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
-    if (nodes > 0) correctTrees(e);
+    const bool last = n + 1 == e.view().step.iterations;
+    if (nodes > 0 && !(last && treesEnd)) correctTrees(e, false);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
-    if (n + 1 < e.view().step.iterations) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
+    if (last && treesEnd) correctTrees(e, true);
+    if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);
     if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);
     forEachJoint.template operator()<UpdateJointDuals>();
@@ -251,6 +268,7 @@ void step(E& e) {
   if (vertices > 0) finishSoftRows(e);
   stopFastBodies(e);
   e.forEach(FinishBodies{}, bodies);
+  if (treesEnd) closeTrees(e);
   e.forEach(FinishVertices{}, vertices);
   if (e.view().step.sleeping) sleepIslands(e);
   e.keepManifolds();

@@ -36,7 +36,7 @@ RUBBLE_HD RUBBLE_APART void placeJoint(const View& s, const JointSpec<F>& spec, 
 }
 
 template <class F>
-RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, int side) {
+RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, int side, bool exact) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
   const Joint<F>& joint = s.jointsOf<F>()[index];
   const TreeNode& node = s.treeNode[n];
@@ -51,7 +51,7 @@ RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, in
   }
   SidePose<F> poseA, poseB;
   placeJoint(s, spec, joint, poseA, poseB);
-  stampJointOfTree(s.step, spec, joint, poseA, poseB, side, isExact(s, node) && spec.holds, w.h, w.x, first, second);
+  stampJointOfTree(s.step, spec, joint, poseA, poseB, side, exact && spec.holds, w.h, w.x, first, second);
 }
 
 /// A body that does not move, or an axis that is locked, is decoupled from all others.
@@ -67,6 +67,7 @@ RUBBLE_HD inline void decouple(TreeWork& w, int axis) {
 template <class L>
 struct AssembleTrees {
   static constexpr const char* kName = "tree rows";
+  bool last;  ///< no other block moves its bodies after it in this step
   RUBBLE_HD void operator()(const View& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
@@ -76,6 +77,7 @@ struct AssembleTrees {
       for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
       return;
     }
+    const bool exact = isExact(s, node) || (last && node.exact);
     Block6 own, shared;
     startBlock(s, i, own);
     constexpr int kStep = sizeof(L) / sizeof(Real);
@@ -95,7 +97,7 @@ struct AssembleTrees {
       else
         forEachType(JointTypes{}, [&]<class F>() {
           if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
-            stampJointOfNode<F>(s, n, jointIndex<F>(code), jointSide<F>(code));
+            stampJointOfNode<F>(s, n, jointIndex<F>(code), jointSide<F>(code), exact);
         });
     }
     addBlock(w.h, w.x, own, 1);

@@ -24,4 +24,12 @@ struct TreeWork {
   Long6 x;      ///< force, then H^-1 f, then the step of the body
 };
 
+/// The same for its translation alone, in all axes alike (stages/closing.h).
+struct TreeLink {
+  double h;     ///< diagonal [kg]
+  double e[2];  ///< beside it (this, near)
+  double w[2];  ///< e / h
+  Vec3d x;      ///< right side, then the motion of the body [m]
+};
+
 }  // namespace rubble::RUBBLE_CORE

@@ -139,6 +139,8 @@ struct View : JointTables<JointTypes> {
   TreeWork* treeWork = nullptr;
   int* treeTouched = nullptr;         ///< 1: a body of the tree has contacts in this step
   int* treeTurn = nullptr;            ///< largest rotation of a tree's step, as the bits of a float [rad]
+  int* treeOpen = nullptr;            ///< 1: a joint of the tree is open at the end of the step
+  TreeLink* treeLink = nullptr;
   // colours
   int* colorCount = nullptr;          ///< bodies of each colour
   int* colorOffset = nullptr;         ///< [colors + 1]
@@ -345,6 +347,8 @@ void forEachArray(F&& f) {
   is(&View::treeWork, "treeWork", "", Per::TreeNode, Life::Work);
   is(&View::treeTouched, "treeTouched", "", Per::TreeNode, Life::Work);
   is(&View::treeTurn, "treeTurn", "", Per::TreeNode, Life::Work);
+  is(&View::treeOpen, "treeOpen", "", Per::TreeNode, Life::Work);
+  is(&View::treeLink, "treeLink", "", Per::TreeNode, Life::Work);
   is(&View::colorCount, "colorCount", "", Per::Color, Life::Work);
   is(&View::colorOffset, "colorOffset", "", Per::Color, Life::Work, 1);
   is(&View::pairOffset, "pairOffset", "", Per::Body, Life::Work, 1);
