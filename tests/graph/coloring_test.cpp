@@ -21,6 +21,7 @@ void findGraph(CoreWorld& world) {
   CpuExecutor& e = world.executor();
   findPairs(e);
   findContacts(e);
+  e.forEach(BeginJoints<BallJoint>{}, world.view().joints[0]);
   findIncidence(e);
 }
 
