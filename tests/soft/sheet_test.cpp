@@ -250,5 +250,24 @@ TEST(Grains, AHeapRestsWithoutOverlap) {
   EXPECT_LT(q.kineticEnergy, .02);
 }
 
+/// One whose box is far larger than a cell lies on another level of their grid than the one that it meets.
+TEST(Grains, OfAnySpeedMeetWhatLiesInTheirWay) {
+  for (const double speed : {2., 20., 90.}) {
+    ParticlesDef still, shot;
+    still.radius = shot.radius = .05;
+    still.vertices = {{0, 0, 0}};
+    shot.vertices = {{-.4, .013, .021}};
+    shot.velocity = {speed, 0, 0};
+    Scene scene = emptyScene({0, 0, 0});
+    scene.deformables = {still, shot};
+    World world(scene, options(10));
+    const double before = momentumOf(world, world.deformableAt(1)).linear.x;
+    run(world, 20);
+    const Momentum hit = momentumOf(world, world.deformableAt(0)), own = momentumOf(world, world.deformableAt(1));
+    EXPECT_GT(hit.linear.x, .45 * before) << speed;
+    EXPECT_NEAR(own.linear.x, hit.linear.x, .02 * before) << "they go on together at " << speed << " m/s";
+  }
+}
+
 }  // namespace
 }  // namespace rubble
