@@ -4,6 +4,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
+/// A search looks into about 27 cells, and most owners find nothing.
 inline constexpr int kSearchWidth = 8;
 
 struct FindDentingBodiesByTile {

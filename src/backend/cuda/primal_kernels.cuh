@@ -173,7 +173,7 @@ __device__ inline void solveColorTogether(const View& s, int color, int share, i
 }
 
 /// Lanes of a vertex, which share out its elements and contacts: few where vertices fill the device, more where they don't. By the population
-/// alone, as for bodies.
+/// alone, as for bodies. A device holds about 100,000 threads of this kernel: each width is used where it does not fill more than that twice.
 inline constexpr int kVertexCrowdWidth = 8, kVertexManyWidth = 16, kVertexFewWidth = kWarp;
 inline constexpr int kVertexCrowd = 12288, kVertexMany = 4096;
 template <int kWidth>
