@@ -19,6 +19,18 @@ RUBBLE_HD inline void stampMeanRows(Block6& block, Real lin, const Vec3& ang, Re
   block.aa.xx += size, block.aa.yy += size, block.aa.zz += size;
 }
 
+/// The same for three such weights at once: `lin` has their sums, and the columns of `ang` what `ang` is above.
+RUBBLE_HD inline void stampMeanRows(Block6& block, const Vec3& lin, const Mat3& ang, Real k) {
+  const Real mass = k * dot(lin, lin), size = k * (dot(ang.c0, ang.c0) + dot(ang.c1, ang.c1) + dot(ang.c2, ang.c2));
+  block.ll.xx += mass, block.ll.yy += mass, block.ll.zz += mass;
+  const Vec3 b = k * (ang * lin);
+  block.al0 += Vec3{0, b.z, -b.y}, block.al1 += Vec3{-b.z, 0, b.x}, block.al2 += Vec3{b.y, -b.x, 0};
+  block.aa += outer(ang.c0, -k);
+  block.aa += outer(ang.c1, -k);
+  block.aa += outer(ang.c2, -k);
+  block.aa.xx += size, block.aa.yy += size, block.aa.zz += size;
+}
+
 /// Calls f(corner, s) for the corners inside.
 template <int N, class Function>
 RUBBLE_HD void forEachInside(const Vec3 (&x)[N], unsigned mask, const Vec3& centre, Function&& f) {
@@ -126,16 +138,8 @@ RUBBLE_HD inline void stampGroup(const StepConstants& c, const Tetrahedron& e, c
   constexpr Real kFarVolume = Real(.5);
   const Real excess = max(Real(0), std::fabs(dot(f.c0, k.c0) - 1) - kFarVolume);
   const Real bend = excess > Real(0) ? e.lambda * excess * std::sqrt(dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2)) : Real(0);
-  // stampMeanRows of the three columns at once
-  const Real mu = scale * (e.mu + bend + e.damper * c.inverseDt), mm = mu * dot(m, m);
-  block.ll.xx += mm, block.ll.yy += mm, block.ll.zz += mm;
-  const Vec3 bm = mu * (b * m);
-  block.al0 += Vec3{0, bm.z, -bm.y}, block.al1 += Vec3{-bm.z, 0, bm.x}, block.al2 += Vec3{bm.y, -bm.x, 0};
-  block.aa += outer(b.c0, -mu);
-  block.aa += outer(b.c1, -mu);
-  block.aa += outer(b.c2, -mu);
-  const Real bb = mu * (dot(b.c0, b.c0) + dot(b.c1, b.c1) + dot(b.c2, b.c2));
-  block.aa.xx += bb, block.aa.yy += bb, block.aa.zz += bb;
+  const Real mu = scale * (e.mu + bend + e.damper * c.inverseDt);
+  stampMeanRows(block, m, b, mu);
   stampRow(block, Vec6{k * m, moment(k)}, Real(0), scale * e.lambda);
 }
 
