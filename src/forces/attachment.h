@@ -29,6 +29,7 @@ struct Attachment {
   int body;                    ///< or kWorldBody
   int seam;                    ///< 1: between vertices only
   int alive, broken;
+  int depth;                   ///< as that of a PointContact
   Vec3d worldPoint;            ///< x_A if the body is kWorldBody [m]
   Vec3 anchor;                 ///< a [m]
   Real bound, compliance;      ///< break threshold [N], 1/K [m/N]; 0: hard

@@ -10,6 +10,7 @@ struct Block3 {
   Vec3 f{};  ///< [N]
 
   RUBBLE_HD void addDiagonal(Real a) { h.xx += a, h.yy += a, h.zz += a; }
+  RUBBLE_HD void operator+=(const Block3& b) { h += b.h, f += b.f; }
 };
 
 /// H^-1 f by diagonal scaling and LDL^T: cofactors would lose all digits of a matrix as ill-conditioned as that of a crushed tetrahedron.

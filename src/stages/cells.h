@@ -1,6 +1,6 @@
 #pragma once
-/// The nested cubes that groups of bodies are cut by (groups.h).
-#include "state/view.h"
+/// The nested cubes that groups are cut by (groups.h).
+#include "stages/members.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -13,15 +13,15 @@ struct GroupCell {
   RUBBLE_HD friend bool operator==(const GroupCell& a, const GroupCell& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 };
 
-/// Cell of a body at the finest level.
-RUBBLE_HD inline GroupCell finestCell(const View& s, int body) {
+/// Cell of a member at the finest level.
+RUBBLE_HD inline GroupCell finestCell(const View& s, int member) {
   const double size = static_cast<double>(kFinestGroup * s.baseCell);
   const auto cell = [&](double x) {
     constexpr double kFar = 1e9;
     // shifted, so that scenes built about the origin are not cut there at every level
     return static_cast<int>(floor(clamp(x / size, -kFar, kFar))) + 3 * kGroupRatio * kGroupRatio * kGroupRatio / 8 + 1;
   };
-  const Vec3d p = s.position[body];
+  const Vec3d p = placeOf(s, member);
   return {cell(p.x), cell(p.y), cell(p.z)};
 }
 
@@ -31,7 +31,7 @@ RUBBLE_HD inline GroupCell coarserCell(const GroupCell& c) {
   return {up(c.x), up(c.y), up(c.z)};
 }
 
-/// The finest level at which two bodies share a cell, and so all coarser ones; kCoarseLevels if there is none.
+/// The finest level at which two members share a cell, and so all coarser ones; kCoarseLevels if there is none.
 RUBBLE_HD inline int finestSharedLevel(const View& s, int a, int b) {
   GroupCell ca = finestCell(s, a), cb = finestCell(s, b);
   int level = 0;

@@ -58,6 +58,50 @@ struct PlaceLargeClusters {
   }
 };
 
+/// Vertices that share a row with n corners may all move with the same cluster or group: (sum h)^2 <= n sum h^2.
+template <class Row, class Add>
+RUBBLE_HD void addShared(const Row& row, Block3& to, Add&& add) {
+  int corners = 0;
+  while (corners < kPointCorners && row.v[corners] >= 0) ++corners;
+  Block3 own;
+  add(own);
+  const Real n = static_cast<Real>(corners);
+  to.f += own.f;
+  to.h += Sym3{n * own.h.xx, n * own.h.xy, n * own.h.xz, n * own.h.yy, n * own.h.yz, n * own.h.zz};
+}
+/// Is it a contact of an object with itself?
+RUBBLE_HD inline bool withinObject(const View& s, const PointContact& p) {
+  if (p.body >= 0) return false;
+  for (int k = 1; k < kPointCorners && p.v[k] >= 0; ++k)
+    if (s.vertexParams[p.v[k]].first != s.vertexParams[p.v[0]].first) return false;
+  return true;
+}
+
+/// No group is moved.
+inline constexpr int kNoLevel = -1;
+/// Adds the share of number `lane` of `lanes` in the inertia, loads, attachments and contacts of a vertex; rows inside of groups of `level` are
+/// left out, and contacts of its object with itself go to `self`. Returns whether there are any.
+template <bool surfaces>
+RUBBLE_HD bool addFromOutside(const View& s, int v, int lane, int lanes, int level, Block3& own, Block3& self) {
+  if (lane == 0) own += startVertexBlock(s, v);
+  // loads and attachments come last
+  int first = s.refOffset[v + 1];
+  while (first > s.refOffset[v] && pointType(s.ref[first - 1]) >= kFirstLoad) --first;
+  for (int r = first + lane; r < s.refOffset[v + 1]; r += lanes)
+    if (pointType(s.ref[r]) != kAttachmentCode) addElement(s, s.ref[r], own);
+    else if (const Attachment& a = s.attachment[pointIndex(s.ref[r])]; a.depth > level)
+      addShared(a, own, [&](Block3& b) { addElement(s, s.ref[r], b); });
+  bool touchesSelf = false;
+  for (int r = s.pointEntryOffset[v] + lane; r < s.pointEntryOffset[v + 1]; r += lanes) {
+    const PointContact& p = s.pointContact[pointIndex(s.pointEntry[r])];
+    if (p.depth <= level) continue;
+    const bool isInner = surfaces && withinObject(s, p);
+    touchesSelf |= isInner;
+    addShared(p, isInner ? self : own, [&](Block3& b) { addPointContact(s, s.pointEntry[r], b); });
+  }
+  return touchesSelf;
+}
+
 /// Inertia, contacts, attachments and loads of the vertices of one of the finest clusters, about its centre. `surfaces`: some objects have surfaces
 /// that collide, maybe with themselves, and their vertices many contacts.
 template <bool surfaces>
@@ -78,44 +122,10 @@ struct SumCluster {
   /// Adds the share of number `lane` of `lanes` in a vertex; returns whether its object touches itself there.
   RUBBLE_HD static bool addVertex(const View& s, int v, const Vec3& centre, int lane, int lanes, Block6& sum, Block6& inner) {
     Block3 own, self;
-    if (lane == 0) own = startVertexBlock(s, v);
-    // loads and attachments come last
-    int first = s.refOffset[v + 1];
-    while (first > s.refOffset[v] && actsFromOutside(pointType(s.ref[first - 1]))) --first;
-    for (int r = first + lane; r < s.refOffset[v + 1]; r += lanes)
-      if (pointType(s.ref[r]) != kAttachmentCode) addElement(s, s.ref[r], own);
-      else addShared(s.attachment[pointIndex(s.ref[r])], own, [&](Block3& b) { addElement(s, s.ref[r], b); });
-    bool touchesSelf = false;
-    for (int r = s.pointEntryOffset[v] + lane; r < s.pointEntryOffset[v + 1]; r += lanes) {
-      const PointContact& p = s.pointContact[pointIndex(s.pointEntry[r])];
-      const bool isInner = surfaces && withinObject(s, p);
-      touchesSelf |= isInner;
-      addShared(p, isInner ? self : own, [&](Block3& b) { addPointContact(s, s.pointEntry[r], b); });
-    }
+    const bool touchesSelf = addFromOutside<surfaces>(s, v, lane, lanes, kNoLevel, own, self);
     addAtLever(sum, s.vertexPlace[v] - centre, own.f, own.h);
     if (touchesSelf) addAtLever(inner, s.vertexPlace[v] - centre, self.f, self.h);
     return touchesSelf;
-  }
-
- private:
-  RUBBLE_HD static bool actsFromOutside(int type) { return type >= kFirstLoad; }
-  /// Is it a contact of an object with itself?
-  RUBBLE_HD static bool withinObject(const View& s, const PointContact& p) {
-    if (p.body >= 0) return false;
-    for (int k = 1; k < kPointCorners && p.v[k] >= 0; ++k)
-      if (s.vertexParams[p.v[k]].first != s.vertexParams[p.v[0]].first) return false;
-    return true;
-  }
-  /// Vertices that share a row with n corners may all be inside: (sum h)^2 <= n sum h^2.
-  template <class Row, class Add>
-  RUBBLE_HD static void addShared(const Row& row, Block3& to, Add&& add) {
-    int corners = 0;
-    while (corners < kPointCorners && row.v[corners] >= 0) ++corners;
-    Block3 own;
-    add(own);
-    const Real n = static_cast<Real>(corners);
-    to.f += own.f;
-    to.h += Sym3{n * own.h.xx, n * own.h.xy, n * own.h.xz, n * own.h.yy, n * own.h.yz, n * own.h.zz};
   }
 };
 

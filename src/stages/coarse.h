@@ -3,8 +3,9 @@
 /// time; a sweep over groups carries it across a pile. For a group with centre c the unknowns are dx = (dp, dw), body i moves by
 /// (dp + dw x (p_i - c), dw), and the local problem [S 3]-[S 6] sums the inertia of its bodies and the rows that leave the group: rows inside do
 /// not see a rigid motion. For contacts, linear in displacements from x^t, that is one about the places p_i of x^t; for joints, which turn, one
-/// about the present places. Groups with joints inside take the latter. All groups of a level move at once, under-relaxed: a row J_a x_a + J_b x_b obeys (J_a x_a + J_b x_b)^2 <= 2 ((J_a x_a)^2 + (J_b x_b)^2), so
-/// any factor below 1 descends.
+/// about the present places. Groups with joints inside take the latter. Those with lumps, deformable objects and particles, do not turn (lumps.h).
+/// All groups of a level move at once, under-relaxed: a row J_a x_a + J_b x_b obeys (J_a x_a + J_b x_b)^2 <= 2 ((J_a x_a)^2 + (J_b x_b)^2), so any
+/// factor below 1 descends.
 #include "stages/incidence.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -42,8 +43,9 @@ RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shi
   to.fa += from.fa + cross(shift, from.fl);
 }
 
-/// Adds the inertia of a body about the centre of its group, at the initial guess.
+/// Adds the inertia of a body about the centre of its group, at the initial guess. That of lumps is summed by vertex.
 RUBBLE_HD inline void addInertia(const View& s, const Group& group, int body, Block6& sum) {
+  if (body >= s.bodies) return;
   Block6 own;
   setInertialHessian(own, s.target[body].mass, s.step.inverseDt * s.step.inverseDt);
   addAtLever(sum, shiftOf(s, group, body), {0, 0, 0}, own.ll.xx);
@@ -70,9 +72,10 @@ struct TakeInertia {
   }
 };
 
-/// visit(code) for the row blocks of a body that leave its group at a level.
+/// visit(code) for the row blocks of a body that leave its group at a level. Those of lumps are summed by vertex.
 template <class Visit>
 RUBBLE_HD void visitExternalsOf(const View& s, int body, int level, Visit&& visit) {
+  if (body >= s.bodies) return;
   for (int e = s.entryOffset[body]; e < s.entryOffset[body + 1]; ++e)
     if (s.entry[e].depth > level) visit(s.entry[e].code);
 }
@@ -102,6 +105,7 @@ struct FillExternals {
 
 /// Adds the inertial force of a body about the centre of its group.
 RUBBLE_HD inline void addInertialForce(const View& s, const Group& group, int body, Block6& sum) {
+  if (body >= s.bodies) return;
   const BodyTarget& target = s.target[body];
   Block6 own;
   setInertialForce(own, target.mass, {s.moved[body].dp, s.turned[body]}, target.y, s.step.inverseDt * s.step.inverseDt);
@@ -115,7 +119,7 @@ RUBBLE_HD void addExternalContact(const View& s, const Group& group, const Conta
   stampContact<L>(s.step, r, side == 0, s.moved[r.a], s.moved[r.b], lane, points, shiftOf(s, group, side == 0 ? r.a : r.b));
 }
 
-/// Adds an attachment or contact of vertices, none of which is in a group.
+/// Adds an attachment or contact of vertices that are not in the group.
 RUBBLE_HD RUBBLE_APART inline void addExternalSoftRows(const View& s, int group, std::uint32_t code, Block6& sum) {
   const int type = entryType(code);
   if (type != kBodyAttachmentType && type != kBodyPointContactType) return;
@@ -164,6 +168,15 @@ RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t c
   addExternalSoftRows(s, group, code, sum);
 }
 
+/// Adds every `stride`-th of the lumps among members [k, end).
+RUBBLE_HD RUBBLE_APART inline void addLumps(const View& s, int k, int end, int stride, Block6& sum) {
+  for (; k < end; k += stride) {
+    if (s.member[k] < s.bodies) continue;
+    const Block3& own = s.lumpSum[s.member[k] - s.bodies];
+    sum.ll += own.h, sum.fl += own.f;
+  }
+}
+
 /// Force and row Hessians of a chunk about the centre of its group.
 template <class L>
 struct SumChunk {
@@ -172,6 +185,7 @@ struct SumChunk {
     Chunk& chunk = s.chunk[i];
     Block6 sum;
     for (int k = chunk.begin; k < chunk.end; ++k) addInertialForce(s, s.group[chunk.group], s.member[k], sum);
+    if (s.group[chunk.group].soft) addLumps(s, chunk.begin, chunk.end, 1, sum);
     addExternals(s, chunk, s.externalOffset[i], s.externalOffset[i + 1], sum);
     chunk.sum = sum;
   }
@@ -204,7 +218,9 @@ RUBBLE_HD inline Vec6 groupStep(const Block6& block) {
 }
 RUBBLE_HD inline Vec6 groupStep(const Group& group, Block6 block) {
   if (group.locks != 0) lockAxes(block, group.locks);
-  return groupStep(block);
+  if (!group.soft) return groupStep(block);
+  const Vec3 dx = solve(Block3{block.ll, block.fl});
+  return {isFinite(dx) ? kGroupRelaxation * dx : Vec3{0, 0, 0}, {0, 0, 0}};
 }
 
 struct SolveGroup {
@@ -224,6 +240,7 @@ struct SolveGroup {
 
 /// Moves a body with its group.
 RUBBLE_HD inline void moveWithGroup(const View& s, const Group& group, int body) {
+  if (body >= s.bodies) return;
   const Vec3 move = group.step.lin + cross(group.step.ang, shiftOf(s, group, body));
   const Pose x = retract({s.moved[body].dp, s.turned[body]}, {move, group.step.ang});
   s.turned[body] = x.q;

@@ -1,13 +1,15 @@
 #pragma once
-/// Groups of bodies for the coarse correction: bodies of one cell of a nested hierarchy of cubes that hang together by touching contacts and
-/// joints, at several sizes. Any grouping gives a valid descent (coarse.h); bodies that do not touch would only disturb one another.
+/// Groups for the coarse correction: bodies and lumps (members.h) of one cell of a nested hierarchy of cubes that hang together by touching
+/// contacts, joints and attachments, at several sizes. Any grouping gives a valid descent (coarse.h); members that do not touch would only disturb
+/// one another.
 #include "stages/blocks.h"
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline int atLevel(const View& s, int level, int body) { return level * s.bodies + body; }
+RUBBLE_HD inline int atLevel(const View& s, int level, int member) { return level * s.members() + member; }
+RUBBLE_HD inline int groupOfLump(const View& s, int level, int lump) { return s.groupOf[atLevel(s, level, s.bodies + lump)]; }
 
-/// Every body is alone at first. `leader` is a forest until FlattenGroups: roots lead themselves.
+/// Every member is alone at first. `leader` is a forest until FlattenGroups: roots lead themselves.
 struct StartGroups {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int i) const { s.leader[i] = i; }
@@ -37,15 +39,15 @@ struct JoinGroups {
   RUBBLE_HD void operator()(const View& s, int i) const {
     if (Blocks::joinLevel(s, i) != level) return;
     const BlockBodies block = Blocks::bodies(s, i);
-    if (block.acts && isDynamic(s, block.a) && isDynamic(s, block.b)) unite(s.leader + level * s.bodies, block.a, block.b);
+    if (block.acts && isDynamic(s, block.a) && isDynamic(s, block.b)) unite(s.leader + level * s.members(), block.a, block.b);
   }
 };
 
-/// Every body knows its leader, and starts the next level with it.
-RUBBLE_HD inline int flatten(const View& s, int level, int body) {
-  const int leader = findLeader(s.leader + level * s.bodies, body);
-  s.groupOf[atLevel(s, level, body)] = leader;
-  if (level + 1 < kCoarseLevels) s.leader[atLevel(s, level + 1, body)] = leader;
+/// Every member knows its leader, and starts the next level with it.
+RUBBLE_HD inline int flatten(const View& s, int level, int member) {
+  const int leader = findLeader(s.leader + level * s.members(), member);
+  s.groupOf[atLevel(s, level, member)] = leader;
+  if (level + 1 < kCoarseLevels) s.leader[atLevel(s, level + 1, member)] = leader;
   return leader;
 }
 
@@ -55,7 +57,7 @@ struct FlattenGroups {
   int level;
   RUBBLE_HD void operator()(const View& s, int i) const {
     const int leader = flatten(s, level, i);
-    if (s.params[i].kind == BodyKind::Dynamic) atomicCount(&s.memberCount[atLevel(s, level, leader)], 1);
+    if (mayJoin(s, i)) atomicCount(&s.memberCount[atLevel(s, level, leader)], 1);
   }
 };
 
@@ -64,11 +66,11 @@ struct FindLeaders {
   RUBBLE_HD void operator()(const View& s, int t) const { s.leads[t] = s.memberCount[t] >= 2; }
 };
 
-/// From leaders to group numbers; a body that is alone in its cell is in no group.
+/// From leaders to group numbers; what is alone in its cell is in no group.
 struct NumberGroups {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int t) const {
-    const int led = atLevel(s, t / s.bodies, s.groupOf[t]);
+    const int led = atLevel(s, t / s.members(), s.groupOf[t]);
     s.groupOf[t] = s.leads[led] ? s.groupIndex[led] : -1;
     if (s.leads[t]) s.groupChunks[s.groupIndex[t]] = (s.memberCount[t] + kChunkMembers - 1) / kChunkMembers;
   }
@@ -78,7 +80,7 @@ struct NumberGroups {
 struct FindLevels {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int level) const {
-    const int group = level < kCoarseLevels ? s.groupIndex[level * s.bodies] : s.counters->groups;
+    const int group = level < kCoarseLevels ? s.groupIndex[atLevel(s, level, 0)] : s.counters->groups;
     s.levelGroup[level] = group;
     s.levelChunk[level] = s.chunkOffset[group];
   }
@@ -92,6 +94,8 @@ struct BeginGroups {
     while (g >= s.levelGroup[level + 1]) ++level;
     s.group[g].level = level;
     s.group[g].locks = s.group[g].joined = 0;
+    // members ascend
+    s.group[g].soft = s.member[s.memberOffset[g + 1] - 1] >= s.bodies;
     s.group[g].chunkBegin = s.chunkOffset[g];
     s.group[g].chunkEnd = s.chunkOffset[g + 1];
   }
@@ -131,8 +135,10 @@ struct MarkJoinedGroups {
 struct LockGroups {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int t) const {
-    const int group = s.groupOf[t], locks = s.extras[t % s.bodies].locks;
-    if (group < 0 || locks == 0) return;
+    const int group = s.groupOf[t], member = t % s.members();
+    if (group < 0 || member >= s.bodies) return;
+    const int locks = s.extras[member].locks;
+    if (locks == 0) return;
     const bool x = locks & 1, y = locks & 2, z = locks & 4;
     atomicSet(&s.group[group].locks, locks | (y || z ? 8 : 0) | (x || z ? 16 : 0) | (x || y ? 32 : 0));
   }
@@ -143,13 +149,13 @@ struct SumMasses {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int i) const {
     Chunk& chunk = s.chunk[i];
-    const Vec3d origin = s.position[s.member[s.memberOffset[chunk.group]]];
+    const Vec3d origin = placeOf(s, s.member[s.memberOffset[chunk.group]]);
     Real mass = 0;
     Vec3 moment;
     for (int k = chunk.begin; k < chunk.end; ++k) {
-      const int body = s.member[k];
-      mass += s.params[body].mass;
-      moment += s.params[body].mass * Vec3(s.position[body] - origin);
+      const Real own = massOf(s, s.member[k]);
+      mass += own;
+      moment += own * Vec3(placeOf(s, s.member[k]) - origin);
     }
     chunk.sum.ll.xx = mass;
     chunk.sum.fl = moment;
@@ -166,7 +172,7 @@ struct FindCentres {
       mass += s.chunk[k].sum.ll.xx;
       moment += s.chunk[k].sum.fl;
     }
-    group.centre = s.position[s.member[s.memberOffset[g]]] + Vec3d(moment / mass);
+    group.centre = placeOf(s, s.member[s.memberOffset[g]]) + Vec3d(moment / mass);
   }
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 /// The parts of the step that only scenes with vertices have: contacts of vertices, their elements, and their place in the graph.
-#include "stages/clusters.h"
 #include "stages/crossings.h"
+#include "stages/lumps.h"
 #include "stages/soft_sleep.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -108,6 +108,20 @@ void listVertexColors(E& e) {
   e.forEach(CountVertexColors{}, vertices);
   e.scan(&View::vertexColorCount, &View::vertexColorOffset, &Counters::colors);
   e.forEach(FillVertexColors{}, vertices);
+}
+
+/// Kernel over contacts and attachments, as blocks that join members of groups.
+template <template <class> class Kernel, class E, class... Args>
+void forEachSoftBlock(E& e, Args... args) {
+  e.forEach(Kernel<PointContactBlocks>{args...}, &Counters::pointPairs);
+  e.forEach(Kernel<AttachmentBlocks>{args...}, e.view().attachments);
+}
+
+/// What the groups of a level see of lumps.
+template <class E>
+void sumLumps(E& e, int level) {
+  if (e.view().objects > 0) e.forEach(SumLumpPart{level}, e.view().clusterBegin[1]);
+  e.forEach(SumLump{level}, e.view().lumps);
 }
 
 /// One sweep over the clusters of every level, from coarse to fine.

@@ -19,7 +19,7 @@ namespace rubble::RUBBLE_CORE {
 ///   forEachIn(kernel, offsets, k)           the range [offsets[k], offsets[k + 1])
 ///   clear(array, n)                         zeros
 ///   scan(counts, offsets, n[, counter, per])  exclusive sums, the total behind the last one and in the counter, and room for that many
-///   group(keys, n, offsets, order, counter) indices modulo `bodies` by key, ascending; keys below 0 are left out; the counter has the number of keys
+///   group(keys, n, offsets, order, counter) indices modulo members() by key, ascending; keys below 0 are left out; the counter has the number of keys
 ///   require(per, counter)                   room for that many before they are written: nothing is dropped
 ///   rounds(take, propose, counter, left, turn)  takes turns of two kernels over as many as are counted, until `propose` leaves `left` at
 ///                                           zero; `turn` counts them
@@ -102,17 +102,21 @@ void findContacts(E& e) {
 /// Groups of the coarse correction, from the poses at x^t.
 template <Executor E>
 void findGroups(E& e) {
-  const int bodies = e.view().bodies, all = bodies * kCoarseLevels;
+  const int members = e.view().members(), all = members * kCoarseLevels;
+  const bool lumps = e.view().lumps > 0;
   e.clear(&View::memberCount, all);
-  e.forEach(StartGroups{}, bodies);
+  e.forEach(StartGroups{}, members);
+  if (lumps) forEachSoftBlock<FindJoinLevels>(e);
   for (int level = 0; level < kCoarseLevels; ++level) {
     e.forEach(JoinGroups<ContactBlocks>{level}, &Counters::manifolds);
     forEachType(JointTypes{}, [&]<class F>() { e.forEach(JoinGroups<JointBlocks<F>>{level}, e.view().joints[typeIndex<F>(JointTypes{})]); });
-    e.forEach(FlattenGroups{level}, bodies);
+    if (lumps) forEachSoftBlock<JoinLumps>(e, level);
+    e.forEach(FlattenGroups{level}, members);
   }
   e.forEach(FindLeaders{}, all);
   e.scan(&View::leads, &View::groupIndex, all, &Counters::groups, Per::Group);
   e.forEach(NumberGroups{}, all);
+  if (e.view().vertices > 0) forEachSoftBlock<FindDepths>(e);
   e.group(&View::groupOf, all, &View::memberOffset, &View::member, &Counters::groups);
   e.scan(&View::groupChunks, &View::chunkOffset, &Counters::groups, &Counters::chunks, Per::Chunk);
   e.forEach(FindLevels{}, kCoarseLevels + 1);
@@ -134,14 +138,20 @@ void prepareGroups(E& e) {
   e.forEach(FillExternals{}, &Counters::chunks);
 }
 
+/// One step of the groups of a level.
+template <Executor E>
+void correctLevel(E& e, int level) {
+  const bool lumps = e.view().lumps > 0;
+  if (lumps) sumLumps(e, level);
+  e.forEachIn(SumChunk<typename E::Lane>{}, &View::levelChunk, level);
+  e.forEachIn(SolveGroup{}, &View::levelGroup, level);
+  e.forEachIn(MoveChunk{}, &View::levelChunk, level);
+  if (lumps) e.forEach(MoveLumps{level}, e.view().vertices);
+}
 /// One sweep over the groups, from coarse to fine: the fine levels in every iteration, the coarse ones in every other.
 template <Executor E>
 void correctGroups(E& e, int iteration) {
-  for (int level = iteration % 2 == 0 ? kCoarseLevels - 1 : kFineLevels - 1; level >= 0; --level) {
-    e.forEachIn(SumChunk<typename E::Lane>{}, &View::levelChunk, level);
-    e.forEachIn(SolveGroup{}, &View::levelGroup, level);
-    e.forEachIn(MoveChunk{}, &View::levelChunk, level);
-  }
+  for (int level = iteration % 2 == 0 ? kCoarseLevels - 1 : kFineLevels - 1; level >= 0; --level) correctLevel(e, level);
 }
 
 /// One step of all bodies that hang together by joints. `last`: nothing moves them after it in this step.
@@ -255,6 +265,8 @@ void step(E& e) {
     const bool last = n + 1 == e.view().step.iterations;
     if (nodes > 0 && !(last && treesEnd)) correctTrees(e, false);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
+    // a sweep gives what it pushes more momentum, or less, than it takes
+    if (last && e.view().step.coarseCorrection) correctLevel(e, kCoarseLevels - 1);
     if (last && treesEnd) correctTrees(e, true);
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);

@@ -12,13 +12,13 @@ inline constexpr int kBodyNeighborType = JointTypes::kSize + 3;
 struct AttachmentBlocks {
   static constexpr int kType = kBodyAttachmentType;
   using Block = Attachment;
-  RUBBLE_HD static const Block& block(const View& s, int i) { return s.attachment[i]; }
+  RUBBLE_HD static Block* blocks(const View& s) { return s.attachment; }
   RUBBLE_HD static bool acts(const View& s, const Block& b) { return active(s, b) && b.seam == 0 && isDynamic(s, b.body); }
 };
 struct PointContactBlocks {
   static constexpr int kType = kBodyPointContactType;
   using Block = PointContact;
-  RUBBLE_HD static const Block& block(const View& s, int i) { return s.pointContact[i]; }
+  RUBBLE_HD static Block* blocks(const View& s) { return s.pointContact; }
   RUBBLE_HD static bool acts(const View& s, const Block& b) { return b.active && b.body >= 0 && isDynamic(s, b.body); }
 };
 
@@ -26,7 +26,7 @@ template <class Blocks>
 struct CountSoftEntries {
   static constexpr const char* kName = "incidence";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const auto& block = Blocks::block(s, i);
+    const auto& block = Blocks::blocks(s)[i];
     if (!Blocks::acts(s, block)) return;
     int corners = 0;
     while (corners < kPointCorners && block.v[corners] >= 0) ++corners;
@@ -38,13 +38,13 @@ template <class Blocks>
 struct FillSoftEntries {
   static constexpr const char* kName = "incidence";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const auto& block = Blocks::block(s, i);
+    const auto& block = Blocks::blocks(s)[i];
     if (!Blocks::acts(s, block)) return;
     for (int k = 0; k < kPointCorners && block.v[k] >= 0; ++k) {
       const int slot = s.entryOffset[block.body] + atomicCount(&s.entryCount[block.body], -1) - 1;
       const int other = isDynamicVertex(s, block.v[k]) ? kVertexNode + block.v[k] : -1;
       const std::uint32_t code = k == 0 ? entryCode(Blocks::kType, i, 0) : entryCode(kBodyNeighborType, 2 * i + k / 2, k & 1);
-      s.entry[slot] = {code, other, kCoarseLevels};
+      s.entry[slot] = {code, other, k == 0 && s.step.coarseCorrection ? block.depth : 0};
     }
   }
 };

@@ -106,12 +106,12 @@ struct alignas(4 * sizeof(Real)) BodyTarget {
   int unused;         ///< 0
 };
 
-/// Levels of groups of bodies, from fine to coarse (stages/groups.h).
+/// Levels of groups of bodies and lumps, from fine to coarse (stages/groups.h).
 inline constexpr int kCoarseLevels = 4;
 /// The finest of them, which are swept in every iteration.
 inline constexpr int kFineLevels = 2;
 
-/// A group of bodies that the coarse correction moves as one.
+/// A group of bodies and lumps that the coarse correction moves as one.
 struct Group {
   Vec3d centre;       ///< centre of mass [m]
   Block6 inertia;     ///< Hessian of the inertia of its bodies about the centre; force unused
@@ -119,6 +119,7 @@ struct Group {
   int level;
   int locks;          ///< motions that one of its bodies must not make, as in BodyExtras
   int joined;         ///< 1: joints hold some of its bodies together, and all move about their present places (coarse.h)
+  int soft;           ///< 1: there are lumps, and the group does not turn
   int chunkBegin, chunkEnd;
 };
 

@@ -18,6 +18,7 @@ struct VertexParams {
   Real gravityScale;
   int first;          ///< first vertex of its object: the origin that the object's elements are seen from
   int cluster;        ///< the one that is its whole object, or -1: it has no elements
+  int lump;           ///< that it belongs to, or -1: none
   Real reach;         ///< mean L of its object [m]
   int collides;       ///< kCollides... of below
   Real surfaceRadius; ///< half the thickness that its surface has to other surfaces [m]
@@ -116,6 +117,13 @@ struct ClusterMotion {
   Block6 sum;                ///< finest level: of its vertices, without `inner`
   Block6 inner;              ///< finest level: of contacts of its object with itself
   int folded;                ///< 1: there are any
+  Block3 push;               ///< finest level: of its vertices, as their group sees them
+};
+
+/// What groups of bodies move as if it were a body (stages/lumps.h): a deformable object without fixed vertices, or a granular particle.
+struct Lump {
+  int first;                 ///< first vertex of the object, or the particle
+  int cluster;               ///< that is the whole object, or -1: a particle
 };
 
 /// Owners of pairs that a body has for its corners, where there are surfaces.

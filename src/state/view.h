@@ -7,10 +7,10 @@
 namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
-enum class Per { Body, BodySlot, BodyLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
+enum class Per { Body, BodySlot, MemberLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
                  ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, TreeNode, TreeSource,
                  Vertex, PointOwner, PointOwnerSlot, NearFeature, Feature, FeatureCell, Neighbor, ElementRef, TetraCorner, PointPair, PointEntry, GrainCell,
-                 Attachment, Cluster, ClusterRef, Node,
+                 Attachment, Cluster, ClusterRef, Lump, Node,
                  FirstElement, FirstJoint = FirstElement + ElementTypes::kSize };
 /// The element types follow one another from FirstElement on, the joint types from FirstJoint on.
 inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes::kSize;
@@ -65,6 +65,7 @@ struct View : JointTables<JointTypes> {
   Real featureCell = 1;               ///< cells of its finest level [m]
   int clusterBegin[kClusterLevels + 1] = {}; ///< first cluster of each level, fine ones first
   int clusterRefs = 0;
+  int lumps = 0, objects = 0;         ///< those with a cluster come first, and are so many
   int elements[ElementTypes::kSize] = {}; ///< slots in use of each type
   StepConstants step{};
   Counters* counters = nullptr;
@@ -115,13 +116,13 @@ struct View : JointTables<JointTypes> {
   int* colorBody = nullptr;           ///< dynamic bodies by colour
   int* entryCount = nullptr;          ///< row blocks of a body
   int* entryOffset = nullptr;         ///< [bodies + 1]
-  // groups; arrays over (level, body) have index level * bodies + body
-  int* leader = nullptr;              ///< [level][body] forest of groups being united
-  int* memberCount = nullptr;         ///< [level][body] members of the group that the body leads
-  int* leads = nullptr;               ///< [level][body] 1: leads a group of two or more
-  int* groupIndex = nullptr;          ///< [level][body] its number, coarse levels last
-  int* groupOf = nullptr;             ///< [level][body] group of a body, -1: alone
-  int* member = nullptr;              ///< bodies by group, ascending
+  // groups, whose members are bodies and, numbered from `bodies` on, lumps; arrays over (level, member) have index level * members() + member
+  int* leader = nullptr;              ///< [level][member] forest of groups being united
+  int* memberCount = nullptr;         ///< [level][member] members of the group that the member leads
+  int* leads = nullptr;               ///< [level][member] 1: leads a group of two or more
+  int* groupIndex = nullptr;          ///< [level][member] its number, coarse levels last
+  int* groupOf = nullptr;             ///< [level][member] its group, -1: alone
+  int* member = nullptr;              ///< by group, ascending
   Group* group = nullptr;
   int* memberOffset = nullptr;        ///< [groups + 1] into member
   int* groupChunks = nullptr;         ///< chunks of each group
@@ -215,6 +216,8 @@ struct View : JointTables<JointTypes> {
   int* clusterMember = nullptr;          ///< dynamic vertices of objects with elements, by cluster
   ClusterRef* clusterRef = nullptr;      ///< elements that leave a cluster, by cluster
   ClusterMotion* clusterMotion = nullptr;
+  Lump* lump = nullptr;                  ///< objects, then granular particles
+  Block3* lumpSum = nullptr;             ///< force and Hessian of a lump as its group sees it
   // elements
   Attachment* attachment = nullptr;
   Tetrahedron* tetrahedron = nullptr;
@@ -235,6 +238,8 @@ struct View : JointTables<JointTypes> {
     else if constexpr (std::is_same_v<F, Spring>) return spring;
     else return pressure;
   }
+  /// What may be in a group.
+  RUBBLE_HD int members() const { return bodies + lumps; }
   RUBBLE_HD bool hasJoints() const {
     int all = 0;
     for (const int n : joints) all += n;
@@ -325,12 +330,12 @@ void forEachArray(F&& f) {
   is(&View::colorBody, "colorBody", "", Per::Body, Life::Unordered);
   is(&View::entryCount, "entryCount", "", Per::Body, Life::Work);
   is(&View::entryOffset, "entryOffset", "", Per::Body, Life::Work, 1);
-  is(&View::leader, "leader", "", Per::BodyLevel, Life::Unordered);
-  is(&View::memberCount, "memberCount", "", Per::BodyLevel, Life::Work);
-  is(&View::leads, "leads", "", Per::BodyLevel, Life::Work);
-  is(&View::groupIndex, "groupIndex", "", Per::BodyLevel, Life::Work, 1);
-  is(&View::groupOf, "groupOf", "", Per::BodyLevel, Life::Work);
-  is(&View::member, "member", "", Per::BodyLevel, Life::Work);
+  is(&View::leader, "leader", "", Per::MemberLevel, Life::Unordered);
+  is(&View::memberCount, "memberCount", "", Per::MemberLevel, Life::Work);
+  is(&View::leads, "leads", "", Per::MemberLevel, Life::Work);
+  is(&View::groupIndex, "groupIndex", "", Per::MemberLevel, Life::Work, 1);
+  is(&View::groupOf, "groupOf", "", Per::MemberLevel, Life::Work);
+  is(&View::member, "member", "", Per::MemberLevel, Life::Work);
   is(&View::group, "group", "", Per::Group, Life::Work);
   is(&View::memberOffset, "memberOffset", "", Per::Group, Life::Work, 1);
   is(&View::groupChunks, "groupChunks", "", Per::Group, Life::Work);
@@ -390,6 +395,8 @@ void forEachArray(F&& f) {
   is(&View::clusterMember, "clusterMember", "", Per::Vertex, Life::Authored);
   is(&View::clusterRef, "clusterRef", "", Per::ClusterRef, Life::Authored);
   is(&View::clusterMotion, "clusterMotion", "", Per::Cluster, Life::Work);
+  is(&View::lump, "lump", "", Per::Lump, Life::Authored);
+  is(&View::lumpSum, "lumpSum", "", Per::Lump, Life::Work);
   is(&View::vertexTarget, "vertexTarget", "m", Per::Vertex, Life::Work);
   is(&View::vertexMoved, "vertexMoved", "m", Per::Vertex, Life::Work);
   is(&View::vertexPlace, "vertexPlace", "m", Per::Vertex, Life::Work);

@@ -46,6 +46,15 @@ TEST(HeadOnImpact, WithoutBounceLeavesBothWithOneVelocity) {
     }
 }
 
+/// Neither body is fast for its size, so nothing stops it where they touch: the rows of this step deal with the impact.
+TEST(HeadOnImpact, OfTwentyMetresASecondKeepsMomentumAtFourIterations) {
+  for (const double ratio : {.1, 1., 10.})
+    for (const Shape& shape : {Shape::sphere(.5), Shape::box({.5, .5, .5})}) {
+      const HeadOn r = headOn(shape, 20, ratio, 4);
+      EXPECT_TRUE(test::near(r.momentum, Vec3{20, 0, 0}, .01 * 20)) << ratio << ": " << r.momentum.x;
+    }
+}
+
 TEST(HeadOnImpact, WithRestitutionSeparatesAtThatShareOfTheClosingSpeed) {
   for (const double e : {.5, 1.}) {
     const HeadOn r = headOn(Shape::sphere(.5), 2, 1, 20, e);

@@ -86,7 +86,7 @@ class CpuExecutor {
     for (int k = 0; k <= count; ++k) sum += std::exchange(offset[k], sum);
     // fill from each offset on, then move the offsets back by one
     for (int i = 0; i < n; ++i)
-      if (key[i] >= 0) to[offset[key[i]]++] = i % s.bodies;
+      if (key[i] >= 0) to[offset[key[i]]++] = i % s.members();
     for (int k = count; k > 0; --k) offset[k] = offset[k - 1];
     offset[0] = 0;
   }

@@ -115,6 +115,12 @@ struct GroupLanes {
   }
 };
 RUBBLE_NEAR int membersOf(const Chunk& chunk) { return chunk.end - chunk.begin; }
+/// Is one of them of a group with lumps? These are treated one by one.
+RUBBLE_NEAR bool haveLumps(const View& s, const Four& chunk) {
+  int soft = 0;
+  for (const int i : chunk) soft |= s.group[s.chunk[i].group].soft;
+  return soft != 0;
+}
 
 template <>
 struct Together<SumChunk<Real4>> {
@@ -129,10 +135,15 @@ struct Together<SumChunk<Real4>> {
       // those of large chunks are many turns away
       const int end = min(s.externalOffset[i + 1], s.externalOffset[i] + kLanes * kAhead);
       for (int k = s.externalOffset[i]; k < end; ++k) fetchBall(s, s.external[k]);
-      for (int k = s.chunk[i].begin; k < min(s.chunk[i].end, s.chunk[i].begin + kLanes); ++k) fetch(&s.target[s.member[k]], sizeof(BodyTarget));
+      for (int k = s.chunk[i].begin; k < min(s.chunk[i].end, s.chunk[i].begin + kLanes); ++k)
+        if (s.member[k] < s.bodies) fetch(&s.target[s.member[k]], sizeof(BodyTarget));
     }
   }
   static void run(const View& s, const Four& index) {
+    if (haveLumps(s, index)) {
+      for (const int i : index) SumChunk<Real4>{}(s, i);
+      return;
+    }
     const GroupLanes groups(s, index);
     Four members, externals;
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -187,16 +198,16 @@ template <>
 struct Together<SolveGroup> {
   static void run(const View& s, const Four& index) {
     PaddedBlock own[kLanes];
-    int locks = 0;
+    int rare = 0;
     for (int lane = 0; lane < kLanes; ++lane) {
       const Group& group = s.group[index[lane]];
       own[lane].block = SolveGroup::sumOf(s, group);
-      locks |= group.locks;
+      rare |= group.locks | group.soft;
     }
     Block6T<Real4> block;
     gatherBlocks(own, block);
     const Vec6T<Real4> dx = newtonStep(block);
-    if (locks != 0 || !areFinite(dx.lin) || !areFinite(dx.ang)) {
+    if (rare != 0 || !areFinite(dx.lin) || !areFinite(dx.ang)) {
       for (int lane = 0; lane < kLanes; ++lane) SolveGroup{}(s, index[lane]);
       return;
     }
@@ -209,6 +220,10 @@ struct Together<SolveGroup> {
 template <>
 struct Together<MoveChunk> {
   static void run(const View& s, const Four& index) {
+    if (haveLumps(s, index)) {
+      for (const int i : index) MoveChunk{}(s, i);
+      return;
+    }
     const GroupLanes groups(s, index);
     Four members;
     for (int lane = 0; lane < kLanes; ++lane) members[lane] = membersOf(s.chunk[index[lane]]);

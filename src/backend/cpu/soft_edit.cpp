@@ -248,7 +248,7 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
       p.first = o.at.vertex, p.collides = in.onSurface ? m.collides : m.collides & ~(kCollidesWithSurfaces | kCollidesWithSelf);
       p.surfaceRadius = real(m.surfaceRadius);
       s.vertexRest[v] = Vec3(in.rest);
-      p.cluster = -1, p.reach = real(meanLength);
+      p.cluster = p.lump = -1, p.reach = real(meanLength);
       if (p.collides & kCollidesWithGrains) widest = max(widest, p.radius);
       if (o.previous.vertex < 0) {
         s.vertexPosition[v] = in.position;
@@ -273,14 +273,15 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
   placeAttachments(tables, attachments);
   connect(tables);
   placeClusters(tables, objects);
+  placeLumps(tables, objects);
   placeFeatures(tables, objects);
   moves.addFeatures(s, old, objects);
   placeContacts(tables, old, moves);
 }
 
 SoftCounts softCounts(const View& s) {
-  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.tetraCornerOffset[s.vertices], s.neighborOffset[s.vertices], s.grainCells, s.attachments, {}, {}, s.clusterRefs, static_cast<float>(s.grainCell),
-               s.edges, s.features, s.featureCells, static_cast<float>(s.featureCell)};
+  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.tetraCornerOffset[s.vertices], s.neighborOffset[s.vertices], s.grainCells, s.attachments, {}, {}, s.clusterRefs,
+               s.lumps, s.objects, static_cast<float>(s.grainCell), s.edges, s.features, s.featureCells, static_cast<float>(s.featureCell)};
   std::copy(std::begin(s.clusterBegin), std::end(s.clusterBegin), c.clusterBegin);
   std::copy(std::begin(s.elements), std::end(s.elements), c.elements);
   return c;
@@ -302,6 +303,9 @@ void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   s.featureCell = real(c.featureCell);
   reserveFeatures(tables);
   s.clusterRefs = c.clusterRefs;
+  tables.reserve(Per::Lump, c.lumps);
+  s.lumps = c.lumps, s.objects = c.objects;
+  reserveMembers(tables);
   std::copy(std::begin(c.clusterBegin), std::end(c.clusterBegin), s.clusterBegin);
   s.refOffset[c.vertices] = c.refs;
   s.tetraCornerOffset[c.vertices] = c.tetraCorners;

@@ -141,6 +141,36 @@ void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& obje
   }
 }
 
+void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
+  View& s = tables.view();
+  for (int v = 0; v < s.vertices; ++v) s.vertexParams[v].lump = -1;
+  std::vector<Lump> lumps;
+  const auto isParticles = [](const SoftModel& m) {
+    const auto counts = elementCounts(m);
+    return std::all_of(counts.begin(), counts.end(), [](int n) { return n == 0; });
+  };
+  for (const EngineSoftObject& o : objects) {
+    const auto isFixed = [](const SoftModel::Vertex& v) { return !(v.mass > 0); };
+    if (o.model->clusters.empty() || std::any_of(o.model->vertices.begin(), o.model->vertices.end(), isFixed)) continue;
+    const int own = static_cast<int>(lumps.size()), cluster = s.vertexParams[o.at.vertex + o.model->clusterOrder.front()].cluster;
+    for (const int v : o.model->clusterOrder) s.vertexParams[o.at.vertex + v].lump = own;
+    lumps.push_back({o.at.vertex, cluster});
+  }
+  s.objects = static_cast<int>(lumps.size());
+  for (const EngineSoftObject& o : objects) {
+    if (!isParticles(*o.model)) continue;
+    for (int v = o.at.vertex; v < o.at.vertex + static_cast<int>(o.model->vertices.size()); ++v) {
+      if (!isDynamicVertex(s, v)) continue;
+      s.vertexParams[v].lump = static_cast<int>(lumps.size());
+      lumps.push_back({v, -1});
+    }
+  }
+  s.lumps = static_cast<int>(lumps.size());
+  tables.reserve(Per::Lump, s.lumps);
+  reserveMembers(tables);
+  std::copy(lumps.begin(), lumps.end(), s.lump);
+}
+
 /// Edges and triangles of all surfaces that collide, and their grid.
 void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
   View& s = tables.view();

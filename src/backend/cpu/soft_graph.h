@@ -8,6 +8,8 @@ namespace rubble::RUBBLE_CORE {
 void connect(HostTables& tables);
 /// The clusters of all objects by level, and the elements that leave each.
 void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& objects);
+/// What groups move as one: objects with clusters, then granular particles.
+void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects);
 /// Edges and triangles of all surfaces that collide, and their grid.
 void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& objects);
 /// Room for as many features, cells and owners of pairs as the view says.

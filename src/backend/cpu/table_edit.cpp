@@ -26,11 +26,15 @@ Distribution distribution(std::vector<double>& values) {
 
 }  // namespace
 
+void reserveMembers(HostTables& tables) {
+  tables.reserve(Per::MemberLevel, (tables.capacity(Per::Body) + tables.capacity(Per::Lump)) * kCoarseLevels);
+}
+
 void setBodyCount(HostTables& tables, int slots) {
   if (slots <= tables.view().bodies) return;
   tables.reserve(Per::Body, slots);
   tables.reserve(Per::BodySlot, tables.capacity(Per::Body) * kPairSlots);
-  tables.reserve(Per::BodyLevel, tables.capacity(Per::Body) * kCoarseLevels);
+  reserveMembers(tables);
   tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
   tables.reserve(Per::Level, kCoarseLevels);
   const int cells = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * slots))));

@@ -11,6 +11,8 @@ namespace rubble::RUBBLE_CORE {
 using HostTables = Tables<HostMemory>;
 
 void setBodyCount(HostTables& tables, int slots);
+/// Room for the groups of as many bodies and lumps as there is room for.
+void reserveMembers(HostTables& tables);
 void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces);
 void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
 void setBody(HostTables& tables, int slot, const EngineBody& body);

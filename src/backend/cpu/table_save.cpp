@@ -30,6 +30,7 @@ std::size_t liveCount(const View& s, Per per) {
     case Per::PointPair: return static_cast<std::size_t>(s.oldPointPairOffset[s.owners()]);
     case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
     case Per::ClusterRef: return static_cast<std::size_t>(s.clusterRefs);
+    case Per::Lump: return static_cast<std::size_t>(s.lumps);
     case Per::Attachment: return static_cast<std::size_t>(s.attachments);
     default: return elementCount(s, per);
   }

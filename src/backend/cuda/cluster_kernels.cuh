@@ -123,4 +123,63 @@ struct OnDevice<MoveCluster> {
   using Type = MoveClusterByTile;
 };
 
+/// Sum over the lanes of a tile, the same in all.
+template <int kWidth>
+__device__ Block3 sumOf(const Tile<kWidth>& tile, const Block3& own) {
+  Block3 sum;
+  sum.f = tile.sum(own.f);
+  sum.h = {tile.sum(own.h.xx), tile.sum(own.h.xy), tile.sum(own.h.xz), tile.sum(own.h.yy), tile.sum(own.h.yz), tile.sum(own.h.zz)};
+  return sum;
+}
+
+/// A lane a vertex; several, where vertices have many contacts.
+struct SumLumpPartByTile {
+  static constexpr const char* kName = SumLumpPart::kName;
+  static constexpr int kWidth = kWarp, kLanesPerVertex = 4;
+  SumLumpPart stage;
+  explicit SumLumpPartByTile(const SumLumpPart& part) : stage(part) {}
+  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+    if (!stage.isWanted(s, i)) return;
+    const Cluster c = s.cluster[i];
+    Block3 own;
+    for (int k = c.begin + tile.lane / kLanesPerVertex; k < c.end; k += kWidth / kLanesPerVertex)
+      stage.addVertex(s, s.clusterMember[k], tile.lane % kLanesPerVertex, kLanesPerVertex, own);
+    const Block3 sum = sumOf(tile, own);
+    if (tile.lane == 0) s.clusterMotion[i].push = sum;
+  }
+};
+template <>
+struct OnDevice<SumLumpPart> {
+  using Type = SumLumpPartByTile;
+};
+
+/// Up to so many objects a processor have a block each to sum their parts, more have a warp.
+inline constexpr int kFewObjects = 8, kLumpThreads = 256;
+template <int kBlockThreads>
+static __global__ void __launch_bounds__(kBlockThreads) sumLumps(const __grid_constant__ View s, int level, Gate gate) {
+  const int i = static_cast<int>(blockIdx.x);
+  if (gate.closed() || groupOfLump(s, level, i) < 0) return;
+  constexpr int kWarps = kBlockThreads / kWarp;
+  constexpr int kReals = sizeof(Block3) / sizeof(Real);
+  __shared__ Real sums[kWarps][kReals];
+  const Tile<kWarp> tile = Tile<kWarp>::ofThread();
+  const int thread = static_cast<int>(threadIdx.x);
+  Block3 own;
+  SumLump::addShare(s, i, thread, kBlockThreads, own);
+  own = sumOf(tile, own);
+  if (tile.lane == 0) memcpy(sums[thread / kWarp], &own, sizeof own);
+  __syncthreads();
+  if (thread >= kReals) return;
+  Real all = 0;
+  for (int k = 0; k < kWarps; ++k) all += sums[k][thread];
+  reinterpret_cast<Real*>(&s.lumpSum[i])[thread] = all;
+}
+/// The lumps behind the objects.
+struct SumParticle {
+  static constexpr const char* kName = SumLump::kName;
+  SumLump stage;
+  int first;
+  __device__ void operator()(const View& s, int k) const { stage(s, first + k); }
+};
+
 }  // namespace rubble::RUBBLE_CORE

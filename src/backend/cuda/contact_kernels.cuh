@@ -126,7 +126,7 @@ struct BuildRowsOfPoint {
     ContactRows& r = s.contact[row];
     r.place[k] = own.place[0], r.load[k] = own.load[0], r.slip[k] = own.slip[0];
     storeHead(own, r, tile);
-    const bool holds = tile.ballot(holdsAt(own, 0)) != 0;
+    const bool holds = (tile.ballot(holdsAt(own, 0)) | impact) != 0;
     if (k != 0) return;
     s.joinLevel[row] = holds ? finestSharedLevel(s, own.a, own.b) : kCoarseLevels;
     m.row = row;

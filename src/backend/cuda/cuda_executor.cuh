@@ -100,10 +100,10 @@ class CudaExecutor {
     launch(onDevice(kernel), {0, counter(n)}, capacityOf(n), Kernel::kName);
   }
 
-  /// Nobody knows here how long a range is: the grid is that of ranges which hold one element for a few bodies, and any grid will do.
+  /// Nobody knows here how long a range is: the grid is that of ranges which hold one element for a few members, and any grid will do.
   int blocksForRange(int width) const {
-    constexpr int kBodiesPerElement = 16;
-    return blocksFor(view().bodies / kBodiesPerElement + 1, width);
+    constexpr int kMembersPerElement = 16;
+    return blocksFor(view().members() / kMembersPerElement + 1, width);
   }
   template <class Kernel>
   void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
@@ -138,6 +138,18 @@ class CudaExecutor {
     enterStage(SolveCluster::kName);
     solveLargeClusters<<<n, kLargeThreads, 0, stream_>>>(view(), kernel.level, Gate{control_});
     checkCuda(cudaGetLastError(), SolveCluster::kName);
+  }
+
+  /// A thread a particle, and a block or a warp an object, as there are few or many.
+  void forEach(const SumLump& kernel, int n) {
+    if constexpr (kStrict) return forEach<SumLump>(kernel, n);
+    if (!begins() || n <= 0) return;
+    enterStage(SumLump::kName);
+    const int objects = view().objects;
+    if (objects > 0 && objects <= kFewObjects * processors_) sumLumps<kLumpThreads><<<objects, kLumpThreads, 0, stream_>>>(view(), kernel.level, Gate{control_});
+    else if (objects > 0) sumLumps<kWarp><<<objects, kWarp, 0, stream_>>>(view(), kernel.level, Gate{control_});
+    if (n > objects) launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumLump::kName);
+    checkCuda(cudaGetLastError(), SumLump::kName);
   }
 
   /// Stages in which a few elements have very many parts.
@@ -189,7 +201,7 @@ class CudaExecutor {
     grouped_ = std::max(grouped_, n);
     if (!begins()) return;
     if (n > 0) {
-      launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().bodies}, {n, nullptr}, n, "indices");
+      launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().members()}, {n, nullptr}, n, "indices");
       std::size_t bytes = scratch_.size();
       sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n);
     }

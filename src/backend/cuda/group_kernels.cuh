@@ -11,7 +11,7 @@ struct FlattenGroupsTogether {
   explicit FlattenGroupsTogether(const FlattenGroups& stage) : level(stage.level) {}
   __device__ void operator()(const View& s, int i) const {
     const int leader = flatten(s, level, i);
-    if (s.params[i].kind != BodyKind::Dynamic) return;
+    if (!mayJoin(s, i)) return;
     const unsigned same = __match_any_sync(__activemask(), leader);
     if (static_cast<int>(threadIdx.x % kWarp) == __ffs(static_cast<int>(same)) - 1)
       atomicCount(&s.memberCount[atLevel(s, level, leader)], __popc(same));
@@ -76,12 +76,12 @@ struct SumMassesByTile {
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Chunk& chunk = s.chunk[i];
     Group& group = s.group[chunk.group];
-    const Vec3d origin = s.position[s.member[s.memberOffset[chunk.group]]];
+    const Vec3d origin = placeOf(s, s.member[s.memberOffset[chunk.group]]);
     Block6 own;
     for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) {
-      const int body = s.member[k];
-      own.ll.xx += s.params[body].mass;
-      own.fl += s.params[body].mass * Vec3(s.position[body] - origin);
+      const Real mass = massOf(s, s.member[k]);
+      own.ll.xx += mass;
+      own.fl += mass * Vec3(placeOf(s, s.member[k]) - origin);
     }
     Real sums[kRealsPerLane<kWidth>];
     sumBlocks(tile, own, sums);
@@ -169,6 +169,11 @@ template <int kWidth, class Any>
 __device__ Block6 gatherChunk(const View& s, int i, const Chunk& chunk, const Group& group, int lane, Any&& any) {
   Block6 own;
   for (int k = chunk.begin + lane; k < chunk.end; k += kWidth) addInertialForce(s, group, s.member[k], own);
+  if (group.soft) {
+    Block6 sum = own;
+    addLumps(s, chunk.begin + lane, chunk.end, kWidth, sum);
+    own = sum;
+  }
   // a lane a point: four lanes share a row block
   constexpr int kStride = kWidth / kLanes;
   const int begin = s.externalOffset[i] + lane / kLanes, end = s.externalOffset[i + 1], point = lane % kLanes;

@@ -113,6 +113,8 @@ int Mirror::liveCount(Per per) const {
       return s.clusterBegin[kClusterLevels];
     case Per::ClusterRef:
       return s.clusterRefs;
+    case Per::Lump:
+      return s.lumps;
     case Per::Attachment:
       return s.attachments;
     case Per::TreeNode:

@@ -92,7 +92,8 @@ class LockstepExecutor {
       case Per::Group: return static_cast<std::size_t>(c.groups);
       case Per::Chunk: return static_cast<std::size_t>(c.chunks);
       case Per::External: return static_cast<std::size_t>(c.externals);
-      case Per::BodyLevel: return static_cast<std::size_t>(s.bodies * kCoarseLevels);
+      case Per::MemberLevel: return static_cast<std::size_t>(s.members() * kCoarseLevels);
+      case Per::Lump: return static_cast<std::size_t>(s.lumps);
       case Per::Entry: return static_cast<std::size_t>(c.entries);
       case Per::Color: return static_cast<std::size_t>(c.colors);
       case Per::Cell: return static_cast<std::size_t>(s.cells);
