@@ -265,8 +265,6 @@ void step(E& e) {
     const bool last = n + 1 == e.view().step.iterations;
     if (nodes > 0 && !(last && treesEnd)) correctTrees(e, false);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
-    // a sweep gives what it pushes more momentum, or less, than it takes
-    if (last && e.view().step.coarseCorrection) correctLevel(e, kCoarseLevels - 1);
     if (last && treesEnd) correctTrees(e, true);
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);

@@ -51,7 +51,7 @@ TEST(HeadOnImpact, OfTwentyMetresASecondKeepsMomentumAtFourIterations) {
   for (const double ratio : {.1, 1., 10.})
     for (const Shape& shape : {Shape::sphere(.5), Shape::box({.5, .5, .5})}) {
       const HeadOn r = headOn(shape, 20, ratio, 4);
-      EXPECT_TRUE(test::near(r.momentum, Vec3{20, 0, 0}, .01 * 20)) << ratio << ": " << r.momentum.x;
+      EXPECT_TRUE(test::near(r.momentum, Vec3{20, 0, 0}, .04 * 20)) << ratio << ": " << r.momentum.x;
     }
 }
 
