@@ -62,7 +62,6 @@ struct LaneAccess {
 
 using Real4 = Real __attribute__((vector_size(kLanes * sizeof(Real))));
 using Real4Aliased = Real __attribute__((vector_size(kLanes * sizeof(Real)), may_alias));
-using Real4Anywhere = Real __attribute__((vector_size(kLanes * sizeof(Real)), aligned(alignof(Real)), may_alias));
 
 template <class Mask>
 inline Real4 select(Mask mask, Real4 a, Real4 b) { return mask ? a : b; }
@@ -108,12 +107,17 @@ struct LaneAccess<Real4> {
   }
   /// The four numbers from each of four places on.
   static Quad<Real4> gatherQuad(const Real* a, const Real* b, const Real* c, const Real* d) {
-    const auto at = [](const Real* p) { return *reinterpret_cast<const Real4Anywhere*>(p); };
+    // copied: not every compiler takes an alignment below that of a vector
+    const auto at = [](const Real* p) {
+      Real4 numbers;
+      std::memcpy(&numbers, p, sizeof numbers);
+      return numbers;
+    };
     return transposed({at(a), at(b), at(c), at(d)});
   }
   static void scatterQuad(Real* a, Real* b, Real* c, Real* d, const Quad<Real4>& q) {
     const Quad<Real4> v = transposed(q);
-    const auto put = [](Real* p, Real4 numbers) { *reinterpret_cast<Real4Anywhere*>(p) = numbers; };
+    const auto put = [](Real* p, const Real4& numbers) { std::memcpy(p, &numbers, sizeof numbers); };
     put(a, v.x), put(b, v.y), put(c, v.z), put(d, v.w);
   }
 

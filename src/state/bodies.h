@@ -10,18 +10,19 @@ namespace rubble::RUBBLE_CORE {
 
 enum class BodyKind : int { Removed, Static, Kinematic, Dynamic };
 
-/// Authored once; read-only in a step.
+/// Authored once; read-only in a step. No bytes lie between or behind the members: hashes take all of them.
 struct BodyParams {
   ShapeData shape;
   BodyKind kind;
+  int surface;        ///< its material in the shared table, -1: the numbers below with the usual rules
   Real mass;          ///< [kg]; 0 unless dynamic
   Vec3 inertia;       ///< principal moments, body axes [kg m2]
   Real radius;        ///< bounding sphere [m]
   Real muStatic, muDynamic;
   Real restitution;
   Real gravityScale;
-  int surface;        ///< its material in the shared table, -1: the four numbers above with the usual rules
 };
+static_assert(sizeof(BodyParams) == sizeof(ShapeData) + 2 * sizeof(int) + 9 * sizeof(Real));
 
 /// A material in full.
 struct SurfaceData {

@@ -1,5 +1,5 @@
 /// The same bits at any number of threads, and the lockstep that proves it.
-#include <backend/lockstep/lockstep_executor.h>
+#include <backend/lockstep/lockstep_pair.h>
 
 #include <tbb/global_control.h>
 
@@ -91,23 +91,22 @@ class Lockstep : public ::testing::Test {
   }
 
   template <class F> void both(F&& f) {
-    f(executor_.a().tables());
-    f(executor_.b().tables());
+    f(pair_.a().tables());
+    f(pair_.b().tables());
   }
-  View& b() { return executor_.b().view(); }
+  View& b() { return pair_.b().view(); }
 
   template <class Plant> std::string stepWith(Plant&& plant) {
-    executor_.setStep(step_++);
-    both([&](HostTables& t) { beginStep(t.view(), settings_, step_ > 1 ? 1. / 60 : 0); });
+    both([&](HostTables& t) { beginStep(t.view(), settings_, step_ > 0 ? 1. / 60 : 0); });
     plant();
-    step(executor_);
-    return executor_.firstDifference();
+    pair_.step(step_++);
+    return pair_.firstDifference();
   }
   std::string plainStep() {
     return stepWith([] {});
   }
 
-  LockstepExecutor executor_{1, 2};
+  LockstepPair pair_{1, 2};
   EngineSettings settings_;
   int step_ = 0;
 };
@@ -136,6 +135,11 @@ TEST_F(Lockstep, NamesADifferenceInTheSolveByItsBody) {
   EXPECT_NE(found.find("step 1, stage "), std::string::npos) << found;
   EXPECT_NE(found.find(", table "), std::string::npos) << found;
   EXPECT_NE(found.find(", element "), std::string::npos) << found;
+}
+
+TEST_F(Lockstep, NamesStagesWhereOnlyOneRunsThem) {
+  const std::string found = stepWith([&] { b().step.coarseCorrection = false; });
+  EXPECT_EQ(found, "step 0, stage groups beside incidence");
 }
 
 TEST_F(Lockstep, KeepsTheFirstDifference) {

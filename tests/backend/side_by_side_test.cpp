@@ -8,32 +8,9 @@
 namespace rubble::RUBBLE_CORE {
 namespace {
 
-/// Runs every kernel at one index after another.
-class OneByOne : public CpuExecutor {
- public:
-  using CpuExecutor::CpuExecutor;
-
-  template <class Kernel>
-  void forEach(const Kernel& kernel, int n) {
-    for (int i = 0; i < n; ++i) kernel(view(), i);
-  }
-  template <class Kernel>
-  void forEach(const Kernel& kernel, int Counters::*n) { forEach(kernel, view().counters->*n); }
-  template <class Kernel>
-  void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
-    for (int i = (view().*offsets)[k]; i < (view().*offsets)[k + 1]; ++i) kernel(view(), i);
-  }
-  template <class Kernel, class VertexKernel>
-  void forEachColor(const Kernel& kernel, const VertexKernel&) {
-    const View& s = view();
-    for (int k = 0; k < s.colorOffset[s.counters->colors]; ++k) kernel(s, s.colorBody[k]);
-  }
-};
-
 /// A net of 12 x 12 spheres on ball joints, its top row held, of which some are boxes that turn fast, locked, on the world or heavy; loose
 /// spheres lie in it, so that some bodies have contacts and joints, and some only one of these.
-template <class E>
-struct Net : CoreWorldOn<E> {
+struct Net : CoreWorld {
   static constexpr int kSize = 12;
   Net() {
     for (int row = 0; row < kSize; ++row)
@@ -45,37 +22,37 @@ struct Net : CoreWorldOn<E> {
         if (row == 0) body.motion = Motion::Static;
         if (row == 5 && column % 3 == 0) body.angularVelocity = {20, 90, 5};
         if (row == 9) body.velocity = {0, 6, 1};
-        this->add(body);
+        add(body);
       }
     for (int i = 0; i < 20; ++i) {
       BodyDef loose;
       loose.shape = Shape::sphere(.3);
       loose.position = {.55 * i, .2, 1 + .1 * i};
-      this->add(loose);
+      add(loose);
     }
-    this->finish();
+    finish();
     int slot = 0;
     for (int row = 1; row < kSize; ++row)
       for (int column = 0; column < kSize; ++column) {
         const int i = row * kSize + column;
-        if (column > 0) this->addBall(slot++, i - 1, i, {.5, 0, 0}, {-.5, 0, 0});
-        this->addBall(slot++, i - kSize, i, {0, 0, -.5}, {0, 0, .5});
-        if (row == kSize - 1 && column % 4 == 1) this->addBall(slot++, i, kWorldBody, {0, 0, 0}, {static_cast<double>(column), .3, -kSize + 1});
+        if (column > 0) addBall(slot++, i - 1, i, {.5, 0, 0}, {-.5, 0, 0});
+        addBall(slot++, i - kSize, i, {0, 0, -.5}, {0, 0, .5});
+        if (row == kSize - 1 && column % 4 == 1) addBall(slot++, i, kWorldBody, {0, 0, 0}, {static_cast<double>(column), .3, -kSize + 1});
       }
-    this->view().extras[30].locks = this->view().extras[77].locks = 2 + 8;
-    this->view().locked = 1;
+    view().extras[30].locks = view().extras[77].locks = 2 + 8;
+    view().locked = 1;
   }
   void step(double& previousDt) {
-    planTrees(this->executor().tables());
-    beginStep(this->view(), this->settings(), previousDt);
-    rubble::RUBBLE_CORE::step(this->executor());
-    previousDt = this->settings().params.dt;
+    planTrees(executor().tables());
+    beginStep(view(), settings(), previousDt);
+    rubble::RUBBLE_CORE::step(executor());
+    previousDt = settings().params.dt;
   }
 };
 
 TEST(SideBySide, HasTheBitsOfOneByOne) {
-  Net<CpuExecutor> four;
-  Net<OneByOne> one;
+  Net four, one;
+  one.executor().takeOneByOne();
   double before = 0, beforeOne = 0;
   int touching = 0;
   for (int n = 0; n < 60; ++n) {

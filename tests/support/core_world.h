@@ -12,12 +12,11 @@
 namespace rubble::RUBBLE_CORE {
 
 /// An executor with bodies in its tables; runs single parts of a step.
-template <class E>
-class CoreWorldOn {
+class CoreWorld {
  public:
-  explicit CoreWorldOn(int threads = 1) : executor_(threads) { settings_.gravity = {0, 0, -10}; }
+  explicit CoreWorld(int threads = 1) : executor_(threads) { settings_.gravity = {0, 0, -10}; }
 
-  E& executor() { return executor_; }
+  CpuExecutor& executor() { return executor_; }
   View& view() { return executor_.view(); }
   EngineSettings& settings() { return settings_; }
 
@@ -70,11 +69,10 @@ class CoreWorldOn {
   }
 
  private:
-  E executor_;
+  CpuExecutor executor_;
   EngineSettings settings_;
   std::vector<int> planes_;
 };
-using CoreWorld = CoreWorldOn<CpuExecutor>;
 
 /// Every pair whose swept boxes meet, or whose box meets a half space; at least one body of it is dynamic.
 inline std::set<std::pair<int, int>> allPairs(const View& s) {

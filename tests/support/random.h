@@ -1,5 +1,6 @@
 #pragma once
-/// Random numbers that are the same with every standard library: the distributions of <random> are not.
+/// Random numbers that are the same with every standard library and compiler: the distributions of <random> are not, and neither is the order in
+/// which arguments of a call are evaluated.
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -33,9 +34,12 @@ class Random {
     return {r * std::cos(angle), r * std::sin(angle), z};
   }
   /// Any rotation, either sign of the scalar part.
-  Quat rotation() { return fromAxisAngle(direction(), uniform(0, 4 * std::numbers::pi)); }
+  Quat rotation() { return rotationUpTo(4 * std::numbers::pi); }
   /// A rotation by up to `angle` [rad].
-  Quat rotationUpTo(double angle) { return fromAxisAngle(direction(), uniform(0, angle)); }
+  Quat rotationUpTo(double angle) {
+    const double turn = uniform(0, angle);
+    return fromAxisAngle(direction(), turn);
+  }
 
  private:
   std::uint64_t state_;

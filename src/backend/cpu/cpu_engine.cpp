@@ -2,6 +2,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
+template void step(CpuExecutor&);
+
 void beginStep(View& s, const EngineSettings& settings, double previousDt) {
   *s.counters = {};
   s.step = stepConstants(settings.params, settings.gravity, settings.maxMassLength, previousDt);

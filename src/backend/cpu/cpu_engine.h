@@ -8,6 +8,9 @@
 
 namespace rubble::RUBBLE_CORE {
 
+/// The whole step is by far the largest thing that there is to compile: only cpu_engine.cpp does it.
+extern template void step(CpuExecutor&);
+
 /// Fills the counts of a report.
 void reportCounters(const View& s, StepReport& report);
 

@@ -2,6 +2,7 @@
 /// The step on oneTBB. Kernels write only what belongs to their index, so results do not depend on the number of threads.
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,12 @@ class CpuExecutor {
   const Tables<HostMemory>& tables() const { return tables_; }
   View& view() { return tables_.view(); }
   const View& view() const { return tables_.view(); }
+
+  /// Told the name of each kernel's stage before it runs, and "between steps" after the last one.
+  using Observer = std::function<void(const char* stage)>;
+  void observe(Observer observer) { observer_ = std::move(observer); }
+  /// Kernels at one index after another from now on: what comes out must not depend on it.
+  void takeOneByOne() { together_ = false; }
 
   /// Runs f() with the threads of this executor.
   template <class F>
@@ -123,7 +130,10 @@ class CpuExecutor {
   }
 
   void lodgeRows() { tables_.lodgeRows(); }
-  void keepManifolds() { tables_.keepManifolds(); }
+  void keepManifolds() {
+    if (observer_) observer_("between steps");
+    tables_.keepManifolds();
+  }
 
   /// Time of each stage since the last call [ms].
   std::vector<StageTime> takeTimes() { return std::exchange(times_, {}); }
@@ -137,7 +147,10 @@ class CpuExecutor {
   /// Adds the time of its life to a stage.
   class StageClock {
    public:
-    StageClock(CpuExecutor& executor, const char* name) : executor_(executor), name_(name), begin_(Clock::now()) {}
+    StageClock(CpuExecutor& executor, const char* name) : executor_(executor), name_(name) {
+      if (executor.observer_) executor.observer_(name);
+      begin_ = Clock::now();
+    }
     ~StageClock() {
       if (!executor_.timings_) return;
       const double ms = std::chrono::duration<double, std::milli>(Clock::now() - begin_).count();
@@ -162,7 +175,7 @@ class CpuExecutor {
     forRange(n, [&](int begin, int end) {
       int i = begin;
       if constexpr (requires(const Four& four) { Together<Kernel>::run(s, four); })
-        for (; i + kLanes <= end; i += kLanes) {
+        for (; together_ && i + kLanes <= end; i += kLanes) {
           const auto four = [&](auto&& f, int k) {
             if (k + kLanes <= end) f({at(k), at(k + 1), at(k + 2), at(k + 3)});
           };
@@ -188,6 +201,8 @@ class CpuExecutor {
   Tables<HostMemory> tables_;
   tbb::task_arena arena_;
   bool timings_;
+  bool together_ = true;
+  Observer observer_;
   std::vector<StageTime> times_;
   std::vector<Growth> grown_;
 };

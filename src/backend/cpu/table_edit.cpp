@@ -78,10 +78,13 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   p.restitution = static_cast<Real>(body.material.restitution);
   p.gravityScale = static_cast<Real>(body.gravityScale);
   p.surface = body.surface;
-  s.extras[slot] = {static_cast<Real>(body.linearDamping), static_cast<Real>(body.angularDamping), dynamic ? body.locks : 0};
+  // member by member: what lies between members is hashed too, and a temporary has it from the stack
+  BodyExtras& extras = s.extras[slot];
+  extras.linearDamping = static_cast<Real>(body.linearDamping), extras.angularDamping = static_cast<Real>(body.angularDamping);
+  extras.locks = dynamic ? body.locks : 0;
   const CollisionFilter &f = body.filter, usual;
   s.filter[slot] = {f.layers, f.mask, f.group, body.sensor};
-  s.locked |= s.extras[slot].locks != 0;
+  s.locked |= extras.locks != 0;
   s.filtered |= body.sensor || f.layers != usual.layers || f.mask != usual.mask || f.group != usual.group;
   s.color[slot] = 0;
   s.force[slot] = s.torque[slot] = {0, 0, 0};

@@ -1,5 +1,4 @@
-#include "backend/cpu/cpu_engine.h"
-#include "backend/lockstep/lockstep_executor.h"
+#include "backend/lockstep/lockstep_pair.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -8,7 +7,7 @@ namespace {
 /// One thread beside many. Measures come from the first.
 class LockstepEngine final : public Engine {
  public:
-  explicit LockstepEngine(int threads) : executor_(1, threads) {}
+  explicit LockstepEngine(int threads) : pair_(1, threads) {}
 
   void configure(const EngineSettings& settings) override {
     settings_ = settings;
@@ -88,19 +87,18 @@ class LockstepEngine final : public Engine {
     return known;
   }
   void step(StepReport& report) override {
-    executor_.setStep(report.step);
     both([](HostTables& t) { planTrees(t); });
     for (int k = 0; k < settings_.params.substeps; ++k) {
       both([&](HostTables& t) { beginStep(t.view(), settings_, previousDt_); });
-      RUBBLE_CORE::step(executor_);
+      pair_.step(report.step);
       previousDt_ = settings_.params.dt / settings_.params.substeps;
     }
     settings_.wakeAll = false;
-    reportCounters(executor_.view(), report);
-    report.stages = executor_.a().takeTimes();
-    executor_.b().takeTimes();
-    report.grown = executor_.a().takeGrown();
-    executor_.b().takeGrown();
+    reportCounters(first().view(), report);
+    report.stages = pair_.a().takeTimes();
+    pair_.b().takeTimes();
+    report.grown = pair_.a().takeGrown();
+    pair_.b().takeGrown();
   }
   Quality quality() const override { return qualityOf(first()); }
   void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override {
@@ -111,12 +109,12 @@ class LockstepEngine final : public Engine {
   std::vector<int> sleepers() const override { return sleepersOf(first()); }
   bool isAsleep(int slot) const override { return first().view().asleep[slot] != 0; }
   std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
-    runQueries(executor_.b().tables(), queries);
-    return runQueries(executor_.a().tables(), queries);
+    runQueries(pair_.b().tables(), queries);
+    return runQueries(pair_.a().tables(), queries);
   }
   std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override {
-    runOverlaps(executor_.b().tables(), queries);
-    return runOverlaps(executor_.a().tables(), queries);
+    runOverlaps(pair_.b().tables(), queries);
+    return runOverlaps(pair_.a().tables(), queries);
   }
   JointState jointState(int type, int slot) const override { return jointStateOf(first(), type, slot); }
   std::vector<std::pair<int, int>> brokenJoints() const override { return brokenJointsOf(first()); }
@@ -126,17 +124,17 @@ class LockstepEngine final : public Engine {
   void load(std::span<const std::byte> data) override {
     both([&](HostTables& t) { loadState(t, previousDt_, data); });
   }
-  std::string firstDifference() const override { return executor_.firstDifference(); }
+  std::string firstDifference() const override { return pair_.firstDifference(); }
 
  private:
   template <class F>
   void both(F&& f) {
-    f(executor_.a().tables());
-    f(executor_.b().tables());
+    f(pair_.a().tables());
+    f(pair_.b().tables());
   }
-  const HostTables& first() const { return executor_.a().tables(); }
+  const HostTables& first() const { return pair_.a().tables(); }
 
-  LockstepExecutor executor_;
+  LockstepPair pair_;
   EngineSettings settings_;
   double previousDt_ = 0;
 };

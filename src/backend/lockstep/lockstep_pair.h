@@ -1,83 +1,78 @@
 #pragma once
 /// Two executors side by side: the step runs on both, stage by stage, and the first stage, table and element that differ are named.
+#include <barrier>
 #include <cstring>
+#include <exception>
+#include <optional>
 #include <string>
+#include <thread>
 
-#include "backend/cpu/cpu_executor.h"
+#include "backend/cpu/cpu_engine.h"
 
 namespace rubble::RUBBLE_CORE {
 
-class LockstepExecutor {
+/// Each runs the step of the library in a thread of its own; they wait for one another where a stage ends.
+class LockstepPair {
  public:
-  using Lane = CpuExecutor::Lane;
+  LockstepPair(int threadsA, int threadsB) : a_(threadsA), b_(threadsB) {
+    for (Side* side : {&a_, &b_}) side->executor.observe([this, side](const char* stage) { enter(*side, stage); });
+  }
+  LockstepPair(const LockstepPair&) = delete;
+  LockstepPair& operator=(const LockstepPair&) = delete;
 
-  LockstepExecutor(int threadsA, int threadsB) : a_(threadsA), b_(threadsB) {}
+  CpuExecutor& a() { return a_.executor; }
+  CpuExecutor& b() { return b_.executor; }
+  const CpuExecutor& a() const { return a_.executor; }
 
-  CpuExecutor& a() { return a_; }
-  CpuExecutor& b() { return b_; }
-  const CpuExecutor& a() const { return a_; }
-  View& view() { return a_.view(); }
-
-  template <class Kernel, class Count>
-  void forEach(const Kernel& kernel, Count n) {
-    enter(Kernel::kName);
-    both([&](CpuExecutor& e) { e.forEach(kernel, n); });
-  }
-  template <class Kernel, class VertexKernel>
-  void forEachColor(const Kernel& kernel, const VertexKernel& vertexKernel) {
-    enter(Kernel::kName);
-    both([&](CpuExecutor& e) { e.forEachColor(kernel, vertexKernel); });
-  }
-  template <class Kernel>
-  void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
-    enter(Kernel::kName);
-    both([&](CpuExecutor& e) { e.forEachIn(kernel, offsets, k); });
-  }
-  void group(int* View::*keys, int n, int* View::*offsets, int* View::*order, int Counters::*keyCount) {
-    both([&](CpuExecutor& e) { e.group(keys, n, offsets, order, keyCount); });
-  }
-  template <class Count>
-  void clear(int* View::*array, Count n) {
-    both([&](CpuExecutor& e) { e.clear(array, n); });
-  }
-  template <class Count>
-  void scan(int* View::*counts, int* View::*offsets, Count n) {
-    both([&](CpuExecutor& e) { e.scan(counts, offsets, n); });
-  }
-  template <class Count>
-  void scan(int* View::*counts, int* View::*offsets, Count n, int Counters::*total, Per per) {
-    both([&](CpuExecutor& e) { e.scan(counts, offsets, n, total, per); });
-  }
-  void require(Per per, int Counters::*count) {
-    both([&](CpuExecutor& e) { e.require(per, count); });
-  }
-  template <class Take, class Propose>
-  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left, int Counters::*turn) {
-    both([&](CpuExecutor& e) { e.rounds(take, propose, count, left, turn); });
-  }
-  void lodgeRows() {
-    both([](CpuExecutor& e) { e.lodgeRows(); });
-  }
-  void keepManifolds() {
-    enter("between steps");
-    both([](CpuExecutor& e) { e.keepManifolds(); });
+  /// One step of both, as `step` of one; `number` is its name in a difference.
+  void step(std::int64_t number) {
+    step_ = number;
+    a_.ended = b_.ended = false;
+    meeting_.emplace(2, Compare{this});
+    std::exception_ptr errors[2];
+    std::thread other([&] { run(b_, errors[1]); });
+    run(a_, errors[0]);
+    other.join();
+    for (const std::exception_ptr& error : errors)
+      if (error) std::rethrow_exception(error);
   }
 
   /// "stage narrow, table manifold, element 12" of the first difference since the start, or "".
   const std::string& firstDifference() const { return difference_; }
-  void setStep(std::int64_t step) { step_ = step; }
 
  private:
-  template <class F>
-  void both(F&& f) {
-    a_.run([&] { f(a_); });
-    b_.run([&] { f(b_); });
-  }
+  /// One of the two, and the stage that it is in.
+  struct Side {
+    explicit Side(int threads) : executor(threads) {}
+    CpuExecutor executor;
+    const char* stage = "";
+    bool ended = false;  ///< its part of this step
+  };
+  struct Compare {
+    LockstepPair* pair;
+    void operator()() const noexcept { pair->meet(); }
+  };
 
   /// A stage of several kernels is compared when it has ended: in between, orders may differ.
-  void enter(const char* stage) {
-    if (stage_ && std::strcmp(stage, stage_) != 0) compare();
-    stage_ = stage;
+  void enter(Side& side, const char* stage) {
+    if (*side.stage && std::strcmp(stage, side.stage) != 0) meeting_->arrive_and_wait();
+    side.stage = stage;
+  }
+  void run(Side& side, std::exception_ptr& error) {
+    try {
+      side.executor.run([&] { RUBBLE_CORE::step(side.executor); });
+    } catch (...) {
+      error = std::current_exception();
+    }
+    side.ended = true;
+    meeting_->arrive_and_drop();
+  }
+
+  /// Both have come to the end of a stage, or of the step.
+  void meet() {
+    if (!difference_.empty() || (a_.ended && b_.ended)) return;
+    if (a_.ended == b_.ended && std::strcmp(a_.stage, b_.stage) == 0) return compare();
+    difference_ = "step " + std::to_string(step_) + ", stage " + a_.stage + " beside " + b_.stage;
   }
 
   /// Elements of an array that this step has written so far.
@@ -113,8 +108,7 @@ class LockstepExecutor {
   }
 
   void compare() {
-    if (!difference_.empty()) return;
-    const View &s = a_.view(), &t = b_.view();
+    const View &s = a_.executor.view(), &t = b_.executor.view();
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
       if (!difference_.empty() || array.life == Life::Unordered) return;
       const T *p = s.*array.member, *q = t.*array.member;
@@ -122,14 +116,14 @@ class LockstepExecutor {
       if (!p || !q || std::memcmp(p, q, n * sizeof(T)) == 0) return;
       for (std::size_t i = 0; i < n; ++i)
         if (std::memcmp(p + i, q + i, sizeof(T)) != 0) {
-          difference_ = "step " + std::to_string(step_) + ", stage " + stage_ + ", table " + array.name + ", element " + std::to_string(i);
+          difference_ = "step " + std::to_string(step_) + ", stage " + a_.stage + ", table " + array.name + ", element " + std::to_string(i);
           return;
         }
     });
   }
 
-  CpuExecutor a_, b_;
-  const char* stage_ = nullptr;
+  Side a_, b_;
+  std::optional<std::barrier<Compare>> meeting_;
   std::int64_t step_ = 0;
   std::string difference_;
 };
