@@ -136,16 +136,6 @@ double bodiesBelow(const World& world, int object) {
   return below;
 }
 
-SoftDef softBall(const Vec3& centre, double radius, int cells) {
-  SoftDef d = softBox({-1, -1, -1}, {2, 2, 2}, {cells, cells, cells});
-  for (Vec3& x : d.vertices) {
-    // the shell at distance r from the centre of the cube becomes the sphere of radius r
-    const double shell = std::max({std::fabs(x.x), std::fabs(x.y), std::fabs(x.z)}), size = length(x);
-    x = centre + (size > 0 ? x * (radius * shell / size) : Vec3{});
-  }
-  return d;
-}
-
 ClothDef heldSheet(double side, double height, int cells) {
   ClothDef sheet = clothSheet({-side / 2, -side / 2, height}, {side, 0, 0}, {0, side, 0}, cells, cells);
   sheet.name = "sheet";

@@ -37,8 +37,6 @@ double bodiesBelow(const World& world, int object);
 /// Kinetic energy of all [J].
 double motion(const World& world);
 
-/// A ball of tetrahedra: a cube lattice drawn to a ball.
-SoftDef softBall(const Vec3& centre, double radius, int cells);
 /// A square of heavy cloth at a height, held along its edges: "sheet", 4 mm, 2 MPa, 400 kg/m3.
 ClothDef heldSheet(double side, double height, int cells);
 /// Indices of the vertices with inside(position).

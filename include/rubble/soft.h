@@ -112,6 +112,8 @@ inline DeformableDef& common(Deformable& d) {
 
 /// A box of cells, each cut into six tetrahedra, with its lowest corner at `corner`.
 SoftDef softBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells);
+/// A ball of tetrahedra: a cube of `cells` each way, 2 at least, drawn to a ball. None of them has its four corners on the surface.
+SoftDef softBall(const Vec3& centre, double radius, int cells);
 /// A sheet of cells, two triangles each: `corner` + s `u` + t `v`, s and t from 0 to 1. Vertex (i, j) is i + j (cellsU + 1).
 ClothDef clothSheet(const Vec3& corner, const Vec3& u, const Vec3& v, int cellsU, int cellsV);
 /// A straight rod.

@@ -1,34 +1,67 @@
+#include <algorithm>
+#include <cmath>
+
 #include <rubble/error.h>
 #include <rubble/soft.h>
 
 namespace rubble {
 
-SoftDef softBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells) {
-  for (std::size_t k = 0; k < 3; ++k)
-    if (cells[k] < 1 || !(size[int(k)] > 0)) throw Error("softBox", "a positive size and at least one cell each way", "others");
+namespace {
+
+/// Points of a lattice and the six tetrahedra of each of its cells, which go along paths from one corner to the opposite one. startsHigh(axis, cell): the
+/// path starts at the high end of that axis. As this depends on the place along that axis alone, cells fit to one another.
+template <class StartsHigh>
+SoftDef lattice(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells, StartsHigh&& startsHigh) {
   const auto [nx, ny, nz] = cells;
-  const auto index = [&, nx = nx, ny = ny](int i, int j, int k) { return i + (nx + 1) * (j + (ny + 1) * k); };
+  const auto index = [&, nx = nx, ny = ny](const int (&at)[3]) { return at[0] + (nx + 1) * (at[1] + (ny + 1) * at[2]); };
   SoftDef d;
   for (int k = 0; k <= nz; ++k)
     for (int j = 0; j <= ny; ++j)
       for (int i = 0; i <= nx; ++i) d.vertices.push_back(corner + Vec3{size.x * i / nx, size.y * j / ny, size.z * k / nz});
-  // the six paths from one corner of a cell to the opposite one; cells fit to one another without mirroring
   constexpr int kPaths[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
   for (int k = 0; k < nz; ++k)
     for (int j = 0; j < ny; ++j)
       for (int i = 0; i < nx; ++i)
         for (int p = 0; p < 6; ++p) {
           std::array<int, 4> t;
-          int at[3] = {i, j, k};
-          t[0] = index(at[0], at[1], at[2]);
-          for (int step = 0; step < 3; ++step) {
-            ++at[kPaths[p][step]];
-            t[std::size_t(step + 1)] = index(at[0], at[1], at[2]);
+          int at[3] = {i, j, k}, way[3];
+          // odd permutations of axes are mirror images, and so is each axis that is gone down
+          bool mirrored = p >= 3;
+          for (int axis = 0; axis < 3; ++axis) {
+            const bool down = startsHigh(axis, at[axis]);
+            way[axis] = down ? -1 : 1;
+            at[axis] += down;
+            mirrored ^= down;
           }
-          // odd permutations are mirror images
-          if (p >= 3) std::swap(t[1], t[2]);
+          t[0] = index(at);
+          for (int step = 0; step < 3; ++step) {
+            at[kPaths[p][step]] += way[kPaths[p][step]];
+            t[std::size_t(step + 1)] = index(at);
+          }
+          if (mirrored) std::swap(t[1], t[2]);
           d.tetrahedra.push_back(t);
         }
+  return d;
+}
+
+}  // namespace
+
+SoftDef softBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (cells[k] < 1 || !(size[int(k)] > 0)) throw Error("softBox", "a positive size and at least one cell each way", "others");
+  return lattice(corner, size, cells, [](int, int) { return false; });
+}
+
+SoftDef softBall(const Vec3& centre, double radius, int cells) {
+  if (cells < 2 || !(radius > 0)) throw Error("softBall", "a positive radius and at least two cells each way", "others");
+  // from the corner of a cell that is nearest to the centre: all six tetrahedra have it, so that none has its four corners on the surface, where
+  // those at the edges of the cube would be flat
+  SoftDef d = lattice({-1, -1, -1}, {2, 2, 2}, {cells, cells, cells}, [&](int, int cell) { return 2 * cell + 1 < cells; });
+  for (Vec3& x : d.vertices) {
+    // the shell at distance r from the centre of the cube becomes the sphere of radius r
+    const double shell = std::max({std::fabs(x.x), std::fabs(x.y), std::fabs(x.z)}), size = length(x);
+    x = centre + (size > 0 ? x * (radius * shell / size) : Vec3{});
+  }
   return d;
 }
 
