@@ -46,8 +46,7 @@ struct Builder {
 }  // namespace
 
 void makeClusters(SoftModel& model) {
-  const auto counts = elementCounts(model);
-  if (std::all_of(counts.begin(), counts.end(), [](int n) { return n == 0; })) return;
+  if (hasNoElements(model)) return;
   for (std::size_t v = 0; v < model.vertices.size(); ++v)
     if (model.vertices[v].mass > 0) model.clusterOrder.push_back(int(v));
   const int moving = int(model.clusterOrder.size());

@@ -8,8 +8,9 @@ namespace rubble {
 
 namespace {
 
-/// Points of a lattice and the six tetrahedra of each of its cells, which go along paths from one corner to the opposite one. startsHigh(axis, cell): the
-/// path starts at the high end of that axis. As this depends on the place along that axis alone, cells fit to one another.
+/// Points of a lattice and the six tetrahedra of each of its cells, which go along paths from one corner to the opposite one.
+/// startsHigh(axis, cell): the path starts at the high end of that axis. As this depends on the place along that axis alone, cells fit to
+/// one another.
 template <class StartsHigh>
 SoftDef lattice(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells, StartsHigh&& startsHigh) {
   const auto [nx, ny, nz] = cells;
@@ -54,8 +55,8 @@ SoftDef softBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& 
 
 SoftDef softBall(const Vec3& centre, double radius, int cells) {
   if (cells < 2 || !(radius > 0)) throw Error("softBall", "a positive radius and at least two cells each way", "others");
-  // from the corner of a cell that is nearest to the centre: all six tetrahedra have it, so that none has its four corners on the surface, where
-  // those at the edges of the cube would be flat
+  // from the corner of a cell that is nearest to the centre: all six tetrahedra have it, so that none has its four corners on the surface,
+  // where those at the edges of the cube would be flat
   SoftDef d = lattice({-1, -1, -1}, {2, 2, 2}, {cells, cells, cells}, [&](int, int cell) { return 2 * cell + 1 < cells; });
   for (Vec3& x : d.vertices) {
     // the shell at distance r from the centre of the cube becomes the sphere of radius r

@@ -98,6 +98,11 @@ struct SoftModel {
   double mass = 0;         ///< of all vertices [kg]
 };
 
+/// Does a group of bodies move it as one: an object with clusters and without fixed vertices?
+inline bool isLump(const SoftModel& m) {
+  return !m.clusters.empty() && m.clusterOrder.size() == m.vertices.size();
+}
+
 /// Throws Error as validate() of soft.h does.
 std::shared_ptr<const SoftModel> cookDeformable(const Deformable& def, const std::string& path);
 
@@ -124,6 +129,13 @@ struct SoftRange {
 inline std::array<int, SoftRange::kElementTypes> elementCounts(const SoftModel& m) {
   return {int(m.tetrahedra.size()), int(m.membranes.size()), int(m.flatBends.size()),
           int(m.foldBends.size()),  int(m.lineBends.size()), int(m.springs.size()), int(m.pressures.size())};
+}
+
+/// Granular particles.
+inline bool hasNoElements(const SoftModel& m) {
+  for (const int n : elementCounts(m))
+    if (n > 0) return false;
+  return true;
 }
 
 /// Fills the clusters of a model whose vertices and elements are set.

@@ -79,8 +79,8 @@ RUBBLE_HD inline bool withinObject(const View& s, const PointContact& p) {
 
 /// No group is moved.
 inline constexpr int kNoLevel = -1;
-/// Adds the share of number `lane` of `lanes` in the inertia, loads, attachments and contacts of a vertex; rows inside of groups of `level` are
-/// left out, and contacts of its object with itself go to `self`. Returns whether there are any.
+/// Adds the share of number `lane` of `lanes` in the inertia, loads, attachments and contacts of a vertex; rows inside of groups of `level`
+/// are left out, and contacts of its object with itself go to `self`. Returns whether there are any.
 template <bool surfaces>
 RUBBLE_HD bool addFromOutside(const View& s, int v, int lane, int lanes, int level, Block3& own, Block3& self) {
   if (lane == 0) own += startVertexBlock(s, v);

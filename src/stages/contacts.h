@@ -230,8 +230,9 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
 /// Does point k hold its bodies together now, up to the gap below which a point is not dormant?
 RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) { return r.load[k].kN > Real(0) && r.place[k].c0 > -kDormantGap * r.length; }
 
-/// Level of the groups at which rows unite their bodies: the finest at which these share a cell (cells.h), if a point holds them together or stops
-/// their approach in this step (bits of `impact`): what strikes together moves on together, and sweeps over one body at a time find that last.
+/// Level of the groups at which rows unite their bodies: the finest at which these share a cell (cells.h), if a point holds them together or
+/// stops their approach in this step (bits of `impact`): what strikes together moves on together, and sweeps over one body at a time find
+/// that last.
 RUBBLE_HD inline int joinLevel(const View& s, const ContactRows& r, int impact) {
   for (int k = 0; k < kLanes; ++k)
     if (holdsAt(r, k) || (impact >> k & 1)) return finestSharedLevel(s, r.a, r.b);

@@ -1,7 +1,7 @@
 #pragma once
 /// Groups for the coarse correction: bodies and lumps (members.h) of one cell of a nested hierarchy of cubes that hang together by touching
-/// contacts, joints and attachments, at several sizes. Any grouping gives a valid descent (coarse.h); members that do not touch would only disturb
-/// one another.
+/// contacts, joints and attachments, at several sizes. Any grouping gives a valid descent (coarse.h); members that do not touch would only
+/// disturb one another.
 #include "stages/blocks.h"
 
 namespace rubble::RUBBLE_CORE {

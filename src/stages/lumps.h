@@ -1,8 +1,8 @@
 #pragma once
-/// Deformable objects and granular particles in the groups of bodies: what strikes together moves on together, whatever it is. A group with lumps
-/// is moved without being turned: no element and no row inside of it feels that, while a turn would shear the rows between points that have moved
-/// since x^t. Of a lump its group sees inertia, loads, attachments and contacts of the vertices, but for rows inside of the group. Objects with fixed
-/// vertices are no lumps: the world takes part in whatever happens to them.
+/// Deformable objects and granular particles in the groups of bodies: what strikes together moves on together, whatever it is. A group with
+/// lumps is moved without being turned: no element and no row inside of it feels that, while a turn would shear the rows between points that
+/// have moved since x^t. Of a lump its group sees inertia, loads, attachments and contacts of the vertices, but for rows inside of the group.
+/// Objects with fixed vertices are no lumps: the world takes part in whatever happens to them.
 #include "stages/clusters.h"
 #include "stages/vertex_graph.h"
 
@@ -24,7 +24,8 @@ RUBBLE_HD void visitMembers(const View& s, const Attachment& a, Visit&& visit) {
   if (a.seam == 0) visit(isDynamic(s, a.body) ? a.body : -1);
 }
 
-/// The most of levels(first, member) over the members of a block, the first of which is that of its first vertex; kCoarseLevels if one is in no group.
+/// The most of levels(first, member) over the members of a block, the first of which is that of its first vertex; kCoarseLevels if one is in
+/// no group.
 template <class Block, class Levels>
 RUBBLE_HD int mostLevels(const View& s, const Block& block, Levels&& levels) {
   const int first = memberOfVertex(s, block.v[0]);
@@ -87,7 +88,9 @@ struct SumLumpPart {
     return lump >= 0 && groupOfLump(s, level, lump) >= 0;
   }
   /// Adds the share of number `lane` of `lanes` in a vertex.
-  RUBBLE_HD void addVertex(const View& s, int v, int lane, int lanes, Block3& sum) const { addFromOutside<false>(s, v, lane, lanes, level, sum, sum); }
+  RUBBLE_HD void addVertex(const View& s, int v, int lane, int lanes, Block3& sum) const {
+    addFromOutside<false>(s, v, lane, lanes, level, sum, sum);
+  }
 };
 /// Sums a lump from its parts.
 struct SumLump {

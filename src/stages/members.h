@@ -14,7 +14,9 @@ RUBBLE_HD inline int memberOfVertex(const View& s, int v) {
 }
 
 /// Centre of mass of the object from its first vertex: at x^t, or at the initial guess (clusters.h).
-RUBBLE_HD inline Vec3 centreOf(const View& s, const Lump& lump) { return lump.cluster >= 0 ? s.clusterMotion[lump.cluster].centre : Vec3{0, 0, 0}; }
+RUBBLE_HD inline Vec3 centreOf(const View& s, const Lump& lump) {
+  return lump.cluster >= 0 ? s.clusterMotion[lump.cluster].centre : Vec3{0, 0, 0};
+}
 
 /// Mass [kg] and centre [m] at x^t.
 RUBBLE_HD inline Real massOf(const View& s, int member) {

@@ -245,8 +245,9 @@ void World::Impl::flush() {
     for (const SoftId id : registry.softs.ids()) {
       const SoftModel& model = *registry.softs[id].model;
       settings.maxMassLength = std::max(settings.maxMassLength, model.mass * model.size);
-      if (!model.clusters.empty()) radii.push_back(model.size / 2);
-      else for (const SoftModel::Vertex& v : model.vertices) radii.push_back(v.radius);
+      if (isLump(model)) radii.push_back(model.size / 2);
+      else if (hasNoElements(model))
+        for (const SoftModel::Vertex& v : model.vertices) radii.push_back(v.radius);
     }
     if (!radii.empty()) {
       const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);

@@ -199,7 +199,8 @@ TEST(Attachment, HoldsAVertexOnABodyOnTheWorldAndOnAnotherObject) {
   }
   World world(scene, options(10));
   const auto momentum = [&] {
-    return momentumOf(world, world.deformableAt(0)).linear.z + momentumOf(world, world.deformableAt(1)).linear.z + .5 * world.state(world.bodyAt(0)).velocity.z;
+    return momentumOf(world, world.deformableAt(0)).linear.z + momentumOf(world, world.deformableAt(1)).linear.z +
+           .5 * world.state(world.bodyAt(0)).velocity.z;
   };
   const double mass = .5 + momentumOf(world, world.deformableAt(0)).mass + momentumOf(world, world.deformableAt(1)).mass;
   // the box swings: the wall bears its weight and changes its momentum

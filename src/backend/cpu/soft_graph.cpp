@@ -145,20 +145,15 @@ void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects
   View& s = tables.view();
   for (int v = 0; v < s.vertices; ++v) s.vertexParams[v].lump = -1;
   std::vector<Lump> lumps;
-  const auto isParticles = [](const SoftModel& m) {
-    const auto counts = elementCounts(m);
-    return std::all_of(counts.begin(), counts.end(), [](int n) { return n == 0; });
-  };
   for (const EngineSoftObject& o : objects) {
-    const auto isFixed = [](const SoftModel::Vertex& v) { return !(v.mass > 0); };
-    if (o.model->clusters.empty() || std::any_of(o.model->vertices.begin(), o.model->vertices.end(), isFixed)) continue;
+    if (!isLump(*o.model)) continue;
     const int own = static_cast<int>(lumps.size()), cluster = s.vertexParams[o.at.vertex + o.model->clusterOrder.front()].cluster;
     for (const int v : o.model->clusterOrder) s.vertexParams[o.at.vertex + v].lump = own;
     lumps.push_back({o.at.vertex, cluster});
   }
   s.objects = static_cast<int>(lumps.size());
   for (const EngineSoftObject& o : objects) {
-    if (!isParticles(*o.model)) continue;
+    if (!hasNoElements(*o.model)) continue;
     for (int v = o.at.vertex; v < o.at.vertex + static_cast<int>(o.model->vertices.size()); ++v) {
       if (!isDynamicVertex(s, v)) continue;
       s.vertexParams[v].lump = static_cast<int>(lumps.size());

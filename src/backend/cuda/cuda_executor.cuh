@@ -146,7 +146,8 @@ class CudaExecutor {
     if (!begins() || n <= 0) return;
     enterStage(SumLump::kName);
     const int objects = view().objects;
-    if (objects > 0 && objects <= kFewObjects * processors_) sumLumps<kLumpThreads><<<objects, kLumpThreads, 0, stream_>>>(view(), kernel.level, Gate{control_});
+    if (objects > 0 && objects <= kFewObjects * processors_)
+      sumLumps<kLumpThreads><<<objects, kLumpThreads, 0, stream_>>>(view(), kernel.level, Gate{control_});
     else if (objects > 0) sumLumps<kWarp><<<objects, kWarp, 0, stream_>>>(view(), kernel.level, Gate{control_});
     if (n > objects) launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumLump::kName);
     checkCuda(cudaGetLastError(), SumLump::kName);
