@@ -92,7 +92,7 @@ TEST(Surfaces, ASheetRestsOnAnotherByItsThicknessAndItsWeight) {
 Scene thrown(double speed) {
   Scene scene = emptyScene({0, 0, 0});
   for (const double side : {-1., 1.}) {
-    SoftDef ball = scenes::softBall({.22 * side, .05 * side, 0}, .2, 4);
+    SoftDef ball = softBall({.22 * side, .05 * side, 0}, .2, 4);
     ball.youngsModulus = 2e4;
     ball.density = 300;
     ball.velocity = {-speed * side, 0, 0};
