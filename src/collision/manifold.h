@@ -1,5 +1,5 @@
 #pragma once
-/// The manifold of a pair: geometry found at the last full test and everything that its points hand on to the next step.
+/// What lasts of a pair: what its last full test found, and the manifold with everything that its points hand on to the next step.
 #include <cstddef>
 
 #include "collision/collide.h"
@@ -12,6 +12,14 @@ inline constexpr Real kSameNormal = Real(.866);
 /// An old point within this share of L of a new one, on either body, is the same point though its feature changed.
 inline constexpr Real kSamePoint = Real(.03);
 
+/// The last full test of a pair, which is the origin of its manifold, or the proof that it needs none as long as its bodies come no nearer.
+struct alignas(8 * sizeof(Real)) PairTest {
+  Vec3 offset;          ///< R_A^T (p_B - p_A) [m]
+  Quat rotation;        ///< q_A^-1 q_B
+  Real separation = 0;  ///< lower bound of the distance [m]; not above 0: none is known
+};
+
+/// Geometry found at the last full test, and what the points hand on.
 struct Manifold {
   Lanes aX, aY, aZ;                 ///< point on the surface of A, in its frame [m]
   Lanes bX, bY, bZ;                 ///< on B
@@ -21,9 +29,6 @@ struct Manifold {
   int feature[kLanes];
   Vec3 localNormal;                 ///< from A to B in the frame of A, or of B if normalOnB
   Vec3 normal;                      ///< world, in the last step
-  Vec3 testedOffset;                ///< R_A^T (p_B - p_A) at the last full test [m]
-  Quat testedRotation;              ///< q_A^-1 q_B at the last full test
-  Real separation;                  ///< count 0: lower bound of the distance at that test [m]
   int count;                        ///< points, 0: not touching
   int row;                          ///< index of its rows in this step, -1 if it has none
   std::uint8_t stick;               ///< bit k: point k stuck
@@ -46,15 +51,33 @@ struct PairPose {
   Real margin;     ///< detection margin [m]
 };
 
-/// Has the pair moved so little since its last full test that the result still holds?
-RUBBLE_HD inline bool recyclable(const Manifold& old, const PairPose& pair, Real tolerance) {
+RUBBLE_HD inline PairTest pairTest(const RawManifold& raw, const PairPose& pair) {
+  return {rotateInverse(pair.qA, pair.t), conjugate(pair.qA) * pair.qB, raw.separation};
+}
+
+/// How B has moved since the test, seen from A.
+struct PairMotion {
+  Vec3 move;  ///< of its centre [m]
+  Vec3 turn;  ///< axis times the sine of half the angle: a point at distance r has gone 2 r |turn| around the centre
+};
+RUBBLE_HD inline PairMotion motionSince(const PairTest& test, const PairPose& pair) {
+  return {rotateInverse(pair.qA, pair.t) - test.offset, (conjugate(pair.qA) * pair.qB * conjugate(test.rotation)).v};
+}
+
+/// Has the pair moved so little since its last full test that a manifold of so many points still holds?
+RUBBLE_HD inline bool recyclable(const PairTest& test, int count, const PairPose& pair, Real tolerance) {
   if (!(tolerance > Real(0))) return false;
-  const Vec3 move = rotateInverse(pair.qA, pair.t) - old.testedOffset;
-  const Quat turn = conjugate(pair.qA) * pair.qB * conjugate(old.testedRotation);
-  if (dot(move, move) > tolerance * tolerance * pair.length * pair.length) return false;
-  if (Real(4) * dot(turn.v, turn.v) > tolerance * tolerance) return false;
+  const PairMotion m = motionSince(test, pair);
+  if (dot(m.move, m.move) > tolerance * tolerance * pair.length * pair.length) return false;
+  if (Real(4) * dot(m.turn, m.turn) > tolerance * tolerance) return false;
   // a pair apart must stay apart by more than what it may have moved
-  return old.count > 0 || old.separation - Real(2) * tolerance * pair.length > pair.margin;
+  return count > 0 || test.separation - Real(2) * tolerance * pair.length > pair.margin;
+}
+
+/// Lower bound of the distance of a pair by its last full test; `radius` is that of the bounding sphere of B. [m]
+RUBBLE_HD inline Real leastDistance(const PairTest& test, const PairPose& pair, Real radius) {
+  const PairMotion m = motionSince(test, pair);
+  return test.separation - length(m.move) - Real(2) * radius * length(m.turn);
 }
 
 /// Manifold of a new test, with nothing handed on yet.
@@ -73,9 +96,6 @@ RUBBLE_HD inline Manifold freshManifold(const RawManifold& raw, const PairPose& 
   }
   m.normal = raw.n;
   m.localNormal = rotateInverse(raw.normalOnB ? pair.qB : pair.qA, raw.n);
-  m.testedOffset = rotateInverse(pair.qA, pair.t);
-  m.testedRotation = conjugate(pair.qA) * pair.qB;
-  m.separation = raw.separation;
   m.count = raw.count;
   m.row = -1;
   m.stick = m.impact = m.awake = 0;
@@ -133,11 +153,9 @@ RUBBLE_HD inline Manifold recycledManifold(const Manifold& old, const PairPose& 
   return m;
 }
 
-/// The manifold of a new test, whose points are matched with the old ones, first by feature, then by place. `old` may be null; `test()` gives
-/// the raw manifold.
-template <class Test>
-RUBBLE_HD Manifold testedManifoldBy(const PairPose& pair, const Manifold* old, Test&& test) {
-  Manifold m = freshManifold(test(), pair);
+/// The manifold of a new test, whose points are matched with the old ones, first by feature, then by place. `old` may be null.
+RUBBLE_HD inline Manifold testedManifold(const RawManifold& raw, const PairPose& pair, const Manifold* old) {
+  Manifold m = freshManifold(raw, pair);
   if (!old || old->count == 0 || m.count == 0 || dot(m.normal, old->normal) < kSameNormal) return m;
 
   unsigned usedOld = 0, matched = 0;
@@ -166,9 +184,9 @@ RUBBLE_HD Manifold testedManifoldBy(const PairPose& pair, const Manifold* old, T
   return m;
 }
 
-/// The same for two plain shapes.
-RUBBLE_HD inline Manifold testedManifold(const ShapeData& sa, const ShapeData& sb, const PairPose& pair, const Manifold* old) {
-  return testedManifoldBy(pair, old, [&] { return collide(sa, pair.qA, sb, pair.qB, pair.t, pair.margin, pair.length); });
+/// The test of two plain shapes.
+RUBBLE_HD inline RawManifold collide(const ShapeData& sa, const ShapeData& sb, const PairPose& pair) {
+  return collide(sa, pair.qA, sb, pair.qB, pair.t, pair.margin, pair.length);
 }
 
 }  // namespace rubble::RUBBLE_CORE

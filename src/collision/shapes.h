@@ -74,7 +74,7 @@ struct RawManifold {
   int count = 0;
   bool normalOnB = false;  ///< the normal turns with B (else with A)
   RawPoint points[kLanes];
-  Real separation = 0;  ///< count 0: lower bound of the distance [m]
+  Real separation = 0;  ///< lower bound of the distance [m]; not above 0: none is known
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -48,7 +48,7 @@ struct ContactRows {
   Vec3 offset;               ///< p_A - p_B at x^t [m]
   Real start;                ///< k_start of the normal rows [N/m]
   int a, b;                  ///< bodies, a < b
-  int pair;                  ///< the pair whose manifold this is
+  int manifold;              ///< that these are the rows of
   Real length;               ///< L: bounding diameter of the smaller dynamic body [m]
 };
 

@@ -1,82 +1,11 @@
 #pragma once
-/// From pairs to contact rows and back: narrow phase, warm start, dormancy, and what is kept for the next step.
+/// From near pairs to contact rows and back: narrow phase, warm start, and what is kept for the next step.
 #include "solver/warmstart.h"
-#include "stages/broad_phase.h"
 #include "stages/cells.h"
 #include "stages/materials.h"
+#include "stages/near_pairs.h"
 
 namespace rubble::RUBBLE_CORE {
-
-/// A pair of bodies as the pair tests need it.
-RUBBLE_HD inline PairPose pairPose(const View& s, const OrderedPair& o) {
-  const Real size = pairLength(s.params[o.a], s.params[o.b]);
-  return {s.orientation[o.a], s.orientation[o.b], centreDistance(s, o.a, o.b), size, pairMargin(s, o.a, o.b, size)};
-}
-
-/// A body at rest that is about to be struck has rows with what it may be driven into: its neighbours look for it as for a fast one.
-struct FindAgitation {
-  static constexpr const char* kName = "agitation";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    const Pair p = s.pair[i];
-    const BodyParams &po = s.params[p.owner], &pb = s.params[p.other];
-    const PairSpeed speed = pairSpeed(s, p.owner, p.other, po, pb);
-    if (speed.closing < kImpactSpeed || speed.bullet || isSensor(s, p.owner) || isSensor(s, p.other)) return;
-    const auto agitate = [&](int body, const BodyParams& own, const BodyParams& other) {
-      const int bits = floatBits(speed.closing * shareOfImpact(own, other));
-      if (own.kind == BodyKind::Dynamic && bits > s.agitation[body]) atomicRaise(&s.agitation[body], bits);
-    };
-    agitate(p.owner, po, pb), agitate(p.other, pb, po);
-  }
-};
-
-/// May a body be elsewhere than in the last step?
-RUBBLE_HD inline bool moves(const View& s, int body) {
-  if (s.params[body].kind == BodyKind::Kinematic) return s.velocity[body] != Vec3{0, 0, 0} || s.spin[body] != Vec3{0, 0, 0};
-  return s.params[body].kind == BodyKind::Dynamic ? !isAsleep(s, body) : !s.step.sleeping;
-}
-
-/// Point k of a manifold at x^t.
-struct PointAt {
-  Vec3 lever;  ///< from the centre of A to the middle of the gap [m]
-  Real depth;  ///< penetration [m]
-};
-RUBBLE_HD inline PointAt pointAt(const Manifold& m, int k, const Vec3& normal, const Quat& qa, const Quat& qb, const Vec3& t) {
-  const Vec3 xa = rotate(qa, pointOnA(m, k)), xb = t + rotate(qb, pointOnB(m, k));
-  return {(xa + xb) * Real(.5), dot(normal, xa - xb)};
-}
-
-/// Speed at which a point closes at x^t; `t` = p_B - p_A. [m/s]
-RUBBLE_HD inline Real closingSpeed(const View& s, const OrderedPair& o, const Vec3& n, const Vec3& lever, const Vec3& t) {
-  return dot(n, s.velocity[o.a] + cross(s.spin[o.a], lever) - s.velocity[o.b] - cross(s.spin[o.b], lever - t));
-}
-
-/// Does a point at this depth stop a fast approach in the step?
-RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth) { return closing > kImpactSpeed && depth + closing * c.dt > Real(0); }
-
-/// Displacement of a body at its inertial target.
-RUBBLE_HD inline Displacement targetDisplacement(const View& s, int body) {
-  if (!isDynamic(s, body)) return s.moved[body];
-  const Pose& y = s.target[body].y;
-  return {y.p, 0, logRotation(y.q), 0};
-}
-
-/// A point counts as staying open if its gap at the inertial targets is more than this share of L: the gap of bodies that merely rest is
-/// round-off, and of no consequence.
-inline constexpr Real kDormantGap = Real(1e-3);
-
-/// Does a point take part in the step? It does if it bears a load, or if it does not stay open at the inertial targets of both bodies.
-struct WakeRule {
-  Displacement a, b;  ///< at the targets
-  RUBBLE_HD bool operator()(const View& s, const OrderedPair& o, const PairPose& pair, const Vec3& n, const PointAt& p, Real lambda) const {
-    if (!s.step.dormantRows || lambda != Real(0)) return true;
-    if (hits(s.step, closingSpeed(s, o, n, p.lever, pair.t), p.depth)) return true;
-    // a body that is struck in this step goes elsewhere than its target says
-    if (inheritedViolation(s.step, p.depth) + s.step.dt * agitationOf(s, o.a, o.b) > Real(0)) return true;
-    const Vec3 move = a.dp + cross(a.dw, p.lever) - b.dp - cross(b.dw, p.lever - pair.t);
-    return inheritedViolation(s.step, p.depth) + dot(n, move) >= -kDormantGap * pair.length;
-  }
-};
-RUBBLE_HD inline WakeRule wakeRule(const View& s, const OrderedPair& o) { return {targetDisplacement(s, o.a), targetDisplacement(s, o.b)}; }
 
 RUBBLE_HD inline int countPoints(std::uint8_t bits) {
   int count = 0;
@@ -84,14 +13,13 @@ RUBBLE_HD inline int countPoints(std::uint8_t bits) {
   return count;
 }
 
-/// The manifold that a pair had in the step before, or null.
-RUBBLE_HD inline const Manifold* findOldManifold(const View& s, const Pair& p) {
-  for (int k = s.oldPairOffset[p.owner]; k < s.oldPairOffset[p.owner + 1]; ++k)
-    if (samePair(s.oldPair[k], p)) return &s.oldManifold[k];
-  return nullptr;
+/// What manifold i was in the step before, or null.
+RUBBLE_HD inline const Manifold* manifoldBefore(const View& s, int i) {
+  const int old = s.manifoldBefore[s.nearPair[i]];
+  return old < 0 ? nullptr : &s.oldManifold[old];
 }
 
-/// Notes which points of the manifold of pair i take part in the step. Those of one without any are forgotten.
+/// Notes which points of manifold i take part in the step. Those of one without any are forgotten.
 RUBBLE_HD inline void keepManifold(const View& s, int i, const OrderedPair& o, const PairPose& pair, Manifold m) {
   const WakeRule awake = wakeRule(s, o);
   m.awake = 0;
@@ -121,16 +49,17 @@ RUBBLE_HD inline bool keepAsleep(const View& s, int i, const Pair& p, const Mani
   return true;
 }
 
-/// Narrow phase of pairs that have hardly moved: the manifold of the step before. The others are listed.
+/// Narrow phase of near pairs that have hardly moved: the manifold of the step before. The others are listed.
 struct RecycleManifolds {
   static constexpr const char* kName = "narrow";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const Pair p = s.pair[i];
+    const int pair = s.nearPair[i];
+    const Pair p = s.pair[pair];
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
-    const Manifold* const old = findOldManifold(s, p);
+    const Manifold* const old = manifoldBefore(s, i);
     if (keepAsleep(s, i, p, old)) return;
-    if (old && mayRecycle(s, o) && recyclable(*old, pose, s.step.recycleTolerance))
+    if (old && mayRecycle(s, o) && recyclable(s.pairTest[pair], old->count, pose, s.step.recycleTolerance))
       keepManifold(s, i, o, pose, recycledManifold(*old, pose));
     else
       s.tested[atomicCount(&s.counters->tested, 1)] = i;
@@ -141,11 +70,13 @@ struct RecycleManifolds {
 struct TestPairs {
   static constexpr const char* kName = "narrow";
   RUBBLE_HD void operator()(const View& s, int t) const {
-    const int i = s.tested[t];
-    const OrderedPair o = ordered(s.pair[i]);
+    const int i = s.tested[t], pair = s.nearPair[i];
+    const OrderedPair o = ordered(s.pair[pair]);
     if (s.rareShapes && !isPlainPair(s, o.a, o.b)) return;
     const PairPose pose = pairPose(s, o);
-    keepManifold(s, i, o, pose, testedManifold(s.params[o.a].shape, s.params[o.b].shape, pose, findOldManifold(s, s.pair[i])));
+    const RawManifold raw = collide(s.params[o.a].shape, s.params[o.b].shape, pose);
+    s.pairTest[pair] = pairTest(raw, pose);
+    keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i)));
   }
 };
 
@@ -160,23 +91,24 @@ struct PairRows {
   StiffnessRule normal, tangent;
 };
 
-/// Begins the rows of a pair: everything but its points. `r` is all zeros.
+/// Begins the rows of manifold i: everything but its points. `r` is all zeros.
 RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   const StepConstants& c = s.step;
   const Manifold& m = s.manifold[i];
-  const OrderedPair o = ordered(s.pair[i]);
+  const Pair& pair = s.pair[s.nearPair[i]];
+  const OrderedPair o = ordered(pair);
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   PairRows p;
   p.bodies = o;
   p.qa = s.orientation[o.a], p.qb = s.orientation[o.b];
   p.t = centreDistance(s, o.a, o.b);
-  r.a = o.a, r.b = o.b, r.pair = i;
+  r.a = o.a, r.b = o.b, r.manifold = i;
   r.n = m.normal;
   r.offset = -p.t;
   r.length = pairLength(pa, pb);
   const Real lighter = pa.kind != BodyKind::Dynamic ? pb.mass : pb.kind != BodyKind::Dynamic ? pa.mass : min(pa.mass, pb.mass);
   r.start = startStiffness(c, lighter);
-  const PairMaterial material = pairMaterial(s, s.pair[i], o);
+  const PairMaterial material = pairMaterial(s, pair, o);
   p.bothMove = pa.kind == BodyKind::Dynamic && pb.kind == BodyKind::Dynamic;
   p.muStatic = material.muStatic;
   r.muDynamic = material.muDynamic;
@@ -239,13 +171,13 @@ RUBBLE_HD inline int joinLevel(const View& s, const ContactRows& r, int impact) 
   return kCoarseLevels;
 }
 
-/// Rows of a pair at x^t. Points that are not awake have k = 0.
+/// Rows of manifold i at x^t. Points that are not awake have k = 0.
 struct BuildContactRows {
   static constexpr const char* kName = "rows";
   RUBBLE_HD void operator()(const View& s, int i) const {
     if (s.hasRows[i] == 0) return;
     Manifold& m = s.manifold[i];
-    m.row = s.rowOfPair[i];
+    m.row = s.rowOffset[i];
     ContactRows r;
     memset(static_cast<void*>(&r), 0, sizeof r);  // points that are not used too
     const PairRows p = beginRows(s, i, r);
@@ -305,7 +237,7 @@ RUBBLE_HD inline StoredPoint storedPoint(const View& s, const ContactRows& r, co
   m.drift2 = slip.drift2 + dot(f.t2, d);
   if (s.surfaces > 0) {
     // against the belt: its way in this step instead of what stood for it in the row
-    const Vec3 belt = pairMaterial(s, s.pair[r.pair], {r.a, r.b}).belt * (Real(1) - Real(1) / s.step.driftCorrection);
+    const Vec3 belt = pairMaterial(s, s.pair[s.nearPair[r.manifold]], {r.a, r.b}).belt * (Real(1) - Real(1) / s.step.driftCorrection);
     m.drift1 += dot(f.t1, belt);
     m.drift2 += dot(f.t2, belt);
   }
@@ -319,7 +251,7 @@ struct FinishContacts {
   RUBBLE_HD void operator()(const View& s, int i) const {
     UpdateContactDuals<L>{}(s, i);
     const ContactRows& r = s.contact[i];
-    Manifold& m = s.manifold[r.pair];
+    Manifold& m = s.manifold[r.manifold];
     const StoredFrame f = storedFrame(s, r);
     m.stick = 0;
     for (int k = 0; k < m.count; ++k) {

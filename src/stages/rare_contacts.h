@@ -4,10 +4,10 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Manifolds of the kSurfaceSlots pairs from i on: a part of a body and a surface. The points are gathered anew in every step; each takes over
+/// Manifolds i to i + kSurfaceSlots - 1, of as many pairs: a part of a body and a surface. The points are gathered anew in every step; each takes over
 /// from the nearest old point of the same part and facing, whatever its slot.
 RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
-  const Pair p = s.pair[i];
+  const Pair p = s.pair[s.nearPair[i]];
   const OrderedPair o = ordered(p);
   const PairPose pose = pairPose(s, o);
   const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
@@ -28,10 +28,8 @@ RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
   // distance fields tell points from their own centre, triangles from that of the part
   const Vec3 origin = surface.kind == ShapeKind::Distance ? Vec3{0, 0, 0} : at;
 
-  const int begin = s.oldPairOffset[p.owner], end = s.oldPairOffset[p.owner + 1];
-  int oldFirst = -1;
-  for (int k = begin; k < end && oldFirst < 0; ++k)
-    if (samePair(s.oldPair[k], p)) oldFirst = k;
+  // all of its pairs are always near
+  const int oldFirst = s.manifoldBefore[s.nearPair[i]];
   unsigned used = 0;
   for (int slot = 0; slot < kSurfaceSlots; ++slot) {
     RawManifold raw;
@@ -84,8 +82,8 @@ RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
 struct TestRarePairs {
   static constexpr const char* kName = "narrow";
   RUBBLE_HD void operator()(const View& s, int t) const {
-    const int i = s.tested[t];
-    const Pair p = s.pair[i];
+    const int i = s.tested[t], pair = s.nearPair[i];
+    const Pair p = s.pair[pair];
     const OrderedPair o = ordered(p);
     if (isPlainPair(s, o.a, o.b)) return;
     const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
@@ -94,12 +92,12 @@ struct TestRarePairs {
       return;
     }
     const PairPose pose = pairPose(s, o);
-    keepManifold(s, i, o, pose, testedManifoldBy(pose, findOldManifold(s, p), [&] {
-      const ShapeTables tables = s.shapeTables();
-      const PlacedPart a = placedPart(tables, shapeA, pose.qA, p.owner == o.a ? p.first : p.second);
-      const PlacedPart b = placedPart(tables, shapeB, pose.qB, p.owner == o.a ? p.second : p.first);
-      return collideParts(tables, a, b, pose.t, pose.margin, pose.length);
-    }));
+    const ShapeTables tables = s.shapeTables();
+    const PlacedPart a = placedPart(tables, shapeA, pose.qA, p.owner == o.a ? p.first : p.second);
+    const PlacedPart b = placedPart(tables, shapeB, pose.qB, p.owner == o.a ? p.second : p.first);
+    const RawManifold raw = collideParts(tables, a, b, pose.t, pose.margin, pose.length);
+    s.pairTest[pair] = pairTest(raw, pose);
+    keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i)));
   }
 };
 

@@ -15,11 +15,11 @@ struct HeldFacings {
     return false;
   }
 };
-RUBBLE_HD inline HeldFacings heldFacings(const View& s, int i, bool surfaceOnA) {
+RUBBLE_HD inline HeldFacings heldFacings(const View& s, int pair, bool surfaceOnA) {
   HeldFacings held;
   for (int slot = 0; slot < kSurfaceSlots; ++slot) {
-    const Manifold& m = s.manifold[i + slot];
-    if (rowsHold(s, m)) held.n[held.count++] = surfaceOnA ? m.normal : -m.normal;
+    const Manifold* const m = manifoldOf(s, pair + slot);
+    if (rowsHold(s, m)) held.n[held.count++] = surfaceOnA ? m->normal : -m->normal;
   }
   return held;
 }
@@ -45,7 +45,7 @@ struct FindRareStops {
     if (!surface) {
       const PlacedAny a = placedAny(tables, shapeA, {0, 0, 0}, s.orientation[o.a], p.owner == o.a ? p.first : p.second);
       const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], p.owner == o.a ? p.second : p.first);
-      if (!wayExceeds(a, b) || rowsHold(s, s.manifold[i])) return;
+      if (!wayExceeds(a, b) || rowsHold(s, manifoldOf(s, i))) return;
       const Meeting m = meeting(asConvex(a), wayOf(da), asConvex(b), wayOf(db), tolerance);
       if (m.fraction > 1 || (m.fraction == 0 && dot(m.at.n, Vec3d(da.dp - db.dp)) <= 0)) return;
       noteMeeting(s, i, o, m.fraction);

@@ -4,10 +4,10 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// As many as there are pairs.
+/// As many as there are manifolds.
 struct CountRolling {
   static constexpr const char* kName = "rows";
-  RUBBLE_HD void operator()(const View& s, int) const { s.counters->rollers = s.counters->pairs; }
+  RUBBLE_HD void operator()(const View& s, int) const { s.counters->rollers = s.counters->nearPairs; }
 };
 
 /// Rows of every touching pair at x^t; multipliers go on from the step before.
@@ -16,12 +16,12 @@ struct BuildRolling {
   RUBBLE_HD void operator()(const View& s, int i) const {
     RollingRows r{{0, 0, 1}, {0, 0, 0}, 0, 0, 0, 0};
     const Manifold& m = s.manifold[i];
-    const Pair p = s.pair[i];
+    const Pair p = s.pair[s.nearPair[i]];
     const OrderedPair o = ordered(p);
+    const int before = s.manifoldBefore[s.nearPair[i]];
     if (s.step.sleeping && !moves(s, o.a) && !moves(s, o.b)) {
       // kept as it is, like the manifold
-      for (int j = s.oldPairOffset[p.owner]; j < s.oldPairOffset[p.owner + 1]; ++j)
-        if (samePair(s.oldPair[j], p)) r = s.oldRolling[j];
+      if (before >= 0) r = s.oldRolling[before];
     } else if (s.hasRows[i] != 0) {
       const PairMaterial material = pairMaterial(s, p, o);
       const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
@@ -32,12 +32,8 @@ struct BuildRolling {
       r.n = m.normal;
       r.rolling = material.rolling, r.torsional = material.torsional;
       r.kRoll = material.rolling > Real(0) ? k : Real(0), r.kTwist = material.torsional > Real(0) ? k : Real(0);
-      for (int j = s.oldPairOffset[p.owner]; j < s.oldPairOffset[p.owner + 1]; ++j) {
-        if (!samePair(s.oldPair[j], p) || s.oldManifold[j].count == 0) continue;
-        const RollingRows& old = s.oldRolling[j];
-        const Real scale = warmMultiplier(s.step, Real(1), false);
-        if (dot(old.n, r.n) > kSameNormal) r.lambda = old.lambda * scale;
-      }
+      if (before >= 0 && s.oldManifold[before].count > 0 && dot(s.oldRolling[before].n, r.n) > kSameNormal)
+        r.lambda = s.oldRolling[before].lambda * warmMultiplier(s.step, Real(1), false);
     }
     s.rolling[i] = r;
   }
@@ -47,7 +43,7 @@ struct UpdateRollingDuals {
   static constexpr const char* kName = "dual";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const ContactRows& m = s.contact[i];
-    RollingRows& r = s.rolling[m.pair];
+    RollingRows& r = s.rolling[m.manifold];
     if (r.kRoll == Real(0) && r.kTwist == Real(0)) return;
     r.lambda = rollingMoment(r, s.moved[m.a].dw - s.moved[m.b].dw, sumOfNormals(m)).moment;
   }
@@ -56,7 +52,7 @@ struct UpdateRollingDuals {
 /// Adds the rolling friction of a contact on one of its bodies; angular moments are the same about every point.
 RUBBLE_HD inline void addRolling(const View& s, std::uint32_t code, Block6& block) {
   const ContactRows& m = s.contact[entryIndex(code)];
-  stampRolling(s.rolling[m.pair], m, entrySide(code) == 0, s.moved[m.a], s.moved[m.b], block);
+  stampRolling(s.rolling[m.manifold], m, entrySide(code) == 0, s.moved[m.a], s.moved[m.b], block);
 }
 
 }  // namespace rubble::RUBBLE_CORE

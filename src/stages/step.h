@@ -86,17 +86,20 @@ template <Executor E>
 void findContacts(E& e) {
   e.clear(&View::agitation, e.view().bodies);
   e.forEach(FindAgitation{}, &Counters::pairs);
-  e.forEach(RecycleManifolds{}, &Counters::pairs);
+  e.forEach(FindNearPairs{}, &Counters::pairs);
+  e.scan(&View::isNear, &View::nearPairOffset, &Counters::pairs, &Counters::nearPairs, Per::NearPair);
+  e.forEach(ListNearPairs{}, &Counters::pairs);
+  e.forEach(RecycleManifolds{}, &Counters::nearPairs);
   e.forEach(TestPairs{}, &Counters::tested);
   if (e.view().rareShapes) e.forEach(TestRarePairs{}, &Counters::tested);
-  e.scan(&View::hasRows, &View::rowOfPair, &Counters::pairs, &Counters::manifolds, Per::Manifold);
+  e.scan(&View::hasRows, &View::rowOffset, &Counters::nearPairs, &Counters::manifolds, Per::Manifold);
   if (e.view().rolls) {
     e.forEach(CountRolling{}, 1);
     e.require(Per::Rolling, &Counters::rollers);
     e.forEach(BuildRolling{}, &Counters::rollers);
   }
   e.lodgeRows();
-  e.forEach(BuildContactRows{}, &Counters::pairs);
+  e.forEach(BuildContactRows{}, &Counters::nearPairs);
 }
 
 /// Groups of the coarse correction, from the poses at x^t.

@@ -33,11 +33,11 @@ struct FindFast {
 RUBBLE_HD inline Way wayOf(const Displacement& d) { return {Vec3d(d.dp), Vec3d(d.dw)}; }
 
 /// Do the rows of a pair keep its bodies apart?
-RUBBLE_HD inline bool rowsHold(const View& s, const Manifold& m) {
-  if (m.count == 0 || m.row < 0) return false;
-  const ContactRows& r = s.contact[m.row];
+RUBBLE_HD inline bool rowsHold(const View& s, const Manifold* m) {
+  if (!m || m->count == 0 || m->row < 0) return false;
+  const ContactRows& r = s.contact[m->row];
   bool acts = false;
-  for (int k = 0; k < m.count; ++k) {
+  for (int k = 0; k < m->count; ++k) {
     if (!(r.load[k].kN > Real(0))) continue;
     acts = true;
     const ContactFrame<Real> f = contactFrame<Real>(r, k);
@@ -85,7 +85,7 @@ struct FindStops {
     if (!isPlainPair(s, o.a, o.b) || !mayStop(s, o)) return;
     const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
     const Displacement da = wayIn(s, o.a), db = wayIn(s, o.b);
-    if (approach(s, o, da, db) <= innerRadius(pa.shape) + innerRadius(pb.shape) || rowsHold(s, s.manifold[i])) return;
+    if (approach(s, o, da, db) <= innerRadius(pa.shape) + innerRadius(pb.shape) || rowsHold(s, manifoldOf(s, i))) return;
     const Placed a = placed(pa.shape, {0, 0, 0}, Quatd(s.orientation[o.a]));
     const Placed b = placed(pb.shape, s.position[o.b] - s.position[o.a], Quatd(s.orientation[o.b]));
     const double tolerance = static_cast<double>(kMeetingGap * pairLength(pa, pb));

@@ -142,7 +142,7 @@ inline constexpr int kListedBodies = 8;
 
 /// Numbers that a step counts. `required` fields may exceed the room there is; then the step is begun again with more.
 struct Counters {
-  int pairs, manifolds, entries, colors;
+  int pairs, nearPairs, manifolds, entries, colors;
   int contacts, recycled, tested;
   int groups, chunks, externals;
   int clashing, clashes, rounds;  ///< nodes that choose a colour, those left to choose again, rounds of that
@@ -151,7 +151,7 @@ struct Counters {
   int asleep;   ///< bodies that sleep after this step
   int quarantined, failedSolves, spinLimited, broken;
   int pointPairs, pointContacts, pointEntries;
-  int rollers;                    ///< pairs, where some material has rolling friction
+  int rollers;                    ///< near pairs, where some material has rolling friction
   int nearFeatures;               ///< pairs of features that may meet on their ways
   int crossingWork;               ///< as many, and at least as many as there are vertices
   int crossings, crossingRounds;  ///< pairs of features that would come too near, and rounds until there are none

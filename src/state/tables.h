@@ -50,7 +50,7 @@ class Tables {
   }
 
   /// Contact rows have no memory of their own: when all manifolds are found, nobody reads those of the step before, and there are no more rows
-  /// than pairs. Between steps the rows of the last one stay there, in what the next step fills with manifolds.
+  /// than near pairs. Between steps the rows of the last one stay there, in what the next step fills with manifolds.
   void lodgeRows() { lodgeRowsIn(view_.oldManifold); }
 
   /// The manifolds of this step become those that the next one starts from.
@@ -61,6 +61,8 @@ class Tables {
       b = c;
     };
     swap(view_.pair, view_.oldPair);
+    swap(view_.pairTest, view_.oldPairTest);
+    swap(view_.nearPairOffset, view_.oldNearPairOffset);
     swap(view_.manifold, view_.oldManifold);
     swap(view_.pairOffset, view_.oldPairOffset);
     swap(view_.pointPair, view_.oldPointPair);

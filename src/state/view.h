@@ -7,7 +7,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
-enum class Per { Body, BodySlot, MemberLevel, Pair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
+enum class Per { Body, BodySlot, MemberLevel, Pair, NearPair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
                  ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, TreeNode, TreeSource,
                  Vertex, PointOwner, PointOwnerSlot, NearFeature, Feature, FeatureCell, Neighbor, ElementRef, TetraCorner, PointPair, PointEntry, GrainCell,
                  Attachment, Cluster, ClusterRef, Lump, Node,
@@ -150,16 +150,23 @@ struct View : JointTables<JointTypes> {
   int* oldPairOffset = nullptr;
   Pair* pair = nullptr;               ///< by owner, then by partner
   Pair* oldPair = nullptr;
-  Manifold* manifold = nullptr;       ///< one a pair
+  PairTest* pairTest = nullptr;       ///< the last full test of each pair
+  PairTest* oldPairTest = nullptr;
+  int* manifoldBefore = nullptr;      ///< that a pair had in the step before, -1: none
+  int* isNear = nullptr;              ///< 1 if points of the pair may take part in the step
+  int* nearPairOffset = nullptr;      ///< [pairs + 1] near pairs before this one
+  int* oldNearPairOffset = nullptr;
+  int* nearPair = nullptr;            ///< the pairs that are near
+  Manifold* manifold = nullptr;       ///< one a near pair
   Manifold* oldManifold = nullptr;
   int* meetBits = nullptr;            ///< part of the way that is left when its bodies meet, as the bits of a float; 0: never
-  int* tested = nullptr;              ///< pairs whose narrow phase is run anew
-  int* hasRows = nullptr;             ///< 1 if a point of the pair takes part in the step
-  RollingRows* rolling = nullptr;     ///< one a pair, if rolls
+  int* tested = nullptr;              ///< manifolds whose narrow phase is run anew
+  int* hasRows = nullptr;             ///< 1 if a point of the manifold takes part in the step
+  RollingRows* rolling = nullptr;     ///< one a manifold, if rolls
   RollingRows* oldRolling = nullptr;
-  int* rowOfPair = nullptr;           ///< index of its rows
+  int* rowOffset = nullptr;           ///< [near pairs + 1] manifolds with rows before this one
   // rows
-  ContactRows* contact = nullptr;     ///< one a pair that has rows, in the order of pairs; where the old manifolds were (Tables::lodgeRows)
+  ContactRows* contact = nullptr;     ///< one a manifold that has rows, in the order of manifolds; where the old manifolds were (Tables::lodgeRows)
   int* joinLevel = nullptr;           ///< level of the groups at which they unite their bodies, kCoarseLevels: at none
   Entry* entry = nullptr;             ///< row blocks by body
 
@@ -300,7 +307,9 @@ void forEachArray(F&& f) {
   is(&View::stillTime, "stillTime", "s", Per::Body, Life::State);
   is(&View::oldPairOffset, "oldPairOffset", "", Per::Body, Life::State, 1);
   is(&View::oldPair, "oldPair", "", Per::Pair, Life::State);
-  is(&View::oldManifold, "oldManifold", "", Per::Pair, Life::State);
+  is(&View::oldPairTest, "oldPairTest", "m", Per::Pair, Life::State);
+  is(&View::oldNearPairOffset, "oldNearPairOffset", "", Per::Pair, Life::State, 1);
+  is(&View::oldManifold, "oldManifold", "", Per::NearPair, Life::State);
   is(&View::oldRolling, "oldRolling", "", Per::Rolling, Life::State);
   is(&View::rolling, "rolling", "", Per::Rolling, Life::Work);
   forEachType(JointTypes{}, [&]<class J>() {
@@ -358,11 +367,16 @@ void forEachArray(F&& f) {
   is(&View::colorOffset, "colorOffset", "", Per::Color, Life::Work, 1);
   is(&View::pairOffset, "pairOffset", "", Per::Body, Life::Work, 1);
   is(&View::pair, "pair", "", Per::Pair, Life::Work);
-  is(&View::manifold, "manifold", "", Per::Pair, Life::Work);
+  is(&View::pairTest, "pairTest", "m", Per::Pair, Life::Work);
+  is(&View::manifoldBefore, "manifoldBefore", "", Per::Pair, Life::Work);
+  is(&View::isNear, "isNear", "", Per::Pair, Life::Work);
+  is(&View::nearPairOffset, "nearPairOffset", "", Per::Pair, Life::Work, 1);
   is(&View::meetBits, "meetBits", "", Per::Pair, Life::Work);
-  is(&View::tested, "tested", "", Per::Pair, Life::Unordered);
-  is(&View::hasRows, "hasRows", "", Per::Pair, Life::Work);
-  is(&View::rowOfPair, "rowOfPair", "", Per::Pair, Life::Work, 1);
+  is(&View::nearPair, "nearPair", "", Per::NearPair, Life::Work);
+  is(&View::manifold, "manifold", "", Per::NearPair, Life::Work);
+  is(&View::tested, "tested", "", Per::NearPair, Life::Unordered);
+  is(&View::hasRows, "hasRows", "", Per::NearPair, Life::Work);
+  is(&View::rowOffset, "rowOffset", "", Per::NearPair, Life::Work, 1);
   f(ArrayInfo<ContactRows>{&View::contact, "contact", "", Per::Manifold, Life::State, 0, true});
   is(&View::joinLevel, "joinLevel", "", Per::Manifold, Life::Work);
   is(&View::entry, "entry", "", Per::Entry, Life::Work);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kSteps = 40;
 constexpr int kAmple = 100'000;
-const std::vector<std::string> kKinds = {"pairs", "manifolds", "entries", "colors", "groups", "chunks", "externals"};
+const std::vector<std::string> kKinds = {"pairs", "nearPairs", "manifolds", "entries", "colors", "groups", "chunks", "externals"};
 
 std::vector<std::uint64_t> hashesOf(World& world, std::vector<std::string>& grown) {
   std::vector<std::uint64_t> hashes;

@@ -13,11 +13,20 @@ const ShapeData kBrick = box({.5, .25, .125});
 PairPose pose(const Quat& qA, const Quat& qB, const Vec3& t) { return {qA, qB, t, 2 * length(kBrick.half), .02}; }
 PairPose stacked(Real shift = .2) { return pose(Quat{}, Quat{}, {shift, .1, .25}); }
 
+/// What lasts of a pair.
+struct Kept {
+  PairTest test;
+  Manifold manifold;
+};
 /// As the narrow phase does it.
-Manifold updateManifold(const ShapeData& a, const ShapeData& b, const PairPose& p, const Manifold* old, Real tolerance) {
-  return old && recyclable(*old, p, tolerance) ? recycledManifold(*old, p) : testedManifold(a, b, p, old);
+Kept update(const PairPose& p, const Kept* old, Real tolerance) {
+  if (old && recyclable(old->test, old->manifold.count, p, tolerance)) return {old->test, recycledManifold(old->manifold, p)};
+  const RawManifold raw = collide(kBrick, kBrick, p);
+  return {pairTest(raw, p), testedManifold(raw, p, old ? &old->manifold : nullptr)};
 }
-Manifold fresh(const PairPose& p) { return updateManifold(kBrick, kBrick, p, nullptr, 0); }
+bool recyclable(const Kept& old, const PairPose& p, Real tolerance) { return recyclable(old.test, old.manifold.count, p, tolerance); }
+Manifold updateManifold(const PairPose& p, const Manifold* old) { return testedManifold(collide(kBrick, kBrick, p), p, old); }
+Manifold fresh(const PairPose& p) { return updateManifold(p, nullptr); }
 
 /// Gives each point multipliers that tell it from the others.
 void load(Manifold& m) {
@@ -63,7 +72,7 @@ TEST(Manifold, MatchedByFeatureKeepsEverything) {
   Manifold old = fresh(stacked());
   ASSERT_EQ(old.count, 4);
   load(old);
-  const Manifold m = updateManifold(kBrick, kBrick, stacked(.25), &old, 0);
+  const Manifold m = updateManifold(stacked(.25), &old);
   ASSERT_EQ(m.count, 4);
   EXPECT_FALSE(m.recycled);
   for (int k = 0; k < 4; ++k) {
@@ -85,7 +94,7 @@ TEST(Manifold, MatchesByPlaceWhenFeaturesFlicker) {
   Manifold old = fresh(stacked());
   load(old);
   for (int k = 0; k < 4; ++k) old.feature[k] += 7;  // nothing matches by feature
-  const Manifold m = updateManifold(kBrick, kBrick, stacked(.201), &old, 0);
+  const Manifold m = updateManifold(stacked(.201), &old);
   ASSERT_EQ(m.count, 4);
   for (int k = 0; k < 4; ++k) EXPECT_EQ(m.lambdaN[nearestTo(m, old, k)], old.lambdaN[k]);
 }
@@ -99,7 +108,7 @@ TEST(Manifold, AlignedBricksKeepTheirLoadUnderTinyTurns) {
   for (int n = 0; n < 200; ++n) {
     const PairPose p = pose(expRotation(random.vector(1e-5)), expRotation(random.vector(1e-5)),
                             {random.uniform(-1e-5, 1e-5), random.uniform(-1e-5, 1e-5), .25});
-    m = updateManifold(kBrick, kBrick, p, &m, 0);
+    m = updateManifold(p, &m);
     ASSERT_EQ(m.count, 4);
     Real sum = 0;
     for (int k = 0; k < 4; ++k) sum += m.lambdaN[k];
@@ -112,13 +121,13 @@ TEST(Manifold, FarPointsAndTurnedNormalsAreNew) {
   load(old);
   for (int k = 0; k < 4; ++k) old.feature[k] += 7;
   // the other way: every corner of the overlap is another one, on both bricks
-  const Manifold moved = updateManifold(kBrick, kBrick, stacked(-.2), &old, 0);
+  const Manifold moved = updateManifold(stacked(-.2), &old);
   ASSERT_EQ(moved.count, 4);
   for (int k = 0; k < 4; ++k) EXPECT_EQ(moved.kN[k], 0);
   Manifold turned = fresh(stacked());
   load(turned);
   turned.normal = normalize(Vec3{1, 0, 1});
-  const Manifold m = updateManifold(kBrick, kBrick, stacked(), &turned, 0);
+  const Manifold m = updateManifold(stacked(), &turned);
   for (int k = 0; k < 4; ++k) EXPECT_EQ(m.kN[k], 0);
 }
 
@@ -126,7 +135,7 @@ TEST(Manifold, EachOldPointIsHandedOnOnce) {
   Manifold old = fresh(stacked());
   load(old);
   for (int k = 0; k < 4; ++k) old.feature[k] = old.feature[0];
-  const Manifold m = updateManifold(kBrick, kBrick, stacked(.201), &old, 0);
+  const Manifold m = updateManifold(stacked(.201), &old);
   Real sum = 0;
   for (int k = 0; k < 4; ++k) sum += m.lambdaN[k];
   EXPECT_LE(sum, 10 + 11 + 12 + 13);
@@ -149,11 +158,12 @@ TEST(HandOn, KeepsTheWorldTangentialVectorAsFarAsItLiesInTheNewPlane) {
 }
 
 TEST(Recycling, KeepsAManifoldThatHardlyMovedAndTurnsItsNormal) {
-  Manifold old = fresh(stacked());
-  load(old);
+  Kept before = update(stacked(), nullptr, 0);
+  load(before.manifold);
+  const Manifold& old = before.manifold;
   const Quat turn = fromAxisAngle(Vec3{0, 1, 0}, .3);
   const PairPose p = pose(turn, turn, rotate(turn, Vec3{.2001, .1, .25}));
-  const Manifold m = updateManifold(kBrick, kBrick, p, &old, 2e-3);
+  const Manifold m = update(p, &before, 2e-3).manifold;
   EXPECT_TRUE(m.recycled);
   EXPECT_TRUE(test::near(m.normal, rotate(turn, Vec3{0, 0, 1}), 1e-12));
   EXPECT_EQ(m.count, old.count);
@@ -168,12 +178,12 @@ TEST(Recycling, KeepsAManifoldThatHardlyMovedAndTurnsItsNormal) {
 }
 
 TEST(Recycling, MeasuresFromTheLastFullTestAndNotFromTheLastStep) {
-  Manifold m = fresh(stacked());
+  Kept pair = update(stacked(), nullptr, 0);
   const Real tolerance = 2e-3, step = .3 * tolerance * stacked().length;
   int tests = 0;
   for (int i = 1; i <= 20; ++i) {
-    m = updateManifold(kBrick, kBrick, stacked(.2 + i * step), &m, tolerance);
-    tests += !m.recycled;
+    pair = update(stacked(.2 + i * step), &pair, tolerance);
+    tests += !pair.manifold.recycled;
   }
   // one in four: .3, .6, .9 are kept, 1.2 is tested
   EXPECT_EQ(tests, 5);
@@ -181,7 +191,7 @@ TEST(Recycling, MeasuresFromTheLastFullTestAndNotFromTheLastStep) {
 
 TEST(Recycling, TestsAnewAfterAMoveOrATurnBeyondTheTolerance) {
   const Real tolerance = 2e-3;
-  const Manifold m = fresh(stacked());
+  const Kept m = update(stacked(), nullptr, 0);
   const Real length = stacked().length;
   EXPECT_TRUE(recyclable(m, stacked(.2 + .9 * tolerance * length), tolerance));
   EXPECT_FALSE(recyclable(m, stacked(.2 + 1.1 * tolerance * length), tolerance));
@@ -194,15 +204,15 @@ TEST(Recycling, PairsApartAreTestedAnewUnlessFarEnough) {
   const Real tolerance = 2e-3;
   const Real slack = 2 * tolerance * stacked().length;
   const auto apart = [&](Real gap) { return pose(Quat{}, Quat{}, {0, 0, .25 + gap}); };
-  const Manifold near = fresh(apart(.02 + .5 * slack)), far = fresh(apart(.02 + 1.5 * slack));
-  ASSERT_EQ(near.count + far.count, 0);
+  const Kept near = update(apart(.02 + .5 * slack), nullptr, 0), far = update(apart(.02 + 1.5 * slack), nullptr, 0);
+  ASSERT_EQ(near.manifold.count + far.manifold.count, 0);
   EXPECT_FALSE(recyclable(near, apart(.02 + .5 * slack), tolerance));
   EXPECT_TRUE(recyclable(far, apart(.02 + 1.5 * slack), tolerance));
 }
 
 TEST(Recycling, WithoutToleranceIsOff) {
-  Manifold old = fresh(stacked());
-  EXPECT_FALSE(updateManifold(kBrick, kBrick, stacked(), &old, 0).recycled);
+  const Kept old = update(stacked(), nullptr, 0);
+  EXPECT_FALSE(update(stacked(), &old, 0).manifold.recycled);
 }
 
 }  // namespace

@@ -21,8 +21,10 @@ Real sizeOf(const Real* lambda, int rows) {
 
 void addContacts(const View& s, std::vector<SolverState>& bodies) {
   for (int pair = 0; pair < s.oldPairOffset[s.bodies]; ++pair) {
-    const Manifold& m = s.oldManifold[pair];
-    if (m.count == 0 || m.row < 0 || s.oldPair[pair].other < 0) continue;
+    const int manifold = manifoldOfOld(s, pair);
+    if (manifold < 0 || s.oldPair[pair].other < 0) continue;
+    const Manifold& m = s.oldManifold[manifold];
+    if (m.count == 0 || m.row < 0) continue;
     const ContactRows& rows = s.contact[m.row];
     for (int k = 0; k < m.count; ++k) {
       const auto& load = rows.load[k];

@@ -109,15 +109,8 @@ void setBodyState(HostTables& tables, int slot, const BodyState& state) {
 
 void forgetContacts(HostTables& tables, int slot) {
   View& s = tables.view();
-  for (int i = 0; i < s.bodies; ++i)
-    for (int k = s.oldPairOffset[i]; k < s.oldPairOffset[i + 1]; ++k)
-      if (s.oldPair[k].owner == slot || s.oldPair[k].other == slot) {
-        // what it touched can not sleep on
-        s.asleep[s.oldPair[k].owner] = 0;
-        if (s.oldPair[k].other >= 0) s.asleep[s.oldPair[k].other] = 0;
-        s.oldPair[k].other = -1;
-        s.oldManifold[k].count = 0;
-      }
+  for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
+    if (s.oldPair[k].owner == slot || s.oldPair[k].other == slot) forgetOldPair(s, k);
   forgetVertexContacts(tables, slot);
 }
 
@@ -128,11 +121,7 @@ void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
   for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k) {
     const Pair& p = s.oldPair[k];
     if (!gone[static_cast<std::size_t>(p.owner)] && !(p.other >= 0 && gone[static_cast<std::size_t>(p.other)])) continue;
-    // what it touched can not sleep on
-    s.asleep[p.owner] = 0;
-    if (p.other >= 0) s.asleep[p.other] = 0;
-    s.oldPair[k].other = -1;
-    s.oldManifold[k].count = 0;
+    forgetOldPair(s, k);
   }
   for (const int slot : slots) forgetVertexContacts(tables, slot);
 }
@@ -170,11 +159,11 @@ void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& p
 
 namespace {
 
-/// visit(pair, old pair's index) for every pair of the last step that has points.
+/// visit(pair, manifold) for every pair of the last step that has points.
 template <class Visit>
 void forEachManifold(const View& s, Visit&& visit) {
   for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
-    if (s.oldManifold[k].count > 0 && s.oldPair[k].other >= 0) visit(ordered(s.oldPair[k]), s.oldManifold[k]);
+    if (const int m = manifoldOfOld(s, k); m >= 0 && s.oldManifold[m].count > 0 && s.oldPair[k].other >= 0) visit(ordered(s.oldPair[k]), s.oldManifold[m]);
 }
 
 /// The two surfaces at a point, relative to the centre of A.

@@ -12,6 +12,7 @@ std::size_t liveCount(const View& s, Per per) {
   switch (per) {
     case Per::Body: return static_cast<std::size_t>(s.bodies);
     case Per::Pair: return static_cast<std::size_t>(s.oldPairOffset[s.bodies]);
+    case Per::NearPair: return static_cast<std::size_t>(s.counters->nearPairs);
     case Per::Manifold: return static_cast<std::size_t>(s.counters->manifolds);
     case Per::Plane: return static_cast<std::size_t>(s.planes);
     case Per::Exclusion: return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
@@ -61,7 +62,7 @@ void copyClean(std::byte* to, const T* from, std::size_t bytes) {
 }
 
 struct SavedCounts {
-  int bodies, planes, pairs, manifolds, exclusions, filtered, locked;
+  int bodies, planes, pairs, nearPairs, manifolds, exclusions, filtered, locked;
   int shapeVectors, shapeIndices, shapeParts, surfaces, rareShapes, rolls, rollers;
   int joints[JointTypes::kSize];
   int pointPairs;
@@ -72,7 +73,7 @@ struct SavedCounts {
 
 std::vector<std::byte> saveTables(const HostTables& tables) {
   const View& s = tables.view();
-  SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->manifolds,
+  SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->nearPairs, s.counters->manifolds,
                      static_cast<int>(liveCount(s, Per::Exclusion)), s.filtered, s.locked, s.shapeVectors, s.shapeIndices, s.shapeParts,
                      s.surfaces, s.rareShapes, s.rolls, static_cast<int>(liveCount(s, Per::Rolling)), {},
                      static_cast<int>(liveCount(s, Per::PointPair)), softCounts(s)};
@@ -99,6 +100,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   setBodyCount(tables, counts.bodies);
   for (int t = 0; t < JointTypes::kSize; ++t) setJointCount(tables, t, counts.joints[t]);
   tables.reserve(Per::Pair, counts.pairs);
+  tables.reserve(Per::NearPair, counts.nearPairs);
   tables.reserve(Per::Manifold, counts.manifolds);
   tables.reserve(Per::Plane, counts.planes);
   tables.reserve(Per::Exclusion, counts.exclusions);
@@ -108,7 +110,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   tables.reserve(Per::ShapeIndex, counts.shapeIndices);
   tables.reserve(Per::ShapePart, counts.shapeParts);
   tables.reserve(Per::Surface, counts.surfaces);
-  tables.reserve(Per::Rolling, counts.rolls ? std::max(counts.pairs, counts.rollers) : 0);
+  tables.reserve(Per::Rolling, counts.rolls ? std::max(counts.nearPairs, counts.rollers) : 0);
   View& s = tables.view();
   s.bodies = counts.bodies;
   s.planes = counts.planes;
@@ -119,6 +121,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   s.rareShapes = counts.rareShapes != 0;
   s.rolls = counts.rolls != 0;
   s.counters->rollers = counts.rollers;
+  s.counters->nearPairs = counts.nearPairs;
   s.counters->manifolds = counts.manifolds;
   // sizes of later arrays depend on these
   s.oldPairOffset[counts.bodies] = counts.pairs;

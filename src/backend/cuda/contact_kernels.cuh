@@ -25,7 +25,7 @@ struct FinishPoint {
   static constexpr int kBlocks = 10;
   __device__ void operator()(const View& s, int i, const PointTile& tile) const {
     ContactRows& r = s.contact[i];
-    Manifold& m = s.manifold[r.pair];
+    Manifold& m = s.manifold[r.manifold];
     const int k = tile.lane;
     // asked for before it is needed
     const bool on = k < m.count, impact = on && (m.impact >> k & 1);
@@ -50,15 +50,16 @@ struct RecycleManifoldByLanes {
   static constexpr int kWidth = kLanes;
   static constexpr int kBlocks = 6;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
-    const Pair p = s.pair[i];
+    const int pair = s.nearPair[i];
+    const Pair p = s.pair[pair];
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
-    const Manifold* const found = findOldManifold(s, p);
+    const Manifold* const found = manifoldBefore(s, i);
     if (found && s.step.sleeping && !moves(s, p.owner) && !moves(s, p.other)) {
       if (tile.lane == 0) keepAsleep(s, i, p, found);
       return;
     }
-    if (!found || !mayRecycle(s, o) || !recyclable(*found, pose, s.step.recycleTolerance)) {
+    if (!found || !mayRecycle(s, o) || !recyclable(s.pairTest[pair], found->count, pose, s.step.recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
     }
@@ -95,13 +96,15 @@ struct RecycleManifoldByLanes {
   __device__ static void copyGeometry(const Manifold& from, Manifold& to, const PointTile& tile) {
     constexpr int kQuads = sizeof(Manifold) / sizeof(float4), kPlaces = offsetof(Manifold, lambdaN) / sizeof(float4);
     constexpr int kHandedOn = offsetof(Manifold, feature) / sizeof(float4) - kPlaces, kCopied = kQuads - kHandedOn;
-    static_assert(sizeof(Manifold) % sizeof(float4) == 0 && kCopied % kWidth == 0);
-    const auto quadOf = [&](int turn) { return turn * kWidth + tile.lane + (turn * kWidth + tile.lane < kPlaces ? 0 : kHandedOn); };
-    float4 quads[kCopied / kWidth];
+    static_assert(sizeof(Manifold) % sizeof(float4) == 0);
+    const auto quadOf = [](int k) { return k + (k < kPlaces ? 0 : kHandedOn); };
+    float4 quads[(kCopied + kWidth - 1) / kWidth];
 #pragma unroll
-    for (int turn = 0; turn < kCopied / kWidth; ++turn) quads[turn] = reinterpret_cast<const float4*>(&from)[quadOf(turn)];
+    for (int k = tile.lane, turn = 0; turn * kWidth < kCopied; ++turn, k += kWidth)
+      if (k < kCopied) quads[turn] = reinterpret_cast<const float4*>(&from)[quadOf(k)];
 #pragma unroll
-    for (int turn = 0; turn < kCopied / kWidth; ++turn) reinterpret_cast<float4*>(&to)[quadOf(turn)] = quads[turn];
+    for (int k = tile.lane, turn = 0; turn * kWidth < kCopied; ++turn, k += kWidth)
+      if (k < kCopied) reinterpret_cast<float4*>(&to)[quadOf(k)] = quads[turn];
   }
 };
 template <>
@@ -116,7 +119,7 @@ struct BuildRowsOfPoint {
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     if (s.hasRows[i] == 0) return;
     Manifold& m = s.manifold[i];
-    const int k = tile.lane, row = s.rowOfPair[i];
+    const int k = tile.lane, row = s.rowOffset[i];
     // everything that the points share, and the point of this thread in lane 0
     ContactRows own;
     memset(static_cast<void*>(&own), 0, sizeof own);

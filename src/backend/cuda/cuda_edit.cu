@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "backend/cuda/cuda_stepper.h"
+#include "stages/near_pairs.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -53,11 +54,7 @@ __device__ bool contains(const int* sorted, int count, int value) {
 __global__ void forgetManifolds(const __grid_constant__ View s, const int* slots, int count, int pairs) {
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (i >= pairs || !(contains(slots, count, s.oldPair[i].owner) || contains(slots, count, s.oldPair[i].other))) return;
-  // what it touched can not sleep on
-  s.asleep[s.oldPair[i].owner] = 0;
-  if (s.oldPair[i].other >= 0) s.asleep[s.oldPair[i].other] = 0;
-  s.oldPair[i].other = -1;
-  s.oldManifold[i].count = 0;
+  forgetOldPair(s, i);
 }
 
 __global__ void forgetPoints(const __grid_constant__ View s, const int* slots, int count) {

@@ -47,8 +47,8 @@ class CudaExecutor {
     maxBlocks_ = processors_ * (kThreadsPerProcessor / kThreads);
     control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
     std::fill(std::begin(perOf_), std::end(perOf_), -1);
-    // some of the pairs: no room of its own
-    perOf_[indexOf(&Counters::tested)] = static_cast<int>(Per::Pair);
+    // some of the near pairs: no room of its own
+    perOf_[indexOf(&Counters::tested)] = static_cast<int>(Per::NearPair);
   }
   ~CudaExecutor() { DeviceMemory::release(control_); }
   CudaExecutor(const CudaExecutor&) = delete;

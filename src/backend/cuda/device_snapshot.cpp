@@ -37,6 +37,7 @@ int SnapshotSizes::count(Per per) const {
   switch (per) {
     case Per::Body: return bodies;
     case Per::Pair: return pairs;
+    case Per::NearPair: return nearPairs;
     case Per::Manifold: return manifolds;
     case Per::Plane: return planes;
     case Per::Exclusion: return exclusions;
@@ -49,10 +50,10 @@ int SnapshotSizes::count(Per per) const {
   }
 }
 
-SnapshotSizes sizesOf(const View& s, int pairs, int manifolds) {
+SnapshotSizes sizesOf(const View& s, int pairs, int nearPairs, int manifolds) {
   SnapshotSizes sizes;
   sizes.bodies = s.bodies, sizes.planes = s.planes, sizes.exclusions = s.exclusionOffset[s.bodies];
-  sizes.pairs = pairs, sizes.manifolds = manifolds;
+  sizes.pairs = pairs, sizes.nearPairs = nearPairs, sizes.manifolds = manifolds;
   sizes.shapeVectors = s.shapeVectors, sizes.shapeIndices = s.shapeIndices, sizes.shapeParts = s.shapeParts, sizes.surfaces = s.surfaces;
   sizes.rareShapes = s.rareShapes, sizes.rolls = s.rolls;
   sizes.rollers = s.rolls ? s.counters->rollers : 0;
@@ -72,7 +73,7 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   tables.reserve(Per::ShapeIndex, sizes.shapeIndices);
   tables.reserve(Per::ShapePart, sizes.shapeParts);
   tables.reserve(Per::Surface, sizes.surfaces);
-  tables.reserve(Per::Rolling, sizes.rolls ? std::max(sizes.pairs, sizes.rollers) : 0);
+  tables.reserve(Per::Rolling, sizes.rolls ? std::max(sizes.nearPairs, sizes.rollers) : 0);
   View& s = tables.view();
   s.shapeVectors = sizes.shapeVectors, s.shapeIndices = sizes.shapeIndices, s.shapeParts = sizes.shapeParts;
   s.surfaces = sizes.surfaces, s.rareShapes = sizes.rareShapes, s.rolls = sizes.rolls;
@@ -117,6 +118,7 @@ std::vector<std::byte> DeviceSnapshot::bytes() const {
   HostTables tables;
   adopt(tables, sizes);
   tables.reserve(Per::Pair, sizes.pairs);
+  tables.reserve(Per::NearPair, sizes.nearPairs);
   tables.reserve(Per::Manifold, sizes.manifolds);
   *tables.view().counters = counters;
   forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {

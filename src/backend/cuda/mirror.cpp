@@ -81,6 +81,8 @@ int Mirror::liveCount(Per per) const {
       return s.bodies;
     case Per::Pair:
       return allDirty_ ? s.oldPairOffset[s.bodies] : s.counters->pairs;
+    case Per::NearPair:
+      return s.counters->nearPairs;
     case Per::Manifold:
       return s.counters->manifolds;
     case Per::Plane:
@@ -138,8 +140,8 @@ void Mirror::reserveDevice() {
 
 void Mirror::flush() {
   reserveDevice();
-  // as many old rows as old pairs, also in the first step with such materials
-  if (host_.view().rolls) stepper_.tables().reserve(Per::Rolling, stepper_.tables().capacity(Per::Pair));
+  // as many old rows as old manifolds, also in the first step with such materials
+  if (host_.view().rolls) stepper_.tables().reserve(Per::Rolling, stepper_.tables().capacity(Per::NearPair));
   if (allDirty_) {
     sendAll();
     return;
@@ -157,6 +159,7 @@ void Mirror::flush() {
 
 void Mirror::sendAll() {
   stepper_.tables().reserve(Per::Pair, liveCount(Per::Pair));
+  stepper_.tables().reserve(Per::NearPair, liveCount(Per::NearPair));
   stepper_.tables().reserve(Per::Manifold, liveCount(Per::Manifold));
   stepper_.tables().reserve(Per::PointPair, liveCount(Per::PointPair));
   stepper_.tables().reserve(Per::Rolling, liveCount(Per::Rolling));

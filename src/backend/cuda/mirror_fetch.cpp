@@ -59,6 +59,7 @@ void Mirror::fetchAll() {
   if (!statesOld_ && !restOld_) return;
   flush();
   host_.reserve(Per::Pair, liveCount(Per::Pair));
+  host_.reserve(Per::NearPair, liveCount(Per::NearPair));
   host_.reserve(Per::Manifold, liveCount(Per::Manifold));
   host_.reserve(Per::PointPair, liveCount(Per::PointPair));
   host_.reserve(Per::Rolling, liveCount(Per::Rolling));
@@ -122,7 +123,7 @@ void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& v
 
 std::shared_ptr<const DeviceSnapshot> Mirror::snapshot(double previousDt) {
   flush();
-  const SnapshotSizes sizes = sizesOf(host_.view(), liveCount(Per::Pair), liveCount(Per::Manifold));
+  const SnapshotSizes sizes = sizesOf(host_.view(), liveCount(Per::Pair), liveCount(Per::NearPair), liveCount(Per::Manifold));
   if (!authored_) authored_ = copyAuthored(host_, sizes);
   auto out = std::make_shared<DeviceSnapshot>(sizes, stepper_.tables().view(), authored_, stepper_.stream());
   out->counters = *host_.view().counters;
@@ -140,8 +141,9 @@ void Mirror::restore(const DeviceSnapshot& snapshot) {
   if (!sameAuthored) putAuthored(host_, snapshot.sizes, *snapshot.authored);
   reserveDevice();
   stepper_.tables().reserve(Per::Pair, snapshot.sizes.pairs);
+  stepper_.tables().reserve(Per::NearPair, snapshot.sizes.nearPairs);
   stepper_.tables().reserve(Per::Manifold, snapshot.sizes.manifolds);
-  stepper_.tables().reserve(Per::Rolling, snapshot.sizes.rolls ? std::max(snapshot.sizes.pairs, snapshot.sizes.rollers) : 0);
+  stepper_.tables().reserve(Per::Rolling, snapshot.sizes.rolls ? std::max(snapshot.sizes.nearPairs, snapshot.sizes.rollers) : 0);
   snapshot.put(stepper_.tables().view(), stepper_.stream());
   allWritten();
   authored_ = snapshot.authored;

@@ -82,6 +82,7 @@ class LockstepPair {
     switch (per) {
       case Per::Body: return static_cast<std::size_t>(s.bodies);
       case Per::Pair: return static_cast<std::size_t>(c.pairs);
+      case Per::NearPair: return static_cast<std::size_t>(c.nearPairs);
       case Per::Manifold: return static_cast<std::size_t>(c.manifolds);
       case Per::Rolling: return static_cast<std::size_t>(c.rollers);
       case Per::Group: return static_cast<std::size_t>(c.groups);
