@@ -119,9 +119,9 @@ struct View : JointTables<JointTypes> {
   // groups, whose members are bodies and, numbered from `bodies` on, lumps; arrays over (level, member) have index level * members() + member
   int* leader = nullptr;              ///< [level][member] forest of groups being united
   int* memberCount = nullptr;         ///< [level][member] members of the group that the member leads
-  int* leads = nullptr;               ///< [level][member] 1: leads a group of two or more
+  int* leads = nullptr;               ///< [level][member] 1: leads a group of two or more that is not that of the finer level
   int* groupIndex = nullptr;          ///< [level][member] its number, coarse levels last
-  int* groupOf = nullptr;             ///< [level][member] its group, -1: alone
+  int* groupOf = nullptr;             ///< [level][member] its group, -1: alone, or with the same members as at the finer level
   int* member = nullptr;              ///< by group, ascending
   Group* group = nullptr;
   int* memberOffset = nullptr;        ///< [groups + 1] into member

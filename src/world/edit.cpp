@@ -54,6 +54,7 @@ BodyId World::Impl::addBody(const BodyDef& def, const std::string& path) {
   const int surface = surfaceOf(def.material);
   const BodyId id = registry.bodies.add({def, massOfDefinition(def, cooked->unit, path), {cooked->unit.centre, cooked->unit.axes}, cooked->radius});
   if (!def.name.empty()) registry.bodyNames[def.name] = id;
+  registry.sizes.count(registry.bodies[id], 1);
   engine->setBodyCount(registry.bodies.size());
   if (id.generation > 0) engine->forgetContacts(id.index);
   EngineBody body;
@@ -97,6 +98,7 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
     if (!def.name.empty()) registry.bodyNames.erase(def.name);
     planesChanged |= def.shape.type == ShapeType::Plane;
     exclusionsChanged |= std::erase_if(registry.exclusions, [&](const auto& pair) { return pair.first == id.index || pair.second == id.index; }) > 0;
+    registry.sizes.count(registry.bodies[id], -1);
     registry.bodies.remove(id);
     engine->setBody(id.index, {});
   }
@@ -233,27 +235,9 @@ void World::Impl::flush() {
     settings.params = params;
     settings.gravity = registry.gravity;
     settings.wakeAll = std::exchange(disturbed, false);
-    std::vector<double> radii;
-    for (const BodyId id : registry.bodies.ids()) {
-      const BodyRecord& body = registry.bodies[id];
-      if (body.def.motion != Motion::Dynamic) continue;
-      const double radius = body.radius;
-      radii.push_back(radius);
-      settings.maxMass = std::max(settings.maxMass, body.mass.mass);
-      settings.maxMassLength = std::max(settings.maxMassLength, body.mass.mass * 2 * radius);
-    }
-    for (const SoftId id : registry.softs.ids()) {
-      const SoftModel& model = *registry.softs[id].model;
-      settings.maxMassLength = std::max(settings.maxMassLength, model.mass * model.size);
-      if (isLump(model)) radii.push_back(model.size / 2);
-      else if (hasNoElements(model))
-        for (const SoftModel::Vertex& v : model.vertices) radii.push_back(v.radius);
-    }
-    if (!radii.empty()) {
-      const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-      std::nth_element(radii.begin(), middle, radii.end());
-      settings.typicalRadius = *middle;
-    }
+    settings.maxMass = registry.sizes.mass.largest();
+    settings.maxMassLength = registry.sizes.massLength.largest();
+    if (!registry.sizes.radius.empty()) settings.typicalRadius = registry.sizes.radius.median();
     engine->configure(settings);
     settingsChanged = false;
   }

@@ -6,6 +6,7 @@
 #include <rubble/events.h>
 
 #include "backend/engine.h"
+#include "world/body_sizes.h"
 #include "world/joint_build.h"
 #include "world/shape_frame.h"
 
@@ -69,13 +70,6 @@ class Slots {
   std::shared_ptr<std::vector<std::int32_t>> free_ = std::make_shared<std::vector<std::int32_t>>();
 };
 
-struct BodyRecord {
-  BodyDef def;
-  MassProperties mass;
-  ShapeFrame frame;  ///< of the engine in that of the author
-  double radius;     ///< of the bounding sphere about the centre of mass [m]
-};
-
 struct JointRecord {
   JointDef def;
   BodyId a, b;        ///< index -1: the world
@@ -127,6 +121,7 @@ struct Registry {
   std::set<std::pair<int, int>> exclusions;  ///< slots (low, high), besides those of joints
   std::vector<Touch> touches;       ///< after the last step whose events were collected, sorted
   std::vector<int> sleepers;        ///< likewise, slots
+  Sizes sizes;
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;

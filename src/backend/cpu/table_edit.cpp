@@ -67,8 +67,10 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   BodyParams& p = s.params[slot];
   p.shape = shapeData(body.shape);
   s.rareShapes |= body.kind != 0 && !isPlain(p.shape.kind);
-  s.treesStale |= p.kind != static_cast<BodyKind>(body.kind);
-  p.kind = static_cast<BodyKind>(body.kind);
+  // who comes has no joints yet, and who goes has lost them before
+  const auto kind = static_cast<BodyKind>(body.kind);
+  s.treesStale |= p.kind != kind && p.kind != BodyKind::Removed && kind != BodyKind::Removed;
+  p.kind = kind;
   const bool dynamic = p.kind == BodyKind::Dynamic;
   p.mass = dynamic ? static_cast<Real>(body.mass.mass) : Real(0);
   p.inertia = dynamic ? Vec3(body.mass.inertia) : Vec3{0, 0, 0};

@@ -89,6 +89,7 @@ struct OnDevice<SolveCluster> {
 /// Clusters of this level and above are few and may have hundreds of chunks: a block each.
 inline constexpr int kLargeClusters = 3, kLargeThreads = 512;
 static __global__ void __launch_bounds__(kLargeThreads) solveLargeClusters(const __grid_constant__ View s, int level, Gate gate) {
+  awaitPrevious();
   if (gate.closed()) return;
   constexpr int kWarps = kLargeThreads / kWarp;
   __shared__ Real sums[kWarps][kPaddedReals + 1];
@@ -157,6 +158,7 @@ struct OnDevice<SumLumpPart> {
 inline constexpr int kFewObjects = 8, kLumpThreads = 256;
 template <int kBlockThreads>
 static __global__ void __launch_bounds__(kBlockThreads) sumLumps(const __grid_constant__ View s, int level, Gate gate) {
+  awaitPrevious();
   const int i = static_cast<int>(blockIdx.x);
   if (gate.closed() || groupOfLump(s, level, i) < 0) return;
   constexpr int kWarps = kBlockThreads / kWarp;

@@ -25,6 +25,7 @@ __device__ inline int binOf(const View& s, int i) {
 
 /// CountColors.
 static __global__ void __launch_bounds__(kThreads) countColors(const __grid_constant__ View s, ColorBins bins, Gate gate) {
+  awaitPrevious();
   if (gate.closed()) return;
   __shared__ int count[kColorBins];
   for (int b = static_cast<int>(threadIdx.x); b < kColorBins; b += kThreads) count[b] = 0;
@@ -45,6 +46,7 @@ static __global__ void __launch_bounds__(kThreads) countColors(const __grid_cons
 
 /// FillColors: a block takes room for all its bodies of a bin at a time.
 static __global__ void __launch_bounds__(kThreads) fillColors(const __grid_constant__ View s, ColorBins bins, Gate gate) {
+  awaitPrevious();
   if (gate.closed()) return;
   __shared__ int count[kColorBins];
   for (int b = static_cast<int>(threadIdx.x); b < kColorBins; b += kThreads) count[b] = 0;

@@ -27,9 +27,10 @@ class CudaEngine final : public Engine, private PoseCopies {
     mirror_.bodiesAdded(before);
   }
   void setBody(int slot, const EngineBody& body) override {
+    bodyCount_ -= isThere(slot);
     RUBBLE_CORE::setBody(host(), slot, body);
+    bodyCount_ += isThere(slot);
     mirror_.bodyWritten(slot);
-    bodiesChanged_ = true;
   }
   void forgetContacts(int slot) override { mirror_.forgetContacts(slot); }
   void addShape(const CookedShape& shape, const std::vector<int>& partSurfaces) override {
@@ -62,7 +63,6 @@ class CudaEngine final : public Engine, private PoseCopies {
     mirror_.fetchAll();
     RUBBLE_CORE::setSoft(host(), objects, attachments);
     mirror_.allWritten();
-    bodiesChanged_ = true;
   }
   void vertexStates(int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities) const override {
     vertexStatesOf(fetched(), first, positions, velocities);
@@ -163,13 +163,17 @@ class CudaEngine final : public Engine, private PoseCopies {
     return mirror_.host();
   }
   void prepareConstants();
+  bool isThere(int slot) const { return host().view().params[slot].kind != BodyKind::Removed; }
+  void countBodies() {
+    bodyCount_ = 0;
+    for (int slot = 0; slot < host().view().bodies; ++slot) bodyCount_ += isThere(slot);
+  }
 
   CudaStepper stepper_;
   mutable Mirror mirror_{stepper_};  ///< reading fetches
   DevicePoses poses_;
   EngineSettings settings_;
   bool settingsChanged_ = true;
-  bool bodiesChanged_ = true;
   int bodyCount_ = 0;
   double previousDt_ = 0;
   double preparedFor_ = -1;  ///< previousDt_ that the constants were worked out with
@@ -198,12 +202,7 @@ void CudaEngine::step(StepReport& report) {
   host().view().wakeAll = 0;
   nvtxRangePop();
 
-  if (std::exchange(bodiesChanged_, false)) {
-    const View& s = host().view();
-    bodyCount_ =
-        static_cast<int>(std::count_if(s.params, s.params + s.bodies, [](const BodyParams& p) { return p.kind != BodyKind::Removed; }));
-  }
-  // the bodies are counted above, and only when they have changed
+  // bodies are counted as they come and go
   View counts = host().view();
   counts.bodies = 0;
   reportCounters(counts, report);
@@ -213,7 +212,7 @@ void CudaEngine::step(StepReport& report) {
 void CudaEngine::load(std::span<const std::byte> data) {
   loadState(host(), previousDt_, data);
   mirror_.allWritten();
-  bodiesChanged_ = true;
+  countBodies();
 }
 
 void CudaEngine::restore(const EngineSnapshot& snapshot) {
@@ -222,7 +221,7 @@ void CudaEngine::restore(const EngineSnapshot& snapshot) {
   if (host().view().vertices > 0) setSoft({}, {});
   mirror_.restore(*own);
   previousDt_ = own->previousDt;
-  bodiesChanged_ = true;
+  countBodies();
 }
 
 }  // namespace

@@ -42,6 +42,9 @@ class CudaExecutor {
     int device = 0;
     checkCuda(cudaGetDevice(&device), "cudaGetDevice");
     checkCuda(cudaDeviceGetAttribute(&processors_, cudaDevAttrMultiProcessorCount, device), "cudaDeviceGetAttribute");
+    int major = 0;
+    checkCuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device), "cudaDeviceGetAttribute");
+    launchesEarly_ = major >= kEarlyLaunchMajor;
     // a full device: more blocks would only wait
     constexpr int kThreadsPerProcessor = 2048;
     maxBlocks_ = processors_ * (kThreadsPerProcessor / kThreads);
@@ -110,8 +113,7 @@ class CudaExecutor {
     if (!begins()) return;
     enterStage(Kernel::kName);
     using Type = DeviceKernel<Kernel>;
-    runRange<Type><<<blocksForRange(widthOf<Type>()), kThreads, 0, stream_>>>(view(), onDevice(kernel), view().*offsets, k, Gate{control_});
-    checkCuda(cudaGetLastError(), Kernel::kName);
+    launchNext(runRange<Type>, blocksForRange(widthOf<Type>()), kThreads, Kernel::kName, view(), onDevice(kernel), view().*offsets, k, Gate{control_});
   }
   /// The last tile to sum a chunk of a group goes on with it, and so does what a stage of its own does elsewhere.
   void forEach(const SumMasses& kernel, int Counters::*n) { sumGroups<SumMassesByTile>(kernel, n); }
@@ -136,8 +138,7 @@ class CudaExecutor {
     if (kStrict || kernel.level < kLargeClusters) return forEach<SolveCluster>(kernel, n);
     if (!begins() || n <= 0) return;
     enterStage(SolveCluster::kName);
-    solveLargeClusters<<<n, kLargeThreads, 0, stream_>>>(view(), kernel.level, Gate{control_});
-    checkCuda(cudaGetLastError(), SolveCluster::kName);
+    launchNext(solveLargeClusters, n, kLargeThreads, SolveCluster::kName, view(), kernel.level, Gate{control_});
   }
 
   /// A thread a particle, and a block or a warp an object, as there are few or many.
@@ -147,10 +148,9 @@ class CudaExecutor {
     enterStage(SumLump::kName);
     const int objects = view().objects;
     if (objects > 0 && objects <= kFewObjects * processors_)
-      sumLumps<kLumpThreads><<<objects, kLumpThreads, 0, stream_>>>(view(), kernel.level, Gate{control_});
-    else if (objects > 0) sumLumps<kWarp><<<objects, kWarp, 0, stream_>>>(view(), kernel.level, Gate{control_});
+      launchNext(sumLumps<kLumpThreads>, objects, kLumpThreads, SumLump::kName, view(), kernel.level, Gate{control_});
+    else if (objects > 0) launchNext(sumLumps<kWarp>, objects, kWarp, SumLump::kName, view(), kernel.level, Gate{control_});
     if (n > objects) launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumLump::kName);
-    checkCuda(cudaGetLastError(), SumLump::kName);
   }
 
   /// Stages in which a few elements have very many parts.
@@ -160,8 +160,7 @@ class CudaExecutor {
     startList(hubs_, SortEntries::kName);
     forEachWarp(SortEntriesByWarp{listOf(hubs_)}, n);
     if (!begun() || n <= 0) return;
-    sortHubs<<<processors_, kSortThreads, 0, stream_>>>(view(), listOf(hubs_), Gate{control_});
-    checkCuda(cudaGetLastError(), SortEntries::kName);
+    launchNext(sortHubs, processors_, kSortThreads, SortEntries::kName, view(), listOf(hubs_), Gate{control_});
   }
   void forEach(const FillExternals& kernel, int Counters::*n) {
     if constexpr (kStrict) return forEach<FillExternals>(kernel, n);
@@ -193,8 +192,7 @@ class CudaExecutor {
     scan(counts, offsets, n);
     perOf_[indexOf(total)] = static_cast<int>(per);
     if (!begun()) return;
-    keepTotal<<<1, 1, 0, stream_>>>(control_, view().*offsets, limit, counter(total), roomFor(per));
-    checkCuda(cudaGetLastError(), "keepTotal");
+    launchNext(keepTotal, 1, 1, "keepTotal", control_, view().*offsets, limit, counter(total), roomFor(per));
   }
 
   /// A stable sort; the keys that are left out stand behind the last one.
@@ -205,6 +203,7 @@ class CudaExecutor {
       launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().members()}, {n, nullptr}, n, "indices");
       std::size_t bytes = scratch_.size();
       sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n);
+      afterKernel_ = false;
     }
     launch(FindFirst{reinterpret_cast<const int*>(sortedKeys_.data()), n, view().*offsets}, {1, counter(keyCount)},
            capacityOf(keyCount) + 1, "offsets");
@@ -213,8 +212,7 @@ class CudaExecutor {
   void require(Per per, int Counters::*count) {
     perOf_[indexOf(count)] = static_cast<int>(per);
     if (!begins()) return;
-    requireRoom<<<1, 1, 0, stream_>>>(control_, counter(count), roomFor(per));
-    checkCuda(cudaGetLastError(), "requireRoom");
+    launchNext(requireRoom, 1, 1, "requireRoom", control_, counter(count), roomFor(per));
   }
 
   /// One launch, whose blocks wait for one another between the kernels.
@@ -235,6 +233,7 @@ class CudaExecutor {
     checkCuda(cudaLaunchKernelEx(&config, runRounds<Take, Propose>, view(), take, InBatches<Propose>{propose}, n, counter(left), counter(turn),
                                  kMaxRounds, Gate{control_}),
               "rounds");
+    afterKernel_ = false;
   }
 
   /// A launch for each of the first colours, and one for all that follow.
@@ -243,28 +242,21 @@ class CudaExecutor {
     enterStage(SolveBody<Real>::kName);
     if constexpr (kStrict) {
       for (int c = 0; c < options_.colors; ++c) {
-        solveColorStrictly<<<blocksFor(std::max(view().bodies, view().vertices)), kThreads, 0, stream_>>>(view(), c, control_);
-        checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
+        launchNext(solveColorStrictly, blocksFor(std::max(view().bodies, view().vertices)), kThreads, SolveBody<Real>::kName, view(), c, control_);
       }
-      solveTailStrictly<<<1, kThreads, 0, stream_>>>(view(), options_.colors, control_);
-      checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
+      launchNext(solveTailStrictly, 1, kThreads, SolveBody<Real>::kName, view(), options_.colors, control_);
       return;
     }
     // as many blocks as the device holds at a time: they share out whatever a colour has
     constexpr int kBatch = kGatherThreads / kFewWidth;
     const int blocks = std::min((view().bodies + kBatch - 1) / kBatch, kSolveBlocks * processors_);
     for (int c = 0; c < options_.colors; ++c) {
-      if (view().bodies > 0) {
-        solveColors<<<kHubBlocks + blocks, kSolveThreads, 0, stream_>>>(view(), c, listOf(hubs_), kHubBlocks, control_);
-        checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
-      }
-      if (view().vertices > 0) {
-        solveVertexColor<<<blocksFor(view().vertices, kVertexCrowdWidth), kThreads, 0, stream_>>>(view(), c, control_);
-        checkCuda(cudaGetLastError(), SolveVertex::kName);
-      }
+      if (view().bodies > 0)
+        launchNext(solveColors, kHubBlocks + blocks, kSolveThreads, SolveBody<Real>::kName, view(), c, listOf(hubs_), kHubBlocks, control_);
+      if (view().vertices > 0)
+        launchNext(solveVertexColor, blocksFor(view().vertices, kVertexCrowdWidth), kThreads, SolveVertex::kName, view(), c, control_);
     }
-    solveColors<<<1, kSolveThreads, 0, stream_>>>(view(), options_.colors, listOf(hubs_), 0, control_);
-    checkCuda(cudaGetLastError(), SolveBody<Real>::kName);
+    launchNext(solveColors, 1, kSolveThreads, SolveBody<Real>::kName, view(), options_.colors, listOf(hubs_), 0, control_);
   }
 
   void lodgeRows() { tables_.lodgeRows(); }
@@ -279,7 +271,7 @@ class CudaExecutor {
     options_ = options;
     operation_ = 0;
     stage_ = nullptr;
-    kept_ = false;
+    kept_ = afterKernel_ = false;
     step(*this);
     enterStage(nullptr);
     return kept_;
@@ -295,7 +287,10 @@ class CudaExecutor {
     if (stage_ && name && std::strcmp(stage_, name) == 0) return;
     if (stage_) nvtxRangePop();
     if (name) nvtxRangePushA(name);
-    if (options_.timeline && (stage_ || name)) options_.timeline->mark(name, stream_, options_.captured);
+    if (options_.timeline && (stage_ || name)) {
+      options_.timeline->mark(name, stream_, options_.captured);
+      afterKernel_ = false;
+    }
     stage_ = name;
   }
 
@@ -309,9 +304,24 @@ class CudaExecutor {
   template <class Kernel>
   void launch(const Kernel& kernel, Count n, int most, const char* name) {
     const int blocks = blocksFor(most, widthOf<Kernel>());
-    if constexpr (Limited<Kernel>) runLimited<Kernel><<<blocks, kThreads, 0, stream_>>>(view(), kernel, n, Gate{control_});
-    else runKernel<Kernel><<<blocks, kThreads, 0, stream_>>>(view(), kernel, n, Gate{control_});
-    checkCuda(cudaGetLastError(), name);
+    if constexpr (Limited<Kernel>) launchNext(runLimited<Kernel>, blocks, kThreads, name, view(), kernel, n, Gate{control_});
+    else launchNext(runKernel<Kernel>, blocks, kThreads, name, view(), kernel, n, Gate{control_});
+  }
+
+  /// Launches a kernel that begins by awaitPrevious(): behind another kernel of ours it is launched while that one runs.
+  template <class... Wanted, class... Given>
+  void launchNext(void (*kernel)(Wanted...), int blocks, int threads, const char* name, Given&&... arguments) {
+    cudaLaunchAttribute early{};
+    early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+    early.val.programmaticStreamSerializationAllowed = 1;
+    cudaLaunchConfig_t config{};
+    config.gridDim = dim3(static_cast<unsigned>(blocks));
+    config.blockDim = dim3(static_cast<unsigned>(threads));
+    config.stream = stream_;
+    config.attrs = &early;
+    config.numAttrs = afterKernel_ ? 1 : 0;
+    checkCuda(cudaLaunchKernelEx(&config, kernel, std::forward<Given>(arguments)...), name);
+    afterKernel_ = launchesEarly_;
   }
 
   /// Without scratch memory it only says how many bytes of it are needed.
@@ -335,14 +345,14 @@ class CudaExecutor {
     // one element more than there are counts: the total stands behind the last
     std::size_t bytes = scratch_.size();
     exclusiveSum(scratch_.data(), bytes, in, offsets, in.limit + 1);
+    afterKernel_ = false;
   }
 
   template <class Kernel>
   void launchOverBodies(Kernel* kernel, const char* name, int n) {
     if (!begins() || n <= 0) return;
     enterStage(name);
-    kernel<<<(n + kColorBodies - 1) / kColorBodies, kThreads, 0, stream_>>>(view(), colorBins(), Gate{control_});
-    checkCuda(cudaGetLastError(), name);
+    launchNext(kernel, (n + kColorBodies - 1) / kColorBodies, kThreads, name, view(), colorBins(), Gate{control_});
   }
 
   template <class Tree, class Kernel>
@@ -359,8 +369,8 @@ class CudaExecutor {
   void sumLevel(int level) {
     if (!begins()) return;
     enterStage(SumChunk<Real>::kName);
-    sumChunks<kTile><<<processors_ + blocksForRange(kTile), kThreads, 0, stream_>>>(view(), tree(), listOf(heavyChunks_), processors_, level, Gate{control_});
-    checkCuda(cudaGetLastError(), SumChunk<Real>::kName);
+    launchNext(sumChunks<kTile>, processors_ + blocksForRange(kTile), kThreads, SumChunk<Real>::kName, view(), tree(), listOf(heavyChunks_), processors_, level,
+               Gate{control_});
   }
 
   ColorBins colorBins() const {
@@ -414,6 +424,8 @@ class CudaExecutor {
   int operation_ = 0;
   const char* stage_ = nullptr;
   bool kept_ = false;
+  bool launchesEarly_ = false;  ///< the device can
+  bool afterKernel_ = false;    ///< the last thing in the stream is a kernel of ours
 };
 
 }  // namespace rubble::RUBBLE_CORE

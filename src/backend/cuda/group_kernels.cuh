@@ -236,6 +236,7 @@ __device__ __noinline__ void sumHeavyChunk(const View& s, const SumTree& tree, i
 template <int kTile>
 __global__ void __launch_bounds__(kThreads, 6)
     sumChunks(const __grid_constant__ View s, SumTree tree, HeavyList heavy, int heavyBlocks, int level, Gate gate) {
+  awaitPrevious();
   if (gate.closed()) return;
   __shared__ Real warpSums[kThreads / kWarp][kWarp];
   const int begin = s.levelChunk[level], end = s.levelChunk[level + 1], block = static_cast<int>(blockIdx.x) - heavyBlocks;

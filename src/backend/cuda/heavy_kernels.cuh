@@ -80,6 +80,7 @@ struct SortEntriesByWarp {
 };
 inline constexpr int kSortThreads = 512;
 static __global__ void __launch_bounds__(kSortThreads) sortHubs(const __grid_constant__ View s, HeavyList hubs, Gate gate) {
+  awaitPrevious();
   if (gate.closed()) return;
   for (int h = static_cast<int>(blockIdx.x); h < *hubs.count; h += static_cast<int>(gridDim.x)) {
     const int body = hubs.element[h];

@@ -17,6 +17,17 @@ struct Control {
   int wideColors;  ///< colours up to the last that is worth a launch
 };
 
+/// The first thing that a kernel of the step does. It may have been launched while the one before it was running (CudaExecutor::launchNext), and
+/// waits here until that one has ended and all that it wrote can be seen; then the next one may come. What is hidden so is the launch.
+__device__ inline void awaitPrevious() {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
+  cudaGridDependencySynchronize();
+  cudaTriggerProgrammaticLaunchCompletion();
+#endif
+}
+/// Devices of this compute capability and higher can do that.
+inline constexpr int kEarlyLaunchMajor = 9;
+
 /// When a kernel has nothing to do.
 struct Gate {
   const Control* control;
@@ -48,6 +59,7 @@ __device__ void runStrided(const View& s, const Kernel& kernel, int begin, int c
 /// kernel(s, i) for all i < n.
 template <class Kernel>
 __global__ void __launch_bounds__(kThreads) runKernel(const __grid_constant__ View s, const Kernel kernel, Count n, Gate gate) {
+  awaitPrevious();
   if (gate.closed()) return;
   runStrided(s, kernel, 0, n.get());
 }
@@ -57,6 +69,7 @@ template <class Kernel>
 concept Limited = requires { Kernel::kBlocks; };
 template <Limited Kernel>
 __global__ void __launch_bounds__(kThreads, Kernel::kBlocks) runLimited(const __grid_constant__ View s, const Kernel kernel, Count n, Gate gate) {
+  awaitPrevious();
   if (gate.closed()) return;
   runStrided(s, kernel, 0, n.get());
 }
@@ -65,6 +78,7 @@ __global__ void __launch_bounds__(kThreads, Kernel::kBlocks) runLimited(const __
 template <class Kernel>
 __global__ void __launch_bounds__(kThreads, 6)
     runRange(const __grid_constant__ View s, const Kernel kernel, const int* offsets, int range, Gate gate) {
+  awaitPrevious();
   if (gate.closed()) return;
   runStrided(s, kernel, offsets[range], offsets[range + 1] - offsets[range]);
 }
@@ -122,12 +136,14 @@ __device__ inline void checkRoom(Control* control, int count, const Room& room) 
 
 /// The total of a scan over at most `limit` elements, from behind the last one.
 static __global__ void keepTotal(Control* control, const int* offsets, int limit, int* total, Room room) {
+  awaitPrevious();
   if (control->stop != 0) return;
   *total = offsets[limit];
   checkRoom(control, *total, room);
 }
 
 static __global__ void requireRoom(Control* control, const int* count, Room room) {
+  awaitPrevious();
   if (control->stop == 0) checkRoom(control, *count, room);
 }
 

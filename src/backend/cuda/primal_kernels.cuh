@@ -206,6 +206,7 @@ __device__ inline void solveVertices(const View& s, int color, int thread, int t
   else solve.template operator()<kVertexFewWidth>();
 }
 static __global__ void __launch_bounds__(kThreads) solveVertexColor(const __grid_constant__ View s, int color, const Control* control) {
+  awaitPrevious();
   if (control->stop != 0 || color >= s.counters->colors) return;
   solveVertices(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
 }
@@ -223,6 +224,7 @@ __device__ inline void noteWideColors(const View& s, int colors, Control* contro
 static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
     solveColors(const __grid_constant__ View s, int first, HeavyList hubs, int hubBlocks, Control* control) {
   __shared__ SolveMemory memory;
+  awaitPrevious();
   if (control->stop != 0) return;
   const bool tail = hubBlocks == 0;
   const int colors = s.counters->colors, end = tail ? colors : min(first + 1, colors);

@@ -34,12 +34,14 @@ __device__ inline void solveColorInOrder(const View& s, int color, int thread, i
 }
 
 static __global__ void __launch_bounds__(kThreads) solveColorStrictly(const __grid_constant__ View s, int color, const Control* control) {
+  awaitPrevious();
   if (control->stop == 0 && color < s.counters->colors)
     solveColorInOrder(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
 }
 
 /// The colours from `first` on in one block.
 static __global__ void __launch_bounds__(kThreads) solveTailStrictly(const __grid_constant__ View s, int first, const Control* control) {
+  awaitPrevious();
   if (control->stop != 0) return;
   for (int c = first; c < s.counters->colors; ++c) {
     solveColorInOrder(s, c, static_cast<int>(threadIdx.x), static_cast<int>(blockDim.x));
