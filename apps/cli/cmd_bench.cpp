@@ -22,6 +22,7 @@ struct BenchOptions {
   std::string jsonFile;
   bool quiet = false;
   bool search = false;
+  bool noStages = false;
   double limitMs = 1000.0 / 60;
 };
 
@@ -56,6 +57,7 @@ int bench(BenchOptions options) {
       options.job.scene = scene;
       options.job.threads = threads;
       PreparedJob prepared = prepareJob(options.job);
+      prepared.world.timings = !options.noStages;
       if (!options.job.steps) prepared.steps = benchSteps(prepared);
       SessionOptions session;
       session.quiet = options.quiet;
@@ -89,6 +91,8 @@ void addBench(CLI::App& app, int& status) {
   command->add_flag("--search-60hz", options->search,
                     "Instead of scenes: find the most walls ('walls', 1,620 bricks each) whose mean step, settled and smash, stays under --limit");
   command->add_option("--limit", options->limitMs, "For --search-60hz [ms]")->check(CLI::PositiveNumber)->capture_default_str();
+  command->add_flag("--no-stages", options->noStages,
+                    "Without the clocks of stages, which cost a GPU some percent of a small step: the whole step only");
   command->add_option("--json", options->jsonFile, "Write a list with one record for each run as JSON; '-' is standard output")
       ->type_name("FILE");
   command->add_flag("-q,--quiet", options->quiet, "No progress, and only the table at the end");

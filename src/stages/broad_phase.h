@@ -27,14 +27,31 @@ RUBBLE_HD inline int bucketOf(const View& s, int level, int x, int y, int z) {
 /// Detection margin of a body: half of the smallest margin of a pair of its like [m].
 RUBBLE_HD inline Real ownMargin(const View& s, const BodyParams& p) { return s.step.contactMargin * p.radius; }
 
+/// raise(most, value) for each of the greatest numbers that are kept of a level and that of a body in it: half extents and cells.
+template <class Raise>
+RUBBLE_HD void raiseExtents(const View& s, const Bounds& b, Raise&& raise) {
+  Counters& c = *s.counters;
+  for (int k = 0; k < 3; ++k) raise(&c.levelHalf[b.level][k], floatBits(b.half[k] * Real(1.000001)));
+  const int cell[3] = {b.x, b.y, b.z};
+  for (int k = 0; k < 3; ++k)
+    for (int side = 0; side < 2; ++side) raise(&c.levelReach[b.level][side][k], kCellOrigin + (side == 0 ? -cell[k] : cell[k]));
+}
+
 /// Boxes at x^t, swept to x^t + dt v and for the turn, with the detection margin; their cells.
 struct ComputeBounds {
   static constexpr const char* kName = "bounds";
   RUBBLE_HD void operator()(const View& s, int i) const {
+    if (!place(s, i)) return;
+    raiseExtents(s, s.bounds[i], [](int* most, int value) {
+      if (value > *most) atomicRaise(most, value);
+    });
+  }
+  /// All but the extents of its level; false: it is not in the grid.
+  RUBBLE_HD static bool place(const View& s, int i) {
     const BodyParams& p = s.params[i];
     Bounds& b = s.bounds[i];
     b.level = -1;
-    if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return;
+    if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return false;
     const Quat q = s.orientation[i];
     const Vec3 sweep = (s.step.dt / 2) * s.velocity[i];
     const Vec3 x(s.position[i]);
@@ -55,17 +72,8 @@ struct ComputeBounds {
     b.x = cellOf(b.centre.x, size), b.y = cellOf(b.centre.y, size), b.z = cellOf(b.centre.z, size);
     if (int& members = s.counters->levelCount[level]; members <= kListedBodies)
       if (const int k = atomicCount(&members, 1); k < kListedBodies) s.counters->levelBody[level][k] = i;
-    for (int k = 0; k < 3; ++k) {
-      const int bits = floatBits(b.half[k] * Real(1.000001));
-      if (bits > s.counters->levelHalf[level][k]) atomicRaise(&s.counters->levelHalf[level][k], bits);
-    }
-    const int cell[3] = {b.x, b.y, b.z};
-    for (int k = 0; k < 3; ++k)
-      for (int side = 0; side < 2; ++side) {
-        const int reach = kCellOrigin + (side == 0 ? -cell[k] : cell[k]);
-        if (int& most = s.counters->levelReach[level][side][k]; reach > most) atomicRaise(&most, reach);
-      }
     atomicCount(&s.bucketCount[bucketOf(s, level, b.x, b.y, b.z)], 1);
+    return true;
   }
 };
 
@@ -209,6 +217,19 @@ struct WritePairs {
   static constexpr const char* kName = "pairs";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const int begin = s.pairOffset[i], count = s.pairOffset[i + 1] - begin;
+    const int* const slots = s.pairSlot + i * kPairSlots;
+    if constexpr (!kParts) {
+      if (count <= kPairSlots) {
+        // a pair a partner: how many come before it is its place
+        for (int k = 0; k < count; ++k) {
+          const int other = slots[k];
+          int place = begin;
+          for (int j = 0; j < count; ++j) place += slots[j] < other;
+          s.pair[place] = {i, other, 0, 0};
+        }
+        return;
+      }
+    }
     int n = 0;
     const auto insertPair = [&](const Pair& pair) {
       int k = begin + n++;
@@ -221,8 +242,7 @@ struct WritePairs {
     };
     if (count > kPairSlots) return searchPartners(s, i, insert);
     // every partner has a pair at least, so that as many slots as pairs are enough
-    int slot = i * kPairSlots;
-    while (n < count) insert(s.pairSlot[slot++]);
+    for (int slot = 0; n < count; ++slot) insert(slots[slot]);
   }
 };
 

@@ -61,14 +61,11 @@ struct FlattenGroups {
   }
 };
 
-/// Which of them lead a group: not those whose group is the same as at the finer level, where it is solved. (The lowest member of all leads
-/// there too.)
+/// Which of them lead a group. One that is the same as at the finer level is solved at both: left out at one of them, the momentum of an impact is
+/// kept less well, for its sweeps are what finds it.
 struct FindLeaders {
   static constexpr const char* kName = "groups";
-  RUBBLE_HD void operator()(const View& s, int t) const {
-    const int finer = t - s.members();
-    s.leads[t] = s.memberCount[t] >= 2 && !(finer >= 0 && s.memberCount[finer] == s.memberCount[t]);
-  }
+  RUBBLE_HD void operator()(const View& s, int t) const { s.leads[t] = s.memberCount[t] >= 2; }
 };
 
 /// From leaders to group numbers; what is alone in its cell is in no group.

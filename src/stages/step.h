@@ -268,8 +268,7 @@ void step(E& e) {
     const bool last = n + 1 == e.view().step.iterations;
     if (nodes > 0 && !(last && treesEnd)) correctTrees(e, false);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
-    // twice: the second solve holds the limits that the first one has reached
-    if (last && treesEnd) correctTrees(e, true), correctTrees(e, true);
+    for (int k = 0; last && treesEnd && k < lastTreeSolves(e.view()); ++k) correctTrees(e, true);
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);
     if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);

@@ -191,6 +191,10 @@ struct TakeTreeForces {
   }
 };
 
+/// How often trees are solved at the end of the last iteration, where joints have limits: one that the first solve reaches is held by the next.
+inline constexpr int kLastTreeSolves = 3;
+RUBBLE_HD inline int lastTreeSolves(const View& s) { return s.treeLimits != 0 ? kLastTreeSolves : 1; }
+
 struct MoveTrees {
   static constexpr const char* kName = "trees";
   RUBBLE_HD void operator()(const View& s, int n) const {

@@ -55,6 +55,7 @@ struct View : JointTables<JointTypes> {
   int treeBegin[kTreeRounds + 1] = {};///< first node of each round of elimination; the last one: how many there are
   int treeRounds = 0;
   int treeSources = 0;
+  int treeLimits = 0;                 ///< 1: some joint has limits
   int treesStale = 1;                 ///< 1: bodies or joints were edited since the trees were found
   int vertices = 0;                   ///< slots in use, removed ones included
   int grainCells = 0;                 ///< buckets of the grid of granular particles, a power of two; 0: there are none
@@ -119,9 +120,9 @@ struct View : JointTables<JointTypes> {
   // groups, whose members are bodies and, numbered from `bodies` on, lumps; arrays over (level, member) have index level * members() + member
   int* leader = nullptr;              ///< [level][member] forest of groups being united
   int* memberCount = nullptr;         ///< [level][member] members of the group that the member leads
-  int* leads = nullptr;               ///< [level][member] 1: leads a group of two or more that is not that of the finer level
+  int* leads = nullptr;               ///< [level][member] 1: leads a group of two or more
   int* groupIndex = nullptr;          ///< [level][member] its number, coarse levels last
-  int* groupOf = nullptr;             ///< [level][member] its group, -1: alone, or with the same members as at the finer level
+  int* groupOf = nullptr;             ///< [level][member] its group, -1: alone
   int* member = nullptr;              ///< by group, ascending
   Group* group = nullptr;
   int* memberOffset = nullptr;        ///< [groups + 1] into member

@@ -97,5 +97,31 @@ TEST(WorldHash, SeesForcesThatWait) {
   EXPECT_NE(a.hash(), b.hash());
 }
 
+TEST(Snapshot, AJointThatIsMadeAgainAfterARestoreActsAsBefore) {
+  Scene scene;
+  for (const double x : {0., 1.}) {
+    BodyDef body;
+    body.shape = Shape::box({.4, .1, .1});
+    body.position = {x, 0, 5};
+    scene.bodies.push_back(body);
+  }
+  World world(scene, options(4));
+  const std::vector<BodyId> bodies = world.bodies();
+  const Snapshot apart = world.snapshot();
+  const auto joinedRun = [&] {
+    world.restore(apart);
+    world.step();
+    JointDef joint;
+    joint.type = JointType::Ball;
+    joint.anchorA = {.5, 0, 0}, joint.anchorB = {-.5, 0, 0};
+    world.addJoint(joint, bodies[0], bodies[1]);
+    world.applyImpulse(bodies[0], {0, 3, 0});
+    for (int n = 0; n < 20; ++n) world.step();
+    return world.hash();
+  };
+  const std::uint64_t first = joinedRun();
+  EXPECT_EQ(joinedRun(), first);
+}
+
 }  // namespace
 }  // namespace rubble

@@ -155,7 +155,10 @@ void measureJoint(const View& s, int slot, JointState& state) {
 
 void setJointCount(HostTables& tables, int type, int slots) {
   tables.reserve(perJoint(type), slots);
-  tables.view().joints[type] = slots;
+  int& count = tables.view().joints[type];
+  // a new slot may have been in use before an older state was restored
+  withJointType(type, [&]<class F>() { std::fill(tables.view().specsOf<F>() + std::min(count, slots), tables.view().specsOf<F>() + slots, JointSpec<F>{}); });
+  count = slots;
 }
 
 void editJoint(HostTables& tables, int slot, const EngineJoint& joint) {

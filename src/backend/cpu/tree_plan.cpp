@@ -45,7 +45,21 @@ class Plan {
   std::vector<char> whole_;                 ///< of a component: all of it is eliminated
   std::vector<int> order_;                  ///< bodies by round
   std::vector<int> begin_;                  ///< of each round
+  bool limited_ = false;                    ///< some joint has limits
 };
+
+/// Coordinates that go from one value to another, and not on.
+template <class F>
+bool hasLimits(const JointSpec<F>& spec) {
+  bool found = false;
+  forEachPart<F>([&]<int I, class P>() {
+    if constexpr (P::kAxis) {
+      const AxisSpec& axis = partOf<I>(spec.parts);
+      found |= axis.lo != axis.hi && (axis.lo > -kNoLimit || axis.hi < kNoLimit);
+    }
+  });
+  return found;
+}
 
 void Plan::readJoints() {
   const auto link = [&](int a, int b) {
@@ -58,6 +72,7 @@ void Plan::readJoints() {
       const JointSpec<F>& spec = s_.specsOf<F>()[i];
       const bool a = dynamic(spec.a), b = dynamic(spec.b);
       if (!spec.alive) continue;
+      limited_ |= hasLimits<F>(spec);
       if (spec.holds && (a || b)) holding.emplace_back(a ? spec.a : spec.b, a && b);
       for (int side = 0; side < kSides<F>; ++side) {
         const int body = bodyOf(spec, side);
@@ -125,6 +140,7 @@ void Plan::write(HostTables& tables) {
 
   std::fill_n(s.nodeOfBody, s.bodies, -1);
   std::vector<int> kept;
+  s.treeLimits = limited_;
   s.treeRounds = static_cast<int>(begin_.size());
   begin_.push_back(static_cast<int>(order_.size()));
   for (int r = 0; r < kTreeRounds; ++r) {
