@@ -33,6 +33,7 @@ Trial tryWalls(const SearchOptions& options, int walls) {
   try {
     PreparedJob prepared = prepareJob(job);
     prepared.steps = job.steps.value_or(prepared.job.smashStep + kSmashedSteps);
+    prepared.world.timings = false;  // nobody looks at the stages
     SessionOptions session;
     session.quiet = true;
     const io::RunRecord record = runSession(std::move(prepared), session).record;

@@ -12,6 +12,7 @@ RUBBLE_HD inline bool filtersMeet(const BodyFilter& a, const BodyFilter& b) {
 RUBBLE_HD inline bool isSensor(const View& s, int body) { return s.filtered != 0 && s.filter[body].sensor != 0; }
 
 RUBBLE_HD inline bool excluded(const View& s, int a, int b) {
+  if (s.exclusions == 0) return false;
   const int low = a < b ? a : b, high = a < b ? b : a;
   for (int k = s.exclusionOffset[low]; k < s.exclusionOffset[low + 1]; ++k)
     if (s.exclusionBody[k] == high) return true;

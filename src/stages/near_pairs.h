@@ -117,6 +117,18 @@ RUBBLE_HD inline void forgetOldPair(const View& s, int oldPair) {
 /// The manifold that a pair has in this step, or null.
 RUBBLE_HD inline const Manifold* manifoldOf(const View& s, int pair) { return s.isNear[pair] ? &s.manifold[s.nearPairOffset[pair]] : nullptr; }
 
+/// May a pair be known to stay apart? A plane has no radius, and of sensors is asked how near they are.
+RUBBLE_HD inline bool mayStayApart(const View& s, const Pair& p) {
+  return s.step.dormantRows && s.step.recycleTolerance > Real(0) && s.params[p.other].shape.kind != ShapeKind::Plane && !isSensor(s, p.owner) &&
+         !isSensor(s, p.other);
+}
+/// Is it, by its last full test?
+RUBBLE_HD inline bool staysApart(const View& s, const OrderedPair& o, const PairPose& pose, const PairTest& test) {
+  if (!(test.separation > Real(0))) return false;
+  const Real apart = leastDistance(test, pose, s.params[o.b].radius);
+  return apart > Real(0) && apart > wakeReach(s, o, pose, apart);
+}
+
 /// Which pairs may have points that take part in the step. All others are known to stay apart: since their last test, which found them apart,
 /// their bodies have come nearer by less than they would have to. They have no manifold, and all that is known of them is that test.
 struct FindNearPairs {
@@ -127,18 +139,27 @@ struct FindNearPairs {
     const PairTest test = old < 0 ? PairTest{} : s.oldPairTest[old];
     s.pairTest[i] = test;
     s.manifoldBefore[i] = manifold;
-    s.isNear[i] = !staysApart(s, p, test) || (manifold >= 0 && s.oldManifold[manifold].row >= 0);
-  }
-
- private:
-  RUBBLE_HD static bool staysApart(const View& s, const Pair& p, const PairTest& test) {
-    if (!(test.separation > Real(0)) || !s.step.dormantRows || !(s.step.recycleTolerance > Real(0))) return false;
-    // a plane has no radius, and of sensors is asked how near they are
-    if (s.params[p.other].shape.kind == ShapeKind::Plane || isSensor(s, p.owner) || isSensor(s, p.other)) return false;
+    s.isNear[i] = 1;
+    if (!mayStayApart(s, p)) return;
     const OrderedPair o = ordered(p);
+    if (old < 0) {
+      if (isPlainPair(s, o.a, o.b)) s.freshPair[atomicCount(&s.counters->freshPairs, 1)] = i;
+    } else if (staysApart(s, o, pairPose(s, o), test)) {
+      s.isNear[i] = manifold >= 0 && s.oldManifold[manifold].row >= 0;
+    }
+  }
+};
+
+/// Pairs of plain shapes that were none in the step before: tested at once, for most that come near one another do not touch.
+struct TestFreshPairs {
+  static constexpr const char* kName = "narrow";
+  RUBBLE_HD void operator()(const View& s, int t) const {
+    const int i = s.freshPair[t];
+    const OrderedPair o = ordered(s.pair[i]);
     const PairPose pose = pairPose(s, o);
-    const Real apart = leastDistance(test, pose, s.params[o.b].radius);
-    return apart > Real(0) && apart > wakeReach(s, o, pose, apart);
+    const PairTest test = pairTest(collide(s.params[o.a].shape, s.params[o.b].shape, pose), pose);
+    s.pairTest[i] = test;
+    s.isNear[i] = !staysApart(s, o, pose, test);
   }
 };
 

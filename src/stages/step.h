@@ -87,6 +87,7 @@ void findContacts(E& e) {
   e.clear(&View::agitation, e.view().bodies);
   e.forEach(FindAgitation{}, &Counters::pairs);
   e.forEach(FindNearPairs{}, &Counters::pairs);
+  e.forEach(TestFreshPairs{}, &Counters::freshPairs);
   e.scan(&View::isNear, &View::nearPairOffset, &Counters::pairs, &Counters::nearPairs, Per::NearPair);
   e.forEach(ListNearPairs{}, &Counters::pairs);
   e.forEach(RecycleManifolds{}, &Counters::nearPairs);

@@ -143,7 +143,7 @@ inline constexpr int kListedBodies = 8;
 /// Numbers that a step counts. `required` fields may exceed the room there is; then the step is begun again with more.
 struct Counters {
   int pairs, nearPairs, manifolds, entries, colors;
-  int contacts, recycled, tested;
+  int contacts, recycled, freshPairs, tested;
   int groups, chunks, externals;
   int clashing, clashes, rounds;  ///< nodes that choose a colour, those left to choose again, rounds of that
   int swept;    ///< pairs to be searched for fast bodies: all, or none

@@ -48,6 +48,7 @@ struct View : JointTables<JointTypes> {
   bool rolls = false;                 ///< some material has rolling or torsional friction
   int cells = 0;                      ///< buckets of the grid, a power of two
   Real baseCell = 1;                  ///< [m]
+  int exclusions = 0;                 ///< pairs of bodies that are excluded
   int filtered = 0;                   ///< 1: some body has a filter or is a sensor
   int wakeAll = 0;                    ///< 1: nothing sleeps on in this step
   int locked = 0;                     ///< 1: some body has locked axes
@@ -154,6 +155,7 @@ struct View : JointTables<JointTypes> {
   PairTest* pairTest = nullptr;       ///< the last full test of each pair
   PairTest* oldPairTest = nullptr;
   int* manifoldBefore = nullptr;      ///< that a pair had in the step before, -1: none
+  int* freshPair = nullptr;           ///< pairs of which nothing is known yet
   int* isNear = nullptr;              ///< 1 if points of the pair may take part in the step
   int* nearPairOffset = nullptr;      ///< [pairs + 1] near pairs before this one
   int* oldNearPairOffset = nullptr;
@@ -370,6 +372,7 @@ void forEachArray(F&& f) {
   is(&View::pair, "pair", "", Per::Pair, Life::Work);
   is(&View::pairTest, "pairTest", "m", Per::Pair, Life::Work);
   is(&View::manifoldBefore, "manifoldBefore", "", Per::Pair, Life::Work);
+  is(&View::freshPair, "freshPair", "", Per::Pair, Life::Unordered);
   is(&View::isNear, "isNear", "", Per::Pair, Life::Work);
   is(&View::nearPairOffset, "nearPairOffset", "", Per::Pair, Life::Work, 1);
   is(&View::meetBits, "meetBits", "", Per::Pair, Life::Work);

@@ -156,7 +156,7 @@ void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& p
     s.exclusionOffset[i] = static_cast<int>(k);
     for (; k < pairs.size() && pairs[k].first == i; ++k) s.exclusionBody[k] = pairs[k].second;
   }
-  s.exclusionOffset[s.bodies] = static_cast<int>(k);
+  s.exclusionOffset[s.bodies] = s.exclusions = static_cast<int>(k);
 }
 
 namespace {

@@ -125,7 +125,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   s.counters->manifolds = counts.manifolds;
   // sizes of later arrays depend on these
   s.oldPairOffset[counts.bodies] = counts.pairs;
-  s.exclusionOffset[counts.bodies] = counts.exclusions;
+  s.exclusionOffset[counts.bodies] = s.exclusions = counts.exclusions;
   s.oldPointPairOffset[s.owners()] = counts.pointPairs;
   const std::byte* from = data.data() + sizeof counts;
   forEachKept(s, [&](const auto& array, std::size_t bytes) {

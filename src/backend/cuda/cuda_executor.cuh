@@ -50,7 +50,8 @@ class CudaExecutor {
     maxBlocks_ = processors_ * (kThreadsPerProcessor / kThreads);
     control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
     std::fill(std::begin(perOf_), std::end(perOf_), -1);
-    // some of the near pairs: no room of its own
+    // some of the pairs and near pairs: no room of their own
+    perOf_[indexOf(&Counters::freshPairs)] = static_cast<int>(Per::Pair);
     perOf_[indexOf(&Counters::tested)] = static_cast<int>(Per::NearPair);
   }
   ~CudaExecutor() { DeviceMemory::release(control_); }

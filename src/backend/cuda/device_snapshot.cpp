@@ -68,6 +68,7 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   tables.reserve(Per::Exclusion, sizes.exclusions);
   tables.view().bodies = sizes.bodies;
   tables.view().planes = sizes.planes;
+  tables.view().exclusions = sizes.exclusions;
   tables.view().treesStale = 1;
   tables.reserve(Per::ShapeVector, sizes.shapeVectors);
   tables.reserve(Per::ShapeIndex, sizes.shapeIndices);
