@@ -67,13 +67,14 @@ RUBBLE_HD inline void decouple(TreeWork& w, int axis) {
 template <class L>
 struct AssembleTrees {
   static constexpr const char* kName = "tree rows";
-  bool last;  ///< no other block moves its bodies after it in this step
+  bool last;   ///< no other block moves its bodies after it in this step
+  bool again;  ///< only trees with contacts are solved: all others are exact already
   RUBBLE_HD void operator()(const View& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
     clear(w.h), clear(w.x), clear(w.e[0]), clear(w.e[1]);
     const int i = node.body;
-    if (!isDynamic(s, i)) {
+    if (!isDynamic(s, i) || (again && isExact(s, node))) {
       for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
       return;
     }
