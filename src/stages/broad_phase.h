@@ -42,11 +42,17 @@ struct ComputeBounds {
   static constexpr const char* kName = "bounds";
   RUBBLE_HD void operator()(const View& s, int i) const {
     if (!place(s, i)) return;
-    raiseExtents(s, s.bounds[i], [](int* most, int value) {
+    const Bounds& b = s.bounds[i];
+    if (int& members = s.counters->levelCount[b.level]; members <= kListedBodies) list(s, b.level, atomicCount(&members, 1), i);
+    raiseExtents(s, b, [](int* most, int value) {
       if (value > *most) atomicRaise(most, value);
     });
   }
-  /// All but the extents of its level; false: it is not in the grid.
+  /// Body i is the k-th of its level.
+  RUBBLE_HD static void list(const View& s, int level, int k, int i) {
+    if (k < kListedBodies) s.counters->levelBody[level][k] = i;
+  }
+  /// All but what is kept of its level; false: it is not in the grid.
   RUBBLE_HD static bool place(const View& s, int i) {
     const BodyParams& p = s.params[i];
     Bounds& b = s.bounds[i];
@@ -70,8 +76,6 @@ struct ComputeBounds {
     while (level < kGridLevels - 1 && widest > kLevelFill * size) ++level, size *= 2;
     b.level = level;
     b.x = cellOf(b.centre.x, size), b.y = cellOf(b.centre.y, size), b.z = cellOf(b.centre.z, size);
-    if (int& members = s.counters->levelCount[level]; members <= kListedBodies)
-      if (const int k = atomicCount(&members, 1); k < kListedBodies) s.counters->levelBody[level][k] = i;
     atomicCount(&s.bucketCount[bucketOf(s, level, b.x, b.y, b.z)], 1);
     return true;
   }

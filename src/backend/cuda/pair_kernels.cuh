@@ -1,8 +1,32 @@
 #pragma once
-/// Pairs of a body in their order: a lane a body, and a warp for those with more partners than slots, whose cells are searched again.
+/// Bounds, whose warps agree on what is kept of a level before they write it: all bodies would raise the same few numbers. And the pairs of a body
+/// in their order: a lane a body, and a warp for those with more partners than slots, whose cells are searched again.
 #include "backend/cuda/heavy_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
+
+struct ComputeBoundsByWarp {
+  static constexpr const char* kName = ComputeBounds::kName;
+  __device__ void operator()(const View& s, int i) const {
+    if (!ComputeBounds::place(s, i)) return;
+    const Bounds& b = s.bounds[i];
+    const unsigned peers = __match_any_sync(__activemask(), b.level);
+    const int lane = static_cast<int>(threadIdx.x % kWarp), first = __ffs(static_cast<int>(peers)) - 1;
+    int& members = s.counters->levelCount[b.level];
+    int k = kListedBodies;
+    if (lane == first && members <= kListedBodies) k = atomicAdd(&members, __popc(peers));
+    k = __shfl_sync(peers, k, first) + __popc(peers & ((1u << lane) - 1));
+    ComputeBounds::list(s, b.level, k, i);
+    raiseExtents(s, b, [&](int* most, int value) {
+      const int greatest = __reduce_max_sync(peers, value);
+      if (lane == first && greatest > *most) atomicMax(most, greatest);
+    });
+  }
+};
+template <>
+struct OnDevice<ComputeBounds> {
+  using Type = ComputeBoundsByWarp;
+};
 
 /// A number of each warp of a block, counted up by its lanes.
 class WarpCounter {
