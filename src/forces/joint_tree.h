@@ -18,6 +18,11 @@ inline constexpr double kTreeStiffness = 1e9;
 /// not have. A margin, so that round-off does not decide.
 inline constexpr Real kAtBound = Real(1e-4);
 
+/// How a tree has its rows: with their own stiffness, solved exactly, or exactly once more, when limits that it has come to still hold.
+enum class TreeSolve { Own, Exact, Again };
+/// A limit is reached within this share of L (of 1 rad): exact solves leave it off by round-off, on either side, which must not decide.
+inline constexpr Real kReached = Real(1e-5);
+
 /// A row whose multiplier the tree finds.
 struct SolvedRow {
   double force = 0, hessian = 0;
@@ -42,10 +47,10 @@ RUBBLE_HD RUBBLE_APART void treeJacobian(const JointSpec<F>& spec, const Joint<F
   jacobianOf<P>(spec, joint, a, b, side, j);
 }
 
-/// Rows of part I at the present poses; false if the part does not act. `exact`: the tree is solved exactly.
+/// Rows of part I at the present poses; false if the part does not act.
 template <class F, int I, class P>
-RUBBLE_HD RUBBLE_APART bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, bool exact,
-                        TreeRows<P::kRows>& out) {
+RUBBLE_HD RUBBLE_APART bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
+                                     const SidePose<F>& b, TreeSolve how, TreeRows<P::kRows>& out) {
   const auto& rows = partOf<I>(joint.parts);
   Real error[P::kRows];
   const auto solve = [&](SolvedRow& row, Real start, Real compliance, Real value, Real lambda) {
@@ -59,16 +64,23 @@ RUBBLE_HD RUBBLE_APART bool treeRows(const StepConstants& c, const JointSpec<F>&
     P::constraint(spec.data, joint.memory, a, b, error);
     Real hessian;
     axisForces(rows, error[0], out.own[0], hessian);
-    if (out.own[0] == Real(0) && !(hessian > Real(0))) return false;
+    // 1: c is at the upper end, -1: at the lower one, 0: not known to be at one
+    const auto reached = [&](const AxisRow& row) {
+      if (how != TreeSolve::Again || !row.acts || row.lo == row.hi) return 0;
+      return error[0] - row.hi > -kReached * rows.length ? 1 : row.lo - error[0] > -kReached * rows.length ? -1 : 0;
+    };
+    if (out.own[0] == Real(0) && !(hessian > Real(0)) && reached(rows.limit) == 0) return false;
     out.force[0] = static_cast<double>(out.own[0]), out.hessian = static_cast<double>(hessian);
     const auto take = [&](const AxisRow& row, SolvedRow& solved) {
-      if (!exact || !row.acts || !row.keepsMultiplier) return;
+      if (how == TreeSolve::Own || !row.acts || !row.keepsMultiplier) return;
       const bool both = row.lo == row.hi;
       Real force, stiffness;
       const Real beyond = axisForce(row, error[0], force, stiffness);
-      if (!(absOf(force) < row.bound * (Real(1) - kAtBound)) || (force == Real(0) && !both)) return;
-      solve(solved, rows.start, row.compliance, both ? error[0] - row.hi : beyond, row.lambda);
-      solved.side = both ? 0 : force > Real(0) ? 1 : -1;
+      const int end = both ? 0 : force > Real(0) ? 1 : force < Real(0) ? -1 : reached(row);
+      if (!(absOf(force) < row.bound * (Real(1) - kAtBound)) || (end == 0 && !both)) return;
+      const Real off = force != Real(0) && !both ? beyond : error[0] - (end < 0 ? row.lo : row.hi);
+      solve(solved, rows.start, row.compliance, off, row.lambda);
+      solved.side = end;
       out.force[0] += solved.force - static_cast<double>(force);
       out.hessian += solved.hessian - static_cast<double>(stiffness);
     };
@@ -86,7 +98,7 @@ RUBBLE_HD RUBBLE_APART bool treeRows(const StepConstants& c, const JointSpec<F>&
     Real size2 = 0;
     for (int i = 0; i < P::kRows; ++i) size2 += out.own[i] * out.own[i];
     const bool free = inside && std::sqrt(size2) < rows.state.bound * (Real(1) - kAtBound);
-    if (!exact || !free || own.mode != GroupMode::Hold || !rows.state.keepsMultiplier) return true;
+    if (how == TreeSolve::Own || !free || own.mode != GroupMode::Hold || !rows.state.keepsMultiplier) return true;
     for (int i = 0; i < P::kRows; ++i) {
       solve(out.solved[i], rows.state.rule.start, rows.state.compliance, error[i], rows.lambda[i]);
       out.force[i] = out.solved[i].force;
@@ -105,10 +117,10 @@ struct TreeCoupling {
 /// Adds the rows of a joint to the block (h, f) of one of its bodies, by its first side, and to its couplings (`side`, other side).
 template <class F>
 RUBBLE_HD void stampJointOfTree(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
-                                int side, bool exact, Dense6& h, Long6& f, TreeCoupling first, TreeCoupling second) {
+                                int side, TreeSolve how, Dense6& h, Long6& f, TreeCoupling first, TreeCoupling second) {
   forEachPart<F>([&]<int I, class P>() {
     TreeRows<P::kRows> rows;
-    if (!treeRows<F, I, P>(c, spec, joint, a, b, exact, rows)) return;
+    if (!treeRows<F, I, P>(c, spec, joint, a, b, how, rows)) return;
     Vec6 j[P::kRows];
     treeJacobian<P>(spec, joint, a, b, side, j);
     for (int i = 0; i < P::kRows; ++i) {
@@ -131,10 +143,10 @@ RUBBLE_HD void stampJointOfTree(const StepConstants& c, const JointSpec<F>& spec
 /// Multipliers after the tree has found that the bodies move by dxA, dxB, of which they make `share`. The poses are those before.
 template <class F>
 RUBBLE_HD void takeTreeForces(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
-                              const Long6& dxA, const Long6& dxB, bool exact, double share) {
+                              const Long6& dxA, const Long6& dxB, TreeSolve how, double share) {
   forEachPart<F>([&]<int I, class P>() {
     TreeRows<P::kRows> rows;
-    if (!treeRows<F, I, P>(c, spec, joint, a, b, exact, rows) || !(rows.solved[0].there || rows.drive.there)) return;
+    if (!treeRows<F, I, P>(c, spec, joint, a, b, how, rows) || !(rows.solved[0].there || rows.drive.there)) return;
     Vec6 ja[P::kRows], jb[P::kRows];
     treeJacobian<P>(spec, joint, a, b, 0, ja);
     treeJacobian<P>(spec, joint, a, b, 1, jb);

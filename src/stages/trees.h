@@ -36,7 +36,7 @@ RUBBLE_HD RUBBLE_APART void placeJoint(const View& s, const JointSpec<F>& spec, 
 }
 
 template <class F>
-RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, int side, bool exact) {
+RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, int side, TreeSolve how) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
   const Joint<F>& joint = s.jointsOf<F>()[index];
   const TreeNode& node = s.treeNode[n];
@@ -51,7 +51,7 @@ RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, in
   }
   SidePose<F> poseA, poseB;
   placeJoint(s, spec, joint, poseA, poseB);
-  stampJointOfTree(s.step, spec, joint, poseA, poseB, side, exact && spec.holds, w.h, w.x, first, second);
+  stampJointOfTree(s.step, spec, joint, poseA, poseB, side, spec.holds ? how : TreeSolve::Own, w.h, w.x, first, second);
 }
 
 /// A body that does not move, or an axis that is locked, is decoupled from all others.
@@ -79,6 +79,7 @@ struct AssembleTrees {
       return;
     }
     const bool exact = isExact(s, node) || (last && node.exact);
+    const TreeSolve how = !exact ? TreeSolve::Own : again ? TreeSolve::Again : TreeSolve::Exact;
     Block6 own, shared;
     startBlock(s, i, own);
     constexpr int kStep = sizeof(L) / sizeof(Real);
@@ -98,7 +99,7 @@ struct AssembleTrees {
       else
         forEachType(JointTypes{}, [&]<class F>() {
           if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
-            stampJointOfNode<F>(s, n, jointIndex<F>(code), jointSide<F>(code), exact);
+            stampJointOfNode<F>(s, n, jointIndex<F>(code), jointSide<F>(code), how);
         });
     }
     addBlock(w.h, w.x, own, 1);
@@ -188,7 +189,7 @@ struct TakeTreeForces {
     Joint<F>& joint = s.jointsOf<F>()[i];
     SidePose<F> poseA, poseB;
     placeJoint(s, spec, joint, poseA, poseB);
-    takeTreeForces(s.step, spec, joint, poseA, poseB, a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, spec.holds, share);
+    takeTreeForces(s.step, spec, joint, poseA, poseB, a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, spec.holds ? TreeSolve::Exact : TreeSolve::Own, share);
   }
 };
 
