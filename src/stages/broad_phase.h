@@ -246,7 +246,8 @@ struct WritePairs {
     };
     if (count > kPairSlots) return searchPartners(s, i, insert);
     // every partner has a pair at least, so that as many slots as pairs are enough
-    for (int slot = 0; n < count; ++slot) insert(slots[slot]);
+    int slot = 0;
+    while (n < count) insert(slots[slot++]);
   }
 };
 
