@@ -127,16 +127,9 @@ RUBBLE_HD void stampContact(const StepConstants& c, const ContactRows& m, bool o
   const L fn = sign * o.fN, f1 = sign * o.t.f1, f2 = sign * o.t.f2;
   const Vec3T<L> force{n.x * fn + t1.x * f1 + t2.x * f2, n.y * fn + t1.y * f1 + t2.y * f2, n.z * fn + t1.z * f1 + t2.z * f2};
 
-  const L kn = f.load.w, w11 = o.t.w11, w12 = o.t.w12, w22 = o.t.w22;
-  const auto entry = [&](Real n2, Real a2, Real ab, Real b2) { return n2 * kn + a2 * w11 + ab * w12 + b2 * w22; };
-  Sym3T<L> w;
-  w.xx = entry(n.x * n.x, t1.x * t1.x, 2 * t1.x * t2.x, t2.x * t2.x);
-  w.yy = entry(n.y * n.y, t1.y * t1.y, 2 * t1.y * t2.y, t2.y * t2.y);
-  w.zz = entry(n.z * n.z, t1.z * t1.z, 2 * t1.z * t2.z, t2.z * t2.z);
-  w.xy = entry(n.x * n.y, t1.x * t1.y, t1.x * t2.y + t1.y * t2.x, t2.x * t2.y);
-  w.xz = entry(n.x * n.z, t1.x * t1.z, t1.x * t2.z + t1.z * t2.x, t2.x * t2.z);
-  w.yz = entry(n.y * n.z, t1.y * t1.z, t1.y * t2.z + t1.z * t2.y, t2.y * t2.z);
-  addAtLever(block, r, force, w);
+  const L e1 = o.t.e1, e2 = o.t.e2;
+  const Vec3T<L> e{t1.x * e1 + t2.x * e2, t1.y * e1 + t2.y * e2, t1.z * e1 + t2.z * e2};
+  addAtLever(block, r, force, pointHessian(n, f.load.w, e, o.t.across, o.t.excess));
 }
 
 /// The dual update [S 13], [S 14] of the points: normal force first, then the cone with it, then both stiffnesses.

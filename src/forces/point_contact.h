@@ -37,14 +37,7 @@ struct PointContact {
     TangentForce<Real> t;
     Vec3 t1, t2;
     RUBBLE_HD Vec3 vector(const Vec3& n) const { return fN * n + t.f1 * t1 + t.f2 * t2; }
-    RUBBLE_HD Sym3 hessian(const Vec3& n, Real kN) const {
-      Sym3 w = outer(n, kN);
-      w += outer(t1, t.w11);
-      w += outer(t2, t.w22);
-      w += Sym3{2 * t1.x * t2.x * t.w12, (t1.x * t2.y + t1.y * t2.x) * t.w12, (t1.x * t2.z + t1.z * t2.x) * t.w12,
-                2 * t1.y * t2.y * t.w12, (t1.y * t2.z + t1.z * t2.y) * t.w12, 2 * t1.z * t2.z * t.w12};
-      return w;
-    }
+    RUBBLE_HD Sym3 hessian(const Vec3& n, Real kN) const { return pointHessian<Real>(n, kN, t.e1 * t1 + t.e2 * t2, t.across, t.excess); }
   };
 
   /// d at displacement `a` of the body and sum `moved` of those of the vertices.

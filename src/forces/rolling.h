@@ -22,17 +22,18 @@ struct RollingRows {
 /// Moment on A and the Hessian of the angular part.
 struct RollingMoment {
   Vec3 moment;
-  TangentForce<Real> roll, twist;
+  Sym3 hessian;
 };
 
 RUBBLE_HD inline RollingMoment rollingMoment(const RollingRows& r, const Vec3& w, Real normalForce) {
   Vec3 t1, t2;
   tangentBasis(r.n, t1, t2);
-  RollingMoment out;
-  out.roll = frictionForce<Real>(r.kRoll, dot(t1, w), dot(t2, w), dot(t1, r.lambda), dot(t2, r.lambda), normalForce, r.rolling, r.rolling, true);
-  out.twist = frictionForce<Real>(r.kTwist, dot(r.n, w), Real(0), dot(r.n, r.lambda), Real(0), normalForce, r.torsional, r.torsional, true);
-  out.moment = t1 * out.roll.f1 + t2 * out.roll.f2 + r.n * out.twist.f1;
-  return out;
+  const TangentForce<Real> roll = frictionForce<Real>(r.kRoll, dot(t1, w), dot(t2, w), dot(t1, r.lambda), dot(t2, r.lambda), normalForce,
+                                                      r.rolling, r.rolling, true);
+  const TangentForce<Real> twist = frictionForce<Real>(r.kTwist, dot(r.n, w), Real(0), dot(r.n, r.lambda), Real(0), normalForce, r.torsional,
+                                                       r.torsional, true);
+  return {t1 * roll.f1 + t2 * roll.f2 + r.n * twist.f1,
+          pointHessian<Real>(r.n, twist.w11(), t1 * roll.e1 + t2 * roll.e2, roll.across, roll.excess)};
 }
 
 RUBBLE_HD inline Real sumOfNormals(const ContactRows& m) { return (m.load[0].lambdaN + m.load[1].lambdaN) + (m.load[2].lambdaN + m.load[3].lambdaN); }
@@ -42,12 +43,7 @@ RUBBLE_HD inline void stampRolling(const RollingRows& r, const ContactRows& m, b
   if (r.kRoll == Real(0) && r.kTwist == Real(0)) return;
   const RollingMoment o = rollingMoment(r, a.dw - b.dw, sumOfNormals(m));
   block.fa += o.moment * (onA ? Real(-1) : Real(1));
-  Vec3 t1, t2;
-  tangentBasis(r.n, t1, t2);
-  const auto entry = [&](int i, int j) {
-    return o.twist.w11 * r.n[i] * r.n[j] + o.roll.w11 * t1[i] * t1[j] + o.roll.w12 * (t1[i] * t2[j] + t1[j] * t2[i]) + o.roll.w22 * t2[i] * t2[j];
-  };
-  block.aa += Sym3{entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)};
+  block.aa += o.hessian;
 }
 
 }  // namespace rubble::RUBBLE_CORE

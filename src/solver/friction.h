@@ -1,15 +1,20 @@
 #pragma once
 /// Coulomb friction of a contact point: a circular cone in the tangent plane, written for lanes.
-#include "math/lanes.h"
+#include "math/sym.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Force in the tangent basis and the symmetric Hessian [[w11, w12], [w12, w22]].
+/// Force in the tangent basis and its Hessian W = across 1 + excess e e^T.
 template <class L>
 struct TangentForce {
   L f1, f2;
-  L w11, w12, w22;
-  L inside;  ///< 1 where the force is inside the cone (sticking), else 0
+  L e1, e2;          ///< direction e of k C + lambda, along which the point is held or slides
+  L across, excess;  ///< stiffness across e, and by how much more or less there is along it
+  L inside;          ///< 1 where the force is inside the cone (sticking), else 0
+
+  RUBBLE_HD L w11() const { return across + excess * e1 * e1; }
+  RUBBLE_HD L w12() const { return excess * e1 * e2; }
+  RUBBLE_HD L w22() const { return across + excess * e2 * e2; }
 };
 
 /// Least Hessian stiffness along the sliding direction, in cone force over slip [1]: 1 would stop the slip within the step.
@@ -26,28 +31,32 @@ RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L
   const L size = sqrtOf(l1 * l1 + l2 * l2);
   const auto stick = size <= mu * normalForce;
   const L bound = muDynamic * normalForce;
-  const L safe = maxOf(size, tiny);
-  const L e1 = l1 / safe, e2 = l2 / safe;
+  const L inverse = one / maxOf(size, tiny);
   TangentForce<L> t;
+  t.e1 = l1 * inverse, t.e2 = l2 * inverse;
   t.inside = select(stick, one, zero);
-  t.f1 = select(stick, l1, bound * e1);
-  t.f2 = select(stick, l2, bound * e2);
+  t.f1 = select(stick, l1, bound * t.e1);
+  t.f2 = select(stick, l2, bound * t.e2);
   if (!coneHessian) {
-    t.w11 = t.w22 = k;
-    t.w12 = zero;
+    t.across = k, t.excess = zero;
     return t;
   }
-  const L along = absOf(c1 * e1 + c2 * e2);
-  const L secant = absOf(bound - (lambda1 * e1 + lambda2 * e2)) / maxOf(along, tiny);
+  const L slip = absOf(c1 * t.e1 + c2 * t.e2), missing = absOf(bound - (lambda1 * t.e1 + lambda2 * t.e2));
   // With lambda on the cone the secant is 0, and the body would overshoot and flip lambda for ever: resist half of what stops it.
-  const L resistance = maxOf(secant, A::splat(kSlidingResistance) * bound / maxOf(along, tiny));
-  const L parallel = select(stick, k, select(along < tiny, k, minOf(k, resistance)));
-  const L across = select(stick, k, minOf(k, k * bound / safe));
-  const L d = parallel - across;
-  t.w11 = across + d * e1 * e1;
-  t.w12 = d * e1 * e2;
-  t.w22 = across + d * e2 * e2;
+  const L resistance = maxOf(missing, A::splat(kSlidingResistance) * bound) / maxOf(slip, tiny);
+  const L along = select(stick, k, select(slip < tiny, k, minOf(k, resistance)));
+  t.across = select(stick, k, minOf(k, k * bound * inverse));
+  t.excess = along - t.across;
   return t;
+}
+
+/// The Hessian W = k_n n n^T + across (1 - n n^T) + excess e e^T of a point with normal n and a world direction e.
+template <class L>
+RUBBLE_HD Sym3T<L> pointHessian(const Vec3& n, L kN, const Vec3T<L>& e, L across, L excess) {
+  const L beyond = kN - across;
+  const Vec3T<L> u{n.x * beyond, n.y * beyond, n.z * beyond}, v{e.x * excess, e.y * excess, e.z * excess};
+  return {across + (u.x * n.x + v.x * e.x), u.x * n.y + v.x * e.y, u.x * n.z + v.x * e.z,
+          across + (u.y * n.y + v.y * e.y), u.y * n.z + v.y * e.z, across + (u.z * n.z + v.z * e.z)};
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -122,81 +122,125 @@ RUBBLE_HD inline CellRange cellsAround(const View& s, const Bounds& b, int level
   return {low(0), high(0), low(1), high(1), low(2), high(2)};
 }
 
-/// visit(entry) for what the buckets of a row of cells [x0, x1] of a level hold. They lie side by side, and go on from the first after the last.
-template <class Visit>
-RUBBLE_HD void visitRow(const View& s, int level, int x0, int x1, int y, int z, Visit&& visit) {
+/// Entries of the buckets of a row of cells. They lie side by side, and go on from the first bucket after the last.
+struct RowOfCells {
+  int begin, end;  ///< in the grid
+  int wrapped;     ///< and as many from its beginning on
+};
+RUBBLE_HD inline RowOfCells rowOfCells(const View& s, int level, int x0, int x1, int y, int z) {
   const int bucket = bucketOf(s, level, x0, y, z), cells = x1 - x0 + 1, here = min(cells, s.cells - bucket);
-  for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + here]; ++k) visit(s.grid[k]);
-  if (here < cells)
-    for (int k = 0; k < s.bucketOffset[cells - here]; ++k) visit(s.grid[k]);
+  return {s.bucketOffset[bucket], s.bucketOffset[bucket + here], here < cells ? s.bucketOffset[cells - here] : 0};
 }
 
-/// found(other) for every body whose bounds touch those of body i, if i would own the pair. Of several that search for one body each takes its
-/// part: number `lane` of `lanes`.
-template <class Found>
+/// Which bodies of its own level a body looks for: those of a higher number, or those in cells behind its own, row by row, and of a higher number in
+/// its own cell. In either way one of two finds the other; the latter takes half as many cells.
+enum class Ahead { InNumber, InPlace };
+
+/// found(other) for the bodies of a level whose bounds touch those of body i, for number `lane` of `lanes`.
+template <Ahead kAhead, class Found>
+RUBBLE_HD void searchLevel(const View& s, int i, const Bounds& b, int level, Found&& found, int lane, int lanes) {
+  const bool own = level == b.level;
+  const auto touches = [&](const GridEntry& e) {
+    return !(std::fabs(e.centre.x - b.centre.x) > e.half.x + b.half.x) && !(std::fabs(e.centre.y - b.centre.y) > e.half.y + b.half.y) &&
+           !(std::fabs(e.centre.z - b.centre.z) > e.half.z + b.half.z);
+  };
+  const auto tryEntry = [&](const GridEntry& e) {
+    if ((!own || e.body > i) && touches(e)) found(e.body);
+  };
+  if (visitListed(s, level, tryEntry, lane, lanes)) return;
+  const Real size = cellSize(s, level);
+  const CellRange c = cellsAround(s, b, level);
+  if (c.empty()) return;
+  const bool inPlace = own && kAhead == Ahead::InPlace;
+  // the first cell that counts
+  const int x0 = inPlace ? b.x : c.x0, y0 = inPlace ? b.y : c.y0, z0 = inPlace ? b.z : c.z0;
+  const auto tryCell = [&](const GridEntry& e, int x, int y, int z) {
+    const bool ahead = !own || e.body > i || (inPlace && !(x == b.x && y == b.y && z == b.z));
+    if (ahead && touches(e)) found(e.body);
+  };
+  // more cells than buckets: then rather all bodies (one that flies off at any speed costs no more than that)
+  if (c.cells() > s.cells) {
+    for (int k = lane; k < s.bucketOffset[s.cells]; k += lanes) {
+      const GridEntry& e = s.grid[k];
+      if (e.level != level) continue;
+      const int x = cellOf(e.centre.x, size), y = cellOf(e.centre.y, size), z = cellOf(e.centre.z, size);
+      if (!inPlace || z > z0 || (z == z0 && (y > y0 || (y == y0 && x >= x0)))) tryCell(e, x, y, z);
+    }
+    return;
+  }
+  const auto rowAt = [&](int y, int z) { return rowOfCells(s, level, y == y0 && z == z0 ? x0 : c.x0, c.x1, y, z); };
+  int y = y0, z = z0;
+  const auto step = [&](int rows) {
+    for (y += rows; y > c.y1; y -= c.y1 - c.y0 + 1) ++z;
+    return z <= c.z1;
+  };
+  if (!step(lane)) return;
+  RowOfCells next = rowAt(y, z);
+  for (bool more = true; more;) {
+    const RowOfCells row = next;
+    const int rowY = y, rowZ = z, firstX = y == y0 && z == z0 ? x0 : c.x0;
+    // where the next row lies is asked for before this one is looked at
+    more = step(lanes);
+    if (more) next = rowAt(y, z);
+    const auto visit = [&](const GridEntry& e) {
+      if (e.level != level || !touches(e)) return;
+      // cells of another row may share the bucket, and would be visited again
+      const int x = cellOf(e.centre.x, size);
+      if (x >= firstX && x <= c.x1 && cellOf(e.centre.y, size) == rowY && cellOf(e.centre.z, size) == rowZ) tryCell(e, x, rowY, rowZ);
+    };
+    for (int k = row.begin; k < row.end; ++k) visit(s.grid[k]);
+    for (int k = 0; k < row.wrapped; ++k) visit(s.grid[k]);
+  }
+}
+
+/// found(other, other owns the pair) for the bodies whose bounds touch those of body i: in its own level those ahead of it, in coarser ones all. Of
+/// several that search for one body each takes its part: number `lane` of `lanes`.
+template <Ahead kAhead, class Found>
 RUBBLE_HD void searchBounds(const View& s, int i, Found&& found, int lane = 0, int lanes = 1) {
   const BodyParams& p = s.params[i];
   if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return;
   const Bounds& b = s.bounds[i];
-  for (int level = b.level; level < kGridLevels; ++level) {
-    const auto mayTouch = [&](const GridEntry& e) {
-      return (level != b.level || e.body > i) && !(std::fabs(e.centre.x - b.centre.x) > e.half.x + b.half.x) &&
-             !(std::fabs(e.centre.y - b.centre.y) > e.half.y + b.half.y) && !(std::fabs(e.centre.z - b.centre.z) > e.half.z + b.half.z);
-    };
-    const auto tryEntry = [&](const GridEntry& e) {
-      if (mayTouch(e)) found(e.body);
-    };
-    if (visitListed(s, level, tryEntry, lane, lanes)) continue;
-    const Real size = cellSize(s, level);
-    const CellRange c = cellsAround(s, b, level);
-    if (c.empty()) continue;
-    // more cells than buckets: then rather all bodies (one that flies off at any speed costs no more than that)
-    if (c.cells() > s.cells) {
-      for (int k = lane; k < s.bucketOffset[s.cells]; k += lanes)
-        if (s.grid[k].level == level) tryEntry(s.grid[k]);
-      continue;
-    }
-    int y = c.y0, z = c.z0;
-    for (int row = 0; row < c.rows(); ++row) {
-      if (row % lanes == lane)
-        visitRow(s, level, c.x0, c.x1, y, z, [&](const GridEntry& e) {
-          if (e.level != level || !mayTouch(e)) return;
-          // cells of another row may share the bucket, and would be visited again
-          const int x = cellOf(e.centre.x, size);
-          if (x >= c.x0 && x <= c.x1 && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z) found(e.body);
-        });
-      if (++y > c.y1) y = c.y0, ++z;
-    }
-  }
+  for (int level = b.level; level < kGridLevels; ++level)
+    searchLevel<kAhead>(s, i, b, level, [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
   for (int k = lane; k < s.planes; k += lanes) {
     const int plane = s.planeBody[k];
     const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
     const Real height = dot(up, b.centre - Vec3(s.position[plane]));
-    if (height <= dot(abs(up), b.half)) found(plane);
+    if (height <= dot(abs(up), b.half)) found(plane, false);
   }
 }
-/// The same for those among them that may collide: its partners.
+/// found(other) for the partners of body i: whose bounds touch, and that may collide with it. It owns its pairs with them.
 template <class Found>
 RUBBLE_HD void searchPartners(const View& s, int i, Found&& found, int lane = 0, int lanes = 1) {
-  searchBounds(s, i, [&](int other) {
+  searchBounds<Ahead::InNumber>(s, i, [&](int other, bool) {
     if (mayCollide(s, i, other)) found(other);
   }, lane, lanes);
 }
 
-/// Partners of each body, the first kPairSlots of them kept, and the number of pairs of their parts. `kParts` false: no body has parts, and the
+/// Whom bounds touch is noted with the owner of the pair: of two in one level the one of the lower number, else the one in the finer level. The first
+/// kPairSlots of them are kept, in no fixed order.
+struct FindNeighbors {
+  static constexpr const char* kName = "pairs";
+  RUBBLE_HD void operator()(const View& s, int i) const { (*this)(s, i, 0, 1); }
+  /// By number `lane` of `lanes`.
+  RUBBLE_HD void operator()(const View& s, int i, int lane, int lanes) const {
+    searchBounds<Ahead::InPlace>(s, i, [&](int other, bool otherOwns) {
+      const int owner = otherOwns ? other : i;
+      const int slot = atomicCount(&s.pairCount[owner], 1);
+      if (slot < kPairSlots) s.pairSlot[owner * kPairSlots + slot] = otherOwns ? i : other;
+    }, lane, lanes);
+  }
+};
+
+/// Those of them that may collide are the partners of a body; and the number of pairs of their parts. `kParts` false: no body has parts, and the
 /// kernel stays small.
 template <bool kParts>
 struct FindPairs {
   static constexpr const char* kName = "pairs";
   RUBBLE_HD void operator()(const View& s, int i) const {
     int* const slots = s.pairSlot + i * kPairSlots;
-    // whom bounds touch is noted at first, and what else keeps two apart is asked for when all are known: bodies that are looked after side by
-    // side find theirs at different times
-    int near = 0, count = 0, partners = 0;
-    searchBounds(s, i, [&](int other) {
-      if (near < kPairSlots) slots[near] = other;
-      ++near;
-    });
+    const int near = s.pairCount[i];
+    int count = 0, partners = 0;
     const auto take = [&](int other) {
       const int without = count;
       if constexpr (kParts) forEachPartPair(s, i, other, [&](int, int) { ++count; });

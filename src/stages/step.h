@@ -49,6 +49,8 @@ void findPairs(E& e) {
   e.scan(&View::bucketCount, &View::bucketOffset, cells);
   e.forEach(FillGrid{}, bodies);
   const bool parts = e.view().rareShapes;
+  e.clear(&View::pairCount, bodies);
+  e.forEach(FindNeighbors{}, bodies);
   if (parts) e.forEach(FindPairs<true>{}, bodies);
   else e.forEach(FindPairs<false>{}, bodies);
   e.scan(&View::pairCount, &View::pairOffset, bodies, &Counters::pairs, Per::Pair);

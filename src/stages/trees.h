@@ -36,11 +36,10 @@ RUBBLE_HD RUBBLE_APART void placeJoint(const View& s, const JointSpec<F>& spec, 
 }
 
 template <class F>
-RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, int side, TreeSolve how) {
+RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, int side, TreeSolve how, TreeBlock& w) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
   const Joint<F>& joint = s.jointsOf<F>()[index];
   const TreeNode& node = s.treeNode[n];
-  TreeWork& w = s.treeWork[n];
   TreeCoupling first{0, nullptr}, second{0, nullptr};
   for (int other = 0; other < kSides<F>; ++other) {
     const int body = bodyOf(spec, other);
@@ -55,7 +54,7 @@ RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, in
 }
 
 /// A body that does not move, or an axis that is locked, is decoupled from all others.
-RUBBLE_HD inline void decouple(TreeWork& w, int axis) {
+RUBBLE_HD inline void decouple(TreeBlock& w, int axis) {
   for (int k = 0; k < 6; ++k) {
     if (k != axis) w.h.m[axis][k] = w.h.m[k][axis] = 0;
     w.e[0].m[axis][k] = w.e[1].m[axis][k] = 0;
@@ -71,21 +70,15 @@ struct AssembleTrees {
   bool again;  ///< only trees with contacts are solved: all others are exact already
   RUBBLE_HD void operator()(const View& s, int n) const {
     const TreeNode& node = s.treeNode[n];
-    TreeWork& w = s.treeWork[n];
+    TreeBlock& w = s.treeWork[n];
     clear(w.h), clear(w.x), clear(w.e[0]), clear(w.e[1]);
-    const int i = node.body;
-    if (!isDynamic(s, i) || (again && isExact(s, node))) {
-      for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
-      return;
-    }
-    const bool exact = isExact(s, node) || (last && node.exact);
-    const TreeSolve how = !exact ? TreeSolve::Own : again ? TreeSolve::Again : TreeSolve::Exact;
+    if (stands(s, node)) return standStill(w);
+    const int i = node.body, end = s.entryOffset[i + 1];
     Block6 own, shared;
     startBlock(s, i, own);
     constexpr int kStep = sizeof(L) / sizeof(Real);
     Block6T<L> ownPoints, sharedPoints;
     int k = s.entryOffset[i];
-    const int end = s.entryOffset[i + 1];
     for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
       const bool both = movesInTree(s, s.entry[k].other);
       for (int lane = 0; lane < kLanes; lane += kStep) addContact<L>(s, s.entry[k].code, lane, both ? sharedPoints : ownPoints);
@@ -93,18 +86,33 @@ struct AssembleTrees {
     }
     addLanes(own, ownPoints);
     addLanes(shared, sharedPoints);
-    for (; k < end; ++k) {
-      const std::uint32_t code = s.entry[k].code;
-      if (entryType(code) > JointTypes::kSize) addSoftRows(s, code, own);
-      else
-        forEachType(JointTypes{}, [&]<class F>() {
-          if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
-            stampJointOfNode<F>(s, n, jointIndex<F>(code), jointSide<F>(code), how);
-        });
-    }
+    const TreeSolve how = solveOf(s, node);
+    for (; k < end; ++k) addOther(s, n, s.entry[k].code, how, w, own);
+    complete(s, node, own, shared, w);
+  }
+
+  /// Does a body stay where it is in this solve?
+  RUBBLE_HD bool stands(const View& s, const TreeNode& node) const { return !isDynamic(s, node.body) || (again && isExact(s, node)); }
+  RUBBLE_HD static void standStill(TreeBlock& w) {
+    for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
+  }
+  RUBBLE_HD TreeSolve solveOf(const View& s, const TreeNode& node) const {
+    const bool exact = isExact(s, node) || (last && node.exact);
+    return !exact ? TreeSolve::Own : again ? TreeSolve::Again : TreeSolve::Exact;
+  }
+  /// Adds a row block that is no contact.
+  RUBBLE_HD static void addOther(const View& s, int n, std::uint32_t code, TreeSolve how, TreeBlock& w, Block6& own) {
+    if (entryType(code) > JointTypes::kSize) return addSoftRows(s, code, own);
+    forEachType(JointTypes{}, [&]<class F>() {
+      if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
+        stampJointOfNode<F>(s, n, jointIndex<F>(code), jointSide<F>(code), how, w);
+    });
+  }
+  /// Adds the sums over what is no joint: of the body itself, and of contacts with bodies that move in their trees too. Then locked axes.
+  RUBBLE_HD static void complete(const View& s, const TreeNode& node, const Block6& own, const Block6& shared, TreeBlock& w) {
     addBlock(w.h, w.x, own, 1);
     addBlock(w.h, w.x, shared, 2);
-    const int locks = s.target[i].locks;
+    const int locks = s.target[node.body].locks;
     for (int axis = 0; axis < 6; ++axis)
       if (locks >> axis & 1) decouple(w, axis);
     for (int side = 0; side < 2; ++side) {
@@ -157,9 +165,12 @@ struct SubstituteNode {
       for (int i = 0; i < 6; ++i)
         for (int j = 0; j < 6; ++j) w.x.v[i] -= w.w[t].m[i][j] * x.v[j];
     }
-    const Vec6 dx = shorter(w.x, 1);
+    noteTurn(s, node.tree, w.x);
+  }
+  RUBBLE_HD static void noteTurn(const View& s, int tree, const Long6& x) {
+    const Vec6 dx = shorter(x, 1);
     const bool finite = isFinite(dx.lin) && isFinite(dx.ang);
-    atomicRaise(&s.treeTurn[node.tree], floatBits(finite ? length(dx.ang) : kNoTurn));
+    atomicRaise(&s.treeTurn[tree], floatBits(finite ? length(dx.ang) : kNoTurn));
   }
   /// Of a step that is not finite: larger than any rotation [rad].
   static constexpr Real kNoTurn = Real(1e30);

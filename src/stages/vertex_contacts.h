@@ -222,6 +222,26 @@ RUBBLE_HD inline void addBelt(const View& s, PointContact& p, Real share) {
   p.drift1 += dot(t1, belt), p.drift2 += dot(t2, belt);
 }
 
+RUBBLE_HD inline const PointContact* oldPointContactOf(const View& s, int owner, int other) {
+  for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k)
+    if (s.oldPointPair[k].other == other) return &s.oldPointContact[k];
+  return nullptr;
+}
+/// What held a corner of a body before it slid on to part i of a surface, or null: it takes its load along, or it would fall freely for a step at each
+/// edge that it passes. The first part that it comes to has what the first that it leaves had, and so on.
+RUBBLE_HD inline const PointContact* contactLeftFor(const View& s, int i) {
+  const int owner = s.pointPair[i].vertex, begin = s.pointPairOffset[owner], end = s.pointPairOffset[owner + 1];
+  int turn = 0;
+  for (int k = begin; k < i; ++k) turn += s.pointPair[k].other >= 0 && !oldPointContactOf(s, owner, s.pointPair[k].other) ? 1 : 0;
+  for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k) {
+    const int part = s.oldPointPair[k].other;
+    bool left = part >= 0 && s.oldPointContact[k].active;
+    for (int j = begin; j < end && left; ++j) left = s.pointPair[j].other != part;
+    if (left && turn-- == 0) return &s.oldPointContact[k];
+  }
+  return nullptr;
+}
+
 /// Rows of a pair at x^t, matched with those of the step before.
 struct UpdatePointContacts {
   static constexpr const char* kName = "rows";
@@ -230,14 +250,14 @@ struct UpdatePointContacts {
     PointContact p;
     memset(static_cast<void*>(&p), 0, sizeof p);  // padding too: states are hashed
     Real gap, margin;
-    const PointContact* old = nullptr;
     if (pair.other < 0) {
       s.pointContact[i] = p;
       return;
     }
-    for (int k = s.oldPointPairOffset[pair.vertex]; k < s.oldPointPairOffset[pair.vertex + 1]; ++k)
-      if (s.oldPointPair[k].other == pair.other) old = &s.oldPointContact[k];
-    const PointContactStart start = pair.vertex >= s.vertices + s.edges ? touchCorner(s, pair.vertex, pair.other, p, gap, margin)
+    const bool corner = pair.vertex >= s.vertices + s.edges;
+    const PointContact* old = oldPointContactOf(s, pair.vertex, pair.other);
+    if (!old && corner) old = contactLeftFor(s, i);
+    const PointContactStart start = corner ? touchCorner(s, pair.vertex, pair.other, p, gap, margin)
                                     : pair.other < kVertexNode ? touchBody(s, pair.vertex, pair.other, old, p, gap, margin)
                                     : pair.other < kCornerNode ? touchGrain(s, pair.vertex, pair.other - kVertexNode, p, gap, margin)
                                                                : touchFeature(s, pair.vertex, pair.other, p, gap, margin);

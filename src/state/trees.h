@@ -16,12 +16,15 @@ struct TreeNode {
   int exact;                   ///< 1: its joints close no loop, with the world neither, and all of its tree is eliminated
 };
 
-/// Its block, and what becomes of it.
-struct TreeWork {
+/// Its block.
+struct TreeBlock {
   Dense6 h;     ///< Hessian, then its factors
   Dense6 e[2];  ///< block (this, near) of the Hessian
-  Dense6 w[2];  ///< H^-1 e
   Long6 x;      ///< force, then H^-1 f, then the step of the body
+};
+/// And what becomes of it.
+struct TreeWork : TreeBlock {
+  Dense6 w[2];  ///< H^-1 e
 };
 
 /// The same for its translation alone, in all axes alike (stages/closing.h).

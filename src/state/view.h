@@ -48,6 +48,7 @@ struct View : JointTables<JointTypes> {
   bool rolls = false;                 ///< some material has rolling or torsional friction
   int cells = 0;                      ///< buckets of the grid, a power of two
   Real baseCell = 1;                  ///< [m]
+  bool bodiesMove = true;             ///< false: it is known that no body is dynamic
   int exclusions = 0;                 ///< pairs of bodies that are excluded
   int filtered = 0;                   ///< 1: some body has a filter or is a sensor
   int wakeAll = 0;                    ///< 1: nothing sleeps on in this step
@@ -250,11 +251,12 @@ struct View : JointTables<JointTypes> {
   }
   /// What may be in a group.
   RUBBLE_HD int members() const { return bodies + lumps; }
-  RUBBLE_HD bool hasJoints() const {
+  RUBBLE_HD int jointSlots() const {
     int all = 0;
     for (const int n : joints) all += n;
-    return all > 0;
+    return all;
   }
+  RUBBLE_HD bool hasJoints() const { return jointSlots() > 0; }
   /// What owns pairs of vertices: every vertex, every edge, then corners of every body, if there is a surface.
   RUBBLE_HD int owners() const { return vertices + edges + (features > 0 ? kCornerSlots * bodies : 0); }
   RUBBLE_HD ShapeTables shapeTables() const { return {shapeVector, shapeIndex, shapePart}; }

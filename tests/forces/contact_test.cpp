@@ -130,7 +130,7 @@ TEST(Contact, HessianIsTheJacobianAroundTheMatrixOfThePoint) {
     tangentBasis(x.rows.n, t1, t2);
     Eigen::Matrix3d axes, w;
     axes << eigen(x.rows.n), eigen(t1), eigen(t2);
-    w << x.rows.load[lane].kN, 0, 0, 0, f.t.w11, f.t.w12, 0, f.t.w12, f.t.w22;
+    w << x.rows.load[lane].kN, 0, 0, 0, f.t.w11(), f.t.w12(), 0, f.t.w12(), f.t.w22();
     for (const bool onA : {true, false}) {
       Eigen::Matrix<double, 3, 6> j;
       j << Eigen::Matrix3d::Identity(), -eigen(crossMatrix(leverOf(x.rows, lane, onA)));

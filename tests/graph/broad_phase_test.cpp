@@ -130,6 +130,16 @@ TEST(BroadPhase, FindsAllPairsFarFromTheOriginAndWithAnyTypicalRadius) {
   }
 }
 
+TEST(BroadPhase, FindsAllPairsOfBodiesThatReachOverMoreCellsThanThereAreBuckets) {
+  // on the coarsest level some look into cells, and others at all bodies: of two that meet one finds the other in either way
+  Random random(9);
+  CoreWorld world;
+  world.settings().typicalRadius = .01;
+  for (int i = 0; i < 200; ++i) world.add(ball(random.logUniform(1e3, 3e5), random.vector(1e6)));
+  ASSERT_GT(200, kListedBodies);
+  expectAllPairs(world, 500);
+}
+
 TEST(BroadPhase, FindsMorePartnersThanABodyHasSlotsFor) {
   Random random(6);
   CoreWorld world;

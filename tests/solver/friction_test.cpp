@@ -34,9 +34,9 @@ TEST(Friction, InsideTheConeIsTheFreeForce) {
     EXPECT_NEAR(f.f1, t.k * t.c1 + t.l1, 1e-12);
     EXPECT_NEAR(f.f2, t.k * t.c2 + t.l2, 1e-12);
     EXPECT_EQ(f.inside, 1);
-    EXPECT_EQ(f.w11, t.k);
-    EXPECT_EQ(f.w12, 0);
-    EXPECT_EQ(f.w22, t.k);
+    EXPECT_EQ(f.w11(), t.k);
+    EXPECT_EQ(f.w12(), 0);
+    EXPECT_EQ(f.w22(), t.k);
   }
   EXPECT_GT(inside, 50);
 }
@@ -82,8 +82,8 @@ TEST(Friction, HessianAcrossTheSlidingDirectionIsTheExactDerivative) {
     const Real e1 = (t.k * t.c1 + t.l1) / t.size(), e2 = (t.k * t.c2 + t.l2) / t.size();
     const Vec3 derivative = slope(t, -e2, e1);
     const TangentForce<Real> f = t.force();
-    EXPECT_NEAR(-f.w11 * e2 + f.w12 * e1, derivative.x, 1e-7 * t.k);
-    EXPECT_NEAR(-f.w12 * e2 + f.w22 * e1, derivative.y, 1e-7 * t.k);
+    EXPECT_NEAR(-f.w11() * e2 + f.w12() * e1, derivative.x, 1e-7 * t.k);
+    EXPECT_NEAR(-f.w12() * e2 + f.w22() * e1, derivative.y, 1e-7 * t.k);
   }
   EXPECT_GT(outside, 50);
 }
@@ -96,12 +96,12 @@ TEST(Friction, HessianAlongTheSlidingDirectionIsTheSecantOrHalfTheStoppingOneAnd
     if (t.size() <= t.mu * t.normal) continue;
     const Real e1 = (t.k * t.c1 + t.l1) / t.size(), e2 = (t.k * t.c2 + t.l2) / t.size();
     const TangentForce<Real> f = t.force();
-    const Real along = f.w11 * e1 * e1 + 2 * f.w12 * e1 * e2 + f.w22 * e2 * e2;
+    const Real along = f.w11() * e1 * e1 + 2 * f.w12() * e1 * e2 + f.w22() * e2 * e2;
     const Real slip = std::fabs(t.c1 * e1 + t.c2 * e2);
     const Real secant = std::fabs(t.mu * t.normal - (t.l1 * e1 + t.l2 * e2)) / slip;
     EXPECT_NEAR(along, std::min(t.k, std::max(secant, kSlidingResistance * t.mu * t.normal / slip)), 1e-9 * t.k);
     // no coupling between along and across
-    EXPECT_NEAR((f.w22 - f.w11) * e1 * e2 + f.w12 * (e1 * e1 - e2 * e2), 0, 1e-9 * t.k);
+    EXPECT_NEAR((f.w22() - f.w11()) * e1 * e2 + f.w12() * (e1 * e1 - e2 * e2), 0, 1e-9 * t.k);
     secants += secant < t.k;
   }
   EXPECT_GT(secants, 30);
@@ -110,7 +110,7 @@ TEST(Friction, HessianAlongTheSlidingDirectionIsTheSecantOrHalfTheStoppingOneAnd
 TEST(Friction, SecantReachesTheConeInOneNewtonStep) {
   // a row with lambda 1 that slides to C = 2: force(0) + secant C = bound
   const Tangent t{100, 2, 0, 1, 0, 10, .5, .5};
-  EXPECT_NEAR(t.l1 + t.force().w11 * t.c1, 5, 1e-12);
+  EXPECT_NEAR(t.l1 + t.force().w11() * t.c1, 5, 1e-12);
 }
 
 TEST(Friction, UnclampedHessianIsKInBothDirections) {
@@ -120,9 +120,9 @@ TEST(Friction, UnclampedHessianIsKInBothDirections) {
     const TangentForce<Real> cone = t.force(true), plain = t.force(false);
     EXPECT_EQ(plain.f1, cone.f1);
     EXPECT_EQ(plain.f2, cone.f2);
-    EXPECT_EQ(plain.w11, t.k);
-    EXPECT_EQ(plain.w22, t.k);
-    EXPECT_EQ(plain.w12, 0);
+    EXPECT_EQ(plain.w11(), t.k);
+    EXPECT_EQ(plain.w22(), t.k);
+    EXPECT_EQ(plain.w12(), 0);
   }
 }
 
@@ -137,8 +137,8 @@ TEST(Friction, TurnsWithTheTangentBasis) {
     const TangentForce<Real> f = t.force(), g = turned.force();
     EXPECT_NEAR(g.f1, c * f.f1 - s * f.f2, 1e-10);
     EXPECT_NEAR(g.f2, s * f.f1 + c * f.f2, 1e-10);
-    EXPECT_NEAR(g.w11 + g.w22, f.w11 + f.w22, 1e-8 * t.k);
-    EXPECT_NEAR(g.w11, c * c * f.w11 - 2 * c * s * f.w12 + s * s * f.w22, 1e-8 * t.k);
+    EXPECT_NEAR(g.w11() + g.w22(), f.w11() + f.w22(), 1e-8 * t.k);
+    EXPECT_NEAR(g.w11(), c * c * f.w11() - 2 * c * s * f.w12() + s * s * f.w22(), 1e-8 * t.k);
   }
 }
 
@@ -146,7 +146,7 @@ TEST(Friction, IsFiniteWithoutLoadAndWithoutMotion) {
   const Tangent unloaded{100, .1, 0, 0, 0, 0, .5, .5}, still{100, 0, 0, 0, 0, 0, .5, .5}, held{100, 0, 0, 9, 0, 1, .5, .5};
   for (const Tangent& t : {unloaded, still, held}) {
     const TangentForce<Real> f = t.force();
-    EXPECT_TRUE(isFinite(f.f1 + f.f2 + f.w11 + f.w12 + f.w22));
+    EXPECT_TRUE(isFinite(f.f1 + f.f2 + f.w11() + f.w12() + f.w22()));
   }
   EXPECT_EQ(unloaded.force().f1, 0);
   EXPECT_NEAR(held.force().f1, .5, 1e-15);
@@ -167,9 +167,9 @@ TEST(Friction, OfFourLanesEqualsThatOfSinglePoints) {
       const TangentForce<Real> one = t[k].force();
       EXPECT_EQ(four.f1[k], one.f1);
       EXPECT_EQ(four.f2[k], one.f2);
-      EXPECT_EQ(four.w11[k], one.w11);
-      EXPECT_EQ(four.w12[k], one.w12);
-      EXPECT_EQ(four.w22[k], one.w22);
+      EXPECT_EQ(four.w11()[k], one.w11());
+      EXPECT_EQ(four.w12()[k], one.w12());
+      EXPECT_EQ(four.w22()[k], one.w22());
       EXPECT_EQ(four.inside[k], one.inside);
     }
   }

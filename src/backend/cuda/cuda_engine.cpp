@@ -27,9 +27,9 @@ class CudaEngine final : public Engine, private PoseCopies {
     mirror_.bodiesAdded(before);
   }
   void setBody(int slot, const EngineBody& body) override {
-    bodyCount_ -= isThere(slot);
+    count(slot, -1);
     RUBBLE_CORE::setBody(host(), slot, body);
-    bodyCount_ += isThere(slot);
+    count(slot, 1);
     mirror_.bodyWritten(slot);
   }
   void forgetContacts(int slot) override { mirror_.forgetContacts(slot); }
@@ -163,10 +163,15 @@ class CudaEngine final : public Engine, private PoseCopies {
     return mirror_.host();
   }
   void prepareConstants();
-  bool isThere(int slot) const { return host().view().params[slot].kind != BodyKind::Removed; }
+  /// Bodies are counted as they come and go.
+  void count(int slot, int change) {
+    const BodyKind kind = host().view().params[slot].kind;
+    if (kind != BodyKind::Removed) bodyCount_ += change;
+    if (kind == BodyKind::Dynamic) dynamicCount_ += change;
+  }
   void countBodies() {
-    bodyCount_ = 0;
-    for (int slot = 0; slot < host().view().bodies; ++slot) bodyCount_ += isThere(slot);
+    bodyCount_ = dynamicCount_ = 0;
+    for (int slot = 0; slot < host().view().bodies; ++slot) count(slot, 1);
   }
 
   CudaStepper stepper_;
@@ -174,7 +179,7 @@ class CudaEngine final : public Engine, private PoseCopies {
   DevicePoses poses_;
   EngineSettings settings_;
   bool settingsChanged_ = true;
-  int bodyCount_ = 0;
+  int bodyCount_ = 0, dynamicCount_ = 0;
   double previousDt_ = 0;
   double preparedFor_ = -1;  ///< previousDt_ that the constants were worked out with
 };
@@ -192,6 +197,7 @@ void CudaEngine::prepareConstants() {
 void CudaEngine::step(StepReport& report) {
   nvtxRangePushA("rubble step");
   if (planTrees(host())) mirror_.derivedWritten();
+  host().view().bodiesMove = dynamicCount_ > 0;
   for (int k = 0; k < settings_.params.substeps; ++k) {
     mirror_.flush();
     prepareConstants();
@@ -202,7 +208,6 @@ void CudaEngine::step(StepReport& report) {
   host().view().wakeAll = 0;
   nvtxRangePop();
 
-  // bodies are counted as they come and go
   View counts = host().view();
   counts.bodies = 0;
   reportCounters(counts, report);

@@ -123,17 +123,13 @@ class CudaExecutor {
   void forEach(const TakeInertia& kernel, int Counters::*n) { onlyIfStrict(kernel, n); }
   void forEachIn(const SumChunk<Real>& kernel, int* View::*offsets, int level) {
     if constexpr (kStrict) forEachIn<SumChunk<Real>>(kernel, offsets, level);
-    else if (level == 0) sumLevel<kSmallWidth>(level);
+    else if (chunkWidth(view(), level) == kSmallWidth) sumLevel<kSmallWidth>(level);
     else sumLevel<kWarp>(level);
   }
   void forEachIn(const SolveGroup& kernel, int* View::*offsets, int level) {
     if constexpr (kStrict) forEachIn<SolveGroup>(kernel, offsets, level);
   }
-  void forEachIn(const MoveChunk& kernel, int* View::*offsets, int level) {
-    if constexpr (kStrict) forEachIn<MoveChunk>(kernel, offsets, level);
-    else if (level == 0) forEachIn(MoveChunkByTile<kSmallWidth>{}, offsets, level);
-    else forEachIn(MoveChunkByTile<kWarp>{}, offsets, level);
-  }
+  void forEachIn(const MoveChunk&, int* View::*, int level) { forEach(MoveMember{level}, view().bodiesMove ? view().bodies : 0); }
 
   void forEach(const SolveCluster& kernel, int n) {
     if (kStrict || kernel.level < kLargeClusters) return forEach<SolveCluster>(kernel, n);
@@ -152,6 +148,17 @@ class CudaExecutor {
       launchNext(sumLumps<kLumpThreads>, objects, kLumpThreads, SumLump::kName, view(), kernel.level, Gate{control_});
     else if (objects > 0) launchNext(sumLumps<kWarp>, objects, kWarp, SumLump::kName, view(), kernel.level, Gate{control_});
     if (n > objects) launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumLump::kName);
+  }
+
+  /// A search is long: where bodies do not fill the device several lanes share one.
+  void forEach(const FindNeighbors& kernel, int n) {
+    if (fill(n, kManySearchers)) forEach<FindNeighbors>(kernel, n);
+    else if (fill(n, kFewSearchers)) forEach(FindNeighborsByTile<kManySearchers>{}, n);
+    else forEach(FindNeighborsByTile<kFewSearchers>{}, n);
+  }
+  void forEach(const FindPairs<false>& kernel, int n) {
+    if (fill(n, kFewSearchers)) forEach<FindPairs<false>>(kernel, n);
+    else forEach(FindPairsByTile{}, n);
   }
 
   /// Stages in which a few elements have very many parts.
@@ -252,7 +259,7 @@ class CudaExecutor {
     constexpr int kBatch = kGatherThreads / kFewWidth;
     const int blocks = std::min((view().bodies + kBatch - 1) / kBatch, kSolveBlocks * processors_);
     for (int c = 0; c < options_.colors; ++c) {
-      if (view().bodies > 0)
+      if (view().bodies > 0 && view().bodiesMove)
         launchNext(solveColors, kHubBlocks + blocks, kSolveThreads, SolveBody<Real>::kName, view(), c, listOf(hubs_), kHubBlocks, control_);
       if (view().vertices > 0)
         launchNext(solveVertexColor, blocksFor(view().vertices, kVertexCrowdWidth), kThreads, SolveVertex::kName, view(), c, control_);
@@ -295,6 +302,8 @@ class CudaExecutor {
     stage_ = name;
   }
 
+  /// Are n elements of `width` threads each more than the device holds at a time?
+  bool fill(int n, int width) const { return std::int64_t{n} * width > std::int64_t{processors_} * kThreadsOfProcessor; }
   /// For n elements of `width` threads each.
   int blocksFor(int n, int width = 1) const {
     const std::int64_t blocks = (std::int64_t{n} * width + kThreads - 1) / kThreads;

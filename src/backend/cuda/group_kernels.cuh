@@ -24,6 +24,8 @@ struct OnDevice<FlattenGroups> {
 
 /// Lanes of a chunk: the groups of the finest level are small, those of the others fill their chunks.
 inline constexpr int kSmallWidth = 8;
+/// In the sweeps: where there are many joints, which take long one after another, all have a warp.
+__host__ __device__ inline int chunkWidth(const View& s, int level) { return level == 0 && 4 * s.jointSlots() < s.bodies ? kSmallWidth : kWarp; }
 
 /// Sums of chunks into those of their group by a tree whose fan-in is the width of a tile: the last of a node's children to come adds them
 /// up, in their order. The levels are enough for kSmallWidth^8 chunks.
@@ -128,7 +130,7 @@ struct OnDevice<CountExternals> {
 /// Lanes of a chunk in the sweeps, by the level of its group. If they would take more rounds than this, a row block for four lanes, it is a heavy one.
 inline constexpr int kHeavyRounds = 32;
 __device__ inline bool isHeavyChunk(const View& s, int chunk, int level) {
-  return s.externalOffset[chunk + 1] - s.externalOffset[chunk] > kHeavyRounds * (level == 0 ? kSmallWidth : kWarp) / kLanes;
+  return s.externalOffset[chunk + 1] - s.externalOffset[chunk] > kHeavyRounds * chunkWidth(s, level) / kLanes;
 }
 
 /// In the order that one thread would write them. Lists heavy chunks.
@@ -178,8 +180,10 @@ __device__ Block6 gatherChunk(const View& s, int i, const Chunk& chunk, const Gr
   constexpr int kStride = kWidth / kLanes;
   const int begin = s.externalOffset[i] + lane / kLanes, end = s.externalOffset[i + 1], point = lane % kLanes;
   bool joints = false;
+  std::uint32_t next = begin < end ? s.external[begin] : 0;
   for (int k = begin; k < end; k += kStride) {
-    const std::uint32_t code = s.external[k];
+    const std::uint32_t code = next;
+    if (k + kStride < end) next = s.external[k + kStride];
     if (entryType(code) == kContactType)
       addExternalContact<Real>(s, group, s.contact[entryIndex(code)], entrySide(code), point, own);
     else
@@ -259,13 +263,13 @@ __global__ void __launch_bounds__(kThreads, 6)
   }
 }
 
-template <int kTile>
-struct MoveChunkByTile {
+/// MoveChunk for all chunks of a level, a thread a body: it knows its group, and bodies lie side by side where members do not.
+struct MoveMember {
   static constexpr const char* kName = MoveChunk::kName;
-  static constexpr int kWidth = kTile;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
-    const Chunk& chunk = s.chunk[i];
-    for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) moveWithGroup(s, s.group[chunk.group], s.member[k]);
+  int level;
+  __device__ void operator()(const View& s, int body) const {
+    if (const int group = s.groupOf[atLevel(s, level, body)]; group >= 0) moveWithGroup(s, s.group[group], body);
   }
 };
+
 }  // namespace rubble::RUBBLE_CORE

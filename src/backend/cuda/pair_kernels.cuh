@@ -28,6 +28,43 @@ struct OnDevice<ComputeBounds> {
   using Type = ComputeBoundsByWarp;
 };
 
+/// Lanes that search for the neighbours of one body, where bodies alone do not fill the device, or by far not.
+inline constexpr int kManySearchers = 2, kFewSearchers = 8;
+/// Threads that a multiprocessor holds at a time.
+inline constexpr int kThreadsOfProcessor = 2048;
+
+template <int kLanesOfBody>
+struct FindNeighborsByTile {
+  static constexpr const char* kName = FindNeighbors::kName;
+  static constexpr int kWidth = kLanesOfBody;
+  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const { FindNeighbors{}(s, i, tile.lane, kWidth); }
+};
+
+/// A lane a neighbour, where no body has parts.
+struct FindPairsByTile {
+  static constexpr const char* kName = FindPairs<false>::kName;
+  static constexpr int kWidth = kFewSearchers;
+  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+    const int near = s.pairCount[i];
+    if (near > kPairSlots) {
+      __syncwarp(tile.mask);
+      if (tile.lane == 0) FindPairs<false>{}(s, i);
+      return;
+    }
+    int* const slots = s.pairSlot + i * kPairSlots;
+    int count = 0;
+    for (int base = 0; base < near; base += kWidth) {
+      const int k = base + tile.lane, other = k < near ? slots[k] : -1;
+      const bool partner = other >= 0 && mayCollide(s, i, other);
+      const unsigned partners = tile.ballot(partner);
+      if (partner) slots[count + __popc(partners & ((1u << tile.lane) - 1))] = other;
+      count += __popc(partners);
+    }
+    __syncwarp(tile.mask);
+    if (tile.lane == 0) s.pairCount[i] = count;
+  }
+};
+
 /// A number of each warp of a block, counted up by its lanes.
 class WarpCounter {
  public:

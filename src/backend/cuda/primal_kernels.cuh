@@ -5,8 +5,6 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Colours of at most this many bodies share a launch of one block: an extra launch would take longer than they do.
-inline constexpr int kTailBodies = 128, kTailVertices = 64;
 /// Threads of a block that gather; two warps more solve.
 inline constexpr int kGatherThreads = 192, kSolvers = 2 * kWarp, kSolveThreads = kGatherThreads + kSolvers;
 /// Blocks of a colour's kernel for its hubs, which are few.
@@ -17,6 +15,8 @@ inline constexpr int kSolveBlocks = 2;
 /// rounds. By the population alone, and not by the kernel that finds the colour: the order of sums must be the same each time.
 inline constexpr int kCrowdWidth = 4, kManyWidth = 8, kFewWidth = 16;
 inline constexpr int kCrowd = 32768, kMany = 4096;
+/// Colours of at most this many bodies share a launch of one block: all that it solves at a time. More of them would wait for one another there.
+inline constexpr int kTailBodies = kGatherThreads / kFewWidth;
 
 /// Adds the joints among the entries [k, end) of a body, a lane each. Rare, and large: a call keeps its registers out of the kernels that contacts fill.
 static __device__ __noinline__ void addJointsApart(const View& s, int k, int end, int stride, Block6* sum) {
@@ -63,7 +63,7 @@ __device__ inline void waitAt(int barrier) {
   asm volatile("barrier.sync %0, %1;" ::"r"(barrier), "n"(kSolveThreads) : "memory");
 }
 __device__ inline void passBy(int barrier) {
-  __threadfence_block();
+  asm volatile("fence.acq_rel.cta;" ::: "memory");
   __syncwarp();
   asm volatile("barrier.arrive %0, %1;" ::"r"(barrier), "n"(kSolveThreads) : "memory");
 }
@@ -176,6 +176,7 @@ __device__ inline void solveColorTogether(const View& s, int color, int share, i
 /// alone, as for bodies. A device holds about 100,000 threads of this kernel: each width is used where it does not fill more than that twice.
 inline constexpr int kVertexCrowdWidth = 8, kVertexManyWidth = 16, kVertexFewWidth = kWarp;
 inline constexpr int kVertexCrowd = 12288, kVertexMany = 4096;
+inline constexpr int kTailVertices = kSolveThreads / kVertexFewWidth;
 template <int kWidth>
 __device__ void solveVertexTogether(const View& s, int v) {
   const Tile<kWidth> tile = Tile<kWidth>::ofThread();

@@ -20,12 +20,21 @@ struct StagedRows {
 static_assert(StagedRows::kRows * sizeof(float4) == sizeof(ContactRows) && StagedRows::kMoved == 2 && kLanes == 4);
 static_assert(StagedRows::kRows + StagedRows::kMoved <= StagedRows::kRoom);
 
-/// Asks for `kCount` quads: four lanes.
+/// Sixteen bytes on their way into shared memory, `kOffset` bytes behind both places. (As __pipeline_memcpy_async(), whose shared addresses are made
+/// anew in each call: half of the instructions that a row block took.)
+template <int kOffset>
+__device__ void copyQuad(unsigned to, const char* from) {
+  asm volatile("cp.async.cg.shared.global [%0+%2], [%1+%2], 16;" ::"r"(to), "l"(from), "n"(kOffset) : "memory");
+}
+/// Asks for `kCount` quads: four lanes, each from its own first one on.
 template <int kCount>
-__device__ void askForQuads(float4* to, const void* from, int lane) {
-#pragma unroll
-  for (int q = 0; q < kCount; q += kLanes)
-    if (q + lane < kCount) __pipeline_memcpy_async(to + q + lane, static_cast<const float4*>(from) + q + lane, sizeof(float4));
+__device__ void askForQuads(unsigned to, const char* from, int lane) {
+  constexpr int kStep = kLanes * sizeof(float4), kWhole = kCount / kLanes;
+  if constexpr (kWhole > 0) copyQuad<0>(to, from);
+  if constexpr (kWhole > 1) copyQuad<kStep>(to, from);
+  if constexpr (kWhole > 2) copyQuad<2 * kStep>(to, from);
+  static_assert(kWhole <= 3);
+  if (lane < kCount % kLanes) copyQuad<kWhole * kStep>(to, from);
 }
 
 /// Shared memory of `kQuads` times four lanes: of two row blocks each, and the displacements of two bodies.
@@ -44,6 +53,7 @@ class RowStream {
 
   __device__ RowStream(const View& s, Staging<kQuads>& staging, const Tile<kWidth>& tile, const int* bodies, int count, int first, int stride)
       : s_(s), staging_(staging), quad_(PointTile::ofThread()), quadOfBlock_(static_cast<int>(threadIdx.x) / kLanes), offset_(tile.lane / kLanes),
+        rowsPlace_(placeOf(staging.rows[0][quadOfBlock_].quad + quad_.lane)), ownPlace_(placeOf(staging.own[0][quadOfBlock_] + quad_.lane)),
         bodies_(bodies), count_(count), next_(first + 3 * stride), stride_(stride) {
     body_[0] = bodyAt(first), body_[1] = bodyAt(first + stride), body_[2] = bodyAt(first + 2 * stride);
     range_[0] = rangeOf(body_[0]), range_[1] = rangeOf(body_[1]);
@@ -109,14 +119,21 @@ class RowStream {
   /// Asks for the first row block of a body, and where that is.
   __device__ void begin(const Entry& e, int body, int parity) {
     if (isContact(e)) askForRows(e);
-    if (body >= 0) askForQuads<StagedRows::kMoved>(staging_.own[parity][quadOfBlock_], &s_.moved[body], quad_.lane);
+    if (body >= 0) ask<StagedRows::kMoved>(ownPlace_ + static_cast<unsigned>(parity * sizeof staging_.own[0]), &s_.moved[body]);
     __pipeline_commit();
   }
   __device__ void askForRows(const Entry& e) {
-    StagedRows& to = staging_.rows[stage_][quadOfBlock_];
-    askForQuads<StagedRows::kRows>(to.quad, &s_.contact[entryIndex(e.code)], quad_.lane);
-    if (e.other >= 0) askForQuads<StagedRows::kMoved>(to.quad + StagedRows::kRows, &s_.moved[e.other], quad_.lane);
+    const unsigned to = rowsPlace_ + static_cast<unsigned>(stage_ * sizeof staging_.rows[0]);
+    ask<StagedRows::kRows>(to, &s_.contact[entryIndex(e.code)]);
+    if (e.other >= 0) ask<StagedRows::kMoved>(to + StagedRows::kRows * sizeof(float4), &s_.moved[e.other]);
   }
+  /// `to`: place of this lane.
+  template <int kCount>
+  __device__ void ask(unsigned to, const void* from) const {
+    askForQuads<kCount>(to, static_cast<const char*>(from) + quad_.lane * sizeof(float4), quad_.lane);
+  }
+  /// In shared memory.
+  __device__ static unsigned placeOf(const float4* p) { return static_cast<unsigned>(__cvta_generic_to_shared(p)); }
 
   __device__ void stamp(const Entry& e, const Displacement& own, const StagedRows& staged, Block6& sum) const {
     const ContactRows& r = staged.rows();
@@ -129,6 +146,7 @@ class RowStream {
   Staging<kQuads>& staging_;
   const PointTile quad_;
   const int quadOfBlock_, offset_;
+  const unsigned rowsPlace_, ownPlace_;  ///< of this lane, in the first stage and of the first parity
   const int* const bodies_;
   const int count_;
   int next_;
