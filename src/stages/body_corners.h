@@ -17,19 +17,17 @@ RUBBLE_HD inline int slotOfOwner(const View& s, int owner) { return (owner - s.v
 
 /// Is the vertex attached to that body? Then they do not collide.
 RUBBLE_HD inline bool isAttached(const View& s, int v, int body) {
-  for (int k = s.refOffset[v]; k < s.refOffset[v + 1]; ++k)
-    if (pointType(s.ref[k]) == kAttachmentCode) {
-      const Attachment& a = s.attachment[pointIndex(s.ref[k])];
-      if (active(s, a) && a.seam == 0 && a.body == body) return true;
-    }
-  return false;
+  bool attached = false;
+  visitAttachments(s, v, [&](const Attachment& a) { attached |= active(s, a) && a.seam == 0 && a.body == body; });
+  return attached;
 }
 
 /// To filters of bodies a vertex is what a body is that has none.
-RUBBLE_HD inline bool mayTouch(const View& s, int v, int body) {
+RUBBLE_HD inline bool mayMeet(const View& s, int v, int body) {
   if (s.filtered != 0 && (isSensor(s, body) || !filtersMeet(s.filter[body], {1, ~0u, 0, 0}))) return false;
-  return (isDynamicVertex(s, v) || s.params[body].kind == BodyKind::Dynamic) && !isAttached(s, v, body);
+  return isDynamicVertex(s, v) || s.params[body].kind == BodyKind::Dynamic;
 }
+RUBBLE_HD inline bool mayTouch(const View& s, int v, int body) { return mayMeet(s, v, body) && !isAttached(s, v, body); }
 
 /// May corners of a body touch that part of a surface?
 RUBBLE_HD inline bool mayDent(const View& s, int body, const SurfaceFeature& f) {
@@ -38,7 +36,7 @@ RUBBLE_HD inline bool mayDent(const View& s, int body, const SurfaceFeature& f) 
   bool any = false;
   for (int k = 0; k < corners; ++k) {
     if (isAttached(s, f.v[k], body)) return false;
-    any |= mayTouch(s, f.v[k], body);
+    any |= mayMeet(s, f.v[k], body);
   }
   return any;
 }

@@ -112,14 +112,12 @@ RUBBLE_HD void seekFeatures(const View& s, FeatureKind kind, const SweptBox& box
 
 /// Does an attachment hold the two vertices to one another?
 RUBBLE_HD inline bool areJoined(const View& s, int a, int b) {
-  for (int k = s.refOffset[a]; k < s.refOffset[a + 1]; ++k) {
-    if (pointType(s.ref[k]) != kAttachmentCode) continue;
-    const Attachment& seam = s.attachment[pointIndex(s.ref[k])];
-    if (!active(s, seam)) continue;
-    for (int c = 0; c < kPointCorners && seam.v[c] >= 0; ++c)
-      if (seam.v[c] == b) return true;
-  }
-  return false;
+  bool joined = false;
+  visitAttachments(s, a, [&](const Attachment& seam) {
+    if (!active(s, seam)) return;
+    for (int c = 0; c < kPointCorners && seam.v[c] >= 0; ++c) joined |= seam.v[c] == b;
+  });
+  return joined;
 }
 
 /// May a vertex or an edge (corners a) meet a feature? Neighbours that share a corner do not, nor do surfaces that an attachment joins there.

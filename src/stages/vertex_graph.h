@@ -87,11 +87,9 @@ struct SortPointEntries {
 template <class Visit>
 RUBBLE_HD void visitNeighbors(const View& s, int v, Visit&& visit) {
   for (int k = s.neighborOffset[v]; k < s.neighborOffset[v + 1]; ++k) visit(kVertexNode + s.neighbor[k]);
-  for (int k = s.refOffset[v]; k < s.refOffset[v + 1]; ++k) {
-    if (pointType(s.ref[k]) != kAttachmentCode) continue;
-    const Attachment& a = s.attachment[pointIndex(s.ref[k])];
+  visitAttachments(s, v, [&](const Attachment& a) {
     if (AttachmentBlocks::acts(s, a)) visit(a.body);
-  }
+  });
   for (int k = s.pointEntryOffset[v]; k < s.pointEntryOffset[v + 1]; ++k) {
     const PointContact& p = s.pointContact[pointIndex(s.pointEntry[k])];
     if (PointContactBlocks::acts(s, p)) visit(p.body);

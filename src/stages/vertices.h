@@ -12,6 +12,12 @@ struct PlaceVertices {
   }
 };
 
+/// visit(attachment) for those of a vertex: they are the last of what acts on it.
+template <class Visit>
+RUBBLE_HD void visitAttachments(const View& s, int v, Visit&& visit) {
+  for (int k = s.refOffset[v + 1] - 1; k >= s.refOffset[v] && pointType(s.ref[k]) == kAttachmentCode; --k) visit(s.attachment[pointIndex(s.ref[k])]);
+}
+
 template <class F>
 RUBBLE_HD void gatherCorners(const View& s, const F& element, Vec3 (&x)[F::kCorners]) {
   for (int k = 0; k < F::kCorners; ++k) x[k] = load(s.vertexPlace[element.v[k]]);

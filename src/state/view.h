@@ -177,7 +177,7 @@ struct View : JointTables<JointTypes> {
   // vertices: authored
   VertexParams* vertexParams = nullptr;
   int* refOffset = nullptr;           ///< [vertices + 1] into ref
-  std::uint32_t* ref = nullptr;       ///< elements and attachments of each vertex, tetrahedra excepted
+  std::uint32_t* ref = nullptr;       ///< elements of each vertex but tetrahedra, then attachments
   int* tetraCornerOffset = nullptr;   ///< [vertices + 1] into tetraCorner
   TetraCorner* tetraCorner = nullptr; ///< tetrahedra of each vertex
   int* neighborOffset = nullptr;      ///< [vertices + 1] into neighbor

@@ -9,8 +9,6 @@ template <class L>
 struct AssembleTreesByTile {
   static constexpr const char* kName = AssembleTrees<L>::kName;
   static constexpr int kWidth = 8;
-  /// All bodies of a thousand men at a time, though what joints call would rather have twice the registers.
-  static constexpr int kBlocks = 6;
   static constexpr int kNumbers = sizeof(TreeBlock) / sizeof(double);
   AssembleTrees<L> stage;
   explicit AssembleTreesByTile(const AssembleTrees<L>& own) : stage(own) {}
