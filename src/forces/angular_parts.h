@@ -2,6 +2,7 @@
 /// Row blocks between the orientations of two bodies. Q_A = q_A f_A and Q_B = q_B f_B are the joint's frames on both bodies,
 /// e = Q_B^-1 Q_A = (s, u) on the short arc: the frame of A seen from B.
 #include "forces/joint.h"
+#include "math/trig.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -38,7 +39,7 @@ inline constexpr Real kTwistFloor = Real(.01);
 /// Twist of e about x: theta = 2 atan2(u_x, s), with N = s^2 + u_x^2
 ///   g = (1, (s u_z + u_x u_y) / N, (u_x u_z - s u_y) / N),  m = (0, g_z, -g_y)
 ///   J_A = R(Q_B) g,  J_B = -J_A,  d2theta = -(1/2) R(Q_B) (g m^T + m g^T) R(Q_B)^T on both bodies
-RUBBLE_HD inline Real twistAngle(const Quat& e) { return Real(2) * std::atan2(e.v.x, e.s); }
+RUBBLE_HD inline Real twistAngle(const Quat& e) { return Real(2) * signedAngleOf(e.v.x, e.s); }
 RUBBLE_HD inline Vec3 twistGradient(const Quat& e) {
   const Real n = max(e.s * e.s + e.v.x * e.v.x, kTwistFloor);
   return {Real(1), (e.s * e.v.z + e.v.x * e.v.y) / n, (e.v.x * e.v.z - e.s * e.v.y) / n};
@@ -211,7 +212,7 @@ RUBBLE_HD inline Real halfAngle(Real n, Real d, const Vec3& dn, const Vec3& dd, 
   // nd (dn dd^T + dd dn^T) by polarisation
   hessian += outer(dn + dd, nd / 2);
   hessian += outer(dn - dd, -nd / 2);
-  return Real(2) * std::atan2(n, d);
+  return Real(2) * signedAngleOf(n, d);
 }
 
 /// Swing about y: 2 atan2(-a_z, 1 + a_x); about z: 2 atan2(a_y, 1 + a_x). The angle itself where the other is 0.

@@ -8,6 +8,7 @@
 /// Line: E = K/2 |x_0 - 2 x_1 + x_2|^2, K = E I / l^3: the same quadratic form with weights 1, -2, 1, straight at rest; no twist.
 /// A damper acts on theta, which no rigid motion changes; the quadratic forms have none, since sum w_i x_i turns with a bent sheet.
 #include "math/block3.h"
+#include "math/trig.h"
 #include "solver/constants.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -70,7 +71,7 @@ struct FoldBend {
     f.n2 = cross(x[1] - x[3], x[0] - x[3]);
     const Real l = length(f.edge), smallest = Real(1e-8) * l * l;
     f.valid = l > Real(0) && length(f.n1) > smallest && length(f.n2) > smallest;
-    f.angle = f.valid ? std::atan2(dot(cross(f.n1, f.n2), f.edge) / l, dot(f.n1, f.n2)) : Real(0);
+    f.angle = f.valid ? signedAngleOf(dot(cross(f.n1, f.n2), f.edge) / l, dot(f.n1, f.n2)) : Real(0);
     return f;
   }
   /// a - b, the short way round.

@@ -47,4 +47,13 @@ RUBBLE_HD inline Real angleOf(Real s, Real c) {
   return Real(4) * (t * sum);
 }
 
+/// Angle in [-pi, pi] of the vector (c, s), of any length and sign [rad]: atan2(s, c) within 6 units in the last place; 0 for the null vector.
+RUBBLE_HD inline Real signedAngleOf(Real s, Real c) {
+  constexpr Real kPi = Real(3.14159265358979323846);
+  const Real up = std::fabs(s), along = std::fabs(c), longest = up < along ? along : up;
+  if (longest == Real(0)) return 0;
+  const Real acute = angleOf(up / longest, along / longest), angle = c < Real(0) ? kPi - acute : acute;
+  return s < Real(0) ? -angle : angle;
+}
+
 }  // namespace rubble::RUBBLE_CORE
