@@ -160,16 +160,16 @@ void correctGroups(E& e, int iteration) {
   for (int level = iteration % 2 == 0 ? kCoarseLevels - 1 : kFineLevels - 1; level >= 0; --level) correctLevel(e, level);
 }
 
-/// One step of all bodies that hang together by joints. `last`: nothing moves them after it in this step. `again`: it is one more.
+/// One step of all bodies that hang together by joints. Trees with contacts are solved exactly where no other block moves their bodies afterwards.
 template <Executor E>
-void correctTrees(E& e, bool last, bool again = false) {
+void correctTrees(E& e, TreeSolve how) {
   const View& s = e.view();
   const int nodes = treeNodes(s);
   e.clear(&View::treeTurn, nodes);
-  e.forEach(AssembleTrees<typename E::Lane>{last, again}, nodes);
+  e.forEach(AssembleTrees<typename E::Lane>{how}, nodes);
   for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
   for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
-  if (!again)
+  if (how != TreeSolve::Again)
     forEachType(JointTypes{}, [&]<class F>() { e.forEach(TakeTreeForces<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   e.forEach(MoveTrees{}, nodes);
 }
@@ -270,9 +270,9 @@ void step(E& e) {
     if (e.view().step.coarseCorrection) correctGroups(e, n);
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
     const bool last = n + 1 == e.view().step.iterations;
-    if (nodes > 0 && !(last && treesEnd)) correctTrees(e, false);
+    if (nodes > 0 && !(last && treesEnd)) correctTrees(e, TreeSolve::Own);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
-    for (int k = 0; last && treesEnd && k < lastTreeSolves(e.view()); ++k) correctTrees(e, true, k > 0);
+    for (int k = 0; last && treesEnd && k < lastTreeSolves(e.view()); ++k) correctTrees(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again);
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);
     if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);

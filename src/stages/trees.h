@@ -66,8 +66,7 @@ RUBBLE_HD inline void decouple(TreeBlock& w, int axis) {
 template <class L>
 struct AssembleTrees {
   static constexpr const char* kName = "tree rows";
-  bool last;   ///< no other block moves its bodies after it in this step
-  bool again;  ///< only trees with contacts are solved: all others are exact already
+  TreeSolve how;  ///< of trees with contacts; all others are solved exactly, and stay as they are in one more solve
   RUBBLE_HD void operator()(const View& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     TreeBlock& w = s.treeWork[n];
@@ -92,13 +91,12 @@ struct AssembleTrees {
   }
 
   /// Does a body stay where it is in this solve?
-  RUBBLE_HD bool stands(const View& s, const TreeNode& node) const { return !isDynamic(s, node.body) || (again && isExact(s, node)); }
+  RUBBLE_HD bool stands(const View& s, const TreeNode& node) const { return !isDynamic(s, node.body) || (how == TreeSolve::Again && isExact(s, node)); }
   RUBBLE_HD static void standStill(TreeBlock& w) {
     for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
   }
   RUBBLE_HD TreeSolve solveOf(const View& s, const TreeNode& node) const {
-    const bool exact = isExact(s, node) || (last && node.exact);
-    return !exact ? TreeSolve::Own : again ? TreeSolve::Again : TreeSolve::Exact;
+    return isExact(s, node) ? TreeSolve::Exact : node.exact ? how : TreeSolve::Own;
   }
   /// Adds a row block that is no contact.
   RUBBLE_HD static void addOther(const View& s, int n, std::uint32_t code, TreeSolve how, TreeBlock& w, Block6& own) {
