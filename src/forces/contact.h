@@ -127,9 +127,7 @@ RUBBLE_HD void stampContact(const StepConstants& c, const ContactRows& m, bool o
   const L fn = sign * o.fN, f1 = sign * o.t.f1, f2 = sign * o.t.f2;
   const Vec3T<L> force{n.x * fn + t1.x * f1 + t2.x * f2, n.y * fn + t1.y * f1 + t2.y * f2, n.z * fn + t1.z * f1 + t2.z * f2};
 
-  const L e1 = o.t.e1, e2 = o.t.e2;
-  const Vec3T<L> e{t1.x * e1 + t2.x * e2, t1.y * e1 + t2.y * e2, t1.z * e1 + t2.z * e2};
-  addAtLever(block, r, force, pointHessian(n, f.load.w, e, o.t.across, o.t.excess));
+  addAtLever(block, r, force, pointHessian(n, t1, t2, f.load.w, o.t));
 }
 
 /// The dual update [S 13], [S 14] of the points: normal force first, then the cone with it, then both stiffnesses.

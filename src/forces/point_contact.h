@@ -37,7 +37,7 @@ struct PointContact {
     TangentForce<Real> t;
     Vec3 t1, t2;
     RUBBLE_HD Vec3 vector(const Vec3& n) const { return fN * n + t.f1 * t1 + t.f2 * t2; }
-    RUBBLE_HD Sym3 hessian(const Vec3& n, Real kN) const { return pointHessian<Real>(n, kN, t.e1 * t1 + t.e2 * t2, t.across, t.excess); }
+    RUBBLE_HD Sym3 hessian(const Vec3& n, Real kN) const { return pointHessian(n, t1, t2, kN, t); }
   };
 
   /// d at displacement `a` of the body and sum `moved` of those of the vertices.

@@ -32,8 +32,7 @@ RUBBLE_HD inline RollingMoment rollingMoment(const RollingRows& r, const Vec3& w
                                                       r.rolling, r.rolling, true);
   const TangentForce<Real> twist = frictionForce<Real>(r.kTwist, dot(r.n, w), Real(0), dot(r.n, r.lambda), Real(0), normalForce, r.torsional,
                                                        r.torsional, true);
-  return {t1 * roll.f1 + t2 * roll.f2 + r.n * twist.f1,
-          pointHessian<Real>(r.n, twist.w11(), t1 * roll.e1 + t2 * roll.e2, roll.across, roll.excess)};
+  return {t1 * roll.f1 + t2 * roll.f2 + r.n * twist.f1, pointHessian(r.n, t1, t2, twist.w11(), roll)};
 }
 
 RUBBLE_HD inline Real sumOfNormals(const ContactRows& m) { return (m.load[0].lambdaN + m.load[1].lambdaN) + (m.load[2].lambdaN + m.load[3].lambdaN); }

@@ -50,11 +50,12 @@ RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L
   return t;
 }
 
-/// The Hessian W = k_n n n^T + across (1 - n n^T) + excess e e^T of a point with normal n and a world direction e.
+/// The Hessian W = k_n n n^T + across (1 - n n^T) + excess e e^T of a point with normal n, tangents t1, t2 and e = e1 t1 + e2 t2.
 template <class L>
-RUBBLE_HD Sym3T<L> pointHessian(const Vec3& n, L kN, const Vec3T<L>& e, L across, L excess) {
-  const L beyond = kN - across;
-  const Vec3T<L> u{n.x * beyond, n.y * beyond, n.z * beyond}, v{e.x * excess, e.y * excess, e.z * excess};
+RUBBLE_HD Sym3T<L> pointHessian(const Vec3& n, const Vec3& t1, const Vec3& t2, L kN, const TangentForce<L>& t) {
+  const Vec3T<L> e{t1.x * t.e1 + t2.x * t.e2, t1.y * t.e1 + t2.y * t.e2, t1.z * t.e1 + t2.z * t.e2};
+  const L across = t.across, beyond = kN - across;
+  const Vec3T<L> u{n.x * beyond, n.y * beyond, n.z * beyond}, v{e.x * t.excess, e.y * t.excess, e.z * t.excess};
   return {across + (u.x * n.x + v.x * e.x), u.x * n.y + v.x * e.y, u.x * n.z + v.x * e.z,
           across + (u.y * n.y + v.y * e.y), u.y * n.z + v.y * e.z, across + (u.z * n.z + v.z * e.z)};
 }

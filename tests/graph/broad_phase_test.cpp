@@ -136,7 +136,6 @@ TEST(BroadPhase, FindsAllPairsOfBodiesThatReachOverMoreCellsThanThereAreBuckets)
   CoreWorld world;
   world.settings().typicalRadius = .01;
   for (int i = 0; i < 200; ++i) world.add(ball(random.logUniform(1e3, 3e5), random.vector(3e5)));
-  ASSERT_GT(200, kListedBodies);
   expectAllPairs(world, 500);
 }
 

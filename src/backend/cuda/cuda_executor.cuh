@@ -152,12 +152,12 @@ class CudaExecutor {
 
   /// A search is long: where bodies do not fill the device several lanes share one.
   void forEach(const FindNeighbors& kernel, int n) {
-    if (fill(n, kManySearchers)) forEach<FindNeighbors>(kernel, n);
-    else if (fill(n, kFewSearchers)) forEach(FindNeighborsByTile<kManySearchers>{}, n);
-    else forEach(FindNeighborsByTile<kFewSearchers>{}, n);
+    if (fill(n, kSearchLanes)) forEach<FindNeighbors>(kernel, n);
+    else if (fill(n, kMostSearchLanes)) forEach(FindNeighborsByTile<kSearchLanes>{}, n);
+    else forEach(FindNeighborsByTile<kMostSearchLanes>{}, n);
   }
   void forEach(const FindPairs<false>& kernel, int n) {
-    if (fill(n, kFewSearchers)) forEach<FindPairs<false>>(kernel, n);
+    if (fill(n, kMostSearchLanes)) forEach<FindPairs<false>>(kernel, n);
     else forEach(FindPairsByTile{}, n);
   }
 
@@ -303,7 +303,7 @@ class CudaExecutor {
   }
 
   /// Are n elements of `width` threads each more than the device holds at a time?
-  bool fill(int n, int width) const { return std::int64_t{n} * width > std::int64_t{processors_} * kThreadsOfProcessor; }
+  bool fill(int n, int width) const { return std::int64_t{n} * width > std::int64_t{maxBlocks_} * kThreads; }
   /// For n elements of `width` threads each.
   int blocksFor(int n, int width = 1) const {
     const std::int64_t blocks = (std::int64_t{n} * width + kThreads - 1) / kThreads;

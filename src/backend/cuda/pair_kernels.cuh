@@ -28,22 +28,21 @@ struct OnDevice<ComputeBounds> {
   using Type = ComputeBoundsByWarp;
 };
 
-/// Lanes that search for the neighbours of one body, where bodies alone do not fill the device, or by far not.
-inline constexpr int kManySearchers = 2, kFewSearchers = 8;
-/// Threads that a multiprocessor holds at a time.
-inline constexpr int kThreadsOfProcessor = 2048;
+/// Lanes that search for the neighbours of one body: where there are too few bodies to fill the device with a thread each, and where there are by far
+/// too few.
+inline constexpr int kSearchLanes = 2, kMostSearchLanes = 8;
 
-template <int kLanesOfBody>
+template <int kTile>
 struct FindNeighborsByTile {
   static constexpr const char* kName = FindNeighbors::kName;
-  static constexpr int kWidth = kLanesOfBody;
+  static constexpr int kWidth = kTile;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const { FindNeighbors{}(s, i, tile.lane, kWidth); }
 };
 
 /// A lane a neighbour, where no body has parts.
 struct FindPairsByTile {
   static constexpr const char* kName = FindPairs<false>::kName;
-  static constexpr int kWidth = kFewSearchers;
+  static constexpr int kWidth = kMostSearchLanes;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const int near = s.pairCount[i];
     if (near > kPairSlots) {

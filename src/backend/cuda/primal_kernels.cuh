@@ -12,7 +12,8 @@ inline constexpr int kHubBlocks = 16;
 /// Blocks of a colour's kernel that a multiprocessor holds at a time.
 inline constexpr int kSolveBlocks = 2;
 /// Lanes a body: few where bodies fill the device, so that sums over lanes are short; more where they don't, so that a body takes fewer
-/// rounds. By the population alone, and not by the kernel that finds the colour: the order of sums must be the same each time.
+/// rounds. By the population alone, and not by the kernel that finds the colour: the order of sums must be the same each time. The bounds are where four
+/// and sixteen lanes a body fill the 132 multiprocessors of an H200 (about 50,000 threads of this kernel that gather).
 inline constexpr int kCrowdWidth = 4, kManyWidth = 8, kFewWidth = 16;
 inline constexpr int kCrowd = 12288, kMany = 3072;
 /// Colours of at most this many bodies share a launch of one block: all that it solves at a time. More of them would wait for one another there.

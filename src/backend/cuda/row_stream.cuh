@@ -21,7 +21,7 @@ static_assert(StagedRows::kRows * sizeof(float4) == sizeof(ContactRows) && Stage
 static_assert(StagedRows::kRows + StagedRows::kMoved <= StagedRows::kRoom);
 
 /// Sixteen bytes on their way into shared memory, `kOffset` bytes behind both places. (As __pipeline_memcpy_async(), whose shared addresses are made
-/// anew in each call: half of the instructions that a row block took.)
+/// anew in each call.)
 template <int kOffset>
 __device__ void copyQuad(unsigned to, const char* from) {
   asm volatile("cp.async.cg.shared.global [%0+%2], [%1+%2], 16;" ::"r"(to), "l"(from), "n"(kOffset) : "memory");
