@@ -1,6 +1,8 @@
 #pragma once
 /// What lasts of a pair: what its last full test found, and the manifold with everything that its points hand on to the next step.
 #include <cstddef>
+#include <cstdint>
+#include <type_traits>
 
 #include "collision/collide.h"
 #include "forces/contact.h"
@@ -19,26 +21,29 @@ struct alignas(8 * sizeof(Real)) PairTest {
   Real separation = 0;  ///< lower bound of the distance [m]; not above 0: none is known
 };
 
-/// Geometry found at the last full test, and what the points hand on.
+/// Integers that fill a manifold to the last bit in either precision: states are compared byte by byte, so none may be left to chance.
+using ManifoldInt = std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t>;
+using ManifoldBits = std::conditional_t<sizeof(Real) == 4, std::uint8_t, std::uint16_t>;
+
+/// Geometry found at the last full test, and what the points hand on. In single precision 256 bytes: each begins with a sector of a cache.
 struct Manifold {
   Lanes aX, aY, aZ;                 ///< point on the surface of A, in its frame [m]
   Lanes bX, bY, bZ;                 ///< on B
   Lanes lambdaN, lambda1, lambda2;  ///< multipliers to go on with, tangent basis of `normal` [N]
   Lanes kN, kT;                     ///< [N/m], 0: new
   Lanes drift1, drift2;             ///< tangential drift since the point stuck, same basis [m]
-  int feature[kLanes];
+  ManifoldInt feature[kLanes];
   Vec3 localNormal;                 ///< from A to B in the frame of A, or of B if normalOnB
   Vec3 normal;                      ///< world, in the last step
-  int count;                        ///< points, 0: not touching
-  int row;                          ///< index of its rows in this step, -1 if it has none
-  std::uint8_t stick;               ///< bit k: point k stuck
-  std::uint8_t impact;              ///< bit k: point k stops a fast approach in this step
-  std::uint8_t awake;               ///< bit k: point k takes part in this step
-  bool normalOnB;
-  bool recycled;                    ///< not tested anew in this step
-  std::uint8_t unused[sizeof(Real) == 4 ? 11 : 19];  ///< 0: states are compared byte by byte, so no byte may be left to chance
+  ManifoldInt row;                  ///< index of its rows in this step, -1 if it has none
+  ManifoldBits stick;               ///< bit k: point k stuck
+  ManifoldBits impact;              ///< bit k: point k stops a fast approach in this step
+  ManifoldBits awake;               ///< bit k: point k takes part in this step
+  ManifoldBits normalOnB : 1;
+  ManifoldBits recycled : 1;        ///< not tested anew in this step
+  ManifoldBits count : 8 * sizeof(ManifoldBits) - 2;  ///< points, 0: not touching
 };
-static_assert(offsetof(Manifold, unused) + sizeof(Manifold::unused) == sizeof(Manifold));
+static_assert(sizeof(Manifold) == 64 * sizeof(Real));
 
 RUBBLE_HD inline Vec3 pointOnA(const Manifold& m, int k) { return {m.aX[k], m.aY[k], m.aZ[k]}; }
 RUBBLE_HD inline Vec3 pointOnB(const Manifold& m, int k) { return {m.bX[k], m.bY[k], m.bZ[k]}; }
@@ -96,12 +101,11 @@ RUBBLE_HD inline Manifold freshManifold(const RawManifold& raw, const PairPose& 
   }
   m.normal = raw.n;
   m.localNormal = rotateInverse(raw.normalOnB ? pair.qB : pair.qA, raw.n);
-  m.count = raw.count;
+  m.count = static_cast<std::uint8_t>(raw.count) & 63;
   m.row = -1;
   m.stick = m.impact = m.awake = 0;
   m.normalOnB = raw.normalOnB;
   m.recycled = false;
-  for (std::uint8_t& byte : m.unused) byte = 0;
   return m;
 }
 

@@ -50,7 +50,9 @@ struct ContactRows {
   int a, b;                  ///< bodies, a < b
   int manifold;              ///< that these are the rows of
   Real length;               ///< L: bounding diameter of the smaller dynamic body [m]
+  Real unused[4];            ///< in single precision the rows are 256 bytes: whole sectors of a cache
 };
+static_assert(sizeof(ContactRows) == 64 * sizeof(Real));
 
 /// Position errors and forces of the points of one manifold.
 template <class L>

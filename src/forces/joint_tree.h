@@ -114,7 +114,7 @@ struct TreeCoupling {
   Dense6* block;  ///< null: none
 };
 
-/// Adds the rows of a joint to the block (h, f) of one of its bodies, by its first side, and to its couplings (`side`, other side).
+/// Adds the rows of a joint to the block (h, f) of one of its bodies (the lower triangle of h), by its first side, and to its couplings (`side`, other side).
 template <class F>
 RUBBLE_HD void stampJointOfTree(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
                                 int side, TreeSolve how, Dense6& h, Long6& f, TreeCoupling first, TreeCoupling second) {
@@ -122,17 +122,19 @@ RUBBLE_HD void stampJointOfTree(const StepConstants& c, const JointSpec<F>& spec
     TreeRows<P::kRows> rows;
     if (!treeRows<F, I, P>(c, spec, joint, a, b, how, rows)) return;
     Vec6 j[P::kRows];
+    Long6 own[P::kRows];
     treeJacobian<P>(spec, joint, a, b, side, j);
     for (int i = 0; i < P::kRows; ++i) {
-      const Long6 own = longer(j[i]);
-      addOuter(h, own, own, rows.hessian);
-      for (int k = 0; k < 6; ++k) f.v[k] -= rows.force[i] * own.v[k];
+      own[i] = longer(j[i]);
+      for (int k = 0; k < 6; ++k) f.v[k] -= rows.force[i] * own[i].v[k];
     }
+    addSquare(h, own, rows.hessian);
     const auto couple = [&](const TreeCoupling& to) {
       if (!to.block) return;
-      Vec6 other[P::kRows];
-      treeJacobian<P>(spec, joint, a, b, to.side, other);
-      for (int i = 0; i < P::kRows; ++i) addOuter(*to.block, longer(j[i]), longer(other[i]), rows.hessian);
+      Long6 other[P::kRows];
+      treeJacobian<P>(spec, joint, a, b, to.side, j);
+      for (int i = 0; i < P::kRows; ++i) other[i] = longer(j[i]);
+      addOuter(*to.block, own, other, rows.hessian);
     };
     couple(first), couple(second);
     const Long6 bend = longer(curvatureOf<P>(spec, joint, a, b, side, rows.own));

@@ -35,17 +35,32 @@ RUBBLE_HD inline double dot(const Long6& a, const Long6& b) {
   return sum;
 }
 
-/// H += s a b^T
-RUBBLE_HD inline void addOuter(Dense6& h, const Long6& a, const Long6& b, double s) {
+/// H += s sum a_k b_k^T, an element at a time.
+template <int N>
+RUBBLE_HD void addOuter(Dense6& h, const Long6 (&a)[N], const Long6 (&b)[N], double s) {
   for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) h.m[i][j] += s * a.v[i] * b.v[j];
+    for (int j = 0; j < 6; ++j) {
+      double sum = a[0].v[i] * b[0].v[j];
+      for (int k = 1; k < N; ++k) sum += a[k].v[i] * b[k].v[j];
+      h.m[i][j] += s * sum;
+    }
+}
+/// The lower triangle of H += s sum a_k a_k^T.
+template <int N>
+RUBBLE_HD void addSquare(Dense6& h, const Long6 (&a)[N], double s) {
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j <= i; ++j) {
+      double sum = a[0].v[i] * a[0].v[j];
+      for (int k = 1; k < N; ++k) sum += a[k].v[i] * a[k].v[j];
+      h.m[i][j] += s * sum;
+    }
 }
 
-/// H += scale times the Hessian of a block, f += its force.
+/// The lower triangle of H += scale times the Hessian of a block; f += its force.
 RUBBLE_HD inline void addBlock(Dense6& h, Long6& f, const Block6& block, double scale) {
   const Sym6 s = pack(block);
   for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) h.m[i][j] += scale * static_cast<double>(s(i, j));
+    for (int j = 0; j <= i; ++j) h.m[i][j] += scale * static_cast<double>(s(i, j));
   const Long6 force = longer({block.fl, block.fa});
   for (int i = 0; i < 6; ++i) f.v[i] += force.v[i];
 }
@@ -65,7 +80,7 @@ RUBBLE_HD inline void subtractProduct(Long6& c, const Dense6& a, const Long6& b)
 /// Smallest pivot over the diagonal element that it came from.
 inline constexpr double kDensePivotFloor = 1e-13;
 
-/// H = L D L^T of a symmetric positive definite H, in its lower triangle: L below the diagonal, 1 / D on it.
+/// H = L D L^T of a symmetric positive definite H, of which it reads and writes the lower triangle: L below the diagonal, 1 / D on it.
 RUBBLE_HD inline void factor(Dense6& h) {
   double d[6];
   for (int j = 0; j < 6; ++j) {

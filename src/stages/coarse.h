@@ -43,32 +43,51 @@ RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shi
   to.fa += from.fa + cross(shift, from.fl);
 }
 
-/// Adds the inertia of a body about the centre of its group, at the initial guess. That of lumps is summed by vertex.
-RUBBLE_HD inline void addInertia(const View& s, const Group& group, int body, Block6& sum) {
-  if (body >= s.bodies) return;
+/// Where the inertia of a group is summed about: its first member.
+RUBBLE_HD inline Vec3d originOf(const View& s, const Chunk& chunk) { return placeOf(s, s.member[s.memberOffset[chunk.group]]); }
+
+/// Adds the inertia of a body at the initial guess, about `origin`; that of lumps is summed by vertex. In the place of a force: the first moment of
+/// all members at x^t, and their mass (x of the torque).
+RUBBLE_HD inline void addInertia(const View& s, const Group& group, const Vec3d& origin, int member, Block6& sum) {
+  const bool isBody = member < s.bodies;
+  const Vec3 place(placeOf(s, member) - origin);
+  const Real mass = isBody ? s.target[member].mass.mass : massOf(s, member);
+  sum.fl += mass * place;
+  sum.fa.x += mass;
+  if (!isBody) return;
   Block6 own;
-  setInertialHessian(own, s.target[body].mass, s.step.inverseDt * s.step.inverseDt);
-  addAtLever(sum, shiftOf(s, group, body), {0, 0, 0}, own.ll.xx);
+  setInertialHessian(own, s.target[member].mass, s.step.inverseDt * s.step.inverseDt);
+  addAtLever(sum, group.joined ? place + s.moved[member].dp : place, {0, 0, 0}, own.ll.xx);
   sum.aa += own.aa;
 }
 
-/// The inertia of a chunk's bodies about the centre of the group: constant in the step.
+/// Centre of mass, and inertia about it, of a group whose members are summed about `origin`: constant in the step.
+RUBBLE_HD inline void placeGroup(Group& group, const Vec3d& origin, const Block6& sum) {
+  const Vec3 centre = sum.fl / sum.fa.x;
+  group.centre = origin + Vec3d(centre);
+  group.inertia = {};
+  addShifted(group.inertia, sum, -centre);
+  group.inertia.fl = group.inertia.fa = {0, 0, 0};
+}
+
 struct SumInertia {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int i) const {
     Chunk& chunk = s.chunk[i];
+    const Vec3d origin = originOf(s, chunk);
     Block6 sum;
-    for (int k = chunk.begin; k < chunk.end; ++k) addInertia(s, s.group[chunk.group], s.member[k], sum);
+    for (int k = chunk.begin; k < chunk.end; ++k) addInertia(s, s.group[chunk.group], origin, s.member[k], sum);
     chunk.sum = sum;
   }
 };
 
-struct TakeInertia {
+struct PlaceGroups {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int g) const {
     Group& group = s.group[g];
-    group.inertia = s.chunk[group.chunkBegin].sum;
-    for (int k = group.chunkBegin + 1; k < group.chunkEnd; ++k) group.inertia += s.chunk[k].sum;
+    Block6 sum = s.chunk[group.chunkBegin].sum;
+    for (int k = group.chunkBegin + 1; k < group.chunkEnd; ++k) sum += s.chunk[k].sum;
+    placeGroup(group, originOf(s, s.chunk[group.chunkBegin]), sum);
   }
 };
 
@@ -232,7 +251,6 @@ struct SolveGroup {
   /// Its local problem: inertia and the sums of its chunks.
   RUBBLE_HD static Block6 sumOf(const View& s, const Group& group) {
     Block6 block = group.inertia;
-    block.fl = block.fa = {0, 0, 0};
     for (int k = group.chunkBegin; k < group.chunkEnd; ++k) block += s.chunk[k].sum;
     return block;
   }

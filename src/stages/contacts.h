@@ -7,7 +7,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline int countPoints(std::uint8_t bits) {
+RUBBLE_HD inline int countPoints(unsigned bits) {
   int count = 0;
   for (int k = 0; k < kLanes; ++k) count += bits >> k & 1;
   return count;

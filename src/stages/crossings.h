@@ -35,9 +35,9 @@ struct BeginCrossings {
   }
 };
 
-/// found(feature) for the features that an owner may meet, whatever detours they take.
+/// found(feature) for the features that an owner may meet, whatever detours they take, for number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void searchNear(const View& s, int owner, Found&& found) {
+RUBBLE_HD void searchNear(const View& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
   if (!ownsFeatures(s, owner)) return;
   int own[2];
   const int corners = ownerCorners(s, owner, own);
@@ -56,10 +56,10 @@ RUBBLE_HD void searchNear(const View& s, int owner, Found&& found) {
     if (distance > Real(0) && distance - kLeastSurfaceGap * bothRadii(s, p) <= reach[0] + reach[1]) found(i);
   };
   if (corners == 1) {
-    seekFeatures(s, FeatureKind::Triangle, box, look);
+    seekFeatures(s, FeatureKind::Triangle, box, look, lane, lanes);
   } else {
-    seekFeatures(s, FeatureKind::BareEdge, box, look);
-    seekFeatures(s, FeatureKind::Edge, box, look);
+    seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
+    seekFeatures(s, FeatureKind::Edge, box, look, lane, lanes);
   }
 }
 

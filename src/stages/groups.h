@@ -146,38 +146,6 @@ struct LockGroups {
   }
 };
 
-/// Mass and first moment of a chunk, about its first member.
-struct SumMasses {
-  static constexpr const char* kName = "groups";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    Chunk& chunk = s.chunk[i];
-    const Vec3d origin = placeOf(s, s.member[s.memberOffset[chunk.group]]);
-    Real mass = 0;
-    Vec3 moment;
-    for (int k = chunk.begin; k < chunk.end; ++k) {
-      const Real own = massOf(s, s.member[k]);
-      mass += own;
-      moment += own * Vec3(placeOf(s, s.member[k]) - origin);
-    }
-    chunk.sum.ll.xx = mass;
-    chunk.sum.fl = moment;
-  }
-};
-
-struct FindCentres {
-  static constexpr const char* kName = "groups";
-  RUBBLE_HD void operator()(const View& s, int g) const {
-    Group& group = s.group[g];
-    Real mass = 0;
-    Vec3 moment;
-    for (int k = group.chunkBegin; k < group.chunkEnd; ++k) {
-      mass += s.chunk[k].sum.ll.xx;
-      moment += s.chunk[k].sum.fl;
-    }
-    group.centre = placeOf(s, s.member[s.memberOffset[g]]) + Vec3d(moment / mass);
-  }
-};
-
 /// Coarse levels at which a and b are in different groups: the finest ones, since groups are nested.
 RUBBLE_HD inline int separateLevels(const View& s, int a, int b) {
   int level = 0;

@@ -130,15 +130,13 @@ void findGroups(E& e) {
   e.forEach(MakeChunks{}, &Counters::chunks);
   if (e.view().locked) e.forEach(LockGroups{}, all);
   forEachType(JointTypes{}, [&]<class F>() { e.forEach(MarkJoinedGroups<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
-  e.forEach(SumMasses{}, &Counters::chunks);
-  e.forEach(FindCentres{}, &Counters::groups);
 }
 
-/// Their inertia, and the rows that leave them.
+/// Their centres and inertia, and the rows that leave them.
 template <Executor E>
 void prepareGroups(E& e) {
   e.forEach(SumInertia{}, &Counters::chunks);
-  e.forEach(TakeInertia{}, &Counters::groups);
+  e.forEach(PlaceGroups{}, &Counters::groups);
   e.forEach(CountExternals{}, &Counters::chunks);
   e.scan(&View::externalCount, &View::externalOffset, &Counters::chunks, &Counters::externals, Per::External);
   e.forEach(FillExternals{}, &Counters::chunks);

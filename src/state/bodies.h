@@ -115,7 +115,7 @@ inline constexpr int kFineLevels = 2;
 /// A group of bodies and lumps that the coarse correction moves as one.
 struct Group {
   Vec3d centre;       ///< centre of mass [m]
-  Block6 inertia;     ///< Hessian of the inertia of its bodies about the centre; force unused
+  Block6 inertia;     ///< Hessian of the inertia of its bodies about the centre; no force
   Vec6 step;          ///< motion found by the last solve [m, rad]
   int level;
   int locks;          ///< motions that one of its bodies must not make, as in BodyExtras

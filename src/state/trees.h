@@ -18,7 +18,7 @@ struct TreeNode {
 
 /// Its block.
 struct TreeBlock {
-  Dense6 h;     ///< Hessian, then its factors
+  Dense6 h;     ///< lower triangle of the Hessian, then its factors
   Dense6 e[2];  ///< block (this, near) of the Hessian
   Long6 x;      ///< force, then H^-1 f, then the step of the body
 };

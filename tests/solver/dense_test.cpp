@@ -44,6 +44,22 @@ TEST(Dense6, SolvesStiffSystemsAsEigenDoes) {
   }
 }
 
+TEST(Dense6, SumsRowsAsMatricesDoAndSquaresInTheLowerTriangle) {
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  using Rows = Eigen::Matrix<double, 3, 6>;
+  const Rows a = Rows::NullaryExpr([&] { return normal(random); }), b = Rows::NullaryExpr([&] { return normal(random); });
+  Long6 x[3], y[3];
+  for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < 6; ++i) x[k].v[i] = a(k, i), y[k].v[i] = b(k, i);
+  Dense6 outer{}, square{};
+  addOuter(outer, x, y, 2.5);
+  addSquare(square, x, 2.5);
+  EXPECT_LT((matrix(outer) - 2.5 * a.transpose() * b).norm(), 1e-12);
+  const Matrix expected = (2.5 * a.transpose() * a).triangularView<Eigen::Lower>();
+  EXPECT_LT((matrix(square) - expected).norm(), 1e-12);
+}
+
 TEST(Dense6, ProductsAreThoseOfTheTransposedMatrix) {
   std::mt19937 random(8);
   std::normal_distribution<double> normal;

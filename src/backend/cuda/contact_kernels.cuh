@@ -48,7 +48,7 @@ struct OnDevice<FinishContacts<Real>> {
 struct RecycleManifoldByLanes {
   static constexpr const char* kName = RecycleManifolds::kName;
   static constexpr int kWidth = kLanes;
-  static constexpr int kBlocks = 6;
+  static constexpr int kBlocks = 7;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const int pair = s.nearPair[i];
     const Pair p = s.pair[pair];
@@ -64,8 +64,8 @@ struct RecycleManifoldByLanes {
       return;
     }
     Manifold& m = s.manifold[i];
-    const Manifold old = manifoldOfPoint(*found, tile);
-    copyGeometry(*found, m, tile);
+    Manifold old = manifoldOfPoint(*found, tile);
+    copyPlaces(*found, m, tile);
     const int k = tile.lane;
     const bool on = k < old.count;
     const Vec3 n = turnedNormal(old, pose);
@@ -78,12 +78,11 @@ struct RecycleManifoldByLanes {
     const unsigned bits = tile.ballot(awake), stick = tile.ballot(on && old.stick != 0);
     if (bits == 0) memory.kN = memory.kT = memory.drift1 = memory.drift2 = Real(0);
     storeMemory(memory, m, tile);
-    // everything that is written above is in place before its first lane writes over parts of it
-    __syncwarp(tile.mask);
+    old.normal = n, old.row = -1;
+    old.stick = bits == 0 ? 0 : static_cast<std::uint8_t>(stick);
+    old.impact = 0, old.awake = static_cast<std::uint8_t>(bits), old.recycled = true;
+    storeShared(old, m, tile);
     if (k != 0) return;
-    m.normal = n, m.row = -1;
-    m.stick = bits == 0 ? 0 : static_cast<std::uint8_t>(stick);
-    m.impact = 0, m.awake = static_cast<std::uint8_t>(bits), m.recycled = true;
     const bool rows = bits != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
     s.hasRows[i] = rows;
     if (!rows) return;
@@ -92,19 +91,15 @@ struct RecycleManifoldByLanes {
   }
 
  private:
-  /// Everything but what points hand on, sixteen bytes a lane at a time.
-  __device__ static void copyGeometry(const Manifold& from, Manifold& to, const PointTile& tile) {
-    constexpr int kQuads = sizeof(Manifold) / sizeof(float4), kPlaces = offsetof(Manifold, lambdaN) / sizeof(float4);
-    constexpr int kHandedOn = offsetof(Manifold, feature) / sizeof(float4) - kPlaces, kCopied = kQuads - kHandedOn;
-    static_assert(sizeof(Manifold) % sizeof(float4) == 0);
-    const auto quadOf = [](int k) { return k + (k < kPlaces ? 0 : kHandedOn); };
-    float4 quads[(kCopied + kWidth - 1) / kWidth];
-#pragma unroll
-    for (int k = tile.lane, turn = 0; turn * kWidth < kCopied; ++turn, k += kWidth)
-      if (k < kCopied) quads[turn] = reinterpret_cast<const float4*>(&from)[quadOf(k)];
-#pragma unroll
-    for (int k = tile.lane, turn = 0; turn * kWidth < kCopied; ++turn, k += kWidth)
-      if (k < kCopied) reinterpret_cast<float4*>(&to)[quadOf(k)] = quads[turn];
+  /// The places of the points and their features, sixteen bytes a lane at a time.
+  __device__ static void copyPlaces(const Manifold& from, Manifold& to, const PointTile& tile) {
+    constexpr int kPlaces = offsetof(Manifold, lambdaN) / sizeof(float4), kHandedOn = offsetof(Manifold, feature) / sizeof(float4) - kPlaces;
+    static_assert(kPlaces + 1 <= 2 * kWidth && sizeof(Manifold::feature) == sizeof(float4));
+    const int second = kWidth + tile.lane, behind = second < kPlaces ? second : second + kHandedOn;
+    const float4* const quads = reinterpret_cast<const float4*>(&from);
+    const float4 first = quads[tile.lane];
+    if (second <= kPlaces) reinterpret_cast<float4*>(&to)[behind] = quads[behind];
+    reinterpret_cast<float4*>(&to)[tile.lane] = first;
   }
 };
 template <>
@@ -140,10 +135,10 @@ struct BuildRowsOfPoint {
   /// What the points share, sixteen bytes a lane.
   __device__ static void storeHead(const ContactRows& own, ContactRows& r, const PointTile& tile) {
     constexpr int kQuads = (sizeof(ContactRows) - offsetof(ContactRows, n)) / sizeof(float4);
-    static_assert(kQuads == 3);
+    static_assert(kQuads == kWidth);
     float4 head[kQuads];
     memcpy(head, &own.n, sizeof head);
-    if (tile.lane < kQuads) reinterpret_cast<float4*>(&r.n)[tile.lane] = tile.lane == 0 ? head[0] : tile.lane == 1 ? head[1] : head[2];
+    reinterpret_cast<float4*>(&r.n)[tile.lane] = tile.lane < 2 ? (tile.lane == 0 ? head[0] : head[1]) : tile.lane == 2 ? head[2] : head[3];
   }
 };
 template <>

@@ -114,13 +114,16 @@ class CudaExecutor {
     if (!begins()) return;
     enterStage(Kernel::kName);
     using Type = DeviceKernel<Kernel>;
-    launchNext(runRange<Type>, blocksForRange(widthOf<Type>()), kThreads, Kernel::kName, view(), onDevice(kernel), view().*offsets, k, Gate{control_});
+    launchNext(runRange<Type>, {blocksForRange(widthOf<Type>()), kThreads}, Kernel::kName, view(), onDevice(kernel), view().*offsets, k, Gate{control_});
   }
   /// The last tile to sum a chunk of a group goes on with it, and so does what a stage of its own does elsewhere.
-  void forEach(const SumMasses& kernel, int Counters::*n) { sumGroups<SumMassesByTile>(kernel, n); }
-  void forEach(const SumInertia& kernel, int Counters::*n) { sumGroups<SumInertiaByTile>(kernel, n); }
-  void forEach(const FindCentres& kernel, int Counters::*n) { onlyIfStrict(kernel, n); }
-  void forEach(const TakeInertia& kernel, int Counters::*n) { onlyIfStrict(kernel, n); }
+  void forEach(const SumInertia& kernel, int Counters::*n) {
+    if constexpr (kStrict) forEach<SumInertia>(kernel, n);
+    else forEach(SumInertiaByTile{tree()}, n);
+  }
+  void forEach(const PlaceGroups& kernel, int Counters::*n) {
+    if constexpr (kStrict) forEach<PlaceGroups>(kernel, n);
+  }
   void forEachIn(const SumChunk<Real>& kernel, int* View::*offsets, int level) {
     if constexpr (kStrict) forEachIn<SumChunk<Real>>(kernel, offsets, level);
     else if (chunkWidth(view(), level) == kSmallWidth) sumLevel<kSmallWidth>(level);
@@ -135,7 +138,7 @@ class CudaExecutor {
     if (kStrict || kernel.level < kLargeClusters) return forEach<SolveCluster>(kernel, n);
     if (!begins() || n <= 0) return;
     enterStage(SolveCluster::kName);
-    launchNext(solveLargeClusters, n, kLargeThreads, SolveCluster::kName, view(), kernel.level, Gate{control_});
+    launchNext(solveLargeClusters, {n, kLargeThreads}, SolveCluster::kName, view(), kernel.level, Gate{control_});
   }
 
   /// A thread a particle, and a block or a warp an object, as there are few or many.
@@ -145,8 +148,8 @@ class CudaExecutor {
     enterStage(SumLump::kName);
     const int objects = view().objects;
     if (objects > 0 && objects <= kFewObjects * processors_)
-      launchNext(sumLumps<kLumpThreads>, objects, kLumpThreads, SumLump::kName, view(), kernel.level, Gate{control_});
-    else if (objects > 0) launchNext(sumLumps<kWarp>, objects, kWarp, SumLump::kName, view(), kernel.level, Gate{control_});
+      launchNext(sumLumps<kLumpThreads>, {objects, kLumpThreads}, SumLump::kName, view(), kernel.level, Gate{control_});
+    else if (objects > 0) launchNext(sumLumps<kWarp>, {objects, kWarp}, SumLump::kName, view(), kernel.level, Gate{control_});
     if (n > objects) launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumLump::kName);
   }
 
@@ -168,7 +171,7 @@ class CudaExecutor {
     startList(hubs_, SortEntries::kName);
     forEachWarp(SortEntriesByWarp{listOf(hubs_)}, n);
     if (!begun() || n <= 0) return;
-    launchNext(sortHubs, processors_, kSortThreads, SortEntries::kName, view(), listOf(hubs_), Gate{control_});
+    launchNext(sortHubs, {processors_, kSortThreads}, SortEntries::kName, view(), listOf(hubs_), Gate{control_});
   }
   void forEach(const FillExternals& kernel, int Counters::*n) {
     if constexpr (kStrict) return forEach<FillExternals>(kernel, n);
@@ -200,7 +203,7 @@ class CudaExecutor {
     scan(counts, offsets, n);
     perOf_[indexOf(total)] = static_cast<int>(per);
     if (!begun()) return;
-    launchNext(keepTotal, 1, 1, "keepTotal", control_, view().*offsets, limit, counter(total), roomFor(per));
+    launchNext(keepTotal, {1, 1}, "keepTotal", control_, view().*offsets, limit, counter(total), roomFor(per));
   }
 
   /// A stable sort; the keys that are left out stand behind the last one.
@@ -220,7 +223,7 @@ class CudaExecutor {
   void require(Per per, int Counters::*count) {
     perOf_[indexOf(count)] = static_cast<int>(per);
     if (!begins()) return;
-    launchNext(requireRoom, 1, 1, "requireRoom", control_, counter(count), roomFor(per));
+    launchNext(requireRoom, {1, 1}, "requireRoom", control_, counter(count), roomFor(per));
   }
 
   /// One launch, whose blocks wait for one another between the kernels.
@@ -250,21 +253,22 @@ class CudaExecutor {
     enterStage(SolveBody<Real>::kName);
     if constexpr (kStrict) {
       for (int c = 0; c < options_.colors; ++c) {
-        launchNext(solveColorStrictly, blocksFor(std::max(view().bodies, view().vertices)), kThreads, SolveBody<Real>::kName, view(), c, control_);
+        launchNext(solveColorStrictly, {blocksFor(std::max(view().bodies, view().vertices)), kThreads}, SolveBody<Real>::kName, view(), c, control_);
       }
-      launchNext(solveTailStrictly, 1, kThreads, SolveBody<Real>::kName, view(), options_.colors, control_);
+      launchNext(solveTailStrictly, {1, kThreads}, SolveBody<Real>::kName, view(), options_.colors, control_);
       return;
     }
     // as many blocks as the device holds at a time: they share out whatever a colour has
-    constexpr int kBatch = kGatherThreads / kFewWidth;
-    const int blocks = std::min((view().bodies + kBatch - 1) / kBatch, kSolveBlocks * processors_);
+    const bool bodies = view().bodies > 0 && view().bodiesMove;
+    const int held = kSolveBlocks * processors_;
+    const int vertexBlocks = std::min((view().vertices * kVertexCrowdWidth + kSolveThreads - 1) / kSolveThreads, held / kVertexShare);
+    const int bodyBlocks = std::min((view().bodies + kTailBodies - 1) / kTailBodies, held - vertexBlocks);
     for (int c = 0; c < options_.colors; ++c) {
-      if (view().bodies > 0 && view().bodiesMove)
-        launchNext(solveColors, kHubBlocks + blocks, kSolveThreads, SolveBody<Real>::kName, view(), c, listOf(hubs_), kHubBlocks, control_);
-      if (view().vertices > 0)
-        launchNext(solveVertexColor, blocksFor(view().vertices, kVertexCrowdWidth), kThreads, SolveVertex::kName, view(), c, control_);
+      if (bodies) solveColorsFrom(c, kHubBlocks + vertexBlocks + bodyBlocks, {kHubBlocks, vertexBlocks});
+      else if (view().vertices > 0)
+        launchNext(solveVertexColor, {blocksFor(view().vertices, kVertexCrowdWidth), kThreads}, SolveVertex::kName, view(), c, control_);
     }
-    launchNext(solveColors, 1, kSolveThreads, SolveBody<Real>::kName, view(), options_.colors, listOf(hubs_), 0, control_);
+    solveColorsFrom(options_.colors, 1, {0, 0});
   }
 
   void lodgeRows() { tables_.lodgeRows(); }
@@ -314,19 +318,22 @@ class CudaExecutor {
   template <class Kernel>
   void launch(const Kernel& kernel, Count n, int most, const char* name) {
     const int blocks = blocksFor(most, widthOf<Kernel>());
-    if constexpr (Limited<Kernel>) launchNext(runLimited<Kernel>, blocks, kThreads, name, view(), kernel, n, Gate{control_});
-    else launchNext(runKernel<Kernel>, blocks, kThreads, name, view(), kernel, n, Gate{control_});
+    if constexpr (Limited<Kernel>) launchNext(runLimited<Kernel>, {blocks, kThreads}, name, view(), kernel, n, Gate{control_});
+    else launchNext(runKernel<Kernel>, {blocks, kThreads}, name, view(), kernel, n, Gate{control_});
   }
 
+  struct Grid {
+    int blocks, threads;
+  };
   /// Launches a kernel that begins by awaitPrevious(): behind another kernel of ours it is launched while that one runs.
   template <class... Wanted, class... Given>
-  void launchNext(void (*kernel)(Wanted...), int blocks, int threads, const char* name, Given&&... arguments) {
+  void launchNext(void (*kernel)(Wanted...), const Grid& grid, const char* name, Given&&... arguments) {
     cudaLaunchAttribute early{};
     early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
     early.val.programmaticStreamSerializationAllowed = 1;
     cudaLaunchConfig_t config{};
-    config.gridDim = dim3(static_cast<unsigned>(blocks));
-    config.blockDim = dim3(static_cast<unsigned>(threads));
+    config.gridDim = dim3(static_cast<unsigned>(grid.blocks));
+    config.blockDim = dim3(static_cast<unsigned>(grid.threads));
     config.stream = stream_;
     config.attrs = &early;
     config.numAttrs = afterKernel_ ? 1 : 0;
@@ -362,25 +369,19 @@ class CudaExecutor {
   void launchOverBodies(Kernel* kernel, const char* name, int n) {
     if (!begins() || n <= 0) return;
     enterStage(name);
-    launchNext(kernel, (n + kColorBodies - 1) / kColorBodies, kThreads, name, view(), colorBins(), Gate{control_});
-  }
-
-  template <class Tree, class Kernel>
-  void sumGroups(const Kernel& kernel, int Counters::*n) {
-    if constexpr (kStrict) forEach<Kernel>(kernel, n);
-    else forEach(Tree{tree()}, n);
-  }
-  template <class Kernel>
-  void onlyIfStrict(const Kernel& kernel, int Counters::*n) {
-    if constexpr (kStrict) forEach<Kernel>(kernel, n);
+    launchNext(kernel, {(n + kColorBodies - 1) / kColorBodies, kThreads}, name, view(), colorBins(), Gate{control_});
   }
 
   template <int kTile>
   void sumLevel(int level) {
     if (!begins()) return;
     enterStage(SumChunk<Real>::kName);
-    launchNext(sumChunks<kTile>, processors_ + blocksForRange(kTile), kThreads, SumChunk<Real>::kName, view(), tree(), listOf(heavyChunks_), processors_, level,
+    launchNext(sumChunks<kTile>, {processors_ + blocksForRange(kTile), kThreads}, SumChunk<Real>::kName, view(), tree(), listOf(heavyChunks_), processors_, level,
                Gate{control_});
+  }
+
+  void solveColorsFrom(int color, int count, ColorBlocks blocks) {
+    launchNext(solveColors, {count, kSolveThreads}, SolveBody<Real>::kName, view(), color, listOf(hubs_), blocks, control_);
   }
 
   ColorBins colorBins() const {

@@ -73,30 +73,7 @@ struct SumTree {
   }
 };
 
-/// SumMasses and FindCentres in one: the tile that completes the sum of a group goes on with it.
-struct SumMassesByTile {
-  static constexpr const char* kName = SumMasses::kName;
-  static constexpr int kWidth = kSmallWidth;
-  SumTree tree;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
-    const Chunk& chunk = s.chunk[i];
-    Group& group = s.group[chunk.group];
-    const Vec3d origin = placeOf(s, s.member[s.memberOffset[chunk.group]]);
-    Block6 own;
-    for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) {
-      const Real mass = massOf(s, s.member[k]);
-      own.ll.xx += mass;
-      own.fl += mass * Vec3(placeOf(s, s.member[k]) - origin);
-    }
-    Real sums[kRealsPerLane<kWidth>];
-    sumBlocks(tile, own, sums);
-    if (!tree.carryUp(s, group, i, tile, sums)) return;
-    const Block6 all = gatherSums(tile, sums);
-    if (tile.lane == 0) group.centre = origin + Vec3d(all.fl / all.ll.xx);
-  }
-};
-
-/// SumInertia and TakeInertia in one.
+/// SumInertia and PlaceGroups in one: the tile that completes the sum of a group goes on with it.
 struct SumInertiaByTile {
   static constexpr const char* kName = SumInertia::kName;
   static constexpr int kWidth = kSmallWidth;
@@ -104,11 +81,14 @@ struct SumInertiaByTile {
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const Chunk& chunk = s.chunk[i];
     Group& group = s.group[chunk.group];
+    const Vec3d origin = originOf(s, chunk);
     Block6 own;
-    for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) addInertia(s, group, s.member[k], own);
+    for (int k = chunk.begin + tile.lane; k < chunk.end; k += kWidth) addInertia(s, group, origin, s.member[k], own);
     Real sums[kRealsPerLane<kWidth>];
     sumBlocks(tile, own, sums);
-    if (tree.carryUp(s, group, i, tile, sums)) storeSums(tile, sums, group.inertia);
+    if (!tree.carryUp(s, group, i, tile, sums)) return;
+    const Block6 all = gatherSums(tile, sums);
+    if (tile.lane == 0) placeGroup(group, origin, all);
   }
 };
 
@@ -210,7 +190,6 @@ template <int kTile>
 __device__ void handOn(const View& s, const SumTree& tree, int i, Group& group, const Tile<kTile>& tile, Real (&sums)[kRealsPerLane<kTile>]) {
   if (!tree.carryUp(s, group, i, tile, sums)) return;
   Block6 block = group.inertia;
-  block.fl = block.fa = {0, 0, 0};
   addBlock(block, gatherSums(tile, sums));
   const Vec6 dx = groupStep(group, block);
   if (tile.lane == 0) group.step = dx;

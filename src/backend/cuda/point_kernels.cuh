@@ -50,4 +50,28 @@ struct OnDevice<FindPointPairs> {
   using Type = FindPointPairsByTile;
 };
 
+/// In no fixed order, as that of one thread.
+struct FindNearByTile {
+  static constexpr const char* kName = FindNear::kName;
+  static constexpr int kWidth = kSearchWidth;
+  __device__ void operator()(const View& s, int owner, const Tile<kWidth>& tile) const {
+    __shared__ int counts[kThreads / kWidth];
+    int& count = counts[threadIdx.x / kWidth];
+    __syncwarp(tile.mask);
+    if (tile.lane == 0) count = 0;
+    __syncwarp(tile.mask);
+    int* const slots = s.pointPairSlot + owner * kPointPairSlots;
+    const auto keep = [&](int feature) {
+      if (const int k = atomicAdd(&count, 1); k < kPointPairSlots) slots[k] = feature;
+    };
+    searchNear(s, owner, keep, tile.lane, kWidth);
+    __syncwarp(tile.mask);
+    if (tile.lane == 0) s.nearCount[owner] = count;
+  }
+};
+template <>
+struct OnDevice<FindNear> {
+  using Type = FindNearByTile;
+};
+
 }  // namespace rubble::RUBBLE_CORE

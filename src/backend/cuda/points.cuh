@@ -29,16 +29,19 @@ __device__ inline void storeFields(Lanes& first, int count, const float4& values
   if (tile.lane < count) reinterpret_cast<float4*>(&first)[tile.lane] = field;
 }
 
+/// Quads of what the points of a manifold share, behind all else.
+inline constexpr int kSharedQuads = (sizeof(Manifold) - offsetof(Manifold, localNormal)) / sizeof(float4);
+static_assert(offsetof(Manifold, localNormal) + kSharedQuads * sizeof(float4) == sizeof(Manifold));
+
 /// A manifold as the point of this lane needs it: it is point 0 of the copy. Features and other points are not set.
 __device__ inline Manifold manifoldOfPoint(const Manifold& m, const PointTile& tile) {
-  constexpr int kQuads = (sizeof(Manifold) - offsetof(Manifold, localNormal)) / sizeof(float4);
-  static_assert(offsetof(Manifold, localNormal) == 14 * sizeof(Lanes) && kQuads * sizeof(float4) + 14 * sizeof(Lanes) == sizeof(Manifold));
+  static_assert(offsetof(Manifold, localNormal) == 14 * sizeof(Lanes));
   const float4 onA = loadFields(m.aX, tile), onB = loadFields(m.bY, tile), load = loadFields(m.lambda2, tile);
   Manifold own;
-  float4 head[kQuads];
+  float4 shared[kSharedQuads];
 #pragma unroll
-  for (int q = 0; q < kQuads; ++q) head[q] = reinterpret_cast<const float4*>(&m.localNormal)[q];
-  memcpy(static_cast<void*>(&own.localNormal), head, sizeof head);
+  for (int q = 0; q < kSharedQuads; ++q) shared[q] = reinterpret_cast<const float4*>(&m.localNormal)[q];
+  memcpy(static_cast<void*>(&own.localNormal), shared, sizeof shared);
   own.aX[0] = onA.x, own.aY[0] = onA.y, own.aZ[0] = onA.z, own.bX[0] = onA.w;
   own.bY[0] = onB.x, own.bZ[0] = onB.y, own.lambdaN[0] = onB.z, own.lambda1[0] = onB.w;
   own.lambda2[0] = load.x, own.kN[0] = load.y, own.kT[0] = load.z, own.drift1[0] = load.w;
@@ -46,6 +49,14 @@ __device__ inline Manifold manifoldOfPoint(const Manifold& m, const PointTile& t
   const auto ofPoint = [&](std::uint8_t bits) { return static_cast<std::uint8_t>(bits >> tile.lane & 1); };
   own.stick = ofPoint(own.stick), own.impact = ofPoint(own.impact), own.awake = ofPoint(own.awake);
   return own;
+}
+
+/// Writes what the points of a manifold share, a quad a lane.
+__device__ inline void storeShared(const Manifold& own, Manifold& m, const PointTile& tile) {
+  static_assert(kSharedQuads == 2);
+  float4 shared[kSharedQuads];
+  memcpy(shared, &own.localNormal, sizeof shared);
+  if (tile.lane < kSharedQuads) reinterpret_cast<float4*>(&m.localNormal)[tile.lane] = tile.lane == 0 ? shared[0] : shared[1];
 }
 
 /// Writes what the point of this lane hands on.

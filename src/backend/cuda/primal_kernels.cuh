@@ -7,10 +7,15 @@ namespace rubble::RUBBLE_CORE {
 
 /// Threads of a block that gather; two warps more solve.
 inline constexpr int kGatherThreads = 192, kSolvers = 2 * kWarp, kSolveThreads = kGatherThreads + kSolvers;
-/// Blocks of a colour's kernel for its hubs, which are few.
-inline constexpr int kHubBlocks = 16;
 /// Blocks of a colour's kernel that a multiprocessor holds at a time.
 inline constexpr int kSolveBlocks = 2;
+/// The first blocks of a colour's kernel: those for its hubs, which are few, then those for its vertices. The others have its bodies.
+struct ColorBlocks {
+  int hubs, vertices;
+};
+inline constexpr int kHubBlocks = 16;
+/// Of the blocks that a device holds at a time vertices have one in so many, where bodies move too.
+inline constexpr int kVertexShare = 4;
 /// Lanes a body: few where bodies fill the device, so that sums over lanes are short; more where they don't, so that a body takes fewer
 /// rounds. By the population alone, and not by the kernel that finds the colour: the order of sums must be the same each time. The bounds are where four
 /// and sixteen lanes a body fill the 132 multiprocessors of an H200 (about 50,000 threads of this kernel that gather).
@@ -221,23 +226,22 @@ __device__ inline void noteWideColors(const View& s, int colors, Control* contro
       atomicMax(&control->wideColors, c + 1);
 }
 
-/// The bodies of colour `first`, of which the first `hubBlocks` blocks take the hubs. Or, where there are none of these: all colours from it on, one
-/// after another in one block, whatever their size, with their vertices. It is one kernel, so that a body has the same bits wherever it is solved.
+/// The bodies and vertices of colour `first`, which share nothing. Or, without blocks for hubs: all colours from it on, one after another in one block,
+/// whatever their size. It is one kernel, so that a body has the same bits wherever it is solved.
 static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
-    solveColors(const __grid_constant__ View s, int first, HeavyList hubs, int hubBlocks, Control* control) {
+    solveColors(const __grid_constant__ View s, int first, HeavyList hubs, ColorBlocks blocks, Control* control) {
   __shared__ SolveMemory memory;
   awaitPrevious();
   if (control->stop != 0) return;
-  const bool tail = hubBlocks == 0;
-  const int colors = s.counters->colors, end = tail ? colors : min(first + 1, colors);
-  const int share = static_cast<int>(blockIdx.x) - hubBlocks, shares = static_cast<int>(gridDim.x) - hubBlocks;
+  const bool tail = blocks.hubs == 0;
+  const int colors = s.counters->colors, end = tail ? colors : min(first + 1, colors), thread = static_cast<int>(threadIdx.x);
+  const int block = static_cast<int>(blockIdx.x), vertexBlock = block - blocks.hubs, bodyBlock = vertexBlock - blocks.vertices;
   if (tail) noteWideColors(s, colors, control);
   for (int c = first; c < end; ++c) {
-    if (tail || share < 0) solveHubs(s, c, hubs, static_cast<int>(blockIdx.x), tail ? 1 : hubBlocks, memory);
-    if (share >= 0) solveColorTogether(s, c, share, shares, memory);
-    if (!tail || s.vertices == 0) continue;
-    // the vertices of a colour share nothing with its bodies, but all must be done before the next colour
-    solveVertices(s, c, static_cast<int>(threadIdx.x), kSolveThreads);
+    if (tail || vertexBlock < 0) solveHubs(s, c, hubs, block, tail ? 1 : blocks.hubs, memory);
+    if (bodyBlock >= 0) solveColorTogether(s, c, bodyBlock, static_cast<int>(gridDim.x) - blocks.hubs - blocks.vertices, memory);
+    if (s.vertices == 0) continue;
+    if (tail || (vertexBlock >= 0 && bodyBlock < 0)) solveVertices(s, c, vertexBlock * kSolveThreads + thread, max(blocks.vertices, 1) * kSolveThreads);
     __syncthreads();
   }
 }

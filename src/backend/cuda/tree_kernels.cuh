@@ -28,6 +28,17 @@ struct AssembleTreesByTile {
 
  private:
   __device__ static double& number(TreeBlock& block, int k) { return reinterpret_cast<double*>(&block)[k]; }
+  /// visit(number, its place) for what joints of this node write: local memory is slow.
+  template <class Visit>
+  __device__ static void forEachPart(const TreeNode& node, TreeBlock& block, Visit&& visit) {
+    const auto all = [&](double* first, int count) {
+      for (int k = 0; k < count; ++k) visit(first[k], static_cast<int>(first - reinterpret_cast<double*>(&block)) + k);
+    };
+    for (int row = 0; row < 6; ++row) all(block.h.m[row], row + 1);
+    all(block.x.v, 6);
+    for (int t = 0; t < 2; ++t)
+      if (node.near[t] >= 0) all(block.e[t].m[0], 36);
+  }
 
   __device__ void addRows(const View& s, int n, const TreeNode& node, const Tile<kWidth>& tile, TreeBlock& sum) const {
     const int begin = s.entryOffset[node.body], end = s.entryOffset[node.body + 1], point = tile.lane % kLanes;
@@ -47,11 +58,10 @@ struct AssembleTreesByTile {
     const TreeSolve how = stage.solveOf(s, node);
     const unsigned turns = tile.ballot(k < end);
     TreeBlock joints;
-    if (k < end) joints = {};
+    if (k < end) forEachPart(node, joints, [](double& q, int) { q = 0; });
     for (; k < end; k += kWidth) stage.addOther(s, n, s.entry[k].code, how, joints, own);
     for (int turn = 0; turns >> turn != 0; ++turn) {
-      if (tile.lane == turn)
-        for (int q = 0; q < kNumbers; ++q) number(sum, q) += number(joints, q);
+      if (tile.lane == turn) forEachPart(node, joints, [&](double& q, int place) { number(sum, place) += q; });
       __syncwarp(tile.mask);
     }
     const Block6 allOwn = sumOver(tile, own), allShared = sumOver(tile, shared);
