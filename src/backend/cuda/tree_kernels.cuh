@@ -30,7 +30,7 @@ struct AssembleTreesByTile {
   __device__ static double& number(TreeBlock& block, int k) { return reinterpret_cast<double*>(&block)[k]; }
   /// visit(number, its place) for what joints of this node write: local memory is slow.
   template <class Visit>
-  __device__ static void forEachPart(const TreeNode& node, TreeBlock& block, Visit&& visit) {
+  __device__ static void forEachNumber(const TreeNode& node, TreeBlock& block, Visit&& visit) {
     const auto all = [&](double* first, int count) {
       for (int k = 0; k < count; ++k) visit(first[k], static_cast<int>(first - reinterpret_cast<double*>(&block)) + k);
     };
@@ -58,10 +58,10 @@ struct AssembleTreesByTile {
     const TreeSolve how = stage.solveOf(s, node);
     const unsigned turns = tile.ballot(k < end);
     TreeBlock joints;
-    if (k < end) forEachPart(node, joints, [](double& q, int) { q = 0; });
+    if (k < end) forEachNumber(node, joints, [](double& q, int) { q = 0; });
     for (; k < end; k += kWidth) stage.addOther(s, n, s.entry[k].code, how, joints, own);
     for (int turn = 0; turns >> turn != 0; ++turn) {
-      if (tile.lane == turn) forEachPart(node, joints, [&](double& q, int place) { number(sum, place) += q; });
+      if (tile.lane == turn) forEachNumber(node, joints, [&](double& q, int place) { number(sum, place) += q; });
       __syncwarp(tile.mask);
     }
     const Block6 allOwn = sumOver(tile, own), allShared = sumOver(tile, shared);
