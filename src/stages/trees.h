@@ -68,6 +68,20 @@ struct AssembleTrees {
   static constexpr const char* kName = "tree rows";
   TreeSolve how;  ///< of trees with contacts; all others are solved exactly, and stay as they are in one more solve
   RUBBLE_HD void operator()(const View& s, int n) const {
+    constexpr int kStep = sizeof(L) / sizeof(Real);
+    Block6T<L> ownPoints, sharedPoints;
+    const auto add = [&](std::uint32_t code, bool both) {
+      for (int lane = 0; lane < kLanes; lane += kStep) addContact<L>(s, code, lane, both ? sharedPoints : ownPoints);
+    };
+    const auto sum = [&](Block6& own, Block6& shared) {
+      addLanes(own, ownPoints);
+      addLanes(shared, sharedPoints);
+    };
+    assemble(s, n, add, sum);
+  }
+  /// addPoints(code, does the other body move in its tree too?) for each contact, then sumPoints(own, shared).
+  template <class AddPoints, class SumPoints>
+  RUBBLE_HD void assemble(const View& s, int n, AddPoints&& addPoints, SumPoints&& sumPoints) const {
     const TreeNode& node = s.treeNode[n];
     TreeBlock& w = s.treeWork[n];
     clear(w.h), clear(w.x), clear(w.e[0]), clear(w.e[1]);
@@ -75,16 +89,13 @@ struct AssembleTrees {
     const int i = node.body, end = s.entryOffset[i + 1];
     Block6 own, shared;
     startBlock(s, i, own);
-    constexpr int kStep = sizeof(L) / sizeof(Real);
-    Block6T<L> ownPoints, sharedPoints;
     int k = s.entryOffset[i];
     for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
       const bool both = movesInTree(s, s.entry[k].other);
-      for (int lane = 0; lane < kLanes; lane += kStep) addContact<L>(s, s.entry[k].code, lane, both ? sharedPoints : ownPoints);
+      addPoints(s.entry[k].code, both);
       if (s.rolls) addRolling(s, s.entry[k].code, both ? shared : own);
     }
-    addLanes(own, ownPoints);
-    addLanes(shared, sharedPoints);
+    sumPoints(own, shared);
     const TreeSolve how = solveOf(s, node);
     for (; k < end; ++k) addOther(s, n, s.entry[k].code, how, w, own);
     complete(s, node, own, shared, w);

@@ -49,6 +49,27 @@ static __global__ void __launch_bounds__(kThreads) solveTailStrictly(const __gri
   }
 }
 
+struct AssembleTreesInOrder {
+  static constexpr const char* kName = AssembleTrees<Real>::kName;
+  AssembleTrees<Real> stage;
+  explicit AssembleTreesInOrder(const AssembleTrees<Real>& own) : stage(own) {}
+  __device__ void operator()(const View& s, int n) const {
+    Block6 ownPoints[kLanes], sharedPoints[kLanes];
+    const auto add = [&](std::uint32_t code, bool both) {
+      for (int lane = 0; lane < kLanes; ++lane) addContact<Real>(s, code, lane, (both ? sharedPoints : ownPoints)[lane]);
+    };
+    const auto sum = [&](Block6& own, Block6& shared) {
+      addLanesInOrder(own, ownPoints);
+      addLanesInOrder(shared, sharedPoints);
+    };
+    stage.assemble(s, n, add, sum);
+  }
+};
+template <>
+struct InOrder<AssembleTrees<Real>> {
+  using Type = AssembleTreesInOrder;
+};
+
 struct SumChunkInOrder {
   static constexpr const char* kName = SumChunk<Real>::kName;
   __device__ void operator()(const View& s, int i) const {
