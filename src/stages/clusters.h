@@ -146,9 +146,11 @@ struct SolveCluster {
   /// Adds the vertices of chunk k.
   RUBBLE_HD static void addChunk(const View& s, const Cluster& c, int k, const Vec3& centre, Block6& block) {
     const ClusterMotion& chunk = s.clusterMotion[k];
-    addShifted(block, chunk.sum, chunk.centre - centre);
+    const Vec3 shift = chunk.centre - centre;
+    const Block6 sum = chunk.sum;  // a copy: read at once
+    addShifted(block, sum, shift);
     // the whole object feels nothing of what it does to itself
-    if (s.features > 0 && c.parent >= 0 && chunk.folded) addShifted(block, chunk.inner, chunk.centre - centre);
+    if (s.features > 0 && c.parent >= 0 && chunk.folded) addShifted(block, chunk.inner, shift);
   }
   RUBBLE_HD static void addLeaving(const View& s, const ClusterRef& ref, const Vec3& centre, Block6& block) {
     forEachType(ElementTypes{}, [&]<class F>() {

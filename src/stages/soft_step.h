@@ -78,6 +78,7 @@ void beginVertices(E& e) {
   e.forEach(UpdatePointContacts{}, &Counters::pointPairs);
   e.forEach(PlaceVertices{}, vertices);
   forEachElement<BeginElements>(e);
+  if (e.view().elements[typeIndex<Tetrahedron>(ElementTypes{})] > 0) e.forEach(BeginTetraCorners{}, vertices);
   e.forEach(BeginAttachments{}, e.view().attachments);
   placeClusters(e);
 }
@@ -138,13 +139,14 @@ void correctClusters(E& e) {
   }
 }
 
+/// After the dual updates of contacts and joints, with which these have nothing to do.
 template <class E>
 void updateSoftDuals(E& e) {
-  e.forEach(UpdatePointDuals{}, &Counters::pointPairs);
+  e.beside(UpdatePointDuals{}, &Counters::pointPairs);
   forEachType(ElementTypes{}, [&]<class F>() {
-    if constexpr (F::kHasDual) e.forEach(UpdateElementDuals<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]);
+    if constexpr (F::kHasDual) e.beside(UpdateElementDuals<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]);
   });
-  e.forEach(UpdateAttachmentDuals{}, e.view().attachments);
+  e.beside(UpdateAttachmentDuals{}, e.view().attachments);
 }
 
 template <class E>

@@ -16,6 +16,7 @@ namespace rubble::RUBBLE_CORE {
 ///
 ///   forEach(kernel, n)                      n known before the step: bodies, joints
 ///   forEach(kernel, counter)                n counted in this step
+///   beside(kernel, n or counter)            as forEach, for a kernel that has nothing to do with the one before it, nor with one that stands beside that
 ///   forEachIn(kernel, offsets, k)           the range [offsets[k], offsets[k + 1])
 ///   clear(array, n)                         zeros
 ///   scan(counts, offsets, n[, counter, per])  exclusive sums, the total behind the last one and in the counter, and room for that many
@@ -40,6 +41,19 @@ concept Executor = requires(E e, View& v) {
   e.forEachIn(SolveGroup{}, &View::levelGroup, 0);
   e.group(&View::groupOf, 1, &View::memberOffset, &View::member, &Counters::groups);
 };
+
+/// Kernel over the joints of every type, which do not wait for one another.
+template <template <class> class Kernel, Executor E, class... Args>
+void forEachJoint(E& e, Args... args) {
+  bool first = true;
+  forEachType(JointTypes{}, [&]<class F>() {
+    const int joints = e.view().joints[typeIndex<F>(JointTypes{})];
+    if (joints == 0) return;
+    if (first) e.forEach(Kernel<F>{args...}, joints);
+    else e.beside(Kernel<F>{args...}, joints);
+    first = false;
+  });
+}
 
 template <Executor E>
 void findPairs(E& e) {
@@ -66,7 +80,7 @@ void wakeIslands(E& e) {
   e.forEach(WakeByForces{}, bodies);
   e.forEach(WakeByPairs{}, &Counters::pairs);
   if (e.view().vertices > 0) forEachSoftNeighbor<WakeBySoft>(e);
-  forEachType(JointTypes{}, [&]<class F>() { e.forEach(WakeByJoints<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  forEachJoint<WakeByJoints>(e);
   e.forEach(WakeBodies{}, bodies);
 }
 
@@ -77,7 +91,7 @@ void sleepIslands(E& e) {
   e.clear(&View::islandFlag, bodies);
   e.forEach(StartIslands{}, bodies);
   e.forEach(JoinIslandsByPairs{}, &Counters::pairs);
-  forEachType(JointTypes{}, [&]<class F>() { e.forEach(JoinIslandsByJoints<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  forEachJoint<JoinIslandsByJoints>(e);
   e.forEach(FindRestless{}, bodies);
   e.forEach(FindMovedIslands{}, &Counters::pairs);
   if (e.view().vertices > 0) forEachSoftNeighbor<KeepAwakeBySoft>(e);
@@ -115,7 +129,7 @@ void findGroups(E& e) {
   if (lumps) forEachSoftBlock<FindJoinLevels>(e);
   for (int level = 0; level < kCoarseLevels; ++level) {
     e.forEach(JoinGroups<ContactBlocks>{level}, &Counters::manifolds);
-    forEachType(JointTypes{}, [&]<class F>() { e.forEach(JoinGroups<JointBlocks<F>>{level}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+    forEachType(JointTypes{}, [&]<class F>() { e.beside(JoinGroups<JointBlocks<F>>{level}, e.view().joints[typeIndex<F>(JointTypes{})]); });
     if (lumps) forEachSoftBlock<JoinLumps>(e, level);
     e.forEach(FlattenGroups{level}, members);
   }
@@ -129,7 +143,7 @@ void findGroups(E& e) {
   e.forEach(BeginGroups{}, &Counters::groups);
   e.forEach(MakeChunks{}, &Counters::chunks);
   if (e.view().locked) e.forEach(LockGroups{}, all);
-  forEachType(JointTypes{}, [&]<class F>() { e.forEach(MarkJoinedGroups<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  forEachJoint<MarkJoinedGroups>(e);
 }
 
 /// Their centres and inertia, and the rows that leave them.
@@ -152,10 +166,11 @@ void correctLevel(E& e, int level) {
   e.forEachIn(MoveChunk{}, &View::levelChunk, level);
   if (lumps) e.forEach(MoveLumps{level}, e.view().vertices);
 }
-/// One sweep over the groups, from coarse to fine: the fine levels in every iteration, the coarse ones in every other.
+/// One sweep over the groups, from coarse to fine: all levels but the finest in even iterations, the fine ones in odd.
 template <Executor E>
 void correctGroups(E& e, int iteration) {
-  for (int level = iteration % 2 == 0 ? kCoarseLevels - 1 : kFineLevels - 1; level >= 0; --level) correctLevel(e, level);
+  const bool even = iteration % 2 == 0;
+  for (int level = (even ? kCoarseLevels : kFineLevels) - 1; level >= (even ? 1 : 0); --level) correctLevel(e, level);
 }
 
 /// One step of all bodies that hang together by joints. Trees with contacts are solved exactly where no other block moves their bodies afterwards.
@@ -168,7 +183,7 @@ void correctTrees(E& e, TreeSolve how) {
   for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
   for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
   if (how != TreeSolve::Again)
-    forEachType(JointTypes{}, [&]<class F>() { e.forEach(TakeTreeForces<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+    forEachJoint<TakeTreeForces>(e);
   e.forEach(MoveTrees{}, nodes);
 }
 
@@ -178,7 +193,7 @@ void closeTrees(E& e) {
   const View& s = e.view();
   const int nodes = treeNodes(s);
   e.clear(&View::treeOpen, nodes);
-  forEachType(JointTypes{}, [&]<class F>() { e.forEach(FindOpenTrees<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  forEachJoint<FindOpenTrees>(e);
   e.forEach(AssembleLinks{}, nodes);
   for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateLink{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
   for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteLink{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
@@ -189,7 +204,7 @@ void findIncidence(E& e) {
   const int bodies = e.view().bodies;
   const auto forEachBlock = [&]<template <class> class Kernel>() {
     e.forEach(Kernel<ContactBlocks>{}, &Counters::manifolds);
-    forEachType(JointTypes{}, [&]<class F>() { e.forEach(Kernel<JointBlocks<F>>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+    forEachType(JointTypes{}, [&]<class F>() { e.beside(Kernel<JointBlocks<F>>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   };
   const bool soft = e.view().vertices > 0;
   e.clear(&View::entryCount, bodies);
@@ -224,7 +239,7 @@ void stopFastBodies(E& e) {
   if (e.view().rareShapes) e.forEach(FindRareStops{}, &Counters::swept);
   if (e.view().hasJoints()) {
     e.forEach(StartAssemblies{}, e.view().bodies);
-    forEachType(JointTypes{}, [&]<class F>() { e.forEach(JoinAssemblies<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+    forEachJoint<JoinAssemblies>(e);
     e.forEach(RaiseStops{}, e.view().bodies);
     e.forEach(StopAssemblies{}, e.view().bodies);
   }
@@ -237,16 +252,13 @@ template <Executor E>
 void step(E& e) {
   using L = typename E::Lane;
   const int bodies = e.view().bodies, vertices = e.view().vertices;
-  const auto forEachJoint = [&]<template <class> class Kernel>() {
-    forEachType(JointTypes{}, [&]<class F>() { e.forEach(Kernel<F>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
-  };
 
   e.forEach(PredictBodies{}, bodies);
   findPairs(e);
   if (vertices > 0) findVertexPairs(e);
   if (e.view().step.sleeping) wakeIslands(e);
   findContacts(e);
-  forEachJoint.template operator()<BeginJoints>();
+  forEachJoint<BeginJoints>(e);
   if (vertices > 0) beginVertices(e);
   const int nodes = e.view().step.jointTrees ? treeNodes(e.view()) : 0;
   if (nodes > 0) {
@@ -274,12 +286,12 @@ void step(E& e) {
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);
     if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);
-    forEachJoint.template operator()<UpdateJointDuals>();
+    forEachJoint<UpdateJointDuals>(e);
     if (vertices > 0) updateSoftDuals(e);
   }
 
   if (e.view().features > 0) keepApart(e);
-  forEachJoint.template operator()<FinishJoints>();
+  forEachJoint<FinishJoints>(e);
   if (vertices > 0) finishSoftRows(e);
   stopFastBodies(e);
   e.forEach(FinishBodies{}, bodies);

@@ -36,6 +36,18 @@ struct BeginElements {
   }
 };
 
+/// What the copies of tetrahedra that the vertices have take from these.
+struct BeginTetraCorners {
+  static constexpr const char* kName = "elements";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) begin(s, k);
+  }
+  RUBBLE_HD static void begin(const View& s, int k) {
+    const TetraCorner& corner = s.tetraCorner[k];
+    s.cornerStart[k] = corner.damper > Real(0) ? s.tetrahedron[corner.element].strainStart : Sym3{0, 0, 0, 0, 0, 0};
+  }
+};
+
 template <class F>
 struct UpdateElementDuals {
   static constexpr const char* kName = "element dual";
@@ -143,12 +155,10 @@ RUBBLE_HD inline void addElement(const View& s, std::uint32_t code, Block3& bloc
   if (active(s, a)) a.stampVertex(bodyMove(s, a), movedSum(s, a), corner, block);
 }
 
-/// Adds tetrahedron k of the list of a vertex.
-RUBBLE_HD inline void addTetraCorner(const View& s, int k, const Vec3& own, Block3& block) {
-  const TetraCorner corner = s.tetraCorner[k];
+/// Adds a tetrahedron of the list of a vertex. `start`: its E^t.
+RUBBLE_HD inline void addTetraCorner(const View& s, const TetraCorner& corner, const Sym3& start, const Vec3& own, Block3& block) {
   Vec3 x[TetraCorner::kCorners] = {own, {}, {}, {}};
   for (int i = 0; i < 3; ++i) x[i + 1] = load(s.vertexPlace[corner.other[i]]);
-  const Sym3 start = corner.damper > Real(0) ? s.tetrahedron[corner.element].strainStart : Sym3{};
   corner.stamp(s.step, x, start, 0, block);
 }
 
@@ -183,7 +193,7 @@ struct SolveVertex {
   RUBBLE_HD void operator()(const View& s, int v) const {
     Block3 block = startVertexBlock(s, v);
     const Vec3 own = s.vertexPlace[v];
-    for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) addTetraCorner(s, k, own, block);
+    for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) addTetraCorner(s, s.tetraCorner[k], s.cornerStart[k], own, block);
     for (int k = s.refOffset[v]; k < s.refOffset[v + 1]; ++k) addElement(s, s.ref[k], block);
     for (int k = s.pointEntryOffset[v]; k < s.pointEntryOffset[v + 1]; ++k) addPointContact(s, s.pointEntry[k], block);
     finishVertexBlock(s, v, block);

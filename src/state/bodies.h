@@ -109,7 +109,7 @@ struct alignas(4 * sizeof(Real)) BodyTarget {
 
 /// Levels of groups of bodies and lumps, from fine to coarse (stages/groups.h).
 inline constexpr int kCoarseLevels = 4;
-/// The finest of them, which are swept in every iteration.
+/// The finest of them, which odd iterations sweep; even ones sweep all but the finest.
 inline constexpr int kFineLevels = 2;
 
 /// A group of bodies and lumps that the coarse correction moves as one.

@@ -108,15 +108,15 @@ struct ClusterRef {
   int clusters;              ///< how many clusters of this level share it, 2 at least
 };
 
-/// What a cluster does in a step.
-struct ClusterMotion {
-  Vec3 centre;               ///< at the initial guess, seen from the first vertex of the object [m]
-  Real mass;                 ///< [kg]
-  Vec3 velocity;             ///< mean of its vertices at x^t [m/s]
-  Vec6 step;                 ///< motion found by the last solve [m, rad]
+/// What a cluster does in a step. Aligned, and blocks in quads, so that it is read in few pieces.
+struct alignas(4 * sizeof(Real)) ClusterMotion {
   Block6 sum;                ///< finest level: of its vertices, without `inner`
+  Real mass;                 ///< [kg]
   Block6 inner;              ///< finest level: of contacts of its object with itself
   int folded;                ///< 1: there are any
+  Vec3 centre;               ///< at the initial guess, seen from the first vertex of the object [m]
+  Vec3 velocity;             ///< mean of its vertices at x^t [m/s]
+  Vec6 step;                 ///< motion found by the last solve [m, rad]
   Block3 push;               ///< finest level: of its vertices, as their group sees them
 };
 

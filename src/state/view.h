@@ -180,6 +180,7 @@ struct View : JointTables<JointTypes> {
   std::uint32_t* ref = nullptr;       ///< elements of each vertex but tetrahedra, then attachments
   int* tetraCornerOffset = nullptr;   ///< [vertices + 1] into tetraCorner
   TetraCorner* tetraCorner = nullptr; ///< tetrahedra of each vertex
+  Sym3* cornerStart = nullptr;        ///< their E^t in this step, 0 without viscosity
   int* neighborOffset = nullptr;      ///< [vertices + 1] into neighbor
   int* neighbor = nullptr;            ///< vertices that share an element or attachment with this one, sorted
   // vertices: state
@@ -391,6 +392,7 @@ void forEachArray(F&& f) {
   is(&View::ref, "ref", "", Per::ElementRef, Life::Authored);
   is(&View::tetraCornerOffset, "tetraCornerOffset", "", Per::Vertex, Life::Authored, 1);
   is(&View::tetraCorner, "tetraCorner", "", Per::TetraCorner, Life::Authored);
+  is(&View::cornerStart, "cornerStart", "", Per::TetraCorner, Life::Work);
   is(&View::neighborOffset, "neighborOffset", "", Per::Vertex, Life::Authored, 1);
   is(&View::neighbor, "neighbor", "", Per::Neighbor, Life::Authored);
   is(&View::vertexRest, "vertexRest", "m", Per::Vertex, Life::Authored);

@@ -52,6 +52,9 @@ class CpuExecutor {
   template <class Kernel>
   void forEach(const Kernel& kernel, int Counters::*n) { forEach(kernel, view().counters->*n); }
 
+  template <class Kernel, class N>
+  void beside(const Kernel& kernel, N n) { forEach(kernel, n); }
+
   template <class Kernel>
   void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
     const StageClock clock(*this, Kernel::kName);

@@ -1,8 +1,20 @@
 #pragma once
-/// Stages of the clusters of deformable objects, a tile of lanes a cluster.
+/// Stages of deformable objects and their clusters, a tile of lanes a vertex or a cluster.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
+
+struct BeginTetraCornersByTile {
+  static constexpr const char* kName = BeginTetraCorners::kName;
+  static constexpr int kWidth = 8;
+  __device__ void operator()(const View& s, int v, const Tile<kWidth>& tile) const {
+    for (int k = s.tetraCornerOffset[v] + tile.lane; k < s.tetraCornerOffset[v + 1]; k += kWidth) BeginTetraCorners::begin(s, k);
+  }
+};
+template <>
+struct OnDevice<BeginTetraCorners> {
+  using Type = BeginTetraCornersByTile;
+};
 
 struct PlaceLargeClustersByTile {
   static constexpr const char* kName = PlaceLargeClusters::kName;
@@ -68,12 +80,14 @@ __device__ void stepCluster(const View& s, int index, const Tile<kWidth>& tile, 
   if (tile.lane == 0) s.clusterMotion[index].step = dx;
 }
 
-/// A warp a cluster.
+/// Several lanes a cluster: few where clusters fill the device, for all of them solve it alike in the end.
+inline constexpr int kFewClusterLanes = 8, kSomeClusterLanes = 16, kMostClusterLanes = kWarp;
+template <int width>
 struct SolveClusterByTile {
   static constexpr const char* kName = SolveCluster::kName;
-  static constexpr int kWidth = kWarp;
+  static constexpr int kWidth = width;
+  static constexpr int kBlocks = 5;
   int level;
-  explicit SolveClusterByTile(const SolveCluster& stage) : level(stage.level) {}
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const int index = s.clusterBegin[level] + i;
     Real sums[kRealsPerLane<kWidth>];
@@ -81,23 +95,19 @@ struct SolveClusterByTile {
     stepCluster(s, index, tile, sums);
   }
 };
-template <>
-struct OnDevice<SolveCluster> {
-  using Type = SolveClusterByTile;
-};
-
-/// Clusters of this level and above are few and may have hundreds of chunks: a block each.
-inline constexpr int kLargeClusters = 3, kLargeThreads = 512;
-static __global__ void __launch_bounds__(kLargeThreads) solveLargeClusters(const __grid_constant__ View s, int level, Gate gate) {
+/// A block a cluster, where there are few.
+inline constexpr int kFewClusterThreads = 512, kSomeClusterThreads = 128;
+template <int kBlockThreads>
+static __global__ void __launch_bounds__(kBlockThreads) solveClusters(const __grid_constant__ View s, int level, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
-  constexpr int kWarps = kLargeThreads / kWarp;
+  constexpr int kWarps = kBlockThreads / kWarp;
   __shared__ Real sums[kWarps][kPaddedReals + 1];
   const Tile<kWarp> tile = Tile<kWarp>::ofThread();
   const int thread = static_cast<int>(threadIdx.x), warp = thread / kWarp;
   const int index = s.clusterBegin[level] + static_cast<int>(blockIdx.x);
   Real mine[kRealsPerLane<kWarp>];
-  sumBlocks(tile, shareOfCluster(s, index, thread, kLargeThreads), mine);
+  sumBlocks(tile, shareOfCluster(s, index, thread, kBlockThreads), mine);
   static_assert(kRealsPerLane<kWarp> == 1);
   sums[warp][tile.lane] = mine[0];
   __syncthreads();
@@ -124,21 +134,12 @@ struct OnDevice<MoveCluster> {
   using Type = MoveClusterByTile;
 };
 
-/// Sum over the lanes of a tile, the same in all.
-template <int kWidth>
-__device__ Block3 sumOf(const Tile<kWidth>& tile, const Block3& own) {
-  Block3 sum;
-  sum.f = tile.sum(own.f);
-  sum.h = {tile.sum(own.h.xx), tile.sum(own.h.xy), tile.sum(own.h.xz), tile.sum(own.h.yy), tile.sum(own.h.yz), tile.sum(own.h.zz)};
-  return sum;
-}
-
-/// A lane a vertex; several, where vertices have many contacts.
+/// A lane a vertex; several, where they have many contacts.
+template <bool surfaces>
 struct SumLumpPartByTile {
   static constexpr const char* kName = SumLumpPart::kName;
-  static constexpr int kWidth = kWarp, kLanesPerVertex = 4;
+  static constexpr int kWidth = surfaces ? kWarp : 8, kLanesPerVertex = surfaces ? 4 : 1;
   SumLumpPart stage;
-  explicit SumLumpPartByTile(const SumLumpPart& part) : stage(part) {}
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     if (!stage.isWanted(s, i)) return;
     const Cluster c = s.cluster[i];
@@ -149,11 +150,6 @@ struct SumLumpPartByTile {
     if (tile.lane == 0) s.clusterMotion[i].push = sum;
   }
 };
-template <>
-struct OnDevice<SumLumpPart> {
-  using Type = SumLumpPartByTile;
-};
-
 /// Up to so many objects a processor have a block each to sum their parts, more have a warp.
 inline constexpr int kFewObjects = 8, kLumpThreads = 256;
 template <int kBlockThreads>

@@ -104,6 +104,14 @@ class CudaExecutor {
     launch(onDevice(kernel), {0, counter(n)}, capacityOf(n), Kernel::kName);
   }
 
+  /// Its kernel is launched when the one before has begun, and waits for it in the end.
+  template <class Kernel, class N>
+  void beside(const Kernel& kernel, N n) {
+    beside_ = true;
+    forEach(kernel, n);
+    beside_ = false;
+  }
+
   /// Nobody knows here how long a range is: the grid is that of ranges which hold one element for a few members, and any grid will do.
   int blocksForRange(int width) const {
     constexpr int kMembersPerElement = 16;
@@ -135,12 +143,21 @@ class CudaExecutor {
   void forEachIn(const MoveChunk&, int* View::*, int level) { forEach(MoveMember{level}, view().bodiesMove ? view().bodies : 0); }
 
   void forEach(const SolveCluster& kernel, int n) {
-    if (kStrict || kernel.level < kLargeClusters) return forEach<SolveCluster>(kernel, n);
-    if (!begins() || n <= 0) return;
-    enterStage(SolveCluster::kName);
-    launchNext(solveLargeClusters, {n, kLargeThreads}, SolveCluster::kName, view(), kernel.level, Gate{control_});
+    if constexpr (kStrict) return forEach<SolveCluster>(kernel, n);
+    // by its registers a device holds a quarter of its threads of these kernels
+    const auto fills = [&](int width) { return fill(4 * n, width); };
+    if (fills(kFewClusterLanes)) return forEach(SolveClusterByTile<kFewClusterLanes>{kernel.level}, n);
+    if (fills(kSomeClusterLanes)) return forEach(SolveClusterByTile<kSomeClusterLanes>{kernel.level}, n);
+    if (fills(kSomeClusterThreads)) return forEach(SolveClusterByTile<kMostClusterLanes>{kernel.level}, n);
+    if (fills(kFewClusterThreads)) return solveFewClusters<kSomeClusterThreads>(kernel.level, n);
+    solveFewClusters<kFewClusterThreads>(kernel.level, n);
   }
 
+  void forEach(const SumLumpPart& kernel, int n) {
+    if constexpr (kStrict) forEach<SumLumpPart>(kernel, n);
+    else if (view().features > 0) forEach(SumLumpPartByTile<true>{kernel}, n);
+    else forEach(SumLumpPartByTile<false>{kernel}, n);
+  }
   /// A thread a particle, and a block or a warp an object, as there are few or many.
   void forEach(const SumLump& kernel, int n) {
     if constexpr (kStrict) return forEach<SumLump>(kernel, n);
@@ -263,6 +280,8 @@ class CudaExecutor {
     const int held = kSolveBlocks * processors_;
     const int vertexBlocks = std::min((view().vertices * kVertexCrowdWidth + kSolveThreads - 1) / kSolveThreads, held / kVertexShare);
     const int bodyBlocks = std::min((view().bodies + kTailBodies - 1) / kTailBodies, held - vertexBlocks);
+    // a colour begins while the one before is solved, the first when everything is done: they read ahead what no sweep writes
+    afterKernel_ = false;
     for (int c = 0; c < options_.colors; ++c) {
       if (bodies) solveColorsFrom(c, kHubBlocks + vertexBlocks + bodyBlocks, {kHubBlocks, vertexBlocks});
       else if (view().vertices > 0)
@@ -318,8 +337,9 @@ class CudaExecutor {
   template <class Kernel>
   void launch(const Kernel& kernel, Count n, int most, const char* name) {
     const int blocks = blocksFor(most, widthOf<Kernel>());
-    if constexpr (Limited<Kernel>) launchNext(runLimited<Kernel>, {blocks, kThreads}, name, view(), kernel, n, Gate{control_});
-    else launchNext(runKernel<Kernel>, {blocks, kThreads}, name, view(), kernel, n, Gate{control_});
+    const Gate gate{control_, beside_};
+    if constexpr (Limited<Kernel>) launchNext(runLimited<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
+    else launchNext(runKernel<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
   }
 
   struct Grid {
@@ -370,6 +390,13 @@ class CudaExecutor {
     if (!begins() || n <= 0) return;
     enterStage(name);
     launchNext(kernel, {(n + kColorBodies - 1) / kColorBodies, kThreads}, name, view(), colorBins(), Gate{control_});
+  }
+
+  template <int kBlockThreads>
+  void solveFewClusters(int level, int n) {
+    if (!begins() || n <= 0) return;
+    enterStage(SolveCluster::kName);
+    launchNext(solveClusters<kBlockThreads>, {n, kBlockThreads}, SolveCluster::kName, view(), level, Gate{control_});
   }
 
   template <int kTile>
@@ -428,6 +455,7 @@ class CudaExecutor {
   Control* control_ = nullptr;
   DeviceBuffer scratch_, sortedKeys_, indices_, tickets_, hubs_, heavyChunks_, colorBins_;
   int scanned_ = 0, grouped_ = 0;  ///< most elements of a scan and of group() in this step
+  bool beside_ = false;
   int processors_ = 1, maxBlocks_ = 1;
   int perOf_[sizeof(Counters) / sizeof(int)];
 

@@ -24,10 +24,10 @@ struct OnDevice<FlattenGroups> {
 
 /// Lanes of a chunk: the groups of the finest level are small, those of the others fill their chunks.
 inline constexpr int kSmallWidth = 8;
-/// In the sweeps: where there are many joints, one for so many bodies or fewer, all have a warp: joints take long one after another.
+/// In the sweeps: where there are many joints, one for so many bodies or fewer, or lumps, all have a warp: these take long one after another.
 inline constexpr int kBodiesPerJoint = 4;
 __host__ __device__ inline int chunkWidth(const View& s, int level) {
-  return level == 0 && kBodiesPerJoint * s.jointSlots() < s.bodies ? kSmallWidth : kWarp;
+  return level == 0 && s.lumps == 0 && kBodiesPerJoint * s.jointSlots() < s.bodies ? kSmallWidth : kWarp;
 }
 
 /// Sums of chunks into those of their group by a tree whose fan-in is the width of a tile: the last of a node's children to come adds them

@@ -17,21 +17,36 @@ struct Control {
   int wideColors;  ///< colours up to the last that is worth a launch
 };
 
+/// The next kernel may come, though it will wait for this one to end.
+__device__ inline void callNext() {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
+  cudaTriggerProgrammaticLaunchCompletion();
+#endif
+}
 /// The first thing that a kernel of the step does. It may have been launched while the one before it was running (CudaExecutor::launchNext), and
 /// waits here until that one has ended and all that it wrote can be seen; then the next one may come. What is hidden so is the launch.
 __device__ inline void awaitPrevious() {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();
-  cudaTriggerProgrammaticLaunchCompletion();
 #endif
+  callNext();
 }
 /// Devices of this compute capability and higher can do that.
 inline constexpr int kEarlyLaunchMajor = 9;
 
-/// When a kernel has nothing to do.
+/// When a kernel has nothing to do, and when it begins.
 struct Gate {
   const Control* control;
+  bool beside = false;  ///< the kernel before it: it waits for that one last, and not first
   __device__ bool closed() const { return control->stop != 0; }
+
+  template <class Work>
+  __device__ void enter(Work&& work) const {
+    if (beside) callNext();
+    else awaitPrevious();
+    if (!closed()) work();
+    if (beside) awaitPrevious();
+  }
 };
 
 /// A number of elements, known on the host or counted on the device.
@@ -59,9 +74,7 @@ __device__ void runStrided(const View& s, const Kernel& kernel, int begin, int c
 /// kernel(s, i) for all i < n.
 template <class Kernel>
 __global__ void __launch_bounds__(kThreads) runKernel(const __grid_constant__ View s, const Kernel kernel, Count n, Gate gate) {
-  awaitPrevious();
-  if (gate.closed()) return;
-  runStrided(s, kernel, 0, n.get());
+  gate.enter([&] { runStrided(s, kernel, 0, n.get()); });
 }
 
 /// A kernel that wants so many blocks on a multiprocessor at a time, and its registers limited for it.
@@ -69,9 +82,7 @@ template <class Kernel>
 concept Limited = requires { Kernel::kBlocks; };
 template <Limited Kernel>
 __global__ void __launch_bounds__(kThreads, Kernel::kBlocks) runLimited(const __grid_constant__ View s, const Kernel kernel, Count n, Gate gate) {
-  awaitPrevious();
-  if (gate.closed()) return;
-  runStrided(s, kernel, 0, n.get());
+  gate.enter([&] { runStrided(s, kernel, 0, n.get()); });
 }
 
 /// kernel(s, i) for offsets[range] <= i < offsets[range + 1].

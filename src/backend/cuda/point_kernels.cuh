@@ -23,6 +23,7 @@ struct OnDevice<FindDentingBodies> {
 struct FindPointPairsByTile {
   static constexpr const char* kName = FindPointPairs::kName;
   static constexpr int kWidth = kSearchWidth;
+  static constexpr int kBlocks = 8;
   /// What the lanes find before it is known what they have found twice.
   static constexpr int kFound = 32;
 

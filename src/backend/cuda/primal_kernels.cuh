@@ -74,7 +74,8 @@ __device__ inline void passBy(int barrier) {
   asm volatile("barrier.arrive %0, %1;" ::"r"(barrier), "n"(kSolveThreads) : "memory");
 }
 
-/// Solves `count` bodies of one colour, which share no rows: `shares` blocks that call it together. Ends with all threads at a barrier.
+/// Solves `count` bodies of one colour, which share no rows: `shares` blocks that call it together. Begins before the colour before is done, as far as
+/// no sweep writes what it reads. Ends with all threads at a barrier.
 template <int kWidth>
 __device__ void solveBodies(const View& s, const int* bodies, int count, int share, int shares, SolveMemory& memory) {
   constexpr int kBodies = kGatherThreads / kWidth;
@@ -86,6 +87,8 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, int sha
     const Tile<kWidth> tile = Tile<kWidth>::ofThread();
     const int slot = thread / kWidth;
     RowStream<kWidth, kGatherThreads / kLanes> stream(s, memory.staging, tile, bodies, count, first + slot, stride);
+    awaitPrevious();
+    stream.start();
     for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = nextBuffer(buffer)) {
       Block6 own;
       const bool joints = stream.gather(own);
@@ -100,6 +103,7 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, int sha
     }
   } else {
     const int solver = thread - kGatherThreads;
+    awaitPrevious();
     for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = nextBuffer(buffer)) {
       const int k = first + batch * stride + solver;
       const bool on = solver < kBodies && k < count;
@@ -179,42 +183,65 @@ __device__ inline void solveColorTogether(const View& s, int color, int share, i
 }
 
 /// Lanes of a vertex, which share out its elements and contacts: few where vertices fill the device, more where they don't. By the population
-/// alone, as for bodies. A device holds about 100,000 threads of this kernel: each width is used where it does not fill more than that twice.
+/// alone, as for bodies. A device holds about 100,000 threads of this kernel: each width is used where it does not fill more than that twice. Where bodies
+/// move too, vertices have a sixth of them.
 inline constexpr int kVertexCrowdWidth = 8, kVertexManyWidth = 16, kVertexFewWidth = kWarp;
-inline constexpr int kVertexCrowd = 12288, kVertexMany = 4096;
+inline constexpr int kVertexCrowd = 12288, kVertexMany = 4096, kVertexPart = 6;
 inline constexpr int kTailVertices = kSolveThreads / kVertexFewWidth;
 template <int kWidth>
-__device__ void solveVertexTogether(const View& s, int v) {
-  const Tile<kWidth> tile = Tile<kWidth>::ofThread();
-  const int corners = s.tetraCornerOffset[v + 1], refs = s.refOffset[v + 1], contacts = s.pointEntryOffset[v + 1];
-  int corner = s.tetraCornerOffset[v] + tile.lane, ref = s.refOffset[v] + tile.lane, contact = s.pointEntryOffset[v] + tile.lane;
-  const Vec3 place = load(s.vertexPlace[v]);
-  Block3 own;
-  for (; corner < corners; corner += kWidth) addTetraCorner(s, corner, place, own);
-  for (; ref < refs; ref += kWidth) addElement(s, s.ref[ref], own);
-  for (; contact < contacts; contact += kWidth) addPointContact(s, s.pointEntry[contact], own);
-  own.f = tile.sum(own.f);
-  own.h = {tile.sum(own.h.xx), tile.sum(own.h.xy), tile.sum(own.h.xz), tile.sum(own.h.yy), tile.sum(own.h.yz), tile.sum(own.h.zz)};
-  if (tile.lane != 0) return;
-  Block3 block = startVertexBlock(s, v);
-  block.f += own.f;
-  block.h += own.h;
-  finishVertexBlock(s, v, block);
-}
+class VertexByTile {
+ public:
+  __device__ explicit VertexByTile(const View& s) : s_(s) {}
 
-/// The vertices of one colour: all threads of a grid or of a block.
+  /// Reads nothing that sweeps write.
+  __device__ void begin(int v) {
+    v_ = v;
+    corners_ = {s_.tetraCornerOffset[v] + tile_.lane, s_.tetraCornerOffset[v + 1]};
+    refs_ = {s_.refOffset[v] + tile_.lane, s_.refOffset[v + 1]};
+    contacts_ = {s_.pointEntryOffset[v] + tile_.lane, s_.pointEntryOffset[v + 1]};
+  }
+  __device__ void solve() const {
+    const Vec3 place = load(s_.vertexPlace[v_]);
+    Block3 own;
+    if (tile_.lane == 0) own = startVertexBlock(s_, v_);
+    for (int k = corners_.begin; k < corners_.end; k += kWidth) addTetraCorner(s_, s_.tetraCorner[k], s_.cornerStart[k], place, own);
+    for (int k = refs_.begin; k < refs_.end; k += kWidth) addElement(s_, s_.ref[k], own);
+    for (int k = contacts_.begin; k < contacts_.end; k += kWidth) addPointContact(s_, s_.pointEntry[k], own);
+    own = sumOf(tile_, own);
+    if (tile_.lane == 0) finishVertexBlock(s_, v_, own);
+  }
+
+ private:
+  struct Range {
+    int begin, end;  ///< of this lane
+  };
+  const View& s_;
+  const Tile<kWidth> tile_ = Tile<kWidth>::ofThread();
+  int v_ = 0;
+  Range corners_{}, refs_{}, contacts_{};
+};
+
+/// The vertices of one colour: all threads of a grid or of a block. Begins as solveBodies().
 __device__ inline void solveVertices(const View& s, int color, int thread, int threads) {
   const int begin = s.vertexColorOffset[color], count = s.vertexColorOffset[color + 1] - begin;
   const auto solve = [&]<int kWidth>() {
-    for (int k = thread / kWidth; k < count; k += threads / kWidth) solveVertexTogether<kWidth>(s, s.colorVertex[begin + k]);
+    VertexByTile<kWidth> vertex(s);
+    int k = thread / kWidth;
+    if (k < count) vertex.begin(s.colorVertex[begin + k]);
+    awaitPrevious();
+    while (k < count) {
+      vertex.solve();
+      k += threads / kWidth;
+      if (k < count) vertex.begin(s.colorVertex[begin + k]);
+    }
   };
-  if (count > kVertexCrowd) solve.template operator()<kVertexCrowdWidth>();
-  else if (count > kVertexMany) solve.template operator()<kVertexManyWidth>();
+  const int crowd = s.bodiesMove ? kVertexPart * count : count;
+  if (crowd > kVertexCrowd) solve.template operator()<kVertexCrowdWidth>();
+  else if (crowd > kVertexMany) solve.template operator()<kVertexManyWidth>();
   else solve.template operator()<kVertexFewWidth>();
 }
-static __global__ void __launch_bounds__(kThreads) solveVertexColor(const __grid_constant__ View s, int color, const Control* control) {
-  awaitPrevious();
-  if (control->stop != 0 || color >= s.counters->colors) return;
+static __global__ void __launch_bounds__(kThreads, 8) solveVertexColor(const __grid_constant__ View s, int color, const Control* control) {
+  if (control->stop != 0 || color >= s.counters->colors) return awaitPrevious();
   solveVertices(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
 }
 
@@ -231,14 +258,17 @@ __device__ inline void noteWideColors(const View& s, int colors, Control* contro
 static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
     solveColors(const __grid_constant__ View s, int first, HeavyList hubs, ColorBlocks blocks, Control* control) {
   __shared__ SolveMemory memory;
-  awaitPrevious();
-  if (control->stop != 0) return;
+  if (control->stop != 0) return awaitPrevious();
   const bool tail = blocks.hubs == 0;
   const int colors = s.counters->colors, end = tail ? colors : min(first + 1, colors), thread = static_cast<int>(threadIdx.x);
   const int block = static_cast<int>(blockIdx.x), vertexBlock = block - blocks.hubs, bodyBlock = vertexBlock - blocks.vertices;
   if (tail) noteWideColors(s, colors, control);
+  if (first >= end) awaitPrevious();
   for (int c = first; c < end; ++c) {
-    if (tail || vertexBlock < 0) solveHubs(s, c, hubs, block, tail ? 1 : blocks.hubs, memory);
+    if (tail || vertexBlock < 0) {
+      awaitPrevious();
+      solveHubs(s, c, hubs, block, tail ? 1 : blocks.hubs, memory);
+    }
     if (bodyBlock >= 0) solveColorTogether(s, c, bodyBlock, static_cast<int>(gridDim.x) - blocks.hubs - blocks.vertices, memory);
     if (s.vertices == 0) continue;
     if (tail || (vertexBlock >= 0 && bodyBlock < 0)) solveVertices(s, c, vertexBlock * kSolveThreads + thread, max(blocks.vertices, 1) * kSolveThreads);

@@ -58,8 +58,9 @@ class RowStream {
     body_[0] = bodyAt(first), body_[1] = bodyAt(first + stride), body_[2] = bodyAt(first + 2 * stride);
     range_[0] = rangeOf(body_[0]), range_[1] = rangeOf(body_[1]);
     present_ = entryAt(range_[0], 0);
-    begin(present_, body_[0], 0);
   }
+  /// Until here nothing is read that sweeps write.
+  __device__ void start() { begin(present_, body_[0], 0); }
 
   /// The contacts of the next body; -1 has none. Returns whether its entries go on with others than contacts.
   __device__ bool gather(Block6& sum) {

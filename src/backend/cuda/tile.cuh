@@ -103,6 +103,15 @@ RUBBLE_HD inline void addBlock(Block6& to, const Block6& from) {
   to.fl += from.fl, to.fa += from.fa;
 }
 
+/// Sum over the lanes of a tile, the same in all.
+template <int kWidth>
+__device__ Block3 sumOf(const Tile<kWidth>& tile, const Block3& own) {
+  Block3 sum;
+  sum.f = tile.sum(own.f);
+  sum.h = {tile.sum(own.h.xx), tile.sum(own.h.xy), tile.sum(own.h.xz), tile.sum(own.h.yy), tile.sum(own.h.yz), tile.sum(own.h.zz)};
+  return sum;
+}
+
 /// *p += a for threads of a warp that come here together, by one of them.
 __device__ inline void atomicCountTogether(int* p, int a) {
   const unsigned here = __activemask();
