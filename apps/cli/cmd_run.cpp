@@ -16,10 +16,12 @@ struct RunOptions {
   PictureOptions picture;
   bool quiet = false;
   bool series = false;
+  bool noStages = false;
 };
 
 int run(const RunOptions& options) {
   PreparedJob prepared = prepareJob(options.job);
+  prepared.world.timings = !options.noStages;
   SessionOptions session;
   session.quiet = options.quiet;
   session.series = options.series;
@@ -44,6 +46,7 @@ void addRun(CLI::App& app, int& status) {
   addBackendOptions(*command, options->job);
   command->add_option("--json", options->jsonFile, "Write the report as JSON; '-' is standard output")->type_name("FILE");
   command->add_flag("--series", options->series, "Have time, step time, energy and errors of every step in the report, for 'rubble plot'");
+  command->add_flag("--no-stages", options->noStages, "Without the clocks of stages, as in 'rubble bench'");
   command->add_option("--record", options->recordFile, "Write the trajectory of every body")->type_name("FILE");
   addPictureOptions(*command, options->picture, "--picture");
   command->add_flag("-q,--quiet", options->quiet, "No progress and no text report; the exit status is the verdict");

@@ -50,6 +50,13 @@ Trial tryWalls(const SearchOptions& options, int walls) {
   return trial;
 }
 
+/// A number of walls that is likely just too large, by the time that so many take; up to four times as many.
+int nextAfter(const Trial& trial, double limitMs) {
+  constexpr double kBeyond = 1.03;
+  const double slowest = std::max(trial.settled, trial.smash);
+  return static_cast<int>(std::clamp(kBeyond * trial.walls * limitMs / slowest, trial.walls + 1.0, 4.0 * trial.walls));
+}
+
 nlohmann::ordered_json jsonOf(const SearchOptions& options, const std::vector<Trial>& trials, const Trial* best) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Trial& t : trials)
@@ -85,7 +92,7 @@ bool searchLargest(const SearchOptions& options) {
   constexpr int kMostWalls = 20000;
   constexpr double kPrecision = .02;
   int low = 0, high = 1;
-  while (high <= kMostWalls && holds(high)) low = high, high *= 2;
+  while (high <= kMostWalls && holds(high)) low = high, high = nextAfter(trials.back(), options.limitMs);
   while (low > 0 && high - low > std::max(1, static_cast<int>(kPrecision * low))) {
     const int middle = low + (high - low) / 2;
     (holds(middle) ? low : high) = middle;

@@ -39,7 +39,8 @@ void times(Out out, const io::RunRecord& record, const std::vector<StepReport>& 
   timeRow(out, fmt::format("step, all {}", reports.size()), summarize(std::move(totals)));
   if (record.settled) timeRow(out, "step, settled", *record.settled);
   if (record.smash) timeRow(out, "step, smash", *record.smash);
-  fmt::format_to(out, "  settled: collision {:.3f}, solve {:.3f}\n\n", record.collisionMs, record.solveMs);
+  if (!record.stages.empty()) fmt::format_to(out, "  settled: collision {:.3f}, solve {:.3f}\n", record.collisionMs, record.solveMs);
+  fmt::format_to(out, "\n");
 }
 
 void quality(Out out, const io::RunRecord& record) {
