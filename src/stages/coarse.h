@@ -51,7 +51,7 @@ RUBBLE_HD inline Vec3d originOf(const View& s, const Chunk& chunk) { return plac
 RUBBLE_HD inline void addInertia(const View& s, const Group& group, const Vec3d& origin, int member, Block6& sum) {
   const bool isBody = member < s.bodies;
   const Vec3 place(placeOf(s, member) - origin);
-  const Real mass = isBody ? s.target[member].mass.mass : massOf(s, member);
+  const Real mass = isBody ? s.target[member].mass.mass : massOf(s, s.lump[member - s.bodies]);
   sum.fl += mass * place;
   sum.fa.x += mass;
   if (!isBody) return;

@@ -18,12 +18,11 @@ RUBBLE_HD inline Vec3 centreOf(const View& s, const Lump& lump) {
   return lump.cluster >= 0 ? s.clusterMotion[lump.cluster].centre : Vec3{0, 0, 0};
 }
 
-/// Mass [kg] and centre [m] at x^t.
-RUBBLE_HD inline Real massOf(const View& s, int member) {
-  if (member < s.bodies) return s.params[member].mass;
-  const Lump lump = s.lump[member - s.bodies];
+/// [kg]
+RUBBLE_HD inline Real massOf(const View& s, const Lump& lump) {
   return lump.cluster >= 0 ? s.clusterMotion[lump.cluster].mass : s.vertexParams[lump.first].mass;
 }
+/// Centre at x^t. [m]
 RUBBLE_HD inline Vec3d placeOf(const View& s, int member) {
   if (member < s.bodies) return s.position[member];
   const Lump lump = s.lump[member - s.bodies];

@@ -54,34 +54,34 @@ struct RecycleManifoldByLanes {
     const Pair p = s.pair[pair];
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
-    const Manifold* const found = manifoldBefore(s, i);
-    if (found && s.step.sleeping && !moves(s, p.owner) && !moves(s, p.other)) {
-      if (tile.lane == 0) keepAsleep(s, i, p, found);
+    const Manifold* const old = manifoldBefore(s, i);
+    if (old && s.step.sleeping && !moves(s, p.owner) && !moves(s, p.other)) {
+      if (tile.lane == 0) keepAsleep(s, i, p, old);
       return;
     }
-    if (!found || !mayRecycle(s, o) || !recyclable(s.pairTest[pair], found->count, pose, s.step.recycleTolerance)) {
+    if (!old || !mayRecycle(s, o) || !recyclable(s.pairTest[pair], old->count, pose, s.step.recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
     }
     Manifold& m = s.manifold[i];
-    Manifold old = manifoldOfPoint(*found, tile);
-    copyPlaces(*found, m, tile);
+    Manifold own = manifoldOfPoint(*old, tile);
+    copyPlaces(*old, m, tile);
     const int k = tile.lane;
-    const bool on = k < old.count;
-    const Vec3 n = turnedNormal(old, pose);
+    const bool on = k < own.count;
+    const Vec3 n = turnedNormal(own, pose);
     PointMemory memory{};
-    if (on) memory = memoryOf(old, 0, n);
+    if (on) memory = memoryOf(own, 0, n);
     bool awake = on;
     // points that bear a load need no targets
     if (tile.ballot(on && memory.lambdaN == Real(0)) != 0 && on)
-      awake = wakeRule(s, o)(s, o, pose, n, pointAt(old, 0, n, pose.qA, pose.qB, pose.t), memory.lambdaN);
-    const unsigned bits = tile.ballot(awake), stick = tile.ballot(on && old.stick != 0);
+      awake = wakeRule(s, o)(s, o, pose, n, pointAt(own, 0, n, pose.qA, pose.qB, pose.t), memory.lambdaN);
+    const unsigned bits = tile.ballot(awake), stick = tile.ballot(on && own.stick != 0);
     if (bits == 0) memory.kN = memory.kT = memory.drift1 = memory.drift2 = Real(0);
     storeMemory(memory, m, tile);
-    old.normal = n, old.row = -1;
-    old.stick = bits == 0 ? 0 : static_cast<std::uint8_t>(stick);
-    old.impact = 0, old.awake = static_cast<std::uint8_t>(bits), old.recycled = true;
-    storeShared(old, m, tile);
+    own.normal = n, own.row = -1;
+    own.stick = bits == 0 ? 0 : static_cast<std::uint8_t>(stick);
+    own.impact = 0, own.awake = static_cast<std::uint8_t>(bits), own.recycled = true;
+    storeShared(own, m, tile);
     if (k != 0) return;
     const bool rows = bits != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
     s.hasRows[i] = rows;
