@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "cook/cook.h"
 
@@ -82,6 +83,12 @@ BodyDef block(const Vec3& halfExtents, const Vec3& position, double density) {
   body.density = density;
   body.position = position;
   return body;
+}
+
+void shuffleBodies(Scene& scene, std::size_t first) {
+  // by hand: libraries shuffle differently
+  std::mt19937 random;
+  for (std::size_t k = scene.bodies.size(); k > first + 1; --k) std::swap(scene.bodies[k - 1], scene.bodies[first + random() % (k - first)]);
 }
 
 void setFriction(Scene& scene, double friction) {

@@ -12,7 +12,7 @@ constexpr double kSize = .3;           // of a body, about half its diameter [m]
 constexpr std::size_t kMostFaults = 20;
 constexpr int kReplaySteps = 20;
 // chances a step
-constexpr double kChurn = .2, kDisturb = .3, kJoints = .1, kSnapshot = .01, kRestore = .005, kReplay = .005, kLook = .05;
+constexpr double kChurn = .2, kDisturb = .3, kJoints = .1, kSort = .02, kSnapshot = .01, kRestore = .005, kReplay = .005, kLook = .05;
 /// Deepest that the centre of a body may lie below the ground [m]: a body's own size; above that it has fallen through.
 constexpr double kDeepest = kSize;
 /// Farthest that a body may be from the start [m]: what the largest impulse would give in a minute.
@@ -155,6 +155,10 @@ void Soak::edit() {
   }
   if (random_.chance(kDisturb)) disturbSome();
   if (options_.joints && count + 2 < most && random_.chance(kJoints)) changeJoints();
+  if (random_.chance(kSort)) {
+    world_.sortBodies();
+    ++counts_.sorts;
+  }
 }
 
 void Soak::expect(bool holds, const std::string& what) {

@@ -20,6 +20,7 @@ struct SoakCounts {
   std::int64_t steps = 0;  ///< taken, replayed ones included
   std::int64_t added = 0, removed = 0, pushed = 0, placed = 0, forced = 0;  ///< bodies
   std::int64_t joined = 0, parted = 0;                                      ///< joints
+  std::int64_t sorts = 0;                                                   ///< of the bodies in memory
   std::int64_t snapshots = 0, restores = 0, replays = 0, reads = 0;
   std::int64_t growths = 0;             ///< tables that became larger
   int bodies = 0, mostBodies = 0;

@@ -34,6 +34,7 @@ nlohmann::ordered_json jsonOf(const SoakCommand& command, const scenes::Soak& so
            {{"added", c.added}, {"removed", c.removed}, {"pushed", c.pushed}, {"forced", c.forced}, {"placed", c.placed}, {"joined", c.joined},
             {"parted", c.parted}}},
           {"snapshots", c.snapshots},
+          {"sorts", c.sorts},
           {"restores", c.restores},
           {"replays", c.replays},
           {"growths", c.growths},

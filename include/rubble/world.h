@@ -129,10 +129,14 @@ class World {
   // State of all bodies as arrays. Row BodyId::index belongs to that body; rows of removed bodies hold what was there last. Positions and
   // orientations are those of the centre of mass and of the principal axes: MassProperties says where these lie in the frame of the shape.
   /// The array as the engine keeps it, with all edits made so far. Read-only: scatter() writes. It stays where it is until the next edit that
-  /// adds or removes bodies or restores a snapshot; steps and other edits change its content only, an edit by the next step at the latest.
+  /// adds or removes bodies, restores a snapshot or sorts the bodies; steps and other edits change its content only, an edit by the next step
+  /// at the latest.
   ArrayView array(StateArray which) const;
-  /// Counts edits that end the life of views.
+  /// Counts what ends the life of views.
   std::int64_t epoch() const;
+  /// Bodies that are near one another in space are so in memory too, where there are many and no deformable objects: a step that finds too many apart
+  /// puts them in another order first, and says so in its report. This has the next step do it in any case: ids, states and contacts stay.
+  void sortBodies();
   /// Row k of `values` becomes row rows[k] of an array; to Force and Torque it is added. `rows`: shape (n, 1), "<i4", each at most once;
   /// `values`: shape (n, 3 or 4), "<f4" or "<f8". Both lie on the host or, for backend "cuda", both on the device: then they are read in the
   /// order of values.stream, and work that is enqueued there later may overwrite them. Rows that are no body's are left out. Numbers on the

@@ -128,6 +128,13 @@ class PoseCopies {
   virtual ArrayView orientation(int buffer) const = 0;
 };
 
+/// Slots of ids (BodyId::index), and ids of slots.
+struct BodyOrder {
+  std::span<const int> slotOf, idOf;
+};
+
+/// All that it is told and tells of bodies is by slot; arrays of state, what is scattered into them, copies of poses and exclusions are by id. Who
+/// knows bodies by their ids asks an OrderedEngine.
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -146,7 +153,7 @@ class Engine {
   virtual void setJoint(int slot, const EngineJoint& joint) = 0;
   /// Only what is authored changes: the joint keeps its multipliers.
   virtual void editJoint(int slot, const EngineJoint& joint) = 0;
-  /// Pairs (low, high) of bodies that do not collide, sorted.
+  /// Pairs (low, high) of ids that do not collide, sorted.
   virtual void setExclusions(const std::vector<std::pair<int, int>>& pairs) = 0;
 
   /// All deformable objects and attachments, in an order that leaves those that were there in theirs. Their state is kept.
@@ -178,6 +185,13 @@ class Engine {
   virtual bool reserve(const std::string& kind, int count) = 0;
 
   virtual void step(StepReport& report) = 0;
+
+  /// Which body is where. A body has the slot of its id until sortBodies().
+  virtual BodyOrder order() const = 0;
+  /// Do bodies have neighbouring slots that are far from one another (stages/order.h)? Never where there are vertices.
+  virtual bool liesScattered() = 0;
+  /// Slots along a curve through space; false, and nothing changes, where there are vertices.
+  virtual bool sortBodies() = 0;
 
   virtual Quality quality() const = 0;
   /// By slot.

@@ -61,8 +61,10 @@ struct ScatterRows {
   }
 
   RUBBLE_HD void operator()(const View& s, int k) const {
-    const int slot = *reinterpret_cast<const int*>(rows + k * rowStride);
-    if (slot < 0 || slot >= s.bodies || s.params[slot].kind == BodyKind::Removed) return;
+    const int id = *reinterpret_cast<const int*>(rows + k * rowStride);
+    if (id < 0 || id >= s.bodies) return;
+    const int slot = s.placeOf[id];
+    if (s.params[slot].kind == BodyKind::Removed) return;
     const Vec3d v{number(k, 0), number(k, 1), number(k, 2)};
     switch (which) {
       case StateArray::Position: s.position[slot] = v; break;

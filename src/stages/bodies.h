@@ -27,12 +27,15 @@ struct PredictBodies {
       return;
     }
     const Quat q = s.orientation[i];
-    Vec3 acceleration = p.gravityScale * c.gravity + s.force[i] / p.mass, torque = s.torque[i];
+    Vec3 gravity = p.gravityScale * c.gravity, push = s.force[i] / p.mass, torque = s.torque[i];
     const BodyExtras& extras = s.extras[i];
     // exact for constant forces: v exp(-c dt) + a (1 - exp(-c dt)) / c
-    if (extras.linearDamping > Real(0)) acceleration *= keptBy(extras.linearDamping, c.dt, v);
+    if (extras.linearDamping > Real(0)) {
+      const Real kept = keptBy(extras.linearDamping, c.dt, v);
+      gravity *= kept, push *= kept;
+    }
     if (extras.angularDamping > Real(0)) torque *= keptBy(extras.angularDamping, c.dt, w);
-    v = unlocked(v, extras.locks), acceleration = unlocked(acceleration, extras.locks);
+    v = unlocked(v, extras.locks), gravity = unlocked(gravity, extras.locks), push = unlocked(push, extras.locks);
     Vec3 w1;
     if (c.literalRotations)
       w1 = w;
@@ -43,11 +46,16 @@ struct PredictBodies {
     target.mass = massMatrix(p.mass, p.inertia, q);
     target.locks = extras.locks;
     target.unused = 0;
-    target.y.p = inertialDisplacement(v, acceleration, c.dt);
+    target.y.p = inertialDisplacement(v, gravity + push, c.dt);
     target.y.q = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q : expRotation(c.dt * w1);
 
-    const Real share = followedShare(v, s.previousVelocity[i], acceleration, c.dt);
-    moved = {inertialDisplacement(v, share * acceleration, c.dt), 0, logRotation(target.y.q), 0};
+    // what the body followed in the last step says nothing of a push that was not there: it begins as if it had been given a velocity
+    const bool newPush = s.pushed[i] == 0;
+    const Vec3 known = newPush ? gravity : gravity + push;
+    Vec3 guess = followedShare(v, s.previousVelocity[i], known, c.dt) * known;
+    if (newPush) guess += push;
+    s.pushed[i] = s.force[i] != Vec3{0, 0, 0};
+    moved = {inertialDisplacement(v, guess, c.dt), 0, logRotation(target.y.q), 0};
     s.turned[i] = target.y.q;
     s.target[i] = target;
   }
@@ -166,7 +174,6 @@ struct FinishBodies {
   static constexpr const char* kName = "velocity";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const StepConstants& c = s.step;
-    s.force[i] = s.torque[i] = {0, 0, 0};
     const BodyKind kind = s.params[i].kind;
     if (kind == BodyKind::Removed || kind == BodyKind::Static || isAsleep(s, i)) return;
     const Displacement d = s.moved[i];

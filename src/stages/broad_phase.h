@@ -240,6 +240,7 @@ struct FindPairs {
   RUBBLE_HD void operator()(const View& s, int i) const {
     int* const slots = s.pairSlot + i * kPairSlots;
     const int near = s.pairCount[i];
+    if (!kParts && collidesWithAll(s, i)) return;
     int count = 0, partners = 0;
     const auto take = [&](int other) {
       const int without = count;
@@ -273,7 +274,7 @@ struct WritePairs {
           const int other = slots[k];
           int place = begin;
           for (int j = 0; j < count; ++j) place += slots[j] < other;
-          s.pair[place] = {i, other, 0, 0};
+          s.pair[place] = pairOf(s, i, other);
         }
         return;
       }
@@ -285,8 +286,8 @@ struct WritePairs {
       s.pair[k] = pair;
     };
     const auto insert = [&](int other) {
-      if constexpr (kParts) forEachPartPair(s, i, other, [&](int first, int second) { insertPair({i, other, first, second}); });
-      else insertPair({i, other, 0, 0});
+      if constexpr (kParts) forEachPartPair(s, i, other, [&](int first, int second) { insertPair(pairOf(s, i, other, first, second)); });
+      else insertPair(pairOf(s, i, other));
     };
     if (count > kPairSlots) return searchPartners(s, i, insert);
     // every partner has a pair at least, so that as many slots as pairs are enough

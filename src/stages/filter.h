@@ -13,14 +13,20 @@ RUBBLE_HD inline bool isSensor(const View& s, int body) { return s.filtered != 0
 
 RUBBLE_HD inline bool excluded(const View& s, int a, int b) {
   if (s.exclusions == 0) return false;
-  const int low = a < b ? a : b, high = a < b ? b : a;
+  const int idA = s.idOf[a], idB = s.idOf[b], low = min(idA, idB), high = max(idA, idB);
   for (int k = s.exclusionOffset[low]; k < s.exclusionOffset[low + 1]; ++k)
     if (s.exclusionBody[k] == high) return true;
   return false;
 }
 
+/// May a body collide with all whom it meets? Then nobody needs to look at these.
+RUBBLE_HD inline bool collidesWithAll(const View& s, int body) {
+  return s.params[body].kind == BodyKind::Dynamic && s.filtered == 0 && s.exclusions == 0;
+}
+
 /// Two bodies of which one is dynamic, or of which one moves and the other is a sensor.
 RUBBLE_HD inline bool mayCollide(const View& s, int a, int b) {
+  if (collidesWithAll(s, a)) return true;
   const BodyKind ka = s.params[a].kind, kb = s.params[b].kind;
   if (ka != BodyKind::Dynamic && kb != BodyKind::Dynamic) {
     const bool moves = ka == BodyKind::Kinematic || kb == BodyKind::Kinematic;

@@ -7,11 +7,15 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// A pair with the lower index first.
+/// A pair with the lower id first.
 struct OrderedPair {
   int a, b;
 };
-RUBBLE_HD inline OrderedPair ordered(const Pair& p) { return p.owner < p.other ? OrderedPair{p.owner, p.other} : OrderedPair{p.other, p.owner}; }
+RUBBLE_HD inline OrderedPair ordered(const Pair& p) { return p.ownerIsA ? OrderedPair{p.owner, p.other} : OrderedPair{p.other, p.owner}; }
+RUBBLE_HD inline Pair pairOf(const View& s, int owner, int other, int first = 0, int second = 0) {
+  const bool ownerIsA = s.ordered ? s.idOf[owner] < s.idOf[other] : owner < other;
+  return {owner, other, ownerIsA, static_cast<std::uint32_t>(first) & 0x7fffffffu, second};
+}
 
 RUBBLE_HD inline Real pairLength(const BodyParams& a, const BodyParams& b) {
   // the smaller dynamic body; a fixed one says nothing about the scale of the contact

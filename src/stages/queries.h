@@ -117,7 +117,7 @@ RUBBLE_HD void visitOwn(const ShapeTables& tables, const QueryData& q, Visit&& v
 /// Shapes count as touching within this share of the size of a shape that is cast [1].
 inline constexpr double kCastGap = 1e-4;
 
-/// The first hit, or the nearest body. Of several at the same place the one of lowest index.
+/// The first hit, or the nearest body. Of several at the same place the one of the lowest id.
 struct RunQuery {
   static constexpr const char* kName = "queries";
   const QueryData* queries;
@@ -132,7 +132,7 @@ struct RunQuery {
     const Vec3d half = closest ? Vec3d{q.reach, q.reach, q.reach} : extent(q);
     double bestDistance = q.reach;
     const auto take = [&](const QueryHit& hit) {
-      const bool first = best.body < 0 || hit.fraction < best.fraction || (hit.fraction == best.fraction && hit.body < best.body);
+      const bool first = best.body < 0 || hit.fraction < best.fraction || (hit.fraction == best.fraction && s.idOf[hit.body] < s.idOf[best.body]);
       if (!first) return;
       best = hit;
       if (closest) bestDistance = hit.fraction;

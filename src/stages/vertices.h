@@ -204,7 +204,6 @@ struct SolveVertex {
 struct FinishVertices {
   static constexpr const char* kName = "velocity";
   RUBBLE_HD void operator()(const View& s, int v) const {
-    s.vertexForce[v] = {0, 0, 0};
     if (!isDynamicVertex(s, v)) return;
     const Vec3 moved = s.vertexMoved[v], velocity = s.step.inverseDt * moved;
     if (!isFinite(velocity)) {

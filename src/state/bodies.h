@@ -59,12 +59,15 @@ struct alignas(8 * sizeof(Real)) GridEntry {
   int level;
 };
 
-/// Two parts of bodies whose swept boxes meet. The pair belongs to the body of the finer grid level (ties: of lower index). What first and
-/// second are is said in stages/pair_parts.h; of two plain shapes both are 0.
+/// Two parts of bodies whose swept boxes meet. The pair belongs to the body of the finer grid level; of two in one level to that of lower index. What
+/// first and second are is said in stages/pair_parts.h; of two plain shapes both are 0.
 struct alignas(16) Pair {
   int owner, other;
-  int first, second;
+  std::uint32_t ownerIsA : 1;  ///< the owner has the lower id
+  std::uint32_t first : 31;
+  int second;
 };
+static_assert(sizeof(Pair) == 4 * sizeof(int));
 /// Pairs of one owner are in this order.
 RUBBLE_HD constexpr bool before(const Pair& a, const Pair& b) {
   return a.other != b.other ? a.other < b.other : a.first != b.first ? a.first < b.first : a.second < b.second;

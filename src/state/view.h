@@ -48,6 +48,7 @@ struct View : JointTables<JointTypes> {
   bool rolls = false;                 ///< some material has rolling or torsional friction
   int cells = 0;                      ///< buckets of the grid, a power of two
   Real baseCell = 1;                  ///< [m]
+  bool ordered = false;               ///< some body is at another place than its id
   bool bodiesMove = true;             ///< false: it is known that no body is dynamic
   int exclusions = 0;                 ///< pairs of bodies that are excluded
   int filtered = 0;                   ///< 1: some body has a filter or is a sensor
@@ -74,12 +75,14 @@ struct View : JointTables<JointTypes> {
   Counters* counters = nullptr;
 
   // bodies: authored
+  int* idOf = nullptr;                ///< BodyId::index of the body at each place in these tables
+  int* placeOf = nullptr;             ///< and the place of the body of each id
   BodyParams* params = nullptr;
   BodyExtras* extras = nullptr;
   BodyFilter* filter = nullptr;
   int* planeBody = nullptr;           ///< indices of the planes
-  int* exclusionOffset = nullptr;     ///< [bodies + 1] into exclusionBody
-  int* exclusionBody = nullptr;       ///< bodies that this one does not collide with (of higher index), sorted
+  int* exclusionOffset = nullptr;     ///< [bodies + 1], by id, into exclusionBody
+  int* exclusionBody = nullptr;       ///< ids that this one does not collide with (higher ones), sorted
   // shapes and materials that bodies share: authored
   Vec4* shapeVector = nullptr;        ///< see ShapeTables
   int* shapeIndex = nullptr;
@@ -93,6 +96,7 @@ struct View : JointTables<JointTypes> {
   Vec3* previousVelocity = nullptr;   ///< one step earlier [m/s]
   Vec3* force = nullptr;              ///< applied by the user, for one step [N]
   Vec3* torque = nullptr;             ///< [N m]
+  int* pushed = nullptr;              ///< 1: a force acted in the last step
   int* asleep = nullptr;              ///< 1 + a body that stands for the island that sleeps, 0: awake
   Real* stillTime = nullptr;          ///< for how long a body has been still [s]
   // bodies: work
@@ -291,6 +295,8 @@ void forEachArray(F&& f) {
   const auto is = [&]<class T>(T* View::*member, const char* name, const char* unit, Per per, Life life, int extra = 0) {
     f(ArrayInfo<T>{member, name, unit, per, life, extra});
   };
+  is(&View::idOf, "idOf", "", Per::Body, Life::Authored);
+  is(&View::placeOf, "placeOf", "", Per::Body, Life::Authored);
   is(&View::params, "params", "", Per::Body, Life::Authored);
   is(&View::extras, "extras", "1/s", Per::Body, Life::Authored);
   is(&View::filter, "filter", "", Per::Body, Life::Authored);
@@ -308,6 +314,7 @@ void forEachArray(F&& f) {
   is(&View::previousVelocity, "previousVelocity", "m/s", Per::Body, Life::State);
   is(&View::force, "force", "N", Per::Body, Life::State);
   is(&View::torque, "torque", "N m", Per::Body, Life::State);
+  is(&View::pushed, "pushed", "", Per::Body, Life::State);
   is(&View::color, "color", "", Per::Body, Life::State);
   is(&View::asleep, "asleep", "", Per::Body, Life::State);
   is(&View::stillTime, "stillTime", "s", Per::Body, Life::State);

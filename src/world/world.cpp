@@ -44,7 +44,7 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
   validate(options.params);
   if (options.threads < 0) throw Error("threads", "a number of at least 0", std::to_string(options.threads));
   impl_->params = options.params;
-  impl_->engine = makeEngine(options);
+  impl_->engine = std::make_unique<OrderedEngine>(makeEngine(options));
   impl_->doublePrecision = options.backend == "reference";
   impl_->wantsEvents = options.events;
   Registry& r = impl_->registry;
@@ -76,6 +76,7 @@ StepReport World::step() {
   StepReport report;
   report.step = impl_->registry.step;
   impl_->engine->step(report);
+  if (report.sorted) ++impl_->epoch;
   if (report.brokenJoints > 0) impl_->findBroken(report.broken);
   impl_->collectEvents(report);
   ++impl_->registry.step;
@@ -83,6 +84,8 @@ StepReport World::step() {
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   return report;
 }
+
+void World::sortBodies() { impl_->engine->sortSoon(); }
 
 const Params& World::params() const { return impl_->params; }
 void World::setParams(const Params& params) {

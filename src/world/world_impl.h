@@ -5,7 +5,7 @@
 
 #include <rubble/events.h>
 
-#include "backend/engine.h"
+#include "backend/ordered_engine.h"
 #include "world/body_sizes.h"
 #include "world/joint_build.h"
 #include "world/shape_frame.h"
@@ -139,7 +139,7 @@ struct PoseRing {
 };
 
 struct World::Impl {
-  std::unique_ptr<Engine> engine;
+  std::unique_ptr<OrderedEngine> engine;
   Registry registry;
   Params params;
   bool settingsChanged = true;

@@ -113,6 +113,26 @@ TEST_F(CudaStep, StaysBesideTheCpuWhereOneBodyTouchesAHundred) {
   }
 }
 
+TEST_F(CudaStep, TakesForcesThroughAllSubstepsAndEndsThem) {
+  Scene scene;
+  scene.gravity = {};
+  scene.bodies.push_back(boxAt({}));
+  scene.bodies.push_back(boxAt({5, 0, 0}));
+  WorldOptions options = optionsFor("cuda");
+  options.params.substeps = 3;
+  World world(scene, options);
+  const BodyId id = world.bodyAt(0);
+  const double mass = world.massOf(id).mass;
+  for (int i = 1; i <= 4; ++i) {
+    world.applyForce(id, {6 * mass, 0, 0});
+    world.step();
+    EXPECT_NEAR(world.state(id).velocity.x, .1 * i, 1e-5);
+  }
+  run(world, 3);
+  EXPECT_NEAR(world.state(id).velocity.x, .4, 1e-5);
+  EXPECT_EQ(world.state(world.bodyAt(1)).velocity, Vec3{});
+}
+
 TEST_F(CudaStep, MeasuresStagesOnlyIfAsked) {
   WorldOptions options = optionsFor("cuda");
   World with(brickPile(3, 3), options);

@@ -22,7 +22,7 @@ TEST(Soak, OfAThousandStepsFindsNoFault) {
     for (const std::string& fault : soak.faults()) ADD_FAILURE() << backend << ", " << fault;
     const SoakCounts& c = soak.counts();
     for (const std::int64_t happened :
-         {c.added, c.removed, c.pushed, c.placed, c.forced, c.snapshots, c.restores, c.replays, c.reads, c.growths})
+         {c.added, c.removed, c.pushed, c.placed, c.forced, c.sorts, c.snapshots, c.restores, c.replays, c.reads, c.growths})
       EXPECT_GT(happened, 0) << backend;
     EXPECT_GE(c.steps, 1000);
   }

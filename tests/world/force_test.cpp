@@ -28,6 +28,49 @@ TEST(WorldForce, ActsForOneStepAndExactly) {
   EXPECT_TRUE(test::near(world.state(id).velocity, Vec3{.1, -.2, 0}, 1e-13));
 }
 
+TEST(WorldForce, ActsThroughAllSubstepsOfItsStep) {
+  for (const char* backend : {"reference", "cpu", "lockstep"}) {
+    WorldOptions with = options(1, backend);
+    with.params.substeps = 4;
+    World world(freeBody(), with);
+    const BodyId id = world.bodyAt(0);
+    world.applyForce(id, {6, -12, 0});
+    world.applyTorque(id, {0, 0, 2});
+    world.step();
+    EXPECT_TRUE(test::near(world.state(id).velocity, Vec3{.1, -.2, 0}, 1e-6)) << backend;
+    EXPECT_TRUE(test::near(world.state(id).angularVelocity, Vec3{0, 0, 2 * 6 * kDt}, 1e-5)) << backend;
+    world.step();
+    EXPECT_TRUE(test::near(world.state(id).velocity, Vec3{.1, -.2, 0}, 1e-6)) << backend;
+  }
+}
+
+/// Rows that held its weight are still stiff, and let it go only as it begins away from them.
+TEST(WorldForce, LiftsABodyAtRestAtOnce) {
+  for (const int iterations : {1, 4, 10, 200}) {
+    World world(test::tower(1), options(iterations));
+    test::run(world, 90);
+    world.applyForce(world.bodyAt(1), {0, 0, 70});
+    world.step();
+    EXPECT_NEAR(world.state(world.bodyAt(1)).velocity.z, 60 * kDt, .2) << iterations;
+  }
+}
+
+/// A sudden push against what holds a body, or one that stays, drives it no deeper.
+TEST(WorldForce, PressesABodyOnItsSupport) {
+  for (const int steps : {1, 30}) {
+    World world(test::tower(2), options(4));
+    test::run(world, 90);
+    const double before = world.state(world.bodyAt(2)).position.z;
+    for (int i = 0; i < steps; ++i) {
+      world.applyForce(world.bodyAt(2), {0, 0, -500});
+      world.step();
+      EXPECT_GT(world.state(world.bodyAt(2)).position.z, before - .01) << i;
+    }
+    test::run(world, 30);
+    EXPECT_NEAR(world.state(world.bodyAt(2)).position.z, before, 2e-3);
+  }
+}
+
 TEST(WorldForce, TorqueTurnsAFreeBodyByItsInertia) {
   World world(freeBody(), options(1, "reference"));
   const BodyId id = world.bodyAt(0);

@@ -1,5 +1,7 @@
 #include "backend/cpu/cpu_engine.h"
 
+#include "stages/order.h"
+
 namespace rubble::RUBBLE_CORE {
 
 template void step(CpuExecutor&);
@@ -51,10 +53,30 @@ void CpuEngine::step(StepReport& report) {
       previousDt_ = settings_.params.dt / settings_.params.substeps;
     }
   });
+  endForces(tables());
   settings_.wakeAll = false;
   reportCounters(s, report);
   report.stages = executor_.takeTimes();
   report.grown = executor_.takeGrown();
+  arrays_.follow();
+}
+
+bool liesScatteredIn(CpuExecutor& executor) {
+  if (executor.view().vertices > 0) return false;
+  bool scattered = false;
+  executor.run([&] { scattered = liesScattered(executor); });
+  executor.endRooms();
+  return scattered;
+}
+
+bool sortBodiesOf(CpuExecutor& executor) {
+  const View& s = executor.view();
+  if (s.vertices > 0) return false;
+  executor.run([&] { rubble::RUBBLE_CORE::sortBodies(executor, s.oldPairOffset[s.bodies]); });
+  executor.endRooms();
+  executor.view().ordered = inOtherOrder(executor.view());
+  executor.view().treesStale = 1;
+  return true;
 }
 
 std::vector<std::byte> saveState(const HostTables& tables, double previousDt) {

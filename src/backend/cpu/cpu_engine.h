@@ -1,6 +1,7 @@
 #pragma once
 /// An engine whose tables lie in host memory.
 #include "backend/cpu/cpu_executor.h"
+#include "backend/cpu/host_arrays.h"
 #include "backend/cpu/soft_edit.h"
 #include "backend/cpu/table_edit.h"
 #include "backend/state_rows.h"
@@ -16,6 +17,10 @@ void reportCounters(const View& s, StepReport& report);
 
 /// Sets counters and constants for the next step.
 void beginStep(View& s, const EngineSettings& settings, double previousDt);
+
+/// Engine::liesScattered() and sortBodies() of what an executor steps, with the constants of the next step.
+bool liesScatteredIn(CpuExecutor& executor);
+bool sortBodiesOf(CpuExecutor& executor);
 
 /// Tables and the time step they were last stepped with: all that an engine on the host keeps.
 std::vector<std::byte> saveState(const HostTables& tables, double previousDt);
@@ -59,10 +64,22 @@ class CpuEngine final : public Engine {
     for (std::size_t k = 0; k < slots.size(); ++k) addVelocity(tables(), slots[k], changes[k]);
   }
   void forgetContactsOf(std::span<const int> slots) override { RUBBLE_CORE::forgetContactsOf(tables(), slots); }
-  ArrayView array(StateArray which) override { return arrayOf(tables(), which); }
-  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override { scatterRows(tables(), which, rows, values); }
+  ArrayView array(StateArray which) override { return arrays_.view(which); }
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
+    scatterRows(tables(), which, rows, values);
+    arrays_.follow();
+  }
   bool reserve(const std::string& kind, int count) override { return reserveKind(tables(), kind, count); }
   void step(StepReport& report) override;
+  BodyOrder order() const override { return orderOf(tables()); }
+  bool liesScattered() override {
+    beginStep(tables().view(), settings_, previousDt_);
+    return liesScatteredIn(executor_);
+  }
+  bool sortBodies() override {
+    beginStep(tables().view(), settings_, previousDt_);
+    return sortBodiesOf(executor_);
+  }
   Quality quality() const override { return qualityOf(tables()); }
   void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override {
     solverStatesOf(tables(), bodies, vertices);
@@ -85,6 +102,7 @@ class CpuEngine final : public Engine {
   const HostTables& tables() const { return executor_.tables(); }
 
   CpuExecutor executor_;
+  HostArrays arrays_{executor_.tables()};
   EngineSettings settings_;
   double previousDt_ = 0;
 };

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+#include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 
 #include <rubble/report.h>
@@ -138,6 +142,32 @@ class CpuExecutor {
     tables_.keepManifolds();
   }
 
+  // Between steps
+  template <class T>
+  T* room(int n) {
+    rooms_.emplace_back(HostMemory::allocate(sizeof(T) * static_cast<std::size_t>(n)));
+    return static_cast<T*>(rooms_.back().get());
+  }
+  void order(const std::uint64_t* keys, int* to, int n) {
+    std::iota(to, to + n, 0);
+    tbb::parallel_sort(to, to + n, [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
+  }
+  template <class T>
+  void copy(T* to, const T* from, int n) {
+    std::copy_n(from, n, to);
+  }
+  /// How many i below n a test(view, i) holds for.
+  template <class Test>
+  int count(const Test& test, int n) {
+    const auto part = [&](const tbb::blocked_range<int>& range, int sum) {
+      for (int i = range.begin(); i < range.end(); ++i) sum += test(view(), i);
+      return sum;
+    };
+    return tbb::parallel_reduce(tbb::blocked_range<int>(0, n), 0, part, std::plus<>());
+  }
+  /// The work is done.
+  void endRooms() { rooms_.clear(); }
+
   /// Time of each stage since the last call [ms].
   std::vector<StageTime> takeTimes() { return std::exchange(times_, {}); }
   /// Tables that have grown since the last call.
@@ -201,7 +231,12 @@ class CpuExecutor {
     tbb::parallel_for(tbb::blocked_range<int>(0, n, kGrain), body, tbb::static_partitioner{});
   }
 
+  struct Release {
+    void operator()(void* memory) const { HostMemory::release(memory); }
+  };
+
   Tables<HostMemory> tables_;
+  std::vector<std::unique_ptr<void, Release>> rooms_;
   tbb::task_arena arena_;
   bool timings_;
   bool together_ = true;

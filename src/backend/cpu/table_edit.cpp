@@ -50,6 +50,7 @@ void setBodyCount(HostTables& tables, int slots) {
   View& s = tables.view();
   s.cells = cells;
   for (int i = s.bodies; i < slots; ++i) {
+    s.idOf[i] = s.placeOf[i] = i;
     s.params[i] = {};
     s.nodeOfBody[i] = -1;
     s.extras[i] = {};
@@ -90,6 +91,7 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   s.filtered |= body.sensor || f.layers != usual.layers || f.mask != usual.mask || f.group != usual.group;
   s.color[slot] = 0;
   s.force[slot] = s.torque[slot] = {0, 0, 0};
+  s.pushed[slot] = 0;
   setBodyState(tables, slot, body.state);
 }
 
@@ -128,13 +130,26 @@ void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
   for (const int slot : slots) forgetVertexContacts(tables, slot);
 }
 
+void endForces(HostTables& tables) {
+  const View& s = tables.view();
+  const Vec3 none{0, 0, 0};
+  std::fill_n(s.force, s.bodies, none), std::fill_n(s.torque, s.bodies, none), std::fill_n(s.vertexForce, s.vertices, none);
+}
+
 void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change) {
   changeVelocity(tables.view(), slot, change);
 }
 
-ArrayView arrayOf(const HostTables& tables, StateArray which) {
+bool inOtherOrder(const View& s) {
+  for (int i = 0; i < s.bodies; ++i)
+    if (s.idOf[i] != i) return true;
+  return false;
+}
+
+BodyOrder orderOf(const HostTables& tables) {
   const View& s = tables.view();
-  return withStateArray(which, [&](auto member) { return rowsOf(s.*member, s.bodies); });
+  const std::size_t bodies = static_cast<std::size_t>(s.bodies);
+  return {{s.placeOf, bodies}, {s.idOf, bodies}};
 }
 
 void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, const ArrayView& values) {

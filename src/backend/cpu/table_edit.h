@@ -26,11 +26,15 @@ bool planTrees(HostTables& tables);
 void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs);
 BodyState bodyState(const HostTables& tables, int slot);
 void setBodyState(HostTables& tables, int slot, const BodyState& state);
+/// Forces and torques act for one step, of however many substeps.
+void endForces(HostTables& tables);
 void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change);
 /// Contacts of many slots at once.
 void forgetContactsOf(HostTables& tables, std::span<const int> slots);
 
-ArrayView arrayOf(const HostTables& tables, StateArray which);
+BodyOrder orderOf(const HostTables& tables);
+/// Is any body at another place than its id?
+bool inOtherOrder(const View& s);
 /// As World::scatter, from host memory.
 void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, const ArrayView& values);
 

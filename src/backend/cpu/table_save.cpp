@@ -132,6 +132,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
     if (bytes > 0) std::memcpy(s.*array.member, from, bytes);
     from += bytes;
   });
+  s.ordered = inOtherOrder(s);
 }
 
 std::uint64_t hashBytes(std::span<const std::byte> data) {

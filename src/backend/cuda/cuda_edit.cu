@@ -28,6 +28,14 @@ __global__ void scatterWords(const __grid_constant__ ScatterList list) {
   }
 }
 
+/// A thread a word.
+__global__ void gatherWords(int* to, const int* from, const int* placeOf, int words, std::size_t all) {
+  const std::size_t i = static_cast<std::size_t>(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (i >= all) return;
+  const std::size_t id = i / static_cast<std::size_t>(words);
+  to[i] = from[static_cast<std::size_t>(placeOf[id]) * static_cast<std::size_t>(words) + (i - id * static_cast<std::size_t>(words))];
+}
+
 __global__ void changeVelocities(const __grid_constant__ View s, const int* slots, const Vec3d* changes, int count) {
   const int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (k >= count) return;
@@ -90,6 +98,13 @@ void scatterPieces(cudaStream_t stream, const std::vector<ScatterPiece>& pieces)
     scatterWords<<<blocks, kEditThreads, 0, stream>>>(list);
     checkCuda(cudaGetLastError(), "scatterWords");
   }
+}
+
+void gatherById(cudaStream_t stream, void* to, const void* from, const int* placeOf, int count, int words) {
+  if (count == 0) return;
+  const std::size_t all = static_cast<std::size_t>(count) * static_cast<std::size_t>(words);
+  gatherWords<<<blocksFor(all), kEditThreads, 0, stream>>>(static_cast<int*>(to), static_cast<const int*>(from), placeOf, words, all);
+  checkCuda(cudaGetLastError(), "gatherById");
 }
 
 void addVelocities(cudaStream_t stream, const View& device, const int* slots, const Vec3d* changes, int count) {

@@ -6,6 +6,7 @@
 #include "backend/cpu/cpu_engine.h"
 #include "backend/cuda/device_poses.h"
 #include "backend/cuda/mirror.h"
+#include "stages/order.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -98,13 +99,7 @@ class CudaEngine final : public Engine, private PoseCopies {
     mirror_.forceWritten(slot);
   }
 
-  ArrayView array(StateArray which) override {
-    mirror_.flush();
-    ArrayView view = withStateArray(which, [&](auto member) { return rowsOf(stepper_.tables().view().*member, host().view().bodies); });
-    view.device = true;
-    view.stream = reinterpret_cast<std::uintptr_t>(stepper_.stream());
-    return view;
-  }
+  ArrayView array(StateArray which) override { return mirror_.array(which); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override { mirror_.scatter(which, rows, values); }
   bool reserve(const std::string& kind, int count) override { return reserveKind(stepper_.tables(), kind, count); }
 
@@ -113,7 +108,7 @@ class CudaEngine final : public Engine, private PoseCopies {
     mirror_.flush();
     // the sizes of the device's view are those of the last step
     View view = stepper_.tables().view();
-    view.bodies = host().view().bodies;
+    view.bodies = host().view().bodies, view.ordered = host().view().ordered;
     poses_.begin(buffer, view, stepper_.stream());
   }
   bool ready(int buffer) const override { return poses_.ready(buffer); }
@@ -122,6 +117,10 @@ class CudaEngine final : public Engine, private PoseCopies {
   ArrayView orientation(int buffer) const override { return poses_.orientation(buffer); }
 
   void step(StepReport& report) override;
+
+  BodyOrder order() const override { return orderOf(host()); }
+  bool liesScattered() override;
+  bool sortBodies() override;
 
   Quality quality() const override { return qualityOf(fetched()); }
   void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override {
@@ -204,6 +203,8 @@ void CudaEngine::step(StepReport& report) {
     mirror_.stepped(stepper_.step(host().view(), report));
     previousDt_ = settings_.params.dt / settings_.params.substeps;
   }
+  mirror_.endForces();
+  mirror_.followArrays();
   settings_.wakeAll = false;
   host().view().wakeAll = 0;
   nvtxRangePop();
@@ -212,6 +213,22 @@ void CudaEngine::step(StepReport& report) {
   counts.bodies = 0;
   reportCounters(counts, report);
   report.bodies = bodyCount_;
+}
+
+bool CudaEngine::liesScattered() {
+  if (host().view().vertices > 0 || host().view().bodies < kFewBodies) return false;
+  mirror_.flush();
+  prepareConstants();
+  return stepper_.liesScattered(host().view());
+}
+
+bool CudaEngine::sortBodies() {
+  if (host().view().vertices > 0) return false;
+  mirror_.flush();
+  prepareConstants();
+  stepper_.sortBodies(host().view(), mirror_.oldPairs());
+  mirror_.bodiesSorted();
+  return true;
 }
 
 void CudaEngine::load(std::span<const std::byte> data) {

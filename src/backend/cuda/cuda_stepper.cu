@@ -1,6 +1,7 @@
 #include "backend/cuda/cuda_stepper.h"
 
 #include "backend/cuda/cuda_executor.cuh"
+#include "stages/order.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -139,6 +140,14 @@ struct CudaStepper::Impl {
     return graph.timeline();
   }
 
+  /// Sizes and constants of `host`.
+  void adopt(const View& host) {
+    View view = host;
+    forEachArray([&](const auto& array) { view.*array.member = tables.view().*array.member; });
+    view.counters = tables.view().counters;
+    tables.view() = view;
+  }
+
   void makeRoom(const Control& control) {
     const Per per = static_cast<Per>(control.lacking);
     // the first time there is no room at all, and the next steps need a little more
@@ -169,12 +178,30 @@ cudaStream_t CudaStepper::stream() const { return impl_->stream.get(); }
 bool CudaStepper::counted(Per per) const { return impl_->executor.counted(per); }
 std::size_t CudaStepper::bytes() const { return impl_->tables.bytes() + impl_->executor.scratchBytes(); }
 
+bool CudaStepper::liesScattered(const View& host) {
+  Impl& m = *impl_;
+  m.adopt(host);
+  bool scattered = false;
+  m.executor.enqueueWork([&](CudaExecutor& e) { scattered = RUBBLE_CORE::liesScattered(e); });
+  m.stream.wait();
+  m.executor.endRooms();
+  return scattered;
+}
+
+void CudaStepper::sortBodies(const View& host, int pairs) {
+  Impl& m = *impl_;
+  m.adopt(host);
+  m.executor.reserveScratch();
+  m.executor.enqueueWork([&](CudaExecutor& e) { RUBBLE_CORE::sortBodies(e, pairs); });
+  // what is old lies where it lies after every other step
+  m.parity ^= 1;
+  m.stream.wait();
+  m.executor.endRooms();
+}
+
 Counters CudaStepper::step(const View& host, StepReport& report) {
   Impl& m = *impl_;
-  View view = host;
-  forEachArray([&](const auto& array) { view.*array.member = m.tables.view().*array.member; });
-  view.counters = m.tables.view().counters;
-  m.tables.view() = view;
+  m.adopt(host);
 
   const Timeline* timeline = &m.runWhole();
   if (m.timings) timeline->addTo(report.stages);

@@ -29,6 +29,10 @@ class CudaStepper {
   /// One step with the sizes and constants of `host`, whose pointers are not used. Adds to restarts and stages of the report.
   Counters step(const View& host, StepReport& report);
 
+  // stages/order.h, with the sizes of `host` and so many old pairs
+  bool liesScattered(const View& host);
+  void sortBodies(const View& host, int pairs);
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
@@ -47,6 +51,8 @@ struct ScatterPiece {
 void scatterPieces(cudaStream_t stream, const std::vector<ScatterPiece>& pieces);
 /// changeVelocity() of bodies that differ from one another.
 void addVelocities(cudaStream_t stream, const View& device, const int* slots, const Vec3d* changes, int count);
+/// Element `id` of `to` becomes element placeOf[id] of `from`, of so many 4-byte words each.
+void gatherById(cudaStream_t stream, void* to, const void* from, const int* placeOf, int count, int words);
 void scatterStateRows(cudaStream_t stream, const View& device, const ScatterRows& rows, int count);
 /// Old manifolds of these bodies (sorted, on the device) are emptied.
 void forgetContactsOf(cudaStream_t stream, const View& device, const int* slots, int count, int pairs);

@@ -1,7 +1,7 @@
 #pragma once
 /// Poses on their way to the host beside the steps: copied aside on the device in the order of the steps, then to page-locked memory by a
 /// stream of their own.
-#include "backend/cuda/device_memory.h"
+#include "backend/cuda/cuda_stepper.h"
 #include "backend/engine.h"
 #include "backend/state_rows.h"
 
@@ -21,8 +21,12 @@ class DevicePoses {
     const auto copy = [](void* to, const void* from, std::size_t size, cudaMemcpyKind kind, cudaStream_t stream) {
       checkCuda(cudaMemcpyAsync(to, from, size, kind, stream), "cudaMemcpyAsync of poses");
     };
-    copy(f.aside.data(), device.position, positions, cudaMemcpyDeviceToDevice, steps);
-    copy(f.aside.data() + f.turnsAt, device.orientation, turns, cudaMemcpyDeviceToDevice, steps);
+    const auto copyAside = [&]<class T>(std::byte* to, const T* from) {
+      if (device.ordered) gatherById(steps, to, from, device.placeOf, f.rows, sizeof(T) / sizeof(int));
+      else copy(to, from, sizeof(T) * static_cast<std::size_t>(f.rows), cudaMemcpyDeviceToDevice, steps);
+    };
+    copyAside(f.aside.data(), device.position);
+    copyAside(f.aside.data() + f.turnsAt, device.orientation);
     f.isAside.record(steps);
     f.isAside.holdBack(stream_.get());
     copy(f.host.data(), f.aside.data(), bytes, cudaMemcpyDeviceToHost, stream_.get());

@@ -174,6 +174,7 @@ void Mirror::sendAll() {
   host_.view().counters->pointPairs = liveCount(Per::PointPair);
   allWritten();
   allDirty_ = false;
+  forced_ = true;
   noteForces();
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "backend/arrays_by_id.h"
 #include "backend/cpu/table_edit.h"
 #include "backend/cuda/cuda_stepper.h"
 #include "backend/cuda/device_snapshot.h"
@@ -25,7 +26,10 @@ class Mirror {
     authored_.reset();
   }
   void stateWritten(int slot) { mark(slot, kState); }
-  void forceWritten(int slot) { mark(slot, kForce); }
+  void forceWritten(int slot) {
+    mark(slot, kForce);
+    forced_ = true;
+  }
   void jointWritten(int type, int slot);  ///< all of a joint
   void specWritten(int type, int slot);   ///< what is authored of it
   void listsWritten() {  ///< planes or exclusions
@@ -35,11 +39,19 @@ class Mirror {
   void derivedWritten() { listsDirty_ = true; }
   void allWritten();                           ///< by loading: nothing of the device matters any more
   void forgetContacts(int slot);
+  /// By the device.
+  void bodiesSorted();
 
   /// Changes the velocity of a body, on the device unless the host knows it.
   void addVelocity(int slot, const rubble::Vec3& change);
   /// As Engine::scatter; the host's tables do not follow.
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
+  /// As Engine::array, on the device.
+  ArrayView array(StateArray which);
+  /// Arrays by id follow a step.
+  void followArrays();
+  /// Of the step before, on the device.
+  int oldPairs() const { return liveCount(Per::Pair); }
   /// Before a force of the host is added: those that lie on the device only are fetched.
   void beforeForce() {
     if (forcesOnDevice_) fetchAll();
@@ -50,8 +62,10 @@ class Mirror {
 
   /// Sends all edits.
   void flush();
-  /// The device has taken a step.
+  /// The device has taken a step, or a substep.
   void stepped(const Counters& counters);
+  /// As for tables of the host.
+  void endForces();
 
   /// Position, orientation and velocities of one body are as on the device.
   void fetchState(int slot);
@@ -79,6 +93,11 @@ class Mirror {
   void noteForces();
   template <class T>
   void download(const ArrayInfo<T>& array, int count);
+  auto gather() const {
+    return [this](std::byte* to, const void* from, int bytes) {
+      gatherById(stepper_.stream(), to, from, stepper_.tables().view().placeOf, host_.view().bodies, bytes / static_cast<int>(sizeof(int)));
+    };
+  }
   void fetchStates();
 
   CudaStepper& stepper_;
@@ -96,7 +115,9 @@ class Mirror {
   bool allDirty_ = true;  ///< the device has nothing yet
   bool statesOld_ = false, restOld_ = false;
   bool forcesOnDevice_ = false;  ///< some that the host's tables do not have
+  bool forced_ = false;          ///< there may be some on the device
   int singleFetches_ = 0;
+  ArraysById<DeviceBuffer> byId_;
   StreamEvent handed_;  ///< a place in a stream of a caller of scatter(), or in ours before the caller goes on
 };
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "backend/cuda/mirror.h"
+#include "stages/order.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -19,6 +20,15 @@ void Mirror::stepped(const Counters& counters) {
   statesOld_ = restOld_ = true;
   forcesOnDevice_ = false;
   singleFetches_ = 0;
+}
+
+void Mirror::endForces() {
+  if (!std::exchange(forced_, false)) return;
+  const auto end = [&](Vec3* forces, int count) {
+    checkCuda(cudaMemsetAsync(forces, 0, sizeof(Vec3) * static_cast<std::size_t>(count), stepper_.stream()), "cudaMemsetAsync of forces");
+  };
+  const View& device = stepper_.tables().view();
+  end(device.force, host_.view().bodies), end(device.torque, host_.view().bodies), end(device.vertexForce, host_.view().vertices);
 }
 
 template <class T>
@@ -71,6 +81,41 @@ void Mirror::fetchAll() {
   if (std::exchange(forcesOnDevice_, false)) noteForces();
 }
 
+void Mirror::bodiesSorted() {
+  View& s = host_.view();
+  // forces of the host lie on the device, where their bodies are now
+  for (const int slot : touched_) {
+    forcesOnDevice_ |= (bits_[static_cast<std::size_t>(slot)] & kPushed) != 0;
+    s.force[slot] = s.torque[slot] = {0, 0, 0};
+    bits_[static_cast<std::size_t>(slot)] = 0;
+  }
+  touched_.clear();
+  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+    if (array.life == Life::Authored && (followsBodies(array) || array.per == Per::Plane || jointTypeOf(array.per) >= 0))
+      download(array, liveCount(array.per));
+  });
+  checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
+  statesOld_ = restOld_ = true;
+  authored_.reset();
+  s.treesStale = 1;
+  s.ordered = inOtherOrder(s);
+}
+
+ArrayView Mirror::array(StateArray which) {
+  flush();
+  const View& device = stepper_.tables().view();
+  const int bodies = host_.view().bodies;
+  ArrayView view = host_.view().ordered ? byId_.view(which, device, bodies, gather())
+                            : withStateArray(which, [&](auto member) { return rowsOf(device.*member, bodies); });
+  view.device = true;
+  view.stream = reinterpret_cast<std::uintptr_t>(stepper_.stream());
+  return view;
+}
+
+void Mirror::followArrays() {
+  if (host_.view().ordered) byId_.follow(stepper_.tables().view(), host_.view().bodies, gather());
+}
+
 void Mirror::addVelocity(int slot, const rubble::Vec3& change) {
   if (const std::uint8_t bits = bits_[static_cast<std::size_t>(slot)]; !statesOld_ || (bits & kKnown)) {
     RUBBLE_CORE::addVelocity(host_, slot, change);
@@ -100,6 +145,7 @@ void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& v
     order(rows.stream, handle(rows), stream);
     order(values.stream, handle(values), stream);
     scatterStateRows(stream, device, ScatterRows(which, rows, values), count);
+    followArrays();
     order(rows.stream, stream, handle(rows));
     order(values.stream, stream, handle(values));
   } else {
@@ -115,10 +161,12 @@ void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& v
     ArrayView rowsThere = rows, valuesThere = values;
     rowsThere.data = sent, valuesThere.data = sent + valuesAt;
     scatterStateRows(stream, device, ScatterRows(which, rowsThere, valuesThere), count);
+    followArrays();
   }
   for (const int slot : touched_) bits_[static_cast<std::size_t>(slot)] &= static_cast<std::uint8_t>(~kKnown);
   statesOld_ = restOld_ = true;
-  forcesOnDevice_ |= which == StateArray::Force || which == StateArray::Torque;
+  const bool forces = which == StateArray::Force || which == StateArray::Torque;
+  forcesOnDevice_ |= forces, forced_ |= forces;
 }
 
 std::shared_ptr<const DeviceSnapshot> Mirror::snapshot(double previousDt) {
@@ -149,8 +197,9 @@ void Mirror::restore(const DeviceSnapshot& snapshot) {
   authored_ = snapshot.authored;
   allDirty_ = false;
   statesOld_ = restOld_ = true;
-  forcesOnDevice_ = snapshot.hasForces;
+  forcesOnDevice_ = forced_ = snapshot.hasForces;
   *s.counters = snapshot.counters;
+  s.ordered = inOtherOrder(s);
 }
 
 }  // namespace rubble::RUBBLE_CORE

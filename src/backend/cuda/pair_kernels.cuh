@@ -45,6 +45,7 @@ struct FindPairsByTile {
   static constexpr int kWidth = kMostSearchLanes;
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const int near = s.pairCount[i];
+    if (collidesWithAll(s, i)) return;
     if (near > kPairSlots) {
       __syncwarp(tile.mask);
       if (tile.lane == 0) FindPairs<false>{}(s, i);
@@ -98,7 +99,7 @@ struct WritePairsByWarp {
     forEachOfWarp(tile, many, i, [&](int body) {
       Pair* const first = s.pair + s.pairOffset[body];
       const WarpCounter partners(tile);
-      searchPartners(s, body, [&](int other) { first[partners.next()] = {body, other, 0, 0}; }, tile.lane, kWarp);
+      searchPartners(s, body, [&](int other) { first[partners.next()] = pairOf(s, body, other); }, tile.lane, kWarp);
       sortTogether(first, partners.total(), tile.lane, kWarp, [](const Pair& a, const Pair& b) { return before(a, b); }, [&] { __syncwarp(tile.mask); });
     });
   }

@@ -77,9 +77,10 @@ class LockstepEngine final : public Engine {
     both([&](HostTables& t) { RUBBLE_CORE::forgetContactsOf(t, slots); });
   }
   /// Of the first: nobody but the engine writes.
-  ArrayView array(StateArray which) override { return arrayOf(first(), which); }
+  ArrayView array(StateArray which) override { return arrays_.view(which); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     both([&](HostTables& t) { scatterRows(t, which, rows, values); });
+    arrays_.follow();
   }
   bool reserve(const std::string& kind, int count) override {
     bool known = false;
@@ -93,12 +94,23 @@ class LockstepEngine final : public Engine {
       pair_.step(report.step);
       previousDt_ = settings_.params.dt / settings_.params.substeps;
     }
+    both(endForces);
     settings_.wakeAll = false;
     reportCounters(first().view(), report);
     report.stages = pair_.a().takeTimes();
     pair_.b().takeTimes();
     report.grown = pair_.a().takeGrown();
     pair_.b().takeGrown();
+    arrays_.follow();
+  }
+  BodyOrder order() const override { return orderOf(first()); }
+  bool liesScattered() override {
+    both([&](HostTables& t) { beginStep(t.view(), settings_, previousDt_); });
+    return pair_.liesScattered();
+  }
+  bool sortBodies() override {
+    both([&](HostTables& t) { beginStep(t.view(), settings_, previousDt_); });
+    return pair_.sortBodies();
   }
   Quality quality() const override { return qualityOf(first()); }
   void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override {
@@ -135,6 +147,7 @@ class LockstepEngine final : public Engine {
   const HostTables& first() const { return pair_.a().tables(); }
 
   LockstepPair pair_;
+  HostArrays arrays_{pair_.a().tables()};
   EngineSettings settings_;
   double previousDt_ = 0;
 };

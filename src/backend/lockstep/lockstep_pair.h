@@ -15,7 +15,7 @@ namespace rubble::RUBBLE_CORE {
 class LockstepPair {
  public:
   LockstepPair(int threadsA, int threadsB) : a_(threadsA), b_(threadsB) {
-    for (Side* side : {&a_, &b_}) side->executor.observe([this, side](const char* stage) { enter(*side, stage); });
+    observe();
   }
   LockstepPair(const LockstepPair&) = delete;
   LockstepPair& operator=(const LockstepPair&) = delete;
@@ -37,6 +37,10 @@ class LockstepPair {
       if (error) std::rethrow_exception(error);
   }
 
+  /// Between steps they do not wait for one another.
+  bool liesScattered() { return alone(liesScatteredIn); }
+  bool sortBodies() { return alone(sortBodiesOf); }
+
   /// "stage narrow, table manifold, element 12" of the first difference since the start, or "".
   const std::string& firstDifference() const { return difference_; }
 
@@ -52,6 +56,20 @@ class LockstepPair {
     LockstepPair* pair;
     void operator()() const noexcept { pair->meet(); }
   };
+
+  template <class Work>
+  bool alone(Work&& work) {
+    bool result = false;
+    for (Side* side : {&a_, &b_}) {
+      side->executor.observe({});
+      result = work(side->executor);
+    }
+    observe();
+    return result;
+  }
+  void observe() {
+    for (Side* side : {&a_, &b_}) side->executor.observe([this, side](const char* stage) { enter(*side, stage); });
+  }
 
   /// A stage of several kernels is compared when it has ended: in between, orders may differ.
   void enter(Side& side, const char* stage) {

@@ -1,0 +1,45 @@
+#pragma once
+/// Arrays of state of tables in host memory: as they are, or by id where the bodies have another order.
+#include <cstring>
+#include <vector>
+
+#include "backend/arrays_by_id.h"
+#include "backend/cpu/table_edit.h"
+
+namespace rubble::RUBBLE_CORE {
+
+class HostArrays {
+ public:
+  explicit HostArrays(const HostTables& tables) : tables_(tables) {}
+
+  ArrayView view(StateArray which) {
+    const View& s = tables_.view();
+    if (s.ordered) return byId_.view(which, s, s.bodies, Gather{tables_.view()});
+    return withStateArray(which, [&](auto member) { return rowsOf(s.*member, s.bodies); });
+  }
+  /// The state has changed.
+  void follow() {
+    if (tables_.view().ordered) byId_.follow(tables_.view(), tables_.view().bodies, Gather{tables_.view()});
+  }
+
+ private:
+  struct Gather {
+    const View& s;
+    void operator()(std::byte* to, const void* from, int bytes) const {
+      const std::size_t size = static_cast<std::size_t>(bytes);
+      for (int id = 0; id < s.bodies; ++id)
+        std::memcpy(to + static_cast<std::size_t>(id) * size, static_cast<const std::byte*>(from) + static_cast<std::size_t>(s.placeOf[id]) * size, size);
+    }
+  };
+  struct Bytes {
+    std::vector<std::byte> bytes;
+    void reserve(std::size_t size) { bytes.resize(std::max(size, bytes.size())); }
+    std::byte* data() { return bytes.data(); }
+    std::size_t size() const { return bytes.size(); }
+  };
+
+  const HostTables& tables_;
+  ArraysById<Bytes> byId_;
+};
+
+}  // namespace rubble::RUBBLE_CORE

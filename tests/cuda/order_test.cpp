@@ -1,0 +1,140 @@
+// Bodies in another order on the device: what tests/world/order_test.cpp says of the CPU.
+#include <cuda_runtime_api.h>
+
+#include <cstring>
+
+#include "tests/cuda/cuda_scenes.h"
+
+namespace rubble::test {
+namespace {
+
+class CudaOrder : public CudaTest {
+ protected:
+  /// mixedScene() with its bricks taken from both ends by turns and a ball that rests, so many steps old, then sorted, if it is, and one step older.
+  static World world(const std::string& backend, bool sorted, int steps = 40) {
+    World w(scrambled(), optionsFor(backend));
+    run(w, steps);
+    if (sorted) w.sortBodies();
+    EXPECT_EQ(w.step().sorted, sorted);
+    return w;
+  }
+  static Scene scrambled() {
+    Scene scene = mixedScene();
+    const int bricks = 4 * 4 * 6;
+    std::vector<BodyDef> bodies(scene.bodies.begin() + 1, scene.bodies.begin() + 1 + bricks);
+    for (int i = 0; i < bricks; ++i) scene.bodies[static_cast<std::size_t>(1 + i)] = bodies[static_cast<std::size_t>(i % 2 ? bricks - 1 - i / 2 : i / 2)];
+    scene.bodies[static_cast<std::size_t>(1 + bricks)].velocity = {};
+    return scene;
+  }
+};
+
+TEST_F(CudaOrder, ChangesNoneOfTheirStates) {
+  World as = world("cuda", false), sorted = world("cuda", true);
+  EXPECT_LT(distance(as, sorted), 2e-5);
+  run(as, 5), run(sorted, 5);
+  EXPECT_LT(distance(as, sorted), 1e-3);
+  const Quality a = as.quality(), b = sorted.quality();
+  EXPECT_NEAR(a.penetration.mean, b.penetration.mean, 1e-4);
+}
+
+TEST_F(CudaOrder, IsThatOfTheCpu) {
+  World cpu = world("cpu", true, 3), cuda = world("cuda", true, 3);
+  EXPECT_LT(distance(cpu, cuda), 1e-4);
+  const StepReport a = cpu.step(), b = cuda.step();
+  EXPECT_EQ(a.pairs, b.pairs);
+  EXPECT_EQ(a.colors, b.colors);
+}
+
+TEST_F(CudaOrder, IsTheSameEachTime) {
+  World a = world("cuda", true), b = world("cuda", true);
+  run(a, 20), run(b, 20);
+  EXPECT_EQ(a.hash(), b.hash());
+}
+
+TEST_F(CudaOrder, LetsEditsAndArraysFindTheirBodies) {
+  World w = world("cuda", true);
+  const ArrayView position = w.array(StateArray::Position);
+  const auto rowIs = [&](BodyId id) {
+    Vec3 row;
+    cudaStreamSynchronize(reinterpret_cast<cudaStream_t>(position.stream));
+    EXPECT_EQ(cudaMemcpy(&row, static_cast<const char*>(position.data) + id.index * position.strides[0], 3 * sizeof(double), cudaMemcpyDefault), cudaSuccess);
+    return row == w.state(id).position;
+  };
+  for (const BodyId id : w.bodies()) EXPECT_TRUE(rowIs(id)) << id.index;
+  run(w, 3);
+  for (const BodyId id : w.bodies()) EXPECT_TRUE(rowIs(id)) << id.index;
+  w.beginPoses();
+  const PoseFrame frame = w.takePoses();
+  for (const BodyId id : w.bodies()) {
+    double z;
+    std::memcpy(&z, static_cast<const char*>(frame.position.data) + id.index * frame.position.strides[0] + 2 * frame.position.strides[1], sizeof z);
+    EXPECT_EQ(z, w.state(id).position.z);
+  }
+
+  const BodyId pushed = w.bodyAt(30), moved = w.bodyAt(31), gone = w.bodyAt(32);
+  BodyState state = w.state(moved);
+  state.position = {20, 20, 5};
+  w.setState(moved, state);
+  const double before = w.state(pushed).velocity.z;
+  w.applyImpulse(pushed, {0, 0, 1e4});
+  EXPECT_GT(w.state(pushed).velocity.z, before + 5);
+  w.remove(gone);
+  const BodyId fresh = w.add(boxAt({-20, 20, 5}));
+  EXPECT_EQ(fresh.index, gone.index);
+  w.applyForce(fresh, {0, 0, 9.81 * w.massOf(fresh).mass});
+  w.step();
+  EXPECT_NEAR(w.state(moved).position.x, 20, 1e-3);
+  EXPECT_NEAR(w.state(fresh).velocity.z, 0, 1e-4);
+  // forces that wait when the bodies are sorted act on who was pushed
+  w.applyForce(fresh, {0, 0, 9.81 * w.massOf(fresh).mass});
+  w.sortBodies();
+  w.step();
+  EXPECT_NEAR(w.state(fresh).velocity.z, 0, 1e-4);
+  w.step();
+  EXPECT_LT(w.state(fresh).velocity.z, -.1);
+}
+
+TEST_F(CudaOrder, IsInSnapshots) {
+  World w = world("cuda", false);
+  const Snapshot before = w.snapshot();
+  w.sortBodies();
+  run(w, 3);
+  const Snapshot after = w.snapshot();
+  run(w, 5);
+  const std::uint64_t sorted = w.hash();
+  w.restore(before);
+  run(w, 2);
+  w.restore(after);
+  run(w, 5);
+  EXPECT_EQ(w.hash(), sorted);
+  // the CPU takes it, and goes on beside
+  World cpu(scrambled(), optionsFor("cpu"));
+  cpu.restore(after);
+  run(cpu, 1);
+  w.restore(after);
+  run(w, 1);
+  EXPECT_LT(distance(cpu, w), 1e-4);
+}
+
+TEST_F(CudaOrder, JointsAndTreesGoOn) {
+  World as = world("cuda", false), sorted = world("cuda", true);
+  for (const JointId id : sorted.joints()) EXPECT_NEAR(sorted.state(id).gap, as.state(id).gap, 1e-4);
+  run(sorted, 60);
+  for (const JointId id : sorted.joints()) EXPECT_LT(sorted.state(id).gap, 5e-3);
+}
+
+TEST_F(CudaOrder, IsMadeWhereBodiesLieScattered) {
+  constexpr int kSide = 17;
+  Scene scene = ground();
+  scene.gravity = {};
+  std::vector<int> at(kSide * kSide * kSide);
+  for (std::size_t i = 0; i < at.size(); ++i) at[i] = static_cast<int>(i * 7919 % at.size());
+  for (const int i : at) scene.bodies.push_back(boxAt({1.01 * (i % kSide), 1.01 * (i / kSide % kSide), 1.01 * (i / (kSide * kSide)) + 1}));
+  World cpu(scene, optionsFor("cpu")), cuda(scene, optionsFor("cuda"));
+  EXPECT_TRUE(cpu.step().sorted);
+  EXPECT_TRUE(cuda.step().sorted);
+  for (int i = 0; i < 65; ++i) EXPECT_FALSE(cuda.step().sorted) << i;
+}
+
+}  // namespace
+}  // namespace rubble::test
