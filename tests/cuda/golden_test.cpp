@@ -1,0 +1,51 @@
+// Bits of runs on the device as they were recorded. They change with the method and with the order in which sums are taken, and with nothing else:
+// a test that fails here beside tests that pass asks whether that was meant. The message has the new number.
+#include <cuda_runtime_api.h>
+
+#include "scenes/registry.h"
+#include "tests/cuda/cuda_scenes.h"
+
+namespace rubble::test {
+namespace {
+
+/// What recorded them: compute capability of the device, and toolkit of the code, which may contract products and sums in other ways.
+constexpr int kCapability = 90, kToolkit = 13000;
+
+struct Golden {
+  const char* scene;  ///< of the registry, at the size of its tests
+  int steps;
+  bool sorted;        ///< with the bodies sorted in the middle
+  std::uint64_t hash;
+};
+
+class CudaGolden : public CudaTest, public testing::WithParamInterface<Golden> {};
+
+TEST_P(CudaGolden, HashIsTheRecordedOne) {
+  int device = 0, major = 0, minor = 0;
+  cudaGetDevice(&device);
+  cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device);
+  cudaDeviceGetAttribute(&minor, cudaDevAttrComputeCapabilityMinor, device);
+  if (10 * major + minor != kCapability || CUDART_VERSION != kToolkit) GTEST_SKIP() << "recorded with another device or toolkit";
+  for (const std::string& feature : buildInfo().features)
+    if (feature.find("strict") != std::string::npos) GTEST_SKIP() << "recorded with another build";
+  const Golden& golden = GetParam();
+  const scenes::Spec& spec = scenes::find(golden.scene);
+  World world(spec.build(scenes::resolve(spec, spec.testArguments)), optionsFor("cuda"));
+  run(world, golden.steps / 2);
+  if (golden.sorted) world.sortBodies();
+  run(world, golden.steps - golden.steps / 2);
+  EXPECT_EQ(world.hash(), golden.hash) << golden.scene;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, CudaGolden,
+                         testing::Values(Golden{"pile-1k", 60, false, 7915566089972434800u}, Golden{"pile-1k", 60, true, 12955727404811405938u}, Golden{"ring", 60, false, 15293569784100093154u},
+                                         Golden{"ragdoll", 60, false, 9122418045662202726u}, Golden{"joint-grid", 30, true, 3513608377464860051u}, Golden{"soft-beam", 60, false, 17945715014223704165u},
+                                         Golden{"cloth-folds", 60, false, 12077374777930539227u}),
+                         [](const auto& info) {
+                           std::string name = info.param.scene;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name + (info.param.sorted ? "_sorted" : "");
+                         });
+
+}  // namespace
+}  // namespace rubble::test
