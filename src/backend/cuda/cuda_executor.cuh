@@ -4,15 +4,12 @@
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 #include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_reduce.cuh>
 #include <cub/device/device_scan.cuh>
 
 #include <algorithm>
 #include <bit>
 #include <cstring>
 #include <limits>
-#include <memory>
-#include <vector>
 
 #include "backend/cuda/cluster_kernels.cuh"
 #include "backend/cuda/color_kernels.cuh"
@@ -293,55 +290,17 @@ class CudaExecutor {
     solveColorsFrom(options_.colors, 1, {0, 0});
   }
 
-  // Between steps
-  /// All that `work` calls is enqueued, in no graph and no stage.
-  template <class Work>
-  void enqueueWork(Work&& work) {
+  /// Work between steps begins: its kernels are in no graph and no stage.
+  void beginWork() {
     checkCuda(cudaMemsetAsync(control_, 0, sizeof(Control), stream_), "cudaMemsetAsync");
     options_ = {};
     operation_ = 0;
     stage_ = nullptr;
     kept_ = afterKernel_ = false;
-    work(*this);
-    enterStage(nullptr);
   }
-  template <class T>
-  T* room(int n) {
-    return reinterpret_cast<T*>(roomOf(sizeof(T) * static_cast<std::size_t>(n)));
-  }
-  void order(const std::uint64_t* keys, int* to, int n) {
-    auto* const sorted = room<std::uint64_t>(n);
-    int* const indices = room<int>(n);
-    launch(WriteIndices{indices, std::max(n, 1)}, {n, nullptr}, n, "indices");
-    const auto sort = [&](void* scratch, std::size_t& bytes) {
-      checkCuda(cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, sorted, indices, to, n, 0, 64, stream_), "sort");
-    };
-    std::size_t bytes = 0;
-    sort(nullptr, bytes);
-    sort(roomOf(bytes), bytes);
-    afterKernel_ = false;
-  }
-  template <class T>
-  void copy(T* to, const T* from, int n) {
-    checkCuda(cudaMemcpyAsync(to, from, sizeof(T) * static_cast<std::size_t>(n), cudaMemcpyDeviceToDevice, stream_), "cudaMemcpyAsync");
-    afterKernel_ = false;
-  }
-  template <class Test>
-  int count(const Test& test, int n) {
-    int* const out = room<int>(1);
-    int counted = 0;
-    const auto ones = thrust::make_transform_iterator(thrust::make_counting_iterator(0), TestAt<Test>{view(), test});
-    std::size_t bytes = 0;
-    const auto sum = [&](void* scratch) { checkCuda(cub::DeviceReduce::Sum(scratch, bytes, ones, out, n, stream_), "count"); };
-    sum(nullptr);
-    sum(roomOf(bytes));
-    checkCuda(cudaMemcpyAsync(&counted, out, sizeof counted, cudaMemcpyDeviceToHost, stream_), "cudaMemcpyAsync");
-    checkCuda(cudaStreamSynchronize(stream_), "count");
-    afterKernel_ = false;
-    return counted;
-  }
-  /// The work is done.
-  void endRooms() { rooms_.clear(); }
+  void endWork() { enterStage(nullptr); }
+  /// Others have enqueued something behind our last kernel.
+  void interrupted() { afterKernel_ = false; }
 
   void lodgeRows() { tables_.lodgeRows(); }
 
@@ -503,14 +462,7 @@ class CudaExecutor {
     return tables_.capacity(static_cast<Per>(per));
   }
 
-  std::byte* roomOf(std::size_t bytes) {
-    rooms_.push_back(std::make_unique<DeviceBuffer>());
-    rooms_.back()->reserveExactly(bytes);
-    return rooms_.back()->data();
-  }
-
   DeviceTables& tables_;
-  std::vector<std::unique_ptr<DeviceBuffer>> rooms_;
   cudaStream_t stream_;
   Control* control_ = nullptr;
   DeviceBuffer scratch_, sortedKeys_, indices_, tickets_, hubs_, heavyChunks_, colorBins_;

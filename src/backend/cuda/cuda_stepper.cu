@@ -1,6 +1,6 @@
 #include "backend/cuda/cuda_stepper.h"
 
-#include "backend/cuda/cuda_executor.cuh"
+#include "backend/cuda/cuda_rearranger.cuh"
 #include "stages/order.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -179,24 +179,19 @@ bool CudaStepper::counted(Per per) const { return impl_->executor.counted(per); 
 std::size_t CudaStepper::bytes() const { return impl_->tables.bytes() + impl_->executor.scratchBytes(); }
 
 bool CudaStepper::liesScattered(const View& host) {
-  Impl& m = *impl_;
-  m.adopt(host);
-  bool scattered = false;
-  m.executor.enqueueWork([&](CudaExecutor& e) { scattered = RUBBLE_CORE::liesScattered(e); });
-  m.stream.wait();
-  m.executor.endRooms();
-  return scattered;
+  impl_->adopt(host);
+  CudaRearranger rearranger(impl_->executor, impl_->stream);
+  return RUBBLE_CORE::liesScattered(rearranger);
 }
 
 void CudaStepper::sortBodies(const View& host, int pairs) {
   Impl& m = *impl_;
   m.adopt(host);
   m.executor.reserveScratch();
-  m.executor.enqueueWork([&](CudaExecutor& e) { RUBBLE_CORE::sortBodies(e, pairs); });
+  CudaRearranger rearranger(m.executor, m.stream);
+  RUBBLE_CORE::sortBodies(rearranger, pairs);
   // what is old lies where it lies after every other step
   m.parity ^= 1;
-  m.stream.wait();
-  m.executor.endRooms();
 }
 
 Counters CudaStepper::step(const View& host, StepReport& report) {

@@ -1,0 +1,90 @@
+#pragma once
+/// Work between steps (stages/order.h): what the executor does in a step, over numbers that the host knows, and what takes room of its own or gives
+/// the host an answer.
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_reduce.cuh>
+
+#include <memory>
+#include <vector>
+
+#include "backend/cuda/cuda_executor.cuh"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Each element is its index.
+struct NumberElements {
+  static constexpr const char* kName = "order";
+  int* to;
+  __device__ void operator()(const View&, int i) const { to[i] = i; }
+};
+
+/// Waits for the device, and gives the room back, at the end of its life.
+class CudaRearranger {
+ public:
+  CudaRearranger(CudaExecutor& executor, const Stream& stream) : executor_(executor), stream_(stream) { executor_.beginWork(); }
+  ~CudaRearranger() {
+    executor_.endWork();
+    cudaStreamSynchronize(stream_.get());
+  }
+  CudaRearranger(const CudaRearranger&) = delete;
+  CudaRearranger& operator=(const CudaRearranger&) = delete;
+
+  const View& view() const { return executor_.view(); }
+  template <class Kernel>
+  void forEach(const Kernel& kernel, int n) {
+    executor_.forEach(kernel, n);
+  }
+  void clear(int* View::*array, int n) { executor_.clear(array, n); }
+  void scan(int* View::*counts, int* View::*offsets, int n) { executor_.scan(counts, offsets, n); }
+  void lodgeRows() { executor_.lodgeRows(); }
+  void keepManifolds() { executor_.keepManifolds(); }
+
+  template <class T>
+  T* room(int n) {
+    return reinterpret_cast<T*>(roomOf(sizeof(T) * static_cast<std::size_t>(n)));
+  }
+  void order(const std::uint64_t* keys, int* to, int n) {
+    auto* const sorted = room<std::uint64_t>(n);
+    int* const indices = room<int>(n);
+    forEach(NumberElements{indices}, n);
+    std::size_t bytes = 0;
+    const auto sort = [&](void* scratch) {
+      checkCuda(cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, sorted, indices, to, n, 0, 64, stream_.get()), "sort");
+    };
+    sort(nullptr);
+    sort(roomOf(bytes));
+    executor_.interrupted();
+  }
+  template <class T>
+  void copy(T* to, const T* from, int n) {
+    checkCuda(cudaMemcpyAsync(to, from, sizeof(T) * static_cast<std::size_t>(n), cudaMemcpyDeviceToDevice, stream_.get()), "cudaMemcpyAsync");
+    executor_.interrupted();
+  }
+  template <class Test>
+  int count(const Test& test, int n) {
+    int* const out = room<int>(1);
+    const auto ones = thrust::make_transform_iterator(thrust::make_counting_iterator(0), TestAt<Test>{view(), test});
+    std::size_t bytes = 0;
+    const auto sum = [&](void* scratch) { checkCuda(cub::DeviceReduce::Sum(scratch, bytes, ones, out, n, stream_.get()), "count"); };
+    sum(nullptr);
+    sum(roomOf(bytes));
+    executor_.interrupted();
+    int counted = 0;
+    checkCuda(cudaMemcpyAsync(&counted, out, sizeof counted, cudaMemcpyDeviceToHost, stream_.get()), "cudaMemcpyAsync");
+    stream_.wait();
+    return counted;
+  }
+
+ private:
+  std::byte* roomOf(std::size_t bytes) {
+    rooms_.push_back(std::make_unique<DeviceBuffer>());
+    rooms_.back()->reserveExactly(bytes);
+    return rooms_.back()->data();
+  }
+
+  CudaExecutor& executor_;
+  const Stream& stream_;
+  std::vector<std::unique_ptr<DeviceBuffer>> rooms_;
+};
+
+}  // namespace rubble::RUBBLE_CORE
