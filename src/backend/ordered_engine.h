@@ -42,7 +42,9 @@ class OrderedEngine final : public Engine {
   void setSurfaces(const std::vector<Material>& surfaces) override { engine_->setSurfaces(surfaces); }
   void setJointCount(int type, int joints) override { engine_->setJointCount(type, joints); }
   void setExclusions(const std::vector<std::pair<int, int>>& pairs) override { engine_->setExclusions(pairs); }
-  void vertexStates(int first, std::span<Vec3> positions, std::span<Vec3> velocities) const override { engine_->vertexStates(first, positions, velocities); }
+  void vertexStates(int first, std::span<Vec3> positions, std::span<Vec3> velocities) const override {
+    engine_->vertexStates(first, positions, velocities);
+  }
   void setVertexStates(int first, std::span<const Vec3> positions, std::span<const Vec3> velocities) override {
     engine_->setVertexStates(first, positions, velocities);
   }

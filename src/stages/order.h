@@ -1,7 +1,7 @@
 #pragma once
-/// The order of bodies in the tables. Bodies that are one behind the other should be near one another: so are their partners then, and what is read of
-/// these lies in lines that others have asked for (what it is worth: docs/performance.md). Where too many do not they are put in the order of a Morton
-/// curve, between steps. Nothing else changes: a body keeps its id and all that lasts of it, its contacts among that.
+/// The order of bodies in the tables. Bodies one behind the other should be near one another: so are their partners then, and what is read
+/// of these lies in lines that others have asked for (what it is worth: docs/performance.md). Where too many are not they are put in the order
+/// of a Morton curve, between steps. Nothing else changes: a body keeps its id and all that lasts of it, its contacts among that.
 #include <algorithm>
 
 #include "stages/joints.h"

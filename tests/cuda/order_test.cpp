@@ -22,7 +22,8 @@ class CudaOrder : public CudaTest {
     Scene scene = mixedScene();
     const int bricks = 4 * 4 * 6;
     std::vector<BodyDef> bodies(scene.bodies.begin() + 1, scene.bodies.begin() + 1 + bricks);
-    for (int i = 0; i < bricks; ++i) scene.bodies[static_cast<std::size_t>(1 + i)] = bodies[static_cast<std::size_t>(i % 2 ? bricks - 1 - i / 2 : i / 2)];
+    const auto brick = [&](int i) { return bodies[static_cast<std::size_t>(i % 2 ? bricks - 1 - i / 2 : i / 2)]; };
+    for (int i = 0; i < bricks; ++i) scene.bodies[static_cast<std::size_t>(1 + i)] = brick(i);
     scene.bodies[static_cast<std::size_t>(1 + bricks)].velocity = {};
     return scene;
   }
@@ -57,7 +58,8 @@ TEST_F(CudaOrder, LetsEditsAndArraysFindTheirBodies) {
   const auto rowIs = [&](BodyId id) {
     Vec3 row;
     cudaStreamSynchronize(reinterpret_cast<cudaStream_t>(position.stream));
-    EXPECT_EQ(cudaMemcpy(&row, static_cast<const char*>(position.data) + id.index * position.strides[0], 3 * sizeof(double), cudaMemcpyDefault), cudaSuccess);
+    const char* const at = static_cast<const char*>(position.data) + id.index * position.strides[0];
+    EXPECT_EQ(cudaMemcpy(&row, at, sizeof row, cudaMemcpyDefault), cudaSuccess);
     return row == w.state(id).position;
   };
   for (const BodyId id : w.bodies()) EXPECT_TRUE(rowIs(id)) << id.index;

@@ -139,7 +139,8 @@ TEST_P(Order, ArraysStayById) {
   const double values[2][3] = {{1, 2, 30}, {4, 5, 60}};
   ArrayView rowView, valueView;
   rowView.data = rows, rowView.shape[0] = 2, rowView.shape[1] = 1, rowView.strides[0] = rowView.strides[1] = sizeof(int), rowView.typestr = "<i4";
-  valueView.data = values, valueView.shape[0] = 2, valueView.shape[1] = 3, valueView.strides[0] = sizeof values[0], valueView.strides[1] = sizeof(double);
+  valueView.data = values, valueView.shape[0] = 2, valueView.shape[1] = 3;
+  valueView.strides[0] = sizeof values[0], valueView.strides[1] = sizeof(double);
   valueView.typestr = "<f8";
   w.scatter(StateArray::Position, rowView, valueView);
   EXPECT_EQ(w.state(w.bodyAt(4)).position, (Vec3{1, 2, 30}));
@@ -264,7 +265,8 @@ TEST_P(Order, OfAWorldWithSoftThingsIsLeftAlone) {
   EXPECT_FALSE(w.step().sorted);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, Order, ::testing::Values("cpu", "reference", "lockstep"), [](const auto& info) { return std::string(info.param); });
+INSTANTIATE_TEST_SUITE_P(Backends, Order, ::testing::Values("cpu", "reference", "lockstep"),
+                         [](const auto& info) { return std::string(info.param); });
 
 /// Cubes without weight side by side, `pitch` apart, in rows or in any order.
 Scene field(double pitch, bool shuffled) {

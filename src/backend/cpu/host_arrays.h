@@ -26,9 +26,8 @@ class HostArrays {
   struct Gather {
     const View& s;
     void operator()(std::byte* to, const void* from, int bytes) const {
-      const std::size_t size = static_cast<std::size_t>(bytes);
-      for (int id = 0; id < s.bodies; ++id)
-        std::memcpy(to + static_cast<std::size_t>(id) * size, static_cast<const std::byte*>(from) + static_cast<std::size_t>(s.placeOf[id]) * size, size);
+      const auto at = [bytes](int i) { return static_cast<std::size_t>(i) * static_cast<std::size_t>(bytes); };
+      for (int id = 0; id < s.bodies; ++id) std::memcpy(to + at(id), static_cast<const std::byte*>(from) + at(s.placeOf[id]), at(1));
     }
   };
   struct Bytes {
