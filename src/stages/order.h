@@ -62,8 +62,9 @@ struct TakeElements {
   RUBBLE_HD void operator()(const View&, int k) const { to[k] = of[from[k]]; }
 };
 
-/// Worlds with fewer bodies have no use for an order.
-inline constexpr int kFewBodies = 4096;
+/// Worlds with fewer bodies have no use for an order. Others are sorted if more than one body in kScattered is far from the next, and at most one in
+/// kBetter of these would be on the curve: bodies that are few and far between lie apart in any order.
+inline constexpr int kFewBodies = 4096, kScattered = 4, kBetter = 2;
 /// Two bodies are far from one another if their centres are further apart than so many times the sum of their radii.
 inline constexpr Real kFar = 4;
 
@@ -212,7 +213,7 @@ bool liesScattered(E& e) {
   const int bodies = e.view().bodies;
   if (bodies < kFewBodies) return false;
   const int apart = e.count(LiesApart{}, bodies - 1);
-  return apart > bodies / 4 && e.count(LiesApart{orderOnCurve(e)}, bodies - 1) < apart / 2;
+  return apart > bodies / kScattered && e.count(LiesApart{orderOnCurve(e)}, bodies - 1) < apart / kBetter;
 }
 
 /// Puts the bodies in the order of the curve; there are no vertices, and so many old pairs. Constants are those of the next step. What is derived, and
