@@ -23,160 +23,175 @@ enum class TreeSolve { Own, Exact, Again };
 /// A limit is reached within this share of L (of 1 rad): exact solves leave it off by round-off, on either side, which must not decide.
 inline constexpr Real kReached = Real(1e-5);
 
-/// A row whose multiplier the tree finds.
-struct SolvedRow {
-  double force = 0, hessian = 0;
-  int side = 0;        ///< of a limit: 1 it pushes down, -1 up; 0 both
-  bool there = false;
-};
+/// Whose multiplier the force of a row becomes.
+enum class TreeTake { Nothing, Held, Limit, UpperLimit, LowerLimit, Drive };
 
-template <int N>
-struct TreeRows {
-  double force[N], hessian;  ///< all that acts
-  Real own[N];               ///< force by the rows' own stiffness, for the curvature
-  SolvedRow solved[N];       ///< rows that are held together, or the limit of an axis
-  SolvedRow drive;           ///< of an axis
+/// A row of a joint as its tree has it: the force F and stiffness h at the present poses.
+template <int kSides>
+struct TreeRow {
+  double force, hessian;
+  Vec6 j[kSides];  ///< dC/dx of the bodies of its first sides
+  int part;        ///< of the joint
+  TreeTake take;
 };
-
-/// dC/dx of the body of that side. Apart, as treeRows is: F + h J dx with h = kTreeStiffness m_row / dt^2 is a small difference of large numbers,
-/// and has no correct digit unless the blocks were summed with the same bits of C and J. On a device one expression has other bits in each kernel
-/// that it is inlined in, by the products that are contracted there.
-template <class P, class F>
-RUBBLE_HD RUBBLE_APART void treeJacobian(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side,
-                                         Vec6 (&j)[P::kRows]) {
-  jacobianOf<P>(spec, joint, a, b, side, j);
+/// Rows of a type of joint at most: those of an axis are its limit, its drive, and what else acts on it.
+template <class... P>
+constexpr int mostTreeRows(PartList<P...>) {
+  return (0 + ... + (P::kAxis ? 3 : P::kRows));
 }
-
-/// Rows of part I at the present poses; false if the part does not act.
-template <class F, int I, class P>
-RUBBLE_HD RUBBLE_APART bool treeRows(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
-                                     const SidePose<F>& b, TreeSolve how, TreeRows<P::kRows>& out) {
-  const auto& rows = partOf<I>(joint.parts);
-  Real error[P::kRows];
-  const auto solve = [&](SolvedRow& row, Real start, Real compliance, Real value, Real lambda) {
-    const double k = kTreeStiffness * static_cast<double>(start / c.startStiffness), s = 1 / (1 + k * static_cast<double>(compliance));
-    row.force = s * (k * static_cast<double>(value) + static_cast<double>(lambda));
-    row.hessian = s * k;
-    row.there = true;
-  };
-  if constexpr (P::kAxis) {
-    if (!actsAtAll(rows)) return false;
-    P::constraint(spec.data, joint.memory, a, b, error);
-    Real hessian;
-    axisForces(rows, error[0], out.own[0], hessian);
-    // 1: c is at the upper end, -1: at the lower one, 0: not known to be at one
-    const auto reached = [&](const AxisRow& row) {
-      if (how != TreeSolve::Again || !row.acts || row.lo == row.hi) return 0;
-      return error[0] - row.hi > -kReached * rows.length ? 1 : row.lo - error[0] > -kReached * rows.length ? -1 : 0;
-    };
-    if (out.own[0] == Real(0) && !(hessian > Real(0)) && reached(rows.limit) == 0) return false;
-    out.force[0] = static_cast<double>(out.own[0]), out.hessian = static_cast<double>(hessian);
-    const auto take = [&](const AxisRow& row, SolvedRow& solved) {
-      if (how == TreeSolve::Own || !row.acts || !row.keepsMultiplier) return;
-      const bool both = row.lo == row.hi;
-      Real force, stiffness;
-      const Real beyond = axisForce(row, error[0], force, stiffness);
-      const int end = both ? 0 : force > Real(0) ? 1 : force < Real(0) ? -1 : reached(row);
-      if (!(absOf(force) < row.bound * (Real(1) - kAtBound)) || (end == 0 && !both)) return;
-      const Real off = force != Real(0) && !both ? beyond : error[0] - (end < 0 ? row.lo : row.hi);
-      solve(solved, rows.start, row.compliance, off, row.lambda);
-      solved.side = end;
-      out.force[0] += solved.force - static_cast<double>(force);
-      out.hessian += solved.hessian - static_cast<double>(stiffness);
-    };
-    take(rows.limit, out.solved[0]);
-    take(rows.drive, out.drive);
-  } else {
-    const GroupSpec& own = partOf<I>(spec.parts);
-    if (own.mode == GroupMode::Off) return false;
-    P::constraint(spec.data, joint.memory, a, b, error);
-    for (int i = 0; i < P::kRows; ++i) error[i] -= rows.shift[i];
-    Real hessian;
-    const bool inside = groupForce<P::kRows>(rows.state, error, rows.lambda, out.own, P::kRows, hessian);
-    out.hessian = static_cast<double>(hessian);
-    for (int i = 0; i < P::kRows; ++i) out.force[i] = static_cast<double>(out.own[i]);
-    Real size2 = 0;
-    for (int i = 0; i < P::kRows; ++i) size2 += out.own[i] * out.own[i];
-    const bool free = inside && std::sqrt(size2) < rows.state.bound * (Real(1) - kAtBound);
-    if (how == TreeSolve::Own || !free || own.mode != GroupMode::Hold || !rows.state.keepsMultiplier) return true;
-    for (int i = 0; i < P::kRows; ++i) {
-      solve(out.solved[i], rows.state.rule.start, rows.state.compliance, error[i], rows.lambda[i]);
-      out.force[i] = out.solved[i].force;
-    }
-    out.hessian = out.solved[0].hessian;
-  }
-  return true;
-}
-
-/// Where the coupling of a body to another one of its joint is summed: by a side of that one.
-struct TreeCoupling {
-  int side;
-  Dense6* block;  ///< null: none
-};
-
-/// Adds the rows of a joint to the block (h, f) of one of its bodies (the lower triangle of h), by its first side, and to its couplings (`side`, other side).
+/// All rows of a joint that act. Blocks are summed of these, and multipliers found: F + h J dx with h = kTreeStiffness m_row / dt^2 is a small
+/// difference of large numbers, and has no correct digit unless both have the same bits of C and J.
 template <class F>
-RUBBLE_HD void stampJointOfTree(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
-                                int side, TreeSolve how, Dense6& h, Long6& f, TreeCoupling first, TreeCoupling second) {
-  forEachPart<F>([&]<int I, class P>() {
-    TreeRows<P::kRows> rows;
-    if (!treeRows<F, I, P>(c, spec, joint, a, b, how, rows)) return;
-    Vec6 j[P::kRows];
-    Long6 own[P::kRows];
-    treeJacobian<P>(spec, joint, a, b, side, j);
-    for (int i = 0; i < P::kRows; ++i) {
-      own[i] = longer(j[i]);
-      for (int k = 0; k < 6; ++k) f.v[k] -= rows.force[i] * own[i].v[k];
+struct TreeRows {
+  int count;
+  Vec6 bend[kSides<F>];  ///< column norms of the second derivatives by the forces of the rows' own stiffness
+  TreeRow<kSides<F>> row[mostTreeRows(typename F::Parts{})];
+
+  RUBBLE_HD void add(int part, double force, double hessian, TreeTake take) {
+    TreeRow<kSides<F>>& next = row[count++];
+    next.force = force, next.hessian = hessian, next.part = part, next.take = take;
+  }
+};
+
+/// A row with the stiffness of a tree, or its own compliance.
+template <class F>
+RUBBLE_HD void addSolvedRow(const StepConstants& c, TreeRows<F>& out, int part, Real start, Real compliance, Real value, Real lambda, TreeTake take) {
+  const double k = kTreeStiffness * static_cast<double>(start / c.startStiffness), s = 1 / (1 + k * static_cast<double>(compliance));
+  out.add(part, s * (k * static_cast<double>(value) + static_cast<double>(lambda)), s * k, take);
+}
+
+/// Adds the rows of an axis at c; `own`: its force by its own stiffness.
+template <class F>
+RUBBLE_HD void addTreeAxis(const StepConstants& c, int part, const AxisRows& rows, Real value, TreeSolve how, TreeRows<F>& out, Real& own) {
+  own = 0;
+  Real force = 0, hessian = 0;
+  // 1: c is at the upper end, -1: at the lower one, 0: not known to be at one
+  const auto reached = [&](const AxisRow& row) {
+    if (how != TreeSolve::Again || row.lo == row.hi) return 0;
+    return value - row.hi > -kReached * rows.length ? 1 : row.lo - value > -kReached * rows.length ? -1 : 0;
+  };
+  const auto add = [&](const AxisRow& row, bool solved, TreeTake take) {
+    if (!row.acts) return;
+    Real f, k;
+    const Real beyond = axisForce(row, value, f, k);
+    own += f;
+    if (solved && how != TreeSolve::Own && row.keepsMultiplier && absOf(f) < row.bound * (Real(1) - kAtBound)) {
+      const bool both = row.lo == row.hi;
+      const int end = both ? 0 : f > Real(0) ? 1 : f < Real(0) ? -1 : reached(row);
+      if (both || end != 0) {
+        const Real off = f != Real(0) && !both ? beyond : value - (end < 0 ? row.lo : row.hi);
+        addSolvedRow(c, out, part, rows.start, row.compliance, off, row.lambda, end > 0 ? TreeTake::UpperLimit : end < 0 ? TreeTake::LowerLimit : take);
+        return;
+      }
     }
-    addSquare(h, own, rows.hessian);
-    const auto couple = [&](const TreeCoupling& to) {
-      if (!to.block) return;
-      Long6 other[P::kRows];
-      treeJacobian<P>(spec, joint, a, b, to.side, j);
-      for (int i = 0; i < P::kRows; ++i) other[i] = longer(j[i]);
-      addOuter(*to.block, own, other, rows.hessian);
-    };
-    couple(first), couple(second);
-    const Long6 bend = longer(curvatureOf<P>(spec, joint, a, b, side, rows.own));
-    for (int k = 0; k < 6; ++k) h.m[k][k] += bend.v[k];
+    force += f;
+    hessian += k;
+  };
+  add(rows.limit, true, TreeTake::Limit);
+  add(rows.drive, true, TreeTake::Drive);
+  add(rows.friction, false, TreeTake::Nothing);
+  if (force != Real(0) || hessian > Real(0)) out.add(part, static_cast<double>(force), static_cast<double>(hessian), TreeTake::Nothing);
+}
+
+/// Adds rows that are held together; `own`: their force by their own stiffness.
+template <class P, class F>
+RUBBLE_HD void addTreeGroup(const StepConstants& c, int part, const GroupSpec& spec, const GroupRows<P::kRows>& rows, const Real (&error)[P::kRows],
+                            TreeSolve how, TreeRows<F>& out, Real (&own)[P::kRows]) {
+  Real hessian, size2 = 0;
+  const bool inside = groupForce<P::kRows>(rows.state, error, rows.lambda, own, P::kRows, hessian);
+  for (int i = 0; i < P::kRows; ++i) size2 += own[i] * own[i];
+  const bool free = inside && std::sqrt(size2) < rows.state.bound * (Real(1) - kAtBound);
+  const bool solved = how != TreeSolve::Own && free && spec.mode == GroupMode::Hold && rows.state.keepsMultiplier;
+  for (int i = 0; i < P::kRows; ++i) {
+    if (solved) addSolvedRow(c, out, part, rows.state.rule.start, rows.state.compliance, error[i], rows.lambda[i], TreeTake::Held);
+    else out.add(part, static_cast<double>(own[i]), static_cast<double>(hessian), TreeTake::Nothing);
+  }
+}
+
+/// The rows of a joint at the present poses.
+template <class F>
+RUBBLE_HD void findTreeRows(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
+                            TreeSolve how, TreeRows<F>& out) {
+  out.count = 0;
+  for (Vec6& bend : out.bend) bend = {};
+  forEachPart<F>([&]<int I, class P>() {
+    const auto& rows = partOf<I>(joint.parts);
+    const int first = out.count;
+    Real error[P::kRows], own[P::kRows];
+    if constexpr (P::kAxis) {
+      if (!actsAtAll(rows)) return;
+      P::constraint(spec.data, joint.memory, a, b, error);
+      addTreeAxis(c, I, rows, error[0], how, out, own[0]);
+    } else {
+      if (partOf<I>(spec.parts).mode == GroupMode::Off) return;
+      heldErrors<P>(rows.shift, spec.data, joint.memory, a, b, error);
+      addTreeGroup<P>(c, I, partOf<I>(spec.parts), rows, error, how, out, own);
+    }
+    if (out.count == first) return;
+    for (int side = 0; side < kSides<F>; ++side) {
+      if (!isFirstSide(spec, side)) continue;
+      Vec6 j[P::kRows];
+      jacobianOf<P>(spec, joint, a, b, side, j);
+      for (int k = first; k < out.count; ++k) out.row[k].j[side] = j[P::kAxis ? 0 : k - first];
+      const Vec6 bend = curvatureOf<P>(spec, joint, a, b, side, own);
+      out.bend[side].lin += bend.lin, out.bend[side].ang += bend.ang;
+    }
   });
 }
 
-/// Multipliers after the tree has found that the bodies move by dxA, dxB, of which they make `share`. The poses are those before.
+/// Which sides of a joint are the neighbours that a body is coupled to when it is eliminated; -1: none.
+struct TreeCoupling {
+  int side[2];
+};
+
+/// Adds the rows of a joint to the block (h, f) of the body of a side (the lower triangle of h), and to its couplings e.
 template <class F>
-RUBBLE_HD void takeTreeForces(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
-                              const Long6& dxA, const Long6& dxB, TreeSolve how, double share) {
+RUBBLE_HD void stampTreeRows(const TreeRows<F>& rows, int side, const TreeCoupling& to, Dense6& h, Long6& f, Dense6 (&e)[2]) {
+  for (int k = 0; k < rows.count; ++k) {
+    const TreeRow<kSides<F>>& row = rows.row[k];
+    const Long6 own = longer(row.j[side]);
+    for (int i = 0; i < 6; ++i) f.v[i] -= row.force * own.v[i];
+    addSquare(h, own, row.hessian);
+    for (int t = 0; t < 2; ++t)
+      if (to.side[t] >= 0) addOuter(e[t], own, longer(row.j[to.side[t]]), row.hessian);
+  }
+  const Long6 bend = longer(rows.bend[side]);
+  for (int i = 0; i < 6; ++i) h.m[i][i] += bend.v[i];
+}
+
+/// Multipliers after the tree has found that the bodies move by dxA, dxB, of which they make `share`.
+template <class F>
+RUBBLE_HD void takeTreeForces(const TreeRows<F>& rows, Joint<F>& joint, const Long6& dxA, const Long6& dxB, double share) {
+  int next = 0;
+  const auto take = [&](Real& lambda, double force, double size, Real bound) {
+    if (size > static_cast<double>(bound)) force *= static_cast<double>(bound) / size;
+    lambda = static_cast<Real>(static_cast<double>(lambda) + share * (force - static_cast<double>(lambda)));
+  };
+  const auto forceOf = [&](const TreeRow<kSides<F>>& row) {
+    const double force = row.force + row.hessian * (dot(longer(row.j[0]), dxA) + dot(longer(row.j[1]), dxB));
+    // a limit that would have to pull lets go: the next solve is without it
+    return row.take == TreeTake::UpperLimit ? max(force, 0.0) : row.take == TreeTake::LowerLimit ? min(force, 0.0) : force;
+  };
   forEachPart<F>([&]<int I, class P>() {
-    TreeRows<P::kRows> rows;
-    if (!treeRows<F, I, P>(c, spec, joint, a, b, how, rows) || !(rows.solved[0].there || rows.drive.there)) return;
-    Vec6 ja[P::kRows], jb[P::kRows];
-    treeJacobian<P>(spec, joint, a, b, 0, ja);
-    treeJacobian<P>(spec, joint, a, b, 1, jb);
-    const auto forceOf = [&](const SolvedRow& row, int i) {
-      const double force = row.force + row.hessian * (dot(longer(ja[i]), dxA) + dot(longer(jb[i]), dxB));
-      // a limit that would have to pull lets go: the next solve is without it
-      return row.side > 0 ? max(force, 0.0) : row.side < 0 ? min(force, 0.0) : force;
-    };
-    const auto take = [&](Real& lambda, double force, double size, Real bound) {
-      if (size > static_cast<double>(bound)) force *= static_cast<double>(bound) / size;
-      lambda = static_cast<Real>(static_cast<double>(lambda) + share * (force - static_cast<double>(lambda)));
-    };
     auto& own = partOf<I>(joint.parts);
+    const auto more = [&] { return next < rows.count && rows.row[next].part == I; };
     if constexpr (P::kAxis) {
-      const auto takeRow = [&](AxisRow& row, const SolvedRow& solved) {
-        if (!solved.there) return;
-        const double force = forceOf(solved, 0);
-        take(row.lambda, force, std::fabs(force), row.bound);
-      };
-      takeRow(own.limit, rows.solved[0]);
-      takeRow(own.drive, rows.drive);
-    } else {
+      for (; more(); ++next) {
+        const TreeRow<kSides<F>>& row = rows.row[next];
+        if (row.take == TreeTake::Nothing) continue;
+        AxisRow& to = row.take == TreeTake::Drive ? own.drive : own.limit;
+        const double force = forceOf(row);
+        take(to.lambda, force, std::fabs(force), to.bound);
+      }
+    } else if (more()) {
       double force[P::kRows], size2 = 0;
-      for (int i = 0; i < P::kRows; ++i) {
-        force[i] = forceOf(rows.solved[i], i);
+      const bool held = rows.row[next].take == TreeTake::Held;
+      for (int i = 0; i < P::kRows && held; ++i) {
+        force[i] = forceOf(rows.row[next + i]);
         size2 += force[i] * force[i];
       }
-      for (int i = 0; i < P::kRows; ++i) take(own.lambda[i], force[i], std::sqrt(size2), own.state.bound);
+      for (int i = 0; i < P::kRows && held; ++i) take(own.lambda[i], force[i], std::sqrt(size2), own.state.bound);
+      next += P::kRows;
     }
   });
 }

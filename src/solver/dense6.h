@@ -35,25 +35,15 @@ RUBBLE_HD inline double dot(const Long6& a, const Long6& b) {
   return sum;
 }
 
-/// H += s sum a_k b_k^T, an element at a time.
-template <int N>
-RUBBLE_HD void addOuter(Dense6& h, const Long6 (&a)[N], const Long6 (&b)[N], double s) {
+/// H += s a b^T
+RUBBLE_HD inline void addOuter(Dense6& h, const Long6& a, const Long6& b, double s) {
   for (int i = 0; i < 6; ++i)
-    for (int j = 0; j < 6; ++j) {
-      double sum = a[0].v[i] * b[0].v[j];
-      for (int k = 1; k < N; ++k) sum += a[k].v[i] * b[k].v[j];
-      h.m[i][j] += s * sum;
-    }
+    for (int j = 0; j < 6; ++j) h.m[i][j] += s * a.v[i] * b.v[j];
 }
-/// The lower triangle of H += s sum a_k a_k^T.
-template <int N>
-RUBBLE_HD void addSquare(Dense6& h, const Long6 (&a)[N], double s) {
+/// The lower triangle of H += s a a^T.
+RUBBLE_HD inline void addSquare(Dense6& h, const Long6& a, double s) {
   for (int i = 0; i < 6; ++i)
-    for (int j = 0; j <= i; ++j) {
-      double sum = a[0].v[i] * a[0].v[j];
-      for (int k = 1; k < N; ++k) sum += a[k].v[i] * a[k].v[j];
-      h.m[i][j] += s * sum;
-    }
+    for (int j = 0; j <= i; ++j) h.m[i][j] += s * a.v[i] * a.v[j];
 }
 
 /// The lower triangle of H += scale times the Hessian of a block; f += its force.

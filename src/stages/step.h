@@ -179,6 +179,7 @@ void correctTrees(E& e, TreeSolve how) {
   const View& s = e.view();
   const int nodes = treeNodes(s);
   e.clear(&View::treeTurn, nodes);
+  forEachJoint<FindTreeRows>(e, how);
   e.forEach(AssembleTrees<typename E::Lane>{how}, nodes);
   for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
   for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);

@@ -28,29 +28,48 @@ struct MarkSoftTrees {
 
 RUBBLE_HD inline bool movesInTree(const View& s, int body) { return body >= 0 && body < s.bodies && s.nodeOfBody[body] >= 0; }
 
-/// Where a joint has its bodies. Apart, as treeJacobian is.
-template <class F>
-RUBBLE_HD RUBBLE_APART void placeJoint(const View& s, const JointSpec<F>& spec, const Joint<F>& joint, SidePose<F>& a, SidePose<F>& b) {
-  a = poseOfA(s, spec, joint);
-  b = poseOfB(s, spec, joint);
+/// The node of a body that its tree may move, -1: none.
+RUBBLE_HD inline int movingNode(const View& s, int body) { return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1; }
+
+/// How a tree is solved, where those with contacts are solved so.
+RUBBLE_HD inline TreeSolve treeSolveOf(const View& s, const TreeNode& node, TreeSolve how) {
+  return isExact(s, node) ? TreeSolve::Exact : node.exact ? how : TreeSolve::Own;
 }
+/// Does a tree stay where it is in this solve?
+RUBBLE_HD inline bool treeRests(const View& s, const TreeNode& node, TreeSolve how) { return how == TreeSolve::Again && isExact(s, node); }
+
+/// The rows of all joints that a tree has.
+template <class F>
+struct FindTreeRows {
+  static constexpr const char* kName = "tree rows";
+  TreeSolve how;
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const JointSpec<F>& spec = s.specsOf<F>()[i];
+    const Joint<F>& joint = s.jointsOf<F>()[i];
+    if (!joint.acts) return;
+    int n = -1;
+    for (int side = 0; side < kSides<F> && n < 0; ++side) n = movingNode(s, bodyOf(spec, side));
+    if (n < 0 || treeRests(s, s.treeNode[n], how)) return;
+    findTreeRows(s.step, spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), spec.holds ? treeSolveOf(s, s.treeNode[n], how) : TreeSolve::Own,
+                 s.treeRowsOf<F>()[i]);
+  }
+};
 
 template <class F>
-RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, int side, TreeSolve how, TreeBlock& w) {
-  const JointSpec<F>& spec = s.specsOf<F>()[index];
-  const Joint<F>& joint = s.jointsOf<F>()[index];
-  const TreeNode& node = s.treeNode[n];
-  TreeCoupling first{0, nullptr}, second{0, nullptr};
+RUBBLE_HD TreeCoupling couplingOf(const View& s, const TreeNode& node, const JointSpec<F>& spec, int side) {
+  TreeCoupling to{{-1, -1}};
   for (int other = 0; other < kSides<F>; ++other) {
     const int body = bodyOf(spec, other);
     if (other == side || body == bodyOf(spec, side) || !isFirstSide(spec, other)) continue;
-    if (body == kWorldBody || !isDynamic(s, body) || s.nodeOfBody[body] < 0) continue;
-    if (node.near[0] == s.nodeOfBody[body]) first = {other, &w.e[0]};
-    if (node.near[1] == s.nodeOfBody[body]) second = {other, &w.e[1]};
+    const int n = movingNode(s, body);
+    for (int t = 0; t < 2; ++t)
+      if (n >= 0 && node.near[t] == n) to.side[t] = other;
   }
-  SidePose<F> poseA, poseB;
-  placeJoint(s, spec, joint, poseA, poseB);
-  stampJointOfTree(s.step, spec, joint, poseA, poseB, side, spec.holds ? how : TreeSolve::Own, w.h, w.x, first, second);
+  return to;
+}
+template <class F>
+RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, int side, TreeBlock& w) {
+  stampTreeRows<F>(s.treeRowsOf<F>()[index], side, couplingOf<F>(s, s.treeNode[n], s.specsOf<F>()[index], side), w.h, w.x, w.e);
 }
 
 /// A body that does not move, or an axis that is locked, is decoupled from all others.
@@ -66,7 +85,7 @@ RUBBLE_HD inline void decouple(TreeBlock& w, int axis) {
 template <class L>
 struct AssembleTrees {
   static constexpr const char* kName = "tree rows";
-  TreeSolve how;  ///< of trees with contacts; all others are solved exactly, and stay as they are in one more solve
+  TreeSolve how;
   RUBBLE_HD void operator()(const View& s, int n) const {
     constexpr int kStep = sizeof(L) / sizeof(Real);
     Block6T<L> ownPoints, sharedPoints;
@@ -96,31 +115,24 @@ struct AssembleTrees {
       if (s.rolls) addRolling(s, s.entry[k].code, both ? shared : own);
     }
     sumPoints(own, shared);
-    const TreeSolve how = solveOf(s, node);
-    for (; k < end; ++k) addOther(s, n, s.entry[k].code, how, w, own);
-    complete(s, node, own, shared, w);
+    for (; k < end; ++k) addOther(s, n, s.entry[k].code, w, own);
+    addBlock(w.h, w.x, own, 1);
+    addBlock(w.h, w.x, shared, 2);
+    lockAxesOf(s, node, w);
   }
 
-  /// Does a body stay where it is in this solve?
-  RUBBLE_HD bool stands(const View& s, const TreeNode& node) const { return !isDynamic(s, node.body) || (how == TreeSolve::Again && isExact(s, node)); }
+  RUBBLE_HD bool stands(const View& s, const TreeNode& node) const { return !isDynamic(s, node.body) || treeRests(s, node, how); }
   RUBBLE_HD static void standStill(TreeBlock& w) {
     for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
   }
-  RUBBLE_HD TreeSolve solveOf(const View& s, const TreeNode& node) const {
-    return isExact(s, node) ? TreeSolve::Exact : node.exact ? how : TreeSolve::Own;
-  }
   /// Adds a row block that is no contact.
-  RUBBLE_HD static void addOther(const View& s, int n, std::uint32_t code, TreeSolve how, TreeBlock& w, Block6& own) {
+  RUBBLE_HD static void addOther(const View& s, int n, std::uint32_t code, TreeBlock& w, Block6& own) {
     if (entryType(code) > JointTypes::kSize) return addSoftRows(s, code, own);
     forEachType(JointTypes{}, [&]<class F>() {
-      if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
-        stampJointOfNode<F>(s, n, jointIndex<F>(code), jointSide<F>(code), how, w);
+      if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code)) stampJointOfNode<F>(s, n, jointIndex<F>(code), jointSide<F>(code), w);
     });
   }
-  /// Adds the sums over what is no joint: of the body itself, and of contacts with bodies that move in their trees too. Then locked axes.
-  RUBBLE_HD static void complete(const View& s, const TreeNode& node, const Block6& own, const Block6& shared, TreeBlock& w) {
-    addBlock(w.h, w.x, own, 1);
-    addBlock(w.h, w.x, shared, 2);
+  RUBBLE_HD static void lockAxesOf(const View& s, const TreeNode& node, TreeBlock& w) {
     const int locks = s.target[node.body].locks;
     for (int axis = 0; axis < 6; ++axis)
       if (locks >> axis & 1) decouple(w, axis);
@@ -198,18 +210,14 @@ struct TakeTreeForces {
   static constexpr const char* kName = "tree forces";
   RUBBLE_HD void operator()(const View& s, int i) const {
     // couplings with carriers hold nothing, so a tree does not find their multipliers
-    if (isCarried<F>() || !active<F>(s, i)) return;
+    if (isCarried<F>() || !s.jointsOf<F>()[i].acts) return;
     const JointSpec<F>& spec = s.specsOf<F>()[i];
-    const auto nodeOf = [&](int body) { return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1; };
-    const int a = nodeOf(spec.a), b = nodeOf(spec.b), any = a >= 0 ? a : b;
+    const int a = movingNode(s, spec.a), b = movingNode(s, spec.b), any = a >= 0 ? a : b;
     if (any < 0 || !isExact(s, s.treeNode[any])) return;
     const double share = treeShare(s, s.treeNode[any].tree);
     if (!(share > 0)) return;
     const Long6 still{};
-    Joint<F>& joint = s.jointsOf<F>()[i];
-    SidePose<F> poseA, poseB;
-    placeJoint(s, spec, joint, poseA, poseB);
-    takeTreeForces(s.step, spec, joint, poseA, poseB, a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, spec.holds ? TreeSolve::Exact : TreeSolve::Own, share);
+    takeTreeForces<F>(s.treeRowsOf<F>()[i], s.jointsOf<F>()[i], a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, share);
   }
 };
 

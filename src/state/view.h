@@ -1,5 +1,6 @@
 #pragma once
 /// Every array of the engine, declared once: meaning, unit, shape and who writes it. A View is handed to each kernel by value.
+#include "forces/joint_tree.h"
 #include "state/bodies.h"
 #include "state/trees.h"
 #include "state/vertices.h"
@@ -34,6 +35,7 @@ template <class F>
 struct JointTable {
   JointSpec<F>* spec = nullptr;
   Joint<F>* joint = nullptr;
+  TreeRows<F>* treeRows = nullptr;
 };
 template <class List>
 struct JointTables;
@@ -270,6 +272,8 @@ struct View : JointTables<JointTypes> {
   RUBBLE_HD JointSpec<F>* specsOf() const { return JointTable<F>::spec; }
   template <class F>
   RUBBLE_HD Joint<F>* jointsOf() const { return JointTable<F>::joint; }
+  template <class F>
+  RUBBLE_HD TreeRows<F>* treeRowsOf() const { return JointTable<F>::treeRows; }
 };
 
 /// Slots in use of a type of element, 0 for other kinds.
@@ -329,6 +333,7 @@ void forEachArray(F&& f) {
     const Per per = perJoint(typeIndex<J>(JointTypes{}));
     is(static_cast<JointSpec<J>* View::*>(&JointTable<J>::spec), J::kName, "", per, Life::Authored);
     is(static_cast<Joint<J>* View::*>(&JointTable<J>::joint), J::kName, "", per, Life::State);
+    is(static_cast<TreeRows<J>* View::*>(&JointTable<J>::treeRows), J::kName, "", per, Life::Work);
   });
   is(&View::bounds, "bounds", "m", Per::Body, Life::Work);
   is(&View::bucketCount, "bucketCount", "", Per::Cell, Life::Work);

@@ -6,10 +6,9 @@
 namespace rubble::RUBBLE_CORE {
 namespace {
 
-/// The angle of a hinge of which A has turned by 1 rad, with a limit at 1 rad + `ahead` that bears nothing yet. False: the row does not act.
-bool rowsAtLimit(Real ahead, TreeSolve how, TreeRows<1>& rows) {
+/// Rows at the angle of a hinge of which A has turned by 1 rad, with a limit at 1 rad + `ahead` that bears nothing yet.
+TreeRows<HingeJoint> rowsAtLimit(Real ahead, TreeSolve how) {
   constexpr int kAngle = 2;
-  using Angle = TwistAxis;
   StepConstants c = testConstants();
   c.maxMultiplier = 1e30;
   JointSpec<HingeJoint> spec{};
@@ -17,27 +16,27 @@ bool rowsAtLimit(Real ahead, TreeSolve how, TreeRows<1>& rows) {
   const Pose a{{0, 0, 0}, fromAxisAngle(Vec3{1, 0, 0}, Real(1))}, b{{0, 0, 0}, Quat{}};
   joint.memory.remember(spec.data, a, b, {});
   Real angle[1];
-  Angle::constraint(spec.data, joint.memory, a, b, angle);
+  TwistAxis::constraint(spec.data, joint.memory, a, b, angle);
   AxisSpec& limits = partOf<kAngle>(spec.parts);
   limits = {-kNoLimit, angle[0] + ahead, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0};
   beginAxis(c, limits, partOf<kAngle>(joint.parts), {angle[0], 0, 0, 1, 1, 1, kHardValue});
-  return treeRows<HingeJoint, kAngle, Angle>(c, spec, joint, a, b, how, rows);
+  TreeRows<HingeJoint> rows{};
+  findTreeRows(c, spec, joint, a, b, how, rows);
+  return rows;
 }
 
 TEST(TreeRows, ALimitThatASolveHasComeToHoldsInTheNextOneOnEitherSideOfIt) {
   for (const Real off : {-1e-7, 1e-7}) {
-    TreeRows<1> rows{};
-    ASSERT_TRUE(rowsAtLimit(off, TreeSolve::Again, rows)) << off;
-    EXPECT_TRUE(rows.solved[0].there) << off;
-    EXPECT_EQ(rows.solved[0].side, 1) << off;
-    EXPECT_GT(rows.hessian, 0) << off;
+    const TreeRows<HingeJoint> rows = rowsAtLimit(off, TreeSolve::Again);
+    ASSERT_EQ(rows.count, 1) << off;
+    EXPECT_EQ(rows.row[0].take, TreeTake::UpperLimit) << off;
+    EXPECT_GT(rows.row[0].hessian, 0) << off;
   }
 }
 
 TEST(TreeRows, ALimitThatIsNotReachedIsFree) {
-  TreeRows<1> rows{};
-  EXPECT_FALSE(rowsAtLimit(1e-7, TreeSolve::Exact, rows)) << "in the first solve its side of the limit decides";
-  EXPECT_FALSE(rowsAtLimit(1e-3, TreeSolve::Again, rows)) << "nor is one held that is really open";
+  EXPECT_EQ(rowsAtLimit(1e-7, TreeSolve::Exact).count, 0) << "in the first solve its side of the limit decides";
+  EXPECT_EQ(rowsAtLimit(1e-3, TreeSolve::Again).count, 0) << "nor is one held that is really open";
 }
 
 }  // namespace

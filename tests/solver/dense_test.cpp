@@ -53,8 +53,7 @@ TEST(Dense6, SumsRowsAsMatricesDoAndSquaresInTheLowerTriangle) {
   for (int k = 0; k < 3; ++k)
     for (int i = 0; i < 6; ++i) x[k].v[i] = a(k, i), y[k].v[i] = b(k, i);
   Dense6 outer{}, square{};
-  addOuter(outer, x, y, 2.5);
-  addSquare(square, x, 2.5);
+  for (int k = 0; k < 3; ++k) addOuter(outer, x[k], y[k], 2.5), addSquare(square, x[k], 2.5);
   EXPECT_LT((matrix(outer) - 2.5 * a.transpose() * b).norm(), 1e-12);
   const Matrix expected = (2.5 * a.transpose() * a).triangularView<Eigen::Lower>();
   EXPECT_LT((matrix(square) - expected).norm(), 1e-12);

@@ -4,43 +4,46 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// A lane a point of a contact, then a lane a joint.
+/// Which number of a Block6 a lane has the sum of: its place in the lower triangle of H, or in the force where `column` is kForce; row -1: none.
+struct BlockPlace {
+  static constexpr int kForce = 6;
+  int row, column;
+  __device__ static BlockPlace of(int number) {
+    // ll and aa: xx xy xz yy yz zz; then the columns of al; then fl, fa
+    constexpr int kTriangle = 6;
+    if (number >= kBlockReals) return {-1, 0};
+    if (number >= 2 * kTriangle + 9) return {number - 2 * kTriangle - 9, kForce};
+    if (number >= 2 * kTriangle) return {3 + (number - 2 * kTriangle) % 3, (number - 2 * kTriangle) / 3};
+    const int first = number / kTriangle * 3, k = number % kTriangle, column = k < 3 ? 0 : k < 5 ? 1 : 2;
+    return {first + (k < 3 ? k : k < 5 ? k - 2 : 2), first + column};
+  }
+};
+
+/// A lane a point of a contact, then a lane a number of the block: all of them go through the rows of the joints together.
 template <class L>
 struct AssembleTreesByTile {
   static constexpr const char* kName = AssembleTrees<L>::kName;
-  static constexpr int kWidth = 8;
-  static constexpr int kNumbers = sizeof(TreeBlock) / sizeof(double);
+  static constexpr int kWidth = kWarp;
+  /// Numbers of the couplings that a lane has.
+  static constexpr int kCoupled = 36, kTurns = (2 * kCoupled + kWidth - 1) / kWidth;
   AssembleTrees<L> stage;
   explicit AssembleTreesByTile(const AssembleTrees<L>& own) : stage(own) {}
 
   __device__ void operator()(const View& s, int n, const Tile<kWidth>& tile) const {
-    __shared__ TreeBlock sums[kThreads / kWidth];
-    TreeBlock& sum = sums[threadIdx.x / kWidth];
-    const TreeNode& node = s.treeNode[n];
+    const TreeNode node = s.treeNode[n];
+    const BlockPlace place = BlockPlace::of(tile.lane);
+    double block = place.row == place.column ? 1 : 0, coupling[kTurns] = {};
+    if (!stage.stands(s, node)) block = sumRows(s, node, tile, place, coupling);
+    TreeBlock& w = s.treeWork[n];
+    if (place.row >= 0) (place.column == BlockPlace::kForce ? w.x.v[place.row] : w.h.m[place.row][place.column]) = block;
+    for (int turn = 0; turn < kTurns; ++turn)
+      if (const int k = tile.lane + turn * kWidth; k < 2 * kCoupled) (&w.e[0].m[0][0])[k] = coupling[turn];
     __syncwarp(tile.mask);
-    for (int k = tile.lane; k < kNumbers; k += kWidth) number(sum, k) = 0;
-    __syncwarp(tile.mask);
-    if (!stage.stands(s, node)) addRows(s, n, node, tile, sum);
-    else if (tile.lane == 0) stage.standStill(sum);
-    __syncwarp(tile.mask);
-    for (int k = tile.lane; k < kNumbers; k += kWidth) number(s.treeWork[n], k) = number(sum, k);
+    if (tile.lane == 0) stage.lockAxesOf(s, node, w);
   }
 
  private:
-  __device__ static double& number(TreeBlock& block, int k) { return reinterpret_cast<double*>(&block)[k]; }
-  /// visit(number, its place) for what joints of this node write: local memory is slow.
-  template <class Visit>
-  __device__ static void forEachNumber(const TreeNode& node, TreeBlock& block, Visit&& visit) {
-    const auto all = [&](double* first, int count) {
-      for (int k = 0; k < count; ++k) visit(first[k], static_cast<int>(first - reinterpret_cast<double*>(&block)) + k);
-    };
-    for (int row = 0; row < 6; ++row) all(block.h.m[row], row + 1);
-    all(block.x.v, 6);
-    for (int t = 0; t < 2; ++t)
-      if (node.near[t] >= 0) all(block.e[t].m[0], 36);
-  }
-
-  __device__ void addRows(const View& s, int n, const TreeNode& node, const Tile<kWidth>& tile, TreeBlock& sum) const {
+  __device__ double sumRows(const View& s, const TreeNode& node, const Tile<kWidth>& tile, const BlockPlace& place, double (&coupling)[kTurns]) const {
     const int begin = s.entryOffset[node.body], end = s.entryOffset[node.body + 1], point = tile.lane % kLanes;
     Block6 own, shared;
     if (tile.lane == 0) startBlock(s, node.body, own);
@@ -52,25 +55,43 @@ struct AssembleTreesByTile {
       if (movesInTree(s, s.entry[k].other)) addBlock(shared, rows);
       else addBlock(own, rows);
     }
-    // entries are sorted by type, contacts first
-    k = min(k, __shfl_xor_sync(tile.mask, k, kLanes, kWidth)) + tile.lane;
-    static_assert(kWidth == 2 * kLanes);
-    const TreeSolve how = stage.solveOf(s, node);
-    const unsigned turns = tile.ballot(k < end);
-    TreeBlock joints;
-    if (k < end) forEachNumber(node, joints, [](double& q, int) { q = 0; });
-    for (; k < end; k += kWidth) stage.addOther(s, n, s.entry[k].code, how, joints, own);
-    for (int turn = 0; turns >> turn != 0; ++turn) {
-      if (tile.lane == turn) forEachNumber(node, joints, [&](double& q, int place) { number(sum, place) += q; });
-      __syncwarp(tile.mask);
+    // entries are sorted by type, contacts first and joints before deformable objects
+    k = __reduce_min_sync(tile.mask, k);
+    double block = 0;
+    for (; k < end && entryType(s.entry[k].code) <= JointTypes::kSize; ++k) {
+      const std::uint32_t code = s.entry[k].code;
+      forEachType(JointTypes{}, [&]<class F>() {
+        if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code)) addJointRows<F>(s, node, code, tile.lane, place, block, coupling);
+      });
     }
-    const Block6 allOwn = sumOver(tile, own), allShared = sumOver(tile, shared);
-    if (tile.lane == 0) stage.complete(s, node, allOwn, allShared, sum);
+    for (k += tile.lane; k < end; k += kWidth) addSoftRows(s, s.entry[k].code, own);
+    Real ownSum[kRealsPerLane<kWidth>], sharedSum[kRealsPerLane<kWidth>];
+    sumBlocks(tile, own, ownSum);
+    sumBlocks(tile, shared, sharedSum);
+    block += static_cast<double>(ownSum[0]);
+    return block + (place.column == BlockPlace::kForce ? 1 : 2) * static_cast<double>(sharedSum[0]);
   }
-  __device__ static Block6 sumOver(const Tile<kWidth>& tile, const Block6& block) {
-    Real sums[kRealsPerLane<kWidth>];
-    sumBlocks(tile, block, sums);
-    return gatherSums(tile, sums);
+
+  template <class F>
+  __device__ static void addJointRows(const View& s, const TreeNode& node, std::uint32_t code, int lane, const BlockPlace& place, double& block,
+                                      double (&coupling)[kTurns]) {
+    const int index = jointIndex<F>(code), side = jointSide<F>(code);
+    const TreeRows<F>& rows = s.treeRowsOf<F>()[index];
+    const TreeCoupling to = couplingOf<F>(s, node, s.specsOf<F>()[index], side);
+    const auto number = [](const Vec6& j, int i) { return static_cast<double>((&j.lin.x)[i]); };
+    const int row = max(place.row, 0), column = place.column % BlockPlace::kForce, count = rows.count;
+    const bool isForce = place.column == BlockPlace::kForce;
+    for (int k = 0; k < count; ++k) {
+      const TreeRow<kSides<F>>& r = rows.row[k];
+      const Vec6& own = r.j[side];
+      block += isForce ? -r.force * number(own, row) : r.hessian * number(own, row) * number(own, column);
+#pragma unroll
+      for (int turn = 0; turn < kTurns; ++turn) {
+        const int e = lane + turn * kWidth, t = e / kCoupled, far = t == 0 ? to.side[0] : t == 1 ? to.side[1] : -1;
+        if (far >= 0) coupling[turn] += r.hessian * number(own, e % kCoupled / 6) * number(r.j[far], e % 6);
+      }
+    }
+    if (place.row == place.column) block += number(rows.bend[side], row);
   }
 };
 template <class L>
