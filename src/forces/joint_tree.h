@@ -31,38 +31,37 @@ template <int kSides>
 struct TreeRow {
   double force, hessian;
   Vec6 j[kSides];  ///< dC/dx of the bodies of its first sides
-  int part;        ///< of the joint
   TreeTake take;
 };
-/// Rows of a type of joint at most: those of an axis are its limit, its drive, and what else acts on it.
-template <class... P>
-constexpr int mostTreeRows(PartList<P...>) {
-  return (0 + ... + (P::kAxis ? 3 : P::kRows));
-}
-/// All rows of a joint that act. Blocks are summed of these, and multipliers found: F + h J dx with h = kTreeStiffness m_row / dt^2 is a small
-/// difference of large numbers, and has no correct digit unless both have the same bits of C and J.
+/// The rows of a part that act: those of a group, or of an axis its limit, its drive, and what else acts on it. Blocks are summed of these, and
+/// multipliers found: F + h J dx with h = kTreeStiffness m_row / dt^2 is a small difference of large numbers, and has no correct digit unless both
+/// have the same bits of C and J.
+template <int kSides>
+struct TreePart {
+  int count;
+  Vec6 bend[kSides];  ///< column norms of the second derivatives by the forces of the rows' own stiffness
+  TreeRow<kSides> row[3];
+
+  RUBBLE_HD void add(double force, double hessian, TreeTake take) {
+    TreeRow<kSides>& next = row[count++];
+    next.force = force, next.hessian = hessian, next.take = take;
+  }
+};
 template <class F>
 struct TreeRows {
-  int count;
-  Vec6 bend[kSides<F>];  ///< column norms of the second derivatives by the forces of the rows' own stiffness
-  TreeRow<kSides<F>> row[mostTreeRows(typename F::Parts{})];
-
-  RUBBLE_HD void add(int part, double force, double hessian, TreeTake take) {
-    TreeRow<kSides<F>>& next = row[count++];
-    next.force = force, next.hessian = hessian, next.part = part, next.take = take;
-  }
+  TreePart<kSides<F>> part[F::Parts::kCount];
 };
 
 /// A row with the stiffness of a tree, or its own compliance.
-template <class F>
-RUBBLE_HD void addSolvedRow(const StepConstants& c, TreeRows<F>& out, int part, Real start, Real compliance, Real value, Real lambda, TreeTake take) {
+template <int kSides>
+RUBBLE_HD void addSolvedRow(const StepConstants& c, TreePart<kSides>& out, Real start, Real compliance, Real value, Real lambda, TreeTake take) {
   const double k = kTreeStiffness * static_cast<double>(start / c.startStiffness), s = 1 / (1 + k * static_cast<double>(compliance));
-  out.add(part, s * (k * static_cast<double>(value) + static_cast<double>(lambda)), s * k, take);
+  out.add(s * (k * static_cast<double>(value) + static_cast<double>(lambda)), s * k, take);
 }
 
 /// Adds the rows of an axis at c; `own`: its force by its own stiffness.
-template <class F>
-RUBBLE_HD void addTreeAxis(const StepConstants& c, int part, const AxisRows& rows, Real value, TreeSolve how, TreeRows<F>& out, Real& own) {
+template <int kSides>
+RUBBLE_HD void addTreeAxis(const StepConstants& c, const AxisRows& rows, Real value, TreeSolve how, TreePart<kSides>& out, Real& own) {
   own = 0;
   Real force = 0, hessian = 0;
   // 1: c is at the upper end, -1: at the lower one, 0: not known to be at one
@@ -80,7 +79,7 @@ RUBBLE_HD void addTreeAxis(const StepConstants& c, int part, const AxisRows& row
       const int end = both ? 0 : f > Real(0) ? 1 : f < Real(0) ? -1 : reached(row);
       if (both || end != 0) {
         const Real off = f != Real(0) && !both ? beyond : value - (end < 0 ? row.lo : row.hi);
-        addSolvedRow(c, out, part, rows.start, row.compliance, off, row.lambda, end > 0 ? TreeTake::UpperLimit : end < 0 ? TreeTake::LowerLimit : take);
+        addSolvedRow(c, out, rows.start, row.compliance, off, row.lambda, end > 0 ? TreeTake::UpperLimit : end < 0 ? TreeTake::LowerLimit : take);
         return;
       }
     }
@@ -90,53 +89,47 @@ RUBBLE_HD void addTreeAxis(const StepConstants& c, int part, const AxisRows& row
   add(rows.limit, true, TreeTake::Limit);
   add(rows.drive, true, TreeTake::Drive);
   add(rows.friction, false, TreeTake::Nothing);
-  if (force != Real(0) || hessian > Real(0)) out.add(part, static_cast<double>(force), static_cast<double>(hessian), TreeTake::Nothing);
+  if (force != Real(0) || hessian > Real(0)) out.add(static_cast<double>(force), static_cast<double>(hessian), TreeTake::Nothing);
 }
 
 /// Adds rows that are held together; `own`: their force by their own stiffness.
-template <class P, class F>
-RUBBLE_HD void addTreeGroup(const StepConstants& c, int part, const GroupSpec& spec, const GroupRows<P::kRows>& rows, const Real (&error)[P::kRows],
-                            TreeSolve how, TreeRows<F>& out, Real (&own)[P::kRows]) {
+template <int N, int kSides>
+RUBBLE_HD void addTreeGroup(const StepConstants& c, const GroupSpec& spec, const GroupRows<N>& rows, const Real (&error)[N], TreeSolve how,
+                            TreePart<kSides>& out, Real (&own)[N]) {
   Real hessian, size2 = 0;
-  const bool inside = groupForce<P::kRows>(rows.state, error, rows.lambda, own, P::kRows, hessian);
-  for (int i = 0; i < P::kRows; ++i) size2 += own[i] * own[i];
+  const bool inside = groupForce<N>(rows.state, error, rows.lambda, own, N, hessian);
+  for (int i = 0; i < N; ++i) size2 += own[i] * own[i];
   const bool free = inside && std::sqrt(size2) < rows.state.bound * (Real(1) - kAtBound);
   const bool solved = how != TreeSolve::Own && free && spec.mode == GroupMode::Hold && rows.state.keepsMultiplier;
-  for (int i = 0; i < P::kRows; ++i) {
-    if (solved) addSolvedRow(c, out, part, rows.state.rule.start, rows.state.compliance, error[i], rows.lambda[i], TreeTake::Held);
-    else out.add(part, static_cast<double>(own[i]), static_cast<double>(hessian), TreeTake::Nothing);
+  for (int i = 0; i < N; ++i) {
+    if (solved) addSolvedRow(c, out, rows.state.rule.start, rows.state.compliance, error[i], rows.lambda[i], TreeTake::Held);
+    else out.add(static_cast<double>(own[i]), static_cast<double>(hessian), TreeTake::Nothing);
   }
 }
 
-/// The rows of a joint at the present poses.
-template <class F>
-RUBBLE_HD void findTreeRows(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
-                            TreeSolve how, TreeRows<F>& out) {
+/// The rows of part I of a joint at the present poses.
+template <class F, int I, class P>
+RUBBLE_HD void findTreePart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
+                            TreeSolve how, TreePart<kSides<F>>& out) {
   out.count = 0;
-  for (Vec6& bend : out.bend) bend = {};
-  forEachPart<F>([&]<int I, class P>() {
-    const auto& rows = partOf<I>(joint.parts);
-    const int first = out.count;
-    Real error[P::kRows], own[P::kRows];
-    if constexpr (P::kAxis) {
-      if (!actsAtAll(rows)) return;
-      P::constraint(spec.data, joint.memory, a, b, error);
-      addTreeAxis(c, I, rows, error[0], how, out, own[0]);
-    } else {
-      if (partOf<I>(spec.parts).mode == GroupMode::Off) return;
-      heldErrors<P>(rows.shift, spec.data, joint.memory, a, b, error);
-      addTreeGroup<P>(c, I, partOf<I>(spec.parts), rows, error, how, out, own);
-    }
-    if (out.count == first) return;
-    for (int side = 0; side < kSides<F>; ++side) {
-      if (!isFirstSide(spec, side)) continue;
-      Vec6 j[P::kRows];
-      jacobianOf<P>(spec, joint, a, b, side, j);
-      for (int k = first; k < out.count; ++k) out.row[k].j[side] = j[P::kAxis ? 0 : k - first];
-      const Vec6 bend = curvatureOf<P>(spec, joint, a, b, side, own);
-      out.bend[side].lin += bend.lin, out.bend[side].ang += bend.ang;
-    }
-  });
+  if (!partActs<F, I, P>(spec, joint)) return;
+  const auto& rows = partOf<I>(joint.parts);
+  Real error[P::kRows], own[P::kRows];
+  if constexpr (P::kAxis) {
+    P::constraint(spec.data, joint.memory, a, b, error);
+    addTreeAxis(c, rows, error[0], how, out, own[0]);
+  } else {
+    heldErrors<P>(rows.shift, spec.data, joint.memory, a, b, error);
+    addTreeGroup<P::kRows>(c, partOf<I>(spec.parts), rows, error, how, out, own);
+  }
+  if (out.count == 0) return;
+  for (int side = 0; side < kSides<F>; ++side) {
+    if (!isFirstSide(spec, side)) continue;
+    Vec6 j[P::kRows];
+    jacobianOf<P>(spec, joint, a, b, side, j);
+    for (int k = 0; k < out.count; ++k) out.row[k].j[side] = j[P::kAxis ? 0 : k];
+    out.bend[side] = curvatureOf<P>(spec, joint, a, b, side, own);
+  }
 }
 
 /// Which sides of a joint are the neighbours that a body is coupled to when it is eliminated; -1: none.
@@ -147,53 +140,50 @@ struct TreeCoupling {
 /// Adds the rows of a joint to the block (h, f) of the body of a side (the lower triangle of h), and to its couplings e.
 template <class F>
 RUBBLE_HD void stampTreeRows(const TreeRows<F>& rows, int side, const TreeCoupling& to, Dense6& h, Long6& f, Dense6 (&e)[2]) {
-  for (int k = 0; k < rows.count; ++k) {
-    const TreeRow<kSides<F>>& row = rows.row[k];
-    const Long6 own = longer(row.j[side]);
-    for (int i = 0; i < 6; ++i) f.v[i] -= row.force * own.v[i];
-    addSquare(h, own, row.hessian);
-    for (int t = 0; t < 2; ++t)
-      if (to.side[t] >= 0) addOuter(e[t], own, longer(row.j[to.side[t]]), row.hessian);
+  for (const TreePart<kSides<F>>& part : rows.part) {
+    for (int k = 0; k < part.count; ++k) {
+      const TreeRow<kSides<F>>& row = part.row[k];
+      const Long6 own = longer(row.j[side]);
+      for (int i = 0; i < 6; ++i) f.v[i] -= row.force * own.v[i];
+      addSquare(h, own, row.hessian);
+      for (int t = 0; t < 2; ++t)
+        if (to.side[t] >= 0) addOuter(e[t], own, longer(row.j[to.side[t]]), row.hessian);
+    }
+    if (part.count == 0) continue;
+    const Long6 bend = longer(part.bend[side]);
+    for (int i = 0; i < 6; ++i) h.m[i][i] += bend.v[i];
   }
-  const Long6 bend = longer(rows.bend[side]);
-  for (int i = 0; i < 6; ++i) h.m[i][i] += bend.v[i];
 }
 
-/// Multipliers after the tree has found that the bodies move by dxA, dxB, of which they make `share`.
-template <class F>
-RUBBLE_HD void takeTreeForces(const TreeRows<F>& rows, Joint<F>& joint, const Long6& dxA, const Long6& dxB, double share) {
-  int next = 0;
+/// The multipliers of a part after the tree has found that the bodies move by dxA, dxB, of which they make `share`.
+template <class P, int kSides>
+RUBBLE_HD void takeTreeForces(const TreePart<kSides>& part, PartRows<P>& own, const Long6& dxA, const Long6& dxB, double share) {
   const auto take = [&](Real& lambda, double force, double size, Real bound) {
     if (size > static_cast<double>(bound)) force *= static_cast<double>(bound) / size;
     lambda = static_cast<Real>(static_cast<double>(lambda) + share * (force - static_cast<double>(lambda)));
   };
-  const auto forceOf = [&](const TreeRow<kSides<F>>& row) {
+  const auto forceOf = [&](const TreeRow<kSides>& row) {
     const double force = row.force + row.hessian * (dot(longer(row.j[0]), dxA) + dot(longer(row.j[1]), dxB));
     // a limit that would have to pull lets go: the next solve is without it
     return row.take == TreeTake::UpperLimit ? max(force, 0.0) : row.take == TreeTake::LowerLimit ? min(force, 0.0) : force;
   };
-  forEachPart<F>([&]<int I, class P>() {
-    auto& own = partOf<I>(joint.parts);
-    const auto more = [&] { return next < rows.count && rows.row[next].part == I; };
-    if constexpr (P::kAxis) {
-      for (; more(); ++next) {
-        const TreeRow<kSides<F>>& row = rows.row[next];
-        if (row.take == TreeTake::Nothing) continue;
-        AxisRow& to = row.take == TreeTake::Drive ? own.drive : own.limit;
-        const double force = forceOf(row);
-        take(to.lambda, force, std::fabs(force), to.bound);
-      }
-    } else if (more()) {
-      double force[P::kRows], size2 = 0;
-      const bool held = rows.row[next].take == TreeTake::Held;
-      for (int i = 0; i < P::kRows && held; ++i) {
-        force[i] = forceOf(rows.row[next + i]);
-        size2 += force[i] * force[i];
-      }
-      for (int i = 0; i < P::kRows && held; ++i) take(own.lambda[i], force[i], std::sqrt(size2), own.state.bound);
-      next += P::kRows;
+  if constexpr (P::kAxis) {
+    for (int k = 0; k < part.count; ++k) {
+      const TreeRow<kSides>& row = part.row[k];
+      if (row.take == TreeTake::Nothing) continue;
+      AxisRow& to = row.take == TreeTake::Drive ? own.drive : own.limit;
+      const double force = forceOf(row);
+      take(to.lambda, force, std::fabs(force), to.bound);
     }
-  });
+  } else {
+    if (part.count == 0 || part.row[0].take != TreeTake::Held) return;
+    double force[P::kRows], size2 = 0;
+    for (int i = 0; i < P::kRows; ++i) {
+      force[i] = forceOf(part.row[i]);
+      size2 += force[i] * force[i];
+    }
+    for (int i = 0; i < P::kRows; ++i) take(own.lambda[i], force[i], std::sqrt(size2), own.state.bound);
+  }
 }
 
 }  // namespace rubble::RUBBLE_CORE

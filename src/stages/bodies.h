@@ -91,7 +91,8 @@ template <class F>
 RUBBLE_HD RUBBLE_APART void stampJointOfBody(const View& s, int index, int side, Block6& block, const Vec3& shift) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
   const Joint<F>& joint = s.jointsOf<F>()[index];
-  stampJoint(spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), side, block, shift);
+  const JointTurns<F>* const turns = hasTurns<F>() ? s.turnsOf<F>() + index : nullptr;
+  stampJoint(spec, joint, turns, poseOfA(s, spec, joint), poseOfB(s, spec, joint), side, block, shift);
 }
 
 /// Adds one lane-wise block into a scalar one.

@@ -65,14 +65,56 @@ struct BeginJoints {
   }
 };
 
+/// A part of a joint.
+struct PartIndex {
+  int joint, part;
+};
+/// The k-th of all parts of all joints of a type. On a GPU neighbours have the same part, since one instruction is for all lanes of a warp; on a CPU the
+/// same joint, which is in its cache then.
+template <class F>
+RUBBLE_HD PartIndex partAt(const View& s, int k) {
+#if defined(__CUDA_ARCH__)
+  const int joints = s.joints[typeIndex<F>(JointTypes{})];
+  return {k % joints, k / joints};
+#else
+  (void)s;
+  return {k / F::Parts::kCount, k % F::Parts::kCount};
+#endif
+}
+
+/// What turns, at the poses of the beginning of an iteration: rows that depend on the rotation of A relative to B alone are linear in it until the next.
+template <class F>
+struct LinearizeTurns {
+  static constexpr const char* kName = "joint turns";
+  static constexpr bool kActs = hasTurns<F>();
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const PartIndex at = partAt<F>(s, k);
+    const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
+    const Joint<F>& joint = s.jointsOf<F>()[at.joint];
+    if (!joint.acts) return;
+    const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
+    JointTurns<F>& turns = s.turnsOf<F>()[at.joint];
+    if (at.part == 0) turns.from = turnFromB(a, b);
+    forEachPart<F>([&]<int I, class P>() {
+      if constexpr (isTurn<F, P>())
+        if (I == at.part) linearizeTurn<F, I, P>(spec, joint, a, b, partOf<I>(turns.parts));
+    });
+  }
+};
+
+/// A part of a joint each.
 template <class F>
 struct UpdateJointDuals {
   static constexpr const char* kName = "joint dual";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    const JointSpec<F>& spec = s.specsOf<F>()[i];
-    Joint<F>& joint = s.jointsOf<F>()[i];
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const PartIndex at = partAt<F>(s, k);
+    const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
+    Joint<F>& joint = s.jointsOf<F>()[at.joint];
     if (!joint.acts) return;
-    updateJointDuals(s.step, spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint));
+    const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
+    forEachPart<F>([&]<int I, class P>() {
+      if (I == at.part) updatePartDuals<F, I, P>(s.step, spec, joint, a, b);
+    });
   }
 };
 

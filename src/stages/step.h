@@ -55,6 +55,21 @@ void forEachJoint(E& e, Args... args) {
   });
 }
 
+/// Kernel over the parts of the joints of every type, or of those only for which it says `kActs`.
+template <template <class> class Kernel, Executor E, class... Args>
+void forEachJointPart(E& e, Args... args) {
+  bool first = true;
+  forEachType(JointTypes{}, [&]<class F>() {
+    if constexpr (requires { Kernel<F>::kActs; })
+      if (!Kernel<F>::kActs) return;
+    const int parts = e.view().joints[typeIndex<F>(JointTypes{})] * F::Parts::kCount;
+    if (parts == 0) return;
+    if (first) e.forEach(Kernel<F>{args...}, parts);
+    else e.beside(Kernel<F>{args...}, parts);
+    first = false;
+  });
+}
+
 template <Executor E>
 void findPairs(E& e) {
   const int bodies = e.view().bodies, cells = e.view().cells;
@@ -179,12 +194,12 @@ void correctTrees(E& e, TreeSolve how) {
   const View& s = e.view();
   const int nodes = treeNodes(s);
   e.clear(&View::treeTurn, nodes);
-  forEachJoint<FindTreeRows>(e, how);
+  forEachJointPart<FindTreeRows>(e, how);
   e.forEach(AssembleTrees<typename E::Lane>{how}, nodes);
   for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
   for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
   if (how != TreeSolve::Again)
-    forEachJoint<TakeTreeForces>(e);
+    forEachJointPart<TakeTreeForces>(e);
   e.forEach(MoveTrees{}, nodes);
 }
 
@@ -278,6 +293,7 @@ void step(E& e) {
   // vertices that hang on bodies know nothing of joints that are held harder than they are: with them trees stay before the sweep
   const bool treesEnd = nodes > 0 && vertices == 0;
   for (int n = 0; n < e.view().step.iterations; ++n) {
+    forEachJointPart<LinearizeTurns>(e);
     if (e.view().step.coarseCorrection) correctGroups(e, n);
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
     const bool last = n + 1 == e.view().step.iterations;
@@ -287,7 +303,7 @@ void step(E& e) {
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);
     if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);
-    forEachJoint<UpdateJointDuals>(e);
+    forEachJointPart<UpdateJointDuals>(e);
     if (vertices > 0) updateSoftDuals(e);
   }
 

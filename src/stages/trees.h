@@ -38,20 +38,24 @@ RUBBLE_HD inline TreeSolve treeSolveOf(const View& s, const TreeNode& node, Tree
 /// Does a tree stay where it is in this solve?
 RUBBLE_HD inline bool treeRests(const View& s, const TreeNode& node, TreeSolve how) { return how == TreeSolve::Again && isExact(s, node); }
 
-/// The rows of all joints that a tree has.
+/// The rows of all joints that a tree has, a part of a joint each.
 template <class F>
 struct FindTreeRows {
   static constexpr const char* kName = "tree rows";
   TreeSolve how;
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    const JointSpec<F>& spec = s.specsOf<F>()[i];
-    const Joint<F>& joint = s.jointsOf<F>()[i];
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const PartIndex at = partAt<F>(s, k);
+    const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
+    const Joint<F>& joint = s.jointsOf<F>()[at.joint];
     if (!joint.acts) return;
     int n = -1;
     for (int side = 0; side < kSides<F> && n < 0; ++side) n = movingNode(s, bodyOf(spec, side));
     if (n < 0 || treeRests(s, s.treeNode[n], how)) return;
-    findTreeRows(s.step, spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), spec.holds ? treeSolveOf(s, s.treeNode[n], how) : TreeSolve::Own,
-                 s.treeRowsOf<F>()[i]);
+    const TreeSolve own = spec.holds ? treeSolveOf(s, s.treeNode[n], how) : TreeSolve::Own;
+    const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
+    forEachPart<F>([&]<int I, class P>() {
+      if (I == at.part) findTreePart<F, I, P>(s.step, spec, joint, a, b, own, s.treeRowsOf<F>()[at.joint].part[I]);
+    });
   }
 };
 
@@ -204,20 +208,23 @@ RUBBLE_HD inline double treeShare(const View& s, int tree) {
   return turn > static_cast<double>(kMostTurn) ? static_cast<double>(kMostTurn) / turn : 1;
 }
 
-/// Multipliers of joints whose rows the tree has solved for.
+/// Multipliers of joints whose rows the tree has solved for, a part of a joint each.
 template <class F>
 struct TakeTreeForces {
   static constexpr const char* kName = "tree forces";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const PartIndex at = partAt<F>(s, k);
     // couplings with carriers hold nothing, so a tree does not find their multipliers
-    if (isCarried<F>() || !s.jointsOf<F>()[i].acts) return;
-    const JointSpec<F>& spec = s.specsOf<F>()[i];
+    if (isCarried<F>() || !s.jointsOf<F>()[at.joint].acts) return;
+    const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
     const int a = movingNode(s, spec.a), b = movingNode(s, spec.b), any = a >= 0 ? a : b;
     if (any < 0 || !isExact(s, s.treeNode[any])) return;
     const double share = treeShare(s, s.treeNode[any].tree);
     if (!(share > 0)) return;
-    const Long6 still{};
-    takeTreeForces<F>(s.treeRowsOf<F>()[i], s.jointsOf<F>()[i], a >= 0 ? s.treeWork[a].x : still, b >= 0 ? s.treeWork[b].x : still, share);
+    const Long6 still{}, &dxA = a >= 0 ? s.treeWork[a].x : still, &dxB = b >= 0 ? s.treeWork[b].x : still;
+    forEachPart<F>([&]<int I, class P>() {
+      if (I == at.part) takeTreeForces<P>(s.treeRowsOf<F>()[at.joint].part[I], partOf<I>(s.jointsOf<F>()[at.joint].parts), dxA, dxB, share);
+    });
   }
 };
 

@@ -36,6 +36,7 @@ struct JointTable {
   JointSpec<F>* spec = nullptr;
   Joint<F>* joint = nullptr;
   TreeRows<F>* treeRows = nullptr;
+  JointTurns<F>* turns = nullptr;  ///< none for types that have no parts that turn
 };
 template <class List>
 struct JointTables;
@@ -274,6 +275,8 @@ struct View : JointTables<JointTypes> {
   RUBBLE_HD Joint<F>* jointsOf() const { return JointTable<F>::joint; }
   template <class F>
   RUBBLE_HD TreeRows<F>* treeRowsOf() const { return JointTable<F>::treeRows; }
+  template <class F>
+  RUBBLE_HD JointTurns<F>* turnsOf() const { return JointTable<F>::turns; }
 };
 
 /// Slots in use of a type of element, 0 for other kinds.
@@ -334,6 +337,7 @@ void forEachArray(F&& f) {
     is(static_cast<JointSpec<J>* View::*>(&JointTable<J>::spec), J::kName, "", per, Life::Authored);
     is(static_cast<Joint<J>* View::*>(&JointTable<J>::joint), J::kName, "", per, Life::State);
     is(static_cast<TreeRows<J>* View::*>(&JointTable<J>::treeRows), J::kName, "", per, Life::Work);
+    if constexpr (hasTurns<J>()) is(static_cast<JointTurns<J>* View::*>(&JointTable<J>::turns), J::kName, "", per, Life::Work);
   });
   is(&View::bounds, "bounds", "m", Per::Body, Life::Work);
   is(&View::bucketCount, "bucketCount", "", Per::Cell, Life::Work);

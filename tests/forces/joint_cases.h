@@ -105,4 +105,11 @@ template <class F> JointSpec<F> specOf(const typename F::Data& data) {
   return spec;
 }
 
+/// Adds the rows of a joint that is at the poses where its turns are linear.
+template <class F> void stampAt(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side, Block6& block) {
+  JointTurns<F> turns{};
+  linearizeTurns(spec, joint, a, b, turns);
+  stampJoint(spec, joint, &turns, a, b, side, block);
+}
+
 }  // namespace rubble::RUBBLE_CORE

@@ -111,7 +111,7 @@ TEST(Joint, StampsTheForceThatItsEnergyGives) {
     };
     for (int side = 0; side < 2; ++side) {
       Block6 block;
-      stampJoint(spec, joint, x.a, x.b, side, block);
+      stampAt(spec, joint, x.a, x.b, side, block);
       const Vec6 force{block.fl, block.fa};
       constexpr Real h = 1e-5;
       for (int i = 0; i < 6; ++i) {
@@ -141,7 +141,7 @@ TEST(Joint, NeverTransmitsMoreThanItsThresholdAndBreaksThere) {
   updateJointDuals(c, spec, joint, x.a, x.b);
   EXPECT_NEAR(length(Vec3{rows.lambda[0], rows.lambda[1], rows.lambda[2]}), 50, 1e-9);
   Block6 block;
-  stampJoint(spec, joint, x.a, x.b, 0, block);
+  stampAt(spec, joint, x.a, x.b, 0, block);
   EXPECT_NEAR(length(block.fl), 50, 1e-9);
   EXPECT_TRUE(endJoint(spec, joint));
   EXPECT_TRUE(joint.broken);
@@ -208,7 +208,7 @@ TEST(Joint, PartsThatAreOffPushNothing) {
   Joint<FixedJoint> joint = begun(x, c, spec);
   updateJointDuals(c, spec, joint, x.a, x.b);
   Block6 block;
-  stampJoint(spec, joint, x.a, x.b, 0, block);
+  stampAt(spec, joint, x.a, x.b, 0, block);
   EXPECT_EQ(length(block.fl), 0);
   EXPECT_EQ(block.ll.xx, 0);
 }

@@ -195,11 +195,81 @@ TYPED_TEST(JointTest, ReportsTheForceThatItsBodiesFeelInTheBlockOfEach) {
         }
       });
       Block6 block;
-      stampJoint(spec, joint, x.a, x.b, side, block);
+      stampAt(spec, joint, x.a, x.b, side, block);
       EXPECT_TRUE(test::near(block.fl, sum.lin, 1e-9 * (1 + length(sum.lin))));
       EXPECT_TRUE(test::near(block.fa, sum.ang, 1e-9 * (1 + length(sum.ang))));
       EXPECT_GT(length(block.fl) + length(block.fa), 0);
     }
+  }
+}
+
+/// A joint with load on the rows that turn, and how it pushes B where it is now by what was found at `from`.
+template <class F>
+struct LoadedJoint {
+  JointSpec<F> spec;
+  Joint<F> joint;
+  LoadedJoint(const JointCase<F>& x, Random& random) : spec(specOf<F>(x.data)) {
+    StepConstants c = testConstants();
+    c.maxMultiplier = 1e30;
+    joint.length = 1, joint.memory = x.memory;
+    const JointBody bodies[kSides<F>] = {{1, {.1, .1, .1}, {}}, {1, {.1, .1, .1}, {}}};
+    beginJoint(c, spec, joint, x.a, x.b, bodies);
+    forEachPart<F>([&]<int I, class P>() {
+      auto& rows = partOf<I>(joint.parts);
+      if constexpr (P::kAxis) {
+        rows.limit.acts = isTurn<F, P>();
+        rows.limit.lambda = random.uniform(-5, 5);
+      } else {
+        if (!isTurn<F, P>()) partOf<I>(spec.parts).mode = GroupMode::Off;
+        for (Real& lambda : rows.lambda) lambda = random.uniform(-5, 5);
+      }
+    });
+  }
+  Block6 block(const JointCase<F>& from, const JointCase<F>& now) const {
+    JointTurns<F> turns{};
+    linearizeTurns(spec, joint, from.a, from.b, turns);
+    Block6 sum;
+    stampJoint(spec, joint, &turns, now.a, now.b, 1, sum);
+    return sum;
+  }
+};
+template <class F>
+class TurningJoint : public ::testing::Test {};
+using TurningJoints = ::testing::Types<FixedJoint, HingeJoint, SliderJoint, UniversalJoint, SwingTwistJoint, SixDofJoint>;
+TYPED_TEST_SUITE(TurningJoint, TurningJoints);
+
+TYPED_TEST(TurningJoint, HasItsErrorsToFirstOrderInWhatTurnsDuringAnIteration) {
+  using F = TypeParam;
+  Random random(31);
+  for (int n = 0; n < kCases; ++n) {
+    const JointCase<F> x = randomJointCase<F>(random);
+    const LoadedJoint<F> joint(x, random);
+    JointTurns<F> turns{};
+    linearizeTurns(joint.spec, joint.joint, x.a, x.b, turns);
+    forEachPart<F>([&]<int I, class P>() {
+      if constexpr (isTurn<F, P>()) {
+        constexpr Real h = 1e-4;
+        const JointCase<F> y = moved(moved(x, 0, h * unitVec6(3 + n % 3)), 1, h * unitVec6(3 + (n + 1) % 3));
+        Real then[P::kRows];
+        partErrors<F, I, P>(joint.spec, joint.joint, y.a, y.b, then);
+        const auto& rows = partOf<I>(turns.parts);
+        for (int i = 0; i < P::kRows; ++i)
+          EXPECT_NEAR(rows.error[i] + dot(rows.turn[i], turnedSince(turns.from, y.a, y.b)), then[i], 100 * h * h) << I << " " << i;
+      }
+    });
+  }
+}
+
+TYPED_TEST(TurningJoint, FeelsNothingOfARotationAsAWholeDuringAnIteration) {
+  using F = TypeParam;
+  Random random(32);
+  for (int n = 0; n < kCases; ++n) {
+    const JointCase<F> x = randomJointCase<F>(random);
+    const LoadedJoint<F> joint(x, random);
+    const Quat turn = expRotation({.9, -.7, 1.1});
+    const JointCase<F> y = image(x, turn, {0, 0, 0});
+    const Vec3 expected = rotate(turn, joint.block(x, x).fa);
+    EXPECT_TRUE(test::near(joint.block(x, y).fa, expected, 1e-9 * (1 + length(expected)))) << n;
   }
 }
 

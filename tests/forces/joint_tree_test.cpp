@@ -7,7 +7,7 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 /// Rows at the angle of a hinge of which A has turned by 1 rad, with a limit at 1 rad + `ahead` that bears nothing yet.
-TreeRows<HingeJoint> rowsAtLimit(Real ahead, TreeSolve how) {
+TreePart<2> rowsAtLimit(Real ahead, TreeSolve how) {
   constexpr int kAngle = 2;
   StepConstants c = testConstants();
   c.maxMultiplier = 1e30;
@@ -20,14 +20,14 @@ TreeRows<HingeJoint> rowsAtLimit(Real ahead, TreeSolve how) {
   AxisSpec& limits = partOf<kAngle>(spec.parts);
   limits = {-kNoLimit, angle[0] + ahead, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0};
   beginAxis(c, limits, partOf<kAngle>(joint.parts), {angle[0], 0, 0, 1, 1, 1, kHardValue});
-  TreeRows<HingeJoint> rows{};
-  findTreeRows(c, spec, joint, a, b, how, rows);
+  TreePart<2> rows{};
+  findTreePart<HingeJoint, kAngle, TwistAxis>(c, spec, joint, a, b, how, rows);
   return rows;
 }
 
 TEST(TreeRows, ALimitThatASolveHasComeToHoldsInTheNextOneOnEitherSideOfIt) {
   for (const Real off : {-1e-7, 1e-7}) {
-    const TreeRows<HingeJoint> rows = rowsAtLimit(off, TreeSolve::Again);
+    const TreePart<2> rows = rowsAtLimit(off, TreeSolve::Again);
     ASSERT_EQ(rows.count, 1) << off;
     EXPECT_EQ(rows.row[0].take, TreeTake::UpperLimit) << off;
     EXPECT_GT(rows.row[0].hessian, 0) << off;

@@ -79,19 +79,22 @@ struct AssembleTreesByTile {
     const TreeRows<F>& rows = s.treeRowsOf<F>()[index];
     const TreeCoupling to = couplingOf<F>(s, node, s.specsOf<F>()[index], side);
     const auto number = [](const Vec6& j, int i) { return static_cast<double>((&j.lin.x)[i]); };
-    const int row = max(place.row, 0), column = place.column % BlockPlace::kForce, count = rows.count;
+    const int row = max(place.row, 0), column = place.column % BlockPlace::kForce;
     const bool isForce = place.column == BlockPlace::kForce;
-    for (int k = 0; k < count; ++k) {
-      const TreeRow<kSides<F>>& r = rows.row[k];
-      const Vec6& own = r.j[side];
-      block += isForce ? -r.force * number(own, row) : r.hessian * number(own, row) * number(own, column);
+    for (const TreePart<kSides<F>>& part : rows.part) {
+      const int count = part.count;
+      for (int k = 0; k < count; ++k) {
+        const TreeRow<kSides<F>>& r = part.row[k];
+        const Vec6& own = r.j[side];
+        block += isForce ? -r.force * number(own, row) : r.hessian * number(own, row) * number(own, column);
 #pragma unroll
-      for (int turn = 0; turn < kTurns; ++turn) {
-        const int e = lane + turn * kWidth, t = e / kCoupled, far = t == 0 ? to.side[0] : t == 1 ? to.side[1] : -1;
-        if (far >= 0) coupling[turn] += r.hessian * number(own, e % kCoupled / 6) * number(r.j[far], e % 6);
+        for (int turn = 0; turn < kTurns; ++turn) {
+          const int e = lane + turn * kWidth, t = e / kCoupled, far = t == 0 ? to.side[0] : t == 1 ? to.side[1] : -1;
+          if (far >= 0) coupling[turn] += r.hessian * number(own, e % kCoupled / 6) * number(r.j[far], e % 6);
+        }
       }
+      if (count > 0 && place.row == place.column) block += number(part.bend[side], row);
     }
-    if (place.row == place.column) block += number(rows.bend[side], row);
   }
 };
 template <class L>
