@@ -82,26 +82,6 @@ RUBBLE_HD PartIndex partAt(const View& s, int k) {
 #endif
 }
 
-/// What turns, at the poses of the beginning of an iteration: rows that depend on the rotation of A relative to B alone are linear in it until the next.
-template <class F>
-struct LinearizeTurns {
-  static constexpr const char* kName = "joint turns";
-  static constexpr bool kActs = hasTurns<F>();
-  RUBBLE_HD void operator()(const View& s, int k) const {
-    const PartIndex at = partAt<F>(s, k);
-    const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
-    const Joint<F>& joint = s.jointsOf<F>()[at.joint];
-    if (!joint.acts) return;
-    const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
-    JointTurns<F>& turns = s.turnsOf<F>()[at.joint];
-    if (at.part == 0) turns.from = turnFromB(a, b);
-    forEachPart<F>([&]<int I, class P>() {
-      if constexpr (isTurn<F, P>())
-        if (I == at.part) linearizeTurn<F, I, P>(spec, joint, a, b, partOf<I>(turns.parts));
-    });
-  }
-};
-
 /// A part of a joint each.
 template <class F>
 struct UpdateJointDuals {

@@ -9,6 +9,7 @@
 #include "stages/sleep.h"
 #include "stages/soft_step.h"
 #include "stages/trees.h"
+#include "stages/turns.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -193,11 +194,15 @@ template <Executor E>
 void correctTrees(E& e, TreeSolve how) {
   const View& s = e.view();
   const int nodes = treeNodes(s);
-  e.clear(&View::treeTurn, nodes);
+  e.forEach(BeginTrees{how}, nodes);
   forEachJointPart<FindTreeRows>(e, how);
   e.forEach(AssembleTrees<typename E::Lane>{how}, nodes);
-  for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
-  for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+  if (s.smallTrees) {
+    e.forEach(SolveTree{}, s.trees);
+  } else {
+    for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+    for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+  }
   if (how != TreeSolve::Again)
     forEachJointPart<TakeTreeForces>(e);
   e.forEach(MoveTrees{}, nodes);
@@ -293,11 +298,12 @@ void step(E& e) {
   // vertices that hang on bodies know nothing of joints that are held harder than they are: with them trees stay before the sweep
   const bool treesEnd = nodes > 0 && vertices == 0;
   for (int n = 0; n < e.view().step.iterations; ++n) {
-    forEachJointPart<LinearizeTurns>(e);
+    if (n == 0 && e.view().step.coarseCorrection) forEachJointPart<LinearizeTurns>(e);
     if (e.view().step.coarseCorrection) correctGroups(e, n);
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
     const bool last = n + 1 == e.view().step.iterations;
     if (nodes > 0 && !(last && treesEnd)) correctTrees(e, TreeSolve::Own);
+    forEachJointPart<LinearizeTurns>(e);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
     for (int k = 0; last && treesEnd && k < lastTreeSolves(e.view()); ++k) correctTrees(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again);
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);

@@ -35,8 +35,20 @@ RUBBLE_HD inline int movingNode(const View& s, int body) { return body != kWorld
 RUBBLE_HD inline TreeSolve treeSolveOf(const View& s, const TreeNode& node, TreeSolve how) {
   return isExact(s, node) ? TreeSolve::Exact : node.exact ? how : TreeSolve::Own;
 }
-/// Does a tree stay where it is in this solve?
-RUBBLE_HD inline bool treeRests(const View& s, const TreeNode& node, TreeSolve how) { return how == TreeSolve::Again && isExact(s, node); }
+/// A tree whose bodies have all turned by less than this in a solve is left as it is in those that follow: what the next one would find is of second order in
+/// it, or a limit passed by no more than twice as much [rad].
+inline constexpr Real kTreeAtRest = Real(.002);
+
+/// Begins a solve of all trees. A tree that is solved exactly is done by the first one, too.
+struct BeginTrees {
+  static constexpr const char* kName = "trees";
+  TreeSolve how;
+  RUBBLE_HD void operator()(const View& s, int n) const {
+    if (s.treeNode[n].tree != n) return;
+    s.treeRests[n] = how == TreeSolve::Again && (isExact(s, s.treeNode[n]) || fromFloatBits(s.treeTurn[n]) < kTreeAtRest);
+    s.treeTurn[n] = 0;
+  }
+};
 
 /// The rows of all joints that a tree has, a part of a joint each.
 template <class F>
@@ -50,7 +62,7 @@ struct FindTreeRows {
     if (!joint.acts) return;
     int n = -1;
     for (int side = 0; side < kSides<F> && n < 0; ++side) n = movingNode(s, bodyOf(spec, side));
-    if (n < 0 || treeRests(s, s.treeNode[n], how)) return;
+    if (n < 0 || s.treeRests[s.treeNode[n].tree]) return;
     const TreeSolve own = spec.holds ? treeSolveOf(s, s.treeNode[n], how) : TreeSolve::Own;
     const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
     forEachPart<F>([&]<int I, class P>() {
@@ -59,21 +71,29 @@ struct FindTreeRows {
   }
 };
 
+/// Which sides of the joint of an entry are the neighbours of a node.
 template <class F>
-RUBBLE_HD TreeCoupling couplingOf(const View& s, const TreeNode& node, const JointSpec<F>& spec, int side) {
+RUBBLE_HD TreeCoupling couplingOf(const View& s, const TreeNode& node, const Entry& entry) {
   TreeCoupling to{{-1, -1}};
-  for (int other = 0; other < kSides<F>; ++other) {
-    const int body = bodyOf(spec, other);
-    if (other == side || body == bodyOf(spec, side) || !isFirstSide(spec, other)) continue;
-    const int n = movingNode(s, body);
+  const int side = jointSide<F>(entry.code);
+  const auto note = [&](int other, int n) {
     for (int t = 0; t < 2; ++t)
       if (n >= 0 && node.near[t] == n) to.side[t] = other;
+  };
+  if constexpr (isCarried<F>()) {
+    const JointSpec<F>& spec = s.specsOf<F>()[jointIndex<F>(entry.code)];
+    for (int other = 0; other < kSides<F>; ++other) {
+      const int body = bodyOf(spec, other);
+      if (other != side && body != bodyOf(spec, side) && isFirstSide(spec, other)) note(other, movingNode(s, body));
+    }
+  } else if (entry.other >= 0) {
+    note(1 - side, s.nodeOfBody[entry.other]);
   }
   return to;
 }
 template <class F>
-RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, int index, int side, TreeBlock& w) {
-  stampTreeRows<F>(s.treeRowsOf<F>()[index], side, couplingOf<F>(s, s.treeNode[n], s.specsOf<F>()[index], side), w.h, w.x, w.e);
+RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, const Entry& entry, TreeBlock& w) {
+  stampTreeRows<F>(s.treeRowsOf<F>()[jointIndex<F>(entry.code)], jointSide<F>(entry.code), couplingOf<F>(s, s.treeNode[n], entry), w.h, w.x, w.e);
 }
 
 /// A body that does not move, or an axis that is locked, is decoupled from all others.
@@ -119,21 +139,21 @@ struct AssembleTrees {
       if (s.rolls) addRolling(s, s.entry[k].code, both ? shared : own);
     }
     sumPoints(own, shared);
-    for (; k < end; ++k) addOther(s, n, s.entry[k].code, w, own);
+    for (; k < end; ++k) addOther(s, n, s.entry[k], w, own);
     addBlock(w.h, w.x, own, 1);
     addBlock(w.h, w.x, shared, 2);
     lockAxesOf(s, node, w);
   }
 
-  RUBBLE_HD bool stands(const View& s, const TreeNode& node) const { return !isDynamic(s, node.body) || treeRests(s, node, how); }
+  RUBBLE_HD bool stands(const View& s, const TreeNode& node) const { return !isDynamic(s, node.body) || s.treeRests[node.tree] != 0; }
   RUBBLE_HD static void standStill(TreeBlock& w) {
     for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
   }
   /// Adds a row block that is no contact.
-  RUBBLE_HD static void addOther(const View& s, int n, std::uint32_t code, TreeBlock& w, Block6& own) {
-    if (entryType(code) > JointTypes::kSize) return addSoftRows(s, code, own);
+  RUBBLE_HD static void addOther(const View& s, int n, const Entry& entry, TreeBlock& w, Block6& own) {
+    if (entryType(entry.code) > JointTypes::kSize) return addSoftRows(s, entry.code, own);
     forEachType(JointTypes{}, [&]<class F>() {
-      if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code)) stampJointOfNode<F>(s, n, jointIndex<F>(code), jointSide<F>(code), w);
+      if (entryType(entry.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(entry.code)) stampJointOfNode<F>(s, n, entry, w);
     });
   }
   RUBBLE_HD static void lockAxesOf(const View& s, const TreeNode& node, TreeBlock& w) {
@@ -201,6 +221,17 @@ struct SubstituteNode {
   static constexpr Real kNoTurn = Real(1e30);
 };
 
+/// All rounds of a small tree.
+struct SolveTree {
+  static constexpr const char* kName = "trees";
+  RUBBLE_HD void operator()(const View& s, int tree) const {
+    const int begin = s.treeOffset[tree], end = s.treeOffset[tree + 1];
+    if (s.treeRests[s.treeNode[s.treeMember[begin]].tree]) return;
+    for (int k = begin; k < end; ++k) EliminateNode{0}(s, s.treeMember[k]);
+    for (int k = end - 1; k >= begin; --k) SubstituteNode{0}(s, s.treeMember[k]);
+  }
+};
+
 /// Share of its step that a tree makes: no body turns by more than kMostTurn, and a step that is not finite is not made.
 RUBBLE_HD inline double treeShare(const View& s, int tree) {
   const double turn = static_cast<double>(fromFloatBits(s.treeTurn[tree]));
@@ -238,7 +269,7 @@ struct MoveTrees {
     const TreeNode& node = s.treeNode[n];
     const int i = node.body;
     const double share = treeShare(s, node.tree);
-    if (!isDynamic(s, i) || !(share > 0)) return;
+    if (!isDynamic(s, i) || s.treeRests[node.tree] || !(share > 0)) return;
     const Pose x = retract({s.moved[i].dp, s.turned[i]}, shorter(s.treeWork[n].x, share));
     s.turned[i] = x.q;
     s.moved[i] = {x.p, 0, logRotation(x.q), 0};

@@ -7,6 +7,9 @@ namespace rubble::RUBBLE_CORE {
 /// Rounds of elimination at most: a chain of N bodies takes log2 N. Bodies that would come later are left to the other blocks.
 inline constexpr int kTreeRounds = 64;
 
+/// A world whose trees are no larger has each of them solved at once, and not round by round.
+inline constexpr int kSmallTree = 64;
+
 /// A body in the order of elimination.
 struct TreeNode {
   int body;

@@ -61,6 +61,8 @@ struct View : JointTables<JointTypes> {
   int treeBegin[kTreeRounds + 1] = {};///< first node of each round of elimination; the last one: how many there are
   int treeRounds = 0;
   int treeSources = 0;
+  int trees = 0;
+  bool smallTrees = false;            ///< none has more than kSmallTree bodies
   int treeLimits = 0;                 ///< 1: some joint has limits
   int treesStale = 1;                 ///< 1: bodies or joints were edited since the trees were found
   int vertices = 0;                   ///< slots in use, removed ones included
@@ -146,9 +148,12 @@ struct View : JointTables<JointTypes> {
   // trees of joints: derived, and work
   int* nodeOfBody = nullptr;          ///< of each body, -1: none
   TreeNode* treeNode = nullptr;       ///< by round
+  int* treeOffset = nullptr;          ///< [trees + 1]
+  int* treeMember = nullptr;          ///< nodes by tree, then by round
   int* treeSource = nullptr;          ///< 2 * node + side of its coupling, by the node that it passes something on to
   TreeWork* treeWork = nullptr;
   int* treeTouched = nullptr;         ///< 1: a body of the tree has contacts in this step
+  int* treeRests = nullptr;           ///< by tree: it stays as it is in this solve
   int* treeTurn = nullptr;            ///< largest rotation of a tree's step, as the bits of a float [rad]
   int* treeOpen = nullptr;            ///< 1: a joint of the tree is open at the end of the step
   TreeLink* treeLink = nullptr;
@@ -380,8 +385,11 @@ void forEachArray(F&& f) {
   is(&View::nodeOfBody, "nodeOfBody", "", Per::Body, Life::Derived);
   is(&View::treeNode, "treeNode", "", Per::TreeNode, Life::Derived);
   is(&View::treeSource, "treeSource", "", Per::TreeSource, Life::Derived);
+  is(&View::treeOffset, "treeOffset", "", Per::TreeNode, Life::Derived, 1);
+  is(&View::treeMember, "treeMember", "", Per::TreeNode, Life::Derived);
   is(&View::treeWork, "treeWork", "", Per::TreeNode, Life::Work);
   is(&View::treeTouched, "treeTouched", "", Per::TreeNode, Life::Work);
+  is(&View::treeRests, "treeRests", "", Per::TreeNode, Life::Work);
   is(&View::treeTurn, "treeTurn", "", Per::TreeNode, Life::Work);
   is(&View::treeOpen, "treeOpen", "", Per::TreeNode, Life::Work);
   is(&View::treeLink, "treeLink", "", Per::TreeNode, Life::Work);

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "stages/trees.h"
 #include "tests/support/core_world.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -39,8 +40,18 @@ int roundOf(const View& s, int node) {
   return r;
 }
 
-/// Every coupling goes to a later round, every joint is a coupling, and what is passed on arrives.
+/// Every coupling goes to a later round, every joint is a coupling, and what is passed on arrives; each tree lists its nodes by round.
 void expectSound(const View& s, const Links& links) {
+  EXPECT_EQ(s.treeOffset[s.trees], treeNodes(s));
+  std::vector<int> listed(s.treeMember, s.treeMember + treeNodes(s));
+  for (int t = 0; t < s.trees; ++t) {
+    const int begin = s.treeOffset[t], end = s.treeOffset[t + 1];
+    EXPECT_LT(begin, end);
+    EXPECT_TRUE(std::is_sorted(s.treeMember + begin, s.treeMember + end));
+    for (int k = begin; k < end; ++k) EXPECT_EQ(s.treeNode[s.treeMember[k]].tree, s.treeNode[s.treeMember[begin]].tree);
+  }
+  std::sort(listed.begin(), listed.end());
+  for (int n = 0; n < treeNodes(s); ++n) EXPECT_EQ(listed[static_cast<std::size_t>(n)], n);
   for (int n = 0; n < treeNodes(s); ++n) {
     const TreeNode& node = s.treeNode[n];
     EXPECT_EQ(s.nodeOfBody[node.body], n);
@@ -125,6 +136,57 @@ TEST(JointTrees, ALoneBodyIsOneIfAJointHoldsIt) {
   ASSERT_EQ(treeNodes(world.view()), 1);
   EXPECT_EQ(world.view().treeNode[0].body, 2);
   EXPECT_EQ(world.view().treeNode[0].exact, 1);
+}
+
+/// Blocks of a chain as if some joint were there: diagonals outweigh couplings.
+void fillBlocks(const View& s) {
+  for (int n = 0; n < treeNodes(s); ++n) {
+    TreeWork& w = s.treeWork[n];
+    for (int i = 0; i < 6; ++i) {
+      w.x.v[i] = 1 + .1 * n + i;
+      for (int j = 0; j < 6; ++j) {
+        w.h.m[i][j] = i == j ? 20 + n : .5;
+        for (int t = 0; t < 2; ++t) w.e[t].m[i][j] = s.treeNode[n].near[t] >= 0 ? .2 * (i + 1) - .1 * j : 0;
+      }
+    }
+  }
+}
+
+TEST(JointTrees, ASmallTreeIsSolvedAtOnceAsInRounds) {
+  Linked world(20, chainOf(20));
+  const View& s = world.view();
+  ASSERT_TRUE(s.smallTrees);
+  ASSERT_EQ(s.trees, 1);
+  std::fill_n(s.treeRests, treeNodes(s), 0);
+  std::vector<Long6> wanted;
+  fillBlocks(s);
+  for (int r = 0; r < s.treeRounds; ++r)
+    for (int n = s.treeBegin[r]; n < s.treeBegin[r + 1]; ++n) EliminateNode{0}(s, n);
+  for (int r = s.treeRounds - 1; r >= 0; --r)
+    for (int n = s.treeBegin[r]; n < s.treeBegin[r + 1]; ++n) SubstituteNode{0}(s, n);
+  for (int n = 0; n < treeNodes(s); ++n) wanted.push_back(s.treeWork[n].x);
+  fillBlocks(s);
+  SolveTree{}(s, 0);
+  for (int n = 0; n < treeNodes(s); ++n)
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(s.treeWork[n].x.v[i], wanted[static_cast<std::size_t>(n)].v[i]) << n;
+}
+
+TEST(JointTrees, OneThatHasHardlyTurnedRestsInTheSolvesThatFollow) {
+  Linked world(3, chainOf(3));
+  const View& s = world.view();
+  const int tree = s.treeNode[0].tree;
+  const auto restsAfter = [&](Real turn, TreeSolve how, int touched) {
+    s.treeTouched[tree] = touched;
+    s.treeTurn[tree] = floatBits(turn);
+    for (int n = 0; n < treeNodes(s); ++n) BeginTrees{how}(s, n);
+    EXPECT_EQ(s.treeTurn[tree], 0);
+    return s.treeRests[tree] != 0;
+  };
+  EXPECT_TRUE(restsAfter(Real(.001), TreeSolve::Again, 1));
+  EXPECT_FALSE(restsAfter(Real(.01), TreeSolve::Again, 1)) << "limits may have been passed";
+  EXPECT_TRUE(restsAfter(Real(.01), TreeSolve::Again, 0)) << "solved exactly";
+  EXPECT_FALSE(restsAfter(Real(0), TreeSolve::Own, 1));
+  EXPECT_FALSE(restsAfter(Real(0), TreeSolve::Exact, 0));
 }
 
 }  // namespace

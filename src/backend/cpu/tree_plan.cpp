@@ -35,6 +35,7 @@ class Plan {
   void readJoints();
   void eliminate();
   void take(int body);
+  static void listTrees(View& s);
 
   const View& s_;
   std::vector<int> component_;              ///< union-find over joints
@@ -172,6 +173,23 @@ void Plan::write(HostTables& tables) {
     node.sourceEnd = s.treeSources;
     s.treeNode[n] = node;
   }
+  listTrees(s);
+}
+
+/// The nodes of each tree.
+void Plan::listTrees(View& s) {
+  const int nodes = treeNodes(s);
+  std::vector<std::vector<int>> lists(at(nodes));
+  for (int n = 0; n < nodes; ++n) lists[at(s.treeNode[n].tree)].push_back(n);
+  std::erase_if(lists, [](const std::vector<int>& list) { return list.empty(); });
+  s.trees = static_cast<int>(lists.size());
+  s.smallTrees = std::all_of(lists.begin(), lists.end(), [](const std::vector<int>& list) { return list.size() <= at(kSmallTree); });
+  int* to = s.treeMember;
+  for (std::size_t k = 0; k < lists.size(); ++k) {
+    s.treeOffset[k] = static_cast<int>(to - s.treeMember);
+    to = std::copy(lists[k].begin(), lists[k].end(), to);
+  }
+  std::fill(s.treeOffset + s.trees, s.treeOffset + nodes + 1, nodes);
 }
 
 }  // namespace

@@ -61,6 +61,13 @@ class CudaExecutor {
   const Control* control() const { return control_; }
   /// Is this kind one whose number the device counts?
   bool counted(Per per) const { return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_); }
+  /// How many of a kind there were, by the counters of a step.
+  int countOf(const Counters& counters, Per per) const {
+    int most = 0;
+    for (std::size_t k = 0; k < std::size(perOf_); ++k)
+      if (perOf_[k] == static_cast<int>(per)) most = std::max(most, reinterpret_cast<const int*>(&counters)[k]);
+    return most;
+  }
   std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size() + hubs_.size() + heavyChunks_.size(); }
 
   /// Room for what the scans and sorts of a step need besides the tables: the step itself must not allocate.
@@ -168,6 +175,12 @@ class CudaExecutor {
       launchNext(sumLumps<kLumpThreads>, {objects, kLumpThreads}, SumLump::kName, view(), kernel.level, Gate{control_});
     else if (objects > 0) launchNext(sumLumps<kWarp>, {objects, kWarp}, SumLump::kName, view(), kernel.level, Gate{control_});
     if (n > objects) launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumLump::kName);
+  }
+
+  void forEach(const SolveTree&, int n) {
+    if (!begins() || n <= 0) return;
+    enterStage(SolveTree::kName);
+    launchNext(solveTrees, {n, kTreeThreads}, SolveTree::kName, view(), Gate{control_});
   }
 
   /// A search is long: where bodies do not fill the device several lanes share one.

@@ -148,12 +148,24 @@ struct CudaStepper::Impl {
     tables.view() = view;
   }
 
+  /// A step that stops costs several, for graphs have to be made anew; and bodies that begin to touch, one after another, would stop it again and again. So
+  /// there is room for some contacts of all of them at once, and while they are few, tables that will soon be too small grow with the one that is.
   void makeRoom(const Control& control) {
     const Per per = static_cast<Per>(control.lacking);
     // the first time there is no room at all, and the next steps need a little more
     constexpr int kLeastSpare = 64;
     const int spare = tables.capacity(per) > 1 ? 0 : kLeastSpare + control.needed / 8;
     tables.reserve(per, control.needed + spare);
+    constexpr Per kOfContacts[] = {Per::Pair, Per::NearPair, Per::Manifold, Per::Entry, Per::External};
+    constexpr int kFew = 2;
+    const int bodies = tables.view().bodies;
+    const bool ofContacts = std::find(std::begin(kOfContacts), std::end(kOfContacts), per) != std::end(kOfContacts);
+    for (const Per other : kOfContacts) {
+      constexpr double kSoon = 1.25;
+      const int room = tables.capacity(other);
+      if (!ofContacts || control.needed > kFew * bodies || room > kFew * bodies) continue;
+      tables.reserve(other, kSoon * executor.countOf(last, other) > room ? room + 1 : bodies / 2);
+    }
     executor.reserveScratch();
   }
 
@@ -164,6 +176,7 @@ struct CudaStepper::Impl {
   StepGraph graphs[2];
   Timeline direct;
   Bound colors{kFirstColors, 1};
+  Counters last{};  ///< of the step before
   int parity = 0;
   bool swaps = false;
   bool timings;
@@ -216,6 +229,7 @@ Counters CudaStepper::step(const View& host, StepReport& report) {
     m.parity ^= 1;
   }
   const Counters counters = m.status->counters;
+  m.last = counters;
   m.colors.note(m.status->control.wideColors);
   return counters;
 }

@@ -1,5 +1,7 @@
 #pragma once
 /// Stages of joint trees, a tile of lanes a body: a joint is thousands of instructions one after another, and some bodies have five.
+#include <algorithm>
+
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -19,11 +21,16 @@ struct BlockPlace {
   }
 };
 
+template <class... F>
+constexpr std::size_t largestTreeRows(TypeList<F...>) {
+  return std::max({sizeof(TreeRows<F>)...});
+}
+
 /// A lane a point of a contact, then a lane a number of the block: all of them go through the rows of the joints together.
 template <class L>
 struct AssembleTreesByTile {
   static constexpr const char* kName = AssembleTrees<L>::kName;
-  static constexpr int kWidth = kWarp;
+  static constexpr int kWidth = kWarp, kBlocks = 5;
   /// Numbers of the couplings that a lane has.
   static constexpr int kCoupled = 36, kTurns = (2 * kCoupled + kWidth - 1) / kWidth;
   AssembleTrees<L> stage;
@@ -36,6 +43,7 @@ struct AssembleTreesByTile {
     if (!stage.stands(s, node)) block = sumRows(s, node, tile, place, coupling);
     TreeBlock& w = s.treeWork[n];
     if (place.row >= 0) (place.column == BlockPlace::kForce ? w.x.v[place.row] : w.h.m[place.row][place.column]) = block;
+#pragma unroll
     for (int turn = 0; turn < kTurns; ++turn)
       if (const int k = tile.lane + turn * kWidth; k < 2 * kCoupled) (&w.e[0].m[0][0])[k] = coupling[turn];
     __syncwarp(tile.mask);
@@ -43,41 +51,65 @@ struct AssembleTreesByTile {
   }
 
  private:
+  /// Rows of a joint in shared memory: all of them on their way at once.
+  struct alignas(16) Staged {
+    char bytes[largestTreeRows(JointTypes{})];
+  };
   __device__ double sumRows(const View& s, const TreeNode& node, const Tile<kWidth>& tile, const BlockPlace& place, double (&coupling)[kTurns]) const {
     const int begin = s.entryOffset[node.body], end = s.entryOffset[node.body + 1], point = tile.lane % kLanes;
-    Block6 own, shared;
+    __shared__ Staged staged[kThreads / kWidth];
+    Staged& memory = staged[threadIdx.x / kWidth];
+    Block6 own;
     if (tile.lane == 0) startBlock(s, node.body, own);
     int k = begin + tile.lane / kLanes;
     for (; k < end && entryType(s.entry[k].code) == kContactType; k += kWidth / kLanes) {
       Block6 rows;
       addContact<Real>(s, s.entry[k].code, point, rows);
       if (s.rolls && point == 0) addRolling(s, s.entry[k].code, rows);
-      if (movesInTree(s, s.entry[k].other)) addBlock(shared, rows);
-      else addBlock(own, rows);
+      addWeighted(own, rows, movesInTree(s, s.entry[k].other) ? Real(2) : Real(1));
     }
     // entries are sorted by type, contacts first and joints before deformable objects
     k = __reduce_min_sync(tile.mask, k);
     double block = 0;
     for (; k < end && entryType(s.entry[k].code) <= JointTypes::kSize; ++k) {
-      const std::uint32_t code = s.entry[k].code;
+      const Entry entry = s.entry[k];
       forEachType(JointTypes{}, [&]<class F>() {
-        if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code)) addJointRows<F>(s, node, code, tile.lane, place, block, coupling);
+        if (entryType(entry.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(entry.code)) addJointRows<F>(s, node, entry, tile, place, memory, block, coupling);
       });
     }
     for (k += tile.lane; k < end; k += kWidth) addSoftRows(s, s.entry[k].code, own);
-    Real ownSum[kRealsPerLane<kWidth>], sharedSum[kRealsPerLane<kWidth>];
-    sumBlocks(tile, own, ownSum);
-    sumBlocks(tile, shared, sharedSum);
-    block += static_cast<double>(ownSum[0]);
-    return block + (place.column == BlockPlace::kForce ? 1 : 2) * static_cast<double>(sharedSum[0]);
+    Real sum[kRealsPerLane<kWidth>];
+    sumBlocks(tile, own, sum);
+    return block + static_cast<double>(sum[0]);
+  }
+
+  /// Adds rows whose Hessian counts so many times.
+  __device__ static void addWeighted(Block6& to, const Block6& rows, Real weight) {
+    const auto add = [&](Sym3& a, const Sym3& b) {
+      a.xx += weight * b.xx, a.xy += weight * b.xy, a.xz += weight * b.xz;
+      a.yy += weight * b.yy, a.yz += weight * b.yz, a.zz += weight * b.zz;
+    };
+    add(to.ll, rows.ll), add(to.aa, rows.aa);
+    to.al0 += weight * rows.al0, to.al1 += weight * rows.al1, to.al2 += weight * rows.al2;
+    to.fl += rows.fl, to.fa += rows.fa;
   }
 
   template <class F>
-  __device__ static void addJointRows(const View& s, const TreeNode& node, std::uint32_t code, int lane, const BlockPlace& place, double& block,
-                                      double (&coupling)[kTurns]) {
-    const int index = jointIndex<F>(code), side = jointSide<F>(code);
-    const TreeRows<F>& rows = s.treeRowsOf<F>()[index];
-    const TreeCoupling to = couplingOf<F>(s, node, s.specsOf<F>()[index], side);
+  __device__ static const TreeRows<F>& stageRows(const TreeRows<F>& rows, const Tile<kWidth>& tile, Staged& to) {
+    static_assert(sizeof(TreeRows<F>) % sizeof(int4) == 0 && sizeof(TreeRows<F>) <= sizeof(Staged));
+    __syncwarp(tile.mask);
+    for (int i = tile.lane; i < static_cast<int>(sizeof(TreeRows<F>) / sizeof(int4)); i += kWidth)
+      reinterpret_cast<int4*>(to.bytes)[i] = reinterpret_cast<const int4*>(&rows)[i];
+    __syncwarp(tile.mask);
+    return *reinterpret_cast<const TreeRows<F>*>(to.bytes);
+  }
+
+  template <class F>
+  __device__ static void addJointRows(const View& s, const TreeNode& node, const Entry& entry, const Tile<kWidth>& tile, const BlockPlace& place,
+                                      Staged& staged, double& block, double (&coupling)[kTurns]) {
+    const TreeCoupling to = couplingOf<F>(s, node, entry);
+    const TreeRows<F>& rows = stageRows(s.treeRowsOf<F>()[jointIndex<F>(entry.code)], tile, staged);
+    const int side = jointSide<F>(entry.code), lane = tile.lane;
     const auto number = [](const Vec6& j, int i) { return static_cast<double>((&j.lin.x)[i]); };
     const int row = max(place.row, 0), column = place.column % BlockPlace::kForce;
     const bool isForce = place.column == BlockPlace::kForce;
@@ -107,7 +139,7 @@ struct EliminateNodeByTile {
   static constexpr const char* kName = EliminateNode::kName;
   static constexpr int kWidth = kWarp;
   int begin;
-  explicit EliminateNodeByTile(const EliminateNode& stage) : begin(stage.begin) {}
+  RUBBLE_HD explicit EliminateNodeByTile(const EliminateNode& stage) : begin(stage.begin) {}
   __device__ void operator()(const View& s, int index, const Tile<kWidth>& tile) const {
     const int n = begin + index, place = tile.lane / 8, column = tile.lane % 8, t = place - 1;
     const TreeNode node = s.treeNode[n];
@@ -167,7 +199,7 @@ struct SubstituteNodeByTile {
   static constexpr const char* kName = SubstituteNode::kName;
   static constexpr int kWidth = 8;
   int begin;
-  explicit SubstituteNodeByTile(const SubstituteNode& stage) : begin(stage.begin) {}
+  RUBBLE_HD explicit SubstituteNodeByTile(const SubstituteNode& stage) : begin(stage.begin) {}
   __device__ void operator()(const View& s, int index, const Tile<kWidth>& tile) const {
     const int n = begin + index, i = tile.lane;
     const TreeNode node = s.treeNode[n];
@@ -188,5 +220,32 @@ template <>
 struct OnDevice<SubstituteNode> {
   using Type = SubstituteNodeByTile;
 };
+
+/// A block a small tree: round by round, a warp each body that is eliminated, and fewer lanes each that is substituted.
+inline constexpr int kTreeThreads = 2 * kWarp;
+static __global__ void __launch_bounds__(kTreeThreads) solveTrees(const __grid_constant__ View s, Gate gate) {
+  gate.enter([&] {
+    const int tree = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
+    const int begin = s.treeOffset[tree], end = s.treeOffset[tree + 1];
+    if (s.treeRests[s.treeNode[s.treeMember[begin]].tree]) return;
+    const auto solveRound = [&]<class Kernel>(const Kernel& kernel, int first, int last) {
+      constexpr int kWidth = Kernel::kWidth;
+      const Tile<kWidth> tile = Tile<kWidth>::ofThread();
+      for (int k = first + thread / kWidth; k < last; k += kTreeThreads / kWidth) kernel(s, s.treeMember[k], tile);
+      __syncthreads();
+    };
+    int k = begin;
+    for (int r = 0; r < s.treeRounds; ++r) {
+      const int first = k;
+      while (k < end && s.treeMember[k] < s.treeBegin[r + 1]) ++k;
+      if (k > first) solveRound(EliminateNodeByTile(EliminateNode{0}), first, k);
+    }
+    for (int r = s.treeRounds - 1; r >= 0; --r) {
+      const int last = k;
+      while (k > begin && s.treeMember[k - 1] >= s.treeBegin[r]) --k;
+      if (k < last) solveRound(SubstituteNodeByTile(SubstituteNode{0}), k, last);
+    }
+  });
+}
 
 }  // namespace rubble::RUBBLE_CORE
