@@ -16,6 +16,13 @@
 #define RUBBLE_APART __attribute__((noinline))
 #endif
 
+/// 1 in what is compiled for a GPU.
+#if defined(__CUDA_ARCH__)
+#define RUBBLE_DEVICE_CODE 1
+#else
+#define RUBBLE_DEVICE_CODE 0
+#endif
+
 /// A short loop over an array that is to live in registers.
 #if defined(__CUDACC__)
 #define RUBBLE_UNROLL _Pragma("unroll")

@@ -73,7 +73,7 @@ struct PartIndex {
 /// same joint, which is in its cache then.
 template <class F>
 RUBBLE_HD PartIndex partAt(const View& s, int k) {
-#if defined(__CUDA_ARCH__)
+#if RUBBLE_DEVICE_CODE
   const int joints = s.joints[typeIndex<F>(JointTypes{})];
   return {k % joints, k / joints};
 #else

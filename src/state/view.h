@@ -1,5 +1,6 @@
 #pragma once
 /// Every array of the engine, declared once: meaning, unit, shape and who writes it. A View is handed to each kernel by value.
+#include "forces/joint_stamp.h"
 #include "forces/joint_tree.h"
 #include "state/bodies.h"
 #include "state/trees.h"

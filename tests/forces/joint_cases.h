@@ -1,6 +1,7 @@
 #pragma once
 /// Random joints of any type, for the tests that hold for all of them.
 #include <forces/forces.h>
+#include <forces/joint_stamp.h>
 
 #include "tests/support/core.h"
 

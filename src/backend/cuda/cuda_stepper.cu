@@ -157,15 +157,14 @@ struct CudaStepper::Impl {
     const int spare = tables.capacity(per) > 1 ? 0 : kLeastSpare + control.needed / 8;
     tables.reserve(per, control.needed + spare);
     constexpr Per kOfContacts[] = {Per::Pair, Per::NearPair, Per::Manifold, Per::Entry, Per::External};
-    constexpr int kFew = 2;
-    const int bodies = tables.view().bodies;
-    const bool ofContacts = std::find(std::begin(kOfContacts), std::end(kOfContacts), per) != std::end(kOfContacts);
-    for (const Per other : kOfContacts) {
-      constexpr double kSoon = 1.25;
-      const int room = tables.capacity(other);
-      if (!ofContacts || control.needed > kFew * bodies || room > kFew * bodies) continue;
-      tables.reserve(other, kSoon * executor.countOf(last, other) > room ? room + 1 : bodies / 2);
-    }
+    constexpr double kSoon = 1.25;
+    const int bodies = tables.view().bodies, most = bodies / 2;
+    if (std::find(std::begin(kOfContacts), std::end(kOfContacts), per) != std::end(kOfContacts))
+      for (const Per other : kOfContacts) {
+        const int room = tables.capacity(other);
+        if (control.needed < most) tables.reserve(other, most);
+        else if (room > 1 && room < bodies && kSoon * executor.countOf(last, other) > room) tables.reserve(other, room + 1);
+      }
     executor.reserveScratch();
   }
 
