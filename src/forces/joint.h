@@ -338,7 +338,8 @@ RUBBLE_HD RUBBLE_NEAR bool forcesAt(const Joint<F>& joint, const Real (&error)[P
 }
 /// Errors of part I at the present poses, as forcesAt wants them.
 template <class F, int I, class P>
-RUBBLE_HD RUBBLE_NEAR void partErrors(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, Real (&error)[P::kRows]) {
+RUBBLE_HD RUBBLE_NEAR void partErrors(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
+                                      Real (&error)[P::kRows]) {
   if constexpr (P::kAxis) P::constraint(spec.data, joint.memory, a, b, error);
   else heldErrors<P>(partOf<I>(joint.parts).shift, spec.data, joint.memory, a, b, error);
 }

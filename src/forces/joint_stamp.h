@@ -4,8 +4,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// A part whose rows depend on the rotation of A relative to B alone. Until the next iteration they are linear in it: a rotation of the joint as a whole
-/// changes nothing, and what they cost is found once for all sweeps.
+/// A part whose rows depend on the rotation of A relative to B alone. Until the next iteration they are linear in it: a rotation of the
+/// joint as a whole changes nothing, and what they cost is found once for all sweeps.
 template <class F, class P>
 constexpr bool isTurn() {
   return P::kUnit == RowUnit::Angular && !isCarried<F>();
@@ -58,7 +58,8 @@ RUBBLE_HD void linearizeTurns(const JointSpec<F>& spec, const Joint<F>& joint, c
 
 /// Adds a part that turns: `turned` as of turnedSince().
 template <class F, int I, class P>
-RUBBLE_HD RUBBLE_NEAR void stampTurn(const Joint<F>& joint, const TurnRows<P::kRows>& rows, const Vec3& turned, const Quat& frameB, int side, Block6& block) {
+RUBBLE_HD RUBBLE_NEAR void stampTurn(const Joint<F>& joint, const TurnRows<P::kRows>& rows, const Vec3& turned, const Quat& frameB, int side,
+                                     Block6& block) {
   Real error[P::kRows], force[P::kRows], hessian;
   for (int i = 0; i < P::kRows; ++i) error[i] = rows.error[i] + dot(rows.turn[i], turned);
   if (!forcesAt<I, P>(joint, error, force, hessian)) return;
@@ -74,8 +75,8 @@ RUBBLE_HD RUBBLE_NEAR void stampTurn(const Joint<F>& joint, const TurnRows<P::kR
 /// Adds all rows of a joint to the block of one of its bodies, by the first side that it has. The block may be about another point than the
 /// centre of the body, which then lies `shift` from that point. `turns`: of a type that has parts that turn.
 template <class F>
-RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const JointTurns<F>* turns, const SidePose<F>& a, const SidePose<F>& b, int side,
-                          Block6& block, const Vec3& shift = {0, 0, 0}) {
+RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const JointTurns<F>* turns, const SidePose<F>& a,
+                          const SidePose<F>& b, int side, Block6& block, const Vec3& shift = {0, 0, 0}) {
   Vec3 turned{0, 0, 0};
   if constexpr (hasTurns<F>()) turned = turnedSince(turns->from, a, b);
   forEachPart<F>([&]<int I, class P>() {

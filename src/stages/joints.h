@@ -69,8 +69,8 @@ struct BeginJoints {
 struct PartIndex {
   int joint, part;
 };
-/// The k-th of all parts of all joints of a type. On a GPU neighbours have the same part, since one instruction is for all lanes of a warp; on a CPU the
-/// same joint, which is in its cache then.
+/// The k-th of all parts of all joints of a type. On a GPU neighbours have the same part, since one instruction is for all lanes of a warp;
+/// on a CPU the same joint, which is in its cache then.
 template <class F>
 RUBBLE_HD PartIndex partAt(const View& s, int k) {
 #if RUBBLE_DEVICE_CODE

@@ -35,8 +35,8 @@ RUBBLE_HD inline int movingNode(const View& s, int body) { return body != kWorld
 RUBBLE_HD inline TreeSolve treeSolveOf(const View& s, const TreeNode& node, TreeSolve how) {
   return isExact(s, node) ? TreeSolve::Exact : node.exact ? how : TreeSolve::Own;
 }
-/// A tree whose bodies have all turned by less than this in a solve is left as it is in those that follow: what the next one would find is of second order in
-/// it, or a limit passed by no more than twice as much [rad].
+/// A tree whose bodies have all turned by less than this in a solve is left as it is in those that follow: what the next one would find is
+/// of second order in it, or a limit passed by no more than twice as much [rad].
 inline constexpr Real kTreeAtRest = Real(.002);
 
 /// Begins a solve of all trees. A tree that is solved exactly is done by the first one, too.

@@ -1,8 +1,9 @@
 #pragma once
-/// What turns, once an iteration. Rows that depend on the rotation of A relative to B alone (limits, drives and friction of angles, axes that stay parallel)
-/// are angles, roots and quotients of quaternions, and every sweep asks for them from both bodies, and every level of groups again. They are found before
-/// the sweep, and are linear in what the joint has turned since (forces/joint_stamp.h) until the next one; laws of force, bounds and limits stay as they are. What is
-/// left out is of second order in the steps of one iteration, and the next one begins without it. Groups of an iteration have them from the sweep before.
+/// What turns, once an iteration. Rows that depend on the rotation of A relative to B alone (limits, drives and friction of angles, axes
+/// that stay parallel) are angles, roots and quotients of quaternions, and every sweep asks for them from both bodies, and every level of
+/// groups again. They are found before the sweep, and are linear in what the joint has turned since (forces/joint_stamp.h) until the next
+/// one; laws of force, bounds and limits stay as they are. What is left out is of second order in the steps of one iteration, and the next
+/// one begins without it. Groups of an iteration have them from the sweep before.
 #include "stages/blocks.h"
 
 namespace rubble::RUBBLE_CORE {

@@ -148,8 +148,9 @@ struct CudaStepper::Impl {
     tables.view() = view;
   }
 
-  /// A step that stops costs several, for graphs have to be made anew; and bodies that begin to touch, one after another, would stop it again and again. So
-  /// there is room for some contacts of all of them at once, and while they are few, tables that will soon be too small grow with the one that is.
+  /// A step that stops costs several, for graphs have to be made anew; and bodies that begin to touch, one after another, would stop it
+  /// again and again. So there is room for some contacts of all of them at once, and while they are few, tables that will soon be too small
+  /// grow with the one that is.
   void makeRoom(const Control& control) {
     const Per per = static_cast<Per>(control.lacking);
     // the first time there is no room at all, and the next steps need a little more

@@ -55,7 +55,8 @@ struct AssembleTreesByTile {
   struct alignas(16) Staged {
     char bytes[largestTreeRows(JointTypes{})];
   };
-  __device__ double sumRows(const View& s, const TreeNode& node, const Tile<kWidth>& tile, const BlockPlace& place, double (&coupling)[kTurns]) const {
+  __device__ double sumRows(const View& s, const TreeNode& node, const Tile<kWidth>& tile, const BlockPlace& place,
+                            double (&coupling)[kTurns]) const {
     const int begin = s.entryOffset[node.body], end = s.entryOffset[node.body + 1], point = tile.lane % kLanes;
     __shared__ Staged staged[kThreads / kWidth];
     Staged& memory = staged[threadIdx.x / kWidth];
@@ -74,7 +75,8 @@ struct AssembleTreesByTile {
     for (; k < end && entryType(s.entry[k].code) <= JointTypes::kSize; ++k) {
       const Entry entry = s.entry[k];
       forEachType(JointTypes{}, [&]<class F>() {
-        if (entryType(entry.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(entry.code)) addJointRows<F>(s, node, entry, tile, place, memory, block, coupling);
+        if (entryType(entry.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(entry.code))
+          addJointRows<F>(s, node, entry, tile, place, memory, block, coupling);
       });
     }
     for (k += tile.lane; k < end; k += kWidth) addSoftRows(s, s.entry[k].code, own);
