@@ -33,6 +33,8 @@ struct TreeRow {
   Vec6 j[kSides];  ///< dC/dx of the bodies of its first sides
   TreeTake take;
 };
+/// Rows of a part at most: those of three axes in space, or limit, drive and the rest of one coordinate.
+inline constexpr int kMostTreeRows = 3;
 /// The rows of a part that act: those of a group, or of an axis its limit, its drive, and what else acts on it. Blocks are summed of these, and
 /// multipliers found: F + h J dx with h = kTreeStiffness m_row / dt^2 is a small difference of large numbers, and has no correct digit unless both
 /// have the same bits of C and J.
@@ -40,7 +42,7 @@ template <int kSides>
 struct TreePart {
   int count;
   Vec6 bend[kSides];  ///< column norms of the second derivatives by the forces of the rows' own stiffness
-  TreeRow<kSides> row[3];
+  TreeRow<kSides> row[kMostTreeRows];
 
   RUBBLE_HD void add(double force, double hessian, TreeTake take) {
     TreeRow<kSides>& next = row[count++];
@@ -111,6 +113,7 @@ RUBBLE_HD void addTreeGroup(const StepConstants& c, const GroupSpec& spec, const
 template <class F, int I, class P>
 RUBBLE_HD void findTreePart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
                             TreeSolve how, TreePart<kSides<F>>& out) {
+  static_assert(P::kRows <= kMostTreeRows);
   out.count = 0;
   if (!partActs<F, I, P>(spec, joint)) return;
   const auto& rows = partOf<I>(joint.parts);

@@ -86,6 +86,7 @@ RUBBLE_HD PartIndex partAt(const View& s, int k) {
 template <class F>
 struct UpdateJointDuals {
   static constexpr const char* kName = "joint dual";
+  static constexpr int kPerJoint = F::Parts::kCount;
   RUBBLE_HD void operator()(const View& s, int k) const {
     const PartIndex at = partAt<F>(s, k);
     const JointSpec<F>& spec = s.specsOf<F>()[at.joint];

@@ -43,30 +43,17 @@ concept Executor = requires(E e, View& v) {
   e.group(&View::groupOf, 1, &View::memberOffset, &View::member, &Counters::groups);
 };
 
-/// Kernel over the joints of every type, which do not wait for one another.
+/// Kernel over the joints of every type, which do not wait for one another: over each joint, or over so many of its parts as it says by `kPerJoint`
+/// (stages/joints.h).
 template <template <class> class Kernel, Executor E, class... Args>
 void forEachJoint(E& e, Args... args) {
   bool first = true;
   forEachType(JointTypes{}, [&]<class F>() {
-    const int joints = e.view().joints[typeIndex<F>(JointTypes{})];
-    if (joints == 0) return;
-    if (first) e.forEach(Kernel<F>{args...}, joints);
-    else e.beside(Kernel<F>{args...}, joints);
-    first = false;
-  });
-}
-
-/// Kernel over the parts of the joints of every type, or of those only for which it says `kActs`.
-template <template <class> class Kernel, Executor E, class... Args>
-void forEachJointPart(E& e, Args... args) {
-  bool first = true;
-  forEachType(JointTypes{}, [&]<class F>() {
-    if constexpr (requires { Kernel<F>::kActs; })
-      if (!Kernel<F>::kActs) return;
-    const int parts = e.view().joints[typeIndex<F>(JointTypes{})] * F::Parts::kCount;
-    if (parts == 0) return;
-    if (first) e.forEach(Kernel<F>{args...}, parts);
-    else e.beside(Kernel<F>{args...}, parts);
+    int elements = e.view().joints[typeIndex<F>(JointTypes{})];
+    if constexpr (requires { Kernel<F>::kPerJoint; }) elements *= Kernel<F>::kPerJoint;
+    if (elements == 0) return;
+    if (first) e.forEach(Kernel<F>{args...}, elements);
+    else e.beside(Kernel<F>{args...}, elements);
     first = false;
   });
 }
@@ -195,7 +182,7 @@ void correctTrees(E& e, TreeSolve how) {
   const View& s = e.view();
   const int nodes = treeNodes(s);
   e.forEach(BeginTrees{how}, nodes);
-  forEachJointPart<FindTreeRows>(e, how);
+  forEachJoint<FindTreeRows>(e, how);
   e.forEach(AssembleTrees<typename E::Lane>{how}, nodes);
   if (s.smallTrees) {
     e.forEach(SolveTree{}, s.trees);
@@ -204,7 +191,7 @@ void correctTrees(E& e, TreeSolve how) {
     for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
   }
   if (how != TreeSolve::Again)
-    forEachJointPart<TakeTreeForces>(e);
+    forEachJoint<TakeTreeForces>(e);
   e.forEach(MoveTrees{}, nodes);
 }
 
@@ -298,18 +285,18 @@ void step(E& e) {
   // vertices that hang on bodies know nothing of joints that are held harder than they are: with them trees stay before the sweep
   const bool treesEnd = nodes > 0 && vertices == 0;
   for (int n = 0; n < e.view().step.iterations; ++n) {
-    if (n == 0 && e.view().step.coarseCorrection) forEachJointPart<LinearizeTurns>(e);
+    if (n == 0 && e.view().step.coarseCorrection) forEachJoint<LinearizeTurns>(e);
     if (e.view().step.coarseCorrection) correctGroups(e, n);
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
     const bool last = n + 1 == e.view().step.iterations;
     if (nodes > 0 && !(last && treesEnd)) correctTrees(e, TreeSolve::Own);
-    forEachJointPart<LinearizeTurns>(e);
+    forEachJoint<LinearizeTurns>(e);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
     for (int k = 0; last && treesEnd && k < lastTreeSolves(e.view()); ++k) correctTrees(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again);
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);
     if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);
-    forEachJointPart<UpdateJointDuals>(e);
+    forEachJoint<UpdateJointDuals>(e);
     if (vertices > 0) updateSoftDuals(e);
   }
 

@@ -54,6 +54,7 @@ struct BeginTrees {
 template <class F>
 struct FindTreeRows {
   static constexpr const char* kName = "tree rows";
+  static constexpr int kPerJoint = F::Parts::kCount;
   TreeSolve how;
   RUBBLE_HD void operator()(const View& s, int k) const {
     const PartIndex at = partAt<F>(s, k);
@@ -243,6 +244,7 @@ RUBBLE_HD inline double treeShare(const View& s, int tree) {
 template <class F>
 struct TakeTreeForces {
   static constexpr const char* kName = "tree forces";
+  static constexpr int kPerJoint = F::Parts::kCount;
   RUBBLE_HD void operator()(const View& s, int k) const {
     const PartIndex at = partAt<F>(s, k);
     // couplings with carriers hold nothing, so a tree does not find their multipliers

@@ -12,7 +12,7 @@ namespace rubble::RUBBLE_CORE {
 template <class F>
 struct LinearizeTurns {
   static constexpr const char* kName = "joint turns";
-  static constexpr bool kActs = hasTurns<F>();
+  static constexpr int kPerJoint = hasTurns<F>() ? F::Parts::kCount : 0;
   RUBBLE_HD void operator()(const View& s, int k) const {
     const PartIndex at = partAt<F>(s, k);
     const JointSpec<F>& spec = s.specsOf<F>()[at.joint];

@@ -80,6 +80,7 @@ TEST(JointTrees, ThousandLinksTakeTenRounds) {
   const View& s = world.view();
   EXPECT_EQ(treeNodes(s), 1000);
   EXPECT_LE(s.treeRounds, 11);
+  EXPECT_FALSE(s.smallTrees);
   EXPECT_EQ(s.treeNode[0].exact, 1);
   expectSound(s, links);
 }
