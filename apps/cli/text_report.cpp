@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/cli/statistics.h"
 
@@ -60,13 +64,19 @@ void quality(Out out, const io::RunRecord& record) {
 void notices(Out out, const std::vector<StepReport>& reports) {
   long broken = 0, spin = 0, restarts = 0, clashes = 0, failed = 0;
   int quarantined = 0;
+  std::map<std::string, int> grown;
   for (const StepReport& r : reports) {
+    for (const Growth& growth : r.grown) ++grown[growth.what];
     failed += r.failedSolves, broken += r.brokenJoints, spin += r.spinLimited, restarts += r.restarts, clashes += r.clashes;
     quarantined = std::max(quarantined, r.quarantined);
   }
   if (broken) fmt::format_to(out, "  notice: {} joints broke\n", broken);
   if (spin) fmt::format_to(out, "  notice: the spin of a body was limited {} times\n", spin);
-  if (restarts) fmt::format_to(out, "  notice: {} steps were begun again with more room\n", restarts);
+  if (restarts) {
+    std::vector<std::string> kinds;
+    for (const auto& [kind, times] : grown) kinds.push_back(fmt::format("{} {}", kind, times));
+    fmt::format_to(out, "  notice: {} steps were begun again with more room ({})\n", restarts, fmt::join(kinds, ", "));
+  }
   if (clashes) fmt::format_to(out, "  notice: {} pairs of neighbours were solved with one colour\n", clashes);
   if (failed) fmt::format_to(out, "  notice: {} local problems were left unsolved for an iteration\n", failed);
   if (quarantined) fmt::format_to(out, "  notice: {} bodies were frozen because their state was not finite\n", quarantined);

@@ -83,9 +83,10 @@ struct CountedKind {
   const char* name;
   Per per;
 };
-inline constexpr CountedKind kCountedKinds[] = {{"pairs", Per::Pair},   {"nearPairs", Per::NearPair}, {"manifolds", Per::Manifold},
-                                                {"entries", Per::Entry}, {"colors", Per::Color},      {"groups", Per::Group},
-                                                {"chunks", Per::Chunk}, {"externals", Per::External}};
+inline constexpr CountedKind kCountedKinds[] = {{"pairs", Per::Pair},           {"nearPairs", Per::NearPair},       {"manifolds", Per::Manifold},
+                                                {"rollers", Per::Rolling},      {"entries", Per::Entry},            {"colors", Per::Color},
+                                                {"groups", Per::Group},         {"chunks", Per::Chunk},             {"externals", Per::External},
+                                                {"pointPairs", Per::PointPair}, {"pointEntries", Per::PointEntry}, {"nearFeatures", Per::NearFeature}};
 inline const char* kindName(Per per) {
   for (const CountedKind& kind : kCountedKinds)
     if (kind.per == per) return kind.name;

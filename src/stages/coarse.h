@@ -208,6 +208,7 @@ struct SumChunk {
     addExternals(s, chunk, s.externalOffset[i], s.externalOffset[i + 1], sum);
     chunk.sum = sum;
   }
+  RUBBLE_HD static int groupOf(const View& s, int i) { return s.chunk[i].group; }
   /// Adds the row blocks [k, end) that leave the group.
   RUBBLE_HD static void addExternals(const View& s, const Chunk& chunk, int k, int end, Block6& sum) {
     const Group& group = s.group[chunk.group];
@@ -248,6 +249,7 @@ struct SolveGroup {
     Group& group = s.group[g];
     group.step = groupStep(group, sumOf(s, group));
   }
+  RUBBLE_HD static int groupOf(const View&, int g) { return g; }
   /// Its local problem: inertia and the sums of its chunks.
   RUBBLE_HD static Block6 sumOf(const View& s, const Group& group) {
     Block6 block = group.inertia;
@@ -271,6 +273,15 @@ struct MoveChunk {
     const Chunk& chunk = s.chunk[i];
     const Group& group = s.group[chunk.group];
     for (int k = chunk.begin; k < chunk.end; ++k) moveWithGroup(s, group, s.member[k]);
+  }
+  RUBBLE_HD static int groupOf(const View& s, int i) { return s.chunk[i].group; }
+};
+/// One of these stages for groups with lumps alone.
+template <class Stage>
+struct WithLumps {
+  static constexpr const char* kName = Stage::kName;
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.group[Stage::groupOf(s, i)].soft) Stage{}(s, i);
   }
 };
 

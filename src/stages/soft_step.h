@@ -130,12 +130,12 @@ template <class E>
 void correctClusters(E& e) {
   const int* const begin = e.view().clusterBegin;
   for (int level = kClusterLevels - 1; level >= 0; --level) {
-    const int clusters = begin[level + 1] - begin[level];
+    const int clusters = level > 0 ? begin[level + 1] - begin[level] : e.view().movingParts, parts = level > 0 ? begin[1] : clusters;
     if (clusters == 0) continue;
-    if (e.view().features > 0) e.forEach(SumCluster<true>{}, begin[1]);
-    else e.forEach(SumCluster<false>{}, begin[1]);
+    if (e.view().features > 0) e.forEach(SumCluster<true>{}, parts);
+    else e.forEach(SumCluster<false>{}, parts);
     e.forEach(SolveCluster{level}, clusters);
-    e.forEach(MoveCluster{level}, begin[1]);
+    e.forEach(MoveCluster{level}, parts);
   }
 }
 

@@ -176,6 +176,18 @@ void correctGroups(E& e, int iteration) {
   for (int level = (even ? kCoarseLevels : kFineLevels) - 1; level >= (even ? 1 : 0); --level) correctLevel(e, level);
 }
 
+/// The last sweep leaves groups with lumps at another momentum than what acts on them gives them: one more step of these groups, at all levels.
+template <Executor E>
+void keepMomentum(E& e) {
+  for (int level = kCoarseLevels - 1; level >= 0; --level) {
+    sumLumps(e, level);
+    e.forEachIn(WithLumps<SumChunk<typename E::Lane>>{}, &View::levelChunk, level);
+    e.forEachIn(WithLumps<SolveGroup>{}, &View::levelGroup, level);
+    e.forEachIn(WithLumps<MoveChunk>{}, &View::levelChunk, level);
+    e.forEach(MoveLumps{level}, e.view().vertices);
+  }
+}
+
 /// One step of all bodies that hang together by joints. Trees with contacts are solved exactly where no other block moves their bodies afterwards.
 template <Executor E>
 void correctTrees(E& e, TreeSolve how) {
@@ -292,6 +304,7 @@ void step(E& e) {
     if (nodes > 0 && !(last && treesEnd)) correctTrees(e, TreeSolve::Own);
     forEachJoint<LinearizeTurns>(e);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
+    if (last && e.view().step.coarseCorrection && e.view().lumps > 0) keepMomentum(e);
     for (int k = 0; last && treesEnd && k < lastTreeSolves(e.view()); ++k) correctTrees(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again);
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);

@@ -74,6 +74,7 @@ struct View : JointTables<JointTypes> {
   int featureCells = 0;               ///< buckets of their grid, a power of two
   Real featureCell = 1;               ///< cells of its finest level [m]
   int clusterBegin[kClusterLevels + 1] = {}; ///< first cluster of each level, fine ones first
+  int movingParts = 0;                ///< clusters of the finest level that move as one: they come first
   int clusterRefs = 0;
   int lumps = 0, objects = 0;         ///< those with a cluster come first, and are so many
   int elements[ElementTypes::kSize] = {}; ///< slots in use of each type

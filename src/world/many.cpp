@@ -193,7 +193,7 @@ PoseFrame World::takePoses() {
 void World::reserve(const std::string& kind, int count) {
   if (count < 0) throw Error("count", "a number of at least 0", std::to_string(count));
   if (!impl_->engine->reserve(kind, count))
-    throw Error("kind", "pairs, manifolds, entries, colors, groups, chunks or externals", "\"" + kind + "\"");
+    throw Error("kind", "pairs, nearPairs, manifolds, rollers, entries, colors, groups, chunks, externals, pointPairs, pointEntries or nearFeatures", "\"" + kind + "\"");
 }
 
 }  // namespace rubble

@@ -280,7 +280,7 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
 }
 
 SoftCounts softCounts(const View& s) {
-  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.tetraCornerOffset[s.vertices], s.neighborOffset[s.vertices], s.grainCells, s.attachments, {}, {}, s.clusterRefs,
+  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.tetraCornerOffset[s.vertices], s.neighborOffset[s.vertices], s.grainCells, s.attachments, {}, {}, s.movingParts, s.clusterRefs,
                s.lumps, s.objects, static_cast<float>(s.grainCell), s.edges, s.features, s.featureCells, static_cast<float>(s.featureCell)};
   std::copy(std::begin(s.clusterBegin), std::end(s.clusterBegin), c.clusterBegin);
   std::copy(std::begin(s.elements), std::end(s.elements), c.elements);
@@ -302,7 +302,7 @@ void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   s.edges = c.edges, s.features = c.features, s.featureCells = c.featureCells;
   s.featureCell = real(c.featureCell);
   reserveFeatures(tables);
-  s.clusterRefs = c.clusterRefs;
+  s.movingParts = c.movingParts, s.clusterRefs = c.clusterRefs;
   tables.reserve(Per::Lump, c.lumps);
   s.lumps = c.lumps, s.objects = c.objects;
   reserveMembers(tables);

@@ -66,6 +66,10 @@ void connect(HostTables& tables) {
 
 static_assert(kClusterLevels == SoftModel::kClusterLevels);
 
+/// Are the vertices of a cluster moved as one? In a solid those of the finest level are four vertices long, which sweeps see over: they are
+/// parts that others are summed of.
+bool movesAsOne(const SoftModel& model, const SoftModel::Cluster& c) { return c.level > 0 || c.parent < 0 || model.tetrahedra.empty(); }
+
 /// The clusters of all objects by level, and the elements that leave each.
 void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
   View& s = tables.view();
@@ -76,6 +80,11 @@ void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& obje
     for (std::size_t c = 0; c < number[o].size(); ++c)
       byLevel[objects[o].model->clusters[c].level].emplace_back(static_cast<int>(o), static_cast<int>(c));
   }
+  const auto moves = [&](const std::pair<int, int>& of) {
+    const SoftModel& model = *objects[static_cast<std::size_t>(of.first)].model;
+    return movesAsOne(model, model.clusters[static_cast<std::size_t>(of.second)]);
+  };
+  s.movingParts = static_cast<int>(std::stable_partition(byLevel[0].begin(), byLevel[0].end(), moves) - byLevel[0].begin());
   int count = 0;
   for (int level = 0; level < kClusterLevels; ++level) {
     s.clusterBegin[level] = count;
@@ -123,6 +132,7 @@ void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& obje
         if (different < 2) continue;
         for (int k = 0; k < F::kCorners; ++k) {
           if (own[k] < 0 || std::find(own, own + k, own[k]) != own + k) continue;
+          if (level == 0 && own[k] >= s.movingParts) continue;
           ClusterRef ref{kType, i, 0, different};
           for (int j = 0; j < F::kCorners; ++j)
             if (own[j] == own[k]) ref.inside |= 1u << j;

@@ -1,77 +1,107 @@
 #pragma once
-/// Bodies by colour: a block counts its bodies in shared memory, since all bodies have one of few colours. Inside a colour those with many row
-/// blocks come first: bodies that are solved side by side take as long as the one that has most.
+/// Bodies and vertices by colour: a block counts its own in shared memory, since all have one of few colours. Inside a colour those with most work
+/// come first: what is solved side by side takes as long as the one that has most.
 #include "backend/cuda/heavy_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Colours that a block counts by itself; bodies of higher ones, which are few, are counted one by one.
+/// Colours that a block counts by itself; nodes of higher ones, which are few, are counted one by one.
 inline constexpr int kSharedColors = 64;
-inline constexpr int kBodiesPerThread = 8;
-inline constexpr int kColorBodies = kThreads * kBodiesPerThread;
-/// Bodies of one colour by the number of their row blocks: over 12, over 8, over 4, others.
-inline constexpr int kDegreeClasses = 4, kColorBins = kSharedColors * kDegreeClasses;
+inline constexpr int kNodesPerThread = 8;
+inline constexpr int kColorNodes = kThreads * kNodesPerThread;
+/// Inside a colour there are so many classes of nodes, by their work, most first.
+inline constexpr int kWorkClasses = 4, kColorBins = kSharedColors * kWorkClasses;
 struct ColorBins {
-  int* population;  ///< [kSharedColors][kDegreeClasses]
-  int* filled;      ///< bodies that have their place by now
+  int* population;  ///< [kSharedColors][kWorkClasses]
+  int* filled;      ///< nodes that have their place by now
 };
 
-/// The bin of body i, or -1 if it has none or is a hub, which is solved apart. Bins from kColorBins on: bodies of higher colours.
-__device__ inline int binOf(const View& s, int i) {
-  if (i >= s.bodies || !isSwept(s, i) || isHub(s, i)) return -1;
-  const int degree = degreeOf(s, i);
-  return s.color[i] * kDegreeClasses + (degree > 12 ? 0 : degree > 8 ? 1 : degree > 4 ? 2 : 3);
+/// Bodies but hubs, which are solved apart; classes by the number of row blocks.
+struct ColoredBodies {
+  using Fill = FillColors;
+  __device__ static bool has(const View& s, int i) { return i < s.bodies && isSwept(s, i) && !isHub(s, i); }
+  __device__ static int colorOf(const View& s, int i) { return s.color[i]; }
+  __device__ static int classOf(const View& s, int i) {
+    const int degree = degreeOf(s, i);
+    return degree > 12 ? 0 : degree > 8 ? 1 : degree > 4 ? 2 : 3;
+  }
+  __device__ static int* count(const View& s) { return s.colorCount; }
+  __device__ static const int* offset(const View& s) { return s.colorOffset; }
+  __device__ static int* list(const View& s) { return s.colorBody; }
+};
+/// Vertices; classes by the number of elements and contacts, of which these take longer.
+struct ColoredVertices {
+  using Fill = FillVertexColors;
+  __device__ static bool has(const View& s, int v) { return v < s.vertices && isDynamicVertex(s, v); }
+  __device__ static int colorOf(const View& s, int v) { return s.vertexColor[v]; }
+  __device__ static int classOf(const View& s, int v) {
+    const auto size = [v](const int* offset) { return offset[v + 1] - offset[v]; };
+    const int work = size(s.tetraCornerOffset) + size(s.refOffset) + 2 * size(s.pointEntryOffset);
+    return work > 32 ? 0 : work > 20 ? 1 : work > 10 ? 2 : 3;
+  }
+  __device__ static int* count(const View& s) { return s.vertexColorCount; }
+  __device__ static const int* offset(const View& s) { return s.vertexColorOffset; }
+  __device__ static int* list(const View& s) { return s.colorVertex; }
+};
+
+/// The bin of node i, or -1 if it has none. Bins from kColorBins on: nodes of higher colours.
+template <class Nodes>
+__device__ int binOf(const View& s, int i) {
+  return Nodes::has(s, i) ? Nodes::colorOf(s, i) * kWorkClasses + Nodes::classOf(s, i) : -1;
 }
 
-/// CountColors.
+/// CountColors or CountVertexColors.
+template <class Nodes>
 static __global__ void __launch_bounds__(kThreads) countColors(const __grid_constant__ View s, ColorBins bins, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   __shared__ int count[kColorBins];
   for (int b = static_cast<int>(threadIdx.x); b < kColorBins; b += kThreads) count[b] = 0;
   __syncthreads();
-  const int first = static_cast<int>(blockIdx.x) * kColorBodies + static_cast<int>(threadIdx.x);
+  int* const population = Nodes::count(s);
+  const int first = static_cast<int>(blockIdx.x) * kColorNodes + static_cast<int>(threadIdx.x);
 #pragma unroll
-  for (int k = 0; k < kBodiesPerThread; ++k) {
-    const int b = binOf(s, first + k * kThreads);
-    if (b >= 0) atomicAdd(b < kColorBins ? &count[b] : &s.colorCount[b / kDegreeClasses], 1);
+  for (int k = 0; k < kNodesPerThread; ++k) {
+    const int b = binOf<Nodes>(s, first + k * kThreads);
+    if (b >= 0) atomicAdd(b < kColorBins ? &count[b] : &population[b / kWorkClasses], 1);
   }
   __syncthreads();
   for (int b = static_cast<int>(threadIdx.x); b < kColorBins; b += kThreads) {
     if (count[b] == 0) continue;
     atomicAdd(&bins.population[b], count[b]);
-    atomicAdd(&s.colorCount[b / kDegreeClasses], count[b]);
+    atomicAdd(&population[b / kWorkClasses], count[b]);
   }
 }
 
-/// FillColors: a block takes room for all its bodies of a bin at a time.
+/// FillColors or FillVertexColors: a block takes room for all its nodes of a bin at a time.
+template <class Nodes>
 static __global__ void __launch_bounds__(kThreads) fillColors(const __grid_constant__ View s, ColorBins bins, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   __shared__ int count[kColorBins];
   for (int b = static_cast<int>(threadIdx.x); b < kColorBins; b += kThreads) count[b] = 0;
   __syncthreads();
-  const int first = static_cast<int>(blockIdx.x) * kColorBodies + static_cast<int>(threadIdx.x);
-  int bin[kBodiesPerThread], rank[kBodiesPerThread];
+  const int first = static_cast<int>(blockIdx.x) * kColorNodes + static_cast<int>(threadIdx.x);
+  int bin[kNodesPerThread], rank[kNodesPerThread];
 #pragma unroll
-  for (int k = 0; k < kBodiesPerThread; ++k) {
-    bin[k] = binOf(s, first + k * kThreads);
+  for (int k = 0; k < kNodesPerThread; ++k) {
+    bin[k] = binOf<Nodes>(s, first + k * kThreads);
     if (bin[k] >= 0 && bin[k] < kColorBins) rank[k] = atomicAdd(&count[bin[k]], 1);
   }
   __syncthreads();
   for (int b = static_cast<int>(threadIdx.x); b < kColorBins; b += kThreads) {
     if (count[b] == 0) continue;
-    int place = s.colorOffset[b / kDegreeClasses] + atomicAdd(&bins.filled[b], count[b]);
-    for (int before = b / kDegreeClasses * kDegreeClasses; before < b; ++before) place += bins.population[before];
+    int place = Nodes::offset(s)[b / kWorkClasses] + atomicAdd(&bins.filled[b], count[b]);
+    for (int before = b / kWorkClasses * kWorkClasses; before < b; ++before) place += bins.population[before];
     count[b] = place;
   }
   __syncthreads();
 #pragma unroll
-  for (int k = 0; k < kBodiesPerThread; ++k) {
-    const int body = first + k * kThreads, b = bin[k];
+  for (int k = 0; k < kNodesPerThread; ++k) {
+    const int node = first + k * kThreads, b = bin[k];
     if (b < 0) continue;
-    if (b < kColorBins) s.colorBody[count[b] + rank[k]] = body;
-    else FillColors{}(s, body);
+    if (b < kColorBins) Nodes::list(s)[count[b] + rank[k]] = node;
+    else typename Nodes::Fill{}(s, node);
   }
 }
 

@@ -61,13 +61,6 @@ class CudaExecutor {
   const Control* control() const { return control_; }
   /// Is this kind one whose number the device counts?
   bool counted(Per per) const { return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_); }
-  /// How many of a kind there were, by the counters of a step.
-  int countOf(const Counters& counters, Per per) const {
-    int most = 0;
-    for (std::size_t k = 0; k < std::size(perOf_); ++k)
-      if (perOf_[k] == static_cast<int>(per)) most = std::max(most, reinterpret_cast<const int*>(&counters)[k]);
-    return most;
-  }
   std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size() + hubs_.size() + heavyChunks_.size(); }
 
   /// Room for what the scans and sorts of a step need besides the tables: the step itself must not allocate.
@@ -144,10 +137,15 @@ class CudaExecutor {
     else if (chunkWidth(view(), level) == kSmallWidth) sumLevel<kSmallWidth>(level);
     else sumLevel<kWarp>(level);
   }
-  void forEachIn(const SolveGroup& kernel, int* View::*offsets, int level) {
-    if constexpr (kStrict) forEachIn<SolveGroup>(kernel, offsets, level);
-  }
+  template <class Kernel>
+    requires(!kStrict && (std::same_as<Kernel, SolveGroup> || std::same_as<Kernel, WithLumps<SolveGroup>>))
+  void forEachIn(const Kernel&, int* View::*, int) {}
   void forEachIn(const MoveChunk&, int* View::*, int level) { forEach(MoveMember{level}, view().bodiesMove ? view().bodies : 0); }
+  void forEachIn(const WithLumps<SumChunk<Real>>& kernel, int* View::*offsets, int level) {
+    if constexpr (kStrict) forEachIn<WithLumps<SumChunk<Real>>>(kernel, offsets, level);
+    else sumLevel<kWarp>(level, true);
+  }
+  void forEachIn(const WithLumps<MoveChunk>&, int* View::*, int level) { forEach(MoveMember{level, true}, view().bodiesMove ? view().bodies : 0); }
 
   void forEach(const SolveCluster& kernel, int n) {
     if constexpr (kStrict) return forEach<SolveCluster>(kernel, n);
@@ -209,11 +207,10 @@ class CudaExecutor {
     forEach(FillExternalsByTile{listOf(heavyChunks_)}, n);
   }
 
-  void forEach(const CountColors&, int n) {
-    if (begins()) launch(FillArray{colorBins().population, 0}, {2 * kColorBins, nullptr}, 2 * kColorBins, "clear");
-    launchOverBodies(countColors, CountColors::kName, n);
-  }
-  void forEach(const FillColors&, int n) { launchOverBodies(fillColors, FillColors::kName, n); }
+  void forEach(const CountColors&, int n) { countByColor<ColoredBodies>(n); }
+  void forEach(const FillColors&, int n) { launchByColor(fillColors<ColoredBodies>, FillColors::kName, n); }
+  void forEach(const CountVertexColors&, int n) { countByColor<ColoredVertices>(n); }
+  void forEach(const FillVertexColors&, int n) { launchByColor(fillColors<ColoredVertices>, FillVertexColors::kName, n); }
 
   void clear(int* View::*array, int n) {
     if (begins() && n > 0) launch(FillArray{view().*array, 0}, {n, nullptr}, n, "clear");
@@ -298,7 +295,8 @@ class CudaExecutor {
     for (int c = 0; c < options_.colors; ++c) {
       if (bodies) solveColorsFrom(c, kHubBlocks + vertexBlocks + bodyBlocks, {kHubBlocks, vertexBlocks});
       else if (view().vertices > 0)
-        launchNext(solveVertexColor, {blocksFor(view().vertices, kVertexCrowdWidth), kThreads}, SolveVertex::kName, view(), c, control_);
+        launchNext(solveVertexColor, {std::min(blocksFor(view().vertices, kVertexCrowdWidth), kVertexBlocks * processors_), kThreads}, SolveVertex::kName,
+                   view(), c, control_);
     }
     solveColorsFrom(options_.colors, 1, {0, 0});
   }
@@ -411,10 +409,15 @@ class CudaExecutor {
   }
 
   template <class Kernel>
-  void launchOverBodies(Kernel* kernel, const char* name, int n) {
+  void launchByColor(Kernel* kernel, const char* name, int n) {
     if (!begins() || n <= 0) return;
     enterStage(name);
-    launchNext(kernel, {(n + kColorBodies - 1) / kColorBodies, kThreads}, name, view(), colorBins(), Gate{control_});
+    launchNext(kernel, {(n + kColorNodes - 1) / kColorNodes, kThreads}, name, view(), colorBins(), Gate{control_});
+  }
+  template <class Nodes>
+  void countByColor(int n) {
+    if (begins()) launch(FillArray{colorBins().population, 0}, {2 * kColorBins, nullptr}, 2 * kColorBins, "clear");
+    launchByColor(countColors<Nodes>, CountColors::kName, n);
   }
 
   template <int kBlockThreads>
@@ -425,11 +428,11 @@ class CudaExecutor {
   }
 
   template <int kTile>
-  void sumLevel(int level) {
+  void sumLevel(int level, bool lumpsOnly = false) {
     if (!begins()) return;
     enterStage(SumChunk<Real>::kName);
     launchNext(sumChunks<kTile>, {processors_ + blocksForRange(kTile), kThreads}, SumChunk<Real>::kName, view(), tree(), listOf(heavyChunks_), processors_, level,
-               Gate{control_});
+               lumpsOnly, Gate{control_});
   }
 
   void solveColorsFrom(int color, int count, ColorBlocks blocks) {

@@ -1,5 +1,7 @@
 #include "backend/cuda/cuda_stepper.h"
 
+#include <initializer_list>
+
 #include "backend/cuda/cuda_rearranger.cuh"
 #include "stages/order.h"
 
@@ -148,25 +150,24 @@ struct CudaStepper::Impl {
     tables.view() = view;
   }
 
-  /// A step that stops costs several, for graphs have to be made anew; and bodies that begin to touch, one after another, would stop it
-  /// again and again. So there is room for some contacts of all of them at once, and while they are few, tables that will soon be too small
-  /// grow with the one that is.
   void makeRoom(const Control& control) {
     const Per per = static_cast<Per>(control.lacking);
     // the first time there is no room at all, and the next steps need a little more
     constexpr int kLeastSpare = 64;
     const int spare = tables.capacity(per) > 1 ? 0 : kLeastSpare + control.needed / 8;
     tables.reserve(per, control.needed + spare);
-    constexpr Per kOfContacts[] = {Per::Pair, Per::NearPair, Per::Manifold, Per::Entry, Per::External};
-    constexpr double kSoon = 1.25;
-    const int bodies = tables.view().bodies, most = bodies / 2;
-    if (std::find(std::begin(kOfContacts), std::end(kOfContacts), per) != std::end(kOfContacts))
-      for (const Per other : kOfContacts) {
-        const int room = tables.capacity(other);
-        if (control.needed < most) tables.reserve(other, most);
-        else if (room > 1 && room < bodies && kSoon * executor.countOf(last, other) > room) tables.reserve(other, room + 1);
-      }
+    const View& s = tables.view();
+    makeAmpleRoom({Per::Pair, Per::NearPair, Per::Manifold, Per::Entry, Per::External}, s.bodies, control);
+    makeAmpleRoom({Per::PointPair, Per::PointEntry, Per::NearFeature}, s.vertices, control);
     executor.reserveScratch();
+  }
+  /// A step that stops costs several, for graphs have to be made anew; and what begins to touch, one after another, would stop it again and
+  /// again. So where contacts are few there is at once room for many of each kind that belongs to them. `nodes`: bodies or vertices.
+  void makeAmpleRoom(std::initializer_list<Per> kinds, int nodes, const Control& control) {
+    constexpr int kPerNode = 8, kAmple = 1 << 16;
+    const int ample = std::max(nodes / 2, std::min(kPerNode * nodes, kAmple));
+    if (control.needed >= ample || std::find(kinds.begin(), kinds.end(), static_cast<Per>(control.lacking)) == kinds.end()) return;
+    for (const Per kind : kinds) tables.reserve(kind, ample);
   }
 
   Stream stream;
@@ -176,7 +177,6 @@ struct CudaStepper::Impl {
   StepGraph graphs[2];
   Timeline direct;
   Bound colors{kFirstColors, 1};
-  Counters last{};  ///< of the step before
   int parity = 0;
   bool swaps = false;
   bool timings;
@@ -229,7 +229,6 @@ Counters CudaStepper::step(const View& host, StepReport& report) {
     m.parity ^= 1;
   }
   const Counters counters = m.status->counters;
-  m.last = counters;
   m.colors.note(m.status->control.wideColors);
   return counters;
 }

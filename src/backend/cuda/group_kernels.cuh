@@ -218,24 +218,25 @@ __device__ __noinline__ void sumHeavyChunk(const View& s, const SumTree& tree, i
   __syncthreads();
 }
 
-/// SumChunk and SolveGroup in one, for the chunks of a level: the first blocks take the heavy ones, tiles of the others one each.
+/// SumChunk and SolveGroup in one, for the chunks of a level (`lumpsOnly`: of groups with lumps): the first blocks take the heavy ones, tiles of the others one each.
 template <int kTile>
 __global__ void __launch_bounds__(kThreads, 6)
-    sumChunks(const __grid_constant__ View s, SumTree tree, HeavyList heavy, int heavyBlocks, int level, Gate gate) {
+    sumChunks(const __grid_constant__ View s, SumTree tree, HeavyList heavy, int heavyBlocks, int level, bool lumpsOnly, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
+  const auto isLeft = [&](int i) { return lumpsOnly && !s.group[s.chunk[i].group].soft; };
   __shared__ Real warpSums[kThreads / kWarp][kWarp];
   const int begin = s.levelChunk[level], end = s.levelChunk[level + 1], block = static_cast<int>(blockIdx.x) - heavyBlocks;
   if (block < 0) {
     for (int h = static_cast<int>(blockIdx.x); h < *heavy.count; h += heavyBlocks)
-      if (const int i = heavy.element[h]; i >= begin && i < end) sumHeavyChunk<kTile>(s, tree, i, warpSums);
+      if (const int i = heavy.element[h]; i >= begin && i < end && !isLeft(i)) sumHeavyChunk<kTile>(s, tree, i, warpSums);
     return;
   }
   const Tile<kTile> tile = Tile<kTile>::ofThread();
   constexpr int kTiles = kThreads / kTile;
   const int stride = (static_cast<int>(gridDim.x) - heavyBlocks) * kTiles;
   for (int i = begin + block * kTiles + static_cast<int>(threadIdx.x) / kTile; i < end; i += stride) {
-    if (isHeavyChunk(s, i, level)) continue;
+    if (isHeavyChunk(s, i, level) || isLeft(i)) continue;
     const Chunk chunk = s.chunk[i];
     Group& group = s.group[chunk.group];
     const Block6 own = gatherChunk<kTile>(s, i, chunk, group, tile.lane, [&](bool yes) { return tile.ballot(yes) != 0; });
@@ -249,8 +250,9 @@ __global__ void __launch_bounds__(kThreads, 6)
 struct MoveMember {
   static constexpr const char* kName = MoveChunk::kName;
   int level;
+  bool lumpsOnly = false;
   __device__ void operator()(const View& s, int body) const {
-    if (const int group = s.groupOf[atLevel(s, level, body)]; group >= 0) moveWithGroup(s, s.group[group], body);
+    if (const int group = s.groupOf[atLevel(s, level, body)]; group >= 0 && (!lumpsOnly || s.group[group].soft)) moveWithGroup(s, s.group[group], body);
   }
 };
 

@@ -187,8 +187,11 @@ __device__ inline void solveColorTogether(const View& s, int color, int share, i
 /// move too, vertices have a sixth of them.
 inline constexpr int kVertexCrowdWidth = 8, kVertexManyWidth = 16, kVertexFewWidth = kWarp;
 inline constexpr int kVertexCrowd = 12288, kVertexMany = 4096, kVertexPart = 6;
+/// Blocks of a processor, where bodies do not move.
+inline constexpr int kVertexBlocks = 6;
 inline constexpr int kTailVertices = kSolveThreads / kVertexFewWidth;
-template <int kWidth>
+/// `ahead`: the next tetrahedron is read while one is added, which takes registers.
+template <int kWidth, bool ahead>
 class VertexByTile {
  public:
   __device__ explicit VertexByTile(const View& s) : s_(s) {}
@@ -199,33 +202,53 @@ class VertexByTile {
     corners_ = {s_.tetraCornerOffset[v] + tile_.lane, s_.tetraCornerOffset[v + 1]};
     refs_ = {s_.refOffset[v] + tile_.lane, s_.refOffset[v + 1]};
     contacts_ = {s_.pointEntryOffset[v] + tile_.lane, s_.pointEntryOffset[v + 1]};
+    if constexpr (ahead) fetchNext(corners_.begin);
   }
-  __device__ void solve() const {
+  __device__ void solve() {
     const Vec3 place = load(s_.vertexPlace[v_]);
-    Block3 own;
-    if (tile_.lane == 0) own = startVertexBlock(s_, v_);
-    for (int k = corners_.begin; k < corners_.end; k += kWidth) addTetraCorner(s_, s_.tetraCorner[k], s_.cornerStart[k], place, own);
-    for (int k = refs_.begin; k < refs_.end; k += kWidth) addElement(s_, s_.ref[k], own);
-    for (int k = contacts_.begin; k < contacts_.end; k += kWidth) addPointContact(s_, s_.pointEntry[k], own);
-    own = sumOf(tile_, own);
-    if (tile_.lane == 0) finishVertexBlock(s_, v_, own);
+    Block3 block;
+    if (tile_.lane == 0) block = startVertexBlock(s_, v_);
+    for (int k = corners_.begin; k < corners_.end; k += kWidth) {
+      if constexpr (ahead) {
+        const Tetra tetra = next_;
+        fetchNext(k + kWidth);
+        addTetraCorner(s_, tetra.corner, tetra.start, place, block);
+      } else {
+        addTetraCorner(s_, s_.tetraCorner[k], s_.cornerStart[k], place, block);
+      }
+    }
+    for (int k = refs_.begin; k < refs_.end; k += kWidth) addElement(s_, s_.ref[k], block);
+    for (int k = contacts_.begin; k < contacts_.end; k += kWidth) addPointContact(s_, s_.pointEntry[k], block);
+    block = sumOf(tile_, block);
+    if (tile_.lane == 0) finishVertexBlock(s_, v_, block);
   }
 
  private:
   struct Range {
     int begin, end;  ///< of this lane
   };
+  struct Tetra {
+    TetraCorner corner;
+    Sym3 start;
+  };
+  struct None {};
+  __device__ void fetchNext(int k) {
+    if (k < corners_.end) next_ = {s_.tetraCorner[k], s_.cornerStart[k]};
+  }
+
   const View& s_;
   const Tile<kWidth> tile_ = Tile<kWidth>::ofThread();
   int v_ = 0;
   Range corners_{}, refs_{}, contacts_{};
+  std::conditional_t<ahead, Tetra, None> next_;
 };
 
 /// The vertices of one colour: all threads of a grid or of a block. Begins as solveBodies().
-__device__ inline void solveVertices(const View& s, int color, int thread, int threads) {
+template <bool ahead>
+__device__ void solveVertices(const View& s, int color, int thread, int threads) {
   const int begin = s.vertexColorOffset[color], count = s.vertexColorOffset[color + 1] - begin;
   const auto solve = [&]<int kWidth>() {
-    VertexByTile<kWidth> vertex(s);
+    VertexByTile<kWidth, ahead> vertex(s);
     int k = thread / kWidth;
     if (k < count) vertex.begin(s.colorVertex[begin + k]);
     awaitPrevious();
@@ -240,9 +263,9 @@ __device__ inline void solveVertices(const View& s, int color, int thread, int t
   else if (crowd > kVertexMany) solve.template operator()<kVertexManyWidth>();
   else solve.template operator()<kVertexFewWidth>();
 }
-static __global__ void __launch_bounds__(kThreads, 8) solveVertexColor(const __grid_constant__ View s, int color, const Control* control) {
+static __global__ void __launch_bounds__(kThreads, kVertexBlocks) solveVertexColor(const __grid_constant__ View s, int color, const Control* control) {
   if (control->stop != 0 || color >= s.counters->colors) return awaitPrevious();
-  solveVertices(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
+  solveVertices<true>(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
 }
 
 /// Notes how many colours are worth a launch.
@@ -271,7 +294,7 @@ static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
     }
     if (bodyBlock >= 0) solveColorTogether(s, c, bodyBlock, static_cast<int>(gridDim.x) - blocks.hubs - blocks.vertices, memory);
     if (s.vertices == 0) continue;
-    if (tail || (vertexBlock >= 0 && bodyBlock < 0)) solveVertices(s, c, vertexBlock * kSolveThreads + thread, max(blocks.vertices, 1) * kSolveThreads);
+    if (tail || (vertexBlock >= 0 && bodyBlock < 0)) solveVertices<false>(s, c, vertexBlock * kSolveThreads + thread, max(blocks.vertices, 1) * kSolveThreads);
     __syncthreads();
   }
 }
