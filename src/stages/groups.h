@@ -61,14 +61,20 @@ struct FlattenGroups {
   }
 };
 
+/// Is place t that of a deformable object at the coarsest level?
+RUBBLE_HD inline bool isWholeObject(const View& s, int t) {
+  const int lump = t - atLevel(s, kCoarseLevels - 1, s.bodies);
+  return lump >= 0 && lump < s.objects;
+}
+
 /// Which of them lead a group. One that is the same as at the finer level is solved at both: left out at one of them, the momentum of an impact is
-/// kept less well, for its sweeps are what finds it.
+/// kept less well, for its sweeps are what finds it. An object that is alone is a group of the coarsest level, so that it keeps its own.
 struct FindLeaders {
   static constexpr const char* kName = "groups";
-  RUBBLE_HD void operator()(const View& s, int t) const { s.leads[t] = s.memberCount[t] >= 2; }
+  RUBBLE_HD void operator()(const View& s, int t) const { s.leads[t] = s.memberCount[t] >= (isWholeObject(s, t) ? 1 : 2); }
 };
 
-/// From leaders to group numbers; what is alone in its cell is in no group.
+/// From leaders to group numbers; a body or particle that is alone in its cell is in no group.
 struct NumberGroups {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int t) const {

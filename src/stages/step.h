@@ -176,16 +176,21 @@ void correctGroups(E& e, int iteration) {
   for (int level = (even ? kCoarseLevels : kFineLevels) - 1; level >= (even ? 1 : 0); --level) correctLevel(e, level);
 }
 
-/// The last sweep leaves groups with lumps at another momentum than what acts on them gives them: one more step of these groups, at all levels.
+/// One step of the groups of a level that have lumps.
+template <Executor E>
+void correctLumps(E& e, int level) {
+  sumLumps(e, level);
+  e.forEachIn(WithLumps<SumChunk<typename E::Lane>>{}, &View::levelChunk, level);
+  e.forEachIn(WithLumps<SolveGroup>{}, &View::levelGroup, level);
+  e.forEachIn(WithLumps<MoveChunk>{}, &View::levelChunk, level);
+  e.forEach(MoveLumps{level}, e.view().vertices);
+}
+/// The last sweep leaves groups with lumps at another momentum than what acts on them gives them: one more step of these groups, at all levels, and
+/// another one of the largest, since a step goes four fifths of the way.
 template <Executor E>
 void keepMomentum(E& e) {
-  for (int level = kCoarseLevels - 1; level >= 0; --level) {
-    sumLumps(e, level);
-    e.forEachIn(WithLumps<SumChunk<typename E::Lane>>{}, &View::levelChunk, level);
-    e.forEachIn(WithLumps<SolveGroup>{}, &View::levelGroup, level);
-    e.forEachIn(WithLumps<MoveChunk>{}, &View::levelChunk, level);
-    e.forEach(MoveLumps{level}, e.view().vertices);
-  }
+  for (int level = kCoarseLevels - 1; level >= 0; --level) correctLumps(e, level);
+  correctLumps(e, kCoarseLevels - 1);
 }
 
 /// One step of all bodies that hang together by joints. Trees with contacts are solved exactly where no other block moves their bodies afterwards.

@@ -58,29 +58,29 @@ TEST_P(SoftImpact, OfABodyOnASolidKeepsMomentum) {
   Scene scene = emptyScene({0, 0, 0});
   scene.deformables = {jelly({-.2, -.2, -.2}, 0)};
   scene.bodies = {heavyBox({-.8, .02, .05}, GetParam())};
-  EXPECT_NEAR(keptMomentum(scene, 4), 1, .002);
-  EXPECT_NEAR(keptMomentum(scene, 20), 1, 5e-4);
+  EXPECT_NEAR(keptMomentum(scene, 4), 1, 5e-4);
+  EXPECT_NEAR(keptMomentum(scene, 20), 1, 1e-4);
 }
 
 TEST_P(SoftImpact, OfASolidOnABodyKeepsMomentum) {
   Scene scene = emptyScene({0, 0, 0});
   scene.deformables = {jelly({-1, -.18, -.15}, GetParam())};
   scene.bodies = {heavyBox({0, 0, 0}, 0)};
-  EXPECT_NEAR(keptMomentum(scene, 4), 1, .002);
-  EXPECT_NEAR(keptMomentum(scene, 20), 1, 5e-4);
+  EXPECT_NEAR(keptMomentum(scene, 4), 1, 5e-4);
+  EXPECT_NEAR(keptMomentum(scene, 20), 1, 1e-4);
 }
 
 TEST_P(SoftImpact, OfTwoSolidsKeepsMomentum) {
   Scene scene = emptyScene({0, 0, 0});
   scene.deformables = {jelly({-.2, -.2, -.2}, 0), jelly({-1, -.18, -.15}, GetParam())};
-  EXPECT_NEAR(keptMomentum(scene, 4), 1, .005);
+  EXPECT_NEAR(keptMomentum(scene, 4), 1, .002);
 }
 
 TEST_P(SoftImpact, OfTwoGrainsKeepsMomentum) {
   Scene scene = emptyScene({0, 0, 0});
   scene.deformables = {grains({{0, 0, 0}}, 0), grains({{-.4, .013, .021}}, GetParam())};
-  EXPECT_NEAR(keptMomentum(scene, 4), 1, .02);
-  EXPECT_NEAR(keptMomentum(scene, 10), 1, 5e-4);
+  EXPECT_NEAR(keptMomentum(scene, 4), 1, .005);
+  EXPECT_NEAR(keptMomentum(scene, 10), 1, 1e-4);
 }
 
 TEST_P(SoftImpact, OfABodyOnAGrainKeepsMomentum) {
@@ -99,8 +99,27 @@ TEST(SoftImpact, OfAGrainOnAWallOfGrainsKeepsMomentum) {
     for (int z = -1; z <= 1; ++z) wall.push_back({0, .1 * y, .1 * z});
   Scene scene = emptyScene({0, 0, 0});
   scene.deformables = {grains(wall, 0), grains({{-.4, .013, .021}}, 20)};
-  EXPECT_NEAR(keptMomentum(scene, 4), 1, .04);
-  EXPECT_NEAR(keptMomentum(scene, 20), 1, .001);
+  EXPECT_NEAR(keptMomentum(scene, 4), 1, .01);
+  EXPECT_NEAR(keptMomentum(scene, 20), 1, 5e-4);
+}
+
+/// A solid that is alone, pressed and sheared, springs back to its shape and stays where it is.
+TEST(SoftMomentum, OfASolidThatIsAloneIsKept) {
+  SoftDef box = test::jellyBox({0, 0, 0}, .4, 4, 1e4);
+  for (const Vec3& x : box.vertices) box.start.push_back({1.3 * x.x + .3 * x.y * x.y, .8 * x.y + .2 * x.z, x.z + .4 * x.x * x.x});
+  Scene scene = emptyScene({0, 0, 0});
+  scene.deformables = {box};
+  World world(scene, options(4));
+  const SoftId id = world.deformableAt(0);
+  double fastest = 0, drift = 0;
+  for (int step = 0; step < 60; ++step) {
+    world.step();
+    for (const Vec3& v : world.velocities(id)) fastest = std::max(fastest, length(v));
+    const test::Momentum p = momentumOf(world, id);
+    drift = std::max(drift, length(p.linear) / p.mass);
+  }
+  EXPECT_GT(fastest, 1) << "it springs back";
+  EXPECT_LT(drift, 1e-4 * fastest);
 }
 
 /// A pinned sheet is in no group: what falls on it is borne by the pins, and not carried off with them.
