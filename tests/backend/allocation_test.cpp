@@ -10,10 +10,13 @@
 namespace {
 std::atomic<long> allocations{0};
 
-void* counted(std::size_t bytes, std::size_t alignment) {
+void* countedOrNull(std::size_t bytes, std::size_t alignment) noexcept {
   ++allocations;
   const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
-  if (void* p = std::aligned_alloc(alignment, rounded ? rounded : alignment)) return p;
+  return std::aligned_alloc(alignment, rounded ? rounded : alignment);
+}
+void* counted(std::size_t bytes, std::size_t alignment) {
+  if (void* p = countedOrNull(bytes, alignment)) return p;
   throw std::bad_alloc();
 }
 }  // namespace
@@ -22,6 +25,8 @@ void* counted(std::size_t bytes, std::size_t alignment) {
 #define RUBBLE_NOINLINE __attribute__((noinline))
 RUBBLE_NOINLINE void* operator new(std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
 RUBBLE_NOINLINE void* operator new[](std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
+RUBBLE_NOINLINE void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept { return countedOrNull(bytes, alignof(std::max_align_t)); }
+RUBBLE_NOINLINE void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept { return countedOrNull(bytes, alignof(std::max_align_t)); }
 RUBBLE_NOINLINE void* operator new(std::size_t bytes, std::align_val_t a) { return counted(bytes, static_cast<std::size_t>(a)); }
 RUBBLE_NOINLINE void* operator new[](std::size_t bytes, std::align_val_t a) { return counted(bytes, static_cast<std::size_t>(a)); }
 RUBBLE_NOINLINE void operator delete(void* p) noexcept { std::free(p); }
