@@ -328,6 +328,7 @@ Spec ringsSpec() {
 
 std::vector<Spec> softContactSpecs() {
   Spec high = variant(stackSpec(), "cloth-stack-100", "A hundred sheets of thick cloth settle to a stack.", {{"layers", 100}});
+  high.iterations = 40;
   high.tags.push_back("scale");
   return {foldsSpec(), stackSpec(), high, pressSpec(), ringsSpec(), knotSpec()};
 }

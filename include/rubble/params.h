@@ -31,7 +31,7 @@ struct Tuning {
   double driftCorrection = 1.2;   ///< rate at which tangential drift of sticking contacts is taken back [1/s]; below 0: that of other errors
   double warmStartDecay = .99;    ///< gamma of a 1/60 s step [1]; scaled as gamma^(60 dt)
   bool coarseCorrection = true;   ///< rigid motions of groups of bodies are solved for as well
-  bool jointTrees = true;         ///< bodies that hang together by joints are solved for together as well
+  bool jointTrees = true;         ///< bodies that hang together by joints, and vertices of a rope, are solved for together as well
   bool coneHessian = true;        ///< cone-consistent Hessian of sliding friction; else the unclamped one
   bool dormantRows = true;        ///< rows that stay open at the inertial targets are left out of the step
   bool impactRule = true;         ///< multipliers of an impact are not warm-started

@@ -15,8 +15,7 @@ struct StageTime {
 
 /// A table that was too small in a step and grew: nothing was dropped.
 struct Growth {
-  std::string what;     ///< "pairs", "nearPairs", "manifolds", "entries", "colors", "groups", "chunks", "externals",
-                        ///< "rollers", "pointPairs", "pointEntries", "nearFeatures"
+  std::string what;         ///< a kind that World::reserve() takes
   std::int64_t needed = 0;  ///< elements that the step had
 };
 

@@ -92,7 +92,7 @@ struct AttachmentDef {
   std::string name;                   ///< optional
   int object = 0;                     ///< index into Scene::deformables
   std::vector<int> vertices;          ///< up to four with those of the other side
-  std::vector<double> weights;        ///< that add up to 1; empty: equal ones
+  std::vector<double> weights;        ///< at least 0, which add up to 1; empty: equal ones
   int body = kWorld;                  ///< index into Scene::bodies, or the world
   std::optional<Vec3> anchor;         ///< in the frame of the body [m]; none: where the vertices start
   int otherObject = -1;               ///< a seam: the other side is of this deformable object

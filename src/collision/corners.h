@@ -10,9 +10,10 @@ inline constexpr int kRimCorners = 32;
 
 /// In the frame of its body.
 struct ShapeCorner {
-  Vec3 at;      ///< [m]
-  Real radius;  ///< [m]
-  int part;     ///< of a compound, else 0
+  Vec3 at;       ///< [m]
+  Vec3 outward;  ///< unit: where the body ends there; zero: on all sides
+  Real radius;   ///< [m]
+  int part;      ///< of a compound, else 0
 };
 
 /// Of a shape that is no compound. Planes, meshes and height fields have none.
@@ -49,6 +50,22 @@ RUBBLE_HD inline Vec3 convexCorner(const ShapeTables& tables, const ShapeData& s
   }
 }
 
+/// Where a shape ends at its k-th corner, which is at `at`; zero: on all sides.
+RUBBLE_HD inline Vec3 cornerOutward(const ShapeTables& tables, const ShapeData& s, int k, const Vec3& at) {
+  Vec3 out{0, 0, 0};
+  switch (s.kind) {
+    case ShapeKind::Box:
+    case ShapeKind::RoundBox: out = {k & 1 ? Real(1) : Real(-1), k & 2 ? Real(1) : Real(-1), k & 4 ? Real(1) : Real(-1)}; break;
+    case ShapeKind::Cylinder: out = {at.x / s.half.x, at.y / s.half.x, k < kRimCorners ? Real(1) : Real(-1)}; break;
+    case ShapeKind::Cone: out = k == 0 ? Vec3{0, 0, 1} : Vec3{at.x / s.half.x, at.y / s.half.x, -1}; break;
+    case ShapeKind::Hull: out = at; break;
+    case ShapeKind::Distance: latticeDistance(latticeOf(tables, s), at, out); break;
+    default: return out;
+  }
+  const Real size = length(out);
+  return size > Real(0) ? out / size : Vec3{0, 0, 0};
+}
+
 /// visit(corner) for share `share` of `shares` of the corners of a shape: neighbours in its list, so that corners of one share are near to one
 /// another on rims.
 template <class Visit>
@@ -64,8 +81,9 @@ RUBBLE_HD void visitCorners(const ShapeTables& tables, const ShapeData& s, int s
     const ShapeData& own = compound ? partAt(p)->shape : s;
     const int count = convexCornerCount(tables, own);
     for (int k = max(begin - before, 0); k < min(end - before, count); ++k) {
-      const Vec3 at = convexCorner(tables, own, k);
-      visit(ShapeCorner{compound ? partAt(p)->position + rotate(partAt(p)->rotation, at) : at, own.radius, p});
+      const Vec3 at = convexCorner(tables, own, k), outward = cornerOutward(tables, own, k, at);
+      if (compound) visit(ShapeCorner{partAt(p)->position + rotate(partAt(p)->rotation, at), rotate(partAt(p)->rotation, outward), own.radius, p});
+      else visit(ShapeCorner{at, outward, own.radius, p});
     }
     before += count;
   }

@@ -56,10 +56,9 @@ struct PointContact {
   }
   RUBBLE_HD void stampVertex(const StepConstants& c, const Vec3& d, int corner, Block3& block) const {
     const Forces o = forces(c, d);
-    const Real w = weight[corner], w2 = w * w;
+    const Real w = weight[corner];
     block.f -= w * o.vector(n);
-    const Sym3 h = o.hessian(n, kN);
-    block.h += Sym3{w2 * h.xx, w2 * h.xy, w2 * h.xz, w2 * h.yy, w2 * h.yz, w2 * h.zz};
+    block.h += (w * w) * o.hessian(n, kN);
   }
   RUBBLE_HD void stampBody(const StepConstants& c, const Vec3& d, Block6& block) const {
     const Forces o = forces(c, d);

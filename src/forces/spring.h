@@ -41,18 +41,25 @@ struct Spring {
   RUBBLE_HD FiniteForce evaluate(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     return finiteForce(c.compliantRows, row.stiffness, k, error(x), lambda);
   }
+  /// What that comes to when lambda has converged: for those who solve for all that the spring moves (stages/lines.h).
+  RUBBLE_HD FiniteForce converged(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
+    return c.compliantRows ? FiniteForce{row.stiffness * error(x), row.stiffness} : evaluate(c, x);
+  }
   /// Of one iteration [J].
   RUBBLE_HD Real energy(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     const Real e = error(x), s = c.compliantRows ? row.stiffness / (row.stiffness + k) : Real(1);
     return s * (k * e * e / 2 + lambda * e);
   }
   RUBBLE_HD void stamp(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
+    stamp(x, corner, evaluate(c, x), block);
+  }
+  /// With that force.
+  RUBBLE_HD void stamp(const Vec3 (&x)[kCorners], int corner, const FiniteForce& f, Block3& block) const {
     const Vec3 d = corner == 0 ? x[0] - x[1] : x[1] - x[0];
     const Real l2 = dot(d, d);
     // ends on one another have no direction: the others pull them apart
     if (!(l2 > Real(1e-12) * restLength * restLength)) return;
     const Real l = std::sqrt(l2);
-    const FiniteForce f = evaluate(c, x);
     const Vec3 u = d / l;
     block.f -= f.force * u;
     const Real across = max(f.force, Real(0)) / l;

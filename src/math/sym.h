@@ -15,6 +15,7 @@ struct Sym3T {
     xx += o.xx, xy += o.xy, xz += o.xz, yy += o.yy, yz += o.yz, zz += o.zz;
     return *this;
   }
+  RUBBLE_HD friend Sym3T operator*(const L& k, const Sym3T& m) { return {k * m.xx, k * m.xy, k * m.xz, k * m.yy, k * m.yz, k * m.zz}; }
   RUBBLE_HD friend Vec3T<L> operator*(const Sym3T& m, const Vec3T<L>& a) {
     return {m.xx * a.x + m.xy * a.y + m.xz * a.z, m.xy * a.x + m.yy * a.y + m.yz * a.z, m.xz * a.x + m.yz * a.y + m.zz * a.z};
   }

@@ -4,7 +4,8 @@
 /// kCornerSlots owners of pairs, and each stands for a share of its corners: of those that meet the same part the deepest has the rows.
 ///
 /// Sheets have two sides. The one that a corner is on is the one that it was on in the step before, as long as it touches; a closed surface
-/// has an outside.
+/// has an outside. So has a body: what a corner is pushed by lies where the body ends there, and a side that says otherwise, which the corner has
+/// from a part of a folded sheet beside, counts for nothing.
 #include "collision/corners.h"
 #include "stages/feature_contacts.h"
 #include "stages/filter.h"
@@ -61,6 +62,7 @@ struct FindDentingBodies {
 /// A corner of a body at x^t, world axes, seen from its centre.
 struct PlacedCorner {
   Vec3 at, velocity;  ///< [m], [m/s]
+  Vec3 outward;       ///< where the body ends; zero: on all sides
   Real radius;        ///< [m]
   int part;
 };
@@ -72,7 +74,7 @@ RUBBLE_HD void visitOwnCorners(const View& s, int owner, Visit&& visit) {
   const Quat q = s.orientation[body];
   visitCorners(s.shapeTables(), s.params[body].shape, slotOfOwner(s, owner), kCornerSlots, [&](const ShapeCorner& c) {
     const Vec3 at = rotate(q, c.at);
-    visit(PlacedCorner{at, s.velocity[body] + cross(s.spin[body], at), c.radius, c.part});
+    visit(PlacedCorner{at, s.velocity[body] + cross(s.spin[body], at), rotate(q, c.outward), c.radius, c.part});
   });
 }
 
@@ -101,13 +103,18 @@ struct CornerTouch {
   Vec3 foot;       ///< nearest point, seen from the centre of the body [m]
 };
 
+/// May a surface push a corner that way, which is not out of the body? With some doubt, for a surface bends about a corner.
+RUBBLE_HD inline bool mayPush(const PlacedCorner& corner, const Vec3& n) {
+  constexpr Real kDoubt = Real(.3);
+  return dot(n, corner.outward) <= kDoubt;
+}
 /// `side`: direction in which the surface held the corner last, or zero. `behind`: how far behind the surface it is still held [m].
 RUBBLE_HD inline CornerTouch touchPart(const View& s, int body, const PlacedCorner& corner, const DentPart& f, const Vec3& side, Real behind) {
   CornerTouch t;
   t.valid = false;
   Vec3 x[3];
   for (int k = 0; k < f.count; ++k) x[k] = Vec3(s.vertexPosition[f.v[k]] - s.position[body]);
-  const bool held = side != Vec3{0, 0, 0};
+  const bool held = side != Vec3{0, 0, 0} && mayPush(corner, side);
   if (f.count == 3) {
     nearestOnTriangle(corner.at, x[0], x[1], x[2], t.w);
     if (!(t.w[0] > Real(0) && t.w[1] > Real(0) && t.w[2] > Real(0))) return t;
@@ -120,7 +127,7 @@ RUBBLE_HD inline CornerTouch touchPart(const View& s, int body, const PlacedCorn
     if (!closed && facing < Real(0)) t.n = -t.n;
     t.foot = x[0] + t.w[1] * (x[1] - x[0]) + t.w[2] * (x[2] - x[0]);
     t.distance = dot(t.n, corner.at - x[0]);
-    t.valid = t.distance >= -behind;
+    t.valid = t.distance >= -behind && mayPush(corner, t.n);
     return t;
   }
   t.w[0] = Real(1), t.w[1] = t.w[2] = 0;
@@ -141,7 +148,7 @@ RUBBLE_HD inline CornerTouch touchPart(const View& s, int body, const PlacedCorn
     if (f.rim || dot(t.n, side) > kRightBehind) return t;
     t.n = -t.n, t.distance = -t.distance;
   }
-  t.valid = t.n != Vec3{0, 0, 0} && t.distance >= -behind;
+  t.valid = t.n != Vec3{0, 0, 0} && t.distance >= -behind && mayPush(corner, t.n);
   return t;
 }
 

@@ -2,7 +2,7 @@
 /// The coarse correction of deformable objects: block descent whose blocks are rigid motions of clusters of vertices, at several sizes, the
 /// largest being the whole object. A vertex-by-vertex sweep carries news one edge at a time, and does not even keep the momentum of an
 /// object; a sweep over clusters does both. Clusters are nested, fixed when the object is made (src/cook/clusters.cpp), and all of a level
-/// move at once, under-relaxed as the groups of bodies are (coarse.h); an element that n > 2 of them share counts n/2 times in each Hessian.
+/// move at once (but the finest of solids, which only are parts of sums), under-relaxed as the groups of bodies are (coarse.h); an element that n > 2 of them share counts n/2 times in each Hessian.
 #include "forces/group_stamp.h"
 #include "stages/coarse.h"
 #include "stages/coloring.h"
@@ -58,16 +58,16 @@ struct PlaceLargeClusters {
   }
 };
 
-/// Vertices that share a row with n corners may all move with the same cluster or group: (sum h)^2 <= n sum h^2.
+/// Adds a row to the vertex at a corner. Other corners of its side may move with it: the weights c_i of a side add up to 1 and so
+/// (sum c_i x_i)^2 <= sum |c_i| x_i^2, which is exact for vertices that move alike. So the Hessian counts |c_i| times, not c_i^2.
 template <class Row, class Add>
-RUBBLE_HD void addShared(const Row& row, Block3& to, Add&& add) {
-  int corners = 0;
-  while (corners < kPointCorners && row.v[corners] >= 0) ++corners;
+RUBBLE_HD void addShared(const Row& row, int corner, Block3& to, Add&& add) {
+  const Real share = std::fabs(row.weight[corner]);
+  if (!(share > Real(0))) return;
   Block3 own;
   add(own);
-  const Real n = static_cast<Real>(corners);
   to.f += own.f;
-  to.h += Sym3{n * own.h.xx, n * own.h.xy, n * own.h.xz, n * own.h.yy, n * own.h.yz, n * own.h.zz};
+  to.h += (1 / share) * own.h;
 }
 /// Is it a contact of an object with itself?
 RUBBLE_HD inline bool withinObject(const View& s, const PointContact& p) {
@@ -90,14 +90,15 @@ RUBBLE_HD bool addFromOutside(const View& s, int v, int lane, int lanes, int lev
   for (int r = first + lane; r < s.refOffset[v + 1]; r += lanes)
     if (pointType(s.ref[r]) != kAttachmentCode) addElement(s, s.ref[r], own);
     else if (const Attachment& a = s.attachment[pointIndex(s.ref[r])]; a.depth > level)
-      addShared(a, own, [&](Block3& b) { addElement(s, s.ref[r], b); });
+      addShared(a, pointCorner(s.ref[r]), own, [&](Block3& b) { addElement(s, s.ref[r], b); });
   bool touchesSelf = false;
   for (int r = s.pointEntryOffset[v] + lane; r < s.pointEntryOffset[v + 1]; r += lanes) {
-    const PointContact& p = s.pointContact[pointIndex(s.pointEntry[r])];
+    const std::uint32_t code = s.pointEntry[r];
+    const PointContact& p = s.pointContact[pointIndex(code)];
     if (p.depth <= level) continue;
     const bool isInner = surfaces && withinObject(s, p);
     touchesSelf |= isInner;
-    addShared(p, isInner ? self : own, [&](Block3& b) { addPointContact(s, s.pointEntry[r], b); });
+    addShared(p, pointCorner(code), isInner ? self : own, [&](Block3& b) { addPointContact(s, code, b); });
   }
   return touchesSelf;
 }

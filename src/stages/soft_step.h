@@ -1,6 +1,7 @@
 #pragma once
 /// The parts of the step that only scenes with vertices have: contacts of vertices, their elements, and their place in the graph.
 #include "stages/crossings.h"
+#include "stages/lines.h"
 #include "stages/lumps.h"
 #include "stages/soft_sleep.h"
 
@@ -137,6 +138,17 @@ void correctClusters(E& e) {
     e.forEach(SolveCluster{level}, clusters);
     e.forEach(MoveCluster{level}, parts);
   }
+}
+
+/// One step of every rope and rod.
+template <class E>
+void correctLines(E& e) {
+  const View& s = e.view();
+  if (s.features > 0) e.forEach(AssembleLines<true>{}, s.lineVertices);
+  else e.forEach(AssembleLines<false>{}, s.lineVertices);
+  e.forEach(SolveLine{}, s.lines);
+  e.forEach(TakeLineForces{}, s.lineVertices);
+  e.forEach(MoveLines{}, s.lineVertices);
 }
 
 /// After the dual updates of contacts and joints, with which these have nothing to do.

@@ -159,38 +159,31 @@ void prepareGroups(E& e) {
   e.forEach(FillExternals{}, &Counters::chunks);
 }
 
-/// One step of the groups of a level.
-template <Executor E>
+/// One step of the groups of a level: of all, or of those `With` lumps.
+template <class Stage>
+using WithAny = Stage;
+template <template <class> class With, Executor E>
 void correctLevel(E& e, int level) {
   const bool lumps = e.view().lumps > 0;
   if (lumps) sumLumps(e, level);
-  e.forEachIn(SumChunk<typename E::Lane>{}, &View::levelChunk, level);
-  e.forEachIn(SolveGroup{}, &View::levelGroup, level);
-  e.forEachIn(MoveChunk{}, &View::levelChunk, level);
+  e.forEachIn(With<SumChunk<typename E::Lane>>{}, &View::levelChunk, level);
+  e.forEachIn(With<SolveGroup>{}, &View::levelGroup, level);
+  e.forEachIn(With<MoveChunk>{}, &View::levelChunk, level);
   if (lumps) e.forEach(MoveLumps{level}, e.view().vertices);
 }
 /// One sweep over the groups, from coarse to fine: all levels but the finest in even iterations, the fine ones in odd.
 template <Executor E>
 void correctGroups(E& e, int iteration) {
   const bool even = iteration % 2 == 0;
-  for (int level = (even ? kCoarseLevels : kFineLevels) - 1; level >= (even ? 1 : 0); --level) correctLevel(e, level);
+  for (int level = (even ? kCoarseLevels : kFineLevels) - 1; level >= (even ? 1 : 0); --level) correctLevel<WithAny>(e, level);
 }
 
-/// One step of the groups of a level that have lumps.
-template <Executor E>
-void correctLumps(E& e, int level) {
-  sumLumps(e, level);
-  e.forEachIn(WithLumps<SumChunk<typename E::Lane>>{}, &View::levelChunk, level);
-  e.forEachIn(WithLumps<SolveGroup>{}, &View::levelGroup, level);
-  e.forEachIn(WithLumps<MoveChunk>{}, &View::levelChunk, level);
-  e.forEach(MoveLumps{level}, e.view().vertices);
-}
 /// The last sweep leaves groups with lumps at another momentum than what acts on them gives them: one more step of these groups, at all levels, and
 /// another one of the largest, since a step goes four fifths of the way.
 template <Executor E>
 void keepMomentum(E& e) {
-  for (int level = kCoarseLevels - 1; level >= 0; --level) correctLumps(e, level);
-  correctLumps(e, kCoarseLevels - 1);
+  for (int level = kCoarseLevels - 1; level >= 0; --level) correctLevel<WithLumps>(e, level);
+  correctLevel<WithLumps>(e, kCoarseLevels - 1);
 }
 
 /// One step of all bodies that hang together by joints. Trees with contacts are solved exactly where no other block moves their bodies afterwards.
@@ -300,13 +293,14 @@ void step(E& e) {
   if (e.view().step.coarseCorrection && vertices > 0) placeClusters(e);
 
   // vertices that hang on bodies know nothing of joints that are held harder than they are: with them trees stay before the sweep
-  const bool treesEnd = nodes > 0 && vertices == 0;
+  const bool treesEnd = nodes > 0 && vertices == 0, lines = e.view().step.jointTrees && e.view().lines > 0;
   for (int n = 0; n < e.view().step.iterations; ++n) {
     if (n == 0 && e.view().step.coarseCorrection) forEachJoint<LinearizeTurns>(e);
     if (e.view().step.coarseCorrection) correctGroups(e, n);
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
     const bool last = n + 1 == e.view().step.iterations;
     if (nodes > 0 && !(last && treesEnd)) correctTrees(e, TreeSolve::Own);
+    if (lines) correctLines(e);
     forEachJoint<LinearizeTurns>(e);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
     if (last && e.view().step.coarseCorrection && e.view().lumps > 0) keepMomentum(e);

@@ -126,6 +126,22 @@ struct Lump {
   int cluster;               ///< that is the whole object, or -1: a particle
 };
 
+/// A rope or rod: vertices of which springs join each to the next alone (stages/lines.h).
+struct Line {
+  int begin, end;            ///< in lineVertex
+};
+struct LineVertex {
+  int v, line;
+  int spring;                ///< to the next one; -1: it is the last
+  int bend;                  ///< of which it is the middle, or -1
+};
+/// Scalar rows of a matrix that a vertex of a line has, and how far behind the diagonal they reach.
+inline constexpr int kLineBand = 6;
+struct LineWork {
+  double row[3][kLineBand + 1];  ///< H, then its factors L D L^T: the diagonal and what stands behind it
+  double x[3];                   ///< force [N], then the step [m]
+};
+
 /// Owners of pairs that a body has for its corners, where there are surfaces.
 inline constexpr int kCornerSlots = 8;
 

@@ -12,7 +12,7 @@ namespace rubble::RUBBLE_CORE {
 enum class Per { Body, BodySlot, MemberLevel, Pair, NearPair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
                  ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, TreeNode, TreeSource,
                  Vertex, PointOwner, PointOwnerSlot, NearFeature, Feature, FeatureCell, Neighbor, ElementRef, TetraCorner, PointPair, PointEntry, GrainCell,
-                 Attachment, Cluster, ClusterRef, Lump, Node,
+                 Attachment, Cluster, ClusterRef, Lump, Line, LineVertex, Node,
                  FirstElement, FirstJoint = FirstElement + ElementTypes::kSize };
 /// The element types follow one another from FirstElement on, the joint types from FirstJoint on.
 inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes::kSize;
@@ -77,6 +77,7 @@ struct View : JointTables<JointTypes> {
   int movingParts = 0;                ///< clusters of the finest level that move as one: they come first
   int clusterRefs = 0;
   int lumps = 0, objects = 0;         ///< those with a cluster come first, and are so many
+  int lines = 0, lineVertices = 0;    ///< ropes and rods, and their vertices
   int elements[ElementTypes::kSize] = {}; ///< slots in use of each type
   StepConstants step{};
   Counters* counters = nullptr;
@@ -244,6 +245,10 @@ struct View : JointTables<JointTypes> {
   ClusterMotion* clusterMotion = nullptr;
   Lump* lump = nullptr;                  ///< objects, then granular particles
   Block3* lumpSum = nullptr;             ///< force and Hessian of a lump as its group sees it
+  Line* line = nullptr;
+  LineVertex* lineVertex = nullptr;      ///< by line, from one end to the other
+  LineWork* lineWork = nullptr;
+  Real* lineShare = nullptr;             ///< of the step of a line that it makes [1]
   // elements
   Attachment* attachment = nullptr;
   Tetrahedron* tetrahedron = nullptr;
@@ -445,6 +450,10 @@ void forEachArray(F&& f) {
   is(&View::clusterMotion, "clusterMotion", "", Per::Cluster, Life::Work);
   is(&View::lump, "lump", "", Per::Lump, Life::Authored);
   is(&View::lumpSum, "lumpSum", "", Per::Lump, Life::Work);
+  is(&View::line, "line", "", Per::Line, Life::Authored);
+  is(&View::lineVertex, "lineVertex", "", Per::LineVertex, Life::Authored);
+  is(&View::lineWork, "lineWork", "", Per::LineVertex, Life::Work);
+  is(&View::lineShare, "lineShare", "", Per::Line, Life::Work);
   is(&View::vertexTarget, "vertexTarget", "m", Per::Vertex, Life::Work);
   is(&View::vertexMoved, "vertexMoved", "m", Per::Vertex, Life::Work);
   is(&View::vertexPlace, "vertexPlace", "m", Per::Vertex, Life::Work);

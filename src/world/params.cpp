@@ -91,7 +91,7 @@ const std::vector<RangedField>& ranges() {
       tuning("impactRule", "bool", "multipliers of an impact are not warm-started", &Tuning::impactRule, 0, 1),
       tuning("compliantRows", "bool", "finite stiffness by compliant multipliers, else by the ramp", &Tuning::compliantRows, 0, 1),
       tuning("coarseCorrection", "bool", "rigid motions of groups of bodies are solved for as well", &Tuning::coarseCorrection, 0, 1),
-      tuning("jointTrees", "bool", "bodies that hang together by joints are solved for together as well", &Tuning::jointTrees, 0, 1),
+      tuning("jointTrees", "bool", "bodies that hang together by joints are solved for together as well, and so are the vertices of ropes and rods", &Tuning::jointTrees, 0, 1),
       tuning("driftCorrection", "1/s", "rate at which tangential drift of sticking contacts is taken back; below 0: that of other errors", &Tuning::driftCorrection, -1, 1e3),
       tuning("contactMargin", "1", "smallest detection margin over the bounding diameter", &Tuning::contactMargin, 0, 1),
       tuning("recycleTolerance", "1", "relative motion (over the diameter; rad) below which a manifold is kept; 0: never", &Tuning::recycleTolerance, 0, .1),

@@ -1,5 +1,6 @@
 /// The deformable objects of a world.
 #include <algorithm>
+#include <numeric>
 
 #include "world/world_impl.h"
 
@@ -20,16 +21,16 @@ std::vector<Id> inOrder(const Slots<Id, Record>& slots) {
   return ids;
 }
 
-/// Weights of one side of an attachment: they add up to 1.
+/// Weights of one side of an attachment, a mean: none is negative, and they add up to 1.
 std::vector<double> sideWeights(const std::vector<int>& vertices, const std::vector<double>& weights, int count, const std::string& path) {
   if (vertices.empty()) throw Error(path, "at least one vertex", "none");
   for (const int v : vertices)
     if (v < 0 || v >= count) throw Error(path, "indices below " + std::to_string(count), std::to_string(v));
   if (weights.empty()) return std::vector<double>(vertices.size(), 1.0 / double(vertices.size()));
-  double sum = 0;
-  for (const double w : weights) sum += w;
-  if (weights.size() != vertices.size() || !(std::abs(sum - 1) < 1e-6))
-    throw Error(path, "a weight for each vertex, which add up to 1", std::to_string(weights.size()) + " of sum " + std::to_string(sum));
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  const bool isMean = std::ranges::all_of(weights, [](double w) { return w >= 0; }) && std::abs(sum - 1) < 1e-6;
+  if (weights.size() != vertices.size() || !isMean)
+    throw Error(path, "a weight of at least 0 for each vertex, which add up to 1", std::to_string(weights.size()) + " of sum " + std::to_string(sum));
   return weights;
 }
 

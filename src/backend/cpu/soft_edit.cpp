@@ -274,6 +274,7 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
   connect(tables);
   placeClusters(tables, objects);
   placeLumps(tables, objects);
+  placeLines(tables, objects);
   placeFeatures(tables, objects);
   moves.addFeatures(s, old, objects);
   placeContacts(tables, old, moves);
@@ -281,7 +282,7 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
 
 SoftCounts softCounts(const View& s) {
   SoftCounts c{s.vertices, s.refOffset[s.vertices], s.tetraCornerOffset[s.vertices], s.neighborOffset[s.vertices], s.grainCells, s.attachments, {}, {}, s.movingParts, s.clusterRefs,
-               s.lumps, s.objects, static_cast<float>(s.grainCell), s.edges, s.features, s.featureCells, static_cast<float>(s.featureCell)};
+               s.lumps, s.objects, s.lines, s.lineVertices, static_cast<float>(s.grainCell), s.edges, s.features, s.featureCells, static_cast<float>(s.featureCell)};
   std::copy(std::begin(s.clusterBegin), std::end(s.clusterBegin), c.clusterBegin);
   std::copy(std::begin(s.elements), std::end(s.elements), c.elements);
   return c;
@@ -305,6 +306,9 @@ void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   s.movingParts = c.movingParts, s.clusterRefs = c.clusterRefs;
   tables.reserve(Per::Lump, c.lumps);
   s.lumps = c.lumps, s.objects = c.objects;
+  tables.reserve(Per::Line, c.lines);
+  tables.reserve(Per::LineVertex, c.lineVertices);
+  s.lines = c.lines, s.lineVertices = c.lineVertices;
   reserveMembers(tables);
   std::copy(std::begin(c.clusterBegin), std::end(c.clusterBegin), s.clusterBegin);
   s.refOffset[c.vertices] = c.refs;

@@ -9,7 +9,7 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
 struct SoftCounts {
   int vertices, refs, tetraCorners, neighbors, grainCells, attachments;
   int elements[ElementTypes::kSize];
-  int clusterBegin[kClusterLevels + 1], movingParts, clusterRefs, lumps, objects;
+  int clusterBegin[kClusterLevels + 1], movingParts, clusterRefs, lumps, objects, lines, lineVertices;
   float grainCell;
   int edges, features, featureCells;
   float featureCell;

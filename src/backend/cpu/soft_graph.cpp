@@ -66,8 +66,8 @@ void connect(HostTables& tables) {
 
 static_assert(kClusterLevels == SoftModel::kClusterLevels);
 
-/// Are the vertices of a cluster moved as one? In a solid those of the finest level are four vertices long, which sweeps see over: they are
-/// parts that others are summed of.
+/// Are the vertices of a cluster moved as one? In a solid not those of the finest level, which only are parts that others are summed of: the next
+/// ones are four vertices wide, and sweeps see over that.
 bool movesAsOne(const SoftModel& model, const SoftModel::Cluster& c) { return c.level > 0 || c.parent < 0 || model.tetrahedra.empty(); }
 
 /// The clusters of all objects by level, and the elements that leave each.
@@ -174,6 +174,65 @@ void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects
   tables.reserve(Per::Lump, s.lumps);
   reserveMembers(tables);
   std::copy(lumps.begin(), lumps.end(), s.lump);
+}
+
+namespace {
+
+/// Springs at a vertex, and the vertices that they lead to.
+struct LineEnds {
+  int count = 0;
+  int spring[2] = {-1, -1}, other[2] = {-1, -1};
+};
+
+/// What joins the vertices of an object that is made of springs and their bends alone; nothing if it is not, or has a branch.
+std::vector<LineEnds> lineEnds(const SoftModel& m) {
+  const std::size_t all = m.springs.size() + m.lineBends.size() + m.pressures.size();
+  std::size_t elements = 0;
+  for (const int n : elementCounts(m)) elements += static_cast<std::size_t>(n);
+  if (m.springs.empty() || elements != all) return {};
+  std::vector<LineEnds> ends(m.vertices.size());
+  for (std::size_t i = 0; i < m.springs.size(); ++i)
+    for (std::size_t k = 0; k < 2; ++k) {
+      LineEnds& end = ends[static_cast<std::size_t>(m.springs[i].v[k])];
+      if (end.count == 2) return {};
+      end.spring[end.count] = static_cast<int>(i), end.other[end.count++] = m.springs[i].v[1 - k];
+    }
+  return ends;
+}
+
+}  // namespace
+
+void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
+  View& s = tables.view();
+  std::vector<Line> lines;
+  std::vector<LineVertex> vertices;
+  for (const EngineSoftObject& o : objects) {
+    const SoftModel& m = *o.model;
+    const std::vector<LineEnds> ends = lineEnds(m);
+    std::vector<int> bendAt(ends.size(), -1);
+    if (!ends.empty())
+      for (std::size_t i = 0; i < m.lineBends.size(); ++i) bendAt[static_cast<std::size_t>(m.lineBends[i].v[0])] = static_cast<int>(i);
+    const auto global = [&](int type, int index) { return index < 0 ? -1 : o.at.element[type] + index; };
+    std::vector<char> done(ends.size(), 0);
+    for (std::size_t first = 0; first < ends.size(); ++first) {
+      if (ends[first].count != 1 || done[first]) continue;
+      const int line = static_cast<int>(lines.size()), begin = static_cast<int>(vertices.size());
+      for (int v = static_cast<int>(first), came = -1; v >= 0;) {
+        const LineEnds& end = ends[static_cast<std::size_t>(v)];
+        const int way = end.spring[0] != came ? 0 : 1, spring = end.spring[way];
+        done[static_cast<std::size_t>(v)] = 1;
+        vertices.push_back({o.at.vertex + v, line, global(typeIndex<Spring>(ElementTypes{}), spring),
+                            global(typeIndex<LineBend>(ElementTypes{}), bendAt[static_cast<std::size_t>(v)])});
+        v = end.other[way], came = spring;
+      }
+      lines.push_back({begin, static_cast<int>(vertices.size())});
+    }
+  }
+  s.lines = static_cast<int>(lines.size()), s.lineVertices = static_cast<int>(vertices.size());
+  tables.reserve(Per::Line, s.lines);
+  tables.reserve(Per::LineVertex, s.lineVertices);
+  std::copy(lines.begin(), lines.end(), s.line);
+  std::copy(vertices.begin(), vertices.end(), s.lineVertex);
 }
 
 /// Edges and triangles of all surfaces that collide, and their grid.

@@ -10,6 +10,8 @@ void connect(HostTables& tables);
 void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& objects);
 /// What groups move as one: objects with clusters, then granular particles.
 void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects);
+/// Ropes and rods: what springs join one by one, without branches and not to a ring.
+void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects);
 /// Edges and triangles of all surfaces that collide, and their grid.
 void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& objects);
 /// Room for as many features, cells and owners of pairs as the view says.

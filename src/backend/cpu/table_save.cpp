@@ -32,6 +32,8 @@ std::size_t liveCount(const View& s, Per per) {
     case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
     case Per::ClusterRef: return static_cast<std::size_t>(s.clusterRefs);
     case Per::Lump: return static_cast<std::size_t>(s.lumps);
+    case Per::Line: return static_cast<std::size_t>(s.lines);
+    case Per::LineVertex: return static_cast<std::size_t>(s.lineVertices);
     case Per::Attachment: return static_cast<std::size_t>(s.attachments);
     default: return elementCount(s, per);
   }

@@ -29,7 +29,7 @@ struct ColoredBodies {
   __device__ static const int* offset(const View& s) { return s.colorOffset; }
   __device__ static int* list(const View& s) { return s.colorBody; }
 };
-/// Vertices; classes by the number of elements and contacts, of which these take longer.
+/// Vertices; classes by the number of elements and contacts, of which these take longer: up to about one, two and four rounds of eight lanes, and more.
 struct ColoredVertices {
   using Fill = FillVertexColors;
   __device__ static bool has(const View& s, int v) { return v < s.vertices && isDynamicVertex(s, v); }

@@ -16,6 +16,7 @@
 #include "backend/cuda/contact_kernels.cuh"
 #include "backend/cuda/device_memory.h"
 #include "backend/cuda/group_kernels.cuh"
+#include "backend/cuda/line_kernels.cuh"
 #include "backend/cuda/pair_kernels.cuh"
 #include "backend/cuda/point_kernels.cuh"
 #include "backend/cuda/strict_kernels.cuh"

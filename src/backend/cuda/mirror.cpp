@@ -117,6 +117,10 @@ int Mirror::liveCount(Per per) const {
       return s.clusterRefs;
     case Per::Lump:
       return s.lumps;
+    case Per::Line:
+      return s.lines;
+    case Per::LineVertex:
+      return s.lineVertices;
     case Per::Attachment:
       return s.attachments;
     case Per::TreeNode:

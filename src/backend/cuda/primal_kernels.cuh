@@ -187,7 +187,7 @@ __device__ inline void solveColorTogether(const View& s, int color, int share, i
 /// move too, vertices have a sixth of them.
 inline constexpr int kVertexCrowdWidth = 8, kVertexManyWidth = 16, kVertexFewWidth = kWarp;
 inline constexpr int kVertexCrowd = 12288, kVertexMany = 4096, kVertexPart = 6;
-/// Blocks of a processor, where bodies do not move.
+/// Blocks of a processor, where bodies do not move: so few that there are 80 registers to read ahead with.
 inline constexpr int kVertexBlocks = 6;
 inline constexpr int kTailVertices = kSolveThreads / kVertexFewWidth;
 /// `ahead`: the next tetrahedron is read while one is added, which takes registers.

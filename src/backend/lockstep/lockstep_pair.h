@@ -108,6 +108,8 @@ class LockstepPair {
       case Per::External: return static_cast<std::size_t>(c.externals);
       case Per::MemberLevel: return static_cast<std::size_t>(s.members() * kCoarseLevels);
       case Per::Lump: return static_cast<std::size_t>(s.lumps);
+      case Per::Line: return static_cast<std::size_t>(s.lines);
+      case Per::LineVertex: return static_cast<std::size_t>(s.lineVertices);
       case Per::Entry: return static_cast<std::size_t>(c.entries);
       case Per::Color: return static_cast<std::size_t>(c.colors);
       case Per::Cell: return static_cast<std::size_t>(s.cells);
