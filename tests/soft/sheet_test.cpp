@@ -1,5 +1,6 @@
 /// Cloth, nets, rods, attachments and granular particles.
 #include <gtest/gtest.h>
+#include <rubble/error.h>
 
 #include "tests/soft/soft_scenes.h"
 
@@ -178,6 +179,26 @@ TEST(Rod, CantileverBendsAsBeamTheorySays) {
   // the bend at the second vertex stands for the half segments beside it
   const double exact = rod.density * area * 10 * std::pow(.975, 4) / (8 * rod.youngsModulus * inertia);
   EXPECT_NEAR(-world.positions(world.deformableAt(0))[20].z, exact, .06 * exact);
+}
+
+TEST(Attachment, RefusesWeightsThatAreNoMean) {
+  Scene scene = sceneWith(clothSheet({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1, 1));
+  AttachmentDef hook;
+  hook.vertices = {0, 1};
+  scene.attachments.push_back(hook);
+  const auto refused = [&](const std::vector<double>& weights) {
+    scene.attachments[0].weights = weights;
+    try {
+      World world(scene, options(1));
+    } catch (const Error& e) {
+      return e.path();
+    }
+    return std::string("no error");
+  };
+  EXPECT_EQ(refused({.5, .5}), "no error");
+  EXPECT_EQ(refused({.5, .4}), "attachments[0].vertices");
+  EXPECT_EQ(refused({1.5, -.5}), "attachments[0].vertices");
+  EXPECT_EQ(refused({1}), "attachments[0].vertices");
 }
 
 TEST(Attachment, HoldsAVertexOnABodyOnTheWorldAndOnAnotherObject) {
