@@ -2,7 +2,8 @@
 /// The coarse correction of deformable objects: block descent whose blocks are rigid motions of clusters of vertices, at several sizes, the
 /// largest being the whole object. A vertex-by-vertex sweep carries news one edge at a time, and does not even keep the momentum of an
 /// object; a sweep over clusters does both. Clusters are nested, fixed when the object is made (src/cook/clusters.cpp), and all of a level
-/// move at once (but the finest of solids, which only are parts of sums), under-relaxed as the groups of bodies are (coarse.h); an element that n > 2 of them share counts n/2 times in each Hessian.
+/// move at once (but the finest of solids, which only are parts of sums), under-relaxed as the groups of bodies are (coarse.h); an element that
+/// n > 2 of them share counts n/2 times in each Hessian.
 #include "forces/group_stamp.h"
 #include "stages/coarse.h"
 #include "stages/coloring.h"

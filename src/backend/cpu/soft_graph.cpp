@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <numeric>
 
 #include "stages/soft_step.h"
 
@@ -186,10 +187,9 @@ struct LineEnds {
 
 /// What joins the vertices of an object that is made of springs and their bends alone; nothing if it is not, or has a branch.
 std::vector<LineEnds> lineEnds(const SoftModel& m) {
-  const std::size_t all = m.springs.size() + m.lineBends.size() + m.pressures.size();
-  std::size_t elements = 0;
-  for (const int n : elementCounts(m)) elements += static_cast<std::size_t>(n);
-  if (m.springs.empty() || elements != all) return {};
+  const auto counts = elementCounts(m);
+  const std::size_t elements = static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), 0));
+  if (m.springs.empty() || elements != m.springs.size() + m.lineBends.size()) return {};
   std::vector<LineEnds> ends(m.vertices.size());
   for (std::size_t i = 0; i < m.springs.size(); ++i)
     for (std::size_t k = 0; k < 2; ++k) {
@@ -209,6 +209,7 @@ void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects
   for (const EngineSoftObject& o : objects) {
     const SoftModel& m = *o.model;
     const std::vector<LineEnds> ends = lineEnds(m);
+    // the first vertex of a bend is its middle
     std::vector<int> bendAt(ends.size(), -1);
     if (!ends.empty())
       for (std::size_t i = 0; i < m.lineBends.size(); ++i) bendAt[static_cast<std::size_t>(m.lineBends[i].v[0])] = static_cast<int>(i);
