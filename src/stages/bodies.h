@@ -124,6 +124,34 @@ RUBBLE_HD void addContact(const View& s, std::uint32_t code, int lane, Block6T<L
   stampContact<L>(s.step, r, entrySide(code) == 0, s.moved[r.a], s.moved[r.b], lane, points);
 }
 
+/// Sums over contacts, of each of their points apart: one order of additions, whatever an L stands for.
+template <class L>
+struct PointSums {
+  static constexpr int kStep = sizeof(L) / sizeof(Real);
+  Block6T<L> sum[kLanes / kStep];
+
+  /// add(lane, sum) for the points that an L stands for.
+  template <class Add>
+  RUBBLE_HD void each(Add&& add) {
+    for (int lane = 0; lane < kLanes; lane += kStep) add(lane, sum[lane / kStep]);
+  }
+  RUBBLE_HD void add(const View& s, std::uint32_t code) {
+    each([&](int lane, Block6T<L>& points) { addContact<L>(s, code, lane, points); });
+  }
+  RUBBLE_HD void addTo(Block6& to) const {
+    if constexpr (kStep == kLanes) {
+      addLanes(to, sum[0]);
+    } else {
+      // as sumOf of lanes.h
+      static_assert(kStep == 1 && kLanes == 4);
+      Block6 pairs[2] = {sum[0], sum[2]};
+      pairs[0] += sum[1], pairs[1] += sum[3];
+      pairs[0] += pairs[1];
+      to += pairs[0];
+    }
+  }
+};
+
 RUBBLE_HD inline void addJoint(const View& s, std::uint32_t code, Block6& block) {
   forEachType(JointTypes{}, [&]<class F>() {
     if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
@@ -147,13 +175,12 @@ RUBBLE_HD inline void finishBlock(const View& s, int i, Block6 block, Pose x) {
 template <class L>
 RUBBLE_HD void addRows(const View& s, int k, int end, Block6& block) {
   if (k < end && entryType(s.entry[k].code) == kContactType) {
-    constexpr int kStep = sizeof(L) / sizeof(Real);
-    Block6T<L> points;
+    PointSums<L> points;
     for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
-      for (int lane = 0; lane < kLanes; lane += kStep) addContact<L>(s, s.entry[k].code, lane, points);
+      points.add(s, s.entry[k].code);
       if (s.rolls) addRolling(s, s.entry[k].code, block);
     }
-    addLanes(block, points);
+    points.addTo(block);
   }
   for (; k < end; ++k) addJoint(s, s.entry[k].code, block);
 }

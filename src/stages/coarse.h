@@ -212,21 +212,20 @@ struct SumChunk {
   /// Adds the row blocks [k, end) that leave the group.
   RUBBLE_HD static void addExternals(const View& s, const Chunk& chunk, int k, int end, Block6& sum) {
     const Group& group = s.group[chunk.group];
-    constexpr int kStep = sizeof(L) / sizeof(Real);
-    Block6T<L> points;
+    PointSums<L> points;
     bool touches = false;
     for (; k < end; ++k) {
       const std::uint32_t code = s.external[k];
       if (entryType(code) == kContactType) {
         const ContactRows& r = s.contact[entryIndex(code)];
-        for (int lane = 0; lane < kLanes; lane += kStep) addExternalContact<L>(s, group, r, entrySide(code), lane, points);
+        points.each([&](int lane, Block6T<L>& sum) { addExternalContact<L>(s, group, r, entrySide(code), lane, sum); });
         if (s.rolls) addRolling(s, code, sum);
         touches = true;
       } else {
         addExternalJoint(s, chunk.group, code, sum);
       }
     }
-    if (touches) addLanes(sum, points);
+    if (touches) points.addTo(sum);
   }
 };
 

@@ -112,34 +112,23 @@ struct AssembleTrees {
   static constexpr const char* kName = "tree rows";
   TreeSolve how;
   RUBBLE_HD void operator()(const View& s, int n) const {
-    constexpr int kStep = sizeof(L) / sizeof(Real);
-    Block6T<L> ownPoints, sharedPoints;
-    const auto add = [&](std::uint32_t code, bool both) {
-      for (int lane = 0; lane < kLanes; lane += kStep) addContact<L>(s, code, lane, both ? sharedPoints : ownPoints);
-    };
-    const auto sum = [&](Block6& own, Block6& shared) {
-      addLanes(own, ownPoints);
-      addLanes(shared, sharedPoints);
-    };
-    assemble(s, n, add, sum);
-  }
-  /// addPoints(code, does the other body move in its tree too?) for each contact, then sumPoints(own, shared).
-  template <class AddPoints, class SumPoints>
-  RUBBLE_HD void assemble(const View& s, int n, AddPoints&& addPoints, SumPoints&& sumPoints) const {
     const TreeNode& node = s.treeNode[n];
     TreeBlock& w = s.treeWork[n];
     clear(w.h), clear(w.x), clear(w.e[0]), clear(w.e[1]);
     if (stands(s, node)) return standStill(w);
     const int i = node.body, end = s.entryOffset[i + 1];
+    // of bodies that do not move in trees, and of those that do
     Block6 own, shared;
+    PointSums<L> ownPoints, sharedPoints;
     startBlock(s, i, own);
     int k = s.entryOffset[i];
     for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
       const bool both = movesInTree(s, s.entry[k].other);
-      addPoints(s.entry[k].code, both);
+      (both ? sharedPoints : ownPoints).add(s, s.entry[k].code);
       if (s.rolls) addRolling(s, s.entry[k].code, both ? shared : own);
     }
-    sumPoints(own, shared);
+    ownPoints.addTo(own);
+    sharedPoints.addTo(shared);
     for (; k < end; ++k) addOther(s, n, s.entry[k], w, own);
     addBlock(w.h, w.x, own, 1);
     addBlock(w.h, w.x, shared, 2);

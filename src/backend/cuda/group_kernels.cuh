@@ -190,7 +190,7 @@ template <int kTile>
 __device__ void handOn(const View& s, const SumTree& tree, int i, Group& group, const Tile<kTile>& tile, Real (&sums)[kRealsPerLane<kTile>]) {
   if (!tree.carryUp(s, group, i, tile, sums)) return;
   Block6 block = group.inertia;
-  addBlock(block, gatherSums(tile, sums));
+  block += gatherSums(tile, sums);
   const Vec6 dx = groupStep(group, block);
   if (tile.lane == 0) group.step = dx;
 }

@@ -116,7 +116,7 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, int sha
       // the last ones are waited for by nobody
       if (batch + kBuffers < batches) passBy(kEmpty + buffer);
       if (on) {
-        addBlock(block, rows);
+        block += rows;
         finishBlock(s, body, block, x);
       }
     }
@@ -159,7 +159,7 @@ static __device__ __noinline__ void solveHub(const View& s, int body, Real (&war
     if (tile.lane == 0) {
       Block6 block;
       const Pose x = startBlock(s, body, block);
-      addBlock(block, rows);
+      block += rows;
       finishBlock(s, body, block, x);
     }
   }

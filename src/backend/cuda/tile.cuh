@@ -97,12 +97,6 @@ __device__ Block6 gatherSums(const Tile<kWidth>& tile, const Real (&sums)[kReals
   return block;
 }
 
-RUBBLE_HD inline void addBlock(Block6& to, const Block6& from) {
-  to.ll += from.ll, to.aa += from.aa;
-  to.al0 += from.al0, to.al1 += from.al1, to.al2 += from.al2;
-  to.fl += from.fl, to.fa += from.fa;
-}
-
 /// Sum over the lanes of a tile, the same in all.
 template <int kWidth>
 __device__ Block3 sumOf(const Tile<kWidth>& tile, const Block3& own) {
@@ -133,18 +127,14 @@ template <class Kernel>
 struct OnDevice {
   using Type = Kernel;
 };
-/// The kernel that takes its place in a strict build, where that of the CPU would add in another order.
-template <class Kernel>
-struct InOrder {
-  using Type = Kernel;
-};
+/// A strict build runs the stages as they are: a thread an element, sums in the order of the CPU.
 #if defined(RUBBLE_STRICT)
 inline constexpr bool kStrict = true;
 #else
 inline constexpr bool kStrict = false;
 #endif
 template <class Kernel>
-using DeviceKernel = typename std::conditional_t<kStrict, InOrder<Kernel>, OnDevice<Kernel>>::Type;
+using DeviceKernel = std::conditional_t<kStrict, Kernel, typename OnDevice<Kernel>::Type>;
 
 template <class Kernel>
 auto onDevice(const Kernel& kernel) {
