@@ -66,21 +66,37 @@ RUBBLE_HD inline Vec3 cornerOutward(const ShapeTables& tables, const ShapeData& 
   return size > Real(0) ? out / size : Vec3{0, 0, 0};
 }
 
-/// visit(corner) for share `share` of `shares` of the corners of a shape: neighbours in its list, so that corners of one share are near to one
-/// another on rims.
+/// Corners [begin, end) of a shape, of all that its parts have one after another.
+struct CornerRange {
+  int begin, end;
+};
+
+RUBBLE_HD inline int cornerCount(const ShapeTables& tables, const ShapeData& s) {
+  if (s.kind != ShapeKind::Compound) return convexCornerCount(tables, s);
+  int all = 0;
+  for (int p = 0; p < tables.index[s.data + 3]; ++p) all += convexCornerCount(tables, tables.part[tables.index[s.data + 2] + p].shape);
+  return all;
+}
+/// Share `share` of `shares` of the corners of a shape: neighbours in its list, where those that are near to one another follow one another
+/// (cook/halving.h). The tip of a cone has a share of its own.
+RUBBLE_HD inline CornerRange cornerShare(const ShapeTables& tables, const ShapeData& s, int share, int shares) {
+  const int all = cornerCount(tables, s);
+  if (s.kind != ShapeKind::Cone) return {all * share / shares, all * (share + 1) / shares};
+  const auto cut = [&](int k) { return k == 0 ? 0 : 1 + (all - 1) * (k - 1) / (shares - 1); };
+  return {cut(share), cut(share + 1)};
+}
+
+/// visit(corner) for some corners of a shape.
 template <class Visit>
-RUBBLE_HD void visitCorners(const ShapeTables& tables, const ShapeData& s, int share, int shares, Visit&& visit) {
+RUBBLE_HD void visitCorners(const ShapeTables& tables, const ShapeData& s, const CornerRange& range, Visit&& visit) {
   const bool compound = s.kind == ShapeKind::Compound;
   const int parts = compound ? tables.index[s.data + 3] : 1;
   const auto partAt = [&](int p) { return tables.part + tables.index[s.data + 2] + p; };
-  int all = 0;
-  for (int p = 0; p < parts; ++p) all += convexCornerCount(tables, compound ? partAt(p)->shape : s);
-  const int begin = all * share / shares, end = all * (share + 1) / shares;
   int before = 0;
-  for (int p = 0; p < parts && before < end; ++p) {
+  for (int p = 0; p < parts && before < range.end; ++p) {
     const ShapeData& own = compound ? partAt(p)->shape : s;
     const int count = convexCornerCount(tables, own);
-    for (int k = max(begin - before, 0); k < min(end - before, count); ++k) {
+    for (int k = max(range.begin - before, 0); k < min(range.end - before, count); ++k) {
       const Vec3 at = convexCorner(tables, own, k), outward = cornerOutward(tables, own, k, at);
       if (compound) visit(ShapeCorner{partAt(p)->position + rotate(partAt(p)->rotation, at), rotate(partAt(p)->rotation, outward), own.radius, p});
       else visit(ShapeCorner{at, outward, own.radius, p});

@@ -1,6 +1,5 @@
 /// Nested clusters of the vertices of an object, by halving boxes.
-#include <algorithm>
-
+#include "cook/halving.h"
 #include "forces/soft_model.h"
 
 namespace rubble {
@@ -10,35 +9,13 @@ namespace {
 struct Builder {
   SoftModel& model;
 
-  /// Pieces of the members [begin, end) of at most `most` vertices, by cutting the longest side of their box in the middle of them.
-  void cut(int begin, int end, int most, std::vector<std::pair<int, int>>& pieces) {
-    if (end - begin <= most) {
-      pieces.emplace_back(begin, end);
-      return;
-    }
-    const auto at = [&](int v) -> const Vec3& { return model.vertices[std::size_t(v)].position; };
-    Vec3 low = at(model.clusterOrder[std::size_t(begin)]), high = low;
-    for (int k = begin; k < end; ++k)
-      for (int i = 0; i < 3; ++i) {
-        low[i] = std::min(low[i], at(model.clusterOrder[std::size_t(k)])[i]);
-        high[i] = std::max(high[i], at(model.clusterOrder[std::size_t(k)])[i]);
-      }
-    const Vec3 size = high - low;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const int middle = (begin + end) / 2;
-    std::nth_element(model.clusterOrder.begin() + begin, model.clusterOrder.begin() + middle, model.clusterOrder.begin() + end, [&](int a, int b) {
-      return at(a)[axis] != at(b)[axis] ? at(a)[axis] < at(b)[axis] : a < b;
-    });
-    cut(begin, middle, most, pieces);
-    cut(middle, end, most, pieces);
-  }
-
   void add(int level, int begin, int end, int parent) {
     const int own = int(model.clusters.size());
     model.clusters.push_back({level, begin, end, parent});
     if (level == 0) return;
     std::vector<std::pair<int, int>> pieces;
-    cut(begin, end, SoftModel::kFinestCluster << (3 * (level - 1)), pieces);
+    const auto at = [&](int v) -> const Vec3& { return model.vertices[std::size_t(v)].position; };
+    cutInHalves(model.clusterOrder, begin, end, SoftModel::kFinestCluster << (3 * (level - 1)), at, [&](int a, int b) { pieces.emplace_back(a, b); });
     for (const auto& [a, b] : pieces) add(level - 1, a, b, own);
   }
 };

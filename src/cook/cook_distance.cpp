@@ -5,6 +5,7 @@
 
 #include "cook/cook.h"
 #include "cook/distance_surface.h"
+#include "cook/halving.h"
 #include "cook/solid_mass.h"
 
 namespace rubble::cooking {
@@ -62,8 +63,8 @@ void addDistanceField(CookedShape& out, const Shape& shape, const std::string& p
     const auto sample = [&](std::size_t i) { return i < count ? g.samples[i] : 0.0; };
     out.vectors.push_back({sample(k), sample(k + 1), sample(k + 2), sample(k + 3)});
   }
-  for (const Vec3& p : surface.points) {
-    const Vec3 x = rotate(back, p - out.unit.centre);
+  for (const int k : nearOrder(surface.points)) {
+    const Vec3 x = rotate(back, surface.points[static_cast<std::size_t>(k)] - out.unit.centre);
     out.vectors.push_back({x.x, x.y, x.z, 0});
     for (int i = 0; i < 3; ++i) out.shape.half[i] = std::max(out.shape.half[i], std::fabs(x[i]));
     out.radius = std::max(out.radius, length(x));

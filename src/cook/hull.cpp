@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <memory>
 
+#include "cook/halving.h"
+
 #if defined(RUBBLE_HAS_QHULL)
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
@@ -74,23 +76,22 @@ Hull convexHull(const std::vector<Vec3>& points, const std::string& path) {
     throw Error(path, wanted, "points that qhull makes no solid of");
 
   Hull hull;
-  std::vector<int> placeOf(points.size(), -1);
+  std::vector<int> placeOf(points.size(), -1), corners;
   vertexT *vertex, **vertexp;
   facetT* facet;
-  FORALLvertices {
-    const int point = qh_pointid(qh, vertex->point);
-    placeOf[static_cast<std::size_t>(point)] = 0;
-  }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (placeOf[i] < 0) continue;
-    placeOf[i] = static_cast<int>(hull.vertices.size());
-    hull.vertices.push_back(points[i]);
+  FORALLvertices corners.push_back(qh_pointid(qh, vertex->point));
+  std::sort(corners.begin(), corners.end());
+  std::vector<Vec3> used;
+  for (const int i : corners) used.push_back(points[static_cast<std::size_t>(i)]);
+  for (const int k : nearOrder(used)) {
+    placeOf[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])] = static_cast<int>(hull.vertices.size());
+    hull.vertices.push_back(used[static_cast<std::size_t>(k)]);
   }
   FORALLfacets {
     std::vector<int> face;
-    setT* const corners = qh_facet3vertex(qh, facet);
-    FOREACHvertex_(corners) face.push_back(placeOf[static_cast<std::size_t>(qh_pointid(qh, vertex->point))]);
-    qh_settempfree(qh, const_cast<setT**>(&corners));
+    setT* const around = qh_facet3vertex(qh, facet);
+    FOREACHvertex_(around) face.push_back(placeOf[static_cast<std::size_t>(qh_pointid(qh, vertex->point))]);
+    qh_settempfree(qh, const_cast<setT**>(&around));
     Vec3 area = areaOf(hull.vertices, face);
     if (dot(area, Vec3{facet->normal[0], facet->normal[1], facet->normal[2]}) < 0) {
       std::reverse(face.begin(), face.end());

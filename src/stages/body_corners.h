@@ -1,7 +1,8 @@
 #pragma once
 /// Contacts of the corners of bodies with surfaces of deformable objects: what vertices against bodies do not see, because it lies between
 /// the vertices. A corner has a contact with the part of a surface that is nearest to it, a triangle, an edge or a vertex. A body has
-/// kCornerSlots owners of pairs, and each stands for a share of its corners: of those that meet the same part the deepest has the rows.
+/// kCornerSlots owners of pairs, and each stands for a share of its corners; if there are several, it has two rows with a part, one for each half of
+/// them: of those that meet the part the deepest. Corners that are far apart must not share a row: what one of them holds the other falls by.
 ///
 /// Sheets have two sides. The one that a corner is on is the one that it was on in the step before, as long as it touches; a closed surface
 /// has an outside. So has a body: what a corner is pushed by lies where the body ends there, and a side that says otherwise, which the corner has
@@ -42,6 +43,12 @@ RUBBLE_HD inline bool mayDent(const View& s, int body, const SurfaceFeature& f) 
   return any;
 }
 
+/// A sheet has no inside: what passes it unseen is lost. Two things are not in the velocities at x^t: what stops one corner of a body turns it, so that
+/// others go up to so many times as far (the end of a rod whose other end is stopped),
+inline constexpr Real kTipping = Real(1.5);
+/// and what falls begins to. [m]
+RUBBLE_HD inline Real fallInStep(const View& s) { return s.step.dt * s.step.dt * length(s.step.gravity); }
+
 /// Bodies whose boxes meet that of a part of a surface, so that others need not look corner by corner.
 struct FindDentingBodies {
   static constexpr const char* kName = "pairs";
@@ -50,7 +57,9 @@ struct FindDentingBodies {
   /// By what number `lane` of `lanes` looks at.
   RUBBLE_HD static bool isNear(const View& s, int body, int lane, int lanes) {
     if (s.bounds[body].level < 0) return false;
-    const SweptBox box{s.bounds[body].centre, s.bounds[body].half};
+    const Real way = s.step.dt * (length(s.velocity[body]) + length(s.spin[body]) * s.params[body].radius);
+    const Real more = (kTipping - Real(1)) * way + fallInStep(s);
+    const SweptBox box{s.bounds[body].centre, s.bounds[body].half + Vec3{more, more, more}};
     bool found = false;
     const auto look = [&](int i) { found = found || mayDent(s, body, s.feature[i]); };
     seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
@@ -67,15 +76,35 @@ struct PlacedCorner {
   int part;
 };
 
-/// visit(corner) for the corners that an owner stands for.
+/// visit(corner) for some corners of a body.
 template <class Visit>
-RUBBLE_HD void visitOwnCorners(const View& s, int owner, Visit&& visit) {
-  const int body = bodyOfOwner(s, owner);
+RUBBLE_HD void visitCornersOf(const View& s, int body, const CornerRange& range, Visit&& visit) {
   const Quat q = s.orientation[body];
-  visitCorners(s.shapeTables(), s.params[body].shape, slotOfOwner(s, owner), kCornerSlots, [&](const ShapeCorner& c) {
+  visitCorners(s.shapeTables(), s.params[body].shape, range, [&](const ShapeCorner& c) {
     const Vec3 at = rotate(q, c.at);
     visit(PlacedCorner{at, s.velocity[body] + cross(s.spin[body], at), rotate(q, c.outward), c.radius, c.part});
   });
+}
+/// Those that an owner stands for.
+RUBBLE_HD inline CornerRange cornersOf(const View& s, int owner) {
+  return cornerShare(s.shapeTables(), s.params[bodyOfOwner(s, owner)].shape, slotOfOwner(s, owner), kCornerSlots);
+}
+/// Rows that an owner has with a part of a surface.
+RUBBLE_HD inline int rowsWithPart(const View& s, int owner) {
+  if (owner < s.vertices + s.edges) return 1;
+  const CornerRange own = cornersOf(s, owner);
+  return own.end - own.begin > 1 ? 2 : 1;
+}
+/// visit(corner) for those that one of these rows stands for.
+template <class Visit>
+RUBBLE_HD void visitCornersOfRow(const View& s, int owner, int row, Visit&& visit) {
+  CornerRange own = cornersOf(s, owner);
+  if (const int middle = (own.begin + own.end) / 2; own.end - own.begin > 1) (row == 0 ? own.end : own.begin) = middle;
+  visitCornersOf(s, bodyOfOwner(s, owner), own, visit);
+}
+/// Which of the rows of its owner with that part a pair of a list is.
+RUBBLE_HD inline int rowOfPair(const PointPair* pair, int i) {
+  return i > 0 && pair[i - 1].vertex == pair[i].vertex && pair[i - 1].other == pair[i].other ? 1 : 0;
 }
 
 /// A triangle, edge or vertex of a surface.
@@ -196,7 +225,8 @@ RUBBLE_HD inline CornerReach reachPart(const View& s, int body, const PlacedCorn
   const Real fast = s.step.dt * length(corner.velocity - partVelocity(s, f, out.touch.w));
   out.touch = touchPart(s, body, corner, f, held.side, max(held.behind, max(fast, kHeldFromBelow * size)));
   out.gap = out.touch.distance - corner.radius - s.vertexParams[f.v[0]].radius;
-  out.margin = max(s.step.contactMargin * size, max(fast, s.step.dt * length(corner.velocity - partVelocity(s, f, out.touch.w))));
+  const Real there = s.step.dt * length(corner.velocity - partVelocity(s, f, out.touch.w));
+  out.margin = max(s.step.contactMargin * size, kTipping * max(fast, there) + fallInStep(s));
   return out;
 }
 
@@ -208,10 +238,10 @@ RUBBLE_HD void searchCorners(const View& s, int owner, Found&& found, int lane, 
   Real behind = 0;
   for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k)
     if (s.oldPointPair[k].other >= 0 && s.oldPointContact[k].active) behind = max(behind, s.oldPointContact[k].length);
-  visitOwnCorners(s, owner, [&](const PlacedCorner& corner) {
-    const Vec3 from = Vec3(s.position[body]) + corner.at, sweep = (s.step.dt / 2) * corner.velocity;
+  visitCornersOf(s, body, cornersOf(s, owner), [&](const PlacedCorner& corner) {
+    const Vec3 from = Vec3(s.position[body]) + corner.at, sweep = (kTipping * s.step.dt / 2) * corner.velocity;
     const Real roundOff = Real(2.4e-7) * (std::fabs(from.x) + std::fabs(from.y) + std::fabs(from.z));
-    const Real grow = corner.radius + max(behind, ownMargin(s, s.params[body])) + roundOff;
+    const Real grow = corner.radius + max(behind, ownMargin(s, s.params[body])) + fallInStep(s) + roundOff;
     const SweptBox box{from + sweep, abs(sweep) + Vec3{grow, grow, grow}};
     const auto look = [&](int i) {
       const SurfaceFeature& f = s.feature[i];
@@ -240,8 +270,8 @@ RUBBLE_HD void searchCorners(const View& s, int owner, Found&& found, int lane, 
   });
 }
 
-/// Rows of the corners of an owner (A) against a part of a surface (B). Returns what they start from; fills the geometry.
-RUBBLE_HD inline PointContactStart touchCorner(const View& s, int owner, int other, PointContact& p, Real& gap, Real& margin) {
+/// A row of the corners of an owner (A) against a part of a surface (B): of the deepest of those that the row stands for. Returns what they start from; fills the geometry.
+RUBBLE_HD inline PointContactStart touchCorner(const View& s, int owner, int other, int row, PointContact& p, Real& gap, Real& margin) {
   const int body = bodyOfOwner(s, owner);
   const BodyParams& b = s.params[body];
   const DentPart f = dentPart(s, other);
@@ -249,7 +279,7 @@ RUBBLE_HD inline PointContactStart touchCorner(const View& s, int owner, int oth
   PlacedCorner corner{};
   CornerReach best{};
   best.gap = Real(1e18), best.margin = -1, best.touch.valid = false;
-  visitOwnCorners(s, owner, [&](const PlacedCorner& c) {
+  visitCornersOfRow(s, owner, row, [&](const PlacedCorner& c) {
     const CornerReach r = reachPart(s, body, c, f, held);
     if (r.touch.valid && r.gap < best.gap) best = r, corner = c;
   });
@@ -273,6 +303,8 @@ RUBBLE_HD inline PointContactStart touchCorner(const View& s, int owner, int oth
   }
   const SurfaceData surface = surfaceOf(s, body, corner.part);
   const auto friction = [&](Real a, Real c) { return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c); };
+  // a row that none of its corners touches with is not active, but joins what it would
+  if (used == 0) p.v[0] = f.v[0];
   p.muStatic = friction(surface.muStatic, point.muStatic);
   p.muDynamic = friction(surface.muDynamic, point.muDynamic);
   return {rowMass, -gap, dot(p.n, corner.velocity - partVelocity(s, f, best.touch.w)),

@@ -11,7 +11,7 @@ RUBBLE_HD inline SweptBox vertexBounds(const View& s, int v) {
   const VertexParams& p = s.vertexParams[v];
   const Vec3 sweep = (s.step.dt / 2) * s.vertexVelocity[v], x(s.vertexPosition[v]);
   const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
-  const Real grow = p.radius + s.step.contactMargin * p.length + roundOff;
+  const Real grow = p.radius + s.step.contactMargin * p.length + (s.rareShapes ? fallInStep(s) : Real(0)) + roundOff;
   return {x + sweep, abs(sweep) + Vec3{grow, grow, grow}};
 }
 
@@ -115,7 +115,8 @@ struct FindPointPairs {
   }
   RUBBLE_HD static void finish(const View& s, int owner, const PartnerList& list) {
     const bool whole = s.features > 0 && list.count <= kPointPairSlots;
-    s.pointPairCount[owner] = whole ? dropSides(s, owner, list.count, list.slots, 1) : list.count;
+    const int parts = whole ? dropSides(s, owner, list.count, list.slots, 1) : list.count;
+    s.pointPairCount[owner] = parts > 0 ? parts * rowsWithPart(s, owner) : 0;
   }
 };
 
@@ -123,7 +124,9 @@ struct FindPointPairs {
 struct WritePointPairs {
   static constexpr const char* kName = "pairs";
   RUBBLE_HD void operator()(const View& s, int owner) const {
-    const int begin = s.pointPairOffset[owner], end = s.pointPairOffset[owner + 1], count = end - begin;
+    const int begin = s.pointPairOffset[owner], end = s.pointPairOffset[owner + 1];
+    if (begin == end) return;
+    const int rows = rowsWithPart(s, owner), count = (end - begin) / rows;
     int n = begin;
     const auto insert = [&](int other) {
       int place = n;
@@ -138,6 +141,11 @@ struct WritePointPairs {
       searchPoint(s, owner, insert);
       static_assert(sizeof(PointPair) == 2 * sizeof(int));
       if (s.features > 0) n = begin + dropSides(s, owner, n - begin, &s.pointPair[begin].other, 2);
+    }
+    if (rows == 2) {
+      const int parts = n - begin;
+      for (int k = parts - 1; k >= 0; --k) s.pointPair[begin + 2 * k + 1] = s.pointPair[begin + 2 * k] = s.pointPair[begin + k];
+      n += parts;
     }
     for (; n < end; ++n) s.pointPair[n] = {owner, -1};
   }
@@ -174,6 +182,8 @@ RUBBLE_HD inline PointContactStart touchBody(const View& s, int v, int body, con
   const Real width = b.kind == BodyKind::Dynamic ? min(point.length, 2 * b.radius) : point.length;
   const Vec3 relative = s.vertexVelocity[v] - s.velocity[body];
   margin = max(s.step.contactMargin * width, s.step.dt * (length(relative) + length(s.spin[body]) * length(x)));
+  // which may have two sides, and no inside
+  if (b.shape.kind == ShapeKind::Mesh) margin += fallInStep(s);
   const PointDistance at = pointToBody(s, v, body, point.radius + margin, old && old->active ? old->n : Vec3{0, 0, 0});
   gap = at.distance - point.radius;
   p.v[0] = v, p.v[1] = p.v[2] = p.v[3] = -1;
@@ -222,9 +232,11 @@ RUBBLE_HD inline void addBelt(const View& s, PointContact& p, Real share) {
   p.drift1 += dot(t1, belt), p.drift2 += dot(t2, belt);
 }
 
-RUBBLE_HD inline const PointContact* oldPointContactOf(const View& s, int owner, int other) {
+/// What the i-th pair was in the step before, or null.
+RUBBLE_HD inline const PointContact* oldPointContactOf(const View& s, int i) {
+  const int owner = s.pointPair[i].vertex, row = rowOfPair(s.pointPair, i);
   for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k)
-    if (s.oldPointPair[k].other == other) return &s.oldPointContact[k];
+    if (s.oldPointPair[k].other == s.pointPair[i].other && rowOfPair(s.oldPointPair, k) == row) return &s.oldPointContact[k];
   return nullptr;
 }
 /// What held a corner of a body before it slid on to part i of a surface, or null: it takes its load along, or it would fall freely for a step at each
@@ -232,7 +244,7 @@ RUBBLE_HD inline const PointContact* oldPointContactOf(const View& s, int owner,
 RUBBLE_HD inline const PointContact* contactLeftFor(const View& s, int i) {
   const int owner = s.pointPair[i].vertex, begin = s.pointPairOffset[owner], end = s.pointPairOffset[owner + 1];
   int turn = 0;
-  for (int k = begin; k < i; ++k) turn += s.pointPair[k].other >= 0 && !oldPointContactOf(s, owner, s.pointPair[k].other) ? 1 : 0;
+  for (int k = begin; k < i; ++k) turn += s.pointPair[k].other >= 0 && !oldPointContactOf(s, k) ? 1 : 0;
   for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k) {
     const int part = s.oldPointPair[k].other;
     bool left = part >= 0 && s.oldPointContact[k].active;
@@ -255,9 +267,9 @@ struct UpdatePointContacts {
       return;
     }
     const bool corner = pair.vertex >= s.vertices + s.edges;
-    const PointContact* old = oldPointContactOf(s, pair.vertex, pair.other);
+    const PointContact* old = oldPointContactOf(s, i);
     if (!old && corner) old = contactLeftFor(s, i);
-    const PointContactStart start = corner ? touchCorner(s, pair.vertex, pair.other, p, gap, margin)
+    const PointContactStart start = corner ? touchCorner(s, pair.vertex, pair.other, rowOfPair(s.pointPair, i), p, gap, margin)
                                     : pair.other < kVertexNode ? touchBody(s, pair.vertex, pair.other, old, p, gap, margin)
                                     : pair.other < kCornerNode ? touchGrain(s, pair.vertex, pair.other - kVertexNode, p, gap, margin)
                                                                : touchFeature(s, pair.vertex, pair.other, p, gap, margin);

@@ -32,7 +32,7 @@ std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
     if (s.oldPointPair[k].vertex >= s.vertices + s.edges) {
       PointContact now{};
       Real gap, margin;
-      touchCorner(s, s.oldPointPair[k].vertex, s.oldPointPair[k].other, now, gap, margin);
+      touchCorner(s, s.oldPointPair[k].vertex, s.oldPointPair[k].other, rowOfPair(s.oldPointPair, k), now, gap, margin);
       depth = static_cast<double>(max(-gap, -p.length));
       // the corner that is nearest to the point
       Real most = 0;
