@@ -32,6 +32,7 @@ struct Tuning {
   double warmStartDecay = .99;    ///< gamma of a 1/60 s step [1]; scaled as gamma^(60 dt)
   bool coarseCorrection = true;   ///< rigid motions of groups of bodies are solved for as well
   bool jointTrees = true;         ///< bodies that hang together by joints, and vertices of a rope, are solved for together as well
+  double acceleration = .8;       ///< rho of the Chebyshev acceleration of deformable solids [1]; 0: none
   bool coneHessian = true;        ///< cone-consistent Hessian of sliding friction; else the unclamped one
   bool dormantRows = true;        ///< rows that stay open at the inertial targets are left out of the step
   bool impactRule = true;         ///< multipliers of an impact are not warm-started

@@ -38,6 +38,7 @@ struct StepConstants {
   Real loadAcceleration; ///< a: a load stands for the mass |lambda| / a [m/s2]
   Real maxMultiplier;    ///< lambda_max [N]
   bool coneHessian, dormantRows, impactRule, compliantRows, literalRotations, coarseCorrection, jointTrees;
+  Real acceleration;     ///< rho of the sweeps over solids [1]
   Real driftCorrection;  ///< part of a tangential drift that is corrected in a step [1]
   Real contactMargin;    ///< d_min over L [1]
   Real recycleTolerance; ///< [1], [rad]

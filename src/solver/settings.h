@@ -39,6 +39,7 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.compliantRows = t.compliantRows;
   c.coarseCorrection = t.coarseCorrection;
   c.jointTrees = t.jointTrees;
+  c.acceleration = static_cast<Real>(t.acceleration);
   // not zero: belts divide by it
   constexpr double kLeastDriftCorrection = 1e-6;
   c.driftCorrection = static_cast<Real>(std::max(kLeastDriftCorrection, t.driftCorrection >= 0 ? std::min(1.0, t.driftCorrection * dt) : 1 - alpha));

@@ -1,5 +1,6 @@
 #pragma once
 /// The parts of the step that only scenes with vertices have: contacts of vertices, their elements, and their place in the graph.
+#include "stages/acceleration.h"
 #include "stages/crossings.h"
 #include "stages/lines.h"
 #include "stages/lumps.h"
@@ -70,6 +71,13 @@ template <template <class> class Kernel, class E>
 void forEachSoftNeighbor(E& e) {
   e.forEach(Kernel<NearVertex>{}, &Counters::pointPairs);
   e.forEach(Kernel<HeldByVertices>{}, e.view().attachments);
+}
+
+/// Are solids taken further than sweeps take them?
+template <class E>
+bool accelerates(E& e) {
+  const StepConstants& c = e.view().step;
+  return e.view().elements[typeIndex<Tetrahedron>(ElementTypes{})] > 0 && c.acceleration > Real(0) && c.iterations > kFirstAccelerated + 1;
 }
 
 /// Contacts, elements and attachments at x^t.

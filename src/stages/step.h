@@ -303,6 +303,7 @@ void step(E& e) {
     if (lines) correctLines(e);
     forEachJoint<LinearizeTurns>(e);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
+    if (!last && accelerates(e)) e.forEach(AccelerateVertices{n, accelerationOf(e.view().step.acceleration, n)}, vertices);
     if (last && e.view().step.coarseCorrection && e.view().lumps > 0) keepMomentum(e);
     for (int k = 0; last && treesEnd && k < lastTreeSolves(e.view()); ++k) correctTrees(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again);
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);

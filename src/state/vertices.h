@@ -142,6 +142,11 @@ struct LineWork {
   double x[3];                   ///< force [N], then the step [m]
 };
 
+/// The last two iterates of a vertex, by turns [m].
+struct PastVertex {
+  Vec3 moved[2];
+};
+
 /// Owners of pairs that a body has for its corners, where there are surfaces.
 inline constexpr int kCornerSlots = 8;
 

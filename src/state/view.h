@@ -207,6 +207,7 @@ struct View : JointTables<JointTypes> {
   // vertices: work
   Vec3* vertexTarget = nullptr;       ///< y - x^t [m]
   Vec3* vertexMoved = nullptr;        ///< x - x^t, present iterate [m]
+  PastVertex* pastVertex = nullptr;
   PaddedVec3* vertexPlace = nullptr;  ///< x from the first vertex of its object at x^t, present iterate [m]
   int* vertexNextColor = nullptr;
   int* colorVertex = nullptr;         ///< dynamic vertices by colour
@@ -456,6 +457,7 @@ void forEachArray(F&& f) {
   is(&View::lineShare, "lineShare", "", Per::Line, Life::Work);
   is(&View::vertexTarget, "vertexTarget", "m", Per::Vertex, Life::Work);
   is(&View::vertexMoved, "vertexMoved", "m", Per::Vertex, Life::Work);
+  is(&View::pastVertex, "pastVertex", "m", Per::Vertex, Life::Work);
   is(&View::vertexPlace, "vertexPlace", "m", Per::Vertex, Life::Work);
   is(&View::vertexNextColor, "vertexNextColor", "", Per::Vertex, Life::Work);
   is(&View::colorVertex, "colorVertex", "", Per::Vertex, Life::Unordered);

@@ -13,6 +13,7 @@ void literal(Tuning& t) {
   t.contactPolicy = t.jointPolicy = StiffnessPolicy::Ramp;
   t.literalBeta = true;
   t.driftCorrection = -1;
+  t.acceleration = 0;
   t.coarseCorrection = t.jointTrees = t.coneHessian = t.dormantRows = t.impactRule = t.compliantRows = false;
 }
 
@@ -91,7 +92,9 @@ const std::vector<RangedField>& ranges() {
       tuning("impactRule", "bool", "multipliers of an impact are not warm-started", &Tuning::impactRule, 0, 1),
       tuning("compliantRows", "bool", "finite stiffness by compliant multipliers, else by the ramp", &Tuning::compliantRows, 0, 1),
       tuning("coarseCorrection", "bool", "rigid motions of groups of bodies are solved for as well", &Tuning::coarseCorrection, 0, 1),
-      tuning("jointTrees", "bool", "bodies that hang together by joints are solved for together as well, and so are the vertices of ropes and rods", &Tuning::jointTrees, 0, 1),
+      tuning("jointTrees", "bool", "bodies that hang together by joints are solved for together as well, and so are the vertices of ropes and rods",
+             &Tuning::jointTrees, 0, 1),
+      tuning("acceleration", "1", "rho of the Chebyshev acceleration of deformable solids; 0: none", &Tuning::acceleration, 0, .99),
       tuning("driftCorrection", "1/s", "rate at which tangential drift of sticking contacts is taken back; below 0: that of other errors", &Tuning::driftCorrection, -1, 1e3),
       tuning("contactMargin", "1", "smallest detection margin over the bounding diameter", &Tuning::contactMargin, 0, 1),
       tuning("recycleTolerance", "1", "relative motion (over the diameter; rad) below which a manifold is kept; 0: never", &Tuning::recycleTolerance, 0, .1),

@@ -31,6 +31,20 @@ TEST(Solid, BeamFollowsTheConvergedSolutionAtTwentyIterations) {
   EXPECT_LT(worst, .02 * deepest);
 }
 
+TEST(Solid, AccelerationHalvesTheErrorThatIterationsLeave) {
+  const SoftDef beam = clampedBeam(10, 2, 1e6);
+  WorldOptions plainly = options(20);
+  plainly.params.tuning.acceleration = 0;
+  World world(sceneWith(beam), options(20)), plain(sceneWith(beam), plainly), converged(sceneWith(beam), options(300));
+  double error = 0, plainError = 0;
+  for (int i = 0; i < 60; ++i) {
+    world.step(), plain.step(), converged.step();
+    const double exact = tipHeight(converged, beam);
+    error += std::fabs(tipHeight(world, beam) - exact), plainError += std::fabs(tipHeight(plain, beam) - exact);
+  }
+  EXPECT_LT(error, .5 * plainError);
+}
+
 TEST(Solid, StiffBeamSagsAsTheConvergedOneDoes) {
   // E dt^2 / (rho h^2) = 1e4: far beyond what a sweep over vertices alone carries
   const SoftDef beam = clampedBeam(10, 2, 1e8);
