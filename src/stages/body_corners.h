@@ -86,19 +86,19 @@ RUBBLE_HD void visitCornersOf(const View& s, int body, const CornerRange& range,
   });
 }
 /// Those that an owner stands for.
-RUBBLE_HD inline CornerRange cornersOf(const View& s, int owner) {
+RUBBLE_HD inline CornerRange ownCorners(const View& s, int owner) {
   return cornerShare(s.shapeTables(), s.params[bodyOfOwner(s, owner)].shape, slotOfOwner(s, owner), kCornerSlots);
 }
 /// Rows that an owner has with a part of a surface.
 RUBBLE_HD inline int rowsWithPart(const View& s, int owner) {
   if (owner < s.vertices + s.edges) return 1;
-  const CornerRange own = cornersOf(s, owner);
+  const CornerRange own = ownCorners(s, owner);
   return own.end - own.begin > 1 ? 2 : 1;
 }
 /// visit(corner) for those that one of these rows stands for.
 template <class Visit>
 RUBBLE_HD void visitCornersOfRow(const View& s, int owner, int row, Visit&& visit) {
-  CornerRange own = cornersOf(s, owner);
+  CornerRange own = ownCorners(s, owner);
   if (const int middle = (own.begin + own.end) / 2; own.end - own.begin > 1) (row == 0 ? own.end : own.begin) = middle;
   visitCornersOf(s, bodyOfOwner(s, owner), own, visit);
 }
@@ -238,7 +238,7 @@ RUBBLE_HD void searchCorners(const View& s, int owner, Found&& found, int lane, 
   Real behind = 0;
   for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k)
     if (s.oldPointPair[k].other >= 0 && s.oldPointContact[k].active) behind = max(behind, s.oldPointContact[k].length);
-  visitCornersOf(s, body, cornersOf(s, owner), [&](const PlacedCorner& corner) {
+  visitCornersOf(s, body, ownCorners(s, owner), [&](const PlacedCorner& corner) {
     const Vec3 from = Vec3(s.position[body]) + corner.at, sweep = (kTipping * s.step.dt / 2) * corner.velocity;
     const Real roundOff = Real(2.4e-7) * (std::fabs(from.x) + std::fabs(from.y) + std::fabs(from.z));
     const Real grow = corner.radius + max(behind, ownMargin(s, s.params[body])) + fallInStep(s) + roundOff;
