@@ -20,6 +20,7 @@ std::vector<Spec> softSolidSpecs();  ///< solids of tetrahedra
 std::vector<Spec> softSheetSpecs();  ///< cloth, nets, ropes
 std::vector<Spec> softContactSpecs();  ///< surfaces that touch themselves and one another
 std::vector<Spec> softDentSpecs();   ///< small bodies on coarse cloth
+std::vector<Spec> softClaySpecs();   ///< solids that yield
 std::vector<Spec> rodSpecs();        ///< rods of oriented segments
 std::vector<Spec> softPressureSpecs();  ///< closed sheets under pressure
 std::vector<Spec> softMachineSpecs();  ///< deformable objects in machines and among bodies

@@ -52,7 +52,7 @@ std::vector<Spec> makeRegistry() {
   for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &fastSpecs, &bodySpecs, &chainSpecs, &ropeSpecs,
                        &frictionSpecs, &structureSpecs, &jengaSpecs, &shapeRestSpecs, &shapeMotionSpecs, &basicSpecs, &scaleSpecs, &jointAxisSpecs,
                        &machineSpecs, &gearSpecs, &robotSpecs, &ragdollSpecs, &cableSpecs, &springSpecs, &paperSpecs, &softSolidSpecs, &softSheetSpecs,
-                       &softContactSpecs, &softDentSpecs, &softPressureSpecs, &softMachineSpecs, &rodSpecs, &softPlateSpecs,
+                       &softContactSpecs, &softDentSpecs, &softClaySpecs, &softPressureSpecs, &softMachineSpecs, &rodSpecs, &softPlateSpecs,
                        &softGrainSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));
   return all;

@@ -35,6 +35,8 @@ struct SoftDef : DeformableDef {
   double poissonRatio = .4;           ///< [1], 0 to below .5
   double density = 1000;              ///< [kg/m3]
   double viscosity = 0;               ///< of the strain rate [Pa s]
+  double yieldStress = kUnbreakable;  ///< von Mises (Kirchhoff) stress at which it begins to flow and keeps what strains it flows by [Pa]
+  double hardening = 0;               ///< of the yield stress, for each unit of equivalent plastic strain [Pa]
   double contactRadius = 0;           ///< how far from a vertex its surface lies [m]
 };
 

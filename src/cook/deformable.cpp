@@ -98,6 +98,7 @@ SoftModel::Tetrahedron cookTetrahedron(const SoftDef& d, const std::array<int, 4
   t.mu = d.youngsModulus / (2 * (1 + d.poissonRatio));
   t.lambda = d.youngsModulus * d.poissonRatio / ((1 + d.poissonRatio) * (1 - 2 * d.poissonRatio)) + t.mu;
   t.viscosity = d.viscosity;
+  t.yield = d.yieldStress, t.hardening = d.hardening;
   return t;
 }
 

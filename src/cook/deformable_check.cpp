@@ -84,6 +84,8 @@ void check(const SoftDef& d, const std::string& path) {
   ratio(d.poissonRatio, 0, path + ".poissonRatio");
   positive(d.density, path + ".density");
   notNegative(d.viscosity, path + ".viscosity");
+  threshold(d.yieldStress, path + ".yieldStress");
+  notNegative(d.hardening, path + ".hardening");
   notNegative(d.contactRadius, path + ".contactRadius");
   if (d.tetrahedra.empty()) throw Error(path + ".tetrahedra", "at least one", "none");
   std::vector<bool> used(d.vertices.size());

@@ -32,6 +32,8 @@ void ownFields(D& d, F&& f) {
   f("poisson_ratio", "1", "nu, 0 to below .5", d.poissonRatio);
   f("density", "kg/m3", "of the solid", d.density);
   f("viscosity", "Pa s", "of the strain rate", d.viscosity);
+  f("yield_stress", "Pa", "von Mises stress at which it begins to flow", d.yieldStress);
+  f("hardening", "Pa", "of the yield stress, for each unit of plastic strain", d.hardening);
   f("contact_radius", "m", "how far from a vertex its surface lies", d.contactRadius);
 }
 template <class F, class D>

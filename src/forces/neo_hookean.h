@@ -24,6 +24,12 @@ struct NeoHookean {
 
   RUBBLE_HD Vec3 gradient(int corner) const { return corner == 0 ? -(m[0] + m[1] + m[2]) : m[corner - 1]; }
 
+  /// Sum of |m_i|^2: mu times it is what its corners feel of its stiffness. [1/m2]
+  RUBBLE_HD Real steepness() const {
+    Real sum = 0;
+    for (int i = 0; i < kCorners; ++i) sum += dot(gradient(i), gradient(i));
+    return sum;
+  }
   /// F by columns.
   RUBBLE_HD Mat3 deformation(const Vec3 (&x)[kCorners]) const {
     const Vec3 e1 = x[1] - x[0], e2 = x[2] - x[0], e3 = x[3] - x[0];
@@ -77,6 +83,9 @@ struct alignas(4 * sizeof(Real)) Tetrahedron : NeoHookean {
   int v[kCorners];
   int alive;         ///< always: it does not tear
   Sym3 strainStart;  ///< E^t, if there is viscosity
+  Real yield, hardening;  ///< times V [J]; plasticity.h, which changes the m_i
+  Real plasticStrain;  ///< equivalent, so far [1]
+  Real steepest;     ///< sum of |m_i|^2 over its corners up to which it flows [1/m2]
 
   RUBBLE_HD void begin(const StepConstants&, const Vec3 (&x)[kCorners]) {
     if (damper > Real(0)) strainStart = greenStrain(deformation(x));
@@ -102,6 +111,12 @@ struct alignas(4 * sizeof(Real)) Tetrahedron : NeoHookean {
 struct alignas(4 * sizeof(Real)) TetraCorner : NeoHookean {
   int other[3];      ///< vertices 1, 2, 3
   int element;
+
+  /// m_1, m_2, m_3 of its vertices, in their order.
+  RUBBLE_HD void takeShape(const Tetrahedron& e) {
+    for (int k = 0, n = 0; k < kCorners && n < 3; ++k)
+      if (e.v[k] == other[n]) m[n++] = e.gradient(k);
+  }
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -24,6 +24,7 @@ struct SoftModel {
     double mu, lambda;     ///< [Pa]
     double volume;         ///< [m3]
     double viscosity;      ///< [Pa s]
+    double yield, hardening;  ///< [Pa]
   };
   struct Membrane {
     std::array<int, 3> v;

@@ -22,6 +22,9 @@ inline constexpr Real kHardFromStiffness = Real(1e6);
 inline constexpr Real kDeepShare = Real(.1);
 inline constexpr Real kDeepStiffness = 10;
 
+/// A threshold that nothing reaches, in the place of "never".
+inline constexpr Real kUnreached = Real(1e18);
+
 struct StepConstants {
   Real dt;               ///< [s]
   Real inverseDt;        ///< [1/s]

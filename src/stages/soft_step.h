@@ -175,6 +175,7 @@ void finishSoftRows(E& e) {
   forEachType(ElementTypes{}, [&]<class F>() {
     if constexpr (F::kHasDual) e.forEach(FinishElements<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]);
   });
+  if (e.view().yielding > 0) e.forEach(FlowTetrahedra{}, e.view().elements[typeIndex<Tetrahedron>(ElementTypes{})]);
   e.forEach(FinishAttachments{}, e.view().attachments);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 /// Begin and end of the step of a vertex and of its elements, and its primal update.
+#include "forces/plasticity.h"
 #include "stages/joints.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -43,8 +44,9 @@ struct BeginTetraCorners {
     for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) begin(s, k);
   }
   RUBBLE_HD static void begin(const View& s, int k) {
-    const TetraCorner& corner = s.tetraCorner[k];
+    TetraCorner& corner = s.tetraCorner[k];
     s.cornerStart[k] = corner.damper > Real(0) ? s.tetrahedron[corner.element].strainStart : Sym3{0, 0, 0, 0, 0, 0};
+    if (s.yielding > 0) corner.takeShape(s.tetrahedron[corner.element]);
   }
 };
 
@@ -72,6 +74,17 @@ struct FinishElements {
     if (!element.finish(s.step, x)) return;
     element.alive = 0;
     atomicCount(&s.counters->broken, 1);
+  }
+};
+
+/// Tetrahedra flow by what they bear at the end of the step.
+struct FlowTetrahedra {
+  static constexpr const char* kName = "element end";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Tetrahedron& element = s.tetrahedron[i];
+    Vec3 x[Tetrahedron::kCorners];
+    gatherCorners(s, element, x);
+    flow(element, x);
   }
 };
 

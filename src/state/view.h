@@ -78,7 +78,7 @@ struct View : JointTables<JointTypes> {
   int clusterRefs = 0;
   int lumps = 0, objects = 0;         ///< those with a cluster come first, and are so many
   int lines = 0, lineVertices = 0;    ///< ropes and rods, and their vertices
-  int elements[ElementTypes::kSize] = {}; ///< slots in use of each type
+  int elements[ElementTypes::kSize] = {}, yielding = 0; ///< slots in use of each type; tetrahedra that can yield
   StepConstants step{};
   Counters* counters = nullptr;
 

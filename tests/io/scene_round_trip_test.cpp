@@ -270,6 +270,7 @@ TEST(SceneRoundTrip, DeformableObjectsAreExact) {
   file.scene.bodies = {body};
   SoftDef soft = softBox({.1, -0., 1. / 3}, {1, 1, 1}, {2, 1, 1});
   soft.name = "jelly", soft.viscosity = 1. / 7, soft.poissonRatio = .3, soft.fixed = {0, 2}, soft.contactRadius = .01;
+  soft.yieldStress = 1e4 / 3, soft.hardening = 100. / 7;
   soft.material.staticFriction = soft.material.dynamicFriction = .3, soft.material.frictionCombine = Combine::Minimum;
   ClothDef cloth = clothSheet({0, 0, 2}, {1, 0, 0}, {0, 1, 0}, 2, 2);
   cloth.start = cloth.vertices, cloth.start[3].z = 2.1;

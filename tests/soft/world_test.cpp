@@ -118,6 +118,9 @@ TEST(SoftWorld, BadInputIsNamed) {
   EXPECT_EQ(errorOf([](SoftDef&) {}), "");
   EXPECT_EQ(errorOf([](SoftDef& d) { d.poissonRatio = .5; }), "deformables[0].poissonRatio");
   EXPECT_EQ(errorOf([](SoftDef& d) { d.density = 0; }), "deformables[0].density");
+  EXPECT_EQ(errorOf([](SoftDef& d) { d.yieldStress = 0; }), "deformables[0].yieldStress");
+  EXPECT_EQ(errorOf([](SoftDef& d) { d.hardening = -1; }), "deformables[0].hardening");
+  EXPECT_EQ(errorOf([](SoftDef& d) { d.hardening = kUnbreakable; }), "deformables[0].hardening");
   EXPECT_EQ(errorOf([](SoftDef& d) { std::swap(d.tetrahedra[2][0], d.tetrahedra[2][1]); }), "deformables[0].tetrahedra[2]");
   EXPECT_EQ(errorOf([](SoftDef& d) { d.tetrahedra[1][3] = 99; }), "deformables[0].tetrahedra[1]");
   EXPECT_EQ(errorOf([](SoftDef& d) { d.vertices.push_back({3, 3, 3}); }), "deformables[0].vertices[8]");

@@ -12,7 +12,7 @@ namespace {
 
 Real real(double a) { return static_cast<Real>(a); }
 /// A threshold; "never" is a number that nothing reaches.
-Real bound(double a) { return static_cast<Real>(std::min(a, 1e18)); }
+Real bound(double a) { return static_cast<Real>(std::min(a, static_cast<double>(kUnreached))); }
 
 /// An element that is all zeros, padding too: states are hashed.
 template <class F, std::size_t N>
@@ -29,6 +29,8 @@ Tetrahedron made(const SoftModel::Tetrahedron& m, int first) {
   for (int k = 0; k < 3; ++k) e.m[k] = Vec3(m.m[k]);
   e.mu = real(m.mu * m.volume), e.lambda = real(m.lambda * m.volume);
   e.damper = real(m.volume * m.viscosity);
+  e.yield = bound(m.yield * m.volume), e.hardening = real(m.hardening * m.volume);
+  e.steepest = kMostSteepness * e.steepness();
   return e;
 }
 Membrane made(const SoftModel::Membrane& m, int first) {
@@ -270,6 +272,7 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
   s.grainCells = widest > Real(0) ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * vertices)))) : 0;
   tables.reserve(Per::GrainCell, s.grainCells);
   forEachType(ElementTypes{}, [&]<class F>() { placeElements<F>(tables, objects); });
+  countYielding(s);
   placeAttachments(tables, attachments);
   connect(tables);
   placeClusters(tables, objects);
@@ -278,6 +281,11 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
   placeFeatures(tables, objects);
   moves.addFeatures(s, old, objects);
   placeContacts(tables, old, moves);
+}
+
+void countYielding(View& s) {
+  const std::span<const Tetrahedron> all(s.tetrahedron, static_cast<std::size_t>(s.elements[typeIndex<Tetrahedron>(ElementTypes{})]));
+  s.yielding = static_cast<int>(std::count_if(all.begin(), all.end(), [](const Tetrahedron& e) { return e.yield < kUnreached; }));
 }
 
 SoftCounts softCounts(const View& s) {

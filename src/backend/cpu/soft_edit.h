@@ -5,6 +5,8 @@
 namespace rubble::RUBBLE_CORE {
 
 void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments);
+/// Counts the tetrahedra that can yield, from what their table says.
+void countYielding(View& s);
 /// Slots in use of everything that deformable objects have; states loaded from elsewhere need the same.
 struct SoftCounts {
   int vertices, refs, tetraCorners, neighbors, grainCells, attachments;

@@ -18,7 +18,8 @@ TetraCorner seenFrom(const Tetrahedron& e, int index, int corner) {
   t.mu = e.mu, t.lambda = e.lambda, t.damper = e.damper;
   t.element = index;
   for (int k = 0, n = 0; k < Tetrahedron::kCorners; ++k)
-    if (k != corner) t.other[n] = e.v[k], t.m[n++] = e.gradient(k);
+    if (k != corner) t.other[n++] = e.v[k];
+  t.takeShape(e);
   return t;
 }
 

@@ -135,6 +135,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
     from += bytes;
   });
   s.ordered = inOtherOrder(s);
+  countYielding(s);
 }
 
 std::uint64_t hashBytes(std::span<const std::byte> data) {
