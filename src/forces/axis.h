@@ -47,7 +47,7 @@ struct AxisRow {
 
 inline constexpr int kWatched = 2;
 
-struct AxisRows {
+struct alignas(4 * sizeof(Real)) AxisRows {
   AxisRow limit, drive, friction;
   Real start, length;       ///< k_start, and the length that its growth refers to (1 for angles)
   Real beforeImpact;        ///< multiplier of the limit to go on with after an impact

@@ -73,8 +73,8 @@ struct PartList {
 
 enum class GroupMode { Off, Hold, Friction };
 
-/// Authored, of rows that are held together.
-struct GroupSpec {
+/// Authored, of rows that are held together. What joints are made of is read in quads (readWhole).
+struct alignas(4 * sizeof(Real)) GroupSpec {
   GroupMode mode;
   Real stiffness, damping;  ///< kHardValue: hard
   Real bound;               ///< largest force [N], [N m]
@@ -82,7 +82,7 @@ struct GroupSpec {
 
 /// Their multipliers and what a step works with.
 template <int N>
-struct GroupRows {
+struct alignas(4 * sizeof(Real)) GroupRows {
   Real lambda[N];    ///< [N], [N m]
   Real shift[N];     ///< part of C(x^t) that is left alone
   GroupState state;  ///< k lasts; 0 before the first step
@@ -318,16 +318,15 @@ RUBBLE_HD RUBBLE_NEAR void heldErrors(const L (&shift)[P::kRows], const D& data,
   for (int i = 0; i < P::kRows; ++i) error[i] -= shift[i];
 }
 
-template <class F, int I, class P>
-RUBBLE_HD RUBBLE_NEAR bool partActs(const JointSpec<F>& spec, const Joint<F>& joint) {
-  if constexpr (P::kAxis) return actsAtAll(partOf<I>(joint.parts));
-  else return partOf<I>(spec.parts).mode != GroupMode::Off;
+template <class P>
+RUBBLE_HD RUBBLE_NEAR bool partActs(const PartSpec<P>& spec, const PartRows<P>& rows) {
+  if constexpr (P::kAxis) return actsAtAll(rows);
+  else return spec.mode != GroupMode::Off;
 }
 
-/// Forces of the rows of part I, and their stiffness, at C (an axis), or at C less its shift (rows that are held together); false: none.
-template <int I, class P, class F>
-RUBBLE_HD RUBBLE_NEAR bool forcesAt(const Joint<F>& joint, const Real (&error)[P::kRows], Real (&force)[P::kRows], Real& hessian) {
-  const auto& rows = partOf<I>(joint.parts);
+/// Forces of the rows of a part, and their stiffness, at C (an axis), or at C less its shift (rows that are held together); false: none.
+template <class P>
+RUBBLE_HD RUBBLE_NEAR bool forcesAt(const PartRows<P>& rows, const Real (&error)[P::kRows], Real (&force)[P::kRows], Real& hessian) {
   if constexpr (P::kAxis) {
     axisForces(rows, error[0], force[0], hessian);
     return force[0] != Real(0) || hessian > Real(0);
@@ -336,22 +335,24 @@ RUBBLE_HD RUBBLE_NEAR bool forcesAt(const Joint<F>& joint, const Real (&error)[P
     return true;
   }
 }
-/// Errors of part I at the present poses, as forcesAt wants them.
-template <class F, int I, class P>
-RUBBLE_HD RUBBLE_NEAR void partErrors(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
+/// Errors of a part at the present poses, as forcesAt wants them.
+template <class P, class F>
+RUBBLE_HD RUBBLE_NEAR void partErrors(const JointSpec<F>& spec, const Joint<F>& joint, const PartRows<P>& rows, const SidePose<F>& a, const SidePose<F>& b,
                                       Real (&error)[P::kRows]) {
   if constexpr (P::kAxis) P::constraint(spec.data, joint.memory, a, b, error);
-  else heldErrors<P>(partOf<I>(joint.parts).shift, spec.data, joint.memory, a, b, error);
+  else heldErrors<P>(rows.shift, spec.data, joint.memory, a, b, error);
 }
 
 template <class F, int I, class P>
 RUBBLE_HD void updatePartDuals(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b) {
-  if (!partActs<F, I, P>(spec, joint)) return;
-  auto& rows = partOf<I>(joint.parts);
-  Real error[P::kRows];
-  partErrors<F, I, P>(spec, joint, a, b, error);
-  if constexpr (P::kAxis) updateAxis(c, rows, error[0]);
-  else updateGroup<P::kRows>(rows.state, error, rows.lambda, P::kRows);
+  changeWhole(partOf<I>(joint.parts), [&](PartRows<P>& rows) {
+    if (!partActs<P>(partOf<I>(spec.parts), rows)) return false;
+    Real error[P::kRows];
+    partErrors<P>(spec, joint, rows, a, b, error);
+    if constexpr (P::kAxis) updateAxis(c, rows, error[0]);
+    else updateGroup<P::kRows>(rows.state, error, rows.lambda, P::kRows);
+    return true;
+  });
 }
 template <class F>
 RUBBLE_HD void updateJointDuals(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b) {

@@ -16,7 +16,7 @@ constexpr bool hasTurns() {
 }
 /// C(d) = error + turn . d, where A has turned by d against B since then (turnedSince).
 template <int N>
-struct TurnRows {
+struct alignas(4 * sizeof(Real)) TurnRows {
   Real error[N];  ///< as forcesAt wants it
   Vec3 turn[N];
   Vec3 bend;      ///< column norms of the second derivatives, in the world's axes
@@ -36,16 +36,19 @@ RUBBLE_HD inline Vec3 turnedSince(const Quat& from, const Pose& a, const Pose& b
   return Real(2) * shortArc(turnFromB(a, b) * conjugate(from)).v;
 }
 
+/// False, and nothing is found: it does not act.
 template <class F, int I, class P>
-RUBBLE_HD void linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, TurnRows<P::kRows>& out) {
-  if (!partActs<F, I, P>(spec, joint)) return;
+RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, TurnRows<P::kRows>& out) {
+  const auto& rows = readWhole(partOf<I>(joint.parts));
+  if (!partActs<P>(partOf<I>(spec.parts), rows)) return false;
   Real force[P::kRows], hessian;
   Vec6 j[P::kRows];
-  partErrors<F, I, P>(spec, joint, a, b, out.error);
-  forcesAt<I, P>(joint, out.error, force, hessian);
+  partErrors<P>(spec, joint, rows, a, b, out.error);
+  forcesAt<P>(rows, out.error, force, hessian);
   P::jacobian(spec.data, joint.memory, a, b, 0, j);
   for (int i = 0; i < P::kRows; ++i) out.turn[i] = rotateInverse(b.q, j[i].ang);
   out.bend = P::curvature(spec.data, joint.memory, a, b, 0, force).ang;
+  return true;
 }
 /// All parts of a joint.
 template <class F>
@@ -57,12 +60,12 @@ RUBBLE_HD void linearizeTurns(const JointSpec<F>& spec, const Joint<F>& joint, c
 }
 
 /// Adds a part that turns: `turned` as of turnedSince().
-template <class F, int I, class P>
-RUBBLE_HD RUBBLE_NEAR void stampTurn(const Joint<F>& joint, const TurnRows<P::kRows>& rows, const Vec3& turned, const Quat& frameB, int side,
+template <class P>
+RUBBLE_HD RUBBLE_NEAR void stampTurn(const PartRows<P>& own, const TurnRows<P::kRows>& rows, const Vec3& turned, const Quat& frameB, int side,
                                      Block6& block) {
   Real error[P::kRows], force[P::kRows], hessian;
   for (int i = 0; i < P::kRows; ++i) error[i] = rows.error[i] + dot(rows.turn[i], turned);
-  if (!forcesAt<I, P>(joint, error, force, hessian)) return;
+  if (!forcesAt<P>(own, error, force, hessian)) return;
   const Real sign = side == 0 ? Real(1) : Real(-1);
   for (int i = 0; i < P::kRows; ++i) {
     const Vec3 j = rotate(frameB, rows.turn[i]);
@@ -80,13 +83,14 @@ RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const
   Vec3 turned{0, 0, 0};
   if constexpr (hasTurns<F>()) turned = turnedSince(turns->from, a, b);
   forEachPart<F>([&]<int I, class P>() {
-    if (!partActs<F, I, P>(spec, joint)) return;
+    const auto& rows = readWhole(partOf<I>(joint.parts));
+    if (!partActs<P>(partOf<I>(spec.parts), rows)) return;
     if constexpr (isTurn<F, P>()) {
-      stampTurn<F, I, P>(joint, partOf<I>(turns->parts), turned, b.q, side, block);
+      stampTurn<P>(rows, readWhole(partOf<I>(turns->parts)), turned, b.q, side, block);
     } else {
       Real error[P::kRows], force[P::kRows], hessian;
-      partErrors<F, I, P>(spec, joint, a, b, error);
-      if (!forcesAt<I, P>(joint, error, force, hessian)) return;
+      partErrors<P>(spec, joint, rows, a, b, error);
+      if (!forcesAt<P>(rows, error, force, hessian)) return;
       if constexpr (requires { P::stamp(spec.data, a, b, side == 0, shift, force, hessian, block); }) {
         P::stamp(spec.data, a, b, side == 0, shift, force, hessian, block);
       } else {
@@ -106,9 +110,10 @@ RUBBLE_HD void stampJointOfGroup(const JointSpec<F>& spec, const Joint<F>& joint
                                  const Vec3 (&shift)[kSides<F>], Block6& block) {
   forEachPart<F>([&]<int I, class P>() {
     Real error[P::kRows], force[P::kRows], hessian;
-    if (!partActs<F, I, P>(spec, joint)) return;
-    partErrors<F, I, P>(spec, joint, a, b, error);
-    if (!forcesAt<I, P>(joint, error, force, hessian)) return;
+    const auto& rows = readWhole(partOf<I>(joint.parts));
+    if (!partActs<P>(partOf<I>(spec.parts), rows)) return;
+    partErrors<P>(spec, joint, rows, a, b, error);
+    if (!forcesAt<P>(rows, error, force, hessian)) return;
     Vec6 sum[P::kRows]{};
     for (int side = 0; side < kSides<F>; ++side) {
       if (!(inside >> side & 1u)) continue;

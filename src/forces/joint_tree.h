@@ -39,7 +39,7 @@ inline constexpr int kMostTreeRows = 3;
 /// multipliers found: F + h J dx with h = kTreeStiffness m_row / dt^2 is a small difference of large numbers, and has no correct digit unless both
 /// have the same bits of C and J.
 template <int kSides>
-struct TreePart {
+struct alignas(2 * sizeof(double)) TreePart {
   int count;
   Vec6 bend[kSides];  ///< column norms of the second derivatives by the forces of the rows' own stiffness
   TreeRow<kSides> row[kMostTreeRows];
@@ -115,8 +115,8 @@ RUBBLE_HD void findTreePart(const StepConstants& c, const JointSpec<F>& spec, co
                             TreeSolve how, TreePart<kSides<F>>& out) {
   static_assert(P::kRows <= kMostTreeRows);
   out.count = 0;
-  if (!partActs<F, I, P>(spec, joint)) return;
-  const auto& rows = partOf<I>(joint.parts);
+  const auto& rows = readWhole(partOf<I>(joint.parts));
+  if (!partActs<P>(partOf<I>(spec.parts), rows)) return;
   Real error[P::kRows], own[P::kRows];
   if constexpr (P::kAxis) {
     P::constraint(spec.data, joint.memory, a, b, error);

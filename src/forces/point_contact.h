@@ -13,7 +13,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-struct PointContact {
+struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
   int v[kPointCorners];        ///< -1: none
   Real weight[kPointCorners];  ///< c_i
   int body;                    ///< side A, or -1

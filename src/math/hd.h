@@ -2,6 +2,7 @@
 /// What differs between host and device code. The only header outside the CUDA backend that looks at the compiler's target.
 #include <atomic>
 #include <cstdint>
+#include <cstring>
 
 #include <rubble/math.h>
 
@@ -57,6 +58,49 @@ RUBBLE_HD inline Vec3 load(const PaddedVec3& a) {
   return a;
 #endif
 }
+
+/// An object in a table as one thread reads and writes it. Device code loads what it needs where it needs it, and behind each branch it waits for memory
+/// again: there it is a copy, which comes and goes in quads of 16 B, all of them on their way at once.
+#if defined(__CUDA_ARCH__)
+template <class T>
+using Quads = int4[sizeof(T) / sizeof(int4)];
+template <class T>
+RUBBLE_HD RUBBLE_NEAR T readWhole(const T& from) {
+  static_assert(alignof(T) % sizeof(int4) == 0);
+  Quads<T> quads;
+  RUBBLE_UNROLL
+  for (std::size_t k = 0; k < sizeof(T) / sizeof(int4); ++k) quads[k] = reinterpret_cast<const int4*>(&from)[k];
+  T to;
+  memcpy(static_cast<void*>(&to), quads, sizeof to);
+  return to;
+}
+/// fill(object) fills it, and says whether it is worth writing.
+template <class T, class Fill>
+RUBBLE_HD RUBBLE_NEAR void fillWhole(T& to, Fill&& fill) {
+  static_assert(alignof(T) % sizeof(int4) == 0);
+  T own;
+  if (!fill(own)) return;
+  Quads<T> quads;
+  memcpy(quads, static_cast<const void*>(&own), sizeof own);
+  RUBBLE_UNROLL
+  for (std::size_t k = 0; k < sizeof(T) / sizeof(int4); ++k) reinterpret_cast<int4*>(&to)[k] = quads[k];
+}
+/// change(object) changes it, and says whether it has.
+template <class T, class Change>
+RUBBLE_HD RUBBLE_NEAR void changeWhole(T& object, Change&& change) {
+  fillWhole(object, [&](T& own) {
+    own = readWhole(object);
+    return change(own);
+  });
+}
+#else
+template <class T>
+RUBBLE_HD RUBBLE_NEAR const T& readWhole(const T& from) { return from; }
+template <class T, class Fill>
+RUBBLE_HD RUBBLE_NEAR void fillWhole(T& to, Fill&& fill) { fill(to); }
+template <class T, class Change>
+RUBBLE_HD RUBBLE_NEAR void changeWhole(T& object, Change&& change) { change(object); }
+#endif
 
 /// *p += a; returns the old value. Only for counting: the order of the additions is not fixed.
 RUBBLE_HD inline int atomicCount(int* p, int a) {

@@ -89,10 +89,16 @@ RUBBLE_HD SidePose<F> poseOfB(const View& s, const JointSpec<F>& spec, const Joi
 /// Adds a joint to the block of one of its bodies, about the point from which its centre lies `shift` away.
 template <class F>
 RUBBLE_HD RUBBLE_APART void stampJointOfBody(const View& s, int index, int side, Block6& block, const Vec3& shift) {
-  const JointSpec<F>& spec = s.specsOf<F>()[index];
-  const Joint<F>& joint = s.jointsOf<F>()[index];
   const JointTurns<F>* const turns = hasTurns<F>() ? s.turnsOf<F>() + index : nullptr;
-  stampJoint(spec, joint, turns, poseOfA(s, spec, joint), poseOfB(s, spec, joint), side, block, shift);
+  const auto stamp = [&](const JointSpec<F>& spec, const Joint<F>& joint) {
+    stampJoint(spec, joint, turns, poseOfA(s, spec, joint), poseOfB(s, spec, joint), side, block, shift);
+  };
+  // others are more than registers hold: they are read part by part
+  constexpr bool isSmall = F::Parts::kCount == 1 && sizeof(JointSpec<F>) + sizeof(Joint<F>) <= 64 * sizeof(Real);
+  if constexpr (isSmall && alignof(JointSpec<F>) == 4 * sizeof(Real))
+    stamp(readWhole(s.specsOf<F>()[index]), readWhole(s.jointsOf<F>()[index]));
+  else
+    stamp(s.specsOf<F>()[index], s.jointsOf<F>()[index]);
 }
 
 /// Adds one lane-wise block into a scalar one.

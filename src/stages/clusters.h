@@ -73,12 +73,13 @@ RUBBLE_HD void addShared(const Row& row, int corner, Block3& to, Add&& add) {
 /// Is it a contact of an object with itself?
 RUBBLE_HD inline bool withinObject(const View& s, const PointContact& p) {
   if (p.body >= 0) return false;
-  for (int k = 1; k < kPointCorners && p.v[k] >= 0; ++k)
-    if (s.vertexParams[p.v[k]].first != s.vertexParams[p.v[0]].first) return false;
-  return true;
+  bool within = true;
+  RUBBLE_UNROLL
+  for (int k = 1; k < kPointCorners; ++k) within &= p.v[k] < 0 || s.vertexParams[p.v[k]].first == s.vertexParams[p.v[0]].first;
+  return within;
 }
 
-/// No group is moved.
+/// No group is moved; depths are larger.
 inline constexpr int kNoLevel = -1;
 /// Adds the share of number `lane` of `lanes` in the inertia, loads, attachments and contacts of a vertex; rows inside of groups of `level`
 /// are left out, and contacts of its object with itself go to `self`. Returns whether there are any.
@@ -95,11 +96,11 @@ RUBBLE_HD bool addFromOutside(const View& s, int v, int lane, int lanes, int lev
   bool touchesSelf = false;
   for (int r = s.pointEntryOffset[v] + lane; r < s.pointEntryOffset[v + 1]; r += lanes) {
     const std::uint32_t code = s.pointEntry[r];
-    const PointContact& p = s.pointContact[pointIndex(code)];
-    if (p.depth <= level) continue;
+    if (level != kNoLevel && s.pointContact[pointIndex(code)].depth <= level) continue;
+    const auto& p = readWhole(s.pointContact[pointIndex(code)]);
     const bool isInner = surfaces && withinObject(s, p);
     touchesSelf |= isInner;
-    addShared(p, pointCorner(code), isInner ? self : own, [&](Block3& b) { addPointContact(s, code, b); });
+    addShared(p, pointCorner(code), isInner ? self : own, [&](Block3& b) { p.stampVertex(s.step, pointDisplacement(s, p), pointCorner(code), b); });
   }
   return touchesSelf;
 }

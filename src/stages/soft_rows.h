@@ -9,8 +9,12 @@ RUBBLE_HD inline bool isDynamicVertex(const View& s, int v) { return s.vertexPar
 /// sum c_i (x_i - x_i^t) over the vertices of an attachment or contact.
 template <class Block>
 RUBBLE_HD Vec3 movedSum(const View& s, const Block& b) {
+  // all of them on their way at once
+  Vec3 moved[kPointCorners];
+  RUBBLE_UNROLL
+  for (int k = 0; k < kPointCorners; ++k) moved[k] = s.vertexMoved[max(b.v[k], 0)];
   Vec3 sum{0, 0, 0};
-  for (int k = 0; k < kPointCorners && b.v[k] >= 0; ++k) sum += b.weight[k] * s.vertexMoved[b.v[k]];
+  for (int k = 0; k < kPointCorners && b.v[k] >= 0; ++k) sum += b.weight[k] * moved[k];
   return sum;
 }
 
@@ -32,7 +36,7 @@ RUBBLE_HD RUBBLE_APART inline void addSoftRows(const View& s, std::uint32_t code
     const Attachment& a = s.attachment[entryIndex(code)];
     a.stampBody(bodyMove(s, a), movedSum(s, a), block);
   } else if (entryType(code) == kBodyPointContactType) {
-    const PointContact& p = s.pointContact[entryIndex(code)];
+    const auto& p = readWhole(s.pointContact[entryIndex(code)]);
     p.stampBody(s.step, pointDisplacement(s, p), block);
   }
 }

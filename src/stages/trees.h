@@ -66,29 +66,35 @@ struct FindTreeRows {
     if (n < 0 || s.treeRests[s.treeNode[n].tree]) return;
     const TreeSolve own = spec.holds ? treeSolveOf(s, s.treeNode[n], how) : TreeSolve::Own;
     const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
-    forEachPart<F>([&]<int I, class P>() {
-      if (I == at.part) findTreePart<F, I, P>(s.step, spec, joint, a, b, own, s.treeRowsOf<F>()[at.joint].part[I]);
+    TreePart<kSides<F>>& to = s.treeRowsOf<F>()[at.joint].part[at.part];
+    to.count = 0;
+    fillWhole(to, [&](TreePart<kSides<F>>& part) {
+      forEachPart<F>([&]<int I, class P>() {
+        if (I == at.part) findTreePart<F, I, P>(s.step, spec, joint, a, b, own, part);
+      });
+      return part.count > 0;
     });
   }
 };
 
+/// Notes that a side of a joint is a node, which may be a neighbour.
+RUBBLE_HD inline void noteCoupling(const TreeNode& node, int side, int n, TreeCoupling& to) {
+  for (int t = 0; t < 2; ++t)
+    if (n >= 0 && node.near[t] == n) to.side[t] = side;
+}
 /// Which sides of the joint of an entry are the neighbours of a node.
 template <class F>
 RUBBLE_HD TreeCoupling couplingOf(const View& s, const TreeNode& node, const Entry& entry) {
   TreeCoupling to{{-1, -1}};
   const int side = jointSide<F>(entry.code);
-  const auto note = [&](int other, int n) {
-    for (int t = 0; t < 2; ++t)
-      if (n >= 0 && node.near[t] == n) to.side[t] = other;
-  };
   if constexpr (isCarried<F>()) {
     const JointSpec<F>& spec = s.specsOf<F>()[jointIndex<F>(entry.code)];
     for (int other = 0; other < kSides<F>; ++other) {
       const int body = bodyOf(spec, other);
-      if (other != side && body != bodyOf(spec, side) && isFirstSide(spec, other)) note(other, movingNode(s, body));
+      if (other != side && body != bodyOf(spec, side) && isFirstSide(spec, other)) noteCoupling(node, other, movingNode(s, body), to);
     }
   } else if (entry.other >= 0) {
-    note(1 - side, s.nodeOfBody[entry.other]);
+    noteCoupling(node, 1 - side, s.nodeOfBody[entry.other], to);
   }
   return to;
 }
@@ -245,7 +251,7 @@ struct TakeTreeForces {
     if (!(share > 0)) return;
     const Long6 still{}, &dxA = a >= 0 ? s.treeWork[a].x : still, &dxB = b >= 0 ? s.treeWork[b].x : still;
     forEachPart<F>([&]<int I, class P>() {
-      if (I == at.part) takeTreeForces<P>(s.treeRowsOf<F>()[at.joint].part[I], partOf<I>(s.jointsOf<F>()[at.joint].parts), dxA, dxB, share);
+      if (I == at.part) takeTreeForces<P>(readWhole(s.treeRowsOf<F>()[at.joint].part[I]), partOf<I>(s.jointsOf<F>()[at.joint].parts), dxA, dxB, share);
     });
   }
 };

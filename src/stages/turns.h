@@ -25,7 +25,8 @@ struct LinearizeTurns {
     if (at.part == 0) turns.from = turnFromB(a, b);
     forEachPart<F>([&]<int I, class P>() {
       if constexpr (isTurn<F, P>())
-        if (I == at.part) linearizeTurn<F, I, P>(spec, joint, a, b, partOf<I>(turns.parts));
+        if (I == at.part)
+          fillWhole(partOf<I>(turns.parts), [&](TurnRows<P::kRows>& rows) { return linearizeTurn<F, I, P>(spec, joint, a, b, rows); });
     });
   }
 };

@@ -175,9 +175,12 @@ RUBBLE_HD inline void addTetraCorner(const View& s, const TetraCorner& corner, c
   corner.stamp(s.step, x, start, 0, block);
 }
 
+/// `whole`: read so, which takes registers.
+template <bool whole = false>
 RUBBLE_HD inline void addPointContact(const View& s, std::uint32_t code, Block3& block) {
-  const PointContact& p = s.pointContact[pointIndex(code)];
-  p.stampVertex(s.step, pointDisplacement(s, p), pointCorner(code), block);
+  const auto add = [&](const PointContact& p) { p.stampVertex(s.step, pointDisplacement(s, p), pointCorner(code), block); };
+  if constexpr (whole) add(readWhole(s.pointContact[pointIndex(code)]));
+  else add(s.pointContact[pointIndex(code)]);
 }
 
 /// The inertial part of the local problem of a vertex.

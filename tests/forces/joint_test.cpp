@@ -251,7 +251,7 @@ TYPED_TEST(TurningJoint, HasItsErrorsToFirstOrderInWhatTurnsDuringAnIteration) {
         constexpr Real h = 1e-4;
         const JointCase<F> y = moved(moved(x, 0, h * unitVec6(3 + n % 3)), 1, h * unitVec6(3 + (n + 1) % 3));
         Real then[P::kRows];
-        partErrors<F, I, P>(joint.spec, joint.joint, y.a, y.b, then);
+        partErrors<P>(joint.spec, joint.joint, partOf<I>(joint.joint.parts), y.a, y.b, then);
         const auto& rows = partOf<I>(turns.parts);
         for (int i = 0; i < P::kRows; ++i)
           EXPECT_NEAR(rows.error[i] + dot(rows.turn[i], turnedSince(turns.from, y.a, y.b)), then[i], 100 * h * h) << I << " " << i;

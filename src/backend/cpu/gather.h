@@ -101,7 +101,7 @@ RUBBLE_NEAR bool isPlainBall(const View& s, std::uint32_t code) {
 
 RUBBLE_NEAR BallLanes gatherBalls(const View& s, const Four& index) {
   using Rows = GroupRows<AnchorRows::kRows>;
-  static_assert(offsetof(Rows, state) == 6 * sizeof(Real) && sizeof(Rows) == 15 * sizeof(Real) && sizeof(BallJoint::Data) == 6 * sizeof(Real));
+  static_assert(offsetof(Rows, state) == 6 * sizeof(Real) && sizeof(Rows) >= 12 * sizeof(Real) && sizeof(BallJoint::Data) == 6 * sizeof(Real));
   const JointSpec<BallJoint>* const specs = s.specsOf<BallJoint>();
   Joint<BallJoint>* const joints = s.jointsOf<BallJoint>();
   BallLanes j;

@@ -189,7 +189,7 @@ class CudaExecutor {
     else forEach(FindNeighborsByTile<kMostSearchLanes>{}, n);
   }
   void forEach(const FindPairs<false>& kernel, int n) {
-    if (fill(n, kMostSearchLanes)) forEach<FindPairs<false>>(kernel, n);
+    if (fill(n, kSearchLanes)) forEach<FindPairs<false>>(kernel, n);
     else forEach(FindPairsByTile{}, n);
   }
 

@@ -46,12 +46,19 @@ struct FindPairsByTile {
   __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
     const int near = s.pairCount[i];
     if (collidesWithAll(s, i)) return;
+    int* const slots = s.pairSlot + i * kPairSlots;
     if (near > kPairSlots) {
+      __shared__ int counts[kThreads / kWidth];
+      int& partners = counts[threadIdx.x / kWidth];
+      if (tile.lane == 0) partners = 0;
       __syncwarp(tile.mask);
-      if (tile.lane == 0) FindPairs<false>{}(s, i);
+      searchPartners(s, i, [&](int other) {
+        if (const int k = atomicAdd(&partners, 1); k < kPairSlots) slots[k] = other;
+      }, tile.lane, kWidth);
+      __syncwarp(tile.mask);
+      if (tile.lane == 0) s.pairCount[i] = partners;
       return;
     }
-    int* const slots = s.pairSlot + i * kPairSlots;
     int count = 0;
     for (int base = 0; base < near; base += kWidth) {
       const int k = base + tile.lane, other = k < near ? slots[k] : -1;

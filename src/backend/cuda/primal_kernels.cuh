@@ -218,7 +218,7 @@ class VertexByTile {
       }
     }
     for (int k = refs_.begin; k < refs_.end; k += kWidth) addElement(s_, s_.ref[k], block);
-    for (int k = contacts_.begin; k < contacts_.end; k += kWidth) addPointContact(s_, s_.pointEntry[k], block);
+    for (int k = contacts_.begin; k < contacts_.end; k += kWidth) addPointContact<!ahead>(s_, s_.pointEntry[k], block);
     block = sumOf(tile_, block);
     if (tile_.lane == 0) finishVertexBlock(s_, v_, block);
   }

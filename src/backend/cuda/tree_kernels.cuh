@@ -1,5 +1,7 @@
 #pragma once
 /// Stages of joint trees, a tile of lanes a body: a joint is thousands of instructions one after another, and some bodies have five.
+#include <cuda_pipeline_primitives.h>
+
 #include <algorithm>
 
 #include "backend/cuda/kernels.cuh"
@@ -38,6 +40,8 @@ struct AssembleTreesByTile {
 
   __device__ void operator()(const View& s, int n, const Tile<kWidth>& tile) const {
     const TreeNode node = s.treeNode[n];
+    // nobody asks for the blocks of small trees that rest
+    if (s.smallTrees && s.treeRests[node.tree]) return;
     const BlockPlace place = BlockPlace::of(tile.lane);
     double block = place.row == place.column ? 1 : 0, coupling[kTurns] = {};
     if (!stage.stands(s, node)) block = sumRows(s, node, tile, place, coupling);
@@ -51,15 +55,16 @@ struct AssembleTreesByTile {
   }
 
  private:
-  /// Rows of a joint in shared memory: all of them on their way at once.
+  /// Rows of a joint in shared memory: all of them on their way at once, while those of the joint before are summed.
   struct alignas(16) Staged {
     char bytes[largestTreeRows(JointTypes{})];
   };
+  static constexpr int kStages = 2;
   __device__ double sumRows(const View& s, const TreeNode& node, const Tile<kWidth>& tile, const BlockPlace& place,
                             double (&coupling)[kTurns]) const {
     const int begin = s.entryOffset[node.body], end = s.entryOffset[node.body + 1], point = tile.lane % kLanes;
-    __shared__ Staged staged[kThreads / kWidth];
-    Staged& memory = staged[threadIdx.x / kWidth];
+    __shared__ Staged staged[kThreads / kWidth][kStages];
+    Staged(&memory)[kStages] = staged[threadIdx.x / kWidth];
     Block6 own;
     if (tile.lane == 0) startBlock(s, node.body, own);
     int k = begin + tile.lane / kLanes;
@@ -72,12 +77,29 @@ struct AssembleTreesByTile {
     // entries are sorted by type, contacts first and joints before deformable objects
     k = __reduce_min_sync(tile.mask, k);
     double block = 0;
-    for (; k < end && entryType(s.entry[k].code) <= JointTypes::kSize; ++k) {
-      const Entry entry = s.entry[k];
-      forEachType(JointTypes{}, [&]<class F>() {
-        if (entryType(entry.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(entry.code))
-          addJointRows<F>(s, node, entry, tile, place, memory, block, coupling);
-      });
+    for (int joints = kWidth; joints == kWidth; k += joints) {
+      // a lane a joint
+      const Entry entry = k + tile.lane < end ? s.entry[k + tile.lane] : Entry{0xffffffffu, -1, 0};
+      const bool isJoint = entryType(entry.code) <= JointTypes::kSize;
+      const int far = isJoint && entry.other >= 0 ? s.nodeOfBody[entry.other] : -1;
+      joints = __popc(tile.ballot(isJoint));
+      const auto codeOf = [&](int joint) { return __shfl_sync(tile.mask, entry.code, joint, kWidth); };
+      if (joints > 0) askForRows(s, codeOf(0), tile, memory[0]);
+      __pipeline_commit();
+      for (int joint = 0; joint < joints; ++joint) {
+        const Entry own{codeOf(joint), __shfl_sync(tile.mask, entry.other, joint, kWidth), 0};
+        const int farNode = __shfl_sync(tile.mask, far, joint, kWidth);
+        if (joint + 1 < joints) askForRows(s, codeOf(joint + 1), tile, memory[(joint + 1) % kStages]);
+        __pipeline_commit();
+        // all but the last that was asked for
+        __pipeline_wait_prior(1);
+        __syncwarp(tile.mask);
+        forEachType(JointTypes{}, [&]<class F>() {
+          if (entryType(own.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(own.code))
+            addJointRows<F>(s, node, own, farNode, tile, place, memory[joint % kStages], block, coupling);
+        });
+        __syncwarp(tile.mask);
+      }
     }
     for (k += tile.lane; k < end; k += kWidth) addSoftRows(s, s.entry[k].code, own);
     Real sum[kRealsPerLane<kWidth>];
@@ -96,21 +118,24 @@ struct AssembleTreesByTile {
     to.fl += rows.fl, to.fa += rows.fa;
   }
 
-  template <class F>
-  __device__ static const TreeRows<F>& stageRows(const TreeRows<F>& rows, const Tile<kWidth>& tile, Staged& to) {
-    static_assert(sizeof(TreeRows<F>) % sizeof(int4) == 0 && sizeof(TreeRows<F>) <= sizeof(Staged));
-    __syncwarp(tile.mask);
-    for (int i = tile.lane; i < static_cast<int>(sizeof(TreeRows<F>) / sizeof(int4)); i += kWidth)
-      reinterpret_cast<int4*>(to.bytes)[i] = reinterpret_cast<const int4*>(&rows)[i];
-    __syncwarp(tile.mask);
-    return *reinterpret_cast<const TreeRows<F>*>(to.bytes);
+  /// Asks for the rows of the joint of an entry.
+  __device__ static void askForRows(const View& s, std::uint32_t code, const Tile<kWidth>& tile, Staged& to) {
+    forEachType(JointTypes{}, [&]<class F>() {
+      static_assert(sizeof(TreeRows<F>) % sizeof(int4) == 0 && sizeof(TreeRows<F>) <= sizeof(Staged));
+      if (entryType(code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(code)) return;
+      const int4* const from = reinterpret_cast<const int4*>(&s.treeRowsOf<F>()[jointIndex<F>(code)]);
+      for (int i = tile.lane; i < static_cast<int>(sizeof(TreeRows<F>) / sizeof(int4)); i += kWidth)
+        __pipeline_memcpy_async(reinterpret_cast<int4*>(to.bytes) + i, from + i, sizeof(int4));
+    });
   }
 
   template <class F>
-  __device__ static void addJointRows(const View& s, const TreeNode& node, const Entry& entry, const Tile<kWidth>& tile, const BlockPlace& place,
-                                      Staged& staged, double& block, double (&coupling)[kTurns]) {
-    const TreeCoupling to = couplingOf<F>(s, node, entry);
-    const TreeRows<F>& rows = stageRows(s.treeRowsOf<F>()[jointIndex<F>(entry.code)], tile, staged);
+  __device__ static void addJointRows(const View& s, const TreeNode& node, const Entry& entry, int far, const Tile<kWidth>& tile, const BlockPlace& place,
+                                      const Staged& staged, double& block, double (&coupling)[kTurns]) {
+    TreeCoupling to{{-1, -1}};
+    if constexpr (isCarried<F>()) to = couplingOf<F>(s, node, entry);
+    else noteCoupling(node, 1 - jointSide<F>(entry.code), far, to);
+    const TreeRows<F>& rows = *reinterpret_cast<const TreeRows<F>*>(staged.bytes);
     const int side = jointSide<F>(entry.code), lane = tile.lane;
     const auto number = [](const Vec6& j, int i) { return static_cast<double>((&j.lin.x)[i]); };
     const int row = max(place.row, 0), column = place.column % BlockPlace::kForce;
