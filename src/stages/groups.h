@@ -135,7 +135,7 @@ struct MarkJoinedGroups {
     const BlockBodies block = JointBlocks<F>::bodies(s, i);
     if (!block.acts || !isDynamic(s, block.a) || !isDynamic(s, block.b)) return;
     for (int level = JointBlocks<F>::joinLevel(s, i); level < kCoarseLevels; ++level)
-      if (const int group = s.groupOf[atLevel(s, level, block.a)]; group >= 0) atomicSet(&s.group[group].joined, 1);
+      if (const int group = s.groupOf[atLevel(s, level, block.a)]; group >= 0 && s.group[group].joined == 0) atomicSet(&s.group[group].joined, 1);
   }
 };
 

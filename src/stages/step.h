@@ -21,7 +21,8 @@ namespace rubble::RUBBLE_CORE {
 ///   forEachIn(kernel, offsets, k)           the range [offsets[k], offsets[k + 1])
 ///   clear(array, n)                         zeros
 ///   scan(counts, offsets, n[, counter, per])  exclusive sums, the total behind the last one and in the counter, and room for that many
-///   group(keys, n, offsets, order, counter) indices modulo members() by key, ascending; keys below 0 are left out; the counter has the number of keys
+///   group(keys, n, offsets, order, counter) indices modulo members() by key, ascending; keys below 0 are left out; the counter has the number of keys.
+///                                           No key is found at two levels: index / members()
 ///   require(per, counter)                   room for that many before they are written: nothing is dropped
 ///   rounds(take, propose, counter, left, turn)  takes turns of two kernels over as many as are counted, until `propose` leaves `left` at
 ///                                           zero; `turn` counts them

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <numeric>
+#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include <rubble/report.h>
 
 #include "backend/cpu/host_memory.h"
+#include "backend/cpu/in_parts.h"
 #include "backend/cpu/side_by_side.h"
 #include "backend/state_rows.h"
 #include "stages/step.h"
@@ -40,7 +42,7 @@ class CpuExecutor {
   /// Told the name of each kernel's stage before it runs, and "between steps" after the last one.
   using Observer = std::function<void(const char* stage)>;
   void observe(Observer observer) { observer_ = std::move(observer); }
-  /// Kernels at one index after another from now on: what comes out must not depend on it.
+  /// Kernels at one index after another from now on, not side by side nor in parts: what comes out must not depend on it.
   void takeOneByOne() { together_ = false; }
 
   /// Runs f() with the threads of this executor.
@@ -51,6 +53,8 @@ class CpuExecutor {
   void forEach(const Kernel& kernel, int n) {
     const StageClock clock(*this, Kernel::kName);
     const View& s = view();
+    if constexpr (requires { InParts<Kernel>::run(s, kernel, 0, n); })
+      if (together_) return forRange(n, [&](int begin, int end) { InParts<Kernel>::run(s, kernel, begin, end); });
     run(s, kernel, n, [](int i) { return i; });
   }
   template <class Kernel>
@@ -93,14 +97,23 @@ class CpuExecutor {
     const int count = s.counters->*keyCount;
     int *const offset = s.*offsets, *const to = s.*order;
     const int* const key = s.*keys;
+    const int members = s.members();
+    // a key is one of members of one level: levels share none
+    const auto forEachKey = [&](auto&& f) {
+      const auto level = [&](int l) {
+        for (int m = 0; m < members && l * members + m < n; ++m)
+          if (const int k = key[l * members + m]; k >= 0) f(k, m);
+      };
+      const int levels = members > 0 ? (n + members - 1) / members : 0;
+      if (arena_.max_concurrency() == 1) std::ranges::for_each(std::views::iota(0, levels), level);
+      else tbb::parallel_for(0, levels, level);
+    };
     std::fill_n(offset, count + 1, 0);
-    for (int i = 0; i < n; ++i)
-      if (key[i] >= 0) ++offset[key[i]];
+    forEachKey([&](int k, int) { ++offset[k]; });
     int sum = 0;
     for (int k = 0; k <= count; ++k) sum += std::exchange(offset[k], sum);
     // fill from each offset on, then move the offsets back by one
-    for (int i = 0; i < n; ++i)
-      if (key[i] >= 0) to[offset[key[i]]++] = i % s.members();
+    forEachKey([&](int k, int member) { to[offset[k]++] = member; });
     for (int k = count; k > 0; --k) offset[k] = offset[k - 1];
     offset[0] = 0;
   }
