@@ -5,7 +5,6 @@
 #include <functional>
 #include <memory>
 #include <numeric>
-#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -105,8 +104,7 @@ class CpuExecutor {
           if (const int k = key[l * members + m]; k >= 0) f(k, m);
       };
       const int levels = members > 0 ? (n + members - 1) / members : 0;
-      if (arena_.max_concurrency() == 1) std::ranges::for_each(std::views::iota(0, levels), level);
-      else tbb::parallel_for(0, levels, level);
+      tbb::parallel_for(0, levels, level);
     };
     std::fill_n(offset, count + 1, 0);
     forEachKey([&](int k, int) { ++offset[k]; });
