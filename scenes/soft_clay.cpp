@@ -53,14 +53,6 @@ double dentOf(const World& world, int object) {
   return deepest;
 }
 
-double volumeOf(const World& world, int object) {
-  const World::Surface s = world.surface(world.deformableAt(object));
-  const auto at = [&](int v) { return s.vertices[std::size_t(v)]; };
-  double sum = 0;
-  for (const auto& t : s.triangles) sum += dot(at(t[0]), cross(at(t[1]), at(t[2]))) / 6;
-  return sum;
-}
-
 /// Dents of both blocks: at the deepest, at the end, and what share of the one the other is.
 class DentProbe : public Probe {
  public:
@@ -74,7 +66,7 @@ class DentProbe : public Probe {
       metrics[name + "_dent_peak_m"] = deepest_[k];
       metrics[name + "_dent_m"] = now;
       metrics[name + "_kept"] = deepest_[k] > 0 ? now / deepest_[k] : 0;
-      metrics[name + "_volume_ratio"] = volumeOf(world, k) / (kSide * kSide * kHeight);
+      metrics[name + "_volume_ratio"] = volumeInside(world, k) / (kSide * kSide * kHeight);
     }
   }
 

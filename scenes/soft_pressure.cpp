@@ -54,16 +54,6 @@ ClothDef sphereSheet(const Vec3& centre, double radius, int times) {
   return sheet;
 }
 
-double volumeInside(const World& world, int object) {
-  const World::Surface s = world.surface(world.deformableAt(object));
-  double sum = 0;
-  for (const auto& t : s.triangles) {
-    const auto at = [&](std::size_t k) { return s.vertices[std::size_t(t[k])] - s.vertices[0]; };
-    sum += dot(at(0), cross(at(1), at(2))) / 6;
-  }
-  return sum;
-}
-
 /// Ratio of the radii of a thin sphere with and without pressure. Of a sheet of St. Venant-Kirchhoff material stretched by L both ways the
 /// tension is T = E h / (1 - nu) (L^2 - 1) / 2, and p = 2 T / (L r): for small strains the stress is p r / (2 h).
 double inflatedRatio(double pressure) {

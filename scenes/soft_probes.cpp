@@ -90,6 +90,16 @@ double cellsBelow(const World& world, int object, double share) {
   return double(std::count_if(def.tetrahedra.begin(), def.tetrahedra.end(),
                               [&](const auto& t) { return !(volume(now, t) > share * volume(def.vertices, t)); }));
 }
+double volumeInside(const World& world, int object) {
+  const World::Surface s = world.surface(world.deformableAt(object));
+  double sum = 0;
+  for (const auto& t : s.triangles) {
+    const auto at = [&](std::size_t k) { return s.vertices[std::size_t(t[k])] - s.vertices[0]; };
+    sum += dot(at(0), cross(at(1), at(2))) / 6;
+  }
+  return sum;
+}
+
 double crushedCells(const World& world, int object) { return cellsBelow(world, object, .5); }
 
 Vec3 meanOf(const World& world, int object, const std::vector<int>& vertices) {

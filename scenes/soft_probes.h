@@ -28,6 +28,8 @@ double lowestVertex(const World& world);
 double cellsBelow(const World& world, int object, double share);
 /// Those with no more than half of it.
 double crushedCells(const World& world, int object);
+/// Volume inside of the surface of an object, which is closed [m3].
+double volumeInside(const World& world, int object);
 /// Mean position of some vertices.
 Vec3 meanOf(const World& world, int object, const std::vector<int>& vertices);
 /// Sum of the contact forces of vertices on bodies along the opposite of gravity [N].

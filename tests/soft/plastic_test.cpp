@@ -179,11 +179,7 @@ TEST_P(PlasticThrow, StaysFiniteAndComesToRest) {
   o.params.dt = p.dt;
   World world(sceneWith(box, {0, 0, 0}), o);
   const SoftId id = world.deformableAt(0);
-  std::vector<Vec3> x = world.positions(id);
-  const std::vector<Vec3> v(x.size());
-  Random random(7);
-  for (Vec3& a : x) a = random.vector(1);
-  world.setVertices(id, x, v);
+  throwApart(world, id, 7);
   int quarantined = 0;
   double most = 0;
   for (int i = 0; i < p.steps; ++i) {

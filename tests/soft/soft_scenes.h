@@ -28,6 +28,14 @@ inline Scene sceneWith(const Deformable& object, const Vec3& gravity = {0, 0, -1
   return scene;
 }
 
+/// Puts all vertices at random places within 1 m of the origin in each axis, at rest.
+inline void throwApart(World& world, SoftId id, unsigned seed) {
+  std::vector<Vec3> x = world.positions(id);
+  Random random(seed);
+  for (Vec3& a : x) a = random.vector(1);
+  world.setVertices(id, x, std::vector<Vec3>(x.size()));
+}
+
 struct Momentum {
   Vec3 linear, angular, centre;
   double mass = 0;

@@ -124,11 +124,7 @@ TEST_P(ThrownApart, RecoversItsShape) {
   o.params.dt = p.dt;
   World world(sceneWith(jellyBox({0, 0, 0}, .5, 3), {0, 0, 0}), o);
   const SoftId id = world.deformableAt(0);
-  std::vector<Vec3> x = world.positions(id);
-  const std::vector<Vec3> v(x.size());
-  Random random(7);
-  for (Vec3& a : x) a = random.vector(1);
-  world.setVertices(id, x, v);
+  throwApart(world, id, 7);
   int quarantined = 0;
   for (int i = 0; i < p.steps; ++i) quarantined += world.step().quarantined;
   EXPECT_EQ(quarantined, 0);
@@ -143,11 +139,7 @@ TEST(Solid, StaysFiniteAtOneIterationAndAThousandthOfASecond) {
   o.params.dt = 1e-3;
   World world(sceneWith(jellyBox({0, 0, 0}, .5, 3), {0, 0, 0}), o);
   const SoftId id = world.deformableAt(0);
-  std::vector<Vec3> x = world.positions(id);
-  const std::vector<Vec3> v(x.size());
-  Random random(9);
-  for (Vec3& a : x) a = random.vector(1);
-  world.setVertices(id, x, v);
+  throwApart(world, id, 9);
   int quarantined = 0;
   for (int i = 0; i < 500; ++i) quarantined += world.step().quarantined;
   EXPECT_EQ(quarantined, 0);
