@@ -9,11 +9,7 @@ struct BallJoint {
   static constexpr bool kGrounded = false;
   using Parts = PartList<AnchorRows>;
   using Memory = NoMemory;
-  template <class L>
-  struct DataT {
-    Vec3T<L> anchorA, anchorB;  ///< in the frame of their body [m]
-  };
-  using Data = DataT<Real>;
+  using Data = Anchors<Real>;
 };
 
 }  // namespace rubble::RUBBLE_CORE

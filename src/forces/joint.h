@@ -14,7 +14,6 @@
 ///   constraint       C(x), for the poses of A and B in a common frame
 ///   jacobian         dC/dx of A (side 0) or B (side 1), rotations in world axes on the left; sides 2 and 3: what carries the axis of A, of B
 ///   curvature        column norms of sum F d2C/dx2 of that body
-///   stamp            adds -J^T F, k J^T J and the curvature of A or B about a point where a closed form is shorter than rows (optional)
 ///   turns            axes: what whole turns add to the coordinate (optional)
 ///   kStiffnessShare  axes: factor on the row inertia that k_start and the growth of k refer to (optional)
 ///
@@ -70,6 +69,38 @@ template <class... P>
 struct PartList {
   static constexpr int kCount = sizeof...(P);
 };
+
+struct AnchorRows;
+/// A joint about a point: its anchors coincide, and all else that it asks for depends on how A is turned against B alone. Sweeps read no more of one
+/// than a JointFrame has, whatever its type (forces/joint_stamp.h).
+template <class F>
+constexpr bool isPivot() {
+  return []<class First, class... P>(PartList<First, P...>) {
+    return std::is_same_v<First, AnchorRows> && ((P::kUnit == RowUnit::Angular) && ...) && !isCarried<F>();
+  }(typename F::Parts{});
+}
+
+/// A part whose rows depend on the rotation of A relative to B alone. They are linear in it for an iteration (forces/joint_stamp.h).
+template <class F, class P>
+constexpr bool isTurn() {
+  return P::kUnit == RowUnit::Angular && !isCarried<F>();
+}
+/// Laws of force of such a part: of an axis limit, drive and friction have their own.
+template <class F, class P>
+constexpr int turnLaws() {
+  return !isTurn<F, P>() ? 0 : P::kAxis ? 3 : 1;
+}
+/// Those of a type; of its parts before part I; `I` = all of them.
+template <class F, int I = F::Parts::kCount>
+constexpr int firstTurnLaw() {
+  int laws = 0, part = 0;
+  [&]<class... P>(PartList<P...>) { ((laws += part++ < I ? turnLaws<F, P>() : 0), ...); }(typename F::Parts{});
+  return laws;
+}
+template <class F>
+constexpr bool hasTurns() { return firstTurnLaw<F>() > 0; }
+/// Bits of JointFrame::acting.
+constexpr int turnBit(int law) { return 1 + law; }
 
 enum class GroupMode { Off, Hold, Friction };
 
@@ -144,17 +175,38 @@ struct JointSpec : Carriers<isCarried<F>()> {
   PartStore<PartSpec, typename F::Parts> parts;
 };
 
+/// One body of a joint about a point.
+struct JointEnd {
+  Vec3 lever;  ///< from its centre to its anchor, in the world's axes at x^t [m]
+  int body;
+};
+/// Where a joint is, and which of its rows act.
+struct alignas(4 * sizeof(Real)) JointFrame {
+  Vec3 offset;  ///< p_A - p_B at x^t [m]; the step works in the frame with origin p_B^t
+  int acting;   ///< bits: 0 the first part; 1 + k law k of those that turn
+};
+struct PivotFrame : JointFrame {
+  JointEnd end[2];
+};
+
+template <class F>
+using FrameOf = std::conditional_t<isPivot<F>(), PivotFrame, JointFrame>;
+
 /// Its state.
 template <class F>
-struct Joint : CarrierOffsets<isCarried<F>()> {
+struct Joint : FrameOf<F>, CarrierOffsets<isCarried<F>()> {
   int broken;                     ///< 0, 1
   int acts;                       ///< 0, 1: in this step
   int sharedLevel;                ///< finest level of groups at which its bodies share a cell (stages/groups.h)
   Real length;                    ///< L: bounding diameter of the smaller dynamic body [m]
-  Vec3 offset;                    ///< p_A - p_B at x^t [m]; the step works in the frame with origin p_B^t
   typename F::Memory memory;
   PartStore<PartRows, typename F::Parts> parts;
 };
+
+template <class F>
+RUBBLE_HD FrameOf<F>& frameOf(Joint<F>& joint) { return joint; }
+template <class F>
+RUBBLE_HD const FrameOf<F>& frameOf(const Joint<F>& joint) { return joint; }
 
 template <class F>
 RUBBLE_HD int bodyOf(const JointSpec<F>& spec, int side) {
@@ -299,7 +351,39 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
   beginAxis(c, own, rows, at);
 }
 
-/// Warm start of all rows at x^t: joint.offset, length and memory are set. Poses of both bodies in the joint's frame. `together`: its bodies
+template <class P>
+RUBBLE_HD RUBBLE_NEAR bool partActs(const PartSpec<P>& spec, const PartRows<P>& rows) {
+  if constexpr (P::kAxis) return actsAtAll(rows);
+  else return spec.mode != GroupMode::Off;
+}
+/// Does a part that turns have a law that acts?
+template <class F>
+RUBBLE_HD bool turnActs(int acting, int part) {
+  bool acts = false;
+  forEachPart<F>([&]<int I, class P>() {
+    if (I == part) acts = (acting >> turnBit(firstTurnLaw<F, I>()) & ((1 << turnLaws<F, P>()) - 1)) != 0;
+  });
+  return acts;
+}
+/// JointFrame::acting.
+template <class F>
+RUBBLE_HD int actingRows(const JointSpec<F>& spec, const Joint<F>& joint) {
+  int acting = 0;
+  forEachPart<F>([&]<int I, class P>() {
+    const auto& rows = partOf<I>(joint.parts);
+    constexpr int kFirst = turnBit(firstTurnLaw<F, I>());
+    if (I == 0) acting |= partActs<P>(partOf<I>(spec.parts), rows);
+    if constexpr (isTurn<F, P>() && P::kAxis) {
+      const AxisRow* const laws[] = {&rows.limit, &rows.drive, &rows.friction};
+      for (int k = 0; k < turnLaws<F, P>(); ++k) acting |= (laws[k]->acts != 0) << (kFirst + k);
+    } else if constexpr (isTurn<F, P>()) {
+      acting |= partActs<P>(partOf<I>(spec.parts), rows) << kFirst;
+    }
+  });
+  return acting;
+}
+
+/// Warm start of all rows at x^t: joint.length and memory are set. Poses of both bodies in the joint's frame. `together`: its bodies
 /// are moved by one block (stages/trees.h).
 template <class F>
 RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
@@ -310,18 +394,23 @@ RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Join
     beginPart<P>(c, spec, joint, partOf<I>(spec.parts), partOf<I>(joint.parts), a, b, bodies, bound, together);
   });
 }
+/// Where its bodies are at x^t, and what of it acts once its rows are begun.
+template <class F>
+RUBBLE_HD void placeJoint(const JointSpec<F>& spec, Joint<F>& joint, const Vec3& offset, const SidePose<F>& a, const SidePose<F>& b) {
+  fillWhole(frameOf(joint), [&](FrameOf<F>& frame) {
+    frame.offset = offset;
+    frame.acting = actingRows(spec, joint);
+    if constexpr (isPivot<F>())
+      for (int side = 0; side < 2; ++side) frame.end[side] = {leverOf(spec.data, side == 0 ? a.q : b.q, side), bodyOf(spec, side)};
+    return true;
+  });
+}
 
 /// Errors, from their shifts on, of rows that are held together: of one joint (L = Real), or of several side by side (lanes.h).
 template <class P, class L, class D, class M, class S>
 RUBBLE_HD RUBBLE_NEAR void heldErrors(const L (&shift)[P::kRows], const D& data, const M& memory, const S& a, const S& b, L (&error)[P::kRows]) {
   P::constraint(data, memory, a, b, error);
   for (int i = 0; i < P::kRows; ++i) error[i] -= shift[i];
-}
-
-template <class P>
-RUBBLE_HD RUBBLE_NEAR bool partActs(const PartSpec<P>& spec, const PartRows<P>& rows) {
-  if constexpr (P::kAxis) return actsAtAll(rows);
-  else return spec.mode != GroupMode::Off;
 }
 
 /// Forces of the rows of a part, and their stiffness, at C (an axis), or at C less its shift (rows that are held together); false: none.

@@ -1,106 +1,176 @@
 #pragma once
 /// How the rows of a joint act on the block of a body or of a group, and those of its parts that turn, which are linear during an iteration.
-#include "forces/joint.h"
+///
+/// Sweeps ask for a joint again and again, and what it costs them is what they read, one thing after another. So that of a joint about a point lies in
+/// a few places, whatever its type: its levers at x^t, the rows of its anchors, and laws of force of what turns. None of it needs an orientation: poses in
+/// a sweep are displacements and rotations since x^t.
+#include "forces/linear_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A part whose rows depend on the rotation of A relative to B alone. Until the next iteration they are linear in it: a rotation of the
-/// joint as a whole changes nothing, and what they cost is found once for all sweeps.
-template <class F, class P>
-constexpr bool isTurn() {
-  return P::kUnit == RowUnit::Angular && !isCarried<F>();
-}
-template <class F>
-constexpr bool hasTurns() {
-  return []<class... P>(PartList<P...>) { return (isTurn<F, P>() || ...); }(typename F::Parts{});
-}
-/// C(d) = error + turn . d, where A has turned by d against B since then (turnedSince).
-template <int N>
+/// Rows that turn, with one law of force: all of a part whose rows are held together, or one of those of an axis. Until the next iteration they are linear:
+/// a rotation of the joint as a whole changes nothing, and what they cost is found once for all sweeps. C(d) = error + turn . d, where A has turned
+/// by d against B since then (turnedSince).
 struct alignas(4 * sizeof(Real)) TurnRows {
-  Real error[N];  ///< as forcesAt wants it
-  Vec3 turn[N];
-  Vec3 bend;      ///< column norms of the second derivatives, in the world's axes
+  static constexpr int kMost = 3;
+  struct Row {
+    Vec3 turn;   ///< in the world's axes at x^t, turning with B since
+    Real error;  ///< C, for rows that are held together less its shift
+  };
+  Row row[kMost];
+  Real lambda[kMost], k, compliance, bound;
+  Real lo, hi;  ///< of an axis
+  Vec3 bend;    ///< column norms of the second derivatives, in the world's axes
+  int count;    ///< of rows that are held together; 0: one of an axis, kWatchedRow: one that is watched
 };
-struct NoTurn {};
-template <class P>
-using TurnsOf = std::conditional_t<P::kUnit == RowUnit::Angular, TurnRows<P::kRows>, NoTurn>;
+inline constexpr int kWatchedRow = -1;
+
+/// Where the rows of a joint are linear: the rotation of B since x^t less that of A.
+struct alignas(4 * sizeof(Real)) TurnsFrom {
+  Quat between;
+};
+/// Rows of a joint that turn.
 template <class F>
 struct JointTurns {
-  Quat from;  ///< A seen from B
-  PartStore<TurnsOf, typename F::Parts> parts;
+  TurnsFrom from;
+  TurnRows law[hasTurns<F>() ? firstTurnLaw<F>() : 1];
 };
 
-RUBBLE_HD inline Quat turnFromB(const Pose& a, const Pose& b) { return conjugate(b.q) * a.q; }
-/// What A has turned by against B since then, in the axes of B [rad].
-RUBBLE_HD inline Vec3 turnedSince(const Quat& from, const Pose& a, const Pose& b) {
-  return Real(2) * shortArc(turnFromB(a, b) * conjugate(from)).v;
+RUBBLE_HD inline TurnsFrom turnsFrom(const Quat& turnedA, const Quat& turnedB) { return {conjugate(turnedA) * turnedB}; }
+/// What A has turned by against B since then, in the axes of TurnRows::Row::turn [rad]. Rotations since x^t.
+RUBBLE_HD inline Vec3 turnedSince(const TurnsFrom& from, const Quat& turnedA, const Quat& turnedB) {
+  return Real(2) * shortArc(conjugate(turnedB) * turnedA * from.between).v;
 }
 
-/// False, and nothing is found: it does not act.
+/// Law `k` of a part at the present poses; false, and nothing is found: it does not act.
 template <class F, int I, class P>
-RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, TurnRows<P::kRows>& out) {
+RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, const Quat& turnedB, int k, TurnRows& out) {
+  static_assert(P::kRows <= TurnRows::kMost);
+  if (!(joint.acting >> turnBit(firstTurnLaw<F, I>() + k) & 1)) return false;
   const auto& rows = readWhole(partOf<I>(joint.parts));
-  if (!partActs<P>(partOf<I>(spec.parts), rows)) return false;
-  Real force[P::kRows], hessian;
+  Real error[P::kRows], force[P::kRows], hessian;
+  partErrors<P>(spec, joint, rows, a, b, error);
+  if constexpr (P::kAxis) {
+    const AxisRow& own = k == 0 ? rows.limit : k == 1 ? rows.drive : rows.friction;
+    axisForce(own, error[0], force[0], hessian);
+    out.lambda[0] = own.lambda, out.lambda[1] = out.lambda[2] = 0;
+    out.k = own.k, out.compliance = own.keepsMultiplier ? own.compliance : Real(0), out.bound = own.bound;
+    out.lo = own.lo, out.hi = own.hi;
+    out.count = own.acts == kWatched ? kWatchedRow : 0;
+  } else {
+    forcesAt<P>(rows, error, force, hessian);
+    for (int i = 0; i < TurnRows::kMost; ++i) out.lambda[i] = i < P::kRows ? rows.lambda[i] : Real(0);
+    out.k = rows.state.k, out.compliance = rows.state.compliance, out.bound = rows.state.bound;
+    out.lo = out.hi = 0;
+    out.count = P::kRows;
+  }
   Vec6 j[P::kRows];
-  partErrors<P>(spec, joint, rows, a, b, out.error);
-  forcesAt<P>(rows, out.error, force, hessian);
   P::jacobian(spec.data, joint.memory, a, b, 0, j);
-  for (int i = 0; i < P::kRows; ++i) out.turn[i] = rotateInverse(b.q, j[i].ang);
+  for (int i = 0; i < TurnRows::kMost; ++i) out.row[i] = i < P::kRows ? TurnRows::Row{rotateInverse(turnedB, j[i].ang), error[i]} : TurnRows::Row{{0, 0, 0}, 0};
   out.bend = P::curvature(spec.data, joint.memory, a, b, 0, force).ang;
   return true;
 }
 /// All parts of a joint.
 template <class F>
-RUBBLE_HD void linearizeTurns(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, JointTurns<F>& out) {
-  out.from = turnFromB(a, b);
+RUBBLE_HD void linearizeTurns(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, const Quat& turnedA,
+                              const Quat& turnedB, JointTurns<F>& out) {
+  out.from = turnsFrom(turnedA, turnedB);
   forEachPart<F>([&]<int I, class P>() {
-    if constexpr (isTurn<F, P>()) linearizeTurn<F, I, P>(spec, joint, a, b, partOf<I>(out.parts));
+    if constexpr (isTurn<F, P>())
+      for (int k = 0; k < turnLaws<F, P>(); ++k) linearizeTurn<F, I, P>(spec, joint, a, b, turnedB, k, out.law[firstTurnLaw<F, I>() + k]);
   });
 }
 
-/// Adds a part that turns: `turned` as of turnedSince().
-template <class P>
-RUBBLE_HD RUBBLE_NEAR void stampTurn(const PartRows<P>& own, const TurnRows<P::kRows>& rows, const Vec3& turned, const Quat& frameB, int side,
-                                     Block6& block) {
-  Real error[P::kRows], force[P::kRows], hessian;
-  for (int i = 0; i < P::kRows; ++i) error[i] = rows.error[i] + dot(rows.turn[i], turned);
-  if (!forcesAt<P>(own, error, force, hessian)) return;
-  const Real sign = side == 0 ? Real(1) : Real(-1);
-  for (int i = 0; i < P::kRows; ++i) {
-    const Vec3 j = rotate(frameB, rows.turn[i]);
-    block.fa -= (sign * force[i]) * j;
-    block.aa += outer(j, hessian);
+/// Forces of rows that turn, where A has turned by `turned` since they were found; false: none.
+RUBBLE_HD RUBBLE_NEAR bool turnForces(const TurnRows& rows, const Vec3& turned, Real (&force)[TurnRows::kMost], Real& hessian) {
+  Real error[TurnRows::kMost];
+  for (int i = 0; i < TurnRows::kMost; ++i) error[i] = rows.row[i].error + dot(rows.row[i].turn, turned);
+  if (rows.count <= 0) {
+    const int acts = rows.count == kWatchedRow ? kWatched : 1;
+    axisForce({rows.lambda[0], rows.k, rows.lo, rows.hi, rows.compliance, rows.bound, acts, 1}, error[0], force[0], hessian);
+    return force[0] != Real(0) || hessian > Real(0);
   }
-  stampCurvature(block, {{0, 0, 0}, rows.bend});
+  cutForce<TurnRows::kMost, Real>({rows.k, rows.compliance, rows.bound}, error, rows.lambda, force, rows.count, hessian);
+  return true;
 }
 
-/// Adds all rows of a joint to the block of one of its bodies, by the first side that it has. The block may be about another point than the
-/// centre of the body, which then lies `shift` from that point. `turns`: of a type that has parts that turn.
+/// What sweeps read of the rows of a joint that turn. `ahead`: the first law is asked for before it is needed, which takes registers.
+template <bool ahead>
+class TurnStream {
+ public:
+  /// `acting`: of the joint. `from`, `laws`: of one that has rows that turn.
+  RUBBLE_HD RUBBLE_NEAR TurnStream(int acting, const TurnsFrom* from, const TurnRows* laws)
+      : from_(from), laws_(laws), left_(static_cast<unsigned>(acting) >> turnBit(0)) {
+    if constexpr (ahead)
+      if (left_ != 0) fetch();
+  }
+  /// Adds them to the block of one of its bodies.
+  RUBBLE_HD RUBBLE_NEAR void stamp(const Quat& turnedA, const Quat& turnedB, int side, Block6& block) {
+    if (left_ == 0) return;
+    const Vec3 turned = turnedSince(readWhole(*from_), turnedA, turnedB);
+    const Real sign = side == 0 ? Real(1) : Real(-1);
+    for (bool asked = ahead; left_ != 0; asked = false, left_ &= left_ - 1) {
+      if (!asked) fetch();
+      const TurnRows& rows = next_;
+      Real force[TurnRows::kMost], hessian;
+      if (!turnForces(rows, turned, force, hessian)) continue;
+      for (int i = 0; i < max(rows.count, 1); ++i) {
+        const Vec3 j = rotate(turnedB, rows.row[i].turn);
+        block.fa -= (sign * force[i]) * j;
+        block.aa += outer(j, hessian);
+      }
+      stampCurvature(block, {{0, 0, 0}, rows.bend});
+    }
+  }
+
+ private:
+  RUBBLE_HD RUBBLE_NEAR void fetch() { next_ = readWhole(laws_[lowestBit(left_)]); }
+
+  const TurnsFrom* const from_;
+  const TurnRows* const laws_;
+  unsigned left_;
+  TurnRows next_;
+};
+
+/// Errors of the anchors of a joint about a point, at displacements and rotations since x^t.
+RUBBLE_HD RUBBLE_NEAR void anchorErrors(const PivotFrame& frame, const GroupRows<AnchorRows::kRows>& rows, const Pose& a, const Pose& b,
+                                        Real (&error)[AnchorRows::kRows]) {
+  const Anchors<Real> levers{frame.end[0].lever, frame.end[1].lever};
+  heldErrors<AnchorRows>(rows.shift, levers, NoMemory{}, Pose{frame.offset + a.p, a.q}, b, error);
+}
+
+/// Adds all rows of a joint about a point to the block of one of its bodies. The block may be about another point than the centre of the body, which
+/// then lies `shift` from that point. Poses: displacements and rotations since x^t.
+template <class Turns>
+RUBBLE_HD RUBBLE_NEAR void stampPivot(const PivotFrame& frame, const GroupRows<AnchorRows::kRows>& anchors, Turns& turns, const Pose& a, const Pose& b,
+                                      int side, Block6& block, const Vec3& shift = {0, 0, 0}) {
+  if (frame.acting & 1) {
+    Real error[AnchorRows::kRows], force[AnchorRows::kRows], hessian;
+    anchorErrors(frame, anchors, a, b, error);
+    groupForce<AnchorRows::kRows>(anchors.state, error, anchors.lambda, force, AnchorRows::kRows, hessian);
+    AnchorRows::stamp(Anchors<Real>{frame.end[0].lever, frame.end[1].lever}, a, b, side == 0, shift, force, hessian, block);
+  }
+  turns.stamp(a.q, b.q, side, block);
+}
+
+/// Adds all rows of any other joint to the block of one of its bodies, by the first side that it has.
 template <class F>
-RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const JointTurns<F>* turns, const SidePose<F>& a,
-                          const SidePose<F>& b, int side, Block6& block, const Vec3& shift = {0, 0, 0}) {
-  Vec3 turned{0, 0, 0};
-  if constexpr (hasTurns<F>()) turned = turnedSince(turns->from, a, b);
+RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const JointTurns<F>* turns, const SidePose<F>& a, const SidePose<F>& b,
+                          const Quat& turnedA, const Quat& turnedB, int side, Block6& block, const Vec3& shift = {0, 0, 0}) {
   forEachPart<F>([&]<int I, class P>() {
-    const auto& rows = readWhole(partOf<I>(joint.parts));
-    if (!partActs<P>(partOf<I>(spec.parts), rows)) return;
-    if constexpr (isTurn<F, P>()) {
-      stampTurn<P>(rows, readWhole(partOf<I>(turns->parts)), turned, b.q, side, block);
-    } else {
+    if constexpr (!isTurn<F, P>()) {
+      const auto& rows = readWhole(partOf<I>(joint.parts));
+      if (!partActs<P>(partOf<I>(spec.parts), rows)) return;
       Real error[P::kRows], force[P::kRows], hessian;
       partErrors<P>(spec, joint, rows, a, b, error);
       if (!forcesAt<P>(rows, error, force, hessian)) return;
-      if constexpr (requires { P::stamp(spec.data, a, b, side == 0, shift, force, hessian, block); }) {
-        P::stamp(spec.data, a, b, side == 0, shift, force, hessian, block);
-      } else {
-        Vec6 j[P::kRows];
-        jacobianOf<P>(spec, joint, a, b, side, j);
-        for (int i = 0; i < P::kRows; ++i) stampRow(block, {j[i].lin, j[i].ang + cross(shift, j[i].lin)}, force[i], hessian);
-        stampCurvature(block, curvatureOf<P>(spec, joint, a, b, side, force), shift);
-      }
+      Vec6 j[P::kRows];
+      jacobianOf<P>(spec, joint, a, b, side, j);
+      for (int i = 0; i < P::kRows; ++i) stampRow(block, {j[i].lin, j[i].ang + cross(shift, j[i].lin)}, force[i], hessian);
+      stampCurvature(block, curvatureOf<P>(spec, joint, a, b, side, force), shift);
     }
   });
+  if constexpr (hasTurns<F>()) TurnStream<false>(joint.acting, &turns->from, turns->law).stamp(turnedA, turnedB, side, block);
 }
 
 /// Adds all rows of a joint to the block of a group that several of its sides move with, and others do not (bits of `inside`): by

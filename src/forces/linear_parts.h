@@ -4,6 +4,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
+/// Points of A and B: in the frame of their body, or, with rotations since x^t, in the world's axes at x^t [m].
+template <class L>
+struct Anchors {
+  Vec3T<L> anchorA, anchorB;
+};
+
 template <class D>
 RUBBLE_HD RUBBLE_NEAR Vec3 anchorLever(const D& d, const Pose& pose, int side) { return rotate(pose.q, side == 0 ? d.anchorA : d.anchorB); }
 

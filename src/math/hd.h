@@ -1,6 +1,7 @@
 #pragma once
 /// What differs between host and device code. The only header outside the CUDA backend that looks at the compiler's target.
 #include <atomic>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 
@@ -101,6 +102,15 @@ RUBBLE_HD RUBBLE_NEAR void fillWhole(T& to, Fill&& fill) { fill(to); }
 template <class T, class Change>
 RUBBLE_HD RUBBLE_NEAR void changeWhole(T& object, Change&& change) { change(object); }
 #endif
+
+/// Place of the lowest bit of a number that is not 0.
+RUBBLE_HD inline int lowestBit(unsigned a) {
+#if RUBBLE_DEVICE_CODE
+  return __ffs(static_cast<int>(a)) - 1;
+#else
+  return std::countr_zero(a);
+#endif
+}
 
 /// *p += a; returns the old value. Only for counting: the order of the additions is not fixed.
 RUBBLE_HD inline int atomicCount(int* p, int a) {

@@ -86,19 +86,68 @@ RUBBLE_HD SidePose<F> poseOfB(const View& s, const JointSpec<F>& spec, const Joi
     return jointPose(s, spec.b, {0, 0, 0});
 }
 
-/// Adds a joint to the block of one of its bodies, about the point from which its centre lies `shift` away.
+/// Displacement and rotation of a body since x^t.
+RUBBLE_HD RUBBLE_NEAR Pose poseSinceStart(const View& s, int body) {
+  // nothing waits for another read: which body it is has just come
+  const int i = max(body, 0);
+  const Vec3 moved = s.moved[i].dp;
+  const Quat turned = s.turned[i];
+  return body == kWorldBody ? Pose{{0, 0, 0}, Quat{}} : Pose{moved, turned};
+}
+
+/// What sweeps read of a joint about a point; null: its type has no rows that turn.
+struct Pivot {
+  const PivotFrame* frame;
+  const GroupRows<AnchorRows::kRows>* anchors;
+  const TurnsFrom* from;
+  const TurnRows* laws;
+};
+template <class F>
+RUBBLE_HD RUBBLE_NEAR Pivot pivotOf(const View& s, int index) {
+  const Joint<F>& joint = s.jointsOf<F>()[index];
+  Pivot pivot{&joint, &partOf<0>(joint.parts), nullptr, nullptr};
+  if constexpr (hasTurns<F>()) pivot.from = &s.turnsOf<F>()[index].from, pivot.laws = s.turnsOf<F>()[index].law;
+  return pivot;
+}
+/// That of a row block; false: it is none.
+RUBBLE_HD RUBBLE_NEAR bool findPivot(const View& s, std::uint32_t code, Pivot& pivot) {
+  bool found = false;
+  forEachType(JointTypes{}, [&]<class F>() {
+    if constexpr (isPivot<F>())
+      if (entryType(code) == typeIndex<F>(JointTypes{}) + 1) pivot = pivotOf<F>(s, entryIndex(code)), found = true;
+  });
+  return found;
+}
+
+/// Adds a joint about a point to the block of one of its bodies, which is about the point from which the centre of the body lies shift(body) away.
+/// `ahead`: asks for all that it needs at once.
+template <bool ahead, class Shift>
+RUBBLE_HD RUBBLE_NEAR void stampPivotOfBody(const View& s, const Pivot& pivot, int side, Block6& block, Shift&& shift) {
+  const auto& frame = readWhole(*pivot.frame);
+  const auto& anchors = readWhole(*pivot.anchors);
+  const Pose a = poseSinceStart(s, frame.end[0].body), b = poseSinceStart(s, frame.end[1].body);
+  TurnStream<ahead> turns(pivot.laws ? frame.acting : 0, pivot.from, pivot.laws);
+  stampPivot(frame, anchors, turns, a, b, side, block, shift(frame.end[side].body));
+}
+/// Adds a joint of any type to the block of one of its bodies, about the point from which its centre lies `shift` away.
 template <class F>
 RUBBLE_HD RUBBLE_APART void stampJointOfBody(const View& s, int index, int side, Block6& block, const Vec3& shift) {
-  const JointTurns<F>* const turns = hasTurns<F>() ? s.turnsOf<F>() + index : nullptr;
-  const auto stamp = [&](const JointSpec<F>& spec, const Joint<F>& joint) {
-    stampJoint(spec, joint, turns, poseOfA(s, spec, joint), poseOfB(s, spec, joint), side, block, shift);
-  };
-  // others are more than registers hold: they are read part by part
-  constexpr bool isSmall = F::Parts::kCount == 1 && sizeof(JointSpec<F>) + sizeof(Joint<F>) <= 64 * sizeof(Real);
-  if constexpr (isSmall && alignof(JointSpec<F>) == 4 * sizeof(Real))
-    stamp(readWhole(s.specsOf<F>()[index]), readWhole(s.jointsOf<F>()[index]));
-  else
-    stamp(s.specsOf<F>()[index], s.jointsOf<F>()[index]);
+  if constexpr (isPivot<F>()) {
+    stampPivotOfBody<false>(s, pivotOf<F>(s, index), side, block, [&](int) { return shift; });
+  } else {
+    const JointTurns<F>* const turns = hasTurns<F>() ? s.turnsOf<F>() + index : nullptr;
+    const auto stamp = [&](const JointSpec<F>& spec, const Joint<F>& joint) {
+      Quat turnedA, turnedB;
+      if constexpr (hasTurns<F>()) turnedA = poseSinceStart(s, spec.a).q, turnedB = poseSinceStart(s, spec.b).q;
+      stampJoint(spec, joint, turns, poseOfA(s, spec, joint), poseOfB(s, spec, joint), turnedA, turnedB, side, block, shift);
+    };
+    // others are more than registers hold: they are read part by part
+    constexpr bool isSmall = F::Parts::kCount == 1 && sizeof(JointSpec<F>) + sizeof(Joint<F>) <= 64 * sizeof(Real);
+    if constexpr (isSmall && alignof(JointSpec<F>) == 4 * sizeof(Real))
+      stamp(readWhole(s.specsOf<F>()[index]), readWhole(s.jointsOf<F>()[index]));
+    else
+      stamp(s.specsOf<F>()[index], s.jointsOf<F>()[index]);
+  }
 }
 
 /// Adds one lane-wise block into a scalar one.
@@ -158,12 +207,21 @@ struct PointSums {
   }
 };
 
+/// Adds a row block that is no contact.
 RUBBLE_HD inline void addJoint(const View& s, std::uint32_t code, Block6& block) {
   forEachType(JointTypes{}, [&]<class F>() {
     if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
       stampJointOfBody<F>(s, jointIndex<F>(code), jointSide<F>(code), block, {0, 0, 0});
   });
   if (entryType(code) > JointTypes::kSize) addSoftRows(s, code, block);
+}
+/// The same by one code for all joints about a point: lanes of a warp that have several types go side by side, and wait for memory once.
+RUBBLE_HD RUBBLE_APART inline void addPivot(const View& s, const Pivot& pivot, int side, Block6& block) {
+  stampPivotOfBody<true>(s, pivot, side, block, [](int) { return Vec3{0, 0, 0}; });
+}
+RUBBLE_HD inline void addJointAlike(const View& s, std::uint32_t code, Block6& block) {
+  if (Pivot pivot; findPivot(s, code, pivot)) addPivot(s, pivot, entrySide(code), block);
+  else addJoint(s, code, block);
 }
 
 /// Solves the local problem of a body at x and moves it.

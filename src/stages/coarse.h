@@ -186,6 +186,14 @@ RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t c
   });
   addExternalSoftRows(s, group, code, sum);
 }
+/// The same as addJointAlike.
+RUBBLE_HD RUBBLE_APART inline void addExternalPivot(const View& s, int group, const Pivot& pivot, int side, Block6& sum) {
+  stampPivotOfBody<false>(s, pivot, side, sum, [&](int body) { return shiftOf(s, s.group[group], body); });
+}
+RUBBLE_HD inline void addExternalJointAlike(const View& s, int group, std::uint32_t code, Block6& sum) {
+  if (Pivot pivot; findPivot(s, code, pivot)) addExternalPivot(s, group, pivot, entrySide(code), sum);
+  else addExternalJoint(s, group, code, sum);
+}
 
 /// Adds every `stride`-th of the lumps among members [k, end).
 RUBBLE_HD RUBBLE_APART inline void addLumps(const View& s, int k, int end, int stride, Block6& sum) {

@@ -35,10 +35,13 @@ struct BeginJoints {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     Joint<F>& joint = s.jointsOf<F>()[i];
     joint.acts = active<F>(s, i);
-    if (!joint.acts) return;
+    if (!joint.acts) {
+      joint.acting = 0;
+      return;
+    }
     joint.sharedLevel = spec.a == kWorldBody || spec.b == kWorldBody ? kCoarseLevels : finestSharedLevel(s, spec.a, spec.b);
     const Vec3d origin = jointOrigin(s, spec.b);
-    joint.offset = Vec3(jointOrigin(s, spec.a) - origin);
+    const Vec3 offset(jointOrigin(s, spec.a) - origin);
     if constexpr (isCarried<F>()) {
       const auto offsetOf = [&](int body) { return body == kWorldBody ? Vec3{0, 0, 0} : Vec3(s.position[body] - origin); };
       joint.offsetCarrierA = offsetOf(spec.carrierA), joint.offsetCarrierB = offsetOf(spec.carrierB);
@@ -48,10 +51,10 @@ struct BeginJoints {
     joint.length = 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
     SidePose<F> a, b;
     if constexpr (isCarried<F>()) {
-      a = {stillPose(s, spec.a, joint.offset), stillPose(s, spec.carrierA, joint.offsetCarrierA)};
+      a = {stillPose(s, spec.a, offset), stillPose(s, spec.carrierA, joint.offsetCarrierA)};
       b = {stillPose(s, spec.b, {0, 0, 0}), stillPose(s, spec.carrierB, joint.offsetCarrierB)};
     } else {
-      a = stillPose(s, spec.a, joint.offset), b = stillPose(s, spec.b, {0, 0, 0});
+      a = stillPose(s, spec.a, offset), b = stillPose(s, spec.b, {0, 0, 0});
     }
     joint.memory.remember(spec.data, a, b, origin);
     JointBody bodies[kSides<F>];
@@ -62,6 +65,7 @@ struct BeginJoints {
       together &= !isDynamic(s, body) || s.nodeOfBody[body] >= 0;
     }
     beginJoint(s.step, spec, joint, a, b, bodies, together);
+    placeJoint(spec, joint, offset, a, b);
   }
 };
 
@@ -82,6 +86,19 @@ RUBBLE_HD PartIndex partAt(const View& s, int k) {
 #endif
 }
 
+/// Those of a joint about a point, from the errors that sweeps see.
+template <class F>
+RUBBLE_HD void updateAnchors(const View& s, Joint<F>& joint) {
+  const PivotFrame& frame = readWhole(frameOf(joint));
+  if (!(frame.acting & 1)) return;
+  Real error[AnchorRows::kRows];
+  changeWhole(partOf<0>(joint.parts), [&](GroupRows<AnchorRows::kRows>& rows) {
+    anchorErrors(frame, rows, poseSinceStart(s, frame.end[0].body), poseSinceStart(s, frame.end[1].body), error);
+    updateGroup<AnchorRows::kRows>(rows.state, error, rows.lambda, AnchorRows::kRows);
+    return true;
+  });
+}
+
 /// A part of a joint each.
 template <class F>
 struct UpdateJointDuals {
@@ -91,6 +108,8 @@ struct UpdateJointDuals {
     const PartIndex at = partAt<F>(s, k);
     const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
     Joint<F>& joint = s.jointsOf<F>()[at.joint];
+    if constexpr (isPivot<F>())
+      if (at.part == 0) return updateAnchors(s, joint);
     if (!joint.acts) return;
     const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
     forEachPart<F>([&]<int I, class P>() {

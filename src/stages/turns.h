@@ -20,14 +20,18 @@ struct LinearizeTurns {
     // no sweep and no group asks for those of a tree that is solved exactly
     const int body = spec.a != kWorldBody && isDynamic(s, spec.a) ? spec.a : spec.b;
     if (!joint.acts || inExactTree(s, body)) return;
-    const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
-    JointTurns<F>& turns = s.turnsOf<F>()[at.joint];
-    if (at.part == 0) turns.from = turnFromB(a, b);
-    forEachPart<F>([&]<int I, class P>() {
-      if constexpr (isTurn<F, P>())
-        if (I == at.part)
-          fillWhole(partOf<I>(turns.parts), [&](TurnRows<P::kRows>& rows) { return linearizeTurn<F, I, P>(spec, joint, a, b, rows); });
-    });
+    if constexpr (hasTurns<F>()) {
+      if (at.part > 0 && !turnActs<F>(joint.acting, at.part)) return;
+      const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
+      const Quat turnedA = poseSinceStart(s, spec.a).q, turnedB = poseSinceStart(s, spec.b).q;
+      JointTurns<F>& turns = s.turnsOf<F>()[at.joint];
+      if (at.part == 0) turns.from = turnsFrom(turnedA, turnedB);
+      forEachPart<F>([&]<int I, class P>() {
+        if constexpr (isTurn<F, P>())
+          for (int k = 0; I == at.part && k < turnLaws<F, P>(); ++k)
+            fillWhole(turns.law[firstTurnLaw<F, I>() + k], [&](TurnRows& rows) { return linearizeTurn<F, I, P>(spec, joint, a, b, turnedB, k, rows); });
+      });
+    }
   }
 };
 

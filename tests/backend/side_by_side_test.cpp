@@ -72,5 +72,94 @@ TEST(SideBySide, HasTheBitsOfOneByOne) {
   EXPECT_GT(length(four.view().velocity[100]), Real(.1));
 }
 
+/// Rods in a row on joints of all types about a point and two others, with limits, drives and friction, which swing and turn fast.
+struct MixedChain : CoreWorld {
+  static constexpr int kLinks = 42;
+  MixedChain() {
+    for (int i = 0; i < kLinks; ++i) {
+      BodyDef body;
+      body.shape = Shape::box({.4, .1, .15});
+      body.position = {static_cast<double>(i), 0, 0};
+      if (i == 0) body.motion = Motion::Static;
+      body.angularVelocity = {.5 * (i % 5), 1. - .3 * (i % 7), .2 * (i % 3)};
+      add(body);
+    }
+    finish();
+    const EngineJointType types[] = {EngineJointType::Ball,       EngineJointType::Fixed,  EngineJointType::Hinge,   EngineJointType::Universal,
+                                     EngineJointType::SwingTwist, EngineJointType::Slider, EngineJointType::Distance};
+    int slots[kEngineJointTypes] = {};
+    test::Random random(41);
+    for (int i = 1; i < kLinks; ++i) {
+      EngineJoint joint;
+      joint.type = types[i % std::size(types)];
+      joint.a = i - 1, joint.b = i;
+      joint.anchorA = {.5, 0, 0}, joint.anchorB = {-.5, 0, 0};
+      const Quat frame = random.rotation();
+      joint.frameA = joint.frameB = {static_cast<double>(frame.s), rubble::Vec3(frame.v)};
+      JointAxis axis;
+      axis.min = -.05, axis.max = .02 * (i % 3);
+      axis.friction = i % 2, axis.driveStiffness = i % 4, axis.driveDamping = .1;
+      joint.axes = {axis, axis};
+      addJoint(slots[static_cast<int>(joint.type)]++, joint);
+    }
+  }
+};
+
+/// The sum of a body's row blocks by either way to add one.
+template <class Add>
+Block6 sumOfRows(const View& s, int body, Add&& add) {
+  Block6 sum;
+  for (int k = s.entryOffset[body]; k < s.entryOffset[body + 1]; ++k)
+    if (entryType(s.entry[k].code) != kContactType) add(s, s.entry[k].code, sum);
+  return sum;
+}
+
+TEST(JointSweep, OneCodeForAllTypesAboutAPointHasTheBitsOfThatOfEach) {
+  MixedChain chain;
+  double before = 0;
+  int acting = 0;
+  for (int n = 0; n < 20; ++n) {
+    beginStep(chain.view(), chain.settings(), before);
+    step(chain.executor());
+    before = chain.settings().params.dt;
+    const View& s = chain.view();
+    for (int i = 1; i < s.bodies; ++i) {
+      const Block6 own = sumOfRows(s, i, [](const View& v, std::uint32_t code, Block6& to) { addJoint(v, code, to); });
+      const Block6 alike = sumOfRows(s, i, [](const View& v, std::uint32_t code, Block6& to) { addJointAlike(v, code, to); });
+      ASSERT_EQ(std::memcmp(&own, &alike, sizeof own), 0) << n << " " << i;
+      ASSERT_GT(length(own.fl) + length(own.fa), 0) << n << " " << i;
+    }
+    for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::SwingTwist)]; ++i) acting |= s.jointsOf<SwingTwistJoint>()[i].acting;
+  }
+  // limits, drives and friction were among them
+  EXPECT_GT(acting, 0xff);
+}
+
+/// Levers of x^t turned since then are anchors turned as a whole.
+TEST(JointSweep, ErrorsOfAnchorsByLeversAreThoseByOrientations) {
+  MixedChain chain;
+  double before = 0;
+  for (int n = 0; n < 5; ++n) {
+    beginStep(chain.view(), chain.settings(), before);
+    step(chain.executor());
+    before = chain.settings().params.dt;
+  }
+  // within a step: bodies moved and turned, orientations still those of x^t
+  View& s = chain.view();
+  test::Random random(5);
+  beginStep(s, chain.settings(), before);
+  for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::Hinge)]; ++i) BeginJoints<HingeJoint>{}(s, i);
+  for (int i = 0; i < s.bodies; ++i) s.moved[i].dp = random.vector(), s.turned[i] = random.rotation();
+  for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::Hinge)]; ++i) {
+    const JointSpec<HingeJoint>& spec = s.specsOf<HingeJoint>()[i];
+    const Joint<HingeJoint>& joint = s.jointsOf<HingeJoint>()[i];
+    const auto& rows = partOf<0>(joint.parts);
+    Real levers[3], whole[3];
+    anchorErrors(joint, rows, poseSinceStart(s, spec.a), poseSinceStart(s, spec.b), levers);
+    partErrors<AnchorRows>(spec, joint, rows, poseOfA(s, spec, joint), poseOfB(s, spec, joint), whole);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(levers[k], whole[k], 1e-12) << i << " " << k;
+  }
+}
+
 }  // namespace
 }  // namespace rubble::RUBBLE_CORE

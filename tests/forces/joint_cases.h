@@ -106,11 +106,24 @@ template <class F> JointSpec<F> specOf(const typename F::Data& data) {
   return spec;
 }
 
-/// Adds the rows of a joint that is at the poses where its turns are linear.
-template <class F> void stampAt(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side, Block6& block) {
+/// Rows of a joint whose turns are linear at one pair of poses, added to a block at another. x^t: where both bodies are not turned.
+template <class F> void stampFrom(const JointSpec<F>& spec, Joint<F> joint, const JointCase<F>& from, const SidePose<F>& a, const SidePose<F>& b, int side,
+                                  Block6& block) {
+  joint.acting = actingRows(spec, joint);
   JointTurns<F> turns{};
-  linearizeTurns(spec, joint, a, b, turns);
-  stampJoint(spec, joint, &turns, a, b, side, block);
+  linearizeTurns(spec, joint, from.a, from.b, from.a.q, from.b.q, turns);
+  if constexpr (isPivot<F>()) {
+    joint.offset = {0, 0, 0};
+    joint.end[0] = {spec.data.anchorA, spec.a}, joint.end[1] = {spec.data.anchorB, spec.b};
+    TurnStream<true> ahead(joint.acting, &turns.from, turns.law);
+    stampPivot(joint, partOf<0>(joint.parts), ahead, a, b, side, block);
+  } else {
+    stampJoint(spec, joint, &turns, a, b, a.q, b.q, side, block);
+  }
+}
+/// The same where its turns are linear.
+template <class F> void stampAt(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side, Block6& block) {
+  stampFrom(spec, joint, JointCase<F>{spec.data, a, b, joint.memory}, a, b, side, block);
 }
 
 }  // namespace rubble::RUBBLE_CORE

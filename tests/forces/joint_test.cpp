@@ -224,12 +224,11 @@ struct LoadedJoint {
         for (Real& lambda : rows.lambda) lambda = random.uniform(-5, 5);
       }
     });
+    joint.acting = actingRows(spec, joint);
   }
   Block6 block(const JointCase<F>& from, const JointCase<F>& now) const {
-    JointTurns<F> turns{};
-    linearizeTurns(spec, joint, from.a, from.b, turns);
     Block6 sum;
-    stampJoint(spec, joint, &turns, now.a, now.b, 1, sum);
+    stampFrom(spec, joint, from, now.a, now.b, 1, sum);
     return sum;
   }
 };
@@ -245,16 +244,16 @@ TYPED_TEST(TurningJoint, HasItsErrorsToFirstOrderInWhatTurnsDuringAnIteration) {
     const JointCase<F> x = randomJointCase<F>(random);
     const LoadedJoint<F> joint(x, random);
     JointTurns<F> turns{};
-    linearizeTurns(joint.spec, joint.joint, x.a, x.b, turns);
+    linearizeTurns(joint.spec, joint.joint, x.a, x.b, x.a.q, x.b.q, turns);
     forEachPart<F>([&]<int I, class P>() {
       if constexpr (isTurn<F, P>()) {
         constexpr Real h = 1e-4;
         const JointCase<F> y = moved(moved(x, 0, h * unitVec6(3 + n % 3)), 1, h * unitVec6(3 + (n + 1) % 3));
         Real then[P::kRows];
         partErrors<P>(joint.spec, joint.joint, partOf<I>(joint.joint.parts), y.a, y.b, then);
-        const auto& rows = partOf<I>(turns.parts);
+        const TurnRows& rows = turns.law[firstTurnLaw<F, I>()];
         for (int i = 0; i < P::kRows; ++i)
-          EXPECT_NEAR(rows.error[i] + dot(rows.turn[i], turnedSince(turns.from, y.a, y.b)), then[i], 100 * h * h) << I << " " << i;
+          EXPECT_NEAR(rows.row[i].error + dot(rows.row[i].turn, turnedSince(turns.from, y.a.q, y.b.q)), then[i], 100 * h * h) << I << " " << i;
       }
     });
   }

@@ -34,6 +34,8 @@ class CoreWorld {
     body.radius = cooked.radius;
     body.material = def.material;
     body.mass = massProperties(def.shape, def.density);
+    // what bounds multipliers
+    if (def.motion == Motion::Dynamic) settings_.maxMass = std::max(settings_.maxMass, body.mass.mass);
     body.state = {def.position, def.orientation, def.velocity, def.angularVelocity};
     setBody(executor_.tables(), slot, body);
     if (def.shape.type == ShapeType::Plane) planes_.push_back(slot);
@@ -46,10 +48,14 @@ class CoreWorld {
   }
   /// A ball joint of two slots, as engines have them.
   void addBall(int slot, int a, int b, const rubble::Vec3& anchorA = {}, const rubble::Vec3& anchorB = {}) {
-    setJointCount(executor_.tables(), 0, slot + 1);
     EngineJoint joint;
     joint.a = a, joint.b = b;
     joint.anchorA = anchorA, joint.anchorB = anchorB;
+    addJoint(slot, joint);
+  }
+  /// A joint of its type's slot.
+  void addJoint(int slot, EngineJoint joint) {
+    setJointCount(executor_.tables(), static_cast<int>(joint.type), slot + 1);
     joint.alive = true;
     setJoint(executor_.tables(), slot, joint);
   }

@@ -79,9 +79,9 @@ RUBBLE_NEAR bool placeTogether(const View& s, const Four& body, const PoseT<Real
   return true;
 }
 
-/// Ball joints side by side: what the sweeps read of them.
+/// Ball joints side by side: what the sweeps read of them. Poses since x^t, that of A from the centre of B.
 struct BallLanes {
-  BallJoint::DataT<Real4> data;
+  Anchors<Real4> levers;
   PoseT<Real4> a, b;
   Real4 lambda[3], shift[3];
   GroupLaw<Real4> law;
@@ -90,8 +90,8 @@ struct BallLanes {
 
 /// Is a ball joint between two bodies, and held?
 RUBBLE_NEAR bool isPlainBall(const View& s, int index) {
-  const JointSpec<BallJoint>& spec = s.specsOf<BallJoint>()[index];
-  return spec.a != kWorldBody && spec.b != kWorldBody && partOf<0>(spec.parts).mode != GroupMode::Off;
+  const Joint<BallJoint>& joint = s.jointsOf<BallJoint>()[index];
+  return joint.end[0].body != kWorldBody && joint.end[1].body != kWorldBody && (joint.acting & 1) != 0;
 }
 /// Is a row block one of these?
 RUBBLE_NEAR bool isPlainBall(const View& s, std::uint32_t code) {
@@ -101,43 +101,37 @@ RUBBLE_NEAR bool isPlainBall(const View& s, std::uint32_t code) {
 
 RUBBLE_NEAR BallLanes gatherBalls(const View& s, const Four& index) {
   using Rows = GroupRows<AnchorRows::kRows>;
-  static_assert(offsetof(Rows, state) == 6 * sizeof(Real) && sizeof(Rows) >= 12 * sizeof(Real) && sizeof(BallJoint::Data) == 6 * sizeof(Real));
-  const JointSpec<BallJoint>* const specs = s.specsOf<BallJoint>();
+  static_assert(offsetof(Rows, state) == 6 * sizeof(Real) && sizeof(Rows) >= 12 * sizeof(Real) && sizeof(JointEnd) == 4 * sizeof(Real));
   Joint<BallJoint>* const joints = s.jointsOf<BallJoint>();
   BallLanes j;
   Four a, b;
+  const PivotFrame* frame[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
-    a[lane] = specs[index[lane]].a, b[lane] = specs[index[lane]].b;
-    j.rows[lane] = &partOf<0>(joints[index[lane]].parts);
+    Joint<BallJoint>& joint = joints[index[lane]];
+    frame[lane] = &joint;
+    a[lane] = joint.end[0].body, b[lane] = joint.end[1].body;
+    j.rows[lane] = &partOf<0>(joint.parts);
   }
-  const auto gatherSpecs = [&](int k) {
-    return gatherNumbers(&specs[index[0]].data, &specs[index[1]].data, &specs[index[2]].data, &specs[index[3]].data, k);
-  };
-  const Quad<Real4> anchors = gatherSpecs(0), rest = gatherSpecs(1);
-  j.data = {{anchors.x, anchors.y, anchors.z}, {anchors.w, rest.x, rest.y}};
+  const auto leverOf = [&](int k) { return vectorOf(gatherNumbers(&frame[0]->end[k], &frame[1]->end[k], &frame[2]->end[k], &frame[3]->end[k])); };
+  j.levers = {leverOf(0), leverOf(1)};
   const auto gatherRows = [&](int k) { return gatherNumbers(j.rows[0], j.rows[1], j.rows[2], j.rows[3], k); };
   const Quad<Real4> first = gatherRows(0), second = gatherRows(1), third = gatherRows(2);
   j.lambda[0] = first.x, j.lambda[1] = first.y, j.lambda[2] = first.z;
   j.shift[0] = first.w, j.shift[1] = second.x, j.shift[2] = second.y;
   j.law = {second.z, second.w, third.x};
-  const auto place = [&](const Four& body, const Vec3T<Real4>& offset) -> PoseT<Real4> {
-    const PoseT<Real4> moved = gatherPoses(s, body);
-    return {offset + moved.p, moved.q * quaternionOf(gatherNumbers(s.orientation, body))};
-  };
-  const Real4 zero = LaneAccess<Real4>::splat(0);
-  j.a = place(a, vectorOf(gatherNumbers(&joints[index[0]].offset, &joints[index[1]].offset, &joints[index[2]].offset, &joints[index[3]].offset)));
-  j.b = place(b, {zero, zero, zero});
+  j.a = gatherPoses(s, a), j.b = gatherPoses(s, b);
+  j.a.p = vectorOf(gatherNumbers(&frame[0]->offset, &frame[1]->offset, &frame[2]->offset, &frame[3]->offset)) + j.a.p;
   return j;
 }
 
-/// Adds four ball joints to the blocks of one of their bodies each, as stampJoint does.
+/// Adds four ball joints to the blocks of one of their bodies each, as stampPivot does.
 inline void stampBalls(const View& s, const std::uint32_t (&code)[kLanes], Block6T<Real4>& block, const Vec3T<Real4>& shift) {
   const auto side = [&](int lane) { return static_cast<Real>(entrySide(code[lane])); };
   const BallLanes j = gatherBalls(s, {entryIndex(code[0]), entryIndex(code[1]), entryIndex(code[2]), entryIndex(code[3])});
   Real4 error[3], force[3], hessian;
-  heldErrors<AnchorRows>(j.shift, j.data, NoMemory{}, j.a, j.b, error);
+  heldErrors<AnchorRows>(j.shift, j.levers, NoMemory{}, j.a, j.b, error);
   cutForce<3>(j.law, error, j.lambda, force, 3, hessian);
-  AnchorRows::stamp(j.data, j.a, j.b, Real4{side(0), side(1), side(2), side(3)} == LaneAccess<Real4>::splat(0), shift, force, hessian, block);
+  AnchorRows::stamp(j.levers, j.a, j.b, Real4{side(0), side(1), side(2), side(3)} == LaneAccess<Real4>::splat(0), shift, force, hessian, block);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -40,10 +40,7 @@ RUBBLE_NEAR void fetch(const void* begin, std::size_t bytes) {
 /// What a sweep reads of a row block.
 RUBBLE_NEAR void fetchBall(const View& s, std::uint32_t code) {
   if (entryType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return;
-  const int i = entryIndex(code);
-  fetch(&s.specsOf<BallJoint>()[i], sizeof(JointSpec<BallJoint>));
-  const Joint<BallJoint>& joint = s.jointsOf<BallJoint>()[i];
-  fetch(&joint.offset, sizeof(Joint<BallJoint>) - offsetof(Joint<BallJoint>, offset));
+  fetch(&s.jointsOf<BallJoint>()[entryIndex(code)], sizeof(Joint<BallJoint>));
 }
 
 RUBBLE_NEAR int leastOf(const Four& a) { return min(min(a[0], a[1]), min(a[2], a[3])); }
@@ -160,7 +157,7 @@ struct Together<SumChunk<Real4>> {
     const auto codeOf = [&](int lane, int k) { return s.external[s.externalOffset[index[lane]] + k]; };
     const auto shiftOf = [&](const std::uint32_t(&code)[kLanes]) {
       Four body;
-      for (int lane = 0; lane < kLanes; ++lane) body[lane] = bodyOf(s.specsOf<BallJoint>()[entryIndex(code[lane])], entrySide(code[lane]));
+      for (int lane = 0; lane < kLanes; ++lane) body[lane] = s.jointsOf<BallJoint>()[entryIndex(code[lane])].end[entrySide(code[lane])].body;
       return groups.shiftsOf(s, body);
     };
     const int done = stampRounds(s, leastOf(externals), codeOf, shiftOf, sum);
@@ -251,7 +248,7 @@ template <>
 struct Together<UpdateJointDuals<BallJoint>> {
   static void run(const View& s, const Four& index) {
     bool plain = true;
-    for (int lane = 0; lane < kLanes; ++lane) plain &= s.jointsOf<BallJoint>()[index[lane]].acts && isPlainBall(s, index[lane]);
+    for (int lane = 0; lane < kLanes; ++lane) plain &= isPlainBall(s, index[lane]);
     if (!plain || !update(s, index))
       for (int lane = 0; lane < kLanes; ++lane) UpdateJointDuals<BallJoint>{}(s, index[lane]);
   }
@@ -272,7 +269,7 @@ struct Together<UpdateJointDuals<BallJoint>> {
       keeps[lane] = static_cast<Real>(state.keepsMultiplier);
     }
     Real4 error[3];
-    heldErrors<AnchorRows>(j.shift, j.data, NoMemory{}, j.a, j.b, error);
+    heldErrors<AnchorRows>(j.shift, j.levers, NoMemory{}, j.a, j.b, error);
     updateRows<3>(j.law, rule, keeps != LaneAccess<Real4>::splat(0), error, j.lambda, 3);
     const auto at = [&](int lane, int k) { return reinterpret_cast<Real*>(j.rows[lane]) + 4 * k; };
     const auto scatter = [&](int k, const Quad<Real4>& q) { LaneAccess<Real4>::scatterQuad(at(0, k), at(1, k), at(2, k), at(3, k), q); };

@@ -60,11 +60,12 @@ static __global__ void __launch_bounds__(kThreads) countColors(const __grid_cons
   __syncthreads();
   int* const population = Nodes::count(s);
   const int first = static_cast<int>(blockIdx.x) * kColorNodes + static_cast<int>(threadIdx.x);
+  int bin[kNodesPerThread];
 #pragma unroll
-  for (int k = 0; k < kNodesPerThread; ++k) {
-    const int b = binOf<Nodes>(s, first + k * kThreads);
-    if (b >= 0) atomicAdd(b < kColorBins ? &count[b] : &population[b / kWorkClasses], 1);
-  }
+  for (int k = 0; k < kNodesPerThread; ++k) bin[k] = binOf<Nodes>(s, first + k * kThreads);
+#pragma unroll
+  for (int k = 0; k < kNodesPerThread; ++k)
+    if (const int b = bin[k]; b >= 0) atomicAdd(b < kColorBins ? &count[b] : &population[b / kWorkClasses], 1);
   __syncthreads();
   for (int b = static_cast<int>(threadIdx.x); b < kColorBins; b += kThreads) {
     if (count[b] == 0) continue;
@@ -84,10 +85,10 @@ static __global__ void __launch_bounds__(kThreads) fillColors(const __grid_const
   const int first = static_cast<int>(blockIdx.x) * kColorNodes + static_cast<int>(threadIdx.x);
   int bin[kNodesPerThread], rank[kNodesPerThread];
 #pragma unroll
-  for (int k = 0; k < kNodesPerThread; ++k) {
-    bin[k] = binOf<Nodes>(s, first + k * kThreads);
+  for (int k = 0; k < kNodesPerThread; ++k) bin[k] = binOf<Nodes>(s, first + k * kThreads);
+#pragma unroll
+  for (int k = 0; k < kNodesPerThread; ++k)
     if (bin[k] >= 0 && bin[k] < kColorBins) rank[k] = atomicAdd(&count[bin[k]], 1);
-  }
   __syncthreads();
   for (int b = static_cast<int>(threadIdx.x); b < kColorBins; b += kThreads) {
     if (count[b] == 0) continue;

@@ -432,12 +432,12 @@ class CudaExecutor {
   void sumLevel(int level, bool lumpsOnly = false) {
     if (!begins()) return;
     enterStage(SumChunk<Real>::kName);
-    launchNext(sumChunks<kTile>, {processors_ + blocksForRange(kTile), kThreads}, SumChunk<Real>::kName, view(), tree(), listOf(heavyChunks_), processors_, level,
-               lumpsOnly, Gate{control_});
+    launchNext(hasFewJoints(view()) ? sumChunks<kTile, true> : sumChunks<kTile, false>, {processors_ + blocksForRange(kTile), kThreads},
+               SumChunk<Real>::kName, view(), tree(), listOf(heavyChunks_), processors_, level, lumpsOnly, Gate{control_});
   }
 
   void solveColorsFrom(int color, int count, ColorBlocks blocks) {
-    launchNext(solveColors, {count, kSolveThreads}, SolveBody<Real>::kName, view(), color, listOf(hubs_), blocks, control_);
+    launchNext(solveColorsOf(view()), {count, kSolveThreads}, SolveBody<Real>::kName, view(), color, listOf(hubs_), blocks, control_);
   }
 
   ColorBins colorBins() const {

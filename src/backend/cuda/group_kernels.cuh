@@ -144,14 +144,46 @@ static __device__ __noinline__ void addExternalJointsApart(const View& s, int gr
     if (const std::uint32_t code = s.external[k]; entryType(code) != kContactType) addExternalJoint(s, group, code, *sum);
 }
 
+/// The same where they are few and so take as long as one of them (RareRows::FewJoints): a tile, which has `kWidth` row blocks at a time, from `k` on,
+/// `stride` apart, gathers them until every lane has one, and those of one round are done side by side.
+template <int kWidth>
+static __device__ __noinline__ void addExternalJointsAlike(const View& s, int group, int k, int end, int stride, const Tile<kWidth> tile, Block6* sum) {
+  const auto nthBit = [](unsigned bits, int n) {
+    for (; n > 0; --n) bits &= bits - 1;
+    return __ffs(static_cast<int>(bits)) - 1;
+  };
+  std::uint32_t own = 0;
+  int have = 0;
+  for (; k < end; k += stride) {
+    const int e = k + tile.lane;
+    const std::uint32_t code = e < end ? s.external[e] : 0;
+    const unsigned joints = tile.ballot(e < end && entryType(code) != kContactType);
+    const int found = __popc(joints);
+    // number n of them goes to lane `first` + n
+    const auto take = [&](int first) {
+      const int n = tile.lane - first;
+      const bool mine = n >= 0 && n < found;
+      const std::uint32_t given = __shfl_sync(tile.mask, code, mine ? nthBit(joints, n) : tile.lane, kWidth);
+      if (mine) own = given;
+    };
+    take(have);
+    have += found;
+    if (have < kWidth) continue;
+    addExternalJointAlike(s, group, own, *sum);
+    have -= kWidth;
+    take(have - found);
+  }
+  if (tile.lane < have) addExternalJointAlike(s, group, own, *sum);
+}
+
 static __device__ __noinline__ void addExternalRollingApart(const View& s, int k, int end, int stride, Block6* sum) {
   for (; k < end; k += stride)
     if (const std::uint32_t code = s.external[k]; entryType(code) == kContactType) addRolling(s, code, *sum);
 }
 
-/// Forces and row Hessians of a chunk that are this lane's, of `kWidth`. any(): does one of them say yes?
-template <int kWidth, class Any>
-__device__ Block6 gatherChunk(const View& s, int i, const Chunk& chunk, const Group& group, int lane, Any&& any) {
+/// Forces and row Hessians of a chunk that are this lane's, of `kWidth`, a warp or less of which is a tile. any(): does one of them say yes?
+template <int kWidth, bool alike, int kTile, class Any>
+__device__ Block6 gatherChunk(const View& s, int i, const Chunk& chunk, const Group& group, const Tile<kTile>& tile, int lane, Any&& any) {
   Block6 own;
   for (int k = chunk.begin + lane; k < chunk.end; k += kWidth) addInertialForce(s, group, s.member[k], own);
   if (group.soft) {
@@ -179,7 +211,8 @@ __device__ Block6 gatherChunk(const View& s, int i, const Chunk& chunk, const Gr
   }
   if (any(joints)) {
     Block6 sum = own;
-    addExternalJointsApart(s, chunk.group, s.externalOffset[i] + lane, end, kWidth, &sum);
+    if constexpr (alike) addExternalJointsAlike(s, chunk.group, s.externalOffset[i] + (lane - tile.lane), end, kWidth, tile, &sum);
+    else addExternalJointsApart(s, chunk.group, s.externalOffset[i] + lane, end, kWidth, &sum);
     own = sum;
   }
   return own;
@@ -196,12 +229,12 @@ __device__ void handOn(const View& s, const SumTree& tree, int i, Group& group, 
 }
 
 /// A heavy chunk, by a block.
-template <int kTile>
+template <int kTile, bool alike>
 __device__ __noinline__ void sumHeavyChunk(const View& s, const SumTree& tree, int i, Real (&warpSums)[kThreads / kWarp][kWarp]) {
   const Chunk chunk = s.chunk[i];
   Group& group = s.group[chunk.group];
   const int thread = static_cast<int>(threadIdx.x);
-  const Block6 own = gatherChunk<kThreads>(s, i, chunk, group, thread, [](bool yes) { return __syncthreads_or(yes) != 0; });
+  const Block6 own = gatherChunk<kThreads, alike>(s, i, chunk, group, Tile<kWarp>::ofThread(), thread, [](bool yes) { return __syncthreads_or(yes) != 0; });
   Real mine[kRealsPerLane<kWarp>];
   sumBlocks(Tile<kWarp>::ofThread(), own, mine);
   warpSums[thread / kWarp][thread % kWarp] = mine[0];
@@ -219,7 +252,7 @@ __device__ __noinline__ void sumHeavyChunk(const View& s, const SumTree& tree, i
 }
 
 /// SumChunk and SolveGroup in one, for the chunks of a level (`lumpsOnly`: of groups with lumps): the first blocks take the heavy ones, tiles of the others one each.
-template <int kTile>
+template <int kTile, bool alike>
 __global__ void __launch_bounds__(kThreads, 6)
     sumChunks(const __grid_constant__ View s, SumTree tree, HeavyList heavy, int heavyBlocks, int level, bool lumpsOnly, Gate gate) {
   awaitPrevious();
@@ -229,7 +262,7 @@ __global__ void __launch_bounds__(kThreads, 6)
   const int begin = s.levelChunk[level], end = s.levelChunk[level + 1], block = static_cast<int>(blockIdx.x) - heavyBlocks;
   if (block < 0) {
     for (int h = static_cast<int>(blockIdx.x); h < *heavy.count; h += heavyBlocks)
-      if (const int i = heavy.element[h]; i >= begin && i < end && !isLeft(i)) sumHeavyChunk<kTile>(s, tree, i, warpSums);
+      if (const int i = heavy.element[h]; i >= begin && i < end && !isLeft(i)) sumHeavyChunk<kTile, alike>(s, tree, i, warpSums);
     return;
   }
   const Tile<kTile> tile = Tile<kTile>::ofThread();
@@ -239,7 +272,7 @@ __global__ void __launch_bounds__(kThreads, 6)
     if (isHeavyChunk(s, i, level) || isLeft(i)) continue;
     const Chunk chunk = s.chunk[i];
     Group& group = s.group[chunk.group];
-    const Block6 own = gatherChunk<kTile>(s, i, chunk, group, tile.lane, [&](bool yes) { return tile.ballot(yes) != 0; });
+    const Block6 own = gatherChunk<kTile, alike>(s, i, chunk, group, tile, tile.lane, [&](bool yes) { return tile.ballot(yes) != 0; });
     Real sums[kRealsPerLane<kTile>];
     sumBlocks(tile, own, sums);
     handOn(s, tree, i, group, tile, sums);

@@ -24,6 +24,16 @@ inline constexpr int kCrowd = 12288, kMany = 3072;
 /// Colours of at most this many bodies share a launch of one block: all that it solves at a time. More of them would wait for one another there.
 inline constexpr int kTailBodies = kGatherThreads / kFewWidth;
 
+/// What row blocks there may be besides contacts that do not roll. What they call takes registers from all of a kernel.
+enum class RareRows { None, Any, FewJoints };
+/// So few bodies do not fill the device with lanes: their joints take as long as one of them, whatever the others do.
+inline constexpr int kFewJointBodies = 16384;
+inline bool hasFewJoints(const View& s) { return s.hasJoints() && s.bodies <= kFewJointBodies; }
+inline RareRows rareRowsOf(const View& s) {
+  if (hasFewJoints(s)) return RareRows::FewJoints;
+  return s.hasJoints() || s.rolls || s.vertices > 0 ? RareRows::Any : RareRows::None;
+}
+
 /// Adds the joints among the entries [k, end) of a body, a lane each. Rare, and large: a call keeps its registers out of the kernels that contacts fill.
 static __device__ __noinline__ void addJointsApart(const View& s, int k, int end, int stride, Block6* sum) {
   for (; k < end; k += stride)
@@ -47,6 +57,23 @@ __device__ void addRareRows(const View& s, int body, int lane, bool joints, Any&
   Block6 others = sum;
   addJointsApart(s, begin + lane, end, kWidth, &others);
   sum = others;
+}
+
+/// Is there something else than contacts among the row blocks of a body, or does it roll? Entries are sorted by type, contacts first.
+__device__ inline bool hasRareRows(const View& s, int body) {
+  const int end = s.entryOffset[body + 1];
+  return end > s.entryOffset[body] && (s.rolls || entryType(s.entry[end - 1].code) != kContactType);
+}
+/// Adds these as far as they are this lane's, of `width`: joints begin side by side. Apart as above.
+static __device__ __noinline__ void addRareRowsAlike(const View& s, int body, int lane, int width, Block6* sum) {
+  const int begin = s.entryOffset[body], end = s.entryOffset[body + 1];
+  for (int k = end - 1 - lane; k >= begin; k -= width) {
+    const std::uint32_t code = s.entry[k].code;
+    if (entryType(code) == kContactType) break;
+    addJointAlike(s, code, *sum);
+  }
+  if (s.rolls)
+    for (int k = begin + lane; k < end && entryType(s.entry[k].code) == kContactType; k += width) addRolling(s, s.entry[k].code, *sum);
 }
 
 /// Sums of the rows of the bodies of a batch, several times: gatherers may be ahead of solvers by so many batches.
@@ -76,10 +103,12 @@ __device__ inline void passBy(int barrier) {
 
 /// Solves `count` bodies of one colour, which share no rows: `shares` blocks that call it together. Begins before the colour before is done, as far as
 /// no sweep writes what it reads. Ends with all threads at a barrier.
-template <int kWidth>
+template <int kWidth, RareRows rare>
 __device__ void solveBodies(const View& s, const int* bodies, int count, int share, int shares, SolveMemory& memory) {
+  // where bodies are few, and time is that of the longest, a few lanes a body of those that solve add its other rows while contacts are gathered
+  constexpr bool few = rare == RareRows::FewJoints, apart = few && kWidth == kFewWidth;
   constexpr int kBodies = kGatherThreads / kWidth;
-  static_assert(kBodies <= kSolvers);
+  static_assert(kBodies * (apart ? kWidth / kLanes : 1) <= kSolvers);
   const int thread = static_cast<int>(threadIdx.x), first = share * kBodies, stride = shares * kBodies;
   const int batches = first < count ? (count - first + stride - 1) / stride : 0;
   const auto nextBuffer = [](int buffer) { return buffer + 1 < kBuffers ? buffer + 1 : 0; };
@@ -91,9 +120,17 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, int sha
     stream.start();
     for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = nextBuffer(buffer)) {
       Block6 own;
-      const bool joints = stream.gather(own);
-      if (const int k = first + batch * stride + slot; (s.rolls || tile.ballot(joints) != 0) && k < count)
-        addRareRows<kWidth>(s, bodies[k], tile.lane, joints, [&](bool yes) { return tile.ballot(yes) != 0; }, own);
+      const bool others = stream.gather(own);
+      if constexpr (rare != RareRows::None && !apart)
+        if (const int k = first + batch * stride + slot; (s.rolls || tile.ballot(others) != 0) && k < count) {
+          if constexpr (few) {
+            Block6 sum = own;
+            addRareRowsAlike(s, bodies[k], tile.lane, kWidth, &sum);
+            own = sum;
+          } else {
+            addRareRows<kWidth>(s, bodies[k], tile.lane, others, [&](bool yes) { return tile.ballot(yes) != 0; }, own);
+          }
+        }
       Real mine[kRealsPerLane<kWidth>];
       sumBlocks(tile, own, mine);
       if (batch >= kBuffers) waitAt(kEmpty + buffer);
@@ -102,15 +139,23 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, int sha
       passBy(kFull + buffer);
     }
   } else {
-    const int solver = thread - kGatherThreads;
+    constexpr int kShare = apart ? kWidth / kLanes : 1;
+    const Tile<kShare> tile = Tile<kShare>::ofThread();
+    const int solver = (thread - kGatherThreads) / kShare;
     awaitPrevious();
     for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = nextBuffer(buffer)) {
       const int k = first + batch * stride + solver;
-      const bool on = solver < kBodies && k < count;
-      const int body = on ? bodies[k] : 0;
+      const bool mine = solver < kBodies && k < count, on = mine && tile.lane == 0;
+      const int body = mine ? bodies[k] : 0;
       Block6 block, rows;
       Pose x;
       if (on) x = startBlock(s, body, block);
+      if constexpr (apart)
+        if (mine && hasRareRows(s, body)) {
+          Block6 own;
+          addRareRowsAlike(s, body, tile.lane, kShare, &own);
+          block += sumOf(tile, own);
+        }
       waitAt(kFull + buffer);
       if (on) memcpy(static_cast<void*>(&rows), memory.sums[buffer][solver], sizeof rows);
       // the last ones are waited for by nobody
@@ -125,7 +170,8 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, int sha
 }
 
 /// Forces and Hessians of the row blocks of a hub that are this thread's, of a block.
-__device__ inline Block6 gatherHub(const View& s, int body, int thread) {
+template <RareRows rare>
+__device__ Block6 gatherHub(const View& s, int body, int thread) {
   const int end = s.entryOffset[body + 1], point = thread % kLanes;
   int k = s.entryOffset[body] + thread / kLanes;
   const Displacement own = s.moved[body];
@@ -139,15 +185,17 @@ __device__ inline Block6 gatherHub(const View& s, int body, int thread) {
     const Displacement other = s.moved[onA ? r.b : r.a];
     stampContact<Real>(s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
   }
-  addRareRows<kSolveThreads>(s, body, thread, k < end, [](bool yes) { return __syncthreads_or(yes) != 0; }, sum);
+  if constexpr (rare != RareRows::None)
+    addRareRows<kSolveThreads>(s, body, thread, k < end, [](bool yes) { return __syncthreads_or(yes) != 0; }, sum);
   return sum;
 }
 
 /// A hub by all threads of a block.
+template <RareRows rare>
 static __device__ __noinline__ void solveHub(const View& s, int body, Real (&warpSums)[kSolveThreads / kWarp][kWarp]) {
   const Tile<kWarp> tile = Tile<kWarp>::ofThread();
   const int thread = static_cast<int>(threadIdx.x), warp = thread / kWarp;
-  const Block6 own = gatherHub(s, body, thread);
+  const Block6 own = gatherHub<rare>(s, body, thread);
   Real mine[kRealsPerLane<kWarp>];
   sumBlocks(tile, own, mine);
   warpSums[warp][tile.lane] = mine[0];
@@ -167,19 +215,21 @@ static __device__ __noinline__ void solveHub(const View& s, int body, Real (&war
 }
 
 /// The hubs of a colour: `shares` blocks share them out.
-__device__ inline void solveHubs(const View& s, int color, const HeavyList& hubs, int share, int shares, SolveMemory& memory) {
+template <RareRows rare>
+__device__ void solveHubs(const View& s, int color, const HeavyList& hubs, int share, int shares, SolveMemory& memory) {
   for (int h = share; h < *hubs.count; h += shares)
-    if (const int body = hubs.element[h]; s.color[body] == color && isSwept(s, body)) solveHub(s, body, memory.warpSums);
+    if (const int body = hubs.element[h]; s.color[body] == color && isSwept(s, body)) solveHub<rare>(s, body, memory.warpSums);
 }
 
-__device__ inline void solveColorTogether(const View& s, int color, int share, int shares, SolveMemory& memory) {
+template <RareRows rare>
+__device__ void solveColorTogether(const View& s, int color, int share, int shares, SolveMemory& memory) {
   const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
-  if (count > kCrowd)
-    solveBodies<kCrowdWidth>(s, s.colorBody + begin, count, share, shares, memory);
+  if (rare != RareRows::FewJoints && count > kCrowd)
+    solveBodies<kCrowdWidth, rare>(s, s.colorBody + begin, count, share, shares, memory);
   else if (count > kMany)
-    solveBodies<kManyWidth>(s, s.colorBody + begin, count, share, shares, memory);
+    solveBodies<kManyWidth, rare>(s, s.colorBody + begin, count, share, shares, memory);
   else
-    solveBodies<kFewWidth>(s, s.colorBody + begin, count, share, shares, memory);
+    solveBodies<kFewWidth, rare>(s, s.colorBody + begin, count, share, shares, memory);
 }
 
 /// Lanes of a vertex, which share out its elements and contacts: few where vertices fill the device, more where they don't. By the population
@@ -278,6 +328,7 @@ __device__ inline void noteWideColors(const View& s, int colors, Control* contro
 
 /// The bodies and vertices of colour `first`, which share nothing. Or, without blocks for hubs: all colours from it on, one after another in one block,
 /// whatever their size. It is one kernel, so that a body has the same bits wherever it is solved.
+template <RareRows rare>
 static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
     solveColors(const __grid_constant__ View s, int first, HeavyList hubs, ColorBlocks blocks, Control* control) {
   __shared__ SolveMemory memory;
@@ -290,13 +341,19 @@ static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
   for (int c = first; c < end; ++c) {
     if (tail || vertexBlock < 0) {
       awaitPrevious();
-      solveHubs(s, c, hubs, block, tail ? 1 : blocks.hubs, memory);
+      solveHubs<rare>(s, c, hubs, block, tail ? 1 : blocks.hubs, memory);
     }
-    if (bodyBlock >= 0) solveColorTogether(s, c, bodyBlock, static_cast<int>(gridDim.x) - blocks.hubs - blocks.vertices, memory);
-    if (s.vertices == 0) continue;
+    if (bodyBlock >= 0) solveColorTogether<rare>(s, c, bodyBlock, static_cast<int>(gridDim.x) - blocks.hubs - blocks.vertices, memory);
+    if (rare == RareRows::None || s.vertices == 0) continue;
     if (tail || (vertexBlock >= 0 && bodyBlock < 0)) solveVertices<false>(s, c, vertexBlock * kSolveThreads + thread, max(blocks.vertices, 1) * kSolveThreads);
     __syncthreads();
   }
+}
+
+/// The one for the row blocks that there are.
+inline auto solveColorsOf(const View& s) {
+  const RareRows rare = rareRowsOf(s);
+  return rare == RareRows::None ? solveColors<RareRows::None> : rare == RareRows::Any ? solveColors<RareRows::Any> : solveColors<RareRows::FewJoints>;
 }
 
 }  // namespace rubble::RUBBLE_CORE

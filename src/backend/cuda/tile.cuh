@@ -45,6 +45,11 @@ struct Tile {
     }
     return total - a;
   }
+  __device__ int least(int a) const {
+#pragma unroll
+    for (int step = kWidth / 2; step > 0; step /= 2) a = min(a, __shfl_xor_sync(mask, a, step, kWidth));
+    return a;
+  }
   /// Bit k: lane k says yes.
   __device__ unsigned ballot(bool yes) const { return (__ballot_sync(mask, yes) & mask) >> (__ffs(static_cast<int>(mask)) - 1); }
 };
@@ -103,6 +108,17 @@ __device__ Block3 sumOf(const Tile<kWidth>& tile, const Block3& own) {
   Block3 sum;
   sum.f = tile.sum(own.f);
   sum.h = {tile.sum(own.h.xx), tile.sum(own.h.xy), tile.sum(own.h.xz), tile.sum(own.h.yy), tile.sum(own.h.yz), tile.sum(own.h.zz)};
+  return sum;
+}
+
+template <int kWidth>
+__device__ Block6 sumOf(const Tile<kWidth>& tile, const Block6& own) {
+  Real v[kBlockReals];
+  memcpy(v, &own, sizeof own);
+#pragma unroll
+  for (int k = 0; k < kBlockReals; ++k) v[k] = tile.sum(v[k]);
+  Block6 sum;
+  memcpy(static_cast<void*>(&sum), v, sizeof sum);
   return sum;
 }
 
