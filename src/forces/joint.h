@@ -71,8 +71,8 @@ struct PartList {
 };
 
 struct AnchorRows;
-/// A joint about a point: its anchors coincide, and all else that it asks for depends on how A is turned against B alone. Sweeps read no more of one
-/// than a JointFrame has, whatever its type (forces/joint_stamp.h).
+/// A joint about a point: its anchors coincide, and all else that it asks for depends on how A is turned against B alone. Sweeps read of it its
+/// PivotFrame, the rows of its anchors and those that turn, which look alike whatever its type (forces/joint_stamp.h).
 template <class F>
 constexpr bool isPivot() {
   return []<class First, class... P>(PartList<First, P...>) {

@@ -88,7 +88,7 @@ RUBBLE_HD SidePose<F> poseOfB(const View& s, const JointSpec<F>& spec, const Joi
 
 /// Displacement and rotation of a body since x^t.
 RUBBLE_HD RUBBLE_NEAR Pose poseSinceStart(const View& s, int body) {
-  // nothing waits for another read: which body it is has just come
+  // read at once: whether it is the world decides what to take, not what to wait for
   const int i = max(body, 0);
   const Vec3 moved = s.moved[i].dp;
   const Quat turned = s.turned[i];
