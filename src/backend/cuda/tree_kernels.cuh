@@ -75,7 +75,7 @@ struct AssembleTreesByTile {
       addWeighted(own, rows, movesInTree(s, s.entry[k].other) ? Real(2) : Real(1));
     }
     // entries are sorted by type, contacts first and joints before deformable objects
-    k = tile.least(k);
+    k = __reduce_min_sync(tile.mask, k);
     double block = 0;
     for (int joints = kWidth; joints == kWidth; k += joints) {
       // a lane a joint
