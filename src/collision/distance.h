@@ -38,8 +38,14 @@ struct Vertex {
 /// Up to four vertices whose hull has the point nearest to the origin inside, and its barycentric coordinates.
 struct Simplex {
   Vertex v[4];
-  double weight[4];
+  double weight[3];
   int count;
+};
+
+/// Vertices of a simplex by number, whose hull has that point inside; none: the origin is inside of the whole.
+struct Part {
+  int count, vertex[3];
+  double weight[3];
 };
 
 RUBBLE_HD RUBBLE_APART inline Vec3d rareSupport(const Convex& c, const Vec3d& d) { return RUBBLE_CORE::support(c, d); }
@@ -52,69 +58,68 @@ RUBBLE_HD inline Vec3d support(const Placed& s, const Vec3d& direction) {
   return s.p + rotate(s.q, Vec3d{d.x < 0 ? -half.x : half.x, d.y < 0 ? -half.y : half.y, d.z < 0 ? -half.z : half.z});
 }
 
-RUBBLE_HD inline Vec3d nearest(const Simplex& s) {
+RUBBLE_HD inline Vec3d nearest(const Simplex& s, const Part& part) {
   Vec3d x;
-  for (int i = 0; i < s.count; ++i) x += s.v[i].w * s.weight[i];
+  for (int k = 0; k < part.count; ++k) x += s.v[part.vertex[k]].w * part.weight[k];
   return x;
 }
 
-RUBBLE_HD inline Simplex part(const Vertex& a) { return {{a, {}, {}, {}}, {1, 0, 0, 0}, 1}; }
-RUBBLE_HD inline Simplex part(const Vertex& a, const Vertex& b, double t) { return {{a, b, {}, {}}, {1 - t, t, 0, 0}, 2}; }
+RUBBLE_HD inline Part onVertex(int a) { return {1, {a, 0, 0}, {1, 0, 0}}; }
+RUBBLE_HD inline Part onEdge(int a, int b, double t) { return {2, {a, b, 0}, {1 - t, t, 0}}; }
 
-RUBBLE_HD inline Simplex nearestPart(const Vertex& a, const Vertex& b) {
-  const Vec3d ab = b.w - a.w;
-  const double t = -dot(a.w, ab), size = dot(ab, ab);
-  if (t <= 0) return part(a);
-  if (t >= size) return part(b);
-  return part(a, b, t / size);
+RUBBLE_HD inline Part nearestPart(const Simplex& s, int i, int j) {
+  const Vec3d &a = s.v[i].w, ab = s.v[j].w - a;
+  const double t = -dot(a, ab), size = dot(ab, ab);
+  if (t <= 0) return onVertex(i);
+  if (t >= size) return onVertex(j);
+  return onEdge(i, j, t / size);
 }
 
-RUBBLE_HD inline Simplex nearestPart(const Vertex& a, const Vertex& b, const Vertex& c) {
-  const Vec3d ab = b.w - a.w, ac = c.w - a.w;
-  const double d1 = -dot(ab, a.w), d2 = -dot(ac, a.w);
-  if (d1 <= 0 && d2 <= 0) return part(a);
-  const double d3 = -dot(ab, b.w), d4 = -dot(ac, b.w);
-  if (d3 >= 0 && d4 <= d3) return part(b);
+RUBBLE_HD inline Part nearestPart(const Simplex& s, int i, int j, int k) {
+  const Vec3d &a = s.v[i].w, &b = s.v[j].w, &c = s.v[k].w, ab = b - a, ac = c - a;
+  const double d1 = -dot(ab, a), d2 = -dot(ac, a);
+  if (d1 <= 0 && d2 <= 0) return onVertex(i);
+  const double d3 = -dot(ab, b), d4 = -dot(ac, b);
+  if (d3 >= 0 && d4 <= d3) return onVertex(j);
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return part(a, b, d1 / (d1 - d3));
-  const double d5 = -dot(ab, c.w), d6 = -dot(ac, c.w);
-  if (d6 >= 0 && d5 <= d6) return part(c);
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return onEdge(i, j, d1 / (d1 - d3));
+  const double d5 = -dot(ab, c), d6 = -dot(ac, c);
+  if (d6 >= 0 && d5 <= d6) return onVertex(k);
   const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return part(a, c, d2 / (d2 - d6));
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return onEdge(i, k, d2 / (d2 - d6));
   const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 >= d3 && d5 >= d6) return part(b, c, (d4 - d3) / ((d4 - d3) + (d5 - d6)));
+  if (va <= 0 && d4 >= d3 && d5 >= d6) return onEdge(j, k, (d4 - d3) / ((d4 - d3) + (d5 - d6)));
   const double total = va + vb + vc;
-  return {{a, b, c, {}}, {va / total, vb / total, vc / total, 0}, 3};
+  return {3, {i, j, k}, {va / total, vb / total, vc / total}};
 }
 
-/// Keeps the part of the simplex that is nearest to the origin. Returns false if the origin is inside a tetrahedron.
-RUBBLE_HD inline bool reduce(Simplex& s) {
-  if (s.count == 1) {
-    s.weight[0] = 1;
-  } else if (s.count == 2) {
-    s = nearestPart(s.v[0], s.v[1]);
-  } else if (s.count == 3) {
-    s = nearestPart(s.v[0], s.v[1], s.v[2]);
-  } else {
-    bool inside = true, found = false;
-    Simplex best = s;
-    double best2 = 0;
-    for (int i = 0; i < 4; ++i) {
-      const Vertex &a = s.v[(i + 1) % 4], &b = s.v[(i + 2) % 4], &c = s.v[(i + 3) % 4], &other = s.v[i];
-      const Vec3d n = cross(b.w - a.w, c.w - a.w);
-      const double own = dot(n, other.w - a.w), origin = -dot(n, a.w);
-      // on the same side of this face as the fourth vertex; a flat tetrahedron has no inside
-      if (own * origin > 0 && own * own > 1e-24 * dot(n, n) * dot(other.w - a.w, other.w - a.w)) continue;
-      inside = false;
-      const Simplex face = nearestPart(a, b, c);
-      const Vec3d x = nearest(face);
-      if (!found || dot(x, x) < best2) best = face, best2 = dot(x, x), found = true;
-    }
-    if (inside) return false;
-    s = best;
+/// The part of the first `count` vertices that is nearest to the origin.
+RUBBLE_HD inline Part nearestPart(const Simplex& s, int count) {
+  if (count == 1) return onVertex(0);
+  if (count == 2) return nearestPart(s, 0, 1);
+  if (count == 3) return nearestPart(s, 0, 1, 2);
+  Part best{};
+  double best2 = 0;
+  for (int i = 0; i < 4; ++i) {
+    const int j = (i + 1) % 4, k = (i + 2) % 4, l = (i + 3) % 4;
+    const Vec3d &a = s.v[j].w, n = cross(s.v[k].w - a, s.v[l].w - a), edge = s.v[i].w - a;
+    const double own = dot(n, edge), origin = -dot(n, a);
+    // on the same side of this face as the fourth vertex; a flat tetrahedron has no inside
+    if (own * origin > 0 && own * own > 1e-24 * dot(n, n) * dot(edge, edge)) continue;
+    const Part face = nearestPart(s, j, k, l);
+    const Vec3d x = nearest(s, face);
+    if (best.count == 0 || dot(x, x) < best2) best = face, best2 = dot(x, x);
   }
-  return true;
+  return best;
 }
+RUBBLE_HD inline void keep(Simplex& s, const Part& part) {
+  const Vertex kept[3] = {s.v[part.vertex[0]], s.v[part.vertex[1]], s.v[part.vertex[2]]};
+  for (int k = 0; k < part.count; ++k) s.v[k] = kept[k], s.weight[k] = part.weight[k];
+  s.count = part.count;
+}
+
+/// Cores overlap whose squared distance is less than this share of their squared sizes.
+inline constexpr double kTouching = 1e-22;
 
 /// Points of the two cores that are nearest to one another.
 RUBBLE_HD inline Separation cores(const Placed& a, const Placed& b) {
@@ -131,7 +136,7 @@ RUBBLE_HD inline Separation cores(const Placed& a, const Placed& b) {
   bool apart = true;
   for (int step = 0; step < kMostSteps; ++step) {
     const double x2 = dot(x, x);
-    if (x2 <= 1e-22 * scale2) {
+    if (x2 <= kTouching * scale2) {
       apart = false;
       break;
     }
@@ -141,21 +146,44 @@ RUBBLE_HD inline Separation cores(const Placed& a, const Placed& b) {
     bool known = false;
     for (int i = 0; i < s.count; ++i) known |= s.v[i].w == v.w;
     if (known) break;
-    Simplex next = s;
-    next.v[next.count++] = v;
-    if (!reduce(next)) {
+    s.v[s.count] = v;
+    const Part part = nearestPart(s, s.count + 1);
+    if (part.count == 0) {
       apart = false;
       break;
     }
-    const Vec3d y = nearest(next);
+    const Vec3d y = nearest(s, part);
     if (dot(y, y) >= x2) break;
-    s = next, x = y;
+    keep(s, part);
+    x = y;
   }
   Separation out{};
   if (!apart) return out;
   for (int i = 0; i < s.count; ++i) out.onA += s.v[i].a * s.weight[i], out.onB += s.v[i].b * s.weight[i];
   out.distance = length(x);
   out.n = x * (-1 / out.distance);
+  return out;
+}
+
+/// The core of a sphere is a point, that of a capsule a line.
+RUBBLE_HD inline bool isLine(const Placed& s) { return s.shape.kind == ShapeKind::Sphere || s.shape.kind == ShapeKind::Capsule; }
+
+/// The same for two lines p + s u and q + t v with s and t in [-1, 1], in closed form (Ericson 2005, section 5.1.9).
+RUBBLE_HD inline Separation lines(const Placed& a, const Placed& b) {
+  const Vec3d u = rotate(a.q, Vec3d(a.shape.half)), v = rotate(b.q, Vec3d(b.shape.half)), r = b.p - a.p;
+  const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r), det = uu * vv - uv * uv;
+  const auto along = [](double way, double size) { return size > 0 ? clamp(way / size, -1.0, 1.0) : 0.0; };
+  // where they are parallel any s will do
+  double s = det > 1e-12 * uu * vv ? clamp((ur * vv - uv * vr) / det, -1.0, 1.0) : 0.0;
+  const double t = along(s * uv - vr, vv);
+  s = along(t * uv + ur, uu);
+  Separation out{};
+  const Vec3d onA = a.p + u * s, onB = b.p + v * t, x = onB - onA;
+  const double x2 = dot(x, x);
+  if (x2 <= kTouching * (uu + vv + 1e-30)) return out;
+  out.onA = onA, out.onB = onB;
+  out.distance = std::sqrt(x2);
+  out.n = x / out.distance;
   return out;
 }
 
@@ -179,7 +207,7 @@ RUBBLE_HD inline Separation separation(const Placed& a, const Placed& b) {
     const Separation s = gjk::fromPlane(b, a);
     return {s.distance, s.onB, s.onA, -s.n};
   }
-  Separation s = gjk::cores(a, b);
+  Separation s = gjk::isLine(a) && gjk::isLine(b) ? gjk::lines(a, b) : gjk::cores(a, b);
   s.onA += s.n * a.radius(), s.onB -= s.n * b.radius();
   s.distance -= a.radius() + b.radius();
   return s;
@@ -207,8 +235,10 @@ RUBBLE_HD inline Placed movedBy(const Placed& s, const Way& way, double fraction
   return m;
 }
 
-/// No point of the core goes further by a turn of its body than this [m].
-RUBBLE_HD inline double turnReach(const Placed& s, const Way& way) { return length(way.turn) * (length(Vec3d(s.shape.half)) + length(s.arm)); }
+/// No point of the core goes further along the unit vector n by a turn of its body than this [m]: (w x r) . n = (n x w) . r, however far r has turned.
+RUBBLE_HD inline double turnReach(const Placed& s, const Way& way, const Vec3d& n) {
+  return length(cross(n, way.turn)) * (length(Vec3d(s.shape.half)) + length(s.arm));
+}
 
 /// Where and when A and B come within `tolerance` of one another.
 struct Meeting {
@@ -218,10 +248,9 @@ struct Meeting {
 RUBBLE_HD inline Meeting meeting(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, double tolerance) {
   constexpr int kMostSteps = 128;  // whoever needs more stays within the tolerance for long: then that is where they meet
   const Vec3d relative = wayA.move - wayB.move;
-  const double turning = turnReach(a, wayA) + turnReach(b, wayB);
   Meeting m{0, separation(a, b)};
   for (int step = 0; step < kMostSteps && m.at.distance > tolerance; ++step) {
-    const double closing = dot(m.at.n, relative) + turning;
+    const double closing = dot(m.at.n, relative) + turnReach(a, wayA, m.at.n) + turnReach(b, wayB, m.at.n);
     if (!(closing > 0)) return {2, m.at};
     m.fraction += (m.at.distance - tolerance / 2) / closing;
     if (m.fraction > 1) return {2, m.at};

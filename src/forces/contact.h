@@ -115,10 +115,10 @@ RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRo
 }
 
 /// Adds forces and Hessians of the points to the block of A (onA) or B: [[W, -W [r]], [[r] W, -[r] W [r]]], W = k_n n n^T + tangential part.
-/// The block may be about another point than the body's centre, which then lies `shift` from that point.
+/// The block may be about another point than the body's centre, which then lies `shift` from that point. Hessians count `weight` times.
 template <class L>
 RUBBLE_HD void stampContact(const StepConstants& c, const ContactRows& m, bool onA, const Displacement& a, const Displacement& b, int lane,
-                            Block6T<L>& block, const Vec3& shift = {0, 0, 0}) {
+                            Block6T<L>& block, const Vec3& shift = {0, 0, 0}, Real weight = 1) {
   const ContactFrame<L> f = contactFrame<L>(m, lane);
   const ContactForces<L> o = contactForces(c, m, f, a, b);
   const Vec3T<L>& own = onA ? f.rA : f.rB;
@@ -129,7 +129,7 @@ RUBBLE_HD void stampContact(const StepConstants& c, const ContactRows& m, bool o
   const L fn = sign * o.fN, f1 = sign * o.t.f1, f2 = sign * o.t.f2;
   const Vec3T<L> force{n.x * fn + t1.x * f1 + t2.x * f2, n.y * fn + t1.y * f1 + t2.y * f2, n.z * fn + t1.z * f1 + t2.z * f2};
 
-  addAtLever(block, r, force, pointHessian(n, t1, t2, f.load.w, o.t));
+  addAtLever(block, r, force, LaneAccess<L>::splat(weight) * pointHessian(n, t1, t2, f.load.w, o.t));
 }
 
 /// The dual update [S 13], [S 14] of the points: normal force first, then the cone with it, then both stiffnesses.

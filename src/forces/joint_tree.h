@@ -52,6 +52,7 @@ struct alignas(2 * sizeof(double)) TreePart {
 template <class F>
 struct TreeRows {
   TreePart<kSides<F>> part[F::Parts::kCount];
+  Vec3 gap;  ///< of its anchors at the end of the step, beyond what it inherited [m]
 };
 
 /// A row with the stiffness of a tree, or its own compliance.

@@ -46,11 +46,11 @@ RUBBLE_HD inline void addSquare(Dense6& h, const Long6& a, double s) {
     for (int j = 0; j <= i; ++j) h.m[i][j] += s * a.v[i] * a.v[j];
 }
 
-/// The lower triangle of H += scale times the Hessian of a block; f += its force.
-RUBBLE_HD inline void addBlock(Dense6& h, Long6& f, const Block6& block, double scale) {
+/// The lower triangle of H += the Hessian of a block; f += its force.
+RUBBLE_HD inline void addBlock(Dense6& h, Long6& f, const Block6& block) {
   const Sym6 s = pack(block);
   for (int i = 0; i < 6; ++i)
-    for (int j = 0; j <= i; ++j) h.m[i][j] += scale * static_cast<double>(s(i, j));
+    for (int j = 0; j <= i; ++j) h.m[i][j] += static_cast<double>(s(i, j));
   const Long6 force = longer({block.fl, block.fa});
   for (int i = 0; i < 6; ++i) f.v[i] += force.v[i];
 }

@@ -172,11 +172,11 @@ RUBBLE_HD inline Pose startBlock(const View& s, int i, Block6& block) {
   return x;
 }
 
-/// Adds points of a contact on one of its bodies.
+/// Adds points of a contact on one of its bodies. Hessians count `weight` times.
 template <class L>
-RUBBLE_HD void addContact(const View& s, std::uint32_t code, int lane, Block6T<L>& points) {
+RUBBLE_HD void addContact(const View& s, std::uint32_t code, int lane, Block6T<L>& points, Real weight = 1) {
   const ContactRows& r = s.contact[entryIndex(code)];
-  stampContact<L>(s.step, r, entrySide(code) == 0, s.moved[r.a], s.moved[r.b], lane, points);
+  stampContact<L>(s.step, r, entrySide(code) == 0, s.moved[r.a], s.moved[r.b], lane, points, {0, 0, 0}, weight);
 }
 
 /// Sums over contacts, of each of their points apart: one order of additions, whatever an L stands for.
@@ -190,8 +190,8 @@ struct PointSums {
   RUBBLE_HD void each(Add&& add) {
     for (int lane = 0; lane < kLanes; lane += kStep) add(lane, sum[lane / kStep]);
   }
-  RUBBLE_HD void add(const View& s, std::uint32_t code) {
-    each([&](int lane, Block6T<L>& points) { addContact<L>(s, code, lane, points); });
+  RUBBLE_HD void add(const View& s, std::uint32_t code, Real weight = 1) {
+    each([&](int lane, Block6T<L>& points) { addContact<L>(s, code, lane, points, weight); });
   }
   RUBBLE_HD void addTo(Block6& to) const {
     if constexpr (kStep == kLanes) {

@@ -53,18 +53,20 @@ struct FindOpenTrees {
     const int a = closingNode(s, spec.a), node = a >= 0 ? a : closingNode(s, spec.b);
     if (node < 0) return;
     const Joint<F>& joint = s.jointsOf<F>()[i];
-    if (length(openedGap(s, spec, joint)) > kOpenGap * joint.length) atomicSet(&s.treeOpen[s.treeNode[node].tree], 1);
+    const Vec3 gap = openedGap(s, spec, joint);
+    s.treeRowsOf<F>()[i].gap = gap;
+    if (length(gap) > kOpenGap * joint.length) atomicSet(&s.treeOpen[s.treeNode[node].tree], 1);
   }
 };
 
 template <class F>
-RUBBLE_HD RUBBLE_APART void stampGap(const View& s, const TreeNode& node, int index, int side, TreeLink& link) {
+RUBBLE_HD void stampGap(const View& s, const TreeNode& node, int index, int side, TreeLink& link) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
   if (!spec.holds || !active<F>(s, index)) return;
   const int other = bodyOf(spec, 1 - side), to = closingNode(s, other);
   const Real own = s.params[node.body].mass;
   const double k = kTreeStiffness * static_cast<double>(to >= 0 ? min(own, s.params[other].mass) : own);
-  const Vec3d gap(openedGap(s, spec, s.jointsOf<F>()[index]));
+  const Vec3d gap(s.treeRowsOf<F>()[index].gap);
   link.h += k;
   link.x += (side == 0 ? -k : k) * gap;
   for (int t = 0; t < 2; ++t)
@@ -123,6 +125,18 @@ struct SubstituteLink {
     for (int t = 0; t < 2; ++t)
       if (node.near[t] >= 0) link.x -= link.w[t] * s.treeLink[node.near[t]].x;
     if (closingNode(s, node.body) == begin + k && isFinite(Vec3(link.x))) s.position[node.body] += link.x;
+  }
+};
+
+/// All rounds of a small tree.
+struct CloseTree {
+  static constexpr const char* kName = "closing";
+  RUBBLE_HD void operator()(const View& s, int tree) const {
+    const int begin = s.treeOffset[tree], end = s.treeOffset[tree + 1];
+    if (s.treeOpen[s.treeNode[s.treeMember[begin]].tree] == 0) return;
+    for (int k = begin; k < end; ++k) AssembleLinks{}(s, s.treeMember[k]);
+    for (int k = begin; k < end; ++k) EliminateLink{0}(s, s.treeMember[k]);
+    for (int k = end - 1; k >= begin; --k) SubstituteLink{0}(s, s.treeMember[k]);
   }
 };
 

@@ -49,10 +49,10 @@ struct UpdateRollingDuals {
   }
 };
 
-/// Adds the rolling friction of a contact on one of its bodies; angular moments are the same about every point.
-RUBBLE_HD inline void addRolling(const View& s, std::uint32_t code, Block6& block) {
+/// Adds the rolling friction of a contact on one of its bodies; angular moments are the same about every point. Hessians count `weight` times.
+RUBBLE_HD inline void addRolling(const View& s, std::uint32_t code, Block6& block, Real weight = 1) {
   const ContactRows& m = s.contact[entryIndex(code)];
-  stampRolling(s.rolling[m.manifold], m, entrySide(code) == 0, s.moved[m.a], s.moved[m.b], block);
+  stampRolling(s.rolling[m.manifold], m, entrySide(code) == 0, s.moved[m.a], s.moved[m.b], block, weight);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -194,16 +194,17 @@ void correctTrees(E& e, TreeSolve how) {
   const int nodes = treeNodes(s);
   e.forEach(BeginTrees{how}, nodes);
   forEachJoint<FindTreeRows>(e, how);
-  e.forEach(AssembleTrees<typename E::Lane>{how}, nodes);
+  e.beside(AssembleTreeBodies<typename E::Lane>{}, nodes);
   if (s.smallTrees) {
     e.forEach(SolveTree{}, s.trees);
   } else {
+    e.forEach(AssembleTreeJoints{}, nodes);
     for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
     for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+    e.forEach(MoveTrees{}, nodes);
   }
   if (how != TreeSolve::Again)
     forEachJoint<TakeTreeForces>(e);
-  e.forEach(MoveTrees{}, nodes);
 }
 
 /// Joints that are open at the end of the step.
@@ -213,6 +214,10 @@ void closeTrees(E& e) {
   const int nodes = treeNodes(s);
   e.clear(&View::treeOpen, nodes);
   forEachJoint<FindOpenTrees>(e);
+  if (s.smallTrees) {
+    e.forEach(CloseTree{}, s.trees);
+    return;
+  }
   e.forEach(AssembleLinks{}, nodes);
   for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateLink{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
   for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteLink{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);

@@ -28,6 +28,9 @@ struct MarkSoftTrees {
 
 RUBBLE_HD inline bool movesInTree(const View& s, int body) { return body >= 0 && body < s.bodies && s.nodeOfBody[body] >= 0; }
 
+/// How often the Hessian of a contact counts.
+RUBBLE_HD inline Real contactWeight(const View& s, const Entry& entry) { return movesInTree(s, entry.other) ? Real(2) : Real(1); }
+
 /// The node of a body that its tree may move, -1: none.
 RUBBLE_HD inline int movingNode(const View& s, int body) { return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1; }
 
@@ -112,45 +115,51 @@ RUBBLE_HD inline void decouple(TreeBlock& w, int axis) {
   w.x.v[axis] = 0;
 }
 
-/// The block of each body of a tree, and its coupling to the neighbours that it has when it is eliminated.
+/// Does a body stay where it is in this solve?
+RUBBLE_HD inline bool stands(const View& s, const TreeNode& node) { return !isDynamic(s, node.body) || s.treeRests[node.tree] != 0; }
+
+/// The block of each body of a tree without its joints: the rows that leave the tree, and those of contacts within it.
 template <class L>
-struct AssembleTrees {
+struct AssembleTreeBodies {
   static constexpr const char* kName = "tree rows";
-  TreeSolve how;
   RUBBLE_HD void operator()(const View& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     TreeBlock& w = s.treeWork[n];
     clear(w.h), clear(w.x), clear(w.e[0]), clear(w.e[1]);
-    if (stands(s, node)) return standStill(w);
-    const int i = node.body, end = s.entryOffset[i + 1];
-    // of bodies that do not move in trees, and of those that do
-    Block6 own, shared;
-    PointSums<L> ownPoints, sharedPoints;
-    startBlock(s, i, own);
-    int k = s.entryOffset[i];
-    for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
-      const bool both = movesInTree(s, s.entry[k].other);
-      (both ? sharedPoints : ownPoints).add(s, s.entry[k].code);
-      if (s.rolls) addRolling(s, s.entry[k].code, both ? shared : own);
+    if (stands(s, node)) {
+      for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
+      return;
     }
-    ownPoints.addTo(own);
-    sharedPoints.addTo(shared);
-    for (; k < end; ++k) addOther(s, n, s.entry[k], w, own);
-    addBlock(w.h, w.x, own, 1);
-    addBlock(w.h, w.x, shared, 2);
-    lockAxesOf(s, node, w);
+    const int i = node.body, end = s.entryOffset[i + 1];
+    Block6 block;
+    PointSums<L> points;
+    startBlock(s, i, block);
+    for (int k = s.entryOffset[i]; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
+      const Real weight = contactWeight(s, s.entry[k]);
+      points.add(s, s.entry[k].code, weight);
+      if (s.rolls) addRolling(s, s.entry[k].code, block, weight);
+    }
+    points.addTo(block);
+    // deformable objects come last
+    for (int k = end; k > s.entryOffset[i] && entryType(s.entry[k - 1].code) > JointTypes::kSize; --k) addSoftRows(s, s.entry[k - 1].code, block);
+    addBlock(w.h, w.x, block);
   }
+};
 
-  RUBBLE_HD bool stands(const View& s, const TreeNode& node) const { return !isDynamic(s, node.body) || s.treeRests[node.tree] != 0; }
-  RUBBLE_HD static void standStill(TreeBlock& w) {
-    for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
-  }
-  /// Adds a row block that is no contact.
-  RUBBLE_HD static void addOther(const View& s, int n, const Entry& entry, TreeBlock& w, Block6& own) {
-    if (entryType(entry.code) > JointTypes::kSize) return addSoftRows(s, entry.code, own);
-    forEachType(JointTypes{}, [&]<class F>() {
-      if (entryType(entry.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(entry.code)) stampJointOfNode<F>(s, n, entry, w);
-    });
+/// Joints come to the blocks, and make the couplings to the neighbours that a body has when it is eliminated.
+struct AssembleTreeJoints {
+  static constexpr const char* kName = "tree rows";
+  RUBBLE_HD void operator()(const View& s, int n) const {
+    const TreeNode& node = s.treeNode[n];
+    if (stands(s, node)) return;
+    TreeBlock& w = s.treeWork[n];
+    for (int k = s.entryOffset[node.body]; k < s.entryOffset[node.body + 1]; ++k) {
+      const Entry& entry = s.entry[k];
+      forEachType(JointTypes{}, [&]<class F>() {
+        if (entryType(entry.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(entry.code)) stampJointOfNode<F>(s, n, entry, w);
+      });
+    }
+    lockAxesOf(s, node, w);
   }
   RUBBLE_HD static void lockAxesOf(const View& s, const TreeNode& node, TreeBlock& w) {
     const int locks = s.target[node.body].locks;
@@ -217,23 +226,39 @@ struct SubstituteNode {
   static constexpr Real kNoTurn = Real(1e30);
 };
 
-/// All rounds of a small tree.
+/// Share of its step that a tree makes, by its largest rotation: no body turns by more than kMostTurn, and a step that is not finite is not made.
+RUBBLE_HD inline double treeShare(int turnBits) {
+  const double turn = static_cast<double>(fromFloatBits(turnBits));
+  if (turn >= .5 * static_cast<double>(SubstituteNode::kNoTurn)) return 0;
+  return turn > static_cast<double>(kMostTurn) ? static_cast<double>(kMostTurn) / turn : 1;
+}
+
+/// Bodies make their steps.
+struct MoveTrees {
+  static constexpr const char* kName = "trees";
+  RUBBLE_HD void operator()(const View& s, int n) const { move(s, n, treeShare(s.treeTurn[s.treeNode[n].tree])); }
+  RUBBLE_HD static void move(const View& s, int n, double share) {
+    const TreeNode& node = s.treeNode[n];
+    const int i = node.body;
+    if (!isDynamic(s, i) || s.treeRests[node.tree] || !(share > 0)) return;
+    const Pose x = retract({s.moved[i].dp, s.turned[i]}, shorter(s.treeWork[n].x, share));
+    s.turned[i] = x.q;
+    s.moved[i] = {x.p, 0, logRotation(x.q), 0};
+  }
+};
+
+/// A small tree: its joints, all rounds, and the steps of its bodies.
 struct SolveTree {
   static constexpr const char* kName = "trees";
   RUBBLE_HD void operator()(const View& s, int tree) const {
     const int begin = s.treeOffset[tree], end = s.treeOffset[tree + 1];
     if (s.treeRests[s.treeNode[s.treeMember[begin]].tree]) return;
+    for (int k = begin; k < end; ++k) AssembleTreeJoints{}(s, s.treeMember[k]);
     for (int k = begin; k < end; ++k) EliminateNode{0}(s, s.treeMember[k]);
     for (int k = end - 1; k >= begin; --k) SubstituteNode{0}(s, s.treeMember[k]);
+    for (int k = begin; k < end; ++k) MoveTrees{}(s, s.treeMember[k]);
   }
 };
-
-/// Share of its step that a tree makes: no body turns by more than kMostTurn, and a step that is not finite is not made.
-RUBBLE_HD inline double treeShare(const View& s, int tree) {
-  const double turn = static_cast<double>(fromFloatBits(s.treeTurn[tree]));
-  if (turn >= .5 * static_cast<double>(SubstituteNode::kNoTurn)) return 0;
-  return turn > static_cast<double>(kMostTurn) ? static_cast<double>(kMostTurn) / turn : 1;
-}
 
 /// Multipliers of joints whose rows the tree has solved for, a part of a joint each.
 template <class F>
@@ -247,7 +272,7 @@ struct TakeTreeForces {
     const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
     const int a = movingNode(s, spec.a), b = movingNode(s, spec.b), any = a >= 0 ? a : b;
     if (any < 0 || !isExact(s, s.treeNode[any])) return;
-    const double share = treeShare(s, s.treeNode[any].tree);
+    const double share = treeShare(s.treeTurn[s.treeNode[any].tree]);
     if (!(share > 0)) return;
     const Long6 still{}, &dxA = a >= 0 ? s.treeWork[a].x : still, &dxB = b >= 0 ? s.treeWork[b].x : still;
     forEachPart<F>([&]<int I, class P>() {
@@ -259,18 +284,5 @@ struct TakeTreeForces {
 /// How often trees are solved at the end of the last iteration, where joints have limits: one that the first solve reaches is held by the next.
 inline constexpr int kLastTreeSolves = 3;
 RUBBLE_HD inline int lastTreeSolves(const View& s) { return s.treeLimits != 0 ? kLastTreeSolves : 1; }
-
-struct MoveTrees {
-  static constexpr const char* kName = "trees";
-  RUBBLE_HD void operator()(const View& s, int n) const {
-    const TreeNode& node = s.treeNode[n];
-    const int i = node.body;
-    const double share = treeShare(s, node.tree);
-    if (!isDynamic(s, i) || s.treeRests[node.tree] || !(share > 0)) return;
-    const Pose x = retract({s.moved[i].dp, s.turned[i]}, shorter(s.treeWork[n].x, share));
-    s.turned[i] = x.q;
-    s.moved[i] = {x.p, 0, logRotation(x.q), 0};
-  }
-};
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,21 +1,30 @@
 #pragma once
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <new>
 
 namespace rubble {
 
-/// Zeroed memory on cache lines.
+/// Zeroed memory on cache lines. Large pieces come from the system as zeros, so that what nobody touches takes neither time nor memory: the host's
+/// copies of what only a device works on.
 struct HostMemory {
+  static constexpr std::size_t kLine = 64;
   static void* allocate(std::size_t bytes) {
-    constexpr std::size_t kLine = 64;
-    const std::size_t rounded = (bytes + kLine - 1) / kLine * kLine;
-    void* const p = std::aligned_alloc(kLine, rounded ? rounded : kLine);
-    if (!p) throw std::bad_alloc();
-    std::memset(p, 0, rounded);
-    return p;
+    void* const own = std::calloc(bytes + 2 * kLine, 1);
+    if (!own) throw std::bad_alloc();
+    // what calloc gave stands before the first line that leaves room for it
+    auto* const line = static_cast<std::byte*>(own) + (2 * kLine - reinterpret_cast<std::uintptr_t>(own) % kLine);
+    std::memcpy(line - sizeof own, &own, sizeof own);
+    return line;
   }
-  static void release(void* p) { std::free(p); }
+  static void release(void* p) {
+    if (!p) return;
+    void* own;
+    std::memcpy(&own, static_cast<std::byte*>(p) - sizeof own, sizeof own);
+    std::free(own);
+  }
   static void copy(void* to, const void* from, std::size_t bytes) { std::memcpy(to, from, bytes); }
 };
 

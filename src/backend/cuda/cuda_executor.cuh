@@ -176,7 +176,8 @@ class CudaExecutor {
     if (n > objects) launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumLump::kName);
   }
 
-  void forEach(const SolveTree&, int n) {
+  void forEach(const SolveTree& kernel, int n) {
+    if constexpr (kStrict) return forEach<SolveTree>(kernel, n);
     if (!begins() || n <= 0) return;
     enterStage(SolveTree::kName);
     launchNext(solveTrees, {n, kTreeThreads}, SolveTree::kName, view(), Gate{control_});

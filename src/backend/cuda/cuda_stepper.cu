@@ -12,22 +12,20 @@ namespace {
 /// How many launches to enqueue for something that only the device counts: what was needed of late and a few more.
 class Bound {
  public:
-  Bound(int limit, int spare) : limit_(limit), spare_(spare) {}
+  explicit Bound(int limit) : limit_(limit) {}
   int limit() const { return limit_; }
-  /// After a step that needed so many.
+  /// After a step that needed so many. Every change costs captures: what grows will grow on, and a launch or two too many stay.
   void note(int used) {
     seen_ = std::max(seen_, used);
-    if (used > limit_) raise(used);
+    if (used > limit_) limit_ = used + std::max(1, used / 4);
     if (++steps_ < kWindow) return;
-    // every change costs a capture: not for a launch or two
-    if (seen_ + 2 * spare_ < limit_) limit_ = seen_ + spare_;
+    if (seen_ + 2 < limit_) limit_ = seen_ + 1;
     seen_ = steps_ = 0;
   }
-  void raise(int needed) { limit_ = needed + spare_; }
 
  private:
   static constexpr int kWindow = 64;
-  int limit_, spare_, seen_ = 0, steps_ = 0;
+  int limit_, seen_ = 0, steps_ = 0;
 };
 
 /// All that the nodes of a graph depend on. Padding may make equal ones differ: that costs a capture, never a wrong result.
@@ -176,7 +174,7 @@ struct CudaStepper::Impl {
   Pinned<StepStatus> status;
   StepGraph graphs[2];
   Timeline direct;
-  Bound colors{kFirstColors, 1};
+  Bound colors{kFirstColors};
   int parity = 0;
   bool swaps = false;
   bool timings;

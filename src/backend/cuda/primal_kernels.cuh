@@ -338,7 +338,8 @@ static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
   if (tail) noteWideColors(s, colors, control);
   if (first >= end) awaitPrevious();
   for (int c = first; c < end; ++c) {
-    if (tail || vertexBlock < 0) {
+    // without hubs the tail begins as early as other blocks of bodies
+    if (tail ? *hubs.count > 0 : vertexBlock < 0) {
       awaitPrevious();
       solveHubs<rare>(s, c, hubs, block, tail ? 1 : blocks.hubs, memory);
     }

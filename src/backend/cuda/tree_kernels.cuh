@@ -1,164 +1,216 @@
 #pragma once
-/// Stages of joint trees, a tile of lanes a body: a joint is thousands of instructions one after another, and some bodies have five.
-#include <cuda_pipeline_primitives.h>
-
-#include <algorithm>
-
+/// Stages of joint trees, a tile of lanes a body: a joint is hundreds of numbers, and some bodies have five.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Which number of a Block6 a lane has the sum of: its place in the lower triangle of H, or in the force where `column` is kForce; row -1: none.
+/// Where a number of a Block6 lies in [H f]: in the lower triangle of H, or in column 6.
 struct BlockPlace {
   static constexpr int kForce = 6;
   int row, column;
   __device__ static BlockPlace of(int number) {
     // ll and aa: xx xy xz yy yz zz; then the columns of al; then fl, fa
-    constexpr int kTriangle = 6;
-    if (number >= kBlockReals) return {-1, 0};
-    if (number >= 2 * kTriangle + 9) return {number - 2 * kTriangle - 9, kForce};
+    constexpr int kTriangle = 6, kSquare = 9;
+    if (number >= 2 * kTriangle + kSquare) return {number - 2 * kTriangle - kSquare, kForce};
     if (number >= 2 * kTriangle) return {3 + (number - 2 * kTriangle) % 3, (number - 2 * kTriangle) / 3};
     const int first = number / kTriangle * 3, k = number % kTriangle, column = k < 3 ? 0 : k < 5 ? 1 : 2;
     return {first + (k < 3 ? k : k < 5 ? k - 2 : 2), first + column};
   }
 };
 
-template <class... F>
-constexpr std::size_t largestTreeRows(TypeList<F...>) {
-  return std::max({sizeof(TreeRows<F>)...});
-}
-
-/// A lane a point of a contact, then a lane a number of the block: all of them go through the rows of the joints together.
+/// Eight lanes a body, a lane a point of a contact: contacts hardly fill more, and the rows of joints are found beside it.
 template <class L>
-struct AssembleTreesByTile {
-  static constexpr const char* kName = AssembleTrees<L>::kName;
-  static constexpr int kWidth = kWarp, kBlocks = 5;
-  /// Numbers of the couplings that a lane has.
-  static constexpr int kCoupled = 36, kTurns = (2 * kCoupled + kWidth - 1) / kWidth;
-  AssembleTrees<L> stage;
-  explicit AssembleTreesByTile(const AssembleTrees<L>& own) : stage(own) {}
+struct AssembleTreeBodiesByTile {
+  static constexpr const char* kName = AssembleTreeBodies<L>::kName;
+  static constexpr int kWidth = 8, kBlocks = 7;
+  explicit AssembleTreeBodiesByTile(const AssembleTreeBodies<L>&) {}
 
   __device__ void operator()(const View& s, int n, const Tile<kWidth>& tile) const {
     const TreeNode node = s.treeNode[n];
     // nobody asks for the blocks of small trees that rest
     if (s.smallTrees && s.treeRests[node.tree]) return;
-    const BlockPlace place = BlockPlace::of(tile.lane);
-    double block = place.row == place.column ? 1 : 0, coupling[kTurns] = {};
-    if (!stage.stands(s, node)) block = sumRows(s, node, tile, place, coupling);
+    Block6 block;
+    const bool still = stands(s, node);
+    if (!still) addRows(s, node, tile, block);
+    Real sums[kRealsPerLane<kWidth>];
+    sumBlocks(tile, block, sums);
     TreeBlock& w = s.treeWork[n];
-    if (place.row >= 0) (place.column == BlockPlace::kForce ? w.x.v[place.row] : w.h.m[place.row][place.column]) = block;
 #pragma unroll
-    for (int turn = 0; turn < kTurns; ++turn)
-      if (const int k = tile.lane + turn * kWidth; k < 2 * kCoupled) (&w.e[0].m[0][0])[k] = coupling[turn];
-    __syncwarp(tile.mask);
-    if (tile.lane == 0) stage.lockAxesOf(s, node, w);
+    for (int k = 0; k < kRealsPerLane<kWidth>; ++k) {
+      const int number = tile.lane * kRealsPerLane<kWidth> + k;
+      if (number >= kBlockReals) break;
+      const BlockPlace place = BlockPlace::of(number);
+      if (place.column == BlockPlace::kForce) w.x.v[place.row] = static_cast<double>(sums[k]);
+      else w.h.m[place.row][place.column] = still && place.row == place.column ? 1 : static_cast<double>(sums[k]);
+    }
   }
 
  private:
-  /// Rows of a joint in shared memory: all of them on their way at once, while those of the joint before are summed.
-  struct alignas(16) Staged {
-    char bytes[largestTreeRows(JointTypes{})];
-  };
-  static constexpr int kStages = 2;
-  __device__ double sumRows(const View& s, const TreeNode& node, const Tile<kWidth>& tile, const BlockPlace& place,
-                            double (&coupling)[kTurns]) const {
+  __device__ static void addRows(const View& s, const TreeNode& node, const Tile<kWidth>& tile, Block6& block) {
     const int begin = s.entryOffset[node.body], end = s.entryOffset[node.body + 1], point = tile.lane % kLanes;
-    __shared__ Staged staged[kThreads / kWidth][kStages];
-    Staged(&memory)[kStages] = staged[threadIdx.x / kWidth];
-    Block6 own;
-    if (tile.lane == 0) startBlock(s, node.body, own);
-    int k = begin + tile.lane / kLanes;
-    for (; k < end && entryType(s.entry[k].code) == kContactType; k += kWidth / kLanes) {
-      Block6 rows;
-      addContact<Real>(s, s.entry[k].code, point, rows);
-      if (s.rolls && point == 0) addRolling(s, s.entry[k].code, rows);
-      addWeighted(own, rows, movesInTree(s, s.entry[k].other) ? Real(2) : Real(1));
+    if (tile.lane == 0) startBlock(s, node.body, block);
+    for (int k = begin + tile.lane / kLanes; k < end && entryType(s.entry[k].code) == kContactType; k += kWidth / kLanes) {
+      const Entry entry = s.entry[k];
+      const Real weight = contactWeight(s, entry);
+      addContact<Real>(s, entry.code, point, block, weight);
+      if (s.rolls && point == 0) addRolling(s, entry.code, block, weight);
     }
-    // entries are sorted by type, contacts first and joints before deformable objects
-    k = __reduce_min_sync(tile.mask, k);
-    double block = 0;
-    for (int joints = kWidth; joints == kWidth; k += joints) {
-      // a lane a joint
-      const Entry entry = k + tile.lane < end ? s.entry[k + tile.lane] : Entry{0xffffffffu, -1, 0};
-      const bool isJoint = entryType(entry.code) <= JointTypes::kSize;
-      const int far = isJoint && entry.other >= 0 ? s.nodeOfBody[entry.other] : -1;
-      joints = __popc(tile.ballot(isJoint));
-      const auto codeOf = [&](int joint) { return __shfl_sync(tile.mask, entry.code, joint, kWidth); };
-      if (joints > 0) askForRows(s, codeOf(0), tile, memory[0]);
-      __pipeline_commit();
-      for (int joint = 0; joint < joints; ++joint) {
-        const Entry own{codeOf(joint), __shfl_sync(tile.mask, entry.other, joint, kWidth), 0};
-        const int farNode = __shfl_sync(tile.mask, far, joint, kWidth);
-        if (joint + 1 < joints) askForRows(s, codeOf(joint + 1), tile, memory[(joint + 1) % kStages]);
-        __pipeline_commit();
-        // all but the last that was asked for
-        __pipeline_wait_prior(1);
-        __syncwarp(tile.mask);
-        forEachType(JointTypes{}, [&]<class F>() {
-          if (entryType(own.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(own.code))
-            addJointRows<F>(s, node, own, farNode, tile, place, memory[joint % kStages], block, coupling);
-        });
-        __syncwarp(tile.mask);
-      }
-    }
-    for (k += tile.lane; k < end; k += kWidth) addSoftRows(s, s.entry[k].code, own);
-    Real sum[kRealsPerLane<kWidth>];
-    sumBlocks(tile, own, sum);
-    return block + static_cast<double>(sum[0]);
-  }
-
-  /// Adds rows whose Hessian counts so many times.
-  __device__ static void addWeighted(Block6& to, const Block6& rows, Real weight) {
-    const auto add = [&](Sym3& a, const Sym3& b) {
-      a.xx += weight * b.xx, a.xy += weight * b.xy, a.xz += weight * b.xz;
-      a.yy += weight * b.yy, a.yz += weight * b.yz, a.zz += weight * b.zz;
-    };
-    add(to.ll, rows.ll), add(to.aa, rows.aa);
-    to.al0 += weight * rows.al0, to.al1 += weight * rows.al1, to.al2 += weight * rows.al2;
-    to.fl += rows.fl, to.fa += rows.fa;
-  }
-
-  /// Asks for the rows of the joint of an entry.
-  __device__ static void askForRows(const View& s, std::uint32_t code, const Tile<kWidth>& tile, Staged& to) {
-    forEachType(JointTypes{}, [&]<class F>() {
-      static_assert(sizeof(TreeRows<F>) % sizeof(int4) == 0 && sizeof(TreeRows<F>) <= sizeof(Staged));
-      if (entryType(code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(code)) return;
-      const int4* const from = reinterpret_cast<const int4*>(&s.treeRowsOf<F>()[jointIndex<F>(code)]);
-      for (int i = tile.lane; i < static_cast<int>(sizeof(TreeRows<F>) / sizeof(int4)); i += kWidth)
-        __pipeline_memcpy_async(reinterpret_cast<int4*>(to.bytes) + i, from + i, sizeof(int4));
-    });
-  }
-
-  template <class F>
-  __device__ static void addJointRows(const View& s, const TreeNode& node, const Entry& entry, int far, const Tile<kWidth>& tile, const BlockPlace& place,
-                                      const Staged& staged, double& block, double (&coupling)[kTurns]) {
-    TreeCoupling to{{-1, -1}};
-    if constexpr (isCarried<F>()) to = couplingOf<F>(s, node, entry);
-    else noteCoupling(node, 1 - jointSide<F>(entry.code), far, to);
-    const TreeRows<F>& rows = *reinterpret_cast<const TreeRows<F>*>(staged.bytes);
-    const int side = jointSide<F>(entry.code), lane = tile.lane;
-    const auto number = [](const Vec6& j, int i) { return static_cast<double>((&j.lin.x)[i]); };
-    const int row = max(place.row, 0), column = place.column % BlockPlace::kForce;
-    const bool isForce = place.column == BlockPlace::kForce;
-    for (const TreePart<kSides<F>>& part : rows.part) {
-      const int count = part.count;
-      for (int k = 0; k < count; ++k) {
-        const TreeRow<kSides<F>>& r = part.row[k];
-        const Vec6& own = r.j[side];
-        block += isForce ? -r.force * number(own, row) : r.hessian * number(own, row) * number(own, column);
-#pragma unroll
-        for (int turn = 0; turn < kTurns; ++turn) {
-          const int e = lane + turn * kWidth, t = e / kCoupled, far = t == 0 ? to.side[0] : t == 1 ? to.side[1] : -1;
-          if (far >= 0) coupling[turn] += r.hessian * number(own, e % kCoupled / 6) * number(r.j[far], e % 6);
-        }
-      }
-      if (count > 0 && place.row == place.column) block += number(part.bend[side], row);
-    }
+    // deformable objects come last; their sum has its own memory, for what is passed to a function lies in no register
+    if (s.vertices == 0) return;
+    Block6 soft;
+    for (int k = end - 1 - tile.lane; k >= begin && entryType(s.entry[k].code) > JointTypes::kSize; k -= kWidth) addSoftRows(s, s.entry[k].code, soft);
+    block += soft;
   }
 };
 template <class L>
-struct OnDevice<AssembleTrees<L>> {
-  using Type = AssembleTreesByTile<L>;
+struct OnDevice<AssembleTreeBodies<L>> {
+  using Type = AssembleTreeBodiesByTile<L>;
+};
+
+/// D += A B of matrices of 8 x 4 and 4 x 8 numbers, by tensor cores: lane l of a warp has A[l / 4][l % 4], B[l % 4][l / 4], and D[l / 4][l % 4 * 2 + c].
+__device__ inline void addProduct(double (&d)[2], double a, double b) {
+  asm("mma.sync.aligned.m8n8k4.row.col.f64.f64.f64.f64 {%0, %1}, {%2}, {%3}, {%0, %1};" : "+d"(d[0]), "+d"(d[1]) : "d"(a), "d"(b));
+}
+
+/// A warp a body, which takes its joints part by part: rows J with stiffnesses K and forces F make J^T [K J, -F] and, with J' of a neighbour, J^T K J'.
+/// Lane l has number l / 4 of row l % 4.
+struct AssembleTreeJointsByTile {
+  static constexpr const char* kName = AssembleTreeJoints::kName;
+  static constexpr int kWidth = kWarp, kBlocks = 8;
+
+  __device__ void operator()(const View& s, int n, const Tile<kWidth>& tile) const {
+    const TreeNode node = s.treeNode[n];
+    TreeBlock& w = s.treeWork[n];
+    const int row = tile.lane / kRowLanes, column = tile.lane % kRowLanes * 2;
+    Sums sums{};
+#pragma unroll
+    for (int c = 0; c < 2; ++c) sums.own[c] = row >= 6 ? 0 : column + c <= row ? w.h.m[row][column + c] : column + c == 6 ? w.x.v[row] : 0;
+    const bool locked = tile.lane < 3 && isLocked(s, tile.lane == 0 ? node.near[0] : tile.lane == 1 ? node.near[1] : n);
+    if (!stands(s, node))
+      for (int k = s.entryOffset[node.body], end = s.entryOffset[node.body + 1]; k < end; k += kWidth) addJoints(s, node, k, end, tile, sums);
+#pragma unroll
+    for (int c = 0; c < 2; ++c) {
+      if (row >= 6) break;
+      if (column + c <= row) w.h.m[row][column + c] = sums.own[c];
+      if (column + c == 6) w.x.v[row] = sums.own[c];
+#pragma unroll
+      for (int t = 0; t < 2; ++t)
+        if (column < 6) w.e[t].m[row][column + c] = sums.coupling[t][c];
+    }
+    if (tile.ballot(locked) == 0) return;
+    __syncwarp(tile.mask);
+    if (tile.lane == 0) AssembleTreeJoints::lockAxesOf(s, node, w);
+  }
+
+ private:
+  /// Lanes that have the rows of a part.
+  static constexpr int kRowLanes = 4;
+  static_assert(kMostTreeRows <= kRowLanes);
+  /// What a lane has of [H f], and of the couplings.
+  struct Sums {
+    double own[2], coupling[2][2];
+  };
+  /// What a lane has of the rows of a part: K, or -F where i is 6, a number of J and those of both neighbours.
+  struct PartOfLane {
+    int count;
+    double scale;
+    Real own, far[2], bend;
+  };
+
+  __device__ static bool isLocked(const View& s, int n) { return n >= 0 && s.target[s.treeNode[n].body].locks != 0; }
+
+  /// Adds the joints among a warp of entries from k on.
+  __device__ static void addJoints(const View& s, const TreeNode& node, int k, int end, const Tile<kWidth>& tile, Sums& sums) {
+    const JointOfLane own = k + tile.lane < end ? jointOf(s, node, s.entry[k + tile.lane]) : JointOfLane{};
+    const int last = tile.sumBefore(own.parts) + own.parts, all = __shfl_sync(tile.mask, last, kWidth - 1, kWidth);
+    JointOfLane joint{};
+    // parts on their way at once
+    constexpr int kAhead = 2;
+    for (int p = 0, next = 0, until = 0; p < all;) {
+      PartOfLane part[kAhead];
+      unsigned sides[kAhead];
+#pragma unroll
+      for (int u = 0; u < kAhead; ++u) {
+        if (p + u >= all) break;
+        for (; p + u == until; ++next) {
+          joint = own.of(next, tile);
+          until = __shfl_sync(tile.mask, last, next, kWidth);
+        }
+        part[u] = joint.carried() ? read<4>(joint, tile) : read<2>(joint, tile);
+        sides[u] = joint.sides;
+      }
+#pragma unroll
+      for (int u = 0; u < kAhead; ++u, ++p) {
+        if (p >= all) break;
+        add(part[u], JointOfLane::farOf(sides[u], 0), JointOfLane::farOf(sides[u], 1), tile, sums);
+      }
+    }
+  }
+  /// A joint, whose next part lies at `part`, and the sides of it that are the body and its neighbours.
+  struct JointOfLane {
+    const char* part;
+    int parts;
+    unsigned sides;
+    __device__ JointOfLane(const char* at = nullptr, int count = 0, bool isCarried = false, int own = 0, const TreeCoupling& to = {{-1, -1}})
+        : part(at), parts(count), sides(static_cast<unsigned>(own | (to.side[0] + 1) << 2 | (to.side[1] + 1) << 5 | (isCarried ? 1 << 8 : 0))) {}
+    __device__ int side() const { return static_cast<int>(sides & 3); }
+    __device__ static int farOf(unsigned sides, int t) { return static_cast<int>(sides >> (2 + 3 * t) & 7) - 1; }
+    __device__ bool carried() const { return sides >> 8 != 0; }
+    /// That of another lane.
+    __device__ JointOfLane of(int lane, const Tile<kWidth>& tile) const {
+      JointOfLane other;
+      other.part = reinterpret_cast<const char*>(__shfl_sync(tile.mask, reinterpret_cast<unsigned long long>(part), lane, kWidth));
+      other.sides = __shfl_sync(tile.mask, sides, lane, kWidth);
+      return other;
+    }
+  };
+  __device__ static JointOfLane jointOf(const View& s, const TreeNode& node, const Entry& entry) {
+    JointOfLane joint;
+    // read at once, whatever the type: lanes that have different ones wait for memory together
+    const int far = entry.other >= 0 ? s.nodeOfBody[entry.other] : -1;
+    forEachType(JointTypes{}, [&]<class F>() {
+      if (entryType(entry.code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(entry.code)) return;
+      const int side = jointSide<F>(entry.code);
+      TreeCoupling to{{-1, -1}};
+      if constexpr (isCarried<F>()) to = couplingOf<F>(s, node, entry);
+      else noteCoupling(node, 1 - side, far, to);
+      joint = {reinterpret_cast<const char*>(s.treeRowsOf<F>()[jointIndex<F>(entry.code)].part), F::Parts::kCount, isCarried<F>(), side, to};
+    });
+    return joint;
+  }
+
+  /// Reads the next part of a joint.
+  template <int kSides>
+  __device__ static PartOfLane read(JointOfLane& joint, const Tile<kWidth>& tile) {
+    const TreePart<kSides>& part = *reinterpret_cast<const TreePart<kSides>*>(joint.part);
+    joint.part += sizeof part;
+    const int i = tile.lane / kRowLanes, k = tile.lane % kRowLanes, number = min(i, 5);
+    const auto of = [&](const Vec6& v) { return (&v.lin.x)[number]; };
+    // rows beyond the last are read, too, and not used: so nothing waits for the count
+    const TreeRow<kSides>& row = part.row[min(k, kMostTreeRows - 1)];
+    PartOfLane own{part.count, i < 6 ? row.hessian : -row.force, of(row.j[joint.side()]), {}, of(part.bend[joint.side()])};
+#pragma unroll
+    for (int t = 0; t < 2; ++t)
+      if (const int far = JointOfLane::farOf(joint.sides, t); far >= 0) own.far[t] = of(row.j[far]);
+    return own;
+  }
+  __device__ static void add(const PartOfLane& part, int far0, int far1, const Tile<kWidth>& tile, Sums& sums) {
+    const int i = tile.lane / kRowLanes, k = tile.lane % kRowLanes;
+    if (part.count == 0) return;
+    const bool acts = k < part.count, isNumber = acts && i < 6;
+    const double own = isNumber ? static_cast<double>(part.own) : 0;
+    addProduct(sums.own, own, isNumber ? part.scale * own : acts && i == 6 ? part.scale : 0);
+    const auto times = [&](Real far) { return isNumber ? part.scale * static_cast<double>(far) : 0; };
+    if (far0 >= 0) addProduct(sums.coupling[0], own, times(part.far[0]));
+    if (far1 >= 0) addProduct(sums.coupling[1], own, times(part.far[1]));
+#pragma unroll
+    for (int c = 0; c < 2; ++c)
+      if (i < 6 && i == 2 * k + c) sums.own[c] += static_cast<double>(part.bend);
+  }
+};
+template <>
+struct OnDevice<AssembleTreeJoints> {
+  using Type = AssembleTreeJointsByTile;
 };
 
 /// A lane a column: of H (lanes 0 to 5), the force (6), and the two couplings (8 to 13, 16 to 21). All lanes factor H.
@@ -248,31 +300,66 @@ struct OnDevice<SubstituteNode> {
   using Type = SubstituteNodeByTile;
 };
 
-/// A block a small tree: round by round, a warp each body that is eliminated, and fewer lanes each that is substituted.
-inline constexpr int kTreeThreads = 2 * kWarp;
-static __global__ void __launch_bounds__(kTreeThreads) solveTrees(const __grid_constant__ View s, Gate gate) {
+/// Calls round(first, last) for the members of a tree that are eliminated together, from the first round on.
+template <class Round>
+__device__ void forEachRound(const View& s, int begin, int end, Round&& round) {
+  for (int r = 0, k = begin; r < s.treeRounds; ++r) {
+    const int first = k;
+    while (k < end && s.treeMember[k] < s.treeBegin[r + 1]) ++k;
+    if (k > first) round(first, k);
+  }
+}
+/// The same from the last round back.
+template <class Round>
+__device__ void forEachRoundBack(const View& s, int begin, int end, Round&& round) {
+  for (int r = s.treeRounds - 1, k = end; r >= 0; --r) {
+    const int last = k;
+    while (k > begin && s.treeMember[k - 1] >= s.treeBegin[r]) --k;
+    if (k < last) round(k, last);
+  }
+}
+
+/// SolveTree by a block: a warp each body whose joints are added, or that is eliminated, and fewer lanes each that is substituted.
+inline constexpr int kTreeThreads = 3 * kWarp, kTreeBlocks = 8;
+static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks) solveTrees(const __grid_constant__ View s, Gate gate) {
   gate.enter([&] {
-    const int tree = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
-    const int begin = s.treeOffset[tree], end = s.treeOffset[tree + 1];
-    if (s.treeRests[s.treeNode[s.treeMember[begin]].tree]) return;
-    const auto solveRound = [&]<class Kernel>(const Kernel& kernel, int first, int last) {
+    const int index = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
+    const int begin = s.treeOffset[index], end = s.treeOffset[index + 1], tree = s.treeNode[s.treeMember[begin]].tree;
+    if (s.treeRests[tree]) return;
+    const auto solve = [&]<class Kernel>(const Kernel& kernel, int first, int last) {
       constexpr int kWidth = Kernel::kWidth;
       const Tile<kWidth> tile = Tile<kWidth>::ofThread();
       for (int k = first + thread / kWidth; k < last; k += kTreeThreads / kWidth) kernel(s, s.treeMember[k], tile);
       __syncthreads();
     };
-    int k = begin;
-    for (int r = 0; r < s.treeRounds; ++r) {
-      const int first = k;
-      while (k < end && s.treeMember[k] < s.treeBegin[r + 1]) ++k;
-      if (k > first) solveRound(EliminateNodeByTile(EliminateNode{0}), first, k);
-    }
-    for (int r = s.treeRounds - 1; r >= 0; --r) {
-      const int last = k;
-      while (k > begin && s.treeMember[k - 1] >= s.treeBegin[r]) --k;
-      if (k < last) solveRound(SubstituteNodeByTile(SubstituteNode{0}), k, last);
-    }
+    solve(AssembleTreeJointsByTile{}, begin, end);
+    forEachRound(s, begin, end, [&](int first, int last) { solve(EliminateNodeByTile(EliminateNode{0}), first, last); });
+    forEachRoundBack(s, begin, end, [&](int first, int last) { solve(SubstituteNodeByTile(SubstituteNode{0}), first, last); });
+    // not what is left of it in a cache from before
+    const double share = treeShare(__ldcg(&s.treeTurn[tree]));
+    for (int k = begin + thread; k < end; k += kTreeThreads) MoveTrees::move(s, s.treeMember[k], share);
   });
 }
+
+/// CloseTree by a warp, a lane a body.
+struct CloseTreeByTile {
+  static constexpr const char* kName = CloseTree::kName;
+  static constexpr int kWidth = kWarp;
+  __device__ void operator()(const View& s, int index, const Tile<kWidth>& tile) const {
+    const int begin = s.treeOffset[index], end = s.treeOffset[index + 1];
+    if (s.treeOpen[s.treeNode[s.treeMember[begin]].tree] == 0) return;
+    const auto solve = [&](const auto& kernel, int first, int last) {
+      for (int k = first + tile.lane; k < last; k += kWidth) kernel(s, s.treeMember[k]);
+      __syncwarp(tile.mask);
+    };
+    solve(AssembleLinks{}, begin, end);
+    forEachRound(s, begin, end, [&](int first, int last) { solve(EliminateLink{0}, first, last); });
+    forEachRoundBack(s, begin, end, [&](int first, int last) { solve(SubstituteLink{0}, first, last); });
+  }
+};
+template <>
+struct OnDevice<CloseTree> {
+  using Type = CloseTreeByTile;
+};
 
 }  // namespace rubble::RUBBLE_CORE
