@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "stages/trees.h"
+#include "stages/step.h"
 #include "tests/support/core_world.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -170,6 +170,37 @@ TEST(JointTrees, ASmallTreeIsSolvedAtOnceAsInRounds) {
   SolveTree{}(s, 0);
   for (int n = 0; n < treeNodes(s); ++n)
     for (int i = 0; i < 6; ++i) EXPECT_EQ(s.treeWork[n].x.v[i], wanted[static_cast<std::size_t>(n)].v[i]) << n;
+}
+
+TEST(JointTrees, ASmallTreeIsClosedAtOnceAsInRounds) {
+  constexpr int kBodies = 20;
+  Linked world(kBodies, chainOf(kBodies));
+  const View& s = world.view();
+  ASSERT_TRUE(s.smallTrees);
+  world.begin();
+  step(world.executor());
+  // every third joint is open by a hundredth, beyond the step
+  for (int i = 0; i < kBodies; i += 3) s.position[i].y += .01;
+  const std::vector<Vec3d> opened(s.position, s.position + kBodies);
+  std::fill_n(s.treeOpen, treeNodes(s), 0);
+  const auto largestGap = [&] {
+    Real largest = 0;
+    for (int k = 0; k < kBodies; ++k) {
+      FindOpenTrees<BallJoint>{}(s, k);
+      largest = std::max(largest, length(s.treeRowsOf<BallJoint>()[k].gap));
+    }
+    return largest;
+  };
+  EXPECT_NEAR(largestGap(), .01, 1e-3);
+  ASSERT_EQ(s.treeOpen[s.treeNode[0].tree], 1);
+  for (int n = 0; n < treeNodes(s); ++n) AssembleLinks{}(s, n);
+  for (int n = 0; n < treeNodes(s); ++n) EliminateLink{0}(s, n);
+  for (int n = treeNodes(s) - 1; n >= 0; --n) SubstituteLink{0}(s, n);
+  const std::vector<Vec3d> wanted(s.position, s.position + kBodies);
+  std::copy(opened.begin(), opened.end(), s.position);
+  CloseTree{}(s, 0);
+  for (int i = 0; i < kBodies; ++i) EXPECT_EQ(s.position[i], wanted[static_cast<std::size_t>(i)]) << i;
+  EXPECT_LT(largestGap(), 1e-5);
 }
 
 TEST(JointTrees, OneThatHasHardlyTurnedRestsInTheSolvesThatFollow) {
