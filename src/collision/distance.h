@@ -112,14 +112,22 @@ RUBBLE_HD inline Part nearestPart(const Simplex& s, int count) {
   }
   return best;
 }
+/// Leaves the vertices of a part, in its order.
 RUBBLE_HD inline void keep(Simplex& s, const Part& part) {
   const Vertex kept[3] = {s.v[part.vertex[0]], s.v[part.vertex[1]], s.v[part.vertex[2]]};
   for (int k = 0; k < part.count; ++k) s.v[k] = kept[k], s.weight[k] = part.weight[k];
   s.count = part.count;
 }
 
-/// Cores overlap whose squared distance is less than this share of their squared sizes.
+/// Cores overlap whose squared distance is less than this share of their squared sizes: the digits of both are used up.
 inline constexpr double kTouching = 1e-22;
+/// Two lines are parallel whose angle has a squared sine less than this.
+inline constexpr double kParallel = 1e-12;
+/// Below it cores overlap [m^2]; more than nothing for two points.
+RUBBLE_HD inline double touchingDistance2(const Placed& a, const Placed& b) {
+  const Vec3d halfA(a.shape.half), halfB(b.shape.half);
+  return kTouching * (dot(halfA, halfA) + dot(halfB, halfB) + 1e-30);
+}
 
 /// Points of the two cores that are nearest to one another.
 RUBBLE_HD inline Separation cores(const Placed& a, const Placed& b) {
@@ -131,12 +139,11 @@ RUBBLE_HD inline Separation cores(const Placed& a, const Placed& b) {
   s.v[0].a = support(a, d), s.v[0].b = support(b, -d), s.v[0].w = s.v[0].a - s.v[0].b;
   s.count = 1, s.weight[0] = 1;
   Vec3d x = s.v[0].w;
-  const Vec3d halfA(a.shape.half), halfB(b.shape.half);
-  const double scale2 = dot(halfA, halfA) + dot(halfB, halfB) + 1e-30;
+  const double touching2 = touchingDistance2(a, b);
   bool apart = true;
   for (int step = 0; step < kMostSteps; ++step) {
     const double x2 = dot(x, x);
-    if (x2 <= kTouching * scale2) {
+    if (x2 <= touching2) {
       apart = false;
       break;
     }
@@ -174,13 +181,13 @@ RUBBLE_HD inline Separation lines(const Placed& a, const Placed& b) {
   const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r), det = uu * vv - uv * uv;
   const auto along = [](double way, double size) { return size > 0 ? clamp(way / size, -1.0, 1.0) : 0.0; };
   // where they are parallel any s will do
-  double s = det > 1e-12 * uu * vv ? clamp((ur * vv - uv * vr) / det, -1.0, 1.0) : 0.0;
+  double s = det > kParallel * uu * vv ? clamp((ur * vv - uv * vr) / det, -1.0, 1.0) : 0.0;
   const double t = along(s * uv - vr, vv);
   s = along(t * uv + ur, uu);
   Separation out{};
   const Vec3d onA = a.p + u * s, onB = b.p + v * t, x = onB - onA;
   const double x2 = dot(x, x);
-  if (x2 <= kTouching * (uu + vv + 1e-30)) return out;
+  if (x2 <= touchingDistance2(a, b)) return out;
   out.onA = onA, out.onB = onB;
   out.distance = std::sqrt(x2);
   out.n = x / out.distance;

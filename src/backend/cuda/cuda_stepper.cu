@@ -17,14 +17,17 @@ class Bound {
   /// After a step that needed so many. Every change costs captures: what grows will grow on, and a launch or two too many stay.
   void note(int used) {
     seen_ = std::max(seen_, used);
-    if (used > limit_) limit_ = used + std::max(1, used / 4);
+    if (used > limit_) limit_ = used + std::max(kSpare, used / kGrowth);
     if (++steps_ < kWindow) return;
-    if (seen_ + 2 < limit_) limit_ = seen_ + 1;
+    if (seen_ + kMostIdle < limit_) limit_ = seen_ + kSpare;
     seen_ = steps_ = 0;
   }
 
  private:
-  static constexpr int kWindow = 64;
+  static constexpr int kWindow = 64;    ///< [steps]
+  static constexpr int kSpare = 1;      ///< launches beyond what was needed
+  static constexpr int kGrowth = 4;     ///< a quarter more where it grows
+  static constexpr int kMostIdle = 2;   ///< so many launches with nothing to do cost less than captures
   int limit_, seen_ = 0, steps_ = 0;
 };
 

@@ -22,6 +22,7 @@ struct BlockPlace {
 template <class L>
 struct AssembleTreeBodiesByTile {
   static constexpr const char* kName = AssembleTreeBodies<L>::kName;
+  /// 72 registers: with fewer most of a block is copied to memory and back, with more it has no room beside the search.
   static constexpr int kWidth = 8, kBlocks = 7;
   explicit AssembleTreeBodiesByTile(const AssembleTreeBodies<L>&) {}
 
@@ -76,6 +77,7 @@ __device__ inline void addProduct(double (&d)[2], double a, double b) {
 /// Lane l has number l / 4 of row l % 4.
 struct AssembleTreeJointsByTile {
   static constexpr const char* kName = AssembleTreeJoints::kName;
+  /// 64 registers: with 48 every part waits for copies of the one before.
   static constexpr int kWidth = kWarp, kBlocks = 8;
 
   __device__ void operator()(const View& s, int n, const Tile<kWidth>& tile) const {
@@ -319,7 +321,8 @@ __device__ void forEachRoundBack(const View& s, int begin, int end, Round&& roun
   }
 }
 
-/// SolveTree by a block: a warp each body whose joints are added, or that is eliminated, and fewer lanes each that is substituted.
+/// SolveTree by a block: a warp each body whose joints are added, or that is eliminated, and fewer lanes each that is substituted. So many blocks that
+/// a thousand trees are all on a large device at a time, and as many warps as then have 80 registers.
 inline constexpr int kTreeThreads = 3 * kWarp, kTreeBlocks = 8;
 static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks) solveTrees(const __grid_constant__ View s, Gate gate) {
   gate.enter([&] {
