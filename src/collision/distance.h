@@ -252,6 +252,7 @@ struct Meeting {
   double fraction;  ///< of the way, above 1: never
   Separation at;
 };
+inline constexpr double kNeverMet = 2;
 RUBBLE_HD inline Meeting meeting(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, double tolerance) {
   constexpr int kMostSteps = 128;  // whoever needs more stays within the tolerance for long: then that is where they meet
   const Vec3d relative = wayA.move - wayB.move;
@@ -262,6 +263,56 @@ RUBBLE_HD inline Meeting meeting(const Placed& a, const Way& wayA, const Placed&
     m.fraction += (m.at.distance - tolerance / 2) / closing;
     if (m.fraction > 1) return {2, m.at};
     m.at = separation(movedBy(a, wayA, m.fraction), movedBy(b, wayB, m.fraction));
+  }
+  return m;
+}
+
+/// Distance of two shapes along a unit vector from A to B: no more than their distance, below 0 where they overlap that far in this direction. [m]
+RUBBLE_HD inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& n) {
+  if (a.isPlane()) return gjk::fromPlane(a, b).distance;
+  if (b.isPlane()) return gjk::fromPlane(b, a).distance;
+  return dot(n, gjk::support(b, -n) - gjk::support(a, n)) - a.radius() - b.radius();
+}
+
+/// Where and when A and B, which something holds apart along n, go deeper into one another than `allowed`, or than they are. While their gap along
+/// n, which turns with one of them, tells that they do not, nothing else is asked; then their distance is, whose direction takes its place.
+RUBBLE_HD inline Meeting meetingBeyond(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, const Vec3d& n, bool turnsWithB,
+                                       double allowed) {
+  constexpr int kMostSteps = 128;
+  constexpr double kMostTurn = .1;    // of n in a step of the search [rad]: bounds of speeds along it are those at its beginning
+  constexpr double kReached = .95;    // of what is allowed
+  const double start = gapAlong(a, b, n);
+  allowed = max(allowed, -start);
+  const Placed& own = turnsWithB ? b : a;
+  const Way &ownWay = turnsWithB ? wayB : wayA, &otherWay = turnsWithB ? wayA : wayB;
+  const Placed endA = movedBy(a, wayA, 1), endB = movedBy(b, wayB, 1);
+  Vec3d local = rotateInverse(own.q, n);
+  Meeting m{kNeverMet, {start, {}, {}, n}};
+  if (gapAlong(endA, endB, rotate((turnsWithB ? endB : endA).q, local)) >= -allowed) return m;
+
+  const double spin = max(length(wayA.turn), length(wayB.turn));
+  double gap = start;
+  m.fraction = 0;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Placed nowA = movedBy(a, wayA, m.fraction), nowB = movedBy(b, wayB, m.fraction);
+    const Placed &nowOwn = turnsWithB ? nowB : nowA, &other = turnsWithB ? nowA : nowB;
+    m.at.n = rotate(nowOwn.q, local);
+    gap = gapAlong(nowA, nowB, m.at.n);
+    if (gap <= -kReached * allowed) {
+      const Separation s = separation(nowA, nowB);
+      if (s.n == Vec3d{} || s.distance <= -kReached * allowed) return m;
+      m.at.n = s.n, gap = s.distance;
+      local = rotateInverse(nowOwn.q, s.n);
+    }
+    const auto velocity = [](const Placed& x, const Way& way) { return way.move + cross(way.turn, x.arm); };
+    const Vec3d toward = velocity(nowA, wayA) - velocity(nowB, wayB), sign = turnsWithB ? -m.at.n : m.at.n;
+    const double reach = length(Vec3d(other.shape.half)) ;
+    const double closing = dot(m.at.n, toward) + dot(sign, cross(ownWay.turn, other.p - nowOwn.p)) +
+                           length(cross(m.at.n, otherWay.turn - ownWay.turn)) * reach;
+    double way = spin > 0 ? kMostTurn / spin : kNeverMet;
+    if (closing > 0) way = min(way, (gap + allowed) / closing);
+    m.fraction += way;
+    if (m.fraction > 1) return {kNeverMet, m.at};
   }
   return m;
 }

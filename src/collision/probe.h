@@ -146,7 +146,11 @@ RUBBLE_HD inline Meeting castShape(const PlacedAny& own, const Vec3d& move, cons
   const auto all = [](const Vec3d&, const Meeting&) { return true; };
   const Way way{move, {}};
   if (target.shape.kind == ShapeKind::Distance) return meetField(target, probes::kStill, own, way, {tolerance}, all);
-  if (isSurface(target.shape.kind)) return meetTriangles(target, probes::kStill, asConvex(own), way, {tolerance}, all);
+  if (isSurface(target.shape.kind)) {
+    const Placed part = asConvex(own);
+    const auto meet = [&](const Placed& triangle, const Vec3d&) { return meeting(triangle, probes::kStill, part, way, tolerance); };
+    return meetTriangles(target, probes::kStill, part, way, {tolerance}, meet);
+  }
   return meeting(asConvex(target), probes::kStill, asConvex(own), way, tolerance);
 }
 

@@ -24,6 +24,14 @@ struct SurfaceContacts {
   Real length;  ///< L [m]
 };
 
+/// As meetsNow() of manifold.h.
+RUBBLE_HD inline bool touches(const SurfaceContacts& found, Real gap) {
+  for (int i = 0; i < found.count; ++i)
+    for (int k = 0; k < found.cluster[i].points.count; ++k)
+      if (found.cluster[i].points.v[k].w <= gap) return true;
+  return false;
+}
+
 /// The normal of a cluster is that of its deepest point.
 RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const Vec3& onSurface, Real gap, int feature) {
   int best = -1;

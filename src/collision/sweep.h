@@ -31,8 +31,6 @@ struct MeetRule {
   double held = 0;   ///< [m]
 };
 
-inline constexpr double kNeverMet = 2;
-
 /// Does a box of half extents `reach` about x meet the origin on its way x + t d, t in [0, limit]?
 RUBBLE_HD inline bool passes(const Vec3d& x, const Vec3d& d, const Vec3d& reach, double limit) {
   double in = 0, out = limit;
@@ -88,10 +86,10 @@ RUBBLE_HD void visitTrianglesAlong(const ShapeTables& tables, const ShapeData& s
 }
 
 /// A convex part against a mesh or height field (A). One whose centre is behind a one-sided triangle does not meet it.
-/// accepts(face normal towards the part, meeting).
-template <class Accepts>
+/// meet(triangle, face normal towards the part) says where the part meets one of them.
+template <class Meet>
 RUBBLE_HD Meeting meetTriangles(const PlacedAny& surface, const Way& wayS, const Placed& part, const Way& wayP, const MeetRule& rule,
-                                Accepts&& accepts) {
+                                Meet&& meet) {
   const Vec3d move = wayP.move - wayS.move;
   const Vec3d x = rotateInverse(surface.q, part.p - surface.p), d = rotateInverse(surface.q, move);
   const double turns = length(wayS.turn) * (length(x) + length(d));  // no point of the part is moved further by a turn of the surface
@@ -113,8 +111,8 @@ RUBBLE_HD Meeting meetTriangles(const PlacedAny& surface, const Way& wayS, const
     const bool above = dot(up, gjk::support(end, -up) - corner) > slack;
     if (above && (rule.passing || dot(up, gjk::support(part, -up) - corner) > slack)) return;
     for (int k = 0; k < 3; ++k) triangle.shape.corner[k] = t.corner[k];
-    const Meeting m = meeting(triangle, wayS, part, wayP, rule.tolerance);
-    if (m.fraction > limit || (m.fraction == limit && best.fraction <= 1) || !accepts(up, m)) return;
+    const Meeting m = meet(triangle, up);
+    if (m.fraction > limit || (m.fraction == limit && best.fraction <= 1)) return;
     best = m;
     limit = m.fraction;
   });

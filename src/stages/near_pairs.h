@@ -7,8 +7,10 @@ namespace rubble::RUBBLE_CORE {
 
 /// A pair of bodies as the pair tests need it.
 RUBBLE_HD inline PairPose pairPose(const View& s, const OrderedPair& o) {
-  const Real size = pairLength(s.params[o.a], s.params[o.b]);
-  return {s.orientation[o.a], s.orientation[o.b], centreDistance(s, o.a, o.b), size, pairMargin(s, o.a, o.b, size)};
+  const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
+  const Real size = pairLength(pa, pb);
+  const PairSpeed speed = pairSpeed(s, o.a, o.b, pa, pb);
+  return {s.orientation[o.a], s.orientation[o.b], centreDistance(s, o.a, o.b), size, pairMargin(s, o.a, o.b, size, speed), speed.bullet};
 }
 
 /// A body at rest that is about to be struck has rows with what it may be driven into: its neighbours look for it as for a fast one.

@@ -59,11 +59,10 @@ RUBBLE_HD inline Real fromFloatBits(int bits) {
 
 RUBBLE_HD inline Real agitationOf(const View& s, int a, int b) { return max(fromFloatBits(s.agitation[a]), fromFloatBits(s.agitation[b])); }
 
-/// Detection margin of a pair: not less than contactMargin of its size, and what it may approach in a step, unless that is its whole size. [m]
-RUBBLE_HD inline Real pairMargin(const View& s, int a, int b, Real pairSize) {
-  const PairSpeed speed = pairSpeed(s, a, b, s.params[a], s.params[b]);
+/// Detection margin of a pair: not less than contactMargin of its size, and what it may approach in a step, up to its whole size. [m]
+RUBBLE_HD inline Real pairMargin(const View& s, int a, int b, Real pairSize, const PairSpeed& speed) {
   const Real least = s.step.contactMargin * pairSize;
-  return speed.bullet ? least : max(least, s.step.dt * max(speed.closing, agitationOf(s, a, b)));
+  return speed.bullet ? pairSize : max(least, s.step.dt * max(speed.closing, agitationOf(s, a, b)));
 }
 
 /// How far apart parts of a pair may be that have to be looked at in this step. [m]

@@ -25,6 +25,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
     collideDistance(tables, surface, part.shape, at, q, pose.margin, found);
   else
     collideTriangles(tables, surface, part.shape, at, q, pose.margin, found);
+  if (pose.bullet && !touches(found, kTouchGap * pose.length)) found.count = 0;
   // distance fields tell points from their own centre, triangles from that of the part
   const Vec3 origin = surface.kind == ShapeKind::Distance ? Vec3{0, 0, 0} : at;
 
@@ -95,7 +96,8 @@ struct TestRarePairs {
     const ShapeTables tables = s.shapeTables();
     const PlacedPart a = placedPart(tables, shapeA, pose.qA, p.owner == o.a ? p.first : p.second);
     const PlacedPart b = placedPart(tables, shapeB, pose.qB, p.owner == o.a ? p.second : p.first);
-    const RawManifold raw = collideParts(tables, a, b, pose.t, pose.margin, pose.length);
+    RawManifold raw = collideParts(tables, a, b, pose.t, pose.margin, pose.length);
+    if (!meetsNow(raw, pose)) raw.count = 0;
     s.pairTest[pair] = pairTest(raw, pose);
     keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i)));
   }

@@ -4,24 +4,40 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Normals of the rows that keep a part and a surface apart, from the surface to the part.
-struct HeldFacings {
+/// Do the rows of points of a distance field keep them out?
+RUBBLE_HD inline bool rowsHold(const View& s, const Manifold* m) {
+  if (!hasRows(m)) return false;
+  const ContactRows& r = s.contact[m->row];
+  bool acts = false;
+  for (int k = 0; k < m->count; ++k) {
+    if (!(r.load[k].kN > Real(0))) continue;
+    acts = true;
+    const ContactFrame<Real> f = contactFrame<Real>(r, k);
+    if (f.c0 + along(r.n, relativeDisplacement(f, s.moved[r.a], s.moved[r.b])) > kHeldPoint * r.length) return false;
+  }
+  return acts;
+}
+
+/// Normals of the rows of a part and a surface, from the surface to the part.
+struct RowFacings {
   Vec3 n[kSurfaceSlots];
   int count = 0;
 
-  RUBBLE_HD bool holds(const Vec3d& normal) const {
+  RUBBLE_HD bool have(const Vec3d& normal) const {
     for (int k = 0; k < count; ++k)
       if (dot(n[k], Vec3(normal)) > kSameFacing) return true;
     return false;
   }
 };
-RUBBLE_HD inline HeldFacings heldFacings(const View& s, int pair, bool surfaceOnA) {
-  HeldFacings held;
+/// Those of all rows, or of rows that hold.
+template <class Counts>
+RUBBLE_HD RowFacings rowFacings(const View& s, int pair, bool surfaceOnA, Counts&& counts) {
+  RowFacings out;
   for (int slot = 0; slot < kSurfaceSlots; ++slot) {
     const Manifold* const m = manifoldOf(s, pair + slot);
-    if (rowsHold(s, m)) held.n[held.count++] = surfaceOnA ? m->normal : -m->normal;
+    if (counts(m)) out.n[out.count++] = surfaceOnA ? m->normal : -m->normal;
   }
-  return held;
+  return out;
 }
 
 /// Where the bodies of a pair meet on their ways: parts of compounds one by one, a part and a surface in the first of their slots.
@@ -39,35 +55,45 @@ struct FindRareStops {
     const Vec3d between = s.position[o.b] - s.position[o.a];
     const Real size = pairLength(s.params[o.a], s.params[o.b]);
     const double tolerance = static_cast<double>(kMeetingGap * size);
-    const auto wayExceeds = [&](const PlacedAny& a, const PlacedAny& b) {
-      return approach(s, o, da, db) > innerRadiusOf(tables, a.shape) + innerRadiusOf(tables, b.shape);
-    };
+    const auto thinnerOf = [&](const PlacedAny& a, const PlacedAny& b) { return thinner(innerRadiusOf(tables, a.shape), innerRadiusOf(tables, b.shape)); };
     if (!surface) {
       const PlacedAny a = placedAny(tables, shapeA, {0, 0, 0}, s.orientation[o.a], p.owner == o.a ? p.first : p.second);
       const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], p.owner == o.a ? p.second : p.first);
-      if (!wayExceeds(a, b) || rowsHold(s, manifoldOf(s, i))) return;
-      const Meeting m = meeting(asConvex(a), wayOf(da), asConvex(b), wayOf(db), tolerance);
-      if (m.fraction > 1 || (m.fraction == 0 && dot(m.at.n, Vec3d(da.dp - db.dp)) <= 0)) return;
-      noteMeeting(s, i, o, m.fraction);
+      const Real thin = thinnerOf(a, b);
+      if (approach(s, o, da, db) <= thin) return;
+      const Meeting m = meetingOfPair(asConvex(a), da, asConvex(b), db, manifoldOf(s, i), thin, tolerance);
+      if (m.fraction <= 1) noteMeeting(s, i, o, m.fraction);
       return;
     }
     const bool onA = surfaceIsOnA(s, p, o);
     const PlacedAny a = placedAny(tables, shapeA, {0, 0, 0}, s.orientation[o.a], onA ? 0 : p.first);
     const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], onA ? p.first : 0);
-    if (!wayExceeds(a, b)) return;
-    const HeldFacings held = heldFacings(s, i, onA);
+    const Real thin = thinnerOf(a, b);
+    if (approach(s, o, da, db) <= thin) return;
     const PlacedAny &whole = onA ? a : b, &part = onA ? b : a;
     const Way wayS = wayOf(onA ? da : db), wayP = wayOf(onA ? db : da);
-    const Vec3d relative = wayS.move - wayP.move;
-    // what rows hold already is not met again; what is touched already only if they go on into one another
-    const auto accepts = [&](const Vec3d& facing, const Meeting& m) {
-      return (m.fraction > 0 || dot(m.at.n, relative) > 0) && !held.holds(facing) && !held.holds(m.at.n);
-    };
-    // as long as the part is in by no more than half its thickness, rows push it out again: it lies so deep where it rolls fast in a hollow
-    const Real thickness = innerRadiusOf(tables, isConvex(part.shape.kind) ? part.shape : whole.shape);
-    const MeetRule rule{tolerance, true, static_cast<double>(max(kHeldDepth * size, thickness))};
-    const Meeting m = whole.shape.kind == ShapeKind::Distance ? meetField(whole, wayS, part, wayP, rule, accepts)
-                                                              : meetTriangles(whole, wayS, asConvex(part), wayP, rule, accepts);
+    Meeting m;
+    if (whole.shape.kind == ShapeKind::Distance) {
+      const RowFacings held = rowFacings(s, i, onA, [&](const Manifold* rows) { return rowsHold(s, rows); });
+      const Vec3d relative = wayS.move - wayP.move;
+      // what rows hold already is not met again; what is touched already only if they go on into one another
+      const auto accepts = [&](const Vec3d& facing, const Meeting& at) {
+        return (at.fraction > 0 || dot(at.at.n, relative) > 0) && !held.have(facing) && !held.have(at.at.n);
+      };
+      // as long as the part is in by no more than half its thickness, rows push it out again
+      m = meetField(whole, wayS, part, wayP, {tolerance, true, static_cast<double>(max(kHeldPoint * size, thin))}, accepts);
+    } else {
+      const double allowed = static_cast<double>(kHeldDepth * thin);
+      const RowFacings rows = rowFacings(s, i, onA, hasRows);
+      const Placed convex = asConvex(part);
+      const auto meet = [&](const Placed& triangle, const Vec3d& up) {
+        if (rows.have(up)) return meetingBeyond(triangle, wayS, convex, wayP, up, false, allowed);
+        const Meeting first = meeting(triangle, wayS, convex, wayP, tolerance);
+        if (first.fraction > 1 || (first.fraction > 0 && !rows.have(first.at.n))) return first;
+        return meetingBeyond(triangle, wayS, convex, wayP, first.fraction > 0 ? first.at.n : up, false, allowed);
+      };
+      m = meetTriangles(whole, wayS, convex, wayP, {tolerance, true, allowed}, meet);
+    }
     if (m.fraction <= 1) noteMeeting(s, i, o, m.fraction);
   }
 };

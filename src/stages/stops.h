@@ -11,8 +11,11 @@ namespace rubble::RUBBLE_CORE {
 /// Bodies meet when they are this near, over L [1]: so near that the next step counts them as touching (kDormantGap), and its groups move them
 /// together, without which light bodies that run into one another head-on would not keep their momentum at few iterations.
 inline constexpr Real kMeetingGap = Real(1e-3);
-/// The rows of a pair have held if they leave no point deeper than this share of L.
-inline constexpr Real kHeldDepth = Real(.05);
+/// Bodies that are in touch, or have rows, may be left this deep in one another, over half the thickness of the thinner one [1]: the rows of the next
+/// step push them out again. So no centre passes the surface that it is held by.
+inline constexpr Real kHeldDepth = Real(.5);
+/// The rows of a point of a distance field have held if they leave it no deeper than this share of L.
+inline constexpr Real kHeldPoint = Real(.05);
 
 /// Which bodies went far, and whether there are any.
 struct FindFast {
@@ -32,18 +35,22 @@ struct FindFast {
 
 RUBBLE_HD inline Way wayOf(const Displacement& d) { return {Vec3d(d.dp), Vec3d(d.dw)}; }
 
-/// Do the rows of a pair keep its bodies apart?
-RUBBLE_HD inline bool rowsHold(const View& s, const Manifold* m) {
-  if (!m || m->count == 0 || m->row < 0) return false;
-  const ContactRows& r = s.contact[m->row];
-  bool acts = false;
-  for (int k = 0; k < m->count; ++k) {
-    if (!(r.load[k].kN > Real(0))) continue;
-    acts = true;
-    const ContactFrame<Real> f = contactFrame<Real>(r, k);
-    if (f.c0 + along(r.n, relativeDisplacement(f, s.moved[r.a], s.moved[r.b])) > kHeldDepth * r.length) return false;
-  }
-  return acts;
+/// Half of the thickness of the thinner of two shapes; planes and surfaces have none of their own. [m]
+RUBBLE_HD inline Real thinner(Real a, Real b) { return a > Real(0) && b > Real(0) ? min(a, b) : max(a, b); }
+
+/// Has a manifold rows in this step?
+RUBBLE_HD inline bool hasRows(const Manifold* m) { return m && m->count > 0 && m->row >= 0; }
+
+/// Where two convex parts, `thin` thick, meet on their ways. With rows between them, or in touch already, these have the word: what the turn of a
+/// body, which rows know to first order only, or rows that did not suffice would take too deep ends there.
+RUBBLE_HD inline Meeting meetingOfPair(const Placed& a, const Displacement& da, const Placed& b, const Displacement& db, const Manifold* m, Real thin,
+                                       double tolerance) {
+  const double allowed = static_cast<double>(kHeldDepth * thin);
+  const Way wayA{Vec3d(da.dp), Vec3d(da.dw)}, wayB{Vec3d(db.dp), Vec3d(db.dw)};
+  if (hasRows(m)) return meetingBeyond(a, wayA, b, wayB, Vec3d(m->normal), m->normalOnB, allowed);
+  const Meeting first = meeting(a, wayA, b, wayB, tolerance);
+  if (first.fraction > 0) return first;
+  return first.at.n == Vec3d{} ? Meeting{kNeverMet, first.at} : meetingBeyond(a, wayA, b, wayB, first.at.n, false, allowed);
 }
 
 /// Which of two bodies stops where they meet: the fast one, and of a moved and a free one the free one.
@@ -85,14 +92,13 @@ struct FindStops {
     if (!isPlainPair(s, o.a, o.b) || !mayStop(s, o)) return;
     const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
     const Displacement da = wayIn(s, o.a), db = wayIn(s, o.b);
-    if (approach(s, o, da, db) <= innerRadius(pa.shape) + innerRadius(pb.shape) || rowsHold(s, manifoldOf(s, i))) return;
+    const Real thin = thinner(innerRadius(pa.shape), innerRadius(pb.shape));
+    if (approach(s, o, da, db) <= thin) return;
     const Placed a = placed(pa.shape, {0, 0, 0}, Quatd(s.orientation[o.a]));
     const Placed b = placed(pb.shape, s.position[o.b] - s.position[o.a], Quatd(s.orientation[o.b]));
     const double tolerance = static_cast<double>(kMeetingGap * pairLength(pa, pb));
-    const Meeting m = meeting(a, wayOf(da), b, wayOf(db), tolerance);
+    const Meeting m = meetingOfPair(a, da, b, db, manifoldOf(s, i), thin, tolerance);
     if (m.fraction > 1) return;
-    // already there: only if they go on into one another
-    if (m.fraction == 0 && dot(m.at.n, Vec3d(da.dp - db.dp)) <= 0) return;
     noteMeeting(s, i, o, m.fraction);
   }
 };
