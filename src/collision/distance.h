@@ -220,11 +220,19 @@ RUBBLE_HD inline Separation separation(const Placed& a, const Placed& b) {
   return s;
 }
 
-/// A way that a shape goes at constant speed.
+/// A way that a shape goes at constant speed, until it stops.
 struct Way {
-  Vec3d move;  ///< of its centre [m]
-  Vec3d turn;  ///< rotation vector [rad]
+  Vec3d move;        ///< of its centre [m]
+  Vec3d turn;        ///< rotation vector [rad]
+  double until = 1;  ///< part of the way after which it stays
 };
+/// From this part of the way on.
+RUBBLE_HD inline Way wayFrom(const Way& way, double fraction) { return fraction < way.until ? way : Way{{}, {}, way.until}; }
+/// The next part at which one of two ways ends, or 1.
+RUBBLE_HD inline double nextEnd(const Way& a, const Way& b, double fraction) {
+  const double endA = a.until > fraction ? a.until : 1, endB = b.until > fraction ? b.until : 1;
+  return min(endA, endB);
+}
 
 RUBBLE_HD inline Quatd turnOf(const Vec3d& w) {
   const double angle = length(w);
@@ -233,6 +241,7 @@ RUBBLE_HD inline Quatd turnOf(const Vec3d& w) {
 
 RUBBLE_HD inline Placed movedBy(const Placed& s, const Way& way, double fraction) {
   Placed m = s;
+  fraction = min(fraction, way.until);
   m.p += way.move * fraction;
   if (way.turn == Vec3d{}) return m;
   const Quatd turn = turnOf(way.turn * fraction);
@@ -255,13 +264,14 @@ struct Meeting {
 inline constexpr double kNeverMet = 2;
 RUBBLE_HD inline Meeting meeting(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, double tolerance) {
   constexpr int kMostSteps = 128;  // whoever needs more stays within the tolerance for long: then that is where they meet
-  const Vec3d relative = wayA.move - wayB.move;
   Meeting m{0, separation(a, b)};
   for (int step = 0; step < kMostSteps && m.at.distance > tolerance; ++step) {
-    const double closing = dot(m.at.n, relative) + turnReach(a, wayA, m.at.n) + turnReach(b, wayB, m.at.n);
-    if (!(closing > 0)) return {2, m.at};
-    m.fraction += (m.at.distance - tolerance / 2) / closing;
-    if (m.fraction > 1) return {2, m.at};
+    const Way nowA = wayFrom(wayA, m.fraction), nowB = wayFrom(wayB, m.fraction);
+    const double closing = dot(m.at.n, nowA.move - nowB.move) + turnReach(a, nowA, m.at.n) + turnReach(b, nowB, m.at.n);
+    const double end = nextEnd(wayA, wayB, m.fraction), safe = m.at.distance - tolerance / 2;
+    if (closing > 0 && m.fraction + safe / closing <= end) m.fraction += safe / closing;
+    else if (end < 1) m.fraction = end;
+    else return {kNeverMet, m.at};
     m.at = separation(movedBy(a, wayA, m.fraction), movedBy(b, wayB, m.fraction));
   }
   return m;
@@ -284,35 +294,43 @@ RUBBLE_HD inline Meeting meetingBeyond(const Placed& a, const Way& wayA, const P
   const double start = gapAlong(a, b, n);
   allowed = max(allowed, -start);
   const Placed& own = turnsWithB ? b : a;
-  const Way &ownWay = turnsWithB ? wayB : wayA, &otherWay = turnsWithB ? wayA : wayB;
   const Placed endA = movedBy(a, wayA, 1), endB = movedBy(b, wayB, 1);
   Vec3d local = rotateInverse(own.q, n);
   Meeting m{kNeverMet, {start, {}, {}, n}};
   if (gapAlong(endA, endB, rotate((turnsWithB ? endB : endA).q, local)) >= -allowed) return m;
 
-  const double spin = max(length(wayA.turn), length(wayB.turn));
-  double gap = start;
+  const double spin = max(length(wayA.turn), length(wayB.turn)), turnStep = spin > 0 ? kMostTurn / spin : 1;
   m.fraction = 0;
   for (int step = 0; step < kMostSteps; ++step) {
     const Placed nowA = movedBy(a, wayA, m.fraction), nowB = movedBy(b, wayB, m.fraction);
-    const Placed &nowOwn = turnsWithB ? nowB : nowA, &other = turnsWithB ? nowA : nowB;
+    const Placed& nowOwn = turnsWithB ? nowB : nowA;
     m.at.n = rotate(nowOwn.q, local);
-    gap = gapAlong(nowA, nowB, m.at.n);
-    if (gap <= -kReached * allowed) {
+    m.at.distance = gapAlong(nowA, nowB, m.at.n);
+    if (m.at.distance <= -kReached * allowed) {
       const Separation s = separation(nowA, nowB);
-      if (s.n == Vec3d{} || s.distance <= -kReached * allowed) return m;
-      m.at.n = s.n, gap = s.distance;
-      local = rotateInverse(nowOwn.q, s.n);
+      if (s.n != Vec3d{} && s.distance > -kReached * allowed) {
+        m.at = s;
+        local = rotateInverse(nowOwn.q, s.n);
+      } else {
+        // those that are as deep from the first may come apart
+        const double soon = min(turnStep, 1.0);
+        const Placed soonA = movedBy(a, wayA, soon), soonB = movedBy(b, wayB, soon);
+        const double then = gapAlong(soonA, soonB, rotate((turnsWithB ? soonB : soonA).q, local));
+        if (m.fraction > 0 || then <= m.at.distance) return m;
+        m.fraction = soon;
+        continue;
+      }
     }
+    const Way goA = wayFrom(wayA, m.fraction), goB = wayFrom(wayB, m.fraction);
     const auto velocity = [](const Placed& x, const Way& way) { return way.move + cross(way.turn, x.arm); };
-    const Vec3d toward = velocity(nowA, wayA) - velocity(nowB, wayB), sign = turnsWithB ? -m.at.n : m.at.n;
-    const double reach = length(Vec3d(other.shape.half)) ;
-    const double closing = dot(m.at.n, toward) + dot(sign, cross(ownWay.turn, other.p - nowOwn.p)) +
-                           length(cross(m.at.n, otherWay.turn - ownWay.turn)) * reach;
-    double way = spin > 0 ? kMostTurn / spin : kNeverMet;
-    if (closing > 0) way = min(way, (gap + allowed) / closing);
-    m.fraction += way;
-    if (m.fraction > 1) return {kNeverMet, m.at};
+    const Placed& other = turnsWithB ? nowA : nowB;
+    const Vec3d ownTurn = (turnsWithB ? goB : goA).turn, otherTurn = (turnsWithB ? goA : goB).turn, toOther = turnsWithB ? -m.at.n : m.at.n;
+    const double closing = dot(m.at.n, velocity(nowA, goA) - velocity(nowB, goB)) + dot(toOther, cross(ownTurn, other.p - nowOwn.p)) +
+                           length(cross(m.at.n, otherTurn - ownTurn)) * length(Vec3d(other.shape.half));
+    double next = min(m.fraction + turnStep, nextEnd(wayA, wayB, m.fraction));
+    if (closing > 0) next = min(next, m.fraction + (m.at.distance + allowed) / closing);
+    if (next >= 1 || m.fraction >= 1) return {kNeverMet, m.at};
+    m.fraction = next;
   }
   return m;
 }

@@ -90,11 +90,11 @@ RUBBLE_HD void visitTrianglesAlong(const ShapeTables& tables, const ShapeData& s
 template <class Meet>
 RUBBLE_HD Meeting meetTriangles(const PlacedAny& surface, const Way& wayS, const Placed& part, const Way& wayP, const MeetRule& rule,
                                 Meet&& meet) {
-  const Vec3d move = wayP.move - wayS.move;
+  const Vec3d move = wayP.move * wayP.until - wayS.move * wayS.until;
   const Vec3d x = rotateInverse(surface.q, part.p - surface.p), d = rotateInverse(surface.q, move);
   const double turns = length(wayS.turn) * (length(x) + length(d));  // no point of the part is moved further by a turn of the surface
   const double reach = length(Vec3d(part.shape.half)) + part.radius() + rule.tolerance + turns + length(wayP.turn) * length(part.arm);
-  const Placed end = movedBy(part, {move, wayP.turn}, 1);
+  const Placed end = movedBy(part, {move, wayP.turn * wayP.until}, 1);
   const bool twoSided = isTwoSided(surface.tables, surface.shape);
   Placed triangle{{ShapeKind::Triangle, surface.shape.half, 0, nullptr, nullptr, nullptr, 0, 0, {}}, surface.p, surface.q};
   Meeting best{kNeverMet, {}};
@@ -125,14 +125,14 @@ RUBBLE_HD Meeting meetFieldTriangles(const PlacedAny& field, const Way& wayF, co
                                      Accepts&& accepts) {
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
   const bool twoSided = isTwoSided(surface.tables, surface.shape);
-  const Quatd turnF = turnOf(wayF.turn), turnS = turnOf(wayS.turn);
+  const Quatd turnF = turnOf(wayF.turn * wayF.until), turnS = turnOf(wayS.turn * wayS.until);
   Meeting best{kNeverMet, {}};
   double limit = 1;
   for (int k = 0; k < lattice.pointCount; ++k) {
     const Vec3d lever = rotate(field.q, Vec3d(xyz(lattice.points[k])));
     const Vec3d from = rotateInverse(surface.q, field.p + lever - surface.p);
-    const Vec3d end = field.p + wayF.move + rotate(turnF, lever);
-    const Vec3d to = rotateInverse(turnS * surface.q, end - surface.p - wayS.move);
+    const Vec3d end = field.p + wayF.move * wayF.until + rotate(turnF, lever);
+    const Vec3d to = rotateInverse(turnS * surface.q, end - surface.p - wayS.move * wayS.until);
     visitTrianglesAlong(surface.tables, surface.shape, from, to - from, {}, limit, [&](const SurfaceTriangle& t) {
       const Vec3d a(t.corner[0]);
       const RayMeeting r = rays::triangle(from, to - from, a, Vec3d(t.corner[1]), Vec3d(t.corner[2]), twoSided);
@@ -176,7 +176,7 @@ RUBBLE_HD Meeting meetField(const PlacedAny& field, const Way& wayF, const Place
   if (other.shape.kind == ShapeKind::Mesh || other.shape.kind == ShapeKind::HeightField)
     return meetFieldTriangles(field, wayF, other, wayO, rule, accepts);
   constexpr int kMostSteps = 128;
-  const double speed = length(wayF.move - wayO.move) + length(wayF.turn) * static_cast<double>(boundingRadius(field.shape)) +
+  const double speed = max(length(wayF.move - wayO.move), max(length(wayF.move), length(wayO.move)) * (wayF.until < 1 || wayO.until < 1)) + length(wayF.turn) * static_cast<double>(boundingRadius(field.shape)) +
                        length(wayO.turn) * (static_cast<double>(boundingRadius(other.shape)) + length(other.arm));
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
   const double detail = static_cast<double>(lattice.spacing) / 2;

@@ -1,14 +1,9 @@
 #pragma once
 /// Stops of bodies that joints hold together. One that stopped alone would tear its joints open by the rest of its way; so an assembly stops as
 /// one, where the first of its bodies meets something, and all of them keep their velocities.
-#include <limits>
-
 #include "stages/groups.h"
 
 namespace rubble::RUBBLE_CORE {
-
-/// In place of the pair that a body stops at: it stops with its assembly.
-inline constexpr int kStopsTogether = std::numeric_limits<int>::max();
 
 /// Bodies of an assembly have one leader, as those of a group.
 struct StartAssemblies {

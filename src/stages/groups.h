@@ -3,6 +3,7 @@
 /// contacts, joints and attachments, at several sizes. Any grouping gives a valid descent (coarse.h); members that do not touch would only
 /// disturb one another.
 #include "stages/blocks.h"
+#include "stages/forest.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -14,21 +15,6 @@ struct StartGroups {
   static constexpr const char* kName = "groups";
   RUBBLE_HD void operator()(const View& s, int i) const { s.leader[i] = i; }
 };
-
-RUBBLE_HD inline int findLeader(const int* leader, int i) {
-  while (leader[i] != i) i = leader[i];
-  return i;
-}
-
-/// Unites the groups of a and b; the lower leader leads, so the result does not depend on the order of unions.
-RUBBLE_HD inline void unite(int* leader, int a, int b) {
-  for (;;) {
-    a = findLeader(leader, a), b = findLeader(leader, b);
-    if (a == b) return;
-    const int low = a < b ? a : b, high = a < b ? b : a;
-    if (atomicClaim(&leader[high], high, low) == high) return;
-  }
-}
 
 /// Unites bodies that a row block holds together now and that share a cell at this level and at none that is finer: those that share a
 /// finer one are united already.

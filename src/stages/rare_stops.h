@@ -43,15 +43,16 @@ RUBBLE_HD RowFacings rowFacings(const View& s, int pair, bool surfaceOnA, Counts
 /// Where the bodies of a pair meet on their ways: parts of compounds one by one, a part and a surface in the first of their slots.
 struct FindRareStops {
   static constexpr const char* kName = "stops";
+  int round;
   RUBBLE_HD void operator()(const View& s, int i) const {
     const Pair p = s.pair[i];
     const OrderedPair o = ordered(p);
-    if (isPlainPair(s, o.a, o.b) || !mayStop(s, o)) return;
+    if (isPlainPair(s, o.a, o.b) || !mayStop(s, o) || !isSought(s, o, round)) return;
     const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
     const bool surface = isSurface(shapeA.kind) || isSurface(shapeB.kind);
     if (surface && p.second != 0) return;
     const ShapeTables tables = s.shapeTables();
-    const Displacement da = wayIn(s, o.a), db = wayIn(s, o.b);
+    const Way wayA = wayIn(s, o.a), wayB = wayIn(s, o.b);
     const Vec3d between = s.position[o.b] - s.position[o.a];
     const Real size = pairLength(s.params[o.a], s.params[o.b]);
     const double tolerance = static_cast<double>(kMeetingGap * size);
@@ -60,8 +61,8 @@ struct FindRareStops {
       const PlacedAny a = placedAny(tables, shapeA, {0, 0, 0}, s.orientation[o.a], p.owner == o.a ? p.first : p.second);
       const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], p.owner == o.a ? p.second : p.first);
       const Real thin = thinnerOf(a, b);
-      if (approach(s, o, da, db) <= thin) return;
-      const Meeting m = meetingOfPair(asConvex(a), da, asConvex(b), db, manifoldOf(s, i), thin, tolerance);
+      if (approach(s, o, wayA, wayB) <= thin) return;
+      const Meeting m = meetingOfPair(asConvex(a), wayA, asConvex(b), wayB, manifoldOf(s, i), thin, tolerance);
       if (m.fraction <= 1) noteMeeting(s, i, o, m.fraction);
       return;
     }
@@ -69,9 +70,9 @@ struct FindRareStops {
     const PlacedAny a = placedAny(tables, shapeA, {0, 0, 0}, s.orientation[o.a], onA ? 0 : p.first);
     const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], onA ? p.first : 0);
     const Real thin = thinnerOf(a, b);
-    if (approach(s, o, da, db) <= thin) return;
+    if (approach(s, o, wayA, wayB) <= thin) return;
     const PlacedAny &whole = onA ? a : b, &part = onA ? b : a;
-    const Way wayS = wayOf(onA ? da : db), wayP = wayOf(onA ? db : da);
+    const Way &wayS = onA ? wayA : wayB, &wayP = onA ? wayB : wayA;
     Meeting m;
     if (whole.shape.kind == ShapeKind::Distance) {
       const RowFacings held = rowFacings(s, i, onA, [&](const Manifold* rows) { return rowsHold(s, rows); });

@@ -259,11 +259,17 @@ template <Executor E>
 void stopFastBodies(E& e) {
   e.forEach(FindFast{}, e.view().bodies);
   e.require(Per::Pair, &Counters::swept);
-  e.forEach(FindStops{}, &Counters::swept);
-  if (e.view().rareShapes) e.forEach(FindRareStops{}, &Counters::swept);
-  if (e.view().hasJoints()) {
+  const bool joints = e.view().hasJoints();
+  if (joints) {
     e.forEach(StartAssemblies{}, e.view().bodies);
     forEachJoint<JoinAssemblies>(e);
+  }
+  for (int round = 0; round < kStopRounds; ++round) {
+    if (round > 0) e.forEach(NoteStops{round}, &Counters::fastBodies);
+    e.forEach(FindStops{round}, &Counters::swept);
+    if (e.view().rareShapes) e.forEach(FindRareStops{round}, &Counters::swept);
+  }
+  if (joints) {
     e.forEach(RaiseStops{}, e.view().bodies);
     e.forEach(StopAssemblies{}, e.view().bodies);
   }

@@ -3,8 +3,11 @@
 /// such a body hits. So its way is checked after the iterations, from x^t to where they have put it: at the first body in the way it stops
 /// for the rest of the step and keeps its velocity. The next step finds the two in touch, and its rows deal with the impact: momentum is
 /// handed over there and nowhere else, and what is missed is not touched. Such a body loses the rest of one step for each impact.
+#include <limits>
+
 #include "collision/sweep.h"
 #include "stages/contacts.h"
+#include "stages/forest.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -21,7 +24,7 @@ inline constexpr Real kHeldPoint = Real(.05);
 struct FindFast {
   static constexpr const char* kName = "stops";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    s.stopBits[i] = s.stopPair[i] = s.fast[i] = 0;
+    s.stopBits[i] = s.stopPair[i] = s.fast[i] = s.stopSeen[i] = s.stopRound[i] = 0;
     const BodyParams& p = s.params[i];
     if (p.kind != BodyKind::Dynamic && p.kind != BodyKind::Kinematic) return;
     const Displacement& d = s.moved[i];
@@ -29,11 +32,43 @@ struct FindFast {
     const Real way2 = dot(d.dp, d.dp), turn = length(d.dw) * (p.radius - p.shape.radius), inner = innerRadiusOf(s.shapeTables(), p.shape);
     if (!(way2 > Real(0)) || std::sqrt(way2) + turn <= inner) return;
     s.fast[i] = 1;
+    s.fastBody[atomicCount(&s.counters->fastBodies, 1)] = i;
     atomicRaise(&s.counters->swept, s.counters->pairs);
   }
 };
 
-RUBBLE_HD inline Way wayOf(const Displacement& d) { return {Vec3d(d.dp), Vec3d(d.dw)}; }
+/// In place of the pair that a body stops at: it stops with its assembly (assembly_stops.h).
+inline constexpr int kStopsTogether = std::numeric_limits<int>::max();
+/// The body with which a stop is noted.
+RUBBLE_HD inline int stopOwner(const View& s, int body) { return s.stopPair[body] == kStopsTogether ? findLeader(s.leader, body) : body; }
+
+/// What has stopped is in the way of others that counted on its going on: so stops are sought again, in so many rounds, for the pairs of bodies whose
+/// way has become shorter.
+inline constexpr int kStopRounds = 4;
+
+/// Before a round: how far fast bodies go as far as is known.
+struct NoteStops {
+  static constexpr const char* kName = "stops";
+  int round;
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const int i = s.fastBody[k], bits = s.stopBits[i], owner = stopOwner(s, i);
+    if (bits <= s.stopSeen[owner]) return;
+    atomicRaise(&s.stopSeen[owner], bits);
+    s.stopRound[owner] = round;
+  }
+};
+
+/// The way of a body in the step, as far as is known.
+RUBBLE_HD inline Way wayIn(const View& s, int body) {
+  if (s.params[body].kind == BodyKind::Static) return {};
+  const Displacement& d = s.moved[body];
+  return {Vec3d(d.dp), Vec3d(d.dw), 1 - static_cast<double>(fromFloatBits(s.stopSeen[stopOwner(s, body)]))};
+}
+
+/// Is there news for a pair in this round?
+RUBBLE_HD inline bool isSought(const View& s, const OrderedPair& o, int round) {
+  return round == 0 || s.stopRound[stopOwner(s, o.a)] == round || s.stopRound[stopOwner(s, o.b)] == round;
+}
 
 /// Half of the thickness of the thinner of two shapes; planes and surfaces have none of their own. [m]
 RUBBLE_HD inline Real thinner(Real a, Real b) { return a > Real(0) && b > Real(0) ? min(a, b) : max(a, b); }
@@ -43,10 +78,9 @@ RUBBLE_HD inline bool hasRows(const Manifold* m) { return m && m->count > 0 && m
 
 /// Where two convex parts, `thin` thick, meet on their ways. With rows between them, or in touch already, these have the word: what the turn of a
 /// body, which rows know to first order only, or rows that did not suffice would take too deep ends there.
-RUBBLE_HD inline Meeting meetingOfPair(const Placed& a, const Displacement& da, const Placed& b, const Displacement& db, const Manifold* m, Real thin,
+RUBBLE_HD inline Meeting meetingOfPair(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, const Manifold* m, Real thin,
                                        double tolerance) {
   const double allowed = static_cast<double>(kHeldDepth * thin);
-  const Way wayA{Vec3d(da.dp), Vec3d(da.dw)}, wayB{Vec3d(db.dp), Vec3d(db.dw)};
   if (hasRows(m)) return meetingBeyond(a, wayA, b, wayB, Vec3d(m->normal), m->normalOnB, allowed);
   const Meeting first = meeting(a, wayA, b, wayB, tolerance);
   if (first.fraction > 0) return first;
@@ -64,21 +98,19 @@ RUBBLE_HD inline bool mayStop(const View& s, const OrderedPair& o) {
   return (s.fast[o.a] || s.fast[o.b]) && !isSensor(s, o.a) && !isSensor(s, o.b);
 }
 
-/// The way of a body in the step.
-RUBBLE_HD inline Displacement wayIn(const View& s, int body) {
-  return s.params[body].kind == BodyKind::Static ? Displacement{{0, 0, 0}, 0, {0, 0, 0}, 0} : s.moved[body];
-}
-
 /// No two points of the bodies approach one another by more [m].
-RUBBLE_HD inline Real approach(const View& s, const OrderedPair& o, const Displacement& a, const Displacement& b) {
+RUBBLE_HD inline Real approach(const View& s, const OrderedPair& o, const Way& a, const Way& b) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
-  return length(a.dp - b.dp) + length(a.dw) * (pa.radius - pa.shape.radius) + length(b.dw) * (pb.radius - pb.shape.radius);
+  const double both = min(a.until, b.until);
+  const double moves = max(length(a.move - b.move) * both, length(a.move * a.until - b.move * b.until));
+  return static_cast<Real>(moves + length(a.turn) * a.until * static_cast<double>(pa.radius - pa.shape.radius) +
+                           length(b.turn) * b.until * static_cast<double>(pb.radius - pb.shape.radius));
 }
 
 /// Notes that the bodies of pair i meet at this part of their ways.
 RUBBLE_HD inline void noteMeeting(const View& s, int i, const OrderedPair& o, double fraction) {
   const int bits = floatBits(static_cast<Real>(1 - fraction));
-  s.meetBits[i] = bits;
+  s.meetBits[i] = max(s.meetBits[i], bits);
   if (stopsAt(s, o.a, o.b)) atomicRaise(&s.stopBits[o.a], bits);
   if (stopsAt(s, o.b, o.a)) atomicRaise(&s.stopBits[o.b], bits);
 }
@@ -86,18 +118,19 @@ RUBBLE_HD inline void noteMeeting(const View& s, int i, const OrderedPair& o, do
 /// Where the bodies of a pair of plain shapes meet on their ways: the part of the way that is left then.
 struct FindStops {
   static constexpr const char* kName = "stops";
+  int round;
   RUBBLE_HD void operator()(const View& s, int i) const {
-    s.meetBits[i] = 0;
+    if (round == 0) s.meetBits[i] = 0;
     const OrderedPair o = ordered(s.pair[i]);
-    if (!isPlainPair(s, o.a, o.b) || !mayStop(s, o)) return;
+    if (!isPlainPair(s, o.a, o.b) || !mayStop(s, o) || !isSought(s, o, round)) return;
     const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
-    const Displacement da = wayIn(s, o.a), db = wayIn(s, o.b);
+    const Way wayA = wayIn(s, o.a), wayB = wayIn(s, o.b);
     const Real thin = thinner(innerRadius(pa.shape), innerRadius(pb.shape));
-    if (approach(s, o, da, db) <= thin) return;
+    if (approach(s, o, wayA, wayB) <= thin) return;
     const Placed a = placed(pa.shape, {0, 0, 0}, Quatd(s.orientation[o.a]));
     const Placed b = placed(pb.shape, s.position[o.b] - s.position[o.a], Quatd(s.orientation[o.b]));
     const double tolerance = static_cast<double>(kMeetingGap * pairLength(pa, pb));
-    const Meeting m = meetingOfPair(a, da, b, db, manifoldOf(s, i), thin, tolerance);
+    const Meeting m = meetingOfPair(a, wayA, b, wayB, manifoldOf(s, i), thin, tolerance);
     if (m.fraction > 1) return;
     noteMeeting(s, i, o, m.fraction);
   }
