@@ -19,6 +19,7 @@ struct PredictBodies {
     const StepConstants& c = s.step;
     const BodyParams& p = s.params[i];
     Vec3 v = s.velocity[i], w = s.spin[i];
+    s.fast[i] = 0;
     Displacement& moved = s.moved[i];
     if (!isDynamic(s, i)) {
       const bool moves = p.kind == BodyKind::Kinematic;

@@ -1,5 +1,6 @@
 #pragma once
 /// From near pairs to contact rows and back: narrow phase, warm start, and what is kept for the next step.
+#include "collision/sweep.h"
 #include "solver/warmstart.h"
 #include "stages/cells.h"
 #include "stages/materials.h"
@@ -91,6 +92,18 @@ struct PairRows {
   StiffnessRule normal, tangent;
 };
 
+/// A point this deep, over half the thickness of its dynamic body [1], in what does not yield: whatever presses the body there, it goes no deeper than
+/// fast bodies may (stages/stops.h).
+inline constexpr Real kPressedDepth = Real(.25);
+
+/// Notes bodies that are pressed into static or kinematic ones.
+RUBBLE_HD inline void notePressed(const View& s, const OrderedPair& o, Real depth) {
+  const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
+  const bool moves = pa.kind == BodyKind::Dynamic;
+  if (moves == (pb.kind == BodyKind::Dynamic)) return;
+  if (depth > kPressedDepth * innerRadiusOf(s.shapeTables(), (moves ? pa : pb).shape)) s.fast[moves ? o.a : o.b] = 1;
+}
+
 /// Begins the rows of manifold i: everything but its points. `r` is all zeros.
 RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   const StepConstants& c = s.step;
@@ -126,6 +139,7 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
   const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
   const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);
   const bool impact = hits(c, closing, point.depth);
+  if (point.depth > c.contactMargin * r.length) notePressed(s, o, point.depth);
   const Real c0 = impact && p.restitution > Real(0) ? p.restitution * closing * c.dt : inheritedViolation(c, point.depth);
 
   const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);

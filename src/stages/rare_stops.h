@@ -61,7 +61,7 @@ struct FindRareStops {
       const PlacedAny a = placedAny(tables, shapeA, {0, 0, 0}, s.orientation[o.a], p.owner == o.a ? p.first : p.second);
       const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], p.owner == o.a ? p.second : p.first);
       const Real thin = thinnerOf(a, b);
-      if (approach(s, o, wayA, wayB) <= thin) return;
+      if (!mayPass(s, o, wayA, wayB, thin, manifoldOf(s, i))) return;
       const Meeting m = meetingOfPair(asConvex(a), wayA, asConvex(b), wayB, manifoldOf(s, i), thin, tolerance);
       if (m.fraction <= 1) noteMeeting(s, i, o, m.fraction);
       return;
@@ -70,7 +70,9 @@ struct FindRareStops {
     const PlacedAny a = placedAny(tables, shapeA, {0, 0, 0}, s.orientation[o.a], onA ? 0 : p.first);
     const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], onA ? p.first : 0);
     const Real thin = thinnerOf(a, b);
-    if (approach(s, o, wayA, wayB) <= thin) return;
+    bool rows = false;
+    for (int slot = 0; slot < kSurfaceSlots; ++slot) rows |= hasRows(manifoldOf(s, i + slot));
+    if (!rows && approach(s, o, wayA, wayB) <= thin) return;
     const PlacedAny &whole = onA ? a : b, &part = onA ? b : a;
     const Way &wayS = onA ? wayA : wayB, &wayP = onA ? wayB : wayA;
     Meeting m;

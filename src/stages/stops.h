@@ -24,13 +24,13 @@ inline constexpr Real kHeldPoint = Real(.05);
 struct FindFast {
   static constexpr const char* kName = "stops";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    s.stopBits[i] = s.stopPair[i] = s.fast[i] = s.stopSeen[i] = s.stopRound[i] = 0;
+    s.stopBits[i] = s.stopPair[i] = s.stopSeen[i] = s.stopRound[i] = 0;
     const BodyParams& p = s.params[i];
     if (p.kind != BodyKind::Dynamic && p.kind != BodyKind::Kinematic) return;
     const Displacement& d = s.moved[i];
     // the turn moves no point further than the way around
     const Real way2 = dot(d.dp, d.dp), turn = length(d.dw) * (p.radius - p.shape.radius), inner = innerRadiusOf(s.shapeTables(), p.shape);
-    if (!(way2 > Real(0)) || std::sqrt(way2) + turn <= inner) return;
+    if (!(way2 > Real(0)) || (std::sqrt(way2) + turn <= inner && s.fast[i] == 0)) return;
     s.fast[i] = 1;
     s.fastBody[atomicCount(&s.counters->fastBodies, 1)] = i;
     atomicRaise(&s.counters->swept, s.counters->pairs);
@@ -107,6 +107,12 @@ RUBBLE_HD inline Real approach(const View& s, const OrderedPair& o, const Way& a
                            length(b.turn) * b.until * static_cast<double>(pb.radius - pb.shape.radius));
 }
 
+/// Is the way of a pair, whose thinner part is `thin` thick, long enough to pass, or is one pressed into the other?
+RUBBLE_HD inline bool mayPass(const View& s, const OrderedPair& o, const Way& a, const Way& b, Real thin, const Manifold* m) {
+  const bool pressed = hasRows(m) && (s.params[o.a].kind != BodyKind::Dynamic || s.params[o.b].kind != BodyKind::Dynamic);
+  return pressed || approach(s, o, a, b) > thin;
+}
+
 /// Notes that the bodies of pair i meet at this part of their ways.
 RUBBLE_HD inline void noteMeeting(const View& s, int i, const OrderedPair& o, double fraction) {
   const int bits = floatBits(static_cast<Real>(1 - fraction));
@@ -126,7 +132,7 @@ struct FindStops {
     const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
     const Way wayA = wayIn(s, o.a), wayB = wayIn(s, o.b);
     const Real thin = thinner(innerRadius(pa.shape), innerRadius(pb.shape));
-    if (approach(s, o, wayA, wayB) <= thin) return;
+    if (!mayPass(s, o, wayA, wayB, thin, manifoldOf(s, i))) return;
     const Placed a = placed(pa.shape, {0, 0, 0}, Quatd(s.orientation[o.a]));
     const Placed b = placed(pb.shape, s.position[o.b] - s.position[o.a], Quatd(s.orientation[o.b]));
     const double tolerance = static_cast<double>(kMeetingGap * pairLength(pa, pb));

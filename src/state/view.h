@@ -120,7 +120,7 @@ struct View : JointTables<JointTypes> {
   Quat* turned = nullptr;             ///< its rotation, q (q^t)^-1
   int* island = nullptr;              ///< a body that stands for the island
   int* islandFlag = nullptr;          ///< of that body: 1 if the island wakes, or does not sleep
-  int* fast = nullptr;                ///< 1: went further than it is thick
+  int* fast = nullptr;                ///< 1: went further than it is thick, or is pressed into what does not yield
   int* nearSurface = nullptr;         ///< 1: its corners may touch the surface of a deformable object
   int* stopBits = nullptr;            ///< part of the way that a body does not make since it meets another, as the bits of a float
   int* fastBody = nullptr;            ///< the fast ones
