@@ -121,7 +121,8 @@ void ChunkReader::fail(std::uint64_t offset, const std::string& expected, const 
 }
 
 Bytes ChunkReader::readRaw(std::uint64_t offset, std::size_t count) {
-  Bytes bytes(offset >= size_ ? 0 : static_cast<std::size_t>(std::min<std::uint64_t>(count, size_ - offset)));
+  if (offset >= size_) return {};
+  Bytes bytes(static_cast<std::size_t>(std::min<std::uint64_t>(count, size_ - offset)));
   in_.clear();
   in_.seekg(static_cast<std::streamoff>(offset));
   in_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
@@ -142,6 +143,7 @@ std::optional<ChunkReader::FullHead> ChunkReader::fullHead(std::uint64_t offset)
   if (in.get<std::uint32_t>() != crc32(bytes.data(), kHeadSize - 4)) fail(offset, "the head of a chunk", "a wrong checksum");
   const bool known = head.codec == Codec::Zstd || (head.codec == Codec::None && head.storedSize == head.contentSize);
   if (!known || head.contentSize > kLargestContent) fail(offset, "a known codec and a size of at most 1 GiB", "another");
+  // the head itself was read: no sum here is beyond the size of the file by more than 32 bits
   if (offset + kHeadSize + head.storedSize > size_) return std::nullopt;
   return head;
 }

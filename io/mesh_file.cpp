@@ -170,14 +170,18 @@ std::vector<Vec3> lineOf(const MeshFile& mesh, const std::string& path) {
   int start = -1, ends = 0;
   for (const auto& line : mesh.lines)
     for (const int v : line) {
-      const std::size_t degree = beside[v].size();
+      const auto found = beside.find(v);
+      const std::size_t degree = found == beside.end() ? 0 : found->second.size();
       if (degree > 2) throw Error(path, "one line that does not branch", std::to_string(degree) + " lines at vertex " + std::to_string(v));
       if (degree == 1 && start < 0) start = v;
     }
   for (const auto& [v, others] : beside) ends += others.size() == 1;
   if (ends > 2) throw Error(path, "one line", std::to_string(ends / 2) + " of them");
   const bool closed = start < 0;
-  if (closed) start = mesh.lines[0][0];
+  // the first vertex that has a neighbour: a line may also stand still at one
+  for (const auto& line : mesh.lines)
+    for (const int v : line)
+      if (start < 0 && beside.contains(v)) start = v;
   std::vector<int> order{start};
   for (int before = -1, at = start;;) {
     const std::vector<int>& others = beside[at];

@@ -21,6 +21,14 @@ void finite(double a, const std::string& path) {
 void finite(const Vec3& a, const std::string& path) {
   if (!isFinite(a)) throw Error(path, "three finite numbers", text(a));
 }
+void finite(std::span<const double> list, const std::string& path) {
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (!std::isfinite(list[i])) finite(list[i], element(path, i));
+}
+void finite(std::span<const Vec3> list, const std::string& path) {
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (!isFinite(list[i])) finite(list[i], element(path, i));
+}
 void positive(double a, const std::string& path) {
   if (!(a > 0) || !std::isfinite(a)) throw Error(path, "a number above 0", text(a));
 }

@@ -1,5 +1,6 @@
 #pragma once
 /// What numbers from outside have to be. Each check throws Error with the path of what is wrong, what was expected and what came.
+#include <span>
 #include <string>
 
 #include <rubble/error.h>
@@ -16,6 +17,9 @@ std::string element(const std::string& list, std::size_t k);
 bool isFinite(const Vec3& a);
 void finite(double a, const std::string& path);
 void finite(const Vec3& a, const std::string& path);
+/// Of a list, each with its place behind the path.
+void finite(std::span<const double> list, const std::string& path);
+void finite(std::span<const Vec3> list, const std::string& path);
 void positive(double a, const std::string& path);
 void notNegative(double a, const std::string& path);
 /// A stiffness or a threshold: infinity is meant.

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include <rubble/error.h>
@@ -32,10 +31,10 @@ void corners(const DeformableDef& d, const Corners& c, const std::string& path) 
 
 void checkCommon(const DeformableDef& d, std::size_t least, const std::string& path) {
   if (d.vertices.size() < least) throw Error(path + ".vertices", "at least " + std::to_string(least), std::to_string(d.vertices.size()));
-  for (std::size_t i = 0; i < d.vertices.size(); ++i) finite(d.vertices[i], item(path, "vertices", i));
+  finite(d.vertices, path + ".vertices");
   if (!d.start.empty() && d.start.size() != d.vertices.size())
     throw Error(path + ".start", "as many positions as vertices, " + std::to_string(d.vertices.size()), std::to_string(d.start.size()));
-  for (std::size_t i = 0; i < d.start.size(); ++i) finite(d.start[i], item(path, "start", i));
+  finite(d.start, path + ".start");
   for (std::size_t i = 0; i < d.fixed.size(); ++i) corners(d, std::array<int, 1>{d.fixed[i]}, item(path, "fixed", i));
   finite(d.velocity, path + ".velocity");
   finite(d.angularVelocity, path + ".angularVelocity");

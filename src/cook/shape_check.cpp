@@ -20,7 +20,7 @@ void bounded(std::size_t count, const std::string& path) {
 
 void checkPoints(const ShapeGeometry& g, const std::string& path) {
   bounded(g.points.size(), path);
-  for (std::size_t i = 0; i < g.points.size(); ++i) finite(g.points[i], element(path, i));
+  finite(g.points, path);
 }
 
 void checkTriangles(const ShapeGeometry& g, const std::string& path) {
@@ -42,7 +42,7 @@ void checkSamples(const ShapeGeometry& g, std::size_t axes, const std::string& p
   if (count > kMost) throw Error(path + ".counts", "at most " + std::to_string(kMost) + " samples", "more");
   if (g.samples.size() != count.value())
     throw Error(path + name, std::to_string(count.value()) + " samples", std::to_string(g.samples.size()));
-  for (std::size_t i = 0; i < g.samples.size(); ++i) finite(g.samples[i], element(path + name, i));
+  finite(g.samples, path + name);
 }
 
 bool isConvexSolid(ShapeType type) {

@@ -2,7 +2,7 @@
 #include <rubble/scene.h>
 
 #include "cook/checks.h"
-#include "world/joint_build.h"
+#include "world/world_impl.h"
 
 namespace rubble {
 
@@ -59,6 +59,13 @@ void validate(const BodyDef& body, const std::string& path) {
   notNegative(body.linearDamping, path + ".linearDamping");
   notNegative(body.angularDamping, path + ".angularDamping");
   finite(body.gravityScale, path + ".gravityScale");
+}
+
+void validate(const BodyState& state, const std::string& path) {
+  finite(state.position, path + ".position");
+  unit(state.orientation, path + ".orientation");
+  finite(state.velocity, path + ".velocity");
+  finite(state.angularVelocity, path + ".angularVelocity");
 }
 
 void validate(const Scene& scene) {
