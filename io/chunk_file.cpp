@@ -71,7 +71,7 @@ std::string decompress(const Bytes&, Bytes&) { return "a compressed chunk, which
 
 }  // namespace
 
-ChunkWriter::ChunkWriter(const std::string& file) : file_(file), out_(file, std::ios::binary | std::ios::trunc) {
+ChunkWriter::ChunkWriter(const std::string& file) : file_(file), lock_(file), out_(file, std::ios::binary | std::ios::trunc) {
   if (!out_) throw Error(file_, "a file that can be written", std::strerror(errno));
 }
 
@@ -143,7 +143,6 @@ std::optional<ChunkReader::FullHead> ChunkReader::fullHead(std::uint64_t offset)
   if (in.get<std::uint32_t>() != crc32(bytes.data(), kHeadSize - 4)) fail(offset, "the head of a chunk", "a wrong checksum");
   const bool known = head.codec == Codec::Zstd || (head.codec == Codec::None && head.storedSize == head.contentSize);
   if (!known || head.contentSize > kLargestContent) fail(offset, "a known codec and a size of at most 1 GiB", "another");
-  // the head itself was read: no sum here is beyond the size of the file by more than 32 bits
   if (offset + kHeadSize + head.storedSize > size_) return std::nullopt;
   return head;
 }

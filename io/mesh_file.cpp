@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <unordered_map>
 
 #include "io/mesh_readers.h"
+#include "io/output_file.h"
 
 namespace rubble::io {
 
@@ -197,30 +197,19 @@ std::vector<Vec3> lineOf(const MeshFile& mesh, const std::string& path) {
   return out;
 }
 
-namespace {
-
-std::ofstream opened(const std::string& file) {
-  std::ofstream out(file);
-  if (!out) throw Error(file, "a file that can be written", "none");
-  out.precision(17);
-  return out;
-}
-void finish(std::ofstream& out, const std::string& file) {
-  out.close();
-  if (!out) throw Error(file, "room for the mesh", "a failure to write");
-}
-
-}  // namespace
-
 void writeObj(const std::string& file, const TriangleMesh& mesh) {
-  std::ofstream out = opened(file);
+  OutputFile target(file);
+  std::ostream& out = target.stream();
+  out.precision(17);
   for (const Vec3& x : mesh.vertices) out << "v " << x.x << ' ' << x.y << ' ' << x.z << '\n';
   for (const auto& t : mesh.triangles) out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
-  finish(out, file);
+  target.finish();
 }
 
 void writeMsh(const std::string& file, const TetrahedronMesh& mesh) {
-  std::ofstream out = opened(file);
+  OutputFile target(file);
+  std::ostream& out = target.stream();
+  out.precision(17);
   const std::size_t nodes = mesh.vertices.size(), cells = mesh.tetrahedra.size();
   out << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 " << nodes << " 1 " << nodes << "\n3 1 0 " << nodes << '\n';
   for (std::size_t i = 1; i <= nodes; ++i) out << i << '\n';
@@ -232,7 +221,7 @@ void writeMsh(const std::string& file, const TetrahedronMesh& mesh) {
     out << '\n';
   }
   out << "$EndElements\n";
-  finish(out, file);
+  target.finish();
 }
 
 }  // namespace rubble::io

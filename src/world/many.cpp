@@ -189,7 +189,13 @@ void World::reserve(const std::string& kind, int count) {
   // tables grow by half, and what belongs to their elements is counted in int
   constexpr int kMost = 1 << 28;
   if (count < 0 || count > kMost) throw Error("count", "a number from 0 to " + std::to_string(kMost), std::to_string(count));
-  if (!impl_->engine->reserve(kind, count))
+  bool known = false;
+  try {
+    known = impl_->engine->reserve(kind, count);
+  } catch (const std::bad_alloc&) {
+    throw Error("count", "a number that there is memory for", std::to_string(count));
+  }
+  if (!known)
     throw Error("kind", "pairs, nearPairs, manifolds, rollers, entries, colors, groups, chunks, externals, pointPairs, pointEntries or nearFeatures", "\"" + kind + "\"");
 }
 

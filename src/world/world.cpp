@@ -70,7 +70,7 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-StepReport World::step() {
+StepReport World::step() try {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   impl_->flush();
@@ -84,6 +84,8 @@ StepReport World::step() {
   impl_->registry.time += impl_->params.dt;
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   return report;
+} catch (const std::bad_alloc&) {
+  throw Error("step", "memory for the tables that it needs", "none left");
 }
 
 void World::sortBodies() { impl_->engine->sortSoon(); }
