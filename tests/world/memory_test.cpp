@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -10,6 +11,9 @@
 
 namespace rubble {
 namespace {
+
+/// Large blocks go back to the system when they are freed, from the first test of the program on: none is found again under the limit.
+[[maybe_unused]] const int kLargeBlocksGoBack = mallopt(M_MMAP_THRESHOLD, 1 << 17);
 
 /// The address space of this program may grow by so many bytes while it lives.
 class LittleMemory {
