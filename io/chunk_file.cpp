@@ -71,7 +71,7 @@ std::string decompress(const Bytes&, Bytes&) { return "a compressed chunk, which
 
 }  // namespace
 
-ChunkWriter::ChunkWriter(const std::string& file) : file_(file), out_(file, std::ios::binary | std::ios::trunc) {
+ChunkWriter::ChunkWriter(const std::string& file) : file_(file), lock_(file), out_(file, std::ios::binary | std::ios::trunc) {
   if (!out_) throw Error(file_, "a file that can be written", std::strerror(errno));
 }
 
@@ -121,7 +121,8 @@ void ChunkReader::fail(std::uint64_t offset, const std::string& expected, const 
 }
 
 Bytes ChunkReader::readRaw(std::uint64_t offset, std::size_t count) {
-  Bytes bytes(offset >= size_ ? 0 : static_cast<std::size_t>(std::min<std::uint64_t>(count, size_ - offset)));
+  if (offset >= size_) return {};
+  Bytes bytes(static_cast<std::size_t>(std::min<std::uint64_t>(count, size_ - offset)));
   in_.clear();
   in_.seekg(static_cast<std::streamoff>(offset));
   in_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));

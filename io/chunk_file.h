@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "io/output_file.h"
+
 namespace rubble::io {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -23,7 +25,8 @@ struct Chunk {
   Bytes content;  ///< decompressed
 };
 
-/// Appends chunks. Every call throws Error if the file cannot be written.
+/// Appends chunks. What is written is in the file at once and stays there whatever happens. Every call throws Error if the file cannot be
+/// written; one that another ChunkWriter writes cannot be.
 class ChunkWriter {
  public:
   explicit ChunkWriter(const std::string& file);
@@ -37,6 +40,7 @@ class ChunkWriter {
   void check();
 
   std::string file_;
+  FileLock lock_;
   std::ofstream out_;
   std::uint64_t offset_ = 0;
 };

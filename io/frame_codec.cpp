@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "cook/size.h"
 #include "io/byte_stream.h"
 
 namespace rubble::io {
@@ -123,8 +124,9 @@ std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::ui
   const std::size_t bodies = in.get<std::uint32_t>();
   const std::size_t vertices = version > 1 ? in.get<std::uint32_t>() : 0;
   const std::size_t places = bodies + vertices, wordCount = wordCountOf(bodies, vertices);
-  if (!in.ok() || bodies != bodyCount || vertices != vertexCount || in.left() != frameCount * 16 + places * 24 + frameCount * wordCount * 4)
-    return std::nullopt;
+  constexpr std::size_t kBytesOfTime = 16, kBytesOfOrigin = 24, kBytesOfWord = 4;
+  const Size wanted = Size(frameCount) * kBytesOfTime + Size(places) * kBytesOfOrigin + Size(frameCount) * wordCount * kBytesOfWord;
+  if (!in.ok() || bodies != bodyCount || vertices != vertexCount || !(wanted == in.left())) return std::nullopt;
 
   std::vector<RecordedFrame> frames(frameCount);
   for (RecordedFrame& frame : frames) {

@@ -42,10 +42,15 @@ Fault syntaxFault(const std::string& text, const Json::parse_error& error) {
   return fault;
 }
 
-/// Goes through a text and notes keys that appear twice in one object: a parsed object has only the last. It leaves syntax to the parser.
-class DuplicateKeys final : public Json::json_sax_t {
+/// Lists and objects within one another: no file needs more, and what reads one calls itself for each.
+constexpr std::size_t kMostLevels = 64;
+
+/// Goes through a text and notes keys that appear twice in one object, of which a parsed object has only the last, and where it goes too deep.
+/// It leaves syntax to the parser.
+class StructureCheck final : public Json::json_sax_t {
  public:
-  explicit DuplicateKeys(std::vector<Fault>& faults) : faults_(faults) {}
+  std::vector<Fault> faults;
+  bool tooDeep = false;
 
   bool null() override { return element(); }
   bool boolean(bool) override { return element(); }
@@ -61,7 +66,7 @@ class DuplicateKeys final : public Json::json_sax_t {
   bool key(string_t& key) override {
     Level& level = levels_.back();
     level.key = key;
-    if (!level.keys.insert(key).second) faults_.push_back({path(), 0, 0, "expected each key once, got " + inQuotes(key) + " again"});
+    if (!level.keys.insert(key).second) faults.push_back({path(), 0, 0, "expected each key once, got " + inQuotes(key) + " again"});
     return true;
   }
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
@@ -80,6 +85,11 @@ class DuplicateKeys final : public Json::json_sax_t {
   }
   bool begin(bool isArray) {
     element();
+    if (levels_.size() == kMostLevels) {
+      tooDeep = true;
+      faults.push_back({path(), 0, 0, "expected at most " + std::to_string(kMostLevels) + " lists and objects within one another, got more"});
+      return false;
+    }
     levels_.push_back({isArray, -1, "", {}});
     return true;
   }
@@ -95,7 +105,6 @@ class DuplicateKeys final : public Json::json_sax_t {
   }
 
   std::vector<Level> levels_;
-  std::vector<Fault>& faults_;
 };
 
 }  // namespace
@@ -242,9 +251,14 @@ void ObjectReader::read(const std::string& key, Vec3& out) {
 
 std::optional<Json> parseJson(const std::string& text, std::vector<Fault>& faults) {
   try {
+    StructureCheck check;
+    Json::sax_parse(text, &check);
+    if (check.tooDeep) {
+      faults.push_back(check.faults.back());
+      return std::nullopt;
+    }
     Json json = Json::parse(text);
-    DuplicateKeys duplicates(faults);
-    Json::sax_parse(text, &duplicates);
+    faults.insert(faults.end(), check.faults.begin(), check.faults.end());
     return json;
   } catch (const Json::parse_error& error) {
     faults.push_back(syntaxFault(text, error));

@@ -27,7 +27,7 @@ std::string_view MeshBytes::line() {
   if (atEnd()) fail("another line", "the end of the file");
   const std::size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
   std::string_view text(bytes_.data() + at_, end - at_);
-  at_ = end + 1;
+  seek(end + 1);
   const auto from = text.find_first_not_of(kSpace);
   if (from == std::string_view::npos) return {};
   return text.substr(from, text.find_last_not_of(kSpace) - from + 1);
@@ -42,14 +42,14 @@ std::optional<std::string_view> MeshBytes::nextLine() {
 std::string_view MeshBytes::word(const char* what) {
   const std::size_t from = bytes_.find_first_not_of(kSpace, at_);
   if (from == std::string::npos) {
-    at_ = bytes_.size();
+    seek(bytes_.size());
     fail(what, "the end of the file");
   }
-  at_ = std::min(bytes_.find_first_of(kSpace, from), bytes_.size());
+  seek(bytes_.find_first_of(kSpace, from));
   return std::string_view(bytes_).substr(from, at_ - from);
 }
 
-void MeshBytes::endLine() { at_ = std::min(bytes_.find('\n', at_), bytes_.size() - 1) + 1; }
+void MeshBytes::endLine() { seek(std::min(bytes_.find('\n', at_), bytes_.size()) + 1); }
 
 double MeshBytes::toNumber(std::string_view text, const char* what) const {
   double value = 0;
@@ -74,7 +74,7 @@ std::size_t MeshBytes::count(long long number, std::size_t least, const char* wh
 
 void MeshBytes::fail(const std::string& expected, const std::string& got) const {
   // the line of the last byte that was read
-  const auto read = bytes_.begin() + static_cast<std::ptrdiff_t>(std::min(at_ > 0 ? at_ - 1 : 0, bytes_.size()));
+  const auto read = bytes_.begin() + static_cast<std::ptrdiff_t>(at_ > 0 ? at_ - 1 : 0);
   throw Error(file_ + " line " + std::to_string(1 + std::count(bytes_.begin(), read, '\n')), expected, got);
 }
 

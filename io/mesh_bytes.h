@@ -1,5 +1,6 @@
 #pragma once
 /// The bytes of a mesh file, as lines of words or as numbers of a byte order, with faults that say where.
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cstdint>
@@ -18,11 +19,12 @@ class MeshBytes {
   explicit MeshBytes(const std::string& file);
 
   const std::string& file() const { return file_; }
-  bool atEnd() const { return at_ >= bytes_.size(); }
+  bool atEnd() const { return left() == 0; }
   std::size_t at() const { return at_; }
   std::size_t left() const { return bytes_.size() - at_; }
   std::string_view all() const { return bytes_; }
-  void seek(std::size_t at) { at_ = at; }
+  /// The place from which reading goes on: the end of the file for whatever lies behind it.
+  void seek(std::size_t at) { at_ = std::min(at, bytes_.size()); }
 
   /// The next line without its end and without spaces around it. Throws Error at the end of the file.
   std::string_view line();
@@ -49,7 +51,7 @@ class MeshBytes {
     } else {
       std::memcpy(&value, bytes_.data() + at_, sizeof(T));
     }
-    at_ += sizeof(T);
+    seek(at_ + sizeof(T));
     return value;
   }
 
@@ -61,7 +63,7 @@ class MeshBytes {
 
  private:
   std::string file_, bytes_;
-  std::size_t at_ = 0;
+  std::size_t at_ = 0;  ///< at most the number of bytes: seek() alone changes it
 };
 
 /// Words of a line, one after the other.

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <unordered_map>
 
 #include "io/mesh_readers.h"
+#include "io/output_file.h"
 
 namespace rubble::io {
 
@@ -170,14 +170,18 @@ std::vector<Vec3> lineOf(const MeshFile& mesh, const std::string& path) {
   int start = -1, ends = 0;
   for (const auto& line : mesh.lines)
     for (const int v : line) {
-      const std::size_t degree = beside[v].size();
+      const auto found = beside.find(v);
+      const std::size_t degree = found == beside.end() ? 0 : found->second.size();
       if (degree > 2) throw Error(path, "one line that does not branch", std::to_string(degree) + " lines at vertex " + std::to_string(v));
       if (degree == 1 && start < 0) start = v;
     }
   for (const auto& [v, others] : beside) ends += others.size() == 1;
   if (ends > 2) throw Error(path, "one line", std::to_string(ends / 2) + " of them");
   const bool closed = start < 0;
-  if (closed) start = mesh.lines[0][0];
+  // the first vertex that has a neighbour: a line may also stand still at one
+  for (const auto& line : mesh.lines)
+    for (const int v : line)
+      if (start < 0 && beside.contains(v)) start = v;
   std::vector<int> order{start};
   for (int before = -1, at = start;;) {
     const std::vector<int>& others = beside[at];
@@ -193,30 +197,19 @@ std::vector<Vec3> lineOf(const MeshFile& mesh, const std::string& path) {
   return out;
 }
 
-namespace {
-
-std::ofstream opened(const std::string& file) {
-  std::ofstream out(file);
-  if (!out) throw Error(file, "a file that can be written", "none");
-  out.precision(17);
-  return out;
-}
-void finish(std::ofstream& out, const std::string& file) {
-  out.close();
-  if (!out) throw Error(file, "room for the mesh", "a failure to write");
-}
-
-}  // namespace
-
 void writeObj(const std::string& file, const TriangleMesh& mesh) {
-  std::ofstream out = opened(file);
+  OutputFile target(file);
+  std::ostream& out = target.stream();
+  out.precision(17);
   for (const Vec3& x : mesh.vertices) out << "v " << x.x << ' ' << x.y << ' ' << x.z << '\n';
   for (const auto& t : mesh.triangles) out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
-  finish(out, file);
+  target.finish();
 }
 
 void writeMsh(const std::string& file, const TetrahedronMesh& mesh) {
-  std::ofstream out = opened(file);
+  OutputFile target(file);
+  std::ostream& out = target.stream();
+  out.precision(17);
   const std::size_t nodes = mesh.vertices.size(), cells = mesh.tetrahedra.size();
   out << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 " << nodes << " 1 " << nodes << "\n3 1 0 " << nodes << '\n';
   for (std::size_t i = 1; i <= nodes; ++i) out << i << '\n';
@@ -228,7 +221,7 @@ void writeMsh(const std::string& file, const TetrahedronMesh& mesh) {
     out << '\n';
   }
   out << "$EndElements\n";
-  finish(out, file);
+  target.finish();
 }
 
 }  // namespace rubble::io

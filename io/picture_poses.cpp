@@ -51,6 +51,11 @@ void WatchedBodies::update(World& world, ColorBy colorBy, std::vector<PictureBod
     return;
   }
   if (epoch_ != epoch) sources_ = poseSources(world), epoch_ = epoch;
+  // Ropes and deformable objects come and go within an epoch: a list from before may hold theirs behind the bodies.
+  if (bodies.size() != sources_.size()) {
+    bodies = pictureBodies(world, colorBy);
+    return;
+  }
   const PoseFrame frame = posesNow(world);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const BodyPose pose = poseOf(sources_[i], frame.position, frame.orientation);

@@ -1,7 +1,4 @@
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <memory>
+#include <vector>
 
 #if defined(RUBBLE_HAS_PNG)
 #include <png.h>
@@ -9,23 +6,27 @@
 
 #include <rubble/error.h>
 
+#include "io/output_file.h"
 #include "io/picture.h"
 
 namespace rubble::io {
 
 #if defined(RUBBLE_HAS_PNG)
 void writePng(const Image& image, const std::string& file) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "wb"), std::fclose);
-  if (!out) throw Error(file, "a file that can be written", std::strerror(errno));
+  OutputFile out(file);
   png_image header{};
   header.version = PNG_IMAGE_VERSION;
   header.width = static_cast<png_uint_32>(image.width);
   header.height = static_cast<png_uint_32>(image.height);
   header.format = PNG_FORMAT_RGB;
-  const int written = png_image_write_to_stdio(&header, out.get(), 0, image.rgb.data(), 3 * image.width, nullptr);
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
+  std::vector<char> bytes(size);
+  const int made = png_image_write_to_memory(&header, bytes.data(), &size, 0, image.rgb.data(), 3 * image.width, nullptr);
   const std::string message = header.message;
   png_image_free(&header);
-  if (!written || std::fflush(out.get()) != 0) throw Error(file, "to be written in full", message.empty() ? std::strerror(errno) : message);
+  if (!made) throw Error(file, "a picture that can be compressed", message);
+  out.stream().write(bytes.data(), static_cast<std::streamsize>(size));
+  out.finish();
 }
 #else
 void writePng(const Image&, const std::string& file) { throw Error(file, "a build with libpng to write pictures", "one without"); }

@@ -121,8 +121,9 @@ struct RecordingReader::Impl {
   std::vector<int> firstFrames;  ///< of each chunk
   int frameCount = 0;
   bool complete = false;
-  // The chunks that were read last.
-  std::uint64_t framesOffset = 0, bodiesOffset = 0;
+  // What was read last: a chunk of frames by its place in `chunks`, the bodies by the offset of theirs.
+  std::optional<std::size_t> framesOf;
+  std::optional<std::uint64_t> bodiesOffset;
   std::vector<RecordedFrame> frames;
   RecordedObjects objects;
   std::uint32_t version = kVersion;
@@ -201,19 +202,21 @@ struct RecordingReader::Impl {
       throw Error("recording.frame", "one of " + std::to_string(frameCount) + " frames", std::to_string(frame));
     const auto place = static_cast<std::size_t>(std::upper_bound(firstFrames.begin(), firstFrames.end(), frame) - firstFrames.begin()) - 1;
     const FrameChunk& chunk = chunks[place];
+    if (framesOf == place) return static_cast<std::size_t>(frame - firstFrames[place]);
+    framesOf.reset();
     if (chunk.bodyOffset != bodiesOffset) {
+      bodiesOffset.reset();
       auto decoded = decodeObjects(need(chunk.bodyOffset, kBody, "the bodies of a trajectory").content, version);
       if (!decoded) in.fail(chunk.bodyOffset, "the bodies of a trajectory", "other content");
       objects = std::move(*decoded);
       bodiesOffset = chunk.bodyOffset;
     }
-    if (chunk.offset != framesOffset) {
-      auto decoded = decodeFrames(need(chunk.offset, kFrames, "frames").content, objects.bodies.size(), objects.vertexCount(), header.resolution, version);
-      if (!decoded || static_cast<int>(decoded->size()) != chunk.frameCount)
-        in.fail(chunk.offset, "frames of " + std::to_string(objects.bodies.size()) + " bodies and " + std::to_string(objects.vertexCount()) + " vertices", "other content");
-      frames = std::move(*decoded);
-      framesOffset = chunk.offset;
-    }
+    auto decoded = decodeFrames(need(chunk.offset, kFrames, "frames").content, objects.bodies.size(), objects.vertexCount(), header.resolution, version);
+    if (!decoded || decoded->size() != static_cast<std::size_t>(chunk.frameCount))
+      in.fail(chunk.offset, std::to_string(chunk.frameCount) + " frames of " + std::to_string(objects.bodies.size()) + " bodies and " +
+                                std::to_string(objects.vertexCount()) + " vertices", "other content");
+    frames = std::move(*decoded);
+    framesOf = place;
     return static_cast<std::size_t>(frame - firstFrames[place]);
   }
 };

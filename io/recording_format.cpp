@@ -1,5 +1,10 @@
 #include "io/recording_format.h"
 
+#include <cmath>
+
+#include <rubble/error.h>
+
+#include "cook/size.h"
 #include "io/byte_stream.h"
 #include "io/shape_json.h"
 
@@ -35,7 +40,8 @@ std::uint32_t decodeHeader(const Bytes& content, std::optional<RecordingHeader>&
   read.dt = in.getDouble();
   for (int axis = 0; axis < 3; ++axis) read.gravity[axis] = in.getDouble();
   read.resolution = in.getDouble();
-  if (in.atEnd() && read.resolution > 0) header = read;
+  const bool finite = std::isfinite(read.dt + read.gravity.x + read.gravity.y + read.gravity.z + read.resolution);
+  if (in.atEnd() && finite && read.resolution > 0) header = read;
   return version;
 }
 
@@ -63,6 +69,16 @@ void putBodies(ByteWriter& out, const std::vector<RecordedBody>& bodies) {
   }
 }
 
+/// Has the shape all that pictures look at?
+bool isWhole(const Shape& shape) {
+  try {
+    validate(shape, "shape");
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 std::optional<std::vector<RecordedBody>> getBodies(ByteReader& in) {
   const std::size_t count = in.get<std::uint32_t>();
   constexpr std::size_t kSmallest = 54;
@@ -80,12 +96,14 @@ std::optional<std::vector<RecordedBody>> getBodies(ByteReader& in) {
     body.shape.radius = in.getDouble();
     body.shape.halfLength = in.getDouble();
     body.name = in.getText();
-    if (!(code & kDescribed)) continue;
-    std::vector<Fault> faults;
-    const std::optional<Json> json = parseJson(in.getText(), faults);
-    if (!json) return std::nullopt;
-    body.shape = readShape(Node(*json, "shape", faults), {}, readMaterial);
-    if (!faults.empty()) return std::nullopt;
+    if (code & kDescribed) {
+      std::vector<Fault> faults;
+      const std::optional<Json> json = parseJson(in.getText(), faults);
+      if (!json) return std::nullopt;
+      body.shape = readShape(Node(*json, "shape", faults), {}, readMaterial);
+      if (!faults.empty()) return std::nullopt;
+    }
+    if (!isWhole(body.shape)) return std::nullopt;
   }
   return bodies;
 }
@@ -174,7 +192,7 @@ Bytes encodeIndex(const std::vector<FrameChunk>& chunks) {
 std::optional<std::vector<FrameChunk>> decodeIndex(const Bytes& content) {
   ByteReader in(content);
   const std::size_t count = in.get<std::uint32_t>();
-  if (in.left() != count * 20) return std::nullopt;
+  if (!(Size(count) * 20 == in.left())) return std::nullopt;
   std::vector<FrameChunk> chunks(count);
   for (FrameChunk& chunk : chunks) {
     chunk.offset = in.get<std::uint64_t>();

@@ -1,13 +1,11 @@
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <map>
 
 #include "io/joint_reader.h"
 #include "io/json_text.h"
+#include "io/output_file.h"
 #include "io/scene_json.h"
 #include "io/shape_json.h"
 #include "io/soft_json.h"
@@ -200,10 +198,9 @@ Json SceneWriter::write() {
 std::string toJson(const SceneFile& scene) { return prettyJson(SceneWriter(scene).write()); }
 
 void writeText(const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  if (!out) throw Error(file, "a file that can be written", std::strerror(errno));
-  out << text;
-  if (!out.flush()) throw Error(file, "to be written in full", std::strerror(errno));
+  OutputFile out(file);
+  out.stream() << text;
+  out.finish();
 }
 
 }  // namespace rubble::io

@@ -16,6 +16,8 @@
 
 #include <rubble/error.h>
 
+#include "io/output_file.h"
+
 extern char** environ;
 
 namespace rubble::render {
@@ -55,25 +57,27 @@ std::vector<std::string> ffmpegArguments(const std::string& file, int width, int
           "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-movflags", "+faststart"})
       arguments.emplace_back(a);
   } else if (extension == ".jpg") {
-    for (const char* a : {"-frames:v", "1", "-q:v", "4", "-pix_fmt", "yuvj444p"}) arguments.emplace_back(a);
+    // update: one file of that name, which is no pattern for several
+    for (const char* a : {"-frames:v", "1", "-update", "1", "-q:v", "4", "-pix_fmt", "yuvj444p"}) arguments.emplace_back(a);
   } else if (extension == ".gif") {
     for (const char* a : {"-filter_complex", "[0:v]split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=sierra2_4a"})
       arguments.emplace_back(a);
   }
-  arguments.push_back(file);
+  // whatever the name begins with or holds, it is that of a file and neither an option nor an address
+  arguments.push_back("file:" + file);
   return arguments;
 }
 
 class Film final : public PictureSink {
  public:
   Film(std::string file, const std::string& program, int width, int height, double fps)
-      : file_(std::move(file)), width_(width), height_(height) {
+      : file_(std::move(file)), name_(file_), width_(width), height_(height) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) throw Error(file_, "a pipe to ffmpeg", std::strerror(errno));
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-    std::vector<std::string> arguments = ffmpegArguments(file_, width, height, fps);
+    std::vector<std::string> arguments = ffmpegArguments(name_.path(), width, height, fps);
     std::vector<char*> raw;
     for (std::string& argument : arguments) raw.push_back(argument.data());
     raw.push_back(nullptr);
@@ -105,6 +109,7 @@ class Film final : public PictureSink {
   void finish() override {
     const int status = wait();
     if (status != 0) throw Error(file_, "a film that ffmpeg can write", "its exit status " + std::to_string(status));
+    name_.keep();
   }
 
  private:
@@ -122,6 +127,7 @@ class Film final : public PictureSink {
   }
 
   std::string file_;
+  io::NewFile name_;
   int width_, height_;
   pid_t child_ = 0;
   int pipe_ = -1;
@@ -131,7 +137,10 @@ class Film final : public PictureSink {
 /// The last picture alone, through `program` unless that is "".
 class OnePicture final : public PictureSink {
  public:
-  OnePicture(std::string file, std::string program) : file_(std::move(file)), program_(std::move(program)) {}
+  OnePicture(std::string file, std::string program) : file_(std::move(file)), program_(std::move(program)) {
+    // now and not after the run
+    const io::NewFile canBeWritten(file_);
+  }
   void put(const io::Image& image) override { last_ = image; }
   void finish() override {
     if (last_.width == 0) return;

@@ -7,6 +7,7 @@
 
 #include <rubble/error.h>
 
+#include "io/output_file.h"
 #include "render/plot_panel.h"
 
 namespace rubble::render {
@@ -237,10 +238,9 @@ void writeFigure(const Figure& figure, const std::string& file) {
   if (extension == ".svg") {
     SvgCanvas canvas(size.width, size.height);
     figure.draw(canvas);
-    std::ofstream out(file, std::ios::binary);
-    out << canvas.document();
-    if (!out.flush()) throw Error(file, "a file that can be written", "none");
-    return;
+    io::OutputFile out(file);
+    out.stream() << canvas.document();
+    return out.finish();
   }
   if (extension != ".png") throw Error("--out", "a .svg or .png file", file);
 #if defined(RUBBLE_HAS_CAIRO)

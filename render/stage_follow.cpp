@@ -69,7 +69,7 @@ void Stage::learn(World& world) {
 void Stage::follow(World& world) {
   if (!followed_) followed_ = std::make_shared<Followed>();
   Followed& f = *followed_;
-  if (f.world != &world || f.epoch != world.epoch() || f.bodiesSet != bodiesSet_ || !f.simple) {
+  if (f.world != &world || f.epoch != world.epoch() || f.bodiesSet != bodiesSet_ || !f.simple || !io::posesAreAll(world)) {
     learn(world);
     posesFrom_ = "body by body (" + (f.why.empty() ? "new ones" : f.why) + ")";
     return;

@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <string_view>
 
 #include "render/canvas.h"
 
@@ -28,9 +31,32 @@ std::string inkText(const char* what, const Ink& ink) {
   return s;
 }
 
+/// Bytes of the UTF-8 character that a text begins with; 0 if it is none that XML may hold.
+std::size_t characterSize(std::string_view text) {
+  const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+  const unsigned first = byte(0);
+  if (first < 0x80) return first >= 0x20 || first == '\t' || first == '\n' || first == '\r' ? 1 : 0;
+  const std::size_t size = first >= 0xc2 && first < 0xe0 ? 2 : first >= 0xe0 && first < 0xf0 ? 3 : first >= 0xf0 && first < 0xf5 ? 4 : 0;
+  if (size == 0) return 0;
+  std::uint32_t code = first & (0x7fu >> size);
+  for (std::size_t k = 1; k < size; ++k) {
+    if ((byte(k) & 0xc0) != 0x80) return 0;
+    code = code << 6 | (byte(k) & 0x3f);
+  }
+  // longer than it need be, half of a pair, no character, beyond the last one
+  const bool wrong = (size == 3 && code < 0x800) || (size == 4 && code < 0x10000) || (code >= 0xd800 && code < 0xe000) || code == 0xfffe ||
+                     code == 0xffff || code > 0x10ffff;
+  return wrong ? 0 : size;
+}
+
+/// As XML has it; what no XML may hold (control characters, broken UTF-8) becomes the replacement character.
 std::string escaped(const std::string& text) {
   std::string out;
-  for (const char c : text) {
+  for (std::size_t at = 0; at < text.size();) {
+    const char c = text[at];
+    const std::size_t size = characterSize(std::string_view(text).substr(at));
+    const std::string_view whole = std::string_view(text).substr(at, size);
+    at += std::max<std::size_t>(size, 1);
     if (c == '&')
       out += "&amp;";
     else if (c == '<')
@@ -40,7 +66,7 @@ std::string escaped(const std::string& text) {
     else if (c == '"')
       out += "&quot;";
     else
-      out += c;
+      out += size > 0 ? whole : std::string_view("\xef\xbf\xbd");
   }
   return out;
 }

@@ -15,7 +15,8 @@ int check(const CheckOptions& options) {
   int status = kHolds;
   for (const std::string& file : options.files) {
     io::SceneFile scene;
-    const std::vector<io::Fault> faults = checkFile(file, scene);
+    std::vector<io::Fault> faults = checkFile(file, scene);
+    if (faults.empty()) faults = worldFaults(scene.scene);
     if (!faults.empty()) {
       fmt::print(stderr, "{}\n", io::faultText(file, faults));
       status = kBadInput;

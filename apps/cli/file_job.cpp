@@ -46,6 +46,26 @@ std::vector<io::Fault> checkFile(const std::string& file, io::SceneFile& scene) 
   return faults;
 }
 
+std::vector<io::Fault> worldFaults(const Scene& scene) {
+  std::vector<io::Fault> faults;
+  const auto make = [&](const Scene& one, const std::string& path) {
+    try {
+      WorldOptions options;
+      options.threads = 1;
+      World world(one, options);
+    } catch (const Error& error) {
+      faults.push_back({path, 0, 0, error.what()});
+    }
+  };
+  make(scene, "");
+  for (std::size_t i = 0; i < scene.events.size(); ++i) {
+    Scene added;
+    added.bodies = scene.events[i].add;
+    if (!added.bodies.empty()) make(added, fmt::format("events[{}].add", i));
+  }
+  return faults;
+}
+
 scenes::Job loadFileJob(const std::string& file) {
   io::SceneFile scene;
   const std::vector<io::Fault> faults = checkFile(file, scene);

@@ -1,5 +1,8 @@
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <iostream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -7,6 +10,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <rubble/error.h>
 #include <rubble/info.h>
 
 #include "apps/cli/command.h"
@@ -68,9 +72,18 @@ int runProgram(int argc, char** argv) {
 
 }  // namespace
 
+/// What was printed has to have arrived: a full disk shows itself when the last of it is flushed.
+void flushOutput() {
+  const bool streamGood = static_cast<bool>(std::cout.flush());
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) || !streamGood)
+    throw rubble::Error("standard output", "to be written in full", std::strerror(errno));
+}
+
 int main(int argc, char** argv) {
   try {
-    return runProgram(argc, argv);
+    const int status = runProgram(argc, argv);
+    flushOutput();
+    return status;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rubble: %s\n", error.what());
     return rubble::cli::kBadInput;

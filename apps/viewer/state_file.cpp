@@ -1,7 +1,5 @@
 #include "apps/viewer/state_file.h"
 
-#include <filesystem>
-
 #include "apps/viewer/playback.h"
 #include "io/json_text.h"
 #include "io/picture_values.h"
@@ -77,12 +75,6 @@ std::string stateText(int frame, Show& show, const std::string& scene, const Des
                 {"recording", show.live() == nullptr}};
   if (show.live()) addLive(state, *show.live(), desk);
   return io::prettyJson(state);
-}
-
-void replaceText(const std::string& file, const std::string& text) {
-  const std::string unfinished = file + ".new";
-  io::writeText(unfinished, text);
-  std::filesystem::rename(unfinished, file);
 }
 
 }  // namespace rubble::viewer

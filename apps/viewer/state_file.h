@@ -8,7 +8,5 @@ namespace rubble::viewer {
 
 /// What the window shows, as JSON.
 std::string stateText(int frame, Show& show, const std::string& scene, const Desk& desk, const Orbit& orbit, bool holds);
-/// Writes a file so that readers find the old one or the new one, and never a part.
-void replaceText(const std::string& file, const std::string& text);
 
 }  // namespace rubble::viewer

@@ -19,6 +19,7 @@
 #include "apps/viewer/state_file.h"
 #include "apps/viewer/window.h"
 #include "io/picture_values.h"
+#include "io/scene_json.h"
 
 namespace rubble::viewer {
 namespace {
@@ -58,7 +59,7 @@ class Viewer {
       draw();
       ++frame;
       if (!options_.stateFile.empty())
-        replaceText(options_.stateFile, stateText(frame, *show_, request_.scene, desk_, view_.orbit, hand_.holds()));
+        io::writeText(options_.stateFile, stateText(frame, *show_, request_.scene, desk_, view_.orbit, hand_.holds()));
     }
     if (!options_.screenshot.empty()) io::writePng(screen_, options_.screenshot);
   }

@@ -244,6 +244,8 @@ MassProperties massProperties(const Shape& shape, double density);
 /// Throws Error with the path of the first thing that is wrong ("scene.bodies[3].mass").
 void validate(const Scene& scene);
 void validate(const BodyDef& body, const std::string& path);
+/// What can be said of a shape without cooking it: numbers are finite, lists fit to one another. A hull may still turn out to be flat.
+void validate(const Shape& shape, const std::string& path);
 /// Bodies are not looked at.
 void validate(const JointDef& joint, const std::string& path);
 

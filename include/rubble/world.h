@@ -87,7 +87,8 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  /// One step of params().dt. Events of the scene are not run here: see rubble::scenes::Runner.
+  /// One step of params().dt. Events of the scene are not run here: see rubble::scenes::Runner. Throws Error where there is no memory for the
+  /// tables that it needs; the world is then as before but for its contacts, which the next step finds anew.
   StepReport step();
 
   const Params& params() const;

@@ -24,7 +24,6 @@ int beginHeader(CookedShape& out, int size) {
 }
 
 void addHull(CookedShape& out, const Shape& shape, const std::string& path) {
-  if (!shape.geometry) throw Error(path + ".points", "the points of a hull", "none");
   constexpr std::size_t kMostVertices = 256;
   const Hull hull = convexHull(shape.geometry->points, path + ".points");
   if (hull.vertices.size() > kMostVertices)
@@ -66,15 +65,12 @@ void addHull(CookedShape& out, const Shape& shape, const std::string& path) {
 }
 
 void addCompound(CookedShape& out, const Shape& shape, const std::string& path) {
-  if (!shape.geometry || shape.geometry->parts.empty()) throw Error(path + ".parts", "the parts of a compound", "none");
   const std::vector<ShapePartDef>& parts = shape.geometry->parts;
   std::vector<CookedShape> cooked;
   SolidSums sums;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const std::string where = path + ".parts[" + std::to_string(i) + "]";
     const CookedShape& part = cooked.emplace_back(cook(parts[i].shape, where + ".shape"));
-    if (part.shape.kind == CookedKind::Plane || part.shape.kind >= CookedKind::Compound) throw Error(where + ".shape", "a convex solid", "another shape");
-    if (!(parts[i].density > 0)) throw Error(where + ".density", "a number above 0", std::to_string(parts[i].density));
     sums += placed(sumsOf(part.unit), parts[i].position, normalize(parts[i].orientation), parts[i].density);
   }
   out.unit = principal(sums);
@@ -114,9 +110,9 @@ void addCompound(CookedShape& out, const Shape& shape, const std::string& path) 
 }  // namespace cooking
 
 CookedShape cook(const Shape& shape, const std::string& path) {
+  validate(shape, path);
   CookedShape out;
   const double r = shape.rounding;
-  if (!(r >= 0) || !std::isfinite(r)) throw Error(path + ".rounding", "a number of at least 0", std::to_string(r));
   const auto inside = [&](double smallest) {
     if (r > 0 && !(r < smallest)) throw Error(path + ".rounding", "less than half of the smallest size", std::to_string(r));
   };
@@ -141,7 +137,7 @@ CookedShape cook(const Shape& shape, const std::string& path) {
     case ShapeType::Hull: cooking::addHull(out, shape, path); return out;
     case ShapeType::Compound: cooking::addCompound(out, shape, path); return out;
     case ShapeType::Mesh: cooking::addMesh(out, shape, path); return out;
-    case ShapeType::HeightField: cooking::addHeightField(out, shape, path); return out;
+    case ShapeType::HeightField: cooking::addHeightField(out, shape); return out;
     case ShapeType::DistanceField: cooking::addDistanceField(out, shape, path); return out;
   }
   out.unit = massProperties(shape, 1);

@@ -9,14 +9,14 @@ namespace rubble {
 /// Throws Error with `path` for geometry that no solid or surface can be made of.
 CookedShape cook(const Shape& shape, const std::string& path = "shape");
 
-/// Steps of cook() for single types, in the frame of the author: `unit` has centre and axes, nothing is moved yet.
+/// Steps of cook() for single types that validate() has nothing against, in the frame of the author: `unit` has centre and axes, nothing is moved yet.
 namespace cooking {
 
 /// A hull about the engine's frame that `unit` says.
 void addHull(CookedShape& out, const Shape& shape, const std::string& path);
 void addCompound(CookedShape& out, const Shape& shape, const std::string& path);
 void addMesh(CookedShape& out, const Shape& shape, const std::string& path);
-void addHeightField(CookedShape& out, const Shape& shape, const std::string& path);
+void addHeightField(CookedShape& out, const Shape& shape);
 void addDistanceField(CookedShape& out, const Shape& shape, const std::string& path);
 
 /// Begins the header of a shape's tables: the places of its vectors and indices, which follow what is there already.

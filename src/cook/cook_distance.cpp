@@ -34,16 +34,8 @@ SolidSums insideOf(const ShapeGeometry& g) {
 }  // namespace
 
 void addDistanceField(CookedShape& out, const Shape& shape, const std::string& path) {
-  const ShapeGeometry none, &g = shape.geometry ? *shape.geometry : none;
-  std::size_t count = 1;
-  for (const int n : g.counts) {
-    if (n < 2) throw Error(path + ".counts", "at least 2 samples along each axis", std::to_string(n));
-    count *= static_cast<std::size_t>(n);
-  }
-  if (g.samples.size() != count) throw Error(path + ".distances", std::to_string(count) + " distances", std::to_string(g.samples.size()));
-  if (!(g.spacing.x > 0) || g.spacing.y != g.spacing.x || g.spacing.z != g.spacing.x) throw Error(path + ".spacing", "a length above 0", "another");
-  for (std::size_t i = 0; i < count; ++i)
-    if (!std::isfinite(g.samples[i])) throw Error(path + ".distances[" + std::to_string(i) + "]", "a finite number", "another");
+  const ShapeGeometry& g = *shape.geometry;
+  const std::size_t count = g.samples.size();
   const ShapeMesh surface = distanceSurface(g);
   if (surface.triangles.empty()) throw Error(path + ".distances", "a surface of distance 0 within the lattice", "none");
   out.unit = principal(insideOf(g));

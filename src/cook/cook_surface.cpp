@@ -132,17 +132,12 @@ std::vector<int> touchableEdges(const std::vector<Vec3>& points, const std::vect
 }
 
 void addMesh(CookedShape& out, const Shape& shape, const std::string& path) {
-  if (!shape.geometry || shape.geometry->triangles.empty()) throw Error(path + ".triangles", "at least one triangle", "none");
   const ShapeGeometry& g = *shape.geometry;
   Range whole;
   std::vector<Range> boxes(g.triangles.size());
   for (std::size_t t = 0; t < g.triangles.size(); ++t) {
     const std::string where = path + ".triangles[" + std::to_string(t) + "]";
-    for (const int v : g.triangles[t]) {
-      if (v < 0 || static_cast<std::size_t>(v) >= g.points.size())
-        throw Error(where, "corners below " + std::to_string(g.points.size()), std::to_string(v));
-      boxes[t].add(at(g.points, v));
-    }
+    for (const int v : g.triangles[t]) boxes[t].add(at(g.points, v));
     const Vec3 a = at(g.points, g.triangles[t][0]);
     if (!(length(cross(at(g.points, g.triangles[t][1]) - a, at(g.points, g.triangles[t][2]) - a)) > 0))
       throw Error(where, "a triangle with an area", "one without");
@@ -173,13 +168,9 @@ void addMesh(CookedShape& out, const Shape& shape, const std::string& path) {
     for (int e = 0; e < 3; ++e) out.indices.push_back(beyond[static_cast<std::size_t>(3 * t + e)]);
 }
 
-void addHeightField(CookedShape& out, const Shape& shape, const std::string& path) {
-  const ShapeGeometry none, &g = shape.geometry ? *shape.geometry : none;
+void addHeightField(CookedShape& out, const Shape& shape) {
+  const ShapeGeometry& g = *shape.geometry;
   const int nx = g.counts[0], ny = g.counts[1];
-  if (nx < 2 || ny < 2) throw Error(path + ".counts", "at least 2 by 2 samples", std::to_string(nx) + " by " + std::to_string(ny));
-  if (g.samples.size() != static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny))
-    throw Error(path + ".heights", std::to_string(nx * ny) + " heights", std::to_string(g.samples.size()));
-  if (!(g.spacing.x > 0) || !(g.spacing.y > 0)) throw Error(path + ".spacing", "two lengths above 0", "others");
   Range whole;
   std::vector<Vec3> points;
   for (int j = 0; j < ny; ++j)

@@ -1,33 +1,19 @@
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include <rubble/error.h>
 #include <rubble/soft.h>
 
+#include "cook/checks.h"
+
 namespace rubble {
 
 namespace {
 
-std::string text(double a) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%g", a);
-  return buffer;
-}
-std::string item(const std::string& path, const char* list, std::size_t i) { return path + "." + list + "[" + std::to_string(i) + "]"; }
+using namespace checks;
 
-void positive(double a, const std::string& path) {
-  if (!(a > 0) || !std::isfinite(a)) throw Error(path, "a number above 0", text(a));
-}
-void notNegative(double a, const std::string& path) {
-  if (!(a >= 0) || !std::isfinite(a)) throw Error(path, "a number of at least 0", text(a));
-}
-void threshold(double a, const std::string& path) {
-  if (!(a > 0)) throw Error(path, "a number above 0 or infinity", text(a));
-}
-void finite(const Vec3& a, const std::string& path) {
-  if (!std::isfinite(a.x) || !std::isfinite(a.y) || !std::isfinite(a.z)) throw Error(path, "three finite numbers", "others");
-}
+std::string item(const std::string& path, const char* list, std::size_t i) { return element(path + "." + list, i); }
+
 void ratio(double a, double least, const std::string& path) {
   if (!(a > least && a < .5) && !(a == least && least == 0)) throw Error(path, "a number from " + text(least) + " to below .5", text(a));
 }
@@ -45,27 +31,22 @@ void corners(const DeformableDef& d, const Corners& c, const std::string& path) 
 
 void checkCommon(const DeformableDef& d, std::size_t least, const std::string& path) {
   if (d.vertices.size() < least) throw Error(path + ".vertices", "at least " + std::to_string(least), std::to_string(d.vertices.size()));
-  for (std::size_t i = 0; i < d.vertices.size(); ++i) finite(d.vertices[i], item(path, "vertices", i));
+  finite(d.vertices, path + ".vertices");
   if (!d.start.empty() && d.start.size() != d.vertices.size())
     throw Error(path + ".start", "as many positions as vertices, " + std::to_string(d.vertices.size()), std::to_string(d.start.size()));
-  for (std::size_t i = 0; i < d.start.size(); ++i) finite(d.start[i], item(path, "start", i));
+  finite(d.start, path + ".start");
   for (std::size_t i = 0; i < d.fixed.size(); ++i) corners(d, std::array<int, 1>{d.fixed[i]}, item(path, "fixed", i));
   finite(d.velocity, path + ".velocity");
   finite(d.angularVelocity, path + ".angularVelocity");
   const Material& m = d.material;
-  notNegative(m.staticFriction, path + ".material.staticFriction");
-  notNegative(m.dynamicFriction, path + ".material.dynamicFriction");
-  if (m.dynamicFriction > m.staticFriction)
-    throw Error(path + ".material.dynamicFriction", "at most the static friction " + text(m.staticFriction), text(m.dynamicFriction));
-  notNegative(m.restitution, path + ".material.restitution");
+  checks::material(m, path + ".material");
   const auto none = [&](double a, const char* name, const char* why) {
     if (a != 0) throw Error(path + ".material." + name, why, text(a));
   };
   none(m.rollingFriction, "rollingFriction", "0: vertices do not turn");
   none(m.torsionalFriction, "torsionalFriction", "0: vertices do not turn");
   none(length(m.surfaceVelocity), "surfaceVelocity", "none: only the surfaces of bodies move along themselves");
-  if (m.restitution > 1) throw Error(path + ".material.restitution", "at most 1", text(m.restitution));
-  if (!std::isfinite(d.gravityScale)) throw Error(path + ".gravityScale", "a finite number", text(d.gravityScale));
+  finite(d.gravityScale, path + ".gravityScale");
 }
 
 /// Every vertex must have mass: each is a corner of something.
@@ -84,7 +65,7 @@ void check(const SoftDef& d, const std::string& path) {
   ratio(d.poissonRatio, 0, path + ".poissonRatio");
   positive(d.density, path + ".density");
   notNegative(d.viscosity, path + ".viscosity");
-  threshold(d.yieldStress, path + ".yieldStress");
+  positiveOrInfinite(d.yieldStress, path + ".yieldStress");
   notNegative(d.hardening, path + ".hardening");
   notNegative(d.contactRadius, path + ".contactRadius");
   if (d.tetrahedra.empty()) throw Error(path + ".tetrahedra", "at least one", "none");
@@ -165,7 +146,7 @@ void check(const ClothDef& d, const std::string& path) {
   std::vector<bool> used(d.vertices.size());
   checkTriangles(d, d.triangles, path, used);
   allUsed(used, path, "triangle");
-  if (!std::isfinite(d.pressure)) throw Error(path + ".pressure", "a finite number", text(d.pressure));
+  finite(d.pressure, path + ".pressure");
   if (d.pressure == 0) return;
   if (d.tearStretch < kUnbreakable) throw Error(path + ".tearStretch", "none beside a pressure: what is torn does not hold it", text(d.tearStretch));
   checkClosed(d, path);
@@ -177,7 +158,7 @@ void check(const RodDef& d, const std::string& path) {
   positive(d.youngsModulus, path + ".youngsModulus");
   positive(d.density, path + ".density");
   notNegative(d.viscosity, path + ".viscosity");
-  threshold(d.breakForce, path + ".breakForce");
+  positiveOrInfinite(d.breakForce, path + ".breakForce");
   const std::size_t n = d.vertices.size();
   for (std::size_t i = 0; i + (d.closed ? 0 : 1) < n; ++i)
     if (!(length(d.vertices[(i + 1) % n] - d.vertices[i]) > 0)) throw Error(item(path, "vertices", i), "another place than the next vertex", "the same");
@@ -189,14 +170,14 @@ void check(const NetDef& d, const std::string& path) {
     throw Error(path + ".masses", "one, or as many as vertices, " + std::to_string(d.vertices.size()), std::to_string(d.masses.size()));
   for (std::size_t i = 0; i < d.masses.size(); ++i) positive(d.masses[i], item(path, "masses", i));
   notNegative(d.contactRadius, path + ".contactRadius");
-  threshold(d.breakForce, path + ".breakForce");
+  positiveOrInfinite(d.breakForce, path + ".breakForce");
   for (std::size_t i = 0; i < d.edges.size(); ++i) {
     const NetDef::Edge& e = d.edges[i];
     const std::string here = item(path, "edges", i);
     corners(d, std::array<int, 2>{e.a, e.b}, here);
     positive(e.stiffness, here + ".stiffness");
     notNegative(e.damping, here + ".damping");
-    if (!std::isfinite(e.restLength)) throw Error(here + ".restLength", "a finite number", text(e.restLength));
+    finite(e.restLength, here + ".restLength");
     if (e.restLength < 0 && !(length(d.vertices[std::size_t(e.a)] - d.vertices[std::size_t(e.b)]) > 0))
       throw Error(here, "two places, or a rest length", "two vertices at one place");
   }

@@ -6,12 +6,16 @@
 #include <rubble/error.h>
 #include <rubble/mesh.h>
 
+#include "cook/checks.h"
+
 namespace rubble {
 
 namespace {
 
 /// Below this share of the square of its longest edge the area of a triangle counts as none [1].
 constexpr double kNoArea = 1e-12;
+/// Of a rod: half a gigabyte of vertices. A longer one is a slip of the unit.
+constexpr int kMostSegments = 1 << 24;
 
 std::string item(const std::string& path, const char* list, std::size_t i) { return path + "." + list + "[" + std::to_string(i) + "]"; }
 
@@ -26,10 +30,7 @@ double volumeOf(const TriangleMesh& surface) {
 
 void validateClosed(const TriangleMesh& surface, const std::string& path) {
   if (surface.triangles.empty()) throw Error(path + ".triangles", "at least four", "none");
-  for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
-    const Vec3& x = surface.vertices[i];
-    if (!std::isfinite(x.x + x.y + x.z)) throw Error(item(path, "vertices", i), "three finite numbers", "others");
-  }
+  checks::finite(surface.vertices, path + ".vertices");
   const auto edgeText = [](int a, int b) { return "the edge from vertex " + std::to_string(a) + " to " + std::to_string(b); };
   std::map<std::pair<int, int>, std::size_t> ways;
   for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
@@ -96,7 +97,8 @@ ClothDef clothFromMesh(const TriangleMesh& mesh) {
 }
 
 RodDef rodAlong(const std::vector<Vec3>& points, double segment, bool closed) {
-  if (!(segment > 0)) throw Error("segment", "a length above 0 [m]", std::to_string(segment));
+  checks::positive(segment, "segment");
+  checks::finite(points, "points");
   if (points.size() < (closed ? 3u : 2u))
     throw Error("points", "at least " + std::to_string(closed ? 3 : 2), std::to_string(points.size()));
   RodDef out;
@@ -106,7 +108,10 @@ RodDef rodAlong(const std::vector<Vec3>& points, double segment, bool closed) {
   for (std::size_t i = 0; i < pieces; ++i) reached.push_back(reached.back() + length(points[(i + 1) % points.size()] - points[i]));
   if (!(reached.back() > 0) || !std::isfinite(reached.back()))
     throw Error("points", "a line with a length", "one of " + std::to_string(reached.back()) + " m");
-  const int count = std::max(closed ? 3 : 1, static_cast<int>(std::lround(reached.back() / segment)));
+  const double wanted = std::round(reached.back() / segment);
+  if (!(wanted <= kMostSegments))
+    throw Error("segment", "a length that makes at most " + std::to_string(kMostSegments) + " segments", checks::text(segment) + ", which makes " + checks::text(wanted));
+  const int count = std::max(closed ? 3 : 1, static_cast<int>(wanted));
   std::size_t piece = 0;
   for (int i = 0; i < count + (closed ? 0 : 1); ++i) {
     const double at = reached.back() * i / count;

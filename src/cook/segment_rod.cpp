@@ -4,20 +4,20 @@
 #include <rubble/error.h>
 #include <rubble/rod.h>
 
+#include "cook/checks.h"
+
 namespace rubble {
 
 namespace {
 
-void positive(double a, const std::string& path) {
-  if (!(a > 0) || !std::isfinite(a)) throw Error(path, "a number above 0", std::to_string(a));
-}
+using namespace checks;
 
 void check(const Scene& scene, const SegmentRodDef& rod, const std::string& path) {
   if (rod.points.size() < 2) throw Error(path + ".points", "two at least", std::to_string(rod.points.size()));
   for (std::size_t i = 0; i < rod.points.size(); ++i) {
     const Vec3& x = rod.points[i];
-    const std::string here = path + ".points[" + std::to_string(i) + "]";
-    if (!std::isfinite(x.x + x.y + x.z)) throw Error(here, "three finite numbers", "others");
+    const std::string here = element(path + ".points", i);
+    finite(x, here);
     if (i > 0 && !(length(x - rod.points[i - 1]) > 0)) throw Error(here, "another place than the point before", "the same");
   }
   positive(rod.radius, path + ".radius");
@@ -25,8 +25,7 @@ void check(const Scene& scene, const SegmentRodDef& rod, const std::string& path
   positive(rod.density, path + ".density");
   if (!(rod.poissonRatio > -1 && rod.poissonRatio <= .5))
     throw Error(path + ".poissonRatio", "a number above -1 and up to .5", std::to_string(rod.poissonRatio));
-  if (!(rod.viscosity >= 0) || !std::isfinite(rod.viscosity))
-    throw Error(path + ".viscosity", "a number of at least 0", std::to_string(rod.viscosity));
+  notNegative(rod.viscosity, path + ".viscosity");
   for (const auto& [end, name] : {std::pair{rod.start, ".start"}, {rod.end, ".end"}})
     if (end && (*end < kWorld || *end >= static_cast<int>(scene.bodies.size())))
       throw Error(path + name, "the index of one of " + std::to_string(scene.bodies.size()) + " bodies, or kWorld", std::to_string(*end));

@@ -46,13 +46,16 @@ void World::Impl::requireAlive(JointId id) const {
   if (!registry.joints.alive(id)) throw Error("joint", "an id that is alive", describe(id));
 }
 
-BodyId World::Impl::addBody(const BodyDef& def, const std::string& path) {
-  if (!def.name.empty() && registry.bodyNames.contains(def.name))
-    throw Error(path + ".name", "a name that no other body has", "\"" + def.name + "\"");
-  int indexBase = 0;
-  const std::shared_ptr<const CookedShape> cooked = cookShape(def.shape, path + ".shape", indexBase);
-  const int surface = surfaceOf(def.material);
-  const BodyId id = registry.bodies.add({def, massOfDefinition(def, cooked->unit, path), {cooked->unit.centre, cooked->unit.axes}, cooked->radius});
+ReadyBody World::Impl::ready(const BodyDef& def, const std::string& path, std::vector<CookedEntry>& fresh) const {
+  if (!def.name.empty() && registry.bodyNames.contains(def.name)) throw Error(path + ".name", kOwnName, "\"" + def.name + "\"");
+  const std::shared_ptr<const CookedShape> cooked = cookShape(def.shape, path + ".shape", fresh);
+  return {cooked, massOfDefinition(def, cooked->unit, path)};
+}
+
+BodyId World::Impl::addBody(const BodyDef& def, const ReadyBody& ready) {
+  const std::shared_ptr<const CookedShape>& cooked = ready.cooked;
+  const int indexBase = placeShape(def.shape, cooked), surface = surfaceOf(def.material);
+  const BodyId id = registry.bodies.add({def, ready.mass, {cooked->unit.centre, cooked->unit.axes}, cooked->radius});
   if (!def.name.empty()) registry.bodyNames[def.name] = id;
   registry.sizes.count(registry.bodies[id], 1);
   engine->setBodyCount(registry.bodies.size());

@@ -1,37 +1,16 @@
 #include <cmath>
-#include <numbers>
-#include <sstream>
 #include <utility>
 
 #include <rubble/error.h>
 #include <rubble/scene.h>
 
+#include "cook/checks.h"
+
 namespace rubble {
 
 namespace {
 
-std::string text(double a) {
-  std::ostringstream out;
-  out << a;
-  return out.str();
-}
-void finite(const Vec3& a, const std::string& path) {
-  if (!std::isfinite(a.x + a.y + a.z)) throw Error(path, "three finite numbers", "(" + text(a.x) + ", " + text(a.y) + ", " + text(a.z) + ")");
-}
-void finite(double a, const std::string& path) {
-  if (!std::isfinite(a)) throw Error(path, "a finite number", text(a));
-}
-void unit(const Quat& q, const std::string& path) {
-  const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
-  if (!(std::fabs(norm - 1) < 1e-3)) throw Error(path, "a unit quaternion", "one of norm " + text(norm));
-}
-/// A stiffness or a threshold: infinity is meant.
-void positiveOrInfinite(double a, const std::string& path) {
-  if (!(a > 0)) throw Error(path, "a positive number or infinity", text(a));
-}
-void notNegative(double a, const std::string& path) {
-  if (!(a >= 0)) throw Error(path, "a number of at least 0", text(a));
-}
+using namespace checks;
 
 void validateAxis(const JointAxis& axis, const std::string& path) {
   if (!(axis.min <= axis.max)) throw Error(path + ".min", "at most max, " + text(axis.max), text(axis.min));
@@ -39,16 +18,17 @@ void validateAxis(const JointAxis& axis, const std::string& path) {
   notNegative(axis.limitDamping, path + ".limitDamping");
   finite(axis.targetPosition, path + ".targetPosition");
   finite(axis.targetSpeed, path + ".targetSpeed");
-  notNegative(axis.driveStiffness, path + ".driveStiffness");
-  notNegative(axis.driveDamping, path + ".driveDamping");
-  notNegative(axis.maxDriveForce, path + ".maxDriveForce");
-  notNegative(axis.friction, path + ".friction");
+  notNegativeOrInfinite(axis.driveStiffness, path + ".driveStiffness");
+  notNegativeOrInfinite(axis.driveDamping, path + ".driveDamping");
+  notNegativeOrInfinite(axis.maxDriveForce, path + ".maxDriveForce");
+  notNegativeOrInfinite(axis.friction, path + ".friction");
   if (!std::isfinite(axis.friction)) throw Error(path + ".friction", "a finite number; equal limits lock an axis", text(axis.friction));
 }
 
 }  // namespace
 
 void validate(const JointDef& joint, const std::string& path) {
+  enumeration(joint.type, JointType::Grab, path + ".type");
   finite(joint.anchorA, path + ".anchorA");
   finite(joint.anchorB, path + ".anchorB");
   unit(joint.frameA, path + ".frameA");
@@ -63,11 +43,11 @@ void validate(const JointDef& joint, const std::string& path) {
   positiveOrInfinite(joint.maxTorque, path + ".maxTorque");
   for (const auto& [value, name] : {std::pair{joint.damping, ".damping"}, {joint.dampingRatio, ".dampingRatio"},
                                     {joint.angularDamping, ".angularDamping"}, {joint.angularDampingRatio, ".angularDampingRatio"},
-                                    {joint.friction, ".friction"}, {joint.driveDamping, ".driveDamping"},
-                                    {joint.driveStiffness, ".driveStiffness"}, {joint.maxDriveTorque, ".maxDriveTorque"}})
+                                    {joint.friction, ".friction"}})
     notNegative(value, path + name);
-  finite(joint.damping, path + ".damping");
-  finite(joint.angularDamping, path + ".angularDamping");
+  for (const auto& [value, name] : {std::pair{joint.driveStiffness, ".driveStiffness"}, {joint.driveDamping, ".driveDamping"},
+                                    {joint.maxDriveTorque, ".maxDriveTorque"}})
+    notNegativeOrInfinite(value, path + name);
   if (joint.dampingRatio > 0 && joint.stiffness == kHard) throw Error(path + ".dampingRatio", "a stiffness beside it", "a hard joint");
   if (joint.angularDampingRatio > 0 && joint.angularStiffness == kHard)
     throw Error(path + ".angularDampingRatio", "an angularStiffness beside it", "a hard joint");

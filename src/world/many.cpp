@@ -3,30 +3,17 @@
 #include <cstring>
 #include <string_view>
 
+#include "cook/checks.h"
 #include "world/world_impl.h"
 
 namespace rubble {
 
 namespace {
 
-std::string element(const char* list, std::size_t k) { return std::string(list) + "[" + std::to_string(k) + "]"; }
+using checks::element;
 
 void sameLength(std::size_t wanted, std::size_t got, const char* path) {
   if (got != wanted) throw Error(path, "as many as there are ids, " + std::to_string(wanted), std::to_string(got));
-}
-
-bool isFinite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
-
-void finite(const Vec3& a, const char* list, std::size_t k, const char* member = "") {
-  if (!isFinite(a)) throw Error(element(list, k) + member, "three finite numbers", "others");
-}
-
-void validateState(const BodyState& s, std::size_t k) {
-  finite(s.position, "states", k, ".position");
-  finite(s.velocity, "states", k, ".velocity");
-  finite(s.angularVelocity, "states", k, ".angularVelocity");
-  const double norm = std::sqrt(s.orientation.s * s.orientation.s + dot(s.orientation.v, s.orientation.v));
-  if (!(std::fabs(norm - 1) < 1e-3)) throw Error(element("states", k) + ".orientation", "a unit quaternion", "another");
 }
 
 int numbersOf(StateArray which) { return which == StateArray::Orientation ? 4 : 3; }
@@ -74,17 +61,23 @@ class HostPoseCopies final : public PoseCopies {
 }  // namespace
 
 std::vector<BodyId> World::addBodies(std::span<const BodyDef> bodies) {
+  for (std::size_t k = 0; k < bodies.size(); ++k) validate(bodies[k], element("bodies", k));
+  return impl_->addBodies(bodies, "bodies");
+}
+
+std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies, const std::string& list) {
   std::unordered_map<std::string_view, std::size_t> names;
+  std::vector<CookedEntry> fresh;
+  std::vector<ReadyBody> ready;
+  ready.reserve(bodies.size());
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    const std::string path = element("bodies", k);
-    validate(bodies[k], path);
-    if (bodies[k].name.empty()) continue;
-    expect(names.emplace(bodies[k].name, k).second && !impl_->registry.bodyNames.contains(bodies[k].name), path + ".name",
-           "a name that no other body has", "\"" + bodies[k].name + "\"");
+    ready.push_back(this->ready(bodies[k], element(list, k), fresh));
+    if (!bodies[k].name.empty())
+      expect(names.emplace(bodies[k].name, k).second, element(list, k) + ".name", kOwnName, "\"" + bodies[k].name + "\"");
   }
   std::vector<BodyId> ids;
   ids.reserve(bodies.size());
-  for (const BodyDef& body : bodies) ids.push_back(impl_->addBody(body, "bodies"));
+  for (std::size_t k = 0; k < bodies.size(); ++k) ids.push_back(addBody(bodies[k], ready[k]));
   return ids;
 }
 
@@ -94,7 +87,7 @@ void World::setStates(std::span<const BodyId> ids, std::span<const BodyState> st
   sameLength(ids.size(), states.size(), "states");
   for (std::size_t k = 0; k < ids.size(); ++k) {
     impl_->requireAlive(ids[k]);
-    validateState(states[k], k);
+    validate(states[k], element("states", k));
   }
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const BodyRecord& body = impl_->registry.bodies[ids[k]];
@@ -108,19 +101,19 @@ void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> force
   if (!torques.empty()) sameLength(ids.size(), torques.size(), "torques");
   for (std::size_t k = 0; k < ids.size(); ++k) {
     impl_->requireAlive(ids[k]);
-    finite(forces[k], "forces", k);
-    if (!torques.empty()) finite(torques[k], "torques", k);
   }
+  checks::finite(forces, "forces");
+  checks::finite(torques, "torques");
   for (std::size_t k = 0; k < ids.size(); ++k) impl_->engine->addForce(ids[k].index, forces[k], torques.empty() ? Vec3{} : torques[k]);
 }
 
 void World::applyImpulses(std::span<const BodyId> ids, std::span<const Vec3> impulses) {
   sameLength(ids.size(), impulses.size(), "impulses");
+  checks::finite(impulses, "impulses");
   std::vector<int> slots;
   std::vector<Vec3> changes;
   for (std::size_t k = 0; k < ids.size(); ++k) {
     impl_->requireAlive(ids[k]);
-    finite(impulses[k], "impulses", k);
     const BodyRecord& body = impl_->registry.bodies[ids[k]];
     if (body.def.motion != Motion::Dynamic) continue;
     slots.push_back(ids[k].index);
@@ -130,6 +123,7 @@ void World::applyImpulses(std::span<const BodyId> ids, std::span<const Vec3> imp
 }
 
 ArrayView World::array(StateArray which) const {
+  checks::enumeration(which, StateArray::Torque, "array");
   impl_->flush();
   ArrayView view = impl_->engine->array(which);
   view.epoch = impl_->epoch;
@@ -139,6 +133,7 @@ ArrayView World::array(StateArray which) const {
 std::int64_t World::epoch() const { return impl_->epoch; }
 
 void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
+  checks::enumeration(which, StateArray::Torque, "array");
   const std::string_view rowType = rows.typestr, type = values.typestr;
   const int numbers = numbersOf(which);
   expect(rowType == "<i4", "rows.typestr", "<i4", rows.typestr);
@@ -191,8 +186,16 @@ PoseFrame World::takePoses() {
 }
 
 void World::reserve(const std::string& kind, int count) {
-  if (count < 0) throw Error("count", "a number of at least 0", std::to_string(count));
-  if (!impl_->engine->reserve(kind, count))
+  // tables grow by half, and what belongs to their elements is counted in int
+  constexpr int kMost = 1 << 28;
+  if (count < 0 || count > kMost) throw Error("count", "a number from 0 to " + std::to_string(kMost), std::to_string(count));
+  bool known = false;
+  try {
+    known = impl_->engine->reserve(kind, count);
+  } catch (const std::bad_alloc&) {
+    throw Error("count", "a number that there is memory for", std::to_string(count));
+  }
+  if (!known)
     throw Error("kind", "pairs, nearPairs, manifolds, rollers, entries, colors, groups, chunks, externals, pointPairs, pointEntries or nearFeatures", "\"" + kind + "\"");
 }
 

@@ -4,14 +4,13 @@
 
 #include <rubble/world.h>
 
+#include "cook/checks.h"
 #include "cook/cook.h"
 #include "world/world_impl.h"
 
 namespace rubble {
 
 namespace {
-
-bool finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
 std::string at(const char* list, std::size_t i, const char* field) { return std::string(list) + "[" + std::to_string(i) + "]." + field; }
 
@@ -48,11 +47,8 @@ class QueryShapes {
  private:
   std::shared_ptr<const CookedShape> cooked(const Shape& shape, const std::string& path) {
     if (!shape.geometry) return std::make_shared<const CookedShape>(cook(shape, path));
-    const auto same = [&](const CookedEntry& e) {
-      return e.key.geometry == shape.geometry && e.key.type == shape.type && e.key.rounding == shape.rounding;
-    };
-    if (const auto e = std::find_if(known_.begin(), known_.end(), same); e != known_.end()) return e->cooked;
-    if (const auto e = std::find_if(own_.begin(), own_.end(), same); e != own_.end()) return e->cooked;
+    for (const std::span<const CookedEntry> entries : {std::span(known_), std::span<const CookedEntry>(own_)})
+      if (const CookedEntry* entry = findCooked(entries, shape)) return entry->cooked;
     own_.push_back({shape, std::make_shared<const CookedShape>(cook(shape, path)), 0});
     return own_.back().cooked;
   }
@@ -67,11 +63,10 @@ std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
   std::vector<EngineQuery> queries;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const RayQuery& ray = rays[i];
-    if (!finite(ray.origin)) throw Error(at("rays", i, "origin"), "three finite numbers", "others");
+    checks::finite(ray.origin, at("rays", i, "origin"));
     const double size = length(ray.direction);
     if (!(size > 0) || !std::isfinite(size)) throw Error(at("rays", i, "direction"), "a direction", "a vector of length " + std::to_string(size));
-    if (!(ray.maxDistance > 0) || !std::isfinite(ray.maxDistance))
-      throw Error(at("rays", i, "maxDistance"), "a positive number", std::to_string(ray.maxDistance));
+    checks::positive(ray.maxDistance, at("rays", i, "maxDistance"));
     EngineQuery q = filtered(EngineQuery::Ray, ray.filter);
     q.position = ray.origin;
     q.move = ray.direction * (ray.maxDistance / size);
@@ -93,7 +88,7 @@ std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
   QueryShapes shapesOf(impl_->registry.shapes);
   for (std::size_t i = 0; i < casts.size(); ++i) {
     queries.push_back(shapesOf.query(EngineQuery::Cast, casts[i], "casts", i));
-    if (!finite(casts[i].displacement)) throw Error(at("casts", i, "displacement"), "three finite numbers", "others");
+    checks::finite(casts[i].displacement, at("casts", i, "displacement"));
     queries.back().move = casts[i].displacement;
   }
   impl_->flush();
@@ -121,9 +116,8 @@ std::vector<std::vector<BodyId>> World::overlaps(std::span<const OverlapQuery> s
 std::vector<ClosestHit> World::closestPoints(std::span<const ClosestQuery> points) {
   std::vector<EngineQuery> queries;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!finite(points[i].point)) throw Error(at("points", i, "point"), "three finite numbers", "others");
-    if (!(points[i].maxDistance > 0) || !std::isfinite(points[i].maxDistance))
-      throw Error(at("points", i, "maxDistance"), "a positive number", std::to_string(points[i].maxDistance));
+    checks::finite(points[i].point, at("points", i, "point"));
+    checks::positive(points[i].maxDistance, at("points", i, "maxDistance"));
     EngineQuery q = filtered(EngineQuery::Closest, points[i].filter);
     q.position = points[i].point;
     q.reach = points[i].maxDistance;

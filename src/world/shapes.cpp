@@ -31,15 +31,24 @@ int World::Impl::surfaceOf(const Material& material) {
   return static_cast<int>(all.size()) - 1;
 }
 
-std::shared_ptr<const CookedShape> World::Impl::cookShape(const Shape& shape, const std::string& path, int& indexBase) {
-  indexBase = 0;
+const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape) {
+  const auto found = std::find_if(entries.begin(), entries.end(), [&](const CookedEntry& e) {
+    return e.key.geometry == shape.geometry && e.key.type == shape.type && e.key.rounding == shape.rounding;
+  });
+  return found == entries.end() ? nullptr : &*found;
+}
+
+std::shared_ptr<const CookedShape> World::Impl::cookShape(const Shape& shape, const std::string& path, std::vector<CookedEntry>& fresh) const {
   if (!shape.geometry) return std::make_shared<const CookedShape>(cook(shape, path));
-  for (const CookedEntry& entry : registry.shapes) {
-    if (entry.key.geometry != shape.geometry || entry.key.type != shape.type || entry.key.rounding != shape.rounding) continue;
-    indexBase = entry.indexBase;
-    return entry.cooked;
-  }
-  auto cooked = std::make_shared<const CookedShape>(cook(shape, path));
+  for (const std::span<const CookedEntry> entries : {std::span(registry.shapes), std::span<const CookedEntry>(fresh)})
+    if (const CookedEntry* entry = findCooked(entries, shape)) return entry->cooked;
+  fresh.push_back({shape, std::make_shared<const CookedShape>(cook(shape, path)), 0});
+  return fresh.back().cooked;
+}
+
+int World::Impl::placeShape(const Shape& shape, const std::shared_ptr<const CookedShape>& cooked) {
+  if (!shape.geometry) return 0;
+  if (const CookedEntry* entry = findCooked(registry.shapes, shape)) return entry->indexBase;
   std::vector<int> partSurfaces;
   for (const CookedPart& part : cooked->parts) {
     int surface = -1;
@@ -55,10 +64,9 @@ std::shared_ptr<const CookedShape> World::Impl::cookShape(const Shape& shape, co
     partSurfaces.push_back(surface);
   }
   engine->addShape(*cooked, partSurfaces);
-  indexBase = registry.shapeIndices;
+  registry.shapes.push_back({shape, cooked, registry.shapeIndices});
   registry.shapeIndices += static_cast<int>(cooked->indices.size());
-  registry.shapes.push_back({shape, cooked, indexBase});
-  return cooked;
+  return registry.shapes.back().indexBase;
 }
 
 }  // namespace rubble

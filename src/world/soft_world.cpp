@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "cook/checks.h"
 #include "world/world_impl.h"
 
 namespace rubble {
@@ -201,15 +202,15 @@ void World::setVertices(SoftId id, std::span<const Vec3> positions, std::span<co
   const auto count = static_cast<std::size_t>(vertexCount(id));
   if (positions.size() != count || velocities.size() != count)
     throw Error("vertices", std::to_string(count) + " positions and velocities", std::to_string(positions.size()) + " and " + std::to_string(velocities.size()));
-  for (const auto& list : {positions, velocities})
-    for (std::size_t i = 0; i < count; ++i)
-      if (!std::isfinite(list[i].x + list[i].y + list[i].z)) throw Error("vertices[" + std::to_string(i) + "]", "finite numbers", "others");
+  checks::finite(positions, "vertices");
+  checks::finite(velocities, "vertices");
   impl_->flush();
   impl_->engine->setVertexStates(impl_->registry.softs[id].range.vertex, positions, velocities);
 }
 void World::applyVertexForce(SoftId id, int vertex, const Vec3& force) {
   if (vertex < 0 || vertex >= vertexCount(id))
     throw Error("vertex", "an index below " + std::to_string(vertexCount(id)), std::to_string(vertex));
+  checks::finite(force, "force");
   impl_->flush();
   impl_->engine->addVertexForce(impl_->registry.softs[id].range.vertex + vertex, force);
 }

@@ -1,88 +1,20 @@
-#include <cmath>
-#include <sstream>
-
 #include <rubble/error.h>
 #include <rubble/scene.h>
 
-#include "world/joint_build.h"
+#include "cook/checks.h"
+#include "world/world_impl.h"
 
 namespace rubble {
 
 namespace {
 
-std::string text(double a) {
-  std::ostringstream out;
-  out << a;
-  return out.str();
-}
-std::string text(const Vec3& a) { return "(" + text(a.x) + ", " + text(a.y) + ", " + text(a.z) + ")"; }
-
-void positive(double a, const std::string& path) {
-  if (!(a > 0) || !std::isfinite(a)) throw Error(path, "a positive number", text(a));
-}
-void notNegative(double a, const std::string& path) {
-  if (!(a >= 0) || !std::isfinite(a)) throw Error(path, "a number of at least 0", text(a));
-}
-void finite(const Vec3& a, const std::string& path) {
-  if (!std::isfinite(a.x) || !std::isfinite(a.y) || !std::isfinite(a.z)) throw Error(path, "three finite numbers", text(a));
-}
-void unit(const Quat& q, const std::string& path) {
-  const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
-  if (!(std::fabs(norm - 1) < 1e-3)) throw Error(path, "a unit quaternion", "one of norm " + text(norm));
-}
-
-void validateMaterial(const Material& m, const std::string& path) {
-  notNegative(m.staticFriction, path + ".staticFriction");
-  notNegative(m.dynamicFriction, path + ".dynamicFriction");
-  if (m.dynamicFriction > m.staticFriction)
-    throw Error(path + ".dynamicFriction", "at most the static friction " + text(m.staticFriction), text(m.dynamicFriction));
-  notNegative(m.restitution, path + ".restitution");
-  if (m.restitution > 1) throw Error(path + ".restitution", "at most 1", text(m.restitution));
-  notNegative(m.rollingFriction, path + ".rollingFriction");
-  notNegative(m.torsionalFriction, path + ".torsionalFriction");
-  finite(m.surfaceVelocity, path + ".surfaceVelocity");
-}
+using namespace checks;
 
 void validateShape(const Shape& s, Motion motion, const std::string& path) {
-  switch (s.type) {
-    case ShapeType::Sphere: positive(s.radius, path + ".radius"); break;
-    case ShapeType::Capsule:
-      positive(s.radius, path + ".radius");
-      positive(s.halfLength, path + ".halfLength");
-      break;
-    case ShapeType::Box:
-      positive(s.halfExtents.x, path + ".halfExtents.x");
-      positive(s.halfExtents.y, path + ".halfExtents.y");
-      positive(s.halfExtents.z, path + ".halfExtents.z");
-      break;
-    case ShapeType::Cylinder:
-    case ShapeType::Cone:
-      positive(s.radius, path + ".radius");
-      positive(s.halfLength, path + ".halfLength");
-      break;
-    case ShapeType::Plane:
-      if (motion != Motion::Static) throw Error(path, "a static body for a plane", "a moving one");
-      break;
-    case ShapeType::Mesh:
-    case ShapeType::HeightField:
-      if (motion == Motion::Dynamic) throw Error(path, "a static or kinematic body for a surface without thickness", "a dynamic one");
-      break;
-    case ShapeType::Hull:
-    case ShapeType::Compound:
-    case ShapeType::DistanceField: break;
-  }
-  notNegative(s.rounding, path + ".rounding");
-  if (!s.geometry) return;
-  for (std::size_t i = 0; i < s.geometry->points.size(); ++i) finite(s.geometry->points[i], path + ".points[" + std::to_string(i) + "]");
-  for (std::size_t i = 0; i < s.geometry->parts.size(); ++i) {
-    const ShapePartDef& part = s.geometry->parts[i];
-    const std::string where = path + ".parts[" + std::to_string(i) + "]";
-    finite(part.position, where + ".position");
-    unit(part.orientation, where + ".orientation");
-    if (part.material) validateMaterial(*part.material, where + ".material");
-    if (part.shape.type == ShapeType::Plane) throw Error(where + ".shape", "a convex solid", "a plane");
-    validateShape(part.shape, motion, where + ".shape");
-  }
+  validate(s, path);
+  if (s.type == ShapeType::Plane && motion != Motion::Static) throw Error(path, "a static body for a plane", "a moving one");
+  if ((s.type == ShapeType::Mesh || s.type == ShapeType::HeightField) && motion == Motion::Dynamic)
+    throw Error(path, "a static or kinematic body for a surface without thickness", "a dynamic one");
 }
 
 void validateJoint(const Scene& scene, const JointDef& joint, const std::string& path) {
@@ -106,8 +38,9 @@ void validateJoint(const Scene& scene, const JointDef& joint, const std::string&
 }  // namespace
 
 void validate(const BodyDef& body, const std::string& path) {
+  enumeration(body.motion, Motion::Dynamic, path + ".motion");
   validateShape(body.shape, body.motion, path + ".shape");
-  validateMaterial(body.material, path + ".material");
+  material(body.material, path + ".material");
   if (body.motion == Motion::Dynamic) {
     if (body.mass) positive(*body.mass, path + ".mass");
     else positive(body.density, path + ".density");
@@ -125,7 +58,14 @@ void validate(const BodyDef& body, const std::string& path) {
   finite(body.angularVelocity, path + ".angularVelocity");
   notNegative(body.linearDamping, path + ".linearDamping");
   notNegative(body.angularDamping, path + ".angularDamping");
-  if (!std::isfinite(body.gravityScale)) throw Error(path + ".gravityScale", "a finite number", text(body.gravityScale));
+  finite(body.gravityScale, path + ".gravityScale");
+}
+
+void validate(const BodyState& state, const std::string& path) {
+  finite(state.position, path + ".position");
+  unit(state.orientation, path + ".orientation");
+  finite(state.velocity, path + ".velocity");
+  finite(state.angularVelocity, path + ".angularVelocity");
 }
 
 void validate(const Scene& scene) {

@@ -6,6 +6,7 @@
 
 #include <rubble/info.h>
 
+#include "cook/checks.h"
 #include "world/world_impl.h"
 
 namespace rubble {
@@ -42,7 +43,8 @@ double StepReport::stageMs(const std::string& name) const {
 World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_unique<Impl>()) {
   validate(scene);
   validate(options.params);
-  if (options.threads < 0) throw Error("threads", "a number of at least 0", std::to_string(options.threads));
+  if (options.threads < 0 || options.threads > kMostThreads)
+    throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads), std::to_string(options.threads));
   impl_->params = options.params;
   impl_->engine = std::make_unique<OrderedEngine>(makeEngine(options));
   impl_->doublePrecision = options.backend == "reference";
@@ -50,8 +52,7 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
   Registry& r = impl_->registry;
   r.gravity = scene.gravity;
   impl_->engine->setBodyCount(static_cast<int>(scene.bodies.size()));
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-    r.sceneBodies.push_back(impl_->addBody(scene.bodies[i], "bodies[" + std::to_string(i) + "]"));
+  r.sceneBodies = impl_->addBodies(scene.bodies, "bodies");
   const auto idOf = [&](int body) { return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)]; };
   for (const JointDef& joint : scene.joints) 
     impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB), idOf(joint.carrierA), idOf(joint.carrierB));
@@ -69,7 +70,7 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-StepReport World::step() {
+StepReport World::step() try {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
   impl_->flush();
@@ -83,6 +84,8 @@ StepReport World::step() {
   impl_->registry.time += impl_->params.dt;
   report.totalMs = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
   return report;
+} catch (const std::bad_alloc&) {
+  throw Error("step", "memory for the tables that it needs", "none left");
 }
 
 void World::sortBodies() { impl_->engine->sortSoon(); }
@@ -95,6 +98,7 @@ void World::setParams(const Params& params) {
 }
 Vec3 World::gravity() const { return impl_->registry.gravity; }
 void World::setGravity(const Vec3& gravity) {
+  checks::finite(gravity, "gravity");
   impl_->registry.gravity = gravity;
   impl_->settingsChanged = impl_->disturbed = true;
 }
@@ -103,7 +107,8 @@ double World::time() const { return impl_->registry.time; }
 
 BodyId World::add(const BodyDef& body) {
   validate(body, "body");
-  return impl_->addBody(body, "body");
+  std::vector<CookedEntry> fresh;
+  return impl_->addBody(body, impl_->ready(body, "body", fresh));
 }
 void World::remove(BodyId id) { impl_->removeBody(id); }
 void World::setCollide(BodyId a, BodyId b, bool collide) { impl_->exclude(a, b, !collide); }
@@ -135,16 +140,15 @@ BodyState World::state(BodyId id) const {
 }
 void World::setState(BodyId id, const BodyState& state) {
   impl_->requireAlive(id);
-  BodyDef probe = impl_->registry.bodies[id].def;
-  probe.position = state.position, probe.orientation = state.orientation;
-  probe.velocity = state.velocity, probe.angularVelocity = state.angularVelocity;
-  validate(probe, "state");
-  if (probe.motion != Motion::Dynamic) impl_->wake(id);
+  validate(state, "state");
+  if (impl_->registry.bodies[id].def.motion != Motion::Dynamic) impl_->wake(id);
   impl_->engine->setState(id.index, impl_->registry.bodies[id].frame.toEngine(state));
 }
 void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) {
   impl_->requireAlive(id);
   if (impl_->registry.bodies[id].def.motion != Motion::Kinematic) throw Error("target", "a kinematic body", "another");
+  checks::finite(position, "position");
+  checks::rotation(orientation, "orientation");
   BodyState s = impl_->engine->state(id.index);
   const double dt = impl_->params.dt;
   const BodyState target = impl_->registry.bodies[id].frame.toEngine({position, normalize(orientation), {}, {}});
@@ -157,14 +161,18 @@ void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) 
 }
 void World::applyForce(BodyId id, const Vec3& force) {
   impl_->requireAlive(id);
+  checks::finite(force, "force");
   impl_->engine->addForce(id.index, force, {});
 }
 void World::applyForceAt(BodyId id, const Vec3& force, const Vec3& point) {
   impl_->requireAlive(id);
+  checks::finite(force, "force");
+  checks::finite(point, "point");
   impl_->engine->addForce(id.index, force, cross(point - impl_->engine->state(id.index).position, force));
 }
 void World::applyTorque(BodyId id, const Vec3& torque) {
   impl_->requireAlive(id);
+  checks::finite(torque, "torque");
   impl_->engine->addForce(id.index, {}, torque);
 }
 void World::applyImpulse(BodyId id, const Vec3& impulse) { applyImpulses({&id, 1}, {&impulse, 1}); }
@@ -237,7 +245,9 @@ void World::setDriveOrientation(JointId id, const Quat& orientation) {
 
 JointId World::grab(BodyId id, const Vec3& point, double maxForce, double frequency) {
   impl_->requireAlive(id);
-  if (!(frequency > 0)) throw Error("frequency", "a number above 0 [1/s]", std::to_string(frequency));
+  checks::positive(frequency, "frequency");
+  checks::finite(point, "point");
+  checks::positiveOrInfinite(maxForce, "maxForce");
   const BodyState body = state(id);
   JointDef def;
   def.type = JointType::Grab;

@@ -70,6 +70,24 @@ class Slots {
   std::shared_ptr<std::vector<std::int32_t>> free_ = std::make_shared<std::vector<std::int32_t>>();
 };
 
+/// What is made of the definition of a body before anything of the world changes.
+struct ReadyBody {
+  std::shared_ptr<const CookedShape> cooked;
+  MassProperties mass;
+};
+
+/// What the name of a body is expected to be.
+inline constexpr const char* kOwnName = "a name that no other body has";
+
+/// Null if there is none with the geometry of that shape.
+const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape);
+
+/// More are of no use to any machine, and what runs them has no bound of its own.
+inline constexpr int kMostThreads = 1024;
+
+/// Throws Error with the path of what is not finite, or not a rotation.
+void validate(const BodyState& state, const std::string& path);
+
 struct JointRecord {
   JointDef def;
   BodyId a, b;        ///< index -1: the world
@@ -153,11 +171,17 @@ struct World::Impl {
   bool wantsEvents = false;
   Events events;
 
-  /// The shape as the engine takes it; shapes with the same geometry are cooked and kept once.
-  std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const std::string& path, int& indexBase);
+  /// The shape as the engine takes it. What has the geometry of a shape that the engine has, or of one in `fresh`, is not cooked again.
+  std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const std::string& path, std::vector<CookedEntry>& fresh) const;
+  /// Where its indices begin in the tables of the engine; shapes with the same geometry are there once.
+  int placeShape(const Shape& shape, const std::shared_ptr<const CookedShape>& cooked);
   /// Place among the engine's materials, -1 for one that needs none.
   int surfaceOf(const Material& material);
-  BodyId addBody(const BodyDef& def, const std::string& path);
+  /// Throws Error for a body that cannot be made, and changes nothing.
+  ReadyBody ready(const BodyDef& def, const std::string& path, std::vector<CookedEntry>& fresh) const;
+  BodyId addBody(const BodyDef& def, const ReadyBody& ready);
+  /// All of the list, or, with an Error, none.
+  std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, const std::string& list);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId carrierA, BodyId carrierB);
   /// Another definition of the same type for a joint.
   void redefine(JointId id, const JointDef& def);

@@ -69,6 +69,21 @@ class Usage(Case):
         self.refused("bench", says="scenes")
         self.refused("picture", "pile-1k", says="--out")
 
+    def test_output_that_is_lost_is_a_failure(self):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            done = subprocess.run([RUBBLE, "info", "build"], stdout=full, stderr=subprocess.PIPE, text=True, timeout=600)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("rubble: ", done.stderr)
+
+    def test_threads_have_a_bound(self):
+        self.refused("run", "pyramid", "--steps", "1", "--threads", "1000000", says="threads: expected a number from 0 to 1024")
+
+    def test_check_cooks_shapes(self):
+        flat = {"type": "hull", "points": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]}
+        self.refused("check", self.write("flat.json", {"bodies": [{"shape": flat}]}), says="bodies[0].shape.points")
+        late = {**FALLING, "events": [{"step": 3, "add": [{"shape": flat}]}]}
+        self.refused("check", self.write("late.json", late), says="events[0].add: bodies[0].shape.points")
+
     def test_names_that_do_not_exist(self):
         self.assertIn("pile-1k", self.refused("run", "pile-1kk", says="pile-1kk").stderr)
         self.refused("run", "pile-1k", "--arg", "nxx=3", says="nxx")

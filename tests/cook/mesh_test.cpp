@@ -1,5 +1,6 @@
 /// Tetrahedra from closed surfaces, cloth and rods from meshes and lines.
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -150,6 +151,22 @@ TEST(Mesh, ClothLeavesOutWhatItDoesNotUse) {
 TEST(Mesh, SolidsTurnTetrahedraOver) {
   const SoftDef solid = softFromMesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{1, 0, 2, 3}}});
   EXPECT_NO_THROW(validate(solid, "solid"));
+}
+
+TEST(Mesh, RodsRefuseSegmentsTooShortToBeMeant) {
+  const std::vector<Vec3> points{{0, 0, 0}, {10, 0, 0}};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double segment : {1e-300, 1e-9, 2e-9, 1e-7, 0., -1., nan}) {
+    try {
+      rodAlong(points, segment);
+      ADD_FAILURE() << segment;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.path(), "segment") << error.what();
+    }
+  }
+  EXPECT_EQ(rodAlong(points, 1e-3).vertices.size(), 10001u);
+  EXPECT_EQ(rodAlong(points, 1e300).vertices.size(), 2u);
+  EXPECT_THROW(rodAlong({{0, 0, 0}, {nan, 0, 0}}, 1), Error);
 }
 
 TEST(Mesh, RodsHaveSegmentsOfOneLength) {

@@ -1,8 +1,5 @@
 /// Mesh files: what is written comes back, every format gives the same mesh, and faults say where they are.
-#include <bit>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -10,20 +7,13 @@
 
 #include "io/mesh_file.h"
 #include "io/scene_json.h"
+#include "tests/support/mesh_files.h"
 #include "tests/support/meshes.h"
 
 namespace rubble::io {
 namespace {
 
-/// A file that goes away with the test.
-struct TemporaryFile {
-  std::string path;
-  explicit TemporaryFile(const std::string& ending, const std::string& content = "") {
-    path = (std::filesystem::temp_directory_path() / ("rubble_mesh_" + std::to_string(std::random_device{}()) + ending)).string();
-    std::ofstream(path, std::ios::binary) << content;
-  }
-  ~TemporaryFile() { std::filesystem::remove(path); }
-};
+using test::raw, test::raws, test::TemporaryFile;
 
 MeshFile meshOf(const std::string& ending, const std::string& content) { return readMesh(TemporaryFile(ending, content).path); }
 
@@ -40,15 +30,7 @@ std::string faultOf(const std::string& ending, const std::string& content) {
   return "";
 }
 
-/// Numbers as the machine, or the other kind of machine, has them.
-template <class T> std::string raw(T value, bool swap = false) {
-  std::string bytes(sizeof value, 0);
-  std::memcpy(bytes.data(), &value, sizeof value);
-  return swap ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
-}
-template <class... T> std::string raws(bool swap, T... values) { return (raw(values, swap) + ...); }
-
-const std::vector<Vec3> kCorners{{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+constexpr const auto& kCorners = test::kMeshCorners;
 
 void expectCorners(const MeshFile& mesh) {
   ASSERT_EQ(mesh.vertices.size(), kCorners.size());
@@ -79,34 +61,17 @@ TEST(MeshFile, StlAsTextAndBinaryIsWelded) {
              "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\n"
              "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 0 2 0\n vertex 0 0 3\nendloop\nendfacet\nendsolid s\n");
   expectCorners(text);
-  std::string bytes = "solid, but binary";
-  bytes.resize(80, ' ');
-  bytes += raw(std::uint32_t{2});
-  for (const std::array<int, 3>& t : text.triangles) {
-    bytes += raws(false, 0.f, 0.f, 1.f);
-    for (const int v : t)
-      bytes += raws(false, float(kCorners[std::size_t(v)].x), float(kCorners[std::size_t(v)].y), float(kCorners[std::size_t(v)].z));
-    bytes += raw(std::uint16_t{0});
-  }
-  const MeshFile binary = meshOf(".stl", bytes);
+  const MeshFile binary = meshOf(".stl", test::binaryStl());
   expectCorners(binary);
   EXPECT_EQ(binary.triangles, text.triangles);
 }
 
 TEST(MeshFile, PlyAsTextAndBinaryOfEitherOrder) {
-  const std::string head =
-      "ply\ncomment made by hand\nelement vertex 4\nproperty float x\nproperty double y\nproperty float z\nproperty uchar red\n"
-      "element face 2\nproperty list uchar int vertex_indices\nend_header\n";
-  const auto withFormat = [&](const std::string& format) { return "ply\nformat " + format + " 1.0\n" + head.substr(4); };
-  const MeshFile text = meshOf(".ply", withFormat("ascii") + "0 0 0 9\n1 0 0 9\n0 2 0 9\n0 0 3 9\n3 0 1 2\n4 0 1 2 3\n");
+  const MeshFile text = meshOf(".ply", test::plyHead("ascii") + "0 0 0 9\n1 0 0 9\n0 2 0 9\n0 0 3 9\n3 0 1 2\n4 0 1 2 3\n");
   expectCorners(text);
   EXPECT_EQ(text.triangles, (std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}}));
   for (const bool big : {false, true}) {
-    const bool swap = big != (std::endian::native == std::endian::big);
-    std::string bytes = withFormat(big ? "binary_big_endian" : "binary_little_endian");
-    for (const Vec3& x : kCorners) bytes += raws(swap, float(x.x), x.y, float(x.z), std::uint8_t{9});
-    bytes += raws(swap, std::uint8_t{3}, 0, 1, 2) + raws(swap, std::uint8_t{4}, 0, 1, 2, 3);
-    const MeshFile binary = meshOf(".ply", bytes);
+    const MeshFile binary = meshOf(".ply", test::binaryPly(big));
     expectCorners(binary);
     EXPECT_EQ(binary.triangles, text.triangles);
   }
@@ -132,20 +97,8 @@ TEST(MeshFile, GmshOfBothVersionsAsTextAndBinary) {
   expectGmsh(meshOf(".msh", kMsh2));
   expectGmsh(meshOf(".msh", kMsh4));
   for (const bool swap : {false, true}) {
-    std::string two = "$MeshFormat\n2.2 1 8\n" + raw(1, swap) + "\n$EndMeshFormat\n$Nodes\n4\n";
-    for (int i = 0; i < 4; ++i)
-      two += raws(swap, 10 * (i + 1), kCorners[std::size_t(i)].x, kCorners[std::size_t(i)].y, kCorners[std::size_t(i)].z);
-    two += "\n$EndNodes\n$Elements\n3\n" + raws(swap, 1, 1, 2, 1, 0, 1, 10, 20) + raws(swap, 2, 1, 2, 2, 0, 1, 10, 30, 20) +
-           raws(swap, 4, 1, 2, 3, 0, 1, 10, 20, 30, 40) + "\n$EndElements\n";
-    expectGmsh(meshOf(".msh", two));
-    using I = std::int64_t;
-    std::string four = "$MeshFormat\n4.1 1 8\n" + raw(1, swap) + "\n$EndMeshFormat\n$Nodes\n" +
-                       raws(swap, I{1}, I{4}, I{10}, I{40}, 3, 1, 0, I{4}, I{10}, I{20}, I{30}, I{40});
-    for (const Vec3& x : kCorners) four += raws(swap, x.x, x.y, x.z);
-    four += "\n$EndNodes\n$Elements\n" +
-            raws(swap, I{3}, I{3}, I{1}, I{3}, 1, 1, 1, I{1}, I{1}, I{10}, I{20}, 2, 1, 2, I{1}, I{2}, I{10}, I{30}, I{20}) +
-            raws(swap, 3, 1, 4, I{1}, I{3}, I{10}, I{20}, I{30}, I{40}) + "\n$EndElements\n";
-    expectGmsh(meshOf(".msh", four));
+    expectGmsh(meshOf(".msh", test::binaryMsh2(swap)));
+    expectGmsh(meshOf(".msh", test::binaryMsh4(swap)));
   }
 }
 

@@ -69,6 +69,54 @@ TEST(WatchedBodies, ComeAndGo) {
   expectSame(early, pictureBodies(world));
 }
 
+/// The first body hangs on a rope, and a sheet lies beside them: both are drawn as further entries behind the bodies.
+Scene fallingBesideARopeAndASheet() {
+  Scene scene = falling();
+  JointDef rope;
+  rope.type = JointType::Rope;
+  rope.bodyA = 0, rope.bodyB = kWorld;
+  rope.anchorB = {0, 0, 6};
+  rope.length = 4;
+  scene.joints.push_back(rope);
+  scene.deformables.push_back(clothSheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 4, 4));
+  return scene;
+}
+
+TEST(WatchedBodies, LoseTheTubeOfARopeThatIsRemoved) {
+  Scene scene = fallingBesideARopeAndASheet();
+  scene.deformables.clear();
+  World world(scene);
+  WatchedBodies watched;
+  std::vector<PictureBody> bodies;
+  std::int64_t epoch = -1;
+  watched.update(world, ColorBy::Body, bodies, epoch);
+  ASSERT_EQ(bodies.size(), world.bodies().size() + 1);
+  world.remove(world.joints()[0]);
+  for (int i = 0; i < 3; ++i) {
+    world.step();
+    watched.update(world, ColorBy::Body, bodies, epoch);
+    expectSame(bodies, pictureBodies(world));
+  }
+}
+
+TEST(WatchedBodies, LoseASheetThatIsRemovedAndFindARopeThatIsAdded) {
+  World world(fallingBesideARopeAndASheet());
+  const JointDef rope = world.definition(world.joints()[0]);
+  world.remove(world.joints()[0]);
+  WatchedBodies watched;
+  std::vector<PictureBody> bodies;
+  std::int64_t epoch = -1;
+  watched.update(world, ColorBy::Body, bodies, epoch);
+  ASSERT_EQ(bodies.size(), world.bodies().size() + 1);
+  world.remove(world.deformables()[0]);
+  for (int i = 0; i < 4; ++i) {
+    if (i == 2) world.addJoint(rope, world.bodies()[0], {});
+    world.step();
+    watched.update(world, ColorBy::Body, bodies, epoch);
+    expectSame(bodies, pictureBodies(world));
+  }
+}
+
 TEST(WatchedBodies, HaveTheirValuesAndTheVerticesOfDeformables) {
   Scene scene = falling();
   scene.deformables.push_back(clothSheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 4, 4));

@@ -230,5 +230,31 @@ TEST(SceneJson, ReadSceneNamesTheFile) {
   }
 }
 
+TEST(SceneDepth, OfListsObjectsAndCompoundsIsBounded) {
+  std::string lists, objects, compounds = R"({"bodies": [{"shape": )";
+  for (int i = 0; i < 200000; ++i) {
+    lists += "[";
+    objects += R"({"name": )";
+    compounds += R"({"type": "compound", "parts": [{"shape": )";
+  }
+  for (const std::string& text : {lists, objects, compounds, R"({"bodies": )" + lists}) {
+    const std::vector<Fault> faults = faultsOf(text);
+    ASSERT_EQ(faults.size(), 1u);
+    EXPECT_NE(faults[0].message.find("expected at most 64 lists and objects within one another"), std::string::npos) << faults[0].text();
+  }
+  EXPECT_EQ(faultsOf(compounds)[0].path.rfind("bodies[0].shape.parts[0].shape.parts[0].shape", 0), 0u);
+}
+
+TEST(SceneDepth, OfWhatIsWellFormedIsBoundedToo) {
+  const auto nested = [](int levels) {
+    std::string text = R"({"type": "sphere", "radius": 1})";
+    for (int i = 0; i < levels; ++i) text = R"({"type": "compound", "parts": [{"shape": )" + text + "}]}";
+    return R"({"bodies": [{"shape": )" + text + "}]}";
+  };
+  EXPECT_TRUE(faultsOf(nested(1)).empty());
+  EXPECT_NE(faultsOf(nested(2))[0].message.find("bodies[0].shape.parts[0].shape: expected a convex solid, got a compound"), std::string::npos);
+  EXPECT_NE(faultsOf(nested(100000))[0].message.find("within one another"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace rubble::io

@@ -68,7 +68,8 @@ TEST(Quarantine, FreezesABodyThatIsNotFiniteAndLetsTheRestGoOn) {
   World world(scene, options(4));
   test::run(world, 10);
   const Vec3 before = world.state(world.bodyAt(2)).position;
-  world.applyForce(world.bodyAt(2), {std::numeric_limits<double>::infinity(), 0, 0});
+  // finite, and beyond what single precision holds
+  world.applyForce(world.bodyAt(2), {1e300, 0, 0});
   EXPECT_GE(world.step().quarantined, 1);
   EXPECT_EQ(world.state(world.bodyAt(2)).position, before);
   EXPECT_EQ(world.state(world.bodyAt(2)).velocity, (Vec3{0, 0, 0}));

@@ -44,6 +44,16 @@ void CpuEngine::addForce(int slot, const rubble::Vec3& force, const rubble::Vec3
 }
 
 void CpuEngine::step(StepReport& report) {
+  try {
+    takeStep(report);
+  } catch (const std::bad_alloc&) {
+    abandonStep(tables());
+    executor_.takeTimes(), executor_.takeGrown();
+    throw;
+  }
+}
+
+void CpuEngine::takeStep(StepReport& report) {
   View& s = executor_.view();
   planTrees(tables());
   executor_.run([&] {

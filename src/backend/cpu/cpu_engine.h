@@ -98,6 +98,7 @@ class CpuEngine final : public Engine {
   void load(std::span<const std::byte> data) override { loadState(tables(), previousDt_, data); }
 
  private:
+  void takeStep(StepReport& report);
   HostTables& tables() { return executor_.tables(); }
   const HostTables& tables() const { return executor_.tables(); }
 

@@ -130,6 +130,17 @@ void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
   for (const int slot : slots) forgetVertexContacts(tables, slot);
 }
 
+void abandonStep(HostTables& tables) {
+  View& s = tables.view();
+  *s.counters = {};
+  std::fill_n(s.oldPairOffset, s.bodies + 1, 0);
+  std::fill_n(s.oldPointPairOffset, s.owners() + 1, 0);
+  s.oldNearPairOffset[0] = 0;
+  s.treesStale = 1;
+  // the tables of manifolds may have moved since
+  tables.lodgeRows();
+}
+
 void endForces(HostTables& tables) {
   const View& s = tables.view();
   const Vec3 none{0, 0, 0};

@@ -28,6 +28,9 @@ BodyState bodyState(const HostTables& tables, int slot);
 void setBodyState(HostTables& tables, int slot, const BodyState& state);
 /// Forces and torques act for one step, of however many substeps.
 void endForces(HostTables& tables);
+/// After a step that found no memory: bodies and vertices, which move at its very end, are where they were; its contacts and those of the step
+/// before, whose place it had begun to use, are forgotten.
+void abandonStep(HostTables& tables);
 void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change);
 /// Contacts of many slots at once.
 void forgetContactsOf(HostTables& tables, std::span<const int> slots);

@@ -88,6 +88,14 @@ class LockstepEngine final : public Engine {
     return known;
   }
   void step(StepReport& report) override {
+    try {
+      takeStep(report);
+    } catch (const std::bad_alloc&) {
+      both(abandonStep);
+      throw;
+    }
+  }
+  void takeStep(StepReport& report) {
     both([](HostTables& t) { planTrees(t); });
     for (int k = 0; k < settings_.params.substeps; ++k) {
       both([&](HostTables& t) { beginStep(t.view(), settings_, previousDt_); });

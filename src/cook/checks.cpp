@@ -1,0 +1,72 @@
+#include "cook/checks.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace rubble::checks {
+
+std::string text(double a) {
+  std::ostringstream out;
+  out << a;
+  return out.str();
+}
+std::string text(const Vec3& a) { return "(" + text(a.x) + ", " + text(a.y) + ", " + text(a.z) + ")"; }
+std::string element(const std::string& list, std::size_t k) { return list + "[" + std::to_string(k) + "]"; }
+
+bool isFinite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+
+void finite(double a, const std::string& path) {
+  if (!std::isfinite(a)) throw Error(path, "a finite number", text(a));
+}
+void finite(const Vec3& a, const std::string& path) {
+  if (!isFinite(a)) throw Error(path, "three finite numbers", text(a));
+}
+void finite(std::span<const double> list, const std::string& path) {
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (!std::isfinite(list[i])) finite(list[i], element(path, i));
+}
+void finite(std::span<const Vec3> list, const std::string& path) {
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (!isFinite(list[i])) finite(list[i], element(path, i));
+}
+void positive(double a, const std::string& path) {
+  if (!(a > 0) || !std::isfinite(a)) throw Error(path, "a number above 0", text(a));
+}
+void notNegative(double a, const std::string& path) {
+  if (!(a >= 0) || !std::isfinite(a)) throw Error(path, "a number of at least 0", text(a));
+}
+void positiveOrInfinite(double a, const std::string& path) {
+  if (!(a > 0)) throw Error(path, "a number above 0 or infinity", text(a));
+}
+void notNegativeOrInfinite(double a, const std::string& path) {
+  if (!(a >= 0)) throw Error(path, "a number of at least 0 or infinity", text(a));
+}
+
+void unit(const Quat& q, const std::string& path) {
+  const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
+  if (!(std::fabs(norm - 1) < 1e-3)) throw Error(path, "a unit quaternion", "one of norm " + text(norm));
+}
+void rotation(const Quat& q, const std::string& path) {
+  const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
+  if (!(norm > 0) || !std::isfinite(norm)) throw Error(path, "a quaternion of some length", "one of norm " + text(norm));
+}
+
+void material(const Material& m, const std::string& path) {
+  notNegative(m.staticFriction, path + ".staticFriction");
+  notNegative(m.dynamicFriction, path + ".dynamicFriction");
+  if (m.dynamicFriction > m.staticFriction)
+    throw Error(path + ".dynamicFriction", "at most the static friction " + text(m.staticFriction), text(m.dynamicFriction));
+  notNegative(m.restitution, path + ".restitution");
+  if (m.restitution > 1) throw Error(path + ".restitution", "at most 1", text(m.restitution));
+  enumeration(m.frictionCombine, Combine::GeometricMean, path + ".frictionCombine");
+  enumeration(m.restitutionCombine, Combine::GeometricMean, path + ".restitutionCombine");
+  notNegative(m.rollingFriction, path + ".rollingFriction");
+  notNegative(m.torsionalFriction, path + ".torsionalFriction");
+  finite(m.surfaceVelocity, path + ".surfaceVelocity");
+}
+
+void failEnumeration(long long value, long long last, const std::string& path) {
+  throw Error(path, "one of an enumeration, 0 to " + std::to_string(last), std::to_string(value));
+}
+
+}  // namespace rubble::checks

@@ -1,0 +1,183 @@
+/// What would break a world is refused with the path of what is wrong, and an Error changes nothing.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "tests/support/scenes.h"
+
+namespace rubble {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Expects an Error whose path is `path` and whose text begins with it.
+template <class F> void expectError(const std::string& path, F&& f) {
+  try {
+    f();
+    ADD_FAILURE() << "no error for " << path;
+  } catch (const Error& e) {
+    EXPECT_EQ(e.path(), path) << e.what();
+    EXPECT_EQ(std::string(e.what()).rfind(path + ": expected ", 0), 0u) << e.what();
+  }
+}
+
+/// As a static body of a scene: refused by validate(), before anything is cooked, and by a world.
+void expectBadShape(const std::string& member, const Shape& shape) {
+  Scene scene = test::tower(1);
+  scene.bodies[0] = test::body(shape, {});
+  scene.bodies[0].motion = Motion::Static;
+  expectError("bodies[0].shape" + member, [&] { validate(scene); });
+  expectError("bodies[0].shape" + member, [&] { World world(scene, test::options()); });
+}
+
+const std::vector<Vec3> kTriangle{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+const std::vector<Vec3> kCorners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
+TEST(Refusal, OfLatticesWhoseCountsDoNotFitTheirSamples) {
+  expectBadShape(".distances", Shape::distanceField({2, 2, 3}, {}, 1, {-1, 1, 1, 1}));
+  expectBadShape(".heights", Shape::heightField(3, 2, {1, 1, 0}, {0, 0, 0, 0}));
+  // products of 2^64 and of 2^32
+  expectBadShape(".counts", Shape::distanceField({1 << 22, 1 << 21, 1 << 21}, {}, 1, {}));
+  expectBadShape(".counts", Shape::heightField(65536, 65536, {1, 1, 0}, {}));
+  expectBadShape(".counts", Shape::heightField(2147483647, 2147483647, {1, 1, 0}, {}));
+  expectBadShape(".counts", Shape::heightField(2, -2, {1, 1, 0}, {}));
+}
+
+TEST(Refusal, OfNumbersInShapesThatAreNotFinite) {
+  expectBadShape(".heights[2]", Shape::heightField(2, 2, {1, 1, 0}, {0, 0, kNan, 0}));
+  expectBadShape(".heights[3]", Shape::heightField(2, 2, {1, 1, 0}, {0, 0, 0, kInfinity}));
+  expectBadShape(".spacing.y", Shape::heightField(2, 2, {1, kInfinity, 0}, {0, 0, 0, 0}));
+  expectBadShape(".distances[7]", Shape::distanceField({2, 2, 2}, {}, 1, {-1, 1, 1, 1, 1, 1, 1, kNan}));
+  expectBadShape(".origin", Shape::distanceField({2, 2, 2}, {kNan, 0, 0}, 1, {-1, 1, 1, 1, 1, 1, 1, 1}));
+  expectBadShape(".spacing", Shape::distanceField({2, 2, 2}, {}, kInfinity, {-1, 1, 1, 1, 1, 1, 1, 1}));
+  expectBadShape(".points[1]", Shape::hull({{0, 0, 0}, {kNan, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
+  expectBadShape(".parts[0].density", Shape::compound({{Shape::sphere(1), {}, {}, {}, kNan}}));
+}
+
+TEST(Refusal, OfShapesWithoutTheirGeometryOrThatPointOutsideOfIt) {
+  for (const auto& [type, member] : {std::pair{ShapeType::Hull, ".points"}, {ShapeType::Compound, ".parts"}, {ShapeType::Mesh, ".triangles"},
+                                     {ShapeType::HeightField, ".counts"}, {ShapeType::DistanceField, ".counts"}}) {
+    Shape shape;
+    shape.type = type;
+    expectBadShape(member, shape);
+  }
+  expectBadShape(".triangles[0]", Shape::mesh(kTriangle, {{0, 1, 3}}));
+  expectBadShape(".triangles[1]", Shape::mesh(kTriangle, {{0, 1, 2}, {0, -1, 2}}));
+}
+
+TEST(Refusal, OfCompoundsInCompoundsWhereTheFirstOneBegins) {
+  Shape nested = Shape::sphere(1);
+  for (int depth = 0; depth < 5; ++depth) nested = Shape::compound({{nested, {}, {}}});
+  expectBadShape(".parts[0].shape", nested);
+  expectBadShape(".parts[1].shape", Shape::compound({{Shape::sphere(1), {}, {}}, {Shape::mesh(kTriangle, {{0, 1, 2}}), {}, {}}}));
+}
+
+TEST(Refusal, OfEnumerationsThatNameNothing) {
+  const auto bad = [](const std::string& path, const std::function<void(Scene&)>& spoil) {
+    Scene scene = test::tower(2);
+    scene.joints.push_back(test::ball(1, {0, 0, .5}, 2, {0, 0, -.5}));
+    spoil(scene);
+    expectError(path, [&] { World world(scene, test::options()); });
+  };
+  bad("bodies[1].shape.type", [](Scene& s) { s.bodies[1].shape.type = static_cast<ShapeType>(99); });
+  bad("bodies[1].motion", [](Scene& s) { s.bodies[1].motion = static_cast<Motion>(-1); });
+  bad("bodies[1].material.frictionCombine", [](Scene& s) { s.bodies[1].material.frictionCombine = static_cast<Combine>(6); });
+  bad("bodies[1].material.restitutionCombine", [](Scene& s) { s.bodies[1].material.restitutionCombine = static_cast<Combine>(-7); });
+  bad("joints[0].type", [](Scene& s) { s.joints[0].type = static_cast<JointType>(15); });
+  World world(test::tower(1), test::options());
+  expectError("array", [&] { world.array(static_cast<StateArray>(17)); });
+  JointDef joint;
+  joint.type = static_cast<JointType>(-3);
+  expectError("joint.type", [&] { world.addJoint(joint, world.bodyAt(1), {}); });
+}
+
+TEST(Refusal, OfForcesAndSettingsThatAreNotFinite) {
+  Scene scene = test::tower(2);
+  scene.deformables.push_back(straightRod({3, 0, 1}, {4, 0, 1}, 4));
+  World world(scene, test::options());
+  const std::uint64_t before = world.hash();
+  const BodyId body = world.bodyAt(1);
+  for (const double odd : {kNan, kInfinity, -kInfinity}) {
+    const Vec3 v{0, odd, 0};
+    expectError("force", [&] { world.applyForce(body, v); });
+    expectError("force", [&] { world.applyForceAt(body, v, {}); });
+    expectError("point", [&] { world.applyForceAt(body, {1, 0, 0}, v); });
+    expectError("torque", [&] { world.applyTorque(body, v); });
+    expectError("gravity", [&] { world.setGravity(v); });
+    expectError("force", [&] { world.applyVertexForce(world.deformableAt(0), 0, v); });
+    expectError("point", [&] { world.grab(body, v, 1); });
+    if (odd > 0) expectError("frequency", [&] { world.grab(body, {}, 1, odd); });
+  }
+  EXPECT_EQ(world.joints().size(), 0u);
+  EXPECT_EQ(world.hash(), before);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(world.step().quarantined, 0);
+}
+
+TEST(Refusal, OfTargetsThatAreNotFinite) {
+  Scene scene = test::tower(1);
+  scene.bodies[1].motion = Motion::Kinematic;
+  World world(scene, test::options());
+  expectError("position", [&] { world.setTarget(world.bodyAt(1), {kNan, 0, 0}, {}); });
+  expectError("orientation", [&] { world.setTarget(world.bodyAt(1), {}, {kNan, 0, 0, 0}); });
+  expectError("orientation", [&] { world.setTarget(world.bodyAt(1), {}, {0, 0, 0, 0}); });
+}
+
+TEST(Refusal, OfDampersThatAreNotFinite) {
+  JointDef joint;
+  joint.type = JointType::Fixed;
+  joint.stiffness = joint.angularStiffness = 100;
+  EXPECT_NO_THROW(validate(joint, "joint"));
+  const auto bad = [&](const std::string& member, double JointDef::*field) {
+    for (const double odd : {kNan, kInfinity}) {
+      JointDef changed = joint;
+      changed.*field = odd;
+      expectError("joint" + member, [&] { validate(changed, "joint"); });
+    }
+  };
+  bad(".dampingRatio", &JointDef::dampingRatio);
+  bad(".angularDampingRatio", &JointDef::angularDampingRatio);
+  bad(".friction", &JointDef::friction);
+  JointDef changed = joint;
+  changed.axes[2].limitDamping = kInfinity;
+  expectError("joint.axes[2].limitDamping", [&] { validate(changed, "joint"); });
+}
+
+TEST(Refusal, OfRoomAndThreadsWithoutBound) {
+  World world(test::tower(1), test::options());
+  expectError("count", [&] { world.reserve("pairs", 2000000000); });
+  EXPECT_NO_THROW(world.reserve("pairs", 100000));
+  for (const char* backend : {"cpu", "reference", "lockstep"})
+    expectError("threads", [&] { World many(test::tower(1), test::options(4, backend, 1000000)); });
+}
+
+/// Five bodies of which one cannot be made: what is wrong is found out by the cook alone.
+void expectAllOrNothing(const std::string& path, const BodyDef& bad) {
+  World world(test::tower(2), test::options());
+  const std::uint64_t hash = world.hash();
+  const std::size_t bytes = world.memoryBytes(), bodies = world.bodies().size();
+  std::vector<BodyDef> several;
+  for (int i = 0; i < 5; ++i) several.push_back(test::body(Shape::hull(kCorners), {3. * i, 0, 5}));
+  several[0].name = "first";
+  several[4] = bad;
+  expectError(path, [&] { world.addBodies(several); });
+  EXPECT_EQ(world.bodies().size(), bodies);
+  EXPECT_THROW(world.find("first"), Error);
+  EXPECT_EQ(world.memoryBytes(), bytes);
+  EXPECT_EQ(world.hash(), hash);
+  several.pop_back();
+  EXPECT_EQ(world.addBodies(several).size(), 4u);
+  EXPECT_EQ(world.bodies().size(), bodies + 4);
+}
+
+TEST(Refusal, OfOneOfSeveralBodiesAddsNone) {
+  expectAllOrNothing("bodies[4].shape.points", test::body(Shape::hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}), {}));
+  BodyDef inertia = test::body(Shape::hull({{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}}), {});
+  inertia.inertia = Vec3{1, 2, 2.5};
+  expectAllOrNothing("bodies[4].inertia", inertia);
+}
+
+}  // namespace
+}  // namespace rubble
