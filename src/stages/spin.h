@@ -1,5 +1,5 @@
 #pragma once
-/// Spin of free deformable objects.
+/// Spin of free solids.
 ///
 /// The rows of a step act where it ends, x = x^t + d, and change velocities v to d / dt. So the angular momentum, which x has a part in as well, is
 ///
@@ -12,6 +12,9 @@
 #include "stages/lumps.h"
 
 namespace rubble::RUBBLE_CORE {
+
+/// Sheets and ropes are left out: where they hang on hooks, these would open by what is given back.
+RUBBLE_HD inline bool keepsSpin(const View& s, const Lump& lump) { return lump.cluster >= 0 && inSolid(s, lump.first); }
 
 /// Sums of one of the finest clusters.
 struct SumSpins {
@@ -44,7 +47,7 @@ struct SumSpins {
 struct FindSpins {
   static constexpr const char* kName = "spin";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (s.lump[i].cluster < 0) return;
+    if (!keepsSpin(s, s.lump[i])) return;
     ClusterMotion& whole = s.clusterMotion[s.lump[i].cluster];
     const SpinSums sum = sumOf(s, s.cluster[s.lump[i].cluster], whole);
     const Real mass = whole.mass;
@@ -91,7 +94,7 @@ struct FindSpins {
 /// What the spin of its object adds to the velocity of a vertex.
 RUBBLE_HD inline Vec3 spinOf(const View& s, int v) {
   const int lump = s.vertexParams[v].lump;
-  if (lump < 0 || s.lump[lump].cluster < 0) return {0, 0, 0};
+  if (lump < 0 || !keepsSpin(s, s.lump[lump])) return {0, 0, 0};
   const ClusterMotion& whole = s.clusterMotion[s.lump[lump].cluster];
   return cross(whole.step.ang, s.vertexPlace[v] - whole.centre);
 }

@@ -103,6 +103,9 @@ struct FinishAttachments {
   }
 };
 
+/// Is it a corner of tetrahedra?
+RUBBLE_HD inline bool inSolid(const View& s, int v) { return s.tetraCornerOffset[v] != s.tetraCornerOffset[v + 1]; }
+
 /// Inertial target y [S 2] and initial guess of every vertex.
 struct PredictVertices {
   static constexpr const char* kName = "predict";
@@ -116,21 +119,17 @@ struct PredictVertices {
     const Vec3 velocity = s.vertexVelocity[v];
     const Vec3 acceleration = p.gravityScale * c.gravity + s.vertexForce[v] / p.mass;
     s.vertexTarget[v] = inertialDisplacement(velocity, acceleration, c.dt);
-    if (p.cluster < 0) {
-      const Real share = followedShare(velocity, s.vertexOldVelocity[v], acceleration, c.dt);
-      return start(s, v, inertialDisplacement(velocity, share * acceleration, c.dt));
+    // Vertices of a solid go on as they moved. Loads come by the blocks, with the forces that balance them: a few sweeps leave a part of both undone
+    // alike, while a load in the guess is all there, and does work that no element takes up again.
+    const Real share = inSolid(s, v) ? Real(0) : followedShare(velocity, s.vertexOldVelocity[v], acceleration, c.dt);
+    Vec3 guess = inertialDisplacement(velocity, share * acceleration, c.dt);
+    if (p.cluster >= 0) {
+      // from the motion of the whole object it goes no further than an edge is long: beyond, elements would be torn to shapes of an energy
+      // that a few sweeps do not work off
+      const Vec3 rigid = inertialDisplacement(s.clusterMotion[p.cluster].velocity, share * acceleration, c.dt), own = guess - rigid;
+      const Real size = length(own);
+      if (size > p.reach) guess = rigid + own * (p.reach / size);
     }
-    // What has elements goes on as it moved. Loads come by the blocks, with the forces that balance them: a few sweeps leave a part of both
-    // undone alike, while a load in the guess is all there, and does work that no element takes up again.
-    Vec3 guess = c.dt * velocity;
-    // from the motion of the whole object it goes no further than an edge is long: beyond, elements would be torn to shapes of an energy
-    // that a few sweeps do not work off
-    const Vec3 rigid = c.dt * s.clusterMotion[p.cluster].velocity, own = guess - rigid;
-    const Real size = length(own);
-    if (size > p.reach) guess = rigid + own * (p.reach / size);
-    start(s, v, guess);
-  }
-  RUBBLE_HD static void start(const View& s, int v, const Vec3& guess) {
     s.vertexMoved[v] = guess;
     s.vertexPlace[v] += guess;
   }
