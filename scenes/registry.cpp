@@ -53,7 +53,7 @@ std::vector<Spec> makeRegistry() {
                        &frictionSpecs, &structureSpecs, &jengaSpecs, &shapeRestSpecs, &shapeMotionSpecs, &basicSpecs, &scaleSpecs, &jointAxisSpecs,
                        &machineSpecs, &gearSpecs, &robotSpecs, &ragdollSpecs, &cableSpecs, &springSpecs, &paperSpecs, &softSolidSpecs, &softSheetSpecs,
                        &softContactSpecs, &softDentSpecs, &softClaySpecs, &softPressureSpecs, &softMachineSpecs, &rodSpecs, &softPlateSpecs,
-                       &softGrainSpecs})
+                       &softGrainSpecs, &softStringSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));
   return all;
 }

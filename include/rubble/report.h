@@ -29,6 +29,8 @@ struct StepReport {
   int vertexContacts = 0;     ///< contact points of vertices
   int deflectedVertices = 0;  ///< vertices whose way was changed where surfaces would have crossed
   int heldVertices = 0;       ///< and those that had to go less far for it
+  int surfaceRounds = 0;      ///< rounds in which ways were changed, cut or given up until no surfaces crossed; bounded
+  std::int64_t surfaceTests = 0;  ///< pairs of features that were looked at in all of them, at most
   int recycled = 0;           ///< manifolds kept without a new narrow-phase test
   int colors = 0;
   int colorRounds = 0;        ///< rounds of the colouring until it was proper

@@ -41,13 +41,14 @@ struct Attachment {
   Vec3 c0;                     ///< C(x^t) after regularisation [m]
   Vec3 lever;                  ///< r at x^t [m]
 
-  /// `gap`: C*(x^t); `leverNow`: r at x^t; `bodyMass`: 0 unless dynamic.
-  RUBBLE_HD void begin(const StepConstants& c, const Vec3& gap, const Vec3& leverNow, Real bodyMass) {
+  RUBBLE_HD bool isNew() const { return !(k > Real(0)); }
+  /// `gap`: C*(x^t); `leverNow`: r at x^t; `bodyMass`: 0 unless dynamic; `load`: the multiplier of one that is new.
+  RUBBLE_HD void begin(const StepConstants& c, const Vec3& gap, const Vec3& leverNow, Real bodyMass, const Vec3& load) {
     const bool hard = compliance == Real(0);
     const Real row = bodyMass > Real(0) ? (mass > Real(0) ? min(mass, bodyMass) : bodyMass) : mass;
     const StiffnessRule rule = jointRule(c, startStiffness(c, row), length);
-    lambda = warmMultiplier(c, Real(1), hard) * lambda;
-    const Real warm = k > Real(0) ? warmStiffness(c, rule, k, std::sqrt(dot(lambda, lambda))) : rule.start;
+    lambda = isNew() ? load : warmMultiplier(c, Real(1), hard) * lambda;
+    const Real size = std::sqrt(dot(lambda, lambda)), warm = isNew() ? newStiffness(rule, size) : warmStiffness(c, rule, k, size);
     group = {warm, compliance, min(bound, c.maxMultiplier), rule, true};
     c0 = hard ? (Real(1) - c.alpha) * gap : gap;
     lever = leverNow;

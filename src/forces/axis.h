@@ -122,8 +122,9 @@ struct AxisSituation {
   Real bound;       ///< break threshold and ceiling [N, N m]
 };
 
-/// Stiffness, compliance and kept multiplier of a row. `hard`: infinite stiffness. `kept`: factor on the multiplier.
-RUBBLE_HD inline void beginAxisRow(const StepConstants& c, AxisRows& rows, AxisRow& row, Real total, Real kept, Real bound) {
+/// Stiffness, compliance and kept multiplier of a row. `kept`: factor on the multiplier; `authored`: multiplier of a row of finite stiffness that is
+/// new, which is the load K C that it has at x^t.
+RUBBLE_HD inline void beginAxisRow(const StepConstants& c, AxisRows& rows, AxisRow& row, Real total, Real kept, Real authored, Real bound) {
   const bool hard = total >= kHardValue, ramp = !hard && !c.compliantRows;
   StiffnessRule rule = jointRule(c, rows.start, rows.length);
   row.compliance = hard ? Real(0) : Real(1) / total;
@@ -133,8 +134,9 @@ RUBBLE_HD inline void beginAxisRow(const StepConstants& c, AxisRows& rows, AxisR
     rule.limit = min(rule.limit, total);
     rule.start = min(rule.start, rule.limit);
   }
-  row.lambda = ramp ? Real(0) : kept * row.lambda;
-  row.k = row.k > Real(0) ? warmStiffness(c, rule, row.k, row.lambda) : coldStart(rule.start).k;
+  const bool isNew = !(row.k > Real(0));
+  row.lambda = ramp ? Real(0) : isNew && !hard ? clamp(authored, -bound, bound) : kept * row.lambda;
+  row.k = isNew ? newStiffness(rule, row.lambda) : warmStiffness(c, rule, row.k, row.lambda);
   row.bound = bound;
   row.acts = true;
 }
@@ -163,7 +165,8 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       limit.hi = hi + share * (locked ? at.value - hi : max(at.value - hi, Real(0)));
       limit.lo = locked ? limit.hi : lo - share * max(lo - at.value, Real(0));
       const Real before = limit.lambda;
-      beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma, at.bound);
+      const Real beyond = locked || at.value > hi ? at.value - hi : min(at.value - lo, Real(0));
+      beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma, spec.limitStiffness * beyond, at.bound);
       if (dormant) limit.acts = kWatched;
       // as for contacts: the multiplier of an impact is many times the load that follows
       rows.impact = c.impactRule && hard && !locked && absOf(at.change) * c.inverseDt * at.reach > kImpactSpeed && !inside(at.value + at.change);
@@ -176,7 +179,7 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
   if ((spec.driveStiffness > Real(0) || spec.driveDamping > Real(0)) && spec.driveBound > Real(0)) {
     AxisRow& drive = rows.drive;
     const Real target = spec.target - at.turn;
-    Real total = kHardValue, kept = c.gamma;
+    Real total = kHardValue, kept = c.gamma, authored = 0;
     if (spec.driveStiffness >= kHardValue) {
       drive.hi = target + c.alpha * (at.value - target);
       kept *= c.alpha;
@@ -187,16 +190,17 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       const Real damping = spec.driveDamping * c.inverseDt;
       total = spec.driveStiffness + damping;
       drive.hi = target + damping / total * (at.value - target + c.dt * spec.speed);
+      authored = spec.driveStiffness * (at.value - target);
     }
     drive.lo = drive.hi;
-    beginAxisRow(c, rows, drive, total, kept, min(spec.driveBound, at.bound));
+    beginAxisRow(c, rows, drive, total, kept, authored, min(spec.driveBound, at.bound));
   } else {
     rest(rows.drive);
   }
 
   if (spec.friction > Real(0)) {
     rows.friction.lo = rows.friction.hi = at.value;
-    beginAxisRow(c, rows, rows.friction, kHardValue, c.gamma, min(spec.friction, at.bound));
+    beginAxisRow(c, rows, rows.friction, kHardValue, c.gamma, 0, min(spec.friction, at.bound));
   } else {
     rest(rows.friction);
   }

@@ -7,7 +7,7 @@
 /// Block descent moves news one vertex a sweep, and the slower the stiffer the rows are that stamp their K; k starts near the inertia of the
 /// vertices instead and follows the load. A row much stiffer than that is as good as hard, and an error C - lambda/K that it has inherited
 /// must not become velocity: c0 = alpha (C - lambda/K) at x^t, which is the rule of hard rows for K -> infinity and vanishes where lambda has
-/// converged; the multiplier loses what theirs do.
+/// converged; the multiplier loses what theirs do. What an author has stretched is no such error: a row that is new starts with lambda = K C.
 #include "solver/warmstart.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -31,10 +31,9 @@ struct FiniteStart {
 RUBBLE_HD inline FiniteStart beginFiniteRow(const StepConstants& c, Real stiffness, Real unit, Real perForce, Real error, Real k, Real lambda) {
   const Real start = c.startStiffness * unit;
   if (!c.compliantRows) return {min(stiffness, max(k * c.gamma * c.stiffnessRescale, start)), 0, 0};
-  // a row that is new carries what it can without a jolt: all of it, if it is soft
-  if (!(k > Real(0))) lambda = stiffness * error * start / (start + stiffness);
-  const Real c0 = c.alpha * (error - lambda / stiffness);
-  lambda *= c.alpha * c.gamma;
+  const bool isNew = !(k > Real(0));
+  const Real c0 = isNew ? Real(0) : c.alpha * (error - lambda / stiffness);
+  lambda = isNew ? stiffness * error : c.alpha * c.gamma * lambda;
   return {max(start, std::fabs(lambda) / (perForce * c.loadAcceleration) * c.inverseDt * c.inverseDt), lambda, c0};
 }
 

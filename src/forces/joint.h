@@ -304,13 +304,15 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
     rule.start = min(rule.start, rule.limit);
   }
   const Real share = friction ? Real(1) : hard ? c.alpha : damping / total;
+  // of finite stiffness and new: the load that it has at x^t
+  const bool isNew = !(state.k > Real(0)), isLoaded = isNew && !hard && !friction;
   Real size2 = 0;
   for (int i = 0; i < P::kRows; ++i) {
-    rows.lambda[i] = ramp ? Real(0) : warmMultiplier(c, rows.lambda[i], hard && !friction);
+    rows.lambda[i] = ramp ? Real(0) : isLoaded ? own.stiffness * error[i] : warmMultiplier(c, rows.lambda[i], hard && !friction);
     rows.shift[i] = share * error[i];
     size2 += rows.lambda[i] * rows.lambda[i];
   }
-  const Real k = state.k > Real(0) ? warmStiffness(c, rule, state.k, std::sqrt(size2)) : coldStart(rule.start).k;
+  const Real k = isNew ? newStiffness(rule, std::sqrt(size2)) : warmStiffness(c, rule, state.k, std::sqrt(size2));
   state = {k, hard || ramp ? Real(0) : Real(1) / total, min(own.bound, bound), rule, !ramp};
 }
 

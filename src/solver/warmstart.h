@@ -21,6 +21,11 @@ RUBBLE_HD inline Real warmStiffness(const StepConstants& c, const StiffnessRule&
   return clamp(c.gamma * k * c.stiffnessRescale, rule.start, rule.limit);
 }
 
+/// k of a row that is new and begins with a load.
+RUBBLE_HD inline Real newStiffness(const StiffnessRule& rule, Real lambda) {
+  return rule.policy == StiffnessPolicy::FollowLoad ? grownStiffness<Real>(rule, rule.start, Real(0), lambda) : rule.start;
+}
+
 /// C(x^t) of an equality after regularisation, C*(x) - alpha C*(x^t): only the part 1 - alpha of an inherited error is corrected in this step.
 RUBBLE_HD inline Real inheritedError(const StepConstants& c, Real error) { return (Real(1) - c.alpha) * error; }
 /// The same for a row that acts on C > 0 only: a gap is not an error and stays whole.

@@ -6,7 +6,8 @@
 /// start apart can not cross without such a meeting (neighbours that share a corner can not either). Where two parts would come nearer than a
 /// part of their distance, the approach of their nearest points ends at that time: opposite changes of the ways of their corners, shared out by
 /// mass along the line between the points, as of an impact without rebound. All such pairs at once, again and again; after kDeflections rounds
-/// the corners of those that are left go half the way, then a quarter, and at last stay where they are, which is free of crossings.
+/// the corners of those that are left go half the way, then a quarter, and at last stay where they are, which is free of crossings. Where that lets
+/// others meet, round after round, as in a tangle, whole objects stay, and at last all that is near to anything: the rounds are bounded.
 ///
 /// Nothing else bounds a motion: ways on which no parts meet are not touched, however long they are and however near the parts lie. The
 /// velocity follows from where a vertex ends, as everywhere.
@@ -20,10 +21,21 @@ inline constexpr Real kLeastSurfaceGap = Real(.25);
 inline constexpr Real kLeastSurfaceShare = Real(.8);
 /// What a change adds to the distance at a meeting, in distances that the parts may come nearer by: else it would be met again [1].
 inline constexpr Real kClearance = Real(.2);
-/// Rounds in which ways are changed; in those that follow they are cut.
-inline constexpr int kDeflections = 20;
-/// Halvings of a way after which nothing of it is left.
-inline constexpr int kMostHalvings = 3;
+/// Rounds in which ways are changed, at most, and pairs for each vertex and edge that may be looked at in all of them: the more pairs a tangle has, the
+/// fewer rounds.
+inline constexpr int kDeflections = 20, kDeflectedPairs = 32 * kDeflections;
+/// Halvings of a way after which nothing of it is left, and rounds for that: to stop one vertex may let others meet it.
+inline constexpr int kMostHalvings = 3, kCuts = 8;
+/// Rounds in which whole objects stay, before all that may meet anything does.
+inline constexpr int kStays = 4;
+/// No step has more rounds than these: what is not resolved then does not move, and nothing that stands still crosses.
+inline constexpr int kMostCrossingRounds = kDeflections + kCuts + kStays + 1;
+
+/// Rounds of this step in which ways are changed.
+RUBBLE_HD inline int deflections(const View& s) {
+  const int pairs = max(s.counters->nearFeatures, 1), owners = s.vertices + s.edges;
+  return static_cast<int>(clamp(kDeflectedPairs * static_cast<Real>(owners) / static_cast<Real>(pairs), Real(1), static_cast<Real>(kDeflections)));
+}
 
 /// Clears what the step before has left. Before the grid is filled: boxes hold all detours.
 struct BeginCrossings {
@@ -108,7 +120,9 @@ struct CountCrossings {
     NearParts p;
     FeatureMeeting m;
     Real clear;
-    if (!findCrossing(s, s.nearFeature[i], p, m, clear)) return;
+    const bool meets = findCrossing(s, s.nearFeature[i], p, m, clear);
+    for (const int v : p.v) atomicSet(&s.vertexRepair[v].isNear, 1);
+    if (!meets) return;
     s.nearFeature[i].meets = 1;
     atomicCount(&s.counters->crossings, 1);
     for (const int v : p.v) atomicCount(&s.vertexRepair[v].hits, 1);
@@ -147,9 +161,10 @@ struct TakeWays {
     if (v >= s.vertices) return;
     VertexRepair& r = s.vertexRepair[v];
     Vec3 move{0, 0, 0};
-    if (r.hold != 0) {
+    const bool stays = mustStay(s, v);
+    if (r.hold != 0 || (stays && s.vertexMoved[v] != Vec3{0, 0, 0})) {
       if (r.held++ == 0) atomicCount(&s.counters->held, 1);
-      move = (r.held < kMostHalvings ? Real(-.5) : Real(-1)) * s.vertexMoved[v];
+      move = (r.held < kMostHalvings && !stays ? Real(-.5) : Real(-1)) * s.vertexMoved[v];
     } else if (r.shift[0] != 0 || r.shift[1] != 0 || r.shift[2] != 0) {
       if (r.detour == Vec3{0, 0, 0}) atomicCount(&s.counters->deflected, 1);
       Vec3 wanted = r.detour + r.unit * Vec3{static_cast<Real>(r.shift[0]), static_cast<Real>(r.shift[1]), static_cast<Real>(r.shift[2])};
@@ -164,6 +179,10 @@ struct TakeWays {
     s.vertexPlace[v] += move;
     r.before = r.hits;
     r.hits = r.hold = r.shift[0] = r.shift[1] = r.shift[2] = 0;
+  }
+  RUBBLE_HD static bool mustStay(const View& s, int v) {
+    return s.vertexRepair[s.vertexParams[v].first].stays != 0 ||
+           (s.vertexRepair[v].isNear != 0 && s.counters->crossingRounds >= deflections(s) + kCuts + kStays);
   }
 };
 
@@ -181,12 +200,11 @@ struct ProposeWays {
     if (near.meets == 0) return;
     atomicCount(&s.counters->crossings, 1);
     for (const int v : p.v) atomicCount(&s.vertexRepair[v].hits, 1);
-    if (s.counters->crossingRounds <= kDeflections) {
-      deflect(s, p, m, clear);
-      return;
-    }
+    const int rounds = s.counters->crossingRounds - deflections(s);
+    if (rounds <= 0) return deflect(s, p, m, clear);
     for (const int v : p.v)
-      if (isDynamicVertex(s, v)) atomicRaise(&s.vertexRepair[v].hold, 1);
+      if (rounds > kCuts) atomicSet(&s.vertexRepair[s.vertexParams[v].first].stays, 1);
+      else if (isDynamicVertex(s, v)) atomicRaise(&s.vertexRepair[v].hold, 1);
   }
 
  private:

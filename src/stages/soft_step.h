@@ -5,6 +5,7 @@
 #include "stages/lines.h"
 #include "stages/lumps.h"
 #include "stages/soft_sleep.h"
+#include "stages/spin.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -167,6 +168,13 @@ void updateSoftDuals(E& e) {
     if constexpr (F::kHasDual) e.beside(UpdateElementDuals<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]);
   });
   e.beside(UpdateAttachmentDuals{}, e.view().attachments);
+}
+
+/// Gives free objects back the angular momentum that the time step takes.
+template <class E>
+void keepSpin(E& e) {
+  e.forEach(SumSpins{}, e.view().clusterBegin[1]);
+  e.forEach(FindSpins{}, e.view().lumps);
 }
 
 template <class E>

@@ -331,6 +331,7 @@ void step(E& e) {
   stopFastBodies(e);
   e.forEach(FinishBodies{}, bodies);
   if (treesEnd) closeTrees(e);
+  if (e.view().lumps > 0) keepSpin(e);
   e.forEach(FinishVertices{}, vertices);
   if (e.view().step.sleeping) sleepIslands(e);
   e.keepManifolds();

@@ -88,28 +88,6 @@ struct FlowTetrahedra {
   }
 };
 
-struct BeginAttachments {
-  static constexpr const char* kName = "elements";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    Attachment& a = s.attachment[i];
-    if (!active(s, a)) return;
-    // about the first vertex, in double: weights may add up to -1 or, in a seam, to 0
-    const Vec3d origin = s.vertexPosition[a.v[0]];
-    Vec3 gap{0, 0, 0}, lever{0, 0, 0};
-    for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) gap += a.weight[k] * Vec3(s.vertexPosition[a.v[k]] - origin);
-    Real bodyMass = 0;
-    if (a.seam == 0) {
-      if (a.body == kWorldBody) {
-        gap += Vec3(a.worldPoint - origin);
-      } else {
-        lever = rotate(s.orientation[a.body], a.anchor);
-        gap += Vec3(s.position[a.body] - origin) + lever;
-        bodyMass = s.params[a.body].mass;
-      }
-    }
-    a.begin(s.step, gap, lever, bodyMass);
-  }
-};
 struct UpdateAttachmentDuals {
   static constexpr const char* kName = "element dual";
   RUBBLE_HD void operator()(const View& s, int i) const {
@@ -125,6 +103,9 @@ struct FinishAttachments {
   }
 };
 
+/// Is it a corner of tetrahedra?
+RUBBLE_HD inline bool inSolid(const View& s, int v) { return s.tetraCornerOffset[v] != s.tetraCornerOffset[v + 1]; }
+
 /// Inertial target y [S 2] and initial guess of every vertex.
 struct PredictVertices {
   static constexpr const char* kName = "predict";
@@ -138,7 +119,9 @@ struct PredictVertices {
     const Vec3 velocity = s.vertexVelocity[v];
     const Vec3 acceleration = p.gravityScale * c.gravity + s.vertexForce[v] / p.mass;
     s.vertexTarget[v] = inertialDisplacement(velocity, acceleration, c.dt);
-    const Real share = followedShare(velocity, s.vertexOldVelocity[v], acceleration, c.dt);
+    // Vertices of a solid go on as they moved. Loads come by the blocks, with the forces that balance them: a few sweeps leave a part of both undone
+    // alike, while a load in the guess is all there, and does work that no element takes up again.
+    const Real share = inSolid(s, v) ? Real(0) : followedShare(velocity, s.vertexOldVelocity[v], acceleration, c.dt);
     Vec3 guess = inertialDisplacement(velocity, share * acceleration, c.dt);
     if (p.cluster >= 0) {
       // from the motion of the whole object it goes no further than an edge is long: beyond, elements would be torn to shapes of an energy
@@ -175,6 +158,46 @@ RUBBLE_HD inline void addTetraCorner(const View& s, const TetraCorner& corner, c
   corner.stamp(s.step, x, start, 0, block);
 }
 
+/// Multiplier that an attachment begins with: of one with a stiffness its own load K C; of a hard one what holds its vertices against their elements,
+/// sum c_i f_i / sum c_i^2, so that what was stretched before it was hung up pulls at once.
+RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const View& s, const Attachment& a, const Vec3& gap) {
+  if (a.compliance > Real(0)) return gap / a.compliance;
+  Vec3 force{0, 0, 0};
+  Real weight = 0;
+  for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) {
+    const int v = a.v[k];
+    Block3 block;
+    for (int i = s.tetraCornerOffset[v]; i < s.tetraCornerOffset[v + 1]; ++i)
+      addTetraCorner(s, s.tetraCorner[i], s.cornerStart[i], s.vertexPlace[v], block);
+    for (int i = s.refOffset[v]; i < s.refOffset[v + 1] && pointType(s.ref[i]) != kAttachmentCode; ++i) addElement(s, s.ref[i], block);
+    force += a.weight[k] * block.f;
+    weight += a.weight[k] * a.weight[k];
+  }
+  return weight > Real(0) && isFinite(force) ? force / weight : Vec3{0, 0, 0};
+}
+
+struct BeginAttachments {
+  static constexpr const char* kName = "elements";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Attachment& a = s.attachment[i];
+    if (!active(s, a)) return;
+    // about the first vertex, in double: weights may add up to -1 or, in a seam, to 0
+    const Vec3d origin = s.vertexPosition[a.v[0]];
+    Vec3 gap{0, 0, 0}, lever{0, 0, 0};
+    for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) gap += a.weight[k] * Vec3(s.vertexPosition[a.v[k]] - origin);
+    Real bodyMass = 0;
+    if (a.seam == 0) {
+      if (a.body == kWorldBody) {
+        gap += Vec3(a.worldPoint - origin);
+      } else {
+        lever = rotate(s.orientation[a.body], a.anchor);
+        gap += Vec3(s.position[a.body] - origin) + lever;
+        bodyMass = s.params[a.body].mass;
+      }
+    }
+    a.begin(s.step, gap, lever, bodyMass, a.isNew() ? newLoad(s, a, gap) : Vec3{0, 0, 0});
+  }
+};
 /// `whole`: read so, which takes registers.
 template <bool whole = false>
 RUBBLE_HD inline void addPointContact(const View& s, std::uint32_t code, Block3& block) {
@@ -213,23 +236,6 @@ struct SolveVertex {
     for (int k = s.refOffset[v]; k < s.refOffset[v + 1]; ++k) addElement(s, s.ref[k], block);
     for (int k = s.pointEntryOffset[v]; k < s.pointEntryOffset[v + 1]; ++k) addPointContact(s, s.pointEntry[k], block);
     finishVertexBlock(s, v, block);
-  }
-};
-
-/// Velocities and new positions. A vertex whose state is not finite stays where it was, at rest.
-struct FinishVertices {
-  static constexpr const char* kName = "velocity";
-  RUBBLE_HD void operator()(const View& s, int v) const {
-    if (!isDynamicVertex(s, v)) return;
-    const Vec3 moved = s.vertexMoved[v], velocity = s.step.inverseDt * moved;
-    if (!isFinite(velocity)) {
-      atomicCount(&s.counters->quarantined, 1);
-      s.vertexVelocity[v] = s.vertexOldVelocity[v] = {0, 0, 0};
-      return;
-    }
-    s.vertexOldVelocity[v] = s.vertexVelocity[v];
-    s.vertexVelocity[v] = velocity;
-    s.vertexPosition[v] += Vec3d(moved);
   }
 };
 

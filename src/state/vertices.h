@@ -63,6 +63,8 @@ struct VertexRepair {
   int hold;                 ///< 1: it goes half the way in the next round
   int held;                 ///< how often it did
   int changed;              ///< 1: its way is another than in the round before
+  int isNear;               ///< 1: parts of it may meet others
+  int stays;                ///< of the first vertex of an object, 1: the whole object stays where it is
   Real unit;                ///< of shift [m]
   Vec3 detour;              ///< what has changed in all [m]
 };
@@ -109,6 +111,14 @@ struct ClusterRef {
 };
 
 /// What a cluster does in a step. Aligned, and blocks in quads, so that it is read in few pieces.
+/// Sums of m times something over vertices, for the spin of their object. s: place at the end of the step, seen from a point; d: displacement in the
+/// step; v: velocity at x^t. [kg m2], [kg m], [kg m2], [kg m2/s]
+struct SpinSums {
+  Sym3 inertia;              ///< (s.s) 1 - s s^T
+  Vec3 place, moved;         ///< s, d
+  Vec3 lost, before, after;  ///< d x v, s x v, s x d
+};
+
 struct alignas(4 * sizeof(Real)) ClusterMotion {
   Block6 sum;                ///< finest level: of its vertices, without `inner`
   Real mass;                 ///< [kg]
@@ -118,6 +128,7 @@ struct alignas(4 * sizeof(Real)) ClusterMotion {
   Vec3 velocity;             ///< mean of its vertices at x^t [m/s]
   Vec6 step;                 ///< motion found by the last solve [m, rad]
   Block3 push;               ///< finest level: of its vertices, as their group sees them
+  SpinSums spin;             ///< finest level: of its vertices, about `centre`
 };
 
 /// What groups of bodies move as if it were a body (stages/lumps.h): a deformable object without fixed vertices, or a granular particle.

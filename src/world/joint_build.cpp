@@ -54,6 +54,7 @@ class Builder {
   }
   void useAxes() { joint_.axes.assign(def_.axes.begin(), def_.axes.begin() + axisCount(def_.type)); }
   void lengthJoint();
+  bool hasNoLength(double wanted) const;
   void swingTwist();
   void sixDof();
   void geared();
@@ -70,13 +71,18 @@ void Builder::lengthJoint() {
   if (def_.type == JointType::Pulley)
     now = length(worldPoint(bodies_.a, def_.anchorA) - def_.pulleyA) + def_.ratio * length(worldPoint(bodies_.b, def_.anchorB) - def_.pulleyB);
   // as it was when the joint was made
-  if (before_) now = def_.type == JointType::Spring ? before_->axes[0].targetPosition : before_->axes[0].max;
+  if (before_) now = before_->axes[0].targetPosition;
   const double wanted = def_.length < 0 ? now : def_.length;
   useAxes();
   JointAxis& axis = joint_.axes[0];
+  // remembered; only springs are driven
+  axis.targetPosition = wanted;
+  joint_.holds = def_.type == JointType::Distance && def_.stiffness == kHard;
+  const bool isPoint = def_.type != JointType::Pulley && hasNoLength(wanted);
+  if (def_.type != JointType::Pulley) joint_.groups = {isPoint ? anchors() : off()};
+  if (isPoint) return;
   const double damping = dampingOf(def_.damping, def_.dampingRatio, def_.stiffness, mass());
   if (def_.type == JointType::Spring) {
-    axis.targetPosition = wanted;
     axis.driveStiffness = def_.stiffness;
     axis.driveDamping = damping;
   } else {
@@ -85,7 +91,17 @@ void Builder::lengthJoint() {
     axis.limitStiffness = def_.stiffness;
     axis.limitDamping = damping;
   }
-  joint_.holds = def_.type == JointType::Distance && def_.stiffness == kHard;
+}
+
+/// Is a length round-off beside the levers of the joint and the sizes of its bodies?
+bool Builder::hasNoLength(double wanted) const {
+  constexpr double kRoundOff = 1e-6;
+  const auto size = [](const JointBodyState& body, const Vec3& anchor) {
+    const Vec3& i = body.mass.inertia;
+    return length(anchor) + (body.mass.mass > 0 ? std::sqrt((i.x + i.y + i.z) / (3 * body.mass.mass)) : 0);
+  };
+  const double a = size(bodies_.a, def_.anchorA), b = size(bodies_.b, def_.anchorB);
+  return wanted <= kRoundOff * std::max(a, b);
 }
 
 void Builder::swingTwist() {

@@ -103,6 +103,25 @@ Scene thrown(double speed) {
   return scene;
 }
 
+TEST(Surfaces, OfATangleAreDealtWithInABoundedNumberOfRounds) {
+  for (const double size : {.05, .3, 1.}) {
+    ClothDef sheet = clothSheet({-.5, -.5, 0}, {1, 0, 0}, {0, 1, 0}, 12, 12);
+    sheet.thickness = 4e-3;
+    Random random(3);
+    for (std::size_t i = 0; i < sheet.vertices.size(); ++i) sheet.start.push_back(random.vector(size));
+    World world(sceneWith(sheet), options(4));
+    const auto parts = static_cast<double>(sheet.vertices.size() + 3 * 12 * 12 + 2 * 12);
+    for (int i = 0; i < 5; ++i) {
+      const StepReport report = world.step();
+      // 20 rounds that change ways, 8 that cut them, 4 in which objects stay, and one for the rest
+      EXPECT_LE(report.surfaceRounds, 33);
+      // those that change ways look at 640 pairs for each vertex and edge, the 13 others and the first at each pair once
+      EXPECT_LE(static_cast<double>(report.surfaceTests), 640 * parts + 15 * parts * parts / 2) << "step " << i;
+    }
+    for (const Vec3& x : world.positions(world.deformableAt(0))) ASSERT_TRUE(std::isfinite(x.x + x.y + x.z));
+  }
+}
+
 TEST(Surfaces, BallsThatCollideKeepTheirMomentumAndDoNotCross) {
   for (const double speed : {2., 4., 10.}) {
     World world(thrown(speed), options(10));

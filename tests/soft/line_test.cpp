@@ -81,6 +81,39 @@ TEST(Line, KeepsItsMomentumAndGainsNoEnergyWhenItIsThrownAnyhow) {
   EXPECT_LT(lengthOf(world, id), 1.05);
 }
 
+/// Rope of 1 m that is authored with a stretch, its first end fixed.
+Scene stretchedRope(double strain) {
+  RodDef d = straightRod({0, 0, 0}, {1, 0, 0}, 20);
+  d.radius = .005, d.youngsModulus = 1e8, d.density = 1000;
+  for (const Vec3& x : d.vertices) d.start.push_back((1 + strain) * x);
+  d.fixed = {0};
+  return sceneWith(d, {0, 0, 0});
+}
+
+TEST(Line, PullsWithAllOfItsAuthoredStretchInTheFirstStep) {
+  for (const double strain : {1e-3, 1e-2, .1})
+    for (const int iterations : {1, 4, 10}) {
+      Scene scene = stretchedRope(strain);
+      AttachmentDef hook;
+      hook.vertices = {20}, hook.body = kWorld, hook.anchor = {1 + strain, 0, 0};
+      scene.attachments.push_back(hook);
+      World world(scene, options(iterations));
+      world.step();
+      const double tension = 1e8 * std::numbers::pi * .005 * .005 * strain;
+      EXPECT_NEAR(length(world.state(world.attachments()[0]).force), tension, .02 * tension) << strain << ", " << iterations;
+    }
+}
+
+TEST(Line, PluckedSoundsAtTheFrequencyOfItsTension) {
+  const scenes::Spec& spec = scenes::find("plucked-string");
+  for (const double strain : {.003, .01, .03}) {
+    WorldOptions how = options(4);
+    how.params.substeps = 16;
+    const scenes::RunResult r = scenes::Runner(scenes::prepare(spec, scenes::resolve(spec, {{"strain", strain}})), how).run(120);
+    EXPECT_NEAR(r.metrics.at("period_ratio"), 1, .02) << strain;
+  }
+}
+
 TEST(Line, IsFoundWhateverTheNumbersOfItsVertices) {
   constexpr int kCount = 12;
   const auto net = [](const std::vector<int>& number) {

@@ -25,6 +25,8 @@ void reportCounters(const View& s, StepReport& report) {
   report.vertexContacts = c.pointContacts;
   report.deflectedVertices = c.deflected;
   report.heldVertices = c.held;
+  report.surfaceRounds = c.crossingRounds;
+  report.surfaceTests = static_cast<std::int64_t>(c.nearFeatures) * (1 + c.crossingRounds);
   report.recycled = c.recycled;
   report.colors = c.colors;
   report.colorRounds = c.rounds;
