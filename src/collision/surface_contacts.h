@@ -21,7 +21,8 @@ struct SurfaceCluster {
 struct SurfaceContacts {
   SurfaceCluster cluster[kSurfaceSlots];
   int count = 0;
-  Real length;  ///< L [m]
+  Real length;    ///< L [m]
+  Weight weight;  ///< in the frame of the surface, relative to the centre of the part
 };
 
 /// The normal of a cluster is that of its deepest point.
@@ -48,7 +49,7 @@ RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const
     if (gap < points.v[k].w) points.v[k] = {onSurface, gap, feature, feature};
     return;
   }
-  if (points.count == 8) convex::pickFour(points, cluster.n, Real(1e30), out.length);
+  if (points.count == 8) convex::pickFour(points, cluster.n, convex::sideOfWeight(points, cluster.n, out.weight), Real(1e30), out.length);
   points.v[points.count++] = {onSurface, gap, feature, feature};
 }
 
@@ -67,7 +68,7 @@ RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const
     turned = true;
   }
   const Real length = out.length;
-  const ConvexPair p{triangle, part, turn, {0, 0, 0}, length};
+  const ConvexPair p{triangle, part, turn, {0, 0, 0}, length, out.weight};
   convex::BestFace face{0, false, dot(n, supportOfB(p, -n) - triangle.corner[0])};
   if (face.s - part.radius > margin) return;
   RawManifold raw;
