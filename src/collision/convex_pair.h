@@ -101,41 +101,55 @@ RUBBLE_HD int bestVertex(const CutOf<kSize>& c, Real same, Score&& score) {
   return best;
 }
 
-/// From the middle of the vertices to where the weight acts, along the contact plane; zero: it does not say where to look.
+/// Where a contact is loaded, as its weight tells: from under the centre that weighs on it along the contact plane. `along`: unit, zero: nowhere more
+/// than elsewhere.
+struct LoadedSide {
+  Vec3 from, along;
+};
+
+/// Vertices this near to the loaded side, of their reach, lie on it: they bear all of the load.
+inline constexpr Real kOnLoadedSide = Real(.02);
+
 template <int kSize>
-RUBBLE_HD Vec3 sideOfWeight(const CutOf<kSize>& c, const Vec3& n, const Weight& weight) {
-  Vec3 foot, middle{0, 0, 0};
-  if (c.count <= kLanes || !footOfWeight(weight, n, c.v[0].x, foot)) return {0, 0, 0};
+RUBBLE_HD LoadedSide loadedSide(const CutOf<kSize>& c, const Vec3& n, const Weight& weight) {
+  Vec3 foot;
+  if (c.count <= 1 || !footOfWeight(weight, n, c.v[0].x, foot)) return {{0, 0, 0}, {0, 0, 0}};
+  const Vec3& centre = dot(weight.down, n) > Real(0) ? weight.centreA : weight.centreB;
+  const Vec3 from = centre + n * dot(n, c.v[0].x - centre), way = foot - from;
   Real reach2 = 0;
-  for (int k = 0; k < c.count; ++k) middle += c.v[k].x * (Real(1) / Real(c.count));
-  for (int k = 0; k < c.count; ++k) reach2 = max(reach2, lengthSquared(c.v[k].x - middle));
-  Vec3 side = foot - middle;
-  side -= n * dot(n, side);
-  return lengthSquared(side) > kOffMiddle * kOffMiddle * reach2 ? normalize(side) : Vec3{0, 0, 0};
+  for (int k = 0; k < c.count; ++k) reach2 = max(reach2, lengthSquared(c.v[k].x - from));
+  return {from, lengthSquared(way) > kOffMiddle * kOffMiddle * reach2 ? normalize(way) : Vec3{0, 0, 0}};
 }
 
-/// Picks at most four vertices within `reach` of the face: the one that lies furthest to the side that is loaded (zero: a direction fixed to the face),
-/// the one furthest from it, and two that add most area; then the deepest if it stands out.
+/// Picks at most four vertices within `reach` of the face: the one that lies furthest to the loaded side (or in a direction fixed to the face), the other
+/// end of the edge over which the bodies would tip there, and two that add most area; then the deepest if it stands out.
 template <int kSize>
-RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, const Vec3& side, Real reach, Real length) {
+RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, const LoadedSide& side, Real reach, Real length) {
   int kept = 0;
   for (int k = 0; k < c.count; ++k)
     if (c.v[k].w <= reach) c.v[kept++] = c.v[k];
   c.count = kept;
   if (c.count <= kLanes) return;
   const Real same = kSameReach * length;
-  Vec3 first = side;
-  if (dot(side, side) == Real(0)) {
-    // steeper than the diagonals of a square, to which corners of discs lie symmetric: their order would be that of round-off
-    Vec3 t1, t2;
-    tangentBasis(normal, t1, t2);
-    first = t1 * Real(-1) - t2 * Real(.8);
-  }
+  const bool loaded = dot(side.along, side.along) > Real(0);
+  Vec3 t1, t2;
+  tangentBasis(normal, t1, t2);
+  // steeper than the diagonals of a square, to which corners of discs lie symmetric: their order would be that of round-off
+  const Vec3 first = loaded ? side.along : t1 * Real(-1) - t2 * Real(.8), aside = cross(normal, first);
   int chosen[kLanes];
   chosen[0] = bestVertex(c, same, [&](const Vec3& x) { return dot(first, x); });
   const Vec3 a = c.v[chosen[0]].x;
-  chosen[1] = bestVertex(c, same, [&](const Vec3& x) { return std::sqrt(lengthSquared(cross(normal, x - a))); });
-  const Vec3 b = c.v[chosen[1]].x, across = normalize(cross(normal, b - a));
+  const Real offA = dot(aside, a - side.from), outA = dot(first, a - side.from);
+  if (loaded && std::fabs(offA) > kOnLoadedSide * outA) {
+    // how far out the way to it crosses the loaded side
+    chosen[1] = bestVertex(c, same, [&](const Vec3& x) {
+      const Real off = dot(aside, x - side.from);
+      return off * offA < Real(0) ? outA + (dot(first, x - side.from) - outA) * offA / (offA - off) : -length;
+    });
+  } else {
+    chosen[1] = bestVertex(c, same, [&](const Vec3& x) { return lengthSquared(x - a) / length; });
+  }
+  const Vec3 b = c.v[chosen[1]].x, across = normalize(cross(normal, b - a), aside);
   chosen[2] = bestVertex(c, same, [&](const Vec3& x) { return std::fabs(dot(across, x - a)); });
   const Vec3 d = c.v[chosen[2]].x;
   const Real turn = dot(across, d - a) > Real(0) ? Real(-1) : Real(1);
@@ -220,8 +234,7 @@ RUBBLE_HD inline void faceContact(const ConvexPair& p, const BestFace& best, Rea
   lowest = Real(1e30);
   for (int k = 0; k < cut.count; ++k) lowest = min(lowest, cut.v[k].w);
   const Real radii = p.a.radius + p.b.radius;
-  const Vec3 side = sideOfWeight(cut, out.n, p.weight);
-  pickFour(cut, normal, side, margin + radii, p.length);
+  pickFour(cut, normal, loadedSide(cut, out.n, p.weight), margin + radii, p.length);
   out.normalOnB = best.onB;
   out.count = cut.count;
   for (int k = 0; k < cut.count; ++k) {

@@ -25,7 +25,7 @@ RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa,
       const Vec3 x = xyz(a.vertices[k]);
       const Real height = surface - dot(down, x);
       if (height - a.radius > margin) continue;
-      if (cut.count == kMaxCut) pickFour(cut, down, sideOfWeight(cut, down, own), Real(1e30), length);
+      if (cut.count == kMaxCut) pickFour(cut, down, loadedSide(cut, down, own), Real(1e30), length);
       cut.v[cut.count++] = {x, height, k, k};
     }
   } else {
@@ -36,7 +36,7 @@ RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa,
     for (int k = 0; k < f.count; ++k) cut.v[cut.count++] = {f.corner[k], surface - dot(down, f.corner[k]), f.id[k], f.id[k]};
   }
   // a frame fixed to A: its corners are chosen alike from step to step
-  pickFour(cut, down, sideOfWeight(cut, down, own), margin + a.radius, length);
+  pickFour(cut, down, loadedSide(cut, down, own), margin + a.radius, length);
   out.count = cut.count;
   for (int k = 0; k < cut.count; ++k) {
     const Vec3 onA = rotate(qa, cut.v[k].x) - up * a.radius;

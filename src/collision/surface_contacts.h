@@ -46,10 +46,13 @@ RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const
   const Real near2 = kSameSpot * kSameSpot * out.length * out.length;
   for (int k = 0; k < points.count; ++k) {
     if (lengthSquared(points.v[k].x - onSurface) > near2) continue;
-    if (gap < points.v[k].w) points.v[k] = {onSurface, gap, feature, feature};
+    // of two that are as deep the one further out on the loaded side stays
+    const bool asDeep = std::fabs(gap - points.v[k].w) < kSameHeight * out.length;
+    const Real outward = dot(convex::loadedSide(points, cluster.n, out.weight).along, onSurface - points.v[k].x);
+    if (asDeep && outward != Real(0) ? outward > Real(0) : gap < points.v[k].w) points.v[k] = {onSurface, gap, feature, feature};
     return;
   }
-  if (points.count == 8) convex::pickFour(points, cluster.n, convex::sideOfWeight(points, cluster.n, out.weight), Real(1e30), out.length);
+  if (points.count == 8) convex::pickFour(points, cluster.n, convex::loadedSide(points, cluster.n, out.weight), Real(1e30), out.length);
   points.v[points.count++] = {onSurface, gap, feature, feature};
 }
 

@@ -42,7 +42,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
     raw.separation = 0;
     if (slot < found.count) {
       SurfaceCluster& c = found.cluster[slot];
-      convex::pickFour(c.points, c.n, convex::sideOfWeight(c.points, c.n, found.weight), pose.margin, pose.length);
+      convex::pickFour(c.points, c.n, convex::loadedSide(c.points, c.n, found.weight), pose.margin, pose.length);
       const Vec3 n = rotate(qs, c.n);
       raw.n = onA ? n : -n;
       raw.normalOnB = !onA;
