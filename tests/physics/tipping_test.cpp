@@ -82,11 +82,14 @@ class TippingOn : public ::testing::TestWithParam<std::tuple<Ground, Base>> {
 };
 
 TEST_P(TippingOn, HappensAtTheAngleOfTheClosedFormAtAnyYaw) {
+  // of points on triangles those nearer than a hundredth of L are one
+  const bool triangles = std::get<0>(GetParam()) == Ground::Mesh || std::get<0>(GetParam()) == Ground::Field;
+  const double off = triangles ? 1 : .5;
   for (const double slender : {1., 2.5})
     for (const double yaw : {0., .2, .37})
       for (const double down : {0., .8, 2.1}) {
-        EXPECT_FALSE(tips(slender, yaw, down, -.6)) << slender << ' ' << yaw << ' ' << down;
-        EXPECT_TRUE(tips(slender, yaw, down, .6)) << slender << ' ' << yaw << ' ' << down;
+        EXPECT_FALSE(tips(slender, yaw, down, -off)) << slender << ' ' << yaw << ' ' << down;
+        EXPECT_TRUE(tips(slender, yaw, down, off)) << slender << ' ' << yaw << ' ' << down;
       }
 }
 
