@@ -14,6 +14,7 @@ std::vector<Spec> towerSpecs();      ///< columns: equal cubes, heavy on light, 
 std::vector<Spec> chainSpecs();      ///< hanging and swinging chains with a heavy end
 std::vector<Spec> ropeSpecs();       ///< ropes of bricks, a bridge, a joint grid
 std::vector<Spec> frictionSpecs();   ///< sliding and rolling
+std::vector<Spec> frictionLimitSpecs();  ///< where sticking and standing end
 std::vector<Spec> jengaSpecs();      ///< a tower out of which blocks are drawn
 std::vector<Spec> structureSpecs();  ///< card tower, dominoes, arch, breakable beam
 std::vector<Spec> softSolidSpecs();  ///< solids of tetrahedra

@@ -7,8 +7,10 @@ namespace rubble::RUBBLE_CORE {
 /// Corners of a contact feature: of a face of a hull with more, an even selection is taken; a disc gets kDiscCorners.
 inline constexpr int kMaxCorners = 16;
 inline constexpr int kDiscCorners = 12;
-/// A disc that leans less than this sine has its corners fixed to its body, else the first one is the lowest.
+/// A disc that leans more than this sine has its first corner where it is lowest; else it has it where it is loaded, else fixed to its body.
 inline constexpr Real kFlatDisc = Real(2e-3);
+/// Weight that acts this share of the radius off the middle of a disc has a corner of its own.
+inline constexpr Real kOffMiddle = Real(.25);
 /// The end of a cylinder (or the base of a cone) is what touches if the direction leans less than this from its axis (cosine).
 inline constexpr Real kCapCosine = Real(.7);
 
@@ -59,9 +61,10 @@ RUBBLE_HD Vec3T<S> radial(const Vec3T<S>& d, S least) {
   return {d.x * inverse, d.y * inverse, 0};
 }
 
-/// Corners of the disc of radius r at height z, counter-clockwise about `side` z.
-RUBBLE_HD inline void addDisc(Feature& f, const Vec3& d, Real r, Real z, Real side, int firstId) {
-  const Vec3 u = radial(d, kFlatDisc), v{-u.y * side, u.x * side, 0};
+/// Corners of the disc of radius r at height z, counter-clockwise about `side` z. It leans along d, and is loaded at `load`.
+RUBBLE_HD inline void addDisc(Feature& f, const Vec3& d, const Vec3& load, Real r, Real z, Real side, int firstId) {
+  const bool leans = d.x * d.x + d.y * d.y > kFlatDisc * kFlatDisc;
+  const Vec3 u = leans ? radial(d, kFlatDisc) : radial(load, kOffMiddle * r), v{-u.y * side, u.x * side, 0};
   // cos and sin of 30 degrees
   constexpr Real kCos = Real(.86602540378443864676), kSin = Real(.5);
   Real c = 1, s = 0;
@@ -74,11 +77,17 @@ RUBBLE_HD inline void addDisc(Feature& f, const Vec3& d, Real r, Real z, Real si
   f.normal = {0, 0, side};
 }
 
-RUBBLE_HD inline void addHullFace(Feature& f, const Convex& c, int face) {
+/// Of more corners than a feature has, the one that lies furthest towards `load` is among those taken.
+RUBBLE_HD inline void addHullFace(Feature& f, const Convex& c, int face, const Vec3& load) {
   const int begin = c.faces[face], count = c.faces[face + 1] - begin;
   const int taken = min(count, kMaxCorners);
+  const int* const corners = c.faces + c.faceCount + 1 + begin;
+  int first = 0;
+  if (taken < count)
+    for (int k = 1; k < count; ++k)
+      if (dot(load, xyz(c.vertices[corners[k]])) > dot(load, xyz(c.vertices[corners[first]]))) first = k;
   for (int k = 0; k < taken; ++k) {
-    const int vertex = c.faces[c.faceCount + 1 + begin + k * count / taken];
+    const int vertex = corners[(first + k * count / taken) % count];
     addCorner(f, xyz(c.vertices[vertex]), vertex);
   }
   f.normal = xyz(c.planes[face]);
@@ -167,13 +176,13 @@ RUBBLE_HD inline Vec4 facePlane(const Convex& c, int face) {
   }
 }
 
-/// The corners of a face; `lean` says where a disc begins.
-RUBBLE_HD inline void faceFeature(const Convex& c, int face, const Vec3& lean, Feature& f) {
+/// The corners of a face; `lean` and `load` (a point, zero: none) say where those of a disc begin.
+RUBBLE_HD inline void faceFeature(const Convex& c, int face, const Vec3& lean, const Vec3& load, Feature& f) {
   const Real side = (face & 1) ? Real(-1) : Real(1);
   switch (c.kind) {
-    case ShapeKind::Cylinder: convex::addDisc(f, lean, c.half.x, side * c.half.z, side, 16 * (face & 1)); return;
-    case ShapeKind::Cone: convex::addDisc(f, lean, c.half.x, convex::coneBase(c), Real(-1), 0); return;
-    case ShapeKind::Hull: convex::addHullFace(f, c, face); return;
+    case ShapeKind::Cylinder: convex::addDisc(f, lean, load, c.half.x, side * c.half.z, side, 16 * (face & 1)); return;
+    case ShapeKind::Cone: convex::addDisc(f, lean, load, c.half.x, convex::coneBase(c), Real(-1), 0); return;
+    case ShapeKind::Hull: convex::addHullFace(f, c, face, load); return;
     case ShapeKind::Triangle:
       for (int k = 0; k < 3; ++k) {
         const int corner = (face & 1) ? 2 - k : k;
@@ -186,7 +195,7 @@ RUBBLE_HD inline void faceFeature(const Convex& c, int face, const Vec3& lean, F
 }
 
 /// What of the core lies furthest along the unit vector d: of a polyhedron the face there that looks most along d.
-RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, Real tolerance, Feature& f) {
+RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, const Vec3& load, Real tolerance, Feature& f) {
   switch (c.kind) {
     case ShapeKind::Sphere: addCorner(f, {0, 0, 0}, 0); return;
     case ShapeKind::Capsule:
@@ -195,7 +204,7 @@ RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, Real toleranc
       return;
     case ShapeKind::Cylinder: {
       if (std::fabs(d.z) > kCapCosine) {
-        faceFeature(c, d.z > Real(0) ? 0 : 1, d, f);
+        faceFeature(c, d.z > Real(0) ? 0 : 1, d, load, f);
         return;
       }
       const Vec3 rim = convex::radial(d, Real(0)) * c.half.x;
@@ -205,7 +214,7 @@ RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, Real toleranc
     }
     case ShapeKind::Cone: {
       if (d.z < -kCapCosine) {
-        faceFeature(c, 0, d, f);
+        faceFeature(c, 0, d, load, f);
         return;
       }
       const Vec3 rim = convex::radial(d, Real(0)) * c.half.x;
@@ -222,10 +231,10 @@ RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, Real toleranc
         const Real along = dot(xyz(plane), d);
         if (along > most && dot(xyz(plane), tip) > plane.w - tolerance) most = along, best = i;
       }
-      convex::addHullFace(f, c, best);
+      convex::addHullFace(f, c, best, load);
       return;
     }
-    case ShapeKind::Triangle: faceFeature(c, dot(xyz(facePlane(c, 0)), d) > Real(0) ? 0 : 1, d, f); return;
+    case ShapeKind::Triangle: faceFeature(c, dot(xyz(facePlane(c, 0)), d) > Real(0) ? 0 : 1, d, load, f); return;
     default: {
       int axis = 0;
       for (int i = 1; i < 3; ++i)

@@ -89,47 +89,93 @@ RUBBLE_HD inline void cutToFace(const Feature& face, const Feature& incident, Re
 /// Of vertices that reach as far to this share of L the first one is taken.
 inline constexpr Real kSameReach = Real(1e-4);
 
-/// Picks at most four vertices within `reach` of the face: the extreme ones along the diagonals of a frame fixed to the face, then the
-/// deepest if it stands out.
+/// The vertex with the highest score; of scores within `same` the first one.
+template <int kSize, class Score>
+RUBBLE_HD int bestVertex(const CutOf<kSize>& c, Real same, Score&& score) {
+  int best = 0;
+  Real most = score(c.v[0].x);
+  for (int i = 1; i < c.count; ++i) {
+    const Real s = score(c.v[i].x);
+    if (s > most + same) best = i, most = s;
+  }
+  return best;
+}
+
+/// Where a contact is loaded, as its weight tells: from under the centre that weighs on it along the contact plane. `along`: unit, zero: nowhere more
+/// than elsewhere.
+struct LoadedSide {
+  Vec3 from, along;
+};
+
+/// Vertices this near to the loaded side, of their reach, lie on it: they bear all of the load.
+inline constexpr Real kOnLoadedSide = Real(.02);
+
 template <int kSize>
-RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, Real reach, Real length) {
+RUBBLE_HD LoadedSide loadedSide(const CutOf<kSize>& c, const Vec3& n, const Weight& weight) {
+  Vec3 foot;
+  if (c.count <= 1 || !footOfWeight(weight, n, c.v[0].x, foot)) return {{0, 0, 0}, {0, 0, 0}};
+  const Vec3& centre = dot(weight.down, n) > Real(0) ? weight.centreA : weight.centreB;
+  const Vec3 from = centre + n * dot(n, c.v[0].x - centre), way = foot - from;
+  Real reach2 = 0;
+  for (int k = 0; k < c.count; ++k) reach2 = max(reach2, lengthSquared(c.v[k].x - from));
+  return {from, lengthSquared(way) > kOffMiddle * kOffMiddle * reach2 ? normalize(way) : Vec3{0, 0, 0}};
+}
+
+/// Picks at most four vertices within `reach` of the face: the one that lies furthest to the loaded side (or in a direction fixed to the face), the other
+/// end of the edge over which the bodies would tip there, and two that add most area; then the deepest if it stands out.
+template <int kSize>
+RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, const LoadedSide& side, Real reach, Real length) {
   int kept = 0;
   for (int k = 0; k < c.count; ++k)
     if (c.v[k].w <= reach) c.v[kept++] = c.v[k];
   c.count = kept;
   if (c.count <= kLanes) return;
+  const Real same = kSameReach * length;
+  const bool loaded = dot(side.along, side.along) > Real(0);
   Vec3 t1, t2;
   tangentBasis(normal, t1, t2);
-  CutVertex chosen[kLanes];
-  unsigned used = 0;
-  Real depth = 0;
-  for (int k = 0; k < kLanes; ++k) {
-    // steeper than the diagonals of a square, to which corners of discs lie symmetric: their order would be that of round-off
-    const Vec3 d = t1 * ((k & 1) ? Real(1) : Real(-1)) + t2 * ((k & 2) ? Real(.8) : Real(-.8));
-    int best = -1;
-    Real most = 0;
-    for (int i = 0; i < c.count; ++i) {
-      if (used >> i & 1) continue;
-      const Real along = dot(d, c.v[i].x);
-      if (best < 0 || along > most + kSameReach * length) best = i, most = along;
-    }
-    used |= 1u << best;
-    chosen[k] = c.v[best];
-    depth = k == 0 ? chosen[k].w : min(depth, chosen[k].w);
+  // steeper than the diagonals of a square, to which corners of discs lie symmetric: their order would be that of round-off
+  const Vec3 first = loaded ? side.along : t1 * Real(-1) - t2 * Real(.8), aside = cross(normal, first);
+  int chosen[kLanes];
+  chosen[0] = bestVertex(c, same, [&](const Vec3& x) { return dot(first, x); });
+  const Vec3 a = c.v[chosen[0]].x;
+  const Real offA = dot(aside, a - side.from), outA = dot(first, a - side.from);
+  if (loaded && std::fabs(offA) > kOnLoadedSide * outA) {
+    // how far out the way to it crosses the loaded side
+    chosen[1] = bestVertex(c, same, [&](const Vec3& x) {
+      const Real off = dot(aside, x - side.from);
+      return off * offA < Real(0) ? outA + (dot(first, x - side.from) - outA) * offA / (offA - off) : -length;
+    });
+  } else {
+    chosen[1] = bestVertex(c, same, [&](const Vec3& x) { return lengthSquared(x - a) / length; });
   }
+  const Vec3 b = c.v[chosen[1]].x, across = normalize(cross(normal, b - a), aside);
+  chosen[2] = bestVertex(c, same, [&](const Vec3& x) { return std::fabs(dot(across, x - a)); });
+  const Vec3 d = c.v[chosen[2]].x;
+  const Real turn = dot(across, d - a) > Real(0) ? Real(-1) : Real(1);
+  const auto beyond = [&](const Vec3& p, const Vec3& q, const Vec3& x) { return turn * dot(cross(normal, q - p), x - p); };
+  chosen[3] = bestVertex(c, same * same, [&](const Vec3& x) { return max(beyond(a, b, x), max(beyond(b, d, x), beyond(d, a, x))); });
+
   int deepest = 0;
   for (int i = 1; i < c.count; ++i) deepest = c.v[i].w < c.v[deepest].w ? i : deepest;
+  CutVertex picked[kLanes];
+  Real depth = c.v[chosen[0]].w;
+  for (int k = 0; k < kLanes; ++k) picked[k] = c.v[chosen[k]], depth = min(depth, picked[k].w);
   if (c.v[deepest].w < depth - kDeeperPoint * length) {
     int nearest = 0;
     Real least = 0;
     for (int k = 0; k < kLanes; ++k) {
-      const Real d = lengthSquared(chosen[k].x - c.v[deepest].x);
-      if (k == 0 || d < least) nearest = k, least = d;
+      const Real d2 = lengthSquared(picked[k].x - c.v[deepest].x);
+      if (k == 0 || d2 < least) nearest = k, least = d2;
     }
-    chosen[nearest] = c.v[deepest];
+    picked[nearest] = c.v[deepest];
   }
-  for (int k = 0; k < kLanes; ++k) c.v[k] = chosen[k];
-  c.count = kLanes;
+  c.count = 0;
+  for (int k = 0; k < kLanes; ++k) {
+    bool again = false;
+    for (int j = 0; j < k; ++j) again |= chosen[j] == chosen[k];
+    if (!again) c.v[c.count++] = picked[k];
+  }
 }
 
 /// A feature of B told in the frame of A.
@@ -172,19 +218,23 @@ RUBBLE_HD inline void faceContact(const ConvexPair& p, const BestFace& best, Rea
   const Vec3 local = xyz(facePlane(reference, best.face));
   const Vec3 normal = best.onB ? p.turn * local : local;  // out of the reference face, frame of A
   const Vec3 towards = best.onB ? normal * Real(-1) : mulTransposed(p.turn, -normal);
+  out.n = best.onB ? -normal : normal;
+  const Vec3 level = best.onB ? p.at + p.turn * (local * facePlane(reference, best.face).w) : normal * facePlane(reference, best.face).w;
+  Vec3 foot;
+  const bool loaded = footOfWeight(p.weight, out.n, level, foot);
+  const Vec3 onA = loaded ? foot : Vec3{0, 0, 0}, onB = loaded ? mulTransposed(p.turn, foot - p.at) : Vec3{0, 0, 0};
+  // unloaded, a disc begins where the other shape lies
+  const Vec3 lies = best.onB ? mulTransposed(p.turn, -p.at) : p.at;
   Feature face, incident;
-  // a disc begins where the other shape leans on it
-  const Vec3 lean = best.onB ? mulTransposed(p.turn, -p.at) : p.at;
-  faceFeature(reference, best.face, lean, face);
-  featureAlong(other, towards, kSameHeight * p.length, incident);
+  faceFeature(reference, best.face, {0, 0, 0}, loaded ? (best.onB ? onB : onA) : lies, face);
+  featureAlong(other, towards, best.onB ? onA : onB, kSameHeight * p.length, incident);
   place(best.onB ? face : incident, p);
   Cut cut;
   cutToFace(face, incident, Real(1e-6) * p.length, cut);
   lowest = Real(1e30);
   for (int k = 0; k < cut.count; ++k) lowest = min(lowest, cut.v[k].w);
   const Real radii = p.a.radius + p.b.radius;
-  pickFour(cut, local, margin + radii, p.length);
-  out.n = best.onB ? -normal : normal;
+  pickFour(cut, normal, loadedSide(cut, out.n, p.weight), margin + radii, p.length);
   out.normalOnB = best.onB;
   out.count = cut.count;
   for (int k = 0; k < cut.count; ++k) {
@@ -208,8 +258,8 @@ RUBBLE_HD inline void edgeContact(const ConvexPair& p, const SeparatingDirection
     out.points[out.count++] = {a + x.n * p.a.radius, b - x.n * p.b.radius, feature};
   };
   Feature fa, fb;
-  featureAlong(p.a, x.n, kSameHeight * p.length, fa);
-  featureAlong(p.b, mulTransposed(p.turn, -x.n), kSameHeight * p.length, fb);
+  featureAlong(p.a, x.n, {0, 0, 0}, kSameHeight * p.length, fa);
+  featureAlong(p.b, mulTransposed(p.turn, -x.n), {0, 0, 0}, kSameHeight * p.length, fb);
   place(fb, p);
   if (fa.count == 2 && fb.count == 2) {
     const Vec3 da = fa.corner[1] - fa.corner[0], db = fb.corner[1] - fb.corner[0];
@@ -235,10 +285,12 @@ RUBBLE_HD inline void edgeContact(const ConvexPair& p, const SeparatingDirection
 
 }  // namespace convex
 
-/// `t` = p_B - p_A. Points within `margin` of touching.
-RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, const Convex& b, const Quat& qb, const Vec3& t, Real margin, Real length) {
+/// `t` = p_B - p_A; the weight is relative to p_A. Points within `margin` of touching.
+RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, const Convex& b, const Quat& qb, const Vec3& t, Real margin, Real length,
+                                           const Weight& weight) {
   using namespace convex;
-  const ConvexPair p{a, b, rotationMatrix(conjugate(qa) * qb), rotateInverse(qa, t), length};
+  const Weight own{rotateInverse(qa, weight.centreA), rotateInverse(qa, weight.centreB), rotateInverse(qa, weight.down)};
+  const ConvexPair p{a, b, rotationMatrix(conjugate(qa) * qb), rotateInverse(qa, t), length, own};
   const Real radii = a.radius + b.radius;
   RawManifold out;
   const auto told = [&] {

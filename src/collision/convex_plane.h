@@ -4,8 +4,10 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Rounded box, cylinder, cone or hull (A) against the half space z < 0 of the plane (B); `t` = p_B - p_A.
-RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa, const Quat& qb, const Vec3& t, Real margin, Real length) {
+/// Rounded box, cylinder, cone or hull (A) against the half space z < 0 of the plane (B); `t` = p_B - p_A; the weight is relative
+/// to p_A.
+RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa, const Quat& qb, const Vec3& t, Real margin, Real length,
+                                                const Weight& weight) {
   using namespace convex;
   RawManifold out;
   const Vec3 up = rotate(qb, Vec3{0, 0, 1}), down = rotateInverse(qa, -up);  // the latter in the frame of A
@@ -15,6 +17,7 @@ RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa,
   out.separation = surface - dot(down, support(a, down)) - a.radius;
   if (out.separation > margin) return out;
 
+  const Weight own{rotateInverse(qa, weight.centreA), rotateInverse(qa, weight.centreB), rotateInverse(qa, weight.down)};
   Cut cut;
   if (a.kind == ShapeKind::Hull) {
     // every corner counts, whatever its faces
@@ -22,16 +25,18 @@ RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa,
       const Vec3 x = xyz(a.vertices[k]);
       const Real height = surface - dot(down, x);
       if (height - a.radius > margin) continue;
-      if (cut.count == kMaxCut) pickFour(cut, down, Real(1e30), length);
+      if (cut.count == kMaxCut) pickFour(cut, down, loadedSide(cut, down, own), Real(1e30), length);
       cut.v[cut.count++] = {x, height, k, k};
     }
   } else {
     Feature f;
-    featureAlong(a, down, kSameHeight * length, f);
+    Vec3 foot;
+    if (!footOfWeight(own, down, down * surface, foot)) foot = {0, 0, 0};
+    featureAlong(a, down, foot, kSameHeight * length, f);
     for (int k = 0; k < f.count; ++k) cut.v[cut.count++] = {f.corner[k], surface - dot(down, f.corner[k]), f.id[k], f.id[k]};
   }
   // a frame fixed to A: its corners are chosen alike from step to step
-  pickFour(cut, down, margin + a.radius, length);
+  pickFour(cut, down, loadedSide(cut, down, own), margin + a.radius, length);
   out.count = cut.count;
   for (int k = 0; k < cut.count; ++k) {
     const Vec3 onA = rotate(qa, cut.v[k].x) - up * a.radius;

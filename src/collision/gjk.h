@@ -27,7 +27,8 @@ struct ConvexPair {
   const Convex& b;
   Mat3 turn;
   Vec3 at;
-  Real length;  ///< L [m]
+  Real length;    ///< L [m]
+  Weight weight{};  ///< in the frame of A, relative to its centre
 };
 
 RUBBLE_HD inline Vec3 supportOfB(const ConvexPair& p, const Vec3& d) { return p.at + p.turn * support(p.b, mulTransposed(p.turn, d)); }

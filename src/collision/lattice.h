@@ -115,7 +115,7 @@ RUBBLE_HD void visitCorners(const Convex& c, Visit&& visit) {
     case ShapeKind::Cylinder:
     case ShapeKind::Cone: {
       Feature f;
-      faceFeature(c, 0, {0, 0, 1}, f);
+      faceFeature(c, 0, {0, 0, 1}, {0, 0, 0}, f);
       for (int k = 0; k < f.count; ++k) visit(f.corner[k], f.id[k]);
       if (c.kind == ShapeKind::Cone) {
         visit(Vec3{0, 0, c.half.z}, 32);

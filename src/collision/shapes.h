@@ -62,6 +62,24 @@ RUBBLE_HD inline Vec3 boundingHalf(const ShapeData& s, const Quat& q) {
   return e + Vec3{s.radius, s.radius, s.radius};
 }
 
+/// What two bodies weigh on one another with: the weight of the upper one acts along a line through its centre of mass. All in one frame.
+struct Weight {
+  Vec3 centreA, centreB;  ///< [m]
+  Vec3 down;              ///< unit, along gravity; zero without
+};
+/// Contacts steeper than this are not there to carry a weight (cosine of gravity and normal).
+inline constexpr Real kSteepestFloor = Real(.2);
+
+/// Where the line of the weight meets the contact plane through x with normal n, from A to B. False: nothing weighs on it.
+RUBBLE_HD inline bool footOfWeight(const Weight& w, const Vec3& n, const Vec3& x, Vec3& foot) {
+  const Real along = dot(w.down, n);
+  if (!(std::fabs(along) > kSteepestFloor)) return false;
+  const Vec3& centre = along > Real(0) ? w.centreA : w.centreB;
+  const Real fall = dot(x - centre, n) / along;
+  foot = centre + w.down * fall;
+  return fall > Real(0);
+}
+
 /// A point of contact, relative to the centre of the first body, world axes.
 struct RawPoint {
   Vec3 onA, onB;  ///< on the two surfaces [m]

@@ -21,7 +21,8 @@ struct SurfaceCluster {
 struct SurfaceContacts {
   SurfaceCluster cluster[kSurfaceSlots];
   int count = 0;
-  Real length;  ///< L [m]
+  Real length;    ///< L [m]
+  Weight weight;  ///< in the frame of the surface, relative to the centre of the part
 };
 
 /// As meetsNow() of manifold.h.
@@ -53,10 +54,13 @@ RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const
   const Real near2 = kSameSpot * kSameSpot * out.length * out.length;
   for (int k = 0; k < points.count; ++k) {
     if (lengthSquared(points.v[k].x - onSurface) > near2) continue;
-    if (gap < points.v[k].w) points.v[k] = {onSurface, gap, feature, feature};
+    // of two that are as deep the one further out on the loaded side stays
+    const bool asDeep = std::fabs(gap - points.v[k].w) < kSameHeight * out.length;
+    const Real outward = dot(convex::loadedSide(points, cluster.n, out.weight).along, onSurface - points.v[k].x);
+    if (asDeep && outward != Real(0) ? outward > Real(0) : gap < points.v[k].w) points.v[k] = {onSurface, gap, feature, feature};
     return;
   }
-  if (points.count == 8) convex::pickFour(points, cluster.n, Real(1e30), out.length);
+  if (points.count == 8) convex::pickFour(points, cluster.n, convex::loadedSide(points, cluster.n, out.weight), Real(1e30), out.length);
   points.v[points.count++] = {onSurface, gap, feature, feature};
 }
 
@@ -75,7 +79,7 @@ RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const
     turned = true;
   }
   const Real length = out.length;
-  const ConvexPair p{triangle, part, turn, {0, 0, 0}, length};
+  const ConvexPair p{triangle, part, turn, {0, 0, 0}, length, out.weight};
   convex::BestFace face{0, false, dot(n, supportOfB(p, -n) - triangle.corner[0])};
   if (face.s - part.radius > margin) return;
   RawManifold raw;

@@ -5,6 +5,7 @@
 ///   in the step d_A = Dp_A + Dw_A x r_A, d_B likewise: first-order displacements of the point on both bodies
 ///   normal      C_n = C_n0' + n.(d_A - d_B),           0 <= F_n                    [m], [N]
 ///   tangent     C_t = c C_t0 + t.(d_A - d_B), |F_t| <= mu F_n                       [m], [N]   (c: part of the drift corrected in a step)
+///               mu is one for all points of a step, static or dynamic: a point that yields while the others hold keeps what it bears
 ///   force       on A: -(F_n n + F_t) at r_A, on B: the opposite at r_B
 ///
 /// Normal and levers stay frozen at x^t (a true first-order expansion), so there is no curvature term. Both bodies use the same point, in
@@ -34,7 +35,7 @@ struct alignas(4 * sizeof(Real)) PointLoad {
 };
 struct alignas(4 * sizeof(Real)) PointSlip {
   Real drift1, drift2;             ///< C_t at x^t before regularisation, same basis [m]
-  Real mu;                         ///< static or dynamic friction, by what the point did before [1]
+  Real mu;                         ///< static or dynamic friction, by what the manifold did before [1]
   Real kT;                         ///< stiffness of the two tangential rows [N/m]
 };
 
@@ -50,7 +51,8 @@ struct ContactRows {
   int a, b;                  ///< bodies, a < b
   int manifold;              ///< that these are the rows of
   Real length;               ///< L: bounding diameter of the smaller dynamic body [m]
-  Real unused[4];            ///< in single precision the rows are 256 bytes: whole sectors of a cache
+  Real muStatic;
+  Real unused[3];            ///< in single precision the rows are 256 bytes: whole sectors of a cache
 };
 static_assert(sizeof(ContactRows) == 64 * sizeof(Real));
 
@@ -110,7 +112,7 @@ RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRo
   o.c1 = c.driftCorrection * f.slip.x + along(f.t1, d);
   o.c2 = c.driftCorrection * f.slip.y + along(f.t2, d);
   o.fN = minOf(maxOf(f.load.w * o.cN + f.load.x, A::splat(0)), A::splat(c.maxMultiplier));
-  o.t = frictionForce(f.slip.w, o.c1, o.c2, f.load.y, f.load.z, o.fN, f.slip.z, A::splat(m.muDynamic), c.coneHessian);
+  o.t = frictionForce(f.slip.w, o.c1, o.c2, f.load.y, f.load.z, o.fN, f.slip.z, f.slip.z, c.coneHessian);
   return o;
 }
 
@@ -149,7 +151,7 @@ RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const 
   const auto loaded = o.fN > A::splat(0);
   const L ceiling = contactCeiling(c, m.start, (Real(1) - c.alpha) * m.length, f.c0);
   A::storeQuad(m.load, lane, {o.fN, o.t.f1, o.t.f2, select(loaded, minOf(grownN, maxOf(kN, ceiling)), kN)});
-  A::storeQuad(m.slip, lane, {f.slip.x, f.slip.y, select(sticks, f.slip.z, A::splat(m.muDynamic)), select(loaded, select(sticks, grownT, kT), kT)});
+  A::storeQuad(m.slip, lane, {f.slip.x, f.slip.y, f.slip.z, select(loaded, select(sticks, grownT, kT), kT)});
 }
 
 }  // namespace rubble::RUBBLE_CORE

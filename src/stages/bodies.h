@@ -56,8 +56,11 @@ struct PredictBodies {
     Vec3 guess = followedShare(v, s.previousVelocity[i], known, c.dt) * known;
     if (newPush) guess += push;
     s.pushed[i] = s.force[i] != Vec3{0, 0, 0};
-    moved = {inertialDisplacement(v, guess, c.dt), 0, logRotation(target.y.q), 0};
-    s.turned[i] = target.y.q;
+    // a torque too may be one that contacts hold, and a guess that lifts a body off its points loses what they bear
+    const bool twisted = torque != Vec3{0, 0, 0} && !c.literalRotations;
+    const Quat turned = twisted ? expRotation(c.dt * unlocked(w, extras.locks >> 3)) : target.y.q;
+    moved = {inertialDisplacement(v, guess, c.dt), 0, logRotation(turned), 0};
+    s.turned[i] = turned;
     s.target[i] = target;
   }
 };

@@ -86,7 +86,7 @@ struct PairRows {
   OrderedPair bodies;
   Quat qa, qb;
   Vec3 t;
-  Real muStatic, restitution;
+  Real mu, restitution;  ///< friction of this step, static or dynamic
   bool bothMove;
   Vec3 belt;  ///< [m], see PairMaterial
   StiffnessRule normal, tangent;
@@ -102,6 +102,22 @@ RUBBLE_HD inline void notePressed(const View& s, const OrderedPair& o, Real dept
   const bool moves = pa.kind == BodyKind::Dynamic;
   if (moves == (pb.kind == BodyKind::Dynamic)) return;
   if (depth > kPressedDepth * innerRadiusOf(s.shapeTables(), (moves ? pa : pb).shape)) s.fast[moves ? o.a : o.b] = 1;
+}
+
+/// Share of the way within which friction would stop a load that counts as slip [1].
+inline constexpr Real kLeastSlip = Real(.01);
+
+/// Did the points of a manifold slip together in the step before? One after another reaches its cone as the push grows, the least loaded first;
+/// those yield at the static coefficient until most of the load is on its cones and moves on there.
+RUBBLE_HD inline bool slides(const Manifold& m, Real muStatic) {
+  Real load = 0, stiffness = 0, yielding = 0, slip = 0;
+  for (int k = 0; k < m.count; ++k) {
+    load += m.lambdaN[k], stiffness += m.kT[k];
+    if (m.stick >> k & 1) continue;
+    yielding += m.lambdaN[k];
+    slip += m.lambdaN[k] * std::sqrt(m.drift1[k] * m.drift1[k] + m.drift2[k] * m.drift2[k]);
+  }
+  return 2 * yielding > load && slip * stiffness > kLeastSlip * muStatic * load * load;
 }
 
 /// Begins the rows of manifold i: everything but its points. `r` is all zeros.
@@ -123,8 +139,8 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   r.start = startStiffness(c, lighter);
   const PairMaterial material = pairMaterial(s, pair, o);
   p.bothMove = pa.kind == BodyKind::Dynamic && pb.kind == BodyKind::Dynamic;
-  p.muStatic = material.muStatic;
-  r.muDynamic = material.muDynamic;
+  r.muStatic = material.muStatic, r.muDynamic = material.muDynamic;
+  p.mu = r.muStatic != r.muDynamic && slides(m, r.muStatic) ? r.muDynamic : r.muStatic;
   p.restitution = material.restitution;
   p.belt = material.belt;
   p.normal = contactRule(c, r.start, r.length);
@@ -159,7 +175,7 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
   }
   const Real lambda = min(warmMultiplier(c, m.lambdaN[k], true), most);
   Real l1 = warmMultiplier(c, m.lambda1[k], true), l2 = warmMultiplier(c, m.lambda2[k], true);
-  const Real size2 = l1 * l1 + l2 * l2, bound = p.muStatic * lambda;
+  const Real size2 = l1 * l1 + l2 * l2, bound = p.mu * lambda;
   if (size2 > bound * bound) {
     const Real cut = bound / std::sqrt(size2);
     l1 *= cut, l2 *= cut;
@@ -169,7 +185,7 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
   const Real kT = !awake ? Real(0) : isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
   r.place[to] = {point.lever, c0};
   r.load[to] = {lambda, l1, l2, kN};
-  r.slip[to] = {drift1, drift2, stuck || isNew ? p.muStatic : r.muDynamic, kT};
+  r.slip[to] = {drift1, drift2, p.mu, kT};
   return impact && c.impactRule;
 }
 
@@ -195,7 +211,7 @@ struct BuildContactRows {
     ContactRows r;
     memset(static_cast<void*>(&r), 0, sizeof r);  // points that are not used too
     const PairRows p = beginRows(s, i, r);
-    for (PointSlip& slip : r.slip) slip.mu = p.muStatic;
+    for (PointSlip& slip : r.slip) slip.mu = p.mu;
     m.impact = 0;
     for (int k = 0; k < m.count; ++k)
       if (buildPoint(s, m, p, k, r, k)) m.impact |= static_cast<std::uint8_t>(1u << k);
@@ -240,10 +256,17 @@ RUBBLE_HD inline StoredPoint storedPoint(const View& s, const ContactRows& r, co
   const Vec3 lambda = impact ? before : Vec3{load.lambdaN, load.lambda1, load.lambda2};
   const bool acts = load.kN > Real(0);
   PointMemory m{lambda.x, lambda.y, lambda.z, acts ? load.kN : r.start, acts ? slip.kT : r.start * s.step.tangentStiffness, 0, 0};
-  // a sliding point has been given the dynamic coefficient; with equal ones the force on the cone tells
+  // the force on the cone tells
   const Real lt2 = load.lambda1 * load.lambda1 + load.lambda2 * load.lambda2, bound = slip.mu * load.lambdaN;
   const bool stuck = load.lambdaN > Real(0) && lt2 < bound * bound * (Real(1) - Real(1e-5));
-  if (!stuck) return {m, false};
+  if (!stuck) {
+    if (r.muStatic == r.muDynamic) return {m, false};
+    // what the row still wants to take back is its slip
+    const Vec3 rA = r.place[k].rA, d = (f.a.dp + cross(f.a.dw, rA)) - (f.b.dp + cross(f.b.dw, rA + r.offset));
+    m.drift1 = s.step.driftCorrection * slip.drift1 + dot(f.t1, d);
+    m.drift2 = s.step.driftCorrection * slip.drift2 + dot(f.t2, d);
+    return {m, false};
+  }
   // exact displacements here: errors of the linear ones would add up from step to step
   const Vec3 rA = r.place[k].rA, rB = rA + r.offset;
   const Vec3 d = (f.a.dp + rotate(f.turnA, rA) - rA) - (f.b.dp + rotate(f.turnB, rB) - rB);

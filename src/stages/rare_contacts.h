@@ -4,6 +4,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
+RUBBLE_HD inline Vec3 downOf(const View& s) { return normalize(s.step.gravity, Vec3{0, 0, 0}); }
+
 /// Manifolds i to i + kSurfaceSlots - 1, of as many pairs: a part of a body and a surface. The points are gathered anew in every step; each takes over
 /// from the nearest old point of the same part and facing, whatever its slot.
 RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
@@ -21,6 +23,9 @@ RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
   const Quat q = conjugate(qs) * part.q;
   SurfaceContacts found;
   found.length = pose.length;
+  // what hangs from a surface does not weigh on it: both centres are that of the other body
+  const Vec3 centre = rotateInverse(qs, surface.kind == ShapeKind::Distance ? toPart - part.at : -part.at);
+  found.weight = {centre, centre, rotateInverse(qs, downOf(s))};
   if (surface.kind == ShapeKind::Distance)
     collideDistance(tables, surface, part.shape, at, q, pose.margin, found);
   else
@@ -38,7 +43,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
     raw.separation = 0;
     if (slot < found.count) {
       SurfaceCluster& c = found.cluster[slot];
-      convex::pickFour(c.points, c.n, pose.margin, pose.length);
+      convex::pickFour(c.points, c.n, convex::loadedSide(c.points, c.n, found.weight), pose.margin, pose.length);
       const Vec3 n = rotate(qs, c.n);
       raw.n = onA ? n : -n;
       raw.normalOnB = !onA;
@@ -96,7 +101,7 @@ struct TestRarePairs {
     const ShapeTables tables = s.shapeTables();
     const PlacedPart a = placedPart(tables, shapeA, pose.qA, p.owner == o.a ? p.first : p.second);
     const PlacedPart b = placedPart(tables, shapeB, pose.qB, p.owner == o.a ? p.second : p.first);
-    RawManifold raw = collideParts(tables, a, b, pose.t, pose.margin, pose.length);
+    RawManifold raw = collideParts(tables, a, b, pose.t, pose.margin, pose.length, downOf(s));
     if (!meetsNow(raw, pose)) raw.count = 0;
     s.pairTest[pair] = pairTest(raw, pose);
     keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i)));

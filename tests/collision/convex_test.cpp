@@ -131,6 +131,25 @@ TEST(ConvexPair, FlatContactHasFourPointsAtTheDepthOfTheOverlap) {
     }
 }
 
+TEST(ConvexPair, ADiscHasAPointWhereItsWeightActs) {
+  Random random(45);
+  Shelf shelf;
+  const ShapeData slab = box({2, 2, .1});
+  for (const auto& [shape, height] : std::vector<std::pair<ShapeData, Real>>{{shelf.add(Shape::cylinder(.25, .3)), .3}, {shelf.add(Shape::cone(.25, .4)), .2}})
+    for (int round = 0; round < 50; ++round) {
+      const Real way = random.uniform(0, 6), slope = random.uniform(.5, .8);
+      const Vec3 side{std::cos(way), std::sin(way), 0}, down = side * std::sin(slope) + Vec3{0, 0, -std::cos(slope)};
+      const PlacedPart standing{shape, fromAxisAngle(Vec3{0, 0, 1}, random.uniform(0, 6)), {0, 0, 0}};
+      for (const auto& [ground, top] : std::vector<std::pair<ShapeData, Real>>{{slab, .1}, {plane(), 0}}) {
+        const RawManifold m = collideParts(shelf.tables(), {ground, Quat{}, {0, 0, 0}}, standing, {0, 0, top + height}, .01, .6, down);
+        ASSERT_EQ(m.count, 4);
+        Real furthest = 0;
+        for (int k = 0; k < 4; ++k) furthest = std::max(furthest, dot(side, m.points[k].onB));
+        EXPECT_NEAR(furthest, .25, 1e-6) << round;
+      }
+    }
+}
+
 TEST(ConvexPair, ALyingCylinderHasBothEndsOfItsLine) {
   Shelf shelf;
   const ShapeData cylinder = shelf.add(Shape::cylinder(.25, .3));

@@ -197,8 +197,9 @@ TEST(Contact, DualUpdateTakesOverTheForcesAndKeepsThemInTheCone) {
       EXPECT_EQ(r.load[lane].lambda2, f.t.f2);
       const bool sticks = f.t.inside > 0;
       const Real size = std::hypot(r.load[lane].lambda1, r.load[lane].lambda2);
-      EXPECT_LE(size, (sticks ? .4 : .25) * f.fN * (1 + 1e-12));
-      EXPECT_EQ(r.slip[lane].mu, sticks ? .4 : .25);
+      // a point that yields keeps the friction of its manifold: whether that slides is found between the steps
+      EXPECT_LE(size, .4 * f.fN * (1 + 1e-12));
+      EXPECT_EQ(r.slip[lane].mu, .4);
       const bool loaded = f.fN > 0;
       EXPECT_EQ(r.load[lane].kN > before.rows.load[lane].kN, loaded && f.cN != 0);
       EXPECT_EQ(r.slip[lane].kT > before.rows.slip[lane].kT, loaded && sticks);

@@ -1,6 +1,8 @@
 /// Dry friction against closed forms.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "tests/support/expect.h"
@@ -147,6 +149,82 @@ TEST(Friction, SlowsASpinAtItsRate) {
   // four corners at r = sqrt(.5), I = 1/6: mu m g r / I
   EXPECT_NEAR(world.state(world.bodyAt(1)).angularVelocity.z, 5 - 10 * kDt * .5 * 10 * std::sqrt(.5) * 6, .05);
   EXPECT_LT(length(world.state(world.bodyAt(1)).position - Vec3{0, 0, .5}), .01);
+}
+
+/// A cube of 1 kg and 1 m on the ground, pushed along x at a height [m] and to one side [m] with a force that grows: at which share of mu_s m g it slips.
+double slippingPush(double height, double side, int iterations) {
+  Scene scene = test::emptyScene();
+  for (const BodyDef& body : {test::ground(), test::unitCube({0, 0, .5})}) {
+    scene.bodies.push_back(body);
+    scene.bodies.back().material = {.5, .3, 0};
+  }
+  World world(scene, options(iterations));
+  test::run(world, 30);
+  const BodyId cube = world.bodyAt(1);
+  for (double share = 0; share < 1.2; share += (share < .6 ? .25 : .05) * kDt) {
+    world.applyForceAt(cube, {share * 5, 0, 0}, {0, side, height});
+    world.step();
+    const BodyState s = world.state(cube);
+    if (length(s.velocity) + .5 * length(s.angularVelocity) > .05) return share;
+  }
+  return 2;
+}
+
+/// The same for four points that bear equal loads, at the corners of the base: the least over all poles of the turn.
+double slippingPushOfFourPoints(double side) {
+  double least = 1;
+  for (double pole = -20; pole < 20; pole += .001)
+    if (std::fabs(pole - side) > 1e-3)
+      least = std::min(least, .5 * (std::hypot(.5, .5 - pole) + std::hypot(.5, .5 + pole)) / std::fabs(pole - side));
+  return least;
+}
+
+class PushAt : public ::testing::TestWithParam<int> {};
+
+TEST_P(PushAt, SlipsAtStaticFrictionAtAnyHeight) {
+  for (const double height : {0., .25, .5, .75, .9}) EXPECT_NEAR(slippingPush(height, 0, GetParam()), 1, .02) << height;
+}
+
+TEST_P(PushAt, SlipsAndTurnsAtTheClosedFormOffCentre) {
+  for (const double side : {.1, .25}) {
+    const double exact = slippingPushOfFourPoints(side);
+    EXPECT_NEAR(slippingPush(.3, side, GetParam()), exact, .02 * exact) << side;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Iterations, PushAt, ::testing::Values(4, 10));
+
+/// A block on a spring whose end moves on: it sticks until the spring pulls with mu_s m g, and swings about mu_d m g until it stands still again. With
+/// D = (mu_s - mu_d) m g / k and w^2 = k / m the period is 2 D / V + 2 (pi - atan(D w / V)) / w.
+TEST(StickSlip, HasThePeriodOfTheClosedForm) {
+  constexpr double kStatic = .5, kDynamic = .3, kSpring = 20, kSpeed = .1;
+  const double d = (kStatic - kDynamic) * 10 / kSpring, w = std::sqrt(kSpring);
+  const double exact = 2 * d / kSpeed + 2 / w * (std::acos(-1.) - std::atan(d * w / kSpeed));
+  for (const int iterations : {4, 10}) {
+    Scene scene = test::emptyScene();
+    for (const BodyDef& body : {test::ground(), test::body(Shape::box({.5, .5, .25}), {0, 0, .25})}) {
+      scene.bodies.push_back(body);
+      scene.bodies.back().material = {kStatic, kDynamic, 0};
+    }
+    scene.bodies[1].mass = 1;
+    World world(scene, options(iterations));
+    const BodyId block = world.bodyAt(1);
+    test::run(world, 30);
+    const double origin = world.state(block).position.x;
+    bool slid = false;
+    double first = 0, last = 0;
+    int slips = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const double pull = kSpring * (kSpeed * i * kDt - (world.state(block).position.x - origin));
+      world.applyForce(block, {pull, 0, 0});
+      world.step();
+      const bool slides = world.state(block).velocity.x > .5 * kSpeed;
+      if (slides && !slid && ++slips >= 2) (slips == 2 ? first : last) = i * kDt;
+      slid = slides;
+    }
+    ASSERT_GT(slips, 5);
+    EXPECT_NEAR((last - first) / (slips - 2), exact, .05 * exact) << iterations;
+  }
 }
 
 }  // namespace

@@ -119,7 +119,7 @@ struct BuildRowsOfPoint {
     ContactRows own;
     memset(static_cast<void*>(&own), 0, sizeof own);
     const PairRows p = beginRows(s, i, own);
-    own.slip[0].mu = p.muStatic;
+    own.slip[0].mu = p.mu;
     const unsigned impact = tile.ballot(k < m.count && buildPoint(s, m, p, k, own, 0));
     ContactRows& r = s.contact[row];
     r.place[k] = own.place[0], r.load[k] = own.load[0], r.slip[k] = own.slip[0];
