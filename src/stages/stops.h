@@ -154,7 +154,8 @@ struct ChooseStops {
   }
 };
 
-/// The ways that the bodies of a pair make until they stop there. What they have met carries them along, unless it has stopped as well.
+/// The ways that the bodies of a pair make until they stop there. A kinematic body that they have met carries them along; a dynamic one is a matter of
+/// the rows of the next step, for what it would carry them into nobody has looked at.
 struct StopBodies {
   static constexpr const char* kName = "stops";
   RUBBLE_HD void operator()(const View& s, int i) const {
@@ -169,7 +170,7 @@ struct StopBodies {
     const Real left = fromFloatBits(s.stopBits[body]), done = Real(1) - left;
     Displacement d = s.moved[body];
     d.dp *= done, d.dw *= done;
-    if (s.params[other].kind != BodyKind::Static && s.stopBits[other] == 0) {
+    if (s.params[other].kind == BodyKind::Kinematic) {
       const Displacement& e = s.moved[other];
       const Vec3 arm = Vec3(s.position[body] - s.position[other]) + d.dp - done * e.dp;
       d.dp += left * (e.dp + cross(e.dw, arm));
