@@ -36,18 +36,21 @@ struct PredictBodies {
     }
     if (extras.angularDamping > Real(0)) torque *= keptBy(extras.angularDamping, c.dt, w);
     v = unlocked(v, extras.locks), gravity = unlocked(gravity, extras.locks), push = unlocked(push, extras.locks);
-    Vec3 w1;
-    if (c.literalRotations)
-      w1 = w;
-    else
-      w1 = rotate(q, torqueFreeSpin(rotateInverse(q, w), rotateInverse(q, torque), p.inertia, c.dt));
+    Vec3 w1 = w;
+    if (!c.literalRotations) {
+      // the change alone goes to the body's frame and back: both ways round up, and a free spin would grow by 1e-7 of itself in every step
+      const Vec3 inBody = rotateInverse(q, w);
+      w1 += rotate(q, torqueFreeSpin(inBody, rotateInverse(q, torque), p.inertia, c.dt) - inBody);
+    }
     w1 = unlocked(w1, extras.locks >> 3);
     BodyTarget target;
+    const Quat free = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q : expRotation(c.dt * w1);
+    const Vec3 turn = logRotation(free);
     target.mass = massMatrix(p.mass, p.inertia, q);
     target.locks = extras.locks;
-    target.unused = 0;
-    target.y.p = inertialDisplacement(v, gravity + push, c.dt);
-    target.y.q = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q : expRotation(c.dt * w1);
+    target.unused[0] = target.unused[1] = 0;
+    target.y = inertialDisplacement(v, gravity + push, c.dt);
+    target.momentum = momentumOfTurn(target.mass.inertia, turn);
 
     // what the body followed in the last step says nothing of a push that was not there: it begins as if it had been given a velocity
     const bool newPush = s.pushed[i] == 0;
@@ -55,8 +58,8 @@ struct PredictBodies {
     Vec3 guess = followedShare(v, s.previousVelocity[i], known, c.dt) * known;
     if (newPush) guess += push;
     s.pushed[i] = s.force[i] != Vec3{0, 0, 0};
-    moved = {inertialDisplacement(v, guess, c.dt), 0, logRotation(target.y.q), 0};
-    s.turned[i] = target.y.q;
+    moved = {inertialDisplacement(v, guess, c.dt), 0, turn, 0};
+    s.turned[i] = free;
     s.target[i] = target;
   }
 };
@@ -166,10 +169,10 @@ RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
 RUBBLE_HD inline Pose startBlock(const View& s, int i, Block6& block) {
   const BodyTarget& target = s.target[i];
   const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
-  const Pose x{s.moved[i].dp, s.turned[i]};
-  setInertialForce(block, target.mass, x, target.y, inverseDt2);
+  const Displacement& d = s.moved[i];
+  setInertialForce(block, target.mass, {d.dp, d.dw, target.y, target.momentum}, inverseDt2);
   setInertialHessian(block, target.mass, inverseDt2);
-  return x;
+  return {d.dp, s.turned[i]};
 }
 
 /// Adds points of a contact on one of its bodies. Hessians count `weight` times.
@@ -261,7 +264,8 @@ struct SolveBody {
   }
 };
 
-/// Velocities v = (x - x^t) / dt and the new pose. A body whose state is not finite stays where it was, at rest.
+/// Velocity v = (x - x^t) / dt and the new pose. A body that was stopped on its way keeps its momenta. One whose state is not finite stays where it was,
+/// at rest.
 struct FinishBodies {
   static constexpr const char* kName = "velocity";
   RUBBLE_HD void operator()(const View& s, int i) const {
@@ -269,9 +273,12 @@ struct FinishBodies {
     const BodyKind kind = s.params[i].kind;
     if (kind == BodyKind::Removed || kind == BodyKind::Static || isAsleep(s, i)) return;
     const Displacement d = s.moved[i];
+    const bool stopped = s.stopBits[i] != 0;
+    const Quat start = s.orientation[i], now = normalize((stopped ? expRotation(s.stopped[i].dw) : s.turned[i]) * start);
     if (kind == BodyKind::Dynamic) {
-      Vec3 v = c.inverseDt * d.dp;
+      const Vec3 v = c.inverseDt * d.dp;
       Vec3 w = c.inverseDt * (c.literalRotations ? Real(2) * shortArc(s.turned[i]).v : d.dw);
+      if (stopped && !c.literalRotations) w = spinAt(now, s.turned[i] * start, w, s.params[i].inertia, c.dt);
       if (!isFinite(v) || !isFinite(w)) {
         atomicCount(&s.counters->quarantined, 1);
         s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};
@@ -286,14 +293,8 @@ struct FinishBodies {
       s.velocity[i] = v;
       s.spin[i] = w;
     }
-    if (s.stopBits[i] == 0) {
-      s.position[i] += Vec3d(d.dp);
-      s.orientation[i] = normalize(s.turned[i] * s.orientation[i]);
-    } else {
-      const Displacement& made = s.stopped[i];
-      s.position[i] += Vec3d(made.dp);
-      s.orientation[i] = normalize(expRotation(made.dw) * s.orientation[i]);
-    }
+    s.position[i] += Vec3d(stopped ? s.stopped[i].dp : d.dp);
+    s.orientation[i] = now;
   }
 };
 
