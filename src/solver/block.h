@@ -4,19 +4,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// What a body has gone since x^t, and what it would go without rows: its displacement and dt times its angular momentum (momentumOfTurn).
+/// \eq{S5} f = -M (x - y) / dt^2 + the forces that rows add (stampRow and the contact's accumulate).
 template <class L>
-struct InertialStateT {
-  Vec3T<L> way, turn;           ///< [m], rotation vector [rad]
-  Vec3T<L> freeWay, momentum;   ///< [m], [kg m2]
-};
-
-/// \eq{S5} f = -M (x - y) / dt^2 + the forces that rows add (stampRow and the contact's accumulate). The rotational part is the momentum that the turn
-/// takes less the one that is there, -(Pi+(x) - Pi+(y)) / dt: where all forces balance, the spin log(x) / dt has what rows gave, and no more.
-template <class L>
-RUBBLE_HD RUBBLE_NEAR void setInertialForce(Block6T<L>& block, const MassMatrixT<L>& m, const InertialStateT<L>& x, Real inverseDt2) {
-  block.fl = -(inverseDt2 * m.mass) * (x.way - x.freeWay);
-  block.fa = LaneAccess<L>::splat(-inverseDt2) * (momentumOfTurn(m.inertia, x.turn) - x.momentum);
+RUBBLE_HD RUBBLE_NEAR void setInertialForce(Block6T<L>& block, const MassMatrixT<L>& m, const PoseT<L>& x, const PoseT<L>& y, Real inverseDt2) {
+  const Vec6T<L> d = difference(x, y);
+  block.fl = -(inverseDt2 * m.mass) * d.lin;
+  block.fa = LaneAccess<L>::splat(-inverseDt2) * (m.inertia * d.ang);
 }
 
 /// \eq{S6} H = M / dt^2 + the Hessians that rows add.

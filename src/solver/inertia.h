@@ -21,31 +21,25 @@ RUBBLE_HD inline Vec3 inertialDisplacement(const Vec3& v, const Vec3& accelerati
   return dt * (v + dt * acceleration);
 }
 
-/// Angular momentum, times dt, at x^t of a body that goes from there by the rotation vector d: the discrete Legendre map of a rigid body,
-///
-///   dt Pi+(d) = I d + d cross (I d) / 2 + c(|d|) d cross (d cross (I d)),      c(a) = (1 - (a/2) cot(a/2)) / a^2
-///
-/// and Pi-(d) = -Pi+(-d) is that at the end: R(t + dt) Pi- = R(t) Pi+, so that what a free body has in the world stays as it is. [kg m2]
-template <class L>
+/// c(a) = (1 - (a/2) cot(a/2)) / a^2 of the discrete momenta, and its derivative by a^2.
 struct MomentumCurve {
-  L value, slope;  ///< c and its derivative by a^2
+  Real value, slope;
 };
 /// From a^2, by a series that converges as (a / 2 pi)^2: to 1e-6 at 2 rad.
-template <class L>
-RUBBLE_HD RUBBLE_NEAR MomentumCurve<L> momentumCurve(L a2) {
+RUBBLE_HD inline MomentumCurve momentumCurve(Real a2) {
   constexpr Real k[] = {Real(1. / 12), Real(1. / 720), Real(1. / 30240), Real(1. / 1209600), Real(1. / 47900160), Real(691. / 1307674368000)};
-  L value = LaneAccess<L>::splat(k[5]), slope = LaneAccess<L>::splat(0);
+  Real value = k[5], slope = 0;
   RUBBLE_UNROLL
   for (int i = 4; i >= 0; --i) slope = value + a2 * slope, value = k[i] + a2 * value;
   return {value, slope};
 }
-template <class L>
-RUBBLE_HD RUBBLE_NEAR Vec3T<L> momentumOfTurn(const Sym3T<L>& inertia, const Vec3T<L>& d) {
-  const Vec3T<L> h = inertia * d, turn = cross(d, h);
-  return h + LaneAccess<L>::splat(Real(.5)) * turn + momentumCurve(dot(d, d)).value * cross(d, turn);
-}
 
-/// Pi+ (`side` = 1) or Pi- (-1) of a spin in the body's frame [kg m2/s], and its inverse by Newton. `inertia` principal moments [kg m2].
+/// Angular momentum of a free body in its own frame, at the beginning (`side` = 1) or the end (-1) of a step that it spends at spin w: the discrete
+/// Legendre maps of a rigid body, with x = dt w,
+///
+///   Pi+-(w) = I w +- x cross (I w) / 2 + c(|x|) x cross (x cross (I w))
+///
+/// so that R(t + dt) Pi-(w) = R(t) Pi+(w): what a free body has in the world stays as it is. [kg m2/s] `inertia` principal moments [kg m2].
 struct SpinMomentum {
   Vec3 inertia;
   Real dt, side;
@@ -57,7 +51,7 @@ struct SpinMomentum {
   /// One Newton step towards the spin of the momentum `wanted`.
   RUBBLE_HD Vec3 refine(const Vec3& w, const Vec3& wanted) const {
     const Vec3 x = dt * w, h = mul(inertia, w), turn = cross(x, h), twice = cross(x, turn);
-    const MomentumCurve<Real> c = momentumCurve(dot(x, x));
+    const MomentumCurve c = momentumCurve(dot(x, x));
     const auto column = [&](const Vec3& axis, Real moment, Real along) {
       const Vec3 change = dt * cross(axis, h) + moment * cross(x, axis);
       return moment * axis + (side / 2) * change + c.value * (dt * cross(axis, turn) + cross(x, change)) + (2 * c.slope * dt * along) * twice;

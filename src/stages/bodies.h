@@ -38,19 +38,17 @@ struct PredictBodies {
     v = unlocked(v, extras.locks), gravity = unlocked(gravity, extras.locks), push = unlocked(push, extras.locks);
     Vec3 w1 = w;
     if (!c.literalRotations) {
-      // the change alone goes to the body's frame and back: both ways round up, and a free spin would grow by 1e-7 of itself in every step
+      // only the change goes to the body's frame and back: both ways round off, and a free spin would grow by 1e-7 of itself in every step
       const Vec3 inBody = rotateInverse(q, w);
       w1 += rotate(q, torqueFreeSpin(inBody, rotateInverse(q, torque), p.inertia, c.dt) - inBody);
     }
     w1 = unlocked(w1, extras.locks >> 3);
     BodyTarget target;
-    const Quat free = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q : expRotation(c.dt * w1);
-    const Vec3 turn = logRotation(free);
     target.mass = massMatrix(p.mass, p.inertia, q);
     target.locks = extras.locks;
-    target.unused[0] = target.unused[1] = 0;
-    target.y = inertialDisplacement(v, gravity + push, c.dt);
-    target.momentum = momentumOfTurn(target.mass.inertia, turn);
+    target.unused = 0;
+    target.y.p = inertialDisplacement(v, gravity + push, c.dt);
+    target.y.q = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q : expRotation(c.dt * w1);
 
     // what the body followed in the last step says nothing of a push that was not there: it begins as if it had been given a velocity
     const bool newPush = s.pushed[i] == 0;
@@ -58,8 +56,8 @@ struct PredictBodies {
     Vec3 guess = followedShare(v, s.previousVelocity[i], known, c.dt) * known;
     if (newPush) guess += push;
     s.pushed[i] = s.force[i] != Vec3{0, 0, 0};
-    moved = {inertialDisplacement(v, guess, c.dt), 0, turn, 0};
-    s.turned[i] = free;
+    moved = {inertialDisplacement(v, guess, c.dt), 0, logRotation(target.y.q), 0};
+    s.turned[i] = target.y.q;
     s.target[i] = target;
   }
 };
@@ -169,10 +167,10 @@ RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
 RUBBLE_HD inline Pose startBlock(const View& s, int i, Block6& block) {
   const BodyTarget& target = s.target[i];
   const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
-  const Displacement& d = s.moved[i];
-  setInertialForce(block, target.mass, {d.dp, d.dw, target.y, target.momentum}, inverseDt2);
+  const Pose x{s.moved[i].dp, s.turned[i]};
+  setInertialForce(block, target.mass, x, target.y, inverseDt2);
   setInertialHessian(block, target.mass, inverseDt2);
-  return {d.dp, s.turned[i]};
+  return x;
 }
 
 /// Adds points of a contact on one of its bodies. Hessians count `weight` times.
@@ -264,8 +262,8 @@ struct SolveBody {
   }
 };
 
-/// Velocity v = (x - x^t) / dt and the new pose. A body that was stopped on its way keeps its momenta. One whose state is not finite stays where it was,
-/// at rest.
+/// Velocities v = (x - x^t) / dt and the new pose. A body that was stopped on its way keeps its momenta. One whose state is not finite stays where it
+/// was, at rest.
 struct FinishBodies {
   static constexpr const char* kName = "velocity";
   RUBBLE_HD void operator()(const View& s, int i) const {

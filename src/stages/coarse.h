@@ -127,8 +127,7 @@ RUBBLE_HD inline void addInertialForce(const View& s, const Group& group, int bo
   if (body >= s.bodies) return;
   const BodyTarget& target = s.target[body];
   Block6 own;
-  const Displacement& d = s.moved[body];
-  setInertialForce(own, target.mass, {d.dp, d.dw, target.y, target.momentum}, s.step.inverseDt * s.step.inverseDt);
+  setInertialForce(own, target.mass, {s.moved[body].dp, s.turned[body]}, target.y, s.step.inverseDt * s.step.inverseDt);
   sum.fl += own.fl;
   sum.fa += own.fa + cross(shiftOf(s, group, body), own.fl);
 }

@@ -51,10 +51,11 @@ RUBBLE_HD inline Real closingSpeed(const View& s, const OrderedPair& o, const Ve
 /// Does a point at this depth stop a fast approach in the step?
 RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth) { return closing > kImpactSpeed && depth + closing * c.dt > Real(0); }
 
-/// Displacement of a body at its inertial target, before the iterations: its turn is that of the initial guess.
+/// Displacement of a body at its inertial target.
 RUBBLE_HD inline Displacement targetDisplacement(const View& s, int body) {
   if (!isDynamic(s, body)) return s.moved[body];
-  return {s.target[body].y, 0, s.moved[body].dw, 0};
+  const Pose& y = s.target[body].y;
+  return {y.p, 0, logRotation(y.q), 0};
 }
 
 /// A point counts as staying open if its gap at the inertial targets is more than this share of L: the gap of bodies that merely rest is
@@ -79,8 +80,14 @@ RUBBLE_HD inline WakeRule wakeRule(const View& s, const OrderedPair& o) { return
 RUBBLE_HD inline Real wakeReach(const View& s, const OrderedPair& o, const PairPose& pair, Real apart) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   const auto target = [&](int body, Real radius, Vec3& move) {
-    move = isDynamic(s, body) ? s.target[body].y : s.moved[body].dp;
-    return length(s.moved[body].dw) * radius;
+    if (!isDynamic(s, body)) {
+      move = s.moved[body].dp;
+      return length(s.moved[body].dw) * radius;
+    }
+    const Pose& y = s.target[body].y;
+    move = y.p;
+    // an angle is less than pi times the sine of its half
+    return Real(3.1416) * length(y.q.v) * radius;
   };
   Vec3 moveA, moveB;
   // a lever ends in the middle of the gap

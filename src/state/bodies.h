@@ -105,10 +105,9 @@ RUBBLE_HD constexpr bool isLink(std::uint32_t code) { return isCarried<F>() && (
 /// Where a body would go without constraints, and its inertia, in this step. Aligned, so that it is read and written in few pieces.
 struct alignas(4 * sizeof(Real)) BodyTarget {
   MassMatrix mass;
-  Vec3 y;             ///< displacement since x^t [m]; the rotation is that of the initial guess
-  Vec3 momentum;      ///< dt times the angular momentum with which the body goes there (solver/inertia.h) [kg m2]
+  Pose y;             ///< displacement [m] and rotation relative to x^t
   int locks;          ///< of BodyExtras
-  Real unused[2];     ///< 0
+  int unused;         ///< 0
 };
 
 /// Levels of groups of bodies and lumps, from fine to coarse (stages/groups.h).

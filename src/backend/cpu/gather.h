@@ -51,17 +51,16 @@ RUBBLE_NEAR void scatterBlocks(const Block6T<Real4>& in, PaddedBlock (&out)[kLan
 RUBBLE_NEAR PoseT<Real4> gatherPoses(const View& s, const Four& body) {
   return {vectorOf(gatherNumbers(s.moved, body)), quaternionOf(gatherNumbers(s.turned, body))};
 }
-/// Their inertia, and where they are to where they would go.
+/// Their inertia and their targets.
 struct TargetLanes {
   MassMatrixT<Real4> mass;
-  InertialStateT<Real4> state;
+  PoseT<Real4> y;
 };
 RUBBLE_NEAR TargetLanes gatherTargets(const View& s, const Four& body) {
-  static_assert(offsetof(BodyTarget, y) == 7 * sizeof(Real) && offsetof(BodyTarget, locks) == 13 * sizeof(Real));
+  static_assert(offsetof(BodyTarget, y) == 7 * sizeof(Real) && offsetof(BodyTarget, locks) == 14 * sizeof(Real));
   const Quad<Real4> q[4] = {gatherNumbers(s.target, body, 0), gatherNumbers(s.target, body, 1), gatherNumbers(s.target, body, 2),
                             gatherNumbers(s.target, body, 3)};
-  return {{q[0].x, {q[0].y, q[0].z, q[0].w, q[1].x, q[1].y, q[1].z}},
-          {vectorOf(gatherNumbers(s.moved, body)), vectorOf(gatherNumbers(s.moved, body, 1)), {q[1].w, q[2].x, q[2].y}, {q[2].z, q[2].w, q[3].x}}};
+  return {{q[0].x, {q[0].y, q[0].z, q[0].w, q[1].x, q[1].y, q[1].z}}, {{q[1].w, q[2].x, q[2].y}, {q[2].z, {q[2].w, q[3].x, q[3].y}}}};
 }
 
 /// Puts four bodies at x; false, and nothing is done, where a rotation is large.

@@ -69,7 +69,7 @@ struct Together<SolveBody<Real4>> {
     const PoseT<Real4> x = gatherPoses(s, body);
     Block6T<Real4> block;
     const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
-    setInertialForce(block, target.mass, target.state, inverseDt2);
+    setInertialForce(block, target.mass, x, target.y, inverseDt2);
     setInertialHessian(block, target.mass, inverseDt2);
     const Real4 zero = LaneAccess<Real4>::splat(0);
     const auto codeOf = [&](int lane, int k) { return s.entry[s.entryOffset[body[lane]] + k].code; };
@@ -177,7 +177,7 @@ struct Together<SumChunk<Real4>> {
     for (int lane = 0; lane < kLanes; ++lane) body[lane] = s.member[s.chunk[index[lane]].begin + k];
     const TargetLanes target = gatherTargets(s, body);
     Block6T<Real4> own;
-    setInertialForce(own, target.mass, target.state, s.step.inverseDt * s.step.inverseDt);
+    setInertialForce(own, target.mass, gatherPoses(s, body), target.y, s.step.inverseDt * s.step.inverseDt);
     sum.fl += own.fl;
     sum.fa += own.fa + cross(groups.shiftsOf(s, body), own.fl);
   }
