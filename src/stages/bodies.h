@@ -37,11 +37,12 @@ struct PredictBodies {
     }
     if (extras.angularDamping > Real(0)) torque *= keptBy(extras.angularDamping, c.dt, w);
     v = unlocked(v, extras.locks), gravity = unlocked(gravity, extras.locks), push = unlocked(push, extras.locks);
-    Vec3 w1;
-    if (c.literalRotations)
-      w1 = w;
-    else
-      w1 = rotate(q, torqueFreeSpin(rotateInverse(q, w), rotateInverse(q, torque), p.inertia, c.dt));
+    Vec3 w1 = w;
+    if (!c.literalRotations) {
+      // only the change goes to the body's frame and back: both ways round off, and a free spin would grow by 1e-7 of itself in every step
+      const Vec3 inBody = rotateInverse(q, w);
+      w1 += rotate(q, torqueFreeSpin(inBody, rotateInverse(q, torque), p.inertia, c.dt) - inBody);
+    }
     w1 = unlocked(w1, extras.locks >> 3);
     BodyTarget target;
     target.mass = massMatrix(p.mass, p.inertia, q);
@@ -265,7 +266,8 @@ struct SolveBody {
   }
 };
 
-/// Velocities v = (x - x^t) / dt and the new pose. A body whose state is not finite stays where it was, at rest.
+/// Velocities v = (x - x^t) / dt and the new pose. A body that was stopped on its way keeps its momenta. One whose state is not finite stays where it
+/// was, at rest.
 struct FinishBodies {
   static constexpr const char* kName = "velocity";
   RUBBLE_HD void operator()(const View& s, int i) const {
@@ -273,9 +275,12 @@ struct FinishBodies {
     const BodyKind kind = s.params[i].kind;
     if (kind == BodyKind::Removed || kind == BodyKind::Static || isAsleep(s, i)) return;
     const Displacement d = s.moved[i];
+    const bool stopped = s.stopBits[i] != 0;
+    const Quat start = s.orientation[i], now = normalize((stopped ? expRotation(s.stopped[i].dw) : s.turned[i]) * start);
     if (kind == BodyKind::Dynamic) {
-      Vec3 v = c.inverseDt * d.dp;
+      const Vec3 v = c.inverseDt * d.dp;
       Vec3 w = c.inverseDt * (c.literalRotations ? Real(2) * shortArc(s.turned[i]).v : d.dw);
+      if (stopped && !c.literalRotations) w = spinAt(now, s.turned[i] * start, w, s.params[i].inertia, c.dt);
       if (!isFinite(v) || !isFinite(w)) {
         atomicCount(&s.counters->quarantined, 1);
         s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};
@@ -290,14 +295,8 @@ struct FinishBodies {
       s.velocity[i] = v;
       s.spin[i] = w;
     }
-    if (s.stopBits[i] == 0) {
-      s.position[i] += Vec3d(d.dp);
-      s.orientation[i] = normalize(s.turned[i] * s.orientation[i]);
-    } else {
-      const Displacement& made = s.stopped[i];
-      s.position[i] += Vec3d(made.dp);
-      s.orientation[i] = normalize(expRotation(made.dw) * s.orientation[i]);
-    }
+    s.position[i] += Vec3d(stopped ? s.stopped[i].dp : d.dp);
+    s.orientation[i] = now;
   }
 };
 

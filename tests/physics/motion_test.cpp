@@ -66,6 +66,56 @@ template <class F> std::vector<double> upwardCrossings(World& world, int steps, 
   return out;
 }
 
+/// Mean time between the zeros of f from its first to its last [s].
+double halfPeriod(const std::vector<double>& times) { return (times.back() - times.front()) / double(times.size() - 1); }
+
+class FreeSpinAt : public ::testing::TestWithParam<std::pair<double, double>> {};
+
+TEST_P(FreeSpinAt, TurnsOverWithThePeriodOfEulersEquations) {
+  // nearly about the middle axis, where the period depends on what round-off does to the spin
+  const auto [speed, dt] = GetParam();
+  Scene scene = test::emptyScene({0, 0, 0});
+  scene.bodies.push_back(test::body(Shape::box({.1, .2, .4}), {}));
+  scene.bodies[0].angularVelocity = {.01 * speed, speed, 0};
+  World world(scene, options(4));
+  Params params = world.params();
+  params.dt = dt;
+  world.setParams(params);
+
+  const Vec3 inertia = world.massOf(world.bodyAt(0)).inertia;
+  const auto slope = [&](const Vec3& w) {
+    return Vec3{(inertia.y - inertia.z) * w.y * w.z / inertia.x, (inertia.z - inertia.x) * w.z * w.x / inertia.y,
+                (inertia.x - inertia.y) * w.x * w.y / inertia.z};
+  };
+  std::vector<double> wanted, found;
+  const auto pass = [](std::vector<double>& times, double before, double now, double time, double h) {
+    if (before * now < 0) times.push_back(time - h * now / (now - before));
+  };
+  const double end = 120 / speed, h = 1e-3 / speed;
+  Vec3 w = scene.bodies[0].angularVelocity;
+  for (double t = h; t < end; t += h) {
+    const Vec3 k1 = slope(w), k2 = slope(w + h / 2 * k1), k3 = slope(w + h / 2 * k2), k4 = slope(w + h * k3);
+    const double before = w.y;
+    w = w + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    pass(wanted, before, w.y, t, h);
+  }
+  double before = speed;
+  for (double t = dt; t < end; t += dt) {
+    world.step();
+    const BodyState state = world.state(world.bodyAt(0));
+    const double now = rotate(conjugate(state.orientation), state.angularVelocity).y;
+    pass(found, before, now, t, dt);
+    before = now;
+  }
+  ASSERT_EQ(found.size(), wanted.size());
+  EXPECT_NEAR(halfPeriod(found) / halfPeriod(wanted), 1, .01);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FreeSpinAt,
+                         ::testing::Values(std::pair{2., 1. / 60}, std::pair{2., 1. / 240}, std::pair{5., 1. / 60}, std::pair{10., 1. / 60},
+                                           std::pair{10., 1. / 240}),
+                         [](const auto& info) { return "Case" + std::to_string(info.index); });
+
 class PendulumAt : public ::testing::TestWithParam<int> {};
 
 TEST_P(PendulumAt, SwingsWithThePeriodOfACompoundPendulum) {
