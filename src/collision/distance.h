@@ -284,15 +284,16 @@ RUBBLE_HD inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& 
   return dot(n, gjk::support(b, -n) - gjk::support(a, n)) - a.radius() - b.radius();
 }
 
-/// Where and when A and B, which something holds apart along n, go deeper into one another than `allowed`, or than they are. While their gap along
-/// n, which turns with one of them, tells that they do not, nothing else is asked; then their distance is, whose direction takes its place.
+/// Where and when A and B, which something holds apart along n, go deeper into one another than `allowed`, or than they are by `more`, so that the step
+/// goes on for them in any case. While their gap along n, which turns with one of them, tells that they do not, nothing else is asked; then their
+/// distance is, whose direction takes its place.
 RUBBLE_HD inline Meeting meetingBeyond(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, const Vec3d& n, bool turnsWithB,
-                                       double allowed) {
+                                       double allowed, double more) {
   constexpr int kMostSteps = 128;
   constexpr double kMostTurn = .1;    // of n in a step of the search [rad]: bounds of speeds along it are those at its beginning
-  constexpr double kReached = .95;    // of what is allowed
   const double start = gapAlong(a, b, n);
-  allowed = max(allowed, -start);
+  allowed = max(allowed, more - start);
+  const double reached = allowed - more / 4;
   const Placed& own = turnsWithB ? b : a;
   const Placed endA = movedBy(a, wayA, 1), endB = movedBy(b, wayB, 1);
   Vec3d local = rotateInverse(own.q, n);
@@ -306,20 +307,11 @@ RUBBLE_HD inline Meeting meetingBeyond(const Placed& a, const Way& wayA, const P
     const Placed& nowOwn = turnsWithB ? nowB : nowA;
     m.at.n = rotate(nowOwn.q, local);
     m.at.distance = gapAlong(nowA, nowB, m.at.n);
-    if (m.at.distance <= -kReached * allowed) {
+    if (m.at.distance <= -reached) {
       const Separation s = separation(nowA, nowB);
-      if (s.n != Vec3d{} && s.distance > -kReached * allowed) {
-        m.at = s;
-        local = rotateInverse(nowOwn.q, s.n);
-      } else {
-        // those that are as deep from the first may come apart
-        const double soon = min(turnStep, 1.0);
-        const Placed soonA = movedBy(a, wayA, soon), soonB = movedBy(b, wayB, soon);
-        const double then = gapAlong(soonA, soonB, rotate((turnsWithB ? soonB : soonA).q, local));
-        if (m.fraction > 0 || then <= m.at.distance) return m;
-        m.fraction = soon;
-        continue;
-      }
+      if (s.n == Vec3d{} || s.distance <= -reached) return m;
+      m.at = s;
+      local = rotateInverse(nowOwn.q, s.n);
     }
     const Way goA = wayFrom(wayA, m.fraction), goB = wayFrom(wayB, m.fraction);
     const auto velocity = [](const Placed& x, const Way& way) { return way.move + cross(way.turn, x.arm); };

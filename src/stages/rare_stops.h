@@ -62,7 +62,7 @@ struct FindRareStops {
       const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], p.owner == o.a ? p.second : p.first);
       const Real thin = thinnerOf(a, b);
       if (!mayPass(s, o, wayA, wayB, thin, manifoldOf(s, i))) return;
-      const Meeting m = meetingOfPair(asConvex(a), wayA, asConvex(b), wayB, manifoldOf(s, i), thin, tolerance);
+      const Meeting m = meetingOfPair(asConvex(a), wayA, asConvex(b), wayB, manifoldOf(s, i), thin, bothDynamic(s, o), tolerance);
       if (m.fraction <= 1) noteMeeting(s, i, o, m.fraction);
       return;
     }
@@ -86,14 +86,14 @@ struct FindRareStops {
       // as long as the part is in by no more than half its thickness, rows push it out again
       m = meetField(whole, wayS, part, wayP, {tolerance, true, static_cast<double>(max(kHeldPoint * size, thin))}, accepts);
     } else {
-      const double allowed = static_cast<double>(kHeldDepth * thin);
+      const double allowed = static_cast<double>(kHeldDepth * thin), more = static_cast<double>(kDeeperYetAtRest * thin);
       const RowFacings rows = rowFacings(s, i, onA, hasRows);
       const Placed convex = asConvex(part);
       const auto meet = [&](const Placed& triangle, const Vec3d& up) {
-        if (rows.have(up)) return meetingBeyond(triangle, wayS, convex, wayP, up, false, allowed);
+        if (rows.have(up)) return meetingBeyond(triangle, wayS, convex, wayP, up, false, allowed, more);
         const Meeting first = meeting(triangle, wayS, convex, wayP, tolerance);
         if (first.fraction > 1 || (first.fraction > 0 && !rows.have(first.at.n))) return first;
-        return meetingBeyond(triangle, wayS, convex, wayP, first.fraction > 0 ? first.at.n : up, false, allowed);
+        return meetingBeyond(triangle, wayS, convex, wayP, first.fraction > 0 ? first.at.n : up, false, allowed, more);
       };
       m = meetTriangles(whole, wayS, convex, wayP, {tolerance, true, allowed}, meet);
     }

@@ -17,6 +17,8 @@ inline constexpr Real kMeetingGap = Real(1e-3);
 /// Bodies that are in touch, or have rows, may be left this deep in one another, over half the thickness of the thinner one [1]: the rows of the next
 /// step push them out again. So no centre passes the surface that it is held by.
 inline constexpr Real kHeldDepth = Real(.5);
+/// Bodies that are deeper may go so much further in a step, likewise: less into what does not move, where what they are pressed by may come again.
+inline constexpr Real kDeeperYet = Real(.2), kDeeperYetAtRest = Real(.02);
 /// The rows of a point of a distance field have held if they leave it no deeper than this share of L.
 inline constexpr Real kHeldPoint = Real(.05);
 
@@ -78,13 +80,13 @@ RUBBLE_HD inline bool hasRows(const Manifold* m) { return m && m->count > 0 && m
 
 /// Where two convex parts, `thin` thick, meet on their ways. With rows between them, or in touch already, these have the word: what the turn of a
 /// body, which rows know to first order only, or rows that did not suffice would take too deep ends there.
-RUBBLE_HD inline Meeting meetingOfPair(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, const Manifold* m, Real thin,
+RUBBLE_HD inline Meeting meetingOfPair(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, const Manifold* m, Real thin, bool bothMove,
                                        double tolerance) {
-  const double allowed = static_cast<double>(kHeldDepth * thin);
-  if (hasRows(m)) return meetingBeyond(a, wayA, b, wayB, Vec3d(m->normal), m->normalOnB, allowed);
+  const double allowed = static_cast<double>(kHeldDepth * thin), more = static_cast<double>((bothMove ? kDeeperYet : kDeeperYetAtRest) * thin);
+  if (hasRows(m)) return meetingBeyond(a, wayA, b, wayB, Vec3d(m->normal), m->normalOnB, allowed, more);
   const Meeting first = meeting(a, wayA, b, wayB, tolerance);
   if (first.fraction > 0) return first;
-  return first.at.n == Vec3d{} ? Meeting{kNeverMet, first.at} : meetingBeyond(a, wayA, b, wayB, first.at.n, false, allowed);
+  return first.at.n == Vec3d{} ? Meeting{kNeverMet, first.at} : meetingBeyond(a, wayA, b, wayB, first.at.n, false, allowed, more);
 }
 
 /// Which of two bodies stops where they meet: the fast one, and of a moved and a free one the free one.
@@ -107,10 +109,13 @@ RUBBLE_HD inline Real approach(const View& s, const OrderedPair& o, const Way& a
                            length(b.turn) * b.until * static_cast<double>(pb.radius - pb.shape.radius));
 }
 
+RUBBLE_HD inline bool bothDynamic(const View& s, const OrderedPair& o) {
+  return s.params[o.a].kind == BodyKind::Dynamic && s.params[o.b].kind == BodyKind::Dynamic;
+}
+
 /// Is the way of a pair, whose thinner part is `thin` thick, long enough to pass, or is one pressed into the other?
 RUBBLE_HD inline bool mayPass(const View& s, const OrderedPair& o, const Way& a, const Way& b, Real thin, const Manifold* m) {
-  const bool pressed = hasRows(m) && (s.params[o.a].kind != BodyKind::Dynamic || s.params[o.b].kind != BodyKind::Dynamic);
-  return pressed || approach(s, o, a, b) > thin;
+  return (hasRows(m) && !bothDynamic(s, o)) || approach(s, o, a, b) > thin;
 }
 
 /// Notes that the bodies of pair i meet at this part of their ways.
@@ -136,7 +141,7 @@ struct FindStops {
     const Placed a = placed(pa.shape, {0, 0, 0}, Quatd(s.orientation[o.a]));
     const Placed b = placed(pb.shape, s.position[o.b] - s.position[o.a], Quatd(s.orientation[o.b]));
     const double tolerance = static_cast<double>(kMeetingGap * pairLength(pa, pb));
-    const Meeting m = meetingOfPair(a, wayA, b, wayB, manifoldOf(s, i), thin, tolerance);
+    const Meeting m = meetingOfPair(a, wayA, b, wayB, manifoldOf(s, i), thin, bothDynamic(s, o), tolerance);
     if (m.fraction > 1) return;
     noteMeeting(s, i, o, m.fraction);
   }
