@@ -54,7 +54,7 @@ struct PairPose {
   Vec3 t;          ///< p_B - p_A [m]
   Real length;     ///< L: bounding diameter of the smaller body [m]
   Real margin;     ///< detection margin [m]
-  bool bullet;     ///< they may pass one another altogether in this step
+  bool bullet = false;  ///< they may pass one another altogether in this step
 };
 
 /// Bodies touch that are this near, over L [1].

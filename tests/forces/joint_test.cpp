@@ -207,7 +207,7 @@ TYPED_TEST(JointTest, ReportsTheForceThatItsBodiesFeelInTheBlockOfEach) {
 template <class F>
 struct LoadedJoint {
   JointSpec<F> spec;
-  Joint<F> joint;
+  Joint<F> joint{};
   LoadedJoint(const JointCase<F>& x, Random& random) : spec(specOf<F>(x.data)) {
     StepConstants c = testConstants();
     c.maxMultiplier = 1e30;
