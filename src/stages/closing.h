@@ -124,7 +124,10 @@ struct SubstituteLink {
     TreeLink& link = s.treeLink[begin + k];
     for (int t = 0; t < 2; ++t)
       if (node.near[t] >= 0) link.x -= link.w[t] * s.treeLink[node.near[t]].x;
-    if (closingNode(s, node.body) == begin + k && isFinite(Vec3(link.x))) s.position[node.body] += link.x;
+    if (closingNode(s, node.body) != begin + k || !isFinite(Vec3(link.x))) return;
+    // further than this it could leave what holds it: rows close the rest, contacts among them
+    const double way = length(link.x), most = static_cast<double>(kHeldDepth * innerRadiusOf(s.shapeTables(), s.params[node.body].shape));
+    s.position[node.body] += way > most ? link.x * (most / way) : link.x;
   }
 };
 
