@@ -94,7 +94,7 @@ struct PairRows {
 
 /// A point this deep, over half the thickness of its dynamic body [1], in what does not yield: whatever presses the body there, it goes no deeper than
 /// fast bodies may (stages/stops.h).
-inline constexpr Real kPressedDepth = Real(.25);
+inline constexpr Real kPressedDepth = Real(.1);
 
 /// Notes bodies that are pressed into static or kinematic ones.
 RUBBLE_HD inline void notePressed(const View& s, const OrderedPair& o, Real depth) {

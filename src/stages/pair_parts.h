@@ -62,7 +62,10 @@ RUBBLE_HD inline Real agitationOf(const View& s, int a, int b) { return max(from
 /// Detection margin of a pair: not less than contactMargin of its size, and what it may approach in a step, up to its whole size. [m]
 RUBBLE_HD inline Real pairMargin(const View& s, int a, int b, Real pairSize, const PairSpeed& speed) {
   const Real least = s.step.contactMargin * pairSize;
-  return speed.bullet ? pairSize : max(least, s.step.dt * max(speed.closing, agitationOf(s, a, b)));
+  if (!speed.bullet) return max(least, s.step.dt * max(speed.closing, agitationOf(s, a, b)));
+  // momentum that two bodies exchange over four points takes more iterations than over the one where they met
+  const bool bothMove = s.params[a].kind == BodyKind::Dynamic && s.params[b].kind == BodyKind::Dynamic;
+  return bothMove ? least : pairSize;
 }
 
 /// How far apart parts of a pair may be that have to be looked at in this step. [m]

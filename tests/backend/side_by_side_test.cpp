@@ -69,7 +69,7 @@ TEST(SideBySide, HasTheBitsOfOneByOne) {
   }
   // all kinds of bodies are there, and move
   EXPECT_GT(touching, 0);
-  EXPECT_GT(length(four.view().velocity[100]), Real(.1));
+  EXPECT_GT(length(four.view().velocity[100]), Real(.05));
 }
 
 /// Rods in a row on joints of all types about a point and two others, with limits, drives and friction, which swing and turn fast.
