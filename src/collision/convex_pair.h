@@ -121,26 +121,34 @@ RUBBLE_HD LoadedSide loadedSide(const CutOf<kSize>& c, const Vec3& n, const Weig
   return {from, lengthSquared(way) > kOffMiddle * kOffMiddle * reach2 ? normalize(way) : Vec3{0, 0, 0}};
 }
 
-/// Picks at most four vertices within `reach` of the face: the one that lies furthest to the loaded side (or in a direction fixed to the face), the other
-/// end of the edge over which the bodies would tip there, and two that add most area; then the deepest if it stands out.
+/// The extreme ones along the diagonals of a frame fixed to the face, each another one.
 template <int kSize>
-RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, const LoadedSide& side, Real reach, Real length) {
-  int kept = 0;
-  for (int k = 0; k < c.count; ++k)
-    if (c.v[k].w <= reach) c.v[kept++] = c.v[k];
-  c.count = kept;
-  if (c.count <= kLanes) return;
-  const Real same = kSameReach * length;
-  const bool loaded = dot(side.along, side.along) > Real(0);
+RUBBLE_HD void chooseByDiagonals(const CutOf<kSize>& c, const Vec3& normal, Real same, int (&chosen)[kLanes]) {
   Vec3 t1, t2;
   tangentBasis(normal, t1, t2);
-  // steeper than the diagonals of a square, to which corners of discs lie symmetric: their order would be that of round-off
-  const Vec3 first = loaded ? side.along : t1 * Real(-1) - t2 * Real(.8), aside = cross(normal, first);
-  int chosen[kLanes];
+  unsigned used = 0;
+  for (int k = 0; k < kLanes; ++k) {
+    // steeper than the diagonals of a square, to which corners of discs lie symmetric: their order would be that of round-off
+    const Vec3 d = t1 * ((k & 1) ? Real(1) : Real(-1)) + t2 * ((k & 2) ? Real(.8) : Real(-.8));
+    int best = -1;
+    Real most = 0;
+    for (int i = 0; i < c.count; ++i) {
+      const Real along = dot(d, c.v[i].x);
+      if (!(used >> i & 1) && (best < 0 || along > most + same)) best = i, most = along;
+    }
+    used |= 1u << best;
+    chosen[k] = best;
+  }
+}
+
+/// The one that lies furthest to the loaded side, the other end of the edge over which the bodies would tip there, and two that add most area.
+template <int kSize>
+RUBBLE_HD void chooseByLoad(const CutOf<kSize>& c, const Vec3& normal, const LoadedSide& side, Real same, Real length, int (&chosen)[kLanes]) {
+  const Vec3 &first = side.along, aside = cross(normal, first);
   chosen[0] = bestVertex(c, same, [&](const Vec3& x) { return dot(first, x); });
   const Vec3 a = c.v[chosen[0]].x;
   const Real offA = dot(aside, a - side.from), outA = dot(first, a - side.from);
-  if (loaded && std::fabs(offA) > kOnLoadedSide * outA) {
+  if (std::fabs(offA) > kOnLoadedSide * outA) {
     // how far out the way to it crosses the loaded side
     chosen[1] = bestVertex(c, same, [&](const Vec3& x) {
       const Real off = dot(aside, x - side.from);
@@ -155,6 +163,19 @@ RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, const LoadedSide& s
   const Real turn = dot(across, d - a) > Real(0) ? Real(-1) : Real(1);
   const auto beyond = [&](const Vec3& p, const Vec3& q, const Vec3& x) { return turn * dot(cross(normal, q - p), x - p); };
   chosen[3] = bestVertex(c, same * same, [&](const Vec3& x) { return max(beyond(a, b, x), max(beyond(b, d, x), beyond(d, a, x))); });
+}
+
+/// Picks at most four vertices within `reach` of the face: those that bear the load where it leans to one side; and the deepest if it stands out.
+template <int kSize>
+RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, const LoadedSide& side, Real reach, Real length) {
+  int kept = 0;
+  for (int k = 0; k < c.count; ++k)
+    if (c.v[k].w <= reach) c.v[kept++] = c.v[k];
+  c.count = kept;
+  if (c.count <= kLanes) return;
+  int chosen[kLanes];
+  if (dot(side.along, side.along) > Real(0)) chooseByLoad(c, normal, side, kSameReach * length, length, chosen);
+  else chooseByDiagonals(c, normal, kSameReach * length, chosen);
 
   int deepest = 0;
   for (int i = 1; i < c.count; ++i) deepest = c.v[i].w < c.v[deepest].w ? i : deepest;

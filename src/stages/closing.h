@@ -44,6 +44,9 @@ RUBBLE_HD inline int closingNode(const View& s, int body) {
   return node >= 0 && s.treeNode[node].exact ? node : -1;
 }
 
+/// A body is moved by no more than this share of half its thickness [1]: further it could leave what holds it. Rows close the rest, contacts among them.
+inline constexpr Real kClosingWay = Real(.5);
+
 template <class F>
 struct FindOpenTrees {
   static constexpr const char* kName = "closing";
@@ -125,8 +128,7 @@ struct SubstituteLink {
     for (int t = 0; t < 2; ++t)
       if (node.near[t] >= 0) link.x -= link.w[t] * s.treeLink[node.near[t]].x;
     if (closingNode(s, node.body) != begin + k || !isFinite(Vec3(link.x))) return;
-    // further than this it could leave what holds it: rows close the rest, contacts among them
-    const double way = length(link.x), most = static_cast<double>(kHeldDepth * innerRadiusOf(s.shapeTables(), s.params[node.body].shape));
+    const double way = length(link.x), most = static_cast<double>(kClosingWay * innerRadiusOf(s.shapeTables(), s.params[node.body].shape));
     s.position[node.body] += way > most ? link.x * (most / way) : link.x;
   }
 };
