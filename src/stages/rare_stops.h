@@ -86,7 +86,7 @@ struct FindRareStops {
       // as long as the part is in by no more than half its thickness, rows push it out again
       m = meetField(whole, wayS, part, wayP, {tolerance, true, static_cast<double>(max(kHeldPoint * size, thin))}, accepts);
     } else {
-      const double allowed = static_cast<double>(kHeldDepth * thin), more = static_cast<double>(kDeeperYetAtRest * thin);
+      const double allowed = static_cast<double>(kHeldInSurface * thin), more = static_cast<double>(kDeeperYetAtRest * thin);
       const RowFacings rows = rowFacings(s, i, onA, hasRows);
       const Placed convex = asConvex(part);
       const auto meet = [&](const Placed& triangle, const Vec3d& up) {

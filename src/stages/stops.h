@@ -17,6 +17,8 @@ inline constexpr Real kMeetingGap = Real(1e-3);
 /// Bodies that are in touch, or have rows, may be left this deep in one another, over half the thickness of the thinner one [1]: the rows of the next
 /// step push them out again. So no centre passes the surface that it is held by.
 inline constexpr Real kHeldDepth = Real(.15);
+/// The same in meshes and height fields, whose rows are gathered anew in every step: in a hollow a body that rolls fast lies that deep.
+inline constexpr Real kHeldInSurface = Real(.5);
 /// Bodies that are deeper may go so much further in a step, likewise: less into what does not move, where what they are pressed by may come again.
 inline constexpr Real kDeeperYet = Real(.2), kDeeperYetAtRest = Real(.02);
 /// The rows of a point of a distance field have held if they leave it no deeper than this share of L.
