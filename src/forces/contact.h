@@ -51,7 +51,7 @@ struct ContactRows {
   int a, b;                  ///< bodies, a < b
   int manifold;              ///< that these are the rows of
   Real length;               ///< L: bounding diameter of the smaller dynamic body [m]
-  Real muStatic;
+  Real muStatic;             ///< what no sweep reads from here on
   Real unused[3];            ///< in single precision the rows are 256 bytes: whole sectors of a cache
 };
 static_assert(sizeof(ContactRows) == 64 * sizeof(Real));

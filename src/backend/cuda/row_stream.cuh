@@ -10,14 +10,14 @@ namespace rubble::RUBBLE_CORE {
 
 /// The rows of one contact and the displacement of the other body in shared memory, with room to spare such that neighbours read from different banks.
 struct StagedRows {
-  static constexpr int kRows = offsetof(ContactRows, unused) / sizeof(float4), kMoved = sizeof(Displacement) / sizeof(float4);
+  static constexpr int kRows = offsetof(ContactRows, muStatic) / sizeof(float4), kMoved = sizeof(Displacement) / sizeof(float4);
   /// 320 bytes: neighbours begin 16 of the 32 banks apart.
   static constexpr int kRoom = 20;
   float4 quad[kRoom];
   __device__ const ContactRows& rows() const { return reinterpret_cast<const ContactRows&>(quad[0]); }
   __device__ const Displacement& other() const { return reinterpret_cast<const Displacement&>(quad[kRows]); }
 };
-static_assert(StagedRows::kRows * sizeof(float4) == offsetof(ContactRows, unused) && StagedRows::kMoved == 2 && kLanes == 4);
+static_assert(StagedRows::kRows * sizeof(float4) == offsetof(ContactRows, muStatic) && StagedRows::kMoved == 2 && kLanes == 4);
 static_assert(StagedRows::kRows + StagedRows::kMoved <= StagedRows::kRoom);
 
 /// Sixteen bytes on their way into shared memory, `kOffset` bytes behind both places. (As __pipeline_memcpy_async(), whose shared addresses are made
