@@ -265,7 +265,7 @@ void stopFastBodies(E& e) {
     forEachJoint<JoinAssemblies>(e);
   }
   for (int round = 0; round < kStopRounds; ++round) {
-    if (round > 0) e.forEach(NoteStops{round}, &Counters::fastBodies);
+    if (round > 0) e.forEach(NoteStops{round}, e.view().bodies);
     e.forEach(FindStops{round}, &Counters::swept);
     if (e.view().rareShapes) e.forEach(FindRareStops{round}, &Counters::swept);
   }

@@ -36,7 +36,6 @@ struct FindFast {
     const Real way2 = dot(d.dp, d.dp), turn = length(d.dw) * (p.radius - p.shape.radius), inner = innerRadiusOf(s.shapeTables(), p.shape);
     if (!(way2 > Real(0)) || (std::sqrt(way2) + turn <= inner && s.fast[i] == 0)) return;
     s.fast[i] = 1;
-    s.fastBody[atomicCount(&s.counters->fastBodies, 1)] = i;
     atomicRaise(&s.counters->swept, s.counters->pairs);
   }
 };
@@ -54,8 +53,9 @@ inline constexpr int kStopRounds = 4;
 struct NoteStops {
   static constexpr const char* kName = "stops";
   int round;
-  RUBBLE_HD void operator()(const View& s, int k) const {
-    const int i = s.fastBody[k], bits = s.stopBits[i], owner = stopOwner(s, i);
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.counters->swept == 0 || s.fast[i] == 0) return;
+    const int bits = s.stopBits[i], owner = stopOwner(s, i);
     if (bits <= s.stopSeen[owner]) return;
     atomicRaise(&s.stopSeen[owner], bits);
     s.stopRound[owner] = round;

@@ -150,7 +150,6 @@ struct Counters {
   int groups, chunks, externals;
   int clashing, clashes, rounds;  ///< nodes that choose a colour, those left to choose again, rounds of that
   int swept;    ///< pairs to be searched for fast bodies: all, or none
-  int fastBodies;
   int stopped;  ///< bodies that stopped at an impact
   int asleep;   ///< bodies that sleep after this step
   int quarantined, failedSolves, spinLimited, broken;

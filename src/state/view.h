@@ -101,7 +101,6 @@ struct View : JointTables<JointTypes> {
   int* fast = nullptr;                ///< 1: went further than it is thick, or is pressed into what does not yield
   int* nearSurface = nullptr;         ///< 1: its corners may touch the surface of a deformable object
   int* stopBits = nullptr;            ///< part of the way that a body does not make since it meets another, as the bits of a float
-  int* fastBody = nullptr;            ///< the fast ones
   int* stopSeen = nullptr;            ///< stopBits as far as the present round knows them; of bodies that joints hold together: with their leader
   int* stopRound = nullptr;           ///< round in which that changed
   int* stopPair = nullptr;            ///< 1 + the pair that it stops at, or 0
@@ -348,7 +347,6 @@ void forEachArray(F&& f) {
   is(&View::fast, "fast", "", Per::Body, Life::Work);
   is(&View::nearSurface, "nearSurface", "", Per::Body, Life::Work);
   is(&View::stopBits, "stopBits", "", Per::Body, Life::Work);
-  is(&View::fastBody, "fastBody", "", Per::Body, Life::Unordered);
   is(&View::stopSeen, "stopSeen", "", Per::Body, Life::Work);
   is(&View::stopRound, "stopRound", "", Per::Body, Life::Work);
   is(&View::stopPair, "stopPair", "", Per::Body, Life::Work);

@@ -54,7 +54,6 @@ class CudaExecutor {
     // some of the pairs and near pairs: no room of their own
     perOf_[indexOf(&Counters::freshPairs)] = static_cast<int>(Per::Pair);
     perOf_[indexOf(&Counters::tested)] = static_cast<int>(Per::NearPair);
-    perOf_[indexOf(&Counters::fastBodies)] = static_cast<int>(Per::Body);
   }
   ~CudaExecutor() { DeviceMemory::release(control_); }
   CudaExecutor(const CudaExecutor&) = delete;
