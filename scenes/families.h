@@ -37,6 +37,7 @@ std::vector<Spec> scaleSpecs();      ///< joints by the ten thousand
 std::vector<Spec> jointAxisSpecs();  ///< hinges, springs, motors, ropes, breakage, grab: one axis at a time
 std::vector<Spec> machineSpecs();    ///< crank, gears, rack, pulley, universal shaft, platform
 std::vector<Spec> gearSpecs();       ///< gears and racks whose axes move
+std::vector<Spec> topSpecs();        ///< fast tops
 std::vector<Spec> robotSpecs();      ///< robot arm, car
 std::vector<Spec> ragdollSpecs();    ///< ragdolls and their limbs
 std::vector<Spec> cableSpecs();      ///< mail, suspension bridge, trebuchet, wrecking ball

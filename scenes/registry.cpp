@@ -51,7 +51,7 @@ std::vector<Spec> makeRegistry() {
   std::vector<Spec> all;
   for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &fastSpecs, &bodySpecs, &chainSpecs, &ropeSpecs,
                        &frictionSpecs, &frictionLimitSpecs, &structureSpecs, &jengaSpecs, &shapeRestSpecs, &shapeMotionSpecs, &basicSpecs, &scaleSpecs, &jointAxisSpecs,
-                       &machineSpecs, &gearSpecs, &robotSpecs, &ragdollSpecs, &cableSpecs, &springSpecs, &paperSpecs, &softSolidSpecs, &softSheetSpecs,
+                       &machineSpecs, &gearSpecs, &topSpecs, &robotSpecs, &ragdollSpecs, &cableSpecs, &springSpecs, &paperSpecs, &softSolidSpecs, &softSheetSpecs,
                        &softContactSpecs, &softDentSpecs, &softClaySpecs, &softPressureSpecs, &softMachineSpecs, &rodSpecs, &softPlateSpecs,
                        &softGrainSpecs, &softStringSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));

@@ -26,6 +26,12 @@ using Sym3 = Sym3T<Real>;
 RUBBLE_HD inline Sym3 outer(const Vec3& a, Real s = 1) {
   return {s * a.x * a.x, s * a.x * a.y, s * a.x * a.z, s * a.y * a.y, s * a.y * a.z, s * a.z * a.z};
 }
+/// Adds the inertia m (r.r 1 - r r^T) of a point.
+RUBBLE_HD inline void addPointInertia(Sym3& sum, const Vec3& r, Real m) {
+  sum += outer(r, -m);
+  const Real size = m * dot(r, r);
+  sum.xx += size, sum.yy += size, sum.zz += size;
+}
 /// R diag(d) R^T for the rotation of q.
 RUBBLE_HD inline Sym3 rotateDiagonal(const Quat& q, const Vec3& d) {
   const Mat3 r = rotationMatrix(q);

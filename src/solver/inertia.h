@@ -95,6 +95,56 @@ RUBBLE_HD inline Vec3 spinAt(const Quat& here, const Quat& there, const Vec3& w,
   return rotate(here, spinOf(end, rotateInverse(here, rotate(there, end(guess))), guess, guess));
 }
 
+/// Angular momentum of a body at orientation q that ends, or begins, a step with spin w; world axes. [kg m2/s]
+RUBBLE_HD inline Vec3 momentumOf(const Quat& q, const Vec3& w, const Vec3& inertia, Real dt, Real side) {
+  const Vec3 inBody = rotateInverse(q, w);
+  return rotate(q, isSpherical(inertia) ? mul(inertia, inBody) : SpinMomentum{inertia, dt, side}(inBody));
+}
+RUBBLE_HD inline Vec3 angularMomentum(const Quat& q, const Vec3& w, const Vec3& inertia, Real dt) {
+  return momentumOf(q, w, inertia, dt, Real(-1));
+}
+RUBBLE_HD inline Vec3 freeMomentum(const Quat& q, const Vec3& w, const Vec3& inertia, Real dt) {
+  return momentumOf(q, w, inertia, dt, Real(1));
+}
+
+/// What is added to a spin, in the frame of the body, when its angular momentum is changed by `given`. [rad/s] `given` [kg m2/s].
+RUBBLE_HD inline Vec3 spinChange(const Vec3& w, const Vec3& given, const Vec3& inertia, Real dt) {
+  const Vec3 change{given.x / inertia.x, given.y / inertia.y, given.z / inertia.z};
+  if (isSpherical(inertia)) return change;
+  const SpinMomentum end{inertia, dt, Real(-1)};
+  return spinOf(end, end(w) + given, w, w + change) - w;
+}
+
+/// Rotations in a step below which Pi+- are I w for all that rows give, squared [rad2].
+inline constexpr Real kNoTurn2 = Real(1e-8);
+
+/// Spin at the end of a step that has turned a body by x = exp(turn) since x^t, where it would have turned by
+/// y without rows: that of the momentum Pi+(log(y) / dt) + I (x - y) / dt, of which rows have given the second
+/// part (their torques balance it in the local problem [S 5]). log(x) / dt has that momentum to first order
+/// alone: with it, torques would turn the momentum of a body that spins in a direction that is off by half of
+/// its rotation in a step. Along a principal axis the two differ by no more than |log(x)| |x - y| / dt: what
+/// rows of frozen levers seem to give a slender body about its long axis, which has turned since, is left out.
+/// World axes. [rad/s] `start` orientation at x^t, `inertia` principal moments [kg m2].
+RUBBLE_HD inline Vec3 spinAfterRows(const Quat& start, const Quat& x, const Vec3& turn, const Quat& y,
+                                    const Vec3& inertia, Real dt) {
+  const Real inverseDt = Real(1) / dt;
+  const Vec3 rows = Real(2) * shortArc(x * conjugate(y)).v;
+  const bool spherical = isSpherical(inertia);
+  if (!spherical && dot(turn, turn) + dot(rows, rows) < kNoTurn2) return inverseDt * turn;
+  const Vec3 free = logRotation(y);
+  if (spherical) return inverseDt * (free + rows);
+  const SpinMomentum begin{inertia, dt, Real(1)};
+  // about its axis a rotation changes nothing: w is the same in the frames of the body at both ends
+  const Vec3 w = inverseDt * rotateInverse(start, turn);
+  const Vec3 change = mul(inertia, inverseDt * rotateInverse(start, rows));
+  const Vec3 missing = change - (begin(w) - begin(inverseDt * rotateInverse(start, free)));
+  const Quat now = x * start;
+  const Vec3 added = spinChange(w, rotateInverse(now, rotate(start, missing)), inertia, dt);
+  const Real most = inverseDt * std::sqrt(dot(turn, turn) * dot(rows, rows));
+  const auto cut = [&](Real a) { return clamp(a, -most, most); };
+  return inverseDt * turn + rotate(now, Vec3{cut(added.x), cut(added.y), cut(added.z)});
+}
+
 /// \eq{S1} The inertial part of the objective whose minimum is the implicit Euler step: |x - y|_M^2 / (2 dt^2); the potentials of all
 /// forces are added to it. [J]
 RUBBLE_HD inline Real inertialEnergy(const MassMatrix& m, const Pose& x, const Pose& y, Real dt) {

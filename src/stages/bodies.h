@@ -266,38 +266,4 @@ struct SolveBody {
   }
 };
 
-/// Velocities v = (x - x^t) / dt and the new pose. A body that was stopped on its way keeps its momenta. One whose state is not finite stays where it
-/// was, at rest.
-struct FinishBodies {
-  static constexpr const char* kName = "velocity";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    const StepConstants& c = s.step;
-    const BodyKind kind = s.params[i].kind;
-    if (kind == BodyKind::Removed || kind == BodyKind::Static || isAsleep(s, i)) return;
-    const Displacement d = s.moved[i];
-    const bool stopped = s.stopBits[i] != 0;
-    const Quat start = s.orientation[i], now = normalize((stopped ? expRotation(s.stopped[i].dw) : s.turned[i]) * start);
-    if (kind == BodyKind::Dynamic) {
-      const Vec3 v = c.inverseDt * d.dp;
-      Vec3 w = c.inverseDt * (c.literalRotations ? Real(2) * shortArc(s.turned[i]).v : d.dw);
-      if (stopped && !c.literalRotations) w = spinAt(now, s.turned[i] * start, w, s.params[i].inertia, c.dt);
-      if (!isFinite(v) || !isFinite(w)) {
-        atomicCount(&s.counters->quarantined, 1);
-        s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};
-        return;
-      }
-      const Real turn = length(w) * c.dt;
-      if (turn > kMaxSpinPerStep) {
-        w *= kMaxSpinPerStep / turn;
-        atomicCount(&s.counters->spinLimited, 1);
-      }
-      s.previousVelocity[i] = s.velocity[i];
-      s.velocity[i] = v;
-      s.spin[i] = w;
-    }
-    s.position[i] += Vec3d(stopped ? s.stopped[i].dp : d.dp);
-    s.orientation[i] = now;
-  }
-};
-
 }  // namespace rubble::RUBBLE_CORE

@@ -29,17 +29,12 @@ struct SumSpins {
   RUBBLE_HD static void addVertex(const View& s, int v, const Vec3& centre, SpinSums& sum) {
     const Real m = s.vertexParams[v].mass;
     const Vec3 place = s.vertexPlace[v] - centre, moved = s.vertexMoved[v], velocity = s.vertexVelocity[v];
-    addInertia(sum.inertia, place, m);
+    addPointInertia(sum.inertia, place, m);
     sum.place += m * place;
     sum.moved += m * moved;
     sum.lost += m * cross(moved, velocity);
     sum.before += m * cross(place, velocity);
     sum.after += m * cross(place, moved);
-  }
-  RUBBLE_HD static void addInertia(Sym3& sum, const Vec3& s, Real m) {
-    sum += outer(s, -m);
-    const Real size = m * dot(s, s);
-    sum.xx += size, sum.yy += size, sum.zz += size;
   }
 };
 
@@ -53,7 +48,7 @@ struct FindSpins {
     const Real mass = whole.mass;
     const Vec3 centre = sum.place / mass, moved = sum.moved / mass;
     Sym3 inertia = sum.inertia;
-    SumSpins::addInertia(inertia, centre, -mass);
+    addPointInertia(inertia, centre, -mass);
     const Vec3 lost = sum.lost - mass * cross(moved, whole.velocity);
     const Vec3 before = sum.before - sum.lost - mass * cross(centre - moved, whole.velocity);
     const Vec3 after = s.step.inverseDt * (sum.after - mass * cross(centre, moved));
@@ -72,8 +67,8 @@ struct FindSpins {
       const Vec3 shift = part.centre - whole.centre;
       // of (s + shift)
       sum.inertia += part.spin.inertia;
-      SumSpins::addInertia(sum.inertia, shift + part.spin.place / part.mass, part.mass);
-      SumSpins::addInertia(sum.inertia, part.spin.place / part.mass, -part.mass);
+      addPointInertia(sum.inertia, shift + part.spin.place / part.mass, part.mass);
+      addPointInertia(sum.inertia, part.spin.place / part.mass, -part.mass);
       sum.place += part.spin.place + part.mass * shift;
       sum.moved += part.spin.moved;
       sum.lost += part.spin.lost;

@@ -4,6 +4,7 @@
 #include "stages/closing.h"
 #include "stages/coarse.h"
 #include "stages/coloring.h"
+#include "stages/island_momentum.h"
 #include "stages/rare_contacts.h"
 #include "stages/rare_stops.h"
 #include "stages/sleep.h"
@@ -277,6 +278,18 @@ void stopFastBodies(E& e) {
   e.forEach(StopBodies{}, &Counters::swept);
 }
 
+/// What islands that nothing holds are short of.
+template <Executor E>
+void findIslandMomenta(E& e) {
+  const int bodies = e.view().bodies;
+  const bool groups = e.view().step.coarseCorrection;
+  if (!groups) e.forEach(StartIslandForest{}, bodies);
+  e.forEach(JoinMomentumIslands{}, bodies);
+  e.forEach(ListIslandParts{}, bodies);
+  if (groups) e.forEachIn(SumMomenta{}, &View::levelChunk, kCoarseLevels - 1);
+  e.forEach(RepairIslands{}, bodies);
+}
+
 /// One step of dt. Everything before the iterations happens at x^t and moves no body beyond its initial guess.
 template <Executor E>
 void step(E& e) {
@@ -329,6 +342,7 @@ void step(E& e) {
   forEachJoint<FinishJoints>(e);
   if (vertices > 0) finishSoftRows(e);
   stopFastBodies(e);
+  findIslandMomenta(e);
   e.forEach(FinishBodies{}, bodies);
   if (treesEnd) closeTrees(e);
   if (e.view().lumps > 0) keepSpin(e);

@@ -135,6 +135,30 @@ struct Chunk {
 };
 inline constexpr int kChunkMembers = 32;
 
+/// Sums over an island, or a part of it, about a fixed point and in a frame that goes on with its leader (stages/island_momentum.h).
+struct MomentumSums {
+  Real mass;                          ///< [kg]
+  Real freeEnergy, energy;            ///< kinetic, of the inertial targets and of the iterates [J]
+  Vec3 place;                         ///< first moment of the masses at the end of the step [kg m]
+  Vec3 givenLinear, givenAngular;     ///< momenta that rows have given [kg m/s, kg m2/s]
+  Vec3 linear, angular;               ///< momenta of the iterates
+  Sym3 inertia;                       ///< [kg m2]
+
+  RUBBLE_HD void operator+=(const MomentumSums& o) {
+    mass += o.mass, freeEnergy += o.freeEnergy, energy += o.energy;
+    place += o.place, givenLinear += o.givenLinear, givenAngular += o.givenAngular;
+    linear += o.linear, angular += o.angular, inertia += o.inertia;
+  }
+};
+/// What an island is given at the end of a step. Velocities in the same frame.
+struct IslandRepair {
+  Vec3d centre;                       ///< of mass, at the end of the step [m]
+  Vec3 velocity, spin;                ///< of the rigid motion that has the momenta of the iterates [m/s, rad/s]
+  Vec3 addVelocity, addSpin;          ///< added to it
+  Real loss;                          ///< share of all other motion that is taken away [1]
+  int acts;                           ///< 0: the sums are not finite
+};
+
 /// Levels of the grid: cell of level k is 2^(k - kBaseLevel) base cells.
 inline constexpr int kGridLevels = 32;
 inline constexpr int kBaseLevel = 12;

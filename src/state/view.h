@@ -98,6 +98,11 @@ struct View : JointTables<JointTypes> {
   Quat* turned = nullptr;             ///< its rotation, q (q^t)^-1
   int* island = nullptr;              ///< a body that stands for the island
   int* islandFlag = nullptr;          ///< of that body: 1 if the island wakes, or does not sleep
+  int* rowIsland = nullptr;           ///< lowest body that rows of this step connect with it
+  int* islandHeld = nullptr;          ///< 1: it, or a body of the island that it leads, is held by what does not move by its forces
+  int* islandFirst = nullptr;         ///< first part of the island that it leads, -1: none
+  int* islandNext = nullptr;          ///< the part after this one
+  IslandRepair* islandRepair = nullptr;  ///< of the island that it leads
   int* fast = nullptr;                ///< 1: went further than it is thick, or is pressed into what does not yield
   int* nearSurface = nullptr;         ///< 1: its corners may touch the surface of a deformable object
   int* stopBits = nullptr;            ///< part of the way that a body does not make since it meets another, as the bits of a float
@@ -123,6 +128,7 @@ struct View : JointTables<JointTypes> {
   int* groupChunks = nullptr;         ///< chunks of each group
   int* chunkOffset = nullptr;         ///< [groups + 1]
   Chunk* chunk = nullptr;
+  MomentumSums* chunkMomenta = nullptr;  ///< of the coarsest level
   int* externalCount = nullptr;       ///< row blocks between a chunk's bodies and others
   int* externalOffset = nullptr;      ///< [chunks + 1]
   std::uint32_t* external = nullptr;  ///< entry codes by chunk
@@ -344,6 +350,11 @@ void forEachArray(F&& f) {
   is(&View::turned, "turned", "", Per::Body, Life::Work);
   is(&View::island, "island", "", Per::Body, Life::Unordered);
   is(&View::islandFlag, "islandFlag", "", Per::Body, Life::Work);
+  is(&View::rowIsland, "rowIsland", "", Per::Body, Life::Work);
+  is(&View::islandHeld, "islandHeld", "", Per::Body, Life::Work);
+  is(&View::islandFirst, "islandFirst", "", Per::Body, Life::Unordered);
+  is(&View::islandNext, "islandNext", "", Per::Body, Life::Unordered);
+  is(&View::islandRepair, "islandRepair", "m, s", Per::Body, Life::Unordered);
   is(&View::fast, "fast", "", Per::Body, Life::Work);
   is(&View::nearSurface, "nearSurface", "", Per::Body, Life::Work);
   is(&View::stopBits, "stopBits", "", Per::Body, Life::Work);
@@ -367,6 +378,7 @@ void forEachArray(F&& f) {
   is(&View::groupChunks, "groupChunks", "", Per::Group, Life::Work);
   is(&View::chunkOffset, "chunkOffset", "", Per::Group, Life::Work, 1);
   is(&View::chunk, "chunk", "", Per::Chunk, Life::Work);
+  is(&View::chunkMomenta, "chunkMomenta", "kg, m, s", Per::Chunk, Life::Unordered);
   is(&View::externalCount, "externalCount", "", Per::Chunk, Life::Work);
   is(&View::externalOffset, "externalOffset", "", Per::Chunk, Life::Work, 1);
   is(&View::external, "external", "", Per::External, Life::Work);

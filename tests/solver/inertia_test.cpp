@@ -2,6 +2,7 @@
 #include <solver/block.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/support/core.h"
 
@@ -167,6 +168,48 @@ TEST(SpinAt, KeepsTheMomentumOfABodyThatWasStoppedOnItsWay) {
   const Quat there = expRotation(kDt * w) * start, here = expRotation(.4 * kDt * w) * start;
   const auto momentum = [&](const Quat& q, const Vec3& spin) { return rotate(q, SpinMomentum({kInertia, kDt, -1})(rotateInverse(q, spin))); };
   EXPECT_TRUE(test::near(momentum(here, spinAt(here, there, w, kInertia, kDt)), momentum(there, w), 1e-9));
+}
+
+/// A step of a body that would turn by y and is turned by a little more.
+struct TurnedByRows {
+  Quat start, x, y;
+  Vec3 inertia, turn;
+  TurnedByRows(Random& random, const Vec3& inertia, Real free, Real added) : start(random.rotation()), inertia(inertia) {
+    y = expRotation(free * random.direction());
+    x = expRotation(added * random.direction()) * y;
+    turn = logRotation(x);
+  }
+  Vec3 spin() const { return spinAfterRows(start, x, turn, y, inertia, kDt); }
+  /// Of the free spin, and what rows have given.
+  Vec3 momentum() const {
+    const Vec3 given = (2 / kDt) * shortArc(x * conjugate(y)).v;
+    return freeMomentum(start, logRotation(y) / kDt, inertia, kDt) + massMatrix(1, inertia, start).inertia * given;
+  }
+};
+
+TEST(SpinAfterRows, HasTheMomentumThatRowsGave) {
+  Random random(8);
+  for (int i = 0; i < 50; ++i) {
+    const TurnedByRows body(random, {1, random.uniform(1, 2), 2}, random.uniform(0, .6), .05);
+    const Vec3 wanted = body.momentum();
+    EXPECT_TRUE(test::near(angularMomentum(body.x * body.start, body.spin(), body.inertia, kDt), wanted, 1e-5 * length(wanted)));
+  }
+}
+
+TEST(SpinAfterRows, IsThatOfTheTurnWithoutRows) {
+  Random random(9);
+  for (const Real turn : {0., 1e-3, .5, 1.5}) {
+    const TurnedByRows body(random, kInertia, turn, 0);
+    EXPECT_TRUE(test::near(body.spin(), body.turn / kDt, 1e-12));
+  }
+}
+
+TEST(SpinAfterRows, IsNotCarriedAwayAboutTheLongAxisOfARod) {
+  Random random(10);
+  for (int i = 0; i < 50; ++i) {
+    const TurnedByRows body(random, {1, 1, 1e-3}, .8, .5);
+    EXPECT_LT(length(body.spin() - body.turn / kDt), std::sqrt(3.) * length(body.turn) * .5 / kDt);
+  }
 }
 
 TEST(FollowedShare, IsOneInFreeFallAndZeroAtRest) {
