@@ -6,6 +6,7 @@
 
 namespace rubble::scenes {
 
+std::vector<Spec> bounceSpecs();     ///< restitution: a ladder of bounces, Newton's cradle
 std::vector<Spec> basicSpecs();      ///< closed forms: fall, projectile, pendulum, spin, impact
 std::vector<Spec> pileSpecs();       ///< bonded blocks of bricks, 40 levels
 std::vector<Spec> wallSpecs();       ///< running-bond walls, the ring wall, gables

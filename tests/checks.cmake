@@ -37,7 +37,7 @@ if(RUBBLE_NVCC)
 endif()
 
 if(RUBBLE_CHECKS)
-  foreach(script layers equations links sizes words)
+  foreach(script layers equations links sizes units words)
     rubble_add_check(${script} checks ${Python3_EXECUTABLE} tools/check_${script})
   endforeach()
   rubble_add_check(tools checks ${Python3_EXECUTABLE} -B -m unittest discover -s tests/tools)

@@ -42,6 +42,7 @@ struct StepReport {
   int quarantined = 0;        ///< bodies frozen in this step because their state was not finite
   int failedSolves = 0;       ///< local problems left unsolved for an iteration because they were not positive definite or not finite
   int spinLimited = 0;        ///< bodies whose spin was above 2 rad a step and was limited
+  int unsettledImpacts = 0;   ///< contacts with restitution whose bodies still closed after the last round of an impact: the next step goes on with them
   bool sorted = false;        ///< before the step the bodies were put in another order in memory: views of arrays made earlier are no longer valid
   int restarts = 0;           ///< times the step was begun again with more room
   std::vector<Growth> grown;  ///< what there was too little room for

@@ -84,7 +84,7 @@ struct CountedKind {
   Per per;
 };
 inline constexpr CountedKind kCountedKinds[] = {{"pairs", Per::Pair},           {"nearPairs", Per::NearPair},       {"manifolds", Per::Manifold},
-                                                {"rollers", Per::Rolling},      {"entries", Per::Entry},            {"colors", Per::Color},
+                                                {"rollers", Per::Rolling},      {"bounceRows", Per::Bounce},        {"entries", Per::Entry},            {"colors", Per::Color},
                                                 {"groups", Per::Group},         {"chunks", Per::Chunk},             {"externals", Per::External},
                                                 {"pointPairs", Per::PointPair}, {"pointEntries", Per::PointEntry}, {"nearFeatures", Per::NearFeature}};
 inline const char* kindName(Per per) {

@@ -120,6 +120,7 @@ struct AxisSituation {
   Real length;      ///< characteristic length [m]; 1 for angles
   Real reach;       ///< speed of a point for a unit of speed of c [1, m]
   Real bound;       ///< break threshold and ceiling [N, N m]
+  Real size;        ///< of the joint [m]
 };
 
 /// Stiffness, compliance and kept multiplier of a row. `kept`: factor on the multiplier; `authored`: multiplier of a row of finite stiffness that is
@@ -169,7 +170,7 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma, spec.limitStiffness * beyond, at.bound);
       if (dormant) limit.acts = kWatched;
       // as for contacts: the multiplier of an impact is many times the load that follows
-      rows.impact = c.impactRule && hard && !locked && absOf(at.change) * c.inverseDt * at.reach > kImpactSpeed && !inside(at.value + at.change);
+      rows.impact = c.impactRule && hard && !locked && absOf(at.change) * c.inverseDt * at.reach > impactSpeed(c, at.size) && !inside(at.value + at.change);
       rows.beforeImpact = before;
     }
   } else {

@@ -45,14 +45,15 @@ struct ContactRows {
   PointLoad load[kLanes];
   PointSlip slip[kLanes];
   Vec3 n;                    ///< unit, from A to B
-  Real muDynamic;
+  Real most;                 ///< largest normal force of a point [N]
   Vec3 offset;               ///< p_A - p_B at x^t [m]
   Real start;                ///< k_start of the normal rows [N/m]
   int a, b;                  ///< bodies, a < b
   int manifold;              ///< that these are the rows of
   Real length;               ///< L: bounding diameter of the smaller dynamic body [m]
-  Real muStatic;             ///< what no sweep reads from here on
-  Real unused[3];            ///< in single precision the rows are 256 bytes: whole sectors of a cache
+  Real muStatic, muDynamic;  ///< what no sweep reads from here on
+  Real restitution;          ///< e [1]
+  Real unused;               ///< in single precision the rows are 256 bytes: whole sectors of a cache
 };
 static_assert(sizeof(ContactRows) == 64 * sizeof(Real));
 
@@ -111,7 +112,7 @@ RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRo
   o.cN = f.c0 + along(m.n, d);
   o.c1 = c.driftCorrection * f.slip.x + along(f.t1, d);
   o.c2 = c.driftCorrection * f.slip.y + along(f.t2, d);
-  o.fN = minOf(maxOf(f.load.w * o.cN + f.load.x, A::splat(0)), A::splat(c.maxMultiplier));
+  o.fN = minOf(maxOf(f.load.w * o.cN + f.load.x, A::splat(0)), A::splat(m.most));
   o.t = frictionForce(f.slip.w, o.c1, o.c2, f.load.y, f.load.z, o.fN, f.slip.z, f.slip.z, c.coneHessian);
   return o;
 }

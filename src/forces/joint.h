@@ -350,6 +350,7 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
   at.length = P::kUnit == RowUnit::Linear ? joint.length : Real(1);
   at.reach = P::kUnit == RowUnit::Linear ? Real(1) : joint.length / 2;
   at.bound = bound;
+  at.size = joint.length;
   beginAxis(c, own, rows, at);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 /// The numbers of one step, worked out from Params once on the host.
+#include <cmath>
+
 #include <rubble/params.h>
 
 #include "math/hd.h"
@@ -8,13 +10,19 @@ namespace rubble::RUBBLE_CORE {
 
 /// Ceiling of a spin in one step [rad]: the short arc is ambiguous at pi (120 rad/s at 60 Hz).
 inline constexpr Real kMaxSpinPerStep = 2;
-/// Closing speed [m/s] above which a contact counts as an impact: its multipliers are not warm-started, restitution acts.
-inline constexpr Real kImpactSpeed = 1;
 /// Ceiling of |lambda| in m L / dt^2 of the heaviest body of the scene [1].
 inline constexpr Real kMaxMultiplier = 100;
-/// Ceiling of |lambda| dt over the mass of the heaviest body [m/s], if that is more: what stops a small body from that speed within a step.
-/// Iterates overshoot the load of an impact, so a higher one would let heaps explode.
-inline constexpr double kMostImpulse = 1e4;
+/// Ceiling of |lambda| of a contact that closes at speed v, in m v / dt of its heavier body, if that is more [1]: what stops the body within the step,
+/// and some. Iterates overshoot the load of an impact, so a higher one would let heaps explode.
+inline constexpr Real kMostImpacts = 10;
+/// Acceleration that a load stands for where nothing weighs, in L / dt^2 [1]: that of the Earth for 1 m at 60 Hz.
+inline constexpr double kWeightlessShare = 2.725e-3;
+/// An impact closes faster than all of these: a share of sqrt(g L), the speed of a fall over L / 22 ...
+inline constexpr Real kImpactShare = Real(.3);
+/// ... what gravity makes of rest in so many steps [1] ...
+inline constexpr Real kImpactSteps = 2;
+/// ... and so much of L in a step [1], which corrections of errors do where nothing weighs.
+inline constexpr Real kImpactWay = Real(3e-4);
 /// Ceiling of k over m_row / dt^2 when no finite material stiffness is lower; K_mat above it is treated as hard [1].
 inline constexpr Real kHardFromStiffness = Real(1e6);
 
@@ -38,7 +46,9 @@ struct StepConstants {
   bool literalBeta;
   Real maxStiffness;     ///< k_max dt^2 / m_row [1]
   StiffnessPolicy contactPolicy, jointPolicy;
-  Real loadAcceleration; ///< a: a load stands for the mass |lambda| / a [m/s2]
+  Real gravitySize;      ///< g [m/s2]
+  Real loadAcceleration; ///< a: a load stands for the mass |lambda| / a; 0 where nothing weighs [m/s2]
+  Real weightlessLoad;   ///< a / L there, else 0 [1/s2]
   Real maxMultiplier;    ///< lambda_max [N]
   bool coneHessian, dormantRows, impactRule, compliantRows, literalRotations, coarseCorrection, jointTrees;
   Real acceleration;     ///< rho of the sweeps over solids [1]
@@ -46,9 +56,24 @@ struct StepConstants {
   Real contactMargin;    ///< d_min over L [1]
   Real recycleTolerance; ///< [1], [rad]
   bool sleeping;
-  Real sleepSpeed;       ///< surface speed below which a body of L = 1 m is still; others by sqrt(L) [m/s]
+  Real sleepSpeed;       ///< surface speed below which a body is still, over sqrt(a L) [1]
   Real sleepDelay;       ///< [s]
   Real stiffnessRescale; ///< (dt of the last step / dt)^2 [1]
 };
+
+/// The acceleration whose loads rows of length L [m] are likely to bear. [m/s2]
+RUBBLE_HD inline Real loadAcceleration(const StepConstants& c, Real length) { return c.loadAcceleration + c.weightlessLoad * length; }
+
+/// Closing speed above which a contact of length L [m] counts as an impact: its multipliers are not warm-started, restitution acts. Contacts at rest
+/// close by g dt at most. [m/s]
+RUBBLE_HD inline Real impactSpeed(const StepConstants& c, Real length) {
+  return max(kImpactShare * std::sqrt(c.gravitySize * length), max(kImpactSteps * c.dt * c.gravitySize, kImpactWay * c.inverseDt * length));
+}
+
+/// Surface speed below which a body of bounding diameter L [m] is still. [m/s]
+RUBBLE_HD inline Real stillSpeed(const StepConstants& c, Real length) {
+  const Real a = c.gravitySize > Real(0) ? c.gravitySize : Real(kWeightlessShare) * length * c.inverseDt * c.inverseDt;
+  return c.sleepSpeed * std::sqrt(a * length);
+}
 
 }  // namespace rubble::RUBBLE_CORE

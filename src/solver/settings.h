@@ -10,7 +10,7 @@ namespace rubble::RUBBLE_CORE {
 inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, double maxMassLength, double previousDt) {
   const Tuning& t = params.tuning;
   const double dt = params.dt / params.substeps;
-  // (1 - alpha) / dt, the rate at which errors are corrected, is the same for every time step
+  // (1 - alpha) / dt, the rate at which errors are corrected, is the same for every time step [1/s]
   constexpr double kCorrectionRate = 3;
   const double alpha = t.errorRetention >= 0 ? t.errorRetention : 1 - std::min(1.0, kCorrectionRate * dt);
   StepConstants c{};
@@ -28,10 +28,10 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.maxStiffness = static_cast<Real>(t.maxStiffness);
   c.contactPolicy = t.contactPolicy;
   c.jointPolicy = t.jointPolicy;
-  // the mass that a load is the weight of; where nothing weighs, any acceleration of that order will do
-  constexpr double kEarthGravity = 9.81;
   const double g = length(gravity);
-  c.loadAcceleration = static_cast<Real>(t.loadAcceleration * (g > 0 ? g : kEarthGravity));
+  c.gravitySize = static_cast<Real>(g);
+  c.loadAcceleration = static_cast<Real>(t.loadAcceleration * g);
+  c.weightlessLoad = g > 0 ? Real(0) : static_cast<Real>(t.loadAcceleration * kWeightlessShare / (dt * dt));
   c.maxMultiplier = static_cast<Real>(std::min(1e30, static_cast<double>(kMaxMultiplier) * maxMassLength / (dt * dt)));
   c.coneHessian = t.coneHessian;
   c.dormantRows = t.dormantRows;
@@ -46,7 +46,7 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.literalRotations = params.preset == Preset::Demo3d;
   c.contactMargin = static_cast<Real>(t.contactMargin);
   c.sleeping = params.sleeping;
-  c.sleepSpeed = static_cast<Real>(t.sleepSpeed * std::sqrt(g > 0 ? g : kEarthGravity));
+  c.sleepSpeed = static_cast<Real>(t.sleepSpeed);
   c.sleepDelay = static_cast<Real>(t.sleepDelay);
   c.recycleTolerance = static_cast<Real>(t.recycleTolerance);
   c.stiffnessRescale = previousDt > 0 ? static_cast<Real>((previousDt / dt) * (previousDt / dt)) : Real(1);

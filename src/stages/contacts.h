@@ -86,7 +86,7 @@ struct PairRows {
   OrderedPair bodies;
   Quat qa, qb;
   Vec3 t;
-  Real mu, restitution;  ///< friction of this step, static or dynamic
+  Real mu;  ///< friction of this step, static or dynamic
   bool bothMove;
   Vec3 belt;  ///< [m], see PairMaterial
   StiffnessRule normal, tangent;
@@ -141,7 +141,9 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   p.bothMove = pa.kind == BodyKind::Dynamic && pb.kind == BodyKind::Dynamic;
   r.muStatic = material.muStatic, r.muDynamic = material.muDynamic;
   p.mu = r.muStatic != r.muDynamic && slides(m, r.muStatic) ? r.muDynamic : r.muStatic;
-  p.restitution = material.restitution;
+  r.restitution = material.restitution;
+  const Real heavier = max(pa.kind == BodyKind::Dynamic ? pa.mass : Real(0), pb.kind == BodyKind::Dynamic ? pb.mass : Real(0));
+  r.most = max(c.maxMultiplier, kMostImpacts * heavier * pairSpeed(s, o.a, o.b, pa, pb).closing * c.inverseDt);
   p.belt = material.belt;
   p.normal = contactRule(c, r.start, r.length);
   p.tangent = tangentRule(c, p.normal);
@@ -154,9 +156,9 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
   const OrderedPair& o = p.bodies;
   const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
   const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);
-  const bool impact = hits(c, closing, point.depth);
+  const bool impact = hits(c, closing, point.depth, r.length), awake = m.awake >> k & 1;
   if (point.depth > c.contactMargin * r.length) notePressed(s, o, point.depth);
-  const Real c0 = impact && p.restitution > Real(0) ? p.restitution * closing * c.dt : inheritedViolation(c, point.depth);
+  if (awake && r.restitution > Real(0) && s.counters->bounces == 0 && closing > impactSpeed(c, r.length)) atomicRaise(&s.counters->bounces, 1);
 
   const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
   Real drift1 = stuck ? m.drift1[k] : Real(0), drift2 = stuck ? m.drift2[k] : Real(0);
@@ -168,7 +170,7 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
     drift2 += dot(t2, p.belt) / c.driftCorrection;
   }
   StiffnessRule normal = p.normal;
-  Real most = c.maxMultiplier;
+  Real most = r.most;
   if (p.bothMove) {
     normal.limit = contactCeiling(c, r.start, r.length, point.depth);
     most = min(most, normal.limit / normal.perLoad);
@@ -180,10 +182,9 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
     const Real cut = bound / std::sqrt(size2);
     l1 *= cut, l2 *= cut;
   }
-  const bool awake = m.awake >> k & 1;
   const Real kN = !awake ? Real(0) : isNew ? coldStart(normal.start).k : warmStiffness(c, normal, m.kN[k], lambda);
   const Real kT = !awake ? Real(0) : isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
-  r.place[to] = {point.lever, c0};
+  r.place[to] = {point.lever, inheritedViolation(c, point.depth)};
   r.load[to] = {lambda, l1, l2, kN};
   r.slip[to] = {drift1, drift2, p.mu, kT};
   return impact && c.impactRule;
@@ -245,6 +246,11 @@ RUBBLE_HD inline StoredFrame storedFrame(const View& s, const ContactRows& r) {
   return f;
 }
 
+/// Notes the multipliers with which point k of rows i began the step, where something may bounce (stages/bounce.h).
+RUBBLE_HD inline void noteBefore(const View& s, int i, const Manifold& m, int k) {
+  if (i < s.counters->bounceRows) s.bounce[i].before[k] = {m.lambdaN[k], m.lambda1[k], m.lambda2[k]};
+}
+
 /// What point k hands on to the next step, and whether it sticks. The multipliers of an impact are not kept: those `before` it are.
 struct StoredPoint {
   PointMemory memory;
@@ -292,6 +298,7 @@ struct FinishContacts {
     const StoredFrame f = storedFrame(s, r);
     m.stick = 0;
     for (int k = 0; k < m.count; ++k) {
+      noteBefore(s, i, m, k);
       const StoredPoint point = storedPoint(s, r, f, k, m.impact >> k & 1, {m.lambdaN[k], m.lambda1[k], m.lambda2[k]});
       remember(m, k, point.memory);
       if (point.sticks) m.stick |= static_cast<std::uint8_t>(1u << k);

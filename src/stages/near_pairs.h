@@ -20,7 +20,7 @@ struct FindAgitation {
     const Pair p = s.pair[i];
     const BodyParams &po = s.params[p.owner], &pb = s.params[p.other];
     const PairSpeed speed = pairSpeed(s, p.owner, p.other, po, pb);
-    if (speed.closing < kImpactSpeed || speed.bullet || isSensor(s, p.owner) || isSensor(s, p.other)) return;
+    if (speed.closing < impactSpeed(s.step, pairLength(po, pb)) || speed.bullet || isSensor(s, p.owner) || isSensor(s, p.other)) return;
     const auto agitate = [&](int body, const BodyParams& own, const BodyParams& other) {
       const int bits = floatBits(speed.closing * shareOfImpact(own, other));
       if (own.kind == BodyKind::Dynamic && bits > s.agitation[body]) atomicRaise(&s.agitation[body], bits);
@@ -50,8 +50,10 @@ RUBBLE_HD inline Real closingSpeed(const View& s, const OrderedPair& o, const Ve
   return dot(n, s.velocity[o.a] + cross(s.spin[o.a], lever) - s.velocity[o.b] - cross(s.spin[o.b], lever - t));
 }
 
-/// Does a point at this depth stop a fast approach in the step?
-RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth) { return closing > kImpactSpeed && depth + closing * c.dt > Real(0); }
+/// Does a point at this depth stop a fast approach in the step? `length` of its pair [m].
+RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth, Real length) {
+  return depth + closing * c.dt > Real(0) && closing > impactSpeed(c, length);
+}
 
 /// Displacement of a body at its inertial target.
 RUBBLE_HD inline Displacement targetDisplacement(const View& s, int body) {
@@ -69,7 +71,7 @@ struct WakeRule {
   Displacement a, b;  ///< at the targets
   RUBBLE_HD bool operator()(const View& s, const OrderedPair& o, const PairPose& pair, const Vec3& n, const PointAt& p, Real lambda) const {
     if (!s.step.dormantRows || lambda != Real(0)) return true;
-    if (hits(s.step, closingSpeed(s, o, n, p.lever, pair.t), p.depth)) return true;
+    if (hits(s.step, closingSpeed(s, o, n, p.lever, pair.t), p.depth, pair.length)) return true;
     // a body that is struck in this step goes elsewhere than its target says
     if (inheritedViolation(s.step, p.depth) + s.step.dt * agitationOf(s, o.a, o.b) > Real(0)) return true;
     const Vec3 move = a.dp + cross(a.dw, p.lever) - b.dp - cross(b.dw, p.lever - pair.t);

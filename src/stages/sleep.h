@@ -65,7 +65,7 @@ struct StartIslands {
     if (!isDynamic(s, i)) return;
     const BodyParams& p = s.params[i];
     const Real speed = length(s.velocity[i]) + length(s.spin[i]) * p.radius;
-    const bool still = speed < s.step.sleepSpeed * std::sqrt(2 * p.radius);
+    const bool still = speed < stillSpeed(s.step, 2 * p.radius);
     s.stillTime[i] = still ? s.stillTime[i] + s.step.dt : Real(0);
   }
 };

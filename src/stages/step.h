@@ -1,6 +1,7 @@
 #pragma once
 /// The step on one page: algorithm 1 of the method, written once over an Executor. What runs in parallel, and where, is its business.
 #include "stages/assembly_stops.h"
+#include "stages/bounce.h"
 #include "stages/closing.h"
 #include "stages/coarse.h"
 #include "stages/coloring.h"
@@ -122,6 +123,10 @@ void findContacts(E& e) {
   }
   e.lodgeRows();
   e.forEach(BuildContactRows{}, &Counters::nearPairs);
+  if (e.view().bounces) {
+    e.forEach(CountBounces{}, 1);
+    e.require(Per::Bounce, &Counters::bounceRows);
+  }
 }
 
 /// Groups of the coarse correction, from the poses at x^t.
@@ -343,7 +348,9 @@ void step(E& e) {
   if (vertices > 0) finishSoftRows(e);
   stopFastBodies(e);
   findIslandMomenta(e);
+  if (e.view().bounces) findBounces(e);
   e.forEach(FinishBodies{}, bodies);
+  if (e.view().bounces) actBounces(e);
   if (treesEnd) closeTrees(e);
   if (e.view().lumps > 0) keepSpin(e);
   e.forEach(FinishVertices{}, vertices);

@@ -110,6 +110,18 @@ struct alignas(4 * sizeof(Real)) BodyTarget {
   int unused;         ///< 0
 };
 
+/// What a contact has to do with an impact (stages/bounce.h).
+struct Bounce {
+  Vec3 before[kLanes];       ///< multipliers with which the points began the step: normal, tangents [N]
+  Real impulse[kLanes];      ///< what the step added to the impulses of the normal rows [N s]
+  Real start, change, gap;   ///< closing speed at x^t, what forces add to it [m/s], gap at x^t [m], by the loads of the points
+  Real time;                 ///< until it acts, below 0: it does not [s]
+  int carries, state;        ///< its load changed as in an impact; BounceState
+};
+struct Motion {
+  Vec3 v, w;                 ///< [m/s], [rad/s]
+};
+
 /// Levels of groups of bodies and lumps, from fine to coarse (stages/groups.h).
 inline constexpr int kCoarseLevels = 4;
 /// The finest of them, which odd iterations sweep; even ones sweep all but the finest.
@@ -178,6 +190,9 @@ struct Counters {
   int asleep;   ///< bodies that sleep after this step
   int quarantined, failedSolves, spinLimited, broken;
   int pointPairs, pointContacts, pointEntries;
+  int bounces, bounceRows;        ///< 1: a contact with restitution closes fast; contacts, if one does
+  int bounceSpread, bounceSpreads, bounceBound, bounceBounds, bounceLeft, bounceTurns;  ///< of its rounds: what is left to do, and how many there were
+  int bouncesLeft;                ///< contacts that still close after the last round
   int rollers;                    ///< near pairs, where some material has rolling friction
   int nearFeatures;               ///< pairs of features that may meet on their ways
   int crossingWork;               ///< as many, and at least as many as there are vertices

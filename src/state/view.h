@@ -28,6 +28,7 @@ struct View : JointTables<JointTypes> {
   int shapeVectors = 0, shapeIndices = 0, shapeParts = 0, surfaces = 0;  ///< elements of the shared tables in use
   bool rareShapes = false;            ///< some body is not of a plain kind
   bool rolls = false;                 ///< some material has rolling or torsional friction
+  int bounces = 0;                    ///< 1: some material may have restitution
   int cells = 0;                      ///< buckets of the grid, a power of two
   Real baseCell = 1;                  ///< [m]
   bool ordered = false;               ///< some body is at another place than its id
@@ -110,6 +111,8 @@ struct View : JointTables<JointTypes> {
   int* stopRound = nullptr;           ///< round in which that changed
   int* stopPair = nullptr;            ///< 1 + the pair that it stops at, or 0
   Displacement* stopped = nullptr;    ///< the way that it makes then
+  int* bounceBody = nullptr;          ///< part of a body in impacts: BounceBody
+  Motion* bounceMotion = nullptr;     ///< its velocities before they were taken back
   int* color = nullptr;               ///< kept from step to step
   int* nextColor = nullptr;           ///< of the bodies that choose one
   int* clashing = nullptr;            ///< bodies, and vertices (kVertexNode + index), that choose a colour in this step
@@ -172,6 +175,7 @@ struct View : JointTables<JointTypes> {
   int* rowOffset = nullptr;           ///< [near pairs + 1] manifolds with rows before this one
   // rows
   ContactRows* contact = nullptr;     ///< one a manifold that has rows, in the order of manifolds; where the old manifolds were (Tables::lodgeRows)
+  Bounce* bounce = nullptr;           ///< one for each of them, if something may bounce in the step
   int* joinLevel = nullptr;           ///< level of the groups at which they unite their bodies, kCoarseLevels: at none
   Entry* entry = nullptr;             ///< row blocks by body
 
@@ -357,6 +361,9 @@ void forEachArray(F&& f) {
   is(&View::islandRepair, "islandRepair", "m, s", Per::Body, Life::Unordered);
   is(&View::fast, "fast", "", Per::Body, Life::Work);
   is(&View::nearSurface, "nearSurface", "", Per::Body, Life::Work);
+  is(&View::bounceBody, "bounceBody", "", Per::Body, Life::Work);
+  is(&View::bounceMotion, "bounceMotion", "m/s, rad/s", Per::Body, Life::Work);
+  is(&View::bounce, "bounce", "N, N s", Per::Bounce, Life::Work);
   is(&View::stopBits, "stopBits", "", Per::Body, Life::Work);
   is(&View::stopSeen, "stopSeen", "", Per::Body, Life::Work);
   is(&View::stopRound, "stopRound", "", Per::Body, Life::Work);

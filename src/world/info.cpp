@@ -53,7 +53,7 @@ std::vector<ForceInfo> forceInfos() {
       {"contact", "contact of two bodies with Coulomb friction: one to four points, for each a normal row and two tangential rows", 12,
        {{"static_friction", "1", "mu_s; a pair takes the geometric mean"},
         {"dynamic_friction", "1", "mu_d, at most mu_s; a pair takes the geometric mean"},
-        {"restitution", "1", "e, for closing speeds above 1 m/s; a pair takes the larger"},
+        {"restitution", "1", "e, for impacts, which close faster than .3 sqrt(g L); a pair takes the larger"},
         {"friction_combine", "1", "rule for both frictions of a pair: usual, average, minimum, multiply, maximum, geometric_mean; the later one wins"},
         {"restitution_combine", "1", "rule for the restitution of a pair"},
         {"surface_velocity", "m/s", "of a belt, body axes"}}},

@@ -12,7 +12,7 @@ StepConstants constants() {
   return c;
 }
 AxisSpec nothing() { return {-kNoLimit, kNoLimit, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0}; }
-AxisSituation at(Real value, Real change = 0) { return {value, 0, change, 1, 1, 1, kHardValue}; }
+AxisSituation at(Real value, Real change = 0) { return {value, 0, change, 1, 1, 1, kHardValue, 1}; }
 
 /// Dual updates at a fixed coordinate until the force is settled.
 Real settled(const StepConstants& c, AxisRows& rows, Real value, int updates = 400) {

@@ -36,6 +36,7 @@ ContactCase randomContact(Random& random, Real friction) {
   r.n = random.direction();
   r.offset = random.vector(2);
   r.muDynamic = friction;
+  r.most = 1e30;
   r.start = 10;
   r.length = .5;
   r.a = 0, r.b = 1;
@@ -170,10 +171,10 @@ TEST(Contact, PushesButNeverPulls) {
   EXPECT_EQ(forcesOf(c, x, 0).fN, 0);
 }
 
-TEST(Contact, LimitsTheNormalForceToTheCeilingOfTheScene) {
-  StepConstants c = constants();
-  c.maxMultiplier = 7;
+TEST(Contact, LimitsTheNormalForceToItsCeiling) {
+  const StepConstants c = constants();
   ContactCase x{};
+  x.rows.most = 7;
   x.rows.n = {0, 0, 1};
   x.rows.load[0].kN = 100;
   x.rows.place[0].c0 = .2;

@@ -35,7 +35,7 @@ class CheckTest(unittest.TestCase):
 
 class Help(CheckTest):
     def test_every_check_explains_itself(self):
-        for name in ("layers", "equations", "links", "sizes", "words"):
+        for name in ("layers", "equations", "links", "sizes", "units", "words"):
             result = self.run_check(name, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Checks that", result.stdout)
@@ -134,6 +134,20 @@ class Sizes(CheckTest):
         self.assertIn("large.h: 301 lines", result.stdout)
         self.plant("src/math/huge.h", "\n" * 501)
         self.assert_finds("sizes", "huge.h: 501 lines")
+
+
+class Units(CheckTest):
+    def test_numbers_without_units_pass(self):
+        self.plant("src/solver/a.h", "/// Share of L / dt^2 [1], see [S 4].\ninline constexpr Real kShare = 3;\nconst Real a = b[m];\n")
+        self.plant("src/world/b.h", "/// Window [m].\ninline constexpr Real kElsewhere = 3;\n")
+        self.assert_clean("units")
+
+    def test_units_are_found(self):
+        for comment in ("/// Above this speed [m/s] a contact is an impact.\n", "/// A gap [m].\n", "/// A load [N]\n/// of two lines.\n"):
+            self.plant("src/stages/a.h", comment + "inline constexpr Real kScale = Real(1);\n")
+            self.assert_finds("units", "a.h:", "kScale")
+        self.plant("src/stages/a.h", "  constexpr double kRate = 3;  ///< [1/s]\n")
+        self.assert_finds("units", "kRate")
 
 
 class Words(CheckTest):

@@ -10,7 +10,6 @@ void beginStep(View& s, const EngineSettings& settings, double previousDt) {
   *s.counters = {};
   s.step = stepConstants(settings.params, settings.gravity, settings.maxMassLength, previousDt);
   s.wakeAll = settings.wakeAll;
-  s.step.maxMultiplier = max(s.step.maxMultiplier, static_cast<Real>(std::min(1e30, settings.maxMass * kMostImpulse)) * s.step.inverseDt);
   // cells as wide as a typical body's bounding sphere is high: it shares its level however it turns
   s.baseCell = static_cast<Real>(settings.typicalRadius * 1.1) / kLevelFill;
 }
@@ -37,6 +36,7 @@ void reportCounters(const View& s, StepReport& report) {
   report.quarantined = c.quarantined;
   report.failedSolves = c.failedSolves;
   report.spinLimited = c.spinLimited;
+  report.unsettledImpacts = c.bouncesLeft;
 }
 
 void CpuEngine::addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) {

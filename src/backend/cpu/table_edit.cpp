@@ -79,6 +79,7 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   p.muStatic = static_cast<Real>(body.material.staticFriction);
   p.muDynamic = static_cast<Real>(body.material.dynamicFriction);
   p.restitution = static_cast<Real>(body.material.restitution);
+  s.bounces |= p.restitution > Real(0);
   p.gravityScale = static_cast<Real>(body.gravityScale);
   p.surface = body.surface;
   // member by member: what lies between members is hashed too, and a temporary has it from the stack

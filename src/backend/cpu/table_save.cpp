@@ -134,6 +134,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
     if (bytes > 0) std::memcpy(s.*array.member, from, bytes);
     from += bytes;
   });
+  s.bounces = 1;
   s.ordered = inOtherOrder(s);
   countYielding(s);
 }

@@ -31,6 +31,7 @@ struct FinishPoint {
     const bool on = k < m.count, impact = on && (m.impact >> k & 1);
     updateContactDuals<Real>(s.step, r, s.moved[r.a], s.moved[r.b], k);
     Vec3 before;
+    if (on) noteBefore(s, i, m, k);
     if (impact) before = {m.lambdaN[k], m.lambda1[k], m.lambda2[k]};
     StoredPoint point{};
     if (on) point = storedPoint(s, r, storedFrame(s, r), k, impact, before);

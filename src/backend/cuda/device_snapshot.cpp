@@ -78,6 +78,7 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   View& s = tables.view();
   s.shapeVectors = sizes.shapeVectors, s.shapeIndices = sizes.shapeIndices, s.shapeParts = sizes.shapeParts;
   s.surfaces = sizes.surfaces, s.rareShapes = sizes.rareShapes, s.rolls = sizes.rolls;
+  s.bounces = 1;
 }
 
 std::shared_ptr<const AuthoredBytes> copyAuthored(const HostTables& tables, const SnapshotSizes& sizes) {
