@@ -232,10 +232,9 @@ RUBBLE_HD inline void addJointAlike(const View& s, std::uint32_t code, Block6& b
 /// Solves the local problem of a body at x and moves it.
 RUBBLE_HD inline void finishBlock(const View& s, int i, Block6 block, Pose x) {
   if (s.target[i].locks != 0) lockAxes(block, s.target[i].locks);
-  if (!descend(block, x)) {
-    atomicCount(&s.counters->failedSolves, 1);
-    return;
-  }
+  const Descent how = descend(block, s.target[i].mass, s.step.inverseDt * s.step.inverseDt, x);
+  if (how != Descent::Newton) atomicCount(how == Descent::Failed ? &s.counters->failedSolves : &s.counters->boundedSteps, 1);
+  if (how == Descent::Failed) return;
   s.turned[i] = x.q;
   s.moved[i] = {x.p, 0, logRotation(x.q), 0};
 }
@@ -266,6 +265,14 @@ struct SolveBody {
   }
 };
 
+/// What gravity and forces gave a body that has stopped for the part of the step that it did not go [m/s]: its way ended, and their work with it. As
+/// far as it followed them: what rows hold has none of it.
+RUBBLE_HD inline Vec3 unusedPush(const View& s, int i, const Vec3& v) {
+  const StepConstants& c = s.step;
+  const Vec3 push = c.inverseDt * s.target[i].y.p - s.velocity[i];
+  return fromFloatBits(s.stopBits[i]) * followedShare(v, s.velocity[i], c.inverseDt * push, c.dt) * push;
+}
+
 /// Velocities v = (x - x^t) / dt and the new pose. A body that was stopped on its way keeps its momenta. One whose state is not finite stays where it
 /// was, at rest.
 struct FinishBodies {
@@ -278,7 +285,8 @@ struct FinishBodies {
     const bool stopped = s.stopBits[i] != 0;
     const Quat start = s.orientation[i], now = normalize((stopped ? expRotation(s.stopped[i].dw) : s.turned[i]) * start);
     if (kind == BodyKind::Dynamic) {
-      const Vec3 v = c.inverseDt * d.dp;
+      Vec3 v = c.inverseDt * d.dp;
+      if (stopped) v -= unusedPush(s, i, v);
       Vec3 w = c.inverseDt * (c.literalRotations ? Real(2) * shortArc(s.turned[i]).v : d.dw);
       if (stopped && !c.literalRotations) w = spinAt(now, s.turned[i] * start, w, s.params[i].inertia, c.dt);
       if (!isFinite(v) || !isFinite(w)) {

@@ -4,6 +4,7 @@
 #include "stages/closing.h"
 #include "stages/coarse.h"
 #include "stages/coloring.h"
+#include "stages/late_stops.h"
 #include "stages/rare_contacts.h"
 #include "stages/rare_stops.h"
 #include "stages/sleep.h"
@@ -268,6 +269,7 @@ void stopFastBodies(E& e) {
     if (round > 0) e.forEach(NoteStops{round}, e.view().bodies);
     e.forEach(FindStops{round}, &Counters::swept);
     if (e.view().rareShapes) e.forEach(FindRareStops{round}, &Counters::swept);
+    if (round == 0) e.forEach(FindLateStops{}, e.view().bodies);
   }
   if (joints) {
     e.forEach(RaiseStops{}, e.view().bodies);
@@ -275,6 +277,7 @@ void stopFastBodies(E& e) {
   }
   e.forEach(ChooseStops{}, &Counters::swept);
   e.forEach(StopBodies{}, &Counters::swept);
+  e.forEach(StopLateBodies{}, e.view().bodies);
 }
 
 /// One step of dt. Everything before the iterations happens at x^t and moves no body beyond its initial guess.

@@ -152,7 +152,7 @@ struct Counters {
   int swept;    ///< pairs to be searched for fast bodies: all, or none
   int stopped;  ///< bodies that stopped at an impact
   int asleep;   ///< bodies that sleep after this step
-  int quarantined, failedSolves, spinLimited, broken;
+  int quarantined, failedSolves, boundedSteps, spinLimited, broken;
   int pointPairs, pointContacts, pointEntries;
   int rollers;                    ///< near pairs, where some material has rolling friction
   int nearFeatures;               ///< pairs of features that may meet on their ways
