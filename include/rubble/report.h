@@ -41,6 +41,7 @@ struct StepReport {
   int stoppedBodies = 0;      ///< fast bodies that stopped where they met another; the next step deals with the impact
   int quarantined = 0;        ///< bodies frozen in this step because their state was not finite
   int failedSolves = 0;       ///< local problems left unsolved for an iteration because they were not positive definite or not finite
+  int boundedSteps = 0;       ///< local problems whose solution had more kinetic energy than their forces did work, all round-off: a shorter step was made
   int spinLimited = 0;        ///< bodies whose spin was above 2 rad a step and was limited
   int unsettledImpacts = 0;   ///< contacts with restitution whose bodies still closed after the last round of an impact: the next step goes on with them
   bool sorted = false;        ///< before the step the bodies were put in another order in memory: views of arrays made earlier are no longer valid

@@ -167,7 +167,7 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       limit.lo = locked ? limit.hi : lo - share * max(lo - at.value, Real(0));
       const Real before = limit.lambda;
       const Real beyond = locked || at.value > hi ? at.value - hi : min(at.value - lo, Real(0));
-      beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma, spec.limitStiffness * beyond, at.bound);
+      beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma, spec.limitStiffness * beyondRoundOff(beyond, absOf(at.value) + at.length), at.bound);
       if (dormant) limit.acts = kWatched;
       // as for contacts: the multiplier of an impact is many times the load that follows
       rows.impact = c.impactRule && hard && !locked && absOf(at.change) * c.inverseDt * at.reach > impactSpeed(c, at.size) && !inside(at.value + at.change);
@@ -191,7 +191,7 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       const Real damping = spec.driveDamping * c.inverseDt;
       total = spec.driveStiffness + damping;
       drive.hi = target + damping / total * (at.value - target + c.dt * spec.speed);
-      authored = spec.driveStiffness * (at.value - target);
+      authored = spec.driveStiffness * beyondRoundOff(at.value - target, absOf(at.value) + absOf(target) + at.length);
     }
     drive.lo = drive.hi;
     beginAxisRow(c, rows, drive, total, kept, authored, min(spec.driveBound, at.bound));

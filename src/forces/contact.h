@@ -53,7 +53,7 @@ struct ContactRows {
   Real length;               ///< L: bounding diameter of the smaller dynamic body [m]
   Real muStatic, muDynamic;  ///< what no sweep reads from here on
   Real restitution;          ///< e [1]
-  Real unused;               ///< in single precision the rows are 256 bytes: whole sectors of a cache
+  Real perLoad;              ///< stiffness of a row for each newton of its load, where it follows it [1/m]
 };
 static_assert(sizeof(ContactRows) == 64 * sizeof(Real));
 
@@ -144,7 +144,8 @@ RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const 
   const L kN = f.load.w, kT = f.slip.w;
   const auto sticks = o.t.inside > A::splat(0);
 
-  const StiffnessRule normal = contactRule(c, m.start, m.length);
+  StiffnessRule normal = contactRule(c, m.start, m.length);
+  normal.perLoad = m.perLoad;
   const StiffnessRule tangent = tangentRule(c, normal);
   const L grownN = grownStiffness(normal, kN, o.cN, o.fN);
   const L grownT = grownStiffness(tangent, kT, sqrtOf(o.c1 * o.c1 + o.c2 * o.c2),

@@ -306,9 +306,10 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
   const Real share = friction ? Real(1) : hard ? c.alpha : damping / total;
   // of finite stiffness and new: the load that it has at x^t
   const bool isNew = !(state.k > Real(0)), isLoaded = isNew && !hard && !friction;
-  Real size2 = 0;
+  Real size = 1, size2 = 0;
+  if (P::kUnit == RowUnit::Linear) size = joint.length + length(leverOf(spec.data, Quat{}, 0)) + length(leverOf(spec.data, Quat{}, 1));
   for (int i = 0; i < P::kRows; ++i) {
-    rows.lambda[i] = ramp ? Real(0) : isLoaded ? own.stiffness * error[i] : warmMultiplier(c, rows.lambda[i], hard && !friction);
+    rows.lambda[i] = ramp ? Real(0) : isLoaded ? own.stiffness * beyondRoundOff(error[i], size) : warmMultiplier(c, rows.lambda[i], hard && !friction);
     rows.shift[i] = share * error[i];
     size2 += rows.lambda[i] * rows.lambda[i];
   }

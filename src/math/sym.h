@@ -40,14 +40,6 @@ RUBBLE_HD inline Sym3 rotateDiagonal(const Quat& q, const Vec3& d) {
   m += outer(r.c2, d.z);
   return m;
 }
-/// Solves M x = b for a symmetric positive definite 3x3 M, by cofactors.
-RUBBLE_HD inline Vec3 solve(const Sym3& m, const Vec3& b) {
-  const Vec3 c0 = cross(m.column(1), m.column(2)), c1 = cross(m.column(2), m.column(0)), c2 = cross(m.column(0), m.column(1));
-  const Real det = dot(m.column(0), c0);
-  const Real floor = Real(1e-12) * m.xx * m.yy * m.zz;
-  return (c0 * b.x + c1 * b.y + c2 * b.z) / max(det, floor);
-}
-
 /// The 6x6 system H dx = f of one body, linear part first: H = [[ll, la], [la^T, aa]].
 /// `al` holds la^T (row: angular, column: linear) by columns. L as in lanes.h, to accumulate points side by side.
 template <class L>

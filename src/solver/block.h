@@ -1,5 +1,8 @@
 #pragma once
 /// The local problem of one body: its force, its Hessian and one Newton step.
+#include <limits>
+
+#include "math/block3.h"
 #include "solver/inertia.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -65,17 +68,56 @@ RUBBLE_HD inline Vec6 trustedStep(const Block6& block, const Quat& q) {
   const bool further = then < kMostTurned && then < turned;
   if (further) dx.ang = {0, 0, 0};
   if (further || turn2 > kMostTurn * kMostTurn)
-    dx.lin = solve(block.ll, block.fl - Vec3{dot(block.al0, dx.ang), dot(block.al1, dx.ang), dot(block.al2, dx.ang)});
+    dx.lin = solve(Block3{block.ll, block.fl - Vec3{dot(block.al0, dx.ang), dot(block.al1, dx.ang), dot(block.al2, dx.ang)}});
   return dx;
 }
 
-/// \eq{S3} One Newton step on the local problem of a body, all others held at their latest poses. A step that is not finite is not taken:
-/// returns false.
-RUBBLE_HD inline bool descend(const Block6& block, Pose& x) {
-  const Vec6 dx = trustedStep(block, x.q);
-  if (!isFinite(dx.lin) || !isFinite(dx.ang)) return false;
+/// Round-off of the work of a step, over the sum of the work along each axis [1].
+inline constexpr Real kWorkRoundOff = 32 * std::numeric_limits<Real>::epsilon();
+
+/// May a step be what its forces have done? With H >= M / dt^2 a Newton step obeys |dx|_M^2 / dt^2 <= dx . H dx = f . dx, and a part of it, or the best
+/// one with less rotation, twice that: it has no more kinetic energy than the forces have done work. Where stiffnesses are so large beside M / dt^2 that
+/// H has no digits left, what comes out of it may have any. `mass`, `inertia`: over dt^2.
+template <class L>
+RUBBLE_HD RUBBLE_NEAR auto isWithinWork(const Block6T<L>& block, const L& mass, const Sym3T<L>& inertia, const Vec6T<L>& dx) {
+  const L work[6] = {block.fl.x * dx.lin.x, block.fl.y * dx.lin.y, block.fl.z * dx.lin.z, block.fa.x * dx.ang.x, block.fa.y * dx.ang.y, block.fa.z * dx.ang.z};
+  L sum = work[0], size = absOf(work[0]);
+  RUBBLE_UNROLL
+  for (int i = 1; i < 6; ++i) sum += work[i], size += absOf(work[i]);
+  return mass * dot(dx.lin, dx.lin) + dot(dx.ang, inertia * dx.ang) <= sum + sum + kWorkRoundOff * size;
+}
+
+/// H dx
+RUBBLE_HD inline Vec6 product(const Block6& b, const Vec6& dx) {
+  return {b.ll * dx.lin + Vec3{dot(b.al0, dx.ang), dot(b.al1, dx.ang), dot(b.al2, dx.ang)},
+          b.al0 * dx.lin.x + b.al1 * dx.lin.y + b.al2 * dx.lin.z + b.aa * dx.ang};
+}
+/// The best step along D^-1 f, D the diagonal of H: it subtracts nothing, and descends whatever digits are left.
+RUBBLE_HD RUBBLE_APART inline Vec6 diagonalStep(const Block6& b) {
+  const Vec6 d{{b.fl.x / b.ll.xx, b.fl.y / b.ll.yy, b.fl.z / b.ll.zz}, {b.fa.x / b.aa.xx, b.fa.y / b.aa.yy, b.fa.z / b.aa.zz}};
+  const Real work = dot(Vec6{b.fl, b.fa}, d), curvature = dot(d, product(b, d)), turn2 = dot(d.ang, d.ang);
+  Real share = curvature > Real(0) ? min(work / curvature, Real(1)) : Real(0);
+  if (share * share * turn2 > kMostTurn * kMostTurn) share = kMostTurn / std::sqrt(turn2);
+  return share * d;
+}
+
+/// What became of a Newton step: it was taken; another one in its place, since it went further than forces and inertia allow; or none, since it was
+/// not finite.
+enum class Descent { Newton, Diagonal, Failed };
+
+/// \eq{S3} One Newton step on the local problem of a body with the mass matrix m, all others held at their latest poses. One that is not finite is
+/// not taken.
+RUBBLE_HD inline Descent descend(const Block6& block, const MassMatrix& m, Real inverseDt2, Pose& x) {
+  Vec6 dx = trustedStep(block, x.q);
+  if (!isFinite(dx.lin) || !isFinite(dx.ang)) return Descent::Failed;
+  Descent how = Descent::Newton;
+  if (!isWithinWork(block, inverseDt2 * m.mass, inverseDt2 * m.inertia, dx)) {
+    dx = diagonalStep(block);
+    if (!isFinite(dx.lin) || !isFinite(dx.ang)) return Descent::Failed;
+    how = Descent::Diagonal;
+  }
   x = retract(x, dx);
-  return true;
+  return how;
 }
 
 }  // namespace rubble::RUBBLE_CORE

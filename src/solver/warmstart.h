@@ -26,6 +26,12 @@ RUBBLE_HD inline Real newStiffness(const StiffnessRule& rule, Real lambda) {
   return rule.policy == StiffnessPolicy::FollowLoad ? grownStiffness<Real>(rule, rule.start, Real(0), lambda) : rule.start;
 }
 
+/// What of an authored error, a difference of numbers of that size, is more than round-off: the load of a stiff row would be that of round-off else.
+RUBBLE_HD inline Real beyondRoundOff(Real error, Real size) {
+  constexpr Real kRoundOff = 8 * std::numeric_limits<Real>::epsilon();
+  return error - clamp(error, -kRoundOff * size, kRoundOff * size);
+}
+
 /// C(x^t) of an equality after regularisation, C*(x) - alpha C*(x^t): only the part 1 - alpha of an inherited error is corrected in this step.
 RUBBLE_HD inline Real inheritedError(const StepConstants& c, Real error) { return (Real(1) - c.alpha) * error; }
 /// The same for a row that acts on C > 0 only: a gap is not an error and stays whole.

@@ -232,10 +232,9 @@ RUBBLE_HD inline void addJointAlike(const View& s, std::uint32_t code, Block6& b
 /// Solves the local problem of a body at x and moves it.
 RUBBLE_HD inline void finishBlock(const View& s, int i, Block6 block, Pose x) {
   if (s.target[i].locks != 0) lockAxes(block, s.target[i].locks);
-  if (!descend(block, x)) {
-    atomicCount(&s.counters->failedSolves, 1);
-    return;
-  }
+  const Descent how = descend(block, s.target[i].mass, s.step.inverseDt * s.step.inverseDt, x);
+  if (how != Descent::Newton) atomicCount(how == Descent::Failed ? &s.counters->failedSolves : &s.counters->boundedSteps, 1);
+  if (how == Descent::Failed) return;
   s.turned[i] = x.q;
   s.moved[i] = {x.p, 0, logRotation(x.q), 0};
 }
@@ -265,5 +264,13 @@ struct SolveBody {
     finishBlock(s, i, block, x);
   }
 };
+
+/// What gravity and forces gave a body that has stopped for the part of the step that it did not go [m/s]: its way ended, and their work with it. As
+/// far as it followed them: what rows hold has none of it.
+RUBBLE_HD inline Vec3 unusedPush(const View& s, int i, const Vec3& v) {
+  const StepConstants& c = s.step;
+  const Vec3 push = c.inverseDt * s.target[i].y.p - s.velocity[i];
+  return fromFloatBits(s.stopBits[i]) * followedShare(v, s.velocity[i], c.inverseDt * push, c.dt) * push;
+}
 
 }  // namespace rubble::RUBBLE_CORE

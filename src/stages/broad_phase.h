@@ -65,11 +65,9 @@ struct ComputeBounds {
     const Real turn = min(s.step.dt * length(s.spin[i]), Real(1)) * p.radius;
     const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
     const Real grow = turn + ownMargin(s, p) + roundOff;
-    // who goes further than its own size may end its way in any direction
-    const Real way = s.step.dt * length(s.velocity[i]);
-    const bool anywhere = way > 2 * p.radius && p.kind == BodyKind::Dynamic;
-    b.centre = anywhere ? x : x + sweep;
-    b.half = boundingHalf(p.shape, q) + (anywhere ? Vec3{way, way, way} : abs(sweep)) + Vec3{grow, grow, grow};
+    // what goes elsewhere is looked for along its way at the end of the step (late_stops.h)
+    b.centre = x + sweep;
+    b.half = boundingHalf(p.shape, q) + abs(sweep) + Vec3{grow, grow, grow};
     int level = 0;
     const Real widest = max(b.half.x, max(b.half.y, b.half.z));
     Real size = cellSize(s, level);

@@ -237,24 +237,38 @@ struct SumChunk {
   }
 };
 
-/// The step of a group whose rows and forces are summed: under-relaxed, and none if it is not finite.
-RUBBLE_HD inline Vec6 groupStep(const Block6& block) {
-  const Vec6 dx = newtonStep(block);
-  const bool valid = isFinite(dx.lin) && isFinite(dx.ang);
-  return valid ? kGroupRelaxation * dx : Vec6{{0, 0, 0}, {0, 0, 0}};
+/// The step of a group whose rows and forces are summed: under-relaxed, and none if it is not finite. `mass`, `inertia` over dt^2; `bounded`: it would have
+/// gone further than forces and inertia allow (solver/block.h).
+RUBBLE_HD inline Vec6 groupStep(const Block6& block, Real mass, const Sym3& inertia, bool& bounded) {
+  Vec6 dx = newtonStep(block);
+  const Vec6 none{{0, 0, 0}, {0, 0, 0}};
+  if (!isFinite(dx.lin) || !isFinite(dx.ang)) return none;
+  bounded = !isWithinWork(block, mass, inertia, dx);
+  if (bounded) dx = diagonalStep(block);
+  return isFinite(dx.lin) && isFinite(dx.ang) ? kGroupRelaxation * dx : none;
 }
-RUBBLE_HD inline Vec6 groupStep(const Group& group, Block6 block) {
+/// That of a group whose inertia is in the block: it goes along its forces.
+RUBBLE_HD inline Vec6 groupStep(const Block6& block) {
+  bool bounded = false;
+  return groupStep(block, Real(0), Sym3{}, bounded);
+}
+RUBBLE_HD inline Vec6 groupStep(const View& s, const Group& group, Block6 block) {
   if (group.locks != 0) lockAxes(block, group.locks);
-  if (!group.soft) return groupStep(block);
-  const Vec3 dx = solve(Block3{block.ll, block.fl});
-  return {isFinite(dx) ? kGroupRelaxation * dx : Vec3{0, 0, 0}, {0, 0, 0}};
+  if (group.soft) {
+    const Vec3 dx = solve(Block3{block.ll, block.fl});
+    return {isFinite(dx) ? kGroupRelaxation * dx : Vec3{0, 0, 0}, {0, 0, 0}};
+  }
+  bool bounded = false;
+  const Vec6 dx = groupStep(block, group.inertia.ll.xx, group.inertia.aa, bounded);
+  if (bounded) atomicCount(&s.counters->boundedSteps, 1);
+  return dx;
 }
 
 struct SolveGroup {
   static constexpr const char* kName = "coarse";
   RUBBLE_HD void operator()(const View& s, int g) const {
     Group& group = s.group[g];
-    group.step = groupStep(group, sumOf(s, group));
+    group.step = groupStep(s, group, sumOf(s, group));
   }
   RUBBLE_HD static int groupOf(const View&, int g) { return g; }
   /// Its local problem: inertia and the sums of its chunks.

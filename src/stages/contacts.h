@@ -88,6 +88,7 @@ struct PairRows {
   Vec3 t;
   Real mu;  ///< friction of this step, static or dynamic
   bool bothMove;
+  Real heavier;          ///< k_start by the mass of the heavier body [N/m]
   Vec3 belt;  ///< [m], see PairMaterial
   StiffnessRule normal, tangent;
 };
@@ -120,6 +121,22 @@ RUBBLE_HD inline bool slides(const Manifold& m, Real muStatic) {
   return 2 * yielding > load && slip * stiffness > kLeastSlip * muStatic * load * load;
 }
 
+/// Speed at which the fastest of the points of a manifold that stop an approach in this step closes, 0: none does [m/s].
+RUBBLE_HD inline Real fastestPoint(const View& s, const Manifold& m, const PairRows& p, const Vec3& n) {
+  Real fastest = 0;
+  for (int k = 0; k < m.count; ++k) {
+    const PointAt point = pointAt(m, k, n, p.qa, p.qb, p.t);
+    const Real closing = closingSpeed(s, p.bodies, n, point.lever, p.t);
+    if (hits(s.step, closing, point.depth)) fastest = max(fastest, closing);
+  }
+  return fastest;
+}
+/// The mass that a load stands for over dt^2, for each newton: the load |lambda| of a weight stands for |lambda| / a, that of an impact which ends a speed in
+/// the step for |lambda| dt / speed. [1/m]
+RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real length, Real speed) {
+  return c.inverseDt / max(loadAcceleration(c, length) * c.dt, speed);
+}
+
 /// Begins the rows of manifold i: everything but its points. `r` is all zeros.
 RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   const StepConstants& c = s.step;
@@ -145,7 +162,9 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   const Real heavier = max(pa.kind == BodyKind::Dynamic ? pa.mass : Real(0), pb.kind == BodyKind::Dynamic ? pb.mass : Real(0));
   r.most = max(c.maxMultiplier, kMostImpacts * heavier * pairSpeed(s, o.a, o.b, pa, pb).closing * c.inverseDt);
   p.belt = material.belt;
+  p.heavier = startStiffness(c, max(pa.mass, pb.mass));
   p.normal = contactRule(c, r.start, r.length);
+  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, r.length, max(fastestPoint(s, m, p, r.n), agitationOf(s, o.a, o.b)));
   p.tangent = tangentRule(c, p.normal);
   return p;
 }
@@ -172,7 +191,7 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
   StiffnessRule normal = p.normal;
   Real most = r.most;
   if (p.bothMove) {
-    normal.limit = contactCeiling(c, r.start, r.length, point.depth);
+    normal.limit = contactCeiling(c, p.heavier, r.length, point.depth);
     most = min(most, normal.limit / normal.perLoad);
   }
   const Real lambda = min(warmMultiplier(c, m.lambdaN[k], true), most);

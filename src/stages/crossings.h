@@ -21,8 +21,8 @@ inline constexpr Real kLeastSurfaceGap = Real(.25);
 inline constexpr Real kLeastSurfaceShare = Real(.8);
 /// What a change adds to the distance at a meeting, in distances that the parts may come nearer by: else it would be met again [1].
 inline constexpr Real kClearance = Real(.2);
-/// Rounds in which ways are changed, at most, and pairs for each vertex and edge that may be looked at in all of them: the more pairs a tangle has, the
-/// fewer rounds.
+/// Rounds in which ways are changed, at most, and pairs for each vertex and edge of an object that may be looked at in all of them: the more pairs a
+/// tangle has, the fewer rounds.
 inline constexpr int kDeflections = 20, kDeflectedPairs = 32 * kDeflections;
 /// Halvings of a way after which nothing of it is left, and rounds for that: to stop one vertex may let others meet it.
 inline constexpr int kMostHalvings = 3, kCuts = 8;
@@ -31,10 +31,11 @@ inline constexpr int kStays = 4;
 /// No step has more rounds than these: what is not resolved then does not move, and nothing that stands still crosses.
 inline constexpr int kMostCrossingRounds = kDeflections + kCuts + kStays + 1;
 
-/// Rounds of this step in which ways are changed.
-RUBBLE_HD inline int deflections(const View& s) {
-  const int pairs = max(s.counters->nearFeatures, 1), owners = s.vertices + s.edges;
-  return static_cast<int>(clamp(kDeflectedPairs * static_cast<Real>(owners) / static_cast<Real>(pairs), Real(1), static_cast<Real>(kDeflections)));
+/// Rounds of this step in which ways of the object of a vertex are changed.
+RUBBLE_HD inline int deflections(const View& s, int v) {
+  const VertexRepair& object = s.vertexRepair[s.vertexParams[v].first];
+  const Real most = static_cast<Real>(kDeflections), share = static_cast<Real>(object.owners) / static_cast<Real>(max(object.nearPairs, 1));
+  return static_cast<int>(clamp(kDeflectedPairs * share, Real(1), most));
 }
 
 /// Clears what the step before has left. Before the grid is filled: boxes hold all detours.
@@ -93,6 +94,12 @@ struct WriteNear {
     if (owner == 0) s.counters->crossingWork = max(s.vertices, s.counters->nearFeatures);
     int n = s.nearOffset[owner];
     const int count = s.nearOffset[owner + 1] - n;
+    if (count > 0) {
+      int own[2];
+      ownerCorners(s, owner, own);
+      VertexRepair& object = s.vertexRepair[s.vertexParams[own[0]].first];
+      atomicCount(&object.owners, 1), atomicCount(&object.nearPairs, count);
+    }
     const auto write = [&](int feature) { s.nearFeature[n++] = {owner, feature, 0}; };
     if (count > kPointPairSlots) {
       searchNear(s, owner, write);
@@ -182,7 +189,7 @@ struct TakeWays {
   }
   RUBBLE_HD static bool mustStay(const View& s, int v) {
     return s.vertexRepair[s.vertexParams[v].first].stays != 0 ||
-           (s.vertexRepair[v].isNear != 0 && s.counters->crossingRounds >= deflections(s) + kCuts + kStays);
+           (s.vertexRepair[v].isNear != 0 && s.counters->crossingRounds >= deflections(s, v) + kCuts + kStays);
   }
 };
 
@@ -200,7 +207,9 @@ struct ProposeWays {
     if (near.meets == 0) return;
     atomicCount(&s.counters->crossings, 1);
     for (const int v : p.v) atomicCount(&s.vertexRepair[v].hits, 1);
-    const int rounds = s.counters->crossingRounds - deflections(s);
+    int most = kDeflections;
+    for (const int v : p.v) most = min(most, deflections(s, v));
+    const int rounds = s.counters->crossingRounds - most;
     if (rounds <= 0) return deflect(s, p, m, clear);
     for (const int v : p.v)
       if (rounds > kCuts) atomicSet(&s.vertexRepair[s.vertexParams[v].first].stays, 1);

@@ -48,6 +48,7 @@ RUBBLE_HD inline BodyEnd endOf(const View& s, int i) {
   end.q = normalize((stopped ? expRotation(s.stopped[i].dw) : x) * start);
   end.move = stopped ? s.stopped[i].dp : d.dp;
   end.v = c.inverseDt * d.dp;
+  if (stopped) end.v -= unusedPush(s, i, end.v);
   if (c.literalRotations) {
     end.w = c.inverseDt * (Real(2) * shortArc(x).v);
     end.limited = limitSpin(end.w, c.dt);

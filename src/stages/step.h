@@ -6,6 +6,7 @@
 #include "stages/coarse.h"
 #include "stages/coloring.h"
 #include "stages/island_momentum.h"
+#include "stages/late_stops.h"
 #include "stages/rare_contacts.h"
 #include "stages/rare_stops.h"
 #include "stages/sleep.h"
@@ -274,6 +275,7 @@ void stopFastBodies(E& e) {
     if (round > 0) e.forEach(NoteStops{round}, e.view().bodies);
     e.forEach(FindStops{round}, &Counters::swept);
     if (e.view().rareShapes) e.forEach(FindRareStops{round}, &Counters::swept);
+    if (round == 0) e.forEach(FindLateStops{}, e.view().bodies);
   }
   if (joints) {
     e.forEach(RaiseStops{}, e.view().bodies);
@@ -281,6 +283,7 @@ void stopFastBodies(E& e) {
   }
   e.forEach(ChooseStops{}, &Counters::swept);
   e.forEach(StopBodies{}, &Counters::swept);
+  e.forEach(StopLateBodies{}, e.view().bodies);
 }
 
 /// What islands that nothing holds are short of.

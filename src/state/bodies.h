@@ -188,7 +188,7 @@ struct Counters {
   int swept;    ///< pairs to be searched for fast bodies: all, or none
   int stopped;  ///< bodies that stopped at an impact
   int asleep;   ///< bodies that sleep after this step
-  int quarantined, failedSolves, spinLimited, broken;
+  int quarantined, failedSolves, boundedSteps, spinLimited, broken;
   int pointPairs, pointContacts, pointEntries;
   int bounces, bounceRows;        ///< 1: a contact with restitution closes fast; contacts, if one does
   int bounceSpread, bounceSpreads, bounceBound, bounceBounds, bounceLeft, bounceTurns;  ///< of its rounds: what is left to do, and how many there were

@@ -65,6 +65,7 @@ struct VertexRepair {
   int changed;              ///< 1: its way is another than in the round before
   int isNear;               ///< 1: parts of it may meet others
   int stays;                ///< of the first vertex of an object, 1: the whole object stays where it is
+  int owners, nearPairs;    ///< likewise: its vertices and edges that may meet something, and the pairs that they own
   Real unit;                ///< of shift [m]
   Vec3 detour;              ///< what has changed in all [m]
 };

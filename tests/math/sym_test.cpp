@@ -1,4 +1,6 @@
 /// Symmetric matrices and the 6x6 solve against Eigen.
+#include "math/block3.h"
+
 #include <math/sym.h>
 
 #include "tests/support/eigen.h"
@@ -59,7 +61,7 @@ TEST(Sym3, OuterProductRotatedDiagonalAndSolveAgreeWithEigen) {
     EXPECT_NEAR((eigen(m * a) - eigenOf(m) * eigen(a)).norm(), 0, 1e-14);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR((eigen(m.column(k)) - eigenOf(m).col(k)).norm(), 0, 0);
     const Eigen::Vector3d expected = eigenOf(m).llt().solve(eigen(b));
-    EXPECT_NEAR((eigen(solve(m, b)) - expected).norm(), 0, 1e-12 * expected.norm());
+    EXPECT_NEAR((eigen(solve(Block3{m, b})) - expected).norm(), 0, 1e-12 * expected.norm());
   }
 }
 
@@ -69,7 +71,7 @@ TEST(Sym3, SolveDoesNotDependOnTheScaleOfTheMatrix) {
     const Sym3 unit = rotateDiagonal(random.rotation(), {.5, 1, 2});
     const Sym3 m{scale * unit.xx, scale * unit.xy, scale * unit.xz, scale * unit.yy, scale * unit.yz, scale * unit.zz};
     const Vec3 b = random.vector();
-    EXPECT_TRUE(test::near(solve(m, b) * scale, solve(unit, b), 1e-12));
+    EXPECT_TRUE(test::near(solve(Block3{m, b}) * scale, solve(Block3{unit, b}), 1e-12));
   }
 }
 

@@ -261,6 +261,9 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
   };
   const double start = energy(), scale = world.quality().kineticEnergy + 1e-9;
   const double least = *std::min_element(bin.size.begin(), bin.size.end());
+  // the origin of the frame of a hull may be outside of it
+  std::vector<Vec3> centreOfMass;
+  for (int k = 0; k < count; ++k) centreOfMass.push_back(world.massOf(world.bodyAt(bin.walls + k)).centre);
   std::vector<bool> gone(std::size_t(count), false);
   const auto indexOf = [&](BodyId id) { return static_cast<int>(id.index) - bin.walls; };
   for (int i = 0; i < steps; ++i) {
@@ -271,7 +274,8 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
       if (gain > out.energyGain) out.energyGain = gain;
       for (int k = 0; k < count; ++k) {
         if (gone[std::size_t(k)]) continue;
-        const Vec3 d = abs(world.state(world.bodyAt(bin.walls + k)).position - bin.centre) - bin.inner;
+        const BodyState body = world.state(world.bodyAt(bin.walls + k));
+        const Vec3 d = abs(body.position + rotate(body.orientation, centreOfMass[std::size_t(k)]) - bin.centre) - bin.inner;
         if (std::max({d.x, d.y, d.z}) > .05 * least) {
           gone[std::size_t(k)] = true;
           out.what += " body " + std::to_string(k) + " left at step " + std::to_string(i);

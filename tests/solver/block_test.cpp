@@ -84,7 +84,7 @@ TEST(Block, DescendReachesTheInertialTargetInOneStepWithoutRows) {
   Block6 block;
   setInertialForce(block, m, x, y, 3600);
   setInertialHessian(block, m, 3600);
-  ASSERT_TRUE(descend(block, x));
+  ASSERT_EQ(descend(block, m, 3600, x), Descent::Newton);
   EXPECT_TRUE(test::near(x.p, y.p, 1e-14));
   EXPECT_TRUE(test::sameRotation(x.q, y.q, 1e-6));
 }
@@ -97,10 +97,38 @@ TEST(Block, DescendTakesNoStepThatIsNotFinite) {
     (i < 3 ? broken.fl : broken.fa)[i % 3] = std::numeric_limits<Real>::quiet_NaN();
     Pose x = randomPose(random);
     const Pose before = x;
-    EXPECT_FALSE(descend(broken, x)) << i;
+    EXPECT_EQ(descend(broken, massMatrix(1, {1, 1, 1}, Quat{}), 3600, x), Descent::Failed) << i;
     EXPECT_EQ(x.p, before.p);
     EXPECT_EQ(x.q, before.q);
   }
+}
+
+/// Rows up to 1e24 times as stiff as the inertia, of which a double keeps no digit.
+TEST(Block, NoStepHasMoreKineticEnergyThanItsForcesDoWork) {
+  Random random(9);
+  int bounded = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Real inverseDt2 = random.logUniform(1e2, 1e5);
+    const MassMatrix m = massMatrix(random.logUniform(1e-3, 1e3), random.logUniform(1e-6, 1e2) * Vec3{1, random.uniform(.5, 1), random.uniform(.5, 1)}, random.rotation());
+    Block6 block;
+    const Pose start{random.vector(.1), expRotation(random.vector(.1))};
+    setInertialForce(block, m, start, {}, inverseDt2);
+    setInertialHessian(block, m, inverseDt2);
+    const Real k = m.mass * inverseDt2 * random.logUniform(1, 1e24);
+    for (int row = 0; row < 4; ++row) {
+      const Vec3 n = random.direction(), r = random.vector(random.logUniform(1e-3, 1e2));
+      addAtLever(block, r, (k * random.uniform(-1e-3, 1e-3)) * n, outer(n, k));
+    }
+    Pose x = start;
+    const Descent how = descend(block, m, inverseDt2, x);
+    bounded += how == Descent::Diagonal;
+    const Vec6 dx{x.p - start.p, difference(x, start).ang};
+    const Real work = dot(Vec6{block.fl, block.fa}, dx), size = length(block.fl) * length(dx.lin) + length(block.fa) * length(dx.ang);
+    const Real motion = inverseDt2 * (m.mass * dot(dx.lin, dx.lin) + dot(dx.ang, m.inertia * dx.ang));
+    // a turn by w has the chord 2 sin(w / 2)
+    EXPECT_LE(motion, 2 * work + 1e-13 * size + .3 * std::fabs(work)) << i;
+  }
+  EXPECT_GT(bounded, 0);
 }
 
 TEST(Block, CurvatureNormsAreThoseOfTheColumnsOfS) {

@@ -35,6 +35,7 @@ void reportCounters(const View& s, StepReport& report) {
   report.stoppedBodies = c.stopped;
   report.quarantined = c.quarantined;
   report.failedSolves = c.failedSolves;
+  report.boundedSteps = c.boundedSteps;
   report.spinLimited = c.spinLimited;
   report.unsettledImpacts = c.bouncesLeft;
 }

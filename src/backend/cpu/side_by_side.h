@@ -81,18 +81,20 @@ struct Together<SolveBody<Real4>> {
         addRows<Real4>(s, s.entryOffset[body[lane]] + done, s.entryOffset[body[lane] + 1], own[lane].block);
       gatherBlocks(own, block);
     }
-    if (locks == 0 && descendTogether(s, body, block, x)) return;
+    if (locks == 0 && descendTogether(s, body, target.mass, block, x)) return;
     PaddedBlock own[kLanes];
     scatterBlocks(block, own);
     for (int lane = 0; lane < kLanes; ++lane) finishBlock(s, body[lane], own[lane].block, {s.moved[body[lane]].dp, s.turned[body[lane]]});
   }
 
  private:
-  /// As finishBlock; false, and nothing is done, where one of the four needs its care: a large rotation, a step that is not finite.
-  static bool descendTogether(const View& s, const Four& body, const Block6T<Real4>& block, const PoseT<Real4>& x) {
+  /// As finishBlock; false, and nothing is done, where one of the four needs its care: a large rotation, a step that is not finite or too long.
+  static bool descendTogether(const View& s, const Four& body, const MassMatrixT<Real4>& m, const Block6T<Real4>& block, const PoseT<Real4>& x) {
     const auto splat = [](Real a) { return LaneAccess<Real4>::splat(a); };
     const Vec6T<Real4> dx = newtonStep(block);
     if (!areFinite(dx.lin) || !allOf(dot(dx.ang, dx.ang) <= splat(kMostTurn * kMostTurn))) return false;
+    const Real4 inverseDt2 = splat(s.step.inverseDt * s.step.inverseDt);
+    if (!allOf(isWithinWork(block, inverseDt2 * m.mass, inverseDt2 * m.inertia, dx))) return false;
     const PoseT<Real4> then = retract(x, dx);
     return allOf(absOf(then.q.s) >= splat(kMostTurned)) && placeTogether(s, body, then);
   }
@@ -201,10 +203,12 @@ struct Together<SolveGroup> {
       own[lane].block = SolveGroup::sumOf(s, group);
       rare |= group.locks | group.soft;
     }
-    Block6T<Real4> block;
+    Block6T<Real4> block, inertia;
     gatherBlocks(own, block);
+    for (int lane = 0; lane < kLanes; ++lane) own[lane].block = s.group[index[lane]].inertia;
+    gatherBlocks(own, inertia);
     const Vec6T<Real4> dx = newtonStep(block);
-    if (rare != 0 || !areFinite(dx.lin) || !areFinite(dx.ang)) {
+    if (rare != 0 || !areFinite(dx.lin) || !areFinite(dx.ang) || !allOf(isWithinWork(block, inertia.ll.xx, inertia.aa, dx))) {
       for (int lane = 0; lane < kLanes; ++lane) SolveGroup{}(s, index[lane]);
       return;
     }

@@ -224,7 +224,7 @@ __device__ void handOn(const View& s, const SumTree& tree, int i, Group& group, 
   if (!tree.carryUp(s, group, i, tile, sums)) return;
   Block6 block = group.inertia;
   block += gatherSums(tile, sums);
-  const Vec6 dx = groupStep(group, block);
+  const Vec6 dx = groupStep(s, group, block);
   if (tile.lane == 0) group.step = dx;
 }
 

@@ -1,0 +1,104 @@
+#pragma once
+/// Stops of bodies that go where the broad phase did not look: boxes are swept by the velocities before the step, and an impact or the pull of a joint
+/// may make a body fast within it. Its way is checked against all bodies along it with which it makes no pair.
+#include "stages/grid_walk.h"
+#include "stages/rare_stops.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Does the way of a body lead out of the box that the broad phase gave it?
+RUBBLE_HD inline bool leavesBounds(const View& s, int i) {
+  const BodyParams& p = s.params[i];
+  const Bounds& b = s.bounds[i];
+  const Displacement& d = s.moved[i];
+  const Real turn = min(length(d.dw), Real(1)) * p.radius;
+  const Vec3 half = boundingHalf(p.shape, s.orientation[i]) + Real(.5) * abs(d.dp) + Vec3{turn, turn, turn};
+  const Vec3 away = abs(Vec3(s.position[i]) + Real(.5) * d.dp - b.centre);
+  const Real slack = ownMargin(s, p);
+  return away.x + half.x > b.half.x + slack || away.y + half.y > b.half.y + slack || away.z + half.z > b.half.z + slack;
+}
+
+/// Do part `part` of a body and a part of another make a pair in this step? Against a surface, whatever the slot.
+RUBBLE_HD inline bool makePair(const View& s, int body, int part, int other, int otherPart, bool surface) {
+  for (int side = 0; side < 2; ++side) {
+    const int owner = side == 0 ? body : other, partner = side == 0 ? other : body;
+    const int own = side == 0 ? part : otherPart, its = side == 0 ? otherPart : part;
+    for (int k = s.pairOffset[owner]; k < s.pairOffset[owner + 1]; ++k) {
+      const Pair& p = s.pair[k];
+      if (p.other != partner) continue;
+      if (surface ? static_cast<int>(p.first) == part : static_cast<int>(p.first) == own && p.second == its) return true;
+    }
+  }
+  return false;
+}
+
+/// Where a part of a body meets one of another that it makes no pair with.
+RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way, const PlacedAny& other, const Way& otherWay, double tolerance) {
+  const ShapeTables& tables = part.tables;
+  const Real thin = thinner(innerRadiusOf(tables, part.shape), innerRadiusOf(tables, other.shape));
+  if (part.shape.kind == ShapeKind::Distance || other.shape.kind == ShapeKind::Distance) {
+    const auto any = [](const Vec3d&, const Meeting&) { return true; };
+    const MeetRule rule{tolerance, true, static_cast<double>(thin)};
+    return part.shape.kind == ShapeKind::Distance ? meetField(part, way, other, otherWay, rule, any) : meetField(other, otherWay, part, way, rule, any);
+  }
+  const Placed convex = asConvex(part);
+  if (!isSurface(other.shape.kind)) return meeting(convex, way, asConvex(other), otherWay, tolerance);
+  const double allowed = static_cast<double>(kHeldInSurface * thin), more = static_cast<double>(kDeeperYetAtRest * thin);
+  const auto meet = [&](const Placed& triangle, const Vec3d& up) {
+    const Meeting first = meeting(triangle, otherWay, convex, way, tolerance);
+    return first.fraction > 0 ? first : meetingBeyond(triangle, otherWay, convex, way, up, false, allowed, more);
+  };
+  return meetTriangles(other, otherWay, convex, way, {tolerance, true, allowed}, meet);
+}
+
+struct FindLateStops {
+  static constexpr const char* kName = "stops";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.counters->swept == 0 || s.fast[i] == 0 || s.params[i].kind != BodyKind::Dynamic || isSensor(s, i) || !leavesBounds(s, i)) return;
+    const BodyParams& p = s.params[i];
+    const Displacement& d = s.moved[i];
+    const Real turn = min(length(d.dw), Real(1)) * p.radius;
+    const Vec3 half = boundingHalf(p.shape, s.orientation[i]) + Vec3{turn, turn, turn};
+    double limit = 1;
+    visitAlong(s, s.position[i], Vec3d(d.dp), Vec3d(half), limit, [&](int other) {
+      if (other == i || isSensor(s, other) || !mayCollide(s, i, other)) return;
+      const double fraction = meetBody(s, i, other);
+      if (!(fraction <= 1)) return;
+      const int bits = floatBits(static_cast<Real>(1 - fraction));
+      atomicRaise(&s.stopBits[i], bits);
+      if (stopsAt(s, other, i)) atomicRaise(&s.stopBits[other], bits);
+    });
+  }
+
+  /// Part of the way of body i after which it meets another.
+  RUBBLE_HD static double meetBody(const View& s, int i, int other) {
+    const ShapeData &own = s.params[i].shape, &its = s.params[other].shape;
+    const bool surface = isSurface(own.kind) || isSurface(its.kind);
+    const int ownParts = parts::count(s, own), itsParts = parts::count(s, its);
+    const Way way = wayIn(s, i), otherWay = wayIn(s, other);
+    const double tolerance = static_cast<double>(kMeetingGap * pairLength(s.params[i], s.params[other]));
+    double first = kNeverMet;
+    for (int k = 0; k < ownParts; ++k)
+      for (int j = 0; j < itsParts; ++j) {
+        if (makePair(s, i, surfaceIsFirst(own.kind, its.kind) ? j : k, other, j, surface)) continue;
+        const PlacedAny a = placedAny(s.shapeTables(), own, {0, 0, 0}, s.orientation[i], k);
+        const PlacedAny b = placedAny(s.shapeTables(), its, s.position[other] - s.position[i], s.orientation[other], j);
+        const Meeting m = meetingUnforeseen(a, way, b, otherWay, tolerance);
+        if (m.fraction > 0) first = min(first, m.fraction);
+      }
+    return first;
+  }
+};
+
+/// The way of a body that has stopped at one with which it makes no pair.
+struct StopLateBodies {
+  static constexpr const char* kName = "stops";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.counters->swept == 0 || s.stopBits[i] == 0 || s.stopPair[i] != 0) return;
+    atomicCount(&s.counters->stopped, 1);
+    const Real done = Real(1) - fromFloatBits(s.stopBits[i]);
+    s.stopped[i] = {done * s.moved[i].dp, 0, done * s.moved[i].dw, 0};
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE
