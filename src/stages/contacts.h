@@ -122,12 +122,12 @@ RUBBLE_HD inline bool slides(const Manifold& m, Real muStatic) {
 }
 
 /// Speed at which the fastest of the points of a manifold that stop an approach in this step closes, 0: none does [m/s].
-RUBBLE_HD inline Real fastestPoint(const View& s, const Manifold& m, const PairRows& p, const Vec3& n) {
+RUBBLE_HD inline Real fastestPoint(const View& s, const Manifold& m, const PairRows& p, const Vec3& n, Real length) {
   Real fastest = 0;
   for (int k = 0; k < m.count; ++k) {
     const PointAt point = pointAt(m, k, n, p.qa, p.qb, p.t);
     const Real closing = closingSpeed(s, p.bodies, n, point.lever, p.t);
-    if (hits(s.step, closing, point.depth)) fastest = max(fastest, closing);
+    if (hits(s.step, closing, point.depth, length)) fastest = max(fastest, closing);
   }
   return fastest;
 }
@@ -164,7 +164,7 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   p.belt = material.belt;
   p.heavier = startStiffness(c, max(pa.mass, pb.mass));
   p.normal = contactRule(c, r.start, r.length);
-  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, r.length, max(fastestPoint(s, m, p, r.n), agitationOf(s, o.a, o.b)));
+  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, r.length, max(fastestPoint(s, m, p, r.n, r.length), agitationOf(s, o.a, o.b)));
   p.tangent = tangentRule(c, p.normal);
   return p;
 }
