@@ -34,8 +34,11 @@ RUBBLE_HD inline Sym3 rotateDiagonal(const Quat& q, const Vec3& d) {
   m += outer(r.c2, d.z);
   return m;
 }
-/// Solves M x = b for a symmetric positive definite 3x3 M, by cofactors.
-RUBBLE_HD inline Vec3 solve(const Sym3& m, const Vec3& b) {
+/// Solves M x = b for a symmetric positive definite 3x3 M, by cofactors: products of three elements, which are made about 1 first.
+RUBBLE_HD inline Vec3 solve(const Sym3& given, const Vec3& right) {
+  const Real unit = Real(1) / (given.xx + given.yy + given.zz);
+  const Sym3 m = unit * given;
+  const Vec3 b = unit * right;
   const Vec3 c0 = cross(m.column(1), m.column(2)), c1 = cross(m.column(2), m.column(0)), c2 = cross(m.column(0), m.column(1));
   const Real det = dot(m.column(0), c0);
   const Real floor = Real(1e-12) * m.xx * m.yy * m.zz;
