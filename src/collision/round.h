@@ -125,7 +125,7 @@ RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa
     // over a face: each end of the part of the axis above it
     Real from = -1, to = 1;
     for (int i = 0; i < 3; ++i) {
-      if (i == faceAxis || std::fabs(half[i]) < Real(1e-9)) continue;
+      if (i == faceAxis || half[i] == Real(0)) continue;
       const Real a = (-h[i] - centre[i]) / half[i], b = (h[i] - centre[i]) / half[i];
       from = max(from, min(a, b));
       to = min(to, max(a, b));

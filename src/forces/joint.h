@@ -341,7 +341,8 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
       jacobianOf<P>(spec, joint, a, b, side, j);
       at.change += dot(j[0], bodies[side].change);
       // a carrier of wheels that turn against one another may feel nothing
-      if (!(lengthSquared(j[0].lin) + lengthSquared(j[0].ang) > Real(1e-8))) continue;
+      const Real arm = P::kUnit == RowUnit::Linear ? joint.length : Real(1);
+      if (!(lengthSquared(j[0].lin) + lengthSquared(j[0].ang) / (arm * arm) > Real(1e-8))) continue;
       const Real own = axisInertia(bodies[side], side == 2 ? a.carrier.q : b.carrier.q, j[0], {0, 0, 0});
       at.inertia = at.inertia > Real(0) ? min(at.inertia, own) : own;
     }

@@ -98,7 +98,7 @@ struct PointContactStart {
 /// Regularises and warm-starts [S 12] [S 17] rows whose geometry is set, from those of the step before (or null).
 RUBBLE_HD inline void beginPointContact(const StepConstants& c, PointContact& p, const PointContactStart& s, const PointContact* old) {
   p.start = startStiffness(c, s.rowMass);
-  const bool hits = s.depth + s.closing * c.dt > Real(0) && s.closing > impactSpeed(c, p.length);
+  const bool hits = s.depth + s.closing * c.dt > Real(0) && isImpact(c, s.closing, p.length);
   p.c0 = hits && s.restitution > Real(0) ? s.restitution * s.closing * c.dt : inheritedViolation(c, s.depth);
   p.impact = hits && c.impactRule;
   p.mu = p.muStatic;

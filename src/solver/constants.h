@@ -70,6 +70,12 @@ RUBBLE_HD inline Real impactSpeed(const StepConstants& c, Real length) {
   return max(kImpactShare * std::sqrt(c.gravitySize * length), max(kImpactSteps * c.dt * c.gravitySize, kImpactWay * c.inverseDt * length));
 }
 
+/// closing > impactSpeed(c, length)
+RUBBLE_HD inline bool isImpact(const StepConstants& c, Real closing, Real length) {
+  return closing > kImpactSteps * c.dt * c.gravitySize && closing * closing > kImpactShare * kImpactShare * c.gravitySize * length &&
+         closing > kImpactWay * c.inverseDt * length;
+}
+
 /// Surface speed below which a body of bounding diameter L [m] is still. [m/s]
 RUBBLE_HD inline Real stillSpeed(const StepConstants& c, Real length) {
   const Real a = c.gravitySize > Real(0) ? c.gravitySize : Real(kWeightlessShare) * length * c.inverseDt * c.inverseDt;

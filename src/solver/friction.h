@@ -1,5 +1,7 @@
 #pragma once
 /// Coulomb friction of a contact point: a circular cone in the tangent plane, written for lanes.
+#include <limits>
+
 #include "math/sym.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -26,7 +28,7 @@ inline constexpr Real kSlidingResistance = Real(.5);
 template <class L>
 RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L normalForce, L mu, L muDynamic, bool coneHessian) {
   using A = LaneAccess<L>;
-  const L zero = A::splat(0), one = A::splat(1), tiny = A::splat(Real(1e-12));
+  const L zero = A::splat(0), one = A::splat(1), tiny = A::splat(std::numeric_limits<Real>::min());
   const L l1 = k * c1 + lambda1, l2 = k * c2 + lambda2;
   const L size = sqrtOf(l1 * l1 + l2 * l2);
   const auto stick = size <= mu * normalForce;

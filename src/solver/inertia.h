@@ -52,13 +52,15 @@ struct SpinMomentum {
   RUBBLE_HD Vec3 refine(const Vec3& w, const Vec3& wanted) const {
     const Vec3 x = dt * w, h = mul(inertia, w), turn = cross(x, h), twice = cross(x, turn);
     const MomentumCurve c = momentumCurve(dot(x, x));
+    // products of three moments leave the range of a float
+    const Real unit = Real(1) / (inertia.x + inertia.y + inertia.z);
     const auto column = [&](const Vec3& axis, Real moment, Real along) {
       const Vec3 change = dt * cross(axis, h) + moment * cross(x, axis);
-      return moment * axis + (side / 2) * change + c.value * (dt * cross(axis, turn) + cross(x, change)) + (2 * c.slope * dt * along) * twice;
+      return unit * (moment * axis + (side / 2) * change + c.value * (dt * cross(axis, turn) + cross(x, change)) + (2 * c.slope * dt * along) * twice);
     };
     const Vec3 c0 = column({1, 0, 0}, inertia.x, x.x), c1 = column({0, 1, 0}, inertia.y, x.y), c2 = column({0, 0, 1}, inertia.z, x.z);
     const Vec3 k0 = cross(c1, c2), k1 = cross(c2, c0), k2 = cross(c0, c1);
-    const Vec3 missing = wanted - (h + (side / 2) * turn + c.value * twice);
+    const Vec3 missing = unit * (wanted - (h + (side / 2) * turn + c.value * twice));
     return w + Vec3{dot(k0, missing), dot(k1, missing), dot(k2, missing)} / dot(c0, k0);
   }
 };

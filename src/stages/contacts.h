@@ -177,7 +177,7 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
   const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);
   const bool impact = hits(c, closing, point.depth, r.length), awake = m.awake >> k & 1;
   if (point.depth > c.contactMargin * r.length) notePressed(s, o, point.depth);
-  if (awake && r.restitution > Real(0) && s.counters->bounces == 0 && closing > impactSpeed(c, r.length)) atomicRaise(&s.counters->bounces, 1);
+  if (awake && r.restitution > Real(0) && s.counters->bounces == 0 && isImpact(c, closing, r.length)) atomicRaise(&s.counters->bounces, 1);
 
   const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
   Real drift1 = stuck ? m.drift1[k] : Real(0), drift2 = stuck ? m.drift2[k] : Real(0);

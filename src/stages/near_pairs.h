@@ -20,7 +20,7 @@ struct FindAgitation {
     const Pair p = s.pair[i];
     const BodyParams &po = s.params[p.owner], &pb = s.params[p.other];
     const PairSpeed speed = pairSpeed(s, p.owner, p.other, po, pb);
-    if (speed.closing < impactSpeed(s.step, pairLength(po, pb)) || speed.bullet || isSensor(s, p.owner) || isSensor(s, p.other)) return;
+    if (!isImpact(s.step, speed.closing, pairLength(po, pb)) || speed.bullet || isSensor(s, p.owner) || isSensor(s, p.other)) return;
     const auto agitate = [&](int body, const BodyParams& own, const BodyParams& other) {
       const int bits = floatBits(speed.closing * shareOfImpact(own, other));
       if (own.kind == BodyKind::Dynamic && bits > s.agitation[body]) atomicRaise(&s.agitation[body], bits);
@@ -52,7 +52,7 @@ RUBBLE_HD inline Real closingSpeed(const View& s, const OrderedPair& o, const Ve
 
 /// Does a point at this depth stop a fast approach in the step? `length` of its pair [m].
 RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth, Real length) {
-  return depth + closing * c.dt > Real(0) && closing > impactSpeed(c, length);
+  return depth + closing * c.dt > Real(0) && isImpact(c, closing, length);
 }
 
 /// Displacement of a body at its inertial target.
@@ -66,14 +66,21 @@ RUBBLE_HD inline Displacement targetDisplacement(const View& s, int body) {
 /// round-off, and of no consequence.
 inline constexpr Real kDormantGap = Real(1e-3);
 
+/// Do the bodies of a pair part at a point, struck by no other?
+RUBBLE_HD inline bool partsAlone(const View& s, const OrderedPair& o, Real closing, Real agitation) {
+  // the pair is one of those that agitate its bodies
+  return closing < Real(0) && agitation <= Real(1.001) * pairSpeed(s, o.a, o.b, s.params[o.a], s.params[o.b]).closing;
+}
+
 /// Does a point take part in the step? It does if it bears a load, or if it does not stay open at the inertial targets of both bodies.
 struct WakeRule {
   Displacement a, b;  ///< at the targets
   RUBBLE_HD bool operator()(const View& s, const OrderedPair& o, const PairPose& pair, const Vec3& n, const PointAt& p, Real lambda) const {
     if (!s.step.dormantRows || lambda != Real(0)) return true;
-    if (hits(s.step, closingSpeed(s, o, n, p.lever, pair.t), p.depth, pair.length)) return true;
+    const Real closing = closingSpeed(s, o, n, p.lever, pair.t), agitation = agitationOf(s, o.a, o.b);
+    if (hits(s.step, closing, p.depth, pair.length)) return true;
     // a body that is struck in this step goes elsewhere than its target says
-    if (inheritedViolation(s.step, p.depth) + s.step.dt * agitationOf(s, o.a, o.b) > Real(0)) return true;
+    if (inheritedViolation(s.step, p.depth) + s.step.dt * agitation > Real(0) && !partsAlone(s, o, closing, agitation)) return true;
     const Vec3 move = a.dp + cross(a.dw, p.lever) - b.dp - cross(b.dw, p.lever - pair.t);
     return inheritedViolation(s.step, p.depth) + dot(n, move) >= -kDormantGap * pair.length;
   }

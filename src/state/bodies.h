@@ -114,7 +114,8 @@ struct alignas(4 * sizeof(Real)) BodyTarget {
 struct Bounce {
   Vec3 before[kLanes];       ///< multipliers with which the points began the step: normal, tangents [N]
   Real impulse[kLanes];      ///< what the step added to the impulses of the normal rows [N s]
-  Real start, change, gap;   ///< closing speed at x^t, what forces add to it [m/s], gap at x^t [m], by the loads of the points
+  Real start, change;        ///< closing speed at x^t, and what forces add to it, by the loads of the points [m/s]
+  Real gap, end;             ///< gap at x^t and at the end of the step, below 0 in one another, likewise [m]
   Real time;                 ///< until it acts, below 0: it does not [s]
   int carries, state;        ///< its load changed as in an impact; BounceState
 };
