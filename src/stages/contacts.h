@@ -124,6 +124,8 @@ RUBBLE_HD inline bool slides(const Manifold& m, Real muStatic) {
 /// Speed at which the fastest of the points of a manifold that stop an approach in this step closes, 0: none does [m/s].
 RUBBLE_HD inline Real fastestPoint(const View& s, const Manifold& m, const PairRows& p, const Vec3& n, Real length) {
   Real fastest = 0;
+  const int a = p.bodies.a, b = p.bodies.b;
+  if (!(pairSpeed(s, a, b, s.params[a], s.params[b]).closing > impactSpeed(s.step, length))) return fastest;
   for (int k = 0; k < m.count; ++k) {
     const PointAt point = pointAt(m, k, n, p.qa, p.qb, p.t);
     const Real closing = closingSpeed(s, p.bodies, n, point.lever, p.t);
@@ -131,10 +133,14 @@ RUBBLE_HD inline Real fastestPoint(const View& s, const Manifold& m, const PairR
   }
   return fastest;
 }
-/// The mass that a load stands for over dt^2, for each newton: the load |lambda| of a weight stands for |lambda| / a, that of an impact which ends a speed in
-/// the step for |lambda| dt / speed. [1/m]
+/// The load of an impact stands for so many times the mass that it stops [1]: more would not let rows follow their bodies within the iterations, less does
+/// not carry the impact on through a heap.
+inline constexpr Real kImpactMasses = 20;
+
+/// The mass that a load stands for over dt^2, for each newton: a weight |lambda| stands for |lambda| / a, what ends a speed in the step for up to kImpactMasses
+/// |lambda| dt / speed. [1/m]
 RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real length, Real speed) {
-  return c.inverseDt / max(loadAcceleration(c, length) * c.dt, speed);
+  return c.inverseDt / max(loadAcceleration(c, length) * c.dt, speed / kImpactMasses);
 }
 
 /// Begins the rows of manifold i: everything but its points. `r` is all zeros.

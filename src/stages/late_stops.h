@@ -32,7 +32,8 @@ RUBBLE_HD inline bool makePair(const View& s, int body, int part, int other, int
   return false;
 }
 
-/// Where a part of a body meets one of another that it makes no pair with.
+/// Where a part of a body meets one of another that it makes no pair with, if it would go into it deeper than rows may leave it: what is less the rows of
+/// the next step push out.
 RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way, const PlacedAny& other, const Way& otherWay, double tolerance) {
   const ShapeTables& tables = part.tables;
   const Real thin = thinner(innerRadiusOf(tables, part.shape), innerRadiusOf(tables, other.shape));
@@ -42,7 +43,13 @@ RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way
     return part.shape.kind == ShapeKind::Distance ? meetField(part, way, other, otherWay, rule, any) : meetField(other, otherWay, part, way, rule, any);
   }
   const Placed convex = asConvex(part);
-  if (!isSurface(other.shape.kind)) return meeting(convex, way, asConvex(other), otherWay, tolerance);
+  if (!isSurface(other.shape.kind)) {
+    const Placed its = asConvex(other);
+    const Meeting first = meeting(convex, way, its, otherWay, tolerance);
+    if (first.fraction > 1) return first;
+    const double gap = gapAlong(movedBy(convex, way, 1), movedBy(its, otherWay, 1), first.at.n);
+    return gap < -static_cast<double>(kHeldDepth * thin) ? first : Meeting{kNeverMet, first.at};
+  }
   const double allowed = static_cast<double>(kHeldInSurface * thin), more = static_cast<double>(kDeeperYetAtRest * thin);
   const auto meet = [&](const Placed& triangle, const Vec3d& up) {
     const Meeting first = meeting(triangle, otherWay, convex, way, tolerance);
@@ -76,6 +83,8 @@ struct FindLateStops {
     const bool surface = isSurface(own.kind) || isSurface(its.kind);
     const int ownParts = parts::count(s, own), itsParts = parts::count(s, its);
     const Way way = wayIn(s, i), otherWay = wayIn(s, other);
+    const Real thin = thinner(innerRadiusOf(s.shapeTables(), own), innerRadiusOf(s.shapeTables(), its));
+    if (approach(s, {i, other}, way, otherWay) <= thin) return kNeverMet;
     const double tolerance = static_cast<double>(kMeetingGap * pairLength(s.params[i], s.params[other]));
     double first = kNeverMet;
     for (int k = 0; k < ownParts; ++k)

@@ -39,6 +39,7 @@ ContactCase randomContact(Random& random, Real friction) {
   r.most = 1e30;
   r.start = 10;
   r.length = .5;
+  r.perLoad = contactRule(testConstants(), r.start, r.length).perLoad;
   r.a = 0, r.b = 1;
   for (int k = 0; k < kLanes; ++k) {
     PointLoad& load = r.load[k];

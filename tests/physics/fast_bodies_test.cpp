@@ -63,7 +63,9 @@ TEST(FastBodies, GainNoEnergyWhereTheyStop) {
       stopped += world.step().stoppedBodies;
       EXPECT_LE(energy() - start, 1e-5 * scale) << "case " << i << " step " << n;
     }
-    if (kind != Floor::Plane) EXPECT_GT(stopped, 0) << i;
+    if (kind != Floor::Plane) {
+      EXPECT_GT(stopped, 0) << i;
+    }
   }
 }
 
