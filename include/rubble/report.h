@@ -42,6 +42,8 @@ struct StepReport {
   int quarantined = 0;        ///< bodies frozen in this step because their state was not finite
   int failedSolves = 0;       ///< local problems left unsolved for an iteration because they were not positive definite or not finite
   int spinLimited = 0;        ///< bodies whose spin was above 2 rad a step and was limited
+  /// Largest motion of a body in the last sweep, over its bounding diameter: more iterations would go on from there [1].
+  double unfinishedMotion = 0;
   bool sorted = false;        ///< before the step the bodies were put in another order in memory: views of arrays made earlier are no longer valid
   int restarts = 0;           ///< times the step was begun again with more room
   std::vector<Growth> grown;  ///< what there was too little room for

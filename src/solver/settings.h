@@ -32,6 +32,7 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   constexpr double kEarthGravity = 9.81;
   const double g = length(gravity);
   c.loadAcceleration = static_cast<Real>(t.loadAcceleration * (g > 0 ? g : kEarthGravity));
+  c.up = g > 0 ? Vec3(gravity * (-1 / g)) : Vec3{0, 0, 0};
   c.maxMultiplier = static_cast<Real>(std::min(1e30, static_cast<double>(kMaxMultiplier) * maxMassLength / (dt * dt)));
   c.coneHessian = t.coneHessian;
   c.dormantRows = t.dormantRows;

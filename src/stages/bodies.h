@@ -229,15 +229,22 @@ RUBBLE_HD inline void addJointAlike(const View& s, std::uint32_t code, Block6& b
   else addJoint(s, code, block);
 }
 
+template <class L>
+RUBBLE_HD L squaredStep(const Vec3T<L>& to, const Vec3T<L>& from) {
+  const Vec3T<L> d = to - from;
+  return dot(d, d);
+}
+
 /// Solves the local problem of a body at x and moves it.
 RUBBLE_HD inline void finishBlock(const View& s, int i, Block6 block, Pose x) {
   if (s.target[i].locks != 0) lockAxes(block, s.target[i].locks);
+  const Pose before = x;
   if (!descend(block, x)) {
     atomicCount(&s.counters->failedSolves, 1);
     return;
   }
   s.turned[i] = x.q;
-  s.moved[i] = {x.p, 0, logRotation(x.q), 0};
+  s.moved[i] = {x.p, squaredStep(x.p, before.p), logRotation(x.q), Real(4) * squaredStep(x.q.v, before.q.v)};
 }
 
 /// Adds the row blocks of a body from entry k on.
@@ -265,6 +272,14 @@ struct SolveBody {
     finishBlock(s, i, block, x);
   }
 };
+
+/// What the last sweep moved a body by, over its bounding diameter.
+RUBBLE_HD inline void noteUnfinished(const View& s, int i, const Displacement& d) {
+  const Real radius = s.params[i].radius;
+  const int bits = floatBits((std::sqrt(d.step2) / radius + std::sqrt(d.turn2)) / 2);
+  // most bodies find it high enough
+  if (bits > s.counters->unfinished) atomicRaise(&s.counters->unfinished, bits);
+}
 
 /// Velocities v = (x - x^t) / dt and the new pose. A body that was stopped on its way keeps its momenta. One whose state is not finite stays where it
 /// was, at rest.
@@ -294,6 +309,8 @@ struct FinishBodies {
       s.previousVelocity[i] = s.velocity[i];
       s.velocity[i] = v;
       s.spin[i] = w;
+      s.correction[i] = s.nextCorrection[i];
+      noteUnfinished(s, i, d);
     }
     s.position[i] += Vec3d(stopped ? s.stopped[i].dp : d.dp);
     s.orientation[i] = now;

@@ -37,6 +37,7 @@ void reportCounters(const View& s, StepReport& report) {
   report.quarantined = c.quarantined;
   report.failedSolves = c.failedSolves;
   report.spinLimited = c.spinLimited;
+  report.unfinishedMotion = static_cast<double>(fromFloatBits(c.unfinished));
 }
 
 void CpuEngine::addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) {
