@@ -143,6 +143,65 @@ std::vector<Claim> spinClaims(const Arguments&) {
           atMost("energy_ratio_max", 1.001, "and is not gained"), atLeast("flips", 1, "the middle axis is unstable: the body turns over")};
 }
 
+// Free motion of a body with three moments of inertia: the spin in its own frame is periodic.
+
+constexpr Vec3 kFreeHalf{.5, .3, .1};
+
+Scene buildFree(const Arguments& arguments) {
+  Scene scene = emptyScene(kUpZ, 0);
+  BodyDef body = named("body", block(kFreeHalf, {}, 1000));
+  body.angularVelocity = value(arguments, "speed") * Vec3{.36, .48, .8};
+  scene.bodies.push_back(body);
+  return scene;
+}
+
+/// 4 K(m) / p, from Euler's equations for a spin w about the principal axes, with moments in rising order [s].
+double freePeriod(Vec3 moments, const Vec3& w) {
+  double energy2 = 0, momentum2 = 0;
+  for (int k = 0; k < 3; ++k) energy2 += moments[k] * w[k] * w[k], momentum2 += moments[k] * moments[k] * w[k] * w[k];
+  // about the axis of the least moment it goes as about that of the largest
+  if (momentum2 < energy2 * moments.y) std::swap(moments.x, moments.z);
+  const double a = (moments.z - moments.y) * (momentum2 - energy2 * moments.x), b = (moments.y - moments.x) * (energy2 * moments.z - momentum2);
+  const double p = std::sqrt(a / (moments.x * moments.y * moments.z)), m = b / a;
+  double x = 1, y = std::sqrt(1 - m);
+  for (int k = 0; k < 40; ++k) {
+    const double mean = (x + y) / 2;
+    y = std::sqrt(x * y), x = mean;
+  }
+  return 2 * std::numbers::pi / (x * p);
+}
+
+/// period_error: of the spin about the middle axis, from the first to the last time at which it passes zero.
+class FreePeriodProbe final : public Probe {
+ public:
+  void start(const World& world) override {
+    const MassProperties mass = world.massOf(world.find("body"));
+    exact_ = freePeriod(mass.inertia, spinOf(world));
+    middle_ = spinOf(world).y;
+  }
+  void afterStep(const World& world, const StepReport&) override {
+    const double middle = spinOf(world).y, dt = world.params().dt;
+    if ((middle > 0) != (middle_ > 0)) {
+      last_ = world.time() - dt * middle / (middle - middle_);
+      if (passages_++ == 0) first_ = last_;
+    }
+    middle_ = middle;
+  }
+  void finish(const World&, Metrics& metrics) override {
+    if (passages_ > 2) metrics["period_error"] = 2 * (last_ - first_) / (passages_ - 1) / exact_ - 1;
+  }
+
+ private:
+  static Vec3 spinOf(const World& world) {
+    const BodyId id = world.find("body");
+    const BodyState s = world.state(id);
+    return rotateInverse(s.orientation * world.massOf(id).axes, s.angularVelocity);
+  }
+
+  double exact_ = 0, middle_ = 0, first_ = 0, last_ = 0;
+  int passages_ = 0;
+};
+
 // Impact.
 
 Scene buildImpact(const Arguments& arguments) {
@@ -225,6 +284,19 @@ std::vector<Spec> basicSpecs() {
   spin.claims = spinClaims;
   spin.steps = 600;
 
+  Spec free = fall;
+  free.name = "free-body";
+  free.doc = "A free body with three moments of inertia: its spin has the period of Euler's equations.";
+  free.arguments = {quantity("speed", 5, 1, 20, "rad/s", "of the spin")};
+  free.build = buildFree;
+  free.probes = [](const Arguments&, const Scene&) {
+    Probes probes;
+    probes.push_back(std::make_unique<FreePeriodProbe>());
+    return probes;
+  };
+  free.claims = [](const Arguments&) { return std::vector<Claim>{within("period_error", -.01, .01, "the closed form, within 1 %")}; };
+  free.steps = 600;
+
   Spec impact = fall;
   impact.name = "impact";
   impact.doc = "A cube runs into another at rest, without gravity and without rebound.";
@@ -236,7 +308,7 @@ std::vector<Spec> basicSpecs() {
   impact.steps = 120;
   impact.iterations = 20;
 
-  return {fall, projectile, drop, bounce, pendulum, spin, impact};
+  return {fall, projectile, drop, bounce, pendulum, spin, free, impact};
 }
 
 }  // namespace rubble::scenes

@@ -16,6 +16,9 @@ std::vector<Spec> chainSpecs();      ///< hanging and swinging chains with a hea
 std::vector<Spec> ropeSpecs();       ///< ropes of bricks, a bridge, a joint grid
 std::vector<Spec> frictionSpecs();   ///< sliding and rolling
 std::vector<Spec> frictionLimitSpecs();  ///< where sticking and standing end
+std::vector<Spec> siloSpecs();       ///< grains in a tall bin
+std::vector<Spec> rollingSpecs();    ///< rolling without slip
+std::vector<Spec> fineStackSpecs();  ///< stacks that a coarse answer drops
 std::vector<Spec> jengaSpecs();      ///< a tower out of which blocks are drawn
 std::vector<Spec> structureSpecs();  ///< card tower, dominoes, arch, breakable beam
 std::vector<Spec> softSolidSpecs();  ///< solids of tetrahedra

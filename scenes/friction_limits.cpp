@@ -78,6 +78,54 @@ std::vector<Claim> stickSlipClaims(const Arguments&) {
           within("stiction_ratio", .98, 1.04, "it holds up to mu_s m g; the spring goes on to pull while it begins to move")};
 }
 
+// Push: blocks that springs draw along at several heights, until they give way.
+
+constexpr std::array kPushHeights{.05, .25, .5, .75, .9};
+
+Scene buildPush(const Arguments& arguments) {
+  Scene scene = emptyScene(kUpZ, kG);
+  put(scene, ground(kUpZ), "ground");
+  for (std::size_t i = 0; i < kPushHeights.size(); ++i) {
+    const double y = 3. * double(i), height = kPushHeights[i];
+    const int block = put(scene, box({.5, .5, .5}, {0, y, .5}, 1), "block" + std::to_string(i));
+    BodyDef hand = box({.1, .1, .1}, {kSpringLength, y, height}, 1);
+    hand.motion = Motion::Kinematic;
+    hand.velocity = {kDrawing, 0, 0};
+    hand.filter.mask = 0;
+    JointDef spring = link(JointType::Spring, block, put(scene, hand, "hand" + std::to_string(i)));
+    spring.name = "spring" + std::to_string(i);
+    spring.anchorA = {0, 0, height - .5};
+    spring.stiffness = kSpring;
+    spring.length = kSpringLength;
+    scene.joints.push_back(spring);
+  }
+  for (BodyDef& body : scene.bodies) body.material = {value(arguments, "mu"), kDynamic / kStatic * value(arguments, "mu"), 0};
+  return scene;
+}
+
+/// stiction_least_ratio, stiction_most_ratio: pull of the spring as a block begins to slip over mu_s m g, of all blocks.
+class PushProbe final : public Probe {
+ public:
+  explicit PushProbe(double friction) : friction_(friction) {}
+  void afterStep(const World& world, const StepReport&) override {
+    for (std::size_t i = 0; i < kPushHeights.size(); ++i) {
+      if (slips_[i]) continue;
+      pull_[i] = length(jointOf(world, "spring" + std::to_string(i)).force) / (friction_ * kG);
+      slips_[i] = bodyOf(world, "block" + std::to_string(i)).velocity.x > .2 * kDrawing;
+    }
+  }
+  void finish(const World&, Metrics& metrics) override {
+    if (std::find(slips_.begin(), slips_.end(), false) != slips_.end()) return;
+    metrics["stiction_least_ratio"] = *std::min_element(pull_.begin(), pull_.end());
+    metrics["stiction_most_ratio"] = *std::max_element(pull_.begin(), pull_.end());
+  }
+
+ private:
+  double friction_;
+  std::array<double, kPushHeights.size()> pull_{};
+  std::array<bool, kPushHeights.size()> slips_{};
+};
+
 // Tipping: cylinders and cones on slopes just below and above the one at which their weight leaves their base.
 
 constexpr double kRadius = .5;
@@ -153,7 +201,23 @@ std::vector<Spec> frictionLimitSpecs() {
   tipping.probes = tippingProbes;
   tipping.claims = tippingClaims;
   tipping.steps = 480;
-  return {slip, tipping};
+
+  Spec push = slip;
+  push.name = "push";
+  push.doc = "Blocks that springs draw along at five heights slip when the pull is mu_s m g, whatever its height.";
+  push.arguments = {quantity("mu", kStatic, .1, .5, "1", "static friction; the dynamic one is three fifths of it")};
+  push.build = buildPush;
+  push.probes = [](const Arguments& arguments, const Scene&) {
+    Probes probes;
+    probes.push_back(std::make_unique<PushProbe>(value(arguments, "mu")));
+    return probes;
+  };
+  push.claims = [](const Arguments&) {
+    return std::vector<Claim>{atLeast("stiction_least_ratio", .98, "none slips before mu_s m g"),
+                              atMost("stiction_most_ratio", 1.02, "and none holds beyond it, within 2 %")};
+  };
+  push.steps = 240;
+  return {slip, tipping, push};
 }
 
 }  // namespace rubble::scenes

@@ -140,10 +140,17 @@ std::vector<Spec> towerSpecs() {
   drop.testArguments = {};
   drop.testSteps = 0;
 
+  Spec high = testedInFull(variant(tower, "tower-80", "A column of 80 unit cubes, 10 s.", {{"levels", 80}}));
+  high.iterations = 6;
+  Spec heavy = variant(mass, "mass-1000-on-40", "Forty cubes under one of 1,000 times their mass, 10 s.", {{"ratio", 1000}, {"levels", 40}});
+  heavy.iterations = 6;
+
   return {tower,
           testedInFull(variant(tower, "tower-20", "A column of 20 unit cubes, 10 s.", {{"levels", 20}})),
           testedInFull(variant(tower, "tower-40", "A column of 40 unit cubes, 10 s.", {{"levels", 40}})),
+          high,
           mass,
+          heavy,
           variant(mass, "mass-100", "Ten cubes under one of 100 times their mass, 10 s.", {{"ratio", 100}}),
           variant(mass, "mass-1000", "Ten cubes under one of 1,000 times their mass, 10 s.", {{"ratio", 1000}}),
           variant(mass, "mass-10000", "Ten cubes under one of 10,000 times their mass, 10 s.", {{"ratio", 10000}}),

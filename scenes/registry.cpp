@@ -50,7 +50,8 @@ std::string nearNames(const std::string& name, const std::vector<std::string>& n
 std::vector<Spec> makeRegistry() {
   std::vector<Spec> all;
   for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &fastSpecs, &bodySpecs, &chainSpecs, &ropeSpecs,
-                       &frictionSpecs, &frictionLimitSpecs, &structureSpecs, &jengaSpecs, &shapeRestSpecs, &shapeMotionSpecs, &basicSpecs, &bounceSpecs, &scaleSpecs, &jointAxisSpecs,
+                       &frictionSpecs, &frictionLimitSpecs, &siloSpecs, &rollingSpecs, &fineStackSpecs,
+                       &structureSpecs, &jengaSpecs, &shapeRestSpecs, &shapeMotionSpecs, &basicSpecs, &bounceSpecs, &scaleSpecs, &jointAxisSpecs,
                        &machineSpecs, &gearSpecs, &topSpecs, &robotSpecs, &ragdollSpecs, &cableSpecs, &springSpecs, &paperSpecs, &softSolidSpecs, &softSheetSpecs,
                        &softContactSpecs, &softDentSpecs, &softClaySpecs, &softPressureSpecs, &softMachineSpecs, &rodSpecs, &softPlateSpecs,
                        &softGrainSpecs, &softStringSpecs})

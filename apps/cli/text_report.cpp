@@ -60,6 +60,14 @@ void quality(Out out, const io::RunRecord& record) {
   fmt::format_to(out, "  resident memory         {:.1f} MB\n", record.rssMb);
 }
 
+/// What iterations have left undone, step by step.
+void residuals(Out out, const std::vector<StepReport>& reports) {
+  double sum = 0, most = 0;
+  for (const StepReport& r : reports) sum += r.unfinishedMotion, most = std::max(most, r.unfinishedMotion);
+  if (most > 0)
+    fmt::format_to(out, "  unfinished motion       mean {:.2g}, max {:.2g} lengths of a body\n", sum / static_cast<double>(reports.size()), most);
+}
+
 /// What the steps report beyond counts: nothing that the engine had to do out of the ordinary goes unsaid.
 void notices(Out out, const std::vector<StepReport>& reports) {
   long broken = 0, spin = 0, restarts = 0, clashes = 0, failed = 0;
@@ -118,6 +126,7 @@ std::string textReport(const io::RunRecord& record, const std::vector<StepReport
   heading(out, record);
   if (!reports.empty()) times(out, record, reports);
   quality(out, record);
+  residuals(out, reports);
   notices(out, reports);
   verdict(out, record);
   return text;

@@ -44,6 +44,8 @@ struct StepReport {
   int boundedSteps = 0;       ///< local problems whose solution had more kinetic energy than their forces did work, all round-off: a shorter step was made
   int spinLimited = 0;        ///< bodies whose spin was above 2 rad a step and was limited
   int unsettledImpacts = 0;   ///< contacts with restitution whose bodies still closed after the last round of an impact: the next step goes on with them
+  /// Largest motion of a body in the last sweep, over its bounding diameter: more iterations would go on from there [1].
+  double unfinishedMotion = 0;
   bool sorted = false;        ///< before the step the bodies were put in another order in memory: views of arrays made earlier are no longer valid
   int restarts = 0;           ///< times the step was begun again with more room
   std::vector<Growth> grown;  ///< what there was too little room for

@@ -19,9 +19,9 @@ namespace rubble::RUBBLE_CORE {
 /// What a body moved since x^t: translation [m] and rotation vector [rad]. All that contacts read of a body during the iterations.
 struct alignas(8 * sizeof(Real)) Displacement {
   Vec3 dp;
-  Real pad0;
+  Real step2;  ///< square of what the last sweep added to dp [m2]; 0: it did not move the body
   Vec3 dw;
-  Real pad1;
+  Real turn2;  ///< and to dw [rad2]
 };
 
 /// The rows of one point, in three pieces that are read and written whole.

@@ -37,6 +37,7 @@ struct StepConstants {
   Real dt;               ///< [s]
   Real inverseDt;        ///< [1/s]
   Vec3 gravity;          ///< [m/s2]
+  Vec3 up;               ///< against gravity, unit; zero where nothing weighs
   int iterations;
   Real alpha;            ///< part of an inherited error that is left alone in this step [1]
   Real gamma;            ///< warm-start decay [1]

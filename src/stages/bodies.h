@@ -229,14 +229,21 @@ RUBBLE_HD inline void addJointAlike(const View& s, std::uint32_t code, Block6& b
   else addJoint(s, code, block);
 }
 
+template <class L>
+RUBBLE_HD L squaredStep(const Vec3T<L>& to, const Vec3T<L>& from) {
+  const Vec3T<L> d = to - from;
+  return dot(d, d);
+}
+
 /// Solves the local problem of a body at x and moves it.
 RUBBLE_HD inline void finishBlock(const View& s, int i, Block6 block, Pose x) {
   if (s.target[i].locks != 0) lockAxes(block, s.target[i].locks);
+  const Pose before = x;
   const Descent how = descend(block, s.target[i].mass, s.step.inverseDt * s.step.inverseDt, x);
   if (how != Descent::Newton) atomicCount(how == Descent::Failed ? &s.counters->failedSolves : &s.counters->boundedSteps, 1);
   if (how == Descent::Failed) return;
   s.turned[i] = x.q;
-  s.moved[i] = {x.p, 0, logRotation(x.q), 0};
+  s.moved[i] = {x.p, squaredStep(x.p, before.p), logRotation(x.q), Real(4) * squaredStep(x.q.v, before.q.v)};
 }
 
 /// Adds the row blocks of a body from entry k on.
@@ -271,6 +278,14 @@ RUBBLE_HD inline Vec3 unusedPush(const View& s, int i, const Vec3& v) {
   const StepConstants& c = s.step;
   const Vec3 push = c.inverseDt * s.target[i].y.p - s.velocity[i];
   return fromFloatBits(s.stopBits[i]) * followedShare(v, s.velocity[i], c.inverseDt * push, c.dt) * push;
+}
+
+/// What the last sweep moved a body by, over its bounding diameter.
+RUBBLE_HD inline void noteUnfinished(const View& s, int i, const Displacement& d) {
+  const Real radius = s.params[i].radius;
+  const int bits = floatBits((std::sqrt(d.step2) / radius + std::sqrt(d.turn2)) / 2);
+  // most bodies find it high enough
+  if (bits > s.counters->unfinished) atomicRaise(&s.counters->unfinished, bits);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -3,8 +3,10 @@
 #include "collision/sweep.h"
 #include "solver/warmstart.h"
 #include "stages/cells.h"
+#include "stages/corrections.h"
 #include "stages/materials.h"
 #include "stages/near_pairs.h"
+#include "stages/rolled.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -90,6 +92,7 @@ struct PairRows {
   bool bothMove;
   Real heavier;          ///< k_start by the mass of the heavier body [N/m]
   Vec3 belt;  ///< [m], see PairMaterial
+  Vec3 settling;  ///< [m], see relativeSettling()
   StiffnessRule normal, tangent;
 };
 
@@ -169,6 +172,7 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   r.most = max(c.maxMultiplier, kMostImpacts * heavier * pairSpeed(s, o.a, o.b, pa, pb).closing * c.inverseDt);
   p.belt = material.belt;
   p.heavier = startStiffness(c, max(pa.mass, pb.mass));
+  p.settling = relativeSettling(s, o.a, o.b);
   p.normal = contactRule(c, r.start, r.length);
   p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, r.length, max(fastestPoint(s, m, p, r.n, r.length), agitationOf(s, o.a, o.b)));
   p.tangent = tangentRule(c, p.normal);
@@ -187,13 +191,6 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
 
   const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
   Real drift1 = stuck ? m.drift1[k] : Real(0), drift2 = stuck ? m.drift2[k] : Real(0);
-  if (s.surfaces > 0) {
-    // The drift is corrected by the part driftCorrection of it: what the belt moves is to be made good in full.
-    Vec3 t1, t2;
-    tangentBasis(r.n, t1, t2);
-    drift1 += dot(t1, p.belt) / c.driftCorrection;
-    drift2 += dot(t2, p.belt) / c.driftCorrection;
-  }
   StiffnessRule normal = p.normal;
   Real most = r.most;
   if (p.bothMove) {
@@ -209,6 +206,13 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
   }
   const Real kN = !awake ? Real(0) : isNew ? coldStart(normal.start).k : warmStiffness(c, normal, m.kN[k], lambda);
   const Real kT = !awake ? Real(0) : isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
+  // The drift is corrected by the part driftCorrection of it: what belts move and what settles is made good in full.
+  Vec3 t1, t2;
+  tangentBasis(r.n, t1, t2);
+  const Real settling1 = dot(t1, p.settling), settling2 = dot(t2, p.settling);
+  const Real share = settlingShare(settling1 * settling1 + settling2 * settling2, bound, kT);
+  drift1 += (dot(t1, p.belt) + share * settling1) / c.driftCorrection;
+  drift2 += (dot(t2, p.belt) + share * settling2) / c.driftCorrection;
   r.place[to] = {point.lever, inheritedViolation(c, point.depth)};
   r.load[to] = {lambda, l1, l2, kN};
   r.slip[to] = {drift1, drift2, p.mu, kT};
@@ -271,9 +275,18 @@ RUBBLE_HD inline StoredFrame storedFrame(const View& s, const ContactRows& r) {
   return f;
 }
 
+/// What a point brought into the step: multipliers, and the drift since it stuck.
+struct PointBefore {
+  Vec3 lambda;
+  Real drift1, drift2;
+};
+RUBBLE_HD inline PointBefore pointBefore(const Manifold& m, int k) {
+  const bool stuck = m.stick >> k & 1;
+  return {{m.lambdaN[k], m.lambda1[k], m.lambda2[k]}, stuck ? m.drift1[k] : Real(0), stuck ? m.drift2[k] : Real(0)};
+}
 /// Notes the multipliers with which point k of rows i began the step, where something may bounce (stages/bounce.h).
-RUBBLE_HD inline void noteBefore(const View& s, int i, const Manifold& m, int k) {
-  if (i < s.counters->bounceRows) s.bounce[i].before[k] = {m.lambdaN[k], m.lambda1[k], m.lambda2[k]};
+RUBBLE_HD inline void noteBefore(const View& s, int i, const PointBefore& before, int k) {
+  if (i < s.counters->bounceRows) s.bounce[i].before[k] = before.lambda;
 }
 
 /// What point k hands on to the next step, and whether it sticks. The multipliers of an impact are not kept: those `before` it are.
@@ -281,10 +294,11 @@ struct StoredPoint {
   PointMemory memory;
   bool sticks;
 };
-RUBBLE_HD inline StoredPoint storedPoint(const View& s, const ContactRows& r, const StoredFrame& f, int k, bool impact, const Vec3& before) {
+RUBBLE_HD inline StoredPoint storedPoint(const View& s, const ContactRows& r, const StoredFrame& f, int k, bool impact,
+                                         const PointBefore& before) {
   const PointLoad load = r.load[k];
   const PointSlip slip = r.slip[k];
-  const Vec3 lambda = impact ? before : Vec3{load.lambdaN, load.lambda1, load.lambda2};
+  const Vec3 lambda = impact ? before.lambda : Vec3{load.lambdaN, load.lambda1, load.lambda2};
   const bool acts = load.kN > Real(0);
   PointMemory m{lambda.x, lambda.y, lambda.z, acts ? load.kN : r.start, acts ? slip.kT : r.start * s.step.tangentStiffness, 0, 0};
   // the force on the cone tells
@@ -299,13 +313,14 @@ RUBBLE_HD inline StoredPoint storedPoint(const View& s, const ContactRows& r, co
     return {m, false};
   }
   // exact displacements here: errors of the linear ones would add up from step to step
-  const Vec3 rA = r.place[k].rA, rB = rA + r.offset;
-  const Vec3 d = (f.a.dp + rotate(f.turnA, rA) - rA) - (f.b.dp + rotate(f.turnB, rB) - rB);
-  m.drift1 = slip.drift1 + dot(f.t1, d);
-  m.drift2 = slip.drift2 + dot(f.t2, d);
+  const Vec3 rA = r.place[k].rA;
+  const Vec3 dA = f.a.dp + sweptBy(s, r.a, f.a.dw, f.turnA, rA, r.n);
+  const Vec3 d = dA - (f.b.dp + sweptBy(s, r.b, f.b.dw, f.turnB, rA + r.offset, -r.n));
+  // what stood for belts and settling in the row is no drift; the way of the belt is
+  m.drift1 = before.drift1 + dot(f.t1, d);
+  m.drift2 = before.drift2 + dot(f.t2, d);
   if (s.surfaces > 0) {
-    // against the belt: its way in this step instead of what stood for it in the row
-    const Vec3 belt = pairMaterial(s, s.pair[s.nearPair[r.manifold]], {r.a, r.b}).belt * (Real(1) - Real(1) / s.step.driftCorrection);
+    const Vec3 belt = pairMaterial(s, s.pair[s.nearPair[r.manifold]], {r.a, r.b}).belt;
     m.drift1 += dot(f.t1, belt);
     m.drift2 += dot(f.t2, belt);
   }
@@ -321,13 +336,21 @@ struct FinishContacts {
     const ContactRows& r = s.contact[i];
     Manifold& m = s.manifold[r.manifold];
     const StoredFrame f = storedFrame(s, r);
-    m.stick = 0;
+    std::uint8_t stick = 0;
+    PointSupport own[kLanes];
     for (int k = 0; k < m.count; ++k) {
-      noteBefore(s, i, m, k);
-      const StoredPoint point = storedPoint(s, r, f, k, m.impact >> k & 1, {m.lambdaN[k], m.lambda1[k], m.lambda2[k]});
+      const bool impact = m.impact >> k & 1;
+      const PointBefore before = pointBefore(m, k);
+      noteBefore(s, i, before, k);
+      const StoredPoint point = storedPoint(s, r, f, k, impact, before);
       remember(m, k, point.memory);
-      if (point.sticks) m.stick |= static_cast<std::uint8_t>(1u << k);
+      if (point.sticks) stick |= static_cast<std::uint8_t>(1u << k);
+      own[k] = pointSupport(s, r, f.t1, f.t2, k, !impact);
     }
+    m.stick = stick;
+    // in the order in which four lanes add
+    static_assert(kLanes == 4);
+    s.support[i] = supportOf(r, (own[0] + own[2]) + (own[1] + own[3]));
   }
 };
 

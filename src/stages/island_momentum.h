@@ -297,6 +297,8 @@ struct FinishBodies {
     s.previousVelocity[i] = s.velocity[i];
     s.velocity[i] = end.v;
     s.spin[i] = end.w;
+    s.correction[i] = s.nextCorrection[i];
+    noteUnfinished(s, i, s.moved[i]);
     s.position[i] += Vec3d(end.move);
     s.orientation[i] = end.q;
   }

@@ -346,6 +346,7 @@ void step(E& e) {
     if (vertices > 0) updateSoftDuals(e);
   }
 
+  e.forEach(FindCorrections{}, bodies);
   if (e.view().features > 0) keepApart(e);
   forEachJoint<FinishJoints>(e);
   if (vertices > 0) finishSoftRows(e);

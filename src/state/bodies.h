@@ -123,6 +123,12 @@ struct Motion {
   Vec3 v, w;                 ///< [m/s], [rad/s]
 };
 
+/// What a contact does to bear one of its bodies, as found at the end of a step (stages/corrections.h).
+struct Support {
+  Vec3 correction;    ///< of B against A along the normal: what is corrected of their penetration in a step [m]
+  Real weight;        ///< force on B against gravity; below 0: it bears A [N]
+};
+
 /// Levels of groups of bodies and lumps, from fine to coarse (stages/groups.h).
 inline constexpr int kCoarseLevels = 4;
 /// The finest of them, which odd iterations sweep; even ones sweep all but the finest.
@@ -190,6 +196,7 @@ struct Counters {
   int stopped;  ///< bodies that stopped at an impact
   int asleep;   ///< bodies that sleep after this step
   int quarantined, failedSolves, boundedSteps, spinLimited, broken;
+  int unfinished;  ///< largest motion of a body in the last sweep over its bounding diameter, as the bits of a float [1]
   int pointPairs, pointContacts, pointEntries;
   int bounces, bounceRows;        ///< 1: a contact with restitution closes fast; contacts, if one does
   int bounceSpread, bounceSpreads, bounceBound, bounceBounds, bounceLeft, bounceTurns;  ///< of its rounds: what is left to do, and how many there were

@@ -84,6 +84,7 @@ struct View : JointTables<JointTypes> {
   Vec3* force = nullptr;              ///< applied by the user, for one step [N]
   Vec3* torque = nullptr;             ///< [N m]
   int* pushed = nullptr;              ///< 1: a force acted in the last step
+  Vec3* correction = nullptr;         ///< how far the correction of penetrations below moves a body in a step [m]
   int* asleep = nullptr;              ///< 1 + a body that stands for the island that sleeps, 0: awake
   Real* stillTime = nullptr;          ///< for how long a body has been still [s]
   // bodies: work
@@ -113,6 +114,7 @@ struct View : JointTables<JointTypes> {
   Displacement* stopped = nullptr;    ///< the way that it makes then
   int* bounceBody = nullptr;          ///< part of a body in impacts: BounceBody
   Motion* bounceMotion = nullptr;     ///< its velocities before they were taken back
+  Vec3* nextCorrection = nullptr;     ///< correction as this step finds it [m]
   int* color = nullptr;               ///< kept from step to step
   int* nextColor = nullptr;           ///< of the bodies that choose one
   int* clashing = nullptr;            ///< bodies, and vertices (kVertexNode + index), that choose a colour in this step
@@ -176,6 +178,7 @@ struct View : JointTables<JointTypes> {
   // rows
   ContactRows* contact = nullptr;     ///< one a manifold that has rows, in the order of manifolds; where the old manifolds were (Tables::lodgeRows)
   Bounce* bounce = nullptr;           ///< one for each of them, if something may bounce in the step
+  Support* support = nullptr;         ///< one a manifold that has rows
   int* joinLevel = nullptr;           ///< level of the groups at which they unite their bodies, kCoarseLevels: at none
   Entry* entry = nullptr;             ///< row blocks by body
 
@@ -325,6 +328,7 @@ void forEachArray(F&& f) {
   is(&View::force, "force", "N", Per::Body, Life::State);
   is(&View::torque, "torque", "N m", Per::Body, Life::State);
   is(&View::pushed, "pushed", "", Per::Body, Life::State);
+  is(&View::correction, "correction", "m", Per::Body, Life::State);
   is(&View::color, "color", "", Per::Body, Life::State);
   is(&View::asleep, "asleep", "", Per::Body, Life::State);
   is(&View::stillTime, "stillTime", "s", Per::Body, Life::State);
@@ -369,6 +373,7 @@ void forEachArray(F&& f) {
   is(&View::stopRound, "stopRound", "", Per::Body, Life::Work);
   is(&View::stopPair, "stopPair", "", Per::Body, Life::Work);
   is(&View::stopped, "stopped", "m, rad", Per::Body, Life::Work);
+  is(&View::nextCorrection, "nextCorrection", "m, rad", Per::Body, Life::Work);
   is(&View::nextColor, "nextColor", "", Per::Body, Life::Unordered);
   is(&View::clashing, "clashing", "", Per::Node, Life::Unordered);
   is(&View::colorBody, "colorBody", "", Per::Body, Life::Unordered);
@@ -419,6 +424,7 @@ void forEachArray(F&& f) {
   is(&View::rowOffset, "rowOffset", "", Per::NearPair, Life::Work, 1);
   f(ArrayInfo<ContactRows>{&View::contact, "contact", "", Per::Manifold, Life::State, 0, true});
   is(&View::joinLevel, "joinLevel", "", Per::Manifold, Life::Work);
+  is(&View::support, "support", "N", Per::Manifold, Life::Work);
   is(&View::entry, "entry", "", Per::Entry, Life::Work);
   is(&View::vertexParams, "vertexParams", "", Per::Vertex, Life::Authored);
   is(&View::refOffset, "refOffset", "", Per::Vertex, Life::Authored, 1);

@@ -49,6 +49,34 @@ TEST(StepReport, NamesItsStagesIfTimed) {
   EXPECT_EQ(a.hash(), b.hash());
 }
 
+double unfinished(int levels, int iterations, double scale = 1) {
+  Scene scene = test::tower(levels);
+  scene.gravity *= scale;
+  for (BodyDef& body : scene.bodies) body.position *= scale, body.shape.halfExtents *= scale;
+  World world(scene, options(iterations));
+  test::run(world, 30);
+  double sum = 0;
+  for (int i = 0; i < 30; ++i) sum += world.step().unfinishedMotion;
+  return sum / 30;
+}
+
+TEST(StepReport, TellsWhatIterationsLeaveUndone) {
+  const double four = unfinished(20, 4);
+  EXPECT_GT(four, 0);
+  EXPECT_LT(unfinished(20, 20), .5 * four) << "more iterations leave less";
+  EXPECT_LT(unfinished(2, 4), .5 * four) << "a low stack is solved sooner";
+  // lengths of a body: no unit of length, at equal dt sqrt(g / L)
+  EXPECT_NEAR(unfinished(20, 4, 100), four, .02 * four);
+}
+
+TEST(StepReport, LeavesNothingUndoneWhereNothingTouches) {
+  Scene scene = test::emptyScene();
+  scene.bodies.push_back(test::unitCube({0, 0, 5}));
+  scene.bodies.back().angularVelocity = {1, 2, 3};
+  World world(scene, options(4));
+  for (int i = 0; i < 30; ++i) EXPECT_LT(world.step().unfinishedMotion, 1e-6);
+}
+
 TEST(StepReport, CountsBodiesWhoseSpinIsLimited) {
   Scene scene = test::emptyScene({0, 0, 0});
   for (int i = 0; i < 3; ++i) {

@@ -38,6 +38,7 @@ void reportCounters(const View& s, StepReport& report) {
   report.boundedSteps = c.boundedSteps;
   report.spinLimited = c.spinLimited;
   report.unsettledImpacts = c.bouncesLeft;
+  report.unfinishedMotion = static_cast<double>(fromFloatBits(c.unfinished));
 }
 
 void CpuEngine::addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) {

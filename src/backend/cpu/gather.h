@@ -63,10 +63,10 @@ RUBBLE_NEAR TargetLanes gatherTargets(const View& s, const Four& body) {
   return {{q[0].x, {q[0].y, q[0].z, q[0].w, q[1].x, q[1].y, q[1].z}}, {{q[1].w, q[2].x, q[2].y}, {q[2].z, {q[2].w, q[3].x, q[3].y}}}};
 }
 
-/// Puts four bodies at x; false, and nothing is done, where a rotation is large.
-RUBBLE_NEAR bool placeTogether(const View& s, const Four& body, const PoseT<Real4>& x) {
+/// Puts four bodies at x; false, and nothing is done, where a rotation is large. `step2`, `turn2`: those of Displacement.
+RUBBLE_NEAR bool placeTogether(const View& s, const Four& body, const PoseT<Real4>& x, Real4 step2, Real4 turn2) {
   const QuatT<Real4> q = shortArc(x.q);
-  const Real4 u2 = dot(q.v, q.v), zero = LaneAccess<Real4>::splat(0);
+  const Real4 u2 = dot(q.v, q.v);
   if (!allOf(u2 < LaneAccess<Real4>::splat(kSmallTurn2))) return false;
   const Vec3T<Real4> turn = logOfSmall(q, u2);
   const auto scatter = [&](auto* table, int k, const Quad<Real4>& v) {
@@ -74,8 +74,8 @@ RUBBLE_NEAR bool placeTogether(const View& s, const Four& body, const PoseT<Real
     LaneAccess<Real4>::scatterQuad(at(0), at(1), at(2), at(3), v);
   };
   scatter(s.turned, 0, {x.q.s, x.q.v.x, x.q.v.y, x.q.v.z});
-  scatter(s.moved, 0, {x.p.x, x.p.y, x.p.z, zero});
-  scatter(s.moved, 1, {turn.x, turn.y, turn.z, zero});
+  scatter(s.moved, 0, {x.p.x, x.p.y, x.p.z, step2});
+  scatter(s.moved, 1, {turn.x, turn.y, turn.z, turn2});
   return true;
 }
 

@@ -96,7 +96,8 @@ struct Together<SolveBody<Real4>> {
     const Real4 inverseDt2 = splat(s.step.inverseDt * s.step.inverseDt);
     if (!allOf(isWithinWork(block, inverseDt2 * m.mass, inverseDt2 * m.inertia, dx))) return false;
     const PoseT<Real4> then = retract(x, dx);
-    return allOf(absOf(then.q.s) >= splat(kMostTurned)) && placeTogether(s, body, then);
+    if (!allOf(absOf(then.q.s) >= splat(kMostTurned))) return false;
+    return placeTogether(s, body, then, squaredStep(then.p, x.p), splat(4) * squaredStep(then.q.v, x.q.v));
   }
 };
 
@@ -231,11 +232,12 @@ struct Together<MoveChunk> {
     const Quad<Real4> first = gatherSteps(groups, 0), second = gatherSteps(groups, 1);
     const Vec6T<Real4> step{{first.x, first.y, first.z}, {first.w, second.x, second.y}};
     const int least = leastOf(members);
+    const Real4 none = LaneAccess<Real4>::splat(0);
     for (int k = 0; k < least; ++k) {
       Four body;
       for (int lane = 0; lane < kLanes; ++lane) body[lane] = s.member[s.chunk[index[lane]].begin + k];
       const Vec3T<Real4> move = step.lin + cross(step.ang, groups.shiftsOf(s, body));
-      if (placeTogether(s, body, retract(gatherPoses(s, body), {move, step.ang}))) continue;
+      if (placeTogether(s, body, retract(gatherPoses(s, body), {move, step.ang}), none, none)) continue;
       for (int lane = 0; lane < kLanes; ++lane) moveWithGroup(s, *groups.group[lane], body[lane]);
     }
     for (int lane = 0; lane < kLanes; ++lane)

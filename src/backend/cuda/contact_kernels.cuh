@@ -30,14 +30,21 @@ struct FinishPoint {
     // asked for before it is needed
     const bool on = k < m.count, impact = on && (m.impact >> k & 1);
     updateContactDuals<Real>(s.step, r, s.moved[r.a], s.moved[r.b], k);
-    Vec3 before;
-    if (on) noteBefore(s, i, m, k);
-    if (impact) before = {m.lambdaN[k], m.lambda1[k], m.lambda2[k]};
+    PointBefore before{};
+    if (on) before = pointBefore(m, k), noteBefore(s, i, before, k);
     StoredPoint point{};
-    if (on) point = storedPoint(s, r, storedFrame(s, r), k, impact, before);
+    PointSupport own;
+    if (on) {
+      const StoredFrame frame = storedFrame(s, r);
+      point = storedPoint(s, r, frame, k, impact, before);
+      own = pointSupport(s, r, frame.t1, frame.t2, k, !impact);
+    }
+    own = {tile.sum(own.load), tile.sum(own.weight), tile.sum(own.moment)};
     storeMemory(point.memory, m, tile);
     const unsigned sticks = tile.ballot(point.sticks);
-    if (k == 0) m.stick = static_cast<std::uint8_t>(sticks);
+    if (k != 0) return;
+    m.stick = static_cast<std::uint8_t>(sticks);
+    s.support[i] = supportOf(r, own);
   }
 };
 template <>

@@ -1,0 +1,25 @@
+#pragma once
+/// What a rotation moves a point of contact by, where bodies are round.
+#include "state/view.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Square of the rotation in a step [rad2] up to which it does not matter what is round: the difference is 2e-7 of
+/// the lever.
+inline constexpr Real kUnrolled2 = Real(1e-4);
+
+/// What the rotation `dw` (as a quaternion: `turn`) of a body moves the point that touches by, at lever r [m].
+/// `out`: the normal out of the body. The point is carried along, but for what is round: as that rolls, another point
+/// of it touches, and the one that touched goes on an arc that is no slip.
+RUBBLE_HD inline Vec3 sweptBy(const View& s, int body, const Vec3& dw, const Quat& turn, const Vec3& r, const Vec3& out) {
+  if (dot(dw, dw) < kUnrolled2) return rotate(turn, r) - r;
+  const ShapeData& shape = s.params[body].shape;
+  // about points, edges and segments at a distance `radius`
+  const Vec3 round = shape.radius * out, core = r - round;
+  if (shape.kind != ShapeKind::Cylinder && shape.kind != ShapeKind::Cone)
+    return rotate(turn, core) - core + cross(dw, round);
+  const Vec3 axis = rotate(s.orientation[body], {0, 0, 1}), rolled = dot(dw, axis) * axis;
+  return rotate(expRotation(dw - rolled), core) - core + cross(rolled, core) + cross(dw, round);
+}
+
+}  // namespace rubble::RUBBLE_CORE
