@@ -34,9 +34,9 @@ struct EngineBody {
 enum class EngineJointType { Ball, Fixed, Hinge, Slider, Distance, Universal, SwingTwist, SixDof, Gear, Rack, Pulley };
 inline constexpr int kEngineJointTypes = 11;
 
-/// Rows that are held together: off, held, or friction towards the start of the step.
+/// Rows that are held together: off, held, friction towards the start of the step, or held where a length has no direction (forces/distance.h).
 struct EngineGroup {
-  enum class Mode { Off, Hold, Friction };
+  enum class Mode { Off, Hold, Friction, Point };
   Mode mode = Mode::Hold;
   double stiffness = kHard, damping = 0, bound = kHard;
 };

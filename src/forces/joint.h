@@ -7,6 +7,7 @@
 ///   Memory     what it remembers from step to step besides multipliers (NoMemory, or a struct with remember(data, a, b, origin))
 ///   kGrounded  do its errors change when both bodies move rigidly together (it refers to the world)?
 ///   kCarried   true: the axes of A and B lie in two more bodies that carry them (optional; gears and racks)
+///   kChooses   true: its parts take part in a step or not (optional): choose(spec, joint, a, b, bodies) decides, Memory::takesPart(part) tells
 ///
 /// A part P declares kRows, kUnit, kAxis (true: one scalar coordinate with limits, drive and friction, see axis.h; false: rows that are held
 /// together, with one stiffness and one bound on the size of their force) and
@@ -32,6 +33,11 @@ inline constexpr int kWorldBody = -1;
 template <class F>
 constexpr bool isCarried() {
   if constexpr (requires { F::kCarried; }) return F::kCarried;
+  else return false;
+}
+template <class F>
+constexpr bool choosesParts() {
+  if constexpr (requires { F::kChooses; }) return F::kChooses;
   else return false;
 }
 /// Sides of a joint: A, B and, where their axes are carried, what carries that of A and that of B. One body may have several of them.
@@ -102,7 +108,8 @@ constexpr bool hasTurns() { return firstTurnLaw<F>() > 0; }
 /// Bits of JointFrame::acting.
 constexpr int turnBit(int law) { return 1 + law; }
 
-enum class GroupMode { Off, Hold, Friction };
+/// `Point`: held in the steps in which the joint says so (kChooses).
+enum class GroupMode { Off, Hold, Friction, Point };
 
 /// Authored, of rows that are held together. What joints are made of is read in quads (readWhole).
 struct alignas(4 * sizeof(Real)) GroupSpec {
@@ -359,7 +366,7 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
 template <class P>
 RUBBLE_HD RUBBLE_NEAR bool partActs(const PartSpec<P>& spec, const PartRows<P>& rows) {
   if constexpr (P::kAxis) return actsAtAll(rows);
-  else return spec.mode != GroupMode::Off;
+  else return spec.mode != GroupMode::Off && (spec.mode != GroupMode::Point || rows.state.k > Real(0));
 }
 /// Does a part that turns have a law that acts?
 template <class F>
@@ -388,12 +395,26 @@ RUBBLE_HD int actingRows(const JointSpec<F>& spec, const Joint<F>& joint) {
   return acting;
 }
 
+/// A part that takes no part in a step.
+RUBBLE_HD inline void restPart(AxisRows& rows) {
+  for (AxisRow* row : {&rows.limit, &rows.drive, &rows.friction}) row->acts = false, row->lambda = 0, row->k = 0;
+  rows.impact = false;
+}
+template <int N>
+RUBBLE_HD void restPart(GroupRows<N>& rows) {
+  rows.state.k = 0;
+  for (Real& lambda : rows.lambda) lambda = 0;
+}
+
 /// Warm start of all rows at x^t: joint.length and memory are set. Poses of both bodies in the joint's frame. `together`: its bodies
 /// are moved by one block (stages/trees.h).
 template <class F>
 RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
                           const JointBody (&bodies)[kSides<F>], bool together = false) {
+  if constexpr (choosesParts<F>()) F::choose(spec, joint, a, b, bodies);
   forEachPart<F>([&]<int I, class P>() {
+    if constexpr (choosesParts<F>())
+      if (!joint.memory.takesPart(I)) return restPart(partOf<I>(joint.parts));
     const bool linear = P::kUnit == RowUnit::Linear;
     const Real bound = linear ? min(spec.breakForce, c.maxMultiplier) : min(spec.breakTorque, c.maxMultiplier * joint.length);
     beginPart<P>(c, spec, joint, partOf<I>(spec.parts), partOf<I>(joint.parts), a, b, bodies, bound, together);

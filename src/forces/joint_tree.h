@@ -103,7 +103,7 @@ RUBBLE_HD void addTreeGroup(const StepConstants& c, const GroupSpec& spec, const
   const bool inside = groupForce<N>(rows.state, error, rows.lambda, own, N, hessian);
   for (int i = 0; i < N; ++i) size2 += own[i] * own[i];
   const bool free = inside && std::sqrt(size2) < rows.state.bound * (Real(1) - kAtBound);
-  const bool solved = how != TreeSolve::Own && free && spec.mode == GroupMode::Hold && rows.state.keepsMultiplier;
+  const bool solved = how != TreeSolve::Own && free && spec.mode != GroupMode::Friction && rows.state.keepsMultiplier;
   for (int i = 0; i < N; ++i) {
     if (solved) addSolvedRow(c, out, rows.state.rule.start, rows.state.compliance, error[i], rows.lambda[i], TreeTake::Held);
     else out.add(static_cast<double>(own[i]), static_cast<double>(hessian), TreeTake::Nothing);

@@ -13,9 +13,9 @@ struct Anchors {
 template <class D>
 RUBBLE_HD RUBBLE_NEAR Vec3 anchorLever(const D& d, const Pose& pose, int side) { return rotate(pose.q, side == 0 ? d.anchorA : d.anchorB); }
 
-/// The anchors coincide.
+/// The anchors coincide, or are apart by an offset o that the joint remembers.
 ///
-///   C = x_A - x_B                                     [m], 3 rows, F [N]
+///   C = x_A - x_B - o                                 [m], 3 rows, F [N]
 ///   J_A = [1, -[r_A]],  J_B = -[1, -[r_B]]
 ///   G_A = S(F, r_A), G_B = -S(F, r_B) (angular block): column norms of row.h
 struct AnchorRows {
@@ -24,8 +24,10 @@ struct AnchorRows {
   static constexpr bool kAxis = false;
 
   template <class D, class M, class L>
-  RUBBLE_HD RUBBLE_NEAR static void constraint(const D& d, const M&, const PoseT<L>& a, const PoseT<L>& b, L (&c)[kRows]) {
-    const Vec3T<L> gap = (a.p - b.p) + rotate(a.q, d.anchorA) - rotate(b.q, d.anchorB);
+  RUBBLE_HD RUBBLE_NEAR static void constraint(const D& d, const M& memory, const PoseT<L>& a, const PoseT<L>& b, L (&c)[kRows]) {
+    Vec3T<L> gap = (a.p - b.p) + rotate(a.q, d.anchorA) - rotate(b.q, d.anchorB);
+    if constexpr (requires { memory.offset; }) gap = gap - memory.offset;
+    else (void)memory;
     c[0] = gap.x, c[1] = gap.y, c[2] = gap.z;
   }
   template <class D, class M>

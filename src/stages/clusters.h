@@ -193,8 +193,7 @@ struct MoveCluster {
     const Quat turn = expRotation(motion.step.ang);
     const int v = s.clusterMember[k];
     const Vec3 at = s.vertexPlace[v] - motion.centre, move = motion.step.lin + rotate(turn, at) - at;
-    s.vertexMoved[v] += move;
-    s.vertexPlace[v] += move;
+    moveVertex(s, v, move);
   }
 };
 

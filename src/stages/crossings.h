@@ -182,8 +182,7 @@ struct TakeWays {
       r.detour = wanted;
     }
     r.changed = move != Vec3{0, 0, 0};
-    s.vertexMoved[v] += move;
-    s.vertexPlace[v] += move;
+    moveVertex(s, v, move);
     r.before = r.hits;
     r.hits = r.hold = r.shift[0] = r.shift[1] = r.shift[2] = 0;
   }

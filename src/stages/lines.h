@@ -170,8 +170,7 @@ struct MoveLines {
     const Real share = s.lineShare[at.line];
     if (!isDynamicVertex(s, at.v) || !(share > Real(0))) return;
     const Vec3 move = share * LineRows::stepOf(s.lineWork[k]);
-    s.vertexMoved[at.v] += move;
-    s.vertexPlace[at.v] += move;
+    moveVertex(s, at.v, move);
   }
 };
 

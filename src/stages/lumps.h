@@ -118,8 +118,7 @@ struct MoveLumps {
     const int lump = s.vertexParams[v].lump, group = lump >= 0 ? groupOfLump(s, level, lump) : -1;
     if (group < 0) return;
     const Vec3 move = s.group[group].step.lin;
-    s.vertexMoved[v] += move;
-    s.vertexPlace[v] += move;
+    moveVertex(s, v, move);
   }
 };
 

@@ -13,6 +13,14 @@ struct PlaceVertices {
   }
 };
 
+/// Moves a vertex to where it lies `moved` from x^t. Its place is rounded once, from there: as a sum of many small moves it would be off by what each is
+/// rounded by, elements would not see where the vertex ends, and stiff ones make energy of that.
+RUBBLE_HD inline void moveVertexTo(const View& s, int v, const Vec3& moved) {
+  s.vertexMoved[v] = moved;
+  s.vertexPlace[v] = Vec3(s.vertexPosition[v] - s.vertexPosition[s.vertexParams[v].first] + Vec3d(moved));
+}
+RUBBLE_HD inline void moveVertex(const View& s, int v, const Vec3& move) { moveVertexTo(s, v, s.vertexMoved[v] + move); }
+
 /// visit(attachment) for those of a vertex: they are the last of what acts on it.
 template <class Visit>
 RUBBLE_HD void visitAttachments(const View& s, int v, Visit&& visit) {
@@ -103,6 +111,11 @@ struct FinishAttachments {
   }
 };
 
+/// Do attachments hold it?
+RUBBLE_HD inline bool isAttached(const View& s, int v) {
+  return s.refOffset[v + 1] > s.refOffset[v] && pointType(s.ref[s.refOffset[v + 1] - 1]) == kAttachmentCode;
+}
+
 /// Is it a corner of tetrahedra?
 RUBBLE_HD inline bool inSolid(const View& s, int v) { return s.tetraCornerOffset[v] != s.tetraCornerOffset[v + 1]; }
 
@@ -130,8 +143,8 @@ struct PredictVertices {
       const Real size = length(own);
       if (size > p.reach) guess = rigid + own * (p.reach / size);
     }
-    s.vertexMoved[v] = guess;
-    s.vertexPlace[v] += guess;
+    s.pastVertex[v].moved[0] = guess;
+    moveVertexTo(s, v, guess);
   }
 };
 
@@ -158,22 +171,29 @@ RUBBLE_HD inline void addTetraCorner(const View& s, const TetraCorner& corner, c
   corner.stamp(s.step, x, start, 0, block);
 }
 
-/// Multiplier that an attachment begins with: of one with a stiffness its own load K C; of a hard one what holds its vertices against their elements,
-/// sum c_i f_i / sum c_i^2, so that what was stretched before it was hung up pulls at once.
-RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const View& s, const Attachment& a, const Vec3& gap) {
-  if (a.compliance > Real(0)) return gap / a.compliance;
+/// What the elements of the vertices of an attachment do to it.
+struct ElementPull {
+  Vec3 force;      ///< that it must hold them with, sum c_i f_i / sum c_i^2 [N]
+  Real stiffness;  ///< that tetrahedra hold its point with, 1 / sum (c_i^2 / h_i), h_i: of a vertex, a mean of all axes [N/m]
+};
+RUBBLE_HD RUBBLE_APART inline ElementPull elementPull(const View& s, const Attachment& a) {
   Vec3 force{0, 0, 0};
-  Real weight = 0;
+  Real weight = 0, give = 0;
   for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) {
     const int v = a.v[k];
+    if (!isDynamicVertex(s, v)) continue;
     Block3 block;
     for (int i = s.tetraCornerOffset[v]; i < s.tetraCornerOffset[v + 1]; ++i)
       addTetraCorner(s, s.tetraCorner[i], s.cornerStart[i], s.vertexPlace[v], block);
+    const Real own = (block.h.xx + block.h.yy + block.h.zz) / 3;
     for (int i = s.refOffset[v]; i < s.refOffset[v + 1] && pointType(s.ref[i]) != kAttachmentCode; ++i) addElement(s, s.ref[i], block);
+    const Real square = a.weight[k] * a.weight[k];
     force += a.weight[k] * block.f;
-    weight += a.weight[k] * a.weight[k];
+    weight += square;
+    give += square / max(own, s.vertexParams[v].mass * s.step.inverseDt * s.step.inverseDt);
   }
-  return weight > Real(0) && isFinite(force) ? force / weight : Vec3{0, 0, 0};
+  if (!(weight > Real(0)) || !isFinite(force)) return {{0, 0, 0}, 0};
+  return {force / weight, 1 / give};
 }
 
 struct BeginAttachments {
@@ -195,7 +215,8 @@ struct BeginAttachments {
         bodyMass = s.params[a.body].mass;
       }
     }
-    a.begin(s.step, gap, lever, bodyMass, a.isNew() ? newLoad(s, a, gap) : Vec3{0, 0, 0});
+    const ElementPull pull = a.compliance > Real(0) ? ElementPull{gap / a.compliance, 0} : elementPull(s, a);
+    a.begin(s.step, gap, lever, bodyMass, pull.force, pull.stiffness);
   }
 };
 /// `whole`: read so, which takes registers.
@@ -222,14 +243,19 @@ RUBBLE_HD inline void finishVertexBlock(const View& s, int v, const Block3& bloc
     atomicCount(&s.counters->quarantined, 1);
     return;
   }
-  s.vertexMoved[v] += dx;
-  s.vertexPlace[v] += dx;
+  moveVertex(s, v, dx);
 }
+
+/// What a sweep goes over, colour by colour: all bodies and vertices, all but the vertices of solids, or these alone, from the last colour to the first.
+enum class Sweep { All, AllButSolids, SolidsBack };
 
 /// The primal update of one vertex: force [S 5] and Hessian [S 6] of its inertia, elements and contacts, one Newton step [S 3].
 struct SolveVertex {
   static constexpr const char* kName = "primal";
+  Sweep sweep = Sweep::All;
+  RUBBLE_HD static bool isIn(const View& s, int v, Sweep sweep) { return sweep == Sweep::All || inSolid(s, v) == (sweep == Sweep::SolidsBack); }
   RUBBLE_HD void operator()(const View& s, int v) const {
+    if (!isIn(s, v, sweep)) return;
     Block3 block = startVertexBlock(s, v);
     const Vec3 own = s.vertexPlace[v];
     for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) addTetraCorner(s, s.tetraCorner[k], s.cornerStart[k], own, block);

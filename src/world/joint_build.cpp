@@ -79,7 +79,10 @@ void Builder::lengthJoint() {
   axis.targetPosition = wanted;
   joint_.holds = def_.type == JointType::Distance && def_.stiffness == kHard;
   const bool isPoint = def_.type != JointType::Pulley && hasNoLength(wanted);
-  if (def_.type != JointType::Pulley) joint_.groups = {isPoint ? anchors() : off()};
+  if (def_.type != JointType::Pulley) {
+    joint_.groups = {anchors()};
+    if (!isPoint) joint_.groups[0].mode = EngineGroup::Mode::Point;
+  }
   if (isPoint) return;
   const double damping = dampingOf(def_.damping, def_.dampingRatio, def_.stiffness, mass());
   if (def_.type == JointType::Spring) {
