@@ -278,9 +278,9 @@ void stopFastBodies(E& e) {
   e.forEach(StopBodies{}, &Counters::swept);
 }
 
-/// What islands that nothing holds are short of.
+/// Islands that nothing holds get back what they are short of.
 template <Executor E>
-void findIslandMomenta(E& e) {
+void keepIslandMomenta(E& e) {
   const int bodies = e.view().bodies;
   const bool groups = e.view().step.coarseCorrection;
   if (!groups) e.forEach(StartIslandForest{}, bodies);
@@ -288,6 +288,7 @@ void findIslandMomenta(E& e) {
   e.forEach(ListIslandParts{}, bodies);
   if (groups) e.forEachIn(SumMomenta{}, &View::levelChunk, kCoarseLevels - 1);
   e.forEach(RepairIslands{}, bodies);
+  e.forEach(RepairBodies{}, bodies);
 }
 
 /// One step of dt. Everything before the iterations happens at x^t and moves no body beyond its initial guess.
@@ -342,9 +343,9 @@ void step(E& e) {
   forEachJoint<FinishJoints>(e);
   if (vertices > 0) finishSoftRows(e);
   stopFastBodies(e);
-  findIslandMomenta(e);
   e.forEach(FinishBodies{}, bodies);
   if (treesEnd) closeTrees(e);
+  if (!e.view().step.literalRotations) keepIslandMomenta(e);
   if (e.view().lumps > 0) keepSpin(e);
   e.forEach(FinishVertices{}, vertices);
   if (e.view().step.sleeping) sleepIslands(e);
