@@ -128,6 +128,7 @@ inline constexpr Real kNoTurn2 = Real(1e-8);
 /// alone: with it, torques would turn the momentum of a body that spins in a direction that is off by half of
 /// its rotation in a step. Along a principal axis the two differ by no more than |log(x)| |x - y| / dt: what
 /// rows of frozen levers seem to give a slender body about its long axis, which has turned since, is left out.
+/// So is what would change the energy: a bearing that turns in a step acts at its end, and would brake its wheel.
 /// World axes. [rad/s] `start` orientation at x^t, `inertia` principal moments [kg m2].
 RUBBLE_HD inline Vec3 spinAfterRows(const Quat& start, const Quat& x, const Vec3& turn, const Quat& y,
                                     const Vec3& inertia, Real dt) {
@@ -145,7 +146,10 @@ RUBBLE_HD inline Vec3 spinAfterRows(const Quat& start, const Quat& x, const Vec3
   const Quat now = x * start;
   const Vec3 given = rotateInverse(now, rotate(start, missing));
   const Real most = inverseDt * std::sqrt(dot(turn, turn) * dot(rows, rows));
-  return inverseDt * turn + rotate(now, spinChange(w, given, {0, 0, 0}, most, inertia, dt));
+  Vec3 added = spinChange(w, given, {0, 0, 0}, most, inertia, dt);
+  const Vec3 own = mul(inertia, w);
+  if (const Real twice = dot(w, own); twice > Real(0)) added -= (dot(own, added) / twice) * w;
+  return inverseDt * turn + rotate(now, added);
 }
 
 /// \eq{S1} The inertial part of the objective whose minimum is the implicit Euler step: |x - y|_M^2 / (2 dt^2); the potentials of all

@@ -236,9 +236,9 @@ struct RepairBodies {
       turn -= r.loss * (spin - r.spin);
       given -= r.loss * (angularMomentum(q, spin, principal, s.step.dt) - inertia * r.spin);
     }
-    const Vec3 own = rotateInverse(q, spin), near = rotateInverse(q, turn);
-    const Real most = s.step.dt * std::sqrt(dot(own, own) * dot(near, near));
-    Vec3 w = spin + rotate(q, spinChange(own, rotateInverse(q, given), near, most, principal, s.step.dt));
+    const Vec3 change = spinChange(rotateInverse(q, spin), rotateInverse(q, given), rotateInverse(q, turn),
+                                   kUnreached, principal, s.step.dt);
+    Vec3 w = spin + rotate(q, change);
     limitSpin(w, s.step.dt);
     s.velocity[i] += v;
     s.spin[i] = w;
