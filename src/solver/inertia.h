@@ -109,12 +109,16 @@ RUBBLE_HD inline Vec3 freeMomentum(const Quat& q, const Vec3& w, const Vec3& ine
   return momentumOf(q, w, inertia, dt, Real(1));
 }
 
-/// What is added to a spin, in the frame of the body, when its angular momentum is changed by `given`. [rad/s] `given` [kg m2/s].
-RUBBLE_HD inline Vec3 spinChange(const Vec3& w, const Vec3& given, const Vec3& inertia, Real dt) {
-  const Vec3 change{given.x / inertia.x, given.y / inertia.y, given.z / inertia.z};
-  if (isSpherical(inertia)) return change;
+/// What is added to a spin when its angular momentum is changed by `given`, in the frame of the body. [rad/s]
+/// `near`: to first order in the rotation of a step; along no principal axis is the result further than `most`
+/// from it. `given` [kg m2/s].
+RUBBLE_HD inline Vec3 spinChange(const Vec3& w, const Vec3& given, const Vec3& near, Real most,
+                                 const Vec3& inertia, Real dt) {
+  if (isSpherical(inertia)) return given / inertia.x;
   const SpinMomentum end{inertia, dt, Real(-1)};
-  return spinOf(end, end(w) + given, w, w + change) - w;
+  const Vec3 first = w + near, off = spinOf(end, end(w) + given, first, first) - first;
+  const auto cut = [&](Real a) { return clamp(a, -most, most); };
+  return near + Vec3{cut(off.x), cut(off.y), cut(off.z)};
 }
 
 /// Rotations in a step below which Pi+- are I w for all that rows give, squared [rad2].
@@ -126,6 +130,7 @@ inline constexpr Real kNoTurn2 = Real(1e-8);
 /// alone: with it, torques would turn the momentum of a body that spins in a direction that is off by half of
 /// its rotation in a step. Along a principal axis the two differ by no more than |log(x)| |x - y| / dt: what
 /// rows of frozen levers seem to give a slender body about its long axis, which has turned since, is left out.
+/// So is what would change the energy: a bearing that turns in a step acts at its end, and would brake its wheel.
 /// World axes. [rad/s] `start` orientation at x^t, `inertia` principal moments [kg m2].
 RUBBLE_HD inline Vec3 spinAfterRows(const Quat& start, const Quat& x, const Vec3& turn, const Quat& y,
                                     const Vec3& inertia, Real dt) {
@@ -141,10 +146,12 @@ RUBBLE_HD inline Vec3 spinAfterRows(const Quat& start, const Quat& x, const Vec3
   const Vec3 change = mul(inertia, inverseDt * rotateInverse(start, rows));
   const Vec3 missing = change - (begin(w) - begin(inverseDt * rotateInverse(start, free)));
   const Quat now = x * start;
-  const Vec3 added = spinChange(w, rotateInverse(now, rotate(start, missing)), inertia, dt);
+  const Vec3 given = rotateInverse(now, rotate(start, missing));
   const Real most = inverseDt * std::sqrt(dot(turn, turn) * dot(rows, rows));
-  const auto cut = [&](Real a) { return clamp(a, -most, most); };
-  return inverseDt * turn + rotate(now, Vec3{cut(added.x), cut(added.y), cut(added.z)});
+  Vec3 added = spinChange(w, given, {0, 0, 0}, most, inertia, dt);
+  const Vec3 own = mul(inertia, w);
+  if (const Real twice = dot(w, own); twice > Real(0)) added -= (dot(own, added) / twice) * w;
+  return inverseDt * turn + rotate(now, added);
 }
 
 /// \eq{S1} The inertial part of the objective whose minimum is the implicit Euler step: |x - y|_M^2 / (2 dt^2); the potentials of all

@@ -273,11 +273,11 @@ struct SolveBody {
 };
 
 /// What gravity and forces gave a body that has stopped for the part of the step that it did not go [m/s]: its way ended, and their work with it. As
-/// far as it followed them: what rows hold has none of it.
-RUBBLE_HD inline Vec3 unusedPush(const View& s, int i, const Vec3& v) {
+/// far as it followed them: what rows hold has none of it. `start`, `v`: at both ends of the step.
+RUBBLE_HD inline Vec3 unusedPush(const View& s, int i, const Vec3& start, const Vec3& v) {
   const StepConstants& c = s.step;
-  const Vec3 push = c.inverseDt * s.target[i].y.p - s.velocity[i];
-  return fromFloatBits(s.stopBits[i]) * followedShare(v, s.velocity[i], c.inverseDt * push, c.dt) * push;
+  const Vec3 push = c.inverseDt * s.target[i].y.p - start;
+  return fromFloatBits(s.stopBits[i]) * followedShare(v, start, c.inverseDt * push, c.dt) * push;
 }
 
 /// What the last sweep moved a body by, over its bounding diameter.
@@ -287,5 +287,72 @@ RUBBLE_HD inline void noteUnfinished(const View& s, int i, const Displacement& d
   // most bodies find it high enough
   if (bits > s.counters->unfinished) atomicRaise(&s.counters->unfinished, bits);
 }
+
+/// Pose and velocities of a dynamic body at the end of a step, as its rows left them. One that was stopped
+/// on its way keeps its momenta.
+struct BodyEnd {
+  Quat q;
+  Vec3 move;     ///< since x^t [m]
+  Vec3 v, w;     ///< [m/s], [rad/s]
+  bool limited;  ///< the spin is at its ceiling
+};
+/// Keeps a spin below what a step can tell.
+RUBBLE_HD inline bool limitSpin(Vec3& w, Real dt) {
+  const Real turn = length(w) * dt;
+  if (!(turn > kMaxSpinPerStep)) return false;
+  w *= kMaxSpinPerStep / turn;
+  return true;
+}
+RUBBLE_HD inline BodyEnd endOf(const View& s, int i) {
+  const StepConstants& c = s.step;
+  const Displacement& d = s.moved[i];
+  const bool stopped = s.stopBits[i] != 0;
+  const Quat start = s.orientation[i], x = s.turned[i];
+  BodyEnd end;
+  end.q = normalize((stopped ? expRotation(s.stopped[i].dw) : x) * start);
+  end.move = stopped ? s.stopped[i].dp : d.dp;
+  end.v = c.inverseDt * d.dp;
+  if (stopped) end.v -= unusedPush(s, i, s.velocity[i], end.v);
+  if (c.literalRotations) {
+    end.w = c.inverseDt * (Real(2) * shortArc(x).v);
+    end.limited = limitSpin(end.w, c.dt);
+    return end;
+  }
+  const Vec3 inertia = s.params[i].inertia;
+  const BodyTarget& target = s.target[i];
+  end.w = (target.locks >> 3) != 0 ? c.inverseDt * d.dw
+                                   : spinAfterRows(start, x, d.dw, target.y.q, inertia, c.dt);
+  if (stopped) end.w = spinAt(end.q, x * start, end.w, inertia, c.dt);
+  end.limited = limitSpin(end.w, c.dt);
+  return end;
+}
+
+/// Velocities and the new pose. A body whose state is not finite stays where it was, at rest.
+struct FinishBodies {
+  static constexpr const char* kName = "velocity";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const BodyKind kind = s.params[i].kind;
+    if (kind == BodyKind::Removed || kind == BodyKind::Static || isAsleep(s, i)) return;
+    if (kind == BodyKind::Kinematic) {
+      s.position[i] += Vec3d(s.moved[i].dp);
+      s.orientation[i] = normalize(s.turned[i] * s.orientation[i]);
+      return;
+    }
+    const BodyEnd end = endOf(s, i);
+    if (!isFinite(end.v) || !isFinite(end.w)) {
+      atomicCount(&s.counters->quarantined, 1);
+      s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};
+      return;
+    }
+    if (end.limited) atomicCount(&s.counters->spinLimited, 1);
+    s.previousVelocity[i] = s.velocity[i];
+    s.velocity[i] = end.v;
+    s.spin[i] = end.w;
+    s.correction[i] = s.nextCorrection[i];
+    noteUnfinished(s, i, s.moved[i]);
+    s.position[i] += Vec3d(end.move);
+    s.orientation[i] = end.q;
+  }
+};
 
 }  // namespace rubble::RUBBLE_CORE

@@ -129,7 +129,10 @@ struct SubstituteLink {
       if (node.near[t] >= 0) link.x -= link.w[t] * s.treeLink[node.near[t]].x;
     if (closingNode(s, node.body) != begin + k || !isFinite(Vec3(link.x))) return;
     const double way = length(link.x), most = static_cast<double>(kClosingWay * innerRadiusOf(s.shapeTables(), s.params[node.body].shape));
-    s.position[node.body] += way > most ? link.x * (most / way) : link.x;
+    const Vec3d shift = way > most ? link.x * (most / way) : link.x;
+    s.position[node.body] += shift;
+    // the way that it has made in the step
+    (s.stopBits[node.body] != 0 ? s.stopped : s.moved)[node.body].dp += Vec3(shift);
   }
 };
 

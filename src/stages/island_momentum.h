@@ -1,67 +1,26 @@
 #pragma once
-/// The end of a body's step, and the momenta of islands that nothing holds.
+/// The momenta of islands that nothing holds.
 ///
 /// Sweeps leave the two bodies of a row at poses of which one is older, and turn them by angles that rows
 /// know to first order: what one body is given is not quite what is taken from the other. An island, bodies
 /// that rows of this step connect, of which none acts on anything that does not move by its forces, has to
 /// have the momenta that it would have had without rows,
 ///
-///   sum m (v - v_y) = 0        sum p^t x m (v - v_y) + dL = 0
+///   sum m (v - v_y) = 0        sum (p x m v + S) - (p^t x m v_y + S_y) = 0
 ///
-/// with v_y the velocities of the inertial targets and dL what each body's spin has beyond its target's
-/// (solver/inertia.h). p^t x m v is p x m v at the end of the step, for a body goes along v. What is left of
-/// the two sums is taken from the velocities as a rigid motion of the island about its centre of mass at the
-/// end of the step. That is the least change in the metric of its masses, and changes no relative velocity
-/// of points that touch.
+/// with v_y, S_y velocity and spin momentum at the inertial target. What is left of the two sums is taken
+/// from the velocities as a rigid motion of the island about its centre of mass. That is the least change in
+/// the metric of its masses, and changes no relative velocity of points that touch.
 ///
-/// If the island then had more kinetic energy than both with the spins and velocities of its targets and
-/// before the repair, the motion of its bodies against that of a rigid whole is reduced to what is left for
-/// it. Such a motion has no momenta, and no joint sees it reduced.
+/// If the island then had more kinetic energy than at its targets, and where it has joints than before the
+/// repair too, the motion of its bodies against that of a rigid whole is reduced to what is left for it.
+/// Such a motion has no momenta, and no joint sees it reduced.
 ///
 /// Bodies of the coarsest group (groups.h) are connected already, so few rows are left to unite. Sums go by
 /// group and then by number.
 #include "stages/coarse.h"
 
 namespace rubble::RUBBLE_CORE {
-
-/// Pose and velocities of a dynamic body at the end of a step, as its rows left them. One that was stopped
-/// on its way keeps its momenta.
-struct BodyEnd {
-  Quat q;
-  Vec3 move;     ///< since x^t [m]
-  Vec3 v, w;     ///< [m/s], [rad/s]
-  bool limited;  ///< the spin is at its ceiling
-};
-/// Keeps a spin below what a step can tell.
-RUBBLE_HD inline bool limitSpin(Vec3& w, Real dt) {
-  const Real turn = length(w) * dt;
-  if (!(turn > kMaxSpinPerStep)) return false;
-  w *= kMaxSpinPerStep / turn;
-  return true;
-}
-RUBBLE_HD inline BodyEnd endOf(const View& s, int i) {
-  const StepConstants& c = s.step;
-  const Displacement& d = s.moved[i];
-  const bool stopped = s.stopBits[i] != 0;
-  const Quat start = s.orientation[i], x = s.turned[i];
-  BodyEnd end;
-  end.q = normalize((stopped ? expRotation(s.stopped[i].dw) : x) * start);
-  end.move = stopped ? s.stopped[i].dp : d.dp;
-  end.v = c.inverseDt * d.dp;
-  if (stopped) end.v -= unusedPush(s, i, end.v);
-  if (c.literalRotations) {
-    end.w = c.inverseDt * (Real(2) * shortArc(x).v);
-    end.limited = limitSpin(end.w, c.dt);
-    return end;
-  }
-  const Vec3 inertia = s.params[i].inertia;
-  const BodyTarget& target = s.target[i];
-  end.w = (target.locks >> 3) != 0 ? c.inverseDt * d.dw
-                                   : spinAfterRows(start, x, d.dw, target.y.q, inertia, c.dt);
-  if (stopped) end.w = spinAt(end.q, x * start, end.w, inertia, c.dt);
-  end.limited = limitSpin(end.w, c.dt);
-  return end;
-}
 
 /// Forest of the bodies that rows connect: that of the coarsest groups, or one of its own.
 RUBBLE_HD inline int* islandForest(const View& s) { return s.leader + atLevel(s, kCoarseLevels - 1, 0); }
@@ -71,7 +30,11 @@ struct StartIslandForest {
   RUBBLE_HD void operator()(const View& s, int i) const { islandForest(s)[i] = i; }
 };
 
-/// Does a row block act on something that is no body of the forest?
+/// What rows do with an island, as bits.
+inline constexpr int kHeld = 1;    ///< they act on something that is no body of the forest
+inline constexpr int kJoined = 2;  ///< there are joints, which may have springs and drives
+
+/// Does a joint act on something that is no body of the forest?
 template <class F> RUBBLE_HD bool isJointHeld(const View& s, std::uint32_t code) {
   if constexpr (F::kGrounded) return true;
   if constexpr (isCarried<F>()) {
@@ -81,15 +44,15 @@ template <class F> RUBBLE_HD bool isJointHeld(const View& s, std::uint32_t code)
   }
   return false;
 }
-RUBBLE_HD inline bool isHeld(const View& s, const Entry& entry) {
+RUBBLE_HD inline int bondsOf(const View& s, const Entry& entry) {
   const int type = entryType(entry.code);
-  if (type == kContactType) return entry.other < 0;
-  if (entry.other < 0 || type > JointTypes::kSize) return true;
+  if (entry.other < 0 || type > JointTypes::kSize) return kHeld;
+  if (type == kContactType) return 0;
   bool held = false;
   forEachType(JointTypes{}, [&]<class F>() {
     if (type == typeIndex<F>(JointTypes{}) + 1) held = isJointHeld<F>(s, entry.code);
   });
-  return held;
+  return held ? kHeld : kJoined;
 }
 
 /// Unites bodies that rows connect beyond the coarsest groups, and finds those that something holds.
@@ -98,17 +61,17 @@ struct JoinMomentumIslands {
   RUBBLE_HD void operator()(const View& s, int i) const {
     s.islandFirst[i] = -1;
     if (!isDynamic(s, i)) {
-      s.islandHeld[i] = 1;
+      s.islandBonds[i] = kHeld;
       return;
     }
-    bool held = s.target[i].locks != 0;
+    int bonds = s.target[i].locks != 0 ? kHeld : 0;
     for (int k = s.entryOffset[i]; k < s.entryOffset[i + 1]; ++k) {
       const Entry entry = s.entry[k];
-      held |= isHeld(s, entry);
+      bonds |= bondsOf(s, entry);
       if (entry.depth == kCoarseLevels && entry.other > i && entry.other < s.bodies)
         unite(islandForest(s), i, entry.other);
     }
-    s.islandHeld[i] = held;
+    s.islandBonds[i] = bonds;
   }
 };
 
@@ -134,7 +97,7 @@ struct ListIslandParts {
     const int root = findLeader(islandForest(s), i);
     s.rowIsland[i] = root;
     if (!isDynamic(s, i)) return;
-    if (s.islandHeld[i] != 0 && root != i) atomicSet(&s.islandHeld[root], 1);
+    if (s.islandBonds[i] != 0 && root != i) atomicSet(&s.islandBonds[root], s.islandBonds[i]);
     const int group = coarsestGroup(s, i);
     const bool isPart =
         group >= 0 ? s.member[s.memberOffset[group]] == i : s.entryOffset[i + 1] > s.entryOffset[i];
@@ -167,30 +130,35 @@ RUBBLE_HD inline int sortList(int* next, int first) {
   }
 }
 
-/// Adds a body to the sums of its island. Places and velocities are those against where the leader was at
-/// x^t, and how it would go.
+/// Adds a body to the sums of its island. Places and velocities are those against where the leader is, and
+/// how it would go.
 RUBBLE_HD inline void addMomenta(const View& s, int root, int i, MomentumSums& sum) {
-  const BodyEnd end = endOf(s, i);
   const BodyTarget& target = s.target[i];
-  const Vec3 principal = s.params[i].inertia, frame = s.step.inverseDt * s.target[root].y.p;
+  const bool stopped = s.stopBits[i] != 0;
+  const Vec3 principal = s.params[i].inertia, way = stopped ? s.stopped[i].dp : s.moved[i].dp;
+  const Quat q = s.orientation[i],
+             start = conjugate(stopped ? expRotation(s.stopped[i].dw) : s.turned[i]) * q;
+  const Vec3 frame = s.step.inverseDt * s.target[root].y.p, w = s.spin[i];
+  Vec3 freeVelocity = s.step.inverseDt * target.y.p - frame;
+  const Vec3 v = s.velocity[i] - frame;
+  if (stopped) freeVelocity -= unusedPush(s, i, s.previousVelocity[i], s.step.inverseDt * s.moved[i].dp);
+  const Vec3 freeSpin = s.step.inverseDt * logRotation(target.y.q);
   const Real m = target.mass.mass;
-  const Vec3 before(s.position[i] - s.position[root]), after = before + end.move;
-  const Vec3 free = s.step.inverseDt * target.y.p - frame, v = end.v - frame,
-             given = m * (s.step.inverseDt * (s.moved[i].dp - target.y.p));
-  const Vec3 freeSpin = s.step.inverseDt * logRotation(target.y.q),
-             spin = angularMomentum(end.q, end.w, principal, s.step.dt);
-  const Sym3 inertia = rotateDiagonal(end.q, principal);
+  const Vec3 after(s.position[i] - s.position[root]), before = after - way, given = m * (v - freeVelocity);
+  const Vec3 spin = angularMomentum(q, w, principal, s.step.dt);
+  const Sym3 inertia = rotateDiagonal(q, principal);
   sum.mass += m;
   sum.place += m * after;
   sum.givenLinear += given;
-  sum.givenAngular +=
-      cross(before, given) + (spin - freeMomentum(s.orientation[i], freeSpin, principal, s.step.dt));
+  sum.givenAngular += cross(before, given) + m * cross(way, v + frame) +
+                      (spin - freeMomentum(start, freeSpin, principal, s.step.dt));
   sum.linear += m * v;
   sum.angular += m * cross(after, v) + spin;
   sum.inertia += inertia;
   addPointInertia(sum.inertia, after, m);
-  sum.freeEnergy += Real(.5) * (m * dot(free, free) + dot(freeSpin, target.mass.inertia * freeSpin));
-  sum.energy += Real(.5) * (m * dot(v, v) + dot(end.w, inertia * end.w));
+  sum.freeEnergy +=
+      Real(.5) * (m * dot(freeVelocity, freeVelocity) + dot(freeSpin, target.mass.inertia * freeSpin));
+  sum.energy += Real(.5) * (m * dot(v, v) + dot(w, inertia * w));
 }
 
 /// Sums of the coarsest groups, a chunk each.
@@ -199,7 +167,7 @@ struct SumMomenta {
   RUBBLE_HD void operator()(const View& s, int i) const {
     const Chunk& chunk = s.chunk[i];
     const int first = s.member[s.memberOffset[chunk.group]];
-    if (first >= s.bodies || s.islandHeld[s.rowIsland[first]] != 0) return;
+    if (first >= s.bodies || (s.islandBonds[s.rowIsland[first]] & kHeld) != 0) return;
     MomentumSums sum{};
     for (int k = chunk.begin; k < chunk.end; ++k)
       if (s.member[k] < s.bodies) addMomenta(s, s.rowIsland[first], s.member[k], sum);
@@ -211,7 +179,7 @@ struct SumMomenta {
 inline constexpr Real kSameEnergy = sizeof(Real) == 8 ? Real(1e-14) : Real(2e-6);
 
 /// The rigid motion that gives an island its momenta back. `origin` of the sums.
-RUBBLE_HD inline IslandRepair repairOf(const MomentumSums& sum, const Vec3d& origin) {
+RUBBLE_HD inline IslandRepair repairOf(const MomentumSums& sum, const Vec3d& origin, int bonds) {
   const Vec3 centre = sum.place / sum.mass;
   Sym3 inertia = sum.inertia;
   addPointInertia(inertia, centre, -sum.mass);
@@ -225,8 +193,8 @@ RUBBLE_HD inline IslandRepair repairOf(const MomentumSums& sum, const Vec3d& ori
   const auto rigid = [&](const Vec3& v, const Vec3& w) {
     return Real(.5) * (sum.mass * dot(v, v) + dot(w, inertia * w));
   };
-  const Real loose = max(sum.energy - rigid(r.velocity, r.spin), Real(0)),
-             most = max(sum.energy, sum.freeEnergy);
+  const Real loose = max(sum.energy - rigid(r.velocity, r.spin), Real(0));
+  const Real most = bonds & kJoined ? max(sum.energy, sum.freeEnergy) : sum.freeEnergy;
   const Real whole = rigid(r.velocity + r.addVelocity, r.spin + r.addSpin);
   if (whole + loose > most * (1 + kSameEnergy) && loose > Real(0))
     r.loss = Real(1) - std::sqrt(clamp((most - whole) / loose, Real(0), Real(1)));
@@ -238,7 +206,7 @@ RUBBLE_HD inline IslandRepair repairOf(const MomentumSums& sum, const Vec3d& ori
 struct RepairIslands {
   static constexpr const char* kName = "momentum";
   RUBBLE_HD void operator()(const View& s, int root) const {
-    if (s.islandFirst[root] < 0 || s.islandHeld[root] != 0) return;
+    if (s.islandFirst[root] < 0 || (s.islandBonds[root] & kHeld) != 0) return;
     const int first = sortList(s.islandNext, s.islandFirst[root]);
     MomentumSums sum{};
     for (int i = first; i >= 0; i = s.islandNext[i]) {
@@ -249,58 +217,33 @@ struct RepairIslands {
       }
       for (int k = s.group[group].chunkBegin; k < s.group[group].chunkEnd; ++k) sum += s.chunkMomenta[k];
     }
-    s.islandRepair[root] = repairOf(sum, s.position[root]);
+    s.islandRepair[root] = repairOf(sum, s.position[root], s.islandBonds[root]);
   }
 };
 
-/// Gives a body its part of what its island is short of.
-RUBBLE_HD inline void repair(const View& s, int i, BodyEnd& end) {
-  const int root = s.rowIsland[i];
-  if (s.islandHeld[root] != 0 || s.islandFirst[root] < 0) return;
-  const IslandRepair& r = s.islandRepair[root];
-  if (!r.acts) return;
-  const Vec3 principal = s.params[i].inertia;
-  const Sym3 inertia = rotateDiagonal(end.q, principal);
-  const Vec3 arm(s.position[i] + Vec3d(end.move) - r.centre);
-  Vec3 v = r.addVelocity + cross(r.addSpin, arm), given = inertia * r.addSpin;
-  if (r.loss > Real(0)) {
-    const Vec3 loose = end.v - s.step.inverseDt * s.target[root].y.p - r.velocity - cross(r.spin, arm);
-    v -= r.loss * loose;
-    given -= r.loss * (angularMomentum(end.q, end.w, principal, s.step.dt) - inertia * r.spin);
-  }
-  end.v += v;
-  end.w += rotate(
-      end.q, spinChange(rotateInverse(end.q, end.w), rotateInverse(end.q, given), principal, s.step.dt));
-  end.limited |= limitSpin(end.w, s.step.dt);
-}
-
-/// Velocities and the new pose. A body whose state is not finite stays where it was, at rest.
-struct FinishBodies {
-  static constexpr const char* kName = "velocity";
+/// Gives bodies their part of what their islands are short of.
+struct RepairBodies {
+  static constexpr const char* kName = "momentum";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const StepConstants& c = s.step;
-    const BodyKind kind = s.params[i].kind;
-    if (kind == BodyKind::Removed || kind == BodyKind::Static || isAsleep(s, i)) return;
-    if (kind == BodyKind::Kinematic) {
-      s.position[i] += Vec3d(s.moved[i].dp);
-      s.orientation[i] = normalize(s.turned[i] * s.orientation[i]);
-      return;
+    const int root = s.rowIsland[i];
+    if ((s.islandBonds[root] & kHeld) != 0 || s.islandFirst[root] < 0 || !s.islandRepair[root].acts) return;
+    const IslandRepair& r = s.islandRepair[root];
+    const Vec3 principal = s.params[i].inertia, spin = s.spin[i];
+    const Quat q = s.orientation[i];
+    const Sym3 inertia = rotateDiagonal(q, principal);
+    const Vec3 arm(s.position[i] - r.centre);
+    Vec3 v = r.addVelocity + cross(r.addSpin, arm), turn = r.addSpin, given = inertia * r.addSpin;
+    if (r.loss > Real(0)) {
+      v -= r.loss * (s.velocity[i] - s.step.inverseDt * s.target[root].y.p - r.velocity - cross(r.spin, arm));
+      turn -= r.loss * (spin - r.spin);
+      given -= r.loss * (angularMomentum(q, spin, principal, s.step.dt) - inertia * r.spin);
     }
-    BodyEnd end = endOf(s, i);
-    if (!c.literalRotations) repair(s, i, end);
-    if (!isFinite(end.v) || !isFinite(end.w)) {
-      atomicCount(&s.counters->quarantined, 1);
-      s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};
-      return;
-    }
-    if (end.limited) atomicCount(&s.counters->spinLimited, 1);
-    s.previousVelocity[i] = s.velocity[i];
-    s.velocity[i] = end.v;
-    s.spin[i] = end.w;
-    s.correction[i] = s.nextCorrection[i];
-    noteUnfinished(s, i, s.moved[i]);
-    s.position[i] += Vec3d(end.move);
-    s.orientation[i] = end.q;
+    const Vec3 change = spinChange(rotateInverse(q, spin), rotateInverse(q, given), rotateInverse(q, turn),
+                                   kUnreached, principal, s.step.dt);
+    Vec3 w = spin + rotate(q, change);
+    limitSpin(w, s.step.dt);
+    s.velocity[i] += v;
+    s.spin[i] = w;
   }
 };
 

@@ -286,9 +286,9 @@ void stopFastBodies(E& e) {
   e.forEach(StopLateBodies{}, e.view().bodies);
 }
 
-/// What islands that nothing holds are short of.
+/// Islands that nothing holds get back what they are short of.
 template <Executor E>
-void findIslandMomenta(E& e) {
+void keepIslandMomenta(E& e) {
   const int bodies = e.view().bodies;
   const bool groups = e.view().step.coarseCorrection;
   if (!groups) e.forEach(StartIslandForest{}, bodies);
@@ -296,6 +296,7 @@ void findIslandMomenta(E& e) {
   e.forEach(ListIslandParts{}, bodies);
   if (groups) e.forEachIn(SumMomenta{}, &View::levelChunk, kCoarseLevels - 1);
   e.forEach(RepairIslands{}, bodies);
+  e.forEach(RepairBodies{}, bodies);
 }
 
 /// One step of dt. Everything before the iterations happens at x^t and moves no body beyond its initial guess.
@@ -356,11 +357,11 @@ void step(E& e) {
   forEachJoint<FinishJoints>(e);
   if (vertices > 0) finishSoftRows(e);
   stopFastBodies(e);
-  findIslandMomenta(e);
   if (e.view().bounces) findBounces(e);
   e.forEach(FinishBodies{}, bodies);
   if (e.view().bounces) actBounces(e);
   if (treesEnd) closeTrees(e);
+  if (!e.view().step.literalRotations) keepIslandMomenta(e);
   if (e.view().lumps > 0) keepSpin(e);
   e.forEach(FinishVertices{}, vertices);
   if (e.view().step.sleeping) sleepIslands(e);

@@ -101,7 +101,7 @@ struct View : JointTables<JointTypes> {
   int* island = nullptr;              ///< a body that stands for the island
   int* islandFlag = nullptr;          ///< of that body: 1 if the island wakes, or does not sleep
   int* rowIsland = nullptr;           ///< lowest body that rows of this step connect with it
-  int* islandHeld = nullptr;          ///< 1: it, or a body of the island that it leads, is held by what does not move by its forces
+  int* islandBonds = nullptr;         ///< bits of what rows do with it, or with the island that it leads (stages/island_momentum.h)
   int* islandFirst = nullptr;         ///< first part of the island that it leads, -1: none
   int* islandNext = nullptr;          ///< the part after this one
   IslandRepair* islandRepair = nullptr;  ///< of the island that it leads
@@ -359,7 +359,7 @@ void forEachArray(F&& f) {
   is(&View::island, "island", "", Per::Body, Life::Unordered);
   is(&View::islandFlag, "islandFlag", "", Per::Body, Life::Work);
   is(&View::rowIsland, "rowIsland", "", Per::Body, Life::Work);
-  is(&View::islandHeld, "islandHeld", "", Per::Body, Life::Work);
+  is(&View::islandBonds, "islandBonds", "", Per::Body, Life::Work);
   is(&View::islandFirst, "islandFirst", "", Per::Body, Life::Unordered);
   is(&View::islandNext, "islandNext", "", Per::Body, Life::Unordered);
   is(&View::islandRepair, "islandRepair", "m, s", Per::Body, Life::Unordered);
