@@ -23,7 +23,9 @@ Scene buildLadder(const Arguments& arguments) {
     for (int i = 0; i < 4; ++i) {
       BodyDef body;
       body.name = std::string(kind == 0 ? "sphere" : kind == 1 ? "box" : "capsule") + std::to_string(i);
-      body.shape = kind == 0 ? Shape::sphere(kSize) : kind == 1 ? Shape::box({kSize, .4, kSize}) : Shape::capsule(kSize, .3);
+      body.shape = kind == 0   ? Shape::sphere(kSize)
+                   : kind == 1 ? Shape::box({kSize, .4, kSize})
+                               : Shape::capsule(kSize, .3);
       if (kind == 2) body.orientation = frameAlong({0, 0, 1});
       body.position = {kSpacing * i, kSpacing * kind, kSize + value(arguments, "height")};
       body.material.restitution = kRestitutions[i];
@@ -39,7 +41,8 @@ class LadderProbe final : public Probe {
 
   void start(const World& world) override {
     for (const BodyId id : world.bodies())
-      if (const double e = world.definition(id).material.restitution; e > 0) bouncers_.push_back({id, e, height_});
+      if (const double e = world.definition(id).material.restitution; e > 0)
+        bouncers_.push_back({id, e, height_});
   }
   void afterStep(const World& world, const StepReport&) override {
     for (Bouncer& b : bouncers_) {
@@ -50,7 +53,9 @@ class LadderProbe final : public Probe {
       b.rises = rises;
     }
   }
-  void finish(const World&, Metrics& metrics) override { metrics["ladder_error"] = error_, metrics["bounces"] = bounces_; }
+  void finish(const World&, Metrics& metrics) override {
+    metrics["ladder_error"] = error_, metrics["bounces"] = bounces_;
+  }
 
  private:
   struct Bouncer {
@@ -79,7 +84,8 @@ Probes ladderProbes(const Arguments& arguments, const Scene&) {
 }
 
 std::vector<Claim> ladderClaims(const Arguments&) {
-  return {atMost("ladder_error", .06, "tops are e^2n of the drop"), atLeast("bounces", 20, "and there are many")};
+  return {atMost("ladder_error", .06, "tops are e^2n of the drop"),
+          atLeast("bounces", 20, "and there are many")};
 }
 
 // Newton's cradle: balls on rods that touch at rest.
@@ -109,7 +115,8 @@ Scene buildCradle(const Arguments& arguments) {
 /// impact, as the last one passes half of its way.
 class CradleProbe final : public Probe {
  public:
-  CradleProbe(int balls, int raised, double angle) : balls_(balls), raised_(raised), way_(kRod * std::sin(angle)) {
+  CradleProbe(int balls, int raised, double angle)
+      : balls_(balls), raised_(raised), way_(kRod * std::sin(angle)) {
     speed_ = std::sqrt(2 * kGravity * kRod * (1 - std::cos(angle)));
   }
   void afterStep(const World& world, const StepReport&) override {
@@ -120,9 +127,12 @@ class CradleProbe final : public Probe {
     highest_ = std::max(highest_, way);
     if (left_ >= 0 || way < .3 * way_) return;
     left_ = 0;
-    for (int i = 0; i < balls_ - raised_; ++i) left_ = std::max(left_, length(world.state(world.bodyAt(i)).velocity) / speed_);
+    for (int i = 0; i < balls_ - raised_; ++i)
+      left_ = std::max(left_, length(world.state(world.bodyAt(i)).velocity) / speed_);
   }
-  void finish(const World&, Metrics& metrics) override { metrics["handed_on_ratio"] = highest_ / way_, metrics["left_ratio"] = left_; }
+  void finish(const World&, Metrics& metrics) override {
+    metrics["handed_on_ratio"] = highest_ / way_, metrics["left_ratio"] = left_;
+  }
 
  private:
   int balls_, raised_;
@@ -132,7 +142,8 @@ class CradleProbe final : public Probe {
 
 Probes cradleProbes(const Arguments& arguments, const Scene&) {
   Probes probes;
-  probes.push_back(std::make_unique<CradleProbe>(whole(arguments, "balls"), whole(arguments, "raised"), value(arguments, "angle")));
+  probes.push_back(std::make_unique<CradleProbe>(whole(arguments, "balls"), whole(arguments, "raised"),
+                                                 value(arguments, "angle")));
   return probes;
 }
 
@@ -162,7 +173,8 @@ std::vector<Spec> bounceSpecs() {
   cradle.name = "newtons-cradle";
   cradle.doc = "Balls on rods that touch at rest; the first ones are raised.";
   cradle.arguments = {count("balls", 5, 2, 20, "balls"), count("raised", 1, 1, 10, "balls that are raised"),
-                      quantity("angle", .5, .05, 1, "rad", "of the raised rods"), quantity("restitution", 1, 0, 1, "1", "of the balls")};
+                      quantity("angle", .5, .05, 1, "rad", "of the raised rods"),
+                      quantity("restitution", 1, 0, 1, "1", "of the balls")};
   cradle.build = buildCradle;
   cradle.probes = cradleProbes;
   cradle.claims = cradleClaims;

@@ -65,7 +65,8 @@ struct StepConstants {
 /// The acceleration whose loads rows of length L [m] are likely to bear. [m/s2]
 RUBBLE_HD inline Real loadAcceleration(const StepConstants& c, Real length) { return c.loadAcceleration + c.weightlessLoad * length; }
 
-/// Closing speed above which a contact of length L [m] counts as an impact: its multipliers are not warm-started, restitution acts. Contacts at rest
+/// Closing speed above which a contact of length L [m] counts as an impact: its multipliers are not warm-started,
+/// restitution acts. Contacts at rest
 /// close by g dt at most. [m/s]
 RUBBLE_HD inline Real impactSpeed(const StepConstants& c, Real length) {
   return max(kImpactShare * std::sqrt(c.gravitySize * length), max(kImpactSteps * c.dt * c.gravitySize, kImpactWay * c.inverseDt * length));

@@ -1,24 +1,28 @@
 #pragma once
 /// Restitution: what an impact gives back, as impulses after the velocities of the step are known.
 ///
-/// The rows of a step know no restitution: bodies that meet end it in touch, with the velocities of a plastic impact. What way and velocity are in such a
-/// step must differ where e > 0, so this pass corrects velocities alone. Three parts:
+/// The rows of a step know no restitution: bodies that meet end it in touch, with the velocities of a plastic
+/// impact. Where e > 0 way and velocity must differ, so this pass corrects velocities alone. Three parts:
 ///
 ///   seeds     contacts with e > 0 that closed faster than impactSpeed() at x^t and bear a load at the end
-///   reach     from them along contacts in which the step has changed the load as an impact does, through dynamic bodies
-///   in order  what the step has added to the loads of these contacts is taken back, so bodies have the velocities from before the impact; then contacts act
-///             one after another, the earliest first, until none closes. Those of which none shares a body act in one round
+///   reach     from them along contacts whose load the step has changed as an impact does, through dynamic bodies
+///   in order  What the step has added to the loads of these contacts is taken back, so that bodies have the
+///             velocities from before the impact. Then contacts act one after another, the earliest first, until
+///             none closes. All that share no body with an earlier one act in one round.
 ///
-/// One contact acts on two free bodies. Impulses p >= 0 of its points end the approach (a plastic impact, K p = c), and (1 + w / c) p are given:
+/// One contact acts on two free bodies. Impulses p >= 0 of its points end the approach, a plastic impact with
+/// K p = c, and (1 + w / c) p are given:
 ///
 ///   (w - b)^2 = b^2 + e^2 (c^2 - 2 b c + 2 a d) - 2 a d',   b = a dt / 2
 ///
-/// with c the closing speed, a the acceleration along the normal, d and d' the gaps at the ends of the step; w = e c without acceleration. The discrete free
-/// flight v' = v + a dt, p' = p + v' dt keeps v^2 / 2 - a p - a dt v / 2, and the bounce has e^2 of it. Then friction takes from the speeds at the points what
-/// mu (1 + w / c) p can. Kinetic energy never grows without a, momentum is exact.
+/// with c the closing speed, a the acceleration along the normal, d and d' the gaps at the ends of the step.
+/// Without acceleration w = e c. The discrete free flight v' = v + a dt, p' = p + v' dt keeps
+/// v^2 / 2 - a p - a dt v / 2, and the bounce has e^2 of it. Then friction takes from the speeds at the points
+/// what mu (1 + w / c) p can. Without acceleration kinetic energy never grows. Momentum is exact.
 ///
-/// A body whose velocity the contacts do not explain (a joint took part) keeps the velocity of the step, and so do those that it reaches: their seeds give back
-/// e^2 of the work that ended the approach, P c / 2, on top of it, without friction, and no more than the two bodies have lost.
+/// A body whose velocity the contacts do not explain (a joint took part) keeps the velocity of the step, and so do
+/// those that it reaches. Their seeds give back e^2 of the work that ended the approach, P c / 2, on top of it,
+/// without friction, and no more than the two bodies have lost.
 #include "stages/bounce_order.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -26,7 +30,9 @@ namespace rubble::RUBBLE_CORE {
 /// Contacts of a step in which something may bounce.
 struct CountBounces {
   static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int) const { s.counters->bounceRows = s.counters->bounces > 0 ? s.counters->manifolds : 0; }
+  RUBBLE_HD void operator()(const View& s, int) const {
+    s.counters->bounceRows = s.counters->bounces > 0 ? s.counters->manifolds : 0;
+  }
 };
 
 struct StartBounces {
@@ -50,7 +56,8 @@ struct FindBounces {
     const Impact impact(s, r);
     const Displacement toA = targetDisplacement(s, r.a), toB = targetDisplacement(s, r.b);
     const Motion startA = motionOf(s, r.a), startB = motionOf(s, r.b);
-    const Motion freeA{c.inverseDt * toA.dp, c.inverseDt * toA.dw}, freeB{c.inverseDt * toB.dp, c.inverseDt * toB.dw};
+    const Motion freeA{c.inverseDt * toA.dp, c.inverseDt * toA.dw},
+        freeB{c.inverseDt * toB.dp, c.inverseDt * toB.dw};
     const Real fast = impactSpeed(c, r.length);
     const Displacement endA = endOf(s, r.a), endB = endOf(s, r.b);
     Real load = 0, change = 0, closing = 0, free = 0, gap = 0, end = 0;
@@ -64,14 +71,17 @@ struct FindBounces {
       load += lambda, change += absOf(bounce.impulse[k]);
       closing += lambda * speed, free += lambda * impact.closing(k, freeA, freeB);
       // what was left alone of a depth counts too
-      const Real apart = r.place[k].c0 > Real(0) ? -r.place[k].c0 / max(Real(1) - c.alpha, Real(.01)) : -r.place[k].c0;
-      const Vec3 moved = endA.dp + cross(endA.dw, r.place[k].rA) - endB.dp - cross(endB.dw, r.place[k].rA + r.offset);
+      const Real apart =
+          r.place[k].c0 > Real(0) ? -r.place[k].c0 / max(Real(1) - c.alpha, Real(.01)) : -r.place[k].c0;
+      const Vec3 moved =
+          endA.dp + cross(endA.dw, r.place[k].rA) - endB.dp - cross(endB.dw, r.place[k].rA + r.offset);
       gap += lambda * apart, end += lambda * (apart - dot(r.n, moved));
       seed |= r.restitution > Real(0) && lambda > Real(0) && speed > fast;
     }
     if (load > Real(0)) closing /= load, free /= load, gap /= load, end /= load;
     bounce.start = closing, bounce.change = free - closing, bounce.gap = gap, bounce.end = end;
-    bounce.carries = load > Real(0) && change * (impact.a.inverseMass + impact.b.inverseMass) > kBounceReach * fast;
+    bounce.carries =
+        load > Real(0) && change * (impact.a.inverseMass + impact.b.inverseMass) > kBounceReach * fast;
     bounce.state = seed ? kBounceSeed | kBounceTakesPart : 0;
     bounce.time = -1;
     if (!seed) return;
@@ -79,13 +89,18 @@ struct FindBounces {
     atomicCount(&s.counters->bounceSpread, 1);
   }
   /// What of the load that a point began with it bears still.
-  RUBBLE_HD static Vec3 restingPart(const Vec3& before, Real lambda) { return before.x > lambda ? (max(lambda, Real(0)) / before.x) * before : before; }
-  RUBBLE_HD static Displacement endOf(const View& s, int body) { return isDynamic(s, body) && s.stopBits[body] != 0 ? s.stopped[body] : s.moved[body]; }
+  RUBBLE_HD static Vec3 restingPart(const Vec3& before, Real lambda) {
+    return before.x > lambda ? (max(lambda, Real(0)) / before.x) * before : before;
+  }
+  RUBBLE_HD static Displacement endOf(const View& s, int body) {
+    return isDynamic(s, body) && s.stopBits[body] != 0 ? s.stopped[body] : s.moved[body];
+  }
 };
 
 /// One round of the reach.
 RUBBLE_HD inline bool isReached(const View& s, const ContactRows& r) {
-  return (isDynamic(s, r.a) && s.bounceBody[r.a] != kUnmoved) || (isDynamic(s, r.b) && s.bounceBody[r.b] != kUnmoved);
+  return (isDynamic(s, r.a) && s.bounceBody[r.a] != kUnmoved) ||
+         (isDynamic(s, r.b) && s.bounceBody[r.b] != kUnmoved);
 }
 struct ReachBounces {
   static constexpr const char* kName = "bounce";
@@ -100,7 +115,8 @@ struct FindReach {
   static constexpr const char* kName = "bounce";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const Bounce& b = s.bounce[i];
-    if (b.carries && !(b.state & kBounceTakesPart) && isReached(s, s.contact[i])) atomicCount(&s.counters->bounceSpread, 1);
+    if (b.carries && !(b.state & kBounceTakesPart) && isReached(s, s.contact[i]))
+      atomicCount(&s.counters->bounceSpread, 1);
   }
 };
 
@@ -126,8 +142,11 @@ struct TakeBackBounces {
       for (int p = 0; p < kLanes; ++p) {
         if (!actsAt(r, p)) continue;
         const Vec3 lever = onA ? r.place[p].rA : r.place[p].rA + r.offset, before = bounce.before[p];
-        const Vec3 load{r.load[p].lambdaN, r.load[p].lambda1, r.load[p].lambda2}, left = takesPart ? before : load, gone = load - left;
-        const auto impulse = [&](const Vec3& f) { return (onA ? -s.step.dt : s.step.dt) * (f.x * r.n + f.y * t1 + f.z * t2); };
+        const Vec3 load{r.load[p].lambdaN, r.load[p].lambda1, r.load[p].lambda2},
+            left = takesPart ? before : load, gone = load - left;
+        const auto impulse = [&](const Vec3& f) {
+          return (onA ? -s.step.dt : s.step.dt) * (f.x * r.n + f.y * t1 + f.z * t2);
+        };
         taken.v += impulse(gone), taken.w += cross(lever, impulse(gone));
         kept.v += impulse(left), kept.w += cross(lever, impulse(left));
       }
@@ -165,7 +184,8 @@ struct CheckBounces {
     const Impact impact(s, r);
     constexpr Real kUnexplained = Real(.2);
     const Real off = meanClosing(impact, motionOf(s, r.a), motionOf(s, r.b)) - bounce.start;
-    const Real allowed = kUnexplained * absOf(bounce.start) + 2 * absOf(bounce.change) + impactSpeed(s.step, r.length) / 2;
+    const Real allowed =
+        kUnexplained * absOf(bounce.start) + 2 * absOf(bounce.change) + impactSpeed(s.step, r.length) / 2;
     if (absOf(off) <= allowed) return;
     reachBody(s, r.a, kAsSolved), reachBody(s, r.b, kAsSolved);
     atomicCount(&s.counters->bounceBound, 1);
@@ -175,7 +195,8 @@ struct ReachSolved {
   static constexpr const char* kName = "bounce";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const ContactRows& r = s.contact[i];
-    if ((s.bounce[i].state & kBounceTakesPart) && isAsSolved(s, r)) reachBody(s, r.a, kAsSolved), reachBody(s, r.b, kAsSolved);
+    if ((s.bounce[i].state & kBounceTakesPart) && isAsSolved(s, r))
+      reachBody(s, r.a, kAsSolved), reachBody(s, r.b, kAsSolved);
   }
 };
 struct FindSolved {
@@ -196,22 +217,23 @@ struct RestoreSolved {
 };
 
 /// Before velocities are known: who takes part.
-template <class E>
-void findBounces(E& e) {
+template <class E> void findBounces(E& e) {
   e.forEach(StartBounces{}, e.view().bodies);
   e.forEach(FindBounces{}, &Counters::bounceRows);
-  e.rounds(ReachBounces{}, FindReach{}, &Counters::bounceRows, &Counters::bounceSpread, &Counters::bounceSpreads);
+  e.rounds(ReachBounces{}, FindReach{}, &Counters::bounceRows, &Counters::bounceSpread,
+           &Counters::bounceSpreads);
 }
 /// When they are.
-template <class E>
-void actBounces(E& e) {
+template <class E> void actBounces(E& e) {
   const int bodies = e.view().bodies;
   e.forEach(TakeBackBounces{}, bodies);
   e.forEach(CheckBounces{}, &Counters::bounceRows);
-  e.rounds(ReachSolved{}, FindSolved{}, &Counters::bounceRows, &Counters::bounceBound, &Counters::bounceBounds);
+  e.rounds(ReachSolved{}, FindSolved{}, &Counters::bounceRows, &Counters::bounceBound,
+           &Counters::bounceBounds);
   e.forEach(RestoreSolved{}, bodies);
   e.forEach(ProposeBounces{}, &Counters::bounceRows);
-  e.rounds(ActBounces{}, ProposeBounces{}, &Counters::bounceRows, &Counters::bounceLeft, &Counters::bounceTurns);
+  e.rounds(ActBounces{}, ProposeBounces{}, &Counters::bounceRows, &Counters::bounceLeft,
+           &Counters::bounceTurns);
   e.forEach(EndBounces{}, &Counters::bounceRows);
 }
 

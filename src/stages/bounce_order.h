@@ -16,12 +16,14 @@ enum BounceState : int { kBounceSeed = 1, kBounceTakesPart = 2, kBounceActed = 4
 enum BounceBody : int { kUnmoved, kInOrder, kAsSolved };
 
 RUBBLE_HD inline bool isAsSolved(const View& s, const ContactRows& r) {
-  return (isDynamic(s, r.a) && s.bounceBody[r.a] == kAsSolved) || (isDynamic(s, r.b) && s.bounceBody[r.b] == kAsSolved);
+  return (isDynamic(s, r.a) && s.bounceBody[r.a] == kAsSolved) ||
+         (isDynamic(s, r.b) && s.bounceBody[r.b] == kAsSolved);
 }
 /// Speed at which bodies part that closed with c; see above.
 RUBBLE_HD inline Real bounceSpeed(Real e, Real closing, const Bounce& bounce, Real inverseDt) {
   const Real b = bounce.change / 2, a = bounce.change * inverseDt;
-  const Real squared = b * b + e * e * (closing * closing - 2 * b * closing + 2 * a * bounce.gap) - 2 * a * bounce.end;
+  const Real squared =
+      b * b + e * e * (closing * closing - 2 * b * closing + 2 * a * bounce.gap) - 2 * a * bounce.end;
   return max(b + std::sqrt(max(squared, Real(0))), Real(0));
 }
 
@@ -69,8 +71,10 @@ struct ActBounces {
     const ContactRows& r = s.contact[i];
     if (!isFirst(s, i, r.a) || !isFirst(s, i, r.b)) return;
     Motion a = motionOf(s, r.a), b = motionOf(s, r.b);
-    if (isAsSolved(s, r)) giveBack(s, r, bounce, a, b);
-    else act(s, r, bounce, a, b);
+    if (isAsSolved(s, r))
+      giveBack(s, r, bounce, a, b);
+    else
+      act(s, r, bounce, a, b);
     bounce.state |= kBounceActed;
     if (!isFinite(a.v) || !isFinite(a.w) || !isFinite(b.v) || !isFinite(b.w)) return;
     if (isDynamic(s, r.a)) s.velocity[r.a] = a.v, s.spin[r.a] = a.w;
@@ -85,7 +89,8 @@ struct ActBounces {
       if (entryType(code) != kContactType) break;
       const int j = entryIndex(code);
       const Bounce& other = s.bounce[j];
-      if (j != i && (other.state & kBounceTakesPart) && other.time >= Real(0) && actsBefore(s, j, i)) return false;
+      if (j != i && (other.state & kBounceTakesPart) && other.time >= Real(0) && actsBefore(s, j, i))
+        return false;
     }
     return true;
   }
@@ -130,7 +135,8 @@ struct ActBounces {
     Real back = 0;
     if (r.restitution > Real(0) && closing > impactSpeed(s.step, r.length)) {
       const bool asPredicted = (bounce.state & kBounceSeed) && !(bounce.state & kBounceActed);
-      back = asPredicted ? bounceSpeed(r.restitution, closing, bounce, s.step.inverseDt) / closing : r.restitution;
+      back = asPredicted ? bounceSpeed(r.restitution, closing, bounce, s.step.inverseDt) / closing
+                         : r.restitution;
     }
     // never more than ends the approach: energy
     const Real given = min(work / stiff, Real(1)) * (1 + back);
@@ -139,10 +145,12 @@ struct ActBounces {
   }
 
   /// Friction at the points, each within the cone of `given` times its impulse. It only ever opposes the motion that is left there.
-  RUBBLE_HD static void rub(const View& s, const ContactRows& r, const Impact& impact, const Real (&p)[kLanes], Real given, Motion& a, Motion& b) {
+  RUBBLE_HD static void rub(const View& s, const ContactRows& r, const Impact& impact,
+                            const Real (&p)[kLanes], Real given, Motion& a, Motion& b) {
     Vec3 t1, t2, belt{0, 0, 0};
     tangentBasis(r.n, t1, t2);
-    if (s.surfaces > 0) belt = s.step.inverseDt * pairMaterial(s, s.pair[s.nearPair[r.manifold]], {r.a, r.b}).belt;
+    if (s.surfaces > 0)
+      belt = s.step.inverseDt * pairMaterial(s, s.pair[s.nearPair[r.manifold]], {r.a, r.b}).belt;
     Real room[kLanes], resists[kLanes];
     for (int k = 0; k < kLanes; ++k) {
       room[k] = actsAt(r, k) ? r.slip[k].mu * given * p[k] : Real(0);
@@ -170,7 +178,8 @@ struct ActBounces {
   }
 
   /// On top of the velocities of the step.
-  RUBBLE_HD static void giveBack(const View& s, const ContactRows& r, const Bounce& bounce, Motion& a, Motion& b) {
+  RUBBLE_HD static void giveBack(const View& s, const ContactRows& r, const Bounce& bounce, Motion& a,
+                                 Motion& b) {
     const Impact impact(s, r);
     Real p[kLanes] = {}, effect[kLanes], load = 0;
     for (int k = 0; k < kLanes; ++k)
@@ -179,14 +188,17 @@ struct ActBounces {
     if (!(load > Real(0)) || !(closing > Real(0))) return;
     effectOf(impact, p, effect);
     Real stiff = 0, parting = 0;
-    for (int k = 0; k < kLanes; ++k) stiff += p[k] * effect[k], parting -= actsAt(r, k) ? p[k] * impact.closing(k, a, b) : Real(0);
+    for (int k = 0; k < kLanes; ++k)
+      stiff += p[k] * effect[k], parting -= actsAt(r, k) ? p[k] * impact.closing(k, a, b) : Real(0);
     const Real e = bounceSpeed(r.restitution, closing, bounce, s.step.inverseDt) / closing;
     const Displacement toA = targetDisplacement(s, r.a), toB = targetDisplacement(s, r.b);
-    const Motion freeA{s.step.inverseDt * toA.dp, s.step.inverseDt * toA.dw}, freeB{s.step.inverseDt * toB.dp, s.step.inverseDt * toB.dw};
+    const Motion freeA{s.step.inverseDt * toA.dp, s.step.inverseDt * toA.dw},
+        freeB{s.step.inverseDt * toB.dp, s.step.inverseDt * toB.dw};
     const Real lost = max(impact.energy(freeA, freeB) - impact.energy(a, b), Real(0));
     // (stiff / 2) x^2 + parting x = work
     const Real work = e * e * min(load * closing / 2, lost);
-    const Real x = stiff > Real(0) ? (std::sqrt(parting * parting + 2 * stiff * work) - parting) / stiff : Real(0);
+    const Real x =
+        stiff > Real(0) ? (std::sqrt(parting * parting + 2 * stiff * work) - parting) / stiff : Real(0);
     impact.push(p, max(x, Real(0)), a, b);
   }
 };
@@ -199,7 +211,8 @@ struct EndBounces {
     if (!(bounce.state & kBounceTakesPart)) return;
     if (bounce.time >= Real(0)) atomicCount(&s.counters->bouncesLeft, 1);
     Manifold& m = s.manifold[s.contact[i].manifold];
-    for (int k = 0; k < m.count; ++k) m.lambdaN[k] = bounce.before[k].x, m.lambda1[k] = bounce.before[k].y, m.lambda2[k] = bounce.before[k].z;
+    for (int k = 0; k < m.count; ++k)
+      m.lambdaN[k] = bounce.before[k].x, m.lambda1[k] = bounce.before[k].y, m.lambda2[k] = bounce.before[k].z;
   }
 };
 

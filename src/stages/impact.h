@@ -11,13 +11,17 @@ struct Mobility {
   int locks;
   bool moves;
 
-  RUBBLE_HD Vec3 linear(const Vec3& impulse) const { return moves ? unlocked(inverseMass * impulse, locks) : Vec3{0, 0, 0}; }
+  RUBBLE_HD Vec3 linear(const Vec3& impulse) const {
+    return moves ? unlocked(inverseMass * impulse, locks) : Vec3{0, 0, 0};
+  }
   RUBBLE_HD Vec3 angular(Vec3 moment) const {
     if (!moves) return {0, 0, 0};
     moment = unlocked(moment, locks >> 3);
     return unlocked(solve(Block3{inertia, moment}), locks >> 3);
   }
-  RUBBLE_HD Real energy(const Motion& m) const { return moves ? (dot(m.v, m.v) / inverseMass + dot(m.w, inertia * m.w)) / 2 : Real(0); }
+  RUBBLE_HD Real energy(const Motion& m) const {
+    return moves ? (dot(m.v, m.v) / inverseMass + dot(m.w, inertia * m.w)) / 2 : Real(0);
+  }
 };
 RUBBLE_HD inline Mobility mobility(const View& s, int body) {
   if (!isDynamic(s, body)) return {0, {}, 0, false};
@@ -37,12 +41,15 @@ struct Impact {
   const ContactRows& r;
   Mobility a, b;
 
-  RUBBLE_HD Impact(const View& s, const ContactRows& rows) : r(rows), a(mobility(s, rows.a)), b(mobility(s, rows.b)) {}
+  RUBBLE_HD Impact(const View& s, const ContactRows& rows)
+      : r(rows), a(mobility(s, rows.a)), b(mobility(s, rows.b)) {}
   /// To the surface of the body itself: bodies that were apart at x^t are in touch now.
   RUBBLE_HD Vec3 leverA(int k) const { return r.place[k].rA - (half(k) * r.n); }
   RUBBLE_HD Vec3 leverB(int k) const { return r.place[k].rA + r.offset + (half(k) * r.n); }
   RUBBLE_HD Real half(int k) const { return max(-r.place[k].c0, Real(0)) / 2; }
-  RUBBLE_HD Vec3 relative(int k, const Motion& ma, const Motion& mb) const { return ma.v + cross(ma.w, leverA(k)) - mb.v - cross(mb.w, leverB(k)); }
+  RUBBLE_HD Vec3 relative(int k, const Motion& ma, const Motion& mb) const {
+    return ma.v + cross(ma.w, leverA(k)) - mb.v - cross(mb.w, leverB(k));
+  }
   RUBBLE_HD Real closing(int k, const Motion& ma, const Motion& mb) const {
     return dot(r.n, relative(k, ma, mb));
   }

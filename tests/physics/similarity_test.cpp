@@ -92,7 +92,8 @@ double difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 Scene dominoes() {
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::ground());
-  for (int i = 0; i < 12; ++i) scene.bodies.push_back(test::body(Shape::box({.0625, .25, .5}), {.5 * i, 0, .5}));
+  for (int i = 0; i < 12; ++i)
+    scene.bodies.push_back(test::body(Shape::box({.0625, .25, .5}), {.5 * i, 0, .5}));
   scene.bodies[1].angularVelocity = {0, 2, 0}, scene.bodies[1].velocity = {1, 0, 0};
   return scene;
 }
@@ -101,7 +102,8 @@ Scene smashedPile() {
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::ground());
   for (int z = 0; z < 5; ++z)
-    for (int x = 0; x < 5; ++x) scene.bodies.push_back(test::body(Shape::box({.5, .25, .125}), {x + .5 * (z % 2), 0, .125 + .25 * z}));
+    for (int x = 0; x < 5; ++x)
+      scene.bodies.push_back(test::body(Shape::box({.5, .25, .125}), {x + .5 * (z % 2), 0, .125 + .25 * z}));
   scene.bodies.push_back(test::body(Shape::sphere(.5), {2.5, -4, .75}));
   scene.bodies.back().velocity = {0, 12, 1};
   return scene;
@@ -111,7 +113,8 @@ Scene bouncing() {
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::ground());
   for (int i = 0; i < 3; ++i) {
-    scene.bodies.push_back(test::body(i == 1 ? Shape::box({.5, .25, .25}) : Shape::sphere(.25), {2. * i, 0, 2}));
+    scene.bodies.push_back(
+        test::body(i == 1 ? Shape::box({.5, .25, .25}) : Shape::sphere(.25), {2. * i, 0, 2}));
     scene.bodies.back().material.restitution = .5 + .25 * i;
   }
   return scene;
@@ -187,7 +190,8 @@ Scene ragdoll() {
 Scene weightlessImpacts() {
   Scene scene = test::emptyScene({0, 0, 0});
   for (int i = 0; i < 12; ++i) {
-    scene.bodies.push_back(test::body(i % 2 ? Shape::sphere(.25) : Shape::box({.25, .25, .25}), {.75 * (i % 4), .75 * (i / 4), .1 * (i % 3)}));
+    scene.bodies.push_back(test::body(i % 2 ? Shape::sphere(.25) : Shape::box({.25, .25, .25}),
+                                      {.75 * (i % 4), .75 * (i / 4), .1 * (i % 3)}));
     scene.bodies.back().velocity = {2. * ((i * 7) % 5 - 2), 1. * ((i * 3) % 5 - 2), 0};
     scene.bodies.back().material.restitution = .25 * (i % 5);
   }
@@ -210,16 +214,20 @@ const Sample kSamples[] = {{"tower", [] { return test::tower(8); }, 200},
 TEST(Similarity, OfLengthsHoldsOverSixOrders) {
   for (const Sample& sample : kSamples) {
     const std::vector<Vec3> one = outcome(sample, {});
-    for (const double k : {1. / 1024, 1024.}) EXPECT_LT(difference(outcome(sample, {k, k * k * k, 1}), one), .01) << sample.name << " at length " << k;
+    for (const double k : {1. / 1024, 1024.})
+      EXPECT_LT(difference(outcome(sample, {k, k * k * k, 1}), one), .01)
+          << sample.name << " at length " << k;
   }
 }
 
 TEST(Similarity, OfMassesHolds) {
-  for (const Sample& sample : kSamples) EXPECT_LT(difference(outcome(sample, {1, 1024, 1}), outcome(sample, {})), .01) << sample.name;
+  for (const Sample& sample : kSamples)
+    EXPECT_LT(difference(outcome(sample, {1, 1024, 1}), outcome(sample, {})), .01) << sample.name;
 }
 
 TEST(Similarity, OfTimesHolds) {
-  for (const Sample& sample : kSamples) EXPECT_LT(difference(outcome(sample, {1, 1, 64}), outcome(sample, {})), .01) << sample.name;
+  for (const Sample& sample : kSamples)
+    EXPECT_LT(difference(outcome(sample, {1, 1, 64}), outcome(sample, {})), .01) << sample.name;
 }
 
 }  // namespace
