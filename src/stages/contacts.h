@@ -138,7 +138,7 @@ RUBBLE_HD inline Real fastestPoint(const View& s, const Manifold& m, const PairR
 }
 /// The load of an impact stands for so many times the mass that it stops [1]: more would not let rows follow their bodies within the iterations, less does
 /// not carry the impact on through a heap.
-inline constexpr Real kImpactMasses = 20;
+inline constexpr Real kImpactMasses = 100;
 
 /// The mass that a load stands for over dt^2, for each newton: a weight |lambda| stands for |lambda| / a, what ends a speed in the step for up to kImpactMasses
 /// |lambda| dt / speed. [1/m]

@@ -30,11 +30,11 @@ TEST(RandomBins, KeepWhatIsThrownIn) {
   EXPECT_LE(count.left, 2);
   EXPECT_LE(count.unsettled, 1);
   EXPECT_EQ(count.quarantined, 0);
-  EXPECT_LE(count.failed, 20);
+  EXPECT_LE(count.failed, 13);
 }
 TEST(LongRandomBins, KeepWhatIsThrownIn) {
   const BinCount count = settleBins(0, 2000);
-  EXPECT_LE(count.left, 250);
+  EXPECT_LE(count.left, 120);
   EXPECT_EQ(count.quarantined, 0);
 }
 
