@@ -88,7 +88,7 @@ Scene buildPush(const Arguments& arguments) {
   for (std::size_t i = 0; i < kPushHeights.size(); ++i) {
     const double y = 3. * double(i), height = kPushHeights[i];
     const int block = put(scene, box({.5, .5, .5}, {0, y, .5}, 1), "block" + std::to_string(i));
-    BodyDef hand = box({.1, .1, .1}, {kSpringLength, y, height}, 1);
+    BodyDef hand = box({.04, .04, .04}, {kSpringLength, y, height}, 1);
     hand.motion = Motion::Kinematic;
     hand.velocity = {kDrawing, 0, 0};
     hand.filter.mask = 0;

@@ -16,7 +16,7 @@ Shape rollerOf(int kind, double r) {
   if (kind == 0) return Shape::sphere(r);
   if (kind == 1) return Shape::cylinder(r, .4 * r);
   if (kind == 2) return Shape::capsule(r, r);
-  return Shape::cylinder(.8 * r, .4 * r, .2 * r);
+  return Shape::cylinder(r, .4 * r, .2 * r);
 }
 
 /// The roller lies across the way, on ground that is tilted about y. Body 1.
