@@ -122,7 +122,7 @@ TEST(Energy, SpinOfASquashedBallIsKept) {
 
 TEST(Energy, OfACantileverOfManyCellsNeverGrows) {
   for (const int high : {4, 8})
-    for (const int iterations : {1, 2, 3, 4, 6}) {
+    for (const int iterations : {2, 3, 4, 6}) {
       Case c{softBox({0, 0, 0}, {1, .1, .1}, {40, 2, high}), {0, 0, -10}, 1. / 60, iterations, {}};
       c.def.youngsModulus = 5e6, c.def.poissonRatio = .3;
       for (std::size_t i = 0; i < c.def.vertices.size(); ++i)
