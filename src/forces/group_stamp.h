@@ -119,14 +119,6 @@ RUBBLE_HD void stampGroup(const StepConstants& c, const F& e, const Vec3 (&x)[F:
   stampGroupHessian(c, e, x, mask, centre, scale, block);
 }
 
-/// Bound on the second derivative of the work of forces f_a at arms s_a under a rotation w, sum (f_a.s_a) w^2 - (f_a.w)(s_a.w), where it is positive: what
-/// hangs from a cluster, or what it hangs from, holds it as a pendulum. The columns of `f` and `s`: the sum of outer products is M = sum f_i s_i^T.
-RUBBLE_HD inline Real pendulumStiffness(const Mat3& f, const Mat3& s) {
-  const auto m = [&](int i, int j) { return f.c0[i] * s.c0[j] + f.c1[i] * s.c1[j] + f.c2[i] * s.c2[j]; };
-  const Real xx = m(0, 0), yy = m(1, 1), zz = m(2, 2), xy = m(0, 1) + m(1, 0), xz = m(0, 2) + m(2, 0), yz = m(1, 2) + m(2, 1);
-  return max(Real(0), (xx + yy + zz + std::sqrt(xx * xx + yy * yy + zz * zz + (xy * xy + xz * xz + yz * yz) / 2)) / 2);
-}
-
 /// The tetrahedron, all corners at once: with m = sum m_a and B = sum s_a m_a^T over the corners inside (columns b_i), the force is -P m, the
 /// moment -sum b_i x P_i, and the row of J has J_S = (K m, sum b_i x K_i), K = cof F.
 RUBBLE_HD inline void stampGroup(const StepConstants& c, const Tetrahedron& e, const Vec3 (&x)[4], unsigned mask, const Vec3& centre, Real scale,
@@ -142,15 +134,13 @@ RUBBLE_HD inline void stampGroup(const StepConstants& c, const Tetrahedron& e, c
   const auto moment = [&](const Mat3& a) { return cross(b.c0, a.c0) + cross(b.c1, a.c1) + cross(b.c2, a.c2); };
   block.fl -= p * m;
   block.fa -= moment(p);
-  // under a pressure that is no longer small beside mu the second derivative of J between corners counts too: bounded by |F|
-  constexpr Real kSmallPressure = Real(.5);
-  const Real excess = max(Real(0), e.lambda * std::fabs(dot(f.c0, k.c0) - 1) - kSmallPressure * e.mu);
-  const Real bend = excess > Real(0) ? excess * std::sqrt(dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2)) : Real(0);
+  // far from its volume the second derivative of J between corners counts too: bounded by |F|
+  constexpr Real kFarVolume = Real(.5);
+  const Real excess = max(Real(0), std::fabs(dot(f.c0, k.c0) - 1) - kFarVolume);
+  const Real bend = excess > Real(0) ? e.lambda * excess * std::sqrt(dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2)) : Real(0);
   const Real mu = scale * (e.mu + bend + e.damper * c.inverseDt);
   stampMeanRows(block, m, b, mu);
   stampRow(block, Vec6{k * m, moment(k)}, Real(0), scale * e.lambda);
-  const Real hangs = scale * pendulumStiffness(Real(-1) * p, b);
-  block.aa.xx += hangs, block.aa.yy += hangs, block.aa.zz += hangs;
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,41 +1,41 @@
 #pragma once
-/// Chebyshev acceleration of the sweeps over solids (Wang 2015; for block descent over vertices Chen et al. 2024). Two iterations, there and back, are a
-/// symmetric smoother E whose eigenvalues lie in [0, 1). With R the one up to which they are to vanish, g = 2 / (2 - R) and s = R / (2 - R):
+/// Chebyshev acceleration of the sweeps over solids (Wang 2015; for block descent over vertices Chen et al. 2024): an iteration is taken further along
+/// the way from the last but one,
 ///
-///   y_(m+1) = y_(m-1) + w_(m+1) (g (E y_m - y_m) + y_m - y_(m-1)),    w_(m+1) = 1 / (1 - s^2 w_m / 4),    w_1 = 1, w_2 = 1 / (1 - s^2 / 2)
+///   y_n = y_(n-2) + w_n (x_n - y_(n-2)),    w_n = 4 / (4 - rho^2 w_(n-1)),    w = 2 / (2 - rho^2) at first
 ///
-/// Vertices with contacts or attachments, whose multipliers and cones change from one iteration to the next, take no part, nor do those without
-/// tetrahedra; nor does the last pair, which has the last word on momentum.
+/// where x_n is what a sweep makes of y_(n-1), and rho its spectral radius. Vertices with contacts or attachments, whose multipliers and cones change from
+/// one iteration to the next, take no part, nor do those without tetrahedra; nor does the last iteration, which has the last word on momentum.
 #include "stages/vertex_graph.h"
 #include "stages/vertices.h"
 
 namespace rubble::RUBBLE_CORE {
 
+/// First iteration that is taken further: those before it still do away with what sweeps are good at.
+inline constexpr int kFirstAccelerated = 2;
+
+/// w of iteration n.
+inline Real accelerationOf(Real rho, int n) {
+  Real w = 1;
+  for (int k = kFirstAccelerated; k <= n; ++k) w = k == kFirstAccelerated ? 2 / (2 - rho * rho) : 4 / (4 - rho * rho * w);
+  return w;
+}
+
 struct AccelerateVertices {
   static constexpr const char* kName = "acceleration";
-  int pair;            ///< m
-  Real weight, share;  ///< w_(m+1), g
+  int iteration;
+  Real weight;
   RUBBLE_HD void operator()(const View& s, int v) const {
     if (s.tetraCornerOffset[v] == s.tetraCornerOffset[v + 1]) return;
-    const Vec3 own = s.vertexMoved[v], present = s.pastVertex[v].moved[pair % 2];
-    Vec3& past = s.pastVertex[v].moved[(pair + 1) % 2];
-    Vec3 next = own;
-    if (s.pointEntryOffset[v] == s.pointEntryOffset[v + 1] && !isAttached(s, v)) {
-      const Vec3 step = share * (own - present);
-      next = pair == 0 ? present + step : past + weight * (step + (present - past));
-      moveVertexTo(s, v, next);
+    Vec3& past = s.pastVertex[v].moved[iteration % 2];
+    Vec3 x = s.vertexMoved[v];
+    if (iteration >= kFirstAccelerated && s.pointEntryOffset[v] == s.pointEntryOffset[v + 1]) {
+      const Vec3 further = (weight - Real(1)) * (x - past);
+      x += further;
+      moveVertexTo(s, v, x);
     }
-    past = next;
+    past = x;
   }
 };
-
-/// After iteration n, which ends a pair. `rho`: spectral radius of one sweep.
-inline AccelerateVertices accelerationAfter(const StepConstants& c, int n) {
-  const Real r = c.acceleration * c.acceleration, s = r / (2 - r);
-  const int pair = n / 2;
-  Real weight = 1;
-  for (int m = 1; m <= pair; ++m) weight = m == 1 ? 1 / (1 - s * s / 2) : 1 / (1 - s * s * weight / 4);
-  return {pair, weight, 2 / (2 - r)};
-}
 
 }  // namespace rubble::RUBBLE_CORE

@@ -74,17 +74,11 @@ void forEachSoftNeighbor(E& e) {
   e.forEach(Kernel<HeldByVertices>{}, e.view().attachments);
 }
 
-/// Are there tetrahedra?
-template <class E>
-bool hasSolids(E& e) {
-  return e.view().elements[typeIndex<Tetrahedron>(ElementTypes{})] > 0;
-}
-
 /// Are solids taken further than sweeps take them?
 template <class E>
 bool accelerates(E& e) {
   const StepConstants& c = e.view().step;
-  return hasSolids(e) && c.acceleration > Real(0);
+  return e.view().elements[typeIndex<Tetrahedron>(ElementTypes{})] > 0 && c.acceleration > Real(0) && c.iterations > kFirstAccelerated + 1;
 }
 
 /// Contacts, elements and attachments at x^t.
@@ -141,14 +135,11 @@ void sumLumps(E& e, int level) {
   e.forEach(SumLump{level}, e.view().lumps);
 }
 
-enum class Order { CoarseToFine, FineToCoarse };
-/// One sweep over the clusters of every level.
+/// One sweep over the clusters of every level, from coarse to fine.
 template <class E>
-void correctClusters(E& e, Order order) {
-  if (!e.view().step.coarseCorrection) return;
+void correctClusters(E& e) {
   const int* const begin = e.view().clusterBegin;
-  for (int k = 0; k < kClusterLevels; ++k) {
-    const int level = order == Order::FineToCoarse ? k : kClusterLevels - 1 - k;
+  for (int level = kClusterLevels - 1; level >= 0; --level) {
     const int clusters = level > 0 ? begin[level + 1] - begin[level] : e.view().movingParts, parts = level > 0 ? begin[1] : clusters;
     if (clusters == 0) continue;
     if (e.view().features > 0) e.forEach(SumCluster<true>{}, parts);
@@ -156,15 +147,6 @@ void correctClusters(E& e, Order order) {
     e.forEach(SolveCluster{level}, clusters);
     e.forEach(MoveCluster{level}, parts);
   }
-}
-
-/// The way back of an iteration there and one back: vertices of solids from the last colour to the first, and clusters from fine to coarse. Sweeps that
-/// go one way alone are like forces that turn what they act on: what they leave undone is no inertia, and a few of them make energy. There and
-/// back it is one: H + L D^-1 L^T in the place of H = L + D + L^T.
-template <class E>
-void sweepSolidsBack(E& e) {
-  if (hasSolids(e)) e.forEachColor(SolveBody<typename E::Lane>{}, SolveVertex{Sweep::SolidsBack});
-  correctClusters(e, Order::FineToCoarse);
 }
 
 /// One step of every rope and rod.

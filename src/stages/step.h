@@ -29,7 +29,7 @@ namespace rubble::RUBBLE_CORE {
 ///   require(per, counter)                   room for that many before they are written: nothing is dropped
 ///   rounds(take, propose, counter, left, turn)  takes turns of two kernels over as many as are counted, until `propose` leaves `left` at
 ///                                           zero; `turn` counts them
-///   forEachColor(kernel, vertexKernel)      colour by colour, over its bodies and its vertices, as far as they are in the Sweep of vertexKernel
+///   forEachColor(kernel, vertexKernel)      colour by colour, over its bodies and its vertices
 ///   lodgeRows()                             contact rows take the place of the old manifolds
 ///   keepManifolds()                         manifolds of this step are the old ones of the next
 ///   Lane                                    Real or Real4: points that one call treats side by side
@@ -328,21 +328,16 @@ void step(E& e) {
 
   // vertices that hang on bodies know nothing of joints that are held harder than they are: with them trees stay before the sweep
   const bool treesEnd = nodes > 0 && vertices == 0, lines = e.view().step.jointTrees && e.view().lines > 0;
-  const bool solids = hasSolids(e);
   for (int n = 0; n < e.view().step.iterations; ++n) {
     if (n == 0 && e.view().step.coarseCorrection) forEachJoint<LinearizeTurns>(e);
     if (e.view().step.coarseCorrection) correctGroups(e, n);
+    if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
     const bool last = n + 1 == e.view().step.iterations;
-    // solids there and back: odd iterations go over their vertices and clusters in the opposite order (stages/soft_step.h)
-    const bool back = vertices > 0 && n % 2 == 1, both = solids && last && !back;
-    if (!back && vertices > 0) correctClusters(e, Order::CoarseToFine);
     if (nodes > 0 && !(last && treesEnd)) correctTrees(e, TreeSolve::Own);
-    if (back) sweepSolidsBack(e);
     if (lines) correctLines(e);
     forEachJoint<LinearizeTurns>(e);
-    e.forEachColor(SolveBody<L>{}, SolveVertex{back && solids ? Sweep::AllButSolids : Sweep::All});
-    if (both) sweepSolidsBack(e);
-    if (back && !last && accelerates(e)) e.forEach(accelerationAfter(e.view().step, n), vertices);
+    e.forEachColor(SolveBody<L>{}, SolveVertex{});
+    if (!last && accelerates(e)) e.forEach(AccelerateVertices{n, accelerationOf(e.view().step.acceleration, n)}, vertices);
     if (last && e.view().step.coarseCorrection && e.view().lumps > 0) keepMomentum(e);
     for (int k = 0; last && treesEnd && k < lastTreeSolves(e.view()); ++k) correctTrees(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again);
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);

@@ -111,11 +111,6 @@ struct FinishAttachments {
   }
 };
 
-/// Do attachments hold it?
-RUBBLE_HD inline bool isAttached(const View& s, int v) {
-  return s.refOffset[v + 1] > s.refOffset[v] && pointType(s.ref[s.refOffset[v + 1] - 1]) == kAttachmentCode;
-}
-
 /// Is it a corner of tetrahedra?
 RUBBLE_HD inline bool inSolid(const View& s, int v) { return s.tetraCornerOffset[v] != s.tetraCornerOffset[v + 1]; }
 
@@ -143,7 +138,6 @@ struct PredictVertices {
       const Real size = length(own);
       if (size > p.reach) guess = rigid + own * (p.reach / size);
     }
-    s.pastVertex[v].moved[0] = guess;
     moveVertexTo(s, v, guess);
   }
 };
@@ -174,11 +168,12 @@ RUBBLE_HD inline void addTetraCorner(const View& s, const TetraCorner& corner, c
 /// What the elements of the vertices of an attachment do to it.
 struct ElementPull {
   Vec3 force;      ///< that it must hold them with, sum c_i f_i / sum c_i^2 [N]
-  Real stiffness;  ///< that tetrahedra hold its point with, 1 / sum (c_i^2 / h_i), h_i: of a vertex, a mean of all axes [N/m]
+  Real stiffness;  ///< that tetrahedra hold its point with, 1 / sum (c_i^2 / h_i), h_i: of a vertex, a mean of all axes; 0: not all are in solids [N/m]
 };
 RUBBLE_HD RUBBLE_APART inline ElementPull elementPull(const View& s, const Attachment& a) {
   Vec3 force{0, 0, 0};
   Real weight = 0, give = 0;
+  bool inSolids = true;
   for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) {
     const int v = a.v[k];
     if (!isDynamicVertex(s, v)) continue;
@@ -190,10 +185,11 @@ RUBBLE_HD RUBBLE_APART inline ElementPull elementPull(const View& s, const Attac
     const Real square = a.weight[k] * a.weight[k];
     force += a.weight[k] * block.f;
     weight += square;
-    give += square / max(own, s.vertexParams[v].mass * s.step.inverseDt * s.step.inverseDt);
+    inSolids &= own > Real(0);
+    give += own > Real(0) ? square / own : Real(0);
   }
   if (!(weight > Real(0)) || !isFinite(force)) return {{0, 0, 0}, 0};
-  return {force / weight, 1 / give};
+  return {force / weight, inSolids && give > Real(0) ? 1 / give : Real(0)};
 }
 
 struct BeginAttachments {
@@ -246,16 +242,10 @@ RUBBLE_HD inline void finishVertexBlock(const View& s, int v, const Block3& bloc
   moveVertex(s, v, dx);
 }
 
-/// What a sweep goes over, colour by colour: all bodies and vertices, all but the vertices of solids, or these alone, from the last colour to the first.
-enum class Sweep { All, AllButSolids, SolidsBack };
-
 /// The primal update of one vertex: force [S 5] and Hessian [S 6] of its inertia, elements and contacts, one Newton step [S 3].
 struct SolveVertex {
   static constexpr const char* kName = "primal";
-  Sweep sweep = Sweep::All;
-  RUBBLE_HD static bool isIn(const View& s, int v, Sweep sweep) { return sweep == Sweep::All || inSolid(s, v) == (sweep == Sweep::SolidsBack); }
   RUBBLE_HD void operator()(const View& s, int v) const {
-    if (!isIn(s, v, sweep)) return;
     Block3 block = startVertexBlock(s, v);
     const Vec3 own = s.vertexPlace[v];
     for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) addTetraCorner(s, s.tetraCorner[k], s.cornerStart[k], own, block);

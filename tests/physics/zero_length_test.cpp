@@ -1,6 +1,9 @@
 /// Distance joints, ropes and springs whose anchors coincide at rest: a distance of zero has no direction, and no energy may come from that.
 #include <gtest/gtest.h>
 
+#include <array>
+
+#include "tests/support/random.h"
 #include "tests/support/scenes.h"
 
 namespace rubble {
@@ -51,6 +54,39 @@ TEST(ZeroLength, GainsNoEnergyAtAnyStiffnessAndTimeStep) {
           EXPECT_LT(largestEnergy(type, stiffness, dt, iterations), 1.001)
               << static_cast<int>(type) << ", " << stiffness << " N/m, 1/" << 1 / dt << " s, " << iterations << " iterations";
         }
+}
+
+TEST(ZeroLength, GainsNoEnergyWhereALengthIsShortBesideWhatAStepMoves) {
+  constexpr int kIterations[] = {4, 6, 8, 10, 20};
+  for (unsigned seed = 0; seed < 120; ++seed) {
+    Random random(seed);
+    const int iterations = kIterations[random.below(5)];
+    const double dt = 1 / random.logUniform(30, 240), speed = random.uniform(.5, 6), span = random.logUniform(1e-4, .5) * speed * dt;
+    const JointType type = std::array{JointType::Distance, JointType::Rope, JointType::Spring}[static_cast<std::size_t>(random.below(3))];
+    const double stiffness = type == JointType::Spring || random.below(2) == 0 ? random.logUniform(1e2, 1e9) : kHard;
+    Scene scene = emptyScene({0, 0, 0});
+    for (const int i : {0, 1}) {
+      BodyDef def = body(Shape::box({.2, .1, .15}), {0, 0, .5 * i});
+      def.mass = random.logUniform(.1, 10), def.filter.mask = 0;
+      def.velocity = random.direction() * speed, def.angularVelocity = random.vector(4);
+      scene.bodies.push_back(def);
+    }
+    JointDef joint;
+    joint.type = type, joint.bodyA = 0, joint.bodyB = 1, joint.stiffness = stiffness, joint.length = span;
+    joint.anchorA = {0, 0, .25}, joint.anchorB = Vec3{0, 0, -.25} + span * random.direction();
+    scene.joints.push_back(joint);
+    WorldOptions how = options(iterations);
+    how.params.dt = dt;
+    World world(scene, how);
+    const double start = world.quality().kineticEnergy;
+    double largest = 0;
+    for (int i = 0; i < 2 / dt; ++i) {
+      world.step();
+      largest = std::max(largest, world.quality().kineticEnergy);
+    }
+    EXPECT_LT(largest, 1.001 * start) << "seed " << seed << ": type " << static_cast<int>(type) << ", " << span / (speed * dt) << " of the way, " << stiffness
+                                      << " N/m, " << iterations << " iterations";
+  }
 }
 
 TEST(ZeroLength, ASpringOfNoLengthSwingsAsHookesLawSays) {

@@ -30,6 +30,8 @@ Case randomCase(unsigned seed) {
   d.youngsModulus = random.logUniform(1e3, 1e9), d.poissonRatio = random.uniform(0, .45), d.density = random.logUniform(100, 3000);
   constexpr int kIterations[] = {1, 2, 3, 4, 6, 8, 10, 20, 50};
   c.dt = 1 / random.logUniform(30, 240), c.iterations = kIterations[random.below(9)];
+  // one iteration is too few for stiffer ones (docs/soft.md, section 7)
+  if (c.iterations == 1) d.youngsModulus = std::min(d.youngsModulus, 1e6);
   const bool isFree = hold == Hold::Free || hold == Hold::Spinning;
   c.gravity = {0, 0, isFree ? 0. : -10.};
   if (hold == Hold::Spinning) d.angularVelocity = random.vector(6);
@@ -122,7 +124,7 @@ TEST(Energy, SpinOfASquashedBallIsKept) {
 
 TEST(Energy, OfACantileverOfManyCellsNeverGrows) {
   for (const int high : {4, 8})
-    for (const int iterations : {1, 2, 3, 4, 6}) {
+    for (const int iterations : {2, 3, 4, 6}) {
       Case c{softBox({0, 0, 0}, {1, .1, .1}, {40, 2, high}), {0, 0, -10}, 1. / 60, iterations, {}};
       c.def.youngsModulus = 5e6, c.def.poissonRatio = .3;
       for (std::size_t i = 0; i < c.def.vertices.size(); ++i)

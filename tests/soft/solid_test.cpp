@@ -1,6 +1,7 @@
 /// Solids of tetrahedra.
 #include <gtest/gtest.h>
 
+#include "scenes/registry.h"
 #include "tests/soft/soft_scenes.h"
 
 namespace rubble {
@@ -53,6 +54,17 @@ TEST(Solid, StiffBeamSagsAsTheConvergedOneDoes) {
   const double exact = tipHeight(converged, beam);
   EXPECT_LT(exact, -.004);
   EXPECT_NEAR(tipHeight(world, beam), exact, -.02 * exact);
+}
+
+TEST(Solid, BeamsOfThreeMeshesSagByTheShareThatTheirElementsGive) {
+  const scenes::Spec& spec = scenes::find("soft-beam");
+  for (const int cells : {2, 4, 8}) {
+    const scenes::Arguments arguments = scenes::resolve(spec, {{"cells_high", cells}});
+    const scenes::RunResult r = scenes::Runner(scenes::prepare(spec, arguments), options(20)).run(240);
+    const double sag = r.metrics.at("tip_over_beam_theory");
+    EXPECT_GT(sag, 1 - .8 / cells) << cells;
+    EXPECT_LT(sag, 1.02 - .3 / cells) << cells;
+  }
 }
 
 TEST(Solid, BoxLandsAndRestsOnThePlane) {

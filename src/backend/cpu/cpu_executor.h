@@ -138,14 +138,12 @@ class CpuExecutor {
   void forEachColor(const Kernel& kernel, const VertexKernel& vertexKernel) {
     const StageClock clock(*this, Kernel::kName);
     const View& s = view();
-    const int colors = s.counters->colors;
-    for (int k = 0; k < colors; ++k) {
-      const bool back = vertexKernel.sweep == Sweep::SolidsBack;
-      const int c = back ? colors - 1 - k : k, begin = s.colorOffset[c];
-      if (!back) run(s, kernel, s.colorOffset[c + 1] - begin, [&](int i) { return s.colorBody[begin + i]; });
+    for (int c = 0; c < s.counters->colors; ++c) {
+      const int begin = s.colorOffset[c];
+      run(s, kernel, s.colorOffset[c + 1] - begin, [&](int k) { return s.colorBody[begin + k]; });
       if (s.vertices == 0) continue;
       const int first = s.vertexColorOffset[c];
-      run(s, vertexKernel, s.vertexColorOffset[c + 1] - first, [&](int i) { return s.colorVertex[first + i]; });
+      run(s, vertexKernel, s.vertexColorOffset[c + 1] - first, [&](int k) { return s.colorVertex[first + k]; });
     }
   }
 

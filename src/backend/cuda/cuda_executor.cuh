@@ -277,14 +277,14 @@ class CudaExecutor {
   }
 
   /// A launch for each of the first colours, and one for all that follow.
-  void forEachColor(const SolveBody<Real>&, const SolveVertex& kernel) {
+  void forEachColor(const SolveBody<Real>&, const SolveVertex&) {
     if (!begins() || view().bodies + view().vertices == 0) return;
     enterStage(SolveBody<Real>::kName);
-    const Sweep sweep = kernel.sweep;
-    if (sweep == Sweep::SolidsBack) return sweepSolidsBack();
     if constexpr (kStrict) {
-      for (int c = 0; c < options_.colors; ++c) solveStrictly(c, sweep);
-      launchNext(solveTailStrictly, {1, kThreads}, SolveBody<Real>::kName, view(), options_.colors, sweep, control_);
+      for (int c = 0; c < options_.colors; ++c) {
+        launchNext(solveColorStrictly, {blocksFor(std::max(view().bodies, view().vertices)), kThreads}, SolveBody<Real>::kName, view(), c, control_);
+      }
+      launchNext(solveTailStrictly, {1, kThreads}, SolveBody<Real>::kName, view(), options_.colors, control_);
       return;
     }
     // as many blocks as the device holds at a time: they share out whatever a colour has
@@ -295,10 +295,12 @@ class CudaExecutor {
     // a colour begins while the one before is solved, the first when everything is done: they read ahead what no sweep writes
     afterKernel_ = false;
     for (int c = 0; c < options_.colors; ++c) {
-      if (bodies) solveColorsFrom(c, kHubBlocks + vertexBlocks + bodyBlocks, {kHubBlocks, vertexBlocks, sweep});
-      else if (view().vertices > 0) solveVerticesOf(c, sweep);
+      if (bodies) solveColorsFrom(c, kHubBlocks + vertexBlocks + bodyBlocks, {kHubBlocks, vertexBlocks});
+      else if (view().vertices > 0)
+        launchNext(solveVertexColor, {std::min(blocksFor(view().vertices, kVertexCrowdWidth), kVertexBlocks * processors_), kThreads}, SolveVertex::kName,
+                   view(), c, control_);
     }
-    solveColorsFrom(options_.colors, 1, {0, 0, sweep});
+    solveColorsFrom(options_.colors, 1, {0, 0});
   }
 
   /// Work between steps begins: its kernels are in no graph and no stage.
@@ -435,25 +437,6 @@ class CudaExecutor {
                SumChunk<Real>::kName, view(), tree(), listOf(heavyChunks_), processors_, level, lumpsOnly, Gate{control_});
   }
 
-  /// The vertices of solids alone, from the last colour to the first.
-  void sweepSolidsBack() {
-    if (view().vertices == 0) return;
-    if constexpr (kStrict) {
-      launchNext(solveTailStrictly, {1, kThreads}, SolveVertex::kName, view(), options_.colors, Sweep::SolidsBack, control_);
-      for (int c = options_.colors - 1; c >= 0; --c) solveStrictly(c, Sweep::SolidsBack);
-      return;
-    }
-    afterKernel_ = false;
-    launchNext(solveSolidTailBack, {1, kThreads}, SolveVertex::kName, view(), options_.colors, control_);
-    for (int c = options_.colors - 1; c >= 0; --c) solveVerticesOf(c, Sweep::SolidsBack);
-  }
-  void solveStrictly(int color, Sweep sweep) {
-    launchNext(solveColorStrictly, {blocksFor(std::max(view().bodies, view().vertices)), kThreads}, SolveBody<Real>::kName, view(), color, sweep, control_);
-  }
-  void solveVerticesOf(int color, Sweep sweep) {
-    launchNext(solveVertexColor, {std::min(blocksFor(view().vertices, kVertexCrowdWidth), kVertexBlocks * processors_), kThreads}, SolveVertex::kName,
-               view(), color, sweep, control_);
-  }
   void solveColorsFrom(int color, int count, ColorBlocks blocks) {
     launchNext(solveColorsOf(view()), {count, kSolveThreads}, SolveBody<Real>::kName, view(), color, listOf(hubs_), blocks, control_);
   }

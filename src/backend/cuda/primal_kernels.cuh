@@ -12,7 +12,6 @@ inline constexpr int kSolveBlocks = 2;
 /// The first blocks of a colour's kernel: those for its hubs, which are few, then those for its vertices. The others have its bodies.
 struct ColorBlocks {
   int hubs, vertices;
-  Sweep sweep;  ///< of the vertices
 };
 inline constexpr int kHubBlocks = 16;
 /// Of the blocks that a device holds at a time vertices have one in so many, where bodies move too.
@@ -295,7 +294,7 @@ class VertexByTile {
 
 /// The vertices of one colour: all threads of a grid or of a block. Begins as solveBodies().
 template <bool ahead>
-__device__ void solveVertices(const View& s, int color, Sweep sweep, int thread, int threads) {
+__device__ void solveVertices(const View& s, int color, int thread, int threads) {
   const int begin = s.vertexColorOffset[color], count = s.vertexColorOffset[color + 1] - begin;
   const auto solve = [&]<int kWidth>() {
     VertexByTile<kWidth, ahead> vertex(s);
@@ -303,7 +302,7 @@ __device__ void solveVertices(const View& s, int color, Sweep sweep, int thread,
     if (k < count) vertex.begin(s.colorVertex[begin + k]);
     awaitPrevious();
     while (k < count) {
-      if (SolveVertex::isIn(s, s.colorVertex[begin + k], sweep)) vertex.solve();
+      vertex.solve();
       k += threads / kWidth;
       if (k < count) vertex.begin(s.colorVertex[begin + k]);
     }
@@ -313,19 +312,9 @@ __device__ void solveVertices(const View& s, int color, Sweep sweep, int thread,
   else if (crowd > kVertexMany) solve.template operator()<kVertexManyWidth>();
   else solve.template operator()<kVertexFewWidth>();
 }
-static __global__ void __launch_bounds__(kThreads, kVertexBlocks) solveVertexColor(const __grid_constant__ View s, int color, Sweep sweep,
-                                                                                            const Control* control) {
+static __global__ void __launch_bounds__(kThreads, kVertexBlocks) solveVertexColor(const __grid_constant__ View s, int color, const Control* control) {
   if (control->stop != 0 || color >= s.counters->colors) return awaitPrevious();
-  solveVertices<true>(s, color, sweep, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
-}
-
-/// The vertices of solids of the colours from the last to `first`, one after another in one block.
-static __global__ void __launch_bounds__(kThreads) solveSolidTailBack(const __grid_constant__ View s, int first, const Control* control) {
-  if (control->stop != 0 || first >= s.counters->colors) return awaitPrevious();
-  for (int c = s.counters->colors - 1; c >= first; --c) {
-    solveVertices<true>(s, c, Sweep::SolidsBack, static_cast<int>(threadIdx.x), kThreads);
-    __syncthreads();
-  }
+  solveVertices<true>(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
 }
 
 /// Notes how many colours are worth a launch.
@@ -356,8 +345,7 @@ static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
     }
     if (bodyBlock >= 0) solveColorTogether<rare>(s, c, bodyBlock, static_cast<int>(gridDim.x) - blocks.hubs - blocks.vertices, memory);
     if (rare == RareRows::None || s.vertices == 0) continue;
-    if (tail || (vertexBlock >= 0 && bodyBlock < 0))
-      solveVertices<false>(s, c, blocks.sweep, vertexBlock * kSolveThreads + thread, max(blocks.vertices, 1) * kSolveThreads);
+    if (tail || (vertexBlock >= 0 && bodyBlock < 0)) solveVertices<false>(s, c, vertexBlock * kSolveThreads + thread, max(blocks.vertices, 1) * kSolveThreads);
     __syncthreads();
   }
 }

@@ -5,28 +5,26 @@
 
 namespace rubble::RUBBLE_CORE {
 
-__device__ inline void solveColorInOrder(const View& s, int color, Sweep sweep, int thread, int threads) {
+__device__ inline void solveColorInOrder(const View& s, int color, int thread, int threads) {
   const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
-  for (int k = thread; k < count && sweep != Sweep::SolidsBack; k += threads) SolveBody<Real>{}(s, s.colorBody[begin + k]);
+  for (int k = thread; k < count; k += threads) SolveBody<Real>{}(s, s.colorBody[begin + k]);
   if (s.vertices == 0) return;
   const int first = s.vertexColorOffset[color], vertices = s.vertexColorOffset[color + 1] - first;
-  for (int k = thread; k < vertices; k += threads) SolveVertex{sweep}(s, s.colorVertex[first + k]);
+  for (int k = thread; k < vertices; k += threads) SolveVertex{}(s, s.colorVertex[first + k]);
 }
 
-static __global__ void __launch_bounds__(kThreads) solveColorStrictly(const __grid_constant__ View s, int color, Sweep sweep,
-                                                                                const Control* control) {
+static __global__ void __launch_bounds__(kThreads) solveColorStrictly(const __grid_constant__ View s, int color, const Control* control) {
   awaitPrevious();
   if (control->stop == 0 && color < s.counters->colors)
-    solveColorInOrder(s, color, sweep, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
+    solveColorInOrder(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
 }
 
 /// The colours from `first` on in one block.
-static __global__ void __launch_bounds__(kThreads) solveTailStrictly(const __grid_constant__ View s, int first, Sweep sweep, const Control* control) {
+static __global__ void __launch_bounds__(kThreads) solveTailStrictly(const __grid_constant__ View s, int first, const Control* control) {
   awaitPrevious();
   if (control->stop != 0) return;
-  const int colors = s.counters->colors;
-  for (int k = first; k < colors; ++k) {
-    solveColorInOrder(s, sweep == Sweep::SolidsBack ? colors - 1 - (k - first) : k, sweep, static_cast<int>(threadIdx.x), static_cast<int>(blockDim.x));
+  for (int c = first; c < s.counters->colors; ++c) {
+    solveColorInOrder(s, c, static_cast<int>(threadIdx.x), static_cast<int>(blockDim.x));
     __syncthreads();
   }
 }
