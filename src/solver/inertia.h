@@ -124,13 +124,17 @@ RUBBLE_HD inline Vec3 spinChange(const Vec3& w, const Vec3& given, const Vec3& n
 /// Rotations in a step below which Pi+- are I w for all that rows give, squared [rad2].
 inline constexpr Real kNoTurn2 = Real(1e-8);
 
+/// Moments of inertia that differ by less than this share are the same [1].
+inline constexpr Real kSameMoment = Real(1e-4);
+
 /// Spin at the end of a step that has turned a body by x = exp(turn) since x^t, where it would have turned by
 /// y without rows: that of the momentum Pi+(log(y) / dt) + I (x - y) / dt, of which rows have given the second
 /// part (their torques balance it in the local problem [S 5]). log(x) / dt has that momentum to first order
 /// alone: with it, torques would turn the momentum of a body that spins in a direction that is off by half of
 /// its rotation in a step. Along a principal axis the two differ by no more than |log(x)| |x - y| / dt: what
 /// rows of frozen levers seem to give a slender body about its long axis, which has turned since, is left out.
-/// So is what would change the energy: a bearing that turns in a step acts at its end, and would brake its wheel.
+/// About an axis of symmetry torques about it alone change a spin, and log(x) / dt has that: torques of a bearing
+/// that turns in a step are those of its end, and their momentum would brake the wheel.
 /// World axes. [rad/s] `start` orientation at x^t, `inertia` principal moments [kg m2].
 RUBBLE_HD inline Vec3 spinAfterRows(const Quat& start, const Quat& x, const Vec3& turn, const Quat& y,
                                     const Vec3& inertia, Real dt) {
@@ -149,8 +153,10 @@ RUBBLE_HD inline Vec3 spinAfterRows(const Quat& start, const Quat& x, const Vec3
   const Vec3 given = rotateInverse(now, rotate(start, missing));
   const Real most = inverseDt * std::sqrt(dot(turn, turn) * dot(rows, rows));
   Vec3 added = spinChange(w, given, {0, 0, 0}, most, inertia, dt);
-  const Vec3 own = mul(inertia, w);
-  if (const Real twice = dot(w, own); twice > Real(0)) added -= (dot(own, added) / twice) * w;
+  const auto same = [](Real a, Real b) { return std::fabs(a - b) <= kSameMoment * a; };
+  if (same(inertia.y, inertia.z)) added.x = 0;
+  if (same(inertia.z, inertia.x)) added.y = 0;
+  if (same(inertia.x, inertia.y)) added.z = 0;
   return inverseDt * turn + rotate(now, added);
 }
 
