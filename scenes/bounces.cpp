@@ -84,7 +84,7 @@ Probes ladderProbes(const Arguments& arguments, const Scene&) {
 }
 
 std::vector<Claim> ladderClaims(const Arguments&) {
-  return {atMost("ladder_error", .06, "tops are e^2n of the drop"),
+  return {atMost("ladder_error", .03, "tops are e^2n of the drop"),
           atLeast("bounces", 20, "and there are many")};
 }
 
@@ -150,7 +150,7 @@ Probes cradleProbes(const Arguments& arguments, const Scene&) {
 std::vector<Claim> cradleClaims(const Arguments& arguments) {
   if (value(arguments, "restitution") < 1) return {};
   return {within("handed_on_ratio", .9, 1.02, "the last ball swings as far as the first one came"),
-          within("left_ratio", 0, .05, "and the others stay")};
+          within("left_ratio", 0, .02, "and the others stay")};
 }
 
 }  // namespace
