@@ -15,7 +15,8 @@ RUBBLE_HD inline bool leavesBounds(const View& s, int i) {
   const Vec3 half = boundingHalf(p.shape, s.orientation[i]) + Real(.5) * abs(d.dp) + Vec3{turn, turn, turn};
   const Vec3 away = abs(Vec3(s.position[i]) + Real(.5) * d.dp - b.centre);
   const Real slack = ownMargin(s, p);
-  return away.x + half.x > b.half.x + slack || away.y + half.y > b.half.y + slack || away.z + half.z > b.half.z + slack;
+  return away.x + half.x > b.half.x + slack || away.y + half.y > b.half.y + slack ||
+         away.z + half.z > b.half.z + slack;
 }
 
 /// Do part `part` of a body and a part of another make a pair in this step? Against a surface, whatever the slot.
@@ -26,7 +27,8 @@ RUBBLE_HD inline bool makePair(const View& s, int body, int part, int other, int
     for (int k = s.pairOffset[owner]; k < s.pairOffset[owner + 1]; ++k) {
       const Pair& p = s.pair[k];
       if (p.other != partner) continue;
-      if (surface ? static_cast<int>(p.first) == part : static_cast<int>(p.first) == own && p.second == its) return true;
+      if (surface ? static_cast<int>(p.first) == part : static_cast<int>(p.first) == own && p.second == its)
+        return true;
     }
   }
   return false;
@@ -34,13 +36,15 @@ RUBBLE_HD inline bool makePair(const View& s, int body, int part, int other, int
 
 /// Where a part of a body meets one of another that it makes no pair with, if it would go into it deeper than rows may leave it: what is less the rows of
 /// the next step push out.
-RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way, const PlacedAny& other, const Way& otherWay, double tolerance) {
+RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way, const PlacedAny& other,
+                                           const Way& otherWay, double tolerance) {
   const ShapeTables& tables = part.tables;
   const Real thin = thinner(innerRadiusOf(tables, part.shape), innerRadiusOf(tables, other.shape));
   if (part.shape.kind == ShapeKind::Distance || other.shape.kind == ShapeKind::Distance) {
     const auto any = [](const Vec3d&, const Meeting&) { return true; };
     const MeetRule rule{tolerance, true, static_cast<double>(thin)};
-    return part.shape.kind == ShapeKind::Distance ? meetField(part, way, other, otherWay, rule, any) : meetField(other, otherWay, part, way, rule, any);
+    return part.shape.kind == ShapeKind::Distance ? meetField(part, way, other, otherWay, rule, any)
+                                                  : meetField(other, otherWay, part, way, rule, any);
   }
   const Placed convex = asConvex(part);
   if (!isSurface(other.shape.kind)) {
@@ -50,10 +54,12 @@ RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way
     const double gap = gapAlong(movedBy(convex, way, 1), movedBy(its, otherWay, 1), first.at.n);
     return gap < -static_cast<double>(kHeldDepth * thin) ? first : Meeting{kNeverMet, first.at};
   }
-  const double allowed = static_cast<double>(kHeldInSurface * thin), more = static_cast<double>(kDeeperYetAtRest * thin);
+  const double allowed = static_cast<double>(kHeldInSurface * thin),
+               more = static_cast<double>(kDeeperYetAtRest * thin);
   const auto meet = [&](const Placed& triangle, const Vec3d& up) {
     const Meeting first = meeting(triangle, otherWay, convex, way, tolerance);
-    return first.fraction > 0 ? first : meetingBeyond(triangle, otherWay, convex, way, up, false, allowed, more);
+    return first.fraction > 0 ? first
+                              : meetingBeyond(triangle, otherWay, convex, way, up, false, allowed, more);
   };
   return meetTriangles(other, otherWay, convex, way, {tolerance, true, allowed}, meet);
 }
@@ -61,7 +67,9 @@ RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way
 struct FindLateStops {
   static constexpr const char* kName = "stops";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (s.counters->swept == 0 || s.fast[i] == 0 || s.params[i].kind != BodyKind::Dynamic || isSensor(s, i) || !leavesBounds(s, i)) return;
+    if (s.counters->swept == 0 || s.fast[i] == 0 || s.params[i].kind != BodyKind::Dynamic || isSensor(s, i) ||
+        !leavesBounds(s, i))
+      return;
     const BodyParams& p = s.params[i];
     const Displacement& d = s.moved[i];
     const Real turn = min(length(d.dw), Real(1)) * p.radius;
@@ -91,7 +99,8 @@ struct FindLateStops {
       for (int j = 0; j < itsParts; ++j) {
         if (makePair(s, i, surfaceIsFirst(own.kind, its.kind) ? j : k, other, j, surface)) continue;
         const PlacedAny a = placedAny(s.shapeTables(), own, {0, 0, 0}, s.orientation[i], k);
-        const PlacedAny b = placedAny(s.shapeTables(), its, s.position[other] - s.position[i], s.orientation[other], j);
+        const PlacedAny b =
+            placedAny(s.shapeTables(), its, s.position[other] - s.position[i], s.orientation[other], j);
         const Meeting m = meetingUnforeseen(a, way, b, otherWay, tolerance);
         if (m.fraction > 0) first = min(first, m.fraction);
       }
