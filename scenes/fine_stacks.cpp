@@ -1,4 +1,5 @@
-/// Stacks that stand or fall by little: what a coarse answer drops. Their verdicts are stated for as many iterations or substeps as they need.
+/// Stacks that stand or fall by little: what a coarse answer drops. Their verdicts are stated for as many iterations or
+/// substeps as they need.
 #include <string>
 
 #include "build.h"

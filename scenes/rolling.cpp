@@ -1,4 +1,5 @@
-/// Rolling without slip, with closed forms: balls, capsules and wheels on the level and on a slope of 20 degrees, up to half a radian a step.
+/// Rolling without slip, with closed forms: balls, capsules and wheels on the level and on a slope of 20 degrees, up to
+/// half a radian a step.
 #include <algorithm>
 #include <array>
 #include <cmath>

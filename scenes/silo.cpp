@@ -12,7 +12,7 @@
 namespace rubble::scenes {
 namespace {
 
-constexpr double kWall = .5;      ///< half thickness [m]
+constexpr double kWall = .8;      ///< half thickness over the width of the bin [1]
 constexpr double kAverage = .5;   ///< forces are averages over the last part of the run [s]
 
 /// The same numbers in every build.
@@ -32,9 +32,9 @@ class Numbers {
 double widthOf(const Arguments& arguments) { return 2.04 * value(arguments, "radius") * whole(arguments, "across"); }
 
 Scene buildSilo(const Arguments& arguments) {
-  const double r = value(arguments, "radius"), width = widthOf(arguments), rise = value(arguments, "rise"), size = width / (2.04 * .3);
+  const double r = value(arguments, "radius"), width = widthOf(arguments), rise = value(arguments, "rise");
   const int across = whole(arguments, "across"), layers = whole(arguments, "layers"), sides = whole(arguments, "sides");
-  const double top = 2 * r * layers * (1.02 + rise) + 2 * r, thick = kWall * size, pitch = width / across;
+  const double top = 2 * r * layers * (1.02 + rise) + 2 * r, thick = kWall * width, pitch = width / across;
   Scene scene = emptyScene(kUpZ, 9.81);
   put(scene, held(box({width + thick, width + thick, thick}, {0, 0, -thick}, 1)), "floor");
   for (int k = 0; k < sides; ++k) {
@@ -65,8 +65,8 @@ Scene buildSilo(const Arguments& arguments) {
   return scene;
 }
 
-/// K of Janssen's law at which the floor of a bin bears this share of the weight: (1 - exp(-x)) / x with x = 4 mu K height / width. Any bin whose sides
-/// touch one circle has this ratio of circumference to area.
+/// K of Janssen's law at which the floor of a bin bears this share of the weight: (1 - exp(-x)) / x with
+/// x = 4 mu K height / width. Any bin whose sides touch one circle has this ratio of circumference to area.
 double janssen(double floor, double friction, double slenderness) {
   double low = 0, high = 100;
   for (int k = 0; k < 60; ++k) {

@@ -65,7 +65,8 @@ void residuals(Out out, const std::vector<StepReport>& reports) {
   double sum = 0, most = 0;
   for (const StepReport& r : reports) sum += r.unfinishedMotion, most = std::max(most, r.unfinishedMotion);
   if (most > 0)
-    fmt::format_to(out, "  unfinished motion       mean {:.2g}, max {:.2g} lengths of a body\n", sum / static_cast<double>(reports.size()), most);
+    fmt::format_to(out, "  unfinished motion       mean {:.2g}, max {:.2g} lengths of a body\n",
+                   sum / static_cast<double>(reports.size()), most);
 }
 
 /// What the steps report beyond counts: nothing that the engine had to do out of the ordinary goes unsaid.
