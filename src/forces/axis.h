@@ -207,4 +207,10 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
   }
 }
 
+/// A part that takes no part in a step.
+RUBBLE_HD inline void restPart(AxisRows& rows) {
+  for (AxisRow* row : {&rows.limit, &rows.drive, &rows.friction}) row->acts = false, row->lambda = 0, row->k = 0;
+  rows.impact = false;
+}
+
 }  // namespace rubble::RUBBLE_CORE

@@ -395,11 +395,6 @@ RUBBLE_HD int actingRows(const JointSpec<F>& spec, const Joint<F>& joint) {
   return acting;
 }
 
-/// A part that takes no part in a step.
-RUBBLE_HD inline void restPart(AxisRows& rows) {
-  for (AxisRow* row : {&rows.limit, &rows.drive, &rows.friction}) row->acts = false, row->lambda = 0, row->k = 0;
-  rows.impact = false;
-}
 template <int N>
 RUBBLE_HD void restPart(GroupRows<N>& rows) {
   rows.state.k = 0;

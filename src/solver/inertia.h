@@ -121,7 +121,7 @@ RUBBLE_HD inline Vec3 spinChange(const Vec3& w, const Vec3& given, const Vec3& n
   return near + Vec3{cut(off.x), cut(off.y), cut(off.z)};
 }
 
-/// Rotations in a step below which Pi+- are I w for all that rows give, squared [rad2].
+/// Rotations in a step below which Pi+- are I w for all that rows give, squared [rad2]: no spinAfterRows is asked for.
 inline constexpr Real kNoTurn2 = Real(1e-8);
 
 /// Moments of inertia that differ by less than this share are the same [1].
@@ -141,7 +141,6 @@ RUBBLE_HD inline Vec3 spinAfterRows(const Quat& start, const Quat& x, const Vec3
   const Real inverseDt = Real(1) / dt;
   const Vec3 rows = Real(2) * shortArc(x * conjugate(y)).v;
   const bool spherical = isSpherical(inertia);
-  if (!spherical && dot(turn, turn) + dot(rows, rows) < kNoTurn2) return inverseDt * turn;
   const Vec3 free = logRotation(y);
   if (spherical) return inverseDt * (free + rows);
   const SpinMomentum begin{inertia, dt, Real(1)};

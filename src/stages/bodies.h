@@ -319,9 +319,10 @@ RUBBLE_HD inline BodyEnd endOf(const View& s, int i) {
     return end;
   }
   const Vec3 inertia = s.params[i].inertia;
-  const BodyTarget& target = s.target[i];
-  end.w = (target.locks >> 3) != 0 ? c.inverseDt * d.dw
-                                   : spinAfterRows(start, x, d.dw, target.y.q, inertia, c.dt);
+  end.w = c.inverseDt * d.dw;
+  // targets are read only where they tell: the two spins differ by abs(dw) times what rows have turned it by
+  if (dot(d.dw, d.dw) >= kNoTurn2 && (s.target[i].locks >> 3) == 0)
+    end.w = spinAfterRows(start, x, d.dw, s.target[i].y.q, inertia, c.dt);
   if (stopped) end.w = spinAt(end.q, x * start, end.w, inertia, c.dt);
   end.limited = limitSpin(end.w, c.dt);
   return end;

@@ -55,8 +55,8 @@ struct FindBounces {
     Bounce& bounce = s.bounce[i];
     const Impact impact(s, r);
     const Displacement toA = targetDisplacement(s, r.a), toB = targetDisplacement(s, r.b);
-    const Motion startA = motionOf(s, r.a), startB = motionOf(s, r.b);
-    const Motion freeA{c.inverseDt * toA.dp, c.inverseDt * toA.dw},
+    const BodyMotion startA = motionOf(s, r.a), startB = motionOf(s, r.b);
+    const BodyMotion freeA{c.inverseDt * toA.dp, c.inverseDt * toA.dw},
         freeB{c.inverseDt * toB.dp, c.inverseDt * toB.dw};
     const Real fast = impactSpeed(c, r.length);
     const Displacement endA = endOf(s, r.a), endB = endOf(s, r.b);
@@ -126,7 +126,7 @@ struct TakeBackBounces {
   RUBBLE_HD void operator()(const View& s, int i) const {
     if (s.counters->bounceRows == 0 || s.bounceBody[i] == kUnmoved || !isDynamic(s, i)) return;
     const Mobility m = mobility(s, i);
-    Motion taken{{0, 0, 0}, {0, 0, 0}}, kept = taken;
+    BodyMotion taken{{0, 0, 0}, {0, 0, 0}}, kept = taken;
     bool alone = !s.rolls;
     for (int k = s.entryOffset[i]; k < s.entryOffset[i + 1]; ++k) {
       const std::uint32_t code = s.entry[k].code;
@@ -151,9 +151,9 @@ struct TakeBackBounces {
         kept.v += impulse(left), kept.w += cross(lever, impulse(left));
       }
     }
-    Motion& solved = s.bounceMotion[i];
+    BodyMotion& solved = s.bounceMotion[i];
     solved = motionOf(s, i);
-    Motion now{solved.v - m.linear(taken.v), solved.w - m.angular(taken.w)};
+    BodyMotion now{solved.v - m.linear(taken.v), solved.w - m.angular(taken.w)};
     if (alone) {
       // nothing else acts on it: what iterations have left out does not count
       const Displacement to = targetDisplacement(s, i);
@@ -165,7 +165,7 @@ struct TakeBackBounces {
 };
 
 /// Closing speed of a contact, by the loads of its points.
-RUBBLE_HD inline Real meanClosing(const Impact& impact, const Motion& a, const Motion& b) {
+RUBBLE_HD inline Real meanClosing(const Impact& impact, const BodyMotion& a, const BodyMotion& b) {
   Real load = 0, closing = 0;
   for (int k = 0; k < kLanes; ++k) {
     if (!actsAt(impact.r, k)) continue;

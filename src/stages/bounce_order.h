@@ -40,7 +40,7 @@ struct ProposeBounces {
       bounce.time = max(bounce.gap, Real(0)) / max(bounce.start, impactSpeed(s.step, r.length));
     } else {
       const Impact impact(s, r);
-      const Motion a = motionOf(s, r.a), b = motionOf(s, r.b);
+      const BodyMotion a = motionOf(s, r.a), b = motionOf(s, r.b);
       Real fastest = 0;
       for (int k = 0; k < kLanes; ++k)
         if (actsAt(r, k)) fastest = max(fastest, impact.closing(k, a, b));
@@ -70,7 +70,7 @@ struct ActBounces {
     if (!(bounce.state & kBounceTakesPart) || bounce.time < Real(0)) return;
     const ContactRows& r = s.contact[i];
     if (!isFirst(s, i, r.a) || !isFirst(s, i, r.b)) return;
-    Motion a = motionOf(s, r.a), b = motionOf(s, r.b);
+    BodyMotion a = motionOf(s, r.a), b = motionOf(s, r.b);
     if (isAsSolved(s, r))
       giveBack(s, r, bounce, a, b);
     else
@@ -97,12 +97,12 @@ struct ActBounces {
 
   /// What a unit of impulses `p` takes from the closing speed of each point.
   RUBBLE_HD static void effectOf(const Impact& impact, const Real (&p)[kLanes], Real (&effect)[kLanes]) {
-    Motion a{{0, 0, 0}, {0, 0, 0}}, b = a;
+    BodyMotion a{{0, 0, 0}, {0, 0, 0}}, b = a;
     impact.push(p, 1, a, b);
     for (int k = 0; k < kLanes; ++k) effect[k] = actsAt(impact.r, k) ? -impact.closing(k, a, b) : Real(0);
   }
 
-  RUBBLE_HD static void act(const View& s, const ContactRows& r, const Bounce& bounce, Motion& a, Motion& b) {
+  RUBBLE_HD static void act(const View& s, const ContactRows& r, const Bounce& bounce, BodyMotion& a, BodyMotion& b) {
     const Impact impact(s, r);
     Real c[kLanes], matrix[kLanes][kLanes], p[kLanes] = {}, effect[kLanes];
     for (int k = 0; k < kLanes; ++k) {
@@ -146,7 +146,7 @@ struct ActBounces {
 
   /// Friction at the points, each within the cone of `given` times its impulse. It only ever opposes the motion that is left there.
   RUBBLE_HD static void rub(const View& s, const ContactRows& r, const Impact& impact,
-                            const Real (&p)[kLanes], Real given, Motion& a, Motion& b) {
+                            const Real (&p)[kLanes], Real given, BodyMotion& a, BodyMotion& b) {
     Vec3 t1, t2, belt{0, 0, 0};
     tangentBasis(r.n, t1, t2);
     if (s.surfaces > 0)
@@ -156,7 +156,7 @@ struct ActBounces {
       room[k] = actsAt(r, k) ? r.slip[k].mu * given * p[k] : Real(0);
       if (!(room[k] > Real(0))) continue;
       const auto answer = [&](const Vec3& t) {
-        Motion ma{{0, 0, 0}, {0, 0, 0}}, mb = ma;
+        BodyMotion ma{{0, 0, 0}, {0, 0, 0}}, mb = ma;
         impact.strike(k, t, ma, mb);
         return -impact.relative(k, ma, mb);
       };
@@ -178,8 +178,8 @@ struct ActBounces {
   }
 
   /// On top of the velocities of the step.
-  RUBBLE_HD static void giveBack(const View& s, const ContactRows& r, const Bounce& bounce, Motion& a,
-                                 Motion& b) {
+  RUBBLE_HD static void giveBack(const View& s, const ContactRows& r, const Bounce& bounce, BodyMotion& a,
+                                 BodyMotion& b) {
     const Impact impact(s, r);
     Real p[kLanes] = {}, effect[kLanes], load = 0;
     for (int k = 0; k < kLanes; ++k)
@@ -192,7 +192,7 @@ struct ActBounces {
       stiff += p[k] * effect[k], parting -= actsAt(r, k) ? p[k] * impact.closing(k, a, b) : Real(0);
     const Real e = bounceSpeed(r.restitution, closing, bounce, s.step.inverseDt) / closing;
     const Displacement toA = targetDisplacement(s, r.a), toB = targetDisplacement(s, r.b);
-    const Motion freeA{s.step.inverseDt * toA.dp, s.step.inverseDt * toA.dw},
+    const BodyMotion freeA{s.step.inverseDt * toA.dp, s.step.inverseDt * toA.dw},
         freeB{s.step.inverseDt * toB.dp, s.step.inverseDt * toB.dw};
     const Real lost = max(impact.energy(freeA, freeB) - impact.energy(a, b), Real(0));
     // (stiff / 2) x^2 + parting x = work

@@ -1,6 +1,7 @@
 #pragma once
 /// Broad phase: a hashed grid with levels. A body lies in the cell of its centre, at the level that fits its swept box; it looks for
 /// partners in its own level and in all coarser ones. Buckets of cells with rising x are neighbours in memory.
+#include "solver/inertia.h"
 #include "stages/filter.h"
 #include "stages/pair_parts.h"
 
@@ -37,7 +38,16 @@ RUBBLE_HD void raiseExtents(const View& s, const Bounds& b, Raise&& raise) {
     for (int side = 0; side < 2; ++side) raise(&c.levelReach[b.level][side][k], kCellOrigin + (side == 0 ? -cell[k] : cell[k]));
 }
 
-/// Boxes at x^t, swept to x^t + dt v and for the turn, with the detection margin; their cells.
+/// How far a body goes in a step by its velocity, and by gravity as far as it followed that in the last one. [m]
+RUBBLE_HD inline Vec3 wayAhead(const View& s, int i) {
+  const Real dt = s.step.dt;
+  const Vec3 v = s.velocity[i];
+  if (s.params[i].kind != BodyKind::Dynamic) return dt * v;
+  const Vec3 gravity = s.params[i].gravityScale * s.step.gravity;
+  return inertialDisplacement(v, followedShare(v, s.previousVelocity[i], gravity, dt) * gravity, dt);
+}
+
+/// Boxes at x^t, swept along the way ahead and for the turn, with the detection margin; their cells.
 struct ComputeBounds {
   static constexpr const char* kName = "bounds";
   RUBBLE_HD void operator()(const View& s, int i) const {
@@ -59,7 +69,7 @@ struct ComputeBounds {
     b.level = -1;
     if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return false;
     const Quat q = s.orientation[i];
-    const Vec3 sweep = (s.step.dt / 2) * s.velocity[i];
+    const Vec3 sweep = Real(.5) * wayAhead(s, i);
     const Vec3 x(s.position[i]);
     // turning moves the surface by no more than the radius; the error of a single-precision centre is added
     const Real turn = min(s.step.dt * length(s.spin[i]), Real(1)) * p.radius;

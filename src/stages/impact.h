@@ -19,7 +19,7 @@ struct Mobility {
     moment = unlocked(moment, locks >> 3);
     return unlocked(solve(Block3{inertia, moment}), locks >> 3);
   }
-  RUBBLE_HD Real energy(const Motion& m) const {
+  RUBBLE_HD Real energy(const BodyMotion& m) const {
     return moves ? (dot(m.v, m.v) / inverseMass + dot(m.w, inertia * m.w)) / 2 : Real(0);
   }
 };
@@ -34,7 +34,7 @@ RUBBLE_HD inline Mobility mobility(const View& s, int body) {
   return m;
 }
 
-RUBBLE_HD inline Motion motionOf(const View& s, int body) { return {s.velocity[body], s.spin[body]}; }
+RUBBLE_HD inline BodyMotion motionOf(const View& s, int body) { return {s.velocity[body], s.spin[body]}; }
 
 /// A contact between two bodies that move.
 struct Impact {
@@ -47,20 +47,20 @@ struct Impact {
   RUBBLE_HD Vec3 leverA(int k) const { return r.place[k].rA - (half(k) * r.n); }
   RUBBLE_HD Vec3 leverB(int k) const { return r.place[k].rA + r.offset + (half(k) * r.n); }
   RUBBLE_HD Real half(int k) const { return max(-r.place[k].c0, Real(0)) / 2; }
-  RUBBLE_HD Vec3 relative(int k, const Motion& ma, const Motion& mb) const {
+  RUBBLE_HD Vec3 relative(int k, const BodyMotion& ma, const BodyMotion& mb) const {
     return ma.v + cross(ma.w, leverA(k)) - mb.v - cross(mb.w, leverB(k));
   }
-  RUBBLE_HD Real closing(int k, const Motion& ma, const Motion& mb) const {
+  RUBBLE_HD Real closing(int k, const BodyMotion& ma, const BodyMotion& mb) const {
     return dot(r.n, relative(k, ma, mb));
   }
   /// Adds an impulse at point k, on B, and its opposite on A.
-  RUBBLE_HD void strike(int k, const Vec3& impulse, Motion& ma, Motion& mb) const {
+  RUBBLE_HD void strike(int k, const Vec3& impulse, BodyMotion& ma, BodyMotion& mb) const {
     ma.v -= a.linear(impulse), ma.w -= a.angular(cross(leverA(k), impulse));
     mb.v += b.linear(impulse), mb.w += b.angular(cross(leverB(k), impulse));
   }
-  RUBBLE_HD Real energy(const Motion& ma, const Motion& mb) const { return a.energy(ma) + b.energy(mb); }
+  RUBBLE_HD Real energy(const BodyMotion& ma, const BodyMotion& mb) const { return a.energy(ma) + b.energy(mb); }
   /// Adds impulses along the normal that push the bodies apart.
-  RUBBLE_HD void push(const Real (&p)[kLanes], Real times, Motion& ma, Motion& mb) const {
+  RUBBLE_HD void push(const Real (&p)[kLanes], Real times, BodyMotion& ma, BodyMotion& mb) const {
     Real sum = 0;
     Vec3 momentA{0, 0, 0}, momentB{0, 0, 0};
     for (int k = 0; k < kLanes; ++k) {

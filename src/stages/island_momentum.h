@@ -202,11 +202,18 @@ RUBBLE_HD inline IslandRepair repairOf(const MomentumSums& sum, const Vec3d& ori
   return r;
 }
 
+/// Islands of more parts, bodies near one another in a cloud of debris, keep what the sweeps leave: one thread adds them up.
+inline constexpr int kMostIslandParts = 16;
+
 /// Sums of an island that nothing holds, and what it is short of.
 struct RepairIslands {
   static constexpr const char* kName = "momentum";
   RUBBLE_HD void operator()(const View& s, int root) const {
     if (s.islandFirst[root] < 0 || (s.islandBonds[root] & kHeld) != 0) return;
+    s.islandRepair[root].acts = 0;
+    int parts = 0;
+    for (int i = s.islandFirst[root]; i >= 0 && parts <= kMostIslandParts; i = s.islandNext[i]) ++parts;
+    if (parts > kMostIslandParts) return;
     const int first = sortList(s.islandNext, s.islandFirst[root]);
     MomentumSums sum{};
     for (int i = first; i >= 0; i = s.islandNext[i]) {

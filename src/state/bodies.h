@@ -119,7 +119,7 @@ struct Bounce {
   Real time;                 ///< until it acts, below 0: it does not [s]
   int carries, state;        ///< its load changed as in an impact; BounceState
 };
-struct Motion {
+struct BodyMotion {
   Vec3 v, w;                 ///< [m/s], [rad/s]
 };
 

@@ -1,26 +1,12 @@
 #pragma once
 /// Every array of the engine, declared once: meaning, unit, shape and who writes it. A View is handed to each kernel by value.
-#include "forces/joint_stamp.h"
-#include "forces/joint_tree.h"
 #include "state/bodies.h"
+#include "state/joint_tables.h"
 #include "state/kinds.h"
 #include "state/trees.h"
 #include "state/vertices.h"
 
 namespace rubble::RUBBLE_CORE {
-
-/// The arrays of one joint type.
-template <class F>
-struct JointTable {
-  JointSpec<F>* spec = nullptr;
-  Joint<F>* joint = nullptr;
-  TreeRows<F>* treeRows = nullptr;
-  JointTurns<F>* turns = nullptr;  ///< none for types that have no parts that turn
-};
-template <class List>
-struct JointTables;
-template <class... F>
-struct JointTables<TypeList<F...>> : JointTable<F>... {};
 
 struct View : JointTables<JointTypes> {
   int bodies = 0;                     ///< slots in use, removed ones included
@@ -113,7 +99,7 @@ struct View : JointTables<JointTypes> {
   int* stopPair = nullptr;            ///< 1 + the pair that it stops at, or 0
   Displacement* stopped = nullptr;    ///< the way that it makes then
   int* bounceBody = nullptr;          ///< part of a body in impacts: BounceBody
-  Motion* bounceMotion = nullptr;     ///< its velocities before they were taken back
+  BodyMotion* bounceMotion = nullptr;     ///< its velocities before they were taken back
   Vec3* nextCorrection = nullptr;     ///< correction as this step finds it [m]
   int* color = nullptr;               ///< kept from step to step
   int* nextColor = nullptr;           ///< of the bodies that choose one
