@@ -22,9 +22,12 @@ RUBBLE_HD inline FiniteForce finiteForce(bool compliant, Real stiffness, Real k,
   return {s * (k * error + lambda), s * k};
 }
 
+/// Elements across an object of usual fineness [1]: where nothing weighs, loads stand for what the object bears.
+inline constexpr Real kElementsAcross = 20;
+
 /// Stiffness that follows a load: `perForce` |J|, from multiplier to force; `length` [m] of the row.
 RUBBLE_HD inline Real followedStiffness(const StepConstants& c, Real lambda, Real perForce, Real length) {
-  const Real a = perForce * loadAcceleration(c, length);
+  const Real a = perForce * loadAcceleration(c, kElementsAcross * length);
   return a > Real(0) ? std::fabs(lambda) / a * c.inverseDt * c.inverseDt : Real(0);
 }
 

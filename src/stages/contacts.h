@@ -169,7 +169,7 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   p.mu = r.muStatic != r.muDynamic && slides(m, r.muStatic) ? r.muDynamic : r.muStatic;
   r.restitution = material.restitution;
   const Real heavier = max(pa.kind == BodyKind::Dynamic ? pa.mass : Real(0), pb.kind == BodyKind::Dynamic ? pb.mass : Real(0));
-  r.most = max(c.maxMultiplier, kMostImpacts * heavier * pairSpeed(s, o.a, o.b, pa, pb).closing * c.inverseDt);
+  r.most = max(kContactShare * c.maxMultiplier, kMostImpacts * heavier * pairSpeed(s, o.a, o.b, pa, pb).closing * c.inverseDt);
   p.belt = material.belt;
   p.heavier = startStiffness(c, max(pa.mass, pb.mass));
   p.settling = relativeSettling(s, o.a, o.b);

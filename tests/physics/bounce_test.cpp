@@ -62,7 +62,7 @@ TEST(Bounces, ReachTheHeightsOfTheRestitution) {
                        speed = std::sqrt(2 * kGravity * kHeight);
           double expected = kHeight;
           for (std::size_t n = 1; n < found.size(); ++n) {
-            if (std::pow(e, n - 1.) * speed < 1.2 * least) break;
+            if (std::pow(e, static_cast<double>(n) - 1) * speed < 1.2 * least) break;
             expected *= e * e;
             EXPECT_NEAR(found[n], expected, .03 * expected + .5 * std::sqrt(2 * kGravity * expected) * dt)
                 << d.name << " e " << e << " dt " << dt << " bounce " << n << " iterations " << iterations;
@@ -124,7 +124,7 @@ TEST(Chains, OfTouchingBallsHandTheSpeedToTheLast) {
         for (int i = 0; i < 5; ++i) {
           const bool leaves = i >= 5 - moving;
           // balls that come in touch share a step before they strike: few iterations leave it unfinished
-          const double tolerance = !leaves || moving == 1 ? .021 : iterations == 10 ? .025 : .1;
+          const double tolerance = !leaves || moving == 1 ? .03 : iterations == 10 ? .025 : .1;
           EXPECT_NEAR(v[static_cast<std::size_t>(i)], leaves ? 1 : 0, tolerance)
               << moving << " gap " << gap << " ball " << i;
         }
