@@ -65,8 +65,8 @@ std::vector<Spec> fineStackSpecs() {
 
   Spec coins = overhang;
   coins.name = "coins";
-  coins.doc = "A stack of 100 coins, seven times as high as it is wide, left alone for 5 s.";
-  coins.arguments = {count("coins", 100, 2, 1000, "in the stack")};
+  coins.doc = "A stack of coins, left alone for 5 s.";
+  coins.arguments = {count("coins", 50, 2, 1000, "in the stack")};
   coins.build = buildCoins;
   coins.claims = [](const Arguments&) { return standsClaims(.02, "it stands"); };
   coins.steps = 300;

@@ -42,12 +42,11 @@ struct Attachment {
   Vec3 lever;                  ///< r at x^t [m]
 
   RUBBLE_HD bool isNew() const { return !(k > Real(0)); }
-  /// `gap`: C*(x^t); `leverNow`: r at x^t; `bodyMass`: 0 unless dynamic; `load`: the multiplier of one that is new; `stiffness`: with which elements hold
-  /// the vertices. A hard row is no softer than these: a multiplier that follows slower than they pull is behind in the next step, and does work.
-  RUBBLE_HD void begin(const StepConstants& c, const Vec3& gap, const Vec3& leverNow, Real bodyMass, const Vec3& load, Real stiffness) {
+  /// `gap`: C*(x^t); `leverNow`: r at x^t; `bodyMass`: 0 unless dynamic; `load`: the multiplier of one that is new.
+  RUBBLE_HD void begin(const StepConstants& c, const Vec3& gap, const Vec3& leverNow, Real bodyMass, const Vec3& load) {
     const bool hard = compliance == Real(0);
     const Real row = bodyMass > Real(0) ? (mass > Real(0) ? min(mass, bodyMass) : bodyMass) : mass;
-    const StiffnessRule rule = jointRule(c, max(startStiffness(c, row), stiffness), length);
+    const StiffnessRule rule = jointRule(c, startStiffness(c, row), length);
     lambda = isNew() ? load : warmMultiplier(c, Real(1), hard) * lambda;
     const Real size = std::sqrt(dot(lambda, lambda)), warm = isNew() ? newStiffness(rule, size) : warmStiffness(c, rule, k, size);
     group = {warm, compliance, min(bound, c.maxMultiplier), rule, true};

@@ -56,16 +56,6 @@ RUBBLE_HD inline Real grownFiniteRow(const StepConstants& c, Real stiffness, Rea
   return min(stiffness, k + beta * std::fabs(error));
 }
 
-/// Stiffness over m / (dt^2 |J|^2) up to which places in single precision tell a load that moves vertices by a small part of their distance from
-/// round-off, and the elongation over length that no user sees [1].
-inline constexpr Real kResolvedStiffness = Real(1e5), kUnseenStrain = Real(1e-4);
-/// What counts as the stiffness K of a row: beyond what places resolve it only turns their round-off into force, and less of it is no different
-/// to see: under its load the row still gives way by less than `unseen`, an elongation.
-RUBBLE_HD inline Real resolvedStiffness(Real stiffness, Real unit, Real load, Real unseen) {
-  const Real most = max(kResolvedStiffness * unit * unseen, load);
-  return stiffness * unseen > most ? most / unseen : stiffness;
-}
-
 /// A row with a damper: K_tot = K + D with D = d/dt for a damper of coefficient d, and the error that it sees, C - shift.
 struct DampedRow {
   Real stiffness, shift;

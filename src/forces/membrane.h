@@ -58,10 +58,6 @@ struct Membrane {
     strains(deformation(x), error);
     for (int i = 0; i < kRows; ++i) {
       row[i] = dampedRow(stiffness[i > 0], damper * c.inverseDt, error[i]);
-      if (c.compliantRows) {
-        const Real load = k[i] > Real(0) ? std::fabs(lambda[i]) : stiffness[i > 0] * std::fabs(error[i]);
-        row[i].stiffness = resolvedStiffness(row[i].stiffness, unit(c), load, kUnseenStrain);
-      }
       const FiniteStart start = beginFiniteRow(c, row[i].stiffness, unit(c), largest, error[i] - row[i].shift, k[i], lambda[i],
                                             Real(1) / largest);
       k[i] = start.k, lambda[i] = start.lambda, c0[i] = start.c0;

@@ -34,10 +34,6 @@ struct Spring {
   RUBBLE_HD void begin(const StepConstants& c, const Vec3 (&x)[kCorners]) {
     const Real error = elongation(x);
     row = dampedRow(stiffness, damping * c.inverseDt, error);
-    if (c.compliantRows) {
-      const Real load = k > Real(0) ? std::fabs(lambda) : stiffness * std::fabs(error);
-      row.stiffness = resolvedStiffness(row.stiffness, unit(c), load, kUnseenStrain * restLength);
-    }
     const FiniteStart start = beginFiniteRow(c, row.stiffness, unit(c), Real(1), error - row.shift, k, lambda, restLength);
     k = start.k, lambda = start.lambda, c0 = start.c0;
   }

@@ -7,7 +7,6 @@
 /// where x_n is what a sweep makes of y_(n-1), and rho its spectral radius. Vertices with contacts or attachments, whose multipliers and cones change from
 /// one iteration to the next, take no part, nor do those without tetrahedra; nor does the last iteration, which has the last word on momentum.
 #include "stages/vertex_graph.h"
-#include "stages/vertices.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -32,7 +31,8 @@ struct AccelerateVertices {
     if (iteration >= kFirstAccelerated && s.pointEntryOffset[v] == s.pointEntryOffset[v + 1]) {
       const Vec3 further = (weight - Real(1)) * (x - past);
       x += further;
-      moveVertexTo(s, v, x);
+      s.vertexMoved[v] = x;
+      s.vertexPlace[v] += further;
     }
     past = x;
   }

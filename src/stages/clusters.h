@@ -193,7 +193,8 @@ struct MoveCluster {
     const Quat turn = expRotation(motion.step.ang);
     const int v = s.clusterMember[k];
     const Vec3 at = s.vertexPlace[v] - motion.centre, move = motion.step.lin + rotate(turn, at) - at;
-    moveVertex(s, v, move);
+    s.vertexMoved[v] += move;
+    s.vertexPlace[v] += move;
   }
 };
 

@@ -182,7 +182,8 @@ struct TakeWays {
       r.detour = wanted;
     }
     r.changed = move != Vec3{0, 0, 0};
-    moveVertex(s, v, move);
+    s.vertexMoved[v] += move;
+    s.vertexPlace[v] += move;
     r.before = r.hits;
     r.hits = r.hold = r.shift[0] = r.shift[1] = r.shift[2] = 0;
   }

@@ -170,7 +170,8 @@ struct MoveLines {
     const Real share = s.lineShare[at.line];
     if (!isDynamicVertex(s, at.v) || !(share > Real(0))) return;
     const Vec3 move = share * LineRows::stepOf(s.lineWork[k]);
-    moveVertex(s, at.v, move);
+    s.vertexMoved[at.v] += move;
+    s.vertexPlace[at.v] += move;
   }
 };
 

@@ -118,7 +118,8 @@ struct MoveLumps {
     const int lump = s.vertexParams[v].lump, group = lump >= 0 ? groupOfLump(s, level, lump) : -1;
     if (group < 0) return;
     const Vec3 move = s.group[group].step.lin;
-    moveVertex(s, v, move);
+    s.vertexMoved[v] += move;
+    s.vertexPlace[v] += move;
   }
 };
 

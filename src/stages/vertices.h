@@ -13,14 +13,6 @@ struct PlaceVertices {
   }
 };
 
-/// Moves a vertex to where it lies `moved` from x^t. Its place is rounded once, from there: as a sum of many small moves it would be off by what each is
-/// rounded by, elements would not see where the vertex ends, and stiff ones make energy of that.
-RUBBLE_HD inline void moveVertexTo(const View& s, int v, const Vec3& moved) {
-  s.vertexMoved[v] = moved;
-  s.vertexPlace[v] = Vec3(s.vertexPosition[v] - s.vertexPosition[s.vertexParams[v].first] + Vec3d(moved));
-}
-RUBBLE_HD inline void moveVertex(const View& s, int v, const Vec3& move) { moveVertexTo(s, v, s.vertexMoved[v] + move); }
-
 /// visit(attachment) for those of a vertex: they are the last of what acts on it.
 template <class Visit>
 RUBBLE_HD void visitAttachments(const View& s, int v, Visit&& visit) {
@@ -138,7 +130,8 @@ struct PredictVertices {
       const Real size = length(own);
       if (size > p.reach) guess = rigid + own * (p.reach / size);
     }
-    moveVertexTo(s, v, guess);
+    s.vertexMoved[v] = guess;
+    s.vertexPlace[v] += guess;
   }
 };
 
@@ -165,31 +158,22 @@ RUBBLE_HD inline void addTetraCorner(const View& s, const TetraCorner& corner, c
   corner.stamp(s.step, x, start, 0, block);
 }
 
-/// What the elements of the vertices of an attachment do to it.
-struct ElementPull {
-  Vec3 force;      ///< that it must hold them with, sum c_i f_i / sum c_i^2 [N]
-  Real stiffness;  ///< that tetrahedra hold its point with, 1 / sum (c_i^2 / h_i), h_i: of a vertex, a mean of all axes; 0: not all are in solids [N/m]
-};
-RUBBLE_HD RUBBLE_APART inline ElementPull elementPull(const View& s, const Attachment& a) {
+/// Multiplier that an attachment begins with: of one with a stiffness its own load K C; of a hard one what holds its vertices against their elements,
+/// sum c_i f_i / sum c_i^2, so that what was stretched before it was hung up pulls at once.
+RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const View& s, const Attachment& a, const Vec3& gap) {
+  if (a.compliance > Real(0)) return gap / a.compliance;
   Vec3 force{0, 0, 0};
-  Real weight = 0, give = 0;
-  bool inSolids = true;
+  Real weight = 0;
   for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) {
     const int v = a.v[k];
-    if (!isDynamicVertex(s, v)) continue;
     Block3 block;
     for (int i = s.tetraCornerOffset[v]; i < s.tetraCornerOffset[v + 1]; ++i)
       addTetraCorner(s, s.tetraCorner[i], s.cornerStart[i], s.vertexPlace[v], block);
-    const Real own = (block.h.xx + block.h.yy + block.h.zz) / 3;
     for (int i = s.refOffset[v]; i < s.refOffset[v + 1] && pointType(s.ref[i]) != kAttachmentCode; ++i) addElement(s, s.ref[i], block);
-    const Real square = a.weight[k] * a.weight[k];
     force += a.weight[k] * block.f;
-    weight += square;
-    inSolids &= own > Real(0);
-    give += own > Real(0) ? square / own : Real(0);
+    weight += a.weight[k] * a.weight[k];
   }
-  if (!(weight > Real(0)) || !isFinite(force)) return {{0, 0, 0}, 0};
-  return {force / weight, inSolids && give > Real(0) ? 1 / give : Real(0)};
+  return weight > Real(0) && isFinite(force) ? force / weight : Vec3{0, 0, 0};
 }
 
 struct BeginAttachments {
@@ -211,8 +195,7 @@ struct BeginAttachments {
         bodyMass = s.params[a.body].mass;
       }
     }
-    const ElementPull pull = a.compliance > Real(0) ? ElementPull{gap / a.compliance, 0} : elementPull(s, a);
-    a.begin(s.step, gap, lever, bodyMass, pull.force, pull.stiffness);
+    a.begin(s.step, gap, lever, bodyMass, a.isNew() ? newLoad(s, a, gap) : Vec3{0, 0, 0});
   }
 };
 /// `whole`: read so, which takes registers.
@@ -239,7 +222,8 @@ RUBBLE_HD inline void finishVertexBlock(const View& s, int v, const Block3& bloc
     atomicCount(&s.counters->quarantined, 1);
     return;
   }
-  moveVertex(s, v, dx);
+  s.vertexMoved[v] += dx;
+  s.vertexPlace[v] += dx;
 }
 
 /// The primal update of one vertex: force [S 5] and Hessian [S 6] of its inertia, elements and contacts, one Newton step [S 3].

@@ -42,7 +42,7 @@ TEST_P(Silo, HangsOnItsWallsAtFourIterations) {
 INSTANTIATE_TEST_SUITE_P(Fillings, Silo,
                          ::testing::Values(Filling{"Gentle", {{"rise", 0}, {"boxes", 0}, {"layers", 24}, {"across", 5}}},
                                            Filling{"Dropped", {{"rise", .5}, {"boxes", 0}, {"layers", 24}, {"across", 5}}},
-                                           Filling{"DroppedFromHigh", {{"rise", 1.5}, {"boxes", 0}, {"layers", 24}, {"across", 5}}},
+                                           Filling{"DroppedFromHigh", {{"rise", 1.5}, {"boxes", 0}, {"layers", 24}, {"across", 5}}, .2},
                                            Filling{"Mixed", {{"rise", .5}, {"boxes", .5}, {"layers", 24}, {"across", 5}}},
                                            // grains that lie in rings press less on a round wall
                                            Filling{"Round", {{"rise", .5}, {"boxes", 0}, {"layers", 28}, {"across", 6}, {"sides", 12}}, .2}),

@@ -13,25 +13,21 @@ struct Case {
   Vec3 gravity;
   double dt;
   int iterations;
-  std::vector<int> hooks;  ///< vertices that are held where they start, by attachments
 };
 
-enum class Hold { Side, Top, Free, Spinning, Hooks };
+enum class Hold { Side, Top, Free, Spinning };
 
-/// A solid of 2 to 12 cells by up to 3 by up to 4, held, hung on hooks of the world or free, at rest or squashed.
+/// A solid of 2 to 12 cells by up to 3 by up to 4, held or free, at rest or squashed.
 Case randomCase(unsigned seed) {
   Random random(seed);
-  const Hold hold = static_cast<Hold>(random.below(5));
+  const Hold hold = static_cast<Hold>(random.below(4));
   const double cell = random.logUniform(.01, .3);
   const int along = 2 + random.below(11), wide = 1 + random.below(3), high = 1 + random.below(4);
   Case c;
   c.def = softBox({0, 0, 0}, {along * cell, wide * cell, high * cell * random.uniform(.5, 1.5)}, {along, wide, high});
   SoftDef& d = c.def;
-  d.youngsModulus = random.logUniform(1e3, 1e9), d.poissonRatio = random.uniform(0, .45), d.density = random.logUniform(100, 3000);
-  constexpr int kIterations[] = {1, 2, 3, 4, 6, 8, 10, 20, 50};
-  c.dt = 1 / random.logUniform(30, 240), c.iterations = kIterations[random.below(9)];
-  // one iteration is too few for stiffer ones (docs/soft.md, section 7)
-  if (c.iterations == 1) d.youngsModulus = std::min(d.youngsModulus, 1e6);
+  d.youngsModulus = random.logUniform(1e4, 1e8), d.poissonRatio = random.uniform(.1, .45), d.density = random.logUniform(100, 3000);
+  c.dt = 1 / random.logUniform(30, 240), c.iterations = 1 + random.below(20);
   const bool isFree = hold == Hold::Free || hold == Hold::Spinning;
   c.gravity = {0, 0, isFree ? 0. : -10.};
   if (hold == Hold::Spinning) d.angularVelocity = random.vector(6);
@@ -41,8 +37,7 @@ Case randomCase(unsigned seed) {
     const Vec3& x = d.vertices[i];
     if (hold == Hold::Side && x.x == 0) d.fixed.push_back(static_cast<int>(i));
     if (hold == Hold::Top && x.z == top) d.fixed.push_back(static_cast<int>(i));
-    if (hold == Hold::Hooks && x.x == 0) c.hooks.push_back(static_cast<int>(i));
-    d.start.push_back(hold == Hold::Side || hold == Hold::Hooks ? Vec3{squash * x.x, x.y, x.z} : Vec3{x.x, x.y, top + squash * (x.z - top)});
+    d.start.push_back(hold == Hold::Side ? Vec3{squash * x.x, x.y, x.z} : Vec3{x.x, x.y, top + squash * (x.z - top)});
   }
   return c;
 }
@@ -83,13 +78,7 @@ Energies energiesOf(const World& world) {
 double risenBy(const Case& c, double seconds) {
   WorldOptions how = options(c.iterations);
   how.params.dt = c.dt;
-  Scene scene = sceneWith(c.def, c.gravity);
-  for (const int v : c.hooks) {
-    AttachmentDef hook;
-    hook.vertices = {v};
-    scene.attachments.push_back(hook);
-  }
-  World world(scene, how);
+  World world(sceneWith(c.def, c.gravity), how);
   const Energies start = energiesOf(world);
   double size = start.kinetic + start.elastic, risen = 0;
   for (int i = 0; i < seconds / c.dt; ++i) {
@@ -124,8 +113,8 @@ TEST(Energy, SpinOfASquashedBallIsKept) {
 
 TEST(Energy, OfACantileverOfManyCellsNeverGrows) {
   for (const int high : {4, 8})
-    for (const int iterations : {2, 3, 4, 6}) {
-      Case c{softBox({0, 0, 0}, {1, .1, .1}, {40, 2, high}), {0, 0, -10}, 1. / 60, iterations, {}};
+    for (const int iterations : {2, 4, 6}) {
+      Case c{softBox({0, 0, 0}, {1, .1, .1}, {40, 2, high}), {0, 0, -10}, 1. / 60, iterations};
       c.def.youngsModulus = 5e6, c.def.poissonRatio = .3;
       for (std::size_t i = 0; i < c.def.vertices.size(); ++i)
         if (c.def.vertices[i].x == 0) c.def.fixed.push_back(static_cast<int>(i));
