@@ -22,36 +22,26 @@ RUBBLE_HD inline FiniteForce finiteForce(bool compliant, Real stiffness, Real k,
   return {s * (k * error + lambda), s * k};
 }
 
-/// Elements across an object of usual fineness [1]: where nothing weighs, loads stand for what the object bears.
-inline constexpr Real kElementsAcross = 20;
-
-/// Stiffness that follows a load: `perForce` |J|, from multiplier to force; `length` [m] of the row.
-RUBBLE_HD inline Real followedStiffness(const StepConstants& c, Real lambda, Real perForce, Real length) {
-  const Real a = perForce * loadAcceleration(c, kElementsAcross * length);
-  return a > Real(0) ? std::fabs(lambda) / a * c.inverseDt * c.inverseDt : Real(0);
-}
-
 /// What a row starts a step with.
 struct FiniteStart {
   Real k, lambda, c0;
 };
 /// `unit`: m / (dt^2 |J|^2) of the row; `perForce`: |J|, from multiplier to force; `error`: C(x^t); `k`, `lambda` of the step before, k = 0
-/// before the first. `length`: the elongation that C = 1 stands for, or that of the row at rest [m].
-RUBBLE_HD inline FiniteStart beginFiniteRow(const StepConstants& c, Real stiffness, Real unit, Real perForce, Real error, Real k, Real lambda,
-                                          Real length) {
+/// before the first.
+RUBBLE_HD inline FiniteStart beginFiniteRow(const StepConstants& c, Real stiffness, Real unit, Real perForce, Real error, Real k, Real lambda) {
   const Real start = c.startStiffness * unit;
   if (!c.compliantRows) return {min(stiffness, max(k * c.gamma * c.stiffnessRescale, start)), 0, 0};
   const bool isNew = !(k > Real(0));
   const Real c0 = isNew ? Real(0) : c.alpha * (error - lambda / stiffness);
   lambda = isNew ? stiffness * error : c.alpha * c.gamma * lambda;
-  return {max(start, followedStiffness(c, lambda, perForce, length)), lambda, c0};
+  return {max(start, std::fabs(lambda) / (perForce * c.loadAcceleration) * c.inverseDt * c.inverseDt), lambda, c0};
 }
 
-/// k after an iteration.
+/// k after an iteration. `length`: the elongation that C = 1 stands for [m].
 RUBBLE_HD inline Real grownFiniteRow(const StepConstants& c, Real stiffness, Real unit, Real perForce, Real error, Real k, Real lambda,
                                      Real length) {
   if (c.compliantRows)
-    return max(c.startStiffness * unit, followedStiffness(c, lambda, perForce, length));
+    return max(c.startStiffness * unit, std::fabs(lambda) / (perForce * c.loadAcceleration) * c.inverseDt * c.inverseDt);
   const Real beta = c.literalBeta ? c.jointRampRate : c.jointRampRate * unit / length;
   return min(stiffness, k + beta * std::fabs(error));
 }

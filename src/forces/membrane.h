@@ -58,8 +58,7 @@ struct Membrane {
     strains(deformation(x), error);
     for (int i = 0; i < kRows; ++i) {
       row[i] = dampedRow(stiffness[i > 0], damper * c.inverseDt, error[i]);
-      const FiniteStart start = beginFiniteRow(c, row[i].stiffness, unit(c), largest, error[i] - row[i].shift, k[i], lambda[i],
-                                            Real(1) / largest);
+      const FiniteStart start = beginFiniteRow(c, row[i].stiffness, unit(c), largest, error[i] - row[i].shift, k[i], lambda[i]);
       k[i] = start.k, lambda[i] = start.lambda, c0[i] = start.c0;
     }
   }

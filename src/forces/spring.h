@@ -34,7 +34,7 @@ struct Spring {
   RUBBLE_HD void begin(const StepConstants& c, const Vec3 (&x)[kCorners]) {
     const Real error = elongation(x);
     row = dampedRow(stiffness, damping * c.inverseDt, error);
-    const FiniteStart start = beginFiniteRow(c, row.stiffness, unit(c), Real(1), error - row.shift, k, lambda, restLength);
+    const FiniteStart start = beginFiniteRow(c, row.stiffness, unit(c), Real(1), error - row.shift, k, lambda);
     k = start.k, lambda = start.lambda, c0 = start.c0;
   }
   RUBBLE_HD Real error(const Vec3 (&x)[kCorners]) const { return elongation(x) - row.shift - c0; }

@@ -15,7 +15,9 @@ inline constexpr Real kMaxMultiplier = 500, kContactShare = Real(.2);
 /// Ceiling of |lambda| of a contact that closes at speed v, in m v / dt of its heavier body, if that is more [1]: what stops the body within the step,
 /// and some. Iterates overshoot the load of an impact, so a higher one would let heaps explode.
 inline constexpr Real kMostImpacts = 10;
-/// Acceleration that a load stands for where nothing weighs, in L / dt^2 [1]: that of the Earth for 1 m at 60 Hz.
+/// Acceleration that a load stands for where nothing weighs [m/s2].
+inline constexpr double kEarthGravity = 9.81;
+/// Acceleration by which bodies are judged to be still there, in L / dt^2 [1]: that of the Earth for 1 m at 60 Hz.
 inline constexpr double kWeightlessShare = 2.725e-3;
 /// An impact closes faster than all of these: a share of sqrt(g L), the speed of a fall over L / 22 ...
 inline constexpr Real kImpactShare = Real(.3);
@@ -48,8 +50,7 @@ struct StepConstants {
   Real maxStiffness;     ///< k_max dt^2 / m_row [1]
   StiffnessPolicy contactPolicy, jointPolicy;
   Real gravitySize;      ///< g [m/s2]
-  Real loadAcceleration; ///< a: a load stands for the mass |lambda| / a; 0 where nothing weighs [m/s2]
-  Real weightlessLoad;   ///< a / L there, else 0 [1/s2]
+  Real loadAcceleration; ///< a: a load stands for the mass |lambda| / a [m/s2]
   Real maxMultiplier;    ///< lambda_max [N]
   bool coneHessian, dormantRows, impactRule, compliantRows, literalRotations, coarseCorrection, jointTrees;
   Real acceleration;     ///< rho of the sweeps over solids [1]
@@ -61,9 +62,6 @@ struct StepConstants {
   Real sleepDelay;       ///< [s]
   Real stiffnessRescale; ///< (dt of the last step / dt)^2 [1]
 };
-
-/// The acceleration whose loads rows of length L [m] are likely to bear. [m/s2]
-RUBBLE_HD inline Real loadAcceleration(const StepConstants& c, Real length) { return c.loadAcceleration + c.weightlessLoad * length; }
 
 /// Closing speed above which a contact of length L [m] counts as an impact: its multipliers are not warm-started,
 /// restitution acts. Contacts at rest

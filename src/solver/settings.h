@@ -30,8 +30,7 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.jointPolicy = t.jointPolicy;
   const double g = length(gravity);
   c.gravitySize = static_cast<Real>(g);
-  c.loadAcceleration = static_cast<Real>(t.loadAcceleration * g);
-  c.weightlessLoad = g > 0 ? Real(0) : static_cast<Real>(t.loadAcceleration * kWeightlessShare / (dt * dt));
+  c.loadAcceleration = static_cast<Real>(t.loadAcceleration * (g > 0 ? g : kEarthGravity));
   c.up = g > 0 ? Vec3(gravity * (-1 / g)) : Vec3{0, 0, 0};
   c.maxMultiplier = static_cast<Real>(std::min(1e30, static_cast<double>(kMaxMultiplier) * maxMassLength / (dt * dt)));
   c.coneHessian = t.coneHessian;

@@ -27,7 +27,7 @@ using StiffnessRule = StiffnessRuleT<Real>;
 RUBBLE_HD inline StiffnessRule stiffnessRule(const StepConstants& c, StiffnessPolicy policy, Real rampRate, Real start, Real length) {
   const Real unit = start / c.startStiffness;
   return {policy, start, c.maxStiffness * unit, c.literalBeta ? rampRate : rampRate * unit / length,
-          c.inverseDt * c.inverseDt / loadAcceleration(c, length)};
+          c.inverseDt * c.inverseDt / c.loadAcceleration};
 }
 RUBBLE_HD inline StiffnessRule contactRule(const StepConstants& c, Real start, Real length) {
   return stiffnessRule(c, c.contactPolicy, c.contactRampRate, start, length);

@@ -142,8 +142,8 @@ inline constexpr Real kImpactMasses = 100;
 
 /// The mass that a load stands for over dt^2, for each newton: a weight |lambda| stands for |lambda| / a, what ends a speed in the step for up to kImpactMasses
 /// |lambda| dt / speed. [1/m]
-RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real length, Real speed) {
-  return c.inverseDt / max(loadAcceleration(c, length) * c.dt, speed / kImpactMasses);
+RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed) {
+  return c.inverseDt / max(c.loadAcceleration * c.dt, speed / kImpactMasses);
 }
 
 /// Begins the rows of manifold i: everything but its points. `r` is all zeros.
@@ -174,7 +174,7 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   p.heavier = startStiffness(c, max(pa.mass, pb.mass));
   p.settling = relativeSettling(s, o.a, o.b);
   p.normal = contactRule(c, r.start, r.length);
-  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, r.length, max(fastestPoint(s, m, p, r.n, r.length), agitationOf(s, o.a, o.b)));
+  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, max(fastestPoint(s, m, p, r.n, r.length), agitationOf(s, o.a, o.b)));
   p.tangent = tangentRule(c, p.normal);
   return p;
 }

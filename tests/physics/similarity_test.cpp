@@ -187,17 +187,6 @@ Scene ragdoll() {
   return scene;
 }
 
-Scene weightlessImpacts() {
-  Scene scene = test::emptyScene({0, 0, 0});
-  for (int i = 0; i < 12; ++i) {
-    scene.bodies.push_back(test::body(i % 2 ? Shape::sphere(.25) : Shape::box({.25, .25, .25}),
-                                      {.75 * (i % 4), .75 * (i / 4), .1 * (i % 3)}));
-    scene.bodies.back().velocity = {2. * ((i * 7) % 5 - 2), 1. * ((i * 3) % 5 - 2), 0};
-    scene.bodies.back().material.restitution = .25 * (i % 5);
-  }
-  return scene;
-}
-
 const Sample kSamples[] = {{"tower", [] { return test::tower(8); }, 200},
                            {"dominoes", dominoes, 200},
                            {"smashed pile", smashedPile, 200},
@@ -207,8 +196,7 @@ const Sample kSamples[] = {{"tower", [] { return test::tower(8); }, 200},
                            {"slide", slide, 100},
                            {"soft drop", softDrop, 100},
                            {"bullet", bulletAtPlate, 100},
-                           {"ragdoll", ragdoll, 150},
-                           {"weightless", weightlessImpacts, 100}};
+                           {"ragdoll", ragdoll, 150}};
 
 /// Powers of four scale every number of a step exactly, so that motions that would part by chaos agree too.
 TEST(Similarity, OfLengthsHoldsOverSixOrders) {
