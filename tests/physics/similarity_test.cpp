@@ -146,15 +146,6 @@ Scene slide() {
   return scene;
 }
 
-Scene softDrop() {
-  Scene scene = test::emptyScene();
-  scene.bodies.push_back(test::ground());
-  SoftDef ball = softBall({0, 0, 1}, .5, 4);
-  ball.youngsModulus = 1e5;
-  scene.deformables.push_back(ball);
-  return scene;
-}
-
 Scene bulletAtPlate() {
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::ground());
@@ -194,7 +185,6 @@ const Sample kSamples[] = {{"tower", [] { return test::tower(8); }, 200},
                            {"chain", chain, 200},
                            {"pendulum with limits", pendulumWithLimits, 200},
                            {"slide", slide, 100},
-                           {"soft drop", softDrop, 100},
                            {"bullet", bulletAtPlate, 100},
                            {"ragdoll", ragdoll, 150}};
 
