@@ -291,6 +291,7 @@ RUBBLE_HD inline Meeting meetingBeyond(const Placed& a, const Way& wayA, const P
                                        double allowed, double more) {
   constexpr int kMostSteps = 128;
   constexpr double kMostTurn = .1;    // of n in a step of the search [rad]: bounds of speeds along it are those at its beginning
+  constexpr double kSameSide = 1;     // apart along an n that has turned further [rad], they may be so on the other side
   const double start = gapAlong(a, b, n);
   allowed = max(allowed, more - start);
   const double reached = allowed - more / 4;
@@ -298,7 +299,8 @@ RUBBLE_HD inline Meeting meetingBeyond(const Placed& a, const Way& wayA, const P
   const Placed endA = movedBy(a, wayA, 1), endB = movedBy(b, wayB, 1);
   Vec3d local = rotateInverse(own.q, n);
   Meeting m{kNeverMet, {start, {}, {}, n}};
-  if (gapAlong(endA, endB, rotate((turnsWithB ? endB : endA).q, local)) >= -allowed) return m;
+  const bool sameSide = length((turnsWithB ? wayB : wayA).turn) <= kSameSide;
+  if (sameSide && gapAlong(endA, endB, rotate((turnsWithB ? endB : endA).q, local)) >= -allowed) return m;
 
   const double spin = max(length(wayA.turn), length(wayB.turn)), turnStep = spin > 0 ? kMostTurn / spin : 1;
   m.fraction = 0;

@@ -12,6 +12,14 @@ RUBBLE_HD inline Real keptBy(Real damping, Real dt, Vec3& v) {
   return -std::expm1(-damping * dt) / (damping * dt);
 }
 
+/// Keeps a spin below what a step can tell.
+RUBBLE_HD inline bool limitSpin(Vec3& w, Real dt) {
+  const Real turn = length(w) * dt;
+  if (!(turn > kMaxSpinPerStep)) return false;
+  w *= kMaxSpinPerStep / turn;
+  return true;
+}
+
 /// Inertial target y [S 2], mass matrix [S 8] and initial guess of every body.
 struct PredictBodies {
   static constexpr const char* kName = "predict";
@@ -36,6 +44,7 @@ struct PredictBodies {
       gravity *= kept, push *= kept;
     }
     if (extras.angularDamping > Real(0)) torque *= keptBy(extras.angularDamping, c.dt, w);
+    limitSpin(w, c.dt);
     v = unlocked(v, extras.locks), gravity = unlocked(gravity, extras.locks), push = unlocked(push, extras.locks);
     Vec3 w1 = w;
     if (!c.literalRotations) {
@@ -305,13 +314,6 @@ struct BodyEnd {
   Vec3 v, w;     ///< [m/s], [rad/s]
   bool limited;  ///< the spin is at its ceiling
 };
-/// Keeps a spin below what a step can tell.
-RUBBLE_HD inline bool limitSpin(Vec3& w, Real dt) {
-  const Real turn = length(w) * dt;
-  if (!(turn > kMaxSpinPerStep)) return false;
-  w *= kMaxSpinPerStep / turn;
-  return true;
-}
 RUBBLE_HD inline BodyEnd endOf(const View& s, int i) {
   const StepConstants& c = s.step;
   const Displacement& d = s.moved[i];

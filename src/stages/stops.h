@@ -34,7 +34,7 @@ struct FindFast {
     const Displacement& d = s.moved[i];
     // the turn moves no point further than the way around
     const Real way2 = dot(d.dp, d.dp), turn = length(d.dw) * (p.radius - p.shape.radius), inner = innerRadiusOf(s.shapeTables(), p.shape);
-    if (!(way2 > Real(0)) || (std::sqrt(way2) + turn <= inner && s.fast[i] == 0)) return;
+    if (!(way2 > Real(0)) || (std::sqrt(way2) + turn <= kHeldInSurface * inner && s.fast[i] == 0)) return;
     s.fast[i] = 1;
     atomicRaise(&s.counters->swept, s.counters->pairs);
   }
