@@ -77,6 +77,7 @@ struct ActBounces {
       act(s, r, bounce, a, b);
     bounce.state |= kBounceActed;
     if (!isFinite(a.v) || !isFinite(a.w) || !isFinite(b.v) || !isFinite(b.w)) return;
+    limitSpin(a.w, s.step.dt), limitSpin(b.w, s.step.dt);
     if (isDynamic(s, r.a)) s.velocity[r.a] = a.v, s.spin[r.a] = a.w;
     if (isDynamic(s, r.b)) s.velocity[r.b] = b.v, s.spin[r.b] = b.w;
   }
