@@ -85,10 +85,13 @@ RUBBLE_HD inline bool hasRows(const Manifold* m) { return m && m->count > 0 && m
 RUBBLE_HD inline Meeting meetingOfPair(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, const Manifold* m, Real thin, bool bothMove,
                                        double tolerance) {
   const double allowed = static_cast<double>(kHeldDepth * thin), more = static_cast<double>((bothMove ? kDeeperYet : kDeeperYetAtRest) * thin);
-  if (hasRows(m)) return meetingBeyond(a, wayA, b, wayB, Vec3d(m->normal), m->normalOnB, allowed, more);
+  const auto beyond = [&](const Vec3d& n, bool turnsWithB) { return meetingBeyond(a, wayA, b, wayB, n, turnsWithB, allowed, more); };
+  if (hasRows(m)) return beyond(Vec3d(m->normal), m->normalOnB);
   const Meeting first = meeting(a, wayA, b, wayB, tolerance);
   if (first.fraction > 0) return first;
-  return first.at.n == Vec3d{} ? Meeting{kNeverMet, first.at} : meetingBeyond(a, wayA, b, wayB, first.at.n, false, allowed, more);
+  if (first.at.n != Vec3d{}) return beyond(first.at.n, false);
+  // in one another, and parting at x^t: a turn may take them further in
+  return m && m->count > 0 ? beyond(Vec3d(m->normal), m->normalOnB) : Meeting{kNeverMet, first.at};
 }
 
 /// Which of two bodies stops where they meet: the fast one, and of a moved and a free one the free one.
