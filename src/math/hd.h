@@ -121,6 +121,15 @@ RUBBLE_HD inline int atomicCount(int* p, int a) {
 #endif
 }
 
+/// *p += a, of whole numbers: in any order the sum is the same.
+RUBBLE_HD inline void atomicSum(std::int64_t* p, std::int64_t a) {
+#if defined(__CUDA_ARCH__)
+  atomicAdd(reinterpret_cast<unsigned long long*>(p), static_cast<unsigned long long>(a));
+#else
+  std::atomic_ref<std::int64_t>(*p).fetch_add(a, std::memory_order_relaxed);
+#endif
+}
+
 /// *p = max(*p, a)
 RUBBLE_HD inline void atomicRaise(int* p, int a) {
 #if defined(__CUDA_ARCH__)

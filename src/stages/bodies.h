@@ -1,5 +1,6 @@
 #pragma once
 /// Begin and end of a body's step, and its primal update.
+#include "stages/far_turns.h"
 #include "stages/rolling.h"
 #include "stages/soft_rows.h"
 #include "stages/stops.h"
@@ -350,7 +351,9 @@ struct FinishBodies {
       s.orientation[i] = normalize(s.turned[i] * s.orientation[i]);
       return;
     }
-    const BodyEnd end = endOf(s, i);
+    BodyEnd end = endOf(s, i);
+    const Real kept = keptMotion(s, i, end.q, end.v, end.w);
+    end.v *= kept, end.w *= kept;
     if (!isFinite(end.v) || !isFinite(end.w)) {
       atomicCount(&s.counters->quarantined, 1);
       s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};

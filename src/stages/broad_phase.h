@@ -140,6 +140,13 @@ RUBBLE_HD inline RowOfCells rowOfCells(const View& s, int level, int x0, int x1,
   return {s.bucketOffset[bucket], s.bucketOffset[bucket + here], here < cells ? s.bucketOffset[cells - here] : 0};
 }
 
+/// Do two boxes, of Bounds or of the grid, touch?
+template <class A, class B>
+RUBBLE_HD bool boundsTouch(const A& a, const B& b) {
+  return !(std::fabs(a.centre.x - b.centre.x) > a.half.x + b.half.x) && !(std::fabs(a.centre.y - b.centre.y) > a.half.y + b.half.y) &&
+         !(std::fabs(a.centre.z - b.centre.z) > a.half.z + b.half.z);
+}
+
 /// Which bodies of its own level a body looks for: those of a higher number, or those in cells behind its own, row by row, and of a higher number in
 /// its own cell. In either way one of two finds the other; the latter takes half as many cells.
 enum class Ahead { InNumber, InPlace };
@@ -148,10 +155,7 @@ enum class Ahead { InNumber, InPlace };
 template <Ahead kAhead, class Found>
 RUBBLE_HD void searchLevel(const View& s, int i, const Bounds& b, int level, Found&& found, int lane, int lanes) {
   const bool own = level == b.level;
-  const auto touches = [&](const GridEntry& e) {
-    return !(std::fabs(e.centre.x - b.centre.x) > e.half.x + b.half.x) && !(std::fabs(e.centre.y - b.centre.y) > e.half.y + b.half.y) &&
-           !(std::fabs(e.centre.z - b.centre.z) > e.half.z + b.half.z);
-  };
+  const auto touches = [&](const GridEntry& e) { return boundsTouch(e, b); };
   const auto tryEntry = [&](const GridEntry& e) {
     if ((!own || e.body > i) && touches(e)) found(e.body);
   };
@@ -201,6 +205,24 @@ RUBBLE_HD void searchLevel(const View& s, int i, const Bounds& b, int level, Fou
   }
 }
 
+/// found(plane) for the planes that a box touches: for number `lane` of `lanes`.
+template <class Found>
+RUBBLE_HD void searchPlanes(const View& s, const Bounds& b, Found&& found, int lane = 0, int lanes = 1) {
+  for (int k = lane; k < s.planes; k += lanes) {
+    const int plane = s.planeBody[k];
+    const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
+    const Real height = dot(up, b.centre - Vec3(s.position[plane]));
+    if (height <= dot(abs(up), b.half)) found(plane);
+  }
+}
+/// found(other) for all bodies whose bounds a box touches that is in no level: body i on a way that its own do not hold.
+template <class Found>
+RUBBLE_HD void searchWay(const View& s, int i, const Bounds& way, Found&& found) {
+  for (int level = 0; level < kGridLevels; ++level)
+    if (s.counters->levelCount[level] > 0) searchLevel<Ahead::InNumber>(s, i, way, level, found, 0, 1);
+  searchPlanes(s, way, found);
+}
+
 /// found(other, other owns the pair) for the bodies whose bounds touch those of body i: in its own level those ahead of it, in coarser ones all. Of
 /// several that search for one body each takes its part: number `lane` of `lanes`.
 template <Ahead kAhead, class Found>
@@ -210,12 +232,7 @@ RUBBLE_HD void searchBounds(const View& s, int i, Found&& found, int lane = 0, i
   const Bounds& b = s.bounds[i];
   for (int level = b.level; level < kGridLevels; ++level)
     searchLevel<kAhead>(s, i, b, level, [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
-  for (int k = lane; k < s.planes; k += lanes) {
-    const int plane = s.planeBody[k];
-    const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
-    const Real height = dot(up, b.centre - Vec3(s.position[plane]));
-    if (height <= dot(abs(up), b.half)) found(plane, false);
-  }
+  searchPlanes(s, b, [&](int plane) { found(plane, false); }, lane, lanes);
 }
 /// found(other) for the partners of body i: whose bounds touch, and that may collide with it. It owns its pairs with them.
 template <class Found>

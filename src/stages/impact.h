@@ -26,7 +26,9 @@ struct Mobility {
 RUBBLE_HD inline Mobility mobility(const View& s, int body) {
   if (!isDynamic(s, body)) return {0, {}, 0, false};
   const BodyTarget& t = s.target[body];
-  Mobility m{Real(1) / t.mass.mass, t.mass.inertia, t.locks, true};
+  // at the orientation that it has: one that has turned since x^t would gain energy with the inertia of that time
+  const Sym3 inertia = rotateDiagonal(s.orientation[body], s.params[body].inertia);
+  Mobility m{Real(1) / t.mass.mass, inertia, t.locks, true};
   const auto keep = [&](int axis) { return (m.locks >> (3 + axis) & 1) == 0; };
   if (!keep(0) || !keep(1)) m.inertia.xy = 0;
   if (!keep(0) || !keep(2)) m.inertia.xz = 0;

@@ -16,8 +16,10 @@
 /// repair too, the motion of its bodies against that of a rigid whole is reduced to what is left for it.
 /// Such a motion has no momenta, and no joint sees it reduced.
 ///
-/// Bodies of the coarsest group (groups.h) are connected already, so few rows are left to unite. Sums go by
-/// group and then by number.
+/// Bodies of the coarsest group (groups.h) are connected already, so few rows are left to unite. Sums are of
+/// whole numbers, so that their order does not matter: each term in units of 2^-40 of the largest of its kind.
+#include <limits>
+
 #include "stages/coarse.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -59,7 +61,6 @@ RUBBLE_HD inline int bondsOf(const View& s, const Entry& entry) {
 struct JoinMomentumIslands {
   static constexpr const char* kName = "momentum";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    s.islandFirst[i] = -1;
     if (!isDynamic(s, i)) {
       s.islandBonds[i] = kHeld;
       return;
@@ -75,64 +76,42 @@ struct JoinMomentumIslands {
   }
 };
 
-/// The coarsest group of a body, -1: none.
-RUBBLE_HD inline int coarsestGroup(const View& s, int i) {
-  return s.step.coarseCorrection ? s.groupOf[atLevel(s, kCoarseLevels - 1, i)] : -1;
-}
-
-/// Puts `i` on the list that begins at `first`, in no order.
-RUBBLE_HD inline void pushOnList(int* first, int* next, int i) {
-  for (int old = *first;;) {
-    next[i] = old;
-    const int seen = atomicClaim(first, old, i);
-    if (seen == old) return;
-    old = seen;
-  }
-}
-
-/// What an island consists of: coarsest groups, each by its first member, and bodies that are in none.
-struct ListIslandParts {
+/// The island of each body, and what rows do with it.
+struct FindMomentumIslands {
   static constexpr const char* kName = "momentum";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const int root = findLeader(islandForest(s), i);
     s.rowIsland[i] = root;
-    if (!isDynamic(s, i)) return;
-    if (s.islandBonds[i] != 0 && root != i) atomicSet(&s.islandBonds[root], s.islandBonds[i]);
-    const int group = coarsestGroup(s, i);
-    const bool isPart =
-        group >= 0 ? s.member[s.memberOffset[group]] == i : s.entryOffset[i + 1] > s.entryOffset[i];
-    if (isPart) pushOnList(&s.islandFirst[root], s.islandNext, i);
+    if (s.islandBonds[i] != 0 && root != i && isDynamic(s, i)) atomicSet(&s.islandBonds[root], s.islandBonds[i]);
   }
 };
 
-/// Sorts a list by number: merges runs of doubled length. Returns its first element.
-RUBBLE_HD inline int sortList(int* next, int first) {
-  for (int run = 1;; run *= 2) {
-    int left = first, tail = -1, merges = 0;
-    for (; left >= 0; ++merges) {
-      int right = left, leftSize = 0, rightSize = run;
-      for (; leftSize < run && right >= 0; ++leftSize) right = next[right];
-      while (leftSize > 0 || (rightSize > 0 && right >= 0)) {
-        const bool takesLeft = leftSize > 0 && (rightSize == 0 || right < 0 || left < right);
-        int& from = takesLeft ? left : right;
-        --(takesLeft ? leftSize : rightSize);
-        if (tail < 0)
-          first = from;
-        else
-          next[tail] = from;
-        tail = from;
-        from = next[from];
-      }
-      left = right;
-    }
-    next[tail] = -1;
-    if (merges <= 1) return first;
+/// Islands that nothing holds: their leaders have a place, all others -1.
+struct NumberFreeIslands {
+  static constexpr const char* kName = "momentum";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const bool leads = s.rowIsland[i] == i && (s.islandBonds[i] & kHeld) == 0;
+    const bool isFree = leads && s.entryOffset[i + 1] > s.entryOffset[i];
+    s.islandSlot[i] = isFree ? atomicCount(&s.counters->freeIslands, 1) : -1;
   }
+};
+struct BeginFreeIslands {
+  static constexpr const char* kName = "momentum";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.counters->freeIslands == 0 || s.islandSlot[i] < 0) return;
+    IslandSums sums{};
+    sums.root = i;
+    s.islandSums[s.islandSlot[i]] = sums;
+  }
+};
+/// The place of the island of a body, -1: something holds it, or it has no rows.
+RUBBLE_HD inline int freeIslandOf(const View& s, int i) {
+  return s.counters->freeIslands > 0 && isDynamic(s, i) ? s.islandSlot[s.rowIsland[i]] : -1;
 }
 
-/// Adds a body to the sums of its island. Places and velocities are those against where the leader is, and
+/// What a body adds to the sums of its island. Places and velocities are those against where the leader is, and
 /// how it would go.
-RUBBLE_HD inline void addMomenta(const View& s, int root, int i, MomentumSums& sum) {
+RUBBLE_HD inline MomentumSums momentaOf(const View& s, int root, int i) {
   const BodyTarget& target = s.target[i];
   const bool stopped = s.stopBits[i] != 0;
   const Vec3 principal = s.params[i].inertia, way = stopped ? s.stopped[i].dp : s.moved[i].dp;
@@ -147,36 +126,54 @@ RUBBLE_HD inline void addMomenta(const View& s, int root, int i, MomentumSums& s
   const Vec3 after(s.position[i] - s.position[root]), before = after - way, given = m * (v - freeVelocity);
   const Vec3 spin = angularMomentum(q, w, principal, s.step.dt);
   const Sym3 inertia = rotateDiagonal(q, principal);
-  sum.mass += m;
-  sum.place += m * after;
-  sum.givenLinear += given;
-  sum.givenAngular += cross(before, given) + m * cross(way, v + frame) +
-                      (spin - freeMomentum(start, freeSpin, principal, s.step.dt));
-  sum.linear += m * v;
-  sum.angular += m * cross(after, v) + spin;
-  sum.inertia += inertia;
-  addPointInertia(sum.inertia, after, m);
-  sum.freeEnergy +=
+  MomentumSums own;
+  own.mass = m;
+  own.place = m * after;
+  own.givenLinear = given;
+  own.givenAngular = cross(before, given) + m * cross(way, v + frame) +
+                     (spin - freeMomentum(start, freeSpin, principal, s.step.dt));
+  own.linear = m * v;
+  own.angular = m * cross(after, v) + spin;
+  own.inertia = inertia;
+  addPointInertia(own.inertia, after, m);
+  own.freeEnergy =
       Real(.5) * (m * dot(freeVelocity, freeVelocity) + dot(freeSpin, target.mass.inertia * freeSpin));
-  sum.energy += Real(.5) * (m * dot(v, v) + dot(w, inertia * w));
+  own.energy = Real(.5) * (m * dot(v, v) + dot(w, inertia * w));
+  return own;
 }
 
-/// Sums of the coarsest groups, a chunk each.
+/// The largest terms of each island.
+struct MeasureMomenta {
+  static constexpr const char* kName = "momentum";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const int slot = freeIslandOf(s, i);
+    if (slot < 0) return;
+    MomentumSums own = momentaOf(s, s.rowIsland[i], i);
+    int* largest = s.islandSums[slot].largest;
+    forEachTerm(own, [&](Real& term) {
+      const int bits = floatBits(std::fabs(term));
+      if (bits > *largest) atomicRaise(largest, bits);
+      ++largest;
+    });
+  }
+};
 struct SumMomenta {
   static constexpr const char* kName = "momentum";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const Chunk& chunk = s.chunk[i];
-    const int first = s.member[s.memberOffset[chunk.group]];
-    if (first >= s.bodies || (s.islandBonds[s.rowIsland[first]] & kHeld) != 0) return;
-    MomentumSums sum{};
-    for (int k = chunk.begin; k < chunk.end; ++k)
-      if (s.member[k] < s.bodies) addMomenta(s, s.rowIsland[first], s.member[k], sum);
-    s.chunkMomenta[i] = sum;
+    const int slot = freeIslandOf(s, i);
+    if (slot < 0) return;
+    MomentumSums own = momentaOf(s, s.rowIsland[i], i);
+    IslandSums& sums = s.islandSums[slot];
+    int k = 0;
+    forEachTerm(own, [&](Real& term) {
+      if (term != Real(0) && sums.isKnown(k)) atomicSum(&sums.sum[k], std::llrint(std::ldexp(static_cast<double>(term), sums.shift(k))));
+      ++k;
+    });
   }
 };
 
 /// Energies that differ by less than this share are the same [1].
-inline constexpr Real kSameEnergy = sizeof(Real) == 8 ? Real(1e-14) : Real(2e-6);
+inline constexpr Real kSameEnergy = sizeof(Real) == 8 ? Real(1e-11) : Real(2e-6);
 
 /// The rigid motion that gives an island its momenta back. `origin` of the sums.
 RUBBLE_HD inline IslandRepair repairOf(const MomentumSums& sum, const Vec3d& origin, int bonds) {
@@ -202,29 +199,19 @@ RUBBLE_HD inline IslandRepair repairOf(const MomentumSums& sum, const Vec3d& ori
   return r;
 }
 
-/// Islands of more parts, bodies near one another in a cloud of debris, keep what the sweeps leave: one thread adds them up.
-inline constexpr int kMostIslandParts = 16;
-
 /// Sums of an island that nothing holds, and what it is short of.
 struct RepairIslands {
   static constexpr const char* kName = "momentum";
-  RUBBLE_HD void operator()(const View& s, int root) const {
-    if (s.islandFirst[root] < 0 || (s.islandBonds[root] & kHeld) != 0) return;
-    s.islandRepair[root].acts = 0;
-    int parts = 0;
-    for (int i = s.islandFirst[root]; i >= 0 && parts <= kMostIslandParts; i = s.islandNext[i]) ++parts;
-    if (parts > kMostIslandParts) return;
-    const int first = sortList(s.islandNext, s.islandFirst[root]);
-    MomentumSums sum{};
-    for (int i = first; i >= 0; i = s.islandNext[i]) {
-      const int group = coarsestGroup(s, i);
-      if (group < 0) {
-        addMomenta(s, root, i, sum);
-        continue;
-      }
-      for (int k = s.group[group].chunkBegin; k < s.group[group].chunkEnd; ++k) sum += s.chunkMomenta[k];
-    }
-    s.islandRepair[root] = repairOf(sum, s.position[root], s.islandBonds[root]);
+  RUBBLE_HD void operator()(const View& s, int slot) const {
+    const IslandSums& sums = s.islandSums[slot];
+    MomentumSums sum;
+    int k = 0;
+    forEachTerm(sum, [&](Real& term) {
+      const double units = sums.isKnown(k) ? static_cast<double>(sums.sum[k]) : std::numeric_limits<double>::quiet_NaN();
+      term = static_cast<Real>(std::ldexp(units, -sums.shift(k)));
+      ++k;
+    });
+    s.islandRepair[slot] = repairOf(sum, s.position[sums.root], s.islandBonds[sums.root]);
   }
 };
 
@@ -232,9 +219,10 @@ struct RepairIslands {
 struct RepairBodies {
   static constexpr const char* kName = "momentum";
   RUBBLE_HD void operator()(const View& s, int i) const {
+    const int slot = freeIslandOf(s, i);
+    if (slot < 0 || !s.islandRepair[slot].acts) return;
+    const IslandRepair& r = s.islandRepair[slot];
     const int root = s.rowIsland[i];
-    if ((s.islandBonds[root] & kHeld) != 0 || s.islandFirst[root] < 0 || !s.islandRepair[root].acts) return;
-    const IslandRepair& r = s.islandRepair[root];
     const Vec3 principal = s.params[i].inertia, spin = s.spin[i];
     const Quat q = s.orientation[i];
     const Sym3 inertia = rotateDiagonal(q, principal);

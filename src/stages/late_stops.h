@@ -1,22 +1,30 @@
 #pragma once
 /// Stops of bodies that go where the broad phase did not look: boxes are swept by the velocities before the step, and an impact or the pull of a joint
 /// may make a body fast within it. Its way is checked against all bodies along it with which it makes no pair.
-#include "stages/grid_walk.h"
+#include "stages/broad_phase.h"
 #include "stages/rare_stops.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Does the way of a body lead out of the box that the broad phase gave it?
-RUBBLE_HD inline bool leavesBounds(const View& s, int i) {
+/// The box that a body takes up on its way.
+RUBBLE_HD inline Bounds boundsOfWay(const View& s, int i) {
   const BodyParams& p = s.params[i];
-  const Bounds& b = s.bounds[i];
   const Displacement& d = s.moved[i];
   const Real turn = min(length(d.dw), Real(1)) * p.radius;
-  const Vec3 half = boundingHalf(p.shape, s.orientation[i]) + Real(.5) * abs(d.dp) + Vec3{turn, turn, turn};
-  const Vec3 away = abs(Vec3(s.position[i]) + Real(.5) * d.dp - b.centre);
-  const Real slack = ownMargin(s, p);
-  return away.x + half.x > b.half.x + slack || away.y + half.y > b.half.y + slack ||
-         away.z + half.z > b.half.z + slack;
+  Bounds b{};
+  b.centre = Vec3(s.position[i]) + Real(.5) * d.dp;
+  b.half = boundingHalf(p.shape, s.orientation[i]) + Real(.5) * abs(d.dp) + Vec3{turn, turn, turn};
+  b.level = -1;
+  return b;
+}
+
+/// Does the way of a body lead out of the box that the broad phase gave it, by more than bodies may be left in one another?
+RUBBLE_HD inline bool leavesBounds(const View& s, int i, const Bounds& way) {
+  const BodyParams& p = s.params[i];
+  const Bounds& b = s.bounds[i];
+  const Vec3 out = abs(way.centre - b.centre) + way.half - b.half;
+  const Real slack = max(ownMargin(s, p), kHeldDepth * innerRadiusOf(s.shapeTables(), p.shape));
+  return out.x > slack || out.y > slack || out.z > slack;
 }
 
 /// Do part `part` of a body and a part of another make a pair in this step? Against a surface, whatever the slot.
@@ -67,16 +75,13 @@ RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way
 struct FindLateStops {
   static constexpr const char* kName = "stops";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (s.counters->swept == 0 || s.fast[i] == 0 || s.params[i].kind != BodyKind::Dynamic || isSensor(s, i) ||
-        !leavesBounds(s, i))
-      return;
-    const BodyParams& p = s.params[i];
-    const Displacement& d = s.moved[i];
-    const Real turn = min(length(d.dw), Real(1)) * p.radius;
-    const Vec3 half = boundingHalf(p.shape, s.orientation[i]) + Vec3{turn, turn, turn};
-    double limit = 1;
-    visitAlong(s, s.position[i], Vec3d(d.dp), Vec3d(half), limit, [&](int other) {
+    if (s.counters->swept == 0 || s.fast[i] == 0 || s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
+    const Bounds way = boundsOfWay(s, i);
+    if (!leavesBounds(s, i, way)) return;
+    searchWay(s, i, way, [&](int other) {
       if (other == i || isSensor(s, other) || !mayCollide(s, i, other)) return;
+      // whom its box touched has a pair with it; parts may be further apart
+      if (isPlainPair(s, i, other) && boundsTouch(s.bounds[i], s.bounds[other])) return;
       const double fraction = meetBody(s, i, other);
       if (!(fraction <= 1)) return;
       const int bits = floatBits(static_cast<Real>(1 - fraction));

@@ -293,9 +293,13 @@ void keepIslandMomenta(E& e) {
   const bool groups = e.view().step.coarseCorrection;
   if (!groups) e.forEach(StartIslandForest{}, bodies);
   e.forEach(JoinMomentumIslands{}, bodies);
-  e.forEach(ListIslandParts{}, bodies);
-  if (groups) e.forEachIn(SumMomenta{}, &View::levelChunk, kCoarseLevels - 1);
-  e.forEach(RepairIslands{}, bodies);
+  e.forEach(FindMomentumIslands{}, bodies);
+  e.forEach(NumberFreeIslands{}, bodies);
+  e.require(Per::FreeIsland, &Counters::freeIslands);
+  e.forEach(BeginFreeIslands{}, bodies);
+  e.forEach(MeasureMomenta{}, bodies);
+  e.forEach(SumMomenta{}, bodies);
+  e.forEach(RepairIslands{}, &Counters::freeIslands);
   e.forEach(RepairBodies{}, bodies);
 }
 

@@ -34,7 +34,9 @@ struct FindFast {
     const Displacement& d = s.moved[i];
     // the turn moves no point further than the way around
     const Real way2 = dot(d.dp, d.dp), turn = length(d.dw) * (p.radius - p.shape.radius), inner = innerRadiusOf(s.shapeTables(), p.shape);
-    if (!(way2 > Real(0)) || (std::sqrt(way2) + turn <= kHeldInSurface * inner && s.fast[i] == 0)) return;
+    // one that was to go far may have been held by rows that give way
+    const Real ahead = s.step.dt * length(s.velocity[i]);
+    if (!(way2 > Real(0)) || (max(std::sqrt(way2), ahead) + turn <= inner && s.fast[i] == 0)) return;
     s.fast[i] = 1;
     atomicRaise(&s.counters->swept, s.counters->pairs);
   }

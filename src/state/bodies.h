@@ -162,12 +162,30 @@ struct MomentumSums {
   Vec3 givenLinear, givenAngular;     ///< momenta that rows have given [kg m/s, kg m2/s]
   Vec3 linear, angular;               ///< momenta of the iterates
   Sym3 inertia;                       ///< [kg m2]
+};
+inline constexpr int kMomentumTerms = sizeof(MomentumSums) / sizeof(Real);
+/// act(term) for each number of the sums.
+template <class Act>
+RUBBLE_HD void forEachTerm(MomentumSums& m, Act&& act) {
+  act(m.mass), act(m.freeEnergy), act(m.energy);
+  const auto actOnVector = [&](Vec3& v) { act(v.x), act(v.y), act(v.z); };
+  actOnVector(m.place), actOnVector(m.givenLinear), actOnVector(m.givenAngular);
+  actOnVector(m.linear), actOnVector(m.angular);
+  Sym3& i = m.inertia;
+  act(i.xx), act(i.yy), act(i.zz), act(i.xy), act(i.xz), act(i.yz);
+}
+/// The same as whole numbers, whose sums do not depend on the order: in units of 2^-kTermBits of a power of two that no
+/// term of its kind reaches, so that 2^22 of them fit a sum.
+struct IslandSums {
+  static constexpr int kTermBits = 40;
+  std::int64_t sum[kMomentumTerms];
+  int largest[kMomentumTerms];        ///< of the terms, as the bits of a float
+  int root;                           ///< the body that leads the island
 
-  RUBBLE_HD void operator+=(const MomentumSums& o) {
-    mass += o.mass, freeEnergy += o.freeEnergy, energy += o.energy;
-    place += o.place, givenLinear += o.givenLinear, givenAngular += o.givenAngular;
-    linear += o.linear, angular += o.angular, inertia += o.inertia;
-  }
+  /// Are all terms finite?
+  RUBBLE_HD bool isKnown(int k) const { return largest[k] >> 23 < 255; }
+  /// Power of two of the units.
+  RUBBLE_HD int shift(int k) const { return kTermBits - (largest[k] >> 23) + 126; }
 };
 /// What an island is given at the end of a step. Velocities in the same frame.
 struct IslandRepair {
@@ -201,6 +219,7 @@ struct Counters {
   int bounces, bounceRows;        ///< 1: a contact with restitution closes fast; contacts, if one does
   int bounceSpread, bounceSpreads, bounceBound, bounceBounds, bounceLeft, bounceTurns;  ///< of its rounds: what is left to do, and how many there were
   int bouncesLeft;                ///< contacts that still close after the last round
+  int freeIslands;                ///< bodies that rows connect and nothing holds
   int rollers;                    ///< near pairs, where some material has rolling friction
   int nearFeatures;               ///< pairs of features that may meet on their ways
   int crossingWork;               ///< as many, and at least as many as there are vertices

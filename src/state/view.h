@@ -88,9 +88,9 @@ struct View : JointTables<JointTypes> {
   int* islandFlag = nullptr;          ///< of that body: 1 if the island wakes, or does not sleep
   int* rowIsland = nullptr;           ///< lowest body that rows of this step connect with it
   int* islandBonds = nullptr;         ///< bits of what rows do with it, or with the island that it leads (stages/island_momentum.h)
-  int* islandFirst = nullptr;         ///< first part of the island that it leads, -1: none
-  int* islandNext = nullptr;          ///< the part after this one
-  IslandRepair* islandRepair = nullptr;  ///< of the island that it leads
+  int* islandSlot = nullptr;          ///< place of the island that it leads in these two, -1: none
+  IslandSums* islandSums = nullptr;
+  IslandRepair* islandRepair = nullptr;
   int* fast = nullptr;                ///< 1: went further than it is thick, or is pressed into what does not yield
   int* nearSurface = nullptr;         ///< 1: its corners may touch the surface of a deformable object
   int* stopBits = nullptr;            ///< part of the way that a body does not make since it meets another, as the bits of a float
@@ -119,7 +119,6 @@ struct View : JointTables<JointTypes> {
   int* groupChunks = nullptr;         ///< chunks of each group
   int* chunkOffset = nullptr;         ///< [groups + 1]
   Chunk* chunk = nullptr;
-  MomentumSums* chunkMomenta = nullptr;  ///< of the coarsest level
   int* externalCount = nullptr;       ///< row blocks between a chunk's bodies and others
   int* externalOffset = nullptr;      ///< [chunks + 1]
   std::uint32_t* external = nullptr;  ///< entry codes by chunk
@@ -346,9 +345,9 @@ void forEachArray(F&& f) {
   is(&View::islandFlag, "islandFlag", "", Per::Body, Life::Work);
   is(&View::rowIsland, "rowIsland", "", Per::Body, Life::Work);
   is(&View::islandBonds, "islandBonds", "", Per::Body, Life::Work);
-  is(&View::islandFirst, "islandFirst", "", Per::Body, Life::Unordered);
-  is(&View::islandNext, "islandNext", "", Per::Body, Life::Unordered);
-  is(&View::islandRepair, "islandRepair", "m, s", Per::Body, Life::Unordered);
+  is(&View::islandSlot, "islandSlot", "", Per::Body, Life::Unordered);
+  is(&View::islandSums, "islandSums", "", Per::FreeIsland, Life::Unordered);
+  is(&View::islandRepair, "islandRepair", "m, s", Per::FreeIsland, Life::Unordered);
   is(&View::fast, "fast", "", Per::Body, Life::Work);
   is(&View::nearSurface, "nearSurface", "", Per::Body, Life::Work);
   is(&View::bounceBody, "bounceBody", "", Per::Body, Life::Work);
@@ -376,7 +375,6 @@ void forEachArray(F&& f) {
   is(&View::groupChunks, "groupChunks", "", Per::Group, Life::Work);
   is(&View::chunkOffset, "chunkOffset", "", Per::Group, Life::Work, 1);
   is(&View::chunk, "chunk", "", Per::Chunk, Life::Work);
-  is(&View::chunkMomenta, "chunkMomenta", "kg, m, s", Per::Chunk, Life::Unordered);
   is(&View::externalCount, "externalCount", "", Per::Chunk, Life::Work);
   is(&View::externalOffset, "externalOffset", "", Per::Chunk, Life::Work, 1);
   is(&View::external, "external", "", Per::External, Life::Work);
