@@ -90,7 +90,7 @@ RUBBLE_HD inline Vec3 torqueFreeSpin(const Vec3& w0, const Vec3& torque, const V
 }
 
 /// Spin at orientation `here` of a body that has the angular momentum with which spin w takes it to orientation `there`. World axes. [rad/s]
-RUBBLE_HD inline Vec3 spinAt(const Quat& here, const Quat& there, const Vec3& w, const Vec3& inertia, Real dt) {
+RUBBLE_HD RUBBLE_APART inline Vec3 spinAt(Quat here, Quat there, Vec3 w, Vec3 inertia, Real dt) {
   if (isSpherical(inertia)) return w;
   const SpinMomentum end{inertia, dt, Real(-1)};
   const Vec3 guess = rotateInverse(there, w);
@@ -136,8 +136,7 @@ inline constexpr Real kSameMoment = Real(1e-4);
 /// About an axis of symmetry torques about it alone change a spin, and log(x) / dt has that: torques of a bearing
 /// that turns in a step are those of its end, and their momentum would brake the wheel.
 /// World axes. [rad/s] `start` orientation at x^t, `inertia` principal moments [kg m2].
-RUBBLE_HD inline Vec3 spinAfterRows(const Quat& start, const Quat& x, const Vec3& turn, const Quat& y,
-                                    const Vec3& inertia, Real dt) {
+RUBBLE_HD RUBBLE_APART inline Vec3 spinAfterRows(Quat start, Quat x, Vec3 turn, Quat y, Vec3 inertia, Real dt) {
   const Real inverseDt = Real(1) / dt;
   const Vec3 rows = Real(2) * shortArc(x * conjugate(y)).v;
   const bool spherical = isSpherical(inertia);

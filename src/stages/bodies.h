@@ -282,18 +282,9 @@ struct SolveBody {
   }
 };
 
-/// Did a body stop at one that does not move by its forces?
-RUBBLE_HD inline bool stoppedAtHeld(const View& s, int i) {
-  const int at = s.stopPair[i];
-  if (at <= 0 || at == kStopsTogether) return false;
-  const Pair& p = s.pair[at - 1];
-  return !isDynamic(s, p.owner == i ? p.other : p.owner);
-}
-
-/// What gravity and forces gave a body that has stopped at one that does not yield, for the part of the step that it did not go [m/s]: its way ended, and
-/// their work with it. As far as it followed them: what rows hold has none of it. `start`, `v`: at both ends of the step.
+/// What gravity and forces gave a body that has stopped, for the part of the step that it did not go [m/s]: its way ended, and their work with it. As far
+/// as it followed them: what rows hold has none of it. `start`, `v`: at both ends of the step.
 RUBBLE_HD inline Vec3 unusedPush(const View& s, int i, const Vec3& start, const Vec3& v) {
-  if (!stoppedAtHeld(s, i)) return {0, 0, 0};
   const StepConstants& c = s.step;
   const Vec3 push = c.inverseDt * s.target[i].y.p - start;
   return fromFloatBits(s.stopBits[i]) * followedShare(v, start, c.inverseDt * push, c.dt) * push;
@@ -352,8 +343,10 @@ struct FinishBodies {
       return;
     }
     BodyEnd end = endOf(s, i);
-    const Real kept = keptMotion(s, i, end.q, end.v, end.w);
-    end.v *= kept, end.w *= kept;
+    if (const Vec3 turn = s.moved[i].dw; dot(turn, turn) >= kFarTurn2) {
+      const Real kept = keptMotion(s, i, end.q, end.v, end.w);
+      end.v *= kept, end.w *= kept;
+    }
     if (!isFinite(end.v) || !isFinite(end.w)) {
       atomicCount(&s.counters->quarantined, 1);
       s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};

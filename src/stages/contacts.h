@@ -140,10 +140,15 @@ RUBBLE_HD inline Real fastestPoint(const View& s, const Manifold& m, const PairR
 /// not carry the impact on through a heap.
 inline constexpr Real kImpactMasses = 100;
 
+/// What a load stands for moves the bodies of a contact by no more than this share of half the thickness of the thinner one in a step [1]: they rest three
+/// tenths as deep in one another (docs/method.md).
+inline constexpr Real kMostGive = Real(.05);
+
 /// The mass that a load stands for over dt^2, for each newton: a weight |lambda| stands for |lambda| / a, what ends a speed in the step for up to kImpactMasses
-/// |lambda| dt / speed. [1/m]
-RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed) {
-  return c.inverseDt / max(c.loadAcceleration * c.dt, speed / kImpactMasses);
+/// |lambda| dt / speed; `thin`: half the thickness of the thinner body. [1/m]
+RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real thin) {
+  const Real give = c.loadAcceleration * c.dt * c.dt;
+  return Real(1) / max(thin > Real(0) ? min(give, kMostGive * thin) : give, speed * c.dt / kImpactMasses);
 }
 
 /// Begins the rows of manifold i: everything but its points. `r` is all zeros.
@@ -174,7 +179,10 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   p.heavier = startStiffness(c, max(pa.mass, pb.mass));
   p.settling = relativeSettling(s, o.a, o.b);
   p.normal = contactRule(c, r.start, r.length);
-  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, max(fastestPoint(s, m, p, r.n, r.length), agitationOf(s, o.a, o.b)));
+  const ShapeTables tables = s.shapeTables();
+  const Real ownA = innerRadiusOf(tables, pa.shape), ownB = innerRadiusOf(tables, pb.shape);
+  const Real thin = ownA > Real(0) && ownB > Real(0) ? min(ownA, ownB) : max(ownA, ownB);
+  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, max(fastestPoint(s, m, p, r.n, r.length), agitationOf(s, o.a, o.b)), thin);
   p.tangent = tangentRule(c, p.normal);
   return p;
 }
@@ -337,7 +345,9 @@ struct FinishContacts {
     Manifold& m = s.manifold[r.manifold];
     const StoredFrame f = storedFrame(s, r);
     std::uint8_t stick = 0;
-    PointSupport own[kLanes];
+    // in the order in which four lanes add
+    static_assert(kLanes == 4);
+    PointSupport even, odd;
     for (int k = 0; k < m.count; ++k) {
       const bool impact = m.impact >> k & 1;
       const PointBefore before = pointBefore(m, k);
@@ -345,12 +355,12 @@ struct FinishContacts {
       const StoredPoint point = storedPoint(s, r, f, k, impact, before);
       remember(m, k, point.memory);
       if (point.sticks) stick |= static_cast<std::uint8_t>(1u << k);
-      own[k] = pointSupport(s, r, f.t1, f.t2, k, !impact);
+      const PointSupport own = pointSupport(s, r, f.t1, f.t2, k, !impact);
+      if (k % 2 == 0) even = even + own;
+      else odd = odd + own;
     }
     m.stick = stick;
-    // in the order in which four lanes add
-    static_assert(kLanes == 4);
-    s.support[i] = supportOf(r, (own[0] + own[2]) + (own[1] + own[3]));
+    s.support[i] = supportOf(r, even + odd);
   }
 };
 

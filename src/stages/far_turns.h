@@ -34,9 +34,8 @@ RUBBLE_HD inline bool isHeldAtRest(const View& s, int i) {
 }
 
 /// Share of its velocity and spin that a body keeps, at orientation q.
-RUBBLE_HD inline Real keptMotion(const View& s, int i, const Quat& q, const Vec3& v, const Vec3& w) {
-  const Displacement& d = s.moved[i];
-  if (dot(d.dw, d.dw) < kFarTurn2 || !isHeldAtRest(s, i)) return 1;
+RUBBLE_HD RUBBLE_APART inline Real keptMotion(const View& s, int i, Quat q, Vec3 v, Vec3 w) {
+  if (!isHeldAtRest(s, i)) return 1;
   const Vec3 principal = s.params[i].inertia;
   const Real mass = s.params[i].mass;
   const auto energy = [&](const Quat& frame, const Vec3& linear, const Vec3& spin) {
