@@ -15,8 +15,9 @@ RUBBLE_HD inline Real keptBy(Real damping, Real dt, Vec3& v) {
 
 /// Keeps a spin below what a step can tell.
 RUBBLE_HD inline bool limitSpin(Vec3& w, Real dt) {
+  constexpr Real kRoundOff = 1 + 8 * std::numeric_limits<Real>::epsilon();
   const Real turn = length(w) * dt;
-  if (!(turn > kMaxSpinPerStep)) return false;
+  if (!(turn > kMaxSpinPerStep * kRoundOff)) return false;
   w *= kMaxSpinPerStep / turn;
   return true;
 }
@@ -45,7 +46,7 @@ struct PredictBodies {
       gravity *= kept, push *= kept;
     }
     if (extras.angularDamping > Real(0)) torque *= keptBy(extras.angularDamping, c.dt, w);
-    limitSpin(w, c.dt);
+    if (limitSpin(w, c.dt)) atomicCount(&s.counters->spinLimited, 1);
     v = unlocked(v, extras.locks), gravity = unlocked(gravity, extras.locks), push = unlocked(push, extras.locks);
     Vec3 w1 = w;
     if (!c.literalRotations) {

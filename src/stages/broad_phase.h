@@ -217,10 +217,10 @@ RUBBLE_HD void searchPlanes(const View& s, const Bounds& b, Found&& found, int l
 }
 /// found(other) for all bodies whose bounds a box touches that is in no level: body i on a way that its own do not hold.
 template <class Found>
-RUBBLE_HD void searchWay(const View& s, int i, const Bounds& way, Found&& found) {
+RUBBLE_HD void searchWay(const View& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
   for (int level = 0; level < kGridLevels; ++level)
-    if (s.counters->levelCount[level] > 0) searchLevel<Ahead::InNumber>(s, i, way, level, found, 0, 1);
-  searchPlanes(s, way, found);
+    if (s.counters->levelCount[level] > 0) searchLevel<Ahead::InNumber>(s, i, way, level, found, lane, lanes);
+  searchPlanes(s, way, found, lane, lanes);
 }
 
 /// found(other, other owns the pair) for the bodies whose bounds touch those of body i: in its own level those ahead of it, in coarser ones all. Of

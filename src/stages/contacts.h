@@ -283,18 +283,21 @@ RUBBLE_HD inline StoredFrame storedFrame(const View& s, const ContactRows& r) {
   return f;
 }
 
-/// What a point brought into the step: multipliers, and the drift since it stuck.
+/// What a point brought into the step: multipliers, which only an impact asks for, and the drift since it stuck.
 struct PointBefore {
-  Vec3 lambda;
-  Real drift1, drift2;
+  Vec3 lambda{0, 0, 0};
+  Real drift1 = 0, drift2 = 0;
 };
-RUBBLE_HD inline PointBefore pointBefore(const Manifold& m, int k) {
-  const bool stuck = m.stick >> k & 1;
-  return {{m.lambdaN[k], m.lambda1[k], m.lambda2[k]}, stuck ? m.drift1[k] : Real(0), stuck ? m.drift2[k] : Real(0)};
+RUBBLE_HD inline Vec3 multipliersBefore(const Manifold& m, int k) { return {m.lambdaN[k], m.lambda1[k], m.lambda2[k]}; }
+RUBBLE_HD inline PointBefore pointBefore(const Manifold& m, int k, bool impact) {
+  PointBefore before;
+  if (impact) before.lambda = multipliersBefore(m, k);
+  if (m.stick >> k & 1) before.drift1 = m.drift1[k], before.drift2 = m.drift2[k];
+  return before;
 }
 /// Notes the multipliers with which point k of rows i began the step, where something may bounce (stages/bounce.h).
-RUBBLE_HD inline void noteBefore(const View& s, int i, const PointBefore& before, int k) {
-  if (i < s.counters->bounceRows) s.bounce[i].before[k] = before.lambda;
+RUBBLE_HD inline void noteBefore(const View& s, int i, const Manifold& m, int k) {
+  if (i < s.counters->bounceRows) s.bounce[i].before[k] = multipliersBefore(m, k);
 }
 
 /// What point k hands on to the next step, and whether it sticks. The multipliers of an impact are not kept: those `before` it are.
@@ -350,8 +353,8 @@ struct FinishContacts {
     PointSupport even, odd;
     for (int k = 0; k < m.count; ++k) {
       const bool impact = m.impact >> k & 1;
-      const PointBefore before = pointBefore(m, k);
-      noteBefore(s, i, before, k);
+      const PointBefore before = pointBefore(m, k, impact);
+      noteBefore(s, i, m, k);
       const StoredPoint point = storedPoint(s, r, f, k, impact, before);
       remember(m, k, point.memory);
       if (point.sticks) stick |= static_cast<std::uint8_t>(1u << k);

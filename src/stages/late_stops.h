@@ -74,7 +74,9 @@ RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way
 
 struct FindLateStops {
   static constexpr const char* kName = "stops";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  RUBBLE_HD void operator()(const View& s, int i) const { (*this)(s, i, 0, 1); }
+  /// By number `lane` of `lanes`.
+  RUBBLE_HD void operator()(const View& s, int i, int lane, int lanes) const {
     if (s.counters->swept == 0 || s.fast[i] == 0 || s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
     const Bounds way = boundsOfWay(s, i);
     if (!leavesBounds(s, i, way)) return;
@@ -87,7 +89,7 @@ struct FindLateStops {
       const int bits = floatBits(static_cast<Real>(1 - fraction));
       atomicRaise(&s.stopBits[i], bits);
       if (stopsAt(s, other, i)) atomicRaise(&s.stopBits[other], bits);
-    });
+    }, lane, lanes);
   }
 
   /// Part of the way of body i after which it meets another.

@@ -22,7 +22,7 @@ struct OnDevice<UpdateContactDuals<Real>> {
 struct FinishPoint {
   static constexpr const char* kName = FinishContacts<Real>::kName;
   static constexpr int kWidth = kLanes;
-  static constexpr int kBlocks = 10;
+  static constexpr int kBlocks = 8;
   __device__ void operator()(const View& s, int i, const PointTile& tile) const {
     ContactRows& r = s.contact[i];
     Manifold& m = s.manifold[r.manifold];
@@ -30,8 +30,8 @@ struct FinishPoint {
     // asked for before it is needed
     const bool on = k < m.count, impact = on && (m.impact >> k & 1);
     updateContactDuals<Real>(s.step, r, s.moved[r.a], s.moved[r.b], k);
-    PointBefore before{};
-    if (on) before = pointBefore(m, k), noteBefore(s, i, before, k);
+    PointBefore before;
+    if (on) before = pointBefore(m, k, impact), noteBefore(s, i, m, k);
     StoredPoint point{};
     PointSupport own;
     if (on) {
