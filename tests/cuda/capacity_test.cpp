@@ -25,7 +25,7 @@ TEST_F(CudaCapacity, OverflowDoesNotChangeTheResult) {
 
 /// Room for all but one kind, which begins with one element.
 TEST_F(CudaCapacity, OverflowOfEachTableIsReportedAndChangesNoResult) {
-  const std::vector<std::string> kinds = {"pairs", "nearPairs", "manifolds", "entries", "colors", "groups", "chunks", "externals", "freeIslands"};
+  const std::vector<std::string> kinds = {"pairs", "nearPairs", "manifolds", "entries", "colors", "groups", "chunks", "externals"};
   const auto worldBut = [&](const std::string& scarce) {
     World world(mixedScene(), optionsFor("cuda"));
     for (const std::string& kind : kinds)

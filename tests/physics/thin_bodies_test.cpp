@@ -1,0 +1,56 @@
+/// How deep thin bodies rest in what bears them and what weighs on them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/random.h"
+#include "tests/support/scenes.h"
+
+namespace rubble {
+namespace {
+
+using test::Random;
+
+/// A tile of half thickness `half` that lies on the ground, and a cube on it.
+Scene tileUnderCube(Random& random, double half, double ratio) {
+  const double width = half * random.uniform(1, 20), edge = width * random.uniform(1, 4);
+  Scene scene = test::emptyScene({0, 0, -10});
+  scene.bodies.push_back(test::ground());
+  BodyDef tile = test::body(random.below(2) ? Shape::box({width, width, half}) : Shape::cylinder(width, half), {0, 0, half});
+  tile.density = 1000;
+  scene.bodies.push_back(tile);
+  BodyDef cube = test::body(Shape::box({edge, edge, edge}), {0, 0, 2 * half + edge});
+  cube.density = ratio * massProperties(tile.shape, 1000).mass / (8 * edge * edge * edge);
+  scene.bodies.push_back(cube);
+  return scene;
+}
+
+/// Depth of the deepest contact in the last second of five, over the thickness of the tile.
+double restingDepth(const Scene& scene, double half, double dt, int iterations) {
+  WorldOptions o = test::options(iterations);
+  o.params.dt = dt;
+  World world(scene, o);
+  const auto steps = static_cast<int>(std::lround(5 / dt));
+  double deepest = 0;
+  for (int i = 0; i < steps; ++i) {
+    world.step();
+    if (i < steps - static_cast<int>(std::lround(1 / dt))) continue;
+    for (const ContactPoint& c : world.contacts()) deepest = std::max(deepest, c.depth / (2 * half));
+  }
+  return deepest;
+}
+
+TEST(ThinBodies, RestNoDeeperThanATwentiethOfTheirThickness) {
+  for (int seed = 0; seed < 200; ++seed) {
+    Random random(static_cast<std::uint64_t>(seed));
+    const double half = random.logUniform(.0005, .1), ratio = random.logUniform(1, 1000);
+    const double dt = random.below(2) ? 1. / 60 : 1. / 30;
+    const int iterations = random.below(2) ? 4 : 10;
+    EXPECT_LT(restingDepth(tileUnderCube(random, half, ratio), half, dt, iterations), .05)
+        << "seed " << seed << " half " << half << " ratio " << ratio << " dt " << dt << " iterations " << iterations;
+  }
+}
+
+}  // namespace
+}  // namespace rubble
