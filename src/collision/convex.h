@@ -194,7 +194,7 @@ RUBBLE_HD inline void faceFeature(const Convex& c, int face, const Vec3& lean, c
   }
 }
 
-/// Does a face of a hull reach so far along d? Beside a thin hull the planes of faces do whose corners do not.
+/// Does a face of a hull reach so far along d? Of a thin hull the planes of faces do whose corners do not.
 RUBBLE_HD inline bool faceReaches(const Convex& c, int face, const Vec3& d, Real far) {
   const int* const corners = c.faces + c.faceCount + 1;
   for (int k = c.faces[face]; k < c.faces[face + 1]; ++k)
@@ -237,8 +237,8 @@ RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, const Vec3& l
       for (int i = 0; i < c.faceCount; ++i) {
         const Vec4 plane = c.planes[i];
         const Real along = dot(xyz(plane), d);
-        if (along > most && dot(xyz(plane), tip) > plane.w - tolerance && faceReaches(c, i, d, dot(d, tip) - tolerance))
-          most = along, best = i;
+        const bool nearTip = along > most && dot(xyz(plane), tip) > plane.w - tolerance;
+        if (nearTip && faceReaches(c, i, d, dot(d, tip) - tolerance)) most = along, best = i;
       }
       convex::addHullFace(f, c, best, load);
       return;

@@ -291,7 +291,7 @@ RUBBLE_HD inline Meeting meetingBeyond(const Placed& a, const Way& wayA, const P
                                        double allowed, double more) {
   constexpr int kMostSteps = 128;
   constexpr double kMostTurn = .1;    // of n in a step of the search [rad]: bounds of speeds along it are those at its beginning
-  constexpr double kSameSide = 1;     // apart along an n that has turned further [rad], they may be so on the other side
+  constexpr double kSameSide = 1;     // apart along an n that turned further [rad]: maybe on the other side
   const double start = gapAlong(a, b, n);
   allowed = max(allowed, more - start);
   const double reached = allowed - more / 4;

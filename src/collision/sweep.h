@@ -244,4 +244,7 @@ RUBBLE_HD inline Real innerRadiusOf(const ShapeTables& tables, const ShapeData& 
   return isPlain(s.kind) ? innerRadius(s) : sweep::rareInnerRadius(tables, s);
 }
 
+/// Half of the thickness of the thinner of two shapes; planes and surfaces have none of their own. [m]
+RUBBLE_HD inline Real thinner(Real a, Real b) { return a > Real(0) && b > Real(0) ? min(a, b) : max(a, b); }
+
 }  // namespace rubble::RUBBLE_CORE

@@ -136,7 +136,8 @@ inline constexpr Real kSameMoment = Real(1e-4);
 /// About an axis of symmetry torques about it alone change a spin, and log(x) / dt has that: torques of a bearing
 /// that turns in a step are those of its end, and their momentum would brake the wheel.
 /// World axes. [rad/s] `start` orientation at x^t, `inertia` principal moments [kg m2].
-RUBBLE_HD RUBBLE_APART inline Vec3 spinAfterRows(Quat start, Quat x, Vec3 turn, Quat y, Vec3 inertia, Real dt) {
+RUBBLE_HD RUBBLE_APART inline Vec3 spinAfterRows(Quat start, Quat x, Vec3 turn, Quat y, Vec3 inertia,
+                                                 Real dt) {
   const Real inverseDt = Real(1) / dt;
   const Vec3 rows = Real(2) * shortArc(x * conjugate(y)).v;
   const bool spherical = isSpherical(inertia);

@@ -143,7 +143,8 @@ RUBBLE_HD inline RowOfCells rowOfCells(const View& s, int level, int x0, int x1,
 /// Do two boxes, of Bounds or of the grid, touch?
 template <class A, class B>
 RUBBLE_HD bool boundsTouch(const A& a, const B& b) {
-  return !(std::fabs(a.centre.x - b.centre.x) > a.half.x + b.half.x) && !(std::fabs(a.centre.y - b.centre.y) > a.half.y + b.half.y) &&
+  return !(std::fabs(a.centre.x - b.centre.x) > a.half.x + b.half.x) &&
+         !(std::fabs(a.centre.y - b.centre.y) > a.half.y + b.half.y) &&
          !(std::fabs(a.centre.z - b.centre.z) > a.half.z + b.half.z);
 }
 
@@ -219,7 +220,8 @@ RUBBLE_HD void searchPlanes(const View& s, const Bounds& b, Found&& found, int l
 template <class Found>
 RUBBLE_HD void searchWay(const View& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
   for (int level = 0; level < kGridLevels; ++level)
-    if (s.counters->levelCount[level] > 0) searchLevel<Ahead::InNumber>(s, i, way, level, found, lane, lanes);
+    if (s.counters->levelCount[level] > 0)
+      searchLevel<Ahead::InNumber>(s, i, way, level, found, lane, lanes);
   searchPlanes(s, way, found, lane, lanes);
 }
 

@@ -140,12 +140,13 @@ RUBBLE_HD inline Real fastestPoint(const View& s, const Manifold& m, const PairR
 /// not carry the impact on through a heap.
 inline constexpr Real kImpactMasses = 100;
 
-/// What a load stands for moves the bodies of a contact by no more than this share of half the thickness of the thinner one in a step [1]: they rest three
-/// tenths as deep in one another (docs/method.md).
+/// What a load stands for moves the bodies of a contact by no more than this share of half the thickness of the
+/// thinner one in a step [1]: they rest three tenths as deep in one another (docs/method.md).
 inline constexpr Real kMostGive = Real(.05);
 
-/// The mass that a load stands for over dt^2, for each newton: a weight |lambda| stands for |lambda| / a, what ends a speed in the step for up to kImpactMasses
-/// |lambda| dt / speed; `thin`: half the thickness of the thinner body. [1/m]
+/// The mass that a load stands for over dt^2, for each newton: a weight |lambda| stands for |lambda| / a, what ends
+/// a speed in the step for up to kImpactMasses |lambda| dt / speed; `thin`: half the thickness of the thinner
+/// body. [1/m]
 RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real thin) {
   const Real give = c.loadAcceleration * c.dt * c.dt;
   return Real(1) / max(thin > Real(0) ? min(give, kMostGive * thin) : give, speed * c.dt / kImpactMasses);
@@ -180,9 +181,9 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   p.settling = relativeSettling(s, o.a, o.b);
   p.normal = contactRule(c, r.start, r.length);
   const ShapeTables tables = s.shapeTables();
-  const Real ownA = innerRadiusOf(tables, pa.shape), ownB = innerRadiusOf(tables, pb.shape);
-  const Real thin = ownA > Real(0) && ownB > Real(0) ? min(ownA, ownB) : max(ownA, ownB);
-  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, max(fastestPoint(s, m, p, r.n, r.length), agitationOf(s, o.a, o.b)), thin);
+  const Real thin = thinner(innerRadiusOf(tables, pa.shape), innerRadiusOf(tables, pb.shape));
+  const Real speed = max(fastestPoint(s, m, p, r.n, r.length), agitationOf(s, o.a, o.b));
+  p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, speed, thin);
   p.tangent = tangentRule(c, p.normal);
   return p;
 }
@@ -288,14 +289,16 @@ struct PointBefore {
   Vec3 lambda{0, 0, 0};
   Real drift1 = 0, drift2 = 0;
 };
-RUBBLE_HD inline Vec3 multipliersBefore(const Manifold& m, int k) { return {m.lambdaN[k], m.lambda1[k], m.lambda2[k]}; }
+RUBBLE_HD inline Vec3 multipliersBefore(const Manifold& m, int k) {
+  return {m.lambdaN[k], m.lambda1[k], m.lambda2[k]};
+}
 RUBBLE_HD inline PointBefore pointBefore(const Manifold& m, int k, bool impact) {
   PointBefore before;
   if (impact) before.lambda = multipliersBefore(m, k);
   if (m.stick >> k & 1) before.drift1 = m.drift1[k], before.drift2 = m.drift2[k];
   return before;
 }
-/// Notes the multipliers with which point k of rows i began the step, where something may bounce (stages/bounce.h).
+/// Notes the multipliers with which point k of rows i began the step, where something may bounce (bounce.h).
 RUBBLE_HD inline void noteBefore(const View& s, int i, const Manifold& m, int k) {
   if (i < s.counters->bounceRows) s.bounce[i].before[k] = multipliersBefore(m, k);
 }

@@ -26,7 +26,7 @@ struct Mobility {
 RUBBLE_HD inline Mobility mobility(const View& s, int body) {
   if (!isDynamic(s, body)) return {0, {}, 0, false};
   const BodyTarget& t = s.target[body];
-  // at the orientation that it has: one that has turned since x^t would gain energy with the inertia of that time
+  // at the orientation that it has: with the inertia of x^t one that has turned since would gain energy
   const Sym3 inertia = rotateDiagonal(s.orientation[body], s.params[body].inertia);
   Mobility m{Real(1) / t.mass.mass, inertia, t.locks, true};
   const auto keep = [&](int axis) { return (m.locks >> (3 + axis) & 1) == 0; };

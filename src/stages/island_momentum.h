@@ -17,7 +17,7 @@
 /// Such a motion has no momenta, and no joint sees it reduced.
 ///
 /// Bodies of the coarsest group (groups.h) are connected already, so few rows are left to unite. Sums are of
-/// whole numbers, so that their order does not matter: each term in units of 2^-40 of the largest of its kind.
+/// whole numbers, so that their order does not matter (IslandSums).
 #include <limits>
 
 #include "stages/coarse.h"
@@ -82,7 +82,8 @@ struct FindMomentumIslands {
   RUBBLE_HD void operator()(const View& s, int i) const {
     const int root = findLeader(islandForest(s), i);
     s.rowIsland[i] = root;
-    if (s.islandBonds[i] != 0 && root != i && isDynamic(s, i)) atomicSet(&s.islandBonds[root], s.islandBonds[i]);
+    const int own = s.islandBonds[i];
+    if (own != 0 && root != i && isDynamic(s, i)) atomicSet(&s.islandBonds[root], own);
   }
 };
 
@@ -109,8 +110,8 @@ RUBBLE_HD inline int freeIslandOf(const View& s, int i) {
   return s.counters->freeIslands > 0 && isDynamic(s, i) ? s.islandSlot[s.rowIsland[i]] : -1;
 }
 
-/// What a body adds to the sums of its island. Places and velocities are those against where the leader is, and
-/// how it would go.
+/// What a body adds to the sums of its island. Places and velocities are those against where the leader is,
+/// and how it would go.
 RUBBLE_HD inline MomentumSums momentaOf(const View& s, int root, int i) {
   const BodyTarget& target = s.target[i];
   const bool stopped = s.stopBits[i] != 0;
@@ -142,32 +143,31 @@ RUBBLE_HD inline MomentumSums momentaOf(const View& s, int root, int i) {
   return own;
 }
 
+/// act(sums, k, term) for the terms that a body adds to its island, if nothing holds that.
+template <class Act>
+RUBBLE_HD void forEachMomentum(const View& s, int i, Act&& act) {
+  const int slot = freeIslandOf(s, i);
+  if (slot < 0) return;
+  MomentumSums own = momentaOf(s, s.rowIsland[i], i);
+  int k = 0;
+  forEachTerm(own, [&](Real& term) { act(s.islandSums[slot], k++, term); });
+}
+
 /// The largest terms of each island.
 struct MeasureMomenta {
   static constexpr const char* kName = "momentum";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const int slot = freeIslandOf(s, i);
-    if (slot < 0) return;
-    MomentumSums own = momentaOf(s, s.rowIsland[i], i);
-    int* largest = s.islandSums[slot].largest;
-    forEachTerm(own, [&](Real& term) {
+    forEachMomentum(s, i, [](IslandSums& sums, int k, Real term) {
       const int bits = floatBits(std::fabs(term));
-      if (bits > *largest) atomicRaise(largest, bits);
-      ++largest;
+      if (bits > sums.largest[k]) atomicRaise(&sums.largest[k], bits);
     });
   }
 };
 struct SumMomenta {
   static constexpr const char* kName = "momentum";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    const int slot = freeIslandOf(s, i);
-    if (slot < 0) return;
-    MomentumSums own = momentaOf(s, s.rowIsland[i], i);
-    IslandSums& sums = s.islandSums[slot];
-    int k = 0;
-    forEachTerm(own, [&](Real& term) {
-      if (term != Real(0) && sums.isKnown(k)) atomicSum(&sums.sum[k], std::llrint(std::ldexp(static_cast<double>(term), sums.shift(k))));
-      ++k;
+    forEachMomentum(s, i, [](IslandSums& sums, int k, Real term) {
+      if (term != Real(0) && sums.isKnown(k)) atomicSum(&sums.sum[k], sums.inUnits(k, term));
     });
   }
 };
@@ -207,8 +207,7 @@ struct RepairIslands {
     MomentumSums sum;
     int k = 0;
     forEachTerm(sum, [&](Real& term) {
-      const double units = sums.isKnown(k) ? static_cast<double>(sums.sum[k]) : std::numeric_limits<double>::quiet_NaN();
-      term = static_cast<Real>(std::ldexp(units, -sums.shift(k)));
+      term = sums.isKnown(k) ? sums.sumOf(k) : std::numeric_limits<Real>::quiet_NaN();
       ++k;
     });
     s.islandRepair[slot] = repairOf(sum, s.position[sums.root], s.islandBonds[sums.root]);

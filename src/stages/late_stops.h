@@ -18,7 +18,8 @@ RUBBLE_HD inline Bounds boundsOfWay(const View& s, int i) {
   return b;
 }
 
-/// Does the way of a body lead out of the box that the broad phase gave it, by more than bodies may be left in one another?
+/// Does the way of a body lead out of the box that the broad phase gave it, by more than bodies may be left in one
+/// another?
 RUBBLE_HD inline bool leavesBounds(const View& s, int i, const Bounds& way) {
   const BodyParams& p = s.params[i];
   const Bounds& b = s.bounds[i];
@@ -77,7 +78,8 @@ struct FindLateStops {
   RUBBLE_HD void operator()(const View& s, int i) const { (*this)(s, i, 0, 1); }
   /// By number `lane` of `lanes`.
   RUBBLE_HD void operator()(const View& s, int i, int lane, int lanes) const {
-    if (s.counters->swept == 0 || s.fast[i] == 0 || s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
+    if (s.counters->swept == 0 || s.fast[i] == 0) return;
+    if (s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
     const Bounds way = boundsOfWay(s, i);
     if (!leavesBounds(s, i, way)) return;
     searchWay(s, i, way, [&](int other) {

@@ -76,9 +76,6 @@ RUBBLE_HD inline bool isSought(const View& s, const OrderedPair& o, int round) {
   return round == 0 || s.stopRound[stopOwner(s, o.a)] == round || s.stopRound[stopOwner(s, o.b)] == round;
 }
 
-/// Half of the thickness of the thinner of two shapes; planes and surfaces have none of their own. [m]
-RUBBLE_HD inline Real thinner(Real a, Real b) { return a > Real(0) && b > Real(0) ? min(a, b) : max(a, b); }
-
 /// Has a manifold rows in this step?
 RUBBLE_HD inline bool hasRows(const Manifold* m) { return m && m->count > 0 && m->row >= 0; }
 
@@ -87,7 +84,9 @@ RUBBLE_HD inline bool hasRows(const Manifold* m) { return m && m->count > 0 && m
 RUBBLE_HD inline Meeting meetingOfPair(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, const Manifold* m, Real thin, bool bothMove,
                                        double tolerance) {
   const double allowed = static_cast<double>(kHeldDepth * thin), more = static_cast<double>((bothMove ? kDeeperYet : kDeeperYetAtRest) * thin);
-  const auto beyond = [&](const Vec3d& n, bool turnsWithB) { return meetingBeyond(a, wayA, b, wayB, n, turnsWithB, allowed, more); };
+  const auto beyond = [&](const Vec3d& n, bool turnsWithB) {
+    return meetingBeyond(a, wayA, b, wayB, n, turnsWithB, allowed, more);
+  };
   if (hasRows(m)) return beyond(Vec3d(m->normal), m->normalOnB);
   const Meeting first = meeting(a, wayA, b, wayB, tolerance);
   if (first.fraction > 0) return first;

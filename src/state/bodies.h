@@ -174,8 +174,8 @@ RUBBLE_HD void forEachTerm(MomentumSums& m, Act&& act) {
   Sym3& i = m.inertia;
   act(i.xx), act(i.yy), act(i.zz), act(i.xy), act(i.xz), act(i.yz);
 }
-/// The same as whole numbers, whose sums do not depend on the order: in units of 2^-kTermBits of a power of two that no
-/// term of its kind reaches, so that 2^22 of them fit a sum.
+/// The same as whole numbers, whose sums do not depend on the order: in units of 2^-kTermBits of a power of two
+/// that no term of its kind reaches, so that 2^22 of them fit a sum.
 struct IslandSums {
   static constexpr int kTermBits = 40;
   std::int64_t sum[kMomentumTerms];
@@ -184,7 +184,15 @@ struct IslandSums {
 
   /// Are all terms finite?
   RUBBLE_HD bool isKnown(int k) const { return largest[k] >> 23 < 255; }
-  /// Power of two of the units.
+  RUBBLE_HD std::int64_t inUnits(int k, Real term) const {
+    return std::llrint(std::ldexp(static_cast<double>(term), shift(k)));
+  }
+  RUBBLE_HD Real sumOf(int k) const {
+    return static_cast<Real>(std::ldexp(static_cast<double>(sum[k]), -shift(k)));
+  }
+
+ private:
+  /// Power of two of the units: a float with the exponent bits e is below 2^(e - 126).
   RUBBLE_HD int shift(int k) const { return kTermBits - (largest[k] >> 23) + 126; }
 };
 /// What an island is given at the end of a step. Velocities in the same frame.

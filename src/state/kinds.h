@@ -7,7 +7,8 @@ namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
 enum class Per { Body, BodySlot, MemberLevel, Pair, NearPair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
-                 ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, Bounce, FreeIsland, TreeNode, TreeSource,
+                 ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, Bounce, FreeIsland,
+                 TreeNode, TreeSource,
                  Vertex, PointOwner, PointOwnerSlot, NearFeature, Feature, FeatureCell, Neighbor, ElementRef, TetraCorner, PointPair, PointEntry, GrainCell,
                  Attachment, Cluster, ClusterRef, Lump, Line, LineVertex, Node,
                  FirstElement, FirstJoint = FirstElement + ElementTypes::kSize };

@@ -196,7 +196,10 @@ void World::reserve(const std::string& kind, int count) {
     throw Error("count", "a number that there is memory for", std::to_string(count));
   }
   if (!known)
-    throw Error("kind", "pairs, nearPairs, manifolds, rollers, bounceRows, entries, colors, groups, chunks, externals, pointPairs, pointEntries, nearFeatures or freeIslands", "\"" + kind + "\"");
+    throw Error("kind",
+                "pairs, nearPairs, manifolds, rollers, bounceRows, entries, colors, groups, chunks, externals, "
+                "pointPairs, pointEntries, nearFeatures or freeIslands",
+                "\"" + kind + "\"");
 }
 
 }  // namespace rubble

@@ -10,7 +10,8 @@ namespace {
 
 constexpr int kSteps = 40;
 constexpr int kAmple = 100'000;
-const std::vector<std::string> kKinds = {"pairs", "nearPairs", "manifolds", "entries", "colors", "groups", "chunks", "externals", "freeIslands"};
+const std::vector<std::string> kKinds = {"pairs",  "nearPairs", "manifolds", "entries",    "colors",
+                                         "groups", "chunks",    "externals", "freeIslands"};
 const std::vector<std::string> kRareKinds = {"rollers", "pointPairs", "pointEntries", "nearFeatures"};
 
 /// Two soft cubes, one falls on the other, and balls with rolling friction.

@@ -119,7 +119,6 @@ void connect(Scene& scene, Random& random, int a, int b) {
   scene.joints.push_back(jointAt(scene, type, a, b, (place(a) + place(b)) / 2, random.rotation()));
 }
 
-
 /// A rod that spins at up to 50 rad/s, and a body that flies at it.
 Scene rodAndBody(Random& random) {
   Scene scene = test::emptyScene({0, 0, 0});

@@ -17,7 +17,8 @@ Scene tileUnderCube(Random& random, double half, double ratio) {
   const double width = half * random.uniform(1, 20), edge = width * random.uniform(1, 4);
   Scene scene = test::emptyScene({0, 0, -10});
   scene.bodies.push_back(test::ground());
-  BodyDef tile = test::body(random.below(2) ? Shape::box({width, width, half}) : Shape::cylinder(width, half), {0, 0, half});
+  const Shape shape = random.below(2) ? Shape::box({width, width, half}) : Shape::cylinder(width, half);
+  BodyDef tile = test::body(shape, {0, 0, half});
   tile.density = 1000;
   scene.bodies.push_back(tile);
   BodyDef cube = test::body(Shape::box({edge, edge, edge}), {0, 0, 2 * half + edge});
@@ -48,7 +49,8 @@ TEST(ThinBodies, RestNoDeeperThanATwentiethOfTheirThickness) {
     const double dt = random.below(2) ? 1. / 60 : 1. / 30;
     const int iterations = random.below(2) ? 4 : 10;
     EXPECT_LT(restingDepth(tileUnderCube(random, half, ratio), half, dt, iterations), .05)
-        << "seed " << seed << " half " << half << " ratio " << ratio << " dt " << dt << " iterations " << iterations;
+        << "seed " << seed << " half " << half << " ratio " << ratio << " dt " << dt << " iterations "
+        << iterations;
   }
 }
 

@@ -184,15 +184,15 @@ class CudaExecutor {
   }
 
   /// A search is long: where bodies do not fill the device several lanes share one.
-  template <template <int> class ByTile, class Search>
-  void search(const Search& kernel, int n) {
-    if (fill(n, kSearchLanes)) forEach<Search>(kernel, n);
-    else if (fill(n, kMostSearchLanes)) forEach(ByTile<kSearchLanes>{}, n);
-    else forEach(ByTile<kMostSearchLanes>{}, n);
+  template <template <int> class ByTile, class Search> void search(const Search& kernel, int n) {
+    if (fill(n, kSearchLanes)) return forEach<Search>(kernel, n);
+    fill(n, kMostSearchLanes) ? forEach(ByTile<kSearchLanes>{}, n) : forEach(ByTile<kMostSearchLanes>{}, n);
   }
   void forEach(const FindNeighbors& kernel, int n) { search<FindNeighborsByTile>(kernel, n); }
   void forEach(const FindLateStops& kernel, int n) { search<FindLateStopsByTile>(kernel, n); }
-  void forEach(const FindPairs<false>& kernel, int n) { fill(n, kSearchLanes) ? forEach<FindPairs<false>>(kernel, n) : forEach(FindPairsByTile{}, n); }
+  void forEach(const FindPairs<false>& kernel, int n) {
+    fill(n, kSearchLanes) ? forEach<FindPairs<false>>(kernel, n) : forEach(FindPairsByTile{}, n);
+  }
 
   /// Stages in which a few elements have very many parts.
   void forEach(const WritePairs<false>&, int n) { forEachWarp(WritePairsByWarp{}, n); }

@@ -43,7 +43,9 @@ template <int kTile>
 struct FindLateStopsByTile {
   static constexpr const char* kName = FindLateStops::kName;
   static constexpr int kWidth = kTile;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const { FindLateStops{}(s, i, tile.lane, kWidth); }
+  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+    FindLateStops{}(s, i, tile.lane, kWidth);
+  }
 };
 
 /// A lane a neighbour, where no body has parts.
