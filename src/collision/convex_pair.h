@@ -311,7 +311,8 @@ RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, cons
                                            const Weight& weight) {
   using namespace convex;
   const Weight own{rotateInverse(qa, weight.centreA), rotateInverse(qa, weight.centreB), rotateInverse(qa, weight.down)};
-  const ConvexPair p{a, b, rotationMatrix(conjugate(qa) * qb), rotateInverse(qa, t), length, own};
+  const Quat q = conjugate(qa) * qb;
+  const ConvexPair p{a, b, q, rotationMatrix(q), rotateInverse(qa, t), length, own};
   const Real radii = a.radius + b.radius;
   RawManifold out;
   const auto told = [&] {

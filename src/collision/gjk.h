@@ -5,7 +5,7 @@
 /// (negative: they overlap by -s), B is pushed out along the best n known so far until a gap of tau is left. If the nearest points of the
 /// pair so placed, d apart along n', have d > tau, then s(n') >= d - tau + s(n) > s(n): n' is better and is tried next. A direction that
 /// stays is a local maximum of s, the least way out. So every distance is taken of bodies well apart, where it is well conditioned.
-#include "collision/convex.h"
+#include "collision/distance.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -21,10 +21,11 @@ inline constexpr int kMaxGjkSteps = 24;
 /// Squared relative error of a distance.
 inline constexpr Real kGjkTolerance = sizeof(Real) == 8 ? Real(1e-11) : Real(2e-6);
 
-/// Two cores in the frame of A; B is turned by `turn` and lies at `at`.
+/// Two cores in the frame of A; B is turned by `q`, as a matrix `turn`, and lies at `at`.
 struct ConvexPair {
   const Convex& a;
   const Convex& b;
+  Quat q;
   Mat3 turn;
   Vec3 at;
   Real length;    ///< L [m]
@@ -40,6 +41,7 @@ struct Nearest {
   Vec3 n;         ///< unit, from A to B
   Real distance;  ///< 0: they overlap
   Vec3 onA, onB;
+  Real proven;    ///< separation of the cores along n, by their supports: the distance, but for round-off
 };
 
 namespace simplices {
@@ -133,11 +135,13 @@ RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, c
   simplices::Simplex s;
   Vec3 v = guess;
   Real v2 = Real(1e30);
-  Nearest out{guess, 0, {0, 0, 0}, {0, 0, 0}};
+  Real reach = 0;  // of the furthest point against v, times |v|
+  Nearest out{guess, 0, {0, 0, 0}, {0, 0, 0}, 0};
   for (int step = 0; step < kMaxGjkSteps; ++step) {
     const Vec3 a = support(p.a, v) * size, w = p.at + (supportOfB(p, -v) - p.at) * size + shift - a;
+    reach = dot(v, w);
     // nothing lies further towards the origin
-    if (s.count > 0 && v2 - dot(v, w) <= kGjkTolerance * v2) break;
+    if (s.count > 0 && v2 - reach <= kGjkTolerance * v2) break;
     bool known = false;
     for (int k = 0; k < s.count; ++k) known |= s.w[k] == w;
     if (known) break;
@@ -154,10 +158,11 @@ RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, c
       --s.count;
       break;
     }
-    v = next, v2 = next2;
+    v = next, v2 = next2, reach = 0;
   }
   out.distance = std::sqrt(v2);
   out.n = v / out.distance;
+  out.proven = reach / out.distance;
   out.onA = {0, 0, 0};
   for (int k = 0; k < s.count; ++k) out.onA += s.a[k] * s.weight[k];
   out.onB = out.onA + v - shift;
@@ -171,11 +176,23 @@ struct SeparatingDirection {
   Vec3 onA, onB;
 };
 
+/// Of a distance found in single precision this share is proven at least, or it is sought again [1].
+inline constexpr Real kProven = Real(.9);
+
+/// The distance in double precision. Beside a body of a thousand times its size a small one is lost in the
+/// round-off of the points of a simplex: cores that overlap seem to be apart.
+RUBBLE_HD RUBBLE_APART inline Nearest preciseNearest(Convex a, Convex b, Quat turn, Vec3 at) {
+  const Separation x = gjk::cores({a, {0, 0, 0}, {}}, {b, Vec3d(at), Quatd(turn)});
+  const Real distance = static_cast<Real>(x.distance);
+  return {Vec3(x.n), distance, Vec3(x.onA), Vec3(x.onB), distance};
+}
+
 /// The direction that separates most: of bodies apart that between their nearest points; of others a local maximum, climbed to from the
 /// better one of the unit vector n and the direction between the bodies made smaller about their centres, which loses little of their form.
 RUBBLE_HD inline SeparatingDirection mostSeparating(const ConvexPair& p, Vec3 n) {
   const Real gap = kPushedGap * p.length;
-  const Nearest whole = nearestPoints(p, {0, 0, 0}, n);
+  Nearest whole = nearestPoints(p, {0, 0, 0}, n);
+  if (!(whole.proven >= kProven * whole.distance)) whole = preciseNearest(p.a, p.b, p.q, p.at);
   if (whole.distance > kLeastGap * p.length) return {whole.n, whole.distance, whole.onA, whole.onB};
   Real most = separationAlong(p, n);
   for (Real size = Real(.9); size > Real(.1); size -= Real(.3)) {

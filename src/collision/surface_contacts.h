@@ -66,8 +66,10 @@ RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const
 
 namespace surface {
 
-/// Contact of one triangle. `part` is turned by `turn`; the corners are relative to its centre, in the frame of the surface.
-RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const Convex& part, const Mat3& turn, Real margin, SurfaceContacts& out) {
+/// Contact of one triangle. `part` is turned by q, as a matrix `turn`; the corners are relative to its centre, in
+/// the frame of the surface.
+RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const Convex& part, const Quat& q,
+                                  const Mat3& turn, Real margin, SurfaceContacts& out) {
   Convex triangle{ShapeKind::Triangle, {0, 0, 0}, 0, nullptr, nullptr, nullptr, 0, 0, {t.corner[0], t.corner[1], t.corner[2]}};
   Vec3 n = xyz(facePlane(triangle, 0));
   bool turned = false;
@@ -79,7 +81,7 @@ RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const
     turned = true;
   }
   const Real length = out.length;
-  const ConvexPair p{triangle, part, turn, {0, 0, 0}, length, out.weight};
+  const ConvexPair p{triangle, part, q, turn, {0, 0, 0}, length, out.weight};
   convex::BestFace face{0, false, dot(n, supportOfB(p, -n) - triangle.corner[0])};
   if (face.s - part.radius > margin) return;
   RawManifold raw;
@@ -134,7 +136,7 @@ RUBBLE_HD inline void collideTriangles(const ShapeTables& tables, const ShapeDat
   visitTriangles(tables, s, at - half, at + half, [&](const SurfaceTriangle& t) {
     const SurfaceTriangle near{{t.corner[0] - at, t.corner[1] - at, t.corner[2] - at}, t.flags, t.index,
                                {t.beyond[0] - at, t.beyond[1] - at, t.beyond[2] - at}};
-    surface::addTriangle(near, twoSided, convexPart, turn, margin, out);
+    surface::addTriangle(near, twoSided, convexPart, q, turn, margin, out);
     return false;
   });
 }

@@ -8,8 +8,10 @@
 ///
 /// e_i: motion of body i, g_j: what joint j is open by. Its three axes are one and the same elimination of numbers, in the order of trees.h, and
 /// what is held by the world, or with an axis locked, stays. The centre of mass of a free tree stays where it is.
+#include <limits>
 #include <type_traits>
 
+#include "stages/assembly_stops.h"
 #include "stages/trees.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -37,9 +39,10 @@ RUBBLE_HD RUBBLE_APART Vec3 openedGap(const View& s, const JointSpec<F>& spec, c
   return gap;
 }
 
-/// The node of a body that closing may move, -1: none.
+/// The node of a body that closing may move, -1: none. One that has just stopped at another stays there.
 RUBBLE_HD inline int closingNode(const View& s, int body) {
-  if (body == kWorldBody || !isDynamic(s, body) || (s.target[body].locks & 7) != 0) return -1;
+  if (body == kWorldBody || !isDynamic(s, body)) return -1;
+  if ((s.target[body].locks & 7) != 0 || hasMet(s, body)) return -1;
   const int node = s.nodeOfBody[body];
   return node >= 0 && s.treeNode[node].exact ? node : -1;
 }
@@ -117,7 +120,7 @@ struct EliminateLink {
   }
 };
 
-/// As SubstituteNode. Bodies are moved at once.
+/// As SubstituteNode.
 struct SubstituteLink {
   static constexpr const char* kName = "closing";
   int begin;
@@ -127,12 +130,6 @@ struct SubstituteLink {
     TreeLink& link = s.treeLink[begin + k];
     for (int t = 0; t < 2; ++t)
       if (node.near[t] >= 0) link.x -= link.w[t] * s.treeLink[node.near[t]].x;
-    if (closingNode(s, node.body) != begin + k || !isFinite(Vec3(link.x))) return;
-    const double way = length(link.x), most = static_cast<double>(kClosingWay * innerRadiusOf(s.shapeTables(), s.params[node.body].shape));
-    const Vec3d shift = way > most ? link.x * (most / way) : link.x;
-    s.position[node.body] += shift;
-    // the way that it has made in the step
-    (s.stopBits[node.body] != 0 ? s.stopped : s.moved)[node.body].dp += Vec3(shift);
   }
 };
 
@@ -145,6 +142,61 @@ struct CloseTree {
     for (int k = begin; k < end; ++k) AssembleLinks{}(s, s.treeMember[k]);
     for (int k = begin; k < end; ++k) EliminateLink{0}(s, s.treeMember[k]);
     for (int k = end - 1; k >= begin; --k) SubstituteLink{0}(s, s.treeMember[k]);
+  }
+};
+
+/// How far a body may go into the other one of a contact; of a gap between two that move each has half. [m]
+RUBBLE_HD inline Real roomBefore(const View& s, const ContactRows& r) {
+  const Manifold& m = s.manifold[r.manifold];
+  const Vec3 t = centreDistance(s, r.a, r.b);
+  Real deepest = -std::numeric_limits<Real>::max();
+  for (int k = 0; k < m.count; ++k)
+    deepest = max(deepest, pointAt(m, k, r.n, s.orientation[r.a], s.orientation[r.b], t).depth);
+  return max(-deepest, Real(0)) * (isDynamic(s, r.a) && isDynamic(s, r.b) ? Real(.5) : Real(1));
+}
+
+/// What the contacts of a body leave of a way: into what it touches it does not go.
+RUBBLE_HD RUBBLE_APART inline Vec3 keptOut(const View& s, int body, Vec3 way) {
+  constexpr int kPasses = 2;  // what one contact turns aside another one may have to stop
+  for (int pass = 0; pass <= kPasses; ++pass)
+    for (int k = s.entryOffset[body]; k < s.entryOffset[body + 1]; ++k) {
+      const std::uint32_t code = s.entry[k].code;
+      if (entryType(code) != kContactType) continue;
+      const ContactRows& r = s.contact[entryIndex(code)];
+      const Vec3 out = entrySide(code) == 0 ? -r.n : r.n;
+      const Real excess = -dot(way, out) - roomBefore(s, r);
+      if (!(excess > Real(0))) continue;
+      if (pass == kPasses) return {0, 0, 0};
+      way += excess * out;
+    }
+  return way;
+}
+
+/// How far a body of a tree is moved: all are still where they were.
+struct LimitClosing {
+  static constexpr const char* kName = "closing";
+  RUBBLE_HD void operator()(const View& s, int n) const {
+    const TreeNode& node = s.treeNode[n];
+    if (s.treeOpen[node.tree] == 0) return;
+    Vec3d& x = s.treeLink[n].x;
+    if (closingNode(s, node.body) != n || !isFinite(Vec3(x))) {
+      x = {0, 0, 0};
+      return;
+    }
+    const Real most = kClosingWay * innerRadiusOf(s.shapeTables(), s.params[node.body].shape);
+    const Real way = length(Vec3(x));
+    x = Vec3d(keptOut(s, node.body, Vec3(x) * (way > most ? most / way : Real(1))));
+  }
+};
+struct MoveClosed {
+  static constexpr const char* kName = "closing";
+  RUBBLE_HD void operator()(const View& s, int n) const {
+    const TreeNode& node = s.treeNode[n];
+    if (s.treeOpen[node.tree] == 0) return;
+    const Vec3d x = s.treeLink[n].x;
+    s.position[node.body] += x;
+    // the way that it has made in the step
+    (s.stopBits[node.body] != 0 ? s.stopped : s.moved)[node.body].dp += Vec3(x);
   }
 };
 

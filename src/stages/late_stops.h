@@ -78,7 +78,7 @@ struct FindLateStops {
   RUBBLE_HD void operator()(const View& s, int i) const { (*this)(s, i, 0, 1); }
   /// By number `lane` of `lanes`.
   RUBBLE_HD void operator()(const View& s, int i, int lane, int lanes) const {
-    if (s.counters->swept == 0 || s.fast[i] == 0) return;
+    if (s.counters->anyFast == 0 || s.fast[i] == 0) return;
     if (s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
     const Bounds way = boundsOfWay(s, i);
     if (!leavesBounds(s, i, way)) return;
@@ -121,7 +121,7 @@ struct FindLateStops {
 struct StopLateBodies {
   static constexpr const char* kName = "stops";
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (s.counters->swept == 0 || s.stopBits[i] == 0 || s.stopPair[i] != 0) return;
+    if (s.counters->anyFast == 0 || s.stopBits[i] == 0 || s.stopPair[i] != 0) return;
     atomicCount(&s.counters->stopped, 1);
     const Real done = Real(1) - fromFloatBits(s.stopBits[i]);
     s.stopped[i] = {done * s.moved[i].dp, 0, done * s.moved[i].dw, 0};

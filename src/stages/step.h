@@ -223,11 +223,14 @@ void closeTrees(E& e) {
   forEachJoint<FindOpenTrees>(e);
   if (s.smallTrees) {
     e.forEach(CloseTree{}, s.trees);
-    return;
+  } else {
+    e.forEach(AssembleLinks{}, nodes);
+    const auto inRound = [&](int r) { return s.treeBegin[r + 1] - s.treeBegin[r]; };
+    for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateLink{s.treeBegin[r]}, inRound(r));
+    for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteLink{s.treeBegin[r]}, inRound(r));
   }
-  e.forEach(AssembleLinks{}, nodes);
-  for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateLink{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
-  for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteLink{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+  e.forEach(LimitClosing{}, nodes);
+  e.forEach(MoveClosed{}, nodes);
 }
 
 template <Executor E>

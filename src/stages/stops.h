@@ -38,6 +38,7 @@ struct FindFast {
     const Real ahead = s.step.dt * length(s.velocity[i]);
     if (!(way2 > Real(0)) || (max(std::sqrt(way2), ahead) + turn <= inner && s.fast[i] == 0)) return;
     s.fast[i] = 1;
+    atomicRaise(&s.counters->anyFast, 1);
     atomicRaise(&s.counters->swept, s.counters->pairs);
   }
 };
@@ -56,7 +57,7 @@ struct NoteStops {
   static constexpr const char* kName = "stops";
   int round;
   RUBBLE_HD void operator()(const View& s, int i) const {
-    if (s.counters->swept == 0 || s.fast[i] == 0) return;
+    if (s.counters->anyFast == 0 || s.fast[i] == 0) return;
     const int bits = s.stopBits[i], owner = stopOwner(s, i);
     if (bits <= s.stopSeen[owner]) return;
     atomicRaise(&s.stopSeen[owner], bits);

@@ -218,6 +218,7 @@ struct Counters {
   int contacts, recycled, freshPairs, tested;
   int groups, chunks, externals;
   int clashing, clashes, rounds;  ///< nodes that choose a colour, those left to choose again, rounds of that
+  int anyFast;  ///< 1: a body goes far, or is pressed into another
   int swept;    ///< pairs to be searched for fast bodies: all, or none
   int stopped;  ///< bodies that stopped at an impact
   int asleep;   ///< bodies that sleep after this step

@@ -244,7 +244,8 @@ TEST(JointTree, StaysClosedWhereItStopsInTheMiddleOfAStep) {
     worst = std::max(worst, world.quality().jointGapMax);
   }
   EXPECT_GT(stopped, 0);
-  EXPECT_LT(worst, 1e-2);
+  // 30 mm open by themselves; the rod that met the ground stays there, the other goes half of its thickness
+  EXPECT_LT(worst, 2e-2);
 }
 
 TEST(JointTree, AGapThatItBeganWithIsClosedSlowly) {

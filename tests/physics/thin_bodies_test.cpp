@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "tests/support/random.h"
 #include "tests/support/scenes.h"
@@ -51,6 +53,43 @@ TEST(ThinBodies, RestNoDeeperThanATwentiethOfTheirThickness) {
     EXPECT_LT(restingDepth(tileUnderCube(random, half, ratio), half, dt, iterations), .05)
         << "seed " << seed << " half " << half << " ratio " << ratio << " dt " << dt << " iterations "
         << iterations;
+  }
+}
+
+/// A body of millimetres that falls by a part of its size.
+Scene smallOverHuge(Random& random, double size) {
+  Scene scene = test::emptyScene({0, 0, -10});
+  const double half = random.uniform(.2, 2);
+  BodyDef floor = test::body(Shape::box({half, half * random.uniform(.5, 1), half}), {0, 0, -half});
+  floor.motion = Motion::Static;
+  scene.bodies.push_back(floor);
+  std::vector<Vec3> corners;
+  for (int k = 0; k < 12; ++k) corners.push_back(size / 2 * random.direction());
+  const double thin = size * random.uniform(.1, .4);
+  const std::array shapes = {Shape::hull(corners), Shape::box({size / 2, size / 3, thin}, thin / 4),
+                             Shape::cylinder(size / 2, thin), Shape::cone(size / 3, thin)};
+  BodyDef def = test::body(shapes[static_cast<std::size_t>(random.below(4))], {0, 0, size});
+  def.position = {half * random.uniform(-.4, .4), half * random.uniform(-.4, .4), size};
+  def.orientation = random.rotation();
+  scene.bodies.push_back(def);
+  return scene;
+}
+
+TEST(ThinBodies, LieOnWhatIsAThousandTimesAsLarge) {
+  for (int seed = 0; seed < 200; ++seed) {
+    Random random(static_cast<std::uint64_t>(seed));
+    const double size = random.logUniform(.002, .01);
+    WorldOptions o = test::options(4);
+    o.params.dt = random.below(2) ? 1. / 60 : 1. / 30;
+    World world(smallOverHuge(random, size), o);
+    const Vec3 centre = world.massOf(world.bodyAt(1)).centre;
+    double lowest = size;
+    for (int i = 0; i < 150; ++i) {
+      world.step();
+      const BodyState body = world.state(world.bodyAt(1));
+      lowest = std::min(lowest, (body.position + rotate(body.orientation, centre)).z);
+    }
+    EXPECT_GT(lowest, 0) << "seed " << seed;
   }
 }
 
