@@ -86,8 +86,10 @@ struct CountedKind {
 inline constexpr CountedKind kCountedKinds[] = {{"pairs", Per::Pair},           {"nearPairs", Per::NearPair},       {"manifolds", Per::Manifold},
                                                 {"rollers", Per::Rolling},      {"bounceRows", Per::Bounce},        {"entries", Per::Entry},            {"colors", Per::Color},
                                                 {"groups", Per::Group},         {"chunks", Per::Chunk},             {"externals", Per::External},
-                                                {"pointPairs", Per::PointPair}, {"pointEntries", Per::PointEntry},
-                                                {"nearFeatures", Per::NearFeature}, {"freeIslands", Per::FreeIsland}};
+                                                {"pointPairs", Per::PointPair},
+                                                {"pointEntries", Per::PointEntry},
+                                                {"nearFeatures", Per::NearFeature},
+                                                {"freeIslands", Per::FreeIsland}};
 inline const char* kindName(Per per) {
   for (const CountedKind& kind : kCountedKinds)
     if (kind.per == per) return kind.name;

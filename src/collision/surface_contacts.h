@@ -66,8 +66,8 @@ RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const
 
 namespace surface {
 
-/// Contact of one triangle. `part` is turned by q, as a matrix `turn`; the corners are relative to its centre,
-/// in the frame of the surface.
+/// Contact of one triangle. `part` is turned by q, as a matrix `turn`; the corners are relative to its
+/// centre, in the frame of the surface.
 RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const Convex& part, const Quat& q,
                                   const Mat3& turn, Real margin, SurfaceContacts& out) {
   Convex triangle{ShapeKind::Triangle, {0, 0, 0}, 0, nullptr, nullptr, nullptr, 0, 0, {t.corner[0], t.corner[1], t.corner[2]}};

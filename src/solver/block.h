@@ -92,8 +92,8 @@ RUBBLE_HD inline Vec6 product(const Block6& b, const Vec6& dx) {
   return {b.ll * dx.lin + Vec3{dot(b.al0, dx.ang), dot(b.al1, dx.ang), dot(b.al2, dx.ang)},
           b.al0 * dx.lin.x + b.al1 * dx.lin.y + b.al2 * dx.lin.z + b.aa * dx.ang};
 }
-/// The best step along D^-1 f, D the diagonal of H: it subtracts nothing, and descends whatever digits are left.
-/// A copy of the block, so that the caller's own stays in registers.
+/// The best step along D^-1 f, D the diagonal of H: it subtracts nothing, and descends whatever digits are
+/// left. A copy of the block, so that the caller's own stays in registers.
 RUBBLE_HD RUBBLE_APART inline Vec6 diagonalStep(Block6 b) {
   const Vec6 d{{b.fl.x / b.ll.xx, b.fl.y / b.ll.yy, b.fl.z / b.ll.zz}, {b.fa.x / b.aa.xx, b.fa.y / b.aa.yy, b.fa.z / b.aa.zz}};
   const Real work = dot(Vec6{b.fl, b.fa}, d), curvature = dot(d, product(b, d)), turn2 = dot(d.ang, d.ang);

@@ -283,9 +283,9 @@ struct SolveBody {
   }
 };
 
-/// What gravity and forces gave a body that has stopped, for the part of the step that it did not go [m/s]: its
-/// way ended, and their work with it. As far as it followed them: what rows hold has none of it.
-/// `start`, `v`: at both ends of the step.
+/// What gravity and forces gave a body that has stopped, for the part of the step that it did not go [m/s]:
+/// its way ended, and their work with it. As far as it followed them: what rows hold has none of it. `start`,
+/// `v`: at both ends of the step.
 RUBBLE_HD inline Vec3 unusedPush(const View& s, int i, const Vec3& start, const Vec3& v) {
   const StepConstants& c = s.step;
   const Vec3 push = c.inverseDt * s.target[i].y.p - start;

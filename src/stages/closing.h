@@ -7,7 +7,8 @@
 ///   least  sum_i m_i |e_i|^2 + sum_j k |e_A - e_B + g_j|^2 / 2,     k = kTreeStiffness times the lighter mass of the joint
 ///
 /// e_i: motion of body i, g_j: what joint j is open by. Its three axes are one and the same elimination of numbers, in the order of trees.h, and
-/// what is held by the world, or with an axis locked, stays. The centre of mass of a free tree stays where it is.
+/// what is held by the world, or with an axis locked, stays. The centre of mass of a free tree stays where it
+/// is, unless a contact or a limit holds a body of it back.
 #include <limits>
 #include <type_traits>
 
@@ -157,7 +158,8 @@ RUBBLE_HD inline Real roomBefore(const View& s, const ContactRows& r) {
 
 /// What the contacts of a body leave of a way: into what it touches it does not go.
 RUBBLE_HD RUBBLE_APART inline Vec3 keptOut(const View& s, int body, Vec3 way) {
-  constexpr int kPasses = 2;  // what one contact turns aside another one may have to stop
+  constexpr int kPasses = 2;                    // what one contact turns aside another one may have to stop
+  const Real slack = Real(1e-4) * length(way);  // more than the round-off of what is taken away
   for (int pass = 0; pass <= kPasses; ++pass)
     for (int k = s.entryOffset[body]; k < s.entryOffset[body + 1]; ++k) {
       const std::uint32_t code = s.entry[k].code;
@@ -165,7 +167,7 @@ RUBBLE_HD RUBBLE_APART inline Vec3 keptOut(const View& s, int body, Vec3 way) {
       const ContactRows& r = s.contact[entryIndex(code)];
       const Vec3 out = entrySide(code) == 0 ? -r.n : r.n;
       const Real excess = -dot(way, out) - roomBefore(s, r);
-      if (!(excess > Real(0))) continue;
+      if (!(excess > slack)) continue;
       if (pass == kPasses) return {0, 0, 0};
       way += excess * out;
     }
@@ -194,6 +196,8 @@ struct MoveClosed {
     const TreeNode& node = s.treeNode[n];
     if (s.treeOpen[node.tree] == 0) return;
     const Vec3d x = s.treeLink[n].x;
+    // a body may have several nodes, of which one moves it
+    if (x == Vec3d{0, 0, 0}) return;
     s.position[node.body] += x;
     // the way that it has made in the step
     (s.stopBits[node.body] != 0 ? s.stopped : s.moved)[node.body].dp += Vec3(x);

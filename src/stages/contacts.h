@@ -140,13 +140,13 @@ RUBBLE_HD inline Real fastestPoint(const View& s, const Manifold& m, const PairR
 /// not carry the impact on through a heap.
 inline constexpr Real kImpactMasses = 100;
 
-/// What a load stands for moves the bodies of a contact by no more than this share of half the thickness of the
-/// thinner one in a step [1]: they rest three tenths as deep in one another (docs/method.md).
+/// What a load stands for moves the bodies of a contact by no more than this share of half the thickness of
+/// the thinner one in a step [1]: they rest three tenths as deep in one another (docs/method.md).
 inline constexpr Real kMostGive = Real(.05);
 
-/// The mass that a load stands for over dt^2, for each newton: a weight |lambda| stands for |lambda| / a, what ends
-/// a speed in the step for up to kImpactMasses |lambda| dt / speed; `thin`: half the thickness of the thinner
-/// body. [1/m]
+/// The mass that a load stands for over dt^2, for each newton: a weight |lambda| stands for |lambda| / a,
+/// what ends a speed in the step for up to kImpactMasses |lambda| dt / speed; `thin`: half the thickness of
+/// the thinner body. [1/m]
 RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real thin) {
   const Real give = c.loadAcceleration * c.dt * c.dt;
   return Real(1) / max(thin > Real(0) ? min(give, kMostGive * thin) : give, speed * c.dt / kImpactMasses);

@@ -1,9 +1,9 @@
 #pragma once
-/// What rows give a body that turns far in a step. They know its turn to first order: their levers are those of
-/// x^t, and a point of a body that turns by an angle a is elsewhere by half of a^2. So their impulses and their
-/// torques fit one another no better than that, and energy comes from it. Rows that act on nothing which moves do
-/// no work: a body with only such rows may have no more kinetic energy than it would have had without them.
-/// Velocity and spin are reduced together, which turns no parting into an approach.
+/// What rows give a body that turns far in a step. They know its turn to first order: their levers are those
+/// of x^t, and a point of a body that turns by an angle a is elsewhere by half of a^2. So their impulses and
+/// their torques fit one another no better than that, and energy comes from it. Rows that act on nothing
+/// which moves do no work: a body with only such rows may have no more kinetic energy than it would have had
+/// without them. Velocity and spin are reduced together, which turns no parting into an approach.
 #include "stages/contacts.h"
 
 namespace rubble::RUBBLE_CORE {

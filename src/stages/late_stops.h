@@ -18,8 +18,8 @@ RUBBLE_HD inline Bounds boundsOfWay(const View& s, int i) {
   return b;
 }
 
-/// Does the way of a body lead out of the box that the broad phase gave it, by more than bodies may be left in one
-/// another?
+/// Does the way of a body lead out of the box that the broad phase gave it, by more than bodies may be left
+/// in one another?
 RUBBLE_HD inline bool leavesBounds(const View& s, int i, const Bounds& way) {
   const BodyParams& p = s.params[i];
   const Bounds& b = s.bounds[i];

@@ -174,8 +174,8 @@ RUBBLE_HD void forEachTerm(MomentumSums& m, Act&& act) {
   Sym3& i = m.inertia;
   act(i.xx), act(i.yy), act(i.zz), act(i.xy), act(i.xz), act(i.yz);
 }
-/// The same as whole numbers, whose sums do not depend on the order: in units of 2^-kTermBits of a power of two
-/// that no term of its kind reaches, so that 2^22 of them fit a sum.
+/// The same as whole numbers, whose sums do not depend on the order: in units of 2^-kTermBits of a power of
+/// two that no term of its kind reaches, so that 2^22 of them fit a sum.
 struct IslandSums {
   static constexpr int kTermBits = 40;
   std::int64_t sum[kMomentumTerms];

@@ -197,8 +197,8 @@ void World::reserve(const std::string& kind, int count) {
   }
   if (!known)
     throw Error("kind",
-                "pairs, nearPairs, manifolds, rollers, bounceRows, entries, colors, groups, chunks, externals, "
-                "pointPairs, pointEntries, nearFeatures or freeIslands",
+                "pairs, nearPairs, manifolds, rollers, bounceRows, entries, colors, groups, chunks, "
+                "externals, pointPairs, pointEntries, nearFeatures or freeIslands",
                 "\"" + kind + "\"");
 }
 

@@ -21,7 +21,8 @@ Scene thrownPair(Random& random, bool onPlane) {
   BodyDef floor = test::body(onPlane ? Shape::plane() : Shape::box({5, 5, .5}), {0, 0, onPlane ? 0 : -.5});
   floor.motion = Motion::Static;
   scene.bodies.push_back(floor);
-  const double size = random.logUniform(.01, .2), speed = random.uniform(2, 20), spin = random.logUniform(1, 50);
+  const double size = random.logUniform(.01, .2), speed = random.uniform(2, 20);
+  const double spin = random.logUniform(1, 50);
   for (int k = 0; k < 2; ++k) {
     const double own = size * random.uniform(.3, 1);
     const Vec3 half = own / 2 * Vec3{1, random.uniform(.15, 1), random.uniform(.1, .4)};

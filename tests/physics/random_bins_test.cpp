@@ -38,8 +38,8 @@ TEST(LongRandomBins, KeepWhatIsThrownIn) {
   EXPECT_EQ(count.quarantined, 0);
 }
 
-/// Throws of which the kinetic energy ever is more than 1.02 times that of the start: that of a free body that
-/// turns by more than 0.8 rad in a step is off by up to that.
+/// Throws of which the kinetic energy ever is more than 1.02 times that of the start: that of a free body
+/// that turns by more than 0.8 rad in a step is off by up to that.
 int gaining(std::uint64_t first, std::uint64_t last) {
   int count = 0;
   for (std::uint64_t seed = first; seed < last; ++seed) count += take(randomThrow(seed)).gain > .02;
