@@ -104,8 +104,6 @@ struct EngineSettings {
   Params params;
   Vec3 gravity;
   bool wakeAll = false;      ///< for the next step: nothing sleeps on
-  double maxMassLength = 0;  ///< mass times bounding diameter of the heaviest dynamic body [kg m]
-  double maxMass = 0;        ///< of the heaviest dynamic body [kg]
   double typicalRadius = 1;  ///< bounding radius of the median dynamic body, deformable object or particle [m]
 };
 

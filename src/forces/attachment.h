@@ -49,7 +49,7 @@ struct Attachment {
     const StiffnessRule rule = jointRule(c, startStiffness(c, row), length);
     lambda = isNew() ? load : warmMultiplier(c, Real(1), hard) * lambda;
     const Real size = std::sqrt(dot(lambda, lambda)), warm = isNew() ? newStiffness(rule, size) : warmStiffness(c, rule, k, size);
-    group = {warm, compliance, min(bound, c.maxMultiplier), rule, true};
+    group = {warm, compliance, bound, rule, true};
     c0 = hard ? (Real(1) - c.alpha) * gap : gap;
     lever = leverNow;
   }

@@ -411,7 +411,7 @@ RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Join
     if constexpr (choosesParts<F>())
       if (!joint.memory.takesPart(I)) return restPart(partOf<I>(joint.parts));
     const bool linear = P::kUnit == RowUnit::Linear;
-    const Real bound = linear ? min(spec.breakForce, c.maxMultiplier) : min(spec.breakTorque, c.maxMultiplier * joint.length);
+    const Real bound = linear ? spec.breakForce : spec.breakTorque;
     beginPart<P>(c, spec, joint, partOf<I>(spec.parts), partOf<I>(joint.parts), a, b, bodies, bound, together);
   });
 }

@@ -50,7 +50,7 @@ struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
     o.cN = c0 + dot(n, d);
     o.c1 = c.driftCorrection * drift1 + dot(o.t1, d);
     o.c2 = c.driftCorrection * drift2 + dot(o.t2, d);
-    o.fN = clamp(kN * o.cN + lambdaN, Real(0), c.maxMultiplier);
+    o.fN = max(kN * o.cN + lambdaN, Real(0));
     o.t = frictionForce<Real>(kT, o.c1, o.c2, lambda1, lambda2, o.fN, mu, muDynamic, c.coneHessian);
     return o;
   }
@@ -95,13 +95,13 @@ struct PointContactStart {
   Real restitution;
 };
 
-/// Closing speed above which a contact of vertices counts as an impact [m/s].
-inline constexpr Real kVertexImpactSpeed = 1;
+/// An impact of vertices closes by so much of L in a step [1]: an elastic body that is pressed on does less.
+inline constexpr Real kVertexImpactWay = Real(.35);
 
 /// Regularises and warm-starts [S 12] [S 17] rows whose geometry is set, from those of the step before (or null).
 RUBBLE_HD inline void beginPointContact(const StepConstants& c, PointContact& p, const PointContactStart& s, const PointContact* old) {
   p.start = startStiffness(c, s.rowMass);
-  const bool hits = s.depth + s.closing * c.dt > Real(0) && s.closing > kVertexImpactSpeed;
+  const bool hits = s.depth + s.closing * c.dt > Real(0) && s.closing * c.dt > kVertexImpactWay * p.length;
   p.c0 = hits && s.restitution > Real(0) ? s.restitution * s.closing * c.dt : inheritedViolation(c, s.depth);
   p.impact = hits && c.impactRule;
   p.mu = p.muStatic;
@@ -114,7 +114,7 @@ RUBBLE_HD inline void beginPointContact(const StepConstants& c, PointContact& p,
   tangentBasis(old->n, o1, o2);
   tangentBasis(p.n, t1, t2);
   const Vec3 pull = o1 * old->kept1 + o2 * old->kept2, drift = o1 * old->drift1 + o2 * old->drift2;
-  p.keptN = p.lambdaN = min(warmMultiplier(c, old->keptN, true), c.maxMultiplier);
+  p.keptN = p.lambdaN = warmMultiplier(c, old->keptN, true);
   Real l1 = warmMultiplier(c, dot(t1, pull), true), l2 = warmMultiplier(c, dot(t2, pull), true);
   const Real size2 = l1 * l1 + l2 * l2, bound = p.muStatic * p.lambdaN;
   if (size2 > bound * bound) {

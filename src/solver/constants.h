@@ -10,8 +10,8 @@ namespace rubble::RUBBLE_CORE {
 
 /// Ceiling of a spin in one step [rad]: the short arc is ambiguous at pi (120 rad/s at 60 Hz).
 inline constexpr Real kMaxSpinPerStep = 2;
-/// Ceiling of |lambda| in m L / dt^2 of the heaviest body of the scene [1], and the share of it that a point of a contact of bodies may have.
-inline constexpr Real kMaxMultiplier = 500, kContactShare = Real(.2);
+/// Ceiling of |lambda| of a contact in m L / dt^2 of the heaviest body of the island that it belonged to in the last step [1].
+inline constexpr Real kContactShare = 100;
 /// Ceiling of |lambda| of a contact that closes at speed v, in m v / dt of its heavier body, if that is more [1]: what stops the body within the step,
 /// and some. Iterates overshoot the load of an impact, so a higher one would let heaps explode.
 inline constexpr Real kMostImpacts = 10;
@@ -51,7 +51,6 @@ struct StepConstants {
   StiffnessPolicy contactPolicy, jointPolicy;
   Real gravitySize;      ///< g [m/s2]
   Real loadAcceleration; ///< a: a load stands for the mass |lambda| / a [m/s2]
-  Real maxMultiplier;    ///< lambda_max [N]
   bool coneHessian, dormantRows, impactRule, compliantRows, literalRotations, coarseCorrection, jointTrees;
   Real acceleration;     ///< rho of the sweeps over solids [1]
   Real driftCorrection;  ///< part of a tangential drift that is corrected in a step [1]

@@ -6,8 +6,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// `maxMassLength`: mass times bounding diameter of the heaviest dynamic body [kg m]; `previousDt` of the last step, 0 before the first.
-inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, double maxMassLength, double previousDt) {
+/// `previousDt`: of the last step [s], 0 before the first.
+inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, double previousDt) {
   const Tuning& t = params.tuning;
   const double dt = params.dt / params.substeps;
   // (1 - alpha) / dt, the rate at which errors are corrected, is the same for every time step [1/s]
@@ -32,7 +32,6 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.gravitySize = static_cast<Real>(g);
   c.loadAcceleration = static_cast<Real>(t.loadAcceleration * (g > 0 ? g : kEarthGravity));
   c.up = g > 0 ? Vec3(gravity * (-1 / g)) : Vec3{0, 0, 0};
-  c.maxMultiplier = static_cast<Real>(std::min(1e30, static_cast<double>(kMaxMultiplier) * maxMassLength / (dt * dt)));
   c.coneHessian = t.coneHessian;
   c.dormantRows = t.dormantRows;
   c.impactRule = t.impactRule;

@@ -13,7 +13,7 @@ RUBBLE_HD void visitSides(const View& s, int a, int b, Visit&& visit) {
 }
 
 /// Is a tree solved exactly in this step: without loops, and touching nothing? All of its bodies are solved by its block alone then.
-RUBBLE_HD inline bool isExact(const View& s, const TreeNode& node) { return node.exact && !s.treeTouched[node.tree]; }
+RUBBLE_HD inline bool isExact(const View& s, const TreeNode& node) { return node.exact && s.treeTouched[node.tree] == kTouchesNothing; }
 RUBBLE_HD inline bool inExactTree(const View& s, int body) {
   const int node = s.step.jointTrees ? s.nodeOfBody[body] : -1;
   return node >= 0 && isExact(s, s.treeNode[node]);
@@ -23,7 +23,7 @@ struct MarkTouchedTrees {
   static constexpr const char* kName = "trees";
   RUBBLE_HD void operator()(const View& s, int i) const {
     const auto touch = [&](int body) {
-      if (s.nodeOfBody[body] >= 0) atomicSet(&s.treeTouched[s.treeNode[s.nodeOfBody[body]].tree], 1);
+      if (s.nodeOfBody[body] >= 0) atomicSet(&s.treeTouched[s.treeNode[s.nodeOfBody[body]].tree], kTouchesBodies);
     };
     touch(s.contact[i].a), touch(s.contact[i].b);
   }

@@ -120,6 +120,11 @@ struct FindReach {
   }
 };
 
+/// Does a contact resist rolling or spinning about its normal?
+RUBBLE_HD inline bool rollsAt(const View& s, const ContactRows& r) {
+  return s.rolls && (s.rolling[r.manifold].rolling > Real(0) || s.rolling[r.manifold].torsional > Real(0));
+}
+
 /// Velocities from before the impact.
 struct TakeBackBounces {
   static constexpr const char* kName = "bounce";
@@ -127,7 +132,7 @@ struct TakeBackBounces {
     if (s.counters->bounceRows == 0 || s.bounceBody[i] == kUnmoved || !isDynamic(s, i)) return;
     const Mobility m = mobility(s, i);
     BodyMotion taken{{0, 0, 0}, {0, 0, 0}}, kept = taken;
-    bool alone = !s.rolls;
+    bool alone = true;
     for (int k = s.entryOffset[i]; k < s.entryOffset[i + 1]; ++k) {
       const std::uint32_t code = s.entry[k].code;
       if (entryType(code) != kContactType) {
@@ -136,6 +141,7 @@ struct TakeBackBounces {
       }
       const ContactRows& r = s.contact[entryIndex(code)];
       const Bounce& bounce = s.bounce[entryIndex(code)];
+      alone &= !rollsAt(s, r);
       const bool onA = entrySide(code) == 0, takesPart = bounce.state & kBounceTakesPart;
       Vec3 t1, t2;
       tangentBasis(r.n, t1, t2);

@@ -7,13 +7,11 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// A level holds bodies up to this many cells wide (half extent): typical bodies, turned any way, share one level.
-inline constexpr Real kLevelFill = Real(1.25);
+/// A level holds bodies up to this many cells wide (half extent), turned any way and with some way ahead.
+inline constexpr Real kLevelFill = Real(1.35), kTurnedWay = Real(1.1);
 
-RUBBLE_HD inline Real cellSize(const View& s, int level) {
-  const int n = level - kBaseLevel;
-  return n < 0 ? s.baseCell / static_cast<Real>(1u << -n) : s.baseCell * static_cast<Real>(1u << n);
-}
+/// Edge of the cells of a level [m]: powers of two.
+RUBBLE_HD inline Real cellSize(int level) { return std::ldexp(Real(1), level - kMetreLevel); }
 
 RUBBLE_HD inline int cellOf(Real x, Real size) {
   constexpr Real kFar = Real(1e9);
@@ -79,8 +77,8 @@ struct ComputeBounds {
     b.centre = x + sweep;
     b.half = boundingHalf(p.shape, q) + abs(sweep) + Vec3{grow, grow, grow};
     int level = 0;
-    const Real widest = max(b.half.x, max(b.half.y, b.half.z));
-    Real size = cellSize(s, level);
+    const Real widest = max(kTurnedWay * p.radius, max(b.half.x, max(b.half.y, b.half.z)));
+    Real size = cellSize(level);
     while (level < kGridLevels - 1 && widest > kLevelFill * size) ++level, size *= 2;
     b.level = level;
     b.x = cellOf(b.centre.x, size), b.y = cellOf(b.centre.y, size), b.z = cellOf(b.centre.z, size);
@@ -121,7 +119,7 @@ struct CellRange {
   RUBBLE_HD double cells() const { return (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1); }
 };
 RUBBLE_HD inline CellRange cellsAround(const View& s, const Bounds& b, int level) {
-  const Real size = cellSize(s, level);
+  const Real size = cellSize(level);
   Vec3 reach;
   for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
   const auto& most = s.counters->levelReach[level];
@@ -161,7 +159,7 @@ RUBBLE_HD void searchLevel(const View& s, int i, const Bounds& b, int level, Fou
     if ((!own || e.body > i) && touches(e)) found(e.body);
   };
   if (visitListed(s, level, tryEntry, lane, lanes)) return;
-  const Real size = cellSize(s, level);
+  const Real size = cellSize(level);
   const CellRange c = cellsAround(s, b, level);
   if (c.empty()) return;
   const bool inPlace = own && kAhead == Ahead::InPlace;

@@ -1,41 +1,30 @@
 #pragma once
-/// The nested cubes that groups are cut by (groups.h).
+/// The nested cubes that groups are cut by (groups.h). Their edges are powers of two, and what they are nested in
+/// is the same everywhere, so that only the members of a group decide where it ends.
 #include "stages/members.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Edge of the finest cells in base cells of the grid (about the bounding radius of a typical body), and the ratio from level to level.
-inline constexpr Real kFinestGroup = 4;
-inline constexpr int kGroupRatio = 8;
+/// Edge of the finest cells over the bounding radius of the larger one of two members, before it is rounded to a
+/// power of two [1]; and how many times it is doubled from level to level.
+inline constexpr Real kFinestCell = Real(3.5);
+inline constexpr int kCellDoublings = 3;
 
-struct GroupCell {
-  int x, y, z;
-  RUBBLE_HD friend bool operator==(const GroupCell& a, const GroupCell& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
-};
-
-/// Cell of a member at the finest level.
-RUBBLE_HD inline GroupCell finestCell(const View& s, int member) {
-  const double size = static_cast<double>(kFinestGroup * s.baseCell);
-  const auto cell = [&](double x) {
-    constexpr double kFar = 1e9;
-    // shifted, so that scenes built about the origin are not cut there at every level
-    return static_cast<int>(floor(clamp(x / size, -kFar, kFar))) + 3 * kGroupRatio * kGroupRatio * kGroupRatio / 8 + 1;
-  };
-  const Vec3d p = placeOf(s, member);
-  return {cell(p.x), cell(p.y), cell(p.z)};
-}
-
-/// The cell one level coarser.
-RUBBLE_HD inline GroupCell coarserCell(const GroupCell& c) {
-  const auto up = [](int fine) { return fine >= 0 ? fine / kGroupRatio : -((kGroupRatio - 1 - fine) / kGroupRatio); };
-  return {up(c.x), up(c.y), up(c.z)};
+/// Do two points share a cell of edge 2^exponent? The origin lies a third of a cell within its own, at every
+/// exponent, so that scenes built about it are not cut there.
+RUBBLE_HD inline bool shareCell(const Vec3d& a, const Vec3d& b, int exponent) {
+  const double perEdge = std::ldexp(1., -exponent), shift = exponent % 2 == 0 ? 1. / 3 : 2. / 3;
+  const auto same = [&](double x, double y) { return floor(x * perEdge + shift) == floor(y * perEdge + shift); };
+  return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z);
 }
 
 /// The finest level at which two members share a cell, and so all coarser ones; kCoarseLevels if there is none.
 RUBBLE_HD inline int finestSharedLevel(const View& s, int a, int b) {
-  GroupCell ca = finestCell(s, a), cb = finestCell(s, b);
+  constexpr Real kHalfDoubling = Real(1.41421356);
+  const Vec3d at = placeOf(s, a), bt = placeOf(s, b);
+  const int finest = std::ilogb(kFinestCell * kHalfDoubling * max(radiusOf(s, a), radiusOf(s, b)));
   int level = 0;
-  for (; level < kCoarseLevels && !(ca == cb); ++level) ca = coarserCell(ca), cb = coarserCell(cb);
+  while (level < kCoarseLevels && !shareCell(at, bt, finest + level * kCellDoublings)) ++level;
   return level;
 }
 

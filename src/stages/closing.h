@@ -62,7 +62,8 @@ struct FindOpenTrees {
     const Joint<F>& joint = s.jointsOf<F>()[i];
     const Vec3 gap = openedGap(s, spec, joint);
     s.treeRowsOf<F>()[i].gap = gap;
-    if (length(gap) > kOpenGap * joint.length) atomicSet(&s.treeOpen[s.treeNode[node].tree], 1);
+    const int tree = s.treeNode[node].tree;
+    if (!touchesDeformables(s, tree) && length(gap) > kOpenGap * joint.length) atomicSet(&s.treeOpen[tree], 1);
   }
 };
 

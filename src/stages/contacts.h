@@ -152,6 +152,19 @@ RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real 
   return Real(1) / max(thin > Real(0) ? min(give, kMostGive * thin) : give, speed * c.dt / kImpactMasses);
 }
 
+/// Ceiling of |lambda| of a contact whose bodies close at that speed [N].
+RUBBLE_HD inline Real largestLoad(const View& s, const OrderedPair& o, Real closing) {
+  const Real inverseDt = s.step.inverseDt;
+  Real mass = 0, massLength = 0;
+  for (const int body : {o.a, o.b}) {
+    const BodyParams& p = s.params[body];
+    if (p.kind != BodyKind::Dynamic) continue;
+    const Real island = fromFloatBits(s.islandMassLength[body]);
+    mass = max(mass, p.mass), massLength = max(massLength, island > Real(0) ? island : kUnreached);
+  }
+  return max(kContactShare * massLength * inverseDt * inverseDt, kMostImpacts * mass * closing * inverseDt);
+}
+
 /// Begins the rows of manifold i: everything but its points. `r` is all zeros.
 RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   const StepConstants& c = s.step;
@@ -174,8 +187,7 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   r.muStatic = material.muStatic, r.muDynamic = material.muDynamic;
   p.mu = r.muStatic != r.muDynamic && slides(m, r.muStatic) ? r.muDynamic : r.muStatic;
   r.restitution = material.restitution;
-  const Real heavier = max(pa.kind == BodyKind::Dynamic ? pa.mass : Real(0), pb.kind == BodyKind::Dynamic ? pb.mass : Real(0));
-  r.most = max(kContactShare * c.maxMultiplier, kMostImpacts * heavier * pairSpeed(s, o.a, o.b, pa, pb).closing * c.inverseDt);
+  r.most = largestLoad(s, o, pairSpeed(s, o.a, o.b, pa, pb).closing);
   p.belt = material.belt;
   p.heavier = startStiffness(c, max(pa.mass, pb.mass));
   p.settling = relativeSettling(s, o.a, o.b);

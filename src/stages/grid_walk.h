@@ -20,7 +20,7 @@ RUBBLE_HD void visitAlong(const View& s, const Vec3d& x, const Vec3d& d, const V
   const int entries = s.bucketOffset[s.cells];
   for (int level = 0; level < kGridLevels; ++level) {
     if (s.counters->levelCount[level] == 0) continue;
-    const double size = static_cast<double>(cellSize(s, level));
+    const double size = static_cast<double>(cellSize(level));
     Vec3d reach = half;
     for (int k = 0; k < 3; ++k) reach[k] += static_cast<double>(fromFloatBits(s.counters->levelHalf[level][k]));
     const auto cell = [&](double a) { return static_cast<int>(floor(clamp(a / size, -1e9, 1e9))); };
@@ -51,8 +51,8 @@ RUBBLE_HD void visitAlong(const View& s, const Vec3d& x, const Vec3d& d, const V
           for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
             const GridEntry& e = s.grid[k];
             // another cell may share the bucket
-            const bool here = e.level == level && cellOf(e.centre.x, cellSize(s, level)) == c[0] && cellOf(e.centre.y, cellSize(s, level)) == c[1] &&
-                              cellOf(e.centre.z, cellSize(s, level)) == c[2];
+            const bool here = e.level == level && cellOf(e.centre.x, cellSize(level)) == c[0] && cellOf(e.centre.y, cellSize(level)) == c[1] &&
+                              cellOf(e.centre.z, cellSize(level)) == c[2];
             if (here) tryEntry(e);
           }
         }

@@ -65,6 +65,7 @@ struct JoinMomentumIslands {
       s.islandBonds[i] = kHeld;
       return;
     }
+    s.islandMassLength[i] = floatBits(s.params[i].mass * 2 * s.params[i].radius);
     int bonds = s.target[i].locks != 0 ? kHeld : 0;
     for (int k = s.entryOffset[i]; k < s.entryOffset[i + 1]; ++k) {
       const Entry entry = s.entry[k];
@@ -82,8 +83,11 @@ struct FindMomentumIslands {
   RUBBLE_HD void operator()(const View& s, int i) const {
     const int root = findLeader(islandForest(s), i);
     s.rowIsland[i] = root;
+    if (root == i || !isDynamic(s, i)) return;
     const int own = s.islandBonds[i];
-    if (own != 0 && root != i && isDynamic(s, i)) atomicSet(&s.islandBonds[root], own);
+    if (own != 0) atomicSet(&s.islandBonds[root], own);
+    if (const int heavy = s.islandMassLength[i]; heavy > s.islandMassLength[root])
+      atomicRaise(&s.islandMassLength[root], heavy);
   }
 };
 
@@ -91,6 +95,7 @@ struct FindMomentumIslands {
 struct NumberFreeIslands {
   static constexpr const char* kName = "momentum";
   RUBBLE_HD void operator()(const View& s, int i) const {
+    if (isDynamic(s, i)) s.islandMassLength[i] = s.islandMassLength[s.rowIsland[i]];
     const bool leads = s.rowIsland[i] == i && (s.islandBonds[i] & kHeld) == 0;
     const bool isFree = leads && s.entryOffset[i + 1] > s.entryOffset[i];
     s.islandSlot[i] = isFree ? atomicCount(&s.counters->freeIslands, 1) : -1;

@@ -22,6 +22,10 @@ RUBBLE_HD inline Vec3 centreOf(const View& s, const Lump& lump) {
 RUBBLE_HD inline Real massOf(const View& s, const Lump& lump) {
   return lump.cluster >= 0 ? s.clusterMotion[lump.cluster].mass : s.vertexParams[lump.first].mass;
 }
+/// Of its bounding sphere. [m]
+RUBBLE_HD inline Real radiusOf(const View& s, int member) {
+  return member < s.bodies ? s.params[member].radius : s.lump[member - s.bodies].radius;
+}
 /// Centre at x^t. [m]
 RUBBLE_HD inline Vec3d placeOf(const View& s, int member) {
   if (member < s.bodies) return s.position[member];

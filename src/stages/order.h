@@ -23,12 +23,12 @@ RUBBLE_HD constexpr std::uint64_t spreadBits(std::uint64_t v) {
 /// Is a body somewhere, and not everywhere?
 RUBBLE_HD inline bool hasPlace(const View& s, int i) { return s.params[i].kind != BodyKind::Removed && s.params[i].shape.kind != ShapeKind::Plane; }
 
-/// How far along the curve a body lies, in cells a quarter as wide as a typical body, which tell bodies apart that touch. Those without a place stand
+/// How far along the curve a body lies, in cells of which several fit into a typical body, which tell bodies apart that touch. Those without a place stand
 /// behind the others.
 RUBBLE_HD inline std::uint64_t placeOnCurve(const View& s, int i) {
   if (!hasPlace(s, i)) return ~std::uint64_t{0};
   constexpr double kHalf = 1 << 20;
-  const double size = s.baseCell / 4;
+  const double size = s.curveCell;
   const auto cell = [&](double x) { return spreadBits(static_cast<std::uint64_t>(clamp(std::floor(x / size) + kHalf, 0.0, 2 * kHalf - 1))); };
   const Vec3d& x = s.position[i];
   return cell(x.x) | cell(x.y) << 1 | cell(x.z) << 2;

@@ -196,10 +196,10 @@ void keepMomentum(E& e) {
 
 /// One step of all bodies that hang together by joints. Trees with contacts are solved exactly where no other block moves their bodies afterwards.
 template <Executor E>
-void correctTrees(E& e, TreeSolve how) {
+void correctTrees(E& e, TreeSolve how, TreesOf of) {
   const View& s = e.view();
   const int nodes = treeNodes(s);
-  e.forEach(BeginTrees{how}, nodes);
+  e.forEach(BeginTrees{how, of}, nodes);
   forEachJoint<FindTreeRows>(e, how);
   e.beside(AssembleTreeBodies<typename E::Lane>{}, nodes);
   if (s.smallTrees) {
@@ -333,20 +333,21 @@ void step(E& e) {
   if (e.view().step.coarseCorrection) prepareGroups(e);
   if (e.view().step.coarseCorrection && vertices > 0) placeClusters(e);
 
-  // vertices that hang on bodies know nothing of joints that are held harder than they are: with them trees stay before the sweep
-  const bool treesEnd = nodes > 0 && vertices == 0, lines = e.view().step.jointTrees && e.view().lines > 0;
+  const bool lines = e.view().step.jointTrees && e.view().lines > 0;
   for (int n = 0; n < e.view().step.iterations; ++n) {
     if (n == 0 && e.view().step.coarseCorrection) forEachJoint<LinearizeTurns>(e);
     if (e.view().step.coarseCorrection) correctGroups(e, n);
     if (e.view().step.coarseCorrection && vertices > 0) correctClusters(e);
     const bool last = n + 1 == e.view().step.iterations;
-    if (nodes > 0 && !(last && treesEnd)) correctTrees(e, TreeSolve::Own);
+    if (nodes > 0 && !last) correctTrees(e, TreeSolve::Own, TreesOf::Any);
+    if (nodes > 0 && last && vertices > 0) correctTrees(e, TreeSolve::Own, TreesOf::Deformables);
     if (lines) correctLines(e);
     forEachJoint<LinearizeTurns>(e);
     e.forEachColor(SolveBody<L>{}, SolveVertex{});
     if (!last && accelerates(e)) e.forEach(AccelerateVertices{n, accelerationOf(e.view().step.acceleration, n)}, vertices);
     if (last && e.view().step.coarseCorrection && e.view().lumps > 0) keepMomentum(e);
-    for (int k = 0; last && treesEnd && k < lastTreeSolves(e.view()); ++k) correctTrees(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again);
+    for (int k = 0; last && nodes > 0 && k < lastTreeSolves(e.view()); ++k)
+      correctTrees(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again, TreesOf::Rest);
     if (!last) e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
     else e.forEach(FinishContacts<L>{}, &Counters::manifolds);
     if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);
@@ -362,7 +363,7 @@ void step(E& e) {
   if (e.view().bounces) findBounces(e);
   e.forEach(FinishBodies{}, bodies);
   if (e.view().bounces) actBounces(e);
-  if (treesEnd) closeTrees(e);
+  if (nodes > 0) closeTrees(e);
   if (!e.view().step.literalRotations) keepIslandMomenta(e);
   if (e.view().lumps > 0) keepSpin(e);
   e.forEach(FinishVertices{}, vertices);

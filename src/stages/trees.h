@@ -22,7 +22,8 @@ struct MarkSoftTrees {
   static constexpr const char* kName = "trees";
   RUBBLE_HD void operator()(const View& s, int n) const {
     const int i = s.treeNode[n].body, last = s.entryOffset[i + 1] - 1;
-    if (last >= s.entryOffset[i] && entryType(s.entry[last].code) > JointTypes::kSize) atomicSet(&s.treeTouched[s.treeNode[n].tree], 1);
+    if (last >= s.entryOffset[i] && entryType(s.entry[last].code) > JointTypes::kSize)
+      atomicSet(&s.treeTouched[s.treeNode[n].tree], kTouchesDeformables);
   }
 };
 
@@ -42,13 +43,22 @@ RUBBLE_HD inline TreeSolve treeSolveOf(const View& s, const TreeNode& node, Tree
 /// of second order in it, or a limit passed by no more than twice as much [rad].
 inline constexpr Real kTreeAtRest = Real(.002);
 
-/// Begins a solve of all trees. A tree that is solved exactly is done by the first one, too.
+/// Trees that take part in a solve. Those that deformable objects touch are solved before the last sweep, which does not see how stiff their joints
+/// are held at the end; all others after it.
+enum class TreesOf { Any, Deformables, Rest };
+RUBBLE_HD inline bool touchesDeformables(const View& s, int tree) { return (s.treeTouched[tree] & kTouchesDeformables) != 0; }
+
+/// Begins a solve. A tree that is solved exactly is done by the first one, and so is one without limits.
 struct BeginTrees {
   static constexpr const char* kName = "trees";
   TreeSolve how;
+  TreesOf of;
   RUBBLE_HD void operator()(const View& s, int n) const {
-    if (s.treeNode[n].tree != n) return;
-    s.treeRests[n] = how == TreeSolve::Again && (isExact(s, s.treeNode[n]) || fromFloatBits(s.treeTurn[n]) < kTreeAtRest);
+    const TreeNode& node = s.treeNode[n];
+    if (node.tree != n) return;
+    const bool out = of != TreesOf::Any && touchesDeformables(s, n) != (of == TreesOf::Deformables);
+    const bool done = !node.limited || isExact(s, node) || fromFloatBits(s.treeTurn[n]) < kTreeAtRest;
+    s.treeRests[n] = out || (how == TreeSolve::Again && done);
     s.treeTurn[n] = 0;
   }
 };
@@ -271,7 +281,7 @@ struct TakeTreeForces {
     if (isCarried<F>() || !s.jointsOf<F>()[at.joint].acts) return;
     const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
     const int a = movingNode(s, spec.a), b = movingNode(s, spec.b), any = a >= 0 ? a : b;
-    if (any < 0 || !isExact(s, s.treeNode[any])) return;
+    if (any < 0 || !isExact(s, s.treeNode[any]) || s.treeRests[s.treeNode[any].tree]) return;
     const double share = treeShare(s.treeTurn[s.treeNode[any].tree]);
     if (!(share > 0)) return;
     const Long6 still{}, &dxA = a >= 0 ? s.treeWork[a].x : still, &dxB = b >= 0 ? s.treeWork[b].x : still;
@@ -281,7 +291,7 @@ struct TakeTreeForces {
   }
 };
 
-/// How often trees are solved at the end of the last iteration, where joints have limits: one that the first solve reaches is held by the next.
+/// How often trees with limits are solved at the end of the last iteration: one that the first solve reaches is held by the next.
 inline constexpr int kLastTreeSolves = 3;
 RUBBLE_HD inline int lastTreeSolves(const View& s) { return s.treeLimits != 0 ? kLastTreeSolves : 1; }
 

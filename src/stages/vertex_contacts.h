@@ -11,7 +11,7 @@ RUBBLE_HD inline SweptBox vertexBounds(const View& s, int v) {
   const VertexParams& p = s.vertexParams[v];
   const Vec3 sweep = (s.step.dt / 2) * s.vertexVelocity[v], x(s.vertexPosition[v]);
   const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
-  const Real grow = p.radius + s.step.contactMargin * p.length + (s.rareShapes ? fallInStep(s) : Real(0)) + roundOff;
+  const Real grow = p.radius + s.step.contactMargin * p.length + fallInStep(s) + roundOff;
   return {x + sweep, abs(sweep) + Vec3{grow, grow, grow}};
 }
 
@@ -52,7 +52,7 @@ RUBBLE_HD void searchBodies(const View& s, int v, const SweptBox& box, Found&& f
     if (visitListed(s, level, look, lane, lanes)) continue;
     Vec3 reach;
     for (int k = 0; k < 3; ++k) reach[k] = box.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
-    const Real size = cellSize(s, level);
+    const Real size = cellSize(level);
     const bool done = forEachCell(box.centre, reach, size, kMostCells, lane, lanes, [&](int x, int y, int z) {
       const int bucket = bucketOf(s, level, x, y, z);
       for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {

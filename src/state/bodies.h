@@ -204,9 +204,9 @@ struct IslandRepair {
   int acts;                           ///< 0: the sums are not finite
 };
 
-/// Levels of the grid: cell of level k is 2^(k - kBaseLevel) base cells.
+/// Levels of the grid: cells of level k have an edge of 2^(k - kMetreLevel) m, a ladder and no scale.
 inline constexpr int kGridLevels = 32;
-inline constexpr int kBaseLevel = 12;
+inline constexpr int kMetreLevel = 16;
 /// More than any cell of the grid is from the first.
 inline constexpr int kCellOrigin = 1 << 30;
 /// A level with no more bodies than this lists them: nobody looks for a ball or the ground in a hundred cells.

@@ -17,7 +17,11 @@ struct TreeNode {
   int near[2];                 ///< nodes that it is coupled to when it is eliminated, -1: none
   int sourceBegin, sourceEnd;  ///< nodes eliminated before that pass something on to it
   int exact;                   ///< 1: its joints close no loop, with the world neither, and all of its tree is eliminated
+  int limited;                 ///< 1: a joint of its tree has limits
 };
+
+/// What touches a tree in a step.
+inline constexpr int kTouchesNothing = 0, kTouchesBodies = 1, kTouchesDeformables = 2;
 
 /// Its block.
 struct TreeBlock {

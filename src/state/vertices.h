@@ -136,6 +136,7 @@ struct alignas(4 * sizeof(Real)) ClusterMotion {
 struct Lump {
   int first;                 ///< first vertex of the object, or the particle
   int cluster;               ///< that is the whole object, or -1: a particle
+  Real radius;               ///< half of its size [m]
 };
 
 /// A rope or rod: vertices of which springs join each to the next alone (stages/lines.h).

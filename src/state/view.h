@@ -16,7 +16,7 @@ struct View : JointTables<JointTypes> {
   bool rolls = false;                 ///< some material has rolling or torsional friction
   int bounces = 0;                    ///< 1: some material may have restitution
   int cells = 0;                      ///< buckets of the grid, a power of two
-  Real baseCell = 1;                  ///< [m]
+  Real curveCell = 1;                 ///< edge of the cells of the curve along which bodies are put in order [m]
   bool ordered = false;               ///< some body is at another place than its id
   bool bodiesMove = true;             ///< false: it is known that no body is dynamic
   int exclusions = 0;                 ///< pairs of bodies that are excluded
@@ -29,7 +29,7 @@ struct View : JointTables<JointTypes> {
   int treeSources = 0;
   int trees = 0;
   bool smallTrees = false;            ///< none has more than kSmallTree bodies
-  int treeLimits = 0;                 ///< 1: some joint has limits
+  int treeLimits = 0;                 ///< 1: some tree has limits
   int treesStale = 1;                 ///< 1: bodies or joints were edited since the trees were found
   int vertices = 0;                   ///< slots in use, removed ones included
   int grainCells = 0;                 ///< buckets of the grid of granular particles, a power of two; 0: there are none
@@ -88,6 +88,7 @@ struct View : JointTables<JointTypes> {
   int* islandFlag = nullptr;          ///< of that body: 1 if the island wakes, or does not sleep
   int* rowIsland = nullptr;           ///< lowest body that rows of this step connect with it
   int* islandBonds = nullptr;         ///< bits of what rows do with it, or with the island that it leads (stages/island_momentum.h)
+  int* islandMassLength = nullptr;    ///< of the heaviest body of its island in the last step, as the bits of a float, 0: not known [kg m]
   int* islandSlot = nullptr;          ///< place of the island that it leads in these two, -1: none
   IslandSums* islandSums = nullptr;
   IslandRepair* islandRepair = nullptr;
@@ -131,7 +132,7 @@ struct View : JointTables<JointTypes> {
   int* treeMember = nullptr;          ///< nodes by tree, then by round
   int* treeSource = nullptr;          ///< 2 * node + side of its coupling, by the node that it passes something on to
   TreeWork* treeWork = nullptr;
-  int* treeTouched = nullptr;         ///< 1: a body of the tree has contacts in this step
+  int* treeTouched = nullptr;         ///< what touches the tree in this step (state/trees.h)
   int* treeRests = nullptr;           ///< by tree: it stays as it is in this solve
   int* treeTurn = nullptr;            ///< largest rotation of a tree's step, as the bits of a float [rad]
   int* treeOpen = nullptr;            ///< 1: a joint of the tree is open at the end of the step
@@ -315,6 +316,7 @@ void forEachArray(F&& f) {
   is(&View::pushed, "pushed", "", Per::Body, Life::State);
   is(&View::correction, "correction", "m", Per::Body, Life::State);
   is(&View::color, "color", "", Per::Body, Life::State);
+  is(&View::islandMassLength, "islandMassLength", "kg m", Per::Body, Life::State);
   is(&View::asleep, "asleep", "", Per::Body, Life::State);
   is(&View::stillTime, "stillTime", "s", Per::Body, Life::State);
   is(&View::oldPairOffset, "oldPairOffset", "", Per::Body, Life::State, 1);

@@ -41,17 +41,12 @@ class Tally {
 
 struct Sizes {
   Tally radius;      ///< bounding radii of dynamic bodies, and of objects and particles that move as bodies do [m]
-  Tally mass;        ///< of dynamic bodies [kg]
-  Tally massLength;  ///< mass times diameter, of deformable objects too [kg m]
 
   void count(const BodyRecord& body, int change) {
     if (body.def.motion != Motion::Dynamic) return;
     radius.count(body.radius, change);
-    mass.count(body.mass.mass, change);
-    massLength.count(body.mass.mass * 2 * body.radius, change);
   }
   void count(const SoftModel& model, int change) {
-    massLength.count(model.mass * model.size, change);
     if (isLump(model)) radius.count(model.size / 2, change);
     else if (hasNoElements(model))
       for (const SoftModel::Vertex& v : model.vertices) radius.count(v.radius, change);

@@ -238,8 +238,6 @@ void World::Impl::flush() {
     settings.params = params;
     settings.gravity = registry.gravity;
     settings.wakeAll = std::exchange(disturbed, false);
-    settings.maxMass = registry.sizes.mass.largest();
-    settings.maxMassLength = registry.sizes.massLength.largest();
     if (!registry.sizes.radius.empty()) settings.typicalRadius = registry.sizes.radius.median();
     engine->configure(settings);
     settingsChanged = false;

@@ -8,7 +8,6 @@ namespace {
 
 StepConstants constants() {
   StepConstants c = testConstants();
-  c.maxMultiplier = 1e30;
   return c;
 }
 AxisSpec nothing() { return {-kNoLimit, kNoLimit, kHardValue, 0, 0, 0, 0, 0, kHardValue, 0}; }

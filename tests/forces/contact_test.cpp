@@ -18,7 +18,6 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 StepConstants constants() {
   StepConstants c = testConstants();
-  c.maxMultiplier = 1e30;
   return c;
 }
 

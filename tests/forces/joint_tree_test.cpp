@@ -10,7 +10,6 @@ namespace {
 TreePart<2> rowsAtLimit(Real ahead, TreeSolve how) {
   constexpr int kAngle = 2;
   StepConstants c = testConstants();
-  c.maxMultiplier = 1e30;
   JointSpec<HingeJoint> spec{};
   Joint<HingeJoint> joint{};
   const Pose a{{0, 0, 0}, fromAxisAngle(Vec3{1, 0, 0}, Real(1))}, b{{0, 0, 0}, Quat{}};

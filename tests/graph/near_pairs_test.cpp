@@ -25,7 +25,6 @@ struct Seen {
 /// Runs steps and looks at all pairs of each when its manifolds are found.
 Seen watch(CoreWorld& world, int steps) {
   // more than any body here has
-  world.settings().maxMass = 1000, world.settings().maxMassLength = 1000;
   Seen seen;
   CpuExecutor& executor = world.executor();
   bool due = false;

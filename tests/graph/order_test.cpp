@@ -34,7 +34,7 @@ class SortedCubes : public ::testing::Test {
     }
     world_.addBall(0, 3, 7);
     world_.finish({{2, 5}});
-    world_.settings().typicalRadius = .87, world_.settings().maxMass = 1, world_.settings().maxMassLength = 1.74;
+    world_.settings().typicalRadius = .87;
     for (int i = 0; i < 3; ++i) {
       world_.begin();
       step(world_.executor());

@@ -240,7 +240,7 @@ TEST(JointTrees, OneThatHasHardlyTurnedRestsInTheSolvesThatFollow) {
   const auto restsAfter = [&](Real turn, TreeSolve how, int touched) {
     s.treeTouched[tree] = touched;
     s.treeTurn[tree] = floatBits(turn);
-    for (int n = 0; n < treeNodes(s); ++n) BeginTrees{how}(s, n);
+    for (int n = 0; n < treeNodes(s); ++n) BeginTrees{how, TreesOf::Any}(s, n);
     EXPECT_EQ(s.treeTurn[tree], 0);
     return s.treeRests[tree] != 0;
   };

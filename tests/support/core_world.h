@@ -34,9 +34,6 @@ class CoreWorld {
     body.radius = cooked.radius;
     body.material = def.material;
     body.mass = massProperties(def.shape, def.density);
-    // what bounds multipliers
-    if (def.motion == Motion::Dynamic)
-      settings_.maxMassLength = std::max(settings_.maxMassLength, 2 * body.mass.mass * static_cast<double>(body.radius));
     body.state = {def.position, def.orientation, def.velocity, def.angularVelocity};
     setBody(executor_.tables(), slot, body);
     if (def.shape.type == ShapeType::Plane) planes_.push_back(slot);

@@ -8,10 +8,10 @@ template void step(CpuExecutor&);
 
 void beginStep(View& s, const EngineSettings& settings, double previousDt) {
   *s.counters = {};
-  s.step = stepConstants(settings.params, settings.gravity, settings.maxMassLength, previousDt);
+  s.step = stepConstants(settings.params, settings.gravity, previousDt);
   s.wakeAll = settings.wakeAll;
-  // cells as wide as a typical body's bounding sphere is high: it shares its level however it turns
-  s.baseCell = static_cast<Real>(settings.typicalRadius * 1.1) / kLevelFill;
+  // tells typical bodies apart that touch
+  s.curveCell = static_cast<Real>(settings.typicalRadius / 4);
 }
 
 void reportCounters(const View& s, StepReport& report) {

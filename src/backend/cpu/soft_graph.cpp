@@ -161,7 +161,7 @@ void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects
     if (!isLump(*o.model)) continue;
     const int own = static_cast<int>(lumps.size()), cluster = s.vertexParams[o.at.vertex + o.model->clusterOrder.front()].cluster;
     for (const int v : o.model->clusterOrder) s.vertexParams[o.at.vertex + v].lump = own;
-    lumps.push_back({o.at.vertex, cluster});
+    lumps.push_back({o.at.vertex, cluster, static_cast<Real>(o.model->size / 2)});
   }
   s.objects = static_cast<int>(lumps.size());
   for (const EngineSoftObject& o : objects) {
@@ -169,7 +169,7 @@ void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects
     for (int v = o.at.vertex; v < o.at.vertex + static_cast<int>(o.model->vertices.size()); ++v) {
       if (!isDynamicVertex(s, v)) continue;
       s.vertexParams[v].lump = static_cast<int>(lumps.size());
-      lumps.push_back({v, -1});
+      lumps.push_back({v, -1, s.vertexParams[v].radius});
     }
   }
   s.lumps = static_cast<int>(lumps.size());

@@ -93,6 +93,7 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   s.color[slot] = 0;
   s.force[slot] = s.torque[slot] = {0, 0, 0};
   s.pushed[slot] = 0;
+  s.islandMassLength[slot] = 0;
   s.correction[slot] = {0, 0, 0};
   setBodyState(tables, slot, body.state);
 }

@@ -18,7 +18,7 @@ class Plan {
  public:
   explicit Plan(const View& s) : s_(s), component_(at(s.bodies)), near_(at(s.bodies)), round_(at(s.bodies), -1) {
     std::iota(component_.begin(), component_.end(), 0);
-    joined_.assign(at(s.bodies), 0), held_.assign(at(s.bodies), 0), grounded_.assign(at(s.bodies), 0), whole_.assign(at(s.bodies), 1);
+    joined_.assign(at(s.bodies), 0), limited_.assign(at(s.bodies), 0), held_.assign(at(s.bodies), 0), grounded_.assign(at(s.bodies), 0), whole_.assign(at(s.bodies), 1);
     readJoints();
     eliminate();
   }
@@ -46,7 +46,7 @@ class Plan {
   std::vector<char> whole_;                 ///< of a component: all of it is eliminated
   std::vector<int> order_;                  ///< bodies by round
   std::vector<int> begin_;                  ///< of each round
-  bool limited_ = false;                    ///< some joint has limits
+  std::vector<char> limited_;               ///< of a component: a joint has limits
 };
 
 /// Coordinates that go from one value to another, and not on.
@@ -73,12 +73,13 @@ void Plan::readJoints() {
       const JointSpec<F>& spec = s_.specsOf<F>()[i];
       const bool a = dynamic(spec.a), b = dynamic(spec.b);
       if (!spec.alive) continue;
-      limited_ |= hasLimits<F>(spec);
+      const bool limits = hasLimits<F>(spec);
       if (spec.holds && (a || b)) holding.emplace_back(a ? spec.a : spec.b, a && b);
       for (int side = 0; side < kSides<F>; ++side) {
         const int body = bodyOf(spec, side);
         if (!dynamic(body)) continue;
         joined_[at(body)] = 1;
+        limited_[at(body)] |= limits;
         for (int k = 0; k < side; ++k) {
           const int other = bodyOf(spec, k);
           if (!dynamic(other) || other == body) continue;
@@ -88,6 +89,8 @@ void Plan::readJoints() {
       }
     }
   });
+  for (int i = 0; i < s_.bodies; ++i)
+    if (limited_[at(i)]) limited_[at(root(i))] = 1;
   for (const auto& [body, both] : holding) ++(both ? held_ : grounded_)[at(root(body))];
 }
 
@@ -141,7 +144,7 @@ void Plan::write(HostTables& tables) {
 
   std::fill_n(s.nodeOfBody, s.bodies, -1);
   std::vector<int> kept;
-  s.treeLimits = limited_;
+  s.treeLimits = 0;
   s.treeRounds = static_cast<int>(begin_.size());
   begin_.push_back(static_cast<int>(order_.size()));
   for (int r = 0; r < kTreeRounds; ++r) {
@@ -166,7 +169,8 @@ void Plan::write(HostTables& tables) {
   s.treeSources = 0;
   for (std::size_t n = 0; n < kept.size(); ++n) {
     const int body = kept[n];
-    TreeNode node{body, s.nodeOfBody[root(body)], {-1, -1}, s.treeSources, 0, exact(body)};
+    TreeNode node{body, s.nodeOfBody[root(body)], {-1, -1}, s.treeSources, 0, exact(body), limited_[at(root(body))]};
+    s.treeLimits |= node.limited;
     const std::vector<int>& near = near_[at(body)];
     for (std::size_t side = 0; side < near.size(); ++side) node.near[side] = s.nodeOfBody[near[side]];
     for (const int source : sources[n]) s.treeSource[s.treeSources++] = source;

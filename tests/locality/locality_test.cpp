@@ -1,0 +1,153 @@
+/// What one object is never changes the bits of another that it does not touch.
+#include <gtest/gtest.h>
+#include <scenes/registry.h>
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+
+#include "tests/locality/visitors.h"
+#include "tests/physics/random_bins.h"
+#include "tests/support/scenes.h"
+
+namespace rubble {
+namespace {
+
+constexpr int kSteps = 200, kLeaves = 120;
+
+/// A scene with its parameters, before it is a world.
+struct Sample {
+  scenes::Job job;
+  WorldOptions options;
+};
+
+using Maker = std::function<Sample()>;
+
+Sample sampleOf(const std::string& name) {
+  const scenes::Spec& spec = scenes::find(name);
+  Sample out{scenes::prepare(spec, scenes::resolve(spec, spec.testArguments)), {}};
+  out.job.probes.clear();
+  out.options = test::options(out.job.iterations);
+  out.options.params.substeps = out.job.substeps;
+  return out;
+}
+
+Sample sampleOf(std::uint64_t seed) {
+  const test::Bin bin = test::randomBin(seed);
+  Sample out;
+  out.job.scene = bin.scene;
+  out.job.dt = bin.dt;
+  out.options = test::options(bin.iterations);
+  out.options.params.dt = bin.dt;
+  return out;
+}
+
+class Hash {
+ public:
+  void add(const Vec3& v) { add(v.x), add(v.y), add(v.z); }
+  void add(const Quat& q) { add(q.v), add(q.s); }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  void add(double x) { value_ = (value_ ^ std::bit_cast<std::uint64_t>(x)) * 0x100000001b3u + (value_ >> 29); }
+  std::uint64_t value_ = 0xcbf29ce484222325u;
+};
+
+/// Ids of what a scene has had from the beginning.
+struct Originals {
+  std::vector<BodyId> bodies;
+  std::vector<SoftId> deformables;
+  std::uint64_t hashIn(const World& world) const {
+    Hash h;
+    for (const BodyId id : bodies) {
+      if (!world.alive(id)) continue;
+      const BodyState s = world.state(id);
+      h.add(s.position), h.add(s.orientation), h.add(s.velocity), h.add(s.angularVelocity);
+    }
+    for (const SoftId id : deformables) {
+      if (!world.alive(id)) continue;
+      for (const Vec3& x : world.positions(id)) h.add(x);
+      for (const Vec3& v : world.velocities(id)) h.add(v);
+    }
+    return h.value();
+  }
+};
+
+/// Hashes of what the sample has of itself after each step, with visitors that leave after kLeaves.
+std::vector<std::uint64_t> hashesOf(const Maker& make, const std::vector<test::Visitor>& guests, const std::string& backend, int threads) {
+  Sample sample = make();
+  sample.options.backend = backend, sample.options.threads = threads;
+  Scene& scene = sample.job.scene;
+  const int bodies = static_cast<int>(scene.bodies.size()), objects = static_cast<int>(scene.deformables.size());
+  const Vec3 far = test::farFrom(scene);
+  for (std::size_t k = 0; k < guests.size(); ++k) guests[k].addTo(scene, far * (1 + .1 * static_cast<double>(k)));
+  const int allBodies = static_cast<int>(scene.bodies.size()), allObjects = static_cast<int>(scene.deformables.size());
+  scenes::Runner runner(std::move(sample.job), sample.options);
+  World& world = runner.world();
+  Originals own;
+  for (int i = 0; i < bodies; ++i) own.bodies.push_back(world.bodyAt(i));
+  for (int i = 0; i < objects; ++i) own.deformables.push_back(world.deformableAt(i));
+  std::vector<BodyId> leaving;
+  for (int i = bodies; i < allBodies; ++i) leaving.push_back(world.bodyAt(i));
+  std::vector<std::uint64_t> out;
+  for (int step = 0; step < kSteps; ++step) {
+    if (step == kLeaves) {
+      world.removeBodies(leaving);
+      for (int i = objects; i < allObjects; ++i) world.remove(world.deformableAt(i));
+    }
+    runner.step();
+    out.push_back(own.hashIn(world));
+  }
+  return out;
+}
+
+/// Says in which step the first of two runs part.
+::testing::AssertionResult same(const std::vector<std::uint64_t>& a, const std::vector<std::uint64_t>& b) {
+  const auto at = std::mismatch(a.begin(), a.end(), b.begin()).first;
+  if (at == a.end()) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << "other bits after step " << at - a.begin();
+}
+
+void expectLocal(const Maker& sample, const std::string& backend = "cpu", int threads = 3) {
+  EXPECT_TRUE(same(hashesOf(sample, {}, backend, 1), hashesOf(sample, test::visitors(), backend, threads)));
+}
+void expectLocalToEach(const Maker& sample) {
+  const auto alone = hashesOf(sample, {}, "cpu", 1);
+  for (const test::Visitor& v : test::visitors()) EXPECT_TRUE(same(alone, hashesOf(sample, {v}, "cpu", 1))) << v.name;
+}
+
+std::vector<std::string> names() {
+  std::vector<std::string> out;
+  for (const scenes::Spec& spec : scenes::registry())
+    if (std::find(spec.tags.begin(), spec.tags.end(), "scale") == spec.tags.end()) out.push_back(spec.name);
+  return out;
+}
+
+std::string testName(const ::testing::TestParamInfo<std::string>& info) {
+  std::string name = info.param;
+  std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  return name;
+}
+
+class Locality : public ::testing::TestWithParam<std::string> {};
+TEST_P(Locality, AllVisitorsAtOnceChangeNoBit) { expectLocal([] { return sampleOf(GetParam()); }); }
+INSTANTIATE_TEST_SUITE_P(Registry, Locality, ::testing::ValuesIn(names()), testName);
+
+class LocalityOfBins : public ::testing::TestWithParam<int> {};
+TEST_P(LocalityOfBins, AllVisitorsAtOnceChangeNoBit) {
+  expectLocal([] { return sampleOf(static_cast<std::uint64_t>(GetParam())); });
+}
+INSTANTIATE_TEST_SUITE_P(Random, LocalityOfBins, ::testing::Range(0, 60));
+
+class LongLocality : public ::testing::TestWithParam<std::string> {};
+TEST_P(LongLocality, NoVisitorChangesABit) { expectLocalToEach([] { return sampleOf(GetParam()); }); }
+INSTANTIATE_TEST_SUITE_P(LongRegistry, LongLocality, ::testing::ValuesIn(names()), testName);
+
+class LongLocalityOfBins : public ::testing::TestWithParam<int> {};
+TEST_P(LongLocalityOfBins, NoVisitorChangesABit) {
+  expectLocalToEach([] { return sampleOf(static_cast<std::uint64_t>(GetParam())); });
+}
+INSTANTIATE_TEST_SUITE_P(LongRandom, LongLocalityOfBins, ::testing::Range(0, 60));
+
+}  // namespace
+}  // namespace rubble

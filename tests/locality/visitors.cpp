@@ -1,0 +1,171 @@
+#include "tests/locality/visitors.h"
+
+#include <cmath>
+
+#include "tests/support/scenes.h"
+
+namespace rubble::test {
+namespace {
+
+/// Unit vectors whose last one is against gravity.
+struct Frame {
+  Vec3 x{1, 0, 0}, y{0, 1, 0}, up{0, 0, 1};
+};
+Frame frameOf(const Scene& scene) {
+  Frame f;
+  const double g = length(scene.gravity);
+  if (!(g > 0)) return f;
+  f.up = scene.gravity / -g;
+  f.x = normalize(cross(std::fabs(f.up.x) < .5 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}, f.up));
+  f.y = cross(f.up, f.x);
+  return f;
+}
+
+/// Turns z to up.
+Quat uprightIn(const Scene& scene) { return frameAlong(frameOf(scene).up) * fromAxisAngle(Vec3{0, 1, 0}, std::acos(0.)); }
+
+/// A thick slab whose top lies at a point.
+void addSlab(Scene& scene, const Vec3& top, double half) {
+  const Frame f = frameOf(scene);
+  BodyDef slab = body(Shape::box({half, half, half}), top - f.up * half);
+  slab.motion = Motion::Static;
+  slab.orientation = uprightIn(scene);
+  scene.bodies.push_back(slab);
+}
+
+int addAt(Scene& scene, BodyDef def, const Vec3& at, double x, double y, double up) {
+  const Frame f = frameOf(scene);
+  def.position = at + f.x * x + f.y * y + f.up * up;
+  scene.bodies.push_back(def);
+  return static_cast<int>(scene.bodies.size()) - 1;
+}
+
+/// One body over a slab.
+void addBody(Scene& scene, const Vec3& at, const BodyDef& def) {
+  addSlab(scene, at, 2);
+  addAt(scene, def, at, 0, 0, .6);
+}
+
+void addPebbles(Scene& scene, const Vec3& at, double height) {
+  addSlab(scene, at, 2);
+  for (int i = 0; i < 3000; ++i)
+    addAt(scene, body(Shape::sphere(.01), {}), at, .025 * (i % 60 - 30), .025 * (i / 60 - 25), .01 + height);
+}
+
+/// A hanging chain of capsules, whose joints are of a type.
+void addChain(Scene& scene, const Vec3& at, int links, JointType type) {
+  const Frame f = frameOf(scene);
+  int last = kWorld;
+  for (int i = 0; i < links; ++i) {
+    BodyDef link = body(Shape::capsule(.02, .05), {});
+    link.orientation = uprightIn(scene);
+    const int own = addAt(scene, link, at, 0, 0, -.1 * i);
+    JointDef joint = jointAt(scene, type, own, last, at + f.up * (.05 - .1 * i));
+    if (type == JointType::Hinge) joint.axes[0].min = -.2, joint.axes[0].max = .3;
+    scene.joints.push_back(joint);
+    last = own;
+  }
+  scene.bodies.back().velocity = f.x * 2;
+}
+
+void addDeformable(Scene& scene, const Vec3& at, Deformable object) {
+  addSlab(scene, at, 2);
+  const Frame f = frameOf(scene);
+  for (Vec3& v : common(object).vertices) v = at + f.x * v.x + f.y * v.y + f.up * v.z;
+  scene.deformables.push_back(std::move(object));
+}
+
+ParticlesDef grain() {
+  ParticlesDef out;
+  out.vertices = {{0, 0, .3}};
+  return out;
+}
+
+BodyDef heavyBlock() {
+  BodyDef def = body(Shape::box({.5, .5, .5}), {});
+  def.density = 1e6;
+  return def;
+}
+
+BodyDef roller() {
+  BodyDef def = body(Shape::sphere(.2), {});
+  def.material.rollingFriction = def.material.torsionalFriction = .01;
+  def.velocity = {1, 0, 0};
+  return def;
+}
+
+BodyDef bouncer() {
+  BodyDef def = body(Shape::sphere(.2), {});
+  def.material.restitution = .8;
+  return def;
+}
+
+BodyDef locked() {
+  BodyDef def = body(Shape::box({.2, .1, .3}), {});
+  def.lockTranslation[0] = def.lockRotation[1] = true;
+  return def;
+}
+
+BodyDef sensor() {
+  BodyDef def = body(Shape::box({.3, .3, .3}), {});
+  def.sensor = true;
+  return def;
+}
+
+BodyDef filtered() {
+  BodyDef def = body(Shape::box({.2, .2, .2}), {});
+  def.filter.layers = 2;
+  def.filter.group = -3;
+  return def;
+}
+
+BodyDef belt() {
+  BodyDef def = body(Shape::box({.2, .2, .2}), {});
+  def.material.surfaceVelocity = {.5, 0, 0};
+  return def;
+}
+
+BodyDef movingMesh() {
+  BodyDef def = body(Shape::mesh({{-1, -1, 0}, {1, -1, 0}, {1, 1, .1}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}), {});
+  def.motion = Motion::Kinematic;
+  def.velocity = {.3, 0, 0};
+  return def;
+}
+
+Visitor oneBody(const char* name, BodyDef (*make)()) {
+  return {name, [make](Scene& scene, const Vec3& at) { addBody(scene, at, make()); }};
+}
+Visitor oneShape(const char* name, Shape (*make)()) {
+  return {name, [make](Scene& scene, const Vec3& at) { addBody(scene, at, body(make(), {})); }};
+}
+
+}  // namespace
+
+const std::vector<Visitor>& visitors() {
+  static const std::vector<Visitor> all{
+      {"grain", [](Scene& s, const Vec3& at) { addDeformable(s, at, grain()); }},
+      {"cloth", [](Scene& s, const Vec3& at) { addDeformable(s, at, clothSheet({-.5, -.5, .3}, {1, 0, 0}, {0, 1, 0}, 5, 5)); }},
+      {"rope", [](Scene& s, const Vec3& at) { addDeformable(s, at, straightRod({-.5, 0, .3}, {.5, 0, .3}, 10)); }},
+      {"soft ball", [](Scene& s, const Vec3& at) { addDeformable(s, at, softBall({0, 0, .5}, .3, 3)); }},
+      {"pebbles at rest", [](Scene& s, const Vec3& at) { addPebbles(s, at, 0); }},
+      {"pebbles that fall", [](Scene& s, const Vec3& at) { addPebbles(s, at, .5); }},
+      {"joint with limits", [](Scene& s, const Vec3& at) { addChain(s, at, 2, JointType::Hinge); }},
+      {"tree of 65", [](Scene& s, const Vec3& at) { addChain(s, at, 65, JointType::Ball); }},
+      {"tree of 1,000", [](Scene& s, const Vec3& at) { addChain(s, at, 1000, JointType::Ball); }},
+      oneBody("heavy block", heavyBlock),
+      oneBody("roller", roller),
+      oneBody("bouncer", bouncer),
+      oneBody("locked", locked),
+      oneBody("sensor", sensor),
+      oneBody("filtered", filtered),
+      oneBody("belt", belt),
+      oneBody("moving mesh", movingMesh),
+      oneShape("cone", [] { return Shape::cone(.2, .2); }),
+      oneShape("hull", [] { return Shape::hull({{0, 0, 0}, {.3, 0, 0}, {0, .3, 0}, {0, 0, .3}}); }),
+  };
+  return all;
+}
+
+Vec3 farFrom(const Scene& scene) { return frameOf(scene).up * 700; }
+
+}  // namespace rubble::test

@@ -1,0 +1,21 @@
+#pragma once
+/// What comes to a scene 700 m away, and must change nothing in it.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <rubble/rubble.h>
+
+namespace rubble::test {
+
+struct Visitor {
+  std::string name;
+  /// Adds it to a scene about a point. What must lie on something brings it along.
+  std::function<void(Scene&, const Vec3&)> addTo;
+};
+const std::vector<Visitor>& visitors();
+
+/// A point of a scene's surroundings: far from all that it has, and over every plane.
+Vec3 farFrom(const Scene& scene);
+
+}  // namespace rubble::test
