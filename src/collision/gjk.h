@@ -187,12 +187,17 @@ RUBBLE_HD RUBBLE_APART inline Nearest preciseNearest(Convex a, Convex b, Quat tu
   return {Vec3(x.n), distance, Vec3(x.onA), Vec3(x.onB), distance};
 }
 
+/// Nearest points of the cores, from a first guess of the direction: a distance of which kProven is proven.
+RUBBLE_HD inline Nearest provenNearest(const ConvexPair& p, const Vec3& guess) {
+  const Nearest near = nearestPoints(p, {0, 0, 0}, guess);
+  return near.proven >= kProven * near.distance ? near : preciseNearest(p.a, p.b, p.q, p.at);
+}
+
 /// The direction that separates most: of bodies apart that between their nearest points; of others a local maximum, climbed to from the
 /// better one of the unit vector n and the direction between the bodies made smaller about their centres, which loses little of their form.
 RUBBLE_HD inline SeparatingDirection mostSeparating(const ConvexPair& p, Vec3 n) {
   const Real gap = kPushedGap * p.length;
-  Nearest whole = nearestPoints(p, {0, 0, 0}, n);
-  if (!(whole.proven >= kProven * whole.distance)) whole = preciseNearest(p.a, p.b, p.q, p.at);
+  const Nearest whole = provenNearest(p, n);
   if (whole.distance > kLeastGap * p.length) return {whole.n, whole.distance, whole.onA, whole.onB};
   Real most = separationAlong(p, n);
   for (Real size = Real(.9); size > Real(.1); size -= Real(.3)) {

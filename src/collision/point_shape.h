@@ -108,7 +108,7 @@ RUBBLE_HD inline PointDistance pointToHull(const ShapeTables& tables, const Shap
   const Real size = length(c.half);
   if (over || most < kLeastGap * size) return toFace;
   const Convex point{ShapeKind::Sphere, {0, 0, 0}, 0, nullptr, nullptr, nullptr, 0, 0, {}};
-  const Nearest near = nearestPoints({c, point, {}, rotationMatrix(Quat{}), x, size}, {0, 0, 0}, n);
+  const Nearest near = provenNearest({c, point, {}, rotationMatrix(Quat{}), x, size}, n);
   return near.distance > Real(0) ? PointDistance{near.n, near.distance - c.radius} : toFace;
 }
 
