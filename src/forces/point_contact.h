@@ -95,13 +95,13 @@ struct PointContactStart {
   Real restitution;
 };
 
-/// An impact of vertices closes by so much of L in a step [1]: an elastic body that is pressed on does less.
-inline constexpr Real kVertexImpactWay = Real(.35);
+/// Closing speed above which a contact of vertices counts as an impact [m/s].
+inline constexpr Real kVertexImpactSpeed = 1;
 
 /// Regularises and warm-starts [S 12] [S 17] rows whose geometry is set, from those of the step before (or null).
 RUBBLE_HD inline void beginPointContact(const StepConstants& c, PointContact& p, const PointContactStart& s, const PointContact* old) {
   p.start = startStiffness(c, s.rowMass);
-  const bool hits = s.depth + s.closing * c.dt > Real(0) && s.closing * c.dt > kVertexImpactWay * p.length;
+  const bool hits = s.depth + s.closing * c.dt > Real(0) && s.closing > kVertexImpactSpeed;
   p.c0 = hits && s.restitution > Real(0) ? s.restitution * s.closing * c.dt : inheritedViolation(c, s.depth);
   p.impact = hits && c.impactRule;
   p.mu = p.muStatic;

