@@ -48,6 +48,7 @@ struct Params {
   int iterations = 10;
   int substeps = 1;      ///< full steps of dt / substeps each
   Preset preset = Preset::Engine;
+  int sortInterval = 0;  ///< bodies are put in an order of space in memory after so many steps each time (World::sortBodies); 0: never
   bool sleeping = false; ///< islands of bodies that have come to rest are left out of the steps until something disturbs them
   Tuning tuning;
 

@@ -135,8 +135,8 @@ class World {
   ArrayView array(StateArray which) const;
   /// Counts what ends the life of views.
   std::int64_t epoch() const;
-  /// Bodies that are near one another in space are so in memory too, where there are many and no deformable objects: a step that finds too many apart
-  /// puts them in another order first, and says so in its report. This has the next step do it in any case: ids, states and contacts stay.
+  /// Puts the bodies in an order in memory with the next step: those that are near one another in space are so in memory then. Ids, states and
+  /// contacts stay. It pays where many bodies were added in no order of space, or have mixed (Params::sortInterval does it again and again).
   void sortBodies();
   /// Row k of `values` becomes row rows[k] of an array; to Force and Torque it is added. `rows`: shape (n, 1), "<i4", each at most once;
   /// `values`: shape (n, 3 or 4), "<f4" or "<f8". Both lie on the host or, for backend "cuda", both on the device: then they are read in the

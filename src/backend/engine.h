@@ -103,8 +103,7 @@ struct EngineHit {
 struct EngineSettings {
   Params params;
   Vec3 gravity;
-  bool wakeAll = false;      ///< for the next step: nothing sleeps on
-  double typicalRadius = 1;  ///< bounding radius of the median dynamic body, deformable object or particle [m]
+  bool wakeAll = false;  ///< for the next step: nothing sleeps on
 };
 
 /// What an engine keeps of its state. Another engine takes it by its bytes.
@@ -186,10 +185,8 @@ class Engine {
 
   /// Which body is where. A body has the slot of its id until sortBodies().
   virtual BodyOrder order() const = 0;
-  /// Do bodies have neighbouring slots that are far from one another (stages/order.h)? Never where there are vertices.
-  virtual bool liesScattered() = 0;
-  /// Slots along a curve through space; false, and nothing changes, where there are vertices.
-  virtual bool sortBodies() = 0;
+  /// Slots along a curve through space (stages/order.h).
+  virtual void sortBodies() = 0;
 
   virtual Quality quality() const = 0;
   /// By slot.

@@ -4,13 +4,6 @@
 
 namespace rubble {
 
-namespace {
-
-/// How often the order is looked at [steps]; bodies that are near one another stay so for longer.
-constexpr int kLookEvery = 64;
-
-}  // namespace
-
 std::vector<int> OrderedEngine::slots(std::span<const int> ids) const {
   std::vector<int> out;
   out.reserve(ids.size());
@@ -84,8 +77,8 @@ std::vector<std::vector<int>> OrderedEngine::overlaps(std::span<const EngineQuer
 }
 
 void OrderedEngine::step(StepReport& report) {
-  if (report.step % kLookEvery == 0) due_ |= engine_->liesScattered();
-  if (std::exchange(due_, false)) report.sorted = engine_->sortBodies();
+  report.sorted = std::exchange(due_, false) || (sortInterval_ > 0 && report.step % sortInterval_ == 0);
+  if (report.sorted) engine_->sortBodies();
   engine_->step(report);
 }
 

@@ -32,11 +32,14 @@ class OrderedEngine final : public Engine {
   std::vector<EngineHit> query(std::span<const EngineQuery> queries) override;
   std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override;
 
-  /// Looks from time to time whether too many neighbours lie apart, and sorts the bodies then.
+  /// Sorts the bodies first, where that is due.
   void step(StepReport& report) override;
 
   // as they are
-  void configure(const EngineSettings& settings) override { engine_->configure(settings); }
+  void configure(const EngineSettings& settings) override {
+    sortInterval_ = settings.params.sortInterval;
+    engine_->configure(settings);
+  }
   void setBodyCount(int bodies) override { engine_->setBodyCount(bodies); }
   void addShape(const CookedShape& shape, const std::vector<int>& partSurfaces) override { engine_->addShape(shape, partSurfaces); }
   void setSurfaces(const std::vector<Material>& surfaces) override { engine_->setSurfaces(surfaces); }
@@ -56,8 +59,7 @@ class OrderedEngine final : public Engine {
   PoseCopies* poseCopies() override { return engine_->poseCopies(); }
   bool reserve(const std::string& kind, int count) override { return engine_->reserve(kind, count); }
   BodyOrder order() const override { return engine_->order(); }
-  bool liesScattered() override { return engine_->liesScattered(); }
-  bool sortBodies() override { return engine_->sortBodies(); }
+  void sortBodies() override { engine_->sortBodies(); }
   Quality quality() const override { return engine_->quality(); }
   JointState jointState(int type, int joint) const override { return engine_->jointState(type, joint); }
   std::vector<std::pair<int, int>> brokenJoints() const override { return engine_->brokenJoints(); }
@@ -79,6 +81,7 @@ class OrderedEngine final : public Engine {
 
   std::unique_ptr<Engine> engine_;
   bool due_ = false;
+  int sortInterval_ = 0;
 };
 
 }  // namespace rubble

@@ -51,6 +51,7 @@ struct StepConstants {
   StiffnessPolicy contactPolicy, jointPolicy;
   Real gravitySize;      ///< g [m/s2]
   Real loadAcceleration; ///< a: a load stands for the mass |lambda| / a [m/s2]
+  double perFall;        ///< 1 / (g dt^2) [1/m]: space is divided by a length of the world's gravity and time step alone
   bool coneHessian, dormantRows, impactRule, compliantRows, literalRotations, coarseCorrection, jointTrees;
   Real acceleration;     ///< rho of the sweeps over solids [1]
   Real driftCorrection;  ///< part of a tangential drift that is corrected in a step [1]

@@ -30,7 +30,9 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.jointPolicy = t.jointPolicy;
   const double g = length(gravity);
   c.gravitySize = static_cast<Real>(g);
-  c.loadAcceleration = static_cast<Real>(t.loadAcceleration * (g > 0 ? g : kEarthGravity));
+  const double fall = g > 0 ? g : kEarthGravity;
+  c.loadAcceleration = static_cast<Real>(t.loadAcceleration * fall);
+  c.perFall = 1 / (fall * dt * dt);
   c.up = g > 0 ? Vec3(gravity * (-1 / g)) : Vec3{0, 0, 0};
   c.coneHessian = t.coneHessian;
   c.dormantRows = t.dormantRows;

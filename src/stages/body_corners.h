@@ -26,7 +26,7 @@ RUBBLE_HD inline bool isAttached(const View& s, int v, int body) {
 
 /// To filters of bodies a vertex is what a body is that has none.
 RUBBLE_HD inline bool mayMeet(const View& s, int v, int body) {
-  if (s.filtered != 0 && (isSensor(s, body) || !filtersMeet(s.filter[body], {1, ~0u, 0, 0}))) return false;
+  if (s.filtered && (isSensor(s, body) || !filtersMeet(s.filter[body], {1, ~0u, 0, 0}))) return false;
   return isDynamicVertex(s, v) || s.params[body].kind == BodyKind::Dynamic;
 }
 RUBBLE_HD inline bool mayTouch(const View& s, int v, int body) { return mayMeet(s, v, body) && !isAttached(s, v, body); }

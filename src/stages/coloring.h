@@ -6,12 +6,13 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline bool outranks(int a, int b) {
-  const std::uint32_t ha = hash32(static_cast<std::uint32_t>(a)), hb = hash32(static_cast<std::uint32_t>(b));
-  return ha != hb ? ha > hb : a > b;
+/// Of two nodes of the graph: bodies, by their ids, or vertices (kVertexNode + index).
+RUBBLE_HD inline bool outranks(const View& s, int a, int b) {
+  const auto name = [&](int node) { return static_cast<std::uint32_t>(node >= kVertexNode ? node : s.idOf[node]); };
+  const std::uint32_t na = name(a), nb = name(b), ha = hash32(na), hb = hash32(nb);
+  return ha != hb ? ha > hb : na > nb;
 }
 
-/// Of a node of the graph: a body, or a vertex (kVertexNode + index).
 RUBBLE_HD inline int colorOf(const View& s, int node) { return node >= kVertexNode ? s.vertexColor[node - kVertexNode] : s.color[node]; }
 
 /// Smallest colour that none of the nodes has which neighbors(visit) visits. Several that share them out join what each has found.
@@ -52,8 +53,8 @@ struct Surroundings {
   bool clashes = false;     ///< a neighbour of higher rank has the same
   bool highest = true;      ///< all have lower ones
   std::uint64_t taken = 0;  ///< of the first 64
-  RUBBLE_HD void see(int node, int own, int other, int color) {
-    clashes |= color == own && outranks(other, node);
+  RUBBLE_HD void see(const View& s, int node, int own, int other, int color) {
+    clashes |= color == own && outranks(s, other, node);
     highest &= color < own;
     if (color >= 0 && color < 64) taken |= std::uint64_t{1} << color;
   }
@@ -62,7 +63,7 @@ template <class Neighbors>
 RUBBLE_HD Surroundings lookAround(const View& s, int node, Neighbors&& neighbors) {
   Surroundings around;
   const int own = colorOf(s, node);
-  neighbors([&](int other) { around.see(node, own, other, colorOf(s, other)); });
+  neighbors([&](int other) { around.see(s, node, own, other, colorOf(s, other)); });
   return around;
 }
 /// May a node go down to a lower colour? Those that see only lower ones are no neighbours of one another, and can all do so at a time. Few colours

@@ -9,7 +9,7 @@ RUBBLE_HD inline bool filtersMeet(const BodyFilter& a, const BodyFilter& b) {
   return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
 }
 
-RUBBLE_HD inline bool isSensor(const View& s, int body) { return s.filtered != 0 && s.filter[body].sensor != 0; }
+RUBBLE_HD inline bool isSensor(const View& s, int body) { return s.filtered && s.filter[body].sensor != 0; }
 
 RUBBLE_HD inline bool excluded(const View& s, int a, int b) {
   if (s.exclusions == 0) return false;
@@ -21,7 +21,7 @@ RUBBLE_HD inline bool excluded(const View& s, int a, int b) {
 
 /// May a body collide with all whom it meets? Then nobody needs to look at these.
 RUBBLE_HD inline bool collidesWithAll(const View& s, int body) {
-  return s.params[body].kind == BodyKind::Dynamic && s.filtered == 0 && s.exclusions == 0;
+  return s.params[body].kind == BodyKind::Dynamic && !s.filtered && s.exclusions == 0;
 }
 
 /// Two bodies of which one is dynamic, or of which one moves and the other is a sensor.
@@ -32,7 +32,7 @@ RUBBLE_HD inline bool mayCollide(const View& s, int a, int b) {
     const bool moves = ka == BodyKind::Kinematic || kb == BodyKind::Kinematic;
     if (!moves || (!isSensor(s, a) && !isSensor(s, b))) return false;
   }
-  if (s.filtered != 0 && !filtersMeet(s.filter[a], s.filter[b])) return false;
+  if (s.filtered && !filtersMeet(s.filter[a], s.filter[b])) return false;
   return !excluded(s, a, b);
 }
 

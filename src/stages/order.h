@@ -1,9 +1,10 @@
 #pragma once
-/// The order of bodies in the tables. Bodies one behind the other should be near one another: so are their partners then, and what is read
-/// of these lies in lines that others have asked for (what it is worth: docs/performance.md). Where too many are not they are put in the order
-/// of a Morton curve, between steps. Nothing else changes: a body keeps its id and all that lasts of it, its contacts among that.
+/// The order of bodies in the tables: where a user asks for it they are put in the order of a Morton curve through space, between steps. The partners of
+/// neighbors in the tables are then neighbors too, and share cache lines (what it is worth: docs/performance.md). A body keeps its id and all
+/// that lasts of it, its contacts among that. Two bodies come in an order that they alone decide.
 #include <algorithm>
 
+#include "stages/body_corners.h"
 #include "stages/joints.h"
 #include "stages/near_pairs.h"
 #include "state/tables.h"
@@ -23,12 +24,14 @@ RUBBLE_HD constexpr std::uint64_t spreadBits(std::uint64_t v) {
 /// Is a body somewhere, and not everywhere?
 RUBBLE_HD inline bool hasPlace(const View& s, int i) { return s.params[i].kind != BodyKind::Removed && s.params[i].shape.kind != ShapeKind::Plane; }
 
-/// How far along the curve a body lies, in cells of which several fit into a typical body, which tell bodies apart that touch. Those without a place stand
-/// behind the others.
+/// Edge of the cells of the curve over g dt^2 [1]: 4 cm at 1/60 s.
+inline constexpr double kCurveCell = 16;
+
+/// How far along the curve a body lies. Those without a place stand behind the others.
 RUBBLE_HD inline std::uint64_t placeOnCurve(const View& s, int i) {
   if (!hasPlace(s, i)) return ~std::uint64_t{0};
   constexpr double kHalf = 1 << 20;
-  const double size = s.curveCell;
+  const double size = kCurveCell / s.step.perFall;
   const auto cell = [&](double x) { return spreadBits(static_cast<std::uint64_t>(clamp(std::floor(x / size) + kHalf, 0.0, 2 * kHalf - 1))); };
   const Vec3d& x = s.position[i];
   return cell(x.x) | cell(x.y) << 1 | cell(x.z) << 2;
@@ -60,23 +63,6 @@ struct TakeElements {
   const T* of;
   const int* from;
   RUBBLE_HD void operator()(const View&, int k) const { to[k] = of[from[k]]; }
-};
-
-/// Worlds with fewer bodies have no use for an order. Others are sorted if more than one body in kScattered is far from the next, and at most one in
-/// kBetter of these would be on the curve: bodies that are few and far between lie apart in any order.
-inline constexpr int kFewBodies = 4096, kScattered = 4, kBetter = 2;
-/// Two bodies are far from one another if their centres are further apart than so many times the sum of their radii.
-inline constexpr Real kFar = 4;
-
-/// Are the bodies at places k and k + 1 of an order far from one another? No order: that of the tables.
-struct LiesApart {
-  const int* order = nullptr;
-  RUBBLE_HD bool operator()(const View& s, int k) const {
-    const int i = order ? order[k] : k, j = order ? order[k + 1] : k + 1;
-    if (!hasPlace(s, i) || !hasPlace(s, j)) return false;
-    const Real reach = kFar * (s.params[i].radius + s.params[j].radius);
-    return lengthSquared(centreDistance(s, i, j)) > reach * reach;
-  }
 };
 
 // What was found of pairs goes where that of this step goes, to be the old one of the next. Multipliers and sides of a pair stay; its owner is the one
@@ -155,7 +141,42 @@ struct MoveManifolds {
   }
 };
 
-// Who names a body by its place.
+// Contacts of vertices, and of corners with surfaces, go with their owners.
+
+/// Owner of point pairs at the new places: a vertex or an edge, which stay, or corners of a body.
+RUBBLE_HD inline int movedOwner(const View& s, const NewPlaces& places, int owner) {
+  const int fixed = s.vertices + s.edges;
+  return owner < fixed ? owner : fixed + kCornerSlots * places.of(bodyOfOwner(s, owner)) + slotOfOwner(s, owner);
+}
+struct CountMovedPoints {
+  static constexpr const char* kName = "order";
+  NewPlaces places;
+  RUBBLE_HD void operator()(const View& s, int owner) const {
+    s.pointPairCount[movedOwner(s, places, owner)] = s.oldPointPairOffset[owner + 1] - s.oldPointPairOffset[owner];
+  }
+};
+struct MovePoints {
+  static constexpr const char* kName = "order";
+  NewPlaces places;
+  RUBBLE_HD void operator()(const View& s, int owner) const {
+    const int moved = movedOwner(s, places, owner);
+    int to = s.pointPairOffset[moved];
+    for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k, ++to) {
+      const int other = s.oldPointPair[k].other;
+      s.pointPair[to] = {moved, other < kVertexNode ? places.of(other) : other};
+      s.pointContact[to] = s.oldPointContact[k];
+      s.pointContact[to].body = places.of(s.oldPointContact[k].body);
+    }
+  }
+};
+
+// What names a body by its place.
+
+struct RenumberAttachments {
+  static constexpr const char* kName = "order";
+  NewPlaces places;
+  RUBBLE_HD void operator()(const View& s, int i) const { s.attachment[i].body = places.of(s.attachment[i].body); }
+};
 
 struct NumberPlaces {
   static constexpr const char* kName = "order";
@@ -194,7 +215,6 @@ bool followsBodies(const ArrayInfo<T>& array) {
 //   room<T>(n)             memory that is there until the work is done
 //   order(keys, order, n)  indices by rising key, equal ones as they were
 //   copy(to, from, n)
-//   count(test, n)         for how many i below n test(view, i) holds
 
 /// Which body comes where on the curve.
 template <class E>
@@ -207,16 +227,7 @@ int* orderOnCurve(E& e) {
   return order;
 }
 
-/// Do bodies that are far from one another lie side by side, and would they not on the curve? There are no vertices.
-template <class E>
-bool liesScattered(E& e) {
-  const int bodies = e.view().bodies;
-  if (bodies < kFewBodies) return false;
-  const int apart = e.count(LiesApart{}, bodies - 1);
-  return apart > bodies / kScattered && e.count(LiesApart{orderOnCurve(e)}, bodies - 1) < apart / kBetter;
-}
-
-/// Puts the bodies in the order of the curve; there are no vertices, and so many old pairs. Constants are those of the next step. What is derived, and
+/// Puts the bodies in the order of the curve; there are so many old pairs. Constants are those of the next step. What is derived, and
 /// View::ordered, is to be found anew.
 template <class E>
 void sortBodies(E& e, int pairs) {
@@ -233,6 +244,13 @@ void sortBodies(E& e, int pairs) {
   e.forEach(SortMovedPairs{from}, bodies);
   e.scan(&View::isNear, &View::nearPairOffset, pairs);
   e.forEach(MoveManifolds{}, pairs);
+  if (e.view().vertices > 0) {
+    const int owners = e.view().owners();
+    e.forEach(CountMovedPoints{places}, owners);
+    e.scan(&View::pointPairCount, &View::pointPairOffset, owners);
+    e.forEach(MovePoints{places}, owners);
+    e.forEach(RenumberAttachments{places}, e.view().attachments);
+  }
   e.lodgeRows();
   e.keepManifolds();
 

@@ -21,7 +21,7 @@ struct BuildRolling {
     const int before = s.manifoldBefore[s.nearPair[i]];
     if (s.step.sleeping && !moves(s, o.a) && !moves(s, o.b)) {
       // kept as it is, like the manifold
-      if (before >= 0) r = s.oldRolling[before];
+      if (before >= 0 && s.rolledBefore) r = s.oldRolling[before];
     } else if (s.hasRows[i] != 0) {
       const PairMaterial material = pairMaterial(s, p, o);
       const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
@@ -32,7 +32,7 @@ struct BuildRolling {
       r.n = m.normal;
       r.rolling = material.rolling, r.torsional = material.torsional;
       r.kRoll = material.rolling > Real(0) ? k : Real(0), r.kTwist = material.torsional > Real(0) ? k : Real(0);
-      if (before >= 0 && s.oldManifold[before].count > 0 && dot(s.oldRolling[before].n, r.n) > kSameNormal)
+      if (before >= 0 && s.rolledBefore && s.oldManifold[before].count > 0 && dot(s.oldRolling[before].n, r.n) > kSameNormal)
         r.lambda = s.oldRolling[before].lambda * warmMultiplier(s.step, Real(1), false);
     }
     s.rolling[i] = r;

@@ -36,6 +36,20 @@ struct SurfaceData {
 struct BodyExtras {
   Real linearDamping, angularDamping;  ///< [1/s]
   int locks;                           ///< bits 0-2: no translation along world x, y, z; bits 3-5: no rotation about them
+  int traits;                          ///< bits 1 << BodyTrait
+};
+
+/// What few bodies have, and stages ask for at once: the world counts the bodies that have each.
+enum class BodyTrait { GeneralShape, Rolls, Bounces, Locked, Filtered };
+inline constexpr int kBodyTraits = 5;
+struct TraitCounts {
+  int bodies[kBodyTraits] = {};
+  RUBBLE_HD int& operator[](BodyTrait t) { return bodies[static_cast<int>(t)]; }
+  RUBBLE_HD int operator[](BodyTrait t) const { return bodies[static_cast<int>(t)]; }
+  /// `change` more bodies have the traits of these bits.
+  void count(int traits, int change) {
+    for (int t = 0; t < kBodyTraits; ++t) bodies[t] += (traits >> t & 1) * change;
+  }
 };
 
 /// Which bodies meet (CollisionFilter), and whether they push.

@@ -21,6 +21,15 @@ class Tables {
   Tables(const Tables&) = delete;
   Tables& operator=(const Tables&) = delete;
 
+  /// Bodies that have each trait; the flags of the View follow.
+  const TraitCounts& traits() const { return traits_; }
+  void setTraits(const TraitCounts& traits) {
+    traits_ = traits;
+    view_.rareShapes = traits[BodyTrait::GeneralShape] > 0, view_.rolls = traits[BodyTrait::Rolls] > 0;
+    view_.bounces = traits[BodyTrait::Bounces] > 0, view_.locked = traits[BodyTrait::Locked] > 0;
+    view_.filtered = traits[BodyTrait::Filtered] > 0;
+  }
+
   View& view() { return view_; }
   const View& view() const { return view_; }
   int capacity(Per per) const { return capacity_[static_cast<int>(per)]; }
@@ -82,6 +91,7 @@ class Tables {
   }
 
   View view_;
+  TraitCounts traits_;
   int capacity_[kPerCount] = {};
 };
 

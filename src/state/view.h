@@ -13,16 +13,16 @@ struct View : JointTables<JointTypes> {
   int planes = 0;
   int shapeVectors = 0, shapeIndices = 0, shapeParts = 0, surfaces = 0;  ///< elements of the shared tables in use
   bool rareShapes = false;            ///< some body is not of a plain kind
-  bool rolls = false;                 ///< some material has rolling or torsional friction
-  int bounces = 0;                    ///< 1: some material may have restitution
+  bool rolls = false;                 ///< the material of some body has rolling or torsional friction
+  bool rolledBefore = false;          ///< it did in the last step
+  bool bounces = false;               ///< that of some body has restitution
   int cells = 0;                      ///< buckets of the grid, a power of two
-  Real curveCell = 1;                 ///< edge of the cells of the curve along which bodies are put in order [m]
   bool ordered = false;               ///< some body is at another place than its id
   bool bodiesMove = true;             ///< false: it is known that no body is dynamic
   int exclusions = 0;                 ///< pairs of bodies that are excluded
-  int filtered = 0;                   ///< 1: some body has a filter or is a sensor
+  bool filtered = false;              ///< some body has a filter or is a sensor
   int wakeAll = 0;                    ///< 1: nothing sleeps on in this step
-  int locked = 0;                     ///< 1: some body has locked axes
+  bool locked = false;                ///< some body has locked axes
   int joints[JointTypes::kSize] = {}; ///< slots in use of each type
   int treeBegin[kTreeRounds + 1] = {};///< first node of each round of elimination; the last one: how many there are
   int treeRounds = 0;

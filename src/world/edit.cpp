@@ -57,7 +57,6 @@ BodyId World::Impl::addBody(const BodyDef& def, const ReadyBody& ready) {
   const int indexBase = placeShape(def.shape, cooked), surface = surfaceOf(def.material);
   const BodyId id = registry.bodies.add({def, ready.mass, {cooked->unit.centre, cooked->unit.axes}, cooked->radius});
   if (!def.name.empty()) registry.bodyNames[def.name] = id;
-  registry.sizes.count(registry.bodies[id], 1);
   engine->setBodyCount(registry.bodies.size());
   if (id.generation > 0) engine->forgetContacts(id.index);
   EngineBody body;
@@ -101,7 +100,6 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
     if (!def.name.empty()) registry.bodyNames.erase(def.name);
     planesChanged |= def.shape.type == ShapeType::Plane;
     exclusionsChanged |= std::erase_if(registry.exclusions, [&](const auto& pair) { return pair.first == id.index || pair.second == id.index; }) > 0;
-    registry.sizes.count(registry.bodies[id], -1);
     registry.bodies.remove(id);
     engine->setBody(id.index, {});
   }
@@ -238,7 +236,6 @@ void World::Impl::flush() {
     settings.params = params;
     settings.gravity = registry.gravity;
     settings.wakeAll = std::exchange(disturbed, false);
-    if (!registry.sizes.radius.empty()) settings.typicalRadius = registry.sizes.radius.median();
     engine->configure(settings);
     settingsChanged = false;
   }

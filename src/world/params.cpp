@@ -73,6 +73,7 @@ const std::vector<RangedField>& ranges() {
       direct("dt", "s", "time step", &Params::dt, 1e-6, 1),
       direct("iterations", "1", "iterations a step", &Params::iterations, 1, 100000),
       direct("substeps", "1", "full steps of dt / substeps each", &Params::substeps, 1, 1000),
+      direct("sortInterval", "1", "bodies are put in an order of space in memory after so many steps each time; 0: never", &Params::sortInterval, 0, 1e9),
       direct("sleeping", "bool", "islands of bodies at rest are left out of the steps", &Params::sleeping, 0, 1),
       tuning("sleepSpeed", "1", "surface speed over sqrt(g L) below which a body is still", &Tuning::sleepSpeed, 0, 1),
       tuning("sleepDelay", "s", "time after which an island of still bodies sleeps", &Tuning::sleepDelay, 0, kBig),

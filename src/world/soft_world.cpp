@@ -50,7 +50,6 @@ SoftId World::Impl::addSoft(const Deformable& def, const std::string& path) {
     throw Error(path + ".name", "a name that no other deformable object has", "\"" + name + "\"");
   const SoftId id = registry.softs.add({def, cookDeformable(def, path), registry.softOrder++, {}});
   if (!name.empty()) registry.softNames[name] = id;
-  registry.sizes.count(*registry.softs[id].model, 1);
   softChanged = settingsChanged = true;
   return id;
 }
@@ -61,7 +60,6 @@ void World::Impl::removeSoft(SoftId id) {
     if (registry.attachments[a].object == id || registry.attachments[a].otherObject == id) removeAttachment(a);
   const std::string& name = common(registry.softs[id].def).name;
   if (!name.empty()) registry.softNames.erase(name);
-  registry.sizes.count(*registry.softs[id].model, -1);
   registry.softs.remove(id);
   softChanged = settingsChanged = true;
 }

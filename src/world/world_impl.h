@@ -6,7 +6,7 @@
 #include <rubble/events.h>
 
 #include "backend/ordered_engine.h"
-#include "world/body_sizes.h"
+#include "world/body_record.h"
 #include "world/joint_build.h"
 #include "world/shape_frame.h"
 
@@ -139,7 +139,6 @@ struct Registry {
   std::set<std::pair<int, int>> exclusions;  ///< slots (low, high), besides those of joints
   std::vector<Touch> touches;       ///< after the last step whose events were collected, sorted
   std::vector<int> sleepers;        ///< likewise, slots
-  Sizes sizes;
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;

@@ -71,7 +71,6 @@ class Lockstep : public ::testing::Test {
 
   Lockstep() {
     settings_.gravity = {0, 0, -10};
-    settings_.typicalRadius = .87;
     both([](HostTables& t) {
       setBodyCount(t, kBodies);
       for (int i = 0; i < kBodies; ++i) {

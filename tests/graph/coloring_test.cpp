@@ -136,7 +136,6 @@ void buildPile(CoreWorld& world) {
   for (int z = 0; z < 10; ++z)
     for (int y = 0; y < 12; ++y)
       for (int x = 0; x < 12; ++x) world.add(cube({1.001 * x + .5 * (z % 2), 1.001 * y + .3 * (z % 2), .5 + z}));
-  world.settings().typicalRadius = .87;
   world.finish();
 }
 
@@ -216,7 +215,6 @@ TEST(Incidence, LeavesOutWhatDoesNotMove) {
   driven.motion = Motion::Kinematic;
   world.add(driven);
   world.addBall(0, kWorldBody, 1);
-  world.settings().typicalRadius = .87;
   world.finish();
   findGraph(world);
   const View& s = world.view();

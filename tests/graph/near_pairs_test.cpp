@@ -58,7 +58,6 @@ TEST(NearPairs, NoPointOfAPairWithoutManifoldTakesPartInTheStep) {
   for (const double speed : {.05, .5, 5., 50.}) {
     Random random(static_cast<unsigned>(1 + speed));
     CoreWorld world;
-    world.settings().typicalRadius = .4;
     world.settings().gravity = {0, 0, -10};
     for (int i = 0; i < 250; ++i) {
       BodyDef body = brick({random.uniform(.1, .4), random.uniform(.1, .4), random.uniform(.1, .4)}, random.vector(2.5), random.rotation());
@@ -81,7 +80,6 @@ TEST(NearPairs, NoPointOfAPairWithoutManifoldTakesPartInTheStep) {
 TEST(NearPairs, BricksAcrossAGapHaveNoManifold) {
   // two piles turned by 45 degrees, 2 cm apart: their boxes overlap, they do not meet
   CoreWorld world;
-  world.settings().typicalRadius = .25;
   BodyDef ground;
   ground.motion = Motion::Static;
   ground.shape = Shape::plane();
@@ -101,7 +99,6 @@ TEST(NearPairs, BricksAcrossAGapHaveNoManifold) {
 TEST(NearPairs, ThatWereApartMeetInTime) {
   // starts apart with a known distance, and is driven into the other by a force: stops at it
   CoreWorld world;
-  world.settings().typicalRadius = .25;
   world.settings().gravity = {0, 0, 0};
   const Vec3 half{.2, .1, .1};
   const Quat turn = fromAxisAngle(Vec3{0, 0, 1}, .7853981634);

@@ -244,6 +244,8 @@ TEST(JointTrees, OneThatHasHardlyTurnedRestsInTheSolvesThatFollow) {
     EXPECT_EQ(s.treeTurn[tree], 0);
     return s.treeRests[tree] != 0;
   };
+  EXPECT_TRUE(restsAfter(Real(.01), TreeSolve::Again, 1)) << "no limits";
+  for (int n = 0; n < treeNodes(s); ++n) s.treeNode[n].limited = true;
   EXPECT_TRUE(restsAfter(Real(.001), TreeSolve::Again, 1));
   EXPECT_FALSE(restsAfter(Real(.01), TreeSolve::Again, 1)) << "limits may have been passed";
   EXPECT_TRUE(restsAfter(Real(.01), TreeSolve::Again, 0)) << "solved exactly";

@@ -13,7 +13,7 @@
 namespace rubble {
 namespace {
 
-constexpr int kSteps = 200, kLeaves = 120;
+constexpr int kSteps = 200, kLeaves = 120, kFewPebbles = 200, kManyPebbles = 3000;
 
 /// A scene with its parameters, before it is a world.
 struct Sample {
@@ -39,6 +39,7 @@ Sample sampleOf(std::uint64_t seed) {
   out.job.dt = bin.dt;
   out.options = test::options(bin.iterations);
   out.options.params.dt = bin.dt;
+  out.options.params.sortInterval = 40;
   return out;
 }
 
@@ -73,6 +74,38 @@ struct Originals {
   }
 };
 
+/// Bodies far away whose ids those have that events add: they leave just before, so that the ids are the same whoever else is there.
+class Reserve {
+ public:
+  Reserve(Scene& scene, const Vec3& at) : first_(static_cast<int>(scene.bodies.size())) {
+    for (const Event& event : scene.events) {
+      if (event.add.empty()) continue;
+      batches_.push_back({event.step, static_cast<int>(event.add.size())});
+      for (std::size_t k = 0; k < event.add.size(); ++k) {
+        scene.bodies.push_back(test::body(Shape::sphere(.01), at));
+        scene.bodies.back().motion = Motion::Static, scene.bodies.back().filter.mask = 0;
+      }
+    }
+  }
+  /// Before a step.
+  void leave(World& world, std::int64_t step) {
+    for (; next_ < batches_.size() && batches_[next_].step <= step; ++next_) {
+      const int count = batches_[next_].count;
+      // what is freed last is used first
+      for (int k = count - 1; k >= 0; --k) world.remove(world.bodyAt(first_ + k));
+      first_ += count;
+    }
+  }
+
+ private:
+  struct Batch {
+    int step, count;
+  };
+  std::vector<Batch> batches_;
+  std::size_t next_ = 0;
+  int first_;
+};
+
 /// Hashes of what the sample has of itself after each step, with visitors that leave after kLeaves.
 std::vector<std::uint64_t> hashesOf(const Maker& make, const std::vector<test::Visitor>& guests, const std::string& backend, int threads) {
   Sample sample = make();
@@ -80,6 +113,8 @@ std::vector<std::uint64_t> hashesOf(const Maker& make, const std::vector<test::V
   Scene& scene = sample.job.scene;
   const int bodies = static_cast<int>(scene.bodies.size()), objects = static_cast<int>(scene.deformables.size());
   const Vec3 far = test::farFrom(scene);
+  Reserve reserve(scene, far * -1);
+  const int ownBodies = static_cast<int>(scene.bodies.size());
   for (std::size_t k = 0; k < guests.size(); ++k) guests[k].addTo(scene, far * (1 + .1 * static_cast<double>(k)));
   const int allBodies = static_cast<int>(scene.bodies.size()), allObjects = static_cast<int>(scene.deformables.size());
   scenes::Runner runner(std::move(sample.job), sample.options);
@@ -88,13 +123,14 @@ std::vector<std::uint64_t> hashesOf(const Maker& make, const std::vector<test::V
   for (int i = 0; i < bodies; ++i) own.bodies.push_back(world.bodyAt(i));
   for (int i = 0; i < objects; ++i) own.deformables.push_back(world.deformableAt(i));
   std::vector<BodyId> leaving;
-  for (int i = bodies; i < allBodies; ++i) leaving.push_back(world.bodyAt(i));
+  for (int i = ownBodies; i < allBodies; ++i) leaving.push_back(world.bodyAt(i));
   std::vector<std::uint64_t> out;
   for (int step = 0; step < kSteps; ++step) {
     if (step == kLeaves) {
       world.removeBodies(leaving);
       for (int i = objects; i < allObjects; ++i) world.remove(world.deformableAt(i));
     }
+    reserve.leave(world, step);
     runner.step();
     out.push_back(own.hashIn(world));
   }
@@ -109,11 +145,11 @@ std::vector<std::uint64_t> hashesOf(const Maker& make, const std::vector<test::V
 }
 
 void expectLocal(const Maker& sample, const std::string& backend = "cpu", int threads = 3) {
-  EXPECT_TRUE(same(hashesOf(sample, {}, backend, 1), hashesOf(sample, test::visitors(), backend, threads)));
+  EXPECT_TRUE(same(hashesOf(sample, {}, backend, 1), hashesOf(sample, test::visitors(kFewPebbles), backend, threads)));
 }
 void expectLocalToEach(const Maker& sample) {
   const auto alone = hashesOf(sample, {}, "cpu", 1);
-  for (const test::Visitor& v : test::visitors()) EXPECT_TRUE(same(alone, hashesOf(sample, {v}, "cpu", 1))) << v.name;
+  for (const test::Visitor& v : test::visitors(kManyPebbles)) EXPECT_TRUE(same(alone, hashesOf(sample, {v}, "cpu", 1))) << v.name;
 }
 
 std::vector<std::string> names() {

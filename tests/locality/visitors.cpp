@@ -46,10 +46,19 @@ void addBody(Scene& scene, const Vec3& at, const BodyDef& def) {
   addAt(scene, def, at, 0, 0, .6);
 }
 
-void addPebbles(Scene& scene, const Vec3& at, double height) {
+void addPebbles(Scene& scene, const Vec3& at, int count, double height) {
   addSlab(scene, at, 2);
-  for (int i = 0; i < 3000; ++i)
+  for (int i = 0; i < count; ++i)
     addAt(scene, body(Shape::sphere(.01), {}), at, .025 * (i % 60 - 30), .025 * (i / 60 - 25), .01 + height);
+}
+
+/// More of them than anything else, in no order of space.
+void addDust(Scene& scene, const Vec3& at, int count) {
+  addSlab(scene, at, 2);
+  for (int i = 0; i < count; ++i) {
+    const int k = i * 2017 % count;
+    addAt(scene, body(Shape::sphere(.01), {}), at, .025 * (k % 70 - 35), .025 * (k / 70 - 35), .012);
+  }
 }
 
 /// A hanging chain of capsules, whose joints are of a type.
@@ -141,14 +150,15 @@ Visitor oneShape(const char* name, Shape (*make)()) {
 
 }  // namespace
 
-const std::vector<Visitor>& visitors() {
-  static const std::vector<Visitor> all{
+std::vector<Visitor> visitors(int pebbles) {
+  return {
       {"grain", [](Scene& s, const Vec3& at) { addDeformable(s, at, grain()); }},
       {"cloth", [](Scene& s, const Vec3& at) { addDeformable(s, at, clothSheet({-.5, -.5, .3}, {1, 0, 0}, {0, 1, 0}, 5, 5)); }},
       {"rope", [](Scene& s, const Vec3& at) { addDeformable(s, at, straightRod({-.5, 0, .3}, {.5, 0, .3}, 10)); }},
       {"soft ball", [](Scene& s, const Vec3& at) { addDeformable(s, at, softBall({0, 0, .5}, .3, 3)); }},
-      {"pebbles at rest", [](Scene& s, const Vec3& at) { addPebbles(s, at, 0); }},
-      {"pebbles that fall", [](Scene& s, const Vec3& at) { addPebbles(s, at, .5); }},
+      {"pebbles at rest", [=](Scene& s, const Vec3& at) { addPebbles(s, at, pebbles, 0); }},
+      {"pebbles that fall", [=](Scene& s, const Vec3& at) { addPebbles(s, at, pebbles, .5); }},
+      {"dust in no order", [=](Scene& s, const Vec3& at) { addDust(s, at, pebbles); }},
       {"joint with limits", [](Scene& s, const Vec3& at) { addChain(s, at, 2, JointType::Hinge); }},
       {"tree of 65", [](Scene& s, const Vec3& at) { addChain(s, at, 65, JointType::Ball); }},
       {"tree of 1,000", [](Scene& s, const Vec3& at) { addChain(s, at, 1000, JointType::Ball); }},
@@ -163,7 +173,6 @@ const std::vector<Visitor>& visitors() {
       oneShape("cone", [] { return Shape::cone(.2, .2); }),
       oneShape("hull", [] { return Shape::hull({{0, 0, 0}, {.3, 0, 0}, {0, .3, 0}, {0, 0, .3}}); }),
   };
-  return all;
 }
 
 Vec3 farFrom(const Scene& scene) { return frameOf(scene).up * 700; }

@@ -13,7 +13,8 @@ struct Visitor {
   /// Adds it to a scene about a point. What must lie on something brings it along.
   std::function<void(Scene&, const Vec3&)> addTo;
 };
-const std::vector<Visitor>& visitors();
+/// One of each kind; heaps have so many pebbles.
+std::vector<Visitor> visitors(int pebbles);
 
 /// A point of a scene's surroundings: far from all that it has, and over every plane.
 Vec3 farFrom(const Scene& scene);

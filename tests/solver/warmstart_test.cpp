@@ -80,9 +80,9 @@ TEST(WarmStart, DecaysTheStiffnessDownToItsFloor) {
 TEST(WarmStart, RescalesTheStiffnessWhenTheTimeStepChanges) {
   Params params;
   params.dt = 1. / 120;
-  const StepConstants c = stepConstants(params, {0, 0, 0}, 1, 1. / 60);
+  const StepConstants c = stepConstants(params, {0, 0, 0}, 1. / 60);
   EXPECT_NEAR(c.stiffnessRescale, 4, 1e-12);
-  EXPECT_EQ(stepConstants(params, {0, 0, 0}, 1, 0).stiffnessRescale, 1);
+  EXPECT_EQ(stepConstants(params, {0, 0, 0}, 0).stiffnessRescale, 1);
   const StiffnessRule rule = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 1), 1);
   EXPECT_NEAR(warmStiffness(c, rule, 2 * rule.start, 0), c.gamma * 8 * rule.start, 1e-6);
 }
@@ -104,19 +104,19 @@ TEST(StepConstants, KeepTheRateOfCorrectionAtAnyTimeStep) {
   params.tuning.errorRetention = -1;
   for (const Real dt : {1. / 30, 1. / 60, 1. / 240}) {
     params.dt = dt;
-    const StepConstants c = stepConstants(params, {0, 0, 0}, 1, 0);
+    const StepConstants c = stepConstants(params, {0, 0, 0}, 0);
     EXPECT_NEAR((1 - c.alpha) / dt, 3, 1e-12);
     EXPECT_NEAR(std::log(c.gamma) / dt, 60 * std::log(params.tuning.warmStartDecay), 1e-9);
   }
   params.dt = 1;
-  EXPECT_EQ(stepConstants(params, {0, 0, 0}, 1, 0).alpha, 0);
+  EXPECT_EQ(stepConstants(params, {0, 0, 0}, 0).alpha, 0);
 }
 
 TEST(StepConstants, DivideTheStepBySubsteps) {
   Params params;
   params.dt = 1. / 60;
   params.substeps = 4;
-  const StepConstants c = stepConstants(params, {1, 2, 3}, 1, 0);
+  const StepConstants c = stepConstants(params, {1, 2, 3}, 0);
   EXPECT_NEAR(c.dt, 1. / 240, 1e-16);
   EXPECT_NEAR(c.inverseDt * c.dt, 1, 1e-14);
   EXPECT_EQ(c.gravity, (Vec3{1, 2, 3}));
@@ -124,7 +124,7 @@ TEST(StepConstants, DivideTheStepBySubsteps) {
 
 TEST(StepConstants, OfThePaperAreTheSeedsNumbers) {
   const Params params = Params::of(Preset::Paper);
-  const StepConstants c = stepConstants(params, {0, 0, 0}, 1, 0);
+  const StepConstants c = stepConstants(params, {0, 0, 0}, 0);
   EXPECT_EQ(c.alpha, .95);
   EXPECT_EQ(c.gamma, .99);
   EXPECT_EQ(c.contactRampRate, 10);

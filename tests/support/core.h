@@ -30,7 +30,7 @@ inline StepConstants testConstants() {
   params.tuning.tangentStiffness = 1;
   params.tuning.contactPolicy = params.tuning.jointPolicy = StiffnessPolicy::Ramp;
   params.tuning.coneHessian = params.tuning.compliantRows = true;
-  return stepConstants(params, {0, 0, -10}, 1, 0);
+  return stepConstants(params, {0, 0, -10}, 0);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -60,7 +60,7 @@ TEST_P(OutOfMemory, InAStepIsAnErrorAfterWhichItCanBeTakenAgain) {
   const std::uint64_t before = world.hash();
   const std::int64_t steps = world.stepCount();
   for (int tries = 0; tries < 3; ++tries) {
-    const LittleMemory little(2 << 20);
+    const LittleMemory little(1 << 20);
     try {
       world.step();
       FAIL() << "there was enough";
@@ -100,7 +100,7 @@ TEST_P(OutOfMemory, AmongContactsForgetsThemAndNothingElse) {
   std::vector<Vec3> places;
   for (const BodyId id : ids) places.push_back(world.state(id).position);
   {
-    const LittleMemory little(2 << 20);
+    const LittleMemory little(1 << 20);
     EXPECT_THROW(world.step(), Error);
   }
   for (std::size_t i = 0; i < ids.size(); ++i) EXPECT_EQ(world.state(ids[i]).position, places[i]);

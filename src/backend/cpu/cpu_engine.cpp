@@ -10,8 +10,6 @@ void beginStep(View& s, const EngineSettings& settings, double previousDt) {
   *s.counters = {};
   s.step = stepConstants(settings.params, settings.gravity, previousDt);
   s.wakeAll = settings.wakeAll;
-  // tells typical bodies apart that touch
-  s.curveCell = static_cast<Real>(settings.typicalRadius / 4);
 }
 
 void reportCounters(const View& s, StepReport& report) {
@@ -64,6 +62,7 @@ void CpuEngine::takeStep(StepReport& report) {
     for (int k = 0; k < settings_.params.substeps; ++k) {
       beginStep(s, settings_, previousDt_);
       rubble::RUBBLE_CORE::step(executor_);
+      s.rolledBefore = s.rolls;
       previousDt_ = settings_.params.dt / settings_.params.substeps;
     }
   });
@@ -75,22 +74,12 @@ void CpuEngine::takeStep(StepReport& report) {
   arrays_.follow();
 }
 
-bool liesScatteredIn(CpuExecutor& executor) {
-  if (executor.view().vertices > 0) return false;
-  bool scattered = false;
-  executor.run([&] { scattered = liesScattered(executor); });
-  executor.endRooms();
-  return scattered;
-}
-
-bool sortBodiesOf(CpuExecutor& executor) {
+void sortBodiesOf(CpuExecutor& executor) {
   const View& s = executor.view();
-  if (s.vertices > 0) return false;
   executor.run([&] { rubble::RUBBLE_CORE::sortBodies(executor, s.oldPairOffset[s.bodies]); });
   executor.endRooms();
   executor.view().ordered = inOtherOrder(executor.view());
   executor.view().treesStale = 1;
-  return true;
 }
 
 std::vector<std::byte> saveState(const HostTables& tables, double previousDt) {

@@ -18,9 +18,8 @@ void reportCounters(const View& s, StepReport& report);
 /// Sets counters and constants for the next step.
 void beginStep(View& s, const EngineSettings& settings, double previousDt);
 
-/// Engine::liesScattered() and sortBodies() of what an executor steps, with the constants of the next step.
-bool liesScatteredIn(CpuExecutor& executor);
-bool sortBodiesOf(CpuExecutor& executor);
+/// Engine::sortBodies() of what an executor steps, with the constants of the next step.
+void sortBodiesOf(CpuExecutor& executor);
 
 /// Tables and the time step they were last stepped with: all that an engine on the host keeps.
 std::vector<std::byte> saveState(const HostTables& tables, double previousDt);
@@ -72,13 +71,9 @@ class CpuEngine final : public Engine {
   bool reserve(const std::string& kind, int count) override { return reserveKind(tables(), kind, count); }
   void step(StepReport& report) override;
   BodyOrder order() const override { return orderOf(tables()); }
-  bool liesScattered() override {
+  void sortBodies() override {
     beginStep(tables().view(), settings_, previousDt_);
-    return liesScatteredIn(executor_);
-  }
-  bool sortBodies() override {
-    beginStep(tables().view(), settings_, previousDt_);
-    return sortBodiesOf(executor_);
+    sortBodiesOf(executor_);
   }
   Quality quality() const override { return qualityOf(tables()); }
   void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override {

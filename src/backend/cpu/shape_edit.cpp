@@ -40,10 +40,6 @@ void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces) {
   tables.reserve(Per::Surface, static_cast<int>(surfaces.size()));
   View& s = tables.view();
   s.surfaces = static_cast<int>(surfaces.size());
-  s.rolls = std::any_of(surfaces.begin(), surfaces.end(), [](const Material& m) { return m.rollingFriction > 0 || m.torsionalFriction > 0; });
-  s.bounces |= std::any_of(surfaces.begin(), surfaces.end(), [](const Material& m) { return m.restitution > 0; });
-  // as many old rows as old manifolds, also in the first step with such materials
-  if (s.rolls) tables.reserve(Per::Rolling, tables.capacity(Per::NearPair));
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const Material& m = surfaces[i];
     s.surface[i] = {static_cast<Real>(m.staticFriction), static_cast<Real>(m.dynamicFriction), static_cast<Real>(m.restitution),

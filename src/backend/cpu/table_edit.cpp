@@ -12,6 +12,30 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
+/// Bits of BodyTrait that a material has.
+int traitsOf(const SurfaceData& m) {
+  return (m.rolling > Real(0) || m.torsional > Real(0) ? 1 << static_cast<int>(BodyTrait::Rolls) : 0) |
+         (m.restitution > Real(0) ? 1 << static_cast<int>(BodyTrait::Bounces) : 0);
+}
+
+/// Those of the body in a slot, whose materials are in the tables.
+int traitsOf(const View& s, int slot) {
+  const BodyParams& p = s.params[slot];
+  if (p.kind == BodyKind::Removed) return 0;
+  const BodyFilter& f = s.filter[slot];
+  const CollisionFilter usual;
+  const bool filtered = f.sensor || f.layers != usual.layers || f.mask != usual.mask || f.group != usual.group;
+  int traits = (!isPlain(p.shape.kind) ? 1 << static_cast<int>(BodyTrait::GeneralShape) : 0) |
+               (s.extras[slot].locks != 0 ? 1 << static_cast<int>(BodyTrait::Locked) : 0) |
+               (filtered ? 1 << static_cast<int>(BodyTrait::Filtered) : 0) |
+               (p.restitution > Real(0) ? 1 << static_cast<int>(BodyTrait::Bounces) : 0);
+  if (p.surface >= 0) traits |= traitsOf(s.surface[p.surface]);
+  if (p.shape.kind != ShapeKind::Compound) return traits;
+  const int first = s.shapeIndex[p.shape.data + 2], parts = s.shapeIndex[p.shape.data + 3];
+  for (int k = first; k < first + parts; ++k)
+    if (s.shapePart[k].surface >= 0) traits |= traitsOf(s.surface[s.shapePart[k].surface]);
+  return traits;
+}
 
 Distribution distribution(std::vector<double>& values) {
   Distribution d;
@@ -67,7 +91,6 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   View& s = tables.view();
   BodyParams& p = s.params[slot];
   p.shape = shapeData(body.shape);
-  s.rareShapes |= body.kind != 0 && !isPlain(p.shape.kind);
   // who comes has no joints yet, and who goes has lost them before
   const auto kind = static_cast<BodyKind>(body.kind);
   s.treesStale |= p.kind != kind && p.kind != BodyKind::Removed && kind != BodyKind::Removed;
@@ -79,17 +102,21 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   p.muStatic = static_cast<Real>(body.material.staticFriction);
   p.muDynamic = static_cast<Real>(body.material.dynamicFriction);
   p.restitution = static_cast<Real>(body.material.restitution);
-  s.bounces |= p.restitution > Real(0);
   p.gravityScale = static_cast<Real>(body.gravityScale);
   p.surface = body.surface;
   // member by member: what lies between members is hashed too, and a temporary has it from the stack
   BodyExtras& extras = s.extras[slot];
   extras.linearDamping = static_cast<Real>(body.linearDamping), extras.angularDamping = static_cast<Real>(body.angularDamping);
   extras.locks = dynamic ? body.locks : 0;
-  const CollisionFilter &f = body.filter, usual;
+  const CollisionFilter& f = body.filter;
   s.filter[slot] = {f.layers, f.mask, f.group, body.sensor};
-  s.locked |= extras.locks != 0;
-  s.filtered |= body.sensor || f.layers != usual.layers || f.mask != usual.mask || f.group != usual.group;
+  TraitCounts traits = tables.traits();
+  traits.count(extras.traits, -1);
+  extras.traits = traitsOf(s, slot);
+  traits.count(extras.traits, 1);
+  tables.setTraits(traits);
+  // as many old rows as old manifolds, also in the first step with such materials
+  if (s.rolls) tables.reserve(Per::Rolling, tables.capacity(Per::NearPair));
   s.color[slot] = 0;
   s.force[slot] = s.torque[slot] = {0, 0, 0};
   s.pushed[slot] = 0;

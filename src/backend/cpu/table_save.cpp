@@ -64,8 +64,9 @@ void copyClean(std::byte* to, const T* from, std::size_t bytes) {
 }
 
 struct SavedCounts {
-  int bodies, planes, pairs, nearPairs, manifolds, exclusions, filtered, locked;
-  int shapeVectors, shapeIndices, shapeParts, surfaces, rareShapes, rolls, rollers;
+  int bodies, planes, pairs, nearPairs, manifolds, exclusions;
+  int shapeVectors, shapeIndices, shapeParts, surfaces, rolledBefore, rollers;
+  TraitCounts traits;
   int joints[JointTypes::kSize];
   int pointPairs;
   SoftCounts soft;
@@ -76,8 +77,8 @@ struct SavedCounts {
 std::vector<std::byte> saveTables(const HostTables& tables) {
   const View& s = tables.view();
   SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->nearPairs, s.counters->manifolds,
-                     static_cast<int>(liveCount(s, Per::Exclusion)), s.filtered, s.locked, s.shapeVectors, s.shapeIndices, s.shapeParts,
-                     s.surfaces, s.rareShapes, s.rolls, static_cast<int>(liveCount(s, Per::Rolling)), {},
+                     static_cast<int>(liveCount(s, Per::Exclusion)), s.shapeVectors, s.shapeIndices, s.shapeParts,
+                     s.surfaces, s.rolledBefore, static_cast<int>(liveCount(s, Per::Rolling)), tables.traits(), {},
                      static_cast<int>(liveCount(s, Per::PointPair)), softCounts(s)};
   std::copy(std::begin(s.joints), std::end(s.joints), counts.joints);
   std::size_t size = sizeof counts;
@@ -112,16 +113,15 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   tables.reserve(Per::ShapeIndex, counts.shapeIndices);
   tables.reserve(Per::ShapePart, counts.shapeParts);
   tables.reserve(Per::Surface, counts.surfaces);
-  tables.reserve(Per::Rolling, counts.rolls ? std::max(counts.nearPairs, counts.rollers) : 0);
+  tables.reserve(Per::Rolling, counts.traits[BodyTrait::Rolls] > 0 ? std::max(counts.nearPairs, counts.rollers) : 0);
   View& s = tables.view();
   s.bodies = counts.bodies;
   s.planes = counts.planes;
   s.treesStale = 1;
-  s.filtered = counts.filtered, s.locked = counts.locked;
   s.shapeVectors = counts.shapeVectors, s.shapeIndices = counts.shapeIndices, s.shapeParts = counts.shapeParts;
   s.surfaces = counts.surfaces;
-  s.rareShapes = counts.rareShapes != 0;
-  s.rolls = counts.rolls != 0;
+  tables.setTraits(counts.traits);
+  s.rolledBefore = counts.rolledBefore != 0;
   s.counters->rollers = counts.rollers;
   s.counters->nearPairs = counts.nearPairs;
   s.counters->manifolds = counts.manifolds;
@@ -134,7 +134,6 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
     if (bytes > 0) std::memcpy(s.*array.member, from, bytes);
     from += bytes;
   });
-  s.bounces = 1;
   s.ordered = inOtherOrder(s);
   countYielding(s);
 }

@@ -119,8 +119,7 @@ class CudaEngine final : public Engine, private PoseCopies {
   void step(StepReport& report) override;
 
   BodyOrder order() const override { return orderOf(host()); }
-  bool liesScattered() override;
-  bool sortBodies() override;
+  void sortBodies() override;
 
   Quality quality() const override { return qualityOf(fetched()); }
   void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override {
@@ -201,6 +200,7 @@ void CudaEngine::step(StepReport& report) {
     mirror_.flush();
     prepareConstants();
     mirror_.stepped(stepper_.step(host().view(), report));
+    host().view().rolledBefore = host().view().rolls;
     previousDt_ = settings_.params.dt / settings_.params.substeps;
   }
   mirror_.endForces();
@@ -215,20 +215,11 @@ void CudaEngine::step(StepReport& report) {
   report.bodies = bodyCount_;
 }
 
-bool CudaEngine::liesScattered() {
-  if (host().view().vertices > 0 || host().view().bodies < kFewBodies) return false;
-  mirror_.flush();
-  prepareConstants();
-  return stepper_.liesScattered(host().view());
-}
-
-bool CudaEngine::sortBodies() {
-  if (host().view().vertices > 0) return false;
+void CudaEngine::sortBodies() {
   mirror_.flush();
   prepareConstants();
   stepper_.sortBodies(host().view(), mirror_.oldPairs());
   mirror_.bodiesSorted();
-  return true;
 }
 
 void CudaEngine::load(std::span<const std::byte> data) {

@@ -1,8 +1,6 @@
 #pragma once
-/// Work between steps (stages/order.h): what the executor does in a step, over numbers that the host knows, and what takes room of its own or gives
-/// the host an answer.
+/// Work between steps (stages/order.h): what the executor does in a step, over numbers that the host knows, and what takes room of its own.
 #include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_reduce.cuh>
 
 #include <memory>
 #include <vector>
@@ -59,20 +57,6 @@ class CudaRearranger {
   void copy(T* to, const T* from, int n) {
     checkCuda(cudaMemcpyAsync(to, from, sizeof(T) * static_cast<std::size_t>(n), cudaMemcpyDeviceToDevice, stream_.get()), "cudaMemcpyAsync");
     executor_.interrupted();
-  }
-  template <class Test>
-  int count(const Test& test, int n) {
-    int* const out = room<int>(1);
-    const auto ones = thrust::make_transform_iterator(thrust::make_counting_iterator(0), TestAt<Test>{view(), test});
-    std::size_t bytes = 0;
-    const auto sum = [&](void* scratch) { checkCuda(cub::DeviceReduce::Sum(scratch, bytes, ones, out, n, stream_.get()), "count"); };
-    sum(nullptr);
-    sum(roomOf(bytes));
-    executor_.interrupted();
-    int counted = 0;
-    checkCuda(cudaMemcpyAsync(&counted, out, sizeof counted, cudaMemcpyDeviceToHost, stream_.get()), "cudaMemcpyAsync");
-    stream_.wait();
-    return counted;
   }
 
  private:

@@ -192,12 +192,6 @@ cudaStream_t CudaStepper::stream() const { return impl_->stream.get(); }
 bool CudaStepper::counted(Per per) const { return impl_->executor.counted(per); }
 std::size_t CudaStepper::bytes() const { return impl_->tables.bytes() + impl_->executor.scratchBytes(); }
 
-bool CudaStepper::liesScattered(const View& host) {
-  impl_->adopt(host);
-  CudaRearranger rearranger(impl_->executor, impl_->stream);
-  return RUBBLE_CORE::liesScattered(rearranger);
-}
-
 void CudaStepper::sortBodies(const View& host, int pairs) {
   Impl& m = *impl_;
   m.adopt(host);

@@ -30,7 +30,6 @@ class CudaStepper {
   Counters step(const View& host, StepReport& report);
 
   // stages/order.h, with the sizes of `host` and so many old pairs
-  bool liesScattered(const View& host);
   void sortBodies(const View& host, int pairs);
 
  private:

@@ -50,12 +50,13 @@ int SnapshotSizes::count(Per per) const {
   }
 }
 
-SnapshotSizes sizesOf(const View& s, int pairs, int nearPairs, int manifolds) {
+SnapshotSizes sizesOf(const HostTables& tables, int pairs, int nearPairs, int manifolds) {
+  const View& s = tables.view();
   SnapshotSizes sizes;
   sizes.bodies = s.bodies, sizes.planes = s.planes, sizes.exclusions = s.exclusionOffset[s.bodies];
   sizes.pairs = pairs, sizes.nearPairs = nearPairs, sizes.manifolds = manifolds;
   sizes.shapeVectors = s.shapeVectors, sizes.shapeIndices = s.shapeIndices, sizes.shapeParts = s.shapeParts, sizes.surfaces = s.surfaces;
-  sizes.rareShapes = s.rareShapes, sizes.rolls = s.rolls;
+  sizes.traits = tables.traits(), sizes.rolledBefore = s.rolledBefore;
   sizes.rollers = s.rolls ? s.counters->rollers : 0;
   std::copy(std::begin(s.joints), std::end(s.joints), sizes.joints);
   return sizes;
@@ -74,11 +75,12 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   tables.reserve(Per::ShapeIndex, sizes.shapeIndices);
   tables.reserve(Per::ShapePart, sizes.shapeParts);
   tables.reserve(Per::Surface, sizes.surfaces);
-  tables.reserve(Per::Rolling, sizes.rolls ? std::max(sizes.nearPairs, sizes.rollers) : 0);
+  tables.reserve(Per::Rolling, sizes.traits[BodyTrait::Rolls] > 0 ? std::max(sizes.nearPairs, sizes.rollers) : 0);
   View& s = tables.view();
   s.shapeVectors = sizes.shapeVectors, s.shapeIndices = sizes.shapeIndices, s.shapeParts = sizes.shapeParts;
-  s.surfaces = sizes.surfaces, s.rareShapes = sizes.rareShapes, s.rolls = sizes.rolls;
-  s.bounces = 1;
+  s.surfaces = sizes.surfaces;
+  tables.setTraits(sizes.traits);
+  s.rolledBefore = sizes.rolledBefore;
 }
 
 std::shared_ptr<const AuthoredBytes> copyAuthored(const HostTables& tables, const SnapshotSizes& sizes) {

@@ -12,12 +12,13 @@ namespace rubble::RUBBLE_CORE {
 struct SnapshotSizes {
   int bodies = 0, planes = 0, exclusions = 0, pairs = 0, nearPairs = 0, manifolds = 0;
   int shapeVectors = 0, shapeIndices = 0, shapeParts = 0, surfaces = 0, rollers = 0;
-  bool rareShapes = false, rolls = false;
+  TraitCounts traits;
+  bool rolledBefore = false;
   int joints[JointTypes::kSize] = {};
   /// Elements of a kind of which something lasts.
   int count(Per per) const;
 };
-SnapshotSizes sizesOf(const View& s, int pairs, int nearPairs, int manifolds);
+SnapshotSizes sizesOf(const HostTables& tables, int pairs, int nearPairs, int manifolds);
 /// Makes room for those sizes and sets them.
 void adopt(HostTables& tables, const SnapshotSizes& sizes);
 

@@ -107,14 +107,6 @@ struct WriteIndices {
   __device__ void operator()(const View&, int i) const { array[i] = i % modulo; }
 };
 
-/// 1 where a test holds.
-template <class Test>
-struct TestAt {
-  View s;
-  Test test;
-  __host__ __device__ int operator()(int i) const { return test(s, i) ? 1 : 0; }
-};
-
 /// Of key k: its first place among `count` sorted keys. Keys are compared as unsigned numbers, so that negative ones are the last.
 struct FindFirst {
   const int* sorted;

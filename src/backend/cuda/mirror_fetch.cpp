@@ -171,7 +171,7 @@ void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& v
 
 std::shared_ptr<const DeviceSnapshot> Mirror::snapshot(double previousDt) {
   flush();
-  const SnapshotSizes sizes = sizesOf(host_.view(), liveCount(Per::Pair), liveCount(Per::NearPair), liveCount(Per::Manifold));
+  const SnapshotSizes sizes = sizesOf(host_, liveCount(Per::Pair), liveCount(Per::NearPair), liveCount(Per::Manifold));
   if (!authored_) authored_ = copyAuthored(host_, sizes);
   auto out = std::make_shared<DeviceSnapshot>(sizes, stepper_.tables().view(), authored_, stepper_.stream());
   out->counters = *host_.view().counters;
@@ -191,7 +191,7 @@ void Mirror::restore(const DeviceSnapshot& snapshot) {
   stepper_.tables().reserve(Per::Pair, snapshot.sizes.pairs);
   stepper_.tables().reserve(Per::NearPair, snapshot.sizes.nearPairs);
   stepper_.tables().reserve(Per::Manifold, snapshot.sizes.manifolds);
-  stepper_.tables().reserve(Per::Rolling, snapshot.sizes.rolls ? std::max(snapshot.sizes.nearPairs, snapshot.sizes.rollers) : 0);
+  stepper_.tables().reserve(Per::Rolling, snapshot.sizes.traits[BodyTrait::Rolls] > 0 ? std::max(snapshot.sizes.nearPairs, snapshot.sizes.rollers) : 0);
   snapshot.put(stepper_.tables().view(), stepper_.stream());
   allWritten();
   authored_ = snapshot.authored;

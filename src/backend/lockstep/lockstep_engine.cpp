@@ -100,6 +100,7 @@ class LockstepEngine final : public Engine {
     for (int k = 0; k < settings_.params.substeps; ++k) {
       both([&](HostTables& t) { beginStep(t.view(), settings_, previousDt_); });
       pair_.step(report.step);
+      both([](HostTables& t) { t.view().rolledBefore = t.view().rolls; });
       previousDt_ = settings_.params.dt / settings_.params.substeps;
     }
     both(endForces);
@@ -112,13 +113,9 @@ class LockstepEngine final : public Engine {
     arrays_.follow();
   }
   BodyOrder order() const override { return orderOf(first()); }
-  bool liesScattered() override {
+  void sortBodies() override {
     both([&](HostTables& t) { beginStep(t.view(), settings_, previousDt_); });
-    return pair_.liesScattered();
-  }
-  bool sortBodies() override {
-    both([&](HostTables& t) { beginStep(t.view(), settings_, previousDt_); });
-    return pair_.sortBodies();
+    pair_.sortBodies();
   }
   Quality quality() const override { return qualityOf(first()); }
   void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override {

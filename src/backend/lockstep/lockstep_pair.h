@@ -38,8 +38,13 @@ class LockstepPair {
   }
 
   /// Between steps they do not wait for one another.
-  bool liesScattered() { return alone(liesScatteredIn); }
-  bool sortBodies() { return alone(sortBodiesOf); }
+  void sortBodies() {
+    for (Side* side : {&a_, &b_}) {
+      side->executor.observe({});
+      sortBodiesOf(side->executor);
+    }
+    observe();
+  }
 
   /// "stage narrow, table manifold, element 12" of the first difference since the start, or "".
   const std::string& firstDifference() const { return difference_; }
@@ -57,16 +62,6 @@ class LockstepPair {
     void operator()() const noexcept { pair->meet(); }
   };
 
-  template <class Work>
-  bool alone(Work&& work) {
-    bool result = false;
-    for (Side* side : {&a_, &b_}) {
-      side->executor.observe({});
-      result = work(side->executor);
-    }
-    observe();
-    return result;
-  }
   void observe() {
     for (Side* side : {&a_, &b_}) side->executor.observe([this, side](const char* stage) { enter(*side, stage); });
   }
