@@ -20,7 +20,7 @@ if(RUBBLE_NVCC)
   file(GLOB core_headers RELATIVE ${PROJECT_SOURCE_DIR}/src CONFIGURE_DEPENDS
     ${PROJECT_SOURCE_DIR}/src/math/*.h ${PROJECT_SOURCE_DIR}/src/solver/*.h
     ${PROJECT_SOURCE_DIR}/src/forces/*.h ${PROJECT_SOURCE_DIR}/src/collision/*.h
-    ${PROJECT_SOURCE_DIR}/src/state/*.h ${PROJECT_SOURCE_DIR}/src/graph/*.h ${PROJECT_SOURCE_DIR}/src/stages/*.h)
+    ${PROJECT_SOURCE_DIR}/src/state/*.h ${PROJECT_SOURCE_DIR}/src/stages/*.h ${PROJECT_SOURCE_DIR}/src/stages/*/*.h)
   list(TRANSFORM core_headers REPLACE "(.+)" "#include \"\\1\"")
   list(JOIN core_headers "\n" core_headers)
   file(CONFIGURE OUTPUT ${rubble_generated_dir}/core_headers.h CONTENT "#pragma once\n@core_headers@\n" @ONLY)

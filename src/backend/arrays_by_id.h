@@ -1,6 +1,6 @@
 #pragma once
 /// Arrays of state by id where the bodies have another order: copies that follow the originals, once somebody has asked for them.
-#include "backend/state_rows.h"
+#include "tables/state_rows.h"
 
 namespace rubble::RUBBLE_CORE {
 

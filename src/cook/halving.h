@@ -30,7 +30,7 @@ void cutInHalves(std::vector<int>& order, int begin, int end, int most, const At
   cutInHalves(order, middle, end, most, at, visit);
 }
 
-/// All points in such an order: corners of a body, whose owners of contacts have neighbours in the list (stages/body_corners.h).
+/// All points in such an order: corners of a body, whose owners of contacts have neighbours in the list (stages/soft/body_corners.h).
 inline std::vector<int> nearOrder(const std::vector<Vec3>& points) {
   std::vector<int> order(points.size());
   std::iota(order.begin(), order.end(), 0);

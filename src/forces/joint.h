@@ -204,7 +204,7 @@ template <class F>
 struct Joint : FrameOf<F>, CarrierOffsets<isCarried<F>()> {
   int broken;                     ///< 0, 1
   int acts;                       ///< 0, 1: in this step
-  int sharedLevel;                ///< finest level of groups at which its bodies share a cell (stages/groups.h)
+  int sharedLevel;                ///< finest level of groups at which its bodies share a cell (stages/coarse/groups.h)
   Real length;                    ///< L: bounding diameter of the smaller dynamic body [m]
   typename F::Memory memory;
   PartStore<PartRows, typename F::Parts> parts;
@@ -402,7 +402,7 @@ RUBBLE_HD void restPart(GroupRows<N>& rows) {
 }
 
 /// Warm start of all rows at x^t: joint.length and memory are set. Poses of both bodies in the joint's frame. `together`: its bodies
-/// are moved by one block (stages/trees.h).
+/// are moved by one block (stages/trees/trees.h).
 template <class F>
 RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
                           const JointBody (&bodies)[kSides<F>], bool together = false) {

@@ -1,5 +1,5 @@
 #pragma once
-/// The rows of a joint as the block of a whole tree of joints sees them (stages/trees.h).
+/// The rows of a joint as the block of a whole tree of joints sees them (stages/trees/trees.h).
 ///
 /// In a tree that is solved exactly a hard row has the stiffness kTreeStiffness m_row / dt^2 in place of its own k, a row of finite stiffness its
 /// own compliance beside it, and its multiplier is that of the solution: F + h J dx, the dual update [S 13] of a row so stiff. Limits are among

@@ -18,7 +18,7 @@ struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
   Real weight[kPointCorners];  ///< c_i
   int body;                    ///< side A, or -1
   int part;                    ///< of its shape
-  int depth;                   ///< coarse levels at which what it joins is in different groups (stages/lumps.h)
+  int depth;                   ///< coarse levels at which what it joins is in different groups (stages/coarse/lumps.h)
   int active;                  ///< near enough to have rows in this step
   int stick, impact;           ///< it stuck at the end of the step; it stops a fast approach in it
   Vec3 n;                      ///< unit

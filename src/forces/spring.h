@@ -41,7 +41,7 @@ struct Spring {
   RUBBLE_HD FiniteForce evaluate(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     return finiteForce(c.compliantRows, row.stiffness, k, error(x), lambda);
   }
-  /// What that comes to when lambda has converged: for those who solve for all that the spring moves (stages/lines.h).
+  /// What that comes to when lambda has converged: for those who solve for all that the spring moves (stages/soft/lines.h).
   RUBBLE_HD FiniteForce converged(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     return c.compliantRows ? FiniteForce{row.stiffness * error(x), row.stiffness} : evaluate(c, x);
   }

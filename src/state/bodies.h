@@ -74,7 +74,7 @@ struct alignas(8 * sizeof(Real)) GridEntry {
 };
 
 /// Two parts of bodies whose swept boxes meet. The pair belongs to the body of the finer grid level; of two in one level to that of lower index. What
-/// first and second are is said in stages/pair_parts.h; of two plain shapes both are 0.
+/// first and second are is said in stages/pairs/pair_parts.h; of two plain shapes both are 0.
 struct alignas(16) Pair {
   int owner, other;
   std::uint32_t ownerIsA : 1;  ///< the owner has the lower id
@@ -124,7 +124,7 @@ struct alignas(4 * sizeof(Real)) BodyTarget {
   int unused;         ///< 0
 };
 
-/// What a contact has to do with an impact (stages/bounce.h).
+/// What a contact has to do with an impact (stages/bounces/bounce.h).
 struct Bounce {
   Vec3 before[kLanes];       ///< multipliers with which the points began the step: normal, tangents [N]
   Real impulse[kLanes];      ///< what the step added to the impulses of the normal rows [N s]
@@ -137,13 +137,13 @@ struct BodyMotion {
   Vec3 v, w;                 ///< [m/s], [rad/s]
 };
 
-/// What a contact does to bear one of its bodies, as found at the end of a step (stages/corrections.h).
+/// What a contact does to bear one of its bodies, as found at the end of a step (stages/bodies/corrections.h).
 struct Support {
   Vec3 correction;    ///< of B against A along the normal: what is corrected of their penetration in a step [m]
   Real weight;        ///< force on B against gravity; below 0: it bears A [N]
 };
 
-/// Levels of groups of bodies and lumps, from fine to coarse (stages/groups.h).
+/// Levels of groups of bodies and lumps, from fine to coarse (stages/coarse/groups.h).
 inline constexpr int kCoarseLevels = 4;
 /// The finest of them, which odd iterations sweep; even ones sweep all but the finest.
 inline constexpr int kFineLevels = 2;
@@ -168,7 +168,7 @@ struct Chunk {
 };
 inline constexpr int kChunkMembers = 32;
 
-/// Sums over an island, or a part of it, about a fixed point and in a frame that goes on with its leader (stages/island_momentum.h).
+/// Sums over an island, or a part of it, about a fixed point and in a frame that goes on with its leader (stages/islands/island_momentum.h).
 struct MomentumSums {
   Real mass;                          ///< [kg]
   Real freeEnergy, energy;            ///< kinetic, of the inertial targets and of the iterates [J]

@@ -1,5 +1,5 @@
 #pragma once
-/// Trees of joints: which bodies are solved together, and in which order (stages/trees.h).
+/// Trees of joints: which bodies are solved together, and in which order (stages/trees/trees.h).
 #include "solver/dense6.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -34,7 +34,7 @@ struct TreeWork : TreeBlock {
   Dense6 w[2];  ///< H^-1 e
 };
 
-/// The same for its translation alone, in all axes alike (stages/closing.h).
+/// The same for its translation alone, in all axes alike (stages/trees/closing.h).
 struct TreeLink {
   double h;     ///< diagonal [kg]
   double e[2];  ///< beside it (this, near)

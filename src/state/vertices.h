@@ -40,7 +40,7 @@ struct SurfaceFeature {
 };
 inline constexpr std::uint32_t kNoSource = ~0u;
 
-/// Kinds of boxes in grids (stages/box_grid.h): features, then granular particles.
+/// Kinds of boxes in grids (stages/soft/box_grid.h): features, then granular particles.
 inline constexpr int kGrainKind = kFeatureKinds, kBoxKinds = kFeatureKinds + 1, kBoxLevels = 16;
 /// A feature or granular particle in its place in a grid.
 struct alignas(8 * sizeof(Real)) BoxEntry {
@@ -55,7 +55,7 @@ struct NearFeature {
   int meets;                ///< in the last round that looked
 };
 
-/// How the way of a vertex is changed where surfaces would cross (stages/crossings.h).
+/// How the way of a vertex is changed where surfaces would cross (stages/soft/crossings.h).
 struct VertexRepair {
   int shift[3];             ///< sum of changes, in units of VertexRepair unit: whole numbers add up to the same in any order
   int hits;                 ///< meetings that it takes part in
@@ -71,7 +71,7 @@ struct VertexRepair {
 };
 
 /// What may touch: `vertex` is a vertex or, from `vertices` on, an edge (vertices + feature) or, behind those, some corners of a body
-/// (stages/body_corners.h); `other` a body, a granular particle of higher
+/// (stages/soft/body_corners.h); `other` a body, a granular particle of higher
 /// index (kVertexNode + index), a vertex of a surface (kCornerNode + index), an edge or triangle (kFeatureNode + feature), or -1: nothing.
 struct PointPair {
   int vertex, other;
@@ -95,7 +95,7 @@ inline constexpr int kVertexNode = 1 << 30;
 /// In PointPair::other only.
 inline constexpr int kCornerNode = kVertexNode + (1 << 28), kFeatureNode = kVertexNode + (1 << 29);
 
-/// A cluster of vertices of one object, which the coarse correction moves as one (stages/clusters.h).
+/// A cluster of vertices of one object, which the coarse correction moves as one (stages/soft/clusters.h).
 struct Cluster {
   int begin, end;            ///< in clusterMember
   int chunkBegin, chunkEnd;  ///< clusters of the finest level that it is made of
@@ -132,14 +132,14 @@ struct alignas(4 * sizeof(Real)) ClusterMotion {
   SpinSums spin;             ///< finest level: of its vertices, about `centre`
 };
 
-/// What groups of bodies move as if it were a body (stages/lumps.h): a deformable object without fixed vertices, or a granular particle.
+/// What groups of bodies move as if it were a body (stages/coarse/lumps.h): a deformable object without fixed vertices, or a granular particle.
 struct Lump {
   int first;                 ///< first vertex of the object, or the particle
   int cluster;               ///< that is the whole object, or -1: a particle
   Real radius;               ///< half of its size [m]
 };
 
-/// A rope or rod: vertices of which springs join each to the next alone (stages/lines.h).
+/// A rope or rod: vertices of which springs join each to the next alone (stages/soft/lines.h).
 struct Line {
   int begin, end;            ///< in lineVertex
 };

@@ -87,7 +87,7 @@ struct View : JointTables<JointTypes> {
   int* island = nullptr;              ///< a body that stands for the island
   int* islandFlag = nullptr;          ///< of that body: 1 if the island wakes, or does not sleep
   int* rowIsland = nullptr;           ///< lowest body that rows of this step connect with it
-  int* islandBonds = nullptr;         ///< bits of what rows do with it, or with the island that it leads (stages/island_momentum.h)
+  int* islandBonds = nullptr;         ///< bits of what rows do with it, or with the island that it leads (stages/islands/island_momentum.h)
   int* islandMassLength = nullptr;    ///< of the heaviest body of its island in the last step, as the bits of a float, 0: not known [kg m]
   int* islandSlot = nullptr;          ///< place of the island that it leads in these two, -1: none
   IslandSums* islandSums = nullptr;

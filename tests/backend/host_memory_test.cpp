@@ -1,4 +1,4 @@
-#include "backend/cpu/host_memory.h"
+#include "tables/host_memory.h"
 
 #include <gtest/gtest.h>
 

@@ -63,7 +63,7 @@ class CoreWorld {
   /// Pairs (low, high) of the broad phase.
   std::set<std::pair<int, int>> pairs() {
     begin();
-    findPairs(executor_);
+    pairs::find(executor_);
     std::set<std::pair<int, int>> out;
     for (int k = 0; k < view().counters->pairs; ++k) {
       const OrderedPair o = ordered(view().pair[k]);

@@ -1,6 +1,6 @@
 #include "backend/cpu/cpu_engine.h"
 
-#include "stages/order.h"
+#include "stages/pairs/order.h"
 
 namespace rubble::RUBBLE_CORE {
 

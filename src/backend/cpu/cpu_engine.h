@@ -2,9 +2,9 @@
 /// An engine whose tables lie in host memory.
 #include "backend/cpu/cpu_executor.h"
 #include "backend/cpu/host_arrays.h"
-#include "backend/cpu/soft_edit.h"
-#include "backend/cpu/table_edit.h"
-#include "backend/state_rows.h"
+#include "tables/soft_edit.h"
+#include "tables/table_edit.h"
+#include "tables/state_rows.h"
 #include "solver/settings.h"
 
 namespace rubble::RUBBLE_CORE {

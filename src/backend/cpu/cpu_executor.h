@@ -15,10 +15,10 @@
 
 #include <rubble/report.h>
 
-#include "backend/cpu/host_memory.h"
+#include "tables/host_memory.h"
 #include "backend/cpu/in_parts.h"
 #include "backend/cpu/side_by_side.h"
-#include "backend/state_rows.h"
+#include "tables/state_rows.h"
 #include "stages/step.h"
 #include "state/tables.h"
 

@@ -2,7 +2,7 @@
 /// What stages read of four bodies, blocks or joints, gathered into the lanes of vector registers and scattered from there.
 #include <cstddef>
 
-#include "stages/coarse.h"
+#include "stages/coarse/coarse.h"
 
 namespace rubble::RUBBLE_CORE {
 

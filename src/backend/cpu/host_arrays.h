@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "backend/arrays_by_id.h"
-#include "backend/cpu/table_edit.h"
+#include "tables/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 

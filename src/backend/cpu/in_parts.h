@@ -1,7 +1,7 @@
 #pragma once
 /// Kernels whose elements all count up the same few numbers: one by one, threads would wait for one another at each of them. A thread counts a part of the
 /// elements for itself first, and adds it to the numbers then.
-#include "stages/coloring.h"
+#include "stages/bodies/coloring.h"
 
 namespace rubble::RUBBLE_CORE {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "backend/cuda/cuda_stepper.h"
-#include "stages/near_pairs.h"
+#include "stages/pairs/near_pairs.h"
 
 namespace rubble::RUBBLE_CORE {
 

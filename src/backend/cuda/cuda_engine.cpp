@@ -6,7 +6,7 @@
 #include "backend/cpu/cpu_engine.h"
 #include "backend/cuda/device_poses.h"
 #include "backend/cuda/mirror.h"
-#include "stages/order.h"
+#include "stages/pairs/order.h"
 
 namespace rubble::RUBBLE_CORE {
 

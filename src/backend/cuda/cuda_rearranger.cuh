@@ -1,5 +1,5 @@
 #pragma once
-/// Work between steps (stages/order.h): what the executor does in a step, over numbers that the host knows, and what takes room of its own.
+/// Work between steps (stages/pairs/order.h): what the executor does in a step, over numbers that the host knows, and what takes room of its own.
 #include <cub/device/device_radix_sort.cuh>
 
 #include <memory>

@@ -3,7 +3,7 @@
 #include <initializer_list>
 
 #include "backend/cuda/cuda_rearranger.cuh"
-#include "stages/order.h"
+#include "stages/pairs/order.h"
 
 namespace rubble::RUBBLE_CORE {
 

@@ -7,7 +7,7 @@
 #include <rubble/report.h>
 
 #include "backend/cuda/device_memory.h"
-#include "backend/state_rows.h"
+#include "tables/state_rows.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -29,7 +29,7 @@ class CudaStepper {
   /// One step with the sizes and constants of `host`, whose pointers are not used. Adds to restarts and stages of the report.
   Counters step(const View& host, StepReport& report);
 
-  // stages/order.h, with the sizes of `host` and so many old pairs
+  // stages/pairs/order.h, with the sizes of `host` and so many old pairs
   void sortBodies(const View& host, int pairs);
 
  private:

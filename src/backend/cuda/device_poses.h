@@ -3,7 +3,7 @@
 /// stream of their own.
 #include "backend/cuda/cuda_stepper.h"
 #include "backend/engine.h"
-#include "backend/state_rows.h"
+#include "tables/state_rows.h"
 
 namespace rubble::RUBBLE_CORE {
 

@@ -2,7 +2,7 @@
 /// A copy on the device of all that lasts from step to step.
 #include <memory>
 
-#include "backend/cpu/table_edit.h"
+#include "tables/table_edit.h"
 #include "backend/cuda/device_memory.h"
 #include "backend/engine.h"
 

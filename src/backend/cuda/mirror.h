@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "backend/arrays_by_id.h"
-#include "backend/cpu/table_edit.h"
+#include "tables/table_edit.h"
 #include "backend/cuda/cuda_stepper.h"
 #include "backend/cuda/device_snapshot.h"
 #include "backend/cuda/packet.h"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "backend/cuda/mirror.h"
-#include "stages/order.h"
+#include "stages/pairs/order.h"
 
 namespace rubble::RUBBLE_CORE {
 

@@ -1,0 +1,368 @@
+#pragma once
+/// Begin and end of a body's step, and its primal update.
+#include "stages/bodies/far_turns.h"
+#include "stages/contacts/rolling.h"
+#include "stages/soft/soft_rows.h"
+#include "stages/ccd/stops.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Damps v over a step by exp(-c dt); returns the mean of what is kept, (1 - exp(-c dt)) / (c dt), by which the impulse of a force counts.
+RUBBLE_HD inline Real keptBy(Real damping, Real dt, Vec3& v) {
+  v *= std::exp(-damping * dt);
+  return -std::expm1(-damping * dt) / (damping * dt);
+}
+
+/// Keeps a spin below what a step can tell.
+RUBBLE_HD inline bool limitSpin(Vec3& w, Real dt) {
+  constexpr Real kRoundOff = 1 + 8 * std::numeric_limits<Real>::epsilon();
+  const Real turn = length(w) * dt;
+  if (!(turn > kMaxSpinPerStep * kRoundOff)) return false;
+  w *= kMaxSpinPerStep / turn;
+  return true;
+}
+
+/// Inertial target y [S 2], mass matrix [S 8] and initial guess of every body.
+struct PredictBodies {
+  static constexpr const char* kName = "predict";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const StepConstants& c = s.step;
+    const BodyParams& p = s.params[i];
+    Vec3 v = s.velocity[i], w = s.spin[i];
+    s.fast[i] = 0;
+    Displacement& moved = s.moved[i];
+    if (!isDynamic(s, i)) {
+      const bool moves = p.kind == BodyKind::Kinematic;
+      moved = moves ? Displacement{c.dt * v, 0, c.dt * w, 0} : Displacement{{0, 0, 0}, 0, {0, 0, 0}, 0};
+      s.turned[i] = expRotation(moved.dw);
+      return;
+    }
+    const Quat q = s.orientation[i];
+    Vec3 gravity = p.gravityScale * c.gravity, push = s.force[i] / p.mass, torque = s.torque[i];
+    const BodyExtras& extras = s.extras[i];
+    // exact for constant forces: v exp(-c dt) + a (1 - exp(-c dt)) / c
+    if (extras.linearDamping > Real(0)) {
+      const Real kept = keptBy(extras.linearDamping, c.dt, v);
+      gravity *= kept, push *= kept;
+    }
+    if (extras.angularDamping > Real(0)) torque *= keptBy(extras.angularDamping, c.dt, w);
+    if (limitSpin(w, c.dt)) atomicCount(&s.counters->spinLimited, 1);
+    v = unlocked(v, extras.locks), gravity = unlocked(gravity, extras.locks), push = unlocked(push, extras.locks);
+    Vec3 w1 = w;
+    if (!c.literalRotations) {
+      // only the change goes to the body's frame and back: both ways round off, and a free spin would grow by 1e-7 of itself in every step
+      const Vec3 inBody = rotateInverse(q, w);
+      w1 += rotate(q, torqueFreeSpin(inBody, rotateInverse(q, torque), p.inertia, c.dt) - inBody);
+    }
+    w1 = unlocked(w1, extras.locks >> 3);
+    BodyTarget target;
+    target.mass = massMatrix(p.mass, p.inertia, q);
+    target.locks = extras.locks;
+    target.unused = 0;
+    target.y.p = inertialDisplacement(v, gravity + push, c.dt);
+    target.y.q = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q : expRotation(c.dt * w1);
+
+    // what the body followed in the last step says nothing of a push that was not there: it begins as if it had been given a velocity
+    const bool newPush = s.pushed[i] == 0;
+    const Vec3 known = newPush ? gravity : gravity + push;
+    Vec3 guess = followedShare(v, s.previousVelocity[i], known, c.dt) * known;
+    if (newPush) guess += push;
+    s.pushed[i] = s.force[i] != Vec3{0, 0, 0};
+    // a torque too may be one that contacts hold, and a guess that lifts a body off its points loses what they bear
+    const bool twisted = torque != Vec3{0, 0, 0} && !c.literalRotations;
+    const Quat turned = twisted ? expRotation(c.dt * unlocked(w, extras.locks >> 3)) : target.y.q;
+    moved = {inertialDisplacement(v, guess, c.dt), 0, logRotation(turned), 0};
+    s.turned[i] = turned;
+    s.target[i] = target;
+  }
+};
+
+/// Pose of a body in the frame of a joint, whose origin is p_B^t: `offset` = p^t minus that origin.
+RUBBLE_HD RUBBLE_NEAR Pose jointPose(const View& s, int body, const Vec3& offset) {
+  if (body == kWorldBody) return {offset, Quat{}};
+  return {offset + s.moved[body].dp, s.turned[body] * s.orientation[body]};
+}
+
+/// Where the origin p_B^t of a joint lies; the world has its own.
+RUBBLE_HD inline Vec3d jointOrigin(const View& s, int body) { return body == kWorldBody ? Vec3d{} : s.position[body]; }
+
+/// A or B of a joint where they are now, with what carries their axes.
+template <class F>
+RUBBLE_HD SidePose<F> poseOfA(const View& s, const JointSpec<F>& spec, const Joint<F>& joint) {
+  if constexpr (isCarried<F>())
+    return {jointPose(s, spec.a, joint.offset), jointPose(s, spec.carrierA, joint.offsetCarrierA)};
+  else
+    return jointPose(s, spec.a, joint.offset);
+}
+template <class F>
+RUBBLE_HD SidePose<F> poseOfB(const View& s, const JointSpec<F>& spec, const Joint<F>& joint) {
+  if constexpr (isCarried<F>())
+    return {jointPose(s, spec.b, {0, 0, 0}), jointPose(s, spec.carrierB, joint.offsetCarrierB)};
+  else
+    return jointPose(s, spec.b, {0, 0, 0});
+}
+
+/// Displacement and rotation of a body since x^t.
+RUBBLE_HD RUBBLE_NEAR Pose poseSinceStart(const View& s, int body) {
+  // read at once: whether it is the world decides what to take, not what to wait for
+  const int i = max(body, 0);
+  const Vec3 moved = s.moved[i].dp;
+  const Quat turned = s.turned[i];
+  return body == kWorldBody ? Pose{{0, 0, 0}, Quat{}} : Pose{moved, turned};
+}
+
+/// What sweeps read of a joint about a point; null: its type has no rows that turn.
+struct Pivot {
+  const PivotFrame* frame;
+  const GroupRows<AnchorRows::kRows>* anchors;
+  const TurnsFrom* from;
+  const TurnRows* laws;
+};
+template <class F>
+RUBBLE_HD RUBBLE_NEAR Pivot pivotOf(const View& s, int index) {
+  const Joint<F>& joint = s.jointsOf<F>()[index];
+  Pivot pivot{&joint, &partOf<0>(joint.parts), nullptr, nullptr};
+  if constexpr (hasTurns<F>()) pivot.from = &s.turnsOf<F>()[index].from, pivot.laws = s.turnsOf<F>()[index].law;
+  return pivot;
+}
+/// That of a row block; false: it is none.
+RUBBLE_HD RUBBLE_NEAR bool findPivot(const View& s, std::uint32_t code, Pivot& pivot) {
+  bool found = false;
+  forEachType(JointTypes{}, [&]<class F>() {
+    if constexpr (isPivot<F>())
+      if (entryType(code) == typeIndex<F>(JointTypes{}) + 1) pivot = pivotOf<F>(s, entryIndex(code)), found = true;
+  });
+  return found;
+}
+
+/// Adds a joint about a point to the block of one of its bodies, which is about the point from which the centre of the body lies shift(body) away.
+/// `ahead`: asks for all that it needs at once.
+template <bool ahead, class Shift>
+RUBBLE_HD RUBBLE_NEAR void stampPivotOfBody(const View& s, const Pivot& pivot, int side, Block6& block, Shift&& shift) {
+  const auto& frame = readWhole(*pivot.frame);
+  const auto& anchors = readWhole(*pivot.anchors);
+  const Pose a = poseSinceStart(s, frame.end[0].body), b = poseSinceStart(s, frame.end[1].body);
+  TurnStream<ahead> turns(pivot.laws ? frame.acting : 0, pivot.from, pivot.laws);
+  stampPivot(frame, anchors, turns, a, b, side, block, shift(frame.end[side].body));
+}
+/// Adds a joint of any type to the block of one of its bodies, about the point from which its centre lies `shift` away.
+template <class F>
+RUBBLE_HD RUBBLE_APART void stampJointOfBody(const View& s, int index, int side, Block6& block, const Vec3& shift) {
+  if constexpr (isPivot<F>()) {
+    stampPivotOfBody<false>(s, pivotOf<F>(s, index), side, block, [&](int) { return shift; });
+  } else {
+    const JointTurns<F>* const turns = hasTurns<F>() ? s.turnsOf<F>() + index : nullptr;
+    const auto stamp = [&](const JointSpec<F>& spec, const Joint<F>& joint) {
+      Quat turnedA, turnedB;
+      if constexpr (hasTurns<F>()) turnedA = poseSinceStart(s, spec.a).q, turnedB = poseSinceStart(s, spec.b).q;
+      stampJoint(spec, joint, turns, poseOfA(s, spec, joint), poseOfB(s, spec, joint), turnedA, turnedB, side, block, shift);
+    };
+    // others are more than registers hold: they are read part by part
+    constexpr bool isSmall = F::Parts::kCount == 1 && sizeof(JointSpec<F>) + sizeof(Joint<F>) <= 64 * sizeof(Real);
+    if constexpr (isSmall && alignof(JointSpec<F>) == 4 * sizeof(Real))
+      stamp(readWhole(s.specsOf<F>()[index]), readWhole(s.jointsOf<F>()[index]));
+    else
+      stamp(s.specsOf<F>()[index], s.jointsOf<F>()[index]);
+  }
+}
+
+/// Adds one lane-wise block into a scalar one.
+template <class L>
+RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
+  to.ll.xx += sumOf(from.ll.xx), to.ll.xy += sumOf(from.ll.xy), to.ll.xz += sumOf(from.ll.xz);
+  to.ll.yy += sumOf(from.ll.yy), to.ll.yz += sumOf(from.ll.yz), to.ll.zz += sumOf(from.ll.zz);
+  to.aa.xx += sumOf(from.aa.xx), to.aa.xy += sumOf(from.aa.xy), to.aa.xz += sumOf(from.aa.xz);
+  to.aa.yy += sumOf(from.aa.yy), to.aa.yz += sumOf(from.aa.yz), to.aa.zz += sumOf(from.aa.zz);
+  const auto add = [](Vec3& a, const Vec3T<L>& b) { a += Vec3{sumOf(b.x), sumOf(b.y), sumOf(b.z)}; };
+  add(to.al0, from.al0), add(to.al1, from.al1), add(to.al2, from.al2);
+  add(to.fl, from.fl), add(to.fa, from.fa);
+}
+
+/// The inertial part of a body's local problem at its present pose, which is returned.
+RUBBLE_HD inline Pose startBlock(const View& s, int i, Block6& block) {
+  const BodyTarget& target = s.target[i];
+  const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
+  const Pose x{s.moved[i].dp, s.turned[i]};
+  setInertialForce(block, target.mass, x, target.y, inverseDt2);
+  setInertialHessian(block, target.mass, inverseDt2);
+  return x;
+}
+
+/// Adds points of a contact on one of its bodies. Hessians count `weight` times.
+template <class L>
+RUBBLE_HD void addContact(const View& s, std::uint32_t code, int lane, Block6T<L>& points, Real weight = 1) {
+  const ContactRows& r = s.contact[entryIndex(code)];
+  stampContact<L>(s.step, r, entrySide(code) == 0, s.moved[r.a], s.moved[r.b], lane, points, {0, 0, 0}, weight);
+}
+
+/// Sums over contacts, of each of their points apart: one order of additions, whatever an L stands for.
+template <class L>
+struct PointSums {
+  static constexpr int kStep = sizeof(L) / sizeof(Real);
+  Block6T<L> sum[kLanes / kStep];
+
+  /// add(lane, sum) for the points that an L stands for.
+  template <class Add>
+  RUBBLE_HD void each(Add&& add) {
+    for (int lane = 0; lane < kLanes; lane += kStep) add(lane, sum[lane / kStep]);
+  }
+  RUBBLE_HD void add(const View& s, std::uint32_t code, Real weight = 1) {
+    each([&](int lane, Block6T<L>& points) { addContact<L>(s, code, lane, points, weight); });
+  }
+  RUBBLE_HD void addTo(Block6& to) const {
+    if constexpr (kStep == kLanes) {
+      addLanes(to, sum[0]);
+    } else {
+      // as sumOf of lanes.h
+      static_assert(kStep == 1 && kLanes == 4);
+      Block6 pairs[2] = {sum[0], sum[2]};
+      pairs[0] += sum[1], pairs[1] += sum[3];
+      pairs[0] += pairs[1];
+      to += pairs[0];
+    }
+  }
+};
+
+/// Adds a row block that is no contact.
+RUBBLE_HD inline void addJoint(const View& s, std::uint32_t code, Block6& block) {
+  forEachType(JointTypes{}, [&]<class F>() {
+    if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
+      stampJointOfBody<F>(s, jointIndex<F>(code), jointSide<F>(code), block, {0, 0, 0});
+  });
+  if (entryType(code) > JointTypes::kSize) addSoftRows(s, code, block);
+}
+/// The same by one code for all joints about a point: lanes of a warp that have several types go side by side, and wait for memory once.
+RUBBLE_HD RUBBLE_APART inline void addPivot(const View& s, const Pivot& pivot, int side, Block6& block) {
+  stampPivotOfBody<true>(s, pivot, side, block, [](int) { return Vec3{0, 0, 0}; });
+}
+RUBBLE_HD inline void addJointAlike(const View& s, std::uint32_t code, Block6& block) {
+  if (Pivot pivot; findPivot(s, code, pivot)) addPivot(s, pivot, entrySide(code), block);
+  else addJoint(s, code, block);
+}
+
+template <class L>
+RUBBLE_HD L squaredStep(const Vec3T<L>& to, const Vec3T<L>& from) {
+  const Vec3T<L> d = to - from;
+  return dot(d, d);
+}
+
+/// Solves the local problem of a body at x and moves it.
+RUBBLE_HD inline void finishBlock(const View& s, int i, Block6 block, Pose x) {
+  if (s.target[i].locks != 0) lockAxes(block, s.target[i].locks);
+  const Pose before = x;
+  const Descent how = descend(block, s.target[i].mass, s.step.inverseDt * s.step.inverseDt, x);
+  if (how != Descent::Newton) atomicCount(how == Descent::Failed ? &s.counters->failedSolves : &s.counters->boundedSteps, 1);
+  if (how == Descent::Failed) return;
+  s.turned[i] = x.q;
+  s.moved[i] = {x.p, squaredStep(x.p, before.p), logRotation(x.q), Real(4) * squaredStep(x.q.v, before.q.v)};
+}
+
+/// Adds the row blocks of a body from entry k on.
+template <class L>
+RUBBLE_HD void addRows(const View& s, int k, int end, Block6& block) {
+  if (k < end && entryType(s.entry[k].code) == kContactType) {
+    PointSums<L> points;
+    for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
+      points.add(s, s.entry[k].code);
+      if (s.rolls) addRolling(s, s.entry[k].code, block);
+    }
+    points.addTo(block);
+  }
+  for (; k < end; ++k) addJoint(s, s.entry[k].code, block);
+}
+
+/// The primal update of one body: force [S 5] and Hessian [S 6] of its inertia and its rows, one Newton step [S 3].
+template <class L>
+struct SolveBody {
+  static constexpr const char* kName = "primal";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Block6 block;
+    const Pose x = startBlock(s, i, block);
+    addRows<L>(s, s.entryOffset[i], s.entryOffset[i + 1], block);
+    finishBlock(s, i, block, x);
+  }
+};
+
+/// What gravity and forces gave a body that has stopped, for the part of the step that it did not go [m/s]:
+/// its way ended, and their work with it. As far as it followed them: what rows hold has none of it. `start`,
+/// `v`: at both ends of the step.
+RUBBLE_HD inline Vec3 unusedPush(const View& s, int i, const Vec3& start, const Vec3& v) {
+  const StepConstants& c = s.step;
+  const Vec3 push = c.inverseDt * s.target[i].y.p - start;
+  return fromFloatBits(s.stopBits[i]) * followedShare(v, start, c.inverseDt * push, c.dt) * push;
+}
+
+/// What the last sweep moved a body by, over its bounding diameter.
+RUBBLE_HD inline void noteUnfinished(const View& s, int i, const Displacement& d) {
+  const Real radius = s.params[i].radius;
+  const int bits = floatBits((std::sqrt(d.step2) / radius + std::sqrt(d.turn2)) / 2);
+  // most bodies find it high enough
+  if (bits > s.counters->unfinished) atomicRaise(&s.counters->unfinished, bits);
+}
+
+/// Pose and velocities of a dynamic body at the end of a step, as its rows left them. One that was stopped
+/// on its way keeps its momenta.
+struct BodyEnd {
+  Quat q;
+  Vec3 move;     ///< since x^t [m]
+  Vec3 v, w;     ///< [m/s], [rad/s]
+  bool limited;  ///< the spin is at its ceiling
+};
+RUBBLE_HD inline BodyEnd endOf(const View& s, int i) {
+  const StepConstants& c = s.step;
+  const Displacement& d = s.moved[i];
+  const bool stopped = s.stopBits[i] != 0;
+  const Quat start = s.orientation[i], x = s.turned[i];
+  BodyEnd end;
+  end.q = normalize((stopped ? expRotation(s.stopped[i].dw) : x) * start);
+  end.move = stopped ? s.stopped[i].dp : d.dp;
+  end.v = c.inverseDt * d.dp;
+  if (stopped) end.v -= unusedPush(s, i, s.velocity[i], end.v);
+  if (c.literalRotations) {
+    end.w = c.inverseDt * (Real(2) * shortArc(x).v);
+    end.limited = limitSpin(end.w, c.dt);
+    return end;
+  }
+  const Vec3 inertia = s.params[i].inertia;
+  end.w = c.inverseDt * d.dw;
+  // targets are read only where they tell: the two spins differ by abs(dw) times what rows have turned it by
+  if (dot(d.dw, d.dw) >= kNoTurn2 && (s.target[i].locks >> 3) == 0)
+    end.w = spinAfterRows(start, x, d.dw, s.target[i].y.q, inertia, c.dt);
+  if (stopped) end.w = spinAt(end.q, x * start, end.w, inertia, c.dt);
+  end.limited = limitSpin(end.w, c.dt);
+  return end;
+}
+
+/// Velocities and the new pose. A body whose state is not finite stays where it was, at rest.
+struct FinishBodies {
+  static constexpr const char* kName = "velocity";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const BodyKind kind = s.params[i].kind;
+    if (kind == BodyKind::Removed || kind == BodyKind::Static || isAsleep(s, i)) return;
+    if (kind == BodyKind::Kinematic) {
+      s.position[i] += Vec3d(s.moved[i].dp);
+      s.orientation[i] = normalize(s.turned[i] * s.orientation[i]);
+      return;
+    }
+    BodyEnd end = endOf(s, i);
+    if (const Vec3 turn = s.moved[i].dw; dot(turn, turn) >= kFarTurn2) {
+      const Real kept = keptMotion(s, i, end.q, end.v, end.w);
+      end.v *= kept, end.w *= kept;
+    }
+    if (!isFinite(end.v) || !isFinite(end.w)) {
+      atomicCount(&s.counters->quarantined, 1);
+      s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};
+      return;
+    }
+    if (end.limited) atomicCount(&s.counters->spinLimited, 1);
+    s.previousVelocity[i] = s.velocity[i];
+    s.velocity[i] = end.v;
+    s.spin[i] = end.w;
+    s.correction[i] = s.nextCorrection[i];
+    noteUnfinished(s, i, s.moved[i]);
+    s.position[i] += Vec3d(end.move);
+    s.orientation[i] = end.q;
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

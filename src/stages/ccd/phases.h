@@ -1,0 +1,35 @@
+#pragma once
+/// Continuous collision: bodies that go further in a step than their rows can see stop where they meet others.
+#include "stages/executor.h"
+#include "stages/ccd/assembly_stops.h"
+#include "stages/ccd/late_stops.h"
+#include "stages/ccd/rare_stops.h"
+
+namespace rubble::RUBBLE_CORE::ccd {
+
+template <Executor E>
+void stop(E& e) {
+  const View& s = e.view();
+  e.forEach(FindFast{}, s.bodies);
+  e.require(Per::Pair, &Counters::swept);
+  const bool joints = s.hasJoints();
+  if (joints) {
+    e.forEach(StartAssemblies{}, s.bodies);
+    forEachJoint<JoinAssemblies>(e);
+  }
+  for (int round = 0; round < kStopRounds; ++round) {
+    if (round > 0) e.forEach(NoteStops{round}, s.bodies);
+    e.forEach(FindStops{round}, &Counters::swept);
+    if (s.rareShapes) e.forEach(FindRareStops{round}, &Counters::swept);
+    if (round == 0) e.forEach(FindLateStops{}, s.bodies);
+  }
+  if (joints) {
+    e.forEach(RaiseStops{}, s.bodies);
+    e.forEach(StopAssemblies{}, s.bodies);
+  }
+  e.forEach(ChooseStops{}, &Counters::swept);
+  e.forEach(StopBodies{}, &Counters::swept);
+  e.forEach(StopLateBodies{}, s.bodies);
+}
+
+}  // namespace rubble::RUBBLE_CORE::ccd

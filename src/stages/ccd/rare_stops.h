@@ -1,0 +1,104 @@
+#pragma once
+/// Stops of pairs that are not of two plain shapes: in a kernel of its own, so that the plain ones keep theirs small.
+#include "stages/ccd/stops.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Do the rows of points of a distance field keep them out?
+RUBBLE_HD inline bool rowsHold(const View& s, const Manifold* m) {
+  if (!hasRows(m)) return false;
+  const ContactRows& r = s.contact[m->row];
+  bool acts = false;
+  for (int k = 0; k < m->count; ++k) {
+    if (!(r.load[k].kN > Real(0))) continue;
+    acts = true;
+    const ContactFrame<Real> f = contactFrame<Real>(r, k);
+    if (f.c0 + along(r.n, relativeDisplacement(f, s.moved[r.a], s.moved[r.b])) > kHeldPoint * r.length) return false;
+  }
+  return acts;
+}
+
+/// Normals of the rows of a part and a surface, from the surface to the part.
+struct RowFacings {
+  Vec3 n[kSurfaceSlots];
+  int count = 0;
+
+  RUBBLE_HD bool have(const Vec3d& normal) const {
+    for (int k = 0; k < count; ++k)
+      if (dot(n[k], Vec3(normal)) > kSameFacing) return true;
+    return false;
+  }
+};
+/// Those of all rows, or of rows that hold.
+template <class Counts>
+RUBBLE_HD RowFacings rowFacings(const View& s, int pair, bool surfaceOnA, Counts&& counts) {
+  RowFacings out;
+  for (int slot = 0; slot < kSurfaceSlots; ++slot) {
+    const Manifold* const m = manifoldOf(s, pair + slot);
+    if (counts(m)) out.n[out.count++] = surfaceOnA ? m->normal : -m->normal;
+  }
+  return out;
+}
+
+/// Where the bodies of a pair meet on their ways: parts of compounds one by one, a part and a surface in the first of their slots.
+struct FindRareStops {
+  static constexpr const char* kName = "stops";
+  int round;
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Pair p = s.pair[i];
+    const OrderedPair o = ordered(p);
+    if (isPlainPair(s, o.a, o.b) || !mayStop(s, o) || !isSought(s, o, round)) return;
+    const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
+    const bool surface = isSurface(shapeA.kind) || isSurface(shapeB.kind);
+    if (surface && p.second != 0) return;
+    const ShapeTables tables = s.shapeTables();
+    const Way wayA = wayIn(s, o.a), wayB = wayIn(s, o.b);
+    const Vec3d between = s.position[o.b] - s.position[o.a];
+    const Real size = pairLength(s.params[o.a], s.params[o.b]);
+    const double tolerance = static_cast<double>(kMeetingGap * size);
+    const auto thinnerOf = [&](const PlacedAny& a, const PlacedAny& b) { return thinner(innerRadiusOf(tables, a.shape), innerRadiusOf(tables, b.shape)); };
+    if (!surface) {
+      const PlacedAny a = placedAny(tables, shapeA, {0, 0, 0}, s.orientation[o.a], p.owner == o.a ? p.first : p.second);
+      const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], p.owner == o.a ? p.second : p.first);
+      const Real thin = thinnerOf(a, b);
+      if (!mayPass(s, o, wayA, wayB, thin, manifoldOf(s, i))) return;
+      const Meeting m = meetingOfPair(asConvex(a), wayA, asConvex(b), wayB, manifoldOf(s, i), thin, bothDynamic(s, o), tolerance);
+      if (m.fraction <= 1) noteMeeting(s, i, o, m.fraction);
+      return;
+    }
+    const bool onA = surfaceIsOnA(s, p, o);
+    const PlacedAny a = placedAny(tables, shapeA, {0, 0, 0}, s.orientation[o.a], onA ? 0 : p.first);
+    const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], onA ? p.first : 0);
+    const Real thin = thinnerOf(a, b);
+    bool rows = false;
+    for (int slot = 0; slot < kSurfaceSlots; ++slot) rows |= hasRows(manifoldOf(s, i + slot));
+    if (!rows && approach(s, o, wayA, wayB) <= thin) return;
+    const PlacedAny &whole = onA ? a : b, &part = onA ? b : a;
+    const Way &wayS = onA ? wayA : wayB, &wayP = onA ? wayB : wayA;
+    Meeting m;
+    if (whole.shape.kind == ShapeKind::Distance) {
+      const RowFacings held = rowFacings(s, i, onA, [&](const Manifold* rows) { return rowsHold(s, rows); });
+      const Vec3d relative = wayS.move - wayP.move;
+      // what rows hold already is not met again; what is touched already only if they go on into one another
+      const auto accepts = [&](const Vec3d& facing, const Meeting& at) {
+        return (at.fraction > 0 || dot(at.at.n, relative) > 0) && !held.have(facing) && !held.have(at.at.n);
+      };
+      // as long as the part is in by no more than half its thickness, rows push it out again
+      m = meetField(whole, wayS, part, wayP, {tolerance, true, static_cast<double>(max(kHeldPoint * size, thin))}, accepts);
+    } else {
+      const double allowed = static_cast<double>(kHeldInSurface * thin), more = static_cast<double>(kDeeperYetAtRest * thin);
+      const RowFacings rows = rowFacings(s, i, onA, hasRows);
+      const Placed convex = asConvex(part);
+      const auto meet = [&](const Placed& triangle, const Vec3d& up) {
+        if (rows.have(up)) return meetingBeyond(triangle, wayS, convex, wayP, up, false, allowed, more);
+        const Meeting first = meeting(triangle, wayS, convex, wayP, tolerance);
+        if (first.fraction > 1 || (first.fraction > 0 && !rows.have(first.at.n))) return first;
+        return meetingBeyond(triangle, wayS, convex, wayP, first.fraction > 0 ? first.at.n : up, false, allowed, more);
+      };
+      m = meetTriangles(whole, wayS, convex, wayP, {tolerance, true, allowed}, meet);
+    }
+    if (m.fraction <= 1) noteMeeting(s, i, o, m.fraction);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,58 @@
+#pragma once
+/// Two materials make that of their contact.
+#include <rubble/scene.h>
+
+#include "stages/pairs/pair_parts.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Of different rules the later one of rubble::Combine is taken; `usual` is what Combine::Usual stands for.
+RUBBLE_HD inline Real combined(int ruleA, int ruleB, Combine usual, Real a, Real b) {
+  const int rule = max(ruleA, ruleB);
+  switch (rule == 0 ? usual : static_cast<Combine>(rule)) {
+    case Combine::Average: return (a + b) / 2;
+    case Combine::Minimum: return min(a, b);
+    case Combine::Multiply: return a * b;
+    case Combine::Maximum: return max(a, b);
+    default: return std::sqrt(a * b);
+  }
+}
+
+/// The material of a part of a body; `part` is 0 for what is no compound.
+RUBBLE_HD inline SurfaceData surfaceOf(const View& s, int body, int part) {
+  const BodyParams& p = s.params[body];
+  int index = p.surface;
+  if (p.shape.kind == ShapeKind::Compound) {
+    const int own = s.shapePart[s.shapeIndex[p.shape.data + 2] + part].surface;
+    if (own >= 0) index = own;
+  }
+  if (index >= 0) return s.surface[index];
+  return {p.muStatic, p.muDynamic, p.restitution, 0, 0, 0, 0, {0, 0, 0}};
+}
+
+/// What a contact needs of the two materials.
+struct PairMaterial {
+  Real muStatic, muDynamic, restitution;
+  Real rolling, torsional;  ///< [m]
+  Vec3 belt;                ///< how far the surface of A moves against that of B in a step, besides their bodies [m]
+};
+
+RUBBLE_HD inline PairMaterial pairMaterial(const View& s, const Pair& pair, const OrderedPair& o) {
+  const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
+  if (s.surfaces == 0)
+    return {std::sqrt(pa.muStatic * pb.muStatic), std::sqrt(pa.muDynamic * pb.muDynamic), max(pa.restitution, pb.restitution), 0, 0, {0, 0, 0}};
+  // beside a surface `first` is the part of the other body, and a surface has no parts
+  const bool surface = isSurface(pa.shape.kind) || isSurface(pb.shape.kind), ownerIsA = pair.owner == o.a;
+  const SurfaceData a = surfaceOf(s, o.a, surface || ownerIsA ? pair.first : pair.second);
+  const SurfaceData b = surfaceOf(s, o.b, surface || !ownerIsA ? pair.first : pair.second);
+  PairMaterial m;
+  m.muStatic = combined(a.frictionCombine, b.frictionCombine, Combine::GeometricMean, a.muStatic, b.muStatic);
+  m.muDynamic = combined(a.frictionCombine, b.frictionCombine, Combine::GeometricMean, a.muDynamic, b.muDynamic);
+  m.restitution = combined(a.restitutionCombine, b.restitutionCombine, Combine::Maximum, a.restitution, b.restitution);
+  m.rolling = max(a.rolling, b.rolling);
+  m.torsional = max(a.torsional, b.torsional);
+  m.belt = s.step.dt * (rotate(s.orientation[o.a], a.velocity) - rotate(s.orientation[o.b], b.velocity));
+  return m;
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,58 @@
+#pragma once
+/// Rolling and torsional friction: one row block beside the contact rows of a pair, where any material has such friction.
+#include "stages/contacts/contacts.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// As many as there are manifolds.
+struct CountRolling {
+  static constexpr const char* kName = "rows";
+  RUBBLE_HD void operator()(const View& s, int) const { s.counters->rollers = s.counters->nearPairs; }
+};
+
+/// Rows of every touching pair at x^t; multipliers go on from the step before.
+struct BuildRolling {
+  static constexpr const char* kName = "rows";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    RollingRows r{{0, 0, 1}, {0, 0, 0}, 0, 0, 0, 0};
+    const Manifold& m = s.manifold[i];
+    const Pair p = s.pair[s.nearPair[i]];
+    const OrderedPair o = ordered(p);
+    const int before = s.manifoldBefore[s.nearPair[i]];
+    if (s.step.sleeping && !moves(s, o.a) && !moves(s, o.b)) {
+      // kept as it is, like the manifold
+      if (before >= 0 && s.rolledBefore) r = s.oldRolling[before];
+    } else if (s.hasRows[i] != 0) {
+      const PairMaterial material = pairMaterial(s, p, o);
+      const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
+      const Real lighter = pa.kind != BodyKind::Dynamic ? pb.mass : pb.kind != BodyKind::Dynamic ? pa.mass : min(pa.mass, pb.mass);
+      const Real arm = pairLength(pa, pb) / 2;
+      // a body that rolls carries its mass along
+      const Real k = startStiffness(s.step, lighter * arm * arm);
+      r.n = m.normal;
+      r.rolling = material.rolling, r.torsional = material.torsional;
+      r.kRoll = material.rolling > Real(0) ? k : Real(0), r.kTwist = material.torsional > Real(0) ? k : Real(0);
+      if (before >= 0 && s.rolledBefore && s.oldManifold[before].count > 0 && dot(s.oldRolling[before].n, r.n) > kSameNormal)
+        r.lambda = s.oldRolling[before].lambda * warmMultiplier(s.step, Real(1), false);
+    }
+    s.rolling[i] = r;
+  }
+};
+
+struct UpdateRollingDuals {
+  static constexpr const char* kName = "dual";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const ContactRows& m = s.contact[i];
+    RollingRows& r = s.rolling[m.manifold];
+    if (r.kRoll == Real(0) && r.kTwist == Real(0)) return;
+    r.lambda = rollingMoment(r, s.moved[m.a].dw - s.moved[m.b].dw, sumOfNormals(m)).moment;
+  }
+};
+
+/// Adds the rolling friction of a contact on one of its bodies; angular moments are the same about every point. Hessians count `weight` times.
+RUBBLE_HD inline void addRolling(const View& s, std::uint32_t code, Block6& block, Real weight = 1) {
+  const ContactRows& m = s.contact[entryIndex(code)];
+  stampRolling(s.rolling[m.manifold], m, entrySide(code) == 0, s.moved[m.a], s.moved[m.b], block, weight);
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,64 @@
+#pragma once
+/// Islands: bodies that hang together, as what sleeps and as what keeps its momenta.
+#include "stages/executor.h"
+#include "stages/islands/island_momentum.h"
+#include "stages/islands/sleep.h"
+#include "stages/soft/soft_sleep.h"
+
+namespace rubble::RUBBLE_CORE::islands {
+
+/// Kernel over what of deformable objects keeps bodies awake.
+template <template <class> class Kernel, Executor E>
+void forEachSoftNeighbor(E& e) {
+  if (e.view().vertices == 0) return;
+  e.forEach(Kernel<NearVertex>{}, &Counters::pointPairs);
+  e.forEach(Kernel<HeldByVertices>{}, e.view().attachments);
+}
+
+/// Wakes islands that something disturbs.
+template <Executor E>
+void wake(E& e) {
+  if (!e.view().step.sleeping) return;
+  const int bodies = e.view().bodies;
+  e.clear(&View::islandFlag, bodies);
+  e.forEach(WakeByForces{}, bodies);
+  e.forEach(WakeByPairs{}, &Counters::pairs);
+  forEachSoftNeighbor<WakeBySoft>(e);
+  forEachJoint<WakeByJoints>(e);
+  e.forEach(WakeBodies{}, bodies);
+}
+
+/// Those that have come to rest fall asleep.
+template <Executor E>
+void sleep(E& e) {
+  if (!e.view().step.sleeping) return;
+  const int bodies = e.view().bodies;
+  e.clear(&View::islandFlag, bodies);
+  e.forEach(StartIslands{}, bodies);
+  e.forEach(JoinIslandsByPairs{}, &Counters::pairs);
+  forEachJoint<JoinIslandsByJoints>(e);
+  e.forEach(FindRestless{}, bodies);
+  e.forEach(FindMovedIslands{}, &Counters::pairs);
+  forEachSoftNeighbor<KeepAwakeBySoft>(e);
+  e.forEach(FallAsleep{}, bodies);
+}
+
+/// Islands that nothing holds get back the momenta that they are short of.
+template <Executor E>
+void keepMomenta(E& e) {
+  const View& s = e.view();
+  if (s.step.literalRotations) return;
+  const int bodies = s.bodies;
+  if (!s.step.coarseCorrection) e.forEach(StartIslandForest{}, bodies);
+  e.forEach(JoinMomentumIslands{}, bodies);
+  e.forEach(FindMomentumIslands{}, bodies);
+  e.forEach(NumberFreeIslands{}, bodies);
+  e.require(Per::FreeIsland, &Counters::freeIslands);
+  e.forEach(BeginFreeIslands{}, bodies);
+  e.forEach(MeasureMomenta{}, bodies);
+  e.forEach(SumMomenta{}, bodies);
+  e.forEach(RepairIslands{}, &Counters::freeIslands);
+  e.forEach(RepairBodies{}, bodies);
+}
+
+}  // namespace rubble::RUBBLE_CORE::islands

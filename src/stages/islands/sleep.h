@@ -1,0 +1,125 @@
+#pragma once
+/// Sleeping. An island is a set of dynamic bodies that hang together by pairs of the broad phase and joints: larger than what touches, so
+/// that no awake body is ever near one that sleeps. An island whose bodies have all been still for a while sleeps: it is left out of rows,
+/// groups, colours and iterations, and its manifolds are kept with their multipliers. It wakes whole, before the rows of a step are made, if
+/// a moving body comes near one of its bodies, if one of them is edited or pushed, or if the pairs of one of them change.
+#include "stages/bodies/incidence.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Pairs that tell of a disturbance: a moving neighbour, or one that was not there.
+struct WakeByPairs {
+  static constexpr const char* kName = "sleep";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Pair p = s.pair[i];
+    const bool owner = s.asleep[p.owner] != 0, other = s.asleep[p.other] != 0;
+    if ((!owner && !other) || isSensor(s, p.owner) || isSensor(s, p.other)) return;
+    if (!moves(s, p.owner) && !moves(s, p.other) && findOldPair(s, p) >= 0) return;
+    if (owner) atomicRaise(&s.islandFlag[s.asleep[p.owner] - 1], 1);
+    if (other) atomicRaise(&s.islandFlag[s.asleep[p.other] - 1], 1);
+  }
+};
+
+template <class F>
+struct WakeByJoints {
+  static constexpr const char* kName = "sleep";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const JointSpec<F>& joint = s.specsOf<F>()[i];
+    if (!joint.alive || s.jointsOf<F>()[i].broken) return;
+    const auto wake = [&](int body, int other) {
+      if (body == kWorldBody || other == kWorldBody || s.asleep[body] == 0) return;
+      if (moves(s, other)) atomicRaise(&s.islandFlag[s.asleep[body] - 1], 1);
+    };
+    for (int side = 0; side < kSides<F>; ++side)
+      for (int k = 0; k < kSides<F>; ++k)
+        if (k != side) wake(bodyOf(joint, side), bodyOf(joint, k));
+  }
+};
+
+/// A push wakes as well, and a change that concerns all.
+struct WakeByForces {
+  static constexpr const char* kName = "sleep";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.asleep[i] == 0) return;
+    const Vec3 none{0, 0, 0};
+    if (s.wakeAll != 0 || s.force[i] != none || s.torque[i] != none || s.velocity[i] != none || s.spin[i] != none) atomicRaise(&s.islandFlag[s.asleep[i] - 1], 1);
+  }
+};
+
+struct WakeBodies {
+  static constexpr const char* kName = "sleep";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.asleep[i] == 0 || s.islandFlag[s.asleep[i] - 1] == 0) return;
+    s.asleep[i] = 0;
+    s.stillTime[i] = 0;
+    // it was left out when the others were predicted
+    PredictBodies{}(s, i);
+  }
+};
+
+/// Each body an island; for how long it has been still.
+struct StartIslands {
+  static constexpr const char* kName = "sleep";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    s.island[i] = i;
+    if (!isDynamic(s, i)) return;
+    const BodyParams& p = s.params[i];
+    const Real speed = length(s.velocity[i]) + length(s.spin[i]) * p.radius;
+    const bool still = speed < stillSpeed(s.step, 2 * p.radius);
+    s.stillTime[i] = still ? s.stillTime[i] + s.step.dt : Real(0);
+  }
+};
+
+struct JoinIslandsByPairs {
+  static constexpr const char* kName = "sleep";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Pair p = s.pair[i];
+    if (isDynamic(s, p.owner) && isDynamic(s, p.other)) unite(s.island, p.owner, p.other);
+  }
+};
+template <class F>
+struct JoinIslandsByJoints {
+  static constexpr const char* kName = "sleep";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const JointSpec<F>& joint = s.specsOf<F>()[i];
+    if (!active<F>(s, i)) return;
+    for (int side = 1; side < kSides<F>; ++side)
+      for (int k = 0; k < side; ++k)
+        if (isDynamic(s, bodyOf(joint, k)) && isDynamic(s, bodyOf(joint, side))) unite(s.island, bodyOf(joint, k), bodyOf(joint, side));
+  }
+};
+
+/// Islands that do not sleep: of one body that is not still long enough, or that something moving touches or holds.
+struct FindRestless {
+  static constexpr const char* kName = "sleep";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (isDynamic(s, i) && s.stillTime[i] < s.step.sleepDelay) atomicRaise(&s.islandFlag[findLeader(s.island, i)], 1);
+  }
+};
+struct FindMovedIslands {
+  static constexpr const char* kName = "sleep";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Pair p = s.pair[i];
+    const auto keepAwake = [&](int body, int other) {
+      if (isDynamic(s, body) && s.params[other].kind == BodyKind::Kinematic && moves(s, other))
+        atomicRaise(&s.islandFlag[findLeader(s.island, body)], 1);
+    };
+    keepAwake(p.owner, p.other), keepAwake(p.other, p.owner);
+  }
+};
+
+struct FallAsleep {
+  static constexpr const char* kName = "sleep";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.params[i].kind != BodyKind::Dynamic) return;
+    if (s.asleep[i] == 0) {
+      const int island = findLeader(s.island, i);
+      if (s.islandFlag[island] != 0) return;
+      s.asleep[i] = island + 1;
+      s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};
+    }
+    atomicCount(&s.counters->asleep, 1);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

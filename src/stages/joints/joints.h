@@ -1,0 +1,129 @@
+#pragma once
+/// The stages of joints, for every type of the list.
+#include "stages/bodies/bodies.h"
+
+namespace rubble::RUBBLE_CORE {
+
+template <class F>
+RUBBLE_HD bool active(const View& s, int i) {
+  const JointSpec<F>& spec = s.specsOf<F>()[i];
+  if (!spec.alive || s.jointsOf<F>()[i].broken) return false;
+  for (int side = 0; side < kSides<F>; ++side)
+    if (isDynamic(s, bodyOf(spec, side))) return true;
+  return false;
+}
+
+RUBBLE_HD inline JointBody jointBody(const View& s, int body) {
+  if (body == kWorldBody) return {0, {0, 0, 0}, {{0, 0, 0}, {0, 0, 0}}};
+  const BodyParams& p = s.params[body];
+  const bool dynamic = p.kind == BodyKind::Dynamic;
+  Vec3 way = s.step.dt * s.velocity[body];
+  if (dynamic) way += (s.step.dt * s.step.dt) * (p.gravityScale * s.step.gravity);
+  return {dynamic ? p.mass : Real(0), p.inertia, {way, s.step.dt * s.spin[body]}};
+}
+
+/// Pose of a body at x^t, in the frame of a joint.
+RUBBLE_HD inline Pose stillPose(const View& s, int body, const Vec3& offset) {
+  return {offset, body == kWorldBody ? Quat{} : s.orientation[body]};
+}
+
+/// Warm start at x^t. Runs before bodies are moved to their initial guess.
+template <class F>
+struct BeginJoints {
+  static constexpr const char* kName = "joint rows";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const JointSpec<F>& spec = s.specsOf<F>()[i];
+    Joint<F>& joint = s.jointsOf<F>()[i];
+    joint.acts = active<F>(s, i);
+    if (!joint.acts) {
+      joint.acting = 0;
+      return;
+    }
+    joint.sharedLevel = spec.a == kWorldBody || spec.b == kWorldBody ? kCoarseLevels : finestSharedLevel(s, spec.a, spec.b);
+    const Vec3d origin = jointOrigin(s, spec.b);
+    const Vec3 offset(jointOrigin(s, spec.a) - origin);
+    if constexpr (isCarried<F>()) {
+      const auto offsetOf = [&](int body) { return body == kWorldBody ? Vec3{0, 0, 0} : Vec3(s.position[body] - origin); };
+      joint.offsetCarrierA = offsetOf(spec.carrierA), joint.offsetCarrierB = offsetOf(spec.carrierB);
+    }
+    const auto radius = [&](int body) { return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic ? s.params[body].radius : Real(0); };
+    const Real ra = radius(spec.a), rb = radius(spec.b);
+    joint.length = 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
+    SidePose<F> a, b;
+    if constexpr (isCarried<F>()) {
+      a = {stillPose(s, spec.a, offset), stillPose(s, spec.carrierA, joint.offsetCarrierA)};
+      b = {stillPose(s, spec.b, {0, 0, 0}), stillPose(s, spec.carrierB, joint.offsetCarrierB)};
+    } else {
+      a = stillPose(s, spec.a, offset), b = stillPose(s, spec.b, {0, 0, 0});
+    }
+    joint.memory.remember(spec.data, a, b, origin);
+    JointBody bodies[kSides<F>];
+    bool together = s.step.jointTrees && treeNodes(s) > 0;
+    for (int side = 0; side < kSides<F>; ++side) {
+      const int body = bodyOf(spec, side);
+      bodies[side] = jointBody(s, body);
+      together &= !isDynamic(s, body) || s.nodeOfBody[body] >= 0;
+    }
+    beginJoint(s.step, spec, joint, a, b, bodies, together);
+    placeJoint(spec, joint, offset, a, b);
+  }
+};
+
+/// A part of a joint.
+struct PartIndex {
+  int joint, part;
+};
+/// The k-th of all parts of all joints of a type. On a GPU neighbours have the same part, since one instruction is for all lanes of a warp;
+/// on a CPU the same joint, which is in its cache then.
+template <class F>
+RUBBLE_HD PartIndex partAt(const View& s, int k) {
+#if RUBBLE_DEVICE_CODE
+  const int joints = s.joints[typeIndex<F>(JointTypes{})];
+  return {k % joints, k / joints};
+#else
+  (void)s;
+  return {k / F::Parts::kCount, k % F::Parts::kCount};
+#endif
+}
+
+/// Those of a joint about a point, from the errors that sweeps see.
+template <class F>
+RUBBLE_HD void updateAnchors(const View& s, Joint<F>& joint) {
+  const PivotFrame& frame = readWhole(frameOf(joint));
+  if (!(frame.acting & 1)) return;
+  Real error[AnchorRows::kRows];
+  changeWhole(partOf<0>(joint.parts), [&](GroupRows<AnchorRows::kRows>& rows) {
+    anchorErrors(frame, rows, poseSinceStart(s, frame.end[0].body), poseSinceStart(s, frame.end[1].body), error);
+    updateGroup<AnchorRows::kRows>(rows.state, error, rows.lambda, AnchorRows::kRows);
+    return true;
+  });
+}
+
+/// A part of a joint each.
+template <class F>
+struct UpdateJointDuals {
+  static constexpr const char* kName = "joint dual";
+  static constexpr int kPerJoint = F::Parts::kCount;
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const PartIndex at = partAt<F>(s, k);
+    const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
+    Joint<F>& joint = s.jointsOf<F>()[at.joint];
+    if constexpr (isPivot<F>())
+      if (at.part == 0) return updateAnchors(s, joint);
+    if (!joint.acts) return;
+    const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
+    forEachPart<F>([&]<int I, class P>() {
+      if (I == at.part) updatePartDuals<F, I, P>(s.step, spec, joint, a, b);
+    });
+  }
+};
+
+template <class F>
+struct FinishJoints {
+  static constexpr const char* kName = "joint end";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (s.jointsOf<F>()[i].acts && endJoint(s.specsOf<F>()[i], s.jointsOf<F>()[i])) atomicCount(&s.counters->broken, 1);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

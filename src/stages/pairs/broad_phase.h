@@ -1,0 +1,324 @@
+#pragma once
+/// Broad phase: a hashed grid with levels. A body lies in the cell of its centre, at the level that fits its swept box; it looks for
+/// partners in its own level and in all coarser ones. Buckets of cells with rising x are neighbours in memory.
+#include "solver/inertia.h"
+#include "stages/pairs/filter.h"
+#include "stages/pairs/pair_parts.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// A level holds bodies up to this many cells wide (half extent), turned any way and with some way ahead.
+inline constexpr Real kLevelFill = Real(1.35), kTurnedWay = Real(1.1);
+
+/// Edge of the cells of a level [m]: powers of two.
+RUBBLE_HD inline Real cellSize(int level) { return std::ldexp(Real(1), level - kMetreLevel); }
+
+RUBBLE_HD inline int cellOf(Real x, Real size) {
+  constexpr Real kFar = Real(1e9);
+  return static_cast<int>(std::floor(clamp(x * (Real(1) / size), -kFar, kFar)));
+}
+
+RUBBLE_HD inline int bucketOf(const View& s, int level, int x, int y, int z) {
+  const std::uint32_t row = hash32(static_cast<std::uint32_t>(y) * 0x9e3779b1u ^ hash32(static_cast<std::uint32_t>(z) * 32u + static_cast<std::uint32_t>(level)));
+  return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(s.cells - 1));
+}
+
+/// Detection margin of a body: half of the smallest margin of a pair of its like [m].
+RUBBLE_HD inline Real ownMargin(const View& s, const BodyParams& p) { return s.step.contactMargin * p.radius; }
+
+/// raise(most, value) for each of the greatest numbers that are kept of a level and that of a body in it: half extents and cells.
+template <class Raise>
+RUBBLE_HD void raiseExtents(const View& s, const Bounds& b, Raise&& raise) {
+  Counters& c = *s.counters;
+  for (int k = 0; k < 3; ++k) raise(&c.levelHalf[b.level][k], floatBits(b.half[k] * Real(1.000001)));
+  const int cell[3] = {b.x, b.y, b.z};
+  for (int k = 0; k < 3; ++k)
+    for (int side = 0; side < 2; ++side) raise(&c.levelReach[b.level][side][k], kCellOrigin + (side == 0 ? -cell[k] : cell[k]));
+}
+
+/// How far a body goes in a step by its velocity, and by gravity as far as it followed that in the last one. [m]
+RUBBLE_HD inline Vec3 wayAhead(const View& s, int i) {
+  const Real dt = s.step.dt;
+  const Vec3 v = s.velocity[i];
+  if (s.params[i].kind != BodyKind::Dynamic) return dt * v;
+  const Vec3 gravity = s.params[i].gravityScale * s.step.gravity;
+  return inertialDisplacement(v, followedShare(v, s.previousVelocity[i], gravity, dt) * gravity, dt);
+}
+
+/// Boxes at x^t, swept along the way ahead and for the turn, with the detection margin; their cells.
+struct ComputeBounds {
+  static constexpr const char* kName = "bounds";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (!place(s, i)) return;
+    const Bounds& b = s.bounds[i];
+    if (int& members = s.counters->levelCount[b.level]; members <= kListedBodies) list(s, b.level, atomicCount(&members, 1), i);
+    raiseExtents(s, b, [](int* most, int value) {
+      if (value > *most) atomicRaise(most, value);
+    });
+  }
+  /// Body i is the k-th of its level.
+  RUBBLE_HD static void list(const View& s, int level, int k, int i) {
+    if (k < kListedBodies) s.counters->levelBody[level][k] = i;
+  }
+  /// All but what is kept of its level; false: it is not in the grid.
+  RUBBLE_HD static bool place(const View& s, int i) {
+    const BodyParams& p = s.params[i];
+    Bounds& b = s.bounds[i];
+    b.level = -1;
+    if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return false;
+    const Quat q = s.orientation[i];
+    const Vec3 sweep = Real(.5) * wayAhead(s, i);
+    const Vec3 x(s.position[i]);
+    // turning moves the surface by no more than the radius; the error of a single-precision centre is added
+    const Real turn = min(s.step.dt * length(s.spin[i]), Real(1)) * p.radius;
+    const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
+    const Real grow = turn + ownMargin(s, p) + roundOff;
+    // what goes elsewhere is looked for along its way at the end of the step (late_stops.h)
+    b.centre = x + sweep;
+    b.half = boundingHalf(p.shape, q) + abs(sweep) + Vec3{grow, grow, grow};
+    int level = 0;
+    const Real widest = max(kTurnedWay * p.radius, max(b.half.x, max(b.half.y, b.half.z)));
+    Real size = cellSize(level);
+    while (level < kGridLevels - 1 && widest > kLevelFill * size) ++level, size *= 2;
+    b.level = level;
+    b.x = cellOf(b.centre.x, size), b.y = cellOf(b.centre.y, size), b.z = cellOf(b.centre.z, size);
+    atomicCount(&s.bucketCount[bucketOf(s, level, b.x, b.y, b.z)], 1);
+    return true;
+  }
+};
+
+/// Bodies into their buckets. The order inside a bucket is not fixed; pairs are sorted later.
+struct FillGrid {
+  static constexpr const char* kName = "grid";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Bounds& b = s.bounds[i];
+    if (b.level < 0) return;
+    const int bucket = bucketOf(s, b.level, b.x, b.y, b.z);
+    const int slot = s.bucketOffset[bucket] + atomicCount(&s.bucketCount[bucket], -1) - 1;
+    s.grid[slot] = {b.centre, b.half, i, b.level};
+  }
+};
+
+/// A level of few bodies: visit(entry) for each of them that is its turn, number `lane` of `lanes`. False: there are many.
+template <class Visit>
+RUBBLE_HD bool visitListed(const View& s, int level, Visit&& visit, int lane = 0, int lanes = 1) {
+  const int members = s.counters->levelCount[level];
+  if (members > kListedBodies) return false;
+  for (int k = lane; k < members; k += lanes) {
+    const int body = s.counters->levelBody[level][k];
+    visit(GridEntry{s.bounds[body].centre, s.bounds[body].half, body, level});
+  }
+  return true;
+}
+
+/// Cells of a level in which the centre of a body may be that these bounds touch.
+struct CellRange {
+  int x0, x1, y0, y1, z0, z1;
+  RUBBLE_HD bool empty() const { return x1 < x0 || y1 < y0 || z1 < z0; }
+  RUBBLE_HD int rows() const { return (y1 - y0 + 1) * (z1 - z0 + 1); }
+  RUBBLE_HD double cells() const { return (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1); }
+};
+RUBBLE_HD inline CellRange cellsAround(const View& s, const Bounds& b, int level) {
+  const Real size = cellSize(level);
+  Vec3 reach;
+  for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
+  const auto& most = s.counters->levelReach[level];
+  const auto low = [&](int k) { return max(cellOf(b.centre[k] - reach[k], size), kCellOrigin - most[0][k]); };
+  const auto high = [&](int k) { return min(cellOf(b.centre[k] + reach[k], size), most[1][k] - kCellOrigin); };
+  return {low(0), high(0), low(1), high(1), low(2), high(2)};
+}
+
+/// Entries of the buckets of a row of cells. They lie side by side, and go on from the first bucket after the last.
+struct RowOfCells {
+  int begin, end;  ///< in the grid
+  int wrapped;     ///< and as many from its beginning on
+};
+RUBBLE_HD inline RowOfCells rowOfCells(const View& s, int level, int x0, int x1, int y, int z) {
+  const int bucket = bucketOf(s, level, x0, y, z), cells = x1 - x0 + 1, here = min(cells, s.cells - bucket);
+  return {s.bucketOffset[bucket], s.bucketOffset[bucket + here], here < cells ? s.bucketOffset[cells - here] : 0};
+}
+
+/// Do two boxes, of Bounds or of the grid, touch?
+template <class A, class B>
+RUBBLE_HD bool boundsTouch(const A& a, const B& b) {
+  return !(std::fabs(a.centre.x - b.centre.x) > a.half.x + b.half.x) &&
+         !(std::fabs(a.centre.y - b.centre.y) > a.half.y + b.half.y) &&
+         !(std::fabs(a.centre.z - b.centre.z) > a.half.z + b.half.z);
+}
+
+/// Which bodies of its own level a body looks for: those of a higher number, or those in cells behind its own, row by row, and of a higher number in
+/// its own cell. In either way one of two finds the other; the latter takes half as many cells.
+enum class Ahead { InNumber, InPlace };
+
+/// found(other) for the bodies of a level whose bounds touch those of body i, for number `lane` of `lanes`.
+template <Ahead kAhead, class Found>
+RUBBLE_HD void searchLevel(const View& s, int i, const Bounds& b, int level, Found&& found, int lane, int lanes) {
+  const bool own = level == b.level;
+  const auto touches = [&](const GridEntry& e) { return boundsTouch(e, b); };
+  const auto tryEntry = [&](const GridEntry& e) {
+    if ((!own || e.body > i) && touches(e)) found(e.body);
+  };
+  if (visitListed(s, level, tryEntry, lane, lanes)) return;
+  const Real size = cellSize(level);
+  const CellRange c = cellsAround(s, b, level);
+  if (c.empty()) return;
+  const bool inPlace = own && kAhead == Ahead::InPlace;
+  // the first cell that counts
+  const int x0 = inPlace ? b.x : c.x0, y0 = inPlace ? b.y : c.y0, z0 = inPlace ? b.z : c.z0;
+  const auto tryCell = [&](const GridEntry& e, int x, int y, int z) {
+    const bool ahead = !own || e.body > i || (inPlace && !(x == b.x && y == b.y && z == b.z));
+    if (ahead && touches(e)) found(e.body);
+  };
+  // more cells than buckets: then rather all bodies (one that flies off at any speed costs no more than that)
+  if (c.cells() > s.cells) {
+    for (int k = lane; k < s.bucketOffset[s.cells]; k += lanes) {
+      const GridEntry& e = s.grid[k];
+      if (e.level != level) continue;
+      const int x = cellOf(e.centre.x, size), y = cellOf(e.centre.y, size), z = cellOf(e.centre.z, size);
+      if (!inPlace || z > z0 || (z == z0 && (y > y0 || (y == y0 && x >= x0)))) tryCell(e, x, y, z);
+    }
+    return;
+  }
+  const auto rowAt = [&](int y, int z) { return rowOfCells(s, level, y == y0 && z == z0 ? x0 : c.x0, c.x1, y, z); };
+  int y = y0, z = z0;
+  const auto step = [&](int rows) {
+    for (y += rows; y > c.y1; y -= c.y1 - c.y0 + 1) ++z;
+    return z <= c.z1;
+  };
+  if (!step(lane)) return;
+  RowOfCells next = rowAt(y, z);
+  for (bool more = true; more;) {
+    const RowOfCells row = next;
+    const int rowY = y, rowZ = z, firstX = y == y0 && z == z0 ? x0 : c.x0;
+    // where the next row lies is asked for before this one is looked at
+    more = step(lanes);
+    if (more) next = rowAt(y, z);
+    const auto visit = [&](const GridEntry& e) {
+      if (e.level != level || !touches(e)) return;
+      // cells of another row may share the bucket, and would be visited again
+      const int x = cellOf(e.centre.x, size);
+      if (x >= firstX && x <= c.x1 && cellOf(e.centre.y, size) == rowY && cellOf(e.centre.z, size) == rowZ) tryCell(e, x, rowY, rowZ);
+    };
+    for (int k = row.begin; k < row.end; ++k) visit(s.grid[k]);
+    for (int k = 0; k < row.wrapped; ++k) visit(s.grid[k]);
+  }
+}
+
+/// found(plane) for the planes that a box touches: for number `lane` of `lanes`.
+template <class Found>
+RUBBLE_HD void searchPlanes(const View& s, const Bounds& b, Found&& found, int lane = 0, int lanes = 1) {
+  for (int k = lane; k < s.planes; k += lanes) {
+    const int plane = s.planeBody[k];
+    const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
+    const Real height = dot(up, b.centre - Vec3(s.position[plane]));
+    if (height <= dot(abs(up), b.half)) found(plane);
+  }
+}
+/// found(other) for all bodies whose bounds a box touches that is in no level: body i on a way that its own do not hold.
+template <class Found>
+RUBBLE_HD void searchWay(const View& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
+  for (int level = 0; level < kGridLevels; ++level)
+    if (s.counters->levelCount[level] > 0)
+      searchLevel<Ahead::InNumber>(s, i, way, level, found, lane, lanes);
+  searchPlanes(s, way, found, lane, lanes);
+}
+
+/// found(other, other owns the pair) for the bodies whose bounds touch those of body i: in its own level those ahead of it, in coarser ones all. Of
+/// several that search for one body each takes its part: number `lane` of `lanes`.
+template <Ahead kAhead, class Found>
+RUBBLE_HD void searchBounds(const View& s, int i, Found&& found, int lane = 0, int lanes = 1) {
+  const BodyParams& p = s.params[i];
+  if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return;
+  const Bounds& b = s.bounds[i];
+  for (int level = b.level; level < kGridLevels; ++level)
+    searchLevel<kAhead>(s, i, b, level, [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
+  searchPlanes(s, b, [&](int plane) { found(plane, false); }, lane, lanes);
+}
+/// found(other) for the partners of body i: whose bounds touch, and that may collide with it. It owns its pairs with them.
+template <class Found>
+RUBBLE_HD void searchPartners(const View& s, int i, Found&& found, int lane = 0, int lanes = 1) {
+  searchBounds<Ahead::InNumber>(s, i, [&](int other, bool) {
+    if (mayCollide(s, i, other)) found(other);
+  }, lane, lanes);
+}
+
+/// Whom bounds touch is noted with the owner of the pair: of two in one level the one of the lower number, else the one in the finer level. The first
+/// kPairSlots of them are kept, in no fixed order.
+struct FindNeighbors {
+  static constexpr const char* kName = "pairs";
+  RUBBLE_HD void operator()(const View& s, int i) const { (*this)(s, i, 0, 1); }
+  /// By number `lane` of `lanes`.
+  RUBBLE_HD void operator()(const View& s, int i, int lane, int lanes) const {
+    searchBounds<Ahead::InPlace>(s, i, [&](int other, bool otherOwns) {
+      const int owner = otherOwns ? other : i;
+      const int slot = atomicCount(&s.pairCount[owner], 1);
+      if (slot < kPairSlots) s.pairSlot[owner * kPairSlots + slot] = otherOwns ? i : other;
+    }, lane, lanes);
+  }
+};
+
+/// Those of them that may collide are the partners of a body; and the number of pairs of their parts. `kParts` false: no body has parts, and the
+/// kernel stays small.
+template <bool kParts>
+struct FindPairs {
+  static constexpr const char* kName = "pairs";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    int* const slots = s.pairSlot + i * kPairSlots;
+    const int near = s.pairCount[i];
+    if (!kParts && collidesWithAll(s, i)) return;
+    int count = 0, partners = 0;
+    const auto take = [&](int other) {
+      const int without = count;
+      if constexpr (kParts) forEachPartPair(s, i, other, [&](int, int) { ++count; });
+      else ++count;
+      if (count == without) return;
+      if (partners < kPairSlots) slots[partners] = other;
+      ++partners;
+    };
+    if (near > kPairSlots) {
+      searchPartners(s, i, take);
+    } else {
+      for (int k = 0; k < near; ++k)
+        if (const int other = slots[k]; mayCollide(s, i, other)) take(other);
+    }
+    s.pairCount[i] = count;
+  }
+};
+
+/// Pairs sorted by owner, then by partner and parts.
+template <bool kParts>
+struct WritePairs {
+  static constexpr const char* kName = "pairs";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const int begin = s.pairOffset[i], count = s.pairOffset[i + 1] - begin;
+    const int* const slots = s.pairSlot + i * kPairSlots;
+    if constexpr (!kParts) {
+      if (count <= kPairSlots) {
+        // a pair a partner: how many come before it is its place
+        for (int k = 0; k < count; ++k) {
+          const int other = slots[k];
+          int place = begin;
+          for (int j = 0; j < count; ++j) place += slots[j] < other;
+          s.pair[place] = pairOf(s, i, other);
+        }
+        return;
+      }
+    }
+    int n = 0;
+    const auto insertPair = [&](const Pair& pair) {
+      int k = begin + n++;
+      for (; k > begin && before(pair, s.pair[k - 1]); --k) s.pair[k] = s.pair[k - 1];
+      s.pair[k] = pair;
+    };
+    const auto insert = [&](int other) {
+      if constexpr (kParts) forEachPartPair(s, i, other, [&](int first, int second) { insertPair(pairOf(s, i, other, first, second)); });
+      else insertPair(pairOf(s, i, other));
+    };
+    if (count > kPairSlots) return searchPartners(s, i, insert);
+    // every partner has a pair at least, so that as many slots as pairs are enough
+    int slot = 0;
+    while (n < count) insert(slots[slot++]);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

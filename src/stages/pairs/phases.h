@@ -1,0 +1,29 @@
+#pragma once
+/// Which bodies may meet in the step.
+#include "stages/executor.h"
+#include "stages/pairs/broad_phase.h"
+
+namespace rubble::RUBBLE_CORE::pairs {
+
+/// Kernel<parts>: with a search of parts where some body has any.
+template <template <bool> class Kernel, Executor E>
+void forEachOwner(E& e) {
+  if (e.view().rareShapes) e.forEach(Kernel<true>{}, e.view().bodies);
+  else e.forEach(Kernel<false>{}, e.view().bodies);
+}
+
+template <Executor E>
+void find(E& e) {
+  const int bodies = e.view().bodies, cells = e.view().cells;
+  e.clear(&View::bucketCount, cells);
+  e.forEach(ComputeBounds{}, bodies);
+  e.scan(&View::bucketCount, &View::bucketOffset, cells);
+  e.forEach(FillGrid{}, bodies);
+  e.clear(&View::pairCount, bodies);
+  e.forEach(FindNeighbors{}, bodies);
+  forEachOwner<FindPairs>(e);
+  e.scan(&View::pairCount, &View::pairOffset, bodies, &Counters::pairs, Per::Pair);
+  forEachOwner<WritePairs>(e);
+}
+
+}  // namespace rubble::RUBBLE_CORE::pairs

@@ -1,0 +1,153 @@
+#pragma once
+/// Queries over the grid of the broad phase, filled for the present poses: a functor a query.
+#include "collision/probe.h"
+#include "stages/pairs/grid_walk.h"
+
+namespace rubble::RUBBLE_CORE {
+
+enum class QueryKind : int { Ray, Cast, Overlap, Closest };
+
+struct QueryData {
+  QueryKind kind;
+  ShapeData shape;      ///< of a cast and an overlap: convex or a compound, with tables of the queries' own
+  Vec3d position;       ///< of its centre; of a ray and of a closest point: the point [m]
+  Quatd orientation;
+  Vec3d move;           ///< [m]
+  double reach;         ///< closest point: largest distance [m]
+  double size;          ///< diameter of the shape [m]
+  std::uint32_t layers, mask;
+  int sensors, ignore;
+};
+
+struct QueryHit {
+  int body;             ///< -1: none
+  double fraction;      ///< of the move; closest point: distance [m]
+  Vec3d position, n;
+};
+
+/// Half extents of the box about the centre of a query's shape [m].
+RUBBLE_HD inline Vec3d extent(const QueryData& q) {
+  const Vec3d half(q.shape.half);
+  const Vec3d x = abs(rotate(q.orientation, Vec3d{half.x, 0, 0})), y = abs(rotate(q.orientation, Vec3d{0, half.y, 0}));
+  const double radius = static_cast<double>(q.shape.radius);
+  return x + y + abs(rotate(q.orientation, Vec3d{0, 0, half.z})) + Vec3d{radius, radius, radius};
+}
+
+RUBBLE_HD inline bool looksAt(const View& s, const QueryData& q, int body) {
+  if (body == q.ignore) return false;
+  const BodyFilter& f = s.filter[body];
+  return (q.sensors != 0 || f.sensor == 0) && (f.layers & q.mask) != 0 && (q.layers & f.mask) != 0;
+}
+
+/// visit(part) for the parts of a body as a query sees them: relative to the query's place, so that far from the origin nothing is lost.
+template <class Visit>
+RUBBLE_HD void visitParts(const View& s, int body, const Vec3d& origin, Visit&& visit) {
+  const ShapeData& shape = s.params[body].shape;
+  const int count = parts::count(s, shape);
+  for (int k = 0; k < count; ++k) visit(placedAny(s.shapeTables(), shape, s.position[body] - origin, s.orientation[body], k));
+}
+
+/// visit(own) for the parts of a query's shape.
+template <class Visit>
+RUBBLE_HD void visitOwn(const ShapeTables& tables, const QueryData& q, Visit&& visit) {
+  if (q.shape.kind != ShapeKind::Compound) {
+    visit(PlacedAny{tables, q.shape, {}, q.orientation});
+    return;
+  }
+  const int count = tables.index[q.shape.data + 3];
+  for (int k = 0; k < count; ++k) visit(placedAny(tables, q.shape, {}, Quat(q.orientation), k));
+}
+
+/// Shapes count as touching within this share of the size of a shape that is cast [1].
+inline constexpr double kCastGap = 1e-4;
+
+/// The first hit, or the nearest body. Of several at the same place the one of the lowest id.
+struct RunQuery {
+  static constexpr const char* kName = "queries";
+  const QueryData* queries;
+  ShapeTables own;
+  QueryHit* hits;
+
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const QueryData& q = queries[i];
+    QueryHit best{-1, 0, {}, {}};
+    double limit = 1;
+    const bool closest = q.kind == QueryKind::Closest;
+    const Vec3d half = closest ? Vec3d{q.reach, q.reach, q.reach} : extent(q);
+    double bestDistance = q.reach;
+    const auto take = [&](const QueryHit& hit) {
+      const bool first = best.body < 0 || hit.fraction < best.fraction || (hit.fraction == best.fraction && s.idOf[hit.body] < s.idOf[best.body]);
+      if (!first) return;
+      best = hit;
+      if (closest) bestDistance = hit.fraction;
+      else limit = hit.fraction;
+    };
+    visitAlong(s, q.position, q.move, half, limit, [&](int body) {
+      if (!looksAt(s, q, body)) return;
+      visitParts(s, body, q.position, [&](const PlacedAny& target) {
+        if (q.kind == QueryKind::Ray) {
+          const RayMeeting m = castRay(target, q.move);
+          if (m.fraction <= 1) take({body, m.fraction, q.move * m.fraction, m.n});
+        } else if (closest) {
+          const Separation at = nearestPoint(target, bestDistance);
+          const bool inside = !(at.distance > 0);
+          const double distance = inside ? 0 : at.distance;
+          if (distance <= bestDistance) take({body, distance, inside ? Vec3d{} : at.onB, {}});
+        } else {
+          visitOwn(own, q, [&](const PlacedAny& part) {
+            const Meeting m = castShape(part, q.move, target, kCastGap * q.size);
+            if (m.fraction <= 1) take({body, m.fraction, m.at.n == Vec3d{} ? Vec3d{} : m.at.onA, m.at.n});
+          });
+        }
+      });
+    });
+    best.position += q.position;
+    hits[i] = best;
+  }
+};
+
+/// Bodies that a shape overlaps: found(body), in no fixed order.
+template <class Found>
+RUBBLE_HD void searchOverlaps(const View& s, const ShapeTables& tables, const QueryData& q, Found&& found) {
+  double limit = 1;
+  visitAlong(s, q.position, {}, extent(q), limit, [&](int body) {
+    if (!looksAt(s, q, body)) return;
+    bool meets = false;
+    visitParts(s, body, q.position, [&](const PlacedAny& target) {
+      visitOwn(tables, q, [&](const PlacedAny& part) { meets = meets || overlaps(part, target); });
+    });
+    if (meets) found(body);
+  });
+}
+
+struct CountOverlaps {
+  static constexpr const char* kName = "queries";
+  const QueryData* queries;
+  ShapeTables own;
+  int* counts;
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    int n = 0;
+    searchOverlaps(s, own, queries[i], [&](int) { ++n; });
+    counts[i] = n;
+  }
+};
+
+/// Into [offsets[i], offsets[i + 1]), rising.
+struct FillOverlaps {
+  static constexpr const char* kName = "queries";
+  const QueryData* queries;
+  ShapeTables own;
+  const int* offsets;
+  int* bodies;
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    int n = 0;
+    int* const to = bodies + offsets[i];
+    searchOverlaps(s, own, queries[i], [&](int body) {
+      int k = n++;
+      for (; k > 0 && to[k - 1] > body; --k) to[k] = to[k - 1];
+      to[k] = body;
+    });
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,314 @@
+#pragma once
+/// Contacts of the corners of bodies with surfaces of deformable objects: what vertices against bodies do not see, because it lies between
+/// the vertices. A corner has a contact with the part of a surface that is nearest to it, a triangle, an edge or a vertex. A body has
+/// kCornerSlots owners of pairs, and each stands for a share of its corners; if there are several, it has two rows with a part, one for each half of
+/// them: of those that meet the part the deepest. Corners that are far apart must not share a row: what one of them holds the other falls by.
+///
+/// Sheets have two sides. The one that a corner is on is the one that it was on in the step before, as long as it touches; a closed surface
+/// has an outside. So has a body: what a corner is pushed by lies where the body ends there, and a side that says otherwise, which the corner has
+/// from a part of a folded sheet beside, counts for nothing.
+#include "collision/corners.h"
+#include "stages/soft/feature_contacts.h"
+#include "stages/pairs/filter.h"
+#include "stages/contacts/materials.h"
+
+namespace rubble::RUBBLE_CORE {
+
+RUBBLE_HD inline int bodyOfOwner(const View& s, int owner) { return (owner - s.vertices - s.edges) / kCornerSlots; }
+RUBBLE_HD inline int slotOfOwner(const View& s, int owner) { return (owner - s.vertices - s.edges) % kCornerSlots; }
+
+/// Is the vertex attached to that body? Then they do not collide.
+RUBBLE_HD inline bool isAttached(const View& s, int v, int body) {
+  bool attached = false;
+  visitAttachments(s, v, [&](const Attachment& a) { attached |= active(s, a) && a.seam == 0 && a.body == body; });
+  return attached;
+}
+
+/// To filters of bodies a vertex is what a body is that has none.
+RUBBLE_HD inline bool mayMeet(const View& s, int v, int body) {
+  if (s.filtered && (isSensor(s, body) || !filtersMeet(s.filter[body], {1, ~0u, 0, 0}))) return false;
+  return isDynamicVertex(s, v) || s.params[body].kind == BodyKind::Dynamic;
+}
+RUBBLE_HD inline bool mayTouch(const View& s, int v, int body) { return mayMeet(s, v, body) && !isAttached(s, v, body); }
+
+/// May corners of a body touch that part of a surface?
+RUBBLE_HD inline bool mayDent(const View& s, int body, const SurfaceFeature& f) {
+  if ((s.vertexParams[f.v[0]].collides & kCollidesWithBodies) == 0) return false;
+  const int corners = cornersOf(f);
+  bool any = false;
+  for (int k = 0; k < corners; ++k) {
+    if (isAttached(s, f.v[k], body)) return false;
+    any |= mayMeet(s, f.v[k], body);
+  }
+  return any;
+}
+
+/// A sheet has no inside: what passes it unseen is lost. Two things are not in the velocities at x^t: what stops one corner of a body turns it, so that
+/// others go up to so many times as far (the end of a rod whose other end is stopped),
+inline constexpr Real kTipping = Real(1.5);
+/// and what falls begins to. [m]
+RUBBLE_HD inline Real fallInStep(const View& s) { return s.step.dt * s.step.dt * length(s.step.gravity); }
+
+/// Bodies whose boxes meet that of a part of a surface, so that others need not look corner by corner.
+struct FindDentingBodies {
+  static constexpr const char* kName = "pairs";
+  RUBBLE_HD void operator()(const View& s, int body) const { s.nearSurface[body] = isNear(s, body, 0, 1) ? 1 : 0; }
+
+  /// By what number `lane` of `lanes` looks at.
+  RUBBLE_HD static bool isNear(const View& s, int body, int lane, int lanes) {
+    if (s.bounds[body].level < 0) return false;
+    const Real way = s.step.dt * (length(s.velocity[body]) + length(s.spin[body]) * s.params[body].radius);
+    const Real more = (kTipping - Real(1)) * way + fallInStep(s);
+    const SweptBox box{s.bounds[body].centre, s.bounds[body].half + Vec3{more, more, more}};
+    bool found = false;
+    const auto look = [&](int i) { found = found || mayDent(s, body, s.feature[i]); };
+    seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
+    seekFeatures(s, FeatureKind::Triangle, box, look, lane, lanes);
+    return found;
+  }
+};
+
+/// A corner of a body at x^t, world axes, seen from its centre.
+struct PlacedCorner {
+  Vec3 at, velocity;  ///< [m], [m/s]
+  Vec3 outward;       ///< where the body ends; zero: on all sides
+  Real radius;        ///< [m]
+  int part;
+};
+
+/// visit(corner) for some corners of a body.
+template <class Visit>
+RUBBLE_HD void visitCornersOf(const View& s, int body, const CornerRange& range, Visit&& visit) {
+  const Quat q = s.orientation[body];
+  visitCorners(s.shapeTables(), s.params[body].shape, range, [&](const ShapeCorner& c) {
+    const Vec3 at = rotate(q, c.at);
+    visit(PlacedCorner{at, s.velocity[body] + cross(s.spin[body], at), rotate(q, c.outward), c.radius, c.part});
+  });
+}
+/// Those that an owner stands for.
+RUBBLE_HD inline CornerRange ownCorners(const View& s, int owner) {
+  return cornerShare(s.shapeTables(), s.params[bodyOfOwner(s, owner)].shape, slotOfOwner(s, owner), kCornerSlots);
+}
+/// Rows that an owner has with a part of a surface.
+RUBBLE_HD inline int rowsWithPart(const View& s, int owner) {
+  if (owner < s.vertices + s.edges) return 1;
+  const CornerRange own = ownCorners(s, owner);
+  return own.end - own.begin > 1 ? 2 : 1;
+}
+/// visit(corner) for those that one of these rows stands for.
+template <class Visit>
+RUBBLE_HD void visitCornersOfRow(const View& s, int owner, int row, Visit&& visit) {
+  CornerRange own = ownCorners(s, owner);
+  if (const int middle = (own.begin + own.end) / 2; own.end - own.begin > 1) (row == 0 ? own.end : own.begin) = middle;
+  visitCornersOf(s, bodyOfOwner(s, owner), own, visit);
+}
+/// Which of the rows of its owner with that part a pair of a list is.
+RUBBLE_HD inline int rowOfPair(const PointPair* pair, int i) {
+  return i > 0 && pair[i - 1].vertex == pair[i].vertex && pair[i - 1].other == pair[i].other ? 1 : 0;
+}
+
+/// A triangle, edge or vertex of a surface.
+struct DentPart {
+  int v[3], count;
+  bool rim;        ///< an edge with nothing beside it
+};
+/// `part`: as PointPair::other.
+RUBBLE_HD inline DentPart dentPart(const View& s, int part) {
+  DentPart p{{-1, -1, -1}, 0, false};
+  p.count = partCorners(s, part, p.v);
+  if (p.count == 2) {
+    const SurfaceFeature& f = s.feature[part - kFeatureNode];
+    p.rim = f.kind == FeatureKind::Edge && (f.opposite[0] < 0 || f.opposite[1] < 0);
+  }
+  return p;
+}
+
+/// A corner against a part of a surface.
+struct CornerTouch {
+  bool valid;      ///< that part is the nearest, and the corner is where it is held
+  Vec3 n;          ///< from the surface to the corner, unit
+  Real distance;   ///< of the corner from the surface; negative behind it [m]
+  Real w[3];       ///< weights of the nearest point
+  Vec3 foot;       ///< nearest point, seen from the centre of the body [m]
+};
+
+/// May a surface push a corner that way, which is not out of the body? With some doubt, for a surface bends about a corner.
+RUBBLE_HD inline bool mayPush(const PlacedCorner& corner, const Vec3& n) {
+  constexpr Real kDoubt = Real(.3);
+  return dot(n, corner.outward) <= kDoubt;
+}
+/// `side`: direction in which the surface held the corner last, or zero. `behind`: how far behind the surface it is still held [m].
+RUBBLE_HD inline CornerTouch touchPart(const View& s, int body, const PlacedCorner& corner, const DentPart& f, const Vec3& side, Real behind) {
+  CornerTouch t;
+  t.valid = false;
+  Vec3 x[3];
+  for (int k = 0; k < f.count; ++k) x[k] = Vec3(s.vertexPosition[f.v[k]] - s.position[body]);
+  const bool held = side != Vec3{0, 0, 0} && mayPush(corner, side);
+  if (f.count == 3) {
+    nearestOnTriangle(corner.at, x[0], x[1], x[2], t.w);
+    if (!(t.w[0] > Real(0) && t.w[1] > Real(0) && t.w[2] > Real(0))) return t;
+    const Vec3 normal = cross(x[1] - x[0], x[2] - x[0]);
+    const Real size = length(normal);
+    if (!(size > Real(0))) return t;
+    t.n = normal / size;
+    const bool closed = (s.vertexParams[f.v[0]].collides & kHasInside) != 0;
+    const Real facing = held ? dot(t.n, side) : dot(t.n, corner.at - x[0]);
+    if (!closed && facing < Real(0)) t.n = -t.n;
+    t.foot = x[0] + t.w[1] * (x[1] - x[0]) + t.w[2] * (x[2] - x[0]);
+    t.distance = dot(t.n, corner.at - x[0]);
+    t.valid = t.distance >= -behind && mayPush(corner, t.n);
+    return t;
+  }
+  t.w[0] = Real(1), t.w[1] = t.w[2] = 0;
+  t.foot = x[0];
+  if (f.count == 2) {
+    Real w[2];
+    nearestOnSegment(corner.at, x[0], x[1], w);
+    if (!(w[0] > Real(0) && w[1] > Real(0))) return t;
+    t.w[0] = w[0], t.w[1] = w[1];
+    t.foot = x[0] + w[1] * (x[1] - x[0]);
+  }
+  const Vec3 gap = corner.at - t.foot;
+  t.distance = length(gap);
+  t.n = t.distance > Real(0) ? gap / t.distance : side;
+  if (held && dot(t.n, side) < Real(0)) {
+    // beside a rim there is nothing to be behind of; and what lies beside an edge or vertex, and not behind it, is behind another part
+    constexpr Real kRightBehind = Real(-.7);
+    if (f.rim || dot(t.n, side) > kRightBehind) return t;
+    t.n = -t.n, t.distance = -t.distance;
+  }
+  t.valid = t.n != Vec3{0, 0, 0} && t.distance >= -behind && mayPush(corner, t.n);
+  return t;
+}
+
+/// Where the owner was held by a part that shares a corner with this one.
+struct HeldSide {
+  Vec3 side;    ///< from the surface to the body, or zero
+  Real behind;  ///< [m]
+};
+RUBBLE_HD inline HeldSide heldSide(const View& s, int owner, const DentPart& f) {
+  HeldSide out{{0, 0, 0}, 0};
+  for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k) {
+    const PointContact& old = s.oldPointContact[k];
+    if (s.oldPointPair[k].other < 0 || !old.active) continue;
+    int shared = 0;
+    for (int i = 0; i < f.count; ++i)
+      for (int j = 0; j < kPointCorners && old.v[j] >= 0; ++j) shared += old.v[j] == f.v[i] ? 1 : 0;
+    if (shared == 0) continue;
+    out = {-old.n, old.length};
+    // the part itself
+    if (shared == f.count) return out;
+  }
+  return out;
+}
+
+/// L of a contact between a body and a surface: of the smaller one. [m]
+RUBBLE_HD inline Real dentLength(const View& s, int body, const DentPart& f) {
+  const Real own = s.vertexParams[f.v[0]].length;
+  return s.params[body].kind == BodyKind::Dynamic ? min(own, 2 * s.params[body].radius) : own;
+}
+RUBBLE_HD inline Vec3 partVelocity(const View& s, const DentPart& f, const Real (&w)[3]) {
+  Vec3 sum{0, 0, 0};
+  for (int k = 0; k < f.count; ++k) sum += w[k] * s.vertexVelocity[f.v[k]];
+  return sum;
+}
+
+/// A corner against a part, with what it may be apart from it or behind it in this step.
+struct CornerReach {
+  CornerTouch touch;
+  Real gap, margin;  ///< [m]
+};
+RUBBLE_HD inline CornerReach reachPart(const View& s, int body, const PlacedCorner& corner, const DentPart& f, const HeldSide& held) {
+  const Real size = dentLength(s, body, f);
+  CornerReach out;
+  out.touch.w[0] = out.touch.w[1] = out.touch.w[2] = Real(1) / static_cast<Real>(f.count);
+  const Real fast = s.step.dt * length(corner.velocity - partVelocity(s, f, out.touch.w));
+  out.touch = touchPart(s, body, corner, f, held.side, max(held.behind, max(fast, kHeldFromBelow * size)));
+  out.gap = out.touch.distance - corner.radius - s.vertexParams[f.v[0]].radius;
+  const Real there = s.step.dt * length(corner.velocity - partVelocity(s, f, out.touch.w));
+  out.margin = max(s.step.contactMargin * size, kTipping * max(fast, there) + fallInStep(s));
+  return out;
+}
+
+/// found(part) for every part of a surface that a corner of this owner may touch in this step, for number `lane` of `lanes`.
+template <class Found>
+RUBBLE_HD void searchCorners(const View& s, int owner, Found&& found, int lane, int lanes) {
+  const int body = bodyOfOwner(s, owner);
+  if (s.nearSurface[body] == 0) return;
+  Real behind = 0;
+  for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k)
+    if (s.oldPointPair[k].other >= 0 && s.oldPointContact[k].active) behind = max(behind, s.oldPointContact[k].length);
+  visitCornersOf(s, body, ownCorners(s, owner), [&](const PlacedCorner& corner) {
+    const Vec3 from = Vec3(s.position[body]) + corner.at, sweep = (kTipping * s.step.dt / 2) * corner.velocity;
+    const Real roundOff = Real(2.4e-7) * (std::fabs(from.x) + std::fabs(from.y) + std::fabs(from.z));
+    const Real grow = corner.radius + max(behind, ownMargin(s, s.params[body])) + fallInStep(s) + roundOff;
+    const SweptBox box{from + sweep, abs(sweep) + Vec3{grow, grow, grow}};
+    const auto look = [&](int i) {
+      const SurfaceFeature& f = s.feature[i];
+      if (!mayDent(s, body, f)) return;
+      int part = kFeatureNode + i;
+      if (f.kind == FeatureKind::Triangle) {
+        Real w[3];
+        Vec3 x[3];
+        for (int k = 0; k < 3; ++k) x[k] = Vec3(s.vertexPosition[f.v[k]] - s.position[body]);
+        nearestOnTriangle(corner.at, x[0], x[1], x[2], w);
+        int used = 0, last = 0, unused = 0;
+        for (int k = 0; k < 3; ++k) {
+          if (w[k] > Real(0)) ++used, last = k;
+          else unused = k;
+        }
+        // corners k and k + 1 are those that are not `unused`
+        if (used == 2) part = kFeatureNode + f.edge[(unused + 1) % 3];
+        if (used == 1) part = kCornerNode + f.v[last];
+      }
+      const DentPart nearest = dentPart(s, part);
+      const CornerReach r = reachPart(s, body, corner, nearest, heldSide(s, owner, nearest));
+      if (r.touch.valid && r.gap <= r.margin) found(part);
+    };
+    seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
+    seekFeatures(s, FeatureKind::Triangle, box, look, lane, lanes);
+  });
+}
+
+/// A row of the corners of an owner (A) against a part of a surface (B): of the deepest of those that the row stands for. Returns what they start from; fills the geometry.
+RUBBLE_HD inline PointContactStart touchCorner(const View& s, int owner, int other, int row, PointContact& p, Real& gap, Real& margin) {
+  const int body = bodyOfOwner(s, owner);
+  const BodyParams& b = s.params[body];
+  const DentPart f = dentPart(s, other);
+  const HeldSide held = heldSide(s, owner, f);
+  PlacedCorner corner{};
+  CornerReach best{};
+  best.gap = Real(1e18), best.margin = -1, best.touch.valid = false;
+  visitCornersOfRow(s, owner, row, [&](const PlacedCorner& c) {
+    const CornerReach r = reachPart(s, body, c, f, held);
+    if (r.touch.valid && r.gap < best.gap) best = r, corner = c;
+  });
+  const VertexParams& point = s.vertexParams[f.v[0]];
+  gap = best.gap, margin = best.touch.valid ? best.margin : best.gap - Real(1);
+  p.body = body;
+  p.part = corner.part;
+  p.n = -best.touch.n;
+  p.length = dentLength(s, body, f);
+  // in the middle of the gap
+  p.lever = (corner.at - corner.radius * best.touch.n + best.touch.foot + point.radius * best.touch.n) * Real(.5);
+  Real rowMass = b.mass;
+  for (int k = 0; k < kPointCorners; ++k) p.v[k] = -1, p.weight[k] = 0;
+  int used = 0;
+  for (int k = 0; k < f.count; ++k) {
+    const Real w = best.touch.w[k];
+    if (w == Real(0)) continue;
+    p.v[used] = f.v[k], p.weight[used++] = -w;
+    const Real mass = s.vertexParams[f.v[k]].mass / (w * w);
+    if (mass > Real(0)) rowMass = rowMass > Real(0) ? min(rowMass, mass) : mass;
+  }
+  const SurfaceData surface = surfaceOf(s, body, corner.part);
+  const auto friction = [&](Real a, Real c) { return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c); };
+  // a row that none of its corners touches with is not active, but joins what it would
+  if (used == 0) p.v[0] = f.v[0];
+  p.muStatic = friction(surface.muStatic, point.muStatic);
+  p.muDynamic = friction(surface.muDynamic, point.muDynamic);
+  return {rowMass, -gap, dot(p.n, corner.velocity - partVelocity(s, f, best.touch.w)),
+          combined(surface.restitutionCombine, point.restitutionCombine, Combine::Maximum, surface.restitution, point.restitution)};
+}
+
+}  // namespace rubble::RUBBLE_CORE

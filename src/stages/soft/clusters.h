@@ -1,0 +1,201 @@
+#pragma once
+/// The coarse correction of deformable objects: block descent whose blocks are rigid motions of clusters of vertices, at several sizes, the
+/// largest being the whole object. A vertex-by-vertex sweep carries news one edge at a time, and does not even keep the momentum of an
+/// object; a sweep over clusters does both. Clusters are nested, fixed when the object is made (src/cook/clusters.cpp), and all of a level
+/// move at once (but the finest of solids, which only are parts of sums), under-relaxed as the groups of bodies are (coarse.h); an element that
+/// n > 2 of them share counts n/2 times in each Hessian.
+#include "forces/group_stamp.h"
+#include "stages/coarse/coarse.h"
+#include "stages/bodies/coloring.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Rotational Hessian that is added about every axis, over the trace of a cluster's own [1].
+inline constexpr Real kLeastTurn = Real(.01);
+
+/// Centre and mean velocity of each of the finest clusters: at x^t, and again at the initial guess.
+struct PlaceClusters {
+  static constexpr const char* kName = "clusters";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Cluster& c = s.cluster[i];
+    Real mass = 0;
+    Vec3 moment{0, 0, 0}, momentum{0, 0, 0};
+    for (int k = c.begin; k < c.end; ++k) {
+      const int v = s.clusterMember[k];
+      const Real m = s.vertexParams[v].mass;
+      mass += m;
+      moment += m * s.vertexPlace[v];
+      momentum += m * s.vertexVelocity[v];
+    }
+    s.clusterMotion[i].mass = mass;
+    s.clusterMotion[i].centre = moment / mass;
+    s.clusterMotion[i].velocity = momentum / mass;
+  }
+};
+/// Mass, and first moments of place and velocity.
+struct ClusterMoments {
+  Real mass = 0;
+  Vec3 place{0, 0, 0}, velocity{0, 0, 0};
+  RUBBLE_HD void add(const ClusterMotion& part) {
+    mass += part.mass;
+    place += part.mass * part.centre;
+    velocity += part.mass * part.velocity;
+  }
+  RUBBLE_HD void write(ClusterMotion& motion) const {
+    motion.mass = mass;
+    motion.centre = place / mass;
+    motion.velocity = velocity / mass;
+  }
+};
+/// And of those that are made of them.
+struct PlaceLargeClusters {
+  static constexpr const char* kName = "clusters";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const int large = s.clusterBegin[1] + i;
+    const Cluster& c = s.cluster[large];
+    ClusterMoments sum;
+    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) sum.add(s.clusterMotion[k]);
+    sum.write(s.clusterMotion[large]);
+  }
+};
+
+/// Adds a row to the vertex at a corner. Other corners of its side may move with it: the weights c_i of a side add up to 1 and so
+/// (sum c_i x_i)^2 <= sum |c_i| x_i^2, which is exact for vertices that move alike. So the Hessian counts |c_i| times, not c_i^2.
+template <class Row, class Add>
+RUBBLE_HD void addShared(const Row& row, int corner, Block3& to, Add&& add) {
+  const Real share = std::fabs(row.weight[corner]);
+  if (!(share > Real(0))) return;
+  Block3 own;
+  add(own);
+  to.f += own.f;
+  to.h += (1 / share) * own.h;
+}
+/// Is it a contact of an object with itself?
+RUBBLE_HD inline bool withinObject(const View& s, const PointContact& p) {
+  if (p.body >= 0) return false;
+  bool within = true;
+  RUBBLE_UNROLL
+  for (int k = 1; k < kPointCorners; ++k) within &= p.v[k] < 0 || s.vertexParams[p.v[k]].first == s.vertexParams[p.v[0]].first;
+  return within;
+}
+
+/// No group is moved; depths are larger.
+inline constexpr int kNoLevel = -1;
+/// Adds the share of number `lane` of `lanes` in the inertia, loads, attachments and contacts of a vertex; rows inside of groups of `level`
+/// are left out, and contacts of its object with itself go to `self`. Returns whether there are any.
+template <bool surfaces>
+RUBBLE_HD bool addFromOutside(const View& s, int v, int lane, int lanes, int level, Block3& own, Block3& self) {
+  if (lane == 0) own += startVertexBlock(s, v);
+  // loads and attachments come last
+  int first = s.refOffset[v + 1];
+  while (first > s.refOffset[v] && pointType(s.ref[first - 1]) >= kFirstLoad) --first;
+  for (int r = first + lane; r < s.refOffset[v + 1]; r += lanes)
+    if (pointType(s.ref[r]) != kAttachmentCode) addElement(s, s.ref[r], own);
+    else if (const Attachment& a = s.attachment[pointIndex(s.ref[r])]; a.depth > level)
+      addShared(a, pointCorner(s.ref[r]), own, [&](Block3& b) { addElement(s, s.ref[r], b); });
+  bool touchesSelf = false;
+  for (int r = s.pointEntryOffset[v] + lane; r < s.pointEntryOffset[v + 1]; r += lanes) {
+    const std::uint32_t code = s.pointEntry[r];
+    if (level != kNoLevel && s.pointContact[pointIndex(code)].depth <= level) continue;
+    const auto& p = readWhole(s.pointContact[pointIndex(code)]);
+    const bool isInner = surfaces && withinObject(s, p);
+    touchesSelf |= isInner;
+    addShared(p, pointCorner(code), isInner ? self : own, [&](Block3& b) { p.stampVertex(s.step, pointDisplacement(s, p), pointCorner(code), b); });
+  }
+  return touchesSelf;
+}
+
+/// Inertia, contacts, attachments and loads of the vertices of one of the finest clusters, about its centre. `surfaces`: some objects have surfaces
+/// that collide, maybe with themselves, and their vertices many contacts.
+template <bool surfaces>
+struct SumCluster {
+  static constexpr const char* kName = "clusters";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Cluster& c = s.cluster[i];
+    Block6 sum, inner;
+    bool folded = false;
+    for (int k = c.begin; k < c.end; ++k) folded |= addVertex(s, s.clusterMember[k], s.clusterMotion[i].centre, 0, 1, sum, inner);
+    s.clusterMotion[i].sum = sum;
+    if (surfaces) {
+      s.clusterMotion[i].inner = inner;
+      s.clusterMotion[i].folded = folded;
+    }
+  }
+
+  /// Adds the share of number `lane` of `lanes` in a vertex; returns whether its object touches itself there.
+  RUBBLE_HD static bool addVertex(const View& s, int v, const Vec3& centre, int lane, int lanes, Block6& sum, Block6& inner) {
+    Block3 own, self;
+    const bool touchesSelf = addFromOutside<surfaces>(s, v, lane, lanes, kNoLevel, own, self);
+    addAtLever(sum, s.vertexPlace[v] - centre, own.f, own.h);
+    if (touchesSelf) addAtLever(inner, s.vertexPlace[v] - centre, self.f, self.h);
+    return touchesSelf;
+  }
+};
+
+/// Cluster i of a level: its vertices, and the elements that leave it.
+struct SolveCluster {
+  static constexpr const char* kName = "clusters";
+  int level;
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const int index = s.clusterBegin[level] + i;
+    const Cluster& c = s.cluster[index];
+    ClusterMotion& motion = s.clusterMotion[index];
+    Block6 block;
+    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) addChunk(s, c, k, motion.centre, block);
+    for (int k = c.refBegin; k < c.refEnd; ++k) addLeaving(s, s.clusterRef[k], motion.centre, block);
+    motion.step = stepOf(block);
+  }
+
+  /// Adds the vertices of chunk k.
+  RUBBLE_HD static void addChunk(const View& s, const Cluster& c, int k, const Vec3& centre, Block6& block) {
+    const ClusterMotion& chunk = s.clusterMotion[k];
+    const Vec3 shift = chunk.centre - centre;
+    const Block6 sum = chunk.sum;  // a copy: read at once
+    addShifted(block, sum, shift);
+    // the whole object feels nothing of what it does to itself
+    if (s.features > 0 && c.parent >= 0 && chunk.folded) addShifted(block, chunk.inner, shift);
+  }
+  RUBBLE_HD static void addLeaving(const View& s, const ClusterRef& ref, const Vec3& centre, Block6& block) {
+    forEachType(ElementTypes{}, [&]<class F>() {
+      if constexpr (!kIsLoad<F>) {
+        if (ref.type != typeIndex<F>(ElementTypes{})) return;
+        const F e = s.elementsOf<F>()[ref.index];  // a copy: read at once
+        if (!e.alive) return;
+        Vec3 x[F::kCorners];
+        gatherCorners(s, e, x);
+        stampGroup(s.step, e, x, ref.inside, centre, static_cast<Real>(ref.clusters) / 2, block);
+      }
+    });
+  }
+  RUBBLE_HD static Vec6 stepOf(Block6& block) {
+    // vertices on one line do not resist a turn about it: all axes get a little of what the others resist with
+    const Real least = kLeastTurn * (block.aa.xx + block.aa.yy + block.aa.zz);
+    block.aa.xx += least, block.aa.yy += least, block.aa.zz += least;
+    return groupStep(block);
+  }
+};
+
+/// Moves the vertices of one of the finest clusters with the cluster of a level that it belongs to.
+struct MoveCluster {
+  static constexpr const char* kName = "clusters";
+  int level;
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    for (int k = s.cluster[i].begin; k < s.cluster[i].end; ++k) moveMember(s, i, k);
+  }
+
+  /// Moves the k-th member, which is of the finest cluster i.
+  RUBBLE_HD void moveMember(const View& s, int i, int k) const {
+    int owner = i;
+    for (int n = 0; n < level && owner >= 0; ++n) owner = s.cluster[owner].parent;
+    if (owner < 0) return;
+    const ClusterMotion& motion = s.clusterMotion[owner];
+    // an exact rotation: the elements inside feel nothing of it
+    const Quat turn = expRotation(motion.step.ang);
+    const int v = s.clusterMember[k];
+    const Vec3 at = s.vertexPlace[v] - motion.centre, move = motion.step.lin + rotate(turn, at) - at;
+    s.vertexMoved[v] += move;
+    s.vertexPlace[v] += move;
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,200 @@
+#pragma once
+/// Contacts of surfaces: which parts of them are near, and the rows of such a pair. A vertex has a contact with the part of a surface that is
+/// nearest to it, be it a triangle, an edge or a corner, and so only one with a corner that many triangles share; edges that cross have one
+/// where neither ends.
+#include "solver/warmstart.h"
+#include "stages/soft/features.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Corners of the two sides of a pair at x^t, and their nearest points.
+struct NearParts {
+  int v[kPointCorners];        ///< side A first
+  int sideA, count;            ///< corners of side A; of both
+  Vec3 x[kPointCorners];       ///< seen from the first corner [m]
+  Real c[kPointCorners];       ///< weights, see collision/features.h
+  Vec3 gap;                    ///< p_A - p_B [m]
+};
+
+/// Nearest points of a vertex and a corner, an edge or a triangle, or of two edges, whose corners are set.
+RUBBLE_HD inline void findNearest(NearParts& p) {
+  p.c[0] = Real(1);
+  if (p.sideA == 2 || p.count == 4) {
+    p.gap = nearestOfFeatures(p.x, p.sideA, p.c);
+  } else if (p.count == 3) {
+    Real w[2];
+    nearestOnSegment(p.x[0], p.x[1], p.x[2], w);
+    p.c[1] = -w[0], p.c[2] = -w[1];
+    p.gap = (p.x[0] - p.x[1]) + p.c[2] * (p.x[2] - p.x[1]);
+  } else {
+    p.c[1] = Real(-1);
+    p.gap = p.x[0] - p.x[1];
+  }
+}
+
+/// The owner of a pair and a feature, or a corner (kCornerNode + index).
+RUBBLE_HD inline NearParts nearParts(const View& s, int owner, int other) {
+  NearParts p;
+  int own[2];
+  p.sideA = p.count = ownerCorners(s, owner, own);
+  for (int k = 0; k < kPointCorners; ++k) p.v[k] = k < p.sideA ? own[k] : -1;
+  if (other >= kFeatureNode) {
+    const SurfaceFeature& f = s.feature[other - kFeatureNode];
+    for (int k = 0; k < cornersOf(f); ++k) p.v[p.count++] = f.v[k];
+  } else {
+    p.v[p.count++] = other - kCornerNode;
+  }
+  for (int k = 0; k < p.count; ++k) p.x[k] = k == 0 ? Vec3{0, 0, 0} : Vec3(s.vertexPosition[p.v[k]] - s.vertexPosition[p.v[0]]);
+  findNearest(p);
+  return p;
+}
+
+/// Speed at which the nearest points come nearer, and that of one from the other. [m/s]
+RUBBLE_HD inline Vec3 relativeVelocity(const View& s, const NearParts& p) {
+  Vec3 sum{0, 0, 0};
+  for (int k = 0; k < p.count; ++k) sum += p.c[k] * s.vertexVelocity[p.v[k]];
+  return sum;
+}
+RUBBLE_HD inline Real featureMargin(const View& s, const NearParts& p) {
+  const Real size = min(s.vertexParams[p.v[0]].length, s.vertexParams[p.v[p.sideA]].length);
+  return max(s.step.contactMargin * size, s.step.dt * length(relativeVelocity(s, p)));
+}
+RUBBLE_HD inline Real bothRadii(const View& s, const NearParts& p) {
+  return s.vertexParams[p.v[0]].surfaceRadius + s.vertexParams[p.v[p.sideA]].surfaceRadius;
+}
+
+/// Parts of one surface that are neighbours at rest keep this share of their distance there, and not their thickness if that is more [1].
+inline constexpr Real kRestShare = Real(.5);
+
+/// Distance that a pair of parts keeps [m].
+RUBBLE_HD inline Real touchDistance(const View& s, const NearParts& p) {
+  const Real radii = bothRadii(s, p);
+  if (s.vertexParams[p.v[0]].first != s.vertexParams[p.v[p.sideA]].first) return radii;
+  NearParts rest = p;
+  for (int k = 0; k < p.count; ++k) rest.x[k] = s.vertexRest[p.v[k]] - s.vertexRest[p.v[0]];
+  findNearest(rest);
+  return min(radii, kRestShare * length(rest.gap));
+}
+
+/// Is an edge of a surface (corners a, b of `parts`) where the surface bends away from the other edge? In the flat, and where it bends towards
+/// it, contacts of vertices hold the surfaces apart already. `towards`: from the nearest point of the edge to that of the other.
+RUBBLE_HD inline bool bendsAway(const View& s, const SurfaceFeature& edge, const Vec3& towards) {
+  // an edge of one triangle, or of none, is a rim
+  if (edge.opposite[0] < 0 || edge.opposite[1] < 0) return true;
+  const Vec3 along(s.vertexPosition[edge.v[1]] - s.vertexPosition[edge.v[0]]);
+  Real rise = 0;
+  for (const int corner : edge.opposite) {
+    const Vec3 out(s.vertexPosition[corner] - s.vertexPosition[edge.v[0]]), across = out - along * (dot(out, along) / dot(along, along));
+    rise += dot(towards, across) / std::sqrt(max(dot(across, across) * dot(towards, towards), std::numeric_limits<Real>::min()));
+  }
+  constexpr Real kBend = Real(-.05);
+  return rise < kBend;
+}
+
+/// What the nearest point of a feature belongs to: the feature, one of its edges or a corner, as PointPair::other. -1: the contact is that of
+/// other pairs (two edges whose nearest points are not inside of both, or that are flat there).
+RUBBLE_HD inline int nearestPart(const View& s, const NearParts& p, int own, int feature) {
+  if (p.sideA == 2) {
+    for (int k = 0; k < 4; ++k)
+      if (p.c[k] == Real(0)) return -1;
+    const bool held = bendsAway(s, s.feature[own], -p.gap) || bendsAway(s, s.feature[feature], p.gap);
+    return held ? kFeatureNode + feature : -1;
+  }
+  int used = 0, last = -1, unused = -1;
+  for (int k = 1; k < p.count; ++k) {
+    if (p.c[k] != Real(0)) ++used, last = k;
+    else unused = k;
+  }
+  // of two corners each of which sees the other it is the contact of the lower one; particles are seen by nobody
+  if (used == 1) return p.v[last] > p.v[0] || s.vertexParams[p.v[0]].cluster < 0 ? kCornerNode + p.v[last] : -1;
+  // corners k and k + 1 are those that are not `unused`: edge k of the three
+  if (p.count == 4 && used == 2) return kFeatureNode + s.feature[feature].edge[unused % 3];
+  return kFeatureNode + feature;
+}
+
+/// Corners of a part of a surface, as PointPair::other.
+RUBBLE_HD inline int partCorners(const View& s, int part, int (&v)[3]) {
+  if (part < kFeatureNode) {
+    v[0] = part - kCornerNode;
+    return 1;
+  }
+  const SurfaceFeature& f = s.feature[part - kFeatureNode];
+  for (int k = 0; k < 3; ++k) v[k] = f.v[k];
+  return cornersOf(f);
+}
+
+/// Is a part of a surface a side or corner of another? A vertex has a contact with the larger one only: no point of it is further away.
+RUBBLE_HD inline bool isSideOf(const View& s, int part, int larger) {
+  if (part < kCornerNode || larger < kFeatureNode || part == larger) return false;
+  int v[3], w[3];
+  const int few = partCorners(s, part, v), many = partCorners(s, larger, w);
+  if (few >= many) return false;
+  for (int i = 0; i < few; ++i) {
+    bool in = false;
+    for (int k = 0; k < many; ++k) in |= v[i] == w[k];
+    if (!in) return false;
+  }
+  return true;
+}
+
+/// Leaves out the parts that are sides of others, of a list of partners; returns how many are left.
+RUBBLE_HD inline int dropSides(const View& s, int owner, int count, int* partner, int stride) {
+  if (owner >= s.vertices && owner < s.vertices + s.edges) return count;
+  int kept = 0;
+  for (int i = 0; i < count; ++i) {
+    // those left out so far are behind `kept`, and sides of parts that are still there
+    bool side = false;
+    for (int k = 0; k < count && !side; ++k) side = (k < kept || k > i) && isSideOf(s, partner[i * stride], partner[k * stride]);
+    if (!side) partner[kept++ * stride] = partner[i * stride];
+  }
+  return kept;
+}
+
+/// found(part) for every part of a surface that the owner, a vertex or an edge, may touch in this step, for number `lane` of `lanes`. One part
+/// may be found several times.
+template <class Found>
+RUBBLE_HD void searchFeatures(const View& s, int owner, Found&& found, int lane, int lanes) {
+  if (!ownsFeatures(s, owner)) return;
+  int own[2];
+  const int corners = ownerCorners(s, owner, own);
+  const SweptBox box = sweptBox<ExpectedWay>(s, own, corners);
+  const auto look = [&](int i) {
+    // of two edges the lower one owns the pair
+    if ((corners == 2 && s.vertices + i <= owner) || !mayMeet(s, own, corners, s.feature[i])) return;
+    const NearParts p = nearParts(s, owner, kFeatureNode + i);
+    if (!(length(p.gap) <= bothRadii(s, p) + featureMargin(s, p))) return;
+    if (const int part = nearestPart(s, p, owner - s.vertices, i); part >= 0) found(part);
+  };
+  seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
+  seekFeatures(s, corners == 1 ? FeatureKind::Triangle : FeatureKind::Edge, box, look, lane, lanes);
+}
+
+/// Rows of a vertex or edge (A) against a part of a surface (B). Returns what they start from; fills the geometry.
+RUBBLE_HD inline PointContactStart touchFeature(const View& s, int owner, int other, PointContact& p, Real& gap, Real& margin) {
+  const NearParts parts = nearParts(s, owner, other);
+  const VertexParams &pa = s.vertexParams[parts.v[0]], &pb = s.vertexParams[parts.v[parts.sideA]];
+  const Real distance = length(parts.gap);
+  gap = distance - touchDistance(s, parts);
+  // surfaces that touch have no direction to be held apart in
+  margin = distance > Real(0) ? featureMargin(s, parts) : -std::fabs(gap) - Real(1);
+  p.n = distance > Real(0) ? -parts.gap / distance : Vec3{0, 0, 1};
+  p.body = -1;
+  p.length = min(pa.length, pb.length);
+  Real rowMass = 0;
+  int used = 0;
+  for (int k = 0; k < kPointCorners; ++k) p.v[k] = -1, p.weight[k] = 0;
+  for (int k = 0; k < parts.count; ++k) {
+    const Real c = parts.c[k];
+    if (c == Real(0)) continue;
+    p.v[used] = parts.v[k], p.weight[used++] = c;
+    const Real mass = s.vertexParams[parts.v[k]].mass / (c * c);
+    if (mass > Real(0)) rowMass = rowMass > Real(0) ? min(rowMass, mass) : mass;
+  }
+  const auto friction = [&](Real a, Real b) { return combined(pa.frictionCombine, pb.frictionCombine, Combine::GeometricMean, a, b); };
+  p.muStatic = friction(pa.muStatic, pb.muStatic);
+  p.muDynamic = friction(pa.muDynamic, pb.muDynamic);
+  return {rowMass, -gap, dot(p.n, relativeVelocity(s, parts)),
+          combined(pa.restitutionCombine, pb.restitutionCombine, Combine::Maximum, pa.restitution, pb.restitution)};
+}
+
+}  // namespace rubble::RUBBLE_CORE

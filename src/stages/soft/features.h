@@ -1,0 +1,158 @@
+#pragma once
+/// Triangles and edges of the surfaces of deformable objects: a grid with levels that is filled twice a step, first with the boxes in which
+/// they are expected, then with those in which the iterations have put them (crossings.h).
+#include "collision/features.h"
+#include "stages/soft/box_grid.h"
+#include "stages/soft/vertices.h"
+
+namespace rubble::RUBBLE_CORE {
+
+RUBBLE_HD inline bool isOnSurface(const View& s, int v) {
+  return (s.vertexParams[v].collides & (kCollidesWithSurfaces | kCollidesWithSelf)) != 0;
+}
+
+/// Where vertices are expected before the iterations: along their velocities; and how far from there rows are wanted.
+struct ExpectedWay {
+  RUBBLE_HD static Vec3 way(const View& s, int v) { return s.step.dt * s.vertexVelocity[v]; }
+  RUBBLE_HD static Real reach(const View& s, int v) { return s.vertexParams[v].surfaceRadius + s.step.contactMargin * s.vertexParams[v].length; }
+};
+
+/// How far a vertex may be led off its way where surfaces would cross: this many radii of its surface and this share of its way [1].
+inline constexpr Real kDetourRadii = 2, kDetourShare = Real(.5);
+/// The way that the iterations have found; none if it is not finite, for then the vertex stays where it is (FinishVertices).
+RUBBLE_HD inline Vec3 foundWay(const View& s, int v) { return isFinite(s.vertexMoved[v]) ? s.vertexMoved[v] : Vec3{0, 0, 0}; }
+RUBBLE_HD inline Real longestDetour(const View& s, int v) {
+  return kDetourRadii * s.vertexParams[v].surfaceRadius + kDetourShare * length(foundWay(s, v));
+}
+
+/// Where the iterations have put them.
+struct FoundWay {
+  RUBBLE_HD static Vec3 way(const View& s, int v) { return foundWay(s, v); }
+  RUBBLE_HD static Real reach(const View& s, int v) {
+    // as it was when the grid was filled
+    return s.vertexParams[v].surfaceRadius + s.vertexRepair[v].unit * kDetourUnits;
+  }
+  /// The longest detour in units of VertexRepair: more than enough digits, and room for a thousand of them in a sum.
+  static constexpr int kDetourUnits = 1 << 20;
+};
+
+/// `corners` of v are used.
+template <class Way>
+RUBBLE_HD SweptBox sweptBox(const View& s, const int* v, int corners) {
+  Vec3 low{0, 0, 0}, high{0, 0, 0};
+  for (int k = 0; k < corners; ++k) {
+    const Vec3 x(s.vertexPosition[v[k]]), to = x + Way::way(s, v[k]);
+    const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z)), grow = Way::reach(s, v[k]) + roundOff;
+    for (int i = 0; i < 3; ++i) {
+      const Real a = min(x[i], to[i]) - grow, b = max(x[i], to[i]) + grow;
+      low[i] = k == 0 ? a : min(low[i], a);
+      high[i] = k == 0 ? b : max(high[i], b);
+    }
+  }
+  return {Real(.5) * (low + high), Real(.5) * (high - low)};
+}
+
+RUBBLE_HD inline int cornersOf(const SurfaceFeature& f) { return f.kind == FeatureKind::Triangle ? 3 : 2; }
+
+/// A torn triangle is no longer there, nor an edge that has lost all its triangles or its spring.
+RUBBLE_HD inline bool isThere(const View& s, const SurfaceFeature& f) {
+  if (f.source[0] == kNoSource) return true;
+  for (const std::uint32_t source : f.source) {
+    if (source == kNoSource) continue;
+    const int type = pointType(source), index = pointIndex(source);
+    if (type == typeIndex<Membrane>(ElementTypes{}) && s.membrane[index].alive) return true;
+    if (type == typeIndex<Spring>(ElementTypes{}) && s.spring[index].alive) return true;
+  }
+  return false;
+}
+
+template <class Way>
+RUBBLE_HD BoxEntry placeFeature(const View& s, int i, int& bucket) {
+  const SurfaceFeature& f = s.feature[i];
+  return featureGrid(s).place(static_cast<int>(f.kind), sweptBox<Way>(s, f.v, cornersOf(f)), i, bucket);
+}
+
+template <class Way>
+struct CountFeatures {
+  static constexpr const char* kName = "surfaces";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (!isThere(s, s.feature[i])) return;
+    int bucket;
+    noteBox(s, placeFeature<Way>(s, i, bucket));
+    atomicCount(&s.featureCount[bucket], 1);
+  }
+};
+
+/// In no fixed order.
+template <class Way>
+struct FillFeatures {
+  static constexpr const char* kName = "surfaces";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (!isThere(s, s.feature[i])) return;
+    int bucket;
+    const BoxEntry e = placeFeature<Way>(s, i, bucket);
+    s.featureEntry[s.featureOffset[bucket] + atomicCount(&s.featureCount[bucket], -1) - 1] = e;
+  }
+};
+
+/// The second filling starts anew.
+struct ForgetFeatureLevels {
+  static constexpr const char* kName = "surfaces";
+  RUBBLE_HD void operator()(const View& s, int kind) const {
+    s.counters->boxLevels[kind] = 0;
+    for (auto& half : s.counters->boxHalf[kind]) half[0] = half[1] = half[2] = 0;
+  }
+};
+
+/// found(feature) for those of a kind whose boxes meet the given one, for number `lane` of `lanes`.
+template <class Found>
+RUBBLE_HD void seekFeatures(const View& s, FeatureKind kind, const SweptBox& box, Found&& found, int lane = 0, int lanes = 1) {
+  seekBoxes(s, featureGrid(s), static_cast<int>(kind), box, found, lane, lanes);
+}
+
+/// Does an attachment hold the two vertices to one another?
+RUBBLE_HD inline bool areJoined(const View& s, int a, int b) {
+  bool joined = false;
+  visitAttachments(s, a, [&](const Attachment& seam) {
+    if (!active(s, seam)) return;
+    for (int c = 0; c < kPointCorners && seam.v[c] >= 0; ++c) joined |= seam.v[c] == b;
+  });
+  return joined;
+}
+
+/// May a vertex or an edge (corners a) meet a feature? Neighbours that share a corner do not, nor do surfaces that an attachment joins there.
+RUBBLE_HD inline bool mayMeet(const View& s, const int* a, int corners, const SurfaceFeature& f) {
+  const int others = cornersOf(f);
+  bool moves = false;
+  for (int i = 0; i < corners; ++i) {
+    moves |= isDynamicVertex(s, a[i]);
+    for (int j = 0; j < others; ++j)
+      if (a[i] == f.v[j]) return false;
+  }
+  const VertexParams &p = s.vertexParams[a[0]], &q = s.vertexParams[f.v[0]];
+  if (((p.first == q.first ? kCollidesWithSelf : kCollidesWithSurfaces) & p.collides & q.collides) == 0) return false;
+  for (int j = 0; j < others; ++j) moves |= isDynamicVertex(s, f.v[j]);
+  if (!moves) return false;
+  for (int i = 0; s.attachments > 0 && i < corners; ++i)
+    for (int j = 0; j < others; ++j)
+      if (areJoined(s, a[i], f.v[j]) || areJoined(s, f.v[j], a[i])) return false;
+  return true;
+}
+
+/// Corners of the owner of a pair: one vertex, or the two of an edge.
+RUBBLE_HD inline int ownerCorners(const View& s, int owner, int (&v)[2]) {
+  if (owner < s.vertices) {
+    v[0] = owner;
+    return 1;
+  }
+  v[0] = s.feature[owner - s.vertices].v[0], v[1] = s.feature[owner - s.vertices].v[1];
+  return 2;
+}
+
+/// Has the owner a surface that collides?
+RUBBLE_HD inline bool ownsFeatures(const View& s, int owner) {
+  if (owner >= s.vertices) return isThere(s, s.feature[owner - s.vertices]);
+  return s.vertexParams[owner].kind != VertexKind::Removed && isOnSurface(s, owner);
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,44 @@
+#pragma once
+/// Attachments and contacts of vertices as their two sides see them.
+#include "stages/contacts/contacts.h"
+
+namespace rubble::RUBBLE_CORE {
+
+RUBBLE_HD inline bool isDynamicVertex(const View& s, int v) { return s.vertexParams[v].kind == VertexKind::Dynamic; }
+
+/// sum c_i (x_i - x_i^t) over the vertices of an attachment or contact.
+template <class Block>
+RUBBLE_HD Vec3 movedSum(const View& s, const Block& b) {
+  // all of them on their way at once
+  Vec3 moved[kPointCorners];
+  RUBBLE_UNROLL
+  for (int k = 0; k < kPointCorners; ++k) moved[k] = s.vertexMoved[max(b.v[k], 0)];
+  Vec3 sum{0, 0, 0};
+  for (int k = 0; k < kPointCorners && b.v[k] >= 0; ++k) sum += b.weight[k] * moved[k];
+  return sum;
+}
+
+RUBBLE_HD inline BodyMove bodyMove(const View& s, const Attachment& a) {
+  if (a.body == kWorldBody) return {{0, 0, 0}, Quat{}};
+  return {s.moved[a.body].dp, s.turned[a.body]};
+}
+
+RUBBLE_HD inline Vec3 pointDisplacement(const View& s, const PointContact& p) {
+  const Vec3 moved = movedSum(s, p);
+  return p.body >= 0 ? p.displacement(s.moved[p.body], moved) : moved;
+}
+
+RUBBLE_HD inline bool active(const View&, const Attachment& a) { return a.alive && !a.broken; }
+
+/// Adds an attachment or contact of vertices to the block of its body.
+RUBBLE_HD RUBBLE_APART inline void addSoftRows(const View& s, std::uint32_t code, Block6& block) {
+  if (entryType(code) == kBodyAttachmentType) {
+    const Attachment& a = s.attachment[entryIndex(code)];
+    a.stampBody(bodyMove(s, a), movedSum(s, a), block);
+  } else if (entryType(code) == kBodyPointContactType) {
+    const auto& p = readWhole(s.pointContact[entryIndex(code)]);
+    p.stampBody(s.step, pointDisplacement(s, p), block);
+  }
+}
+
+}  // namespace rubble::RUBBLE_CORE

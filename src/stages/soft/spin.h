@@ -1,0 +1,114 @@
+#pragma once
+/// Spin of free solids.
+///
+/// The rows of a step act where it ends, x = x^t + d, and change velocities v to d / dt. So the angular momentum, which x has a part in as well, is
+///
+///   sum m x x d/dt = sum m x^t x v  +  sum m x x (d/dt - v)  +  sum m d x v
+///                    (before)          (moment of all forces)   (made by the time step alone)
+///
+/// with places and velocities seen from the centre of mass. The last sum is -(w dt)^2 of the angular momentum of what turns by w dt in a step. It is
+/// taken back at the end, as a rigid rotation w of velocities with I w = -sum m d x v, but never so far that there is more angular momentum than both
+/// before and after the step: what is torn to pieces gains none.
+#include "stages/coarse/lumps.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Sheets and ropes are left out: where they hang on hooks, these would open by what is given back.
+RUBBLE_HD inline bool keepsSpin(const View& s, const Lump& lump) { return lump.cluster >= 0 && inSolid(s, lump.first); }
+
+/// Sums of one of the finest clusters.
+struct SumSpins {
+  static constexpr const char* kName = "spin";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const Cluster& c = s.cluster[i];
+    ClusterMotion& motion = s.clusterMotion[i];
+    SpinSums sum{};
+    for (int k = c.begin; k < c.end; ++k) addVertex(s, s.clusterMember[k], motion.centre, sum);
+    motion.spin = sum;
+  }
+  RUBBLE_HD static void addVertex(const View& s, int v, const Vec3& centre, SpinSums& sum) {
+    const Real m = s.vertexParams[v].mass;
+    const Vec3 place = s.vertexPlace[v] - centre, moved = s.vertexMoved[v], velocity = s.vertexVelocity[v];
+    addPointInertia(sum.inertia, place, m);
+    sum.place += m * place;
+    sum.moved += m * moved;
+    sum.lost += m * cross(moved, velocity);
+    sum.before += m * cross(place, velocity);
+    sum.after += m * cross(place, moved);
+  }
+};
+
+/// Those of a whole object, and the rotation of its velocities: `step.ang` of its largest cluster, about `centre`, its centre of mass.
+struct FindSpins {
+  static constexpr const char* kName = "spin";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    if (!keepsSpin(s, s.lump[i])) return;
+    ClusterMotion& whole = s.clusterMotion[s.lump[i].cluster];
+    const SpinSums sum = sumOf(s, s.cluster[s.lump[i].cluster], whole);
+    const Real mass = whole.mass;
+    const Vec3 centre = sum.place / mass, moved = sum.moved / mass;
+    Sym3 inertia = sum.inertia;
+    addPointInertia(inertia, centre, -mass);
+    const Vec3 lost = sum.lost - mass * cross(moved, whole.velocity);
+    const Vec3 before = sum.before - sum.lost - mass * cross(centre - moved, whole.velocity);
+    const Vec3 after = s.step.inverseDt * (sum.after - mass * cross(centre, moved));
+    // what lies on one line has no moment of inertia about it
+    constexpr Real kLeast = Real(1e-5);
+    const Real least = kLeast * (inertia.xx + inertia.yy + inertia.zz);
+    inertia.xx += least, inertia.yy += least, inertia.zz += least;
+    const Vec3 turn = solve(Block3{inertia, -keptShare(before, after, lost) * lost});
+    whole.centre += centre;
+    whole.step.ang = isFinite(turn) ? turn : Vec3{0, 0, 0};
+  }
+  RUBBLE_HD static SpinSums sumOf(const View& s, const Cluster& c, const ClusterMotion& whole) {
+    SpinSums sum{};
+    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) {
+      const ClusterMotion& part = s.clusterMotion[k];
+      const Vec3 shift = part.centre - whole.centre;
+      // of (s + shift)
+      sum.inertia += part.spin.inertia;
+      addPointInertia(sum.inertia, shift + part.spin.place / part.mass, part.mass);
+      addPointInertia(sum.inertia, part.spin.place / part.mass, -part.mass);
+      sum.place += part.spin.place + part.mass * shift;
+      sum.moved += part.spin.moved;
+      sum.lost += part.spin.lost;
+      sum.before += part.spin.before + part.mass * cross(shift, part.velocity);
+      sum.after += part.spin.after + cross(shift, part.spin.moved);
+    }
+    return sum;
+  }
+  /// The most of [0, 1] with |after - share lost| <= max(|before|, |after|).
+  RUBBLE_HD static Real keptShare(const Vec3& before, const Vec3& after, const Vec3& lost) {
+    const Real a = dot(lost, lost), b = dot(after, lost), c = dot(after, after) - max(dot(before, before), dot(after, after));
+    if (!(a > Real(0))) return 0;
+    // the larger root of a t^2 - 2 b t + c
+    return clamp((b + std::sqrt(max(b * b - a * c, Real(0)))) / a, Real(0), Real(1));
+  }
+};
+
+/// What the spin of its object adds to the velocity of a vertex.
+RUBBLE_HD inline Vec3 spinOf(const View& s, int v) {
+  const int lump = s.vertexParams[v].lump;
+  if (lump < 0 || !keepsSpin(s, s.lump[lump])) return {0, 0, 0};
+  const ClusterMotion& whole = s.clusterMotion[s.lump[lump].cluster];
+  return cross(whole.step.ang, s.vertexPlace[v] - whole.centre);
+}
+
+/// Velocities and new positions. A vertex whose state is not finite stays where it was, at rest.
+struct FinishVertices {
+  static constexpr const char* kName = "velocity";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    if (!isDynamicVertex(s, v)) return;
+    const Vec3 moved = s.vertexMoved[v], velocity = s.step.inverseDt * moved + spinOf(s, v);
+    if (!isFinite(velocity)) {
+      atomicCount(&s.counters->quarantined, 1);
+      s.vertexVelocity[v] = s.vertexOldVelocity[v] = {0, 0, 0};
+      return;
+    }
+    s.vertexOldVelocity[v] = s.vertexVelocity[v];
+    s.vertexVelocity[v] = velocity;
+    s.vertexPosition[v] += Vec3d(moved);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

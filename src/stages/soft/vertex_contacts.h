@@ -1,0 +1,333 @@
+#pragma once
+/// Contacts of vertices and edges: a broad phase against the grid of the bodies, for granular particles against a grid of their own, for
+/// surfaces against that of features.h; rows; and what is kept for the next step.
+#include "collision/point_shape.h"
+#include "stages/soft/body_corners.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Box of a vertex swept over the step, with the detection margin.
+RUBBLE_HD inline SweptBox vertexBounds(const View& s, int v) {
+  const VertexParams& p = s.vertexParams[v];
+  const Vec3 sweep = (s.step.dt / 2) * s.vertexVelocity[v], x(s.vertexPosition[v]);
+  const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
+  const Real grow = p.radius + s.step.contactMargin * p.length + fallInStep(s) + roundOff;
+  return {x + sweep, abs(sweep) + Vec3{grow, grow, grow}};
+}
+
+RUBBLE_HD inline bool isGrain(const View& s, int v) {
+  return s.vertexParams[v].kind != VertexKind::Removed && (s.vertexParams[v].collides & kCollidesWithGrains) != 0;
+}
+
+struct CountGrains {
+  static constexpr const char* kName = "grid";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    if (!isGrain(s, v)) return;
+    int bucket;
+    noteBox(s, grainGrid(s).place(kGrainKind, vertexBounds(s, v), v, bucket));
+    atomicCount(&s.grainCount[bucket], 1);
+  }
+};
+
+/// In no fixed order; pairs are sorted later.
+struct FillGrains {
+  static constexpr const char* kName = "grid";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    if (!isGrain(s, v)) return;
+    int bucket;
+    const BoxEntry e = grainGrid(s).place(kGrainKind, vertexBounds(s, v), v, bucket);
+    s.grain[s.grainOffset[bucket] + atomicCount(&s.grainCount[bucket], -1) - 1] = e;
+  }
+};
+
+/// found(body) for the bodies whose boxes meet that of a vertex.
+template <class Found>
+RUBBLE_HD void searchBodies(const View& s, int v, const SweptBox& box, Found&& found, int lane, int lanes) {
+  // cells that a search visits at most; beyond, looking at all bodies takes less
+  constexpr Real kMostCells = 512;
+  for (int level = 0; level < kGridLevels; ++level) {
+    const auto look = [&](const GridEntry& e) {
+      if (e.level == level && meets(box, e.centre, e.half) && mayTouch(s, v, e.body)) found(e.body);
+    };
+    if (visitListed(s, level, look, lane, lanes)) continue;
+    Vec3 reach;
+    for (int k = 0; k < 3; ++k) reach[k] = box.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
+    const Real size = cellSize(level);
+    const bool done = forEachCell(box.centre, reach, size, kMostCells, lane, lanes, [&](int x, int y, int z) {
+      const int bucket = bucketOf(s, level, x, y, z);
+      for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
+        // another cell may share the bucket
+        const GridEntry& e = s.grid[k];
+        if (cellOf(e.centre.x, size) == x && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z) look(e);
+      }
+    });
+    for (int k = lane; !done && k < s.bucketOffset[s.cells]; k += lanes) look(s.grid[k]);
+  }
+  for (int k = lane; k < s.planes; k += lanes) {
+    const int plane = s.planeBody[k];
+    const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
+    if (dot(up, box.centre - Vec3(s.position[plane])) <= dot(abs(up), box.half) && mayTouch(s, v, plane)) found(plane);
+  }
+}
+
+/// found(other) for every partner whose pair a vertex, an edge or a corner of a body owns, for number `lane` of `lanes`. One may be found several times.
+template <class Found>
+RUBBLE_HD void searchPoint(const View& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
+  if (owner >= s.vertices + s.edges) return searchCorners(s, owner, found, lane, lanes);
+  if (s.features > 0) searchFeatures(s, owner, found, lane, lanes);
+  if (owner >= s.vertices) return;
+  const int v = owner;
+  const VertexParams& p = s.vertexParams[v];
+  if (p.kind == VertexKind::Removed) return;
+  const SweptBox box = vertexBounds(s, v);
+  if (p.collides & kCollidesWithBodies) searchBodies(s, v, box, found, lane, lanes);
+  if (!(p.collides & kCollidesWithGrains)) return;
+  const auto look = [&](int other) {
+    if (other <= v) return;
+    // vertices of one object with elements do not: they overlap at rest
+    if (p.cluster >= 0 && p.cluster == s.vertexParams[other].cluster) return;
+    // nor do surfaces, whose triangles and edges do
+    if (p.cluster >= 0 && s.vertexParams[other].cluster >= 0 && (p.collides & s.vertexParams[other].collides & kCollidesWithSurfaces)) return;
+    if (isDynamicVertex(s, v) || isDynamicVertex(s, other)) found(kVertexNode + other);
+  };
+  seekBoxes(s, grainGrid(s), kGrainKind, box, look, lane, lanes);
+}
+
+/// The partners of an owner, the first kPointPairSlots of them kept. If there are more, some may be counted several times.
+struct PartnerList {
+  int* slots;
+  int count = 0;
+  RUBBLE_HD void add(int other) {
+    for (int k = 0; k < min(count, kPointPairSlots); ++k)
+      if (slots[k] == other) return;
+    if (count < kPointPairSlots) slots[count] = other;
+    ++count;
+  }
+};
+
+/// Partners of each vertex and edge.
+struct FindPointPairs {
+  static constexpr const char* kName = "pairs";
+  RUBBLE_HD void operator()(const View& s, int owner) const {
+    PartnerList list{s.pointPairSlot + owner * kPointPairSlots};
+    searchPoint(s, owner, [&](int other) { list.add(other); });
+    finish(s, owner, list);
+  }
+  RUBBLE_HD static void finish(const View& s, int owner, const PartnerList& list) {
+    const bool whole = s.features > 0 && list.count <= kPointPairSlots;
+    const int parts = whole ? dropSides(s, owner, list.count, list.slots, 1) : list.count;
+    s.pointPairCount[owner] = parts > 0 ? parts * rowsWithPart(s, owner) : 0;
+  }
+};
+
+/// Pairs sorted by owner, then by partner; behind them pairs with nothing for what was counted several times.
+struct WritePointPairs {
+  static constexpr const char* kName = "pairs";
+  RUBBLE_HD void operator()(const View& s, int owner) const {
+    const int begin = s.pointPairOffset[owner], end = s.pointPairOffset[owner + 1];
+    if (begin == end) return;
+    const int rows = rowsWithPart(s, owner), count = (end - begin) / rows;
+    int n = begin;
+    const auto insert = [&](int other) {
+      int place = n;
+      while (place > begin && s.pointPair[place - 1].other > other) --place;
+      if (place > begin && s.pointPair[place - 1].other == other) return;
+      for (int k = n++; k > place; --k) s.pointPair[k] = s.pointPair[k - 1];
+      s.pointPair[place] = {owner, other};
+    };
+    if (count <= kPointPairSlots) {
+      for (int k = 0; k < count; ++k) insert(s.pointPairSlot[owner * kPointPairSlots + k]);
+    } else {
+      searchPoint(s, owner, insert);
+      static_assert(sizeof(PointPair) == 2 * sizeof(int));
+      if (s.features > 0) n = begin + dropSides(s, owner, n - begin, &s.pointPair[begin].other, 2);
+    }
+    if (rows == 2) {
+      const int parts = n - begin;
+      for (int k = parts - 1; k >= 0; --k) s.pointPair[begin + 2 * k + 1] = s.pointPair[begin + 2 * k] = s.pointPair[begin + k];
+      n += parts;
+    }
+    for (; n < end; ++n) s.pointPair[n] = {owner, -1};
+  }
+};
+
+RUBBLE_HD inline Real lighter(Real a, Real b) { return a > Real(0) && b > Real(0) ? min(a, b) : max(a, b); }
+
+/// A vertex against a body at x^t, world axes. Surfaces are looked for up to `reach` from the vertex; `side` is the direction in which the body
+/// held it last, or zero.
+RUBBLE_HD inline PointDistance pointToBody(const View& s, int v, int body, Real reach, const Vec3& side) {
+  const Quat q = s.orientation[body];
+  const ShapeData& shape = s.params[body].shape;
+  const Vec3 x = rotateInverse(q, Vec3(s.vertexPosition[v] - s.position[body]));
+  PointDistance at;
+  if (isPlain(shape.kind))
+    at = pointToPlainShape(shape, x);
+  else
+    at = pointToRareShape(s.shapeTables(), shape, x, {reach, max(reach, kHeldFromBelow * s.vertexParams[v].length), rotateInverse(q, side)});
+  at.n = rotate(q, at.n);
+  return at;
+}
+
+/// How far the surface of the body of a contact moves in a step, besides the body. [m]
+RUBBLE_HD inline Vec3 beltOf(const View& s, const PointContact& p) {
+  if (s.surfaces == 0 || p.body < 0) return {0, 0, 0};
+  return s.step.dt * rotate(s.orientation[p.body], surfaceOf(s, p.body, p.part).velocity);
+}
+
+/// A vertex (B) against a body (A) at x^t. Returns what the rows start from; fills the geometry.
+RUBBLE_HD inline PointContactStart touchBody(const View& s, int v, int body, const PointContact* old, PointContact& p, Real& gap, Real& margin) {
+  const VertexParams& point = s.vertexParams[v];
+  const BodyParams& b = s.params[body];
+  const Vec3 x(s.vertexPosition[v] - s.position[body]);
+  const Real width = b.kind == BodyKind::Dynamic ? min(point.length, 2 * b.radius) : point.length;
+  const Vec3 relative = s.vertexVelocity[v] - s.velocity[body];
+  margin = max(s.step.contactMargin * width, s.step.dt * (length(relative) + length(s.spin[body]) * length(x)));
+  // which may have two sides, and no inside
+  if (b.shape.kind == ShapeKind::Mesh) margin += fallInStep(s);
+  const PointDistance at = pointToBody(s, v, body, point.radius + margin, old && old->active ? old->n : Vec3{0, 0, 0});
+  gap = at.distance - point.radius;
+  p.v[0] = v, p.v[1] = p.v[2] = p.v[3] = -1;
+  p.weight[0] = -1;
+  p.body = body;
+  p.part = at.part;
+  p.n = at.n;
+  // in the middle of the gap
+  p.lever = x - p.n * ((at.distance + point.radius) / 2);
+  p.length = width;
+  const SurfaceData surface = surfaceOf(s, body, at.part);
+  const auto friction = [&](Real a, Real c) { return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c); };
+  p.muStatic = friction(surface.muStatic, point.muStatic);
+  p.muDynamic = friction(surface.muDynamic, point.muDynamic);
+  const Real closing = -dot(p.n, relative) + dot(p.n, cross(s.spin[body], p.lever));
+  return {lighter(point.mass, b.mass), -gap, closing,
+          combined(surface.restitutionCombine, point.restitutionCombine, Combine::Maximum, surface.restitution, point.restitution)};
+}
+
+/// Granular particles a (A) and b (B).
+RUBBLE_HD inline PointContactStart touchGrain(const View& s, int a, int b, PointContact& p, Real& gap, Real& margin) {
+  const VertexParams &pa = s.vertexParams[a], &pb = s.vertexParams[b];
+  const Vec3 d(s.vertexPosition[b] - s.vertexPosition[a]);
+  gap = length(d) - pa.radius - pb.radius;
+  const Vec3 relative = s.vertexVelocity[a] - s.vertexVelocity[b];
+  p.length = min(pa.length, pb.length);
+  margin = max(s.step.contactMargin * p.length, s.step.dt * length(relative));
+  p.v[0] = a, p.v[1] = b, p.v[2] = p.v[3] = -1;
+  p.weight[0] = 1, p.weight[1] = -1;
+  p.body = -1;
+  p.n = normalize(d);
+  const auto friction = [&](Real x, Real y) { return combined(pa.frictionCombine, pb.frictionCombine, Combine::GeometricMean, x, y); };
+  p.muStatic = friction(pa.muStatic, pb.muStatic);
+  p.muDynamic = friction(pa.muDynamic, pb.muDynamic);
+  return {lighter(pa.mass, pb.mass), -gap, dot(p.n, relative),
+          combined(pa.restitutionCombine, pb.restitutionCombine, Combine::Maximum, pa.restitution, pb.restitution)};
+}
+
+/// Adds a share of the way of a belt to the drift of a contact. The rows correct the part driftCorrection of a drift: what the belt moves is
+/// to be made good in full.
+RUBBLE_HD inline void addBelt(const View& s, PointContact& p, Real share) {
+  if (s.surfaces == 0 || p.body < 0) return;
+  Vec3 t1, t2;
+  tangentBasis(p.n, t1, t2);
+  const Vec3 belt = share * beltOf(s, p);
+  p.drift1 += dot(t1, belt), p.drift2 += dot(t2, belt);
+}
+
+/// What the i-th pair was in the step before, or null.
+RUBBLE_HD inline const PointContact* oldPointContactOf(const View& s, int i) {
+  const int owner = s.pointPair[i].vertex, row = rowOfPair(s.pointPair, i);
+  for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k)
+    if (s.oldPointPair[k].other == s.pointPair[i].other && rowOfPair(s.oldPointPair, k) == row) return &s.oldPointContact[k];
+  return nullptr;
+}
+/// What held a corner of a body before it slid on to part i of a surface, or null: it takes its load along, or it would fall freely for a step at each
+/// edge that it passes. The first part that it comes to has what the first that it leaves had, and so on.
+RUBBLE_HD inline const PointContact* contactLeftFor(const View& s, int i) {
+  const int owner = s.pointPair[i].vertex, begin = s.pointPairOffset[owner], end = s.pointPairOffset[owner + 1];
+  int turn = 0;
+  for (int k = begin; k < i; ++k) turn += s.pointPair[k].other >= 0 && !oldPointContactOf(s, k) ? 1 : 0;
+  for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k) {
+    const int part = s.oldPointPair[k].other;
+    bool left = part >= 0 && s.oldPointContact[k].active;
+    for (int j = begin; j < end && left; ++j) left = s.pointPair[j].other != part;
+    if (left && turn-- == 0) return &s.oldPointContact[k];
+  }
+  return nullptr;
+}
+
+/// Rows of a pair at x^t, matched with those of the step before.
+struct UpdatePointContacts {
+  static constexpr const char* kName = "rows";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    const PointPair pair = s.pointPair[i];
+    PointContact p;
+    memset(static_cast<void*>(&p), 0, sizeof p);  // padding too: states are hashed
+    Real gap, margin;
+    if (pair.other < 0) {
+      s.pointContact[i] = p;
+      return;
+    }
+    const bool corner = pair.vertex >= s.vertices + s.edges;
+    const PointContact* old = oldPointContactOf(s, i);
+    if (!old && corner) old = contactLeftFor(s, i);
+    const PointContactStart start = corner ? touchCorner(s, pair.vertex, pair.other, rowOfPair(s.pointPair, i), p, gap, margin)
+                                    : pair.other < kVertexNode ? touchBody(s, pair.vertex, pair.other, old, p, gap, margin)
+                                    : pair.other < kCornerNode ? touchGrain(s, pair.vertex, pair.other - kVertexNode, p, gap, margin)
+                                                               : touchFeature(s, pair.vertex, pair.other, p, gap, margin);
+    p.active = gap <= margin;
+    if (p.active) {
+      beginPointContact(s.step, p, start, old);
+      addBelt(s, p, Real(1) / s.step.driftCorrection);
+      atomicCount(&s.counters->pointContacts, 1);
+    }
+    s.pointContact[i] = p;
+  }
+};
+
+/// Contacts without load that stay open at the inertial targets take no part in the step: k = 0.
+struct MarkDormantPoints {
+  static constexpr const char* kName = "dormant";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    PointContact& p = s.pointContact[i];
+    if (!s.step.dormantRows || !p.active || p.lambdaN != Real(0)) return;
+    const bool surfaces = s.pointPair[i].other >= kCornerNode;
+    Vec3 d{0, 0, 0};
+    Real nearer[2] = {0, 0};
+    for (int k = 0; k < kPointCorners && p.v[k] >= 0; ++k) {
+      const Vec3 own = p.weight[k] * s.vertexTarget[p.v[k]];
+      d += own;
+      nearer[p.weight[k] > Real(0) ? 0 : 1] += dot(p.n, own);
+    }
+    if (p.body >= 0) {
+      const Displacement target = targetDisplacement(s, p.body);
+      d = p.displacement(target, d);
+      nearer[0] += dot(p.n, p.displacement(target, {0, 0, 0}));
+    }
+    // layers that fall together come together when the lowest is stopped: open means that it is if either side stays where it is
+    const Real closes = surfaces ? max(dot(p.n, d), max(nearer[0], nearer[1])) : dot(p.n, d);
+    if (p.c0 + closes < -kDormantGap * p.length) p.kN = p.kT = Real(0);
+  }
+};
+
+struct UpdatePointDuals {
+  static constexpr const char* kName = "dual";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    PointContact& p = s.pointContact[i];
+    if (p.active) p.updateDual(s.step, pointDisplacement(s, p));
+  }
+};
+
+struct FinishPoints {
+  static constexpr const char* kName = "store";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    PointContact& p = s.pointContact[i];
+    if (!p.active) return;
+    Vec3 d = movedSum(s, p);
+    // exact here: errors of the linear displacement would add up from step to step
+    if (p.body >= 0) d += s.moved[p.body].dp + rotate(s.turned[p.body], p.lever) - p.lever;
+    p.finish(s.step, d);
+    // its way in this step instead of what stood for it in the row
+    if (p.stick) addBelt(s, p, Real(1) - Real(1) / s.step.driftCorrection);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,242 @@
+#pragma once
+/// Begin and end of the step of a vertex and of its elements, and its primal update.
+#include "forces/plasticity.h"
+#include "stages/joints/joints.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Where each vertex lies at x^t, seen from the first one of its object.
+struct PlaceVertices {
+  static constexpr const char* kName = "elements";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    s.vertexPlace[v] = Vec3(s.vertexPosition[v] - s.vertexPosition[s.vertexParams[v].first]);
+  }
+};
+
+/// visit(attachment) for those of a vertex: they are the last of what acts on it.
+template <class Visit>
+RUBBLE_HD void visitAttachments(const View& s, int v, Visit&& visit) {
+  for (int k = s.refOffset[v + 1] - 1; k >= s.refOffset[v] && pointType(s.ref[k]) == kAttachmentCode; --k) visit(s.attachment[pointIndex(s.ref[k])]);
+}
+
+template <class F>
+RUBBLE_HD void gatherCorners(const View& s, const F& element, Vec3 (&x)[F::kCorners]) {
+  for (int k = 0; k < F::kCorners; ++k) x[k] = load(s.vertexPlace[element.v[k]]);
+}
+
+/// What an element takes from x^t.
+template <class F>
+struct BeginElements {
+  static constexpr const char* kName = "elements";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    F& element = s.elementsOf<F>()[i];
+    if (!element.alive) return;
+    Vec3 x[F::kCorners];
+    gatherCorners(s, element, x);
+    element.begin(s.step, x);
+  }
+};
+
+/// What the copies of tetrahedra that the vertices have take from these.
+struct BeginTetraCorners {
+  static constexpr const char* kName = "elements";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) begin(s, k);
+  }
+  RUBBLE_HD static void begin(const View& s, int k) {
+    TetraCorner& corner = s.tetraCorner[k];
+    s.cornerStart[k] = corner.damper > Real(0) ? s.tetrahedron[corner.element].strainStart : Sym3{0, 0, 0, 0, 0, 0};
+    if (s.yielding > 0) corner.takeShape(s.tetrahedron[corner.element]);
+  }
+};
+
+template <class F>
+struct UpdateElementDuals {
+  static constexpr const char* kName = "element dual";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    F& element = s.elementsOf<F>()[i];
+    if (!element.alive) return;
+    Vec3 x[F::kCorners];
+    gatherCorners(s, element, x);
+    element.updateDual(s.step, x);
+  }
+};
+
+/// Elements that bore too much are gone from now on.
+template <class F>
+struct FinishElements {
+  static constexpr const char* kName = "element end";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    F& element = s.elementsOf<F>()[i];
+    if (!element.alive) return;
+    Vec3 x[F::kCorners];
+    gatherCorners(s, element, x);
+    if (!element.finish(s.step, x)) return;
+    element.alive = 0;
+    atomicCount(&s.counters->broken, 1);
+  }
+};
+
+/// Tetrahedra flow by what they bear at the end of the step.
+struct FlowTetrahedra {
+  static constexpr const char* kName = "element end";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Tetrahedron& element = s.tetrahedron[i];
+    Vec3 x[Tetrahedron::kCorners];
+    gatherCorners(s, element, x);
+    flow(element, x);
+  }
+};
+
+struct UpdateAttachmentDuals {
+  static constexpr const char* kName = "element dual";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Attachment& a = s.attachment[i];
+    if (active(s, a)) a.updateDual(bodyMove(s, a), movedSum(s, a));
+  }
+};
+struct FinishAttachments {
+  static constexpr const char* kName = "element end";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Attachment& a = s.attachment[i];
+    if (active(s, a) && a.finish()) atomicCount(&s.counters->broken, 1);
+  }
+};
+
+/// Is it a corner of tetrahedra?
+RUBBLE_HD inline bool inSolid(const View& s, int v) { return s.tetraCornerOffset[v] != s.tetraCornerOffset[v + 1]; }
+
+/// Inertial target y [S 2] and initial guess of every vertex.
+struct PredictVertices {
+  static constexpr const char* kName = "predict";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    const StepConstants& c = s.step;
+    const VertexParams& p = s.vertexParams[v];
+    if (p.kind != VertexKind::Dynamic) {
+      s.vertexTarget[v] = s.vertexMoved[v] = {0, 0, 0};
+      return;
+    }
+    const Vec3 velocity = s.vertexVelocity[v];
+    const Vec3 acceleration = p.gravityScale * c.gravity + s.vertexForce[v] / p.mass;
+    s.vertexTarget[v] = inertialDisplacement(velocity, acceleration, c.dt);
+    // Vertices of a solid go on as they moved. Loads come by the blocks, with the forces that balance them: a few sweeps leave a part of both undone
+    // alike, while a load in the guess is all there, and does work that no element takes up again.
+    const Real share = inSolid(s, v) ? Real(0) : followedShare(velocity, s.vertexOldVelocity[v], acceleration, c.dt);
+    Vec3 guess = inertialDisplacement(velocity, share * acceleration, c.dt);
+    if (p.cluster >= 0) {
+      // from the motion of the whole object it goes no further than an edge is long: beyond, elements would be torn to shapes of an energy
+      // that a few sweeps do not work off
+      const Vec3 rigid = inertialDisplacement(s.clusterMotion[p.cluster].velocity, share * acceleration, c.dt), own = guess - rigid;
+      const Real size = length(own);
+      if (size > p.reach) guess = rigid + own * (p.reach / size);
+    }
+    s.vertexMoved[v] = guess;
+    s.vertexPlace[v] += guess;
+  }
+};
+
+/// Adds one element, but no tetrahedron, or attachment to the block of a vertex.
+RUBBLE_HD inline void addElement(const View& s, std::uint32_t code, Block3& block) {
+  const int type = pointType(code), index = pointIndex(code), corner = pointCorner(code);
+  forEachType(ElementTypes{}, [&]<class F>() {
+    if (std::is_same_v<F, Tetrahedron> || type != typeIndex<F>(ElementTypes{})) return;
+    const F element = s.elementsOf<F>()[index];  // a copy: read at once
+    if (!element.alive) return;
+    Vec3 x[F::kCorners];
+    gatherCorners(s, element, x);
+    element.stamp(s.step, x, corner, block);
+  });
+  if (type != kAttachmentCode) return;
+  const Attachment& a = s.attachment[index];
+  if (active(s, a)) a.stampVertex(bodyMove(s, a), movedSum(s, a), corner, block);
+}
+
+/// Adds a tetrahedron of the list of a vertex. `start`: its E^t.
+RUBBLE_HD inline void addTetraCorner(const View& s, const TetraCorner& corner, const Sym3& start, const Vec3& own, Block3& block) {
+  Vec3 x[TetraCorner::kCorners] = {own, {}, {}, {}};
+  for (int i = 0; i < 3; ++i) x[i + 1] = load(s.vertexPlace[corner.other[i]]);
+  corner.stamp(s.step, x, start, 0, block);
+}
+
+/// Multiplier that an attachment begins with: of one with a stiffness its own load K C; of a hard one what holds its vertices against their elements,
+/// sum c_i f_i / sum c_i^2, so that what was stretched before it was hung up pulls at once.
+RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const View& s, const Attachment& a, const Vec3& gap) {
+  if (a.compliance > Real(0)) return gap / a.compliance;
+  Vec3 force{0, 0, 0};
+  Real weight = 0;
+  for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) {
+    const int v = a.v[k];
+    Block3 block;
+    for (int i = s.tetraCornerOffset[v]; i < s.tetraCornerOffset[v + 1]; ++i)
+      addTetraCorner(s, s.tetraCorner[i], s.cornerStart[i], s.vertexPlace[v], block);
+    for (int i = s.refOffset[v]; i < s.refOffset[v + 1] && pointType(s.ref[i]) != kAttachmentCode; ++i) addElement(s, s.ref[i], block);
+    force += a.weight[k] * block.f;
+    weight += a.weight[k] * a.weight[k];
+  }
+  return weight > Real(0) && isFinite(force) ? force / weight : Vec3{0, 0, 0};
+}
+
+struct BeginAttachments {
+  static constexpr const char* kName = "elements";
+  RUBBLE_HD void operator()(const View& s, int i) const {
+    Attachment& a = s.attachment[i];
+    if (!active(s, a)) return;
+    // about the first vertex, in double: weights may add up to -1 or, in a seam, to 0
+    const Vec3d origin = s.vertexPosition[a.v[0]];
+    Vec3 gap{0, 0, 0}, lever{0, 0, 0};
+    for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) gap += a.weight[k] * Vec3(s.vertexPosition[a.v[k]] - origin);
+    Real bodyMass = 0;
+    if (a.seam == 0) {
+      if (a.body == kWorldBody) {
+        gap += Vec3(a.worldPoint - origin);
+      } else {
+        lever = rotate(s.orientation[a.body], a.anchor);
+        gap += Vec3(s.position[a.body] - origin) + lever;
+        bodyMass = s.params[a.body].mass;
+      }
+    }
+    a.begin(s.step, gap, lever, bodyMass, a.isNew() ? newLoad(s, a, gap) : Vec3{0, 0, 0});
+  }
+};
+/// `whole`: read so, which takes registers.
+template <bool whole = false>
+RUBBLE_HD inline void addPointContact(const View& s, std::uint32_t code, Block3& block) {
+  const auto add = [&](const PointContact& p) { p.stampVertex(s.step, pointDisplacement(s, p), pointCorner(code), block); };
+  if constexpr (whole) add(readWhole(s.pointContact[pointIndex(code)]));
+  else add(s.pointContact[pointIndex(code)]);
+}
+
+/// The inertial part of the local problem of a vertex.
+RUBBLE_HD inline Block3 startVertexBlock(const View& s, int v) {
+  const Real m = s.vertexParams[v].mass * s.step.inverseDt * s.step.inverseDt;
+  Block3 block;
+  block.addDiagonal(m);
+  block.f = m * (s.vertexTarget[v] - s.vertexMoved[v]);
+  return block;
+}
+
+/// Solves the local problem of a vertex and moves it. A step that is not finite is not taken.
+RUBBLE_HD inline void finishVertexBlock(const View& s, int v, const Block3& block) {
+  const Vec3 dx = solve(block);
+  if (!isFinite(dx)) {
+    atomicCount(&s.counters->quarantined, 1);
+    return;
+  }
+  s.vertexMoved[v] += dx;
+  s.vertexPlace[v] += dx;
+}
+
+/// The primal update of one vertex: force [S 5] and Hessian [S 6] of its inertia, elements and contacts, one Newton step [S 3].
+struct SolveVertex {
+  static constexpr const char* kName = "primal";
+  RUBBLE_HD void operator()(const View& s, int v) const {
+    Block3 block = startVertexBlock(s, v);
+    const Vec3 own = s.vertexPlace[v];
+    for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) addTetraCorner(s, s.tetraCorner[k], s.cornerStart[k], own, block);
+    for (int k = s.refOffset[v]; k < s.refOffset[v + 1]; ++k) addElement(s, s.ref[k], block);
+    for (int k = s.pointEntryOffset[v]; k < s.pointEntryOffset[v + 1]; ++k) addPointContact(s, s.pointEntry[k], block);
+    finishVertexBlock(s, v, block);
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE

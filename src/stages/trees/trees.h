@@ -1,0 +1,298 @@
+#pragma once
+/// One more block of the same descent: all bodies that hang together by joints, solved at once.
+///
+/// News travels one body a sweep, and groups move rigidly; a chain bends. But where joints form a tree, the Newton step [S 3] in the unknowns
+/// of all of its bodies costs little more than those of the bodies one by one: eliminate bodies that have at most two neighbours left, which
+/// leaves at most one new coupling each, and substitute back. Loops that this closes (rings, ladders, four-bars) are solved with the rest; bodies
+/// that always keep three neighbours (nets) stay as they are and count as fixed here. Bodies that are eliminated in the same round are not
+/// neighbours, so a round is one kernel, and a chain of N bodies takes about log2 N rounds.
+///
+/// A tree that has no loops and touches nothing is solved exactly, and by this block alone; all others share their rows, and so the objective that
+/// every block descends on, with sweeps and groups.
+///
+/// Rows that leave the tree are those of a body's own block. Between two bodies that both move in this block without being coupled in it (a
+/// contact of two limbs) the bound of coarse.h holds: their Hessian counts twice.
+#include "forces/joint_tree.h"
+#include "stages/bodies/incidence.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Trees that deformable objects touch.
+struct MarkSoftTrees {
+  static constexpr const char* kName = "trees";
+  RUBBLE_HD void operator()(const View& s, int n) const {
+    const int i = s.treeNode[n].body, last = s.entryOffset[i + 1] - 1;
+    if (last >= s.entryOffset[i] && entryType(s.entry[last].code) > JointTypes::kSize)
+      atomicSet(&s.treeTouched[s.treeNode[n].tree], kTouchesDeformables);
+  }
+};
+
+RUBBLE_HD inline bool movesInTree(const View& s, int body) { return body >= 0 && body < s.bodies && s.nodeOfBody[body] >= 0; }
+
+/// How often the Hessian of a contact counts.
+RUBBLE_HD inline Real contactWeight(const View& s, const Entry& entry) { return movesInTree(s, entry.other) ? Real(2) : Real(1); }
+
+/// The node of a body that its tree may move, -1: none.
+RUBBLE_HD inline int movingNode(const View& s, int body) { return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1; }
+
+/// How a tree is solved, where those with contacts are solved so.
+RUBBLE_HD inline TreeSolve treeSolveOf(const View& s, const TreeNode& node, TreeSolve how) {
+  return isExact(s, node) ? TreeSolve::Exact : node.exact ? how : TreeSolve::Own;
+}
+/// A tree whose bodies have all turned by less than this in a solve is left as it is in those that follow: what the next one would find is
+/// of second order in it, or a limit passed by no more than twice as much [rad].
+inline constexpr Real kTreeAtRest = Real(.002);
+
+/// Trees that take part in a solve. Those that deformable objects touch are solved before the last sweep, which does not see how stiff their joints
+/// are held at the end; all others after it.
+enum class TreesOf { Any, Deformables, Rest };
+RUBBLE_HD inline bool touchesDeformables(const View& s, int tree) { return (s.treeTouched[tree] & kTouchesDeformables) != 0; }
+
+/// Begins a solve. A tree that is solved exactly is done by the first one, and so is one without limits.
+struct BeginTrees {
+  static constexpr const char* kName = "trees";
+  TreeSolve how;
+  TreesOf of;
+  RUBBLE_HD void operator()(const View& s, int n) const {
+    const TreeNode& node = s.treeNode[n];
+    if (node.tree != n) return;
+    const bool out = of != TreesOf::Any && touchesDeformables(s, n) != (of == TreesOf::Deformables);
+    const bool done = !node.limited || isExact(s, node) || fromFloatBits(s.treeTurn[n]) < kTreeAtRest;
+    s.treeRests[n] = out || (how == TreeSolve::Again && done);
+    s.treeTurn[n] = 0;
+  }
+};
+
+/// The rows of all joints that a tree has, a part of a joint each.
+template <class F>
+struct FindTreeRows {
+  static constexpr const char* kName = "tree rows";
+  static constexpr int kPerJoint = F::Parts::kCount;
+  TreeSolve how;
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const PartIndex at = partAt<F>(s, k);
+    const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
+    const Joint<F>& joint = s.jointsOf<F>()[at.joint];
+    if (!joint.acts) return;
+    int n = -1;
+    for (int side = 0; side < kSides<F> && n < 0; ++side) n = movingNode(s, bodyOf(spec, side));
+    if (n < 0 || s.treeRests[s.treeNode[n].tree]) return;
+    const TreeSolve own = spec.holds ? treeSolveOf(s, s.treeNode[n], how) : TreeSolve::Own;
+    const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
+    TreePart<kSides<F>>& to = s.treeRowsOf<F>()[at.joint].part[at.part];
+    to.count = 0;
+    fillWhole(to, [&](TreePart<kSides<F>>& part) {
+      forEachPart<F>([&]<int I, class P>() {
+        if (I == at.part) findTreePart<F, I, P>(s.step, spec, joint, a, b, own, part);
+      });
+      return part.count > 0;
+    });
+  }
+};
+
+/// Notes that a side of a joint is a node, which may be a neighbour.
+RUBBLE_HD inline void noteCoupling(const TreeNode& node, int side, int n, TreeCoupling& to) {
+  for (int t = 0; t < 2; ++t)
+    if (n >= 0 && node.near[t] == n) to.side[t] = side;
+}
+/// Which sides of the joint of an entry are the neighbours of a node.
+template <class F>
+RUBBLE_HD TreeCoupling couplingOf(const View& s, const TreeNode& node, const Entry& entry) {
+  TreeCoupling to{{-1, -1}};
+  const int side = jointSide<F>(entry.code);
+  if constexpr (isCarried<F>()) {
+    const JointSpec<F>& spec = s.specsOf<F>()[jointIndex<F>(entry.code)];
+    for (int other = 0; other < kSides<F>; ++other) {
+      const int body = bodyOf(spec, other);
+      if (other != side && body != bodyOf(spec, side) && isFirstSide(spec, other)) noteCoupling(node, other, movingNode(s, body), to);
+    }
+  } else if (entry.other >= 0) {
+    noteCoupling(node, 1 - side, s.nodeOfBody[entry.other], to);
+  }
+  return to;
+}
+template <class F>
+RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, const Entry& entry, TreeBlock& w) {
+  stampTreeRows<F>(s.treeRowsOf<F>()[jointIndex<F>(entry.code)], jointSide<F>(entry.code), couplingOf<F>(s, s.treeNode[n], entry), w.h, w.x, w.e);
+}
+
+/// A body that does not move, or an axis that is locked, is decoupled from all others.
+RUBBLE_HD inline void decouple(TreeBlock& w, int axis) {
+  for (int k = 0; k < 6; ++k) {
+    if (k != axis) w.h.m[axis][k] = w.h.m[k][axis] = 0;
+    w.e[0].m[axis][k] = w.e[1].m[axis][k] = 0;
+  }
+  w.x.v[axis] = 0;
+}
+
+/// Does a body stay where it is in this solve?
+RUBBLE_HD inline bool stands(const View& s, const TreeNode& node) { return !isDynamic(s, node.body) || s.treeRests[node.tree] != 0; }
+
+/// The block of each body of a tree without its joints: the rows that leave the tree, and those of contacts within it.
+template <class L>
+struct AssembleTreeBodies {
+  static constexpr const char* kName = "tree rows";
+  RUBBLE_HD void operator()(const View& s, int n) const {
+    const TreeNode& node = s.treeNode[n];
+    TreeBlock& w = s.treeWork[n];
+    clear(w.h), clear(w.x), clear(w.e[0]), clear(w.e[1]);
+    if (stands(s, node)) {
+      for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
+      return;
+    }
+    const int i = node.body, end = s.entryOffset[i + 1];
+    Block6 block;
+    PointSums<L> points;
+    startBlock(s, i, block);
+    for (int k = s.entryOffset[i]; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
+      const Real weight = contactWeight(s, s.entry[k]);
+      points.add(s, s.entry[k].code, weight);
+      if (s.rolls) addRolling(s, s.entry[k].code, block, weight);
+    }
+    points.addTo(block);
+    // deformable objects come last
+    for (int k = end; k > s.entryOffset[i] && entryType(s.entry[k - 1].code) > JointTypes::kSize; --k) addSoftRows(s, s.entry[k - 1].code, block);
+    addBlock(w.h, w.x, block);
+  }
+};
+
+/// Joints come to the blocks, and make the couplings to the neighbours that a body has when it is eliminated.
+struct AssembleTreeJoints {
+  static constexpr const char* kName = "tree rows";
+  RUBBLE_HD void operator()(const View& s, int n) const {
+    const TreeNode& node = s.treeNode[n];
+    if (stands(s, node)) return;
+    TreeBlock& w = s.treeWork[n];
+    for (int k = s.entryOffset[node.body]; k < s.entryOffset[node.body + 1]; ++k) {
+      const Entry& entry = s.entry[k];
+      forEachType(JointTypes{}, [&]<class F>() {
+        if (entryType(entry.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(entry.code)) stampJointOfNode<F>(s, n, entry, w);
+      });
+    }
+    lockAxesOf(s, node, w);
+  }
+  RUBBLE_HD static void lockAxesOf(const View& s, const TreeNode& node, TreeBlock& w) {
+    const int locks = s.target[node.body].locks;
+    for (int axis = 0; axis < 6; ++axis)
+      if (locks >> axis & 1) decouple(w, axis);
+    for (int side = 0; side < 2; ++side) {
+      const int far = node.near[side] >= 0 ? s.target[s.treeNode[node.near[side]].body].locks : 0;
+      for (int axis = 0; axis < 6; ++axis)
+        if (far >> axis & 1)
+          for (double(&row)[6] : w.e[side].m) row[axis] = 0;
+    }
+  }
+};
+
+/// Takes a body out: its neighbours get what it passes on when they are taken out themselves. Bodies from `begin` on.
+struct EliminateNode {
+  static constexpr const char* kName = "trees";
+  int begin;
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const int n = begin + k;
+    const TreeNode& node = s.treeNode[n];
+    TreeWork& w = s.treeWork[n];
+    for (int source = node.sourceBegin; source < node.sourceEnd; ++source) {
+      const int from = s.treeSource[source] >> 1, side = s.treeSource[source] & 1;
+      const TreeWork& o = s.treeWork[from];
+      subtractProduct(w.h, o.e[side], o.w[side]);
+      subtractProduct(w.x, o.e[side], o.x);
+      const int far = s.treeNode[from].near[1 - side];
+      for (int t = 0; t < 2; ++t)
+        if (far >= 0 && node.near[t] == far) subtractProduct(w.e[t], o.e[side], o.w[1 - side]);
+    }
+    factor(w.h);
+    solveFactored(w.h, w.x);
+    for (int t = 0; t < 2; ++t) {
+      if (node.near[t] < 0) continue;
+      w.w[t] = w.e[t];
+      solveFactored(w.h, w.w[t]);
+    }
+  }
+};
+
+/// The step of a body, whose neighbours know theirs, and the largest rotation of its tree.
+struct SubstituteNode {
+  static constexpr const char* kName = "trees";
+  int begin;
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const int n = begin + k;
+    const TreeNode& node = s.treeNode[n];
+    TreeWork& w = s.treeWork[n];
+    for (int t = 0; t < 2; ++t) {
+      if (node.near[t] < 0) continue;
+      const Long6& x = s.treeWork[node.near[t]].x;
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) w.x.v[i] -= w.w[t].m[i][j] * x.v[j];
+    }
+    noteTurn(s, node.tree, w.x);
+  }
+  RUBBLE_HD static void noteTurn(const View& s, int tree, const Long6& x) {
+    const Vec6 dx = shorter(x, 1);
+    const bool finite = isFinite(dx.lin) && isFinite(dx.ang);
+    atomicRaise(&s.treeTurn[tree], floatBits(finite ? length(dx.ang) : kNoTurn));
+  }
+  /// Of a step that is not finite: larger than any rotation [rad].
+  static constexpr Real kNoTurn = Real(1e30);
+};
+
+/// Share of its step that a tree makes, by its largest rotation: no body turns by more than kMostTurn, and a step that is not finite is not made.
+RUBBLE_HD inline double treeShare(int turnBits) {
+  const double turn = static_cast<double>(fromFloatBits(turnBits));
+  if (turn >= .5 * static_cast<double>(SubstituteNode::kNoTurn)) return 0;
+  return turn > static_cast<double>(kMostTurn) ? static_cast<double>(kMostTurn) / turn : 1;
+}
+
+/// Bodies make their steps.
+struct MoveTrees {
+  static constexpr const char* kName = "trees";
+  RUBBLE_HD void operator()(const View& s, int n) const { move(s, n, treeShare(s.treeTurn[s.treeNode[n].tree])); }
+  RUBBLE_HD static void move(const View& s, int n, double share) {
+    const TreeNode& node = s.treeNode[n];
+    const int i = node.body;
+    if (!isDynamic(s, i) || s.treeRests[node.tree] || !(share > 0)) return;
+    const Pose x = retract({s.moved[i].dp, s.turned[i]}, shorter(s.treeWork[n].x, share));
+    s.turned[i] = x.q;
+    s.moved[i] = {x.p, 0, logRotation(x.q), 0};
+  }
+};
+
+/// A small tree: its joints, all rounds, and the steps of its bodies.
+struct SolveTree {
+  static constexpr const char* kName = "trees";
+  RUBBLE_HD void operator()(const View& s, int tree) const {
+    const int begin = s.treeOffset[tree], end = s.treeOffset[tree + 1];
+    if (s.treeRests[s.treeNode[s.treeMember[begin]].tree]) return;
+    for (int k = begin; k < end; ++k) AssembleTreeJoints{}(s, s.treeMember[k]);
+    for (int k = begin; k < end; ++k) EliminateNode{0}(s, s.treeMember[k]);
+    for (int k = end - 1; k >= begin; --k) SubstituteNode{0}(s, s.treeMember[k]);
+    for (int k = begin; k < end; ++k) MoveTrees{}(s, s.treeMember[k]);
+  }
+};
+
+/// Multipliers of joints whose rows the tree has solved for, a part of a joint each.
+template <class F>
+struct TakeTreeForces {
+  static constexpr const char* kName = "tree forces";
+  static constexpr int kPerJoint = F::Parts::kCount;
+  RUBBLE_HD void operator()(const View& s, int k) const {
+    const PartIndex at = partAt<F>(s, k);
+    // couplings with carriers hold nothing, so a tree does not find their multipliers
+    if (isCarried<F>() || !s.jointsOf<F>()[at.joint].acts) return;
+    const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
+    const int a = movingNode(s, spec.a), b = movingNode(s, spec.b), any = a >= 0 ? a : b;
+    if (any < 0 || !isExact(s, s.treeNode[any]) || s.treeRests[s.treeNode[any].tree]) return;
+    const double share = treeShare(s.treeTurn[s.treeNode[any].tree]);
+    if (!(share > 0)) return;
+    const Long6 still{}, &dxA = a >= 0 ? s.treeWork[a].x : still, &dxB = b >= 0 ? s.treeWork[b].x : still;
+    forEachPart<F>([&]<int I, class P>() {
+      if (I == at.part) takeTreeForces<P>(readWhole(s.treeRowsOf<F>()[at.joint].part[I]), partOf<I>(s.jointsOf<F>()[at.joint].parts), dxA, dxB, share);
+    });
+  }
+};
+
+/// How often trees with limits are solved at the end of the last iteration: one that the first solve reaches is held by the next.
+inline constexpr int kLastTreeSolves = 3;
+RUBBLE_HD inline int lastTreeSolves(const View& s) { return s.treeLimits != 0 ? kLastTreeSolves : 1; }
+
+}  // namespace rubble::RUBBLE_CORE

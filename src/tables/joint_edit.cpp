@@ -1,0 +1,190 @@
+/// Edits and measures of joints in host memory.
+#include <algorithm>
+
+#include "tables/table_edit.h"
+#include "stages/joints/joints.h"
+
+namespace rubble::RUBBLE_CORE {
+
+namespace {
+
+static_assert(JointTypes::kSize == kEngineJointTypes);
+static_assert(typeIndex<PulleyJoint>(JointTypes{}) == static_cast<int>(EngineJointType::Pulley));
+static_assert(typeIndex<SwingTwistJoint>(JointTypes{}) == static_cast<int>(EngineJointType::SwingTwist));
+static_assert(typeIndex<GearJoint>(JointTypes{}) == static_cast<int>(EngineJointType::Gear));
+
+/// f.operator()<F>() for the joint type of that index.
+template <class Function>
+void withJointType(int type, Function&& f) {
+  forEachType(JointTypes{}, [&]<class F>() {
+    if (typeIndex<F>(JointTypes{}) == type) f.template operator()<F>();
+  });
+}
+
+/// Infinity is kHardValue in the core.
+Real finite(double a) { return static_cast<Real>(std::clamp(a, -static_cast<double>(kHardValue), static_cast<double>(kHardValue))); }
+
+GroupSpec specOf(const EngineGroup& in) {
+  return {static_cast<GroupMode>(in.mode), finite(in.stiffness), finite(in.damping), finite(in.bound)};
+}
+AxisSpec specOf(const JointAxis& in) {
+  AxisSpec out;
+  out.lo = finite(in.min), out.hi = finite(in.max);
+  out.limitStiffness = finite(in.limitStiffness), out.limitDamping = finite(in.limitDamping);
+  out.target = finite(in.targetPosition), out.speed = finite(in.targetSpeed);
+  out.driveStiffness = finite(in.driveStiffness), out.driveDamping = finite(in.driveDamping);
+  out.driveBound = finite(in.maxDriveForce);
+  out.friction = finite(in.friction);
+  return out;
+}
+
+template <class Data>
+void setData(Data& data, const EngineJoint& in) {
+  if constexpr (requires { data.anchorA; }) data.anchorA = Vec3(in.anchorA), data.anchorB = Vec3(in.anchorB);
+  if constexpr (requires { data.frameA; }) data.frameA = Quat(in.frameA);
+  if constexpr (requires { data.frameB; }) data.frameB = Quat(in.frameB);
+  if constexpr (requires { data.aToB; }) data.aToB = Quat(in.aToB);
+  if constexpr (requires { data.baseA; }) data.baseA = Quat(in.baseA);
+  if constexpr (requires { data.baseB; }) data.baseB = Quat(in.baseB);
+  if constexpr (requires { data.pointA; }) data.pointA = in.pointA;
+  if constexpr (requires { data.pointB; }) data.pointB = in.pointB;
+  if constexpr (requires { data.direction; }) data.direction = Vec3(in.direction);
+  if constexpr (requires { data.inWorld; }) data.inWorld = in.carrierB == kWorld;
+  if constexpr (requires { data.ratio; }) data.ratio = static_cast<Real>(in.ratio);
+  if constexpr (requires { data.driveTarget; }) data.driveTarget = Quat(in.driveTarget);
+  if constexpr (requires { data.coneY; }) data.coneY = static_cast<Real>(in.coneY), data.coneZ = static_cast<Real>(in.coneZ);
+}
+
+template <class F>
+void editJointOf(HostTables& tables, int slot, const EngineJoint& in) {
+  JointSpec<F>& spec = tables.view().specsOf<F>()[slot];
+  // other edits of a joint leave the trees as they are
+  bool moved = spec.a != in.a || spec.b != in.b;
+  if constexpr (isCarried<F>()) moved |= spec.carrierA != in.carrierA || spec.carrierB != in.carrierB;
+  tables.view().treesStale |= moved || spec.alive != in.alive || spec.holds != in.holds;
+  spec = {};
+  setData(spec.data, in);
+  spec.a = in.a, spec.b = in.b;
+  if constexpr (isCarried<F>()) spec.carrierA = in.carrierA, spec.carrierB = in.carrierB;
+  spec.alive = in.alive, spec.holds = in.holds;
+  spec.breakForce = finite(in.breakForce), spec.breakTorque = finite(in.breakTorque);
+  std::size_t group = 0, axis = 0;
+  forEachPart<F>([&]<int I, class P>() {
+    if constexpr (P::kAxis)
+      partOf<I>(spec.parts) = specOf(axis < in.axes.size() ? in.axes[axis++] : JointAxis{});
+    else
+      partOf<I>(spec.parts) = specOf(group < in.groups.size() ? in.groups[group++] : EngineGroup{});
+  });
+}
+
+Pose worldPose(const View& s, int body, const Vec3d& origin) {
+  if (body == kWorldBody) return {Vec3(Vec3d{} - origin), Quat{}};
+  return {Vec3(s.position[body] - origin), s.orientation[body]};
+}
+
+/// How far c is outside of the limits.
+double excess(const AxisSpec& spec, double c) {
+  return std::max({0.0, c - static_cast<double>(spec.hi), static_cast<double>(spec.lo) - c});
+}
+
+template <class F>
+void measureJoint(const View& s, int slot, JointState& state) {
+  const JointSpec<F>& spec = s.specsOf<F>()[slot];
+  const Joint<F>& joint = s.jointsOf<F>()[slot];
+  const Vec3d origin = jointOrigin(s, spec.b);
+  SidePose<F> a, b;
+  if constexpr (isCarried<F>()) {
+    // the world as a carrier is where the step has it
+    const auto carrier = [&](int body) { return body == kWorldBody ? Pose{{0, 0, 0}, Quat{}} : worldPose(s, body, origin); };
+    a = {worldPose(s, spec.a, origin), carrier(spec.carrierA)};
+    b = {worldPose(s, spec.b, origin), carrier(spec.carrierB)};
+  } else {
+    a = worldPose(s, spec.a, origin), b = worldPose(s, spec.b, origin);
+  }
+  const auto velocity = [&](int body) { return body == kWorldBody ? Vec6{{0, 0, 0}, {0, 0, 0}} : Vec6{s.velocity[body], s.spin[body]}; };
+  typename F::Memory memory = joint.memory;
+  memory.remember(spec.data, a, b, origin);
+  double linear2 = 0, angular2 = 0;
+  rubble::Vec3 force, moment;
+  forEachPart<F>([&]<int I, class P>() {
+    const auto& rows = partOf<I>(joint.parts);
+    double& error2 = P::kUnit == RowUnit::Linear ? linear2 : angular2;
+    Real error[P::kRows];
+    Vec6 jb[P::kRows];
+    P::constraint(spec.data, memory, a, b, error);
+    P::jacobian(spec.data, memory, a, b, 1, jb);
+    const auto addLoad = [&](Real f, const Vec6& j) {
+      force -= rubble::Vec3(f * j.lin);
+      moment -= rubble::Vec3(f * j.ang);
+    };
+    if constexpr (P::kAxis) {
+      const AxisSpec& own = partOf<I>(spec.parts);
+      JointAxisState axis;
+      double turned = 0;
+      if constexpr (requires { P::turns(spec.data, memory); }) turned = P::turns(spec.data, memory);
+      axis.position = static_cast<double>(error[0]) + turned;
+      Real speed = 0;
+      for (int side = 0; side < kSides<F>; ++side) {
+        Vec6 j[P::kRows];
+        P::jacobian(spec.data, memory, a, b, side, j);
+        speed += dot(j[0], velocity(bodyOf(spec, side)));
+      }
+      axis.speed = static_cast<double>(speed);
+      const auto of = [](const AxisRow& row) { return row.acts ? -static_cast<double>(row.lambda) : 0.0; };
+      axis.limitForce = of(rows.limit), axis.driveForce = of(rows.drive), axis.frictionForce = of(rows.friction);
+      addLoad(axisLoad(rows), jb[0]);
+      const double out = excess(own, axis.position);
+      error2 += out * out;
+      state.axes.push_back(axis);
+    } else {
+      const GroupSpec& own = partOf<I>(spec.parts);
+      for (int i = 0; i < P::kRows && own.mode != GroupMode::Off; ++i) {
+        if (own.mode == GroupMode::Hold) error2 += static_cast<double>(error[i] * error[i]);
+        addLoad(rows.lambda[i], jb[i]);
+      }
+    }
+  });
+  state.broken = joint.broken;
+  state.gap = std::sqrt(linear2);
+  state.angle = std::sqrt(angular2);
+  state.force = force;
+  state.torque = moment - cross(rubble::Vec3(leverOf(spec.data, b.q, 1)), force);
+}
+
+}  // namespace
+
+void setJointCount(HostTables& tables, int type, int slots) {
+  tables.reserve(perJoint(type), slots);
+  int& count = tables.view().joints[type];
+  // a new slot may have been in use before an older state was restored
+  withJointType(type, [&]<class F>() { std::fill(tables.view().specsOf<F>() + std::min(count, slots), tables.view().specsOf<F>() + slots, JointSpec<F>{}); });
+  count = slots;
+}
+
+void editJoint(HostTables& tables, int slot, const EngineJoint& joint) {
+  withJointType(static_cast<int>(joint.type), [&]<class F>() { editJointOf<F>(tables, slot, joint); });
+}
+
+void setJoint(HostTables& tables, int slot, const EngineJoint& joint) {
+  editJoint(tables, slot, joint);
+  withJointType(static_cast<int>(joint.type), [&]<class F>() { tables.view().jointsOf<F>()[slot] = {}; });
+}
+
+JointState jointStateOf(const HostTables& tables, int type, int slot) {
+  JointState state;
+  withJointType(type, [&]<class F>() { measureJoint<F>(tables.view(), slot, state); });
+  return state;
+}
+
+std::vector<std::pair<int, int>> brokenJointsOf(const HostTables& tables) {
+  const View& s = tables.view();
+  std::vector<std::pair<int, int>> out;
+  forEachType(JointTypes{}, [&]<class F>() {
+    constexpr int kType = typeIndex<F>(JointTypes{});
+    for (int i = 0; i < s.joints[kType]; ++i)
+      if (s.specsOf<F>()[i].alive && s.jointsOf<F>()[i].broken) out.emplace_back(kType, i);
+  });
+  return out;
+}
+
+}  // namespace rubble::RUBBLE_CORE

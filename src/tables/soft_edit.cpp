@@ -1,0 +1,364 @@
+#include "tables/soft_edit.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "tables/soft_graph.h"
+#include "stages/soft/cluster_phases.h"
+
+namespace rubble::RUBBLE_CORE {
+
+namespace {
+
+Real real(double a) { return static_cast<Real>(a); }
+/// A threshold; "never" is a number that nothing reaches.
+Real bound(double a) { return static_cast<Real>(std::min(a, static_cast<double>(kUnreached))); }
+
+/// An element that is all zeros, padding too: states are hashed.
+template <class F, std::size_t N>
+F fresh(const std::array<int, N>& v, int first) {
+  F e;
+  std::memset(static_cast<void*>(&e), 0, sizeof e);
+  for (std::size_t k = 0; k < N; ++k) e.v[k] = first + v[k];
+  e.alive = 1;
+  return e;
+}
+
+Tetrahedron made(const SoftModel::Tetrahedron& m, int first) {
+  Tetrahedron e = fresh<Tetrahedron>(m.v, first);
+  for (int k = 0; k < 3; ++k) e.m[k] = Vec3(m.m[k]);
+  e.mu = real(m.mu * m.volume), e.lambda = real(m.lambda * m.volume);
+  e.damper = real(m.volume * m.viscosity);
+  e.yield = bound(m.yield * m.volume), e.hardening = real(m.hardening * m.volume);
+  e.steepest = kMostSteepness * e.steepness();
+  return e;
+}
+Membrane made(const SoftModel::Membrane& m, int first) {
+  Membrane e = fresh<Membrane>(m.v, first);
+  for (int k = 0; k < 2; ++k) e.m1[k] = real(m.m1[k]), e.m2[k] = real(m.m2[k]), e.stiffness[k] = real(m.stiffness[k]);
+  e.damper = real(m.damper), e.tearStretch = real(m.tearStretch), e.unit0 = real(m.unit), e.largest = real(m.largest);
+  return e;
+}
+FlatBend made(const SoftModel::FlatBend& m, int first) {
+  FlatBend e = fresh<FlatBend>(m.v, first);
+  e.stiffness = real(m.stiffness);
+  for (int k = 0; k < 4; ++k) e.weight[k] = real(m.weight[k]);
+  return e;
+}
+FoldBend made(const SoftModel::FoldBend& m, int first) {
+  FoldBend e = fresh<FoldBend>(m.v, first);
+  e.stiffness = real(m.stiffness), e.damping = real(m.damping), e.restAngle = real(m.restAngle);
+  return e;
+}
+LineBend made(const SoftModel::LineBend& m, int first) {
+  LineBend e = fresh<LineBend>(m.v, first);
+  e.stiffness = real(m.stiffness);
+  for (int k = 0; k < 3; ++k) e.weight[k] = real(m.weight[k]);
+  return e;
+}
+Spring made(const SoftModel::Spring& m, int first) {
+  Spring e = fresh<Spring>(m.v, first);
+  e.stiffness = real(m.stiffness), e.damping = real(m.damping), e.restLength = real(m.restLength);
+  e.bound = bound(m.bound), e.mass = real(m.mass);
+  return e;
+}
+Pressure made(const SoftModel::Pressure& m, int first) {
+  Pressure e = fresh<Pressure>(m.v, first);
+  e.pressure = real(m.pressure);
+  return e;
+}
+
+template <class F>
+const auto& listOf(const SoftModel& m) {
+  if constexpr (std::is_same_v<F, Tetrahedron>) return m.tetrahedra;
+  else if constexpr (std::is_same_v<F, Membrane>) return m.membranes;
+  else if constexpr (std::is_same_v<F, FlatBend>) return m.flatBends;
+  else if constexpr (std::is_same_v<F, FoldBend>) return m.foldBends;
+  else if constexpr (std::is_same_v<F, LineBend>) return m.lineBends;
+  else if constexpr (std::is_same_v<F, Spring>) return m.springs;
+  else return m.pressures;
+}
+static_assert(ElementTypes::kSize == SoftRange::kElementTypes);
+
+Attachment made(const EngineAttachment& in) {
+  Attachment a;
+  std::memset(static_cast<void*>(&a), 0, sizeof a);
+  for (int k = 0; k < kPointCorners; ++k) a.v[k] = in.v[k], a.weight[k] = real(in.weight[k]);
+  a.body = in.body, a.seam = in.seam, a.alive = 1;
+  a.worldPoint = in.worldPoint, a.anchor = Vec3(in.anchor);
+  a.bound = bound(in.bound), a.compliance = real(in.compliance);
+  a.length = real(in.length), a.mass = real(in.mass);
+  return a;
+}
+
+/// Elements of all objects, those that were there with their state.
+template <class F>
+void placeElements(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
+  constexpr int kType = typeIndex<F>(ElementTypes{});
+  View& s = tables.view();
+  const std::vector<F> old(s.elementsOf<F>(), s.elementsOf<F>() + s.elements[kType]);
+  int count = 0;
+  for (const EngineSoftObject& o : objects) count += static_cast<int>(listOf<F>(*o.model).size());
+  tables.reserve(perElement<F>(), count);
+  s.elements[kType] = count;
+  for (const EngineSoftObject& o : objects) {
+    F* to = s.elementsOf<F>() + o.at.element[kType];
+    for (std::size_t i = 0; i < listOf<F>(*o.model).size(); ++i, ++to) {
+      if (o.previous.vertex < 0) {
+        *to = made(listOf<F>(*o.model)[i], o.at.vertex);
+        continue;
+      }
+      *to = old[static_cast<std::size_t>(o.previous.element[kType]) + i];
+      for (int& v : to->v) v += o.at.vertex - o.previous.vertex;
+    }
+  }
+}
+
+void placeAttachments(HostTables& tables, const std::vector<EngineAttachment>& attachments) {
+  View& s = tables.view();
+  const std::vector<Attachment> old(s.attachment, s.attachment + s.attachments);
+  tables.reserve(Per::Attachment, static_cast<int>(attachments.size()));
+  s.attachments = static_cast<int>(attachments.size());
+  for (std::size_t i = 0; i < attachments.size(); ++i) {
+    Attachment& to = s.attachment[i];
+    to = made(attachments[i]);
+    if (attachments[i].previous < 0) continue;
+    const Attachment& from = old[static_cast<std::size_t>(attachments[i].previous)];
+    to.broken = from.broken, to.lambda = from.lambda, to.k = from.k;
+  }
+}
+
+/// What vertices have that lasts, by old index.
+struct OldVertices {
+  explicit OldVertices(const View& s)
+      : position(s.vertexPosition, s.vertexPosition + s.vertices),
+        velocity(s.vertexVelocity, s.vertexVelocity + s.vertices),
+        oldVelocity(s.vertexOldVelocity, s.vertexOldVelocity + s.vertices),
+        force(s.vertexForce, s.vertexForce + s.vertices),
+        color(s.vertexColor, s.vertexColor + s.vertices),
+        offset(s.oldPointPairOffset, s.oldPointPairOffset + s.owners() + 1),
+        pair(s.oldPointPair, s.oldPointPair + offset.back()),
+        contact(s.oldPointContact, s.oldPointContact + offset.back()),
+        edges(s.edges), features(s.features) {}
+  std::vector<Vec3d> position;
+  std::vector<Vec3> velocity, oldVelocity, force;
+  std::vector<int> color, offset;
+  std::vector<PointPair> pair;
+  std::vector<PointContact> contact;
+  int edges, features;
+};
+
+/// Old index of each new vertex and feature, and new index of each old one; -1: none.
+struct Moves {
+  std::vector<int> vertexFrom, vertexTo, featureFrom, featureTo;
+
+  void addFeatures(const View& s, const OldVertices& old, const std::vector<EngineSoftObject>& objects) {
+    featureFrom.assign(static_cast<std::size_t>(s.features), -1);
+    featureTo.assign(static_cast<std::size_t>(old.features), -1);
+    const auto add = [&](int from, int to, std::size_t count) {
+      for (std::size_t k = 0; k < count; ++k) {
+        featureFrom[static_cast<std::size_t>(to) + k] = from + static_cast<int>(k);
+        featureTo[static_cast<std::size_t>(from) + k] = to + static_cast<int>(k);
+      }
+    };
+    for (const EngineSoftObject& o : objects) {
+      if (o.previous.vertex < 0) continue;
+      add(o.previous.edge, o.at.edge, o.model->edges.size());
+      add(old.edges + o.previous.face, s.edges + o.at.face, o.model->faces.size());
+    }
+  }
+  /// Where an owner of pairs was.
+  int ownerFrom(const View& s, const OldVertices& old, int owner) const {
+    if (owner < s.vertices) return vertexFrom[static_cast<std::size_t>(owner)];
+    if (owner >= s.vertices + s.edges) {
+      const int from = owner - s.vertices - s.edges + static_cast<int>(old.position.size()) + old.edges;
+      return from < static_cast<int>(old.offset.size()) - 1 ? from : -1;
+    }
+    const int from = featureFrom[static_cast<std::size_t>(owner - s.vertices)];
+    return from < 0 ? -1 : static_cast<int>(old.position.size()) + from;
+  }
+  /// What the partner of a pair is now; bodies stay. Below -1: gone.
+  int partnerTo(int other) const {
+    const auto moved = [&](int base, const std::vector<int>& to) {
+      const int now = to[static_cast<std::size_t>(other - base)];
+      return now < 0 ? kGone : base + now;
+    };
+    if (other >= kFeatureNode) return moved(kFeatureNode, featureTo);
+    if (other >= kCornerNode) return moved(kCornerNode, vertexTo);
+    return other >= kVertexNode ? moved(kVertexNode, vertexTo) : other;
+  }
+  static constexpr int kGone = -2;
+};
+
+/// Contacts of the last step between vertices that are still there.
+void placeContacts(HostTables& tables, const OldVertices& old, const Moves& moves) {
+  tables.reserve(Per::PointPair, static_cast<int>(old.pair.size()));
+  View& s = tables.view();
+  int n = 0;
+  for (int owner = 0; owner < s.owners(); ++owner) {
+    s.oldPointPairOffset[owner] = n;
+    const int from = moves.ownerFrom(s, old, owner);
+    if (from < 0) continue;
+    for (int k = old.offset[static_cast<std::size_t>(from)]; k < old.offset[static_cast<std::size_t>(from) + 1]; ++k) {
+      PointPair pair = old.pair[static_cast<std::size_t>(k)];
+      PointContact contact = old.contact[static_cast<std::size_t>(k)];
+      pair.vertex = owner;
+      pair.other = moves.partnerTo(pair.other);
+      if (pair.other == Moves::kGone) continue;
+      for (int& corner : contact.v)
+        if (corner >= 0) corner = moves.vertexTo[static_cast<std::size_t>(corner)];
+      s.oldPointPair[n] = pair;
+      s.oldPointContact[n++] = contact;
+    }
+  }
+  s.oldPointPairOffset[s.owners()] = n;
+}
+
+void reserveVertices(HostTables& tables, int vertices) {
+  if (vertices == 0) return;
+  tables.reserve(Per::Vertex, vertices);
+  tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
+}
+
+}  // namespace
+
+void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) {
+  View& s = tables.view();
+  const OldVertices old(s);
+  int vertices = 0;
+  for (const EngineSoftObject& o : objects) vertices += static_cast<int>(o.model->vertices.size());
+  reserveVertices(tables, vertices);
+  Moves moves;
+  moves.vertexFrom.assign(static_cast<std::size_t>(vertices), -1), moves.vertexTo.assign(old.position.size(), -1);
+  s.vertices = vertices;
+  Real widest = 0;
+  for (const EngineSoftObject& o : objects) {
+    const SoftModel& m = *o.model;
+    double meanLength = 0;
+    for (const SoftModel::Vertex& in : m.vertices) meanLength += in.length / static_cast<double>(m.vertices.size());
+    for (std::size_t i = 0; i < m.vertices.size(); ++i) {
+      const SoftModel::Vertex& in = m.vertices[i];
+      const int v = o.at.vertex + static_cast<int>(i);
+      VertexParams& p = s.vertexParams[v];
+      p.kind = in.mass > 0 ? VertexKind::Dynamic : VertexKind::Fixed;
+      p.mass = real(in.mass), p.radius = real(in.radius), p.length = real(in.length);
+      p.muStatic = real(m.material.staticFriction), p.muDynamic = real(m.material.dynamicFriction);
+      p.restitution = real(m.material.restitution);
+      p.frictionCombine = static_cast<int>(m.material.frictionCombine);
+      p.restitutionCombine = static_cast<int>(m.material.restitutionCombine);
+      p.gravityScale = real(m.gravityScale);
+      p.first = o.at.vertex, p.collides = in.onSurface ? m.collides : m.collides & ~(kCollidesWithSurfaces | kCollidesWithSelf);
+      p.surfaceRadius = real(m.surfaceRadius);
+      s.vertexRest[v] = Vec3(in.rest);
+      p.cluster = p.lump = -1, p.reach = real(meanLength);
+      if (p.collides & kCollidesWithGrains) widest = max(widest, p.radius);
+      if (o.previous.vertex < 0) {
+        s.vertexPosition[v] = in.position;
+        s.vertexVelocity[v] = s.vertexOldVelocity[v] = Vec3(in.velocity);
+        s.vertexForce[v] = {0, 0, 0};
+        s.vertexColor[v] = 0;
+        continue;
+      }
+      const std::size_t from = static_cast<std::size_t>(o.previous.vertex) + i;
+      s.vertexPosition[v] = old.position[from];
+      s.vertexVelocity[v] = old.velocity[from], s.vertexOldVelocity[v] = old.oldVelocity[from];
+      s.vertexForce[v] = old.force[from], s.vertexColor[v] = old.color[from];
+      moves.vertexFrom[static_cast<std::size_t>(v)] = static_cast<int>(from);
+      moves.vertexTo[from] = v;
+    }
+  }
+  // cells a little wider than the largest particle
+  s.grainCell = widest > Real(0) ? Real(2.2) * widest : Real(1);
+  s.grainCells = widest > Real(0) ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * vertices)))) : 0;
+  tables.reserve(Per::GrainCell, s.grainCells);
+  forEachType(ElementTypes{}, [&]<class F>() { placeElements<F>(tables, objects); });
+  countYielding(s);
+  placeAttachments(tables, attachments);
+  connect(tables);
+  placeClusters(tables, objects);
+  placeLumps(tables, objects);
+  placeLines(tables, objects);
+  placeFeatures(tables, objects);
+  moves.addFeatures(s, old, objects);
+  placeContacts(tables, old, moves);
+}
+
+void countYielding(View& s) {
+  const std::span<const Tetrahedron> all(s.tetrahedron, static_cast<std::size_t>(s.elements[typeIndex<Tetrahedron>(ElementTypes{})]));
+  s.yielding = static_cast<int>(std::count_if(all.begin(), all.end(), [](const Tetrahedron& e) { return e.yield < kUnreached; }));
+}
+
+SoftCounts softCounts(const View& s) {
+  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.tetraCornerOffset[s.vertices], s.neighborOffset[s.vertices], s.grainCells, s.attachments, {}, {}, s.movingParts, s.clusterRefs,
+               s.lumps, s.objects, s.lines, s.lineVertices, static_cast<float>(s.grainCell), s.edges, s.features, s.featureCells, static_cast<float>(s.featureCell)};
+  std::copy(std::begin(s.clusterBegin), std::end(s.clusterBegin), c.clusterBegin);
+  std::copy(std::begin(s.elements), std::end(s.elements), c.elements);
+  return c;
+}
+
+void setSoftCounts(HostTables& tables, const SoftCounts& c) {
+  reserveVertices(tables, c.vertices);
+  tables.reserve(Per::ElementRef, c.refs);
+  tables.reserve(Per::TetraCorner, c.tetraCorners);
+  tables.reserve(Per::Neighbor, c.neighbors);
+  tables.reserve(Per::GrainCell, c.grainCells);
+  tables.reserve(Per::Attachment, c.attachments);
+  tables.reserve(Per::Cluster, c.clusterBegin[kClusterLevels]);
+  tables.reserve(Per::ClusterRef, c.clusterRefs);
+  View& s = tables.view();
+  s.vertices = c.vertices, s.grainCells = c.grainCells, s.attachments = c.attachments;
+  s.grainCell = real(c.grainCell);
+  s.edges = c.edges, s.features = c.features, s.featureCells = c.featureCells;
+  s.featureCell = real(c.featureCell);
+  reserveFeatures(tables);
+  s.movingParts = c.movingParts, s.clusterRefs = c.clusterRefs;
+  tables.reserve(Per::Lump, c.lumps);
+  s.lumps = c.lumps, s.objects = c.objects;
+  tables.reserve(Per::Line, c.lines);
+  tables.reserve(Per::LineVertex, c.lineVertices);
+  s.lines = c.lines, s.lineVertices = c.lineVertices;
+  reserveMembers(tables);
+  std::copy(std::begin(c.clusterBegin), std::end(c.clusterBegin), s.clusterBegin);
+  s.refOffset[c.vertices] = c.refs;
+  s.tetraCornerOffset[c.vertices] = c.tetraCorners;
+  s.neighborOffset[c.vertices] = c.neighbors;
+  forEachType(ElementTypes{}, [&]<class F>() {
+    constexpr int kType = typeIndex<F>(ElementTypes{});
+    tables.reserve(perElement<F>(), c.elements[kType]);
+    s.elements[kType] = c.elements[kType];
+  });
+}
+
+void vertexStatesOf(const HostTables& tables, int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities) {
+  const View& s = tables.view();
+  for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = s.vertexPosition[static_cast<std::size_t>(first) + i];
+  for (std::size_t i = 0; i < velocities.size(); ++i) velocities[i] = rubble::Vec3(s.vertexVelocity[static_cast<std::size_t>(first) + i]);
+}
+
+void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3> positions, std::span<const rubble::Vec3> velocities) {
+  View& s = tables.view();
+  for (std::size_t i = 0; i < positions.size(); ++i) s.vertexPosition[static_cast<std::size_t>(first) + i] = positions[i];
+  for (std::size_t i = 0; i < velocities.size(); ++i) {
+    const std::size_t v = static_cast<std::size_t>(first) + i;
+    if (s.vertexParams[v].kind == VertexKind::Dynamic) s.vertexVelocity[v] = s.vertexOldVelocity[v] = Vec3(velocities[i]);
+  }
+}
+
+void elementsAliveOf(const HostTables& tables, int type, int first, std::span<char> alive) {
+  const View& s = tables.view();
+  forEachType(ElementTypes{}, [&]<class F>() {
+    if (typeIndex<F>(ElementTypes{}) != type) return;
+    for (std::size_t i = 0; i < alive.size(); ++i) alive[i] = s.elementsOf<F>()[static_cast<std::size_t>(first) + i].alive != 0;
+  });
+}
+
+void forgetVertexContacts(HostTables& tables, int body) {
+  View& s = tables.view();
+  for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k)
+    if (s.oldPointPair[k].other == body || (s.oldPointPair[k].vertex >= s.vertices + s.edges && bodyOfOwner(s, s.oldPointPair[k].vertex) == body)) {
+      s.oldPointPair[k].other = -1;
+      s.oldPointContact[k].active = 0;
+    }
+}
+
+}  // namespace rubble::RUBBLE_CORE

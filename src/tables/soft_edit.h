@@ -1,0 +1,33 @@
+#pragma once
+/// Edits and measures of deformable objects in tables in host memory.
+#include "tables/table_edit.h"
+
+namespace rubble::RUBBLE_CORE {
+
+void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments);
+/// Counts the tetrahedra that can yield, from what their table says.
+void countYielding(View& s);
+/// Slots in use of everything that deformable objects have; states loaded from elsewhere need the same.
+struct SoftCounts {
+  int vertices, refs, tetraCorners, neighbors, grainCells, attachments;
+  int elements[ElementTypes::kSize];
+  int clusterBegin[kClusterLevels + 1], movingParts, clusterRefs, lumps, objects, lines, lineVertices;
+  float grainCell;
+  int edges, features, featureCells;
+  float featureCell;
+};
+SoftCounts softCounts(const View& s);
+void setSoftCounts(HostTables& tables, const SoftCounts& counts);
+
+void vertexStatesOf(const HostTables& tables, int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities);
+void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3> positions, std::span<const rubble::Vec3> velocities);
+void elementsAliveOf(const HostTables& tables, int type, int first, std::span<char> alive);
+JointState attachmentStateOf(const HostTables& tables, int index);
+/// Contacts of the last step that carry load or overlap.
+std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables);
+/// Adds energies, depths and gaps of vertices.
+void addSoftQuality(const HostTables& tables, Quality& quality, std::vector<double>& depths, int& joints);
+/// Contacts of vertices with that body are forgotten.
+void forgetVertexContacts(HostTables& tables, int body);
+
+}  // namespace rubble::RUBBLE_CORE

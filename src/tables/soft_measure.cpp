@@ -1,0 +1,82 @@
+#include <algorithm>
+
+#include "tables/soft_edit.h"
+#include "stages/soft/cluster_phases.h"
+
+namespace rubble::RUBBLE_CORE {
+
+JointState attachmentStateOf(const HostTables& tables, int index) {
+  const View& s = tables.view();
+  const Attachment& a = s.attachment[index];
+  Vec3d gap;
+  for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) gap += s.vertexPosition[a.v[k]] * static_cast<double>(a.weight[k]);
+  if (a.seam == 0) gap += a.body == kWorldBody ? a.worldPoint : s.position[a.body] + Vec3d(rotate(s.orientation[a.body], a.anchor));
+  JointState state;
+  state.gap = length(gap);
+  // on the vertices (B); the rows push C down
+  state.force = Vec3d(a.lambda);
+  state.broken = a.broken != 0;
+  return state;
+}
+
+std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
+  const View& s = tables.view();
+  std::vector<EngineVertexContact> out;
+  for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k) {
+    const PointContact& p = s.oldPointContact[k];
+    if (!p.active) continue;
+    Vec3 t1, t2;
+    tangentBasis(p.n, t1, t2);
+    double depth;
+    int vertex = p.v[0], other = -1;
+    if (s.oldPointPair[k].vertex >= s.vertices + s.edges) {
+      PointContact now{};
+      Real gap, margin;
+      touchCorner(s, s.oldPointPair[k].vertex, s.oldPointPair[k].other, rowOfPair(s.oldPointPair, k), now, gap, margin);
+      depth = static_cast<double>(max(-gap, -p.length));
+      // the corner that is nearest to the point
+      Real most = 0;
+      for (int c = 0; c < kPointCorners && p.v[c] >= 0; ++c)
+        if (-p.weight[c] > most) most = -p.weight[c], vertex = p.v[c];
+    } else if (p.body >= 0) {
+      depth = static_cast<double>(s.vertexParams[vertex].radius - pointToBody(s, vertex, p.body, s.vertexParams[vertex].length, p.n).distance);
+    } else if (s.oldPointPair[k].other >= kCornerNode) {
+      const NearParts parts = nearParts(s, s.oldPointPair[k].vertex, s.oldPointPair[k].other);
+      depth = static_cast<double>(touchDistance(s, parts) - length(parts.gap));
+      // of the other side the corner that is nearest to the point
+      Real most = 0;
+      for (int c = 1; c < kPointCorners && p.v[c] >= 0; ++c)
+        if (-p.weight[c] > most) most = -p.weight[c], other = p.v[c];
+    } else {
+      other = p.v[1];
+      depth = static_cast<double>(s.vertexParams[vertex].radius + s.vertexParams[other].radius) -
+              length(s.vertexPosition[other] - s.vertexPosition[vertex]);
+    }
+    if (depth < 0 && !(p.lambdaN > Real(0))) continue;
+    out.push_back({vertex, p.body, other, Vec3d(p.n), Vec3d(p.n * p.lambdaN + t1 * p.lambda1 + t2 * p.lambda2), depth});
+  }
+  return out;
+}
+
+void addSoftQuality(const HostTables& tables, Quality& q, std::vector<double>& depths, int& joints) {
+  const View& s = tables.view();
+  if (s.vertices == 0) return;
+  for (const EngineVertexContact& c : vertexContactsOf(tables)) depths.push_back(std::max(0.0, c.depth));
+  for (int i = 0; i < s.attachments; ++i) {
+    if (!active(s, s.attachment[i])) continue;
+    const double gap = attachmentStateOf(tables, i).gap;
+    q.jointGapMean += gap;
+    q.jointGapMax = std::max(q.jointGapMax, gap);
+    ++joints;
+  }
+  for (int v = 0; v < s.vertices; ++v) {
+    if (!isDynamicVertex(s, v)) continue;
+    const VertexParams& p = s.vertexParams[v];
+    const double v2 = dot(Vec3d(s.vertexVelocity[v]), Vec3d(s.vertexVelocity[v]));
+    q.kineticEnergy += .5 * static_cast<double>(p.mass) * v2;
+    q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) * dot(Vec3d(s.step.gravity), s.vertexPosition[v]);
+    q.maxSpeed = std::max(q.maxSpeed, std::sqrt(v2));
+  }
+}
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,62 @@
+#pragma once
+/// Edits and measures of tables in host memory.
+#include <vector>
+
+#include "tables/host_memory.h"
+#include "tables/records.h"
+#include "state/tables.h"
+
+namespace rubble::RUBBLE_CORE {
+
+using HostTables = Tables<HostMemory>;
+
+void setBodyCount(HostTables& tables, int slots);
+/// Room for the groups of as many bodies and lumps as there is room for.
+void reserveMembers(HostTables& tables);
+void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces);
+void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
+void setBody(HostTables& tables, int slot, const EngineBody& body);
+void forgetContacts(HostTables& tables, int slot);
+void setPlanes(HostTables& tables, const std::vector<int>& slots);
+void setJointCount(HostTables& tables, int type, int slots);
+void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
+void editJoint(HostTables& tables, int slot, const EngineJoint& joint);
+/// Finds the trees of joints anew if bodies or joints were edited: returns whether they were.
+bool planTrees(HostTables& tables);
+void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs);
+BodyState bodyState(const HostTables& tables, int slot);
+void setBodyState(HostTables& tables, int slot, const BodyState& state);
+/// Forces and torques act for one step, of however many substeps.
+void endForces(HostTables& tables);
+/// After a step that found no memory: bodies and vertices, which move at its very end, are where they were; its contacts and those of the step
+/// before, whose place it had begun to use, are forgotten.
+void abandonStep(HostTables& tables);
+void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change);
+/// Contacts of many slots at once.
+void forgetContactsOf(HostTables& tables, std::span<const int> slots);
+
+BodyOrder orderOf(const HostTables& tables);
+/// Is any body at another place than its id?
+bool inOtherOrder(const View& s);
+/// As World::scatter, from host memory.
+void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, const ArrayView& values);
+
+/// The contacts of the last step at the present poses.
+std::vector<EngineContact> contactsOf(const HostTables& tables);
+std::vector<EngineTouch> touchesOf(const HostTables& tables);
+std::vector<int> sleepersOf(const HostTables& tables);
+/// At the present poses. They fill the grid anew.
+std::vector<EngineHit> runQueries(HostTables& tables, std::span<const EngineQuery> queries);
+std::vector<std::vector<int>> runOverlaps(HostTables& tables, std::span<const EngineQuery> queries);
+JointState jointStateOf(const HostTables& tables, int type, int slot);
+std::vector<std::pair<int, int>> brokenJointsOf(const HostTables& tables);
+Quality qualityOf(const HostTables& tables);
+/// By slot.
+void solverStatesOf(const HostTables& tables, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices);
+
+/// Everything that lasts from step to step, as bytes; equal states give equal bytes.
+std::vector<std::byte> saveTables(const HostTables& tables);
+void loadTables(HostTables& tables, std::span<const std::byte> data);
+std::uint64_t hashBytes(std::span<const std::byte> data);
+
+}  // namespace rubble::RUBBLE_CORE

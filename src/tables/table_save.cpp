@@ -1,0 +1,155 @@
+#include "tables/soft_edit.h"
+
+#include <algorithm>
+
+namespace rubble::RUBBLE_CORE {
+
+namespace {
+
+/// Elements of an array that matter at present.
+std::size_t liveCount(const View& s, Per per) {
+  if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(s.joints[type]);
+  switch (per) {
+    case Per::Body: return static_cast<std::size_t>(s.bodies);
+    case Per::Pair: return static_cast<std::size_t>(s.oldPairOffset[s.bodies]);
+    case Per::NearPair: return static_cast<std::size_t>(s.counters->nearPairs);
+    case Per::Manifold: return static_cast<std::size_t>(s.counters->manifolds);
+    case Per::Plane: return static_cast<std::size_t>(s.planes);
+    case Per::Exclusion: return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
+    case Per::ShapeVector: return static_cast<std::size_t>(s.shapeVectors);
+    case Per::ShapeIndex: return static_cast<std::size_t>(s.shapeIndices);
+    case Per::ShapePart: return static_cast<std::size_t>(s.shapeParts);
+    case Per::Surface: return static_cast<std::size_t>(s.surfaces);
+    // none before the first step with such materials
+    case Per::Rolling: return s.rolls ? static_cast<std::size_t>(s.counters->rollers) : 0;
+    case Per::Vertex: return static_cast<std::size_t>(s.vertices);
+    case Per::PointOwner: return static_cast<std::size_t>(s.owners());
+    case Per::Feature: return static_cast<std::size_t>(s.features);
+    case Per::ElementRef: return static_cast<std::size_t>(s.refOffset[s.vertices]);
+    case Per::TetraCorner: return static_cast<std::size_t>(s.tetraCornerOffset[s.vertices]);
+    case Per::Neighbor: return static_cast<std::size_t>(s.neighborOffset[s.vertices]);
+    case Per::PointPair: return static_cast<std::size_t>(s.oldPointPairOffset[s.owners()]);
+    case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
+    case Per::ClusterRef: return static_cast<std::size_t>(s.clusterRefs);
+    case Per::Lump: return static_cast<std::size_t>(s.lumps);
+    case Per::Line: return static_cast<std::size_t>(s.lines);
+    case Per::LineVertex: return static_cast<std::size_t>(s.lineVertices);
+    case Per::Attachment: return static_cast<std::size_t>(s.attachments);
+    default: return elementCount(s, per);
+  }
+}
+
+template <class Visit>
+void forEachKept(const View& s, Visit&& visit) {
+  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+    if (array.life != Life::Authored && array.life != Life::State) return;
+    visit(array, sizeof(T) * (liveCount(s, array.per) + static_cast<std::size_t>(array.extra)));
+  });
+}
+
+/// Copies elements with their padding cleared, where the compiler can: it holds no state, but is hashed with it.
+template <class T>
+void copyClean(std::byte* to, const T* from, std::size_t bytes) {
+#if defined(__has_builtin)
+#if __has_builtin(__builtin_clear_padding)
+  for (std::size_t i = 0; i < bytes / sizeof(T); ++i) {
+    T element = from[i];
+    __builtin_clear_padding(&element);
+    std::memcpy(to + i * sizeof(T), &element, sizeof(T));
+  }
+  return;
+#endif
+#endif
+  if (bytes > 0) std::memcpy(to, from, bytes);
+}
+
+struct SavedCounts {
+  int bodies, planes, pairs, nearPairs, manifolds, exclusions;
+  int shapeVectors, shapeIndices, shapeParts, surfaces, rolledBefore, rollers;
+  TraitCounts traits;
+  int joints[JointTypes::kSize];
+  int pointPairs;
+  SoftCounts soft;
+};
+
+}  // namespace
+
+std::vector<std::byte> saveTables(const HostTables& tables) {
+  const View& s = tables.view();
+  SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->nearPairs, s.counters->manifolds,
+                     static_cast<int>(liveCount(s, Per::Exclusion)), s.shapeVectors, s.shapeIndices, s.shapeParts,
+                     s.surfaces, s.rolledBefore, static_cast<int>(liveCount(s, Per::Rolling)), tables.traits(), {},
+                     static_cast<int>(liveCount(s, Per::PointPair)), softCounts(s)};
+  std::copy(std::begin(s.joints), std::end(s.joints), counts.joints);
+  std::size_t size = sizeof counts;
+  forEachKept(s, [&](const auto&, std::size_t bytes) { size += bytes; });
+  std::vector<std::byte> out(size);
+  std::byte* to = out.data();
+  const auto put = [&](const void* from, std::size_t bytes) {
+    if (bytes > 0) std::memcpy(to, from, bytes);
+    to += bytes;
+  };
+  put(&counts, sizeof counts);
+  forEachKept(s, [&](const auto& array, std::size_t bytes) {
+    copyClean(to, s.*array.member, bytes);
+    to += bytes;
+  });
+  return out;
+}
+
+void loadTables(HostTables& tables, std::span<const std::byte> data) {
+  SavedCounts counts;
+  std::memcpy(&counts, data.data(), sizeof counts);
+  setBodyCount(tables, counts.bodies);
+  for (int t = 0; t < JointTypes::kSize; ++t) setJointCount(tables, t, counts.joints[t]);
+  tables.reserve(Per::Pair, counts.pairs);
+  tables.reserve(Per::NearPair, counts.nearPairs);
+  tables.reserve(Per::Manifold, counts.manifolds);
+  tables.reserve(Per::Plane, counts.planes);
+  tables.reserve(Per::Exclusion, counts.exclusions);
+  setSoftCounts(tables, counts.soft);
+  tables.reserve(Per::PointPair, counts.pointPairs);
+  tables.reserve(Per::ShapeVector, counts.shapeVectors);
+  tables.reserve(Per::ShapeIndex, counts.shapeIndices);
+  tables.reserve(Per::ShapePart, counts.shapeParts);
+  tables.reserve(Per::Surface, counts.surfaces);
+  tables.reserve(Per::Rolling, counts.traits[BodyTrait::Rolls] > 0 ? std::max(counts.nearPairs, counts.rollers) : 0);
+  View& s = tables.view();
+  s.bodies = counts.bodies;
+  s.planes = counts.planes;
+  s.treesStale = 1;
+  s.shapeVectors = counts.shapeVectors, s.shapeIndices = counts.shapeIndices, s.shapeParts = counts.shapeParts;
+  s.surfaces = counts.surfaces;
+  tables.setTraits(counts.traits);
+  s.rolledBefore = counts.rolledBefore != 0;
+  s.counters->rollers = counts.rollers;
+  s.counters->nearPairs = counts.nearPairs;
+  s.counters->manifolds = counts.manifolds;
+  // sizes of later arrays depend on these
+  s.oldPairOffset[counts.bodies] = counts.pairs;
+  s.exclusionOffset[counts.bodies] = s.exclusions = counts.exclusions;
+  s.oldPointPairOffset[s.owners()] = counts.pointPairs;
+  const std::byte* from = data.data() + sizeof counts;
+  forEachKept(s, [&](const auto& array, std::size_t bytes) {
+    if (bytes > 0) std::memcpy(s.*array.member, from, bytes);
+    from += bytes;
+  });
+  s.ordered = inOtherOrder(s);
+  countYielding(s);
+}
+
+std::uint64_t hashBytes(std::span<const std::byte> data) {
+  // FNV-1a over 64-bit words
+  std::uint64_t h = 0xcbf29ce484222325ull;
+  std::size_t i = 0;
+  for (; i + 8 <= data.size(); i += 8) {
+    std::uint64_t word;
+    std::memcpy(&word, data.data() + i, 8);
+    h = (h ^ word) * 0x100000001b3ull;
+    h ^= h >> 32;
+  }
+  for (; i < data.size(); ++i) h = (h ^ static_cast<std::uint64_t>(data[i])) * 0x100000001b3ull;
+  return h;
+}
+
+}  // namespace rubble::RUBBLE_CORE

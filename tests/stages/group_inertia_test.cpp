@@ -1,0 +1,75 @@
+/// Groups of the coarse correction: where their centre is, and their inertia about it.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "stages/coarse/coarse.h"
+#include "tests/support/core.h"
+
+namespace rubble::RUBBLE_CORE {
+namespace {
+
+/// A few bodies far from the origin, all of one group.
+struct Bodies {
+  static constexpr int kCount = 12;
+  std::vector<Vec3d> position;
+  std::vector<BodyTarget> target;
+  std::vector<Displacement> moved;
+  View view;
+
+  Bodies() {
+    test::Random random(3);
+    for (int i = 0; i < kCount; ++i) {
+      position.push_back(Vec3d{1e4, -2e4, 5e3} + random.vector(2));
+      moved.push_back({random.vector(.1), 0, random.vector(.1), 0});
+      const Vec3 inertia = Vec3{1.5, 1.5, 1.5} + random.vector(.5);
+      target.emplace_back();
+      target.back().mass = massMatrix(random.uniform(.1, 10), inertia, random.rotation());
+    }
+    view.bodies = kCount;
+    view.position = position.data(), view.target = target.data(), view.moved = moved.data();
+    view.step.inverseDt = 60;
+  }
+
+  Group group(bool joined) const {
+    Group group{};
+    group.joined = joined;
+    Block6 sum;
+    for (int i = 0; i < kCount; ++i) addInertia(view, group, position[0], i, sum);
+    placeGroup(group, position[0], sum);
+    return group;
+  }
+};
+
+TEST(GroupInertia, IsAboutTheCentreOfMass) {
+  const Bodies bodies;
+  Vec3d moment{0, 0, 0};
+  double mass = 0;
+  for (std::size_t i = 0; i < Bodies::kCount; ++i) {
+    const double own = bodies.target[i].mass.mass;
+    mass += own;
+    moment += own * (bodies.position[i] - bodies.position[0]);
+  }
+  EXPECT_LT(length(bodies.group(false).centre - bodies.position[0] - moment / mass), 1e-10);
+}
+
+TEST(GroupInertia, IsTheSumOfThoseOfItsBodiesAboutThatCentre) {
+  const Bodies bodies;
+  for (const bool joined : {false, true}) {
+    const Group group = bodies.group(joined);
+    Block6 expected;
+    for (std::size_t i = 0; i < Bodies::kCount; ++i) {
+      Block6 own;
+      setInertialHessian(own, bodies.target[i].mass, 3600);
+      addShifted(expected, own, shiftOf(bodies.view, group, static_cast<int>(i)));
+    }
+    const Sym6 sum = pack(group.inertia), wanted = pack(expected);
+    double largest = 0;
+    for (const double x : wanted.a) largest = std::max(largest, std::fabs(x));
+    for (std::size_t k = 0; k < std::size(wanted.a); ++k) EXPECT_NEAR(sum.a[k], wanted.a[k], 1e-10 * largest) << k << (joined ? ", joined" : "");
+    EXPECT_EQ(length(group.inertia.fl) + length(group.inertia.fa), 0);
+  }
+}
+
+}  // namespace
+}  // namespace rubble::RUBBLE_CORE
