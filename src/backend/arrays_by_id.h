@@ -10,16 +10,16 @@ template <class Buffer>
 class ArraysById {
  public:
   template <class Gather>
-  ArrayView view(StateArray which, const View& s, int bodies, Gather&& gather) {
+  ArrayView view(StateArray which, const SolverData& s, int bodies, Gather&& gather) {
     Buffer& buffer = buffers_[static_cast<int>(which)];
-    return withStateArray(which, [&]<class T>(T* View::*member) {
+    return withStateArray(which, [&]<class T>(T* SolverData::*member) {
       buffer.reserve(sizeof(T) * static_cast<std::size_t>(bodies));
       gather(buffer.data(), s.*member, static_cast<int>(sizeof(T)));
       return rowsOf(reinterpret_cast<const T*>(buffer.data()), bodies);
     });
   }
   template <class Gather>
-  void follow(const View& s, int bodies, Gather&& gather) {
+  void follow(const SolverData& s, int bodies, Gather&& gather) {
     for (int k = 0; k < kArrays; ++k)
       if (buffers_[k].size() > 0) view(static_cast<StateArray>(k), s, bodies, gather);
   }

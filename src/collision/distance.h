@@ -48,11 +48,11 @@ struct Part {
   double weight[3];
 };
 
-RUBBLE_HD RUBBLE_APART inline Vec3d rareSupport(const Convex& c, const Vec3d& d) { return RUBBLE_CORE::support(c, d); }
+RUBBLE_HD RUBBLE_APART inline Vec3d generalSupport(const Convex& c, const Vec3d& d) { return RUBBLE_CORE::support(c, d); }
 
 RUBBLE_HD inline Vec3d support(const Placed& s, const Vec3d& direction) {
   const Vec3d d = rotateInverse(s.q, direction);
-  if (s.shape.kind > ShapeKind::RoundBox) return s.p + rotate(s.q, rareSupport(s.shape, d));
+  if (s.shape.kind > ShapeKind::RoundBox) return s.p + rotate(s.q, generalSupport(s.shape, d));
   // the core of a sphere is a box of no size, that of a capsule a line
   const Vec3d half(s.shape.half);
   return s.p + rotate(s.q, Vec3d{d.x < 0 ? -half.x : half.x, d.y < 0 ? -half.y : half.y, d.z < 0 ? -half.z : half.z});
@@ -257,14 +257,14 @@ RUBBLE_HD inline double turnReach(const Placed& s, const Way& way, const Vec3d& 
 }
 
 /// Where and when A and B come within `tolerance` of one another.
-struct Meeting {
+struct TimeOfImpact {
   double fraction;  ///< of the way, above 1: never
   Separation at;
 };
 inline constexpr double kNeverMet = 2;
-RUBBLE_HD inline Meeting meeting(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, double tolerance) {
+RUBBLE_HD inline TimeOfImpact meeting(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, double tolerance) {
   constexpr int kMostSteps = 128;  // whoever needs more stays within the tolerance for long: then that is where they meet
-  Meeting m{0, separation(a, b)};
+  TimeOfImpact m{0, separation(a, b)};
   for (int step = 0; step < kMostSteps && m.at.distance > tolerance; ++step) {
     const Way nowA = wayFrom(wayA, m.fraction), nowB = wayFrom(wayB, m.fraction);
     const double closing = dot(m.at.n, nowA.move - nowB.move) + turnReach(a, nowA, m.at.n) + turnReach(b, nowB, m.at.n);
@@ -287,7 +287,7 @@ RUBBLE_HD inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& 
 /// Where and when A and B, which something holds apart along n, go deeper into one another than `allowed`, or than they are by `more`, so that the step
 /// goes on for them in any case. While their gap along n, which turns with one of them, tells that they do not, nothing else is asked; then their
 /// distance is, whose direction takes its place.
-RUBBLE_HD inline Meeting meetingBeyond(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, const Vec3d& n, bool turnsWithB,
+RUBBLE_HD inline TimeOfImpact meetingBeyond(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, const Vec3d& n, bool turnsWithB,
                                        double allowed, double more) {
   constexpr int kMostSteps = 128;
   constexpr double kMostTurn = .1;    // of n in a step of the search [rad]: bounds of speeds along it are those at its beginning
@@ -298,7 +298,7 @@ RUBBLE_HD inline Meeting meetingBeyond(const Placed& a, const Way& wayA, const P
   const Placed& own = turnsWithB ? b : a;
   const Placed endA = movedBy(a, wayA, 1), endB = movedBy(b, wayB, 1);
   Vec3d local = rotateInverse(own.q, n);
-  Meeting m{kNeverMet, {start, {}, {}, n}};
+  TimeOfImpact m{kNeverMet, {start, {}, {}, n}};
   const bool sameSide = length((turnsWithB ? wayB : wayA).turn) <= kSameSide;
   if (sameSide && gapAlong(endA, endB, rotate((turnsWithB ? endB : endA).q, local)) >= -allowed) return m;
 

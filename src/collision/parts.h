@@ -26,7 +26,7 @@ RUBBLE_HD inline RawManifold collideParts(const ShapeTables& tables, const Place
   const Vec3 between = t + b.at - a.at;
   const Weight weight{-a.at, t - a.at, down};
   RawManifold m;
-  if (isPlain(a.shape.kind) && isPlain(b.shape.kind)) {
+  if (isPrimitive(a.shape.kind) && isPrimitive(b.shape.kind)) {
     m = collide(a.shape, a.q, b.shape, b.q, between, margin, length);
   } else if (b.shape.kind == ShapeKind::Plane) {
     m = collideConvexPlane(convexOf(tables, a.shape), a.q, b.q, between, margin, length, weight);

@@ -182,7 +182,7 @@ RUBBLE_HD inline PointDistance pointToConvex(const ShapeTables& tables, const Sh
 }
 
 /// Shapes that are not plain. Of a compound it is the nearest part, inside the one that the point is deepest in.
-RUBBLE_HD RUBBLE_APART inline PointDistance pointToRareShape(const ShapeTables& tables, const ShapeData& s, const Vec3& x, const PointReach& reach) {
+RUBBLE_HD RUBBLE_APART inline PointDistance pointToGeneralShape(const ShapeTables& tables, const ShapeData& s, const Vec3& x, const PointReach& reach) {
   switch (s.kind) {
     case ShapeKind::Mesh:
     case ShapeKind::HeightField: return pointToTriangles(tables, s, x, reach);

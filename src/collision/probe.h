@@ -118,11 +118,11 @@ RUBBLE_HD inline Separation nearestOfTriangles(const PlacedAny& surface, double 
 
 /// A ray from the origin along `move`. Surfaces that are one-sided are met from their front.
 RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) {
-  if (isPlain(target.shape.kind)) return castRay(asConvex(target), {}, move);
+  if (isPrimitive(target.shape.kind)) return castRay(asConvex(target), {}, move);
   RayMeeting out{rays::kNever, {}};
   if (isConvex(target.shape.kind)) {
     const double gap = kRayGap * static_cast<double>(boundingRadius(target.shape));
-    const Meeting m = meeting({probes::point(), {}, {}}, {move, {}}, asConvex(target), probes::kStill, gap);
+    const TimeOfImpact m = meeting({probes::point(), {}, {}}, {move, {}}, asConvex(target), probes::kStill, gap);
     out = {m.fraction, m.at.distance > 0 ? -m.at.n : Vec3d{}};
   } else if (target.shape.kind == ShapeKind::Distance) {
     out = probes::rayToField(target, move);
@@ -142,8 +142,8 @@ RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) 
 }
 
 /// Where a convex shape that goes `move` comes within `tolerance` of another; the normal of the meeting points out of the other.
-RUBBLE_HD inline Meeting castShape(const PlacedAny& own, const Vec3d& move, const PlacedAny& target, double tolerance) {
-  const auto all = [](const Vec3d&, const Meeting&) { return true; };
+RUBBLE_HD inline TimeOfImpact castShape(const PlacedAny& own, const Vec3d& move, const PlacedAny& target, double tolerance) {
+  const auto all = [](const Vec3d&, const TimeOfImpact&) { return true; };
   const Way way{move, {}};
   if (target.shape.kind == ShapeKind::Distance) return meetField(target, probes::kStill, own, way, {tolerance}, all);
   if (isSurface(target.shape.kind)) {

@@ -16,13 +16,13 @@ struct ShapeData {
   int data;        ///< place of its header in ShapeTables::index; -1: has none
 };
 
-RUBBLE_HD constexpr bool isPlain(ShapeKind kind) { return kind <= ShapeKind::Plane; }
+RUBBLE_HD constexpr bool isPrimitive(ShapeKind kind) { return kind <= ShapeKind::Plane; }
 /// Convex, with a support function.
 RUBBLE_HD constexpr bool isConvex(ShapeKind kind) { return kind != ShapeKind::Plane && kind <= ShapeKind::Triangle; }
 /// Touches another shape in places with several normals: a pair has kSurfaceSlots manifolds.
 RUBBLE_HD constexpr bool isSurface(ShapeKind kind) { return kind >= ShapeKind::Mesh; }
 
-/// Four numbers side by side: a vertex, a plane (normal, offset), samples.
+/// Lane4 numbers side by side: a vertex, a plane (normal, offset), samples.
 struct alignas(4 * sizeof(Real)) Vec4 {
   Real x, y, z, w;
 };

@@ -88,7 +88,7 @@ RUBBLE_HD void visitTrianglesAlong(const ShapeTables& tables, const ShapeData& s
 /// A convex part against a mesh or height field (A). One whose centre is behind a one-sided triangle does not meet it.
 /// meet(triangle, face normal towards the part) says where the part meets one of them.
 template <class Meet>
-RUBBLE_HD Meeting meetTriangles(const PlacedAny& surface, const Way& wayS, const Placed& part, const Way& wayP, const MeetRule& rule,
+RUBBLE_HD TimeOfImpact meetTriangles(const PlacedAny& surface, const Way& wayS, const Placed& part, const Way& wayP, const MeetRule& rule,
                                 Meet&& meet) {
   const Vec3d move = wayP.move * wayP.until - wayS.move * wayS.until;
   const Vec3d x = rotateInverse(surface.q, part.p - surface.p), d = rotateInverse(surface.q, move);
@@ -97,7 +97,7 @@ RUBBLE_HD Meeting meetTriangles(const PlacedAny& surface, const Way& wayS, const
   const Placed end = movedBy(part, {move, wayP.turn * wayP.until}, 1);
   const bool twoSided = isTwoSided(surface.tables, surface.shape);
   Placed triangle{{ShapeKind::Triangle, surface.shape.half, 0, nullptr, nullptr, nullptr, 0, 0, {}}, surface.p, surface.q};
-  Meeting best{kNeverMet, {}};
+  TimeOfImpact best{kNeverMet, {}};
   double limit = 1;
   visitTrianglesAlong(surface.tables, surface.shape, x, d, {reach, reach, reach}, limit, [&](const SurfaceTriangle& t) {
     const Vec3d a(t.corner[0]), b(t.corner[1]), c(t.corner[2]);
@@ -111,7 +111,7 @@ RUBBLE_HD Meeting meetTriangles(const PlacedAny& surface, const Way& wayS, const
     const bool above = dot(up, gjk::support(end, -up) - corner) > slack;
     if (above && (rule.passing || dot(up, gjk::support(part, -up) - corner) > slack)) return;
     for (int k = 0; k < 3; ++k) triangle.shape.corner[k] = t.corner[k];
-    const Meeting m = meet(triangle, up);
+    const TimeOfImpact m = meet(triangle, up);
     if (m.fraction > limit || (m.fraction == limit && best.fraction <= 1)) return;
     best = m;
     limit = m.fraction;
@@ -121,12 +121,12 @@ RUBBLE_HD Meeting meetTriangles(const PlacedAny& surface, const Way& wayS, const
 
 /// Points of a distance field (A) against a mesh or height field.
 template <class Accepts>
-RUBBLE_HD Meeting meetFieldTriangles(const PlacedAny& field, const Way& wayF, const PlacedAny& surface, const Way& wayS, const MeetRule& rule,
+RUBBLE_HD TimeOfImpact meetFieldTriangles(const PlacedAny& field, const Way& wayF, const PlacedAny& surface, const Way& wayS, const MeetRule& rule,
                                      Accepts&& accepts) {
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
   const bool twoSided = isTwoSided(surface.tables, surface.shape);
   const Quatd turnF = turnOf(wayF.turn * wayF.until), turnS = turnOf(wayS.turn * wayS.until);
-  Meeting best{kNeverMet, {}};
+  TimeOfImpact best{kNeverMet, {}};
   double limit = 1;
   for (int k = 0; k < lattice.pointCount; ++k) {
     const Vec3d lever = rotate(field.q, Vec3d(xyz(lattice.points[k])));
@@ -139,7 +139,7 @@ RUBBLE_HD Meeting meetFieldTriangles(const PlacedAny& field, const Way& wayF, co
       if (r.fraction > limit || (r.fraction == limit && best.fraction <= 1)) return;
       if (rule.passing && dot(r.n, to - a) > -rule.held) return;
       const Vec3d n = -rotate(surface.q, r.n), at = field.p + lever;
-      const Meeting m{r.fraction, {0, at, at, n}};
+      const TimeOfImpact m{r.fraction, {0, at, at, n}};
       if (!accepts(n, m)) return;
       best = m;
       limit = r.fraction;
@@ -172,7 +172,7 @@ RUBBLE_HD inline Separation fieldSeparation(const PlacedAny& field, const Placed
 
 /// A distance field (A) against a shape of any kind. Where they touch without meeting it goes on by half a spacing.
 template <class Accepts>
-RUBBLE_HD Meeting meetField(const PlacedAny& field, const Way& wayF, const PlacedAny& other, const Way& wayO, const MeetRule& rule, Accepts&& accepts) {
+RUBBLE_HD TimeOfImpact meetField(const PlacedAny& field, const Way& wayF, const PlacedAny& other, const Way& wayO, const MeetRule& rule, Accepts&& accepts) {
   if (other.shape.kind == ShapeKind::Mesh || other.shape.kind == ShapeKind::HeightField)
     return meetFieldTriangles(field, wayF, other, wayO, rule, accepts);
   constexpr int kMostSteps = 128;
@@ -190,7 +190,7 @@ RUBBLE_HD Meeting meetField(const PlacedAny& field, const Way& wayF, const Place
     const Placed m = movedBy({{}, s.p, s.q, s.arm}, way, fraction);
     return PlacedAny{s.tables, s.shape, m.p, m.q, m.arm};
   };
-  Meeting m{0, {}}, first{kNeverMet, {}};
+  TimeOfImpact m{0, {}}, first{kNeverMet, {}};
   for (int step = 0; step < kMostSteps; ++step) {
     const PlacedAny f = moved(field, wayF, m.fraction), o = moved(other, wayO, m.fraction);
     m.at = fieldSeparation(f, o);
@@ -202,7 +202,7 @@ RUBBLE_HD Meeting meetField(const PlacedAny& field, const Way& wayF, const Place
     m.fraction = min(1.0, m.fraction + (touches ? detail : m.at.distance - rule.tolerance / 2) / speed);
   }
   // so long beside the surface: whatever comes then is not passed through
-  return rule.passing ? m : Meeting{kNeverMet, m.at};
+  return rule.passing ? m : TimeOfImpact{kNeverMet, m.at};
 }
 
 namespace sweep {
@@ -229,7 +229,7 @@ RUBBLE_HD inline Real innerRadiusOfPart(const ShapeTables& tables, const ShapeDa
   }
 }
 
-RUBBLE_HD RUBBLE_APART inline Real rareInnerRadius(const ShapeTables& tables, const ShapeData& s) {
+RUBBLE_HD RUBBLE_APART inline Real generalInnerRadius(const ShapeTables& tables, const ShapeData& s) {
   if (s.kind != ShapeKind::Compound) return innerRadiusOfPart(tables, s);
   const int first = tables.index[s.data + 2], count = tables.index[s.data + 3];
   Real least = Real(1e18);
@@ -241,7 +241,7 @@ RUBBLE_HD RUBBLE_APART inline Real rareInnerRadius(const ShapeTables& tables, co
 
 /// Half of the smallest thickness of any shape: of a compound that of its thinnest part; a surface has none. [m]
 RUBBLE_HD inline Real innerRadiusOf(const ShapeTables& tables, const ShapeData& s) {
-  return isPlain(s.kind) ? innerRadius(s) : sweep::rareInnerRadius(tables, s);
+  return isPrimitive(s.kind) ? innerRadius(s) : sweep::generalInnerRadius(tables, s);
 }
 
 /// Half of the thickness of the thinner of two shapes; planes and surfaces have none of their own. [m]

@@ -83,27 +83,27 @@ void addCompound(CookedShape& out, const Shape& shape, const std::string& path) 
   for (std::size_t i = 0; i < parts.size(); ++i) {
     CookedShape& part = cooked[i];
     const Quat q = normalize(parts[i].orientation);
-    CookedPart entry;
-    entry.shape = part.shape;
-    entry.position = rotate(back, parts[i].position + rotate(q, part.unit.centre) - out.unit.centre);
-    entry.rotation = normalize(back * q * part.unit.axes);
-    entry.radius = part.radius;
-    entry.material = parts[i].material;
+    CookedPart incidence;
+    incidence.shape = part.shape;
+    incidence.position = rotate(back, parts[i].position + rotate(q, part.unit.centre) - out.unit.centre);
+    incidence.rotation = normalize(back * q * part.unit.axes);
+    incidence.radius = part.radius;
+    incidence.material = parts[i].material;
     // its tables behind those that are there
     const int vectors = static_cast<int>(out.vectors.size()), indices = static_cast<int>(out.indices.size());
     for (const int place : part.vectorPlaces) part.indices[static_cast<std::size_t>(place)] += vectors, out.vectorPlaces.push_back(place + indices);
     for (const int place : part.indexPlaces) part.indices[static_cast<std::size_t>(place)] += indices, out.indexPlaces.push_back(place + indices);
-    if (entry.shape.data >= 0) entry.shape.data += indices;
+    if (incidence.shape.data >= 0) incidence.shape.data += indices;
     out.vectors.insert(out.vectors.end(), part.vectors.begin(), part.vectors.end());
     out.indices.insert(out.indices.end(), part.indices.begin(), part.indices.end());
 
-    const Mat3 r = rotationMatrix(entry.rotation);
+    const Mat3 r = rotationMatrix(incidence.rotation);
     const Vec3& h = part.shape.half;
     const double extra = part.shape.radius;
     const Vec3 reach = abs(r.c0) * h.x + abs(r.c1) * h.y + abs(r.c2) * h.z + Vec3{extra, extra, extra};
-    for (int k = 0; k < 3; ++k) out.shape.half[k] = std::max(out.shape.half[k], std::fabs(entry.position[k]) + reach[k]);
-    out.radius = std::max(out.radius, length(entry.position) + part.radius);
-    out.parts.push_back(entry);
+    for (int k = 0; k < 3; ++k) out.shape.half[k] = std::max(out.shape.half[k], std::fabs(incidence.position[k]) + reach[k]);
+    out.radius = std::max(out.radius, length(incidence.position) + part.radius);
+    out.parts.push_back(incidence);
   }
 }
 

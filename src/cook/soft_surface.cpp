@@ -24,9 +24,9 @@ std::vector<std::array<int, 3>> boundaryOf(const std::vector<std::array<int, 4>>
     for (const std::array<int, 3>& f : {std::array<int, 3>{t[1], t[2], t[3]}, {t[0], t[3], t[2]}, {t[0], t[1], t[3]}, {t[0], t[2], t[1]}}) {
       std::array<int, 3> key = f;
       std::sort(key.begin(), key.end());
-      auto& entry = faces[key];
-      entry.first = f;
-      ++entry.second;
+      auto& incidence = faces[key];
+      incidence.first = f;
+      ++incidence.second;
     }
   }
   std::vector<std::array<int, 3>> out;
@@ -45,12 +45,12 @@ void addSurface(SoftModel& m, const DeformableDef& d, const std::vector<std::arr
     SoftModel::SurfaceFace face{triangles[t], {}, source(kMembranes, t)};
     for (std::size_t k = 0; k < 3; ++k) {
       const Edge edge = orderedEdge(triangles[t][k], triangles[t][(k + 1) % 3]);
-      const auto [entry, isNew] = numbers.emplace(edge, int(m.edges.size()));
+      const auto [incidence, isNew] = numbers.emplace(edge, int(m.edges.size()));
       if (isNew) m.edges.push_back({{edge.first, edge.second}, false, {}, {-1, -1}});
-      SoftModel::SurfaceEdge& own = m.edges[std::size_t(entry->second)];
+      SoftModel::SurfaceEdge& own = m.edges[std::size_t(incidence->second)];
       own.source[isNew ? 0 : 1] = face.source;
       own.opposite[isNew ? 0 : 1] = triangles[t][(k + 2) % 3];
-      face.edge[k] = entry->second;
+      face.edge[k] = incidence->second;
     }
     m.faces.push_back(face);
   }

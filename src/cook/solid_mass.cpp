@@ -80,8 +80,8 @@ SolidSums tetrahedronSums(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 s = a + b + c;
   out.volume = volume;
   out.first = s * (volume / 4);
-  const auto entry = [&](int i, int j) { return volume / 20 * (s[i] * s[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j]); };
-  out.second = {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)};
+  const auto incidence = [&](int i, int j) { return volume / 20 * (s[i] * s[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j]); };
+  out.second = {incidence(0, 0), incidence(1, 1), incidence(2, 2), incidence(0, 1), incidence(0, 2), incidence(1, 2)};
   return out;
 }
 
@@ -104,13 +104,13 @@ SolidSums placed(const SolidSums& s, const Vec3& position, const Quat& q, double
   const Mat3 turned = r * m * transpose(r);
   const Vec3 first = r * s.first;
   const Mat3& t = turned;
-  const auto entry = [&](int i, int j, double own) {
+  const auto incidence = [&](int i, int j, double own) {
     return density * (own + first[i] * position[j] + position[i] * first[j] + s.volume * position[i] * position[j]);
   };
   SolidSums out;
   out.volume = density * s.volume;
   out.first = density * (first + s.volume * position);
-  out.second = {entry(0, 0, t.c0.x), entry(1, 1, t.c1.y), entry(2, 2, t.c2.z), entry(0, 1, t.c1.x), entry(0, 2, t.c2.x), entry(1, 2, t.c2.y)};
+  out.second = {incidence(0, 0, t.c0.x), incidence(1, 1, t.c1.y), incidence(2, 2, t.c2.z), incidence(0, 1, t.c1.x), incidence(0, 2, t.c2.x), incidence(1, 2, t.c2.y)};
   return out;
 }
 

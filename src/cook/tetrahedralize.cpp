@@ -73,17 +73,17 @@ class Stuffing {
   }
 
   int vertexOf(int point) {
-    const auto [entry, isNew] = vertices_.emplace(point, static_cast<int>(out_.vertices.size()));
+    const auto [incidence, isNew] = vertices_.emplace(point, static_cast<int>(out_.vertices.size()));
     if (isNew) {
       const auto at = moved_.find(point);
       out_.vertices.push_back(at == moved_.end() ? lattice_.place(point) : at->second);
     }
-    return entry->second;
+    return incidence->second;
   }
   int cutVertex(int inside, int outside) {
-    const auto [entry, isNew] = cutVertices_.emplace(edgeKey(inside, outside), static_cast<int>(out_.vertices.size()));
+    const auto [incidence, isNew] = cutVertices_.emplace(edgeKey(inside, outside), static_cast<int>(out_.vertices.size()));
     if (isNew) out_.vertices.push_back(cuts_.at(edgeKey(inside, outside)));
-    return entry->second;
+    return incidence->second;
   }
 
   /// What of a tetrahedron is inside.

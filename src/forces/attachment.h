@@ -62,22 +62,22 @@ struct Attachment {
     Real e[kRows], f[kRows];
     const Real l[kRows] = {lambda.x, lambda.y, lambda.z};
     error(a, moved, e);
-    groupForce<kRows>(group, e, l, f, kRows, hessian);
+    aggregateForce<kRows>(group, e, l, f, kRows, hessian);
     return {f[0], f[1], f[2]};
   }
-  RUBBLE_HD void stampVertex(const BodyMove& a, const Vec3& moved, int corner, Block3& block) const {
+  RUBBLE_HD void accumulateVertex(const BodyMove& a, const Vec3& moved, int corner, Block3& block) const {
     Real hessian;
     const Vec3 f = force(a, moved, hessian);
     block.f -= weight[corner] * f;
     block.addDiagonal(weight[corner] * weight[corner] * hessian);
   }
-  RUBBLE_HD void stampBody(const BodyMove& a, const Vec3& moved, Block6& block) const {
+  RUBBLE_HD void accumulateBody(const BodyMove& a, const Vec3& moved, Block6& block) const {
     Real hessian;
     const Vec3 f = force(a, moved, hessian), r = rotate(a.turn, lever);
-    stampRow(block, {{1, 0, 0}, {0, r.z, -r.y}}, f.x, hessian);
-    stampRow(block, {{0, 1, 0}, {-r.z, 0, r.x}}, f.y, hessian);
-    stampRow(block, {{0, 0, 1}, {r.y, -r.x, 0}}, f.z, hessian);
-    stampCurvature(block, {{0, 0, 0}, turningColumnNorms(f, r)});
+    accumulateRow(block, {{1, 0, 0}, {0, r.z, -r.y}}, f.x, hessian);
+    accumulateRow(block, {{0, 1, 0}, {-r.z, 0, r.x}}, f.y, hessian);
+    accumulateRow(block, {{0, 0, 1}, {r.y, -r.x, 0}}, f.z, hessian);
+    accumulateCurvature(block, {{0, 0, 0}, turningColumnNorms(f, r)});
   }
   RUBBLE_HD void updateDual(const BodyMove& a, const Vec3& moved) {
     Real e[kRows], l[kRows] = {lambda.x, lambda.y, lambda.z};

@@ -20,7 +20,7 @@ inline constexpr Real kHardValue = Real(1e18);
 /// A limit beyond this is none [m, rad].
 inline constexpr Real kNoLimit = Real(1e18);
 /// A limit without load takes no part in a step if the coordinate stays inside even when it moves so many times as far as predicted [1] ...
-inline constexpr Real kDormantReach = Real(1.5);
+inline constexpr Real kInactiveReach = Real(1.5);
 /// ... unless an impact may drive it there: within so many radians, or shares of the characteristic length, it is watched [rad, 1]. A limit that is
 /// watched has no stiffness until it is crossed, so free motion stays free.
 inline constexpr Real kWatchReach = Real(1.5);
@@ -41,7 +41,7 @@ struct AxisRow {
   Real lo, hi;        ///< interval after regularisation
   Real compliance;    ///< 1 / K_tot; 0: hard
   Real bound;
-  int acts;             ///< 0, 1, or kWatched; no bool, for padding would be left to chance where states are compared byte by byte
+  int active;             ///< 0, 1, or kWatched; no bool, for padding would be left to chance where states are compared byte by byte
   int keepsMultiplier;  ///< 0, 1
 };
 
@@ -59,7 +59,7 @@ RUBBLE_HD inline Real axisForce(const AxisRow& row, Real c, Real& force, Real& h
   const Real s = row.keepsMultiplier ? Real(1) / (Real(1) + row.k * row.compliance) : Real(1);
   const Real up = s * (row.k * (c - row.hi) + row.lambda), low = s * (row.k * (c - row.lo) + row.lambda);
   force = up > Real(0) ? up : low < Real(0) ? low : Real(0);
-  hessian = row.acts == kWatched && force == Real(0) ? Real(0) : s * row.k;
+  hessian = row.active == kWatched && force == Real(0) ? Real(0) : s * row.k;
   const Real error = force > Real(0) ? c - row.hi : force < Real(0) ? c - row.lo : Real(0);
   const Real size = absOf(force);
   if (size > row.bound) {
@@ -75,7 +75,7 @@ RUBBLE_HD inline Real axisForce(const AxisRow& row, Real c, Real& force, Real& h
 RUBBLE_HD inline void axisForces(const AxisRows& rows, Real c, Real& force, Real& hessian) {
   force = hessian = Real(0);
   const auto add = [&](const AxisRow& row) {
-    if (!row.acts) return;
+    if (!row.active) return;
     Real f, k;
     axisForce(row, c, f, k);
     force += f;
@@ -83,16 +83,16 @@ RUBBLE_HD inline void axisForces(const AxisRows& rows, Real c, Real& force, Real
   };
   add(rows.limit), add(rows.drive), add(rows.friction);
 }
-RUBBLE_HD inline bool actsAtAll(const AxisRows& rows) { return rows.limit.acts || rows.drive.acts || rows.friction.acts; }
+RUBBLE_HD inline bool actsAtAll(const AxisRows& rows) { return rows.limit.active || rows.drive.active || rows.friction.active; }
 /// The force that the rows have after the last dual update.
 RUBBLE_HD inline Real axisLoad(const AxisRows& rows) {
-  return (rows.limit.acts ? rows.limit.lambda : Real(0)) + (rows.drive.acts ? rows.drive.lambda : Real(0)) +
-         (rows.friction.acts ? rows.friction.lambda : Real(0));
+  return (rows.limit.active ? rows.limit.lambda : Real(0)) + (rows.drive.active ? rows.drive.lambda : Real(0)) +
+         (rows.friction.active ? rows.friction.lambda : Real(0));
 }
 
 /// [S 13] and [S 14] of one row.
 RUBBLE_HD inline void updateAxisRow(const StepConstants& c, const AxisRows& rows, AxisRow& row, Real value) {
-  if (!row.acts) return;
+  if (!row.active) return;
   Real force, hessian;
   const Real error = axisForce(row, value, force, hessian);
   const bool inside = absOf(force) < row.bound && force != Real(0);
@@ -139,20 +139,20 @@ RUBBLE_HD inline void beginAxisRow(const StepConstants& c, AxisRows& rows, AxisR
   row.lambda = ramp ? Real(0) : isNew && !hard ? clamp(authored, -bound, bound) : kept * row.lambda;
   row.k = isNew ? newStiffness(rule, row.lambda) : warmStiffness(c, rule, row.k, row.lambda);
   row.bound = bound;
-  row.acts = true;
+  row.active = true;
 }
 
 /// Rows of this step, from x^t.
 RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, AxisRows& rows, const AxisSituation& at) {
   rows.start = startStiffness(c, at.inertia);
   rows.length = at.length;
-  const auto rest = [](AxisRow& row) { row.acts = false, row.lambda = 0, row.k = 0; };
+  const auto rest = [](AxisRow& row) { row.active = false, row.lambda = 0, row.k = 0; };
 
   AxisRow& limit = rows.limit;
   if (rows.impact) limit.lambda = rows.beforeImpact;
   rows.impact = false;
   if (spec.lo > -kNoLimit || spec.hi < kNoLimit) {
-    const Real lo = spec.lo - at.turn, hi = spec.hi - at.turn, next = at.value + kDormantReach * at.change;
+    const Real lo = spec.lo - at.turn, hi = spec.hi - at.turn, next = at.value + kInactiveReach * at.change;
     const bool locked = spec.lo == spec.hi;
     const auto inside = [&](Real v) { return v > lo && v < hi; };
     const bool dormant = !locked && limit.lambda == Real(0) && inside(at.value) && inside(next);
@@ -168,7 +168,7 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       const Real before = limit.lambda;
       const Real beyond = locked || at.value > hi ? at.value - hi : min(at.value - lo, Real(0));
       beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma, spec.limitStiffness * beyondRoundOff(beyond, absOf(at.value) + at.length), at.bound);
-      if (dormant) limit.acts = kWatched;
+      if (dormant) limit.active = kWatched;
       // as for contacts: the multiplier of an impact is many times the load that follows
       rows.impact = c.impactRule && hard && !locked && absOf(at.change) * c.inverseDt * at.reach > impactSpeed(c, at.size) && !inside(at.value + at.change);
       rows.beforeImpact = before;
@@ -209,7 +209,7 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
 
 /// A part that takes no part in a step.
 RUBBLE_HD inline void restPart(AxisRows& rows) {
-  for (AxisRow* row : {&rows.limit, &rows.drive, &rows.friction}) row->acts = false, row->lambda = 0, row->k = 0;
+  for (AxisRow* row : {&rows.limit, &rows.drive, &rows.friction}) row->active = false, row->lambda = 0, row->k = 0;
   rows.impact = false;
 }
 

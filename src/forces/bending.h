@@ -32,7 +32,7 @@ struct QuadraticBend {
   }
   RUBBLE_HD void begin(const StepConstants&, const Vec3 (&)[N]) {}
   RUBBLE_HD Real energy(const StepConstants&, const Vec3 (&x)[N]) const { return stiffness / 2 * lengthSquared(sum(x)); }
-  RUBBLE_HD void stamp(const StepConstants&, const Vec3 (&x)[N], int corner, Block3& block) const {
+  RUBBLE_HD void accumulate(const StepConstants&, const Vec3 (&x)[N], int corner, Block3& block) const {
     const Real w = weight[corner];
     block.f -= (stiffness * w) * sum(x);
     block.addDiagonal(stiffness * w * w);
@@ -94,7 +94,7 @@ struct FoldBend {
     const Real angle = fold(x).angle, away = turn(angle, restAngle), moved = turn(angle, angleStart);
     return stiffness / 2 * away * away + damping * c.inverseDt / 2 * moved * moved;
   }
-  RUBBLE_HD void stamp(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
+  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
     const Fold f = fold(x);
     if (!f.valid) return;
     const Vec3 g = gradient(f, x, corner);

@@ -120,7 +120,7 @@ RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRo
 /// Adds forces and Hessians of the points to the block of A (onA) or B: [[W, -W [r]], [[r] W, -[r] W [r]]], W = k_n n n^T + tangential part.
 /// The block may be about another point than the body's centre, which then lies `shift` from that point. Hessians count `weight` times.
 template <class L>
-RUBBLE_HD void stampContact(const StepConstants& c, const ContactRows& m, bool onA, const Displacement& a, const Displacement& b, int lane,
+RUBBLE_HD void accumulateContact(const StepConstants& c, const ContactRows& m, bool onA, const Displacement& a, const Displacement& b, int lane,
                             Block6T<L>& block, const Vec3& shift = {0, 0, 0}, Real weight = 1) {
   const ContactFrame<L> f = contactFrame<L>(m, lane);
   const ContactForces<L> o = contactForces(c, m, f, a, b);

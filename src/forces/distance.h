@@ -64,9 +64,9 @@ struct DistanceJoint {
     if (mode != GroupMode::Point || was == (memory.isPoint != 0)) return;
     AxisRow& row = partOf<0>(spec.parts).driveStiffness > Real(0) ? axis.drive : axis.limit;
     if (memory.isPoint) {
-      const Vec3 load = (row.acts ? row.lambda : Real(0)) * n;
+      const Vec3 load = (row.active ? row.lambda : Real(0)) * n;
       point.lambda[0] = load.x, point.lambda[1] = load.y, point.lambda[2] = load.z;
-      point.state.k = row.acts ? row.k : Real(0);
+      point.state.k = row.active ? row.k : Real(0);
     } else {
       row.lambda = point.lambda[0] * n.x + point.lambda[1] * n.y + point.lambda[2] * n.z;
       row.k = point.state.k;

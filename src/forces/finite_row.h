@@ -4,7 +4,7 @@
 ///   compliant   F = s (k (C - c0) + lambda), s = K / (K + k), lambda <- F: F = K C at the fixed point, whatever k is       (engine)
 ///   ramp        F = k C, k <- min(K, k + beta |C|)                                                             (preset paper, [P 16])
 ///
-/// Block descent moves news one vertex a sweep, and the slower the stiffer the rows are that stamp their K; k starts near the inertia of the
+/// Block descent moves news one vertex a sweep, and the slower the stiffer the rows are that add their K; k starts near the inertia of the
 /// vertices instead and follows the load. A row much stiffer than that is as good as hard, and an error C - lambda/K that it has inherited
 /// must not become velocity: c0 = alpha (C - lambda/K) at x^t, which is the rule of hard rows for K -> infinity and vanishes where lambda has
 /// converged; the multiplier loses what theirs do. What an author has stretched is no such error: a row that is new starts with lambda = K C.

@@ -1,5 +1,5 @@
 #pragma once
-/// The list of forces. A new joint is its header and one entry here.
+/// The list of forces. A new joint is its header and one incidence here.
 #include <type_traits>
 
 #include "forces/ball.h"

@@ -78,7 +78,7 @@ struct PartList {
 
 struct AnchorRows;
 /// A joint about a point: its anchors coincide, and all else that it asks for depends on how A is turned against B alone. Sweeps read of it its
-/// PivotFrame, the rows of its anchors and those that turn, which look alike whatever its type (forces/joint_stamp.h).
+/// PivotFrame, the rows of its anchors and those that turn, which look alike whatever its type (forces/joint_accumulation.h).
 template <class F>
 constexpr bool isPivot() {
   return []<class First, class... P>(PartList<First, P...>) {
@@ -86,7 +86,7 @@ constexpr bool isPivot() {
   }(typename F::Parts{});
 }
 
-/// A part whose rows depend on the rotation of A relative to B alone. They are linear in it for an iteration (forces/joint_stamp.h).
+/// A part whose rows depend on the rotation of A relative to B alone. They are linear in it for an iteration (forces/joint_accumulation.h).
 template <class F, class P>
 constexpr bool isTurn() {
   return P::kUnit == RowUnit::Angular && !isCarried<F>();
@@ -104,14 +104,14 @@ constexpr int firstTurnLaw() {
   return laws;
 }
 template <class F>
-constexpr bool hasTurns() { return firstTurnLaw<F>() > 0; }
+constexpr bool hasAngularRows() { return firstTurnLaw<F>() > 0; }
 /// Bits of JointFrame::acting.
 constexpr int turnBit(int law) { return 1 + law; }
 
 /// `Point`: held in the steps in which the joint says so (kChooses).
 enum class GroupMode { Off, Hold, Friction, Point };
 
-/// Authored, of rows that are held together. What joints are made of is read in quads (readWhole).
+/// Authored, of rows that are held together. What joints are made of is read in quads (loadVectorized).
 struct alignas(4 * sizeof(Real)) GroupSpec {
   GroupMode mode;
   Real stiffness, damping;  ///< kHardValue: hard
@@ -177,7 +177,7 @@ struct JointSpec : Carriers<isCarried<F>()> {
   typename F::Data data;
   int a, b;                       ///< bodies, or kWorldBody
   bool alive;
-  bool holds;                     ///< does it hold its bodies together, as one group of the coarse correction?
+  bool isRigid;                     ///< does it hold its bodies together, as one group of the coarse correction?
   Real breakForce, breakTorque;   ///< [N], [N m]
   PartStore<PartSpec, typename F::Parts> parts;
 };
@@ -203,8 +203,8 @@ using FrameOf = std::conditional_t<isPivot<F>(), PivotFrame, JointFrame>;
 template <class F>
 struct Joint : FrameOf<F>, CarrierOffsets<isCarried<F>()> {
   int broken;                     ///< 0, 1
-  int acts;                       ///< 0, 1: in this step
-  int sharedLevel;                ///< finest level of groups at which its bodies share a cell (stages/coarse/groups.h)
+  int active;                       ///< 0, 1: in this step
+  int sharedLevel;                ///< finest level of groups at which its bodies share a cell (stages/coarse/aggregates.h)
   Real length;                    ///< L: bounding diameter of the smaller dynamic body [m]
   typename F::Memory memory;
   PartStore<PartRows, typename F::Parts> parts;
@@ -371,11 +371,11 @@ RUBBLE_HD RUBBLE_NEAR bool partActs(const PartSpec<P>& spec, const PartRows<P>& 
 /// Does a part that turns have a law that acts?
 template <class F>
 RUBBLE_HD bool turnActs(int acting, int part) {
-  bool acts = false;
+  bool active = false;
   forEachPart<F>([&]<int I, class P>() {
-    if (I == part) acts = (acting >> turnBit(firstTurnLaw<F, I>()) & ((1 << turnLaws<F, P>()) - 1)) != 0;
+    if (I == part) active = (acting >> turnBit(firstTurnLaw<F, I>()) & ((1 << turnLaws<F, P>()) - 1)) != 0;
   });
-  return acts;
+  return active;
 }
 /// JointFrame::acting.
 template <class F>
@@ -387,7 +387,7 @@ RUBBLE_HD int actingRows(const JointSpec<F>& spec, const Joint<F>& joint) {
     if (I == 0) acting |= partActs<P>(partOf<I>(spec.parts), rows);
     if constexpr (isTurn<F, P>() && P::kAxis) {
       const AxisRow* const laws[] = {&rows.limit, &rows.drive, &rows.friction};
-      for (int k = 0; k < turnLaws<F, P>(); ++k) acting |= (laws[k]->acts != 0) << (kFirst + k);
+      for (int k = 0; k < turnLaws<F, P>(); ++k) acting |= (laws[k]->active != 0) << (kFirst + k);
     } else if constexpr (isTurn<F, P>()) {
       acting |= partActs<P>(partOf<I>(spec.parts), rows) << kFirst;
     }
@@ -418,7 +418,7 @@ RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Join
 /// Where its bodies are at x^t, and what of it acts once its rows are begun.
 template <class F>
 RUBBLE_HD void placeJoint(const JointSpec<F>& spec, Joint<F>& joint, const Vec3& offset, const SidePose<F>& a, const SidePose<F>& b) {
-  fillWhole(frameOf(joint), [&](FrameOf<F>& frame) {
+  storeVectorized(frameOf(joint), [&](FrameOf<F>& frame) {
     frame.offset = offset;
     frame.acting = actingRows(spec, joint);
     if constexpr (isPivot<F>())
@@ -441,7 +441,7 @@ RUBBLE_HD RUBBLE_NEAR bool forcesAt(const PartRows<P>& rows, const Real (&error)
     axisForces(rows, error[0], force[0], hessian);
     return force[0] != Real(0) || hessian > Real(0);
   } else {
-    groupForce<P::kRows>(rows.state, error, rows.lambda, force, P::kRows, hessian);
+    aggregateForce<P::kRows>(rows.state, error, rows.lambda, force, P::kRows, hessian);
     return true;
   }
 }
@@ -455,7 +455,7 @@ RUBBLE_HD RUBBLE_NEAR void partErrors(const JointSpec<F>& spec, const Joint<F>& 
 
 template <class F, int I, class P>
 RUBBLE_HD void updatePartDuals(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b) {
-  changeWhole(partOf<I>(joint.parts), [&](PartRows<P>& rows) {
+  updateVectorized(partOf<I>(joint.parts), [&](PartRows<P>& rows) {
     if (!partActs<P>(partOf<I>(spec.parts), rows)) return false;
     Real error[P::kRows];
     partErrors<P>(spec, joint, rows, a, b, error);

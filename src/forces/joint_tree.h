@@ -73,7 +73,7 @@ RUBBLE_HD void addTreeAxis(const StepConstants& c, const AxisRows& rows, Real va
     return value - row.hi > -kReached * rows.length ? 1 : row.lo - value > -kReached * rows.length ? -1 : 0;
   };
   const auto add = [&](const AxisRow& row, bool solved, TreeTake take) {
-    if (!row.acts) return;
+    if (!row.active) return;
     Real f, k;
     const Real beyond = axisForce(row, value, f, k);
     own += f;
@@ -100,7 +100,7 @@ template <int N, int kSides>
 RUBBLE_HD void addTreeGroup(const StepConstants& c, const GroupSpec& spec, const GroupRows<N>& rows, const Real (&error)[N], TreeSolve how,
                             TreePart<kSides>& out, Real (&own)[N]) {
   Real hessian, size2 = 0;
-  const bool inside = groupForce<N>(rows.state, error, rows.lambda, own, N, hessian);
+  const bool inside = aggregateForce<N>(rows.state, error, rows.lambda, own, N, hessian);
   for (int i = 0; i < N; ++i) size2 += own[i] * own[i];
   const bool free = inside && std::sqrt(size2) < rows.state.bound * (Real(1) - kAtBound);
   const bool solved = how != TreeSolve::Own && free && spec.mode != GroupMode::Friction && rows.state.keepsMultiplier;
@@ -116,7 +116,7 @@ RUBBLE_HD void findTreePart(const StepConstants& c, const JointSpec<F>& spec, co
                             TreeSolve how, TreePart<kSides<F>>& out) {
   static_assert(P::kRows <= kMostTreeRows);
   out.count = 0;
-  const auto& rows = readWhole(partOf<I>(joint.parts));
+  const auto& rows = loadVectorized(partOf<I>(joint.parts));
   if (!partActs<P>(partOf<I>(spec.parts), rows)) return;
   Real error[P::kRows], own[P::kRows];
   if constexpr (P::kAxis) {
@@ -143,7 +143,7 @@ struct TreeCoupling {
 
 /// Adds the rows of a joint to the block (h, f) of the body of a side (the lower triangle of h), and to its couplings e.
 template <class F>
-RUBBLE_HD void stampTreeRows(const TreeRows<F>& rows, int side, const TreeCoupling& to, Dense6& h, Long6& f, Dense6 (&e)[2]) {
+RUBBLE_HD void accumulateTreeRows(const TreeRows<F>& rows, int side, const TreeCoupling& to, Dense6& h, Long6& f, Dense6 (&e)[2]) {
   for (const TreePart<kSides<F>>& part : rows.part) {
     for (int k = 0; k < part.count; ++k) {
       const TreeRow<kSides<F>>& row = part.row[k];

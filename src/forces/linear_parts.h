@@ -45,12 +45,12 @@ struct AnchorRows {
   }
   /// With the curvature: that of the turn about the body's centre, wherever the block is about.
   template <class D, class Mask, class L>
-  RUBBLE_HD RUBBLE_NEAR static void stamp(const D& d, const PoseT<L>& a, const PoseT<L>& b, Mask onA, const Vec3T<L>& shift, const L (&f)[kRows], L k,
+  RUBBLE_HD RUBBLE_NEAR static void accumulate(const D& d, const PoseT<L>& a, const PoseT<L>& b, Mask onA, const Vec3T<L>& shift, const L (&f)[kRows], L k,
                                           Block6T<L>& block) {
     const Vec3T<L> r = select(onA, rotate(a.q, d.anchorA), rotate(b.q, d.anchorB)), force{f[0], f[1], f[2]};
     addAtLever(block, r + shift, select(onA, -force, force), k);
     const L zero = LaneAccess<L>::splat(0);
-    stampCurvature(block, {{zero, zero, zero}, turningColumnNorms(force, r)});
+    accumulateCurvature(block, {{zero, zero, zero}, turningColumnNorms(force, r)});
   }
 };
 

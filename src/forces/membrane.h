@@ -75,7 +75,7 @@ struct Membrane {
     }
     return sum;
   }
-  RUBBLE_HD void stamp(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
+  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
     const Columns f = deformation(x);
     const Gradient g = gradient(corner);
     Real error[kRows];

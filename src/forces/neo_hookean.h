@@ -59,7 +59,7 @@ struct NeoHookean {
     }
     return p;
   }
-  RUBBLE_HD void stamp(const StepConstants& c, const Vec3 (&x)[kCorners], const Sym3& start, int corner, Block3& block) const {
+  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], const Sym3& start, int corner, Block3& block) const {
     const Mat3 f = deformation(x), cof = cofactors(f);
     const Vec3 g = gradient(corner);
     block.f -= stress(c, f, cof, start) * g;
@@ -102,8 +102,8 @@ struct alignas(4 * sizeof(Real)) Tetrahedron : NeoHookean {
     }
     return sum;
   }
-  RUBBLE_HD void stamp(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
-    NeoHookean::stamp(c, x, strainStart, corner, block);
+  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
+    NeoHookean::accumulate(c, x, strainStart, corner, block);
   }
 };
 

@@ -18,7 +18,7 @@ struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
   Real weight[kPointCorners];  ///< c_i
   int body;                    ///< side A, or -1
   int part;                    ///< of its shape
-  int depth;                   ///< coarse levels at which what it joins is in different groups (stages/coarse/lumps.h)
+  int depth;                   ///< coarse levels at which what it joins is in different groups (stages/coarse/soft_nodes.h)
   int active;                  ///< near enough to have rows in this step
   int stick, impact;           ///< it stuck at the end of the step; it stops a fast approach in it
   Vec3 n;                      ///< unit
@@ -54,13 +54,13 @@ struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
     o.t = frictionForce<Real>(kT, o.c1, o.c2, lambda1, lambda2, o.fN, mu, muDynamic, c.coneHessian);
     return o;
   }
-  RUBBLE_HD void stampVertex(const StepConstants& c, const Vec3& d, int corner, Block3& block) const {
+  RUBBLE_HD void accumulateVertex(const StepConstants& c, const Vec3& d, int corner, Block3& block) const {
     const Forces o = forces(c, d);
     const Real w = weight[corner];
     block.f -= w * o.vector(n);
     block.h += (w * w) * o.hessian(n, kN);
   }
-  RUBBLE_HD void stampBody(const StepConstants& c, const Vec3& d, Block6& block) const {
+  RUBBLE_HD void accumulateBody(const StepConstants& c, const Vec3& d, Block6& block) const {
     const Forces o = forces(c, d);
     addAtLever(block, lever, -o.vector(n), o.hessian(n, kN));
   }

@@ -27,7 +27,7 @@ struct Pressure {
   RUBBLE_HD void begin(const StepConstants&, const Vec3 (&)[kCorners]) {}
   /// Its term of -p V, about the origin. [J]
   RUBBLE_HD Real energy(const StepConstants&, const Vec3 (&x)[kCorners]) const { return -pressure / 6 * dot(x[0], cross(x[1], x[2])); }
-  RUBBLE_HD void stamp(const StepConstants&, const Vec3 (&x)[kCorners], int, Block3& block) const {
+  RUBBLE_HD void accumulate(const StepConstants&, const Vec3 (&x)[kCorners], int, Block3& block) const {
     block.f += (pressure / 6) * cross(x[1] - x[0], x[2] - x[0]);
   }
 };

@@ -38,7 +38,7 @@ RUBBLE_HD inline RollingMoment rollingMoment(const RollingRows& r, const Vec3& w
 RUBBLE_HD inline Real sumOfNormals(const ContactRows& m) { return (m.load[0].lambdaN + m.load[1].lambdaN) + (m.load[2].lambdaN + m.load[3].lambdaN); }
 
 /// Adds the moment and its Hessian to the block of A or B.
-RUBBLE_HD inline void stampRolling(const RollingRows& r, const ContactRows& m, bool onA, const Displacement& a, const Displacement& b, Block6& block,
+RUBBLE_HD inline void accumulateRolling(const RollingRows& r, const ContactRows& m, bool onA, const Displacement& a, const Displacement& b, Block6& block,
                                    Real weight = 1) {
   if (r.kRoll == Real(0) && r.kTwist == Real(0)) return;
   const RollingMoment o = rollingMoment(r, a.dw - b.dw, sumOfNormals(m));

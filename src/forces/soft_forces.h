@@ -1,5 +1,5 @@
 #pragma once
-/// The list of elements between vertices. A new element is its header, one entry here and an array in view.h.
+/// The list of elements between vertices. A new element is its header, one incidence here and an array in view.h.
 #include "forces/bending.h"
 #include "forces/forces.h"
 #include "forces/membrane.h"

@@ -100,7 +100,7 @@ struct SoftModel {
 };
 
 /// Does a group of bodies move it as one: an object with clusters and without fixed vertices?
-inline bool isLump(const SoftModel& m) {
+inline bool isSoftNode(const SoftModel& m) {
   return !m.clusters.empty() && m.clusterOrder.size() == m.vertices.size();
 }
 

@@ -41,7 +41,7 @@ struct Spring {
   RUBBLE_HD FiniteForce evaluate(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     return finiteForce(c.compliantRows, row.stiffness, k, error(x), lambda);
   }
-  /// What that comes to when lambda has converged: for those who solve for all that the spring moves (stages/soft/lines.h).
+  /// What that comes to when lambda has converged: for those who solve for all that the spring moves (stages/soft/strands.h).
   RUBBLE_HD FiniteForce converged(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     return c.compliantRows ? FiniteForce{row.stiffness * error(x), row.stiffness} : evaluate(c, x);
   }
@@ -50,11 +50,11 @@ struct Spring {
     const Real e = error(x), s = c.compliantRows ? row.stiffness / (row.stiffness + k) : Real(1);
     return s * (k * e * e / 2 + lambda * e);
   }
-  RUBBLE_HD void stamp(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
-    stamp(x, corner, evaluate(c, x), block);
+  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
+    accumulate(x, corner, evaluate(c, x), block);
   }
   /// With that force.
-  RUBBLE_HD void stamp(const Vec3 (&x)[kCorners], int corner, const FiniteForce& f, Block3& block) const {
+  RUBBLE_HD void accumulate(const Vec3 (&x)[kCorners], int corner, const FiniteForce& f, Block3& block) const {
     const Vec3 d = corner == 0 ? x[0] - x[1] : x[1] - x[0];
     const Real l2 = dot(d, d);
     // ends on one another have no direction: the others pull them apart

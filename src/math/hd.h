@@ -66,7 +66,7 @@ RUBBLE_HD inline Vec3 load(const PaddedVec3& a) {
 template <class T>
 using Quads = int4[sizeof(T) / sizeof(int4)];
 template <class T>
-RUBBLE_HD RUBBLE_NEAR T readWhole(const T& from) {
+RUBBLE_HD RUBBLE_NEAR T loadVectorized(const T& from) {
   static_assert(alignof(T) % sizeof(int4) == 0);
   Quads<T> quads;
   RUBBLE_UNROLL
@@ -77,7 +77,7 @@ RUBBLE_HD RUBBLE_NEAR T readWhole(const T& from) {
 }
 /// fill(object) fills it, and says whether it is worth writing.
 template <class T, class Fill>
-RUBBLE_HD RUBBLE_NEAR void fillWhole(T& to, Fill&& fill) {
+RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) {
   static_assert(alignof(T) % sizeof(int4) == 0);
   T own;
   if (!fill(own)) return;
@@ -88,19 +88,19 @@ RUBBLE_HD RUBBLE_NEAR void fillWhole(T& to, Fill&& fill) {
 }
 /// change(object) changes it, and says whether it has.
 template <class T, class Change>
-RUBBLE_HD RUBBLE_NEAR void changeWhole(T& object, Change&& change) {
-  fillWhole(object, [&](T& own) {
-    own = readWhole(object);
+RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& object, Change&& change) {
+  storeVectorized(object, [&](T& own) {
+    own = loadVectorized(object);
     return change(own);
   });
 }
 #else
 template <class T>
-RUBBLE_HD RUBBLE_NEAR const T& readWhole(const T& from) { return from; }
+RUBBLE_HD RUBBLE_NEAR const T& loadVectorized(const T& from) { return from; }
 template <class T, class Fill>
-RUBBLE_HD RUBBLE_NEAR void fillWhole(T& to, Fill&& fill) { fill(to); }
+RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) { fill(to); }
 template <class T, class Change>
-RUBBLE_HD RUBBLE_NEAR void changeWhole(T& object, Change&& change) { change(object); }
+RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& object, Change&& change) { change(object); }
 #endif
 
 /// Place of the lowest bit of a number that is not 0.

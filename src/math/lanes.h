@@ -1,5 +1,5 @@
 #pragma once
-/// Four contact points, bodies or joints side by side. Their formulas are written once, for a lane type L: `Real` (one of them, a GPU thread) or
+/// Lane4 contact points, bodies or joints side by side. Their formulas are written once, for a lane type L: `Real` (one of them, a GPU thread) or
 /// `Real4` (four, a CPU vector register). A lane has the bits that it would have alone.
 #include <bit>
 #include <cstring>
@@ -29,7 +29,7 @@ RUBBLE_HD inline Real sumOf(Real a) { return a; }
 RUBBLE_HD inline bool allOf(bool mask) { return mask; }
 RUBBLE_HD inline bool anyOf(bool mask) { return mask; }
 
-/// Four numbers of each point that an L stands for.
+/// Lane4 numbers of each point that an L stands for.
 template <class L>
 struct Quad {
   L x, y, z, w;

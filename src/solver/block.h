@@ -7,7 +7,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// \eq{S5} f = -M (x - y) / dt^2 + the forces that rows add (stampRow and the contact's accumulate).
+/// \eq{S5} f = -M (x - y) / dt^2 + the forces that rows add (accumulateRow and the contact's accumulate).
 template <class L>
 RUBBLE_HD RUBBLE_NEAR void setInertialForce(Block6T<L>& block, const MassMatrixT<L>& m, const PoseT<L>& x, const PoseT<L>& y, Real inverseDt2) {
   const Vec6T<L> d = difference(x, y);

@@ -59,12 +59,12 @@ RUBBLE_HD RUBBLE_NEAR auto cutForce(const GroupLaw<L>& g, const L* error, const 
 }
 /// The same; returns whether the force is inside its bound.
 template <int N>
-RUBBLE_HD RUBBLE_NEAR bool groupForce(const GroupState& g, const Real* error, const Real* lambda, Real (&force)[N], int count, Real& hessian) {
+RUBBLE_HD RUBBLE_NEAR bool aggregateForce(const GroupState& g, const Real* error, const Real* lambda, Real (&force)[N], int count, Real& hessian) {
   return !cutForce<N, Real>({g.k, g.compliance, g.bound}, error, lambda, force, count, hessian);
 }
 
 /// \eq{S15} f -= F J^T, H += k J^T J for one row.
-RUBBLE_HD RUBBLE_NEAR void stampRow(Block6& block, const Vec6& j, Real force, Real k) {
+RUBBLE_HD RUBBLE_NEAR void accumulateRow(Block6& block, const Vec6& j, Real force, Real k) {
   block.fl -= force * j.lin;
   block.fa -= force * j.ang;
   block.ll += outer(j.lin, k);
@@ -76,16 +76,16 @@ RUBBLE_HD RUBBLE_NEAR void stampRow(Block6& block, const Vec6& j, Real force, Re
 
 /// \eq{S16} The second-derivative term G = sum F d2C/dx2 of a force, replaced by the diagonal of its column norms: H += diag(g).
 template <class L>
-RUBBLE_HD RUBBLE_NEAR void stampCurvature(Block6T<L>& block, const Vec6T<L>& g) {
+RUBBLE_HD RUBBLE_NEAR void accumulateCurvature(Block6T<L>& block, const Vec6T<L>& g) {
   block.ll.xx += g.lin.x, block.ll.yy += g.lin.y, block.ll.zz += g.lin.z;
   block.aa.xx += g.ang.x, block.aa.yy += g.ang.y, block.aa.zz += g.ang.z;
 }
 /// The same where the body's centre lies `shift` from the point that the block is about.
-RUBBLE_HD RUBBLE_NEAR void stampCurvature(Block6& block, const Vec6& g, const Vec3& shift) {
+RUBBLE_HD RUBBLE_NEAR void accumulateCurvature(Block6& block, const Vec6& g, const Vec3& shift) {
   // few rows have a linear part
-  if (!(g.lin.x + g.lin.y + g.lin.z > Real(0))) return stampCurvature(block, g);
+  if (!(g.lin.x + g.lin.y + g.lin.z > Real(0))) return accumulateCurvature(block, g);
   addAtLever(block, shift, {0, 0, 0}, Sym3{g.lin.x, 0, 0, g.lin.y, 0, g.lin.z});
-  stampCurvature(block, {{0, 0, 0}, g.ang});
+  accumulateCurvature(block, {{0, 0, 0}, g.ang});
 }
 
 /// Second derivative of a . r(w) for a vector r = b that turns with the body: S(a, b) = (a b^T + b a^T) / 2 - (a . b) 1. Norms of its columns.

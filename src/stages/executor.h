@@ -8,10 +8,10 @@ template <class L>
 struct SolveBody;
 struct SolveVertex;
 
-/// Stands for every kernel: a functor f(View, index). Its name is that of its stage in times, profilers and comparisons.
+/// Stands for every kernel: a functor f(SolverData, index). Its name is that of its stage in times, profilers and comparisons.
 struct AnyKernel {
-  static constexpr const char* kName = "any";
-  RUBBLE_HD void operator()(const View&, int) const {}
+  static constexpr const char* kStage = "any";
+  RUBBLE_HD void operator()(const SolverData&, int) const {}
 };
 
 /// What an executor offers to a step. `Counter` is a field of Counters: a number that the step counts itself.
@@ -22,35 +22,35 @@ struct AnyKernel {
 ///   forEachIn(kernel, offsets, k)           the range [offsets[k], offsets[k + 1])
 ///   clear(array, n)                         zeros
 ///   scan(counts, offsets, n[, counter, per])  exclusive sums, the total behind the last one and in the counter, and room for that many
-///   group(keys, n, offsets, order, counter) indices modulo members() by key, ascending; keys below 0 are left out; the counter has the number of keys.
-///                                           No key is found at two levels: index / members()
+///   groupByKey(keys, n, offsets, order, counter) indices modulo nodes() by key, ascending; keys below 0 are left out; the counter has the number of keys.
+///                                           No key is found at two levels: index / nodes()
 ///   require(per, counter)                   room for that many before they are written: nothing is dropped
 ///   rounds(take, propose, counter, left, turn)  takes turns of two kernels over as many as are counted, until `propose` leaves `left` at
 ///                                           zero; `turn` counts them
 ///   forEachColor(kernel, vertexKernel)      color by color, over its bodies and its vertices
-///   lodgeRows()                             contact rows take the place of the old manifolds
-///   keepManifolds()                         manifolds of this step are the old ones of the next
+///   aliasRows()                             contact rows take the place of the old manifolds
+///   swapManifolds()                         manifolds of this step are the old ones of the next
 ///   Lane                                    Real or Real4: points that one call treats side by side
 template <class E>
 concept Executor = requires(E e, const E& still, const SolveBody<typename E::Lane>& body, const SolveVertex& vertex) {
   typename E::Lane;
-  { still.view() } -> std::convertible_to<const View&>;
+  { still.view() } -> std::convertible_to<const SolverData&>;
   e.forEach(AnyKernel{}, 1);
   e.forEach(AnyKernel{}, &Counters::pairs);
   e.beside(AnyKernel{}, 1);
   e.beside(AnyKernel{}, &Counters::pairs);
-  e.forEachIn(AnyKernel{}, &View::levelGroup, 0);
-  e.clear(&View::pairCount, 1);
-  e.clear(&View::colorCount, &Counters::colors);
-  e.scan(&View::bucketCount, &View::bucketOffset, 1);
-  e.scan(&View::pairCount, &View::pairOffset, 1, &Counters::pairs, Per::Pair);
-  e.scan(&View::isNear, &View::nearPairOffset, &Counters::pairs, &Counters::nearPairs, Per::NearPair);
-  e.group(&View::groupOf, 1, &View::memberOffset, &View::member, &Counters::groups);
+  e.forEachIn(AnyKernel{}, &SolverData::levelAggregate, 0);
+  e.clear(&SolverData::pairCount, 1);
+  e.clear(&SolverData::colorCount, &Counters::colors);
+  e.scan(&SolverData::bucketCount, &SolverData::bucketOffset, 1);
+  e.scan(&SolverData::pairCount, &SolverData::pairOffset, 1, &Counters::pairs, Per::Pair);
+  e.scan(&SolverData::isActive, &SolverData::activePairOffset, &Counters::pairs, &Counters::activePairs, Per::ActivePair);
+  e.groupByKey(&SolverData::aggregateOf, 1, &SolverData::aggregateOffset, &SolverData::aggregateNode, &Counters::aggregates);
   e.require(Per::Color, &Counters::colors);
   e.rounds(AnyKernel{}, AnyKernel{}, &Counters::clashing, &Counters::clashes, &Counters::rounds);
   e.forEachColor(body, vertex);
-  e.lodgeRows();
-  e.keepManifolds();
+  e.aliasRows();
+  e.swapManifolds();
 };
 
 /// Kernel over the joints of every type, which do not wait for one another: over each joint, or over so many of its parts as it says by `kPerJoint`

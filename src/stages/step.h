@@ -10,7 +10,7 @@
 #include "stages/joints/phases.h"
 #include "stages/pairs/phases.h"
 #include "stages/soft/cluster_phases.h"
-#include "stages/soft/line_phases.h"
+#include "stages/soft/strand_phases.h"
 #include "stages/soft/phases.h"
 #include "stages/trees/phases.h"
 
@@ -28,7 +28,7 @@ void prepare(E& e) {
   soft::prepare(e);
   clusters::prepare(e);
   trees::prepare(e);
-  coarse::findGroups(e);
+  coarse::findAggregates(e);
   bodies::findIncidence(e);
   trees::findSoftTrees(e);
   bodies::color(e);
@@ -43,7 +43,7 @@ void iterate(E& e, int n, bool last) {
   coarse::solve(e, n);
   clusters::solve(e);
   trees::solve(e, last);
-  lines::solve(e);
+  strands::solve(e);
   bodies::sweep(e);
   soft::accelerate(e, n);
   if (last) coarse::keepMomentum(e), trees::solveLast(e);
@@ -68,7 +68,7 @@ void finish(E& e) {
   clusters::keepSpin(e);
   soft::finish(e);
   islands::sleep(e);
-  e.keepManifolds();
+  e.swapManifolds();
 }
 
 /// One step of dt.

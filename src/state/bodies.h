@@ -89,32 +89,32 @@ RUBBLE_HD constexpr bool before(const Pair& a, const Pair& b) {
 RUBBLE_HD constexpr bool samePair(const Pair& a, const Pair& b) { return a.other == b.other && a.first == b.first && a.second == b.second; }
 
 /// One row block that acts on a body, seen from it.
-struct Entry {
+struct Incidence {
   std::uint32_t code;  ///< sorted: force type (5 bits), index (26 bits), side (1 bit)
   int other;           ///< the other dynamic body or vertex (kVertexNode + index), or -1
   int depth;           ///< coarse levels at which the two bodies are in different groups (nested: the finest ones)
 };
 inline constexpr int kContactType = 0;  ///< joint type i is i + 1
-RUBBLE_HD constexpr std::uint32_t entryCode(int type, int index, int side) {
+RUBBLE_HD constexpr std::uint32_t constraintCode(int type, int index, int side) {
   return static_cast<std::uint32_t>(type) << 27 | static_cast<std::uint32_t>(index) << 1 | static_cast<std::uint32_t>(side);
 }
-RUBBLE_HD constexpr int entryType(std::uint32_t code) { return static_cast<int>(code >> 27); }
-RUBBLE_HD constexpr int entryIndex(std::uint32_t code) { return static_cast<int>((code & 0x07ffffffu) >> 1); }
-RUBBLE_HD constexpr int entrySide(std::uint32_t code) { return static_cast<int>(code & 1u); }
+RUBBLE_HD constexpr int constraintType(std::uint32_t code) { return static_cast<int>(code >> 27); }
+RUBBLE_HD constexpr int constraintIndex(std::uint32_t code) { return static_cast<int>((code & 0x07ffffffu) >> 1); }
+RUBBLE_HD constexpr int constraintSide(std::uint32_t code) { return static_cast<int>(code & 1u); }
 
-/// Entries of joints. One with carriers has up to four bodies; each has an entry that acts and, as it has several neighbours there, up to two
+/// Entries of joints. One with carriers has up to four bodies; each has an incidence that acts and, as it has several neighbours there, up to two
 /// more that only tell of these (`link` 1, 2).
 template <class F>
 RUBBLE_HD constexpr std::uint32_t jointCode(int index, int side, int link = 0) {
   constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
-  return isCarried<F>() ? entryCode(kType, 8 * index + 2 * side + link / 2, link % 2) : entryCode(kType, index, side);
+  return isCarried<F>() ? constraintCode(kType, 8 * index + 2 * side + link / 2, link % 2) : constraintCode(kType, index, side);
 }
 template <class F>
-RUBBLE_HD constexpr int jointIndex(std::uint32_t code) { return isCarried<F>() ? entryIndex(code) / 8 : entryIndex(code); }
+RUBBLE_HD constexpr int jointIndex(std::uint32_t code) { return isCarried<F>() ? constraintIndex(code) / 8 : constraintIndex(code); }
 template <class F>
-RUBBLE_HD constexpr int jointSide(std::uint32_t code) { return isCarried<F>() ? entryIndex(code) / 2 % 4 : entrySide(code); }
+RUBBLE_HD constexpr int jointSide(std::uint32_t code) { return isCarried<F>() ? constraintIndex(code) / 2 % 4 : constraintSide(code); }
 template <class F>
-RUBBLE_HD constexpr bool isLink(std::uint32_t code) { return isCarried<F>() && (entryIndex(code) % 2 != 0 || entrySide(code) != 0); }
+RUBBLE_HD constexpr bool isLink(std::uint32_t code) { return isCarried<F>() && (constraintIndex(code) % 2 != 0 || constraintSide(code) != 0); }
 
 /// Where a body would go without constraints, and its inertia, in this step. Aligned, so that it is read and written in few pieces.
 struct alignas(4 * sizeof(Real)) BodyTarget {
@@ -143,30 +143,30 @@ struct Support {
   Real weight;        ///< force on B against gravity; below 0: it bears A [N]
 };
 
-/// Levels of groups of bodies and lumps, from fine to coarse (stages/coarse/groups.h).
+/// Levels of aggregates of bodies and soft nodes, from fine to coarse (stages/coarse/aggregates.h).
 inline constexpr int kCoarseLevels = 4;
 /// The finest of them, which odd iterations sweep; even ones sweep all but the finest.
 inline constexpr int kFineLevels = 2;
 
-/// A group of bodies and lumps that the coarse correction moves as one.
-struct Group {
+/// A aggregate of bodies and soft nodes that the coarse correction moves as one.
+struct Aggregate {
   Vec3d centre;       ///< centre of mass [m]
   Block6 inertia;     ///< Hessian of the inertia of its bodies about the centre; no force
   Vec6 step;          ///< motion found by the last solve [m, rad]
   int level;
   int locks;          ///< motions that one of its bodies must not make, as in BodyExtras
   int joined;         ///< 1: joints hold some of its bodies together, and all move about their present places (coarse.h)
-  int soft;           ///< 1: there are lumps, and the group does not turn
-  int chunkBegin, chunkEnd;
+  int soft;           ///< 1: there are soft nodes, and the aggregate does not turn
+  int sliceBegin, sliceEnd;
 };
 
-/// A part of a group that one worker sums over.
-struct Chunk {
-  int group;
-  int begin, end;     ///< members
+/// A part of an aggregate that one worker sums over.
+struct Slice {
+  int aggregate;
+  int begin, end;     ///< in aggregateNode
   Block6 sum;
 };
-inline constexpr int kChunkMembers = 32;
+inline constexpr int kSliceNodes = 32;
 
 /// Sums over an island, or a part of it, about a fixed point and in a frame that goes on with its leader (stages/islands/island_momentum.h).
 struct MomentumSums {
@@ -215,7 +215,7 @@ struct IslandRepair {
   Vec3 velocity, spin;                ///< of the rigid motion that has the momenta of the iterates [m/s, rad/s]
   Vec3 addVelocity, addSpin;          ///< added to it
   Real loss;                          ///< share of all other motion that is taken away [1]
-  int acts;                           ///< 0: the sums are not finite
+  int active;                           ///< 0: the sums are not finite
 };
 
 /// Levels of the grid: cells of level k have an edge of 2^(k - kMetreLevel) m, a ladder and no scale.
@@ -228,9 +228,9 @@ inline constexpr int kListedBodies = 8;
 
 /// Numbers that a step counts. `required` fields may exceed the room there is; then the step is begun again with more.
 struct Counters {
-  int pairs, nearPairs, manifolds, entries, colors;
-  int contacts, recycled, freshPairs, tested;
-  int groups, chunks, externals;
+  int pairs, activePairs, manifolds, incidences, colors;
+  int contacts, recycled, newPairs, tested;
+  int aggregates, slices, boundary;
   int clashing, clashes, rounds;  ///< nodes that choose a colour, those left to choose again, rounds of that
   int anyFast;  ///< 1: a body goes far, or is pressed into another
   int swept;    ///< pairs to be searched for fast bodies: all, or none
@@ -238,7 +238,7 @@ struct Counters {
   int asleep;   ///< bodies that sleep after this step
   int quarantined, failedSolves, boundedSteps, spinLimited, broken;
   int unfinished;  ///< largest motion of a body in the last sweep over its bounding diameter, as the bits of a float [1]
-  int pointPairs, pointContacts, pointEntries;
+  int pointPairs, pointContacts, pointIncidences;
   int bounces, bounceRows;        ///< 1: a contact with restitution closes fast; contacts, if one does
   int bounceSpread, bounceSpreads, bounceBound, bounceBounds, bounceLeft, bounceTurns;  ///< of its rounds: what is left to do, and how many there were
   int bouncesLeft;                ///< contacts that still close after the last round

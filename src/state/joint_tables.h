@@ -1,6 +1,6 @@
 #pragma once
 /// The arrays of joints, a set for each type.
-#include "forces/joint_stamp.h"
+#include "forces/joint_accumulation.h"
 #include "forces/joint_tree.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -11,7 +11,7 @@ struct JointTable {
   JointSpec<F>* spec = nullptr;
   Joint<F>* joint = nullptr;
   TreeRows<F>* treeRows = nullptr;
-  JointTurns<F>* turns = nullptr;  ///< none for types that have no parts that turn
+  JointAngularRows<F>* angularRows = nullptr;  ///< none for types that have no parts that turn
 };
 template <class List>
 struct JointTables;

@@ -6,18 +6,18 @@
 namespace rubble::RUBBLE_CORE {
 
 /// What an array has one element of.
-enum class Per { Body, BodySlot, MemberLevel, Pair, NearPair, Manifold, Entry, Cell, Color, Group, Chunk, External, Level, Plane, Exclusion,
+enum class Per { Body, BodySlot, NodeLevel, Pair, ActivePair, Manifold, Incidence, Cell, Color, Aggregate, Slice, Boundary, Level, Plane, Exclusion,
                  ShapeVector, ShapeIndex, ShapePart, Surface, Rolling, Bounce, FreeIsland,
-                 TreeNode, TreeSource,
-                 Vertex, PointOwner, PointOwnerSlot, NearFeature, Feature, FeatureCell, Neighbor, ElementRef, TetraCorner, PointPair, PointEntry, GrainCell,
-                 Attachment, Cluster, ClusterRef, Lump, Line, LineVertex, Node,
+                 TreeNode, TreeChild,
+                 Vertex, PointOwner, PointOwnerSlot, NearFeature, Feature, FeatureCell, Neighbor, ElementRef, TetraCorner, PointPair, PointIncidence, ParticleCell,
+                 Attachment, Cluster, ClusterRef, SoftNode, Strand, StrandVertex, Node,
                  FirstElement, FirstJoint = FirstElement + ElementTypes::kSize };
 /// The element types follow one another from FirstElement on, the joint types from FirstJoint on.
 inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes::kSize;
 
 /// How long its content matters: authored (written by edits), derived (by the host from what is authored), state (from step to step),
 /// work (inside one step), unordered (work whose order of elements is not fixed and has no influence on results).
-enum class Life { Authored, Derived, State, Work, Unordered };
+enum class Lifetime { Authored, Derived, State, Work, Unordered };
 
 /// Candidates that a body may own before its pairs are searched a second time.
 inline constexpr int kPairSlots = 20;

@@ -1,5 +1,5 @@
 #pragma once
-/// The memory behind a View: every array has room for as many elements as its kind needs; growing keeps what is there.
+/// The memory behind a SolverData: every array has room for as many elements as its kind needs; growing keeps what is there.
 #include <cstddef>
 
 #include "state/view.h"
@@ -8,30 +8,30 @@ namespace rubble::RUBBLE_CORE {
 
 /// `Memory`: static allocate(bytes) (zeroed), release(pointer), copy(to, from, bytes).
 template <class Memory>
-class Tables {
+class SolverTables {
  public:
-  Tables() {
+  SolverTables() {
     view_.counters = static_cast<Counters*>(Memory::allocate(sizeof(Counters)));
     for (int per = 0; per < kPerCount; ++per) reserve(static_cast<Per>(per), 1);
   }
-  ~Tables() {
+  ~SolverTables() {
     Memory::release(view_.counters);
-    forEachArray([&](const auto& array) { if (!array.lodges) Memory::release(view_.*array.member); });
+    forEachArray([&](const auto& array) { if (!array.aliases) Memory::release(view_.*array.member); });
   }
-  Tables(const Tables&) = delete;
-  Tables& operator=(const Tables&) = delete;
+  SolverTables(const SolverTables&) = delete;
+  SolverTables& operator=(const SolverTables&) = delete;
 
-  /// Bodies that have each trait; the flags of the View follow.
+  /// Bodies that have each trait; the flags of the SolverData follow.
   const TraitCounts& traits() const { return traits_; }
   void setTraits(const TraitCounts& traits) {
     traits_ = traits;
-    view_.rareShapes = traits[BodyTrait::GeneralShape] > 0, view_.rolls = traits[BodyTrait::Rolls] > 0;
+    view_.generalShapes = traits[BodyTrait::GeneralShape] > 0, view_.rolls = traits[BodyTrait::Rolls] > 0;
     view_.bounces = traits[BodyTrait::Bounces] > 0, view_.locked = traits[BodyTrait::Locked] > 0;
     view_.filtered = traits[BodyTrait::Filtered] > 0;
   }
 
-  View& view() { return view_; }
-  const View& view() const { return view_; }
+  SolverData& view() { return view_; }
+  const SolverData& view() const { return view_; }
   int capacity(Per per) const { return capacity_[static_cast<int>(per)]; }
 
   /// Room for at least `count` elements of a kind; grows by half, so that rising needs cost few moves.
@@ -39,9 +39,9 @@ class Tables {
     int& capacity = capacity_[static_cast<int>(per)];
     if (count <= capacity) return;
     const int grown = capacity > 1 ? count + count / 2 : count;
-    const bool rowsAmongOld = rowsLodgeIn(view_.oldManifold);
+    const bool rowsAmongOld = rowsAlias(view_.oldManifold);
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-      if (array.per != per || array.lodges) return;
+      if (array.per != per || array.aliases) return;
       T*& pointer = view_.*array.member;
       T* const fresh = static_cast<T*>(Memory::allocate(bytesOf(array, grown)));
       if (pointer) Memory::copy(fresh, pointer, bytesOf(array, capacity));
@@ -49,21 +49,21 @@ class Tables {
       pointer = fresh;
     });
     capacity = grown;
-    lodgeRowsIn(rowsAmongOld ? view_.oldManifold : view_.manifold);
+    aliasRowsIn(rowsAmongOld ? view_.oldManifold : view_.manifold);
   }
 
   std::size_t bytes() const {
     std::size_t sum = sizeof(Counters);
-    forEachArray([&](const auto& array) { if (view_.*array.member) sum += array.lodges ? 0 : bytesOf(array, capacity(array.per)); });
+    forEachArray([&](const auto& array) { if (view_.*array.member) sum += array.aliases ? 0 : bytesOf(array, capacity(array.per)); });
     return sum;
   }
 
   /// Contact rows have no memory of their own: when all manifolds are found, nobody reads those of the step before, and there are no more rows
   /// than near pairs. Between steps the rows of the last one stay there, in what the next step fills with manifolds.
-  void lodgeRows() { lodgeRowsIn(view_.oldManifold); }
+  void aliasRows() { aliasRowsIn(view_.oldManifold); }
 
   /// The manifolds of this step become those that the next one starts from.
-  void keepManifolds() {
+  void swapManifolds() {
     const auto swap = [](auto*& a, auto*& b) {
       auto* const c = a;
       a = b;
@@ -71,7 +71,7 @@ class Tables {
     };
     swap(view_.pair, view_.oldPair);
     swap(view_.pairTest, view_.oldPairTest);
-    swap(view_.nearPairOffset, view_.oldNearPairOffset);
+    swap(view_.activePairOffset, view_.oldActivePairOffset);
     swap(view_.manifold, view_.oldManifold);
     swap(view_.pairOffset, view_.oldPairOffset);
     swap(view_.pointPair, view_.oldPointPair);
@@ -82,15 +82,15 @@ class Tables {
 
  private:
   static_assert(sizeof(ContactRows) <= sizeof(Manifold) && alignof(ContactRows) <= alignof(Manifold));
-  bool rowsLodgeIn(const Manifold* place) const { return place && static_cast<const void*>(view_.contact) == place; }
-  void lodgeRowsIn(Manifold* place) { view_.contact = reinterpret_cast<ContactRows*>(place); }
+  bool rowsAlias(const Manifold* place) const { return place && static_cast<const void*>(view_.contact) == place; }
+  void aliasRowsIn(Manifold* place) { view_.contact = reinterpret_cast<ContactRows*>(place); }
 
   template <class T>
   static std::size_t bytesOf(const ArrayInfo<T>& array, int count) {
     return sizeof(T) * static_cast<std::size_t>(count + array.extra);
   }
 
-  View view_;
+  SolverData view_;
   TraitCounts traits_;
   int capacity_[kPerCount] = {};
 };

@@ -18,13 +18,13 @@ struct VertexParams {
   Real gravityScale;
   int first;          ///< first vertex of its object: the origin that the object's elements are seen from
   int cluster;        ///< the one that is its whole object, or -1: it has no elements
-  int lump;           ///< that it belongs to, or -1: none
+  int softNode;           ///< that it belongs to, or -1: none
   Real reach;         ///< mean L of its object [m]
   int collides;       ///< kCollides... of below
   Real surfaceRadius; ///< half the thickness that its surface has to other surfaces [m]
 };
 /// With bodies; with other vertices that do, as spheres; with the surfaces of other objects that do, with the surface of its own.
-inline constexpr int kCollidesWithBodies = 1, kCollidesWithGrains = 2, kCollidesWithSurfaces = 4, kCollidesWithSelf = 8;
+inline constexpr int kCollidesWithBodies = 1, kCollidesWithParticles = 2, kCollidesWithSurfaces = 4, kCollidesWithSelf = 8;
 /// Its surface is closed, counter-clockwise seen from outside.
 inline constexpr int kHasInside = 16;
 
@@ -41,7 +41,7 @@ struct SurfaceFeature {
 inline constexpr std::uint32_t kNoSource = ~0u;
 
 /// Kinds of boxes in grids (stages/soft/box_grid.h): features, then granular particles.
-inline constexpr int kGrainKind = kFeatureKinds, kBoxKinds = kFeatureKinds + 1, kBoxLevels = 16;
+inline constexpr int kParticleKind = kFeatureKinds, kBoxKinds = kFeatureKinds + 1, kBoxLevels = 16;
 /// A feature or granular particle in its place in a grid.
 struct alignas(8 * sizeof(Real)) BoxEntry {
   Vec3 centre, half;        ///< swept box [m]
@@ -63,9 +63,9 @@ struct VertexRepair {
   int hold;                 ///< 1: it goes half the way in the next round
   int held;                 ///< how often it did
   int changed;              ///< 1: its way is another than in the round before
-  int isNear;               ///< 1: parts of it may meet others
+  int isActive;               ///< 1: parts of it may meet others
   int stays;                ///< of the first vertex of an object, 1: the whole object stays where it is
-  int owners, nearPairs;    ///< likewise: its vertices and edges that may meet something, and the pairs that they own
+  int owners, activePairs;    ///< likewise: its vertices and edges that may meet something, and the pairs that they own
   Real unit;                ///< of shift [m]
   Vec3 detour;              ///< what has changed in all [m]
 };
@@ -90,7 +90,7 @@ inline constexpr int kAttachmentCode = ElementTypes::kSize;
 /// Row blocks of bodies (state/bodies.h) behind those of joints.
 inline constexpr int kBodyAttachmentType = JointTypes::kSize + 1, kBodyPointContactType = JointTypes::kSize + 2;
 
-/// In Entry::other and among neighbours: vertex v is written kVertexNode + v.
+/// In Incidence::other and among neighbours: vertex v is written kVertexNode + v.
 inline constexpr int kVertexNode = 1 << 30;
 /// In PointPair::other only.
 inline constexpr int kCornerNode = kVertexNode + (1 << 28), kFeatureNode = kVertexNode + (1 << 29);
@@ -98,7 +98,7 @@ inline constexpr int kCornerNode = kVertexNode + (1 << 28), kFeatureNode = kVert
 /// A cluster of vertices of one object, which the coarse correction moves as one (stages/soft/clusters.h).
 struct Cluster {
   int begin, end;            ///< in clusterMember
-  int chunkBegin, chunkEnd;  ///< clusters of the finest level that it is made of
+  int sliceBegin, sliceEnd;  ///< clusters of the finest level that it is made of
   int refBegin, refEnd;      ///< in clusterRef
   int parent;                ///< of the next level, or -1
 };
@@ -132,26 +132,26 @@ struct alignas(4 * sizeof(Real)) ClusterMotion {
   SpinSums spin;             ///< finest level: of its vertices, about `centre`
 };
 
-/// What groups of bodies move as if it were a body (stages/coarse/lumps.h): a deformable object without fixed vertices, or a granular particle.
-struct Lump {
+/// What groups of bodies move as if it were a body (stages/coarse/soft_nodes.h): a deformable object without fixed vertices, or a granular particle.
+struct SoftNode {
   int first;                 ///< first vertex of the object, or the particle
   int cluster;               ///< that is the whole object, or -1: a particle
   Real radius;               ///< half of its size [m]
 };
 
-/// A rope or rod: vertices of which springs join each to the next alone (stages/soft/lines.h).
-struct Line {
-  int begin, end;            ///< in lineVertex
+/// A rope or rod: vertices of which springs join each to the next alone (stages/soft/strands.h).
+struct Strand {
+  int begin, end;            ///< in strandVertex
 };
-struct LineVertex {
+struct StrandVertex {
   int v, line;
   int spring;                ///< to the next one; -1: it is the last
   int bend;                  ///< of which it is the middle, or -1
 };
 /// Scalar rows of a matrix that a vertex of a line has, and how far behind the diagonal they reach.
-inline constexpr int kLineBand = 6;
-struct LineWork {
-  double row[3][kLineBand + 1];  ///< H, then its factors L D L^T: the diagonal and what stands behind it
+inline constexpr int kStrandBand = 6;
+struct StrandWork {
+  double row[3][kStrandBand + 1];  ///< H, then its factors L D L^T: the diagonal and what stands behind it
   double x[3];                   ///< force [N], then the step [m]
 };
 

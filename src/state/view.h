@@ -1,5 +1,5 @@
 #pragma once
-/// Every array of the engine, declared once: meaning, unit, shape and who writes it. A View is handed to each kernel by value.
+/// Every array of the engine, declared once: meaning, unit, shape and who writes it. A SolverData is handed to each kernel by value.
 #include "state/bodies.h"
 #include "state/joint_tables.h"
 #include "state/kinds.h"
@@ -8,11 +8,11 @@
 
 namespace rubble::RUBBLE_CORE {
 
-struct View : JointTables<JointTypes> {
+struct SolverData : JointTables<JointTypes> {
   int bodies = 0;                     ///< slots in use, removed ones included
   int planes = 0;
   int shapeVectors = 0, shapeIndices = 0, shapeParts = 0, surfaces = 0;  ///< elements of the shared tables in use
-  bool rareShapes = false;            ///< some body is not of a plain kind
+  bool generalShapes = false;            ///< some body is not of a plain kind
   bool rolls = false;                 ///< the material of some body has rolling or torsional friction
   bool rolledBefore = false;          ///< it did in the last step
   bool bounces = false;               ///< that of some body has restitution
@@ -24,16 +24,16 @@ struct View : JointTables<JointTypes> {
   int wakeAll = 0;                    ///< 1: nothing sleeps on in this step
   bool locked = false;                ///< some body has locked axes
   int joints[JointTypes::kSize] = {}; ///< slots in use of each type
-  int treeBegin[kTreeRounds + 1] = {};///< first node of each round of elimination; the last one: how many there are
-  int treeRounds = 0;
-  int treeSources = 0;
+  int treeBegin[kTreeLevels + 1] = {};///< first node of each round of elimination; the last one: how many there are
+  int treeLevels = 0;
+  int treeChildren = 0;
   int trees = 0;
   bool smallTrees = false;            ///< none has more than kSmallTree bodies
   int treeLimits = 0;                 ///< 1: some tree has limits
   int treesStale = 1;                 ///< 1: bodies or joints were edited since the trees were found
   int vertices = 0;                   ///< slots in use, removed ones included
-  int grainCells = 0;                 ///< buckets of the grid of granular particles, a power of two; 0: there are none
-  Real grainCell = 1;                 ///< [m]
+  int particleCells = 0;                 ///< buckets of the grid of granular particles, a power of two; 0: there are none
+  Real particleCell = 1;                 ///< [m]
   int attachments = 0;                ///< slots in use
   int edges = 0, features = 0;        ///< of surfaces that collide: edges come first, then triangles
   int featureCells = 0;               ///< buckets of their grid, a power of two
@@ -41,8 +41,8 @@ struct View : JointTables<JointTypes> {
   int clusterBegin[kClusterLevels + 1] = {}; ///< first cluster of each level, fine ones first
   int movingParts = 0;                ///< clusters of the finest level that move as one: they come first
   int clusterRefs = 0;
-  int lumps = 0, objects = 0;         ///< those with a cluster come first, and are so many
-  int lines = 0, lineVertices = 0;    ///< ropes and rods, and their vertices
+  int softNodes = 0, objects = 0;         ///< those with a cluster come first, and are so many
+  int strands = 0, strandVertices = 0;    ///< ropes and rods, and their vertices
   int elements[ElementTypes::kSize] = {}, yielding = 0; ///< slots in use of each type; tetrahedra that can yield
   StepConstants step{};
   Counters* counters = nullptr;
@@ -65,7 +65,7 @@ struct View : JointTables<JointTypes> {
   Vec3d* position = nullptr;          ///< centre of mass [m]
   Quat* orientation = nullptr;        ///< body -> world
   Vec3* velocity = nullptr;           ///< [m/s]
-  Vec3* spin = nullptr;               ///< world axes [rad/s]
+  Vec3* angularVelocity = nullptr;               ///< world axes [rad/s]
   Vec3* previousVelocity = nullptr;   ///< one step earlier [m/s]
   Vec3* force = nullptr;              ///< applied by the user, for one step [N]
   Vec3* torque = nullptr;             ///< [N m]
@@ -80,10 +80,10 @@ struct View : JointTables<JointTypes> {
   GridEntry* grid = nullptr;          ///< bodies by bucket
   int* pairSlot = nullptr;            ///< [bodies][kPairSlots] partners found
   int* pairCount = nullptr;           ///< pairs that a body owns
-  int* agitation = nullptr;           ///< speed that a neighbour may give a body in this step, as the bits of a float [m/s]
+  int* impactSpeedBound = nullptr;           ///< speed that a neighbour may give a body in this step, as the bits of a float [m/s]
   BodyTarget* target = nullptr;       ///< inertial target
-  Displacement* moved = nullptr;      ///< x - x^t, present iterate
-  Quat* turned = nullptr;             ///< its rotation, q (q^t)^-1
+  Displacement* dx = nullptr;      ///< x - x^t, present iterate
+  Quat* dq = nullptr;             ///< its rotation, q (q^t)^-1
   int* island = nullptr;              ///< a body that stands for the island
   int* islandFlag = nullptr;          ///< of that body: 1 if the island wakes, or does not sleep
   int* rowIsland = nullptr;           ///< lowest body that rows of this step connect with it
@@ -98,7 +98,7 @@ struct View : JointTables<JointTypes> {
   int* stopSeen = nullptr;            ///< stopBits as far as the present round knows them; of bodies that joints hold together: with their leader
   int* stopRound = nullptr;           ///< round in which that changed, or kHasMet
   int* stopPair = nullptr;            ///< 1 + the pair that it stops at, or 0
-  Displacement* stopped = nullptr;    ///< the way that it makes then
+  Displacement* ccdMotion = nullptr;    ///< the way that it makes then
   int* bounceBody = nullptr;          ///< part of a body in impacts: BounceBody
   BodyMotion* bounceMotion = nullptr;     ///< its velocities before they were taken back
   Vec3* nextCorrection = nullptr;     ///< correction as this step finds it [m]
@@ -106,37 +106,37 @@ struct View : JointTables<JointTypes> {
   int* nextColor = nullptr;           ///< of the bodies that choose one
   int* clashing = nullptr;            ///< bodies, and vertices (kVertexNode + index), that choose a colour in this step
   int* colorBody = nullptr;           ///< dynamic bodies by colour
-  int* entryCount = nullptr;          ///< row blocks of a body
-  int* entryOffset = nullptr;         ///< [bodies + 1]
-  // groups, whose members are bodies and, numbered from `bodies` on, lumps; arrays over (level, member) have index level * members() + member
-  int* leader = nullptr;              ///< [level][member] forest of groups being united
-  int* memberCount = nullptr;         ///< [level][member] members of the group that the member leads
-  int* leads = nullptr;               ///< [level][member] 1: leads a group of two or more
-  int* groupIndex = nullptr;          ///< [level][member] its number, coarse levels last
-  int* groupOf = nullptr;             ///< [level][member] its group, -1: alone
-  int* member = nullptr;              ///< by group, ascending
-  Group* group = nullptr;
-  int* memberOffset = nullptr;        ///< [groups + 1] into member
-  int* groupChunks = nullptr;         ///< chunks of each group
-  int* chunkOffset = nullptr;         ///< [groups + 1]
-  Chunk* chunk = nullptr;
-  int* externalCount = nullptr;       ///< row blocks between a chunk's bodies and others
-  int* externalOffset = nullptr;      ///< [chunks + 1]
-  std::uint32_t* external = nullptr;  ///< entry codes by chunk
-  int* levelGroup = nullptr;          ///< [levels + 1] first group of a level
-  int* levelChunk = nullptr;          ///< [levels + 1] first chunk of a level
+  int* incidenceCount = nullptr;          ///< row blocks of a body
+  int* incidenceOffset = nullptr;         ///< [bodies + 1]
+  // aggregates, whose nodes are bodies and, numbered from `bodies` on, soft nodes; arrays over (level, node) have index level * nodes() + node
+  int* root = nullptr;              ///< [level][node] forest of aggregates being united
+  int* nodeCount = nullptr;         ///< [level][node] nodes of the aggregate that the node is the root of
+  int* isRoot = nullptr;               ///< [level][node] 1: is the root of an aggregate of two or more
+  int* aggregateIndex = nullptr;          ///< [level][node] its number, coarse levels last
+  int* aggregateOf = nullptr;             ///< [level][node] its aggregate, -1: alone
+  int* aggregateNode = nullptr;              ///< by aggregate, ascending
+  Aggregate* aggregate = nullptr;
+  int* aggregateOffset = nullptr;        ///< [aggregates + 1] into node
+  int* aggregateSlices = nullptr;         ///< slices of each aggregate
+  int* sliceOffset = nullptr;         ///< [aggregates + 1]
+  Slice* slice = nullptr;
+  int* boundaryCount = nullptr;       ///< row blocks between a slice's bodies and others
+  int* boundaryOffset = nullptr;      ///< [slices + 1]
+  std::uint32_t* boundary = nullptr;  ///< incidence codes by slice
+  int* levelAggregate = nullptr;          ///< [levels + 1] first aggregate of a level
+  int* levelSlice = nullptr;          ///< [levels + 1] first slice of a level
   // trees of joints: derived, and work
   int* nodeOfBody = nullptr;          ///< of each body, -1: none
   TreeNode* treeNode = nullptr;       ///< by round
   int* treeOffset = nullptr;          ///< [trees + 1]
   int* treeMember = nullptr;          ///< nodes by tree, then by round
-  int* treeSource = nullptr;          ///< 2 * node + side of its coupling, by the node that it passes something on to
+  int* treeChild = nullptr;          ///< 2 * node + side of its coupling, by the node that it passes something on to
   TreeWork* treeWork = nullptr;
-  int* treeTouched = nullptr;         ///< what touches the tree in this step (state/trees.h)
-  int* treeRests = nullptr;           ///< by tree: it stays as it is in this solve
-  int* treeTurn = nullptr;            ///< largest rotation of a tree's step, as the bits of a float [rad]
-  int* treeOpen = nullptr;            ///< 1: a joint of the tree is open at the end of the step
-  TreeLink* treeLink = nullptr;
+  int* treeContacts = nullptr;         ///< what touches the tree in this step (state/trees.h)
+  int* treeConverged = nullptr;           ///< by tree: it stays as it is in this solve
+  int* treeMaxRotation = nullptr;            ///< largest rotation of a tree's step, as the bits of a float [rad]
+  int* treeNeedsProjection = nullptr;            ///< 1: a joint of the tree is open at the end of the step
+  ProjectionLink* projectionLink = nullptr;
   // colours
   int* colorCount = nullptr;          ///< bodies of each colour
   int* colorOffset = nullptr;         ///< [colors + 1]
@@ -148,25 +148,25 @@ struct View : JointTables<JointTypes> {
   PairTest* pairTest = nullptr;       ///< the last full test of each pair
   PairTest* oldPairTest = nullptr;
   int* manifoldBefore = nullptr;      ///< that a pair had in the step before, -1: none
-  int* freshPair = nullptr;           ///< pairs of which nothing is known yet
-  int* isNear = nullptr;              ///< 1 if points of the pair may take part in the step
-  int* nearPairOffset = nullptr;      ///< [pairs + 1] near pairs before this one
-  int* oldNearPairOffset = nullptr;
-  int* nearPair = nullptr;            ///< the pairs that are near
+  int* newPair = nullptr;           ///< pairs of which nothing is known yet
+  int* isActive = nullptr;              ///< 1 if points of the pair may take part in the step
+  int* activePairOffset = nullptr;      ///< [pairs + 1] near pairs before this one
+  int* oldActivePairOffset = nullptr;
+  int* activePair = nullptr;            ///< the pairs that are near
   Manifold* manifold = nullptr;       ///< one a near pair
   Manifold* oldManifold = nullptr;
-  int* meetBits = nullptr;            ///< part of the way that is left when its bodies meet, as the bits of a float; 0: never
+  int* toiBits = nullptr;            ///< part of the way that is left when its bodies meet, as the bits of a float; 0: never
   int* tested = nullptr;              ///< manifolds whose narrow phase is run anew
   int* hasRows = nullptr;             ///< 1 if a point of the manifold takes part in the step
   RollingRows* rolling = nullptr;     ///< one a manifold, if rolls
   RollingRows* oldRolling = nullptr;
   int* rowOffset = nullptr;           ///< [near pairs + 1] manifolds with rows before this one
   // rows
-  ContactRows* contact = nullptr;     ///< one a manifold that has rows, in the order of manifolds; where the old manifolds were (Tables::lodgeRows)
+  ContactRows* contact = nullptr;     ///< one a manifold that has rows, in the order of manifolds; where the old manifolds were (SolverTables::aliasRows)
   Bounce* bounce = nullptr;           ///< one for each of them, if something may bounce in the step
   Support* support = nullptr;         ///< one a manifold that has rows
   int* joinLevel = nullptr;           ///< level of the groups at which they unite their bodies, kCoarseLevels: at none
-  Entry* entry = nullptr;             ///< row blocks by body
+  Incidence* incidence = nullptr;             ///< row blocks by body
 
   // vertices: authored
   VertexParams* vertexParams = nullptr;
@@ -190,9 +190,9 @@ struct View : JointTables<JointTypes> {
   PaddedVec3* vertexPlace = nullptr;  ///< x from the first vertex of its object at x^t, present iterate [m]
   int* vertexNextColor = nullptr;
   int* colorVertex = nullptr;         ///< dynamic vertices by colour
-  int* grainCount = nullptr;          ///< granular particles of each bucket
-  int* grainOffset = nullptr;         ///< [grainCells + 1]
-  BoxEntry* grain = nullptr;          ///< granular particles by bucket
+  int* particleCount = nullptr;          ///< granular particles of each bucket
+  int* particleOffset = nullptr;         ///< [particleCells + 1]
+  BoxEntry* particle = nullptr;          ///< granular particles by bucket
   // vertices and edges as owners of pairs
   int* pointPairSlot = nullptr;       ///< [owners][kPointPairSlots] partners found
   int* pointPairCount = nullptr;      ///< pairs that a vertex or edge owns
@@ -208,8 +208,8 @@ struct View : JointTables<JointTypes> {
   NearFeature* nearFeature = nullptr;  ///< by owner, in no fixed order
   int* nearCount = nullptr;           ///< of each vertex and edge
   int* nearOffset = nullptr;          ///< [owners + 1]
-  int* pointEntryCount = nullptr;     ///< contacts of a vertex
-  int* pointEntryOffset = nullptr;    ///< [vertices + 1]
+  int* pointIncidenceCount = nullptr;     ///< contacts of a vertex
+  int* pointIncidenceOffset = nullptr;    ///< [vertices + 1]
   int* vertexColorCount = nullptr;    ///< vertices of each colour
   int* vertexColorOffset = nullptr;   ///< [colors + 1]
   // pairs of vertices with bodies and with one another, and their rows
@@ -217,18 +217,18 @@ struct View : JointTables<JointTypes> {
   PointPair* oldPointPair = nullptr;
   PointContact* pointContact = nullptr;  ///< one a pair
   PointContact* oldPointContact = nullptr;
-  std::uint32_t* pointEntry = nullptr;   ///< contacts by vertex
+  std::uint32_t* pointIncidence = nullptr;   ///< contacts by vertex
   // clusters
   Cluster* cluster = nullptr;            ///< by level
   int* clusterMember = nullptr;          ///< dynamic vertices of objects with elements, by cluster
   ClusterRef* clusterRef = nullptr;      ///< elements that leave a cluster, by cluster
   ClusterMotion* clusterMotion = nullptr;
-  Lump* lump = nullptr;                  ///< objects, then granular particles
-  Block3* lumpSum = nullptr;             ///< force and Hessian of a lump as its group sees it
-  Line* line = nullptr;
-  LineVertex* lineVertex = nullptr;      ///< by line, from one end to the other
-  LineWork* lineWork = nullptr;
-  Real* lineShare = nullptr;             ///< of the step of a line that it makes [1]
+  SoftNode* softNode = nullptr;                  ///< objects, then granular particles
+  Block3* softNodeSum = nullptr;             ///< force and Hessian of a soft node as its group sees it
+  Strand* strand = nullptr;
+  StrandVertex* strandVertex = nullptr;      ///< by line, from one end to the other
+  StrandWork* strandWork = nullptr;
+  Real* strandShare = nullptr;             ///< of the step of a line that it makes [1]
   // elements
   Attachment* attachment = nullptr;
   Tetrahedron* tetrahedron = nullptr;
@@ -250,7 +250,7 @@ struct View : JointTables<JointTypes> {
     else return pressure;
   }
   /// What may be in a group.
-  RUBBLE_HD int members() const { return bodies + lumps; }
+  RUBBLE_HD int nodes() const { return bodies + softNodes; }
   RUBBLE_HD int jointSlots() const {
     int all = 0;
     for (const int n : joints) all += n;
@@ -268,225 +268,225 @@ struct View : JointTables<JointTypes> {
   template <class F>
   RUBBLE_HD TreeRows<F>* treeRowsOf() const { return JointTable<F>::treeRows; }
   template <class F>
-  RUBBLE_HD JointTurns<F>* turnsOf() const { return JointTable<F>::turns; }
+  RUBBLE_HD JointAngularRows<F>* angularRowsOf() const { return JointTable<F>::angularRows; }
 };
 
 /// Slots in use of a type of element, 0 for other kinds.
-inline std::size_t elementCount(const View& s, Per per) {
+inline std::size_t elementCount(const SolverData& s, Per per) {
   const int type = static_cast<int>(per) - static_cast<int>(Per::FirstElement);
   return type >= 0 && type < ElementTypes::kSize ? static_cast<std::size_t>(s.elements[type]) : 0;
 }
 
 template <class T>
 struct ArrayInfo {
-  T* View::*member;
+  T* SolverData::*member;
   const char* name;
   const char* unit;
   Per per;
-  Life life;
+  Lifetime life;
   int extra = 0;  ///< elements beyond one for each
-  bool lodges = false;  ///< in the memory of another array
+  bool aliases = false;  ///< in the memory of another array
 };
 
 /// Calls f(ArrayInfo) for every array.
 template <class F>
 void forEachArray(F&& f) {
-  const auto is = [&]<class T>(T* View::*member, const char* name, const char* unit, Per per, Life life, int extra = 0) {
+  const auto is = [&]<class T>(T* SolverData::*member, const char* name, const char* unit, Per per, Lifetime life, int extra = 0) {
     f(ArrayInfo<T>{member, name, unit, per, life, extra});
   };
-  is(&View::idOf, "idOf", "", Per::Body, Life::Authored);
-  is(&View::placeOf, "placeOf", "", Per::Body, Life::Authored);
-  is(&View::params, "params", "", Per::Body, Life::Authored);
-  is(&View::extras, "extras", "1/s", Per::Body, Life::Authored);
-  is(&View::filter, "filter", "", Per::Body, Life::Authored);
-  is(&View::planeBody, "planeBody", "", Per::Plane, Life::Authored);
-  is(&View::exclusionOffset, "exclusionOffset", "", Per::Body, Life::Authored, 1);
-  is(&View::exclusionBody, "exclusionBody", "", Per::Exclusion, Life::Authored);
-  is(&View::shapeVector, "shapeVector", "m", Per::ShapeVector, Life::Authored);
-  is(&View::shapeIndex, "shapeIndex", "", Per::ShapeIndex, Life::Authored);
-  is(&View::shapePart, "shapePart", "", Per::ShapePart, Life::Authored);
-  is(&View::surface, "surface", "", Per::Surface, Life::Authored);
-  is(&View::position, "position", "m", Per::Body, Life::State);
-  is(&View::orientation, "orientation", "", Per::Body, Life::State);
-  is(&View::velocity, "velocity", "m/s", Per::Body, Life::State);
-  is(&View::spin, "spin", "rad/s", Per::Body, Life::State);
-  is(&View::previousVelocity, "previousVelocity", "m/s", Per::Body, Life::State);
-  is(&View::force, "force", "N", Per::Body, Life::State);
-  is(&View::torque, "torque", "N m", Per::Body, Life::State);
-  is(&View::pushed, "pushed", "", Per::Body, Life::State);
-  is(&View::correction, "correction", "m", Per::Body, Life::State);
-  is(&View::color, "color", "", Per::Body, Life::State);
-  is(&View::islandMassLength, "islandMassLength", "kg m", Per::Body, Life::State);
-  is(&View::asleep, "asleep", "", Per::Body, Life::State);
-  is(&View::stillTime, "stillTime", "s", Per::Body, Life::State);
-  is(&View::oldPairOffset, "oldPairOffset", "", Per::Body, Life::State, 1);
-  is(&View::oldPair, "oldPair", "", Per::Pair, Life::State);
-  is(&View::oldPairTest, "oldPairTest", "m", Per::Pair, Life::State);
-  is(&View::oldNearPairOffset, "oldNearPairOffset", "", Per::Pair, Life::State, 1);
-  is(&View::oldManifold, "oldManifold", "", Per::NearPair, Life::State);
-  is(&View::oldRolling, "oldRolling", "", Per::Rolling, Life::State);
-  is(&View::rolling, "rolling", "", Per::Rolling, Life::Work);
+  is(&SolverData::idOf, "idOf", "", Per::Body, Lifetime::Authored);
+  is(&SolverData::placeOf, "placeOf", "", Per::Body, Lifetime::Authored);
+  is(&SolverData::params, "params", "", Per::Body, Lifetime::Authored);
+  is(&SolverData::extras, "extras", "1/s", Per::Body, Lifetime::Authored);
+  is(&SolverData::filter, "filter", "", Per::Body, Lifetime::Authored);
+  is(&SolverData::planeBody, "planeBody", "", Per::Plane, Lifetime::Authored);
+  is(&SolverData::exclusionOffset, "exclusionOffset", "", Per::Body, Lifetime::Authored, 1);
+  is(&SolverData::exclusionBody, "exclusionBody", "", Per::Exclusion, Lifetime::Authored);
+  is(&SolverData::shapeVector, "shapeVector", "m", Per::ShapeVector, Lifetime::Authored);
+  is(&SolverData::shapeIndex, "shapeIndex", "", Per::ShapeIndex, Lifetime::Authored);
+  is(&SolverData::shapePart, "shapePart", "", Per::ShapePart, Lifetime::Authored);
+  is(&SolverData::surface, "surface", "", Per::Surface, Lifetime::Authored);
+  is(&SolverData::position, "position", "m", Per::Body, Lifetime::State);
+  is(&SolverData::orientation, "orientation", "", Per::Body, Lifetime::State);
+  is(&SolverData::velocity, "velocity", "m/s", Per::Body, Lifetime::State);
+  is(&SolverData::angularVelocity, "angularVelocity", "rad/s", Per::Body, Lifetime::State);
+  is(&SolverData::previousVelocity, "previousVelocity", "m/s", Per::Body, Lifetime::State);
+  is(&SolverData::force, "force", "N", Per::Body, Lifetime::State);
+  is(&SolverData::torque, "torque", "N m", Per::Body, Lifetime::State);
+  is(&SolverData::pushed, "pushed", "", Per::Body, Lifetime::State);
+  is(&SolverData::correction, "correction", "m", Per::Body, Lifetime::State);
+  is(&SolverData::color, "color", "", Per::Body, Lifetime::State);
+  is(&SolverData::islandMassLength, "islandMassLength", "kg m", Per::Body, Lifetime::State);
+  is(&SolverData::asleep, "asleep", "", Per::Body, Lifetime::State);
+  is(&SolverData::stillTime, "stillTime", "s", Per::Body, Lifetime::State);
+  is(&SolverData::oldPairOffset, "oldPairOffset", "", Per::Body, Lifetime::State, 1);
+  is(&SolverData::oldPair, "oldPair", "", Per::Pair, Lifetime::State);
+  is(&SolverData::oldPairTest, "oldPairTest", "m", Per::Pair, Lifetime::State);
+  is(&SolverData::oldActivePairOffset, "oldActivePairOffset", "", Per::Pair, Lifetime::State, 1);
+  is(&SolverData::oldManifold, "oldManifold", "", Per::ActivePair, Lifetime::State);
+  is(&SolverData::oldRolling, "oldRolling", "", Per::Rolling, Lifetime::State);
+  is(&SolverData::rolling, "rolling", "", Per::Rolling, Lifetime::Work);
   forEachType(JointTypes{}, [&]<class J>() {
     const Per per = perJoint(typeIndex<J>(JointTypes{}));
-    is(static_cast<JointSpec<J>* View::*>(&JointTable<J>::spec), J::kName, "", per, Life::Authored);
-    is(static_cast<Joint<J>* View::*>(&JointTable<J>::joint), J::kName, "", per, Life::State);
-    is(static_cast<TreeRows<J>* View::*>(&JointTable<J>::treeRows), J::kName, "", per, Life::Work);
-    if constexpr (hasTurns<J>()) is(static_cast<JointTurns<J>* View::*>(&JointTable<J>::turns), J::kName, "", per, Life::Work);
+    is(static_cast<JointSpec<J>* SolverData::*>(&JointTable<J>::spec), J::kName, "", per, Lifetime::Authored);
+    is(static_cast<Joint<J>* SolverData::*>(&JointTable<J>::joint), J::kName, "", per, Lifetime::State);
+    is(static_cast<TreeRows<J>* SolverData::*>(&JointTable<J>::treeRows), J::kName, "", per, Lifetime::Work);
+    if constexpr (hasAngularRows<J>()) is(static_cast<JointAngularRows<J>* SolverData::*>(&JointTable<J>::angularRows), J::kName, "", per, Lifetime::Work);
   });
-  is(&View::bounds, "bounds", "m", Per::Body, Life::Work);
-  is(&View::bucketCount, "bucketCount", "", Per::Cell, Life::Work);
-  is(&View::bucketOffset, "bucketOffset", "", Per::Cell, Life::Work, 1);
-  is(&View::grid, "grid", "", Per::Body, Life::Unordered);
-  is(&View::pairSlot, "pairSlot", "", Per::BodySlot, Life::Unordered);
-  is(&View::pairCount, "pairCount", "", Per::Body, Life::Work);
-  is(&View::agitation, "agitation", "m/s", Per::Body, Life::Work);
-  is(&View::target, "target", "", Per::Body, Life::Work);
-  is(&View::moved, "moved", "m, rad", Per::Body, Life::Work);
-  is(&View::turned, "turned", "", Per::Body, Life::Work);
-  is(&View::island, "island", "", Per::Body, Life::Unordered);
-  is(&View::islandFlag, "islandFlag", "", Per::Body, Life::Work);
-  is(&View::rowIsland, "rowIsland", "", Per::Body, Life::Work);
-  is(&View::islandBonds, "islandBonds", "", Per::Body, Life::Work);
-  is(&View::islandSlot, "islandSlot", "", Per::Body, Life::Unordered);
-  is(&View::islandSums, "islandSums", "", Per::FreeIsland, Life::Unordered);
-  is(&View::islandRepair, "islandRepair", "m, s", Per::FreeIsland, Life::Unordered);
-  is(&View::fast, "fast", "", Per::Body, Life::Work);
-  is(&View::nearSurface, "nearSurface", "", Per::Body, Life::Work);
-  is(&View::bounceBody, "bounceBody", "", Per::Body, Life::Work);
-  is(&View::bounceMotion, "bounceMotion", "m/s, rad/s", Per::Body, Life::Work);
-  is(&View::bounce, "bounce", "N, N s", Per::Bounce, Life::Work);
-  is(&View::stopBits, "stopBits", "", Per::Body, Life::Work);
-  is(&View::stopSeen, "stopSeen", "", Per::Body, Life::Work);
-  is(&View::stopRound, "stopRound", "", Per::Body, Life::Work);
-  is(&View::stopPair, "stopPair", "", Per::Body, Life::Work);
-  is(&View::stopped, "stopped", "m, rad", Per::Body, Life::Work);
-  is(&View::nextCorrection, "nextCorrection", "m, rad", Per::Body, Life::Work);
-  is(&View::nextColor, "nextColor", "", Per::Body, Life::Unordered);
-  is(&View::clashing, "clashing", "", Per::Node, Life::Unordered);
-  is(&View::colorBody, "colorBody", "", Per::Body, Life::Unordered);
-  is(&View::entryCount, "entryCount", "", Per::Body, Life::Work);
-  is(&View::entryOffset, "entryOffset", "", Per::Body, Life::Work, 1);
-  is(&View::leader, "leader", "", Per::MemberLevel, Life::Unordered);
-  is(&View::memberCount, "memberCount", "", Per::MemberLevel, Life::Work);
-  is(&View::leads, "leads", "", Per::MemberLevel, Life::Work);
-  is(&View::groupIndex, "groupIndex", "", Per::MemberLevel, Life::Work, 1);
-  is(&View::groupOf, "groupOf", "", Per::MemberLevel, Life::Work);
-  is(&View::member, "member", "", Per::MemberLevel, Life::Work);
-  is(&View::group, "group", "", Per::Group, Life::Work);
-  is(&View::memberOffset, "memberOffset", "", Per::Group, Life::Work, 1);
-  is(&View::groupChunks, "groupChunks", "", Per::Group, Life::Work);
-  is(&View::chunkOffset, "chunkOffset", "", Per::Group, Life::Work, 1);
-  is(&View::chunk, "chunk", "", Per::Chunk, Life::Work);
-  is(&View::externalCount, "externalCount", "", Per::Chunk, Life::Work);
-  is(&View::externalOffset, "externalOffset", "", Per::Chunk, Life::Work, 1);
-  is(&View::external, "external", "", Per::External, Life::Work);
-  is(&View::levelGroup, "levelGroup", "", Per::Level, Life::Work, kCoarseLevels);
-  is(&View::levelChunk, "levelChunk", "", Per::Level, Life::Work, kCoarseLevels);
-  is(&View::nodeOfBody, "nodeOfBody", "", Per::Body, Life::Derived);
-  is(&View::treeNode, "treeNode", "", Per::TreeNode, Life::Derived);
-  is(&View::treeSource, "treeSource", "", Per::TreeSource, Life::Derived);
-  is(&View::treeOffset, "treeOffset", "", Per::TreeNode, Life::Derived, 1);
-  is(&View::treeMember, "treeMember", "", Per::TreeNode, Life::Derived);
-  is(&View::treeWork, "treeWork", "", Per::TreeNode, Life::Work);
-  is(&View::treeTouched, "treeTouched", "", Per::TreeNode, Life::Work);
-  is(&View::treeRests, "treeRests", "", Per::TreeNode, Life::Work);
-  is(&View::treeTurn, "treeTurn", "", Per::TreeNode, Life::Work);
-  is(&View::treeOpen, "treeOpen", "", Per::TreeNode, Life::Work);
-  is(&View::treeLink, "treeLink", "", Per::TreeNode, Life::Work);
-  is(&View::colorCount, "colorCount", "", Per::Color, Life::Work);
-  is(&View::colorOffset, "colorOffset", "", Per::Color, Life::Work, 1);
-  is(&View::pairOffset, "pairOffset", "", Per::Body, Life::Work, 1);
-  is(&View::pair, "pair", "", Per::Pair, Life::Work);
-  is(&View::pairTest, "pairTest", "m", Per::Pair, Life::Work);
-  is(&View::manifoldBefore, "manifoldBefore", "", Per::Pair, Life::Work);
-  is(&View::freshPair, "freshPair", "", Per::Pair, Life::Unordered);
-  is(&View::isNear, "isNear", "", Per::Pair, Life::Work);
-  is(&View::nearPairOffset, "nearPairOffset", "", Per::Pair, Life::Work, 1);
-  is(&View::meetBits, "meetBits", "", Per::Pair, Life::Work);
-  is(&View::nearPair, "nearPair", "", Per::NearPair, Life::Work);
-  is(&View::manifold, "manifold", "", Per::NearPair, Life::Work);
-  is(&View::tested, "tested", "", Per::NearPair, Life::Unordered);
-  is(&View::hasRows, "hasRows", "", Per::NearPair, Life::Work);
-  is(&View::rowOffset, "rowOffset", "", Per::NearPair, Life::Work, 1);
-  f(ArrayInfo<ContactRows>{&View::contact, "contact", "", Per::Manifold, Life::State, 0, true});
-  is(&View::joinLevel, "joinLevel", "", Per::Manifold, Life::Work);
-  is(&View::support, "support", "N", Per::Manifold, Life::Work);
-  is(&View::entry, "entry", "", Per::Entry, Life::Work);
-  is(&View::vertexParams, "vertexParams", "", Per::Vertex, Life::Authored);
-  is(&View::refOffset, "refOffset", "", Per::Vertex, Life::Authored, 1);
-  is(&View::ref, "ref", "", Per::ElementRef, Life::Authored);
-  is(&View::tetraCornerOffset, "tetraCornerOffset", "", Per::Vertex, Life::Authored, 1);
-  is(&View::tetraCorner, "tetraCorner", "", Per::TetraCorner, Life::Authored);
-  is(&View::cornerStart, "cornerStart", "", Per::TetraCorner, Life::Work);
-  is(&View::neighborOffset, "neighborOffset", "", Per::Vertex, Life::Authored, 1);
-  is(&View::neighbor, "neighbor", "", Per::Neighbor, Life::Authored);
-  is(&View::vertexRest, "vertexRest", "m", Per::Vertex, Life::Authored);
-  is(&View::feature, "feature", "", Per::Feature, Life::Authored);
-  is(&View::vertexPosition, "vertexPosition", "m", Per::Vertex, Life::State);
-  is(&View::vertexVelocity, "vertexVelocity", "m/s", Per::Vertex, Life::State);
-  is(&View::vertexOldVelocity, "vertexOldVelocity", "m/s", Per::Vertex, Life::State);
-  is(&View::vertexForce, "vertexForce", "N", Per::Vertex, Life::State);
-  is(&View::vertexColor, "vertexColor", "", Per::Vertex, Life::State);
-  is(&View::oldPointPairOffset, "oldPointPairOffset", "", Per::PointOwner, Life::State, 1);
-  is(&View::oldPointPair, "oldPointPair", "", Per::PointPair, Life::State);
-  is(&View::oldPointContact, "oldPointContact", "", Per::PointPair, Life::State);
-  is(&View::attachment, "attachment", "", Per::Attachment, Life::State);
-  is(&View::tetrahedron, "tetrahedron", "", perElement<Tetrahedron>(), Life::State);
-  is(&View::membrane, "membrane", "", perElement<Membrane>(), Life::State);
-  is(&View::flatBend, "flatBend", "", perElement<FlatBend>(), Life::State);
-  is(&View::foldBend, "foldBend", "", perElement<FoldBend>(), Life::State);
-  is(&View::lineBend, "lineBend", "", perElement<LineBend>(), Life::State);
-  is(&View::spring, "spring", "", perElement<Spring>(), Life::State);
-  is(&View::pressure, "pressure", "", perElement<Pressure>(), Life::State);
-  is(&View::cluster, "cluster", "", Per::Cluster, Life::Authored);
-  is(&View::clusterMember, "clusterMember", "", Per::Vertex, Life::Authored);
-  is(&View::clusterRef, "clusterRef", "", Per::ClusterRef, Life::Authored);
-  is(&View::clusterMotion, "clusterMotion", "", Per::Cluster, Life::Work);
-  is(&View::lump, "lump", "", Per::Lump, Life::Authored);
-  is(&View::lumpSum, "lumpSum", "", Per::Lump, Life::Work);
-  is(&View::line, "line", "", Per::Line, Life::Authored);
-  is(&View::lineVertex, "lineVertex", "", Per::LineVertex, Life::Authored);
-  is(&View::lineWork, "lineWork", "", Per::LineVertex, Life::Work);
-  is(&View::lineShare, "lineShare", "", Per::Line, Life::Work);
-  is(&View::vertexTarget, "vertexTarget", "m", Per::Vertex, Life::Work);
-  is(&View::vertexMoved, "vertexMoved", "m", Per::Vertex, Life::Work);
-  is(&View::pastVertex, "pastVertex", "m", Per::Vertex, Life::Work);
-  is(&View::vertexPlace, "vertexPlace", "m", Per::Vertex, Life::Work);
-  is(&View::vertexNextColor, "vertexNextColor", "", Per::Vertex, Life::Work);
-  is(&View::colorVertex, "colorVertex", "", Per::Vertex, Life::Unordered);
-  is(&View::grainCount, "grainCount", "", Per::GrainCell, Life::Work);
-  is(&View::grainOffset, "grainOffset", "", Per::GrainCell, Life::Work, 1);
-  is(&View::grain, "grain", "", Per::Vertex, Life::Unordered);
-  is(&View::pointPairSlot, "pointPairSlot", "", Per::PointOwnerSlot, Life::Unordered);
-  is(&View::pointPairCount, "pointPairCount", "", Per::PointOwner, Life::Work);
-  is(&View::pointPairOffset, "pointPairOffset", "", Per::PointOwner, Life::Work, 1);
-  is(&View::pointEntryCount, "pointEntryCount", "", Per::Vertex, Life::Work);
-  is(&View::pointEntryOffset, "pointEntryOffset", "", Per::Vertex, Life::Work, 1);
-  is(&View::featureCount, "featureCount", "", Per::FeatureCell, Life::Work);
-  is(&View::featureOffset, "featureOffset", "", Per::FeatureCell, Life::Work, 1);
-  is(&View::featureEntry, "featureEntry", "", Per::Feature, Life::Unordered);
-  is(&View::vertexRepair, "vertexRepair", "", Per::Vertex, Life::Work);
-  is(&View::nearFeature, "nearFeature", "", Per::NearFeature, Life::Unordered);
-  is(&View::nearCount, "nearCount", "", Per::PointOwner, Life::Work);
-  is(&View::nearOffset, "nearOffset", "", Per::PointOwner, Life::Work, 1);
-  is(&View::vertexColorCount, "vertexColorCount", "", Per::Color, Life::Work);
-  is(&View::vertexColorOffset, "vertexColorOffset", "", Per::Color, Life::Work, 1);
-  is(&View::pointPair, "pointPair", "", Per::PointPair, Life::Work);
-  is(&View::pointContact, "pointContact", "", Per::PointPair, Life::Work);
-  is(&View::pointEntry, "pointEntry", "", Per::PointEntry, Life::Work);
+  is(&SolverData::bounds, "bounds", "m", Per::Body, Lifetime::Work);
+  is(&SolverData::bucketCount, "bucketCount", "", Per::Cell, Lifetime::Work);
+  is(&SolverData::bucketOffset, "bucketOffset", "", Per::Cell, Lifetime::Work, 1);
+  is(&SolverData::grid, "grid", "", Per::Body, Lifetime::Unordered);
+  is(&SolverData::pairSlot, "pairSlot", "", Per::BodySlot, Lifetime::Unordered);
+  is(&SolverData::pairCount, "pairCount", "", Per::Body, Lifetime::Work);
+  is(&SolverData::impactSpeedBound, "impactSpeedBound", "m/s", Per::Body, Lifetime::Work);
+  is(&SolverData::target, "target", "", Per::Body, Lifetime::Work);
+  is(&SolverData::dx, "dx", "m, rad", Per::Body, Lifetime::Work);
+  is(&SolverData::dq, "dq", "", Per::Body, Lifetime::Work);
+  is(&SolverData::island, "island", "", Per::Body, Lifetime::Unordered);
+  is(&SolverData::islandFlag, "islandFlag", "", Per::Body, Lifetime::Work);
+  is(&SolverData::rowIsland, "rowIsland", "", Per::Body, Lifetime::Work);
+  is(&SolverData::islandBonds, "islandBonds", "", Per::Body, Lifetime::Work);
+  is(&SolverData::islandSlot, "islandSlot", "", Per::Body, Lifetime::Unordered);
+  is(&SolverData::islandSums, "islandSums", "", Per::FreeIsland, Lifetime::Unordered);
+  is(&SolverData::islandRepair, "islandRepair", "m, s", Per::FreeIsland, Lifetime::Unordered);
+  is(&SolverData::fast, "fast", "", Per::Body, Lifetime::Work);
+  is(&SolverData::nearSurface, "nearSurface", "", Per::Body, Lifetime::Work);
+  is(&SolverData::bounceBody, "bounceBody", "", Per::Body, Lifetime::Work);
+  is(&SolverData::bounceMotion, "bounceMotion", "m/s, rad/s", Per::Body, Lifetime::Work);
+  is(&SolverData::bounce, "bounce", "N, N s", Per::Bounce, Lifetime::Work);
+  is(&SolverData::stopBits, "stopBits", "", Per::Body, Lifetime::Work);
+  is(&SolverData::stopSeen, "stopSeen", "", Per::Body, Lifetime::Work);
+  is(&SolverData::stopRound, "stopRound", "", Per::Body, Lifetime::Work);
+  is(&SolverData::stopPair, "stopPair", "", Per::Body, Lifetime::Work);
+  is(&SolverData::ccdMotion, "ccdMotion", "m, rad", Per::Body, Lifetime::Work);
+  is(&SolverData::nextCorrection, "nextCorrection", "m, rad", Per::Body, Lifetime::Work);
+  is(&SolverData::nextColor, "nextColor", "", Per::Body, Lifetime::Unordered);
+  is(&SolverData::clashing, "clashing", "", Per::Node, Lifetime::Unordered);
+  is(&SolverData::colorBody, "colorBody", "", Per::Body, Lifetime::Unordered);
+  is(&SolverData::incidenceCount, "incidenceCount", "", Per::Body, Lifetime::Work);
+  is(&SolverData::incidenceOffset, "incidenceOffset", "", Per::Body, Lifetime::Work, 1);
+  is(&SolverData::root, "root", "", Per::NodeLevel, Lifetime::Unordered);
+  is(&SolverData::nodeCount, "nodeCount", "", Per::NodeLevel, Lifetime::Work);
+  is(&SolverData::isRoot, "isRoot", "", Per::NodeLevel, Lifetime::Work);
+  is(&SolverData::aggregateIndex, "aggregateIndex", "", Per::NodeLevel, Lifetime::Work, 1);
+  is(&SolverData::aggregateOf, "aggregateOf", "", Per::NodeLevel, Lifetime::Work);
+  is(&SolverData::aggregateNode, "aggregateNode", "", Per::NodeLevel, Lifetime::Work);
+  is(&SolverData::aggregate, "aggregate", "", Per::Aggregate, Lifetime::Work);
+  is(&SolverData::aggregateOffset, "aggregateOffset", "", Per::Aggregate, Lifetime::Work, 1);
+  is(&SolverData::aggregateSlices, "aggregateSlices", "", Per::Aggregate, Lifetime::Work);
+  is(&SolverData::sliceOffset, "sliceOffset", "", Per::Aggregate, Lifetime::Work, 1);
+  is(&SolverData::slice, "slice", "", Per::Slice, Lifetime::Work);
+  is(&SolverData::boundaryCount, "boundaryCount", "", Per::Slice, Lifetime::Work);
+  is(&SolverData::boundaryOffset, "boundaryOffset", "", Per::Slice, Lifetime::Work, 1);
+  is(&SolverData::boundary, "boundary", "", Per::Boundary, Lifetime::Work);
+  is(&SolverData::levelAggregate, "levelAggregate", "", Per::Level, Lifetime::Work, kCoarseLevels);
+  is(&SolverData::levelSlice, "levelSlice", "", Per::Level, Lifetime::Work, kCoarseLevels);
+  is(&SolverData::nodeOfBody, "nodeOfBody", "", Per::Body, Lifetime::Derived);
+  is(&SolverData::treeNode, "treeNode", "", Per::TreeNode, Lifetime::Derived);
+  is(&SolverData::treeChild, "treeChild", "", Per::TreeChild, Lifetime::Derived);
+  is(&SolverData::treeOffset, "treeOffset", "", Per::TreeNode, Lifetime::Derived, 1);
+  is(&SolverData::treeMember, "treeMember", "", Per::TreeNode, Lifetime::Derived);
+  is(&SolverData::treeWork, "treeWork", "", Per::TreeNode, Lifetime::Work);
+  is(&SolverData::treeContacts, "treeContacts", "", Per::TreeNode, Lifetime::Work);
+  is(&SolverData::treeConverged, "treeConverged", "", Per::TreeNode, Lifetime::Work);
+  is(&SolverData::treeMaxRotation, "treeMaxRotation", "", Per::TreeNode, Lifetime::Work);
+  is(&SolverData::treeNeedsProjection, "treeNeedsProjection", "", Per::TreeNode, Lifetime::Work);
+  is(&SolverData::projectionLink, "projectionLink", "", Per::TreeNode, Lifetime::Work);
+  is(&SolverData::colorCount, "colorCount", "", Per::Color, Lifetime::Work);
+  is(&SolverData::colorOffset, "colorOffset", "", Per::Color, Lifetime::Work, 1);
+  is(&SolverData::pairOffset, "pairOffset", "", Per::Body, Lifetime::Work, 1);
+  is(&SolverData::pair, "pair", "", Per::Pair, Lifetime::Work);
+  is(&SolverData::pairTest, "pairTest", "m", Per::Pair, Lifetime::Work);
+  is(&SolverData::manifoldBefore, "manifoldBefore", "", Per::Pair, Lifetime::Work);
+  is(&SolverData::newPair, "newPair", "", Per::Pair, Lifetime::Unordered);
+  is(&SolverData::isActive, "isActive", "", Per::Pair, Lifetime::Work);
+  is(&SolverData::activePairOffset, "activePairOffset", "", Per::Pair, Lifetime::Work, 1);
+  is(&SolverData::toiBits, "toiBits", "", Per::Pair, Lifetime::Work);
+  is(&SolverData::activePair, "activePair", "", Per::ActivePair, Lifetime::Work);
+  is(&SolverData::manifold, "manifold", "", Per::ActivePair, Lifetime::Work);
+  is(&SolverData::tested, "tested", "", Per::ActivePair, Lifetime::Unordered);
+  is(&SolverData::hasRows, "hasRows", "", Per::ActivePair, Lifetime::Work);
+  is(&SolverData::rowOffset, "rowOffset", "", Per::ActivePair, Lifetime::Work, 1);
+  f(ArrayInfo<ContactRows>{&SolverData::contact, "contact", "", Per::Manifold, Lifetime::State, 0, true});
+  is(&SolverData::joinLevel, "joinLevel", "", Per::Manifold, Lifetime::Work);
+  is(&SolverData::support, "support", "N", Per::Manifold, Lifetime::Work);
+  is(&SolverData::incidence, "incidence", "", Per::Incidence, Lifetime::Work);
+  is(&SolverData::vertexParams, "vertexParams", "", Per::Vertex, Lifetime::Authored);
+  is(&SolverData::refOffset, "refOffset", "", Per::Vertex, Lifetime::Authored, 1);
+  is(&SolverData::ref, "ref", "", Per::ElementRef, Lifetime::Authored);
+  is(&SolverData::tetraCornerOffset, "tetraCornerOffset", "", Per::Vertex, Lifetime::Authored, 1);
+  is(&SolverData::tetraCorner, "tetraCorner", "", Per::TetraCorner, Lifetime::Authored);
+  is(&SolverData::cornerStart, "cornerStart", "", Per::TetraCorner, Lifetime::Work);
+  is(&SolverData::neighborOffset, "neighborOffset", "", Per::Vertex, Lifetime::Authored, 1);
+  is(&SolverData::neighbor, "neighbor", "", Per::Neighbor, Lifetime::Authored);
+  is(&SolverData::vertexRest, "vertexRest", "m", Per::Vertex, Lifetime::Authored);
+  is(&SolverData::feature, "feature", "", Per::Feature, Lifetime::Authored);
+  is(&SolverData::vertexPosition, "vertexPosition", "m", Per::Vertex, Lifetime::State);
+  is(&SolverData::vertexVelocity, "vertexVelocity", "m/s", Per::Vertex, Lifetime::State);
+  is(&SolverData::vertexOldVelocity, "vertexOldVelocity", "m/s", Per::Vertex, Lifetime::State);
+  is(&SolverData::vertexForce, "vertexForce", "N", Per::Vertex, Lifetime::State);
+  is(&SolverData::vertexColor, "vertexColor", "", Per::Vertex, Lifetime::State);
+  is(&SolverData::oldPointPairOffset, "oldPointPairOffset", "", Per::PointOwner, Lifetime::State, 1);
+  is(&SolverData::oldPointPair, "oldPointPair", "", Per::PointPair, Lifetime::State);
+  is(&SolverData::oldPointContact, "oldPointContact", "", Per::PointPair, Lifetime::State);
+  is(&SolverData::attachment, "attachment", "", Per::Attachment, Lifetime::State);
+  is(&SolverData::tetrahedron, "tetrahedron", "", perElement<Tetrahedron>(), Lifetime::State);
+  is(&SolverData::membrane, "membrane", "", perElement<Membrane>(), Lifetime::State);
+  is(&SolverData::flatBend, "flatBend", "", perElement<FlatBend>(), Lifetime::State);
+  is(&SolverData::foldBend, "foldBend", "", perElement<FoldBend>(), Lifetime::State);
+  is(&SolverData::lineBend, "lineBend", "", perElement<LineBend>(), Lifetime::State);
+  is(&SolverData::spring, "spring", "", perElement<Spring>(), Lifetime::State);
+  is(&SolverData::pressure, "pressure", "", perElement<Pressure>(), Lifetime::State);
+  is(&SolverData::cluster, "cluster", "", Per::Cluster, Lifetime::Authored);
+  is(&SolverData::clusterMember, "clusterMember", "", Per::Vertex, Lifetime::Authored);
+  is(&SolverData::clusterRef, "clusterRef", "", Per::ClusterRef, Lifetime::Authored);
+  is(&SolverData::clusterMotion, "clusterMotion", "", Per::Cluster, Lifetime::Work);
+  is(&SolverData::softNode, "softNode", "", Per::SoftNode, Lifetime::Authored);
+  is(&SolverData::softNodeSum, "softNodeSum", "", Per::SoftNode, Lifetime::Work);
+  is(&SolverData::strand, "strand", "", Per::Strand, Lifetime::Authored);
+  is(&SolverData::strandVertex, "strandVertex", "", Per::StrandVertex, Lifetime::Authored);
+  is(&SolverData::strandWork, "strandWork", "", Per::StrandVertex, Lifetime::Work);
+  is(&SolverData::strandShare, "strandShare", "", Per::Strand, Lifetime::Work);
+  is(&SolverData::vertexTarget, "vertexTarget", "m", Per::Vertex, Lifetime::Work);
+  is(&SolverData::vertexMoved, "vertexMoved", "m", Per::Vertex, Lifetime::Work);
+  is(&SolverData::pastVertex, "pastVertex", "m", Per::Vertex, Lifetime::Work);
+  is(&SolverData::vertexPlace, "vertexPlace", "m", Per::Vertex, Lifetime::Work);
+  is(&SolverData::vertexNextColor, "vertexNextColor", "", Per::Vertex, Lifetime::Work);
+  is(&SolverData::colorVertex, "colorVertex", "", Per::Vertex, Lifetime::Unordered);
+  is(&SolverData::particleCount, "particleCount", "", Per::ParticleCell, Lifetime::Work);
+  is(&SolverData::particleOffset, "particleOffset", "", Per::ParticleCell, Lifetime::Work, 1);
+  is(&SolverData::particle, "particle", "", Per::Vertex, Lifetime::Unordered);
+  is(&SolverData::pointPairSlot, "pointPairSlot", "", Per::PointOwnerSlot, Lifetime::Unordered);
+  is(&SolverData::pointPairCount, "pointPairCount", "", Per::PointOwner, Lifetime::Work);
+  is(&SolverData::pointPairOffset, "pointPairOffset", "", Per::PointOwner, Lifetime::Work, 1);
+  is(&SolverData::pointIncidenceCount, "pointIncidenceCount", "", Per::Vertex, Lifetime::Work);
+  is(&SolverData::pointIncidenceOffset, "pointIncidenceOffset", "", Per::Vertex, Lifetime::Work, 1);
+  is(&SolverData::featureCount, "featureCount", "", Per::FeatureCell, Lifetime::Work);
+  is(&SolverData::featureOffset, "featureOffset", "", Per::FeatureCell, Lifetime::Work, 1);
+  is(&SolverData::featureEntry, "featureEntry", "", Per::Feature, Lifetime::Unordered);
+  is(&SolverData::vertexRepair, "vertexRepair", "", Per::Vertex, Lifetime::Work);
+  is(&SolverData::nearFeature, "nearFeature", "", Per::NearFeature, Lifetime::Unordered);
+  is(&SolverData::nearCount, "nearCount", "", Per::PointOwner, Lifetime::Work);
+  is(&SolverData::nearOffset, "nearOffset", "", Per::PointOwner, Lifetime::Work, 1);
+  is(&SolverData::vertexColorCount, "vertexColorCount", "", Per::Color, Lifetime::Work);
+  is(&SolverData::vertexColorOffset, "vertexColorOffset", "", Per::Color, Lifetime::Work, 1);
+  is(&SolverData::pointPair, "pointPair", "", Per::PointPair, Lifetime::Work);
+  is(&SolverData::pointContact, "pointContact", "", Per::PointPair, Lifetime::Work);
+  is(&SolverData::pointIncidence, "pointIncidence", "", Per::PointIncidence, Lifetime::Work);
 }
 
 /// Bodies that are solved by trees.
-RUBBLE_HD inline int treeNodes(const View& s) { return s.treeBegin[kTreeRounds]; }
+RUBBLE_HD inline int treeNodes(const SolverData& s) { return s.treeBegin[kTreeLevels]; }
 
 /// What is edited does not sleep on; its island wakes with it, for it is a moving neighbour of the others.
-RUBBLE_HD inline void rouse(const View& s, int body) {
+RUBBLE_HD inline void wakeBody(const SolverData& s, int body) {
   s.asleep[body] = 0;
   s.stillTime[body] = 0;
 }
-RUBBLE_HD inline bool isAsleep(const View& s, int body) { return s.step.sleeping && s.asleep[body] != 0; }
+RUBBLE_HD inline bool isAsleep(const SolverData& s, int body) { return s.step.sleeping && s.asleep[body] != 0; }
 /// Does the step move it by its forces? Bodies that sleep are like static ones.
-RUBBLE_HD inline bool isDynamic(const View& s, int body) {
+RUBBLE_HD inline bool isDynamic(const SolverData& s, int body) {
   return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic && !isAsleep(s, body);
 }
 

@@ -61,12 +61,12 @@ void editJointOf(HostTables& tables, int slot, const EngineJoint& in) {
   // other edits of a joint leave the trees as they are
   bool moved = spec.a != in.a || spec.b != in.b;
   if constexpr (isCarried<F>()) moved |= spec.carrierA != in.carrierA || spec.carrierB != in.carrierB;
-  tables.view().treesStale |= moved || spec.alive != in.alive || spec.holds != in.holds;
+  tables.view().treesStale |= moved || spec.alive != in.alive || spec.isRigid != in.isRigid;
   spec = {};
   setData(spec.data, in);
   spec.a = in.a, spec.b = in.b;
   if constexpr (isCarried<F>()) spec.carrierA = in.carrierA, spec.carrierB = in.carrierB;
-  spec.alive = in.alive, spec.holds = in.holds;
+  spec.alive = in.alive, spec.isRigid = in.isRigid;
   spec.breakForce = finite(in.breakForce), spec.breakTorque = finite(in.breakTorque);
   std::size_t group = 0, axis = 0;
   forEachPart<F>([&]<int I, class P>() {
@@ -77,7 +77,7 @@ void editJointOf(HostTables& tables, int slot, const EngineJoint& in) {
   });
 }
 
-Pose worldPose(const View& s, int body, const Vec3d& origin) {
+Pose worldPose(const SolverData& s, int body, const Vec3d& origin) {
   if (body == kWorldBody) return {Vec3(Vec3d{} - origin), Quat{}};
   return {Vec3(s.position[body] - origin), s.orientation[body]};
 }
@@ -88,7 +88,7 @@ double excess(const AxisSpec& spec, double c) {
 }
 
 template <class F>
-void measureJoint(const View& s, int slot, JointState& state) {
+void measureJoint(const SolverData& s, int slot, JointState& state) {
   const JointSpec<F>& spec = s.specsOf<F>()[slot];
   const Joint<F>& joint = s.jointsOf<F>()[slot];
   const Vec3d origin = jointOrigin(s, spec.b);
@@ -101,7 +101,7 @@ void measureJoint(const View& s, int slot, JointState& state) {
   } else {
     a = worldPose(s, spec.a, origin), b = worldPose(s, spec.b, origin);
   }
-  const auto velocity = [&](int body) { return body == kWorldBody ? Vec6{{0, 0, 0}, {0, 0, 0}} : Vec6{s.velocity[body], s.spin[body]}; };
+  const auto velocity = [&](int body) { return body == kWorldBody ? Vec6{{0, 0, 0}, {0, 0, 0}} : Vec6{s.velocity[body], s.angularVelocity[body]}; };
   typename F::Memory memory = joint.memory;
   memory.remember(spec.data, a, b, origin);
   double linear2 = 0, angular2 = 0;
@@ -130,7 +130,7 @@ void measureJoint(const View& s, int slot, JointState& state) {
         speed += dot(j[0], velocity(bodyOf(spec, side)));
       }
       axis.speed = static_cast<double>(speed);
-      const auto of = [](const AxisRow& row) { return row.acts ? -static_cast<double>(row.lambda) : 0.0; };
+      const auto of = [](const AxisRow& row) { return row.active ? -static_cast<double>(row.lambda) : 0.0; };
       axis.limitForce = of(rows.limit), axis.driveForce = of(rows.drive), axis.frictionForce = of(rows.friction);
       addLoad(axisLoad(rows), jb[0]);
       const double out = excess(own, axis.position);
@@ -177,7 +177,7 @@ JointState jointStateOf(const HostTables& tables, int type, int slot) {
 }
 
 std::vector<std::pair<int, int>> brokenJointsOf(const HostTables& tables) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   std::vector<std::pair<int, int>> out;
   forEachType(JointTypes{}, [&]<class F>() {
     constexpr int kType = typeIndex<F>(JointTypes{});

@@ -15,12 +15,12 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 template <class Kernel>
-void forEach(const View& s, const Kernel& kernel, std::size_t n) {
+void forEach(const SolverData& s, const Kernel& kernel, std::size_t n) {
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) { kernel(s, static_cast<int>(i)); });
 }
 
 /// The grid at the present poses.
-void fillGrid(View& s) {
+void fillGrid(SolverData& s) {
   // bodies stand still while they are asked about
   const Real dt = s.step.dt;
   s.step.dt = 0;

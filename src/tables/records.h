@@ -46,7 +46,7 @@ struct EngineJoint {
   int a = kWorld, b = kWorld;
   int carrierA = kWorld, carrierB = kWorld;  ///< gears, racks: bodies in which the axes lie
   bool alive = false;
-  bool holds = true;                 ///< the bodies hang together
+  bool isRigid = true;                 ///< the bodies hang together
   Vec3 anchorA, anchorB;
   Quat frameA, frameB, aToB;
   Quat baseA, baseB;                 ///< gears, racks: the axes in their carriers

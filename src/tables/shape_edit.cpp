@@ -13,7 +13,7 @@ ShapeData shapeData(const CookedData& shape) {
 }
 
 void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   const int vectors = s.shapeVectors, indices = s.shapeIndices, parts = s.shapeParts;
   tables.reserve(Per::ShapeVector, vectors + static_cast<int>(shape.vectors.size()));
   tables.reserve(Per::ShapeIndex, indices + static_cast<int>(shape.indices.size()));
@@ -38,7 +38,7 @@ void addShape(HostTables& tables, const CookedShape& shape, const std::vector<in
 
 void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces) {
   tables.reserve(Per::Surface, static_cast<int>(surfaces.size()));
-  View& s = tables.view();
+  SolverData& s = tables.view();
   s.surfaces = static_cast<int>(surfaces.size());
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const Material& m = surfaces[i];

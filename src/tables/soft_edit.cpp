@@ -95,7 +95,7 @@ Attachment made(const EngineAttachment& in) {
 template <class F>
 void placeElements(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
   constexpr int kType = typeIndex<F>(ElementTypes{});
-  View& s = tables.view();
+  SolverData& s = tables.view();
   const std::vector<F> old(s.elementsOf<F>(), s.elementsOf<F>() + s.elements[kType]);
   int count = 0;
   for (const EngineSoftObject& o : objects) count += static_cast<int>(listOf<F>(*o.model).size());
@@ -115,7 +115,7 @@ void placeElements(HostTables& tables, const std::vector<EngineSoftObject>& obje
 }
 
 void placeAttachments(HostTables& tables, const std::vector<EngineAttachment>& attachments) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   const std::vector<Attachment> old(s.attachment, s.attachment + s.attachments);
   tables.reserve(Per::Attachment, static_cast<int>(attachments.size()));
   s.attachments = static_cast<int>(attachments.size());
@@ -130,7 +130,7 @@ void placeAttachments(HostTables& tables, const std::vector<EngineAttachment>& a
 
 /// What vertices have that lasts, by old index.
 struct OldVertices {
-  explicit OldVertices(const View& s)
+  explicit OldVertices(const SolverData& s)
       : position(s.vertexPosition, s.vertexPosition + s.vertices),
         velocity(s.vertexVelocity, s.vertexVelocity + s.vertices),
         oldVelocity(s.vertexOldVelocity, s.vertexOldVelocity + s.vertices),
@@ -152,7 +152,7 @@ struct OldVertices {
 struct Moves {
   std::vector<int> vertexFrom, vertexTo, featureFrom, featureTo;
 
-  void addFeatures(const View& s, const OldVertices& old, const std::vector<EngineSoftObject>& objects) {
+  void addFeatures(const SolverData& s, const OldVertices& old, const std::vector<EngineSoftObject>& objects) {
     featureFrom.assign(static_cast<std::size_t>(s.features), -1);
     featureTo.assign(static_cast<std::size_t>(old.features), -1);
     const auto add = [&](int from, int to, std::size_t count) {
@@ -168,7 +168,7 @@ struct Moves {
     }
   }
   /// Where an owner of pairs was.
-  int ownerFrom(const View& s, const OldVertices& old, int owner) const {
+  int ownerFrom(const SolverData& s, const OldVertices& old, int owner) const {
     if (owner < s.vertices) return vertexFrom[static_cast<std::size_t>(owner)];
     if (owner >= s.vertices + s.edges) {
       const int from = owner - s.vertices - s.edges + static_cast<int>(old.position.size()) + old.edges;
@@ -193,7 +193,7 @@ struct Moves {
 /// Contacts of the last step between vertices that are still there.
 void placeContacts(HostTables& tables, const OldVertices& old, const Moves& moves) {
   tables.reserve(Per::PointPair, static_cast<int>(old.pair.size()));
-  View& s = tables.view();
+  SolverData& s = tables.view();
   int n = 0;
   for (int owner = 0; owner < s.owners(); ++owner) {
     s.oldPointPairOffset[owner] = n;
@@ -223,7 +223,7 @@ void reserveVertices(HostTables& tables, int vertices) {
 }  // namespace
 
 void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   const OldVertices old(s);
   int vertices = 0;
   for (const EngineSoftObject& o : objects) vertices += static_cast<int>(o.model->vertices.size());
@@ -250,8 +250,8 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
       p.first = o.at.vertex, p.collides = in.onSurface ? m.collides : m.collides & ~(kCollidesWithSurfaces | kCollidesWithSelf);
       p.surfaceRadius = real(m.surfaceRadius);
       s.vertexRest[v] = Vec3(in.rest);
-      p.cluster = p.lump = -1, p.reach = real(meanLength);
-      if (p.collides & kCollidesWithGrains) widest = max(widest, p.radius);
+      p.cluster = p.softNode = -1, p.reach = real(meanLength);
+      if (p.collides & kCollidesWithParticles) widest = max(widest, p.radius);
       if (o.previous.vertex < 0) {
         s.vertexPosition[v] = in.position;
         s.vertexVelocity[v] = s.vertexOldVelocity[v] = Vec3(in.velocity);
@@ -268,9 +268,9 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
     }
   }
   // cells a little wider than the largest particle
-  s.grainCell = widest > Real(0) ? Real(2.2) * widest : Real(1);
-  s.grainCells = widest > Real(0) ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * vertices)))) : 0;
-  tables.reserve(Per::GrainCell, s.grainCells);
+  s.particleCell = widest > Real(0) ? Real(2.2) * widest : Real(1);
+  s.particleCells = widest > Real(0) ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * vertices)))) : 0;
+  tables.reserve(Per::ParticleCell, s.particleCells);
   forEachType(ElementTypes{}, [&]<class F>() { placeElements<F>(tables, objects); });
   countYielding(s);
   placeAttachments(tables, attachments);
@@ -283,14 +283,14 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
   placeContacts(tables, old, moves);
 }
 
-void countYielding(View& s) {
+void countYielding(SolverData& s) {
   const std::span<const Tetrahedron> all(s.tetrahedron, static_cast<std::size_t>(s.elements[typeIndex<Tetrahedron>(ElementTypes{})]));
   s.yielding = static_cast<int>(std::count_if(all.begin(), all.end(), [](const Tetrahedron& e) { return e.yield < kUnreached; }));
 }
 
-SoftCounts softCounts(const View& s) {
-  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.tetraCornerOffset[s.vertices], s.neighborOffset[s.vertices], s.grainCells, s.attachments, {}, {}, s.movingParts, s.clusterRefs,
-               s.lumps, s.objects, s.lines, s.lineVertices, static_cast<float>(s.grainCell), s.edges, s.features, s.featureCells, static_cast<float>(s.featureCell)};
+SoftCounts softCounts(const SolverData& s) {
+  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.tetraCornerOffset[s.vertices], s.neighborOffset[s.vertices], s.particleCells, s.attachments, {}, {}, s.movingParts, s.clusterRefs,
+               s.softNodes, s.objects, s.strands, s.strandVertices, static_cast<float>(s.particleCell), s.edges, s.features, s.featureCells, static_cast<float>(s.featureCell)};
   std::copy(std::begin(s.clusterBegin), std::end(s.clusterBegin), c.clusterBegin);
   std::copy(std::begin(s.elements), std::end(s.elements), c.elements);
   return c;
@@ -301,23 +301,23 @@ void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   tables.reserve(Per::ElementRef, c.refs);
   tables.reserve(Per::TetraCorner, c.tetraCorners);
   tables.reserve(Per::Neighbor, c.neighbors);
-  tables.reserve(Per::GrainCell, c.grainCells);
+  tables.reserve(Per::ParticleCell, c.particleCells);
   tables.reserve(Per::Attachment, c.attachments);
   tables.reserve(Per::Cluster, c.clusterBegin[kClusterLevels]);
   tables.reserve(Per::ClusterRef, c.clusterRefs);
-  View& s = tables.view();
-  s.vertices = c.vertices, s.grainCells = c.grainCells, s.attachments = c.attachments;
-  s.grainCell = real(c.grainCell);
+  SolverData& s = tables.view();
+  s.vertices = c.vertices, s.particleCells = c.particleCells, s.attachments = c.attachments;
+  s.particleCell = real(c.particleCell);
   s.edges = c.edges, s.features = c.features, s.featureCells = c.featureCells;
   s.featureCell = real(c.featureCell);
   reserveFeatures(tables);
   s.movingParts = c.movingParts, s.clusterRefs = c.clusterRefs;
-  tables.reserve(Per::Lump, c.lumps);
-  s.lumps = c.lumps, s.objects = c.objects;
-  tables.reserve(Per::Line, c.lines);
-  tables.reserve(Per::LineVertex, c.lineVertices);
-  s.lines = c.lines, s.lineVertices = c.lineVertices;
-  reserveMembers(tables);
+  tables.reserve(Per::SoftNode, c.softNodes);
+  s.softNodes = c.softNodes, s.objects = c.objects;
+  tables.reserve(Per::Strand, c.lines);
+  tables.reserve(Per::StrandVertex, c.strandVertices);
+  s.strands = c.lines, s.strandVertices = c.strandVertices;
+  reserveNodes(tables);
   std::copy(std::begin(c.clusterBegin), std::end(c.clusterBegin), s.clusterBegin);
   s.refOffset[c.vertices] = c.refs;
   s.tetraCornerOffset[c.vertices] = c.tetraCorners;
@@ -330,13 +330,13 @@ void setSoftCounts(HostTables& tables, const SoftCounts& c) {
 }
 
 void vertexStatesOf(const HostTables& tables, int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = s.vertexPosition[static_cast<std::size_t>(first) + i];
   for (std::size_t i = 0; i < velocities.size(); ++i) velocities[i] = rubble::Vec3(s.vertexVelocity[static_cast<std::size_t>(first) + i]);
 }
 
 void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3> positions, std::span<const rubble::Vec3> velocities) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   for (std::size_t i = 0; i < positions.size(); ++i) s.vertexPosition[static_cast<std::size_t>(first) + i] = positions[i];
   for (std::size_t i = 0; i < velocities.size(); ++i) {
     const std::size_t v = static_cast<std::size_t>(first) + i;
@@ -345,7 +345,7 @@ void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3
 }
 
 void elementsAliveOf(const HostTables& tables, int type, int first, std::span<char> alive) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   forEachType(ElementTypes{}, [&]<class F>() {
     if (typeIndex<F>(ElementTypes{}) != type) return;
     for (std::size_t i = 0; i < alive.size(); ++i) alive[i] = s.elementsOf<F>()[static_cast<std::size_t>(first) + i].alive != 0;
@@ -353,7 +353,7 @@ void elementsAliveOf(const HostTables& tables, int type, int first, std::span<ch
 }
 
 void forgetVertexContacts(HostTables& tables, int body) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k)
     if (s.oldPointPair[k].other == body || (s.oldPointPair[k].vertex >= s.vertices + s.edges && bodyOfOwner(s, s.oldPointPair[k].vertex) == body)) {
       s.oldPointPair[k].other = -1;

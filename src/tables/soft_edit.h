@@ -6,17 +6,17 @@ namespace rubble::RUBBLE_CORE {
 
 void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments);
 /// Counts the tetrahedra that can yield, from what their table says.
-void countYielding(View& s);
+void countYielding(SolverData& s);
 /// Slots in use of everything that deformable objects have; states loaded from elsewhere need the same.
 struct SoftCounts {
-  int vertices, refs, tetraCorners, neighbors, grainCells, attachments;
+  int vertices, refs, tetraCorners, neighbors, particleCells, attachments;
   int elements[ElementTypes::kSize];
-  int clusterBegin[kClusterLevels + 1], movingParts, clusterRefs, lumps, objects, lines, lineVertices;
-  float grainCell;
+  int clusterBegin[kClusterLevels + 1], movingParts, clusterRefs, softNodes, objects, lines, strandVertices;
+  float particleCell;
   int edges, features, featureCells;
   float featureCell;
 };
-SoftCounts softCounts(const View& s);
+SoftCounts softCounts(const SolverData& s);
 void setSoftCounts(HostTables& tables, const SoftCounts& counts);
 
 void vertexStatesOf(const HostTables& tables, int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities);

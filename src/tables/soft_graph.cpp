@@ -27,7 +27,7 @@ TetraCorner seenFrom(const Tetrahedron& e, int index, int corner) {
 
 /// Which elements and attachments act on each vertex, and which vertices share one.
 void connect(HostTables& tables) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   constexpr int kTetrahedron = typeIndex<Tetrahedron>(ElementTypes{});
   std::vector<std::pair<int, std::uint32_t>> refs, tetrahedra;
   std::vector<std::pair<int, int>> neighbors;
@@ -74,7 +74,7 @@ bool movesAsOne(const SoftModel& model, const SoftModel::Cluster& c) { return c.
 
 /// The clusters of all objects by level, and the elements that leave each.
 void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   std::vector<std::pair<int, int>> byLevel[kClusterLevels];  // object, its cluster
   std::vector<std::vector<int>> number(objects.size());
   for (std::size_t o = 0; o < objects.size(); ++o) {
@@ -112,14 +112,14 @@ void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& obje
             in.parent < 0 ? -1 : number[object][static_cast<std::size_t>(in.parent)]};
       if (in.parent < 0)
         for (int k = to.begin; k < to.end; ++k) s.vertexParams[s.clusterMember[k]].cluster = own;
-      if (level > 0) to.chunkBegin = count, to.chunkEnd = -1;
+      if (level > 0) to.sliceBegin = count, to.sliceEnd = -1;
       for (int k = to.begin; k < to.end; ++k) clusterOf[static_cast<std::size_t>(s.clusterMember[k]) * kClusterLevels + static_cast<std::size_t>(level)] = own;
     }
   for (int c = 0; c < count; ++c) {
     const int parent = s.cluster[c].parent;
     if (parent < 0) continue;
-    s.cluster[parent].chunkBegin = std::min(s.cluster[parent].chunkBegin, s.cluster[c].chunkBegin);
-    s.cluster[parent].chunkEnd = std::max(s.cluster[parent].chunkEnd, s.cluster[c].chunkEnd);
+    s.cluster[parent].sliceBegin = std::min(s.cluster[parent].sliceBegin, s.cluster[c].sliceBegin);
+    s.cluster[parent].sliceEnd = std::max(s.cluster[parent].sliceEnd, s.cluster[c].sliceEnd);
   }
 
   std::vector<std::pair<int, ClusterRef>> refs;
@@ -154,28 +154,28 @@ void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& obje
 }
 
 void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
-  View& s = tables.view();
-  for (int v = 0; v < s.vertices; ++v) s.vertexParams[v].lump = -1;
-  std::vector<Lump> lumps;
+  SolverData& s = tables.view();
+  for (int v = 0; v < s.vertices; ++v) s.vertexParams[v].softNode = -1;
+  std::vector<SoftNode> softNodes;
   for (const EngineSoftObject& o : objects) {
-    if (!isLump(*o.model)) continue;
-    const int own = static_cast<int>(lumps.size()), cluster = s.vertexParams[o.at.vertex + o.model->clusterOrder.front()].cluster;
-    for (const int v : o.model->clusterOrder) s.vertexParams[o.at.vertex + v].lump = own;
-    lumps.push_back({o.at.vertex, cluster, static_cast<Real>(o.model->size / 2)});
+    if (!isSoftNode(*o.model)) continue;
+    const int own = static_cast<int>(softNodes.size()), cluster = s.vertexParams[o.at.vertex + o.model->clusterOrder.front()].cluster;
+    for (const int v : o.model->clusterOrder) s.vertexParams[o.at.vertex + v].softNode = own;
+    softNodes.push_back({o.at.vertex, cluster, static_cast<Real>(o.model->size / 2)});
   }
-  s.objects = static_cast<int>(lumps.size());
+  s.objects = static_cast<int>(softNodes.size());
   for (const EngineSoftObject& o : objects) {
     if (!hasNoElements(*o.model)) continue;
     for (int v = o.at.vertex; v < o.at.vertex + static_cast<int>(o.model->vertices.size()); ++v) {
       if (!isDynamicVertex(s, v)) continue;
-      s.vertexParams[v].lump = static_cast<int>(lumps.size());
-      lumps.push_back({v, -1, s.vertexParams[v].radius});
+      s.vertexParams[v].softNode = static_cast<int>(softNodes.size());
+      softNodes.push_back({v, -1, s.vertexParams[v].radius});
     }
   }
-  s.lumps = static_cast<int>(lumps.size());
-  tables.reserve(Per::Lump, s.lumps);
-  reserveMembers(tables);
-  std::copy(lumps.begin(), lumps.end(), s.lump);
+  s.softNodes = static_cast<int>(softNodes.size());
+  tables.reserve(Per::SoftNode, s.softNodes);
+  reserveNodes(tables);
+  std::copy(softNodes.begin(), softNodes.end(), s.softNode);
 }
 
 namespace {
@@ -204,9 +204,9 @@ std::vector<LineEnds> lineEnds(const SoftModel& m) {
 }  // namespace
 
 void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
-  View& s = tables.view();
-  std::vector<Line> lines;
-  std::vector<LineVertex> vertices;
+  SolverData& s = tables.view();
+  std::vector<Strand> lines;
+  std::vector<StrandVertex> vertices;
   for (const EngineSoftObject& o : objects) {
     const SoftModel& m = *o.model;
     const std::vector<LineEnds> ends = lineEnds(m);
@@ -230,16 +230,16 @@ void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects
       lines.push_back({begin, static_cast<int>(vertices.size())});
     }
   }
-  s.lines = static_cast<int>(lines.size()), s.lineVertices = static_cast<int>(vertices.size());
-  tables.reserve(Per::Line, s.lines);
-  tables.reserve(Per::LineVertex, s.lineVertices);
-  std::copy(lines.begin(), lines.end(), s.line);
-  std::copy(vertices.begin(), vertices.end(), s.lineVertex);
+  s.strands = static_cast<int>(lines.size()), s.strandVertices = static_cast<int>(vertices.size());
+  tables.reserve(Per::Strand, s.strands);
+  tables.reserve(Per::StrandVertex, s.strandVertices);
+  std::copy(lines.begin(), lines.end(), s.strand);
+  std::copy(vertices.begin(), vertices.end(), s.strandVertex);
 }
 
 /// Edges and triangles of all surfaces that collide, and their grid.
 void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   int edges = 0, triangles = 0;
   double shortest = 0;
   for (const EngineSoftObject& o : objects) {
@@ -274,7 +274,7 @@ void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& obje
 }
 
 void reserveFeatures(HostTables& tables) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   if (s.vertices == 0) return;
   tables.reserve(Per::Feature, s.features);
   tables.reserve(Per::FeatureCell, s.featureCells);

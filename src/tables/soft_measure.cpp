@@ -6,7 +6,7 @@
 namespace rubble::RUBBLE_CORE {
 
 JointState attachmentStateOf(const HostTables& tables, int index) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   const Attachment& a = s.attachment[index];
   Vec3d gap;
   for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) gap += s.vertexPosition[a.v[k]] * static_cast<double>(a.weight[k]);
@@ -20,7 +20,7 @@ JointState attachmentStateOf(const HostTables& tables, int index) {
 }
 
 std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   std::vector<EngineVertexContact> out;
   for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k) {
     const PointContact& p = s.oldPointContact[k];
@@ -59,7 +59,7 @@ std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
 }
 
 void addSoftQuality(const HostTables& tables, Quality& q, std::vector<double>& depths, int& joints) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   if (s.vertices == 0) return;
   for (const EngineVertexContact& c : vertexContactsOf(tables)) depths.push_back(std::max(0.0, c.depth));
   for (int i = 0; i < s.attachments; ++i) {

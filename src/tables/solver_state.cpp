@@ -19,7 +19,7 @@ Real sizeOf(const Real* lambda, int rows) {
   return std::sqrt(sum);
 }
 
-void addContacts(const View& s, std::vector<SolverState>& bodies) {
+void addContacts(const SolverData& s, std::vector<SolverState>& bodies) {
   for (int pair = 0; pair < s.oldPairOffset[s.bodies]; ++pair) {
     const int manifold = manifoldOfOld(s, pair);
     if (manifold < 0 || s.oldPair[pair].other < 0) continue;
@@ -35,7 +35,7 @@ void addContacts(const View& s, std::vector<SolverState>& bodies) {
 }
 
 template <class F>
-void addJoint(const View& s, int slot, std::vector<SolverState>& bodies) {
+void addJoint(const SolverData& s, int slot, std::vector<SolverState>& bodies) {
   const JointSpec<F>& spec = s.specsOf<F>()[slot];
   const Joint<F>& joint = s.jointsOf<F>()[slot];
   SolverState state;
@@ -44,7 +44,7 @@ void addJoint(const View& s, int slot, std::vector<SolverState>& bodies) {
       const auto& rows = partOf<I>(joint.parts);
       if constexpr (P::kAxis) {
         for (const AxisRow* row : {&rows.limit, &rows.drive, &rows.friction})
-          if (row->acts) raise(state, row->k, row->lambda);
+          if (row->active) raise(state, row->k, row->lambda);
       } else if (partOf<I>(spec.parts).mode != GroupMode::Off) {
         raise(state, rows.state.k, sizeOf(rows.lambda, P::kRows));
       }
@@ -54,7 +54,7 @@ void addJoint(const View& s, int slot, std::vector<SolverState>& bodies) {
     if (const int body = bodyOf(spec, side); body != kWorldBody) raise(bodies[static_cast<std::size_t>(body)], static_cast<Real>(state.stiffness), static_cast<Real>(state.multiplier));
 }
 
-void addVertexRows(const View& s, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) {
+void addVertexRows(const SolverData& s, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) {
   for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k) {
     const PointContact& p = s.oldPointContact[k];
     if (!p.active) continue;
@@ -76,7 +76,7 @@ void addVertexRows(const View& s, std::vector<SolverState>& bodies, std::vector<
 }  // namespace
 
 void solverStatesOf(const HostTables& tables, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   bodies.assign(static_cast<std::size_t>(s.bodies), {});
   vertices.assign(static_cast<std::size_t>(s.vertices), {});
   for (int i = 0; i < s.bodies; ++i)

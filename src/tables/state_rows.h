@@ -8,18 +8,18 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// f(member of View) of the array.
+/// f(member of SolverData) of the array.
 template <class F>
 auto withStateArray(StateArray which, F&& f) {
   switch (which) {
     case StateArray::Position: break;
-    case StateArray::Orientation: return f(&View::orientation);
-    case StateArray::Velocity: return f(&View::velocity);
-    case StateArray::AngularVelocity: return f(&View::spin);
-    case StateArray::Force: return f(&View::force);
-    case StateArray::Torque: return f(&View::torque);
+    case StateArray::Orientation: return f(&SolverData::orientation);
+    case StateArray::Velocity: return f(&SolverData::velocity);
+    case StateArray::AngularVelocity: return f(&SolverData::angularVelocity);
+    case StateArray::Force: return f(&SolverData::force);
+    case StateArray::Torque: return f(&SolverData::torque);
   }
-  return f(&View::position);
+  return f(&SolverData::position);
 }
 
 /// Elements of three or four numbers as an array of host memory.
@@ -38,9 +38,9 @@ ArrayView rowsOf(const T* data, int rows) {
 }
 
 /// An impulse's change of velocity, added in double precision as by one who reads it, adds and writes it.
-RUBBLE_HD inline void changeVelocity(const View& s, int slot, const Vec3d& change) {
+RUBBLE_HD inline void changeVelocity(const SolverData& s, int slot, const Vec3d& change) {
   s.velocity[slot] = s.previousVelocity[slot] = Vec3(Vec3d(s.velocity[slot]) + change);
-  rouse(s, slot);
+  wakeBody(s, slot);
 }
 
 /// Row k of the values becomes a row of an array, or is added to it.
@@ -60,7 +60,7 @@ struct ScatterRows {
     return isDouble ? *reinterpret_cast<const double*>(at) : static_cast<double>(*reinterpret_cast<const float*>(at));
   }
 
-  RUBBLE_HD void operator()(const View& s, int k) const {
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const int id = *reinterpret_cast<const int*>(rows + k * rowStride);
     if (id < 0 || id >= s.bodies) return;
     const int slot = s.placeOf[id];
@@ -70,11 +70,11 @@ struct ScatterRows {
       case StateArray::Position: s.position[slot] = v; break;
       case StateArray::Orientation: s.orientation[slot] = normalize(Quat(QuatT<double>{v.x, v.y, v.z, number(k, 3)})); break;
       case StateArray::Velocity: s.velocity[slot] = s.previousVelocity[slot] = Vec3(v); break;
-      case StateArray::AngularVelocity: s.spin[slot] = Vec3(v); break;
+      case StateArray::AngularVelocity: s.angularVelocity[slot] = Vec3(v); break;
       case StateArray::Force: s.force[slot] += Vec3(v); break;
       case StateArray::Torque: s.torque[slot] += Vec3(v); break;
     }
-    if (which != StateArray::Force && which != StateArray::Torque) rouse(s, slot);
+    if (which != StateArray::Force && which != StateArray::Torque) wakeBody(s, slot);
   }
 };
 
@@ -83,11 +83,11 @@ struct CountedKind {
   const char* name;
   Per per;
 };
-inline constexpr CountedKind kCountedKinds[] = {{"pairs", Per::Pair},           {"nearPairs", Per::NearPair},       {"manifolds", Per::Manifold},
-                                                {"rollers", Per::Rolling},      {"bounceRows", Per::Bounce},        {"entries", Per::Entry},            {"colors", Per::Color},
-                                                {"groups", Per::Group},         {"chunks", Per::Chunk},             {"externals", Per::External},
+inline constexpr CountedKind kCountedKinds[] = {{"pairs", Per::Pair},           {"activePairs", Per::ActivePair},       {"manifolds", Per::Manifold},
+                                                {"rollers", Per::Rolling},      {"bounceRows", Per::Bounce},        {"incidences", Per::Incidence},            {"colors", Per::Color},
+                                                {"groups", Per::Aggregate},         {"chunks", Per::Slice},             {"externals", Per::Boundary},
                                                 {"pointPairs", Per::PointPair},
-                                                {"pointEntries", Per::PointEntry},
+                                                {"pointIncidences", Per::PointIncidence},
                                                 {"nearFeatures", Per::NearFeature},
                                                 {"freeIslands", Per::FreeIsland}};
 inline const char* kindName(Per per) {

@@ -19,13 +19,13 @@ int traitsOf(const SurfaceData& m) {
 }
 
 /// Those of the body in a slot, whose materials are in the tables.
-int traitsOf(const View& s, int slot) {
+int traitsOf(const SolverData& s, int slot) {
   const BodyParams& p = s.params[slot];
   if (p.kind == BodyKind::Removed) return 0;
   const BodyFilter& f = s.filter[slot];
   const CollisionFilter usual;
   const bool filtered = f.sensor || f.layers != usual.layers || f.mask != usual.mask || f.group != usual.group;
-  int traits = (!isPlain(p.shape.kind) ? 1 << static_cast<int>(BodyTrait::GeneralShape) : 0) |
+  int traits = (!isPrimitive(p.shape.kind) ? 1 << static_cast<int>(BodyTrait::GeneralShape) : 0) |
                (s.extras[slot].locks != 0 ? 1 << static_cast<int>(BodyTrait::Locked) : 0) |
                (filtered ? 1 << static_cast<int>(BodyTrait::Filtered) : 0) |
                (p.restitution > Real(0) ? 1 << static_cast<int>(BodyTrait::Bounces) : 0);
@@ -50,15 +50,15 @@ Distribution distribution(std::vector<double>& values) {
 
 }  // namespace
 
-void reserveMembers(HostTables& tables) {
-  tables.reserve(Per::MemberLevel, (tables.capacity(Per::Body) + tables.capacity(Per::Lump)) * kCoarseLevels);
+void reserveNodes(HostTables& tables) {
+  tables.reserve(Per::NodeLevel, (tables.capacity(Per::Body) + tables.capacity(Per::SoftNode)) * kCoarseLevels);
 }
 
 void setBodyCount(HostTables& tables, int slots) {
   if (slots <= tables.view().bodies) return;
   tables.reserve(Per::Body, slots);
   tables.reserve(Per::BodySlot, tables.capacity(Per::Body) * kPairSlots);
-  reserveMembers(tables);
+  reserveNodes(tables);
   tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
   tables.reserve(Per::Level, kCoarseLevels);
   const int cells = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * slots))));
@@ -71,7 +71,7 @@ void setBodyCount(HostTables& tables, int slots) {
     int* const offset = tables.view().oldPointPairOffset;
     std::fill(offset + owners + 1, offset + more + 1, offset[owners]);
   }
-  View& s = tables.view();
+  SolverData& s = tables.view();
   s.cells = cells;
   for (int i = s.bodies; i < slots; ++i) {
     s.idOf[i] = s.placeOf[i] = i;
@@ -88,7 +88,7 @@ void setBodyCount(HostTables& tables, int slots) {
 }
 
 void setBody(HostTables& tables, int slot, const EngineBody& body) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   BodyParams& p = s.params[slot];
   p.shape = shapeData(body.shape);
   // who comes has no joints yet, and who goes has lost them before
@@ -116,7 +116,7 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   traits.count(extras.traits, 1);
   tables.setTraits(traits);
   // as many old rows as old manifolds, also in the first step with such materials
-  if (s.rolls) tables.reserve(Per::Rolling, tables.capacity(Per::NearPair));
+  if (s.rolls) tables.reserve(Per::Rolling, tables.capacity(Per::ActivePair));
   s.color[slot] = 0;
   s.force[slot] = s.torque[slot] = {0, 0, 0};
   s.pushed[slot] = 0;
@@ -126,30 +126,30 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
 }
 
 BodyState bodyState(const HostTables& tables, int slot) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   using rubble::Quat;
   using rubble::Vec3;
-  return {s.position[slot], Quat(s.orientation[slot]), Vec3(s.velocity[slot]), Vec3(s.spin[slot])};
+  return {s.position[slot], Quat(s.orientation[slot]), Vec3(s.velocity[slot]), Vec3(s.angularVelocity[slot])};
 }
 
 void setBodyState(HostTables& tables, int slot, const BodyState& state) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   s.position[slot] = state.position;
   s.orientation[slot] = normalize(Quat(state.orientation));
   s.velocity[slot] = s.previousVelocity[slot] = Vec3(state.velocity);
-  s.spin[slot] = Vec3(state.angularVelocity);
-  rouse(s, slot);
+  s.angularVelocity[slot] = Vec3(state.angularVelocity);
+  wakeBody(s, slot);
 }
 
 void forgetContacts(HostTables& tables, int slot) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
     if (s.oldPair[k].owner == slot || s.oldPair[k].other == slot) forgetOldPair(s, k);
   forgetVertexContacts(tables, slot);
 }
 
 void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   std::vector<char> gone(static_cast<std::size_t>(s.bodies), 0);
   for (const int slot : slots) gone[static_cast<std::size_t>(slot)] = 1;
   for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k) {
@@ -161,18 +161,18 @@ void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
 }
 
 void abandonStep(HostTables& tables) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   *s.counters = {};
   std::fill_n(s.oldPairOffset, s.bodies + 1, 0);
   std::fill_n(s.oldPointPairOffset, s.owners() + 1, 0);
-  s.oldNearPairOffset[0] = 0;
+  s.oldActivePairOffset[0] = 0;
   s.treesStale = 1;
   // the tables of manifolds may have moved since
-  tables.lodgeRows();
+  tables.aliasRows();
 }
 
 void endForces(HostTables& tables) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   const Vec3 none{0, 0, 0};
   std::fill_n(s.force, s.bodies, none), std::fill_n(s.torque, s.bodies, none), std::fill_n(s.vertexForce, s.vertices, none);
 }
@@ -181,14 +181,14 @@ void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change) {
   changeVelocity(tables.view(), slot, change);
 }
 
-bool inOtherOrder(const View& s) {
+bool inOtherOrder(const SolverData& s) {
   for (int i = 0; i < s.bodies; ++i)
     if (s.idOf[i] != i) return true;
   return false;
 }
 
 BodyOrder orderOf(const HostTables& tables) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   const std::size_t bodies = static_cast<std::size_t>(s.bodies);
   return {{s.placeOf, bodies}, {s.idOf, bodies}};
 }
@@ -206,7 +206,7 @@ void setPlanes(HostTables& tables, const std::vector<int>& slots) {
 
 void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs) {
   tables.reserve(Per::Exclusion, static_cast<int>(pairs.size()));
-  View& s = tables.view();
+  SolverData& s = tables.view();
   std::size_t k = 0;
   for (int i = 0; i < s.bodies; ++i) {
     s.exclusionOffset[i] = static_cast<int>(k);
@@ -219,7 +219,7 @@ namespace {
 
 /// visit(pair, manifold) for every pair of the last step that has points.
 template <class Visit>
-void forEachManifold(const View& s, Visit&& visit) {
+void forEachManifold(const SolverData& s, Visit&& visit) {
   for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
     if (const int m = manifoldOfOld(s, k); m >= 0 && s.oldManifold[m].count > 0 && s.oldPair[k].other >= 0) visit(ordered(s.oldPair[k]), s.oldManifold[m]);
 }
@@ -228,14 +228,14 @@ void forEachManifold(const View& s, Visit&& visit) {
 struct SurfacePoints {
   Vec3 onA, onB;
 };
-SurfacePoints surfacePoints(const View& s, const OrderedPair& o, const Manifold& m, int point) {
+SurfacePoints surfacePoints(const SolverData& s, const OrderedPair& o, const Manifold& m, int point) {
   return {rotate(s.orientation[o.a], pointOnA(m, point)), centreDistance(s, o.a, o.b) + rotate(s.orientation[o.b], pointOnB(m, point))};
 }
 
 }  // namespace
 
 std::vector<EngineContact> contactsOf(const HostTables& tables) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   std::vector<EngineContact> out;
   forEachManifold(s, [&](const OrderedPair& o, const Manifold& m) {
     // a pair that sleeps has no rows, but what they held
@@ -256,14 +256,14 @@ std::vector<EngineContact> contactsOf(const HostTables& tables) {
 }
 
 std::vector<EngineTouch> touchesOf(const HostTables& tables) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   std::vector<EngineTouch> out;
   forEachManifold(s, [&](const OrderedPair& o, const Manifold& m) {
     bool touch = false;
     for (int k = 0; k < m.count; ++k) {
       const SurfacePoints x = surfacePoints(s, o, m, k);
       const bool loaded = m.row >= 0 && s.contact[m.row].load[k].lambdaN > Real(0);
-      touch |= loaded || dot(m.normal, x.onA - x.onB) > -kDormantGap * pairLength(s.params[o.a], s.params[o.b]);
+      touch |= loaded || dot(m.normal, x.onA - x.onB) > -kInactiveGap * pairLength(s.params[o.a], s.params[o.b]);
     }
     if (touch) out.push_back({o.a, o.b, isSensor(s, o.a) || isSensor(s, o.b)});
   });
@@ -271,7 +271,7 @@ std::vector<EngineTouch> touchesOf(const HostTables& tables) {
 }
 
 std::vector<int> sleepersOf(const HostTables& tables) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   std::vector<int> out;
   for (int i = 0; i < s.bodies; ++i)
     if (s.asleep[i] != 0 && s.params[i].kind == BodyKind::Dynamic) out.push_back(i);
@@ -279,7 +279,7 @@ std::vector<int> sleepersOf(const HostTables& tables) {
 }
 
 Quality qualityOf(const HostTables& tables) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   Quality q;
   std::vector<double> depths;
   for (const EngineContact& c : contactsOf(tables)) depths.push_back(std::max(0.0, c.depth));
@@ -301,7 +301,7 @@ Quality qualityOf(const HostTables& tables) {
   for (int i = 0; i < s.bodies; ++i) {
     const BodyParams& p = s.params[i];
     if (p.kind != BodyKind::Dynamic) continue;
-    const Vec3 w = rotateInverse(s.orientation[i], s.spin[i]);
+    const Vec3 w = rotateInverse(s.orientation[i], s.angularVelocity[i]);
     const double v2 = dot(Vec3d(s.velocity[i]), Vec3d(s.velocity[i]));
     q.kineticEnergy += .5 * (static_cast<double>(p.mass) * v2 + static_cast<double>(dot(w, mul(p.inertia, w))));
     q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) * dot(Vec3d(s.step.gravity), s.position[i]);

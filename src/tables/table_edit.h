@@ -8,11 +8,11 @@
 
 namespace rubble::RUBBLE_CORE {
 
-using HostTables = Tables<HostMemory>;
+using HostTables = SolverTables<HostMemory>;
 
 void setBodyCount(HostTables& tables, int slots);
-/// Room for the groups of as many bodies and lumps as there is room for.
-void reserveMembers(HostTables& tables);
+/// Room for the groups of as many bodies and soft nodes as there is room for.
+void reserveNodes(HostTables& tables);
 void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces);
 void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
@@ -37,7 +37,7 @@ void forgetContactsOf(HostTables& tables, std::span<const int> slots);
 
 BodyOrder orderOf(const HostTables& tables);
 /// Is any body at another place than its id?
-bool inOtherOrder(const View& s);
+bool inOtherOrder(const SolverData& s);
 /// As World::scatter, from host memory.
 void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, const ArrayView& values);
 

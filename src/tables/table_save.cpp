@@ -7,12 +7,12 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 /// Elements of an array that matter at present.
-std::size_t liveCount(const View& s, Per per) {
+std::size_t liveCount(const SolverData& s, Per per) {
   if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(s.joints[type]);
   switch (per) {
     case Per::Body: return static_cast<std::size_t>(s.bodies);
     case Per::Pair: return static_cast<std::size_t>(s.oldPairOffset[s.bodies]);
-    case Per::NearPair: return static_cast<std::size_t>(s.counters->nearPairs);
+    case Per::ActivePair: return static_cast<std::size_t>(s.counters->activePairs);
     case Per::Manifold: return static_cast<std::size_t>(s.counters->manifolds);
     case Per::Plane: return static_cast<std::size_t>(s.planes);
     case Per::Exclusion: return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
@@ -31,18 +31,18 @@ std::size_t liveCount(const View& s, Per per) {
     case Per::PointPair: return static_cast<std::size_t>(s.oldPointPairOffset[s.owners()]);
     case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
     case Per::ClusterRef: return static_cast<std::size_t>(s.clusterRefs);
-    case Per::Lump: return static_cast<std::size_t>(s.lumps);
-    case Per::Line: return static_cast<std::size_t>(s.lines);
-    case Per::LineVertex: return static_cast<std::size_t>(s.lineVertices);
+    case Per::SoftNode: return static_cast<std::size_t>(s.softNodes);
+    case Per::Strand: return static_cast<std::size_t>(s.strands);
+    case Per::StrandVertex: return static_cast<std::size_t>(s.strandVertices);
     case Per::Attachment: return static_cast<std::size_t>(s.attachments);
     default: return elementCount(s, per);
   }
 }
 
 template <class Visit>
-void forEachKept(const View& s, Visit&& visit) {
+void forEachKept(const SolverData& s, Visit&& visit) {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (array.life != Life::Authored && array.life != Life::State) return;
+    if (array.life != Lifetime::Authored && array.life != Lifetime::State) return;
     visit(array, sizeof(T) * (liveCount(s, array.per) + static_cast<std::size_t>(array.extra)));
   });
 }
@@ -64,7 +64,7 @@ void copyClean(std::byte* to, const T* from, std::size_t bytes) {
 }
 
 struct SavedCounts {
-  int bodies, planes, pairs, nearPairs, manifolds, exclusions;
+  int bodies, planes, pairs, activePairs, manifolds, exclusions;
   int shapeVectors, shapeIndices, shapeParts, surfaces, rolledBefore, rollers;
   TraitCounts traits;
   int joints[JointTypes::kSize];
@@ -75,8 +75,8 @@ struct SavedCounts {
 }  // namespace
 
 std::vector<std::byte> saveTables(const HostTables& tables) {
-  const View& s = tables.view();
-  SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->nearPairs, s.counters->manifolds,
+  const SolverData& s = tables.view();
+  SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->activePairs, s.counters->manifolds,
                      static_cast<int>(liveCount(s, Per::Exclusion)), s.shapeVectors, s.shapeIndices, s.shapeParts,
                      s.surfaces, s.rolledBefore, static_cast<int>(liveCount(s, Per::Rolling)), tables.traits(), {},
                      static_cast<int>(liveCount(s, Per::PointPair)), softCounts(s)};
@@ -103,7 +103,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   setBodyCount(tables, counts.bodies);
   for (int t = 0; t < JointTypes::kSize; ++t) setJointCount(tables, t, counts.joints[t]);
   tables.reserve(Per::Pair, counts.pairs);
-  tables.reserve(Per::NearPair, counts.nearPairs);
+  tables.reserve(Per::ActivePair, counts.activePairs);
   tables.reserve(Per::Manifold, counts.manifolds);
   tables.reserve(Per::Plane, counts.planes);
   tables.reserve(Per::Exclusion, counts.exclusions);
@@ -113,8 +113,8 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   tables.reserve(Per::ShapeIndex, counts.shapeIndices);
   tables.reserve(Per::ShapePart, counts.shapeParts);
   tables.reserve(Per::Surface, counts.surfaces);
-  tables.reserve(Per::Rolling, counts.traits[BodyTrait::Rolls] > 0 ? std::max(counts.nearPairs, counts.rollers) : 0);
-  View& s = tables.view();
+  tables.reserve(Per::Rolling, counts.traits[BodyTrait::Rolls] > 0 ? std::max(counts.activePairs, counts.rollers) : 0);
+  SolverData& s = tables.view();
   s.bodies = counts.bodies;
   s.planes = counts.planes;
   s.treesStale = 1;
@@ -123,7 +123,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   tables.setTraits(counts.traits);
   s.rolledBefore = counts.rolledBefore != 0;
   s.counters->rollers = counts.rollers;
-  s.counters->nearPairs = counts.nearPairs;
+  s.counters->activePairs = counts.activePairs;
   s.counters->manifolds = counts.manifolds;
   // sizes of later arrays depend on these
   s.oldPairOffset[counts.bodies] = counts.pairs;

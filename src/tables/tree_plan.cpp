@@ -16,7 +16,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// What joints there are between dynamic bodies.
 class Plan {
  public:
-  explicit Plan(const View& s) : s_(s), component_(at(s.bodies)), near_(at(s.bodies)), round_(at(s.bodies), -1) {
+  explicit Plan(const SolverData& s) : s_(s), component_(at(s.bodies)), near_(at(s.bodies)), round_(at(s.bodies), -1) {
     std::iota(component_.begin(), component_.end(), 0);
     joined_.assign(at(s.bodies), 0), limited_.assign(at(s.bodies), 0), held_.assign(at(s.bodies), 0), grounded_.assign(at(s.bodies), 0), whole_.assign(at(s.bodies), 1);
     readJoints();
@@ -35,9 +35,9 @@ class Plan {
   void readJoints();
   void eliminate();
   void take(int body);
-  static void listTrees(View& s);
+  static void listTrees(SolverData& s);
 
-  const View& s_;
+  const SolverData& s_;
   std::vector<int> component_;              ///< union-find over joints
   std::vector<std::vector<int>> near_;      ///< neighbours that are left, and after its elimination those it had then
   std::vector<int> round_;                  ///< of elimination, -1: never
@@ -74,7 +74,7 @@ void Plan::readJoints() {
       const bool a = dynamic(spec.a), b = dynamic(spec.b);
       if (!spec.alive) continue;
       const bool limits = hasLimits<F>(spec);
-      if (spec.holds && (a || b)) holding.emplace_back(a ? spec.a : spec.b, a && b);
+      if (spec.isRigid && (a || b)) holding.emplace_back(a ? spec.a : spec.b, a && b);
       for (int side = 0; side < kSides<F>; ++side) {
         const int body = bodyOf(spec, side);
         if (!dynamic(body)) continue;
@@ -111,7 +111,7 @@ void Plan::eliminate() {
   for (int i = 0; i < s_.bodies; ++i)
     if (joined_[at(i)] && dynamic(i)) left.push_back(i);
   std::vector<int> blocked(at(s_.bodies), -1);
-  for (int r = 0; r < kTreeRounds && !left.empty(); ++r) {
+  for (int r = 0; r < kTreeLevels && !left.empty(); ++r) {
     const std::size_t first = order_.size();
     for (const int i : left) {
       if (near_[at(i)].size() > kMostNear || blocked[at(i)] == r) continue;
@@ -128,7 +128,7 @@ void Plan::eliminate() {
 }
 
 void Plan::write(HostTables& tables) {
-  View& s = tables.view();
+  SolverData& s = tables.view();
   std::vector<int> bodiesOf(at(s.bodies), 0);
   for (int i = 0; i < s.bodies; ++i)
     if (joined_[at(i)] && dynamic(i)) ++bodiesOf[at(root(i))];
@@ -145,43 +145,43 @@ void Plan::write(HostTables& tables) {
   std::fill_n(s.nodeOfBody, s.bodies, -1);
   std::vector<int> kept;
   s.treeLimits = 0;
-  s.treeRounds = static_cast<int>(begin_.size());
+  s.treeLevels = static_cast<int>(begin_.size());
   begin_.push_back(static_cast<int>(order_.size()));
-  for (int r = 0; r < kTreeRounds; ++r) {
+  for (int r = 0; r < kTreeLevels; ++r) {
     s.treeBegin[r] = static_cast<int>(kept.size());
-    if (r >= s.treeRounds) continue;
+    if (r >= s.treeLevels) continue;
     for (int k = begin_[at(r)]; k < begin_[at(r + 1)]; ++k)
       if (useful(order_[at(k)])) kept.push_back(order_[at(k)]);
   }
-  s.treeBegin[kTreeRounds] = static_cast<int>(kept.size());
+  s.treeBegin[kTreeLevels] = static_cast<int>(kept.size());
   for (std::size_t n = 0; n < kept.size(); ++n) s.nodeOfBody[kept[n]] = static_cast<int>(n);
 
   std::vector<std::vector<int>> sources(kept.size());
   for (std::size_t n = 0; n < kept.size(); ++n) {
-    const std::vector<int>& near = near_[at(kept[n])];
-    for (std::size_t side = 0; side < near.size(); ++side)
-      if (const int to = s.nodeOfBody[near[side]]; to >= 0) sources[at(to)].push_back(static_cast<int>(2 * n + side));
+    const std::vector<int>& parent = near_[at(kept[n])];
+    for (std::size_t side = 0; side < parent.size(); ++side)
+      if (const int to = s.nodeOfBody[parent[side]]; to >= 0) sources[at(to)].push_back(static_cast<int>(2 * n + side));
   }
   tables.reserve(Per::TreeNode, static_cast<int>(kept.size()));
   std::size_t total = 0;
   for (const std::vector<int>& list : sources) total += list.size();
-  tables.reserve(Per::TreeSource, static_cast<int>(total));
-  s.treeSources = 0;
+  tables.reserve(Per::TreeChild, static_cast<int>(total));
+  s.treeChildren = 0;
   for (std::size_t n = 0; n < kept.size(); ++n) {
     const int body = kept[n];
-    TreeNode node{body, s.nodeOfBody[root(body)], {-1, -1}, s.treeSources, 0, exact(body), limited_[at(root(body))]};
+    TreeNode node{body, s.nodeOfBody[root(body)], {-1, -1}, s.treeChildren, 0, exact(body), limited_[at(root(body))]};
     s.treeLimits |= node.limited;
-    const std::vector<int>& near = near_[at(body)];
-    for (std::size_t side = 0; side < near.size(); ++side) node.near[side] = s.nodeOfBody[near[side]];
-    for (const int source : sources[n]) s.treeSource[s.treeSources++] = source;
-    node.sourceEnd = s.treeSources;
+    const std::vector<int>& parent = near_[at(body)];
+    for (std::size_t side = 0; side < parent.size(); ++side) node.parent[side] = s.nodeOfBody[parent[side]];
+    for (const int child : sources[n]) s.treeChild[s.treeChildren++] = child;
+    node.childEnd = s.treeChildren;
     s.treeNode[n] = node;
   }
   listTrees(s);
 }
 
 /// The nodes of each tree.
-void Plan::listTrees(View& s) {
+void Plan::listTrees(SolverData& s) {
   const int nodes = treeNodes(s);
   std::vector<std::vector<int>> lists(at(nodes));
   for (int n = 0; n < nodes; ++n) lists[at(s.treeNode[n].tree)].push_back(n);

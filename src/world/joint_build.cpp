@@ -77,7 +77,7 @@ void Builder::lengthJoint() {
   JointAxis& axis = joint_.axes[0];
   // remembered; only springs are driven
   axis.targetPosition = wanted;
-  joint_.holds = def_.type == JointType::Distance && def_.stiffness == kHard;
+  joint_.isRigid = def_.type == JointType::Distance && def_.stiffness == kHard;
   const bool isPoint = def_.type != JointType::Pulley && hasNoLength(wanted);
   if (def_.type != JointType::Pulley) {
     joint_.groups = {anchors()};
@@ -130,7 +130,7 @@ void Builder::swingTwist() {
 /// Where just one rotation is not locked it becomes that about x, the only one that is counted over whole turns.
 void Builder::sixDof() {
   const auto locked = [&](std::size_t i) { return def_.axes[i].min == def_.axes[i].max; };
-  joint_.holds = locked(0) && locked(1) && locked(2);
+  joint_.isRigid = locked(0) && locked(1) && locked(2);
   const bool x = locked(3), y = locked(4), z = locked(5);
   joint_.turned = x && !y && z ? 1 : x && y && !z ? 2 : 0;
   joint_.axes.resize(6);
@@ -144,7 +144,7 @@ void Builder::sixDof() {
 /// Axes of gears and racks stay where they are in their carriers when the joint is made.
 void Builder::geared() {
   useAxes();
-  joint_.holds = false;
+  joint_.isRigid = false;
   const JointBodyState &ca = bodies_.carrierA, &cb = bodies_.carrierB;
   joint_.baseA = before_ ? before_->baseA : normalize(conjugate(ca.orientation) * bodies_.a.orientation * def_.frameA);
   joint_.baseB = before_ ? before_->baseB : normalize(conjugate(cb.orientation) * bodies_.b.orientation * def_.frameB);
@@ -176,7 +176,7 @@ EngineJoint Builder::build() {
     case JointType::Grab:
       j.type = EngineJointType::Ball;
       j.groups = {anchors()};
-      j.holds = false;
+      j.isRigid = false;
       break;
     case JointType::Fixed:
       j.type = EngineJointType::Fixed;
@@ -185,7 +185,7 @@ EngineJoint Builder::build() {
     case JointType::AngularSpring:
       j.type = EngineJointType::Fixed;
       j.groups = {off(), orientation()};
-      j.holds = false;
+      j.isRigid = false;
       break;
     case JointType::Hinge:
       j.type = EngineJointType::Hinge;

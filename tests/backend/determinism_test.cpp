@@ -93,7 +93,7 @@ class Lockstep : public ::testing::Test {
     f(pair_.a().tables());
     f(pair_.b().tables());
   }
-  View& b() { return pair_.b().view(); }
+  SolverData& b() { return pair_.b().view(); }
 
   template <class Plant> std::string stepWith(Plant&& plant) {
     both([&](HostTables& t) { beginStep(t.view(), settings_, step_ > 0 ? 1. / 60 : 0); });

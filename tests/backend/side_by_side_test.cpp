@@ -57,11 +57,11 @@ TEST(SideBySide, HasTheBitsOfOneByOne) {
   int touching = 0;
   for (int n = 0; n < 60; ++n) {
     four.step(before), one.step(beforeOne);
-    const View &s = four.view(), &t = one.view();
+    const SolverData &s = four.view(), &t = one.view();
     touching = max(touching, s.counters->contacts);
     const auto same = [](const auto* a, const auto* b, int count) { return std::memcmp(a, b, sizeof *a * static_cast<std::size_t>(count)) == 0; };
     ASSERT_TRUE(same(s.position, t.position, s.bodies) && same(s.orientation, t.orientation, s.bodies)) << n;
-    ASSERT_TRUE(same(s.velocity, t.velocity, s.bodies) && same(s.spin, t.spin, s.bodies)) << n;
+    ASSERT_TRUE(same(s.velocity, t.velocity, s.bodies) && same(s.angularVelocity, t.spin, s.bodies)) << n;
     for (int i = 0; i < s.joints[0]; ++i) {
       const auto &rows = partOf<0>(s.jointsOf<BallJoint>()[i].parts), &alone = partOf<0>(t.jointsOf<BallJoint>()[i].parts);
       ASSERT_TRUE(same(rows.lambda, alone.lambda, 3) && same(rows.shift, alone.shift, 3) && same(&rows.state.k, &alone.state.k, 1)) << n << " " << i;
@@ -107,10 +107,10 @@ struct MixedChain : CoreWorld {
 
 /// The sum of a body's row blocks by either way to add one.
 template <class Add>
-Block6 sumOfRows(const View& s, int body, Add&& add) {
+Block6 sumOfRows(const SolverData& s, int body, Add&& add) {
   Block6 sum;
-  for (int k = s.entryOffset[body]; k < s.entryOffset[body + 1]; ++k)
-    if (entryType(s.entry[k].code) != kContactType) add(s, s.entry[k].code, sum);
+  for (int k = s.incidenceOffset[body]; k < s.incidenceOffset[body + 1]; ++k)
+    if (constraintType(s.incidence[k].code) != kContactType) add(s, s.incidence[k].code, sum);
   return sum;
 }
 
@@ -122,10 +122,10 @@ TEST(JointSweep, OneCodeForAllTypesAboutAPointHasTheBitsOfThatOfEach) {
     beginStep(chain.view(), chain.settings(), before);
     step(chain.executor());
     before = chain.settings().params.dt;
-    const View& s = chain.view();
+    const SolverData& s = chain.view();
     for (int i = 1; i < s.bodies; ++i) {
-      const Block6 own = sumOfRows(s, i, [](const View& v, std::uint32_t code, Block6& to) { addJoint(v, code, to); });
-      const Block6 alike = sumOfRows(s, i, [](const View& v, std::uint32_t code, Block6& to) { addJointAlike(v, code, to); });
+      const Block6 own = sumOfRows(s, i, [](const SolverData& v, std::uint32_t code, Block6& to) { addJoint(v, code, to); });
+      const Block6 alike = sumOfRows(s, i, [](const SolverData& v, std::uint32_t code, Block6& to) { addJointAlike(v, code, to); });
       ASSERT_EQ(std::memcmp(&own, &alike, sizeof own), 0) << n << " " << i;
       ASSERT_GT(length(own.fl) + length(own.fa), 0) << n << " " << i;
     }
@@ -145,11 +145,11 @@ TEST(JointSweep, ErrorsOfAnchorsByLeversAreThoseByOrientations) {
     before = chain.settings().params.dt;
   }
   // within a step: bodies moved and turned, orientations still those of x^t
-  View& s = chain.view();
+  SolverData& s = chain.view();
   test::Random random(5);
   beginStep(s, chain.settings(), before);
   for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::Hinge)]; ++i) BeginJoints<HingeJoint>{}(s, i);
-  for (int i = 0; i < s.bodies; ++i) s.moved[i].dp = random.vector(), s.turned[i] = random.rotation();
+  for (int i = 0; i < s.bodies; ++i) s.dx[i].dp = random.vector(), s.dq[i] = random.rotation();
   for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::Hinge)]; ++i) {
     const JointSpec<HingeJoint>& spec = s.specsOf<HingeJoint>()[i];
     const Joint<HingeJoint>& joint = s.jointsOf<HingeJoint>()[i];

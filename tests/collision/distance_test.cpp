@@ -55,7 +55,7 @@ TEST(Distance, OfCrossingAxesIsThatOfTheirRadii) {
 }
 
 /// Bodies that spin fast meet no later than they should and not where they are apart.
-TEST(Meeting, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
+TEST(TimeOfImpact, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
   constexpr int kSamples = 2000;
   constexpr double kTolerance = 1e-3;
   Random random(9);
@@ -65,7 +65,7 @@ TEST(Meeting, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
     const Placed a = somewhere(random, shapes[k % 4], .6), b = somewhere(random, shapes[k / 4 % 4], .6);
     const Way wayA = someWay(random, .6, 3.), wayB = someWay(random, .6, 3.);
     if (separation(a, b).distance <= kTolerance) continue;
-    const Meeting m = meeting(a, wayA, b, wayB, kTolerance);
+    const TimeOfImpact m = meeting(a, wayA, b, wayB, kTolerance);
     const bool meets = m.fraction <= 1;
     ++(meets ? meetings : misses);
     if (meets) {

@@ -44,7 +44,7 @@ TEST(PointDistance, OfConvexShapesIsTheLargestOverAllDirections) {
   for (std::size_t k = 0; k < shapes.size(); ++k)
     for (int round = 0; round < 60; ++round) {
       const Vec3 x = random.vector(.7);
-      const PointDistance at = pointToRareShape(shelf.tables(), shapes[k], x, {1, 1, {0, 0, 0}});
+      const PointDistance at = pointToGeneralShape(shelf.tables(), shapes[k], x, {1, 1, {0, 0, 0}});
       // no direction gives more, and the one that is told gives as much
       EXPECT_GE(at.distance, bruteDistance(shelf, shapes[k], x, random) - 1e-6) << k << " " << round;
       EXPECT_NEAR(outsideAlong(shelf, shapes[k], x, at.n), at.distance, 1e-5) << k << " " << round;
@@ -68,7 +68,7 @@ TEST(PointDistance, OfAClosedMeshIsThatOfTheSolidNearItsSurface) {
   for (int round = 0; round < 3000; ++round) {
     const Vec3 x = mul(random.vector(1), h * Real(1.3));
     const PointDistance expected = pointToPlainShape(solid, x);
-    const PointDistance at = pointToRareShape(shelf.tables(), mesh, x, {.1, .05, {0, 0, 0}});
+    const PointDistance at = pointToGeneralShape(shelf.tables(), mesh, x, {.1, .05, {0, 0, 0}});
     if (expected.distance > -.05 && expected.distance < .1) {
       ++(expected.distance < 0 ? inside : outside);
       EXPECT_NEAR(at.distance, expected.distance, 1e-7);
@@ -108,8 +108,8 @@ TEST(PointDistance, OfAHeightFieldIsThatOfItsTriangles) {
   for (int round = 0; round < 2000; ++round) {
     const rubble::Vec3 x{random.uniform(-.1, 1.1), random.uniform(-.1, 1.1), random.uniform(-.3, .3)};
     const PointReach reach{.12, .06, {0, 0, 0}};
-    const PointDistance a = pointToRareShape(shelf.tables(), field, Vec3(rotateInverse(fieldFrame.axes, x - fieldFrame.centre)), reach);
-    const PointDistance b = pointToRareShape(shelf.tables(), mesh, Vec3(rotateInverse(meshFrame.axes, x - meshFrame.centre)), reach);
+    const PointDistance a = pointToGeneralShape(shelf.tables(), field, Vec3(rotateInverse(fieldFrame.axes, x - fieldFrame.centre)), reach);
+    const PointDistance b = pointToGeneralShape(shelf.tables(), mesh, Vec3(rotateInverse(meshFrame.axes, x - meshFrame.centre)), reach);
     near += a.distance < 1;
     EXPECT_NEAR(std::min(a.distance, Real(1)), std::min(b.distance, Real(1)), 1e-9);
   }
@@ -120,7 +120,7 @@ TEST(PointDistance, HoldsNothingBesideTheRimOfASheet) {
   Shelf shelf;
   const ShapeData sheet = shelf.add(Shape::mesh({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}));
   const PointReach reach{.1, .1, {0, 0, 0}};
-  const auto distance = [&](const Vec3& x) { return pointToRareShape(shelf.tables(), sheet, x, reach).distance; };
+  const auto distance = [&](const Vec3& x) { return pointToGeneralShape(shelf.tables(), sheet, x, reach).distance; };
   EXPECT_NEAR(distance({.5, .2, .05}), .05, 1e-12);
   EXPECT_NEAR(distance({.5, .2, -.05}), -.05, 1e-12);
   EXPECT_NEAR(distance({1.03, .2, .04}), .05, 1e-12);
@@ -132,10 +132,10 @@ TEST(PointDistance, KeepsThePointOnItsSideOfATwoSidedSheet) {
   Shelf shelf;
   const ShapeData sheet = shelf.add(Shape::mesh({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, true));
   const Vec3 below{.5, .2, -.01};
-  const PointDistance fresh = pointToRareShape(shelf.tables(), sheet, below, {.1, .1, {0, 0, 0}});
+  const PointDistance fresh = pointToGeneralShape(shelf.tables(), sheet, below, {.1, .1, {0, 0, 0}});
   EXPECT_NEAR(fresh.distance, .01, 1e-12);
   EXPECT_NEAR(fresh.n.z, -1, 1e-12);
-  const PointDistance held = pointToRareShape(shelf.tables(), sheet, below, {.1, .1, {0, 0, 1}});
+  const PointDistance held = pointToGeneralShape(shelf.tables(), sheet, below, {.1, .1, {0, 0, 1}});
   EXPECT_NEAR(held.distance, -.01, 1e-12);
   EXPECT_NEAR(held.n.z, 1, 1e-12);
 }

@@ -25,7 +25,7 @@ TEST_F(CudaCapacity, OverflowDoesNotChangeTheResult) {
 
 /// Room for all but one kind, which begins with one element.
 TEST_F(CudaCapacity, OverflowOfEachTableIsReportedAndChangesNoResult) {
-  const std::vector<std::string> kinds = {"pairs", "nearPairs", "manifolds", "entries", "colors", "groups", "chunks", "externals"};
+  const std::vector<std::string> kinds = {"pairs", "activePairs", "manifolds", "incidences", "colors", "groups", "chunks", "externals"};
   const auto worldBut = [&](const std::string& scarce) {
     World world(mixedScene(), optionsFor("cuda"));
     for (const std::string& kind : kinds)
@@ -60,7 +60,7 @@ TEST_F(CudaCapacity, SettledScenesDoNotRestart) {
   EXPECT_EQ(restarts, 0);
 }
 
-/// Bodies rain into a box: pairs, manifolds, entries and slots all grow again and again.
+/// Bodies rain into a box: pairs, manifolds, incidences and slots all grow again and again.
 TEST_F(CudaCapacity, GrowsWithTheScene) {
   World cpu(ground(), optionsFor("cpu")), cuda(ground(), optionsFor("cuda"));
   int restarts = 0;

@@ -46,11 +46,11 @@ TEST(Axis, LimitThatStaysOpenIsDormant) {
   spec.hi = 1;
   AxisRows rows{};
   beginAxis(c, spec, rows, at(-1, .1));
-  EXPECT_FALSE(rows.limit.acts);
+  EXPECT_FALSE(rows.limit.active);
   beginAxis(c, spec, rows, at(.5, .4));
-  EXPECT_EQ(rows.limit.acts, 1);
+  EXPECT_EQ(rows.limit.active, 1);
   beginAxis(c, spec, rows, at(1.01, -1));
-  EXPECT_EQ(rows.limit.acts, 1);
+  EXPECT_EQ(rows.limit.active, 1);
 }
 
 TEST(Axis, LimitNearbyIsWatchedWithoutStiffnessUntilItIsCrossed) {
@@ -59,7 +59,7 @@ TEST(Axis, LimitNearbyIsWatchedWithoutStiffnessUntilItIsCrossed) {
   spec.hi = 1;
   AxisRows rows{};
   beginAxis(c, spec, rows, at(.8, .01));
-  EXPECT_EQ(rows.limit.acts, kWatched);
+  EXPECT_EQ(rows.limit.active, kWatched);
   Real force, hessian;
   axisForces(rows, Real(.9), force, hessian);
   EXPECT_EQ(force, 0);
@@ -71,7 +71,7 @@ TEST(Axis, LimitNearbyIsWatchedWithoutStiffnessUntilItIsCrossed) {
   updateAxis(c, rows, Real(1.1));
   EXPECT_GT(rows.limit.lambda, 0);
   beginAxis(c, spec, rows, at(.99, -1));
-  EXPECT_EQ(rows.limit.acts, 1);
+  EXPECT_EQ(rows.limit.active, 1);
 }
 
 TEST(Axis, LimitForgivesExcessButNoGap) {
@@ -173,7 +173,7 @@ TEST(Axis, CountsTurnsOutOfItsLimits) {
   AxisSituation s = at(-2.5, .5);
   s.turn = 12.566370614359172;  // two turns: 10.07
   beginAxis(c, spec, rows, s);
-  EXPECT_TRUE(rows.limit.acts);
+  EXPECT_TRUE(rows.limit.active);
   Real force, hessian;
   axisForces(rows, -2.4, force, hessian);
   EXPECT_GT(force, 0);

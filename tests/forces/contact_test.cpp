@@ -28,7 +28,7 @@ struct ContactCase {
   Vec6 a, b;
 };
 
-/// Four points with everything of them at random; `friction` large makes them stick.
+/// Lane4 points with everything of them at random; `friction` large makes them stick.
 ContactCase randomContact(Random& random, Real friction) {
   ContactCase x{};
   ContactRows& r = x.rows;
@@ -61,7 +61,7 @@ ContactForces<Real> forcesOf(const StepConstants& c, const ContactCase& x, int l
 
 Block6 blockOf(const StepConstants& c, const ContactCase& x, bool onA, int lane) {
   Block6 block;
-  stampContact<Real>(c, x.rows, onA, displacement(x.a), displacement(x.b), lane, block);
+  accumulateContact<Real>(c, x.rows, onA, displacement(x.a), displacement(x.b), lane, block);
   return block;
 }
 
@@ -239,7 +239,7 @@ TEST(Contact, FourLanesEqualSinglePoints) {
     const Displacement a = displacement(x.a), b = displacement(x.b);
     for (const bool onA : {true, false}) {
       Block6T<Real4> four;
-      stampContact<Real4>(c, x.rows, onA, a, b, 0, four);
+      accumulateContact<Real4>(c, x.rows, onA, a, b, 0, four);
       for (int lane = 0; lane < kLanes; ++lane) {
         const Block6 one = blockOf(c, x, onA, lane);
         const auto same = [&](const Vec3T<Real4>& v, const Vec3& w) { return v.x[lane] == w.x && v.y[lane] == w.y && v.z[lane] == w.z; };

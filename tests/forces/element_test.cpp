@@ -114,7 +114,7 @@ Moved<F> moved(Random& random, Real damping, Real size) {
 template <class F>
 Block3 stamped(const F& e, const Vec3 (&x)[F::kCorners], int corner) {
   Block3 b;
-  e.stamp(constants(), x, corner, b);
+  e.accumulate(constants(), x, corner, b);
   return b;
 }
 
@@ -290,7 +290,7 @@ Vec3 forceOn(const ClosedSurface& s, int corner) {
     for (int k = 0; k < 3; ++k)
       if (face[k] == corner) {
         Block3 block;
-        p.stamp(constants(), x, k, block);
+        p.accumulate(constants(), x, k, block);
         sum += block.f;
       }
   });

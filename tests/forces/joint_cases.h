@@ -1,7 +1,7 @@
 #pragma once
 /// Random joints of any type, for the tests that hold for all of them.
 #include <forces/forces.h>
-#include <forces/joint_stamp.h>
+#include <forces/joint_accumulation.h>
 
 #include "tests/support/core.h"
 
@@ -95,7 +95,7 @@ template <class F> JointSpec<F> specOf(const typename F::Data& data) {
   spec.data = data;
   spec.a = 0, spec.b = 1;
   if constexpr (isCarried<F>()) spec.carrierA = 2, spec.carrierB = 3;
-  spec.alive = spec.holds = true;
+  spec.alive = spec.isRigid = true;
   spec.breakForce = spec.breakTorque = kHardValue;
   forEachPart<F>([&]<int I, class P>() {
     if constexpr (P::kAxis)
@@ -107,23 +107,23 @@ template <class F> JointSpec<F> specOf(const typename F::Data& data) {
 }
 
 /// Rows of a joint whose turns are linear at one pair of poses, added to a block at another. x^t: where both bodies are not turned.
-template <class F> void stampFrom(const JointSpec<F>& spec, Joint<F> joint, const JointCase<F>& from, const SidePose<F>& a, const SidePose<F>& b, int side,
+template <class F> void accumulateFrom(const JointSpec<F>& spec, Joint<F> joint, const JointCase<F>& from, const SidePose<F>& a, const SidePose<F>& b, int side,
                                   Block6& block) {
   joint.acting = actingRows(spec, joint);
-  JointTurns<F> turns{};
-  linearizeTurns(spec, joint, from.a, from.b, from.a.q, from.b.q, turns);
+  JointAngularRows<F> turns{};
+  linearizeAngularRows(spec, joint, from.a, from.b, from.a.q, from.b.q, turns);
   if constexpr (isPivot<F>()) {
     joint.offset = {0, 0, 0};
     joint.end[0] = {spec.data.anchorA, spec.a}, joint.end[1] = {spec.data.anchorB, spec.b};
     TurnStream<true> ahead(joint.acting, &turns.from, turns.law);
-    stampPivot(joint, partOf<0>(joint.parts), ahead, a, b, side, block);
+    accumulatePivot(joint, partOf<0>(joint.parts), ahead, a, b, side, block);
   } else {
-    stampJoint(spec, joint, &turns, a, b, a.q, b.q, side, block);
+    accumulateJoint(spec, joint, &turns, a, b, a.q, b.q, side, block);
   }
 }
 /// The same where its turns are linear.
-template <class F> void stampAt(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side, Block6& block) {
-  stampFrom(spec, joint, JointCase<F>{spec.data, a, b, joint.memory}, a, b, side, block);
+template <class F> void accumulateAt(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side, Block6& block) {
+  accumulateFrom(spec, joint, JointCase<F>{spec.data, a, b, joint.memory}, a, b, side, block);
 }
 
 }  // namespace rubble::RUBBLE_CORE

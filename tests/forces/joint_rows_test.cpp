@@ -110,7 +110,7 @@ TEST(Joint, StampsTheForceThatItsEnergyGives) {
     };
     for (int side = 0; side < 2; ++side) {
       Block6 block;
-      stampAt(spec, joint, x.a, x.b, side, block);
+      accumulateAt(spec, joint, x.a, x.b, side, block);
       const Vec6 force{block.fl, block.fa};
       constexpr Real h = 1e-5;
       for (int i = 0; i < 6; ++i) {
@@ -140,7 +140,7 @@ TEST(Joint, NeverTransmitsMoreThanItsThresholdAndBreaksThere) {
   updateJointDuals(c, spec, joint, x.a, x.b);
   EXPECT_NEAR(length(Vec3{rows.lambda[0], rows.lambda[1], rows.lambda[2]}), 50, 1e-9);
   Block6 block;
-  stampAt(spec, joint, x.a, x.b, 0, block);
+  accumulateAt(spec, joint, x.a, x.b, 0, block);
   EXPECT_NEAR(length(block.fl), 50, 1e-9);
   EXPECT_TRUE(endJoint(spec, joint));
   EXPECT_TRUE(joint.broken);
@@ -207,7 +207,7 @@ TEST(Joint, PartsThatAreOffPushNothing) {
   Joint<FixedJoint> joint = begun(x, c, spec);
   updateJointDuals(c, spec, joint, x.a, x.b);
   Block6 block;
-  stampAt(spec, joint, x.a, x.b, 0, block);
+  accumulateAt(spec, joint, x.a, x.b, 0, block);
   EXPECT_EQ(length(block.fl), 0);
   EXPECT_EQ(block.ll.xx, 0);
 }

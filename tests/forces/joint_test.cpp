@@ -194,7 +194,7 @@ TYPED_TEST(JointTest, ReportsTheForceThatItsBodiesFeelInTheBlockOfEach) {
         }
       });
       Block6 block;
-      stampAt(spec, joint, x.a, x.b, side, block);
+      accumulateAt(spec, joint, x.a, x.b, side, block);
       EXPECT_TRUE(test::near(block.fl, sum.lin, 1e-9 * (1 + length(sum.lin))));
       EXPECT_TRUE(test::near(block.fa, sum.ang, 1e-9 * (1 + length(sum.ang))));
       EXPECT_GT(length(block.fl) + length(block.fa), 0);
@@ -215,7 +215,7 @@ struct LoadedJoint {
     forEachPart<F>([&]<int I, class P>() {
       auto& rows = partOf<I>(joint.parts);
       if constexpr (P::kAxis) {
-        rows.limit.acts = isTurn<F, P>();
+        rows.limit.active = isTurn<F, P>();
         rows.limit.lambda = random.uniform(-5, 5);
       } else {
         if (!isTurn<F, P>()) partOf<I>(spec.parts).mode = GroupMode::Off;
@@ -226,7 +226,7 @@ struct LoadedJoint {
   }
   Block6 block(const JointCase<F>& from, const JointCase<F>& now) const {
     Block6 sum;
-    stampFrom(spec, joint, from, now.a, now.b, 1, sum);
+    accumulateFrom(spec, joint, from, now.a, now.b, 1, sum);
     return sum;
   }
 };
@@ -241,15 +241,15 @@ TYPED_TEST(TurningJoint, HasItsErrorsToFirstOrderInWhatTurnsDuringAnIteration) {
   for (int n = 0; n < kCases; ++n) {
     const JointCase<F> x = randomJointCase<F>(random);
     const LoadedJoint<F> joint(x, random);
-    JointTurns<F> turns{};
-    linearizeTurns(joint.spec, joint.joint, x.a, x.b, x.a.q, x.b.q, turns);
+    JointAngularRows<F> turns{};
+    linearizeAngularRows(joint.spec, joint.joint, x.a, x.b, x.a.q, x.b.q, turns);
     forEachPart<F>([&]<int I, class P>() {
       if constexpr (isTurn<F, P>()) {
         constexpr Real h = 1e-4;
         const JointCase<F> y = moved(moved(x, 0, h * unitVec6(3 + n % 3)), 1, h * unitVec6(3 + (n + 1) % 3));
         Real then[P::kRows];
         partErrors<P>(joint.spec, joint.joint, partOf<I>(joint.joint.parts), y.a, y.b, then);
-        const TurnRows& rows = turns.law[firstTurnLaw<F, I>()];
+        const AngularRows& rows = turns.law[firstTurnLaw<F, I>()];
         for (int i = 0; i < P::kRows; ++i)
           EXPECT_NEAR(rows.row[i].error + dot(rows.row[i].turn, turnedSince(turns.from, y.a.q, y.b.q)), then[i], 100 * h * h) << I << " " << i;
       }

@@ -255,7 +255,7 @@ TEST(Recording, RestCostsNextToNothing) {
 #endif
 
 /// Where chunks begin: a file is a magic of 8 bytes, then heads of 24 bytes with the stored size at byte 8, then a footer of 16.
-std::vector<std::size_t> chunkBoundaries(const std::vector<char>& bytes) {
+std::vector<std::size_t> sliceBoundaries(const std::vector<char>& bytes) {
   std::vector<std::size_t> boundaries{0, 8};
   while (boundaries.back() + 16 < bytes.size()) {
     std::uint32_t stored = 0;
@@ -271,7 +271,7 @@ TEST(Recording, AFileThatIsCutOffGivesItsWholeChunks) {
   const Trajectory trajectory = makeTrajectory(100);
   write(file.path, trajectory);
   const std::vector<char> bytes = readAll(file.path);
-  const std::vector<std::size_t> boundaries = chunkBoundaries(bytes);
+  const std::vector<std::size_t> boundaries = sliceBoundaries(bytes);
   ASSERT_EQ(boundaries.size(), 10u);  // magic; HEAD BODY FRAM FRAM BODY FRAM FRAM INDX; end of INDX
   std::vector<std::size_t> sizes;
   for (const std::size_t boundary : boundaries)

@@ -1,4 +1,4 @@
-/// Four points side by side give what four single points give.
+/// Lane4 points side by side give what four single points give.
 #include <math/lanes.h>
 
 #include <gtest/gtest.h>

@@ -51,8 +51,8 @@ struct HullFace {
 };
 inline const std::vector<HullFace>& facesOf(const std::shared_ptr<const ShapeGeometry>& g) {
   static std::map<std::shared_ptr<const ShapeGeometry>, std::vector<HullFace>> known;
-  const auto [entry, isNew] = known.try_emplace(g);
-  if (!isNew) return entry->second;
+  const auto [incidence, isNew] = known.try_emplace(g);
+  if (!isNew) return incidence->second;
   const auto& p = g->points;
   for (std::size_t i = 0; i < p.size(); ++i)
     for (std::size_t j = i + 1; j < p.size(); ++j)
@@ -62,10 +62,10 @@ inline const std::vector<HullFace>& facesOf(const std::shared_ptr<const ShapeGeo
         n = normalize(n);
         double low = 0, high = 0;
         for (const Vec3& x : p) low = std::min(low, dot(n, x - p[i])), high = std::max(high, dot(n, x - p[i]));
-        if (high < 1e-9) entry->second.push_back({{p[i], p[j], p[k]}, n});
-        else if (low > -1e-9) entry->second.push_back({{p[i], p[j], p[k]}, -n});
+        if (high < 1e-9) incidence->second.push_back({{p[i], p[j], p[k]}, n});
+        else if (low > -1e-9) incidence->second.push_back({{p[i], p[j], p[k]}, -n});
       }
-  return entry->second;
+  return incidence->second;
 }
 
 /// Of a figure of revolution about z: the nearest point in the half plane (across, along).

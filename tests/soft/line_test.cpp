@@ -24,7 +24,7 @@ RodDef rope(int segments, double stiffness = 1e8) {
   return d;
 }
 
-TEST(Line, HoldsALoadTenThousandTimesAsHeavyAsAVertexAtOnce) {
+TEST(Strand, HoldsALoadTenThousandTimesAsHeavyAsAVertexAtOnce) {
   constexpr double kLoad = 10;
   for (const int segments : {10, 50, 100}) {
     RodDef d = rope(segments);
@@ -49,7 +49,7 @@ TEST(Line, HoldsALoadTenThousandTimesAsHeavyAsAVertexAtOnce) {
   }
 }
 
-TEST(Line, BendsAtFewIterationsAsAtMany) {
+TEST(Strand, BendsAtFewIterationsAsAtMany) {
   RodDef d = straightRod({0, 0, 0}, {1, 0, 0}, 40);
   d.radius = .02, d.youngsModulus = 1e8, d.density = 500;
   d.fixed = {0, 1};
@@ -63,7 +63,7 @@ TEST(Line, BendsAtFewIterationsAsAtMany) {
   EXPECT_LT(worst, .01 * deepest);
 }
 
-TEST(Line, KeepsItsMomentumAndGainsNoEnergyWhenItIsThrownAnyhow) {
+TEST(Strand, KeepsItsMomentumAndGainsNoEnergyWhenItIsThrownAnyhow) {
   RodDef d = rope(30, 1e7);
   World world(sceneWith(d, {0, 0, 0}), options(4));
   const SoftId id = world.deformableAt(0);
@@ -90,7 +90,7 @@ Scene stretchedRope(double strain) {
   return sceneWith(d, {0, 0, 0});
 }
 
-TEST(Line, PullsWithAllOfItsAuthoredStretchInTheFirstStep) {
+TEST(Strand, PullsWithAllOfItsAuthoredStretchInTheFirstStep) {
   for (const double strain : {1e-3, 1e-2, .1})
     for (const int iterations : {1, 4, 10}) {
       Scene scene = stretchedRope(strain);
@@ -104,7 +104,7 @@ TEST(Line, PullsWithAllOfItsAuthoredStretchInTheFirstStep) {
     }
 }
 
-TEST(Line, PluckedSoundsAtTheFrequencyOfItsTension) {
+TEST(Strand, PluckedSoundsAtTheFrequencyOfItsTension) {
   const scenes::Spec& spec = scenes::find("plucked-string");
   for (const double strain : {.003, .01, .03}) {
     WorldOptions how = options(4);
@@ -114,7 +114,7 @@ TEST(Line, PluckedSoundsAtTheFrequencyOfItsTension) {
   }
 }
 
-TEST(Line, IsFoundWhateverTheNumbersOfItsVertices) {
+TEST(Strand, IsFoundWhateverTheNumbersOfItsVertices) {
   constexpr int kCount = 12;
   const auto net = [](const std::vector<int>& number) {
     NetDef d;
@@ -139,7 +139,7 @@ TEST(Line, IsFoundWhateverTheNumbersOfItsVertices) {
   EXPECT_LT(x[11].z, -.3) << "hangs down";
 }
 
-TEST(Line, HoldsOnABarUpToTheRatioOfLoadsThatFrictionAllows) {
+TEST(Strand, HoldsOnABarUpToTheRatioOfLoadsThatFrictionAllows) {
   // e^(mu pi) = 2.566 for mu = .3; the rope hangs with a hundredth of the light load
   for (const int segments : {20, 60}) {
     const auto fallAfter = [&](double ratio, int steps) {

@@ -48,12 +48,12 @@ Both randomBoth(Random& random) {
   for (int i = 0; i < 5; ++i) {
     const Vec6 j = randomVec6(random);
     const Real force = random.uniform(-100, 100), k = random.logUniform(1, 1e5);
-    stampRow(both.block, j, force, k);
+    accumulateRow(both.block, j, force, k);
     both.f -= force * eigenOf(j);
     both.h += k * eigenOf(j) * eigenOf(j).transpose();
   }
   const Vec6 g{{1, 2, 3}, {4, 5, 6}};
-  stampCurvature(both.block, g);
+  accumulateCurvature(both.block, g);
   both.h += eigenOf(g).asDiagonal();
   return both;
 }
@@ -116,7 +116,7 @@ TEST(Block, StepsWithMoreEnergyThanTheirForcesDoWorkAreReplaced) {
     Block6 block;
     setInertialForce(block, m, start, {}, kInverseDt2);
     setInertialHessian(block, m, kInverseDt2);
-    for (int row = 0; row < 5; ++row) stampRow(block, randomVec6(random), random.uniform(-100, 100), random.logUniform(1, 1e5));
+    for (int row = 0; row < 5; ++row) accumulateRow(block, randomVec6(random), random.uniform(-100, 100), random.logUniform(1, 1e5));
 
     const Vec6 newton = newtonStep(block), diagonal = diagonalStep(block), force{block.fl, block.fa};
     EXPECT_TRUE(isWithinWork(block, mass, inertia, newton)) << i;

@@ -22,7 +22,7 @@ struct Result {
 Result forceOf(const GroupState& g, const Vec3& error, const Vec3& lambda) {
   const Real c[3] = {error.x, error.y, error.z}, l[3] = {lambda.x, lambda.y, lambda.z};
   Result r{};
-  r.inside = groupForce<3>(g, c, l, r.force, 3, r.hessian);
+  r.inside = aggregateForce<3>(g, c, l, r.force, 3, r.hessian);
   return r;
 }
 Vec3 vector(const Result& r) { return {r.force[0], r.force[1], r.force[2]}; }

@@ -83,12 +83,12 @@ TEST(BroadPhase, BoundsHoldABodyAllThroughItsStep) {
   }
   world.finish();
   world.pairs();
-  const View& s = world.view();
+  const SolverData& s = world.view();
   for (int i = 0; i < s.bodies; ++i) {
     const Vec3 h = s.params[i].shape.half;
     for (const Real share : {0., .5, 1.}) {
       const Real time = share * s.step.dt;
-      const Quat q = expRotation(time * s.spin[i]) * s.orientation[i];
+      const Quat q = expRotation(time * s.angularVelocity[i]) * s.orientation[i];
       for (int corner = 0; corner < 8; ++corner) {
         const Vec3 local{(corner & 1) ? h.x : -h.x, (corner & 2) ? h.y : -h.y, (corner & 4) ? h.z : -h.z};
         const Vec3 d = abs(s.position[i] + time * s.velocity[i] + rotate(q, local) - s.bounds[i].centre);
@@ -144,7 +144,7 @@ TEST(BroadPhase, SortsPairsByOwnerAndPartner) {
   for (int i = 0; i < 500; ++i) world.add(ball(random.logUniform(.1, 1), random.vector(3)));
   world.finish();
   world.pairs();
-  const View& s = world.view();
+  const SolverData& s = world.view();
   int k = 0;
   for (int i = 0; i < s.bodies; ++i) {
     EXPECT_EQ(s.pairOffset[i], k);

@@ -25,10 +25,10 @@ void findGraph(CoreWorld& world) {
   bodies::findIncidence(e);
 }
 
-const JointSpec<BallJoint>& ball(const View& s, int i) { return s.specsOf<BallJoint>()[i]; }
+const JointSpec<BallJoint>& ball(const SolverData& s, int i) { return s.specsOf<BallJoint>()[i]; }
 
 /// Row blocks between two dynamic bodies, each once, from the tables of rows and not from the incidence lists.
-std::vector<std::pair<int, int>> edges(const View& s) {
+std::vector<std::pair<int, int>> edges(const SolverData& s) {
   std::vector<std::pair<int, int>> out;
   const auto dynamic = [&](int i) { return i != kWorldBody && s.params[i].kind == BodyKind::Dynamic; };
   for (int i = 0; i < s.counters->manifolds; ++i)
@@ -38,7 +38,7 @@ std::vector<std::pair<int, int>> edges(const View& s) {
   return out;
 }
 
-void expectProper(const View& s, std::size_t atLeastEdges) {
+void expectProper(const SolverData& s, std::size_t atLeastEdges) {
   const auto list = edges(s);
   EXPECT_GE(list.size(), atLeastEdges);
   for (const auto& [a, b] : list) EXPECT_NE(s.color[a], s.color[b]) << a << " " << b;
@@ -53,13 +53,13 @@ void expectProper(const View& s, std::size_t atLeastEdges) {
   for (int i = 0; i < s.bodies; ++i) EXPECT_EQ(seen[static_cast<std::size_t>(i)], s.params[i].kind == BodyKind::Dynamic) << i;
 }
 
-void expectIncidence(const View& s) {
+void expectIncidence(const SolverData& s) {
   std::vector<std::vector<std::uint32_t>> expected(static_cast<std::size_t>(s.bodies));
   const auto add = [&](int type, int index, int a, int b) {
     if (a != kWorldBody && s.params[a].kind == BodyKind::Dynamic)
-      expected[static_cast<std::size_t>(a)].push_back(entryCode(type, index, 0));
+      expected[static_cast<std::size_t>(a)].push_back(constraintCode(type, index, 0));
     if (b != kWorldBody && s.params[b].kind == BodyKind::Dynamic)
-      expected[static_cast<std::size_t>(b)].push_back(entryCode(type, index, 1));
+      expected[static_cast<std::size_t>(b)].push_back(constraintCode(type, index, 1));
   };
   for (int i = 0; i < s.counters->manifolds; ++i) add(kContactType, i, s.contact[i].a, s.contact[i].b);
   for (int i = 0; i < s.joints[0]; ++i)
@@ -67,15 +67,15 @@ void expectIncidence(const View& s) {
   for (int i = 0; i < s.bodies; ++i) {
     auto& codes = expected[static_cast<std::size_t>(i)];
     std::sort(codes.begin(), codes.end());
-    ASSERT_EQ(static_cast<std::size_t>(s.entryOffset[i + 1] - s.entryOffset[i]), codes.size()) << i;
+    ASSERT_EQ(static_cast<std::size_t>(s.incidenceOffset[i + 1] - s.incidenceOffset[i]), codes.size()) << i;
     for (std::size_t k = 0; k < codes.size(); ++k) {
-      const Entry& e = s.entry[s.entryOffset[i] + static_cast<int>(k)];
+      const Incidence& e = s.incidence[s.incidenceOffset[i] + static_cast<int>(k)];
       ASSERT_EQ(e.code, codes[k]) << "body " << i;
-      const int index = entryIndex(e.code);
-      const bool contact = entryType(e.code) == kContactType;
+      const int index = constraintIndex(e.code);
+      const bool contact = constraintType(e.code) == kContactType;
       const int a = contact ? s.contact[index].a : ball(s, index).a, b = contact ? s.contact[index].b : ball(s, index).b;
-      const int other = entrySide(e.code) == 0 ? b : a;
-      EXPECT_EQ(entrySide(e.code) == 0 ? a : b, i);
+      const int other = constraintSide(e.code) == 0 ? b : a;
+      EXPECT_EQ(constraintSide(e.code) == 0 ? a : b, i);
       EXPECT_EQ(e.other, other != kWorldBody && s.params[other].kind == BodyKind::Dynamic ? other : -1);
     }
   }
@@ -217,10 +217,10 @@ TEST(Incidence, LeavesOutWhatDoesNotMove) {
   world.addBall(0, kWorldBody, 1);
   world.finish();
   findGraph(world);
-  const View& s = world.view();
+  const SolverData& s = world.view();
   expectIncidence(s);
-  EXPECT_EQ(s.counters->entries, 3);
-  for (int k = 0; k < 3; ++k) EXPECT_EQ(s.entry[k].other, -1);
+  EXPECT_EQ(s.counters->incidences, 3);
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(s.incidence[k].other, -1);
 }
 
 TEST(Incidence, LeavesOutBrokenAndRemovedJoints) {
@@ -231,8 +231,8 @@ TEST(Incidence, LeavesOutBrokenAndRemovedJoints) {
   world.view().jointsOf<BallJoint>()[0].broken = true;
   world.view().specsOf<BallJoint>()[1].alive = false;
   findGraph(world);
-  EXPECT_EQ(world.view().counters->entries, 2);
-  EXPECT_EQ(entryIndex(world.view().entry[0].code), 2);
+  EXPECT_EQ(world.view().counters->incidences, 2);
+  EXPECT_EQ(constraintIndex(world.view().incidence[0].code), 2);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ struct Bodies {
   std::vector<Vec3d> position;
   std::vector<BodyTarget> target;
   std::vector<Displacement> moved;
-  View view;
+  SolverData view;
 
   Bodies() {
     test::Random random(3);
@@ -36,12 +36,12 @@ struct Bodies {
     group.joined = joined;
     Block6 sum;
     for (int i = 0; i < kCount; ++i) addInertia(view, group, position[0], i, sum);
-    placeGroup(group, position[0], sum);
+    placeAggregate(group, position[0], sum);
     return group;
   }
 };
 
-TEST(GroupInertia, IsAboutTheCentreOfMass) {
+TEST(AggregateInertia, IsAboutTheCentreOfMass) {
   const Bodies bodies;
   Vec3d moment{0, 0, 0};
   double mass = 0;
@@ -53,7 +53,7 @@ TEST(GroupInertia, IsAboutTheCentreOfMass) {
   EXPECT_LT(length(bodies.group(false).centre - bodies.position[0] - moment / mass), 1e-10);
 }
 
-TEST(GroupInertia, IsTheSumOfThoseOfItsBodiesAboutThatCentre) {
+TEST(AggregateInertia, IsTheSumOfThoseOfItsBodiesAboutThatCentre) {
   const Bodies bodies;
   for (const bool joined : {false, true}) {
     const Group group = bodies.group(joined);

@@ -9,11 +9,11 @@ namespace {
 using test::Random;
 
 /// How many of the points of a pair would take part in the step, by a full test at x^t.
-int awakePoints(const View& s, const Pair& p) {
+int awakePoints(const SolverData& s, const Pair& p) {
   const OrderedPair o = ordered(p);
   const PairPose pose = pairPose(s, o);
   const Manifold m = freshManifold(collide(s.params[o.a].shape, s.params[o.b].shape, pose), pose);
-  const WakeRule awake = wakeRule(s, o);
+  const ActivationRule awake = activationRule(s, o);
   int count = 0;
   for (int k = 0; k < m.count; ++k) count += awake(s, o, pose, m.normal, pointAt(m, k, m.normal, pose.qA, pose.qB, pose.t), 0);
   return count;
@@ -31,10 +31,10 @@ Seen watch(CoreWorld& world, int steps) {
   executor.observe([&](const char* stage) {
     if (!due || std::strcmp(stage, "rows") != 0) return;
     due = false;
-    const View& s = world.view();
+    const SolverData& s = world.view();
     for (int i = 0; i < s.counters->pairs; ++i) {
-      (s.isNear[i] ? seen.near : seen.apart) += 1;
-      if (s.isNear[i]) continue;
+      (s.isActive[i] ? seen.near : seen.apart) += 1;
+      if (s.isActive[i]) continue;
       EXPECT_EQ(awakePoints(s, s.pair[i]), 0) << "bodies " << s.pair[i].owner << " and " << s.pair[i].other;
     }
   });
@@ -54,7 +54,7 @@ BodyDef brick(const Vec3& half, const Vec3& position, const Quat& orientation) {
   return body;
 }
 
-TEST(NearPairs, NoPointOfAPairWithoutManifoldTakesPartInTheStep) {
+TEST(ActivePairs, NoPointOfAPairWithoutManifoldTakesPartInTheStep) {
   for (const double speed : {.05, .5, 5., 50.}) {
     Random random(static_cast<unsigned>(1 + speed));
     CoreWorld world;
@@ -77,7 +77,7 @@ TEST(NearPairs, NoPointOfAPairWithoutManifoldTakesPartInTheStep) {
   }
 }
 
-TEST(NearPairs, BricksAcrossAGapHaveNoManifold) {
+TEST(ActivePairs, BricksAcrossAGapHaveNoManifold) {
   // two piles turned by 45 degrees, 2 cm apart: their boxes overlap, they do not meet
   CoreWorld world;
   BodyDef ground;
@@ -96,7 +96,7 @@ TEST(NearPairs, BricksAcrossAGapHaveNoManifold) {
   EXPECT_GE(seen.apart, levels);
 }
 
-TEST(NearPairs, ThatWereApartMeetInTime) {
+TEST(ActivePairs, ThatWereApartMeetInTime) {
   // starts apart with a known distance, and is driven into the other by a force: stops at it
   CoreWorld world;
   world.settings().gravity = {0, 0, 0};
@@ -110,7 +110,7 @@ TEST(NearPairs, ThatWereApartMeetInTime) {
   world.finish();
   const Seen before = watch(world, 3);
   EXPECT_GT(before.apart, 0);
-  const View& s = world.view();
+  const SolverData& s = world.view();
   Real deepest = 0;
   for (int n = 0; n < 120; ++n) {
     s.force[mover] = across * (Real(-2) * s.params[mover].mass);

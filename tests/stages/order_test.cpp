@@ -39,7 +39,7 @@ class SortedCubes : public ::testing::Test {
       step(world_.executor());
     }
   }
-  View& s() { return world_.view(); }
+  SolverData& s() { return world_.view(); }
   void sort() { sortBodiesOf(world_.executor()); }
 
   CoreWorld world_;

@@ -34,14 +34,14 @@ Links chainOf(int bodies) {
   return links;
 }
 
-int roundOf(const View& s, int node) {
+int roundOf(const SolverData& s, int node) {
   int r = 0;
   while (node >= s.treeBegin[r + 1]) ++r;
   return r;
 }
 
 /// Every coupling goes to a later round, every joint is a coupling, and what is passed on arrives; each tree lists its nodes by round.
-void expectSound(const View& s, const Links& links) {
+void expectSound(const SolverData& s, const Links& links) {
   EXPECT_EQ(s.treeOffset[s.trees], treeNodes(s));
   std::vector<int> listed(s.treeMember, s.treeMember + treeNodes(s));
   for (int t = 0; t < s.trees; ++t) {
@@ -56,12 +56,12 @@ void expectSound(const View& s, const Links& links) {
     const TreeNode& node = s.treeNode[n];
     EXPECT_EQ(s.nodeOfBody[node.body], n);
     for (int side = 0; side < 2; ++side) {
-      const int to = node.near[side];
+      const int to = node.parent[side];
       if (to < 0) continue;
       EXPECT_GT(roundOf(s, to), roundOf(s, n));
       const TreeNode& other = s.treeNode[to];
-      const int* const first = s.treeSource + other.sourceBegin;
-      const int* const last = s.treeSource + other.sourceEnd;
+      const int* const first = s.treeChild + other.childBegin;
+      const int* const last = s.treeChild + other.childEnd;
       EXPECT_EQ(std::count(first, last, 2 * n + side), 1);
     }
   }
@@ -70,16 +70,16 @@ void expectSound(const View& s, const Links& links) {
     const int na = s.nodeOfBody[a], nb = s.nodeOfBody[b];
     ASSERT_GE(nb, 0);
     const TreeNode& first = s.treeNode[std::min(na, nb)];
-    EXPECT_TRUE(first.near[0] == std::max(na, nb) || first.near[1] == std::max(na, nb)) << a << " " << b;
+    EXPECT_TRUE(first.parent[0] == std::max(na, nb) || first.parent[1] == std::max(na, nb)) << a << " " << b;
   }
 }
 
 TEST(JointTrees, ThousandLinksTakeTenRounds) {
   const Links links = chainOf(1000);
   Linked world(1000, links);
-  const View& s = world.view();
+  const SolverData& s = world.view();
   EXPECT_EQ(treeNodes(s), 1000);
-  EXPECT_LE(s.treeRounds, 11);
+  EXPECT_LE(s.treeLevels, 11);
   EXPECT_FALSE(s.smallTrees);
   EXPECT_EQ(s.treeNode[0].exact, 1);
   expectSound(s, links);
@@ -140,14 +140,14 @@ TEST(JointTrees, ALoneBodyIsOneIfAJointHoldsIt) {
 }
 
 /// Blocks of a chain as if some joint were there: diagonals outweigh couplings.
-void fillBlocks(const View& s) {
+void fillBlocks(const SolverData& s) {
   for (int n = 0; n < treeNodes(s); ++n) {
     TreeWork& w = s.treeWork[n];
     for (int i = 0; i < 6; ++i) {
       w.x.v[i] = 1 + .1 * n + i;
       for (int j = 0; j < 6; ++j) {
         w.h.m[i][j] = i == j ? 20 + n : .5;
-        for (int t = 0; t < 2; ++t) w.e[t].m[i][j] = s.treeNode[n].near[t] >= 0 ? .2 * (i + 1) - .1 * j : 0;
+        for (int t = 0; t < 2; ++t) w.e[t].m[i][j] = s.treeNode[n].parent[t] >= 0 ? .2 * (i + 1) - .1 * j : 0;
       }
     }
   }
@@ -155,15 +155,15 @@ void fillBlocks(const View& s) {
 
 TEST(JointTrees, ASmallTreeIsSolvedAtOnceAsInRounds) {
   Linked world(20, chainOf(20));
-  const View& s = world.view();
+  const SolverData& s = world.view();
   ASSERT_TRUE(s.smallTrees);
   ASSERT_EQ(s.trees, 1);
-  std::fill_n(s.treeRests, treeNodes(s), 0);
+  std::fill_n(s.treeConverged, treeNodes(s), 0);
   std::vector<Long6> wanted;
   fillBlocks(s);
-  for (int r = 0; r < s.treeRounds; ++r)
+  for (int r = 0; r < s.treeLevels; ++r)
     for (int n = s.treeBegin[r]; n < s.treeBegin[r + 1]; ++n) EliminateNode{0}(s, n);
-  for (int r = s.treeRounds - 1; r >= 0; --r)
+  for (int r = s.treeLevels - 1; r >= 0; --r)
     for (int n = s.treeBegin[r]; n < s.treeBegin[r + 1]; ++n) SubstituteNode{0}(s, n);
   for (int n = 0; n < treeNodes(s); ++n) wanted.push_back(s.treeWork[n].x);
   fillBlocks(s);
@@ -199,35 +199,35 @@ TEST(JointTrees, SmallOnesStepAsInRounds) {
 TEST(JointTrees, SmallOnesAreClosedOneByOneAsAllTogether) {
   constexpr int kBodies = 20;
   Linked world(kBodies, twoChains(kBodies));
-  const View& s = world.view();
+  const SolverData& s = world.view();
   ASSERT_EQ(s.trees, 2);
   world.begin();
   step(world.executor());
   // every third joint is open by a hundredth, beyond the step
   for (int i = 0; i < kBodies; i += 3) s.position[i].y += .01;
   const std::vector<Vec3d> opened(s.position, s.position + kBodies);
-  std::fill_n(s.treeOpen, treeNodes(s), 0);
+  std::fill_n(s.treeNeedsProjection, treeNodes(s), 0);
   const auto largestGap = [&] {
     Real largest = 0;
     for (int k = 0; k < kBodies; ++k) {
-      FindOpenTrees<BallJoint>{}(s, k);
+      FindTreesToProject<BallJoint>{}(s, k);
       largest = std::max(largest, length(s.treeRowsOf<BallJoint>()[k].gap));
     }
     return largest;
   };
   const auto moveAll = [&] {
-    for (int n = 0; n < treeNodes(s); ++n) LimitClosing{}(s, n);
-    for (int n = 0; n < treeNodes(s); ++n) MoveClosed{}(s, n);
+    for (int n = 0; n < treeNodes(s); ++n) LimitProjection{}(s, n);
+    for (int n = 0; n < treeNodes(s); ++n) ApplyProjection{}(s, n);
   };
   EXPECT_NEAR(largestGap(), .01, 1e-3);
-  for (int n = 0; n < treeNodes(s); ++n) ASSERT_EQ(s.treeOpen[s.treeNode[n].tree], 1);
+  for (int n = 0; n < treeNodes(s); ++n) ASSERT_EQ(s.treeNeedsProjection[s.treeNode[n].tree], 1);
   for (int n = 0; n < treeNodes(s); ++n) AssembleLinks{}(s, n);
   for (int n = 0; n < treeNodes(s); ++n) EliminateLink{0}(s, n);
   for (int n = treeNodes(s) - 1; n >= 0; --n) SubstituteLink{0}(s, n);
   moveAll();
   const std::vector<Vec3d> wanted(s.position, s.position + kBodies);
   std::copy(opened.begin(), opened.end(), s.position);
-  for (int tree = 0; tree < s.trees; ++tree) CloseTree{}(s, tree);
+  for (int tree = 0; tree < s.trees; ++tree) ProjectTree{}(s, tree);
   moveAll();
   for (int i = 0; i < kBodies; ++i) EXPECT_EQ(s.position[i], wanted[static_cast<std::size_t>(i)]) << i;
   EXPECT_LT(largestGap(), 1e-5);
@@ -235,14 +235,14 @@ TEST(JointTrees, SmallOnesAreClosedOneByOneAsAllTogether) {
 
 TEST(JointTrees, OneThatHasHardlyTurnedRestsInTheSolvesThatFollow) {
   Linked world(3, chainOf(3));
-  const View& s = world.view();
+  const SolverData& s = world.view();
   const int tree = s.treeNode[0].tree;
   const auto restsAfter = [&](Real turn, TreeSolve how, int touched) {
-    s.treeTouched[tree] = touched;
-    s.treeTurn[tree] = floatBits(turn);
+    s.treeContacts[tree] = touched;
+    s.treeMaxRotation[tree] = floatBits(turn);
     for (int n = 0; n < treeNodes(s); ++n) BeginTrees{how, TreesOf::Any}(s, n);
-    EXPECT_EQ(s.treeTurn[tree], 0);
-    return s.treeRests[tree] != 0;
+    EXPECT_EQ(s.treeMaxRotation[tree], 0);
+    return s.treeConverged[tree] != 0;
   };
   EXPECT_TRUE(restsAfter(Real(.01), TreeSolve::Again, 1)) << "no limits";
   for (int n = 0; n < treeNodes(s); ++n) s.treeNode[n].limited = true;

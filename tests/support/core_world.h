@@ -17,7 +17,7 @@ class CoreWorld {
   explicit CoreWorld(int threads = 1) : executor_(threads) { settings_.gravity = {0, 0, -10}; }
 
   CpuExecutor& executor() { return executor_; }
-  View& view() { return executor_.view(); }
+  SolverData& view() { return executor_.view(); }
   EngineSettings& settings() { return settings_; }
 
   int add(const BodyDef& def) {
@@ -79,7 +79,7 @@ class CoreWorld {
 };
 
 /// Every pair whose swept boxes meet, or whose box meets a half space; at least one body of it is dynamic.
-inline std::set<std::pair<int, int>> allPairs(const View& s) {
+inline std::set<std::pair<int, int>> allPairs(const SolverData& s) {
   std::set<std::pair<int, int>> out;
   const auto isPlane = [&](int i) { return s.params[i].shape.kind == ShapeKind::Plane; };
   for (int i = 0; i < s.bodies; ++i)

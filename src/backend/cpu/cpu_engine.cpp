@@ -6,13 +6,13 @@ namespace rubble::RUBBLE_CORE {
 
 template void step(CpuExecutor&);
 
-void beginStep(View& s, const EngineSettings& settings, double previousDt) {
+void beginStep(SolverData& s, const EngineSettings& settings, double previousDt) {
   *s.counters = {};
   s.step = stepConstants(settings.params, settings.gravity, previousDt);
   s.wakeAll = settings.wakeAll;
 }
 
-void reportCounters(const View& s, StepReport& report) {
+void reportCounters(const SolverData& s, StepReport& report) {
   const Counters& c = *s.counters;
   for (int i = 0; i < s.bodies; ++i) report.bodies += s.params[i].kind != BodyKind::Removed;
   report.pairs = c.pairs;
@@ -40,7 +40,7 @@ void reportCounters(const View& s, StepReport& report) {
 }
 
 void CpuEngine::addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) {
-  const View& s = executor_.view();
+  const SolverData& s = executor_.view();
   s.force[slot] += Vec3(force);
   s.torque[slot] += Vec3(torque);
 }
@@ -56,7 +56,7 @@ void CpuEngine::step(StepReport& report) {
 }
 
 void CpuEngine::takeStep(StepReport& report) {
-  View& s = executor_.view();
+  SolverData& s = executor_.view();
   planTrees(tables());
   executor_.run([&] {
     for (int k = 0; k < settings_.params.substeps; ++k) {
@@ -75,7 +75,7 @@ void CpuEngine::takeStep(StepReport& report) {
 }
 
 void sortBodiesOf(CpuExecutor& executor) {
-  const View& s = executor.view();
+  const SolverData& s = executor.view();
   executor.run([&] { rubble::RUBBLE_CORE::sortBodies(executor, s.oldPairOffset[s.bodies]); });
   executor.endRooms();
   executor.view().ordered = inOtherOrder(executor.view());

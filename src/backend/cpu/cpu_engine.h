@@ -2,6 +2,7 @@
 /// An engine whose tables lie in host memory.
 #include "backend/cpu/cpu_executor.h"
 #include "backend/cpu/host_arrays.h"
+#include "backend/engine.h"
 #include "tables/soft_edit.h"
 #include "tables/table_edit.h"
 #include "tables/state_rows.h"
@@ -13,15 +14,15 @@ namespace rubble::RUBBLE_CORE {
 extern template void step(CpuExecutor&);
 
 /// Fills the counts of a report.
-void reportCounters(const View& s, StepReport& report);
+void reportCounters(const SolverData& s, StepReport& report);
 
 /// Sets counters and constants for the next step.
-void beginStep(View& s, const EngineSettings& settings, double previousDt);
+void beginStep(SolverData& s, const EngineSettings& settings, double previousDt);
 
 /// Engine::sortBodies() of what an executor steps, with the constants of the next step.
 void sortBodiesOf(CpuExecutor& executor);
 
-/// Tables and the time step they were last stepped with: all that an engine on the host keeps.
+/// SolverTables and the time step they were last stepped with: all that an engine on the host keeps.
 std::vector<std::byte> saveState(const HostTables& tables, double previousDt);
 void loadState(HostTables& tables, double& previousDt, std::span<const std::byte> data);
 

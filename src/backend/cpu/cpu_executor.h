@@ -16,8 +16,8 @@
 #include <rubble/report.h>
 
 #include "tables/host_memory.h"
-#include "backend/cpu/in_parts.h"
-#include "backend/cpu/side_by_side.h"
+#include "backend/cpu/privatized_count.h"
+#include "backend/cpu/simd4_kernels.h"
 #include "tables/state_rows.h"
 #include "stages/step.h"
 #include "state/tables.h"
@@ -33,10 +33,10 @@ class CpuExecutor {
   /// `timings`: measure stages.
   explicit CpuExecutor(int threads, bool timings = true) : arena_(threads > 0 ? threads : tbb::task_arena::automatic), timings_(timings) {}
 
-  Tables<HostMemory>& tables() { return tables_; }
-  const Tables<HostMemory>& tables() const { return tables_; }
-  View& view() { return tables_.view(); }
-  const View& view() const { return tables_.view(); }
+  SolverTables<HostMemory>& tables() { return tables_; }
+  const SolverTables<HostMemory>& tables() const { return tables_; }
+  SolverData& view() { return tables_.view(); }
+  const SolverData& view() const { return tables_.view(); }
 
   /// Told the name of each kernel's stage before it runs, and "between steps" after the last one.
   using Observer = std::function<void(const char* stage)>;
@@ -50,8 +50,8 @@ class CpuExecutor {
 
   template <class Kernel>
   void forEach(const Kernel& kernel, int n) {
-    const StageClock clock(*this, Kernel::kName);
-    const View& s = view();
+    const StageClock clock(*this, Kernel::kStage);
+    const SolverData& s = view();
     if constexpr (requires { InParts<Kernel>::run(s, kernel, 0, n); })
       if (together_) return forRange(n, [&](int begin, int end) { InParts<Kernel>::run(s, kernel, begin, end); });
     run(s, kernel, n, [](int i) { return i; });
@@ -63,17 +63,17 @@ class CpuExecutor {
   void beside(const Kernel& kernel, N n) { forEach(kernel, n); }
 
   template <class Kernel>
-  void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
-    const StageClock clock(*this, Kernel::kName);
-    const View& s = view();
+  void forEachIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
+    const StageClock clock(*this, Kernel::kStage);
+    const SolverData& s = view();
     const int begin = (s.*offsets)[k];
     run(s, kernel, (s.*offsets)[k + 1] - begin, [&](int i) { return begin + i; });
   }
 
-  void clear(int* View::*array, int n) { std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n)); }
-  void clear(int* View::*array, int Counters::*n) { clear(array, view().counters->*n); }
+  void clear(int* SolverData::*array, int n) { std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n)); }
+  void clear(int* SolverData::*array, int Counters::*n) { clear(array, view().counters->*n); }
 
-  void scan(int* View::*counts, int* View::*offsets, int n) {
+  void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) {
     int sum = 0;
     const int* const in = view().*counts;
     int* const out = view().*offsets;
@@ -83,20 +83,20 @@ class CpuExecutor {
     }
     out[n] = sum;
   }
-  void scan(int* View::*counts, int* View::*offsets, int Counters::*n) { scan(counts, offsets, view().counters->*n); }
-  template <class Count>
-  void scan(int* View::*counts, int* View::*offsets, Count n, int Counters::*total, Per per) {
+  void scan(int* SolverData::*counts, int* SolverData::*offsets, int Counters::*n) { scan(counts, offsets, view().counters->*n); }
+  template <class N>
+  void scan(int* SolverData::*counts, int* SolverData::*offsets, N n, int Counters::*total, Per per) {
     scan(counts, offsets, n);
     view().counters->*total = (view().*offsets)[countOf(n)];
     require(per, total);
   }
 
-  void group(int* View::*keys, int n, int* View::*offsets, int* View::*order, int Counters::*keyCount) {
-    const View& s = view();
+  void groupByKey(int* SolverData::*keys, int n, int* SolverData::*offsets, int* SolverData::*order, int Counters::*keyCount) {
+    const SolverData& s = view();
     const int count = s.counters->*keyCount;
     int *const offset = s.*offsets, *const to = s.*order;
     const int* const key = s.*keys;
-    const int members = s.members();
+    const int members = s.nodes();
     // a key is one of members of one level: levels share none
     const auto forEachKey = [&](auto&& f) {
       const auto level = [&](int l) {
@@ -136,8 +136,8 @@ class CpuExecutor {
 
   template <class Kernel, class VertexKernel>
   void forEachColor(const Kernel& kernel, const VertexKernel& vertexKernel) {
-    const StageClock clock(*this, Kernel::kName);
-    const View& s = view();
+    const StageClock clock(*this, Kernel::kStage);
+    const SolverData& s = view();
     for (int c = 0; c < s.counters->colors; ++c) {
       const int begin = s.colorOffset[c];
       run(s, kernel, s.colorOffset[c + 1] - begin, [&](int k) { return s.colorBody[begin + k]; });
@@ -147,10 +147,10 @@ class CpuExecutor {
     }
   }
 
-  void lodgeRows() { tables_.lodgeRows(); }
-  void keepManifolds() {
+  void aliasRows() { tables_.aliasRows(); }
+  void swapManifolds() {
     if (observer_) observer_("between steps");
-    tables_.keepManifolds();
+    tables_.swapManifolds();
   }
 
   // Between steps
@@ -181,7 +181,7 @@ class CpuExecutor {
 
   /// Time of each stage since the last call [ms].
   std::vector<StageTime> takeTimes() { return std::exchange(times_, {}); }
-  /// Tables that have grown since the last call.
+  /// SolverTables that have grown since the last call.
   std::vector<Growth> takeGrown() { return std::exchange(grown_, {}); }
 
  private:
@@ -215,19 +215,19 @@ class CpuExecutor {
 
   /// The kernel at at(0), ..., at(n - 1): four side by side where it can.
   template <class Kernel, class At>
-  void run(const View& s, const Kernel& kernel, int n, At&& at) {
+  void run(const SolverData& s, const Kernel& kernel, int n, At&& at) {
     forRange(n, [&](int begin, int end) {
       int i = begin;
-      if constexpr (requires(const Four& four) { Together<Kernel>::run(s, four); })
+      if constexpr (requires(const Lane4& four) { Simd4Kernel<Kernel>::run(s, four); })
         for (; together_ && i + kLanes <= end; i += kLanes) {
           const auto four = [&](auto&& f, int k) {
             if (k + kLanes <= end) f({at(k), at(k + 1), at(k + 2), at(k + 3)});
           };
-          if constexpr (requires(const Four& a) { Together<Kernel>::expect(s, a); }) {
-            four([&](const Four& a) { Together<Kernel>::expect(s, a); }, i + kAhead * kLanes);
-            four([&](const Four& a) { Together<Kernel>::prepare(s, a); }, i + kLanes);
+          if constexpr (requires(const Lane4& a) { Simd4Kernel<Kernel>::expect(s, a); }) {
+            four([&](const Lane4& a) { Simd4Kernel<Kernel>::expect(s, a); }, i + kAhead * kLanes);
+            four([&](const Lane4& a) { Simd4Kernel<Kernel>::prepare(s, a); }, i + kLanes);
           }
-          four([&](const Four& a) { Together<Kernel>::run(s, a); }, i);
+          four([&](const Lane4& a) { Simd4Kernel<Kernel>::run(s, a); }, i);
         }
       for (; i < end; ++i) kernel(s, at(i));
     });
@@ -246,7 +246,7 @@ class CpuExecutor {
     void operator()(void* memory) const { HostMemory::release(memory); }
   };
 
-  Tables<HostMemory> tables_;
+  SolverTables<HostMemory> tables_;
   std::vector<std::unique_ptr<void, Release>> rooms_;
   tbb::task_arena arena_;
   bool timings_;

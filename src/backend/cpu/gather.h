@@ -7,7 +7,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Indices of four elements.
-using Four = int[kLanes];
+using Lane4 = int[kLanes];
 
 /// The numbers [4 k, 4 k + 4) of four structs of numbers.
 template <class T>
@@ -16,7 +16,7 @@ RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* a, const T* b, const T* c, const 
   return LaneAccess<Real4>::gatherQuad(at(a), at(b), at(c), at(d));
 }
 template <class T>
-RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* table, const Four& i, int k = 0) {
+RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* table, const Lane4& i, int k = 0) {
   return gatherNumbers(table + i[0], table + i[1], table + i[2], table + i[3], k);
 }
 RUBBLE_NEAR Vec3T<Real4> vectorOf(const Quad<Real4>& q) { return {q.x, q.y, q.z}; }
@@ -48,15 +48,15 @@ RUBBLE_NEAR void scatterBlocks(const Block6T<Real4>& in, PaddedBlock (&out)[kLan
 }
 
 /// Displacement and rotation since x^t of four bodies.
-RUBBLE_NEAR PoseT<Real4> gatherPoses(const View& s, const Four& body) {
-  return {vectorOf(gatherNumbers(s.moved, body)), quaternionOf(gatherNumbers(s.turned, body))};
+RUBBLE_NEAR PoseT<Real4> gatherPoses(const SolverData& s, const Lane4& body) {
+  return {vectorOf(gatherNumbers(s.dx, body)), quaternionOf(gatherNumbers(s.dq, body))};
 }
 /// Their inertia and their targets.
 struct TargetLanes {
   MassMatrixT<Real4> mass;
   PoseT<Real4> y;
 };
-RUBBLE_NEAR TargetLanes gatherTargets(const View& s, const Four& body) {
+RUBBLE_NEAR TargetLanes gatherTargets(const SolverData& s, const Lane4& body) {
   static_assert(offsetof(BodyTarget, y) == 7 * sizeof(Real) && offsetof(BodyTarget, locks) == 14 * sizeof(Real));
   const Quad<Real4> q[4] = {gatherNumbers(s.target, body, 0), gatherNumbers(s.target, body, 1), gatherNumbers(s.target, body, 2),
                             gatherNumbers(s.target, body, 3)};
@@ -64,7 +64,7 @@ RUBBLE_NEAR TargetLanes gatherTargets(const View& s, const Four& body) {
 }
 
 /// Puts four bodies at x; false, and nothing is done, where a rotation is large. `step2`, `turn2`: those of Displacement.
-RUBBLE_NEAR bool placeTogether(const View& s, const Four& body, const PoseT<Real4>& x, Real4 step2, Real4 turn2) {
+RUBBLE_NEAR bool placeTogether(const SolverData& s, const Lane4& body, const PoseT<Real4>& x, Real4 step2, Real4 turn2) {
   const QuatT<Real4> q = shortArc(x.q);
   const Real4 u2 = dot(q.v, q.v);
   if (!allOf(u2 < LaneAccess<Real4>::splat(kSmallTurn2))) return false;
@@ -73,9 +73,9 @@ RUBBLE_NEAR bool placeTogether(const View& s, const Four& body, const PoseT<Real
     const auto at = [&](int lane) { return reinterpret_cast<Real*>(table + body[lane]) + 4 * k; };
     LaneAccess<Real4>::scatterQuad(at(0), at(1), at(2), at(3), v);
   };
-  scatter(s.turned, 0, {x.q.s, x.q.v.x, x.q.v.y, x.q.v.z});
-  scatter(s.moved, 0, {x.p.x, x.p.y, x.p.z, step2});
-  scatter(s.moved, 1, {turn.x, turn.y, turn.z, turn2});
+  scatter(s.dq, 0, {x.q.s, x.q.v.x, x.q.v.y, x.q.v.z});
+  scatter(s.dx, 0, {x.p.x, x.p.y, x.p.z, step2});
+  scatter(s.dx, 1, {turn.x, turn.y, turn.z, turn2});
   return true;
 }
 
@@ -89,22 +89,22 @@ struct BallLanes {
 };
 
 /// Is a ball joint between two bodies, and held?
-RUBBLE_NEAR bool isPlainBall(const View& s, int index) {
+RUBBLE_NEAR bool isPlainBall(const SolverData& s, int index) {
   const Joint<BallJoint>& joint = s.jointsOf<BallJoint>()[index];
   return joint.end[0].body != kWorldBody && joint.end[1].body != kWorldBody && (joint.acting & 1) != 0;
 }
 /// Is a row block one of these?
-RUBBLE_NEAR bool isPlainBall(const View& s, std::uint32_t code) {
-  if (entryType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return false;
-  return isPlainBall(s, entryIndex(code));
+RUBBLE_NEAR bool isPlainBall(const SolverData& s, std::uint32_t code) {
+  if (constraintType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return false;
+  return isPlainBall(s, constraintIndex(code));
 }
 
-RUBBLE_NEAR BallLanes gatherBalls(const View& s, const Four& index) {
+RUBBLE_NEAR BallLanes gatherBalls(const SolverData& s, const Lane4& index) {
   using Rows = GroupRows<AnchorRows::kRows>;
   static_assert(offsetof(Rows, state) == 6 * sizeof(Real) && sizeof(Rows) >= 12 * sizeof(Real) && sizeof(JointEnd) == 4 * sizeof(Real));
   Joint<BallJoint>* const joints = s.jointsOf<BallJoint>();
   BallLanes j;
-  Four a, b;
+  Lane4 a, b;
   const PivotFrame* frame[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
     Joint<BallJoint>& joint = joints[index[lane]];
@@ -124,14 +124,14 @@ RUBBLE_NEAR BallLanes gatherBalls(const View& s, const Four& index) {
   return j;
 }
 
-/// Adds four ball joints to the blocks of one of their bodies each, as stampPivot does.
-inline void stampBalls(const View& s, const std::uint32_t (&code)[kLanes], Block6T<Real4>& block, const Vec3T<Real4>& shift) {
-  const auto side = [&](int lane) { return static_cast<Real>(entrySide(code[lane])); };
-  const BallLanes j = gatherBalls(s, {entryIndex(code[0]), entryIndex(code[1]), entryIndex(code[2]), entryIndex(code[3])});
+/// Adds four ball joints to the blocks of one of their bodies each, as accumulatePivot does.
+inline void accumulateBalls(const SolverData& s, const std::uint32_t (&code)[kLanes], Block6T<Real4>& block, const Vec3T<Real4>& shift) {
+  const auto side = [&](int lane) { return static_cast<Real>(constraintSide(code[lane])); };
+  const BallLanes j = gatherBalls(s, {constraintIndex(code[0]), constraintIndex(code[1]), constraintIndex(code[2]), constraintIndex(code[3])});
   Real4 error[3], force[3], hessian;
   heldErrors<AnchorRows>(j.shift, j.levers, NoMemory{}, j.a, j.b, error);
   cutForce<3>(j.law, error, j.lambda, force, 3, hessian);
-  AnchorRows::stamp(j.levers, j.a, j.b, Real4{side(0), side(1), side(2), side(3)} == LaneAccess<Real4>::splat(0), shift, force, hessian, block);
+  AnchorRows::accumulate(j.levers, j.a, j.b, Real4{side(0), side(1), side(2), side(3)} == LaneAccess<Real4>::splat(0), shift, force, hessian, block);
 }
 
 }  // namespace rubble::RUBBLE_CORE

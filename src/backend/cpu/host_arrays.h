@@ -13,7 +13,7 @@ class HostArrays {
   explicit HostArrays(const HostTables& tables) : tables_(tables) {}
 
   ArrayView view(StateArray which) {
-    const View& s = tables_.view();
+    const SolverData& s = tables_.view();
     if (s.ordered) return byId_.view(which, s, s.bodies, Gather{tables_.view()});
     return withStateArray(which, [&](auto member) { return rowsOf(s.*member, s.bodies); });
   }
@@ -24,7 +24,7 @@ class HostArrays {
 
  private:
   struct Gather {
-    const View& s;
+    const SolverData& s;
     void operator()(std::byte* to, const void* from, int bytes) const {
       const auto at = [bytes](int i) { return static_cast<std::size_t>(i) * static_cast<std::size_t>(bytes); };
       for (int id = 0; id < s.bodies; ++id) std::memcpy(to + at(id), static_cast<const std::byte*>(from) + at(s.placeOf[id]), at(1));

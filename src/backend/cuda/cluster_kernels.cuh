@@ -5,9 +5,9 @@
 namespace rubble::RUBBLE_CORE {
 
 struct BeginTetraCornersByTile {
-  static constexpr const char* kName = BeginTetraCorners::kName;
+  static constexpr const char* kStage = BeginTetraCorners::kStage;
   static constexpr int kWidth = 8;
-  __device__ void operator()(const View& s, int v, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int v, const Tile<kWidth>& tile) const {
     for (int k = s.tetraCornerOffset[v] + tile.lane; k < s.tetraCornerOffset[v + 1]; k += kWidth) BeginTetraCorners::begin(s, k);
   }
 };
@@ -17,13 +17,13 @@ struct OnDevice<BeginTetraCorners> {
 };
 
 struct PlaceLargeClustersByTile {
-  static constexpr const char* kName = PlaceLargeClusters::kName;
+  static constexpr const char* kStage = PlaceLargeClusters::kStage;
   static constexpr int kWidth = kWarp;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const int large = s.clusterBegin[1] + i;
     const Cluster c = s.cluster[large];
     ClusterMoments own;
-    for (int k = c.chunkBegin + tile.lane; k < c.chunkEnd; k += kWidth) own.add(s.clusterMotion[k]);
+    for (int k = c.sliceBegin + tile.lane; k < c.sliceEnd; k += kWidth) own.add(s.clusterMotion[k]);
     const ClusterMoments sum{tile.sum(own.mass), tile.sum(own.place), tile.sum(own.velocity)};
     if (tile.lane == 0) sum.write(s.clusterMotion[large]);
   }
@@ -36,9 +36,9 @@ struct OnDevice<PlaceLargeClusters> {
 /// A lane a vertex; several, where vertices have many contacts.
 template <bool surfaces>
 struct SumClusterByTile {
-  static constexpr const char* kName = SumCluster<surfaces>::kName;
+  static constexpr const char* kStage = SumCluster<surfaces>::kStage;
   static constexpr int kWidth = surfaces ? kWarp : 8, kLanesPerVertex = surfaces ? 4 : 1;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const Cluster c = s.cluster[i];
     ClusterMotion& motion = s.clusterMotion[i];
     const Vec3 centre = motion.centre;
@@ -64,17 +64,17 @@ struct OnDevice<SumCluster<surfaces>> {
 };
 
 /// The share of a worker in the block of a cluster: every `workers`-th chunk, and every `workers`-th element that leaves it.
-__device__ inline Block6 shareOfCluster(const View& s, int index, int worker, int workers) {
+__device__ inline Block6 shareOfCluster(const SolverData& s, int index, int worker, int workers) {
   const Cluster c = s.cluster[index];
   const Vec3 centre = s.clusterMotion[index].centre;
   Block6 own;
-  for (int k = c.chunkBegin + worker; k < c.chunkEnd; k += workers) SolveCluster::addChunk(s, c, k, centre, own);
+  for (int k = c.sliceBegin + worker; k < c.sliceEnd; k += workers) SolveCluster::addSlice(s, c, k, centre, own);
   for (int k = c.refBegin + worker; k < c.refEnd; k += workers) SolveCluster::addLeaving(s, s.clusterRef[k], centre, own);
   return own;
 }
 /// The step of a cluster whose block a tile has summed.
 template <int kWidth>
-__device__ void stepCluster(const View& s, int index, const Tile<kWidth>& tile, const Real (&sums)[kRealsPerLane<kWidth>]) {
+__device__ void stepCluster(const SolverData& s, int index, const Tile<kWidth>& tile, const Real (&sums)[kRealsPerLane<kWidth>]) {
   Block6 block = gatherSums(tile, sums);
   const Vec6 dx = SolveCluster::stepOf(block);
   if (tile.lane == 0) s.clusterMotion[index].step = dx;
@@ -84,11 +84,11 @@ __device__ void stepCluster(const View& s, int index, const Tile<kWidth>& tile, 
 inline constexpr int kFewClusterLanes = 8, kSomeClusterLanes = 16, kMostClusterLanes = kWarp;
 template <int width>
 struct SolveClusterByTile {
-  static constexpr const char* kName = SolveCluster::kName;
+  static constexpr const char* kStage = SolveCluster::kStage;
   static constexpr int kWidth = width;
   static constexpr int kBlocks = 5;
   int level;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const int index = s.clusterBegin[level] + i;
     Real sums[kRealsPerLane<kWidth>];
     sumBlocks(tile, shareOfCluster(s, index, tile.lane, kWidth), sums);
@@ -98,7 +98,7 @@ struct SolveClusterByTile {
 /// A block a cluster, where there are few.
 inline constexpr int kFewClusterThreads = 512, kSomeClusterThreads = 128;
 template <int kBlockThreads>
-static __global__ void __launch_bounds__(kBlockThreads) solveClusters(const __grid_constant__ View s, int level, Gate gate) {
+static __global__ void __launch_bounds__(kBlockThreads) solveClusters(const __grid_constant__ SolverData s, int level, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   constexpr int kWarps = kBlockThreads / kWarp;
@@ -120,11 +120,11 @@ static __global__ void __launch_bounds__(kBlockThreads) solveClusters(const __gr
 
 /// A lane a vertex.
 struct MoveClusterByTile {
-  static constexpr const char* kName = MoveCluster::kName;
+  static constexpr const char* kStage = MoveCluster::kStage;
   static constexpr int kWidth = 8;
   MoveCluster move;
   explicit MoveClusterByTile(const MoveCluster& stage) : move(stage) {}
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const Cluster& c = s.cluster[i];
     for (int k = c.begin + tile.lane; k < c.end; k += kWidth) move.moveMember(s, i, k);
   }
@@ -136,11 +136,11 @@ struct OnDevice<MoveCluster> {
 
 /// A lane a vertex; several, where they have many contacts.
 template <bool surfaces>
-struct SumLumpPartByTile {
-  static constexpr const char* kName = SumLumpPart::kName;
+struct SumSoftNodePartByTile {
+  static constexpr const char* kStage = SumSoftNodePart::kStage;
   static constexpr int kWidth = surfaces ? kWarp : 8, kLanesPerVertex = surfaces ? 4 : 1;
-  SumLumpPart stage;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+  SumSoftNodePart stage;
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     if (!stage.isWanted(s, i)) return;
     const Cluster c = s.cluster[i];
     Block3 own;
@@ -151,33 +151,33 @@ struct SumLumpPartByTile {
   }
 };
 /// Up to so many objects a processor have a block each to sum their parts, more have a warp.
-inline constexpr int kFewObjects = 8, kLumpThreads = 256;
+inline constexpr int kFewObjects = 8, kSoftNodeThreads = 256;
 template <int kBlockThreads>
-static __global__ void __launch_bounds__(kBlockThreads) sumLumps(const __grid_constant__ View s, int level, Gate gate) {
+static __global__ void __launch_bounds__(kBlockThreads) sumSoftNodes(const __grid_constant__ SolverData s, int level, Gate gate) {
   awaitPrevious();
   const int i = static_cast<int>(blockIdx.x);
-  if (gate.closed() || groupOfLump(s, level, i) < 0) return;
+  if (gate.closed() || aggregateOfSoftNode(s, level, i) < 0) return;
   constexpr int kWarps = kBlockThreads / kWarp;
   constexpr int kReals = sizeof(Block3) / sizeof(Real);
   __shared__ Real sums[kWarps][kReals];
   const Tile<kWarp> tile = Tile<kWarp>::ofThread();
   const int thread = static_cast<int>(threadIdx.x);
   Block3 own;
-  SumLump::addShare(s, i, thread, kBlockThreads, own);
+  SumSoftNode::addShare(s, i, thread, kBlockThreads, own);
   own = sumOf(tile, own);
   if (tile.lane == 0) memcpy(sums[thread / kWarp], &own, sizeof own);
   __syncthreads();
   if (thread >= kReals) return;
   Real all = 0;
   for (int k = 0; k < kWarps; ++k) all += sums[k][thread];
-  reinterpret_cast<Real*>(&s.lumpSum[i])[thread] = all;
+  reinterpret_cast<Real*>(&s.softNodeSum[i])[thread] = all;
 }
-/// The lumps behind the objects.
+/// The soft nodes behind the objects.
 struct SumParticle {
-  static constexpr const char* kName = SumLump::kName;
-  SumLump stage;
+  static constexpr const char* kStage = SumSoftNode::kStage;
+  SumSoftNode stage;
   int first;
-  __device__ void operator()(const View& s, int k) const { stage(s, first + k); }
+  __device__ void operator()(const SolverData& s, int k) const { stage(s, first + k); }
 };
 
 }  // namespace rubble::RUBBLE_CORE

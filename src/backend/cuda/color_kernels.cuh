@@ -19,40 +19,40 @@ struct ColorBins {
 /// Bodies but hubs, which are solved apart; classes by the number of row blocks.
 struct ColoredBodies {
   using Fill = FillColors;
-  __device__ static bool has(const View& s, int i) { return i < s.bodies && isSwept(s, i) && !isHub(s, i); }
-  __device__ static int colorOf(const View& s, int i) { return s.color[i]; }
-  __device__ static int classOf(const View& s, int i) {
+  __device__ static bool has(const SolverData& s, int i) { return i < s.bodies && isSwept(s, i) && !isHub(s, i); }
+  __device__ static int colorOf(const SolverData& s, int i) { return s.color[i]; }
+  __device__ static int classOf(const SolverData& s, int i) {
     const int degree = degreeOf(s, i);
     return degree > 12 ? 0 : degree > 8 ? 1 : degree > 4 ? 2 : 3;
   }
-  __device__ static int* count(const View& s) { return s.colorCount; }
-  __device__ static const int* offset(const View& s) { return s.colorOffset; }
-  __device__ static int* list(const View& s) { return s.colorBody; }
+  __device__ static int* count(const SolverData& s) { return s.colorCount; }
+  __device__ static const int* offset(const SolverData& s) { return s.colorOffset; }
+  __device__ static int* list(const SolverData& s) { return s.colorBody; }
 };
 /// Vertices; classes by the number of elements and contacts, of which these take longer: up to about one, two and four rounds of eight lanes, and more.
 struct ColoredVertices {
   using Fill = FillVertexColors;
-  __device__ static bool has(const View& s, int v) { return v < s.vertices && isDynamicVertex(s, v); }
-  __device__ static int colorOf(const View& s, int v) { return s.vertexColor[v]; }
-  __device__ static int classOf(const View& s, int v) {
+  __device__ static bool has(const SolverData& s, int v) { return v < s.vertices && isDynamicVertex(s, v); }
+  __device__ static int colorOf(const SolverData& s, int v) { return s.vertexColor[v]; }
+  __device__ static int classOf(const SolverData& s, int v) {
     const auto size = [v](const int* offset) { return offset[v + 1] - offset[v]; };
-    const int work = size(s.tetraCornerOffset) + size(s.refOffset) + 2 * size(s.pointEntryOffset);
+    const int work = size(s.tetraCornerOffset) + size(s.refOffset) + 2 * size(s.pointIncidenceOffset);
     return work > 32 ? 0 : work > 20 ? 1 : work > 10 ? 2 : 3;
   }
-  __device__ static int* count(const View& s) { return s.vertexColorCount; }
-  __device__ static const int* offset(const View& s) { return s.vertexColorOffset; }
-  __device__ static int* list(const View& s) { return s.colorVertex; }
+  __device__ static int* count(const SolverData& s) { return s.vertexColorCount; }
+  __device__ static const int* offset(const SolverData& s) { return s.vertexColorOffset; }
+  __device__ static int* list(const SolverData& s) { return s.colorVertex; }
 };
 
 /// The bin of node i, or -1 if it has none. Bins from kColorBins on: nodes of higher colours.
 template <class Nodes>
-__device__ int binOf(const View& s, int i) {
+__device__ int binOf(const SolverData& s, int i) {
   return Nodes::has(s, i) ? Nodes::colorOf(s, i) * kWorkClasses + Nodes::classOf(s, i) : -1;
 }
 
 /// CountColors or CountVertexColors.
 template <class Nodes>
-static __global__ void __launch_bounds__(kThreads) countColors(const __grid_constant__ View s, ColorBins bins, Gate gate) {
+static __global__ void __launch_bounds__(kThreads) countColors(const __grid_constant__ SolverData s, ColorBins bins, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   __shared__ int count[kColorBins];
@@ -76,7 +76,7 @@ static __global__ void __launch_bounds__(kThreads) countColors(const __grid_cons
 
 /// FillColors or FillVertexColors: a block takes room for all its nodes of a bin at a time.
 template <class Nodes>
-static __global__ void __launch_bounds__(kThreads) fillColors(const __grid_constant__ View s, ColorBins bins, Gate gate) {
+static __global__ void __launch_bounds__(kThreads) fillColors(const __grid_constant__ SolverData s, ColorBins bins, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   __shared__ int count[kColorBins];

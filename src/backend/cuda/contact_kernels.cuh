@@ -6,12 +6,12 @@
 namespace rubble::RUBBLE_CORE {
 
 struct DualOfPoint {
-  static constexpr const char* kName = UpdateContactDuals<Real>::kName;
+  static constexpr const char* kStage = UpdateContactDuals<Real>::kStage;
   static constexpr int kWidth = kLanes;
   static constexpr int kBlocks = 12;
-  __device__ void operator()(const View& s, int i, const PointTile& tile) const {
+  __device__ void operator()(const SolverData& s, int i, const PointTile& tile) const {
     ContactRows& r = s.contact[i];
-    updateContactDuals<Real>(s.step, r, s.moved[r.a], s.moved[r.b], tile.lane);
+    updateContactDuals<Real>(s.step, r, s.dx[r.a], s.dx[r.b], tile.lane);
   }
 };
 template <>
@@ -20,16 +20,16 @@ struct OnDevice<UpdateContactDuals<Real>> {
 };
 
 struct FinishPoint {
-  static constexpr const char* kName = FinishContacts<Real>::kName;
+  static constexpr const char* kStage = FinishContacts<Real>::kStage;
   static constexpr int kWidth = kLanes;
   static constexpr int kBlocks = 8;
-  __device__ void operator()(const View& s, int i, const PointTile& tile) const {
+  __device__ void operator()(const SolverData& s, int i, const PointTile& tile) const {
     ContactRows& r = s.contact[i];
     Manifold& m = s.manifold[r.manifold];
     const int k = tile.lane;
     // asked for before it is needed
     const bool on = k < m.count, impact = on && (m.impact >> k & 1);
-    updateContactDuals<Real>(s.step, r, s.moved[r.a], s.moved[r.b], k);
+    updateContactDuals<Real>(s.step, r, s.dx[r.a], s.dx[r.b], k);
     PointBefore before;
     if (on) before = pointBefore(m, k, impact), noteBefore(s, i, m, k);
     StoredPoint point{};
@@ -54,11 +54,11 @@ struct OnDevice<FinishContacts<Real>> {
 
 /// A lane a point: most manifolds are recycled, and that is copying.
 struct RecycleManifoldByLanes {
-  static constexpr const char* kName = RecycleManifolds::kName;
+  static constexpr const char* kStage = RecycleManifolds::kStage;
   static constexpr int kWidth = kLanes;
   static constexpr int kBlocks = 7;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
-    const int pair = s.nearPair[i];
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
+    const int pair = s.activePair[i];
     const Pair p = s.pair[pair];
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
@@ -82,7 +82,7 @@ struct RecycleManifoldByLanes {
     bool awake = on;
     // points that bear a load need no targets
     if (tile.ballot(on && memory.lambdaN == Real(0)) != 0 && on)
-      awake = wakeRule(s, o)(s, o, pose, n, pointAt(own, 0, n, pose.qA, pose.qB, pose.t), memory.lambdaN);
+      awake = activationRule(s, o)(s, o, pose, n, pointAt(own, 0, n, pose.qA, pose.qB, pose.t), memory.lambdaN);
     const unsigned bits = tile.ballot(awake), stick = tile.ballot(on && own.stick != 0);
     if (bits == 0) memory.kN = memory.kT = memory.drift1 = memory.drift2 = Real(0);
     storeMemory(memory, m, tile);
@@ -116,10 +116,10 @@ struct OnDevice<RecycleManifolds> {
 };
 
 struct BuildRowsOfPoint {
-  static constexpr const char* kName = BuildContactRows::kName;
+  static constexpr const char* kStage = BuildContactRows::kStage;
   static constexpr int kWidth = kLanes;
   static constexpr int kBlocks = 8;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     if (s.hasRows[i] == 0) return;
     Manifold& m = s.manifold[i];
     const int k = tile.lane, row = s.rowOffset[i];

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "backend/cuda/cuda_stepper.h"
-#include "stages/pairs/near_pairs.h"
+#include "stages/pairs/active_pairs.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -36,13 +36,13 @@ __global__ void gatherWords(int* to, const int* from, const int* placeOf, int wo
   to[i] = from[static_cast<std::size_t>(placeOf[id]) * static_cast<std::size_t>(words) + (i - id * static_cast<std::size_t>(words))];
 }
 
-__global__ void changeVelocities(const __grid_constant__ View s, const int* slots, const Vec3d* changes, int count) {
+__global__ void changeVelocities(const __grid_constant__ SolverData s, const int* slots, const Vec3d* changes, int count) {
   const int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (k >= count) return;
   changeVelocity(s, slots[k], changes[k]);
 }
 
-__global__ void scatterRowsOf(const __grid_constant__ View s, const ScatterRows rows, int count) {
+__global__ void scatterRowsOf(const __grid_constant__ SolverData s, const ScatterRows rows, int count) {
   const int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (k < count) rows(s, k);
 }
@@ -59,13 +59,13 @@ __device__ bool contains(const int* sorted, int count, int value) {
   return low < count && sorted[low] == value;
 }
 
-__global__ void forgetManifolds(const __grid_constant__ View s, const int* slots, int count, int pairs) {
+__global__ void forgetManifolds(const __grid_constant__ SolverData s, const int* slots, int count, int pairs) {
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (i >= pairs || !(contains(slots, count, s.oldPair[i].owner) || contains(slots, count, s.oldPair[i].other))) return;
   forgetOldPair(s, i);
 }
 
-__global__ void forgetPoints(const __grid_constant__ View s, const int* slots, int count) {
+__global__ void forgetPoints(const __grid_constant__ SolverData s, const int* slots, int count) {
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (i >= s.oldPointPairOffset[s.owners()]) return;
   const int owner = s.oldPointPair[i].vertex, cornersFrom = s.vertices + s.edges;
@@ -107,35 +107,35 @@ void gatherById(cudaStream_t stream, void* to, const void* from, const int* plac
   checkCuda(cudaGetLastError(), "gatherById");
 }
 
-void addVelocities(cudaStream_t stream, const View& device, const int* slots, const Vec3d* changes, int count) {
+void addVelocities(cudaStream_t stream, const SolverData& device, const int* slots, const Vec3d* changes, int count) {
   changeVelocities<<<blocksFor(static_cast<std::size_t>(count)), kEditThreads, 0, stream>>>(device, slots, changes, count);
   checkCuda(cudaGetLastError(), "changeVelocities");
 }
 
-void scatterStateRows(cudaStream_t stream, const View& device, const ScatterRows& rows, int count) {
+void scatterStateRows(cudaStream_t stream, const SolverData& device, const ScatterRows& rows, int count) {
   scatterRowsOf<<<blocksFor(static_cast<std::size_t>(count)), kEditThreads, 0, stream>>>(device, rows, count);
   checkCuda(cudaGetLastError(), "scatterRowsOf");
 }
 
-void forgetContactsOf(cudaStream_t stream, const View& device, const int* slots, int count, int pairs) {
+void forgetContactsOf(cudaStream_t stream, const SolverData& device, const int* slots, int count, int pairs) {
   if (pairs <= 0 || count <= 0) return;
   forgetManifolds<<<blocksFor(static_cast<std::size_t>(pairs)), kEditThreads, 0, stream>>>(device, slots, count, pairs);
   checkCuda(cudaGetLastError(), "forgetManifolds");
 }
 
-void forgetVertexContactsOf(cudaStream_t stream, const View& device, const int* slots, int count, int pairs) {
+void forgetVertexContactsOf(cudaStream_t stream, const SolverData& device, const int* slots, int count, int pairs) {
   if (pairs <= 0 || count <= 0) return;
   forgetPoints<<<blocksFor(static_cast<std::size_t>(pairs)), kEditThreads, 0, stream>>>(device, slots, count);
   checkCuda(cudaGetLastError(), "forgetPoints");
 }
 
-void startPairOffsets(cudaStream_t stream, const View& device, int begin, int end) {
+void startPairOffsets(cudaStream_t stream, const SolverData& device, int begin, int end) {
   if (end <= begin) return;
   repeatOffset<<<blocksFor(static_cast<std::size_t>(end - begin)), kEditThreads, 0, stream>>>(device.oldPairOffset, begin, end);
   checkCuda(cudaGetLastError(), "repeatOffset");
 }
 
-void startCornerOffsets(cudaStream_t stream, const View& device, int begin, int end) {
+void startCornerOffsets(cudaStream_t stream, const SolverData& device, int begin, int end) {
   if (end <= begin) return;
   repeatOffset<<<blocksFor(static_cast<std::size_t>(end - begin)), kEditThreads, 0, stream>>>(device.oldPointPairOffset, begin, end);
   checkCuda(cudaGetLastError(), "repeatOffset");

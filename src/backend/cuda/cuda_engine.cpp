@@ -107,7 +107,7 @@ class CudaEngine final : public Engine, private PoseCopies {
   void begin(int buffer) override {
     mirror_.flush();
     // the sizes of the device's view are those of the last step
-    View view = stepper_.tables().view();
+    SolverData view = stepper_.tables().view();
     view.bodies = host().view().bodies, view.ordered = host().view().ordered;
     poses_.begin(buffer, view, stepper_.stream());
   }
@@ -209,7 +209,7 @@ void CudaEngine::step(StepReport& report) {
   host().view().wakeAll = 0;
   nvtxRangePop();
 
-  View counts = host().view();
+  SolverData counts = host().view();
   counts.bodies = 0;
   reportCounters(counts, report);
   report.bodies = bodyCount_;

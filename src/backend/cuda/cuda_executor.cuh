@@ -15,8 +15,8 @@
 #include "backend/cuda/color_kernels.cuh"
 #include "backend/cuda/contact_kernels.cuh"
 #include "backend/cuda/device_memory.h"
-#include "backend/cuda/group_kernels.cuh"
-#include "backend/cuda/line_kernels.cuh"
+#include "backend/cuda/aggregate_kernels.cuh"
+#include "backend/cuda/strand_kernels.cuh"
 #include "backend/cuda/pair_kernels.cuh"
 #include "backend/cuda/point_kernels.cuh"
 #include "backend/cuda/strict_kernels.cuh"
@@ -52,8 +52,8 @@ class CudaExecutor {
     control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
     std::fill(std::begin(perOf_), std::end(perOf_), -1);
     // some of the pairs and near pairs: no room of their own
-    perOf_[indexOf(&Counters::freshPairs)] = static_cast<int>(Per::Pair);
-    perOf_[indexOf(&Counters::tested)] = static_cast<int>(Per::NearPair);
+    perOf_[indexOf(&Counters::newPairs)] = static_cast<int>(Per::Pair);
+    perOf_[indexOf(&Counters::tested)] = static_cast<int>(Per::ActivePair);
   }
   ~CudaExecutor() { DeviceMemory::release(control_); }
   CudaExecutor(const CudaExecutor&) = delete;
@@ -62,27 +62,27 @@ class CudaExecutor {
   const Control* control() const { return control_; }
   /// Is this kind one whose number the device counts?
   bool counted(Per per) const { return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_); }
-  std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size() + hubs_.size() + heavyChunks_.size(); }
+  std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size() + hubs_.size() + heavySlices_.size(); }
 
   /// Room for what the scans and sorts of a step need besides the tables: the step itself must not allocate.
   void reserveScratch() {
     scanned_ = grouped_ = 0;
     EnqueueOptions nothing;
     nothing.from = std::numeric_limits<int>::max();
-    if (walk(nothing)) tables_.keepManifolds();
+    if (walk(nothing)) tables_.swapManifolds();
     std::size_t scanBytes = 0, sortBytes = 0;
     exclusiveSum(nullptr, scanBytes, CountAt{}, nullptr, scanned_ + 1);
     if (grouped_ > 0) sortPairs(nullptr, sortBytes, nullptr, nullptr, grouped_);
     scratch_.reserve(std::max(scanBytes, sortBytes));
     sortedKeys_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
     indices_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
-    tickets_.reserve(sizeof(int) * static_cast<std::size_t>(tables_.capacity(Per::Chunk)) * kTreeLevels);
+    tickets_.reserve(sizeof(int) * static_cast<std::size_t>(tables_.capacity(Per::Slice)) * kTreeLevels);
     colorBins_.reserve(sizeof(int) * 2 * kColorBins);
-    reserveList(hubs_, tables_.capacity(Per::Entry), kHubEntries);
-    reserveList(heavyChunks_, tables_.capacity(Per::External), kHeavyRounds * kSmallWidth / kLanes);
+    reserveList(hubs_, tables_.capacity(Per::Incidence), kHubEntries);
+    reserveList(heavySlices_, tables_.capacity(Per::Boundary), kHeavyRounds * kSmallWidth / kLanes);
   }
 
-  /// Enqueues the step from an operation on; does the tables' part of keepManifolds on the host. Returns whether that was called.
+  /// Enqueues the step from an operation on; does the tables' part of swapManifolds on the host. Returns whether that was called.
   bool enqueue(const EnqueueOptions& options) {
     if (options.from == 0) checkCuda(cudaMemsetAsync(view().counters, 0, sizeof(Counters), stream_), "cudaMemsetAsync");
     checkCuda(cudaMemsetAsync(control_, 0, sizeof(Control), stream_), "cudaMemsetAsync");
@@ -90,19 +90,19 @@ class CudaExecutor {
   }
 
   // Executor
-  const View& view() const { return tables_.view(); }
+  const SolverData& view() const { return tables_.view(); }
 
   template <class Kernel>
   void forEach(const Kernel& kernel, int n) {
     if (!begins() || n <= 0) return;
-    enterStage(Kernel::kName);
-    launch(onDevice(kernel), {n, nullptr}, n, Kernel::kName);
+    enterStage(Kernel::kStage);
+    launch(onDevice(kernel), {n, nullptr}, n, Kernel::kStage);
   }
   template <class Kernel>
   void forEach(const Kernel& kernel, int Counters::*n) {
     if (!begins()) return;
-    enterStage(Kernel::kName);
-    launch(onDevice(kernel), {0, counter(n)}, capacityOf(n), Kernel::kName);
+    enterStage(Kernel::kStage);
+    launch(onDevice(kernel), {0, counter(n)}, capacityOf(n), Kernel::kStage);
   }
 
   /// Its kernel is launched when the one before has begun, and waits for it in the end.
@@ -116,37 +116,37 @@ class CudaExecutor {
   /// Nobody knows here how long a range is: the grid is that of ranges which hold one element for a few members, and any grid will do.
   int blocksForRange(int width) const {
     constexpr int kMembersPerElement = 16;
-    return blocksFor(view().members() / kMembersPerElement + 1, width);
+    return blocksFor(view().nodes() / kMembersPerElement + 1, width);
   }
   template <class Kernel>
-  void forEachIn(const Kernel& kernel, int* View::*offsets, int k) {
+  void forEachIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
     if (!begins()) return;
-    enterStage(Kernel::kName);
+    enterStage(Kernel::kStage);
     using Type = DeviceKernel<Kernel>;
-    launchNext(runRange<Type>, {blocksForRange(widthOf<Type>()), kThreads}, Kernel::kName, view(), onDevice(kernel), view().*offsets, k, Gate{control_});
+    launchNext(runRange<Type>, {blocksForRange(widthOf<Type>()), kThreads}, Kernel::kStage, view(), onDevice(kernel), view().*offsets, k, Gate{control_});
   }
   /// The last tile to sum a chunk of a group goes on with it, and so does what a stage of its own does elsewhere.
   void forEach(const SumInertia& kernel, int Counters::*n) {
     if constexpr (kStrict) forEach<SumInertia>(kernel, n);
     else forEach(SumInertiaByTile{tree()}, n);
   }
-  void forEach(const PlaceGroups& kernel, int Counters::*n) {
-    if constexpr (kStrict) forEach<PlaceGroups>(kernel, n);
+  void forEach(const PlaceAggregates& kernel, int Counters::*n) {
+    if constexpr (kStrict) forEach<PlaceAggregates>(kernel, n);
   }
-  void forEachIn(const SumChunk<Real>& kernel, int* View::*offsets, int level) {
-    if constexpr (kStrict) forEachIn<SumChunk<Real>>(kernel, offsets, level);
-    else if (chunkWidth(view(), level) == kSmallWidth) sumLevel<kSmallWidth>(level);
+  void forEachIn(const SumSlice<Real>& kernel, int* SolverData::*offsets, int level) {
+    if constexpr (kStrict) forEachIn<SumSlice<Real>>(kernel, offsets, level);
+    else if (sliceWidth(view(), level) == kSmallWidth) sumLevel<kSmallWidth>(level);
     else sumLevel<kWarp>(level);
   }
   template <class Kernel>
-    requires(!kStrict && (std::same_as<Kernel, SolveGroup> || std::same_as<Kernel, WithLumps<SolveGroup>>))
-  void forEachIn(const Kernel&, int* View::*, int) {}
-  void forEachIn(const MoveChunk&, int* View::*, int level) { forEach(MoveMember{level}, view().bodiesMove ? view().bodies : 0); }
-  void forEachIn(const WithLumps<SumChunk<Real>>& kernel, int* View::*offsets, int level) {
-    if constexpr (kStrict) forEachIn<WithLumps<SumChunk<Real>>>(kernel, offsets, level);
+    requires(!kStrict && (std::same_as<Kernel, SolveAggregate> || std::same_as<Kernel, WithSoftNodes<SolveAggregate>>))
+  void forEachIn(const Kernel&, int* SolverData::*, int) {}
+  void forEachIn(const MoveSlice&, int* SolverData::*, int level) { forEach(MoveNode{level}, view().bodiesMove ? view().bodies : 0); }
+  void forEachIn(const WithSoftNodes<SumSlice<Real>>& kernel, int* SolverData::*offsets, int level) {
+    if constexpr (kStrict) forEachIn<WithSoftNodes<SumSlice<Real>>>(kernel, offsets, level);
     else sumLevel<kWarp>(level, true);
   }
-  void forEachIn(const WithLumps<MoveChunk>&, int* View::*, int level) { forEach(MoveMember{level, true}, view().bodiesMove ? view().bodies : 0); }
+  void forEachIn(const WithSoftNodes<MoveSlice>&, int* SolverData::*, int level) { forEach(MoveNode{level, true}, view().bodiesMove ? view().bodies : 0); }
 
   void forEach(const SolveCluster& kernel, int n) {
     if constexpr (kStrict) return forEach<SolveCluster>(kernel, n);
@@ -159,28 +159,28 @@ class CudaExecutor {
     solveFewClusters<kFewClusterThreads>(kernel.level, n);
   }
 
-  void forEach(const SumLumpPart& kernel, int n) {
-    if constexpr (kStrict) forEach<SumLumpPart>(kernel, n);
-    else if (view().features > 0) forEach(SumLumpPartByTile<true>{kernel}, n);
-    else forEach(SumLumpPartByTile<false>{kernel}, n);
+  void forEach(const SumSoftNodePart& kernel, int n) {
+    if constexpr (kStrict) forEach<SumSoftNodePart>(kernel, n);
+    else if (view().features > 0) forEach(SumSoftNodePartByTile<true>{kernel}, n);
+    else forEach(SumSoftNodePartByTile<false>{kernel}, n);
   }
   /// A thread a particle, and a block or a warp an object, as there are few or many.
-  void forEach(const SumLump& kernel, int n) {
-    if constexpr (kStrict) return forEach<SumLump>(kernel, n);
+  void forEach(const SumSoftNode& kernel, int n) {
+    if constexpr (kStrict) return forEach<SumSoftNode>(kernel, n);
     if (!begins() || n <= 0) return;
-    enterStage(SumLump::kName);
+    enterStage(SumSoftNode::kStage);
     const int objects = view().objects;
     if (objects > 0 && objects <= kFewObjects * processors_)
-      launchNext(sumLumps<kLumpThreads>, {objects, kLumpThreads}, SumLump::kName, view(), kernel.level, Gate{control_});
-    else if (objects > 0) launchNext(sumLumps<kWarp>, {objects, kWarp}, SumLump::kName, view(), kernel.level, Gate{control_});
-    if (n > objects) launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumLump::kName);
+      launchNext(sumSoftNodes<kSoftNodeThreads>, {objects, kSoftNodeThreads}, SumSoftNode::kStage, view(), kernel.level, Gate{control_});
+    else if (objects > 0) launchNext(sumSoftNodes<kWarp>, {objects, kWarp}, SumSoftNode::kStage, view(), kernel.level, Gate{control_});
+    if (n > objects) launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumSoftNode::kStage);
   }
 
   void forEach(const SolveTree& kernel, int n) {
     if constexpr (kStrict) return forEach<SolveTree>(kernel, n);
     if (!begins() || n <= 0) return;
-    enterStage(SolveTree::kName);
-    launchNext(solveTrees, {n, kTreeThreads}, SolveTree::kName, view(), Gate{control_});
+    enterStage(SolveTree::kStage);
+    launchNext(solveTrees, {n, kTreeThreads}, SolveTree::kStage, view(), Gate{control_});
   }
 
   /// A search is long: where bodies do not fill the device several lanes share one.
@@ -197,37 +197,37 @@ class CudaExecutor {
   /// Stages in which a few elements have very many parts.
   void forEach(const WritePairs<false>&, int n) { forEachWarp(WritePairsByWarp{}, n); }
   void forEach(const FindClashes&, int n) { forEachWarp(FindClashesByWarp{}, n); }
-  void forEach(const SortEntries&, int n) {
-    startList(hubs_, SortEntries::kName);
+  void forEach(const SortIncidences&, int n) {
+    startList(hubs_, SortIncidences::kStage);
     forEachWarp(SortEntriesByWarp{listOf(hubs_)}, n);
     if (!begun() || n <= 0) return;
-    launchNext(sortHubs, {processors_, kSortThreads}, SortEntries::kName, view(), listOf(hubs_), Gate{control_});
+    launchNext(sortHubs, {processors_, kSortThreads}, SortIncidences::kStage, view(), listOf(hubs_), Gate{control_});
   }
-  void forEach(const FillExternals& kernel, int Counters::*n) {
-    if constexpr (kStrict) return forEach<FillExternals>(kernel, n);
-    startList(heavyChunks_, FillExternals::kName);
-    forEach(FillExternalsByTile{listOf(heavyChunks_)}, n);
+  void forEach(const FillBoundary& kernel, int Counters::*n) {
+    if constexpr (kStrict) return forEach<FillBoundary>(kernel, n);
+    startList(heavySlices_, FillBoundary::kStage);
+    forEach(FillBoundaryByTile{listOf(heavySlices_)}, n);
   }
 
   void forEach(const CountColors&, int n) { countByColor<ColoredBodies>(n); }
-  void forEach(const FillColors&, int n) { launchByColor(fillColors<ColoredBodies>, FillColors::kName, n); }
+  void forEach(const FillColors&, int n) { launchByColor(fillColors<ColoredBodies>, FillColors::kStage, n); }
   void forEach(const CountVertexColors&, int n) { countByColor<ColoredVertices>(n); }
-  void forEach(const FillVertexColors&, int n) { launchByColor(fillColors<ColoredVertices>, FillVertexColors::kName, n); }
+  void forEach(const FillVertexColors&, int n) { launchByColor(fillColors<ColoredVertices>, FillVertexColors::kStage, n); }
 
-  void clear(int* View::*array, int n) {
+  void clear(int* SolverData::*array, int n) {
     if (begins() && n > 0) launch(FillArray{view().*array, 0}, {n, nullptr}, n, "clear");
   }
-  void clear(int* View::*array, int Counters::*n) {
+  void clear(int* SolverData::*array, int Counters::*n) {
     if (begins()) launch(FillArray{view().*array, 0}, {0, counter(n)}, capacityOf(n), "clear");
   }
 
-  void scan(int* View::*counts, int* View::*offsets, int n) { scanTo({view().*counts, nullptr, n, n}, view().*offsets); }
+  void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) { scanTo({view().*counts, nullptr, n, n}, view().*offsets); }
   /// Offsets behind the last element get the total too.
-  void scan(int* View::*counts, int* View::*offsets, int Counters::*n) {
+  void scan(int* SolverData::*counts, int* SolverData::*offsets, int Counters::*n) {
     scanTo({view().*counts, counter(n), 0, capacityOf(n)}, view().*offsets);
   }
   template <class N>
-  void scan(int* View::*counts, int* View::*offsets, N n, int Counters::*total, Per per) {
+  void scan(int* SolverData::*counts, int* SolverData::*offsets, N n, int Counters::*total, Per per) {
     const int limit = limitOf(n);
     scan(counts, offsets, n);
     perOf_[indexOf(total)] = static_cast<int>(per);
@@ -236,11 +236,11 @@ class CudaExecutor {
   }
 
   /// A stable sort; the keys that are left out stand behind the last one.
-  void group(int* View::*keys, int n, int* View::*offsets, int* View::*order, int Counters::*keyCount) {
+  void groupByKey(int* SolverData::*keys, int n, int* SolverData::*offsets, int* SolverData::*order, int Counters::*keyCount) {
     grouped_ = std::max(grouped_, n);
     if (!begins()) return;
     if (n > 0) {
-      launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().members()}, {n, nullptr}, n, "indices");
+      launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().nodes()}, {n, nullptr}, n, "indices");
       std::size_t bytes = scratch_.size();
       sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n);
       afterKernel_ = false;
@@ -259,7 +259,7 @@ class CudaExecutor {
   template <class Take, class Propose>
   void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left, int Counters::*turn) {
     if (!begins()) return;
-    enterStage(Take::kName);
+    enterStage(Take::kStage);
     cudaLaunchAttribute together{};
     together.id = cudaLaunchAttributeCooperative;
     together.val.cooperative = 1;
@@ -279,12 +279,12 @@ class CudaExecutor {
   /// A launch for each of the first colours, and one for all that follow.
   void forEachColor(const SolveBody<Real>&, const SolveVertex&) {
     if (!begins() || view().bodies + view().vertices == 0) return;
-    enterStage(SolveBody<Real>::kName);
+    enterStage(SolveBody<Real>::kStage);
     if constexpr (kStrict) {
       for (int c = 0; c < options_.colors; ++c) {
-        launchNext(solveColorStrictly, {blocksFor(std::max(view().bodies, view().vertices)), kThreads}, SolveBody<Real>::kName, view(), c, control_);
+        launchNext(solveColorStrictly, {blocksFor(std::max(view().bodies, view().vertices)), kThreads}, SolveBody<Real>::kStage, view(), c, control_);
       }
-      launchNext(solveTailStrictly, {1, kThreads}, SolveBody<Real>::kName, view(), options_.colors, control_);
+      launchNext(solveTailStrictly, {1, kThreads}, SolveBody<Real>::kStage, view(), options_.colors, control_);
       return;
     }
     // as many blocks as the device holds at a time: they share out whatever a colour has
@@ -297,7 +297,7 @@ class CudaExecutor {
     for (int c = 0; c < options_.colors; ++c) {
       if (bodies) solveColorsFrom(c, kHubBlocks + vertexBlocks + bodyBlocks, {kHubBlocks, vertexBlocks});
       else if (view().vertices > 0)
-        launchNext(solveVertexColor, {std::min(blocksFor(view().vertices, kVertexCrowdWidth), kVertexBlocks * processors_), kThreads}, SolveVertex::kName,
+        launchNext(solveVertexColor, {std::min(blocksFor(view().vertices, kVertexCrowdWidth), kVertexBlocks * processors_), kThreads}, SolveVertex::kStage,
                    view(), c, control_);
     }
     solveColorsFrom(options_.colors, 1, {0, 0});
@@ -315,10 +315,10 @@ class CudaExecutor {
   /// Others have enqueued something behind our last kernel.
   void interrupted() { afterKernel_ = false; }
 
-  void lodgeRows() { tables_.lodgeRows(); }
+  void aliasRows() { tables_.aliasRows(); }
 
-  void keepManifolds() {
-    tables_.keepManifolds();
+  void swapManifolds() {
+    tables_.swapManifolds();
     kept_ = !kept_;
   }
 
@@ -419,26 +419,26 @@ class CudaExecutor {
   template <class Nodes>
   void countByColor(int n) {
     if (begins()) launch(FillArray{colorBins().population, 0}, {2 * kColorBins, nullptr}, 2 * kColorBins, "clear");
-    launchByColor(countColors<Nodes>, CountColors::kName, n);
+    launchByColor(countColors<Nodes>, CountColors::kStage, n);
   }
 
   template <int kBlockThreads>
   void solveFewClusters(int level, int n) {
     if (!begins() || n <= 0) return;
-    enterStage(SolveCluster::kName);
-    launchNext(solveClusters<kBlockThreads>, {n, kBlockThreads}, SolveCluster::kName, view(), level, Gate{control_});
+    enterStage(SolveCluster::kStage);
+    launchNext(solveClusters<kBlockThreads>, {n, kBlockThreads}, SolveCluster::kStage, view(), level, Gate{control_});
   }
 
   template <int kTile>
-  void sumLevel(int level, bool lumpsOnly = false) {
+  void sumLevel(int level, bool softOnly = false) {
     if (!begins()) return;
-    enterStage(SumChunk<Real>::kName);
+    enterStage(SumSlice<Real>::kStage);
     launchNext(hasFewJoints(view()) ? sumChunks<kTile, true> : sumChunks<kTile, false>, {processors_ + blocksForRange(kTile), kThreads},
-               SumChunk<Real>::kName, view(), tree(), listOf(heavyChunks_), processors_, level, lumpsOnly, Gate{control_});
+               SumSlice<Real>::kStage, view(), tree(), listOf(heavySlices_), processors_, level, softOnly, Gate{control_});
   }
 
   void solveColorsFrom(int color, int count, ColorBlocks blocks) {
-    launchNext(solveColorsOf(view()), {count, kSolveThreads}, SolveBody<Real>::kName, view(), color, listOf(hubs_), blocks, control_);
+    launchNext(solveColorsOf(view()), {count, kSolveThreads}, SolveBody<Real>::kStage, view(), color, listOf(hubs_), blocks, control_);
   }
 
   ColorBins colorBins() const {
@@ -462,7 +462,7 @@ class CudaExecutor {
   /// Room for all elements that can have more than `parts` each.
   static void reserveList(DeviceBuffer& list, int most, int parts) { list.reserve(sizeof(int) * (2 + static_cast<std::size_t>(most / parts))); }
 
-  SumTree tree() const { return {reinterpret_cast<int*>(tickets_.data()), tables_.capacity(Per::Chunk)}; }
+  SumTree tree() const { return {reinterpret_cast<int*>(tickets_.data()), tables_.capacity(Per::Slice)}; }
   Room roomFor(Per per) const { return {static_cast<int>(per), tables_.capacity(per), operation()}; }
   int limitOf(int n) const { return n; }
   int limitOf(int Counters::*n) const { return capacityOf(n); }
@@ -483,8 +483,8 @@ class CudaExecutor {
   DeviceTables& tables_;
   cudaStream_t stream_;
   Control* control_ = nullptr;
-  DeviceBuffer scratch_, sortedKeys_, indices_, tickets_, hubs_, heavyChunks_, colorBins_;
-  int scanned_ = 0, grouped_ = 0;  ///< most elements of a scan and of group() in this step
+  DeviceBuffer scratch_, sortedKeys_, indices_, tickets_, hubs_, heavySlices_, colorBins_;
+  int scanned_ = 0, grouped_ = 0;  ///< most elements of a scan and of groupByKey() in this step
   bool beside_ = false;
   int processors_ = 1, maxBlocks_ = 1;
   int perOf_[sizeof(Counters) / sizeof(int)];

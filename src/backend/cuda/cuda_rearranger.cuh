@@ -11,9 +11,9 @@ namespace rubble::RUBBLE_CORE {
 
 /// Each element is its index.
 struct NumberElements {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   int* to;
-  __device__ void operator()(const View&, int i) const { to[i] = i; }
+  __device__ void operator()(const SolverData&, int i) const { to[i] = i; }
 };
 
 /// Waits for the device, and gives the room back, at the end of its life.
@@ -27,15 +27,15 @@ class CudaRearranger {
   CudaRearranger(const CudaRearranger&) = delete;
   CudaRearranger& operator=(const CudaRearranger&) = delete;
 
-  const View& view() const { return executor_.view(); }
+  const SolverData& view() const { return executor_.view(); }
   template <class Kernel>
   void forEach(const Kernel& kernel, int n) {
     executor_.forEach(kernel, n);
   }
-  void clear(int* View::*array, int n) { executor_.clear(array, n); }
-  void scan(int* View::*counts, int* View::*offsets, int n) { executor_.scan(counts, offsets, n); }
-  void lodgeRows() { executor_.lodgeRows(); }
-  void keepManifolds() { executor_.keepManifolds(); }
+  void clear(int* SolverData::*array, int n) { executor_.clear(array, n); }
+  void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) { executor_.scan(counts, offsets, n); }
+  void aliasRows() { executor_.aliasRows(); }
+  void swapManifolds() { executor_.swapManifolds(); }
 
   template <class T>
   T* room(int n) {

@@ -33,7 +33,7 @@ class Bound {
 
 /// All that the nodes of a graph depend on. Padding may make equal ones differ: that costs a capture, never a wrong result.
 struct Configuration {
-  View view;
+  SolverData view;
   int colors = 0;
   bool operator==(const Configuration& o) const {
     return colors == o.colors && std::memcmp(&view, &o.view, sizeof view) == 0;
@@ -117,7 +117,7 @@ struct CudaStepper::Impl {
   void enqueue(int from, Timeline* timeline, bool captured) {
     if (timeline) timeline->clear();
     swaps = executor.enqueue({from, colors.limit(), timings ? timeline : nullptr, captured});
-    if (swaps) tables.keepManifolds();
+    if (swaps) tables.swapManifolds();
     const auto copy = [&](void* to, const void* what, std::size_t bytes) {
       checkCuda(cudaMemcpyAsync(to, what, bytes, cudaMemcpyDeviceToHost, stream.get()), "cudaMemcpyAsync");
     };
@@ -144,8 +144,8 @@ struct CudaStepper::Impl {
   }
 
   /// Sizes and constants of `host`.
-  void adopt(const View& host) {
-    View view = host;
+  void adopt(const SolverData& host) {
+    SolverData view = host;
     forEachArray([&](const auto& array) { view.*array.member = tables.view().*array.member; });
     view.counters = tables.view().counters;
     tables.view() = view;
@@ -157,9 +157,9 @@ struct CudaStepper::Impl {
     constexpr int kLeastSpare = 64;
     const int spare = tables.capacity(per) > 1 ? 0 : kLeastSpare + control.needed / 8;
     tables.reserve(per, control.needed + spare);
-    const View& s = tables.view();
-    makeAmpleRoom({Per::Pair, Per::NearPair, Per::Manifold, Per::Entry, Per::External}, s.bodies, control);
-    makeAmpleRoom({Per::PointPair, Per::PointEntry, Per::NearFeature}, s.vertices, control);
+    const SolverData& s = tables.view();
+    makeAmpleRoom({Per::Pair, Per::ActivePair, Per::Manifold, Per::Incidence, Per::Boundary}, s.bodies, control);
+    makeAmpleRoom({Per::PointPair, Per::PointIncidence, Per::NearFeature}, s.vertices, control);
     executor.reserveScratch();
   }
   /// A step that stops costs several, for graphs have to be made anew; and what begins to touch, one after another, would stop it again and
@@ -192,7 +192,7 @@ cudaStream_t CudaStepper::stream() const { return impl_->stream.get(); }
 bool CudaStepper::counted(Per per) const { return impl_->executor.counted(per); }
 std::size_t CudaStepper::bytes() const { return impl_->tables.bytes() + impl_->executor.scratchBytes(); }
 
-void CudaStepper::sortBodies(const View& host, int pairs) {
+void CudaStepper::sortBodies(const SolverData& host, int pairs) {
   Impl& m = *impl_;
   m.adopt(host);
   m.executor.reserveScratch();
@@ -202,7 +202,7 @@ void CudaStepper::sortBodies(const View& host, int pairs) {
   m.parity ^= 1;
 }
 
-Counters CudaStepper::step(const View& host, StepReport& report) {
+Counters CudaStepper::step(const SolverData& host, StepReport& report) {
   Impl& m = *impl_;
   m.adopt(host);
 
@@ -219,8 +219,8 @@ Counters CudaStepper::step(const View& host, StepReport& report) {
   }
   if (m.swaps) {
     // a graph's launch leaves the host's pointers alone
-    m.tables.lodgeRows();
-    m.tables.keepManifolds();
+    m.tables.aliasRows();
+    m.tables.swapManifolds();
     m.parity ^= 1;
   }
   const Counters counters = m.status->counters;

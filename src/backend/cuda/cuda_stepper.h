@@ -27,10 +27,10 @@ class CudaStepper {
   std::size_t bytes() const;
 
   /// One step with the sizes and constants of `host`, whose pointers are not used. Adds to restarts and stages of the report.
-  Counters step(const View& host, StepReport& report);
+  Counters step(const SolverData& host, StepReport& report);
 
   // stages/pairs/order.h, with the sizes of `host` and so many old pairs
-  void sortBodies(const View& host, int pairs);
+  void sortBodies(const SolverData& host, int pairs);
 
  private:
   struct Impl;
@@ -49,18 +49,18 @@ struct ScatterPiece {
 /// One launch for up to some tens of pieces.
 void scatterPieces(cudaStream_t stream, const std::vector<ScatterPiece>& pieces);
 /// changeVelocity() of bodies that differ from one another.
-void addVelocities(cudaStream_t stream, const View& device, const int* slots, const Vec3d* changes, int count);
+void addVelocities(cudaStream_t stream, const SolverData& device, const int* slots, const Vec3d* changes, int count);
 /// Element `id` of `to` becomes element placeOf[id] of `from`, of so many 4-byte words each.
 void gatherById(cudaStream_t stream, void* to, const void* from, const int* placeOf, int count, int words);
-void scatterStateRows(cudaStream_t stream, const View& device, const ScatterRows& rows, int count);
+void scatterStateRows(cudaStream_t stream, const SolverData& device, const ScatterRows& rows, int count);
 /// Old manifolds of these bodies (sorted, on the device) are emptied.
-void forgetContactsOf(cudaStream_t stream, const View& device, const int* slots, int count, int pairs);
+void forgetContactsOf(cudaStream_t stream, const SolverData& device, const int* slots, int count, int pairs);
 /// Likewise those of vertices with these bodies; `pairs`: room for them.
-void forgetVertexContactsOf(cudaStream_t stream, const View& device, const int* slots, int count, int pairs);
+void forgetVertexContactsOf(cudaStream_t stream, const SolverData& device, const int* slots, int count, int pairs);
 /// Bodies [begin, end) are new and own no old pairs.
-void startPairOffsets(cudaStream_t stream, const View& device, int begin, int end);
+void startPairOffsets(cudaStream_t stream, const SolverData& device, int begin, int end);
 /// Likewise owners [begin, end), which are corners of new bodies.
-void startCornerOffsets(cudaStream_t stream, const View& device, int begin, int end);
+void startCornerOffsets(cudaStream_t stream, const SolverData& device, int begin, int end);
 
 /// What cudaStatus() of info.h says when the backend is built.
 std::string deviceStatus();

@@ -150,7 +150,7 @@ class Stream {
 };
 
 namespace RUBBLE_CORE {
-using DeviceTables = Tables<DeviceMemory>;
+using DeviceTables = SolverTables<DeviceMemory>;
 }
 
 }  // namespace rubble

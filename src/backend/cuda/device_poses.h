@@ -10,12 +10,12 @@ namespace rubble::RUBBLE_CORE {
 class DevicePoses {
  public:
   /// Position and orientation of `device`, when the steps enqueued so far have ended.
-  void begin(int buffer, const View& device, cudaStream_t steps) {
+  void begin(int buffer, const SolverData& device, cudaStream_t steps) {
     Frame& f = frames_[buffer];
     f.rows = device.bodies;
     const std::size_t positions = sizeof(Vec3d) * static_cast<std::size_t>(f.rows), turns = sizeof(Quat) * static_cast<std::size_t>(f.rows);
-    f.turnsAt = (positions + kAlign - 1) / kAlign * kAlign;
-    const std::size_t bytes = f.turnsAt + turns;
+    f.angularRowsAt = (positions + kAlign - 1) / kAlign * kAlign;
+    const std::size_t bytes = f.angularRowsAt + turns;
     f.aside.reserve(bytes);
     f.host.reserve(bytes);
     const auto copy = [](void* to, const void* from, std::size_t size, cudaMemcpyKind kind, cudaStream_t stream) {
@@ -26,7 +26,7 @@ class DevicePoses {
       else copy(to, from, sizeof(T) * static_cast<std::size_t>(f.rows), cudaMemcpyDeviceToDevice, steps);
     };
     copyAside(f.aside.data(), device.position);
-    copyAside(f.aside.data() + f.turnsAt, device.orientation);
+    copyAside(f.aside.data() + f.angularRowsAt, device.orientation);
     f.isAside.record(steps);
     f.isAside.holdBack(stream_.get());
     copy(f.host.data(), f.aside.data(), bytes, cudaMemcpyDeviceToHost, stream_.get());
@@ -38,7 +38,7 @@ class DevicePoses {
     return rowsOf(reinterpret_cast<const Vec3d*>(frames_[buffer].host.data()), frames_[buffer].rows);
   }
   ArrayView orientation(int buffer) const {
-    return rowsOf(reinterpret_cast<const Quat*>(frames_[buffer].host.data() + frames_[buffer].turnsAt), frames_[buffer].rows);
+    return rowsOf(reinterpret_cast<const Quat*>(frames_[buffer].host.data() + frames_[buffer].angularRowsAt), frames_[buffer].rows);
   }
 
  private:
@@ -47,7 +47,7 @@ class DevicePoses {
     DeviceBuffer aside;
     PinnedBuffer host;
     StreamEvent isAside, isHere;
-    std::size_t turnsAt = 0;
+    std::size_t angularRowsAt = 0;
     int rows = 0;
   };
   Stream stream_;

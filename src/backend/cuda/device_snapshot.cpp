@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kAlign = 64;
 
-bool kept(Life life) { return life == Life::Authored || life == Life::State; }
+bool kept(Lifetime life) { return life == Lifetime::Authored || life == Lifetime::State; }
 
 /// visit(array, bytes, place) for the arrays that `wanted(life)` names, one behind the other. Returns the bytes of all.
 template <class Wanted, class Visit>
@@ -28,7 +28,7 @@ std::size_t forEachPart(const SnapshotSizes& sizes, Wanted&& wanted, Visit&& vis
 std::size_t keptBytes(const SnapshotSizes& sizes) {
   return forEachPart(sizes, kept, [](const auto&, std::size_t, std::size_t) {});
 }
-bool isAuthored(Life life) { return life == Life::Authored; }
+bool isAuthored(Lifetime life) { return life == Lifetime::Authored; }
 
 }  // namespace
 
@@ -37,7 +37,7 @@ int SnapshotSizes::count(Per per) const {
   switch (per) {
     case Per::Body: return bodies;
     case Per::Pair: return pairs;
-    case Per::NearPair: return nearPairs;
+    case Per::ActivePair: return activePairs;
     case Per::Manifold: return manifolds;
     case Per::Plane: return planes;
     case Per::Exclusion: return exclusions;
@@ -50,11 +50,11 @@ int SnapshotSizes::count(Per per) const {
   }
 }
 
-SnapshotSizes sizesOf(const HostTables& tables, int pairs, int nearPairs, int manifolds) {
-  const View& s = tables.view();
+SnapshotSizes sizesOf(const HostTables& tables, int pairs, int activePairs, int manifolds) {
+  const SolverData& s = tables.view();
   SnapshotSizes sizes;
   sizes.bodies = s.bodies, sizes.planes = s.planes, sizes.exclusions = s.exclusionOffset[s.bodies];
-  sizes.pairs = pairs, sizes.nearPairs = nearPairs, sizes.manifolds = manifolds;
+  sizes.pairs = pairs, sizes.activePairs = activePairs, sizes.manifolds = manifolds;
   sizes.shapeVectors = s.shapeVectors, sizes.shapeIndices = s.shapeIndices, sizes.shapeParts = s.shapeParts, sizes.surfaces = s.surfaces;
   sizes.traits = tables.traits(), sizes.rolledBefore = s.rolledBefore;
   sizes.rollers = s.rolls ? s.counters->rollers : 0;
@@ -75,8 +75,8 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   tables.reserve(Per::ShapeIndex, sizes.shapeIndices);
   tables.reserve(Per::ShapePart, sizes.shapeParts);
   tables.reserve(Per::Surface, sizes.surfaces);
-  tables.reserve(Per::Rolling, sizes.traits[BodyTrait::Rolls] > 0 ? std::max(sizes.nearPairs, sizes.rollers) : 0);
-  View& s = tables.view();
+  tables.reserve(Per::Rolling, sizes.traits[BodyTrait::Rolls] > 0 ? std::max(sizes.activePairs, sizes.rollers) : 0);
+  SolverData& s = tables.view();
   s.shapeVectors = sizes.shapeVectors, s.shapeIndices = sizes.shapeIndices, s.shapeParts = sizes.shapeParts;
   s.surfaces = sizes.surfaces;
   tables.setTraits(sizes.traits);
@@ -84,7 +84,7 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
 }
 
 std::shared_ptr<const AuthoredBytes> copyAuthored(const HostTables& tables, const SnapshotSizes& sizes) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   auto out = std::make_shared<AuthoredBytes>();
   out->resize(forEachPart(sizes, isAuthored, [](const auto&, std::size_t, std::size_t) {}));
   forEachPart(sizes, isAuthored, [&](const auto& array, std::size_t bytes, std::size_t at) {
@@ -94,13 +94,13 @@ std::shared_ptr<const AuthoredBytes> copyAuthored(const HostTables& tables, cons
 }
 
 void putAuthored(HostTables& tables, const SnapshotSizes& sizes, const AuthoredBytes& from) {
-  const View& s = tables.view();
+  const SolverData& s = tables.view();
   forEachPart(sizes, isAuthored, [&](const auto& array, std::size_t bytes, std::size_t at) {
     if (bytes > 0) std::memcpy(s.*array.member, from.data() + at, bytes);
   });
 }
 
-DeviceSnapshot::DeviceSnapshot(const SnapshotSizes& s, const View& device, std::shared_ptr<const AuthoredBytes> authoredBytes,
+DeviceSnapshot::DeviceSnapshot(const SnapshotSizes& s, const SolverData& device, std::shared_ptr<const AuthoredBytes> authoredBytes,
                                cudaStream_t stream)
     : sizes(s), authored(std::move(authoredBytes)) {
   data_.reserveExactly(keptBytes(sizes));
@@ -110,7 +110,7 @@ DeviceSnapshot::DeviceSnapshot(const SnapshotSizes& s, const View& device, std::
   made_.record(stream);
 }
 
-void DeviceSnapshot::put(const View& device, cudaStream_t stream) const {
+void DeviceSnapshot::put(const SolverData& device, cudaStream_t stream) const {
   made_.holdBack(stream);
   forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {
     checkCuda(cudaMemcpyAsync(device.*array.member, data_.data() + at, bytes, cudaMemcpyDeviceToDevice, stream), "cudaMemcpyAsync of a snapshot");
@@ -122,7 +122,7 @@ std::vector<std::byte> DeviceSnapshot::bytes() const {
   HostTables tables;
   adopt(tables, sizes);
   tables.reserve(Per::Pair, sizes.pairs);
-  tables.reserve(Per::NearPair, sizes.nearPairs);
+  tables.reserve(Per::ActivePair, sizes.activePairs);
   tables.reserve(Per::Manifold, sizes.manifolds);
   *tables.view().counters = counters;
   forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {

@@ -10,7 +10,7 @@ namespace rubble::RUBBLE_CORE {
 
 /// Sizes of the tables that a snapshot is of.
 struct SnapshotSizes {
-  int bodies = 0, planes = 0, exclusions = 0, pairs = 0, nearPairs = 0, manifolds = 0;
+  int bodies = 0, planes = 0, exclusions = 0, pairs = 0, activePairs = 0, manifolds = 0;
   int shapeVectors = 0, shapeIndices = 0, shapeParts = 0, surfaces = 0, rollers = 0;
   TraitCounts traits;
   bool rolledBefore = false;
@@ -18,7 +18,7 @@ struct SnapshotSizes {
   /// Elements of a kind of which something lasts.
   int count(Per per) const;
 };
-SnapshotSizes sizesOf(const HostTables& tables, int pairs, int nearPairs, int manifolds);
+SnapshotSizes sizesOf(const HostTables& tables, int pairs, int activePairs, int manifolds);
 /// Makes room for those sizes and sets them.
 void adopt(HostTables& tables, const SnapshotSizes& sizes);
 
@@ -30,10 +30,10 @@ void putAuthored(HostTables& tables, const SnapshotSizes& sizes, const AuthoredB
 class DeviceSnapshot final : public EngineSnapshot {
  public:
   /// Copies in the order of the stream; nobody waits.
-  DeviceSnapshot(const SnapshotSizes& sizes, const View& device, std::shared_ptr<const AuthoredBytes> authored, cudaStream_t stream);
+  DeviceSnapshot(const SnapshotSizes& sizes, const SolverData& device, std::shared_ptr<const AuthoredBytes> authored, cudaStream_t stream);
 
   /// Back into tables of the device that have the room, in the order of the stream.
-  void put(const View& device, cudaStream_t stream) const;
+  void put(const SolverData& device, cudaStream_t stream) const;
   /// As saveState() of the host engines.
   std::vector<std::byte> bytes() const override;
 

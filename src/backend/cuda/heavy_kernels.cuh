@@ -14,8 +14,8 @@ struct HeavyList {
 
 /// A body with more row blocks than this is one of them: bricks of a heap have about twenty, and a warp sorts two a lane.
 inline constexpr int kHubEntries = 64;
-__device__ inline int degreeOf(const View& s, int body) { return s.entryOffset[body + 1] - s.entryOffset[body]; }
-__device__ inline bool isHub(const View& s, int body) { return !kStrict && degreeOf(s, body) > kHubEntries; }
+__device__ inline int degreeOf(const SolverData& s, int body) { return s.incidenceOffset[body + 1] - s.incidenceOffset[body]; }
+__device__ inline bool isHub(const SolverData& s, int body) { return !kStrict && degreeOf(s, body) > kHubEntries; }
 
 /// Sorts n elements in place by a network; `threads` of one block or warp call it, each with its rank, and sync() makes what they have written
 /// known to all of them. Runs of half the width are merged: mirrored at first, then at ever smaller distances. What lies beyond the end stays there.
@@ -38,30 +38,30 @@ __device__ void sortTogether(T* first, int n, int rank, int threads, Before&& be
 }
 
 /// together(i) by all lanes for each i whose lane says so.
-template <class Together>
-__device__ void forEachOfWarp(const Tile<kWarp>& tile, bool mine, int i, Together&& together) {
+template <class Simd4Kernel>
+__device__ void forEachOfWarp(const Tile<kWarp>& tile, bool mine, int i, Simd4Kernel&& together) {
   for (unsigned left = tile.ballot(mine); left != 0; left &= left - 1) together(__shfl_sync(tile.mask, i, __ffs(static_cast<int>(left)) - 1));
 }
 /// For a stage over n bodies that takes a warp for as many of them as it has lanes.
 inline int warpsFor(int n) { return (n + kWarp - 1) / kWarp; }
 
-/// SortEntries for 32 bodies: a lane each where entries are few, else all lanes for one after another. Hubs are listed: these are sorted by a block each.
+/// SortIncidences for 32 bodies: a lane each where incidences are few, else all lanes for one after another. Hubs are listed: these are sorted by a block each.
 struct SortEntriesByWarp {
-  static constexpr const char* kName = SortEntries::kName;
+  static constexpr const char* kStage = SortIncidences::kStage;
   static constexpr int kWidth = kWarp, kFew = 8;
   HeavyList hubs;
-  __device__ void operator()(const View& s, int warp, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int warp, const Tile<kWidth>& tile) const {
     const int i = warp * kWarp + tile.lane, count = i < s.bodies ? degreeOf(s, i) : 0;
     if (count > kHubEntries) hubs.add(i);
-    if (count <= kFew && i < s.bodies) SortEntries{}(s, i);
-    forEachOfWarp(tile, count > kFew && count <= kHubEntries, i, [&](int body) { sortByRank(s.entry + s.entryOffset[body], degreeOf(s, body), tile); });
+    if (count <= kFew && i < s.bodies) SortIncidences{}(s, i);
+    forEachOfWarp(tile, count > kFew && count <= kHubEntries, i, [&](int body) { sortByRank(s.incidence + s.incidenceOffset[body], degreeOf(s, body), tile); });
   }
 
  private:
-  /// Every lane finds the places of its entries by the number of those before them.
-  __device__ static void sortByRank(Entry* first, int count, const Tile<kWidth>& tile) {
+  /// Every lane finds the places of its incidences by the number of those before them.
+  __device__ static void sortByRank(Incidence* first, int count, const Tile<kWidth>& tile) {
     constexpr int kTurns = kHubEntries / kWarp;
-    Entry own[kTurns] = {};
+    Incidence own[kTurns] = {};
     int place[kTurns] = {};
 #pragma unroll
     for (int t = 0; t < kTurns; ++t)
@@ -79,21 +79,21 @@ struct SortEntriesByWarp {
   }
 };
 inline constexpr int kSortThreads = 512;
-static __global__ void __launch_bounds__(kSortThreads) sortHubs(const __grid_constant__ View s, HeavyList hubs, Gate gate) {
+static __global__ void __launch_bounds__(kSortThreads) sortHubs(const __grid_constant__ SolverData s, HeavyList hubs, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   for (int h = static_cast<int>(blockIdx.x); h < *hubs.count; h += static_cast<int>(gridDim.x)) {
     const int body = hubs.element[h];
-    sortTogether(s.entry + s.entryOffset[body], degreeOf(s, body), static_cast<int>(threadIdx.x), kSortThreads,
-                 [](const Entry& a, const Entry& b) { return a.code < b.code; }, [] { __syncthreads(); });
+    sortTogether(s.incidence + s.incidenceOffset[body], degreeOf(s, body), static_cast<int>(threadIdx.x), kSortThreads,
+                 [](const Incidence& a, const Incidence& b) { return a.code < b.code; }, [] { __syncthreads(); });
   }
 }
 
 /// leavesColor() by a warp.
-__device__ inline bool leavesColorTogether(const View& s, int i, bool mayGoDown, const Tile<kWarp>& tile, int& next) {
+__device__ inline bool leavesColorTogether(const SolverData& s, int i, bool mayGoDown, const Tile<kWarp>& tile, int& next) {
   const auto neighbors = [&](auto&& visit) {
-    for (int k = s.entryOffset[i] + tile.lane; k < s.entryOffset[i + 1]; k += kWarp)
-      if (s.entry[k].other >= 0) visit(s.entry[k].other);
+    for (int k = s.incidenceOffset[i] + tile.lane; k < s.incidenceOffset[i + 1]; k += kWarp)
+      if (s.incidence[k].other >= 0) visit(s.incidence[k].other);
   };
   const auto join = [&](std::uint64_t taken) {
     const unsigned low = __reduce_or_sync(tile.mask, static_cast<unsigned>(taken)), high = __reduce_or_sync(tile.mask, static_cast<unsigned>(taken >> 32));
@@ -107,9 +107,9 @@ __device__ inline bool leavesColorTogether(const View& s, int i, bool mayGoDown,
 
 /// FindClashes for 32 bodies: a lane each, and hubs by all lanes.
 struct FindClashesByWarp {
-  static constexpr const char* kName = FindClashes::kName;
+  static constexpr const char* kStage = FindClashes::kStage;
   static constexpr int kWidth = kWarp;
-  __device__ void operator()(const View& s, int warp, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int warp, const Tile<kWidth>& tile) const {
     const int i = warp * kWarp + tile.lane;
     const bool on = i < s.bodies && isDynamic(s, i), hub = on && isHub(s, i);
     if (on && !hub) FindClashes{}(s, i);
@@ -126,7 +126,7 @@ struct FindClashesByWarp {
 template <>
 struct InBatches<ProposeColors> {
   ProposeColors kernel;
-  __device__ void operator()(const View& s, int batch, int count, const Tile<kWarp>& tile) const {
+  __device__ void operator()(const SolverData& s, int batch, int count, const Tile<kWarp>& tile) const {
     const int k = batch * kWarp + tile.lane, i = k < count ? s.clashing[k] : -1;
     const bool hub = i >= 0 && i < kVertexNode && isHub(s, i);
     if (i >= 0 && !hub) kernel(s, k);

@@ -64,7 +64,7 @@ __device__ inline void lack(Control* control, int operation, int lacking, int ne
 
 /// kernel(s, i) for all i of [begin, begin + count), whatever the size of the grid. The lanes of a tile go along together.
 template <class Kernel>
-__device__ void runStrided(const View& s, const Kernel& kernel, int begin, int count) {
+__device__ void runStrided(const SolverData& s, const Kernel& kernel, int begin, int count) {
   constexpr unsigned kWidth = widthOf<Kernel>();
   static_assert(kThreads % kWidth == 0);
   const int stride = static_cast<int>(gridDim.x * blockDim.x / kWidth);
@@ -73,7 +73,7 @@ __device__ void runStrided(const View& s, const Kernel& kernel, int begin, int c
 
 /// kernel(s, i) for all i < n.
 template <class Kernel>
-__global__ void __launch_bounds__(kThreads) runKernel(const __grid_constant__ View s, const Kernel kernel, Count n, Gate gate) {
+__global__ void __launch_bounds__(kThreads) runKernel(const __grid_constant__ SolverData s, const Kernel kernel, Count n, Gate gate) {
   gate.enter([&] { runStrided(s, kernel, 0, n.get()); });
 }
 
@@ -81,14 +81,14 @@ __global__ void __launch_bounds__(kThreads) runKernel(const __grid_constant__ Vi
 template <class Kernel>
 concept Limited = requires { Kernel::kBlocks; };
 template <Limited Kernel>
-__global__ void __launch_bounds__(kThreads, Kernel::kBlocks) runLimited(const __grid_constant__ View s, const Kernel kernel, Count n, Gate gate) {
+__global__ void __launch_bounds__(kThreads, Kernel::kBlocks) runLimited(const __grid_constant__ SolverData s, const Kernel kernel, Count n, Gate gate) {
   gate.enter([&] { runStrided(s, kernel, 0, n.get()); });
 }
 
 /// kernel(s, i) for offsets[range] <= i < offsets[range + 1].
 template <class Kernel>
 __global__ void __launch_bounds__(kThreads, 6)
-    runRange(const __grid_constant__ View s, const Kernel kernel, const int* offsets, int range, Gate gate) {
+    runRange(const __grid_constant__ SolverData s, const Kernel kernel, const int* offsets, int range, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   runStrided(s, kernel, offsets[range], offsets[range + 1] - offsets[range]);
@@ -97,14 +97,14 @@ __global__ void __launch_bounds__(kThreads, 6)
 struct FillArray {
   int* array;
   int value;
-  __device__ void operator()(const View&, int i) const { array[i] = value; }
+  __device__ void operator()(const SolverData&, int i) const { array[i] = value; }
 };
 
 /// 0 to modulo - 1, again and again.
 struct WriteIndices {
   int* array;
   int modulo;
-  __device__ void operator()(const View&, int i) const { array[i] = i % modulo; }
+  __device__ void operator()(const SolverData&, int i) const { array[i] = i % modulo; }
 };
 
 /// Of key k: its first place among `count` sorted keys. Keys are compared as unsigned numbers, so that negative ones are the last.
@@ -112,7 +112,7 @@ struct FindFirst {
   const int* sorted;
   int count;
   int* offsets;
-  __device__ void operator()(const View&, int k) const {
+  __device__ void operator()(const SolverData&, int k) const {
     int low = 0, high = count;
     while (low < high) {
       const int middle = low + (high - low) / 2;
@@ -162,7 +162,7 @@ static __global__ void requireRoom(Control* control, const int* count, Room room
 template <class Kernel>
 struct InBatches {
   Kernel kernel;
-  __device__ void operator()(const View& s, int batch, int count, const Tile<kWarp>& tile) const {
+  __device__ void operator()(const SolverData& s, int batch, int count, const Tile<kWarp>& tile) const {
     if (const int k = batch * kWarp + tile.lane; k < count) kernel(s, k);
   }
 };
@@ -172,7 +172,7 @@ struct InBatches {
 inline constexpr int kRoundThreads = 256;
 template <class Take, class Propose>
 __global__ void __launch_bounds__(kRoundThreads)
-    runRounds(const __grid_constant__ View s, Take take, InBatches<Propose> propose, const int* count, int* left, int* rounds, int maxRounds, Gate gate) {
+    runRounds(const __grid_constant__ SolverData s, Take take, InBatches<Propose> propose, const int* count, int* left, int* rounds, int maxRounds, Gate gate) {
   if (gate.closed()) return;
   const auto grid = cooperative_groups::this_grid();
   const int n = *count, first = static_cast<int>(grid.thread_rank()), stride = static_cast<int>(grid.size());

@@ -6,7 +6,7 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-bool kept(Life life) { return life == Life::Authored || life == Life::State; }
+bool kept(Lifetime life) { return life == Lifetime::Authored || life == Lifetime::State; }
 
 /// Arrays with one element a body, which an edit of that body writes. Offsets into other arrays are not among them.
 template <class T>
@@ -73,7 +73,7 @@ void Mirror::forgetContacts(int slot) {
 }
 
 int Mirror::liveCount(Per per) const {
-  const View& s = host_.view();
+  const SolverData& s = host_.view();
   if (const int type = jointTypeOf(per); type >= 0) return s.joints[type];
   if (per >= Per::FirstElement) return static_cast<int>(elementCount(s, per));
   switch (per) {
@@ -81,8 +81,8 @@ int Mirror::liveCount(Per per) const {
       return s.bodies;
     case Per::Pair:
       return allDirty_ ? s.oldPairOffset[s.bodies] : s.counters->pairs;
-    case Per::NearPair:
-      return s.counters->nearPairs;
+    case Per::ActivePair:
+      return s.counters->activePairs;
     case Per::Manifold:
       return s.counters->manifolds;
     case Per::Plane:
@@ -115,18 +115,18 @@ int Mirror::liveCount(Per per) const {
       return s.clusterBegin[kClusterLevels];
     case Per::ClusterRef:
       return s.clusterRefs;
-    case Per::Lump:
-      return s.lumps;
-    case Per::Line:
-      return s.lines;
-    case Per::LineVertex:
-      return s.lineVertices;
+    case Per::SoftNode:
+      return s.softNodes;
+    case Per::Strand:
+      return s.strands;
+    case Per::StrandVertex:
+      return s.strandVertices;
     case Per::Attachment:
       return s.attachments;
     case Per::TreeNode:
       return treeNodes(s);
-    case Per::TreeSource:
-      return s.treeSources;
+    case Per::TreeChild:
+      return s.treeChildren;
     case Per::PointPair:
       return allDirty_ ? s.oldPointPairOffset[s.owners()] : s.counters->pointPairs;
     default:
@@ -145,12 +145,12 @@ void Mirror::reserveDevice() {
 void Mirror::flush() {
   reserveDevice();
   // as many old rows as old manifolds, also in the first step with such materials
-  if (host_.view().rolls) stepper_.tables().reserve(Per::Rolling, stepper_.tables().capacity(Per::NearPair));
+  if (host_.view().rolls) stepper_.tables().reserve(Per::Rolling, stepper_.tables().capacity(Per::ActivePair));
   if (allDirty_) {
     sendAll();
     return;
   }
-  const View& device = stepper_.tables().view();
+  const SolverData& device = stepper_.tables().view();
   if (addedFrom_ >= 0) {
     startPairOffsets(stepper_.stream(), device, addedFrom_, host_.view().bodies);
     const int owners = host_.view().owners();
@@ -163,12 +163,12 @@ void Mirror::flush() {
 
 void Mirror::sendAll() {
   stepper_.tables().reserve(Per::Pair, liveCount(Per::Pair));
-  stepper_.tables().reserve(Per::NearPair, liveCount(Per::NearPair));
+  stepper_.tables().reserve(Per::ActivePair, liveCount(Per::ActivePair));
   stepper_.tables().reserve(Per::Manifold, liveCount(Per::Manifold));
   stepper_.tables().reserve(Per::PointPair, liveCount(Per::PointPair));
   stepper_.tables().reserve(Per::Rolling, liveCount(Per::Rolling));
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (!kept(array.life) && array.life != Life::Derived) return;
+    if (!kept(array.life) && array.life != Lifetime::Derived) return;
     const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(liveCount(array.per) + array.extra);
     checkCuda(cudaMemcpyAsync(stepper_.tables().view().*array.member, host_.view().*array.member, bytes, cudaMemcpyHostToDevice,
                               stepper_.stream()),
@@ -184,7 +184,7 @@ void Mirror::sendAll() {
 
 /// Forces end with the next step: remembers who has one.
 void Mirror::noteForces() {
-  const View& s = host_.view();
+  const SolverData& s = host_.view();
   const Vec3 none{0, 0, 0};
   for (int i = 0; i < s.bodies; ++i)
     if (s.force[i] != none || s.torque[i] != none) mark(i, kPushed);
@@ -193,7 +193,7 @@ void Mirror::noteForces() {
 /// Authored arrays that are not edited element by element: planes, exclusions and their offsets; and what is derived.
 void Mirror::sendLists() {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (array.life != Life::Derived && (array.life != Life::Authored || perBody(array))) return;
+    if (array.life != Lifetime::Derived && (array.life != Lifetime::Authored || perBody(array))) return;
     const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(liveCount(array.per) + array.extra);
     checkCuda(cudaMemcpyAsync(stepper_.tables().view().*array.member, host_.view().*array.member, bytes, cudaMemcpyHostToDevice,
                               stepper_.stream()),
@@ -204,7 +204,7 @@ void Mirror::sendLists() {
 
 /// One upload for all that was edited element by element, and one kernel for each kind of edit.
 void Mirror::sendEdits() {
-  const View& device = stepper_.tables().view();
+  const SolverData& device = stepper_.tables().view();
   const cudaStream_t stream = stepper_.stream();
   Packet packet(host_.view(), device);
   const std::vector<int> bodies = slotsWith(kBody), states = slotsWith(kState), forces = slotsWith(kForce);
@@ -220,8 +220,8 @@ void Mirror::sendEdits() {
   }
   if (!forces.empty()) {
     packet.setSlots(forces);
-    packet.add(&View::force);
-    packet.add(&View::torque);
+    packet.add(&SolverData::force);
+    packet.add(&SolverData::torque);
   }
   const auto inOrder = [](std::vector<int>& slots) {
     std::sort(slots.begin(), slots.end());
@@ -236,8 +236,8 @@ void Mirror::sendEdits() {
       packet.setSlots(slots);
       packet.add(array);
     };
-    send(joints_[kType], static_cast<Joint<F>* View::*>(&JointTable<F>::joint));
-    send(specs_[kType], static_cast<JointSpec<F>* View::*>(&JointTable<F>::spec));
+    send(joints_[kType], static_cast<Joint<F>* SolverData::*>(&JointTable<F>::joint));
+    send(specs_[kType], static_cast<JointSpec<F>* SolverData::*>(&JointTable<F>::spec));
   });
   // a body that was set afterwards has the velocity that it was given
   std::size_t kept = 0;

@@ -124,7 +124,7 @@ class Mirror {
 /// The arrays that BodyState is made of, and what follows from it.
 template <class F>
 void forEachMotionArray(F&& f) {
-  f(&View::position), f(&View::orientation), f(&View::velocity), f(&View::spin), f(&View::previousVelocity), f(&View::asleep), f(&View::stillTime);
+  f(&SolverData::position), f(&SolverData::orientation), f(&SolverData::velocity), f(&SolverData::angularVelocity), f(&SolverData::previousVelocity), f(&SolverData::asleep), f(&SolverData::stillTime);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -10,7 +10,7 @@
 namespace rubble::RUBBLE_CORE {
 
 void Mirror::stepped(const Counters& counters) {
-  View& s = host_.view();
+  SolverData& s = host_.view();
   *s.counters = counters;
   for (const int slot : touched_) {
     if (bits_[static_cast<std::size_t>(slot)] & kPushed) s.force[slot] = s.torque[slot] = {0, 0, 0};
@@ -27,7 +27,7 @@ void Mirror::endForces() {
   const auto end = [&](Vec3* forces, int count) {
     checkCuda(cudaMemsetAsync(forces, 0, sizeof(Vec3) * static_cast<std::size_t>(count), stepper_.stream()), "cudaMemsetAsync of forces");
   };
-  const View& device = stepper_.tables().view();
+  const SolverData& device = stepper_.tables().view();
   end(device.force, host_.view().bodies), end(device.torque, host_.view().bodies), end(device.vertexForce, host_.view().vertices);
 }
 
@@ -41,7 +41,7 @@ void Mirror::download(const ArrayInfo<T>& array, int count) {
 
 void Mirror::fetchStates() {
   flush();
-  forEachMotionArray([&]<class T>(T* View::*array) { download(ArrayInfo<T>{array, "", "", Per::Body, Life::State}, host_.view().bodies); });
+  forEachMotionArray([&]<class T>(T* SolverData::*array) { download(ArrayInfo<T>{array, "", "", Per::Body, Lifetime::State}, host_.view().bodies); });
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
   statesOld_ = false;
 }
@@ -56,7 +56,7 @@ void Mirror::fetchState(int slot) {
     fetchStates();
     return;
   }
-  forEachMotionArray([&]<class T>(T* View::*array) {
+  forEachMotionArray([&]<class T>(T* SolverData::*array) {
     checkCuda(cudaMemcpyAsync(host_.view().*array + slot, stepper_.tables().view().*array + slot, sizeof(T), cudaMemcpyDeviceToHost,
                               stepper_.stream()),
               "cudaMemcpyAsync of a body");
@@ -69,12 +69,12 @@ void Mirror::fetchAll() {
   if (!statesOld_ && !restOld_) return;
   flush();
   host_.reserve(Per::Pair, liveCount(Per::Pair));
-  host_.reserve(Per::NearPair, liveCount(Per::NearPair));
+  host_.reserve(Per::ActivePair, liveCount(Per::ActivePair));
   host_.reserve(Per::Manifold, liveCount(Per::Manifold));
   host_.reserve(Per::PointPair, liveCount(Per::PointPair));
   host_.reserve(Per::Rolling, liveCount(Per::Rolling));
   forEachArray([&](const auto& array) {
-    if (array.life == Life::State) download(array, liveCount(array.per) + array.extra);
+    if (array.life == Lifetime::State) download(array, liveCount(array.per) + array.extra);
   });
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
   statesOld_ = restOld_ = false;
@@ -82,7 +82,7 @@ void Mirror::fetchAll() {
 }
 
 void Mirror::bodiesSorted() {
-  View& s = host_.view();
+  SolverData& s = host_.view();
   // forces of the host lie on the device, where their bodies are now
   for (const int slot : touched_) {
     forcesOnDevice_ |= (bits_[static_cast<std::size_t>(slot)] & kPushed) != 0;
@@ -91,7 +91,7 @@ void Mirror::bodiesSorted() {
   }
   touched_.clear();
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (array.life == Life::Authored && (followsBodies(array) || array.per == Per::Plane || jointTypeOf(array.per) >= 0))
+    if (array.life == Lifetime::Authored && (followsBodies(array) || array.per == Per::Plane || jointTypeOf(array.per) >= 0))
       download(array, liveCount(array.per));
   });
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
@@ -103,7 +103,7 @@ void Mirror::bodiesSorted() {
 
 ArrayView Mirror::array(StateArray which) {
   flush();
-  const View& device = stepper_.tables().view();
+  const SolverData& device = stepper_.tables().view();
   const int bodies = host_.view().bodies;
   ArrayView view = host_.view().ordered ? byId_.view(which, device, bodies, gather())
                             : withStateArray(which, [&](auto member) { return rowsOf(device.*member, bodies); });
@@ -132,7 +132,7 @@ void Mirror::addVelocity(int slot, const rubble::Vec3& change) {
 void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {
   flush();
   const cudaStream_t stream = stepper_.stream();
-  const View& device = stepper_.tables().view();
+  const SolverData& device = stepper_.tables().view();
   const int count = static_cast<int>(rows.shape[0]);
   if (values.device) {
     // behind the caller's work, and before what the caller enqueues next
@@ -171,7 +171,7 @@ void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& v
 
 std::shared_ptr<const DeviceSnapshot> Mirror::snapshot(double previousDt) {
   flush();
-  const SnapshotSizes sizes = sizesOf(host_, liveCount(Per::Pair), liveCount(Per::NearPair), liveCount(Per::Manifold));
+  const SnapshotSizes sizes = sizesOf(host_, liveCount(Per::Pair), liveCount(Per::ActivePair), liveCount(Per::Manifold));
   if (!authored_) authored_ = copyAuthored(host_, sizes);
   auto out = std::make_shared<DeviceSnapshot>(sizes, stepper_.tables().view(), authored_, stepper_.stream());
   out->counters = *host_.view().counters;
@@ -182,16 +182,16 @@ std::shared_ptr<const DeviceSnapshot> Mirror::snapshot(double previousDt) {
 }
 
 void Mirror::restore(const DeviceSnapshot& snapshot) {
-  View& s = host_.view();
+  SolverData& s = host_.view();
   for (const int slot : touched_) s.force[slot] = s.torque[slot] = {0, 0, 0};
   const bool sameAuthored = authored_ == snapshot.authored;
   adopt(host_, snapshot.sizes);
   if (!sameAuthored) putAuthored(host_, snapshot.sizes, *snapshot.authored);
   reserveDevice();
   stepper_.tables().reserve(Per::Pair, snapshot.sizes.pairs);
-  stepper_.tables().reserve(Per::NearPair, snapshot.sizes.nearPairs);
+  stepper_.tables().reserve(Per::ActivePair, snapshot.sizes.activePairs);
   stepper_.tables().reserve(Per::Manifold, snapshot.sizes.manifolds);
-  stepper_.tables().reserve(Per::Rolling, snapshot.sizes.traits[BodyTrait::Rolls] > 0 ? std::max(snapshot.sizes.nearPairs, snapshot.sizes.rollers) : 0);
+  stepper_.tables().reserve(Per::Rolling, snapshot.sizes.traits[BodyTrait::Rolls] > 0 ? std::max(snapshot.sizes.activePairs, snapshot.sizes.rollers) : 0);
   snapshot.put(stepper_.tables().view(), stepper_.stream());
   allWritten();
   authored_ = snapshot.authored;

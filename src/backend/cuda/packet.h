@@ -10,7 +10,7 @@ namespace rubble::RUBBLE_CORE {
 
 class Packet {
  public:
-  Packet(const View& host, const View& device) : host_(host), device_(device) {}
+  Packet(const SolverData& host, const SolverData& device) : host_(host), device_(device) {}
 
   /// From here on, elements of these slots, which must live until the packet is sent.
   void setSlots(const std::vector<int>& slots) {
@@ -19,7 +19,7 @@ class Packet {
   }
   /// The elements of an array at the slots.
   template <class T>
-  void add(T* View::*array) {
+  void add(T* SolverData::*array) {
     static_assert(sizeof(T) % sizeof(int) == 0 && alignof(T) <= kAlign);
     const int count = static_cast<int>(slots_->size());
     elements_.push_back({host_.*array, device_.*array, slots_, slotsAt_, reserve(slots_->size() * sizeof(T)), sizeof(T), count});
@@ -69,8 +69,8 @@ class Packet {
     return at;
   }
 
-  const View& host_;
-  const View& device_;
+  const SolverData& host_;
+  const SolverData& device_;
   const std::vector<int>* slots_ = nullptr;
   std::size_t slotsAt_ = 0, bytes_ = 0;
   std::vector<Elements> elements_;

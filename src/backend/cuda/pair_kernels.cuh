@@ -6,8 +6,8 @@
 namespace rubble::RUBBLE_CORE {
 
 struct ComputeBoundsByWarp {
-  static constexpr const char* kName = ComputeBounds::kName;
-  __device__ void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = ComputeBounds::kStage;
+  __device__ void operator()(const SolverData& s, int i) const {
     if (!ComputeBounds::place(s, i)) return;
     const Bounds& b = s.bounds[i];
     const unsigned peers = __match_any_sync(__activemask(), b.level);
@@ -34,25 +34,25 @@ inline constexpr int kSearchLanes = 2, kMostSearchLanes = 8;
 
 template <int kTile>
 struct FindNeighborsByTile {
-  static constexpr const char* kName = FindNeighbors::kName;
+  static constexpr const char* kStage = FindNeighbors::kStage;
   static constexpr int kWidth = kTile;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const { FindNeighbors{}(s, i, tile.lane, kWidth); }
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const { FindNeighbors{}(s, i, tile.lane, kWidth); }
 };
 
 template <int kTile>
 struct FindLateStopsByTile {
-  static constexpr const char* kName = FindLateStops::kName;
+  static constexpr const char* kStage = FindLateStops::kStage;
   static constexpr int kWidth = kTile;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     FindLateStops{}(s, i, tile.lane, kWidth);
   }
 };
 
 /// A lane a neighbour, where no body has parts.
 struct FindPairsByTile {
-  static constexpr const char* kName = FindPairs<false>::kName;
+  static constexpr const char* kStage = FindPairs<false>::kStage;
   static constexpr int kWidth = kMostSearchLanes;
-  __device__ void operator()(const View& s, int i, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const int near = s.pairCount[i];
     if (collidesWithAll(s, i)) return;
     int* const slots = s.pairSlot + i * kPairSlots;
@@ -106,9 +106,9 @@ class WarpCounter {
 
 /// WritePairs for 32 bodies, where none has parts.
 struct WritePairsByWarp {
-  static constexpr const char* kName = WritePairs<false>::kName;
+  static constexpr const char* kStage = WritePairs<false>::kStage;
   static constexpr int kWidth = kWarp;
-  __device__ void operator()(const View& s, int warp, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int warp, const Tile<kWidth>& tile) const {
     const int i = warp * kWarp + tile.lane;
     const bool on = i < s.bodies, many = on && s.pairOffset[i + 1] - s.pairOffset[i] > kPairSlots;
     if (on && !many) WritePairs<false>{}(s, i);

@@ -8,10 +8,10 @@ namespace rubble::RUBBLE_CORE {
 inline constexpr int kSearchWidth = 8;
 
 struct FindDentingBodiesByTile {
-  static constexpr const char* kName = FindDentingBodies::kName;
+  static constexpr const char* kStage = FindDentingBodies::kStage;
   static constexpr int kWidth = kSearchWidth;
-  __device__ void operator()(const View& s, int body, const Tile<kWidth>& tile) const {
-    const bool near = tile.ballot(FindDentingBodies::isNear(s, body, tile.lane, kWidth)) != 0;
+  __device__ void operator()(const SolverData& s, int body, const Tile<kWidth>& tile) const {
+    const bool near = tile.ballot(FindDentingBodies::isActive(s, body, tile.lane, kWidth)) != 0;
     if (tile.lane == 0) s.nearSurface[body] = near ? 1 : 0;
   }
 };
@@ -21,13 +21,13 @@ struct OnDevice<FindDentingBodies> {
 };
 
 struct FindPointPairsByTile {
-  static constexpr const char* kName = FindPointPairs::kName;
+  static constexpr const char* kStage = FindPointPairs::kStage;
   static constexpr int kWidth = kSearchWidth;
   static constexpr int kBlocks = 8;
   /// What the lanes find before it is known what they have found twice.
   static constexpr int kFound = 32;
 
-  __device__ void operator()(const View& s, int owner, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int owner, const Tile<kWidth>& tile) const {
     __shared__ int counts[kThreads / kWidth], found[kThreads / kWidth][kFound];
     const int own = static_cast<int>(threadIdx.x) / kWidth;
     __syncwarp(tile.mask);
@@ -53,9 +53,9 @@ struct OnDevice<FindPointPairs> {
 
 /// In no fixed order, as that of one thread.
 struct FindNearByTile {
-  static constexpr const char* kName = FindNear::kName;
+  static constexpr const char* kStage = FindNear::kStage;
   static constexpr int kWidth = kSearchWidth;
-  __device__ void operator()(const View& s, int owner, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int owner, const Tile<kWidth>& tile) const {
     __shared__ int counts[kThreads / kWidth];
     int& count = counts[threadIdx.x / kWidth];
     __syncwarp(tile.mask);

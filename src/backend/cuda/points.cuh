@@ -19,7 +19,7 @@ __device__ inline float4 transposed(const float4& v, const PointTile& tile) {
   return upper ? make_float4(c, d, pairs.z, pairs.w) : make_float4(pairs.x, pairs.y, c, d);
 }
 
-/// Four fields one after another, at the point of this lane.
+/// Lane4 fields one after another, at the point of this lane.
 __device__ inline float4 loadFields(const Lanes& first, const PointTile& tile) {
   return transposed(reinterpret_cast<const float4*>(&first)[tile.lane], tile);
 }

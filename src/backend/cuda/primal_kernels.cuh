@@ -25,29 +25,29 @@ inline constexpr int kCrowd = 12288, kMany = 3072;
 inline constexpr int kTailBodies = kGatherThreads / kFewWidth;
 
 /// What row blocks there may be besides contacts that do not roll. What they call takes registers from all of a kernel.
-enum class RareRows { None, Any, FewJoints };
+enum class ExtraRows { None, Any, FewJoints };
 /// So few bodies do not fill the device with lanes: their joints take as long as one of them, whatever the others do. 11,000 gain by it, 35,000 lose.
 inline constexpr int kFewJointBodies = 16384;
-inline bool hasFewJoints(const View& s) { return s.hasJoints() && s.bodies <= kFewJointBodies; }
-inline RareRows rareRowsOf(const View& s) {
-  if (hasFewJoints(s)) return RareRows::FewJoints;
-  return s.hasJoints() || s.rolls || s.vertices > 0 ? RareRows::Any : RareRows::None;
+inline bool hasFewJoints(const SolverData& s) { return s.hasJoints() && s.bodies <= kFewJointBodies; }
+inline ExtraRows extraRowsOf(const SolverData& s) {
+  if (hasFewJoints(s)) return ExtraRows::FewJoints;
+  return s.hasJoints() || s.rolls || s.vertices > 0 ? ExtraRows::Any : ExtraRows::None;
 }
 
-/// Adds the joints among the entries [k, end) of a body, a lane each. Rare, and large: a call keeps its registers out of the kernels that contacts fill.
-static __device__ __noinline__ void addJointsApart(const View& s, int k, int end, int stride, Block6* sum) {
+/// Adds the joints among the incidences [k, end) of a body, a lane each. Rare, and large: a call keeps its registers out of the kernels that contacts fill.
+static __device__ __noinline__ void addJointsApart(const SolverData& s, int k, int end, int stride, Block6* sum) {
   for (; k < end; k += stride)
-    if (const std::uint32_t code = s.entry[k].code; entryType(code) != kContactType) addJoint(s, code, *sum);
+    if (const std::uint32_t code = s.incidence[k].code; constraintType(code) != kContactType) addJoint(s, code, *sum);
 }
 
-static __device__ __noinline__ void addRollingApart(const View& s, int k, int end, int stride, Block6* sum) {
-  for (; k < end && entryType(s.entry[k].code) == kContactType; k += stride) addRolling(s, s.entry[k].code, *sum);
+static __device__ __noinline__ void addRollingApart(const SolverData& s, int k, int end, int stride, Block6* sum) {
+  for (; k < end && constraintType(s.incidence[k].code) == kContactType; k += stride) addRolling(s, s.incidence[k].code, *sum);
 }
 
 /// Adds what is no contact, or rolls, among the row blocks of a body that are this lane's, of `kWidth`. any(): does one of them say yes?
 template <int kWidth, class Any>
-__device__ void addRareRows(const View& s, int body, int lane, bool joints, Any&& any, Block6& sum) {
-  const int begin = s.entryOffset[body], end = s.entryOffset[body + 1];
+__device__ void addExtraRows(const SolverData& s, int body, int lane, bool joints, Any&& any, Block6& sum) {
+  const int begin = s.incidenceOffset[body], end = s.incidenceOffset[body + 1];
   if (s.rolls && lane % kLanes == 0) {
     Block6 rolling = sum;
     addRollingApart(s, begin + lane / kLanes, end, kWidth / kLanes, &rolling);
@@ -60,16 +60,16 @@ __device__ void addRareRows(const View& s, int body, int lane, bool joints, Any&
 }
 
 /// Is there something else than contacts among the row blocks of a body, or does it roll? Entries are sorted by type, contacts first.
-__device__ inline bool hasRareRows(const View& s, int body) {
-  const int end = s.entryOffset[body + 1];
-  return end > s.entryOffset[body] && (s.rolls || entryType(s.entry[end - 1].code) != kContactType);
+__device__ inline bool hasExtraRows(const SolverData& s, int body) {
+  const int end = s.incidenceOffset[body + 1];
+  return end > s.incidenceOffset[body] && (s.rolls || constraintType(s.incidence[end - 1].code) != kContactType);
 }
 /// Adds these as far as they are this lane's, of `width`: joints begin side by side. Apart as above.
-static __device__ __noinline__ void addRareRowsAlike(const View& s, int body, int lane, int width, Block6* sum) {
-  const int begin = s.entryOffset[body], end = s.entryOffset[body + 1];
+static __device__ __noinline__ void addExtraRowsUniform(const SolverData& s, int body, int lane, int width, Block6* sum) {
+  const int begin = s.incidenceOffset[body], end = s.incidenceOffset[body + 1];
   for (int k = end - 1 - lane; k >= begin; k -= width) {
-    const std::uint32_t code = s.entry[k].code;
-    if (entryType(code) == kContactType) break;
+    const std::uint32_t code = s.incidence[k].code;
+    if (constraintType(code) == kContactType) break;
     addJointAlike(s, code, *sum);
   }
   if (s.rolls) addRollingApart(s, begin + lane, end, width, sum);
@@ -102,10 +102,10 @@ __device__ inline void passBy(int barrier) {
 
 /// Solves `count` bodies of one colour, which share no rows: `shares` blocks that call it together. Begins before the colour before is done, as far as
 /// no sweep writes what it reads. Ends with all threads at a barrier.
-template <int kWidth, RareRows rare>
-__device__ void solveBodies(const View& s, const int* bodies, int count, int share, int shares, SolveMemory& memory) {
+template <int kWidth, ExtraRows rare>
+__device__ void solveBodies(const SolverData& s, const int* bodies, int count, int share, int shares, SolveMemory& memory) {
   // where bodies are few, and time is that of the longest, a few lanes a body of those that solve add its other rows while contacts are gathered
-  constexpr bool few = rare == RareRows::FewJoints, apart = few && kWidth == kFewWidth;
+  constexpr bool few = rare == ExtraRows::FewJoints, apart = few && kWidth == kFewWidth;
   constexpr int kBodies = kGatherThreads / kWidth;
   static_assert(kBodies * (apart ? kWidth / kLanes : 1) <= kSolvers);
   const int thread = static_cast<int>(threadIdx.x), first = share * kBodies, stride = shares * kBodies;
@@ -120,14 +120,14 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, int sha
     for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = nextBuffer(buffer)) {
       Block6 own;
       const bool others = stream.gather(own);
-      if constexpr (rare != RareRows::None && !apart)
+      if constexpr (rare != ExtraRows::None && !apart)
         if (const int k = first + batch * stride + slot; (s.rolls || tile.ballot(others) != 0) && k < count) {
           if constexpr (few) {
             Block6 sum = own;
-            addRareRowsAlike(s, bodies[k], tile.lane, kWidth, &sum);
+            addExtraRowsUniform(s, bodies[k], tile.lane, kWidth, &sum);
             own = sum;
           } else {
-            addRareRows<kWidth>(s, bodies[k], tile.lane, others, [&](bool yes) { return tile.ballot(yes) != 0; }, own);
+            addExtraRows<kWidth>(s, bodies[k], tile.lane, others, [&](bool yes) { return tile.ballot(yes) != 0; }, own);
           }
         }
       Real mine[kRealsPerLane<kWidth>];
@@ -150,9 +150,9 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, int sha
       Pose x;
       if (on) x = startBlock(s, body, block);
       if constexpr (apart)
-        if (mine && hasRareRows(s, body)) {
+        if (mine && hasExtraRows(s, body)) {
           Block6 own;
-          addRareRowsAlike(s, body, tile.lane, kShare, &own);
+          addExtraRowsUniform(s, body, tile.lane, kShare, &own);
           block += sumOf(tile, own);
         }
       waitAt(kFull + buffer);
@@ -169,29 +169,29 @@ __device__ void solveBodies(const View& s, const int* bodies, int count, int sha
 }
 
 /// Forces and Hessians of the row blocks of a hub that are this thread's, of a block.
-template <RareRows rare>
-__device__ Block6 gatherHub(const View& s, int body, int thread) {
-  const int end = s.entryOffset[body + 1], point = thread % kLanes;
-  int k = s.entryOffset[body] + thread / kLanes;
-  const Displacement own = s.moved[body];
+template <ExtraRows rare>
+__device__ Block6 gatherHub(const SolverData& s, int body, int thread) {
+  const int end = s.incidenceOffset[body + 1], point = thread % kLanes;
+  int k = s.incidenceOffset[body] + thread / kLanes;
+  const Displacement own = s.dx[body];
   Block6 sum;
-  // entries are sorted by type, contacts first
+  // incidences are sorted by type, contacts first
   for (; k < end; k += kSolveThreads / kLanes) {
-    const Entry entry = s.entry[k];
-    if (entryType(entry.code) != kContactType) break;
-    const ContactRows& r = s.contact[entryIndex(entry.code)];
-    const bool onA = entrySide(entry.code) == 0;
-    const Displacement other = s.moved[onA ? r.b : r.a];
-    stampContact<Real>(s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
+    const Incidence incidence = s.incidence[k];
+    if (constraintType(incidence.code) != kContactType) break;
+    const ContactRows& r = s.contact[constraintIndex(incidence.code)];
+    const bool onA = constraintSide(incidence.code) == 0;
+    const Displacement other = s.dx[onA ? r.b : r.a];
+    accumulateContact<Real>(s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
   }
-  if constexpr (rare != RareRows::None)
-    addRareRows<kSolveThreads>(s, body, thread, k < end, [](bool yes) { return __syncthreads_or(yes) != 0; }, sum);
+  if constexpr (rare != ExtraRows::None)
+    addExtraRows<kSolveThreads>(s, body, thread, k < end, [](bool yes) { return __syncthreads_or(yes) != 0; }, sum);
   return sum;
 }
 
 /// A hub by all threads of a block.
-template <RareRows rare>
-static __device__ __noinline__ void solveHub(const View& s, int body, Real (&warpSums)[kSolveThreads / kWarp][kWarp]) {
+template <ExtraRows rare>
+static __device__ __noinline__ void solveHub(const SolverData& s, int body, Real (&warpSums)[kSolveThreads / kWarp][kWarp]) {
   const Tile<kWarp> tile = Tile<kWarp>::ofThread();
   const int thread = static_cast<int>(threadIdx.x), warp = thread / kWarp;
   const Block6 own = gatherHub<rare>(s, body, thread);
@@ -214,16 +214,16 @@ static __device__ __noinline__ void solveHub(const View& s, int body, Real (&war
 }
 
 /// The hubs of a colour: `shares` blocks share them out.
-template <RareRows rare>
-__device__ void solveHubs(const View& s, int color, const HeavyList& hubs, int share, int shares, SolveMemory& memory) {
+template <ExtraRows rare>
+__device__ void solveHubs(const SolverData& s, int color, const HeavyList& hubs, int share, int shares, SolveMemory& memory) {
   for (int h = share; h < *hubs.count; h += shares)
     if (const int body = hubs.element[h]; s.color[body] == color && isSwept(s, body)) solveHub<rare>(s, body, memory.warpSums);
 }
 
-template <RareRows rare>
-__device__ void solveColorTogether(const View& s, int color, int share, int shares, SolveMemory& memory) {
+template <ExtraRows rare>
+__device__ void solveColorTogether(const SolverData& s, int color, int share, int shares, SolveMemory& memory) {
   const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
-  if (rare != RareRows::FewJoints && count > kCrowd)
+  if (rare != ExtraRows::FewJoints && count > kCrowd)
     solveBodies<kCrowdWidth, rare>(s, s.colorBody + begin, count, share, shares, memory);
   else if (count > kMany)
     solveBodies<kManyWidth, rare>(s, s.colorBody + begin, count, share, shares, memory);
@@ -243,14 +243,14 @@ inline constexpr int kTailVertices = kSolveThreads / kVertexFewWidth;
 template <int kWidth, bool ahead>
 class VertexByTile {
  public:
-  __device__ explicit VertexByTile(const View& s) : s_(s) {}
+  __device__ explicit VertexByTile(const SolverData& s) : s_(s) {}
 
   /// Reads nothing that sweeps write.
   __device__ void begin(int v) {
     v_ = v;
     corners_ = {s_.tetraCornerOffset[v] + tile_.lane, s_.tetraCornerOffset[v + 1]};
     refs_ = {s_.refOffset[v] + tile_.lane, s_.refOffset[v + 1]};
-    contacts_ = {s_.pointEntryOffset[v] + tile_.lane, s_.pointEntryOffset[v + 1]};
+    contacts_ = {s_.pointIncidenceOffset[v] + tile_.lane, s_.pointIncidenceOffset[v + 1]};
     if constexpr (ahead) fetchNext(corners_.begin);
   }
   __device__ void solve() {
@@ -267,7 +267,7 @@ class VertexByTile {
       }
     }
     for (int k = refs_.begin; k < refs_.end; k += kWidth) addElement(s_, s_.ref[k], block);
-    for (int k = contacts_.begin; k < contacts_.end; k += kWidth) addPointContact<!ahead>(s_, s_.pointEntry[k], block);
+    for (int k = contacts_.begin; k < contacts_.end; k += kWidth) addPointContact<!ahead>(s_, s_.pointIncidence[k], block);
     block = sumOf(tile_, block);
     if (tile_.lane == 0) finishVertexBlock(s_, v_, block);
   }
@@ -285,7 +285,7 @@ class VertexByTile {
     if (k < corners_.end) next_ = {s_.tetraCorner[k], s_.cornerStart[k]};
   }
 
-  const View& s_;
+  const SolverData& s_;
   const Tile<kWidth> tile_ = Tile<kWidth>::ofThread();
   int v_ = 0;
   Range corners_{}, refs_{}, contacts_{};
@@ -294,7 +294,7 @@ class VertexByTile {
 
 /// The vertices of one colour: all threads of a grid or of a block. Begins as solveBodies().
 template <bool ahead>
-__device__ void solveVertices(const View& s, int color, int thread, int threads) {
+__device__ void solveVertices(const SolverData& s, int color, int thread, int threads) {
   const int begin = s.vertexColorOffset[color], count = s.vertexColorOffset[color + 1] - begin;
   const auto solve = [&]<int kWidth>() {
     VertexByTile<kWidth, ahead> vertex(s);
@@ -312,13 +312,13 @@ __device__ void solveVertices(const View& s, int color, int thread, int threads)
   else if (crowd > kVertexMany) solve.template operator()<kVertexManyWidth>();
   else solve.template operator()<kVertexFewWidth>();
 }
-static __global__ void __launch_bounds__(kThreads, kVertexBlocks) solveVertexColor(const __grid_constant__ View s, int color, const Control* control) {
+static __global__ void __launch_bounds__(kThreads, kVertexBlocks) solveVertexColor(const __grid_constant__ SolverData s, int color, const Control* control) {
   if (control->stop != 0 || color >= s.counters->colors) return awaitPrevious();
   solveVertices<true>(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
 }
 
 /// Notes how many colours are worth a launch.
-__device__ inline void noteWideColors(const View& s, int colors, Control* control) {
+__device__ inline void noteWideColors(const SolverData& s, int colors, Control* control) {
   for (int c = static_cast<int>(threadIdx.x); c < colors; c += kSolveThreads)
     if (s.colorOffset[c + 1] - s.colorOffset[c] > kTailBodies ||
         (s.vertices > 0 && s.vertexColorOffset[c + 1] - s.vertexColorOffset[c] > kTailVertices))
@@ -327,9 +327,9 @@ __device__ inline void noteWideColors(const View& s, int colors, Control* contro
 
 /// The bodies and vertices of colour `first`, which share nothing. Or, without blocks for hubs: all colours from it on, one after another in one block,
 /// whatever their size. It is one kernel, so that a body has the same bits wherever it is solved.
-template <RareRows rare>
+template <ExtraRows rare>
 static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
-    solveColors(const __grid_constant__ View s, int first, HeavyList hubs, ColorBlocks blocks, Control* control) {
+    solveColors(const __grid_constant__ SolverData s, int first, HeavyList hubs, ColorBlocks blocks, Control* control) {
   __shared__ SolveMemory memory;
   if (control->stop != 0) return awaitPrevious();
   const bool tail = blocks.hubs == 0;
@@ -344,16 +344,16 @@ static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
       solveHubs<rare>(s, c, hubs, block, tail ? 1 : blocks.hubs, memory);
     }
     if (bodyBlock >= 0) solveColorTogether<rare>(s, c, bodyBlock, static_cast<int>(gridDim.x) - blocks.hubs - blocks.vertices, memory);
-    if (rare == RareRows::None || s.vertices == 0) continue;
+    if (rare == ExtraRows::None || s.vertices == 0) continue;
     if (tail || (vertexBlock >= 0 && bodyBlock < 0)) solveVertices<false>(s, c, vertexBlock * kSolveThreads + thread, max(blocks.vertices, 1) * kSolveThreads);
     __syncthreads();
   }
 }
 
 /// The one for the row blocks that there are.
-inline auto solveColorsOf(const View& s) {
-  const RareRows rare = rareRowsOf(s);
-  return rare == RareRows::None ? solveColors<RareRows::None> : rare == RareRows::Any ? solveColors<RareRows::Any> : solveColors<RareRows::FewJoints>;
+inline auto solveColorsOf(const SolverData& s) {
+  const ExtraRows rare = extraRowsOf(s);
+  return rare == ExtraRows::None ? solveColors<ExtraRows::None> : rare == ExtraRows::Any ? solveColors<ExtraRows::Any> : solveColors<ExtraRows::FewJoints>;
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,6 +1,6 @@
 #pragma once
 /// Rows on their way into shared memory while those before them are worked on. Else the sweeps wait for memory most of the time: a body's number leads
-/// to its entries, these to rows and displacements, and each of them is asked for a body or a row block ahead.
+/// to its incidences, these to rows and displacements, and each of them is asked for a body or a row block ahead.
 #include <cuda_pipeline_primitives.h>
 
 #include "backend/cuda/heavy_kernels.cuh"
@@ -51,7 +51,7 @@ class RowStream {
  public:
   static constexpr int kStride = kWidth / kLanes;
 
-  __device__ RowStream(const View& s, Staging<kQuads>& staging, const Tile<kWidth>& tile, const int* bodies, int count, int first, int stride)
+  __device__ RowStream(const SolverData& s, Staging<kQuads>& staging, const Tile<kWidth>& tile, const int* bodies, int count, int first, int stride)
       : s_(s), staging_(staging), quad_(PointTile::ofThread()), quadOfBlock_(static_cast<int>(threadIdx.x) / kLanes), offset_(tile.lane / kLanes),
         rowsPlace_(placeOf(staging.rows[0][quadOfBlock_].quad + quad_.lane)), ownPlace_(placeOf(staging.own[0][quadOfBlock_] + quad_.lane)),
         bodies_(bodies), count_(count), next_(first + 3 * stride), stride_(stride) {
@@ -62,10 +62,10 @@ class RowStream {
   /// Until here nothing is read that sweeps write.
   __device__ void start() { begin(present_, body_[0], 0); }
 
-  /// The contacts of the next body; -1 has none. Returns whether its entries go on with others than contacts.
+  /// The contacts of the next body; -1 has none. Returns whether its incidences go on with others than contacts.
   __device__ bool gather(Block6& sum) {
     // each of these is used in the next batch
-    const Entry following = entryAt(range_[1], 0);
+    const Incidence following = entryAt(range_[1], 0);
     const Range afterNext = rangeOf(body_[2]);
     const int afterThat = bodyAt(next_);
     next_ += stride_;
@@ -76,7 +76,7 @@ class RowStream {
     if (!isContact(present_)) {
       begin(following, body_[1], parity_ ^ 1);
     } else {
-      Entry ahead = entryAt(range_[0], 1);
+      Incidence ahead = entryAt(range_[0], 1);
       for (bool more = true; more; k += kStride) {
         more = isContact(ahead);
         stage_ ^= 1;
@@ -86,12 +86,12 @@ class RowStream {
         } else {
           begin(following, body_[1], parity_ ^ 1);
         }
-        const Entry entry = present_;
+        const Incidence incidence = present_;
         present_ = ahead;
-        if (more) ahead = k + 2 * kStride < end ? s_.entry[k + 2 * kStride] : noEntry();
+        if (more) ahead = k + 2 * kStride < end ? s_.incidence[k + 2 * kStride] : noEntry();
         __pipeline_wait_prior(1);
         __syncwarp(quad_.mask);
-        stamp(entry, own, staging_.rows[stage_ ^ 1][quadOfBlock_], sum);
+        accumulate(incidence, own, staging_.rows[stage_ ^ 1][quadOfBlock_], sum);
         __syncwarp(quad_.mask);
       }
     }
@@ -105,27 +105,27 @@ class RowStream {
 
  private:
   struct Range {
-    int begin, end;  ///< of the entries from that of these four lanes on
+    int begin, end;  ///< of the incidences from that of these four lanes on
   };
   /// Of no type that there is.
-  __device__ static Entry noEntry() { return {0xffffffffu, -1, 0}; }
-  __device__ static bool isContact(const Entry& e) { return entryType(e.code) == kContactType; }
+  __device__ static Incidence noEntry() { return {0xffffffffu, -1, 0}; }
+  __device__ static bool isContact(const Incidence& e) { return constraintType(e.code) == kContactType; }
   __device__ int bodyAt(int k) const { return k < count_ ? bodies_[k] : -1; }
-  __device__ Range rangeOf(int body) const { return body < 0 ? Range{0, 0} : Range{s_.entryOffset[body] + offset_, s_.entryOffset[body + 1]}; }
-  __device__ Entry entryAt(const Range& r, int turn) const {
+  __device__ Range rangeOf(int body) const { return body < 0 ? Range{0, 0} : Range{s_.incidenceOffset[body] + offset_, s_.incidenceOffset[body + 1]}; }
+  __device__ Incidence entryAt(const Range& r, int turn) const {
     const int k = r.begin + turn * kStride;
-    return k < r.end ? s_.entry[k] : noEntry();
+    return k < r.end ? s_.incidence[k] : noEntry();
   }
 
   /// Asks for the first row block of a body, and where that is.
-  __device__ void begin(const Entry& e, int body, int parity) {
+  __device__ void begin(const Incidence& e, int body, int parity) {
     if (isContact(e)) askForRows(e);
     if (body >= 0) ask<StagedRows::kMoved>(ownPlace_ + static_cast<unsigned>(parity * sizeof staging_.own[0]), &s_.moved[body]);
     __pipeline_commit();
   }
-  __device__ void askForRows(const Entry& e) {
+  __device__ void askForRows(const Incidence& e) {
     const unsigned to = rowsPlace_ + static_cast<unsigned>(stage_ * sizeof staging_.rows[0]);
-    ask<StagedRows::kRows>(to, &s_.contact[entryIndex(e.code)]);
+    ask<StagedRows::kRows>(to, &s_.contact[constraintIndex(e.code)]);
     if (e.other >= 0) ask<StagedRows::kMoved>(to + StagedRows::kRows * sizeof(float4), &s_.moved[e.other]);
   }
   /// `to`: place of this lane.
@@ -136,14 +136,14 @@ class RowStream {
   /// In shared memory.
   __device__ static unsigned placeOf(const float4* p) { return static_cast<unsigned>(__cvta_generic_to_shared(p)); }
 
-  __device__ void stamp(const Entry& e, const Displacement& own, const StagedRows& staged, Block6& sum) const {
+  __device__ void accumulate(const Incidence& e, const Displacement& own, const StagedRows& staged, Block6& sum) const {
     const ContactRows& r = staged.rows();
-    const bool onA = entrySide(e.code) == 0;
+    const bool onA = constraintSide(e.code) == 0;
     const Displacement other = e.other >= 0 ? staged.other() : s_.moved[onA ? r.b : r.a];
-    stampContact<Real>(s_.step, r, onA, onA ? own : other, onA ? other : own, quad_.lane, sum);
+    accumulateContact<Real>(s_.step, r, onA, onA ? own : other, onA ? other : own, quad_.lane, sum);
   }
 
-  const View& s_;
+  const SolverData& s_;
   Staging<kQuads>& staging_;
   const PointTile quad_;
   const int quadOfBlock_, offset_;
@@ -154,7 +154,7 @@ class RowStream {
   const int stride_;
   int body_[3];
   Range range_[2];
-  Entry present_;
+  Incidence present_;
   int stage_ = 0;   ///< where the next row block goes
   int parity_ = 0;  ///< of the batch
 };

@@ -5,7 +5,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-__device__ inline void solveColorInOrder(const View& s, int color, int thread, int threads) {
+__device__ inline void solveColorInOrder(const SolverData& s, int color, int thread, int threads) {
   const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
   for (int k = thread; k < count; k += threads) SolveBody<Real>{}(s, s.colorBody[begin + k]);
   if (s.vertices == 0) return;
@@ -13,14 +13,14 @@ __device__ inline void solveColorInOrder(const View& s, int color, int thread, i
   for (int k = thread; k < vertices; k += threads) SolveVertex{}(s, s.colorVertex[first + k]);
 }
 
-static __global__ void __launch_bounds__(kThreads) solveColorStrictly(const __grid_constant__ View s, int color, const Control* control) {
+static __global__ void __launch_bounds__(kThreads) solveColorStrictly(const __grid_constant__ SolverData s, int color, const Control* control) {
   awaitPrevious();
   if (control->stop == 0 && color < s.counters->colors)
     solveColorInOrder(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
 }
 
 /// The colours from `first` on in one block.
-static __global__ void __launch_bounds__(kThreads) solveTailStrictly(const __grid_constant__ View s, int first, const Control* control) {
+static __global__ void __launch_bounds__(kThreads) solveTailStrictly(const __grid_constant__ SolverData s, int first, const Control* control) {
   awaitPrevious();
   if (control->stop != 0) return;
   for (int c = first; c < s.counters->colors; ++c) {

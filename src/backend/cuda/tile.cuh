@@ -132,8 +132,8 @@ __device__ inline int claimTogether(int* p) {
   return __shfl_sync(here, base, first) + __popc(here & ((1u << lane) - 1));
 }
 
-/// Which kernel runs a stage on the device. One with `kWidth` lanes has operator()(View, element, Tile<kWidth>) and takes the place of a
-/// stage that has operator()(View, element); what the stage's functor holds it is made from.
+/// Which kernel runs a stage on the device. One with `kWidth` lanes has operator()(SolverData, element, Tile<kWidth>) and takes the place of a
+/// stage that has operator()(SolverData, element); what the stage's functor holds it is made from.
 template <class Kernel>
 struct OnDevice {
   using Type = Kernel;
@@ -166,7 +166,7 @@ constexpr int widthOf() {
 
 /// kernel(s, i, lane) for the element of this thread's tile.
 template <class Kernel>
-__device__ void apply(const Kernel& kernel, const View& s, int i) {
+__device__ void apply(const Kernel& kernel, const SolverData& s, int i) {
   if constexpr (Tiled<Kernel>) kernel(s, i, Tile<Kernel::kWidth>::ofThread());
   else kernel(s, i);
 }

@@ -21,15 +21,15 @@ struct BlockPlace {
 /// Eight lanes a body, a lane a point of a contact: contacts hardly fill more, and the rows of joints are found beside it.
 template <class L>
 struct AssembleTreeBodiesByTile {
-  static constexpr const char* kName = AssembleTreeBodies<L>::kName;
+  static constexpr const char* kStage = AssembleTreeBodies<L>::kStage;
   /// 72 registers: with fewer most of a block is copied to memory and back, with more it has no room beside the search.
   static constexpr int kWidth = 8, kBlocks = 7;
   explicit AssembleTreeBodiesByTile(const AssembleTreeBodies<L>&) {}
 
-  __device__ void operator()(const View& s, int n, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
     const TreeNode node = s.treeNode[n];
     // nobody asks for the blocks of small trees that rest
-    if (s.smallTrees && s.treeRests[node.tree]) return;
+    if (s.smallTrees && s.treeConverged[node.tree]) return;
     Block6 block;
     const bool still = stands(s, node);
     if (!still) addRows(s, node, tile, block);
@@ -47,19 +47,19 @@ struct AssembleTreeBodiesByTile {
   }
 
  private:
-  __device__ static void addRows(const View& s, const TreeNode& node, const Tile<kWidth>& tile, Block6& block) {
-    const int begin = s.entryOffset[node.body], end = s.entryOffset[node.body + 1], point = tile.lane % kLanes;
+  __device__ static void addRows(const SolverData& s, const TreeNode& node, const Tile<kWidth>& tile, Block6& block) {
+    const int begin = s.incidenceOffset[node.body], end = s.incidenceOffset[node.body + 1], point = tile.lane % kLanes;
     if (tile.lane == 0) startBlock(s, node.body, block);
-    for (int k = begin + tile.lane / kLanes; k < end && entryType(s.entry[k].code) == kContactType; k += kWidth / kLanes) {
-      const Entry entry = s.entry[k];
-      const Real weight = contactWeight(s, entry);
-      addContact<Real>(s, entry.code, point, block, weight);
-      if (s.rolls && point == 0) addRolling(s, entry.code, block, weight);
+    for (int k = begin + tile.lane / kLanes; k < end && constraintType(s.incidence[k].code) == kContactType; k += kWidth / kLanes) {
+      const Incidence incidence = s.incidence[k];
+      const Real weight = contactWeight(s, incidence);
+      addContact<Real>(s, incidence.code, point, block, weight);
+      if (s.rolls && point == 0) addRolling(s, incidence.code, block, weight);
     }
     // deformable objects come last; their sum has its own memory, for what is passed to a function lies in no register
     if (s.vertices == 0) return;
     Block6 soft;
-    for (int k = end - 1 - tile.lane; k >= begin && entryType(s.entry[k].code) > JointTypes::kSize; k -= kWidth) addSoftRows(s, s.entry[k].code, soft);
+    for (int k = end - 1 - tile.lane; k >= begin && constraintType(s.incidence[k].code) > JointTypes::kSize; k -= kWidth) addSoftRows(s, s.incidence[k].code, soft);
     block += soft;
   }
 };
@@ -76,20 +76,20 @@ __device__ inline void addProduct(double (&d)[2], double a, double b) {
 /// A warp a body, which takes its joints part by part: rows J with stiffnesses K and forces F make J^T [K J, -F] and, with J' of a neighbour, J^T K J'.
 /// Lane l has number l / 4 of row l % 4.
 struct AssembleTreeJointsByTile {
-  static constexpr const char* kName = AssembleTreeJoints::kName;
+  static constexpr const char* kStage = AssembleTreeJoints::kStage;
   /// 64 registers: with 48 every part waits for copies of the one before.
   static constexpr int kWidth = kWarp, kBlocks = 8;
 
-  __device__ void operator()(const View& s, int n, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
     const TreeNode node = s.treeNode[n];
     TreeBlock& w = s.treeWork[n];
     const int row = tile.lane / kRowLanes, column = tile.lane % kRowLanes * 2;
     Sums sums{};
 #pragma unroll
     for (int c = 0; c < 2; ++c) sums.own[c] = row >= 6 ? 0 : column + c <= row ? w.h.m[row][column + c] : column + c == 6 ? w.x.v[row] : 0;
-    const bool locked = tile.lane < 3 && isLocked(s, tile.lane == 0 ? node.near[0] : tile.lane == 1 ? node.near[1] : n);
+    const bool locked = tile.lane < 3 && isLocked(s, tile.lane == 0 ? node.parent[0] : tile.lane == 1 ? node.parent[1] : n);
     if (!stands(s, node))
-      for (int k = s.entryOffset[node.body], end = s.entryOffset[node.body + 1]; k < end; k += kWidth) addJoints(s, node, k, end, tile, sums);
+      for (int k = s.incidenceOffset[node.body], end = s.incidenceOffset[node.body + 1]; k < end; k += kWidth) addJoints(s, node, k, end, tile, sums);
 #pragma unroll
     for (int c = 0; c < 2; ++c) {
       if (row >= 6) break;
@@ -119,11 +119,11 @@ struct AssembleTreeJointsByTile {
     Real own, far[2], bend;
   };
 
-  __device__ static bool isLocked(const View& s, int n) { return n >= 0 && s.target[s.treeNode[n].body].locks != 0; }
+  __device__ static bool isLocked(const SolverData& s, int n) { return n >= 0 && s.target[s.treeNode[n].body].locks != 0; }
 
-  /// Adds the joints among a warp of entries from k on.
-  __device__ static void addJoints(const View& s, const TreeNode& node, int k, int end, const Tile<kWidth>& tile, Sums& sums) {
-    const JointOfLane own = k + tile.lane < end ? jointOf(s, node, s.entry[k + tile.lane]) : JointOfLane{};
+  /// Adds the joints among a warp of incidences from k on.
+  __device__ static void addJoints(const SolverData& s, const TreeNode& node, int k, int end, const Tile<kWidth>& tile, Sums& sums) {
+    const JointOfLane own = k + tile.lane < end ? jointOf(s, node, s.incidence[k + tile.lane]) : JointOfLane{};
     const int last = tile.sumBefore(own.parts) + own.parts, all = __shfl_sync(tile.mask, last, kWidth - 1, kWidth);
     JointOfLane joint{};
     // parts on their way at once
@@ -166,17 +166,17 @@ struct AssembleTreeJointsByTile {
       return other;
     }
   };
-  __device__ static JointOfLane jointOf(const View& s, const TreeNode& node, const Entry& entry) {
+  __device__ static JointOfLane jointOf(const SolverData& s, const TreeNode& node, const Incidence& incidence) {
     JointOfLane joint;
     // read at once, whatever the type: lanes that have different ones wait for memory together
-    const int far = entry.other >= 0 ? s.nodeOfBody[entry.other] : -1;
+    const int far = incidence.other >= 0 ? s.nodeOfBody[incidence.other] : -1;
     forEachType(JointTypes{}, [&]<class F>() {
-      if (entryType(entry.code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(entry.code)) return;
-      const int side = jointSide<F>(entry.code);
+      if (constraintType(incidence.code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(incidence.code)) return;
+      const int side = jointSide<F>(incidence.code);
       TreeCoupling to{{-1, -1}};
-      if constexpr (isCarried<F>()) to = couplingOf<F>(s, node, entry);
+      if constexpr (isCarried<F>()) to = couplingOf<F>(s, node, incidence);
       else noteCoupling(node, 1 - side, far, to);
-      joint = {reinterpret_cast<const char*>(s.treeRowsOf<F>()[jointIndex<F>(entry.code)].part), F::Parts::kCount, isCarried<F>(), side, to};
+      joint = {reinterpret_cast<const char*>(s.treeRowsOf<F>()[jointIndex<F>(incidence.code)].part), F::Parts::kCount, isCarried<F>(), side, to};
     });
     return joint;
   }
@@ -199,7 +199,7 @@ struct AssembleTreeJointsByTile {
   __device__ static void add(const PartOfLane& part, int far0, int far1, const Tile<kWidth>& tile, Sums& sums) {
     const int i = tile.lane / kRowLanes, k = tile.lane % kRowLanes;
     if (part.count == 0) return;
-    const bool acts = k < part.count, isNumber = acts && i < 6;
+    const bool active = k < part.count, isNumber = acts && i < 6;
     const double own = isNumber ? static_cast<double>(part.own) : 0;
     addProduct(sums.own, own, isNumber ? part.scale * own : acts && i == 6 ? part.scale : 0);
     const auto times = [&](Real far) { return isNumber ? part.scale * static_cast<double>(far) : 0; };
@@ -217,16 +217,16 @@ struct OnDevice<AssembleTreeJoints> {
 
 /// A lane a column: of H (lanes 0 to 5), the force (6), and the two couplings (8 to 13, 16 to 21). All lanes factor H.
 struct EliminateNodeByTile {
-  static constexpr const char* kName = EliminateNode::kName;
+  static constexpr const char* kStage = EliminateNode::kStage;
   static constexpr int kWidth = kWarp;
   int begin;
   RUBBLE_HD explicit EliminateNodeByTile(const EliminateNode& stage) : begin(stage.begin) {}
-  __device__ void operator()(const View& s, int index, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int index, const Tile<kWidth>& tile) const {
     const int n = begin + index, place = tile.lane / 8, column = tile.lane % 8, t = place - 1;
     const TreeNode node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
     const bool isForce = place == 0 && column == 6, isHessian = place == 0 && column < 6;
-    const bool isCoupling = (place == 1 || place == 2) && column < 6 && node.near[t] >= 0;
+    const bool isCoupling = (place == 1 || place == 2) && column < 6 && node.parent[t] >= 0;
     double c[6] = {};
 #pragma unroll
     for (int i = 0; i < 6; ++i) {
@@ -234,11 +234,11 @@ struct EliminateNodeByTile {
       if (isForce) c[i] = w.x.v[i];
       if (isCoupling) c[i] = w.e[t].m[i][column];
     }
-    for (int source = node.sourceBegin; source < node.sourceEnd; ++source) {
-      const int code = s.treeSource[source], from = code >> 1, side = code & 1;
+    for (int child = node.childBegin; child < node.childEnd; ++child) {
+      const int code = s.treeChild[child], from = code >> 1, side = code & 1;
       const TreeWork& o = s.treeWork[from];
-      const int far = s.treeNode[from].near[1 - side];
-      if (!isHessian && !isForce && !(isCoupling && far >= 0 && node.near[t] == far)) continue;
+      const int far = s.treeNode[from].parent[1 - side];
+      if (!isHessian && !isForce && !(isCoupling && far >= 0 && node.parent[t] == far)) continue;
       const Dense6 &a = o.e[side], &b = o.w[isHessian ? side : 1 - side];
 #pragma unroll
       for (int k = 0; k < 6; ++k) {
@@ -277,18 +277,18 @@ struct OnDevice<EliminateNode> {
 
 /// A lane a row.
 struct SubstituteNodeByTile {
-  static constexpr const char* kName = SubstituteNode::kName;
+  static constexpr const char* kStage = SubstituteNode::kStage;
   static constexpr int kWidth = 8;
   int begin;
   RUBBLE_HD explicit SubstituteNodeByTile(const SubstituteNode& stage) : begin(stage.begin) {}
-  __device__ void operator()(const View& s, int index, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int index, const Tile<kWidth>& tile) const {
     const int n = begin + index, i = tile.lane;
     const TreeNode node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
     double x = i < 6 ? w.x.v[i] : 0;
     for (int t = 0; t < 2; ++t) {
-      if (node.near[t] < 0 || i >= 6) continue;
-      const Long6& y = s.treeWork[node.near[t]].x;
+      if (node.parent[t] < 0 || i >= 6) continue;
+      const Long6& y = s.treeWork[node.parent[t]].x;
       for (int j = 0; j < 6; ++j) x -= w.w[t].m[i][j] * y.v[j];
     }
     if (i < 6) w.x.v[i] = x;
@@ -304,8 +304,8 @@ struct OnDevice<SubstituteNode> {
 
 /// Calls round(first, last) for the members of a tree that are eliminated together, from the first round on.
 template <class Round>
-__device__ void forEachRound(const View& s, int begin, int end, Round&& round) {
-  for (int r = 0, k = begin; r < s.treeRounds; ++r) {
+__device__ void forEachRound(const SolverData& s, int begin, int end, Round&& round) {
+  for (int r = 0, k = begin; r < s.treeLevels; ++r) {
     const int first = k;
     while (k < end && s.treeMember[k] < s.treeBegin[r + 1]) ++k;
     if (k > first) round(first, k);
@@ -313,8 +313,8 @@ __device__ void forEachRound(const View& s, int begin, int end, Round&& round) {
 }
 /// The same from the last round back.
 template <class Round>
-__device__ void forEachRoundBack(const View& s, int begin, int end, Round&& round) {
-  for (int r = s.treeRounds - 1, k = end; r >= 0; --r) {
+__device__ void forEachRoundBack(const SolverData& s, int begin, int end, Round&& round) {
+  for (int r = s.treeLevels - 1, k = end; r >= 0; --r) {
     const int last = k;
     while (k > begin && s.treeMember[k - 1] >= s.treeBegin[r]) --k;
     if (k < last) round(k, last);
@@ -324,11 +324,11 @@ __device__ void forEachRoundBack(const View& s, int begin, int end, Round&& roun
 /// SolveTree by a block: a warp each body whose joints are added, or that is eliminated, and fewer lanes each that is substituted. So many blocks that
 /// a thousand trees are all on a large device at a time, and as many warps as then have 80 registers.
 inline constexpr int kTreeThreads = 3 * kWarp, kTreeBlocks = 8;
-static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks) solveTrees(const __grid_constant__ View s, Gate gate) {
+static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks) solveTrees(const __grid_constant__ SolverData s, Gate gate) {
   gate.enter([&] {
     const int index = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
     const int begin = s.treeOffset[index], end = s.treeOffset[index + 1], tree = s.treeNode[s.treeMember[begin]].tree;
-    if (s.treeRests[tree]) return;
+    if (s.treeConverged[tree]) return;
     const auto solve = [&]<class Kernel>(const Kernel& kernel, int first, int last) {
       constexpr int kWidth = Kernel::kWidth;
       const Tile<kWidth> tile = Tile<kWidth>::ofThread();
@@ -339,18 +339,18 @@ static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks) solveTrees(c
     forEachRound(s, begin, end, [&](int first, int last) { solve(EliminateNodeByTile(EliminateNode{0}), first, last); });
     forEachRoundBack(s, begin, end, [&](int first, int last) { solve(SubstituteNodeByTile(SubstituteNode{0}), first, last); });
     // not what is left of it in a cache from before
-    const double share = treeShare(__ldcg(&s.treeTurn[tree]));
+    const double share = treeShare(__ldcg(&s.treeMaxRotation[tree]));
     for (int k = begin + thread; k < end; k += kTreeThreads) MoveTrees::move(s, s.treeMember[k], share);
   });
 }
 
-/// CloseTree by a warp, a lane a body.
+/// ProjectTree by a warp, a lane a body.
 struct CloseTreeByTile {
-  static constexpr const char* kName = CloseTree::kName;
+  static constexpr const char* kStage = ProjectTree::kStage;
   static constexpr int kWidth = kWarp;
-  __device__ void operator()(const View& s, int index, const Tile<kWidth>& tile) const {
+  __device__ void operator()(const SolverData& s, int index, const Tile<kWidth>& tile) const {
     const int begin = s.treeOffset[index], end = s.treeOffset[index + 1];
-    if (s.treeOpen[s.treeNode[s.treeMember[begin]].tree] == 0) return;
+    if (s.treeNeedsProjection[s.treeNode[s.treeMember[begin]].tree] == 0) return;
     const auto solve = [&](const auto& kernel, int first, int last) {
       for (int k = first + tile.lane; k < last; k += kWidth) kernel(s, s.treeMember[k]);
       __syncwarp(tile.mask);
@@ -361,7 +361,7 @@ struct CloseTreeByTile {
   }
 };
 template <>
-struct OnDevice<CloseTree> {
+struct OnDevice<ProjectTree> {
   using Type = CloseTreeByTile;
 };
 

@@ -89,44 +89,44 @@ class LockstepPair {
   }
 
   /// Elements of an array that this step has written so far.
-  static std::size_t written(const View& s, Per per) {
+  static std::size_t written(const SolverData& s, Per per) {
     const Counters& c = *s.counters;
     if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(s.joints[type]);
     switch (per) {
       case Per::Body: return static_cast<std::size_t>(s.bodies);
       case Per::Pair: return static_cast<std::size_t>(c.pairs);
-      case Per::NearPair: return static_cast<std::size_t>(c.nearPairs);
+      case Per::ActivePair: return static_cast<std::size_t>(c.activePairs);
       case Per::Manifold: return static_cast<std::size_t>(c.manifolds);
       case Per::Rolling: return static_cast<std::size_t>(c.rollers);
-      case Per::Group: return static_cast<std::size_t>(c.groups);
-      case Per::Chunk: return static_cast<std::size_t>(c.chunks);
-      case Per::External: return static_cast<std::size_t>(c.externals);
-      case Per::MemberLevel: return static_cast<std::size_t>(s.members() * kCoarseLevels);
-      case Per::Lump: return static_cast<std::size_t>(s.lumps);
-      case Per::Line: return static_cast<std::size_t>(s.lines);
-      case Per::LineVertex: return static_cast<std::size_t>(s.lineVertices);
-      case Per::Entry: return static_cast<std::size_t>(c.entries);
+      case Per::Aggregate: return static_cast<std::size_t>(c.aggregates);
+      case Per::Slice: return static_cast<std::size_t>(c.slices);
+      case Per::Boundary: return static_cast<std::size_t>(c.boundary);
+      case Per::NodeLevel: return static_cast<std::size_t>(s.nodes() * kCoarseLevels);
+      case Per::SoftNode: return static_cast<std::size_t>(s.softNodes);
+      case Per::Strand: return static_cast<std::size_t>(s.strands);
+      case Per::StrandVertex: return static_cast<std::size_t>(s.strandVertices);
+      case Per::Incidence: return static_cast<std::size_t>(c.incidences);
       case Per::Color: return static_cast<std::size_t>(c.colors);
       case Per::Cell: return static_cast<std::size_t>(s.cells);
       case Per::Vertex: return static_cast<std::size_t>(s.vertices);
       case Per::PointOwner: return static_cast<std::size_t>(s.owners());
       case Per::Feature: return static_cast<std::size_t>(s.features);
       case Per::FeatureCell: return static_cast<std::size_t>(s.featureCells);
-      case Per::GrainCell: return static_cast<std::size_t>(s.grainCells);
+      case Per::ParticleCell: return static_cast<std::size_t>(s.particleCells);
       case Per::PointPair: return static_cast<std::size_t>(c.pointPairs);
-      case Per::PointEntry: return static_cast<std::size_t>(c.pointEntries);
+      case Per::PointIncidence: return static_cast<std::size_t>(c.pointIncidences);
       case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
       case Per::Attachment: return static_cast<std::size_t>(s.attachments);
       case Per::TreeNode: return static_cast<std::size_t>(treeNodes(s));
-      case Per::TreeSource: return static_cast<std::size_t>(s.treeSources);
+      case Per::TreeChild: return static_cast<std::size_t>(s.treeChildren);
       default: return elementCount(s, per);
     }
   }
 
   void compare() {
-    const View &s = a_.executor.view(), &t = b_.executor.view();
+    const SolverData &s = a_.executor.view(), &t = b_.executor.view();
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-      if (!difference_.empty() || array.life == Life::Unordered) return;
+      if (!difference_.empty() || array.life == Lifetime::Unordered) return;
       const T *p = s.*array.member, *q = t.*array.member;
       const std::size_t n = written(s, array.per);
       if (!p || !q || std::memcmp(p, q, n * sizeof(T)) == 0) return;

@@ -6,24 +6,24 @@ namespace rubble::RUBBLE_CORE {
 
 /// visit(body, side, other) for the dynamic bodies of a block between a and b.
 template <class Visit>
-RUBBLE_HD void visitSides(const View& s, int a, int b, Visit&& visit) {
+RUBBLE_HD void visitSides(const SolverData& s, int a, int b, Visit&& visit) {
   const bool da = isDynamic(s, a), db = isDynamic(s, b);
   if (da) visit(a, 0, db ? b : -1);
   if (db) visit(b, 1, da ? a : -1);
 }
 
 /// Is a tree solved exactly in this step: without loops, and touching nothing? All of its bodies are solved by its block alone then.
-RUBBLE_HD inline bool isExact(const View& s, const TreeNode& node) { return node.exact && s.treeTouched[node.tree] == kTouchesNothing; }
-RUBBLE_HD inline bool inExactTree(const View& s, int body) {
+RUBBLE_HD inline bool isExact(const SolverData& s, const TreeNode& node) { return node.exact && s.treeContacts[node.tree] == kTouchesNothing; }
+RUBBLE_HD inline bool inExactTree(const SolverData& s, int body) {
   const int node = s.step.jointTrees ? s.nodeOfBody[body] : -1;
   return node >= 0 && isExact(s, s.treeNode[node]);
 }
 /// Finds the trees that touch something, from the contacts of this step.
 struct MarkTouchedTrees {
-  static constexpr const char* kName = "trees";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "trees";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const auto touch = [&](int body) {
-      if (s.nodeOfBody[body] >= 0) atomicSet(&s.treeTouched[s.treeNode[s.nodeOfBody[body]].tree], kTouchesBodies);
+      if (s.nodeOfBody[body] >= 0) atomicSet(&s.treeContacts[s.treeNode[s.nodeOfBody[body]].tree], kTouchesBodies);
     };
     touch(s.contact[i].a), touch(s.contact[i].b);
   }
@@ -32,33 +32,33 @@ struct MarkTouchedTrees {
 /// The two bodies of a row block of type T (ContactRows or a joint), if it acts in this step.
 struct BlockBodies {
   int a, b;
-  bool acts;
+  bool active;
 };
 struct ContactBlocks {
   static constexpr int kType = kContactType;
   /// Do two bodies that move as one leave it alone?
   static constexpr bool kRelative = true;
-  RUBBLE_HD static BlockBodies bodies(const View& s, int i) { return {s.contact[i].a, s.contact[i].b, true}; }
+  RUBBLE_HD static BlockBodies bodies(const SolverData& s, int i) { return {s.contact[i].a, s.contact[i].b, true}; }
   template <class Visit>
-  RUBBLE_HD static void visitEntries(const View& s, int i, Visit&& visit) {
-    visitSides(s, s.contact[i].a, s.contact[i].b, [&](int body, int side, int other) { visit(body, entryCode(kType, i, side), other); });
+  RUBBLE_HD static void visitEntries(const SolverData& s, int i, Visit&& visit) {
+    visitSides(s, s.contact[i].a, s.contact[i].b, [&](int body, int side, int other) { visit(body, constraintCode(kType, i, side), other); });
   }
-  /// Level of the groups at which it unites its bodies.
-  RUBBLE_HD static int joinLevel(const View& s, int i) { return s.joinLevel[i]; }
+  /// Level of the aggregates at which it unites its bodies.
+  RUBBLE_HD static int joinLevel(const SolverData& s, int i) { return s.joinLevel[i]; }
 };
 template <class F>
 struct JointBlocks {
   static constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
   static constexpr bool kRelative = !F::kGrounded && !isCarried<F>();
-  RUBBLE_HD static BlockBodies bodies(const View& s, int i) {
+  RUBBLE_HD static BlockBodies bodies(const SolverData& s, int i) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
-    return {spec.a, spec.b, s.jointsOf<F>()[i].acts != 0};
+    return {spec.a, spec.b, s.jointsOf<F>()[i].active != 0};
   }
-  /// visit(body, code, other) for the entries of its dynamic bodies.
+  /// visit(body, code, other) for the incidences of its dynamic bodies.
   template <class Visit>
-  RUBBLE_HD static void visitEntries(const View& s, int i, Visit&& visit) {
+  RUBBLE_HD static void visitEntries(const SolverData& s, int i, Visit&& visit) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
-    if (!s.jointsOf<F>()[i].acts) return;
+    if (!s.jointsOf<F>()[i].active) return;
     if constexpr (isCarried<F>()) {
       const auto takesPart = [&](int side) { return isDynamic(s, bodyOf(spec, side)) && isFirstSide(spec, side); };
       for (int side = 0; side < kSides<F>; ++side) {
@@ -72,9 +72,9 @@ struct JointBlocks {
       visitSides(s, spec.a, spec.b, [&](int body, int side, int other) { visit(body, jointCode<F>(i, side), other); });
     }
   }
-  RUBBLE_HD static int joinLevel(const View& s, int i) {
+  RUBBLE_HD static int joinLevel(const SolverData& s, int i) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
-    if (!spec.holds || spec.a == kWorldBody || spec.b == kWorldBody) return kCoarseLevels;
+    if (!spec.isRigid || spec.a == kWorldBody || spec.b == kWorldBody) return kCoarseLevels;
     return inExactTree(s, spec.a) ? kCoarseLevels : s.jointsOf<F>()[i].sharedLevel;
   }
 };

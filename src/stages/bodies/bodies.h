@@ -3,7 +3,7 @@
 #include "stages/bodies/far_turns.h"
 #include "stages/contacts/rolling.h"
 #include "stages/soft/soft_rows.h"
-#include "stages/ccd/stops.h"
+#include "stages/ccd/fast_bodies.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -24,17 +24,17 @@ RUBBLE_HD inline bool limitSpin(Vec3& w, Real dt) {
 
 /// Inertial target y [S 2], mass matrix [S 8] and initial guess of every body.
 struct PredictBodies {
-  static constexpr const char* kName = "predict";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "predict";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const StepConstants& c = s.step;
     const BodyParams& p = s.params[i];
-    Vec3 v = s.velocity[i], w = s.spin[i];
+    Vec3 v = s.velocity[i], w = s.angularVelocity[i];
     s.fast[i] = 0;
-    Displacement& moved = s.moved[i];
+    Displacement& moved = s.dx[i];
     if (!isDynamic(s, i)) {
       const bool moves = p.kind == BodyKind::Kinematic;
       moved = moves ? Displacement{c.dt * v, 0, c.dt * w, 0} : Displacement{{0, 0, 0}, 0, {0, 0, 0}, 0};
-      s.turned[i] = expRotation(moved.dw);
+      s.dq[i] = expRotation(moved.dw);
       return;
     }
     const Quat q = s.orientation[i];
@@ -72,30 +72,30 @@ struct PredictBodies {
     const bool twisted = torque != Vec3{0, 0, 0} && !c.literalRotations;
     const Quat turned = twisted ? expRotation(c.dt * unlocked(w, extras.locks >> 3)) : target.y.q;
     moved = {inertialDisplacement(v, guess, c.dt), 0, logRotation(turned), 0};
-    s.turned[i] = turned;
+    s.dq[i] = turned;
     s.target[i] = target;
   }
 };
 
 /// Pose of a body in the frame of a joint, whose origin is p_B^t: `offset` = p^t minus that origin.
-RUBBLE_HD RUBBLE_NEAR Pose jointPose(const View& s, int body, const Vec3& offset) {
+RUBBLE_HD RUBBLE_NEAR Pose jointPose(const SolverData& s, int body, const Vec3& offset) {
   if (body == kWorldBody) return {offset, Quat{}};
-  return {offset + s.moved[body].dp, s.turned[body] * s.orientation[body]};
+  return {offset + s.dx[body].dp, s.dq[body] * s.orientation[body]};
 }
 
 /// Where the origin p_B^t of a joint lies; the world has its own.
-RUBBLE_HD inline Vec3d jointOrigin(const View& s, int body) { return body == kWorldBody ? Vec3d{} : s.position[body]; }
+RUBBLE_HD inline Vec3d jointOrigin(const SolverData& s, int body) { return body == kWorldBody ? Vec3d{} : s.position[body]; }
 
 /// A or B of a joint where they are now, with what carries their axes.
 template <class F>
-RUBBLE_HD SidePose<F> poseOfA(const View& s, const JointSpec<F>& spec, const Joint<F>& joint) {
+RUBBLE_HD SidePose<F> poseOfA(const SolverData& s, const JointSpec<F>& spec, const Joint<F>& joint) {
   if constexpr (isCarried<F>())
     return {jointPose(s, spec.a, joint.offset), jointPose(s, spec.carrierA, joint.offsetCarrierA)};
   else
     return jointPose(s, spec.a, joint.offset);
 }
 template <class F>
-RUBBLE_HD SidePose<F> poseOfB(const View& s, const JointSpec<F>& spec, const Joint<F>& joint) {
+RUBBLE_HD SidePose<F> poseOfB(const SolverData& s, const JointSpec<F>& spec, const Joint<F>& joint) {
   if constexpr (isCarried<F>())
     return {jointPose(s, spec.b, {0, 0, 0}), jointPose(s, spec.carrierB, joint.offsetCarrierB)};
   else
@@ -103,11 +103,11 @@ RUBBLE_HD SidePose<F> poseOfB(const View& s, const JointSpec<F>& spec, const Joi
 }
 
 /// Displacement and rotation of a body since x^t.
-RUBBLE_HD RUBBLE_NEAR Pose poseSinceStart(const View& s, int body) {
+RUBBLE_HD RUBBLE_NEAR Pose poseSinceStart(const SolverData& s, int body) {
   // read at once: whether it is the world decides what to take, not what to wait for
   const int i = max(body, 0);
-  const Vec3 moved = s.moved[i].dp;
-  const Quat turned = s.turned[i];
+  const Vec3 moved = s.dx[i].dp;
+  const Quat turned = s.dq[i];
   return body == kWorldBody ? Pose{{0, 0, 0}, Quat{}} : Pose{moved, turned};
 }
 
@@ -116,21 +116,21 @@ struct Pivot {
   const PivotFrame* frame;
   const GroupRows<AnchorRows::kRows>* anchors;
   const TurnsFrom* from;
-  const TurnRows* laws;
+  const AngularRows* laws;
 };
 template <class F>
-RUBBLE_HD RUBBLE_NEAR Pivot pivotOf(const View& s, int index) {
+RUBBLE_HD RUBBLE_NEAR Pivot pivotOf(const SolverData& s, int index) {
   const Joint<F>& joint = s.jointsOf<F>()[index];
   Pivot pivot{&joint, &partOf<0>(joint.parts), nullptr, nullptr};
-  if constexpr (hasTurns<F>()) pivot.from = &s.turnsOf<F>()[index].from, pivot.laws = s.turnsOf<F>()[index].law;
+  if constexpr (hasAngularRows<F>()) pivot.from = &s.angularRowsOf<F>()[index].from, pivot.laws = s.angularRowsOf<F>()[index].law;
   return pivot;
 }
 /// That of a row block; false: it is none.
-RUBBLE_HD RUBBLE_NEAR bool findPivot(const View& s, std::uint32_t code, Pivot& pivot) {
+RUBBLE_HD RUBBLE_NEAR bool findPivot(const SolverData& s, std::uint32_t code, Pivot& pivot) {
   bool found = false;
   forEachType(JointTypes{}, [&]<class F>() {
     if constexpr (isPivot<F>())
-      if (entryType(code) == typeIndex<F>(JointTypes{}) + 1) pivot = pivotOf<F>(s, entryIndex(code)), found = true;
+      if (constraintType(code) == typeIndex<F>(JointTypes{}) + 1) pivot = pivotOf<F>(s, constraintIndex(code)), found = true;
   });
   return found;
 }
@@ -138,31 +138,31 @@ RUBBLE_HD RUBBLE_NEAR bool findPivot(const View& s, std::uint32_t code, Pivot& p
 /// Adds a joint about a point to the block of one of its bodies, which is about the point from which the centre of the body lies shift(body) away.
 /// `ahead`: asks for all that it needs at once.
 template <bool ahead, class Shift>
-RUBBLE_HD RUBBLE_NEAR void stampPivotOfBody(const View& s, const Pivot& pivot, int side, Block6& block, Shift&& shift) {
-  const auto& frame = readWhole(*pivot.frame);
-  const auto& anchors = readWhole(*pivot.anchors);
+RUBBLE_HD RUBBLE_NEAR void accumulatePivotOfBody(const SolverData& s, const Pivot& pivot, int side, Block6& block, Shift&& shift) {
+  const auto& frame = loadVectorized(*pivot.frame);
+  const auto& anchors = loadVectorized(*pivot.anchors);
   const Pose a = poseSinceStart(s, frame.end[0].body), b = poseSinceStart(s, frame.end[1].body);
   TurnStream<ahead> turns(pivot.laws ? frame.acting : 0, pivot.from, pivot.laws);
-  stampPivot(frame, anchors, turns, a, b, side, block, shift(frame.end[side].body));
+  accumulatePivot(frame, anchors, turns, a, b, side, block, shift(frame.end[side].body));
 }
 /// Adds a joint of any type to the block of one of its bodies, about the point from which its centre lies `shift` away.
 template <class F>
-RUBBLE_HD RUBBLE_APART void stampJointOfBody(const View& s, int index, int side, Block6& block, const Vec3& shift) {
+RUBBLE_HD RUBBLE_APART void accumulateJointOfBody(const SolverData& s, int index, int side, Block6& block, const Vec3& shift) {
   if constexpr (isPivot<F>()) {
-    stampPivotOfBody<false>(s, pivotOf<F>(s, index), side, block, [&](int) { return shift; });
+    accumulatePivotOfBody<false>(s, pivotOf<F>(s, index), side, block, [&](int) { return shift; });
   } else {
-    const JointTurns<F>* const turns = hasTurns<F>() ? s.turnsOf<F>() + index : nullptr;
-    const auto stamp = [&](const JointSpec<F>& spec, const Joint<F>& joint) {
+    const JointAngularRows<F>* const turns = hasAngularRows<F>() ? s.angularRowsOf<F>() + index : nullptr;
+    const auto accumulate = [&](const JointSpec<F>& spec, const Joint<F>& joint) {
       Quat turnedA, turnedB;
-      if constexpr (hasTurns<F>()) turnedA = poseSinceStart(s, spec.a).q, turnedB = poseSinceStart(s, spec.b).q;
-      stampJoint(spec, joint, turns, poseOfA(s, spec, joint), poseOfB(s, spec, joint), turnedA, turnedB, side, block, shift);
+      if constexpr (hasAngularRows<F>()) turnedA = poseSinceStart(s, spec.a).q, turnedB = poseSinceStart(s, spec.b).q;
+      accumulateJoint(spec, joint, turns, poseOfA(s, spec, joint), poseOfB(s, spec, joint), turnedA, turnedB, side, block, shift);
     };
     // others are more than registers hold: they are read part by part
     constexpr bool isSmall = F::Parts::kCount == 1 && sizeof(JointSpec<F>) + sizeof(Joint<F>) <= 64 * sizeof(Real);
     if constexpr (isSmall && alignof(JointSpec<F>) == 4 * sizeof(Real))
-      stamp(readWhole(s.specsOf<F>()[index]), readWhole(s.jointsOf<F>()[index]));
+      accumulate(loadVectorized(s.specsOf<F>()[index]), loadVectorized(s.jointsOf<F>()[index]));
     else
-      stamp(s.specsOf<F>()[index], s.jointsOf<F>()[index]);
+      accumulate(s.specsOf<F>()[index], s.jointsOf<F>()[index]);
   }
 }
 
@@ -179,10 +179,10 @@ RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
 }
 
 /// The inertial part of a body's local problem at its present pose, which is returned.
-RUBBLE_HD inline Pose startBlock(const View& s, int i, Block6& block) {
+RUBBLE_HD inline Pose startBlock(const SolverData& s, int i, Block6& block) {
   const BodyTarget& target = s.target[i];
   const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
-  const Pose x{s.moved[i].dp, s.turned[i]};
+  const Pose x{s.dx[i].dp, s.dq[i]};
   setInertialForce(block, target.mass, x, target.y, inverseDt2);
   setInertialHessian(block, target.mass, inverseDt2);
   return x;
@@ -190,9 +190,9 @@ RUBBLE_HD inline Pose startBlock(const View& s, int i, Block6& block) {
 
 /// Adds points of a contact on one of its bodies. Hessians count `weight` times.
 template <class L>
-RUBBLE_HD void addContact(const View& s, std::uint32_t code, int lane, Block6T<L>& points, Real weight = 1) {
-  const ContactRows& r = s.contact[entryIndex(code)];
-  stampContact<L>(s.step, r, entrySide(code) == 0, s.moved[r.a], s.moved[r.b], lane, points, {0, 0, 0}, weight);
+RUBBLE_HD void addContact(const SolverData& s, std::uint32_t code, int lane, Block6T<L>& points, Real weight = 1) {
+  const ContactRows& r = s.contact[constraintIndex(code)];
+  accumulateContact<L>(s.step, r, constraintSide(code) == 0, s.dx[r.a], s.dx[r.b], lane, points, {0, 0, 0}, weight);
 }
 
 /// Sums over contacts, of each of their points apart: one order of additions, whatever an L stands for.
@@ -206,7 +206,7 @@ struct PointSums {
   RUBBLE_HD void each(Add&& add) {
     for (int lane = 0; lane < kLanes; lane += kStep) add(lane, sum[lane / kStep]);
   }
-  RUBBLE_HD void add(const View& s, std::uint32_t code, Real weight = 1) {
+  RUBBLE_HD void add(const SolverData& s, std::uint32_t code, Real weight = 1) {
     each([&](int lane, Block6T<L>& points) { addContact<L>(s, code, lane, points, weight); });
   }
   RUBBLE_HD void addTo(Block6& to) const {
@@ -224,19 +224,19 @@ struct PointSums {
 };
 
 /// Adds a row block that is no contact.
-RUBBLE_HD inline void addJoint(const View& s, std::uint32_t code, Block6& block) {
+RUBBLE_HD inline void addJoint(const SolverData& s, std::uint32_t code, Block6& block) {
   forEachType(JointTypes{}, [&]<class F>() {
-    if (entryType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
-      stampJointOfBody<F>(s, jointIndex<F>(code), jointSide<F>(code), block, {0, 0, 0});
+    if (constraintType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
+      accumulateJointOfBody<F>(s, jointIndex<F>(code), jointSide<F>(code), block, {0, 0, 0});
   });
-  if (entryType(code) > JointTypes::kSize) addSoftRows(s, code, block);
+  if (constraintType(code) > JointTypes::kSize) addSoftRows(s, code, block);
 }
 /// The same by one code for all joints about a point: lanes of a warp that have several types go side by side, and wait for memory once.
-RUBBLE_HD RUBBLE_APART inline void addPivot(const View& s, const Pivot& pivot, int side, Block6& block) {
-  stampPivotOfBody<true>(s, pivot, side, block, [](int) { return Vec3{0, 0, 0}; });
+RUBBLE_HD RUBBLE_APART inline void addPivot(const SolverData& s, const Pivot& pivot, int side, Block6& block) {
+  accumulatePivotOfBody<true>(s, pivot, side, block, [](int) { return Vec3{0, 0, 0}; });
 }
-RUBBLE_HD inline void addJointAlike(const View& s, std::uint32_t code, Block6& block) {
-  if (Pivot pivot; findPivot(s, code, pivot)) addPivot(s, pivot, entrySide(code), block);
+RUBBLE_HD inline void addJointAlike(const SolverData& s, std::uint32_t code, Block6& block) {
+  if (Pivot pivot; findPivot(s, code, pivot)) addPivot(s, pivot, constraintSide(code), block);
   else addJoint(s, code, block);
 }
 
@@ -247,38 +247,38 @@ RUBBLE_HD L squaredStep(const Vec3T<L>& to, const Vec3T<L>& from) {
 }
 
 /// Solves the local problem of a body at x and moves it.
-RUBBLE_HD inline void finishBlock(const View& s, int i, Block6 block, Pose x) {
+RUBBLE_HD inline void finishBlock(const SolverData& s, int i, Block6 block, Pose x) {
   if (s.target[i].locks != 0) lockAxes(block, s.target[i].locks);
   const Pose before = x;
   const Descent how = descend(block, s.target[i].mass, s.step.inverseDt * s.step.inverseDt, x);
   if (how != Descent::Newton) atomicCount(how == Descent::Failed ? &s.counters->failedSolves : &s.counters->boundedSteps, 1);
   if (how == Descent::Failed) return;
-  s.turned[i] = x.q;
-  s.moved[i] = {x.p, squaredStep(x.p, before.p), logRotation(x.q), Real(4) * squaredStep(x.q.v, before.q.v)};
+  s.dq[i] = x.q;
+  s.dx[i] = {x.p, squaredStep(x.p, before.p), logRotation(x.q), Real(4) * squaredStep(x.q.v, before.q.v)};
 }
 
-/// Adds the row blocks of a body from entry k on.
+/// Adds the row blocks of a body from incidence k on.
 template <class L>
-RUBBLE_HD void addRows(const View& s, int k, int end, Block6& block) {
-  if (k < end && entryType(s.entry[k].code) == kContactType) {
+RUBBLE_HD void addRows(const SolverData& s, int k, int end, Block6& block) {
+  if (k < end && constraintType(s.incidence[k].code) == kContactType) {
     PointSums<L> points;
-    for (; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
-      points.add(s, s.entry[k].code);
-      if (s.rolls) addRolling(s, s.entry[k].code, block);
+    for (; k < end && constraintType(s.incidence[k].code) == kContactType; ++k) {
+      points.add(s, s.incidence[k].code);
+      if (s.rolls) addRolling(s, s.incidence[k].code, block);
     }
     points.addTo(block);
   }
-  for (; k < end; ++k) addJoint(s, s.entry[k].code, block);
+  for (; k < end; ++k) addJoint(s, s.incidence[k].code, block);
 }
 
 /// The primal update of one body: force [S 5] and Hessian [S 6] of its inertia and its rows, one Newton step [S 3].
 template <class L>
 struct SolveBody {
-  static constexpr const char* kName = "primal";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "primal";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Block6 block;
     const Pose x = startBlock(s, i, block);
-    addRows<L>(s, s.entryOffset[i], s.entryOffset[i + 1], block);
+    addRows<L>(s, s.incidenceOffset[i], s.incidenceOffset[i + 1], block);
     finishBlock(s, i, block, x);
   }
 };
@@ -286,14 +286,14 @@ struct SolveBody {
 /// What gravity and forces gave a body that has stopped, for the part of the step that it did not go [m/s]:
 /// its way ended, and their work with it. As far as it followed them: what rows hold has none of it. `start`,
 /// `v`: at both ends of the step.
-RUBBLE_HD inline Vec3 unusedPush(const View& s, int i, const Vec3& start, const Vec3& v) {
+RUBBLE_HD inline Vec3 unusedPush(const SolverData& s, int i, const Vec3& start, const Vec3& v) {
   const StepConstants& c = s.step;
   const Vec3 push = c.inverseDt * s.target[i].y.p - start;
   return fromFloatBits(s.stopBits[i]) * followedShare(v, start, c.inverseDt * push, c.dt) * push;
 }
 
 /// What the last sweep moved a body by, over its bounding diameter.
-RUBBLE_HD inline void noteUnfinished(const View& s, int i, const Displacement& d) {
+RUBBLE_HD inline void noteUnfinished(const SolverData& s, int i, const Displacement& d) {
   const Real radius = s.params[i].radius;
   const int bits = floatBits((std::sqrt(d.step2) / radius + std::sqrt(d.turn2)) / 2);
   // most bodies find it high enough
@@ -308,14 +308,14 @@ struct BodyEnd {
   Vec3 v, w;     ///< [m/s], [rad/s]
   bool limited;  ///< the spin is at its ceiling
 };
-RUBBLE_HD inline BodyEnd endOf(const View& s, int i) {
+RUBBLE_HD inline BodyEnd endOf(const SolverData& s, int i) {
   const StepConstants& c = s.step;
-  const Displacement& d = s.moved[i];
+  const Displacement& d = s.dx[i];
   const bool stopped = s.stopBits[i] != 0;
-  const Quat start = s.orientation[i], x = s.turned[i];
+  const Quat start = s.orientation[i], x = s.dq[i];
   BodyEnd end;
-  end.q = normalize((stopped ? expRotation(s.stopped[i].dw) : x) * start);
-  end.move = stopped ? s.stopped[i].dp : d.dp;
+  end.q = normalize((stopped ? expRotation(s.ccdMotion[i].dw) : x) * start);
+  end.move = stopped ? s.ccdMotion[i].dp : d.dp;
   end.v = c.inverseDt * d.dp;
   if (stopped) end.v -= unusedPush(s, i, s.velocity[i], end.v);
   if (c.literalRotations) {
@@ -335,31 +335,31 @@ RUBBLE_HD inline BodyEnd endOf(const View& s, int i) {
 
 /// Velocities and the new pose. A body whose state is not finite stays where it was, at rest.
 struct FinishBodies {
-  static constexpr const char* kName = "velocity";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "velocity";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const BodyKind kind = s.params[i].kind;
     if (kind == BodyKind::Removed || kind == BodyKind::Static || isAsleep(s, i)) return;
     if (kind == BodyKind::Kinematic) {
-      s.position[i] += Vec3d(s.moved[i].dp);
-      s.orientation[i] = normalize(s.turned[i] * s.orientation[i]);
+      s.position[i] += Vec3d(s.dx[i].dp);
+      s.orientation[i] = normalize(s.dq[i] * s.orientation[i]);
       return;
     }
     BodyEnd end = endOf(s, i);
-    if (const Vec3 turn = s.moved[i].dw; dot(turn, turn) >= kFarTurn2) {
+    if (const Vec3 turn = s.dx[i].dw; dot(turn, turn) >= kFarTurn2) {
       const Real kept = keptMotion(s, i, end.q, end.v, end.w);
       end.v *= kept, end.w *= kept;
     }
     if (!isFinite(end.v) || !isFinite(end.w)) {
       atomicCount(&s.counters->quarantined, 1);
-      s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};
+      s.velocity[i] = s.angularVelocity[i] = s.previousVelocity[i] = {0, 0, 0};
       return;
     }
     if (end.limited) atomicCount(&s.counters->spinLimited, 1);
     s.previousVelocity[i] = s.velocity[i];
     s.velocity[i] = end.v;
-    s.spin[i] = end.w;
+    s.angularVelocity[i] = end.w;
     s.correction[i] = s.nextCorrection[i];
-    noteUnfinished(s, i, s.moved[i]);
+    noteUnfinished(s, i, s.dx[i]);
     s.position[i] += Vec3d(end.move);
     s.orientation[i] = end.q;
   }

@@ -24,7 +24,7 @@ RUBBLE_HD inline PointSupport operator+(const PointSupport& a, const PointSuppor
 }
 
 /// `corrects`: its inherited error is a penetration, and not a bounce.
-RUBBLE_HD inline PointSupport pointSupport(const View& s, const ContactRows& r, const Vec3& t1, const Vec3& t2, int k,
+RUBBLE_HD inline PointSupport pointSupport(const SolverData& s, const ContactRows& r, const Vec3& t1, const Vec3& t2, int k,
                                            bool corrects) {
   const PointLoad& l = r.load[k];
   const Vec3 onB = l.lambdaN * r.n + l.lambda1 * t1 + l.lambda2 * t2;
@@ -35,7 +35,7 @@ RUBBLE_HD inline Support supportOf(const ContactRows& r, const PointSupport& sum
 }
 
 /// By how much friction sees A settle against B in a step: against what correction moves them by [m].
-RUBBLE_HD inline Vec3 relativeSettling(const View& s, int a, int b) {
+RUBBLE_HD inline Vec3 relativeSettling(const SolverData& s, int a, int b) {
   return kSettling * (s.correction[b] - s.correction[a]);
 }
 
@@ -48,18 +48,18 @@ RUBBLE_HD inline Real settlingShare(Real settling2, Real bound, Real kT) {
 /// How far correction moves a body in a step: as far as what bears it, and what is corrected between the two, by the
 /// share of the weight that each bears. It rises one level of a pile per step.
 struct FindCorrections {
-  static constexpr const char* kName = "velocity";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "velocity";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.params[i].kind != BodyKind::Dynamic || isAsleep(s, i)) return;
     Vec3 sum{0, 0, 0};
     Real borne = 0;
-    const int end = s.entryOffset[i + 1];
-    for (int k = s.entryOffset[i]; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
-      const Entry& entry = s.entry[k];
-      const Support& support = s.support[entryIndex(entry.code)];
-      const Real sign = entrySide(entry.code) == 0 ? Real(-1) : Real(1), weight = sign * support.weight;
+    const int end = s.incidenceOffset[i + 1];
+    for (int k = s.incidenceOffset[i]; k < end && constraintType(s.incidence[k].code) == kContactType; ++k) {
+      const Incidence& incidence = s.incidence[k];
+      const Support& support = s.support[constraintIndex(incidence.code)];
+      const Real sign = constraintSide(incidence.code) == 0 ? Real(-1) : Real(1), weight = sign * support.weight;
       if (!(weight > Real(0))) continue;
-      const Vec3 below = entry.other >= 0 ? s.correction[entry.other] : Vec3{0, 0, 0};
+      const Vec3 below = incidence.other >= 0 ? s.correction[incidence.other] : Vec3{0, 0, 0};
       sum += weight * (below + sign * support.correction);
       borne += weight;
     }

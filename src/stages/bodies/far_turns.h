@@ -12,29 +12,29 @@ namespace rubble::RUBBLE_CORE {
 inline constexpr Real kFarTurn2 = Real(.01);
 
 /// Is a contact one with a surface that does not move?
-RUBBLE_HD inline bool isAtRest(const View& s, const ContactRows& r, int other) {
+RUBBLE_HD inline bool isAtRest(const SolverData& s, const ContactRows& r, int other) {
   const BodyKind kind = s.params[other].kind;
   if (kind == BodyKind::Dynamic) return false;
-  if (kind == BodyKind::Kinematic && (s.velocity[other] != Vec3{0, 0, 0} || s.spin[other] != Vec3{0, 0, 0}))
+  if (kind == BodyKind::Kinematic && (s.velocity[other] != Vec3{0, 0, 0} || s.angularVelocity[other] != Vec3{0, 0, 0}))
     return false;
   if (s.surfaces == 0) return true;
-  return pairMaterial(s, s.pair[s.nearPair[r.manifold]], {r.a, r.b}).belt == Vec3{0, 0, 0};
+  return pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).belt == Vec3{0, 0, 0};
 }
 
 /// Has a body rows, and do all of them act on what does not move?
-RUBBLE_HD inline bool isHeldAtRest(const View& s, int i) {
-  const int begin = s.entryOffset[i], end = s.entryOffset[i + 1];
+RUBBLE_HD inline bool isHeldAtRest(const SolverData& s, int i) {
+  const int begin = s.incidenceOffset[i], end = s.incidenceOffset[i + 1];
   for (int k = begin; k < end; ++k) {
-    const std::uint32_t code = s.entry[k].code;
-    if (entryType(code) != kContactType) return false;
-    const ContactRows& r = s.contact[entryIndex(code)];
-    if (!isAtRest(s, r, entrySide(code) == 0 ? r.b : r.a)) return false;
+    const std::uint32_t code = s.incidence[k].code;
+    if (constraintType(code) != kContactType) return false;
+    const ContactRows& r = s.contact[constraintIndex(code)];
+    if (!isAtRest(s, r, constraintSide(code) == 0 ? r.b : r.a)) return false;
   }
   return end > begin;
 }
 
 /// Share of its velocity and spin that a body keeps, at orientation q.
-RUBBLE_HD RUBBLE_APART inline Real keptMotion(const View& s, int i, Quat q, Vec3 v, Vec3 w) {
+RUBBLE_HD RUBBLE_APART inline Real keptMotion(const SolverData& s, int i, Quat q, Vec3 v, Vec3 w) {
   if (!isHeldAtRest(s, i)) return 1;
   const Vec3 principal = s.params[i].inertia;
   const Real mass = s.params[i].mass;

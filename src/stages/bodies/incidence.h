@@ -1,42 +1,42 @@
 #pragma once
 /// Which row blocks act on a body: a compressed list per dynamic body, sorted by force type and index.
-#include "stages/coarse/groups.h"
+#include "stages/coarse/aggregates.h"
 
 namespace rubble::RUBBLE_CORE {
 
 template <class Blocks>
-struct CountEntries {
-  static constexpr const char* kName = "incidence";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    Blocks::visitEntries(s, i, [&](int body, std::uint32_t, int) { atomicCount(&s.entryCount[body], 1); });
+struct CountIncidences {
+  static constexpr const char* kStage = "incidence";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    Blocks::visitEntries(s, i, [&](int body, std::uint32_t, int) { atomicCount(&s.incidenceCount[body], 1); });
   }
 };
 
-/// In no fixed order: SortEntries follows.
+/// In no fixed order: SortIncidences follows.
 template <class Blocks>
-struct FillEntries {
-  static constexpr const char* kName = "incidence";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+struct FillIncidences {
+  static constexpr const char* kStage = "incidence";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Blocks::visitEntries(s, i, [&](int body, std::uint32_t code, int other) {
-      const int slot = s.entryOffset[body] + atomicCount(&s.entryCount[body], -1) - 1;
+      const int slot = s.incidenceOffset[body] + atomicCount(&s.incidenceCount[body], -1) - 1;
       const bool inner = Blocks::kRelative && other >= 0 && s.step.coarseCorrection;
-      s.entry[slot] = {code, other, inner ? separateLevels(s, body, other) : kCoarseLevels};
+      s.incidence[slot] = {code, other, inner ? separateLevels(s, body, other) : kCoarseLevels};
     });
   }
 };
 
-struct SortEntries {
-  static constexpr const char* kName = "incidence";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    Entry* const first = s.entry + s.entryOffset[i];
-    const int count = s.entryOffset[i + 1] - s.entryOffset[i];
+struct SortIncidences {
+  static constexpr const char* kStage = "incidence";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    Incidence* const first = s.incidence + s.incidenceOffset[i];
+    const int count = s.incidenceOffset[i + 1] - s.incidenceOffset[i];
     if (count < 2) return;
     // most bodies: all in registers
     constexpr int kFew = 8, kInsertion = 24;
     if (count <= kFew) {
-      Entry own[kFew];
+      Incidence own[kFew];
       RUBBLE_UNROLL
-      for (int k = 0; k < kFew; ++k) own[k] = k < count ? first[k] : Entry{};
+      for (int k = 0; k < kFew; ++k) own[k] = k < count ? first[k] : Incidence{};
       RUBBLE_UNROLL
       for (int k = 0; k < kFew; ++k) {
         int place = 0;
@@ -48,7 +48,7 @@ struct SortEntries {
     }
     if (count <= kInsertion) {
       for (int k = 1; k < count; ++k) {
-        const Entry e = first[k];
+        const Incidence e = first[k];
         int j = k;
         for (; j > 0 && first[j - 1].code > e.code; --j) first[j] = first[j - 1];
         first[j] = e;
@@ -60,7 +60,7 @@ struct SortEntries {
       for (int child = 2 * root + 1; child < size; child = 2 * root + 1) {
         if (child + 1 < size && first[child].code < first[child + 1].code) ++child;
         if (first[root].code >= first[child].code) return;
-        const Entry e = first[root];
+        const Incidence e = first[root];
         first[root] = first[child];
         first[child] = e;
         root = child;
@@ -68,7 +68,7 @@ struct SortEntries {
     };
     for (int k = count / 2 - 1; k >= 0; --k) sift(k, count);
     for (int k = count - 1; k > 0; --k) {
-      const Entry e = first[0];
+      const Incidence e = first[0];
       first[0] = first[k];
       first[k] = e;
       sift(0, k);

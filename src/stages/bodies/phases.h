@@ -21,13 +21,13 @@ void findIncidence(E& e) {
     e.forEach(Kernel<ContactBlocks>{}, &Counters::manifolds);
     forEachType(JointTypes{}, [&]<class F>() { e.beside(Kernel<JointBlocks<F>>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
   };
-  e.clear(&View::entryCount, bodies);
-  forEachBlock.template operator()<CountEntries>();
-  soft::countEntries(e);
-  e.scan(&View::entryCount, &View::entryOffset, bodies, &Counters::entries, Per::Entry);
-  forEachBlock.template operator()<FillEntries>();
-  soft::fillEntries(e);
-  e.forEach(SortEntries{}, bodies);
+  e.clear(&SolverData::incidenceCount, bodies);
+  forEachBlock.template operator()<CountIncidences>();
+  soft::countIncidences(e);
+  e.scan(&SolverData::incidenceCount, &SolverData::incidenceOffset, bodies, &Counters::incidences, Per::Incidence);
+  forEachBlock.template operator()<FillIncidences>();
+  soft::fillIncidences(e);
+  e.forEach(SortIncidences{}, bodies);
 }
 
 /// Colors of bodies and vertices.
@@ -38,9 +38,9 @@ void color(E& e) {
   e.forEach(FindVertexClashes{}, e.view().vertices);
   e.rounds(TakeColors{}, ProposeColors{}, &Counters::clashing, &Counters::clashes, &Counters::rounds);
   e.require(Per::Color, &Counters::colors);
-  e.clear(&View::colorCount, &Counters::colors);
+  e.clear(&SolverData::colorCount, &Counters::colors);
   e.forEach(CountColors{}, bodies);
-  e.scan(&View::colorCount, &View::colorOffset, &Counters::colors);
+  e.scan(&SolverData::colorCount, &SolverData::colorOffset, &Counters::colors);
   e.forEach(FillColors{}, bodies);
   soft::listColors(e);
 }

@@ -29,27 +29,27 @@ namespace rubble::RUBBLE_CORE {
 
 /// Contacts of a step in which something may bounce.
 struct CountBounces {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int) const {
     s.counters->bounceRows = s.counters->bounces > 0 ? s.counters->manifolds : 0;
   }
 };
 
 struct StartBounces {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.counters->bounceRows > 0) s.bounceBody[i] = kUnmoved;
   }
 };
 
-RUBBLE_HD inline void reachBody(const View& s, int body, int how) {
+RUBBLE_HD inline void reachBody(const SolverData& s, int body, int how) {
   if (isDynamic(s, body)) atomicRaise(&s.bounceBody[body], how);
 }
 
 /// Seeds, and what every contact would hand on. Reads velocities of x^t.
 struct FindBounces {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const StepConstants& c = s.step;
     const ContactRows& r = s.contact[i];
     Bounce& bounce = s.bounce[i];
@@ -92,19 +92,19 @@ struct FindBounces {
   RUBBLE_HD static Vec3 restingPart(const Vec3& before, Real lambda) {
     return before.x > lambda ? (max(lambda, Real(0)) / before.x) * before : before;
   }
-  RUBBLE_HD static Displacement endOf(const View& s, int body) {
-    return isDynamic(s, body) && s.stopBits[body] != 0 ? s.stopped[body] : s.moved[body];
+  RUBBLE_HD static Displacement endOf(const SolverData& s, int body) {
+    return isDynamic(s, body) && s.stopBits[body] != 0 ? s.ccdMotion[body] : s.dx[body];
   }
 };
 
 /// One round of the reach.
-RUBBLE_HD inline bool isReached(const View& s, const ContactRows& r) {
+RUBBLE_HD inline bool isReached(const SolverData& s, const ContactRows& r) {
   return (isDynamic(s, r.a) && s.bounceBody[r.a] != kUnmoved) ||
          (isDynamic(s, r.b) && s.bounceBody[r.b] != kUnmoved);
 }
 struct ReachBounces {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const ContactRows& r = s.contact[i];
     if (!s.bounce[i].carries || !isReached(s, r)) return;
     s.bounce[i].state |= kBounceTakesPart;
@@ -112,8 +112,8 @@ struct ReachBounces {
   }
 };
 struct FindReach {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Bounce& b = s.bounce[i];
     if (b.carries && !(b.state & kBounceTakesPart) && isReached(s, s.contact[i]))
       atomicCount(&s.counters->bounceSpread, 1);
@@ -121,28 +121,28 @@ struct FindReach {
 };
 
 /// Does a contact resist rolling or spinning about its normal?
-RUBBLE_HD inline bool rollsAt(const View& s, const ContactRows& r) {
+RUBBLE_HD inline bool rollsAt(const SolverData& s, const ContactRows& r) {
   return s.rolls && (s.rolling[r.manifold].rolling > Real(0) || s.rolling[r.manifold].torsional > Real(0));
 }
 
 /// Velocities from before the impact.
 struct TakeBackBounces {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.counters->bounceRows == 0 || s.bounceBody[i] == kUnmoved || !isDynamic(s, i)) return;
     const Mobility m = mobility(s, i);
     BodyMotion taken{{0, 0, 0}, {0, 0, 0}}, kept = taken;
     bool alone = true;
-    for (int k = s.entryOffset[i]; k < s.entryOffset[i + 1]; ++k) {
-      const std::uint32_t code = s.entry[k].code;
-      if (entryType(code) != kContactType) {
+    for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) {
+      const std::uint32_t code = s.incidence[k].code;
+      if (constraintType(code) != kContactType) {
         alone = false;
         continue;
       }
-      const ContactRows& r = s.contact[entryIndex(code)];
-      const Bounce& bounce = s.bounce[entryIndex(code)];
+      const ContactRows& r = s.contact[constraintIndex(code)];
+      const Bounce& bounce = s.bounce[constraintIndex(code)];
       alone &= !rollsAt(s, r);
-      const bool onA = entrySide(code) == 0, takesPart = bounce.state & kBounceTakesPart;
+      const bool onA = constraintSide(code) == 0, takesPart = bounce.state & kBounceTakesPart;
       Vec3 t1, t2;
       tangentBasis(r.n, t1, t2);
       for (int p = 0; p < kLanes; ++p) {
@@ -166,7 +166,7 @@ struct TakeBackBounces {
       now = {s.step.inverseDt * to.dp + m.linear(kept.v), s.step.inverseDt * to.dw + m.angular(kept.w)};
     }
     if (!isFinite(now.v) || !isFinite(now.w)) return;
-    s.velocity[i] = now.v, s.spin[i] = now.w;
+    s.velocity[i] = now.v, s.angularVelocity[i] = now.w;
   }
 };
 
@@ -182,8 +182,8 @@ RUBBLE_HD inline Real meanClosing(const Impact& impact, const BodyMotion& a, con
 
 /// Contacts with bodies whose velocities from before the impact are not what they were: something else took part.
 struct CheckBounces {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Bounce& bounce = s.bounce[i];
     if (!(bounce.state & kBounceTakesPart)) return;
     const ContactRows& r = s.contact[i];
@@ -198,16 +198,16 @@ struct CheckBounces {
   }
 };
 struct ReachSolved {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const ContactRows& r = s.contact[i];
     if ((s.bounce[i].state & kBounceTakesPart) && isAsSolved(s, r))
       reachBody(s, r.a, kAsSolved), reachBody(s, r.b, kAsSolved);
   }
 };
 struct FindSolved {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const ContactRows& r = s.contact[i];
     if (!(s.bounce[i].state & kBounceTakesPart) || !isAsSolved(s, r)) return;
     const auto behind = [&](int body) { return isDynamic(s, body) && s.bounceBody[body] != kAsSolved; };
@@ -215,10 +215,10 @@ struct FindSolved {
   }
 };
 struct RestoreSolved {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.counters->bounceRows == 0 || s.bounceBody[i] != kAsSolved || !isDynamic(s, i)) return;
-    s.velocity[i] = s.bounceMotion[i].v, s.spin[i] = s.bounceMotion[i].w;
+    s.velocity[i] = s.bounceMotion[i].v, s.angularVelocity[i] = s.bounceMotion[i].w;
   }
 };
 

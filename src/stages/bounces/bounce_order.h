@@ -15,7 +15,7 @@ enum BounceState : int { kBounceSeed = 1, kBounceTakesPart = 2, kBounceActed = 4
 /// Of bodies: no part, part, part with what the step gave them.
 enum BounceBody : int { kUnmoved, kInOrder, kAsSolved };
 
-RUBBLE_HD inline bool isAsSolved(const View& s, const ContactRows& r) {
+RUBBLE_HD inline bool isAsSolved(const SolverData& s, const ContactRows& r) {
   return (isDynamic(s, r.a) && s.bounceBody[r.a] == kAsSolved) ||
          (isDynamic(s, r.b) && s.bounceBody[r.b] == kAsSolved);
 }
@@ -29,8 +29,8 @@ RUBBLE_HD inline Real bounceSpeed(Real e, Real closing, const Bounce& bounce, Re
 
 /// When a contact is to act: the time until its gap is closed.
 struct ProposeBounces {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Bounce& bounce = s.bounce[i];
     if (!(bounce.state & kBounceTakesPart)) return;
     const ContactRows& r = s.contact[i];
@@ -52,7 +52,7 @@ struct ProposeBounces {
 };
 
 /// Is contact i before j in the order in which contacts act?
-RUBBLE_HD inline bool actsBefore(const View& s, int i, int j) {
+RUBBLE_HD inline bool actsBefore(const SolverData& s, int i, int j) {
   const Real ti = s.bounce[i].time, tj = s.bounce[j].time;
   if (ti != tj) return ti < tj;
   const auto first = [&](const ContactRows& r) { return min(s.idOf[r.a], s.idOf[r.b]); };
@@ -64,8 +64,8 @@ RUBBLE_HD inline bool actsBefore(const View& s, int i, int j) {
 }
 
 struct ActBounces {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Bounce& bounce = s.bounce[i];
     if (!(bounce.state & kBounceTakesPart) || bounce.time < Real(0)) return;
     const ContactRows& r = s.contact[i];
@@ -78,17 +78,17 @@ struct ActBounces {
     bounce.state |= kBounceActed;
     if (!isFinite(a.v) || !isFinite(a.w) || !isFinite(b.v) || !isFinite(b.w)) return;
     limitSpin(a.w, s.step.dt), limitSpin(b.w, s.step.dt);
-    if (isDynamic(s, r.a)) s.velocity[r.a] = a.v, s.spin[r.a] = a.w;
-    if (isDynamic(s, r.b)) s.velocity[r.b] = b.v, s.spin[r.b] = b.w;
+    if (isDynamic(s, r.a)) s.velocity[r.a] = a.v, s.angularVelocity[r.a] = a.w;
+    if (isDynamic(s, r.b)) s.velocity[r.b] = b.v, s.angularVelocity[r.b] = b.w;
   }
 
  private:
-  RUBBLE_HD static bool isFirst(const View& s, int i, int body) {
+  RUBBLE_HD static bool isFirst(const SolverData& s, int i, int body) {
     if (!isDynamic(s, body)) return true;
-    for (int k = s.entryOffset[body]; k < s.entryOffset[body + 1]; ++k) {
-      const std::uint32_t code = s.entry[k].code;
-      if (entryType(code) != kContactType) break;
-      const int j = entryIndex(code);
+    for (int k = s.incidenceOffset[body]; k < s.incidenceOffset[body + 1]; ++k) {
+      const std::uint32_t code = s.incidence[k].code;
+      if (constraintType(code) != kContactType) break;
+      const int j = constraintIndex(code);
       const Bounce& other = s.bounce[j];
       if (j != i && (other.state & kBounceTakesPart) && other.time >= Real(0) && actsBefore(s, j, i))
         return false;
@@ -103,7 +103,7 @@ struct ActBounces {
     for (int k = 0; k < kLanes; ++k) effect[k] = actsAt(impact.r, k) ? -impact.closing(k, a, b) : Real(0);
   }
 
-  RUBBLE_HD static void act(const View& s, const ContactRows& r, const Bounce& bounce, BodyMotion& a, BodyMotion& b) {
+  RUBBLE_HD static void act(const SolverData& s, const ContactRows& r, const Bounce& bounce, BodyMotion& a, BodyMotion& b) {
     const Impact impact(s, r);
     Real c[kLanes], matrix[kLanes][kLanes], p[kLanes] = {}, effect[kLanes];
     for (int k = 0; k < kLanes; ++k) {
@@ -146,12 +146,12 @@ struct ActBounces {
   }
 
   /// Friction at the points, each within the cone of `given` times its impulse. It only ever opposes the motion that is left there.
-  RUBBLE_HD static void rub(const View& s, const ContactRows& r, const Impact& impact,
+  RUBBLE_HD static void rub(const SolverData& s, const ContactRows& r, const Impact& impact,
                             const Real (&p)[kLanes], Real given, BodyMotion& a, BodyMotion& b) {
     Vec3 t1, t2, belt{0, 0, 0};
     tangentBasis(r.n, t1, t2);
     if (s.surfaces > 0)
-      belt = s.step.inverseDt * pairMaterial(s, s.pair[s.nearPair[r.manifold]], {r.a, r.b}).belt;
+      belt = s.step.inverseDt * pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).belt;
     Real room[kLanes], resists[kLanes];
     for (int k = 0; k < kLanes; ++k) {
       room[k] = actsAt(r, k) ? r.slip[k].mu * given * p[k] : Real(0);
@@ -179,7 +179,7 @@ struct ActBounces {
   }
 
   /// On top of the velocities of the step.
-  RUBBLE_HD static void giveBack(const View& s, const ContactRows& r, const Bounce& bounce, BodyMotion& a,
+  RUBBLE_HD static void giveBack(const SolverData& s, const ContactRows& r, const Bounce& bounce, BodyMotion& a,
                                  BodyMotion& b) {
     const Impact impact(s, r);
     Real p[kLanes] = {}, effect[kLanes], load = 0;
@@ -206,8 +206,8 @@ struct ActBounces {
 
 /// The next step begins with the loads from before the impact.
 struct EndBounces {
-  static constexpr const char* kName = "bounce";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounce";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Bounce& bounce = s.bounce[i];
     if (!(bounce.state & kBounceTakesPart)) return;
     if (bounce.time >= Real(0)) atomicCount(&s.counters->bouncesLeft, 1);

@@ -23,7 +23,7 @@ struct Mobility {
     return moves ? (dot(m.v, m.v) / inverseMass + dot(m.w, inertia * m.w)) / 2 : Real(0);
   }
 };
-RUBBLE_HD inline Mobility mobility(const View& s, int body) {
+RUBBLE_HD inline Mobility mobility(const SolverData& s, int body) {
   if (!isDynamic(s, body)) return {0, {}, 0, false};
   const BodyTarget& t = s.target[body];
   // at the orientation that it has: with the inertia of x^t one that has turned since would gain energy
@@ -36,14 +36,14 @@ RUBBLE_HD inline Mobility mobility(const View& s, int body) {
   return m;
 }
 
-RUBBLE_HD inline BodyMotion motionOf(const View& s, int body) { return {s.velocity[body], s.spin[body]}; }
+RUBBLE_HD inline BodyMotion motionOf(const SolverData& s, int body) { return {s.velocity[body], s.angularVelocity[body]}; }
 
 /// A contact between two bodies that move.
 struct Impact {
   const ContactRows& r;
   Mobility a, b;
 
-  RUBBLE_HD Impact(const View& s, const ContactRows& rows)
+  RUBBLE_HD Impact(const SolverData& s, const ContactRows& rows)
       : r(rows), a(mobility(s, rows.a)), b(mobility(s, rows.b)) {}
   /// To the surface of the body itself: bodies that were apart at x^t are in touch now.
   RUBBLE_HD Vec3 leverA(int k) const { return r.place[k].rA - (half(k) * r.n); }

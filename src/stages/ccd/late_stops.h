@@ -2,14 +2,14 @@
 /// Stops of bodies that go where the broad phase did not look: boxes are swept by the velocities before the step, and an impact or the pull of a joint
 /// may make a body fast within it. Its way is checked against all bodies along it with which it makes no pair.
 #include "stages/pairs/broad_phase.h"
-#include "stages/ccd/rare_stops.h"
+#include "stages/ccd/general_stops.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// The box that a body takes up on its way.
-RUBBLE_HD inline Bounds boundsOfWay(const View& s, int i) {
+RUBBLE_HD inline Bounds boundsOfWay(const SolverData& s, int i) {
   const BodyParams& p = s.params[i];
-  const Displacement& d = s.moved[i];
+  const Displacement& d = s.dx[i];
   const Real turn = min(length(d.dw), Real(1)) * p.radius;
   Bounds b{};
   b.centre = Vec3(s.position[i]) + Real(.5) * d.dp;
@@ -20,7 +20,7 @@ RUBBLE_HD inline Bounds boundsOfWay(const View& s, int i) {
 
 /// Does the way of a body lead out of the box that the broad phase gave it, by more than bodies may be left
 /// in one another?
-RUBBLE_HD inline bool leavesBounds(const View& s, int i, const Bounds& way) {
+RUBBLE_HD inline bool leavesBounds(const SolverData& s, int i, const Bounds& way) {
   const BodyParams& p = s.params[i];
   const Bounds& b = s.bounds[i];
   const Vec3 out = abs(way.centre - b.centre) + way.half - b.half;
@@ -29,7 +29,7 @@ RUBBLE_HD inline bool leavesBounds(const View& s, int i, const Bounds& way) {
 }
 
 /// Do part `part` of a body and a part of another make a pair in this step? Against a surface, whatever the slot.
-RUBBLE_HD inline bool makePair(const View& s, int body, int part, int other, int otherPart, bool surface) {
+RUBBLE_HD inline bool makePair(const SolverData& s, int body, int part, int other, int otherPart, bool surface) {
   for (int side = 0; side < 2; ++side) {
     const int owner = side == 0 ? body : other, partner = side == 0 ? other : body;
     const int own = side == 0 ? part : otherPart, its = side == 0 ? otherPart : part;
@@ -45,12 +45,12 @@ RUBBLE_HD inline bool makePair(const View& s, int body, int part, int other, int
 
 /// Where a part of a body meets one of another that it makes no pair with, if it would go into it deeper than rows may leave it: what is less the rows of
 /// the next step push out.
-RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way, const PlacedAny& other,
+RUBBLE_HD inline TimeOfImpact meetingUnforeseen(const PlacedAny& part, const Way& way, const PlacedAny& other,
                                            const Way& otherWay, double tolerance) {
   const ShapeTables& tables = part.tables;
   const Real thin = thinner(innerRadiusOf(tables, part.shape), innerRadiusOf(tables, other.shape));
   if (part.shape.kind == ShapeKind::Distance || other.shape.kind == ShapeKind::Distance) {
-    const auto any = [](const Vec3d&, const Meeting&) { return true; };
+    const auto any = [](const Vec3d&, const TimeOfImpact&) { return true; };
     const MeetRule rule{tolerance, true, static_cast<double>(thin)};
     return part.shape.kind == ShapeKind::Distance ? meetField(part, way, other, otherWay, rule, any)
                                                   : meetField(other, otherWay, part, way, rule, any);
@@ -58,15 +58,15 @@ RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way
   const Placed convex = asConvex(part);
   if (!isSurface(other.shape.kind)) {
     const Placed its = asConvex(other);
-    const Meeting first = meeting(convex, way, its, otherWay, tolerance);
+    const TimeOfImpact first = meeting(convex, way, its, otherWay, tolerance);
     if (first.fraction > 1) return first;
     const double gap = gapAlong(movedBy(convex, way, 1), movedBy(its, otherWay, 1), first.at.n);
-    return gap < -static_cast<double>(kHeldDepth * thin) ? first : Meeting{kNeverMet, first.at};
+    return gap < -static_cast<double>(kHeldDepth * thin) ? first : TimeOfImpact{kNeverMet, first.at};
   }
   const double allowed = static_cast<double>(kHeldInSurface * thin),
                more = static_cast<double>(kDeeperYetAtRest * thin);
   const auto meet = [&](const Placed& triangle, const Vec3d& up) {
-    const Meeting first = meeting(triangle, otherWay, convex, way, tolerance);
+    const TimeOfImpact first = meeting(triangle, otherWay, convex, way, tolerance);
     return first.fraction > 0 ? first
                               : meetingBeyond(triangle, otherWay, convex, way, up, false, allowed, more);
   };
@@ -74,10 +74,10 @@ RUBBLE_HD inline Meeting meetingUnforeseen(const PlacedAny& part, const Way& way
 }
 
 struct FindLateStops {
-  static constexpr const char* kName = "stops";
-  RUBBLE_HD void operator()(const View& s, int i) const { (*this)(s, i, 0, 1); }
+  static constexpr const char* kStage = "stops";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
   /// By number `lane` of `lanes`.
-  RUBBLE_HD void operator()(const View& s, int i, int lane, int lanes) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     if (s.counters->anyFast == 0 || s.fast[i] == 0) return;
     if (s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
     const Bounds way = boundsOfWay(s, i);
@@ -85,7 +85,7 @@ struct FindLateStops {
     searchWay(s, i, way, [&](int other) {
       if (other == i || isSensor(s, other) || !mayCollide(s, i, other)) return;
       // whom its box touched has a pair with it; parts may be further apart
-      if (isPlainPair(s, i, other) && boundsTouch(s.bounds[i], s.bounds[other])) return;
+      if (isPrimitivePair(s, i, other) && boundsTouch(s.bounds[i], s.bounds[other])) return;
       const double fraction = meetBody(s, i, other);
       if (!(fraction <= 1)) return;
       const int bits = floatBits(static_cast<Real>(1 - fraction));
@@ -95,7 +95,7 @@ struct FindLateStops {
   }
 
   /// Part of the way of body i after which it meets another.
-  RUBBLE_HD static double meetBody(const View& s, int i, int other) {
+  RUBBLE_HD static double meetBody(const SolverData& s, int i, int other) {
     const ShapeData &own = s.params[i].shape, &its = s.params[other].shape;
     const bool surface = isSurface(own.kind) || isSurface(its.kind);
     const int ownParts = parts::count(s, own), itsParts = parts::count(s, its);
@@ -110,7 +110,7 @@ struct FindLateStops {
         const PlacedAny a = placedAny(s.shapeTables(), own, {0, 0, 0}, s.orientation[i], k);
         const PlacedAny b =
             placedAny(s.shapeTables(), its, s.position[other] - s.position[i], s.orientation[other], j);
-        const Meeting m = meetingUnforeseen(a, way, b, otherWay, tolerance);
+        const TimeOfImpact m = meetingUnforeseen(a, way, b, otherWay, tolerance);
         if (m.fraction > 0) first = min(first, m.fraction);
       }
     return first;
@@ -119,12 +119,12 @@ struct FindLateStops {
 
 /// The way of a body that has stopped at one with which it makes no pair.
 struct StopLateBodies {
-  static constexpr const char* kName = "stops";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "stops";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.counters->anyFast == 0 || s.stopBits[i] == 0 || s.stopPair[i] != 0) return;
     atomicCount(&s.counters->stopped, 1);
     const Real done = Real(1) - fromFloatBits(s.stopBits[i]);
-    s.stopped[i] = {done * s.moved[i].dp, 0, done * s.moved[i].dw, 0};
+    s.ccdMotion[i] = {done * s.dx[i].dp, 0, done * s.dx[i].dw, 0};
   }
 };
 

@@ -3,14 +3,14 @@
 #include "stages/executor.h"
 #include "stages/ccd/assembly_stops.h"
 #include "stages/ccd/late_stops.h"
-#include "stages/ccd/rare_stops.h"
+#include "stages/ccd/general_stops.h"
 
 namespace rubble::RUBBLE_CORE::ccd {
 
 template <Executor E>
 void stop(E& e) {
-  const View& s = e.view();
-  e.forEach(FindFast{}, s.bodies);
+  const SolverData& s = e.view();
+  e.forEach(FlagFast{}, s.bodies);
   e.require(Per::Pair, &Counters::swept);
   const bool joints = s.hasJoints();
   if (joints) {
@@ -20,7 +20,7 @@ void stop(E& e) {
   for (int round = 0; round < kStopRounds; ++round) {
     if (round > 0) e.forEach(NoteStops{round}, s.bodies);
     e.forEach(FindStops{round}, &Counters::swept);
-    if (s.rareShapes) e.forEach(FindRareStops{round}, &Counters::swept);
+    if (s.generalShapes) e.forEach(FindGeneralStops{round}, &Counters::swept);
     if (round == 0) e.forEach(FindLateStops{}, s.bodies);
   }
   if (joints) {

@@ -1,12 +1,12 @@
 #pragma once
-/// The nested cubes that groups are cut by (groups.h). Only the members of a group decide where it ends: edges are
+/// The nested cubes that aggregates are cut by (aggregates.h). Only the nodes of an aggregate decide where it ends: edges are
 /// the way of a fall in a step, g dt^2, times a power of two, and all worlds are cut alike. One of another size, whose
 /// steps are longer as its falls are, is cut at the same places.
-#include "stages/coarse/members.h"
+#include "stages/coarse/nodes.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Edge of the finest cells over the bounding radius of the larger one of two members [1], before it is rounded to
+/// Edge of the finest cells over the bounding radius of the larger one of two nodes [1], before it is rounded to
 /// a power of two times g dt^2; and how many times it is doubled from level to level.
 inline constexpr double kFinestCell = 3.5;
 inline constexpr int kCellDoublings = 3;
@@ -19,8 +19,8 @@ RUBBLE_HD inline bool shareCell(const StepConstants& c, const Vec3d& a, const Ve
   return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z);
 }
 
-/// The finest level at which two members share a cell, and so all coarser ones; kCoarseLevels if there is none.
-RUBBLE_HD inline int finestSharedLevel(const View& s, int a, int b) {
+/// The finest level at which two nodes share a cell, and so all coarser ones; kCoarseLevels if there is none.
+RUBBLE_HD inline int finestSharedLevel(const SolverData& s, int a, int b) {
   constexpr double kHalfDoubling = 1.41421356;
   const Vec3d at = placeOf(s, a), bt = placeOf(s, b);
   const double larger = static_cast<double>(max(radiusOf(s, a), radiusOf(s, b)));

@@ -1,22 +1,22 @@
 #pragma once
-/// The coarse correction: block descent whose blocks are rigid motions of whole groups. A body-by-body sweep carries news one body at a
-/// time; a sweep over groups carries it across a pile. For a group with centre c the unknowns are dx = (dp, dw), body i moves by
-/// (dp + dw x (p_i - c), dw), and the local problem [S 3]-[S 6] sums the inertia of its bodies and the rows that leave the group: rows inside do
+/// The coarse correction: block descent whose blocks are rigid motions of whole aggregates. A body-by-body sweep carries news one body at a
+/// time; a sweep over aggregates carries it across a pile. For an aggregate with centre c the unknowns are dx = (dp, dw), body i moves by
+/// (dp + dw x (p_i - c), dw), and the local problem [S 3]-[S 6] sums the inertia of its bodies and the rows that leave the aggregate: rows inside do
 /// not see a rigid motion. For contacts, linear in displacements from x^t, that is one about the places p_i of x^t; for joints, which turn, one
-/// about the present places. Groups with joints inside take the latter. Those with lumps, deformable objects and particles, do not turn (lumps.h).
-/// All groups of a level move at once, under-relaxed: a row J_a x_a + J_b x_b obeys (J_a x_a + J_b x_b)^2 <= 2 ((J_a x_a)^2 + (J_b x_b)^2), so any
+/// about the present places. Aggregates with joints inside take the latter. Those with soft nodes, deformable objects and particles, do not turn (soft_nodes.h).
+/// All aggregates of a level move at once, under-relaxed: a row J_a x_a + J_b x_b obeys (J_a x_a + J_b x_b)^2 <= 2 ((J_a x_a)^2 + (J_b x_b)^2), so any
 /// factor below 1 descends.
 #include "stages/bodies/incidence.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Under-relaxation of the simultaneous group steps: below 1, where descent is certain.
+/// Under-relaxation of the simultaneous aggregate steps: below 1, where descent is certain.
 inline constexpr Real kGroupRelaxation = Real(.8);
 
-/// Vector from the centre of a group to the place p_i that a body moves about.
-RUBBLE_HD inline Vec3 shiftOf(const View& s, const Group& group, int body) {
-  const Vec3 shift(s.position[body] - group.centre);
-  return group.joined ? shift + s.moved[body].dp : shift;
+/// Vector from the centre of an aggregate to the place p_i that a body moves about.
+RUBBLE_HD inline Vec3 shiftOf(const SolverData& s, const Aggregate& aggregate, int body) {
+  const Vec3 shift(s.position[body] - aggregate.centre);
+  return aggregate.joined ? shift + s.dx[body].dp : shift;
 }
 
 /// Adds a block about a point into one about another from which the point lies `shift` away: H' = T^T H T, f' = T^T f, T = [1, -[shift]; 0, 1].
@@ -43,203 +43,203 @@ RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shi
   to.fa += from.fa + cross(shift, from.fl);
 }
 
-/// Where the inertia of a group is summed about: its first member.
-RUBBLE_HD inline Vec3d originOf(const View& s, const Chunk& chunk) { return placeOf(s, s.member[s.memberOffset[chunk.group]]); }
+/// Where the inertia of an aggregate is summed about: its first node.
+RUBBLE_HD inline Vec3d originOf(const SolverData& s, const Slice& slice) { return placeOf(s, s.aggregateNode[s.aggregateOffset[slice.aggregate]]); }
 
-/// Adds the inertia of a body at the initial guess, about `origin`; that of lumps is summed by vertex. In the place of a force: the first moment of
-/// all members at x^t, and their mass (x of the torque).
-RUBBLE_HD inline void addInertia(const View& s, const Group& group, const Vec3d& origin, int member, Block6& sum) {
-  const bool isBody = member < s.bodies;
-  const Vec3 place(placeOf(s, member) - origin);
-  const Real mass = isBody ? s.target[member].mass.mass : massOf(s, s.lump[member - s.bodies]);
+/// Adds the inertia of a body at the initial guess, about `origin`; that of soft nodes is summed by vertex. In the place of a force: the first moment of
+/// all nodes at x^t, and their mass (x of the torque).
+RUBBLE_HD inline void addInertia(const SolverData& s, const Aggregate& aggregate, const Vec3d& origin, int node, Block6& sum) {
+  const bool isBody = node < s.bodies;
+  const Vec3 place(placeOf(s, node) - origin);
+  const Real mass = isBody ? s.target[node].mass.mass : massOf(s, s.softNode[node - s.bodies]);
   sum.fl += mass * place;
   sum.fa.x += mass;
   if (!isBody) return;
   Block6 own;
-  setInertialHessian(own, s.target[member].mass, s.step.inverseDt * s.step.inverseDt);
-  addAtLever(sum, group.joined ? place + s.moved[member].dp : place, {0, 0, 0}, own.ll.xx);
+  setInertialHessian(own, s.target[node].mass, s.step.inverseDt * s.step.inverseDt);
+  addAtLever(sum, aggregate.joined ? place + s.dx[node].dp : place, {0, 0, 0}, own.ll.xx);
   sum.aa += own.aa;
 }
 
-/// Centre of mass, and inertia about it, of a group whose members are summed about `origin`: constant in the step.
-RUBBLE_HD inline void placeGroup(Group& group, const Vec3d& origin, const Block6& sum) {
+/// Centre of mass, and inertia about it, of an aggregate whose nodes are summed about `origin`: constant in the step.
+RUBBLE_HD inline void placeAggregate(Aggregate& aggregate, const Vec3d& origin, const Block6& sum) {
   const Vec3 centre = sum.fl / sum.fa.x;
-  group.centre = origin + Vec3d(centre);
-  group.inertia = {};
-  addShifted(group.inertia, sum, -centre);
-  group.inertia.fl = group.inertia.fa = {0, 0, 0};
+  aggregate.centre = origin + Vec3d(centre);
+  aggregate.inertia = {};
+  addShifted(aggregate.inertia, sum, -centre);
+  aggregate.inertia.fl = aggregate.inertia.fa = {0, 0, 0};
 }
 
 struct SumInertia {
-  static constexpr const char* kName = "groups";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    Chunk& chunk = s.chunk[i];
-    const Vec3d origin = originOf(s, chunk);
+  static constexpr const char* kStage = "aggregates";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    Slice& slice = s.slice[i];
+    const Vec3d origin = originOf(s, slice);
     Block6 sum;
-    for (int k = chunk.begin; k < chunk.end; ++k) addInertia(s, s.group[chunk.group], origin, s.member[k], sum);
-    chunk.sum = sum;
+    for (int k = slice.begin; k < slice.end; ++k) addInertia(s, s.aggregate[slice.aggregate], origin, s.aggregateNode[k], sum);
+    slice.sum = sum;
   }
 };
 
-struct PlaceGroups {
-  static constexpr const char* kName = "groups";
-  RUBBLE_HD void operator()(const View& s, int g) const {
-    Group& group = s.group[g];
-    Block6 sum = s.chunk[group.chunkBegin].sum;
-    for (int k = group.chunkBegin + 1; k < group.chunkEnd; ++k) sum += s.chunk[k].sum;
-    placeGroup(group, originOf(s, s.chunk[group.chunkBegin]), sum);
+struct PlaceAggregates {
+  static constexpr const char* kStage = "aggregates";
+  RUBBLE_HD void operator()(const SolverData& s, int g) const {
+    Aggregate& aggregate = s.aggregate[g];
+    Block6 sum = s.slice[aggregate.sliceBegin].sum;
+    for (int k = aggregate.sliceBegin + 1; k < aggregate.sliceEnd; ++k) sum += s.slice[k].sum;
+    placeAggregate(aggregate, originOf(s, s.slice[aggregate.sliceBegin]), sum);
   }
 };
 
-/// visit(code) for the row blocks of a body that leave its group at a level. Those of lumps are summed by vertex.
+/// visit(code) for the row blocks of a body that leave its aggregate at a level. Those of soft nodes are summed by vertex.
 template <class Visit>
-RUBBLE_HD void visitExternalsOf(const View& s, int body, int level, Visit&& visit) {
+RUBBLE_HD void visitBoundaryOf(const SolverData& s, int body, int level, Visit&& visit) {
   if (body >= s.bodies) return;
-  for (int e = s.entryOffset[body]; e < s.entryOffset[body + 1]; ++e)
-    if (s.entry[e].depth > level) visit(s.entry[e].code);
+  for (int e = s.incidenceOffset[body]; e < s.incidenceOffset[body + 1]; ++e)
+    if (s.incidence[e].depth > level) visit(s.incidence[e].code);
 }
 template <class Visit>
-RUBBLE_HD void visitExternals(const View& s, int i, Visit&& visit) {
-  const Chunk& chunk = s.chunk[i];
-  const int level = s.group[chunk.group].level;
-  for (int k = chunk.begin; k < chunk.end; ++k) visitExternalsOf(s, s.member[k], level, visit);
+RUBBLE_HD void visitExternals(const SolverData& s, int i, Visit&& visit) {
+  const Slice& slice = s.slice[i];
+  const int level = s.aggregate[slice.aggregate].level;
+  for (int k = slice.begin; k < slice.end; ++k) visitBoundaryOf(s, s.aggregateNode[k], level, visit);
 }
 
-struct CountExternals {
-  static constexpr const char* kName = "groups";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+struct CountBoundary {
+  static constexpr const char* kStage = "aggregates";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     int count = 0;
     visitExternals(s, i, [&](std::uint32_t) { ++count; });
-    s.externalCount[i] = count;
+    s.boundaryCount[i] = count;
   }
 };
 
-struct FillExternals {
-  static constexpr const char* kName = "groups";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    int to = s.externalOffset[i];
-    visitExternals(s, i, [&](std::uint32_t code) { s.external[to++] = code; });
+struct FillBoundary {
+  static constexpr const char* kStage = "aggregates";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    int to = s.boundaryOffset[i];
+    visitExternals(s, i, [&](std::uint32_t code) { s.boundary[to++] = code; });
   }
 };
 
-/// Adds the inertial force of a body about the centre of its group.
-RUBBLE_HD inline void addInertialForce(const View& s, const Group& group, int body, Block6& sum) {
+/// Adds the inertial force of a body about the centre of its aggregate.
+RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& aggregate, int body, Block6& sum) {
   if (body >= s.bodies) return;
   const BodyTarget& target = s.target[body];
   Block6 own;
-  setInertialForce(own, target.mass, {s.moved[body].dp, s.turned[body]}, target.y, s.step.inverseDt * s.step.inverseDt);
+  setInertialForce(own, target.mass, {s.dx[body].dp, s.dq[body]}, target.y, s.step.inverseDt * s.step.inverseDt);
   sum.fl += own.fl;
-  sum.fa += own.fa + cross(shiftOf(s, group, body), own.fl);
+  sum.fa += own.fa + cross(shiftOf(s, aggregate, body), own.fl);
 }
 
-/// Adds points of a contact `r` that leaves the group, on its bodies' side.
+/// Adds points of a contact `r` that leaves the aggregate, on its bodies' side.
 template <class L>
-RUBBLE_HD void addExternalContact(const View& s, const Group& group, const ContactRows& r, int side, int lane, Block6T<L>& points) {
-  stampContact<L>(s.step, r, side == 0, s.moved[r.a], s.moved[r.b], lane, points, shiftOf(s, group, side == 0 ? r.a : r.b));
+RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregate, const ContactRows& r, int side, int lane, Block6T<L>& points) {
+  accumulateContact<L>(s.step, r, side == 0, s.dx[r.a], s.dx[r.b], lane, points, shiftOf(s, aggregate, side == 0 ? r.a : r.b));
 }
 
-/// Adds an attachment or contact of vertices that are not in the group.
-RUBBLE_HD RUBBLE_APART inline void addExternalSoftRows(const View& s, int group, std::uint32_t code, Block6& sum) {
-  const int type = entryType(code);
+/// Adds an attachment or contact of vertices that are not in the aggregate.
+RUBBLE_HD RUBBLE_APART inline void addBoundarySoftRows(const SolverData& s, int aggregate, std::uint32_t code, Block6& sum) {
+  const int type = constraintType(code);
   if (type != kBodyAttachmentType && type != kBodyPointContactType) return;
   Block6 own;
   addSoftRows(s, code, own);
-  const int body = type == kBodyAttachmentType ? s.attachment[entryIndex(code)].body : s.pointContact[entryIndex(code)].body;
-  addShifted(sum, own, shiftOf(s, s.group[group], body));
+  const int body = type == kBodyAttachmentType ? s.attachment[constraintIndex(code)].body : s.pointContact[constraintIndex(code)].body;
+  addShifted(sum, own, shiftOf(s, s.aggregate[aggregate], body));
 }
 
-/// A joint of up to four bodies, of which several may move with the group: one row of the motion of the group then, summed where the first of
+/// A joint of up to four bodies, of which several may move with the aggregate: one row of the motion of the aggregate then, summed where the first of
 /// them is met, and none if all do. False: just that one does.
 template <class F>
-RUBBLE_HD RUBBLE_APART bool addSharedJoint(const View& s, int g, int index, int side, Block6& sum) {
+RUBBLE_HD RUBBLE_APART bool addSharedJoint(const SolverData& s, int g, int index, int side, Block6& sum) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
-  const Group& group = s.group[g];
+  const Aggregate& aggregate = s.aggregate[g];
   const int own = bodyOf(spec, side);
   unsigned inside = 0;
   bool several = false, all = true, first = true;
   Vec3 shift[kSides<F>]{};
   for (int k = 0; k < kSides<F>; ++k) {
     const int body = bodyOf(spec, k);
-    if (body == kWorldBody || s.groupOf[atLevel(s, group.level, body)] != g) {
+    if (body == kWorldBody || s.aggregateOf[atLevel(s, aggregate.level, body)] != g) {
       all = false;
       continue;
     }
     inside |= 1u << k;
     several |= body != own;
     first &= k >= side;
-    shift[k] = shiftOf(s, group, body);
+    shift[k] = shiftOf(s, aggregate, body);
   }
   if (!several) return false;
   const Joint<F>& joint = s.jointsOf<F>()[index];
-  if (first && !all) stampJointOfGroup(spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), inside, shift, sum);
+  if (first && !all) accumulateJointOfGroup(spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), inside, shift, sum);
   return true;
 }
 
-RUBBLE_HD inline void addExternalJoint(const View& s, int group, std::uint32_t code, Block6& sum) {
+RUBBLE_HD inline void addBoundaryJoint(const SolverData& s, int aggregate, std::uint32_t code, Block6& sum) {
   forEachType(JointTypes{}, [&]<class F>() {
-    if (entryType(code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(code)) return;
+    if (constraintType(code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(code)) return;
     const int side = jointSide<F>(code), index = jointIndex<F>(code);
     const JointSpec<F>& spec = s.specsOf<F>()[index];
     if constexpr (isCarried<F>())
-      if (addSharedJoint<F>(s, group, index, side, sum)) return;
-    stampJointOfBody<F>(s, index, side, sum, shiftOf(s, s.group[group], bodyOf(spec, side)));
+      if (addSharedJoint<F>(s, aggregate, index, side, sum)) return;
+    accumulateJointOfBody<F>(s, index, side, sum, shiftOf(s, s.aggregate[aggregate], bodyOf(spec, side)));
   });
-  addExternalSoftRows(s, group, code, sum);
+  addBoundarySoftRows(s, aggregate, code, sum);
 }
 /// The same as addJointAlike.
-RUBBLE_HD RUBBLE_APART inline void addExternalPivot(const View& s, int group, const Pivot& pivot, int side, Block6& sum) {
-  stampPivotOfBody<false>(s, pivot, side, sum, [&](int body) { return shiftOf(s, s.group[group], body); });
+RUBBLE_HD RUBBLE_APART inline void addBoundaryPivot(const SolverData& s, int aggregate, const Pivot& pivot, int side, Block6& sum) {
+  accumulatePivotOfBody<false>(s, pivot, side, sum, [&](int body) { return shiftOf(s, s.aggregate[aggregate], body); });
 }
-RUBBLE_HD inline void addExternalJointAlike(const View& s, int group, std::uint32_t code, Block6& sum) {
-  if (Pivot pivot; findPivot(s, code, pivot)) addExternalPivot(s, group, pivot, entrySide(code), sum);
-  else addExternalJoint(s, group, code, sum);
+RUBBLE_HD inline void addBoundaryJointUniform(const SolverData& s, int aggregate, std::uint32_t code, Block6& sum) {
+  if (Pivot pivot; findPivot(s, code, pivot)) addBoundaryPivot(s, aggregate, pivot, constraintSide(code), sum);
+  else addBoundaryJoint(s, aggregate, code, sum);
 }
 
-/// Adds every `stride`-th of the lumps among members [k, end).
-RUBBLE_HD RUBBLE_APART inline void addLumps(const View& s, int k, int end, int stride, Block6& sum) {
+/// Adds every `stride`-th of the soft nodes among nodes [k, end).
+RUBBLE_HD RUBBLE_APART inline void addSoftNodes(const SolverData& s, int k, int end, int stride, Block6& sum) {
   for (; k < end; k += stride) {
-    if (s.member[k] < s.bodies) continue;
-    const Block3& own = s.lumpSum[s.member[k] - s.bodies];
+    if (s.aggregateNode[k] < s.bodies) continue;
+    const Block3& own = s.softNodeSum[s.aggregateNode[k] - s.bodies];
     sum.ll += own.h, sum.fl += own.f;
   }
 }
 
-/// Force and row Hessians of a chunk about the centre of its group.
+/// Force and row Hessians of a slice about the centre of its aggregate.
 template <class L>
-struct SumChunk {
-  static constexpr const char* kName = "coarse";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    Chunk& chunk = s.chunk[i];
+struct SumSlice {
+  static constexpr const char* kStage = "coarse";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    Slice& slice = s.slice[i];
     Block6 sum;
-    for (int k = chunk.begin; k < chunk.end; ++k) addInertialForce(s, s.group[chunk.group], s.member[k], sum);
-    if (s.group[chunk.group].soft) addLumps(s, chunk.begin, chunk.end, 1, sum);
-    addExternals(s, chunk, s.externalOffset[i], s.externalOffset[i + 1], sum);
-    chunk.sum = sum;
+    for (int k = slice.begin; k < slice.end; ++k) addInertialForce(s, s.aggregate[slice.aggregate], s.aggregateNode[k], sum);
+    if (s.aggregate[slice.aggregate].soft) addSoftNodes(s, slice.begin, slice.end, 1, sum);
+    addBoundary(s, slice, s.boundaryOffset[i], s.boundaryOffset[i + 1], sum);
+    slice.sum = sum;
   }
-  RUBBLE_HD static int groupOf(const View& s, int i) { return s.chunk[i].group; }
-  /// Adds the row blocks [k, end) that leave the group.
-  RUBBLE_HD static void addExternals(const View& s, const Chunk& chunk, int k, int end, Block6& sum) {
-    const Group& group = s.group[chunk.group];
+  RUBBLE_HD static int aggregateOf(const SolverData& s, int i) { return s.slice[i].aggregate; }
+  /// Adds the row blocks [k, end) that leave the aggregate.
+  RUBBLE_HD static void addBoundary(const SolverData& s, const Slice& slice, int k, int end, Block6& sum) {
+    const Aggregate& aggregate = s.aggregate[slice.aggregate];
     PointSums<L> points;
     bool touches = false;
     for (; k < end; ++k) {
-      const std::uint32_t code = s.external[k];
-      if (entryType(code) == kContactType) {
-        const ContactRows& r = s.contact[entryIndex(code)];
-        points.each([&](int lane, Block6T<L>& sum) { addExternalContact<L>(s, group, r, entrySide(code), lane, sum); });
+      const std::uint32_t code = s.boundary[k];
+      if (constraintType(code) == kContactType) {
+        const ContactRows& r = s.contact[constraintIndex(code)];
+        points.each([&](int lane, Block6T<L>& sum) { addBoundaryContact<L>(s, aggregate, r, constraintSide(code), lane, sum); });
         if (s.rolls) addRolling(s, code, sum);
         touches = true;
       } else {
-        addExternalJoint(s, chunk.group, code, sum);
+        addBoundaryJoint(s, slice.aggregate, code, sum);
       }
     }
     if (touches) points.addTo(sum);
   }
 };
 
-/// The step of a group whose rows and forces are summed: under-relaxed, and none if it is not finite. `mass`, `inertia` over dt^2; `bounded`: it would have
+/// The step of an aggregate whose rows and forces are summed: under-relaxed, and none if it is not finite. `mass`, `inertia` over dt^2; `bounded`: it would have
 /// gone further than forces and inertia allow (solver/block.h).
-RUBBLE_HD inline Vec6 groupStep(const Block6& block, Real mass, const Sym3& inertia, bool& bounded) {
+RUBBLE_HD inline Vec6 aggregateStep(const Block6& block, Real mass, const Sym3& inertia, bool& bounded) {
   Vec6 dx = newtonStep(block);
   const Vec6 none{{0, 0, 0}, {0, 0, 0}};
   if (!isFinite(dx.lin) || !isFinite(dx.ang)) return none;
@@ -247,62 +247,62 @@ RUBBLE_HD inline Vec6 groupStep(const Block6& block, Real mass, const Sym3& iner
   if (bounded) dx = diagonalStep(block);
   return isFinite(dx.lin) && isFinite(dx.ang) ? kGroupRelaxation * dx : none;
 }
-/// That of a group whose inertia is in the block: it goes along its forces.
-RUBBLE_HD inline Vec6 groupStep(const Block6& block) {
+/// That of an aggregate whose inertia is in the block: it goes along its forces.
+RUBBLE_HD inline Vec6 aggregateStep(const Block6& block) {
   bool bounded = false;
-  return groupStep(block, Real(0), Sym3{}, bounded);
+  return aggregateStep(block, Real(0), Sym3{}, bounded);
 }
-RUBBLE_HD inline Vec6 groupStep(const View& s, const Group& group, Block6 block) {
-  if (group.locks != 0) lockAxes(block, group.locks);
-  if (group.soft) {
+RUBBLE_HD inline Vec6 aggregateStep(const SolverData& s, const Aggregate& aggregate, Block6 block) {
+  if (aggregate.locks != 0) lockAxes(block, aggregate.locks);
+  if (aggregate.soft) {
     const Vec3 dx = solve(Block3{block.ll, block.fl});
     return {isFinite(dx) ? kGroupRelaxation * dx : Vec3{0, 0, 0}, {0, 0, 0}};
   }
   bool bounded = false;
-  const Vec6 dx = groupStep(block, group.inertia.ll.xx, group.inertia.aa, bounded);
+  const Vec6 dx = aggregateStep(block, aggregate.inertia.ll.xx, aggregate.inertia.aa, bounded);
   if (bounded) atomicCount(&s.counters->boundedSteps, 1);
   return dx;
 }
 
-struct SolveGroup {
-  static constexpr const char* kName = "coarse";
-  RUBBLE_HD void operator()(const View& s, int g) const {
-    Group& group = s.group[g];
-    group.step = groupStep(s, group, sumOf(s, group));
+struct SolveAggregate {
+  static constexpr const char* kStage = "coarse";
+  RUBBLE_HD void operator()(const SolverData& s, int g) const {
+    Aggregate& aggregate = s.aggregate[g];
+    aggregate.step = aggregateStep(s, aggregate, sumOf(s, aggregate));
   }
-  RUBBLE_HD static int groupOf(const View&, int g) { return g; }
-  /// Its local problem: inertia and the sums of its chunks.
-  RUBBLE_HD static Block6 sumOf(const View& s, const Group& group) {
-    Block6 block = group.inertia;
-    for (int k = group.chunkBegin; k < group.chunkEnd; ++k) block += s.chunk[k].sum;
+  RUBBLE_HD static int aggregateOf(const SolverData&, int g) { return g; }
+  /// Its local problem: inertia and the sums of its slices.
+  RUBBLE_HD static Block6 sumOf(const SolverData& s, const Aggregate& aggregate) {
+    Block6 block = aggregate.inertia;
+    for (int k = aggregate.sliceBegin; k < aggregate.sliceEnd; ++k) block += s.slice[k].sum;
     return block;
   }
 };
 
-/// Moves a body with its group.
-RUBBLE_HD inline void moveWithGroup(const View& s, const Group& group, int body) {
+/// Moves a body with its aggregate.
+RUBBLE_HD inline void moveWithAggregate(const SolverData& s, const Aggregate& aggregate, int body) {
   if (body >= s.bodies) return;
-  const Vec3 move = group.step.lin + cross(group.step.ang, shiftOf(s, group, body));
-  const Pose x = retract({s.moved[body].dp, s.turned[body]}, {move, group.step.ang});
-  s.turned[body] = x.q;
-  s.moved[body] = {x.p, 0, logRotation(x.q), 0};
+  const Vec3 move = aggregate.step.lin + cross(aggregate.step.ang, shiftOf(s, aggregate, body));
+  const Pose x = retract({s.dx[body].dp, s.dq[body]}, {move, aggregate.step.ang});
+  s.dq[body] = x.q;
+  s.dx[body] = {x.p, 0, logRotation(x.q), 0};
 }
 
-struct MoveChunk {
-  static constexpr const char* kName = "coarse";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    const Chunk& chunk = s.chunk[i];
-    const Group& group = s.group[chunk.group];
-    for (int k = chunk.begin; k < chunk.end; ++k) moveWithGroup(s, group, s.member[k]);
+struct MoveSlice {
+  static constexpr const char* kStage = "coarse";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    const Slice& slice = s.slice[i];
+    const Aggregate& aggregate = s.aggregate[slice.aggregate];
+    for (int k = slice.begin; k < slice.end; ++k) moveWithAggregate(s, aggregate, s.aggregateNode[k]);
   }
-  RUBBLE_HD static int groupOf(const View& s, int i) { return s.chunk[i].group; }
+  RUBBLE_HD static int aggregateOf(const SolverData& s, int i) { return s.slice[i].aggregate; }
 };
-/// One of these stages for groups with lumps alone.
+/// One of these stages for aggregates with soft nodes alone.
 template <class Stage>
-struct WithLumps {
-  static constexpr const char* kName = Stage::kName;
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    if (s.group[Stage::groupOf(s, i)].soft) Stage{}(s, i);
+struct WithSoftNodes {
+  static constexpr const char* kStage = Stage::kStage;
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (s.aggregate[Stage::aggregateOf(s, i)].soft) Stage{}(s, i);
   }
 };
 

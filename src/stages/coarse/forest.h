@@ -4,18 +4,18 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline int findLeader(const int* leader, int i) {
-  while (leader[i] != i) i = leader[i];
+RUBBLE_HD inline int findRoot(const int* root, int i) {
+  while (root[i] != i) i = root[i];
   return i;
 }
 
-/// Unites the sets of a and b; the lower leader leads, so the result does not depend on the order of unions.
-RUBBLE_HD inline void unite(int* leader, int a, int b) {
+/// Unites the sets of a and b; the lower root leads, so the result does not depend on the order of unions.
+RUBBLE_HD inline void unite(int* root, int a, int b) {
   for (;;) {
-    a = findLeader(leader, a), b = findLeader(leader, b);
+    a = findRoot(root, a), b = findRoot(root, b);
     if (a == b) return;
     const int low = a < b ? a : b, high = a < b ? b : a;
-    if (atomicClaim(&leader[high], high, low) == high) return;
+    if (atomicClaim(&root[high], high, low) == high) return;
   }
 }
 

@@ -5,7 +5,7 @@
 #include "stages/coarse/cells.h"
 #include "stages/bodies/corrections.h"
 #include "stages/contacts/materials.h"
-#include "stages/pairs/near_pairs.h"
+#include "stages/pairs/active_pairs.h"
 #include "stages/contacts/rolled.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -17,14 +17,14 @@ RUBBLE_HD inline int countPoints(unsigned bits) {
 }
 
 /// What manifold i was in the step before, or null.
-RUBBLE_HD inline const Manifold* manifoldBefore(const View& s, int i) {
-  const int old = s.manifoldBefore[s.nearPair[i]];
+RUBBLE_HD inline const Manifold* manifoldBefore(const SolverData& s, int i) {
+  const int old = s.manifoldBefore[s.activePair[i]];
   return old < 0 ? nullptr : &s.oldManifold[old];
 }
 
 /// Notes which points of manifold i take part in the step. Those of one without any are forgotten.
-RUBBLE_HD inline void keepManifold(const View& s, int i, const OrderedPair& o, const PairPose& pair, Manifold m) {
-  const WakeRule awake = wakeRule(s, o);
+RUBBLE_HD inline void keepManifold(const SolverData& s, int i, const OrderedPair& o, const PairPose& pair, Manifold m) {
+  const ActivationRule awake = activationRule(s, o);
   m.awake = 0;
   for (int k = 0; k < m.count; ++k)
     if (awake(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t), m.lambdaN[k])) m.awake |= static_cast<std::uint8_t>(1u << k);
@@ -39,12 +39,12 @@ RUBBLE_HD inline void keepManifold(const View& s, int i, const OrderedPair& o, c
 }
 
 /// What a part has of a surface is gathered anew in every step.
-RUBBLE_HD inline bool mayRecycle(const View& s, const OrderedPair& o) {
-  return !s.rareShapes || !(isSurface(s.params[o.a].shape.kind) || isSurface(s.params[o.b].shape.kind));
+RUBBLE_HD inline bool mayRecycle(const SolverData& s, const OrderedPair& o) {
+  return !s.generalShapes || !(isSurface(s.params[o.a].shape.kind) || isSurface(s.params[o.b].shape.kind));
 }
 
 /// A pair of which no body moves has everything kept as it is.
-RUBBLE_HD inline bool keepAsleep(const View& s, int i, const Pair& p, const Manifold* old) {
+RUBBLE_HD inline bool keepAsleep(const SolverData& s, int i, const Pair& p, const Manifold* old) {
   if (!old || !s.step.sleeping || moves(s, p.owner) || moves(s, p.other)) return false;
   s.manifold[i] = *old;
   s.manifold[i].row = -1;
@@ -54,9 +54,9 @@ RUBBLE_HD inline bool keepAsleep(const View& s, int i, const Pair& p, const Mani
 
 /// Narrow phase of near pairs that have hardly moved: the manifold of the step before. The others are listed.
 struct RecycleManifolds {
-  static constexpr const char* kName = "narrow";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    const int pair = s.nearPair[i];
+  static constexpr const char* kStage = "narrow";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    const int pair = s.activePair[i];
     const Pair p = s.pair[pair];
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
@@ -69,13 +69,13 @@ struct RecycleManifolds {
   }
 };
 
-/// Narrow phase of the listed pairs of plain shapes: a new manifold, whose points are matched with the old ones. Others follow in TestRarePairs.
+/// Narrow phase of the listed pairs of plain shapes: a new manifold, whose points are matched with the old ones. Others follow in TestGeneralPairs.
 struct TestPairs {
-  static constexpr const char* kName = "narrow";
-  RUBBLE_HD void operator()(const View& s, int t) const {
-    const int i = s.tested[t], pair = s.nearPair[i];
+  static constexpr const char* kStage = "narrow";
+  RUBBLE_HD void operator()(const SolverData& s, int t) const {
+    const int i = s.tested[t], pair = s.activePair[i];
     const OrderedPair o = ordered(s.pair[pair]);
-    if (s.rareShapes && !isPlainPair(s, o.a, o.b)) return;
+    if (s.generalShapes && !isPrimitivePair(s, o.a, o.b)) return;
     const PairPose pose = pairPose(s, o);
     const RawManifold raw = collide(s.params[o.a].shape, s.params[o.b].shape, pose);
     s.pairTest[pair] = pairTest(raw, pose);
@@ -97,11 +97,11 @@ struct PairRows {
 };
 
 /// A point this deep, over half the thickness of its dynamic body [1], in what does not yield: whatever presses the body there, it goes no deeper than
-/// fast bodies may (stages/ccd/stops.h).
+/// fast bodies may (stages/ccd/fast_bodies.h).
 inline constexpr Real kPressedDepth = Real(.1);
 
 /// Notes bodies that are pressed into static or kinematic ones.
-RUBBLE_HD inline void notePressed(const View& s, const OrderedPair& o, Real depth) {
+RUBBLE_HD inline void notePressed(const SolverData& s, const OrderedPair& o, Real depth) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   const bool moves = pa.kind == BodyKind::Dynamic;
   if (moves == (pb.kind == BodyKind::Dynamic)) return;
@@ -125,7 +125,7 @@ RUBBLE_HD inline bool slides(const Manifold& m, Real muStatic) {
 }
 
 /// Speed at which the fastest of the points of a manifold that stop an approach in this step closes, 0: none does [m/s].
-RUBBLE_HD inline Real fastestPoint(const View& s, const Manifold& m, const PairRows& p, const Vec3& n, Real length) {
+RUBBLE_HD inline Real fastestPoint(const SolverData& s, const Manifold& m, const PairRows& p, const Vec3& n, Real length) {
   Real fastest = 0;
   const int a = p.bodies.a, b = p.bodies.b;
   if (!(pairSpeed(s, a, b, s.params[a], s.params[b]).closing > impactSpeed(s.step, length))) return fastest;
@@ -153,7 +153,7 @@ RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real 
 }
 
 /// Ceiling of |lambda| of a contact whose bodies close at that speed [N].
-RUBBLE_HD inline Real largestLoad(const View& s, const OrderedPair& o, Real closing) {
+RUBBLE_HD inline Real largestLoad(const SolverData& s, const OrderedPair& o, Real closing) {
   const Real inverseDt = s.step.inverseDt;
   Real mass = 0, massLength = 0;
   for (const int body : {o.a, o.b}) {
@@ -166,10 +166,10 @@ RUBBLE_HD inline Real largestLoad(const View& s, const OrderedPair& o, Real clos
 }
 
 /// Begins the rows of manifold i: everything but its points. `r` is all zeros.
-RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
+RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) {
   const StepConstants& c = s.step;
   const Manifold& m = s.manifold[i];
-  const Pair& pair = s.pair[s.nearPair[i]];
+  const Pair& pair = s.pair[s.activePair[i]];
   const OrderedPair o = ordered(pair);
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   PairRows p;
@@ -194,14 +194,14 @@ RUBBLE_HD inline PairRows beginRows(const View& s, int i, ContactRows& r) {
   p.normal = contactRule(c, r.start, r.length);
   const ShapeTables tables = s.shapeTables();
   const Real thin = thinner(innerRadiusOf(tables, pa.shape), innerRadiusOf(tables, pb.shape));
-  const Real speed = max(fastestPoint(s, m, p, r.n, r.length), agitationOf(s, o.a, o.b));
+  const Real speed = max(fastestPoint(s, m, p, r.n, r.length), impactSpeedBoundOf(s, o.a, o.b));
   p.normal.perLoad = r.perLoad = stiffnessPerLoad(c, speed, thin);
   p.tangent = tangentRule(c, p.normal);
   return p;
 }
 
 /// Rows of point k, in lane `to` of r: geometry, regularised errors, warm start [S 12] [S 17]. Returns whether it stops a fast approach.
-RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRows& p, int k, ContactRows& r, int to) {
+RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p, int k, ContactRows& r, int to) {
   const StepConstants& c = s.step;
   const OrderedPair& o = p.bodies;
   const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
@@ -241,12 +241,12 @@ RUBBLE_HD inline bool buildPoint(const View& s, const Manifold& m, const PairRow
 }
 
 /// Does point k hold its bodies together now, up to the gap below which a point is not dormant?
-RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) { return r.load[k].kN > Real(0) && r.place[k].c0 > -kDormantGap * r.length; }
+RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) { return r.load[k].kN > Real(0) && r.place[k].c0 > -kInactiveGap * r.length; }
 
 /// Level of the groups at which rows unite their bodies: the finest at which these share a cell (cells.h), if a point holds them together or
 /// stops their approach in this step (bits of `impact`): what strikes together moves on together, and sweeps over one body at a time find
 /// that last.
-RUBBLE_HD inline int joinLevel(const View& s, const ContactRows& r, int impact) {
+RUBBLE_HD inline int joinLevel(const SolverData& s, const ContactRows& r, int impact) {
   for (int k = 0; k < kLanes; ++k)
     if (holdsAt(r, k) || (impact >> k & 1)) return finestSharedLevel(s, r.a, r.b);
   return kCoarseLevels;
@@ -254,8 +254,8 @@ RUBBLE_HD inline int joinLevel(const View& s, const ContactRows& r, int impact) 
 
 /// Rows of manifold i at x^t. Points that are not awake have k = 0.
 struct BuildContactRows {
-  static constexpr const char* kName = "rows";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "rows";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.hasRows[i] == 0) return;
     Manifold& m = s.manifold[i];
     m.row = s.rowOffset[i];
@@ -274,11 +274,11 @@ struct BuildContactRows {
 /// The dual update of all contacts.
 template <class L>
 struct UpdateContactDuals {
-  static constexpr const char* kName = "dual";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "dual";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     constexpr int kStep = sizeof(L) / sizeof(Real);
     ContactRows& r = s.contact[i];
-    for (int lane = 0; lane < kLanes; lane += kStep) updateContactDuals<L>(s.step, r, s.moved[r.a], s.moved[r.b], lane);
+    for (int lane = 0; lane < kLanes; lane += kStep) updateContactDuals<L>(s.step, r, s.dx[r.a], s.dx[r.b], lane);
   }
 };
 
@@ -288,9 +288,9 @@ struct StoredFrame {
   Quat turnA, turnB;
   Vec3 t1, t2;
 };
-RUBBLE_HD inline StoredFrame storedFrame(const View& s, const ContactRows& r) {
+RUBBLE_HD inline StoredFrame storedFrame(const SolverData& s, const ContactRows& r) {
   StoredFrame f;
-  f.a = s.moved[r.a], f.b = s.moved[r.b];
+  f.a = s.dx[r.a], f.b = s.dx[r.b];
   f.turnA = expRotation(f.a.dw), f.turnB = expRotation(f.b.dw);
   tangentBasis(r.n, f.t1, f.t2);
   return f;
@@ -311,7 +311,7 @@ RUBBLE_HD inline PointBefore pointBefore(const Manifold& m, int k, bool impact) 
   return before;
 }
 /// Notes the multipliers with which point k of rows i began the step, where something may bounce (bounce.h).
-RUBBLE_HD inline void noteBefore(const View& s, int i, const Manifold& m, int k) {
+RUBBLE_HD inline void noteBefore(const SolverData& s, int i, const Manifold& m, int k) {
   if (i < s.counters->bounceRows) s.bounce[i].before[k] = multipliersBefore(m, k);
 }
 
@@ -320,13 +320,13 @@ struct StoredPoint {
   PointMemory memory;
   bool sticks;
 };
-RUBBLE_HD inline StoredPoint storedPoint(const View& s, const ContactRows& r, const StoredFrame& f, int k, bool impact,
+RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows& r, const StoredFrame& f, int k, bool impact,
                                          const PointBefore& before) {
   const PointLoad load = r.load[k];
   const PointSlip slip = r.slip[k];
   const Vec3 lambda = impact ? before.lambda : Vec3{load.lambdaN, load.lambda1, load.lambda2};
-  const bool acts = load.kN > Real(0);
-  PointMemory m{lambda.x, lambda.y, lambda.z, acts ? load.kN : r.start, acts ? slip.kT : r.start * s.step.tangentStiffness, 0, 0};
+  const bool active = load.kN > Real(0);
+  PointMemory m{lambda.x, lambda.y, lambda.z, active ? load.kN : r.start, active ? slip.kT : r.start * s.step.tangentStiffness, 0, 0};
   // the force on the cone tells
   const Real lt2 = load.lambda1 * load.lambda1 + load.lambda2 * load.lambda2, bound = slip.mu * load.lambdaN;
   const bool stuck = load.lambdaN > Real(0) && lt2 < bound * bound * (Real(1) - Real(1e-5));
@@ -346,7 +346,7 @@ RUBBLE_HD inline StoredPoint storedPoint(const View& s, const ContactRows& r, co
   m.drift1 = before.drift1 + dot(f.t1, d);
   m.drift2 = before.drift2 + dot(f.t2, d);
   if (s.surfaces > 0) {
-    const Vec3 belt = pairMaterial(s, s.pair[s.nearPair[r.manifold]], {r.a, r.b}).belt;
+    const Vec3 belt = pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).belt;
     m.drift1 += dot(f.t1, belt);
     m.drift2 += dot(f.t2, belt);
   }
@@ -356,8 +356,8 @@ RUBBLE_HD inline StoredPoint storedPoint(const View& s, const ContactRows& r, co
 /// The last dual update, and what the points hand on to the next step.
 template <class L>
 struct FinishContacts {
-  static constexpr const char* kName = "store";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "store";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     UpdateContactDuals<L>{}(s, i);
     const ContactRows& r = s.contact[i];
     Manifold& m = s.manifold[r.manifold];

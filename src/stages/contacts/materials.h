@@ -19,7 +19,7 @@ RUBBLE_HD inline Real combined(int ruleA, int ruleB, Combine usual, Real a, Real
 }
 
 /// The material of a part of a body; `part` is 0 for what is no compound.
-RUBBLE_HD inline SurfaceData surfaceOf(const View& s, int body, int part) {
+RUBBLE_HD inline SurfaceData surfaceOf(const SolverData& s, int body, int part) {
   const BodyParams& p = s.params[body];
   int index = p.surface;
   if (p.shape.kind == ShapeKind::Compound) {
@@ -37,7 +37,7 @@ struct PairMaterial {
   Vec3 belt;                ///< how far the surface of A moves against that of B in a step, besides their bodies [m]
 };
 
-RUBBLE_HD inline PairMaterial pairMaterial(const View& s, const Pair& pair, const OrderedPair& o) {
+RUBBLE_HD inline PairMaterial pairMaterial(const SolverData& s, const Pair& pair, const OrderedPair& o) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   if (s.surfaces == 0)
     return {std::sqrt(pa.muStatic * pb.muStatic), std::sqrt(pa.muDynamic * pb.muDynamic), max(pa.restitution, pb.restitution), 0, 0, {0, 0, 0}};

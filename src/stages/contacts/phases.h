@@ -2,7 +2,7 @@
 /// Contacts of bodies: manifolds, rows and their multipliers.
 #include "stages/executor.h"
 #include "stages/bodies/corrections.h"
-#include "stages/contacts/rare_contacts.h"
+#include "stages/contacts/general_contacts.h"
 #include "stages/contacts/rolling.h"
 #include "stages/bounces/bounce.h"
 
@@ -11,24 +11,24 @@ namespace rubble::RUBBLE_CORE::contacts {
 /// Manifolds and rows at x^t.
 template <Executor E>
 void prepare(E& e) {
-  const View& s = e.view();
-  e.clear(&View::agitation, s.bodies);
-  e.forEach(FindAgitation{}, &Counters::pairs);
-  e.forEach(FindNearPairs{}, &Counters::pairs);
-  e.forEach(TestFreshPairs{}, &Counters::freshPairs);
-  e.scan(&View::isNear, &View::nearPairOffset, &Counters::pairs, &Counters::nearPairs, Per::NearPair);
-  e.forEach(ListNearPairs{}, &Counters::pairs);
-  e.forEach(RecycleManifolds{}, &Counters::nearPairs);
+  const SolverData& s = e.view();
+  e.clear(&SolverData::impactSpeedBound, s.bodies);
+  e.forEach(FindImpactSpeedBounds{}, &Counters::pairs);
+  e.forEach(FindActivePairs{}, &Counters::pairs);
+  e.forEach(TestNewPairs{}, &Counters::newPairs);
+  e.scan(&SolverData::isActive, &SolverData::activePairOffset, &Counters::pairs, &Counters::activePairs, Per::ActivePair);
+  e.forEach(ListActivePairs{}, &Counters::pairs);
+  e.forEach(RecycleManifolds{}, &Counters::activePairs);
   e.forEach(TestPairs{}, &Counters::tested);
-  if (s.rareShapes) e.forEach(TestRarePairs{}, &Counters::tested);
-  e.scan(&View::hasRows, &View::rowOffset, &Counters::nearPairs, &Counters::manifolds, Per::Manifold);
+  if (s.generalShapes) e.forEach(TestGeneralPairs{}, &Counters::tested);
+  e.scan(&SolverData::hasRows, &SolverData::rowOffset, &Counters::activePairs, &Counters::manifolds, Per::Manifold);
   if (s.rolls) {
     e.forEach(CountRolling{}, 1);
     e.require(Per::Rolling, &Counters::rollers);
     e.forEach(BuildRolling{}, &Counters::rollers);
   }
-  e.lodgeRows();
-  e.forEach(BuildContactRows{}, &Counters::nearPairs);
+  e.aliasRows();
+  e.forEach(BuildContactRows{}, &Counters::activePairs);
   if (!s.bounces) return;
   e.forEach(CountBounces{}, 1);
   e.require(Per::Bounce, &Counters::bounceRows);

@@ -9,7 +9,7 @@ namespace rubble::RUBBLE_CORE {
 inline constexpr Real kUnrolled2 = Real(1e-4);
 
 /// What sweptBy() says, for a rotation that counts.
-RUBBLE_HD RUBBLE_APART inline Vec3 rolledBy(const View& s, int body, Vec3 dw, Quat turn, Vec3 r, Vec3 out) {
+RUBBLE_HD RUBBLE_APART inline Vec3 rolledBy(const SolverData& s, int body, Vec3 dw, Quat turn, Vec3 r, Vec3 out) {
   const ShapeData& shape = s.params[body].shape;
   // about points, edges and segments at a distance `radius`
   const Vec3 round = shape.radius * out, core = r - round;
@@ -22,7 +22,7 @@ RUBBLE_HD RUBBLE_APART inline Vec3 rolledBy(const View& s, int body, Vec3 dw, Qu
 /// What the rotation `dw` (as a quaternion: `turn`) of a body moves the point that touches by, at lever r [m].
 /// `out`: the normal out of the body. The point is carried along, but for what is round: as that rolls,
 /// another point of it touches, and the one that touched goes on an arc that is no slip.
-RUBBLE_HD inline Vec3 sweptBy(const View& s, int body, const Vec3& dw, const Quat& turn, const Vec3& r,
+RUBBLE_HD inline Vec3 sweptBy(const SolverData& s, int body, const Vec3& dw, const Quat& turn, const Vec3& r,
                               const Vec3& out) {
   return dot(dw, dw) < kUnrolled2 ? rotate(turn, r) - r : rolledBy(s, body, dw, turn, r, out);
 }

@@ -6,19 +6,19 @@ namespace rubble::RUBBLE_CORE {
 
 /// As many as there are manifolds.
 struct CountRolling {
-  static constexpr const char* kName = "rows";
-  RUBBLE_HD void operator()(const View& s, int) const { s.counters->rollers = s.counters->nearPairs; }
+  static constexpr const char* kStage = "rows";
+  RUBBLE_HD void operator()(const SolverData& s, int) const { s.counters->rollers = s.counters->activePairs; }
 };
 
 /// Rows of every touching pair at x^t; multipliers go on from the step before.
 struct BuildRolling {
-  static constexpr const char* kName = "rows";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "rows";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     RollingRows r{{0, 0, 1}, {0, 0, 0}, 0, 0, 0, 0};
     const Manifold& m = s.manifold[i];
-    const Pair p = s.pair[s.nearPair[i]];
+    const Pair p = s.pair[s.activePair[i]];
     const OrderedPair o = ordered(p);
-    const int before = s.manifoldBefore[s.nearPair[i]];
+    const int before = s.manifoldBefore[s.activePair[i]];
     if (s.step.sleeping && !moves(s, o.a) && !moves(s, o.b)) {
       // kept as it is, like the manifold
       if (before >= 0 && s.rolledBefore) r = s.oldRolling[before];
@@ -40,19 +40,19 @@ struct BuildRolling {
 };
 
 struct UpdateRollingDuals {
-  static constexpr const char* kName = "dual";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "dual";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const ContactRows& m = s.contact[i];
     RollingRows& r = s.rolling[m.manifold];
     if (r.kRoll == Real(0) && r.kTwist == Real(0)) return;
-    r.lambda = rollingMoment(r, s.moved[m.a].dw - s.moved[m.b].dw, sumOfNormals(m)).moment;
+    r.lambda = rollingMoment(r, s.dx[m.a].dw - s.dx[m.b].dw, sumOfNormals(m)).moment;
   }
 };
 
 /// Adds the rolling friction of a contact on one of its bodies; angular moments are the same about every point. Hessians count `weight` times.
-RUBBLE_HD inline void addRolling(const View& s, std::uint32_t code, Block6& block, Real weight = 1) {
-  const ContactRows& m = s.contact[entryIndex(code)];
-  stampRolling(s.rolling[m.manifold], m, entrySide(code) == 0, s.moved[m.a], s.moved[m.b], block, weight);
+RUBBLE_HD inline void addRolling(const SolverData& s, std::uint32_t code, Block6& block, Real weight = 1) {
+  const ContactRows& m = s.contact[constraintIndex(code)];
+  accumulateRolling(s.rolling[m.manifold], m, constraintSide(code) == 0, s.dx[m.a], s.dx[m.b], block, weight);
 }
 
 }  // namespace rubble::RUBBLE_CORE

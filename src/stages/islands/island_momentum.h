@@ -16,7 +16,7 @@
 /// repair too, the motion of its bodies against that of a rigid whole is reduced to what is left for it.
 /// Such a motion has no momenta, and no joint sees it reduced.
 ///
-/// Bodies of the coarsest group (groups.h) are connected already, so few rows are left to unite. Sums are of
+/// Bodies of the coarsest group (aggregates.h) are connected already, so few rows are left to unite. Sums are of
 /// whole numbers, so that their order does not matter (IslandSums).
 #include <limits>
 
@@ -25,11 +25,11 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Forest of the bodies that rows connect: that of the coarsest groups, or one of its own.
-RUBBLE_HD inline int* islandForest(const View& s) { return s.leader + atLevel(s, kCoarseLevels - 1, 0); }
+RUBBLE_HD inline int* islandForest(const SolverData& s) { return s.root + atLevel(s, kCoarseLevels - 1, 0); }
 
 struct StartIslandForest {
-  static constexpr const char* kName = "momentum";
-  RUBBLE_HD void operator()(const View& s, int i) const { islandForest(s)[i] = i; }
+  static constexpr const char* kStage = "momentum";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { islandForest(s)[i] = i; }
 };
 
 /// What rows do with an island, as bits.
@@ -37,7 +37,7 @@ inline constexpr int kHeld = 1;    ///< they act on something that is no body of
 inline constexpr int kJoined = 2;  ///< there are joints, which may have springs and drives
 
 /// Does a joint act on something that is no body of the forest?
-template <class F> RUBBLE_HD bool isJointHeld(const View& s, std::uint32_t code) {
+template <class F> RUBBLE_HD bool isJointHeld(const SolverData& s, std::uint32_t code) {
   if constexpr (F::kGrounded) return true;
   if constexpr (isCarried<F>()) {
     const JointSpec<F>& spec = s.specsOf<F>()[jointIndex<F>(code)];
@@ -46,32 +46,32 @@ template <class F> RUBBLE_HD bool isJointHeld(const View& s, std::uint32_t code)
   }
   return false;
 }
-RUBBLE_HD inline int bondsOf(const View& s, const Entry& entry) {
-  const int type = entryType(entry.code);
-  if (entry.other < 0 || type > JointTypes::kSize) return kHeld;
+RUBBLE_HD inline int bondsOf(const SolverData& s, const Incidence& incidence) {
+  const int type = constraintType(incidence.code);
+  if (incidence.other < 0 || type > JointTypes::kSize) return kHeld;
   if (type == kContactType) return 0;
   bool held = false;
   forEachType(JointTypes{}, [&]<class F>() {
-    if (type == typeIndex<F>(JointTypes{}) + 1) held = isJointHeld<F>(s, entry.code);
+    if (type == typeIndex<F>(JointTypes{}) + 1) held = isJointHeld<F>(s, incidence.code);
   });
   return held ? kHeld : kJoined;
 }
 
 /// Unites bodies that rows connect beyond the coarsest groups, and finds those that something holds.
 struct JoinMomentumIslands {
-  static constexpr const char* kName = "momentum";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "momentum";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!isDynamic(s, i)) {
       s.islandBonds[i] = kHeld;
       return;
     }
     s.islandMassLength[i] = floatBits(s.params[i].mass * 2 * s.params[i].radius);
     int bonds = s.target[i].locks != 0 ? kHeld : 0;
-    for (int k = s.entryOffset[i]; k < s.entryOffset[i + 1]; ++k) {
-      const Entry entry = s.entry[k];
-      bonds |= bondsOf(s, entry);
-      if (entry.depth == kCoarseLevels && entry.other > i && entry.other < s.bodies)
-        unite(islandForest(s), i, entry.other);
+    for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) {
+      const Incidence incidence = s.incidence[k];
+      bonds |= bondsOf(s, incidence);
+      if (incidence.depth == kCoarseLevels && incidence.other > i && incidence.other < s.bodies)
+        unite(islandForest(s), i, incidence.other);
     }
     s.islandBonds[i] = bonds;
   }
@@ -79,9 +79,9 @@ struct JoinMomentumIslands {
 
 /// The island of each body, and what rows do with it.
 struct FindMomentumIslands {
-  static constexpr const char* kName = "momentum";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    const int root = findLeader(islandForest(s), i);
+  static constexpr const char* kStage = "momentum";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    const int root = findRoot(islandForest(s), i);
     s.rowIsland[i] = root;
     if (root == i || !isDynamic(s, i)) return;
     const int own = s.islandBonds[i];
@@ -93,17 +93,17 @@ struct FindMomentumIslands {
 
 /// Islands that nothing holds: their leaders have a place, all others -1.
 struct NumberFreeIslands {
-  static constexpr const char* kName = "momentum";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "momentum";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (isDynamic(s, i)) s.islandMassLength[i] = s.islandMassLength[s.rowIsland[i]];
     const bool leads = s.rowIsland[i] == i && (s.islandBonds[i] & kHeld) == 0;
-    const bool isFree = leads && s.entryOffset[i + 1] > s.entryOffset[i];
+    const bool isFree = leads && s.incidenceOffset[i + 1] > s.incidenceOffset[i];
     s.islandSlot[i] = isFree ? atomicCount(&s.counters->freeIslands, 1) : -1;
   }
 };
 struct BeginFreeIslands {
-  static constexpr const char* kName = "momentum";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "momentum";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.counters->freeIslands == 0 || s.islandSlot[i] < 0) return;
     IslandSums sums{};
     sums.root = i;
@@ -111,22 +111,22 @@ struct BeginFreeIslands {
   }
 };
 /// The place of the island of a body, -1: something holds it, or it has no rows.
-RUBBLE_HD inline int freeIslandOf(const View& s, int i) {
+RUBBLE_HD inline int freeIslandOf(const SolverData& s, int i) {
   return s.counters->freeIslands > 0 && isDynamic(s, i) ? s.islandSlot[s.rowIsland[i]] : -1;
 }
 
 /// What a body adds to the sums of its island. Places and velocities are those against where the leader is,
 /// and how it would go.
-RUBBLE_HD inline MomentumSums momentaOf(const View& s, int root, int i) {
+RUBBLE_HD inline MomentumSums momentaOf(const SolverData& s, int root, int i) {
   const BodyTarget& target = s.target[i];
   const bool stopped = s.stopBits[i] != 0;
-  const Vec3 principal = s.params[i].inertia, way = stopped ? s.stopped[i].dp : s.moved[i].dp;
+  const Vec3 principal = s.params[i].inertia, way = stopped ? s.ccdMotion[i].dp : s.dx[i].dp;
   const Quat q = s.orientation[i],
-             start = conjugate(stopped ? expRotation(s.stopped[i].dw) : s.turned[i]) * q;
-  const Vec3 frame = s.step.inverseDt * s.target[root].y.p, w = s.spin[i];
+             start = conjugate(stopped ? expRotation(s.ccdMotion[i].dw) : s.dq[i]) * q;
+  const Vec3 frame = s.step.inverseDt * s.target[root].y.p, w = s.angularVelocity[i];
   Vec3 freeVelocity = s.step.inverseDt * target.y.p - frame;
   const Vec3 v = s.velocity[i] - frame;
-  if (stopped) freeVelocity -= unusedPush(s, i, s.previousVelocity[i], s.step.inverseDt * s.moved[i].dp);
+  if (stopped) freeVelocity -= unusedPush(s, i, s.previousVelocity[i], s.step.inverseDt * s.dx[i].dp);
   const Vec3 freeSpin = s.step.inverseDt * logRotation(target.y.q);
   const Real m = target.mass.mass;
   const Vec3 after(s.position[i] - s.position[root]), before = after - way, given = m * (v - freeVelocity);
@@ -150,7 +150,7 @@ RUBBLE_HD inline MomentumSums momentaOf(const View& s, int root, int i) {
 
 /// act(sums, k, term) for the terms that a body adds to its island, if nothing holds that.
 template <class Act>
-RUBBLE_HD void forEachMomentum(const View& s, int i, Act&& act) {
+RUBBLE_HD void forEachMomentum(const SolverData& s, int i, Act&& act) {
   const int slot = freeIslandOf(s, i);
   if (slot < 0) return;
   MomentumSums own = momentaOf(s, s.rowIsland[i], i);
@@ -160,8 +160,8 @@ RUBBLE_HD void forEachMomentum(const View& s, int i, Act&& act) {
 
 /// The largest terms of each island.
 struct MeasureMomenta {
-  static constexpr const char* kName = "momentum";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "momentum";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     forEachMomentum(s, i, [](IslandSums& sums, int k, Real term) {
       const int bits = floatBits(std::fabs(term));
       if (bits > sums.largest[k]) atomicRaise(&sums.largest[k], bits);
@@ -169,8 +169,8 @@ struct MeasureMomenta {
   }
 };
 struct SumMomenta {
-  static constexpr const char* kName = "momentum";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "momentum";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     forEachMomentum(s, i, [](IslandSums& sums, int k, Real term) {
       if (term != Real(0) && sums.isKnown(k)) atomicSum(&sums.sum[k], sums.inUnits(k, term));
     });
@@ -200,14 +200,14 @@ RUBBLE_HD inline IslandRepair repairOf(const MomentumSums& sum, const Vec3d& ori
   const Real whole = rigid(r.velocity + r.addVelocity, r.spin + r.addSpin);
   if (whole + loose > most * (1 + kSameEnergy) && loose > Real(0))
     r.loss = Real(1) - std::sqrt(clamp((most - whole) / loose, Real(0), Real(1)));
-  r.acts = isFinite(r.addVelocity) && isFinite(r.addSpin) && isFinite(r.loss);
+  r.active = isFinite(r.addVelocity) && isFinite(r.addSpin) && isFinite(r.loss);
   return r;
 }
 
 /// Sums of an island that nothing holds, and what it is short of.
 struct RepairIslands {
-  static constexpr const char* kName = "momentum";
-  RUBBLE_HD void operator()(const View& s, int slot) const {
+  static constexpr const char* kStage = "momentum";
+  RUBBLE_HD void operator()(const SolverData& s, int slot) const {
     const IslandSums& sums = s.islandSums[slot];
     MomentumSums sum;
     int k = 0;
@@ -221,13 +221,13 @@ struct RepairIslands {
 
 /// Gives bodies their part of what their islands are short of.
 struct RepairBodies {
-  static constexpr const char* kName = "momentum";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "momentum";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const int slot = freeIslandOf(s, i);
-    if (slot < 0 || !s.islandRepair[slot].acts) return;
+    if (slot < 0 || !s.islandRepair[slot].active) return;
     const IslandRepair& r = s.islandRepair[slot];
     const int root = s.rowIsland[i];
-    const Vec3 principal = s.params[i].inertia, spin = s.spin[i];
+    const Vec3 principal = s.params[i].inertia, spin = s.angularVelocity[i];
     const Quat q = s.orientation[i];
     const Sym3 inertia = rotateDiagonal(q, principal);
     const Vec3 arm(s.position[i] - r.centre);
@@ -242,7 +242,7 @@ struct RepairBodies {
     Vec3 w = spin + rotate(q, change);
     limitSpin(w, s.step.dt);
     s.velocity[i] += v;
-    s.spin[i] = w;
+    s.angularVelocity[i] = w;
   }
 };
 

@@ -20,7 +20,7 @@ template <Executor E>
 void wake(E& e) {
   if (!e.view().step.sleeping) return;
   const int bodies = e.view().bodies;
-  e.clear(&View::islandFlag, bodies);
+  e.clear(&SolverData::islandFlag, bodies);
   e.forEach(WakeByForces{}, bodies);
   e.forEach(WakeByPairs{}, &Counters::pairs);
   forEachSoftNeighbor<WakeBySoft>(e);
@@ -33,7 +33,7 @@ template <Executor E>
 void sleep(E& e) {
   if (!e.view().step.sleeping) return;
   const int bodies = e.view().bodies;
-  e.clear(&View::islandFlag, bodies);
+  e.clear(&SolverData::islandFlag, bodies);
   e.forEach(StartIslands{}, bodies);
   e.forEach(JoinIslandsByPairs{}, &Counters::pairs);
   forEachJoint<JoinIslandsByJoints>(e);
@@ -46,7 +46,7 @@ void sleep(E& e) {
 /// Islands that nothing holds get back the momenta that they are short of.
 template <Executor E>
 void keepMomenta(E& e) {
-  const View& s = e.view();
+  const SolverData& s = e.view();
   if (s.step.literalRotations) return;
   const int bodies = s.bodies;
   if (!s.step.coarseCorrection) e.forEach(StartIslandForest{}, bodies);

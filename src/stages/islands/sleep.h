@@ -9,8 +9,8 @@ namespace rubble::RUBBLE_CORE {
 
 /// Pairs that tell of a disturbance: a moving neighbour, or one that was not there.
 struct WakeByPairs {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Pair p = s.pair[i];
     const bool owner = s.asleep[p.owner] != 0, other = s.asleep[p.other] != 0;
     if ((!owner && !other) || isSensor(s, p.owner) || isSensor(s, p.other)) return;
@@ -22,8 +22,8 @@ struct WakeByPairs {
 
 template <class F>
 struct WakeByJoints {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& joint = s.specsOf<F>()[i];
     if (!joint.alive || s.jointsOf<F>()[i].broken) return;
     const auto wake = [&](int body, int other) {
@@ -38,17 +38,17 @@ struct WakeByJoints {
 
 /// A push wakes as well, and a change that concerns all.
 struct WakeByForces {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.asleep[i] == 0) return;
     const Vec3 none{0, 0, 0};
-    if (s.wakeAll != 0 || s.force[i] != none || s.torque[i] != none || s.velocity[i] != none || s.spin[i] != none) atomicRaise(&s.islandFlag[s.asleep[i] - 1], 1);
+    if (s.wakeAll != 0 || s.force[i] != none || s.torque[i] != none || s.velocity[i] != none || s.angularVelocity[i] != none) atomicRaise(&s.islandFlag[s.asleep[i] - 1], 1);
   }
 };
 
 struct WakeBodies {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.asleep[i] == 0 || s.islandFlag[s.asleep[i] - 1] == 0) return;
     s.asleep[i] = 0;
     s.stillTime[i] = 0;
@@ -59,28 +59,28 @@ struct WakeBodies {
 
 /// Each body an island; for how long it has been still.
 struct StartIslands {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     s.island[i] = i;
     if (!isDynamic(s, i)) return;
     const BodyParams& p = s.params[i];
-    const Real speed = length(s.velocity[i]) + length(s.spin[i]) * p.radius;
+    const Real speed = length(s.velocity[i]) + length(s.angularVelocity[i]) * p.radius;
     const bool still = speed < stillSpeed(s.step, 2 * p.radius);
     s.stillTime[i] = still ? s.stillTime[i] + s.step.dt : Real(0);
   }
 };
 
 struct JoinIslandsByPairs {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Pair p = s.pair[i];
     if (isDynamic(s, p.owner) && isDynamic(s, p.other)) unite(s.island, p.owner, p.other);
   }
 };
 template <class F>
 struct JoinIslandsByJoints {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& joint = s.specsOf<F>()[i];
     if (!active<F>(s, i)) return;
     for (int side = 1; side < kSides<F>; ++side)
@@ -91,32 +91,32 @@ struct JoinIslandsByJoints {
 
 /// Islands that do not sleep: of one body that is not still long enough, or that something moving touches or holds.
 struct FindRestless {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    if (isDynamic(s, i) && s.stillTime[i] < s.step.sleepDelay) atomicRaise(&s.islandFlag[findLeader(s.island, i)], 1);
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (isDynamic(s, i) && s.stillTime[i] < s.step.sleepDelay) atomicRaise(&s.islandFlag[findRoot(s.island, i)], 1);
   }
 };
 struct FindMovedIslands {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Pair p = s.pair[i];
     const auto keepAwake = [&](int body, int other) {
       if (isDynamic(s, body) && s.params[other].kind == BodyKind::Kinematic && moves(s, other))
-        atomicRaise(&s.islandFlag[findLeader(s.island, body)], 1);
+        atomicRaise(&s.islandFlag[findRoot(s.island, body)], 1);
     };
     keepAwake(p.owner, p.other), keepAwake(p.other, p.owner);
   }
 };
 
 struct FallAsleep {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.params[i].kind != BodyKind::Dynamic) return;
     if (s.asleep[i] == 0) {
-      const int island = findLeader(s.island, i);
+      const int island = findRoot(s.island, i);
       if (s.islandFlag[island] != 0) return;
       s.asleep[i] = island + 1;
-      s.velocity[i] = s.spin[i] = s.previousVelocity[i] = {0, 0, 0};
+      s.velocity[i] = s.angularVelocity[i] = s.previousVelocity[i] = {0, 0, 0};
     }
     atomicCount(&s.counters->asleep, 1);
   }

@@ -5,7 +5,7 @@
 namespace rubble::RUBBLE_CORE {
 
 template <class F>
-RUBBLE_HD bool active(const View& s, int i) {
+RUBBLE_HD bool active(const SolverData& s, int i) {
   const JointSpec<F>& spec = s.specsOf<F>()[i];
   if (!spec.alive || s.jointsOf<F>()[i].broken) return false;
   for (int side = 0; side < kSides<F>; ++side)
@@ -13,29 +13,29 @@ RUBBLE_HD bool active(const View& s, int i) {
   return false;
 }
 
-RUBBLE_HD inline JointBody jointBody(const View& s, int body) {
+RUBBLE_HD inline JointBody jointBody(const SolverData& s, int body) {
   if (body == kWorldBody) return {0, {0, 0, 0}, {{0, 0, 0}, {0, 0, 0}}};
   const BodyParams& p = s.params[body];
   const bool dynamic = p.kind == BodyKind::Dynamic;
   Vec3 way = s.step.dt * s.velocity[body];
   if (dynamic) way += (s.step.dt * s.step.dt) * (p.gravityScale * s.step.gravity);
-  return {dynamic ? p.mass : Real(0), p.inertia, {way, s.step.dt * s.spin[body]}};
+  return {dynamic ? p.mass : Real(0), p.inertia, {way, s.step.dt * s.angularVelocity[body]}};
 }
 
 /// Pose of a body at x^t, in the frame of a joint.
-RUBBLE_HD inline Pose stillPose(const View& s, int body, const Vec3& offset) {
+RUBBLE_HD inline Pose stillPose(const SolverData& s, int body, const Vec3& offset) {
   return {offset, body == kWorldBody ? Quat{} : s.orientation[body]};
 }
 
 /// Warm start at x^t. Runs before bodies are moved to their initial guess.
 template <class F>
 struct BeginJoints {
-  static constexpr const char* kName = "joint rows";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "joint rows";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     Joint<F>& joint = s.jointsOf<F>()[i];
-    joint.acts = active<F>(s, i);
-    if (!joint.acts) {
+    joint.active = active<F>(s, i);
+    if (!joint.active) {
       joint.acting = 0;
       return;
     }
@@ -76,7 +76,7 @@ struct PartIndex {
 /// The k-th of all parts of all joints of a type. On a GPU neighbours have the same part, since one instruction is for all lanes of a warp;
 /// on a CPU the same joint, which is in its cache then.
 template <class F>
-RUBBLE_HD PartIndex partAt(const View& s, int k) {
+RUBBLE_HD PartIndex partAt(const SolverData& s, int k) {
 #if RUBBLE_DEVICE_CODE
   const int joints = s.joints[typeIndex<F>(JointTypes{})];
   return {k % joints, k / joints};
@@ -88,11 +88,11 @@ RUBBLE_HD PartIndex partAt(const View& s, int k) {
 
 /// Those of a joint about a point, from the errors that sweeps see.
 template <class F>
-RUBBLE_HD void updateAnchors(const View& s, Joint<F>& joint) {
-  const PivotFrame& frame = readWhole(frameOf(joint));
+RUBBLE_HD void updateAnchors(const SolverData& s, Joint<F>& joint) {
+  const PivotFrame& frame = loadVectorized(frameOf(joint));
   if (!(frame.acting & 1)) return;
   Real error[AnchorRows::kRows];
-  changeWhole(partOf<0>(joint.parts), [&](GroupRows<AnchorRows::kRows>& rows) {
+  updateVectorized(partOf<0>(joint.parts), [&](GroupRows<AnchorRows::kRows>& rows) {
     anchorErrors(frame, rows, poseSinceStart(s, frame.end[0].body), poseSinceStart(s, frame.end[1].body), error);
     updateGroup<AnchorRows::kRows>(rows.state, error, rows.lambda, AnchorRows::kRows);
     return true;
@@ -102,15 +102,15 @@ RUBBLE_HD void updateAnchors(const View& s, Joint<F>& joint) {
 /// A part of a joint each.
 template <class F>
 struct UpdateJointDuals {
-  static constexpr const char* kName = "joint dual";
+  static constexpr const char* kStage = "joint dual";
   static constexpr int kPerJoint = F::Parts::kCount;
-  RUBBLE_HD void operator()(const View& s, int k) const {
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const PartIndex at = partAt<F>(s, k);
     const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
     Joint<F>& joint = s.jointsOf<F>()[at.joint];
     if constexpr (isPivot<F>())
       if (at.part == 0) return updateAnchors(s, joint);
-    if (!joint.acts) return;
+    if (!joint.active) return;
     const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
     forEachPart<F>([&]<int I, class P>() {
       if (I == at.part) updatePartDuals<F, I, P>(s.step, spec, joint, a, b);
@@ -120,9 +120,9 @@ struct UpdateJointDuals {
 
 template <class F>
 struct FinishJoints {
-  static constexpr const char* kName = "joint end";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    if (s.jointsOf<F>()[i].acts && endJoint(s.specsOf<F>()[i], s.jointsOf<F>()[i])) atomicCount(&s.counters->broken, 1);
+  static constexpr const char* kStage = "joint end";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (s.jointsOf<F>()[i].active && endJoint(s.specsOf<F>()[i], s.jointsOf<F>()[i])) atomicCount(&s.counters->broken, 1);
   }
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 /// Joints of bodies, and their multipliers.
 #include "stages/executor.h"
-#include "stages/joints/turns.h"
+#include "stages/joints/angular_rows.h"
 
 namespace rubble::RUBBLE_CORE::joints {
 
@@ -13,7 +13,7 @@ void prepare(E& e) {
 /// Rows that depend on the rotation of one body relative to another, about where the bodies are now.
 template <Executor E>
 void linearize(E& e) {
-  forEachJoint<LinearizeTurns>(e);
+  forEachJoint<LinearizeAngularRows>(e);
 }
 
 template <Executor E>

@@ -18,17 +18,17 @@ RUBBLE_HD inline int cellOf(Real x, Real size) {
   return static_cast<int>(std::floor(clamp(x * (Real(1) / size), -kFar, kFar)));
 }
 
-RUBBLE_HD inline int bucketOf(const View& s, int level, int x, int y, int z) {
+RUBBLE_HD inline int bucketOf(const SolverData& s, int level, int x, int y, int z) {
   const std::uint32_t row = hash32(static_cast<std::uint32_t>(y) * 0x9e3779b1u ^ hash32(static_cast<std::uint32_t>(z) * 32u + static_cast<std::uint32_t>(level)));
   return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(s.cells - 1));
 }
 
 /// Detection margin of a body: half of the smallest margin of a pair of its like [m].
-RUBBLE_HD inline Real ownMargin(const View& s, const BodyParams& p) { return s.step.contactMargin * p.radius; }
+RUBBLE_HD inline Real ownMargin(const SolverData& s, const BodyParams& p) { return s.step.contactMargin * p.radius; }
 
 /// raise(most, value) for each of the greatest numbers that are kept of a level and that of a body in it: half extents and cells.
 template <class Raise>
-RUBBLE_HD void raiseExtents(const View& s, const Bounds& b, Raise&& raise) {
+RUBBLE_HD void raiseExtents(const SolverData& s, const Bounds& b, Raise&& raise) {
   Counters& c = *s.counters;
   for (int k = 0; k < 3; ++k) raise(&c.levelHalf[b.level][k], floatBits(b.half[k] * Real(1.000001)));
   const int cell[3] = {b.x, b.y, b.z};
@@ -37,7 +37,7 @@ RUBBLE_HD void raiseExtents(const View& s, const Bounds& b, Raise&& raise) {
 }
 
 /// How far a body goes in a step by its velocity, and by gravity as far as it followed that in the last one. [m]
-RUBBLE_HD inline Vec3 wayAhead(const View& s, int i) {
+RUBBLE_HD inline Vec3 wayAhead(const SolverData& s, int i) {
   const Real dt = s.step.dt;
   const Vec3 v = s.velocity[i];
   if (s.params[i].kind != BodyKind::Dynamic) return dt * v;
@@ -47,8 +47,8 @@ RUBBLE_HD inline Vec3 wayAhead(const View& s, int i) {
 
 /// Boxes at x^t, swept along the way ahead and for the turn, with the detection margin; their cells.
 struct ComputeBounds {
-  static constexpr const char* kName = "bounds";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "bounds";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!place(s, i)) return;
     const Bounds& b = s.bounds[i];
     if (int& members = s.counters->levelCount[b.level]; members <= kListedBodies) list(s, b.level, atomicCount(&members, 1), i);
@@ -57,11 +57,11 @@ struct ComputeBounds {
     });
   }
   /// Body i is the k-th of its level.
-  RUBBLE_HD static void list(const View& s, int level, int k, int i) {
+  RUBBLE_HD static void list(const SolverData& s, int level, int k, int i) {
     if (k < kListedBodies) s.counters->levelBody[level][k] = i;
   }
   /// All but what is kept of its level; false: it is not in the grid.
-  RUBBLE_HD static bool place(const View& s, int i) {
+  RUBBLE_HD static bool place(const SolverData& s, int i) {
     const BodyParams& p = s.params[i];
     Bounds& b = s.bounds[i];
     b.level = -1;
@@ -70,7 +70,7 @@ struct ComputeBounds {
     const Vec3 sweep = Real(.5) * wayAhead(s, i);
     const Vec3 x(s.position[i]);
     // turning moves the surface by no more than the radius; the error of a single-precision centre is added
-    const Real turn = min(s.step.dt * length(s.spin[i]), Real(1)) * p.radius;
+    const Real turn = min(s.step.dt * length(s.angularVelocity[i]), Real(1)) * p.radius;
     const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
     const Real grow = turn + ownMargin(s, p) + roundOff;
     // what goes elsewhere is looked for along its way at the end of the step (late_stops.h)
@@ -89,8 +89,8 @@ struct ComputeBounds {
 
 /// Bodies into their buckets. The order inside a bucket is not fixed; pairs are sorted later.
 struct FillGrid {
-  static constexpr const char* kName = "grid";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "grid";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Bounds& b = s.bounds[i];
     if (b.level < 0) return;
     const int bucket = bucketOf(s, b.level, b.x, b.y, b.z);
@@ -99,9 +99,9 @@ struct FillGrid {
   }
 };
 
-/// A level of few bodies: visit(entry) for each of them that is its turn, number `lane` of `lanes`. False: there are many.
+/// A level of few bodies: visit(incidence) for each of them that is its turn, number `lane` of `lanes`. False: there are many.
 template <class Visit>
-RUBBLE_HD bool visitListed(const View& s, int level, Visit&& visit, int lane = 0, int lanes = 1) {
+RUBBLE_HD bool visitListed(const SolverData& s, int level, Visit&& visit, int lane = 0, int lanes = 1) {
   const int members = s.counters->levelCount[level];
   if (members > kListedBodies) return false;
   for (int k = lane; k < members; k += lanes) {
@@ -118,7 +118,7 @@ struct CellRange {
   RUBBLE_HD int rows() const { return (y1 - y0 + 1) * (z1 - z0 + 1); }
   RUBBLE_HD double cells() const { return (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1); }
 };
-RUBBLE_HD inline CellRange cellsAround(const View& s, const Bounds& b, int level) {
+RUBBLE_HD inline CellRange cellsAround(const SolverData& s, const Bounds& b, int level) {
   const Real size = cellSize(level);
   Vec3 reach;
   for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
@@ -133,7 +133,7 @@ struct RowOfCells {
   int begin, end;  ///< in the grid
   int wrapped;     ///< and as many from its beginning on
 };
-RUBBLE_HD inline RowOfCells rowOfCells(const View& s, int level, int x0, int x1, int y, int z) {
+RUBBLE_HD inline RowOfCells rowOfCells(const SolverData& s, int level, int x0, int x1, int y, int z) {
   const int bucket = bucketOf(s, level, x0, y, z), cells = x1 - x0 + 1, here = min(cells, s.cells - bucket);
   return {s.bucketOffset[bucket], s.bucketOffset[bucket + here], here < cells ? s.bucketOffset[cells - here] : 0};
 }
@@ -152,7 +152,7 @@ enum class Ahead { InNumber, InPlace };
 
 /// found(other) for the bodies of a level whose bounds touch those of body i, for number `lane` of `lanes`.
 template <Ahead kAhead, class Found>
-RUBBLE_HD void searchLevel(const View& s, int i, const Bounds& b, int level, Found&& found, int lane, int lanes) {
+RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int level, Found&& found, int lane, int lanes) {
   const bool own = level == b.level;
   const auto touches = [&](const GridEntry& e) { return boundsTouch(e, b); };
   const auto tryEntry = [&](const GridEntry& e) {
@@ -206,7 +206,7 @@ RUBBLE_HD void searchLevel(const View& s, int i, const Bounds& b, int level, Fou
 
 /// found(plane) for the planes that a box touches: for number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void searchPlanes(const View& s, const Bounds& b, Found&& found, int lane = 0, int lanes = 1) {
+RUBBLE_HD void searchPlanes(const SolverData& s, const Bounds& b, Found&& found, int lane = 0, int lanes = 1) {
   for (int k = lane; k < s.planes; k += lanes) {
     const int plane = s.planeBody[k];
     const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
@@ -216,7 +216,7 @@ RUBBLE_HD void searchPlanes(const View& s, const Bounds& b, Found&& found, int l
 }
 /// found(other) for all bodies whose bounds a box touches that is in no level: body i on a way that its own do not hold.
 template <class Found>
-RUBBLE_HD void searchWay(const View& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
+RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
   for (int level = 0; level < kGridLevels; ++level)
     if (s.counters->levelCount[level] > 0)
       searchLevel<Ahead::InNumber>(s, i, way, level, found, lane, lanes);
@@ -226,7 +226,7 @@ RUBBLE_HD void searchWay(const View& s, int i, const Bounds& way, Found&& found,
 /// found(other, other owns the pair) for the bodies whose bounds touch those of body i: in its own level those ahead of it, in coarser ones all. Of
 /// several that search for one body each takes its part: number `lane` of `lanes`.
 template <Ahead kAhead, class Found>
-RUBBLE_HD void searchBounds(const View& s, int i, Found&& found, int lane = 0, int lanes = 1) {
+RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
   const BodyParams& p = s.params[i];
   if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return;
   const Bounds& b = s.bounds[i];
@@ -236,7 +236,7 @@ RUBBLE_HD void searchBounds(const View& s, int i, Found&& found, int lane = 0, i
 }
 /// found(other) for the partners of body i: whose bounds touch, and that may collide with it. It owns its pairs with them.
 template <class Found>
-RUBBLE_HD void searchPartners(const View& s, int i, Found&& found, int lane = 0, int lanes = 1) {
+RUBBLE_HD void searchPartners(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
   searchBounds<Ahead::InNumber>(s, i, [&](int other, bool) {
     if (mayCollide(s, i, other)) found(other);
   }, lane, lanes);
@@ -245,10 +245,10 @@ RUBBLE_HD void searchPartners(const View& s, int i, Found&& found, int lane = 0,
 /// Whom bounds touch is noted with the owner of the pair: of two in one level the one of the lower number, else the one in the finer level. The first
 /// kPairSlots of them are kept, in no fixed order.
 struct FindNeighbors {
-  static constexpr const char* kName = "pairs";
-  RUBBLE_HD void operator()(const View& s, int i) const { (*this)(s, i, 0, 1); }
+  static constexpr const char* kStage = "pairs";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
   /// By number `lane` of `lanes`.
-  RUBBLE_HD void operator()(const View& s, int i, int lane, int lanes) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     searchBounds<Ahead::InPlace>(s, i, [&](int other, bool otherOwns) {
       const int owner = otherOwns ? other : i;
       const int slot = atomicCount(&s.pairCount[owner], 1);
@@ -261,8 +261,8 @@ struct FindNeighbors {
 /// kernel stays small.
 template <bool kParts>
 struct FindPairs {
-  static constexpr const char* kName = "pairs";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "pairs";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     int* const slots = s.pairSlot + i * kPairSlots;
     const int near = s.pairCount[i];
     if (!kParts && collidesWithAll(s, i)) return;
@@ -288,8 +288,8 @@ struct FindPairs {
 /// Pairs sorted by owner, then by partner and parts.
 template <bool kParts>
 struct WritePairs {
-  static constexpr const char* kName = "pairs";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "pairs";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const int begin = s.pairOffset[i], count = s.pairOffset[i + 1] - begin;
     const int* const slots = s.pairSlot + i * kPairSlots;
     if constexpr (!kParts) {

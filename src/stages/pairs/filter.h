@@ -9,9 +9,9 @@ RUBBLE_HD inline bool filtersMeet(const BodyFilter& a, const BodyFilter& b) {
   return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
 }
 
-RUBBLE_HD inline bool isSensor(const View& s, int body) { return s.filtered && s.filter[body].sensor != 0; }
+RUBBLE_HD inline bool isSensor(const SolverData& s, int body) { return s.filtered && s.filter[body].sensor != 0; }
 
-RUBBLE_HD inline bool excluded(const View& s, int a, int b) {
+RUBBLE_HD inline bool excluded(const SolverData& s, int a, int b) {
   if (s.exclusions == 0) return false;
   const int idA = s.idOf[a], idB = s.idOf[b], low = min(idA, idB), high = max(idA, idB);
   for (int k = s.exclusionOffset[low]; k < s.exclusionOffset[low + 1]; ++k)
@@ -20,12 +20,12 @@ RUBBLE_HD inline bool excluded(const View& s, int a, int b) {
 }
 
 /// May a body collide with all whom it meets? Then nobody needs to look at these.
-RUBBLE_HD inline bool collidesWithAll(const View& s, int body) {
+RUBBLE_HD inline bool collidesWithAll(const SolverData& s, int body) {
   return s.params[body].kind == BodyKind::Dynamic && !s.filtered && s.exclusions == 0;
 }
 
 /// Two bodies of which one is dynamic, or of which one moves and the other is a sensor.
-RUBBLE_HD inline bool mayCollide(const View& s, int a, int b) {
+RUBBLE_HD inline bool mayCollide(const SolverData& s, int a, int b) {
   if (collidesWithAll(s, a)) return true;
   const BodyKind ka = s.params[a].kind, kb = s.params[b].kind;
   if (ka != BodyKind::Dynamic && kb != BodyKind::Dynamic) {

@@ -8,7 +8,7 @@ namespace rubble::RUBBLE_CORE {
 /// visit(body) for every body whose box may meet one of half extents `half` that goes from `x` by `limit` of `d`. The visitor may lower the limit
 /// as it finds hits. Each body is visited once: slab by slab of cells along the main direction, so that near ones come first at each level.
 template <class Visit>
-RUBBLE_HD void visitAlong(const View& s, const Vec3d& x, const Vec3d& d, const Vec3d& half, double& limit, Visit&& visit) {
+RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, const Vec3d& half, double& limit, Visit&& visit) {
   int m = 0;
   for (int k = 1; k < 3; ++k)
     if (std::fabs(d[k]) > std::fabs(d[m])) m = k;
@@ -17,7 +17,7 @@ RUBBLE_HD void visitAlong(const View& s, const Vec3d& x, const Vec3d& d, const V
     const Vec3d away = x - Vec3d(e.centre);
     if (passes(away, d, half + Vec3d(e.half), limit)) visit(e.body);
   };
-  const int entries = s.bucketOffset[s.cells];
+  const int incidences = s.bucketOffset[s.cells];
   for (int level = 0; level < kGridLevels; ++level) {
     if (s.counters->levelCount[level] == 0) continue;
     const double size = static_cast<double>(cellSize(level));
@@ -29,8 +29,8 @@ RUBBLE_HD void visitAlong(const View& s, const Vec3d& x, const Vec3d& d, const V
     const int first = low(m, 0, limit), last = high(m, 0, limit);
     // as many cells as bodies: then rather the bodies
     const double cells = (double(last) - first + 1) * (2 * reach[u] / size + 2) * (2 * reach[v] / size + 2);
-    if (cells > 2.0 * entries + 64) {
-      for (int k = 0; k < entries; ++k)
+    if (cells > 2.0 * incidences + 64) {
+      for (int k = 0; k < incidences; ++k)
         if (s.grid[k].level == level) tryEntry(s.grid[k]);
       continue;
     }

@@ -6,7 +6,7 @@
 
 #include "stages/soft/body_corners.h"
 #include "stages/joints/joints.h"
-#include "stages/pairs/near_pairs.h"
+#include "stages/pairs/active_pairs.h"
 #include "state/tables.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -22,13 +22,13 @@ RUBBLE_HD constexpr std::uint64_t spreadBits(std::uint64_t v) {
 }
 
 /// Is a body somewhere, and not everywhere?
-RUBBLE_HD inline bool hasPlace(const View& s, int i) { return s.params[i].kind != BodyKind::Removed && s.params[i].shape.kind != ShapeKind::Plane; }
+RUBBLE_HD inline bool hasPlace(const SolverData& s, int i) { return s.params[i].kind != BodyKind::Removed && s.params[i].shape.kind != ShapeKind::Plane; }
 
 /// Edge of the cells of the curve over g dt^2 [1]: 4 cm at 1/60 s.
 inline constexpr double kCurveCell = 16;
 
 /// How far along the curve a body lies. Those without a place stand behind the others.
-RUBBLE_HD inline std::uint64_t placeOnCurve(const View& s, int i) {
+RUBBLE_HD inline std::uint64_t placeOnCurve(const SolverData& s, int i) {
   if (!hasPlace(s, i)) return ~std::uint64_t{0};
   constexpr double kHalf = 1 << 20;
   const double size = kCurveCell / s.step.perFall;
@@ -38,9 +38,9 @@ RUBBLE_HD inline std::uint64_t placeOnCurve(const View& s, int i) {
 }
 
 struct FindPlacesOnCurve {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   std::uint64_t* key;
-  RUBBLE_HD void operator()(const View& s, int i) const { key[i] = placeOnCurve(s, i); }
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { key[i] = placeOnCurve(s, i); }
 };
 
 /// Where bodies go.
@@ -51,18 +51,18 @@ struct NewPlaces {
 };
 
 struct InvertPlaces {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   NewPlaces places;
-  RUBBLE_HD void operator()(const View&, int k) const { places.to[places.from[k]] = k; }
+  RUBBLE_HD void operator()(const SolverData&, int k) const { places.to[places.from[k]] = k; }
 };
 
 template <class T>
 struct TakeElements {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   T* to;
   const T* of;
   const int* from;
-  RUBBLE_HD void operator()(const View&, int k) const { to[k] = of[from[k]]; }
+  RUBBLE_HD void operator()(const SolverData&, int k) const { to[k] = of[from[k]]; }
 };
 
 // What was found of pairs goes where that of this step goes, to be the old one of the next. Multipliers and sides of a pair stay; its owner is the one
@@ -70,11 +70,11 @@ struct TakeElements {
 
 /// Levels of the grid, as the next step finds them.
 struct FindGridLevels {
-  static constexpr const char* kName = "order";
-  RUBBLE_HD void operator()(const View& s, int i) const { ComputeBounds::place(s, i); }
+  static constexpr const char* kStage = "order";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { ComputeBounds::place(s, i); }
 };
 
-RUBBLE_HD inline Pair movedPair(const View& s, const NewPlaces& places, const Pair& old) {
+RUBBLE_HD inline Pair movedPair(const SolverData& s, const NewPlaces& places, const Pair& old) {
   Pair p = old;
   p.owner = places.of(old.owner), p.other = places.of(old.other);
   if (old.other < 0) return p;
@@ -90,17 +90,17 @@ RUBBLE_HD inline Pair movedPair(const View& s, const NewPlaces& places, const Pa
 }
 
 struct CountMovedPairs {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   NewPlaces places;
-  RUBBLE_HD void operator()(const View& s, int i) const { atomicCount(&s.pairCount[movedPair(s, places, s.oldPair[i]).owner], 1); }
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { atomicCount(&s.pairCount[movedPair(s, places, s.oldPair[i]).owner], 1); }
 };
 
 /// In no fixed order; `from` says which old pair each was.
 struct FillMovedPairs {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   NewPlaces places;
   int* from;
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Pair p = movedPair(s, places, s.oldPair[i]);
     const int to = s.pairOffset[p.owner] + atomicCount(&s.pairCount[p.owner], -1) - 1;
     s.pair[to] = p;
@@ -110,9 +110,9 @@ struct FillMovedPairs {
 
 /// By partner and parts; what else is known of a pair follows.
 struct SortMovedPairs {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   int* from;
-  RUBBLE_HD void operator()(const View& s, int owner) const {
+  RUBBLE_HD void operator()(const SolverData& s, int owner) const {
     const int begin = s.pairOffset[owner], end = s.pairOffset[owner + 1];
     for (int k = begin + 1; k < end; ++k) {
       const Pair p = s.pair[k];
@@ -126,16 +126,16 @@ struct SortMovedPairs {
     for (int k = begin; k < end; ++k) {
       s.pairTest[k] = s.oldPairTest[from[k]];
       s.manifoldBefore[k] = manifoldOfOld(s, from[k]);
-      s.isNear[k] = s.manifoldBefore[k] >= 0;
+      s.isActive[k] = s.manifoldBefore[k] >= 0;
     }
   }
 };
 
 struct MoveManifolds {
-  static constexpr const char* kName = "order";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    if (!s.isNear[i]) return;
-    const int from = s.manifoldBefore[i], to = s.nearPairOffset[i];
+  static constexpr const char* kStage = "order";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (!s.isActive[i]) return;
+    const int from = s.manifoldBefore[i], to = s.activePairOffset[i];
     s.manifold[to] = s.oldManifold[from];
     if (s.rolls) s.rolling[to] = s.oldRolling[from];
   }
@@ -144,21 +144,21 @@ struct MoveManifolds {
 // Contacts of vertices, and of corners with surfaces, go with their owners.
 
 /// Owner of point pairs at the new places: a vertex or an edge, which stay, or corners of a body.
-RUBBLE_HD inline int movedOwner(const View& s, const NewPlaces& places, int owner) {
+RUBBLE_HD inline int movedOwner(const SolverData& s, const NewPlaces& places, int owner) {
   const int fixed = s.vertices + s.edges;
   return owner < fixed ? owner : fixed + kCornerSlots * places.of(bodyOfOwner(s, owner)) + slotOfOwner(s, owner);
 }
 struct CountMovedPoints {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   NewPlaces places;
-  RUBBLE_HD void operator()(const View& s, int owner) const {
+  RUBBLE_HD void operator()(const SolverData& s, int owner) const {
     s.pointPairCount[movedOwner(s, places, owner)] = s.oldPointPairOffset[owner + 1] - s.oldPointPairOffset[owner];
   }
 };
 struct MovePoints {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   NewPlaces places;
-  RUBBLE_HD void operator()(const View& s, int owner) const {
+  RUBBLE_HD void operator()(const SolverData& s, int owner) const {
     const int moved = movedOwner(s, places, owner);
     int to = s.pointPairOffset[moved];
     for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k, ++to) {
@@ -173,31 +173,31 @@ struct MovePoints {
 // What names a body by its place.
 
 struct RenumberAttachments {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   NewPlaces places;
-  RUBBLE_HD void operator()(const View& s, int i) const { s.attachment[i].body = places.of(s.attachment[i].body); }
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { s.attachment[i].body = places.of(s.attachment[i].body); }
 };
 
 struct NumberPlaces {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   NewPlaces places;
-  RUBBLE_HD void operator()(const View& s, int k) const {
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
     s.placeOf[s.idOf[k]] = k;
     if (s.asleep[k] != 0) s.asleep[k] = places.of(s.asleep[k] - 1) + 1;
   }
 };
 
 struct RenumberPlanes {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   NewPlaces places;
-  RUBBLE_HD void operator()(const View& s, int k) const { s.planeBody[k] = places.of(s.planeBody[k]); }
+  RUBBLE_HD void operator()(const SolverData& s, int k) const { s.planeBody[k] = places.of(s.planeBody[k]); }
 };
 
 template <class F>
 struct RenumberJoints {
-  static constexpr const char* kName = "order";
+  static constexpr const char* kStage = "order";
   NewPlaces places;
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     JointSpec<F>& joint = s.specsOf<F>()[i];
     joint.a = places.of(joint.a), joint.b = places.of(joint.b);
     if constexpr (isCarried<F>()) joint.carrierA = places.of(joint.carrierA), joint.carrierB = places.of(joint.carrierB);
@@ -207,7 +207,7 @@ struct RenumberJoints {
 /// Does element k of an array belong to the body at place k?
 template <class T>
 bool followsBodies(const ArrayInfo<T>& array) {
-  return array.per == Per::Body && array.extra == 0 && (array.life == Life::Authored || array.life == Life::State);
+  return array.per == Per::Body && array.extra == 0 && (array.life == Lifetime::Authored || array.life == Lifetime::State);
 }
 
 // Between steps an executor offers, besides some of what it does in them,
@@ -228,7 +228,7 @@ int* orderOnCurve(E& e) {
 }
 
 /// Puts the bodies in the order of the curve; there are so many old pairs. Constants are those of the next step. What is derived, and
-/// View::ordered, is to be found anew.
+/// SolverData::ordered, is to be found anew.
 template <class E>
 void sortBodies(E& e, int pairs) {
   const int bodies = e.view().bodies;
@@ -237,29 +237,29 @@ void sortBodies(E& e, int pairs) {
 
   int* const from = e.template room<int>(pairs);
   e.forEach(FindGridLevels{}, bodies);
-  e.clear(&View::pairCount, bodies);
+  e.clear(&SolverData::pairCount, bodies);
   e.forEach(CountMovedPairs{places}, pairs);
-  e.scan(&View::pairCount, &View::pairOffset, bodies);
+  e.scan(&SolverData::pairCount, &SolverData::pairOffset, bodies);
   e.forEach(FillMovedPairs{places, from}, pairs);
   e.forEach(SortMovedPairs{from}, bodies);
-  e.scan(&View::isNear, &View::nearPairOffset, pairs);
+  e.scan(&SolverData::isActive, &SolverData::activePairOffset, pairs);
   e.forEach(MoveManifolds{}, pairs);
   if (e.view().vertices > 0) {
     const int owners = e.view().owners();
     e.forEach(CountMovedPoints{places}, owners);
-    e.scan(&View::pointPairCount, &View::pointPairOffset, owners);
+    e.scan(&SolverData::pointPairCount, &SolverData::pointPairOffset, owners);
     e.forEach(MovePoints{places}, owners);
     e.forEach(RenumberAttachments{places}, e.view().attachments);
   }
-  e.lodgeRows();
-  e.keepManifolds();
+  e.aliasRows();
+  e.swapManifolds();
 
   std::size_t most = 0;
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (followsBodies(array)) most = std::max(most, sizeof(T));
   });
-  struct alignas(64) Line {};
-  void* const aside = e.template room<Line>(static_cast<int>(most * static_cast<std::size_t>(bodies) / sizeof(Line)) + 1);
+  struct alignas(64) Strand {};
+  void* const aside = e.template room<Strand>(static_cast<int>(most * static_cast<std::size_t>(bodies) / sizeof(Strand)) + 1);
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (!followsBodies(array)) return;
     T* const moved = static_cast<T*>(aside);

@@ -12,7 +12,7 @@ struct OrderedPair {
   int a, b;
 };
 RUBBLE_HD inline OrderedPair ordered(const Pair& p) { return p.ownerIsA ? OrderedPair{p.owner, p.other} : OrderedPair{p.other, p.owner}; }
-RUBBLE_HD inline Pair pairOf(const View& s, int owner, int other, int first = 0, int second = 0) {
+RUBBLE_HD inline Pair pairOf(const SolverData& s, int owner, int other, int first = 0, int second = 0) {
   const bool ownerIsA = s.ordered ? s.idOf[owner] < s.idOf[other] : owner < other;
   return {owner, other, ownerIsA, static_cast<std::uint32_t>(first) & 0x7fffffffu, second};
 }
@@ -23,18 +23,18 @@ RUBBLE_HD inline Real pairLength(const BodyParams& a, const BodyParams& b) {
   return 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
 }
 
-RUBBLE_HD inline Vec3 centreDistance(const View& s, int a, int b) { return Vec3(s.position[b] - s.position[a]); }
+RUBBLE_HD inline Vec3 centreDistance(const SolverData& s, int a, int b) { return Vec3(s.position[b] - s.position[a]); }
 
-RUBBLE_HD inline bool isPlainPair(const View& s, int a, int b) { return isPlain(s.params[a].shape.kind) && isPlain(s.params[b].shape.kind); }
+RUBBLE_HD inline bool isPrimitivePair(const SolverData& s, int a, int b) { return isPrimitive(s.params[a].shape.kind) && isPrimitive(s.params[b].shape.kind); }
 
 /// What the speed of a pair can do in a step.
 struct PairSpeed {
   Real closing;  ///< bound of the speed at which two of their points approach one another [m/s]
-  bool bullet;   ///< they may pass one another altogether: no row made before the step can tell where they meet (stages/ccd/stops.h)
+  bool bullet;   ///< they may pass one another altogether: no row made before the step can tell where they meet (stages/ccd/fast_bodies.h)
 };
-RUBBLE_HD inline PairSpeed pairSpeed(const View& s, int a, int b, const BodyParams& pa, const BodyParams& pb) {
+RUBBLE_HD inline PairSpeed pairSpeed(const SolverData& s, int a, int b, const BodyParams& pa, const BodyParams& pb) {
   const Vec3 relative = s.velocity[a] - s.velocity[b];
-  const Real closing = length(relative) + length(s.spin[a]) * pa.radius + length(s.spin[b]) * pb.radius;
+  const Real closing = length(relative) + length(s.angularVelocity[a]) * pa.radius + length(s.angularVelocity[b]) * pb.radius;
   return {closing, s.step.dt * closing > pairLength(pa, pb)};
 }
 
@@ -57,19 +57,19 @@ RUBBLE_HD inline Real fromFloatBits(int bits) {
   return static_cast<Real>(f);
 }
 
-RUBBLE_HD inline Real agitationOf(const View& s, int a, int b) { return max(fromFloatBits(s.agitation[a]), fromFloatBits(s.agitation[b])); }
+RUBBLE_HD inline Real impactSpeedBoundOf(const SolverData& s, int a, int b) { return max(fromFloatBits(s.impactSpeedBound[a]), fromFloatBits(s.impactSpeedBound[b])); }
 
 /// Detection margin of a pair: not less than contactMargin of its size, and what it may approach in a step, up to its whole size. [m]
-RUBBLE_HD inline Real pairMargin(const View& s, int a, int b, Real pairSize, const PairSpeed& speed) {
+RUBBLE_HD inline Real pairMargin(const SolverData& s, int a, int b, Real pairSize, const PairSpeed& speed) {
   const Real least = s.step.contactMargin * pairSize;
-  if (!speed.bullet) return max(least, s.step.dt * max(speed.closing, agitationOf(s, a, b)));
+  if (!speed.bullet) return max(least, s.step.dt * max(speed.closing, impactSpeedBoundOf(s, a, b)));
   // momentum that two bodies exchange over four points takes more iterations than over the one where they met
   const bool bothMove = s.params[a].kind == BodyKind::Dynamic && s.params[b].kind == BodyKind::Dynamic;
   return bothMove ? least : pairSize;
 }
 
 /// How far apart parts of a pair may be that have to be looked at in this step. [m]
-RUBBLE_HD inline Real pairReach(const View& s, int a, int b) {
+RUBBLE_HD inline Real pairReach(const SolverData& s, int a, int b) {
   const BodyParams &pa = s.params[a], &pb = s.params[b];
   return max(s.step.contactMargin * pairLength(pa, pb), s.step.dt * pairSpeed(s, a, b, pa, pb).closing);
 }
@@ -78,29 +78,29 @@ RUBBLE_HD inline Real pairReach(const View& s, int a, int b) {
 RUBBLE_HD inline bool surfaceIsFirst(ShapeKind a, ShapeKind b) { return a == ShapeKind::Distance || (isSurface(a) && b != ShapeKind::Distance); }
 
 /// Of a pair with a surface: is it the first body's?
-RUBBLE_HD inline bool surfaceIsOnA(const View& s, const Pair& p, const OrderedPair& o) {
+RUBBLE_HD inline bool surfaceIsOnA(const SolverData& s, const Pair& p, const OrderedPair& o) {
   const ShapeKind a = s.params[o.a].shape.kind, b = s.params[o.b].shape.kind;
   return p.owner == o.a ? surfaceIsFirst(a, b) : !surfaceIsFirst(b, a);
 }
 
 namespace parts {
 
-RUBBLE_HD inline int count(const View& s, const ShapeData& shape) { return shape.kind == ShapeKind::Compound ? s.shapeIndex[shape.data + 3] : 1; }
+RUBBLE_HD inline int count(const SolverData& s, const ShapeData& shape) { return shape.kind == ShapeKind::Compound ? s.shapeIndex[shape.data + 3] : 1; }
 
 /// Bounding sphere of a part: its centre less that of its body, world axes.
-RUBBLE_HD inline Real sphere(const View& s, int body, int part, Vec3& centre) {
+RUBBLE_HD inline Real sphere(const SolverData& s, int body, int part, Vec3& centre) {
   const BodyParams& p = s.params[body];
   if (p.shape.kind != ShapeKind::Compound) {
     centre = {0, 0, 0};
     return p.radius;
   }
-  const ShapePart& entry = s.shapePart[s.shapeIndex[p.shape.data + 2] + part];
-  centre = rotate(s.orientation[body], entry.position);
-  return entry.radius;
+  const ShapePart& incidence = s.shapePart[s.shapeIndex[p.shape.data + 2] + part];
+  centre = rotate(s.orientation[body], incidence.position);
+  return incidence.radius;
 }
 
 /// Does a part come near the surface of another body?
-RUBBLE_HD inline bool nearSurface(const View& s, int surfaceBody, int body, int part, Real margin) {
+RUBBLE_HD inline bool nearSurface(const SolverData& s, int surfaceBody, int body, int part, Real margin) {
   const ShapeData& surface = s.params[surfaceBody].shape;
   Vec3 centre;
   const Real reach = sphere(s, body, part, centre) + margin;
@@ -117,8 +117,8 @@ RUBBLE_HD inline bool nearSurface(const View& s, int surfaceBody, int body, int 
 /// found(first, second) for every pair of parts of two bodies that may touch. Without a surface: part of the owner, part of the other. With one:
 /// the part that meets it, and the slot.
 template <class Found>
-RUBBLE_HD void forEachPartPair(const View& s, int owner, int other, Found&& found) {
-  if (isPlainPair(s, owner, other)) {
+RUBBLE_HD void forEachPartPair(const SolverData& s, int owner, int other, Found&& found) {
+  if (isPrimitivePair(s, owner, other)) {
     found(0, 0);
     return;
   }

@@ -8,21 +8,21 @@ namespace rubble::RUBBLE_CORE::pairs {
 /// Kernel<parts>: with a search of parts where some body has any.
 template <template <bool> class Kernel, Executor E>
 void forEachOwner(E& e) {
-  if (e.view().rareShapes) e.forEach(Kernel<true>{}, e.view().bodies);
+  if (e.view().generalShapes) e.forEach(Kernel<true>{}, e.view().bodies);
   else e.forEach(Kernel<false>{}, e.view().bodies);
 }
 
 template <Executor E>
 void find(E& e) {
   const int bodies = e.view().bodies, cells = e.view().cells;
-  e.clear(&View::bucketCount, cells);
+  e.clear(&SolverData::bucketCount, cells);
   e.forEach(ComputeBounds{}, bodies);
-  e.scan(&View::bucketCount, &View::bucketOffset, cells);
+  e.scan(&SolverData::bucketCount, &SolverData::bucketOffset, cells);
   e.forEach(FillGrid{}, bodies);
-  e.clear(&View::pairCount, bodies);
+  e.clear(&SolverData::pairCount, bodies);
   e.forEach(FindNeighbors{}, bodies);
   forEachOwner<FindPairs>(e);
-  e.scan(&View::pairCount, &View::pairOffset, bodies, &Counters::pairs, Per::Pair);
+  e.scan(&SolverData::pairCount, &SolverData::pairOffset, bodies, &Counters::pairs, Per::Pair);
   forEachOwner<WritePairs>(e);
 }
 

@@ -33,7 +33,7 @@ RUBBLE_HD inline Vec3d extent(const QueryData& q) {
   return x + y + abs(rotate(q.orientation, Vec3d{0, 0, half.z})) + Vec3d{radius, radius, radius};
 }
 
-RUBBLE_HD inline bool looksAt(const View& s, const QueryData& q, int body) {
+RUBBLE_HD inline bool looksAt(const SolverData& s, const QueryData& q, int body) {
   if (body == q.ignore) return false;
   const BodyFilter& f = s.filter[body];
   return (q.sensors != 0 || f.sensor == 0) && (f.layers & q.mask) != 0 && (q.layers & f.mask) != 0;
@@ -41,7 +41,7 @@ RUBBLE_HD inline bool looksAt(const View& s, const QueryData& q, int body) {
 
 /// visit(part) for the parts of a body as a query sees them: relative to the query's place, so that far from the origin nothing is lost.
 template <class Visit>
-RUBBLE_HD void visitParts(const View& s, int body, const Vec3d& origin, Visit&& visit) {
+RUBBLE_HD void visitParts(const SolverData& s, int body, const Vec3d& origin, Visit&& visit) {
   const ShapeData& shape = s.params[body].shape;
   const int count = parts::count(s, shape);
   for (int k = 0; k < count; ++k) visit(placedAny(s.shapeTables(), shape, s.position[body] - origin, s.orientation[body], k));
@@ -63,12 +63,12 @@ inline constexpr double kCastGap = 1e-4;
 
 /// The first hit, or the nearest body. Of several at the same place the one of the lowest id.
 struct RunQuery {
-  static constexpr const char* kName = "queries";
+  static constexpr const char* kStage = "queries";
   const QueryData* queries;
   ShapeTables own;
   QueryHit* hits;
 
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const QueryData& q = queries[i];
     QueryHit best{-1, 0, {}, {}};
     double limit = 1;
@@ -95,7 +95,7 @@ struct RunQuery {
           if (distance <= bestDistance) take({body, distance, inside ? Vec3d{} : at.onB, {}});
         } else {
           visitOwn(own, q, [&](const PlacedAny& part) {
-            const Meeting m = castShape(part, q.move, target, kCastGap * q.size);
+            const TimeOfImpact m = castShape(part, q.move, target, kCastGap * q.size);
             if (m.fraction <= 1) take({body, m.fraction, m.at.n == Vec3d{} ? Vec3d{} : m.at.onA, m.at.n});
           });
         }
@@ -108,7 +108,7 @@ struct RunQuery {
 
 /// Bodies that a shape overlaps: found(body), in no fixed order.
 template <class Found>
-RUBBLE_HD void searchOverlaps(const View& s, const ShapeTables& tables, const QueryData& q, Found&& found) {
+RUBBLE_HD void searchOverlaps(const SolverData& s, const ShapeTables& tables, const QueryData& q, Found&& found) {
   double limit = 1;
   visitAlong(s, q.position, {}, extent(q), limit, [&](int body) {
     if (!looksAt(s, q, body)) return;
@@ -121,11 +121,11 @@ RUBBLE_HD void searchOverlaps(const View& s, const ShapeTables& tables, const Qu
 }
 
 struct CountOverlaps {
-  static constexpr const char* kName = "queries";
+  static constexpr const char* kStage = "queries";
   const QueryData* queries;
   ShapeTables own;
   int* counts;
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     int n = 0;
     searchOverlaps(s, own, queries[i], [&](int) { ++n; });
     counts[i] = n;
@@ -134,12 +134,12 @@ struct CountOverlaps {
 
 /// Into [offsets[i], offsets[i + 1]), rising.
 struct FillOverlaps {
-  static constexpr const char* kName = "queries";
+  static constexpr const char* kStage = "queries";
   const QueryData* queries;
   ShapeTables own;
   const int* offsets;
   int* bodies;
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     int n = 0;
     int* const to = bodies + offsets[i];
     searchOverlaps(s, own, queries[i], [&](int body) {

@@ -21,14 +21,14 @@ inline Real accelerationOf(Real rho, int n) {
 }
 
 struct AccelerateVertices {
-  static constexpr const char* kName = "acceleration";
+  static constexpr const char* kStage = "acceleration";
   int iteration;
   Real weight;
-  RUBBLE_HD void operator()(const View& s, int v) const {
+  RUBBLE_HD void operator()(const SolverData& s, int v) const {
     if (s.tetraCornerOffset[v] == s.tetraCornerOffset[v + 1]) return;
     Vec3& past = s.pastVertex[v].moved[iteration % 2];
     Vec3 x = s.vertexMoved[v];
-    if (iteration >= kFirstAccelerated && s.pointEntryOffset[v] == s.pointEntryOffset[v + 1]) {
+    if (iteration >= kFirstAccelerated && s.pointIncidenceOffset[v] == s.pointIncidenceOffset[v + 1]) {
       const Vec3 further = (weight - Real(1)) * (x - past);
       x += further;
       s.vertexMoved[v] = x;

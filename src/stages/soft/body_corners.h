@@ -14,25 +14,25 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline int bodyOfOwner(const View& s, int owner) { return (owner - s.vertices - s.edges) / kCornerSlots; }
-RUBBLE_HD inline int slotOfOwner(const View& s, int owner) { return (owner - s.vertices - s.edges) % kCornerSlots; }
+RUBBLE_HD inline int bodyOfOwner(const SolverData& s, int owner) { return (owner - s.vertices - s.edges) / kCornerSlots; }
+RUBBLE_HD inline int slotOfOwner(const SolverData& s, int owner) { return (owner - s.vertices - s.edges) % kCornerSlots; }
 
 /// Is the vertex attached to that body? Then they do not collide.
-RUBBLE_HD inline bool isAttached(const View& s, int v, int body) {
+RUBBLE_HD inline bool isAttached(const SolverData& s, int v, int body) {
   bool attached = false;
   visitAttachments(s, v, [&](const Attachment& a) { attached |= active(s, a) && a.seam == 0 && a.body == body; });
   return attached;
 }
 
 /// To filters of bodies a vertex is what a body is that has none.
-RUBBLE_HD inline bool mayMeet(const View& s, int v, int body) {
+RUBBLE_HD inline bool mayMeet(const SolverData& s, int v, int body) {
   if (s.filtered && (isSensor(s, body) || !filtersMeet(s.filter[body], {1, ~0u, 0, 0}))) return false;
   return isDynamicVertex(s, v) || s.params[body].kind == BodyKind::Dynamic;
 }
-RUBBLE_HD inline bool mayTouch(const View& s, int v, int body) { return mayMeet(s, v, body) && !isAttached(s, v, body); }
+RUBBLE_HD inline bool mayTouch(const SolverData& s, int v, int body) { return mayMeet(s, v, body) && !isAttached(s, v, body); }
 
 /// May corners of a body touch that part of a surface?
-RUBBLE_HD inline bool mayDent(const View& s, int body, const SurfaceFeature& f) {
+RUBBLE_HD inline bool mayDent(const SolverData& s, int body, const SurfaceFeature& f) {
   if ((s.vertexParams[f.v[0]].collides & kCollidesWithBodies) == 0) return false;
   const int corners = cornersOf(f);
   bool any = false;
@@ -47,17 +47,17 @@ RUBBLE_HD inline bool mayDent(const View& s, int body, const SurfaceFeature& f) 
 /// others go up to so many times as far (the end of a rod whose other end is stopped),
 inline constexpr Real kTipping = Real(1.5);
 /// and what falls begins to. [m]
-RUBBLE_HD inline Real fallInStep(const View& s) { return s.step.dt * s.step.dt * length(s.step.gravity); }
+RUBBLE_HD inline Real fallInStep(const SolverData& s) { return s.step.dt * s.step.dt * length(s.step.gravity); }
 
 /// Bodies whose boxes meet that of a part of a surface, so that others need not look corner by corner.
 struct FindDentingBodies {
-  static constexpr const char* kName = "pairs";
-  RUBBLE_HD void operator()(const View& s, int body) const { s.nearSurface[body] = isNear(s, body, 0, 1) ? 1 : 0; }
+  static constexpr const char* kStage = "pairs";
+  RUBBLE_HD void operator()(const SolverData& s, int body) const { s.nearSurface[body] = isActive(s, body, 0, 1) ? 1 : 0; }
 
   /// By what number `lane` of `lanes` looks at.
-  RUBBLE_HD static bool isNear(const View& s, int body, int lane, int lanes) {
+  RUBBLE_HD static bool isActive(const SolverData& s, int body, int lane, int lanes) {
     if (s.bounds[body].level < 0) return false;
-    const Real way = s.step.dt * (length(s.velocity[body]) + length(s.spin[body]) * s.params[body].radius);
+    const Real way = s.step.dt * (length(s.velocity[body]) + length(s.angularVelocity[body]) * s.params[body].radius);
     const Real more = (kTipping - Real(1)) * way + fallInStep(s);
     const SweptBox box{s.bounds[body].centre, s.bounds[body].half + Vec3{more, more, more}};
     bool found = false;
@@ -78,26 +78,26 @@ struct PlacedCorner {
 
 /// visit(corner) for some corners of a body.
 template <class Visit>
-RUBBLE_HD void visitCornersOf(const View& s, int body, const CornerRange& range, Visit&& visit) {
+RUBBLE_HD void visitCornersOf(const SolverData& s, int body, const CornerRange& range, Visit&& visit) {
   const Quat q = s.orientation[body];
   visitCorners(s.shapeTables(), s.params[body].shape, range, [&](const ShapeCorner& c) {
     const Vec3 at = rotate(q, c.at);
-    visit(PlacedCorner{at, s.velocity[body] + cross(s.spin[body], at), rotate(q, c.outward), c.radius, c.part});
+    visit(PlacedCorner{at, s.velocity[body] + cross(s.angularVelocity[body], at), rotate(q, c.outward), c.radius, c.part});
   });
 }
 /// Those that an owner stands for.
-RUBBLE_HD inline CornerRange ownCorners(const View& s, int owner) {
+RUBBLE_HD inline CornerRange ownCorners(const SolverData& s, int owner) {
   return cornerShare(s.shapeTables(), s.params[bodyOfOwner(s, owner)].shape, slotOfOwner(s, owner), kCornerSlots);
 }
 /// Rows that an owner has with a part of a surface.
-RUBBLE_HD inline int rowsWithPart(const View& s, int owner) {
+RUBBLE_HD inline int rowsWithPart(const SolverData& s, int owner) {
   if (owner < s.vertices + s.edges) return 1;
   const CornerRange own = ownCorners(s, owner);
   return own.end - own.begin > 1 ? 2 : 1;
 }
 /// visit(corner) for those that one of these rows stands for.
 template <class Visit>
-RUBBLE_HD void visitCornersOfRow(const View& s, int owner, int row, Visit&& visit) {
+RUBBLE_HD void visitCornersOfRow(const SolverData& s, int owner, int row, Visit&& visit) {
   CornerRange own = ownCorners(s, owner);
   if (const int middle = (own.begin + own.end) / 2; own.end - own.begin > 1) (row == 0 ? own.end : own.begin) = middle;
   visitCornersOf(s, bodyOfOwner(s, owner), own, visit);
@@ -113,7 +113,7 @@ struct DentPart {
   bool rim;        ///< an edge with nothing beside it
 };
 /// `part`: as PointPair::other.
-RUBBLE_HD inline DentPart dentPart(const View& s, int part) {
+RUBBLE_HD inline DentPart dentPart(const SolverData& s, int part) {
   DentPart p{{-1, -1, -1}, 0, false};
   p.count = partCorners(s, part, p.v);
   if (p.count == 2) {
@@ -138,7 +138,7 @@ RUBBLE_HD inline bool mayPush(const PlacedCorner& corner, const Vec3& n) {
   return dot(n, corner.outward) <= kDoubt;
 }
 /// `side`: direction in which the surface held the corner last, or zero. `behind`: how far behind the surface it is still held [m].
-RUBBLE_HD inline CornerTouch touchPart(const View& s, int body, const PlacedCorner& corner, const DentPart& f, const Vec3& side, Real behind) {
+RUBBLE_HD inline CornerTouch touchPart(const SolverData& s, int body, const PlacedCorner& corner, const DentPart& f, const Vec3& side, Real behind) {
   CornerTouch t;
   t.valid = false;
   Vec3 x[3];
@@ -186,7 +186,7 @@ struct HeldSide {
   Vec3 side;    ///< from the surface to the body, or zero
   Real behind;  ///< [m]
 };
-RUBBLE_HD inline HeldSide heldSide(const View& s, int owner, const DentPart& f) {
+RUBBLE_HD inline HeldSide heldSide(const SolverData& s, int owner, const DentPart& f) {
   HeldSide out{{0, 0, 0}, 0};
   for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k) {
     const PointContact& old = s.oldPointContact[k];
@@ -203,11 +203,11 @@ RUBBLE_HD inline HeldSide heldSide(const View& s, int owner, const DentPart& f) 
 }
 
 /// L of a contact between a body and a surface: of the smaller one. [m]
-RUBBLE_HD inline Real dentLength(const View& s, int body, const DentPart& f) {
+RUBBLE_HD inline Real dentLength(const SolverData& s, int body, const DentPart& f) {
   const Real own = s.vertexParams[f.v[0]].length;
   return s.params[body].kind == BodyKind::Dynamic ? min(own, 2 * s.params[body].radius) : own;
 }
-RUBBLE_HD inline Vec3 partVelocity(const View& s, const DentPart& f, const Real (&w)[3]) {
+RUBBLE_HD inline Vec3 partVelocity(const SolverData& s, const DentPart& f, const Real (&w)[3]) {
   Vec3 sum{0, 0, 0};
   for (int k = 0; k < f.count; ++k) sum += w[k] * s.vertexVelocity[f.v[k]];
   return sum;
@@ -218,7 +218,7 @@ struct CornerReach {
   CornerTouch touch;
   Real gap, margin;  ///< [m]
 };
-RUBBLE_HD inline CornerReach reachPart(const View& s, int body, const PlacedCorner& corner, const DentPart& f, const HeldSide& held) {
+RUBBLE_HD inline CornerReach reachPart(const SolverData& s, int body, const PlacedCorner& corner, const DentPart& f, const HeldSide& held) {
   const Real size = dentLength(s, body, f);
   CornerReach out;
   out.touch.w[0] = out.touch.w[1] = out.touch.w[2] = Real(1) / static_cast<Real>(f.count);
@@ -232,7 +232,7 @@ RUBBLE_HD inline CornerReach reachPart(const View& s, int body, const PlacedCorn
 
 /// found(part) for every part of a surface that a corner of this owner may touch in this step, for number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void searchCorners(const View& s, int owner, Found&& found, int lane, int lanes) {
+RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int lane, int lanes) {
   const int body = bodyOfOwner(s, owner);
   if (s.nearSurface[body] == 0) return;
   Real behind = 0;
@@ -271,7 +271,7 @@ RUBBLE_HD void searchCorners(const View& s, int owner, Found&& found, int lane, 
 }
 
 /// A row of the corners of an owner (A) against a part of a surface (B): of the deepest of those that the row stands for. Returns what they start from; fills the geometry.
-RUBBLE_HD inline PointContactStart touchCorner(const View& s, int owner, int other, int row, PointContact& p, Real& gap, Real& margin) {
+RUBBLE_HD inline PointContactStart touchCorner(const SolverData& s, int owner, int other, int row, PointContact& p, Real& gap, Real& margin) {
   const int body = bodyOfOwner(s, owner);
   const BodyParams& b = s.params[body];
   const DentPart f = dentPart(s, other);

@@ -18,8 +18,8 @@ struct BoxGrid {
   Real cell;              ///< edge of the finest cells [m]
   Real span;              ///< boxes of a level are at most so many cells wide [1]
   int buckets;            ///< a power of two
-  const int* offset;      ///< [buckets + 1] into entry
-  const BoxEntry* entry;  ///< by bucket, in no fixed order
+  const int* offset;      ///< [buckets + 1] into incidence
+  const BoxEntry* incidence;  ///< by bucket, in no fixed order
 
   RUBBLE_HD Real cellSize(int level) const { return cell * static_cast<Real>(1 << level); }
   RUBBLE_HD int levelOf(const Vec3& half) const {
@@ -32,7 +32,7 @@ struct BoxGrid {
     const std::uint32_t row = hash32(static_cast<std::uint32_t>(y) * 0x9e3779b1u ^ hash32(static_cast<std::uint32_t>(z) * 64u + static_cast<std::uint32_t>(place)));
     return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(buckets - 1));
   }
-  /// The entry of a box, and its bucket.
+  /// The incidence of a box, and its bucket.
   RUBBLE_HD BoxEntry place(int kind, const SweptBox& box, int item, int& bucket) const {
     const int level = levelOf(box.half), own = kind + kBoxKinds * level;
     const Real size = cellSize(level);
@@ -42,12 +42,12 @@ struct BoxGrid {
 };
 
 /// What is expected on surfaces: a triangle is about as wide as the cells.
-RUBBLE_HD inline BoxGrid featureGrid(const View& s) { return {s.featureCell, Real(1), s.featureCells, s.featureOffset, s.featureEntry}; }
+RUBBLE_HD inline BoxGrid featureGrid(const SolverData& s) { return {s.featureCell, Real(1), s.featureCells, s.featureOffset, s.featureEntry}; }
 /// Cells are as wide as a particle, and many that fall at the same speed stay on the finest level.
-RUBBLE_HD inline BoxGrid grainGrid(const View& s) { return {s.grainCell, Real(4), s.grainCells, s.grainOffset, s.grain}; }
+RUBBLE_HD inline BoxGrid particleGrid(const SolverData& s) { return {s.particleCell, Real(4), s.particleCells, s.particleOffset, s.particle}; }
 
 /// Notes which levels are in use, and how large the boxes there are.
-RUBBLE_HD inline void noteBox(const View& s, const BoxEntry& e) {
+RUBBLE_HD inline void noteBox(const SolverData& s, const BoxEntry& e) {
   const int kind = e.place % kBoxKinds, level = e.place / kBoxKinds;
   if ((s.counters->boxLevels[kind] >> level & 1) == 0) atomicSet(&s.counters->boxLevels[kind], 1 << level);
   for (int k = 0; k < 3; ++k) {
@@ -74,8 +74,8 @@ RUBBLE_HD bool forEachCell(const Vec3& centre, const Vec3& reach, Real size, Rea
 
 /// found(item) for the boxes of a kind that meet the given one, for number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void seekBoxes(const View& s, const BoxGrid& grid, int kind, const SweptBox& box, Found&& found, int lane = 0, int lanes = 1) {
-  // a cell is two reads at random, an entry a part of one in a row: beyond so many cells looking at all there is takes less
+RUBBLE_HD void seekBoxes(const SolverData& s, const BoxGrid& grid, int kind, const SweptBox& box, Found&& found, int lane = 0, int lanes = 1) {
+  // a cell is two reads at random, an incidence a part of one in a row: beyond so many cells looking at all there is takes less
   constexpr Real kFewCells = 512, kEntriesPerCell = 8;
   const int all = grid.offset[grid.buckets], levels = s.counters->boxLevels[kind];
   const Real most = max(kFewCells, static_cast<Real>(all) / kEntriesPerCell);
@@ -92,11 +92,11 @@ RUBBLE_HD void seekBoxes(const View& s, const BoxGrid& grid, int kind, const Swe
       const int bucket = grid.bucketOf(place, x, y, z);
       for (int k = grid.offset[bucket]; k < grid.offset[bucket + 1]; ++k) {
         // another cell may share the bucket
-        const BoxEntry& e = grid.entry[k];
+        const BoxEntry& e = grid.incidence[k];
         if (cellOf(e.centre.x, size) == x && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z) look(e);
       }
     });
-    for (int k = lane; !done && k < all; k += lanes) look(grid.entry[k]);
+    for (int k = lane; !done && k < all; k += lanes) look(grid.incidence[k]);
   }
 }
 

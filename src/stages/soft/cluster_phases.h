@@ -33,9 +33,9 @@ void solve(E& e) {
 /// Gives free objects back the angular momentum that the time step takes.
 template <Executor E>
 void keepSpin(E& e) {
-  if (e.view().lumps == 0) return;
+  if (e.view().softNodes == 0) return;
   e.forEach(SumSpins{}, e.view().clusterBegin[1]);
-  e.forEach(FindSpins{}, e.view().lumps);
+  e.forEach(FindSpins{}, e.view().softNodes);
 }
 
 }  // namespace rubble::RUBBLE_CORE::clusters

@@ -4,7 +4,7 @@
 /// object; a sweep over clusters does both. Clusters are nested, fixed when the object is made (src/cook/clusters.cpp), and all of a level
 /// move at once (but the finest of solids, which only are parts of sums), under-relaxed as the groups of bodies are (coarse.h); an element that
 /// n > 2 of them share counts n/2 times in each Hessian.
-#include "forces/group_stamp.h"
+#include "forces/group_accumulation.h"
 #include "stages/coarse/coarse.h"
 #include "stages/bodies/coloring.h"
 
@@ -15,8 +15,8 @@ inline constexpr Real kLeastTurn = Real(.01);
 
 /// Centre and mean velocity of each of the finest clusters: at x^t, and again at the initial guess.
 struct PlaceClusters {
-  static constexpr const char* kName = "clusters";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "clusters";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Cluster& c = s.cluster[i];
     Real mass = 0;
     Vec3 moment{0, 0, 0}, momentum{0, 0, 0};
@@ -49,12 +49,12 @@ struct ClusterMoments {
 };
 /// And of those that are made of them.
 struct PlaceLargeClusters {
-  static constexpr const char* kName = "clusters";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "clusters";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const int large = s.clusterBegin[1] + i;
     const Cluster& c = s.cluster[large];
     ClusterMoments sum;
-    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) sum.add(s.clusterMotion[k]);
+    for (int k = c.sliceBegin; k < c.sliceEnd; ++k) sum.add(s.clusterMotion[k]);
     sum.write(s.clusterMotion[large]);
   }
 };
@@ -71,7 +71,7 @@ RUBBLE_HD void addShared(const Row& row, int corner, Block3& to, Add&& add) {
   to.h += (1 / share) * own.h;
 }
 /// Is it a contact of an object with itself?
-RUBBLE_HD inline bool withinObject(const View& s, const PointContact& p) {
+RUBBLE_HD inline bool withinObject(const SolverData& s, const PointContact& p) {
   if (p.body >= 0) return false;
   bool within = true;
   RUBBLE_UNROLL
@@ -84,7 +84,7 @@ inline constexpr int kNoLevel = -1;
 /// Adds the share of number `lane` of `lanes` in the inertia, loads, attachments and contacts of a vertex; rows inside of groups of `level`
 /// are left out, and contacts of its object with itself go to `self`. Returns whether there are any.
 template <bool surfaces>
-RUBBLE_HD bool addFromOutside(const View& s, int v, int lane, int lanes, int level, Block3& own, Block3& self) {
+RUBBLE_HD bool addFromOutside(const SolverData& s, int v, int lane, int lanes, int level, Block3& own, Block3& self) {
   if (lane == 0) own += startVertexBlock(s, v);
   // loads and attachments come last
   int first = s.refOffset[v + 1];
@@ -94,13 +94,13 @@ RUBBLE_HD bool addFromOutside(const View& s, int v, int lane, int lanes, int lev
     else if (const Attachment& a = s.attachment[pointIndex(s.ref[r])]; a.depth > level)
       addShared(a, pointCorner(s.ref[r]), own, [&](Block3& b) { addElement(s, s.ref[r], b); });
   bool touchesSelf = false;
-  for (int r = s.pointEntryOffset[v] + lane; r < s.pointEntryOffset[v + 1]; r += lanes) {
-    const std::uint32_t code = s.pointEntry[r];
+  for (int r = s.pointIncidenceOffset[v] + lane; r < s.pointIncidenceOffset[v + 1]; r += lanes) {
+    const std::uint32_t code = s.pointIncidence[r];
     if (level != kNoLevel && s.pointContact[pointIndex(code)].depth <= level) continue;
-    const auto& p = readWhole(s.pointContact[pointIndex(code)]);
+    const auto& p = loadVectorized(s.pointContact[pointIndex(code)]);
     const bool isInner = surfaces && withinObject(s, p);
     touchesSelf |= isInner;
-    addShared(p, pointCorner(code), isInner ? self : own, [&](Block3& b) { p.stampVertex(s.step, pointDisplacement(s, p), pointCorner(code), b); });
+    addShared(p, pointCorner(code), isInner ? self : own, [&](Block3& b) { p.accumulateVertex(s.step, pointDisplacement(s, p), pointCorner(code), b); });
   }
   return touchesSelf;
 }
@@ -109,8 +109,8 @@ RUBBLE_HD bool addFromOutside(const View& s, int v, int lane, int lanes, int lev
 /// that collide, maybe with themselves, and their vertices many contacts.
 template <bool surfaces>
 struct SumCluster {
-  static constexpr const char* kName = "clusters";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "clusters";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Cluster& c = s.cluster[i];
     Block6 sum, inner;
     bool folded = false;
@@ -123,7 +123,7 @@ struct SumCluster {
   }
 
   /// Adds the share of number `lane` of `lanes` in a vertex; returns whether its object touches itself there.
-  RUBBLE_HD static bool addVertex(const View& s, int v, const Vec3& centre, int lane, int lanes, Block6& sum, Block6& inner) {
+  RUBBLE_HD static bool addVertex(const SolverData& s, int v, const Vec3& centre, int lane, int lanes, Block6& sum, Block6& inner) {
     Block3 own, self;
     const bool touchesSelf = addFromOutside<surfaces>(s, v, lane, lanes, kNoLevel, own, self);
     addAtLever(sum, s.vertexPlace[v] - centre, own.f, own.h);
@@ -134,20 +134,20 @@ struct SumCluster {
 
 /// Cluster i of a level: its vertices, and the elements that leave it.
 struct SolveCluster {
-  static constexpr const char* kName = "clusters";
+  static constexpr const char* kStage = "clusters";
   int level;
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const int index = s.clusterBegin[level] + i;
     const Cluster& c = s.cluster[index];
     ClusterMotion& motion = s.clusterMotion[index];
     Block6 block;
-    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) addChunk(s, c, k, motion.centre, block);
+    for (int k = c.sliceBegin; k < c.sliceEnd; ++k) addSlice(s, c, k, motion.centre, block);
     for (int k = c.refBegin; k < c.refEnd; ++k) addLeaving(s, s.clusterRef[k], motion.centre, block);
     motion.step = stepOf(block);
   }
 
   /// Adds the vertices of chunk k.
-  RUBBLE_HD static void addChunk(const View& s, const Cluster& c, int k, const Vec3& centre, Block6& block) {
+  RUBBLE_HD static void addSlice(const SolverData& s, const Cluster& c, int k, const Vec3& centre, Block6& block) {
     const ClusterMotion& chunk = s.clusterMotion[k];
     const Vec3 shift = chunk.centre - centre;
     const Block6 sum = chunk.sum;  // a copy: read at once
@@ -155,7 +155,7 @@ struct SolveCluster {
     // the whole object feels nothing of what it does to itself
     if (s.features > 0 && c.parent >= 0 && chunk.folded) addShifted(block, chunk.inner, shift);
   }
-  RUBBLE_HD static void addLeaving(const View& s, const ClusterRef& ref, const Vec3& centre, Block6& block) {
+  RUBBLE_HD static void addLeaving(const SolverData& s, const ClusterRef& ref, const Vec3& centre, Block6& block) {
     forEachType(ElementTypes{}, [&]<class F>() {
       if constexpr (!kIsLoad<F>) {
         if (ref.type != typeIndex<F>(ElementTypes{})) return;
@@ -163,7 +163,7 @@ struct SolveCluster {
         if (!e.alive) return;
         Vec3 x[F::kCorners];
         gatherCorners(s, e, x);
-        stampGroup(s.step, e, x, ref.inside, centre, static_cast<Real>(ref.clusters) / 2, block);
+        accumulateGroup(s.step, e, x, ref.inside, centre, static_cast<Real>(ref.clusters) / 2, block);
       }
     });
   }
@@ -171,20 +171,20 @@ struct SolveCluster {
     // vertices on one line do not resist a turn about it: all axes get a little of what the others resist with
     const Real least = kLeastTurn * (block.aa.xx + block.aa.yy + block.aa.zz);
     block.aa.xx += least, block.aa.yy += least, block.aa.zz += least;
-    return groupStep(block);
+    return aggregateStep(block);
   }
 };
 
 /// Moves the vertices of one of the finest clusters with the cluster of a level that it belongs to.
 struct MoveCluster {
-  static constexpr const char* kName = "clusters";
+  static constexpr const char* kStage = "clusters";
   int level;
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     for (int k = s.cluster[i].begin; k < s.cluster[i].end; ++k) moveMember(s, i, k);
   }
 
   /// Moves the k-th member, which is of the finest cluster i.
-  RUBBLE_HD void moveMember(const View& s, int i, int k) const {
+  RUBBLE_HD void moveMember(const SolverData& s, int i, int k) const {
     int owner = i;
     for (int n = 0; n < level && owner >= 0; ++n) owner = s.cluster[owner].parent;
     if (owner < 0) return;

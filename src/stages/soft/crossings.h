@@ -32,16 +32,16 @@ inline constexpr int kStays = 4;
 inline constexpr int kMostCrossingRounds = kDeflections + kCuts + kStays + 1;
 
 /// Rounds of this step in which ways of the object of a vertex are changed.
-RUBBLE_HD inline int deflections(const View& s, int v) {
+RUBBLE_HD inline int deflections(const SolverData& s, int v) {
   const VertexRepair& object = s.vertexRepair[s.vertexParams[v].first];
-  const Real most = static_cast<Real>(kDeflections), share = static_cast<Real>(object.owners) / static_cast<Real>(max(object.nearPairs, 1));
+  const Real most = static_cast<Real>(kDeflections), share = static_cast<Real>(object.owners) / static_cast<Real>(max(object.activePairs, 1));
   return static_cast<int>(clamp(kDeflectedPairs * share, Real(1), most));
 }
 
 /// Clears what the step before has left. Before the grid is filled: boxes hold all detours.
 struct BeginCrossings {
-  static constexpr const char* kName = "crossings";
-  RUBBLE_HD void operator()(const View& s, int v) const {
+  static constexpr const char* kStage = "crossings";
+  RUBBLE_HD void operator()(const SolverData& s, int v) const {
     VertexRepair& r = s.vertexRepair[v];
     memset(static_cast<void*>(&r), 0, sizeof r);
     r.unit = longestDetour(s, v) / static_cast<Real>(FoundWay::kDetourUnits);
@@ -50,7 +50,7 @@ struct BeginCrossings {
 
 /// found(feature) for the features that an owner may meet, whatever detours they take, for number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void searchNear(const View& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
+RUBBLE_HD void searchNear(const SolverData& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
   if (!ownsFeatures(s, owner)) return;
   int own[2];
   const int corners = ownerCorners(s, owner, own);
@@ -77,8 +77,8 @@ RUBBLE_HD void searchNear(const View& s, int owner, Found&& found, int lane = 0,
 }
 
 struct FindNear {
-  static constexpr const char* kName = "crossings";
-  RUBBLE_HD void operator()(const View& s, int owner) const {
+  static constexpr const char* kStage = "crossings";
+  RUBBLE_HD void operator()(const SolverData& s, int owner) const {
     int count = 0;
     int* const slots = s.pointPairSlot + owner * kPointPairSlots;
     searchNear(s, owner, [&](int i) {
@@ -89,8 +89,8 @@ struct FindNear {
   }
 };
 struct WriteNear {
-  static constexpr const char* kName = "crossings";
-  RUBBLE_HD void operator()(const View& s, int owner) const {
+  static constexpr const char* kStage = "crossings";
+  RUBBLE_HD void operator()(const SolverData& s, int owner) const {
     if (owner == 0) s.counters->crossingWork = max(s.vertices, s.counters->nearFeatures);
     int n = s.nearOffset[owner];
     const int count = s.nearOffset[owner + 1] - n;
@@ -98,7 +98,7 @@ struct WriteNear {
       int own[2];
       ownerCorners(s, owner, own);
       VertexRepair& object = s.vertexRepair[s.vertexParams[own[0]].first];
-      atomicCount(&object.owners, 1), atomicCount(&object.nearPairs, count);
+      atomicCount(&object.owners, 1), atomicCount(&object.activePairs, count);
     }
     const auto write = [&](int feature) { s.nearFeature[n++] = {owner, feature, 0}; };
     if (count > kPointPairSlots) {
@@ -110,7 +110,7 @@ struct WriteNear {
 };
 
 /// The meeting of an owner with a feature, if there is one. `clear`: how much further apart they are to stay [m].
-RUBBLE_HD inline bool findCrossing(const View& s, const NearFeature& near, NearParts& p, FeatureMeeting& m, Real& clear) {
+RUBBLE_HD inline bool findCrossing(const SolverData& s, const NearFeature& near, NearParts& p, FeatureMeeting& m, Real& clear) {
   p = nearParts(s, near.owner, kFeatureNode + near.feature);
   const Real distance = length(p.gap), keep = min(kLeastSurfaceGap * bothRadii(s, p), kLeastSurfaceShare * distance);
   Vec3 move[4];
@@ -122,13 +122,13 @@ RUBBLE_HD inline bool findCrossing(const View& s, const NearFeature& near, NearP
 
 /// Counts the meetings of each vertex.
 struct CountCrossings {
-  static constexpr const char* kName = "crossings";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "crossings";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     NearParts p;
     FeatureMeeting m;
     Real clear;
     const bool meets = findCrossing(s, s.nearFeature[i], p, m, clear);
-    for (const int v : p.v) atomicSet(&s.vertexRepair[v].isNear, 1);
+    for (const int v : p.v) atomicSet(&s.vertexRepair[v].isActive, 1);
     if (!meets) return;
     s.nearFeature[i].meets = 1;
     atomicCount(&s.counters->crossings, 1);
@@ -136,7 +136,7 @@ struct CountCrossings {
   }
 };
 
-RUBBLE_HD inline void deflect(const View& s, const NearParts& p, const FeatureMeeting& m, Real clear) {
+RUBBLE_HD inline void deflect(const SolverData& s, const NearParts& p, const FeatureMeeting& m, Real clear) {
   Real rate = 0, mobility = 0;
   int share = 1;
   for (int k = 0; k < 4; ++k) {
@@ -163,8 +163,8 @@ RUBBLE_HD inline void deflect(const View& s, const NearParts& p, const FeatureMe
 
 /// Takes the changes that the last round found. Called as often as there is crossingWork.
 struct TakeWays {
-  static constexpr const char* kName = "crossings";
-  RUBBLE_HD void operator()(const View& s, int v) const {
+  static constexpr const char* kStage = "crossings";
+  RUBBLE_HD void operator()(const SolverData& s, int v) const {
     if (v >= s.vertices) return;
     VertexRepair& r = s.vertexRepair[v];
     Vec3 move{0, 0, 0};
@@ -187,16 +187,16 @@ struct TakeWays {
     r.before = r.hits;
     r.hits = r.hold = r.shift[0] = r.shift[1] = r.shift[2] = 0;
   }
-  RUBBLE_HD static bool mustStay(const View& s, int v) {
+  RUBBLE_HD static bool mustStay(const SolverData& s, int v) {
     return s.vertexRepair[s.vertexParams[v].first].stays != 0 ||
-           (s.vertexRepair[v].isNear != 0 && s.counters->crossingRounds >= deflections(s, v) + kCuts + kStays);
+           (s.vertexRepair[v].isActive != 0 && s.counters->crossingRounds >= deflections(s, v) + kCuts + kStays);
   }
 };
 
 /// Finds what is left, and how to change it. Pairs that did not meet and whose ways are as they were are not looked at again.
 struct ProposeWays {
-  static constexpr const char* kName = "crossings";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "crossings";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (i >= s.counters->nearFeatures) return;
     NearFeature& near = s.nearFeature[i];
     if (near.meets == 0 && !changed(s, near)) return;
@@ -217,7 +217,7 @@ struct ProposeWays {
   }
 
  private:
-  RUBBLE_HD static bool changed(const View& s, const NearFeature& near) {
+  RUBBLE_HD static bool changed(const SolverData& s, const NearFeature& near) {
     int own[2];
     const int corners = ownerCorners(s, near.owner, own);
     const SurfaceFeature& f = s.feature[near.feature];

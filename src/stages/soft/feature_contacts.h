@@ -33,7 +33,7 @@ RUBBLE_HD inline void findNearest(NearParts& p) {
 }
 
 /// The owner of a pair and a feature, or a corner (kCornerNode + index).
-RUBBLE_HD inline NearParts nearParts(const View& s, int owner, int other) {
+RUBBLE_HD inline NearParts nearParts(const SolverData& s, int owner, int other) {
   NearParts p;
   int own[2];
   p.sideA = p.count = ownerCorners(s, owner, own);
@@ -50,16 +50,16 @@ RUBBLE_HD inline NearParts nearParts(const View& s, int owner, int other) {
 }
 
 /// Speed at which the nearest points come nearer, and that of one from the other. [m/s]
-RUBBLE_HD inline Vec3 relativeVelocity(const View& s, const NearParts& p) {
+RUBBLE_HD inline Vec3 relativeVelocity(const SolverData& s, const NearParts& p) {
   Vec3 sum{0, 0, 0};
   for (int k = 0; k < p.count; ++k) sum += p.c[k] * s.vertexVelocity[p.v[k]];
   return sum;
 }
-RUBBLE_HD inline Real featureMargin(const View& s, const NearParts& p) {
+RUBBLE_HD inline Real featureMargin(const SolverData& s, const NearParts& p) {
   const Real size = min(s.vertexParams[p.v[0]].length, s.vertexParams[p.v[p.sideA]].length);
   return max(s.step.contactMargin * size, s.step.dt * length(relativeVelocity(s, p)));
 }
-RUBBLE_HD inline Real bothRadii(const View& s, const NearParts& p) {
+RUBBLE_HD inline Real bothRadii(const SolverData& s, const NearParts& p) {
   return s.vertexParams[p.v[0]].surfaceRadius + s.vertexParams[p.v[p.sideA]].surfaceRadius;
 }
 
@@ -67,7 +67,7 @@ RUBBLE_HD inline Real bothRadii(const View& s, const NearParts& p) {
 inline constexpr Real kRestShare = Real(.5);
 
 /// Distance that a pair of parts keeps [m].
-RUBBLE_HD inline Real touchDistance(const View& s, const NearParts& p) {
+RUBBLE_HD inline Real touchDistance(const SolverData& s, const NearParts& p) {
   const Real radii = bothRadii(s, p);
   if (s.vertexParams[p.v[0]].first != s.vertexParams[p.v[p.sideA]].first) return radii;
   NearParts rest = p;
@@ -78,7 +78,7 @@ RUBBLE_HD inline Real touchDistance(const View& s, const NearParts& p) {
 
 /// Is an edge of a surface (corners a, b of `parts`) where the surface bends away from the other edge? In the flat, and where it bends towards
 /// it, contacts of vertices hold the surfaces apart already. `towards`: from the nearest point of the edge to that of the other.
-RUBBLE_HD inline bool bendsAway(const View& s, const SurfaceFeature& edge, const Vec3& towards) {
+RUBBLE_HD inline bool bendsAway(const SolverData& s, const SurfaceFeature& edge, const Vec3& towards) {
   // an edge of one triangle, or of none, is a rim
   if (edge.opposite[0] < 0 || edge.opposite[1] < 0) return true;
   const Vec3 along(s.vertexPosition[edge.v[1]] - s.vertexPosition[edge.v[0]]);
@@ -93,7 +93,7 @@ RUBBLE_HD inline bool bendsAway(const View& s, const SurfaceFeature& edge, const
 
 /// What the nearest point of a feature belongs to: the feature, one of its edges or a corner, as PointPair::other. -1: the contact is that of
 /// other pairs (two edges whose nearest points are not inside of both, or that are flat there).
-RUBBLE_HD inline int nearestPart(const View& s, const NearParts& p, int own, int feature) {
+RUBBLE_HD inline int nearestPart(const SolverData& s, const NearParts& p, int own, int feature) {
   if (p.sideA == 2) {
     for (int k = 0; k < 4; ++k)
       if (p.c[k] == Real(0)) return -1;
@@ -113,7 +113,7 @@ RUBBLE_HD inline int nearestPart(const View& s, const NearParts& p, int own, int
 }
 
 /// Corners of a part of a surface, as PointPair::other.
-RUBBLE_HD inline int partCorners(const View& s, int part, int (&v)[3]) {
+RUBBLE_HD inline int partCorners(const SolverData& s, int part, int (&v)[3]) {
   if (part < kFeatureNode) {
     v[0] = part - kCornerNode;
     return 1;
@@ -124,7 +124,7 @@ RUBBLE_HD inline int partCorners(const View& s, int part, int (&v)[3]) {
 }
 
 /// Is a part of a surface a side or corner of another? A vertex has a contact with the larger one only: no point of it is further away.
-RUBBLE_HD inline bool isSideOf(const View& s, int part, int larger) {
+RUBBLE_HD inline bool isSideOf(const SolverData& s, int part, int larger) {
   if (part < kCornerNode || larger < kFeatureNode || part == larger) return false;
   int v[3], w[3];
   const int few = partCorners(s, part, v), many = partCorners(s, larger, w);
@@ -138,7 +138,7 @@ RUBBLE_HD inline bool isSideOf(const View& s, int part, int larger) {
 }
 
 /// Leaves out the parts that are sides of others, of a list of partners; returns how many are left.
-RUBBLE_HD inline int dropSides(const View& s, int owner, int count, int* partner, int stride) {
+RUBBLE_HD inline int dropSides(const SolverData& s, int owner, int count, int* partner, int stride) {
   if (owner >= s.vertices && owner < s.vertices + s.edges) return count;
   int kept = 0;
   for (int i = 0; i < count; ++i) {
@@ -153,7 +153,7 @@ RUBBLE_HD inline int dropSides(const View& s, int owner, int count, int* partner
 /// found(part) for every part of a surface that the owner, a vertex or an edge, may touch in this step, for number `lane` of `lanes`. One part
 /// may be found several times.
 template <class Found>
-RUBBLE_HD void searchFeatures(const View& s, int owner, Found&& found, int lane, int lanes) {
+RUBBLE_HD void searchFeatures(const SolverData& s, int owner, Found&& found, int lane, int lanes) {
   if (!ownsFeatures(s, owner)) return;
   int own[2];
   const int corners = ownerCorners(s, owner, own);
@@ -170,7 +170,7 @@ RUBBLE_HD void searchFeatures(const View& s, int owner, Found&& found, int lane,
 }
 
 /// Rows of a vertex or edge (A) against a part of a surface (B). Returns what they start from; fills the geometry.
-RUBBLE_HD inline PointContactStart touchFeature(const View& s, int owner, int other, PointContact& p, Real& gap, Real& margin) {
+RUBBLE_HD inline PointContactStart touchFeature(const SolverData& s, int owner, int other, PointContact& p, Real& gap, Real& margin) {
   const NearParts parts = nearParts(s, owner, other);
   const VertexParams &pa = s.vertexParams[parts.v[0]], &pb = s.vertexParams[parts.v[parts.sideA]];
   const Real distance = length(parts.gap);

@@ -7,28 +7,28 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline bool isOnSurface(const View& s, int v) {
+RUBBLE_HD inline bool isOnSurface(const SolverData& s, int v) {
   return (s.vertexParams[v].collides & (kCollidesWithSurfaces | kCollidesWithSelf)) != 0;
 }
 
 /// Where vertices are expected before the iterations: along their velocities; and how far from there rows are wanted.
 struct ExpectedWay {
-  RUBBLE_HD static Vec3 way(const View& s, int v) { return s.step.dt * s.vertexVelocity[v]; }
-  RUBBLE_HD static Real reach(const View& s, int v) { return s.vertexParams[v].surfaceRadius + s.step.contactMargin * s.vertexParams[v].length; }
+  RUBBLE_HD static Vec3 way(const SolverData& s, int v) { return s.step.dt * s.vertexVelocity[v]; }
+  RUBBLE_HD static Real reach(const SolverData& s, int v) { return s.vertexParams[v].surfaceRadius + s.step.contactMargin * s.vertexParams[v].length; }
 };
 
 /// How far a vertex may be led off its way where surfaces would cross: this many radii of its surface and this share of its way [1].
 inline constexpr Real kDetourRadii = 2, kDetourShare = Real(.5);
 /// The way that the iterations have found; none if it is not finite, for then the vertex stays where it is (FinishVertices).
-RUBBLE_HD inline Vec3 foundWay(const View& s, int v) { return isFinite(s.vertexMoved[v]) ? s.vertexMoved[v] : Vec3{0, 0, 0}; }
-RUBBLE_HD inline Real longestDetour(const View& s, int v) {
+RUBBLE_HD inline Vec3 foundWay(const SolverData& s, int v) { return isFinite(s.vertexMoved[v]) ? s.vertexMoved[v] : Vec3{0, 0, 0}; }
+RUBBLE_HD inline Real longestDetour(const SolverData& s, int v) {
   return kDetourRadii * s.vertexParams[v].surfaceRadius + kDetourShare * length(foundWay(s, v));
 }
 
 /// Where the iterations have put them.
 struct FoundWay {
-  RUBBLE_HD static Vec3 way(const View& s, int v) { return foundWay(s, v); }
-  RUBBLE_HD static Real reach(const View& s, int v) {
+  RUBBLE_HD static Vec3 way(const SolverData& s, int v) { return foundWay(s, v); }
+  RUBBLE_HD static Real reach(const SolverData& s, int v) {
     // as it was when the grid was filled
     return s.vertexParams[v].surfaceRadius + s.vertexRepair[v].unit * kDetourUnits;
   }
@@ -38,7 +38,7 @@ struct FoundWay {
 
 /// `corners` of v are used.
 template <class Way>
-RUBBLE_HD SweptBox sweptBox(const View& s, const int* v, int corners) {
+RUBBLE_HD SweptBox sweptBox(const SolverData& s, const int* v, int corners) {
   Vec3 low{0, 0, 0}, high{0, 0, 0};
   for (int k = 0; k < corners; ++k) {
     const Vec3 x(s.vertexPosition[v[k]]), to = x + Way::way(s, v[k]);
@@ -55,7 +55,7 @@ RUBBLE_HD SweptBox sweptBox(const View& s, const int* v, int corners) {
 RUBBLE_HD inline int cornersOf(const SurfaceFeature& f) { return f.kind == FeatureKind::Triangle ? 3 : 2; }
 
 /// A torn triangle is no longer there, nor an edge that has lost all its triangles or its spring.
-RUBBLE_HD inline bool isThere(const View& s, const SurfaceFeature& f) {
+RUBBLE_HD inline bool isThere(const SolverData& s, const SurfaceFeature& f) {
   if (f.source[0] == kNoSource) return true;
   for (const std::uint32_t source : f.source) {
     if (source == kNoSource) continue;
@@ -67,15 +67,15 @@ RUBBLE_HD inline bool isThere(const View& s, const SurfaceFeature& f) {
 }
 
 template <class Way>
-RUBBLE_HD BoxEntry placeFeature(const View& s, int i, int& bucket) {
+RUBBLE_HD BoxEntry placeFeature(const SolverData& s, int i, int& bucket) {
   const SurfaceFeature& f = s.feature[i];
   return featureGrid(s).place(static_cast<int>(f.kind), sweptBox<Way>(s, f.v, cornersOf(f)), i, bucket);
 }
 
 template <class Way>
 struct CountFeatures {
-  static constexpr const char* kName = "surfaces";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "surfaces";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!isThere(s, s.feature[i])) return;
     int bucket;
     noteBox(s, placeFeature<Way>(s, i, bucket));
@@ -86,8 +86,8 @@ struct CountFeatures {
 /// In no fixed order.
 template <class Way>
 struct FillFeatures {
-  static constexpr const char* kName = "surfaces";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "surfaces";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!isThere(s, s.feature[i])) return;
     int bucket;
     const BoxEntry e = placeFeature<Way>(s, i, bucket);
@@ -97,8 +97,8 @@ struct FillFeatures {
 
 /// The second filling starts anew.
 struct ForgetFeatureLevels {
-  static constexpr const char* kName = "surfaces";
-  RUBBLE_HD void operator()(const View& s, int kind) const {
+  static constexpr const char* kStage = "surfaces";
+  RUBBLE_HD void operator()(const SolverData& s, int kind) const {
     s.counters->boxLevels[kind] = 0;
     for (auto& half : s.counters->boxHalf[kind]) half[0] = half[1] = half[2] = 0;
   }
@@ -106,12 +106,12 @@ struct ForgetFeatureLevels {
 
 /// found(feature) for those of a kind whose boxes meet the given one, for number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void seekFeatures(const View& s, FeatureKind kind, const SweptBox& box, Found&& found, int lane = 0, int lanes = 1) {
+RUBBLE_HD void seekFeatures(const SolverData& s, FeatureKind kind, const SweptBox& box, Found&& found, int lane = 0, int lanes = 1) {
   seekBoxes(s, featureGrid(s), static_cast<int>(kind), box, found, lane, lanes);
 }
 
 /// Does an attachment hold the two vertices to one another?
-RUBBLE_HD inline bool areJoined(const View& s, int a, int b) {
+RUBBLE_HD inline bool areJoined(const SolverData& s, int a, int b) {
   bool joined = false;
   visitAttachments(s, a, [&](const Attachment& seam) {
     if (!active(s, seam)) return;
@@ -121,7 +121,7 @@ RUBBLE_HD inline bool areJoined(const View& s, int a, int b) {
 }
 
 /// May a vertex or an edge (corners a) meet a feature? Neighbours that share a corner do not, nor do surfaces that an attachment joins there.
-RUBBLE_HD inline bool mayMeet(const View& s, const int* a, int corners, const SurfaceFeature& f) {
+RUBBLE_HD inline bool mayMeet(const SolverData& s, const int* a, int corners, const SurfaceFeature& f) {
   const int others = cornersOf(f);
   bool moves = false;
   for (int i = 0; i < corners; ++i) {
@@ -140,7 +140,7 @@ RUBBLE_HD inline bool mayMeet(const View& s, const int* a, int corners, const Su
 }
 
 /// Corners of the owner of a pair: one vertex, or the two of an edge.
-RUBBLE_HD inline int ownerCorners(const View& s, int owner, int (&v)[2]) {
+RUBBLE_HD inline int ownerCorners(const SolverData& s, int owner, int (&v)[2]) {
   if (owner < s.vertices) {
     v[0] = owner;
     return 1;
@@ -150,7 +150,7 @@ RUBBLE_HD inline int ownerCorners(const View& s, int owner, int (&v)[2]) {
 }
 
 /// Has the owner a surface that collides?
-RUBBLE_HD inline bool ownsFeatures(const View& s, int owner) {
+RUBBLE_HD inline bool ownsFeatures(const SolverData& s, int owner) {
   if (owner >= s.vertices) return isThere(s, s.feature[owner - s.vertices]);
   return s.vertexParams[owner].kind != VertexKind::Removed && isOnSurface(s, owner);
 }

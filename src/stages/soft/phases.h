@@ -3,6 +3,7 @@
 #include "stages/executor.h"
 #include "stages/soft/acceleration.h"
 #include "stages/soft/crossings.h"
+#include "stages/soft/spin.h"
 #include "stages/soft/vertex_graph.h"
 #include "stages/soft/vertices.h"
 #include "stages/soft/vertex_contacts.h"
@@ -15,29 +16,29 @@ void forEachElement(E& e) {
   forEachType(ElementTypes{}, [&]<class F>() { e.forEach(Kernel<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]); });
 }
 
-inline int tetrahedra(const View& s) { return s.elements[typeIndex<Tetrahedron>(ElementTypes{})]; }
+inline int tetrahedra(const SolverData& s) { return s.elements[typeIndex<Tetrahedron>(ElementTypes{})]; }
 
 /// The triangles and edges of surfaces, in a grid.
 template <class Way, Executor E>
 void fillFeatures(E& e) {
   const int features = e.view().features, cells = e.view().featureCells;
   e.forEach(ForgetFeatureLevels{}, kFeatureKinds);
-  e.clear(&View::featureCount, cells);
+  e.clear(&SolverData::featureCount, cells);
   e.forEach(CountFeatures<Way>{}, features);
-  e.scan(&View::featureCount, &View::featureOffset, cells);
+  e.scan(&SolverData::featureCount, &SolverData::featureOffset, cells);
   e.forEach(FillFeatures<Way>{}, features);
 }
 
 /// What each vertex and edge is near to.
 template <Executor E>
 void findPairs(E& e) {
-  const View& s = e.view();
+  const SolverData& s = e.view();
   if (s.vertices == 0) return;
-  if (s.grainCells > 0) {
-    e.clear(&View::grainCount, s.grainCells);
-    e.forEach(CountGrains{}, s.vertices);
-    e.scan(&View::grainCount, &View::grainOffset, s.grainCells);
-    e.forEach(FillGrains{}, s.vertices);
+  if (s.particleCells > 0) {
+    e.clear(&SolverData::particleCount, s.particleCells);
+    e.forEach(CountParticles{}, s.vertices);
+    e.scan(&SolverData::particleCount, &SolverData::particleOffset, s.particleCells);
+    e.forEach(FillParticles{}, s.vertices);
   }
   if (s.features > 0) {
     fillFeatures<ExpectedWay>(e);
@@ -45,7 +46,7 @@ void findPairs(E& e) {
   }
   const int owners = s.owners();
   e.forEach(FindPointPairs{}, owners);
-  e.scan(&View::pointPairCount, &View::pointPairOffset, owners, &Counters::pointPairs, Per::PointPair);
+  e.scan(&SolverData::pointPairCount, &SolverData::pointPairOffset, owners, &Counters::pointPairs, Per::PointPair);
   e.forEach(WritePointPairs{}, owners);
 }
 
@@ -66,36 +67,36 @@ template <Executor E>
 void predict(E& e) {
   if (e.view().vertices == 0) return;
   e.forEach(PredictVertices{}, e.view().vertices);
-  e.forEach(MarkDormantPoints{}, &Counters::pointPairs);
+  e.forEach(MarkInactivePoints{}, &Counters::pointPairs);
 }
 
 // Row blocks of vertices among those of bodies, and colors.
 
 template <Executor E>
-void countEntries(E& e) {
+void countIncidences(E& e) {
   if (e.view().vertices == 0) return;
-  e.forEach(CountSoftEntries<AttachmentBlocks>{}, e.view().attachments);
-  e.forEach(CountSoftEntries<PointContactBlocks>{}, &Counters::pointPairs);
-  e.clear(&View::pointEntryCount, e.view().vertices);
-  e.forEach(CountPointEntries{}, &Counters::pointPairs);
+  e.forEach(CountSoftIncidences<AttachmentBlocks>{}, e.view().attachments);
+  e.forEach(CountSoftIncidences<PointContactBlocks>{}, &Counters::pointPairs);
+  e.clear(&SolverData::pointIncidenceCount, e.view().vertices);
+  e.forEach(CountPointIncidences{}, &Counters::pointPairs);
 }
 template <Executor E>
-void fillEntries(E& e) {
+void fillIncidences(E& e) {
   const int vertices = e.view().vertices;
   if (vertices == 0) return;
-  e.forEach(FillSoftEntries<AttachmentBlocks>{}, e.view().attachments);
-  e.forEach(FillSoftEntries<PointContactBlocks>{}, &Counters::pointPairs);
-  e.scan(&View::pointEntryCount, &View::pointEntryOffset, vertices, &Counters::pointEntries, Per::PointEntry);
-  e.forEach(FillPointEntries{}, &Counters::pointPairs);
-  e.forEach(SortPointEntries{}, vertices);
+  e.forEach(FillSoftIncidences<AttachmentBlocks>{}, e.view().attachments);
+  e.forEach(FillSoftIncidences<PointContactBlocks>{}, &Counters::pointPairs);
+  e.scan(&SolverData::pointIncidenceCount, &SolverData::pointIncidenceOffset, vertices, &Counters::pointIncidences, Per::PointIncidence);
+  e.forEach(FillPointIncidences{}, &Counters::pointPairs);
+  e.forEach(SortPointIncidences{}, vertices);
 }
 template <Executor E>
 void listColors(E& e) {
   const int vertices = e.view().vertices;
   if (vertices == 0) return;
-  e.clear(&View::vertexColorCount, &Counters::colors);
+  e.clear(&SolverData::vertexColorCount, &Counters::colors);
   e.forEach(CountVertexColors{}, vertices);
-  e.scan(&View::vertexColorCount, &View::vertexColorOffset, &Counters::colors);
+  e.scan(&SolverData::vertexColorCount, &SolverData::vertexColorOffset, &Counters::colors);
   e.forEach(FillVertexColors{}, vertices);
 }
 
@@ -122,13 +123,13 @@ void updateDuals(E& e) {
 /// Ends ways on which surfaces would cross.
 template <Executor E>
 void keepApart(E& e) {
-  const View& s = e.view();
+  const SolverData& s = e.view();
   if (s.features == 0) return;
   const int owners = s.vertices + s.edges;
   e.forEach(BeginCrossings{}, s.vertices);
   fillFeatures<FoundWay>(e);
   e.forEach(FindNear{}, owners);
-  e.scan(&View::nearCount, &View::nearOffset, owners, &Counters::nearFeatures, Per::NearFeature);
+  e.scan(&SolverData::nearCount, &SolverData::nearOffset, owners, &Counters::nearFeatures, Per::NearFeature);
   e.forEach(WriteNear{}, owners);
   e.forEach(CountCrossings{}, &Counters::nearFeatures);
   e.rounds(TakeWays{}, ProposeWays{}, &Counters::crossingWork, &Counters::crossings, &Counters::crossingRounds);
@@ -137,7 +138,7 @@ void keepApart(E& e) {
 /// What contacts and attachments bore, what yields and what breaks.
 template <Executor E>
 void finishRows(E& e) {
-  const View& s = e.view();
+  const SolverData& s = e.view();
   if (s.vertices == 0) return;
   e.forEach(FinishPoints{}, &Counters::pointPairs);
   forEachType(ElementTypes{}, [&]<class F>() {

@@ -4,11 +4,11 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline bool isDynamicVertex(const View& s, int v) { return s.vertexParams[v].kind == VertexKind::Dynamic; }
+RUBBLE_HD inline bool isDynamicVertex(const SolverData& s, int v) { return s.vertexParams[v].kind == VertexKind::Dynamic; }
 
 /// sum c_i (x_i - x_i^t) over the vertices of an attachment or contact.
 template <class Block>
-RUBBLE_HD Vec3 movedSum(const View& s, const Block& b) {
+RUBBLE_HD Vec3 movedSum(const SolverData& s, const Block& b) {
   // all of them on their way at once
   Vec3 moved[kPointCorners];
   RUBBLE_UNROLL
@@ -18,26 +18,26 @@ RUBBLE_HD Vec3 movedSum(const View& s, const Block& b) {
   return sum;
 }
 
-RUBBLE_HD inline BodyMove bodyMove(const View& s, const Attachment& a) {
+RUBBLE_HD inline BodyMove bodyMove(const SolverData& s, const Attachment& a) {
   if (a.body == kWorldBody) return {{0, 0, 0}, Quat{}};
-  return {s.moved[a.body].dp, s.turned[a.body]};
+  return {s.dx[a.body].dp, s.dq[a.body]};
 }
 
-RUBBLE_HD inline Vec3 pointDisplacement(const View& s, const PointContact& p) {
+RUBBLE_HD inline Vec3 pointDisplacement(const SolverData& s, const PointContact& p) {
   const Vec3 moved = movedSum(s, p);
-  return p.body >= 0 ? p.displacement(s.moved[p.body], moved) : moved;
+  return p.body >= 0 ? p.displacement(s.dx[p.body], moved) : moved;
 }
 
-RUBBLE_HD inline bool active(const View&, const Attachment& a) { return a.alive && !a.broken; }
+RUBBLE_HD inline bool active(const SolverData&, const Attachment& a) { return a.alive && !a.broken; }
 
 /// Adds an attachment or contact of vertices to the block of its body.
-RUBBLE_HD RUBBLE_APART inline void addSoftRows(const View& s, std::uint32_t code, Block6& block) {
-  if (entryType(code) == kBodyAttachmentType) {
-    const Attachment& a = s.attachment[entryIndex(code)];
-    a.stampBody(bodyMove(s, a), movedSum(s, a), block);
-  } else if (entryType(code) == kBodyPointContactType) {
-    const auto& p = readWhole(s.pointContact[entryIndex(code)]);
-    p.stampBody(s.step, pointDisplacement(s, p), block);
+RUBBLE_HD RUBBLE_APART inline void addSoftRows(const SolverData& s, std::uint32_t code, Block6& block) {
+  if (constraintType(code) == kBodyAttachmentType) {
+    const Attachment& a = s.attachment[constraintIndex(code)];
+    a.accumulateBody(bodyMove(s, a), movedSum(s, a), block);
+  } else if (constraintType(code) == kBodyPointContactType) {
+    const auto& p = loadVectorized(s.pointContact[constraintIndex(code)]);
+    p.accumulateBody(s.step, pointDisplacement(s, p), block);
   }
 }
 

@@ -6,7 +6,7 @@ namespace rubble::RUBBLE_CORE {
 
 /// The bodies that a vertex that moves is near to, and those that one holds. -1: none.
 struct NearVertex {
-  RUBBLE_HD static int body(const View& s, int i) {
+  RUBBLE_HD static int body(const SolverData& s, int i) {
     const PointPair p = s.pointPair[i];
     if (p.vertex >= s.vertices + s.edges) {
       int v[3];
@@ -18,7 +18,7 @@ struct NearVertex {
   }
 };
 struct HeldByVertices {
-  RUBBLE_HD static int body(const View& s, int i) {
+  RUBBLE_HD static int body(const SolverData& s, int i) {
     const Attachment& a = s.attachment[i];
     return active(s, a) && a.seam == 0 ? a.body : -1;
   }
@@ -26,16 +26,16 @@ struct HeldByVertices {
 
 template <class Source>
 struct WakeBySoft {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (const int body = Source::body(s, i); body >= 0 && s.asleep[body] != 0) atomicRaise(&s.islandFlag[s.asleep[body] - 1], 1);
   }
 };
 template <class Source>
 struct KeepAwakeBySoft {
-  static constexpr const char* kName = "sleep";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    if (const int body = Source::body(s, i); body >= 0 && isDynamic(s, body)) atomicRaise(&s.islandFlag[findLeader(s.island, body)], 1);
+  static constexpr const char* kStage = "sleep";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (const int body = Source::body(s, i); body >= 0 && isDynamic(s, body)) atomicRaise(&s.islandFlag[findRoot(s.island, body)], 1);
   }
 };
 

@@ -9,24 +9,24 @@
 /// with places and velocities seen from the centre of mass. The last sum is -(w dt)^2 of the angular momentum of what turns by w dt in a step. It is
 /// taken back at the end, as a rigid rotation w of velocities with I w = -sum m d x v, but never so far that there is more angular momentum than both
 /// before and after the step: what is torn to pieces gains none.
-#include "stages/coarse/lumps.h"
+#include "stages/coarse/soft_nodes.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// Sheets and ropes are left out: where they hang on hooks, these would open by what is given back.
-RUBBLE_HD inline bool keepsSpin(const View& s, const Lump& lump) { return lump.cluster >= 0 && inSolid(s, lump.first); }
+RUBBLE_HD inline bool keepsSpin(const SolverData& s, const SoftNode& softNode) { return softNode.cluster >= 0 && inSolid(s, softNode.first); }
 
 /// Sums of one of the finest clusters.
 struct SumSpins {
-  static constexpr const char* kName = "spin";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "spin";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Cluster& c = s.cluster[i];
     ClusterMotion& motion = s.clusterMotion[i];
     SpinSums sum{};
     for (int k = c.begin; k < c.end; ++k) addVertex(s, s.clusterMember[k], motion.centre, sum);
     motion.spin = sum;
   }
-  RUBBLE_HD static void addVertex(const View& s, int v, const Vec3& centre, SpinSums& sum) {
+  RUBBLE_HD static void addVertex(const SolverData& s, int v, const Vec3& centre, SpinSums& sum) {
     const Real m = s.vertexParams[v].mass;
     const Vec3 place = s.vertexPlace[v] - centre, moved = s.vertexMoved[v], velocity = s.vertexVelocity[v];
     addPointInertia(sum.inertia, place, m);
@@ -40,11 +40,11 @@ struct SumSpins {
 
 /// Those of a whole object, and the rotation of its velocities: `step.ang` of its largest cluster, about `centre`, its centre of mass.
 struct FindSpins {
-  static constexpr const char* kName = "spin";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    if (!keepsSpin(s, s.lump[i])) return;
-    ClusterMotion& whole = s.clusterMotion[s.lump[i].cluster];
-    const SpinSums sum = sumOf(s, s.cluster[s.lump[i].cluster], whole);
+  static constexpr const char* kStage = "spin";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    if (!keepsSpin(s, s.softNode[i])) return;
+    ClusterMotion& whole = s.clusterMotion[s.softNode[i].cluster];
+    const SpinSums sum = sumOf(s, s.cluster[s.softNode[i].cluster], whole);
     const Real mass = whole.mass;
     const Vec3 centre = sum.place / mass, moved = sum.moved / mass;
     Sym3 inertia = sum.inertia;
@@ -60,9 +60,9 @@ struct FindSpins {
     whole.centre += centre;
     whole.step.ang = isFinite(turn) ? turn : Vec3{0, 0, 0};
   }
-  RUBBLE_HD static SpinSums sumOf(const View& s, const Cluster& c, const ClusterMotion& whole) {
+  RUBBLE_HD static SpinSums sumOf(const SolverData& s, const Cluster& c, const ClusterMotion& whole) {
     SpinSums sum{};
-    for (int k = c.chunkBegin; k < c.chunkEnd; ++k) {
+    for (int k = c.sliceBegin; k < c.sliceEnd; ++k) {
       const ClusterMotion& part = s.clusterMotion[k];
       const Vec3 shift = part.centre - whole.centre;
       // of (s + shift)
@@ -87,17 +87,17 @@ struct FindSpins {
 };
 
 /// What the spin of its object adds to the velocity of a vertex.
-RUBBLE_HD inline Vec3 spinOf(const View& s, int v) {
-  const int lump = s.vertexParams[v].lump;
-  if (lump < 0 || !keepsSpin(s, s.lump[lump])) return {0, 0, 0};
-  const ClusterMotion& whole = s.clusterMotion[s.lump[lump].cluster];
+RUBBLE_HD inline Vec3 spinOf(const SolverData& s, int v) {
+  const int softNode = s.vertexParams[v].softNode;
+  if (softNode < 0 || !keepsSpin(s, s.softNode[softNode])) return {0, 0, 0};
+  const ClusterMotion& whole = s.clusterMotion[s.softNode[softNode].cluster];
   return cross(whole.step.ang, s.vertexPlace[v] - whole.centre);
 }
 
 /// Velocities and new positions. A vertex whose state is not finite stays where it was, at rest.
 struct FinishVertices {
-  static constexpr const char* kName = "velocity";
-  RUBBLE_HD void operator()(const View& s, int v) const {
+  static constexpr const char* kStage = "velocity";
+  RUBBLE_HD void operator()(const SolverData& s, int v) const {
     if (!isDynamicVertex(s, v)) return;
     const Vec3 moved = s.vertexMoved[v], velocity = s.step.inverseDt * moved + spinOf(s, v);
     if (!isFinite(velocity)) {

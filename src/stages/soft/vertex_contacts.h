@@ -7,7 +7,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Box of a vertex swept over the step, with the detection margin.
-RUBBLE_HD inline SweptBox vertexBounds(const View& s, int v) {
+RUBBLE_HD inline SweptBox vertexBounds(const SolverData& s, int v) {
   const VertexParams& p = s.vertexParams[v];
   const Vec3 sweep = (s.step.dt / 2) * s.vertexVelocity[v], x(s.vertexPosition[v]);
   const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
@@ -15,34 +15,34 @@ RUBBLE_HD inline SweptBox vertexBounds(const View& s, int v) {
   return {x + sweep, abs(sweep) + Vec3{grow, grow, grow}};
 }
 
-RUBBLE_HD inline bool isGrain(const View& s, int v) {
-  return s.vertexParams[v].kind != VertexKind::Removed && (s.vertexParams[v].collides & kCollidesWithGrains) != 0;
+RUBBLE_HD inline bool isGrain(const SolverData& s, int v) {
+  return s.vertexParams[v].kind != VertexKind::Removed && (s.vertexParams[v].collides & kCollidesWithParticles) != 0;
 }
 
-struct CountGrains {
-  static constexpr const char* kName = "grid";
-  RUBBLE_HD void operator()(const View& s, int v) const {
+struct CountParticles {
+  static constexpr const char* kStage = "grid";
+  RUBBLE_HD void operator()(const SolverData& s, int v) const {
     if (!isGrain(s, v)) return;
     int bucket;
-    noteBox(s, grainGrid(s).place(kGrainKind, vertexBounds(s, v), v, bucket));
-    atomicCount(&s.grainCount[bucket], 1);
+    noteBox(s, particleGrid(s).place(kParticleKind, vertexBounds(s, v), v, bucket));
+    atomicCount(&s.particleCount[bucket], 1);
   }
 };
 
 /// In no fixed order; pairs are sorted later.
-struct FillGrains {
-  static constexpr const char* kName = "grid";
-  RUBBLE_HD void operator()(const View& s, int v) const {
+struct FillParticles {
+  static constexpr const char* kStage = "grid";
+  RUBBLE_HD void operator()(const SolverData& s, int v) const {
     if (!isGrain(s, v)) return;
     int bucket;
-    const BoxEntry e = grainGrid(s).place(kGrainKind, vertexBounds(s, v), v, bucket);
-    s.grain[s.grainOffset[bucket] + atomicCount(&s.grainCount[bucket], -1) - 1] = e;
+    const BoxEntry e = particleGrid(s).place(kParticleKind, vertexBounds(s, v), v, bucket);
+    s.particle[s.particleOffset[bucket] + atomicCount(&s.particleCount[bucket], -1) - 1] = e;
   }
 };
 
 /// found(body) for the bodies whose boxes meet that of a vertex.
 template <class Found>
-RUBBLE_HD void searchBodies(const View& s, int v, const SweptBox& box, Found&& found, int lane, int lanes) {
+RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Found&& found, int lane, int lanes) {
   // cells that a search visits at most; beyond, looking at all bodies takes less
   constexpr Real kMostCells = 512;
   for (int level = 0; level < kGridLevels; ++level) {
@@ -72,7 +72,7 @@ RUBBLE_HD void searchBodies(const View& s, int v, const SweptBox& box, Found&& f
 
 /// found(other) for every partner whose pair a vertex, an edge or a corner of a body owns, for number `lane` of `lanes`. One may be found several times.
 template <class Found>
-RUBBLE_HD void searchPoint(const View& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
+RUBBLE_HD void searchPoint(const SolverData& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
   if (owner >= s.vertices + s.edges) return searchCorners(s, owner, found, lane, lanes);
   if (s.features > 0) searchFeatures(s, owner, found, lane, lanes);
   if (owner >= s.vertices) return;
@@ -81,7 +81,7 @@ RUBBLE_HD void searchPoint(const View& s, int owner, Found&& found, int lane = 0
   if (p.kind == VertexKind::Removed) return;
   const SweptBox box = vertexBounds(s, v);
   if (p.collides & kCollidesWithBodies) searchBodies(s, v, box, found, lane, lanes);
-  if (!(p.collides & kCollidesWithGrains)) return;
+  if (!(p.collides & kCollidesWithParticles)) return;
   const auto look = [&](int other) {
     if (other <= v) return;
     // vertices of one object with elements do not: they overlap at rest
@@ -90,7 +90,7 @@ RUBBLE_HD void searchPoint(const View& s, int owner, Found&& found, int lane = 0
     if (p.cluster >= 0 && s.vertexParams[other].cluster >= 0 && (p.collides & s.vertexParams[other].collides & kCollidesWithSurfaces)) return;
     if (isDynamicVertex(s, v) || isDynamicVertex(s, other)) found(kVertexNode + other);
   };
-  seekBoxes(s, grainGrid(s), kGrainKind, box, look, lane, lanes);
+  seekBoxes(s, particleGrid(s), kParticleKind, box, look, lane, lanes);
 }
 
 /// The partners of an owner, the first kPointPairSlots of them kept. If there are more, some may be counted several times.
@@ -107,13 +107,13 @@ struct PartnerList {
 
 /// Partners of each vertex and edge.
 struct FindPointPairs {
-  static constexpr const char* kName = "pairs";
-  RUBBLE_HD void operator()(const View& s, int owner) const {
+  static constexpr const char* kStage = "pairs";
+  RUBBLE_HD void operator()(const SolverData& s, int owner) const {
     PartnerList list{s.pointPairSlot + owner * kPointPairSlots};
     searchPoint(s, owner, [&](int other) { list.add(other); });
     finish(s, owner, list);
   }
-  RUBBLE_HD static void finish(const View& s, int owner, const PartnerList& list) {
+  RUBBLE_HD static void finish(const SolverData& s, int owner, const PartnerList& list) {
     const bool whole = s.features > 0 && list.count <= kPointPairSlots;
     const int parts = whole ? dropSides(s, owner, list.count, list.slots, 1) : list.count;
     s.pointPairCount[owner] = parts > 0 ? parts * rowsWithPart(s, owner) : 0;
@@ -122,8 +122,8 @@ struct FindPointPairs {
 
 /// Pairs sorted by owner, then by partner; behind them pairs with nothing for what was counted several times.
 struct WritePointPairs {
-  static constexpr const char* kName = "pairs";
-  RUBBLE_HD void operator()(const View& s, int owner) const {
+  static constexpr const char* kStage = "pairs";
+  RUBBLE_HD void operator()(const SolverData& s, int owner) const {
     const int begin = s.pointPairOffset[owner], end = s.pointPairOffset[owner + 1];
     if (begin == end) return;
     const int rows = rowsWithPart(s, owner), count = (end - begin) / rows;
@@ -155,33 +155,33 @@ RUBBLE_HD inline Real lighter(Real a, Real b) { return a > Real(0) && b > Real(0
 
 /// A vertex against a body at x^t, world axes. Surfaces are looked for up to `reach` from the vertex; `side` is the direction in which the body
 /// held it last, or zero.
-RUBBLE_HD inline PointDistance pointToBody(const View& s, int v, int body, Real reach, const Vec3& side) {
+RUBBLE_HD inline PointDistance pointToBody(const SolverData& s, int v, int body, Real reach, const Vec3& side) {
   const Quat q = s.orientation[body];
   const ShapeData& shape = s.params[body].shape;
   const Vec3 x = rotateInverse(q, Vec3(s.vertexPosition[v] - s.position[body]));
   PointDistance at;
-  if (isPlain(shape.kind))
+  if (isPrimitive(shape.kind))
     at = pointToPlainShape(shape, x);
   else
-    at = pointToRareShape(s.shapeTables(), shape, x, {reach, max(reach, kHeldFromBelow * s.vertexParams[v].length), rotateInverse(q, side)});
+    at = pointToGeneralShape(s.shapeTables(), shape, x, {reach, max(reach, kHeldFromBelow * s.vertexParams[v].length), rotateInverse(q, side)});
   at.n = rotate(q, at.n);
   return at;
 }
 
 /// How far the surface of the body of a contact moves in a step, besides the body. [m]
-RUBBLE_HD inline Vec3 beltOf(const View& s, const PointContact& p) {
+RUBBLE_HD inline Vec3 beltOf(const SolverData& s, const PointContact& p) {
   if (s.surfaces == 0 || p.body < 0) return {0, 0, 0};
   return s.step.dt * rotate(s.orientation[p.body], surfaceOf(s, p.body, p.part).velocity);
 }
 
 /// A vertex (B) against a body (A) at x^t. Returns what the rows start from; fills the geometry.
-RUBBLE_HD inline PointContactStart touchBody(const View& s, int v, int body, const PointContact* old, PointContact& p, Real& gap, Real& margin) {
+RUBBLE_HD inline PointContactStart touchBody(const SolverData& s, int v, int body, const PointContact* old, PointContact& p, Real& gap, Real& margin) {
   const VertexParams& point = s.vertexParams[v];
   const BodyParams& b = s.params[body];
   const Vec3 x(s.vertexPosition[v] - s.position[body]);
   const Real width = b.kind == BodyKind::Dynamic ? min(point.length, 2 * b.radius) : point.length;
   const Vec3 relative = s.vertexVelocity[v] - s.velocity[body];
-  margin = max(s.step.contactMargin * width, s.step.dt * (length(relative) + length(s.spin[body]) * length(x)));
+  margin = max(s.step.contactMargin * width, s.step.dt * (length(relative) + length(s.angularVelocity[body]) * length(x)));
   // which may have two sides, and no inside
   if (b.shape.kind == ShapeKind::Mesh) margin += fallInStep(s);
   const PointDistance at = pointToBody(s, v, body, point.radius + margin, old && old->active ? old->n : Vec3{0, 0, 0});
@@ -198,13 +198,13 @@ RUBBLE_HD inline PointContactStart touchBody(const View& s, int v, int body, con
   const auto friction = [&](Real a, Real c) { return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c); };
   p.muStatic = friction(surface.muStatic, point.muStatic);
   p.muDynamic = friction(surface.muDynamic, point.muDynamic);
-  const Real closing = -dot(p.n, relative) + dot(p.n, cross(s.spin[body], p.lever));
+  const Real closing = -dot(p.n, relative) + dot(p.n, cross(s.angularVelocity[body], p.lever));
   return {lighter(point.mass, b.mass), -gap, closing,
           combined(surface.restitutionCombine, point.restitutionCombine, Combine::Maximum, surface.restitution, point.restitution)};
 }
 
 /// Granular particles a (A) and b (B).
-RUBBLE_HD inline PointContactStart touchGrain(const View& s, int a, int b, PointContact& p, Real& gap, Real& margin) {
+RUBBLE_HD inline PointContactStart touchParticle(const SolverData& s, int a, int b, PointContact& p, Real& gap, Real& margin) {
   const VertexParams &pa = s.vertexParams[a], &pb = s.vertexParams[b];
   const Vec3 d(s.vertexPosition[b] - s.vertexPosition[a]);
   gap = length(d) - pa.radius - pb.radius;
@@ -224,7 +224,7 @@ RUBBLE_HD inline PointContactStart touchGrain(const View& s, int a, int b, Point
 
 /// Adds a share of the way of a belt to the drift of a contact. The rows correct the part driftCorrection of a drift: what the belt moves is
 /// to be made good in full.
-RUBBLE_HD inline void addBelt(const View& s, PointContact& p, Real share) {
+RUBBLE_HD inline void addBelt(const SolverData& s, PointContact& p, Real share) {
   if (s.surfaces == 0 || p.body < 0) return;
   Vec3 t1, t2;
   tangentBasis(p.n, t1, t2);
@@ -233,7 +233,7 @@ RUBBLE_HD inline void addBelt(const View& s, PointContact& p, Real share) {
 }
 
 /// What the i-th pair was in the step before, or null.
-RUBBLE_HD inline const PointContact* oldPointContactOf(const View& s, int i) {
+RUBBLE_HD inline const PointContact* oldPointContactOf(const SolverData& s, int i) {
   const int owner = s.pointPair[i].vertex, row = rowOfPair(s.pointPair, i);
   for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k)
     if (s.oldPointPair[k].other == s.pointPair[i].other && rowOfPair(s.oldPointPair, k) == row) return &s.oldPointContact[k];
@@ -241,7 +241,7 @@ RUBBLE_HD inline const PointContact* oldPointContactOf(const View& s, int i) {
 }
 /// What held a corner of a body before it slid on to part i of a surface, or null: it takes its load along, or it would fall freely for a step at each
 /// edge that it passes. The first part that it comes to has what the first that it leaves had, and so on.
-RUBBLE_HD inline const PointContact* contactLeftFor(const View& s, int i) {
+RUBBLE_HD inline const PointContact* contactLeftFor(const SolverData& s, int i) {
   const int owner = s.pointPair[i].vertex, begin = s.pointPairOffset[owner], end = s.pointPairOffset[owner + 1];
   int turn = 0;
   for (int k = begin; k < i; ++k) turn += s.pointPair[k].other >= 0 && !oldPointContactOf(s, k) ? 1 : 0;
@@ -256,8 +256,8 @@ RUBBLE_HD inline const PointContact* contactLeftFor(const View& s, int i) {
 
 /// Rows of a pair at x^t, matched with those of the step before.
 struct UpdatePointContacts {
-  static constexpr const char* kName = "rows";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "rows";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const PointPair pair = s.pointPair[i];
     PointContact p;
     memset(static_cast<void*>(&p), 0, sizeof p);  // padding too: states are hashed
@@ -271,7 +271,7 @@ struct UpdatePointContacts {
     if (!old && corner) old = contactLeftFor(s, i);
     const PointContactStart start = corner ? touchCorner(s, pair.vertex, pair.other, rowOfPair(s.pointPair, i), p, gap, margin)
                                     : pair.other < kVertexNode ? touchBody(s, pair.vertex, pair.other, old, p, gap, margin)
-                                    : pair.other < kCornerNode ? touchGrain(s, pair.vertex, pair.other - kVertexNode, p, gap, margin)
+                                    : pair.other < kCornerNode ? touchParticle(s, pair.vertex, pair.other - kVertexNode, p, gap, margin)
                                                                : touchFeature(s, pair.vertex, pair.other, p, gap, margin);
     p.active = gap <= margin;
     if (p.active) {
@@ -284,9 +284,9 @@ struct UpdatePointContacts {
 };
 
 /// Contacts without load that stay open at the inertial targets take no part in the step: k = 0.
-struct MarkDormantPoints {
-  static constexpr const char* kName = "dormant";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+struct MarkInactivePoints {
+  static constexpr const char* kStage = "dormant";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     PointContact& p = s.pointContact[i];
     if (!s.step.dormantRows || !p.active || p.lambdaN != Real(0)) return;
     const bool surfaces = s.pointPair[i].other >= kCornerNode;
@@ -304,26 +304,26 @@ struct MarkDormantPoints {
     }
     // layers that fall together come together when the lowest is stopped: open means that it is if either side stays where it is
     const Real closes = surfaces ? max(dot(p.n, d), max(nearer[0], nearer[1])) : dot(p.n, d);
-    if (p.c0 + closes < -kDormantGap * p.length) p.kN = p.kT = Real(0);
+    if (p.c0 + closes < -kInactiveGap * p.length) p.kN = p.kT = Real(0);
   }
 };
 
 struct UpdatePointDuals {
-  static constexpr const char* kName = "dual";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "dual";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     PointContact& p = s.pointContact[i];
     if (p.active) p.updateDual(s.step, pointDisplacement(s, p));
   }
 };
 
 struct FinishPoints {
-  static constexpr const char* kName = "store";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "store";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     PointContact& p = s.pointContact[i];
     if (!p.active) return;
     Vec3 d = movedSum(s, p);
     // exact here: errors of the linear displacement would add up from step to step
-    if (p.body >= 0) d += s.moved[p.body].dp + rotate(s.turned[p.body], p.lever) - p.lever;
+    if (p.body >= 0) d += s.dx[p.body].dp + rotate(s.dq[p.body], p.lever) - p.lever;
     p.finish(s.step, d);
     // its way in this step instead of what stood for it in the row
     if (p.stick) addBelt(s, p, Real(1) - Real(1) / s.step.driftCorrection);

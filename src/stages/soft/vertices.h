@@ -7,28 +7,28 @@ namespace rubble::RUBBLE_CORE {
 
 /// Where each vertex lies at x^t, seen from the first one of its object.
 struct PlaceVertices {
-  static constexpr const char* kName = "elements";
-  RUBBLE_HD void operator()(const View& s, int v) const {
+  static constexpr const char* kStage = "elements";
+  RUBBLE_HD void operator()(const SolverData& s, int v) const {
     s.vertexPlace[v] = Vec3(s.vertexPosition[v] - s.vertexPosition[s.vertexParams[v].first]);
   }
 };
 
 /// visit(attachment) for those of a vertex: they are the last of what acts on it.
 template <class Visit>
-RUBBLE_HD void visitAttachments(const View& s, int v, Visit&& visit) {
+RUBBLE_HD void visitAttachments(const SolverData& s, int v, Visit&& visit) {
   for (int k = s.refOffset[v + 1] - 1; k >= s.refOffset[v] && pointType(s.ref[k]) == kAttachmentCode; --k) visit(s.attachment[pointIndex(s.ref[k])]);
 }
 
 template <class F>
-RUBBLE_HD void gatherCorners(const View& s, const F& element, Vec3 (&x)[F::kCorners]) {
+RUBBLE_HD void gatherCorners(const SolverData& s, const F& element, Vec3 (&x)[F::kCorners]) {
   for (int k = 0; k < F::kCorners; ++k) x[k] = load(s.vertexPlace[element.v[k]]);
 }
 
 /// What an element takes from x^t.
 template <class F>
 struct BeginElements {
-  static constexpr const char* kName = "elements";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "elements";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     F& element = s.elementsOf<F>()[i];
     if (!element.alive) return;
     Vec3 x[F::kCorners];
@@ -39,11 +39,11 @@ struct BeginElements {
 
 /// What the copies of tetrahedra that the vertices have take from these.
 struct BeginTetraCorners {
-  static constexpr const char* kName = "elements";
-  RUBBLE_HD void operator()(const View& s, int v) const {
+  static constexpr const char* kStage = "elements";
+  RUBBLE_HD void operator()(const SolverData& s, int v) const {
     for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) begin(s, k);
   }
-  RUBBLE_HD static void begin(const View& s, int k) {
+  RUBBLE_HD static void begin(const SolverData& s, int k) {
     TetraCorner& corner = s.tetraCorner[k];
     s.cornerStart[k] = corner.damper > Real(0) ? s.tetrahedron[corner.element].strainStart : Sym3{0, 0, 0, 0, 0, 0};
     if (s.yielding > 0) corner.takeShape(s.tetrahedron[corner.element]);
@@ -52,8 +52,8 @@ struct BeginTetraCorners {
 
 template <class F>
 struct UpdateElementDuals {
-  static constexpr const char* kName = "element dual";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "element dual";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     F& element = s.elementsOf<F>()[i];
     if (!element.alive) return;
     Vec3 x[F::kCorners];
@@ -65,8 +65,8 @@ struct UpdateElementDuals {
 /// Elements that bore too much are gone from now on.
 template <class F>
 struct FinishElements {
-  static constexpr const char* kName = "element end";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "element end";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     F& element = s.elementsOf<F>()[i];
     if (!element.alive) return;
     Vec3 x[F::kCorners];
@@ -79,8 +79,8 @@ struct FinishElements {
 
 /// Tetrahedra flow by what they bear at the end of the step.
 struct FlowTetrahedra {
-  static constexpr const char* kName = "element end";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "element end";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Tetrahedron& element = s.tetrahedron[i];
     Vec3 x[Tetrahedron::kCorners];
     gatherCorners(s, element, x);
@@ -89,27 +89,27 @@ struct FlowTetrahedra {
 };
 
 struct UpdateAttachmentDuals {
-  static constexpr const char* kName = "element dual";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "element dual";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Attachment& a = s.attachment[i];
     if (active(s, a)) a.updateDual(bodyMove(s, a), movedSum(s, a));
   }
 };
 struct FinishAttachments {
-  static constexpr const char* kName = "element end";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "element end";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Attachment& a = s.attachment[i];
     if (active(s, a) && a.finish()) atomicCount(&s.counters->broken, 1);
   }
 };
 
 /// Is it a corner of tetrahedra?
-RUBBLE_HD inline bool inSolid(const View& s, int v) { return s.tetraCornerOffset[v] != s.tetraCornerOffset[v + 1]; }
+RUBBLE_HD inline bool inSolid(const SolverData& s, int v) { return s.tetraCornerOffset[v] != s.tetraCornerOffset[v + 1]; }
 
 /// Inertial target y [S 2] and initial guess of every vertex.
 struct PredictVertices {
-  static constexpr const char* kName = "predict";
-  RUBBLE_HD void operator()(const View& s, int v) const {
+  static constexpr const char* kStage = "predict";
+  RUBBLE_HD void operator()(const SolverData& s, int v) const {
     const StepConstants& c = s.step;
     const VertexParams& p = s.vertexParams[v];
     if (p.kind != VertexKind::Dynamic) {
@@ -136,7 +136,7 @@ struct PredictVertices {
 };
 
 /// Adds one element, but no tetrahedron, or attachment to the block of a vertex.
-RUBBLE_HD inline void addElement(const View& s, std::uint32_t code, Block3& block) {
+RUBBLE_HD inline void addElement(const SolverData& s, std::uint32_t code, Block3& block) {
   const int type = pointType(code), index = pointIndex(code), corner = pointCorner(code);
   forEachType(ElementTypes{}, [&]<class F>() {
     if (std::is_same_v<F, Tetrahedron> || type != typeIndex<F>(ElementTypes{})) return;
@@ -144,23 +144,23 @@ RUBBLE_HD inline void addElement(const View& s, std::uint32_t code, Block3& bloc
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);
-    element.stamp(s.step, x, corner, block);
+    element.accumulate(s.step, x, corner, block);
   });
   if (type != kAttachmentCode) return;
   const Attachment& a = s.attachment[index];
-  if (active(s, a)) a.stampVertex(bodyMove(s, a), movedSum(s, a), corner, block);
+  if (active(s, a)) a.accumulateVertex(bodyMove(s, a), movedSum(s, a), corner, block);
 }
 
 /// Adds a tetrahedron of the list of a vertex. `start`: its E^t.
-RUBBLE_HD inline void addTetraCorner(const View& s, const TetraCorner& corner, const Sym3& start, const Vec3& own, Block3& block) {
+RUBBLE_HD inline void addTetraCorner(const SolverData& s, const TetraCorner& corner, const Sym3& start, const Vec3& own, Block3& block) {
   Vec3 x[TetraCorner::kCorners] = {own, {}, {}, {}};
   for (int i = 0; i < 3; ++i) x[i + 1] = load(s.vertexPlace[corner.other[i]]);
-  corner.stamp(s.step, x, start, 0, block);
+  corner.accumulate(s.step, x, start, 0, block);
 }
 
 /// Multiplier that an attachment begins with: of one with a stiffness its own load K C; of a hard one what holds its vertices against their elements,
 /// sum c_i f_i / sum c_i^2, so that what was stretched before it was hung up pulls at once.
-RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const View& s, const Attachment& a, const Vec3& gap) {
+RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const SolverData& s, const Attachment& a, const Vec3& gap) {
   if (a.compliance > Real(0)) return gap / a.compliance;
   Vec3 force{0, 0, 0};
   Real weight = 0;
@@ -177,8 +177,8 @@ RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const View& s, const Attachment& a, c
 }
 
 struct BeginAttachments {
-  static constexpr const char* kName = "elements";
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  static constexpr const char* kStage = "elements";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Attachment& a = s.attachment[i];
     if (!active(s, a)) return;
     // about the first vertex, in double: weights may add up to -1 or, in a seam, to 0
@@ -200,14 +200,14 @@ struct BeginAttachments {
 };
 /// `whole`: read so, which takes registers.
 template <bool whole = false>
-RUBBLE_HD inline void addPointContact(const View& s, std::uint32_t code, Block3& block) {
-  const auto add = [&](const PointContact& p) { p.stampVertex(s.step, pointDisplacement(s, p), pointCorner(code), block); };
-  if constexpr (whole) add(readWhole(s.pointContact[pointIndex(code)]));
+RUBBLE_HD inline void addPointContact(const SolverData& s, std::uint32_t code, Block3& block) {
+  const auto add = [&](const PointContact& p) { p.accumulateVertex(s.step, pointDisplacement(s, p), pointCorner(code), block); };
+  if constexpr (whole) add(loadVectorized(s.pointContact[pointIndex(code)]));
   else add(s.pointContact[pointIndex(code)]);
 }
 
 /// The inertial part of the local problem of a vertex.
-RUBBLE_HD inline Block3 startVertexBlock(const View& s, int v) {
+RUBBLE_HD inline Block3 startVertexBlock(const SolverData& s, int v) {
   const Real m = s.vertexParams[v].mass * s.step.inverseDt * s.step.inverseDt;
   Block3 block;
   block.addDiagonal(m);
@@ -216,7 +216,7 @@ RUBBLE_HD inline Block3 startVertexBlock(const View& s, int v) {
 }
 
 /// Solves the local problem of a vertex and moves it. A step that is not finite is not taken.
-RUBBLE_HD inline void finishVertexBlock(const View& s, int v, const Block3& block) {
+RUBBLE_HD inline void finishVertexBlock(const SolverData& s, int v, const Block3& block) {
   const Vec3 dx = solve(block);
   if (!isFinite(dx)) {
     atomicCount(&s.counters->quarantined, 1);
@@ -228,13 +228,13 @@ RUBBLE_HD inline void finishVertexBlock(const View& s, int v, const Block3& bloc
 
 /// The primal update of one vertex: force [S 5] and Hessian [S 6] of its inertia, elements and contacts, one Newton step [S 3].
 struct SolveVertex {
-  static constexpr const char* kName = "primal";
-  RUBBLE_HD void operator()(const View& s, int v) const {
+  static constexpr const char* kStage = "primal";
+  RUBBLE_HD void operator()(const SolverData& s, int v) const {
     Block3 block = startVertexBlock(s, v);
     const Vec3 own = s.vertexPlace[v];
     for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) addTetraCorner(s, s.tetraCorner[k], s.cornerStart[k], own, block);
     for (int k = s.refOffset[v]; k < s.refOffset[v + 1]; ++k) addElement(s, s.ref[k], block);
-    for (int k = s.pointEntryOffset[v]; k < s.pointEntryOffset[v + 1]; ++k) addPointContact(s, s.pointEntry[k], block);
+    for (int k = s.pointIncidenceOffset[v]; k < s.pointIncidenceOffset[v + 1]; ++k) addPointContact(s, s.pointIncidence[k], block);
     finishVertexBlock(s, v, block);
   }
 };

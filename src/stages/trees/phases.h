@@ -1,20 +1,20 @@
 #pragma once
 /// Trees of joints: all bodies that hang together by joints are one block.
 #include "stages/executor.h"
-#include "stages/trees/closing.h"
+#include "stages/trees/joint_projection.h"
 #include "stages/trees/trees.h"
 
 namespace rubble::RUBBLE_CORE::trees {
 
 /// Bodies that are solved by trees in this step.
-inline int nodesOf(const View& s) { return s.step.jointTrees ? treeNodes(s) : 0; }
+inline int nodesOf(const SolverData& s) { return s.step.jointTrees ? treeNodes(s) : 0; }
 
 /// Finds the trees that touch other bodies.
 template <Executor E>
 void prepare(E& e) {
   const int nodes = nodesOf(e.view());
   if (nodes == 0) return;
-  e.clear(&View::treeTouched, nodes);
+  e.clear(&SolverData::treeContacts, nodes);
   e.forEach(MarkTouchedTrees{}, &Counters::manifolds);
 }
 
@@ -27,7 +27,7 @@ void findSoftTrees(E& e) {
 /// One step of all bodies that hang together by joints. Trees with contacts are solved exactly where no other block moves their bodies afterwards.
 template <Executor E>
 void solveOnce(E& e, TreeSolve how, TreesOf of) {
-  const View& s = e.view();
+  const SolverData& s = e.view();
   const int nodes = treeNodes(s);
   e.forEach(BeginTrees{how, of}, nodes);
   forEachJoint<FindTreeRows>(e, how);
@@ -36,8 +36,8 @@ void solveOnce(E& e, TreeSolve how, TreesOf of) {
     e.forEach(SolveTree{}, s.trees);
   } else {
     e.forEach(AssembleTreeJoints{}, nodes);
-    for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
-    for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+    for (int r = 0; r < s.treeLevels; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+    for (int r = s.treeLevels - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
     e.forEach(MoveTrees{}, nodes);
   }
   if (how != TreeSolve::Again) forEachJoint<TakeTreeForces>(e);
@@ -61,21 +61,21 @@ void solveLast(E& e) {
 /// Closes joints that are open at the end of the step.
 template <Executor E>
 void finish(E& e) {
-  const View& s = e.view();
+  const SolverData& s = e.view();
   const int nodes = nodesOf(s);
   if (nodes == 0) return;
-  e.clear(&View::treeOpen, nodes);
-  forEachJoint<FindOpenTrees>(e);
+  e.clear(&SolverData::treeNeedsProjection, nodes);
+  forEachJoint<FindTreesToProject>(e);
   if (s.smallTrees) {
-    e.forEach(CloseTree{}, s.trees);
+    e.forEach(ProjectTree{}, s.trees);
   } else {
     e.forEach(AssembleLinks{}, nodes);
     const auto inRound = [&](int r) { return s.treeBegin[r + 1] - s.treeBegin[r]; };
-    for (int r = 0; r < s.treeRounds; ++r) e.forEach(EliminateLink{s.treeBegin[r]}, inRound(r));
-    for (int r = s.treeRounds - 1; r >= 0; --r) e.forEach(SubstituteLink{s.treeBegin[r]}, inRound(r));
+    for (int r = 0; r < s.treeLevels; ++r) e.forEach(EliminateLink{s.treeBegin[r]}, inRound(r));
+    for (int r = s.treeLevels - 1; r >= 0; --r) e.forEach(SubstituteLink{s.treeBegin[r]}, inRound(r));
   }
-  e.forEach(LimitClosing{}, nodes);
-  e.forEach(MoveClosed{}, nodes);
+  e.forEach(LimitProjection{}, nodes);
+  e.forEach(ApplyProjection{}, nodes);
 }
 
 }  // namespace rubble::RUBBLE_CORE::trees

@@ -19,24 +19,24 @@ namespace rubble::RUBBLE_CORE {
 
 /// Trees that deformable objects touch.
 struct MarkSoftTrees {
-  static constexpr const char* kName = "trees";
-  RUBBLE_HD void operator()(const View& s, int n) const {
-    const int i = s.treeNode[n].body, last = s.entryOffset[i + 1] - 1;
-    if (last >= s.entryOffset[i] && entryType(s.entry[last].code) > JointTypes::kSize)
-      atomicSet(&s.treeTouched[s.treeNode[n].tree], kTouchesDeformables);
+  static constexpr const char* kStage = "trees";
+  RUBBLE_HD void operator()(const SolverData& s, int n) const {
+    const int i = s.treeNode[n].body, last = s.incidenceOffset[i + 1] - 1;
+    if (last >= s.incidenceOffset[i] && constraintType(s.incidence[last].code) > JointTypes::kSize)
+      atomicSet(&s.treeContacts[s.treeNode[n].tree], kTouchesDeformables);
   }
 };
 
-RUBBLE_HD inline bool movesInTree(const View& s, int body) { return body >= 0 && body < s.bodies && s.nodeOfBody[body] >= 0; }
+RUBBLE_HD inline bool movesInTree(const SolverData& s, int body) { return body >= 0 && body < s.bodies && s.nodeOfBody[body] >= 0; }
 
 /// How often the Hessian of a contact counts.
-RUBBLE_HD inline Real contactWeight(const View& s, const Entry& entry) { return movesInTree(s, entry.other) ? Real(2) : Real(1); }
+RUBBLE_HD inline Real contactWeight(const SolverData& s, const Incidence& incidence) { return movesInTree(s, incidence.other) ? Real(2) : Real(1); }
 
 /// The node of a body that its tree may move, -1: none.
-RUBBLE_HD inline int movingNode(const View& s, int body) { return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1; }
+RUBBLE_HD inline int movingNode(const SolverData& s, int body) { return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1; }
 
 /// How a tree is solved, where those with contacts are solved so.
-RUBBLE_HD inline TreeSolve treeSolveOf(const View& s, const TreeNode& node, TreeSolve how) {
+RUBBLE_HD inline TreeSolve treeSolveOf(const SolverData& s, const TreeNode& node, TreeSolve how) {
   return isExact(s, node) ? TreeSolve::Exact : node.exact ? how : TreeSolve::Own;
 }
 /// A tree whose bodies have all turned by less than this in a solve is left as it is in those that follow: what the next one would find is
@@ -46,42 +46,42 @@ inline constexpr Real kTreeAtRest = Real(.002);
 /// Trees that take part in a solve. Those that deformable objects touch are solved before the last sweep, which does not see how stiff their joints
 /// are held at the end; all others after it.
 enum class TreesOf { Any, Deformables, Rest };
-RUBBLE_HD inline bool touchesDeformables(const View& s, int tree) { return (s.treeTouched[tree] & kTouchesDeformables) != 0; }
+RUBBLE_HD inline bool touchesDeformables(const SolverData& s, int tree) { return (s.treeContacts[tree] & kTouchesDeformables) != 0; }
 
 /// Begins a solve. A tree that is solved exactly is done by the first one, and so is one without limits.
 struct BeginTrees {
-  static constexpr const char* kName = "trees";
+  static constexpr const char* kStage = "trees";
   TreeSolve how;
   TreesOf of;
-  RUBBLE_HD void operator()(const View& s, int n) const {
+  RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     if (node.tree != n) return;
     const bool out = of != TreesOf::Any && touchesDeformables(s, n) != (of == TreesOf::Deformables);
-    const bool done = !node.limited || isExact(s, node) || fromFloatBits(s.treeTurn[n]) < kTreeAtRest;
-    s.treeRests[n] = out || (how == TreeSolve::Again && done);
-    s.treeTurn[n] = 0;
+    const bool done = !node.limited || isExact(s, node) || fromFloatBits(s.treeMaxRotation[n]) < kTreeAtRest;
+    s.treeConverged[n] = out || (how == TreeSolve::Again && done);
+    s.treeMaxRotation[n] = 0;
   }
 };
 
 /// The rows of all joints that a tree has, a part of a joint each.
 template <class F>
 struct FindTreeRows {
-  static constexpr const char* kName = "tree rows";
+  static constexpr const char* kStage = "tree rows";
   static constexpr int kPerJoint = F::Parts::kCount;
   TreeSolve how;
-  RUBBLE_HD void operator()(const View& s, int k) const {
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const PartIndex at = partAt<F>(s, k);
     const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
     const Joint<F>& joint = s.jointsOf<F>()[at.joint];
-    if (!joint.acts) return;
+    if (!joint.active) return;
     int n = -1;
     for (int side = 0; side < kSides<F> && n < 0; ++side) n = movingNode(s, bodyOf(spec, side));
-    if (n < 0 || s.treeRests[s.treeNode[n].tree]) return;
-    const TreeSolve own = spec.holds ? treeSolveOf(s, s.treeNode[n], how) : TreeSolve::Own;
+    if (n < 0 || s.treeConverged[s.treeNode[n].tree]) return;
+    const TreeSolve own = spec.isRigid ? treeSolveOf(s, s.treeNode[n], how) : TreeSolve::Own;
     const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
     TreePart<kSides<F>>& to = s.treeRowsOf<F>()[at.joint].part[at.part];
     to.count = 0;
-    fillWhole(to, [&](TreePart<kSides<F>>& part) {
+    storeVectorized(to, [&](TreePart<kSides<F>>& part) {
       forEachPart<F>([&]<int I, class P>() {
         if (I == at.part) findTreePart<F, I, P>(s.step, spec, joint, a, b, own, part);
       });
@@ -93,27 +93,27 @@ struct FindTreeRows {
 /// Notes that a side of a joint is a node, which may be a neighbour.
 RUBBLE_HD inline void noteCoupling(const TreeNode& node, int side, int n, TreeCoupling& to) {
   for (int t = 0; t < 2; ++t)
-    if (n >= 0 && node.near[t] == n) to.side[t] = side;
+    if (n >= 0 && node.parent[t] == n) to.side[t] = side;
 }
-/// Which sides of the joint of an entry are the neighbours of a node.
+/// Which sides of the joint of an incidence are the neighbours of a node.
 template <class F>
-RUBBLE_HD TreeCoupling couplingOf(const View& s, const TreeNode& node, const Entry& entry) {
+RUBBLE_HD TreeCoupling couplingOf(const SolverData& s, const TreeNode& node, const Incidence& incidence) {
   TreeCoupling to{{-1, -1}};
-  const int side = jointSide<F>(entry.code);
+  const int side = jointSide<F>(incidence.code);
   if constexpr (isCarried<F>()) {
-    const JointSpec<F>& spec = s.specsOf<F>()[jointIndex<F>(entry.code)];
+    const JointSpec<F>& spec = s.specsOf<F>()[jointIndex<F>(incidence.code)];
     for (int other = 0; other < kSides<F>; ++other) {
       const int body = bodyOf(spec, other);
       if (other != side && body != bodyOf(spec, side) && isFirstSide(spec, other)) noteCoupling(node, other, movingNode(s, body), to);
     }
-  } else if (entry.other >= 0) {
-    noteCoupling(node, 1 - side, s.nodeOfBody[entry.other], to);
+  } else if (incidence.other >= 0) {
+    noteCoupling(node, 1 - side, s.nodeOfBody[incidence.other], to);
   }
   return to;
 }
 template <class F>
-RUBBLE_HD RUBBLE_APART void stampJointOfNode(const View& s, int n, const Entry& entry, TreeBlock& w) {
-  stampTreeRows<F>(s.treeRowsOf<F>()[jointIndex<F>(entry.code)], jointSide<F>(entry.code), couplingOf<F>(s, s.treeNode[n], entry), w.h, w.x, w.e);
+RUBBLE_HD RUBBLE_APART void accumulateJointOfNode(const SolverData& s, int n, const Incidence& incidence, TreeBlock& w) {
+  accumulateTreeRows<F>(s.treeRowsOf<F>()[jointIndex<F>(incidence.code)], jointSide<F>(incidence.code), couplingOf<F>(s, s.treeNode[n], incidence), w.h, w.x, w.e);
 }
 
 /// A body that does not move, or an axis that is locked, is decoupled from all others.
@@ -126,13 +126,13 @@ RUBBLE_HD inline void decouple(TreeBlock& w, int axis) {
 }
 
 /// Does a body stay where it is in this solve?
-RUBBLE_HD inline bool stands(const View& s, const TreeNode& node) { return !isDynamic(s, node.body) || s.treeRests[node.tree] != 0; }
+RUBBLE_HD inline bool stands(const SolverData& s, const TreeNode& node) { return !isDynamic(s, node.body) || s.treeConverged[node.tree] != 0; }
 
 /// The block of each body of a tree without its joints: the rows that leave the tree, and those of contacts within it.
 template <class L>
 struct AssembleTreeBodies {
-  static constexpr const char* kName = "tree rows";
-  RUBBLE_HD void operator()(const View& s, int n) const {
+  static constexpr const char* kStage = "tree rows";
+  RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     TreeBlock& w = s.treeWork[n];
     clear(w.h), clear(w.x), clear(w.e[0]), clear(w.e[1]);
@@ -140,43 +140,43 @@ struct AssembleTreeBodies {
       for (int k = 0; k < 6; ++k) w.h.m[k][k] = 1;
       return;
     }
-    const int i = node.body, end = s.entryOffset[i + 1];
+    const int i = node.body, end = s.incidenceOffset[i + 1];
     Block6 block;
     PointSums<L> points;
     startBlock(s, i, block);
-    for (int k = s.entryOffset[i]; k < end && entryType(s.entry[k].code) == kContactType; ++k) {
-      const Real weight = contactWeight(s, s.entry[k]);
-      points.add(s, s.entry[k].code, weight);
-      if (s.rolls) addRolling(s, s.entry[k].code, block, weight);
+    for (int k = s.incidenceOffset[i]; k < end && constraintType(s.incidence[k].code) == kContactType; ++k) {
+      const Real weight = contactWeight(s, s.incidence[k]);
+      points.add(s, s.incidence[k].code, weight);
+      if (s.rolls) addRolling(s, s.incidence[k].code, block, weight);
     }
     points.addTo(block);
     // deformable objects come last
-    for (int k = end; k > s.entryOffset[i] && entryType(s.entry[k - 1].code) > JointTypes::kSize; --k) addSoftRows(s, s.entry[k - 1].code, block);
+    for (int k = end; k > s.incidenceOffset[i] && constraintType(s.incidence[k - 1].code) > JointTypes::kSize; --k) addSoftRows(s, s.incidence[k - 1].code, block);
     addBlock(w.h, w.x, block);
   }
 };
 
 /// Joints come to the blocks, and make the couplings to the neighbours that a body has when it is eliminated.
 struct AssembleTreeJoints {
-  static constexpr const char* kName = "tree rows";
-  RUBBLE_HD void operator()(const View& s, int n) const {
+  static constexpr const char* kStage = "tree rows";
+  RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     if (stands(s, node)) return;
     TreeBlock& w = s.treeWork[n];
-    for (int k = s.entryOffset[node.body]; k < s.entryOffset[node.body + 1]; ++k) {
-      const Entry& entry = s.entry[k];
+    for (int k = s.incidenceOffset[node.body]; k < s.incidenceOffset[node.body + 1]; ++k) {
+      const Incidence& incidence = s.incidence[k];
       forEachType(JointTypes{}, [&]<class F>() {
-        if (entryType(entry.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(entry.code)) stampJointOfNode<F>(s, n, entry, w);
+        if (constraintType(incidence.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(incidence.code)) accumulateJointOfNode<F>(s, n, incidence, w);
       });
     }
     lockAxesOf(s, node, w);
   }
-  RUBBLE_HD static void lockAxesOf(const View& s, const TreeNode& node, TreeBlock& w) {
+  RUBBLE_HD static void lockAxesOf(const SolverData& s, const TreeNode& node, TreeBlock& w) {
     const int locks = s.target[node.body].locks;
     for (int axis = 0; axis < 6; ++axis)
       if (locks >> axis & 1) decouple(w, axis);
     for (int side = 0; side < 2; ++side) {
-      const int far = node.near[side] >= 0 ? s.target[s.treeNode[node.near[side]].body].locks : 0;
+      const int far = node.parent[side] >= 0 ? s.target[s.treeNode[node.parent[side]].body].locks : 0;
       for (int axis = 0; axis < 6; ++axis)
         if (far >> axis & 1)
           for (double(&row)[6] : w.e[side].m) row[axis] = 0;
@@ -186,25 +186,25 @@ struct AssembleTreeJoints {
 
 /// Takes a body out: its neighbours get what it passes on when they are taken out themselves. Bodies from `begin` on.
 struct EliminateNode {
-  static constexpr const char* kName = "trees";
+  static constexpr const char* kStage = "trees";
   int begin;
-  RUBBLE_HD void operator()(const View& s, int k) const {
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const int n = begin + k;
     const TreeNode& node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
-    for (int source = node.sourceBegin; source < node.sourceEnd; ++source) {
-      const int from = s.treeSource[source] >> 1, side = s.treeSource[source] & 1;
+    for (int child = node.childBegin; child < node.childEnd; ++child) {
+      const int from = s.treeChild[child] >> 1, side = s.treeChild[child] & 1;
       const TreeWork& o = s.treeWork[from];
       subtractProduct(w.h, o.e[side], o.w[side]);
       subtractProduct(w.x, o.e[side], o.x);
-      const int far = s.treeNode[from].near[1 - side];
+      const int far = s.treeNode[from].parent[1 - side];
       for (int t = 0; t < 2; ++t)
-        if (far >= 0 && node.near[t] == far) subtractProduct(w.e[t], o.e[side], o.w[1 - side]);
+        if (far >= 0 && node.parent[t] == far) subtractProduct(w.e[t], o.e[side], o.w[1 - side]);
     }
     factor(w.h);
     solveFactored(w.h, w.x);
     for (int t = 0; t < 2; ++t) {
-      if (node.near[t] < 0) continue;
+      if (node.parent[t] < 0) continue;
       w.w[t] = w.e[t];
       solveFactored(w.h, w.w[t]);
     }
@@ -213,24 +213,24 @@ struct EliminateNode {
 
 /// The step of a body, whose neighbours know theirs, and the largest rotation of its tree.
 struct SubstituteNode {
-  static constexpr const char* kName = "trees";
+  static constexpr const char* kStage = "trees";
   int begin;
-  RUBBLE_HD void operator()(const View& s, int k) const {
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const int n = begin + k;
     const TreeNode& node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
     for (int t = 0; t < 2; ++t) {
-      if (node.near[t] < 0) continue;
-      const Long6& x = s.treeWork[node.near[t]].x;
+      if (node.parent[t] < 0) continue;
+      const Long6& x = s.treeWork[node.parent[t]].x;
       for (int i = 0; i < 6; ++i)
         for (int j = 0; j < 6; ++j) w.x.v[i] -= w.w[t].m[i][j] * x.v[j];
     }
     noteTurn(s, node.tree, w.x);
   }
-  RUBBLE_HD static void noteTurn(const View& s, int tree, const Long6& x) {
+  RUBBLE_HD static void noteTurn(const SolverData& s, int tree, const Long6& x) {
     const Vec6 dx = shorter(x, 1);
     const bool finite = isFinite(dx.lin) && isFinite(dx.ang);
-    atomicRaise(&s.treeTurn[tree], floatBits(finite ? length(dx.ang) : kNoTurn));
+    atomicRaise(&s.treeMaxRotation[tree], floatBits(finite ? length(dx.ang) : kNoTurn));
   }
   /// Of a step that is not finite: larger than any rotation [rad].
   static constexpr Real kNoTurn = Real(1e30);
@@ -245,24 +245,24 @@ RUBBLE_HD inline double treeShare(int turnBits) {
 
 /// Bodies make their steps.
 struct MoveTrees {
-  static constexpr const char* kName = "trees";
-  RUBBLE_HD void operator()(const View& s, int n) const { move(s, n, treeShare(s.treeTurn[s.treeNode[n].tree])); }
-  RUBBLE_HD static void move(const View& s, int n, double share) {
+  static constexpr const char* kStage = "trees";
+  RUBBLE_HD void operator()(const SolverData& s, int n) const { move(s, n, treeShare(s.treeMaxRotation[s.treeNode[n].tree])); }
+  RUBBLE_HD static void move(const SolverData& s, int n, double share) {
     const TreeNode& node = s.treeNode[n];
     const int i = node.body;
-    if (!isDynamic(s, i) || s.treeRests[node.tree] || !(share > 0)) return;
-    const Pose x = retract({s.moved[i].dp, s.turned[i]}, shorter(s.treeWork[n].x, share));
-    s.turned[i] = x.q;
-    s.moved[i] = {x.p, 0, logRotation(x.q), 0};
+    if (!isDynamic(s, i) || s.treeConverged[node.tree] || !(share > 0)) return;
+    const Pose x = retract({s.dx[i].dp, s.dq[i]}, shorter(s.treeWork[n].x, share));
+    s.dq[i] = x.q;
+    s.dx[i] = {x.p, 0, logRotation(x.q), 0};
   }
 };
 
 /// A small tree: its joints, all rounds, and the steps of its bodies.
 struct SolveTree {
-  static constexpr const char* kName = "trees";
-  RUBBLE_HD void operator()(const View& s, int tree) const {
+  static constexpr const char* kStage = "trees";
+  RUBBLE_HD void operator()(const SolverData& s, int tree) const {
     const int begin = s.treeOffset[tree], end = s.treeOffset[tree + 1];
-    if (s.treeRests[s.treeNode[s.treeMember[begin]].tree]) return;
+    if (s.treeConverged[s.treeNode[s.treeMember[begin]].tree]) return;
     for (int k = begin; k < end; ++k) AssembleTreeJoints{}(s, s.treeMember[k]);
     for (int k = begin; k < end; ++k) EliminateNode{0}(s, s.treeMember[k]);
     for (int k = end - 1; k >= begin; --k) SubstituteNode{0}(s, s.treeMember[k]);
@@ -273,26 +273,26 @@ struct SolveTree {
 /// Multipliers of joints whose rows the tree has solved for, a part of a joint each.
 template <class F>
 struct TakeTreeForces {
-  static constexpr const char* kName = "tree forces";
+  static constexpr const char* kStage = "tree forces";
   static constexpr int kPerJoint = F::Parts::kCount;
-  RUBBLE_HD void operator()(const View& s, int k) const {
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const PartIndex at = partAt<F>(s, k);
     // couplings with carriers hold nothing, so a tree does not find their multipliers
-    if (isCarried<F>() || !s.jointsOf<F>()[at.joint].acts) return;
+    if (isCarried<F>() || !s.jointsOf<F>()[at.joint].active) return;
     const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
     const int a = movingNode(s, spec.a), b = movingNode(s, spec.b), any = a >= 0 ? a : b;
-    if (any < 0 || !isExact(s, s.treeNode[any]) || s.treeRests[s.treeNode[any].tree]) return;
-    const double share = treeShare(s.treeTurn[s.treeNode[any].tree]);
+    if (any < 0 || !isExact(s, s.treeNode[any]) || s.treeConverged[s.treeNode[any].tree]) return;
+    const double share = treeShare(s.treeMaxRotation[s.treeNode[any].tree]);
     if (!(share > 0)) return;
     const Long6 still{}, &dxA = a >= 0 ? s.treeWork[a].x : still, &dxB = b >= 0 ? s.treeWork[b].x : still;
     forEachPart<F>([&]<int I, class P>() {
-      if (I == at.part) takeTreeForces<P>(readWhole(s.treeRowsOf<F>()[at.joint].part[I]), partOf<I>(s.jointsOf<F>()[at.joint].parts), dxA, dxB, share);
+      if (I == at.part) takeTreeForces<P>(loadVectorized(s.treeRowsOf<F>()[at.joint].part[I]), partOf<I>(s.jointsOf<F>()[at.joint].parts), dxA, dxB, share);
     });
   }
 };
 
 /// How often trees with limits are solved at the end of the last iteration: one that the first solve reaches is held by the next.
 inline constexpr int kLastTreeSolves = 3;
-RUBBLE_HD inline int lastTreeSolves(const View& s) { return s.treeLimits != 0 ? kLastTreeSolves : 1; }
+RUBBLE_HD inline int lastTreeSolves(const SolverData& s) { return s.treeLimits != 0 ? kLastTreeSolves : 1; }
 
 }  // namespace rubble::RUBBLE_CORE

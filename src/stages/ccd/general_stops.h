@@ -1,21 +1,21 @@
 #pragma once
 /// Stops of pairs that are not of two plain shapes: in a kernel of its own, so that the plain ones keep theirs small.
-#include "stages/ccd/stops.h"
+#include "stages/ccd/fast_bodies.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// Do the rows of points of a distance field keep them out?
-RUBBLE_HD inline bool rowsHold(const View& s, const Manifold* m) {
+RUBBLE_HD inline bool rowsHold(const SolverData& s, const Manifold* m) {
   if (!hasRows(m)) return false;
   const ContactRows& r = s.contact[m->row];
-  bool acts = false;
+  bool active = false;
   for (int k = 0; k < m->count; ++k) {
     if (!(r.load[k].kN > Real(0))) continue;
-    acts = true;
+    active = true;
     const ContactFrame<Real> f = contactFrame<Real>(r, k);
-    if (f.c0 + along(r.n, relativeDisplacement(f, s.moved[r.a], s.moved[r.b])) > kHeldPoint * r.length) return false;
+    if (f.c0 + along(r.n, relativeDisplacement(f, s.dx[r.a], s.dx[r.b])) > kHeldPoint * r.length) return false;
   }
-  return acts;
+  return active;
 }
 
 /// Normals of the rows of a part and a surface, from the surface to the part.
@@ -31,7 +31,7 @@ struct RowFacings {
 };
 /// Those of all rows, or of rows that hold.
 template <class Counts>
-RUBBLE_HD RowFacings rowFacings(const View& s, int pair, bool surfaceOnA, Counts&& counts) {
+RUBBLE_HD RowFacings rowFacings(const SolverData& s, int pair, bool surfaceOnA, Counts&& counts) {
   RowFacings out;
   for (int slot = 0; slot < kSurfaceSlots; ++slot) {
     const Manifold* const m = manifoldOf(s, pair + slot);
@@ -41,13 +41,13 @@ RUBBLE_HD RowFacings rowFacings(const View& s, int pair, bool surfaceOnA, Counts
 }
 
 /// Where the bodies of a pair meet on their ways: parts of compounds one by one, a part and a surface in the first of their slots.
-struct FindRareStops {
-  static constexpr const char* kName = "stops";
+struct FindGeneralStops {
+  static constexpr const char* kStage = "stops";
   int round;
-  RUBBLE_HD void operator()(const View& s, int i) const {
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Pair p = s.pair[i];
     const OrderedPair o = ordered(p);
-    if (isPlainPair(s, o.a, o.b) || !mayStop(s, o) || !isSought(s, o, round)) return;
+    if (isPrimitivePair(s, o.a, o.b) || !mayStop(s, o) || !isSought(s, o, round)) return;
     const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
     const bool surface = isSurface(shapeA.kind) || isSurface(shapeB.kind);
     if (surface && p.second != 0) return;
@@ -62,7 +62,7 @@ struct FindRareStops {
       const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], p.owner == o.a ? p.second : p.first);
       const Real thin = thinnerOf(a, b);
       if (!mayPass(s, o, wayA, wayB, thin, manifoldOf(s, i))) return;
-      const Meeting m = meetingOfPair(asConvex(a), wayA, asConvex(b), wayB, manifoldOf(s, i), thin, bothDynamic(s, o), tolerance);
+      const TimeOfImpact m = meetingOfPair(asConvex(a), wayA, asConvex(b), wayB, manifoldOf(s, i), thin, bothDynamic(s, o), tolerance);
       if (m.fraction <= 1) noteMeeting(s, i, o, m.fraction);
       return;
     }
@@ -75,12 +75,12 @@ struct FindRareStops {
     if (!rows && approach(s, o, wayA, wayB) <= thin) return;
     const PlacedAny &whole = onA ? a : b, &part = onA ? b : a;
     const Way &wayS = onA ? wayA : wayB, &wayP = onA ? wayB : wayA;
-    Meeting m;
+    TimeOfImpact m;
     if (whole.shape.kind == ShapeKind::Distance) {
       const RowFacings held = rowFacings(s, i, onA, [&](const Manifold* rows) { return rowsHold(s, rows); });
       const Vec3d relative = wayS.move - wayP.move;
       // what rows hold already is not met again; what is touched already only if they go on into one another
-      const auto accepts = [&](const Vec3d& facing, const Meeting& at) {
+      const auto accepts = [&](const Vec3d& facing, const TimeOfImpact& at) {
         return (at.fraction > 0 || dot(at.at.n, relative) > 0) && !held.have(facing) && !held.have(at.at.n);
       };
       // as long as the part is in by no more than half its thickness, rows push it out again
@@ -91,7 +91,7 @@ struct FindRareStops {
       const Placed convex = asConvex(part);
       const auto meet = [&](const Placed& triangle, const Vec3d& up) {
         if (rows.have(up)) return meetingBeyond(triangle, wayS, convex, wayP, up, false, allowed, more);
-        const Meeting first = meeting(triangle, wayS, convex, wayP, tolerance);
+        const TimeOfImpact first = meeting(triangle, wayS, convex, wayP, tolerance);
         if (first.fraction > 1 || (first.fraction > 0 && !rows.have(first.at.n))) return first;
         return meetingBeyond(triangle, wayS, convex, wayP, first.fraction > 0 ? first.at.n : up, false, allowed, more);
       };

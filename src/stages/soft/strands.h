@@ -20,13 +20,13 @@ RUBBLE_HD int cornerOf(const F& element, int v) {
 
 /// Adds an element to the block of a vertex, and returns its Hessian there; null: there is none.
 template <class F>
-RUBBLE_HD Sym3 addLineElement(const View& s, const F* element, int v, Block3& block) {
+RUBBLE_HD Sym3 addLineElement(const SolverData& s, const F* element, int v, Block3& block) {
   if (!element || !element->alive) return {};
   Vec3 x[F::kCorners];
   gatherCorners(s, *element, x);
   Block3 own;
-  if constexpr (std::is_same_v<F, Spring>) element->stamp(x, cornerOf(*element, v), element->converged(s.step, x), own);
-  else element->stamp(s.step, x, cornerOf(*element, v), own);
+  if constexpr (std::is_same_v<F, Spring>) element->accumulate(x, cornerOf(*element, v), element->converged(s.step, x), own);
+  else element->accumulate(s.step, x, cornerOf(*element, v), own);
   block += own;
   return own.h;
 }
@@ -37,11 +37,11 @@ RUBBLE_HD inline Real bendCoupling(const LineBend* bend, int a, int b) {
 
 /// The rows of each vertex of a line: its own block, and its couplings with the next two.
 template <bool surfaces>
-struct AssembleLines {
-  static constexpr const char* kName = "lines";
-  RUBBLE_HD void operator()(const View& s, int k) const {
-    const LineVertex& at = s.lineVertex[k];
-    const int v = at.v, last = s.line[at.line].end - 1;
+struct AssembleStrands {
+  static constexpr const char* kStage = "lines";
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    const StrandVertex& at = s.strandVertex[k];
+    const int v = at.v, last = s.strand[at.line].end - 1;
     Block3 own, self;
     Sym3 next;
     Real afterNext = 0;
@@ -50,12 +50,12 @@ struct AssembleLines {
       own += {2 * self.h, self.f};
       const LineBend* const bend = bendAt(s, k);
       addLineElement(s, bend, v, own);
-      if (k > s.line[at.line].begin) {
+      if (k > s.strand[at.line].begin) {
         addLineElement(s, springAfter(s, k - 1), v, own);
         addLineElement(s, bendAt(s, k - 1), v, own);
       }
       if (k < last) {
-        const int w = s.lineVertex[k + 1].v;
+        const int w = s.strandVertex[k + 1].v;
         const LineBend* const nextBend = bendAt(s, k + 1);
         const Sym3 spring = addLineElement(s, springAfter(s, k), v, own);
         addLineElement(s, nextBend, v, own);
@@ -63,26 +63,26 @@ struct AssembleLines {
           const Real both = bendCoupling(bend, v, w) + bendCoupling(nextBend, v, w);
           next = {both - spring.xx, -spring.xy, -spring.xz, both - spring.yy, -spring.yz, both - spring.zz};
         }
-        if (k + 1 < last && isDynamicVertex(s, s.lineVertex[k + 2].v)) afterNext = bendCoupling(nextBend, v, s.lineVertex[k + 2].v);
+        if (k + 1 < last && isDynamicVertex(s, s.strandVertex[k + 2].v)) afterNext = bendCoupling(nextBend, v, s.strandVertex[k + 2].v);
       }
     } else {
       own.addDiagonal(1);
     }
-    write(s.lineWork[k], own, next, afterNext);
+    write(s.strandWork[k], own, next, afterNext);
   }
 
-  RUBBLE_HD static const Spring* springAfter(const View& s, int k) { return s.spring + s.lineVertex[k].spring; }
+  RUBBLE_HD static const Spring* springAfter(const SolverData& s, int k) { return s.spring + s.strandVertex[k].spring; }
   /// The bend whose middle is vertex k.
-  RUBBLE_HD static const LineBend* bendAt(const View& s, int k) {
-    return s.lineVertex[k].bend >= 0 ? s.lineBend + s.lineVertex[k].bend : nullptr;
+  RUBBLE_HD static const LineBend* bendAt(const SolverData& s, int k) {
+    return s.strandVertex[k].bend >= 0 ? s.lineBend + s.strandVertex[k].bend : nullptr;
   }
-  RUBBLE_HD static void write(LineWork& w, const Block3& own, const Sym3& next, Real afterNext) {
+  RUBBLE_HD static void write(StrandWork& w, const Block3& own, const Sym3& next, Real afterNext) {
     for (int i = 0; i < 3; ++i) {
       const Vec3 o = own.h.column(i), n = next.column(i);
       for (int d = 0; i + d < 3; ++d) w.row[i][d] = static_cast<double>(o[i + d]);
       for (int j = 0; j < 3; ++j) w.row[i][3 + j - i] = static_cast<double>(n[j]);
-      for (int d = 6 - i; d < kLineBand; ++d) w.row[i][d] = 0;
-      w.row[i][kLineBand] = static_cast<double>(afterNext);
+      for (int d = 6 - i; d < kStrandBand; ++d) w.row[i][d] = 0;
+      w.row[i][kStrandBand] = static_cast<double>(afterNext);
       w.x[i] = static_cast<double>(own.f[i]);
     }
   }
@@ -90,16 +90,16 @@ struct AssembleLines {
 
 /// The scalar rows of a line, as one banded matrix L D L^T, and its unknowns.
 struct LineRows {
-  LineWork* work;
+  StrandWork* work;
   int count;
-  RUBBLE_HD LineRows(LineWork* rows, int all) : work(rows), count(all) {}
-  RUBBLE_HD LineRows(const View& s, const Line& line) : LineRows(s.lineWork + line.begin, 3 * (line.end - line.begin)) {}
+  RUBBLE_HD LineRows(StrandWork* rows, int all) : work(rows), count(all) {}
+  RUBBLE_HD LineRows(const SolverData& s, const Strand& line) : LineRows(s.strandWork + line.begin, 3 * (line.end - line.begin)) {}
   /// Element (j, j + d).
   RUBBLE_HD double& at(int j, int d) const { return work[j / 3].row[j % 3][d]; }
   RUBBLE_HD double& x(int j) const { return work[j / 3].x[j % 3]; }
-  RUBBLE_HD static Vec3 stepOf(const LineWork& w) { return {static_cast<Real>(w.x[0]), static_cast<Real>(w.x[1]), static_cast<Real>(w.x[2])}; }
+  RUBBLE_HD static Vec3 stepOf(const StrandWork& w) { return {static_cast<Real>(w.x[0]), static_cast<Real>(w.x[1]), static_cast<Real>(w.x[2])}; }
   /// How many rows behind row j it is coupled with.
-  RUBBLE_HD int reach(int j) const { return min(kLineBand, count - 1 - j); }
+  RUBBLE_HD int reach(int j) const { return min(kStrandBand, count - 1 - j); }
 };
 
 /// No two neighbours move against each other by more than this share of the distance of vertices: further, directions are others.
@@ -116,17 +116,17 @@ RUBBLE_HD inline Real lineTurn(const LineRows& rows, int k, Real reach) {
   return turn < static_cast<double>(kNoLineTurn) ? static_cast<Real>(turn) : kNoLineTurn;
 }
 /// Share of its step that a line makes.
-RUBBLE_HD inline Real lineShare(Real turn) { return turn < kNoLineTurn ? 1 / max(Real(1), turn) : Real(0); }
+RUBBLE_HD inline Real strandShare(Real turn) { return turn < kNoLineTurn ? 1 / max(Real(1), turn) : Real(0); }
 
 /// The step of a line.
-struct SolveLine {
-  static constexpr const char* kName = "lines";
-  RUBBLE_HD void operator()(const View& s, int i) const {
-    const Line& line = s.line[i];
+struct SolveStrand {
+  static constexpr const char* kStage = "lines";
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    const Strand& line = s.strand[i];
     const LineRows rows(s, line);
     for (int j = 0; j < rows.count; ++j) {
       const double inverse = 1 / rows.at(j, 0), x = rows.x(j);
-      double scaled[kLineBand + 1];
+      double scaled[kStrandBand + 1];
       const int reach = rows.reach(j);
       for (int a = 1; a <= reach; ++a) scaled[a] = rows.at(j, a) * inverse;
       for (int a = 1; a <= reach; ++a) {
@@ -137,24 +137,24 @@ struct SolveLine {
       rows.x(j) = x * inverse;
     }
     for (int j = rows.count - 1; j > 0; --j)
-      for (int a = 1; a <= min(kLineBand, j); ++a) rows.x(j - a) -= rows.at(j - a, a) * rows.x(j);
+      for (int a = 1; a <= min(kStrandBand, j); ++a) rows.x(j - a) -= rows.at(j - a, a) * rows.x(j);
     Real turn = 0;
-    for (int k = line.begin + 1; k < line.end; ++k) turn = max(turn, lineTurn(rows, k - line.begin, s.vertexParams[s.lineVertex[k].v].length));
-    s.lineShare[i] = lineShare(turn);
+    for (int k = line.begin + 1; k < line.end; ++k) turn = max(turn, lineTurn(rows, k - line.begin, s.vertexParams[s.strandVertex[k].v].length));
+    s.strandShare[i] = strandShare(turn);
   }
 };
 
 /// Multipliers of the springs, whose rows a line has solved for.
-struct TakeLineForces {
-  static constexpr const char* kName = "lines";
-  RUBBLE_HD void operator()(const View& s, int k) const {
-    const LineVertex& at = s.lineVertex[k];
-    const Real share = s.lineShare[at.line];
+struct TakeStrandForces {
+  static constexpr const char* kStage = "lines";
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    const StrandVertex& at = s.strandVertex[k];
+    const Real share = s.strandShare[at.line];
     if (at.spring < 0 || !s.step.compliantRows || !(share > Real(0))) return;
     Spring& spring = s.spring[at.spring];
     Vec3 x[Spring::kCorners];
     gatherCorners(s, spring, x);
-    const Vec3 d = x[0] - x[1], step = LineRows::stepOf(s.lineWork[k]) - LineRows::stepOf(s.lineWork[k + 1]);
+    const Vec3 d = x[0] - x[1], step = LineRows::stepOf(s.strandWork[k]) - LineRows::stepOf(s.strandWork[k + 1]);
     const Real l = length(d);
     if (!spring.alive || !(l > Real(0))) return;
     const Real sign = spring.v[0] == at.v ? Real(1) : Real(-1);
@@ -163,13 +163,13 @@ struct TakeLineForces {
   }
 };
 
-struct MoveLines {
-  static constexpr const char* kName = "lines";
-  RUBBLE_HD void operator()(const View& s, int k) const {
-    const LineVertex& at = s.lineVertex[k];
-    const Real share = s.lineShare[at.line];
+struct MoveStrands {
+  static constexpr const char* kStage = "lines";
+  RUBBLE_HD void operator()(const SolverData& s, int k) const {
+    const StrandVertex& at = s.strandVertex[k];
+    const Real share = s.strandShare[at.line];
     if (!isDynamicVertex(s, at.v) || !(share > Real(0))) return;
-    const Vec3 move = share * LineRows::stepOf(s.lineWork[k]);
+    const Vec3 move = share * LineRows::stepOf(s.strandWork[k]);
     s.vertexMoved[at.v] += move;
     s.vertexPlace[at.v] += move;
   }

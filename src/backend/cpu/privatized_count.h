@@ -39,40 +39,40 @@ void listColors(int begin, int end, ColorOf&& colorOf, const int* offset, int* l
   visitColors(begin, end, colorOf, [&](int i, int c) { list[place[c]++] = i; }, [](int, int) {});
 }
 
-inline auto sweptColor(const View& s) {
+inline auto sweptColor(const SolverData& s) {
   return [&s](int i) { return isSwept(s, i) ? s.color[i] : -1; };
 }
-inline auto sweptVertexColor(const View& s) {
+inline auto sweptVertexColor(const SolverData& s) {
   return [&s](int v) { return isDynamicVertex(s, v) ? s.vertexColor[v] : -1; };
 }
 template <>
 struct InParts<CountColors> {
-  static void run(const View& s, const CountColors&, int begin, int end) { addColors(begin, end, sweptColor(s), s.colorCount); }
+  static void run(const SolverData& s, const CountColors&, int begin, int end) { addColors(begin, end, sweptColor(s), s.colorCount); }
 };
 template <>
 struct InParts<CountVertexColors> {
-  static void run(const View& s, const CountVertexColors&, int begin, int end) { addColors(begin, end, sweptVertexColor(s), s.vertexColorCount); }
+  static void run(const SolverData& s, const CountVertexColors&, int begin, int end) { addColors(begin, end, sweptVertexColor(s), s.vertexColorCount); }
 };
 template <>
 struct InParts<FillColors> {
-  static void run(const View& s, const FillColors&, int begin, int end) {
+  static void run(const SolverData& s, const FillColors&, int begin, int end) {
     listColors(begin, end, sweptColor(s), s.colorOffset, s.colorCount, s.colorBody);
   }
 };
 template <>
 struct InParts<FillVertexColors> {
-  static void run(const View& s, const FillVertexColors&, int begin, int end) {
+  static void run(const SolverData& s, const FillVertexColors&, int begin, int end) {
     listColors(begin, end, sweptVertexColor(s), s.vertexColorOffset, s.vertexColorCount, s.colorVertex);
   }
 };
 
 /// Neighbours in number often have the same leader.
 template <>
-struct InParts<FlattenGroups> {
-  static void run(const View& s, const FlattenGroups& kernel, int begin, int end) {
+struct InParts<FlattenAggregates> {
+  static void run(const SolverData& s, const FlattenAggregates& kernel, int begin, int end) {
     int leader = -1, count = 0;
     const auto tell = [&] {
-      if (count > 0) atomicCount(&s.memberCount[atLevel(s, kernel.level, leader)], count);
+      if (count > 0) atomicCount(&s.nodeCount[atLevel(s, kernel.level, leader)], count);
       count = 0;
     };
     for (int i = begin; i < end; ++i) {

@@ -4,12 +4,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline Vec3 downOf(const View& s) { return normalize(s.step.gravity, Vec3{0, 0, 0}); }
+RUBBLE_HD inline Vec3 downOf(const SolverData& s) { return normalize(s.step.gravity, Vec3{0, 0, 0}); }
 
 /// Manifolds i to i + kSurfaceSlots - 1, of as many pairs: a part of a body and a surface. The points are gathered anew in every step; each takes over
 /// from the nearest old point of the same part and facing, whatever its slot.
-RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
-  const Pair p = s.pair[s.nearPair[i]];
+RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
+  const Pair p = s.pair[s.activePair[i]];
   const OrderedPair o = ordered(p);
   const PairPose pose = pairPose(s, o);
   const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
@@ -35,7 +35,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
   const Vec3 origin = surface.kind == ShapeKind::Distance ? Vec3{0, 0, 0} : at;
 
   // all of its pairs are always near
-  const int oldFirst = s.manifoldBefore[s.nearPair[i]];
+  const int oldFirst = s.manifoldBefore[s.activePair[i]];
   unsigned used = 0;
   for (int slot = 0; slot < kSurfaceSlots; ++slot) {
     RawManifold raw;
@@ -85,13 +85,13 @@ RUBBLE_HD inline void updateSurfaceManifolds(const View& s, int i) {
 }
 
 /// Narrow phase of the listed pairs that are not of two plain shapes.
-struct TestRarePairs {
-  static constexpr const char* kName = "narrow";
-  RUBBLE_HD void operator()(const View& s, int t) const {
-    const int i = s.tested[t], pair = s.nearPair[i];
+struct TestGeneralPairs {
+  static constexpr const char* kStage = "narrow";
+  RUBBLE_HD void operator()(const SolverData& s, int t) const {
+    const int i = s.tested[t], pair = s.activePair[i];
     const Pair p = s.pair[pair];
     const OrderedPair o = ordered(p);
-    if (isPlainPair(s, o.a, o.b)) return;
+    if (isPrimitivePair(s, o.a, o.b)) return;
     const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
     if (isSurface(shapeA.kind) || isSurface(shapeB.kind)) {
       if (p.second == 0) updateSurfaceManifolds(s, i);

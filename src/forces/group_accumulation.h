@@ -2,14 +2,14 @@
 /// An element as a cluster of vertices sees it that moves as one: x_a -> x_a + dp + dw x s_a for the corners a inside, the others stay.
 ///
 /// Force and moment are those of the corners. The Hessian is that of rows C with J_S = (sum J_a, sum s_a x J_a), summed before it is squared;
-/// the curvature of rows is dropped where it is negative. For the tetrahedron the rows are the entries of F (stiffness mu) and J (lambda),
+/// the curvature of rows is dropped where it is negative. For the tetrahedron the rows are the incidences of F (stiffness mu) and J (lambda),
 /// which bound its Hessian from above where it is under pressure.
 #include "forces/soft_forces.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// Rows e_i (sum_a w_a x_a), i = 1..3, of stiffness k: `lin` = sum w_a, `ang` = sum w_a s_a over the corners inside.
-RUBBLE_HD inline void stampMeanRows(Block6& block, Real lin, const Vec3& ang, Real k) {
+RUBBLE_HD inline void accumulateMeanRows(Block6& block, Real lin, const Vec3& ang, Real k) {
   block.ll.xx += k * lin * lin, block.ll.yy += k * lin * lin, block.ll.zz += k * lin * lin;
   const Vec3 b = (k * lin) * ang;
   // columns of [b]
@@ -20,7 +20,7 @@ RUBBLE_HD inline void stampMeanRows(Block6& block, Real lin, const Vec3& ang, Re
 }
 
 /// The same for three such weights at once: `lin` has their sums, and the columns of `ang` what `ang` is above.
-RUBBLE_HD inline void stampMeanRows(Block6& block, const Vec3& lin, const Mat3& ang, Real k) {
+RUBBLE_HD inline void accumulateMeanRows(Block6& block, const Vec3& lin, const Mat3& ang, Real k) {
   const Real mass = k * dot(lin, lin), size = k * (dot(ang.c0, ang.c0) + dot(ang.c1, ang.c1) + dot(ang.c2, ang.c2));
   block.ll.xx += mass, block.ll.yy += mass, block.ll.zz += mass;
   const Vec3 b = k * (ang * lin);
@@ -38,7 +38,7 @@ RUBBLE_HD void forEachInside(const Vec3 (&x)[N], unsigned mask, const Vec3& cent
     if (mask >> k & 1u) f(k, x[k] - centre);
 }
 
-RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const Membrane& e, const Vec3 (&x)[3], unsigned mask, const Vec3& centre,
+RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Membrane& e, const Vec3 (&x)[3], unsigned mask, const Vec3& centre,
                                         Real scale, Block6& block) {
   const Membrane::Columns f = e.deformation(x);
   Real error[Membrane::kRows];
@@ -58,24 +58,24 @@ RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const Membrane& 
   for (int i = 0; i < Membrane::kRows; ++i) {
     const FiniteForce o = e.force(c, error, i);
     force[i] = o.force;
-    stampRow(block, rows[i], Real(0), scale * o.hessian);
+    accumulateRow(block, rows[i], Real(0), scale * o.hessian);
   }
   // tension: the stress S in the axes of the material, at most its trace each way
   const Real sx = force[0] + force[1], sy = force[0] - force[1], largest = max(Real(0), (sx + sy) / 2 + std::sqrt((sx - sy) * (sx - sy) / 4 + force[2] * force[2]));
-  stampMeanRows(block, m.x, bx, scale * largest);
-  stampMeanRows(block, m.y, by, scale * largest);
+  accumulateMeanRows(block, m.x, bx, scale * largest);
+  accumulateMeanRows(block, m.y, by, scale * largest);
 }
 
 template <int N>
-RUBBLE_HD void stampGroupHessian(const StepConstants&, const QuadraticBend<N>& e, const Vec3 (&x)[N], unsigned mask, const Vec3& centre,
+RUBBLE_HD void accumulateGroupHessian(const StepConstants&, const QuadraticBend<N>& e, const Vec3 (&x)[N], unsigned mask, const Vec3& centre,
                                  Real scale, Block6& block) {
   Real lin = 0;
   Vec3 ang{0, 0, 0};
   forEachInside(x, mask, centre, [&](int k, const Vec3& s) { lin += e.weight[k], ang += e.weight[k] * s; });
-  stampMeanRows(block, lin, ang, scale * e.stiffness);
+  accumulateMeanRows(block, lin, ang, scale * e.stiffness);
 }
 
-RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const FoldBend& e, const Vec3 (&x)[4], unsigned mask, const Vec3& centre,
+RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const FoldBend& e, const Vec3 (&x)[4], unsigned mask, const Vec3& centre,
                                         Real scale, Block6& block) {
   const FoldBend::Fold f = e.fold(x);
   if (!f.valid) return;
@@ -84,10 +84,10 @@ RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const FoldBend& 
     const Vec3 g = e.gradient(f, x, k);
     row.lin += g, row.ang += cross(s, g);
   });
-  stampRow(block, row, Real(0), scale * (e.stiffness + e.damping * c.inverseDt));
+  accumulateRow(block, row, Real(0), scale * (e.stiffness + e.damping * c.inverseDt));
 }
 
-RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const Spring& e, const Vec3 (&x)[2], unsigned mask, const Vec3& centre,
+RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Spring& e, const Vec3 (&x)[2], unsigned mask, const Vec3& centre,
                                         Real scale, Block6& block) {
   const Vec3 d = x[0] - x[1];
   const Real l = length(d);
@@ -103,25 +103,25 @@ RUBBLE_HD inline void stampGroupHessian(const StepConstants& c, const Spring& e,
     lin += sign, ang += sign * s;
   });
   const Real across = max(o.force, Real(0)) / l;
-  stampRow(block, row, Real(0), scale * max(o.hessian - across, Real(0)));
-  stampMeanRows(block, lin, ang, scale * across);
+  accumulateRow(block, row, Real(0), scale * max(o.hessian - across, Real(0)));
+  accumulateMeanRows(block, lin, ang, scale * across);
 }
 
 /// Adds force and Hessian of an element that has corners inside and others outside. `scale`: on the Hessian.
 template <class F>
-RUBBLE_HD void stampGroup(const StepConstants& c, const F& e, const Vec3 (&x)[F::kCorners], unsigned mask, const Vec3& centre, Real scale,
+RUBBLE_HD void accumulateGroup(const StepConstants& c, const F& e, const Vec3 (&x)[F::kCorners], unsigned mask, const Vec3& centre, Real scale,
                           Block6& block) {
   forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
     Block3 own;
-    e.stamp(c, x, k, own);
+    e.accumulate(c, x, k, own);
     block.fl += own.f, block.fa += cross(s, own.f);
   });
-  stampGroupHessian(c, e, x, mask, centre, scale, block);
+  accumulateGroupHessian(c, e, x, mask, centre, scale, block);
 }
 
 /// The tetrahedron, all corners at once: with m = sum m_a and B = sum s_a m_a^T over the corners inside (columns b_i), the force is -P m, the
 /// moment -sum b_i x P_i, and the row of J has J_S = (K m, sum b_i x K_i), K = cof F.
-RUBBLE_HD inline void stampGroup(const StepConstants& c, const Tetrahedron& e, const Vec3 (&x)[4], unsigned mask, const Vec3& centre, Real scale,
+RUBBLE_HD inline void accumulateGroup(const StepConstants& c, const Tetrahedron& e, const Vec3 (&x)[4], unsigned mask, const Vec3& centre, Real scale,
                                  Block6& block) {
   const Mat3 f = e.deformation(x), k = Tetrahedron::cofactors(f), p = e.stress(c, f, k, e.strainStart);
   Vec3 m{0, 0, 0};
@@ -139,8 +139,8 @@ RUBBLE_HD inline void stampGroup(const StepConstants& c, const Tetrahedron& e, c
   const Real excess = max(Real(0), std::fabs(dot(f.c0, k.c0) - 1) - kFarVolume);
   const Real bend = excess > Real(0) ? e.lambda * excess * std::sqrt(dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2)) : Real(0);
   const Real mu = scale * (e.mu + bend + e.damper * c.inverseDt);
-  stampMeanRows(block, m, b, mu);
-  stampRow(block, Vec6{k * m, moment(k)}, Real(0), scale * e.lambda);
+  accumulateMeanRows(block, m, b, mu);
+  accumulateRow(block, Vec6{k * m, moment(k)}, Real(0), scale * e.lambda);
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -11,7 +11,7 @@ namespace rubble::RUBBLE_CORE {
 /// Rows that turn, with one law of force: all of a part whose rows are held together, or one of those of an axis. Until the next iteration they are linear:
 /// a rotation of the joint as a whole changes nothing, and what they cost is found once for all sweeps. C(d) = error + turn . d, where A has turned
 /// by d against B since then (turnedSince).
-struct alignas(4 * sizeof(Real)) TurnRows {
+struct alignas(4 * sizeof(Real)) AngularRows {
   static constexpr int kMost = 3;
   struct Row {
     Vec3 turn;   ///< in the world's axes at x^t, turning with B since
@@ -31,23 +31,23 @@ struct alignas(4 * sizeof(Real)) TurnsFrom {
 };
 /// Rows of a joint that turn.
 template <class F>
-struct JointTurns {
+struct JointAngularRows {
   TurnsFrom from;
-  TurnRows law[hasTurns<F>() ? firstTurnLaw<F>() : 1];
+  AngularRows law[hasAngularRows<F>() ? firstTurnLaw<F>() : 1];
 };
 
 RUBBLE_HD inline TurnsFrom turnsFrom(const Quat& turnedA, const Quat& turnedB) { return {conjugate(turnedA) * turnedB}; }
-/// What A has turned by against B since then, in the axes of TurnRows::Row::turn [rad]. Rotations since x^t.
+/// What A has turned by against B since then, in the axes of AngularRows::Row::turn [rad]. Rotations since x^t.
 RUBBLE_HD inline Vec3 turnedSince(const TurnsFrom& from, const Quat& turnedA, const Quat& turnedB) {
   return Real(2) * shortArc(conjugate(turnedB) * turnedA * from.between).v;
 }
 
 /// Law `k` of a part at the present poses; false, and nothing is found: it does not act.
 template <class F, int I, class P>
-RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, const Quat& turnedB, int k, TurnRows& out) {
-  static_assert(P::kRows <= TurnRows::kMost);
+RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, const Quat& turnedB, int k, AngularRows& out) {
+  static_assert(P::kRows <= AngularRows::kMost);
   if (!(joint.acting >> turnBit(firstTurnLaw<F, I>() + k) & 1)) return false;
-  const auto& rows = readWhole(partOf<I>(joint.parts));
+  const auto& rows = loadVectorized(partOf<I>(joint.parts));
   Real error[P::kRows], force[P::kRows], hessian;
   partErrors<P>(spec, joint, rows, a, b, error);
   if constexpr (P::kAxis) {
@@ -56,24 +56,24 @@ RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, co
     out.lambda[0] = own.lambda, out.lambda[1] = out.lambda[2] = 0;
     out.k = own.k, out.compliance = own.keepsMultiplier ? own.compliance : Real(0), out.bound = own.bound;
     out.lo = own.lo, out.hi = own.hi;
-    out.count = own.acts == kWatched ? kWatchedRow : 0;
+    out.count = own.active == kWatched ? kWatchedRow : 0;
   } else {
     forcesAt<P>(rows, error, force, hessian);
-    for (int i = 0; i < TurnRows::kMost; ++i) out.lambda[i] = i < P::kRows ? rows.lambda[i] : Real(0);
+    for (int i = 0; i < AngularRows::kMost; ++i) out.lambda[i] = i < P::kRows ? rows.lambda[i] : Real(0);
     out.k = rows.state.k, out.compliance = rows.state.compliance, out.bound = rows.state.bound;
     out.lo = out.hi = 0;
     out.count = P::kRows;
   }
   Vec6 j[P::kRows];
   P::jacobian(spec.data, joint.memory, a, b, 0, j);
-  for (int i = 0; i < TurnRows::kMost; ++i) out.row[i] = i < P::kRows ? TurnRows::Row{rotateInverse(turnedB, j[i].ang), error[i]} : TurnRows::Row{{0, 0, 0}, 0};
+  for (int i = 0; i < AngularRows::kMost; ++i) out.row[i] = i < P::kRows ? AngularRows::Row{rotateInverse(turnedB, j[i].ang), error[i]} : AngularRows::Row{{0, 0, 0}, 0};
   out.bend = P::curvature(spec.data, joint.memory, a, b, 0, force).ang;
   return true;
 }
 /// All parts of a joint.
 template <class F>
-RUBBLE_HD void linearizeTurns(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, const Quat& turnedA,
-                              const Quat& turnedB, JointTurns<F>& out) {
+RUBBLE_HD void linearizeAngularRows(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, const Quat& turnedA,
+                              const Quat& turnedB, JointAngularRows<F>& out) {
   out.from = turnsFrom(turnedA, turnedB);
   forEachPart<F>([&]<int I, class P>() {
     if constexpr (isTurn<F, P>())
@@ -82,15 +82,15 @@ RUBBLE_HD void linearizeTurns(const JointSpec<F>& spec, const Joint<F>& joint, c
 }
 
 /// Forces of rows that turn, where A has turned by `turned` since they were found; false: none.
-RUBBLE_HD RUBBLE_NEAR bool turnForces(const TurnRows& rows, const Vec3& turned, Real (&force)[TurnRows::kMost], Real& hessian) {
-  Real error[TurnRows::kMost];
-  for (int i = 0; i < TurnRows::kMost; ++i) error[i] = rows.row[i].error + dot(rows.row[i].turn, turned);
+RUBBLE_HD RUBBLE_NEAR bool turnForces(const AngularRows& rows, const Vec3& turned, Real (&force)[AngularRows::kMost], Real& hessian) {
+  Real error[AngularRows::kMost];
+  for (int i = 0; i < AngularRows::kMost; ++i) error[i] = rows.row[i].error + dot(rows.row[i].turn, turned);
   if (rows.count <= 0) {
     const int acts = rows.count == kWatchedRow ? kWatched : 1;
     axisForce({rows.lambda[0], rows.k, rows.lo, rows.hi, rows.compliance, rows.bound, acts, 1}, error[0], force[0], hessian);
     return force[0] != Real(0) || hessian > Real(0);
   }
-  cutForce<TurnRows::kMost, Real>({rows.k, rows.compliance, rows.bound}, error, rows.lambda, force, rows.count, hessian);
+  cutForce<AngularRows::kMost, Real>({rows.k, rows.compliance, rows.bound}, error, rows.lambda, force, rows.count, hessian);
   return true;
 }
 
@@ -99,37 +99,37 @@ template <bool ahead>
 class TurnStream {
  public:
   /// `acting`: of the joint. `from`, `laws`: of one that has rows that turn.
-  RUBBLE_HD RUBBLE_NEAR TurnStream(int acting, const TurnsFrom* from, const TurnRows* laws)
+  RUBBLE_HD RUBBLE_NEAR TurnStream(int acting, const TurnsFrom* from, const AngularRows* laws)
       : from_(from), laws_(laws), left_(static_cast<unsigned>(acting) >> turnBit(0)) {
     if constexpr (ahead)
       if (left_ != 0) fetch();
   }
   /// Adds them to the block of one of its bodies.
-  RUBBLE_HD RUBBLE_NEAR void stamp(const Quat& turnedA, const Quat& turnedB, int side, Block6& block) {
+  RUBBLE_HD RUBBLE_NEAR void accumulate(const Quat& turnedA, const Quat& turnedB, int side, Block6& block) {
     if (left_ == 0) return;
-    const Vec3 turned = turnedSince(readWhole(*from_), turnedA, turnedB);
+    const Vec3 turned = turnedSince(loadVectorized(*from_), turnedA, turnedB);
     const Real sign = side == 0 ? Real(1) : Real(-1);
     for (bool asked = ahead; left_ != 0; asked = false, left_ &= left_ - 1) {
       if (!asked) fetch();
-      const TurnRows& rows = next_;
-      Real force[TurnRows::kMost], hessian;
+      const AngularRows& rows = next_;
+      Real force[AngularRows::kMost], hessian;
       if (!turnForces(rows, turned, force, hessian)) continue;
       for (int i = 0; i < max(rows.count, 1); ++i) {
         const Vec3 j = rotate(turnedB, rows.row[i].turn);
         block.fa -= (sign * force[i]) * j;
         block.aa += outer(j, hessian);
       }
-      stampCurvature(block, {{0, 0, 0}, rows.bend});
+      accumulateCurvature(block, {{0, 0, 0}, rows.bend});
     }
   }
 
  private:
-  RUBBLE_HD RUBBLE_NEAR void fetch() { next_ = readWhole(laws_[lowestBit(left_)]); }
+  RUBBLE_HD RUBBLE_NEAR void fetch() { next_ = loadVectorized(laws_[lowestBit(left_)]); }
 
   const TurnsFrom* const from_;
-  const TurnRows* const laws_;
+  const AngularRows* const laws_;
   unsigned left_;
-  TurnRows next_;
+  AngularRows next_;
 };
 
 /// Errors of the anchors of a joint about a point, at displacements and rotations since x^t.
@@ -142,45 +142,45 @@ RUBBLE_HD RUBBLE_NEAR void anchorErrors(const PivotFrame& frame, const GroupRows
 /// Adds all rows of a joint about a point to the block of one of its bodies. The block may be about another point than the centre of the body, which
 /// then lies `shift` from that point. Poses: displacements and rotations since x^t.
 template <class Turns>
-RUBBLE_HD RUBBLE_NEAR void stampPivot(const PivotFrame& frame, const GroupRows<AnchorRows::kRows>& anchors, Turns& turns, const Pose& a, const Pose& b,
+RUBBLE_HD RUBBLE_NEAR void accumulatePivot(const PivotFrame& frame, const GroupRows<AnchorRows::kRows>& anchors, Turns& turns, const Pose& a, const Pose& b,
                                       int side, Block6& block, const Vec3& shift = {0, 0, 0}) {
   if (frame.acting & 1) {
     Real error[AnchorRows::kRows], force[AnchorRows::kRows], hessian;
     anchorErrors(frame, anchors, a, b, error);
-    groupForce<AnchorRows::kRows>(anchors.state, error, anchors.lambda, force, AnchorRows::kRows, hessian);
-    AnchorRows::stamp(Anchors<Real>{frame.end[0].lever, frame.end[1].lever}, a, b, side == 0, shift, force, hessian, block);
+    aggregateForce<AnchorRows::kRows>(anchors.state, error, anchors.lambda, force, AnchorRows::kRows, hessian);
+    AnchorRows::accumulate(Anchors<Real>{frame.end[0].lever, frame.end[1].lever}, a, b, side == 0, shift, force, hessian, block);
   }
-  turns.stamp(a.q, b.q, side, block);
+  turns.accumulate(a.q, b.q, side, block);
 }
 
 /// Adds all rows of any other joint to the block of one of its bodies, by the first side that it has.
 template <class F>
-RUBBLE_HD void stampJoint(const JointSpec<F>& spec, const Joint<F>& joint, const JointTurns<F>* turns, const SidePose<F>& a, const SidePose<F>& b,
+RUBBLE_HD void accumulateJoint(const JointSpec<F>& spec, const Joint<F>& joint, const JointAngularRows<F>* turns, const SidePose<F>& a, const SidePose<F>& b,
                           const Quat& turnedA, const Quat& turnedB, int side, Block6& block, const Vec3& shift = {0, 0, 0}) {
   forEachPart<F>([&]<int I, class P>() {
     if constexpr (!isTurn<F, P>()) {
-      const auto& rows = readWhole(partOf<I>(joint.parts));
+      const auto& rows = loadVectorized(partOf<I>(joint.parts));
       if (!partActs<P>(partOf<I>(spec.parts), rows)) return;
       Real error[P::kRows], force[P::kRows], hessian;
       partErrors<P>(spec, joint, rows, a, b, error);
       if (!forcesAt<P>(rows, error, force, hessian)) return;
       Vec6 j[P::kRows];
       jacobianOf<P>(spec, joint, a, b, side, j);
-      for (int i = 0; i < P::kRows; ++i) stampRow(block, {j[i].lin, j[i].ang + cross(shift, j[i].lin)}, force[i], hessian);
-      stampCurvature(block, curvatureOf<P>(spec, joint, a, b, side, force), shift);
+      for (int i = 0; i < P::kRows; ++i) accumulateRow(block, {j[i].lin, j[i].ang + cross(shift, j[i].lin)}, force[i], hessian);
+      accumulateCurvature(block, curvatureOf<P>(spec, joint, a, b, side, force), shift);
     }
   });
-  if constexpr (hasTurns<F>()) TurnStream<false>(joint.acting, &turns->from, turns->law).stamp(turnedA, turnedB, side, block);
+  if constexpr (hasAngularRows<F>()) TurnStream<false>(joint.acting, &turns->from, turns->law).accumulate(turnedA, turnedB, side, block);
 }
 
 /// Adds all rows of a joint to the block of a group that several of its sides move with, and others do not (bits of `inside`): by
 /// (dp + dw x shift_i, dw). A row changes by sum J_i T_i, T_i = [1, -[shift_i]; 0, 1].
 template <class F>
-RUBBLE_HD void stampJointOfGroup(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, unsigned inside,
+RUBBLE_HD void accumulateJointOfGroup(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, unsigned inside,
                                  const Vec3 (&shift)[kSides<F>], Block6& block) {
   forEachPart<F>([&]<int I, class P>() {
     Real error[P::kRows], force[P::kRows], hessian;
-    const auto& rows = readWhole(partOf<I>(joint.parts));
+    const auto& rows = loadVectorized(partOf<I>(joint.parts));
     if (!partActs<P>(partOf<I>(spec.parts), rows)) return;
     partErrors<P>(spec, joint, rows, a, b, error);
     if (!forcesAt<P>(rows, error, force, hessian)) return;
@@ -191,7 +191,7 @@ RUBBLE_HD void stampJointOfGroup(const JointSpec<F>& spec, const Joint<F>& joint
       P::jacobian(spec.data, joint.memory, a, b, side, j);
       for (int i = 0; i < P::kRows; ++i) sum[i].lin += j[i].lin, sum[i].ang += j[i].ang + cross(shift[side], j[i].lin);
     }
-    for (int i = 0; i < P::kRows; ++i) stampRow(block, sum[i], force[i], hessian);
+    for (int i = 0; i < P::kRows; ++i) accumulateRow(block, sum[i], force[i], hessian);
   });
 }
 

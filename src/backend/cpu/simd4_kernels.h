@@ -1,0 +1,288 @@
+#pragma once
+/// Kernels that treat four elements side by side, in the lanes of vector registers: four bodies of a colour, four slices, aggregates or joints. They
+/// gather what the stages read, use the same formulas for L = Real4 (lanes.h), and hand on what is rare to the stage itself, one by one. A lane has
+/// the bits that the stage would give it, so neighbours in a register have no influence on one another.
+#include "backend/cpu/gather.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// `Simd4Kernel<Kernel>::run(s, i)` does what the kernel does at the four indices; `expect(s, i)` and `prepare(s, i)`, where they are there, ask for
+/// the memory of fours that are kAhead and one before their turn: elements lie in no order that a processor foresees. Primary: there is none.
+template <class Kernel>
+struct Simd4Kernel {};
+
+/// Adds rounds of ball joints, one of each lane's list a round, while all four lanes have one; returns the number of rounds. codeOf(lane, k): incidence
+/// k of a list.
+template <class CodeOf, class ShiftOf>
+int accumulateRounds(const SolverData& s, int least, CodeOf&& codeOf, ShiftOf&& shiftOf, Block6T<Real4>& block) {
+  int k = 0;
+  for (; k < least; ++k) {
+    std::uint32_t code[kLanes];
+    bool plain = true;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      code[lane] = codeOf(lane, k);
+      plain &= isPlainBall(s, code[lane]);
+    }
+    if (!plain) break;
+    accumulateBalls(s, code, block, shiftOf(code));
+  }
+  return k;
+}
+
+/// A four is expected so many turns ahead, and prepared in the next but one.
+inline constexpr int kAhead = 2;
+
+/// Asks for the first and the last byte of [begin, begin + bytes).
+RUBBLE_NEAR void fetch(const void* begin, std::size_t bytes) {
+  __builtin_prefetch(begin);
+  __builtin_prefetch(static_cast<const char*>(begin) + bytes - 1);
+}
+/// What a sweep reads of a row block.
+RUBBLE_NEAR void fetchBall(const SolverData& s, std::uint32_t code) {
+  if (constraintType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return;
+  fetch(&s.jointsOf<BallJoint>()[constraintIndex(code)], sizeof(Joint<BallJoint>));
+}
+
+RUBBLE_NEAR int leastOf(const Lane4& a) { return min(min(a[0], a[1]), min(a[2], a[3])); }
+RUBBLE_NEAR int mostOf(const Lane4& a) { return max(max(a[0], a[1]), max(a[2], a[3])); }
+
+template <>
+struct Simd4Kernel<SolveBody<Real4>> {
+  static void expect(const SolverData& s, const Lane4& body) {
+    for (const int i : body) {
+      fetch(&s.target[i], sizeof(BodyTarget));
+      fetch(&s.incidence[s.incidenceOffset[i]], 4 * sizeof(Incidence));
+    }
+  }
+  static void prepare(const SolverData& s, const Lane4& body) {
+    for (const int i : body)
+      for (int k = s.incidenceOffset[i]; k < s.incidenceOffset[i + 1]; ++k) fetchBall(s, s.incidence[k].code);
+  }
+  static void run(const SolverData& s, const Lane4& body) {
+    Lane4 count;
+    int locks = 0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      count[lane] = s.incidenceOffset[body[lane] + 1] - s.incidenceOffset[body[lane]];
+      locks |= s.target[body[lane]].locks;
+    }
+    const TargetLanes target = gatherTargets(s, body);
+    const PoseT<Real4> x = gatherPoses(s, body);
+    Block6T<Real4> block;
+    const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
+    setInertialForce(block, target.mass, x, target.y, inverseDt2);
+    setInertialHessian(block, target.mass, inverseDt2);
+    const Real4 zero = LaneAccess<Real4>::splat(0);
+    const auto codeOf = [&](int lane, int k) { return s.incidence[s.incidenceOffset[body[lane]] + k].code; };
+    const int done = accumulateRounds(s, leastOf(count), codeOf, [&](const auto&) { return Vec3T<Real4>{zero, zero, zero}; }, block);
+    if (done < mostOf(count)) {
+      PaddedBlock own[kLanes];
+      scatterBlocks(block, own);
+      for (int lane = 0; lane < kLanes; ++lane)
+        addRows<Real4>(s, s.incidenceOffset[body[lane]] + done, s.incidenceOffset[body[lane] + 1], own[lane].block);
+      gatherBlocks(own, block);
+    }
+    if (locks == 0 && descendTogether(s, body, target.mass, block, x)) return;
+    PaddedBlock own[kLanes];
+    scatterBlocks(block, own);
+    for (int lane = 0; lane < kLanes; ++lane) finishBlock(s, body[lane], own[lane].block, {s.dx[body[lane]].dp, s.dq[body[lane]]});
+  }
+
+ private:
+  /// As finishBlock; false, and nothing is done, where one of the four needs its care: a large rotation, a step that is not finite or too long.
+  static bool descendTogether(const SolverData& s, const Lane4& body, const MassMatrixT<Real4>& m, const Block6T<Real4>& block, const PoseT<Real4>& x) {
+    const auto splat = [](Real a) { return LaneAccess<Real4>::splat(a); };
+    const Vec6T<Real4> dx = newtonStep(block);
+    if (!areFinite(dx.lin) || !allOf(dot(dx.ang, dx.ang) <= splat(kMostTurn * kMostTurn))) return false;
+    const Real4 inverseDt2 = splat(s.step.inverseDt * s.step.inverseDt);
+    if (!allOf(isWithinWork(block, inverseDt2 * m.mass, inverseDt2 * m.inertia, dx))) return false;
+    const PoseT<Real4> then = retract(x, dx);
+    if (!allOf(absOf(then.q.s) >= splat(kMostTurned))) return false;
+    return placeTogether(s, body, then, squaredStep(then.p, x.p), splat(4) * squaredStep(then.q.v, x.q.v));
+  }
+};
+
+/// The aggregates of four slices, as their bodies see them.
+struct AggregateLanes {
+  const Aggregate* aggregate[kLanes];
+  AggregateLanes(const SolverData& s, const Lane4& slice) {
+    for (int lane = 0; lane < kLanes; ++lane) aggregate[lane] = &s.aggregate[s.slice[slice[lane]].aggregate];
+  }
+  /// shiftOf, of one body in each.
+  Vec3T<Real4> shiftsOf(const SolverData& s, const Lane4& body) const {
+    const auto shift = [&](int lane) { return shiftOf(s, *aggregate[lane], body[lane]); };
+    const Vec3 a = shift(0), b = shift(1), c = shift(2), d = shift(3);
+    return {Real4{a.x, b.x, c.x, d.x}, Real4{a.y, b.y, c.y, d.y}, Real4{a.z, b.z, c.z, d.z}};
+  }
+};
+RUBBLE_NEAR int nodesOf(const Slice& slice) { return slice.end - slice.begin; }
+/// Is one of them of an aggregate with soft nodes? These are treated one by one.
+RUBBLE_NEAR bool haveSoftNodes(const SolverData& s, const Lane4& slice) {
+  int soft = 0;
+  for (const int i : slice) soft |= s.aggregate[s.slice[i].aggregate].soft;
+  return soft != 0;
+}
+
+template <>
+struct Simd4Kernel<SumSlice<Real4>> {
+  static void expect(const SolverData& s, const Lane4& index) {
+    for (const int i : index) {
+      __builtin_prefetch(&s.boundary[s.boundaryOffset[i]]);
+      __builtin_prefetch(&s.aggregate[s.slice[i].aggregate].centre);
+    }
+  }
+  static void prepare(const SolverData& s, const Lane4& index) {
+    for (const int i : index) {
+      // those of large slices are many turns away
+      const int end = min(s.boundaryOffset[i + 1], s.boundaryOffset[i] + kLanes * kAhead);
+      for (int k = s.boundaryOffset[i]; k < end; ++k) fetchBall(s, s.boundary[k]);
+      for (int k = s.slice[i].begin; k < min(s.slice[i].end, s.slice[i].begin + kLanes); ++k)
+        if (s.aggregateNode[k] < s.bodies) fetch(&s.target[s.aggregateNode[k]], sizeof(BodyTarget));
+    }
+  }
+  static void run(const SolverData& s, const Lane4& index) {
+    if (haveSoftNodes(s, index)) {
+      for (const int i : index) SumSlice<Real4>{}(s, i);
+      return;
+    }
+    const AggregateLanes aggregates(s, index);
+    Lane4 nodes, boundaryBlocks;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      nodes[lane] = nodesOf(s.slice[index[lane]]);
+      boundaryBlocks[lane] = s.boundaryOffset[index[lane] + 1] - s.boundaryOffset[index[lane]];
+    }
+    Block6T<Real4> sum;
+    const int least = leastOf(nodes);
+    for (int k = 0; k < least; ++k) addInertialForces(s, aggregates, index, k, sum);
+    const bool even = least == mostOf(nodes);
+    if (!even) {
+      for (int lane = 0; lane < kLanes; ++lane) addOthers(s, s.slice[index[lane]], least, lane, sum);
+    }
+    const auto codeOf = [&](int lane, int k) { return s.boundary[s.boundaryOffset[index[lane]] + k]; };
+    const auto shiftOf = [&](const std::uint32_t(&code)[kLanes]) {
+      Lane4 body;
+      for (int lane = 0; lane < kLanes; ++lane) body[lane] = s.jointsOf<BallJoint>()[constraintIndex(code[lane])].end[constraintSide(code[lane])].body;
+      return aggregates.shiftsOf(s, body);
+    };
+    const int done = accumulateRounds(s, leastOf(boundaryBlocks), codeOf, shiftOf, sum);
+    PaddedBlock own[kLanes];
+    scatterBlocks(sum, own);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int i = index[lane];
+      if (done < boundaryBlocks[lane]) SumSlice<Real4>::addBoundary(s, s.slice[i], s.boundaryOffset[i] + done, s.boundaryOffset[i + 1], own[lane].block);
+      s.slice[i].sum = own[lane].block;
+    }
+  }
+
+ private:
+  /// Inertial forces of the k-th node of each.
+  static void addInertialForces(const SolverData& s, const AggregateLanes& aggregates, const Lane4& index, int k, Block6T<Real4>& sum) {
+    Lane4 body;
+    for (int lane = 0; lane < kLanes; ++lane) body[lane] = s.aggregateNode[s.slice[index[lane]].begin + k];
+    const TargetLanes target = gatherTargets(s, body);
+    Block6T<Real4> own;
+    setInertialForce(own, target.mass, gatherPoses(s, body), target.y, s.step.inverseDt * s.step.inverseDt);
+    sum.fl += own.fl;
+    sum.fa += own.fa + cross(aggregates.shiftsOf(s, body), own.fl);
+  }
+  /// Those of the nodes of one lane from the k-th on.
+  static void addOthers(const SolverData& s, const Slice& slice, int k, int lane, Block6T<Real4>& sum) {
+    Block6 own;
+    own.fl = {sum.fl.x[lane], sum.fl.y[lane], sum.fl.z[lane]}, own.fa = {sum.fa.x[lane], sum.fa.y[lane], sum.fa.z[lane]};
+    for (k += slice.begin; k < slice.end; ++k) addInertialForce(s, s.aggregate[slice.aggregate], s.aggregateNode[k], own);
+    sum.fl.x[lane] = own.fl.x, sum.fl.y[lane] = own.fl.y, sum.fl.z[lane] = own.fl.z;
+    sum.fa.x[lane] = own.fa.x, sum.fa.y[lane] = own.fa.y, sum.fa.z[lane] = own.fa.z;
+  }
+};
+
+template <>
+struct Simd4Kernel<SolveAggregate> {
+  static void run(const SolverData& s, const Lane4& index) {
+    PaddedBlock own[kLanes];
+    int rare = 0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const Aggregate& aggregate = s.aggregate[index[lane]];
+      own[lane].block = SolveAggregate::sumOf(s, aggregate);
+      rare |= aggregate.locks | aggregate.soft;
+    }
+    Block6T<Real4> block, inertia;
+    gatherBlocks(own, block);
+    for (int lane = 0; lane < kLanes; ++lane) own[lane].block = s.aggregate[index[lane]].inertia;
+    gatherBlocks(own, inertia);
+    const Vec6T<Real4> dx = newtonStep(block);
+    if (rare != 0 || !areFinite(dx.lin) || !areFinite(dx.ang) || !allOf(isWithinWork(block, inertia.ll.xx, inertia.aa, dx))) {
+      for (int lane = 0; lane < kLanes; ++lane) SolveAggregate{}(s, index[lane]);
+      return;
+    }
+    const Vec6T<Real4> step = LaneAccess<Real4>::splat(kGroupRelaxation) * dx;
+    for (int lane = 0; lane < kLanes; ++lane)
+      s.aggregate[index[lane]].step = {{step.lin.x[lane], step.lin.y[lane], step.lin.z[lane]}, {step.ang.x[lane], step.ang.y[lane], step.ang.z[lane]}};
+  }
+};
+
+template <>
+struct Simd4Kernel<MoveSlice> {
+  static void run(const SolverData& s, const Lane4& index) {
+    if (haveSoftNodes(s, index)) {
+      for (const int i : index) MoveSlice{}(s, i);
+      return;
+    }
+    const AggregateLanes aggregates(s, index);
+    Lane4 nodes;
+    for (int lane = 0; lane < kLanes; ++lane) nodes[lane] = nodesOf(s.slice[index[lane]]);
+    const Quad<Real4> first = gatherSteps(aggregates, 0), second = gatherSteps(aggregates, 1);
+    const Vec6T<Real4> step{{first.x, first.y, first.z}, {first.w, second.x, second.y}};
+    const int least = leastOf(nodes);
+    const Real4 none = LaneAccess<Real4>::splat(0);
+    for (int k = 0; k < least; ++k) {
+      Lane4 body;
+      for (int lane = 0; lane < kLanes; ++lane) body[lane] = s.aggregateNode[s.slice[index[lane]].begin + k];
+      const Vec3T<Real4> move = step.lin + cross(step.ang, aggregates.shiftsOf(s, body));
+      if (placeTogether(s, body, retract(gatherPoses(s, body), {move, step.ang}), none, none)) continue;
+      for (int lane = 0; lane < kLanes; ++lane) moveWithAggregate(s, *aggregates.aggregate[lane], body[lane]);
+    }
+    for (int lane = 0; lane < kLanes; ++lane)
+      for (int k = s.slice[index[lane]].begin + least; k < s.slice[index[lane]].end; ++k) moveWithAggregate(s, *aggregates.aggregate[lane], s.aggregateNode[k]);
+  }
+
+ private:
+  static Quad<Real4> gatherSteps(const AggregateLanes& aggregates, int k) {
+    return gatherNumbers(&aggregates.aggregate[0]->step, &aggregates.aggregate[1]->step, &aggregates.aggregate[2]->step, &aggregates.aggregate[3]->step, k);
+  }
+};
+
+template <>
+struct Simd4Kernel<UpdateJointDuals<BallJoint>> {
+  static void run(const SolverData& s, const Lane4& index) {
+    bool plain = true;
+    for (int lane = 0; lane < kLanes; ++lane) plain &= isPlainBall(s, index[lane]);
+    if (!plain || !update(s, index))
+      for (int lane = 0; lane < kLanes; ++lane) UpdateJointDuals<BallJoint>{}(s, index[lane]);
+  }
+
+ private:
+  /// False, and nothing is done, where the four have rules of different kinds.
+  static bool update(const SolverData& s, const Lane4& index) {
+    BallLanes j = gatherBalls(s, index);
+    const auto stateOf = [&](int lane) -> GroupState& { return j.rows[lane]->state; };
+    StiffnessRuleT<Real4> rule;
+    rule.policy = stateOf(0).rule.policy;
+    Real4 keeps;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const GroupState& state = stateOf(lane);
+      if (state.rule.policy != rule.policy) return false;
+      rule.start[lane] = state.rule.start, rule.limit[lane] = state.rule.limit;
+      rule.beta[lane] = state.rule.beta, rule.perLoad[lane] = state.rule.perLoad;
+      keeps[lane] = static_cast<Real>(state.keepsMultiplier);
+    }
+    Real4 error[3];
+    heldErrors<AnchorRows>(j.shift, j.levers, NoMemory{}, j.a, j.b, error);
+    updateRows<3>(j.law, rule, keeps != LaneAccess<Real4>::splat(0), error, j.lambda, 3);
+    const auto at = [&](int lane, int k) { return reinterpret_cast<Real*>(j.rows[lane]) + 4 * k; };
+    const auto scatter = [&](int k, const Quad<Real4>& q) { LaneAccess<Real4>::scatterQuad(at(0, k), at(1, k), at(2, k), at(3, k), q); };
+    scatter(0, {j.lambda[0], j.lambda[1], j.lambda[2], j.shift[0]});
+    scatter(1, {j.shift[1], j.shift[2], j.law.k, j.law.compliance});
+    return true;
+  }
+};
+
+}  // namespace rubble::RUBBLE_CORE
