@@ -18,7 +18,9 @@ bool cudaReady() {
   static const bool ready = f32::deviceReady();  // starts the driver: a matter of seconds on some machines
   return ready;
 }
-std::unique_ptr<Engine> makeCudaEngine(bool timings) { return cudaReady() ? f32::makeCudaEngine(timings) : nullptr; }
+std::unique_ptr<Engine> makeCudaEngine(bool timings) {
+  return cudaReady() ? f32::makeCudaEngine(timings) : nullptr;
+}
 
 #else
 

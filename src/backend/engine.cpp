@@ -15,6 +15,8 @@ class SavedBytes final : public EngineSnapshot {
 
 }  // namespace
 
-std::shared_ptr<const EngineSnapshot> Engine::snapshot() const { return std::make_shared<SavedBytes>(save()); }
+std::shared_ptr<const EngineSnapshot> Engine::snapshot() const {
+  return std::make_shared<SavedBytes>(save());
+}
 
 }  // namespace rubble

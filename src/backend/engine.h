@@ -25,8 +25,8 @@ class PoseCopies {
   virtual ArrayView orientation(int buffer) const = 0;
 };
 
-/// All that it is told and tells of bodies is by slot; arrays of state, what is scattered into them, copies of poses and exclusions are by id. Who
-/// knows bodies by their ids asks an OrderedEngine.
+/// All that it is told and tells of bodies is by slot; arrays of state, what is scattered into them, copies
+/// of poses and exclusions are by id. Who knows bodies by their ids asks an OrderedEngine.
 class Engine {
  public:
   virtual ~Engine() = default;
@@ -37,7 +37,8 @@ class Engine {
   virtual void setBody(int slot, const EngineBody& body) = 0;
   /// Contacts of a slot are forgotten: it is another body from now on, or none.
   virtual void forgetContacts(int slot) = 0;
-  /// Appends the tables of a shape, with the materials of its parts (places among those of setSurfaces, -1: that of the body).
+  /// Appends the tables of a shape, with the materials of its parts (places among those of setSurfaces, -1:
+  /// that of the body).
   virtual void addShape(const CookedShape& shape, const std::vector<int>& partSurfaces) = 0;
   virtual void setSurfaces(const std::vector<Material>& surfaces) = 0;
   virtual void setPlanes(const std::vector<int>& slots) = 0;
@@ -48,10 +49,13 @@ class Engine {
   /// Pairs (low, high) of ids that do not collide, sorted.
   virtual void setExclusions(const std::vector<std::pair<int, int>>& pairs) = 0;
 
-  /// All deformable objects and attachments, in an order that leaves those that were there in theirs. Their state is kept.
-  virtual void setSoft(const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) = 0;
+  /// All deformable objects and attachments, in an order that leaves those that were there in theirs. Their
+  /// state is kept.
+  virtual void setSoft(const std::vector<EngineSoftObject>& objects,
+                       const std::vector<EngineAttachment>& attachments) = 0;
   virtual void vertexStates(int first, std::span<Vec3> positions, std::span<Vec3> velocities) const = 0;
-  virtual void setVertexStates(int first, std::span<const Vec3> positions, std::span<const Vec3> velocities) = 0;
+  virtual void setVertexStates(int first, std::span<const Vec3> positions,
+                               std::span<const Vec3> velocities) = 0;
   virtual void addVertexForce(int vertex, const Vec3& force) = 0;
   /// Of `count` elements of a type from `first` on: 1 those that have not broken.
   virtual void elementsAlive(int type, int first, std::span<char> alive) const = 0;

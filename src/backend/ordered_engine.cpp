@@ -23,7 +23,8 @@ std::vector<EngineQuery> OrderedEngine::inSlots(std::span<const EngineQuery> que
   return out;
 }
 
-void OrderedEngine::setSoft(const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) {
+void OrderedEngine::setSoft(const std::vector<EngineSoftObject>& objects,
+                            const std::vector<EngineAttachment>& attachments) {
   std::vector<EngineAttachment> own = attachments;
   for (EngineAttachment& a : own) a.body = slot(a.body);
   engine_->setSoft(objects, own);
@@ -40,7 +41,8 @@ void OrderedEngine::solverStates(std::vector<SolverState>& bodies, std::vector<S
   std::vector<SolverState> bySlot;
   engine_->solverStates(bySlot, vertices);
   bodies.resize(bySlot.size());
-  for (std::size_t k = 0; k < bySlot.size(); ++k) bodies[static_cast<std::size_t>(idOf(static_cast<int>(k)))] = bySlot[k];
+  for (std::size_t k = 0; k < bySlot.size(); ++k)
+    bodies[static_cast<std::size_t>(idOf(static_cast<int>(k)))] = bySlot[k];
 }
 
 std::vector<EngineContact> OrderedEngine::contacts() const {

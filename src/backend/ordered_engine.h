@@ -1,5 +1,6 @@
 #pragma once
-/// An engine that knows bodies by their ids, whatever order they have in its tables; and that keeps this order a good one.
+/// An engine that knows bodies by their ids, whatever order they have in its tables; and that keeps this
+/// order a good one.
 #include "backend/engine.h"
 
 namespace rubble {
@@ -18,11 +19,16 @@ class OrderedEngine final : public Engine {
   void setPlanes(const std::vector<int>& ids) override { engine_->setPlanes(slots(ids)); }
   void setJoint(int joint, const EngineJoint& def) override { engine_->setJoint(joint, inSlots(def)); }
   void editJoint(int joint, const EngineJoint& def) override { engine_->editJoint(joint, inSlots(def)); }
-  void setSoft(const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) override;
+  void setSoft(const std::vector<EngineSoftObject>& objects,
+               const std::vector<EngineAttachment>& attachments) override;
   BodyState state(int id) const override { return engine_->state(slot(id)); }
   void setState(int id, const BodyState& state) override { engine_->setState(slot(id), state); }
-  void addForce(int id, const Vec3& force, const Vec3& torque) override { engine_->addForce(slot(id), force, torque); }
-  void addVelocities(std::span<const int> ids, std::span<const Vec3> changes) override { engine_->addVelocities(slots(ids), changes); }
+  void addForce(int id, const Vec3& force, const Vec3& torque) override {
+    engine_->addForce(slot(id), force, torque);
+  }
+  void addVelocities(std::span<const int> ids, std::span<const Vec3> changes) override {
+    engine_->addVelocities(slots(ids), changes);
+  }
   bool isAsleep(int id) const override { return engine_->isAsleep(slot(id)); }
   std::vector<int> sleepers() const override;
   void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override;
@@ -41,21 +47,30 @@ class OrderedEngine final : public Engine {
     engine_->configure(settings);
   }
   void setBodyCount(int bodies) override { engine_->setBodyCount(bodies); }
-  void addShape(const CookedShape& shape, const std::vector<int>& partSurfaces) override { engine_->addShape(shape, partSurfaces); }
+  void addShape(const CookedShape& shape, const std::vector<int>& partSurfaces) override {
+    engine_->addShape(shape, partSurfaces);
+  }
   void setSurfaces(const std::vector<Material>& surfaces) override { engine_->setSurfaces(surfaces); }
   void setJointCount(int type, int joints) override { engine_->setJointCount(type, joints); }
-  void setExclusions(const std::vector<std::pair<int, int>>& pairs) override { engine_->setExclusions(pairs); }
+  void setExclusions(const std::vector<std::pair<int, int>>& pairs) override {
+    engine_->setExclusions(pairs);
+  }
   void vertexStates(int first, std::span<Vec3> positions, std::span<Vec3> velocities) const override {
     engine_->vertexStates(first, positions, velocities);
   }
-  void setVertexStates(int first, std::span<const Vec3> positions, std::span<const Vec3> velocities) override {
+  void setVertexStates(int first, std::span<const Vec3> positions,
+                       std::span<const Vec3> velocities) override {
     engine_->setVertexStates(first, positions, velocities);
   }
   void addVertexForce(int vertex, const Vec3& force) override { engine_->addVertexForce(vertex, force); }
-  void elementsAlive(int type, int first, std::span<char> alive) const override { engine_->elementsAlive(type, first, alive); }
+  void elementsAlive(int type, int first, std::span<char> alive) const override {
+    engine_->elementsAlive(type, first, alive);
+  }
   JointState attachmentState(int index) const override { return engine_->attachmentState(index); }
   ArrayView array(StateArray which) override { return engine_->array(which); }
-  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override { engine_->scatter(which, rows, values); }
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
+    engine_->scatter(which, rows, values);
+  }
   PoseCopies* poseCopies() override { return engine_->poseCopies(); }
   bool reserve(const std::string& kind, int count) override { return engine_->reserve(kind, count); }
   BodyOrder order() const override { return engine_->order(); }

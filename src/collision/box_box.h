@@ -1,22 +1,24 @@
 #pragma once
-/// Box against box: separating axes with a preference for faces, then clipping of the incident face to at most four points.
+/// Box against box: separating axes with a preference for faces, then clipping of the incident face to at
+/// most four points.
 #include "collision/shapes.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// An edge axis wins over the best face axis only if it separates by more than this share of the face's separation plus kEdgeMargin L:
-/// near ties belong to faces, whose manifolds are complete.
+/// An edge axis wins over the best face axis only if it separates by more than this share of the face's
+/// separation plus kEdgeMargin L: near ties belong to faces, whose manifolds are complete.
 inline constexpr Real kEdgePreference = Real(.95);
 inline constexpr Real kEdgeMargin = Real(.01);
 /// Cross products of edges shorter than this are parallel edges and are no axis [1].
 inline constexpr Real kParallelEdges = Real(1e-3);
-/// A point deeper than the corners of the reduced manifold by this share of L takes the place of the nearest of them.
+/// A point deeper than the corners of the reduced manifold by this share of L takes the place of the nearest
+/// of them.
 inline constexpr Real kDeeperPoint = Real(1e-3);
 
 namespace boxes {
 
-/// A vertex of the incident face while it is clipped, in the frame of the reference face: u, v in the face, w above it. The edge that
-/// leaves it is 0-3 for an incident edge, 4-7 for a side plane.
+/// A vertex of the incident face while it is clipped, in the frame of the reference face: u, v in the face, w
+/// above it. The edge that leaves it is 0-3 for an incident edge, 4-7 for a side plane.
 struct ClipVertex {
   Real u, v, w;
   int edgeIn, edgeOut;
@@ -24,7 +26,8 @@ struct ClipVertex {
 inline constexpr int kMaxVertices = 8;
 
 /// Keeps the part of the polygon with sign * coordinate <= limit (coordinate u if axis 0, v if 1).
-RUBBLE_HD inline int clip(ClipVertex (&in)[kMaxVertices], int count, ClipVertex (&out)[kMaxVertices], int axis, Real sign, Real limit, int plane) {
+RUBBLE_HD inline int clip(ClipVertex (&in)[kMaxVertices], int count, ClipVertex (&out)[kMaxVertices],
+                          int axis, Real sign, Real limit, int plane) {
   int n = 0;
   for (int i = 0; i < count; ++i) {
     const ClipVertex &p = in[i], &q = in[i + 1 == count ? 0 : i + 1];
@@ -35,14 +38,17 @@ RUBBLE_HD inline int clip(ClipVertex (&in)[kMaxVertices], int count, ClipVertex 
       const Real t = dp / (dp - dq);
       ClipVertex& x = out[n++];
       x = {p.u + t * (q.u - p.u), p.v + t * (q.v - p.v), p.w + t * (q.w - p.w), p.edgeOut, p.edgeOut};
-      if (keepP) x.edgeOut = plane;  // leaves the half space: goes on along the side plane
-      else x.edgeIn = plane;         // comes back from it
+      if (keepP)
+        x.edgeOut = plane;  // leaves the half space: goes on along the side plane
+      else
+        x.edgeIn = plane;  // comes back from it
     }
   }
   return n;
 }
 
-/// Picks four of `count` vertices: the extreme ones along the two diagonals of the reference face, then the deepest if it stands out.
+/// Picks four of `count` vertices: the extreme ones along the two diagonals of the reference face, then the
+/// deepest if it stands out.
 RUBBLE_HD inline void reduceToFour(ClipVertex (&p)[kMaxVertices], int& count, Real hu, Real hv, Real length) {
   if (count <= kLanes) return;
   int chosen[kLanes];
@@ -66,7 +72,8 @@ RUBBLE_HD inline void reduceToFour(ClipVertex (&p)[kMaxVertices], int& count, Re
     int nearest = 0;
     Real nearestDistance = 0;
     for (int k = 0; k < kLanes; ++k) {
-      const Real du = p[chosen[k]].u - p[deepest].u, dv = p[chosen[k]].v - p[deepest].v, d = du * du + dv * dv;
+      const Real du = p[chosen[k]].u - p[deepest].u, dv = p[chosen[k]].v - p[deepest].v,
+                 d = du * du + dv * dv;
       if (k == 0 || d < nearestDistance) nearest = k, nearestDistance = d;
     }
     chosen[nearest] = deepest;
@@ -80,7 +87,8 @@ RUBBLE_HD inline void reduceToFour(ClipVertex (&p)[kMaxVertices], int& count, Re
 }  // namespace boxes
 
 /// `t` = p_B - p_A. Points within `margin` of touching.
-RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const Vec3& hb, const Quat& qb, const Vec3& t, Real margin, Real length) {
+RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const Vec3& hb, const Quat& qb,
+                                          const Vec3& t, Real margin, Real length) {
   using namespace boxes;
   RawManifold out;
   const Mat3 ra = rotationMatrix(qa), rb = rotationMatrix(qb);
@@ -100,11 +108,13 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
   Real bestFace = 0;
   int face = -1;
   for (int i = 0; i < 3; ++i) {
-    const Real s = std::fabs(ta[i]) - (halfA[i] + halfB[0] * absR[i][0] + halfB[1] * absR[i][1] + halfB[2] * absR[i][2]);
+    const Real s = std::fabs(ta[i]) -
+                   (halfA[i] + halfB[0] * absR[i][0] + halfB[1] * absR[i][1] + halfB[2] * absR[i][2]);
     if (face < 0 || s > bestFace) bestFace = s, face = i;
   }
   for (int j = 0; j < 3; ++j) {
-    const Real s = std::fabs(tb[j]) - (halfB[j] + halfA[0] * absR[0][j] + halfA[1] * absR[1][j] + halfA[2] * absR[2][j]);
+    const Real s = std::fabs(tb[j]) -
+                   (halfB[j] + halfA[0] * absR[0][j] + halfA[1] * absR[1][j] + halfA[2] * absR[2][j]);
     // A's faces win ties, so that the reference face does not flicker
     if (s > bestFace + Real(1e-3) * length) bestFace = s, face = 3 + j;
   }
@@ -121,9 +131,11 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
       if (size2 < kParallelEdges) continue;
       const Real inverse = Real(1) / std::sqrt(size2);
       const Real distance = ta[i2] * r[i1][j] - ta[i1] * r[i2][j];  // t . (a_i x b_j)
-      const Real reach = halfA[i1] * absR[i2][j] + halfA[i2] * absR[i1][j] + halfB[j1] * absR[i][j2] + halfB[j2] * absR[i][j1];
+      const Real reach = halfA[i1] * absR[i2][j] + halfA[i2] * absR[i1][j] + halfB[j1] * absR[i][j2] +
+                         halfB[j2] * absR[i][j1];
       const Real s = (std::fabs(distance) - reach) * inverse;
-      if (edge < 0 || s > bestEdge) bestEdge = s, edge = 3 * i + j, edgeSign = distance < Real(0) ? Real(-1) : Real(1);
+      if (edge < 0 || s > bestEdge)
+        bestEdge = s, edge = 3 * i + j, edgeSign = distance < Real(0) ? Real(-1) : Real(1);
     }
   }
   if (edge >= 0 && bestEdge > margin) {
@@ -141,8 +153,10 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
       if (k != j) pb += axisB[k] * (dot(axisB[k], out.n) > Real(0) ? -halfB[k] : halfB[k]);
     }
     const Vec3 d = pb - pa;
-    const Real da = dot(d, axisA[i]), db = dot(d, axisB[j]), cosine = r[i][j], inverse = Real(1) / (Real(1) - cosine * cosine);
-    const Real sa = clamp((da - cosine * db) * inverse, -halfA[i], halfA[i]), sb = clamp((cosine * da - db) * inverse, -halfB[j], halfB[j]);
+    const Real da = dot(d, axisA[i]), db = dot(d, axisB[j]), cosine = r[i][j],
+               inverse = Real(1) / (Real(1) - cosine * cosine);
+    const Real sa = clamp((da - cosine * db) * inverse, -halfA[i], halfA[i]),
+               sb = clamp((cosine * da - db) * inverse, -halfB[j], halfB[j]);
     out.count = 1;
     out.points[0] = {pa + axisA[i] * sa, pb + axisB[j] * sb, 0x1000 + edge};
   };
@@ -171,7 +185,8 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
   }
   const Real incidentSide = dot(axisY[incident], normal) > Real(0) ? Real(-1) : Real(1);
   const int ju = (incident + 1) % 3, jv = (incident + 2) % 3;
-  const Vec3 centreY = toY + axisY[incident] * (incidentSide * halfY[incident]);  // relative to the centre of X
+  const Vec3 centreY = toY +
+                       axisY[incident] * (incidentSide * halfY[incident]);  // relative to the centre of X
   ClipVertex p[kMaxVertices], q[kMaxVertices];
   for (int k = 0; k < 4; ++k) {
     const Real su = (k == 1 || k == 2) ? halfY[ju] : -halfY[ju], sv = k >= 2 ? halfY[jv] : -halfY[jv];
@@ -201,7 +216,8 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
   for (int k = 0; k < count; ++k) {
     const Vec3 onX = centreX + axisX[iu] * p[k].u + axisX[iv] * p[k].v + normal * halfX[axis];
     const Vec3 onY = onX + normal * p[k].w;
-    const int feature = ((face * 2 + (side > Real(0))) * 6 + incident * 2 + (incidentSide > Real(0))) * 64 + p[k].edgeIn * 8 + p[k].edgeOut;
+    const int feature = ((face * 2 + (side > Real(0))) * 6 + incident * 2 + (incidentSide > Real(0))) * 64 +
+                        p[k].edgeIn * 8 + p[k].edgeOut;
     out.points[k] = {refB ? onY : onX, refB ? onX : onY, feature};
   }
   return out;

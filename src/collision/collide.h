@@ -19,9 +19,10 @@ RUBBLE_HD inline RawManifold flipped(RawManifold m, const Vec3& t) {
 namespace pairs {
 
 /// For kinds in rising order: round, box, plane.
-RUBBLE_HD inline RawManifold collideOrdered(const ShapeData& sa, const Quat& qa, const ShapeData& sb, const Quat& qb, const Vec3& t, Real margin,
-                                            Real length) {
-  if (sb.kind == ShapeKind::Plane) return sa.kind == ShapeKind::Plane ? RawManifold{} : collidePlane(sa, qa, qb, t, margin);
+RUBBLE_HD inline RawManifold collideOrdered(const ShapeData& sa, const Quat& qa, const ShapeData& sb,
+                                            const Quat& qb, const Vec3& t, Real margin, Real length) {
+  if (sb.kind == ShapeKind::Plane)
+    return sa.kind == ShapeKind::Plane ? RawManifold{} : collidePlane(sa, qa, qb, t, margin);
   if (sb.kind != ShapeKind::Box) return collideRounds(sa, qa, sb, qb, t, margin);
   if (sa.kind != ShapeKind::Box) return collideRoundBox(sa, qa, sb, qb, t, margin);
   return collideBoxes(sa.half, qa, sb.half, qb, t, margin, length);
@@ -29,8 +30,10 @@ RUBBLE_HD inline RawManifold collideOrdered(const ShapeData& sa, const Quat& qa,
 
 }  // namespace pairs
 
-/// Touching points of A and B within `margin` [m]; `t` = p_B - p_A, `length` = bounding diameter of the smaller one.
-RUBBLE_HD inline RawManifold collide(const ShapeData& sa, const Quat& qa, const ShapeData& sb, const Quat& qb, const Vec3& t, Real margin, Real length) {
+/// Touching points of A and B within `margin` [m]; `t` = p_B - p_A, `length` = bounding diameter of the
+/// smaller one.
+RUBBLE_HD inline RawManifold collide(const ShapeData& sa, const Quat& qa, const ShapeData& sb, const Quat& qb,
+                                     const Vec3& t, Real margin, Real length) {
   if (sa.kind > sb.kind) return flipped(pairs::collideOrdered(sb, qb, sa, qa, -t, margin, length), t);
   return pairs::collideOrdered(sa, qa, sb, qb, t, margin, length);
 }

@@ -1,17 +1,21 @@
 #pragma once
-/// Convex shapes as the general pair test sees them: a core with a support function, faces and contact features, and a rounding around it.
+/// Convex shapes as the general pair test sees them: a core with a support function, faces and contact
+/// features, and a rounding around it.
 #include "collision/shapes.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Corners of a contact feature: of a face of a hull with more, an even selection is taken; a disc gets kDiscCorners.
+/// Corners of a contact feature: of a face of a hull with more, an even selection is taken; a disc gets
+/// kDiscCorners.
 inline constexpr int kMaxCorners = 16;
 inline constexpr int kDiscCorners = 12;
-/// A disc that leans more than this sine has its first corner where it is lowest; else it has it where it is loaded, else fixed to its body.
+/// A disc that leans more than this sine has its first corner where it is lowest; else it has it where it is
+/// loaded, else fixed to its body.
 inline constexpr Real kFlatDisc = Real(2e-3);
 /// Weight that acts this share of the radius off the middle of a disc has a corner of its own.
 inline constexpr Real kOffMiddle = Real(.25);
-/// The end of a cylinder (or the base of a cone) is what touches if the direction leans less than this from its axis (cosine).
+/// The end of a cylinder (or the base of a cone) is what touches if the direction leans less than this from
+/// its axis (cosine).
 inline constexpr Real kCapCosine = Real(.7);
 
 /// A convex shape about its own centre. All sizes are those of the core; `radius` lies around it.
@@ -21,9 +25,9 @@ struct Convex {
   Real radius;
   const Vec4* vertices;  ///< hull
   const Vec4* planes;
-  const int* faces;      ///< first corner of each face, and of one more
+  const int* faces;  ///< first corner of each face, and of one more
   int vertexCount, faceCount;
-  Vec3 corner[3];        ///< triangle
+  Vec3 corner[3];  ///< triangle
 };
 
 RUBBLE_HD inline Convex convexOf(const ShapeTables& tables, const ShapeData& s) {
@@ -45,7 +49,9 @@ struct Feature {
   Vec3 normal;          ///< of a face
 };
 
-RUBBLE_HD inline void addCorner(Feature& f, const Vec3& x, int id) { f.corner[f.count] = x, f.id[f.count++] = id; }
+RUBBLE_HD inline void addCorner(Feature& f, const Vec3& x, int id) {
+  f.corner[f.count] = x, f.id[f.count++] = id;
+}
 
 namespace convex {
 
@@ -53,16 +59,17 @@ namespace convex {
 RUBBLE_HD inline Real coneBase(const Convex& c) { return -c.half.z / 3; }
 
 /// Unit radial direction of d about z; a fixed one if d has next to none.
-template <class S>
-RUBBLE_HD Vec3T<S> radial(const Vec3T<S>& d, S least) {
+template <class S> RUBBLE_HD Vec3T<S> radial(const Vec3T<S>& d, S least) {
   const S l2 = d.x * d.x + d.y * d.y;
   if (!(l2 > least * least)) return {1, 0, 0};
   const S inverse = S(1) / std::sqrt(l2);
   return {d.x * inverse, d.y * inverse, 0};
 }
 
-/// Corners of the disc of radius r at height z, counter-clockwise about `side` z. It leans along d, and is loaded at `load`.
-RUBBLE_HD inline void addDisc(Feature& f, const Vec3& d, const Vec3& load, Real r, Real z, Real side, int firstId) {
+/// Corners of the disc of radius r at height z, counter-clockwise about `side` z. It leans along d, and is
+/// loaded at `load`.
+RUBBLE_HD inline void addDisc(Feature& f, const Vec3& d, const Vec3& load, Real r, Real z, Real side,
+                              int firstId) {
   const bool leans = d.x * d.x + d.y * d.y > kFlatDisc * kFlatDisc;
   const Vec3 u = leans ? radial(d, kFlatDisc) : radial(load, kOffMiddle * r), v{-u.y * side, u.x * side, 0};
   // cos and sin of 30 degrees
@@ -110,13 +117,14 @@ RUBBLE_HD inline void addBoxFace(Feature& f, const Vec3& h, int axis, Real side)
 }  // namespace convex
 
 /// The point of the core that is furthest along d (of any length), in the precision of d.
-template <class S>
-RUBBLE_HD Vec3T<S> support(const Convex& c, const Vec3T<S>& d) {
+template <class S> RUBBLE_HD Vec3T<S> support(const Convex& c, const Vec3T<S>& d) {
   const Vec3T<S> half(c.half);
   switch (c.kind) {
-    case ShapeKind::Capsule: return {0, 0, d.z > S(0) ? half.z : -half.z};
+    case ShapeKind::Capsule:
+      return {0, 0, d.z > S(0) ? half.z : -half.z};
     case ShapeKind::Box:
-    case ShapeKind::RoundBox: return {d.x > S(0) ? half.x : -half.x, d.y > S(0) ? half.y : -half.y, d.z > S(0) ? half.z : -half.z};
+    case ShapeKind::RoundBox:
+      return {d.x > S(0) ? half.x : -half.x, d.y > S(0) ? half.y : -half.y, d.z > S(0) ? half.z : -half.z};
     case ShapeKind::Cylinder: {
       const Vec3T<S> u = convex::radial(d, S(0));
       return {u.x * half.x, u.y * half.x, d.z > S(0) ? half.z : -half.z};
@@ -140,7 +148,8 @@ RUBBLE_HD Vec3T<S> support(const Convex& c, const Vec3T<S>& d) {
       const S a = dot(x, d), b = dot(y, d), e = dot(z, d);
       return a >= b && a >= e ? x : b >= e ? y : z;
     }
-    default: return {0, 0, 0};
+    default:
+      return {0, 0, 0};
   }
 }
 
@@ -148,12 +157,17 @@ RUBBLE_HD Vec3T<S> support(const Convex& c, const Vec3T<S>& d) {
 RUBBLE_HD inline int faceCount(const Convex& c) {
   switch (c.kind) {
     case ShapeKind::Box:
-    case ShapeKind::RoundBox: return 6;
+    case ShapeKind::RoundBox:
+      return 6;
     case ShapeKind::Cylinder:
-    case ShapeKind::Triangle: return 2;
-    case ShapeKind::Cone: return 1;
-    case ShapeKind::Hull: return c.faceCount;
-    default: return 0;
+    case ShapeKind::Triangle:
+      return 2;
+    case ShapeKind::Cone:
+      return 1;
+    case ShapeKind::Hull:
+      return c.faceCount;
+    default:
+      return 0;
   }
 }
 
@@ -161,9 +175,12 @@ RUBBLE_HD inline int faceCount(const Convex& c) {
 RUBBLE_HD inline Vec4 facePlane(const Convex& c, int face) {
   const Real side = (face & 1) ? Real(-1) : Real(1);
   switch (c.kind) {
-    case ShapeKind::Cylinder: return {0, 0, side, c.half.z};
-    case ShapeKind::Cone: return {0, 0, -1, -convex::coneBase(c)};
-    case ShapeKind::Hull: return c.planes[face];
+    case ShapeKind::Cylinder:
+      return {0, 0, side, c.half.z};
+    case ShapeKind::Cone:
+      return {0, 0, -1, -convex::coneBase(c)};
+    case ShapeKind::Hull:
+      return c.planes[face];
     case ShapeKind::Triangle: {
       const Vec3 n = normalize(cross(c.corner[1] - c.corner[0], c.corner[2] - c.corner[0])) * side;
       return {n.x, n.y, n.z, dot(n, c.corner[0])};
@@ -180,9 +197,15 @@ RUBBLE_HD inline Vec4 facePlane(const Convex& c, int face) {
 RUBBLE_HD inline void faceFeature(const Convex& c, int face, const Vec3& lean, const Vec3& load, Feature& f) {
   const Real side = (face & 1) ? Real(-1) : Real(1);
   switch (c.kind) {
-    case ShapeKind::Cylinder: convex::addDisc(f, lean, load, c.half.x, side * c.half.z, side, 16 * (face & 1)); return;
-    case ShapeKind::Cone: convex::addDisc(f, lean, load, c.half.x, convex::coneBase(c), Real(-1), 0); return;
-    case ShapeKind::Hull: convex::addHullFace(f, c, face, load); return;
+    case ShapeKind::Cylinder:
+      convex::addDisc(f, lean, load, c.half.x, side * c.half.z, side, 16 * (face & 1));
+      return;
+    case ShapeKind::Cone:
+      convex::addDisc(f, lean, load, c.half.x, convex::coneBase(c), Real(-1), 0);
+      return;
+    case ShapeKind::Hull:
+      convex::addHullFace(f, c, face, load);
+      return;
     case ShapeKind::Triangle:
       for (int k = 0; k < 3; ++k) {
         const int corner = (face & 1) ? 2 - k : k;
@@ -190,7 +213,8 @@ RUBBLE_HD inline void faceFeature(const Convex& c, int face, const Vec3& lean, c
       }
       f.normal = xyz(facePlane(c, face));
       return;
-    default: convex::addBoxFace(f, c.half, face / 2, side);
+    default:
+      convex::addBoxFace(f, c.half, face / 2, side);
   }
 }
 
@@ -202,10 +226,14 @@ RUBBLE_HD inline bool faceReaches(const Convex& c, int face, const Vec3& d, Real
   return false;
 }
 
-/// What of the core lies furthest along the unit vector d: of a polyhedron the face there that looks most along d.
-RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, const Vec3& load, Real tolerance, Feature& f) {
+/// What of the core lies furthest along the unit vector d: of a polyhedron the face there that looks most
+/// along d.
+RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, const Vec3& load, Real tolerance,
+                                   Feature& f) {
   switch (c.kind) {
-    case ShapeKind::Sphere: addCorner(f, {0, 0, 0}, 0); return;
+    case ShapeKind::Sphere:
+      addCorner(f, {0, 0, 0}, 0);
+      return;
     case ShapeKind::Capsule:
       addCorner(f, {0, 0, c.half.z}, 1);
       addCorner(f, {0, 0, -c.half.z}, 2);
@@ -243,7 +271,9 @@ RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, const Vec3& l
       convex::addHullFace(f, c, best, load);
       return;
     }
-    case ShapeKind::Triangle: faceFeature(c, dot(xyz(facePlane(c, 0)), d) > Real(0) ? 0 : 1, d, load, f); return;
+    case ShapeKind::Triangle:
+      faceFeature(c, dot(xyz(facePlane(c, 0)), d) > Real(0) ? 0 : 1, d, load, f);
+      return;
     default: {
       int axis = 0;
       for (int i = 1; i < 3; ++i)

@@ -1,6 +1,7 @@
 #pragma once
-/// Any two convex shapes: the faces of both and the direction of gjk.h are tried as separating planes; near ties belong to faces. Contact of
-/// a face is the incident feature cut to it, at most four points; else there are the two ends of edges side by side, or one point.
+/// Any two convex shapes: the faces of both and the direction of gjk.h are tried as separating planes; near
+/// ties belong to faces. Contact of a face is the incident feature cut to it, at most four points; else there
+/// are the two ends of edges side by side, or one point.
 #include "collision/box_box.h"
 #include "collision/gjk.h"
 
@@ -15,15 +16,15 @@ inline constexpr Real kSameHeight = Real(1e-3);
 
 namespace convex {
 
-/// A point of the incident feature; `w` is its height over the reference face. Edges: 0-31 of the incident feature, 32-63 of the reference.
+/// A point of the incident feature; `w` is its height over the reference face. Edges: 0-31 of the incident
+/// feature, 32-63 of the reference.
 struct CutVertex {
   Vec3 x;
   Real w;
   int from, to;
 };
 
-template <int kSize>
-struct CutOf {
+template <int kSize> struct CutOf {
   CutVertex v[kSize];
   int count = 0;
 };
@@ -45,8 +46,10 @@ RUBBLE_HD inline void cutByPlane(Cut& in, Cut& out, const Vec3& n, Real offset, 
     if (keepP == keepQ || out.count >= kMaxCut) continue;
     CutVertex& x = out.v[out.count++];
     x = between(p, q, dp / (dp - dq));
-    if (keepP) x.to = plane;
-    else x.from = plane;
+    if (keepP)
+      x.to = plane;
+    else
+      x.from = plane;
   }
 }
 
@@ -55,7 +58,8 @@ RUBBLE_HD inline void cutToFace(const Feature& face, const Feature& incident, Re
   Cut other;
   Cut *in = &result, *out = &other;
   for (int k = 0; k < incident.count; ++k)
-    in->v[k] = {incident.corner[k], dot(face.normal, incident.corner[k] - face.corner[0]), (k + incident.count - 1) % incident.count, k};
+    in->v[k] = {incident.corner[k], dot(face.normal, incident.corner[k] - face.corner[0]),
+                (k + incident.count - 1) % incident.count, k};
   in->count = incident.count;
   for (int k = 0; k < face.count && in->count > 0; ++k) {
     const Vec3 a = face.corner[k], b = face.corner[k + 1 == face.count ? 0 : k + 1];
@@ -90,8 +94,7 @@ RUBBLE_HD inline void cutToFace(const Feature& face, const Feature& incident, Re
 inline constexpr Real kSameReach = Real(1e-4);
 
 /// The vertex with the highest score; of scores within `same` the first one.
-template <int kSize, class Score>
-RUBBLE_HD int bestVertex(const CutOf<kSize>& c, Real same, Score&& score) {
+template <int kSize, class Score> RUBBLE_HD int bestVertex(const CutOf<kSize>& c, Real same, Score&& score) {
   int best = 0;
   Real most = score(c.v[0].x);
   for (int i = 1; i < c.count; ++i) {
@@ -101,8 +104,8 @@ RUBBLE_HD int bestVertex(const CutOf<kSize>& c, Real same, Score&& score) {
   return best;
 }
 
-/// Where a contact is loaded, as its weight tells: from under the centre that weighs on it along the contact plane. `along`: unit, zero: nowhere more
-/// than elsewhere.
+/// Where a contact is loaded, as its weight tells: from under the centre that weighs on it along the contact
+/// plane. `along`: unit, zero: nowhere more than elsewhere.
 struct LoadedSide {
   Vec3 from, along;
 };
@@ -123,12 +126,14 @@ RUBBLE_HD LoadedSide loadedSide(const CutOf<kSize>& c, const Vec3& n, const Weig
 
 /// The extreme ones along the diagonals of a frame fixed to the face, each another one.
 template <int kSize>
-RUBBLE_HD void chooseByDiagonals(const CutOf<kSize>& c, const Vec3& normal, Real same, int (&chosen)[kLanes]) {
+RUBBLE_HD void chooseByDiagonals(const CutOf<kSize>& c, const Vec3& normal, Real same,
+                                 int (&chosen)[kLanes]) {
   Vec3 t1, t2;
   tangentBasis(normal, t1, t2);
   unsigned used = 0;
   for (int k = 0; k < kLanes; ++k) {
-    // steeper than the diagonals of a square, to which corners of discs lie symmetric: their order would be that of round-off
+    // steeper than the diagonals of a square, to which corners of discs lie symmetric: their order would be
+    // that of round-off
     const Vec3 d = t1 * ((k & 1) ? Real(1) : Real(-1)) + t2 * ((k & 2) ? Real(.8) : Real(-.8));
     int best = -1;
     Real most = 0;
@@ -141,9 +146,11 @@ RUBBLE_HD void chooseByDiagonals(const CutOf<kSize>& c, const Vec3& normal, Real
   }
 }
 
-/// The one that lies furthest to the loaded side, the other end of the edge over which the bodies would tip there, and two that add most area.
+/// The one that lies furthest to the loaded side, the other end of the edge over which the bodies would tip
+/// there, and two that add most area.
 template <int kSize>
-RUBBLE_HD void chooseByLoad(const CutOf<kSize>& c, const Vec3& normal, const LoadedSide& side, Real same, Real length, int (&chosen)[kLanes]) {
+RUBBLE_HD void chooseByLoad(const CutOf<kSize>& c, const Vec3& normal, const LoadedSide& side, Real same,
+                            Real length, int (&chosen)[kLanes]) {
   const Vec3 &first = side.along, aside = cross(normal, first);
   chosen[0] = bestVertex(c, same, [&](const Vec3& x) { return dot(first, x); });
   const Vec3 a = c.v[chosen[0]].x;
@@ -161,21 +168,29 @@ RUBBLE_HD void chooseByLoad(const CutOf<kSize>& c, const Vec3& normal, const Loa
   chosen[2] = bestVertex(c, same, [&](const Vec3& x) { return std::fabs(dot(across, x - a)); });
   const Vec3 d = c.v[chosen[2]].x;
   const Real turn = dot(across, d - a) > Real(0) ? Real(-1) : Real(1);
-  const auto beyond = [&](const Vec3& p, const Vec3& q, const Vec3& x) { return turn * dot(cross(normal, q - p), x - p); };
-  chosen[3] = bestVertex(c, same * same, [&](const Vec3& x) { return max(beyond(a, b, x), max(beyond(b, d, x), beyond(d, a, x))); });
+  const auto beyond = [&](const Vec3& p, const Vec3& q, const Vec3& x) {
+    return turn * dot(cross(normal, q - p), x - p);
+  };
+  chosen[3] = bestVertex(c, same * same, [&](const Vec3& x) {
+    return max(beyond(a, b, x), max(beyond(b, d, x), beyond(d, a, x)));
+  });
 }
 
-/// Picks at most four vertices within `reach` of the face: those that bear the load where it leans to one side; and the deepest if it stands out.
+/// Picks at most four vertices within `reach` of the face: those that bear the load where it leans to one
+/// side; and the deepest if it stands out.
 template <int kSize>
-RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, const LoadedSide& side, Real reach, Real length) {
+RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, const LoadedSide& side, Real reach,
+                        Real length) {
   int kept = 0;
   for (int k = 0; k < c.count; ++k)
     if (c.v[k].w <= reach) c.v[kept++] = c.v[k];
   c.count = kept;
   if (c.count <= kLanes) return;
   int chosen[kLanes];
-  if (dot(side.along, side.along) > Real(0)) chooseByLoad(c, normal, side, kSameReach * length, length, chosen);
-  else chooseByDiagonals(c, normal, kSameReach * length, chosen);
+  if (dot(side.along, side.along) > Real(0))
+    chooseByLoad(c, normal, side, kSameReach * length, length, chosen);
+  else
+    chooseByDiagonals(c, normal, kSameReach * length, chosen);
 
   int deepest = 0;
   for (int i = 1; i < c.count; ++i) deepest = c.v[i].w < c.v[deepest].w ? i : deepest;
@@ -234,16 +249,19 @@ RUBBLE_HD inline BestFace bestFace(const ConvexPair& p, Real enough) {
 }
 
 /// Points of a face contact in the frame of A. `lowest`: height of the lowest point over the face.
-RUBBLE_HD inline void faceContact(const ConvexPair& p, const BestFace& best, Real margin, RawManifold& out, Real& lowest) {
+RUBBLE_HD inline void faceContact(const ConvexPair& p, const BestFace& best, Real margin, RawManifold& out,
+                                  Real& lowest) {
   const Convex &reference = best.onB ? p.b : p.a, &other = best.onB ? p.a : p.b;
   const Vec3 local = xyz(facePlane(reference, best.face));
   const Vec3 normal = best.onB ? p.turn * local : local;  // out of the reference face, frame of A
   const Vec3 towards = best.onB ? normal * Real(-1) : mulTransposed(p.turn, -normal);
   out.n = best.onB ? -normal : normal;
-  const Vec3 level = best.onB ? p.at + p.turn * (local * facePlane(reference, best.face).w) : normal * facePlane(reference, best.face).w;
+  const Vec3 level = best.onB ? p.at + p.turn * (local * facePlane(reference, best.face).w)
+                              : normal * facePlane(reference, best.face).w;
   Vec3 foot;
   const bool loaded = footOfWeight(p.weight, out.n, level, foot);
-  const Vec3 onA = loaded ? foot : Vec3{0, 0, 0}, onB = loaded ? mulTransposed(p.turn, foot - p.at) : Vec3{0, 0, 0};
+  const Vec3 onA = loaded ? foot : Vec3{0, 0, 0},
+             onB = loaded ? mulTransposed(p.turn, foot - p.at) : Vec3{0, 0, 0};
   // unloaded, a disc begins where the other shape lies
   const Vec3 lies = best.onB ? mulTransposed(p.turn, -p.at) : p.at;
   Feature face, incident;
@@ -264,12 +282,14 @@ RUBBLE_HD inline void faceContact(const ConvexPair& p, const BestFace& best, Rea
     // corners go by their names, which stay as faces change
     const bool corner = v.from < 32 && v.to < 32;
     const int name = corner ? incident.id[v.to] : 0x800 | v.from << 6 | v.to;
-    out.points[k] = {best.onB ? onOther : onFace, best.onB ? onFace : onOther, name | (best.onB ? 0x1000 : 0)};
+    out.points[k] = {best.onB ? onOther : onFace, best.onB ? onFace : onOther,
+                     name | (best.onB ? 0x1000 : 0)};
   }
 }
 
 /// Edges side by side have two points, anything else one.
-RUBBLE_HD inline void edgeContact(const ConvexPair& p, const SeparatingDirection& x, Real margin, RawManifold& out) {
+RUBBLE_HD inline void edgeContact(const ConvexPair& p, const SeparatingDirection& x, Real margin,
+                                  RawManifold& out) {
   const Real radii = p.a.radius + p.b.radius;
   out.n = x.n;
   out.normalOnB = false;
@@ -307,17 +327,19 @@ RUBBLE_HD inline void edgeContact(const ConvexPair& p, const SeparatingDirection
 }  // namespace convex
 
 /// `t` = p_B - p_A; the weight is relative to p_A. Points within `margin` of touching.
-RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, const Convex& b, const Quat& qb, const Vec3& t, Real margin, Real length,
-                                           const Weight& weight) {
+RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, const Convex& b, const Quat& qb,
+                                           const Vec3& t, Real margin, Real length, const Weight& weight) {
   using namespace convex;
-  const Weight own{rotateInverse(qa, weight.centreA), rotateInverse(qa, weight.centreB), rotateInverse(qa, weight.down)};
+  const Weight own{rotateInverse(qa, weight.centreA), rotateInverse(qa, weight.centreB),
+                   rotateInverse(qa, weight.down)};
   const Quat q = conjugate(qa) * qb;
   const ConvexPair p{a, b, q, rotationMatrix(q), rotateInverse(qa, t), length, own};
   const Real radii = a.radius + b.radius;
   RawManifold out;
   const auto told = [&] {
     out.n = rotate(qa, out.n);
-    for (int k = 0; k < out.count; ++k) out.points[k].onA = rotate(qa, out.points[k].onA), out.points[k].onB = rotate(qa, out.points[k].onB);
+    for (int k = 0; k < out.count; ++k)
+      out.points[k].onA = rotate(qa, out.points[k].onA), out.points[k].onB = rotate(qa, out.points[k].onB);
     return out;
   };
 
@@ -328,7 +350,8 @@ RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, cons
     if (out.separation > margin) return out;
     Real lowest;
     faceContact(p, face, margin, out, lowest);
-    // The face is as far as the bodies are apart, or they touch in it and no edge can be preferred: no need to look any further.
+    // The face is as far as the bodies are apart, or they touch in it and no edge can be preferred: no need
+    // to look any further.
     const bool exact = lowest <= face.s + kSameHeight * length;
     if (out.count > 0 && exact && kEdgePreference * face.s + kEdgeMargin * length > Real(0)) return told();
     start = out.n;
@@ -339,7 +362,8 @@ RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, cons
     out.separation = x.s - radii;
     return out;
   }
-  if (face.face < 0 || out.count == 0 || x.s > kEdgePreference * face.s + kEdgeMargin * length) edgeContact(p, x, margin, out);
+  if (face.face < 0 || out.count == 0 || x.s > kEdgePreference * face.s + kEdgeMargin * length)
+    edgeContact(p, x, margin, out);
   return told();
 }
 

@@ -4,9 +4,10 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Rounded box, cylinder, cone or hull (A) against the half space z < 0 of the plane (B); `t` = p_B - p_A; the weight is relative
-/// to p_A.
-RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa, const Quat& qb, const Vec3& t, Real margin, Real length,
+/// Rounded box, cylinder, cone or hull (A) against the half space z < 0 of the plane (B); `t` = p_B - p_A;
+/// the weight is relative to p_A.
+RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa, const Quat& qb,
+                                                const Vec3& t, Real margin, Real length,
                                                 const Weight& weight) {
   using namespace convex;
   RawManifold out;
@@ -17,7 +18,8 @@ RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa,
   out.separation = surface - dot(down, support(a, down)) - a.radius;
   if (out.separation > margin) return out;
 
-  const Weight own{rotateInverse(qa, weight.centreA), rotateInverse(qa, weight.centreB), rotateInverse(qa, weight.down)};
+  const Weight own{rotateInverse(qa, weight.centreA), rotateInverse(qa, weight.centreB),
+                   rotateInverse(qa, weight.down)};
   Cut cut;
   if (a.kind == ShapeKind::Hull) {
     // every corner counts, whatever its faces
@@ -33,7 +35,8 @@ RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa,
     Vec3 foot;
     if (!footOfWeight(own, down, down * surface, foot)) foot = {0, 0, 0};
     featureAlong(a, down, foot, kSameHeight * length, f);
-    for (int k = 0; k < f.count; ++k) cut.v[cut.count++] = {f.corner[k], surface - dot(down, f.corner[k]), f.id[k], f.id[k]};
+    for (int k = 0; k < f.count; ++k)
+      cut.v[cut.count++] = {f.corner[k], surface - dot(down, f.corner[k]), f.id[k], f.id[k]};
   }
   // a frame fixed to A: its corners are chosen alike from step to step
   pickFour(cut, down, loadedSide(cut, down, own), margin + a.radius, length);

@@ -1,5 +1,6 @@
 #pragma once
-/// A shape as engines take it, in double precision: what the cook makes of a Shape and backends copy into their shared tables.
+/// A shape as engines take it, in double precision: what the cook makes of a Shape and backends copy into
+/// their shared tables.
 #include <array>
 #include <vector>
 
@@ -8,7 +9,21 @@
 namespace rubble {
 
 /// The numbers of ShapeKind (collision/shapes.h), which is compiled once a precision.
-enum class CookedKind : int { Sphere, Capsule, Box, Plane, RoundBox, Cylinder, Cone, Hull, Triangle, Compound, Mesh, HeightField, Distance };
+enum class CookedKind : int {
+  Sphere,
+  Capsule,
+  Box,
+  Plane,
+  RoundBox,
+  Cylinder,
+  Cone,
+  Hull,
+  Triangle,
+  Compound,
+  Mesh,
+  HeightField,
+  Distance
+};
 
 /// Like ShapeData; `data` counts from the beginning of this shape's own tables.
 struct CookedData {
@@ -29,7 +44,8 @@ struct CookedPart {
 /// In the frame of the engine: origin at the centre of mass, axes along the principal axes.
 struct CookedShape {
   CookedData shape;
-  MassProperties unit;  ///< at density 1; `centre` and `axes` say where the engine's frame lies in the author's, also for what has no mass
+  MassProperties unit;  ///< at density 1; `centre` and `axes` say where the engine's frame lies in the
+                        ///< author's, also for what has no mass
   double radius = 0;    ///< of the sphere about the origin that holds it [m]
   std::vector<std::array<double, 4>> vectors;
   std::vector<int> indices;

@@ -1,5 +1,6 @@
 #pragma once
-/// Corners of a shape: the points that it can dent a surface with. A sphere and the ends of a capsule are corners with a radius.
+/// Corners of a shape: the points that it can dent a surface with. A sphere and the ends of a capsule are
+/// corners with a radius.
 #include "collision/lattice.h"
 #include "math/trig.h"
 
@@ -19,15 +20,23 @@ struct ShapeCorner {
 /// Of a shape that is no compound. Planes, meshes and height fields have none.
 RUBBLE_HD inline int convexCornerCount(const ShapeTables& tables, const ShapeData& s) {
   switch (s.kind) {
-    case ShapeKind::Sphere: return 1;
-    case ShapeKind::Capsule: return 2;
+    case ShapeKind::Sphere:
+      return 1;
+    case ShapeKind::Capsule:
+      return 2;
     case ShapeKind::Box:
-    case ShapeKind::RoundBox: return 8;
-    case ShapeKind::Cylinder: return 2 * kRimCorners;
-    case ShapeKind::Cone: return 1 + kRimCorners;
-    case ShapeKind::Hull: return tables.index[s.data + 2];
-    case ShapeKind::Distance: return tables.index[s.data + 5];
-    default: return 0;
+    case ShapeKind::RoundBox:
+      return 8;
+    case ShapeKind::Cylinder:
+      return 2 * kRimCorners;
+    case ShapeKind::Cone:
+      return 1 + kRimCorners;
+    case ShapeKind::Hull:
+      return tables.index[s.data + 2];
+    case ShapeKind::Distance:
+      return tables.index[s.data + 5];
+    default:
+      return 0;
   }
 }
 
@@ -39,14 +48,21 @@ RUBBLE_HD inline Vec3 rimCorner(Real radius, Real height, int k) {
 
 RUBBLE_HD inline Vec3 convexCorner(const ShapeTables& tables, const ShapeData& s, int k) {
   switch (s.kind) {
-    case ShapeKind::Capsule: return {0, 0, k == 0 ? s.half.z : -s.half.z};
+    case ShapeKind::Capsule:
+      return {0, 0, k == 0 ? s.half.z : -s.half.z};
     case ShapeKind::Box:
-    case ShapeKind::RoundBox: return {k & 1 ? s.half.x : -s.half.x, k & 2 ? s.half.y : -s.half.y, k & 4 ? s.half.z : -s.half.z};
-    case ShapeKind::Cylinder: return rimCorner(s.half.x, k < kRimCorners ? s.half.z : -s.half.z, k % kRimCorners);
-    case ShapeKind::Cone: return k == 0 ? Vec3{0, 0, s.half.z} : rimCorner(s.half.x, -s.half.z / 3, k - 1);
-    case ShapeKind::Hull: return xyz(tables.vector[tables.index[s.data] + k]);
-    case ShapeKind::Distance: return xyz(latticeOf(tables, s).points[k]);
-    default: return {0, 0, 0};
+    case ShapeKind::RoundBox:
+      return {k & 1 ? s.half.x : -s.half.x, k & 2 ? s.half.y : -s.half.y, k & 4 ? s.half.z : -s.half.z};
+    case ShapeKind::Cylinder:
+      return rimCorner(s.half.x, k < kRimCorners ? s.half.z : -s.half.z, k % kRimCorners);
+    case ShapeKind::Cone:
+      return k == 0 ? Vec3{0, 0, s.half.z} : rimCorner(s.half.x, -s.half.z / 3, k - 1);
+    case ShapeKind::Hull:
+      return xyz(tables.vector[tables.index[s.data] + k]);
+    case ShapeKind::Distance:
+      return xyz(latticeOf(tables, s).points[k]);
+    default:
+      return {0, 0, 0};
   }
 }
 
@@ -55,12 +71,23 @@ RUBBLE_HD inline Vec3 cornerOutward(const ShapeTables& tables, const ShapeData& 
   Vec3 out{0, 0, 0};
   switch (s.kind) {
     case ShapeKind::Box:
-    case ShapeKind::RoundBox: out = {k & 1 ? Real(1) : Real(-1), k & 2 ? Real(1) : Real(-1), k & 4 ? Real(1) : Real(-1)}; break;
-    case ShapeKind::Cylinder: out = {at.x / s.half.x, at.y / s.half.x, k < kRimCorners ? Real(1) : Real(-1)}; break;
-    case ShapeKind::Cone: out = k == 0 ? Vec3{0, 0, 1} : Vec3{at.x / s.half.x, at.y / s.half.x, -1}; break;
-    case ShapeKind::Hull: out = at; break;
-    case ShapeKind::Distance: latticeDistance(latticeOf(tables, s), at, out); break;
-    default: return out;
+    case ShapeKind::RoundBox:
+      out = {k & 1 ? Real(1) : Real(-1), k & 2 ? Real(1) : Real(-1), k & 4 ? Real(1) : Real(-1)};
+      break;
+    case ShapeKind::Cylinder:
+      out = {at.x / s.half.x, at.y / s.half.x, k < kRimCorners ? Real(1) : Real(-1)};
+      break;
+    case ShapeKind::Cone:
+      out = k == 0 ? Vec3{0, 0, 1} : Vec3{at.x / s.half.x, at.y / s.half.x, -1};
+      break;
+    case ShapeKind::Hull:
+      out = at;
+      break;
+    case ShapeKind::Distance:
+      latticeDistance(latticeOf(tables, s), at, out);
+      break;
+    default:
+      return out;
   }
   const Real size = length(out);
   return size > Real(0) ? out / size : Vec3{0, 0, 0};
@@ -74,12 +101,14 @@ struct CornerRange {
 RUBBLE_HD inline int cornerCount(const ShapeTables& tables, const ShapeData& s) {
   if (s.kind != ShapeKind::Compound) return convexCornerCount(tables, s);
   int all = 0;
-  for (int p = 0; p < tables.index[s.data + 3]; ++p) all += convexCornerCount(tables, tables.part[tables.index[s.data + 2] + p].shape);
+  for (int p = 0; p < tables.index[s.data + 3]; ++p)
+    all += convexCornerCount(tables, tables.part[tables.index[s.data + 2] + p].shape);
   return all;
 }
-/// Share `share` of `shares` of the corners of a shape: neighbours in its list, where those that are near to one another follow one another
-/// (cook/halving.h). The tip of a cone has a share of its own.
-RUBBLE_HD inline CornerRange cornerShare(const ShapeTables& tables, const ShapeData& s, int share, int shares) {
+/// Share `share` of `shares` of the corners of a shape: neighbours in its list, where those that are near to
+/// one another follow one another (cook/halving.h). The tip of a cone has a share of its own.
+RUBBLE_HD inline CornerRange cornerShare(const ShapeTables& tables, const ShapeData& s, int share,
+                                         int shares) {
   const int all = cornerCount(tables, s);
   if (s.kind != ShapeKind::Cone) return {all * share / shares, all * (share + 1) / shares};
   const auto cut = [&](int k) { return k == 0 ? 0 : 1 + (all - 1) * (k - 1) / (shares - 1); };
@@ -88,7 +117,8 @@ RUBBLE_HD inline CornerRange cornerShare(const ShapeTables& tables, const ShapeD
 
 /// visit(corner) for some corners of a shape.
 template <class Visit>
-RUBBLE_HD void visitCorners(const ShapeTables& tables, const ShapeData& s, const CornerRange& range, Visit&& visit) {
+RUBBLE_HD void visitCorners(const ShapeTables& tables, const ShapeData& s, const CornerRange& range,
+                            Visit&& visit) {
   const bool compound = s.kind == ShapeKind::Compound;
   const int parts = compound ? tables.index[s.data + 3] : 1;
   const auto partAt = [&](int p) { return tables.part + tables.index[s.data + 2] + p; };
@@ -98,8 +128,11 @@ RUBBLE_HD void visitCorners(const ShapeTables& tables, const ShapeData& s, const
     const int count = convexCornerCount(tables, own);
     for (int k = max(range.begin - before, 0); k < min(range.end - before, count); ++k) {
       const Vec3 at = convexCorner(tables, own, k), outward = cornerOutward(tables, own, k, at);
-      if (compound) visit(ShapeCorner{partAt(p)->position + rotate(partAt(p)->rotation, at), rotate(partAt(p)->rotation, outward), own.radius, p});
-      else visit(ShapeCorner{at, outward, own.radius, p});
+      if (compound)
+        visit(ShapeCorner{partAt(p)->position + rotate(partAt(p)->rotation, at),
+                          rotate(partAt(p)->rotation, outward), own.radius, p});
+      else
+        visit(ShapeCorner{at, outward, own.radius, p});
     }
     before += count;
   }

@@ -1,6 +1,7 @@
 #pragma once
-/// Distances between convex shapes by GJK (Gilbert, Johnson, Keerthi 1988; Ericson 2005, chapter 9), the time at which moving ones meet by
-/// conservative advancement (Mirtich 1996), and rays. In double precision: a bullet is small beside the way it goes in a step.
+/// Distances between convex shapes by GJK (Gilbert, Johnson, Keerthi 1988; Ericson 2005, chapter 9), the time
+/// at which moving ones meet by conservative advancement (Mirtich 1996), and rays. In double precision: a
+/// bullet is small beside the way it goes in a step.
 #include "collision/convex.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -10,7 +11,7 @@ using Quatd = QuatT<double>;
 /// A convex shape, or a half space, at a pose.
 struct Placed {
   Convex shape;
-  Vec3d p;      ///< its centre [m]
+  Vec3d p;  ///< its centre [m]
   Quatd q;
   Vec3d arm{};  ///< its centre less that of the body that it turns with [m]
 
@@ -35,27 +36,32 @@ struct Vertex {
   Vec3d a, b, w;  ///< on A, on B, a - b
 };
 
-/// Up to four vertices whose hull has the point nearest to the origin inside, and its barycentric coordinates.
+/// Up to four vertices whose hull has the point nearest to the origin inside, and its barycentric
+/// coordinates.
 struct Simplex {
   Vertex v[4];
   double weight[3];
   int count;
 };
 
-/// Vertices of a simplex by number, whose hull has that point inside; none: the origin is inside of the whole.
+/// Vertices of a simplex by number, whose hull has that point inside; none: the origin is inside of the
+/// whole.
 struct Part {
   int count, vertex[3];
   double weight[3];
 };
 
-RUBBLE_HD RUBBLE_APART inline Vec3d generalSupport(const Convex& c, const Vec3d& d) { return RUBBLE_CORE::support(c, d); }
+RUBBLE_HD RUBBLE_APART inline Vec3d generalSupport(const Convex& c, const Vec3d& d) {
+  return RUBBLE_CORE::support(c, d);
+}
 
 RUBBLE_HD inline Vec3d support(const Placed& s, const Vec3d& direction) {
   const Vec3d d = rotateInverse(s.q, direction);
   if (s.shape.kind > ShapeKind::RoundBox) return s.p + rotate(s.q, generalSupport(s.shape, d));
   // the core of a sphere is a box of no size, that of a capsule a line
   const Vec3d half(s.shape.half);
-  return s.p + rotate(s.q, Vec3d{d.x < 0 ? -half.x : half.x, d.y < 0 ? -half.y : half.y, d.z < 0 ? -half.z : half.z});
+  return s.p + rotate(s.q, Vec3d{d.x < 0 ? -half.x : half.x, d.y < 0 ? -half.y : half.y,
+                                 d.z < 0 ? -half.z : half.z});
 }
 
 RUBBLE_HD inline Vec3d nearest(const Simplex& s, const Part& part) {
@@ -119,7 +125,8 @@ RUBBLE_HD inline void keep(Simplex& s, const Part& part) {
   s.count = part.count;
 }
 
-/// Cores overlap whose squared distance is less than this share of their squared sizes: the digits of both are used up.
+/// Cores overlap whose squared distance is less than this share of their squared sizes: the digits of both
+/// are used up.
 inline constexpr double kTouching = 1e-22;
 /// Two lines are parallel whose angle has a squared sine less than this.
 inline constexpr double kParallel = 1e-12;
@@ -131,8 +138,8 @@ RUBBLE_HD inline double touchingDistance2(const Placed& a, const Placed& b) {
 
 /// Points of the two cores that are nearest to one another.
 RUBBLE_HD inline Separation cores(const Placed& a, const Placed& b) {
-  constexpr int kMostSteps = 64;           // it ends after a few; more would be round-off going in circles
-  constexpr double kRelative = 1e-12;      // of the squared distance
+  constexpr int kMostSteps = 64;       // it ends after a few; more would be round-off going in circles
+  constexpr double kRelative = 1e-12;  // of the squared distance
   Simplex s{};
   Vec3d d = b.p - a.p;
   if (!(dot(d, d) > 0)) d = {1, 0, 0};
@@ -173,12 +180,16 @@ RUBBLE_HD inline Separation cores(const Placed& a, const Placed& b) {
 }
 
 /// The core of a sphere is a point, that of a capsule a line.
-RUBBLE_HD inline bool isLine(const Placed& s) { return s.shape.kind == ShapeKind::Sphere || s.shape.kind == ShapeKind::Capsule; }
+RUBBLE_HD inline bool isLine(const Placed& s) {
+  return s.shape.kind == ShapeKind::Sphere || s.shape.kind == ShapeKind::Capsule;
+}
 
-/// The same for two lines p + s u and q + t v with s and t in [-1, 1], in closed form (Ericson 2005, section 5.1.9).
+/// The same for two lines p + s u and q + t v with s and t in [-1, 1], in closed form (Ericson 2005,
+/// section 5.1.9).
 RUBBLE_HD inline Separation lines(const Placed& a, const Placed& b) {
   const Vec3d u = rotate(a.q, Vec3d(a.shape.half)), v = rotate(b.q, Vec3d(b.shape.half)), r = b.p - a.p;
-  const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r), det = uu * vv - uv * uv;
+  const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r),
+               det = uu * vv - uv * uv;
   const auto along = [](double way, double size) { return size > 0 ? clamp(way / size, -1.0, 1.0) : 0.0; };
   // where they are parallel any s will do
   double s = det > kParallel * uu * vv ? clamp((ur * vv - uv * vr) / det, -1.0, 1.0) : 0.0;
@@ -227,7 +238,9 @@ struct Way {
   double until = 1;  ///< part of the way after which it stays
 };
 /// From this part of the way on.
-RUBBLE_HD inline Way wayFrom(const Way& way, double fraction) { return fraction < way.until ? way : Way{{}, {}, way.until}; }
+RUBBLE_HD inline Way wayFrom(const Way& way, double fraction) {
+  return fraction < way.until ? way : Way{{}, {}, way.until};
+}
 /// The next part at which one of two ways ends, or 1.
 RUBBLE_HD inline double nextEnd(const Way& a, const Way& b, double fraction) {
   const double endA = a.until > fraction ? a.until : 1, endB = b.until > fraction ? b.until : 1;
@@ -251,7 +264,8 @@ RUBBLE_HD inline Placed movedBy(const Placed& s, const Way& way, double fraction
   return m;
 }
 
-/// No point of the core goes further along the unit vector n by a turn of its body than this [m]: (w x r) . n = (n x w) . r, however far r has turned.
+/// No point of the core goes further along the unit vector n by a turn of its body than this [m]: (w x r) . n
+/// = (n x w) . r, however far r has turned.
 RUBBLE_HD inline double turnReach(const Placed& s, const Way& way, const Vec3d& n) {
   return length(cross(n, way.turn)) * (length(Vec3d(s.shape.half)) + length(s.arm));
 }
@@ -262,36 +276,46 @@ struct TimeOfImpact {
   Separation at;
 };
 inline constexpr double kNeverMet = 2;
-RUBBLE_HD inline TimeOfImpact meeting(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, double tolerance) {
-  constexpr int kMostSteps = 128;  // whoever needs more stays within the tolerance for long: then that is where they meet
+RUBBLE_HD inline TimeOfImpact meeting(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB,
+                                      double tolerance) {
+  constexpr int kMostSteps = 128;  // whoever needs more stays within the tolerance for long: then that is
+                                   // where they meet
   TimeOfImpact m{0, separation(a, b)};
   for (int step = 0; step < kMostSteps && m.at.distance > tolerance; ++step) {
     const Way nowA = wayFrom(wayA, m.fraction), nowB = wayFrom(wayB, m.fraction);
-    const double closing = dot(m.at.n, nowA.move - nowB.move) + turnReach(a, nowA, m.at.n) + turnReach(b, nowB, m.at.n);
+    const double closing = dot(m.at.n, nowA.move - nowB.move) + turnReach(a, nowA, m.at.n) +
+                           turnReach(b, nowB, m.at.n);
     const double end = nextEnd(wayA, wayB, m.fraction), safe = m.at.distance - tolerance / 2;
-    if (closing > 0 && m.fraction + safe / closing <= end) m.fraction += safe / closing;
-    else if (end < 1) m.fraction = end;
-    else return {kNeverMet, m.at};
+    if (closing > 0 && m.fraction + safe / closing <= end)
+      m.fraction += safe / closing;
+    else if (end < 1)
+      m.fraction = end;
+    else
+      return {kNeverMet, m.at};
     m.at = separation(movedBy(a, wayA, m.fraction), movedBy(b, wayB, m.fraction));
   }
   return m;
 }
 
-/// Distance of two shapes along a unit vector from A to B: no more than their distance, below 0 where they overlap that far in this direction. [m]
+/// Distance of two shapes along a unit vector from A to B: no more than their distance, below 0 where they
+/// overlap that far in this direction. [m]
 RUBBLE_HD inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& n) {
   if (a.isPlane()) return gjk::fromPlane(a, b).distance;
   if (b.isPlane()) return gjk::fromPlane(b, a).distance;
   return dot(n, gjk::support(b, -n) - gjk::support(a, n)) - a.radius() - b.radius();
 }
 
-/// Where and when A and B, which something holds apart along n, go deeper into one another than `allowed`, or than they are by `more`, so that the step
-/// goes on for them in any case. While their gap along n, which turns with one of them, tells that they do not, nothing else is asked; then their
-/// distance is, whose direction takes its place.
-RUBBLE_HD inline TimeOfImpact meetingBeyond(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB, const Vec3d& n, bool turnsWithB,
-                                       double allowed, double more) {
+/// Where and when A and B, which something holds apart along n, go deeper into one another than `allowed`, or
+/// than they are by `more`, so that the step goes on for them in any case. While their gap along n, which
+/// turns with one of them, tells that they do not, nothing else is asked; then their distance is, whose
+/// direction takes its place.
+RUBBLE_HD inline TimeOfImpact meetingBeyond(const Placed& a, const Way& wayA, const Placed& b,
+                                            const Way& wayB, const Vec3d& n, bool turnsWithB, double allowed,
+                                            double more) {
   constexpr int kMostSteps = 128;
-  constexpr double kMostTurn = .1;    // of n in a step of the search [rad]: bounds of speeds along it are those at its beginning
-  constexpr double kSameSide = 1;     // apart along an n that turned further [rad]: maybe on the other side
+  constexpr double kMostTurn = .1;  // of n in a step of the search [rad]: bounds of speeds along it are those
+                                    // at its beginning
+  constexpr double kSameSide = 1;   // apart along an n that turned further [rad]: maybe on the other side
   const double start = gapAlong(a, b, n);
   allowed = max(allowed, more - start);
   const double reached = allowed - more / 4;
@@ -318,8 +342,10 @@ RUBBLE_HD inline TimeOfImpact meetingBeyond(const Placed& a, const Way& wayA, co
     const Way goA = wayFrom(wayA, m.fraction), goB = wayFrom(wayB, m.fraction);
     const auto velocity = [](const Placed& x, const Way& way) { return way.move + cross(way.turn, x.arm); };
     const Placed& other = turnsWithB ? nowA : nowB;
-    const Vec3d ownTurn = (turnsWithB ? goB : goA).turn, otherTurn = (turnsWithB ? goA : goB).turn, toOther = turnsWithB ? -m.at.n : m.at.n;
-    const double closing = dot(m.at.n, velocity(nowA, goA) - velocity(nowB, goB)) + dot(toOther, cross(ownTurn, other.p - nowOwn.p)) +
+    const Vec3d ownTurn = (turnsWithB ? goB : goA).turn, otherTurn = (turnsWithB ? goA : goB).turn,
+                toOther = turnsWithB ? -m.at.n : m.at.n;
+    const double closing = dot(m.at.n, velocity(nowA, goA) - velocity(nowB, goB)) +
+                           dot(toOther, cross(ownTurn, other.p - nowOwn.p)) +
                            length(cross(m.at.n, otherTurn - ownTurn)) * length(Vec3d(other.shape.half));
     double next = min(m.fraction + turnStep, nextEnd(wayA, wayB, m.fraction));
     if (closing > 0) next = min(next, m.fraction + (m.at.distance + allowed) / closing);

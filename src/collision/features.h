@@ -1,8 +1,11 @@
 #pragma once
-/// Nearest points of the parts of surfaces (a vertex and a triangle, two edges), and when two moving ones come near.
+/// Nearest points of the parts of surfaces (a vertex and a triangle, two edges), and when two moving ones
+/// come near.
 ///
-///   corners x_0 to x_3: side A first (one vertex, or two ends of an edge), then side B (a triangle, or an edge)
-///   nearest points: sum c_i x_i = p_A - p_B, with c_i >= 0 that add up to 1 on side A and c_i <= 0 that add up to -1 on side B
+///   corners x_0 to x_3: side A first (one vertex, or two ends of an edge), then side B (a triangle, or an
+///   edge)
+///   nearest points: sum c_i x_i = p_A - p_B, with c_i >= 0 that add up to 1 on side A and c_i <= 0 that add
+///   up to -1 on side B
 ///
 /// Coordinates are seen from near by: a float then tells apart 1e-7 of the size of the parts.
 #include "math/hd.h"
@@ -12,15 +15,18 @@ namespace rubble::RUBBLE_CORE {
 /// Weights of the point of segment ab that is nearest to p.
 RUBBLE_HD inline void nearestOnSegment(const Vec3& p, const Vec3& a, const Vec3& b, Real (&w)[2]) {
   const Vec3 e = b - a;
-  const Real size2 = dot(e, e), t = size2 > Real(0) ? clamp(dot(p - a, e) / size2, Real(0), Real(1)) : Real(0);
+  const Real size2 = dot(e, e),
+             t = size2 > Real(0) ? clamp(dot(p - a, e) / size2, Real(0), Real(1)) : Real(0);
   w[0] = Real(1) - t, w[1] = t;
 }
 
 /// Weights of the point of triangle abc that is nearest to p: by the region of the plane that p lies over.
-RUBBLE_HD inline void nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, Real (&w)[3]) {
+RUBBLE_HD inline void nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c,
+                                        Real (&w)[3]) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
   w[0] = w[1] = w[2] = Real(0);
-  const Real d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp), d6 = dot(ac, cp);
+  const Real d1 = dot(ab, ap), d2 = dot(ac, ap), d3 = dot(ab, bp), d4 = dot(ac, bp), d5 = dot(ab, cp),
+             d6 = dot(ac, cp);
   if (d1 <= Real(0) && d2 <= Real(0)) return void(w[0] = 1);
   if (d3 >= Real(0) && d4 <= d3) return void(w[1] = 1);
   if (d6 >= Real(0) && d5 <= d6) return void(w[2] = 1);
@@ -59,7 +65,8 @@ RUBBLE_HD inline void nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3
 RUBBLE_HD inline void nearestOfSegments(const Vec3 (&x)[4], Real (&c)[4]) {
   const Vec3 u = x[1] - x[0], v = x[3] - x[2], r = x[0] - x[2];
   const Real a = dot(u, u), e = dot(v, v), b = dot(u, v), f = dot(v, r), g = dot(u, r), det = a * e - b * b;
-  // below this sine squared of the angle between them, round-off decides where the nearest points of the lines are
+  // below this sine squared of the angle between them, round-off decides where the nearest points of the
+  // lines are
   constexpr Real kParallel = sizeof(Real) == 8 ? Real(1e-12) : Real(1e-5);
   if (det > kParallel * a * e) {
     const Real s0 = clamp((b * f - g * e) / det, Real(0), Real(1)), t0 = (b * s0 + f) / e;
@@ -97,8 +104,8 @@ RUBBLE_HD inline Vec3 nearestOfFeatures(const Vec3 (&x)[4], int sideA, Real (&c)
 /// Where two moving features come near.
 struct FeatureMeeting {
   bool meets;
-  Real time;   ///< a time before which they are further apart than `keep`, from 0 to 1
-  Vec3 n;      ///< from B to A, unit
+  Real time;  ///< a time before which they are further apart than `keep`, from 0 to 1
+  Vec3 n;     ///< from B to A, unit
   Real c[4];
 };
 
@@ -107,10 +114,12 @@ inline constexpr int kMostAdvances = 128;
 /// A distance that has fallen to `keep` plus this share of what it was above it is a meeting [1].
 inline constexpr Real kMetShare = Real(.1);
 
-/// Do features whose corners go from x to x + move on straight lines come as near as `keep` (less than their distance at the start)? By
-/// conservative advancement: they may go on for as long as their distance above `keep` lasts at the greatest speed of their corners
-/// relative to one another (Li, Kaufman, Jiang: Codimensional incremental potential contact, 2021, section 5). Never misses a meeting.
-RUBBLE_HD inline FeatureMeeting firstMeeting(const Vec3 (&x)[4], const Vec3 (&move)[4], int sideA, Real keep) {
+/// Do features whose corners go from x to x + move on straight lines come as near as `keep` (less than their
+/// distance at the start)? By conservative advancement: they may go on for as long as their distance above
+/// `keep` lasts at the greatest speed of their corners relative to one another (Li, Kaufman, Jiang:
+/// Codimensional incremental potential contact, 2021, section 5). Never misses a meeting.
+RUBBLE_HD inline FeatureMeeting firstMeeting(const Vec3 (&x)[4], const Vec3 (&move)[4], int sideA,
+                                             Real keep) {
   FeatureMeeting m;
   m.meets = false, m.time = Real(1);
   const Vec3 mean = Real(.25) * (move[0] + move[1] + move[2] + move[3]);
@@ -130,8 +139,10 @@ RUBBLE_HD inline FeatureMeeting firstMeeting(const Vec3 (&x)[4], const Vec3 (&mo
   Real lowest = 0, highest = 0;
   for (int k = 0; k < 4; ++k) {
     const Real h = dot(m.n, (x[k] - x[0]) + own[k]);
-    if (k < sideA) lowest = k == 0 ? h : min(lowest, h);
-    else highest = k == sideA ? h : max(highest, h);
+    if (k < sideA)
+      lowest = k == 0 ? h : min(lowest, h);
+    else
+      highest = k == sideA ? h : max(highest, h);
   }
   if (lowest - highest >= keep) return m;
   const Real near = kMetShare * (distance - keep);

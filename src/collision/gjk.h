@@ -1,10 +1,12 @@
 #pragma once
 /// The direction that separates two convex cores most, and where they are nearest along it.
 ///
-/// Distance: Gilbert, Johnson and Keerthi 1988, with the sub-simplices of Ericson 2005 (section 9.5). Overlap: with s(n) the separation along n
-/// (negative: they overlap by -s), B is pushed out along the best n known so far until a gap of tau is left. If the nearest points of the
-/// pair so placed, d apart along n', have d > tau, then s(n') >= d - tau + s(n) > s(n): n' is better and is tried next. A direction that
-/// stays is a local maximum of s, the least way out. So every distance is taken of bodies well apart, where it is well conditioned.
+/// Distance: Gilbert, Johnson and Keerthi 1988, with the sub-simplices of Ericson 2005 (section 9.5).
+/// Overlap: with s(n) the separation along n (negative: they overlap by -s), B is pushed out along the best n
+/// known so far until a gap of tau is left. If the nearest points of the pair so placed, d apart along n',
+/// have d > tau, then s(n') >= d - tau + s(n) > s(n): n' is better and is tried next. A direction that stays
+/// is a local maximum of s, the least way out. So every distance is taken of bodies well apart, where it is
+/// well conditioned.
 #include "collision/distance.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -28,20 +30,24 @@ struct ConvexPair {
   Quat q;
   Mat3 turn;
   Vec3 at;
-  Real length;    ///< L [m]
+  Real length;      ///< L [m]
   Weight weight{};  ///< in the frame of A, relative to its centre
 };
 
-RUBBLE_HD inline Vec3 supportOfB(const ConvexPair& p, const Vec3& d) { return p.at + p.turn * support(p.b, mulTransposed(p.turn, d)); }
+RUBBLE_HD inline Vec3 supportOfB(const ConvexPair& p, const Vec3& d) {
+  return p.at + p.turn * support(p.b, mulTransposed(p.turn, d));
+}
 
 /// Separation of the cores along the unit vector n from A to B.
-RUBBLE_HD inline Real separationAlong(const ConvexPair& p, const Vec3& n) { return dot(n, supportOfB(p, -n) - support(p.a, n)); }
+RUBBLE_HD inline Real separationAlong(const ConvexPair& p, const Vec3& n) {
+  return dot(n, supportOfB(p, -n) - support(p.a, n));
+}
 
 struct Nearest {
   Vec3 n;         ///< unit, from A to B
   Real distance;  ///< 0: they overlap
   Vec3 onA, onB;
-  Real proven;    ///< separation of the cores along n, by their supports: the distance, but for round-off
+  Real proven;  ///< separation of the cores along n, by their supports: the distance, but for round-off
 };
 
 namespace simplices {
@@ -124,14 +130,17 @@ RUBBLE_HD inline bool reduce(Simplex& s) {
     if (face < 0 || d2 < best) best = d2, face = f, bestWeights = weights;
   }
   if (face < 0) return false;
-  keep(s, face == 0 ? 1 : 0, face <= 1 ? 2 : 1, face <= 2 ? 3 : 2, bestWeights.x, bestWeights.y, bestWeights.z);
+  keep(s, face == 0 ? 1 : 0, face <= 1 ? 2 : 1, face <= 2 ? 3 : 2, bestWeights.x, bestWeights.y,
+       bestWeights.z);
   return true;
 }
 
 }  // namespace simplices
 
-/// Nearest points of the cores, each `size` times as large, with B moved by `shift`, from a first guess of the direction.
-RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, const Vec3& guess, Real size = 1) {
+/// Nearest points of the cores, each `size` times as large, with B moved by `shift`, from a first guess of
+/// the direction.
+RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, const Vec3& guess,
+                                       Real size = 1) {
   simplices::Simplex s;
   Vec3 v = guess;
   Real v2 = Real(1e30);
@@ -193,8 +202,9 @@ RUBBLE_HD inline Nearest provenNearest(const ConvexPair& p, const Vec3& guess) {
   return near.proven >= kProven * near.distance ? near : preciseNearest(p.a, p.b, p.q, p.at);
 }
 
-/// The direction that separates most: of bodies apart that between their nearest points; of others a local maximum, climbed to from the
-/// better one of the unit vector n and the direction between the bodies made smaller about their centres, which loses little of their form.
+/// The direction that separates most: of bodies apart that between their nearest points; of others a local
+/// maximum, climbed to from the better one of the unit vector n and the direction between the bodies made
+/// smaller about their centres, which loses little of their form.
 RUBBLE_HD inline SeparatingDirection mostSeparating(const ConvexPair& p, Vec3 n) {
   const Real gap = kPushedGap * p.length;
   const Nearest whole = provenNearest(p, n);

@@ -1,6 +1,8 @@
 #pragma once
-/// Solids given by signed distances on a lattice: points of their surface against the other shape, and corners of the other in the lattice.
-///   vectors: (first sample, spacing) and the rotation lattice -> body (x, y, z, w), then samples, four a vector, x fastest, then surface points
+/// Solids given by signed distances on a lattice: points of their surface against the other shape, and
+/// corners of the other in the lattice.
+///   vectors: (first sample, spacing) and the rotation lattice -> body (x, y, z, w), then samples, four a
+///   vector, x fastest, then surface points
 #include "collision/surface_contacts.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -21,7 +23,8 @@ struct DistanceLattice {
 RUBBLE_HD inline DistanceLattice latticeOf(const ShapeTables& tables, const ShapeData& s) {
   const int* const h = tables.index + s.data;
   const Vec4* const v = tables.vector + h[0];
-  DistanceLattice l{xyz(v[0]), v[0].w, Quat{v[1].w, {v[1].x, v[1].y, v[1].z}}, v + 2, nullptr, h[2], h[3], h[4], h[5]};
+  DistanceLattice l{xyz(v[0]), v[0].w, Quat{v[1].w, {v[1].x, v[1].y, v[1].z}}, v + 2, nullptr, h[2], h[3],
+                    h[4],      h[5]};
   l.points = l.samples + (l.nx * l.ny * l.nz + 3) / 4;
   return l;
 }
@@ -43,10 +46,13 @@ RUBBLE_HD inline Real latticeDistance(const DistanceLattice& l, const Vec3& x, V
     t[k] = inside[k] - Real(cell[k]);
   }
   const int base = (cell[2] * l.ny + cell[1]) * l.nx + cell[0], dy = l.nx, dz = l.nx * l.ny;
-  const Real c000 = sampleAt(l, base), c100 = sampleAt(l, base + 1), c010 = sampleAt(l, base + dy), c110 = sampleAt(l, base + dy + 1);
-  const Real c001 = sampleAt(l, base + dz), c101 = sampleAt(l, base + dz + 1), c011 = sampleAt(l, base + dz + dy), c111 = sampleAt(l, base + dz + dy + 1);
+  const Real c000 = sampleAt(l, base), c100 = sampleAt(l, base + 1), c010 = sampleAt(l, base + dy),
+             c110 = sampleAt(l, base + dy + 1);
+  const Real c001 = sampleAt(l, base + dz), c101 = sampleAt(l, base + dz + 1),
+             c011 = sampleAt(l, base + dz + dy), c111 = sampleAt(l, base + dz + dy + 1);
   const auto mix = [](Real a, Real b, Real s) { return a + (b - a) * s; };
-  const Real x00 = mix(c000, c100, t.x), x10 = mix(c010, c110, t.x), x01 = mix(c001, c101, t.x), x11 = mix(c011, c111, t.x);
+  const Real x00 = mix(c000, c100, t.x), x10 = mix(c010, c110, t.x), x01 = mix(c001, c101, t.x),
+             x11 = mix(c011, c111, t.x);
   const Real y0 = mix(x00, x10, t.y), y1 = mix(x01, x11, t.y);
   Vec3 g;
   g.x = mix(mix(c100 - c000, c110 - c010, t.y), mix(c101 - c001, c111 - c011, t.y), t.z);
@@ -61,7 +67,8 @@ RUBBLE_HD inline Real latticeDistance(const DistanceLattice& l, const Vec3& x, V
 /// Signed distance of a point to a convex shape, its frame; of hulls outside an edge a little less.
 RUBBLE_HD inline Real distanceTo(const Convex& c, const Vec3& x) {
   switch (c.kind) {
-    case ShapeKind::Capsule: return length(x - Vec3{0, 0, clamp(x.z, -c.half.z, c.half.z)}) - c.radius;
+    case ShapeKind::Capsule:
+      return length(x - Vec3{0, 0, clamp(x.z, -c.half.z, c.half.z)}) - c.radius;
     case ShapeKind::Box:
     case ShapeKind::RoundBox: {
       const Vec3 d = abs(x) - c.half;
@@ -76,7 +83,8 @@ RUBBLE_HD inline Real distanceTo(const Convex& c, const Vec3& x) {
     case ShapeKind::Cone: {
       // the side is a line in the half plane (r, z)
       const Real r = std::sqrt(x.x * x.x + x.y * x.y), base = convex::coneBase(c), h = c.half.z - base;
-      const Real side = (h * (r - c.half.x) + c.half.x * (x.z - base)) / std::sqrt(h * h + c.half.x * c.half.x);
+      const Real side = (h * (r - c.half.x) + c.half.x * (x.z - base)) /
+                        std::sqrt(h * h + c.half.x * c.half.x);
       return max(side, base - x.z) - c.radius;
     }
     case ShapeKind::Hull: {
@@ -84,7 +92,8 @@ RUBBLE_HD inline Real distanceTo(const Convex& c, const Vec3& x) {
       for (int f = 0; f < c.faceCount; ++f) most = max(most, dot(xyz(c.planes[f]), x) - c.planes[f].w);
       return most - c.radius;
     }
-    default: return length(x) - c.radius;
+    default:
+      return length(x) - c.radius;
   }
 }
 
@@ -102,15 +111,17 @@ RUBBLE_HD inline Vec3 normalTo(const Convex& c, const Vec3& x, Real h) {
 namespace distance {
 
 /// Corners by which a convex core touches the inside of a hollow.
-template <class Visit>
-RUBBLE_HD void visitCorners(const Convex& c, Visit&& visit) {
+template <class Visit> RUBBLE_HD void visitCorners(const Convex& c, Visit&& visit) {
   switch (c.kind) {
     case ShapeKind::Capsule:
       for (int k = -2; k <= 2; ++k) visit(Vec3{0, 0, c.half.z * Real(k) / 2}, 2 + k);
       return;
     case ShapeKind::Box:
     case ShapeKind::RoundBox:
-      for (int k = 0; k < 8; ++k) visit(Vec3{(k & 1) ? c.half.x : -c.half.x, (k & 2) ? c.half.y : -c.half.y, (k & 4) ? c.half.z : -c.half.z}, k);
+      for (int k = 0; k < 8; ++k)
+        visit(Vec3{(k & 1) ? c.half.x : -c.half.x, (k & 2) ? c.half.y : -c.half.y,
+                   (k & 4) ? c.half.z : -c.half.z},
+              k);
       return;
     case ShapeKind::Cylinder:
     case ShapeKind::Cone: {
@@ -121,23 +132,26 @@ RUBBLE_HD void visitCorners(const Convex& c, Visit&& visit) {
         visit(Vec3{0, 0, c.half.z}, 32);
         return;
       }
-      for (int k = 0; k < f.count; ++k) visit(Vec3{f.corner[k].x, f.corner[k].y, -f.corner[k].z}, 16 + f.id[k]);
+      for (int k = 0; k < f.count; ++k)
+        visit(Vec3{f.corner[k].x, f.corner[k].y, -f.corner[k].z}, 16 + f.id[k]);
       return;
     }
     case ShapeKind::Hull:
       for (int k = 0; k < c.vertexCount; ++k) visit(xyz(c.vertices[k]), k);
       return;
-    default: visit(Vec3{0, 0, 0}, 0);
+    default:
+      visit(Vec3{0, 0, 0}, 0);
   }
 }
 
 }  // namespace distance
 
-/// found(n, onSurface, gap, feature) for every place where a lattice solid comes within `margin` of another shape, which lies at `at`, turned by q,
-/// in the frame of the solid; n from the solid to the other, points relative to the solid's centre. The margin may be lowered on the way.
+/// found(n, onSurface, gap, feature) for every place where a lattice solid comes within `margin` of another
+/// shape, which lies at `at`, turned by q, in the frame of the solid; n from the solid to the other, points
+/// relative to the solid's centre. The margin may be lowered on the way.
 template <class Found>
-RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const ShapeData& other, const Vec3& at, const Quat& q, Real length,
-                         const Real& margin, Found&& found) {
+RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const ShapeData& other,
+                         const Vec3& at, const Quat& q, Real length, const Real& margin, Found&& found) {
   const DistanceLattice lattice = latticeOf(tables, s);
   constexpr int kOfPoint = 0x4000;
   if (other.kind == ShapeKind::Plane) {
@@ -169,12 +183,14 @@ RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const Sh
     const Vec3 reach{depth, depth, depth};
     const bool twoSided = isTwoSided(tables, other);
     for (int k = 0; k < lattice.pointCount; ++k) {
-      const Vec3 x = xyz(lattice.points[k]), inOther = rotateInverse(q, x - at), centre = rotateInverse(q, -at);
+      const Vec3 x = xyz(lattice.points[k]), inOther = rotateInverse(q, x - at),
+                 centre = rotateInverse(q, -at);
       visitTriangles(tables, other, inOther - reach, inOther + reach, [&](const SurfaceTriangle& t) {
         Vec3 n = normalize(cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]));
         // over the inside of the triangle
         for (int e = 0; e < 3; ++e)
-          if (dot(cross(n, t.corner[(e + 1) % 3] - t.corner[e]), inOther - t.corner[e]) < Real(0)) return false;
+          if (dot(cross(n, t.corner[(e + 1) % 3] - t.corner[e]), inOther - t.corner[e]) < Real(0))
+            return false;
         if (dot(n, centre - t.corner[0]) < Real(0)) {
           if (!twoSided) return false;
           n = -n;
@@ -202,10 +218,12 @@ RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const Sh
 }
 
 /// Contacts of a lattice solid and another shape.
-RUBBLE_HD inline void collideDistance(const ShapeTables& tables, const ShapeData& s, const ShapeData& other, const Vec3& at, const Quat& q,
-                                      Real margin, SurfaceContacts& out) {
+RUBBLE_HD inline void collideDistance(const ShapeTables& tables, const ShapeData& s, const ShapeData& other,
+                                      const Vec3& at, const Quat& q, Real margin, SurfaceContacts& out) {
   visitGaps(tables, s, other, at, q, out.length, margin,
-            [&](const Vec3& n, const Vec3& onSurface, Real gap, int feature) { addSurfacePoint(out, n, onSurface, gap, feature); });
+            [&](const Vec3& n, const Vec3& onSurface, Real gap, int feature) {
+              addSurfacePoint(out, n, onSurface, gap, feature);
+            });
 }
 
 }  // namespace rubble::RUBBLE_CORE

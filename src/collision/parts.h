@@ -13,15 +13,17 @@ struct PlacedPart {
 };
 
 /// Part `part` of a body of that shape; a shape that is no compound is its own part.
-RUBBLE_HD inline PlacedPart placedPart(const ShapeTables& tables, const ShapeData& shape, const Quat& q, int part) {
+RUBBLE_HD inline PlacedPart placedPart(const ShapeTables& tables, const ShapeData& shape, const Quat& q,
+                                       int part) {
   if (shape.kind != ShapeKind::Compound) return {shape, q, {0, 0, 0}};
   const ShapePart& p = tables.part[tables.index[shape.data + 2] + part];
   return {p.shape, q * p.rotation, rotate(q, p.position)};
 }
 
-/// Touching points of two parts, relative to the centre of A's body; `t` = p_B - p_A of the bodies; `down`: unit,
-/// along gravity, or zero.
-RUBBLE_HD inline RawManifold collideParts(const ShapeTables& tables, const PlacedPart& a, const PlacedPart& b, const Vec3& t, Real margin, Real length,
+/// Touching points of two parts, relative to the centre of A's body; `t` = p_B - p_A of the bodies; `down`:
+/// unit, along gravity, or zero.
+RUBBLE_HD inline RawManifold collideParts(const ShapeTables& tables, const PlacedPart& a, const PlacedPart& b,
+                                          const Vec3& t, Real margin, Real length,
                                           const Vec3& down = {0, 0, 0}) {
   const Vec3 between = t + b.at - a.at;
   const Weight weight{-a.at, t - a.at, down};
@@ -31,9 +33,12 @@ RUBBLE_HD inline RawManifold collideParts(const ShapeTables& tables, const Place
   } else if (b.shape.kind == ShapeKind::Plane) {
     m = collideConvexPlane(convexOf(tables, a.shape), a.q, b.q, between, margin, length, weight);
   } else if (a.shape.kind == ShapeKind::Plane) {
-    m = flipped(collideConvexPlane(convexOf(tables, b.shape), b.q, a.q, -between, margin, length, {-b.at, -t - b.at, down}), between);
+    m = flipped(collideConvexPlane(convexOf(tables, b.shape), b.q, a.q, -between, margin, length,
+                                   {-b.at, -t - b.at, down}),
+                between);
   } else {
-    m = collideConvex(convexOf(tables, a.shape), a.q, convexOf(tables, b.shape), b.q, between, margin, length, weight);
+    m = collideConvex(convexOf(tables, a.shape), a.q, convexOf(tables, b.shape), b.q, between, margin, length,
+                      weight);
   }
   for (int k = 0; k < m.count; ++k) m.points[k].onA += a.at, m.points[k].onB += a.at;
   return m;

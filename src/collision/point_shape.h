@@ -7,9 +7,9 @@ namespace rubble::RUBBLE_CORE {
 
 /// Of a point x in the frame of the shape: the nearest point of the surface is x - distance n.
 struct PointDistance {
-  Vec3 n{0, 0, 1};              ///< outward, unit
-  Real distance = Real(1e18);   ///< negative inside [m]
-  int part = 0;                 ///< of a compound
+  Vec3 n{0, 0, 1};             ///< outward, unit
+  Real distance = Real(1e18);  ///< negative inside [m]
+  int part = 0;                ///< of a compound
 };
 
 /// What a point asks of a surface of triangles, which has no inside.
@@ -45,9 +45,12 @@ RUBBLE_HD inline PointDistance pointToPlane(const Vec3& x) { return {{0, 0, 1}, 
 RUBBLE_HD inline PointDistance pointToPlainShape(const ShapeData& s, const Vec3& x) {
   switch (s.kind) {
     case ShapeKind::Sphere:
-    case ShapeKind::Capsule: return pointToRound(s, x);
-    case ShapeKind::Box: return pointToBox(s, x);
-    default: return pointToPlane(x);
+    case ShapeKind::Capsule:
+      return pointToRound(s, x);
+    case ShapeKind::Box:
+      return pointToBox(s, x);
+    default:
+      return pointToPlane(x);
   }
 }
 
@@ -69,9 +72,11 @@ RUBBLE_HD inline FlatDistance flatToCylinder(const ShapeData& s, Real r, Real z)
 }
 
 RUBBLE_HD inline FlatDistance flatToCone(const ShapeData& s, Real r, Real z) {
-  const Real base = -s.half.z / 3, h = s.half.z - base, rim = s.half.x, slant2 = h * h + rim * rim, slant = std::sqrt(slant2);
+  const Real base = -s.half.z / 3, h = s.half.z - base, rim = s.half.x, slant2 = h * h + rim * rim,
+             slant = std::sqrt(slant2);
   const Real side = (h * (r - rim) + rim * (z - base)) / slant, below = base - z;
-  const FlatDistance line = side > below ? FlatDistance{h / slant, rim / slant, side} : FlatDistance{0, -1, below};
+  const FlatDistance line = side > below ? FlatDistance{h / slant, rim / slant, side}
+                                         : FlatDistance{0, -1, below};
   if (side <= Real(0) && below <= Real(0)) return line;
   const Real t = clamp((h * (z - base) - rim * (r - rim)) / slant2, Real(0), Real(1));
   const Real baseR = r - min(r, rim), baseZ = z - base, sideR = r - rim * (1 - t), sideZ = z - base - t * h;
@@ -116,17 +121,18 @@ namespace surface {
 
 /// The point of a triangle nearest to the origin.
 struct NearTriangle {
-  Vec3 at;             ///< there
-  Vec3 n;              ///< normal of the triangle
-  Real height;         ///< of the origin over its plane [m]
-  bool inside;         ///< not on an edge
-  bool rim;            ///< on an edge that has no neighbour
+  Vec3 at;      ///< there
+  Vec3 n;       ///< normal of the triangle
+  Real height;  ///< of the origin over its plane [m]
+  bool inside;  ///< not on an edge
+  bool rim;     ///< on an edge that has no neighbour
 };
 
 RUBBLE_HD inline NearTriangle nearTriangle(const SurfaceTriangle& t, const Vec3& x) {
   const Vec3 a = t.corner[0] - x, b = t.corner[1] - x, c = t.corner[2] - x;
   const Vec3 w = simplices::triangleWeights(a, b, c), n = normalize(cross(b - a, c - a));
-  NearTriangle out{a * w.x + b * w.y + c * w.z, n, -dot(n, a), w.x > Real(0) && w.y > Real(0) && w.z > Real(0), false};
+  NearTriangle out{a * w.x + b * w.y + c * w.z, n, -dot(n, a),
+                   w.x > Real(0) && w.y > Real(0) && w.z > Real(0), false};
   for (int e = 0; e < 3; ++e) {
     const bool onEdge = !(w[(e + 2) % 3] > Real(0));
     if (onEdge && (t.beyond[e] == t.corner[e] || t.beyond[e] == t.corner[(e + 1) % 3])) out.rim = true;
@@ -136,13 +142,15 @@ RUBBLE_HD inline NearTriangle nearTriangle(const SurfaceTriangle& t, const Vec3&
 
 }  // namespace surface
 
-/// Points of two triangles closer than this share of the reach are one, on their common edge: the one seen most from above tells the side.
+/// Points of two triangles closer than this share of the reach are one, on their common edge: the one seen
+/// most from above tells the side.
 inline constexpr Real kCommonPoint = Real(1e-4);
 /// A triangle that faces away from where the surface held the point last is not what it touches (cosine).
 inline constexpr Real kFacingAway = Real(-.5);
 
 /// The nearest triangle of a mesh or height field.
-RUBBLE_HD inline PointDistance pointToTriangles(const ShapeTables& tables, const ShapeData& s, const Vec3& x, const PointReach& reach) {
+RUBBLE_HD inline PointDistance pointToTriangles(const ShapeTables& tables, const ShapeData& s, const Vec3& x,
+                                                const PointReach& reach) {
   const bool twoSided = isTwoSided(tables, s), held = reach.side != Vec3{0, 0, 0};
   const Real far = max(reach.front, reach.behind);
   PointDistance best;
@@ -173,26 +181,35 @@ RUBBLE_HD inline PointDistance pointToTriangles(const ShapeTables& tables, const
 /// Any convex shape but a plane.
 RUBBLE_HD inline PointDistance pointToConvex(const ShapeTables& tables, const ShapeData& s, const Vec3& x) {
   switch (s.kind) {
-    case ShapeKind::RoundBox: return pointToBox(s, x);
+    case ShapeKind::RoundBox:
+      return pointToBox(s, x);
     case ShapeKind::Cylinder:
-    case ShapeKind::Cone: return pointToRevolved(s, x);
-    case ShapeKind::Hull: return pointToHull(tables, s, x);
-    default: return pointToPlainShape(s, x);
+    case ShapeKind::Cone:
+      return pointToRevolved(s, x);
+    case ShapeKind::Hull:
+      return pointToHull(tables, s, x);
+    default:
+      return pointToPlainShape(s, x);
   }
 }
 
-/// Shapes that are not plain. Of a compound it is the nearest part, inside the one that the point is deepest in.
-RUBBLE_HD RUBBLE_APART inline PointDistance pointToGeneralShape(const ShapeTables& tables, const ShapeData& s, const Vec3& x, const PointReach& reach) {
+/// Shapes that are not plain. Of a compound it is the nearest part, inside the one that the point is deepest
+/// in.
+RUBBLE_HD RUBBLE_APART inline PointDistance pointToGeneralShape(const ShapeTables& tables, const ShapeData& s,
+                                                                const Vec3& x, const PointReach& reach) {
   switch (s.kind) {
     case ShapeKind::Mesh:
-    case ShapeKind::HeightField: return pointToTriangles(tables, s, x, reach);
+    case ShapeKind::HeightField:
+      return pointToTriangles(tables, s, x, reach);
     case ShapeKind::Distance: {
       PointDistance at;
       at.distance = latticeDistance(latticeOf(tables, s), x, at.n);
       return at;
     }
-    case ShapeKind::Compound: break;
-    default: return pointToConvex(tables, s, x);
+    case ShapeKind::Compound:
+      break;
+    default:
+      return pointToConvex(tables, s, x);
   }
   const int* const header = tables.index + s.data;
   PointDistance best;

@@ -1,19 +1,24 @@
 #pragma once
-/// What queries ask of a shape of any kind: rays, casts, overlaps and nearest points. The asker is at the origin.
+/// What queries ask of a shape of any kind: rays, casts, overlaps and nearest points. The asker is at the
+/// origin.
 #include "collision/sweep.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A ray ends this near the surface: of convex shapes over their size, of distance fields over their spacing [1].
+/// A ray ends this near the surface: of convex shapes over their size, of distance fields over their spacing
+/// [1].
 inline constexpr double kRayGap = 1e-7, kFieldRayGap = 1e-4;
 
 namespace probes {
 
 inline constexpr Way kStill{};
 
-RUBBLE_HD inline Convex point() { return {ShapeKind::Sphere, {0, 0, 0}, 0, nullptr, nullptr, nullptr, 0, 0, {}}; }
+RUBBLE_HD inline Convex point() {
+  return {ShapeKind::Sphere, {0, 0, 0}, 0, nullptr, nullptr, nullptr, 0, 0, {}};
+}
 
-/// On by the distance each time; what is gone too far, since distances between samples are not exact, is found back by halving.
+/// On by the distance each time; what is gone too far, since distances between samples are not exact, is
+/// found back by halving.
 RUBBLE_HD inline RayMeeting rayToField(const PlacedAny& field, const Vec3d& move) {
   constexpr int kMostSteps = 512, kHalvings = 30;
   constexpr double kSafe = .7;  // outside of the lattice up to sqrt(2) of the distance is told
@@ -21,7 +26,9 @@ RUBBLE_HD inline RayMeeting rayToField(const PlacedAny& field, const Vec3d& move
   const Vec3d x = rotateInverse(field.q, -field.p), d = rotateInverse(field.q, move);
   const double speed = length(d), near = kFieldRayGap * static_cast<double>(lattice.spacing);
   Vec3 n;
-  const auto distanceAt = [&](double fraction) { return static_cast<double>(latticeDistance(lattice, Vec3(x + d * fraction), n)); };
+  const auto distanceAt = [&](double fraction) {
+    return static_cast<double>(latticeDistance(lattice, Vec3(x + d * fraction), n));
+  };
   double before = 0, fraction = 0;
   for (int step = 0; step < kMostSteps && fraction <= 1; ++step) {
     const double gap = distanceAt(fraction);
@@ -44,7 +51,8 @@ RUBBLE_HD inline RayMeeting rayToField(const PlacedAny& field, const Vec3d& move
   return {rays::kNever, {}};
 }
 
-/// The nearest point of the surface by the lattice: from the nearest of its stored points on along the surface.
+/// The nearest point of the surface by the lattice: from the nearest of its stored points on along the
+/// surface.
 RUBBLE_HD inline Separation nearestOfField(const PlacedAny& field) {
   constexpr int kSteps = 16;
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
@@ -76,7 +84,17 @@ RUBBLE_HD inline Separation nearestOfField(const PlacedAny& field) {
 }
 
 RUBBLE_HD inline Placed triangleOf(const PlacedAny& surface, const SurfaceTriangle& t) {
-  return {{ShapeKind::Triangle, surface.shape.half, 0, nullptr, nullptr, nullptr, 0, 0, {t.corner[0], t.corner[1], t.corner[2]}}, surface.p, surface.q};
+  return {{ShapeKind::Triangle,
+           surface.shape.half,
+           0,
+           nullptr,
+           nullptr,
+           nullptr,
+           0,
+           0,
+           {t.corner[0], t.corner[1], t.corner[2]}},
+          surface.p,
+          surface.q};
 }
 
 RUBBLE_HD inline Separation nearestOfTriangles(const PlacedAny& surface, double reach) {
@@ -92,7 +110,8 @@ RUBBLE_HD inline Separation nearestOfTriangles(const PlacedAny& surface, double 
   const auto near = [&](const Vec3& low, const Vec3& high) {
     double d2 = 0;
     for (int k = 0; k < 3; ++k) {
-      const double out = max(0.0, max(static_cast<double>(low[k]) - x[k], x[k] - static_cast<double>(high[k])));
+      const double out = max(0.0,
+                             max(static_cast<double>(low[k]) - x[k], x[k] - static_cast<double>(high[k])));
       d2 += out * out;
     }
     return d2 <= best.distance * best.distance;
@@ -102,8 +121,12 @@ RUBBLE_HD inline Separation nearestOfTriangles(const PlacedAny& surface, double 
   } else {
     // the cell below or above says how far to look
     const surface::HeightGrid g = surface::heightGrid(surface.tables, surface.shape);
-    const auto column = [&](double a) { return surface::cellAt((static_cast<Real>(a) - g.first.x) / g.grid.x, g.nx - 1); };
-    const auto row = [&](double a) { return surface::cellAt((static_cast<Real>(a) - g.first.y) / g.grid.y, g.ny - 1); };
+    const auto column = [&](double a) {
+      return surface::cellAt((static_cast<Real>(a) - g.first.x) / g.grid.x, g.nx - 1);
+    };
+    const auto row = [&](double a) {
+      return surface::cellAt((static_cast<Real>(a) - g.first.y) / g.grid.y, g.ny - 1);
+    };
     g.visitCell(column(x.x), row(x.y), near, visit);
     const double r = best.distance;
     const int left = column(x.x - r), right = column(x.x + r), front = row(x.y - r), back = row(x.y + r);
@@ -122,7 +145,8 @@ RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) 
   RayMeeting out{rays::kNever, {}};
   if (isConvex(target.shape.kind)) {
     const double gap = kRayGap * static_cast<double>(boundingRadius(target.shape));
-    const TimeOfImpact m = meeting({probes::point(), {}, {}}, {move, {}}, asConvex(target), probes::kStill, gap);
+    const TimeOfImpact m = meeting({probes::point(), {}, {}}, {move, {}}, asConvex(target), probes::kStill,
+                                   gap);
     out = {m.fraction, m.at.distance > 0 ? -m.at.n : Vec3d{}};
   } else if (target.shape.kind == ShapeKind::Distance) {
     out = probes::rayToField(target, move);
@@ -131,7 +155,8 @@ RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) 
     const bool twoSided = isTwoSided(target.tables, target.shape);
     double limit = 1;
     visitTrianglesAlong(target.tables, target.shape, x, d, {}, limit, [&](const SurfaceTriangle& t) {
-      const RayMeeting m = rays::triangle(x, d, Vec3d(t.corner[0]), Vec3d(t.corner[1]), Vec3d(t.corner[2]), twoSided);
+      const RayMeeting m = rays::triangle(x, d, Vec3d(t.corner[0]), Vec3d(t.corner[1]), Vec3d(t.corner[2]),
+                                          twoSided);
       if (m.fraction > limit || (m.fraction == limit && out.fraction <= 1)) return;
       out = {m.fraction, rotate(target.q, m.n)};
       limit = m.fraction;
@@ -141,14 +166,19 @@ RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) 
   return out;
 }
 
-/// Where a convex shape that goes `move` comes within `tolerance` of another; the normal of the meeting points out of the other.
-RUBBLE_HD inline TimeOfImpact castShape(const PlacedAny& own, const Vec3d& move, const PlacedAny& target, double tolerance) {
+/// Where a convex shape that goes `move` comes within `tolerance` of another; the normal of the meeting
+/// points out of the other.
+RUBBLE_HD inline TimeOfImpact castShape(const PlacedAny& own, const Vec3d& move, const PlacedAny& target,
+                                        double tolerance) {
   const auto all = [](const Vec3d&, const TimeOfImpact&) { return true; };
   const Way way{move, {}};
-  if (target.shape.kind == ShapeKind::Distance) return meetField(target, probes::kStill, own, way, {tolerance}, all);
+  if (target.shape.kind == ShapeKind::Distance)
+    return meetField(target, probes::kStill, own, way, {tolerance}, all);
   if (isSurface(target.shape.kind)) {
     const Placed part = asConvex(own);
-    const auto meet = [&](const Placed& triangle, const Vec3d&) { return meeting(triangle, probes::kStill, part, way, tolerance); };
+    const auto meet = [&](const Placed& triangle, const Vec3d&) {
+      return meeting(triangle, probes::kStill, part, way, tolerance);
+    };
     return meetTriangles(target, probes::kStill, part, way, {tolerance}, meet);
   }
   return meeting(asConvex(target), probes::kStill, asConvex(own), way, tolerance);
@@ -159,9 +189,11 @@ RUBBLE_HD inline bool overlaps(const PlacedAny& own, const PlacedAny& target) {
   const Placed part = asConvex(own);
   if (target.shape.kind == ShapeKind::Distance) return fieldSeparation(target, own).distance <= 0;
   if (!isSurface(target.shape.kind)) return separation(part, asConvex(target)).distance <= 0;
-  const Vec3 x(rotateInverse(target.q, part.p - target.p)), half = boundingHalf(own.shape, Quat(conjugate(target.q) * part.q));
-  return visitTriangles(target.tables, target.shape, x - half, x + half,
-                        [&](const SurfaceTriangle& t) { return separation(part, probes::triangleOf(target, t)).distance <= 0; });
+  const Vec3 x(rotateInverse(target.q, part.p - target.p)),
+      half = boundingHalf(own.shape, Quat(conjugate(target.q) * part.q));
+  return visitTriangles(target.tables, target.shape, x - half, x + half, [&](const SurfaceTriangle& t) {
+    return separation(part, probes::triangleOf(target, t)).distance <= 0;
+  });
 }
 
 /// From the origin to the nearest point of a shape; beyond `reach` anything above it.

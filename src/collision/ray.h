@@ -32,7 +32,8 @@ RUBBLE_HD inline RayMeeting box(const Vec3d& x, const Vec3d& d, const Vec3d& hal
       if (std::fabs(x[k]) > half[k]) return {kNever, {}};
       continue;
     }
-    const double sign = d[k] > 0 ? 1 : -1, enter = (-sign * half[k] - x[k]) / d[k], leave = (sign * half[k] - x[k]) / d[k];
+    const double sign = d[k] > 0 ? 1 : -1, enter = (-sign * half[k] - x[k]) / d[k],
+                 leave = (sign * half[k] - x[k]) / d[k];
     if (enter > in) in = enter, axis = k;
     out = min(out, leave);
   }
@@ -45,20 +46,23 @@ RUBBLE_HD inline RayMeeting box(const Vec3d& x, const Vec3d& d, const Vec3d& hal
 /// About the z axis, with round ends at +- half.
 RUBBLE_HD inline RayMeeting capsule(const Vec3d& x, const Vec3d& d, double half, double radius) {
   const Vec3d side{x.x, x.y, 0}, along{d.x, d.y, 0};
-  RayMeeting m = dot(along, along) > 0 || dot(side, side) <= radius * radius ? sphere(side, along, radius) : RayMeeting{kNever, {}};
+  RayMeeting m = dot(along, along) > 0 || dot(side, side) <= radius * radius ? sphere(side, along, radius)
+                                                                             : RayMeeting{kNever, {}};
   if (m.fraction <= 1 && std::fabs(x.z + m.fraction * d.z) <= half) return m;
   const RayMeeting a = sphere(x - Vec3d{0, 0, half}, d, radius), b = sphere(x + Vec3d{0, 0, half}, d, radius);
   return a.fraction < b.fraction ? a : b;
 }
 
 /// Against a triangle, from its front, or from either side.
-RUBBLE_HD inline RayMeeting triangle(const Vec3d& x, const Vec3d& d, const Vec3d& a, const Vec3d& b, const Vec3d& c, bool twoSided) {
+RUBBLE_HD inline RayMeeting triangle(const Vec3d& x, const Vec3d& d, const Vec3d& a, const Vec3d& b,
+                                     const Vec3d& c, bool twoSided) {
   Vec3d n = cross(b - a, c - a);
   double over = dot(n, x - a), down = -dot(n, d);
   if (down < 0 && twoSided) n = -n, over = -over, down = -down;
   if (!(down > 0) || over < 0 || over > down) return {kNever, {}};
   // neighbours see their common edge with opposite signs, so nothing slips through between them
-  const double u = dot(d, cross(b - x, a - x)), v = dot(d, cross(c - x, b - x)), w = dot(d, cross(a - x, c - x));
+  const double u = dot(d, cross(b - x, a - x)), v = dot(d, cross(c - x, b - x)),
+               w = dot(d, cross(a - x, c - x));
   if (!((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0))) return {kNever, {}};
   return {over / down, normalize(n)};
 }
@@ -70,8 +74,10 @@ RUBBLE_HD inline RayMeeting castRay(const Placed& shape, const Vec3d& origin, co
   const Vec3d x = rotateInverse(shape.q, origin - shape.p), d = rotateInverse(shape.q, move);
   RayMeeting m{rays::kNever, {}};
   if (shape.isPlane()) {
-    if (x.z <= 0) m = {0, {0, 0, 0}};
-    else if (d.z < 0) m = {x.z / -d.z, {0, 0, 1}};
+    if (x.z <= 0)
+      m = {0, {0, 0, 0}};
+    else if (d.z < 0)
+      m = {x.z / -d.z, {0, 0, 1}};
   } else if (shape.shape.kind == ShapeKind::Box) {
     m = rays::box(x, d, Vec3d(shape.shape.half));
   } else {

@@ -1,5 +1,6 @@
 #pragma once
-/// Spheres and capsules against everything, and boxes against planes. Points are fresh every step and lie on the two surfaces.
+/// Spheres and capsules against everything, and boxes against planes. Points are fresh every step and lie on
+/// the two surfaces.
 #include "collision/shapes.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -14,10 +15,13 @@ struct Core {
   Vec3 centre, half;  ///< relative to the centre of A; end points are centre +- half
   Real radius;
 };
-RUBBLE_HD inline Core coreOf(const ShapeData& s, const Quat& q, const Vec3& centre) { return {centre, rotate(q, s.half), s.radius}; }
+RUBBLE_HD inline Core coreOf(const ShapeData& s, const Quat& q, const Vec3& centre) {
+  return {centre, rotate(q, s.half), s.radius};
+}
 
 /// Adds the point between `a` on the core of A and `b` on the core of B along n.
-RUBBLE_HD inline void addPoint(RawManifold& out, const Vec3& a, Real radiusA, const Vec3& b, Real radiusB, Real margin, int feature) {
+RUBBLE_HD inline void addPoint(RawManifold& out, const Vec3& a, Real radiusA, const Vec3& b, Real radiusB,
+                               Real margin, int feature) {
   const Real gap = dot(b - a, out.n) - radiusA - radiusB;
   if (gap > margin || out.count >= kLanes) return;
   out.points[out.count++] = {a + out.n * radiusA, b - out.n * radiusB, feature};
@@ -34,7 +38,9 @@ RUBBLE_HD inline void nearestOfSegments(const Core& a, const Core& b, Real& s, R
   const Real aa = dot(a.half, a.half), bb = dot(b.half, b.half), ab = dot(a.half, b.half);
   const Vec3 d = b.centre - a.centre;
   const Real denominator = aa * bb - ab * ab;
-  s = denominator > Real(1e-6) * aa * bb ? clamp((dot(d, a.half) * bb - dot(d, b.half) * ab) / denominator, Real(-1), Real(1)) : Real(0);
+  s = denominator > Real(1e-6) * aa * bb
+          ? clamp((dot(d, a.half) * bb - dot(d, b.half) * ab) / denominator, Real(-1), Real(1))
+          : Real(0);
   t = nearestOnSegment(b, a.centre + a.half * s);
   s = nearestOnSegment(a, b.centre + b.half * t);
 }
@@ -42,7 +48,8 @@ RUBBLE_HD inline void nearestOfSegments(const Core& a, const Core& b, Real& s, R
 }  // namespace rounds
 
 /// Sphere or capsule against sphere or capsule.
-RUBBLE_HD inline RawManifold collideRounds(const ShapeData& sa, const Quat& qa, const ShapeData& sb, const Quat& qb, const Vec3& t, Real margin) {
+RUBBLE_HD inline RawManifold collideRounds(const ShapeData& sa, const Quat& qa, const ShapeData& sb,
+                                           const Quat& qb, const Vec3& t, Real margin) {
   using namespace rounds;
   const Core a = coreOf(sa, qa, {0, 0, 0}), b = coreOf(sb, qb, t);
   RawManifold out;
@@ -50,7 +57,8 @@ RUBBLE_HD inline RawManifold collideRounds(const ShapeData& sa, const Quat& qa, 
   nearestOfSegments(a, b, s, u);
   const Vec3 pa = a.centre + a.half * s, pb = b.centre + b.half * u;
   const Vec3 d = pb - pa;
-  // centres on top of one another: any direction separates them; across both axes is the shortest way for capsules
+  // centres on top of one another: any direction separates them; across both axes is the shortest way for
+  // capsules
   const Vec3 across = cross(a.half, b.half);
   out.n = normalize(d, dot(across, across) > Real(0) ? normalize(across) : normalize(t, Vec3{0, 0, 1}));
   out.separation = length(d) - a.radius - b.radius;
@@ -75,12 +83,15 @@ RUBBLE_HD inline RawManifold collideRounds(const ShapeData& sa, const Quat& qa, 
 }
 
 /// Sphere or capsule (A) against box (B).
-RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa, const ShapeData& sb, const Quat& qb, const Vec3& t, Real margin) {
+RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa, const ShapeData& sb,
+                                             const Quat& qb, const Vec3& t, Real margin) {
   using namespace rounds;
   RawManifold out;
   // in the frame of the box
   const Vec3 centre = rotateInverse(qb, -t), half = rotateInverse(qb, rotate(qa, sa.half)), h = sb.half;
-  const auto clampToBox = [&](const Vec3& x) { return Vec3{clamp(x.x, -h.x, h.x), clamp(x.y, -h.y, h.y), clamp(x.z, -h.z, h.z)}; };
+  const auto clampToBox = [&](const Vec3& x) {
+    return Vec3{clamp(x.x, -h.x, h.x), clamp(x.y, -h.y, h.y), clamp(x.z, -h.z, h.z)};
+  };
   // The squared distance of centre + s half to the box is convex in s: bisect its derivative.
   Real lo = -1, hi = 1, s = 0;
   if (dot(half, half) > Real(0)) {
@@ -104,7 +115,8 @@ RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa
     out.separation = distance - sa.radius;
     if (out.separation > margin) return out;
     for (int i = 0; i < 3; ++i)
-      if (std::fabs(n[i]) > Real(1) - Real(1e-4)) faceAxis = i, faceSide = n[i] > Real(0) ? Real(-1) : Real(1);
+      if (std::fabs(n[i]) > Real(1) - Real(1e-4))
+        faceAxis = i, faceSide = n[i] > Real(0) ? Real(-1) : Real(1);
   } else {
     // the axis reaches into the box: out through the face that needs the shortest way for the whole segment
     Real best = 0;
@@ -136,7 +148,8 @@ RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa
       Vec3 foot = end;
       foot[faceAxis] = faceSide * h[faceAxis];
       const Real gap = dot(foot - end, n) - sa.radius;
-      if (gap <= margin) out.points[out.count++] = {t + rotate(qb, end + n * sa.radius), t + rotate(qb, foot), 1 + k};
+      if (gap <= margin)
+        out.points[out.count++] = {t + rotate(qb, end + n * sa.radius), t + rotate(qb, foot), 1 + k};
     }
     if (out.count > 0) return out;
   }
@@ -146,7 +159,8 @@ RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa
 }
 
 /// Sphere, capsule or box (A) against the half space z < 0 of the plane (B).
-RUBBLE_HD inline RawManifold collidePlane(const ShapeData& sa, const Quat& qa, const Quat& qb, const Vec3& t, Real margin) {
+RUBBLE_HD inline RawManifold collidePlane(const ShapeData& sa, const Quat& qa, const Quat& qb, const Vec3& t,
+                                          Real margin) {
   RawManifold out;
   const Vec3 up = rotate(qb, Vec3{0, 0, 1});
   out.n = -up;

@@ -5,20 +5,38 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Kinds up to Plane are plain: their pairs have one manifold each, tested by the fast kernel. The others keep data in shared tables.
-enum class ShapeKind : int { Sphere, Capsule, Box, Plane, RoundBox, Cylinder, Cone, Hull, Triangle, Compound, Mesh, HeightField, Distance };
+/// Kinds up to Plane are plain: their pairs have one manifold each, tested by the fast kernel. The others
+/// keep data in shared tables.
+enum class ShapeKind : int {
+  Sphere,
+  Capsule,
+  Box,
+  Plane,
+  RoundBox,
+  Cylinder,
+  Cone,
+  Hull,
+  Triangle,
+  Compound,
+  Mesh,
+  HeightField,
+  Distance
+};
 
 /// A shape in its body's frame, whose origin is the centre of mass and whose axes are principal.
 struct ShapeData {
-  Vec3 half;       ///< box: half edges; capsule: (0, 0, half length of its axis); others: half extents about the origin, without radius [m]
-  Real radius;     ///< sphere, capsule; rounding of the others [m]
+  Vec3 half;    ///< box: half edges; capsule: (0, 0, half length of its axis); others: half extents about the
+                ///< origin, without radius [m]
+  Real radius;  ///< sphere, capsule; rounding of the others [m]
   ShapeKind kind;
-  int data;        ///< place of its header in ShapeTables::index; -1: has none
+  int data;  ///< place of its header in ShapeTables::index; -1: has none
 };
 
 RUBBLE_HD constexpr bool isPrimitive(ShapeKind kind) { return kind <= ShapeKind::Plane; }
 /// Convex, with a support function.
-RUBBLE_HD constexpr bool isConvex(ShapeKind kind) { return kind != ShapeKind::Plane && kind <= ShapeKind::Triangle; }
+RUBBLE_HD constexpr bool isConvex(ShapeKind kind) {
+  return kind != ShapeKind::Plane && kind <= ShapeKind::Triangle;
+}
 /// Touches another shape in places with several normals: a pair has kSurfaceSlots manifolds.
 RUBBLE_HD constexpr bool isSurface(ShapeKind kind) { return kind >= ShapeKind::Mesh; }
 
@@ -31,14 +49,16 @@ RUBBLE_HD inline Vec3 xyz(const Vec4& v) { return {v.x, v.y, v.z}; }
 /// A part of a compound, in the frame of its body.
 struct ShapePart {
   ShapeData shape;
-  Vec3 position;   ///< [m]
+  Vec3 position;  ///< [m]
   Quat rotation;
-  Real radius;     ///< bounding sphere about `position` [m]
-  int surface;     ///< its material, -1: that of the body
+  Real radius;  ///< bounding sphere about `position` [m]
+  int surface;  ///< its material, -1: that of the body
 };
 
-/// What many bodies share: geometry that does not fit a ShapeData. A header begins with the places of its vectors and indices:
-///   hull          index[data + 0..3] = vectors, indices, vertices, faces;  vectors: vertices, then planes; indices: first vertex of each
+/// What many bodies share: geometry that does not fit a ShapeData. A header begins with the places of its
+/// vectors and indices:
+///   hull          index[data + 0..3] = vectors, indices, vertices, faces;  vectors: vertices, then planes;
+///                 indices: first vertex of each
 ///                 face (and of one more), then the vertices of the faces, counter-clockwise from outside
 ///   compound      ..., ..., first part, parts
 ///   mesh          vectors, indices, nodes, triangles, vertices, two-sided;  see triangles.h
@@ -62,7 +82,8 @@ RUBBLE_HD inline Vec3 boundingHalf(const ShapeData& s, const Quat& q) {
   return e + Vec3{s.radius, s.radius, s.radius};
 }
 
-/// What two bodies weigh on one another with: the weight of the upper one acts along a line through its centre of mass. All in one frame.
+/// What two bodies weigh on one another with: the weight of the upper one acts along a line through its
+/// centre of mass. All in one frame.
 struct Weight {
   Vec3 centreA, centreB;  ///< [m]
   Vec3 down;              ///< unit, along gravity; zero without
@@ -70,7 +91,8 @@ struct Weight {
 /// Contacts steeper than this are not there to carry a weight (cosine of gravity and normal).
 inline constexpr Real kSteepestFloor = Real(.2);
 
-/// Where the line of the weight meets the contact plane through x with normal n, from A to B. False: nothing weighs on it.
+/// Where the line of the weight meets the contact plane through x with normal n, from A to B. False: nothing
+/// weighs on it.
 RUBBLE_HD inline bool footOfWeight(const Weight& w, const Vec3& n, const Vec3& x, Vec3& foot) {
   const Real along = dot(w.down, n);
   if (!(std::fabs(along) > kSteepestFloor)) return false;
@@ -82,13 +104,13 @@ RUBBLE_HD inline bool footOfWeight(const Weight& w, const Vec3& n, const Vec3& x
 
 /// A point of contact, relative to the centre of the first body, world axes.
 struct RawPoint {
-  Vec3 onA, onB;  ///< on the two surfaces [m]
+  Vec3 onA, onB;    ///< on the two surfaces [m]
   int feature = 0;  ///< what touches what; the same in the next step if the configuration is
 };
 
 /// The result of a pair test.
 struct RawManifold {
-  Vec3 n;               ///< from A to B, unit
+  Vec3 n;  ///< from A to B, unit
   int count = 0;
   bool normalOnB = false;  ///< the normal turns with B (else with A)
   RawPoint points[kLanes];

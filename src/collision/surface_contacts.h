@@ -14,7 +14,7 @@ inline constexpr Real kSameSpot = Real(.01);
 
 /// Points with one normal, relative to some origin.
 struct SurfaceCluster {
-  Vec3 n;  ///< from the surface to the part
+  Vec3 n;                   ///< from the surface to the part
   convex::CutOf<8> points;  ///< x: on the surface, w: gap along n, from: feature
 };
 
@@ -34,7 +34,8 @@ RUBBLE_HD inline bool touches(const SurfaceContacts& found, Real gap) {
 }
 
 /// The normal of a cluster is that of its deepest point.
-RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const Vec3& onSurface, Real gap, int feature) {
+RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const Vec3& onSurface, Real gap,
+                                      int feature) {
   int best = -1;
   Real alike = Real(-2);
   for (int i = 0; i < out.count; ++i) {
@@ -56,11 +57,15 @@ RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const
     if (lengthSquared(points.v[k].x - onSurface) > near2) continue;
     // of two that are as deep the one further out on the loaded side stays
     const bool asDeep = std::fabs(gap - points.v[k].w) < kSameHeight * out.length;
-    const Real outward = dot(convex::loadedSide(points, cluster.n, out.weight).along, onSurface - points.v[k].x);
-    if (asDeep && outward != Real(0) ? outward > Real(0) : gap < points.v[k].w) points.v[k] = {onSurface, gap, feature, feature};
+    const Real outward = dot(convex::loadedSide(points, cluster.n, out.weight).along,
+                             onSurface - points.v[k].x);
+    if (asDeep && outward != Real(0) ? outward > Real(0) : gap < points.v[k].w)
+      points.v[k] = {onSurface, gap, feature, feature};
     return;
   }
-  if (points.count == 8) convex::pickFour(points, cluster.n, convex::loadedSide(points, cluster.n, out.weight), Real(1e30), out.length);
+  if (points.count == 8)
+    convex::pickFour(points, cluster.n, convex::loadedSide(points, cluster.n, out.weight), Real(1e30),
+                     out.length);
   points.v[points.count++] = {onSurface, gap, feature, feature};
 }
 
@@ -70,7 +75,15 @@ namespace surface {
 /// centre, in the frame of the surface.
 RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const Convex& part, const Quat& q,
                                   const Mat3& turn, Real margin, SurfaceContacts& out) {
-  Convex triangle{ShapeKind::Triangle, {0, 0, 0}, 0, nullptr, nullptr, nullptr, 0, 0, {t.corner[0], t.corner[1], t.corner[2]}};
+  Convex triangle{ShapeKind::Triangle,
+                  {0, 0, 0},
+                  0,
+                  nullptr,
+                  nullptr,
+                  nullptr,
+                  0,
+                  0,
+                  {t.corner[0], t.corner[1], t.corner[2]}};
   Vec3 n = xyz(facePlane(triangle, 0));
   bool turned = false;
   if (dot(n, triangle.corner[0]) > Real(0)) {
@@ -102,8 +115,11 @@ RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const
     const auto original = [&](int k) { return turned && k > 0 ? 3 - k : k; };
     // seen from behind, hollows are ridges
     const int flags = turned ? t.flags >> 6 : t.flags;
-    // the triangle on the other side of an edge must not rise over the touching plane: then it is its face that is touched
-    const auto clear = [&](int edge, int corner) { return dot(x.n, t.beyond[edge] - triangle.corner[corner]) <= kSameHeight * length; };
+    // the triangle on the other side of an edge must not rise over the touching plane: then it is its face
+    // that is touched
+    const auto clear = [&](int edge, int corner) {
+      return dot(x.n, t.beyond[edge] - triangle.corner[corner]) <= kSameHeight * length;
+    };
     // edge e goes on from corner e: turned over, edges 0 and 2 change places
     const auto edgeFrom = [&](int k) { return turned ? 2 - k : k; };
     bool touchable;
@@ -111,7 +127,8 @@ RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const
       touchable = (flags >> edgeFrom(i) & 1) && clear(edgeFrom(i), i);
     } else {
       const int top = height[i] > height[j] ? i : j;
-      touchable = (flags >> (3 + original(top)) & 1) && clear(edgeFrom(top), top) && clear(edgeFrom((top + 2) % 3), top);
+      touchable = (flags >> (3 + original(top)) & 1) && clear(edgeFrom(top), top) &&
+                  clear(edgeFrom((top + 2) % 3), top);
     }
     const bool preferred = raw.count == 0 || x.s > kEdgePreference * face.s + kEdgeMargin * length;
     if (!touchable && raw.count == 0) return;
@@ -120,21 +137,25 @@ RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const
   for (int k = 0; k < raw.count; ++k) {
     const RawPoint& q = raw.points[k];
     const bool ofPart = q.feature < 0x800 || q.feature >= 0x2000;
-    addSurfacePoint(out, raw.n, q.onA, dot(raw.n, q.onB - q.onA), ofPart ? q.feature : q.feature | (t.index & 0xff) << 16);
+    addSurfacePoint(out, raw.n, q.onA, dot(raw.n, q.onB - q.onA),
+                    ofPart ? q.feature : q.feature | (t.index & 0xff) << 16);
   }
 }
 
 }  // namespace surface
 
-/// Contacts of a part with a mesh or height field, in the frame of the surface, relative to the centre of the part: `at` there, turned by q.
-RUBBLE_HD inline void collideTriangles(const ShapeTables& tables, const ShapeData& s, const ShapeData& part, const Vec3& at, const Quat& q,
-                                       Real margin, SurfaceContacts& out) {
+/// Contacts of a part with a mesh or height field, in the frame of the surface, relative to the centre of the
+/// part: `at` there, turned by q.
+RUBBLE_HD inline void collideTriangles(const ShapeTables& tables, const ShapeData& s, const ShapeData& part,
+                                       const Vec3& at, const Quat& q, Real margin, SurfaceContacts& out) {
   const Convex convexPart = convexOf(tables, part);
   const Mat3 turn = rotationMatrix(q);
   const Vec3 half = boundingHalf(part, q) + Vec3{margin, margin, margin};
   const bool twoSided = isTwoSided(tables, s);
   visitTriangles(tables, s, at - half, at + half, [&](const SurfaceTriangle& t) {
-    const SurfaceTriangle near{{t.corner[0] - at, t.corner[1] - at, t.corner[2] - at}, t.flags, t.index,
+    const SurfaceTriangle near{{t.corner[0] - at, t.corner[1] - at, t.corner[2] - at},
+                               t.flags,
+                               t.index,
                                {t.beyond[0] - at, t.beyond[1] - at, t.beyond[2] - at}};
     surface::addTriangle(near, twoSided, convexPart, q, turn, margin, out);
     return false;

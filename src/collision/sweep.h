@@ -1,6 +1,6 @@
 #pragma once
-/// Where and when moving shapes of any kind meet: convex ones by distance.h; meshes and height fields triangle by triangle along the way;
-/// distance fields by going on by the least distance.
+/// Where and when moving shapes of any kind meet: convex ones by distance.h; meshes and height fields
+/// triangle by triangle along the way; distance fields by going on by the least distance.
 #include "collision/distance.h"
 #include "collision/lattice.h"
 #include "collision/parts.h"
@@ -12,23 +12,27 @@ namespace rubble::RUBBLE_CORE {
 struct PlacedAny {
   ShapeTables tables;
   ShapeData shape;
-  Vec3d p;      ///< its centre [m]
+  Vec3d p;  ///< its centre [m]
   Quatd q;
   Vec3d arm{};  ///< its centre less that of the body that it turns with [m]
 };
 /// Part `part` of a body at p.
-RUBBLE_HD inline PlacedAny placedAny(const ShapeTables& tables, const ShapeData& shape, const Vec3d& p, const Quat& q, int part) {
+RUBBLE_HD inline PlacedAny placedAny(const ShapeTables& tables, const ShapeData& shape, const Vec3d& p,
+                                     const Quat& q, int part) {
   const PlacedPart x = placedPart(tables, shape, q, part);
   return {tables, x.shape, p + Vec3d(x.at), Quatd(x.q), Vec3d(x.at)};
 }
-RUBBLE_HD inline Placed asConvex(const PlacedAny& s) { return {convexOf(s.tables, s.shape), s.p, s.q, s.arm}; }
+RUBBLE_HD inline Placed asConvex(const PlacedAny& s) {
+  return {convexOf(s.tables, s.shape), s.p, s.q, s.arm};
+}
 
-/// What counts as a meeting with a surface: to come within `tolerance`; or, `passing`, to come so near and then to go in deeper than `held`,
-/// of a distance field and a convex shape, one with its centre into the other.
+/// What counts as a meeting with a surface: to come within `tolerance`; or, `passing`, to come so near and
+/// then to go in deeper than `held`, of a distance field and a convex shape, one with its centre into the
+/// other.
 struct MeetRule {
   double tolerance;  ///< [m]
   bool passing = false;
-  double held = 0;   ///< [m]
+  double held = 0;  ///< [m]
 };
 
 /// Does a box of half extents `reach` about x meet the origin on its way x + t d, t in [0, limit]?
@@ -45,11 +49,12 @@ RUBBLE_HD inline bool passes(const Vec3d& x, const Vec3d& d, const Vec3d& reach,
   return in <= out;
 }
 
-/// visit(triangle) for the triangles of a mesh or height field that a box of half extents `half` may meet on its way x + t d, t in [0, limit],
-/// all in the frame of the surface. The visitor may lower the limit as it finds hits.
+/// visit(triangle) for the triangles of a mesh or height field that a box of half extents `half` may meet on
+/// its way x + t d, t in [0, limit], all in the frame of the surface. The visitor may lower the limit as it
+/// finds hits.
 template <class Visit>
-RUBBLE_HD void visitTrianglesAlong(const ShapeTables& tables, const ShapeData& s, const Vec3d& x, const Vec3d& d, const Vec3d& half, const double& limit,
-                                   Visit&& visit) {
+RUBBLE_HD void visitTrianglesAlong(const ShapeTables& tables, const ShapeData& s, const Vec3d& x,
+                                   const Vec3d& d, const Vec3d& half, const double& limit, Visit&& visit) {
   const auto meets = [&](const Vec3& low, const Vec3& high) {
     const Vec3d l(low), h(high);
     return passes(x - (l + h) * .5, d, half + (h - l) * .5, limit);
@@ -70,59 +75,68 @@ RUBBLE_HD void visitTrianglesAlong(const ShapeTables& tables, const ShapeData& s
   const double firstX = static_cast<double>(g.first.x), firstY = static_cast<double>(g.first.y);
   const double stepX = static_cast<double>(g.grid.x), stepY = static_cast<double>(g.grid.y);
   const double endY = x.y + limit * d.y;
-  const int low = cell(min(x.y, endY) - half.y, firstY, stepY, g.ny - 1), high = cell(max(x.y, endY) + half.y, firstY, stepY, g.ny - 1);
+  const int low = cell(min(x.y, endY) - half.y, firstY, stepY, g.ny - 1),
+            high = cell(max(x.y, endY) + half.y, firstY, stepY, g.ny - 1);
   for (int n = 0; n <= high - low; ++n) {
     const int j = d.y >= 0 ? low + n : high - n;
     double t0 = 0, t1 = limit;
     if (d.y != 0) {
-      const double a = (firstY + j * stepY - half.y - x.y) / d.y, b = (firstY + (j + 1) * stepY + half.y - x.y) / d.y;
+      const double a = (firstY + j * stepY - half.y - x.y) / d.y,
+                   b = (firstY + (j + 1) * stepY + half.y - x.y) / d.y;
       t0 = max(t0, min(a, b)), t1 = min(t1, max(a, b));
       if (t0 > t1) continue;
     }
     const double x0 = x.x + t0 * d.x, x1 = x.x + t1 * d.x;
-    const int from = cell(min(x0, x1) - half.x, firstX, stepX, g.nx - 1), to = cell(max(x0, x1) + half.x, firstX, stepX, g.nx - 1);
+    const int from = cell(min(x0, x1) - half.x, firstX, stepX, g.nx - 1),
+              to = cell(max(x0, x1) + half.x, firstX, stepX, g.nx - 1);
     for (int i = from; i <= to; ++i) g.visitCell(i, j, meets, all);
   }
 }
 
-/// A convex part against a mesh or height field (A). One whose centre is behind a one-sided triangle does not meet it.
-/// meet(triangle, face normal towards the part) says where the part meets one of them.
+/// A convex part against a mesh or height field (A). One whose centre is behind a one-sided triangle does not
+/// meet it. meet(triangle, face normal towards the part) says where the part meets one of them.
 template <class Meet>
-RUBBLE_HD TimeOfImpact meetTriangles(const PlacedAny& surface, const Way& wayS, const Placed& part, const Way& wayP, const MeetRule& rule,
-                                Meet&& meet) {
+RUBBLE_HD TimeOfImpact meetTriangles(const PlacedAny& surface, const Way& wayS, const Placed& part,
+                                     const Way& wayP, const MeetRule& rule, Meet&& meet) {
   const Vec3d move = wayP.move * wayP.until - wayS.move * wayS.until;
   const Vec3d x = rotateInverse(surface.q, part.p - surface.p), d = rotateInverse(surface.q, move);
-  const double turns = length(wayS.turn) * (length(x) + length(d));  // no point of the part is moved further by a turn of the surface
-  const double reach = length(Vec3d(part.shape.half)) + part.radius() + rule.tolerance + turns + length(wayP.turn) * length(part.arm);
+  const double turns = length(wayS.turn) *
+                       (length(x) +
+                        length(d));  // no point of the part is moved further by a turn of the surface
+  const double reach = length(Vec3d(part.shape.half)) + part.radius() + rule.tolerance + turns +
+                       length(wayP.turn) * length(part.arm);
   const Placed end = movedBy(part, {move, wayP.turn * wayP.until}, 1);
   const bool twoSided = isTwoSided(surface.tables, surface.shape);
-  Placed triangle{{ShapeKind::Triangle, surface.shape.half, 0, nullptr, nullptr, nullptr, 0, 0, {}}, surface.p, surface.q};
+  Placed triangle{{ShapeKind::Triangle, surface.shape.half, 0, nullptr, nullptr, nullptr, 0, 0, {}},
+                  surface.p,
+                  surface.q};
   TimeOfImpact best{kNeverMet, {}};
   double limit = 1;
-  visitTrianglesAlong(surface.tables, surface.shape, x, d, {reach, reach, reach}, limit, [&](const SurfaceTriangle& t) {
-    const Vec3d a(t.corner[0]), b(t.corner[1]), c(t.corner[2]);
-    Vec3d n = normalize(cross(b - a, c - a));
-    if (dot(n, x - a) <= 0) {
-      if (!twoSided) return;
-      n = -n;
-    }
-    const Vec3d up = rotate(surface.q, n), corner = surface.p + rotate(surface.q, a);
-    const double slack = turns + part.radius() + (rule.passing ? -rule.held : rule.tolerance);
-    const bool above = dot(up, gjk::support(end, -up) - corner) > slack;
-    if (above && (rule.passing || dot(up, gjk::support(part, -up) - corner) > slack)) return;
-    for (int k = 0; k < 3; ++k) triangle.shape.corner[k] = t.corner[k];
-    const TimeOfImpact m = meet(triangle, up);
-    if (m.fraction > limit || (m.fraction == limit && best.fraction <= 1)) return;
-    best = m;
-    limit = m.fraction;
-  });
+  visitTrianglesAlong(
+      surface.tables, surface.shape, x, d, {reach, reach, reach}, limit, [&](const SurfaceTriangle& t) {
+        const Vec3d a(t.corner[0]), b(t.corner[1]), c(t.corner[2]);
+        Vec3d n = normalize(cross(b - a, c - a));
+        if (dot(n, x - a) <= 0) {
+          if (!twoSided) return;
+          n = -n;
+        }
+        const Vec3d up = rotate(surface.q, n), corner = surface.p + rotate(surface.q, a);
+        const double slack = turns + part.radius() + (rule.passing ? -rule.held : rule.tolerance);
+        const bool above = dot(up, gjk::support(end, -up) - corner) > slack;
+        if (above && (rule.passing || dot(up, gjk::support(part, -up) - corner) > slack)) return;
+        for (int k = 0; k < 3; ++k) triangle.shape.corner[k] = t.corner[k];
+        const TimeOfImpact m = meet(triangle, up);
+        if (m.fraction > limit || (m.fraction == limit && best.fraction <= 1)) return;
+        best = m;
+        limit = m.fraction;
+      });
   return best;
 }
 
 /// Points of a distance field (A) against a mesh or height field.
 template <class Accepts>
-RUBBLE_HD TimeOfImpact meetFieldTriangles(const PlacedAny& field, const Way& wayF, const PlacedAny& surface, const Way& wayS, const MeetRule& rule,
-                                     Accepts&& accepts) {
+RUBBLE_HD TimeOfImpact meetFieldTriangles(const PlacedAny& field, const Way& wayF, const PlacedAny& surface,
+                                          const Way& wayS, const MeetRule& rule, Accepts&& accepts) {
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
   const bool twoSided = isTwoSided(surface.tables, surface.shape);
   const Quatd turnF = turnOf(wayF.turn * wayF.until), turnS = turnOf(wayS.turn * wayS.until);
@@ -133,17 +147,19 @@ RUBBLE_HD TimeOfImpact meetFieldTriangles(const PlacedAny& field, const Way& way
     const Vec3d from = rotateInverse(surface.q, field.p + lever - surface.p);
     const Vec3d end = field.p + wayF.move * wayF.until + rotate(turnF, lever);
     const Vec3d to = rotateInverse(turnS * surface.q, end - surface.p - wayS.move * wayS.until);
-    visitTrianglesAlong(surface.tables, surface.shape, from, to - from, {}, limit, [&](const SurfaceTriangle& t) {
-      const Vec3d a(t.corner[0]);
-      const RayMeeting r = rays::triangle(from, to - from, a, Vec3d(t.corner[1]), Vec3d(t.corner[2]), twoSided);
-      if (r.fraction > limit || (r.fraction == limit && best.fraction <= 1)) return;
-      if (rule.passing && dot(r.n, to - a) > -rule.held) return;
-      const Vec3d n = -rotate(surface.q, r.n), at = field.p + lever;
-      const TimeOfImpact m{r.fraction, {0, at, at, n}};
-      if (!accepts(n, m)) return;
-      best = m;
-      limit = r.fraction;
-    });
+    visitTrianglesAlong(surface.tables, surface.shape, from, to - from, {}, limit,
+                        [&](const SurfaceTriangle& t) {
+                          const Vec3d a(t.corner[0]);
+                          const RayMeeting r = rays::triangle(from, to - from, a, Vec3d(t.corner[1]),
+                                                              Vec3d(t.corner[2]), twoSided);
+                          if (r.fraction > limit || (r.fraction == limit && best.fraction <= 1)) return;
+                          if (rule.passing && dot(r.n, to - a) > -rule.held) return;
+                          const Vec3d n = -rotate(surface.q, r.n), at = field.p + lever;
+                          const TimeOfImpact m{r.fraction, {0, at, at, n}};
+                          if (!accepts(n, m)) return;
+                          best = m;
+                          limit = r.fraction;
+                        });
   }
   return best;
 }
@@ -154,12 +170,13 @@ RUBBLE_HD inline Separation fieldSeparation(const PlacedAny& field, const Placed
   const Vec3d between = other.p - field.p;
   Separation out{length(between) - static_cast<double>(sizeF + sizeO), field.p, other.p, normalize(between)};
   // far apart their spheres tell enough
-  if (other.shape.kind != ShapeKind::Plane && out.distance > .25 * static_cast<double>(sizeF + sizeO)) return out;
+  if (other.shape.kind != ShapeKind::Plane && out.distance > .25 * static_cast<double>(sizeF + sizeO))
+    return out;
   const Vec3 at(rotateInverse(field.q, between));
   const Quat q(conjugate(field.q) * other.q);
   Real margin = Real(1e30);
-  visitGaps(field.tables, field.shape, other.shape, at, q, 2 * (sizeO > Real(0) ? min(sizeF, sizeO) : sizeF), margin,
-            [&](const Vec3& n, const Vec3& onSurface, Real gap, int) {
+  visitGaps(field.tables, field.shape, other.shape, at, q, 2 * (sizeO > Real(0) ? min(sizeF, sizeO) : sizeF),
+            margin, [&](const Vec3& n, const Vec3& onSurface, Real gap, int) {
               if (gap >= margin) return;
               margin = gap;
               out.distance = static_cast<double>(gap);
@@ -170,14 +187,19 @@ RUBBLE_HD inline Separation fieldSeparation(const PlacedAny& field, const Placed
   return out;
 }
 
-/// A distance field (A) against a shape of any kind. Where they touch without meeting it goes on by half a spacing.
+/// A distance field (A) against a shape of any kind. Where they touch without meeting it goes on by half a
+/// spacing.
 template <class Accepts>
-RUBBLE_HD TimeOfImpact meetField(const PlacedAny& field, const Way& wayF, const PlacedAny& other, const Way& wayO, const MeetRule& rule, Accepts&& accepts) {
+RUBBLE_HD TimeOfImpact meetField(const PlacedAny& field, const Way& wayF, const PlacedAny& other,
+                                 const Way& wayO, const MeetRule& rule, Accepts&& accepts) {
   if (other.shape.kind == ShapeKind::Mesh || other.shape.kind == ShapeKind::HeightField)
     return meetFieldTriangles(field, wayF, other, wayO, rule, accepts);
   constexpr int kMostSteps = 128;
-  const double speed = max(length(wayF.move - wayO.move), max(length(wayF.move), length(wayO.move)) * (wayF.until < 1 || wayO.until < 1)) + length(wayF.turn) * static_cast<double>(boundingRadius(field.shape)) +
-                       length(wayO.turn) * (static_cast<double>(boundingRadius(other.shape)) + length(other.arm));
+  const double speed = max(length(wayF.move - wayO.move),
+                           max(length(wayF.move), length(wayO.move)) * (wayF.until < 1 || wayO.until < 1)) +
+                       length(wayF.turn) * static_cast<double>(boundingRadius(field.shape)) +
+                       length(wayO.turn) *
+                           (static_cast<double>(boundingRadius(other.shape)) + length(other.arm));
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
   const double detail = static_cast<double>(lattice.spacing) / 2;
   const auto entered = [&](const PlacedAny& f, const PlacedAny& o, double distance) {
@@ -195,8 +217,10 @@ RUBBLE_HD TimeOfImpact meetField(const PlacedAny& field, const Way& wayF, const 
     const PlacedAny f = moved(field, wayF, m.fraction), o = moved(other, wayO, m.fraction);
     m.at = fieldSeparation(f, o);
     const bool touches = m.at.distance <= rule.tolerance;
-    if (!touches) first.fraction = kNeverMet;
-    else if (first.fraction > 1 && accepts(m.at.n, m)) first = m;
+    if (!touches)
+      first.fraction = kNeverMet;
+    else if (first.fraction > 1 && accepts(m.at.n, m))
+      first = m;
     if (first.fraction <= 1 && (!rule.passing || entered(f, o, m.at.distance))) return first;
     if (!(speed > 0) || m.fraction >= 1) return {kNeverMet, m.at};
     m.fraction = min(1.0, m.fraction + (touches ? detail : m.at.distance - rule.tolerance / 2) / speed);
@@ -209,8 +233,10 @@ namespace sweep {
 
 RUBBLE_HD inline Real innerRadiusOfPart(const ShapeTables& tables, const ShapeData& s) {
   switch (s.kind) {
-    case ShapeKind::RoundBox: return min(s.half.x, min(s.half.y, s.half.z)) + s.radius;
-    case ShapeKind::Cylinder: return min(s.half.x, s.half.z) + s.radius;
+    case ShapeKind::RoundBox:
+      return min(s.half.x, min(s.half.y, s.half.z)) + s.radius;
+    case ShapeKind::Cylinder:
+      return min(s.half.x, s.half.z) + s.radius;
     case ShapeKind::Cone: {
       // the sphere that touches base and side
       const Real r = s.half.x, h = s.half.z * 4 / 3;
@@ -222,10 +248,13 @@ RUBBLE_HD inline Real innerRadiusOfPart(const ShapeTables& tables, const ShapeDa
       for (int f = 0; f < c.faceCount; ++f) least = min(least, c.planes[f].w);
       return least + s.radius;
     }
-    case ShapeKind::Distance: return latticeOf(tables, s).spacing / 2;
+    case ShapeKind::Distance:
+      return latticeOf(tables, s).spacing / 2;
     case ShapeKind::Mesh:
-    case ShapeKind::HeightField: return 0;
-    default: return innerRadius(s);
+    case ShapeKind::HeightField:
+      return 0;
+    default:
+      return innerRadius(s);
   }
 }
 
@@ -233,13 +262,15 @@ RUBBLE_HD RUBBLE_APART inline Real generalInnerRadius(const ShapeTables& tables,
   if (s.kind != ShapeKind::Compound) return innerRadiusOfPart(tables, s);
   const int first = tables.index[s.data + 2], count = tables.index[s.data + 3];
   Real least = Real(1e18);
-  for (int k = first; k < first + count; ++k) least = min(least, innerRadiusOfPart(tables, tables.part[k].shape));
+  for (int k = first; k < first + count; ++k)
+    least = min(least, innerRadiusOfPart(tables, tables.part[k].shape));
   return least;
 }
 
 }  // namespace sweep
 
-/// Half of the smallest thickness of any shape: of a compound that of its thinnest part; a surface has none. [m]
+/// Half of the smallest thickness of any shape: of a compound that of its thinnest part; a surface has none.
+/// [m]
 RUBBLE_HD inline Real innerRadiusOf(const ShapeTables& tables, const ShapeData& s) {
   return isPrimitive(s.kind) ? innerRadius(s) : sweep::generalInnerRadius(tables, s);
 }

@@ -1,11 +1,15 @@
 #pragma once
 /// The triangles of meshes and height fields that lie in a box.
-///   mesh          vectors: low and high corner of each node of a tree in depth-first order, then vertices; indices: for each node the one to
-///                 go on with if it is not entered, and its triangle or -1; then corners of the triangles, their flags, and beyond each edge
+///   mesh          vectors: low and high corner of each node of a tree in depth-first order, then vertices;
+///                 indices: for each node the one to
+///                 go on with if it is not entered, and its triangle or -1; then corners of the triangles,
+///                 their flags, and beyond each edge
 ///                 the corner of the triangle on its other side, or -1
-///   height field  vectors: (spacing x, spacing y, lowest, highest), (x, y of the first sample, -, -), then samples, four a vector, x fastest;
+///   height field  vectors: (spacing x, spacing y, lowest, highest), (x, y of the first sample, -, -), then
+///                 samples, four a vector, x fastest;
 ///                 indices: flags of the two triangles of each cell
-/// Flags: bit e: the edge from corner e on can be touched; bit 3 + k: so can corner k; six bits further up the same from behind.
+/// Flags: bit e: the edge from corner e on can be touched; bit 3 + k: so can corner k; six bits further up
+/// the same from behind.
 #include "collision/shapes.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -14,15 +18,21 @@ struct SurfaceTriangle {
   Vec3 corner[3];
   int flags;
   int index;
-  Vec3 beyond[3];  ///< far corner of the triangle on the other side of the edge from corner e on; corner e if there is none
+  Vec3 beyond[3];  ///< far corner of the triangle on the other side of the edge from corner e on; corner e if
+                   ///< there is none
 };
 
 RUBBLE_HD inline bool boxesMeet(const Vec3& lowA, const Vec3& highA, const Vec3& lowB, const Vec3& highB) {
-  return lowA.x <= highB.x && lowB.x <= highA.x && lowA.y <= highB.y && lowB.y <= highA.y && lowA.z <= highB.z && lowB.z <= highA.z;
+  return lowA.x <= highB.x && lowB.x <= highA.x && lowA.y <= highB.y && lowB.y <= highA.y &&
+         lowA.z <= highB.z && lowB.z <= highA.z;
 }
 
-RUBBLE_HD inline Vec3 lower(const Vec3& a, const Vec3& b) { return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)}; }
-RUBBLE_HD inline Vec3 upper(const Vec3& a, const Vec3& b) { return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)}; }
+RUBBLE_HD inline Vec3 lower(const Vec3& a, const Vec3& b) {
+  return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)};
+}
+RUBBLE_HD inline Vec3 upper(const Vec3& a, const Vec3& b) {
+  return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)};
+}
 
 RUBBLE_HD inline bool isTwoSided(const ShapeTables& tables, const ShapeData& s) {
   return s.kind == ShapeKind::Mesh && tables.index[s.data + 5] != 0;
@@ -30,7 +40,8 @@ RUBBLE_HD inline bool isTwoSided(const ShapeTables& tables, const ShapeData& s) 
 
 namespace surface {
 
-/// visit(triangle) for the triangles of a mesh whose boxes, and those of the nodes above them, pass meets(low, high).
+/// visit(triangle) for the triangles of a mesh whose boxes, and those of the nodes above them, pass
+/// meets(low, high).
 template <class Meets, class Visit>
 RUBBLE_HD bool visitMesh(const ShapeTables& tables, const ShapeData& s, Meets&& meets, Visit&& visit) {
   const int* const header = tables.index + s.data;
@@ -61,7 +72,9 @@ RUBBLE_HD bool visitMesh(const ShapeTables& tables, const ShapeData& s, Meets&& 
   return false;
 }
 
-RUBBLE_HD inline int cellAt(Real x, int cells) { return static_cast<int>(clamp(std::floor(x), Real(0), Real(cells - 1))); }
+RUBBLE_HD inline int cellAt(Real x, int cells) {
+  return static_cast<int>(clamp(std::floor(x), Real(0), Real(cells - 1)));
+}
 
 /// The samples of a height field.
 struct HeightGrid {
@@ -87,7 +100,8 @@ struct HeightGrid {
       t.beyond[0] = half == 0 ? corner(i, max(j - 1, 0)) : b;
       t.beyond[1] = half == 0 ? corner(min(i + 2, nx - 1), j + 1) : corner(i + 1, min(j + 2, ny - 1));
       t.beyond[2] = half == 0 ? d : corner(max(i - 1, 0), j);
-      const Vec3 lowest = lower(t.corner[0], lower(t.corner[1], t.corner[2])), highest = upper(t.corner[0], upper(t.corner[1], t.corner[2]));
+      const Vec3 lowest = lower(t.corner[0], lower(t.corner[1], t.corner[2])),
+                 highest = upper(t.corner[0], upper(t.corner[1], t.corner[2]));
       if (meets(lowest, highest) && visit(t)) return true;
     }
     return false;
@@ -114,12 +128,16 @@ RUBBLE_HD bool visitHeights(const HeightGrid& g, const Vec3& low, const Vec3& hi
 
 }  // namespace surface
 
-/// visit(triangle) for all that meet the box [low, high] of the surface's frame, until it returns true; whether it did.
+/// visit(triangle) for all that meet the box [low, high] of the surface's frame, until it returns true;
+/// whether it did.
 template <class Visit>
-RUBBLE_HD bool visitTriangles(const ShapeTables& tables, const ShapeData& s, const Vec3& low, const Vec3& high, Visit&& visit) {
+RUBBLE_HD bool visitTriangles(const ShapeTables& tables, const ShapeData& s, const Vec3& low,
+                              const Vec3& high, Visit&& visit) {
   if (s.kind == ShapeKind::Mesh)
-    return surface::visitMesh(tables, s, [&](const Vec3& l, const Vec3& h) { return boxesMeet(low, high, l, h); }, visit);
-  if (s.kind == ShapeKind::HeightField) return surface::visitHeights(surface::heightGrid(tables, s), low, high, visit);
+    return surface::visitMesh(
+        tables, s, [&](const Vec3& l, const Vec3& h) { return boxesMeet(low, high, l, h); }, visit);
+  if (s.kind == ShapeKind::HeightField)
+    return surface::visitHeights(surface::heightGrid(tables, s), low, high, visit);
   return false;
 }
 

@@ -48,14 +48,16 @@ void unit(const Quat& q, const std::string& path) {
 }
 void rotation(const Quat& q, const std::string& path) {
   const double norm = std::sqrt(q.s * q.s + dot(q.v, q.v));
-  if (!(norm > 0) || !std::isfinite(norm)) throw Error(path, "a quaternion of some length", "one of norm " + text(norm));
+  if (!(norm > 0) || !std::isfinite(norm))
+    throw Error(path, "a quaternion of some length", "one of norm " + text(norm));
 }
 
 void material(const Material& m, const std::string& path) {
   notNegative(m.staticFriction, path + ".staticFriction");
   notNegative(m.dynamicFriction, path + ".dynamicFriction");
   if (m.dynamicFriction > m.staticFriction)
-    throw Error(path + ".dynamicFriction", "at most the static friction " + text(m.staticFriction), text(m.dynamicFriction));
+    throw Error(path + ".dynamicFriction", "at most the static friction " + text(m.staticFriction),
+                text(m.dynamicFriction));
   notNegative(m.restitution, path + ".restitution");
   if (m.restitution > 1) throw Error(path + ".restitution", "at most 1", text(m.restitution));
   enumeration(m.frictionCombine, Combine::GeometricMean, path + ".frictionCombine");

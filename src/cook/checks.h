@@ -1,5 +1,6 @@
 #pragma once
-/// What numbers from outside have to be. Each check throws Error with the path of what is wrong, what was expected and what came.
+/// What numbers from outside have to be. Each check throws Error with the path of what is wrong, what was
+/// expected and what came.
 #include <span>
 #include <string>
 
@@ -33,10 +34,10 @@ void material(const Material& m, const std::string& path);
 
 [[noreturn]] void failEnumeration(long long value, long long last, const std::string& path);
 /// One of an enumeration that counts from 0 to `last`.
-template <class E>
-void enumeration(E value, E last, const std::string& path) {
+template <class E> void enumeration(E value, E last, const std::string& path) {
   const auto number = static_cast<long long>(value);
-  if (number < 0 || number > static_cast<long long>(last)) failEnumeration(number, static_cast<long long>(last), path);
+  if (number < 0 || number > static_cast<long long>(last))
+    failEnumeration(number, static_cast<long long>(last), path);
 }
 
 }  // namespace rubble::checks

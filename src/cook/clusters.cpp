@@ -15,7 +15,8 @@ struct Builder {
     if (level == 0) return;
     std::vector<std::pair<int, int>> pieces;
     const auto at = [&](int v) -> const Vec3& { return model.vertices[std::size_t(v)].position; };
-    cutInHalves(model.clusterOrder, begin, end, SoftModel::kFinestCluster << (3 * (level - 1)), at, [&](int a, int b) { pieces.emplace_back(a, b); });
+    cutInHalves(model.clusterOrder, begin, end, SoftModel::kFinestCluster << (3 * (level - 1)), at,
+                [&](int a, int b) { pieces.emplace_back(a, b); });
     for (const auto& [a, b] : pieces) add(level - 1, a, b, own);
   }
 };

@@ -27,7 +27,8 @@ void addHull(CookedShape& out, const Shape& shape, const std::string& path) {
   constexpr std::size_t kMostVertices = 256;
   const Hull hull = convexHull(shape.geometry->points, path + ".points");
   if (hull.vertices.size() > kMostVertices)
-    throw Error(path + ".points", "a hull of at most " + std::to_string(kMostVertices) + " corners", std::to_string(hull.vertices.size()));
+    throw Error(path + ".points", "a hull of at most " + std::to_string(kMostVertices) + " corners",
+                std::to_string(hull.vertices.size()));
   if (shape.rounding > 0) {
     out.unit = massProperties(shape, 1);
   } else {
@@ -61,7 +62,8 @@ void addHull(CookedShape& out, const Shape& shape, const std::string& path) {
     corners += static_cast<int>(hull.faces[f].size());
   }
   out.indices.push_back(corners);
-  for (const std::vector<int>& face : hull.faces) out.indices.insert(out.indices.end(), face.begin(), face.end());
+  for (const std::vector<int>& face : hull.faces)
+    out.indices.insert(out.indices.end(), face.begin(), face.end());
 }
 
 void addCompound(CookedShape& out, const Shape& shape, const std::string& path) {
@@ -91,8 +93,10 @@ void addCompound(CookedShape& out, const Shape& shape, const std::string& path) 
     incidence.material = parts[i].material;
     // its tables behind those that are there
     const int vectors = static_cast<int>(out.vectors.size()), indices = static_cast<int>(out.indices.size());
-    for (const int place : part.vectorPlaces) part.indices[static_cast<std::size_t>(place)] += vectors, out.vectorPlaces.push_back(place + indices);
-    for (const int place : part.indexPlaces) part.indices[static_cast<std::size_t>(place)] += indices, out.indexPlaces.push_back(place + indices);
+    for (const int place : part.vectorPlaces)
+      part.indices[static_cast<std::size_t>(place)] += vectors, out.vectorPlaces.push_back(place + indices);
+    for (const int place : part.indexPlaces)
+      part.indices[static_cast<std::size_t>(place)] += indices, out.indexPlaces.push_back(place + indices);
     if (incidence.shape.data >= 0) incidence.shape.data += indices;
     out.vectors.insert(out.vectors.end(), part.vectors.begin(), part.vectors.end());
     out.indices.insert(out.indices.end(), part.indices.begin(), part.indices.end());
@@ -101,7 +105,8 @@ void addCompound(CookedShape& out, const Shape& shape, const std::string& path) 
     const Vec3& h = part.shape.half;
     const double extra = part.shape.radius;
     const Vec3 reach = abs(r.c0) * h.x + abs(r.c1) * h.y + abs(r.c2) * h.z + Vec3{extra, extra, extra};
-    for (int k = 0; k < 3; ++k) out.shape.half[k] = std::max(out.shape.half[k], std::fabs(incidence.position[k]) + reach[k]);
+    for (int k = 0; k < 3; ++k)
+      out.shape.half[k] = std::max(out.shape.half[k], std::fabs(incidence.position[k]) + reach[k]);
     out.radius = std::max(out.radius, length(incidence.position) + part.radius);
     out.parts.push_back(incidence);
   }
@@ -114,16 +119,22 @@ CookedShape cook(const Shape& shape, const std::string& path) {
   CookedShape out;
   const double r = shape.rounding;
   const auto inside = [&](double smallest) {
-    if (r > 0 && !(r < smallest)) throw Error(path + ".rounding", "less than half of the smallest size", std::to_string(r));
+    if (r > 0 && !(r < smallest))
+      throw Error(path + ".rounding", "less than half of the smallest size", std::to_string(r));
   };
   switch (shape.type) {
-    case ShapeType::Sphere: out.shape = {CookedKind::Sphere, {}, shape.radius}; break;
-    case ShapeType::Capsule: out.shape = {CookedKind::Capsule, {0, 0, shape.halfLength}, shape.radius}; break;
+    case ShapeType::Sphere:
+      out.shape = {CookedKind::Sphere, {}, shape.radius};
+      break;
+    case ShapeType::Capsule:
+      out.shape = {CookedKind::Capsule, {0, 0, shape.halfLength}, shape.radius};
+      break;
     case ShapeType::Box:
       inside(std::min({shape.halfExtents.x, shape.halfExtents.y, shape.halfExtents.z}));
       out.shape = {r > 0 ? CookedKind::RoundBox : CookedKind::Box, shape.halfExtents - Vec3{r, r, r}, r};
       break;
-    case ShapeType::Plane: return out;
+    case ShapeType::Plane:
+      return out;
     case ShapeType::Cylinder:
       inside(std::min(shape.radius, shape.halfLength));
       out.shape = {CookedKind::Cylinder, {shape.radius - r, shape.radius - r, shape.halfLength - r}, r};
@@ -134,11 +145,21 @@ CookedShape cook(const Shape& shape, const std::string& path) {
       out.shape = {CookedKind::Cone, {shape.radius, shape.radius, 1.5 * shape.halfLength}, 0};
       out.radius = std::max(1.5 * shape.halfLength, std::hypot(shape.radius, .5 * shape.halfLength));
       break;
-    case ShapeType::Hull: cooking::addHull(out, shape, path); return out;
-    case ShapeType::Compound: cooking::addCompound(out, shape, path); return out;
-    case ShapeType::Mesh: cooking::addMesh(out, shape, path); return out;
-    case ShapeType::HeightField: cooking::addHeightField(out, shape); return out;
-    case ShapeType::DistanceField: cooking::addDistanceField(out, shape, path); return out;
+    case ShapeType::Hull:
+      cooking::addHull(out, shape, path);
+      return out;
+    case ShapeType::Compound:
+      cooking::addCompound(out, shape, path);
+      return out;
+    case ShapeType::Mesh:
+      cooking::addMesh(out, shape, path);
+      return out;
+    case ShapeType::HeightField:
+      cooking::addHeightField(out, shape);
+      return out;
+    case ShapeType::DistanceField:
+      cooking::addDistanceField(out, shape, path);
+      return out;
   }
   out.unit = massProperties(shape, 1);
   if (out.radius == 0) out.radius = out.shape.radius + length(out.shape.half);

@@ -37,7 +37,8 @@ void addDistanceField(CookedShape& out, const Shape& shape, const std::string& p
   const ShapeGeometry& g = *shape.geometry;
   const std::size_t count = g.samples.size();
   const ShapeMesh surface = distanceSurface(g);
-  if (surface.triangles.empty()) throw Error(path + ".distances", "a surface of distance 0 within the lattice", "none");
+  if (surface.triangles.empty())
+    throw Error(path + ".distances", "a surface of distance 0 within the lattice", "none");
   out.unit = principal(insideOf(g));
   if (!(out.unit.mass > 0)) throw Error(path + ".distances", "something inside", "nothing");
 

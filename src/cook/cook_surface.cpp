@@ -58,10 +58,12 @@ class TreeBuilder {
       const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
       const std::size_t half = begin + (end - begin) / 2;
       const auto less = [&](int a, int b) {
-        const double x = boxes_[static_cast<std::size_t>(a)].middle()[axis], y = boxes_[static_cast<std::size_t>(b)].middle()[axis];
+        const double x = boxes_[static_cast<std::size_t>(a)].middle()[axis],
+                     y = boxes_[static_cast<std::size_t>(b)].middle()[axis];
         return x != y ? x < y : a < b;
       };
-      std::nth_element(order_.begin() + static_cast<std::ptrdiff_t>(begin), order_.begin() + static_cast<std::ptrdiff_t>(half),
+      std::nth_element(order_.begin() + static_cast<std::ptrdiff_t>(begin),
+                       order_.begin() + static_cast<std::ptrdiff_t>(half),
                        order_.begin() + static_cast<std::ptrdiff_t>(end), less);
       build(begin, half);
       build(half, end);
@@ -82,7 +84,9 @@ void setBounds(CookedShape& out, const Range& box) {
 
 }  // namespace
 
-std::vector<int> touchableEdges(const std::vector<Vec3>& points, const std::vector<std::array<int, 3>>& triangles, bool twoSided, std::vector<int>* beyond) {
+std::vector<int> touchableEdges(const std::vector<Vec3>& points,
+                                const std::vector<std::array<int, 3>>& triangles, bool twoSided,
+                                std::vector<int>* beyond) {
   // corners in one place are one
   std::map<std::array<double, 3>, int> places;
   std::vector<int> weld(points.size());
@@ -93,7 +97,10 @@ std::vector<int> touchableEdges(const std::vector<Vec3>& points, const std::vect
     int triangle, edge;
   };
   std::map<std::pair<int, int>, std::vector<Side>> edges;
-  const auto corner = [&](int t, int k) { return weld[static_cast<std::size_t>(triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k % 3)])]; };
+  const auto corner = [&](int t, int k) {
+    return weld[static_cast<std::size_t>(
+        triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k % 3)])];
+  };
   const auto normal = [&](int t) {
     const Vec3 a = at(points, corner(t, 0));
     return normalize(cross(at(points, corner(t, 1)) - a, at(points, corner(t, 2)) - a));
@@ -106,7 +113,8 @@ std::vector<int> touchableEdges(const std::vector<Vec3>& points, const std::vect
     beyond->assign(3 * triangles.size(), -1);
     for (const auto& [ends, sides] : edges)
       for (std::size_t k = 0; k < 2 && sides.size() == 2; ++k)
-        (*beyond)[static_cast<std::size_t>(3 * sides[k].triangle + sides[k].edge)] = corner(sides[1 - k].triangle, sides[1 - k].edge + 2);
+        (*beyond)[static_cast<std::size_t>(3 * sides[k].triangle + sides[k].edge)] = corner(
+            sides[1 - k].triangle, sides[1 - k].edge + 2);
   }
   std::vector<int> flags(triangles.size());
   // from the front, and from the back six bits further up
@@ -117,16 +125,19 @@ std::vector<int> touchableEdges(const std::vector<Vec3>& points, const std::vect
       bool active = true;
       if (sides.size() == 2) {
         const Vec3 n0 = normal(sides[0].triangle), n1 = normal(sides[1].triangle);
-        const double opposite = dot(n0, at(points, corner(sides[1].triangle, sides[1].edge + 2)) - at(points, ends.first));
+        const double opposite = dot(
+            n0, at(points, corner(sides[1].triangle, sides[1].edge + 2)) - at(points, ends.first));
         active = dot(n0, n1) <= kFlatCosine && (face == 0 ? opposite < 0 : opposite > 0);
       }
       if (!active) continue;
       for (const Side& s : sides) flags[static_cast<std::size_t>(s.triangle)] |= 1 << (s.edge + shift);
-      touchable[static_cast<std::size_t>(ends.first)] = touchable[static_cast<std::size_t>(ends.second)] = true;
+      touchable[static_cast<std::size_t>(ends.first)] = touchable[static_cast<std::size_t>(
+          ends.second)] = true;
     }
     for (int t = 0; t < count; ++t)
       for (int k = 0; k < 3; ++k)
-        if (touchable[static_cast<std::size_t>(corner(t, k))]) flags[static_cast<std::size_t>(t)] |= 8 << (k + shift);
+        if (touchable[static_cast<std::size_t>(corner(t, k))])
+          flags[static_cast<std::size_t>(t)] |= 8 << (k + shift);
   }
   return flags;
 }
@@ -148,7 +159,9 @@ void addMesh(CookedShape& out, const Shape& shape, const std::string& path) {
   std::vector<int> beyond;
   const std::vector<int> flags = touchableEdges(g.points, g.triangles, g.twoSided, &beyond);
   const int header = beginHeader(out, 6);
-  const auto set = [&](int k, std::size_t value) { out.indices[static_cast<std::size_t>(header + k)] = static_cast<int>(value); };
+  const auto set = [&](int k, std::size_t value) {
+    out.indices[static_cast<std::size_t>(header + k)] = static_cast<int>(value);
+  };
   set(2, tree.nodes.size()), set(3, g.triangles.size()), set(4, g.points.size()), set(5, g.twoSided);
   out.shape.kind = CookedKind::Mesh;
   out.shape.data = header;

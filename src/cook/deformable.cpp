@@ -23,11 +23,12 @@ double triangleArea(const Vec3& a, const Vec3& b, const Vec3& c) { return length
 SoftModel startModel(const DeformableDef& d) {
   SoftModel m;
   const std::vector<Vec3>& from = d.start.empty() ? d.vertices : d.start;
-  for (std::size_t v = 0; v < from.size(); ++v) m.vertices.push_back({from[v], {}, 0, 0, 0, true, d.vertices[v] - d.vertices[0]});
+  for (std::size_t v = 0; v < from.size(); ++v)
+    m.vertices.push_back({from[v], {}, 0, 0, 0, true, d.vertices[v] - d.vertices[0]});
   m.material = d.material;
   m.gravityScale = d.gravityScale;
-  m.collides = (d.collide ? kWithBodies : 0) | (d.collideVertices ? kWithGrains : 0) | (d.collideSurface ? kWithSurfaces : 0) |
-               (d.collideSelf ? kWithSelf : 0);
+  m.collides = (d.collide ? kWithBodies : 0) | (d.collideVertices ? kWithGrains : 0) |
+               (d.collideSurface ? kWithSurfaces : 0) | (d.collideSelf ? kWithSelf : 0);
   return m;
 }
 
@@ -44,7 +45,8 @@ std::shared_ptr<const SoftModel> finished(SoftModel m, const DeformableDef& d) {
   }
   m.size = length(highest - lowest) + 2 * m.vertices[0].radius;
   const Vec3 centre = moment / m.mass;
-  for (SoftModel::Vertex& v : m.vertices) v.velocity = d.velocity + cross(d.angularVelocity, v.position - centre);
+  for (SoftModel::Vertex& v : m.vertices)
+    v.velocity = d.velocity + cross(d.angularVelocity, v.position - centre);
   for (const int v : d.fixed) {
     m.vertices[std::size_t(v)].mass = 0;
     m.vertices[std::size_t(v)].velocity = {};
@@ -60,7 +62,8 @@ void setLengths(SoftModel& m, const DeformableDef& d, const std::vector<Edge>& e
     const double l = length(at(d, a) - at(d, b));
     for (const int v : {a, b}) sum[std::size_t(v)] += l, count[std::size_t(v)] += 1;
   }
-  for (std::size_t v = 0; v < sum.size(); ++v) m.vertices[v].length = count[v] > 0 ? sum[v] / count[v] : otherwise;
+  for (std::size_t v = 0; v < sum.size(); ++v)
+    m.vertices[v].length = count[v] > 0 ? sum[v] / count[v] : otherwise;
 }
 
 /// The least mass among vertices that move.
@@ -77,8 +80,7 @@ double leastMass(const SoftModel& m, const DeformableDef& d, const Corners& corn
 
 Edge ordered(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 
-template <std::size_t N>
-std::vector<Edge> edgesOf(const std::vector<std::array<int, N>>& cells) {
+template <std::size_t N> std::vector<Edge> edgesOf(const std::vector<std::array<int, N>>& cells) {
   std::vector<Edge> edges;
   for (const auto& c : cells)
     for (std::size_t i = 0; i < N; ++i)
@@ -106,7 +108,8 @@ std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
   SoftModel m = startModel(d);
   for (const auto& v : d.tetrahedra) {
     m.tetrahedra.push_back(cookTetrahedron(d, v));
-    for (const int corner : v) m.vertices[std::size_t(corner)].mass += d.density * m.tetrahedra.back().volume / 4;
+    for (const int corner : v)
+      m.vertices[std::size_t(corner)].mass += d.density * m.tetrahedra.back().volume / 4;
   }
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.contactRadius;
   setLengths(m, d, edgesOf(d.tetrahedra), 1);
@@ -126,7 +129,8 @@ SoftModel::Membrane cookMembrane(const ClothDef& d, const SoftModel& m, const st
   t.m1[0] = 1 / x1, t.m1[1] = -x2 / (x1 * y2);
   t.m2[0] = 0, t.m2[1] = 1 / y2;
   const double mu = d.youngsModulus * d.thickness / (2 * (1 + d.poissonRatio));
-  const double lambda = d.youngsModulus * d.thickness * d.poissonRatio / (1 - d.poissonRatio * d.poissonRatio);
+  const double lambda = d.youngsModulus * d.thickness * d.poissonRatio /
+                        (1 - d.poissonRatio * d.poissonRatio);
   t.stiffness[0] = area * (mu + lambda), t.stiffness[1] = area * mu;
   t.damper = area * d.thickness * d.viscosity / 2;
   t.tearStretch = d.tearStretch;
@@ -158,7 +162,8 @@ std::map<Edge, Hinge> hingesOf(const std::vector<std::array<int, 3>>& triangles)
 double cotangent(const Vec3& a, const Vec3& b) { return dot(a, b) / length(cross(a, b)); }
 
 void addBends(const ClothDef& d, SoftModel& m) {
-  const double plate = d.youngsModulus * std::pow(d.thickness, 3) / (12 * (1 - d.poissonRatio * d.poissonRatio));
+  const double plate = d.youngsModulus * std::pow(d.thickness, 3) /
+                       (12 * (1 - d.poissonRatio * d.poissonRatio));
   const double kb = d.bendingStiffness.value_or(plate);
   if (!(kb > 0) && !(d.bendingDamping > 0)) return;
   for (const auto& [edge, h] : hingesOf(d.triangles)) {
@@ -173,7 +178,8 @@ void addBends(const ClothDef& d, SoftModel& m) {
       m.foldBends.push_back({v, kb * q * dot(e0, e0), d.bendingDamping * length(e0), angle});
       continue;
     }
-    const double c01 = cotangent(e0, x2 - x0), c02 = cotangent(e0, x3 - x0), c03 = cotangent(-e0, x2 - x1), c04 = cotangent(-e0, x3 - x1);
+    const double c01 = cotangent(e0, x2 - x0), c02 = cotangent(e0, x3 - x0), c03 = cotangent(-e0, x2 - x1),
+                 c04 = cotangent(-e0, x3 - x1);
     m.flatBends.push_back({v, kb * q, {c03 + c04, c01 + c02, -c01 - c03, -c02 - c04}});
   }
 }
@@ -205,16 +211,22 @@ std::shared_ptr<const SoftModel> cook(const RodDef& d) {
   for (int i = 0; i < segments; ++i) edges.emplace_back(i, (i + 1) % n);
   const auto lengthOf = [&](const Edge& e) { return length(at(d, e.first) - at(d, e.second)); };
   for (const Edge& e : edges)
-    for (const int v : {e.first, e.second}) m.vertices[std::size_t(v)].mass += d.density * area * lengthOf(e) / 2;
+    for (const int v : {e.first, e.second})
+      m.vertices[std::size_t(v)].mass += d.density * area * lengthOf(e) / 2;
   for (const Edge& e : edges) {
     const double l = lengthOf(e);
-    m.springs.push_back({{e.first, e.second}, d.youngsModulus * area / l, d.viscosity * area / l, l, d.breakForce,
+    m.springs.push_back({{e.first, e.second},
+                         d.youngsModulus * area / l,
+                         d.viscosity * area / l,
+                         l,
+                         d.breakForce,
                          leastMass(m, d, std::array<int, 2>{e.first, e.second})});
   }
   for (int i = d.closed ? 0 : 1; i < segments; ++i) {
     const Edge &before = edges[std::size_t((i + segments - 1) % segments)], &after = edges[std::size_t(i)];
     const double a = lengthOf(before), b = lengthOf(after), mean = (a + b) / 2;
-    m.lineBends.push_back({{after.first, before.first, after.second}, d.youngsModulus * inertia / (mean * mean * mean),
+    m.lineBends.push_back({{after.first, before.first, after.second},
+                           d.youngsModulus * inertia / (mean * mean * mean),
                            {-mean * (1 / a + 1 / b), mean / a, mean / b}});
   }
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.radius;
@@ -233,7 +245,12 @@ std::shared_ptr<const SoftModel> cook(const NetDef& d) {
   for (const NetDef::Edge& e : d.edges) {
     edges.emplace_back(e.a, e.b);
     const double rest = e.restLength >= 0 ? e.restLength : length(at(d, e.a) - at(d, e.b));
-    m.springs.push_back({{e.a, e.b}, e.stiffness, e.damping, rest, d.breakForce, leastMass(m, d, std::array<int, 2>{e.a, e.b})});
+    m.springs.push_back({{e.a, e.b},
+                         e.stiffness,
+                         e.damping,
+                         rest,
+                         d.breakForce,
+                         leastMass(m, d, std::array<int, 2>{e.a, e.b})});
   }
   setLengths(m, d, edges, d.contactRadius > 0 ? 2 * d.contactRadius : 1);
   m.surface = d.triangles;

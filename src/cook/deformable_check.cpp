@@ -12,15 +12,17 @@ namespace {
 
 using namespace checks;
 
-std::string item(const std::string& path, const char* list, std::size_t i) { return element(path + "." + list, i); }
+std::string item(const std::string& path, const char* list, std::size_t i) {
+  return element(path + "." + list, i);
+}
 
 void ratio(double a, double least, const std::string& path) {
-  if (!(a > least && a < .5) && !(a == least && least == 0)) throw Error(path, "a number from " + text(least) + " to below .5", text(a));
+  if (!(a > least && a < .5) && !(a == least && least == 0))
+    throw Error(path, "a number from " + text(least) + " to below .5", text(a));
 }
 
 /// Indices are of vertices, and differ from one another.
-template <class Corners>
-void corners(const DeformableDef& d, const Corners& c, const std::string& path) {
+template <class Corners> void corners(const DeformableDef& d, const Corners& c, const std::string& path) {
   for (const int v : c)
     if (v < 0 || std::size_t(v) >= d.vertices.size())
       throw Error(path, "indices below " + std::to_string(d.vertices.size()), std::to_string(v));
@@ -30,12 +32,15 @@ void corners(const DeformableDef& d, const Corners& c, const std::string& path) 
 }
 
 void checkCommon(const DeformableDef& d, std::size_t least, const std::string& path) {
-  if (d.vertices.size() < least) throw Error(path + ".vertices", "at least " + std::to_string(least), std::to_string(d.vertices.size()));
+  if (d.vertices.size() < least)
+    throw Error(path + ".vertices", "at least " + std::to_string(least), std::to_string(d.vertices.size()));
   finite(d.vertices, path + ".vertices");
   if (!d.start.empty() && d.start.size() != d.vertices.size())
-    throw Error(path + ".start", "as many positions as vertices, " + std::to_string(d.vertices.size()), std::to_string(d.start.size()));
+    throw Error(path + ".start", "as many positions as vertices, " + std::to_string(d.vertices.size()),
+                std::to_string(d.start.size()));
   finite(d.start, path + ".start");
-  for (std::size_t i = 0; i < d.fixed.size(); ++i) corners(d, std::array<int, 1>{d.fixed[i]}, item(path, "fixed", i));
+  for (std::size_t i = 0; i < d.fixed.size(); ++i)
+    corners(d, std::array<int, 1>{d.fixed[i]}, item(path, "fixed", i));
   finite(d.velocity, path + ".velocity");
   finite(d.angularVelocity, path + ".angularVelocity");
   const Material& m = d.material;
@@ -45,7 +50,8 @@ void checkCommon(const DeformableDef& d, std::size_t least, const std::string& p
   };
   none(m.rollingFriction, "rollingFriction", "0: vertices do not turn");
   none(m.torsionalFriction, "torsionalFriction", "0: vertices do not turn");
-  none(length(m.surfaceVelocity), "surfaceVelocity", "none: only the surfaces of bodies move along themselves");
+  none(length(m.surfaceVelocity), "surfaceVelocity",
+       "none: only the surfaces of bodies move along themselves");
   finite(d.gravityScale, path + ".gravityScale");
 }
 
@@ -53,7 +59,8 @@ void checkCommon(const DeformableDef& d, std::size_t least, const std::string& p
 void allUsed(const std::vector<bool>& used, const std::string& path, const char* of) {
   const auto it = std::find(used.begin(), used.end(), false);
   if (it != used.end())
-    throw Error(item(path, "vertices", std::size_t(it - used.begin())), std::string("a corner of a ") + of, "a vertex of none");
+    throw Error(item(path, "vertices", std::size_t(it - used.begin())), std::string("a corner of a ") + of,
+                "a vertex of none");
 }
 
 /// Below this share of the cube (square) of the longest edge a volume (area) counts as none.
@@ -82,18 +89,20 @@ void check(const SoftDef& d, const std::string& path) {
       for (int b = a + 1; b < 4; ++b) longest = std::max(longest, length(x[a] - x[b]));
     const double volume = dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6;
     if (!(volume > kDegenerate * longest * longest * longest))
-      throw Error(here, "a positive volume", volume < 0 ? "an inverted tetrahedron of volume " + text(volume) + " m3" : "a flat one");
+      throw Error(here, "a positive volume",
+                  volume < 0 ? "an inverted tetrahedron of volume " + text(volume) + " m3" : "a flat one");
     for (std::size_t k = 0; k < 4; ++k) {
       std::array<int, 3> f{t[(k + 1) % 4], t[(k + 2) % 4], t[(k + 3) % 4]};
       std::sort(f.begin(), f.end());
-      if (++faces[f] > 2) throw Error(here, "faces that at most two tetrahedra share", "a third one on a face");
+      if (++faces[f] > 2)
+        throw Error(here, "faces that at most two tetrahedra share", "a third one on a face");
     }
   }
   allUsed(used, path, "tetrahedron");
 }
 
-void checkTriangles(const DeformableDef& d, const std::vector<std::array<int, 3>>& triangles, const std::string& path,
-                    std::vector<bool>& used) {
+void checkTriangles(const DeformableDef& d, const std::vector<std::array<int, 3>>& triangles,
+                    const std::string& path, std::vector<bool>& used) {
   std::map<std::pair<int, int>, int> edges;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     const auto& t = triangles[i];
@@ -104,31 +113,42 @@ void checkTriangles(const DeformableDef& d, const std::vector<std::array<int, 3>
       const int a = t[k], b = t[(k + 1) % 3];
       used[std::size_t(a)] = true;
       longest = std::max(longest, length(d.vertices[std::size_t(a)] - d.vertices[std::size_t(b)]));
-      if (++edges[{std::min(a, b), std::max(a, b)}] > 2) throw Error(here, "edges that at most two triangles share", "a third one on an edge");
+      if (++edges[{std::min(a, b), std::max(a, b)}] > 2)
+        throw Error(here, "edges that at most two triangles share", "a third one on an edge");
     }
-    const Vec3 a = d.vertices[std::size_t(t[0])], b = d.vertices[std::size_t(t[1])], c = d.vertices[std::size_t(t[2])];
-    if (!(length(cross(b - a, c - a)) > kDegenerate * longest * longest)) throw Error(here, "a positive area", "zero");
+    const Vec3 a = d.vertices[std::size_t(t[0])], b = d.vertices[std::size_t(t[1])],
+               c = d.vertices[std::size_t(t[2])];
+    if (!(length(cross(b - a, c - a)) > kDegenerate * longest * longest))
+      throw Error(here, "a positive area", "zero");
   }
 }
 
-/// A pressure needs an inside: every edge has two triangles, which go along it in opposite directions, and the volume is positive.
+/// A pressure needs an inside: every edge has two triangles, which go along it in opposite directions, and
+/// the volume is positive.
 void checkClosed(const ClothDef& d, const std::string& path) {
   std::map<std::pair<int, int>, std::size_t> ways;
   for (std::size_t i = 0; i < d.triangles.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [way, isNew] = ways.emplace(std::pair{d.triangles[i][k], d.triangles[i][(k + 1) % 3]}, i);
-      if (!isNew) throw Error(item(path, "triangles", i), "neighbours that are turned the same way, beside a pressure", "one that is turned over");
+      if (!isNew)
+        throw Error(item(path, "triangles", i), "neighbours that are turned the same way, beside a pressure",
+                    "one that is turned over");
     }
   double volume = 0;
   for (const auto& [way, i] : ways) {
     if (!ways.contains({way.second, way.first}))
-      throw Error(item(path, "triangles", i), "a closed sheet beside a pressure",
-                  "a rim between vertices " + std::to_string(way.first) + " and " + std::to_string(way.second));
+      throw Error(
+          item(path, "triangles", i), "a closed sheet beside a pressure",
+          "a rim between vertices " + std::to_string(way.first) + " and " + std::to_string(way.second));
   }
   const Vec3 origin = d.vertices[0];
   for (const auto& t : d.triangles)
-    volume += dot(d.vertices[std::size_t(t[0])] - origin, cross(d.vertices[std::size_t(t[1])] - origin, d.vertices[std::size_t(t[2])] - origin)) / 6;
-  if (!(volume > 0)) throw Error(path + ".triangles", "corners counter-clockwise seen from outside, beside a pressure", "a volume of " + text(volume) + " m3");
+    volume += dot(d.vertices[std::size_t(t[0])] - origin,
+                  cross(d.vertices[std::size_t(t[1])] - origin, d.vertices[std::size_t(t[2])] - origin)) /
+              6;
+  if (!(volume > 0))
+    throw Error(path + ".triangles", "corners counter-clockwise seen from outside, beside a pressure",
+                "a volume of " + text(volume) + " m3");
 }
 
 void check(const ClothDef& d, const std::string& path) {
@@ -140,15 +160,19 @@ void check(const ClothDef& d, const std::string& path) {
   notNegative(d.viscosity, path + ".viscosity");
   if (d.bendingStiffness) notNegative(*d.bendingStiffness, path + ".bendingStiffness");
   notNegative(d.bendingDamping, path + ".bendingDamping");
-  if (d.bendingDamping > 0 && !d.restFolded) throw Error(path + ".bendingDamping", "restFolded with it", "a flat rest shape");
-  if (!(d.tearStretch > 1)) throw Error(path + ".tearStretch", "a number above 1 or infinity", text(d.tearStretch));
+  if (d.bendingDamping > 0 && !d.restFolded)
+    throw Error(path + ".bendingDamping", "restFolded with it", "a flat rest shape");
+  if (!(d.tearStretch > 1))
+    throw Error(path + ".tearStretch", "a number above 1 or infinity", text(d.tearStretch));
   if (d.triangles.empty()) throw Error(path + ".triangles", "at least one", "none");
   std::vector<bool> used(d.vertices.size());
   checkTriangles(d, d.triangles, path, used);
   allUsed(used, path, "triangle");
   finite(d.pressure, path + ".pressure");
   if (d.pressure == 0) return;
-  if (d.tearStretch < kUnbreakable) throw Error(path + ".tearStretch", "none beside a pressure: what is torn does not hold it", text(d.tearStretch));
+  if (d.tearStretch < kUnbreakable)
+    throw Error(path + ".tearStretch", "none beside a pressure: what is torn does not hold it",
+                text(d.tearStretch));
   checkClosed(d, path);
 }
 
@@ -161,13 +185,15 @@ void check(const RodDef& d, const std::string& path) {
   positiveOrInfinite(d.breakForce, path + ".breakForce");
   const std::size_t n = d.vertices.size();
   for (std::size_t i = 0; i + (d.closed ? 0 : 1) < n; ++i)
-    if (!(length(d.vertices[(i + 1) % n] - d.vertices[i]) > 0)) throw Error(item(path, "vertices", i), "another place than the next vertex", "the same");
+    if (!(length(d.vertices[(i + 1) % n] - d.vertices[i]) > 0))
+      throw Error(item(path, "vertices", i), "another place than the next vertex", "the same");
 }
 
 void check(const NetDef& d, const std::string& path) {
   checkCommon(d, 1, path);
   if (d.masses.size() != 1 && d.masses.size() != d.vertices.size())
-    throw Error(path + ".masses", "one, or as many as vertices, " + std::to_string(d.vertices.size()), std::to_string(d.masses.size()));
+    throw Error(path + ".masses", "one, or as many as vertices, " + std::to_string(d.vertices.size()),
+                std::to_string(d.masses.size()));
   for (std::size_t i = 0; i < d.masses.size(); ++i) positive(d.masses[i], item(path, "masses", i));
   notNegative(d.contactRadius, path + ".contactRadius");
   positiveOrInfinite(d.breakForce, path + ".breakForce");

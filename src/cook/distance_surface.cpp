@@ -9,7 +9,8 @@ namespace {
 
 double sampleAt(const ShapeGeometry& f, int i, int j, int k) {
   const std::size_t nx = static_cast<std::size_t>(f.counts[0]), ny = static_cast<std::size_t>(f.counts[1]);
-  return f.samples[(static_cast<std::size_t>(k) * ny + static_cast<std::size_t>(j)) * nx + static_cast<std::size_t>(i)];
+  return f.samples[(static_cast<std::size_t>(k) * ny + static_cast<std::size_t>(j)) * nx +
+                   static_cast<std::size_t>(i)];
 }
 
 }  // namespace
@@ -19,7 +20,8 @@ double distanceAt(const ShapeGeometry& f, const Vec3& point) {
   double t[3];
   for (int axis = 0; axis < 3; ++axis) {
     const int cells = f.counts[static_cast<std::size_t>(axis)] - 1;
-    const double x = std::clamp((point[axis] - f.origin[axis]) / f.spacing[axis], 0.0, static_cast<double>(cells));
+    const double x = std::clamp((point[axis] - f.origin[axis]) / f.spacing[axis], 0.0,
+                                static_cast<double>(cells));
     cell[axis] = std::min(static_cast<int>(x), cells - 1);
     t[axis] = x - cell[axis];
   }
@@ -46,10 +48,16 @@ Vec3 distanceNormal(const ShapeGeometry& f, const Vec3& point) {
 ShapeMesh distanceSurface(const ShapeGeometry& f) {
   ShapeMesh mesh;
   const int nx = f.counts[0], ny = f.counts[1], nz = f.counts[2];
-  const auto place = [&](double i, double j, double k) { return f.origin + Vec3{i * f.spacing.x, j * f.spacing.y, k * f.spacing.z}; };
-  std::vector<int> cornerOf(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz), -1);
+  const auto place = [&](double i, double j, double k) {
+    return f.origin + Vec3{i * f.spacing.x, j * f.spacing.y, k * f.spacing.z};
+  };
+  std::vector<int> cornerOf(
+      static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) * static_cast<std::size_t>(nz), -1);
   const auto cell = [&](int i, int j, int k) -> int& {
-    return cornerOf[(static_cast<std::size_t>(k) * static_cast<std::size_t>(ny) + static_cast<std::size_t>(j)) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i)];
+    return cornerOf[(static_cast<std::size_t>(k) * static_cast<std::size_t>(ny) +
+                     static_cast<std::size_t>(j)) *
+                        static_cast<std::size_t>(nx) +
+                    static_cast<std::size_t>(i)];
   };
   for (int k = 0; k + 1 < nz; ++k)
     for (int j = 0; j + 1 < ny; ++j)
@@ -63,7 +71,8 @@ ShapeMesh distanceSurface(const ShapeGeometry& f) {
             a[(axis + 1) % 3] = edge & 1, a[(axis + 2) % 3] = edge >> 1;
             int b[3] = {a[0], a[1], a[2]};
             b[axis] = 1;
-            const double da = sampleAt(f, i + a[0], j + a[1], k + a[2]), db = sampleAt(f, i + b[0], j + b[1], k + b[2]);
+            const double da = sampleAt(f, i + a[0], j + a[1], k + a[2]),
+                         db = sampleAt(f, i + b[0], j + b[1], k + b[2]);
             if ((da < 0) == (db < 0)) continue;
             Vec3 x{i + double(a[0]), j + double(a[1]), k + double(a[2])};
             x[axis] += da / (da - db);
@@ -84,7 +93,9 @@ ShapeMesh distanceSurface(const ShapeGeometry& f) {
       for (int i = 0; i < nx; ++i)
         for (int axis = 0; axis < 3; ++axis) {
           const int at[3] = {i, j, k}, counts[3] = {nx, ny, nz}, u = (axis + 1) % 3, v = (axis + 2) % 3;
-          if (at[axis] + 1 >= counts[axis] || at[u] == 0 || at[v] == 0 || at[u] + 1 >= counts[u] || at[v] + 1 >= counts[v]) continue;
+          if (at[axis] + 1 >= counts[axis] || at[u] == 0 || at[v] == 0 || at[u] + 1 >= counts[u] ||
+              at[v] + 1 >= counts[v])
+            continue;
           int next[3] = {i, j, k};
           ++next[axis];
           const bool inside = sampleAt(f, i, j, k) < 0;

@@ -8,8 +8,8 @@
 
 namespace rubble {
 
-/// Orders the indices [begin, end) of a list into pieces of at most `most`, by cutting the longest side of their box in the middle of them;
-/// visit(begin, end) for each piece. at(index): place of a point.
+/// Orders the indices [begin, end) of a list into pieces of at most `most`, by cutting the longest side of
+/// their box in the middle of them; visit(begin, end) for each piece. at(index): place of a point.
 template <class At, class Visit>
 void cutInHalves(std::vector<int>& order, int begin, int end, int most, const At& at, const Visit& visit) {
   if (end - begin <= most) {
@@ -23,18 +23,25 @@ void cutInHalves(std::vector<int>& order, int begin, int end, int most, const At
       low[i] = std::min(low[i], x), high[i] = std::max(high[i], x);
     }
   const Vec3 size = high - low;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2, middle = (begin + end) / 2;
-  std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end,
-                   [&](int a, int b) { return at(a)[axis] != at(b)[axis] ? at(a)[axis] < at(b)[axis] : a < b; });
+  const int axis = size.x >= size.y && size.x >= size.z ? 0
+                   : size.y >= size.z                   ? 1
+                                                        : 2,
+            middle = (begin + end) / 2;
+  std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end, [&](int a, int b) {
+    return at(a)[axis] != at(b)[axis] ? at(a)[axis] < at(b)[axis] : a < b;
+  });
   cutInHalves(order, begin, middle, most, at, visit);
   cutInHalves(order, middle, end, most, at, visit);
 }
 
-/// All points in such an order: corners of a body, whose owners of contacts have neighbours in the list (stages/soft/body_corners.h).
+/// All points in such an order: corners of a body, whose owners of contacts have neighbours in the list
+/// (stages/soft/body_corners.h).
 inline std::vector<int> nearOrder(const std::vector<Vec3>& points) {
   std::vector<int> order(points.size());
   std::iota(order.begin(), order.end(), 0);
-  cutInHalves(order, 0, static_cast<int>(points.size()), 1, [&](int i) -> const Vec3& { return points[static_cast<std::size_t>(i)]; }, [](int, int) {});
+  cutInHalves(
+      order, 0, static_cast<int>(points.size()), 1,
+      [&](int i) -> const Vec3& { return points[static_cast<std::size_t>(i)]; }, [](int, int) {});
   return order;
 }
 

@@ -71,8 +71,10 @@ Hull convexHull(const std::vector<Vec3>& points, const std::string& path) {
   qhT* qh = qhull.get();
   char options[] = "qhull Pp C-1e-7";
   // what qhull has to say is said by the error
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> silence(std::fopen("/dev/null", "w"), [](std::FILE* f) { return f ? std::fclose(f) : 0; });
-  if (qh_new_qhull(qh, 3, static_cast<int>(points.size()), coordinates.data(), False, options, silence.get(), silence.get()) != 0)
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> silence(
+      std::fopen("/dev/null", "w"), [](std::FILE* f) { return f ? std::fclose(f) : 0; });
+  if (qh_new_qhull(qh, 3, static_cast<int>(points.size()), coordinates.data(), False, options, silence.get(),
+                   silence.get()) != 0)
     throw Error(path, wanted, "points that qhull makes no solid of");
 
   Hull hull;
@@ -84,7 +86,8 @@ Hull convexHull(const std::vector<Vec3>& points, const std::string& path) {
   std::vector<Vec3> used;
   for (const int i : corners) used.push_back(points[static_cast<std::size_t>(i)]);
   for (const int k : nearOrder(used)) {
-    placeOf[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])] = static_cast<int>(hull.vertices.size());
+    placeOf[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])] = static_cast<int>(
+        hull.vertices.size());
     hull.vertices.push_back(used[static_cast<std::size_t>(k)]);
   }
   FORALLfacets {

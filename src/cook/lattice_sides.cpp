@@ -10,11 +10,13 @@ namespace rubble {
 namespace {
 
 constexpr int kMostCells = 1 << 26;
-/// The lattice is shifted by these shares of a cell, so that corners and edges of a surface built on round numbers do not lie in its rows [1].
+/// The lattice is shifted by these shares of a cell, so that corners and edges of a surface built on round
+/// numbers do not lie in its rows [1].
 constexpr Vec3 kShift{.0137, .0071, .0193};
 
-/// Does the row through (y, z), along x, pass through a triangle? 1 from outside to inside, -1 the other way, 0 no. Both triangles at an edge
-/// work it out from the same numbers, so that no row slips through between them.
+/// Does the row through (y, z), along x, pass through a triangle? 1 from outside to inside, -1 the other way,
+/// 0 no. Both triangles at an edge work it out from the same numbers, so that no row slips through between
+/// them.
 int passes(const TriangleMesh& mesh, const std::array<int, 3>& t, double y, double z, double& x) {
   double side[3];
   int sum = 0;
@@ -51,7 +53,8 @@ double meets(const Vec3& from, const Vec3& along, const Vec3& a, const Vec3& b, 
 
 }  // namespace
 
-SidesOfLattice::SidesOfLattice(const TriangleMesh& surface, double cell, const std::string& path) : surface_(surface), cell_(cell) {
+SidesOfLattice::SidesOfLattice(const TriangleMesh& surface, double cell, const std::string& path)
+    : surface_(surface), cell_(cell) {
   Vec3 low = surface.vertices[static_cast<std::size_t>(surface.triangles[0][0])], high = low;
   for (const auto& t : surface.triangles)
     for (const int v : t)
@@ -65,7 +68,8 @@ SidesOfLattice::SidesOfLattice(const TriangleMesh& surface, double cell, const s
     const double count = std::ceil((high[axis] - first_[axis]) / cell) + 1;
     all *= count;
     if (!(all < kMostCells))
-      throw Error(path + ".cell", "a width that gives fewer than " + std::to_string(kMostCells) + " cells", std::to_string(cell) + " m");
+      throw Error(path + ".cell", "a width that gives fewer than " + std::to_string(kMostCells) + " cells",
+                  std::to_string(cell) + " m");
     cells_[static_cast<std::size_t>(axis)] = static_cast<int>(count);
   }
   corners_ = (cells_[0] + 1) * (cells_[1] + 1) * (cells_[2] + 1);
@@ -74,7 +78,8 @@ SidesOfLattice::SidesOfLattice(const TriangleMesh& surface, double cell, const s
 
 std::array<int, 3> SidesOfLattice::indexOf(int point) const {
   const bool centre = point >= corners_;
-  const int i = centre ? point - corners_ : point, nx = cells_[0] + (centre ? 0 : 1), ny = cells_[1] + (centre ? 0 : 1);
+  const int i = centre ? point - corners_ : point, nx = cells_[0] + (centre ? 0 : 1),
+            ny = cells_[1] + (centre ? 0 : 1);
   return {i % nx, i / nx % ny, i / nx / ny};
 }
 
@@ -107,7 +112,9 @@ void SidesOfLattice::markRows(bool centres, std::vector<signed char>& side) cons
       for (const int v : t)
         low = std::min(low, surface_.vertices[static_cast<std::size_t>(v)][axis]),
         high = std::max(high, surface_.vertices[static_cast<std::size_t>(v)][axis]);
-      const auto index = [&](double a) { return static_cast<int>(std::floor((a - first_[axis]) / cell_ - half)); };
+      const auto index = [&](double a) {
+        return static_cast<int>(std::floor((a - first_[axis]) / cell_ - half));
+      };
       return std::pair{std::max(0, index(low)), std::min(count - 1, index(high) + 1)};
     };
     const auto [y0, y1] = range(1, ny);
@@ -122,7 +129,8 @@ void SidesOfLattice::markRows(bool centres, std::vector<signed char>& side) cons
   for (int z = 0; z < nz; ++z)
     for (int y = 0; y < ny; ++y) {
       std::vector<Pass>& row = rowOf(y, z);
-      std::sort(row.begin(), row.end(), [](const Pass& a, const Pass& b) { return a.x != b.x ? a.x < b.x : a.way > b.way; });
+      std::sort(row.begin(), row.end(),
+                [](const Pass& a, const Pass& b) { return a.x != b.x ? a.x < b.x : a.way > b.way; });
       int winding = 0;
       std::size_t next = 0;
       for (int x = 0; x < nx; ++x) {
@@ -142,20 +150,24 @@ void SidesOfLattice::bucketTriangles() {
         a = std::min(a, surface_.vertices[static_cast<std::size_t>(v)][axis]),
         b = std::max(b, surface_.vertices[static_cast<std::size_t>(v)][axis]);
       low[axis] = std::max(0, static_cast<int>(std::floor((a - first_[axis]) / cell_)));
-      high[axis] = std::min(cells_[static_cast<std::size_t>(axis)] - 1, static_cast<int>(std::floor((b - first_[axis]) / cell_)));
+      high[axis] = std::min(cells_[static_cast<std::size_t>(axis)] - 1,
+                            static_cast<int>(std::floor((b - first_[axis]) / cell_)));
     }
     for (int z = low[2]; z <= high[2]; ++z)
       for (int y = low[1]; y <= high[1]; ++y)
-        for (int x = low[0]; x <= high[0]; ++x) visit(static_cast<std::size_t>((z * cells_[1] + y) * cells_[0] + x));
+        for (int x = low[0]; x <= high[0]; ++x)
+          visit(static_cast<std::size_t>((z * cells_[1] + y) * cells_[0] + x));
   };
   bucketBegin_.assign(static_cast<std::size_t>(cellCount()) + 1, 0);
-  for (const auto& t : surface_.triangles) forEachBucket(t, [&](std::size_t bucket) { ++bucketBegin_[bucket + 1]; });
+  for (const auto& t : surface_.triangles)
+    forEachBucket(t, [&](std::size_t bucket) { ++bucketBegin_[bucket + 1]; });
   for (std::size_t k = 1; k < bucketBegin_.size(); ++k) bucketBegin_[k] += bucketBegin_[k - 1];
   bucketTriangle_.resize(static_cast<std::size_t>(bucketBegin_.back()));
   std::vector<int> fill(bucketBegin_.begin(), bucketBegin_.end() - 1);
   for (std::size_t i = 0; i < surface_.triangles.size(); ++i)
-    forEachBucket(surface_.triangles[i],
-                  [&](std::size_t bucket) { bucketTriangle_[static_cast<std::size_t>(fill[bucket]++)] = static_cast<int>(i); });
+    forEachBucket(surface_.triangles[i], [&](std::size_t bucket) {
+      bucketTriangle_[static_cast<std::size_t>(fill[bucket]++)] = static_cast<int>(i);
+    });
 }
 
 Vec3 SidesOfLattice::cut(int inside, int outside) const {
@@ -167,7 +179,8 @@ Vec3 SidesOfLattice::cut(int inside, int outside) const {
     const double a = (std::min(from[axis], from[axis] + along[axis]) - first_[axis]) / cell_,
                  b = (std::max(from[axis], from[axis] + along[axis]) - first_[axis]) / cell_;
     low[axis] = std::max(0, static_cast<int>(std::floor(a - kBorder)));
-    high[axis] = std::min(cells_[static_cast<std::size_t>(axis)] - 1, static_cast<int>(std::floor(b + kBorder)));
+    high[axis] = std::min(cells_[static_cast<std::size_t>(axis)] - 1,
+                          static_cast<int>(std::floor(b + kBorder)));
   }
   double nearest = 2;
   for (int z = low[2]; z <= high[2]; ++z)
@@ -175,10 +188,11 @@ Vec3 SidesOfLattice::cut(int inside, int outside) const {
       for (int x = low[0]; x <= high[0]; ++x) {
         const auto bucket = static_cast<std::size_t>((z * cells_[1] + y) * cells_[0] + x);
         for (int k = bucketBegin_[bucket]; k < bucketBegin_[bucket + 1]; ++k) {
-          const auto& t = surface_.triangles[static_cast<std::size_t>(bucketTriangle_[static_cast<std::size_t>(k)])];
-          nearest = std::min(nearest,
-                             meets(from, along, surface_.vertices[static_cast<std::size_t>(t[0])],
-                                   surface_.vertices[static_cast<std::size_t>(t[1])], surface_.vertices[static_cast<std::size_t>(t[2])]));
+          const auto&
+              t = surface_.triangles[static_cast<std::size_t>(bucketTriangle_[static_cast<std::size_t>(k)])];
+          nearest = std::min(nearest, meets(from, along, surface_.vertices[static_cast<std::size_t>(t[0])],
+                                            surface_.vertices[static_cast<std::size_t>(t[1])],
+                                            surface_.vertices[static_cast<std::size_t>(t[2])]));
         }
       }
   // round-off may hide a surface that grazes an end

@@ -1,5 +1,6 @@
 #pragma once
-/// A body-centred cubic lattice about a closed surface: which of its points lie inside, and where the surface cuts its edges.
+/// A body-centred cubic lattice about a closed surface: which of its points lie inside, and where the surface
+/// cuts its edges.
 #include <array>
 #include <string>
 #include <vector>
@@ -23,13 +24,13 @@ class SidesOfLattice {
   Vec3 cut(int inside, int outside) const;
 
   /// visit(neighbour, is it as far as a cell is wide?) for the points that share an edge with one.
-  template <class Visit>
-  void forEachNeighbor(int point, Visit&& visit) const {
+  template <class Visit> void forEachNeighbor(int point, Visit&& visit) const {
     const bool centre = point >= corners_;
     const std::array<int, 3> at = indexOf(point);
     const auto tryPoint = [&](bool isCentre, int x, int y, int z, bool isLong) {
       const int more = isCentre ? 0 : 1;
-      if (x < 0 || y < 0 || z < 0 || x >= cells_[0] + more || y >= cells_[1] + more || z >= cells_[2] + more) return;
+      if (x < 0 || y < 0 || z < 0 || x >= cells_[0] + more || y >= cells_[1] + more || z >= cells_[2] + more)
+        return;
       visit(number(isCentre, x, y, z), isLong);
     };
     for (int axis = 0; axis < 3; ++axis)
@@ -41,21 +42,23 @@ class SidesOfLattice {
     // centre (i, j, k) lies between the corners (i, j, k) and (i + 1, j + 1, k + 1)
     for (int k = 0; k < 8; ++k) {
       const int dx = k & 1, dy = k >> 1 & 1, dz = k >> 2;
-      if (centre) tryPoint(false, at[0] + dx, at[1] + dy, at[2] + dz, false);
-      else tryPoint(true, at[0] - dx, at[1] - dy, at[2] - dz, false);
+      if (centre)
+        tryPoint(false, at[0] + dx, at[1] + dy, at[2] + dz, false);
+      else
+        tryPoint(true, at[0] - dx, at[1] - dy, at[2] - dz, false);
     }
   }
 
   /// visit(centre, centre, corners of their face in order) for every two cells side by side.
-  template <class Visit>
-  void forEachFace(Visit&& visit) const {
+  template <class Visit> void forEachFace(Visit&& visit) const {
     for (int z = 0; z < cells_[2]; ++z)
       for (int y = 0; y < cells_[1]; ++y)
         for (int x = 0; x < cells_[0]; ++x)
           for (int axis = 0; axis < 3; ++axis) {
             std::array<int, 3> next{x, y, z};
             if (++next[static_cast<std::size_t>(axis)] >= cells_[static_cast<std::size_t>(axis)]) continue;
-            const auto u = static_cast<std::size_t>((axis + 1) % 3), v = static_cast<std::size_t>((axis + 2) % 3);
+            const auto u = static_cast<std::size_t>((axis + 1) % 3),
+                       v = static_cast<std::size_t>((axis + 2) % 3);
             std::array<int, 4> corners;
             for (std::size_t k = 0; k < 4; ++k) {
               std::array<int, 3> c = next;
@@ -78,7 +81,7 @@ class SidesOfLattice {
 
   const TriangleMesh& surface_;
   double cell_;
-  Vec3 first_;                  ///< the lowest corner
+  Vec3 first_;  ///< the lowest corner
   std::array<int, 3> cells_{};
   int corners_ = 0;
   std::vector<int> bucketBegin_, bucketTriangle_;  ///< triangles whose boxes meet a cell

@@ -45,7 +45,11 @@ MassProperties massProperties(const Shape& shape, double density) {
       if (shape.rounding > 0) return ofSurface(shapeMesh(shape, kSegments), density, true);
       const Vec3 h = shape.halfExtents;
       const double m = density * 8 * h.x * h.y * h.z;
-      return {m, {m / 3 * (h.y * h.y + h.z * h.z), m / 3 * (h.x * h.x + h.z * h.z), m / 3 * (h.x * h.x + h.y * h.y)}, {}, {}};
+      return {
+          m,
+          {m / 3 * (h.y * h.y + h.z * h.z), m / 3 * (h.x * h.x + h.z * h.z), m / 3 * (h.x * h.x + h.y * h.y)},
+          {},
+          {}};
     }
     case ShapeType::Capsule: {
       const double cylinder = density * kPi * r * r * 2 * l, sphere = density * 4 / 3 * kPi * r * r * r;
@@ -60,17 +64,20 @@ MassProperties massProperties(const Shape& shape, double density) {
       return {m, {across, across, m * r * r / 2}, {}, {}};
     }
     case ShapeType::Cone: {
-      const double h = 2 * l, m = density * kPi * r * r * h / 3, across = m * (3 * r * r / 20 + 3 * h * h / 80);
+      const double h = 2 * l, m = density * kPi * r * r * h / 3,
+                   across = m * (3 * r * r / 20 + 3 * h * h / 80);
       return {m, {across, across, .3 * m * r * r}, {0, 0, h / 4 - l}, {}};
     }
     case ShapeType::Hull:
       if (shape.rounding > 0) return ofSurface(shapeMesh(shape, kSegments), density, false);
       return scaled(cook(shape).unit, density);
     case ShapeType::Compound:
-    case ShapeType::DistanceField: return scaled(cook(shape).unit, density);
+    case ShapeType::DistanceField:
+      return scaled(cook(shape).unit, density);
     case ShapeType::Plane:
     case ShapeType::Mesh:
-    case ShapeType::HeightField: break;
+    case ShapeType::HeightField:
+      break;
   }
   return {};
 }

@@ -17,7 +17,9 @@ constexpr double kNoArea = 1e-12;
 /// Of a rod: half a gigabyte of vertices. A longer one is a slip of the unit.
 constexpr int kMostSegments = 1 << 24;
 
-std::string item(const std::string& path, const char* list, std::size_t i) { return path + "." + list + "[" + std::to_string(i) + "]"; }
+std::string item(const std::string& path, const char* list, std::size_t i) {
+  return path + "." + list + "[" + std::to_string(i) + "]";
+}
 
 }  // namespace
 
@@ -31,7 +33,9 @@ double volumeOf(const TriangleMesh& surface) {
 void validateClosed(const TriangleMesh& surface, const std::string& path) {
   if (surface.triangles.empty()) throw Error(path + ".triangles", "at least four", "none");
   checks::finite(surface.vertices, path + ".vertices");
-  const auto edgeText = [](int a, int b) { return "the edge from vertex " + std::to_string(a) + " to " + std::to_string(b); };
+  const auto edgeText = [](int a, int b) {
+    return "the edge from vertex " + std::to_string(a) + " to " + std::to_string(b);
+  };
   std::map<std::pair<int, int>, std::size_t> ways;
   for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
     const auto& t = surface.triangles[i];
@@ -39,7 +43,8 @@ void validateClosed(const TriangleMesh& surface, const std::string& path) {
     for (const int v : t)
       if (v < 0 || static_cast<std::size_t>(v) >= surface.vertices.size())
         throw Error(here, "indices below " + std::to_string(surface.vertices.size()), std::to_string(v));
-    const Vec3 a = surface.vertices[static_cast<std::size_t>(t[0])], b = surface.vertices[static_cast<std::size_t>(t[1])],
+    const Vec3 a = surface.vertices[static_cast<std::size_t>(t[0])],
+               b = surface.vertices[static_cast<std::size_t>(t[1])],
                c = surface.vertices[static_cast<std::size_t>(t[2])];
     const double longest2 = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
     if (!(length(cross(b - a, c - a)) > kNoArea * longest2)) throw Error(here, "a positive area", "zero");
@@ -52,10 +57,12 @@ void validateClosed(const TriangleMesh& surface, const std::string& path) {
   }
   for (const auto& [way, i] : ways)
     if (!ways.contains({way.second, way.first}))
-      throw Error(item(path, "triangles", i), "a closed surface", "a hole beside " + edgeText(way.first, way.second));
+      throw Error(item(path, "triangles", i), "a closed surface",
+                  "a hole beside " + edgeText(way.first, way.second));
   const double volume = volumeOf(surface);
   if (!(volume > 0))
-    throw Error(path + ".triangles", "corners counter-clockwise seen from outside", "a volume of " + std::to_string(volume) + " m3");
+    throw Error(path + ".triangles", "corners counter-clockwise seen from outside",
+                "a volume of " + std::to_string(volume) + " m3");
 }
 
 SoftDef softFromMesh(TetrahedronMesh mesh) {
@@ -64,7 +71,8 @@ SoftDef softFromMesh(TetrahedronMesh mesh) {
     const auto at = [&](std::size_t k) {
       const int v = t[k];
       if (v < 0 || static_cast<std::size_t>(v) >= mesh.vertices.size())
-        throw Error("mesh.tetrahedra", "indices below " + std::to_string(mesh.vertices.size()), std::to_string(v));
+        throw Error("mesh.tetrahedra", "indices below " + std::to_string(mesh.vertices.size()),
+                    std::to_string(v));
       return mesh.vertices[static_cast<std::size_t>(v)];
     };
     if (dot(at(1) - at(0), cross(at(2) - at(0), at(3) - at(0))) < 0) std::swap(t[2], t[3]);
@@ -74,7 +82,9 @@ SoftDef softFromMesh(TetrahedronMesh mesh) {
   return out;
 }
 
-SoftDef softFromSurface(const TriangleMesh& surface, double cell) { return softFromMesh(tetrahedralize(surface, cell)); }
+SoftDef softFromSurface(const TriangleMesh& surface, double cell) {
+  return softFromMesh(tetrahedralize(surface, cell));
+}
 
 ClothDef clothFromMesh(const TriangleMesh& mesh) {
   ClothDef out;
@@ -84,7 +94,8 @@ ClothDef clothFromMesh(const TriangleMesh& mesh) {
     for (std::size_t k = 0; k < 3; ++k) {
       const int v = mesh.triangles[i][k];
       if (v < 0 || static_cast<std::size_t>(v) >= mesh.vertices.size())
-        throw Error(item("mesh", "triangles", i), "indices below " + std::to_string(mesh.vertices.size()), std::to_string(v));
+        throw Error(item("mesh", "triangles", i), "indices below " + std::to_string(mesh.vertices.size()),
+                    std::to_string(v));
       int& own = number[static_cast<std::size_t>(v)];
       if (own < 0) {
         own = static_cast<int>(out.vertices.size());
@@ -105,18 +116,21 @@ RodDef rodAlong(const std::vector<Vec3>& points, double segment, bool closed) {
   out.closed = closed;
   const std::size_t pieces = points.size() - (closed ? 0 : 1);
   std::vector<double> reached{0};
-  for (std::size_t i = 0; i < pieces; ++i) reached.push_back(reached.back() + length(points[(i + 1) % points.size()] - points[i]));
+  for (std::size_t i = 0; i < pieces; ++i)
+    reached.push_back(reached.back() + length(points[(i + 1) % points.size()] - points[i]));
   if (!(reached.back() > 0) || !std::isfinite(reached.back()))
     throw Error("points", "a line with a length", "one of " + std::to_string(reached.back()) + " m");
   const double wanted = std::round(reached.back() / segment);
   if (!(wanted <= kMostSegments))
-    throw Error("segment", "a length that makes at most " + std::to_string(kMostSegments) + " segments", checks::text(segment) + ", which makes " + checks::text(wanted));
+    throw Error("segment", "a length that makes at most " + std::to_string(kMostSegments) + " segments",
+                checks::text(segment) + ", which makes " + checks::text(wanted));
   const int count = std::max(closed ? 3 : 1, static_cast<int>(wanted));
   std::size_t piece = 0;
   for (int i = 0; i < count + (closed ? 0 : 1); ++i) {
     const double at = reached.back() * i / count;
     while (piece + 1 < pieces && reached[piece + 1] < at) ++piece;
-    const double size = reached[piece + 1] - reached[piece], share = size > 0 ? std::min(1., (at - reached[piece]) / size) : 0;
+    const double size = reached[piece + 1] - reached[piece],
+                 share = size > 0 ? std::min(1., (at - reached[piece]) / size) : 0;
     out.vertices.push_back(points[piece] + share * (points[(piece + 1) % points.size()] - points[piece]));
   }
   return out;

@@ -1,5 +1,5 @@
-/// What can be said of a shape without cooking it: that its numbers are finite and that its lists fit to one another. What reads geometry
-/// (the cook, pictures, files) relies on it.
+/// What can be said of a shape without cooking it: that its numbers are finite and that its lists fit to one
+/// another. What reads geometry (the cook, pictures, files) relies on it.
 #include <rubble/scene.h>
 
 #include "cook/checks.h"
@@ -33,10 +33,12 @@ void checkTriangles(const ShapeGeometry& g, const std::string& path) {
 }
 
 /// As many samples as the lattice has points, `axes` of its counts.
-void checkSamples(const ShapeGeometry& g, std::size_t axes, const std::string& path, const std::string& name) {
+void checkSamples(const ShapeGeometry& g, std::size_t axes, const std::string& path,
+                  const std::string& name) {
   Size count = 1;
   for (std::size_t i = 0; i < axes; ++i) {
-    if (g.counts[i] < 2) throw Error(path + ".counts", "at least 2 samples along each axis", std::to_string(g.counts[i]));
+    if (g.counts[i] < 2)
+      throw Error(path + ".counts", "at least 2 samples along each axis", std::to_string(g.counts[i]));
     count = count * Size::of(g.counts[i]);
   }
   if (count > kMost) throw Error(path + ".counts", "at most " + std::to_string(kMost) + " samples", "more");
@@ -46,8 +48,8 @@ void checkSamples(const ShapeGeometry& g, std::size_t axes, const std::string& p
 }
 
 bool isConvexSolid(ShapeType type) {
-  return type == ShapeType::Sphere || type == ShapeType::Box || type == ShapeType::Capsule || type == ShapeType::Cylinder ||
-         type == ShapeType::Cone || type == ShapeType::Hull;
+  return type == ShapeType::Sphere || type == ShapeType::Box || type == ShapeType::Capsule ||
+         type == ShapeType::Cylinder || type == ShapeType::Cone || type == ShapeType::Hull;
 }
 
 /// Parts are solids themselves and never compounds, so that this goes one level down and no further.
@@ -63,7 +65,8 @@ void checkParts(const ShapeGeometry& g, const std::string& path) {
     if (part.material) material(*part.material, where + ".material");
     enumeration(part.shape.type, ShapeType::DistanceField, where + ".shape.type");
     if (!isConvexSolid(part.shape.type))
-      throw Error(where + ".shape", "a convex solid", part.shape.type == ShapeType::Compound ? "a compound" : "another shape");
+      throw Error(where + ".shape", "a convex solid",
+                  part.shape.type == ShapeType::Compound ? "a compound" : "another shape");
     validate(part.shape, where + ".shape");
   }
 }
@@ -75,7 +78,9 @@ void validate(const Shape& s, const std::string& path) {
   notNegative(s.rounding, path + ".rounding");
   enumeration(s.type, ShapeType::DistanceField, path + ".type");
   switch (s.type) {
-    case ShapeType::Sphere: positive(s.radius, path + ".radius"); break;
+    case ShapeType::Sphere:
+      positive(s.radius, path + ".radius");
+      break;
     case ShapeType::Box:
       positive(s.halfExtents.x, path + ".halfExtents.x");
       positive(s.halfExtents.y, path + ".halfExtents.y");
@@ -87,12 +92,15 @@ void validate(const Shape& s, const std::string& path) {
       positive(s.radius, path + ".radius");
       positive(s.halfLength, path + ".halfLength");
       break;
-    case ShapeType::Plane: break;
+    case ShapeType::Plane:
+      break;
     case ShapeType::Hull:
       if (g.points.empty()) throw Error(path + ".points", "the points of a hull", "none");
       checkPoints(g, path + ".points");
       break;
-    case ShapeType::Compound: checkParts(g, path + ".parts"); break;
+    case ShapeType::Compound:
+      checkParts(g, path + ".parts");
+      break;
     case ShapeType::Mesh:
       checkPoints(g, path + ".points");
       checkTriangles(g, path + ".triangles");

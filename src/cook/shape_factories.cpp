@@ -38,7 +38,8 @@ Shape Shape::heightField(int countX, int countY, const Vec3& spacing, std::vecto
   return withGeometry(ShapeType::HeightField, std::move(g));
 }
 
-Shape Shape::distanceField(const std::array<int, 3>& counts, const Vec3& origin, double spacing, std::vector<double> distances) {
+Shape Shape::distanceField(const std::array<int, 3>& counts, const Vec3& origin, double spacing,
+                           std::vector<double> distances) {
   ShapeGeometry g;
   g.counts = counts;
   g.origin = origin;

@@ -26,11 +26,13 @@ class Builder {
   /// A flat convex face, counter-clockwise seen from outside.
   void face(const std::vector<Vec3>& corners) {
     Vec3 area;
-    for (std::size_t k = 1; k + 1 < corners.size(); ++k) area += cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
+    for (std::size_t k = 1; k + 1 < corners.size(); ++k)
+      area += cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
     const Vec3 n = normalize(area);
     const int first = static_cast<int>(mesh.points.size());
     for (const Vec3& x : corners) corner(x, n);
-    for (int k = 1; k + 1 < static_cast<int>(corners.size()); ++k) mesh.triangles.push_back({first, first + k, first + k + 1});
+    for (int k = 1; k + 1 < static_cast<int>(corners.size()); ++k)
+      mesh.triangles.push_back({first, first + k, first + k + 1});
   }
   void box(const Vec3& h) {
     for (int axis = 0; axis < 3; ++axis)
@@ -42,7 +44,8 @@ class Builder {
         face({n - u - v, n + u - v, n + u + v, n - u + v});
       }
   }
-  /// A surface of revolution about z: radius, height and normal (radial, axial) of each ring, from the top down.
+  /// A surface of revolution about z: radius, height and normal (radial, axial) of each ring, from the top
+  /// down.
   struct Ring {
     double r, z, nr, nz;
   };
@@ -80,13 +83,13 @@ class Builder {
     face(corners);
   }
   /// Faces of the hull of the points furthest out along many directions: any rounded convex solid.
-  template <class Support>
-  void rounded(double radius, const std::vector<Vec3>& normals, Support&& furthest) {
+  template <class Support> void rounded(double radius, const std::vector<Vec3>& normals, Support&& furthest) {
     std::vector<Vec3> points;
     const int count = segments_ * segments_ / 3;
     for (int k = 0; k < count; ++k) {
       // evenly spread over the sphere (golden angle)
-      const double z = 1 - (2 * k + 1.0) / count, s = std::sqrt(1 - z * z), angle = kTurn * .61803398874989485 * k;
+      const double z = 1 - (2 * k + 1.0) / count, s = std::sqrt(1 - z * z),
+                   angle = kTurn * .61803398874989485 * k;
       const Vec3 d{s * std::cos(angle), s * std::sin(angle), z};
       for (const Vec3& x : furthest(d)) points.push_back(x + d * radius);
     }
@@ -103,8 +106,10 @@ class Builder {
   }
   void add(const ShapeMesh& other, const Vec3& position, const Quat& q) {
     const int first = static_cast<int>(mesh.points.size());
-    for (std::size_t i = 0; i < other.points.size(); ++i) corner(position + rotate(q, other.points[i]), rotate(q, other.normals[i]));
-    for (const std::array<int, 3>& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    for (std::size_t i = 0; i < other.points.size(); ++i)
+      corner(position + rotate(q, other.points[i]), rotate(q, other.normals[i]));
+    for (const std::array<int, 3>& t : other.triangles)
+      mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   }
   int segments() const { return segments_; }
 
@@ -139,7 +144,8 @@ void addRounded(Builder& builder, const Shape& shape) {
   std::vector<Vec3> points, normals;
   if (shape.type == ShapeType::Box) {
     const Vec3 h = shape.halfExtents - Vec3{r, r, r};
-    for (int k = 0; k < 8; ++k) points.push_back({(k & 1) ? h.x : -h.x, (k & 2) ? h.y : -h.y, (k & 4) ? h.z : -h.z});
+    for (int k = 0; k < 8; ++k)
+      points.push_back({(k & 1) ? h.x : -h.x, (k & 2) ? h.y : -h.y, (k & 4) ? h.z : -h.z});
     normals = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   } else {
     const Hull core = convexHull(shape.geometry->points, "shape.points");
@@ -155,8 +161,10 @@ void addHeights(Builder& builder, const ShapeGeometry& g) {
   };
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
-      const Vec3 along{(height(i + 1, j) - height(i - 1, j)) / (2 * g.spacing.x), (height(i, j + 1) - height(i, j - 1)) / (2 * g.spacing.y), 0};
-      builder.corner({i * g.spacing.x, j * g.spacing.y, height(i, j)}, normalize(Vec3{-along.x, -along.y, 1}));
+      const Vec3 along{(height(i + 1, j) - height(i - 1, j)) / (2 * g.spacing.x),
+                       (height(i, j + 1) - height(i, j - 1)) / (2 * g.spacing.y), 0};
+      builder.corner({i * g.spacing.x, j * g.spacing.y, height(i, j)},
+                     normalize(Vec3{-along.x, -along.y, 1}));
     }
   for (int j = 0; j + 1 < ny; ++j)
     for (int i = 0; i + 1 < nx; ++i) {
@@ -186,8 +194,11 @@ ShapeMesh shapeMesh(const Shape& shape, int segments) {
       builder.turned(rings);
       break;
     }
-    case ShapeType::Box: builder.box(shape.halfExtents); break;
-    case ShapeType::Plane: break;
+    case ShapeType::Box:
+      builder.box(shape.halfExtents);
+      break;
+    case ShapeType::Plane:
+      break;
     case ShapeType::Cylinder:
       builder.turned({{r, l, 1, 0}, {r, -l, 1, 0}});
       builder.disc(r, l, 1);
@@ -199,7 +210,9 @@ ShapeMesh shapeMesh(const Shape& shape, int segments) {
       builder.disc(r, -l, -1);
       break;
     }
-    case ShapeType::Hull: builder.polyhedron(convexHull(shape.geometry->points, "shape.points")); break;
+    case ShapeType::Hull:
+      builder.polyhedron(convexHull(shape.geometry->points, "shape.points"));
+      break;
     case ShapeType::Compound:
       for (const ShapePartDef& part : shape.geometry->parts)
         builder.add(shapeMesh(part.shape, segments), part.position, normalize(part.orientation));
@@ -214,8 +227,11 @@ ShapeMesh shapeMesh(const Shape& shape, int segments) {
         builder.face(corners);
       }
       break;
-    case ShapeType::HeightField: addHeights(builder, *shape.geometry); break;
-    case ShapeType::DistanceField: return distanceSurface(*shape.geometry);
+    case ShapeType::HeightField:
+      addHeights(builder, *shape.geometry);
+      break;
+    case ShapeType::DistanceField:
+      return distanceSurface(*shape.geometry);
   }
   return std::move(builder.mesh);
 }

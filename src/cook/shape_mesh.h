@@ -1,5 +1,6 @@
 #pragma once
-/// The surface of a shape as triangles, for pictures, viewers and exports: the one place where shapes are triangulated.
+/// The surface of a shape as triangles, for pictures, viewers and exports: the one place where shapes are
+/// triangulated.
 #include <array>
 #include <vector>
 
@@ -7,7 +8,8 @@
 
 namespace rubble {
 
-/// Corners have a place and a normal each; those of a sharp edge occur once for each of its faces. Frame of the author.
+/// Corners have a place and a normal each; those of a sharp edge occur once for each of its faces. Frame of
+/// the author.
 struct ShapeMesh {
   std::vector<Vec3> points;                   ///< [m]
   std::vector<Vec3> normals;                  ///< outward, unit

@@ -8,17 +8,21 @@ namespace rubble {
 
 namespace {
 
-/// Points of a lattice and the six tetrahedra of each of its cells, which go along paths from one corner to the opposite one.
-/// startsHigh(axis, cell): the path starts at the high end of that axis. As this depends on the place along that axis alone, cells fit to
-/// one another.
+/// Points of a lattice and the six tetrahedra of each of its cells, which go along paths from one corner to
+/// the opposite one. startsHigh(axis, cell): the path starts at the high end of that axis. As this depends on
+/// the place along that axis alone, cells fit to one another.
 template <class StartsHigh>
-SoftDef lattice(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells, StartsHigh&& startsHigh) {
+SoftDef lattice(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells,
+                StartsHigh&& startsHigh) {
   const auto [nx, ny, nz] = cells;
-  const auto index = [&, nx = nx, ny = ny](const int (&at)[3]) { return at[0] + (nx + 1) * (at[1] + (ny + 1) * at[2]); };
+  const auto index = [&, nx = nx, ny = ny](const int(&at)[3]) {
+    return at[0] + (nx + 1) * (at[1] + (ny + 1) * at[2]);
+  };
   SoftDef d;
   for (int k = 0; k <= nz; ++k)
     for (int j = 0; j <= ny; ++j)
-      for (int i = 0; i <= nx; ++i) d.vertices.push_back(corner + Vec3{size.x * i / nx, size.y * j / ny, size.z * k / nz});
+      for (int i = 0; i <= nx; ++i)
+        d.vertices.push_back(corner + Vec3{size.x * i / nx, size.y * j / ny, size.z * k / nz});
   constexpr int kPaths[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
   for (int k = 0; k < nz; ++k)
     for (int j = 0; j < ny; ++j)
@@ -49,15 +53,18 @@ SoftDef lattice(const Vec3& corner, const Vec3& size, const std::array<int, 3>& 
 
 SoftDef softBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells) {
   for (std::size_t k = 0; k < 3; ++k)
-    if (cells[k] < 1 || !(size[int(k)] > 0)) throw Error("softBox", "a positive size and at least one cell each way", "others");
+    if (cells[k] < 1 || !(size[int(k)] > 0))
+      throw Error("softBox", "a positive size and at least one cell each way", "others");
   return lattice(corner, size, cells, [](int, int) { return false; });
 }
 
 SoftDef softBall(const Vec3& centre, double radius, int cells) {
-  if (cells < 2 || !(radius > 0)) throw Error("softBall", "a positive radius and at least two cells each way", "others");
-  // from the corner of a cell that is nearest to the centre: all six tetrahedra have it, so that none has its four corners on the surface,
-  // where those at the edges of the cube would be flat
-  SoftDef d = lattice({-1, -1, -1}, {2, 2, 2}, {cells, cells, cells}, [&](int, int cell) { return 2 * cell + 1 < cells; });
+  if (cells < 2 || !(radius > 0))
+    throw Error("softBall", "a positive radius and at least two cells each way", "others");
+  // from the corner of a cell that is nearest to the centre: all six tetrahedra have it, so that none has its
+  // four corners on the surface, where those at the edges of the cube would be flat
+  SoftDef d = lattice({-1, -1, -1}, {2, 2, 2}, {cells, cells, cells},
+                      [&](int, int cell) { return 2 * cell + 1 < cells; });
   for (Vec3& x : d.vertices) {
     // the shell at distance r from the centre of the cube becomes the sphere of radius r
     const double shell = std::max({std::fabs(x.x), std::fabs(x.y), std::fabs(x.z)}), size = length(x);
@@ -71,7 +78,8 @@ ClothDef clothSheet(const Vec3& corner, const Vec3& u, const Vec3& v, int cellsU
   ClothDef d;
   const auto index = [&](int i, int j) { return i + j * (cellsU + 1); };
   for (int j = 0; j <= cellsV; ++j)
-    for (int i = 0; i <= cellsU; ++i) d.vertices.push_back(corner + u * (double(i) / cellsU) + v * (double(j) / cellsV));
+    for (int i = 0; i <= cellsU; ++i)
+      d.vertices.push_back(corner + u * (double(i) / cellsU) + v * (double(j) / cellsV));
   for (int j = 0; j < cellsV; ++j)
     for (int i = 0; i < cellsU; ++i) {
       const int a = index(i, j), b = index(i + 1, j), c = index(i + 1, j + 1), e = index(i, j + 1);

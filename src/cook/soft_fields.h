@@ -1,5 +1,6 @@
 #pragma once
-/// Everything that an author sets on deformable objects, once: key in files, unit ("1" for none) and meaning. Scene files and listings follow.
+/// Everything that an author sets on deformable objects, once: key in files, unit ("1" for none) and meaning.
+/// Scene files and listings follow.
 #include <rubble/soft.h>
 
 namespace rubble {
@@ -8,8 +9,7 @@ namespace rubble {
 inline constexpr const char* kDeformableKeywords[] = {"soft", "cloth", "rod", "net", "particles"};
 
 /// f(key, unit, doc, member) for the fields that all kinds have. `D` may be const.
-template <class D, class F>
-void commonFields(D& d, F&& f) {
+template <class D, class F> void commonFields(D& d, F&& f) {
   f("name", "1", "optional", d.name);
   f("vertices", "m", "shape at rest, world", d.vertices);
   f("start", "m", "where the vertices start; at rest if it is not given", d.start);
@@ -19,13 +19,14 @@ void commonFields(D& d, F&& f) {
   f("material", "1", "of the surface; without rolling friction and belt", d.material);
   f("gravity_scale", "1", "factor on the scene's gravity", d.gravityScale);
   f("collide", "1", "with bodies", d.collide);
-  f("collide_surface", "1", "vertices, edges and triangles, with those of other objects that say so", d.collideSurface);
+  f("collide_surface", "1", "vertices, edges and triangles, with those of other objects that say so",
+    d.collideSurface);
   f("collide_self", "1", "vertices, edges and triangles, with one another", d.collideSelf);
   f("collide_vertices", "1", "with vertices of other objects that say so, as spheres", d.collideVertices);
 }
 
 template <class F, class D>
-  requires std::is_same_v<std::remove_const_t<D>, SoftDef>
+requires std::is_same_v<std::remove_const_t<D>, SoftDef>
 void ownFields(D& d, F&& f) {
   f("tetrahedra", "1", "four vertices each, of positive volume", d.tetrahedra);
   f("youngs_modulus", "Pa", "E", d.youngsModulus);
@@ -37,7 +38,7 @@ void ownFields(D& d, F&& f) {
   f("contact_radius", "m", "how far from a vertex its surface lies", d.contactRadius);
 }
 template <class F, class D>
-  requires std::is_same_v<std::remove_const_t<D>, ClothDef>
+requires std::is_same_v<std::remove_const_t<D>, ClothDef>
 void ownFields(D& d, F&& f) {
   f("triangles", "1", "three vertices each", d.triangles);
   f("thickness", "m", "contacts keep half of it", d.thickness);
@@ -52,7 +53,7 @@ void ownFields(D& d, F&& f) {
   f("pressure", "Pa", "inside over outside, of a closed sheet", d.pressure);
 }
 template <class F, class D>
-  requires std::is_same_v<std::remove_const_t<D>, RodDef>
+requires std::is_same_v<std::remove_const_t<D>, RodDef>
 void ownFields(D& d, F&& f) {
   f("closed", "1", "a ring", d.closed);
   f("radius", "m", "of its circular section; also in contact", d.radius);
@@ -62,24 +63,24 @@ void ownFields(D& d, F&& f) {
   f("break_force", "N", "tension at which a segment breaks", d.breakForce);
 }
 template <class F, class D>
-  requires std::is_same_v<std::remove_const_t<D>, NetDef>
+requires std::is_same_v<std::remove_const_t<D>, NetDef>
 void ownFields(D& d, F&& f) {
   f("masses", "kg", "of each vertex; one number serves all", d.masses);
-  f("edges", "N/m, N s/m, m", "springs: [vertex, vertex, stiffness, damping, rest length]; the last two may be left out", d.edges);
+  f("edges", "N/m, N s/m, m",
+    "springs: [vertex, vertex, stiffness, damping, rest length]; the last two may be left out", d.edges);
   f("triangles", "1", "only drawn", d.triangles);
   f("contact_radius", "m", "of a vertex", d.contactRadius);
   f("break_force", "N", "force at which a spring breaks", d.breakForce);
 }
 template <class F, class D>
-  requires std::is_same_v<std::remove_const_t<D>, ParticlesDef>
+requires std::is_same_v<std::remove_const_t<D>, ParticlesDef>
 void ownFields(D& d, F&& f) {
   f("radius", "m", "of each sphere", d.radius);
   f("density", "kg/m3", "of each sphere", d.density);
 }
 
 /// The same for an attachment, but for the objects and the body that it names.
-template <class D, class F>
-void attachmentFields(D& d, F&& f) {
+template <class D, class F> void attachmentFields(D& d, F&& f) {
   f("name", "1", "optional", d.name);
   f("vertices", "1", "of the object, up to four with those of the other side", d.vertices);
   f("weights", "1", "of these vertices; equal ones if they are not given", d.weights);

@@ -11,7 +11,8 @@ using Edge = std::pair<int, int>;
 
 // Types of elements by their place in ElementTypes.
 constexpr int kMembranes = 1, kSprings = 5;
-/// Radius of a surface whose author gives none, over the mean length of its edges: without any it has no direction to be held apart in [1].
+/// Radius of a surface whose author gives none, over the mean length of its edges: without any it has no
+/// direction to be held apart in [1].
 constexpr double kBareSurfaceRadius = .01;
 
 Edge orderedEdge(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
@@ -21,7 +22,8 @@ Edge orderedEdge(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
 std::vector<std::array<int, 3>> boundaryOf(const std::vector<std::array<int, 4>>& tetrahedra) {
   std::map<std::array<int, 3>, std::pair<std::array<int, 3>, int>> faces;
   for (const auto& t : tetrahedra) {
-    for (const std::array<int, 3>& f : {std::array<int, 3>{t[1], t[2], t[3]}, {t[0], t[3], t[2]}, {t[0], t[1], t[3]}, {t[0], t[2], t[1]}}) {
+    for (const std::array<int, 3>& f :
+         {std::array<int, 3>{t[1], t[2], t[3]}, {t[0], t[3], t[2]}, {t[0], t[1], t[3]}, {t[0], t[2], t[1]}}) {
       std::array<int, 3> key = f;
       std::sort(key.begin(), key.end());
       auto& incidence = faces[key];
@@ -38,8 +40,11 @@ std::vector<std::array<int, 3>> boundaryOf(const std::vector<std::array<int, 4>>
 void addSurface(SoftModel& m, const DeformableDef& d, const std::vector<std::array<int, 3>>& triangles,
                 const std::vector<std::pair<int, int>>& bare, bool elements) {
   if (!d.collideSurface && !d.collideSelf) return;
-  const auto source = [&](int type, std::size_t k) { return elements ? SoftModel::Source{type, int(k)} : SoftModel::Source{}; };
-  for (std::size_t k = 0; k < bare.size(); ++k) m.edges.push_back({{bare[k].first, bare[k].second}, true, {source(kSprings, k), {}}, {-1, -1}});
+  const auto source = [&](int type, std::size_t k) {
+    return elements ? SoftModel::Source{type, int(k)} : SoftModel::Source{};
+  };
+  for (std::size_t k = 0; k < bare.size(); ++k)
+    m.edges.push_back({{bare[k].first, bare[k].second}, true, {source(kSprings, k), {}}, {-1, -1}});
   std::map<Edge, int> numbers;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     SoftModel::SurfaceFace face{triangles[t], {}, source(kMembranes, t)};
@@ -56,7 +61,8 @@ void addSurface(SoftModel& m, const DeformableDef& d, const std::vector<std::arr
   }
   for (SoftModel::Vertex& v : m.vertices) v.onSurface = false;
   for (const SoftModel::SurfaceEdge& e : m.edges) {
-    m.meanEdge += length(d.vertices[std::size_t(e.v[0])] - d.vertices[std::size_t(e.v[1])]) / double(m.edges.size());
+    m.meanEdge += length(d.vertices[std::size_t(e.v[0])] - d.vertices[std::size_t(e.v[1])]) /
+                  double(m.edges.size());
     for (const int v : e.v) m.vertices[std::size_t(v)].onSurface = true;
   }
   m.surfaceRadius = m.vertices[0].radius > 0 ? m.vertices[0].radius : kBareSurfaceRadius * m.meanEdge;

@@ -74,14 +74,18 @@ SolidSums& SolidSums::operator+=(const SolidSums& b) {
 }
 
 SolidSums tetrahedronSums(const Vec3& a, const Vec3& b, const Vec3& c) {
-  // the integral of x_i x_j over (0, a, b, c) is V/20 (s_i s_j + a_i a_j + b_i b_j + c_i c_j) with s = a + b + c
+  // the integral of x_i x_j over (0, a, b, c) is V/20 (s_i s_j + a_i a_j + b_i b_j + c_i c_j) with s = a + b
+  // + c
   SolidSums out;
   const double volume = dot(a, cross(b, c)) / 6;
   const Vec3 s = a + b + c;
   out.volume = volume;
   out.first = s * (volume / 4);
-  const auto incidence = [&](int i, int j) { return volume / 20 * (s[i] * s[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j]); };
-  out.second = {incidence(0, 0), incidence(1, 1), incidence(2, 2), incidence(0, 1), incidence(0, 2), incidence(1, 2)};
+  const auto incidence = [&](int i, int j) {
+    return volume / 20 * (s[i] * s[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j]);
+  };
+  out.second = {incidence(0, 0), incidence(1, 1), incidence(2, 2),
+                incidence(0, 1), incidence(0, 2), incidence(1, 2)};
   return out;
 }
 
@@ -100,17 +104,21 @@ SolidSums sumsOf(const MassProperties& mass) {
 
 SolidSums placed(const SolidSums& s, const Vec3& position, const Quat& q, double density) {
   const Mat3 r = rotationMatrix(q);
-  const Mat3 m{{s.second[0], s.second[3], s.second[4]}, {s.second[3], s.second[1], s.second[5]}, {s.second[4], s.second[5], s.second[2]}};
+  const Mat3 m{{s.second[0], s.second[3], s.second[4]},
+               {s.second[3], s.second[1], s.second[5]},
+               {s.second[4], s.second[5], s.second[2]}};
   const Mat3 turned = r * m * transpose(r);
   const Vec3 first = r * s.first;
   const Mat3& t = turned;
   const auto incidence = [&](int i, int j, double own) {
-    return density * (own + first[i] * position[j] + position[i] * first[j] + s.volume * position[i] * position[j]);
+    return density *
+           (own + first[i] * position[j] + position[i] * first[j] + s.volume * position[i] * position[j]);
   };
   SolidSums out;
   out.volume = density * s.volume;
   out.first = density * (first + s.volume * position);
-  out.second = {incidence(0, 0, t.c0.x), incidence(1, 1, t.c1.y), incidence(2, 2, t.c2.z), incidence(0, 1, t.c1.x), incidence(0, 2, t.c2.x), incidence(1, 2, t.c2.y)};
+  out.second = {incidence(0, 0, t.c0.x), incidence(1, 1, t.c1.y), incidence(2, 2, t.c2.z),
+                incidence(0, 1, t.c1.x), incidence(0, 2, t.c2.x), incidence(1, 2, t.c2.y)};
   return out;
 }
 
@@ -120,10 +128,13 @@ MassProperties principal(const SolidSums& s) {
   out.centre = s.first / s.volume;
   const SolidSums c = placed(s, -out.centre, Quat{}, 1);
   const double xx = c.second[0], yy = c.second[1], zz = c.second[2];
-  Symmetric inertia{{{yy + zz, -c.second[3], -c.second[4]}, {-c.second[3], xx + zz, -c.second[5]}, {-c.second[4], -c.second[5], xx + yy}}};
+  Symmetric inertia{{{yy + zz, -c.second[3], -c.second[4]},
+                     {-c.second[3], xx + zz, -c.second[5]},
+                     {-c.second[4], -c.second[5], xx + yy}}};
   double axes[3][3];
   diagonalize(inertia, axes);
-  const Vec3 a{axes[0][0], axes[1][0], axes[2][0]}, b{axes[0][1], axes[1][1], axes[2][1]}, e{axes[0][2], axes[1][2], axes[2][2]};
+  const Vec3 a{axes[0][0], axes[1][0], axes[2][0]}, b{axes[0][1], axes[1][1], axes[2][1]},
+      e{axes[0][2], axes[1][2], axes[2][2]};
   if (dot(cross(a, b), e) < 0)
     for (auto& row : axes) row[2] = -row[2];
   out.axes = quaternionOf(axes);

@@ -7,7 +7,8 @@
 
 namespace rubble {
 
-/// Volume integrals at density 1 about the origin of some frame: m, the integral of x [m4] and of x x^T [m5] (xx, yy, zz, xy, xz, yz).
+/// Volume integrals at density 1 about the origin of some frame: m, the integral of x [m4] and of x x^T [m5]
+/// (xx, yy, zz, xy, xz, yz).
 struct SolidSums {
   double volume = 0;
   Vec3 first;
@@ -16,7 +17,8 @@ struct SolidSums {
   SolidSums& operator+=(const SolidSums& b);
 };
 
-/// Of the tetrahedron (origin, a, b, c), negative if a, b, c are clockwise seen from outside. A closed surface sums to its solid.
+/// Of the tetrahedron (origin, a, b, c), negative if a, b, c are clockwise seen from outside. A closed
+/// surface sums to its solid.
 SolidSums tetrahedronSums(const Vec3& a, const Vec3& b, const Vec3& c);
 /// Of a box about the origin.
 SolidSums boxSums(const Vec3& halfExtents);

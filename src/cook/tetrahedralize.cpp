@@ -1,4 +1,5 @@
-/// Isosurface stuffing: a body-centred cubic lattice, its points near the surface moved onto it, its tetrahedra cut along it.
+/// Isosurface stuffing: a body-centred cubic lattice, its points near the surface moved onto it, its
+/// tetrahedra cut along it.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -13,13 +14,15 @@ namespace rubble {
 
 namespace {
 
-/// A point is moved onto a cut of the surface that is nearer than this share of the edge: long edges go from cell to cell, short ones from a
-/// corner to a centre (the shares that bound the angles best, Labelle and Shewchuk 2007, table 1) [1].
+/// A point is moved onto a cut of the surface that is nearer than this share of the edge: long edges go from
+/// cell to cell, short ones from a corner to a centre (the shares that bound the angles best, Labelle and
+/// Shewchuk 2007, table 1) [1].
 constexpr double kLongShare = .24999, kShortShare = .41189;
 
 class Stuffing {
  public:
-  Stuffing(const TriangleMesh& surface, double cell, const std::string& path) : lattice_(surface, cell, path) {}
+  Stuffing(const TriangleMesh& surface, double cell, const std::string& path)
+      : lattice_(surface, cell, path) {}
 
   TetrahedronMesh run() {
     lattice_.findSides(side_);
@@ -81,7 +84,8 @@ class Stuffing {
     return incidence->second;
   }
   int cutVertex(int inside, int outside) {
-    const auto [incidence, isNew] = cutVertices_.emplace(edgeKey(inside, outside), static_cast<int>(out_.vertices.size()));
+    const auto [incidence, isNew] = cutVertices_.emplace(edgeKey(inside, outside),
+                                                         static_cast<int>(out_.vertices.size()));
     if (isNew) out_.vertices.push_back(cuts_.at(edgeKey(inside, outside)));
     return incidence->second;
   }
@@ -106,13 +110,14 @@ class Stuffing {
       for (int k = 0; k < outs; ++k) corners[n++] = cutVertex(in[0], out[k]);
       emit(corners);
     } else if (ins == 3) {
-      prism({vertexOf(in[0]), vertexOf(in[1]), vertexOf(in[2]), cutVertex(in[0], out[0]), cutVertex(in[1], out[0]),
-             cutVertex(in[2], out[0])});
+      prism({vertexOf(in[0]), vertexOf(in[1]), vertexOf(in[2]), cutVertex(in[0], out[0]),
+             cutVertex(in[1], out[0]), cutVertex(in[2], out[0])});
     } else if (ons == 1) {
-      pyramid({vertexOf(in[0]), vertexOf(in[1]), cutVertex(in[1], out[0]), cutVertex(in[0], out[0])}, vertexOf(on[0]));
+      pyramid({vertexOf(in[0]), vertexOf(in[1]), cutVertex(in[1], out[0]), cutVertex(in[0], out[0])},
+              vertexOf(on[0]));
     } else {
-      prism({vertexOf(in[0]), cutVertex(in[0], out[0]), cutVertex(in[0], out[1]), vertexOf(in[1]), cutVertex(in[1], out[0]),
-             cutVertex(in[1], out[1])});
+      prism({vertexOf(in[0]), cutVertex(in[0], out[0]), cutVertex(in[0], out[1]), vertexOf(in[1]),
+             cutVertex(in[1], out[0]), cutVertex(in[1], out[1])});
     }
   }
 
@@ -162,10 +167,12 @@ class Stuffing {
 }  // namespace
 
 TetrahedronMesh tetrahedralize(const TriangleMesh& surface, double cell, const std::string& path) {
-  if (!(cell > 0) || !std::isfinite(cell)) throw Error(path + ".cell", "a width above 0 [m]", std::to_string(cell));
+  if (!(cell > 0) || !std::isfinite(cell))
+    throw Error(path + ".cell", "a width above 0 [m]", std::to_string(cell));
   validateClosed(surface, path);
   TetrahedronMesh mesh = Stuffing(surface, cell, path).run();
-  if (mesh.tetrahedra.empty()) throw Error(path + ".cell", "cells that fit into the surface", std::to_string(cell) + " m");
+  if (mesh.tetrahedra.empty())
+    throw Error(path + ".cell", "cells that fit into the surface", std::to_string(cell) + " m");
   return mesh;
 }
 

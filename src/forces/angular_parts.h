@@ -1,6 +1,6 @@
 #pragma once
-/// Row blocks between the orientations of two bodies. Q_A = q_A f_A and Q_B = q_B f_B are the joint's frames on both bodies,
-/// e = Q_B^-1 Q_A = (s, u) on the short arc: the frame of A seen from B.
+/// Row blocks between the orientations of two bodies. Q_A = q_A f_A and Q_B = q_B f_B are the joint's frames
+/// on both bodies, e = Q_B^-1 Q_A = (s, u) on the short arc: the frame of A seen from B.
 #include "forces/joint.h"
 #include "math/trig.h"
 
@@ -29,8 +29,7 @@ struct TurnCounter {
 /// Memory of a joint with one counted angle, of its frames about their x axis.
 struct TwistMemory {
   TurnCounter twist;
-  template <class D>
-  RUBBLE_HD void remember(const D& d, const Pose& a, const Pose& b, const Vec3d&);
+  template <class D> RUBBLE_HD void remember(const D& d, const Pose& a, const Pose& b, const Vec3d&);
 };
 
 /// Smallest s^2 + u_x^2 that a twist is worked out with [1]: where x has turned right over there is none.
@@ -47,22 +46,25 @@ RUBBLE_HD inline Vec3 twistGradient(const Quat& e) {
 /// Column norms of (a b^T + b a^T) / 2.
 RUBBLE_HD inline Vec3 symmetricColumnNorms(const Vec3& a, const Vec3& b) {
   const Real aa = dot(a, a), bb = dot(b, b), ab = dot(a, b);
-  const auto norm = [&](Real ac, Real bc) { return std::sqrt(max((aa * bc * bc + bb * ac * ac) / 4 + ab * ac * bc / 2, Real(0))); };
+  const auto norm = [&](Real ac, Real bc) {
+    return std::sqrt(max((aa * bc * bc + bb * ac * ac) / 4 + ab * ac * bc / 2, Real(0)));
+  };
   return {norm(a.x, b.x), norm(a.y, b.y), norm(a.z, b.z)};
 }
 RUBBLE_HD inline Vec3 twistCurvature(const Quat& frameB, const Vec3& g, Real force) {
   return absOf(force) * symmetricColumnNorms(rotate(frameB, g), rotate(frameB, Vec3{0, g.z, -g.y}));
 }
 
-template <class D>
-RUBBLE_HD Quat frameOfA(const D& d, const Pose& a) { return a.q * d.frameA; }
-template <class D>
-RUBBLE_HD Quat frameOfB(const D& d, const Pose& b) { return b.q * d.frameB; }
-template <class D>
-RUBBLE_HD Quat frameAInB(const D& d, const Pose& a, const Pose& b) { return shortArc(conjugate(frameOfB(d, b)) * frameOfA(d, a)); }
+template <class D> RUBBLE_HD Quat frameOfA(const D& d, const Pose& a) { return a.q * d.frameA; }
+template <class D> RUBBLE_HD Quat frameOfB(const D& d, const Pose& b) { return b.q * d.frameB; }
+template <class D> RUBBLE_HD Quat frameAInB(const D& d, const Pose& a, const Pose& b) {
+  return shortArc(conjugate(frameOfB(d, b)) * frameOfA(d, a));
+}
 
 template <class D>
-RUBBLE_HD void TwistMemory::remember(const D& d, const Pose& a, const Pose& b, const Vec3d&) { twist.follow(twistAngle(frameAInB(d, a, b))); }
+RUBBLE_HD void TwistMemory::remember(const D& d, const Pose& a, const Pose& b, const Vec3d&) {
+  twist.follow(twistAngle(frameAInB(d, a, b)));
+}
 
 /// The twist of the joint's frames, counted over whole turns.
 struct TwistAxis {
@@ -70,26 +72,28 @@ struct TwistAxis {
   static constexpr RowUnit kUnit = RowUnit::Angular;
   static constexpr bool kAxis = true;
 
-  template <class D, class M>
-  RUBBLE_HD static double turns(const D&, const M& m) { return m.twist.turned(); }
+  template <class D, class M> RUBBLE_HD static double turns(const D&, const M& m) { return m.twist.turned(); }
   template <class D, class M>
   RUBBLE_HD static void constraint(const D& d, const M& m, const Pose& a, const Pose& b, Real (&c)[kRows]) {
     c[0] = m.twist.nearest(twistAngle(frameAInB(d, a, b)));
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
+  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                 Vec6 (&j)[kRows]) {
     const Vec3 g = rotate(frameOfB(d, b), twistGradient(frameAInB(d, a, b)));
     j[0] = {{0, 0, 0}, side == 0 ? g : -g};
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int, const Real (&f)[kRows]) {
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int,
+                                  const Real (&f)[kRows]) {
     return {{0, 0, 0}, twistCurvature(frameOfB(d, b), twistGradient(frameAInB(d, a, b)), f[0])};
   }
 };
 
 /// The relative orientation is kept, at `rest`.
 ///
-///   C = 2 v,  (t, v) = rest^-1 seen from B: e rest^-1, short arc       [rad for small angles], 3 rows, F [N m]
+///   C = 2 v,  (t, v) = rest^-1 seen from B: e rest^-1, short arc       [rad for small angles], 3 rows, F [N
+///             m]
 ///   J_A = (t 1 - [v]) R(Q_B)^T,  J_B = -J_A
 ///   G_A = G_B = -(F.v) / 2 on the angular diagonal
 RUBBLE_HD inline Quat deviation(const Quat& frameA, const Quat& frameB, const Quat& rest) {
@@ -115,16 +119,21 @@ struct OrientationRows {
   static constexpr RowUnit kUnit = RowUnit::Angular;
   static constexpr bool kAxis = false;
 
-  template <class D>
-  RUBBLE_HD static Quat error(const D& d, const Pose& a, const Pose& b) { return deviation(a.q, b.q, d.aToB); }
+  template <class D> RUBBLE_HD static Quat error(const D& d, const Pose& a, const Pose& b) {
+    return deviation(a.q, b.q, d.aToB);
+  }
   template <class D, class M>
-  RUBBLE_HD static void constraint(const D& d, const M&, const Pose& a, const Pose& b, Real (&c)[kRows]) { orientationError(error(d, a, b), c); }
+  RUBBLE_HD static void constraint(const D& d, const M&, const Pose& a, const Pose& b, Real (&c)[kRows]) {
+    orientationError(error(d, a, b), c);
+  }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
+  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                 Vec6 (&j)[kRows]) {
     orientationJacobian(error(d, a, b), b.q, side, j);
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int, const Real (&f)[kRows]) {
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int,
+                                  const Real (&f)[kRows]) {
     return orientationCurvature(error(d, a, b), f);
   }
 };
@@ -145,29 +154,32 @@ struct ParallelRows {
     c[1] = dot(rotate(frameOfB(d, b), Vec3{0, 0, 1}), x);
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
+  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                 Vec6 (&j)[kRows]) {
     const Vec3 x = rotate(frameOfA(d, a), Vec3{side == 0 ? Real(1) : Real(-1), 0, 0});
     j[0] = {{0, 0, 0}, cross(x, rotate(frameOfB(d, b), Vec3{0, 1, 0}))};
     j[1] = {{0, 0, 0}, cross(x, rotate(frameOfB(d, b), Vec3{0, 0, 1}))};
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int, const Real (&f)[kRows]) {
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int,
+                                  const Real (&f)[kRows]) {
     const Vec3 force = rotate(frameOfB(d, b), Vec3{0, f[0], f[1]});
     return {{0, 0, 0}, turningColumnNorms(force, rotate(frameOfA(d, a), Vec3{1, 0, 0}))};
   }
 };
 
 /// A function c(a) of the direction a of A's x axis in the frame of B.
-///   J_A = R(Q_B) (a x grad c),  J_B = -J_A,  d2c = R(Q_B) ([a]^T hess c [a] + S(grad c, a)) R(Q_B)^T on both bodies
+///   J_A = R(Q_B) (a x grad c),  J_B = -J_A,  d2c = R(Q_B) ([a]^T hess c [a] + S(grad c, a)) R(Q_B)^T on both
+///                               bodies
 /// Fn: evaluate(data, a, gradient, hessian) returns c.
-template <class Fn>
-struct DirectionAxis {
+template <class Fn> struct DirectionAxis {
   static constexpr int kRows = 1;
   static constexpr RowUnit kUnit = RowUnit::Angular;
   static constexpr bool kAxis = true;
 
-  template <class D>
-  RUBBLE_HD static Vec3 seenFromB(const D& d, const Pose& a, const Pose& b) { return rotate(frameAInB(d, a, b), Vec3{1, 0, 0}); }
+  template <class D> RUBBLE_HD static Vec3 seenFromB(const D& d, const Pose& a, const Pose& b) {
+    return rotate(frameAInB(d, a, b), Vec3{1, 0, 0});
+  }
   template <class D, class M>
   RUBBLE_HD static void constraint(const D& d, const M&, const Pose& a, const Pose& b, Real (&c)[kRows]) {
     Vec3 gradient;
@@ -175,7 +187,8 @@ struct DirectionAxis {
     c[0] = Fn::evaluate(d, seenFromB(d, a, b), gradient, hessian);
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
+  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                 Vec6 (&j)[kRows]) {
     const Vec3 x = seenFromB(d, a, b);
     Vec3 gradient;
     Sym3 hessian;
@@ -184,7 +197,8 @@ struct DirectionAxis {
     j[0] = {{0, 0, 0}, side == 0 ? g : -g};
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int, const Real (&f)[kRows]) {
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int,
+                                  const Real (&f)[kRows]) {
     const Vec3 x = seenFromB(d, a, b);
     Vec3 g;
     Sym3 h;
@@ -192,18 +206,22 @@ struct DirectionAxis {
     const Quat frame = frameOfB(d, b);
     Real norm[3];
     for (int i = 0; i < 3; ++i) {
-      const Real unit[3] = {i == 0 ? Real(1) : Real(0), i == 1 ? Real(1) : Real(0), i == 2 ? Real(1) : Real(0)};
+      const Real unit[3] = {i == 0 ? Real(1) : Real(0), i == 1 ? Real(1) : Real(0),
+                            i == 2 ? Real(1) : Real(0)};
       const Vec3 w = rotateInverse(frame, Vec3{unit[0], unit[1], unit[2]});
       // [a]^T y = -a x y
-      const Vec3 column = -cross(x, h * cross(x, w)) + (g * dot(x, w) + x * dot(g, w)) / Real(2) - w * dot(g, x);
+      const Vec3 column = -cross(x, h * cross(x, w)) + (g * dot(x, w) + x * dot(g, w)) / Real(2) -
+                          w * dot(g, x);
       norm[i] = absOf(f[0]) * length(column);
     }
     return {{0, 0, 0}, {norm[0], norm[1], norm[2]}};
   }
 };
 
-/// 2 atan2(n, d) for linear n(a), d(a) with gradients dn, dd. Half-angle form: no fold at 90 degrees, singular only where n = d = 0.
-RUBBLE_HD inline Real halfAngle(Real n, Real d, const Vec3& dn, const Vec3& dd, Vec3& gradient, Sym3& hessian) {
+/// 2 atan2(n, d) for linear n(a), d(a) with gradients dn, dd. Half-angle form: no fold at 90 degrees,
+/// singular only where n = d = 0.
+RUBBLE_HD inline Real halfAngle(Real n, Real d, const Vec3& dn, const Vec3& dd, Vec3& gradient,
+                                Sym3& hessian) {
   const Real r2 = max(n * n + d * d, kTwistFloor), r4 = r2 * r2;
   gradient = (dn * d - dd * n) * (Real(2) / r2);
   const Real nn = -4 * n * d / r4, nd = 2 * (n * n - d * d) / r4;
@@ -215,23 +233,23 @@ RUBBLE_HD inline Real halfAngle(Real n, Real d, const Vec3& dn, const Vec3& dd, 
   return Real(2) * signedAngleOf(n, d);
 }
 
-/// Swing about y: 2 atan2(-a_z, 1 + a_x); about z: 2 atan2(a_y, 1 + a_x). The angle itself where the other is 0.
+/// Swing about y: 2 atan2(-a_z, 1 + a_x); about z: 2 atan2(a_y, 1 + a_x). The angle itself where the other is
+/// 0.
 struct SwingY {
-  template <class D>
-  RUBBLE_HD static Real evaluate(const D&, const Vec3& a, Vec3& gradient, Sym3& hessian) {
+  template <class D> RUBBLE_HD static Real evaluate(const D&, const Vec3& a, Vec3& gradient, Sym3& hessian) {
     return halfAngle(-a.z, Real(1) + a.x, {0, 0, -1}, {1, 0, 0}, gradient, hessian);
   }
 };
 struct SwingZ {
-  template <class D>
-  RUBBLE_HD static Real evaluate(const D&, const Vec3& a, Vec3& gradient, Sym3& hessian) {
+  template <class D> RUBBLE_HD static Real evaluate(const D&, const Vec3& a, Vec3& gradient, Sym3& hessian) {
     return halfAngle(a.y, Real(1) + a.x, {0, 1, 0}, {1, 0, 0}, gradient, hessian);
   }
 };
 
-/// Swing away from x in any direction: 2 atan2(rho, 1 + a_x), rho^2 = (y a_z)^2 + (z a_y)^2 with the factors data.cone = (y, z) >= 1. With
-/// both 1 it is the angle between the x axes. With limits Ly about y and Lz about z, T = max(tan(L/2)), y = T / tan(Ly/2) and z = T / tan(Lz/2),
-/// the ellipse of both limits is the level 2 atan(T).
+/// Swing away from x in any direction: 2 atan2(rho, 1 + a_x), rho^2 = (y a_z)^2 + (z a_y)^2 with the factors
+/// data.cone = (y, z) >= 1. With both 1 it is the angle between the x axes. With limits Ly about y and Lz
+/// about z, T = max(tan(L/2)), y = T / tan(Ly/2) and z = T / tan(Lz/2), the ellipse of both limits is the
+/// level 2 atan(T).
 struct SwingCone {
   template <class D>
   RUBBLE_HD static Real evaluate(const D& d, const Vec3& a, Vec3& gradient, Sym3& hessian) {

@@ -1,11 +1,13 @@
 #pragma once
-/// Attachment: a point of a body, or of the world, and a weighted mean of vertices coincide; or two means of vertices (a seam).
+/// Attachment: a point of a body, or of the world, and a weighted mean of vertices coincide; or two means of
+/// vertices (a seam).
 ///
 ///   C = x_A + sum c_i x_i,  x_A = p + r, r = R a (absent in a seam)     [m], 3 rows, F [N]
 ///   c_i: minus the weights of the vertices that stand against x_A; in a seam + on one side, - on the other
 ///   J_body = [1, -[r]],  J_i = c_i 1;  G of the body: S(F, r), by its column norms
 ///
-/// The three rows share one stiffness and one bound on |F|, which is the break threshold. C is kept as its value at x^t plus displacements.
+/// The three rows share one stiffness and one bound on |F|, which is the break threshold. C is kept as its
+/// value at x^t plus displacements.
 #include "forces/joint.h"
 #include "math/block3.h"
 
@@ -29,26 +31,29 @@ struct Attachment {
   int body;                    ///< or kWorldBody
   int seam;                    ///< 1: between vertices only
   int alive, broken;
-  int depth;                   ///< as that of a PointContact
-  Vec3d worldPoint;            ///< x_A if the body is kWorldBody [m]
-  Vec3 anchor;                 ///< a [m]
-  Real bound, compliance;      ///< break threshold [N], 1/K [m/N]; 0: hard
-  Real length;                 ///< L of the rows [m]
-  Real mass;                   ///< of the vertices: least m_i / c_i^2 [kg]
-  Vec3 lambda;                 ///< F [N]
-  Real k;                      ///< 0 before the first step [N/m]
-  GroupState group;            ///< of this step
-  Vec3 c0;                     ///< C(x^t) after regularisation [m]
-  Vec3 lever;                  ///< r at x^t [m]
+  int depth;               ///< as that of a PointContact
+  Vec3d worldPoint;        ///< x_A if the body is kWorldBody [m]
+  Vec3 anchor;             ///< a [m]
+  Real bound, compliance;  ///< break threshold [N], 1/K [m/N]; 0: hard
+  Real length;             ///< L of the rows [m]
+  Real mass;               ///< of the vertices: least m_i / c_i^2 [kg]
+  Vec3 lambda;             ///< F [N]
+  Real k;                  ///< 0 before the first step [N/m]
+  GroupState group;        ///< of this step
+  Vec3 c0;                 ///< C(x^t) after regularisation [m]
+  Vec3 lever;              ///< r at x^t [m]
 
   RUBBLE_HD bool isNew() const { return !(k > Real(0)); }
-  /// `gap`: C*(x^t); `leverNow`: r at x^t; `bodyMass`: 0 unless dynamic; `load`: the multiplier of one that is new.
-  RUBBLE_HD void begin(const StepConstants& c, const Vec3& gap, const Vec3& leverNow, Real bodyMass, const Vec3& load) {
+  /// `gap`: C*(x^t); `leverNow`: r at x^t; `bodyMass`: 0 unless dynamic; `load`: the multiplier of one that
+  /// is new.
+  RUBBLE_HD void begin(const StepConstants& c, const Vec3& gap, const Vec3& leverNow, Real bodyMass,
+                       const Vec3& load) {
     const bool hard = compliance == Real(0);
     const Real row = bodyMass > Real(0) ? (mass > Real(0) ? min(mass, bodyMass) : bodyMass) : mass;
     const StiffnessRule rule = jointRule(c, startStiffness(c, row), length);
     lambda = isNew() ? load : warmMultiplier(c, Real(1), hard) * lambda;
-    const Real size = std::sqrt(dot(lambda, lambda)), warm = isNew() ? newStiffness(rule, size) : warmStiffness(c, rule, k, size);
+    const Real size = std::sqrt(dot(lambda, lambda)),
+               warm = isNew() ? newStiffness(rule, size) : warmStiffness(c, rule, k, size);
     group = {warm, compliance, bound, rule, true};
     c0 = hard ? (Real(1) - c.alpha) * gap : gap;
     lever = leverNow;

@@ -1,47 +1,56 @@
 #pragma once
-/// A scalar coordinate c(x) of a joint (an angle, a travel, a length) and the three rows that may act on it. They share one Jacobian.
+/// A scalar coordinate c(x) of a joint (an angle, a travel, a length) and the three rows that may act on it.
+/// They share one Jacobian.
 ///
 ///   limit     c in [lo, hi]; lo = hi: locked. Hard, or with a stiffness and a damper
-///   drive     towards a position and a speed, by stiffness and damper (either may be hard), with a largest force
+///   drive     towards a position and a speed, by stiffness and damper (either may be hard), with a largest
+///             force
 ///   friction  against any motion, up to a bound
 ///
-/// Each is one row whose force is that of an interval [l, h], which the drive and the friction have with l = h:
+/// Each is one row whose force is that of an interval [l, h], which the drive and the friction have with l =
+/// h:
 ///
-///   F = s (k (c - h) + lambda) if that is above 0,  s (k (c - l) + lambda) if that is below 0,  else 0;     cut to [-bound, bound]
+///   F = s (k (c - h) + lambda) if that is above 0,  s (k (c - l) + lambda) if that is below 0,  else 0;
+///   cut to [-bound, bound]
 ///
-/// which is the force of the augmented Lagrangian of l <= c <= h. At most one of the two is on its side, since l <= h. A damper of D joins
-/// the stiffness K in one finite row: K_tot = K + D / dt, and the error is C - w C(x^t) with w = (D / dt) / K_tot. [N, N m]
+/// which is the force of the augmented Lagrangian of l <= c <= h. At most one of the two is on its side,
+/// since l <= h. A damper of D joins the stiffness K in one finite row: K_tot = K + D / dt, and the error is
+/// C - w C(x^t) with w = (D / dt) / K_tot. [N, N m]
 #include "solver/row.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A stiffness [N/m, N m/rad] or damper [N s/m, N m s/rad] from here on is hard, a bound from here on is none.
+/// A stiffness [N/m, N m/rad] or damper [N s/m, N m s/rad] from here on is hard, a bound from here on is
+/// none.
 inline constexpr Real kHardValue = Real(1e18);
 /// A limit beyond this is none [m, rad].
 inline constexpr Real kNoLimit = Real(1e18);
-/// A limit without load takes no part in a step if the coordinate stays inside even when it moves so many times as far as predicted [1] ...
+/// A limit without load takes no part in a step if the coordinate stays inside even when it moves so many
+/// times as far as predicted [1] ...
 inline constexpr Real kInactiveReach = Real(1.5);
-/// ... unless an impact may drive it there: within so many radians, or shares of the characteristic length, it is watched [rad, 1]. A limit that is
-/// watched has no stiffness until it is crossed, so free motion stays free.
+/// ... unless an impact may drive it there: within so many radians, or shares of the characteristic length,
+/// it is watched [rad, 1]. A limit that is watched has no stiffness until it is crossed, so free motion stays
+/// free.
 inline constexpr Real kWatchReach = Real(1.5);
 
 /// Authored.
 struct AxisSpec {
-  Real lo, hi;                        ///< [m], [rad]
+  Real lo, hi;  ///< [m], [rad]
   Real limitStiffness, limitDamping;
-  Real target, speed;                 ///< of the drive [m, rad], [m/s, rad/s]
+  Real target, speed;  ///< of the drive [m, rad], [m/s, rad/s]
   Real driveStiffness, driveDamping;
-  Real driveBound;                    ///< largest force of the drive [N, N m]
-  Real friction;                      ///< [N, N m]
+  Real driveBound;  ///< largest force of the drive [N, N m]
+  Real friction;    ///< [N, N m]
 };
 
 /// One row of a coordinate: what lasts (lambda, k) and what a step works with.
 struct AxisRow {
   Real lambda, k;
-  Real lo, hi;        ///< interval after regularisation
-  Real compliance;    ///< 1 / K_tot; 0: hard
+  Real lo, hi;      ///< interval after regularisation
+  Real compliance;  ///< 1 / K_tot; 0: hard
   Real bound;
-  int active;             ///< 0, 1, or kWatched; no bool, for padding would be left to chance where states are compared byte by byte
+  int active;  ///< 0, 1, or kWatched; no bool, for padding would be left to chance where states are compared
+               ///< byte by byte
   int keepsMultiplier;  ///< 0, 1
 };
 
@@ -49,12 +58,13 @@ inline constexpr int kWatched = 2;
 
 struct alignas(4 * sizeof(Real)) AxisRows {
   AxisRow limit, drive, friction;
-  Real start, length;       ///< k_start, and the length that its growth refers to (1 for angles)
-  Real beforeImpact;        ///< multiplier of the limit to go on with after an impact
-  int impact;               ///< the limit stops a fast approach in this step
+  Real start, length;  ///< k_start, and the length that its growth refers to (1 for angles)
+  Real beforeImpact;   ///< multiplier of the limit to go on with after an impact
+  int impact;          ///< the limit stops a fast approach in this step
 };
 
-/// Force and Hessian stiffness of a row at c; returns the distance from the interval that the force comes from (0: no force).
+/// Force and Hessian stiffness of a row at c; returns the distance from the interval that the force comes
+/// from (0: no force).
 RUBBLE_HD inline Real axisForce(const AxisRow& row, Real c, Real& force, Real& hessian) {
   const Real s = row.keepsMultiplier ? Real(1) / (Real(1) + row.k * row.compliance) : Real(1);
   const Real up = s * (row.k * (c - row.hi) + row.lambda), low = s * (row.k * (c - row.lo) + row.lambda);
@@ -64,8 +74,10 @@ RUBBLE_HD inline Real axisForce(const AxisRow& row, Real c, Real& force, Real& h
   const Real size = absOf(force);
   if (size > row.bound) {
     const Real sign = force > Real(0) ? Real(1) : Real(-1);
-    // the secant of the cut force, kept above half of what stops the motion: with lambda at the bound the secant alone is zero
-    if (absOf(error) > Real(0)) hessian = min(hessian, max(absOf(row.bound - sign * row.lambda), row.bound / 2) / absOf(error));
+    // the secant of the cut force, kept above half of what stops the motion: with lambda at the bound the
+    // secant alone is zero
+    if (absOf(error) > Real(0))
+      hessian = min(hessian, max(absOf(row.bound - sign * row.lambda), row.bound / 2) / absOf(error));
     force = sign * row.bound;
   }
   return error;
@@ -83,10 +95,13 @@ RUBBLE_HD inline void axisForces(const AxisRows& rows, Real c, Real& force, Real
   };
   add(rows.limit), add(rows.drive), add(rows.friction);
 }
-RUBBLE_HD inline bool actsAtAll(const AxisRows& rows) { return rows.limit.active || rows.drive.active || rows.friction.active; }
+RUBBLE_HD inline bool actsAtAll(const AxisRows& rows) {
+  return rows.limit.active || rows.drive.active || rows.friction.active;
+}
 /// The force that the rows have after the last dual update.
 RUBBLE_HD inline Real axisLoad(const AxisRows& rows) {
-  return (rows.limit.active ? rows.limit.lambda : Real(0)) + (rows.drive.active ? rows.drive.lambda : Real(0)) +
+  return (rows.limit.active ? rows.limit.lambda : Real(0)) +
+         (rows.drive.active ? rows.drive.lambda : Real(0)) +
          (rows.friction.active ? rows.friction.lambda : Real(0));
 }
 
@@ -113,19 +128,20 @@ RUBBLE_HD inline void updateAxis(const StepConstants& c, AxisRows& rows, Real va
 
 /// What beginAxis knows of the joint.
 struct AxisSituation {
-  Real value;       ///< c(x^t), within its turn
-  Real turn;        ///< what whole turns add to it
-  Real change;      ///< of c in this step without any row, to first order
-  Real inertia;     ///< row inertia
-  Real length;      ///< characteristic length [m]; 1 for angles
-  Real reach;       ///< speed of a point for a unit of speed of c [1, m]
-  Real bound;       ///< break threshold and ceiling [N, N m]
-  Real size;        ///< of the joint [m]
+  Real value;    ///< c(x^t), within its turn
+  Real turn;     ///< what whole turns add to it
+  Real change;   ///< of c in this step without any row, to first order
+  Real inertia;  ///< row inertia
+  Real length;   ///< characteristic length [m]; 1 for angles
+  Real reach;    ///< speed of a point for a unit of speed of c [1, m]
+  Real bound;    ///< break threshold and ceiling [N, N m]
+  Real size;     ///< of the joint [m]
 };
 
-/// Stiffness, compliance and kept multiplier of a row. `kept`: factor on the multiplier; `authored`: multiplier of a row of finite stiffness that is
-/// new, which is the load K C that it has at x^t.
-RUBBLE_HD inline void beginAxisRow(const StepConstants& c, AxisRows& rows, AxisRow& row, Real total, Real kept, Real authored, Real bound) {
+/// Stiffness, compliance and kept multiplier of a row. `kept`: factor on the multiplier; `authored`:
+/// multiplier of a row of finite stiffness that is new, which is the load K C that it has at x^t.
+RUBBLE_HD inline void beginAxisRow(const StepConstants& c, AxisRows& rows, AxisRow& row, Real total,
+                                   Real kept, Real authored, Real bound) {
   const bool hard = total >= kHardValue, ramp = !hard && !c.compliantRows;
   StiffnessRule rule = jointRule(c, rows.start, rows.length);
   row.compliance = hard ? Real(0) : Real(1) / total;
@@ -143,7 +159,8 @@ RUBBLE_HD inline void beginAxisRow(const StepConstants& c, AxisRows& rows, AxisR
 }
 
 /// Rows of this step, from x^t.
-RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, AxisRows& rows, const AxisSituation& at) {
+RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, AxisRows& rows,
+                                const AxisSituation& at) {
   rows.start = startStiffness(c, at.inertia);
   rows.length = at.length;
   const auto rest = [](AxisRow& row) { row.active = false, row.lambda = 0, row.k = 0; };
@@ -161,16 +178,20 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       rest(limit);
     } else {
       const bool hard = spec.limitStiffness >= kHardValue;
-      const Real damping = spec.limitDamping * c.inverseDt, total = hard ? spec.limitStiffness : spec.limitStiffness + damping;
+      const Real damping = spec.limitDamping * c.inverseDt,
+                 total = hard ? spec.limitStiffness : spec.limitStiffness + damping;
       const Real share = hard ? c.alpha : damping / total;
       limit.hi = hi + share * (locked ? at.value - hi : max(at.value - hi, Real(0)));
       limit.lo = locked ? limit.hi : lo - share * max(lo - at.value, Real(0));
       const Real before = limit.lambda;
       const Real beyond = locked || at.value > hi ? at.value - hi : min(at.value - lo, Real(0));
-      beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma, spec.limitStiffness * beyondRoundOff(beyond, absOf(at.value) + at.length), at.bound);
+      beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma,
+                   spec.limitStiffness * beyondRoundOff(beyond, absOf(at.value) + at.length), at.bound);
       if (dormant) limit.active = kWatched;
       // as for contacts: the multiplier of an impact is many times the load that follows
-      rows.impact = c.impactRule && hard && !locked && absOf(at.change) * c.inverseDt * at.reach > impactSpeed(c, at.size) && !inside(at.value + at.change);
+      rows.impact = c.impactRule && hard && !locked &&
+                    absOf(at.change) * c.inverseDt * at.reach > impactSpeed(c, at.size) &&
+                    !inside(at.value + at.change);
       rows.beforeImpact = before;
     }
   } else {
@@ -191,7 +212,8 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       const Real damping = spec.driveDamping * c.inverseDt;
       total = spec.driveStiffness + damping;
       drive.hi = target + damping / total * (at.value - target + c.dt * spec.speed);
-      authored = spec.driveStiffness * beyondRoundOff(at.value - target, absOf(at.value) + absOf(target) + at.length);
+      authored = spec.driveStiffness *
+                 beyondRoundOff(at.value - target, absOf(at.value) + absOf(target) + at.length);
     }
     drive.lo = drive.hi;
     beginAxisRow(c, rows, drive, total, kept, authored, min(spec.driveBound, at.bound));
@@ -209,7 +231,8 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
 
 /// A part that takes no part in a step.
 RUBBLE_HD inline void restPart(AxisRows& rows) {
-  for (AxisRow* row : {&rows.limit, &rows.drive, &rows.friction}) row->active = false, row->lambda = 0, row->k = 0;
+  for (AxisRow* row : {&rows.limit, &rows.drive, &rows.friction})
+    row->active = false, row->lambda = 0, row->k = 0;
   rows.impact = false;
 }
 

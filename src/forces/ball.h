@@ -1,5 +1,6 @@
 #pragma once
-/// Ball joint: two anchors coincide (AnchorRows). With a finite stiffness, a damper and a largest force it is a grab: a soft drag.
+/// Ball joint: two anchors coincide (AnchorRows). With a finite stiffness, a damper and a largest force it is
+/// a grab: a soft drag.
 #include "forces/linear_parts.h"
 
 namespace rubble::RUBBLE_CORE {

@@ -2,11 +2,14 @@
 /// Bending of sheets across an edge and of lines at a vertex.
 ///
 /// Sheet: edge (x_0, x_1), opposite corners x_2, x_3.
-///   flat at rest   E = K/2 |sum w_i x_i|^2, w from the cotangents at rest (quadratic isometric bending, Bergou et al. 2006)
+///   flat at rest   E = K/2 |sum w_i x_i|^2, w from the cotangents at rest (quadratic isometric bending,
+///                  Bergou et al. 2006)
 ///                  f_i = -K w_i sum w_j x_j,  H_i = K w_i^2 1 (complete and constant)
-///   folded at rest E = D/2 (theta - theta_0)^2, theta the angle between the two normals; Gauss-Newton H = D grad grad^T
-/// Line: E = K/2 |x_0 - 2 x_1 + x_2|^2, K = E I / l^3: the same quadratic form with weights 1, -2, 1, straight at rest; no twist.
-/// A damper acts on theta, which no rigid motion changes; the quadratic forms have none, since sum w_i x_i turns with a bent sheet.
+///   folded at rest E = D/2 (theta - theta_0)^2, theta the angle between the two normals; Gauss-Newton H = D
+///   grad grad^T
+/// Line: E = K/2 |x_0 - 2 x_1 + x_2|^2, K = E I / l^3: the same quadratic form with weights 1, -2, 1,
+/// straight at rest; no twist. A damper acts on theta, which no rigid motion changes; the quadratic forms
+/// have none, since sum w_i x_i turns with a bent sheet.
 #include "math/block3.h"
 #include "math/trig.h"
 #include "solver/constants.h"
@@ -14,8 +17,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// K/2 |sum w_i x_i|^2 over N vertices whose weights add up to zero.
-template <int N>
-struct QuadraticBend {
+template <int N> struct QuadraticBend {
   static constexpr int kCorners = N;
   static constexpr bool kHasDual = false;
 
@@ -31,7 +33,9 @@ struct QuadraticBend {
     return s;
   }
   RUBBLE_HD void begin(const StepConstants&, const Vec3 (&)[N]) {}
-  RUBBLE_HD Real energy(const StepConstants&, const Vec3 (&x)[N]) const { return stiffness / 2 * lengthSquared(sum(x)); }
+  RUBBLE_HD Real energy(const StepConstants&, const Vec3 (&x)[N]) const {
+    return stiffness / 2 * lengthSquared(sum(x));
+  }
   RUBBLE_HD void accumulate(const StepConstants&, const Vec3 (&x)[N], int corner, Block3& block) const {
     const Real w = weight[corner];
     block.f -= (stiffness * w) * sum(x);
@@ -62,7 +66,7 @@ struct FoldBend {
   struct Fold {
     Vec3 n1, n2, edge;  ///< normals of twice the areas, x_1 - x_0
     Real angle;
-    bool valid;         ///< both triangles have an area
+    bool valid;  ///< both triangles have an area
   };
   RUBBLE_HD Fold fold(const Vec3 (&x)[kCorners]) const {
     Fold f;
@@ -94,7 +98,8 @@ struct FoldBend {
     const Real angle = fold(x).angle, away = turn(angle, restAngle), moved = turn(angle, angleStart);
     return stiffness / 2 * away * away + damping * c.inverseDt / 2 * moved * moved;
   }
-  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
+  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner,
+                            Block3& block) const {
     const Fold f = fold(x);
     if (!f.valid) return;
     const Vec3 g = gradient(f, x, corner);

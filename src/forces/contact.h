@@ -1,22 +1,27 @@
 #pragma once
 /// Contact with friction: up to four points of a pair of bodies A, B, with one normal.
 ///
-///   at x^t      n from A to B, r_A, r_B levers to the point, C_n0 = penetration, C_t0 = tangential drift since the point stuck
+///   at x^t      n from A to B, r_A, r_B levers to the point, C_n0 = penetration, C_t0 = tangential drift
+///               since the point stuck
 ///   in the step d_A = Dp_A + Dw_A x r_A, d_B likewise: first-order displacements of the point on both bodies
 ///   normal      C_n = C_n0' + n.(d_A - d_B),           0 <= F_n                    [m], [N]
-///   tangent     C_t = c C_t0 + t.(d_A - d_B), |F_t| <= mu F_n                       [m], [N]   (c: part of the drift corrected in a step)
-///               mu is one for all points of a step, static or dynamic: a point that yields while the others hold keeps what it bears
+///   tangent     C_t = c C_t0 + t.(d_A - d_B), |F_t| <= mu F_n                       [m], [N]   (c: part of
+///               the drift corrected in a step)
+///               mu is one for all points of a step, static or dynamic: a point that yields while the others
+///               hold keeps what it bears
 ///   force       on A: -(F_n n + F_t) at r_A, on B: the opposite at r_B
 ///
-/// Normal and levers stay frozen at x^t (a true first-order expansion), so there is no curvature term. Both bodies use the same point, in
-/// the middle of the gap: their forces have no net moment. (Giles et al. 2025, section 3.3 and 4.)
+/// Normal and levers stay frozen at x^t (a true first-order expansion), so there is no curvature term. Both
+/// bodies use the same point, in the middle of the gap: their forces have no net moment. (Giles et al. 2025,
+/// section 3.3 and 4.)
 #include "solver/block.h"
 #include "solver/friction.h"
 #include "solver/stiffness.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// What a body moved since x^t: translation [m] and rotation vector [rad]. All that contacts read of a body during the iterations.
+/// What a body moved since x^t: translation [m] and rotation vector [rad]. All that contacts read of a body
+/// during the iterations.
 struct alignas(8 * sizeof(Real)) Displacement {
   Vec3 dp;
   Real step2;  ///< square of what the last sweep added to dp [m2]; 0: it did not move the body
@@ -26,20 +31,21 @@ struct alignas(8 * sizeof(Real)) Displacement {
 
 /// The rows of one point, in three pieces that are read and written whole.
 struct alignas(4 * sizeof(Real)) PointPlace {
-  Vec3 rA;                         ///< lever on A [m]; on B: rA + offset
-  Real c0;                         ///< C_n at x^t after regularisation [m]
+  Vec3 rA;  ///< lever on A [m]; on B: rA + offset
+  Real c0;  ///< C_n at x^t after regularisation [m]
 };
 struct alignas(4 * sizeof(Real)) PointLoad {
   Real lambdaN, lambda1, lambda2;  ///< multipliers, those of friction in the tangent basis of n [N]
   Real kN;                         ///< stiffness of the normal row [N/m]
 };
 struct alignas(4 * sizeof(Real)) PointSlip {
-  Real drift1, drift2;             ///< C_t at x^t before regularisation, same basis [m]
-  Real mu;                         ///< static or dynamic friction, by what the manifold did before [1]
-  Real kT;                         ///< stiffness of the two tangential rows [N/m]
+  Real drift1, drift2;  ///< C_t at x^t before regularisation, same basis [m]
+  Real mu;              ///< static or dynamic friction, by what the manifold did before [1]
+  Real kT;              ///< stiffness of the two tangential rows [N/m]
 };
 
-/// The rows of one manifold in one step. Unused and dormant points have k = 0 and lambda = 0 and so neither push nor resist.
+/// The rows of one manifold in one step. Unused and dormant points have k = 0 and lambda = 0 and so neither
+/// push nor resist.
 struct ContactRows {
   PointPlace place[kLanes];
   PointLoad load[kLanes];
@@ -58,24 +64,22 @@ struct ContactRows {
 static_assert(sizeof(ContactRows) == 64 * sizeof(Real));
 
 /// Position errors and forces of the points of one manifold.
-template <class L>
-struct ContactForces {
+template <class L> struct ContactForces {
   L cN, c1, c2;
   L fN;
   TangentForce<L> t;
 };
 
-/// Points of a manifold as lanes, with the tangents that they share. Load: lambdaN, lambda1, lambda2, kN. Slip: drift1, drift2, mu, kT.
-template <class L>
-struct ContactFrame {
+/// Points of a manifold as lanes, with the tangents that they share. Load: lambdaN, lambda1, lambda2, kN.
+/// Slip: drift1, drift2, mu, kT.
+template <class L> struct ContactFrame {
   Vec3 t1, t2;
   Vec3T<L> rA, rB;
   L c0;
   Quad<L> load, slip;
 };
 
-template <class L>
-RUBBLE_HD ContactFrame<L> contactFrame(const ContactRows& m, int lane) {
+template <class L> RUBBLE_HD ContactFrame<L> contactFrame(const ContactRows& m, int lane) {
   using A = LaneAccess<L>;
   const Quad<L> place = A::loadQuad(m.place, lane);
   ContactFrame<L> f;
@@ -89,7 +93,8 @@ RUBBLE_HD ContactFrame<L> contactFrame(const ContactRows& m, int lane) {
 
 /// d_A - d_B
 template <class L>
-RUBBLE_HD Vec3T<L> relativeDisplacement(const ContactFrame<L>& f, const Displacement& a, const Displacement& b) {
+RUBBLE_HD Vec3T<L> relativeDisplacement(const ContactFrame<L>& f, const Displacement& a,
+                                        const Displacement& b) {
   using A = LaneAccess<L>;
   const auto at = [](const Vec3& dw, const Vec3T<L>& r) {
     return Vec3T<L>{dw.y * r.z - dw.z * r.y, dw.z * r.x - dw.x * r.z, dw.x * r.y - dw.y * r.x};
@@ -99,12 +104,14 @@ RUBBLE_HD Vec3T<L> relativeDisplacement(const ContactFrame<L>& f, const Displace
   return {A::splat(dp.x) + turn.x, A::splat(dp.y) + turn.y, A::splat(dp.z) + turn.z};
 }
 
-template <class L>
-RUBBLE_HD L along(const Vec3& u, const Vec3T<L>& d) { return u.x * d.x + u.y * d.y + u.z * d.z; }
+template <class L> RUBBLE_HD L along(const Vec3& u, const Vec3T<L>& d) {
+  return u.x * d.x + u.y * d.y + u.z * d.z;
+}
 
 /// Errors and bounded forces at the present displacements.
 template <class L>
-RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRows& m, const ContactFrame<L>& f, const Displacement& a,
+RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRows& m,
+                                         const ContactFrame<L>& f, const Displacement& a,
                                          const Displacement& b) {
   using A = LaneAccess<L>;
   const Vec3T<L> d = relativeDisplacement(f, a, b);
@@ -117,11 +124,13 @@ RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRo
   return o;
 }
 
-/// Adds forces and Hessians of the points to the block of A (onA) or B: [[W, -W [r]], [[r] W, -[r] W [r]]], W = k_n n n^T + tangential part.
-/// The block may be about another point than the body's centre, which then lies `shift` from that point. Hessians count `weight` times.
+/// Adds forces and Hessians of the points to the block of A (onA) or B: [[W, -W [r]], [[r] W, -[r] W [r]]], W
+/// = k_n n n^T + tangential part. The block may be about another point than the body's centre, which then
+/// lies `shift` from that point. Hessians count `weight` times.
 template <class L>
-RUBBLE_HD void accumulateContact(const StepConstants& c, const ContactRows& m, bool onA, const Displacement& a, const Displacement& b, int lane,
-                            Block6T<L>& block, const Vec3& shift = {0, 0, 0}, Real weight = 1) {
+RUBBLE_HD void accumulateContact(const StepConstants& c, const ContactRows& m, bool onA,
+                                 const Displacement& a, const Displacement& b, int lane, Block6T<L>& block,
+                                 const Vec3& shift = {0, 0, 0}, Real weight = 1) {
   const ContactFrame<L> f = contactFrame<L>(m, lane);
   const ContactForces<L> o = contactForces(c, m, f, a, b);
   const Vec3T<L>& own = onA ? f.rA : f.rB;
@@ -130,14 +139,17 @@ RUBBLE_HD void accumulateContact(const StepConstants& c, const ContactRows& m, b
 
   const Real sign = onA ? Real(-1) : Real(1);
   const L fn = sign * o.fN, f1 = sign * o.t.f1, f2 = sign * o.t.f2;
-  const Vec3T<L> force{n.x * fn + t1.x * f1 + t2.x * f2, n.y * fn + t1.y * f1 + t2.y * f2, n.z * fn + t1.z * f1 + t2.z * f2};
+  const Vec3T<L> force{n.x * fn + t1.x * f1 + t2.x * f2, n.y * fn + t1.y * f1 + t2.y * f2,
+                       n.z * fn + t1.z * f1 + t2.z * f2};
 
   addAtLever(block, r, force, LaneAccess<L>::splat(weight) * pointHessian(n, t1, t2, f.load.w, o.t));
 }
 
-/// The dual update [S 13], [S 14] of the points: normal force first, then the cone with it, then both stiffnesses.
+/// The dual update [S 13], [S 14] of the points: normal force first, then the cone with it, then both
+/// stiffnesses.
 template <class L>
-RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const Displacement& a, const Displacement& b, int lane) {
+RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const Displacement& a,
+                                  const Displacement& b, int lane) {
   using A = LaneAccess<L>;
   const ContactFrame<L> f = contactFrame<L>(m, lane);
   const ContactForces<L> o = contactForces(c, m, f, a, b);

@@ -1,23 +1,26 @@
 #pragma once
-/// Distance of two anchors (DistanceAxis): rod (locked), rope (upper limit), strut (lower limit), spring with damper (a drive).
+/// Distance of two anchors (DistanceAxis): rod (locked), rope (upper limit), strut (lower limit), spring with
+/// damper (a drive).
 ///
-/// A distance has a direction, and rows along it are linear while that turns little. Where the anchors move against one another in a step by more than
-/// the length L that they are to keep, it may turn anyhow, and a multiplier pushes where it should pull. There the joint is a point for that step: its
-/// anchors keep the offset o = L n along every axis (AnchorRows), n the direction at x^t. Since |d - L n| >= ||d| - L|, with equality at x^t, the energy of
-/// its rows bounds that of the distance from above and no energy comes from the change; what it keeps from turning is less than what a step moves. A rope
-/// that is slack keeps the offset that it has. One of no length is a point always.
+/// A distance has a direction, and rows along it are linear while that turns little. Where the anchors move
+/// against one another in a step by more than the length L that they are to keep, it may turn anyhow, and a
+/// multiplier pushes where it should pull. There the joint is a point for that step: its anchors keep the
+/// offset o = L n along every axis (AnchorRows), n the direction at x^t. Since |d - L n| >= ||d| - L|, with
+/// equality at x^t, the energy of its rows bounds that of the distance from above and no energy comes from
+/// the change; what it keeps from turning is less than what a step moves. A rope that is slack keeps the
+/// offset that it has. One of no length is a point always.
 #include "forces/linear_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Lengths that anchors may move against one another in a step before their distance has no direction in it [1].
+/// Lengths that anchors may move against one another in a step before their distance has no direction in it
+/// [1].
 inline constexpr Real kMostSpanWay = 1;
 
 struct SpanMemory {
   Vec3 offset;  ///< o, in the world's axes [m]
   int isPoint;  ///< 0, 1: in this step
-  template <class D>
-  RUBBLE_HD void remember(const D&, const Pose&, const Pose&, const Vec3d&) {}
+  template <class D> RUBBLE_HD void remember(const D&, const Pose&, const Pose&, const Vec3d&) {}
   RUBBLE_HD bool takesPart(int part) const { return (part == 1) == (isPoint != 0); }
 };
 
@@ -33,14 +36,16 @@ struct DistanceJoint {
 
   /// The length that an axis keeps, by one limit or one spring alone; kNoLimit: none.
   RUBBLE_HD static Real keptLength(const AxisSpec& axis) {
-    const bool driven = axis.driveStiffness > Real(0) || axis.driveDamping > Real(0), limited = axis.lo > -kNoLimit || axis.hi < kNoLimit;
+    const bool driven = axis.driveStiffness > Real(0) || axis.driveDamping > Real(0),
+               limited = axis.lo > -kNoLimit || axis.hi < kNoLimit;
     if (axis.friction > Real(0) || driven == limited) return kNoLimit;
     if (limited) return axis.lo > -kNoLimit && axis.lo != axis.hi ? kNoLimit : axis.hi;
     return axis.driveStiffness > Real(0) && axis.speed == Real(0) ? axis.target : kNoLimit;
   }
   /// Is it a distance or a point in this step? The multiplier goes from one to the other.
   template <class Spec, class State>
-  RUBBLE_HD static void choose(const Spec& spec, State& joint, const Pose& a, const Pose& b, const JointBody (&bodies)[2]) {
+  RUBBLE_HD static void choose(const Spec& spec, State& joint, const Pose& a, const Pose& b,
+                               const JointBody (&bodies)[2]) {
     const GroupMode mode = partOf<1>(spec.parts).mode;
     AxisRows& axis = partOf<0>(joint.parts);
     GroupRows<AnchorRows::kRows>& point = partOf<1>(joint.parts);

@@ -1,6 +1,6 @@
 #pragma once
-/// Fixed joint (weld): the anchors coincide (AnchorRows) and the relative orientation is kept (OrientationRows). Without the anchors it is an
-/// angular spring.
+/// Fixed joint (weld): the anchors coincide (AnchorRows) and the relative orientation is kept
+/// (OrientationRows). Without the anchors it is an angular spring.
 #include "forces/angular_parts.h"
 #include "forces/linear_parts.h"
 

@@ -16,23 +16,18 @@
 
 namespace rubble::RUBBLE_CORE {
 
-template <class... F>
-struct TypeList {
-  static constexpr int kSize = sizeof...(F);
-};
+template <class... F> struct TypeList { static constexpr int kSize = sizeof...(F); };
 
-using JointTypes = TypeList<BallJoint, FixedJoint, HingeJoint, SliderJoint, DistanceJoint, UniversalJoint, SwingTwistJoint, SixDofJoint, GearJoint,
-                            RackJoint, PulleyJoint>;
+using JointTypes = TypeList<BallJoint, FixedJoint, HingeJoint, SliderJoint, DistanceJoint, UniversalJoint,
+                            SwingTwistJoint, SixDofJoint, GearJoint, RackJoint, PulleyJoint>;
 
 /// f.template operator()<F>() for each joint type, in order.
-template <class Function, class... F>
-RUBBLE_HD void forEachType(TypeList<F...>, Function&& f) {
+template <class Function, class... F> RUBBLE_HD void forEachType(TypeList<F...>, Function&& f) {
   (f.template operator()<F>(), ...);
 }
 
 /// Position of F in the list.
-template <class G, class... F>
-constexpr int typeIndex(TypeList<F...>) {
+template <class G, class... F> constexpr int typeIndex(TypeList<F...>) {
   int index = 0, found = -1;
   ((found = std::is_same_v<F, G> ? index : found, ++index), ...);
   return found;

@@ -1,9 +1,12 @@
 #pragma once
-/// Gear: the turns of two bodies about axes go together. Each axis lies in a body that carries it (the housing, the arm of planets, or the
-/// world), and theta_i is the twist of Q_i = q_i f_i about x seen from W_i = q_carrier,i w_i, counted over whole turns.
+/// Gear: the turns of two bodies about axes go together. Each axis lies in a body that carries it (the
+/// housing, the arm of planets, or the world), and theta_i is the twist of Q_i = q_i f_i about x seen from
+/// W_i = q_carrier,i w_i, counted over whole turns.
 ///
-///   c = theta_A + rho theta_B                         [rad], F [N m] on A, rho F on B; the carriers take the reaction
-///   J_A = R(W_A) g_A,  J_carrier,A = -J_A,  J_B = rho R(W_B) g_B,  J_carrier,B = -J_B;  G: twistCurvature with F, rho F
+///   c = theta_A + rho theta_B                         [rad], F [N m] on A, rho F on B; the carriers take the
+///   reaction
+///   J_A = R(W_A) g_A,  J_carrier,A = -J_A,  J_B = rho R(W_B) g_B,  J_carrier,B = -J_B;  G: twistCurvature
+///                      with F, rho F
 ///
 /// The moments on all of them sum to zero, so a gearbox that floats keeps its momentum.
 #include "forces/angular_parts.h"
@@ -17,7 +20,8 @@ RUBBLE_HD inline Quat seenFromCarrier(const CarriedPose& x, const Quat& base, co
 }
 
 /// dtheta/dx of a wheel, or of what carries it, and column norms of f theta.
-RUBBLE_HD inline Vec3 turnGradient(const CarriedPose& x, const Quat& base, const Quat& frame, bool ofCarrier) {
+RUBBLE_HD inline Vec3 turnGradient(const CarriedPose& x, const Quat& base, const Quat& frame,
+                                   bool ofCarrier) {
   const Vec3 g = rotate(carriedAxis(x, base), twistGradient(seenFromCarrier(x, base, frame)));
   return ofCarrier ? -g : g;
 }
@@ -31,20 +35,27 @@ struct GearAxis {
   static constexpr bool kAxis = true;
   static constexpr Real kStiffnessShare = kCouplingShare;
 
+  template <class D, class M> RUBBLE_HD static double turns(const D& d, const M& m) {
+    return m.twistA.turned() + static_cast<double>(d.ratio) * m.twistB.turned();
+  }
   template <class D, class M>
-  RUBBLE_HD static double turns(const D& d, const M& m) { return m.twistA.turned() + static_cast<double>(d.ratio) * m.twistB.turned(); }
-  template <class D, class M>
-  RUBBLE_HD static void constraint(const D& d, const M& m, const CarriedPose& a, const CarriedPose& b, Real (&c)[kRows]) {
+  RUBBLE_HD static void constraint(const D& d, const M& m, const CarriedPose& a, const CarriedPose& b,
+                                   Real (&c)[kRows]) {
     c[0] = m.twistA.nearest(twistAngle(seenFromCarrier(a, d.baseA, d.frameA))) +
            d.ratio * m.twistB.nearest(twistAngle(seenFromCarrier(b, d.baseB, d.frameB)));
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const CarriedPose& a, const CarriedPose& b, int side, Vec6 (&j)[kRows]) {
-    j[0] = {{0, 0, 0}, (side & 1) == 0 ? turnGradient(a, d.baseA, d.frameA, side >= 2) : d.ratio * turnGradient(b, d.baseB, d.frameB, side >= 2)};
+  RUBBLE_HD static void jacobian(const D& d, const M&, const CarriedPose& a, const CarriedPose& b, int side,
+                                 Vec6 (&j)[kRows]) {
+    j[0] = {{0, 0, 0},
+            (side & 1) == 0 ? turnGradient(a, d.baseA, d.frameA, side >= 2)
+                            : d.ratio * turnGradient(b, d.baseB, d.frameB, side >= 2)};
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const CarriedPose& a, const CarriedPose& b, int side, const Real (&f)[kRows]) {
-    return (side & 1) == 0 ? turnCurvature(a, d.baseA, d.frameA, f[0]) : turnCurvature(b, d.baseB, d.frameB, d.ratio * f[0]);
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const CarriedPose& a, const CarriedPose& b, int side,
+                                  const Real (&f)[kRows]) {
+    return (side & 1) == 0 ? turnCurvature(a, d.baseA, d.frameA, f[0])
+                           : turnCurvature(b, d.baseB, d.frameB, d.ratio * f[0]);
   }
 };
 

@@ -1,14 +1,17 @@
 #pragma once
-/// An element as a cluster of vertices sees it that moves as one: x_a -> x_a + dp + dw x s_a for the corners a inside, the others stay.
+/// An element as a cluster of vertices sees it that moves as one: x_a -> x_a + dp + dw x s_a for the corners
+/// a inside, the others stay.
 ///
-/// Force and moment are those of the corners. The Hessian is that of rows C with J_S = (sum J_a, sum s_a x J_a), summed before it is squared;
-/// the curvature of rows is dropped where it is negative. For the tetrahedron the rows are the incidences of F (stiffness mu) and J (lambda),
-/// which bound its Hessian from above where it is under pressure.
+/// Force and moment are those of the corners. The Hessian is that of rows C with J_S = (sum J_a, sum s_a x
+/// J_a), summed before it is squared; the curvature of rows is dropped where it is negative. For the
+/// tetrahedron the rows are the incidences of F (stiffness mu) and J (lambda), which bound its Hessian from
+/// above where it is under pressure.
 #include "forces/soft_forces.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Rows e_i (sum_a w_a x_a), i = 1..3, of stiffness k: `lin` = sum w_a, `ang` = sum w_a s_a over the corners inside.
+/// Rows e_i (sum_a w_a x_a), i = 1..3, of stiffness k: `lin` = sum w_a, `ang` = sum w_a s_a over the corners
+/// inside.
 RUBBLE_HD inline void accumulateMeanRows(Block6& block, Real lin, const Vec3& ang, Real k) {
   block.ll.xx += k * lin * lin, block.ll.yy += k * lin * lin, block.ll.zz += k * lin * lin;
   const Vec3 b = (k * lin) * ang;
@@ -19,9 +22,11 @@ RUBBLE_HD inline void accumulateMeanRows(Block6& block, Real lin, const Vec3& an
   block.aa.xx += size, block.aa.yy += size, block.aa.zz += size;
 }
 
-/// The same for three such weights at once: `lin` has their sums, and the columns of `ang` what `ang` is above.
+/// The same for three such weights at once: `lin` has their sums, and the columns of `ang` what `ang` is
+/// above.
 RUBBLE_HD inline void accumulateMeanRows(Block6& block, const Vec3& lin, const Mat3& ang, Real k) {
-  const Real mass = k * dot(lin, lin), size = k * (dot(ang.c0, ang.c0) + dot(ang.c1, ang.c1) + dot(ang.c2, ang.c2));
+  const Real mass = k * dot(lin, lin),
+             size = k * (dot(ang.c0, ang.c0) + dot(ang.c1, ang.c1) + dot(ang.c2, ang.c2));
   block.ll.xx += mass, block.ll.yy += mass, block.ll.zz += mass;
   const Vec3 b = k * (ang * lin);
   block.al0 += Vec3{0, b.z, -b.y}, block.al1 += Vec3{-b.z, 0, b.x}, block.al2 += Vec3{b.y, -b.x, 0};
@@ -38,8 +43,8 @@ RUBBLE_HD void forEachInside(const Vec3 (&x)[N], unsigned mask, const Vec3& cent
     if (mask >> k & 1u) f(k, x[k] - centre);
 }
 
-RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Membrane& e, const Vec3 (&x)[3], unsigned mask, const Vec3& centre,
-                                        Real scale, Block6& block) {
+RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Membrane& e, const Vec3 (&x)[3],
+                                             unsigned mask, const Vec3& centre, Real scale, Block6& block) {
   const Membrane::Columns f = e.deformation(x);
   Real error[Membrane::kRows];
   Membrane::strains(f, error);
@@ -61,22 +66,24 @@ RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Membr
     accumulateRow(block, rows[i], Real(0), scale * o.hessian);
   }
   // tension: the stress S in the axes of the material, at most its trace each way
-  const Real sx = force[0] + force[1], sy = force[0] - force[1], largest = max(Real(0), (sx + sy) / 2 + std::sqrt((sx - sy) * (sx - sy) / 4 + force[2] * force[2]));
+  const Real sx = force[0] + force[1], sy = force[0] - force[1],
+             largest = max(Real(0),
+                           (sx + sy) / 2 + std::sqrt((sx - sy) * (sx - sy) / 4 + force[2] * force[2]));
   accumulateMeanRows(block, m.x, bx, scale * largest);
   accumulateMeanRows(block, m.y, by, scale * largest);
 }
 
 template <int N>
-RUBBLE_HD void accumulateGroupHessian(const StepConstants&, const QuadraticBend<N>& e, const Vec3 (&x)[N], unsigned mask, const Vec3& centre,
-                                 Real scale, Block6& block) {
+RUBBLE_HD void accumulateGroupHessian(const StepConstants&, const QuadraticBend<N>& e, const Vec3 (&x)[N],
+                                      unsigned mask, const Vec3& centre, Real scale, Block6& block) {
   Real lin = 0;
   Vec3 ang{0, 0, 0};
   forEachInside(x, mask, centre, [&](int k, const Vec3& s) { lin += e.weight[k], ang += e.weight[k] * s; });
   accumulateMeanRows(block, lin, ang, scale * e.stiffness);
 }
 
-RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const FoldBend& e, const Vec3 (&x)[4], unsigned mask, const Vec3& centre,
-                                        Real scale, Block6& block) {
+RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const FoldBend& e, const Vec3 (&x)[4],
+                                             unsigned mask, const Vec3& centre, Real scale, Block6& block) {
   const FoldBend::Fold f = e.fold(x);
   if (!f.valid) return;
   Vec6 row{{0, 0, 0}, {0, 0, 0}};
@@ -87,8 +94,8 @@ RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const FoldB
   accumulateRow(block, row, Real(0), scale * (e.stiffness + e.damping * c.inverseDt));
 }
 
-RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Spring& e, const Vec3 (&x)[2], unsigned mask, const Vec3& centre,
-                                        Real scale, Block6& block) {
+RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Spring& e, const Vec3 (&x)[2],
+                                             unsigned mask, const Vec3& centre, Real scale, Block6& block) {
   const Vec3 d = x[0] - x[1];
   const Real l = length(d);
   if (!(l > Real(1e-6) * e.restLength)) return;
@@ -109,8 +116,8 @@ RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Sprin
 
 /// Adds force and Hessian of an element that has corners inside and others outside. `scale`: on the Hessian.
 template <class F>
-RUBBLE_HD void accumulateGroup(const StepConstants& c, const F& e, const Vec3 (&x)[F::kCorners], unsigned mask, const Vec3& centre, Real scale,
-                          Block6& block) {
+RUBBLE_HD void accumulateGroup(const StepConstants& c, const F& e, const Vec3 (&x)[F::kCorners],
+                               unsigned mask, const Vec3& centre, Real scale, Block6& block) {
   forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
     Block3 own;
     e.accumulate(c, x, k, own);
@@ -119,10 +126,11 @@ RUBBLE_HD void accumulateGroup(const StepConstants& c, const F& e, const Vec3 (&
   accumulateGroupHessian(c, e, x, mask, centre, scale, block);
 }
 
-/// The tetrahedron, all corners at once: with m = sum m_a and B = sum s_a m_a^T over the corners inside (columns b_i), the force is -P m, the
-/// moment -sum b_i x P_i, and the row of J has J_S = (K m, sum b_i x K_i), K = cof F.
-RUBBLE_HD inline void accumulateGroup(const StepConstants& c, const Tetrahedron& e, const Vec3 (&x)[4], unsigned mask, const Vec3& centre, Real scale,
-                                 Block6& block) {
+/// The tetrahedron, all corners at once: with m = sum m_a and B = sum s_a m_a^T over the corners inside
+/// (columns b_i), the force is -P m, the moment -sum b_i x P_i, and the row of J has J_S = (K m, sum b_i x
+/// K_i), K = cof F.
+RUBBLE_HD inline void accumulateGroup(const StepConstants& c, const Tetrahedron& e, const Vec3 (&x)[4],
+                                      unsigned mask, const Vec3& centre, Real scale, Block6& block) {
   const Mat3 f = e.deformation(x), k = Tetrahedron::cofactors(f), p = e.stress(c, f, k, e.strainStart);
   Vec3 m{0, 0, 0};
   Mat3 b{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
@@ -131,13 +139,17 @@ RUBBLE_HD inline void accumulateGroup(const StepConstants& c, const Tetrahedron&
     m += g;
     b.c0 += g.x * s, b.c1 += g.y * s, b.c2 += g.z * s;
   }
-  const auto moment = [&](const Mat3& a) { return cross(b.c0, a.c0) + cross(b.c1, a.c1) + cross(b.c2, a.c2); };
+  const auto moment = [&](const Mat3& a) {
+    return cross(b.c0, a.c0) + cross(b.c1, a.c1) + cross(b.c2, a.c2);
+  };
   block.fl -= p * m;
   block.fa -= moment(p);
   // far from its volume the second derivative of J between corners counts too: bounded by |F|
   constexpr Real kFarVolume = Real(.5);
   const Real excess = max(Real(0), std::fabs(dot(f.c0, k.c0) - 1) - kFarVolume);
-  const Real bend = excess > Real(0) ? e.lambda * excess * std::sqrt(dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2)) : Real(0);
+  const Real bend = excess > Real(0)
+                        ? e.lambda * excess * std::sqrt(dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2))
+                        : Real(0);
   const Real mu = scale * (e.mu + bend + e.damper * c.inverseDt);
   accumulateMeanRows(block, m, b, mu);
   accumulateRow(block, Vec6{k * m, moment(k)}, Real(0), scale * e.lambda);

@@ -1,6 +1,6 @@
 #pragma once
-/// Hinge: the anchors coincide (AnchorRows), the x axes of both frames are parallel (ParallelRows), and the turn of A about that axis, counted
-/// over whole turns, has limits, a drive and friction (TwistAxis).
+/// Hinge: the anchors coincide (AnchorRows), the x axes of both frames are parallel (ParallelRows), and the
+/// turn of A about that axis, counted over whole turns, has limits, a drive and friction (TwistAxis).
 #include "forces/angular_parts.h"
 #include "forces/linear_parts.h"
 

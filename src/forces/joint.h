@@ -4,16 +4,20 @@
 ///   kName      keyword
 ///   Parts      PartList<...> of row blocks (linear_parts.h, angular_parts.h, or its own)
 ///   Data       authored constants
-///   Memory     what it remembers from step to step besides multipliers (NoMemory, or a struct with remember(data, a, b, origin))
+///   Memory     what it remembers from step to step besides multipliers (NoMemory, or a struct with
+///              remember(data, a, b, origin))
 ///   kGrounded  do its errors change when both bodies move rigidly together (it refers to the world)?
 ///   kCarried   true: the axes of A and B lie in two more bodies that carry them (optional; gears and racks)
-///   kChooses   true: its parts take part in a step or not (optional): choose(spec, joint, a, b, bodies) decides, Memory::takesPart(part) tells
+///   kChooses   true: its parts take part in a step or not (optional): choose(spec, joint, a, b, bodies)
+///              decides, Memory::takesPart(part) tells
 ///
-/// A part P declares kRows, kUnit, kAxis (true: one scalar coordinate with limits, drive and friction, see axis.h; false: rows that are held
-/// together, with one stiffness and one bound on the size of their force) and
+/// A part P declares kRows, kUnit, kAxis (true: one scalar coordinate with limits, drive and friction, see
+/// axis.h; false: rows that are held together, with one stiffness and one bound on the size of their force)
+/// and
 ///
 ///   constraint       C(x), for the poses of A and B in a common frame
-///   jacobian         dC/dx of A (side 0) or B (side 1), rotations in world axes on the left; sides 2 and 3: what carries the axis of A, of B
+///   jacobian         dC/dx of A (side 0) or B (side 1), rotations in world axes on the left; sides 2 and 3:
+///                    what carries the axis of A, of B
 ///   curvature        column norms of sum F d2C/dx2 of that body
 ///   turns            axes: what whole turns add to the coordinate (optional)
 ///   kStiffnessShare  axes: factor on the row inertia that k_start and the growth of k refer to (optional)
@@ -30,81 +34,68 @@ namespace rubble::RUBBLE_CORE {
 /// In place of a body index: the fixed world.
 inline constexpr int kWorldBody = -1;
 
-template <class F>
-constexpr bool isCarried() {
-  if constexpr (requires { F::kCarried; }) return F::kCarried;
-  else return false;
+template <class F> constexpr bool isCarried() {
+  if constexpr (requires { F::kCarried; })
+    return F::kCarried;
+  else
+    return false;
 }
-template <class F>
-constexpr bool choosesParts() {
-  if constexpr (requires { F::kChooses; }) return F::kChooses;
-  else return false;
+template <class F> constexpr bool choosesParts() {
+  if constexpr (requires { F::kChooses; })
+    return F::kChooses;
+  else
+    return false;
 }
-/// Sides of a joint: A, B and, where their axes are carried, what carries that of A and that of B. One body may have several of them.
-template <class F>
-inline constexpr int kSides = isCarried<F>() ? 4 : 2;
+/// Sides of a joint: A, B and, where their axes are carried, what carries that of A and that of B. One body
+/// may have several of them.
+template <class F> inline constexpr int kSides = isCarried<F>() ? 4 : 2;
 
 /// A body and what carries its axis.
 struct CarriedPose : Pose {
   Pose carrier;
 };
 /// Where a joint has A or B.
-template <class F>
-using SidePose = std::conditional_t<isCarried<F>(), CarriedPose, Pose>;
+template <class F> using SidePose = std::conditional_t<isCarried<F>(), CarriedPose, Pose>;
 
 /// Bodies that carry the axes of A and B, or kWorldBody. Nothing for joints without.
-template <bool carried>
-struct Carriers {};
-template <>
-struct Carriers<true> {
-  int carrierA, carrierB;
-};
+template <bool carried> struct Carriers {};
+template <> struct Carriers<true> { int carrierA, carrierB; };
 /// Their positions from p_B at x^t; 0 for the world, which is where the step has it [m].
-template <bool carried>
-struct CarrierOffsets {};
-template <>
-struct CarrierOffsets<true> {
-  Vec3 offsetCarrierA, offsetCarrierB;
-};
+template <bool carried> struct CarrierOffsets {};
+template <> struct CarrierOffsets<true> { Vec3 offsetCarrierA, offsetCarrierB; };
 
-/// Share of couplings (gear, rack, pulley), whose two bodies speed up together: at 1 the heavier mass over a pulley falls at .85 of its
-/// acceleration at 4 iterations, and a rack at .76 (docs/joints.md).
+/// Share of couplings (gear, rack, pulley), whose two bodies speed up together: at 1 the heavier mass over a
+/// pulley falls at .85 of its acceleration at 4 iterations, and a rack at .76 (docs/joints.md).
 inline constexpr Real kCouplingShare = Real(1) / 30;
 
-template <class... P>
-struct PartList {
-  static constexpr int kCount = sizeof...(P);
-};
+template <class... P> struct PartList { static constexpr int kCount = sizeof...(P); };
 
 struct AnchorRows;
-/// A joint about a point: its anchors coincide, and all else that it asks for depends on how A is turned against B alone. Sweeps read of it its
-/// PivotFrame, the rows of its anchors and those that turn, which look alike whatever its type (forces/joint_accumulation.h).
-template <class F>
-constexpr bool isPivot() {
+/// A joint about a point: its anchors coincide, and all else that it asks for depends on how A is turned
+/// against B alone. Sweeps read of it its PivotFrame, the rows of its anchors and those that turn, which look
+/// alike whatever its type (forces/joint_accumulation.h).
+template <class F> constexpr bool isPivot() {
   return []<class First, class... P>(PartList<First, P...>) {
     return std::is_same_v<First, AnchorRows> && ((P::kUnit == RowUnit::Angular) && ...) && !isCarried<F>();
   }(typename F::Parts{});
 }
 
-/// A part whose rows depend on the rotation of A relative to B alone. They are linear in it for an iteration (forces/joint_accumulation.h).
-template <class F, class P>
-constexpr bool isTurn() {
+/// A part whose rows depend on the rotation of A relative to B alone. They are linear in it for an iteration
+/// (forces/joint_accumulation.h).
+template <class F, class P> constexpr bool isTurn() {
   return P::kUnit == RowUnit::Angular && !isCarried<F>();
 }
 /// Laws of force of such a part: of an axis limit, drive and friction have their own.
-template <class F, class P>
-constexpr int turnLaws() {
-  return !isTurn<F, P>() ? 0 : P::kAxis ? 3 : 1;
-}
+template <class F, class P> constexpr int turnLaws() { return !isTurn<F, P>() ? 0 : P::kAxis ? 3 : 1; }
 /// Those of a type; of its parts before part I; `I` = all of them.
-template <class F, int I = F::Parts::kCount>
-constexpr int firstTurnLaw() {
+template <class F, int I = F::Parts::kCount> constexpr int firstTurnLaw() {
   int laws = 0, part = 0;
-  [&]<class... P>(PartList<P...>) { ((laws += part++ < I ? turnLaws<F, P>() : 0), ...); }(typename F::Parts{});
+  [&]<class... P>(PartList<P...>) {
+    ((laws += part++ < I ? turnLaws<F, P>() : 0), ...);
+  }(typename F::Parts{});
   return laws;
 }
-template <class F>
-constexpr bool hasAngularRows() { return firstTurnLaw<F>() > 0; }
+template <class F> constexpr bool hasAngularRows() { return firstTurnLaw<F>() > 0; }
 /// Bits of JointFrame::acting.
 constexpr int turnBit(int law) { return 1 + law; }
 
@@ -119,47 +110,38 @@ struct alignas(4 * sizeof(Real)) GroupSpec {
 };
 
 /// Their multipliers and what a step works with.
-template <int N>
-struct alignas(4 * sizeof(Real)) GroupRows {
+template <int N> struct alignas(4 * sizeof(Real)) GroupRows {
   Real lambda[N];    ///< [N], [N m]
   Real shift[N];     ///< part of C(x^t) that is left alone
   GroupState state;  ///< k lasts; 0 before the first step
 };
 
-template <class P>
-using PartSpec = std::conditional_t<P::kAxis, AxisSpec, GroupSpec>;
-template <class P>
-using PartRows = std::conditional_t<P::kAxis, AxisRows, GroupRows<P::kRows>>;
+template <class P> using PartSpec = std::conditional_t<P::kAxis, AxisSpec, GroupSpec>;
+template <class P> using PartRows = std::conditional_t<P::kAxis, AxisRows, GroupRows<P::kRows>>;
 
-template <int I, class T>
-struct PartSlot {
-  T value;
-};
-template <template <class> class Of, class List, class Sequence>
-struct PartStoreOf;
+template <int I, class T> struct PartSlot { T value; };
+template <template <class> class Of, class List, class Sequence> struct PartStoreOf;
 template <template <class> class Of, class... P, std::size_t... I>
-struct PartStoreOf<Of, PartList<P...>, std::index_sequence<I...>> : PartSlot<static_cast<int>(I), Of<P>>... {};
+struct PartStoreOf<Of, PartList<P...>, std::index_sequence<I...>> : PartSlot<static_cast<int>(I), Of<P>>... {
+};
 /// One Of<P> for each part P of a list.
 template <template <class> class Of, class List>
 using PartStore = PartStoreOf<Of, List, std::make_index_sequence<static_cast<std::size_t>(List::kCount)>>;
 
-template <int I, class T>
-RUBBLE_HD T& partOf(PartSlot<I, T>& slot) { return slot.value; }
-template <int I, class T>
-RUBBLE_HD const T& partOf(const PartSlot<I, T>& slot) { return slot.value; }
+template <int I, class T> RUBBLE_HD T& partOf(PartSlot<I, T>& slot) { return slot.value; }
+template <int I, class T> RUBBLE_HD const T& partOf(const PartSlot<I, T>& slot) { return slot.value; }
 
 /// f.operator()<I, P>() for each part.
 template <class Function, class... P, std::size_t... I>
 RUBBLE_HD void forEachPartOf(PartList<P...>, std::index_sequence<I...>, Function&& f) {
   (f.template operator()<static_cast<int>(I), P>(), ...);
 }
-template <class F, class Function>
-RUBBLE_HD void forEachPart(Function&& f) {
-  forEachPartOf(typename F::Parts{}, std::make_index_sequence<static_cast<std::size_t>(F::Parts::kCount)>{}, f);
+template <class F, class Function> RUBBLE_HD void forEachPart(Function&& f) {
+  forEachPartOf(typename F::Parts{}, std::make_index_sequence<static_cast<std::size_t>(F::Parts::kCount)>{},
+                f);
 }
 
-template <class F>
-constexpr int rowCount() {
+template <class F> constexpr int rowCount() {
   int rows = 0;
   forEachPart<F>([&]<int, class P>() { rows += P::kRows; });
   return rows;
@@ -167,18 +149,16 @@ constexpr int rowCount() {
 
 /// A joint that needs no memory of its own.
 struct NoMemory {
-  template <class D>
-  RUBBLE_HD void remember(const D&, const Pose&, const Pose&, const Vec3d&) {}
+  template <class D> RUBBLE_HD void remember(const D&, const Pose&, const Pose&, const Vec3d&) {}
 };
 
 /// A joint of type F as authored. Read-only in a step.
-template <class F>
-struct JointSpec : Carriers<isCarried<F>()> {
+template <class F> struct JointSpec : Carriers<isCarried<F>()> {
   typename F::Data data;
-  int a, b;                       ///< bodies, or kWorldBody
+  int a, b;  ///< bodies, or kWorldBody
   bool alive;
-  bool isRigid;                     ///< does it hold its bodies together, as one group of the coarse correction?
-  Real breakForce, breakTorque;   ///< [N], [N m]
+  bool isRigid;                  ///< does it hold its bodies together, as one group of the coarse correction?
+  Real breakForce, breakTorque;  ///< [N], [N m]
   PartStore<PartSpec, typename F::Parts> parts;
 };
 
@@ -196,34 +176,28 @@ struct PivotFrame : JointFrame {
   JointEnd end[2];
 };
 
-template <class F>
-using FrameOf = std::conditional_t<isPivot<F>(), PivotFrame, JointFrame>;
+template <class F> using FrameOf = std::conditional_t<isPivot<F>(), PivotFrame, JointFrame>;
 
 /// Its state.
-template <class F>
-struct Joint : FrameOf<F>, CarrierOffsets<isCarried<F>()> {
-  int broken;                     ///< 0, 1
-  int active;                       ///< 0, 1: in this step
-  int sharedLevel;                ///< finest level of groups at which its bodies share a cell (stages/coarse/aggregates.h)
-  Real length;                    ///< L: bounding diameter of the smaller dynamic body [m]
+template <class F> struct Joint : FrameOf<F>, CarrierOffsets<isCarried<F>()> {
+  int broken;       ///< 0, 1
+  int active;       ///< 0, 1: in this step
+  int sharedLevel;  ///< finest level of groups at which its bodies share a cell (stages/coarse/aggregates.h)
+  Real length;      ///< L: bounding diameter of the smaller dynamic body [m]
   typename F::Memory memory;
   PartStore<PartRows, typename F::Parts> parts;
 };
 
-template <class F>
-RUBBLE_HD FrameOf<F>& frameOf(Joint<F>& joint) { return joint; }
-template <class F>
-RUBBLE_HD const FrameOf<F>& frameOf(const Joint<F>& joint) { return joint; }
+template <class F> RUBBLE_HD FrameOf<F>& frameOf(Joint<F>& joint) { return joint; }
+template <class F> RUBBLE_HD const FrameOf<F>& frameOf(const Joint<F>& joint) { return joint; }
 
-template <class F>
-RUBBLE_HD int bodyOf(const JointSpec<F>& spec, int side) {
+template <class F> RUBBLE_HD int bodyOf(const JointSpec<F>& spec, int side) {
   if constexpr (isCarried<F>())
     if (side >= 2) return side == 2 ? spec.carrierA : spec.carrierB;
   return side == 0 ? spec.a : spec.b;
 }
 /// Is it the first of the sides that its body has?
-template <class F>
-RUBBLE_HD bool isFirstSide(const JointSpec<F>& spec, int side) {
+template <class F> RUBBLE_HD bool isFirstSide(const JointSpec<F>& spec, int side) {
   if constexpr (isCarried<F>())
     for (int k = 0; k < side; ++k)
       if (bodyOf(spec, k) == bodyOf(spec, side)) return false;
@@ -232,8 +206,8 @@ RUBBLE_HD bool isFirstSide(const JointSpec<F>& spec, int side) {
 
 /// dC/dx of the body of that side: the sum over all sides that it has.
 template <class P, class F>
-RUBBLE_HD void jacobianOf(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side,
-                          Vec6 (&j)[P::kRows]) {
+RUBBLE_HD void jacobianOf(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
+                          const SidePose<F>& b, int side, Vec6 (&j)[P::kRows]) {
   P::jacobian(spec.data, joint.memory, a, b, side, j);
   if constexpr (isCarried<F>())
     for (int k = 0; k < kSides<F>; ++k) {
@@ -245,8 +219,8 @@ RUBBLE_HD void jacobianOf(const JointSpec<F>& spec, const Joint<F>& joint, const
 }
 /// Column norms of that body; of several sides no more than the sum of theirs.
 template <class P, class F>
-RUBBLE_HD Vec6 curvatureOf(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side,
-                           const Real (&f)[P::kRows]) {
+RUBBLE_HD Vec6 curvatureOf(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
+                           const SidePose<F>& b, int side, const Real (&f)[P::kRows]) {
   Vec6 sum = P::curvature(spec.data, joint.memory, a, b, side, f);
   if constexpr (isCarried<F>())
     for (int k = 0; k < kSides<F>; ++k) {
@@ -259,9 +233,9 @@ RUBBLE_HD Vec6 curvatureOf(const JointSpec<F>& spec, const Joint<F>& joint, cons
 
 /// What a joint needs to know of one of its bodies at the start of a step.
 struct JointBody {
-  Real mass;         ///< 0: not dynamic [kg]
-  Vec3 inertia;      ///< principal moments [kg m2]
-  Vec6 change;       ///< motion in this step without joints, to first order [m, rad]
+  Real mass;     ///< 0: not dynamic [kg]
+  Vec3 inertia;  ///< principal moments [kg m2]
+  Vec6 change;   ///< motion in this step without joints, to first order [m, rad]
 };
 
 /// Row inertia of a group: mass [kg] or moment of inertia with lever [kg m2].
@@ -269,7 +243,8 @@ RUBBLE_HD inline Real rowInertia(const JointBody& body, RowUnit unit, Real lever
   if (unit == RowUnit::Linear) return body.mass;
   return min(min(body.inertia.x, body.inertia.y), body.inertia.z) + body.mass * lever2 / 3;
 }
-/// Of a coordinate with Jacobian j: m / |j|^2, or that of the moment about the axis, with the lever r of the joint.
+/// Of a coordinate with Jacobian j: m / |j|^2, or that of the moment about the axis, with the lever r of the
+/// joint.
 RUBBLE_HD inline Real axisInertia(const JointBody& body, const Quat& q, const Vec6& j, const Vec3& r) {
   const Real l2 = lengthSquared(j.lin), a2 = lengthSquared(j.ang);
   if (l2 > Real(0)) return body.mass / l2;
@@ -278,22 +253,23 @@ RUBBLE_HD inline Real axisInertia(const JointBody& body, const Quat& q, const Ve
   return (dot(local, mul(body.inertia, local)) / a2 + body.mass * lengthSquared(cross(j.ang, r)) / a2) / a2;
 }
 
-template <class D>
-RUBBLE_HD Vec3 leverOf(const D& d, const Quat& q, int side) {
-  if constexpr (requires { d.anchorA; }) return rotate(q, side == 0 ? d.anchorA : d.anchorB);
-  else return {0, 0, 0};
+template <class D> RUBBLE_HD Vec3 leverOf(const D& d, const Quat& q, int side) {
+  if constexpr (requires { d.anchorA; })
+    return rotate(q, side == 0 ? d.anchorA : d.anchorB);
+  else
+    return {0, 0, 0};
 }
 
 /// The smaller of the two inertias that are there.
-template <class Of>
-RUBBLE_HD Real lighter(const JointBody& a, const JointBody& b, Of&& of) {
+template <class Of> RUBBLE_HD Real lighter(const JointBody& a, const JointBody& b, Of&& of) {
   const Real ia = a.mass > Real(0) ? of(a, 0) : Real(0), ib = b.mass > Real(0) ? of(b, 1) : Real(0);
   return ia > Real(0) && ib > Real(0) ? min(ia, ib) : max(ia, ib);
 }
 
 template <class P, class F>
-RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const GroupSpec& own, GroupRows<P::kRows>& rows,
-                         const SidePose<F>& a, const SidePose<F>& b, const JointBody (&bodies)[kSides<F>], Real bound, bool) {
+RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint,
+                         const GroupSpec& own, GroupRows<P::kRows>& rows, const SidePose<F>& a,
+                         const SidePose<F>& b, const JointBody (&bodies)[kSides<F>], Real bound, bool) {
   GroupState& state = rows.state;
   if (own.mode == GroupMode::Off) return;
   Real error[P::kRows];
@@ -302,9 +278,11 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
     return rowInertia(body, P::kUnit, lengthSquared(leverOf(spec.data, Quat{}, side)));
   });
   const Real damping = own.damping * c.inverseDt;
-  const bool hard = own.stiffness >= kHardValue, friction = own.mode == GroupMode::Friction, ramp = !hard && !c.compliantRows;
+  const bool hard = own.stiffness >= kHardValue, friction = own.mode == GroupMode::Friction,
+             ramp = !hard && !c.compliantRows;
   const Real total = hard ? own.stiffness : own.stiffness + damping;
-  StiffnessRule rule = jointRule(c, startStiffness(c, inertia), P::kUnit == RowUnit::Linear ? joint.length : Real(1));
+  StiffnessRule rule = jointRule(c, startStiffness(c, inertia),
+                                 P::kUnit == RowUnit::Linear ? joint.length : Real(1));
   if (ramp) {
     rule.policy = StiffnessPolicy::Ramp;
     rule.limit = min(rule.limit, total);
@@ -314,19 +292,24 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
   // of finite stiffness and new: the load that it has at x^t
   const bool isNew = !(state.k > Real(0)), isLoaded = isNew && !hard && !friction;
   Real size = 1, size2 = 0;
-  if (P::kUnit == RowUnit::Linear) size = joint.length + length(leverOf(spec.data, Quat{}, 0)) + length(leverOf(spec.data, Quat{}, 1));
+  if (P::kUnit == RowUnit::Linear)
+    size = joint.length + length(leverOf(spec.data, Quat{}, 0)) + length(leverOf(spec.data, Quat{}, 1));
   for (int i = 0; i < P::kRows; ++i) {
-    rows.lambda[i] = ramp ? Real(0) : isLoaded ? own.stiffness * beyondRoundOff(error[i], size) : warmMultiplier(c, rows.lambda[i], hard && !friction);
+    rows.lambda[i] = ramp       ? Real(0)
+                     : isLoaded ? own.stiffness * beyondRoundOff(error[i], size)
+                                : warmMultiplier(c, rows.lambda[i], hard && !friction);
     rows.shift[i] = share * error[i];
     size2 += rows.lambda[i] * rows.lambda[i];
   }
-  const Real k = isNew ? newStiffness(rule, std::sqrt(size2)) : warmStiffness(c, rule, state.k, std::sqrt(size2));
+  const Real k = isNew ? newStiffness(rule, std::sqrt(size2))
+                       : warmStiffness(c, rule, state.k, std::sqrt(size2));
   state = {k, hard || ramp ? Real(0) : Real(1) / total, min(own.bound, bound), rule, !ramp};
 }
 
 template <class P, class F>
-RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint, const AxisSpec& own, AxisRows& rows,
-                         const SidePose<F>& a, const SidePose<F>& b, const JointBody (&bodies)[kSides<F>], Real bound, bool together) {
+RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint,
+                         const AxisSpec& own, AxisRows& rows, const SidePose<F>& a, const SidePose<F>& b,
+                         const JointBody (&bodies)[kSides<F>], Real bound, bool together) {
   Real value[1];
   Vec6 ja[1], jb[1];
   P::constraint(spec.data, joint.memory, a, b, value);
@@ -335,7 +318,8 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
   AxisSituation at;
   at.value = value[0];
   at.turn = 0;
-  if constexpr (requires { P::turns(spec.data, joint.memory); }) at.turn = static_cast<Real>(P::turns(spec.data, joint.memory));
+  if constexpr (requires { P::turns(spec.data, joint.memory); })
+    at.turn = static_cast<Real>(P::turns(spec.data, joint.memory));
   at.change = dot(ja[0], bodies[0].change) + dot(jb[0], bodies[1].change);
   at.inertia = lighter(bodies[0], bodies[1], [&](const JointBody& body, int side) {
     const Quat& q = side == 0 ? a.q : b.q;
@@ -353,7 +337,8 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
       const Real own = axisInertia(bodies[side], side == 2 ? a.carrier.q : b.carrier.q, j[0], {0, 0, 0});
       at.inertia = at.inertia > Real(0) ? min(at.inertia, own) : own;
     }
-  // two bodies that a coupling moves together lag behind by its stiffness where block descent moves one of them at a time
+  // two bodies that a coupling moves together lag behind by its stiffness where block descent moves one of
+  // them at a time
   if constexpr (requires { P::kStiffnessShare; })
     if (!together) at.inertia *= P::kStiffnessShare;
   at.length = P::kUnit == RowUnit::Linear ? joint.length : Real(1);
@@ -363,14 +348,14 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
   beginAxis(c, own, rows, at);
 }
 
-template <class P>
-RUBBLE_HD RUBBLE_NEAR bool partActs(const PartSpec<P>& spec, const PartRows<P>& rows) {
-  if constexpr (P::kAxis) return actsAtAll(rows);
-  else return spec.mode != GroupMode::Off && (spec.mode != GroupMode::Point || rows.state.k > Real(0));
+template <class P> RUBBLE_HD RUBBLE_NEAR bool partActs(const PartSpec<P>& spec, const PartRows<P>& rows) {
+  if constexpr (P::kAxis)
+    return actsAtAll(rows);
+  else
+    return spec.mode != GroupMode::Off && (spec.mode != GroupMode::Point || rows.state.k > Real(0));
 }
 /// Does a part that turns have a law that acts?
-template <class F>
-RUBBLE_HD bool turnActs(int acting, int part) {
+template <class F> RUBBLE_HD bool turnActs(int acting, int part) {
   bool active = false;
   forEachPart<F>([&]<int I, class P>() {
     if (I == part) active = (acting >> turnBit(firstTurnLaw<F, I>()) & ((1 << turnLaws<F, P>()) - 1)) != 0;
@@ -378,8 +363,7 @@ RUBBLE_HD bool turnActs(int acting, int part) {
   return active;
 }
 /// JointFrame::acting.
-template <class F>
-RUBBLE_HD int actingRows(const JointSpec<F>& spec, const Joint<F>& joint) {
+template <class F> RUBBLE_HD int actingRows(const JointSpec<F>& spec, const Joint<F>& joint) {
   int acting = 0;
   forEachPart<F>([&]<int I, class P>() {
     const auto& rows = partOf<I>(joint.parts);
@@ -395,48 +379,55 @@ RUBBLE_HD int actingRows(const JointSpec<F>& spec, const Joint<F>& joint) {
   return acting;
 }
 
-template <int N>
-RUBBLE_HD void restPart(GroupRows<N>& rows) {
+template <int N> RUBBLE_HD void restPart(GroupRows<N>& rows) {
   rows.state.k = 0;
   for (Real& lambda : rows.lambda) lambda = 0;
 }
 
-/// Warm start of all rows at x^t: joint.length and memory are set. Poses of both bodies in the joint's frame. `together`: its bodies
-/// are moved by one block (stages/trees/trees.h).
+/// Warm start of all rows at x^t: joint.length and memory are set. Poses of both bodies in the joint's frame.
+/// `together`: its bodies are moved by one block (stages/trees/trees.h).
 template <class F>
-RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
-                          const JointBody (&bodies)[kSides<F>], bool together = false) {
+RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint,
+                          const SidePose<F>& a, const SidePose<F>& b, const JointBody (&bodies)[kSides<F>],
+                          bool together = false) {
   if constexpr (choosesParts<F>()) F::choose(spec, joint, a, b, bodies);
   forEachPart<F>([&]<int I, class P>() {
     if constexpr (choosesParts<F>())
       if (!joint.memory.takesPart(I)) return restPart(partOf<I>(joint.parts));
     const bool linear = P::kUnit == RowUnit::Linear;
     const Real bound = linear ? spec.breakForce : spec.breakTorque;
-    beginPart<P>(c, spec, joint, partOf<I>(spec.parts), partOf<I>(joint.parts), a, b, bodies, bound, together);
+    beginPart<P>(c, spec, joint, partOf<I>(spec.parts), partOf<I>(joint.parts), a, b, bodies, bound,
+                 together);
   });
 }
 /// Where its bodies are at x^t, and what of it acts once its rows are begun.
 template <class F>
-RUBBLE_HD void placeJoint(const JointSpec<F>& spec, Joint<F>& joint, const Vec3& offset, const SidePose<F>& a, const SidePose<F>& b) {
+RUBBLE_HD void placeJoint(const JointSpec<F>& spec, Joint<F>& joint, const Vec3& offset, const SidePose<F>& a,
+                          const SidePose<F>& b) {
   storeVectorized(frameOf(joint), [&](FrameOf<F>& frame) {
     frame.offset = offset;
     frame.acting = actingRows(spec, joint);
     if constexpr (isPivot<F>())
-      for (int side = 0; side < 2; ++side) frame.end[side] = {leverOf(spec.data, side == 0 ? a.q : b.q, side), bodyOf(spec, side)};
+      for (int side = 0; side < 2; ++side)
+        frame.end[side] = {leverOf(spec.data, side == 0 ? a.q : b.q, side), bodyOf(spec, side)};
     return true;
   });
 }
 
-/// Errors, from their shifts on, of rows that are held together: of one joint (L = Real), or of several side by side (lanes.h).
+/// Errors, from their shifts on, of rows that are held together: of one joint (L = Real), or of several side
+/// by side (lanes.h).
 template <class P, class L, class D, class M, class S>
-RUBBLE_HD RUBBLE_NEAR void heldErrors(const L (&shift)[P::kRows], const D& data, const M& memory, const S& a, const S& b, L (&error)[P::kRows]) {
+RUBBLE_HD RUBBLE_NEAR void heldErrors(const L (&shift)[P::kRows], const D& data, const M& memory, const S& a,
+                                      const S& b, L (&error)[P::kRows]) {
   P::constraint(data, memory, a, b, error);
   for (int i = 0; i < P::kRows; ++i) error[i] -= shift[i];
 }
 
-/// Forces of the rows of a part, and their stiffness, at C (an axis), or at C less its shift (rows that are held together); false: none.
+/// Forces of the rows of a part, and their stiffness, at C (an axis), or at C less its shift (rows that are
+/// held together); false: none.
 template <class P>
-RUBBLE_HD RUBBLE_NEAR bool forcesAt(const PartRows<P>& rows, const Real (&error)[P::kRows], Real (&force)[P::kRows], Real& hessian) {
+RUBBLE_HD RUBBLE_NEAR bool forcesAt(const PartRows<P>& rows, const Real (&error)[P::kRows],
+                                    Real (&force)[P::kRows], Real& hessian) {
   if constexpr (P::kAxis) {
     axisForces(rows, error[0], force[0], hessian);
     return force[0] != Real(0) || hessian > Real(0);
@@ -447,25 +438,32 @@ RUBBLE_HD RUBBLE_NEAR bool forcesAt(const PartRows<P>& rows, const Real (&error)
 }
 /// Errors of a part at the present poses, as forcesAt wants them.
 template <class P, class F>
-RUBBLE_HD RUBBLE_NEAR void partErrors(const JointSpec<F>& spec, const Joint<F>& joint, const PartRows<P>& rows, const SidePose<F>& a, const SidePose<F>& b,
+RUBBLE_HD RUBBLE_NEAR void partErrors(const JointSpec<F>& spec, const Joint<F>& joint,
+                                      const PartRows<P>& rows, const SidePose<F>& a, const SidePose<F>& b,
                                       Real (&error)[P::kRows]) {
-  if constexpr (P::kAxis) P::constraint(spec.data, joint.memory, a, b, error);
-  else heldErrors<P>(rows.shift, spec.data, joint.memory, a, b, error);
+  if constexpr (P::kAxis)
+    P::constraint(spec.data, joint.memory, a, b, error);
+  else
+    heldErrors<P>(rows.shift, spec.data, joint.memory, a, b, error);
 }
 
 template <class F, int I, class P>
-RUBBLE_HD void updatePartDuals(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b) {
+RUBBLE_HD void updatePartDuals(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint,
+                               const SidePose<F>& a, const SidePose<F>& b) {
   updateVectorized(partOf<I>(joint.parts), [&](PartRows<P>& rows) {
     if (!partActs<P>(partOf<I>(spec.parts), rows)) return false;
     Real error[P::kRows];
     partErrors<P>(spec, joint, rows, a, b, error);
-    if constexpr (P::kAxis) updateAxis(c, rows, error[0]);
-    else updateGroup<P::kRows>(rows.state, error, rows.lambda, P::kRows);
+    if constexpr (P::kAxis)
+      updateAxis(c, rows, error[0]);
+    else
+      updateGroup<P::kRows>(rows.state, error, rows.lambda, P::kRows);
     return true;
   });
 }
 template <class F>
-RUBBLE_HD void updateJointDuals(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b) {
+RUBBLE_HD void updateJointDuals(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint,
+                                const SidePose<F>& a, const SidePose<F>& b) {
   forEachPart<F>([&]<int I, class P>() { updatePartDuals<F, I, P>(c, spec, joint, a, b); });
 }
 
@@ -486,13 +484,13 @@ RUBBLE_HD void jointLoads(const JointSpec<F>& spec, const Joint<F>& joint, Real&
 }
 
 /// A joint whose force or torque has reached its break threshold is broken from now on: returns true.
-template <class F>
-RUBBLE_HD bool endJoint(const JointSpec<F>& spec, Joint<F>& joint) {
+template <class F> RUBBLE_HD bool endJoint(const JointSpec<F>& spec, Joint<F>& joint) {
   Real linear, angular;
   jointLoads(spec, joint, linear, angular);
   // forces were cut to the threshold, so "reached" is up to round-off
   constexpr Real kReached = Real(1) - Real(1e-5);
-  const bool broke = linear >= kReached * spec.breakForce * spec.breakForce || angular >= kReached * spec.breakTorque * spec.breakTorque;
+  const bool broke = linear >= kReached * spec.breakForce * spec.breakForce ||
+                     angular >= kReached * spec.breakTorque * spec.breakTorque;
   joint.broken |= broke;
   return broke;
 }

@@ -1,16 +1,19 @@
 #pragma once
-/// How the rows of a joint act on the block of a body or of a group, and those of its parts that turn, which are linear during an iteration.
+/// How the rows of a joint act on the block of a body or of a group, and those of its parts that turn, which
+/// are linear during an iteration.
 ///
-/// Sweeps ask for a joint again and again, and what it costs them is what they read, one thing after another. So that of a joint about a point lies in
-/// a few places, whatever its type: its levers at x^t, the rows of its anchors, and laws of force of what turns. None of it needs an orientation: poses in
-/// a sweep are displacements and rotations since x^t.
+/// Sweeps ask for a joint again and again, and what it costs them is what they read, one thing after another.
+/// So that of a joint about a point lies in a few places, whatever its type: its levers at x^t, the rows of
+/// its anchors, and laws of force of what turns. None of it needs an orientation: poses in a sweep are
+/// displacements and rotations since x^t.
 #include "forces/linear_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Rows that turn, with one law of force: all of a part whose rows are held together, or one of those of an axis. Until the next iteration they are linear:
-/// a rotation of the joint as a whole changes nothing, and what they cost is found once for all sweeps. C(d) = error + turn . d, where A has turned
-/// by d against B since then (turnedSince).
+/// Rows that turn, with one law of force: all of a part whose rows are held together, or one of those of an
+/// axis. Until the next iteration they are linear: a rotation of the joint as a whole changes nothing, and
+/// what they cost is found once for all sweeps. C(d) = error + turn . d, where A has turned by d against B
+/// since then (turnedSince).
 struct alignas(4 * sizeof(Real)) AngularRows {
   static constexpr int kMost = 3;
   struct Row {
@@ -30,21 +33,24 @@ struct alignas(4 * sizeof(Real)) TurnsFrom {
   Quat between;
 };
 /// Rows of a joint that turn.
-template <class F>
-struct JointAngularRows {
+template <class F> struct JointAngularRows {
   TurnsFrom from;
   AngularRows law[hasAngularRows<F>() ? firstTurnLaw<F>() : 1];
 };
 
-RUBBLE_HD inline TurnsFrom turnsFrom(const Quat& turnedA, const Quat& turnedB) { return {conjugate(turnedA) * turnedB}; }
-/// What A has turned by against B since then, in the axes of AngularRows::Row::turn [rad]. Rotations since x^t.
+RUBBLE_HD inline TurnsFrom turnsFrom(const Quat& turnedA, const Quat& turnedB) {
+  return {conjugate(turnedA) * turnedB};
+}
+/// What A has turned by against B since then, in the axes of AngularRows::Row::turn [rad]. Rotations since
+/// x^t.
 RUBBLE_HD inline Vec3 turnedSince(const TurnsFrom& from, const Quat& turnedA, const Quat& turnedB) {
   return Real(2) * shortArc(conjugate(turnedB) * turnedA * from.between).v;
 }
 
 /// Law `k` of a part at the present poses; false, and nothing is found: it does not act.
 template <class F, int I, class P>
-RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b, const Quat& turnedB, int k, AngularRows& out) {
+RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b,
+                             const Quat& turnedB, int k, AngularRows& out) {
   static_assert(P::kRows <= AngularRows::kMost);
   if (!(joint.acting >> turnBit(firstTurnLaw<F, I>() + k) & 1)) return false;
   const auto& rows = loadVectorized(partOf<I>(joint.parts));
@@ -66,37 +72,44 @@ RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, co
   }
   Vec6 j[P::kRows];
   P::jacobian(spec.data, joint.memory, a, b, 0, j);
-  for (int i = 0; i < AngularRows::kMost; ++i) out.row[i] = i < P::kRows ? AngularRows::Row{rotateInverse(turnedB, j[i].ang), error[i]} : AngularRows::Row{{0, 0, 0}, 0};
+  for (int i = 0; i < AngularRows::kMost; ++i)
+    out.row[i] = i < P::kRows ? AngularRows::Row{rotateInverse(turnedB, j[i].ang), error[i]}
+                              : AngularRows::Row{{0, 0, 0}, 0};
   out.bend = P::curvature(spec.data, joint.memory, a, b, 0, force).ang;
   return true;
 }
 /// All parts of a joint.
 template <class F>
-RUBBLE_HD void linearizeAngularRows(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, const Quat& turnedA,
-                              const Quat& turnedB, JointAngularRows<F>& out) {
+RUBBLE_HD void linearizeAngularRows(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
+                                    const SidePose<F>& b, const Quat& turnedA, const Quat& turnedB,
+                                    JointAngularRows<F>& out) {
   out.from = turnsFrom(turnedA, turnedB);
   forEachPart<F>([&]<int I, class P>() {
     if constexpr (isTurn<F, P>())
-      for (int k = 0; k < turnLaws<F, P>(); ++k) linearizeTurn<F, I, P>(spec, joint, a, b, turnedB, k, out.law[firstTurnLaw<F, I>() + k]);
+      for (int k = 0; k < turnLaws<F, P>(); ++k)
+        linearizeTurn<F, I, P>(spec, joint, a, b, turnedB, k, out.law[firstTurnLaw<F, I>() + k]);
   });
 }
 
 /// Forces of rows that turn, where A has turned by `turned` since they were found; false: none.
-RUBBLE_HD RUBBLE_NEAR bool turnForces(const AngularRows& rows, const Vec3& turned, Real (&force)[AngularRows::kMost], Real& hessian) {
+RUBBLE_HD RUBBLE_NEAR bool turnForces(const AngularRows& rows, const Vec3& turned,
+                                      Real (&force)[AngularRows::kMost], Real& hessian) {
   Real error[AngularRows::kMost];
   for (int i = 0; i < AngularRows::kMost; ++i) error[i] = rows.row[i].error + dot(rows.row[i].turn, turned);
   if (rows.count <= 0) {
     const int acts = rows.count == kWatchedRow ? kWatched : 1;
-    axisForce({rows.lambda[0], rows.k, rows.lo, rows.hi, rows.compliance, rows.bound, acts, 1}, error[0], force[0], hessian);
+    axisForce({rows.lambda[0], rows.k, rows.lo, rows.hi, rows.compliance, rows.bound, acts, 1}, error[0],
+              force[0], hessian);
     return force[0] != Real(0) || hessian > Real(0);
   }
-  cutForce<AngularRows::kMost, Real>({rows.k, rows.compliance, rows.bound}, error, rows.lambda, force, rows.count, hessian);
+  cutForce<AngularRows::kMost, Real>({rows.k, rows.compliance, rows.bound}, error, rows.lambda, force,
+                                     rows.count, hessian);
   return true;
 }
 
-/// What sweeps read of the rows of a joint that turn. `ahead`: the first law is asked for before it is needed, which takes registers.
-template <bool ahead>
-class TurnStream {
+/// What sweeps read of the rows of a joint that turn. `ahead`: the first law is asked for before it is
+/// needed, which takes registers.
+template <bool ahead> class TurnStream {
  public:
   /// `acting`: of the joint. `from`, `laws`: of one that has rows that turn.
   RUBBLE_HD RUBBLE_NEAR TurnStream(int acting, const TurnsFrom* from, const AngularRows* laws)
@@ -133,30 +146,37 @@ class TurnStream {
 };
 
 /// Errors of the anchors of a joint about a point, at displacements and rotations since x^t.
-RUBBLE_HD RUBBLE_NEAR void anchorErrors(const PivotFrame& frame, const GroupRows<AnchorRows::kRows>& rows, const Pose& a, const Pose& b,
-                                        Real (&error)[AnchorRows::kRows]) {
+RUBBLE_HD RUBBLE_NEAR void anchorErrors(const PivotFrame& frame, const GroupRows<AnchorRows::kRows>& rows,
+                                        const Pose& a, const Pose& b, Real (&error)[AnchorRows::kRows]) {
   const Anchors<Real> levers{frame.end[0].lever, frame.end[1].lever};
   heldErrors<AnchorRows>(rows.shift, levers, NoMemory{}, Pose{frame.offset + a.p, a.q}, b, error);
 }
 
-/// Adds all rows of a joint about a point to the block of one of its bodies. The block may be about another point than the centre of the body, which
-/// then lies `shift` from that point. Poses: displacements and rotations since x^t.
+/// Adds all rows of a joint about a point to the block of one of its bodies. The block may be about another
+/// point than the centre of the body, which then lies `shift` from that point. Poses: displacements and
+/// rotations since x^t.
 template <class Turns>
-RUBBLE_HD RUBBLE_NEAR void accumulatePivot(const PivotFrame& frame, const GroupRows<AnchorRows::kRows>& anchors, Turns& turns, const Pose& a, const Pose& b,
-                                      int side, Block6& block, const Vec3& shift = {0, 0, 0}) {
+RUBBLE_HD RUBBLE_NEAR void accumulatePivot(const PivotFrame& frame,
+                                           const GroupRows<AnchorRows::kRows>& anchors, Turns& turns,
+                                           const Pose& a, const Pose& b, int side, Block6& block,
+                                           const Vec3& shift = {0, 0, 0}) {
   if (frame.acting & 1) {
     Real error[AnchorRows::kRows], force[AnchorRows::kRows], hessian;
     anchorErrors(frame, anchors, a, b, error);
-    aggregateForce<AnchorRows::kRows>(anchors.state, error, anchors.lambda, force, AnchorRows::kRows, hessian);
-    AnchorRows::accumulate(Anchors<Real>{frame.end[0].lever, frame.end[1].lever}, a, b, side == 0, shift, force, hessian, block);
+    aggregateForce<AnchorRows::kRows>(anchors.state, error, anchors.lambda, force, AnchorRows::kRows,
+                                      hessian);
+    AnchorRows::accumulate(Anchors<Real>{frame.end[0].lever, frame.end[1].lever}, a, b, side == 0, shift,
+                           force, hessian, block);
   }
   turns.accumulate(a.q, b.q, side, block);
 }
 
 /// Adds all rows of any other joint to the block of one of its bodies, by the first side that it has.
 template <class F>
-RUBBLE_HD void accumulateJoint(const JointSpec<F>& spec, const Joint<F>& joint, const JointAngularRows<F>* turns, const SidePose<F>& a, const SidePose<F>& b,
-                          const Quat& turnedA, const Quat& turnedB, int side, Block6& block, const Vec3& shift = {0, 0, 0}) {
+RUBBLE_HD void accumulateJoint(const JointSpec<F>& spec, const Joint<F>& joint,
+                               const JointAngularRows<F>* turns, const SidePose<F>& a, const SidePose<F>& b,
+                               const Quat& turnedA, const Quat& turnedB, int side, Block6& block,
+                               const Vec3& shift = {0, 0, 0}) {
   forEachPart<F>([&]<int I, class P>() {
     if constexpr (!isTurn<F, P>()) {
       const auto& rows = loadVectorized(partOf<I>(joint.parts));
@@ -166,18 +186,21 @@ RUBBLE_HD void accumulateJoint(const JointSpec<F>& spec, const Joint<F>& joint, 
       if (!forcesAt<P>(rows, error, force, hessian)) return;
       Vec6 j[P::kRows];
       jacobianOf<P>(spec, joint, a, b, side, j);
-      for (int i = 0; i < P::kRows; ++i) accumulateRow(block, {j[i].lin, j[i].ang + cross(shift, j[i].lin)}, force[i], hessian);
+      for (int i = 0; i < P::kRows; ++i)
+        accumulateRow(block, {j[i].lin, j[i].ang + cross(shift, j[i].lin)}, force[i], hessian);
       accumulateCurvature(block, curvatureOf<P>(spec, joint, a, b, side, force), shift);
     }
   });
-  if constexpr (hasAngularRows<F>()) TurnStream<false>(joint.acting, &turns->from, turns->law).accumulate(turnedA, turnedB, side, block);
+  if constexpr (hasAngularRows<F>())
+    TurnStream<false>(joint.acting, &turns->from, turns->law).accumulate(turnedA, turnedB, side, block);
 }
 
-/// Adds all rows of a joint to the block of a group that several of its sides move with, and others do not (bits of `inside`): by
-/// (dp + dw x shift_i, dw). A row changes by sum J_i T_i, T_i = [1, -[shift_i]; 0, 1].
+/// Adds all rows of a joint to the block of a group that several of its sides move with, and others do not
+/// (bits of `inside`): by (dp + dw x shift_i, dw). A row changes by sum J_i T_i, T_i = [1, -[shift_i]; 0, 1].
 template <class F>
-RUBBLE_HD void accumulateJointOfGroup(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, unsigned inside,
-                                 const Vec3 (&shift)[kSides<F>], Block6& block) {
+RUBBLE_HD void accumulateJointOfGroup(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
+                                      const SidePose<F>& b, unsigned inside, const Vec3 (&shift)[kSides<F>],
+                                      Block6& block) {
   forEachPart<F>([&]<int I, class P>() {
     Real error[P::kRows], force[P::kRows], hessian;
     const auto& rows = loadVectorized(partOf<I>(joint.parts));
@@ -189,7 +212,8 @@ RUBBLE_HD void accumulateJointOfGroup(const JointSpec<F>& spec, const Joint<F>& 
       if (!(inside >> side & 1u)) continue;
       Vec6 j[P::kRows];
       P::jacobian(spec.data, joint.memory, a, b, side, j);
-      for (int i = 0; i < P::kRows; ++i) sum[i].lin += j[i].lin, sum[i].ang += j[i].ang + cross(shift[side], j[i].lin);
+      for (int i = 0; i < P::kRows; ++i)
+        sum[i].lin += j[i].lin, sum[i].ang += j[i].ang + cross(shift[side], j[i].lin);
     }
     for (int i = 0; i < P::kRows; ++i) accumulateRow(block, sum[i], force[i], hessian);
   });

@@ -1,17 +1,17 @@
 #pragma once
-/// Row blocks between points of two bodies. x_i = p_i + r_i with r_i = R_i a_i, d = x_A - x_B, b_i: axes of the joint's frame on B.
+/// Row blocks between points of two bodies. x_i = p_i + r_i with r_i = R_i a_i, d = x_A - x_B, b_i: axes of
+/// the joint's frame on B.
 #include "forces/joint.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Points of A and B: in the frame of their body, or, with rotations since x^t, in the world's axes at x^t [m].
-template <class L>
-struct Anchors {
-  Vec3T<L> anchorA, anchorB;
-};
+/// Points of A and B: in the frame of their body, or, with rotations since x^t, in the world's axes at x^t
+/// [m].
+template <class L> struct Anchors { Vec3T<L> anchorA, anchorB; };
 
-template <class D>
-RUBBLE_HD RUBBLE_NEAR Vec3 anchorLever(const D& d, const Pose& pose, int side) { return rotate(pose.q, side == 0 ? d.anchorA : d.anchorB); }
+template <class D> RUBBLE_HD RUBBLE_NEAR Vec3 anchorLever(const D& d, const Pose& pose, int side) {
+  return rotate(pose.q, side == 0 ? d.anchorA : d.anchorB);
+}
 
 /// The anchors coincide, or are apart by an offset o that the joint remembers.
 ///
@@ -24,14 +24,18 @@ struct AnchorRows {
   static constexpr bool kAxis = false;
 
   template <class D, class M, class L>
-  RUBBLE_HD RUBBLE_NEAR static void constraint(const D& d, const M& memory, const PoseT<L>& a, const PoseT<L>& b, L (&c)[kRows]) {
+  RUBBLE_HD RUBBLE_NEAR static void constraint(const D& d, const M& memory, const PoseT<L>& a,
+                                               const PoseT<L>& b, L (&c)[kRows]) {
     Vec3T<L> gap = (a.p - b.p) + rotate(a.q, d.anchorA) - rotate(b.q, d.anchorB);
-    if constexpr (requires { memory.offset; }) gap = gap - memory.offset;
-    else (void)memory;
+    if constexpr (requires { memory.offset; })
+      gap = gap - memory.offset;
+    else
+      (void)memory;
     c[0] = gap.x, c[1] = gap.y, c[2] = gap.z;
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
+  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                 Vec6 (&j)[kRows]) {
     const Real sign = side == 0 ? Real(1) : Real(-1);
     const Vec3 r = sign * anchorLever(d, side == 0 ? a : b, side);
     // row i is sign (e_i, r x e_i)
@@ -40,13 +44,15 @@ struct AnchorRows {
     j[2] = {{0, 0, sign}, {r.y, -r.x, 0}};
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side, const Real (&f)[kRows]) {
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                  const Real (&f)[kRows]) {
     return {{0, 0, 0}, turningColumnNorms({f[0], f[1], f[2]}, anchorLever(d, side == 0 ? a : b, side))};
   }
   /// With the curvature: that of the turn about the body's centre, wherever the block is about.
   template <class D, class Mask, class L>
-  RUBBLE_HD RUBBLE_NEAR static void accumulate(const D& d, const PoseT<L>& a, const PoseT<L>& b, Mask onA, const Vec3T<L>& shift, const L (&f)[kRows], L k,
-                                          Block6T<L>& block) {
+  RUBBLE_HD RUBBLE_NEAR static void accumulate(const D& d, const PoseT<L>& a, const PoseT<L>& b, Mask onA,
+                                               const Vec3T<L>& shift, const L (&f)[kRows], L k,
+                                               Block6T<L>& block) {
     const Vec3T<L> r = select(onA, rotate(a.q, d.anchorA), rotate(b.q, d.anchorB)), force{f[0], f[1], f[2]};
     addAtLever(block, r + shift, select(onA, -force, force), k);
     const L zero = LaneAccess<L>::splat(0);
@@ -54,13 +60,15 @@ struct AnchorRows {
   }
 };
 
-/// Jacobian of u.(x_A - x_B) for a direction u that turns with B: J_A = [u, r_A x u], J_B = -[u, (x_A - p_B) x u].
+/// Jacobian of u.(x_A - x_B) for a direction u that turns with B: J_A = [u, r_A x u], J_B = -[u, (x_A - p_B)
+/// x u].
 template <class D>
 RUBBLE_HD Vec6 travelJacobian(const D& d, const Pose& a, const Pose& b, int side, const Vec3& u) {
   const Vec3 r = rotate(a.q, d.anchorA);
   return side == 0 ? Vec6{u, cross(r, u)} : -Vec6{u, cross(a.p + r - b.p, u)};
 }
-/// Column norms for the force vector f = sum F u: A has S(f, r_A) in its angular block; B has [f] beside S(f, x_A - p_B).
+/// Column norms for the force vector f = sum F u: A has S(f, r_A) in its angular block; B has [f] beside S(f,
+/// x_A - p_B).
 template <class D>
 RUBBLE_HD Vec6 travelCurvature(const D& d, const Pose& a, const Pose& b, int side, const Vec3& f) {
   const Vec3 r = rotate(a.q, d.anchorA);
@@ -70,15 +78,20 @@ RUBBLE_HD Vec6 travelCurvature(const D& d, const Pose& a, const Pose& b, int sid
   const auto across = [&](Real c) { return max(f2 - c * c, Real(0)); };
   const Vec3 mixed{across(f.x), across(f.y), across(f.z)};
   return {{std::sqrt(mixed.x), std::sqrt(mixed.y), std::sqrt(mixed.z)},
-          {std::sqrt(mixed.x + turn.x * turn.x), std::sqrt(mixed.y + turn.y * turn.y), std::sqrt(mixed.z + turn.z * turn.z)}};
+          {std::sqrt(mixed.x + turn.x * turn.x), std::sqrt(mixed.y + turn.y * turn.y),
+           std::sqrt(mixed.z + turn.z * turn.z)}};
 }
-RUBBLE_HD constexpr Vec3 unitAxis(int i) { return {i == 0 ? Real(1) : Real(0), i == 1 ? Real(1) : Real(0), i == 2 ? Real(1) : Real(0)}; }
-template <class D>
-RUBBLE_HD Vec3 axisOfB(const D& d, const Pose& b, int i) { return rotate(b.q, rotate(d.frameB, unitAxis(i))); }
+RUBBLE_HD constexpr Vec3 unitAxis(int i) {
+  return {i == 0 ? Real(1) : Real(0), i == 1 ? Real(1) : Real(0), i == 2 ? Real(1) : Real(0)};
+}
+template <class D> RUBBLE_HD Vec3 axisOfB(const D& d, const Pose& b, int i) {
+  return rotate(b.q, rotate(d.frameB, unitAxis(i)));
+}
 
 /// Anchor A stays on the x axis of the frame on B.
 ///
-///   C = (b_2.d, b_3.d)                                [m], 2 rows, F [N];  J, G as above, f = F_1 b_2 + F_2 b_3
+///   C = (b_2.d, b_3.d)                                [m], 2 rows, F [N];  J, G as above, f = F_1 b_2 + F_2
+///   b_3
 struct OnLineRows {
   static constexpr int kRows = 2;
   static constexpr RowUnit kUnit = RowUnit::Linear;
@@ -90,11 +103,13 @@ struct OnLineRows {
     for (int i = 0; i < kRows; ++i) c[i] = dot(axisOfB(d, b, i + 1), gap);
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
+  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                 Vec6 (&j)[kRows]) {
     for (int i = 0; i < kRows; ++i) j[i] = travelJacobian(d, a, b, side, axisOfB(d, b, i + 1));
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side, const Real (&f)[kRows]) {
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                  const Real (&f)[kRows]) {
     return travelCurvature(d, a, b, side, f[0] * axisOfB(d, b, 1) + f[1] * axisOfB(d, b, 2));
   }
 };
@@ -102,8 +117,7 @@ struct OnLineRows {
 /// Travel of anchor A along axis I of the frame on B.
 ///
 ///   c = b_I.d                                         [m], F [N];  J, G as above, f = F b_I
-template <int I>
-struct TravelAxis {
+template <int I> struct TravelAxis {
   static constexpr int kRows = 1;
   static constexpr RowUnit kUnit = RowUnit::Linear;
   static constexpr bool kAxis = true;
@@ -114,11 +128,13 @@ struct TravelAxis {
     c[0] = dot(axisOfB(d, b, I), gap);
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
+  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                 Vec6 (&j)[kRows]) {
     j[0] = travelJacobian(d, a, b, side, axisOfB(d, b, I));
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side, const Real (&f)[kRows]) {
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                  const Real (&f)[kRows]) {
     return travelCurvature(d, a, b, side, f[0] * axisOfB(d, b, I));
   }
 };
@@ -163,8 +179,7 @@ struct DistanceAxis {
   static constexpr RowUnit kUnit = RowUnit::Linear;
   static constexpr bool kAxis = true;
 
-  template <class D>
-  RUBBLE_HD static Vec3 span(const D& d, const Pose& a, const Pose& b) {
+  template <class D> RUBBLE_HD static Vec3 span(const D& d, const Pose& a, const Pose& b) {
     return (a.p - b.p) + rotate(a.q, d.anchorA) - rotate(b.q, d.anchorB);
   }
   template <class D, class M>
@@ -172,14 +187,16 @@ struct DistanceAxis {
     c[0] = length(span(d, a, b));
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
+  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                 Vec6 (&j)[kRows]) {
     Vec3 n;
     direction(span(d, a, b), n);
     const Vec6 own{n, cross(anchorLever(d, side == 0 ? a : b, side), n)};
     j[0] = side == 0 ? own : -own;
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side, const Real (&f)[kRows]) {
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                  const Real (&f)[kRows]) {
     Vec3 n;
     const Real size = direction(span(d, a, b), n);
     // seen from B the span is -d, with direction -n

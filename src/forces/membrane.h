@@ -1,14 +1,18 @@
 #pragma once
-/// Triangle of a sheet that resists stretch and shear in its plane (St. Venant-Kirchhoff), as three finite rows.
+/// Triangle of a sheet that resists stretch and shear in its plane (St. Venant-Kirchhoff), as three finite
+/// rows.
 ///
-///   F = [f1 f2] = sum x_i m_i^T (3x2), E = (F^T F - 1)/2, A: area at rest; mu, lam: Lame parameters times the thickness [N/m]
+///   F = [f1 f2] = sum x_i m_i^T (3x2), E = (F^T F - 1)/2, A: area at rest; mu, lam: Lame parameters times
+///   the thickness [N/m]
 ///   psi A = A (mu |E|^2 + lam/2 tr(E)^2) = A (mu + lam)/2 C_0^2 + A mu/2 (C_1^2 + C_2^2)
 ///   C_0 = E11 + E22, C_1 = E11 - E22, C_2 = 2 E12      [1], multipliers in J
 ///   J_i: f1 m1 + f2 m2,  f1 m1 - f2 m2,  f1 m2 + f2 m1  with m_i = (m1, m2)
-///   d2C/dx_i^2: (m1^2 + m2^2) 1, (m1^2 - m2^2) 1, 2 m1 m2 1: summed with the multipliers it is m_i.S m_i 1, and max(0, .) of that is kept:
+///   d2C/dx_i^2: (m1^2 + m2^2) 1, (m1^2 - m2^2) 1, 2 m1 m2 1: summed with the multipliers it is m_i.S m_i 1,
+///   and max(0, .) of that is kept:
 ///   the one projection that makes H definite where the sheet is compressed.
 ///
-/// The rows live in the axes of the material, so multipliers that last from step to step turn with it. Viscosity damps dE/dt.
+/// The rows live in the axes of the material, so multipliers that last from step to step turn with it.
+/// Viscosity damps dE/dt.
 #include "forces/finite_row.h"
 #include "math/block3.h"
 
@@ -22,7 +26,8 @@ struct Membrane {
 
   int v[kCorners];
   int alive;
-  Real m1[2], m2[2];     ///< gradients of corners 1 and 2 at rest, by component; corner 0 has minus their sum [1/m]
+  Real m1[2],
+      m2[2];  ///< gradients of corners 1 and 2 at rest, by component; corner 0 has minus their sum [1/m]
   Real stiffness[2];     ///< A (mu + lam) of row 0, A mu of rows 1 and 2 [J]
   Real damper;           ///< A h eta / 2 of every row [J s]
   Real tearStretch;      ///< largest stretch (length over rest length) that it bears [1]
@@ -58,7 +63,8 @@ struct Membrane {
     strains(deformation(x), error);
     for (int i = 0; i < kRows; ++i) {
       row[i] = dampedRow(stiffness[i > 0], damper * c.inverseDt, error[i]);
-      const FiniteStart start = beginFiniteRow(c, row[i].stiffness, unit(c), largest, error[i] - row[i].shift, k[i], lambda[i]);
+      const FiniteStart start = beginFiniteRow(c, row[i].stiffness, unit(c), largest, error[i] - row[i].shift,
+                                               k[i], lambda[i]);
       k[i] = start.k, lambda[i] = start.lambda, c0[i] = start.c0;
     }
   }
@@ -75,7 +81,8 @@ struct Membrane {
     }
     return sum;
   }
-  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
+  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner,
+                            Block3& block) const {
     const Columns f = deformation(x);
     const Gradient g = gradient(corner);
     Real error[kRows];
@@ -98,7 +105,8 @@ struct Membrane {
     for (int i = 0; i < kRows; ++i) {
       const Real now = force(c, error, i).force;
       if (c.compliantRows) lambda[i] = now;
-      k[i] = grownFiniteRow(c, row[i].stiffness, unit(c), largest, error[i] - row[i].shift, k[i], now, Real(1) / largest);
+      k[i] = grownFiniteRow(c, row[i].stiffness, unit(c), largest, error[i] - row[i].shift, k[i], now,
+                            Real(1) / largest);
     }
   }
   /// Does it tear? The largest principal stretch decides.

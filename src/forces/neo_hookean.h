@@ -2,13 +2,14 @@
 /// Tetrahedron of stable neo-Hookean material (Smith, de Goes, Kim 2018) with viscosity.
 ///
 ///   F = sum x_i m_i^T, J = det F, m_i: gradient of the shape function of corner i at rest; V: volume at rest
-///   psi = mu/2 (|F|^2 - 3) + lam/2 (J - a)^2,  a = 1 + mu/lam,  mu = E/(2 (1 + nu)),  lam = E nu/((1 + nu)(1 - 2 nu)) + mu       [Pa]
+///   psi = mu/2 (|F|^2 - 3) + lam/2 (J - a)^2,  a = 1 + mu/lam,  mu = E/(2 (1 + nu)),  lam = E nu/((1 + nu)(1
+///                                              - 2 nu)) + mu       [Pa]
 ///   f_i = -V (mu F m_i + lam (J - a) w_i),   w_i = cof(F) m_i
 ///   H_i = V (mu |m_i|^2 1 + lam w_i w_i^T)
 ///
-/// J is linear in one vertex, so H_i is its complete second derivative; it is positive definite for any F, inverted ones too.
-/// Viscosity acts on the rate of the Green strain E = (F^T F - 1)/2, which no rigid motion has: dissipation V eta/(2 dt) |E - E^t|^2,
-/// Gauss-Newton Hessian.
+/// J is linear in one vertex, so H_i is its complete second derivative; it is positive definite for any F,
+/// inverted ones too. Viscosity acts on the rate of the Green strain E = (F^T F - 1)/2, which no rigid motion
+/// has: dissipation V eta/(2 dt) |E - E^t|^2, Gauss-Newton Hessian.
 #include "math/block3.h"
 #include "solver/constants.h"
 
@@ -18,9 +19,9 @@ namespace rubble::RUBBLE_CORE {
 struct NeoHookean {
   static constexpr int kCorners = 4;
 
-  Vec3 m[3];         ///< m_1, m_2, m_3; m_0 is minus their sum [1/m]
-  Real mu, lambda;   ///< times V [J]
-  Real damper;       ///< V eta [J s]
+  Vec3 m[3];        ///< m_1, m_2, m_3; m_0 is minus their sum [1/m]
+  Real mu, lambda;  ///< times V [J]
+  Real damper;      ///< V eta [J s]
 
   RUBBLE_HD Vec3 gradient(int corner) const { return corner == 0 ? -(m[0] + m[1] + m[2]) : m[corner - 1]; }
 
@@ -36,10 +37,12 @@ struct NeoHookean {
     const auto column = [&](Real a, Real b, Real c) { return e1 * a + e2 * b + e3 * c; };
     return {column(m[0].x, m[1].x, m[2].x), column(m[0].y, m[1].y, m[2].y), column(m[0].z, m[1].z, m[2].z)};
   }
-  RUBBLE_HD static Mat3 cofactors(const Mat3& f) { return {cross(f.c1, f.c2), cross(f.c2, f.c0), cross(f.c0, f.c1)}; }
+  RUBBLE_HD static Mat3 cofactors(const Mat3& f) {
+    return {cross(f.c1, f.c2), cross(f.c2, f.c0), cross(f.c0, f.c1)};
+  }
   RUBBLE_HD static Sym3 greenStrain(const Mat3& f) {
-    return {(dot(f.c0, f.c0) - 1) / 2, dot(f.c0, f.c1) / 2, dot(f.c0, f.c2) / 2, (dot(f.c1, f.c1) - 1) / 2, dot(f.c1, f.c2) / 2,
-            (dot(f.c2, f.c2) - 1) / 2};
+    return {(dot(f.c0, f.c0) - 1) / 2, dot(f.c0, f.c1) / 2, dot(f.c0, f.c2) / 2,
+            (dot(f.c1, f.c1) - 1) / 2, dot(f.c1, f.c2) / 2, (dot(f.c2, f.c2) - 1) / 2};
   }
   /// E - E^t
   RUBBLE_HD static Sym3 strainChange(const Mat3& f, const Sym3& start) {
@@ -49,7 +52,8 @@ struct NeoHookean {
   }
   RUBBLE_HD Real target() const { return Real(1) + mu / lambda; }
 
-  /// P = V (mu F + lam (J - a) cof F + eta/dt F (E - E^t)): f_i = -P m_i. `start`: E^t, where there is viscosity. [J]
+  /// P = V (mu F + lam (J - a) cof F + eta/dt F (E - E^t)): f_i = -P m_i. `start`: E^t, where there is
+  /// viscosity. [J]
   RUBBLE_HD Mat3 stress(const StepConstants& c, const Mat3& f, const Mat3& cof, const Sym3& start) const {
     Mat3 p = mu * f + (lambda * (dot(f.c0, cof.c0) - target())) * cof;
     if (damper > Real(0)) {
@@ -59,7 +63,8 @@ struct NeoHookean {
     }
     return p;
   }
-  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], const Sym3& start, int corner, Block3& block) const {
+  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], const Sym3& start, int corner,
+                            Block3& block) const {
     const Mat3 f = deformation(x), cof = cofactors(f);
     const Vec3 g = gradient(corner);
     block.f -= stress(c, f, cof, start) * g;
@@ -81,11 +86,11 @@ struct alignas(4 * sizeof(Real)) Tetrahedron : NeoHookean {
   static constexpr bool kHasDual = false;
 
   int v[kCorners];
-  int alive;         ///< always: it does not tear
-  Sym3 strainStart;  ///< E^t, if there is viscosity
+  int alive;              ///< always: it does not tear
+  Sym3 strainStart;       ///< E^t, if there is viscosity
   Real yield, hardening;  ///< times V [J]; plasticity.h, which changes the m_i
-  Real plasticStrain;  ///< equivalent, so far [1]
-  Real steepest;     ///< sum of |m_i|^2 over its corners up to which it flows [1/m2]
+  Real plasticStrain;     ///< equivalent, so far [1]
+  Real steepest;          ///< sum of |m_i|^2 over its corners up to which it flows [1/m2]
 
   RUBBLE_HD void begin(const StepConstants&, const Vec3 (&x)[kCorners]) {
     if (damper > Real(0)) strainStart = greenStrain(deformation(x));
@@ -94,22 +99,26 @@ struct alignas(4 * sizeof(Real)) Tetrahedron : NeoHookean {
   RUBBLE_HD Real energy(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     const Mat3 f = deformation(x);
     const Real excess = dot(f.c0, cross(f.c1, f.c2)) - target();
-    Real sum = mu / 2 * (dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2) - 3) + lambda / 2 * excess * excess;
+    Real sum = mu / 2 * (dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2) - 3) +
+               lambda / 2 * excess * excess;
     if (damper > Real(0)) {
       const Sym3 d = strainChange(f, strainStart);
-      const Real size2 = d.xx * d.xx + d.yy * d.yy + d.zz * d.zz + 2 * (d.xy * d.xy + d.xz * d.xz + d.yz * d.yz);
+      const Real size2 = d.xx * d.xx + d.yy * d.yy + d.zz * d.zz +
+                         2 * (d.xy * d.xy + d.xz * d.xz + d.yz * d.yz);
       sum += damper * c.inverseDt / 2 * size2;
     }
     return sum;
   }
-  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
+  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner,
+                            Block3& block) const {
     NeoHookean::accumulate(c, x, strainStart, corner, block);
   }
 };
 
-/// A tetrahedron as one of its corners sees it, which is its corner 0: a copy for each of the four, so that a vertex reads what acts on it in a row.
+/// A tetrahedron as one of its corners sees it, which is its corner 0: a copy for each of the four, so that a
+/// vertex reads what acts on it in a row.
 struct alignas(4 * sizeof(Real)) TetraCorner : NeoHookean {
-  int other[3];      ///< vertices 1, 2, 3
+  int other[3];  ///< vertices 1, 2, 3
   int element;
 
   /// m_1, m_2, m_3 of its vertices, in their order.

@@ -1,34 +1,43 @@
 #pragma once
-/// Plastic flow of a tetrahedron: F = F_e F_p, and the radial return of Simo (1988) for neo-Hookean material with isotropic hardening.
+/// Plastic flow of a tetrahedron: F = F_e F_p, and the radial return of Simo (1988) for neo-Hookean material
+/// with isotropic hardening.
 ///
-///   F = sum x_i m_i^T is F_e: the m_i are those of the stress-free shape.  C = F^T F,  b = F F^T,  J = det F,  I1 = tr C,  I2 = |cof F|^2
-///   q = sqrt(3/2) mu |dev C|                von Mises stress of Kirchhoff stress (dev tau = mu dev b, and |dev b| = |dev C|)  [Pa]
-///   Y = sigma_Y + H eps                     eps: equivalent plastic strain                                                   [Pa]
-///   q > Y:  d = (q - Y)/(mu I1 + H),   eps <- eps + d,   b' = f b + g 1,   f = (Y + H d)/q,   g >= 0: det b' = J^2
+///   F = sum x_i m_i^T is F_e: the m_i are those of the stress-free shape.  C = F^T F,  b = F F^T,  J = det
+///   F,  I1 = tr C,  I2 = |cof F|^2
+///   q = sqrt(3/2) mu |dev C|                von Mises stress of Kirchhoff stress (dev tau = mu dev b, and
+///                                           |dev b| = |dev C|)  [Pa]
+///   Y = sigma_Y + H eps                     eps: equivalent plastic strain
+///                                           [Pa]
+///   q > Y:  d = (q - Y)/(mu I1 + H),   eps <- eps + d,   b' = f b + g 1,   f = (Y + H d)/q,   g >= 0: det b'
+///           = J^2
 ///   F' = F D,   D D^T = F^-1 b' F^-T,   m_i <- D^T m_i
 ///
-/// b' has the axes of b, f dev b and the same J, so pressure and volume stay and the energy falls. D is known up to a rotation of the stress-free
-/// shape, of which an isotropic material knows nothing: with F = Q R, D = R^-1 U where U U^T = f R R^T + g 1, both upper triangular, so that D is 1
-/// where nothing flows. det D = 1.
+/// b' has the axes of b, f dev b and the same J, so pressure and volume stay and the energy falls. D is known
+/// up to a rotation of the stress-free shape, of which an isotropic material knows nothing: with F = Q R, D =
+/// R^-1 U where U U^T = f R R^T + g 1, both upper triangular, so that D is 1 where nothing flows. det D = 1.
 #include "forces/neo_hookean.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Volume over that of the stress-free shape up to which a tetrahedron does not flow: what is flat or inverted is to find its shape first [1].
+/// Volume over that of the stress-free shape up to which a tetrahedron does not flow: what is flat or
+/// inverted is to find its shape first [1].
 inline constexpr Real kLeastVolumeToFlow = Real(.05);
-/// How often as stiff as at first, for its corners (sum of |m_i|^2), a tetrahedron may become by flowing [1]: drawn out to 15 times its length, or pressed
-/// to a fifth of its height. What would go further is elastic. Without a bound elements that are torn apart become needles that ten sweeps do not
-/// solve, and the energy of a thrown object grows until numbers run out; at 30 it does not.
+/// How often as stiff as at first, for its corners (sum of |m_i|^2), a tetrahedron may become by flowing [1]:
+/// drawn out to 15 times its length, or pressed to a fifth of its height. What would go further is elastic.
+/// Without a bound elements that are torn apart become needles that ten sweeps do not solve, and the energy
+/// of a thrown object grows until numbers run out; at 30 it does not.
 inline constexpr Real kMostSteepness = 10;
-/// Newton steps for g. Volumes up to twice that of the stress-free shape take 8 to 1e-7 of g, stretches of 1,000 too; what misses the volume then
-/// is made up for by U.
+/// Newton steps for g. Volumes up to twice that of the stress-free shape take 8 to 1e-7 of g, stretches of
+/// 1,000 too; what misses the volume then is made up for by U.
 inline constexpr int kFlowSteps = 12;
 
 /// An upper triangular matrix.
 struct Upper3 {
   Real xx, xy, xz, yy, yz, zz;
 
-  RUBBLE_HD Vec3 timesTransposed(const Vec3& a) const { return {xx * a.x, xy * a.x + yy * a.y, xz * a.x + yz * a.y + zz * a.z}; }
+  RUBBLE_HD Vec3 timesTransposed(const Vec3& a) const {
+    return {xx * a.x, xy * a.x + yy * a.y, xz * a.x + yz * a.y + zz * a.z};
+  }
   /// y of U^T y = a.
   RUBBLE_HD Vec3 solveTransposed(const Vec3& a) const {
     const Real x = a.x / xx, y = (a.y - xy * x) / yy;
@@ -69,10 +78,12 @@ RUBBLE_HD inline Real distortion(const Mat3& f) {
   return std::sqrt((a * a + b * b + c * c) / 2 + 3 * (xy * xy + xz * xz + yz * yz));
 }
 
-/// g >= 0 with g^3 + f I1 g^2 + f^2 I2 g = (1 - f^3) J^2, which says det(f b + g 1) = J^2. `lost`: 1 - f, small where little flows.
+/// g >= 0 with g^3 + f I1 g^2 + f^2 I2 g = (1 - f^3) J^2, which says det(f b + g 1) = J^2. `lost`: 1 - f,
+/// small where little flows.
 RUBBLE_HD inline Real volumeKeeper(Real f, Real lost, Real i1, Real i2, Real det) {
   const Real a = f * i1, b = f * f * i2, c = lost * (Real(1) + f + f * f) * det * det;
-  // the root lies below both: the eigenvalues of b' have no geometric mean above their arithmetic one, and g^3 <= c. Newton's steps go down to it
+  // the root lies below both: the eigenvalues of b' have no geometric mean above their arithmetic one, and
+  // g^3 <= c. Newton's steps go down to it
   Real g = min(lost * i1, c + Real(2)) / Real(3);
   for (int k = 0; k < kFlowSteps; ++k) g -= (((g + a) * g + b) * g - c) / ((3 * g + 2 * a) * g + b);
   return max(g, Real(0));
@@ -81,7 +92,8 @@ RUBBLE_HD inline Real volumeKeeper(Real f, Real lost, Real i1, Real i2, Real det
 /// Lets a tetrahedron flow by the stress that it bears with its corners at x.
 RUBBLE_HD inline void flow(Tetrahedron& e, const Vec3 (&x)[Tetrahedron::kCorners]) {
   const Mat3 f = e.deformation(x), cof = Tetrahedron::cofactors(f);
-  const Real det = dot(f.c0, cof.c0), q = e.mu * distortion(f), bound = e.yield + e.hardening * e.plasticStrain;
+  const Real det = dot(f.c0, cof.c0), q = e.mu * distortion(f),
+             bound = e.yield + e.hardening * e.plasticStrain;
   if (!(det > kLeastVolumeToFlow) || !(q > bound)) return;
   const Real i1 = dot(f.c0, f.c0) + dot(f.c1, f.c1) + dot(f.c2, f.c2);
   const Real i2 = dot(cof.c0, cof.c0) + dot(cof.c1, cof.c1) + dot(cof.c2, cof.c2);

@@ -1,7 +1,8 @@
 #pragma once
 /// Contact with friction of vertices: with a body, with one another, with triangles and edges.
 ///
-///   side A: a body at lever r, or vertices with weights c_i > 0; side B: vertices with weights c_i < 0, which add up to -1
+///   side A: a body at lever r, or vertices with weights c_i > 0; side B: vertices with weights c_i < 0,
+///   which add up to -1
 ///   d   = [Dp + Dw x r] + sum c_i (x_i - x_i^t)                 n from A to B, frozen at x^t
 ///   C_n = C_n0' + n.d,          0 <= F_n                        [m], [N]
 ///   C_t = c C_t0 + t.d,         |F_t| <= mu F_n
@@ -14,23 +15,23 @@
 namespace rubble::RUBBLE_CORE {
 
 struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
-  int v[kPointCorners];        ///< -1: none
-  Real weight[kPointCorners];  ///< c_i
-  int body;                    ///< side A, or -1
-  int part;                    ///< of its shape
-  int depth;                   ///< coarse levels at which what it joins is in different groups (stages/coarse/soft_nodes.h)
-  int active;                  ///< near enough to have rows in this step
-  int stick, impact;           ///< it stuck at the end of the step; it stops a fast approach in it
-  Vec3 n;                      ///< unit
-  Vec3 lever;                  ///< r [m]
-  Real c0;                     ///< C_n at x^t after regularisation [m]
-  Real drift1, drift2;         ///< C_t at x^t before regularisation, tangent basis of n [m]
+  int v[kPointCorners];                          ///< -1: none
+  Real weight[kPointCorners];                    ///< c_i
+  int body;                                      ///< side A, or -1
+  int part;                                      ///< of its shape
+  int depth;   ///< coarse levels at which what it joins is in different groups (stages/coarse/soft_nodes.h)
+  int active;  ///< near enough to have rows in this step
+  int stick, impact;    ///< it stuck at the end of the step; it stops a fast approach in it
+  Vec3 n;               ///< unit
+  Vec3 lever;           ///< r [m]
+  Real c0;              ///< C_n at x^t after regularisation [m]
+  Real drift1, drift2;  ///< C_t at x^t before regularisation, tangent basis of n [m]
   Real mu, muStatic, muDynamic;
   Real lambdaN, lambda1, lambda2;  ///< [N]
-  Real keptN, kept1, kept2;    ///< what the next step starts from; not that of an impact [N]
-  Real kN, kT;                 ///< [N/m]; 0: dormant, or new
-  Real start;                  ///< k_start of the normal row [N/m]
-  Real length;                 ///< L [m]
+  Real keptN, kept1, kept2;        ///< what the next step starts from; not that of an impact [N]
+  Real kN, kT;                     ///< [N/m]; 0: dormant, or new
+  Real start;                      ///< k_start of the normal row [N/m]
+  Real length;                     ///< L [m]
 
   struct Forces {
     Real cN, c1, c2, fN;
@@ -72,14 +73,17 @@ struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
     if (!(o.fN > Real(0))) return;
     const StiffnessRule normal = contactRule(c, start, length), tangent = tangentRule(c, normal);
     kN = grownStiffness(normal, kN, o.cN, o.fN);
-    if (inside) kT = grownStiffness(tangent, kT, std::sqrt(o.c1 * o.c1 + o.c2 * o.c2), std::sqrt(o.t.f1 * o.t.f1 + o.t.f2 * o.t.f2));
+    if (inside)
+      kT = grownStiffness(tangent, kT, std::sqrt(o.c1 * o.c1 + o.c2 * o.c2),
+                          std::sqrt(o.t.f1 * o.t.f1 + o.t.f2 * o.t.f2));
   }
   /// At the end of a step: what the next one starts from. `d`: exact relative displacement.
   RUBBLE_HD void finish(const StepConstants& c, const Vec3& d) {
     if (!impact) keptN = lambdaN, kept1 = lambda1, kept2 = lambda2;
     if (!(kN > Real(0))) kN = start, kT = start * c.tangentStiffness;
     const Real bound = mu * lambdaN;
-    stick = lambdaN > Real(0) && lambda1 * lambda1 + lambda2 * lambda2 < bound * bound * (Real(1) - Real(1e-5));
+    stick = lambdaN > Real(0) &&
+            lambda1 * lambda1 + lambda2 * lambda2 < bound * bound * (Real(1) - Real(1e-5));
     Vec3 t1, t2;
     tangentBasis(n, t1, t2);
     drift1 = stick ? drift1 + dot(t1, d) : Real(0);
@@ -89,17 +93,19 @@ struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
 
 /// What the rows of a contact start from, besides their geometry.
 struct PointContactStart {
-  Real rowMass;      ///< of the lightest side [kg]
-  Real depth;        ///< C_n*(x^t) [m]
-  Real closing;      ///< speed of approach [m/s]
+  Real rowMass;  ///< of the lightest side [kg]
+  Real depth;    ///< C_n*(x^t) [m]
+  Real closing;  ///< speed of approach [m/s]
   Real restitution;
 };
 
 /// Closing speed above which a contact of vertices counts as an impact [m/s].
 inline constexpr Real kVertexImpactSpeed = 1;
 
-/// Regularises and warm-starts [S 12] [S 17] rows whose geometry is set, from those of the step before (or null).
-RUBBLE_HD inline void beginPointContact(const StepConstants& c, PointContact& p, const PointContactStart& s, const PointContact* old) {
+/// Regularises and warm-starts [S 12] [S 17] rows whose geometry is set, from those of the step before (or
+/// null).
+RUBBLE_HD inline void beginPointContact(const StepConstants& c, PointContact& p, const PointContactStart& s,
+                                        const PointContact* old) {
   p.start = startStiffness(c, s.rowMass);
   const bool hits = s.depth + s.closing * c.dt > Real(0) && s.closing > kVertexImpactSpeed;
   p.c0 = hits && s.restitution > Real(0) ? s.restitution * s.closing * c.dt : inheritedViolation(c, s.depth);

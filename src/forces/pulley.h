@@ -22,16 +22,19 @@ struct PulleyAxis {
     c[0] = length(span(d, m, a, b, 0)) + d.ratio * length(span(d, m, a, b, 1));
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M& m, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
+  RUBBLE_HD static void jacobian(const D& d, const M& m, const Pose& a, const Pose& b, int side,
+                                 Vec6 (&j)[kRows]) {
     Vec3 n;
     direction(span(d, m, a, b, side), n);
     j[0] = (side == 0 ? Real(1) : d.ratio) * Vec6{n, cross(anchorLever(d, side == 0 ? a : b, side), n)};
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M& m, const Pose& a, const Pose& b, int side, const Real (&f)[kRows]) {
+  RUBBLE_HD static Vec6 curvature(const D& d, const M& m, const Pose& a, const Pose& b, int side,
+                                  const Real (&f)[kRows]) {
     Vec3 n;
     const Real size = direction(span(d, m, a, b, side), n);
-    return lengthCurvature(side == 0 ? f[0] : d.ratio * f[0], n, size, anchorLever(d, side == 0 ? a : b, side));
+    return lengthCurvature(side == 0 ? f[0] : d.ratio * f[0], n, size,
+                           anchorLever(d, side == 0 ? a : b, side));
   }
 };
 
@@ -41,8 +44,7 @@ struct PulleyJoint {
   using Parts = PartList<PulleyAxis>;
   struct Memory {
     Vec3 overA, overB;  ///< the points of the world, from p_B^t [m]
-    template <class D>
-    RUBBLE_HD void remember(const D& d, const Pose&, const Pose&, const Vec3d& origin) {
+    template <class D> RUBBLE_HD void remember(const D& d, const Pose&, const Pose&, const Vec3d& origin) {
       overA = Vec3(d.pointA - origin);
       overB = Vec3(d.pointB - origin);
     }

@@ -1,6 +1,7 @@
 #pragma once
-/// Rack and pinion: A turns about an axis, B travels along a line; axis and line lie in bodies that carry them, or in the world. theta as for
-/// gears. With p, R of the carrier of B, the line's direction u = R t and its beginning o = p + R s:
+/// Rack and pinion: A turns about an axis, B travels along a line; axis and line lie in bodies that carry
+/// them, or in the world. theta as for gears. With p, R of the carrier of B, the line's direction u = R t and
+/// its beginning o = p + R s:
 ///
 ///   c = rho theta - u.d,  d = x_B - o                 [m], F [N];  rho: travel for a radian [m]
 ///   J_A = rho [0, R(W) g],  J_carrier,A = -J_A,  J_B = -[u, r_B x u],  J_carrier,B = [u, (x_B - p) x u]
@@ -16,29 +17,36 @@ struct RackAxis {
   static constexpr bool kAxis = true;
   static constexpr Real kStiffnessShare = kCouplingShare;
 
-  /// The travel of B in its carrier is that of an anchor in the frame of another body: B there is A of travelJacobian.
+  /// The travel of B in its carrier is that of an anchor in the frame of another body: B there is A of
+  /// travelJacobian.
   struct Line {
     Vec3 anchorA;
   };
-  template <class D>
-  RUBBLE_HD static Vec3 along(const D& d, const CarriedPose& b) { return rotate(b.carrier.q, d.direction); }
+  template <class D> RUBBLE_HD static Vec3 along(const D& d, const CarriedPose& b) {
+    return rotate(b.carrier.q, d.direction);
+  }
 
-  template <class D, class M>
-  RUBBLE_HD static double turns(const D& d, const M& m) { return static_cast<double>(d.ratio) * m.twist.turned(); }
-  template <class D, class M>
-  RUBBLE_HD static void constraint(const D& d, const M& m, const CarriedPose& a, const CarriedPose& b, Real (&c)[kRows]) {
-    const Vec3 way = (b.p - b.carrier.p) + rotate(b.q, d.anchorB) - rotate(b.carrier.q, m.begin);
-    c[0] = d.ratio * m.twist.nearest(twistAngle(seenFromCarrier(a, d.baseA, d.frameA))) - dot(along(d, b), way);
+  template <class D, class M> RUBBLE_HD static double turns(const D& d, const M& m) {
+    return static_cast<double>(d.ratio) * m.twist.turned();
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const CarriedPose& a, const CarriedPose& b, int side, Vec6 (&j)[kRows]) {
+  RUBBLE_HD static void constraint(const D& d, const M& m, const CarriedPose& a, const CarriedPose& b,
+                                   Real (&c)[kRows]) {
+    const Vec3 way = (b.p - b.carrier.p) + rotate(b.q, d.anchorB) - rotate(b.carrier.q, m.begin);
+    c[0] = d.ratio * m.twist.nearest(twistAngle(seenFromCarrier(a, d.baseA, d.frameA))) -
+           dot(along(d, b), way);
+  }
+  template <class D, class M>
+  RUBBLE_HD static void jacobian(const D& d, const M&, const CarriedPose& a, const CarriedPose& b, int side,
+                                 Vec6 (&j)[kRows]) {
     if ((side & 1) == 0)
       j[0] = {{0, 0, 0}, d.ratio * turnGradient(a, d.baseA, d.frameA, side >= 2)};
     else
       j[0] = -travelJacobian(Line{d.anchorB}, b, b.carrier, side >= 2, along(d, b));
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const CarriedPose& a, const CarriedPose& b, int side, const Real (&f)[kRows]) {
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const CarriedPose& a, const CarriedPose& b, int side,
+                                  const Real (&f)[kRows]) {
     if ((side & 1) == 0) return turnCurvature(a, d.baseA, d.frameA, d.ratio * f[0]);
     return travelCurvature(Line{d.anchorB}, b, b.carrier, side >= 2, f[0] * along(d, b));
   }
@@ -50,7 +58,8 @@ struct RackJoint {
   using Parts = PartList<RackAxis>;
   struct Memory {
     TurnCounter twist;
-    Vec3 begin;  ///< s: o in the frame of B's carrier; for the world, which the step has at p_B^t, from there [m]
+    Vec3 begin;  ///< s: o in the frame of B's carrier; for the world, which the step has at p_B^t, from there
+                 ///< [m]
     template <class D>
     RUBBLE_HD void remember(const D& d, const CarriedPose& a, const CarriedPose&, const Vec3d& origin) {
       twist.follow(twistAngle(seenFromCarrier(a, d.baseA, d.frameA)));
@@ -58,13 +67,13 @@ struct RackJoint {
     }
   };
   struct Data {
-    Vec3d pointB;      ///< o in the frame of B's carrier, or in the world [m]
+    Vec3d pointB;           ///< o in the frame of B's carrier, or in the world [m]
     Vec3 anchorA, anchorB;  ///< in the frame of their body [m]; A's is not used
-    Quat frameA;       ///< joint -> A: x is the axis
-    Quat baseA;        ///< the same axis in the frame of A's carrier, where the angle is 0
-    Vec3 direction;    ///< t, unit, in the frame of B's carrier
-    Real ratio;        ///< rho [m]
-    int inWorld;       ///< 1: the world carries the line of B
+    Quat frameA;            ///< joint -> A: x is the axis
+    Quat baseA;             ///< the same axis in the frame of A's carrier, where the angle is 0
+    Vec3 direction;         ///< t, unit, in the frame of B's carrier
+    Real ratio;             ///< rho [m]
+    int inWorld;            ///< 1: the world carries the line of B
   };
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Slider (prismatic joint): anchor A stays on the x axis of B's frame (OnLineRows), the orientation is kept (OrientationRows), and the travel
-/// along that axis has limits, a drive and friction (TravelAxis).
+/// Slider (prismatic joint): anchor A stays on the x axis of B's frame (OnLineRows), the orientation is kept
+/// (OrientationRows), and the travel along that axis has limits, a drive and friction (TravelAxis).
 #include "forces/angular_parts.h"
 #include "forces/linear_parts.h"
 

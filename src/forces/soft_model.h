@@ -1,5 +1,6 @@
 #pragma once
-/// A deformable object as the engine takes it: cooked from what the author wrote, in double precision. Vertex indices are those of the object.
+/// A deformable object as the engine takes it: cooked from what the author wrote, in double precision. Vertex
+/// indices are those of the object.
 #include <array>
 #include <memory>
 #include <vector>
@@ -12,28 +13,28 @@ namespace rubble {
 struct SoftModel {
   struct Vertex {
     Vec3 position, velocity;
-    double mass = 0;       ///< 0: fixed [kg]
-    double radius = 0;     ///< [m]
-    double length = 0;     ///< L [m]
-    bool onSurface = true; ///< or inside of a solid
-    Vec3 rest;             ///< where it is at rest, from the first vertex [m]
+    double mass = 0;        ///< 0: fixed [kg]
+    double radius = 0;      ///< [m]
+    double length = 0;      ///< L [m]
+    bool onSurface = true;  ///< or inside of a solid
+    Vec3 rest;              ///< where it is at rest, from the first vertex [m]
   };
   struct Tetrahedron {
     std::array<int, 4> v;
-    Vec3 m[3];             ///< [1/m]
-    double mu, lambda;     ///< [Pa]
-    double volume;         ///< [m3]
-    double viscosity;      ///< [Pa s]
+    Vec3 m[3];                ///< [1/m]
+    double mu, lambda;        ///< [Pa]
+    double volume;            ///< [m3]
+    double viscosity;         ///< [Pa s]
     double yield, hardening;  ///< [Pa]
   };
   struct Membrane {
     std::array<int, 3> v;
-    double m1[2], m2[2];   ///< [1/m]
-    double stiffness[2];   ///< [J]
-    double damper;         ///< [J s]
+    double m1[2], m2[2];  ///< [1/m]
+    double stiffness[2];  ///< [J]
+    double damper;        ///< [J s]
     double tearStretch;
-    double unit;           ///< [kg m2]
-    double largest;        ///< [1/m]
+    double unit;     ///< [kg m2]
+    double largest;  ///< [1/m]
   };
   struct FlatBend {
     std::array<int, 4> v;
@@ -53,13 +54,13 @@ struct SoftModel {
   };
   struct Pressure {
     std::array<int, 3> v;
-    double pressure;       ///< [Pa]
+    double pressure;  ///< [Pa]
   };
 
   std::vector<Vertex> vertices;
   Material material;
   double gravityScale = 1;
-  int collides = 0;        ///< kCollides... of state/vertices.h
+  int collides = 0;  ///< kCollides... of state/vertices.h
   std::vector<Tetrahedron> tetrahedra;
   std::vector<Membrane> membranes;
   std::vector<FlatBend> flatBends;
@@ -70,12 +71,12 @@ struct SoftModel {
   std::vector<std::array<int, 3>> surface;  ///< triangles to draw, outward
   /// What the surface is made of that other surfaces meet; empty unless it collides.
   struct Source {
-    int type = -1;         ///< of the element that it vanishes with, in the order of ElementTypes; -1: none
+    int type = -1;  ///< of the element that it vanishes with, in the order of ElementTypes; -1: none
     int index = 0;
   };
   struct SurfaceEdge {
     std::array<int, 2> v;
-    bool bare;             ///< of no triangle
+    bool bare;  ///< of no triangle
     Source source[2];
     int opposite[2] = {-1, -1};  ///< third corners of its triangles
   };
@@ -85,18 +86,18 @@ struct SoftModel {
   };
   std::vector<SurfaceEdge> edges;
   std::vector<SurfaceFace> faces;
-  double meanEdge = 0;     ///< mean length of the edges at rest [m]
+  double meanEdge = 0;       ///< mean length of the edges at rest [m]
   double surfaceRadius = 0;  ///< half of the distance that surfaces keep [m]
   /// Nested clusters for the coarse correction; parents come before their parts.
   struct Cluster {
-    int level, begin, end; ///< members in clusterOrder
-    int parent;            ///< or -1
+    int level, begin, end;  ///< members in clusterOrder
+    int parent;             ///< or -1
   };
   static constexpr int kClusterLevels = 6, kFinestCluster = 8;
   std::vector<int> clusterOrder;
   std::vector<Cluster> clusters;
-  double size = 0;         ///< diagonal of the box about the vertices [m]
-  double mass = 0;         ///< of all vertices [kg]
+  double size = 0;  ///< diagonal of the box about the vertices [m]
+  double mass = 0;  ///< of all vertices [kg]
 };
 
 /// Does a group of bodies move it as one: an object with clusters and without fixed vertices?
@@ -116,10 +117,11 @@ struct EngineAttachment {
   Vec3 worldPoint, anchor;
   double bound = kUnbreakable, compliance = 0;
   double length = 1, mass = 0;
-  int previous = -1;       ///< its index at the last call, or -1: new
+  int previous = -1;  ///< its index at the last call, or -1: new
 };
 
-/// Where an object lies in the tables: its first vertex and its first element of each type, in the order of ElementTypes.
+/// Where an object lies in the tables: its first vertex and its first element of each type, in the order of
+/// ElementTypes.
 struct SoftRange {
   static constexpr int kElementTypes = 7;
   int vertex = -1;
@@ -128,8 +130,8 @@ struct SoftRange {
 };
 /// Elements of an object, in the same order.
 inline std::array<int, SoftRange::kElementTypes> elementCounts(const SoftModel& m) {
-  return {int(m.tetrahedra.size()), int(m.membranes.size()), int(m.flatBends.size()),
-          int(m.foldBends.size()),  int(m.lineBends.size()), int(m.springs.size()), int(m.pressures.size())};
+  return {int(m.tetrahedra.size()), int(m.membranes.size()), int(m.flatBends.size()), int(m.foldBends.size()),
+          int(m.lineBends.size()),  int(m.springs.size()),   int(m.pressures.size())};
 }
 
 /// Granular particles.
@@ -145,7 +147,7 @@ void makeClusters(SoftModel& model);
 struct EngineSoftObject {
   std::shared_ptr<const SoftModel> model;
   SoftRange at;
-  SoftRange previous;      ///< where it was until now; vertex -1: new
+  SoftRange previous;  ///< where it was until now; vertex -1: new
 };
 
 }  // namespace rubble

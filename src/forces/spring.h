@@ -3,9 +3,11 @@
 ///
 ///   C = |x_0 - x_1| - L_0              [m], F [N]
 ///   J_0 = u^T = -J_1,  u = (x_0 - x_1) / l
-///   d2C/dx2 = (1 - u u^T) / l          kept for F > 0 (tension), dropped for F < 0, where it would make H indefinite
+///   d2C/dx2 = (1 - u u^T) / l          kept for F > 0 (tension), dropped for F < 0, where it would make H
+///                                      indefinite
 ///
-/// Finite rows of finite_row.h, with a damper on dC/dt. Breaks when the force of a step ends above its threshold.
+/// Finite rows of finite_row.h, with a damper on dC/dt. Breaks when the force of a step ends above its
+/// threshold.
 #include "forces/finite_row.h"
 #include "math/block3.h"
 
@@ -34,14 +36,16 @@ struct Spring {
   RUBBLE_HD void begin(const StepConstants& c, const Vec3 (&x)[kCorners]) {
     const Real error = elongation(x);
     row = dampedRow(stiffness, damping * c.inverseDt, error);
-    const FiniteStart start = beginFiniteRow(c, row.stiffness, unit(c), Real(1), error - row.shift, k, lambda);
+    const FiniteStart start = beginFiniteRow(c, row.stiffness, unit(c), Real(1), error - row.shift, k,
+                                             lambda);
     k = start.k, lambda = start.lambda, c0 = start.c0;
   }
   RUBBLE_HD Real error(const Vec3 (&x)[kCorners]) const { return elongation(x) - row.shift - c0; }
   RUBBLE_HD FiniteForce evaluate(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     return finiteForce(c.compliantRows, row.stiffness, k, error(x), lambda);
   }
-  /// What that comes to when lambda has converged: for those who solve for all that the spring moves (stages/soft/strands.h).
+  /// What that comes to when lambda has converged: for those who solve for all that the spring moves
+  /// (stages/soft/strands.h).
   RUBBLE_HD FiniteForce converged(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     return c.compliantRows ? FiniteForce{row.stiffness * error(x), row.stiffness} : evaluate(c, x);
   }
@@ -50,11 +54,13 @@ struct Spring {
     const Real e = error(x), s = c.compliantRows ? row.stiffness / (row.stiffness + k) : Real(1);
     return s * (k * e * e / 2 + lambda * e);
   }
-  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner, Block3& block) const {
+  RUBBLE_HD void accumulate(const StepConstants& c, const Vec3 (&x)[kCorners], int corner,
+                            Block3& block) const {
     accumulate(x, corner, evaluate(c, x), block);
   }
   /// With that force.
-  RUBBLE_HD void accumulate(const Vec3 (&x)[kCorners], int corner, const FiniteForce& f, Block3& block) const {
+  RUBBLE_HD void accumulate(const Vec3 (&x)[kCorners], int corner, const FiniteForce& f,
+                            Block3& block) const {
     const Vec3 d = corner == 0 ? x[0] - x[1] : x[1] - x[0];
     const Real l2 = dot(d, d);
     // ends on one another have no direction: the others pull them apart

@@ -1,5 +1,6 @@
 #pragma once
-/// Universal joint (Hooke, Cardan): the anchors coincide, and the cross axis y of A is perpendicular to the cross axis z of B. x is the shaft.
+/// Universal joint (Hooke, Cardan): the anchors coincide, and the cross axis y of A is perpendicular to the
+/// cross axis z of B. x is the shaft.
 #include "forces/hinge.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -13,21 +14,25 @@ struct PerpendicularRow {
   static constexpr RowUnit kUnit = RowUnit::Angular;
   static constexpr bool kAxis = false;
 
-  template <class D>
-  RUBBLE_HD static Vec3 crossA(const D& d, const Pose& a) { return rotate(frameOfA(d, a), Vec3{0, 1, 0}); }
-  template <class D>
-  RUBBLE_HD static Vec3 crossB(const D& d, const Pose& b) { return rotate(frameOfB(d, b), Vec3{0, 0, 1}); }
+  template <class D> RUBBLE_HD static Vec3 crossA(const D& d, const Pose& a) {
+    return rotate(frameOfA(d, a), Vec3{0, 1, 0});
+  }
+  template <class D> RUBBLE_HD static Vec3 crossB(const D& d, const Pose& b) {
+    return rotate(frameOfB(d, b), Vec3{0, 0, 1});
+  }
   template <class D, class M>
   RUBBLE_HD static void constraint(const D& d, const M&, const Pose& a, const Pose& b, Real (&c)[kRows]) {
     c[0] = dot(crossA(d, a), crossB(d, b));
   }
   template <class D, class M>
-  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side, Vec6 (&j)[kRows]) {
+  RUBBLE_HD static void jacobian(const D& d, const M&, const Pose& a, const Pose& b, int side,
+                                 Vec6 (&j)[kRows]) {
     const Vec3 g = cross(crossA(d, a), crossB(d, b));
     j[0] = {{0, 0, 0}, side == 0 ? g : -g};
   }
   template <class D, class M>
-  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int, const Real (&f)[kRows]) {
+  RUBBLE_HD static Vec6 curvature(const D& d, const M&, const Pose& a, const Pose& b, int,
+                                  const Real (&f)[kRows]) {
     return {{0, 0, 0}, turningColumnNorms(f[0] * crossB(d, b), crossA(d, a))};
   }
 };

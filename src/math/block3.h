@@ -13,7 +13,8 @@ struct Block3 {
   RUBBLE_HD void operator+=(const Block3& b) { h += b.h, f += b.f; }
 };
 
-/// H^-1 f by diagonal scaling and LDL^T: cofactors would lose all digits of a matrix as ill-conditioned as that of a crushed tetrahedron.
+/// H^-1 f by diagonal scaling and LDL^T: cofactors would lose all digits of a matrix as ill-conditioned as
+/// that of a crushed tetrahedron.
 RUBBLE_HD inline Vec3 solve(const Block3& block) {
   constexpr Real kFloor = sizeof(Real) == 8 ? Real(1e-14) : Real(1e-7);
   const Sym3& m = block.h;

@@ -1,5 +1,6 @@
 #pragma once
-/// What differs between host and device code. The only header outside the CUDA backend that looks at the compiler's target.
+/// What differs between host and device code. The only header outside the CUDA backend that looks at the
+/// compiler's target.
 #include <atomic>
 #include <bit>
 #include <cstdint>
@@ -8,7 +9,8 @@
 #include <rubble/math.h>
 
 #if !defined(RUBBLE_CORE) || !defined(RUBBLE_REAL)
-#error "the core is compiled once a precision: define RUBBLE_CORE (f32 or f64) and RUBBLE_REAL (float or double)"
+#error \
+    "the core is compiled once a precision: define RUBBLE_CORE (f32 or f64) and RUBBLE_REAL (float or double)"
 #endif
 
 /// Rare and large: a call keeps its registers out of the kernels that it is called from.
@@ -60,24 +62,23 @@ RUBBLE_HD inline Vec3 load(const PaddedVec3& a) {
 #endif
 }
 
-/// An object in a table as one thread reads and writes it. Device code loads what it needs where it needs it, and behind each branch it waits for memory
-/// again: there it is a copy, which comes and goes in quads of 16 B, all of them on their way at once.
+/// An object in a table as one thread reads and writes it. Device code loads what it needs where it needs it,
+/// and behind each branch it waits for memory again: there it is a copy, which comes and goes in quads of 16
+/// B, all of them on their way at once.
 #if defined(__CUDA_ARCH__)
-template <class T>
-using Quads = int4[sizeof(T) / sizeof(int4)];
-template <class T>
-RUBBLE_HD RUBBLE_NEAR T loadVectorized(const T& from) {
+template <class T> using Quads = int4[sizeof(T) / sizeof(int4)];
+template <class T> RUBBLE_HD RUBBLE_NEAR T loadVectorized(const T& from) {
   static_assert(alignof(T) % sizeof(int4) == 0);
   Quads<T> quads;
   RUBBLE_UNROLL
-  for (std::size_t k = 0; k < sizeof(T) / sizeof(int4); ++k) quads[k] = reinterpret_cast<const int4*>(&from)[k];
+  for (std::size_t k = 0; k < sizeof(T) / sizeof(int4); ++k)
+    quads[k] = reinterpret_cast<const int4*>(&from)[k];
   T to;
   memcpy(static_cast<void*>(&to), quads, sizeof to);
   return to;
 }
 /// fill(object) fills it, and says whether it is worth writing.
-template <class T, class Fill>
-RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) {
+template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) {
   static_assert(alignof(T) % sizeof(int4) == 0);
   T own;
   if (!fill(own)) return;
@@ -87,20 +88,18 @@ RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) {
   for (std::size_t k = 0; k < sizeof(T) / sizeof(int4); ++k) reinterpret_cast<int4*>(&to)[k] = quads[k];
 }
 /// change(object) changes it, and says whether it has.
-template <class T, class Change>
-RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& object, Change&& change) {
+template <class T, class Change> RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& object, Change&& change) {
   storeVectorized(object, [&](T& own) {
     own = loadVectorized(object);
     return change(own);
   });
 }
 #else
-template <class T>
-RUBBLE_HD RUBBLE_NEAR const T& loadVectorized(const T& from) { return from; }
-template <class T, class Fill>
-RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) { fill(to); }
-template <class T, class Change>
-RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& object, Change&& change) { change(object); }
+template <class T> RUBBLE_HD RUBBLE_NEAR const T& loadVectorized(const T& from) { return from; }
+template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) { fill(to); }
+template <class T, class Change> RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& object, Change&& change) {
+  change(object);
+}
 #endif
 
 /// Place of the lowest bit of a number that is not 0.

@@ -1,6 +1,7 @@
 #pragma once
-/// Lane4 contact points, bodies or joints side by side. Their formulas are written once, for a lane type L: `Real` (one of them, a GPU thread) or
-/// `Real4` (four, a CPU vector register). A lane has the bits that it would have alone.
+/// Lane4 contact points, bodies or joints side by side. Their formulas are written once, for a lane type L:
+/// `Real` (one of them, a GPU thread) or `Real4` (four, a CPU vector register). A lane has the bits that it
+/// would have alone.
 #include <bit>
 #include <cstring>
 
@@ -30,28 +31,22 @@ RUBBLE_HD inline bool allOf(bool mask) { return mask; }
 RUBBLE_HD inline bool anyOf(bool mask) { return mask; }
 
 /// Lane4 numbers of each point that an L stands for.
-template <class L>
-struct Quad {
-  L x, y, z, w;
-};
+template <class L> struct Quad { L x, y, z, w; };
 
-/// Reads and writes the points that an L stands for: with L = Real that of `lane`. Quads lie in memory point by point, one access of a GPU's
-/// thread each; a T holds four numbers.
-template <class L>
-struct LaneAccess {
+/// Reads and writes the points that an L stands for: with L = Real that of `lane`. Quads lie in memory point
+/// by point, one access of a GPU's thread each; a T holds four numbers.
+template <class L> struct LaneAccess {
   RUBBLE_HD static L load(const Lanes& lanes, int lane) { return lanes.v[lane]; }
   RUBBLE_HD static void store(Lanes& lanes, int lane, L a) { lanes.v[lane] = a; }
   RUBBLE_HD static L splat(Real a) { return a; }
-  template <class T>
-  RUBBLE_HD static Quad<L> loadQuad(const T* points, int lane) {
+  template <class T> RUBBLE_HD static Quad<L> loadQuad(const T* points, int lane) {
     static_assert(sizeof(T) == sizeof(Quad<Real>) && alignof(T) == sizeof(T));
     const T own = points[lane];
     Quad<L> q;
     memcpy(&q, &own, sizeof q);
     return q;
   }
-  template <class T>
-  RUBBLE_HD static void storeQuad(T* points, int lane, const Quad<L>& q) {
+  template <class T> RUBBLE_HD static void storeQuad(T* points, int lane, const Quad<L>& q) {
     T own;
     memcpy(&own, &q, sizeof own);
     points[lane] = own;
@@ -63,22 +58,21 @@ struct LaneAccess {
 using Real4 = Real __attribute__((vector_size(kLanes * sizeof(Real))));
 using Real4Aliased = Real __attribute__((vector_size(kLanes * sizeof(Real)), may_alias));
 
-template <class Mask>
-inline Real4 select(Mask mask, Real4 a, Real4 b) { return mask ? a : b; }
-inline Real4 sqrtOf(Real4 a) { return Real4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])}; }
+template <class Mask> inline Real4 select(Mask mask, Real4 a, Real4 b) { return mask ? a : b; }
+inline Real4 sqrtOf(Real4 a) {
+  return Real4{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+}
 inline Real4 absOf(Real4 a) { return a < 0 ? -a : a; }
 inline Real4 minOf(Real4 a, Real4 b) { return b < a ? b : a; }
 inline Real4 maxOf(Real4 a, Real4 b) { return a < b ? b : a; }
-template <class Mask>
-inline bool allOf(Mask mask) {
+template <class Mask> inline bool allOf(Mask mask) {
   using Words = long long __attribute__((vector_size(kLanes * sizeof(Real))));
   const Words w = std::bit_cast<Words>(mask);
   long long common = w[0];
   for (std::size_t k = 1; k < sizeof(Mask) / sizeof(long long); ++k) common &= w[k];
   return common == -1;
 }
-template <class Mask>
-inline bool anyOf(Mask mask) { return !allOf(~mask); }
+template <class Mask> inline bool anyOf(Mask mask) { return !allOf(~mask); }
 /// In a fixed order.
 inline Real sumOf(Real4 a) { return (a[0] + a[1]) + (a[2] + a[3]); }
 
@@ -88,19 +82,16 @@ RUBBLE_NEAR Vec3T<Real4> rotate(const QuatT<Real4>& q, const Vec3T<Real4>& r) {
   return r + q.s * t + cross(q.v, t);
 }
 
-template <>
-struct LaneAccess<Real4> {
+template <> struct LaneAccess<Real4> {
   static Real4 load(const Lanes& lanes, int) { return *reinterpret_cast<const Real4Aliased*>(lanes.v); }
   static void store(Lanes& lanes, int, Real4 a) { *reinterpret_cast<Real4Aliased*>(lanes.v) = a; }
   static Real4 splat(Real a) { return Real4{a, a, a, a}; }
-  template <class T>
-  static Quad<Real4> loadQuad(const T* points, int) {
+  template <class T> static Quad<Real4> loadQuad(const T* points, int) {
     static_assert(sizeof(T) == sizeof(Real4));
     const auto* const p = reinterpret_cast<const Real4Aliased*>(points);
     return transposed({p[0], p[1], p[2], p[3]});
   }
-  template <class T>
-  static void storeQuad(T* points, int, const Quad<Real4>& q) {
+  template <class T> static void storeQuad(T* points, int, const Quad<Real4>& q) {
     const Quad<Real4> v = transposed(q);
     auto* const p = reinterpret_cast<Real4Aliased*>(points);
     p[0] = v.x, p[1] = v.y, p[2] = v.z, p[3] = v.w;
@@ -123,8 +114,10 @@ struct LaneAccess<Real4> {
 
  private:
   static Quad<Real4> transposed(const Quad<Real4>& q) {
-    const Real4 a = __builtin_shufflevector(q.x, q.y, 0, 4, 1, 5), b = __builtin_shufflevector(q.z, q.w, 0, 4, 1, 5);
-    const Real4 c = __builtin_shufflevector(q.x, q.y, 2, 6, 3, 7), d = __builtin_shufflevector(q.z, q.w, 2, 6, 3, 7);
+    const Real4 a = __builtin_shufflevector(q.x, q.y, 0, 4, 1, 5),
+                b = __builtin_shufflevector(q.z, q.w, 0, 4, 1, 5);
+    const Real4 c = __builtin_shufflevector(q.x, q.y, 2, 6, 3, 7),
+                d = __builtin_shufflevector(q.z, q.w, 2, 6, 3, 7);
     return {__builtin_shufflevector(a, b, 0, 1, 4, 5), __builtin_shufflevector(a, b, 2, 3, 6, 7),
             __builtin_shufflevector(c, d, 0, 1, 4, 5), __builtin_shufflevector(c, d, 2, 3, 6, 7)};
   }
@@ -136,8 +129,7 @@ template <class Mask, class L>
 RUBBLE_HD RUBBLE_NEAR Vec3T<L> select(Mask mask, const Vec3T<L>& a, const Vec3T<L>& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
 }
-template <class L>
-RUBBLE_HD bool areFinite(const Vec3T<L>& a) {
+template <class L> RUBBLE_HD bool areFinite(const Vec3T<L>& a) {
   const L sum = a.x + a.y + a.z;
   return allOf(sum - sum == LaneAccess<L>::splat(0));
 }

@@ -6,8 +6,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// The same rotation with s >= 0.
-template <class L>
-RUBBLE_HD RUBBLE_NEAR QuatT<L> shortArc(const QuatT<L>& q) {
+template <class L> RUBBLE_HD RUBBLE_NEAR QuatT<L> shortArc(const QuatT<L>& q) {
   const auto far = q.s < LaneAccess<L>::splat(0);
   return {select(far, -q.s, q.s), select(far, -q.v, q.v)};
 }
@@ -17,7 +16,8 @@ RUBBLE_HD inline Quat expRotation(const Vec3& a) {
   const Real angle2 = dot(a, a);
   if (angle2 < Real(1e-4)) {
     // sin(t/2)/t and cos(t/2) by their series: exact to round-off here
-    return {Real(1) - angle2 * (Real(1) / 8 - angle2 / 384), a * (Real(.5) - angle2 * (Real(1) / 48 - angle2 / 3840))};
+    return {Real(1) - angle2 * (Real(1) / 8 - angle2 / 384),
+            a * (Real(.5) - angle2 * (Real(1) / 48 - angle2 / 3840))};
   }
   const Real angle = std::sqrt(angle2);
   const SinCos half = sinCos(angle / 2);
@@ -26,9 +26,9 @@ RUBBLE_HD inline Quat expRotation(const Vec3& a) {
 
 /// Below this |v|^2 of a unit quaternion (s, v) its logarithm is a series (a rotation of .1 rad).
 inline constexpr Real kSmallTurn2 = Real(.0025);
-/// logRotation of a quaternion along the short arc with u2 = |v|^2 < kSmallTurn2: 2 asin(u)/u by its series, relative error below 1e-9.
-template <class L>
-RUBBLE_HD RUBBLE_NEAR Vec3T<L> logOfSmall(const QuatT<L>& q, L u2) {
+/// logRotation of a quaternion along the short arc with u2 = |v|^2 < kSmallTurn2: 2 asin(u)/u by its series,
+/// relative error below 1e-9.
+template <class L> RUBBLE_HD RUBBLE_NEAR Vec3T<L> logOfSmall(const QuatT<L>& q, L u2) {
   return q.v * (Real(2) * (Real(1) + u2 * (Real(1) / 6 + u2 * (Real(3) / 40 + u2 * (Real(15) / 336)))));
 }
 
@@ -41,7 +41,8 @@ RUBBLE_HD inline Vec3 logRotation(const Quat& rotation) {
   return q.v * (Real(2) * angleOf(u, q.s) / u);
 }
 
-/// Two unit vectors that make a right-handed basis with the unit vector n; a continuous function of n but for one point (Duff et al. 2017).
+/// Two unit vectors that make a right-handed basis with the unit vector n; a continuous function of n but for
+/// one point (Duff et al. 2017).
 RUBBLE_HD inline void tangentBasis(const Vec3& n, Vec3& t1, Vec3& t2) {
   const Real sign = n.z < Real(0) ? Real(-1) : Real(1);
   const Real a = Real(-1) / (sign + n.z);

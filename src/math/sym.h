@@ -4,8 +4,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-template <class L>
-struct Sym3T {
+template <class L> struct Sym3T {
   L xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
 
   RUBBLE_HD Vec3T<L> column(int i) const {
@@ -15,9 +14,12 @@ struct Sym3T {
     xx += o.xx, xy += o.xy, xz += o.xz, yy += o.yy, yz += o.yz, zz += o.zz;
     return *this;
   }
-  RUBBLE_HD friend Sym3T operator*(const L& k, const Sym3T& m) { return {k * m.xx, k * m.xy, k * m.xz, k * m.yy, k * m.yz, k * m.zz}; }
+  RUBBLE_HD friend Sym3T operator*(const L& k, const Sym3T& m) {
+    return {k * m.xx, k * m.xy, k * m.xz, k * m.yy, k * m.yz, k * m.zz};
+  }
   RUBBLE_HD friend Vec3T<L> operator*(const Sym3T& m, const Vec3T<L>& a) {
-    return {m.xx * a.x + m.xy * a.y + m.xz * a.z, m.xy * a.x + m.yy * a.y + m.yz * a.z, m.xz * a.x + m.yz * a.y + m.zz * a.z};
+    return {m.xx * a.x + m.xy * a.y + m.xz * a.z, m.xy * a.x + m.yy * a.y + m.yz * a.z,
+            m.xz * a.x + m.yz * a.y + m.zz * a.z};
   }
 };
 using Sym3 = Sym3T<Real>;
@@ -41,17 +43,16 @@ RUBBLE_HD inline Sym3 rotateDiagonal(const Quat& q, const Vec3& d) {
   return m;
 }
 /// The 6x6 system H dx = f of one body, linear part first: H = [[ll, la], [la^T, aa]].
-/// `al` holds la^T (row: angular, column: linear) by columns. L as in lanes.h, to accumulate points side by side.
-template <class L>
-struct Block6T {
+/// `al` holds la^T (row: angular, column: linear) by columns. L as in lanes.h, to accumulate points side by
+/// side.
+template <class L> struct Block6T {
   Sym3T<L> ll, aa;
   Vec3T<L> al0{}, al1{}, al2{};  ///< columns of al
   Vec3T<L> fl{}, fa{};           ///< force, torque
 };
 using Block6 = Block6T<Real>;
 /// Adds a block about the same point.
-template <class L>
-RUBBLE_HD RUBBLE_NEAR Block6T<L>& operator+=(Block6T<L>& to, const Block6T<L>& from) {
+template <class L> RUBBLE_HD RUBBLE_NEAR Block6T<L>& operator+=(Block6T<L>& to, const Block6T<L>& from) {
   to.ll += from.ll, to.aa += from.aa;
   to.al0 += from.al0, to.al1 += from.al1, to.al2 += from.al2;
   to.fl += from.fl, to.fa += from.fa;
@@ -91,30 +92,25 @@ RUBBLE_HD RUBBLE_NEAR void addAtLever(Block6T<L>& block, const Vec3T<L>& r, cons
 }
 
 /// Packed lower triangle of a symmetric 6x6 matrix, row by row.
-template <class L>
-struct Sym6T {
+template <class L> struct Sym6T {
   L a[21];
   RUBBLE_HD static constexpr int index(int i, int j) { return i * (i + 1) / 2 + j; }
   RUBBLE_HD L operator()(int i, int j) const { return i >= j ? a[index(i, j)] : a[index(j, i)]; }
 };
 using Sym6 = Sym6T<Real>;
 
-template <class L>
-RUBBLE_HD Sym6T<L> pack(const Block6T<L>& b) {
-  return {{b.ll.xx,
-           b.ll.xy, b.ll.yy,
-           b.ll.xz, b.ll.yz, b.ll.zz,
-           b.al0.x, b.al1.x, b.al2.x, b.aa.xx,
-           b.al0.y, b.al1.y, b.al2.y, b.aa.xy, b.aa.yy,
-           b.al0.z, b.al1.z, b.al2.z, b.aa.xz, b.aa.yz, b.aa.zz}};
+template <class L> RUBBLE_HD Sym6T<L> pack(const Block6T<L>& b) {
+  return {{b.ll.xx, b.ll.xy, b.ll.yy, b.ll.xz, b.ll.yz, b.ll.zz, b.al0.x, b.al1.x, b.al2.x, b.aa.xx, b.al0.y,
+           b.al1.y, b.al2.y, b.aa.xy, b.aa.yy, b.al0.z, b.al1.z, b.al2.z, b.aa.xz, b.aa.yz, b.aa.zz}};
 }
 
-/// Smallest pivot of the scaled matrix (diagonal 1): relative, since masses and inertias of one body may differ by 1e4 and more.
+/// Smallest pivot of the scaled matrix (diagonal 1): relative, since masses and inertias of one body may
+/// differ by 1e4 and more.
 inline constexpr Real kPivotFloor = sizeof(Real) == 8 ? Real(1e-12) : Real(1e-6);
 
-/// Solves H x = f in place (x holds f) for a symmetric positive definite H: diagonal scaling, then LDL^T without pivoting.
-template <class L>
-RUBBLE_HD RUBBLE_NEAR void solveLdlt(Sym6T<L> h, L (&x)[6]) {
+/// Solves H x = f in place (x holds f) for a symmetric positive definite H: diagonal scaling, then LDL^T
+/// without pivoting.
+template <class L> RUBBLE_HD RUBBLE_NEAR void solveLdlt(Sym6T<L> h, L (&x)[6]) {
   using A = LaneAccess<L>;
   L scale[6], d[6], inverse[6];
   RUBBLE_UNROLL

@@ -1,5 +1,6 @@
 #pragma once
-/// The few functions of angles that the step needs, in plain arithmetic: the same bits on host and device, and in every C library.
+/// The few functions of angles that the step needs, in plain arithmetic: the same bits on host and device,
+/// and in every C library.
 #include "math/hd.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -8,9 +9,8 @@ struct SinCos {
   Real sin, cos;
 };
 
-/// Sine and cosine of x [rad], within 2 units in the last place of 1 for |x| up to 1e6, within 1e-6 up to 1e9, and those of
-/// 1e9 beyond. A number that is not finite
-/// gives one that is none.
+/// Sine and cosine of x [rad], within 2 units in the last place of 1 for |x| up to 1e6, within 1e-6 up to
+/// 1e9, and those of 1e9 beyond. A number that is not finite gives one that is none.
 RUBBLE_HD inline SinCos sinCos(Real x) {
   // x = n pi/2 + r with |r| <= pi/4. pi/2 in two parts: n times the first is exact for n below 2^20.
   constexpr double kHalfPiHigh = 1.57079632673412561417e+00, kHalfPiLow = 6.07710050650619224932e-11;
@@ -34,7 +34,8 @@ RUBBLE_HD inline SinCos sinCos(Real x) {
   return {sine, cosine};
 }
 
-/// Angle in [0, pi/2] of the vector (c, s) with c, s >= 0, not both zero [rad]: atan2(s, c) within 4 units in the last place.
+/// Angle in [0, pi/2] of the vector (c, s) with c, s >= 0, not both zero [rad]: atan2(s, c) within 4 units in
+/// the last place.
 RUBBLE_HD inline Real angleOf(Real s, Real c) {
   // tan of a half and of a quarter of it, at most .4143
   const Real half = s / (std::sqrt(s * s + c * c) + c);
@@ -47,7 +48,8 @@ RUBBLE_HD inline Real angleOf(Real s, Real c) {
   return Real(4) * (t * sum);
 }
 
-/// Angle in [-pi, pi] of the vector (c, s), of any length and sign [rad]: atan2(s, c) within 6 units in the last place; 0 for the null vector.
+/// Angle in [-pi, pi] of the vector (c, s), of any length and sign [rad]: atan2(s, c) within 6 units in the
+/// last place; 0 for the null vector.
 RUBBLE_HD inline Real signedAngleOf(Real s, Real c) {
   constexpr Real kPi = Real(3.14159265358979323846);
   const Real up = std::fabs(s), along = std::fabs(c), longest = up < along ? along : up;

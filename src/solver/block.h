@@ -9,7 +9,8 @@ namespace rubble::RUBBLE_CORE {
 
 /// \eq{S5} f = -M (x - y) / dt^2 + the forces that rows add (accumulateRow and the contact's accumulate).
 template <class L>
-RUBBLE_HD RUBBLE_NEAR void setInertialForce(Block6T<L>& block, const MassMatrixT<L>& m, const PoseT<L>& x, const PoseT<L>& y, Real inverseDt2) {
+RUBBLE_HD RUBBLE_NEAR void setInertialForce(Block6T<L>& block, const MassMatrixT<L>& m, const PoseT<L>& x,
+                                            const PoseT<L>& y, Real inverseDt2) {
   const Vec6T<L> d = difference(x, y);
   block.fl = -(inverseDt2 * m.mass) * d.lin;
   block.fa = LaneAccess<L>::splat(-inverseDt2) * (m.inertia * d.ang);
@@ -27,17 +28,19 @@ RUBBLE_HD RUBBLE_NEAR void setInertialHessian(Block6T<L>& block, const MassMatri
 }
 
 /// \eq{S4} dx with H dx = f.
-template <class L>
-RUBBLE_HD Vec6T<L> newtonStep(const Block6T<L>& block) {
+template <class L> RUBBLE_HD Vec6T<L> newtonStep(const Block6T<L>& block) {
   L x[6] = {block.fl.x, block.fl.y, block.fl.z, block.fa.x, block.fa.y, block.fa.z};
   solveLdlt(pack(block), x);
   return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
 }
 
 /// Bits of locked axes: 0-2 translation along world x, y, z, 3-5 rotation about them.
-RUBBLE_HD inline Vec3 unlocked(const Vec3& a, int bits) { return {bits & 1 ? Real(0) : a.x, bits & 2 ? Real(0) : a.y, bits & 4 ? Real(0) : a.z}; }
+RUBBLE_HD inline Vec3 unlocked(const Vec3& a, int bits) {
+  return {bits & 1 ? Real(0) : a.x, bits & 2 ? Real(0) : a.y, bits & 4 ? Real(0) : a.z};
+}
 
-/// Takes locked axes out of the system: their rows and columns are those of the diagonal, and nothing pushes along them.
+/// Takes locked axes out of the system: their rows and columns are those of the diagonal, and nothing pushes
+/// along them.
 RUBBLE_HD inline void lockAxes(Block6& b, int locks) {
   const auto keep = [&](int axis) { return (locks >> axis & 1) == 0; };
   const auto off = [&](Sym3& m, int first) {
@@ -53,13 +56,14 @@ RUBBLE_HD inline void lockAxes(Block6& b, int locks) {
   b.fa = unlocked(b.fa, locks >> 3);
 }
 
-/// Largest rotation of one Newton step [rad]: rows are linear in it, and a small body that is hit off its centre would answer by turning many
-/// times, which moves none of its points.
+/// Largest rotation of one Newton step [rad]: rows are linear in it, and a small body that is hit off its
+/// centre would answer by turning many times, which moves none of its points.
 inline constexpr Real kMostTurn = 1;
 /// Cosine of half the rotation since x^t beyond which no Newton step turns a body further (1.5 rad).
 inline constexpr Real kMostTurned = Real(.7317);
 
-/// The Newton step from a rotation q since x^t, with its own rotation in bounds; the translation is the best one for that rotation.
+/// The Newton step from a rotation q since x^t, with its own rotation in bounds; the translation is the best
+/// one for that rotation.
 RUBBLE_HD inline Vec6 trustedStep(const Block6& block, const Quat& q) {
   Vec6 dx = newtonStep(block);
   const Real turn2 = dot(dx.ang, dx.ang), turned = std::fabs(q.s);
@@ -68,19 +72,23 @@ RUBBLE_HD inline Vec6 trustedStep(const Block6& block, const Quat& q) {
   const bool further = then < kMostTurned && then < turned;
   if (further) dx.ang = {0, 0, 0};
   if (further || turn2 > kMostTurn * kMostTurn)
-    dx.lin = solve(Block3{block.ll, block.fl - Vec3{dot(block.al0, dx.ang), dot(block.al1, dx.ang), dot(block.al2, dx.ang)}});
+    dx.lin = solve(Block3{
+        block.ll, block.fl - Vec3{dot(block.al0, dx.ang), dot(block.al1, dx.ang), dot(block.al2, dx.ang)}});
   return dx;
 }
 
 /// Round-off of the work of a step, over the sum of the work along each axis [1].
 inline constexpr Real kWorkRoundOff = 32 * std::numeric_limits<Real>::epsilon();
 
-/// May a step be what its forces have done? With H >= M / dt^2 a Newton step obeys |dx|_M^2 / dt^2 <= dx . H dx = f . dx, and a part of it, or the best
-/// one with less rotation, twice that: it has no more kinetic energy than the forces have done work. Where stiffnesses are so large beside M / dt^2 that
-/// H has no digits left, what comes out of it may have any. `mass`, `inertia`: over dt^2.
+/// May a step be what its forces have done? With H >= M / dt^2 a Newton step obeys |dx|_M^2 / dt^2 <= dx . H
+/// dx = f . dx, and a part of it, or the best one with less rotation, twice that: it has no more kinetic
+/// energy than the forces have done work. Where stiffnesses are so large beside M / dt^2 that H has no digits
+/// left, what comes out of it may have any. `mass`, `inertia`: over dt^2.
 template <class L>
-RUBBLE_HD RUBBLE_NEAR auto isWithinWork(const Block6T<L>& block, const L& mass, const Sym3T<L>& inertia, const Vec6T<L>& dx) {
-  const L work[6] = {block.fl.x * dx.lin.x, block.fl.y * dx.lin.y, block.fl.z * dx.lin.z, block.fa.x * dx.ang.x, block.fa.y * dx.ang.y, block.fa.z * dx.ang.z};
+RUBBLE_HD RUBBLE_NEAR auto isWithinWork(const Block6T<L>& block, const L& mass, const Sym3T<L>& inertia,
+                                        const Vec6T<L>& dx) {
+  const L work[6] = {block.fl.x * dx.lin.x, block.fl.y * dx.lin.y, block.fl.z * dx.lin.z,
+                     block.fa.x * dx.ang.x, block.fa.y * dx.ang.y, block.fa.z * dx.ang.z};
   L sum = work[0], size = absOf(work[0]);
   RUBBLE_UNROLL
   for (int i = 1; i < 6; ++i) sum += work[i], size += absOf(work[i]);
@@ -95,18 +103,20 @@ RUBBLE_HD inline Vec6 product(const Block6& b, const Vec6& dx) {
 /// The best step along D^-1 f, D the diagonal of H: it subtracts nothing, and descends whatever digits are
 /// left. A copy of the block, so that the caller's own stays in registers.
 RUBBLE_HD RUBBLE_APART inline Vec6 diagonalStep(Block6 b) {
-  const Vec6 d{{b.fl.x / b.ll.xx, b.fl.y / b.ll.yy, b.fl.z / b.ll.zz}, {b.fa.x / b.aa.xx, b.fa.y / b.aa.yy, b.fa.z / b.aa.zz}};
+  const Vec6 d{{b.fl.x / b.ll.xx, b.fl.y / b.ll.yy, b.fl.z / b.ll.zz},
+               {b.fa.x / b.aa.xx, b.fa.y / b.aa.yy, b.fa.z / b.aa.zz}};
   const Real work = dot(Vec6{b.fl, b.fa}, d), curvature = dot(d, product(b, d)), turn2 = dot(d.ang, d.ang);
   Real share = curvature > Real(0) ? min(work / curvature, Real(1)) : Real(0);
   if (share * share * turn2 > kMostTurn * kMostTurn) share = kMostTurn / std::sqrt(turn2);
   return share * d;
 }
 
-/// What became of a Newton step: it was taken; another one in its place, since it went further than forces and inertia allow; or none, since it was
-/// not finite.
+/// What became of a Newton step: it was taken; another one in its place, since it went further than forces
+/// and inertia allow; or none, since it was not finite.
 enum class Descent { Newton, Diagonal, Failed };
 
-/// \eq{S3} One Newton step on the local problem of a body with the mass matrix m, all others held at their latest poses. One that is not finite is
+/// \eq{S3} One Newton step on the local problem of a body with the mass matrix m, all others held at their
+/// latest poses. One that is not finite is
 /// not taken.
 RUBBLE_HD inline Descent descend(const Block6& block, const MassMatrix& m, Real inverseDt2, Pose& x) {
   Vec6 dx = trustedStep(block, x.q);

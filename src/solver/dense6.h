@@ -1,5 +1,6 @@
 #pragma once
-/// Full 6x6 matrices in double, for eliminations that subtract large stiffnesses from one another: what is left may be 1e-9 of them.
+/// Full 6x6 matrices in double, for eliminations that subtract large stiffnesses from one another: what is
+/// left may be 1e-9 of them.
 #include "solver/block.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -21,8 +22,8 @@ RUBBLE_HD inline void clear(Dense6& a) {
 }
 
 RUBBLE_HD inline Long6 longer(const Vec6& a) {
-  return {{static_cast<double>(a.lin.x), static_cast<double>(a.lin.y), static_cast<double>(a.lin.z), static_cast<double>(a.ang.x),
-           static_cast<double>(a.ang.y), static_cast<double>(a.ang.z)}};
+  return {{static_cast<double>(a.lin.x), static_cast<double>(a.lin.y), static_cast<double>(a.lin.z),
+           static_cast<double>(a.ang.x), static_cast<double>(a.ang.y), static_cast<double>(a.ang.z)}};
 }
 RUBBLE_HD inline Vec6 shorter(const Long6& a, double scale) {
   const auto r = [&](int i) { return static_cast<Real>(scale * a.v[i]); };
@@ -70,7 +71,8 @@ RUBBLE_HD inline void subtractProduct(Long6& c, const Dense6& a, const Long6& b)
 /// Smallest pivot over the diagonal element that it came from.
 inline constexpr double kDensePivotFloor = 1e-13;
 
-/// H = L D L^T of a symmetric positive definite H, of which it reads and writes the lower triangle: L below the diagonal, 1 / D on it.
+/// H = L D L^T of a symmetric positive definite H, of which it reads and writes the lower triangle: L below
+/// the diagonal, 1 / D on it.
 RUBBLE_HD inline void factor(Dense6& h) {
   double d[6];
   for (int j = 0; j < 6; ++j) {

@@ -1,12 +1,15 @@
 #pragma once
-/// The dual update: after each sweep a multiplier takes over the force of its row, and k grows where that is still moving.
+/// The dual update: after each sweep a multiplier takes over the force of its row, and k grows where that is
+/// still moving.
 #include "solver/row.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// \eq{S13} lambda <- F, the bounded force k C + lambda; k moves by its rule while the force is inside its bound. `keeps`: where multipliers are kept.
+/// \eq{S13} lambda <- F, the bounded force k C + lambda; k moves by its rule while the force is inside its
+/// bound. `keeps`: where multipliers are kept.
 template <int N, class L, class Mask>
-RUBBLE_HD RUBBLE_NEAR void updateRows(GroupLaw<L>& g, const StiffnessRuleT<L>& rule, Mask keeps, const L* error, L* lambda, int count) {
+RUBBLE_HD RUBBLE_NEAR void updateRows(GroupLaw<L>& g, const StiffnessRuleT<L>& rule, Mask keeps,
+                                      const L* error, L* lambda, int count) {
   const L zero = LaneAccess<L>::splat(0);
   L force[N], hessian;
   const auto over = cutForce<N>(g, error, lambda, force, count, hessian);
@@ -20,8 +23,7 @@ RUBBLE_HD RUBBLE_NEAR void updateRows(GroupLaw<L>& g, const StiffnessRuleT<L>& r
   const L grown = grownBy(rule, g.k, sqrtOf(error2), sqrtOf(force2));
   g.k = select(over, g.k, select(g.compliance == zero, grown, g.k));
 }
-template <int N>
-RUBBLE_HD void updateGroup(GroupState& g, const Real* error, Real* lambda, int count) {
+template <int N> RUBBLE_HD void updateGroup(GroupState& g, const Real* error, Real* lambda, int count) {
   GroupLaw<Real> law{g.k, g.compliance, g.bound};
   updateRows<N>(law, g.rule, g.keepsMultiplier != 0, error, lambda, count);
   g.k = law.k;

@@ -7,8 +7,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Force in the tangent basis and its Hessian W = across 1 + excess e e^T.
-template <class L>
-struct TangentForce {
+template <class L> struct TangentForce {
   L f1, f2;
   L e1, e2;          ///< direction e of k C + lambda, along which the point is held or slides
   L across, excess;  ///< stiffness across e, and by how much more or less there is along it
@@ -19,14 +18,17 @@ struct TangentForce {
   RUBBLE_HD L w22() const { return across + excess * e2 * e2; }
 };
 
-/// Least Hessian stiffness along the sliding direction, in cone force over slip [1]: 1 would stop the slip within the step.
+/// Least Hessian stiffness along the sliding direction, in cone force over slip [1]: 1 would stop the slip
+/// within the step.
 inline constexpr Real kSlidingResistance = Real(.5);
 
-/// l = k C + lambda, cut to the cone |l| <= mu F_n. A point that leaves the cone of `mu` slides with `muDynamic` at once.
-/// The Hessian is that of the cut force: along the sliding direction e the secant |b - lambda.e| / |C.e|, across it k b / |l| (exact).
-/// With `coneHessian` false it is k in both directions, as in the paper.
+/// l = k C + lambda, cut to the cone |l| <= mu F_n. A point that leaves the cone of `mu` slides with
+/// `muDynamic` at once. The Hessian is that of the cut force: along the sliding direction e the secant |b -
+/// lambda.e| / |C.e|, across it k b / |l| (exact). With `coneHessian` false it is k in both directions, as in
+/// the paper.
 template <class L>
-RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L normalForce, L mu, L muDynamic, bool coneHessian) {
+RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L normalForce, L mu,
+                                        L muDynamic, bool coneHessian) {
   using A = LaneAccess<L>;
   const L zero = A::splat(0), one = A::splat(1), tiny = A::splat(std::numeric_limits<Real>::min());
   const L l1 = k * c1 + lambda1, l2 = k * c2 + lambda2;
@@ -44,7 +46,8 @@ RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L
     return t;
   }
   const L slip = absOf(c1 * t.e1 + c2 * t.e2), missing = absOf(bound - (lambda1 * t.e1 + lambda2 * t.e2));
-  // With lambda on the cone the secant is 0, and the body would overshoot and flip lambda for ever: resist half of what stops it.
+  // With lambda on the cone the secant is 0, and the body would overshoot and flip lambda for ever: resist
+  // half of what stops it.
   const L resistance = maxOf(missing, A::splat(kSlidingResistance) * bound) / maxOf(slip, tiny);
   const L along = select(stick, k, select(slip < tiny, k, minOf(k, resistance)));
   t.across = select(stick, k, minOf(k, k * bound * inverse));
@@ -52,12 +55,15 @@ RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L
   return t;
 }
 
-/// The Hessian W = k_n n n^T + across (1 - n n^T) + excess e e^T of a point with normal n, tangents t1, t2 and e = e1 t1 + e2 t2.
+/// The Hessian W = k_n n n^T + across (1 - n n^T) + excess e e^T of a point with normal n, tangents t1, t2
+/// and e = e1 t1 + e2 t2.
 template <class L>
-RUBBLE_HD Sym3T<L> pointHessian(const Vec3& n, const Vec3& t1, const Vec3& t2, L kN, const TangentForce<L>& t) {
+RUBBLE_HD Sym3T<L> pointHessian(const Vec3& n, const Vec3& t1, const Vec3& t2, L kN,
+                                const TangentForce<L>& t) {
   const Vec3T<L> e{t1.x * t.e1 + t2.x * t.e2, t1.y * t.e1 + t2.y * t.e2, t1.z * t.e1 + t2.z * t.e2};
   const L across = t.across, beyond = kN - across;
-  const Vec3T<L> u{n.x * beyond, n.y * beyond, n.z * beyond}, v{e.x * t.excess, e.y * t.excess, e.z * t.excess};
+  const Vec3T<L> u{n.x * beyond, n.y * beyond, n.z * beyond},
+      v{e.x * t.excess, e.y * t.excess, e.z * t.excess};
   return {across + (u.x * n.x + v.x * e.x), u.x * n.y + v.x * e.y, u.x * n.z + v.x * e.z,
           across + (u.y * n.y + v.y * e.y), u.y * n.z + v.y * e.z, across + (u.z * n.z + v.z * e.z)};
 }

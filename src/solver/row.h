@@ -1,5 +1,6 @@
 #pragma once
-/// Rows: scalar constraints C(x) with a Jacobian. A group of rows shares one stiffness and one bound on the size of its force.
+/// Rows: scalar constraints C(x) with a Jacobian. A group of rows shares one stiffness and one bound on the
+/// size of its force.
 #include "solver/block.h"
 #include "solver/warmstart.h"
 
@@ -8,7 +9,9 @@ namespace rubble::RUBBLE_CORE {
 /// \eq{S10} Energy of a row of finite stiffness: k C^2 / 2. [J]
 RUBBLE_HD inline Real quadraticEnergy(Real k, Real error) { return k * error * error / 2; }
 /// \eq{S11} Energy of a hard row: k C^2 / 2 + lambda C; its derivative by C is the force. [J]
-RUBBLE_HD inline Real augmentedEnergy(Real k, Real lambda, Real error) { return quadraticEnergy(k, error) + lambda * error; }
+RUBBLE_HD inline Real augmentedEnergy(Real k, Real lambda, Real error) {
+  return quadraticEnergy(k, error) + lambda * error;
+}
 
 enum class RowUnit { Linear, Angular };
 
@@ -19,8 +22,7 @@ struct RowGroup {
 };
 
 /// What the force of a group depends on, besides errors and multipliers.
-template <class L>
-struct GroupLaw {
+template <class L> struct GroupLaw {
   L k;           ///< [N/m] or [N m/rad]
   L compliance;  ///< 1 / K_mat; 0 for a hard group
   L bound;       ///< largest |force| [N] or [N m]
@@ -29,15 +31,17 @@ struct GroupLaw {
 struct GroupState {
   Real k, compliance, bound;  ///< as in GroupLaw
   StiffnessRule rule;
-  int keepsMultiplier;  ///< 0 (no bool: padding would be left to chance where states are compared): a soft group whose k ramps up to K_mat instead (the paper's rule for finite stiffness)
+  int keepsMultiplier;  ///< 0 (no bool: padding would be left to chance where states are compared): a soft
+                        ///< group whose k ramps up to K_mat instead (the paper's rule for finite stiffness)
 };
 
-/// Force multiplier and Hessian stiffness of a group at error C: s (k C + lambda) and s k, s = 1 / (1 + k compliance), the force cut to the
-/// bound. Hard rows have s = 1. Returns where it was cut.
-/// A cut force has the secant stiffness |bound - lambda| / |C| along itself, and at least half of what stops it: with lambda at the bound the
-/// secant alone is zero, the bodies overshoot, and the force turns round at its full size.
+/// Force multiplier and Hessian stiffness of a group at error C: s (k C + lambda) and s k, s = 1 / (1 + k
+/// compliance), the force cut to the bound. Hard rows have s = 1. Returns where it was cut. A cut force has
+/// the secant stiffness |bound - lambda| / |C| along itself, and at least half of what stops it: with lambda
+/// at the bound the secant alone is zero, the bodies overshoot, and the force turns round at its full size.
 template <int N, class L>
-RUBBLE_HD RUBBLE_NEAR auto cutForce(const GroupLaw<L>& g, const L* error, const L* lambda, L (&force)[N], int count, L& hessian) {
+RUBBLE_HD RUBBLE_NEAR auto cutForce(const GroupLaw<L>& g, const L* error, const L* lambda, L (&force)[N],
+                                    int count, L& hessian) {
   using A = LaneAccess<L>;
   const L zero = A::splat(0), s = A::splat(1) / (Real(1) + g.k * g.compliance);
   L size2 = zero, error2 = zero, lambdaAlong = zero;
@@ -59,7 +63,8 @@ RUBBLE_HD RUBBLE_NEAR auto cutForce(const GroupLaw<L>& g, const L* error, const 
 }
 /// The same; returns whether the force is inside its bound.
 template <int N>
-RUBBLE_HD RUBBLE_NEAR bool aggregateForce(const GroupState& g, const Real* error, const Real* lambda, Real (&force)[N], int count, Real& hessian) {
+RUBBLE_HD RUBBLE_NEAR bool aggregateForce(const GroupState& g, const Real* error, const Real* lambda,
+                                          Real (&force)[N], int count, Real& hessian) {
   return !cutForce<N, Real>({g.k, g.compliance, g.bound}, error, lambda, force, count, hessian);
 }
 
@@ -74,9 +79,9 @@ RUBBLE_HD RUBBLE_NEAR void accumulateRow(Block6& block, const Vec6& j, Real forc
   block.al2 += (k * j.lin.z) * j.ang;
 }
 
-/// \eq{S16} The second-derivative term G = sum F d2C/dx2 of a force, replaced by the diagonal of its column norms: H += diag(g).
-template <class L>
-RUBBLE_HD RUBBLE_NEAR void accumulateCurvature(Block6T<L>& block, const Vec6T<L>& g) {
+/// \eq{S16} The second-derivative term G = sum F d2C/dx2 of a force, replaced by the diagonal of its column
+/// norms: H += diag(g).
+template <class L> RUBBLE_HD RUBBLE_NEAR void accumulateCurvature(Block6T<L>& block, const Vec6T<L>& g) {
   block.ll.xx += g.lin.x, block.ll.yy += g.lin.y, block.ll.zz += g.lin.z;
   block.aa.xx += g.ang.x, block.aa.yy += g.ang.y, block.aa.zz += g.ang.z;
 }
@@ -88,12 +93,14 @@ RUBBLE_HD RUBBLE_NEAR void accumulateCurvature(Block6& block, const Vec6& g, con
   accumulateCurvature(block, {{0, 0, 0}, g.ang});
 }
 
-/// Second derivative of a . r(w) for a vector r = b that turns with the body: S(a, b) = (a b^T + b a^T) / 2 - (a . b) 1. Norms of its columns.
+/// Second derivative of a . r(w) for a vector r = b that turns with the body: S(a, b) = (a b^T + b a^T) / 2 -
+/// (a . b) 1. Norms of its columns.
 template <class L = Real>
 RUBBLE_HD RUBBLE_NEAR Vec3T<L> turningColumnNorms(const Vec3T<L>& a, const Vec3T<L>& b) {
   const L aa = dot(a, a), bb = dot(b, b), ab = dot(a, b), zero = LaneAccess<L>::splat(0);
   const auto norm = [&](L ac, L bc) {
-    return sqrtOf(maxOf(Real(.25) * (aa * bc * bc + bb * ac * ac) - Real(1.5) * ab * ac * bc + ab * ab, zero));
+    return sqrtOf(
+        maxOf(Real(.25) * (aa * bc * bc + bb * ac * ac) - Real(1.5) * ab * ac * bc + ab * ab, zero));
   };
   return {norm(a.x, b.x), norm(a.y, b.y), norm(a.z, b.z)};
 }

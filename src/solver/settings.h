@@ -19,7 +19,8 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.gravity = Vec3(gravity);
   c.iterations = params.iterations;
   c.alpha = static_cast<Real>(alpha);
-  c.gamma = static_cast<Real>(params.preset == Preset::Engine ? std::pow(t.warmStartDecay, 60 * dt) : t.warmStartDecay);
+  c.gamma = static_cast<Real>(params.preset == Preset::Engine ? std::pow(t.warmStartDecay, 60 * dt)
+                                                              : t.warmStartDecay);
   c.startStiffness = static_cast<Real>(t.startStiffness);
   c.tangentStiffness = static_cast<Real>(t.tangentStiffness);
   c.contactRampRate = static_cast<Real>(t.contactRampRate);
@@ -43,7 +44,8 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.acceleration = static_cast<Real>(t.acceleration);
   // not zero: belts divide by it
   constexpr double kLeastDriftCorrection = 1e-6;
-  c.driftCorrection = static_cast<Real>(std::max(kLeastDriftCorrection, t.driftCorrection >= 0 ? std::min(1.0, t.driftCorrection * dt) : 1 - alpha));
+  c.driftCorrection = static_cast<Real>(std::max(
+      kLeastDriftCorrection, t.driftCorrection >= 0 ? std::min(1.0, t.driftCorrection * dt) : 1 - alpha));
   c.literalRotations = params.preset == Preset::Demo3d;
   c.contactMargin = static_cast<Real>(t.contactMargin);
   c.sleeping = params.sleeping;

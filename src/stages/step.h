@@ -1,6 +1,7 @@
 #pragma once
-/// The step on one page: algorithm 1 of the method, written once over an Executor. What runs in parallel, and where, is its business. Each subsystem has
-/// its phases in a folder of its own, and returns at once where a world has nothing of its kind.
+/// The step on one page: algorithm 1 of the method, written once over an Executor. What runs in parallel, and
+/// where, is its business. Each subsystem has its phases in a folder of its own, and returns at once where a
+/// world has nothing of its kind.
 #include "stages/bodies/phases.h"
 #include "stages/bounces/phases.h"
 #include "stages/ccd/phases.h"
@@ -10,15 +11,14 @@
 #include "stages/joints/phases.h"
 #include "stages/pairs/phases.h"
 #include "stages/soft/cluster_phases.h"
-#include "stages/soft/strand_phases.h"
 #include "stages/soft/phases.h"
+#include "stages/soft/strand_phases.h"
 #include "stages/trees/phases.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// Rows and blocks, at x^t. No body moves beyond its initial guess.
-template <Executor E>
-void prepare(E& e) {
+template <Executor E> void prepare(E& e) {
   bodies::predict(e);
   pairs::find(e);
   soft::findPairs(e);
@@ -38,8 +38,7 @@ void prepare(E& e) {
 }
 
 /// One iteration: each block solver makes its step of descent, then multipliers follow.
-template <Executor E>
-void iterate(E& e, int n, bool last) {
+template <Executor E> void iterate(E& e, int n, bool last) {
   coarse::solve(e, n);
   clusters::solve(e);
   trees::solve(e, last);
@@ -53,8 +52,7 @@ void iterate(E& e, int n, bool last) {
 }
 
 /// Velocities, and what lasts until the next step.
-template <Executor E>
-void finish(E& e) {
+template <Executor E> void finish(E& e) {
   contacts::finish(e);
   soft::keepApart(e);
   joints::finish(e);
@@ -72,8 +70,7 @@ void finish(E& e) {
 }
 
 /// One step of dt.
-template <Executor E>
-void step(E& e) {
+template <Executor E> void step(E& e) {
   const int iterations = e.view().step.iterations;
   prepare(e);
   for (int n = 0; n < iterations; ++n) iterate(e, n, n + 1 == iterations);

@@ -6,16 +6,13 @@
 namespace rubble::RUBBLE_CORE {
 
 /// The arrays of one joint type.
-template <class F>
-struct JointTable {
+template <class F> struct JointTable {
   JointSpec<F>* spec = nullptr;
   Joint<F>* joint = nullptr;
   TreeRows<F>* treeRows = nullptr;
   JointAngularRows<F>* angularRows = nullptr;  ///< none for types that have no parts that turn
 };
-template <class List>
-struct JointTables;
-template <class... F>
-struct JointTables<TypeList<F...>> : JointTable<F>... {};
+template <class List> struct JointTables;
+template <class... F> struct JointTables<TypeList<F...>> : JointTable<F>... {};
 
 }  // namespace rubble::RUBBLE_CORE

@@ -4,7 +4,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Rounds of elimination at most: a chain of N bodies takes log2 N. Bodies that would come later are left to the other blocks.
+/// Rounds of elimination at most: a chain of N bodies takes log2 N. Bodies that would come later are left to
+/// the other blocks.
 inline constexpr int kTreeLevels = 64;
 
 /// A world whose trees are no larger has each of them solved at once, and not round by round.
@@ -13,11 +14,11 @@ inline constexpr int kSmallTree = 64;
 /// A body in the order of elimination.
 struct TreeNode {
   int body;
-  int tree;                    ///< a number below that of nodes
-  int parent[2];                 ///< nodes that it is coupled to when it is eliminated, -1: none
+  int tree;                  ///< a number below that of nodes
+  int parent[2];             ///< nodes that it is coupled to when it is eliminated, -1: none
   int childBegin, childEnd;  ///< nodes eliminated before that pass something on to it
-  int exact;                   ///< 1: its joints close no loop, with the world neither, and all of its tree is eliminated
-  int limited;                 ///< 1: a joint of its tree has limits
+  int exact;    ///< 1: its joints close no loop, with the world neither, and all of its tree is eliminated
+  int limited;  ///< 1: a joint of its tree has limits
 };
 
 /// What touches a tree in a step.

@@ -1,8 +1,8 @@
 /// Edits and measures of joints in host memory.
 #include <algorithm>
 
-#include "tables/table_edit.h"
 #include "stages/joints/joints.h"
+#include "tables/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -14,15 +14,16 @@ static_assert(typeIndex<SwingTwistJoint>(JointTypes{}) == static_cast<int>(Engin
 static_assert(typeIndex<GearJoint>(JointTypes{}) == static_cast<int>(EngineJointType::Gear));
 
 /// f.operator()<F>() for the joint type of that index.
-template <class Function>
-void withJointType(int type, Function&& f) {
+template <class Function> void withJointType(int type, Function&& f) {
   forEachType(JointTypes{}, [&]<class F>() {
     if (typeIndex<F>(JointTypes{}) == type) f.template operator()<F>();
   });
 }
 
 /// Infinity is kHardValue in the core.
-Real finite(double a) { return static_cast<Real>(std::clamp(a, -static_cast<double>(kHardValue), static_cast<double>(kHardValue))); }
+Real finite(double a) {
+  return static_cast<Real>(std::clamp(a, -static_cast<double>(kHardValue), static_cast<double>(kHardValue)));
+}
 
 GroupSpec specOf(const EngineGroup& in) {
   return {static_cast<GroupMode>(in.mode), finite(in.stiffness), finite(in.damping), finite(in.bound)};
@@ -38,8 +39,7 @@ AxisSpec specOf(const JointAxis& in) {
   return out;
 }
 
-template <class Data>
-void setData(Data& data, const EngineJoint& in) {
+template <class Data> void setData(Data& data, const EngineJoint& in) {
   if constexpr (requires { data.anchorA; }) data.anchorA = Vec3(in.anchorA), data.anchorB = Vec3(in.anchorB);
   if constexpr (requires { data.frameA; }) data.frameA = Quat(in.frameA);
   if constexpr (requires { data.frameB; }) data.frameB = Quat(in.frameB);
@@ -52,11 +52,11 @@ void setData(Data& data, const EngineJoint& in) {
   if constexpr (requires { data.inWorld; }) data.inWorld = in.carrierB == kWorld;
   if constexpr (requires { data.ratio; }) data.ratio = static_cast<Real>(in.ratio);
   if constexpr (requires { data.driveTarget; }) data.driveTarget = Quat(in.driveTarget);
-  if constexpr (requires { data.coneY; }) data.coneY = static_cast<Real>(in.coneY), data.coneZ = static_cast<Real>(in.coneZ);
+  if constexpr (requires { data.coneY; })
+    data.coneY = static_cast<Real>(in.coneY), data.coneZ = static_cast<Real>(in.coneZ);
 }
 
-template <class F>
-void editJointOf(HostTables& tables, int slot, const EngineJoint& in) {
+template <class F> void editJointOf(HostTables& tables, int slot, const EngineJoint& in) {
   JointSpec<F>& spec = tables.view().specsOf<F>()[slot];
   // other edits of a joint leave the trees as they are
   bool moved = spec.a != in.a || spec.b != in.b;
@@ -87,21 +87,24 @@ double excess(const AxisSpec& spec, double c) {
   return std::max({0.0, c - static_cast<double>(spec.hi), static_cast<double>(spec.lo) - c});
 }
 
-template <class F>
-void measureJoint(const SolverData& s, int slot, JointState& state) {
+template <class F> void measureJoint(const SolverData& s, int slot, JointState& state) {
   const JointSpec<F>& spec = s.specsOf<F>()[slot];
   const Joint<F>& joint = s.jointsOf<F>()[slot];
   const Vec3d origin = jointOrigin(s, spec.b);
   SidePose<F> a, b;
   if constexpr (isCarried<F>()) {
     // the world as a carrier is where the step has it
-    const auto carrier = [&](int body) { return body == kWorldBody ? Pose{{0, 0, 0}, Quat{}} : worldPose(s, body, origin); };
+    const auto carrier = [&](int body) {
+      return body == kWorldBody ? Pose{{0, 0, 0}, Quat{}} : worldPose(s, body, origin);
+    };
     a = {worldPose(s, spec.a, origin), carrier(spec.carrierA)};
     b = {worldPose(s, spec.b, origin), carrier(spec.carrierB)};
   } else {
     a = worldPose(s, spec.a, origin), b = worldPose(s, spec.b, origin);
   }
-  const auto velocity = [&](int body) { return body == kWorldBody ? Vec6{{0, 0, 0}, {0, 0, 0}} : Vec6{s.velocity[body], s.angularVelocity[body]}; };
+  const auto velocity = [&](int body) {
+    return body == kWorldBody ? Vec6{{0, 0, 0}, {0, 0, 0}} : Vec6{s.velocity[body], s.angularVelocity[body]};
+  };
   typename F::Memory memory = joint.memory;
   memory.remember(spec.data, a, b, origin);
   double linear2 = 0, angular2 = 0;
@@ -131,7 +134,8 @@ void measureJoint(const SolverData& s, int slot, JointState& state) {
       }
       axis.speed = static_cast<double>(speed);
       const auto of = [](const AxisRow& row) { return row.active ? -static_cast<double>(row.lambda) : 0.0; };
-      axis.limitForce = of(rows.limit), axis.driveForce = of(rows.drive), axis.frictionForce = of(rows.friction);
+      axis.limitForce = of(rows.limit), axis.driveForce = of(rows.drive),
+      axis.frictionForce = of(rows.friction);
       addLoad(axisLoad(rows), jb[0]);
       const double out = excess(own, axis.position);
       error2 += out * out;
@@ -157,7 +161,10 @@ void setJointCount(HostTables& tables, int type, int slots) {
   tables.reserve(perJoint(type), slots);
   int& count = tables.view().joints[type];
   // a new slot may have been in use before an older state was restored
-  withJointType(type, [&]<class F>() { std::fill(tables.view().specsOf<F>() + std::min(count, slots), tables.view().specsOf<F>() + slots, JointSpec<F>{}); });
+  withJointType(type, [&]<class F>() {
+    std::fill(tables.view().specsOf<F>() + std::min(count, slots), tables.view().specsOf<F>() + slots,
+              JointSpec<F>{});
+  });
   count = slots;
 }
 

@@ -14,8 +14,7 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-template <class Kernel>
-void forEach(const SolverData& s, const Kernel& kernel, std::size_t n) {
+template <class Kernel> void forEach(const SolverData& s, const Kernel& kernel, std::size_t n) {
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) { kernel(s, static_cast<int>(i)); });
 }
 
@@ -87,9 +86,11 @@ std::vector<std::vector<int>> runOverlaps(HostTables& tables, std::span<const En
   int sum = 0;
   for (int& offset : offsets) sum += std::exchange(offset, sum);
   std::vector<int> bodies(static_cast<std::size_t>(sum));
-  forEach(tables.view(), FillOverlaps{data.data(), core.tables(), offsets.data(), bodies.data()}, data.size());
+  forEach(tables.view(), FillOverlaps{data.data(), core.tables(), offsets.data(), bodies.data()},
+          data.size());
   std::vector<std::vector<int>> out;
-  for (std::size_t i = 0; i < data.size(); ++i) out.emplace_back(bodies.begin() + offsets[i], bodies.begin() + offsets[i + 1]);
+  for (std::size_t i = 0; i < data.size(); ++i)
+    out.emplace_back(bodies.begin() + offsets[i], bodies.begin() + offsets[i + 1]);
   return out;
 }
 

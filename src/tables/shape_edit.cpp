@@ -19,7 +19,8 @@ void addShape(HostTables& tables, const CookedShape& shape, const std::vector<in
   tables.reserve(Per::ShapeIndex, indices + static_cast<int>(shape.indices.size()));
   tables.reserve(Per::ShapePart, parts + static_cast<int>(shape.parts.size()));
   for (const auto& v : shape.vectors)
-    s.shapeVector[s.shapeVectors++] = {static_cast<Real>(v[0]), static_cast<Real>(v[1]), static_cast<Real>(v[2]), static_cast<Real>(v[3])};
+    s.shapeVector[s.shapeVectors++] = {static_cast<Real>(v[0]), static_cast<Real>(v[1]),
+                                       static_cast<Real>(v[2]), static_cast<Real>(v[3])};
   for (const int index : shape.indices) s.shapeIndex[s.shapeIndices++] = index;
   for (const int place : shape.vectorPlaces) s.shapeIndex[indices + place] += vectors;
   for (const int place : shape.indexPlaces) s.shapeIndex[indices + place] += indices;
@@ -42,8 +43,9 @@ void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces) {
   s.surfaces = static_cast<int>(surfaces.size());
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const Material& m = surfaces[i];
-    s.surface[i] = {static_cast<Real>(m.staticFriction), static_cast<Real>(m.dynamicFriction), static_cast<Real>(m.restitution),
-                    static_cast<int>(m.frictionCombine), static_cast<int>(m.restitutionCombine), static_cast<Real>(m.rollingFriction),
+    s.surface[i] = {static_cast<Real>(m.staticFriction),    static_cast<Real>(m.dynamicFriction),
+                    static_cast<Real>(m.restitution),       static_cast<int>(m.frictionCombine),
+                    static_cast<int>(m.restitutionCombine), static_cast<Real>(m.rollingFriction),
                     static_cast<Real>(m.torsionalFriction), Vec3(m.surfaceVelocity)};
   }
 }

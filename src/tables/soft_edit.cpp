@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "tables/soft_graph.h"
 #include "stages/soft/cluster_phases.h"
+#include "tables/soft_graph.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -15,8 +15,7 @@ Real real(double a) { return static_cast<Real>(a); }
 Real bound(double a) { return static_cast<Real>(std::min(a, static_cast<double>(kUnreached))); }
 
 /// An element that is all zeros, padding too: states are hashed.
-template <class F, std::size_t N>
-F fresh(const std::array<int, N>& v, int first) {
+template <class F, std::size_t N> F fresh(const std::array<int, N>& v, int first) {
   F e;
   std::memset(static_cast<void*>(&e), 0, sizeof e);
   for (std::size_t k = 0; k < N; ++k) e.v[k] = first + v[k];
@@ -35,8 +34,10 @@ Tetrahedron made(const SoftModel::Tetrahedron& m, int first) {
 }
 Membrane made(const SoftModel::Membrane& m, int first) {
   Membrane e = fresh<Membrane>(m.v, first);
-  for (int k = 0; k < 2; ++k) e.m1[k] = real(m.m1[k]), e.m2[k] = real(m.m2[k]), e.stiffness[k] = real(m.stiffness[k]);
-  e.damper = real(m.damper), e.tearStretch = real(m.tearStretch), e.unit0 = real(m.unit), e.largest = real(m.largest);
+  for (int k = 0; k < 2; ++k)
+    e.m1[k] = real(m.m1[k]), e.m2[k] = real(m.m2[k]), e.stiffness[k] = real(m.stiffness[k]);
+  e.damper = real(m.damper), e.tearStretch = real(m.tearStretch), e.unit0 = real(m.unit),
+  e.largest = real(m.largest);
   return e;
 }
 FlatBend made(const SoftModel::FlatBend& m, int first) {
@@ -68,15 +69,21 @@ Pressure made(const SoftModel::Pressure& m, int first) {
   return e;
 }
 
-template <class F>
-const auto& listOf(const SoftModel& m) {
-  if constexpr (std::is_same_v<F, Tetrahedron>) return m.tetrahedra;
-  else if constexpr (std::is_same_v<F, Membrane>) return m.membranes;
-  else if constexpr (std::is_same_v<F, FlatBend>) return m.flatBends;
-  else if constexpr (std::is_same_v<F, FoldBend>) return m.foldBends;
-  else if constexpr (std::is_same_v<F, LineBend>) return m.lineBends;
-  else if constexpr (std::is_same_v<F, Spring>) return m.springs;
-  else return m.pressures;
+template <class F> const auto& listOf(const SoftModel& m) {
+  if constexpr (std::is_same_v<F, Tetrahedron>)
+    return m.tetrahedra;
+  else if constexpr (std::is_same_v<F, Membrane>)
+    return m.membranes;
+  else if constexpr (std::is_same_v<F, FlatBend>)
+    return m.flatBends;
+  else if constexpr (std::is_same_v<F, FoldBend>)
+    return m.foldBends;
+  else if constexpr (std::is_same_v<F, LineBend>)
+    return m.lineBends;
+  else if constexpr (std::is_same_v<F, Spring>)
+    return m.springs;
+  else
+    return m.pressures;
 }
 static_assert(ElementTypes::kSize == SoftRange::kElementTypes);
 
@@ -92,8 +99,7 @@ Attachment made(const EngineAttachment& in) {
 }
 
 /// Elements of all objects, those that were there with their state.
-template <class F>
-void placeElements(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
+template <class F> void placeElements(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
   constexpr int kType = typeIndex<F>(ElementTypes{});
   SolverData& s = tables.view();
   const std::vector<F> old(s.elementsOf<F>(), s.elementsOf<F>() + s.elements[kType]);
@@ -139,7 +145,8 @@ struct OldVertices {
         offset(s.oldPointPairOffset, s.oldPointPairOffset + s.owners() + 1),
         pair(s.oldPointPair, s.oldPointPair + offset.back()),
         contact(s.oldPointContact, s.oldPointContact + offset.back()),
-        edges(s.edges), features(s.features) {}
+        edges(s.edges),
+        features(s.features) {}
   std::vector<Vec3d> position;
   std::vector<Vec3> velocity, oldVelocity, force;
   std::vector<int> color, offset;
@@ -152,7 +159,8 @@ struct OldVertices {
 struct Moves {
   std::vector<int> vertexFrom, vertexTo, featureFrom, featureTo;
 
-  void addFeatures(const SolverData& s, const OldVertices& old, const std::vector<EngineSoftObject>& objects) {
+  void addFeatures(const SolverData& s, const OldVertices& old,
+                   const std::vector<EngineSoftObject>& objects) {
     featureFrom.assign(static_cast<std::size_t>(s.features), -1);
     featureTo.assign(static_cast<std::size_t>(old.features), -1);
     const auto add = [&](int from, int to, std::size_t count) {
@@ -199,7 +207,8 @@ void placeContacts(HostTables& tables, const OldVertices& old, const Moves& move
     s.oldPointPairOffset[owner] = n;
     const int from = moves.ownerFrom(s, old, owner);
     if (from < 0) continue;
-    for (int k = old.offset[static_cast<std::size_t>(from)]; k < old.offset[static_cast<std::size_t>(from) + 1]; ++k) {
+    for (int k = old.offset[static_cast<std::size_t>(from)];
+         k < old.offset[static_cast<std::size_t>(from) + 1]; ++k) {
       PointPair pair = old.pair[static_cast<std::size_t>(k)];
       PointContact contact = old.contact[static_cast<std::size_t>(k)];
       pair.vertex = owner;
@@ -222,20 +231,23 @@ void reserveVertices(HostTables& tables, int vertices) {
 
 }  // namespace
 
-void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) {
+void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
+             const std::vector<EngineAttachment>& attachments) {
   SolverData& s = tables.view();
   const OldVertices old(s);
   int vertices = 0;
   for (const EngineSoftObject& o : objects) vertices += static_cast<int>(o.model->vertices.size());
   reserveVertices(tables, vertices);
   Moves moves;
-  moves.vertexFrom.assign(static_cast<std::size_t>(vertices), -1), moves.vertexTo.assign(old.position.size(), -1);
+  moves.vertexFrom.assign(static_cast<std::size_t>(vertices), -1),
+      moves.vertexTo.assign(old.position.size(), -1);
   s.vertices = vertices;
   Real widest = 0;
   for (const EngineSoftObject& o : objects) {
     const SoftModel& m = *o.model;
     double meanLength = 0;
-    for (const SoftModel::Vertex& in : m.vertices) meanLength += in.length / static_cast<double>(m.vertices.size());
+    for (const SoftModel::Vertex& in : m.vertices)
+      meanLength += in.length / static_cast<double>(m.vertices.size());
     for (std::size_t i = 0; i < m.vertices.size(); ++i) {
       const SoftModel::Vertex& in = m.vertices[i];
       const int v = o.at.vertex + static_cast<int>(i);
@@ -247,7 +259,8 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
       p.frictionCombine = static_cast<int>(m.material.frictionCombine);
       p.restitutionCombine = static_cast<int>(m.material.restitutionCombine);
       p.gravityScale = real(m.gravityScale);
-      p.first = o.at.vertex, p.collides = in.onSurface ? m.collides : m.collides & ~(kCollidesWithSurfaces | kCollidesWithSelf);
+      p.first = o.at.vertex,
+      p.collides = in.onSurface ? m.collides : m.collides & ~(kCollidesWithSurfaces | kCollidesWithSelf);
       p.surfaceRadius = real(m.surfaceRadius);
       s.vertexRest[v] = Vec3(in.rest);
       p.cluster = p.softNode = -1, p.reach = real(meanLength);
@@ -269,7 +282,9 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
   }
   // cells a little wider than the largest particle
   s.particleCell = widest > Real(0) ? Real(2.2) * widest : Real(1);
-  s.particleCells = widest > Real(0) ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * vertices)))) : 0;
+  s.particleCells = widest > Real(0)
+                        ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * vertices))))
+                        : 0;
   tables.reserve(Per::ParticleCell, s.particleCells);
   forEachType(ElementTypes{}, [&]<class F>() { placeElements<F>(tables, objects); });
   countYielding(s);
@@ -284,13 +299,32 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, c
 }
 
 void countYielding(SolverData& s) {
-  const std::span<const Tetrahedron> all(s.tetrahedron, static_cast<std::size_t>(s.elements[typeIndex<Tetrahedron>(ElementTypes{})]));
-  s.yielding = static_cast<int>(std::count_if(all.begin(), all.end(), [](const Tetrahedron& e) { return e.yield < kUnreached; }));
+  const std::span<const Tetrahedron> all(
+      s.tetrahedron, static_cast<std::size_t>(s.elements[typeIndex<Tetrahedron>(ElementTypes{})]));
+  s.yielding = static_cast<int>(
+      std::count_if(all.begin(), all.end(), [](const Tetrahedron& e) { return e.yield < kUnreached; }));
 }
 
 SoftCounts softCounts(const SolverData& s) {
-  SoftCounts c{s.vertices, s.refOffset[s.vertices], s.tetraCornerOffset[s.vertices], s.neighborOffset[s.vertices], s.particleCells, s.attachments, {}, {}, s.movingParts, s.clusterRefs,
-               s.softNodes, s.objects, s.strands, s.strandVertices, static_cast<float>(s.particleCell), s.edges, s.features, s.featureCells, static_cast<float>(s.featureCell)};
+  SoftCounts c{s.vertices,
+               s.refOffset[s.vertices],
+               s.tetraCornerOffset[s.vertices],
+               s.neighborOffset[s.vertices],
+               s.particleCells,
+               s.attachments,
+               {},
+               {},
+               s.movingParts,
+               s.clusterRefs,
+               s.softNodes,
+               s.objects,
+               s.strands,
+               s.strandVertices,
+               static_cast<float>(s.particleCell),
+               s.edges,
+               s.features,
+               s.featureCells,
+               static_cast<float>(s.featureCell)};
   std::copy(std::begin(s.clusterBegin), std::end(s.clusterBegin), c.clusterBegin);
   std::copy(std::begin(s.elements), std::end(s.elements), c.elements);
   return c;
@@ -329,18 +363,24 @@ void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   });
 }
 
-void vertexStatesOf(const HostTables& tables, int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities) {
+void vertexStatesOf(const HostTables& tables, int first, std::span<rubble::Vec3> positions,
+                    std::span<rubble::Vec3> velocities) {
   const SolverData& s = tables.view();
-  for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = s.vertexPosition[static_cast<std::size_t>(first) + i];
-  for (std::size_t i = 0; i < velocities.size(); ++i) velocities[i] = rubble::Vec3(s.vertexVelocity[static_cast<std::size_t>(first) + i]);
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    positions[i] = s.vertexPosition[static_cast<std::size_t>(first) + i];
+  for (std::size_t i = 0; i < velocities.size(); ++i)
+    velocities[i] = rubble::Vec3(s.vertexVelocity[static_cast<std::size_t>(first) + i]);
 }
 
-void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3> positions, std::span<const rubble::Vec3> velocities) {
+void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3> positions,
+                     std::span<const rubble::Vec3> velocities) {
   SolverData& s = tables.view();
-  for (std::size_t i = 0; i < positions.size(); ++i) s.vertexPosition[static_cast<std::size_t>(first) + i] = positions[i];
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    s.vertexPosition[static_cast<std::size_t>(first) + i] = positions[i];
   for (std::size_t i = 0; i < velocities.size(); ++i) {
     const std::size_t v = static_cast<std::size_t>(first) + i;
-    if (s.vertexParams[v].kind == VertexKind::Dynamic) s.vertexVelocity[v] = s.vertexOldVelocity[v] = Vec3(velocities[i]);
+    if (s.vertexParams[v].kind == VertexKind::Dynamic)
+      s.vertexVelocity[v] = s.vertexOldVelocity[v] = Vec3(velocities[i]);
   }
 }
 
@@ -348,14 +388,16 @@ void elementsAliveOf(const HostTables& tables, int type, int first, std::span<ch
   const SolverData& s = tables.view();
   forEachType(ElementTypes{}, [&]<class F>() {
     if (typeIndex<F>(ElementTypes{}) != type) return;
-    for (std::size_t i = 0; i < alive.size(); ++i) alive[i] = s.elementsOf<F>()[static_cast<std::size_t>(first) + i].alive != 0;
+    for (std::size_t i = 0; i < alive.size(); ++i)
+      alive[i] = s.elementsOf<F>()[static_cast<std::size_t>(first) + i].alive != 0;
   });
 }
 
 void forgetVertexContacts(HostTables& tables, int body) {
   SolverData& s = tables.view();
   for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k)
-    if (s.oldPointPair[k].other == body || (s.oldPointPair[k].vertex >= s.vertices + s.edges && bodyOfOwner(s, s.oldPointPair[k].vertex) == body)) {
+    if (s.oldPointPair[k].other == body || (s.oldPointPair[k].vertex >= s.vertices + s.edges &&
+                                            bodyOfOwner(s, s.oldPointPair[k].vertex) == body)) {
       s.oldPointPair[k].other = -1;
       s.oldPointContact[k].active = 0;
     }

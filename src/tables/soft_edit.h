@@ -4,7 +4,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments);
+void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
+             const std::vector<EngineAttachment>& attachments);
 /// Counts the tetrahedra that can yield, from what their table says.
 void countYielding(SolverData& s);
 /// Slots in use of everything that deformable objects have; states loaded from elsewhere need the same.
@@ -19,8 +20,10 @@ struct SoftCounts {
 SoftCounts softCounts(const SolverData& s);
 void setSoftCounts(HostTables& tables, const SoftCounts& counts);
 
-void vertexStatesOf(const HostTables& tables, int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities);
-void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3> positions, std::span<const rubble::Vec3> velocities);
+void vertexStatesOf(const HostTables& tables, int first, std::span<rubble::Vec3> positions,
+                    std::span<rubble::Vec3> velocities);
+void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3> positions,
+                     std::span<const rubble::Vec3> velocities);
 void elementsAliveOf(const HostTables& tables, int type, int first, std::span<char> alive);
 JointState attachmentStateOf(const HostTables& tables, int index);
 /// Contacts of the last step that carry load or overlap.

@@ -68,9 +68,11 @@ void connect(HostTables& tables) {
 
 static_assert(kClusterLevels == SoftModel::kClusterLevels);
 
-/// Are the vertices of a cluster moved as one? In a solid not those of the finest level, which only are parts that others are summed of: the next
-/// ones are four vertices wide, and sweeps see over that.
-bool movesAsOne(const SoftModel& model, const SoftModel::Cluster& c) { return c.level > 0 || c.parent < 0 || model.tetrahedra.empty(); }
+/// Are the vertices of a cluster moved as one? In a solid not those of the finest level, which only are parts
+/// that others are summed of: the next ones are four vertices wide, and sweeps see over that.
+bool movesAsOne(const SoftModel& model, const SoftModel::Cluster& c) {
+  return c.level > 0 || c.parent < 0 || model.tetrahedra.empty();
+}
 
 /// The clusters of all objects by level, and the elements that leave each.
 void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
@@ -86,11 +88,13 @@ void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& obje
     const SoftModel& model = *objects[static_cast<std::size_t>(of.first)].model;
     return movesAsOne(model, model.clusters[static_cast<std::size_t>(of.second)]);
   };
-  s.movingParts = static_cast<int>(std::stable_partition(byLevel[0].begin(), byLevel[0].end(), moves) - byLevel[0].begin());
+  s.movingParts = static_cast<int>(std::stable_partition(byLevel[0].begin(), byLevel[0].end(), moves) -
+                                   byLevel[0].begin());
   int count = 0;
   for (int level = 0; level < kClusterLevels; ++level) {
     s.clusterBegin[level] = count;
-    for (const auto& [o, c] : byLevel[level]) number[static_cast<std::size_t>(o)][static_cast<std::size_t>(c)] = count++;
+    for (const auto& [o, c] : byLevel[level])
+      number[static_cast<std::size_t>(o)][static_cast<std::size_t>(c)] = count++;
   }
   s.clusterBegin[kClusterLevels] = count;
   tables.reserve(Per::Cluster, count);
@@ -108,12 +112,19 @@ void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& obje
       const SoftModel::Cluster& in = objects[object].model->clusters[static_cast<std::size_t>(c)];
       const int own = number[object][static_cast<std::size_t>(c)];
       Cluster& to = s.cluster[own];
-      to = {memberBegin[object] + in.begin, memberBegin[object] + in.end, own, own + 1, 0, 0,
+      to = {memberBegin[object] + in.begin,
+            memberBegin[object] + in.end,
+            own,
+            own + 1,
+            0,
+            0,
             in.parent < 0 ? -1 : number[object][static_cast<std::size_t>(in.parent)]};
       if (in.parent < 0)
         for (int k = to.begin; k < to.end; ++k) s.vertexParams[s.clusterMember[k]].cluster = own;
       if (level > 0) to.sliceBegin = count, to.sliceEnd = -1;
-      for (int k = to.begin; k < to.end; ++k) clusterOf[static_cast<std::size_t>(s.clusterMember[k]) * kClusterLevels + static_cast<std::size_t>(level)] = own;
+      for (int k = to.begin; k < to.end; ++k)
+        clusterOf[static_cast<std::size_t>(s.clusterMember[k]) * kClusterLevels +
+                  static_cast<std::size_t>(level)] = own;
     }
   for (int c = 0; c < count; ++c) {
     const int parent = s.cluster[c].parent;
@@ -129,7 +140,8 @@ void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& obje
       for (int level = 0; level < kClusterLevels; ++level) {
         int own[F::kCorners], different = 0;
         for (int k = 0; k < F::kCorners; ++k)
-          own[k] = clusterOf[static_cast<std::size_t>(s.elementsOf<F>()[i].v[k]) * kClusterLevels + static_cast<std::size_t>(level)];
+          own[k] = clusterOf[static_cast<std::size_t>(s.elementsOf<F>()[i].v[k]) * kClusterLevels +
+                             static_cast<std::size_t>(level)];
         for (int k = 0; k < F::kCorners; ++k) different += std::find(own, own + k, own[k]) == own + k;
         if (different < 2) continue;
         for (int k = 0; k < F::kCorners; ++k) {
@@ -159,7 +171,8 @@ void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects
   std::vector<SoftNode> softNodes;
   for (const EngineSoftObject& o : objects) {
     if (!isSoftNode(*o.model)) continue;
-    const int own = static_cast<int>(softNodes.size()), cluster = s.vertexParams[o.at.vertex + o.model->clusterOrder.front()].cluster;
+    const int own = static_cast<int>(softNodes.size()),
+              cluster = s.vertexParams[o.at.vertex + o.model->clusterOrder.front()].cluster;
     for (const int v : o.model->clusterOrder) s.vertexParams[o.at.vertex + v].softNode = own;
     softNodes.push_back({o.at.vertex, cluster, static_cast<Real>(o.model->size / 2)});
   }
@@ -186,7 +199,8 @@ struct LineEnds {
   int spring[2] = {-1, -1}, other[2] = {-1, -1};
 };
 
-/// What joins the vertices of an object that is made of springs and their bends alone; nothing if it is not, or has a branch.
+/// What joins the vertices of an object that is made of springs and their bends alone; nothing if it is not,
+/// or has a branch.
 std::vector<LineEnds> lineEnds(const SoftModel& m) {
   const auto counts = elementCounts(m);
   const std::size_t elements = static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), 0));
@@ -213,7 +227,8 @@ void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects
     // the first vertex of a bend is its middle
     std::vector<int> bendAt(ends.size(), -1);
     if (!ends.empty())
-      for (std::size_t i = 0; i < m.lineBends.size(); ++i) bendAt[static_cast<std::size_t>(m.lineBends[i].v[0])] = static_cast<int>(i);
+      for (std::size_t i = 0; i < m.lineBends.size(); ++i)
+        bendAt[static_cast<std::size_t>(m.lineBends[i].v[0])] = static_cast<int>(i);
     const auto global = [&](int type, int index) { return index < 0 ? -1 : o.at.element[type] + index; };
     std::vector<char> done(ends.size(), 0);
     for (std::size_t first = 0; first < ends.size(); ++first) {
@@ -223,8 +238,9 @@ void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects
         const LineEnds& end = ends[static_cast<std::size_t>(v)];
         const int way = end.spring[0] != came ? 0 : 1, spring = end.spring[way];
         done[static_cast<std::size_t>(v)] = 1;
-        vertices.push_back({o.at.vertex + v, line, global(typeIndex<Spring>(ElementTypes{}), spring),
-                            global(typeIndex<LineBend>(ElementTypes{}), bendAt[static_cast<std::size_t>(v)])});
+        vertices.push_back(
+            {o.at.vertex + v, line, global(typeIndex<Spring>(ElementTypes{}), spring),
+             global(typeIndex<LineBend>(ElementTypes{}), bendAt[static_cast<std::size_t>(v)])});
         v = end.other[way], came = spring;
       }
       lines.push_back({begin, static_cast<int>(vertices.size())});
@@ -251,19 +267,23 @@ void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& obje
   // a triangle is about as wide as its edges are long, and its box a little wider
   constexpr double kCellEdges = 1.25;
   s.featureCell = static_cast<Real>(shortest > 0 ? kCellEdges * shortest : 1);
-  s.featureCells = s.features > 0 ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * s.features)))) : 0;
+  s.featureCells = s.features > 0
+                       ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * s.features))))
+                       : 0;
   reserveFeatures(tables);
   int edge = 0, triangle = edges;
   for (const EngineSoftObject& o : objects) {
     const int firstEdge = edge;
     const auto sourceOf = [&](const SoftModel::Source& source) {
-      return source.type < 0 ? kNoSource : pointCode(source.type, o.at.element[source.type] + source.index, 0);
+      return source.type < 0 ? kNoSource
+                             : pointCode(source.type, o.at.element[source.type] + source.index, 0);
     };
     for (const SoftModel::SurfaceEdge& e : o.model->edges)
       s.feature[edge++] = {e.bare ? FeatureKind::BareEdge : FeatureKind::Edge,
                            {o.at.vertex + e.v[0], o.at.vertex + e.v[1], -1},
                            {-1, -1, -1},
-                           {e.opposite[0] < 0 ? -1 : o.at.vertex + e.opposite[0], e.opposite[1] < 0 ? -1 : o.at.vertex + e.opposite[1]},
+                           {e.opposite[0] < 0 ? -1 : o.at.vertex + e.opposite[0],
+                            e.opposite[1] < 0 ? -1 : o.at.vertex + e.opposite[1]},
                            {sourceOf(e.source[0]), sourceOf(e.source[1])}};
     for (const SoftModel::SurfaceFace& f : o.model->faces) {
       SurfaceFeature to{FeatureKind::Triangle, {}, {}, {-1, -1}, {sourceOf(f.source), kNoSource}};

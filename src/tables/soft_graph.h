@@ -1,5 +1,6 @@
 #pragma once
-/// What is listed once when deformable objects are made: who shares what, clusters, and the parts of surfaces.
+/// What is listed once when deformable objects are made: who shares what, clusters, and the parts of
+/// surfaces.
 #include "tables/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {

@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "tables/soft_edit.h"
 #include "stages/soft/cluster_phases.h"
+#include "tables/soft_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -9,8 +9,11 @@ JointState attachmentStateOf(const HostTables& tables, int index) {
   const SolverData& s = tables.view();
   const Attachment& a = s.attachment[index];
   Vec3d gap;
-  for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) gap += s.vertexPosition[a.v[k]] * static_cast<double>(a.weight[k]);
-  if (a.seam == 0) gap += a.body == kWorldBody ? a.worldPoint : s.position[a.body] + Vec3d(rotate(s.orientation[a.body], a.anchor));
+  for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k)
+    gap += s.vertexPosition[a.v[k]] * static_cast<double>(a.weight[k]);
+  if (a.seam == 0)
+    gap += a.body == kWorldBody ? a.worldPoint
+                                : s.position[a.body] + Vec3d(rotate(s.orientation[a.body], a.anchor));
   JointState state;
   state.gap = length(gap);
   // on the vertices (B); the rows push C down
@@ -32,14 +35,17 @@ std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
     if (s.oldPointPair[k].vertex >= s.vertices + s.edges) {
       PointContact now{};
       Real gap, margin;
-      touchCorner(s, s.oldPointPair[k].vertex, s.oldPointPair[k].other, rowOfPair(s.oldPointPair, k), now, gap, margin);
+      touchCorner(s, s.oldPointPair[k].vertex, s.oldPointPair[k].other, rowOfPair(s.oldPointPair, k), now,
+                  gap, margin);
       depth = static_cast<double>(max(-gap, -p.length));
       // the corner that is nearest to the point
       Real most = 0;
       for (int c = 0; c < kPointCorners && p.v[c] >= 0; ++c)
         if (-p.weight[c] > most) most = -p.weight[c], vertex = p.v[c];
     } else if (p.body >= 0) {
-      depth = static_cast<double>(s.vertexParams[vertex].radius - pointToBody(s, vertex, p.body, s.vertexParams[vertex].length, p.n).distance);
+      depth = static_cast<double>(
+          s.vertexParams[vertex].radius -
+          pointToBody(s, vertex, p.body, s.vertexParams[vertex].length, p.n).distance);
     } else if (s.oldPointPair[k].other >= kCornerNode) {
       const NearParts parts = nearParts(s, s.oldPointPair[k].vertex, s.oldPointPair[k].other);
       depth = static_cast<double>(touchDistance(s, parts) - length(parts.gap));
@@ -53,7 +59,8 @@ std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
               length(s.vertexPosition[other] - s.vertexPosition[vertex]);
     }
     if (depth < 0 && !(p.lambdaN > Real(0))) continue;
-    out.push_back({vertex, p.body, other, Vec3d(p.n), Vec3d(p.n * p.lambdaN + t1 * p.lambda1 + t2 * p.lambda2), depth});
+    out.push_back(
+        {vertex, p.body, other, Vec3d(p.n), Vec3d(p.n * p.lambdaN + t1 * p.lambda1 + t2 * p.lambda2), depth});
   }
   return out;
 }
@@ -74,7 +81,8 @@ void addSoftQuality(const HostTables& tables, Quality& q, std::vector<double>& d
     const VertexParams& p = s.vertexParams[v];
     const double v2 = dot(Vec3d(s.vertexVelocity[v]), Vec3d(s.vertexVelocity[v]));
     q.kineticEnergy += .5 * static_cast<double>(p.mass) * v2;
-    q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) * dot(Vec3d(s.step.gravity), s.vertexPosition[v]);
+    q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) *
+                         dot(Vec3d(s.step.gravity), s.vertexPosition[v]);
     q.maxSpeed = std::max(q.maxSpeed, std::sqrt(v2));
   }
 }

@@ -1,10 +1,11 @@
-/// What the solver keeps of each body and vertex, for those who look at it: colour, stiffness and multipliers of the rows that act there.
+/// What the solver keeps of each body and vertex, for those who look at it: colour, stiffness and multipliers
+/// of the rows that act there.
 #include <algorithm>
 #include <cmath>
 
-#include "tables/table_edit.h"
 #include "stages/contacts/contacts.h"
 #include "stages/joints/joints.h"
+#include "tables/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 namespace {
@@ -29,13 +30,13 @@ void addContacts(const SolverData& s, std::vector<SolverState>& bodies) {
     for (int k = 0; k < m.count; ++k) {
       const auto& load = rows.load[k];
       const Real lambda[3] = {load.lambdaN, load.lambda1, load.lambda2};
-      for (const int body : {rows.a, rows.b}) raise(bodies[static_cast<std::size_t>(body)], std::max(load.kN, rows.slip[k].kT), sizeOf(lambda, 3));
+      for (const int body : {rows.a, rows.b})
+        raise(bodies[static_cast<std::size_t>(body)], std::max(load.kN, rows.slip[k].kT), sizeOf(lambda, 3));
     }
   }
 }
 
-template <class F>
-void addJoint(const SolverData& s, int slot, std::vector<SolverState>& bodies) {
+template <class F> void addJoint(const SolverData& s, int slot, std::vector<SolverState>& bodies) {
   const JointSpec<F>& spec = s.specsOf<F>()[slot];
   const Joint<F>& joint = s.jointsOf<F>()[slot];
   SolverState state;
@@ -51,10 +52,13 @@ void addJoint(const SolverData& s, int slot, std::vector<SolverState>& bodies) {
     }
   });
   for (int side = 0; side < kSides<F>; ++side)
-    if (const int body = bodyOf(spec, side); body != kWorldBody) raise(bodies[static_cast<std::size_t>(body)], static_cast<Real>(state.stiffness), static_cast<Real>(state.multiplier));
+    if (const int body = bodyOf(spec, side); body != kWorldBody)
+      raise(bodies[static_cast<std::size_t>(body)], static_cast<Real>(state.stiffness),
+            static_cast<Real>(state.multiplier));
 }
 
-void addVertexRows(const SolverData& s, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) {
+void addVertexRows(const SolverData& s, std::vector<SolverState>& bodies,
+                   std::vector<SolverState>& vertices) {
   for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k) {
     const PointContact& p = s.oldPointContact[k];
     if (!p.active) continue;
@@ -75,7 +79,8 @@ void addVertexRows(const SolverData& s, std::vector<SolverState>& bodies, std::v
 
 }  // namespace
 
-void solverStatesOf(const HostTables& tables, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) {
+void solverStatesOf(const HostTables& tables, std::vector<SolverState>& bodies,
+                    std::vector<SolverState>& vertices) {
   const SolverData& s = tables.view();
   bodies.assign(static_cast<std::size_t>(s.bodies), {});
   vertices.assign(static_cast<std::size_t>(s.vertices), {});

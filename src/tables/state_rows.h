@@ -4,27 +4,31 @@
 
 #include <rubble/arrays.h>
 
-#include "state/view.h"
+#include "state/solver_data.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// f(member of SolverData) of the array.
-template <class F>
-auto withStateArray(StateArray which, F&& f) {
+template <class F> auto withStateArray(StateArray which, F&& f) {
   switch (which) {
-    case StateArray::Position: break;
-    case StateArray::Orientation: return f(&SolverData::orientation);
-    case StateArray::Velocity: return f(&SolverData::velocity);
-    case StateArray::AngularVelocity: return f(&SolverData::angularVelocity);
-    case StateArray::Force: return f(&SolverData::force);
-    case StateArray::Torque: return f(&SolverData::torque);
+    case StateArray::Position:
+      break;
+    case StateArray::Orientation:
+      return f(&SolverData::orientation);
+    case StateArray::Velocity:
+      return f(&SolverData::velocity);
+    case StateArray::AngularVelocity:
+      return f(&SolverData::angularVelocity);
+    case StateArray::Force:
+      return f(&SolverData::force);
+    case StateArray::Torque:
+      return f(&SolverData::torque);
   }
   return f(&SolverData::position);
 }
 
 /// Elements of three or four numbers as an array of host memory.
-template <class T>
-ArrayView rowsOf(const T* data, int rows) {
+template <class T> ArrayView rowsOf(const T* data, int rows) {
   using Number = std::conditional_t<std::is_same_v<T, Vec3d>, double, Real>;
   static_assert(sizeof(T) % sizeof(Number) == 0);
   ArrayView view;
@@ -51,13 +55,18 @@ struct ScatterRows {
   bool isDouble;
 
   ScatterRows(StateArray array, const ArrayView& rowView, const ArrayView& valueView)
-      : which(array), rows(static_cast<const char*>(rowView.data)), values(static_cast<const char*>(valueView.data)),
-        rowStride(rowView.strides[0]), valueStride(valueView.strides[0]), numberStride(valueView.strides[1]),
+      : which(array),
+        rows(static_cast<const char*>(rowView.data)),
+        values(static_cast<const char*>(valueView.data)),
+        rowStride(rowView.strides[0]),
+        valueStride(valueView.strides[0]),
+        numberStride(valueView.strides[1]),
         isDouble(valueView.typestr[2] == '8') {}
 
   RUBBLE_HD double number(int k, int column) const {
     const char* const at = values + k * valueStride + column * numberStride;
-    return isDouble ? *reinterpret_cast<const double*>(at) : static_cast<double>(*reinterpret_cast<const float*>(at));
+    return isDouble ? *reinterpret_cast<const double*>(at)
+                    : static_cast<double>(*reinterpret_cast<const float*>(at));
   }
 
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
@@ -67,12 +76,24 @@ struct ScatterRows {
     if (s.params[slot].kind == BodyKind::Removed) return;
     const Vec3d v{number(k, 0), number(k, 1), number(k, 2)};
     switch (which) {
-      case StateArray::Position: s.position[slot] = v; break;
-      case StateArray::Orientation: s.orientation[slot] = normalize(Quat(QuatT<double>{v.x, v.y, v.z, number(k, 3)})); break;
-      case StateArray::Velocity: s.velocity[slot] = s.previousVelocity[slot] = Vec3(v); break;
-      case StateArray::AngularVelocity: s.angularVelocity[slot] = Vec3(v); break;
-      case StateArray::Force: s.force[slot] += Vec3(v); break;
-      case StateArray::Torque: s.torque[slot] += Vec3(v); break;
+      case StateArray::Position:
+        s.position[slot] = v;
+        break;
+      case StateArray::Orientation:
+        s.orientation[slot] = normalize(Quat(QuatT<double>{v.x, v.y, v.z, number(k, 3)}));
+        break;
+      case StateArray::Velocity:
+        s.velocity[slot] = s.previousVelocity[slot] = Vec3(v);
+        break;
+      case StateArray::AngularVelocity:
+        s.angularVelocity[slot] = Vec3(v);
+        break;
+      case StateArray::Force:
+        s.force[slot] += Vec3(v);
+        break;
+      case StateArray::Torque:
+        s.torque[slot] += Vec3(v);
+        break;
     }
     if (which != StateArray::Force && which != StateArray::Torque) wakeBody(s, slot);
   }
@@ -83,9 +104,16 @@ struct CountedKind {
   const char* name;
   Per per;
 };
-inline constexpr CountedKind kCountedKinds[] = {{"pairs", Per::Pair},           {"activePairs", Per::ActivePair},       {"manifolds", Per::Manifold},
-                                                {"rollers", Per::Rolling},      {"bounceRows", Per::Bounce},        {"incidences", Per::Incidence},            {"colors", Per::Color},
-                                                {"groups", Per::Aggregate},         {"chunks", Per::Slice},             {"externals", Per::Boundary},
+inline constexpr CountedKind kCountedKinds[] = {{"pairs", Per::Pair},
+                                                {"activePairs", Per::ActivePair},
+                                                {"manifolds", Per::Manifold},
+                                                {"rollers", Per::Rolling},
+                                                {"bounceRows", Per::Bounce},
+                                                {"incidences", Per::Incidence},
+                                                {"colors", Per::Color},
+                                                {"groups", Per::Aggregate},
+                                                {"chunks", Per::Slice},
+                                                {"externals", Per::Boundary},
                                                 {"pointPairs", Per::PointPair},
                                                 {"pointIncidences", Per::PointIncidence},
                                                 {"nearFeatures", Per::NearFeature},
@@ -96,8 +124,7 @@ inline const char* kindName(Per per) {
   return "";
 }
 /// Room in tables for a kind by its name; false if there is none of that name.
-template <class SomeTables>
-bool reserveKind(SomeTables& tables, const std::string& name, int count) {
+template <class SomeTables> bool reserveKind(SomeTables& tables, const std::string& name, int count) {
   for (const CountedKind& kind : kCountedKinds)
     if (name == kind.name) {
       tables.reserve(kind.per, count);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <bit>
 
+#include "stages/joints/joints.h"
 #include "tables/shape_edit.h"
 #include "tables/soft_edit.h"
 #include "tables/state_rows.h"
-#include "stages/joints/joints.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -24,7 +24,8 @@ int traitsOf(const SolverData& s, int slot) {
   if (p.kind == BodyKind::Removed) return 0;
   const BodyFilter& f = s.filter[slot];
   const CollisionFilter usual;
-  const bool filtered = f.sensor || f.layers != usual.layers || f.mask != usual.mask || f.group != usual.group;
+  const bool filtered = f.sensor || f.layers != usual.layers || f.mask != usual.mask ||
+                        f.group != usual.group;
   int traits = (!isPrimitive(p.shape.kind) ? 1 << static_cast<int>(BodyTrait::GeneralShape) : 0) |
                (s.extras[slot].locks != 0 ? 1 << static_cast<int>(BodyTrait::Locked) : 0) |
                (filtered ? 1 << static_cast<int>(BodyTrait::Filtered) : 0) |
@@ -51,7 +52,8 @@ Distribution distribution(std::vector<double>& values) {
 }  // namespace
 
 void reserveNodes(HostTables& tables) {
-  tables.reserve(Per::NodeLevel, (tables.capacity(Per::Body) + tables.capacity(Per::SoftNode)) * kCoarseLevels);
+  tables.reserve(Per::NodeLevel,
+                 (tables.capacity(Per::Body) + tables.capacity(Per::SoftNode)) * kCoarseLevels);
 }
 
 void setBodyCount(HostTables& tables, int slots) {
@@ -106,7 +108,8 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   p.surface = body.surface;
   // member by member: what lies between members is hashed too, and a temporary has it from the stack
   BodyExtras& extras = s.extras[slot];
-  extras.linearDamping = static_cast<Real>(body.linearDamping), extras.angularDamping = static_cast<Real>(body.angularDamping);
+  extras.linearDamping = static_cast<Real>(body.linearDamping),
+  extras.angularDamping = static_cast<Real>(body.angularDamping);
   extras.locks = dynamic ? body.locks : 0;
   const CollisionFilter& f = body.filter;
   s.filter[slot] = {f.layers, f.mask, f.group, body.sensor};
@@ -154,7 +157,9 @@ void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
   for (const int slot : slots) gone[static_cast<std::size_t>(slot)] = 1;
   for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k) {
     const Pair& p = s.oldPair[k];
-    if (!gone[static_cast<std::size_t>(p.owner)] && !(p.other >= 0 && gone[static_cast<std::size_t>(p.other)])) continue;
+    if (!gone[static_cast<std::size_t>(p.owner)] &&
+        !(p.other >= 0 && gone[static_cast<std::size_t>(p.other)]))
+      continue;
     forgetOldPair(s, k);
   }
   for (const int slot : slots) forgetVertexContacts(tables, slot);
@@ -174,7 +179,8 @@ void abandonStep(HostTables& tables) {
 void endForces(HostTables& tables) {
   const SolverData& s = tables.view();
   const Vec3 none{0, 0, 0};
-  std::fill_n(s.force, s.bodies, none), std::fill_n(s.torque, s.bodies, none), std::fill_n(s.vertexForce, s.vertices, none);
+  std::fill_n(s.force, s.bodies, none), std::fill_n(s.torque, s.bodies, none),
+      std::fill_n(s.vertexForce, s.vertices, none);
 }
 
 void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change) {
@@ -218,10 +224,10 @@ void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& p
 namespace {
 
 /// visit(pair, manifold) for every pair of the last step that has points.
-template <class Visit>
-void forEachManifold(const SolverData& s, Visit&& visit) {
+template <class Visit> void forEachManifold(const SolverData& s, Visit&& visit) {
   for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
-    if (const int m = manifoldOfOld(s, k); m >= 0 && s.oldManifold[m].count > 0 && s.oldPair[k].other >= 0) visit(ordered(s.oldPair[k]), s.oldManifold[m]);
+    if (const int m = manifoldOfOld(s, k); m >= 0 && s.oldManifold[m].count > 0 && s.oldPair[k].other >= 0)
+      visit(ordered(s.oldPair[k]), s.oldManifold[m]);
 }
 
 /// The two surfaces at a point, relative to the centre of A.
@@ -229,7 +235,8 @@ struct SurfacePoints {
   Vec3 onA, onB;
 };
 SurfacePoints surfacePoints(const SolverData& s, const OrderedPair& o, const Manifold& m, int point) {
-  return {rotate(s.orientation[o.a], pointOnA(m, point)), centreDistance(s, o.a, o.b) + rotate(s.orientation[o.b], pointOnB(m, point))};
+  return {rotate(s.orientation[o.a], pointOnA(m, point)),
+          centreDistance(s, o.a, o.b) + rotate(s.orientation[o.b], pointOnB(m, point))};
 }
 
 }  // namespace
@@ -247,7 +254,8 @@ std::vector<EngineContact> contactsOf(const HostTables& tables) {
     tangentBasis(n, t1, t2);
     for (int k = 0; k < m.count; ++k) {
       const SurfacePoints x = surfacePoints(s, o, m, k);
-      const Vec3 force = r ? n * r->load[k].lambdaN + t1 * r->load[k].lambda1 + t2 * r->load[k].lambda2 : n * m.lambdaN[k] + t1 * m.lambda1[k] + t2 * m.lambda2[k];
+      const Vec3 force = r ? n * r->load[k].lambdaN + t1 * r->load[k].lambda1 + t2 * r->load[k].lambda2
+                           : n * m.lambdaN[k] + t1 * m.lambda1[k] + t2 * m.lambda2[k];
       out.push_back({o.a, o.b, s.position[o.a] + Vec3d((x.onA + x.onB) * Real(.5)), Vec3d(n), Vec3d(force),
                      static_cast<double>(dot(n, x.onA - x.onB))});
     }
@@ -263,7 +271,8 @@ std::vector<EngineTouch> touchesOf(const HostTables& tables) {
     for (int k = 0; k < m.count; ++k) {
       const SurfacePoints x = surfacePoints(s, o, m, k);
       const bool loaded = m.row >= 0 && s.contact[m.row].load[k].lambdaN > Real(0);
-      touch |= loaded || dot(m.normal, x.onA - x.onB) > -kInactiveGap * pairLength(s.params[o.a], s.params[o.b]);
+      touch |= loaded ||
+               dot(m.normal, x.onA - x.onB) > -kInactiveGap * pairLength(s.params[o.a], s.params[o.b]);
     }
     if (touch) out.push_back({o.a, o.b, isSensor(s, o.a) || isSensor(s, o.b)});
   });
@@ -303,8 +312,10 @@ Quality qualityOf(const HostTables& tables) {
     if (p.kind != BodyKind::Dynamic) continue;
     const Vec3 w = rotateInverse(s.orientation[i], s.angularVelocity[i]);
     const double v2 = dot(Vec3d(s.velocity[i]), Vec3d(s.velocity[i]));
-    q.kineticEnergy += .5 * (static_cast<double>(p.mass) * v2 + static_cast<double>(dot(w, mul(p.inertia, w))));
-    q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) * dot(Vec3d(s.step.gravity), s.position[i]);
+    q.kineticEnergy += .5 *
+                       (static_cast<double>(p.mass) * v2 + static_cast<double>(dot(w, mul(p.inertia, w))));
+    q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) *
+                         dot(Vec3d(s.step.gravity), s.position[i]);
     q.maxSpeed = std::max(q.maxSpeed, std::sqrt(v2));
   }
   return q;

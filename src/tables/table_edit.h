@@ -2,9 +2,9 @@
 /// Edits and measures of tables in host memory.
 #include <vector>
 
+#include "state/solver_tables.h"
 #include "tables/host_memory.h"
 #include "tables/records.h"
-#include "state/tables.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -28,8 +28,8 @@ BodyState bodyState(const HostTables& tables, int slot);
 void setBodyState(HostTables& tables, int slot, const BodyState& state);
 /// Forces and torques act for one step, of however many substeps.
 void endForces(HostTables& tables);
-/// After a step that found no memory: bodies and vertices, which move at its very end, are where they were; its contacts and those of the step
-/// before, whose place it had begun to use, are forgotten.
+/// After a step that found no memory: bodies and vertices, which move at its very end, are where they were;
+/// its contacts and those of the step before, whose place it had begun to use, are forgotten.
 void abandonStep(HostTables& tables);
 void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change);
 /// Contacts of many slots at once.
@@ -52,7 +52,8 @@ JointState jointStateOf(const HostTables& tables, int type, int slot);
 std::vector<std::pair<int, int>> brokenJointsOf(const HostTables& tables);
 Quality qualityOf(const HostTables& tables);
 /// By slot.
-void solverStatesOf(const HostTables& tables, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices);
+void solverStatesOf(const HostTables& tables, std::vector<SolverState>& bodies,
+                    std::vector<SolverState>& vertices);
 
 /// Everything that lasts from step to step, as bytes; equal states give equal bytes.
 std::vector<std::byte> saveTables(const HostTables& tables);

@@ -10,46 +10,70 @@ namespace {
 std::size_t liveCount(const SolverData& s, Per per) {
   if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(s.joints[type]);
   switch (per) {
-    case Per::Body: return static_cast<std::size_t>(s.bodies);
-    case Per::Pair: return static_cast<std::size_t>(s.oldPairOffset[s.bodies]);
-    case Per::ActivePair: return static_cast<std::size_t>(s.counters->activePairs);
-    case Per::Manifold: return static_cast<std::size_t>(s.counters->manifolds);
-    case Per::Plane: return static_cast<std::size_t>(s.planes);
-    case Per::Exclusion: return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
-    case Per::ShapeVector: return static_cast<std::size_t>(s.shapeVectors);
-    case Per::ShapeIndex: return static_cast<std::size_t>(s.shapeIndices);
-    case Per::ShapePart: return static_cast<std::size_t>(s.shapeParts);
-    case Per::Surface: return static_cast<std::size_t>(s.surfaces);
+    case Per::Body:
+      return static_cast<std::size_t>(s.bodies);
+    case Per::Pair:
+      return static_cast<std::size_t>(s.oldPairOffset[s.bodies]);
+    case Per::ActivePair:
+      return static_cast<std::size_t>(s.counters->activePairs);
+    case Per::Manifold:
+      return static_cast<std::size_t>(s.counters->manifolds);
+    case Per::Plane:
+      return static_cast<std::size_t>(s.planes);
+    case Per::Exclusion:
+      return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
+    case Per::ShapeVector:
+      return static_cast<std::size_t>(s.shapeVectors);
+    case Per::ShapeIndex:
+      return static_cast<std::size_t>(s.shapeIndices);
+    case Per::ShapePart:
+      return static_cast<std::size_t>(s.shapeParts);
+    case Per::Surface:
+      return static_cast<std::size_t>(s.surfaces);
     // none before the first step with such materials
-    case Per::Rolling: return s.rolls ? static_cast<std::size_t>(s.counters->rollers) : 0;
-    case Per::Vertex: return static_cast<std::size_t>(s.vertices);
-    case Per::PointOwner: return static_cast<std::size_t>(s.owners());
-    case Per::Feature: return static_cast<std::size_t>(s.features);
-    case Per::ElementRef: return static_cast<std::size_t>(s.refOffset[s.vertices]);
-    case Per::TetraCorner: return static_cast<std::size_t>(s.tetraCornerOffset[s.vertices]);
-    case Per::Neighbor: return static_cast<std::size_t>(s.neighborOffset[s.vertices]);
-    case Per::PointPair: return static_cast<std::size_t>(s.oldPointPairOffset[s.owners()]);
-    case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
-    case Per::ClusterRef: return static_cast<std::size_t>(s.clusterRefs);
-    case Per::SoftNode: return static_cast<std::size_t>(s.softNodes);
-    case Per::Strand: return static_cast<std::size_t>(s.strands);
-    case Per::StrandVertex: return static_cast<std::size_t>(s.strandVertices);
-    case Per::Attachment: return static_cast<std::size_t>(s.attachments);
-    default: return elementCount(s, per);
+    case Per::Rolling:
+      return s.rolls ? static_cast<std::size_t>(s.counters->rollers) : 0;
+    case Per::Vertex:
+      return static_cast<std::size_t>(s.vertices);
+    case Per::PointOwner:
+      return static_cast<std::size_t>(s.owners());
+    case Per::Feature:
+      return static_cast<std::size_t>(s.features);
+    case Per::ElementRef:
+      return static_cast<std::size_t>(s.refOffset[s.vertices]);
+    case Per::TetraCorner:
+      return static_cast<std::size_t>(s.tetraCornerOffset[s.vertices]);
+    case Per::Neighbor:
+      return static_cast<std::size_t>(s.neighborOffset[s.vertices]);
+    case Per::PointPair:
+      return static_cast<std::size_t>(s.oldPointPairOffset[s.owners()]);
+    case Per::Cluster:
+      return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
+    case Per::ClusterRef:
+      return static_cast<std::size_t>(s.clusterRefs);
+    case Per::SoftNode:
+      return static_cast<std::size_t>(s.softNodes);
+    case Per::Strand:
+      return static_cast<std::size_t>(s.strands);
+    case Per::StrandVertex:
+      return static_cast<std::size_t>(s.strandVertices);
+    case Per::Attachment:
+      return static_cast<std::size_t>(s.attachments);
+    default:
+      return elementCount(s, per);
   }
 }
 
-template <class Visit>
-void forEachKept(const SolverData& s, Visit&& visit) {
+template <class Visit> void forEachKept(const SolverData& s, Visit&& visit) {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (array.life != Lifetime::Authored && array.life != Lifetime::State) return;
     visit(array, sizeof(T) * (liveCount(s, array.per) + static_cast<std::size_t>(array.extra)));
   });
 }
 
-/// Copies elements with their padding cleared, where the compiler can: it holds no state, but is hashed with it.
-template <class T>
-void copyClean(std::byte* to, const T* from, std::size_t bytes) {
+/// Copies elements with their padding cleared, where the compiler can: it holds no state, but is hashed with
+/// it.
+template <class T> void copyClean(std::byte* to, const T* from, std::size_t bytes) {
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_clear_padding)
   for (std::size_t i = 0; i < bytes / sizeof(T); ++i) {
@@ -76,10 +100,22 @@ struct SavedCounts {
 
 std::vector<std::byte> saveTables(const HostTables& tables) {
   const SolverData& s = tables.view();
-  SavedCounts counts{s.bodies, s.planes, static_cast<int>(liveCount(s, Per::Pair)), s.counters->activePairs, s.counters->manifolds,
-                     static_cast<int>(liveCount(s, Per::Exclusion)), s.shapeVectors, s.shapeIndices, s.shapeParts,
-                     s.surfaces, s.rolledBefore, static_cast<int>(liveCount(s, Per::Rolling)), tables.traits(), {},
-                     static_cast<int>(liveCount(s, Per::PointPair)), softCounts(s)};
+  SavedCounts counts{s.bodies,
+                     s.planes,
+                     static_cast<int>(liveCount(s, Per::Pair)),
+                     s.counters->activePairs,
+                     s.counters->manifolds,
+                     static_cast<int>(liveCount(s, Per::Exclusion)),
+                     s.shapeVectors,
+                     s.shapeIndices,
+                     s.shapeParts,
+                     s.surfaces,
+                     s.rolledBefore,
+                     static_cast<int>(liveCount(s, Per::Rolling)),
+                     tables.traits(),
+                     {},
+                     static_cast<int>(liveCount(s, Per::PointPair)),
+                     softCounts(s)};
   std::copy(std::begin(s.joints), std::end(s.joints), counts.joints);
   std::size_t size = sizeof counts;
   forEachKept(s, [&](const auto&, std::size_t bytes) { size += bytes; });
@@ -113,12 +149,14 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   tables.reserve(Per::ShapeIndex, counts.shapeIndices);
   tables.reserve(Per::ShapePart, counts.shapeParts);
   tables.reserve(Per::Surface, counts.surfaces);
-  tables.reserve(Per::Rolling, counts.traits[BodyTrait::Rolls] > 0 ? std::max(counts.activePairs, counts.rollers) : 0);
+  tables.reserve(Per::Rolling,
+                 counts.traits[BodyTrait::Rolls] > 0 ? std::max(counts.activePairs, counts.rollers) : 0);
   SolverData& s = tables.view();
   s.bodies = counts.bodies;
   s.planes = counts.planes;
   s.treesStale = 1;
-  s.shapeVectors = counts.shapeVectors, s.shapeIndices = counts.shapeIndices, s.shapeParts = counts.shapeParts;
+  s.shapeVectors = counts.shapeVectors, s.shapeIndices = counts.shapeIndices,
+  s.shapeParts = counts.shapeParts;
   s.surfaces = counts.surfaces;
   tables.setTraits(counts.traits);
   s.rolledBefore = counts.rolledBefore != 0;

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "tables/table_edit.h"
 #include "stages/joints/joints.h"
+#include "tables/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -16,9 +16,11 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// What joints there are between dynamic bodies.
 class Plan {
  public:
-  explicit Plan(const SolverData& s) : s_(s), component_(at(s.bodies)), near_(at(s.bodies)), round_(at(s.bodies), -1) {
+  explicit Plan(const SolverData& s)
+      : s_(s), component_(at(s.bodies)), near_(at(s.bodies)), round_(at(s.bodies), -1) {
     std::iota(component_.begin(), component_.end(), 0);
-    joined_.assign(at(s.bodies), 0), limited_.assign(at(s.bodies), 0), held_.assign(at(s.bodies), 0), grounded_.assign(at(s.bodies), 0), whole_.assign(at(s.bodies), 1);
+    joined_.assign(at(s.bodies), 0), limited_.assign(at(s.bodies), 0), held_.assign(at(s.bodies), 0),
+        grounded_.assign(at(s.bodies), 0), whole_.assign(at(s.bodies), 1);
     readJoints();
     eliminate();
   }
@@ -38,20 +40,21 @@ class Plan {
   static void listTrees(SolverData& s);
 
   const SolverData& s_;
-  std::vector<int> component_;              ///< union-find over joints
-  std::vector<std::vector<int>> near_;      ///< neighbours that are left, and after its elimination those it had then
-  std::vector<int> round_;                  ///< of elimination, -1: never
-  std::vector<char> joined_;                ///< has a joint
-  std::vector<int> held_, grounded_;        ///< of a component: joints that hold two of its bodies, or one to what does not move
-  std::vector<char> whole_;                 ///< of a component: all of it is eliminated
-  std::vector<int> order_;                  ///< bodies by round
-  std::vector<int> begin_;                  ///< of each round
-  std::vector<char> limited_;               ///< of a component: a joint has limits
+  std::vector<int> component_;  ///< union-find over joints
+  std::vector<std::vector<int>>
+      near_;                  ///< neighbours that are left, and after its elimination those it had then
+  std::vector<int> round_;    ///< of elimination, -1: never
+  std::vector<char> joined_;  ///< has a joint
+  std::vector<int> held_,
+      grounded_;  ///< of a component: joints that hold two of its bodies, or one to what does not move
+  std::vector<char> whole_;    ///< of a component: all of it is eliminated
+  std::vector<int> order_;     ///< bodies by round
+  std::vector<int> begin_;     ///< of each round
+  std::vector<char> limited_;  ///< of a component: a joint has limits
 };
 
 /// Coordinates that go from one value to another, and not on.
-template <class F>
-bool hasLimits(const JointSpec<F>& spec) {
+template <class F> bool hasLimits(const JointSpec<F>& spec) {
   bool found = false;
   forEachPart<F>([&]<int I, class P>() {
     if constexpr (P::kAxis) {
@@ -160,7 +163,8 @@ void Plan::write(HostTables& tables) {
   for (std::size_t n = 0; n < kept.size(); ++n) {
     const std::vector<int>& parent = near_[at(kept[n])];
     for (std::size_t side = 0; side < parent.size(); ++side)
-      if (const int to = s.nodeOfBody[parent[side]]; to >= 0) sources[at(to)].push_back(static_cast<int>(2 * n + side));
+      if (const int to = s.nodeOfBody[parent[side]]; to >= 0)
+        sources[at(to)].push_back(static_cast<int>(2 * n + side));
   }
   tables.reserve(Per::TreeNode, static_cast<int>(kept.size()));
   std::size_t total = 0;
@@ -169,7 +173,8 @@ void Plan::write(HostTables& tables) {
   s.treeChildren = 0;
   for (std::size_t n = 0; n < kept.size(); ++n) {
     const int body = kept[n];
-    TreeNode node{body, s.nodeOfBody[root(body)], {-1, -1}, s.treeChildren, 0, exact(body), limited_[at(root(body))]};
+    TreeNode node{body,        s.nodeOfBody[root(body)], {-1, -1}, s.treeChildren, 0,
+                  exact(body), limited_[at(root(body))]};
     s.treeLimits |= node.limited;
     const std::vector<int>& parent = near_[at(body)];
     for (std::size_t side = 0; side < parent.size(); ++side) node.parent[side] = s.nodeOfBody[parent[side]];
@@ -187,7 +192,8 @@ void Plan::listTrees(SolverData& s) {
   for (int n = 0; n < nodes; ++n) lists[at(s.treeNode[n].tree)].push_back(n);
   std::erase_if(lists, [](const std::vector<int>& list) { return list.empty(); });
   s.trees = static_cast<int>(lists.size());
-  s.smallTrees = std::all_of(lists.begin(), lists.end(), [](const std::vector<int>& list) { return list.size() <= at(kSmallTree); });
+  s.smallTrees = std::all_of(lists.begin(), lists.end(),
+                             [](const std::vector<int>& list) { return list.size() <= at(kSmallTree); });
   int* to = s.treeMember;
   for (std::size_t k = 0; k < lists.size(); ++k) {
     s.treeOffset[k] = static_cast<int>(to - s.treeMember);

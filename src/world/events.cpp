@@ -9,7 +9,9 @@ namespace rubble {
 
 namespace {
 
-bool before(const Touch& s, const Touch& t) { return std::pair(s.a.index, s.b.index) < std::pair(t.a.index, t.b.index); }
+bool before(const Touch& s, const Touch& t) {
+  return std::pair(s.a.index, s.b.index) < std::pair(t.a.index, t.b.index);
+}
 bool same(const Touch& s, const Touch& t) { return s.a == t.a && s.b == t.b; }
 
 }  // namespace
@@ -24,8 +26,9 @@ void World::Impl::collectContacts() {
   // two bodies may touch at several of their parts
   now.erase(std::unique(now.begin(), now.end(), same), now.end());
   std::vector<EngineContact> points = engine->contacts();
-  std::stable_sort(points.begin(), points.end(),
-                   [](const EngineContact& p, const EngineContact& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });
+  std::stable_sort(points.begin(), points.end(), [](const EngineContact& p, const EngineContact& q) {
+    return std::pair(p.a, p.b) < std::pair(q.a, q.b);
+  });
 
   const auto add = [&](Phase phase, const Touch& touch) {
     ContactEvent& event = events.contacts.emplace_back();
@@ -34,7 +37,8 @@ void World::Impl::collectContacts() {
     event.sensor = touch.sensor;
     if (phase == Phase::End || touch.sensor) return;
     const auto key = std::pair(touch.a.index, touch.b.index);
-    auto p = std::lower_bound(points.begin(), points.end(), key, [](const EngineContact& c, const auto& k) { return std::pair(c.a, c.b) < k; });
+    auto p = std::lower_bound(points.begin(), points.end(), key,
+                              [](const EngineContact& c, const auto& k) { return std::pair(c.a, c.b) < k; });
     for (; p != points.end() && std::pair(p->a, p->b) == key; ++p) {
       event.points.push_back({touch.a, touch.b, p->position, p->normal, p->depth, p->force});
       event.impulse += p->force * params.dt;
@@ -74,9 +78,12 @@ void World::Impl::collectSleeps() {
     if (const auto id = registry.bodies.at(slot)) events.sleeps.push_back({*id, asleep});
   };
   while (i < old.size() || k < now.size()) {
-    if (k == now.size() || (i < old.size() && old[i] < now[k])) add(old[i++], false);
-    else if (i == old.size() || now[k] < old[i]) add(now[k++], true);
-    else ++i, ++k;
+    if (k == now.size() || (i < old.size() && old[i] < now[k]))
+      add(old[i++], false);
+    else if (i == old.size() || now[k] < old[i])
+      add(now[k++], true);
+    else
+      ++i, ++k;
   }
   registry.sleepers = now;
 }
@@ -103,8 +110,10 @@ void World::wake(BodyId id) {
 
 void World::Impl::wake(BodyId id) {
   if (!params.sleeping || id.index < 0) return;
-  if (registry.bodies[id].def.motion == Motion::Dynamic) engine->setState(id.index, engine->state(id.index));
-  else engine->forgetContacts(id.index);
+  if (registry.bodies[id].def.motion == Motion::Dynamic)
+    engine->setState(id.index, engine->state(id.index));
+  else
+    engine->forgetContacts(id.index);
 }
 
 std::vector<ContactPoint> World::contacts() const {

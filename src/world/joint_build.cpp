@@ -12,7 +12,9 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-Vec3 worldPoint(const JointBodyState& body, const Vec3& local) { return body.position + rotate(body.orientation, local); }
+Vec3 worldPoint(const JointBodyState& body, const Vec3& local) {
+  return body.position + rotate(body.orientation, local);
+}
 
 /// Mass of the two bodies against one another: the smaller one where the other does not move.
 double reduced(double a, double b) { return a > 0 && b > 0 ? a * b / (a + b) : std::max(a, b); }
@@ -37,7 +39,8 @@ EngineGroup off() { return {EngineGroup::Mode::Off, kHard, 0, kHard}; }
 
 class Builder {
  public:
-  Builder(const JointDef& def, const JointBodies& bodies, const EngineJoint* before) : def_(def), bodies_(bodies), before_(before) {}
+  Builder(const JointDef& def, const JointBodies& bodies, const EngineJoint* before)
+      : def_(def), bodies_(bodies), before_(before) {}
   EngineJoint build();
 
  private:
@@ -46,11 +49,13 @@ class Builder {
     return reduced(momentAbout(bodies_.a, def_.anchorA, axis), momentAbout(bodies_.b, def_.anchorB, axis));
   }
   EngineGroup anchors() const {
-    return {EngineGroup::Mode::Hold, def_.stiffness, dampingOf(def_.damping, def_.dampingRatio, def_.stiffness, mass()), def_.maxForce};
+    return {EngineGroup::Mode::Hold, def_.stiffness,
+            dampingOf(def_.damping, def_.dampingRatio, def_.stiffness, mass()), def_.maxForce};
   }
   EngineGroup orientation() const {
     return {EngineGroup::Mode::Hold, def_.angularStiffness,
-            dampingOf(def_.angularDamping, def_.angularDampingRatio, def_.angularStiffness, moment(nullptr)), def_.maxTorque};
+            dampingOf(def_.angularDamping, def_.angularDampingRatio, def_.angularStiffness, moment(nullptr)),
+            def_.maxTorque};
   }
   void useAxes() { joint_.axes.assign(def_.axes.begin(), def_.axes.begin() + axisCount(def_.type)); }
   void lengthJoint();
@@ -69,7 +74,8 @@ class Builder {
 void Builder::lengthJoint() {
   double now = length(worldPoint(bodies_.a, def_.anchorA) - worldPoint(bodies_.b, def_.anchorB));
   if (def_.type == JointType::Pulley)
-    now = length(worldPoint(bodies_.a, def_.anchorA) - def_.pulleyA) + def_.ratio * length(worldPoint(bodies_.b, def_.anchorB) - def_.pulleyB);
+    now = length(worldPoint(bodies_.a, def_.anchorA) - def_.pulleyA) +
+          def_.ratio * length(worldPoint(bodies_.b, def_.anchorB) - def_.pulleyB);
   // as it was when the joint was made
   if (before_) now = before_->axes[0].targetPosition;
   const double wanted = def_.length < 0 ? now : def_.length;
@@ -111,7 +117,8 @@ void Builder::swingTwist() {
   joint_.type = EngineJointType::SwingTwist;
   const double inertia = moment(nullptr);
   EngineGroup drive{EngineGroup::Mode::Hold, def_.driveStiffness, def_.driveDamping, def_.maxDriveTorque};
-  if (!(def_.driveStiffness > 0 || def_.driveDamping > 0) || def_.type == JointType::Ball || !(inertia > 0)) drive = off();
+  if (!(def_.driveStiffness > 0 || def_.driveDamping > 0) || def_.type == JointType::Ball || !(inertia > 0))
+    drive = off();
   EngineGroup friction{EngineGroup::Mode::Friction, kHard, 0, def_.friction};
   if (!(def_.friction > 0)) friction = off();
   joint_.groups = {anchors(), drive, friction};
@@ -121,22 +128,27 @@ void Builder::swingTwist() {
   useAxes();
   // one free direction leaves the other limit as it is: there the cone is nearly closed to half a turn
   constexpr double kWidest = .999 * std::numbers::pi;
-  const double y = std::tan(std::min(def_.swingY, kWidest) / 2), z = std::tan(std::min(def_.swingZ, kWidest) / 2), wide = std::max(y, z);
+  const double y = std::tan(std::min(def_.swingY, kWidest) / 2),
+               z = std::tan(std::min(def_.swingZ, kWidest) / 2), wide = std::max(y, z);
   joint_.coneY = wide / y, joint_.coneZ = wide / z;
   joint_.axes[0].min = -kFree;
   joint_.axes[0].max = def_.swingY == kFree && def_.swingZ == kFree ? kFree : 2 * std::atan(wide);
 }
 
-/// Where just one rotation is not locked it becomes that about x, the only one that is counted over whole turns.
+/// Where just one rotation is not locked it becomes that about x, the only one that is counted over whole
+/// turns.
 void Builder::sixDof() {
   const auto locked = [&](std::size_t i) { return def_.axes[i].min == def_.axes[i].max; };
   joint_.isRigid = locked(0) && locked(1) && locked(2);
   const bool x = locked(3), y = locked(4), z = locked(5);
   joint_.turned = x && !y && z ? 1 : x && y && !z ? 2 : 0;
   joint_.axes.resize(6);
-  for (std::size_t i = 0; i < 6; ++i) joint_.axes[i] = def_.axes[i / 3 * 3 + (i + static_cast<std::size_t>(joint_.turned)) % 3];
+  for (std::size_t i = 0; i < 6; ++i)
+    joint_.axes[i] = def_.axes[i / 3 * 3 + (i + static_cast<std::size_t>(joint_.turned)) % 3];
   // x to y to z: a third of a turn about their diagonal
-  const Quat third = joint_.turned == 0 ? Quat{} : joint_.turned == 1 ? Quat{.5, .5, .5, .5} : Quat{-.5, .5, .5, .5};
+  const Quat third = joint_.turned == 0   ? Quat{}
+                     : joint_.turned == 1 ? Quat{.5, .5, .5, .5}
+                                          : Quat{-.5, .5, .5, .5};
   joint_.frameA = normalize(joint_.frameA * third);
   joint_.frameB = normalize(joint_.frameB * third);
 }
@@ -146,10 +158,13 @@ void Builder::geared() {
   useAxes();
   joint_.isRigid = false;
   const JointBodyState &ca = bodies_.carrierA, &cb = bodies_.carrierB;
-  joint_.baseA = before_ ? before_->baseA : normalize(conjugate(ca.orientation) * bodies_.a.orientation * def_.frameA);
-  joint_.baseB = before_ ? before_->baseB : normalize(conjugate(cb.orientation) * bodies_.b.orientation * def_.frameB);
+  joint_.baseA = before_ ? before_->baseA
+                         : normalize(conjugate(ca.orientation) * bodies_.a.orientation * def_.frameA);
+  joint_.baseB = before_ ? before_->baseB
+                         : normalize(conjugate(cb.orientation) * bodies_.b.orientation * def_.frameB);
   joint_.direction = rotate(joint_.baseB, Vec3{1, 0, 0});
-  joint_.pointB = before_ ? before_->pointB : rotateInverse(cb.orientation, worldPoint(bodies_.b, def_.anchorB) - cb.position);
+  joint_.pointB = before_ ? before_->pointB
+                          : rotateInverse(cb.orientation, worldPoint(bodies_.b, def_.anchorB) - cb.position);
   JointAxis& axis = joint_.axes[0];
   // free as authored means kept: a gear without teeth is none
   if (axis.min == -kFree && axis.max == kFree) axis.min = axis.max = 0;
@@ -166,7 +181,8 @@ EngineJoint Builder::build() {
   j.pointA = def_.pulleyA, j.pointB = def_.pulleyB;
   j.ratio = def_.ratio;
   j.breakForce = def_.breakForce, j.breakTorque = def_.breakTorque;
-  const EngineGroup hard{EngineGroup::Mode::Hold, def_.stiffness, 0, kNever}, stiff{EngineGroup::Mode::Hold, def_.angularStiffness, 0, kNever};
+  const EngineGroup hard{EngineGroup::Mode::Hold, def_.stiffness, 0, kNever},
+      stiff{EngineGroup::Mode::Hold, def_.angularStiffness, 0, kNever};
   switch (def_.type) {
     case JointType::Ball:
       j.type = EngineJointType::Ball;
@@ -207,7 +223,9 @@ EngineJoint Builder::build() {
       j.type = EngineJointType::Pulley;
       lengthJoint();
       break;
-    case JointType::SwingTwist: swingTwist(); break;
+    case JointType::SwingTwist:
+      swingTwist();
+      break;
     case JointType::Universal:
       j.type = EngineJointType::Universal;
       j.groups = {hard, stiff};
@@ -239,23 +257,31 @@ int axisCount(JointType type) {
     case JointType::Spring:
     case JointType::Gear:
     case JointType::Rack:
-    case JointType::Pulley: return 1;
-    case JointType::SwingTwist: return 2;
-    case JointType::SixDof: return 6;
-    default: return 0;
+    case JointType::Pulley:
+      return 1;
+    case JointType::SwingTwist:
+      return 2;
+    case JointType::SixDof:
+      return 6;
+    default:
+      return 0;
   }
 }
 
 bool hasLength(JointType type) {
-  return type == JointType::Distance || type == JointType::Rope || type == JointType::Spring || type == JointType::Pulley;
+  return type == JointType::Distance || type == JointType::Rope || type == JointType::Spring ||
+         type == JointType::Pulley;
 }
 
 void checkCarrier(JointType type, int body, int carrier, const std::string& path) {
   if (carrier == kWorld) return;
-  if (type != JointType::Gear && type != JointType::Rack) throw Error(path, std::string("none for a ") + keyword(type), "a body");
+  if (type != JointType::Gear && type != JointType::Rack)
+    throw Error(path, std::string("none for a ") + keyword(type), "a body");
   if (carrier == body) throw Error(path, "another body than the one that moves in it", "the same");
 }
 
-EngineJoint engineJoint(const JointDef& def, const JointBodies& bodies, const EngineJoint* before) { return Builder(def, bodies, before).build(); }
+EngineJoint engineJoint(const JointDef& def, const JointBodies& bodies, const EngineJoint* before) {
+  return Builder(def, bodies, before).build();
+}
 
 }  // namespace rubble

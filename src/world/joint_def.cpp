@@ -22,7 +22,8 @@ void validateAxis(const JointAxis& axis, const std::string& path) {
   notNegativeOrInfinite(axis.driveDamping, path + ".driveDamping");
   notNegativeOrInfinite(axis.maxDriveForce, path + ".maxDriveForce");
   notNegativeOrInfinite(axis.friction, path + ".friction");
-  if (!std::isfinite(axis.friction)) throw Error(path + ".friction", "a finite number; equal limits lock an axis", text(axis.friction));
+  if (!std::isfinite(axis.friction))
+    throw Error(path + ".friction", "a finite number; equal limits lock an axis", text(axis.friction));
 }
 
 }  // namespace
@@ -41,21 +42,28 @@ void validate(const JointDef& joint, const std::string& path) {
   positiveOrInfinite(joint.breakTorque, path + ".breakTorque");
   positiveOrInfinite(joint.maxForce, path + ".maxForce");
   positiveOrInfinite(joint.maxTorque, path + ".maxTorque");
-  for (const auto& [value, name] : {std::pair{joint.damping, ".damping"}, {joint.dampingRatio, ".dampingRatio"},
-                                    {joint.angularDamping, ".angularDamping"}, {joint.angularDampingRatio, ".angularDampingRatio"},
+  for (const auto& [value, name] : {std::pair{joint.damping, ".damping"},
+                                    {joint.dampingRatio, ".dampingRatio"},
+                                    {joint.angularDamping, ".angularDamping"},
+                                    {joint.angularDampingRatio, ".angularDampingRatio"},
                                     {joint.friction, ".friction"}})
     notNegative(value, path + name);
-  for (const auto& [value, name] : {std::pair{joint.driveStiffness, ".driveStiffness"}, {joint.driveDamping, ".driveDamping"},
+  for (const auto& [value, name] : {std::pair{joint.driveStiffness, ".driveStiffness"},
+                                    {joint.driveDamping, ".driveDamping"},
                                     {joint.maxDriveTorque, ".maxDriveTorque"}})
     notNegativeOrInfinite(value, path + name);
-  if (joint.dampingRatio > 0 && joint.stiffness == kHard) throw Error(path + ".dampingRatio", "a stiffness beside it", "a hard joint");
+  if (joint.dampingRatio > 0 && joint.stiffness == kHard)
+    throw Error(path + ".dampingRatio", "a stiffness beside it", "a hard joint");
   if (joint.angularDampingRatio > 0 && joint.angularStiffness == kHard)
     throw Error(path + ".angularDampingRatio", "an angularStiffness beside it", "a hard joint");
   finite(joint.ratio, path + ".ratio");
   if (joint.ratio == 0) throw Error(path + ".ratio", "a number other than 0", "0");
-  if (joint.type == JointType::Pulley && joint.ratio < 0) throw Error(path + ".ratio", "a positive number for a pulley", text(joint.ratio));
-  if (joint.type == JointType::Spring && joint.stiffness == kHard) throw Error(path + ".stiffness", "a finite stiffness for a spring", "hard");
-  if (joint.type == JointType::Grab && joint.stiffness == kHard) throw Error(path + ".stiffness", "a finite stiffness for a grab", "hard");
+  if (joint.type == JointType::Pulley && joint.ratio < 0)
+    throw Error(path + ".ratio", "a positive number for a pulley", text(joint.ratio));
+  if (joint.type == JointType::Spring && joint.stiffness == kHard)
+    throw Error(path + ".stiffness", "a finite stiffness for a spring", "hard");
+  if (joint.type == JointType::Grab && joint.stiffness == kHard)
+    throw Error(path + ".stiffness", "a finite stiffness for a grab", "hard");
   finite(joint.length, path + ".length");
   finite(joint.pulleyA, path + ".pulleyA");
   finite(joint.pulleyB, path + ".pulleyB");
@@ -63,26 +71,42 @@ void validate(const JointDef& joint, const std::string& path) {
   constexpr double kNarrowest = 1e-3;
   for (const auto& [angle, name] : {std::pair{joint.swingY, ".swingY"}, {joint.swingZ, ".swingZ"}})
     if (!(angle >= kNarrowest)) throw Error(path + name, "an angle of at least 0.001 rad", text(angle));
-  for (std::size_t i = 0; i < joint.axes.size(); ++i) validateAxis(joint.axes[i], path + ".axes[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < joint.axes.size(); ++i)
+    validateAxis(joint.axes[i], path + ".axes[" + std::to_string(i) + "]");
 }
 
 const char* keyword(JointType type) {
   switch (type) {
-    case JointType::Ball: return "ball";
-    case JointType::Fixed: return "fixed";
-    case JointType::Hinge: return "hinge";
-    case JointType::Slider: return "slider";
-    case JointType::Distance: return "distance";
-    case JointType::Rope: return "rope";
-    case JointType::Spring: return "spring";
-    case JointType::AngularSpring: return "angular_spring";
-    case JointType::SwingTwist: return "swing_twist";
-    case JointType::Universal: return "universal";
-    case JointType::SixDof: return "six_dof";
-    case JointType::Gear: return "gear";
-    case JointType::Rack: return "rack";
-    case JointType::Pulley: return "pulley";
-    case JointType::Grab: return "grab";
+    case JointType::Ball:
+      return "ball";
+    case JointType::Fixed:
+      return "fixed";
+    case JointType::Hinge:
+      return "hinge";
+    case JointType::Slider:
+      return "slider";
+    case JointType::Distance:
+      return "distance";
+    case JointType::Rope:
+      return "rope";
+    case JointType::Spring:
+      return "spring";
+    case JointType::AngularSpring:
+      return "angular_spring";
+    case JointType::SwingTwist:
+      return "swing_twist";
+    case JointType::Universal:
+      return "universal";
+    case JointType::SixDof:
+      return "six_dof";
+    case JointType::Gear:
+      return "gear";
+    case JointType::Rack:
+      return "rack";
+    case JointType::Pulley:
+      return "pulley";
+    case JointType::Grab:
+      return "grab";
   }
   return "";
 }
@@ -102,8 +126,8 @@ std::pair<Vec3, Quat> poseOf(const Scene& scene, int body) {
   return {def.position, normalize(def.orientation)};
 }
 
-/// The side of a hinge or slider that moves, and the one that carries it. A hinge of the world's, or of a body that stands still, is turned
-/// round: seen from A its B moves the same way about the opposite axis.
+/// The side of a hinge or slider that moves, and the one that carries it. A hinge of the world's, or of a
+/// body that stands still, is turned round: seen from A its B moves the same way about the opposite axis.
 struct Moving {
   int body, carrier;
   Vec3 anchor;  ///< on the moving body
@@ -111,13 +135,19 @@ struct Moving {
 };
 Moving movingSide(const Scene& scene, int index, JointType type, const char* path) {
   if (index < 0 || static_cast<std::size_t>(index) >= scene.joints.size())
-    throw Error(path, "the index of one of " + std::to_string(scene.joints.size()) + " joints", std::to_string(index));
+    throw Error(path, "the index of one of " + std::to_string(scene.joints.size()) + " joints",
+                std::to_string(index));
   const JointDef& joint = scene.joints[static_cast<std::size_t>(index)];
-  if (joint.type != type) throw Error(path, std::string("a ") + keyword(type), std::string("a ") + keyword(joint.type));
-  const auto stands = [&](int body) { return body == kWorld || scene.bodies.at(static_cast<std::size_t>(body)).motion == Motion::Static; };
+  if (joint.type != type)
+    throw Error(path, std::string("a ") + keyword(type), std::string("a ") + keyword(joint.type));
+  const auto stands = [&](int body) {
+    return body == kWorld || scene.bodies.at(static_cast<std::size_t>(body)).motion == Motion::Static;
+  };
   const Quat a = poseOf(scene, joint.bodyA).second, b = poseOf(scene, joint.bodyB).second;
   const bool line = type == JointType::Slider;
-  if (!stands(joint.bodyA)) return {joint.bodyA, joint.bodyB, joint.anchorA, line ? normalize(conjugate(a) * b * joint.frameB) : joint.frameA};
+  if (!stands(joint.bodyA))
+    return {joint.bodyA, joint.bodyB, joint.anchorA,
+            line ? normalize(conjugate(a) * b * joint.frameB) : joint.frameA};
   // half a turn about y
   return {joint.bodyB, joint.bodyA, joint.anchorB, normalize(joint.frameB * Quat{0, 0, 1, 0})};
 }
@@ -135,7 +165,8 @@ JointDef coupling(JointType type, const Moving& a, const Moving& b, double ratio
 
 }  // namespace
 
-JointDef jointAt(const Scene& scene, JointType type, int bodyA, int bodyB, const Vec3& point, const Quat& frame) {
+JointDef jointAt(const Scene& scene, JointType type, int bodyA, int bodyB, const Vec3& point,
+                 const Quat& frame) {
   const auto [pa, qa] = poseOf(scene, bodyA);
   const auto [pb, qb] = poseOf(scene, bodyB);
   JointDef joint;
@@ -150,10 +181,12 @@ JointDef jointAt(const Scene& scene, JointType type, int bodyA, int bodyB, const
 }
 
 JointDef gearBetween(const Scene& scene, int hingeA, int hingeB, double ratio) {
-  return coupling(JointType::Gear, movingSide(scene, hingeA, JointType::Hinge, "hingeA"), movingSide(scene, hingeB, JointType::Hinge, "hingeB"), ratio);
+  return coupling(JointType::Gear, movingSide(scene, hingeA, JointType::Hinge, "hingeA"),
+                  movingSide(scene, hingeB, JointType::Hinge, "hingeB"), ratio);
 }
 JointDef rackBetween(const Scene& scene, int hinge, int slider, double ratio) {
-  return coupling(JointType::Rack, movingSide(scene, hinge, JointType::Hinge, "hinge"), movingSide(scene, slider, JointType::Slider, "slider"), ratio);
+  return coupling(JointType::Rack, movingSide(scene, hinge, JointType::Hinge, "hinge"),
+                  movingSide(scene, slider, JointType::Slider, "slider"), ratio);
 }
 
 }  // namespace rubble

@@ -13,7 +13,8 @@ namespace {
 using checks::element;
 
 void sameLength(std::size_t wanted, std::size_t got, const char* path) {
-  if (got != wanted) throw Error(path, "as many as there are ids, " + std::to_string(wanted), std::to_string(got));
+  if (got != wanted)
+    throw Error(path, "as many as there are ids, " + std::to_string(wanted), std::to_string(got));
 }
 
 int numbersOf(StateArray which) { return which == StateArray::Orientation ? 4 : 3; }
@@ -22,10 +23,13 @@ void expect(bool holds, const std::string& path, const std::string& expected, co
   if (!holds) throw Error(path, expected, got);
 }
 
-std::string shapeText(const ArrayView& view) { return "(" + std::to_string(view.shape[0]) + ", " + std::to_string(view.shape[1]) + ")"; }
+std::string shapeText(const ArrayView& view) {
+  return "(" + std::to_string(view.shape[0]) + ", " + std::to_string(view.shape[1]) + ")";
+}
 
 double numberAt(const ArrayView& view, std::int64_t row, std::int64_t column) {
-  const char* const at = static_cast<const char*>(view.data) + row * view.strides[0] + column * view.strides[1];
+  const char* const at = static_cast<const char*>(view.data) + row * view.strides[0] +
+                         column * view.strides[1];
   if (view.typestr[2] == '8') return *reinterpret_cast<const double*>(at);
   return static_cast<double>(*reinterpret_cast<const float*>(at));
 }
@@ -73,7 +77,8 @@ std::vector<BodyId> World::Impl::addBodies(std::span<const BodyDef> bodies, cons
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     ready.push_back(this->ready(bodies[k], element(list, k), fresh));
     if (!bodies[k].name.empty())
-      expect(names.emplace(bodies[k].name, k).second, element(list, k) + ".name", kOwnName, "\"" + bodies[k].name + "\"");
+      expect(names.emplace(bodies[k].name, k).second, element(list, k) + ".name", kOwnName,
+             "\"" + bodies[k].name + "\"");
   }
   std::vector<BodyId> ids;
   ids.reserve(bodies.size());
@@ -96,7 +101,8 @@ void World::setStates(std::span<const BodyId> ids, std::span<const BodyState> st
   }
 }
 
-void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> forces, std::span<const Vec3> torques) {
+void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> forces,
+                        std::span<const Vec3> torques) {
   sameLength(ids.size(), forces.size(), "forces");
   if (!torques.empty()) sameLength(ids.size(), torques.size(), "torques");
   for (std::size_t k = 0; k < ids.size(); ++k) {
@@ -104,7 +110,8 @@ void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> force
   }
   checks::finite(forces, "forces");
   checks::finite(torques, "torques");
-  for (std::size_t k = 0; k < ids.size(); ++k) impl_->engine->addForce(ids[k].index, forces[k], torques.empty() ? Vec3{} : torques[k]);
+  for (std::size_t k = 0; k < ids.size(); ++k)
+    impl_->engine->addForce(ids[k].index, forces[k], torques.empty() ? Vec3{} : torques[k]);
 }
 
 void World::applyImpulses(std::span<const BodyId> ids, std::span<const Vec3> impulses) {
@@ -145,12 +152,14 @@ void World::scatter(StateArray which, const ArrayView& rows, const ArrayView& va
   expect(rows.data && values.data, "rows, values", "memory", "none");
   impl_->flush();
   const bool onDevice = impl_->engine->poseCopies() != nullptr;
-  expect(rows.device == values.device, "rows, values", "both on the host or both on the device", "one of each");
+  expect(rows.device == values.device, "rows, values", "both on the host or both on the device",
+         "one of each");
   expect(onDevice || !values.device, "values", "host memory", "memory of a device");
   if (!values.device)
     for (std::int64_t k = 0; k < values.shape[0]; ++k)
       for (int j = 0; j < numbers; ++j)
-        expect(std::isfinite(numberAt(values, k, j)), element("values", static_cast<std::size_t>(k)), "finite numbers", "others");
+        expect(std::isfinite(numberAt(values, k, j)), element("values", static_cast<std::size_t>(k)),
+               "finite numbers", "others");
   impl_->engine->scatter(which, rows, values);
 }
 
@@ -162,7 +171,8 @@ PoseCopies& World::Impl::poseCopies() {
 
 void World::beginPoses() {
   PoseRing& ring = impl_->poses;
-  if (ring.begun - ring.taken >= 2) throw Error("beginPoses", "at most two copies under way: take one", "a third");
+  if (ring.begun - ring.taken >= 2)
+    throw Error("beginPoses", "at most two copies under way: take one", "a third");
   impl_->flush();
   const int buffer = static_cast<int>(ring.begun % 2);
   impl_->poseCopies().begin(buffer);
@@ -182,13 +192,15 @@ PoseFrame World::takePoses() {
   PoseCopies& copies = impl_->poseCopies();
   copies.wait(buffer);
   ++ring.taken;
-  return {ring.frames[buffer].step, ring.frames[buffer].time, copies.position(buffer), copies.orientation(buffer)};
+  return {ring.frames[buffer].step, ring.frames[buffer].time, copies.position(buffer),
+          copies.orientation(buffer)};
 }
 
 void World::reserve(const std::string& kind, int count) {
   // tables grow by half, and what belongs to their elements is counted in int
   constexpr int kMost = 1 << 28;
-  if (count < 0 || count > kMost) throw Error("count", "a number from 0 to " + std::to_string(kMost), std::to_string(count));
+  if (count < 0 || count > kMost)
+    throw Error("count", "a number from 0 to " + std::to_string(kMost), std::to_string(count));
   bool known = false;
   try {
     known = impl_->engine->reserve(kind, count);

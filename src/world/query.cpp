@@ -12,7 +12,9 @@ namespace rubble {
 
 namespace {
 
-std::string at(const char* list, std::size_t i, const char* field) { return std::string(list) + "[" + std::to_string(i) + "]." + field; }
+std::string at(const char* list, std::size_t i, const char* field) {
+  return std::string(list) + "[" + std::to_string(i) + "]." + field;
+}
 
 EngineQuery filtered(EngineQuery::Kind kind, const QueryFilter& filter) {
   EngineQuery q;
@@ -31,15 +33,18 @@ class QueryShapes {
   template <class Query>
   EngineQuery query(EngineQuery::Kind kind, const Query& query, const char* list, std::size_t i) {
     const ShapeType type = query.shape.type;
-    if (type == ShapeType::Plane || type == ShapeType::Mesh || type == ShapeType::HeightField || type == ShapeType::DistanceField)
-      throw Error(at(list, i, "shape"), "a convex solid or a compound", type == ShapeType::Plane ? "a plane" : "another shape");
+    if (type == ShapeType::Plane || type == ShapeType::Mesh || type == ShapeType::HeightField ||
+        type == ShapeType::DistanceField)
+      throw Error(at(list, i, "shape"), "a convex solid or a compound",
+                  type == ShapeType::Plane ? "a plane" : "another shape");
     BodyDef probe;
     probe.shape = query.shape;
     probe.position = query.position, probe.orientation = query.orientation;
     validate(probe, std::string(list) + "[" + std::to_string(i) + "]");
     EngineQuery q = filtered(kind, query.filter);
     q.shape = cooked(query.shape, at(list, i, "shape"));
-    const BodyState state = ShapeFrame{q.shape->unit.centre, q.shape->unit.axes}.toEngine({query.position, normalize(query.orientation), {}, {}});
+    const BodyState state = ShapeFrame{q.shape->unit.centre, q.shape->unit.axes}.toEngine(
+        {query.position, normalize(query.orientation), {}, {}});
     q.position = state.position, q.orientation = state.orientation;
     return q;
   }
@@ -65,7 +70,8 @@ std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
     const RayQuery& ray = rays[i];
     checks::finite(ray.origin, at("rays", i, "origin"));
     const double size = length(ray.direction);
-    if (!(size > 0) || !std::isfinite(size)) throw Error(at("rays", i, "direction"), "a direction", "a vector of length " + std::to_string(size));
+    if (!(size > 0) || !std::isfinite(size))
+      throw Error(at("rays", i, "direction"), "a direction", "a vector of length " + std::to_string(size));
     checks::positive(ray.maxDistance, at("rays", i, "maxDistance"));
     EngineQuery q = filtered(EngineQuery::Ray, ray.filter);
     q.position = ray.origin;
@@ -77,8 +83,11 @@ std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
   const std::vector<EngineHit> hits = impl_->engine->query(queries);
   for (std::size_t i = 0; i < hits.size(); ++i) {
     const EngineHit& hit = hits[i];
-    if (hit.body < 0) out.push_back({});
-    else out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction * rays[i].maxDistance, hit.position, hit.normal});
+    if (hit.body < 0)
+      out.push_back({});
+    else
+      out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction * rays[i].maxDistance,
+                     hit.position, hit.normal});
   }
   return out;
 }
@@ -94,8 +103,10 @@ std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
   impl_->flush();
   std::vector<CastHit> out;
   for (const EngineHit& hit : impl_->engine->query(queries)) {
-    if (hit.body < 0) out.push_back({});
-    else out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position, hit.normal});
+    if (hit.body < 0)
+      out.push_back({});
+    else
+      out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position, hit.normal});
   }
   return out;
 }
@@ -103,7 +114,8 @@ std::vector<CastHit> World::castShapes(std::span<const CastQuery> casts) {
 std::vector<std::vector<BodyId>> World::overlaps(std::span<const OverlapQuery> shapes) {
   std::vector<EngineQuery> queries;
   QueryShapes shapesOf(impl_->registry.shapes);
-  for (std::size_t i = 0; i < shapes.size(); ++i) queries.push_back(shapesOf.query(EngineQuery::Overlap, shapes[i], "shapes", i));
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    queries.push_back(shapesOf.query(EngineQuery::Overlap, shapes[i], "shapes", i));
   impl_->flush();
   std::vector<std::vector<BodyId>> out;
   for (const std::vector<int>& slots : impl_->engine->overlaps(queries)) {
@@ -126,8 +138,10 @@ std::vector<ClosestHit> World::closestPoints(std::span<const ClosestQuery> point
   impl_->flush();
   std::vector<ClosestHit> out;
   for (const EngineHit& hit : impl_->engine->query(queries)) {
-    if (hit.body < 0) out.push_back({});
-    else out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position});
+    if (hit.body < 0)
+      out.push_back({});
+    else
+      out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction, hit.position});
   }
   return out;
 }

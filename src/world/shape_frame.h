@@ -1,5 +1,6 @@
 #pragma once
-/// Between the frame that a shape is authored in and that of the engine, which is at the centre of mass and along the principal axes.
+/// Between the frame that a shape is authored in and that of the engine, which is at the centre of mass and
+/// along the principal axes.
 #include <memory>
 
 #include <rubble/world.h>

@@ -9,13 +9,14 @@ namespace {
 
 /// One with the usual rules and nothing but two frictions and a restitution.
 bool isPlain(const Material& m) {
-  return m.frictionCombine == Combine::Usual && m.restitutionCombine == Combine::Usual && m.rollingFriction == 0 && m.torsionalFriction == 0 &&
-         m.surfaceVelocity == Vec3{};
+  return m.frictionCombine == Combine::Usual && m.restitutionCombine == Combine::Usual &&
+         m.rollingFriction == 0 && m.torsionalFriction == 0 && m.surfaceVelocity == Vec3{};
 }
 
 bool same(const Material& a, const Material& b) {
-  return a.staticFriction == b.staticFriction && a.dynamicFriction == b.dynamicFriction && a.restitution == b.restitution &&
-         a.frictionCombine == b.frictionCombine && a.restitutionCombine == b.restitutionCombine && a.rollingFriction == b.rollingFriction &&
+  return a.staticFriction == b.staticFriction && a.dynamicFriction == b.dynamicFriction &&
+         a.restitution == b.restitution && a.frictionCombine == b.frictionCombine &&
+         a.restitutionCombine == b.restitutionCombine && a.rollingFriction == b.rollingFriction &&
          a.torsionalFriction == b.torsionalFriction && a.surfaceVelocity == b.surfaceVelocity;
 }
 
@@ -24,7 +25,8 @@ bool same(const Material& a, const Material& b) {
 int World::Impl::surfaceOf(const Material& material) {
   if (isPlain(material)) return -1;
   std::vector<Material>& all = registry.surfaces;
-  const auto found = std::find_if(all.begin(), all.end(), [&](const Material& m) { return same(m, material); });
+  const auto found = std::find_if(all.begin(), all.end(),
+                                  [&](const Material& m) { return same(m, material); });
   if (found != all.end()) return static_cast<int>(found - all.begin());
   all.push_back(material);
   engine->setSurfaces(all);
@@ -38,9 +40,11 @@ const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape&
   return found == entries.end() ? nullptr : &*found;
 }
 
-std::shared_ptr<const CookedShape> World::Impl::cookShape(const Shape& shape, const std::string& path, std::vector<CookedEntry>& fresh) const {
+std::shared_ptr<const CookedShape> World::Impl::cookShape(const Shape& shape, const std::string& path,
+                                                          std::vector<CookedEntry>& fresh) const {
   if (!shape.geometry) return std::make_shared<const CookedShape>(cook(shape, path));
-  for (const std::span<const CookedEntry> entries : {std::span(registry.shapes), std::span<const CookedEntry>(fresh)})
+  for (const std::span<const CookedEntry> entries :
+       {std::span(registry.shapes), std::span<const CookedEntry>(fresh)})
     if (const CookedEntry* entry = findCooked(entries, shape)) return entry->cooked;
   fresh.push_back({shape, std::make_shared<const CookedShape>(cook(shape, path)), 0});
   return fresh.back().cooked;

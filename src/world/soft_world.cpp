@@ -9,29 +9,31 @@ namespace rubble {
 
 namespace {
 
-template <class Id>
-std::string describe(Id id) {
-  return "id " + std::to_string(id.index) + " of generation " + std::to_string(id.generation) + ", which is not alive";
+template <class Id> std::string describe(Id id) {
+  return "id " + std::to_string(id.index) + " of generation " + std::to_string(id.generation) +
+         ", which is not alive";
 }
 
 /// Ids in the order in which their objects were added.
-template <class Id, class Record>
-std::vector<Id> inOrder(const Slots<Id, Record>& slots) {
+template <class Id, class Record> std::vector<Id> inOrder(const Slots<Id, Record>& slots) {
   std::vector<Id> ids = slots.ids();
   std::sort(ids.begin(), ids.end(), [&](Id a, Id b) { return slots[a].order < slots[b].order; });
   return ids;
 }
 
 /// Weights of one side of an attachment, a mean: none is negative, and they add up to 1.
-std::vector<double> sideWeights(const std::vector<int>& vertices, const std::vector<double>& weights, int count, const std::string& path) {
+std::vector<double> sideWeights(const std::vector<int>& vertices, const std::vector<double>& weights,
+                                int count, const std::string& path) {
   if (vertices.empty()) throw Error(path, "at least one vertex", "none");
   for (const int v : vertices)
     if (v < 0 || v >= count) throw Error(path, "indices below " + std::to_string(count), std::to_string(v));
   if (weights.empty()) return std::vector<double>(vertices.size(), 1.0 / double(vertices.size()));
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
-  const bool isMean = std::ranges::all_of(weights, [](double w) { return w >= 0; }) && std::abs(sum - 1) < 1e-6;
+  const bool isMean = std::ranges::all_of(weights, [](double w) { return w >= 0; }) &&
+                      std::abs(sum - 1) < 1e-6;
   if (weights.size() != vertices.size() || !isMean)
-    throw Error(path, "a weight of at least 0 for each vertex, which add up to 1", std::to_string(weights.size()) + " of sum " + std::to_string(sum));
+    throw Error(path, "a weight of at least 0 for each vertex, which add up to 1",
+                std::to_string(weights.size()) + " of sum " + std::to_string(sum));
   return weights;
 }
 
@@ -57,25 +59,30 @@ SoftId World::Impl::addSoft(const Deformable& def, const std::string& path) {
 void World::Impl::removeSoft(SoftId id) {
   requireAlive(id);
   for (const AttachmentId a : registry.attachments.ids())
-    if (registry.attachments[a].object == id || registry.attachments[a].otherObject == id) removeAttachment(a);
+    if (registry.attachments[a].object == id || registry.attachments[a].otherObject == id)
+      removeAttachment(a);
   const std::string& name = common(registry.softs[id].def).name;
   if (!name.empty()) registry.softNames.erase(name);
   registry.softs.remove(id);
   softChanged = settingsChanged = true;
 }
 
-AttachmentId World::Impl::addAttachment(const AttachmentDef& def, SoftId object, BodyId body, SoftId other, const std::string& path) {
+AttachmentId World::Impl::addAttachment(const AttachmentDef& def, SoftId object, BodyId body, SoftId other,
+                                        const std::string& path) {
   requireAlive(object);
   if (body.index >= 0) requireAlive(body);
   if (other.index >= 0) requireAlive(other);
-  if (!(def.stiffness > 0)) throw Error(path + ".stiffness", "a number above 0 or infinity", std::to_string(def.stiffness));
-  if (!(def.breakForce > 0)) throw Error(path + ".breakForce", "a number above 0 or infinity", std::to_string(def.breakForce));
+  if (!(def.stiffness > 0))
+    throw Error(path + ".stiffness", "a number above 0 or infinity", std::to_string(def.stiffness));
+  if (!(def.breakForce > 0))
+    throw Error(path + ".breakForce", "a number above 0 or infinity", std::to_string(def.breakForce));
   AttachmentRecord record{def, object, other, body, {}, registry.softOrder++, -1};
   const auto countOf = [&](SoftId id) { return int(registry.softs[id].model->vertices.size()); };
   record.def.weights = sideWeights(def.vertices, def.weights, countOf(object), path + ".vertices");
   std::size_t corners = def.vertices.size();
   if (other.index >= 0) {
-    record.def.otherWeights = sideWeights(def.otherVertices, def.otherWeights, countOf(other), path + ".otherVertices");
+    record.def.otherWeights = sideWeights(def.otherVertices, def.otherWeights, countOf(other),
+                                          path + ".otherVertices");
     corners += def.otherVertices.size();
   }
   if (corners > 4) throw Error(path + ".vertices", "four vertices at most", std::to_string(corners));
@@ -84,9 +91,13 @@ AttachmentId World::Impl::addAttachment(const AttachmentDef& def, SoftId object,
   } else if (other.index < 0) {
     const SoftRecord& soft = registry.softs[object];
     std::vector<Vec3> at(std::size_t(countOf(object)));
-    if (soft.range.vertex >= 0) engine->vertexStates(soft.range.vertex, at, {});
-    else std::transform(soft.model->vertices.begin(), soft.model->vertices.end(), at.begin(), [](const auto& v) { return v.position; });
-    for (std::size_t i = 0; i < def.vertices.size(); ++i) record.anchor += record.def.weights[i] * at[std::size_t(def.vertices[i])];
+    if (soft.range.vertex >= 0)
+      engine->vertexStates(soft.range.vertex, at, {});
+    else
+      std::transform(soft.model->vertices.begin(), soft.model->vertices.end(), at.begin(),
+                     [](const auto& v) { return v.position; });
+    for (std::size_t i = 0; i < def.vertices.size(); ++i)
+      record.anchor += record.def.weights[i] * at[std::size_t(def.vertices[i])];
     if (body.index >= 0) {
       const BodyState state = registry.bodies[body].frame.toAuthor(engine->state(body.index));
       record.anchor = rotateInverse(state.orientation, record.anchor - state.position);
@@ -126,7 +137,8 @@ void World::Impl::flushSoft() {
     AttachmentRecord& r = registry.attachments.edit(id);
     EngineAttachment a;
     int corner = 0;
-    const auto addSide = [&](SoftId object, const std::vector<int>& vertices, const std::vector<double>& weights, double sign) {
+    const auto addSide = [&](SoftId object, const std::vector<int>& vertices,
+                             const std::vector<double>& weights, double sign) {
       const SoftRecord& soft = registry.softs[object];
       for (std::size_t i = 0; i < vertices.size(); ++i, ++corner) {
         const SoftModel::Vertex& vertex = soft.model->vertices[std::size_t(vertices[i])];
@@ -143,8 +155,10 @@ void World::Impl::flushSoft() {
     a.seam = r.otherObject.index >= 0;
     if (a.seam) addSide(r.otherObject, r.def.otherVertices, r.def.otherWeights, 1);
     a.body = a.seam ? kWorld : r.body.index;
-    if (a.body == kWorld) a.worldPoint = r.anchor;
-    else a.anchor = registry.bodies[r.body].frame.pointToEngine(r.anchor);
+    if (a.body == kWorld)
+      a.worldPoint = r.anchor;
+    else
+      a.anchor = registry.bodies[r.body].frame.pointToEngine(r.anchor);
     a.bound = r.def.breakForce;
     a.compliance = r.def.stiffness == kHard ? 0 : 1 / r.def.stiffness;
     a.previous = r.engineIndex;
@@ -161,7 +175,8 @@ bool World::alive(SoftId id) const { return impl_->registry.softs.alive(id); }
 std::vector<SoftId> World::deformables() const { return impl_->registry.softs.ids(); }
 SoftId World::findDeformable(const std::string& name) const {
   const auto it = impl_->registry.softNames.find(name);
-  if (it == impl_->registry.softNames.end()) throw Error("deformable", "the name of a deformable object", "\"" + name + "\"");
+  if (it == impl_->registry.softNames.end())
+    throw Error("deformable", "the name of a deformable object", "\"" + name + "\"");
   return it->second;
 }
 SoftId World::deformableAt(int sceneIndex) const {
@@ -199,7 +214,8 @@ std::vector<double> World::masses(SoftId id) const {
 void World::setVertices(SoftId id, std::span<const Vec3> positions, std::span<const Vec3> velocities) {
   const auto count = static_cast<std::size_t>(vertexCount(id));
   if (positions.size() != count || velocities.size() != count)
-    throw Error("vertices", std::to_string(count) + " positions and velocities", std::to_string(positions.size()) + " and " + std::to_string(velocities.size()));
+    throw Error("vertices", std::to_string(count) + " positions and velocities",
+                std::to_string(positions.size()) + " and " + std::to_string(velocities.size()));
   checks::finite(positions, "vertices");
   checks::finite(velocities, "vertices");
   impl_->flush();
@@ -237,7 +253,8 @@ World::Surface World::surface(SoftId id) const {
   return out;
 }
 
-AttachmentId World::addAttachment(const AttachmentDef& attachment, SoftId object, BodyId body, SoftId otherObject) {
+AttachmentId World::addAttachment(const AttachmentDef& attachment, SoftId object, BodyId body,
+                                  SoftId otherObject) {
   return impl_->addAttachment(attachment, object, body, otherObject, "attachment");
 }
 void World::remove(AttachmentId id) { impl_->removeAttachment(id); }
@@ -260,7 +277,8 @@ std::vector<VertexContact> World::vertexContacts() const {
   const std::vector<SoftId> order = inOrder(r.softs);
   // the object of a vertex: the last one that begins at or before it
   const auto owner = [&](int vertex, int& local) {
-    const auto next = std::upper_bound(order.begin(), order.end(), vertex, [&](int v, SoftId id) { return v < r.softs[id].range.vertex; });
+    const auto next = std::upper_bound(order.begin(), order.end(), vertex,
+                                       [&](int v, SoftId id) { return v < r.softs[id].range.vertex; });
     const SoftId id = *(next - 1);
     local = vertex - r.softs[id].range.vertex;
     return id;

@@ -12,7 +12,8 @@ using namespace checks;
 
 void validateShape(const Shape& s, Motion motion, const std::string& path) {
   validate(s, path);
-  if (s.type == ShapeType::Plane && motion != Motion::Static) throw Error(path, "a static body for a plane", "a moving one");
+  if (s.type == ShapeType::Plane && motion != Motion::Static)
+    throw Error(path, "a static body for a plane", "a moving one");
   if ((s.type == ShapeType::Mesh || s.type == ShapeType::HeightField) && motion == Motion::Dynamic)
     throw Error(path, "a static or kinematic body for a surface without thickness", "a dynamic one");
 }
@@ -21,12 +22,15 @@ void validateJoint(const Scene& scene, const JointDef& joint, const std::string&
   const int count = static_cast<int>(scene.bodies.size());
   const auto inRange = [&](int body, const char* name) {
     if (body != kWorld && (body < 0 || body >= count))
-      throw Error(path + name, "a body index below " + std::to_string(count) + " or the world", std::to_string(body));
+      throw Error(path + name, "a body index below " + std::to_string(count) + " or the world",
+                  std::to_string(body));
   };
   inRange(joint.bodyA, ".bodyA");
   inRange(joint.bodyB, ".bodyB");
   if (joint.bodyA == joint.bodyB) throw Error(path, "two different bodies", "the same one twice");
-  const auto dynamic = [&](int body) { return body != kWorld && scene.bodies[static_cast<std::size_t>(body)].motion == Motion::Dynamic; };
+  const auto dynamic = [&](int body) {
+    return body != kWorld && scene.bodies[static_cast<std::size_t>(body)].motion == Motion::Dynamic;
+  };
   inRange(joint.carrierA, ".carrierA");
   inRange(joint.carrierB, ".carrierB");
   checkCarrier(joint.type, joint.bodyA, joint.carrierA, path + ".carrierA");
@@ -42,8 +46,10 @@ void validate(const BodyDef& body, const std::string& path) {
   validateShape(body.shape, body.motion, path + ".shape");
   material(body.material, path + ".material");
   if (body.motion == Motion::Dynamic) {
-    if (body.mass) positive(*body.mass, path + ".mass");
-    else positive(body.density, path + ".density");
+    if (body.mass)
+      positive(*body.mass, path + ".mass");
+    else
+      positive(body.density, path + ".density");
     if (body.inertia) {
       const Vec3& i = *body.inertia;
       for (int k = 0; k < 3; ++k) positive(i[k], path + ".inertia");
@@ -70,9 +76,12 @@ void validate(const BodyState& state, const std::string& path) {
 
 void validate(const Scene& scene) {
   finite(scene.gravity, "gravity");
-  for (std::size_t i = 0; i < scene.bodies.size(); ++i) validate(scene.bodies[i], "bodies[" + std::to_string(i) + "]");
-  for (std::size_t i = 0; i < scene.joints.size(); ++i) validateJoint(scene, scene.joints[i], "joints[" + std::to_string(i) + "]");
-  for (std::size_t i = 0; i < scene.deformables.size(); ++i) validate(scene.deformables[i], "deformables[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+    validate(scene.bodies[i], "bodies[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < scene.joints.size(); ++i)
+    validateJoint(scene, scene.joints[i], "joints[" + std::to_string(i) + "]");
+  for (std::size_t i = 0; i < scene.deformables.size(); ++i)
+    validate(scene.deformables[i], "deformables[" + std::to_string(i) + "]");
   for (std::size_t i = 0; i < scene.attachments.size(); ++i) {
     const AttachmentDef& a = scene.attachments[i];
     const std::string path = "attachments[" + std::to_string(i) + "]";
@@ -89,13 +98,16 @@ void validate(const Scene& scene) {
     const std::string path = "exclusions[" + std::to_string(i) + "]";
     const int count = static_cast<int>(scene.bodies.size());
     for (const int body : {a, b})
-      if (body < 0 || body >= count) throw Error(path, "body indices below " + std::to_string(count), std::to_string(body));
+      if (body < 0 || body >= count)
+        throw Error(path, "body indices below " + std::to_string(count), std::to_string(body));
     if (a == b) throw Error(path, "two different bodies", "the same one twice");
   }
   for (std::size_t i = 0; i < scene.events.size(); ++i) {
     const std::string path = "events[" + std::to_string(i) + "]";
-    if (scene.events[i].step < 0) throw Error(path + ".step", "a step of at least 0", std::to_string(scene.events[i].step));
-    for (std::size_t k = 0; k < scene.events[i].add.size(); ++k) validate(scene.events[i].add[k], path + ".add[" + std::to_string(k) + "]");
+    if (scene.events[i].step < 0)
+      throw Error(path + ".step", "a step of at least 0", std::to_string(scene.events[i].step));
+    for (std::size_t k = 0; k < scene.events[i].add.size(); ++k)
+      validate(scene.events[i].add[k], path + ".add[" + std::to_string(k) + "]");
   }
 }
 

@@ -44,7 +44,8 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
   validate(scene);
   validate(options.params);
   if (options.threads < 0 || options.threads > kMostThreads)
-    throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads), std::to_string(options.threads));
+    throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads),
+                std::to_string(options.threads));
   impl_->params = options.params;
   impl_->engine = std::make_unique<OrderedEngine>(makeEngine(options));
   impl_->doublePrecision = options.backend == "reference";
@@ -53,16 +54,21 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
   r.gravity = scene.gravity;
   impl_->engine->setBodyCount(static_cast<int>(scene.bodies.size()));
   r.sceneBodies = impl_->addBodies(scene.bodies, "bodies");
-  const auto idOf = [&](int body) { return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)]; };
-  for (const JointDef& joint : scene.joints) 
+  const auto idOf = [&](int body) {
+    return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)];
+  };
+  for (const JointDef& joint : scene.joints)
     impl_->addJoint(joint, idOf(joint.bodyA), idOf(joint.bodyB), idOf(joint.carrierA), idOf(joint.carrierB));
   for (const auto& [a, b] : scene.exclusions) impl_->exclude(idOf(a), idOf(b), true);
   for (std::size_t i = 0; i < scene.deformables.size(); ++i)
     r.sceneSofts.push_back(impl_->addSoft(scene.deformables[i], "deformables[" + std::to_string(i) + "]"));
-  const auto softOf = [&](int object) { return object < 0 ? SoftId{} : r.sceneSofts[static_cast<std::size_t>(object)]; };
+  const auto softOf = [&](int object) {
+    return object < 0 ? SoftId{} : r.sceneSofts[static_cast<std::size_t>(object)];
+  };
   for (std::size_t i = 0; i < scene.attachments.size(); ++i) {
     const AttachmentDef& a = scene.attachments[i];
-    impl_->addAttachment(a, softOf(a.object), idOf(a.body), softOf(a.otherObject), "attachments[" + std::to_string(i) + "]");
+    impl_->addAttachment(a, softOf(a.object), idOf(a.body), softOf(a.otherObject),
+                         "attachments[" + std::to_string(i) + "]");
   }
 }
 
@@ -146,12 +152,14 @@ void World::setState(BodyId id, const BodyState& state) {
 }
 void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) {
   impl_->requireAlive(id);
-  if (impl_->registry.bodies[id].def.motion != Motion::Kinematic) throw Error("target", "a kinematic body", "another");
+  if (impl_->registry.bodies[id].def.motion != Motion::Kinematic)
+    throw Error("target", "a kinematic body", "another");
   checks::finite(position, "position");
   checks::rotation(orientation, "orientation");
   BodyState s = impl_->engine->state(id.index);
   const double dt = impl_->params.dt;
-  const BodyState target = impl_->registry.bodies[id].frame.toEngine({position, normalize(orientation), {}, {}});
+  const BodyState target = impl_->registry.bodies[id].frame.toEngine(
+      {position, normalize(orientation), {}, {}});
   s.velocity = (target.position - s.position) / dt;
   Quat d = target.orientation * conjugate(s.orientation);
   if (d.s < 0) d = {-d.s, -d.v};
@@ -196,7 +204,8 @@ JointState World::state(JointId id) const {
   state.axes.resize(static_cast<std::size_t>(axisCount(joint.def.type)));
   if (joint.engine.turned != 0) {
     const std::vector<JointAxisState> own = state.axes;
-    for (std::size_t i = 0; i < own.size(); ++i) state.axes[i / 3 * 3 + (i + static_cast<std::size_t>(joint.engine.turned)) % 3] = own[i];
+    for (std::size_t i = 0; i < own.size(); ++i)
+      state.axes[i / 3 * 3 + (i + static_cast<std::size_t>(joint.engine.turned)) % 3] = own[i];
   }
   return state;
 }
@@ -216,7 +225,8 @@ std::array<BodyId, 2> World::carriersOf(JointId id) const {
 void World::setDefinition(JointId id, const JointDef& joint) { impl_->redefine(id, joint); }
 void World::setTargetPosition(JointId id, int axis, double position) {
   impl_->requireAlive(id);
-  if (definition(id).type == JointType::Spring) throw Error("joint", "setLength for a spring", "setTargetPosition");
+  if (definition(id).type == JointType::Spring)
+    throw Error("joint", "setLength for a spring", "setTargetPosition");
   impl_->editAxis(id, axis, [&](JointAxis& a) { a.targetPosition = position; });
 }
 void World::setTargetSpeed(JointId id, int axis, double speed) {
@@ -225,7 +235,8 @@ void World::setTargetSpeed(JointId id, int axis, double speed) {
 void World::setLimits(JointId id, int axis, double min, double max) {
   impl_->requireAlive(id);
   const JointType type = definition(id).type;
-  if (hasLength(type) && type != JointType::Spring) throw Error("joint", std::string("setLength for a ") + keyword(type), "setLimits");
+  if (hasLength(type) && type != JointType::Spring)
+    throw Error("joint", std::string("setLength for a ") + keyword(type), "setLimits");
   impl_->editAxis(id, axis, [&](JointAxis& a) { a.min = min, a.max = max; });
 }
 void World::setLength(JointId id, double length) {
@@ -286,7 +297,8 @@ Snapshot World::snapshot() const {
 void World::restore(const Snapshot& snapshot) {
   if (!snapshot.data) throw Error("snapshot", "one made by World::snapshot", "an empty one");
   if (snapshot.data->doublePrecision != impl_->doublePrecision)
-    throw Error("snapshot", "one of the precision of this backend", snapshot.data->doublePrecision ? "one in double" : "one in float");
+    throw Error("snapshot", "one of the precision of this backend",
+                snapshot.data->doublePrecision ? "one in double" : "one in float");
   impl_->registry = snapshot.data->registry;
   impl_->params = snapshot.data->params;
   impl_->engine->restore(*snapshot.data->engine);

@@ -12,10 +12,9 @@
 
 namespace rubble {
 
-/// Alive objects of one kind by slot; a freed slot is used again with the next generation. Copies share their items until one of them is
-/// edited: a snapshot costs nothing here.
-template <class Id, class Def>
-class Slots {
+/// Alive objects of one kind by slot; a freed slot is used again with the next generation. Copies share their
+/// items until one of them is edited: a snapshot costs nothing here.
+template <class Id, class Def> class Slots {
  public:
   Id add(Def def) {
     std::vector<Item>& items = own(items_);
@@ -35,7 +34,8 @@ class Slots {
     own(free_).push_back(id.index);
   }
   bool alive(Id id) const {
-    return id.index >= 0 && id.index < size() && item(id.index).alive && item(id.index).generation == id.generation;
+    return id.index >= 0 && id.index < size() && item(id.index).alive &&
+           item(id.index).generation == id.generation;
   }
   const Def& operator[](Id id) const { return item(id.index).def; }
   /// To change it.
@@ -60,8 +60,7 @@ class Slots {
   };
   const Item& item(int index) const { return (*items_)[static_cast<std::size_t>(index)]; }
   /// The one copy that may be edited.
-  template <class T>
-  static T& own(std::shared_ptr<T>& shared) {
+  template <class T> static T& own(std::shared_ptr<T>& shared) {
     if (shared.use_count() > 1) shared = std::make_shared<T>(*shared);
     return *shared;
   }
@@ -90,10 +89,10 @@ void validate(const BodyState& state, const std::string& path);
 
 struct JointRecord {
   JointDef def;
-  BodyId a, b;        ///< index -1: the world
+  BodyId a, b;  ///< index -1: the world
   BodyId carrierA, carrierB;
-  EngineJoint engine; ///< as the engine has it
-  int engineSlot;     ///< among the joints of its type
+  EngineJoint engine;  ///< as the engine has it
+  int engineSlot;      ///< among the joints of its type
   bool broken = false;
 };
 
@@ -116,7 +115,7 @@ struct AttachmentRecord {
   BodyId body;                 ///< index -1: the world
   Vec3 anchor;                 ///< in the frame of the body, or in the world [m]
   std::int64_t order;
-  int engineIndex = -1;        ///< -1: not there yet
+  int engineIndex = -1;  ///< -1: not there yet
 };
 
 /// Everything of a world but its engine: copied whole into a snapshot.
@@ -131,14 +130,14 @@ struct Registry {
   std::unordered_map<std::string, BodyId> bodyNames;
   std::unordered_map<std::string, JointId> jointNames;
   std::vector<BodyId> sceneBodies;
-  std::vector<CookedEntry> shapes;   ///< whose geometry the engine keeps in its tables
+  std::vector<CookedEntry> shapes;  ///< whose geometry the engine keeps in its tables
   int shapeIndices = 0, shapeParts = 0;
-  std::vector<Material> surfaces;    ///< that the engine keeps in its table
+  std::vector<Material> surfaces;  ///< that the engine keeps in its table
   std::vector<int> freeJointSlots[kEngineJointTypes];
   int jointSlots[kEngineJointTypes] = {};
   std::set<std::pair<int, int>> exclusions;  ///< slots (low, high), besides those of joints
-  std::vector<Touch> touches;       ///< after the last step whose events were collected, sorted
-  std::vector<int> sleepers;        ///< likewise, slots
+  std::vector<Touch> touches;                ///< after the last step whose events were collected, sorted
+  std::vector<int> sleepers;                 ///< likewise, slots
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;
@@ -170,8 +169,10 @@ struct World::Impl {
   bool wantsEvents = false;
   Events events;
 
-  /// The shape as the engine takes it. What has the geometry of a shape that the engine has, or of one in `fresh`, is not cooked again.
-  std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const std::string& path, std::vector<CookedEntry>& fresh) const;
+  /// The shape as the engine takes it. What has the geometry of a shape that the engine has, or of one in
+  /// `fresh`, is not cooked again.
+  std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const std::string& path,
+                                               std::vector<CookedEntry>& fresh) const;
   /// Where its indices begin in the tables of the engine; shapes with the same geometry are there once.
   int placeShape(const Shape& shape, const std::shared_ptr<const CookedShape>& cooked);
   /// Place among the engine's materials, -1 for one that needs none.
@@ -185,12 +186,12 @@ struct World::Impl {
   /// Another definition of the same type for a joint.
   void redefine(JointId id, const JointDef& def);
   /// The same with an axis changed by edit(JointAxis&).
-  template <class Edit>
-  void editAxis(JointId id, int axis, Edit&& edit) {
+  template <class Edit> void editAxis(JointId id, int axis, Edit&& edit) {
     requireAlive(id);
     JointDef def = registry.joints[id].def;
     if (axis < 0 || axis >= axisCount(def.type))
-      throw Error("axis", "one of " + std::to_string(axisCount(def.type)) + " axes of this joint, from 0", std::to_string(axis));
+      throw Error("axis", "one of " + std::to_string(axisCount(def.type)) + " axes of this joint, from 0",
+                  std::to_string(axis));
     edit(def.axes[static_cast<std::size_t>(axis)]);
     redefine(id, def);
   }
@@ -208,7 +209,8 @@ struct World::Impl {
   void requireAlive(JointId id) const;
   PoseCopies& poseCopies();
   SoftId addSoft(const Deformable& def, const std::string& path);
-  AttachmentId addAttachment(const AttachmentDef& def, SoftId object, BodyId body, SoftId other, const std::string& path);
+  AttachmentId addAttachment(const AttachmentDef& def, SoftId object, BodyId body, SoftId other,
+                             const std::string& path);
   void removeSoft(SoftId id);
   void removeAttachment(AttachmentId id);
   void removeAttachmentsOf(BodyId id);

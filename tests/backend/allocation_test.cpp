@@ -25,10 +25,18 @@ void* counted(std::size_t bytes, std::size_t alignment) {
 #define RUBBLE_NOINLINE __attribute__((noinline))
 RUBBLE_NOINLINE void* operator new(std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
 RUBBLE_NOINLINE void* operator new[](std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
-RUBBLE_NOINLINE void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept { return countedOrNull(bytes, alignof(std::max_align_t)); }
-RUBBLE_NOINLINE void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept { return countedOrNull(bytes, alignof(std::max_align_t)); }
-RUBBLE_NOINLINE void* operator new(std::size_t bytes, std::align_val_t a) { return counted(bytes, static_cast<std::size_t>(a)); }
-RUBBLE_NOINLINE void* operator new[](std::size_t bytes, std::align_val_t a) { return counted(bytes, static_cast<std::size_t>(a)); }
+RUBBLE_NOINLINE void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+  return countedOrNull(bytes, alignof(std::max_align_t));
+}
+RUBBLE_NOINLINE void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept {
+  return countedOrNull(bytes, alignof(std::max_align_t));
+}
+RUBBLE_NOINLINE void* operator new(std::size_t bytes, std::align_val_t a) {
+  return counted(bytes, static_cast<std::size_t>(a));
+}
+RUBBLE_NOINLINE void* operator new[](std::size_t bytes, std::align_val_t a) {
+  return counted(bytes, static_cast<std::size_t>(a));
+}
 RUBBLE_NOINLINE void operator delete(void* p) noexcept { std::free(p); }
 RUBBLE_NOINLINE void operator delete[](void* p) noexcept { std::free(p); }
 RUBBLE_NOINLINE void operator delete(void* p, std::size_t) noexcept { std::free(p); }
@@ -81,7 +89,8 @@ TEST(Capacity, GrowsWithTheWorldAndStaysGrown) {
   test::run(world, 3);
   const std::size_t small = world.memoryBytes();
   std::vector<BodyId> added;
-  for (int i = 0; i < 500; ++i) added.push_back(world.add(test::unitCube({2. * (i % 25), 2. * (i / 25) + 2, .5})));
+  for (int i = 0; i < 500; ++i)
+    added.push_back(world.add(test::unitCube({2. * (i % 25), 2. * (i / 25) + 2, .5})));
   test::run(world, 3);
   const std::size_t large = world.memoryBytes();
   EXPECT_GT(large, small);

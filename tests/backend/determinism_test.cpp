@@ -31,10 +31,13 @@ TEST(Determinism, AFallingPileHasTheSameBitsAtAnyNumberOfThreads) {
   for (const int threads : {2, 3, 5}) EXPECT_EQ(hashes(threads, "cpu"), one) << threads;
 }
 
-TEST(Determinism, TheReferenceHasTheSameBitsAtAnyNumberOfThreads) { EXPECT_EQ(hashes(3, "reference"), hashes(1, "reference")); }
+TEST(Determinism, TheReferenceHasTheSameBitsAtAnyNumberOfThreads) {
+  EXPECT_EQ(hashes(3, "reference"), hashes(1, "reference"));
+}
 
 TEST(Determinism, LockstepFindsNoDifferenceAndHasTheBitsOfTheCpu) {
-  World lockstep(test::heap(8), test::options(4, "lockstep", 3)), cpu(test::heap(8), test::options(4, "cpu", 1));
+  World lockstep(test::heap(8), test::options(4, "lockstep", 3)),
+      cpu(test::heap(8), test::options(4, "cpu", 1));
   for (int i = 0; i < kSteps; ++i) {
     lockstep.step(), cpu.step();
     ASSERT_EQ(lockstep.firstDifference(), "") << i;

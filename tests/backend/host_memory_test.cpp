@@ -9,7 +9,8 @@ namespace rubble {
 namespace {
 
 TEST(HostMemory, IsZeroAndOnALineAlsoWhereItWasUsedBefore) {
-  for (const std::size_t bytes : {std::size_t{0}, std::size_t{1}, std::size_t{100}, std::size_t{4096}, std::size_t{10} << 20})
+  for (const std::size_t bytes :
+       {std::size_t{0}, std::size_t{1}, std::size_t{100}, std::size_t{4096}, std::size_t{10} << 20})
     for (int again = 0; again < 3; ++again) {
       auto* const p = static_cast<unsigned char*>(HostMemory::allocate(bytes));
       EXPECT_EQ(reinterpret_cast<std::uintptr_t>(p) % HostMemory::kLine, 0u) << bytes;

@@ -1,4 +1,5 @@
-/// Too little room in any table: the step grows it, says so, and its result is that of a world with room for all.
+/// Too little room in any table: the step grows it, says so, and its result is that of a world with room for
+/// all.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,8 +11,8 @@ namespace {
 
 constexpr int kSteps = 40;
 constexpr int kAmple = 100'000;
-const std::vector<std::string> kKinds = {"pairs",  "activePairs", "manifolds", "incidences",    "colors",
-                                         "groups", "chunks",    "externals", "freeIslands"};
+const std::vector<std::string> kKinds = {"pairs",  "activePairs", "manifolds", "incidences", "colors",
+                                         "groups", "chunks",      "externals", "freeIslands"};
 const std::vector<std::string> kGeneralKinds = {"rollers", "pointPairs", "pointIncidences", "nearFeatures"};
 
 /// Two soft cubes, one falls on the other, and balls with rolling friction.
@@ -20,7 +21,8 @@ Scene softAndRolling() {
   scene.bodies = {test::ground()};
   for (int k = 0; k < 4; ++k) scene.bodies.push_back(test::body(Shape::sphere(.1), {1, .5 * k, .1}));
   for (BodyDef& b : scene.bodies) b.material.rollingFriction = .01;
-  scene.deformables = {softBox({-.2, -.2, .01}, {.4, .4, .4}, {3, 3, 3}), softBox({-.18, -.15, .45}, {.4, .4, .4}, {3, 3, 3})};
+  scene.deformables = {softBox({-.2, -.2, .01}, {.4, .4, .4}, {3, 3, 3}),
+                       softBox({-.18, -.15, .45}, {.4, .4, .4}, {3, 3, 3})};
   return scene;
 }
 
@@ -63,7 +65,9 @@ class Overflow : public ::testing::TestWithParam<const char*> {
 
 TEST_P(Overflow, OfEachTableIsReportedAndChangesNoResult) { expectEachReported(test::heap(6), kKinds); }
 
-TEST_P(Overflow, OfTablesOfVerticesAndRollingBodiesIsReportedAndChangesNoResult) { expectEachReported(softAndRolling(), kGeneralKinds); }
+TEST_P(Overflow, OfTablesOfVerticesAndRollingBodiesIsReportedAndChangesNoResult) {
+  expectEachReported(softAndRolling(), kGeneralKinds);
+}
 
 TEST_P(Overflow, OfAllTablesAtOnceIsReportedAndChangesNoResult) {
   World ample = worldBut(""), scarce = worldBut("all");

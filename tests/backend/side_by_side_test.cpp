@@ -8,8 +8,9 @@
 namespace rubble::RUBBLE_CORE {
 namespace {
 
-/// A net of 12 x 12 spheres on ball joints, its top row held, of which some are boxes that turn fast, locked, on the world or heavy; loose
-/// spheres lie in it, so that some bodies have contacts and joints, and some only one of these.
+/// A net of 12 x 12 spheres on ball joints, its top row held, of which some are boxes that turn fast, locked,
+/// on the world or heavy; loose spheres lie in it, so that some bodies have contacts and joints, and some
+/// only one of these.
 struct Net : CoreWorld {
   static constexpr int kSize = 12;
   Net() {
@@ -37,7 +38,8 @@ struct Net : CoreWorld {
         const int i = row * kSize + column;
         if (column > 0) addBall(slot++, i - 1, i, {.5, 0, 0}, {-.5, 0, 0});
         addBall(slot++, i - kSize, i, {0, 0, -.5}, {0, 0, .5});
-        if (row == kSize - 1 && column % 4 == 1) addBall(slot++, i, kWorldBody, {0, 0, 0}, {static_cast<double>(column), .3, -kSize + 1});
+        if (row == kSize - 1 && column % 4 == 1)
+          addBall(slot++, i, kWorldBody, {0, 0, 0}, {static_cast<double>(column), .3, -kSize + 1});
       }
     view().extras[30].locks = view().extras[77].locks = 2 + 8;
     view().locked = 1;
@@ -59,12 +61,17 @@ TEST(SideBySide, HasTheBitsOfOneByOne) {
     four.step(before), one.step(beforeOne);
     const SolverData &s = four.view(), &t = one.view();
     touching = max(touching, s.counters->contacts);
-    const auto same = [](const auto* a, const auto* b, int count) { return std::memcmp(a, b, sizeof *a * static_cast<std::size_t>(count)) == 0; };
+    const auto same = [](const auto* a, const auto* b, int count) {
+      return std::memcmp(a, b, sizeof *a * static_cast<std::size_t>(count)) == 0;
+    };
     ASSERT_TRUE(same(s.position, t.position, s.bodies) && same(s.orientation, t.orientation, s.bodies)) << n;
     ASSERT_TRUE(same(s.velocity, t.velocity, s.bodies) && same(s.angularVelocity, t.spin, s.bodies)) << n;
     for (int i = 0; i < s.joints[0]; ++i) {
-      const auto &rows = partOf<0>(s.jointsOf<BallJoint>()[i].parts), &alone = partOf<0>(t.jointsOf<BallJoint>()[i].parts);
-      ASSERT_TRUE(same(rows.lambda, alone.lambda, 3) && same(rows.shift, alone.shift, 3) && same(&rows.state.k, &alone.state.k, 1)) << n << " " << i;
+      const auto &rows = partOf<0>(s.jointsOf<BallJoint>()[i].parts),
+                 &alone = partOf<0>(t.jointsOf<BallJoint>()[i].parts);
+      ASSERT_TRUE(same(rows.lambda, alone.lambda, 3) && same(rows.shift, alone.shift, 3) &&
+                  same(&rows.state.k, &alone.state.k, 1))
+          << n << " " << i;
     }
   }
   // all kinds of bodies are there, and move
@@ -72,7 +79,8 @@ TEST(SideBySide, HasTheBitsOfOneByOne) {
   EXPECT_GT(length(four.view().velocity[100]), Real(.05));
 }
 
-/// Rods in a row on joints of all types about a point and two others, with limits, drives and friction, which swing and turn fast.
+/// Rods in a row on joints of all types about a point and two others, with limits, drives and friction, which
+/// swing and turn fast.
 struct MixedChain : CoreWorld {
   static constexpr int kLinks = 42;
   MixedChain() {
@@ -85,8 +93,10 @@ struct MixedChain : CoreWorld {
       add(body);
     }
     finish();
-    const EngineJointType types[] = {EngineJointType::Ball,       EngineJointType::Fixed,  EngineJointType::Hinge,   EngineJointType::Universal,
-                                     EngineJointType::SwingTwist, EngineJointType::Slider, EngineJointType::Distance};
+    const EngineJointType types[] = {EngineJointType::Ball,       EngineJointType::Fixed,
+                                     EngineJointType::Hinge,      EngineJointType::Universal,
+                                     EngineJointType::SwingTwist, EngineJointType::Slider,
+                                     EngineJointType::Distance};
     int slots[kEngineJointTypes] = {};
     test::Random random(41);
     for (int i = 1; i < kLinks; ++i) {
@@ -106,8 +116,7 @@ struct MixedChain : CoreWorld {
 };
 
 /// The sum of a body's row blocks by either way to add one.
-template <class Add>
-Block6 sumOfRows(const SolverData& s, int body, Add&& add) {
+template <class Add> Block6 sumOfRows(const SolverData& s, int body, Add&& add) {
   Block6 sum;
   for (int k = s.incidenceOffset[body]; k < s.incidenceOffset[body + 1]; ++k)
     if (constraintType(s.incidence[k].code) != kContactType) add(s, s.incidence[k].code, sum);
@@ -124,15 +133,19 @@ TEST(JointSweep, OneCodeForAllTypesAboutAPointHasTheBitsOfThatOfEach) {
     before = chain.settings().params.dt;
     const SolverData& s = chain.view();
     for (int i = 1; i < s.bodies; ++i) {
-      const Block6 own = sumOfRows(s, i, [](const SolverData& v, std::uint32_t code, Block6& to) { addJoint(v, code, to); });
-      const Block6 alike = sumOfRows(s, i, [](const SolverData& v, std::uint32_t code, Block6& to) { addJointAlike(v, code, to); });
+      const Block6 own = sumOfRows(
+          s, i, [](const SolverData& v, std::uint32_t code, Block6& to) { addJoint(v, code, to); });
+      const Block6 alike = sumOfRows(
+          s, i, [](const SolverData& v, std::uint32_t code, Block6& to) { addJointAlike(v, code, to); });
       ASSERT_EQ(std::memcmp(&own, &alike, sizeof own), 0) << n << " " << i;
       ASSERT_GT(length(own.fl) + length(own.fa), 0) << n << " " << i;
     }
-    for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::SwingTwist)]; ++i) acting |= s.jointsOf<SwingTwistJoint>()[i].acting;
+    for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::SwingTwist)]; ++i)
+      acting |= s.jointsOf<SwingTwistJoint>()[i].acting;
   }
   constexpr int kTwist = 4;
-  EXPECT_EQ(acting >> turnBit(firstTurnLaw<SwingTwistJoint, kTwist>()) & 7, 7) << "limits, drives and friction are among them";
+  EXPECT_EQ(acting >> turnBit(firstTurnLaw<SwingTwistJoint, kTwist>()) & 7, 7)
+      << "limits, drives and friction are among them";
 }
 
 /// Levers of x^t turned since then are anchors turned as a whole.
@@ -148,7 +161,8 @@ TEST(JointSweep, ErrorsOfAnchorsByLeversAreThoseByOrientations) {
   SolverData& s = chain.view();
   test::Random random(5);
   beginStep(s, chain.settings(), before);
-  for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::Hinge)]; ++i) BeginJoints<HingeJoint>{}(s, i);
+  for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::Hinge)]; ++i)
+    BeginJoints<HingeJoint>{}(s, i);
   for (int i = 0; i < s.bodies; ++i) s.dx[i].dp = random.vector(), s.dq[i] = random.rotation();
   for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::Hinge)]; ++i) {
     const JointSpec<HingeJoint>& spec = s.specsOf<HingeJoint>()[i];

@@ -10,7 +10,9 @@ using test::Random;
 Real bestOverAxes(const PairCase& x) {
   const Mat3 ra = rotationMatrix(x.qA), rb = rotationMatrix(x.qB);
   Real best = -1e30;
-  const auto take = [&](const Vec3& axis) { best = std::max({best, separationAlong(x, axis), separationAlong(x, -axis)}); };
+  const auto take = [&](const Vec3& axis) {
+    best = std::max({best, separationAlong(x, axis), separationAlong(x, -axis)});
+  };
   for (int i = 0; i < 3; ++i) {
     take(ra.column(i));
     take(rb.column(i));
@@ -40,7 +42,8 @@ TEST(BoxBox, NormalSeparatesAboutAsFarAsAnyDirection) {
     if (m.count == 0) continue;
     ++touching;
     EXPECT_NEAR(rubble::length(m.n), 1, 1e-12);
-    // faces win near ties: against edges by 5 % of the separation and .01 L, those of A against those of B by .001 L
+    // faces win near ties: against edges by 5 % of the separation and .01 L, those of A against those of B by
+    // .001 L
     const Real allowed = .01 * length + .001 * length + .06 * std::fabs(best);
     EXPECT_GE(separationAlong(x, m.n), best - allowed);
     edges += m.points[0].feature >= 0x1000;
@@ -104,10 +107,11 @@ TEST(BoxBox, BricksWithOffsetTouchAtTheFourCornersOfTheirOverlap) {
     const RawManifold m = x.collide(.02);
     ASSERT_EQ(m.count, 4);
     EXPECT_TRUE(test::near(m.n, Vec3{0, 0, 1}, 1e-15));
-    const Real x0 = std::max(-.5, offset.x - .5), x1 = std::min(.5, offset.x + .5), y0 = std::max(-.25, offset.y - .25),
-               y1 = std::min(.25, offset.y + .25);
+    const Real x0 = std::max(-.5, offset.x - .5), x1 = std::min(.5, offset.x + .5),
+               y0 = std::max(-.25, offset.y - .25), y1 = std::min(.25, offset.y + .25);
     for (const Real cx : {x0, x1})
-      for (const Real cy : {y0, y1}) EXPECT_TRUE(hasPoint(m, {cx, cy, .125}, {cx, cy, .125}, 1e-12)) << cx << " " << cy;
+      for (const Real cy : {y0, y1})
+        EXPECT_TRUE(hasPoint(m, {cx, cy, .125}, {cx, cy, .125}, 1e-12)) << cx << " " << cy;
   }
 }
 
@@ -115,7 +119,8 @@ TEST(BoxBox, FacesWinNearTies) {
   // a cube laid on another with any yaw and a small tilt: edge axes separate nearly as far as the face
   Random random(4);
   for (int n = 0; n < 500; ++n) {
-    const Quat tilt = fromAxisAngle(normalize(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), 0}), random.uniform(0, .01));
+    const Quat tilt = fromAxisAngle(normalize(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), 0}),
+                                    random.uniform(0, .01));
     const Quat qB = tilt * fromAxisAngle(Vec3{0, 0, 1}, random.uniform(0, 6));
     const PairCase x{box({.5, .5, .5}),
                      box({.5, .5, .5}),
@@ -130,7 +135,8 @@ TEST(BoxBox, FacesWinNearTies) {
 
 TEST(BoxBox, EightPointsAreReducedToFourThatSpanThem) {
   // a cube turned by 45 degrees on another: the overlap is an octagon
-  const PairCase x{box({.5, .5, .5}), box({.5, .5, .5}), Quat{}, fromAxisAngle(Vec3{0, 0, 1}, .785398), {0, 0, 1}};
+  const PairCase x{
+      box({.5, .5, .5}), box({.5, .5, .5}), Quat{}, fromAxisAngle(Vec3{0, 0, 1}, .785398), {0, 0, 1}};
   const RawManifold m = x.collide(.02);
   ASSERT_EQ(m.count, 4);
   Vec3 centre;
@@ -157,7 +163,8 @@ TEST(BoxBox, ReductionKeepsADeepPointThatIsNoCorner) {
 
 TEST(BoxBox, CrossedEdgesTouchAtOnePoint) {
   // two cubes standing on edges that cross at a right angle
-  const Quat qA = fromAxisAngle(Vec3{1, 0, 0}, .785398163397448), qB = fromAxisAngle(Vec3{0, 1, 0}, .785398163397448);
+  const Quat qA = fromAxisAngle(Vec3{1, 0, 0}, .785398163397448),
+             qB = fromAxisAngle(Vec3{0, 1, 0}, .785398163397448);
   const Real diagonal = std::sqrt(.5);
   const PairCase x{box({.5, .5, .5}), box({.5, .5, .5}), qA, qB, {.1, .2, 2 * diagonal - .01}};
   const RawManifold m = x.collide(.02);
@@ -190,7 +197,8 @@ TEST(BoxBox, SwappingTheBoxesGivesTheSamePoints) {
     if (m.count == 0) continue;
     ++compared;
     EXPECT_TRUE(test::near(m.n, -s.n, 1e-9));
-    for (int k = 0; k < m.count; ++k) EXPECT_TRUE(hasPoint(s, m.points[k].onB - x.t, m.points[k].onA - x.t, 1e-9));
+    for (int k = 0; k < m.count; ++k)
+      EXPECT_TRUE(hasPoint(s, m.points[k].onB - x.t, m.points[k].onA - x.t, 1e-9));
   }
   EXPECT_GT(compared, 500);
 }
@@ -208,7 +216,8 @@ TEST(BoxBox, TurnsWithTheWorld) {
     ++compared;
     EXPECT_TRUE(test::near(rotate(turn, m.n), r.n, 1e-9));
     EXPECT_EQ(features(m), features(r));
-    for (int k = 0; k < m.count; ++k) EXPECT_TRUE(hasPoint(r, rotate(turn, m.points[k].onA), rotate(turn, m.points[k].onB), 1e-9));
+    for (int k = 0; k < m.count; ++k)
+      EXPECT_TRUE(hasPoint(r, rotate(turn, m.points[k].onA), rotate(turn, m.points[k].onB), 1e-9));
   }
   EXPECT_GT(compared, 500);
 }

@@ -1,4 +1,5 @@
-/// Distances of spheres and capsules in closed form against those over many points, and meetings against dense sampling in time.
+/// Distances of spheres and capsules in closed form against those over many points, and meetings against
+/// dense sampling in time.
 #include <collision/distance.h>
 
 #include "tests/collision/shapes_for_tests.h"
@@ -11,7 +12,9 @@ using test::Random;
 Placed somewhere(Random& random, const ShapeData& shape, double spread) {
   return placed(shape, Vec3d(random.vector(1)) * spread, Quatd(random.rotation()));
 }
-Way someWay(Random& random, double move, double turn) { return {Vec3d(random.vector(1)) * move, Vec3d(random.vector(1)) * turn}; }
+Way someWay(Random& random, double move, double turn) {
+  return {Vec3d(random.vector(1)) * move, Vec3d(random.vector(1)) * turn};
+}
 
 /// Least distance of points along the two axes, less both radii.
 double sampledDistance(const Placed& a, const Placed& b) {
@@ -50,7 +53,8 @@ TEST(Distance, OfRoundBodiesIsThatOfTheGeneralSearch) {
 
 TEST(Distance, OfCrossingAxesIsThatOfTheirRadii) {
   const ShapeData rod = capsule(Real(.1), Real(.5));
-  const Placed a = placed(rod, {0, 0, 0}, Quatd{}), b = placed(rod, {0, 0, .2}, Quatd(fromAxisAngle(Vec3{1, 0, 0}, Real(1))));
+  const Placed a = placed(rod, {0, 0, 0}, Quatd{}),
+               b = placed(rod, {0, 0, .2}, Quatd(fromAxisAngle(Vec3{1, 0, 0}, Real(1))));
   EXPECT_NEAR(separation(a, b).distance, -.2, 1e-7);
 }
 
@@ -59,7 +63,8 @@ TEST(TimeOfImpact, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
   constexpr int kSamples = 2000;
   constexpr double kTolerance = 1e-3;
   Random random(9);
-  const ShapeData shapes[] = {sphere(Real(.2)), capsule(Real(.1), Real(.5)), box({Real(.3), Real(.05), Real(.2)}), box({Real(.1), Real(.1), Real(.1)})};
+  const ShapeData shapes[] = {sphere(Real(.2)), capsule(Real(.1), Real(.5)),
+                              box({Real(.3), Real(.05), Real(.2)}), box({Real(.1), Real(.1), Real(.1)})};
   int meetings = 0, misses = 0;
   for (int k = 0; k < 320; ++k) {
     const Placed a = somewhere(random, shapes[k % 4], .6), b = somewhere(random, shapes[k / 4 % 4], .6);
@@ -69,11 +74,13 @@ TEST(TimeOfImpact, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
     const bool meets = m.fraction <= 1;
     ++(meets ? meetings : misses);
     if (meets) {
-      EXPECT_LE(separation(movedBy(a, wayA, m.fraction), movedBy(b, wayB, m.fraction)).distance, kTolerance) << k;
+      EXPECT_LE(separation(movedBy(a, wayA, m.fraction), movedBy(b, wayB, m.fraction)).distance, kTolerance)
+          << k;
     }
     for (int i = 0; i <= kSamples; ++i) {
       const double t = (meets ? m.fraction : 1) * i / kSamples;
-      ASSERT_GT(separation(movedBy(a, wayA, t), movedBy(b, wayB, t)).distance, .49 * kTolerance) << k << " at " << t;
+      ASSERT_GT(separation(movedBy(a, wayA, t), movedBy(b, wayB, t)).distance, .49 * kTolerance)
+          << k << " at " << t;
     }
   }
   EXPECT_GT(meetings, 30);

@@ -18,8 +18,10 @@ Real sampledDistance(const Vec3 (&x)[4], int sideA) {
   for (int i = 0; i <= kSteps; ++i)
     for (int j = 0; j <= kSteps; ++j) {
       const Real u = Real(i) / kSteps, v = Real(j) / kSteps;
-      if (sideA == 2) best = std::min(best, length(x[0] + u * (x[1] - x[0]) - x[2] - v * (x[3] - x[2])));
-      else if (i + j <= kSteps) best = std::min(best, length(x[0] - x[1] - u * (x[2] - x[1]) - v * (x[3] - x[1])));
+      if (sideA == 2)
+        best = std::min(best, length(x[0] + u * (x[1] - x[0]) - x[2] - v * (x[3] - x[2])));
+      else if (i + j <= kSteps)
+        best = std::min(best, length(x[0] - x[1] - u * (x[2] - x[1]) - v * (x[3] - x[1])));
     }
   return best;
 }

@@ -10,7 +10,9 @@ using test::Random;
 
 const ShapeData kBrick = box({.5, .25, .125});
 
-PairPose pose(const Quat& qA, const Quat& qB, const Vec3& t) { return {qA, qB, t, 2 * length(kBrick.half), .02}; }
+PairPose pose(const Quat& qA, const Quat& qB, const Vec3& t) {
+  return {qA, qB, t, 2 * length(kBrick.half), .02};
+}
 PairPose stacked(Real shift = .2) { return pose(Quat{}, Quat{}, {shift, .1, .25}); }
 
 /// What lasts of a pair.
@@ -20,12 +22,17 @@ struct Kept {
 };
 /// As the narrow phase does it.
 Kept update(const PairPose& p, const Kept* old, Real tolerance) {
-  if (old && recyclable(old->test, old->manifold.count, p, tolerance)) return {old->test, recycledManifold(old->manifold, p)};
+  if (old && recyclable(old->test, old->manifold.count, p, tolerance))
+    return {old->test, recycledManifold(old->manifold, p)};
   const RawManifold raw = collide(kBrick, kBrick, p);
   return {pairTest(raw, p), testedManifold(raw, p, old ? &old->manifold : nullptr)};
 }
-bool recyclable(const Kept& old, const PairPose& p, Real tolerance) { return recyclable(old.test, old.manifold.count, p, tolerance); }
-Manifold updateManifold(const PairPose& p, const Manifold* old) { return testedManifold(collide(kBrick, kBrick, p), p, old); }
+bool recyclable(const Kept& old, const PairPose& p, Real tolerance) {
+  return recyclable(old.test, old.manifold.count, p, tolerance);
+}
+Manifold updateManifold(const PairPose& p, const Manifold* old) {
+  return testedManifold(collide(kBrick, kBrick, p), p, old);
+}
 Manifold fresh(const PairPose& p) { return updateManifold(p, nullptr); }
 
 /// Gives each point multipliers that tell it from the others.
@@ -150,9 +157,11 @@ TEST(HandOn, KeepsTheWorldTangentialVectorAsFarAsItLiesInTheNewPlane) {
     old.normal = normalize(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-.1, .1)});
     m.normal = normalize(old.normal + random.vector(.2));
     handOn(old, 2, m, 1);
-    const Vec3 before = worldVector(old, old.lambda1[2], old.lambda2[2]), after = worldVector(m, m.lambda1[1], m.lambda2[1]);
+    const Vec3 before = worldVector(old, old.lambda1[2], old.lambda2[2]),
+               after = worldVector(m, m.lambda1[1], m.lambda2[1]);
     EXPECT_TRUE(test::near(after, before - m.normal * dot(m.normal, before), 1e-12));
-    const Vec3 drift = worldVector(old, old.drift1[2], old.drift2[2]), carried = worldVector(m, m.drift1[1], m.drift2[1]);
+    const Vec3 drift = worldVector(old, old.drift1[2], old.drift2[2]),
+               carried = worldVector(m, m.drift1[1], m.drift2[1]);
     EXPECT_TRUE(test::near(carried, drift - m.normal * dot(m.normal, drift), 1e-14));
   }
 }
@@ -173,7 +182,8 @@ TEST(Recycling, KeepsAManifoldThatHardlyMovedAndTurnsItsNormal) {
     EXPECT_EQ(m.stick >> k & 1, old.stick >> k & 1);
     // the tangential vector keeps its world direction
     const Vec3 before = worldVector(old, old.lambda1[k], old.lambda2[k]);
-    EXPECT_TRUE(test::near(worldVector(m, m.lambda1[k], m.lambda2[k]), before - m.normal * dot(m.normal, before), 1e-12));
+    EXPECT_TRUE(test::near(worldVector(m, m.lambda1[k], m.lambda2[k]),
+                           before - m.normal * dot(m.normal, before), 1e-12));
   }
 }
 
@@ -195,7 +205,9 @@ TEST(Recycling, TestsAnewAfterAMoveOrATurnBeyondTheTolerance) {
   const Real length = stacked().length;
   EXPECT_TRUE(recyclable(m, stacked(.2 + .9 * tolerance * length), tolerance));
   EXPECT_FALSE(recyclable(m, stacked(.2 + 1.1 * tolerance * length), tolerance));
-  const auto turned = [&](Real angle) { return pose(Quat{}, fromAxisAngle(Vec3{0, 0, 1}, angle), stacked().t); };
+  const auto turned = [&](Real angle) {
+    return pose(Quat{}, fromAxisAngle(Vec3{0, 0, 1}, angle), stacked().t);
+  };
   EXPECT_TRUE(recyclable(m, turned(.9 * tolerance), tolerance));
   EXPECT_FALSE(recyclable(m, turned(1.1 * tolerance), tolerance));
 }
@@ -204,7 +216,8 @@ TEST(Recycling, PairsApartAreTestedAnewUnlessFarEnough) {
   const Real tolerance = 2e-3;
   const Real slack = 2 * tolerance * stacked().length;
   const auto apart = [&](Real gap) { return pose(Quat{}, Quat{}, {0, 0, .25 + gap}); };
-  const Kept near = update(apart(.02 + .5 * slack), nullptr, 0), far = update(apart(.02 + 1.5 * slack), nullptr, 0);
+  const Kept near = update(apart(.02 + .5 * slack), nullptr, 0),
+             far = update(apart(.02 + 1.5 * slack), nullptr, 0);
   ASSERT_EQ(near.manifold.count + far.manifold.count, 0);
   EXPECT_FALSE(recyclable(near, apart(.02 + .5 * slack), tolerance));
   EXPECT_TRUE(recyclable(far, apart(.02 + 1.5 * slack), tolerance));

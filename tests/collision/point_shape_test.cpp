@@ -1,4 +1,5 @@
-/// Distances of points against brute force over directions, and of points near surfaces of triangles against the solids that these bound.
+/// Distances of points against brute force over directions, and of points near surfaces of triangles against
+/// the solids that these bound.
 #include <collision/point_shape.h>
 
 #include "tests/collision/shapes_for_tests.h"
@@ -14,7 +15,8 @@ Real outsideAlong(const Shelf& shelf, const ShapeData& s, const Vec3& x, const V
   return dot(n, x - support(c, n)) - c.radius;
 }
 
-/// The signed distance of a convex shape is the largest of these: from each of many directions, uphill in ever smaller steps.
+/// The signed distance of a convex shape is the largest of these: from each of many directions, uphill in
+/// ever smaller steps.
 Real bruteDistance(const Shelf& shelf, const ShapeData& s, const Vec3& x, Random& random) {
   Real best = -1e30;
   for (int start = 0; start < 40; ++start) {
@@ -36,11 +38,18 @@ TEST(PointDistance, OfConvexShapesIsTheLargestOverAllDirections) {
   Shelf shelf;
   std::vector<Vec3> cloud;
   for (int i = 0; i < 20; ++i) cloud.push_back(mul(random.direction(), Vec3{.4, .3, .25}));
-  const std::vector<ShapeData> shapes = {sphere(.3), capsule(.2, .3), box({.3, .2, .4}), shelf.add(Shape::box({.3, .25, .2}, .05)),
-                                         shelf.add(Shape::cylinder(.25, .3)), shelf.add(Shape::cylinder(.3, .2, .04)),
-                                         shelf.add(Shape::cone(.3, .3)), shelf.add(Shape::cone(.1, .5)), shelf.add(Shape::hull(cloud)),
-                                         shelf.add(Shape::hull(cloud, .03)),
-                                         shelf.add(Shape::hull({{0, 0, .4}, {.4, 0, -.2}, {-.3, .3, -.2}, {-.2, -.4, -.2}}))};
+  const std::vector<ShapeData> shapes = {
+      sphere(.3),
+      capsule(.2, .3),
+      box({.3, .2, .4}),
+      shelf.add(Shape::box({.3, .25, .2}, .05)),
+      shelf.add(Shape::cylinder(.25, .3)),
+      shelf.add(Shape::cylinder(.3, .2, .04)),
+      shelf.add(Shape::cone(.3, .3)),
+      shelf.add(Shape::cone(.1, .5)),
+      shelf.add(Shape::hull(cloud)),
+      shelf.add(Shape::hull(cloud, .03)),
+      shelf.add(Shape::hull({{0, 0, .4}, {.4, 0, -.2}, {-.3, .3, -.2}, {-.2, -.4, -.2}}))};
   for (std::size_t k = 0; k < shapes.size(); ++k)
     for (int round = 0; round < 60; ++round) {
       const Vec3 x = random.vector(.7);
@@ -54,9 +63,20 @@ TEST(PointDistance, OfConvexShapesIsTheLargestOverAllDirections) {
 /// A box as a closed mesh.
 Shape meshBox(const Vec3& h) {
   std::vector<Vec3> corners;
-  for (int k = 0; k < 8; ++k) corners.push_back({(k & 1) ? h.x : -h.x, (k & 2) ? h.y : -h.y, (k & 4) ? h.z : -h.z});
-  return Shape::mesh(corners, {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
-                               {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}});
+  for (int k = 0; k < 8; ++k)
+    corners.push_back({(k & 1) ? h.x : -h.x, (k & 2) ? h.y : -h.y, (k & 4) ? h.z : -h.z});
+  return Shape::mesh(corners, {{0, 2, 3},
+                               {0, 3, 1},
+                               {4, 5, 7},
+                               {4, 7, 6},
+                               {0, 1, 5},
+                               {0, 5, 4},
+                               {2, 6, 7},
+                               {2, 7, 3},
+                               {0, 4, 6},
+                               {0, 6, 2},
+                               {1, 3, 7},
+                               {1, 7, 5}});
 }
 
 TEST(PointDistance, OfAClosedMeshIsThatOfTheSolidNearItsSurface) {
@@ -102,14 +122,18 @@ TEST(PointDistance, OfAHeightFieldIsThatOfItsTriangles) {
       const int a = j * kCount + i;
       triangles.push_back({a, a + 1, a + kCount + 1}), triangles.push_back({a, a + kCount + 1, a + kCount});
     }
-  const ShapeData field = shelf.add(Shape::heightField(kCount, kCount, {.25, .25, 0}, heights)), mesh = shelf.add(Shape::mesh(points, triangles));
-  const MassProperties fieldFrame = cook(Shape::heightField(kCount, kCount, {.25, .25, 0}, heights)).unit, meshFrame = cook(Shape::mesh(points, triangles)).unit;
+  const ShapeData field = shelf.add(Shape::heightField(kCount, kCount, {.25, .25, 0}, heights)),
+                  mesh = shelf.add(Shape::mesh(points, triangles));
+  const MassProperties fieldFrame = cook(Shape::heightField(kCount, kCount, {.25, .25, 0}, heights)).unit,
+                       meshFrame = cook(Shape::mesh(points, triangles)).unit;
   int near = 0;
   for (int round = 0; round < 2000; ++round) {
     const rubble::Vec3 x{random.uniform(-.1, 1.1), random.uniform(-.1, 1.1), random.uniform(-.3, .3)};
     const PointReach reach{.12, .06, {0, 0, 0}};
-    const PointDistance a = pointToGeneralShape(shelf.tables(), field, Vec3(rotateInverse(fieldFrame.axes, x - fieldFrame.centre)), reach);
-    const PointDistance b = pointToGeneralShape(shelf.tables(), mesh, Vec3(rotateInverse(meshFrame.axes, x - meshFrame.centre)), reach);
+    const PointDistance a = pointToGeneralShape(
+        shelf.tables(), field, Vec3(rotateInverse(fieldFrame.axes, x - fieldFrame.centre)), reach);
+    const PointDistance b = pointToGeneralShape(
+        shelf.tables(), mesh, Vec3(rotateInverse(meshFrame.axes, x - meshFrame.centre)), reach);
     near += a.distance < 1;
     EXPECT_NEAR(std::min(a.distance, Real(1)), std::min(b.distance, Real(1)), 1e-9);
   }
@@ -118,9 +142,12 @@ TEST(PointDistance, OfAHeightFieldIsThatOfItsTriangles) {
 
 TEST(PointDistance, HoldsNothingBesideTheRimOfASheet) {
   Shelf shelf;
-  const ShapeData sheet = shelf.add(Shape::mesh({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}));
+  const ShapeData sheet = shelf.add(
+      Shape::mesh({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}));
   const PointReach reach{.1, .1, {0, 0, 0}};
-  const auto distance = [&](const Vec3& x) { return pointToGeneralShape(shelf.tables(), sheet, x, reach).distance; };
+  const auto distance = [&](const Vec3& x) {
+    return pointToGeneralShape(shelf.tables(), sheet, x, reach).distance;
+  };
   EXPECT_NEAR(distance({.5, .2, .05}), .05, 1e-12);
   EXPECT_NEAR(distance({.5, .2, -.05}), -.05, 1e-12);
   EXPECT_NEAR(distance({1.03, .2, .04}), .05, 1e-12);
@@ -130,7 +157,8 @@ TEST(PointDistance, HoldsNothingBesideTheRimOfASheet) {
 
 TEST(PointDistance, KeepsThePointOnItsSideOfATwoSidedSheet) {
   Shelf shelf;
-  const ShapeData sheet = shelf.add(Shape::mesh({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, true));
+  const ShapeData sheet = shelf.add(
+      Shape::mesh({{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}, true));
   const Vec3 below{.5, .2, -.01};
   const PointDistance fresh = pointToGeneralShape(shelf.tables(), sheet, below, {.1, .1, {0, 0, 0}});
   EXPECT_NEAR(fresh.distance, .01, 1e-12);

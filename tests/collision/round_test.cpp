@@ -83,11 +83,13 @@ TEST(BoxPlane, TouchesWithFourTwoOrOneCorner) {
   const ShapeData cube = box({.5, .5, .5});
   const PairCase flat{cube, plane(), Quat{}, Quat{}, {0, 0, -.5}};
   EXPECT_EQ(flat.collide(.02).count, 4);
-  const PairCase onEdge{cube, plane(), fromAxisAngle(Vec3{1, 0, 0}, kQuarter / 2), Quat{}, {0, 0, -std::sqrt(.5)}};
+  const PairCase onEdge{
+      cube, plane(), fromAxisAngle(Vec3{1, 0, 0}, kQuarter / 2), Quat{}, {0, 0, -std::sqrt(.5)}};
   ASSERT_EQ(onEdge.collide(.02).count, 2);
   EXPECT_NEAR(deepest(onEdge.collide(.02)), 0, 1e-12);
   const Vec3 corner = normalize(Vec3{1, 1, 1});
-  const Quat onCornerTurn = fromAxisAngle(normalize(cross(corner, Vec3{0, 0, -1})), std::acos(dot(corner, Vec3{0, 0, -1})));
+  const Quat onCornerTurn = fromAxisAngle(normalize(cross(corner, Vec3{0, 0, -1})),
+                                          std::acos(dot(corner, Vec3{0, 0, -1})));
   const PairCase onCorner{cube, plane(), onCornerTurn, Quat{}, {0, 0, -std::sqrt(.75)}};
   ASSERT_EQ(onCorner.collide(.02).count, 1);
   EXPECT_NEAR(depthOf(onCorner.collide(.02), 0), 0, 1e-12);
@@ -112,7 +114,8 @@ TEST(BoxPlane, DeepestPointIsTheLowestCorner) {
 }
 
 TEST(CapsuleCapsule, CrossedTouchesAtOnePoint) {
-  const PairCase x{capsule(.2, 1), capsule(.3, 1), kAlongX, fromAxisAngle(Vec3{1, 0, 0}, kQuarter), {.4, -.3, .49}};
+  const PairCase x{
+      capsule(.2, 1), capsule(.3, 1), kAlongX, fromAxisAngle(Vec3{1, 0, 0}, kQuarter), {.4, -.3, .49}};
   const RawManifold m = x.collide(.02);
   ASSERT_EQ(m.count, 1);
   EXPECT_TRUE(test::near(m.n, Vec3{0, 0, 1}, 1e-9));
@@ -172,8 +175,8 @@ TEST(RoundShapes, FindTheNearestPointsOfCapsules) {
   Random random(4);
   int touching = 0;
   for (int n = 0; n < 200; ++n) {
-    const PairCase x{capsule(.2, random.uniform(.3, 1.5)), capsule(.3, random.uniform(.3, 1.5)), random.rotation(), random.rotation(),
-                     random.vector()};
+    const PairCase x{capsule(.2, random.uniform(.3, 1.5)), capsule(.3, random.uniform(.3, 1.5)),
+                     random.rotation(), random.rotation(), random.vector()};
     const Real brute = bruteDistance(x, 200);
     const RawManifold m = x.collide(.05);
     EXPECT_NEAR(m.separation, brute, 2e-4 + (brute < -.4 ? .1 : 0));
@@ -191,7 +194,8 @@ TEST(RoundShapes, FindTheNearestPointsOfCapsuleAndBox) {
   Random random(5);
   int touching = 0;
   for (int n = 0; n < 600; ++n) {
-    const PairCase x{capsule(.2, random.uniform(.3, 1.5)), box({.4, .6, .3}), random.rotation(), random.rotation(), random.vector(1.5)};
+    const PairCase x{capsule(.2, random.uniform(.3, 1.5)), box({.4, .6, .3}), random.rotation(),
+                     random.rotation(), random.vector(1.5)};
     const Real brute = bruteDistance(x, 4000);
     if (brute < -.199) continue;  // the axis is inside
     const RawManifold m = x.collide(.05);
@@ -223,7 +227,8 @@ TEST(AnyPair, SwappedGivesTheSamePoints) {
         ++compared;
         EXPECT_TRUE(test::near(m.n, -s.n, 1e-12));
         EXPECT_EQ(m.normalOnB, !s.normalOnB);
-        for (int k = 0; k < m.count; ++k) EXPECT_TRUE(hasPoint(s, m.points[k].onB - x.t, m.points[k].onA - x.t, 1e-12));
+        for (int k = 0; k < m.count; ++k)
+          EXPECT_TRUE(hasPoint(s, m.points[k].onB - x.t, m.points[k].onA - x.t, 1e-12));
       }
     }
   EXPECT_GT(compared, 200);
@@ -240,7 +245,8 @@ TEST(AnyPair, TurnsWithTheWorld) {
         const Quat turn = random.rotation();
         const RawManifold m = x.collide(.05), r = x.turned(turn).collide(.05);
         ASSERT_EQ(m.count, r.count);
-        for (int k = 0; k < m.count; ++k) EXPECT_TRUE(hasPoint(r, rotate(turn, m.points[k].onA), rotate(turn, m.points[k].onB), 1e-7));
+        for (int k = 0; k < m.count; ++k)
+          EXPECT_TRUE(hasPoint(r, rotate(turn, m.points[k].onA), rotate(turn, m.points[k].onB), 1e-7));
       }
     }
 }

@@ -11,7 +11,9 @@
 namespace rubble::RUBBLE_CORE {
 
 inline ShapeData sphere(Real radius) { return {{0, 0, 0}, radius, ShapeKind::Sphere, -1}; }
-inline ShapeData capsule(Real radius, Real halfLength) { return {{0, 0, halfLength}, radius, ShapeKind::Capsule, -1}; }
+inline ShapeData capsule(Real radius, Real halfLength) {
+  return {{0, 0, halfLength}, radius, ShapeKind::Capsule, -1};
+}
 inline ShapeData box(const Vec3& half) { return {half, 0, ShapeKind::Box, -1}; }
 inline ShapeData plane() { return {{0, 0, 0}, 0, ShapeKind::Plane, -1}; }
 
@@ -23,7 +25,8 @@ class Shelf {
     const int vectors = static_cast<int>(vectors_.size()), indices = static_cast<int>(indices_.size());
     for (const auto& v : cooked.vectors) vectors_.push_back({v[0], v[1], v[2], v[3]});
     for (const int i : cooked.indices) indices_.push_back(i);
-    for (const int place : cooked.vectorPlaces) indices_[static_cast<std::size_t>(indices + place)] += vectors;
+    for (const int place : cooked.vectorPlaces)
+      indices_[static_cast<std::size_t>(indices + place)] += vectors;
     for (const int place : cooked.indexPlaces) indices_[static_cast<std::size_t>(indices + place)] += indices;
     const int data = cooked.shape.data < 0 ? -1 : cooked.shape.data + indices;
     return {cooked.shape.half, cooked.shape.radius, static_cast<ShapeKind>(cooked.shape.kind), data};
@@ -56,12 +59,15 @@ inline Real reach(const ShapeData& s, const Quat& q, const Vec3& d) {
   return dot(abs(local), s.half) + s.radius;
 }
 /// Distance of the two shapes' supports along d; negative: they overlap along d.
-inline Real separationAlong(const PairCase& x, const Vec3& d) { return dot(x.t, d) - reach(x.a, x.qA, d) - reach(x.b, x.qB, d); }
+inline Real separationAlong(const PairCase& x, const Vec3& d) {
+  return dot(x.t, d) - reach(x.a, x.qA, d) - reach(x.b, x.qB, d);
+}
 
 /// How far a point (relative to the shape's centre) lies outside a box, along its axes.
 inline Real outside(const ShapeData& s, const Quat& q, const Vec3& point) {
   const Vec3 local = rotateInverse(q, point);
-  return std::max({std::fabs(local.x) - s.half.x, std::fabs(local.y) - s.half.y, std::fabs(local.z) - s.half.z});
+  return std::max(
+      {std::fabs(local.x) - s.half.x, std::fabs(local.y) - s.half.y, std::fabs(local.z) - s.half.z});
 }
 
 inline Real depthOf(const RawManifold& m, int k) { return dot(m.n, m.points[k].onA - m.points[k].onB); }

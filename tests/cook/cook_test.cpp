@@ -20,7 +20,8 @@ using test::Random;
 
 std::vector<Vec3> boxCorners(const Vec3& h, const Vec3& at = {}, const Quat& q = {}) {
   std::vector<Vec3> points;
-  for (int k = 0; k < 8; ++k) points.push_back(at + rotate(q, Vec3{(k & 1) ? h.x : -h.x, (k & 2) ? h.y : -h.y, (k & 4) ? h.z : -h.z}));
+  for (int k = 0; k < 8; ++k)
+    points.push_back(at + rotate(q, Vec3{(k & 1) ? h.x : -h.x, (k & 2) ? h.y : -h.y, (k & 4) ? h.z : -h.z}));
   return points;
 }
 
@@ -40,7 +41,8 @@ TEST(Hull, OfABoxHasItsMassWhereverItLies) {
   for (int round = 0; round < 30; ++round) {
     const Vec3 h{random.uniform(.1, 2), random.uniform(.1, 2), random.uniform(.1, 2)}, at = random.vector(3);
     const Quat q = random.rotation();
-    const MassProperties box = massProperties(Shape::box(h), 700), hull = massProperties(Shape::hull(boxCorners(h, at, q)), 700);
+    const MassProperties box = massProperties(Shape::box(h), 700),
+                         hull = massProperties(Shape::hull(boxCorners(h, at, q)), 700);
     EXPECT_NEAR(hull.mass / box.mass, 1, 1e-12);
     EXPECT_TRUE(near(hull.centre, at, 1e-12));
     MassProperties turned = box;
@@ -59,7 +61,8 @@ TEST(Hull, OfATessellatedSphereComesCloseToIt) {
     const double z = 1 - (2 * i + 1) / 250., a = i * 2.399963229728653, s = std::sqrt(1 - z * z);
     points.push_back({s * std::cos(a), s * std::sin(a), z});
   }
-  const MassProperties hull = massProperties(Shape::hull(points), 1), sphere = massProperties(Shape::sphere(1), 1);
+  const MassProperties hull = massProperties(Shape::hull(points), 1),
+                       sphere = massProperties(Shape::sphere(1), 1);
   EXPECT_LT(hull.mass, sphere.mass);
   EXPECT_NEAR(hull.mass / sphere.mass, 1, .04);
   EXPECT_TRUE(near(hull.centre, Vec3{}, 1e-3));
@@ -74,7 +77,8 @@ TEST(Hull, UnitesFacesInOnePlane) {
   EXPECT_EQ(hull.faces.size(), 6u);
   for (std::size_t f = 0; f < hull.faces.size(); ++f) {
     EXPECT_EQ(hull.faces[f].size(), 4u);
-    for (const Vec3& p : points) EXPECT_LE(dot(hull.normals[f], p - hull.vertices[static_cast<std::size_t>(hull.faces[f][0])]), 1e-9);
+    for (const Vec3& p : points)
+      EXPECT_LE(dot(hull.normals[f], p - hull.vertices[static_cast<std::size_t>(hull.faces[f][0])]), 1e-9);
   }
 }
 
@@ -84,15 +88,18 @@ TEST(Hull, RefusesPointsInAPlane) {
 }
 
 TEST(MassProperties, OfEverySolidAgreeWithItsSurface) {
-  const std::vector<Shape> shapes = {Shape::sphere(.7), Shape::capsule(.3, .5), Shape::cylinder(.4, .6), Shape::cone(.5, .7), Shape::box({.3, .2, .5}),
-                                     Shape::box({.3, .2, .5}, .1), Shape::cylinder(.4, .3, .1), Shape::hull(boxCorners({.3, .2, .5}), .1)};
+  const std::vector<Shape> shapes = {Shape::sphere(.7),           Shape::capsule(.3, .5),
+                                     Shape::cylinder(.4, .6),     Shape::cone(.5, .7),
+                                     Shape::box({.3, .2, .5}),    Shape::box({.3, .2, .5}, .1),
+                                     Shape::cylinder(.4, .3, .1), Shape::hull(boxCorners({.3, .2, .5}), .1)};
   for (const Shape& shape : shapes) {
     SolidSums sums;
     const ShapeMesh mesh = shapeMesh(shape, 200);
     for (const auto& t : mesh.triangles) {
       const auto at = [&](std::size_t k) { return mesh.points[static_cast<std::size_t>(t[k])]; };
       sums += tetrahedronSums(at(0), at(1), at(2));
-      for (std::size_t k = 0; k < 3; ++k) EXPECT_GT(dot(cross(at(1) - at(0), at(2) - at(0)), mesh.normals[static_cast<std::size_t>(t[k])]), 0);
+      for (std::size_t k = 0; k < 3; ++k)
+        EXPECT_GT(dot(cross(at(1) - at(0), at(2) - at(0)), mesh.normals[static_cast<std::size_t>(t[k])]), 0);
     }
     const MassProperties a = massProperties(shape, 1), b = principal(sums);
     EXPECT_NEAR(a.mass / b.mass, 1, 4e-3) << static_cast<int>(shape.type);
@@ -105,7 +112,8 @@ TEST(MassProperties, OfARoundedBoxFollowSteiner) {
   // V = core + faces r + quarter cylinders + sphere
   const double r = .1;
   const Vec3 c{.2, .1, .4};
-  const double exact = 8 * c.x * c.y * c.z + r * 8 * (c.x * c.y + c.y * c.z + c.x * c.z) + std::numbers::pi * r * r * 2 * (c.x + c.y + c.z) +
+  const double exact = 8 * c.x * c.y * c.z + r * 8 * (c.x * c.y + c.y * c.z + c.x * c.z) +
+                       std::numbers::pi * r * r * 2 * (c.x + c.y + c.z) +
                        4. / 3 * std::numbers::pi * r * r * r;
   EXPECT_NEAR(massProperties(Shape::box(c + Vec3{r, r, r}, r), 1).mass / exact, 1, 2e-3);
 }
@@ -114,7 +122,8 @@ TEST(MassProperties, OfACompoundAreThoseOfTheWhole) {
   // a box cut in two, the halves turned to their places
   const Shape half = Shape::box({.25, .3, .2});
   const Quat turn = fromAxisAngle(Vec3{0, 0, 1}, std::numbers::pi / 2);
-  const Shape whole = Shape::compound({{half, {.25, 0, 0}, {}}, {Shape::box({.3, .25, .2}), {-.25, 0, 0}, turn}});
+  const Shape whole = Shape::compound(
+      {{half, {.25, 0, 0}, {}}, {Shape::box({.3, .25, .2}), {-.25, 0, 0}, turn}});
   const MassProperties a = massProperties(whole, 3), b = massProperties(Shape::box({.5, .3, .2}), 3);
   EXPECT_NEAR(a.mass, b.mass, 1e-12);
   EXPECT_TRUE(near(a.centre, b.centre, 1e-12));
@@ -127,8 +136,11 @@ TEST(MassProperties, OfADistanceFieldAgreeWithTheSolid) {
   std::vector<double> distances;
   for (int k = 0; k < n; ++k)
     for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) distances.push_back(length(Vec3{i * spacing - 1.1, j * spacing - 1.2, k * spacing - 1.2}) - .8);
-  const MassProperties field = massProperties(Shape::distanceField({n, n, n}, {-1.2, -1.2, -1.2}, spacing, distances), 1), sphere = massProperties(Shape::sphere(.8), 1);
+      for (int i = 0; i < n; ++i)
+        distances.push_back(length(Vec3{i * spacing - 1.1, j * spacing - 1.2, k * spacing - 1.2}) - .8);
+  const MassProperties field = massProperties(
+                           Shape::distanceField({n, n, n}, {-1.2, -1.2, -1.2}, spacing, distances), 1),
+                       sphere = massProperties(Shape::sphere(.8), 1);
   EXPECT_NEAR(field.mass / sphere.mass, 1, .01);
   EXPECT_TRUE(near(field.centre, Vec3{-.1, 0, 0}, 2e-3));
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(field.inertia[i] / sphere.inertia[i], 1, .02);
@@ -145,7 +157,8 @@ TEST(Mesh, FlatAndHollowEdgesAreNotTouchable) {
   EXPECT_EQ(edgesOf(ridge[1]), 0b110);
   std::vector<Vec3> valley = points;
   for (Vec3& p : valley) p.z = -p.z;
-  const std::vector<int> hollow = cooking::touchableEdges(valley, roof, false), both = cooking::touchableEdges(valley, roof, true);
+  const std::vector<int> hollow = cooking::touchableEdges(valley, roof, false),
+                         both = cooking::touchableEdges(valley, roof, true);
   EXPECT_EQ(edgesOf(hollow[0]), 0b001);
   EXPECT_EQ(edgesOf(both[0]), 0b001);
   EXPECT_EQ(edgesOf(both[0] >> 6), 0b011);

@@ -124,17 +124,24 @@ TEST(Tetrahedralize, SaysWhatIsWrongWithASurface) {
               std::swap(m.triangles[3][0], m.triangles[3][1]);
             }).find("cube.triangles[3]: expected two triangles on each edge"),
             std::string::npos);
-  EXPECT_NE(refused([](TriangleMesh& m) { m.triangles.push_back(m.triangles[0]); }).find("cube.triangles[12]"), std::string::npos);
+  EXPECT_NE(
+      refused([](TriangleMesh& m) { m.triangles.push_back(m.triangles[0]); }).find("cube.triangles[12]"),
+      std::string::npos);
   EXPECT_NE(refused([](TriangleMesh& m) {
               for (auto& t : m.triangles) std::swap(t[0], t[1]);
             }).find("counter-clockwise"),
             std::string::npos);
-  EXPECT_NE(refused([](TriangleMesh& m) { m.triangles[2][1] = 99; }).find("cube.triangles[2]: expected indices below 8, got 99"),
+  EXPECT_NE(refused([](TriangleMesh& m) {
+              m.triangles[2][1] = 99;
+            }).find("cube.triangles[2]: expected indices below 8, got 99"),
             std::string::npos);
-  EXPECT_NE(refused([](TriangleMesh& m) { m.vertices[3] = m.vertices[2]; }).find("a positive area"), std::string::npos);
-  EXPECT_NE(refused([](TriangleMesh& m) { m.vertices[3].x = std::nan(""); }).find("cube.vertices[3]"), std::string::npos);
+  EXPECT_NE(refused([](TriangleMesh& m) { m.vertices[3] = m.vertices[2]; }).find("a positive area"),
+            std::string::npos);
+  EXPECT_NE(refused([](TriangleMesh& m) { m.vertices[3].x = std::nan(""); }).find("cube.vertices[3]"),
+            std::string::npos);
   EXPECT_NE(refused([](TriangleMesh&) {}, 9).find("cube.cell: expected cells that fit"), std::string::npos);
-  EXPECT_NE(refused([](TriangleMesh&) {}, 1e-4).find("cube.cell: expected a width that gives fewer"), std::string::npos);
+  EXPECT_NE(refused([](TriangleMesh&) {}, 1e-4).find("cube.cell: expected a width that gives fewer"),
+            std::string::npos);
   EXPECT_NE(refused([](TriangleMesh&) {}, 0).find("cube.cell"), std::string::npos);
   EXPECT_NE(refused([](TriangleMesh& m) { m.triangles.clear(); }).find("at least four"), std::string::npos);
 }

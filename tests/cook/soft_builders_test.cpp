@@ -44,10 +44,13 @@ TEST_P(SoftBall, IsFilledByTetrahedraThatFitToOneAnother) {
     EXPECT_LE(count, 2);
     // a face of one tetrahedron is a part of the surface
     if (count != 1) continue;
-    for (const int v : face) EXPECT_NEAR(length(ball.vertices[static_cast<std::size_t>(v)] - Vec3{1, 2, 3}), kRadius, 1e-12);
+    for (const int v : face)
+      EXPECT_NEAR(length(ball.vertices[static_cast<std::size_t>(v)] - Vec3{1, 2, 3}), kRadius, 1e-12);
   }
-  // flat faces lack a share that falls with the square of their size: .88 / n^2 with 2 cells, 1.15 / n^2 with 9
-  const double whole = 4 * std::numbers::pi / 3 * kRadius * kRadius * kRadius, lacking = (1 - volume / whole) * GetParam() * GetParam();
+  // flat faces lack a share that falls with the square of their size: .88 / n^2 with 2 cells, 1.15 / n^2 with
+  // 9
+  const double whole = 4 * std::numbers::pi / 3 * kRadius * kRadius * kRadius,
+               lacking = (1 - volume / whole) * GetParam() * GetParam();
   EXPECT_GT(lacking, .8);
   EXPECT_LT(lacking, 1.2);
 }
@@ -55,7 +58,9 @@ TEST_P(SoftBall, IsFilledByTetrahedraThatFitToOneAnother) {
 TEST_P(SoftBall, HasNoTetrahedronWithAllCornersOnItsSurface) {
   const SoftDef ball = softBall({0, 0, 0}, 1, GetParam());
   for (const auto& t : ball.tetrahedra)
-    EXPECT_FALSE(std::all_of(t.begin(), t.end(), [&](int v) { return length(ball.vertices[static_cast<std::size_t>(v)]) > .999; }));
+    EXPECT_FALSE(std::all_of(t.begin(), t.end(), [&](int v) {
+      return length(ball.vertices[static_cast<std::size_t>(v)]) > .999;
+    }));
 }
 
 INSTANTIATE_TEST_SUITE_P(Cells, SoftBall, testing::Values(2, 3, 4, 5, 9));

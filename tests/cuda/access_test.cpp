@@ -20,8 +20,10 @@ std::vector<double> rowOf(const ArrayView& view, int row) {
     EXPECT_EQ(cudaMemcpy(bytes, at, size, cudaMemcpyDefault), cudaSuccess);
     double wide = 0;
     float narrow = 0;
-    if (size == 8) std::memcpy(&wide, bytes, 8);
-    else std::memcpy(&narrow, bytes, 4), wide = static_cast<double>(narrow);
+    if (size == 8)
+      std::memcpy(&wide, bytes, 8);
+    else
+      std::memcpy(&narrow, bytes, 4), wide = static_cast<double>(narrow);
     out.push_back(wide);
   }
   return out;
@@ -35,7 +37,8 @@ ArrayView rowsView(const void* data, std::int64_t count, bool device) {
 }
 ArrayView valuesView(const void* data, std::int64_t count, std::int64_t numbers, bool device) {
   ArrayView view;
-  view.data = data, view.shape[0] = count, view.shape[1] = numbers, view.strides[0] = 8 * numbers, view.strides[1] = 8;
+  view.data = data, view.shape[0] = count, view.shape[1] = numbers, view.strides[0] = 8 * numbers,
+  view.strides[1] = 8;
   view.typestr = "<f8", view.device = device, view.stream = device ? 1 : 0;
   return view;
 }
@@ -47,7 +50,8 @@ TEST_F(CudaAccess, ArraysAreDeviceMemoryWithTheStateOfEveryBody) {
   BodyState moved = world.state(id);
   moved.position.z += 3;
   world.setState(id, moved);
-  const ArrayView position = world.array(StateArray::Position), orientation = world.array(StateArray::Orientation);
+  const ArrayView position = world.array(StateArray::Position),
+                  orientation = world.array(StateArray::Orientation);
   const ArrayView velocity = world.array(StateArray::Velocity);
   EXPECT_TRUE(position.device);
   EXPECT_NE(position.stream, 0u);
@@ -72,7 +76,8 @@ TEST_F(CudaAccess, BatchesDoWhatSingleEditsDo) {
   for (std::size_t k = 0; k < ids.size(); ++k) pushes.push_back({100. * static_cast<double>(k), 50, 200});
   // twice: the second must not overtake the first
   for (int i = 0; i < 2; ++i) {
-    for (std::size_t k = 0; k < ids.size(); ++k) one.applyImpulse(ids[k], pushes[k]), one.applyForce(ids[k], pushes[k]);
+    for (std::size_t k = 0; k < ids.size(); ++k)
+      one.applyImpulse(ids[k], pushes[k]), one.applyForce(ids[k], pushes[k]);
     many.applyImpulses(ids, pushes), many.applyForces(ids, pushes);
   }
   const BodyState still{{0, 0, 30}, {}, {}, {}};
@@ -102,14 +107,16 @@ TEST_F(CudaAccess, ImpulsesOnTheDeviceAreThoseOfTheCpu) {
     world->applyImpulses(world->bodies(), pushes);
     run(*world, 2);
   }
-  for (const BodyId id : cpu.bodies()) EXPECT_LT(length(cpu.state(id).velocity - cuda.state(id).velocity), 1e-7);
+  for (const BodyId id : cpu.bodies())
+    EXPECT_LT(length(cpu.state(id).velocity - cuda.state(id).velocity), 1e-7);
 }
 
 TEST_F(CudaAccess, ScattersFromHostAndDeviceAlike) {
   World host(mixedScene(), optionsFor("cuda")), device(mixedScene(), optionsFor("cuda"));
   run(host, 5), run(device, 5);
   const std::vector<int> rows = {7, 30, 9999, 12};
-  const std::vector<double> vectors = {1, 2, 3, -4, 0, 2, 9, 9, 9, 0, 5, -1}, turns = {1, 0, 0, 0, 0, 3, 0, 0, 1, 1, 1, 1, .6, 0, 0, .8};
+  const std::vector<double> vectors = {1, 2, 3, -4, 0, 2, 9, 9, 9, 0, 5, -1},
+                            turns = {1, 0, 0, 0, 0, 3, 0, 0, 1, 1, 1, 1, .6, 0, 0, .8};
   void *deviceRows = nullptr, *deviceVectors = nullptr, *deviceTurns = nullptr;
   const auto put = [](void*& to, const auto& from) {
     const std::size_t bytes = from.size() * sizeof from[0];
@@ -117,11 +124,13 @@ TEST_F(CudaAccess, ScattersFromHostAndDeviceAlike) {
     ASSERT_EQ(cudaMemcpy(to, from.data(), bytes, cudaMemcpyHostToDevice), cudaSuccess);
   };
   put(deviceRows, rows), put(deviceVectors, vectors), put(deviceTurns, turns);
-  for (const StateArray which : {StateArray::Velocity, StateArray::Force, StateArray::Force, StateArray::Position, StateArray::AngularVelocity}) {
+  for (const StateArray which : {StateArray::Velocity, StateArray::Force, StateArray::Force,
+                                 StateArray::Position, StateArray::AngularVelocity}) {
     host.scatter(which, rowsView(rows.data(), 4, false), valuesView(vectors.data(), 4, 3, false));
     device.scatter(which, rowsView(deviceRows, 4, true), valuesView(deviceVectors, 4, 3, true));
   }
-  host.scatter(StateArray::Orientation, rowsView(rows.data(), 4, false), valuesView(turns.data(), 4, 4, false));
+  host.scatter(StateArray::Orientation, rowsView(rows.data(), 4, false),
+               valuesView(turns.data(), 4, 4, false));
   device.scatter(StateArray::Orientation, rowsView(deviceRows, 4, true), valuesView(deviceTurns, 4, 4, true));
   EXPECT_EQ(host.state(host.bodyAt(30)).velocity, (Vec3{-4, 0, 2}));
   EXPECT_EQ(device.state(device.bodyAt(30)).orientation, (Quat{0, 1, 0, 0}));
@@ -130,7 +139,9 @@ TEST_F(CudaAccess, ScattersFromHostAndDeviceAlike) {
   EXPECT_EQ(host.hash(), device.hash());
   run(host, 10), run(device, 10);
   EXPECT_EQ(host.hash(), device.hash());
-  EXPECT_THROW(device.scatter(StateArray::Velocity, rowsView(rows.data(), 4, false), valuesView(deviceVectors, 4, 3, true)), Error);
+  EXPECT_THROW(device.scatter(StateArray::Velocity, rowsView(rows.data(), 4, false),
+                              valuesView(deviceVectors, 4, 3, true)),
+               Error);
   for (void* p : {deviceRows, deviceVectors, deviceTurns}) cudaFree(p);
 }
 

@@ -1,4 +1,5 @@
-// Room is found out on the device: a step that lacks it goes on with more, and nobody can tell from the result.
+// Room is found out on the device: a step that lacks it goes on with more, and nobody can tell from the
+// result.
 #include "tests/cuda/cuda_scenes.h"
 
 namespace rubble::test {
@@ -6,7 +7,8 @@ namespace {
 
 class CudaCapacity : public CudaTest {};
 
-/// A world in its first step has room for nothing; one that has run the same scene before and was set back has room for all.
+/// A world in its first step has room for nothing; one that has run the same scene before and was set back
+/// has room for all.
 TEST_F(CudaCapacity, OverflowDoesNotChangeTheResult) {
   World ample(mixedScene(), optionsFor("cuda"));
   const Snapshot start = ample.snapshot();
@@ -25,7 +27,8 @@ TEST_F(CudaCapacity, OverflowDoesNotChangeTheResult) {
 
 /// Room for all but one kind, which begins with one element.
 TEST_F(CudaCapacity, OverflowOfEachTableIsReportedAndChangesNoResult) {
-  const std::vector<std::string> kinds = {"pairs", "activePairs", "manifolds", "incidences", "colors", "groups", "chunks", "externals"};
+  const std::vector<std::string> kinds = {"pairs",  "activePairs", "manifolds", "incidences",
+                                          "colors", "groups",      "chunks",    "externals"};
   const auto worldBut = [&](const std::string& scarce) {
     World world(mixedScene(), optionsFor("cuda"));
     for (const std::string& kind : kinds)
@@ -78,7 +81,8 @@ TEST_F(CudaCapacity, GrowsWithTheScene) {
   EXPECT_LT(distance(cpu, cuda), .3);
 }
 
-/// More colours than there are launches for at first: one ground box that all others touch, and a clique of overlapping boxes.
+/// More colours than there are launches for at first: one ground box that all others touch, and a clique of
+/// overlapping boxes.
 TEST_F(CudaCapacity, FindsAsManyColorsAsItTakes) {
   Scene scene = ground();
   constexpr int kClique = 40;

@@ -51,7 +51,8 @@ inline Scene brickPile(int width, int height) {
   Scene scene = ground();
   for (int k = 0; k < height; ++k)
     for (int i = 0; i < width; ++i)
-      for (int j = 0; j < width; ++j) scene.bodies.push_back(boxAt({i + .5 * (k % 2), j + .5 * (k / 2 % 2), k + .5}));
+      for (int j = 0; j < width; ++j)
+        scene.bodies.push_back(boxAt({i + .5 * (k % 2), j + .5 * (k / 2 % 2), k + .5}));
   return scene;
 }
 
@@ -107,8 +108,10 @@ inline double distance(const World& a, const World& b) {
 inline testing::AssertionResult sameStates(const World& a, const World& b) {
   for (const BodyId id : a.bodies()) {
     const BodyState s = a.state(id), t = b.state(id);
-    if (s.position != t.position || s.orientation != t.orientation || s.velocity != t.velocity || s.angularVelocity != t.angularVelocity)
-      return testing::AssertionFailure() << "body " << id.index << " differs by " << length(s.position - t.position) << " m";
+    if (s.position != t.position || s.orientation != t.orientation || s.velocity != t.velocity ||
+        s.angularVelocity != t.angularVelocity)
+      return testing::AssertionFailure()
+             << "body " << id.index << " differs by " << length(s.position - t.position) << " m";
   }
   return testing::AssertionSuccess();
 }

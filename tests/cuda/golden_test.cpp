@@ -1,5 +1,6 @@
-// Bits of runs on the device as they were recorded. They change with the method and with the order in which sums are taken, and with nothing else:
-// a test that fails here beside tests that pass asks whether that was meant. The message has the new number.
+// Bits of runs on the device as they were recorded. They change with the method and with the order in which
+// sums are taken, and with nothing else: a test that fails here beside tests that pass asks whether that was
+// meant. The message has the new number.
 #include <cuda_runtime_api.h>
 
 #include "scenes/registry.h"
@@ -8,13 +9,14 @@
 namespace rubble::test {
 namespace {
 
-/// What recorded them: compute capability of the device, and toolkit of the code, which may contract products and sums in other ways.
+/// What recorded them: compute capability of the device, and toolkit of the code, which may contract products
+/// and sums in other ways.
 constexpr int kCapability = 90, kToolkit = 13000;
 
 struct Golden {
   const char* scene;  ///< of the registry, at the size of its tests
   int steps;
-  bool sorted;        ///< with the bodies sorted in the middle
+  bool sorted;  ///< with the bodies sorted in the middle
   std::uint64_t hash;
 };
 
@@ -25,7 +27,8 @@ TEST_P(CudaGolden, HashIsTheRecordedOne) {
   cudaGetDevice(&device);
   cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device);
   cudaDeviceGetAttribute(&minor, cudaDevAttrComputeCapabilityMinor, device);
-  if (10 * major + minor != kCapability || CUDART_VERSION != kToolkit) GTEST_SKIP() << "recorded with another device or toolkit";
+  if (10 * major + minor != kCapability || CUDART_VERSION != kToolkit)
+    GTEST_SKIP() << "recorded with another device or toolkit";
   for (const std::string& feature : buildInfo().features)
     if (feature.find("strict") != std::string::npos) GTEST_SKIP() << "recorded with another build";
   const Golden& golden = GetParam();

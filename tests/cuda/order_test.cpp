@@ -10,7 +10,8 @@ namespace {
 
 class CudaOrder : public CudaTest {
  protected:
-  /// mixedScene() with its bricks taken from both ends by turns and a ball that rests, so many steps old, then sorted, if it is, and one step older.
+  /// mixedScene() with its bricks taken from both ends by turns and a ball that rests, so many steps old,
+  /// then sorted, if it is, and one step older.
   static World world(const std::string& backend, bool sorted, int steps = 40) {
     World w(scrambled(), optionsFor(backend));
     run(w, steps);
@@ -22,7 +23,9 @@ class CudaOrder : public CudaTest {
     Scene scene = mixedScene();
     const int bricks = 4 * 4 * 6;
     std::vector<BodyDef> bodies(scene.bodies.begin() + 1, scene.bodies.begin() + 1 + bricks);
-    const auto brick = [&](int i) { return bodies[static_cast<std::size_t>(i % 2 ? bricks - 1 - i / 2 : i / 2)]; };
+    const auto brick = [&](int i) {
+      return bodies[static_cast<std::size_t>(i % 2 ? bricks - 1 - i / 2 : i / 2)];
+    };
     for (int i = 0; i < bricks; ++i) scene.bodies[static_cast<std::size_t>(1 + i)] = brick(i);
     scene.bodies[static_cast<std::size_t>(1 + bricks)].velocity = {};
     return scene;
@@ -69,7 +72,10 @@ TEST_F(CudaOrder, LetsEditsAndArraysFindTheirBodies) {
   const PoseFrame frame = w.takePoses();
   for (const BodyId id : w.bodies()) {
     double z;
-    std::memcpy(&z, static_cast<const char*>(frame.position.data) + id.index * frame.position.strides[0] + 2 * frame.position.strides[1], sizeof z);
+    std::memcpy(&z,
+                static_cast<const char*>(frame.position.data) + id.index * frame.position.strides[0] +
+                    2 * frame.position.strides[1],
+                sizeof z);
     EXPECT_EQ(z, w.state(id).position.z);
   }
 
@@ -131,7 +137,9 @@ TEST_F(CudaOrder, IsMadeWhereBodiesLieScattered) {
   scene.gravity = {};
   std::vector<int> at(kSide * kSide * kSide);
   for (std::size_t i = 0; i < at.size(); ++i) at[i] = static_cast<int>(i * 7919 % at.size());
-  for (const int i : at) scene.bodies.push_back(boxAt({1.01 * (i % kSide), 1.01 * (i / kSide % kSide), 1.01 * (i / (kSide * kSide)) + 1}));
+  for (const int i : at)
+    scene.bodies.push_back(
+        boxAt({1.01 * (i % kSide), 1.01 * (i / kSide % kSide), 1.01 * (i / (kSide * kSide)) + 1}));
   World cpu(scene, optionsFor("cpu")), cuda(scene, optionsFor("cuda"));
   EXPECT_TRUE(cpu.step().sorted);
   EXPECT_TRUE(cuda.step().sorted);

@@ -19,7 +19,8 @@ class CudaQuery : public testing::Test {
  protected:
   void SetUp() override {
     const std::vector<std::string> names = backends();
-    if (std::find(names.begin(), names.end(), "cuda") == names.end()) GTEST_SKIP() << "CUDA is " << cudaStatus();
+    if (std::find(names.begin(), names.end(), "cuda") == names.end())
+      GTEST_SKIP() << "CUDA is " << cudaStatus();
   }
   static WorldOptions on(const std::string& backend) {
     WorldOptions options;
@@ -34,8 +35,7 @@ class CudaQuery : public testing::Test {
   }
 };
 
-template <class Hit>
-void expectSame(const std::vector<Hit>& a, const std::vector<Hit>& b, int least) {
+template <class Hit> void expectSame(const std::vector<Hit>& a, const std::vector<Hit>& b, int least) {
   ASSERT_EQ(a.size(), b.size());
   int other = 0, hits = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -61,7 +61,8 @@ TEST_F(CudaQuery, AnswersAsTheCpuDoes) {
   std::vector<ClosestQuery> points;
   for (int i = 0; i < kQueries; ++i) {
     rays.push_back({random.vector(12), random.direction(), random.uniform(1, 30), randomFilter(random)});
-    casts.push_back({randomSolid(random, 1), random.vector(12), random.rotation(), random.vector(10), randomFilter(random)});
+    casts.push_back({randomSolid(random, 1), random.vector(12), random.rotation(), random.vector(10),
+                     randomFilter(random)});
     shapes.push_back({randomSolid(random, 3), random.vector(10), random.rotation(), randomFilter(random)});
     points.push_back({random.vector(12), random.uniform(.1, 8), randomFilter(random)});
   }

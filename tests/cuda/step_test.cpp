@@ -40,7 +40,8 @@ TEST_F(CudaStep, StaysBesideTheCpuWhileAPileSettles) {
 /// A build with RUBBLE_STRICT promises the bits of the CPU.
 TEST_F(CudaStep, HasTheBitsOfTheCpuInAStrictBuild) {
   const std::vector<std::string> features = buildInfo().features;
-  if (std::none_of(features.begin(), features.end(), [](const std::string& f) { return f.find("strict") != std::string::npos; }))
+  if (std::none_of(features.begin(), features.end(),
+                   [](const std::string& f) { return f.find("strict") != std::string::npos; }))
     GTEST_SKIP() << "not a strict build";
   World cpu(mixedScene(), optionsFor("cpu")), cuda(mixedScene(), optionsFor("cuda"));
   for (int i = 0; i < 90; ++i) {
@@ -66,8 +67,9 @@ TEST_F(CudaStep, StaysBesideTheCpuWithJoints) {
   }
 }
 
-/// Forces of trees are small differences of large numbers: with other bits of a coordinate where they are taken than where the blocks were summed,
-/// limits that are just reached turned elbows by .02 rad a step in free fall.
+/// Forces of trees are small differences of large numbers: with other bits of a coordinate where they are
+/// taken than where the blocks were summed, limits that are just reached turned elbows by .02 rad a step in
+/// free fall.
 TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
   Scene arms;
   for (int i = 0; i < 16; ++i) {
@@ -81,7 +83,8 @@ TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
       limb.mass = 2;
       arms.bodies.push_back(limb);
       if (k == 0) continue;
-      JointDef elbow = jointAt(arms, JointType::Hinge, 3 * i + k, 3 * i + k - 1, start + (.3 * k - .15) * along, turn);
+      JointDef elbow = jointAt(arms, JointType::Hinge, 3 * i + k, 3 * i + k - 1,
+                               start + (.3 * k - .15) * along, turn);
       elbow.axes[0].min = 0, elbow.axes[0].max = 2.2;
       elbow.axes[0].friction = .5;
       arms.joints.push_back(elbow);
@@ -92,14 +95,16 @@ TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
   EXPECT_LT(distance(cpu, cuda), 1e-5);
 }
 
-/// The plate has a block or a warp of its own in every stage that loops over what touches it; the ball strikes the heap.
+/// The plate has a block or a warp of its own in every stage that loops over what touches it; the ball
+/// strikes the heap.
 TEST_F(CudaStep, StaysBesideTheCpuWhereOneBodyTouchesAHundred) {
   Scene heap = ground();
   BodyDef plate;
   plate.shape = Shape::box({5, 5, .25});
   plate.position = {0, 0, .25};
   heap.bodies.push_back(plate);
-  for (int i = 0; i < 100; ++i) heap.bodies.push_back(boxAt({-4.05 + .9 * (i % 10), -4.05 + .9 * (i / 10), .5 + .4}, .4));
+  for (int i = 0; i < 100; ++i)
+    heap.bodies.push_back(boxAt({-4.05 + .9 * (i % 10), -4.05 + .9 * (i / 10), .5 + .4}, .4));
   BodyDef ball;
   ball.shape = Shape::sphere(.3);
   ball.position = {-12, .1, 1.5};

@@ -56,7 +56,8 @@ ContactCase randomContact(Random& random, Real friction) {
 }
 
 ContactForces<Real> forcesOf(const StepConstants& c, const ContactCase& x, int lane) {
-  return contactForces<Real>(c, x.rows, contactFrame<Real>(x.rows, lane), displacement(x.a), displacement(x.b));
+  return contactForces<Real>(c, x.rows, contactFrame<Real>(x.rows, lane), displacement(x.a),
+                             displacement(x.b));
 }
 
 Block6 blockOf(const StepConstants& c, const ContactCase& x, bool onA, int lane) {
@@ -75,7 +76,8 @@ TEST(Contact, MeasuresDisplacementsOfThePointOnBothBodies) {
   for (int n = 0; n < 20; ++n) {
     const ContactCase x = randomContact(random, 1);
     for (int lane = 0; lane < kLanes; ++lane) {
-      const Vec3 d = x.a.lin + cross(x.a.ang, leverOf(x.rows, lane, true)) - x.b.lin - cross(x.b.ang, leverOf(x.rows, lane, false));
+      const Vec3 d = x.a.lin + cross(x.a.ang, leverOf(x.rows, lane, true)) - x.b.lin -
+                     cross(x.b.ang, leverOf(x.rows, lane, false));
       Vec3 t1, t2;
       tangentBasis(x.rows.n, t1, t2);
       const ContactForces<Real> f = forcesOf(c, x, lane);
@@ -99,7 +101,8 @@ TEST(Contact, InsideTheConePushesByTheGradientOfItsEnergy) {
     const auto energy = [&](const ContactCase& y) {
       const ContactForces<Real> g = forcesOf(c, y, lane);
       const ContactRows& r = y.rows;
-      return augmentedEnergy(r.load[lane].kN, r.load[lane].lambdaN, g.cN) + augmentedEnergy(r.slip[lane].kT, r.load[lane].lambda1, g.c1) +
+      return augmentedEnergy(r.load[lane].kN, r.load[lane].lambdaN, g.cN) +
+             augmentedEnergy(r.slip[lane].kT, r.load[lane].lambda1, g.c1) +
              augmentedEnergy(r.slip[lane].kT, r.load[lane].lambda2, g.c2);
     };
     for (const bool onA : {true, false}) {
@@ -138,7 +141,8 @@ TEST(Contact, HessianIsTheJacobianAroundTheMatrixOfThePoint) {
       const Matrix6 expected = j.transpose() * axes * w * axes.transpose() * j;
       const Sym6 h = pack(blockOf(c, x, onA, lane));
       for (int i = 0; i < 6; ++i)
-        for (int k = 0; k < 6; ++k) EXPECT_NEAR(h(i, k), expected(i, k), 1e-11 * expected.norm()) << i << " " << k;
+        for (int k = 0; k < 6; ++k)
+          EXPECT_NEAR(h(i, k), expected(i, k), 1e-11 * expected.norm()) << i << " " << k;
     }
   }
 }
@@ -199,7 +203,8 @@ TEST(Contact, DualUpdateTakesOverTheForcesAndKeepsThemInTheCone) {
       EXPECT_EQ(r.load[lane].lambda2, f.t.f2);
       const bool sticks = f.t.inside > 0;
       const Real size = std::hypot(r.load[lane].lambda1, r.load[lane].lambda2);
-      // a point that yields keeps the friction of its manifold: whether that slides is found between the steps
+      // a point that yields keeps the friction of its manifold: whether that slides is found between the
+      // steps
       EXPECT_LE(size, .4 * f.fN * (1 + 1e-12));
       EXPECT_EQ(r.slip[lane].mu, .4);
       const bool loaded = f.fN > 0;
@@ -242,7 +247,9 @@ TEST(Contact, FourLanesEqualSinglePoints) {
       accumulateContact<Real4>(c, x.rows, onA, a, b, 0, four);
       for (int lane = 0; lane < kLanes; ++lane) {
         const Block6 one = blockOf(c, x, onA, lane);
-        const auto same = [&](const Vec3T<Real4>& v, const Vec3& w) { return v.x[lane] == w.x && v.y[lane] == w.y && v.z[lane] == w.z; };
+        const auto same = [&](const Vec3T<Real4>& v, const Vec3& w) {
+          return v.x[lane] == w.x && v.y[lane] == w.y && v.z[lane] == w.z;
+        };
         for (int i = 0; i < 3; ++i) {
           EXPECT_TRUE(same(four.ll.column(i), one.ll.column(i))) << i;
           EXPECT_TRUE(same(four.aa.column(i), one.aa.column(i))) << i;

@@ -1,5 +1,6 @@
-/// What every element between vertices promises: its force is minus the gradient of its energy, its Hessian the derivative of its force
-/// (or a definite part of it, where it says so), its forces have no net force or moment, and a turned element gives turned forces.
+/// What every element between vertices promises: its force is minus the gradient of its energy, its Hessian
+/// the derivative of its force (or a definite part of it, where it says so), its forces have no net force or
+/// moment, and a turned element gives turned forces.
 #include <gtest/gtest.h>
 
 #include "forces/soft_forces.h"
@@ -12,20 +13,19 @@ namespace {
 
 using test::Random;
 
-Vec3 randomPoint(Random& random, Real size) { return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)}; }
+Vec3 randomPoint(Random& random, Real size) {
+  return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
+}
 
 /// An element with constants at rest, and the place of its corners at rest.
-template <class F>
-struct Case {
+template <class F> struct Case {
   F element{};
   Vec3 rest[F::kCorners];
 };
 
-template <class F>
-Case<F> makeCase(Random& random, Real damping);
+template <class F> Case<F> makeCase(Random& random, Real damping);
 
-template <>
-Case<Tetrahedron> makeCase(Random& random, Real damping) {
+template <> Case<Tetrahedron> makeCase(Random& random, Real damping) {
   Case<Tetrahedron> c;
   Vec3* const x = c.rest;
   x[0] = {0, 0, 0}, x[1] = {.1, 0, 0}, x[2] = {.02, .12, 0}, x[3] = {.03, .02, .09};
@@ -39,8 +39,7 @@ Case<Tetrahedron> makeCase(Random& random, Real damping) {
   t.damper = damping * 300 * volume;
   return c;
 }
-template <>
-Case<Membrane> makeCase(Random& random, Real damping) {
+template <> Case<Membrane> makeCase(Random& random, Real damping) {
   Case<Membrane> c;
   c.rest[0] = {0, 0, 0}, c.rest[1] = {.1, 0, 0}, c.rest[2] = {.03, .08, 0};
   Membrane& t = c.element;
@@ -51,40 +50,36 @@ Case<Membrane> makeCase(Random& random, Real damping) {
   for (Real& l : t.lambda) l = random.uniform(-.2, .2);
   return c;
 }
-template <int N>
-void setBend(QuadraticBend<N>& b, Random& random) {
+template <int N> void setBend(QuadraticBend<N>& b, Random& random) {
   b.stiffness = 3;
   Real sum = 0;
   for (int i = 1; i < N; ++i) sum += b.weight[i] = random.uniform(-2, 2);
   b.weight[0] = -sum;
 }
-template <>
-Case<FlatBend> makeCase(Random& random, Real) {
+template <> Case<FlatBend> makeCase(Random& random, Real) {
   Case<FlatBend> c;
   setBend<4>(c.element, random);
   for (Vec3& p : c.rest) p = randomPoint(random, .1);
   return c;
 }
-template <>
-Case<LineBend> makeCase(Random& random, Real) {
+template <> Case<LineBend> makeCase(Random& random, Real) {
   Case<LineBend> c;
   setBend<3>(c.element, random);
   for (Vec3& p : c.rest) p = randomPoint(random, .1);
   return c;
 }
-template <>
-Case<FoldBend> makeCase(Random& random, Real damping) {
+template <> Case<FoldBend> makeCase(Random& random, Real damping) {
   Case<FoldBend> c;
   c.rest[0] = {0, 0, 0}, c.rest[1] = {.1, 0, 0}, c.rest[2] = {.04, .09, .02}, c.rest[3] = {.05, -.07, .04};
   for (Vec3& p : c.rest) p += randomPoint(random, .01);
   c.element.stiffness = 2, c.element.damping = damping * .01, c.element.restAngle = .4;
   return c;
 }
-template <>
-Case<Spring> makeCase(Random& random, Real damping) {
+template <> Case<Spring> makeCase(Random& random, Real damping) {
   Case<Spring> c;
   c.rest[0] = {0, 0, 0}, c.rest[1] = randomPoint(random, .3) + Vec3{.5, 0, 0};
-  c.element.stiffness = 1000, c.element.damping = damping * 5, c.element.restLength = .4, c.element.mass = .1, c.element.bound = 1e30;
+  c.element.stiffness = 1000, c.element.damping = damping * 5, c.element.restLength = .4, c.element.mass = .1,
+  c.element.bound = 1e30;
   c.element.lambda = random.uniform(-5, 20);
   return c;
 }
@@ -96,13 +91,11 @@ StepConstants constants() {
 }
 
 /// Begun at rest and moved by up to `size`.
-template <class F>
-struct Moved {
+template <class F> struct Moved {
   F element;
   Vec3 x[F::kCorners];
 };
-template <class F>
-Moved<F> moved(Random& random, Real damping, Real size) {
+template <class F> Moved<F> moved(Random& random, Real damping, Real size) {
   Case<F> c = makeCase<F>(random, damping);
   Moved<F> m;
   m.element = c.element;
@@ -111,15 +104,13 @@ Moved<F> moved(Random& random, Real damping, Real size) {
   return m;
 }
 
-template <class F>
-Block3 stamped(const F& e, const Vec3 (&x)[F::kCorners], int corner) {
+template <class F> Block3 stamped(const F& e, const Vec3 (&x)[F::kCorners], int corner) {
   Block3 b;
   e.accumulate(constants(), x, corner, b);
   return b;
 }
 
-template <class F>
-class Element : public testing::Test {};
+template <class F> class Element : public testing::Test {};
 using AllElements = testing::Types<Tetrahedron, Membrane, FlatBend, FoldBend, LineBend, Spring>;
 TYPED_TEST_SUITE(Element, AllElements);
 
@@ -145,11 +136,15 @@ TYPED_TEST(Element, ForceIsMinusTheGradientOfTheEnergy) {
   }
 }
 
-/// Is the Hessian the whole second derivative? Springs in tension and sheets under tension have it, and so do tetrahedra without viscosity.
-template <class F> constexpr bool kCompleteHessian = std::is_same_v<F, Tetrahedron> || std::is_same_v<F, FlatBend> || std::is_same_v<F, LineBend>;
+/// Is the Hessian the whole second derivative? Springs in tension and sheets under tension have it, and so do
+/// tetrahedra without viscosity.
+template <class F>
+constexpr bool kCompleteHessian = std::is_same_v<F, Tetrahedron> || std::is_same_v<F, FlatBend> ||
+                                  std::is_same_v<F, LineBend>;
 
 TYPED_TEST(Element, HessianIsTheDerivativeOfTheForceWhereItIsComplete) {
-  if constexpr (kCompleteHessian<TypeParam> || std::is_same_v<TypeParam, Spring> || std::is_same_v<TypeParam, Membrane>) {
+  if constexpr (kCompleteHessian<TypeParam> || std::is_same_v<TypeParam, Spring> ||
+                std::is_same_v<TypeParam, Membrane>) {
     Random random(2);
     for (int n = 0; n < 40; ++n) {
       auto m = moved<TypeParam>(random, 0, .02);
@@ -232,7 +227,8 @@ TYPED_TEST(Element, RestsInItsRestShapeAndHasNoViscousForceInARigidMotion) {
       const Quat q = random.rotation();
       Vec3 x[TypeParam::kCorners];
       for (int k = 0; k < TypeParam::kCorners; ++k) x[k] = rotate(q, c.rest[k]);
-      for (int corner = 0; corner < TypeParam::kCorners; ++corner) EXPECT_LT(length(stamped(c.element, x, corner).f), 1e-8);
+      for (int corner = 0; corner < TypeParam::kCorners; ++corner)
+        EXPECT_LT(length(stamped(c.element, x, corner).f), 1e-8);
     }
   }
 }
@@ -265,7 +261,8 @@ TEST(Spring, MultiplierConvergesToHookesLawAtAnyStiffness) {
       c.element.begin(constants(), c.rest);
       for (int i = 0; i < 20; ++i) c.element.updateDual(constants(), c.rest);
     }
-    // what a step forgets of the multiplier it gets back from 1.2 g dt^2 / 20 of error (docs/method.md, section 7)
+    // what a step forgets of the multiplier it gets back from 1.2 g dt^2 / 20 of error (docs/method.md,
+    // section 7)
     EXPECT_NEAR(c.element.lambda, stiffness * c.element.elongation(c.rest), 3e-4 * stiffness);
   }
 }
@@ -275,8 +272,7 @@ struct ClosedSurface {
   Vec3 x[4];
   static constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 };
-template <class Of>
-void forEachFace(const ClosedSurface& s, Of&& of) {
+template <class Of> void forEachFace(const ClosedSurface& s, Of&& of) {
   Pressure p{};
   p.pressure = 700;
   for (const auto& face : ClosedSurface::kFaces) {
@@ -286,7 +282,7 @@ void forEachFace(const ClosedSurface& s, Of&& of) {
 }
 Vec3 forceOn(const ClosedSurface& s, int corner) {
   Vec3 sum{};
-  forEachFace(s, [&](const Pressure& p, const int (&face)[3], const Vec3 (&x)[3]) {
+  forEachFace(s, [&](const Pressure& p, const int(&face)[3], const Vec3(&x)[3]) {
     for (int k = 0; k < 3; ++k)
       if (face[k] == corner) {
         Block3 block;
@@ -304,7 +300,8 @@ TEST(Pressure, ForcesOnAClosedSurfaceAreThoseOfItsVolumeAndAddUpToNothing) {
     for (Vec3& x : s.x) x = randomPoint(random, 1) + Vec3{3, -2, 5};
     const auto energy = [&] {
       Real sum = 0;
-      forEachFace(s, [&](const Pressure& p, const int (&)[3], const Vec3 (&x)[3]) { sum += p.energy(constants(), x); });
+      forEachFace(
+          s, [&](const Pressure& p, const int(&)[3], const Vec3(&x)[3]) { sum += p.energy(constants(), x); });
       return sum;
     };
     const Real volume = dot(s.x[1] - s.x[0], cross(s.x[2] - s.x[0], s.x[3] - s.x[0])) / 6;

@@ -21,8 +21,11 @@ template <class F> Pose& poseOf(JointCase<F>& x, int side) {
   return side == 0 ? x.a : x.b;
 }
 
-/// A frame on a body that is turned by up to 2 rad against `base`: not close to half a turn, where angles fold over.
-inline Quat frameNear(test::Random& random, const Quat& base, const Quat& body) { return conjugate(body) * base * random.rotationUpTo(2); }
+/// A frame on a body that is turned by up to 2 rad against `base`: not close to half a turn, where angles
+/// fold over.
+inline Quat frameNear(test::Random& random, const Quat& base, const Quat& body) {
+  return conjugate(body) * base * random.rotationUpTo(2);
+}
 
 /// Anywhere, with large errors.
 template <class F> JointCase<F> randomJointCase(test::Random& random) {
@@ -59,7 +62,8 @@ template <class F> JointCase<F> randomJointCase(test::Random& random) {
 
 /// Moves A so that the anchors coincide.
 template <class F> void closeAnchors(JointCase<F>& x) {
-  if constexpr (requires { x.data.anchorA; }) x.a.p = x.b.p + rotate(x.b.q, x.data.anchorB) - rotate(x.a.q, x.data.anchorA);
+  if constexpr (requires { x.data.anchorA; })
+    x.a.p = x.b.p + rotate(x.b.q, x.data.anchorB) - rotate(x.a.q, x.data.anchorA);
 }
 
 /// C of one part.
@@ -83,7 +87,8 @@ template <class F> JointCase<F> image(const JointCase<F>& x, const Quat& turn, c
   const auto of = [&](const Pose& p) { return Pose{rotate(turn, p.p) + shift, turn * p.q}; };
   for (int side = 0; side < kSides<F>; ++side) poseOf(y, side) = of(poseOf(y, side));
   auto& d = y.data;
-  if constexpr (F::kGrounded) d.pointA = rotate(turn, d.pointA) + shift, d.pointB = rotate(turn, d.pointB) + shift;
+  if constexpr (F::kGrounded)
+    d.pointA = rotate(turn, d.pointA) + shift, d.pointB = rotate(turn, d.pointB) + shift;
   y.memory.remember(d, y.a, y.b, {});
   if constexpr (requires { y.memory.start; }) y.memory.start = x.memory.start;
   return y;
@@ -106,9 +111,11 @@ template <class F> JointSpec<F> specOf(const typename F::Data& data) {
   return spec;
 }
 
-/// Rows of a joint whose turns are linear at one pair of poses, added to a block at another. x^t: where both bodies are not turned.
-template <class F> void accumulateFrom(const JointSpec<F>& spec, Joint<F> joint, const JointCase<F>& from, const SidePose<F>& a, const SidePose<F>& b, int side,
-                                  Block6& block) {
+/// Rows of a joint whose turns are linear at one pair of poses, added to a block at another. x^t: where both
+/// bodies are not turned.
+template <class F>
+void accumulateFrom(const JointSpec<F>& spec, Joint<F> joint, const JointCase<F>& from, const SidePose<F>& a,
+                    const SidePose<F>& b, int side, Block6& block) {
   joint.acting = actingRows(spec, joint);
   JointAngularRows<F> turns{};
   linearizeAngularRows(spec, joint, from.a, from.b, from.a.q, from.b.q, turns);
@@ -122,7 +129,9 @@ template <class F> void accumulateFrom(const JointSpec<F>& spec, Joint<F> joint,
   }
 }
 /// The same where its turns are linear.
-template <class F> void accumulateAt(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b, int side, Block6& block) {
+template <class F>
+void accumulateAt(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
+                  int side, Block6& block) {
   accumulateFrom(spec, joint, JointCase<F>{spec.data, a, b, joint.memory}, a, b, side, block);
 }
 

@@ -8,8 +8,9 @@ using test::Random;
 
 const JointBody kLight{2, {.1, .2, .3}, {}}, kHeavy{200, {10, 20, 30}, {}}, kFixedBody{0, {0, 0, 0}, {}};
 
-template <class F> void begin(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const JointCase<F>& x,
-                              const JointBody& a = kLight, const JointBody& b = kHeavy) {
+template <class F>
+void begin(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint, const JointCase<F>& x,
+           const JointBody& a = kLight, const JointBody& b = kHeavy) {
   joint.length = .5;
   const JointBody bodies[2] = {a, b};
   beginJoint(c, spec, joint, x.a, x.b, bodies);
@@ -19,7 +20,9 @@ template <class F> Joint<F> begun(const JointCase<F>& x, const StepConstants& c,
   begin(c, spec, joint, x);
   return joint;
 }
-template <class F> Joint<F> begun(const JointCase<F>& x, const StepConstants& c) { return begun(x, c, specOf<F>(x.data)); }
+template <class F> Joint<F> begun(const JointCase<F>& x, const StepConstants& c) {
+  return begun(x, c, specOf<F>(x.data));
+}
 
 StepConstants unlimited() {
   StepConstants c = testConstants();
@@ -27,7 +30,9 @@ StepConstants unlimited() {
 }
 
 /// A ball joint at the origin, with A moved away.
-JointCase<BallJoint> apart(const Vec3& gap) { return {{{0, 0, 0}, {0, 0, 0}}, {gap, Quat{}}, {{0, 0, 0}, Quat{}}}; }
+JointCase<BallJoint> apart(const Vec3& gap) {
+  return {{{0, 0, 0}, {0, 0, 0}}, {gap, Quat{}}, {{0, 0, 0}, Quat{}}};
+}
 
 TEST(Joint, StartsWithTheMassOfTheLighterBodyAndItsInertiaWithLever) {
   Random random(1);
@@ -105,7 +110,8 @@ TEST(Joint, StampsTheForceThatItsEnergyGives) {
       const auto c1 = constraintOf<OrientationRows>(y);
       Real sum = 0;
       for (int row = 0; row < 3; ++row)
-        sum += augmentedEnergy(30, partOf<0>(joint.parts).lambda[row], c0.c[row]) + augmentedEnergy(20, partOf<1>(joint.parts).lambda[row], c1.c[row]);
+        sum += augmentedEnergy(30, partOf<0>(joint.parts).lambda[row], c0.c[row]) +
+               augmentedEnergy(20, partOf<1>(joint.parts).lambda[row], c1.c[row]);
       return sum;
     };
     for (int side = 0; side < 2; ++side) {

@@ -38,7 +38,8 @@ TYPED_TEST(JointTest, JacobianIsTheDerivativeOfTheConstraint) {
           const Rows<P> p1 = at(1), m1 = at(-1), p2 = at(2), m2 = at(-2);
           for (int row = 0; row < P::kRows; ++row) {
             const Real slope = (8 * (p1.c[row] - m1.c[row]) - (p2.c[row] - m2.c[row])) / (12 * h);
-            EXPECT_NEAR(component(j[row], i), slope, 1e-7) << "part " << I << ", side " << side << ", row " << row << ", coordinate " << i;
+            EXPECT_NEAR(component(j[row], i), slope, 1e-7)
+                << "part " << I << ", side " << side << ", row " << row << ", coordinate " << i;
           }
         }
       }
@@ -84,9 +85,11 @@ TYPED_TEST(JointTest, CurvatureOfEachPartIsTheColumnNormsOfItsSecondDerivative) 
       // lengths have their whole curvature under tension only
       for (Real& f : force) f = P::kAxis ? random.uniform(.5, 2) : random.uniform(-2, 2);
       for (int side = 0; side < kSides<F>; ++side) {
-        const Vec6 g = P::curvature(x.data, x.memory, x.a, x.b, side, force), norms = columnNorms<P>(x, side, force);
+        const Vec6 g = P::curvature(x.data, x.memory, x.a, x.b, side, force),
+                   norms = columnNorms<P>(x, side, force);
         for (int i = 0; i < 6; ++i)
-          EXPECT_NEAR(component(g, i), component(norms, i), 2e-5 * (1 + component(norms, i))) << "part " << I << ", side " << side << ", coordinate " << i;
+          EXPECT_NEAR(component(g, i), component(norms, i), 2e-5 * (1 + component(norms, i)))
+              << "part " << I << ", side " << side << ", coordinate " << i;
       }
     });
   }
@@ -107,7 +110,8 @@ TYPED_TEST(JointTest, ForcesOnAllBodiesCancelUnlessTheWorldTakesPart) {
       for (int side = 0; side < kSides<F>; ++side) {
         Vec6 j[P::kRows];
         P::jacobian(y.data, y.memory, y.a, y.b, side, j);
-        for (int row = 0; row < P::kRows; ++row) force[row] += j[row].lin, moment[row] += j[row].ang + cross(poseOf(y, side).p - about, j[row].lin);
+        for (int row = 0; row < P::kRows; ++row)
+          force[row] += j[row].lin, moment[row] += j[row].ang + cross(poseOf(y, side).p - about, j[row].lin);
       }
       for (int row = 0; row < P::kRows; ++row) {
         EXPECT_TRUE(test::near(force[row], Vec3{}, 1e-13)) << I;
@@ -175,7 +179,8 @@ TYPED_TEST(JointTest, ReportsTheForceThatItsBodiesFeelInTheBlockOfEach) {
     joint.memory = x.memory;
     joint.length = 1;
     JointBody bodies[kSides<F>];
-    for (int side = 0; side < kSides<F>; ++side) bodies[side] = side == 0 ? JointBody{2, {.1, .2, .3}, {}} : JointBody{20, {1, 2, 3}, {}};
+    for (int side = 0; side < kSides<F>; ++side)
+      bodies[side] = side == 0 ? JointBody{2, {.1, .2, .3}, {}} : JointBody{20, {1, 2, 3}, {}};
     beginJoint(c, spec, joint, x.a, x.b, bodies);
     // after a dual update the multipliers are the forces; with k = 0 the blocks hold them alone
     updateJointDuals(c, spec, joint, x.a, x.b);
@@ -203,8 +208,7 @@ TYPED_TEST(JointTest, ReportsTheForceThatItsBodiesFeelInTheBlockOfEach) {
 }
 
 /// A joint with load on the rows that turn, and how it pushes B where it is now by what was found at `from`.
-template <class F>
-struct LoadedJoint {
+template <class F> struct LoadedJoint {
   JointSpec<F> spec;
   Joint<F> joint{};
   LoadedJoint(const JointCase<F>& x, Random& random) : spec(specOf<F>(x.data)) {
@@ -230,9 +234,9 @@ struct LoadedJoint {
     return sum;
   }
 };
-template <class F>
-class TurningJoint : public ::testing::Test {};
-using TurningJoints = ::testing::Types<FixedJoint, HingeJoint, SliderJoint, UniversalJoint, SwingTwistJoint, SixDofJoint>;
+template <class F> class TurningJoint : public ::testing::Test {};
+using TurningJoints = ::testing::Types<FixedJoint, HingeJoint, SliderJoint, UniversalJoint, SwingTwistJoint,
+                                       SixDofJoint>;
 TYPED_TEST_SUITE(TurningJoint, TurningJoints);
 
 TYPED_TEST(TurningJoint, HasItsErrorsToFirstOrderInWhatTurnsDuringAnIteration) {
@@ -251,7 +255,9 @@ TYPED_TEST(TurningJoint, HasItsErrorsToFirstOrderInWhatTurnsDuringAnIteration) {
         partErrors<P>(joint.spec, joint.joint, partOf<I>(joint.joint.parts), y.a, y.b, then);
         const AngularRows& rows = turns.law[firstTurnLaw<F, I>()];
         for (int i = 0; i < P::kRows; ++i)
-          EXPECT_NEAR(rows.row[i].error + dot(rows.row[i].turn, turnedSince(turns.from, y.a.q, y.b.q)), then[i], 100 * h * h) << I << " " << i;
+          EXPECT_NEAR(rows.row[i].error + dot(rows.row[i].turn, turnedSince(turns.from, y.a.q, y.b.q)),
+                      then[i], 100 * h * h)
+              << I << " " << i;
       }
     });
   }
@@ -271,7 +277,8 @@ TYPED_TEST(TurningJoint, FeelsNothingOfARotationAsAWholeDuringAnIteration) {
   }
 }
 
-/// A body that has several sides of a joint feels the sum of them: the derivative of the constraint as it moves.
+/// A body that has several sides of a joint feels the sum of them: the derivative of the constraint as it
+/// moves.
 TEST(GearJoint, ABodyOfSeveralSidesFeelsTheSumOfThem) {
   Random random(12);
   const int owners[][4] = {{0, 1, 2, 2}, {0, 1, 1, 3}, {0, 1, 2, 0}};
@@ -353,8 +360,10 @@ TEST(SwingTwistJoint, ConeIsTheAngleBetweenTheAxes) {
   for (int n = 0; n < kCases; ++n) {
     JointCase<SwingTwistJoint> x = randomJointCase<SwingTwistJoint>(random);
     x.data.coneY = 1;
-    const Vec3 a = rotate(x.a.q * x.data.frameA, Vec3{1, 0, 0}), b = rotate(x.b.q * x.data.frameB, Vec3{1, 0, 0});
-    EXPECT_NEAR(constraintOf<DirectionAxis<SwingCone>>(x).c[0], std::atan2(length(cross(a, b)), dot(a, b)), 1e-12);
+    const Vec3 a = rotate(x.a.q * x.data.frameA, Vec3{1, 0, 0}),
+               b = rotate(x.b.q * x.data.frameB, Vec3{1, 0, 0});
+    EXPECT_NEAR(constraintOf<DirectionAxis<SwingCone>>(x).c[0], std::atan2(length(cross(a, b)), dot(a, b)),
+                1e-12);
   }
 }
 

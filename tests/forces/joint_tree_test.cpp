@@ -6,7 +6,8 @@
 namespace rubble::RUBBLE_CORE {
 namespace {
 
-/// Rows at the angle of a hinge of which A has turned by 1 rad, with a limit at 1 rad + `ahead` that bears nothing yet.
+/// Rows at the angle of a hinge of which A has turned by 1 rad, with a limit at 1 rad + `ahead` that bears
+/// nothing yet.
 TreePart<2> rowsAtLimit(Real ahead, TreeSolve how) {
   constexpr int kAngle = 2;
   StepConstants c = testConstants();
@@ -34,7 +35,8 @@ TEST(TreeRows, ALimitThatASolveHasComeToHoldsInTheNextOneOnEitherSideOfIt) {
 }
 
 TEST(TreeRows, ALimitThatIsNotReachedIsFree) {
-  EXPECT_EQ(rowsAtLimit(1e-7, TreeSolve::Exact).count, 0) << "in the first solve its side of the limit decides";
+  EXPECT_EQ(rowsAtLimit(1e-7, TreeSolve::Exact).count, 0)
+      << "in the first solve its side of the limit decides";
   EXPECT_EQ(rowsAtLimit(1e-3, TreeSolve::Again).count, 0) << "nor is one held that is really open";
 }
 

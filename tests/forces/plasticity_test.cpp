@@ -1,4 +1,5 @@
-/// What plastic flow of a tetrahedron promises: stress comes back to the yield surface along its own direction, volume stays, energy falls.
+/// What plastic flow of a tetrahedron promises: stress comes back to the yield surface along its own
+/// direction, volume stays, energy falls.
 #include <gtest/gtest.h>
 
 #include "forces/plasticity.h"
@@ -12,7 +13,9 @@ using test::Random;
 
 constexpr Real kMu = 4e4, kYield = 3e3, kHardening = 1e4;  // [Pa]
 
-Vec3 randomPoint(Random& random, Real size) { return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)}; }
+Vec3 randomPoint(Random& random, Real size) {
+  return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
+}
 
 struct Clay {
   Tetrahedron element{};
@@ -43,7 +46,9 @@ Real ratioOf(const Clay& c) {
 }
 /// Von Mises stress [Pa].
 Real mises(const Clay& c) { return kMu * distortion(c.element.deformation(c.x)); }
-Real yieldOf(const Clay& c) { return (c.element.yield + c.element.hardening * c.element.plasticStrain) / c.volume; }
+Real yieldOf(const Clay& c) {
+  return (c.element.yield + c.element.hardening * c.element.plasticStrain) / c.volume;
+}
 
 /// dev F F^T.
 Sym3 deviator(const Clay& c) {
@@ -53,11 +58,12 @@ Sym3 deviator(const Clay& c) {
   const Real mean = (b.xx + b.yy + b.zz) / 3;
   return {b.xx - mean, b.xy, b.xz, b.yy - mean, b.yz, b.zz - mean};
 }
-Real product(const Sym3& a, const Sym3& b) { return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + 2 * (a.xy * b.xy + a.xz * b.xz + a.yz * b.yz); }
+Real product(const Sym3& a, const Sym3& b) {
+  return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + 2 * (a.xy * b.xy + a.xz * b.xz + a.yz * b.yz);
+}
 
 /// visit(before, after) for many that flow, a little and far.
-template <class Visit>
-void forEachFlow(Visit&& visit) {
+template <class Visit> void forEachFlow(Visit&& visit) {
   Random random(3);
   int flowed = 0;
   for (int n = 0; n < 2000; ++n) {
@@ -83,20 +89,23 @@ TEST(Plasticity, VolumesStay) {
   forEachFlow([](const Clay& before, const Clay& after) {
     EXPECT_NEAR(ratioOf(after), ratioOf(before), 1e-10 * ratioOf(before));
     const auto inverseVolume = [](const Vec3(&m)[3]) { return dot(m[0], cross(m[1], m[2])); };
-    EXPECT_NEAR(inverseVolume(after.element.m), inverseVolume(before.element.m), 1e-9 * inverseVolume(before.element.m));
+    EXPECT_NEAR(inverseVolume(after.element.m), inverseVolume(before.element.m),
+                1e-9 * inverseVolume(before.element.m));
   });
 }
 
 TEST(Plasticity, StressKeepsItsAxes) {
   forEachFlow([](const Clay& before, const Clay& after) {
     const Sym3 a = deviator(before), b = deviator(after);
-    EXPECT_NEAR(product(a, b), std::sqrt(product(a, a) * product(b, b)), 1e-9 * std::sqrt(product(a, a) * product(b, b)));
+    EXPECT_NEAR(product(a, b), std::sqrt(product(a, a) * product(b, b)),
+                1e-9 * std::sqrt(product(a, a) * product(b, b)));
   });
 }
 
 TEST(Plasticity, EnergyFalls) {
   forEachFlow([](const Clay& before, const Clay& after) {
-    EXPECT_LT(after.element.energy(testConstants(), after.x), before.element.energy(testConstants(), before.x));
+    EXPECT_LT(after.element.energy(testConstants(), after.x),
+              before.element.energy(testConstants(), before.x));
   });
 }
 
@@ -152,7 +161,8 @@ TEST(Plasticity, ShapesStayFiniteWhereverCornersAreThrown) {
     for (int k = 0; k < 5; ++k) {
       for (Vec3& p : c.x) p = randomPoint(random, n % 2 ? 1 : 100);
       flow(c.element, c.x);
-      ASSERT_TRUE(isFinite(c.element.m[0]) && isFinite(c.element.m[1]) && isFinite(c.element.m[2]) && isFinite(c.element.plasticStrain));
+      ASSERT_TRUE(isFinite(c.element.m[0]) && isFinite(c.element.m[1]) && isFinite(c.element.m[2]) &&
+                  isFinite(c.element.plasticStrain));
     }
   }
 }

@@ -1,4 +1,5 @@
-/// Mesh files that are cut off or damaged at any byte are read or are an Error; the sanitizers watch what is touched.
+/// Mesh files that are cut off or damaged at any byte are read or are an Error; the sanitizers watch what is
+/// touched.
 #include <gtest/gtest.h>
 #include <rubble/error.h>
 
@@ -28,13 +29,15 @@ struct Sample {
 };
 std::vector<Sample> samples() {
   using namespace test;
-  return {{".ply", binaryPly(false)}, {".ply", binaryPly(true)},   {".msh", binaryMsh2(false)}, {".msh", binaryMsh2(true)},
-          {".msh", binaryMsh4(false)}, {".msh", binaryMsh4(true)}, {".stl", binaryStl()}};
+  return {{".ply", binaryPly(false)}, {".ply", binaryPly(true)},   {".msh", binaryMsh2(false)},
+          {".msh", binaryMsh2(true)}, {".msh", binaryMsh4(false)}, {".msh", binaryMsh4(true)},
+          {".stl", binaryStl()}};
 }
 
 TEST(DamagedMesh, CutOffAtEveryByte) {
   for (const Sample& sample : samples())
-    for (std::size_t size = 0; size <= sample.bytes.size(); ++size) readOrThrow(sample.ending, sample.bytes.substr(0, size));
+    for (std::size_t size = 0; size <= sample.bytes.size(); ++size)
+      readOrThrow(sample.ending, sample.bytes.substr(0, size));
 }
 
 TEST(DamagedMesh, WithEveryByteChanged) {
@@ -51,8 +54,10 @@ TEST(DamagedMesh, WhoseHeaderEndsTheFileWithoutAnEndOfLine) {
   const std::string head = test::plyHead("binary_little_endian");
   const TemporaryFile ply(".ply", head.substr(0, head.size() - 1));
   EXPECT_THROW(readMesh(ply.path), Error);
-  const TemporaryFile empty(".ply", "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty list uint double a\nproperty float x\n"
-                                    "property float y\nproperty float z\nend_header");
+  const TemporaryFile empty(".ply",
+                            "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty list uint "
+                            "double a\nproperty float x\n"
+                            "property float y\nproperty float z\nend_header");
   EXPECT_THROW(readMesh(empty.path), Error);
   const TemporaryFile msh(".msh", "$MeshFormat\n4.1 1 8\n" + test::raw(1) + "\n$EndMeshFormat\n$Nodes");
   EXPECT_THROW(readMesh(msh.path), Error);

@@ -1,4 +1,5 @@
-/// Trajectories that are cut off, damaged or made to deceive are read or are an Error; the sanitizers watch what is touched.
+/// Trajectories that are cut off, damaged or made to deceive are read or are an Error; the sanitizers watch
+/// what is touched.
 #include <gtest/gtest.h>
 #include <rubble/error.h>
 
@@ -69,11 +70,13 @@ class Forge {
 };
 
 const RecordedBody kBox{"box", Shape::box({.5, .25, .125}), Motion::Dynamic, {1, 1}};
-const RecordedBody kHull{"hull", Shape::hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}), Motion::Dynamic, {2, 1}};
+const RecordedBody kHull{
+    "hull", Shape::hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}), Motion::Dynamic, {2, 1}};
 const RecordedSoft kSheet{"sheet", {0, 1}, 4, {{0, 1, 2}, {1, 3, 2}}, {{0, 3}}, .001, false, false};
 
 RecordedFrame frameOf(std::size_t bodies, std::size_t vertices, int step) {
-  return {step, step / 60., std::vector<RecordedPose>(bodies, {{.1 * step, 0, 0}, {}}), std::vector<Vec3>(vertices, {0, .1 * step, 0})};
+  return {step, step / 60., std::vector<RecordedPose>(bodies, {{.1 * step, 0, 0}, {}}),
+          std::vector<Vec3>(vertices, {0, .1 * step, 0})};
 }
 Bytes framesOf(std::size_t bodies, std::size_t vertices, int count) {
   FrameEncoder encoder(1e-5);
@@ -81,7 +84,8 @@ Bytes framesOf(std::size_t bodies, std::size_t vertices, int count) {
   return encoder.finish();
 }
 
-/// Two frames of a box, then three of a box, a hull and a sheet. Pieces: header, box, its frames, all three, their frames.
+/// Two frames of a box, then three of a box, a hull and a sheet. Pieces: header, box, its frames, all three,
+/// their frames.
 Forge sample() {
   Forge forge;
   forge.pieces = {{kHead, encodeHeader({"a test", 1 / 60., {0, 0, -9.81}, 1e-5})},
@@ -99,7 +103,8 @@ TEST(DamagedRecording, CutOffAtEveryByte) {
   const TemporaryFile whole(".rubble");
   sample().write(whole.path);
   const std::string bytes = test::contentOf(whole.path);
-  for (std::size_t size = 0; size < bytes.size(); ++size) readAll(TemporaryFile(".rubble", bytes.substr(0, size)).path);
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    readAll(TemporaryFile(".rubble", bytes.substr(0, size)).path);
 }
 
 TEST(DamagedRecording, WithEveryByteChanged) {
@@ -162,7 +167,8 @@ TEST(DamagedRecording, WhoseIndexNamesTheBodiesOfOtherFrames) {
 }
 
 TEST(DamagedRecording, OfBodiesWithoutTheGeometryOfTheirType) {
-  for (const ShapeType type : {ShapeType::Hull, ShapeType::Compound, ShapeType::Mesh, ShapeType::HeightField, ShapeType::DistanceField}) {
+  for (const ShapeType type : {ShapeType::Hull, ShapeType::Compound, ShapeType::Mesh, ShapeType::HeightField,
+                               ShapeType::DistanceField}) {
     Forge forge = sample();
     Bytes& content = forge.pieces[1].content;
     // number of bodies, id, generation and motion stand before it
@@ -175,10 +181,13 @@ TEST(DamagedRecording, OfBodiesWithoutTheGeometryOfTheirType) {
 
 TEST(DamagedRecording, OfShapesThatPointOutsideOfThemselves) {
   const std::vector<Vec3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  for (const Shape& shape : {Shape::mesh(corners, {{0, 1, 3}}), Shape::mesh(corners, {{0, 1, 1000000}}), Shape::heightField(3, 2, {1, 1, 0}, {0, 0, 0, 0}),
-                             Shape::heightField(65536, 65536, {1, 1, 0}, {}), Shape::heightField(2147483647, 2, {1, 1, 0}, {0, 0}),
-                             Shape::distanceField({2, 2, 3}, {}, 1, {-1, 1, 1, 1, 1, 1, 1, 1}), Shape::distanceField({1 << 22, 1 << 21, 1 << 21}, {}, 1, {}),
-                             Shape::compound({{Shape::compound({{kBox.shape, {}, {}}}), {}, {}}})}) {
+  for (const Shape& shape :
+       {Shape::mesh(corners, {{0, 1, 3}}), Shape::mesh(corners, {{0, 1, 1000000}}),
+        Shape::heightField(3, 2, {1, 1, 0}, {0, 0, 0, 0}), Shape::heightField(65536, 65536, {1, 1, 0}, {}),
+        Shape::heightField(2147483647, 2, {1, 1, 0}, {0, 0}),
+        Shape::distanceField({2, 2, 3}, {}, 1, {-1, 1, 1, 1, 1, 1, 1, 1}),
+        Shape::distanceField({1 << 22, 1 << 21, 1 << 21}, {}, 1, {}),
+        Shape::compound({{Shape::compound({{kBox.shape, {}, {}}}), {}, {}}})}) {
     Forge forge = sample();
     forge.pieces[1].content = encodeObjects({{{"odd", shape, Motion::Static, {1, 1}}}, {}});
     EXPECT_FALSE(forge.reads()) << static_cast<int>(shape.type);
@@ -189,7 +198,9 @@ TEST(DamagedRecording, OfShapesThatPointOutsideOfThemselves) {
 TEST(DamagedRecording, WhoseSizesMultiplyBeyondTheWidthOfAWord) {
   constexpr std::uint32_t kFrames = 2509796186u, kVertices = 4287440055u;
   constexpr std::size_t kLeft = 1744;
-  static_assert(std::uint64_t{kFrames} * 16 + std::uint64_t{kVertices} * 24 + std::uint64_t{kFrames} * 3 * kVertices * 4 == kLeft);
+  static_assert(std::uint64_t{kFrames} * 16 + std::uint64_t{kVertices} * 24 +
+                    std::uint64_t{kFrames} * 3 * kVertices * 4 ==
+                kLeft);
   ByteWriter out;
   out.put(kFrames), out.put(std::uint32_t{0}), out.put(kVertices);
   Bytes content = out.bytes();

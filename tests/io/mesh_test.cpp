@@ -15,7 +15,9 @@ namespace {
 
 using test::raw, test::raws, test::TemporaryFile;
 
-MeshFile meshOf(const std::string& ending, const std::string& content) { return readMesh(TemporaryFile(ending, content).path); }
+MeshFile meshOf(const std::string& ending, const std::string& content) {
+  return readMesh(TemporaryFile(ending, content).path);
+}
 
 /// What the error says behind the name of the file, or "".
 std::string faultOf(const std::string& ending, const std::string& content) {
@@ -38,8 +40,9 @@ void expectCorners(const MeshFile& mesh) {
 }
 
 TEST(MeshFile, ObjHasFacesOfAnyKindAndLines) {
-  const MeshFile mesh = meshOf(
-      ".obj", "# a comment\nv 0 0 0\nv 1 0 0\nv 0 2 0\r\nv 0 0 3\nvn 0 0 1\nvt 0 0\nusemtl x\nf 1/1/1 2//1 3/2\nf -4 -3 -2 -1\nl 1 2 4\n");
+  const MeshFile mesh = meshOf(".obj",
+                               "# a comment\nv 0 0 0\nv 1 0 0\nv 0 2 0\r\nv 0 0 3\nvn 0 0 1\nvt 0 0\nusemtl "
+                               "x\nf 1/1/1 2//1 3/2\nf -4 -3 -2 -1\nl 1 2 4\n");
   expectCorners(mesh);
   const std::vector<std::array<int, 3>> wanted{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}};
   EXPECT_EQ(mesh.triangles, wanted);
@@ -56,10 +59,11 @@ TEST(MeshFile, ObjComesBackAsItWasWritten) {
 }
 
 TEST(MeshFile, StlAsTextAndBinaryIsWelded) {
-  const MeshFile text =
-      meshOf(".stl",
-             "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\n"
-             "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 0 2 0\n vertex 0 0 3\nendloop\nendfacet\nendsolid s\n");
+  const MeshFile text = meshOf(
+      ".stl",
+      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\nendloop\nendfacet\n"
+      "facet normal 0 0 1\n outer loop\n vertex 0 0 0\n vertex 0 2 0\n vertex 0 0 "
+      "3\nendloop\nendfacet\nendsolid s\n");
   expectCorners(text);
   const MeshFile binary = meshOf(".stl", test::binaryStl());
   expectCorners(binary);
@@ -67,7 +71,8 @@ TEST(MeshFile, StlAsTextAndBinaryIsWelded) {
 }
 
 TEST(MeshFile, PlyAsTextAndBinaryOfEitherOrder) {
-  const MeshFile text = meshOf(".ply", test::plyHead("ascii") + "0 0 0 9\n1 0 0 9\n0 2 0 9\n0 0 3 9\n3 0 1 2\n4 0 1 2 3\n");
+  const MeshFile text = meshOf(
+      ".ply", test::plyHead("ascii") + "0 0 0 9\n1 0 0 9\n0 2 0 9\n0 0 3 9\n3 0 1 2\n4 0 1 2 3\n");
   expectCorners(text);
   EXPECT_EQ(text.triangles, (std::vector<std::array<int, 3>>{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}}));
   for (const bool big : {false, true}) {
@@ -78,12 +83,16 @@ TEST(MeshFile, PlyAsTextAndBinaryOfEitherOrder) {
 }
 
 const char* const kMsh2 =
-    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"body\"\n$EndPhysicalNames\n$Nodes\n4\n10 0 0 0\n20 1 0 0\n30 0 2 0\n"
-    "40 0 0 3\n$EndNodes\n$Elements\n4\n1 15 2 0 1 10\n2 1 2 0 1 10 20\n3 2 2 0 1 10 30 20\n4 4 2 0 1 10 20 30 40\n$EndElements\n";
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"body\"\n$EndPhysicalNames\n$Nodes\n4\n10 "
+    "0 0 0\n20 1 0 0\n30 0 2 0\n"
+    "40 0 0 3\n$EndNodes\n$Elements\n4\n1 15 2 0 1 10\n2 1 2 0 1 10 20\n3 2 2 0 1 10 30 20\n4 4 2 0 1 10 20 "
+    "30 40\n$EndElements\n";
 const char* const kMsh4 =
-    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 2 3 0 0\n$EndEntities\n$Nodes\n2 4 10 40\n0 1 0 1\n10\n0 0 0\n3 1 "
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 2 3 0 0\n$EndEntities\n$Nodes\n2 4 "
+    "10 40\n0 1 0 1\n10\n0 0 0\n3 1 "
     "0 3\n20\n30\n40\n"
-    "1 0 0\n0 2 0\n0 0 3\n$EndNodes\n$Elements\n4 4 1 4\n0 1 15 1\n1 10\n1 1 1 1\n2 10 20\n2 1 2 1\n3 10 30 20\n3 1 4 1\n4 10 20 30 "
+    "1 0 0\n0 2 0\n0 0 3\n$EndNodes\n$Elements\n4 4 1 4\n0 1 15 1\n1 10\n1 1 1 1\n2 10 20\n2 1 2 1\n3 10 30 "
+    "20\n3 1 4 1\n4 10 20 30 "
     "40\n$EndElements\n";
 
 void expectGmsh(const MeshFile& mesh) {
@@ -114,25 +123,33 @@ TEST(MeshFile, TetrahedraComeBackAsTheyWereWritten) {
 TEST(MeshFile, FaultsSayWhereTheyAre) {
   EXPECT_NE(faultOf(".xyz", "").find("expected a name that ends in .obj"), std::string::npos);
   EXPECT_NE(faultOf(".obj", "").find("expected triangles, tetrahedra or lines, got none"), std::string::npos);
-  EXPECT_EQ(faultOf(".obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"), " line 4: expected the number of one of 3 vertices, got 4");
+  EXPECT_EQ(faultOf(".obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
+            " line 4: expected the number of one of 3 vertices, got 4");
   EXPECT_EQ(faultOf(".obj", "v 0 0\n"), " line 1: expected three coordinates, got \"\"");
   EXPECT_EQ(faultOf(".obj", "v 0 0 nan\n"), " line 1: expected three coordinates, got \"nan\"");
   EXPECT_EQ(faultOf(".obj", "v 0 0 0\nv 1 0 0\nf 1 2\n"), " line 3: expected at least 3 vertices, got 2");
-  EXPECT_NE(faultOf(".stl", "solid x\nfacet\nvertex 0 0 0\nendfacet\n").find(" line 4: expected a facet of three vertices"),
+  EXPECT_NE(faultOf(".stl", "solid x\nfacet\nvertex 0 0 0\nendfacet\n")
+                .find(" line 4: expected a facet of three vertices"),
             std::string::npos);
   EXPECT_NE(faultOf(".stl", "rubbish").find("binary STL"), std::string::npos);
-  EXPECT_NE(faultOf(".ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n").find("the properties x, y and z"),
+  EXPECT_NE(faultOf(".ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n")
+                .find("the properties x, y and z"),
             std::string::npos);
-  EXPECT_NE(faultOf(".ply", "ply\nformat ascii 1.0\nelement vertex 99999999\nend_header\n").find("line 3"), std::string::npos);
-  EXPECT_NE(faultOf(".msh", "$MeshFormat\n3 0 8\n$EndMeshFormat\n").find(" line 2: expected version 2.2 or 4.1"), std::string::npos);
+  EXPECT_NE(faultOf(".ply", "ply\nformat ascii 1.0\nelement vertex 99999999\nend_header\n").find("line 3"),
+            std::string::npos);
+  EXPECT_NE(
+      faultOf(".msh", "$MeshFormat\n3 0 8\n$EndMeshFormat\n").find(" line 2: expected version 2.2 or 4.1"),
+      std::string::npos);
   std::string text = kMsh2;
-  EXPECT_NE(faultOf(".msh", text.replace(text.find("30 40\n$End"), 2, "31")).find("which there is none of"), std::string::npos);
+  EXPECT_NE(faultOf(".msh", text.replace(text.find("30 40\n$End"), 2, "31")).find("which there is none of"),
+            std::string::npos);
 }
 
 TEST(MeshFile, CutOffAndDamagedFilesAreErrorsAndNoCrash) {
   std::mt19937 random(4);
   const std::string ply =
-      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+      "float z\nelement face 1\n"
       "property list uchar int vertex_indices\nend_header\n" +
       std::string(36, '\0') + raws(false, std::uint8_t{3}, 0, 1, 2);
   for (const auto& [ending, whole] : {std::pair<std::string, std::string>{".msh", kMsh2},
@@ -170,7 +187,8 @@ TEST(MeshFile, LinesJoinToOne) {
 }
 
 TEST(SceneFile, DeformableObjectsAreReadFromMeshFiles) {
-  const TemporaryFile ring(".obj"), rope(".obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\n"), solid(".msh", kMsh4);
+  const TemporaryFile ring(".obj"), rope(".obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nl 1 2 3\n"),
+      solid(".msh", kMsh4);
   writeObj(ring.path, test::torusMesh(1, .4, 24, 12));
   const auto name = [](const TemporaryFile& f) { return std::filesystem::path(f.path).filename().string(); };
   std::vector<Fault> faults;
@@ -196,16 +214,26 @@ TEST(SceneFile, DeformableObjectsAreReadFromMeshFiles) {
 
   const auto faultIn = [&](const std::string& object) {
     std::vector<Fault> found;
-    parseScene(R"({"bodies": [], "deformables": [)" + object + "]}", found, std::filesystem::temp_directory_path().string());
+    parseScene(R"({"bodies": [], "deformables": [)" + object + "]}", found,
+               std::filesystem::temp_directory_path().string());
     return found.empty() ? std::string() : found[0].text();
   };
-  EXPECT_NE(faultIn(R"({"type": "soft", "mesh": {"file": ")" + name(ring) + R"("}})").find("deformables[0].mesh: expected \"cell\""),
+  EXPECT_NE(faultIn(R"({"type": "soft", "mesh": {"file": ")" + name(ring) + R"("}})")
+                .find("deformables[0].mesh: expected \"cell\""),
             std::string::npos);
-  EXPECT_NE(faultIn(R"({"type": "soft", "mesh": {"file": "none.obj", "cell": 1}})").find("deformables[0].mesh.file"), std::string::npos);
-  EXPECT_NE(faultIn(R"({"type": "soft", "mesh": {"file": ")" + name(ring) + R"(", "cell": 9}})").find("cells that fit"), std::string::npos);
-  EXPECT_NE(faultIn(R"({"type": "rod", "mesh": {"file": ")" + name(ring) + R"("}})").find("expected a line"), std::string::npos);
-  EXPECT_NE(faultIn(R"({"type": "cloth", "mesh": {"file": "x.obj", "cell": 1}})").find("deformables[0].mesh.cell"), std::string::npos);
-  EXPECT_NE(faultIn(R"({"type": "particles", "mesh": {"file": ")" + name(ring) + R"("}})").find("no mesh"), std::string::npos);
+  EXPECT_NE(faultIn(R"({"type": "soft", "mesh": {"file": "none.obj", "cell": 1}})")
+                .find("deformables[0].mesh.file"),
+            std::string::npos);
+  EXPECT_NE(faultIn(R"({"type": "soft", "mesh": {"file": ")" + name(ring) + R"(", "cell": 9}})")
+                .find("cells that fit"),
+            std::string::npos);
+  EXPECT_NE(faultIn(R"({"type": "rod", "mesh": {"file": ")" + name(ring) + R"("}})").find("expected a line"),
+            std::string::npos);
+  EXPECT_NE(
+      faultIn(R"({"type": "cloth", "mesh": {"file": "x.obj", "cell": 1}})").find("deformables[0].mesh.cell"),
+      std::string::npos);
+  EXPECT_NE(faultIn(R"({"type": "particles", "mesh": {"file": ")" + name(ring) + R"("}})").find("no mesh"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ using test::TemporaryFolder;
 
 std::set<std::string> namesIn(const std::filesystem::path& folder) {
   std::set<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.insert(entry.path().filename().string());
   return names;
 }
 
@@ -74,7 +75,8 @@ TEST(OutputFile, OfEveryWriterLeavesWhatWasThereOnAFullDisk) {
         const FullDisk full(2000);
         EXPECT_THROW(writer.write(file), Error) << writer.ending;
       }
-      EXPECT_EQ(namesIn(folder.path), isThere ? std::set<std::string>{"file" + writer.ending} : std::set<std::string>{});
+      EXPECT_EQ(namesIn(folder.path),
+                isThere ? std::set<std::string>{"file" + writer.ending} : std::set<std::string>{});
       if (isThere) {
         EXPECT_EQ(test::contentOf(file), "before");
       }
@@ -88,12 +90,14 @@ TEST(OutputFile, KeepsPermissionsAndLinks) {
   const TemporaryFolder folder;
   const auto file = folder.path / "real.json", link = folder.path / "link.json";
   std::ofstream(file) << "before";
-  std::filesystem::permissions(file, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  std::filesystem::permissions(file,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
   std::filesystem::create_symlink("real.json", link);
   writeText(link.string(), "after");
   EXPECT_TRUE(std::filesystem::is_symlink(link));
   EXPECT_EQ(test::contentOf(file), "after");
-  EXPECT_EQ(std::filesystem::status(file).permissions(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  EXPECT_EQ(std::filesystem::status(file).permissions(),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
 }
 
 TEST(OutputFile, NeverReplacesADeviceOrAFolder) {

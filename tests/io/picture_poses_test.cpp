@@ -14,7 +14,8 @@ Scene falling() {
     body.position = {1.5 * i, 0, 3};
     body.orientation = fromAxisAngle(normalize(Vec3{1, .2 * i, .5}), .4 * i);
     body.angularVelocity = {1, -2, .5 * i};
-    if (i % 2 == 0) body.shape = Shape::hull({{-.4, -.4, -.4}, {.9, -.4, -.4}, {-.4, .5, -.4}, {-.4, -.4, .7}});
+    if (i % 2 == 0)
+      body.shape = Shape::hull({{-.4, -.4, -.4}, {.9, -.4, -.4}, {-.4, .5, -.4}, {-.4, -.4, .7}});
     scene.bodies.push_back(body);
   }
   return scene;
@@ -45,7 +46,8 @@ TEST(WatchedBodies, AreWhereALookAtEachOneSaysThatTheyAre) {
     const RecordedFrame fast = recordedFrame(world, poseSources(world)), slow = recordedFrame(world);
     ASSERT_EQ(fast.poses.size(), slow.poses.size());
     EXPECT_EQ(fast.step, slow.step);
-    for (std::size_t k = 0; k < slow.poses.size(); ++k) EXPECT_LT(length(fast.poses[k].position - slow.poses[k].position), 1e-6);
+    for (std::size_t k = 0; k < slow.poses.size(); ++k)
+      EXPECT_LT(length(fast.poses[k].position - slow.poses[k].position), 1e-6);
   }
   EXPECT_GT(length(bodies[0].position - before), .3) << "they fall";
 }
@@ -69,7 +71,8 @@ TEST(WatchedBodies, ComeAndGo) {
   expectSame(early, pictureBodies(world));
 }
 
-/// The first body hangs on a rope, and a sheet lies beside them: both are drawn as further entries behind the bodies.
+/// The first body hangs on a rope, and a sheet lies beside them: both are drawn as further entries behind the
+/// bodies.
 Scene fallingBesideARopeAndASheet() {
   Scene scene = falling();
   JointDef rope;

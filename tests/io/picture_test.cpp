@@ -17,7 +17,8 @@ struct Color {
   int red, green, blue;
 };
 Color at(const Image& image, int x, int y) {
-  const std::size_t i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
+  const std::size_t i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                             static_cast<std::size_t>(x));
   return {image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]};
 }
 
@@ -65,13 +66,15 @@ TEST(Picture, DeformableObjectsAreSeenWhereTheyAre) {
   const PictureSettings settings = frontView();
   const Image empty = drawPicture({}, settings);
   const auto covered = [&](const Image& image, double x, double z) {
-    return isCovered(image, empty, static_cast<int>(100 + kPixelsPerMetre * x), static_cast<int>(50 - kPixelsPerMetre * z));
+    return isCovered(image, empty, static_cast<int>(100 + kPixelsPerMetre * x),
+                     static_cast<int>(50 - kPixelsPerMetre * z));
   };
   // seen from the front and, the sheet, from behind
   for (const double side : {1., -1.}) {
     PictureSettings from = settings;
     from.eye = settings.eye * side;
-    for (const Image& image : {drawPicture(pictureBodies(world), from), drawPicture(pictureBodies(softScene()), from)}) {
+    for (const Image& image :
+         {drawPicture(pictureBodies(world), from), drawPicture(pictureBodies(softScene()), from)}) {
       for (const double x : {0., .8, -5., 4., 6.5}) EXPECT_TRUE(covered(image, side * x, .3)) << x;
       for (const double x : {-2., 2., -4., 5.2, 8.}) EXPECT_FALSE(covered(image, side * x, .3)) << x;
     }
@@ -130,7 +133,8 @@ TEST(Picture, ASphereAndACapsuleCoverTheirPixels) {
       if (std::fabs(fromBall) > 1) {
         EXPECT_EQ(isCovered(ball, empty, x, y), fromBall < 0) << x << ", " << y;
       }
-      const double fromRod = std::hypot(std::max(0., std::fabs(dx) - 3 * kPixelsPerMetre), dy) - .5 * kPixelsPerMetre;
+      const double fromRod = std::hypot(std::max(0., std::fabs(dx) - 3 * kPixelsPerMetre), dy) -
+                             .5 * kPixelsPerMetre;
       if (std::fabs(fromRod) > 1) {
         EXPECT_EQ(isCovered(capsule, empty, x, y), fromRod < 0) << x << ", " << y;
       }
@@ -140,7 +144,8 @@ TEST(Picture, ASphereAndACapsuleCoverTheirPixels) {
 
 TEST(Picture, TheNearerBodyIsInFront) {
   const PictureSettings settings = frontView();
-  const PictureBody box = bodyOf(Shape::box({1, 1, 1}), {0, 3, 0}), sphere = bodyOf(Shape::sphere(1), {0, -3, 0});
+  const PictureBody box = bodyOf(Shape::box({1, 1, 1}), {0, 3, 0}),
+                    sphere = bodyOf(Shape::sphere(1), {0, -3, 0});
   const std::vector<PictureBody> one{box, sphere}, other{sphere, box}, alone{sphere};
   const Color a = at(drawPicture(one, settings), 100, 50), b = at(drawPicture(other, settings), 100, 50);
   const Color c = at(drawPicture(alone, settings), 100, 50);
@@ -185,7 +190,10 @@ TEST(Picture, AnyCameraInAnyCrowdGivesAPicture) {
   const auto point = [&] { return Vec3{place(random), place(random), place(random)}; };
   std::vector<PictureBody> bodies{bodyOf(Shape::plane())};
   for (int i = 0; i < 60; ++i) {
-    bodies.push_back(bodyOf(i % 3 == 0 ? Shape::box({.5, 1, .2}) : i % 3 == 1 ? Shape::sphere(.7) : Shape::capsule(.3, 1), point()));
+    bodies.push_back(bodyOf(i % 3 == 0   ? Shape::box({.5, 1, .2})
+                            : i % 3 == 1 ? Shape::sphere(.7)
+                                         : Shape::capsule(.3, 1),
+                            point()));
     bodies.back().orientation = normalize(Quat{place(random), place(random), place(random), 1});
     bodies.back().key = static_cast<std::uint32_t>(i);
   }
@@ -205,12 +213,13 @@ TEST(Picture, AnyCameraInAnyCrowdGivesAPicture) {
 
 TEST(Picture, FramingShowsEverything) {
   std::vector<PictureBody> bodies;
-  for (int i = 0; i < 20; ++i) bodies.push_back(bodyOf(Shape::box({.5, .25, .25}), {i * 1.05, .25 * i, 2. * (i % 3)}));
+  for (int i = 0; i < 20; ++i)
+    bodies.push_back(bodyOf(Shape::box({.5, .25, .25}), {i * 1.05, .25 * i, 2. * (i % 3)}));
   for (const Vec3& gravity : {Vec3{0, -9.81, 0}, Vec3{0, 0, -9.81}, Vec3{}, Vec3{3, 1, -2}}) {
     PictureSettings settings;
     frameBodies(bodies, gravity, settings);
-    const Vec3 forward = normalize(settings.target - settings.eye), right = normalize(cross(forward, settings.up)),
-               up = cross(right, forward);
+    const Vec3 forward = normalize(settings.target - settings.eye),
+               right = normalize(cross(forward, settings.up)), up = cross(right, forward);
     const double tall = std::tan(settings.fieldOfView / 2), wide = tall * settings.width / settings.height;
     for (const PictureBody& body : bodies) {
       const Vec3 p = body.position - settings.eye;
@@ -235,8 +244,9 @@ TEST(Picture, BadSettingsAreErrors) {
 
 #if defined(RUBBLE_HAS_PNG)
 TEST(Picture, PngFilesHaveTheirSignatureAndSize) {
-  const std::string file =
-      (std::filesystem::temp_directory_path() / ("rubble_picture_" + std::to_string(std::random_device{}()) + ".png")).string();
+  const std::string file = (std::filesystem::temp_directory_path() /
+                            ("rubble_picture_" + std::to_string(std::random_device{}()) + ".png"))
+                               .string();
   writePng({3, 2, std::vector<std::uint8_t>(18, 77)}, file);
   std::ifstream in(file, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};

@@ -34,7 +34,8 @@ World settled(const Scene& scene, int steps = 60) {
 }
 
 World twoTowers() {
-  return settled(onGround({cube({0, 0, .5}), cube({0, 0, 1.5}), cube({0, 0, 2.5}), cube({4, 0, .5}), cube({4, 0, 1.5}), cube({9, 0, 50})}));
+  return settled(onGround({cube({0, 0, .5}), cube({0, 0, 1.5}), cube({0, 0, 2.5}), cube({4, 0, .5}),
+                           cube({4, 0, 1.5}), cube({9, 0, 50})}));
 }
 
 TEST(Values, IslandsHangTogetherOverContactsAndNotOverTheGround) {
@@ -114,7 +115,8 @@ TEST(Values, MaterialsAreAlikeWhereTheirNumbersAre) {
 }
 
 TEST(Values, StrainIsTheChangeOfLength) {
-  // A sheet of 2 m that begins 10 % longer along x: edges along x are, those along y are not, diagonals lie between.
+  // A sheet of 2 m that begins 10 % longer along x: edges along x are, those along y are not, diagonals lie
+  // between.
   Scene scene;
   scene.gravity = {};
   ClothDef cloth = clothSheet({0, 0, 0}, {2, 0, 0}, {0, 2, 0}, 2, 2);

@@ -20,7 +20,8 @@ struct TemporaryFile {
   std::string path;
   TemporaryFile() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    path = (std::filesystem::temp_directory_path() / (std::string("rubble_") + info->name() + "_" + std::to_string(std::random_device{}())))
+    path = (std::filesystem::temp_directory_path() /
+            (std::string("rubble_") + info->name() + "_" + std::to_string(std::random_device{}())))
                .string();
   }
   ~TemporaryFile() { std::filesystem::remove(path); }
@@ -71,7 +72,8 @@ Trajectory makeTrajectory(int count) {
 
 void write(const std::string& path, const Trajectory& trajectory, bool finish = true) {
   RecordingWriter writer(path, {"a test", 1 / 60., {0, 0, -9.81}, kResolution});
-  for (std::size_t i = 0; i < trajectory.frames.size(); ++i) writer.write(trajectory.bodies[i], trajectory.frames[i]);
+  for (std::size_t i = 0; i < trajectory.frames.size(); ++i)
+    writer.write(trajectory.bodies[i], trajectory.frames[i]);
   if (finish) writer.finish();
 }
 
@@ -89,7 +91,8 @@ void expectFrame(RecordingReader& reader, int index, const Trajectory& trajector
   ASSERT_EQ(frame.poses.size(), trajectory.frames[i].poses.size());
   for (std::size_t k = 0; k < frame.poses.size(); ++k) {
     for (int axis = 0; axis < 3; ++axis)
-      EXPECT_NEAR(frame.poses[k].position[axis], trajectory.frames[i].poses[k].position[axis], .5001 * kResolution);
+      EXPECT_NEAR(frame.poses[k].position[axis], trajectory.frames[i].poses[k].position[axis],
+                  .5001 * kResolution);
     EXPECT_LT(angleBetween(frame.poses[k].orientation, trajectory.frames[i].poses[k].orientation), 1e-5);
   }
 }
@@ -116,7 +119,8 @@ struct SoftTrajectory {
 SoftTrajectory makeSoftTrajectory(int count) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> step(-.1, .1);
-  std::vector<RecordedSoft> softs{{"sheet", {0, 1}, 4, {{0, 1, 2}, {1, 3, 2}}, {}, .001, false, false}, {"", {1, 1}, 3, {}, {{0, 1}, {1, 2}}, .01, false, false}};
+  std::vector<RecordedSoft> softs{{"sheet", {0, 1}, 4, {{0, 1, 2}, {1, 3, 2}}, {}, .001, false, false},
+                                  {"", {1, 1}, 3, {}, {{0, 1}, {1, 2}}, .01, false, false}};
   std::vector<Vec3> vertices(7);
   SoftTrajectory made;
   for (int i = 0; i < count; ++i) {
@@ -134,7 +138,8 @@ SoftTrajectory makeSoftTrajectory(int count) {
 const std::vector<RecordedBody> kOneBody{{"box", Shape::box({.5, .25, .125}), Motion::Dynamic, {1, 1}}};
 void writeSoft(const std::string& path, const SoftTrajectory& trajectory) {
   RecordingWriter writer(path, {"soft", 1 / 60., {0, 0, -9.81}, kResolution});
-  for (std::size_t i = 0; i < trajectory.frames.size(); ++i) writer.write(kOneBody, trajectory.frames[i], trajectory.softs[i]);
+  for (std::size_t i = 0; i < trajectory.frames.size(); ++i)
+    writer.write(kOneBody, trajectory.frames[i], trajectory.softs[i]);
   writer.finish();
 }
 
@@ -159,13 +164,15 @@ TEST(Recording, VerticesOfDeformableObjectsComeBack) {
 TEST(Recording, DeformableObjectsAreDrawnAsTheyWere) {
   const TemporaryFile file;
   Scene scene;
-  scene.deformables = {softBox({0, 0, 1}, {.5, .5, .5}, {2, 2, 2}), clothSheet({-1, -1, 2}, {2, 0, 0}, {0, 2, 0}, 4, 4),
+  scene.deformables = {softBox({0, 0, 1}, {.5, .5, .5}, {2, 2, 2}),
+                       clothSheet({-1, -1, 2}, {2, 0, 0}, {0, 2, 0}, 4, 4),
                        straightRod({0, 0, 3}, {1, 0, 3}, 4)};
   World world(scene);
   const std::vector<RecordedSoft> softs = recordedSofts(world);
   std::vector<PictureBody> live;
   {
-    RecordingWriter writer(file.path, {"soft", world.params().dt, world.gravity(), recordingResolution({}, softs)});
+    RecordingWriter writer(file.path,
+                           {"soft", world.params().dt, world.gravity(), recordingResolution({}, softs)});
     for (int i = 0; i < 5; ++i) {
       writer.write(recordedBodies(world), recordedFrame(world), recordedSofts(world));
       live = pictureBodies(world);
@@ -182,7 +189,8 @@ TEST(Recording, DeformableObjectsAreDrawnAsTheyWere) {
     ASSERT_EQ(drawn[i].shape.geometry->triangles, live[i].shape.geometry->triangles);
     const auto& points = drawn[i].shape.geometry->points;
     for (std::size_t k = 0; k < points.size(); ++k)
-      EXPECT_LT(length(points[k] + drawn[i].position - live[i].shape.geometry->points[k] - live[i].position), 2 * reader.header().resolution);
+      EXPECT_LT(length(points[k] + drawn[i].position - live[i].shape.geometry->points[k] - live[i].position),
+                2 * reader.header().resolution);
   }
 }
 
@@ -215,7 +223,8 @@ TEST(Recording, LongWaysAndLostStatesGetChunksOfTheirOwn) {
   const std::vector<double> places{0, 1e9, -1e9, 5, std::nan(""), 6};
   {
     RecordingWriter writer(file.path, {"", 1, {}, kResolution});
-    for (std::size_t i = 0; i < places.size(); ++i) writer.write(bodies, {static_cast<std::int64_t>(i), 0, {{{places[i], 0, 0}, {}}}});
+    for (std::size_t i = 0; i < places.size(); ++i)
+      writer.write(bodies, {static_cast<std::int64_t>(i), 0, {{{places[i], 0, 0}, {}}}});
   }
   RecordingReader reader(file.path);
   ASSERT_EQ(reader.frameCount(), 6);
@@ -254,13 +263,15 @@ TEST(Recording, RestCostsNextToNothing) {
 }
 #endif
 
-/// Where chunks begin: a file is a magic of 8 bytes, then heads of 24 bytes with the stored size at byte 8, then a footer of 16.
+/// Where chunks begin: a file is a magic of 8 bytes, then heads of 24 bytes with the stored size at byte 8,
+/// then a footer of 16.
 std::vector<std::size_t> sliceBoundaries(const std::vector<char>& bytes) {
   std::vector<std::size_t> boundaries{0, 8};
   while (boundaries.back() + 16 < bytes.size()) {
     std::uint32_t stored = 0;
     for (std::size_t i = 0; i < 4; ++i)
-      stored |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(bytes[boundaries.back() + 8 + i])) << (8 * i);
+      stored |= static_cast<std::uint32_t>(static_cast<std::uint8_t>(bytes[boundaries.back() + 8 + i]))
+                << (8 * i);
     boundaries.push_back(boundaries.back() + 24 + stored);
   }
   return boundaries;
@@ -277,14 +288,17 @@ TEST(Recording, AFileThatIsCutOffGivesItsWholeChunks) {
   for (const std::size_t boundary : boundaries)
     for (int offset = -3; offset <= 3; ++offset) {
       const auto size = static_cast<std::ptrdiff_t>(boundary) + offset;
-      if (size >= 0 && size < static_cast<std::ptrdiff_t>(bytes.size())) sizes.push_back(static_cast<std::size_t>(size));
+      if (size >= 0 && size < static_cast<std::ptrdiff_t>(bytes.size()))
+        sizes.push_back(static_cast<std::size_t>(size));
     }
   for (std::size_t size = boundaries.back(); size < bytes.size(); ++size) sizes.push_back(size);
   // Frames that lie wholly before each boundary.
   const std::vector<int> framesBefore{0, 0, 0, 0, 32, 40, 40, 72, 100, 100};
   for (const std::size_t size : sizes) {
     writeAll(file.path, {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
-    const auto whole = static_cast<std::size_t>(std::upper_bound(boundaries.begin(), boundaries.end(), size) - boundaries.begin()) - 1;
+    const auto whole = static_cast<std::size_t>(std::upper_bound(boundaries.begin(), boundaries.end(), size) -
+                                                boundaries.begin()) -
+                       1;
     if (whole < 2) {
       EXPECT_THROW(RecordingReader{file.path}, Error) << size;
       continue;
@@ -300,7 +314,8 @@ TEST(Recording, AKilledRunLeavesWhatWasFlushed) {
   const TemporaryFile file, copy;
   const Trajectory trajectory = makeTrajectory(70);
   RecordingWriter writer(file.path, {"a test", 1 / 60., {}, kResolution});
-  for (std::size_t i = 0; i < trajectory.frames.size(); ++i) writer.write(trajectory.bodies[i], trajectory.frames[i]);
+  for (std::size_t i = 0; i < trajectory.frames.size(); ++i)
+    writer.write(trajectory.bodies[i], trajectory.frames[i]);
   std::filesystem::copy_file(file.path, copy.path + "k");
   RecordingReader reader(copy.path + "k");
   EXPECT_FALSE(reader.complete());

@@ -27,11 +27,12 @@ TEST(ReportJson, KeysAreTheFixedOnes) {
   record.jointGapMax = .2;
   record.topDrop = .01;
   const Json json = Json::parse(toJson(record));
-  const std::set<std::string> expected{"scene",     "backend",  "device",       "threads",    "commit",     "bodies",        "manifolds",
-                                       "contacts",  "colors",   "clashes",      "iterations", "dt",         "settled_ms",    "smash_ms",
-                                       "stages_ms", "solve_ms", "collision_ms", "total_ms",   "top_drop_m", "penetration_m", "joint_gap_m",
-                                       "energy_j",  "engine_mb", "bytes_per_body", "rss_mb",   "verdict",      "machine",    "date",
-                                       "smash_stages_ms", "restarts"};
+  const std::set<std::string> expected{
+      "scene",      "backend",       "device",      "threads",  "commit",          "bodies",
+      "manifolds",  "contacts",      "colors",      "clashes",  "iterations",      "dt",
+      "settled_ms", "smash_ms",      "stages_ms",   "solve_ms", "collision_ms",    "total_ms",
+      "top_drop_m", "penetration_m", "joint_gap_m", "energy_j", "engine_mb",       "bytes_per_body",
+      "rss_mb",     "verdict",       "machine",     "date",     "smash_stages_ms", "restarts"};
   EXPECT_EQ(keysOf(json), expected);
   EXPECT_EQ(keysOf(json["settled_ms"]), (std::set<std::string>{"mean", "median", "p95"}));
   EXPECT_EQ(keysOf(json["smash_ms"]), (std::set<std::string>{"mean", "max", "p95"}));
@@ -44,7 +45,8 @@ TEST(ReportJson, KeysAreTheFixedOnes) {
 
 TEST(ReportJson, WhatDoesNotExistIsNull) {
   RunRecord record;
-  record.claims = {{"x", -std::numeric_limits<double>::infinity(), 1, "why", std::numeric_limits<double>::quiet_NaN(), false}};
+  record.claims = {{"x", -std::numeric_limits<double>::infinity(), 1, "why",
+                    std::numeric_limits<double>::quiet_NaN(), false}};
   record.energy = std::numeric_limits<double>::quiet_NaN();
   const Json json = Json::parse(toJson(record));
   for (const char* key : {"settled_ms", "smash_ms", "top_drop_m", "penetration_m", "joint_gap_m", "energy_j"})

@@ -27,7 +27,8 @@ void expectSame(const BodyDef& a, const BodyDef& b) {
   EXPECT_EQ(a.shape.type, b.shape.type);
   EXPECT_EQ(shapeJson(a.shape), shapeJson(b.shape));
   EXPECT_EQ(materialKey(a.material), materialKey(b.material));
-  const bool isBox = a.shape.type == ShapeType::Box, isRound = a.shape.type == ShapeType::Sphere || a.shape.type == ShapeType::Capsule;
+  const bool isBox = a.shape.type == ShapeType::Box,
+             isRound = a.shape.type == ShapeType::Sphere || a.shape.type == ShapeType::Capsule;
   if (isBox) expectSame(a.shape.halfExtents, b.shape.halfExtents);
   if (isRound) expectSame(a.shape.radius, b.shape.radius);
   if (a.shape.type == ShapeType::Capsule) expectSame(a.shape.halfLength, b.shape.halfLength);
@@ -67,14 +68,17 @@ void expectSame(const JointDef& a, const JointDef& b) {
   expectSame(a.driveOrientation, b.driveOrientation);
   expectSame(a.pulleyA, b.pulleyA);
   expectSame(a.pulleyB, b.pulleyB);
-  for (const auto member : {&JointDef::damping, &JointDef::dampingRatio, &JointDef::angularDamping, &JointDef::angularDampingRatio,
-                            &JointDef::maxForce, &JointDef::maxTorque, &JointDef::length, &JointDef::ratio, &JointDef::swingY, &JointDef::swingZ,
-                            &JointDef::friction, &JointDef::driveStiffness, &JointDef::driveDamping, &JointDef::maxDriveTorque})
+  for (const auto member :
+       {&JointDef::damping, &JointDef::dampingRatio, &JointDef::angularDamping,
+        &JointDef::angularDampingRatio, &JointDef::maxForce, &JointDef::maxTorque, &JointDef::length,
+        &JointDef::ratio, &JointDef::swingY, &JointDef::swingZ, &JointDef::friction,
+        &JointDef::driveStiffness, &JointDef::driveDamping, &JointDef::maxDriveTorque})
     expectSame(a.*member, b.*member);
   for (std::size_t i = 0; i < a.axes.size(); ++i)
-    for (const auto member : {&JointAxis::min, &JointAxis::max, &JointAxis::limitStiffness, &JointAxis::limitDamping, &JointAxis::targetPosition,
-                              &JointAxis::targetSpeed, &JointAxis::driveStiffness, &JointAxis::driveDamping, &JointAxis::maxDriveForce,
-                              &JointAxis::friction})
+    for (const auto member :
+         {&JointAxis::min, &JointAxis::max, &JointAxis::limitStiffness, &JointAxis::limitDamping,
+          &JointAxis::targetPosition, &JointAxis::targetSpeed, &JointAxis::driveStiffness,
+          &JointAxis::driveDamping, &JointAxis::maxDriveForce, &JointAxis::friction})
       expectSame(a.axes[i].*member, b.axes[i].*member);
 }
 
@@ -86,37 +90,35 @@ void expectSame(const NetDef::Edge& a, const NetDef::Edge& b) {
   expectSame(a.restLength, b.restLength);
 }
 void expectSame(const Material& a, const Material& b) { EXPECT_EQ(materialKey(a), materialKey(b)); }
-template <class T>
-void expectSame(const T& a, const T& b) {
-  EXPECT_EQ(a, b);
-}
-template <class T>
-void expectSame(const std::vector<T>& a, const std::vector<T>& b) {
+template <class T> void expectSame(const T& a, const T& b) { EXPECT_EQ(a, b); }
+template <class T> void expectSame(const std::vector<T>& a, const std::vector<T>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) expectSame(a[i], b[i]);
 }
 
 /// Compares each field with the one of the same key of another object.
-template <class D>
-struct SameFields {
+template <class D> struct SameFields {
   const D& other;
-  template <class T>
-  void operator()(const char* key, const char*, const char*, const T& value) const {
+  template <class T> void operator()(const char* key, const char*, const char*, const T& value) const {
     const auto compare = [&](const char* name, const char*, const char*, const auto& theirs) {
       if constexpr (std::is_same_v<decltype(theirs), const T&>)
         if (std::string(key) == name) expectSame(value, theirs);
     };
-    if constexpr (std::is_same_v<D, AttachmentDef>) attachmentFields(other, compare);
-    else commonFields(other, compare), ownFields(other, compare);
+    if constexpr (std::is_same_v<D, AttachmentDef>)
+      attachmentFields(other, compare);
+    else
+      commonFields(other, compare), ownFields(other, compare);
   }
 };
 
 void expectSame(const Deformable& a, const Deformable& b) {
   ASSERT_EQ(a.index(), b.index());
-  std::visit([&]<class D>(const D& def) {
-    const SameFields<D> same{std::get<D>(b)};
-    commonFields(def, same), ownFields(def, same);
-  }, a);
+  std::visit(
+      [&]<class D>(const D& def) {
+        const SameFields<D> same{std::get<D>(b)};
+        commonFields(def, same), ownFields(def, same);
+      },
+      a);
 }
 
 void expectRoundTrip(const SceneFile& file) {
@@ -133,11 +135,14 @@ void expectRoundTrip(const SceneFile& file) {
   EXPECT_EQ(back.smashStep, file.smashStep);
   expectSame(back.dt, file.dt);
   ASSERT_EQ(back.scene.bodies.size(), file.scene.bodies.size());
-  for (std::size_t i = 0; i < file.scene.bodies.size(); ++i) expectSame(back.scene.bodies[i], file.scene.bodies[i]);
+  for (std::size_t i = 0; i < file.scene.bodies.size(); ++i)
+    expectSame(back.scene.bodies[i], file.scene.bodies[i]);
   ASSERT_EQ(back.scene.joints.size(), file.scene.joints.size());
-  for (std::size_t i = 0; i < file.scene.joints.size(); ++i) expectSame(back.scene.joints[i], file.scene.joints[i]);
+  for (std::size_t i = 0; i < file.scene.joints.size(); ++i)
+    expectSame(back.scene.joints[i], file.scene.joints[i]);
   ASSERT_EQ(back.scene.deformables.size(), file.scene.deformables.size());
-  for (std::size_t i = 0; i < file.scene.deformables.size(); ++i) expectSame(back.scene.deformables[i], file.scene.deformables[i]);
+  for (std::size_t i = 0; i < file.scene.deformables.size(); ++i)
+    expectSame(back.scene.deformables[i], file.scene.deformables[i]);
   ASSERT_EQ(back.scene.attachments.size(), file.scene.attachments.size());
   for (std::size_t i = 0; i < file.scene.attachments.size(); ++i) {
     const AttachmentDef &a = back.scene.attachments[i], &b = file.scene.attachments[i];
@@ -252,7 +257,8 @@ TEST(SceneRoundTrip, EverythingIsExact) {
   event.removeJoints = {"weld"};
   event.setVelocity = {{"ball", {1, 2, 3}, {.1, 0, 0}}};
   scene.events = {event};
-  file.claims = {{"ball.x_m", 0, 1. / 3, "because"}, {"max_speed_m_s", -std::numeric_limits<double>::infinity(), 3, ""}};
+  file.claims = {{"ball.x_m", 0, 1. / 3, "because"},
+                 {"max_speed_m_s", -std::numeric_limits<double>::infinity(), 3, ""}};
   file.camera = FileCamera{{1, 2, 3}, {4, 5, 1. / 3}};
   file.steps = 12;
   file.iterations = 3;
@@ -269,9 +275,11 @@ TEST(SceneRoundTrip, DeformableObjectsAreExact) {
   body.name = "hook";
   file.scene.bodies = {body};
   SoftDef soft = softBox({.1, -0., 1. / 3}, {1, 1, 1}, {2, 1, 1});
-  soft.name = "jelly", soft.viscosity = 1. / 7, soft.poissonRatio = .3, soft.fixed = {0, 2}, soft.contactRadius = .01;
+  soft.name = "jelly", soft.viscosity = 1. / 7, soft.poissonRatio = .3, soft.fixed = {0, 2},
+  soft.contactRadius = .01;
   soft.yieldStress = 1e4 / 3, soft.hardening = 100. / 7;
-  soft.material.staticFriction = soft.material.dynamicFriction = .3, soft.material.frictionCombine = Combine::Minimum;
+  soft.material.staticFriction = soft.material.dynamicFriction = .3,
+  soft.material.frictionCombine = Combine::Minimum;
   ClothDef cloth = clothSheet({0, 0, 2}, {1, 0, 0}, {0, 1, 0}, 2, 2);
   cloth.start = cloth.vertices, cloth.start[3].z = 2.1;
   cloth.bendingStiffness = 1e-3, cloth.restFolded = true, cloth.bendingDamping = .1, cloth.tearStretch = 1.5;
@@ -287,7 +295,8 @@ TEST(SceneRoundTrip, DeformableObjectsAreExact) {
   grains.gravityScale = .5, grains.collideVertices = true;
   file.scene.deformables = {soft, cloth, rod, net, grains};
   AttachmentDef held;
-  held.name = "held", held.object = 1, held.vertices = {0, 1}, held.weights = {.25, .75}, held.body = 0, held.anchor = Vec3{0, 0, 1. / 3};
+  held.name = "held", held.object = 1, held.vertices = {0, 1}, held.weights = {.25, .75}, held.body = 0,
+  held.anchor = Vec3{0, 0, 1. / 3};
   held.stiffness = 1e4;
   AttachmentDef seam;
   seam.object = 2, seam.vertices = {0}, seam.otherObject = 3, seam.otherVertices = {1}, seam.breakForce = 5;
@@ -308,7 +317,8 @@ TEST(SceneRoundTrip, TheRegistryIsExact) {
 
 TEST(SceneRoundTrip, ExampleFilesAreGood) {
   int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(std::string(RUBBLE_SOURCE_DIR) + "/scenes/files")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(RUBBLE_SOURCE_DIR) + "/scenes/files")) {
     const SceneFile file = readScene(entry.path().string());
     EXPECT_FALSE(file.scene.name.empty()) << entry.path();
     EXPECT_FALSE(file.claims.empty()) << entry.path();

@@ -1,5 +1,6 @@
 #include "tests/locality/visitors.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/support/scenes.h"
@@ -22,7 +23,9 @@ Frame frameOf(const Scene& scene) {
 }
 
 /// Turns z to up.
-Quat uprightIn(const Scene& scene) { return frameAlong(frameOf(scene).up) * fromAxisAngle(Vec3{0, 1, 0}, std::acos(0.)); }
+Quat uprightIn(const Scene& scene) {
+  return frameAlong(frameOf(scene).up) * fromAxisAngle(Vec3{0, 1, 0}, std::acos(0.));
+}
 
 /// A thick slab whose top lies at a point.
 void addSlab(Scene& scene, const Vec3& top, double half) {
@@ -135,7 +138,8 @@ BodyDef belt() {
 }
 
 BodyDef movingMesh() {
-  BodyDef def = body(Shape::mesh({{-1, -1, 0}, {1, -1, 0}, {1, 1, .1}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}), {});
+  BodyDef def = body(Shape::mesh({{-1, -1, 0}, {1, -1, 0}, {1, 1, .1}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}),
+                     {});
   def.motion = Motion::Kinematic;
   def.velocity = {.3, 0, 0};
   return def;
@@ -153,9 +157,18 @@ Visitor oneShape(const char* name, Shape (*make)()) {
 std::vector<Visitor> visitors(int pebbles) {
   return {
       {"grain", [](Scene& s, const Vec3& at) { addDeformable(s, at, grain()); }},
-      {"cloth", [](Scene& s, const Vec3& at) { addDeformable(s, at, clothSheet({-.5, -.5, .3}, {1, 0, 0}, {0, 1, 0}, 5, 5)); }},
-      {"rope", [](Scene& s, const Vec3& at) { addDeformable(s, at, straightRod({-.5, 0, .3}, {.5, 0, .3}, 10)); }},
-      {"soft ball", [](Scene& s, const Vec3& at) { addDeformable(s, at, softBall({0, 0, .5}, .3, 3)); }},
+      {"cloth",
+       [](Scene& s, const Vec3& at) {
+         addDeformable(s, at, clothSheet({-.5, -.5, .3}, {1, 0, 0}, {0, 1, 0}, 5, 5));
+       }},
+      {"rope",
+       [](Scene& s, const Vec3& at) {
+         addDeformable(s, at, straightRod({-.5, 0, .3}, {.5, 0, .3}, 10));
+       }},
+      {"soft ball",
+       [](Scene& s, const Vec3& at) {
+         addDeformable(s, at, softBall({0, 0, .5}, .3, 3));
+       }},
       {"pebbles at rest", [=](Scene& s, const Vec3& at) { addPebbles(s, at, pebbles, 0); }},
       {"pebbles that fall", [=](Scene& s, const Vec3& at) { addPebbles(s, at, pebbles, .5); }},
       {"dust in no order", [=](Scene& s, const Vec3& at) { addDust(s, at, pebbles); }},
@@ -171,10 +184,28 @@ std::vector<Visitor> visitors(int pebbles) {
       oneBody("belt", belt),
       oneBody("moving mesh", movingMesh),
       oneShape("cone", [] { return Shape::cone(.2, .2); }),
-      oneShape("hull", [] { return Shape::hull({{0, 0, 0}, {.3, 0, 0}, {0, .3, 0}, {0, 0, .3}}); }),
+      oneShape("hull",
+               [] {
+                 return Shape::hull({{0, 0, 0}, {.3, 0, 0}, {0, .3, 0}, {0, 0, .3}});
+               }),
   };
 }
 
-Vec3 farFrom(const Scene& scene) { return frameOf(scene).up * 700; }
+Vec3 farFrom(const Scene& scene) {
+  constexpr double kFar = 700, kReach = 20;  // [m]
+  const Frame f = frameOf(scene);
+  // planes are everywhere: visitors must be on the outer side of each, the nearest and the furthest alike
+  const auto isClear = [&](const Vec3& at) {
+    return std::none_of(scene.bodies.begin(), scene.bodies.end(), [&](const BodyDef& b) {
+      if (b.shape.type != ShapeType::Plane) return false;
+      const Vec3 outward = rotate(b.orientation, Vec3{0, 0, 1});
+      return dot(outward, at - b.position) < kReach || dot(outward, 4 * at - b.position) < kReach;
+    });
+  };
+  for (const double x : {0., .1, -.1, .5, -.5})
+    for (const double y : {0., .1, -.1, .5, -.5})
+      if (const Vec3 at = kFar * normalize(f.up + x * f.x + y * f.y); isClear(at)) return at;
+  return {};
+}
 
 }  // namespace rubble::test

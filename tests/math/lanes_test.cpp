@@ -15,7 +15,8 @@ Lanes randomLanes(test::Random& random) {
 /// Runs f(a, b) lane by lane and side by side.
 template <class F> void expectSame(F&& f, const Lanes& a, const Lanes& b) {
   Lanes single, together;
-  for (int k = 0; k < kLanes; ++k) LaneAccess<Real>::store(single, k, f(LaneAccess<Real>::load(a, k), LaneAccess<Real>::load(b, k)));
+  for (int k = 0; k < kLanes; ++k)
+    LaneAccess<Real>::store(single, k, f(LaneAccess<Real>::load(a, k), LaneAccess<Real>::load(b, k)));
   LaneAccess<Real4>::store(together, 0, f(LaneAccess<Real4>::load(a, 0), LaneAccess<Real4>::load(b, 0)));
   for (int k = 0; k < kLanes; ++k) EXPECT_EQ(single[k], together[k]) << k;
 }

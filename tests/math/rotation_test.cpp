@@ -19,7 +19,8 @@ TEST(ExpRotation, AgreesWithEigenAtEveryAngle) {
     for (int i = 0; i < 20; ++i) {
       const Vec3 axis = random.direction();
       const Eigen::Quaterniond expected(Eigen::AngleAxisd(angle, test::eigen(axis)));
-      EXPECT_NEAR((test::eigen(expRotation(angle * axis)).coeffs() - expected.coeffs()).norm(), 0, 1e-15) << angle;
+      EXPECT_NEAR((test::eigen(expRotation(angle * axis)).coeffs() - expected.coeffs()).norm(), 0, 1e-15)
+          << angle;
     }
   }
 }
@@ -28,7 +29,8 @@ TEST(ExpRotation, OfZeroIsTheIdentity) { EXPECT_EQ(expRotation({0, 0, 0}), Quat{
 
 TEST(LogRotation, UndoesExpFromNearZeroToNearPi) {
   Random random(2);
-  for (const double angle : {0., 1e-14, 1e-9, 1e-5, 1e-3, .0999, .1, .1001, .5, 1., 2., 3., kPi - 1e-3, kPi - 1e-6, kPi - 1e-9}) {
+  for (const double angle :
+       {0., 1e-14, 1e-9, 1e-5, 1e-3, .0999, .1, .1001, .5, 1., 2., 3., kPi - 1e-3, kPi - 1e-6, kPi - 1e-9}) {
     for (int i = 0; i < 20; ++i) {
       const Vec3 a = angle * random.direction();
       EXPECT_TRUE(test::near(logRotation(expRotation(a)), a, 1e-9 * angle + 1e-15)) << angle;

@@ -51,7 +51,8 @@ Vector6 randomVector(Random& random) {
 TEST(Sym3, OuterProductRotatedDiagonalAndSolveAgreeWithEigen) {
   Random random(1);
   for (int i = 0; i < 100; ++i) {
-    const Vec3 a = random.vector(), d{random.uniform(.1, 2), random.uniform(.1, 2), random.uniform(.1, 2)}, b = random.vector();
+    const Vec3 a = random.vector(), d{random.uniform(.1, 2), random.uniform(.1, 2), random.uniform(.1, 2)},
+               b = random.vector();
     const Quat q = random.rotation();
     const double s = random.uniform(-2, 2);
     EXPECT_NEAR((eigenOf(outer(a, s)) - s * eigen(a) * eigen(a).transpose()).norm(), 0, 1e-14);
@@ -69,7 +70,8 @@ TEST(Sym3, SolveDoesNotDependOnTheScaleOfTheMatrix) {
   Random random(2);
   for (const double scale : {1e-8, 1e8}) {
     const Sym3 unit = rotateDiagonal(random.rotation(), {.5, 1, 2});
-    const Sym3 m{scale * unit.xx, scale * unit.xy, scale * unit.xz, scale * unit.yy, scale * unit.yz, scale * unit.zz};
+    const Sym3 m{scale * unit.xx, scale * unit.xy, scale * unit.xz,
+                 scale * unit.yy, scale * unit.yz, scale * unit.zz};
     const Vec3 b = random.vector();
     EXPECT_TRUE(test::near(solve(Block3{m, b}) * scale, solve(Block3{unit, b}), 1e-12));
   }

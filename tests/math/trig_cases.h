@@ -16,8 +16,12 @@ constexpr long double kUnit = std::numeric_limits<Real>::epsilon();
 
 void expectSinCos(Real x, long double tolerance) {
   const SinCos got = sinCos(x);
-  EXPECT_NEAR(static_cast<double>(got.sin - std::sin(static_cast<long double>(x))), 0, static_cast<double>(tolerance)) << x;
-  EXPECT_NEAR(static_cast<double>(got.cos - std::cos(static_cast<long double>(x))), 0, static_cast<double>(tolerance)) << x;
+  EXPECT_NEAR(static_cast<double>(got.sin - std::sin(static_cast<long double>(x))), 0,
+              static_cast<double>(tolerance))
+      << x;
+  EXPECT_NEAR(static_cast<double>(got.cos - std::cos(static_cast<long double>(x))), 0,
+              static_cast<double>(tolerance))
+      << x;
 }
 
 TEST(RUBBLE_TRIG_SUITE, SineAndCosineAreWithinTwoUnitsInTheLastPlace) {
@@ -40,7 +44,8 @@ TEST(RUBBLE_TRIG_SUITE, SmallAnglesKeepTheirRelativePrecision) {
 TEST(RUBBLE_TRIG_SUITE, HugeAnglesStayOnTheCircleAndOthersAreNoNumbers) {
   const Real largest = std::numeric_limits<Real>::max();
   EXPECT_EQ(sinCos(largest).sin, sinCos(Real(1e9)).sin);
-  for (const Real x : {std::numeric_limits<Real>::infinity(), -std::numeric_limits<Real>::infinity(), std::numeric_limits<Real>::quiet_NaN()}) {
+  for (const Real x : {std::numeric_limits<Real>::infinity(), -std::numeric_limits<Real>::infinity(),
+                       std::numeric_limits<Real>::quiet_NaN()}) {
     EXPECT_TRUE(std::isnan(sinCos(x).sin));
     EXPECT_TRUE(std::isnan(sinCos(x).cos));
   }
@@ -51,26 +56,33 @@ TEST(RUBBLE_TRIG_SUITE, AnglesOfVectorsAreWithinFourUnitsInTheLastPlace) {
   for (int i = 0; i < 20000; ++i) {
     const Real s = static_cast<Real>(random.uniform(0, 1)), c = static_cast<Real>(random.uniform(0, 1));
     const long double wanted = std::atan2(static_cast<long double>(s), static_cast<long double>(c));
-    EXPECT_NEAR(static_cast<double>((angleOf(s, c) - wanted) / wanted), 0, static_cast<double>(4 * kUnit)) << s << " " << c;
+    EXPECT_NEAR(static_cast<double>((angleOf(s, c) - wanted) / wanted), 0, static_cast<double>(4 * kUnit))
+        << s << " " << c;
   }
   EXPECT_EQ(angleOf(Real(0), Real(1)), Real(0));
-  EXPECT_NEAR(static_cast<double>(angleOf(Real(1), Real(0))), std::numbers::pi / 2, static_cast<double>(2 * kUnit));
+  EXPECT_NEAR(static_cast<double>(angleOf(Real(1), Real(0))), std::numbers::pi / 2,
+              static_cast<double>(2 * kUnit));
 }
 
 TEST(RUBBLE_TRIG_SUITE, SignedAnglesAreThoseOfVectorsOfAnyLengthAndDirection) {
   test::Random random(9);
   for (int i = 0; i < 20000; ++i) {
     const double length = random.logUniform(1e-30, 1e30);
-    const Real s = static_cast<Real>(random.uniform(-1, 1) * length), c = static_cast<Real>(random.uniform(-1, 1) * length);
+    const Real s = static_cast<Real>(random.uniform(-1, 1) * length),
+               c = static_cast<Real>(random.uniform(-1, 1) * length);
     const long double wanted = std::atan2(static_cast<long double>(s), static_cast<long double>(c));
-    EXPECT_NEAR(static_cast<double>((signedAngleOf(s, c) - wanted) / wanted), 0, static_cast<double>(6 * kUnit)) << s << " " << c;
+    EXPECT_NEAR(static_cast<double>((signedAngleOf(s, c) - wanted) / wanted), 0,
+                static_cast<double>(6 * kUnit))
+        << s << " " << c;
   }
   EXPECT_EQ(signedAngleOf(0, 0), Real(0));
   EXPECT_EQ(signedAngleOf(0, 1), Real(0));
   EXPECT_NEAR(static_cast<double>(signedAngleOf(0, -1)), std::numbers::pi, static_cast<double>(4 * kUnit));
-  EXPECT_NEAR(static_cast<double>(signedAngleOf(-1, 0)), -std::numbers::pi / 2, static_cast<double>(2 * kUnit));
+  EXPECT_NEAR(static_cast<double>(signedAngleOf(-1, 0)), -std::numbers::pi / 2,
+              static_cast<double>(2 * kUnit));
   const Real none = std::numeric_limits<Real>::quiet_NaN();
-  EXPECT_TRUE(std::isnan(signedAngleOf(none, 1)) && std::isnan(signedAngleOf(1, none)) && std::isnan(signedAngleOf(none, none)));
+  EXPECT_TRUE(std::isnan(signedAngleOf(none, 1)) && std::isnan(signedAngleOf(1, none)) &&
+              std::isnan(signedAngleOf(none, none)));
 }
 
 }  // namespace

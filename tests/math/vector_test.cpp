@@ -20,7 +20,8 @@ TEST(Vector, AgreesWithEigen) {
     const double s = random.uniform(-2, 2);
     EXPECT_NEAR(dot(a, b), eigen(a).dot(eigen(b)), kTight);
     EXPECT_NEAR((eigen(cross(a, b)) - eigen(a).cross(eigen(b))).norm(), 0, kTight);
-    EXPECT_NEAR((eigen(s * a - b / s) - (s * eigen(a) - eigen(b) / s)).norm(), 0, kTight * (1 + 1 / std::fabs(s)));
+    EXPECT_NEAR((eigen(s * a - b / s) - (s * eigen(a) - eigen(b) / s)).norm(), 0,
+                kTight * (1 + 1 / std::fabs(s)));
     EXPECT_NEAR((eigen(mul(a, b)) - eigen(a).cwiseProduct(eigen(b))).norm(), 0, kTight);
     EXPECT_NEAR((eigen(abs(a)) - eigen(a).cwiseAbs()).norm(), 0, 0);
     EXPECT_NEAR(length(a), eigen(a).norm(), kTight);
@@ -71,7 +72,8 @@ TEST(Quaternion, NormalizeGivesUnitLengthAndKeepsTheRotation) {
 TEST(Matrix, AgreesWithEigen) {
   Random random(5);
   for (int i = 0; i < 50; ++i) {
-    const Mat3 m{random.vector(), random.vector(), random.vector()}, n{random.vector(), random.vector(), random.vector()};
+    const Mat3 m{random.vector(), random.vector(), random.vector()},
+        n{random.vector(), random.vector(), random.vector()};
     const Vec3 a = random.vector();
     EXPECT_NEAR((eigen(m * n) - eigen(m) * eigen(n)).norm(), 0, kTight);
     EXPECT_NEAR((eigen(m + 2. * n) - (eigen(m) + 2 * eigen(n))).norm(), 0, kTight);
@@ -84,7 +86,8 @@ TEST(Matrix, AgreesWithEigen) {
 
 TEST(Scalar, IsFiniteKnowsInfinitiesAndNotANumber) {
   using namespace RUBBLE_CORE;
-  constexpr double kInf = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInf = std::numeric_limits<double>::infinity(),
+                   kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(isFinite(Real(0)) && isFinite(Real(-1e300)));
   EXPECT_FALSE(isFinite(Real(kInf)) || isFinite(Real(-kInf)) || isFinite(Real(kNan)));
   for (int i = 0; i < 3; ++i) {
@@ -111,7 +114,8 @@ TEST(Scalar, HashSpreadsNeighbouringNumbers) {
   // neighbouring inputs differ in about half of the 32 bits
   double flipped = 0;
   constexpr int kInputs = 4096;
-  for (std::uint32_t i = 0; i < kInputs; ++i) flipped += __builtin_popcount(RUBBLE_CORE::hash32(i) ^ RUBBLE_CORE::hash32(i + 1));
+  for (std::uint32_t i = 0; i < kInputs; ++i)
+    flipped += __builtin_popcount(RUBBLE_CORE::hash32(i) ^ RUBBLE_CORE::hash32(i + 1));
   EXPECT_NEAR(flipped / kInputs, 16, .3);
 }
 

@@ -1,4 +1,5 @@
-/// Every scene of the registry at test size: single against double precision over the first steps, before chaos parts them.
+/// Every scene of the registry at test size: single against double precision over the first steps, before
+/// chaos parts them.
 #include <gtest/gtest.h>
 #include <scenes/registry.h>
 #include <tbb/global_control.h>

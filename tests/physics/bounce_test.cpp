@@ -98,7 +98,8 @@ TEST(Bounces, AtRestThereAreNoneAtAnySize) {
     }
 }
 
-/// A row of balls along x, with `gap` radii between them; the first `moving` come with 1 m/s. Velocities along x after half a second.
+/// A row of balls along x, with `gap` radii between them; the first `moving` come with 1 m/s. Velocities
+/// along x after half a second.
 std::vector<double> rowOfBalls(int balls, int moving, double gap, double e, int iterations,
                                double radius = .1) {
   Scene scene = test::emptyScene({0, 0, 0});
@@ -136,9 +137,9 @@ TEST(Chains, HungOnRodsHandTheSwingToTheLast) {
   constexpr double kRadius = .1, kLength = 1;
   for (int i = 0; i < 5; ++i) {
     const double angle = i == 0 ? -.5 : 0;
-    BodyDef ball =
-        test::body(Shape::sphere(kRadius),
-                   {2 * kRadius * i + kLength * std::sin(angle), 0, -kLength * std::cos(angle)}, 0);
+    BodyDef ball = test::body(Shape::sphere(kRadius),
+                              {2 * kRadius * i + kLength * std::sin(angle), 0, -kLength * std::cos(angle)},
+                              0);
     ball.material.restitution = 1;
     scene.bodies.push_back(ball);
     JointDef rod = test::ball(i, {0, 0, 0}, kWorld, {2 * kRadius * i, 0, 0});
@@ -230,9 +231,9 @@ TEST(Bounces, OfFreeClustersKeepMomentumAndMakeNoEnergy) {
     constexpr int kBodies = 27;
     for (int i = 0; i < kBodies; ++i) {
       const Shape shape = seed % 2 == 0 || i % 2 == 0 ? Shape::sphere(.3) : Shape::box({.25, .2, .3});
-      BodyDef def =
-          test::body(shape, Vec3{.62 * (i % 3), .62 * (i / 3 % 3), .62 * (i / 9)} + random.vector(.005),
-                     seed % 4 < 2 ? 0 : .5);
+      BodyDef def = test::body(shape,
+                               Vec3{.62 * (i % 3), .62 * (i / 3 % 3), .62 * (i / 9)} + random.vector(.005),
+                               seed % 4 < 2 ? 0 : .5);
       def.mass = random.uniform(.2, 5);
       def.velocity = random.vector(3);
       def.material.restitution = random.uniform(0, 1);

@@ -14,7 +14,8 @@ double brokenAt(int iterations) {
   return scenes::Runner(std::move(job), test::options(iterations)).run(60).metrics.at("broken");
 }
 
-/// Few iterations against converged ones. Between 12 and 60 fewer break, which docs/scenes.md counts among what is open.
+/// Few iterations against converged ones. Between 12 and 60 fewer break, which docs/scenes.md counts among
+/// what is open.
 TEST(Breakage, OfAWallIsLocalAtFewAndManyIterations) {
   const double few = brokenAt(4), many = brokenAt(100);
   EXPECT_GE(many, 10);

@@ -34,7 +34,8 @@ Shape sheet(double half, int cells, bool twoSided) {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
   for (int j = 0; j <= cells; ++j)
-    for (int i = 0; i <= cells; ++i) points.push_back({half * (2. * i / cells - 1), half * (2. * j / cells - 1), 0});
+    for (int i = 0; i <= cells; ++i)
+      points.push_back({half * (2. * i / cells - 1), half * (2. * j / cells - 1), 0});
   for (int j = 0; j < cells; ++j)
     for (int i = 0; i < cells; ++i) {
       const int a = j * (cells + 1) + i;
@@ -47,8 +48,10 @@ Shape sheet(double half, int cells, bool twoSided) {
 }  // namespace
 
 Throw randomThrow(std::uint64_t seed) {
-  static const std::array<std::string, 8> bullets = {"plate", "rod", "sphere", "capsule", "coin", "cone", "hull", "cross"};
-  static const std::array<std::string, 8> plates = {"box", "thin box", "disc", "hull", "mesh", "two-sided mesh", "heights", "dynamic box"};
+  static const std::array<std::string, 8> bullets = {"plate", "rod",  "sphere", "capsule",
+                                                     "coin",  "cone", "hull",   "cross"};
+  static const std::array<std::string, 8> plates = {"box",  "thin box",       "disc",    "hull",
+                                                    "mesh", "two-sided mesh", "heights", "dynamic box"};
   Random random(seed * 104729 + 11);
   Throw out;
   out.bullet = bullets[static_cast<std::size_t>(random.below(8))];
@@ -58,20 +61,26 @@ Throw randomThrow(std::uint64_t seed) {
   out.reach = 1.5 * r;
   out.speed = random.logUniform(10, 3000);
   BodyDef plate;
-  plate.motion = out.plate == "dynamic box" ? Motion::Dynamic : random.below(4) == 0 ? Motion::Kinematic : Motion::Static;
-  const double w = out.halfWidth, half = r * (out.plate == "thin box" ? random.logUniform(.01, .1) : random.logUniform(.1, 1));
+  plate.motion = out.plate == "dynamic box" ? Motion::Dynamic
+                 : random.below(4) == 0     ? Motion::Kinematic
+                                            : Motion::Static;
+  const double w = out.halfWidth,
+               half = r * (out.plate == "thin box" ? random.logUniform(.01, .1) : random.logUniform(.1, 1));
   plate.position = {0, 0, -half};
-  if (out.plate == "disc") plate.shape = Shape::cylinder(w, half);
+  if (out.plate == "disc")
+    plate.shape = Shape::cylinder(w, half);
   else if (out.plate == "hull") {
     std::vector<Vec3> corners;
-    for (int k = 0; k < 8; ++k) corners.push_back({(k & 1) ? w : -w, (k & 2) ? w : -w, (k & 4) ? half : -half});
+    for (int k = 0; k < 8; ++k)
+      corners.push_back({(k & 1) ? w : -w, (k & 2) ? w : -w, (k & 4) ? half : -half});
     plate.shape = Shape::hull(corners);
   } else if (out.plate == "mesh" || out.plate == "two-sided mesh") {
     plate.shape = sheet(w, 1 + random.below(30), out.plate != "mesh");
     plate.position = {};
   } else if (out.plate == "heights") {
     const int n = 2 + random.below(30);
-    plate.shape = Shape::heightField(n, n, {2 * w / (n - 1), 2 * w / (n - 1), 0}, std::vector<double>(std::size_t(n) * std::size_t(n), 0));
+    plate.shape = Shape::heightField(n, n, {2 * w / (n - 1), 2 * w / (n - 1), 0},
+                                     std::vector<double>(std::size_t(n) * std::size_t(n), 0));
     plate.position = {-w, -w, 0};
   } else {
     plate.shape = Shape::box({w, w, half});
@@ -113,7 +122,8 @@ ThrowOutcome take(const Throw& shot, const std::string& backend) {
     const BodyState p = world.state(plate), b = world.state(bullet);
     const Vec3 at = rotateInverse(p.orientation, b.position + rotate(b.orientation, centre) - p.position);
     const Vec3 middle = shot.plate == "heights" ? Vec3{shot.halfWidth, shot.halfWidth, 0} : Vec3{};
-    const bool beside = std::fabs(at.x - middle.x) > shot.halfWidth - shot.reach || std::fabs(at.y - middle.y) > shot.halfWidth - shot.reach;
+    const bool beside = std::fabs(at.x - middle.x) > shot.halfWidth - shot.reach ||
+                        std::fabs(at.y - middle.y) > shot.halfWidth - shot.reach;
     if (beside) break;
     if (at.z < 0) {
       out.passed = true;

@@ -7,7 +7,8 @@
 
 namespace rubble::test {
 
-/// What a seed stands for: body 0 is a plate across z whose front is at z > 0, body 1 is thrown at it from there.
+/// What a seed stands for: body 0 is a plate across z whose front is at z > 0, body 1 is thrown at it from
+/// there.
 struct Throw {
   std::string bullet, plate;
   Scene scene;

@@ -1,5 +1,6 @@
-/// Chains of extremes: densities 1:1e6, sizes 1:1e3, springs to 1e6 times the inertia of what they hold, spins to 1.5 rad per step. What single precision throws,
-/// and double precision does not, comes from round-off.
+/// Chains of extremes: densities 1:1e6, sizes 1:1e3, springs to 1e6 times the inertia of what they hold,
+/// spins to 1.5 rad per step. What single precision throws, and double precision does not, comes from
+/// round-off.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,17 +22,21 @@ struct Extreme {
   int iterations = 4;
 };
 
-constexpr std::array kTypes = {JointType::Ball,   JointType::Fixed,  JointType::Hinge,         JointType::Slider,     JointType::Distance, JointType::Rope,
-                               JointType::Spring, JointType::AngularSpring, JointType::SwingTwist, JointType::Universal, JointType::SixDof};
+constexpr std::array kTypes = {JointType::Ball,      JointType::Fixed,         JointType::Hinge,
+                               JointType::Slider,    JointType::Distance,      JointType::Rope,
+                               JointType::Spring,    JointType::AngularSpring, JointType::SwingTwist,
+                               JointType::Universal, JointType::SixDof};
 
 Shape randomShape(Random& random, double size) {
   switch (random.below(3)) {
-    case 0: return Shape::sphere(size / 2);
+    case 0:
+      return Shape::sphere(size / 2);
     case 1: {
       const double x = random.uniform(.1, 1), y = random.uniform(.1, 1), z = random.uniform(.1, 1);
       return Shape::box(size / 2 * Vec3{x, y, z});
     }
-    default: return Shape::capsule(size * .2 * random.uniform(.2, 1), size * .3);
+    default:
+      return Shape::capsule(size * .2 * random.uniform(.2, 1), size * .3);
   }
 }
 
@@ -74,7 +79,8 @@ Extreme randomExtreme(std::uint64_t seed) {
       joint.angularStiffness = joint.stiffness * base * base * random.logUniform(1e-4, 1e2);
       joint.dampingRatio = joint.angularDampingRatio = random.below(2) != 0 ? 0 : .5;
     }
-    if (type == JointType::Distance || type == JointType::Rope || type == JointType::Spring) joint.anchorA = joint.anchorB = {}, joint.length = -1;
+    if (type == JointType::Distance || type == JointType::Rope || type == JointType::Spring)
+      joint.anchorA = joint.anchorB = {}, joint.length = -1;
     if (type == JointType::SwingTwist) joint.swingY = joint.swingZ = random.uniform(.1, 1.5);
     e.scene.joints.push_back(joint);
   }
@@ -82,7 +88,7 @@ Extreme randomExtreme(std::uint64_t seed) {
 }
 
 struct Outcome {
-  double gain = 0;   ///< largest rise of the energy over what is there [1]
+  double gain = 0;  ///< largest rise of the energy over what is there [1]
   int quarantined = 0;
 };
 Outcome run(const Extreme& e, const char* backend) {
@@ -106,7 +112,8 @@ Outcome run(const Extreme& e, const char* backend) {
   return out;
 }
 
-/// How many gain is what holds today; in either precision trees of joints that turn by more than a radian per step do (docs/scenes.md, Open).
+/// How many gain is what holds today; in either precision trees of joints that turn by more than a radian per
+/// step do (docs/scenes.md, Open).
 TEST(Extremes, SinglePrecisionThrowsLittleMoreThanDouble) {
   struct Count {
     int gained = 0, thrown = 0;
@@ -118,7 +125,9 @@ TEST(Extremes, SinglePrecisionThrowsLittleMoreThanDouble) {
     const Outcome a = run(e, "cpu"), b = run(e, "reference");
     EXPECT_EQ(a.quarantined, 0) << seed;
     single.add(a.gain), exact.add(b.gain);
-    if (a.gain > .01 || b.gain > .01) std::cout << "extreme " << seed << ": energy +" << a.gain << ", in double precision +" << b.gain << '\n';
+    if (a.gain > .01 || b.gain > .01)
+      std::cout << "extreme " << seed << ": energy +" << a.gain << ", in double precision +" << b.gain
+                << '\n';
   }
   EXPECT_LE(single.gained, 24);
   EXPECT_LE(exact.gained, 24);

@@ -1,4 +1,5 @@
-/// Bodies that go further in a step than they are thick: what they are stopped at, what that costs, and what they gain by it.
+/// Bodies that go further in a step than they are thick: what they are stopped at, what that costs, and what
+/// they gain by it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,18 +26,22 @@ BodyDef floorOf(Floor kind) {
   if (kind == Floor::Plane) def.shape = Shape::plane();
   if (kind == Floor::Box) def.shape = Shape::box({kHalf, kHalf, .05}), def.position = {0, 0, -.05};
   if (kind == Floor::Mesh) {
-    const std::vector<Vec3> corners = {{-kHalf, -kHalf, 0}, {kHalf, -kHalf, 0}, {kHalf, kHalf, 0}, {-kHalf, kHalf, 0}};
+    const std::vector<Vec3> corners = {
+        {-kHalf, -kHalf, 0}, {kHalf, -kHalf, 0}, {kHalf, kHalf, 0}, {-kHalf, kHalf, 0}};
     def.shape = Shape::mesh(corners, {{0, 1, 2}, {0, 2, 3}});
   }
   if (kind == Floor::Heights) {
     constexpr int kSamples = 9;
-    def.shape = Shape::heightField(kSamples, kSamples, {2 * kHalf / (kSamples - 1), 2 * kHalf / (kSamples - 1), 0}, std::vector<double>(kSamples * kSamples, 0));
+    def.shape = Shape::heightField(kSamples, kSamples,
+                                   {2 * kHalf / (kSamples - 1), 2 * kHalf / (kSamples - 1), 0},
+                                   std::vector<double>(kSamples * kSamples, 0));
     def.position = {-kHalf, -kHalf, 0};
   }
   return def;
 }
 
-/// A body that stops has gone only a part of its way: gravity has worked on that part alone. Whatever the floor.
+/// A body that stops has gone only a part of its way: gravity has worked on that part alone. Whatever the
+/// floor.
 TEST(FastBodies, GainNoEnergyWhereTheyStop) {
   Random random(1);
   int stopped = 0;

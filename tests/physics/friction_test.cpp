@@ -52,10 +52,11 @@ TEST_P(RampAt, SlidesAtTheRightRateFarAboveTheThreshold) {
   EXPECT_NEAR(wayDown(slope, friction, iterations, 120), way, (iterations < 10 ? .12 : .03) * way);
 }
 
-INSTANTIATE_TEST_SUITE_P(FrictionAndIterations, RampAt, ::testing::Combine(::testing::Values(.25, .5), ::testing::Values(4, 10)),
+INSTANTIATE_TEST_SUITE_P(FrictionAndIterations, RampAt,
+                         ::testing::Combine(::testing::Values(.25, .5), ::testing::Values(4, 10)),
                          [](const auto& info) {
-                           return "mu" + std::to_string(static_cast<int>(100 * std::get<0>(info.param))) + "At" +
-                                  std::to_string(std::get<1>(info.param));
+                           return "mu" + std::to_string(static_cast<int>(100 * std::get<0>(info.param))) +
+                                  "At" + std::to_string(std::get<1>(info.param));
                          });
 
 /// Way of a cube that rests on the ground and is given 5 m/s, until it rests again [m].
@@ -84,10 +85,11 @@ TEST_P(StoppingAt, TakesTheDistanceOfDiscreteTime) {
   EXPECT_NEAR(stoppingWay(friction, iterations), way, .02 * way);
 }
 
-INSTANTIATE_TEST_SUITE_P(FrictionAndIterations, StoppingAt, ::testing::Combine(::testing::Values(.25, .5), ::testing::Values(1, 4, 10)),
+INSTANTIATE_TEST_SUITE_P(FrictionAndIterations, StoppingAt,
+                         ::testing::Combine(::testing::Values(.25, .5), ::testing::Values(1, 4, 10)),
                          [](const auto& info) {
-                           return "mu" + std::to_string(static_cast<int>(100 * std::get<0>(info.param))) + "At" +
-                                  std::to_string(std::get<1>(info.param));
+                           return "mu" + std::to_string(static_cast<int>(100 * std::get<0>(info.param))) +
+                                  "At" + std::to_string(std::get<1>(info.param));
                          });
 
 TEST(Stopping, DoesNotDependOnTheDirection) {
@@ -147,11 +149,13 @@ TEST(Friction, SlowsASpinAtItsRate) {
   World world(scene, options(10));
   test::run(world, 10);
   // four corners at r = sqrt(.5), I = 1/6: mu m g r / I
-  EXPECT_NEAR(world.state(world.bodyAt(1)).angularVelocity.z, 5 - 10 * kDt * .5 * 10 * std::sqrt(.5) * 6, .05);
+  EXPECT_NEAR(world.state(world.bodyAt(1)).angularVelocity.z, 5 - 10 * kDt * .5 * 10 * std::sqrt(.5) * 6,
+              .05);
   EXPECT_LT(length(world.state(world.bodyAt(1)).position - Vec3{0, 0, .5}), .01);
 }
 
-/// A cube of 1 kg and 1 m on the ground, pushed along x at a height [m] and to one side [m] with a force that grows: at which share of mu_s m g it slips.
+/// A cube of 1 kg and 1 m on the ground, pushed along x at a height [m] and to one side [m] with a force that
+/// grows: at which share of mu_s m g it slips.
 double slippingPush(double height, double side, int iterations) {
   Scene scene = test::emptyScene();
   for (const BodyDef& body : {test::ground(), test::unitCube({0, 0, .5})}) {
@@ -170,19 +174,22 @@ double slippingPush(double height, double side, int iterations) {
   return 2;
 }
 
-/// The same for four points that bear equal loads, at the corners of the base: the least over all poles of the turn.
+/// The same for four points that bear equal loads, at the corners of the base: the least over all poles of
+/// the turn.
 double slippingPushOfFourPoints(double side) {
   double least = 1;
   for (double pole = -20; pole < 20; pole += .001)
     if (std::fabs(pole - side) > 1e-3)
-      least = std::min(least, .5 * (std::hypot(.5, .5 - pole) + std::hypot(.5, .5 + pole)) / std::fabs(pole - side));
+      least = std::min(least,
+                       .5 * (std::hypot(.5, .5 - pole) + std::hypot(.5, .5 + pole)) / std::fabs(pole - side));
   return least;
 }
 
 class PushAt : public ::testing::TestWithParam<int> {};
 
 TEST_P(PushAt, SlipsAtStaticFrictionAtAnyHeight) {
-  for (const double height : {0., .25, .5, .75, .9}) EXPECT_NEAR(slippingPush(height, 0, GetParam()), 1, .02) << height;
+  for (const double height : {0., .25, .5, .75, .9})
+    EXPECT_NEAR(slippingPush(height, 0, GetParam()), 1, .02) << height;
 }
 
 TEST_P(PushAt, SlipsAndTurnsAtTheClosedFormOffCentre) {
@@ -194,8 +201,9 @@ TEST_P(PushAt, SlipsAndTurnsAtTheClosedFormOffCentre) {
 
 INSTANTIATE_TEST_SUITE_P(Iterations, PushAt, ::testing::Values(4, 10));
 
-/// A block on a spring whose end moves on: it sticks until the spring pulls with mu_s m g, and swings about mu_d m g until it stands still again. With
-/// D = (mu_s - mu_d) m g / k and w^2 = k / m the period is 2 D / V + 2 (pi - atan(D w / V)) / w.
+/// A block on a spring whose end moves on: it sticks until the spring pulls with mu_s m g, and swings about
+/// mu_d m g until it stands still again. With D = (mu_s - mu_d) m g / k and w^2 = k / m the period is 2 D / V
+/// + 2 (pi - atan(D w / V)) / w.
 TEST(StickSlip, HasThePeriodOfTheClosedForm) {
   constexpr double kStatic = .5, kDynamic = .3, kSpring = 20, kSpeed = .1;
   const double d = (kStatic - kDynamic) * 10 / kSpring, w = std::sqrt(kSpring);

@@ -24,12 +24,16 @@ void motor(JointDef& hinge, double speed, double most = kHard) {
 }
 const Quat kUp = frameAlong({0, 0, 1});
 
-/// A housing with two wheels 2 : 1 about z, a motor on the first, all of it turned and turning as one about an axis of its own.
+/// A housing with two wheels 2 : 1 about z, a motor on the first, all of it turned and turning as one about
+/// an axis of its own.
 Scene floatingGearbox(const Quat& turn, const Vec3& spin) {
   Scene scene = test::emptyScene({0, 0, 0});
-  scene.bodies = {test::body(Shape::box({.6, .4, .1}), {}), wheel({-.3, 0, .2}, .1, 2), wheel({.3, 0, .2}, .2, 6)};
+  scene.bodies = {test::body(Shape::box({.6, .4, .1}), {}), wheel({-.3, 0, .2}, .1, 2),
+                  wheel({.3, 0, .2}, .2, 6)};
   scene.bodies[0].mass = 20;
-  for (int i = 1; i <= 2; ++i) scene.joints.push_back(jointAt(scene, JointType::Hinge, i, 0, scene.bodies[static_cast<std::size_t>(i)].position, kUp));
+  for (int i = 1; i <= 2; ++i)
+    scene.joints.push_back(
+        jointAt(scene, JointType::Hinge, i, 0, scene.bodies[static_cast<std::size_t>(i)].position, kUp));
   motor(scene.joints[0], 20, 5);
   scene.joints.push_back(gearBetween(scene, 0, 1, 2));
   for (BodyDef& body : scene.bodies) {
@@ -50,11 +54,14 @@ Momentum momentum(const World& world) {
     const MassProperties m = world.massOf(id);
     const Quat q = s.orientation * m.axes;
     sum.linear += m.mass * s.velocity;
-    sum.angular += m.mass * cross(s.position, s.velocity) + rotate(q, mul(m.inertia, rotateInverse(q, s.angularVelocity)));
+    sum.angular += m.mass * cross(s.position, s.velocity) +
+                   rotate(q, mul(m.inertia, rotateInverse(q, s.angularVelocity)));
   }
   return sum;
 }
-double angle(const World& world, int joint) { return world.state(world.joints()[static_cast<std::size_t>(joint)]).axes[0].position; }
+double angle(const World& world, int joint) {
+  return world.state(world.joints()[static_cast<std::size_t>(joint)]).axes[0].position;
+}
 
 struct Tumble {
   double linear, angular;  ///< change of the momenta over 2 s
@@ -71,7 +78,8 @@ Tumble tumble(int stepsPerSecond) {
     result.slack = std::max(result.slack, std::fabs(angle(world, 0) + 2 * angle(world, 1)));
   }
   const Momentum after = momentum(world);
-  result.linear = length(after.linear - before.linear), result.angular = length(after.angular - before.angular);
+  result.linear = length(after.linear - before.linear),
+  result.angular = length(after.angular - before.angular);
   EXPECT_NEAR(world.state(world.joints()[0]).axes[0].speed, 20, .2);
   EXPECT_NEAR(world.state(world.joints()[1]).axes[0].speed, -10, .1);
   return result;
@@ -84,7 +92,8 @@ TEST(Gear, InAHousingThatTumblesKeepsRatioAndMomentum) {
   // what the motor drives has 1.4 N m s
   EXPECT_LT(coarse.linear, 1e-3);
   EXPECT_LT(coarse.angular, .45);
-  // implicit Euler loses orbital momentum in proportion to the time step; a gear that leaned on the world would not get better
+  // implicit Euler loses orbital momentum in proportion to the time step; a gear that leaned on the world
+  // would not get better
   EXPECT_LT(fine.angular, coarse.angular / 5);
 }
 
@@ -135,7 +144,8 @@ TEST(Gear, OfHingesThatTheWorldOwnsTurnsTheRightWay) {
 
 TEST(Rack, InAFrameThatFliesKeepsMomentumAndMesh) {
   Scene scene = test::emptyScene({0, 0, 0});
-  scene.bodies = {test::body(Shape::box({.5, .1, .5}), {0, -.3, 0}), wheel({0, 0, 0}, .2, 4), test::body(Shape::box({.4, .05, .05}), {0, 0, .3})};
+  scene.bodies = {test::body(Shape::box({.5, .1, .5}), {0, -.3, 0}), wheel({0, 0, 0}, .2, 4),
+                  test::body(Shape::box({.4, .05, .05}), {0, 0, .3})};
   scene.bodies[0].mass = 15, scene.bodies[2].mass = 3;
   const Quat across = frameAlong({0, 1, 0});
   scene.joints.push_back(jointAt(scene, JointType::Hinge, 1, 0, {}, across));
@@ -143,7 +153,8 @@ TEST(Rack, InAFrameThatFliesKeepsMomentumAndMesh) {
   scene.joints.push_back(jointAt(scene, JointType::Slider, 2, 0, {0, 0, .3}, frameAlong({1, 0, 0})));
   scene.joints.push_back(rackBetween(scene, 0, 1, .2));
   const Vec3 spin{.6, .2, .9};
-  for (BodyDef& body : scene.bodies) body.velocity = cross(spin, body.position) + Vec3{0, 0, 1}, body.angularVelocity = spin;
+  for (BodyDef& body : scene.bodies)
+    body.velocity = cross(spin, body.position) + Vec3{0, 0, 1}, body.angularVelocity = spin;
   World world(scene, options(4));
   const Momentum before = momentum(world);
   for (int i = 0; i < 40; ++i) {

@@ -46,7 +46,8 @@ TEST(HeadOnImpact, WithoutBounceLeavesBothWithOneVelocity) {
     }
 }
 
-/// Neither body is fast for its size, so nothing stops it where they touch: the rows of this step deal with the impact.
+/// Neither body is fast for its size, so nothing stops it where they touch: the rows of this step deal with
+/// the impact.
 TEST(HeadOnImpact, OfTwentyMetresASecondKeepsMomentumAtFourIterations) {
   for (const double ratio : {.1, 1., 10.})
     for (const Shape& shape : {Shape::sphere(.5), Shape::box({.5, .5, .5})}) {
@@ -142,7 +143,8 @@ TEST(Chain, CutFallsFreely) {
   for (int i = 0; i < 10; ++i) {
     BodyDef link = test::body(Shape::box({.05, .05, .25}), {0, 0, -.25 - .5 * i});
     scene.bodies.push_back(link);
-    scene.joints.push_back(i == 0 ? test::ball(0, {0, 0, .25}, kWorld, {0, 0, 0}) : test::ball(i, {0, 0, .25}, i - 1, {0, 0, -.25}));
+    scene.joints.push_back(i == 0 ? test::ball(0, {0, 0, .25}, kWorld, {0, 0, 0})
+                                  : test::ball(i, {0, 0, .25}, i - 1, {0, 0, -.25}));
   }
   World world(scene, options(4));
   test::run(world, 240);

@@ -1,4 +1,5 @@
-/// Bodies on trees of joints, solved together: what must be exact is, and what a body on its own does it does in a tree as well.
+/// Bodies on trees of joints, solved together: what must be exact is, and what a body on its own does it does
+/// in a tree as well.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +21,8 @@ Scene hangingChain(int links, double heavy) {
     BodyDef link = test::body(Shape::box({.05, .05, .25}), {0, 0, -.25 - .5 * i});
     link.mass = i + 1 == links ? heavy : 1;
     scene.bodies.push_back(link);
-    scene.joints.push_back(i == 0 ? test::ball(0, {0, 0, .25}, kWorld, {}) : test::ball(i, {0, 0, .25}, i - 1, {0, 0, -.25}));
+    scene.joints.push_back(i == 0 ? test::ball(0, {0, 0, .25}, kWorld, {})
+                                  : test::ball(i, {0, 0, .25}, i - 1, {0, 0, -.25}));
   }
   return scene;
 }
@@ -47,7 +49,9 @@ TEST(JointTree, AFreeChainFallsFreely) {
   const double fallen = kG / 3600 * kSteps * (kSteps + 1) / 2;
   for (const int i : {0, 25, 49}) {
     const BodyId id = world.bodyAt(i);
-    EXPECT_NEAR(scene.bodies[static_cast<std::size_t>(i)].position.z - world.state(id).position.z, fallen, 1e-3 * fallen) << i;
+    EXPECT_NEAR(scene.bodies[static_cast<std::size_t>(i)].position.z - world.state(id).position.z, fallen,
+                1e-3 * fallen)
+        << i;
   }
 }
 
@@ -96,12 +100,14 @@ TEST(JointTree, EndsWhereManySweepsEnd) {
 }
 
 TEST(JointedGroup, SwingsAsFastAsTheTree) {
-  // let go from horizontal; a group that turned about places of x^t would put a moment on it that nobody ordered
+  // let go from horizontal; a group that turned about places of x^t would put a moment on it that nobody
+  // ordered
   constexpr int kLinks = 20, kSteps = 120;
   Scene rope = test::emptyScene();
   for (int i = 0; i < kLinks; ++i) {
     rope.bodies.push_back(test::body(Shape::box({.25, .05, .05}), {.25 + .5 * i, 0, 0}));
-    rope.joints.push_back(i == 0 ? test::ball(0, {-.25, 0, 0}, kWorld, {}) : test::ball(i, {-.25, 0, 0}, i - 1, {.25, 0, 0}));
+    rope.joints.push_back(i == 0 ? test::ball(0, {-.25, 0, 0}, kWorld, {})
+                                 : test::ball(i, {-.25, 0, 0}, i - 1, {.25, 0, 0}));
   }
   WorldOptions groups = test::options(40);
   groups.params.tuning.jointTrees = false;
@@ -122,7 +128,8 @@ TEST(JointTree, KeepsMomentum) {
   World world(scene, test::options(kFew));
   const auto momentum = [&] {
     Vec3 sum;
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i) sum = sum + *scene.bodies[i].mass * world.state(world.bodyAt(static_cast<int>(i))).velocity;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i)
+      sum = sum + *scene.bodies[i].mass * world.state(world.bodyAt(static_cast<int>(i))).velocity;
     return sum;
   };
   const Vec3 before = momentum();
@@ -131,7 +138,8 @@ TEST(JointTree, KeepsMomentum) {
 }
 
 TEST(JointTree, ARingOfLinksKeepsItsShapeUnderLoad) {
-  // loops are eliminated as well: a ring of ten hangs from one link and carries a hundred times their mass at the opposite one
+  // loops are eliminated as well: a ring of ten hangs from one link and carries a hundred times their mass at
+  // the opposite one
   constexpr int kRing = 10;
   Scene scene = test::emptyScene();
   const double radius = 1, side = 2 * radius * std::sin(std::acos(-1.0) / kRing);
@@ -146,12 +154,15 @@ TEST(JointTree, ARingOfLinksKeepsItsShapeUnderLoad) {
     link.mass = 1;
     scene.bodies.push_back(link);
   }
-  for (int i = 0; i < kRing; ++i) scene.joints.push_back(jointAt(scene, JointType::Ball, i, (i + 1) % kRing, corner(i + 1), frameAlong({1, 0, 0})));
+  for (int i = 0; i < kRing; ++i)
+    scene.joints.push_back(
+        jointAt(scene, JointType::Ball, i, (i + 1) % kRing, corner(i + 1), frameAlong({1, 0, 0})));
   scene.joints.push_back(jointAt(scene, JointType::Ball, 0, kWorld, corner(0), frameAlong({1, 0, 0})));
   BodyDef load = test::body(Shape::sphere(.2), corner(kRing / 2) + Vec3{0, 0, -.5});
   load.mass = 100;
   scene.bodies.push_back(load);
-  scene.joints.push_back(jointAt(scene, JointType::Ball, kRing, kRing / 2, corner(kRing / 2), frameAlong({1, 0, 0})));
+  scene.joints.push_back(
+      jointAt(scene, JointType::Ball, kRing, kRing / 2, corner(kRing / 2), frameAlong({1, 0, 0})));
   World world(scene, test::options(kFew));
   double worst = 0;
   for (int k = 0; k < 240; ++k) {
@@ -179,7 +190,8 @@ TEST(JointTree, LockedAxesAndStaticPartsStayWhereTheyAre) {
   scene.joints.erase(scene.joints.begin());
   scene.bodies[0].motion = Motion::Static;
   scene.bodies[0].mass.reset();
-  for (std::size_t i = 1; i < scene.bodies.size(); ++i) scene.bodies[i].lockTranslation[1] = true, scene.bodies[i].lockRotation[0] = true;
+  for (std::size_t i = 1; i < scene.bodies.size(); ++i)
+    scene.bodies[i].lockTranslation[1] = true, scene.bodies[i].lockRotation[0] = true;
   scene.bodies[5].velocity = {2, 3, 0};
   World world(scene, test::options(kFew));
   test::run(world, 60);
@@ -200,7 +212,8 @@ double worstGap(World& world, int steps) {
 }
 
 TEST(JointTree, StaysClosedWhereItsTrunkIsStruck) {
-  // a trunk with limbs of a tenth to a quarter of its mass, struck by a body of twenty times its mass at 12 m/s
+  // a trunk with limbs of a tenth to a quarter of its mass, struck by a body of twenty times its mass at 12
+  // m/s
   Scene scene = test::emptyScene({0, 0, 0});
   const auto part = [&](const Vec3& halfExtents, const Vec3& at, double mass) {
     BodyDef body = test::body(Shape::box(halfExtents), at);
@@ -225,7 +238,8 @@ TEST(JointTree, StaysClosedWhereItsTrunkIsStruck) {
 }
 
 TEST(JointTree, StaysClosedWhereItStopsInTheMiddleOfAStep) {
-  // two rods in a row turn by .7 rad a step: their centres go on arcs, and meet the ground somewhere on the way
+  // two rods in a row turn by .7 rad a step: their centres go on arcs, and meet the ground somewhere on the
+  // way
   Scene scene = test::emptyScene({0, 0, 0});
   scene.bodies.push_back(test::ground());
   const double spin = 40, fall = 30;

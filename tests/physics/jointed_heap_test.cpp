@@ -14,9 +14,10 @@ using test::Random;
 
 constexpr double kGravity = 10;
 
-/// Adds a box with a joint to `parent` at the point `anchor` of the parent and `own` of the box, both in the frame of their body; the box is
-/// turned as its parent is.
-void addLimb(Scene& scene, int parent, const Vec3& half, const Vec3& anchor, const Vec3& own, JointType type) {
+/// Adds a box with a joint to `parent` at the point `anchor` of the parent and `own` of the box, both in the
+/// frame of their body; the box is turned as its parent is.
+void addLimb(Scene& scene, int parent, const Vec3& half, const Vec3& anchor, const Vec3& own,
+             JointType type) {
   const BodyDef& to = scene.bodies[static_cast<std::size_t>(parent)];
   BodyDef limb = to;
   limb.shape = Shape::box(half);
@@ -34,7 +35,8 @@ BodyDef turnedBox(const Vec3& half, const Vec3& position, Random& random) {
   return def;
 }
 
-/// Layers of two pairs of cubes each, which hang together face to face by a ball or a fixed joint. No two pairs touch at the start.
+/// Layers of two pairs of cubes each, which hang together face to face by a ball or a fixed joint. No two
+/// pairs touch at the start.
 Scene pairs(std::uint64_t seed, double height) {
   Random random(seed);
   Scene scene = test::emptyScene({0, 0, -kGravity});
@@ -43,19 +45,22 @@ Scene pairs(std::uint64_t seed, double height) {
     for (const double x : {-.6, .6}) {
       scene.bodies.push_back(turnedBox({.2, .2, .2}, {x, 0, z}, random));
       const JointType type = random.below(2) == 0 ? JointType::Ball : JointType::Fixed;
-      addLimb(scene, static_cast<int>(scene.bodies.size()) - 1, {.2, .2, .2}, {.24, 0, 0}, {-.24, 0, 0}, type);
+      addLimb(scene, static_cast<int>(scene.bodies.size()) - 1, {.2, .2, .2}, {.24, 0, 0}, {-.24, 0, 0},
+              type);
     }
   return scene;
 }
 
-/// A column of figures: a trunk with a head, two arms and two legs on ball joints. No two figures touch at the start.
+/// A column of figures: a trunk with a head, two arms and two legs on ball joints. No two figures touch at
+/// the start.
 Scene figures(std::uint64_t seed, double height) {
   Random random(seed);
   Scene scene = test::emptyScene({0, 0, -kGravity});
   scene.bodies.push_back(test::ground());
   for (double z = 1.2; z < height; z += 1.9) {
     const int trunk = static_cast<int>(scene.bodies.size());
-    scene.bodies.push_back(turnedBox({.2, .12, .3}, {random.uniform(-.2, .2), random.uniform(-.2, .2), z}, random));
+    scene.bodies.push_back(
+        turnedBox({.2, .12, .3}, {random.uniform(-.2, .2), random.uniform(-.2, .2), z}, random));
     addLimb(scene, trunk, {.1, .1, .1}, {0, 0, .32}, {0, 0, -.12}, JointType::Fixed);
     for (const double side : {-1., 1.}) {
       addLimb(scene, trunk, {.2, .06, .06}, {side * .22, 0, .24}, {-side * .22, 0, 0}, JointType::Ball);
@@ -65,7 +70,8 @@ Scene figures(std::uint64_t seed, double height) {
   return scene;
 }
 
-/// What a fall shows: the largest speed of a centre [m/s], and how far the energy rose above its lowest so far, over that at the start.
+/// What a fall shows: the largest speed of a centre [m/s], and how far the energy rose above its lowest so
+/// far, over that at the start.
 struct Fall {
   double speed = 0, rise = 0;
 };
@@ -102,7 +108,8 @@ void expectNothingIsThrownOff(Scene (*build)(std::uint64_t, double)) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const Fall f = fall(build(seed, kHeight), iterations, 300);
       // the head of a figure may whip a little ahead of the rest
-      EXPECT_LT(f.speed, 1.2 * std::sqrt(2 * kGravity * kHeight)) << iterations << " iterations, seed " << seed;
+      EXPECT_LT(f.speed, 1.2 * std::sqrt(2 * kGravity * kHeight))
+          << iterations << " iterations, seed " << seed;
       EXPECT_LT(f.rise, .01) << iterations << " iterations, seed " << seed;
     }
 }

@@ -50,7 +50,9 @@ TEST(Material, OfAPartCountsWhereThePartTouches) {
   const auto slow = [&](const Material& lower, const Material& upper) {
     Scene scene = test::emptyScene();
     scene.bodies.push_back(test::ground(.5));
-    scene.bodies.push_back(test::body(Shape::compound({{Shape::box({.5, .5, .1}), {0, 0, -.1}, {}, lower}, {Shape::box({.5, .5, .1}), {0, 0, .1}, {}, upper}}), {0, 0, .2}));
+    scene.bodies.push_back(test::body(Shape::compound({{Shape::box({.5, .5, .1}), {0, 0, -.1}, {}, lower},
+                                                       {Shape::box({.5, .5, .1}), {0, 0, .1}, {}, upper}}),
+                                      {0, 0, .2}));
     scene.bodies[1].velocity = {4, 0, 0};
     World world(scene, options(10));
     test::run(world, 30);

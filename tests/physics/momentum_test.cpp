@@ -54,7 +54,8 @@ Made madeBy(const Scene& scene, int iterations, double dt) {
     start += last.back().energy;
     // that of a body at 10 m/s too, which weights reach
     const double mass = world.massOf(id).mass;
-    exchanged += length(last.back().linear) + 10 * mass, exchangedAngular += length(last.back().angular) + 10 * mass;
+    exchanged += length(last.back().linear) + 10 * mass,
+        exchangedAngular += length(last.back().angular) + 10 * mass;
   }
   Vec3 linear, angular;
   for (int i = 0; i < std::lround(1 / dt); ++i) {

@@ -39,7 +39,9 @@ TEST(FreeFall, DoesNotDependOnMassShapeOrNeighbours) {
   test::run(world, 60);
   const double fall = 10 * kDt * kDt * 60 * 61 / 2;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i)
-    EXPECT_NEAR(world.state(world.bodyAt(static_cast<int>(i))).position.z, scene.bodies[i].position.z - fall, 1e-4) << i;
+    EXPECT_NEAR(world.state(world.bodyAt(static_cast<int>(i))).position.z, scene.bodies[i].position.z - fall,
+                1e-4)
+        << i;
 }
 
 TEST(Projectile, FliesItsParabolaWhileItTumbles) {
@@ -50,7 +52,8 @@ TEST(Projectile, FliesItsParabolaWhileItTumbles) {
   scene.bodies.push_back(def);
   World world(scene, options(4));
   test::run(world, 60);
-  EXPECT_TRUE(test::near(world.state(world.bodyAt(0)).position, Vec3{8, 0, 6 - 10 * kDt * kDt * 60 * 61 / 2}, 1e-4));
+  EXPECT_TRUE(
+      test::near(world.state(world.bodyAt(0)).position, Vec3{8, 0, 6 - 10 * kDt * kDt * 60 * 61 / 2}, 1e-4));
 }
 
 /// Times at which f(step) crosses zero upwards, interpolated [s].
@@ -67,7 +70,9 @@ template <class F> std::vector<double> upwardCrossings(World& world, int steps, 
 }
 
 /// Mean time between the zeros of f from its first to its last [s].
-double halfPeriod(const std::vector<double>& times) { return (times.back() - times.front()) / double(times.size() - 1); }
+double halfPeriod(const std::vector<double>& times) {
+  return (times.back() - times.front()) / double(times.size() - 1);
+}
 
 class FreeSpinAt : public ::testing::TestWithParam<std::pair<double, double>> {};
 
@@ -84,7 +89,8 @@ TEST_P(FreeSpinAt, TurnsOverWithThePeriodOfEulersEquations) {
 
   const Vec3 inertia = world.massOf(world.bodyAt(0)).inertia;
   const auto slope = [&](const Vec3& w) {
-    return Vec3{(inertia.y - inertia.z) * w.y * w.z / inertia.x, (inertia.z - inertia.x) * w.z * w.x / inertia.y,
+    return Vec3{(inertia.y - inertia.z) * w.y * w.z / inertia.x,
+                (inertia.z - inertia.x) * w.z * w.x / inertia.y,
                 (inertia.x - inertia.y) * w.x * w.y / inertia.z};
   };
   std::vector<double> wanted, found;
@@ -112,7 +118,8 @@ TEST_P(FreeSpinAt, TurnsOverWithThePeriodOfEulersEquations) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, FreeSpinAt,
-                         ::testing::Values(std::pair{2., 1. / 60}, std::pair{2., 1. / 240}, std::pair{5., 1. / 60}, std::pair{10., 1. / 60},
+                         ::testing::Values(std::pair{2., 1. / 60}, std::pair{2., 1. / 240},
+                                           std::pair{5., 1. / 60}, std::pair{10., 1. / 60},
                                            std::pair{10., 1. / 240}),
                          [](const auto& info) { return "Case" + std::to_string(info.index); });
 
@@ -129,8 +136,10 @@ TEST_P(PendulumAt, SwingsWithThePeriodOfACompoundPendulum) {
   scene.joints.push_back(test::ball(0, {0, 0, .5}, kWorld, {0, 0, 0}));
   World world(scene, options(GetParam()));
   const MassProperties m = world.massOf(world.bodyAt(0));
-  const double period = 2 * kPi * std::sqrt((m.inertia.y + m.mass * .25) / (m.mass * 10 * .5)) * (1 + kAngle * kAngle / 16);
-  const auto crossings = upwardCrossings(world, 60 * 10, [&] { return world.state(world.bodyAt(0)).position.x; });
+  const double period = 2 * kPi * std::sqrt((m.inertia.y + m.mass * .25) / (m.mass * 10 * .5)) *
+                        (1 + kAngle * kAngle / 16);
+  const auto crossings = upwardCrossings(world, 60 * 10,
+                                         [&] { return world.state(world.bodyAt(0)).position.x; });
   ASSERT_GE(crossings.size(), 4u);
   const double measured = (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1);
   EXPECT_NEAR(measured, period, .01 * period);

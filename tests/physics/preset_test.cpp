@@ -38,7 +38,8 @@ TEST_P(EachPreset, HoldsAShortChain) {
   Scene scene = test::emptyScene();
   for (int i = 0; i < 3; ++i) {
     scene.bodies.push_back(test::unitCube({0, 0, -.5 - i}));
-    scene.joints.push_back(i == 0 ? test::ball(0, {0, 0, .5}, kWorld, {0, 0, 0}) : test::ball(i, {0, 0, .5}, i - 1, {0, 0, -.5}));
+    scene.joints.push_back(i == 0 ? test::ball(0, {0, 0, .5}, kWorld, {0, 0, 0})
+                                  : test::ball(i, {0, 0, .5}, i - 1, {0, 0, -.5}));
   }
   World world(scene, options(10));
   test::run(world, 240);
@@ -57,9 +58,12 @@ TEST_P(EachPreset, SlidesToRestOnAFloor) {
   EXPECT_NEAR(world.state(world.bodyAt(1)).position.x, way, (GetParam() == Preset::Demo3d ? .15 : .02) * way);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EachPreset, ::testing::Values(Preset::Engine, Preset::Paper, Preset::Demo3d), [](const auto& info) {
-  return info.param == Preset::Engine ? "Engine" : info.param == Preset::Paper ? "Paper" : "Demo3d";
-});
+INSTANTIATE_TEST_SUITE_P(All, EachPreset, ::testing::Values(Preset::Engine, Preset::Paper, Preset::Demo3d),
+                         [](const auto& info) {
+                           return info.param == Preset::Engine  ? "Engine"
+                                  : info.param == Preset::Paper ? "Paper"
+                                                                : "Demo3d";
+                         });
 
 /// Spin of a free cube after a second [share of its first].
 double spinLeft(const Params& params, double speed) {

@@ -26,7 +26,8 @@ struct RandomShape {
 RandomShape randomShape(Random& random, double r) {
   const auto share = [&](double low) { return random.uniform(low, 1); };
   switch (random.below(8)) {
-    case 0: return {Shape::sphere(r), r, 2 * r, true};
+    case 0:
+      return {Shape::sphere(r), r, 2 * r, true};
     case 1: {
       const Vec3 half = r / std::sqrt(3.) * Vec3{share(.15), share(.15), share(.5)};
       return {Shape::box(half), length(half), 2 * std::min({half.x, half.y, half.z}), false};
@@ -59,7 +60,8 @@ RandomShape randomShape(Random& random, double r) {
     }
     default: {
       const double arm = r / std::sqrt(3.) * .98, thin = arm * random.uniform(.15, .5);
-      return {Shape::compound({{Shape::box({arm, thin, thin}), {}, {}}, {Shape::box({thin, arm, thin}), {0, 0, thin}, {}},
+      return {Shape::compound({{Shape::box({arm, thin, thin}), {}, {}},
+                               {Shape::box({thin, arm, thin}), {0, 0, thin}, {}},
                                {Shape::sphere(thin), {0, 0, -thin}, {}}}),
               r, 2 * thin, false};
     }
@@ -93,8 +95,10 @@ Shape insideOfBox(const Vec3& half, bool twoSided, int cells) {
         for (int i = 0; i < cells; ++i) {
           const int a = first + j * (cells + 1) + i, b = a + 1, c = a + cells + 2, d = a + cells + 1;
           // counter-clockwise seen from inside
-          if (sign < 0) triangles.push_back({a, b, c}), triangles.push_back({a, c, d});
-          else triangles.push_back({a, c, b}), triangles.push_back({a, d, c});
+          if (sign < 0)
+            triangles.push_back({a, b, c}), triangles.push_back({a, c, d});
+          else
+            triangles.push_back({a, c, b}), triangles.push_back({a, d, c});
         }
     }
   return Shape::mesh(points, triangles, twoSided);
@@ -112,7 +116,8 @@ void addBoxes(Scene& scene, const Vec3& half, double thick, bool floor) {
 }
 
 void addWalls(Bin& bin, Random& random) {
-  static const std::array<const char*, 6> kinds = {"thick boxes", "thin boxes", "planes", "mesh", "two-sided mesh", "heights"};
+  static const std::array<const char*, 6> kinds = {"thick boxes", "thin boxes",     "planes",
+                                                   "mesh",        "two-sided mesh", "heights"};
   const Vec3& half = bin.inner;
   const double width = 2 * std::min(half.x, half.y);
   const std::size_t kind = static_cast<std::size_t>(random.below(6));
@@ -136,24 +141,31 @@ void addWalls(Bin& bin, Random& random) {
     addBoxes(scene, half, width * .3, false);
     const int n = 12 + random.below(20);
     const double spacing = 2.2 * std::max(half.x, half.y) / (n - 1), wave = random.uniform(.02, .12) * width;
-    const double ax = random.uniform(1, 3) / width * std::numbers::pi, ay = random.uniform(1, 3) / width * std::numbers::pi;
+    const double ax = random.uniform(1, 3) / width * std::numbers::pi,
+                 ay = random.uniform(1, 3) / width * std::numbers::pi;
     std::vector<double> heights;
     for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) heights.push_back(-wave * (1 + std::sin(ax * i * spacing) * std::cos(ay * j * spacing)));
+      for (int i = 0; i < n; ++i)
+        heights.push_back(-wave * (1 + std::sin(ax * i * spacing) * std::cos(ay * j * spacing)));
     const double start = -spacing * (n - 1) / 2;
-    scene.bodies.push_back(wall(Shape::heightField(n, n, {spacing, spacing, 0}, heights), {start, start, -half.z}));
+    scene.bodies.push_back(
+        wall(Shape::heightField(n, n, {spacing, spacing, 0}, heights), {start, start, -half.z}));
     bin.inner.z += wave, bin.centre.z -= wave;  // down to the lowest hollow
   }
   bin.walls = static_cast<int>(scene.bodies.size());
 }
 
-constexpr std::array kJoints = {JointType::Ball, JointType::Fixed, JointType::Hinge, JointType::Slider, JointType::Distance, JointType::Rope,
-                                JointType::Spring, JointType::AngularSpring, JointType::SwingTwist, JointType::Universal, JointType::SixDof};
+constexpr std::array kJoints = {JointType::Ball,      JointType::Fixed,         JointType::Hinge,
+                                JointType::Slider,    JointType::Distance,      JointType::Rope,
+                                JointType::Spring,    JointType::AngularSpring, JointType::SwingTwist,
+                                JointType::Universal, JointType::SixDof};
 
 /// Every joint resists its motion a little: what hangs freely swings for long.
 JointDef randomJoint(Random& random, const Scene& scene, int a, int b, double mass, double size) {
   const JointType type = kJoints[static_cast<std::size_t>(random.below(static_cast<int>(kJoints.size())))];
-  const Vec3 point = (scene.bodies[static_cast<std::size_t>(a)].position + scene.bodies[static_cast<std::size_t>(b)].position) * .5;
+  const Vec3 point = (scene.bodies[static_cast<std::size_t>(a)].position +
+                      scene.bodies[static_cast<std::size_t>(b)].position) *
+                     .5;
   JointDef joint = jointAt(scene, type, a, b, point, random.rotation());
   const double force = mass * kGravity;
   if (type == JointType::Spring || type == JointType::AngularSpring) {
@@ -167,7 +179,8 @@ JointDef randomJoint(Random& random, const Scene& scene, int a, int b, double ma
   if (type == JointType::Ball || type == JointType::SwingTwist) joint.friction = .05 * force * size;
   if (type == JointType::SwingTwist) joint.swingY = joint.swingZ = random.uniform(.3, 1.5);
   if (type == JointType::Hinge) joint.axes[0].friction = .05 * force * size;
-  if (type == JointType::Slider) joint.axes[0].friction = .3 * force, joint.axes[0].min = -.2 * size, joint.axes[0].max = .2 * size;
+  if (type == JointType::Slider)
+    joint.axes[0].friction = .3 * force, joint.axes[0].min = -.2 * size, joint.axes[0].max = .2 * size;
   if (type == JointType::SixDof)
     for (JointAxis& axis : joint.axes) axis.min = -random.uniform(0, .3), axis.max = random.uniform(0, .3);
   return joint;
@@ -192,10 +205,12 @@ Bin randomBin(std::uint64_t seed) {
     shapes.push_back(randomShape(random, random.logUniform(small, large) / 2));
     const double r = shapes.back().radius;
     for (int attempt = 0;; ++attempt) {
-      const Vec3 p{random.uniform(-bin.inner.x + r, bin.inner.x - r), random.uniform(-bin.inner.y + r, bin.inner.y - r),
+      const Vec3 p{random.uniform(-bin.inner.x + r, bin.inner.x - r),
+                   random.uniform(-bin.inner.y + r, bin.inner.y - r),
                    r + random.uniform(0, std::min(highest, top + (attempt + 1) * .05 * large))};
       bool free = true;
-      for (std::size_t j = 0; j < places.size() && free; ++j) free = length(p - places[j]) > 1.02 * (r + shapes[j].radius);
+      for (std::size_t j = 0; j < places.size() && free; ++j)
+        free = length(p - places[j]) > 1.02 * (r + shapes[j].radius);
       if (!free) continue;
       places.push_back(p);
       top = std::max(top, p.z + r);
@@ -228,20 +243,26 @@ Bin randomBin(std::uint64_t seed) {
     if (random.below(5) != 0) continue;
     int nearest = -1;
     for (int j = k + 1; j < count; ++j)
-      if (nearest < 0 || length(places[std::size_t(j)] - places[std::size_t(k)]) < length(places[std::size_t(nearest)] - places[std::size_t(k)])) nearest = j;
+      if (nearest < 0 || length(places[std::size_t(j)] - places[std::size_t(k)]) <
+                             length(places[std::size_t(nearest)] - places[std::size_t(k)]))
+        nearest = j;
     const int a = bin.walls + k, b = bin.walls + nearest;
     const auto massOf = [&](int i) {
       const BodyDef& d = bin.scene.bodies[static_cast<std::size_t>(i)];
       return massProperties(d.shape, d.density).mass;
     };
-    bin.scene.joints.push_back(randomJoint(random, bin.scene, a, b, std::min(massOf(a), massOf(b)), std::min(bin.size[std::size_t(k)], bin.size[std::size_t(nearest)])));
+    bin.scene.joints.push_back(
+        randomJoint(random, bin.scene, a, b, std::min(massOf(a), massOf(b)),
+                    std::min(bin.size[std::size_t(k)], bin.size[std::size_t(nearest)])));
   }
   bin.dt = std::array{1. / 30, 1. / 60, 1. / 60, 1. / 240}[static_cast<std::size_t>(random.below(4))];
   bin.iterations = random.below(3) == 0 ? 10 : 4;
   return bin;
 }
 
-bool BinOutcome::holds() const { return outside == 0 && restless == 0 && depth <= .05 && energyGain <= 1e-3 && quarantined == 0; }
+bool BinOutcome::holds() const {
+  return outside == 0 && restless == 0 && depth <= .05 && energyGain <= 1e-3 && quarantined == 0;
+}
 
 BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
   constexpr double kSeconds = 10, kWatched = 2, kStill = .02;
@@ -275,7 +296,9 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
       for (int k = 0; k < count; ++k) {
         if (gone[std::size_t(k)]) continue;
         const BodyState body = world.state(world.bodyAt(bin.walls + k));
-        const Vec3 d = abs(body.position + rotate(body.orientation, centreOfMass[std::size_t(k)]) - bin.centre) - bin.inner;
+        const Vec3 d = abs(body.position + rotate(body.orientation, centreOfMass[std::size_t(k)]) -
+                           bin.centre) -
+                       bin.inner;
         if (std::max({d.x, d.y, d.z}) > .05 * least) {
           gone[std::size_t(k)] = true;
           out.what += " body " + std::to_string(k) + " left at step " + std::to_string(i);
@@ -285,7 +308,8 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
     if (i < steps - static_cast<int>(kWatched / bin.dt)) continue;
     for (const ContactPoint& c : world.contacts()) {
       const int a = indexOf(c.a), b = indexOf(c.b);
-      const double thin = std::min(a >= 0 ? bin.thickness[std::size_t(a)] : 1e300, b >= 0 ? bin.thickness[std::size_t(b)] : 1e300);
+      const double thin = std::min(a >= 0 ? bin.thickness[std::size_t(a)] : 1e300,
+                                   b >= 0 ? bin.thickness[std::size_t(b)] : 1e300);
       if (c.depth / thin > out.depth) out.depth = c.depth / thin, out.depthMetres = c.depth;
     }
   }
@@ -296,7 +320,8 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
     }
     const BodyState s = world.state(world.bodyAt(bin.walls + k));
     const double size = bin.size[std::size_t(k)];
-    const double moving = (length(s.velocity) + .5 * size * length(s.angularVelocity)) / (kStill * std::sqrt(kGravity * size));
+    const double moving = (length(s.velocity) + .5 * size * length(s.angularVelocity)) /
+                          (kStill * std::sqrt(kGravity * size));
     if (moving > 1) ++out.restless;
     if (moving > 10) ++out.unsettled;
   }

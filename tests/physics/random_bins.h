@@ -1,5 +1,6 @@
 #pragma once
-/// Closed bins of every kind with random bodies in them, thrown in and left to come to rest; and what must be true of each.
+/// Closed bins of every kind with random bodies in them, thrown in and left to come to rest; and what must be
+/// true of each.
 #include <cstdint>
 #include <string>
 
@@ -9,29 +10,31 @@ namespace rubble::test {
 
 /// What a seed stands for.
 struct Bin {
-  std::string kind;            ///< of its walls
+  std::string kind;  ///< of its walls
   Scene scene;
-  int walls = 0;               ///< bodies [0, walls) are the bin
-  Vec3 inner;                  ///< half extents of the room inside, about `centre` [m]
+  int walls = 0;  ///< bodies [0, walls) are the bin
+  Vec3 inner;     ///< half extents of the room inside, about `centre` [m]
   Vec3 centre;
-  std::vector<double> size;    ///< of each body beyond the walls: diameter of its bounding sphere [m]
+  std::vector<double> size;       ///< of each body beyond the walls: diameter of its bounding sphere [m]
   std::vector<double> thickness;  ///< likewise: its smallest width [m]
-  double dt = 1. / 60;         ///< [s]
+  double dt = 1. / 60;            ///< [s]
   int iterations = 4;
 };
 Bin randomBin(std::uint64_t seed);
 
 /// What became of it after ten seconds.
 struct BinOutcome {
-  int outside = 0;           ///< bodies that left
-  int restless = 0;          ///< bodies that move
-  int unsettled = 0;         ///< of these, bodies with a speed above ten times the bound
-  double depth = 0;          ///< largest penetration in the last two seconds, over the thickness of the thinner body [1]
-  double depthMetres = 0;    ///< the same [m]
-  double energyGain = 0;     ///< largest rise of the energy above its start, over the kinetic energy of the start [1]
+  int outside = 0;    ///< bodies that left
+  int restless = 0;   ///< bodies that move
+  int unsettled = 0;  ///< of these, bodies with a speed above ten times the bound
+  double
+      depth = 0;  ///< largest penetration in the last two seconds, over the thickness of the thinner body [1]
+  double depthMetres = 0;  ///< the same [m]
+  double energyGain = 0;   ///< largest rise of the energy above its start, over the kinetic energy of the
+                           ///< start [1]
   int quarantined = 0;
   bool holds() const;
-  std::string what;          ///< for a log
+  std::string what;  ///< for a log
 };
 BinOutcome settle(const Bin& bin, const std::string& backend = "cpu", int threads = 1);
 

@@ -1,4 +1,5 @@
-/// Random bins and random throws: nothing leaves, nothing passes, whatever the shapes, sizes, speeds and walls.
+/// Random bins and random throws: nothing leaves, nothing passes, whatever the shapes, sizes, speeds and
+/// walls.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -17,14 +18,17 @@ BinCount settleBins(std::uint64_t first, std::uint64_t last) {
   BinCount count;
   for (std::uint64_t seed = first; seed < last; ++seed) {
     const BinOutcome out = settle(randomBin(seed));
-    count.left += out.outside > 0, count.unsettled += out.unsettled > 0, count.quarantined += out.quarantined > 0, count.failed += !out.holds();
+    count.left += out.outside > 0, count.unsettled += out.unsettled > 0,
+        count.quarantined += out.quarantined > 0, count.failed += !out.holds();
     if (!out.holds())
-      std::cout << "bin " << seed << ": " << out.outside << " left, " << out.restless << " move, depth " << out.depth << ", energy +" << out.energyGain << '\n';
+      std::cout << "bin " << seed << ": " << out.outside << " left, " << out.restless << " move, depth "
+                << out.depth << ", energy +" << out.energyGain << '\n';
   }
   return count;
 }
 
-/// How many bins fail is a figure that docs/scenes.md states under Open; these bounds are what holds today, and none but a lower one takes their place.
+/// How many bins fail is a figure that docs/scenes.md states under Open; these bounds are what holds today,
+/// and none but a lower one takes their place.
 TEST(RandomBins, KeepWhatIsThrownIn) {
   const BinCount count = settleBins(0, 40);
   EXPECT_EQ(count.left, 0);
@@ -53,7 +57,8 @@ int passed(std::uint64_t first, std::uint64_t last) {
     const Throw shot = randomThrow(seed);
     if (!take(shot).passed) continue;
     ++count;
-    std::cout << "throw " << seed << ": " << shot.bullet << " at " << shot.plate << ", " << shot.speed << " m/s\n";
+    std::cout << "throw " << seed << ": " << shot.bullet << " at " << shot.plate << ", " << shot.speed
+              << " m/s\n";
   }
   return count;
 }

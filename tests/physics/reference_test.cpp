@@ -51,7 +51,8 @@ SmallScene swingingChain() {
   Scene scene = test::emptyScene();
   for (int i = 0; i < 5; ++i) {
     scene.bodies.push_back(test::body(Shape::box({.25, .05, .05}), {.25 + .5 * i, 0, 0}));
-    scene.joints.push_back(i == 0 ? test::ball(0, {-.25, 0, 0}, kWorld, {0, 0, 0}) : test::ball(i, {-.25, 0, 0}, i - 1, {.25, 0, 0}));
+    scene.joints.push_back(i == 0 ? test::ball(0, {-.25, 0, 0}, kWorld, {0, 0, 0})
+                                  : test::ball(i, {-.25, 0, 0}, i - 1, {.25, 0, 0}));
   }
   return {"swinging chain", scene, 60, .1, .03};
 }
@@ -63,16 +64,19 @@ class AgainstReference : public ::testing::TestWithParam<SmallScene> {};
 TEST_P(AgainstReference, FewIterationsStayCloseToTheConvergedStep) {
   const SmallScene& s = GetParam();
   EXPECT_LT(worstDistance(s.scene, test::options(4), test::options(kConverged, "reference"), s.steps), s.at4);
-  EXPECT_LT(worstDistance(s.scene, test::options(10), test::options(kConverged, "reference"), s.steps), s.at10);
+  EXPECT_LT(worstDistance(s.scene, test::options(10), test::options(kConverged, "reference"), s.steps),
+            s.at10);
 }
 
 TEST_P(AgainstReference, MoreIterationsComeCloser) {
   const SmallScene& s = GetParam();
-  const double at50 = worstDistance(s.scene, test::options(50, "reference"), test::options(kConverged, "reference"), s.steps);
+  const double at50 = worstDistance(s.scene, test::options(50, "reference"),
+                                    test::options(kConverged, "reference"), s.steps);
   EXPECT_LT(at50, .25 * s.at10);
 }
 
-INSTANTIATE_TEST_SUITE_P(SmallScenes, AgainstReference, ::testing::Values(settlingBox(), slidingBox(), swingingChain(), stack()),
+INSTANTIATE_TEST_SUITE_P(SmallScenes, AgainstReference,
+                         ::testing::Values(settlingBox(), slidingBox(), swingingChain(), stack()),
                          [](const auto& info) {
                            std::string name = info.param.name;
                            name.erase(std::remove(name.begin(), name.end(), ' '), name.end());
@@ -100,8 +104,8 @@ TEST(Converged, AHeldChainLosesNoMomentumToItsJoints) {
       const BodyState s = world.state(id);
       const MassProperties m = world.massOf(id);
       momentum += m.mass * s.velocity;
-      spin +=
-          m.mass * cross(s.position, s.velocity) + rotate(s.orientation, mul(m.inertia, rotateInverse(s.orientation, s.angularVelocity)));
+      spin += m.mass * cross(s.position, s.velocity) +
+              rotate(s.orientation, mul(m.inertia, rotateInverse(s.orientation, s.angularVelocity)));
     }
     return std::pair(momentum, spin);
   };

@@ -23,7 +23,8 @@ double spinAfterASecond(int iterations) {
 
 /// Friction stops a spin of 5 rad/s within .24 s, and it stays stopped.
 TEST(Friction, BringsASpinningCubeToRest) {
-  for (const int iterations : {4, 10, 50}) EXPECT_LT(std::fabs(spinAfterASecond(iterations)), .01) << iterations;
+  for (const int iterations : {4, 10, 50})
+    EXPECT_LT(std::fabs(spinAfterASecond(iterations)), .01) << iterations;
 }
 
 /// Largest distance of a body between single and double precision after ten steps [m].
@@ -42,7 +43,8 @@ double precisionGap(const std::string& name) {
   return worst;
 }
 
-/// A structure at rest does not move by what round-off decides: bodies that just touch are dormant or not by the last bit of their gap.
+/// A structure at rest does not move by what round-off decides: bodies that just touch are dormant or not by
+/// the last bit of their gap.
 TEST(Rest, DoesNotHangOnRoundOff) {
   for (const char* name : {"tower-20", "pyramid", "card-tower"}) EXPECT_LT(precisionGap(name), 1e-3) << name;
 }

@@ -72,7 +72,8 @@ TEST_P(Roller, DownASlopeHasTheAccelerationOfTheClosedForm) {
 }
 
 INSTANTIATE_TEST_SUITE_P(RadiusStepAndIterations, Roller,
-                         ::testing::Combine(::testing::Values(.05, .3, 1.), ::testing::Values(1. / 60, 1. / 240), ::testing::Values(4, 10)));
+                         ::testing::Combine(::testing::Values(.05, .3, 1.),
+                                            ::testing::Values(1. / 60, 1. / 240), ::testing::Values(4, 10)));
 
 }  // namespace
 }  // namespace rubble

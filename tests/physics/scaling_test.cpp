@@ -21,7 +21,8 @@ Scene sample() {
   BodyDef rod = test::body(Shape::box({.5, .05, .05}), {.5, 20, 5});
   rod.mass = 2;
   scene.bodies.push_back(rod);
-  scene.joints.push_back(test::ball(static_cast<int>(scene.bodies.size()) - 1, {-.5, 0, 0}, kWorld, {0, 20, 5}));
+  scene.joints.push_back(
+      test::ball(static_cast<int>(scene.bodies.size()) - 1, {-.5, 0, 0}, kWorld, {0, 20, 5}));
   return scene;
 }
 constexpr int kTop = 5, kSlider = 6, kHeavy = 8, kRod = 9;
@@ -43,7 +44,8 @@ Scene withLengths(Scene scene, double factor) {
   return scene;
 }
 
-std::vector<BodyState> finalStates(const Scene& scene, double dt, double seconds, int iterations, const std::string& backend = "cpu") {
+std::vector<BodyState> finalStates(const Scene& scene, double dt, double seconds, int iterations,
+                                   const std::string& backend = "cpu") {
   WorldOptions o = options(iterations, backend);
   o.params.dt = dt;
   World world(scene, o);
@@ -58,7 +60,8 @@ TEST(Units, OfMassDoNotMatter) {
   const auto one = finalStates(sample(), 1. / 60, 1, 4, "reference");
   for (const double factor : {1e-3, 1e3}) {
     const auto scaled = finalStates(withMasses(sample(), factor), 1. / 60, 1, 4, "reference");
-    for (std::size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(test::near(scaled[i].position, one[i].position, 1e-6)) << factor << " " << i;
+    for (std::size_t i = 0; i < one.size(); ++i)
+      EXPECT_TRUE(test::near(scaled[i].position, one[i].position, 1e-6)) << factor << " " << i;
   }
 }
 
@@ -66,7 +69,8 @@ TEST(Units, OfMassDoNotMatterInSinglePrecision) {
   const auto one = finalStates(sample(), 1. / 60, 2, 4);
   for (const double factor : {1e-3, 1e3}) {
     const auto scaled = finalStates(withMasses(sample(), factor), 1. / 60, 2, 4);
-    for (std::size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(test::near(scaled[i].position, one[i].position, .01)) << factor << " " << i;
+    for (std::size_t i = 0; i < one.size(); ++i)
+      EXPECT_TRUE(test::near(scaled[i].position, one[i].position, .01)) << factor << " " << i;
   }
 }
 

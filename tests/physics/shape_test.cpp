@@ -27,7 +27,8 @@ TEST(Shapes, StandStillOnEveryGround) {
       const BodyState s = world.state(world.bodyAt(static_cast<int>(i)));
       EXPECT_NEAR(s.position.z, test::standingShapes()[i - 1].height, 1e-3) << name << " on " << kind;
       EXPECT_LT(length(s.velocity) + length(s.angularVelocity), 2e-3) << name << " on " << kind;
-      EXPECT_TRUE(test::sameRotation(s.orientation, scene.bodies[i].orientation, 2e-3)) << name << " on " << kind;
+      EXPECT_TRUE(test::sameRotation(s.orientation, scene.bodies[i].orientation, 2e-3))
+          << name << " on " << kind;
     }
   }
 }
@@ -45,7 +46,8 @@ TEST(Shapes, StandOnOneAnother) {
       x += 1.2;
       scene.bodies.push_back(test::body(lower.shape, {x, 0, lower.height}));
       expected.push_back(lower.height);
-      scene.bodies.push_back(test::body(upper.shape, {x + .02, -.01, lower.height + lower.top + upper.height}));
+      scene.bodies.push_back(
+          test::body(upper.shape, {x + .02, -.01, lower.height + lower.top + upper.height}));
       scene.bodies.back().orientation = fromAxisAngle(Vec3{0, 0, 1}, .2);
       expected.push_back(lower.height + lower.top + upper.height);
       names.push_back(lower.name), names.push_back(upper.name + " on " + lower.name);
@@ -66,7 +68,8 @@ TEST(Shapes, HoldOnARampUpToItsThresholdAndSlideBeyond) {
       Scene scene = test::emptyScene();
       scene.bodies.push_back(test::groundOf(kind, kFriction));
       double y = -5;
-      for (const test::Standing& s : test::standingShapes()) scene.bodies.push_back(test::body(s.shape, {-1.03, y += 1.05, s.height}, kFriction));
+      for (const test::Standing& s : test::standingShapes())
+        scene.bodies.push_back(test::body(s.shape, {-1.03, y += 1.05, s.height}, kFriction));
       const double slope = std::atan(factor * kFriction);
       test::turn(scene, fromAxisAngle(Vec3{0, 1, 0}, slope));
       World world(scene, options(4));
@@ -74,18 +77,21 @@ TEST(Shapes, HoldOnARampUpToItsThresholdAndSlideBeyond) {
       const double way = 10 * std::cos(slope) * .01 * kFriction * 16 / 2;
       for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
         const std::string where = test::standingShapes()[i - 1].name + " on " + kind;
-        const double moved = length(world.state(world.bodyAt(static_cast<int>(i))).position - scene.bodies[i].position);
+        const double moved = length(world.state(world.bodyAt(static_cast<int>(i))).position -
+                                    scene.bodies[i].position);
         EXPECT_LT(moved, factor < 1 ? .005 : 1.6 * way) << where;
         EXPECT_GT(moved, factor < 1 ? -1 : .4 * way) << where;
       }
     }
 }
 
-/// Largest speed against the ground's normal, and change of the speed along it, of a body that rolls 6 m [m/s].
+/// Largest speed against the ground's normal, and change of the speed along it, of a body that rolls 6 m
+/// [m/s].
 struct Bumps {
   double up = 0, along = 0, turned = 0;
 };
-Bumps rollOver(const std::string& kind, const Shape& shape, double radius, const Quat& orientation, const Vec3& direction) {
+Bumps rollOver(const std::string& kind, const Shape& shape, double radius, const Quat& orientation,
+               const Vec3& direction) {
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::groundOf(kind));
   BodyDef def = test::body(shape, direction * -3. + Vec3{0, 0, radius});
@@ -110,7 +116,8 @@ Bumps rollOver(const std::string& kind, const Shape& shape, double radius, const
 TEST(Mesh, DoesNotTripARollingBall) {
   for (const char* kind : {"mesh", "heights"})
     for (const double angle : {0., .3, .785398}) {
-      const Bumps plane = rollOver("plane", Shape::sphere(.25), .25, Quat{}, {std::cos(angle), std::sin(angle), 0});
+      const Bumps plane = rollOver("plane", Shape::sphere(.25), .25, Quat{},
+                                   {std::cos(angle), std::sin(angle), 0});
       const Bumps b = rollOver(kind, Shape::sphere(.25), .25, Quat{}, {std::cos(angle), std::sin(angle), 0});
       EXPECT_LT(b.up, 1e-3) << kind << " " << angle;
       EXPECT_LT(std::fabs(b.along - plane.along), 1e-4) << kind << " " << angle;
@@ -134,7 +141,8 @@ TEST(Mesh, DoesNotTripABallAtARidge) {
     }
     roof.shape = Shape::mesh(points, triangles, twoSided);
     scene.bodies.push_back(roof);
-    scene.bodies.push_back(test::body(Shape::sphere(.25), Vec3{-2, .1, -2 * slope} + .25 * normalize(Vec3{-slope, 0, 1}), 0));
+    scene.bodies.push_back(
+        test::body(Shape::sphere(.25), Vec3{-2, .1, -2 * slope} + .25 * normalize(Vec3{-slope, 0, 1}), 0));
     scene.bodies[1].velocity = speed * normalize(Vec3{1, 0, slope});
     scene.bodies[0].material.staticFriction = scene.bodies[0].material.dynamicFriction = 0;
     World world(scene, options(4));
@@ -180,7 +188,8 @@ TEST(Mesh, OfOneSideHoldsFromOutsideAndOfTwoFromBoth) {
   for (const bool twoSided : {false, true}) {
     Scene scene = test::emptyScene();
     BodyDef sheet = test::ground();
-    sheet.shape = Shape::mesh({{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}}, {{0, 2, 1}, {0, 3, 2}}, twoSided);
+    sheet.shape = Shape::mesh({{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}}, {{0, 2, 1}, {0, 3, 2}},
+                              twoSided);
     scene.bodies.push_back(sheet);
     scene.bodies.push_back(test::body(Shape::sphere(.3), {.2, .3, .4}));
     World world(scene, options(4));
@@ -192,7 +201,8 @@ TEST(Mesh, OfOneSideHoldsFromOutsideAndOfTwoFromBoth) {
 }
 
 TEST(Shapes, KeepTheFrameOfTheirAuthor) {
-  // a cone, whose centre of mass is not in the middle, and a hull far from its origin: poses and anchors come out as they go in
+  // a cone, whose centre of mass is not in the middle, and a hull far from its origin: poses and anchors come
+  // out as they go in
   const Quat q = normalize(Quat{.8, {.1, -.5, .3}});
   Scene scene = test::emptyScene({0, 0, 0});
   scene.bodies.push_back(test::body(Shape::cone(.3, .5), {1, 2, 3}));
@@ -228,7 +238,8 @@ TEST(DistanceField, OfABoxRestsWhereTheBoxWould) {
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
         const Vec3 d = abs(Vec3{i * spacing - .5, j * spacing - .5, k * spacing - .5}) - Vec3{.3, .3, .3};
-        distances.push_back(length(Vec3{std::max(d.x, 0.), std::max(d.y, 0.), std::max(d.z, 0.)}) + std::min(0., std::max({d.x, d.y, d.z})));
+        distances.push_back(length(Vec3{std::max(d.x, 0.), std::max(d.y, 0.), std::max(d.z, 0.)}) +
+                            std::min(0., std::max({d.x, d.y, d.z})));
       }
   const Shape solid = Shape::distanceField({n, n, n}, {-.5, -.5, -.5}, spacing, distances);
   for (const std::string& kind : test::groundKinds()) {

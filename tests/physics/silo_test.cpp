@@ -1,4 +1,5 @@
-/// Grains in tall bins, however they are filled in: walls bear a part of their weight, and the floor the rest.
+/// Grains in tall bins, however they are filled in: walls bear a part of their weight, and the floor the
+/// rest.
 #include <gtest/gtest.h>
 #include <scenes/registry.h>
 
@@ -39,14 +40,16 @@ TEST_P(Silo, HangsOnItsWallsAtFourIterations) {
   EXPECT_LT(metrics.at("floor_ratio"), .75);
 }
 
-INSTANTIATE_TEST_SUITE_P(Fillings, Silo,
-                         ::testing::Values(Filling{"Gentle", {{"rise", 0}, {"boxes", 0}, {"layers", 24}, {"across", 5}}},
-                                           Filling{"Dropped", {{"rise", .5}, {"boxes", 0}, {"layers", 24}, {"across", 5}}},
-                                           Filling{"DroppedFromHigh", {{"rise", 1.5}, {"boxes", 0}, {"layers", 24}, {"across", 5}}, .2},
-                                           Filling{"Mixed", {{"rise", .5}, {"boxes", .5}, {"layers", 24}, {"across", 5}}},
-                                           // grains that lie in rings press less on a round wall
-                                           Filling{"Round", {{"rise", .5}, {"boxes", 0}, {"layers", 28}, {"across", 6}, {"sides", 12}}, .2}),
-                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Fillings, Silo,
+    ::testing::Values(
+        Filling{"Gentle", {{"rise", 0}, {"boxes", 0}, {"layers", 24}, {"across", 5}}},
+        Filling{"Dropped", {{"rise", .5}, {"boxes", 0}, {"layers", 24}, {"across", 5}}},
+        Filling{"DroppedFromHigh", {{"rise", 1.5}, {"boxes", 0}, {"layers", 24}, {"across", 5}}, .2},
+        Filling{"Mixed", {{"rise", .5}, {"boxes", .5}, {"layers", 24}, {"across", 5}}},
+        // grains that lie in rings press less on a round wall
+        Filling{"Round", {{"rise", .5}, {"boxes", 0}, {"layers", 28}, {"across", 6}, {"sides", 12}}, .2}),
+    [](const auto& info) { return info.param.name; });
 
 /// Largest displacement of a body from the end of `settled` steps to that of `more`, at 4 iterations [m].
 double creepOf(const std::string& name, const scenes::Arguments& arguments, int settled, int more) {
@@ -61,7 +64,8 @@ double creepOf(const std::string& name, const scenes::Arguments& arguments, int 
   test::run(world, more);
   double creep = 0;
   std::size_t k = 0;
-  for (const BodyId id : world.bodies()) creep = std::max(creep, length(world.state(id).position - before[k++]));
+  for (const BodyId id : world.bodies())
+    creep = std::max(creep, length(world.state(id).position - before[k++]));
   return creep;
 }
 

@@ -57,7 +57,8 @@ struct Sample {
   int steps;
 };
 
-/// Positions over lengths and velocities over speeds, after the steps of a sample. Rates of relaxation are parameters per second: they go with time.
+/// Positions over lengths and velocities over speeds, after the steps of a sample. Rates of relaxation are
+/// parameters per second: they go with time.
 std::vector<Vec3> outcome(const Sample& sample, const Scale& k, const std::string& backend = "cpu") {
   WorldOptions o = test::options(6, backend);
   o.params.dt = k.time() / 64;

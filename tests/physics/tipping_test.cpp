@@ -1,4 +1,5 @@
-/// Bodies with round and many-cornered bases on slopes: they tip where their weight leaves the base, whatever way they are turned.
+/// Bodies with round and many-cornered bases on slopes: they tip where their weight leaves the base, whatever
+/// way they are turned.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -18,14 +19,18 @@ constexpr int kSides = 24;
 enum class Ground { Plane, Box, Mesh, Field };
 enum class Base { Cylinder, Cone, Prism };
 
-/// A flat ground whose surface holds the origin. Triangles meet nowhere in particular under what stands there.
+/// A flat ground whose surface holds the origin. Triangles meet nowhere in particular under what stands
+/// there.
 BodyDef groundOf(Ground kind, const Quat& tilt) {
   constexpr int kCount = 9;
   const Vec3 corner{-4 * kCell + .31, -4 * kCell + .17, 0};
   BodyDef ground = test::ground(3);
   Vec3 at;
   if (kind == Ground::Box) ground.shape = Shape::box({20, 20, .5}), at = {0, 0, -.5};
-  if (kind == Ground::Field) ground.shape = Shape::heightField(kCount, kCount, {kCell, kCell, 1}, std::vector<double>(kCount * kCount, 0.)), at = corner;
+  if (kind == Ground::Field)
+    ground.shape = Shape::heightField(kCount, kCount, {kCell, kCell, 1},
+                                      std::vector<double>(kCount * kCount, 0.)),
+    at = corner;
   if (kind == Ground::Mesh) {
     std::vector<Vec3> vertices;
     std::vector<std::array<int, 3>> triangles;
@@ -47,7 +52,8 @@ Shape standing(Base base, double halfHeight) {
   if (base == Base::Cone) return Shape::cone(kRadius, halfHeight);
   std::vector<Vec3> corners;
   for (int k = 0; k < 2 * kSides; ++k)
-    corners.push_back({kRadius * std::cos(k / 2 * 2 * kPi / kSides), kRadius * std::sin(k / 2 * 2 * kPi / kSides), k % 2 ? halfHeight : -halfHeight});
+    corners.push_back({kRadius * std::cos(k / 2 * 2 * kPi / kSides),
+                       kRadius * std::sin(k / 2 * 2 * kPi / kSides), k % 2 ? halfHeight : -halfHeight});
   return Shape::hull(corners);
 }
 
@@ -75,7 +81,8 @@ class TippingOn : public ::testing::TestWithParam<std::tuple<Ground, Base>> {
     const Vec3 up = rotate(body.orientation, Vec3{0, 0, 1});
     for (int i = 0; i < 360; ++i) {
       world.step();
-      if (dot(up, rotate(world.state(world.bodyAt(1)).orientation, Vec3{0, 0, 1})) < std::cos(10 * kPi / 180)) return true;
+      if (dot(up, rotate(world.state(world.bodyAt(1)).orientation, Vec3{0, 0, 1})) < std::cos(10 * kPi / 180))
+        return true;
     }
     return false;
   }
@@ -94,7 +101,8 @@ TEST_P(TippingOn, HappensAtTheAngleOfTheClosedFormAtAnyYaw) {
 }
 
 INSTANTIATE_TEST_SUITE_P(GroundsAndBases, TippingOn,
-                         ::testing::Combine(::testing::Values(Ground::Plane, Ground::Box, Ground::Mesh, Ground::Field),
+                         ::testing::Combine(::testing::Values(Ground::Plane, Ground::Box, Ground::Mesh,
+                                                              Ground::Field),
                                             ::testing::Values(Base::Cylinder, Base::Cone, Base::Prism)));
 
 }  // namespace

@@ -20,7 +20,8 @@ TEST_P(Verdict, HoldsAtTestSize) {
   options.params.substeps = job.substeps;
   const scenes::RunResult result = scenes::Runner(std::move(job), options).run(steps);
   for (const scenes::ClaimResult& c : result.verdict.results)
-    EXPECT_TRUE(c.holds) << c.claim.metric << " = " << c.value << ", wanted " << c.claim.min << " to " << c.claim.max << ": " << c.claim.why;
+    EXPECT_TRUE(c.holds) << c.claim.metric << " = " << c.value << ", wanted " << c.claim.min << " to "
+                         << c.claim.max << ": " << c.claim.why;
 }
 
 std::vector<std::string> names() {
@@ -34,7 +35,8 @@ std::vector<std::string> names() {
 
 std::string testName(const ::testing::TestParamInfo<std::string>& info) {
   std::string name = info.param;
-  std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
   return name;
 }
 

@@ -1,4 +1,5 @@
-/// Distance joints, ropes and springs whose anchors coincide at rest: a distance of zero has no direction, and no energy may come from that.
+/// Distance joints, ropes and springs whose anchors coincide at rest: a distance of zero has no direction,
+/// and no energy may come from that.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -52,7 +53,8 @@ TEST(ZeroLength, GainsNoEnergyAtAnyStiffnessAndTimeStep) {
         for (const int iterations : {4, 10}) {
           if (type == JointType::Spring && stiffness == kHard) continue;
           EXPECT_LT(largestEnergy(type, stiffness, dt, iterations), 1.001)
-              << static_cast<int>(type) << ", " << stiffness << " N/m, 1/" << 1 / dt << " s, " << iterations << " iterations";
+              << static_cast<int>(type) << ", " << stiffness << " N/m, 1/" << 1 / dt << " s, " << iterations
+              << " iterations";
         }
 }
 
@@ -61,11 +63,14 @@ TEST(ZeroLength, GainsNoEnergyWhereALengthIsShortBesideWhatAStepMoves) {
   for (unsigned seed = 0; seed < 120; ++seed) {
     Random random(seed);
     const int iterations = kIterations[random.below(5)];
-    const double dt = 1 / random.logUniform(30, 240), speed = random.uniform(.5, 6), span = random.logUniform(1e-4, .5) * speed * dt;
-    const JointType type = std::array{JointType::Distance, JointType::Rope, JointType::Spring}[static_cast<std::size_t>(random.below(3))];
+    const double dt = 1 / random.logUniform(30, 240), speed = random.uniform(.5, 6),
+                 span = random.logUniform(1e-4, .5) * speed * dt;
+    const JointType type = std::array{JointType::Distance, JointType::Rope,
+                                      JointType::Spring}[static_cast<std::size_t>(random.below(3))];
     // ropes that go slack and taut in a step still gain some (docs/joints.md)
     if (type == JointType::Rope) continue;
-    const double stiffness = type == JointType::Spring || random.below(2) == 0 ? random.logUniform(1e2, 1e9) : kHard;
+    const double stiffness = type == JointType::Spring || random.below(2) == 0 ? random.logUniform(1e2, 1e9)
+                                                                               : kHard;
     Scene scene = emptyScene({0, 0, 0});
     for (const int i : {0, 1}) {
       BodyDef def = body(Shape::box({.2, .1, .15}), {0, 0, .5 * i});
@@ -86,8 +91,9 @@ TEST(ZeroLength, GainsNoEnergyWhereALengthIsShortBesideWhatAStepMoves) {
       world.step();
       largest = std::max(largest, world.quality().kineticEnergy);
     }
-    EXPECT_LT(largest, 1.001 * start) << "seed " << seed << ": type " << static_cast<int>(type) << ", " << span / (speed * dt) << " of the way, " << stiffness
-                                      << " N/m, " << iterations << " iterations";
+    EXPECT_LT(largest, 1.001 * start)
+        << "seed " << seed << ": type " << static_cast<int>(type) << ", " << span / (speed * dt)
+        << " of the way, " << stiffness << " N/m, " << iterations << " iterations";
   }
 }
 
@@ -97,7 +103,8 @@ TEST(ZeroLength, ASpringOfNoLengthSwingsAsHookesLawSays) {
   ball.mass = 1;
   scene.bodies.push_back(ball);
   JointDef spring;
-  spring.type = JointType::Spring, spring.bodyA = 0, spring.bodyB = kWorld, spring.stiffness = 100, spring.length = 0;
+  spring.type = JointType::Spring, spring.bodyA = 0, spring.bodyB = kWorld, spring.stiffness = 100,
+  spring.length = 0;
   scene.joints.push_back(spring);
   WorldOptions how = options(4);
   how.params.dt = 1e-3;

@@ -1,5 +1,6 @@
 #pragma once
-/// Distances to bodies that share no code with the engine: every shape as convex pieces, each by projection in closed form or over all faces.
+/// Distances to bodies that share no code with the engine: every shape as convex pieces, each by projection
+/// in closed form or over all faces.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,11 +15,11 @@ namespace rubble::test {
 
 /// A convex solid, a half space or a triangle in the world.
 struct Piece {
-  Shape shape;      ///< a mesh: the triangle of `corner`
-  Vec3 corner[3];   ///< in the frame
+  Shape shape;     ///< a mesh: the triangle of `corner`
+  Vec3 corner[3];  ///< in the frame
   Vec3 position;
   Quat orientation;
-  double reach;     ///< it lies within this distance of `position` [m]
+  double reach;  ///< it lies within this distance of `position` [m]
 };
 
 /// A point of a piece, and how far it is; of a point inside the distance is not positive.
@@ -61,9 +62,12 @@ inline const std::vector<HullFace>& facesOf(const std::shared_ptr<const ShapeGeo
         if (length(n) < 1e-9) continue;
         n = normalize(n);
         double low = 0, high = 0;
-        for (const Vec3& x : p) low = std::min(low, dot(n, x - p[i])), high = std::max(high, dot(n, x - p[i]));
-        if (high < 1e-9) incidence->second.push_back({{p[i], p[j], p[k]}, n});
-        else if (low > -1e-9) incidence->second.push_back({{p[i], p[j], p[k]}, -n});
+        for (const Vec3& x : p)
+          low = std::min(low, dot(n, x - p[i])), high = std::max(high, dot(n, x - p[i]));
+        if (high < 1e-9)
+          incidence->second.push_back({{p[i], p[j], p[k]}, n});
+        else if (low > -1e-9)
+          incidence->second.push_back({{p[i], p[j], p[k]}, -n});
       }
   return incidence->second;
 }
@@ -78,12 +82,14 @@ inline Vec3 revolved(const Vec3& y, double across, double along) {
 inline Near nearestInCore(const Shape& s, const Vec3& y) {
   const double r = s.rounding, across = std::hypot(y.x, y.y);
   switch (s.type) {
-    case ShapeType::Sphere: return {{}, length(y)};
+    case ShapeType::Sphere:
+      return {{}, length(y)};
     case ShapeType::Capsule: {
       const Vec3 x{0, 0, std::clamp(y.z, -s.halfLength, s.halfLength)};
       return {x, length(y - x)};
     }
-    case ShapeType::Plane: return {{y.x, y.y, 0}, y.z};
+    case ShapeType::Plane:
+      return {{y.x, y.y, 0}, y.z};
     case ShapeType::Cylinder: {
       const double rc = s.radius - r, hc = s.halfLength - r;
       if (across <= rc && std::fabs(y.z) <= hc) return {y, std::max(across - rc, std::fabs(y.z) - hc)};
@@ -110,7 +116,8 @@ inline Near nearestInCore(const Shape& s, const Vec3& y) {
       }
       return best;
     }
-    default: break;
+    default:
+      break;
   }
   const Vec3 half = s.halfExtents - Vec3{r, r, r}, out = abs(y) - half;
   if (std::max({out.x, out.y, out.z}) <= 0) return {y, std::max({out.x, out.y, out.z})};
@@ -130,23 +137,29 @@ inline Near nearestOf(const Piece& p, const Vec3& x) {
     const bool round = p.shape.type == ShapeType::Sphere || p.shape.type == ShapeType::Capsule;
     const double r = round ? p.shape.radius : p.shape.rounding, fromCore = near.distance;
     near.distance -= r;
-    if (near.distance <= 0) near.point = y;
-    else near.point += (y - near.point) * (r / fromCore);
+    if (near.distance <= 0)
+      near.point = y;
+    else
+      near.point += (y - near.point) * (r / fromCore);
   }
   return {p.position + rotate(p.orientation, near.point), near.distance};
 }
 
 inline double reachOf(const Shape& s) {
   switch (s.type) {
-    case ShapeType::Plane: return 1e30;
+    case ShapeType::Plane:
+      return 1e30;
     case ShapeType::Hull: {
       double reach = 0;
       for (const Vec3& p : s.geometry->points) reach = std::max(reach, length(p));
       return reach + s.rounding;
     }
-    case ShapeType::Box: return length(s.halfExtents);
-    case ShapeType::Sphere: return s.radius;
-    default: return s.radius + s.halfLength;
+    case ShapeType::Box:
+      return length(s.halfExtents);
+    case ShapeType::Sphere:
+      return s.radius;
+    default:
+      return s.radius + s.halfLength;
   }
 }
 
@@ -154,7 +167,11 @@ inline std::vector<Piece> piecesOf(const BodyDef& b) {
   if (b.shape.type == ShapeType::Compound) {
     std::vector<Piece> out;
     for (const ShapePartDef& part : b.shape.geometry->parts)
-      out.push_back({part.shape, {}, b.position + rotate(b.orientation, part.position), normalize(b.orientation * part.orientation), reachOf(part.shape)});
+      out.push_back({part.shape,
+                     {},
+                     b.position + rotate(b.orientation, part.position),
+                     normalize(b.orientation * part.orientation),
+                     reachOf(part.shape)});
     return out;
   }
   if (b.shape.type != ShapeType::Mesh) return {{b.shape, {}, b.position, b.orientation, reachOf(b.shape)}};
@@ -172,7 +189,8 @@ inline std::vector<Piece> piecesOf(const BodyDef& b) {
 }
 
 /// Distance of x from some pieces, if it is below `limit`; inside not above 0.
-inline double distanceTo(const std::vector<Piece>& pieces, const Vec3& x, double limit = std::numeric_limits<double>::infinity()) {
+inline double distanceTo(const std::vector<Piece>& pieces, const Vec3& x,
+                         double limit = std::numeric_limits<double>::infinity()) {
   double least = limit;
   for (const Piece& p : pieces)
     if (length(x - p.position) - p.reach < least) least = std::min(least, nearestOf(p, x).distance);
@@ -180,7 +198,8 @@ inline double distanceTo(const std::vector<Piece>& pieces, const Vec3& x, double
 }
 inline double distanceTo(const BodyDef& b, const Vec3& x) { return distanceTo(piecesOf(b), x); }
 
-/// Distance of two convex pieces by projecting from one on the other in turn, which converges for convex sets.
+/// Distance of two convex pieces by projecting from one on the other in turn, which converges for convex
+/// sets.
 inline double distanceBetween(const Piece& a, const Piece& b) {
   if (a.shape.type == ShapeType::Plane) return distanceBetween(b, a);
   if (b.shape.type == ShapeType::Plane) {
@@ -200,14 +219,16 @@ inline double distanceBetween(const BodyDef& a, const BodyDef& b) {
   double least = 1e30;
   for (const Piece& p : piecesOf(a))
     for (const Piece& q : piecesOf(b))
-      if (length(p.position - q.position) - p.reach - q.reach < least) least = std::min(least, distanceBetween(p, q));
+      if (length(p.position - q.position) - p.reach - q.reach < least)
+        least = std::min(least, distanceBetween(p, q));
   return least;
 }
 
 inline Shape randomHull(Random& random, int corners, double size, double rounding = 0) {
   std::vector<Vec3> points;
   const Vec3 away = random.vector(.3 * size);
-  for (int i = 0; i < corners; ++i) points.push_back(away + size * random.uniform(.6, 1) * random.direction());
+  for (int i = 0; i < corners; ++i)
+    points.push_back(away + size * random.uniform(.6, 1) * random.direction());
   return Shape::hull(points, rounding);
 }
 
@@ -215,22 +236,32 @@ inline Shape randomHull(Random& random, int corners, double size, double roundin
 inline Shape randomConvex(Random& random, double most) {
   const auto size = [&] { return random.logUniform(most / 20, most / 2); };
   switch (random.below(9)) {
-    case 0: return Shape::sphere(size());
-    case 1: return Shape::capsule(size(), size());
-    case 2: return Shape::box({size(), size(), size()});
-    case 3: return Shape::box({size(), size(), size()}, most / 40);
-    case 4: return Shape::cylinder(size(), size());
-    case 5: return Shape::cylinder(size(), size(), most / 40);
-    case 6: return Shape::cone(size(), size());
-    case 7: return randomHull(random, 4 + random.below(6), .7 * most);
-    default: return randomHull(random, 4 + random.below(6), .6 * most, most / 40);
+    case 0:
+      return Shape::sphere(size());
+    case 1:
+      return Shape::capsule(size(), size());
+    case 2:
+      return Shape::box({size(), size(), size()});
+    case 3:
+      return Shape::box({size(), size(), size()}, most / 40);
+    case 4:
+      return Shape::cylinder(size(), size());
+    case 5:
+      return Shape::cylinder(size(), size(), most / 40);
+    case 6:
+      return Shape::cone(size(), size());
+    case 7:
+      return randomHull(random, 4 + random.below(6), .7 * most);
+    default:
+      return randomHull(random, 4 + random.below(6), .6 * most, most / 40);
   }
 }
 
 inline Shape randomSolid(Random& random, double most) {
   if (random.below(5) > 0) return randomConvex(random, most);
   std::vector<ShapePartDef> parts;
-  for (int k = 0; k <= 1 + random.below(2); ++k) parts.push_back({randomConvex(random, most / 2), random.vector(most / 4), random.rotation()});
+  for (int k = 0; k <= 1 + random.below(2); ++k)
+    parts.push_back({randomConvex(random, most / 2), random.vector(most / 4), random.rotation()});
   return Shape::compound(parts);
 }
 
@@ -238,7 +269,8 @@ inline Shape randomSolid(Random& random, double most) {
 inline Shape randomMesh(Random& random, double most) {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
-  for (int i = 0; i < 8; ++i) points.push_back(Vec3{most * (.2 * i - .7), most * (i % 2 ? .3 : -.3), 0} + random.vector(.15 * most));
+  for (int i = 0; i < 8; ++i)
+    points.push_back(Vec3{most * (.2 * i - .7), most * (i % 2 ? .3 : -.3), 0} + random.vector(.15 * most));
   for (int i = 0; i < 6; ++i) triangles.push_back({i, i + 1 + i % 2, i + 2 - i % 2});
   return Shape::mesh(points, triangles, true);
 }

@@ -15,15 +15,19 @@ using test::distanceBetween;
 using test::distanceTo;
 using test::randomFilter;
 
-bool seen(const BodyDef& b, const QueryFilter& f) { return (f.sensors || !b.sensor) && (b.filter.layers & f.mask) != 0; }
+bool seen(const BodyDef& b, const QueryFilter& f) {
+  return (f.sensors || !b.sensor) && (b.filter.layers & f.mask) != 0;
+}
 
-/// First point of a way at which some body is nearer than `radius`, by going on by the distance each time. Body and length of the way.
+/// First point of a way at which some body is nearer than `radius`, by going on by the distance each time.
+/// Body and length of the way.
 class March {
  public:
   explicit March(const Scene& scene) : scene_(scene) {
     for (const BodyDef& b : scene.bodies) pieces_.push_back(test::piecesOf(b));
   }
-  std::optional<std::pair<int, double>> operator()(const QueryFilter& filter, const Vec3& x, const Vec3& d, double end, double radius) const {
+  std::optional<std::pair<int, double>> operator()(const QueryFilter& filter, const Vec3& x, const Vec3& d,
+                                                   double end, double radius) const {
     double t = 0;
     while (t <= end) {
       double nearest = 1e30;
@@ -52,8 +56,10 @@ TEST_P(Query, RaysMeetWhatMarchingMeets) {
   test::Random random(2);
   std::vector<RayQuery> rays;
   for (int i = 0; i < 600; ++i) {
-    RayQuery ray{random.vector(18), random.direction() * random.uniform(.1, 3), random.uniform(1, 80), randomFilter(random)};
-    if (i % 5 == 0) ray.direction = Vec3{i % 3 == 0 ? 1. : 0., i % 3 == 1 ? -1. : 0., i % 3 == 2 ? 1. : 0.};  // along axes
+    RayQuery ray{random.vector(18), random.direction() * random.uniform(.1, 3), random.uniform(1, 80),
+                 randomFilter(random)};
+    if (i % 5 == 0)
+      ray.direction = Vec3{i % 3 == 0 ? 1. : 0., i % 3 == 1 ? -1. : 0., i % 3 == 2 ? 1. : 0.};  // along axes
     rays.push_back(ray);
   }
   const std::vector<RayHit> hits = world.castRays(rays);
@@ -85,20 +91,23 @@ TEST_P(Query, SpheresThatAreCastMeetWhatMarchingMeets) {
   test::Random random(4);
   std::vector<CastQuery> casts;
   for (int i = 0; i < 200; ++i)
-    casts.push_back({Shape::sphere(random.logUniform(.02, 1)), random.vector(16), random.rotation(), random.direction() * random.uniform(.1, 40),
-                     randomFilter(random)});
+    casts.push_back({Shape::sphere(random.logUniform(.02, 1)), random.vector(16), random.rotation(),
+                     random.direction() * random.uniform(.1, 40), randomFilter(random)});
   const std::vector<CastHit> hits = world.castShapes(casts);
   const March march(scene);
   int met = 0;
   for (std::size_t i = 0; i < casts.size(); ++i) {
     const double way = length(casts[i].displacement), radius = casts[i].shape.radius;
-    const auto expected = march(casts[i].filter, casts[i].position, normalize(casts[i].displacement), way, radius);
+    const auto expected = march(casts[i].filter, casts[i].position, normalize(casts[i].displacement), way,
+                                radius);
     if (hits[i].hit != expected.has_value()) {
       // only by a hair
       const double t = hits[i].hit ? hits[i].fraction : expected->second / way;
       double nearest = 1e30;
       for (const BodyDef& b : scene.bodies)
-        if (seen(b, casts[i].filter)) nearest = std::min(nearest, std::fabs(distanceTo(b, casts[i].position + t * casts[i].displacement) - radius));
+        if (seen(b, casts[i].filter))
+          nearest = std::min(
+              nearest, std::fabs(distanceTo(b, casts[i].position + t * casts[i].displacement) - radius));
       EXPECT_LT(nearest, 3e-4 * radius) << i;
       continue;
     }
@@ -109,7 +118,9 @@ TEST_P(Query, SpheresThatAreCastMeetWhatMarchingMeets) {
     if (hits[i].fraction == 0) continue;
     const BodyDef& body = scene.bodies[static_cast<std::size_t>(hits[i].body.index)];
     EXPECT_NEAR(distanceTo(body, hits[i].position), 0, 1e-4) << i;
-    EXPECT_NEAR(distanceTo(body, casts[i].position + hits[i].fraction * casts[i].displacement), radius, 3e-4 * radius + 1e-5) << i;
+    EXPECT_NEAR(distanceTo(body, casts[i].position + hits[i].fraction * casts[i].displacement), radius,
+                3e-4 * radius + 1e-5)
+        << i;
   }
   EXPECT_GT(met, 60);
 }
@@ -120,7 +131,11 @@ TEST_P(Query, ShapesThatAreCastStopAtTouch) {
   test::Random random(6);
   std::vector<CastQuery> casts;
   for (int i = 0; i < 60; ++i)
-    casts.push_back({test::randomSolid(random, 3), random.vector(14), random.rotation(), random.direction() * random.uniform(.1, 20), {}});
+    casts.push_back({test::randomSolid(random, 3),
+                     random.vector(14),
+                     random.rotation(),
+                     random.direction() * random.uniform(.1, 20),
+                     {}});
   const std::vector<CastHit> hits = world.castShapes(casts);
   int met = 0;
   for (std::size_t i = 0; i < casts.size(); ++i) {
@@ -130,7 +145,8 @@ TEST_P(Query, ShapesThatAreCastStopAtTouch) {
       own.position = casts[i].position + t * casts[i].displacement;
       double least = 1e30;
       for (const BodyDef& b : scene.bodies)
-        if (seen(b, {}) && length(b.position - own.position) < 8 + 1e9 * (b.shape.type == ShapeType::Plane)) least = std::min(least, distanceBetween(own, b));
+        if (seen(b, {}) && length(b.position - own.position) < 8 + 1e9 * (b.shape.type == ShapeType::Plane))
+          least = std::min(least, distanceBetween(own, b));
       return least;
     };
     const double end = hits[i].hit ? hits[i].fraction : 1;
@@ -150,7 +166,9 @@ TEST_P(Query, OverlapsAreThoseOfZeroDistance) {
   World world(scene, test::options(4, GetParam()));
   test::Random random(8);
   std::vector<OverlapQuery> queries;
-  for (int i = 0; i < 200; ++i) queries.push_back({test::randomSolid(random, 3), random.vector(11), random.rotation(), randomFilter(random)});
+  for (int i = 0; i < 200; ++i)
+    queries.push_back(
+        {test::randomSolid(random, 3), random.vector(11), random.rotation(), randomFilter(random)});
   const auto found = world.overlaps(queries);
   std::size_t total = 0;
   for (std::size_t i = 0; i < queries.size(); ++i) {
@@ -182,7 +200,8 @@ TEST_P(Query, ClosestPointsAreThoseOfTheDistanceFunctions) {
   World world(scene, test::options(4, GetParam()));
   test::Random random(10);
   std::vector<ClosestQuery> queries;
-  for (int i = 0; i < 300; ++i) queries.push_back({random.vector(16), random.logUniform(.5, 100), randomFilter(random)});
+  for (int i = 0; i < 300; ++i)
+    queries.push_back({random.vector(16), random.logUniform(.5, 100), randomFilter(random)});
   const std::vector<ClosestHit> hits = world.closestPoints(queries);
   for (std::size_t i = 0; i < queries.size(); ++i) {
     double least = 1e30;
@@ -224,7 +243,9 @@ TEST(QueryWorld, TellsWhatIsWrong) {
   World world(test::tower(1), test::options(4));
   EXPECT_THROW(world.castRays(std::vector{RayQuery{{}, {}, 1, {}}}), Error);
   EXPECT_THROW(world.castShapes(std::vector{CastQuery{Shape::plane(), {}, {}, {}, {}}}), Error);
-  EXPECT_THROW(world.overlaps(std::vector{OverlapQuery{Shape::mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), {}, {}, {}}}), Error);
+  EXPECT_THROW(world.overlaps(std::vector{
+                   OverlapQuery{Shape::mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), {}, {}, {}}}),
+               Error);
   EXPECT_THROW(world.closestPoints(std::vector{ClosestQuery{{}, -1, {}}}), Error);
   EXPECT_TRUE(world.castRays({}).empty());
 }

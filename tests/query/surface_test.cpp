@@ -28,7 +28,8 @@ Scene waves(bool mesh) {
       triangles.push_back({a, a + kX + 1, a + kX});
     }
   BodyDef ground = test::ground();
-  ground.shape = mesh ? Shape::mesh(points, triangles) : Shape::heightField(kX, kY, {kStep, kStep, 0}, heights);
+  ground.shape = mesh ? Shape::mesh(points, triangles)
+                      : Shape::heightField(kX, kY, {kStep, kStep, 0}, heights);
   ground.position = {1, -2, .5};
   ground.orientation = fromAxisAngle(normalize(Vec3{1, 2, 3}), .8);
   Scene scene = test::emptyScene();
@@ -37,7 +38,8 @@ Scene waves(bool mesh) {
 }
 
 Vec3 randomPoint(const BodyDef& ground, test::Random& random) {
-  return ground.position + rotate(ground.orientation, Vec3{random.uniform(-2, 10), random.uniform(-2, 9), random.uniform(-3, 3)});
+  return ground.position + rotate(ground.orientation,
+                                  Vec3{random.uniform(-2, 10), random.uniform(-2, 9), random.uniform(-3, 3)});
 }
 
 TEST(QuerySurface, RaysMeetTheFirstTriangleFromItsFront) {
@@ -79,7 +81,8 @@ TEST(QuerySurface, NearestPointsAndOverlapsAreThoseOfTheNearestTriangle) {
     test::Random random(22);
     for (int i = 0; i < 300; ++i) {
       const Vec3 x = randomPoint(scene.bodies[0], random);
-      const double reach = random.logUniform(.3, 100), distance = test::distanceTo(triangles, x), radius = random.uniform(.05, 2);
+      const double reach = random.logUniform(.3, 100), distance = test::distanceTo(triangles, x),
+                   radius = random.uniform(.05, 2);
       const ClosestHit hit = world.closestPoints(std::vector{ClosestQuery{x, reach, {}}})[0];
       ASSERT_EQ(hit.hit, distance <= reach) << i;
       if (hit.hit) {
@@ -87,14 +90,17 @@ TEST(QuerySurface, NearestPointsAndOverlapsAreThoseOfTheNearestTriangle) {
         EXPECT_TRUE(test::near(hit.position, x, distance + 1e-5)) << i;
       }
       if (std::fabs(distance - radius) > 1e-5) {
-        EXPECT_EQ(world.overlaps(std::vector{OverlapQuery{Shape::sphere(radius), x, {}, {}}})[0].size(), distance < radius ? 1u : 0u) << i;
+        EXPECT_EQ(world.overlaps(std::vector{OverlapQuery{Shape::sphere(radius), x, {}, {}}})[0].size(),
+                  distance < radius ? 1u : 0u)
+            << i;
       }
     }
   }
 }
 
 TEST(QueryField, AgreesWithTheBallThatItSamples) {
-  // a ball of radius 1 on a lattice of .1, away from the middle of its lattice: chords of .1 lie .00125 inside
+  // a ball of radius 1 on a lattice of .1, away from the middle of its lattice: chords of .1 lie .00125
+  // inside
   constexpr int kN = 31;
   const Vec3 origin{-1.3, -1.4, -1.6};
   std::vector<double> samples;
@@ -117,7 +123,9 @@ TEST(QueryField, AgreesWithTheBallThatItSamples) {
     ASSERT_TRUE(near.hit) << i;
     EXPECT_NEAR(near.distance, distance, kChord) << i;
     if (std::fabs(distance - radius) > kChord) {
-      EXPECT_EQ(world.overlaps(std::vector{OverlapQuery{Shape::sphere(radius), x, {}, {}}})[0].size(), distance < radius ? 1u : 0u) << i;
+      EXPECT_EQ(world.overlaps(std::vector{OverlapQuery{Shape::sphere(radius), x, {}, {}}})[0].size(),
+                distance < radius ? 1u : 0u)
+          << i;
     }
     // rays and casts that do not graze
     if (distance == 0) continue;
@@ -132,7 +140,8 @@ TEST(QueryField, AgreesWithTheBallThatItSamples) {
     }
     const double sum = 1 + radius;
     if (distance > radius + kChord && std::fabs(beside - sum) > .1) {
-      const CastHit cast = world.castShapes(std::vector{CastQuery{Shape::sphere(radius), x, {}, 20 * d, {}}})[0];
+      const CastHit cast = world.castShapes(
+          std::vector{CastQuery{Shape::sphere(radius), x, {}, 20 * d, {}}})[0];
       ASSERT_EQ(cast.hit, along > 0 && beside < sum) << i;
       if (cast.hit) {
         EXPECT_NEAR(20 * cast.fraction, along - std::sqrt(sum * sum - beside * beside), 4 * kChord) << i;

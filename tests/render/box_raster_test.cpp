@@ -35,7 +35,8 @@ std::vector<io::PictureBody> numbered(std::vector<io::PictureBody> bodies) {
   return bodies;
 }
 
-std::unique_ptr<Stage> stageOf(const char* way, const std::vector<io::PictureBody>& bodies, const Camera& camera) {
+std::unique_ptr<Stage> stageOf(const char* way, const std::vector<io::PictureBody>& bodies,
+                               const Camera& camera) {
   const Asked asked(std::string(way) == "compute" ? "on" : "off");
   auto stage = std::make_unique<Stage>(bodies, Vec3{0, 0, -9.81}, camera, kWidth, kHeight);
   EXPECT_EQ(stage->renderer().bodies().computesBoxes(), std::string(way) == "compute");
@@ -49,7 +50,8 @@ std::vector<int> bodiesIn(const Stage& stage) {
   return seen;
 }
 
-/// Both ways to draw bodies must agree: pictures, and which body a pixel shows but for edges that run through a pixel's centre.
+/// Both ways to draw bodies must agree: pictures, and which body a pixel shows but for edges that run through
+/// a pixel's centre.
 void expectAlike(const std::vector<io::PictureBody>& bodies, const Camera& camera, const Quality& quality) {
   const auto triangles = stageOf("triangles", bodies, camera), computed = stageOf("compute", bodies, camera);
   const io::Image a = triangles->picture(camera, quality), b = computed->picture(camera, quality);
@@ -68,18 +70,22 @@ void expectAlike(const std::vector<io::PictureBody>& bodies, const Camera& camer
 
 /// Boxes of all sizes and turns on a plane, a ball and a rod among them.
 std::vector<io::PictureBody> heap() {
-  std::vector<io::PictureBody> bodies{bodyOf(Shape::plane()), bodyOf(Shape::sphere(1), {2, -1, 1}), bodyOf(Shape::capsule(.3, 1), {-2, -2, 1.3}),
+  std::vector<io::PictureBody> bodies{bodyOf(Shape::plane()), bodyOf(Shape::sphere(1), {2, -1, 1}),
+                                      bodyOf(Shape::capsule(.3, 1), {-2, -2, 1.3}),
                                       bodyOf(Shape::box({3, 3, .2}), {0, 3, .2})};
   for (int i = 0; i < 150; ++i) {
     const double size = .05 * (1 + i % 7);
-    io::PictureBody box = bodyOf(Shape::box({size, 1.4 * size, .8 * size}), {1.1 * (i % 12) - 6, .9 * (i / 12) - 4, .4 + .11 * (i % 5)});
+    io::PictureBody box = bodyOf(Shape::box({size, 1.4 * size, .8 * size}),
+                                 {1.1 * (i % 12) - 6, .9 * (i / 12) - 4, .4 + .11 * (i % 5)});
     box.orientation = fromAxisAngle(normalize(Vec3{1., .3 * (i % 4), -.5}), .37 * i);
     bodies.push_back(box);
   }
   return numbered(bodies);
 }
 
-TEST_F(ComputedBoxes, LookLikeTriangles) { expectAlike(heap(), {{7, -12, 6}, {0, 0, 0}, {0, 0, 1}, .6}, {4, 1024, 4, 8}); }
+TEST_F(ComputedBoxes, LookLikeTriangles) {
+  expectAlike(heap(), {{7, -12, 6}, {0, 0, 0}, {0, 0, 1}, .6}, {4, 1024, 4, 8});
+}
 
 TEST(CudaComputedBoxes, LookLikeTrianglesOnTheDevice) {
   const std::vector<std::string> all = backends();
@@ -98,19 +104,22 @@ TEST_F(ComputedBoxes, LookLikeTrianglesFromAmongThem) {
 
 TEST_F(ComputedBoxes, LookLikeTrianglesWhereBricksAreSmallerThanPixels) {
   const scenes::Spec& spec = scenes::find("pile");
-  const scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, {{"nx", 8}, {"nz", 8}, {"levels", 20}, {"smash", 0}}));
+  const scenes::Job job = scenes::prepare(
+      spec, scenes::resolve(spec, {{"nx", 8}, {"nz", 8}, {"levels", 20}, {"smash", 0}}));
   std::vector<io::PictureBody> bodies = io::pictureBodies(job.scene);
   const Vec3 up = normalize(-job.scene.gravity);
   const Vec3 away = normalize(cross(up, Vec3{1, .3, .2})) * 3 + up;
   const Camera camera{away * 90, {}, up, .5};
   const auto triangles = stageOf("triangles", bodies, camera), computed = stageOf("compute", bodies, camera);
-  const Likeness found = likeness(triangles->picture(camera, {4, 1024, 4, 8}), computed->picture(camera, {4, 1024, 4, 8}));
+  const Likeness found = likeness(triangles->picture(camera, {4, 1024, 4, 8}),
+                                  computed->picture(camera, {4, 1024, 4, 8}));
   EXPECT_GT(found.structure, kLeastStructure);
   EXPECT_LT(found.largest, kLargestDifference);
 }
 
 TEST_F(ComputedBoxes, CoverTheirPixels) {
-  // One metre at the near face, `distance` away, is 90 / distance pixels: by one thread, by a group, by many groups.
+  // One metre at the near face, `distance` away, is 90 / distance pixels: by one thread, by a group, by many
+  // groups.
   const Camera camera{{0, -10, 0}, {0, 0, 0}, {0, 0, 1}, 2 * std::atan(1.)};
   for (const double half : {.2, 1., 6.}) {
     const auto stage = stageOf("compute", numbered({bodyOf(Shape::box({half, 1, half}))}), camera);
@@ -118,7 +127,8 @@ TEST_F(ComputedBoxes, CoverTheirPixels) {
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
         const double across = std::max(std::fabs(x + .5 - kWidth / 2), std::fabs(y + .5 - kHeight / 2));
-        ASSERT_EQ(stage->renderer().bodyAt(x, y), across < 10 * half ? 0 : -1) << half << " m: " << x << ", " << y;
+        ASSERT_EQ(stage->renderer().bodyAt(x, y), across < 10 * half ? 0 : -1)
+            << half << " m: " << x << ", " << y;
       }
     }
     const Vec3 middle = stage->renderer().pointAt(kWidth / 2, kHeight / 2);

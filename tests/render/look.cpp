@@ -23,7 +23,8 @@ io::PictureBody bodyOf(const Shape& shape, const Vec3& position) {
 }
 
 int channel(const io::Image& image, int x, int y, int which) {
-  return image.rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)) +
+  return image.rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                        static_cast<std::size_t>(x)) +
                    static_cast<std::size_t>(which)];
 }
 
@@ -34,10 +35,13 @@ double brightness(const io::Image& image, int x, int y) {
 io::Image readPng(const std::string& file) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
-  if (!png_image_begin_read_from_file(&png, file.c_str())) throw std::runtime_error(file + ": " + png.message);
+  if (!png_image_begin_read_from_file(&png, file.c_str()))
+    throw std::runtime_error(file + ": " + png.message);
   png.format = PNG_FORMAT_RGB;
-  io::Image image{static_cast<int>(png.width), static_cast<int>(png.height), std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
-  if (!png_image_finish_read(&png, nullptr, image.rgb.data(), 0, nullptr)) throw std::runtime_error(file + ": " + png.message);
+  io::Image image{static_cast<int>(png.width), static_cast<int>(png.height),
+                  std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
+  if (!png_image_finish_read(&png, nullptr, image.rgb.data(), 0, nullptr))
+    throw std::runtime_error(file + ": " + png.message);
   return image;
 }
 
@@ -87,7 +91,8 @@ Likeness likeness(const io::Image& a, const io::Image& b) {
   result.structure /= windows;
   for (int y = 0; y < a.height; ++y)
     for (int x = 0; x < a.width; ++x)
-      for (int c = 0; c < 3; ++c) result.largest = std::max(result.largest, std::fabs(blurred(a, x, y, c) - blurred(b, x, y, c)));
+      for (int c = 0; c < 3; ++c)
+        result.largest = std::max(result.largest, std::fabs(blurred(a, x, y, c) - blurred(b, x, y, c)));
   return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// What the tests of pictures share: a context in software, reading of PNG files, and how unlike two pictures look.
+/// What the tests of pictures share: a context in software, reading of PNG files, and how unlike two pictures
+/// look.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -23,7 +24,8 @@ double brightness(const io::Image& image, int x, int y);
 io::Image readPng(const std::string& file);
 
 struct Likeness {
-  double structure = 1;  ///< mean structural similarity of brightness over windows of 8 x 8 pixels, 1: the same (Wang et al., 2004)
+  double structure = 1;  ///< mean structural similarity of brightness over windows of 8 x 8 pixels, 1: the
+                         ///< same (Wang et al., 2004)
   double largest = 0;    ///< largest difference of a channel after a blur over 5 x 5 pixels [of 255]
 };
 /// Pictures of one size.

@@ -52,7 +52,8 @@ TEST(Overlay, FramesOfJointsTurnWithTheirBodies) {
     EXPECT_NEAR(length(frame.position - Vec3{1.5, 0, 0}), 0, 1e-6);
     EXPECT_NEAR(length(rotate(frame.orientation, Vec3{1, 0, 0}) - Vec3{0, 1, 0}), 0, 1e-6);
   }
-  EXPECT_EQ(overlayLines(world, only("joints"), .5).size(), 9u) << "two frames, the gap, and two lines to the bodies";
+  EXPECT_EQ(overlayLines(world, only("joints"), .5).size(), 9u)
+      << "two frames, the gap, and two lines to the bodies";
 }
 
 TEST(Overlay, BoundsHoldTheirBody) {
@@ -60,7 +61,8 @@ TEST(Overlay, BoundsHoldTheirBody) {
   BodyDef cube;
   cube.orientation = fromAxisAngle(Vec3{0, 0, 1}, .785398163397448);
   scene.bodies = {cube};
-  const std::vector<Line> lines = overlayLines(World(scene, {"cpu", 1, {}, false, false}), only("bounds"), .5);
+  const std::vector<Line> lines = overlayLines(World(scene, {"cpu", 1, {}, false, false}), only("bounds"),
+                                               .5);
   ASSERT_EQ(lines.size(), 12u);
   double reach = 0;
   for (const Line& line : lines) reach = std::max(reach, line.a.x);
@@ -97,7 +99,8 @@ TEST(Stage, FollowsAWorldAsItIsDrawnBodyByBody) {
   softwareContext();
   World world = cubeOnGround(0);
   const Camera camera{{4, -8, 3}, {0, 0, .5}, {0, 0, 1}, .4};
-  Stage slow(io::pictureBodies(world), world.gravity(), camera, 96, 64), fast(io::pictureBodies(world), world.gravity(), camera, 96, 64);
+  Stage slow(io::pictureBodies(world), world.gravity(), camera, 96, 64),
+      fast(io::pictureBodies(world), world.gravity(), camera, 96, 64);
   fast.follow(world);
   BodyState state = world.state(world.bodies()[1]);
   state.position = {.4, .2, 1.1};
@@ -127,7 +130,8 @@ TEST(Stage, FollowsAWorldAsItIsDrawnBodyByBody) {
 TEST(Surfaces, AreColouredByWhatTheirVerticesSay) {
   softwareContext();
   // A sheet in the picture's plane, at rest on the left and hot on the right.
-  io::PictureBody sheet = bodyOf(Shape::mesh({{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}}, {{0, 1, 2}, {0, 2, 3}}, true));
+  io::PictureBody sheet = bodyOf(
+      Shape::mesh({{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}}, {{0, 1, 2}, {0, 2, 3}}, true));
   sheet.deforms = true;
   sheet.key = io::kSoftKeys;
   sheet.vertexValues = {0, 1, 1, 0};

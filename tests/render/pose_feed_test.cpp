@@ -18,7 +18,8 @@ Scene tower() {
     BodyDef body;
     body.position = {1.1 * (i % 10), 1.1 * (i / 10 % 5), .5 + 1.1 * (i / 50)};
     // Hulls have their centre of mass elsewhere than their frame.
-    if (i % 3 == 0) body.shape = Shape::hull({{-.4, -.4, -.4}, {.5, -.4, -.4}, {-.4, .5, -.4}, {-.4, -.4, .5}});
+    if (i % 3 == 0)
+      body.shape = Shape::hull({{-.4, -.4, -.4}, {.5, -.4, -.4}, {-.4, .5, -.4}, {-.4, -.4, .5}});
     scene.bodies.push_back(body);
   }
   return scene;
@@ -30,7 +31,8 @@ TEST(CudaPoseFeed, DrawsWhatIsDrawnBodyByBody) {
   HeadlessContext context;
   World world(tower(), {"cuda", 0, {}, false, false});
   const Camera camera{{18, -20, 12}, {5, 2, 2}, {0, 0, 1}, .5};
-  Stage fed(io::pictureBodies(world), world.gravity(), camera, 320, 200), plain(io::pictureBodies(world), world.gravity(), camera, 320, 200);
+  Stage fed(io::pictureBodies(world), world.gravity(), camera, 320, 200),
+      plain(io::pictureBodies(world), world.gravity(), camera, 320, 200);
   fed.follow(world);
   for (int i = 0; i < 30; ++i) world.step();
   fed.follow(world);

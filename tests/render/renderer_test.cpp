@@ -25,14 +25,16 @@ std::vector<io::PictureBody> numbered(std::vector<io::PictureBody> bodies) {
   return bodies;
 }
 
-io::Image drawn(const std::vector<io::PictureBody>& unnumbered, const Camera& camera = frontView(), int samples = 1) {
+io::Image drawn(const std::vector<io::PictureBody>& unnumbered, const Camera& camera = frontView(),
+                int samples = 1) {
   const std::vector<io::PictureBody> bodies = numbered(unnumbered);
   Stage stage(bodies, {0, 0, -9.81}, camera, kWidth, kHeight);
   return stage.picture(camera, {samples, 1024, 2, 4});
 }
 
 /// Body that a stage shows at each pixel.
-std::vector<int> bodiesSeen(const std::vector<io::PictureBody>& unnumbered, const Camera& camera = frontView()) {
+std::vector<int> bodiesSeen(const std::vector<io::PictureBody>& unnumbered,
+                            const Camera& camera = frontView()) {
   const std::vector<io::PictureBody> bodies = numbered(unnumbered);
   Stage stage(bodies, {0, 0, -9.81}, camera, kWidth, kHeight);
   stage.picture(camera, {});
@@ -56,7 +58,8 @@ TEST_F(Rendering, ACubeCoversItsPixels) {
 }
 
 TEST_F(Rendering, ATurnedBoxCoversWhatItsCornersSpan) {
-  // By 45 degrees about the line of sight, 1 m behind it in front: a diamond of half diagonal sqrt(2) m, 9 m away.
+  // By 45 degrees about the line of sight, 1 m behind it in front: a diamond of half diagonal sqrt(2) m, 9 m
+  // away.
   io::PictureBody box = bodyOf(Shape::box({1, 1, 1}));
   box.orientation = fromAxisAngle(Vec3{0, 1, 0}, std::acos(-1.) / 4);
   const std::vector<int> seen = bodiesSeen({box});
@@ -83,7 +86,8 @@ TEST_F(Rendering, SpheresAndCapsulesCoverTheirPixels) {
       if (std::fabs(fromBall) > 1) {
         EXPECT_EQ(at(ball, x, y), fromBall < 0 ? 0 : -1) << x << ", " << y;
       }
-      const double fromRod = std::hypot(std::max(0., std::fabs(dx) - 3 * kPixelsPerMetre), dy) - .5 * kPixelsPerMetre;
+      const double fromRod = std::hypot(std::max(0., std::fabs(dx) - 3 * kPixelsPerMetre), dy) -
+                             .5 * kPixelsPerMetre;
       if (std::fabs(fromRod) > 1) {
         EXPECT_EQ(at(capsule, x, y), fromRod < 0 ? 0 : -1) << x << ", " << y;
       }
@@ -92,7 +96,8 @@ TEST_F(Rendering, SpheresAndCapsulesCoverTheirPixels) {
 }
 
 TEST_F(Rendering, TheNearerOfTwoBodiesIsSeenWhateverTheirOrder) {
-  const io::PictureBody near = bodyOf(Shape::box({1, .5, 1}), {0, -2, 0}), far = bodyOf(Shape::sphere(3), {0, 4, 0});
+  const io::PictureBody near = bodyOf(Shape::box({1, .5, 1}), {0, -2, 0}),
+                        far = bodyOf(Shape::sphere(3), {0, 4, 0});
   EXPECT_EQ(at(bodiesSeen({near, far}), 100, 50), 0);
   EXPECT_EQ(at(bodiesSeen({far, near}), 100, 50), 1);
   EXPECT_EQ(at(bodiesSeen({far, near}), 118, 50), 0) << "the sphere stands out at the side";
@@ -122,7 +127,8 @@ TEST_F(Rendering, WhatIsNotFiniteIsNotDrawn) {
 
 TEST_F(Rendering, WhatIsOutOfSightIsNotSent) {
   std::vector<io::PictureBody> bodies;
-  for (int i = 0; i < 640; ++i) bodies.push_back(bodyOf(Shape::box({.1, .1, .1}), {i < 64 ? 0. : 1000., .2 * (i % 64), 0}));
+  for (int i = 0; i < 640; ++i)
+    bodies.push_back(bodyOf(Shape::box({.1, .1, .1}), {i < 64 ? 0. : 1000., .2 * (i % 64), 0}));
   bodies = numbered(bodies);
   const Camera camera = frontView();
   Stage stage(bodies, {0, 0, -9.81}, camera, kWidth, kHeight);
@@ -144,12 +150,15 @@ TEST_F(Rendering, ABodyThrowsItsShadowAwayFromTheSun) {
   int dark = 0, light = 0;
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      // Open ground, some pixels away from the slab: its outline is smoothed and throws a little occlusion about.
+      // Open ground, some pixels away from the slab: its outline is smoothed and throws a little occlusion
+      // about.
       bool open = true;
       for (int dy = -4; dy <= 4; dy += 2)
         for (int dx = -4; dx <= 4; dx += 2) open = open && stage.renderer().bodyAt(x + dx, y + dy) == 0;
       if (!open) continue;
-      const Vec3f ray = eye.at(static_cast<float>(2 * x + 1) / kWidth - 1, 1 - static_cast<float>(2 * y + 1) / kHeight, 1) - eye.position;
+      const Vec3f ray = eye.at(static_cast<float>(2 * x + 1) / kWidth - 1,
+                               1 - static_cast<float>(2 * y + 1) / kHeight, 1) -
+                        eye.position;
       const Vec3 p(eye.position + ray * (-eye.position.z / ray.z));
       const Vec3 atSlab = p + toSun * (3 / toSun.z);
       const double across = std::max(std::fabs(atSlab.x), std::fabs(atSlab.y));
@@ -168,7 +177,8 @@ TEST_F(Rendering, ABodyThrowsItsShadowAwayFromTheSun) {
 }
 
 TEST_F(Rendering, CrevicesAreDarkerThanOpenGround) {
-  // Two walls with a gap: its floor sees little of the sky. The sun is kept out of the comparison by looking straight down.
+  // Two walls with a gap: its floor sees little of the sky. The sun is kept out of the comparison by looking
+  // straight down.
   const Camera camera{{0, -.01, 20}, {0, 0, 0}, {0, 1, 0}, .5};
   const auto wall = [](double x) { return bodyOf(Shape::box({.9, 4, 1}), {x, 0, 1}); };
   std::vector<io::PictureBody> bodies{bodyOf(Shape::plane()), wall(-1.2), wall(1.2)};
@@ -179,7 +189,8 @@ TEST_F(Rendering, CrevicesAreDarkerThanOpenGround) {
 }
 
 TEST_F(Rendering, ManySamplesSmoothAnEdge) {
-  // Along the slanted side of a turned box: with one sample smoothed afterwards, and with 32, few pixels jump.
+  // Along the slanted side of a turned box: with one sample smoothed afterwards, and with 32, few pixels
+  // jump.
   io::PictureBody box = bodyOf(Shape::box({3, .5, 3}));
   box.orientation = fromAxisAngle(Vec3{0, 1, 0}, .2);
   const io::Image many = drawn({box}, frontView(), 32);
@@ -212,7 +223,9 @@ TEST_F(Rendering, ADeformableObjectOfAWorldIsDrawnInEveryFrame) {
   world.remove(sheet);
   stage.setBodies(io::pictureBodies(world));
   const io::Image none = stage.picture(camera, {});
-  const auto seen = [&](const io::Image& image, int x) { return std::abs(channel(image, x, 50, 0) - channel(none, x, 50, 0)) > 20; };
+  const auto seen = [&](const io::Image& image, int x) {
+    return std::abs(channel(image, x, 50, 0) - channel(none, x, 50, 0)) > 20;
+  };
   EXPECT_TRUE(seen(first, 100));
   EXPECT_FALSE(seen(first, 50));
   EXPECT_FALSE(seen(second, 100));
@@ -253,7 +266,8 @@ TEST_F(Rendering, AMeshOfOnesOwnIsDrawn) {
   const std::vector<Triangle> faces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
   const int geometry = renderer.bodies().addMesh(corners, faces);
   const std::vector<BodyLook> looks(3, {geometry, {2, 2, 2}, 0, {.5f, .4f, .3f}, Finish::Stone});
-  const std::vector<Pose> poses{{-6, 0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 0, 1}, {6, 0, 0, 0, 0, 0, 0, 1}};
+  const std::vector<Pose> poses{
+      {-6, 0, 0, 0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 0, 0, 1}, {6, 0, 0, 0, 0, 0, 0, 1}};
   renderer.bodies().setLooks(looks);
   renderer.bodies().setPoses(poses);
   renderer.draw(frontView(), {}, {});

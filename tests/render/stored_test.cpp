@@ -1,4 +1,5 @@
-/// Pictures of fixed scenes against stored ones. RUBBLE_UPDATE_PICTURES=1 stores them anew: look at them before they are committed.
+/// Pictures of fixed scenes against stored ones. RUBBLE_UPDATE_PICTURES=1 stores them anew: look at them
+/// before they are committed.
 #include <cmath>
 #include <cstdlib>
 
@@ -29,7 +30,8 @@ Picture ofScene(const char* name, const char* scene, const scenes::Arguments& ar
 
 Picture shapes() {
   std::vector<io::PictureBody> bodies{bodyOf(Shape::plane()), bodyOf(Shape::box({1, .6, .5}), {0, 0, .5}),
-                                      bodyOf(Shape::sphere(.7), {2.2, 0, .7}), bodyOf(Shape::capsule(.4, .8), {-2, 0, 1.2}),
+                                      bodyOf(Shape::sphere(.7), {2.2, 0, .7}),
+                                      bodyOf(Shape::capsule(.4, .8), {-2, 0, 1.2}),
                                       bodyOf(Shape::box({.4, .4, .4}), {.3, -.2, 1.4})};
   bodies[4].orientation = fromAxisAngle(Vec3{0, 0, 1}, .6);
   bodies[3].orientation = fromAxisAngle(Vec3{0, 1, 0}, .3);
@@ -43,8 +45,10 @@ Picture solids() {
   std::vector<Vec3> points;
   for (const double a : {-.45, .45})
     for (const double b : {-.45 * g, .45 * g}) points.insert(points.end(), {{0, a, b}, {a, b, 0}, {b, 0, a}});
-  const Shape dumbbell = Shape::compound({{Shape::sphere(.45), {-.7, 0, 0}, {}}, {Shape::sphere(.45), {.7, 0, 0}, {}},
-                                          {Shape::cylinder(.18, .7), {0, 0, 0}, fromAxisAngle(Vec3{0, 1, 0}, 1.5708)}});
+  const Shape dumbbell = Shape::compound(
+      {{Shape::sphere(.45), {-.7, 0, 0}, {}},
+       {Shape::sphere(.45), {.7, 0, 0}, {}},
+       {Shape::cylinder(.18, .7), {0, 0, 0}, fromAxisAngle(Vec3{0, 1, 0}, 1.5708)}});
   std::vector<io::PictureBody> bodies{bodyOf(Shape::plane()),
                                       bodyOf(Shape::hull(points), {-2.4, 0, .73}),
                                       bodyOf(Shape::cone(.6, .7), {-.8, .2, .7}),
@@ -70,7 +74,9 @@ Picture grounds() {
   std::vector<io::PictureBody> bodies{
       bodyOf(Shape::heightField(kSide, kSide, {.4, .4, 1}, heights), {-3.2, -3.2, 0}),
       bodyOf(Shape::distanceField({kSide, kSide, kSide}, {-1.2, -1.2, -1.2}, .15, distances), {.3, .4, 1.3}),
-      bodyOf(Shape::mesh({{0, 0, 0}, {1.4, 0, 0}, {0, 1.4, 0}, {.3, .3, 1.5}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}), {-2.2, -1.6, .4})};
+      bodyOf(Shape::mesh({{0, 0, 0}, {1.4, 0, 0}, {0, 1.4, 0}, {.3, .3, 1.5}},
+                         {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}),
+             {-2.2, -1.6, .4})};
   bodies[1].orientation = fromAxisAngle(Vec3{1, 0, 0}, 1.);
   bodies[0].motion = Motion::Static;
   for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i].key = static_cast<std::uint32_t>(i);
@@ -84,7 +90,8 @@ Picture deformables() {
   for (Vec3& p : cloth.vertices) p.z -= .25 * (p.x + 1.6) * (p.x + 1.6) + .1 * std::sin(5 * p.y);
   RodDef rod = straightRod({-2.5, -1.2, .3}, {.5, -1.4, .6}, 12);
   rod.radius = .08;
-  for (std::size_t i = 0; i < rod.vertices.size(); ++i) rod.vertices[i].z += .25 * std::sin(.6 * static_cast<double>(i));
+  for (std::size_t i = 0; i < rod.vertices.size(); ++i)
+    rod.vertices[i].z += .25 * std::sin(.6 * static_cast<double>(i));
   NetDef net;
   net.vertices = {{1.6, .6, .2}, {2.4, .6, .2}, {2., .6, 1.1}, {2., 1.3, .5}};
   net.masses = {1};
@@ -93,7 +100,8 @@ Picture deformables() {
     for (int b = a + 1; b < 4; ++b) net.edges.push_back({a, b, 100, 0, -1});
   ParticlesDef grains;
   grains.radius = .12;
-  for (int i = 0; i < 20; ++i) grains.vertices.push_back({1.1 + .25 * (i % 4), -1.2 + .25 * (i / 4 % 3), .12 + .24 * (i / 12)});
+  for (int i = 0; i < 20; ++i)
+    grains.vertices.push_back({1.1 + .25 * (i % 4), -1.2 + .25 * (i / 4 % 3), .12 + .24 * (i / 12)});
   scene.deformables = {cloth, softBox({-.3, -.4, .05}, {1, 1, 1}, {3, 3, 3}), rod, net, grains};
   std::vector<io::PictureBody> bodies = io::pictureBodies(scene);
   bodies.insert(bodies.begin(), bodyOf(Shape::plane()));
@@ -128,12 +136,14 @@ TEST_P(StoredPicture, LooksAsItDid) {
   const io::Image now = draw(pictureNamed(GetParam()));
   if (std::getenv("RUBBLE_UPDATE_PICTURES")) io::writePng(now, file);
   const Likeness found = likeness(now, readPng(file));
-  if (found.structure < kLeastStructure || found.largest > kLargestDifference) io::writePng(now, std::string(GetParam()) + "-now.png");
+  if (found.structure < kLeastStructure || found.largest > kLargestDifference)
+    io::writePng(now, std::string(GetParam()) + "-now.png");
   EXPECT_GE(found.structure, kLeastStructure) << "what was drawn lies beside the test program";
   EXPECT_LE(found.largest, kLargestDifference);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, StoredPicture, testing::Values("pile", "pyramid", "shapes", "solids", "grounds", "deformables"),
+INSTANTIATE_TEST_SUITE_P(Scenes, StoredPicture,
+                         testing::Values("pile", "pyramid", "shapes", "solids", "grounds", "deformables"),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST(Likeness, SeesAMissingBrick) {

@@ -1,5 +1,6 @@
 #pragma once
-/// Deepest overlap of the bodies of a scene, by separating axes in double precision: independent of the engine's collision code.
+/// Deepest overlap of the bodies of a scene, by separating axes in double precision: independent of the
+/// engine's collision code.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,7 +28,8 @@ inline double boxOverlap(const BodyDef& a, const BodyDef& b) {
     const double norm = length(axis);
     if (norm < 1e-6) return;
     const Vec3 n = axis / norm;
-    const double reach = dot(abs(mulTransposed(ra, n)), a.shape.halfExtents) + dot(abs(mulTransposed(rb, n)), b.shape.halfExtents);
+    const double reach = dot(abs(mulTransposed(ra, n)), a.shape.halfExtents) +
+                         dot(abs(mulTransposed(rb, n)), b.shape.halfExtents);
     least = std::min(least, reach - std::fabs(dot(offset, n)));
   };
   for (int i = 0; i < 3; ++i) {
@@ -41,10 +43,12 @@ inline double boxOverlap(const BodyDef& a, const BodyDef& b) {
 /// Are the triangles of a shape the surface of a convex solid?
 inline bool isConvex(const Shape& s) { return s.type < ShapeType::Compound && s.type != ShapeType::Plane; }
 
-/// The least overlap of two convex solids along the normals of their triangles: at most what a separating face leaves.
+/// The least overlap of two convex solids along the normals of their triangles: at most what a separating
+/// face leaves.
 inline double faceOverlap(const BodyDef& a, const BodyDef& b) {
   const ShapeMesh ma = shapeMesh(a.shape, 24), mb = shapeMesh(b.shape, 24);
-  const auto range = [](const BodyDef& body, const ShapeMesh& mesh, const Vec3& n, double& low, double& high) {
+  const auto range = [](const BodyDef& body, const ShapeMesh& mesh, const Vec3& n, double& low,
+                        double& high) {
     low = 1e300, high = -1e300;
     for (const Vec3& p : mesh.points) {
       const double h = dot(n, body.position + rotate(body.orientation, p));
@@ -69,10 +73,13 @@ inline double overlap(const BodyDef& a, const BodyDef& b) {
   if (b.shape.type == ShapeType::Plane) return overlap(b, a);
   if (a.shape.type == ShapeType::Plane) {
     const Vec3 up = rotate(a.orientation, Vec3{0, 0, 1});
-    double reach = b.shape.type == ShapeType::Box ? dot(abs(rotateInverse(b.orientation, up)), b.shape.halfExtents) : b.shape.radius;
+    double reach = b.shape.type == ShapeType::Box
+                       ? dot(abs(rotateInverse(b.orientation, up)), b.shape.halfExtents)
+                       : b.shape.radius;
     if (b.shape.type > ShapeType::Plane) {
       reach = -1e300;
-      for (const Vec3& p : shapeMesh(b.shape, 24).points) reach = std::max(reach, -dot(up, rotate(b.orientation, p)));
+      for (const Vec3& p : shapeMesh(b.shape, 24).points)
+        reach = std::max(reach, -dot(up, rotate(b.orientation, p)));
     }
     return reach - dot(b.position - a.position, up);
   }
@@ -83,10 +90,12 @@ inline double overlap(const BodyDef& a, const BodyDef& b) {
   }
   if (a.shape.type == ShapeType::Box && b.shape.type == ShapeType::Box) return boxOverlap(a, b);
   if (b.shape.type == ShapeType::Box) return overlap(b, a);
-  if (a.shape.type == ShapeType::Sphere) return a.shape.radius + b.shape.radius - length(b.position - a.position);
+  if (a.shape.type == ShapeType::Sphere)
+    return a.shape.radius + b.shape.radius - length(b.position - a.position);
   const Vec3 local = rotateInverse(a.orientation, b.position - a.position);
   Vec3 nearest = local;
-  for (int i = 0; i < 3; ++i) nearest[i] = std::clamp(local[i], -a.shape.halfExtents[i], a.shape.halfExtents[i]);
+  for (int i = 0; i < 3; ++i)
+    nearest[i] = std::clamp(local[i], -a.shape.halfExtents[i], a.shape.halfExtents[i]);
   return b.shape.radius - length(local - nearest);
 }
 
@@ -103,16 +112,20 @@ inline double deepestOverlap(const Scene& scene) {
   };
   const auto at = [&](int i) -> const BodyDef& { return scene.bodies[std::size_t(i)]; };
 
-  // Bodies by the size of their cell: small ones in a grid of twice their largest radius, few others against all.
+  // Bodies by the size of their cell: small ones in a grid of twice their largest radius, few others against
+  // all.
   std::vector<int> small, large;
   double typical = 0;
   for (const BodyDef& body : scene.bodies)
-    if (body.motion == Motion::Dynamic) typical = typical == 0 ? radius(body) : std::min(typical, radius(body));
+    if (body.motion == Motion::Dynamic)
+      typical = typical == 0 ? radius(body) : std::min(typical, radius(body));
   for (int i = 0; i < int(scene.bodies.size()); ++i)
     (at(i).shape.type == ShapeType::Plane || radius(at(i)) > 4 * typical ? large : small).push_back(i);
   const double cell = 8 * typical;
   const auto key = [&](const Vec3& p, int dx, int dy, int dz) {
-    const auto part = [&](double x, int d) { return std::uint64_t(std::int64_t(std::floor(x / cell)) + d + (1 << 20)) & 0x1fffff; };
+    const auto part = [&](double x, int d) {
+      return std::uint64_t(std::int64_t(std::floor(x / cell)) + d + (1 << 20)) & 0x1fffff;
+    };
     return part(p.x, dx) | part(p.y, dy) << 21 | part(p.z, dz) << 42;
   };
   std::unordered_map<std::uint64_t, std::vector<int>> grid;

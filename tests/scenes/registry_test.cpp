@@ -18,7 +18,8 @@ Arguments testSize(const Spec& spec) { return resolve(spec, spec.testArguments);
 int dynamicCount(const Scene& scene) {
   int count = 0;
   for (const BodyDef& body : scene.bodies) count += body.motion == Motion::Dynamic;
-  for (const Deformable& object : scene.deformables) count += static_cast<int>(common(object).vertices.size() - common(object).fixed.size());
+  for (const Deformable& object : scene.deformables)
+    count += static_cast<int>(common(object).vertices.size() - common(object).fixed.size());
   return count;
 }
 
@@ -60,11 +61,13 @@ TEST(Registry, EverySceneStandsInTheDocumentation) {
   std::ifstream file(RUBBLE_SOURCE_DIR "/docs/scenes.md");
   const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   ASSERT_FALSE(text.empty());
-  for (const Spec& spec : registry()) EXPECT_NE(text.find("`" + spec.name + "`"), std::string::npos) << spec.name;
+  for (const Spec& spec : registry())
+    EXPECT_NE(text.find("`" + spec.name + "`"), std::string::npos) << spec.name;
 }
 
 TEST(Registry, EveryStackHasASupportRemoval) {
-  for (const char* name : {"tower", "mass", "pile", "wall", "walls", "ring", "gables", "pyramid", "stack-ratio"})
+  for (const char* name :
+       {"tower", "mass", "pile", "wall", "walls", "ring", "gables", "pyramid", "stack-ratio"})
     EXPECT_NO_THROW(find(std::string(name) + "-removal")) << names();
 }
 
@@ -132,12 +135,13 @@ TEST_P(EveryScene, JointAnchorsCoincideAtTheStart) {
     return def.position + rotate(def.orientation, local);
   };
   const auto coincide = [](JointType type) {
-    return type == JointType::Ball || type == JointType::Fixed || type == JointType::Hinge || type == JointType::Universal ||
-           type == JointType::SwingTwist || type == JointType::Grab;
+    return type == JointType::Ball || type == JointType::Fixed || type == JointType::Hinge ||
+           type == JointType::Universal || type == JointType::SwingTwist || type == JointType::Grab;
   };
   for (const JointDef& joint : scene.joints) {
     if (coincide(joint.type)) {
-      EXPECT_LT(length(anchor(joint.bodyA, joint.anchorA) - anchor(joint.bodyB, joint.anchorB)), 1e-9) << joint.name;
+      EXPECT_LT(length(anchor(joint.bodyA, joint.anchorA) - anchor(joint.bodyB, joint.anchorB)), 1e-9)
+          << joint.name;
     }
   }
 }
@@ -198,8 +202,9 @@ TEST(Scenes, OfJointsHaveTheirCounts) {
 
 TEST(Scenes, DoNotOverlapAtFullSize) {
   for (const char* name :
-       {"pile-10k", "ring-5k", "ring-110k", "walls", "heavy-wall", "wall-40", "gables", "pyramid-50", "many-pyramids", "card-tower",
-        "tower-40", "mass-1000", "stack-ratio", "corbel-arch", "dominoes", "bridge", "heavy-rope", "swing-100-1000"}) {
+       {"pile-10k", "ring-5k", "ring-110k", "walls", "heavy-wall", "wall-40", "gables", "pyramid-50",
+        "many-pyramids", "card-tower", "tower-40", "mass-1000", "stack-ratio", "corbel-arch", "dominoes",
+        "bridge", "heavy-rope", "swing-100-1000"}) {
     const Spec& spec = find(name);
     EXPECT_LE(deepestOverlap(spec.build(resolve(spec, {}))), 1e-6) << name;
   }
@@ -209,14 +214,16 @@ TEST(Scenes, SmashesBeginClearOfTheStack) {
   for (const Spec& spec : registry()) {
     if (spec.smashStep < 0) continue;
     Scene scene = spec.build(testSize(spec));
-    for (const Event& event : scene.events) scene.bodies.insert(scene.bodies.end(), event.add.begin(), event.add.end());
+    for (const Event& event : scene.events)
+      scene.bodies.insert(scene.bodies.end(), event.add.begin(), event.add.end());
     EXPECT_LE(deepestOverlap(scene), 1e-6) << spec.name;
   }
 }
 
 TEST(Scenes, ScaleChangesLengthsAndDensitiesAlone) {
   for (const Spec& spec : registry()) {
-    if (!spec.testArguments.contains("length_scale") && resolve(spec, {}).count("length_scale") == 0) continue;
+    if (!spec.testArguments.contains("length_scale") && resolve(spec, {}).count("length_scale") == 0)
+      continue;
     SCOPED_TRACE(spec.name);
     Arguments scaled = testSize(spec);
     const Scene plain = spec.build(scaled);
@@ -254,7 +261,8 @@ void expectError(const std::function<void()>& call, const std::vector<std::strin
     FAIL() << "no error";
   } catch (const Error& error) {
     for (const std::string& part : parts)
-      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what() << " does not say " << part;
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
+          << error.what() << " does not say " << part;
   }
 }
 

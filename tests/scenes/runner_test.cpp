@@ -107,7 +107,9 @@ TEST(Runner, StopsWhenTheObserverSaysSo) {
 TEST(Runner, JudgesWhatItMeasures) {
   Job job = fallingJob();
   job.probes.push_back(stackProbe(job.scene, 10));
-  job.claims = {{"top_drop_m", 5, 5.2, "10 m/s2 for 1 s"}, {"bricks_lost", 2, 2, "both"}, {"nothing", 0, 0, "not measured"}};
+  job.claims = {{"top_drop_m", 5, 5.2, "10 m/s2 for 1 s"},
+                {"bricks_lost", 2, 2, "both"},
+                {"nothing", 0, 0, "not measured"}};
   Runner runner(std::move(job), options());
   const RunResult result = runner.run(60);
   ASSERT_EQ(result.verdict.results.size(), 3u);
@@ -127,7 +129,8 @@ TEST(FallProbe, GivesOneForFreeFallFromRestAtEveryTimeStep) {
     // They hover for half a second; then a force takes the place of gravity.
     Metrics metrics;
     for (int i = 0; i < perSecond / 2; ++i) {
-      for (const BodyId id : runner.world().bodies()) runner.world().applyForce(id, {0, 0, -10 * runner.world().massOf(id).mass});
+      for (const BodyId id : runner.world().bodies())
+        runner.world().applyForce(id, {0, 0, -10 * runner.world().massOf(id).mass});
       runner.step();
     }
     runner.job().probes[0]->finish(runner.world(), metrics);

@@ -21,8 +21,8 @@ TEST(Soak, OfAThousandStepsFindsNoFault) {
     for (int i = 0; i < 1000; ++i) soak.step();
     for (const std::string& fault : soak.faults()) ADD_FAILURE() << backend << ", " << fault;
     const SoakCounts& c = soak.counts();
-    for (const std::int64_t happened :
-         {c.added, c.removed, c.pushed, c.placed, c.forced, c.sorts, c.snapshots, c.restores, c.replays, c.reads, c.growths})
+    for (const std::int64_t happened : {c.added, c.removed, c.pushed, c.placed, c.forced, c.sorts,
+                                        c.snapshots, c.restores, c.replays, c.reads, c.growths})
       EXPECT_GT(happened, 0) << backend;
     EXPECT_GE(c.steps, 1000);
   }

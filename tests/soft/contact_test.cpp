@@ -21,9 +21,12 @@ TEST(Crossings, AreCountedByTheExactTest) {
   const World::Surface flat = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   EXPECT_EQ(scenes::countCrossings(std::vector{flat, triangle({.2, .2, -1}, {.2, .2, 1}, {5, 5, 0})}), 2);
   EXPECT_EQ(scenes::countCrossings(std::vector{flat, triangle({.2, .2, 1e-9}, {.3, .2, 1}, {5, 5, 1})}), 0);
-  EXPECT_GT(scenes::countCrossings(std::vector{flat, triangle({.2, .2, 0}, {.3, .2, 1}, {5, 5, 1})}), 0) << "a corner that touches";
-  EXPECT_EQ(scenes::countCrossings(std::vector{flat, triangle({2, 0, 0}, {3, 0, 0}, {2, 1, 0})}), 0) << "side by side in a plane";
-  EXPECT_GT(scenes::countCrossings(std::vector{flat, triangle({.1, .1, 0}, {3, 0, 0}, {2, 1, 0})}), 0) << "overlapping in a plane";
+  EXPECT_GT(scenes::countCrossings(std::vector{flat, triangle({.2, .2, 0}, {.3, .2, 1}, {5, 5, 1})}), 0)
+      << "a corner that touches";
+  EXPECT_EQ(scenes::countCrossings(std::vector{flat, triangle({2, 0, 0}, {3, 0, 0}, {2, 1, 0})}), 0)
+      << "side by side in a plane";
+  EXPECT_GT(scenes::countCrossings(std::vector{flat, triangle({.1, .1, 0}, {3, 0, 0}, {2, 1, 0})}), 0)
+      << "overlapping in a plane";
 }
 
 TEST(Crossings, LinkingNumberOfTwoRings) {
@@ -115,8 +118,10 @@ TEST(Surfaces, OfATangleAreDealtWithInABoundedNumberOfRounds) {
       const StepReport report = world.step();
       // 20 rounds that change ways, 8 that cut them, 4 in which objects stay, and one for the rest
       EXPECT_LE(report.surfaceRounds, 33);
-      // those that change ways look at 640 pairs for each vertex and edge, the 13 others and the first at each pair once
-      EXPECT_LE(static_cast<double>(report.surfaceTests), 640 * parts + 15 * parts * parts / 2) << "step " << i;
+      // those that change ways look at 640 pairs for each vertex and edge, the 13 others and the first at
+      // each pair once
+      EXPECT_LE(static_cast<double>(report.surfaceTests), 640 * parts + 15 * parts * parts / 2)
+          << "step " << i;
     }
     for (const Vec3& x : world.positions(world.deformableAt(0))) ASSERT_TRUE(std::isfinite(x.x + x.y + x.z));
   }
@@ -126,8 +131,12 @@ TEST(Surfaces, BallsThatCollideKeepTheirMomentumAndDoNotCross) {
   for (const double speed : {2., 4., 10.}) {
     World world(thrown(speed), options(10));
     int held = 0;
-    const auto momentum = [&] { return momentumOf(world, world.deformableAt(0)).linear + momentumOf(world, world.deformableAt(1)).linear; };
-    const double before = length(momentumOf(world, world.deformableAt(0)).linear), energy = world.quality().kineticEnergy;
+    const auto momentum = [&] {
+      return momentumOf(world, world.deformableAt(0)).linear +
+             momentumOf(world, world.deformableAt(1)).linear;
+    };
+    const double before = length(momentumOf(world, world.deformableAt(0)).linear),
+                 energy = world.quality().kineticEnergy;
     for (int i = 0; i < 45; ++i) {
       held += world.step().heldVertices;
       ASSERT_EQ(scenes::countCrossings(world), 0) << "step " << i << " at " << speed << " m/s";

@@ -44,13 +44,14 @@ TEST(Dents, EveryShapeRestsOnATriangleThatIsLargerThanItself) {
     double height;  ///< of the origin of the shape above the sheet at rest [m]
   };
   const double s = .05;
-  const std::vector<Case> cases{{Shape::box({s, s, s}), s},
-                                {Shape::box({s, s, s}, .01), s},
-                                {Shape::sphere(s), s},
-                                {Shape::cylinder(s, s), s},
-                                {Shape::cone(s, s), s},
-                                {Shape::hull({{s, s, -s}, {-s, s, -s}, {0, -s, -s}, {0, 0, s}}), s},
-                                {Shape::compound({part(Shape::box({s, s, s}), {0, 0, s}), part(Shape::sphere(s), {3 * s, 0, s})}), 0}};
+  const std::vector<Case> cases{
+      {Shape::box({s, s, s}), s},
+      {Shape::box({s, s, s}, .01), s},
+      {Shape::sphere(s), s},
+      {Shape::cylinder(s, s), s},
+      {Shape::cone(s, s), s},
+      {Shape::hull({{s, s, -s}, {-s, s, -s}, {0, -s, -s}, {0, 0, s}}), s},
+      {Shape::compound({part(Shape::box({s, s, s}), {0, 0, s}), part(Shape::sphere(s), {3 * s, 0, s})}), 0}};
   for (std::size_t i = 0; i < cases.size(); ++i) {
     Scene scene = emptyScene({0, 0, -10});
     scene.deformables.push_back(stiffSheet());
@@ -70,11 +71,14 @@ TEST(Dents, EveryShapeRestsOnATriangleThatIsLargerThanItself) {
 Shape hexagonalPrism(double radius, double half) {
   std::vector<Vec3> points;
   for (int k = 0; k < 6; ++k)
-    for (const double end : {-half, half}) points.push_back({end, radius * std::cos(k * std::numbers::pi / 3), radius * std::sin(k * std::numbers::pi / 3)});
+    for (const double end : {-half, half})
+      points.push_back(
+          {end, radius * std::cos(k * std::numbers::pi / 3), radius * std::sin(k * std::numbers::pi / 3)});
   return Shape::hull(points);
 }
 
-/// Corners that are far apart need a row each: where two of them shared one, a body fell by millimetres now and then.
+/// Corners that are far apart need a row each: where two of them shared one, a body fell by millimetres now
+/// and then.
 TEST(Dents, LongBodiesLieStillWhicheverSideIsDown) {
   const double slope = std::atan(.5);
   for (int turn = 0; turn < 12; ++turn) {
@@ -100,8 +104,8 @@ TEST(Dents, LongBodiesLieStillWhicheverSideIsDown) {
   }
 }
 
-/// A sheet has no inside, so a corner that has passed it once is lost. What it begins to fall by in a step (2.8 mm), and what it is turned by when
-/// another corner is stopped, are not in its velocity.
+/// A sheet has no inside, so a corner that has passed it once is lost. What it begins to fall by in a step
+/// (2.8 mm), and what it is turned by when another corner is stopped, are not in its velocity.
 TEST(Dents, NoHeightLetsAFallingCornerPass) {
   const double s = .05;
   const Shape tetrahedron = Shape::hull({{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}});
@@ -112,7 +116,8 @@ TEST(Dents, NoHeightLetsAFallingCornerPass) {
     sheet.fixed = {0, 1, 2, 3, 5, 6, 7, 8};
     scene.deformables.push_back(sheet);
     for (int k = 0; k < 4; ++k) {
-      BodyDef body = bodyOf(k % 2 == 0 ? tetrahedron : Shape::box({s, s, s}), {k < 2 ? -.4 : .4, k % 2 == 0 ? -.5 : .5, .3 + 5e-4 * i});
+      BodyDef body = bodyOf(k % 2 == 0 ? tetrahedron : Shape::box({s, s, s}),
+                            {k < 2 ? -.4 : .4, k % 2 == 0 ? -.5 : .5, .3 + 5e-4 * i});
       body.orientation = normalize(Quat{.9, .3 * k, .02 * i, .1 * k});
       scene.bodies.push_back(body);
     }
@@ -131,7 +136,8 @@ TEST(Dents, NoHeightLetsAGrainPassASheetOfTriangles) {
   scene.bodies.push_back(plate);
   ParticlesDef grains;
   grains.radius = .001;
-  for (int i = 0; i < 400; ++i) grains.vertices.push_back({-8. + .8 * (i % 20), -8. + .8 * (i / 20), .2 + 2e-4 * i});
+  for (int i = 0; i < 400; ++i)
+    grains.vertices.push_back({-8. + .8 * (i % 20), -8. + .8 * (i / 20), .2 + 2e-4 * i});
   scene.deformables.push_back(grains);
   World world(scene, options(4));
   run(world, 60);
@@ -236,7 +242,8 @@ TEST(Dents, ForcesOnBodyAndSheetAreOppositeSoThatMomentumIsKept) {
   const double mass = massOf(world), before = -3 * mass;
   run(world, 30);
   const Momentum sheetNow = momentumOf(world, world.deformableAt(0));
-  EXPECT_NEAR(mass * world.state(world.bodies()[0]).velocity.z + sheetNow.linear.z, before, .03 * std::fabs(before));
+  EXPECT_NEAR(mass * world.state(world.bodies()[0]).velocity.z + sheetNow.linear.z, before,
+              .03 * std::fabs(before));
   EXPECT_LT(sheetNow.linear.z, .1 * before) << "the sheet was hit";
 }
 
@@ -252,7 +259,9 @@ TEST(Dents, AttachedBodiesFiltersAndOpenSurfacesHaveNoContact) {
   };
   EXPECT_FALSE(fallsThrough([](Scene&) {}));
   EXPECT_TRUE(fallsThrough([](Scene& s) { common(s.deformables[0]).collide = false; }));
-  EXPECT_TRUE(fallsThrough([](Scene& s) { common(s.deformables[0]).collideSurface = common(s.deformables[0]).collideSelf = false; }));
+  EXPECT_TRUE(fallsThrough([](Scene& s) {
+    common(s.deformables[0]).collideSurface = common(s.deformables[0]).collideSelf = false;
+  }));
   EXPECT_TRUE(fallsThrough([](Scene& s) { s.bodies[0].sensor = true; }));
   EXPECT_TRUE(fallsThrough([](Scene& s) { s.bodies[0].filter.mask = 2; }));
 }

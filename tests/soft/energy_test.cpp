@@ -1,4 +1,5 @@
-/// Solids of tetrahedra never gain energy, at any number of iterations: kinetic, elastic and gravity's together stay below what they began with.
+/// Solids of tetrahedra never gain energy, at any number of iterations: kinetic, elastic and gravity's
+/// together stay below what they began with.
 #include <gtest/gtest.h>
 
 #include "tests/soft/soft_scenes.h"
@@ -24,9 +25,11 @@ Case randomCase(unsigned seed) {
   const double cell = random.logUniform(.01, .3);
   const int along = 2 + random.below(11), wide = 1 + random.below(3), high = 1 + random.below(4);
   Case c;
-  c.def = softBox({0, 0, 0}, {along * cell, wide * cell, high * cell * random.uniform(.5, 1.5)}, {along, wide, high});
+  c.def = softBox({0, 0, 0}, {along * cell, wide * cell, high * cell * random.uniform(.5, 1.5)},
+                  {along, wide, high});
   SoftDef& d = c.def;
-  d.youngsModulus = random.logUniform(1e4, 1e8), d.poissonRatio = random.uniform(.1, .45), d.density = random.logUniform(100, 3000);
+  d.youngsModulus = random.logUniform(1e4, 1e8), d.poissonRatio = random.uniform(.1, .45),
+  d.density = random.logUniform(100, 3000);
   c.dt = 1 / random.logUniform(30, 240), c.iterations = 1 + random.below(20);
   const bool isFree = hold == Hold::Free || hold == Hold::Spinning;
   c.gravity = {0, 0, isFree ? 0. : -10.};
@@ -37,23 +40,32 @@ Case randomCase(unsigned seed) {
     const Vec3& x = d.vertices[i];
     if (hold == Hold::Side && x.x == 0) d.fixed.push_back(static_cast<int>(i));
     if (hold == Hold::Top && x.z == top) d.fixed.push_back(static_cast<int>(i));
-    d.start.push_back(hold == Hold::Side ? Vec3{squash * x.x, x.y, x.z} : Vec3{x.x, x.y, top + squash * (x.z - top)});
+    d.start.push_back(hold == Hold::Side ? Vec3{squash * x.x, x.y, x.z}
+                                         : Vec3{x.x, x.y, top + squash * (x.z - top)});
   }
   return c;
 }
 
 /// psi V of a tetrahedron of stable neo-Hookean material, 0 at rest.
 double elasticEnergy(const SoftDef& d, const std::array<int, 4>& t, const std::vector<Vec3>& now) {
-  const auto edge = [&](const std::vector<Vec3>& x, std::size_t k) { return x[static_cast<std::size_t>(t[k])] - x[static_cast<std::size_t>(t[0])]; };
+  const auto edge = [&](const std::vector<Vec3>& x, std::size_t k) {
+    return x[static_cast<std::size_t>(t[k])] - x[static_cast<std::size_t>(t[0])];
+  };
   const Vec3 a = edge(d.vertices, 1), b = edge(d.vertices, 2), c = edge(d.vertices, 3);
   const double volume = dot(a, cross(b, c));
   const Vec3 m1 = cross(b, c) / volume, m2 = cross(c, a) / volume, m3 = cross(a, b) / volume;
-  const auto column = [&](double x, double y, double z) { return edge(now, 1) * x + edge(now, 2) * y + edge(now, 3) * z; };
+  const auto column = [&](double x, double y, double z) {
+    return edge(now, 1) * x + edge(now, 2) * y + edge(now, 3) * z;
+  };
   const Vec3 f0 = column(m1.x, m2.x, m3.x), f1 = column(m1.y, m2.y, m3.y), f2 = column(m1.z, m2.z, m3.z);
   const double mu = d.youngsModulus / (2 * (1 + d.poissonRatio));
-  const double lambda = d.youngsModulus * d.poissonRatio / ((1 + d.poissonRatio) * (1 - 2 * d.poissonRatio)) + mu, rest = 1 + mu / lambda;
+  const double lambda = d.youngsModulus * d.poissonRatio / ((1 + d.poissonRatio) * (1 - 2 * d.poissonRatio)) +
+                        mu,
+               rest = 1 + mu / lambda;
   const double j = dot(f0, cross(f1, f2)) - rest;
-  return volume / 6 * (mu / 2 * (dot(f0, f0) + dot(f1, f1) + dot(f2, f2) - 3) + lambda / 2 * (j * j - (1 - rest) * (1 - rest)));
+  return volume / 6 *
+         (mu / 2 * (dot(f0, f0) + dot(f1, f1) + dot(f2, f2) - 3) +
+          lambda / 2 * (j * j - (1 - rest) * (1 - rest)));
 }
 
 struct Energies {
@@ -93,7 +105,8 @@ double risenBy(const Case& c, double seconds) {
 TEST(Energy, NeverGrowsHoweverASolidIsHeldAndSolved) {
   for (unsigned seed = 0; seed < 60; ++seed) {
     const Case c = randomCase(seed);
-    EXPECT_LT(risenBy(c, 1.5), .01) << "seed " << seed << ", " << c.iterations << " iterations, dt " << c.dt << " s, E " << c.def.youngsModulus;
+    EXPECT_LT(risenBy(c, 1.5), .01) << "seed " << seed << ", " << c.iterations << " iterations, dt " << c.dt
+                                    << " s, E " << c.def.youngsModulus;
   }
 }
 
@@ -107,7 +120,8 @@ TEST(Energy, SpinOfASquashedBallIsKept) {
       World world(sceneWith(ball, {0, 0, 0}), options(iterations));
       const double before = momentumOf(world, world.deformableAt(0)).angular.z;
       run(world, 120);
-      EXPECT_NEAR(momentumOf(world, world.deformableAt(0)).angular.z, before, tolerance * before) << spin << " rad/s, " << iterations << " iterations";
+      EXPECT_NEAR(momentumOf(world, world.deformableAt(0)).angular.z, before, tolerance * before)
+          << spin << " rad/s, " << iterations << " iterations";
     }
 }
 

@@ -1,4 +1,5 @@
-/// Impacts between deformable objects, particles and bodies, at few iterations: what strikes together has the momentum of both.
+/// Impacts between deformable objects, particles and bodies, at few iterations: what strikes together has the
+/// momentum of both.
 #include <gtest/gtest.h>
 
 #include "tests/soft/soft_scenes.h"
@@ -19,8 +20,9 @@ double momentumAlongX(const World& world) {
   return sum;
 }
 
-/// Momentum along x after a third of a second, over that before. Things meet in that time, without rebound, so that energy is lost. Steps in which
-/// vertices are held where they are, so that surfaces do not cross, are left out: what is held takes no part in the exchange.
+/// Momentum along x after a third of a second, over that before. Things meet in that time, without rebound,
+/// so that energy is lost. Steps in which vertices are held where they are, so that surfaces do not cross,
+/// are left out: what is held takes no part in the exchange.
 double keptMomentum(const Scene& scene, int iterations) {
   World world(scene, options(iterations));
   const double before = momentumAlongX(world), energy = world.quality().kineticEnergy;
@@ -28,8 +30,10 @@ double keptMomentum(const Scene& scene, int iterations) {
   int leftOut = 0;
   for (int step = 0; step < 20; ++step) {
     const double last = momentumAlongX(world);
-    if (world.step().heldVertices == 0) change += momentumAlongX(world) - last;
-    else ++leftOut;
+    if (world.step().heldVertices == 0)
+      change += momentumAlongX(world) - last;
+    else
+      ++leftOut;
   }
   EXPECT_LE(leftOut, 8);
   EXPECT_LT(world.quality().kineticEnergy, .95 * energy) << "they have met";
@@ -109,7 +113,8 @@ TEST(SoftImpact, OfAGrainOnAWallOfGrainsKeepsMomentum) {
 /// A solid that is alone, pressed and sheared, springs back to its shape and stays where it is.
 TEST(SoftMomentum, OfASolidThatIsAloneIsKept) {
   SoftDef box = test::jellyBox({0, 0, 0}, .4, 4, 1e4);
-  for (const Vec3& x : box.vertices) box.start.push_back({1.3 * x.x + .3 * x.y * x.y, .8 * x.y + .2 * x.z, x.z + .4 * x.x * x.x});
+  for (const Vec3& x : box.vertices)
+    box.start.push_back({1.3 * x.x + .3 * x.y * x.y, .8 * x.y + .2 * x.z, x.z + .4 * x.x * x.x});
   Scene scene = emptyScene({0, 0, 0});
   scene.deformables = {box};
   World world(scene, options(4));

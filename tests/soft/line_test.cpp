@@ -57,7 +57,8 @@ TEST(Strand, BendsAtFewIterationsAsAtMany) {
   double worst = 0, deepest = 0;
   for (int i = 0; i < 120; ++i) {
     few.step(), many.step();
-    const double a = few.positions(few.deformableAt(0)).back().z, b = many.positions(many.deformableAt(0)).back().z;
+    const double a = few.positions(few.deformableAt(0)).back().z,
+                 b = many.positions(many.deformableAt(0)).back().z;
     worst = std::max(worst, std::fabs(a - b)), deepest = std::max(deepest, -b);
   }
   EXPECT_LT(worst, .01 * deepest);
@@ -100,7 +101,8 @@ TEST(Strand, PullsWithAllOfItsAuthoredStretchInTheFirstStep) {
       World world(scene, options(iterations));
       world.step();
       const double tension = 1e8 * std::numbers::pi * .005 * .005 * strain;
-      EXPECT_NEAR(length(world.state(world.attachments()[0]).force), tension, .02 * tension) << strain << ", " << iterations;
+      EXPECT_NEAR(length(world.state(world.attachments()[0]).force), tension, .02 * tension)
+          << strain << ", " << iterations;
     }
 }
 
@@ -109,7 +111,8 @@ TEST(Strand, PluckedSoundsAtTheFrequencyOfItsTension) {
   for (const double strain : {.003, .01, .03}) {
     WorldOptions how = options(4);
     how.params.substeps = 16;
-    const scenes::RunResult r = scenes::Runner(scenes::prepare(spec, scenes::resolve(spec, {{"strain", strain}})), how).run(120);
+    const scenes::RunResult
+        r = scenes::Runner(scenes::prepare(spec, scenes::resolve(spec, {{"strain", strain}})), how).run(120);
     EXPECT_NEAR(r.metrics.at("period_ratio"), 1, .02) << strain;
   }
 }
@@ -119,10 +122,12 @@ TEST(Strand, IsFoundWhateverTheNumbersOfItsVertices) {
   const auto net = [](const std::vector<int>& number) {
     NetDef d;
     d.vertices.resize(kCount);
-    for (int i = 0; i < kCount; ++i) d.vertices[static_cast<std::size_t>(number[static_cast<std::size_t>(i)])] = {.1 * i, 0, 0};
+    for (int i = 0; i < kCount; ++i)
+      d.vertices[static_cast<std::size_t>(number[static_cast<std::size_t>(i)])] = {.1 * i, 0, 0};
     for (int i = 0; i + 1 < kCount; ++i) {
       NetDef::Edge e;
-      e.a = number[static_cast<std::size_t>(i + 1)], e.b = number[static_cast<std::size_t>(i)], e.stiffness = 1e5;
+      e.a = number[static_cast<std::size_t>(i + 1)], e.b = number[static_cast<std::size_t>(i)],
+      e.stiffness = 1e5;
       d.edges.push_back(e);
     }
     d.masses = {.01};
@@ -134,7 +139,8 @@ TEST(Strand, IsFoundWhateverTheNumbersOfItsVertices) {
   World a(sceneWith(net(straight)), options(3)), b(sceneWith(net(mixed)), options(3));
   run(a, 60), run(b, 60);
   const std::vector<Vec3> x = a.positions(a.deformableAt(0)), y = b.positions(b.deformableAt(0));
-  for (std::size_t i = 0; i < kCount; ++i) EXPECT_LT(length(x[i] - y[static_cast<std::size_t>(mixed[i])]), 1e-4) << i;
+  for (std::size_t i = 0; i < kCount; ++i)
+    EXPECT_LT(length(x[i] - y[static_cast<std::size_t>(mixed[i])]), 1e-4) << i;
   EXPECT_LT(length(x[7] - Vec3{.7, 0, 0}), 1e-12) << "fixed";
   EXPECT_LT(x[11].z, -.3) << "hangs down";
 }
@@ -144,7 +150,8 @@ TEST(Strand, HoldsOnABarUpToTheRatioOfLoadsThatFrictionAllows) {
   for (const int segments : {20, 60}) {
     const auto fallAfter = [&](double ratio, int steps) {
       const scenes::Spec& spec = scenes::find("capstan");
-      World world(spec.build(scenes::resolve(spec, {{"load_ratio", ratio}, {"segments", segments}})), options(10));
+      World world(spec.build(scenes::resolve(spec, {{"load_ratio", ratio}, {"segments", segments}})),
+                  options(10));
       run(world, steps);
       return -.55 - world.state(world.find("heavy")).position.z;
     };

@@ -36,7 +36,8 @@ void pull(World& world, const SoftDef& bar, double stress, int steps) {
 double strainOf(const World& world, const SoftDef& bar) {
   const std::vector<Vec3> x = world.positions(world.deformableAt(0));
   double sum = 0;
-  for (std::size_t v = 0; v < x.size(); ++v) sum += bar.vertices[v].x < .001 ? -x[v].x : bar.vertices[v].x > .999 ? x[v].x : 0;
+  for (std::size_t v = 0; v < x.size(); ++v)
+    sum += bar.vertices[v].x < .001 ? -x[v].x : bar.vertices[v].x > .999 ? x[v].x : 0;
   return sum / 4 - 1;
 }
 
@@ -44,7 +45,10 @@ double volumeOf(const World& world) {
   const World::Surface s = world.surface(world.deformableAt(0));
   double sum = 0;
   for (const auto& t : s.triangles)
-    sum += dot(s.vertices[static_cast<std::size_t>(t[0])], cross(s.vertices[static_cast<std::size_t>(t[1])], s.vertices[static_cast<std::size_t>(t[2])])) / 6;
+    sum += dot(s.vertices[static_cast<std::size_t>(t[0])],
+               cross(s.vertices[static_cast<std::size_t>(t[1])],
+                     s.vertices[static_cast<std::size_t>(t[2])])) /
+           6;
   return sum;
 }
 
@@ -55,7 +59,8 @@ TEST(Plastic, KeepsTheStrainThatItYieldedBy) {
   pull(world, bar, stress, 300);
   const double pulled = strainOf(world, bar), volume = volumeOf(world);
   run(world, 200);
-  // (stress - Y)/H = .02; what yields is Kirchhoff stress, the load by the area at rest times the stretch, and its strain is logarithmic
+  // (stress - Y)/H = .02; what yields is Kirchhoff stress, the load by the area at rest times the stretch,
+  // and its strain is logarithmic
   const double plastic = (stress * (1 + pulled) - kYield) / kHardening;
   EXPECT_NEAR(plastic, .0207, .0001);
   EXPECT_NEAR(pulled, (1 + stress * (1 + pulled) / kYoung) * std::exp(plastic) - 1, .01 * pulled);
@@ -104,7 +109,8 @@ TEST(Plastic, AYieldStressThatNothingReachesChangesNoBit) {
   EXPECT_EQ(elastic.velocities(elastic.deformableAt(0)), unreached.velocities(unreached.deformableAt(0)));
 }
 
-/// How far the shape of an object is from the one that it was made with: root mean square change of the edges of its cells.
+/// How far the shape of an object is from the one that it was made with: root mean square change of the edges
+/// of its cells.
 double changeOf(const World& world, SoftId id) {
   const SoftDef& d = std::get<SoftDef>(world.definition(id));
   const std::vector<Vec3> x = world.positions(id);
@@ -162,7 +168,8 @@ TEST(Plastic, GivesTheSameBitsAtAnyNumberOfThreads) {
 TEST(Plastic, SinglePrecisionStaysWithDouble) {
   World single(thrownBox(2e3), options(10)), reference(thrownBox(2e3), options(10, "reference"));
   run(single, 60), run(reference, 60);
-  EXPECT_NEAR(changeOf(single, single.deformableAt(0)), changeOf(reference, reference.deformableAt(0)), .02 * changeOf(single, single.deformableAt(0)));
+  EXPECT_NEAR(changeOf(single, single.deformableAt(0)), changeOf(reference, reference.deformableAt(0)),
+              .02 * changeOf(single, single.deformableAt(0)));
 }
 
 struct Throw {
@@ -190,9 +197,10 @@ TEST_P(PlasticThrow, StaysFiniteAndComesToRest) {
   EXPECT_LT(world.quality().kineticEnergy, .01 * most);
 }
 INSTANTIATE_TEST_SUITE_P(Plastic, PlasticThrow,
-                         ::testing::Values(Throw{1e2, 1. / 15, 200}, Throw{1e2, 1. / 60, 300}, Throw{1e2, 1. / 240, 600}, Throw{3e3, 1. / 60, 300},
-                                           Throw{3e3, 1. / 240, 600}, Throw{3e3, 1. / 1000, 1500}, Throw{3e4, 1. / 60, 300},
-                                           Throw{3e4, 1. / 1000, 1500}));
+                         ::testing::Values(Throw{1e2, 1. / 15, 200}, Throw{1e2, 1. / 60, 300},
+                                           Throw{1e2, 1. / 240, 600}, Throw{3e3, 1. / 60, 300},
+                                           Throw{3e3, 1. / 240, 600}, Throw{3e3, 1. / 1000, 1500},
+                                           Throw{3e4, 1. / 60, 300}, Throw{3e4, 1. / 1000, 1500}));
 
 }  // namespace
 }  // namespace rubble

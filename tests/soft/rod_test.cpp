@@ -48,7 +48,8 @@ TEST(SegmentRod, StretchesAsItsSectionSays) {
   const double area = std::numbers::pi * rod.radius * rod.radius;
   const BodyState end = loaded(rod, {1000, 0, 0}, {});
   // to the middle of the last piece
-  EXPECT_NEAR(end.position.x - .95, 1000 * .95 / (rod.youngsModulus * area), .01 * 1000 / (rod.youngsModulus * area));
+  EXPECT_NEAR(end.position.x - .95, 1000 * .95 / (rod.youngsModulus * area),
+              .01 * 1000 / (rod.youngsModulus * area));
 }
 
 TEST(SegmentRod, TwistsAsItsSectionSays) {
@@ -56,7 +57,8 @@ TEST(SegmentRod, TwistsAsItsSectionSays) {
   rod.youngsModulus = 4e5, rod.viscosity = 4e3;
   const double shear = rod.youngsModulus / (2 * (1 + rod.poissonRatio)), torque = .02;
   const BodyState end = loaded(rod, {}, {torque, 0, 0});
-  const Quat turn = end.orientation * conjugate(frameAlong({1, 0, 0}) * Quat{std::numbers::sqrt2 / 2, 0, std::numbers::sqrt2 / 2, 0});
+  const Quat turn = end.orientation * conjugate(frameAlong({1, 0, 0}) *
+                                                Quat{std::numbers::sqrt2 / 2, 0, std::numbers::sqrt2 / 2, 0});
   const double wanted = torque * .95 / (shear * 2 * second(rod));
   EXPECT_GT(wanted, .4);
   EXPECT_NEAR(2 * std::atan2(turn.v.x, turn.s), wanted, .01 * wanted);
@@ -66,7 +68,8 @@ TEST(SegmentRod, BendsAsABeam) {
   double before = 1;
   for (const int pieces : {10, 20}) {
     const SegmentRodDef rod = beam(pieces);
-    const double area = std::numbers::pi * rod.radius * rod.radius, shear = rod.youngsModulus / (2 * (1 + rod.poissonRatio));
+    const double area = std::numbers::pi * rod.radius * rod.radius,
+                 shear = rod.youngsModulus / (2 * (1 + rod.poissonRatio));
     const double kappa = 6 * (1 + rod.poissonRatio) / (7 + 6 * rod.poissonRatio), force = 1;
     const BodyState end = loaded(rod, {0, 0, force}, {});
     const Vec3 tip = end.position + rotate(end.orientation, Vec3{0, 0, .5 / pieces});
@@ -99,7 +102,8 @@ TEST(SegmentRod, KeepsTheShapeThatItWasMadeIn) {
   World world(scene, options(4));
   run(world, 60);
   std::size_t i = 0;
-  for (const BodyId id : world.bodies()) EXPECT_LT(length(world.state(id).position - scene.bodies[i++].position), 1e-5);
+  for (const BodyId id : world.bodies())
+    EXPECT_LT(length(world.state(id).position - scene.bodies[i++].position), 1e-5);
 }
 
 TEST(SegmentRod, SaysWhatIsWrong) {

@@ -40,8 +40,11 @@ std::vector<Stand> stands() {
   std::vector<double> distances;
   for (int k = 0; k < kCount; ++k)
     for (int j = 0; j < kCount; ++j)
-      for (int i = 0; i < kCount; ++i) distances.push_back(.05 * length(Vec3{i - 10., j - 10., k - 10.}) - .4);
-  std::vector<Stand> out = {{"ball", Shape::sphere(.4), .4}, {"field", Shape::distanceField({kCount, kCount, kCount}, {-.5, -.5, -.5}, .05, distances), .4}};
+      for (int i = 0; i < kCount; ++i)
+        distances.push_back(.05 * length(Vec3{i - 10., j - 10., k - 10.}) - .4);
+  std::vector<Stand> out = {
+      {"ball", Shape::sphere(.4), .4},
+      {"field", Shape::distanceField({kCount, kCount, kCount}, {-.5, -.5, -.5}, .05, distances), .4}};
   for (const Standing& s : standingShapes())
     if (s.top > 0) out.push_back({s.name, s.shape, s.top});
   return out;
@@ -61,7 +64,8 @@ TEST(VertexShapes, HoldASheetThatFallsOnThem) {
     // the middle is over the top (what hangs down around a flat top bends it up), the corners hang beside it
     EXPECT_GT(x[12 + 12 * 25].z, stand.top + .004) << stand.name;
     EXPECT_LT(x[12 + 12 * 25].z, stand.top + .04) << stand.name;
-    for (const std::size_t corner : {0u, 24u, 600u, 624u}) EXPECT_LT(x[corner].z, stand.top - .1) << stand.name;
+    for (const std::size_t corner : {0u, 24u, 600u, 624u})
+      EXPECT_LT(x[corner].z, stand.top - .1) << stand.name;
     const std::vector<VertexContact> contacts = world.vertexContacts();
     EXPECT_GT(contacts.size(), 10u) << stand.name;
     for (const VertexContact& c : contacts) EXPECT_LT(c.depth, 4e-3) << stand.name;
@@ -94,7 +98,8 @@ TEST(VertexShapes, GrainsStayInABowlOfTriangles) {
 TEST(VertexShapes, AttachmentsHoldToTheAuthorsFrameOfABody) {
   // its centre of mass and principal axes lie elsewhere than its frame
   Scene scene = sceneWith(grains({{1.2, .3, 1.1}}));
-  const Shape odd = Shape::compound({{Shape::box({.5, .1, .1}), {.5, 0, 0}, {}}, {Shape::box({.1, .3, .1}), {1, .3, .1}, {}}});
+  const Shape odd = Shape::compound(
+      {{Shape::box({.5, .1, .1}), {.5, 0, 0}, {}}, {Shape::box({.1, .3, .1}), {1, .3, .1}, {}}});
   BodyDef def = body(odd, {0, 0, 1});
   def.motion = Motion::Static;
   def.orientation = fromAxisAngle(Vec3{0, 0, 1}, .3);

@@ -71,7 +71,8 @@ TEST(Cloth, CarriesABoxAndTheBoxFeelsIt) {
   ClothDef sheet = clothSheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 12, 12);
   sheet.thickness = 4e-3, sheet.youngsModulus = 2e6;
   for (std::size_t i = 0; i < sheet.vertices.size(); ++i)
-    if (std::fabs(sheet.vertices[i].x) > .999 || std::fabs(sheet.vertices[i].y) > .999) sheet.fixed.push_back(static_cast<int>(i));
+    if (std::fabs(sheet.vertices[i].x) > .999 || std::fabs(sheet.vertices[i].y) > .999)
+      sheet.fixed.push_back(static_cast<int>(i));
   Scene scene = sceneWith(sheet);
   BodyDef box = body(Shape::box({.25, .25, .25}), {0, 0, .4});
   box.mass = 20;
@@ -97,11 +98,13 @@ NetDef chainOfSprings(double ratio) {
 
 TEST(Net, SpringsOfVeryDifferentStiffnessFollowTheConvergedMotion) {
   const auto worst = [](int iterations) {
-    World world(sceneWith(chainOfSprings(1e4)), options(iterations)), converged(sceneWith(chainOfSprings(1e4)), options(1000, "reference"));
+    World world(sceneWith(chainOfSprings(1e4)), options(iterations)),
+        converged(sceneWith(chainOfSprings(1e4)), options(1000, "reference"));
     double largest = 0;
     for (int i = 0; i < 200; ++i) {
       world.step(), converged.step();
-      const std::vector<Vec3> a = world.positions(world.deformableAt(0)), b = converged.positions(converged.deformableAt(0));
+      const std::vector<Vec3> a = world.positions(world.deformableAt(0)),
+                              b = converged.positions(converged.deformableAt(0));
       for (std::size_t k = 0; k < a.size(); ++k) largest = std::max(largest, length(a[k] - b[k]));
     }
     return largest;
@@ -175,7 +178,8 @@ TEST(Rod, CantileverBendsAsBeamTheorySays) {
   rod.fixed = {0, 1};
   World world(sceneWith(rod), options(20));
   run(world, 600);
-  const double area = 3.141592653589793 * rod.radius * rod.radius, inertia = area * rod.radius * rod.radius / 4;
+  const double area = 3.141592653589793 * rod.radius * rod.radius,
+               inertia = area * rod.radius * rod.radius / 4;
   // the bend at the second vertex stands for the half segments beside it
   const double exact = rod.density * area * 10 * std::pow(.975, 4) / (8 * rod.youngsModulus * inertia);
   EXPECT_NEAR(-world.positions(world.deformableAt(0))[20].z, exact, .06 * exact);
@@ -220,10 +224,11 @@ TEST(Attachment, HoldsAVertexOnABodyOnTheWorldAndOnAnotherObject) {
   }
   World world(scene, options(10));
   const auto momentum = [&] {
-    return momentumOf(world, world.deformableAt(0)).linear.z + momentumOf(world, world.deformableAt(1)).linear.z +
-           .5 * world.state(world.bodyAt(0)).velocity.z;
+    return momentumOf(world, world.deformableAt(0)).linear.z +
+           momentumOf(world, world.deformableAt(1)).linear.z + .5 * world.state(world.bodyAt(0)).velocity.z;
   };
-  const double mass = .5 + momentumOf(world, world.deformableAt(0)).mass + momentumOf(world, world.deformableAt(1)).mass;
+  const double mass = .5 + momentumOf(world, world.deformableAt(0)).mass +
+                      momentumOf(world, world.deformableAt(1)).mass;
   // the box swings: the wall bears its weight and changes its momentum
   constexpr int kSteps = 300;
   constexpr double kDt = 1. / 60;
@@ -271,7 +276,8 @@ TEST(Grains, AHeapRestsWithoutOverlap) {
   sand.radius = .02;
   for (int z = 0; z < 8; ++z)
     for (int y = 0; y < 6; ++y)
-      for (int x = 0; x < 6; ++x) sand.vertices.push_back({.041 * x + .003 * (z % 3), .041 * y + .002 * (z % 2), .02 + .041 * z});
+      for (int x = 0; x < 6; ++x)
+        sand.vertices.push_back({.041 * x + .003 * (z % 3), .041 * y + .002 * (z % 2), .02 + .041 * z});
   scene.deformables.push_back(sand);
   World world(scene, options(4));
   run(world, 240);
@@ -293,7 +299,8 @@ TEST(Grains, OfAnySpeedMeetWhatLiesInTheirWay) {
     World world(scene, options(10));
     const double before = momentumOf(world, world.deformableAt(1)).linear.x;
     run(world, 20);
-    const Momentum hit = momentumOf(world, world.deformableAt(0)), own = momentumOf(world, world.deformableAt(1));
+    const Momentum hit = momentumOf(world, world.deformableAt(0)),
+                   own = momentumOf(world, world.deformableAt(1));
     EXPECT_NEAR(hit.linear.x, .5 * before, .01 * before) << speed;
     EXPECT_NEAR(own.linear.x, .5 * before, .01 * before) << speed;
   }

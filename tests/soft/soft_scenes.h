@@ -60,7 +60,8 @@ inline int crushed(const World& world, SoftId id, double share) {
   const std::vector<Vec3> now = world.positions(id);
   const auto volume = [](const std::vector<Vec3>& x, const std::array<int, 4>& t) {
     const Vec3& a = x[static_cast<std::size_t>(t[0])];
-    return dot(x[static_cast<std::size_t>(t[1])] - a, cross(x[static_cast<std::size_t>(t[2])] - a, x[static_cast<std::size_t>(t[3])] - a));
+    return dot(x[static_cast<std::size_t>(t[1])] - a,
+               cross(x[static_cast<std::size_t>(t[2])] - a, x[static_cast<std::size_t>(t[3])] - a));
   };
   return static_cast<int>(std::count_if(d.tetrahedra.begin(), d.tetrahedra.end(), [&](const auto& t) {
     const double ratio = volume(now, t) / volume(d.vertices, t);

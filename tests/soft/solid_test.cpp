@@ -36,12 +36,14 @@ TEST(Solid, AccelerationHalvesTheErrorThatIterationsLeave) {
   const SoftDef beam = clampedBeam(10, 2, 1e6);
   WorldOptions plainly = options(20);
   plainly.params.tuning.acceleration = 0;
-  World world(sceneWith(beam), options(20)), plain(sceneWith(beam), plainly), converged(sceneWith(beam), options(300));
+  World world(sceneWith(beam), options(20)), plain(sceneWith(beam), plainly),
+      converged(sceneWith(beam), options(300));
   double error = 0, plainError = 0;
   for (int i = 0; i < 60; ++i) {
     world.step(), plain.step(), converged.step();
     const double exact = tipHeight(converged, beam);
-    error += std::fabs(tipHeight(world, beam) - exact), plainError += std::fabs(tipHeight(plain, beam) - exact);
+    error += std::fabs(tipHeight(world, beam) - exact),
+        plainError += std::fabs(tipHeight(plain, beam) - exact);
   }
   EXPECT_LT(error, .5 * plainError);
 }
@@ -105,7 +107,8 @@ TEST(Solid, ViscosityDoesNotBrakeRigidMotion) {
   thick.viscosity = 2000;
   World plain(sceneWith(box, {0, 0, 0}), options(20)), viscous(sceneWith(thick, {0, 0, 0}), options(20));
   run(plain, 60), run(viscous, 60);
-  const double a = momentumOf(plain, plain.deformableAt(0)).angular.z, b = momentumOf(viscous, viscous.deformableAt(0)).angular.z;
+  const double a = momentumOf(plain, plain.deformableAt(0)).angular.z,
+               b = momentumOf(viscous, viscous.deformableAt(0)).angular.z;
   EXPECT_NEAR(b, a, .01 * a);
 }
 
@@ -143,7 +146,8 @@ TEST_P(ThrownApart, RecoversItsShape) {
   EXPECT_EQ(crushed(world, id, .3), 0);
 }
 INSTANTIATE_TEST_SUITE_P(Solid, ThrownApart,
-                         ::testing::Values(Throw{1. / 15, 1, 200}, Throw{1. / 15, 10, 100}, Throw{1. / 60, 4, 300}, Throw{1. / 240, 10, 400},
+                         ::testing::Values(Throw{1. / 15, 1, 200}, Throw{1. / 15, 10, 100},
+                                           Throw{1. / 60, 4, 300}, Throw{1. / 240, 10, 400},
                                            Throw{1. / 1000, 10, 1500}));
 
 TEST(Solid, StaysFiniteAtOneIterationAndAThousandthOfASecond) {
@@ -180,7 +184,8 @@ TEST(Solid, SpheresOfVerticesKeepTwoBoxesApart) {
   }
   World world(scene, options(10));
   run(world, 240);
-  const double below = momentumOf(world, world.deformableAt(0)).centre.z, above = momentumOf(world, world.deformableAt(1)).centre.z;
+  const double below = momentumOf(world, world.deformableAt(0)).centre.z,
+               above = momentumOf(world, world.deformableAt(1)).centre.z;
   EXPECT_GT(above - below, .3);
   EXPECT_LT(world.quality().kineticEnergy, .05);
 }

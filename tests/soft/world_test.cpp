@@ -23,7 +23,8 @@ Scene medley() {
   scene.deformables.push_back(rope);
   ParticlesDef sand;
   sand.radius = .05;
-  for (int i = 0; i < 60; ++i) sand.vertices.push_back({-2 + .11 * (i % 4), .11 * (i / 4 % 4), .1 + .11 * (i / 16)});
+  for (int i = 0; i < 60; ++i)
+    sand.vertices.push_back({-2 + .11 * (i % 4), .11 * (i / 4 % 4), .1 + .11 * (i / 16)});
   scene.deformables.push_back(sand);
   AttachmentDef hook;
   hook.object = 2, hook.vertices = {8}, hook.body = 4;
@@ -99,11 +100,11 @@ TEST(SoftWorld, ABodyWithoutDeformableObjectsIsStepppedAsEver) {
   const SoftId id = edited.add(jellyBox({5, 5, 5}, .3, 2));
   edited.remove(id);
   run(plain, 20), run(edited, 20);
-  for (int i = 1; i <= 5; ++i) EXPECT_EQ(plain.state(plain.bodyAt(i)).position, edited.state(edited.bodyAt(i)).position);
+  for (int i = 1; i <= 5; ++i)
+    EXPECT_EQ(plain.state(plain.bodyAt(i)).position, edited.state(edited.bodyAt(i)).position);
 }
 
-template <class Change>
-std::string errorOf(Change&& change) {
+template <class Change> std::string errorOf(Change&& change) {
   SoftDef box = jellyBox({0, 0, 0}, 1, 1);
   change(box);
   try {
@@ -121,7 +122,8 @@ TEST(SoftWorld, BadInputIsNamed) {
   EXPECT_EQ(errorOf([](SoftDef& d) { d.yieldStress = 0; }), "deformables[0].yieldStress");
   EXPECT_EQ(errorOf([](SoftDef& d) { d.hardening = -1; }), "deformables[0].hardening");
   EXPECT_EQ(errorOf([](SoftDef& d) { d.hardening = kUnbreakable; }), "deformables[0].hardening");
-  EXPECT_EQ(errorOf([](SoftDef& d) { std::swap(d.tetrahedra[2][0], d.tetrahedra[2][1]); }), "deformables[0].tetrahedra[2]");
+  EXPECT_EQ(errorOf([](SoftDef& d) { std::swap(d.tetrahedra[2][0], d.tetrahedra[2][1]); }),
+            "deformables[0].tetrahedra[2]");
   EXPECT_EQ(errorOf([](SoftDef& d) { d.tetrahedra[1][3] = 99; }), "deformables[0].tetrahedra[1]");
   EXPECT_EQ(errorOf([](SoftDef& d) { d.vertices.push_back({3, 3, 3}); }), "deformables[0].vertices[8]");
   EXPECT_EQ(errorOf([](SoftDef& d) { d.fixed = {-1}; }), "deformables[0].fixed[0]");

@@ -116,7 +116,8 @@ TEST(Block, StepsWithMoreEnergyThanTheirForcesDoWorkAreReplaced) {
     Block6 block;
     setInertialForce(block, m, start, {}, kInverseDt2);
     setInertialHessian(block, m, kInverseDt2);
-    for (int row = 0; row < 5; ++row) accumulateRow(block, randomVec6(random), random.uniform(-100, 100), random.logUniform(1, 1e5));
+    for (int row = 0; row < 5; ++row)
+      accumulateRow(block, randomVec6(random), random.uniform(-100, 100), random.logUniform(1, 1e5));
 
     const Vec6 newton = newtonStep(block), diagonal = diagonalStep(block), force{block.fl, block.fa};
     EXPECT_TRUE(isWithinWork(block, mass, inertia, newton)) << i;
@@ -133,7 +134,8 @@ TEST(Block, StepsWithMoreEnergyThanTheirForcesDoWorkAreReplaced) {
     if (how != Descent::Diagonal) continue;
     ++replaced;
     EXPECT_EQ(x.p, retract(start, diagonalStep(broken)).p);
-    EXPECT_LE(mass * dot(x.p - start.p, x.p - start.p), 2 * (1 + 1e-12) * dot(force, diagonalStep(broken))) << i;
+    EXPECT_LE(mass * dot(x.p - start.p, x.p - start.p), 2 * (1 + 1e-12) * dot(force, diagonalStep(broken)))
+        << i;
   }
   EXPECT_GT(replaced, 20);
 }
@@ -143,7 +145,8 @@ TEST(Block, CurvatureNormsAreThoseOfTheColumnsOfS) {
   for (int i = 0; i < 100; ++i) {
     const Vec3 a = random.vector(), b = random.vector();
     const Eigen::Vector3d ea = eigen(a), eb = eigen(b);
-    const Eigen::Matrix3d s = .5 * (ea * eb.transpose() + eb * ea.transpose()) - ea.dot(eb) * Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d s = .5 * (ea * eb.transpose() + eb * ea.transpose()) -
+                              ea.dot(eb) * Eigen::Matrix3d::Identity();
     const Vec3 norms = turningColumnNorms(a, b);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(norms[c], s.col(c).norm(), 1e-7);
   }

@@ -48,7 +48,8 @@ TEST(Dense6, SumsRowsAsMatricesDoAndSquaresInTheLowerTriangle) {
   std::mt19937 random(9);
   std::normal_distribution<double> normal;
   using Rows = Eigen::Matrix<double, 3, 6>;
-  const Rows a = Rows::NullaryExpr([&] { return normal(random); }), b = Rows::NullaryExpr([&] { return normal(random); });
+  const Rows a = Rows::NullaryExpr([&] { return normal(random); }),
+             b = Rows::NullaryExpr([&] { return normal(random); });
   Long6 x[3], y[3];
   for (int k = 0; k < 3; ++k)
     for (int i = 0; i < 6; ++i) x[k].v[i] = a(k, i), y[k].v[i] = b(k, i);
@@ -62,7 +63,8 @@ TEST(Dense6, SumsRowsAsMatricesDoAndSquaresInTheLowerTriangle) {
 TEST(Dense6, ProductsAreThoseOfTheTransposedMatrix) {
   std::mt19937 random(8);
   std::normal_distribution<double> normal;
-  const Matrix a = Matrix::NullaryExpr([&] { return normal(random); }), b = Matrix::NullaryExpr([&] { return normal(random); });
+  const Matrix a = Matrix::NullaryExpr([&] { return normal(random); }),
+               b = Matrix::NullaryExpr([&] { return normal(random); });
   Dense6 c{};
   subtractProduct(c, dense(a), dense(b));
   EXPECT_LT((matrix(c) + a.transpose() * b).norm(), 1e-12);

@@ -10,14 +10,17 @@ using test::Random;
 
 struct Tangent {
   Real k, c1, c2, l1, l2, normal, mu, muDynamic;
-  TangentForce<Real> force(bool cone = true) const { return frictionForce<Real>(k, c1, c2, l1, l2, normal, mu, muDynamic, cone); }
+  TangentForce<Real> force(bool cone = true) const {
+    return frictionForce<Real>(k, c1, c2, l1, l2, normal, mu, muDynamic, cone);
+  }
   Real size() const { return std::hypot(k * c1 + l1, k * c2 + l2); }
 };
 
 Tangent randomTangent(Random& random) {
   Tangent t;
   t.k = random.logUniform(1, 100);
-  t.c1 = random.uniform(-1, 1), t.c2 = random.uniform(-1, 1), t.l1 = random.uniform(-5, 5), t.l2 = random.uniform(-5, 5);
+  t.c1 = random.uniform(-1, 1), t.c2 = random.uniform(-1, 1), t.l1 = random.uniform(-5, 5),
+  t.l2 = random.uniform(-5, 5);
   t.normal = random.logUniform(1, 100);
   t.mu = t.muDynamic = random.uniform(.1, 1);
   return t;
@@ -99,7 +102,8 @@ TEST(Friction, HessianAlongTheSlidingDirectionIsTheSecantOrHalfTheStoppingOneAnd
     const Real along = f.w11() * e1 * e1 + 2 * f.w12() * e1 * e2 + f.w22() * e2 * e2;
     const Real slip = std::fabs(t.c1 * e1 + t.c2 * e2);
     const Real secant = std::fabs(t.mu * t.normal - (t.l1 * e1 + t.l2 * e2)) / slip;
-    EXPECT_NEAR(along, std::min(t.k, std::max(secant, kSlidingResistance * t.mu * t.normal / slip)), 1e-9 * t.k);
+    EXPECT_NEAR(along, std::min(t.k, std::max(secant, kSlidingResistance * t.mu * t.normal / slip)),
+                1e-9 * t.k);
     // no coupling between along and across
     EXPECT_NEAR((f.w22() - f.w11()) * e1 * e2 + f.w12() * (e1 * e1 - e2 * e2), 0, 1e-9 * t.k);
     secants += secant < t.k;
@@ -143,7 +147,8 @@ TEST(Friction, TurnsWithTheTangentBasis) {
 }
 
 TEST(Friction, IsFiniteWithoutLoadAndWithoutMotion) {
-  const Tangent unloaded{100, .1, 0, 0, 0, 0, .5, .5}, still{100, 0, 0, 0, 0, 0, .5, .5}, held{100, 0, 0, 9, 0, 1, .5, .5};
+  const Tangent unloaded{100, .1, 0, 0, 0, 0, .5, .5}, still{100, 0, 0, 0, 0, 0, .5, .5},
+      held{100, 0, 0, 9, 0, 1, .5, .5};
   for (const Tangent& t : {unloaded, still, held}) {
     const TangentForce<Real> f = t.force();
     EXPECT_TRUE(isFinite(f.f1 + f.f2 + f.w11() + f.w12() + f.w22()));
@@ -159,10 +164,12 @@ TEST(Friction, OfFourLanesEqualsThatOfSinglePoints) {
     Real4 v[8];
     for (int k = 0; k < 4; ++k) {
       t[k] = randomTangent(random);
-      const Real fields[8] = {t[k].k, t[k].c1, t[k].c2, t[k].l1, t[k].l2, t[k].normal, t[k].mu, t[k].muDynamic};
+      const Real fields[8] = {t[k].k,  t[k].c1,     t[k].c2, t[k].l1,
+                              t[k].l2, t[k].normal, t[k].mu, t[k].muDynamic};
       for (int m = 0; m < 8; ++m) v[m][k] = fields[m];
     }
-    const TangentForce<Real4> four = frictionForce<Real4>(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], true);
+    const TangentForce<Real4> four = frictionForce<Real4>(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7],
+                                                          true);
     for (int k = 0; k < 4; ++k) {
       const TangentForce<Real> one = t[k].force();
       EXPECT_EQ(four.f1[k], one.f1);

@@ -44,7 +44,8 @@ SpinRun spin(const Vec3& w0, int steps) {
   for (int i = 0; i < steps; ++i) {
     body.step(kDt);
     const Vec3 l = body.momentum();
-    run.lowEnergy = std::min(run.lowEnergy, body.energy() / e0), run.highEnergy = std::max(run.highEnergy, body.energy() / e0);
+    run.lowEnergy = std::min(run.lowEnergy, body.energy() / e0),
+    run.highEnergy = std::max(run.highEnergy, body.energy() / e0);
     run.lowMomentum = std::min(run.lowMomentum, length(l) / length(l0)),
     run.highMomentum = std::max(run.highMomentum, length(l) / length(l0));
     run.worstDirection = std::max(run.worstDirection, std::atan2(length(cross(l, l0)), dot(l, l0)));
@@ -81,8 +82,9 @@ TEST(InertialEnergy, HasTheInertialForceAsItsGradient) {
     const Vec6 force{block.fl, block.fa};
     constexpr Real h = 1e-6;
     for (int i = 0; i < 6; ++i) {
-      const Real slope =
-          (inertialEnergy(m, retract(x, h * unitVec6(i)), y, kDt) - inertialEnergy(m, retract(x, -h * unitVec6(i)), y, kDt)) / (2 * h);
+      const Real slope = (inertialEnergy(m, retract(x, h * unitVec6(i)), y, kDt) -
+                          inertialEnergy(m, retract(x, -h * unitVec6(i)), y, kDt)) /
+                         (2 * h);
       const Real scale = angle / (kDt * kDt) * 3;
       EXPECT_NEAR(component(force, i), -slope, scale * (1e-7 + (i < 3 ? 0 : angle))) << i;
     }
@@ -98,7 +100,8 @@ TEST(TorqueFreeSpin, ConservesMomentumAndEnergyOfATumblingBody) {
 }
 
 TEST(TorqueFreeSpin, TurnsTheIntermediateAxisOver) {
-  // A tilt of .01 grows by the rate w sqrt((I3 - I2)(I2 - I1) / (I1 I3)) = 2.9 /s: it turns over near 2 s and near 6 s.
+  // A tilt of .01 grows by the rate w sqrt((I3 - I2)(I2 - I1) / (I1 I3)) = 2.9 /s: it turns over near 2 s and
+  // near 6 s.
   const SpinRun run = spin({.05, 5, .05}, 540);
   EXPECT_EQ(run.flips, 2);
   EXPECT_GT(run.lowEnergy, .9990);
@@ -108,7 +111,8 @@ TEST(TorqueFreeSpin, TurnsTheIntermediateAxisOver) {
 }
 
 TEST(TorqueFreeSpin, ConservesTheDiscreteMomentumToRoundOff) {
-  // The momentum that the rule carries from step to step, in the world: R Pi-(w) before a step equals R Pi+(w1).
+  // The momentum that the rule carries from step to step, in the world: R Pi-(w) before a step equals R
+  // Pi+(w1).
   const auto discrete = [](const FreeBody& b, Real sign) {
     const Vec3 w = rotateInverse(b.q, b.w), x = kDt * w, iw = mul(kInertia, w);
     const Real a = length(x), c = (1 - (a / 2) / std::tan(a / 2)) / (a * a);
@@ -148,7 +152,8 @@ TEST(TorqueFreeSpin, PlanarSpinWithTorqueIsExact) {
 
 TEST(TorqueFreeSpin, KeepsTheMomentumAboveOneRadianAStep) {
   const Vec3 w{10, 70, 10}, after = torqueFreeSpin(w, {0, 0, 0}, kInertia, kDt);
-  EXPECT_TRUE(test::near(SpinMomentum({kInertia, kDt, 1})(after), SpinMomentum({kInertia, kDt, -1})(w), 1e-9 * 140));
+  EXPECT_TRUE(
+      test::near(SpinMomentum({kInertia, kDt, 1})(after), SpinMomentum({kInertia, kDt, -1})(w), 1e-9 * 140));
 }
 
 TEST(SpinMomentum, OfAFreeBodyIsTheSameAtBothEndsOfItsStep) {
@@ -166,7 +171,9 @@ TEST(SpinAt, KeepsTheMomentumOfABodyThatWasStoppedOnItsWay) {
   const Quat start = random.rotation();
   const Vec3 w{4, 9, -6};
   const Quat there = expRotation(kDt * w) * start, here = expRotation(.4 * kDt * w) * start;
-  const auto momentum = [&](const Quat& q, const Vec3& spin) { return rotate(q, SpinMomentum({kInertia, kDt, -1})(rotateInverse(q, spin))); };
+  const auto momentum = [&](const Quat& q, const Vec3& spin) {
+    return rotate(q, SpinMomentum({kInertia, kDt, -1})(rotateInverse(q, spin)));
+  };
   EXPECT_TRUE(test::near(momentum(here, spinAt(here, there, w, kInertia, kDt)), momentum(there, w), 1e-9));
 }
 
@@ -174,7 +181,8 @@ TEST(SpinAt, KeepsTheMomentumOfABodyThatWasStoppedOnItsWay) {
 struct TurnedByRows {
   Quat start, x, y;
   Vec3 inertia, turn;
-  TurnedByRows(Random& random, const Vec3& inertia, Real free, Real added) : start(random.rotation()), inertia(inertia) {
+  TurnedByRows(Random& random, const Vec3& inertia, Real free, Real added)
+      : start(random.rotation()), inertia(inertia) {
     y = expRotation(free * random.direction());
     x = expRotation(added * random.direction()) * y;
     turn = logRotation(x);
@@ -183,7 +191,8 @@ struct TurnedByRows {
   /// Of the free spin, and what rows have given.
   Vec3 momentum() const {
     const Vec3 given = (2 / kDt) * shortArc(x * conjugate(y)).v;
-    return freeMomentum(start, logRotation(y) / kDt, inertia, kDt) + massMatrix(1, inertia, start).inertia * given;
+    return freeMomentum(start, logRotation(y) / kDt, inertia, kDt) +
+           massMatrix(1, inertia, start).inertia * given;
   }
 };
 
@@ -191,7 +200,8 @@ TEST(SpinAfterRows, HasTheMomentumThatRowsGave) {
   Random random(8);
   for (int i = 0; i < 50; ++i) {
     const TurnedByRows body(random, {1, random.uniform(1.1, 1.9), 2}, random.uniform(0, .6), .05);
-    const Vec3 wanted = body.momentum(), has = angularMomentum(body.x * body.start, body.spin(), body.inertia, kDt);
+    const Vec3 wanted = body.momentum(),
+               has = angularMomentum(body.x * body.start, body.spin(), body.inertia, kDt);
     EXPECT_TRUE(test::near(has, wanted, 1e-5 * length(wanted)));
   }
 }

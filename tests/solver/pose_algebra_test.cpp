@@ -55,7 +55,8 @@ TEST(Retract, IsTheDefinition) {
   for (int i = 0; i < 100; ++i) {
     const Pose x = randomPose(random);
     const Vec6 dx = randomVec6(random);
-    const Quat q = normalize(Quat{x.q.s - dot(dx.ang, x.q.v) / 2, x.q.v + (x.q.s * dx.ang + cross(dx.ang, x.q.v)) / 2.});
+    const Quat q = normalize(
+        Quat{x.q.s - dot(dx.ang, x.q.v) / 2, x.q.v + (x.q.s * dx.ang + cross(dx.ang, x.q.v)) / 2.});
     const Pose moved = retract(x, dx);
     EXPECT_TRUE(test::near(moved.p, x.p + dx.lin, 1e-15));
     EXPECT_NEAR(moved.q.s, q.s, 1e-15);

@@ -30,8 +30,10 @@ Vec3 vector(const Result& r) { return {r.force[0], r.force[1], r.force[2]}; }
 TEST(GroupForce, OfAHardGroupIsTheDerivativeOfTheAugmentedEnergy) {
   Random random(1);
   for (int i = 0; i < 50; ++i) {
-    const Real k = random.logUniform(1, 1e6), lambda = random.uniform(-10, 10), error = random.uniform(-1, 1), h = 1e-4;
-    const Real slope = (augmentedEnergy(k, lambda, error + h) - augmentedEnergy(k, lambda, error - h)) / (2 * h);
+    const Real k = random.logUniform(1, 1e6), lambda = random.uniform(-10, 10), error = random.uniform(-1, 1),
+               h = 1e-4;
+    const Real slope = (augmentedEnergy(k, lambda, error + h) - augmentedEnergy(k, lambda, error - h)) /
+                       (2 * h);
     const Result r = forceOf(group(k), {error, 0, 0}, {lambda, 0, 0});
     EXPECT_NEAR(r.force[0], slope, 1e-7 * (1 + k));
     EXPECT_EQ(r.hessian, k);

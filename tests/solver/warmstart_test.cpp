@@ -26,16 +26,21 @@ TEST(Stiffness, RampGrowsWithTheErrorInMassPerTimeStepSquaredAndLength) {
 TEST(Stiffness, RampDoesNotDependOnTheUnitOfMass) {
   // grams: forces and stiffness 1000 times those in kilograms
   const StepConstants c = testConstants();
-  const StiffnessRule heavy = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 2), 1),
-                      light = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 2e3), 1);
-  EXPECT_NEAR(grownStiffness<Real>(light, light.start, .1, 0) / grownStiffness<Real>(heavy, heavy.start, .1, 0), 1e3, 1e-9);
+  const StiffnessRule heavy = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 2),
+                                            1),
+                      light = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate,
+                                            startStiffness(c, 2e3), 1);
+  EXPECT_NEAR(
+      grownStiffness<Real>(light, light.start, .1, 0) / grownStiffness<Real>(heavy, heavy.start, .1, 0), 1e3,
+      1e-9);
 }
 
 TEST(Stiffness, LiteralBetaIsTakenAsItIs) {
   StepConstants c = testConstants();
   c.literalBeta = true;
   c.contactRampRate = 10;
-  const StiffnessRule rule = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 2), .5);
+  const StiffnessRule rule = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 2),
+                                           .5);
   EXPECT_NEAR(grownStiffness<Real>(rule, 100, .3, 0), 103, 1e-12);
 }
 
@@ -44,12 +49,14 @@ TEST(Stiffness, NeverExceedsItsLimit) {
   c.maxStiffness = 100;
   const Real start = startStiffness(c, 1);
   for (const StiffnessPolicy policy : {StiffnessPolicy::Ramp, StiffnessPolicy::FollowLoad})
-    EXPECT_NEAR(grownStiffness<Real>(stiffnessRule(c, policy, c.contactRampRate, start, 1), start, 1e9, 1e12), 100 * start, 1e-6);
+    EXPECT_NEAR(grownStiffness<Real>(stiffnessRule(c, policy, c.contactRampRate, start, 1), start, 1e9, 1e12),
+                100 * start, 1e-6);
 }
 
 TEST(Stiffness, FollowsTheLoadFromItsFloor) {
   const StepConstants c = testConstants();
-  StiffnessRule rule = stiffnessRule(c, StiffnessPolicy::FollowLoad, c.contactRampRate, startStiffness(c, 1), .5);
+  StiffnessRule rule = stiffnessRule(c, StiffnessPolicy::FollowLoad, c.contactRampRate, startStiffness(c, 1),
+                                     .5);
   EXPECT_GT(rule.perLoad, 0);
   rule.perLoad = 2000;
   EXPECT_NEAR(grownStiffness<Real>(rule, 1, 9, -1000), 2e6, 1e-6);
@@ -71,7 +78,8 @@ TEST(WarmStart, DecaysTheMultiplierByAlphaGammaOrByGamma) {
 
 TEST(WarmStart, DecaysTheStiffnessDownToItsFloor) {
   const StepConstants c = testConstants();
-  const StiffnessRule rule = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 1), 1);
+  const StiffnessRule rule = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 1),
+                                           1);
   EXPECT_NEAR(warmStiffness(c, rule, 5 * rule.start, 0), .99 * 5 * rule.start, 1e-9);
   EXPECT_EQ(warmStiffness(c, rule, rule.start, 0), rule.start);
   EXPECT_EQ(warmStiffness(c, rule, 1e30, 0), rule.limit);
@@ -83,7 +91,8 @@ TEST(WarmStart, RescalesTheStiffnessWhenTheTimeStepChanges) {
   const StepConstants c = stepConstants(params, {0, 0, 0}, 1. / 60);
   EXPECT_NEAR(c.stiffnessRescale, 4, 1e-12);
   EXPECT_EQ(stepConstants(params, {0, 0, 0}, 0).stiffnessRescale, 1);
-  const StiffnessRule rule = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 1), 1);
+  const StiffnessRule rule = stiffnessRule(c, StiffnessPolicy::Ramp, c.contactRampRate, startStiffness(c, 1),
+                                           1);
   EXPECT_NEAR(warmStiffness(c, rule, 2 * rule.start, 0), c.gamma * 8 * rule.start, 1e-6);
 }
 

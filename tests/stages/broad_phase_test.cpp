@@ -105,7 +105,8 @@ TEST(BroadPhase, FindsAllPairsWithHugeStaticBoxesAndPlanes) {
   world.add(groundPlane({0, 0, 0}, Quat{}));
   world.add(groundPlane({5, 0, 0}, random.rotation()));
   for (int i = 0; i < 20; ++i)
-    world.add(staticBox({random.logUniform(.1, 30), random.logUniform(.1, 30), .5}, random.vector(30), random.rotation()));
+    world.add(staticBox({random.logUniform(.1, 30), random.logUniform(.1, 30), .5}, random.vector(30),
+                        random.rotation()));
   for (int i = 0; i < 400; ++i) {
     BodyDef body = ball(.2, random.vector(10));
     if (i % 3 == 0) body.shape = Shape::capsule(.1, .3);
@@ -124,7 +125,8 @@ TEST(BroadPhase, FindsAllPairsFarFromTheOrigin) {
 }
 
 TEST(BroadPhase, FindsAllPairsOfBodiesThatReachOverMoreCellsThanThereAreBuckets) {
-  // on the coarsest level some look into cells, and others at all bodies: of two that meet one finds the other in either way
+  // on the coarsest level some look into cells, and others at all bodies: of two that meet one finds the
+  // other in either way
   Random random(9);
   CoreWorld world;
   for (int i = 0; i < 200; ++i) world.add(ball(random.logUniform(1e3, 3e5), random.vector(3e5)));

@@ -27,14 +27,16 @@ void findGraph(CoreWorld& world) {
 
 const JointSpec<BallJoint>& ball(const SolverData& s, int i) { return s.specsOf<BallJoint>()[i]; }
 
-/// Row blocks between two dynamic bodies, each once, from the tables of rows and not from the incidence lists.
+/// Row blocks between two dynamic bodies, each once, from the tables of rows and not from the incidence
+/// lists.
 std::vector<std::pair<int, int>> edges(const SolverData& s) {
   std::vector<std::pair<int, int>> out;
   const auto dynamic = [&](int i) { return i != kWorldBody && s.params[i].kind == BodyKind::Dynamic; };
   for (int i = 0; i < s.counters->manifolds; ++i)
     if (dynamic(s.contact[i].a) && dynamic(s.contact[i].b)) out.emplace_back(s.contact[i].a, s.contact[i].b);
   for (int i = 0; i < s.joints[0]; ++i)
-    if (ball(s, i).alive && dynamic(ball(s, i).a) && dynamic(ball(s, i).b)) out.emplace_back(ball(s, i).a, ball(s, i).b);
+    if (ball(s, i).alive && dynamic(ball(s, i).a) && dynamic(ball(s, i).b))
+      out.emplace_back(ball(s, i).a, ball(s, i).b);
   return out;
 }
 
@@ -50,7 +52,8 @@ void expectProper(const SolverData& s, std::size_t atLeastEdges) {
       EXPECT_EQ(s.color[s.colorBody[k]], c);
       ++seen[static_cast<std::size_t>(s.colorBody[k])];
     }
-  for (int i = 0; i < s.bodies; ++i) EXPECT_EQ(seen[static_cast<std::size_t>(i)], s.params[i].kind == BodyKind::Dynamic) << i;
+  for (int i = 0; i < s.bodies; ++i)
+    EXPECT_EQ(seen[static_cast<std::size_t>(i)], s.params[i].kind == BodyKind::Dynamic) << i;
 }
 
 void expectIncidence(const SolverData& s) {
@@ -73,7 +76,8 @@ void expectIncidence(const SolverData& s) {
       ASSERT_EQ(e.code, codes[k]) << "body " << i;
       const int index = constraintIndex(e.code);
       const bool contact = constraintType(e.code) == kContactType;
-      const int a = contact ? s.contact[index].a : ball(s, index).a, b = contact ? s.contact[index].b : ball(s, index).b;
+      const int a = contact ? s.contact[index].a : ball(s, index).a,
+                b = contact ? s.contact[index].b : ball(s, index).b;
       const int other = constraintSide(e.code) == 0 ? b : a;
       EXPECT_EQ(constraintSide(e.code) == 0 ? a : b, i);
       EXPECT_EQ(e.other, other != kWorldBody && s.params[other].kind == BodyKind::Dynamic ? other : -1);
@@ -135,7 +139,8 @@ void buildPile(CoreWorld& world) {
   world.add(ground);
   for (int z = 0; z < 10; ++z)
     for (int y = 0; y < 12; ++y)
-      for (int x = 0; x < 12; ++x) world.add(cube({1.001 * x + .5 * (z % 2), 1.001 * y + .3 * (z % 2), .5 + z}));
+      for (int x = 0; x < 12; ++x)
+        world.add(cube({1.001 * x + .5 * (z % 2), 1.001 * y + .3 * (z % 2), .5 + z}));
   world.finish();
 }
 

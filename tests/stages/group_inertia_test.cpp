@@ -66,7 +66,8 @@ TEST(AggregateInertia, IsTheSumOfThoseOfItsBodiesAboutThatCentre) {
     const Sym6 sum = pack(group.inertia), wanted = pack(expected);
     double largest = 0;
     for (const double x : wanted.a) largest = std::max(largest, std::fabs(x));
-    for (std::size_t k = 0; k < std::size(wanted.a); ++k) EXPECT_NEAR(sum.a[k], wanted.a[k], 1e-10 * largest) << k << (joined ? ", joined" : "");
+    for (std::size_t k = 0; k < std::size(wanted.a); ++k)
+      EXPECT_NEAR(sum.a[k], wanted.a[k], 1e-10 * largest) << k << (joined ? ", joined" : "");
     EXPECT_EQ(length(group.inertia.fl) + length(group.inertia.fa), 0);
   }
 }

@@ -9,7 +9,9 @@ namespace {
 TEST(InParts, ListsEachElementOnceBehindTheOffsetOfItsColor) {
   // more colours than are counted together, and elements of none
   constexpr int kColors = 2 * kCountedColors + 10, kElements = 5000;
-  const auto colorOf = [](int i) { return static_cast<int>(hash32(static_cast<std::uint32_t>(i)) % (kColors + 1)) - 1; };
+  const auto colorOf = [](int i) {
+    return static_cast<int>(hash32(static_cast<std::uint32_t>(i)) % (kColors + 1)) - 1;
+  };
   const auto inParts = [&](auto&& part) {
     for (int begin = 0; begin < kElements; begin += 700) part(begin, std::min(begin + 700, kElements));
   };
@@ -20,7 +22,8 @@ TEST(InParts, ListsEachElementOnceBehindTheOffsetOfItsColor) {
     if (colorOf(i) >= 0) ++expected[static_cast<std::size_t>(colorOf(i))];
   EXPECT_EQ(count, expected);
   std::partial_sum(count.begin(), count.end(), offset.begin() + 1);
-  inParts([&](int begin, int end) { listColors(begin, end, colorOf, offset.data(), count.data(), list.data()); });
+  inParts(
+      [&](int begin, int end) { listColors(begin, end, colorOf, offset.data(), count.data(), list.data()); });
   EXPECT_EQ(count, std::vector<int>(kColors));
   std::vector<int> found(kElements);
   for (int c = 0; c < kColors; ++c)
@@ -30,7 +33,8 @@ TEST(InParts, ListsEachElementOnceBehindTheOffsetOfItsColor) {
       EXPECT_EQ(colorOf(i), c);
       ++found[static_cast<std::size_t>(i)];
     }
-  for (int i = 0; i < kElements; ++i) EXPECT_EQ(found[static_cast<std::size_t>(i)], colorOf(i) >= 0 ? 1 : 0) << i;
+  for (int i = 0; i < kElements; ++i)
+    EXPECT_EQ(found[static_cast<std::size_t>(i)], colorOf(i) >= 0 ? 1 : 0) << i;
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ int awakePoints(const SolverData& s, const Pair& p) {
   const Manifold m = freshManifold(collide(s.params[o.a].shape, s.params[o.b].shape, pose), pose);
   const ActivationRule awake = activationRule(s, o);
   int count = 0;
-  for (int k = 0; k < m.count; ++k) count += awake(s, o, pose, m.normal, pointAt(m, k, m.normal, pose.qA, pose.qB, pose.t), 0);
+  for (int k = 0; k < m.count; ++k)
+    count += awake(s, o, pose, m.normal, pointAt(m, k, m.normal, pose.qA, pose.qB, pose.t), 0);
   return count;
 }
 
@@ -60,7 +61,8 @@ TEST(ActivePairs, NoPointOfAPairWithoutManifoldTakesPartInTheStep) {
     CoreWorld world;
     world.settings().gravity = {0, 0, -10};
     for (int i = 0; i < 250; ++i) {
-      BodyDef body = brick({random.uniform(.1, .4), random.uniform(.1, .4), random.uniform(.1, .4)}, random.vector(2.5), random.rotation());
+      BodyDef body = brick({random.uniform(.1, .4), random.uniform(.1, .4), random.uniform(.1, .4)},
+                           random.vector(2.5), random.rotation());
       if (i % 3 == 1) body.shape = Shape::capsule(.15, .2);
       if (i % 3 == 2) body.shape = Shape::sphere(.3);
       body.velocity = random.vector(speed);
@@ -88,7 +90,10 @@ TEST(ActivePairs, BricksAcrossAGapHaveNoManifold) {
   const Quat turn = fromAxisAngle(Vec3{0, 0, 1}, .7853981634);
   const int levels = 10;
   for (int side = 0; side < 2; ++side)
-    for (int k = 0; k < levels; ++k) world.add(brick(half, rotate(turn, Vec3{0, side * (2 * half.y + .02), 0}) + Vec3{0, 0, half.z * (2 * k + 1)}, turn));
+    for (int k = 0; k < levels; ++k)
+      world.add(brick(half,
+                      rotate(turn, Vec3{0, side * (2 * half.y + .02), 0}) + Vec3{0, 0, half.z * (2 * k + 1)},
+                      turn));
   world.finish();
   watch(world, 10);
   const Seen seen = watch(world, 1);

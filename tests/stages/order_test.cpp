@@ -13,7 +13,8 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 TEST(Curve, SpreadsEveryBitToItsOwnPlace) {
-  for (int bit = 0; bit < 21; ++bit) EXPECT_EQ(spreadBits(std::uint64_t{1} << bit), std::uint64_t{1} << 3 * bit) << bit;
+  for (int bit = 0; bit < 21; ++bit)
+    EXPECT_EQ(spreadBits(std::uint64_t{1} << bit), std::uint64_t{1} << 3 * bit) << bit;
   EXPECT_EQ(spreadBits(~std::uint64_t{0}), 0x1249249249249249u);
 }
 
@@ -25,8 +26,9 @@ class SortedCubes : public ::testing::Test {
   SortedCubes() {
     std::vector<rubble::Vec3> places;
     for (int i = 0; i < kSide * kSide * kSide; ++i)
-      places.push_back(rubble::Vec3{0, 0, .5} +
-                       1.001 * rubble::Vec3{double(i % kSide) - 3, double(i / kSide % kSide) - 2, double(i / (kSide * kSide))});
+      places.push_back(rubble::Vec3{0, 0, .5} + 1.001 * rubble::Vec3{double(i % kSide) - 3,
+                                                                     double(i / kSide % kSide) - 2,
+                                                                     double(i / (kSide * kSide))});
     std::shuffle(places.begin(), places.end(), std::mt19937(1));
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (i == 100) world_.add(test::ground());
@@ -87,7 +89,8 @@ TEST_F(SortedCubes, KeepTheirPairsAndManifolds) {
         for (int j = 0; m >= 0 && j < kLanes; ++j) load += s().oldManifold[m].lambdaN[j];
         const int owner = s().idOf[p.owner], other = s().idOf[p.other];
         const int points = m < 0 ? -1 : s().oldManifold[m].count;
-        out.push_back({std::min(owner, other), std::max(owner, other), s().idOf[ordered(p).a], points, s().oldPairTest[k].separation, load});
+        out.push_back({std::min(owner, other), std::max(owner, other), s().idOf[ordered(p).a], points,
+                       s().oldPairTest[k].separation, load});
       }
     std::sort(out.begin(), out.end());
     return out;

@@ -40,7 +40,8 @@ int roundOf(const SolverData& s, int node) {
   return r;
 }
 
-/// Every coupling goes to a later round, every joint is a coupling, and what is passed on arrives; each tree lists its nodes by round.
+/// Every coupling goes to a later round, every joint is a coupling, and what is passed on arrives; each tree
+/// lists its nodes by round.
 void expectSound(const SolverData& s, const Links& links) {
   EXPECT_EQ(s.treeOffset[s.trees], treeNodes(s));
   std::vector<int> listed(s.treeMember, s.treeMember + treeNodes(s));
@@ -48,7 +49,8 @@ void expectSound(const SolverData& s, const Links& links) {
     const int begin = s.treeOffset[t], end = s.treeOffset[t + 1];
     EXPECT_LT(begin, end);
     EXPECT_TRUE(std::is_sorted(s.treeMember + begin, s.treeMember + end));
-    for (int k = begin; k < end; ++k) EXPECT_EQ(s.treeNode[s.treeMember[k]].tree, s.treeNode[s.treeMember[begin]].tree);
+    for (int k = begin; k < end; ++k)
+      EXPECT_EQ(s.treeNode[s.treeMember[k]].tree, s.treeNode[s.treeMember[begin]].tree);
   }
   std::sort(listed.begin(), listed.end());
   for (int n = 0; n < treeNodes(s); ++n) EXPECT_EQ(listed[static_cast<std::size_t>(n)], n);
@@ -169,7 +171,8 @@ TEST(JointTrees, ASmallTreeIsSolvedAtOnceAsInRounds) {
   fillBlocks(s);
   SolveTree{}(s, 0);
   for (int n = 0; n < treeNodes(s); ++n)
-    for (int i = 0; i < 6; ++i) EXPECT_EQ(s.treeWork[n].x.v[i], wanted[static_cast<std::size_t>(n)].v[i]) << n;
+    for (int i = 0; i < 6; ++i)
+      EXPECT_EQ(s.treeWork[n].x.v[i], wanted[static_cast<std::size_t>(n)].v[i]) << n;
 }
 
 /// Two chains, whose bodies stand by turns in the order of elimination.

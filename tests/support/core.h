@@ -1,5 +1,6 @@
 #pragma once
-/// Random values and comparisons in the types of the core (a test that includes this is compiled once a precision, in double).
+/// Random values and comparisons in the types of the core (a test that includes this is compiled once a
+/// precision, in double).
 #include <solver/pose_algebra.h>
 #include <solver/settings.h>
 
@@ -10,8 +11,12 @@ namespace rubble::RUBBLE_CORE {
 
 static_assert(sizeof(Real) == sizeof(double), "tests of the core work in double precision");
 
-inline Pose randomPose(test::Random& random, double size = 1) { return {random.vector(size), random.rotation()}; }
-inline Vec6 randomVec6(test::Random& random, double size = 1) { return {random.vector(size), random.vector(size)}; }
+inline Pose randomPose(test::Random& random, double size = 1) {
+  return {random.vector(size), random.rotation()};
+}
+inline Vec6 randomVec6(test::Random& random, double size = 1) {
+  return {random.vector(size), random.vector(size)};
+}
 inline Real component(const Vec6& a, int i) { return i < 3 ? a.lin[i] : a.ang[i - 3]; }
 /// The unit vector of coordinate i, linear ones first.
 inline Vec6 unitVec6(int i) {
@@ -20,7 +25,8 @@ inline Vec6 unitVec6(int i) {
   return e;
 }
 
-/// Constants of a step of 1/60 s under gravity 10 with nothing special: alpha .95, gamma .99, K 1, stiffness by the ramp.
+/// Constants of a step of 1/60 s under gravity 10 with nothing special: alpha .95, gamma .99, K 1, stiffness
+/// by the ramp.
 inline StepConstants testConstants() {
   Params params;
   params.tuning.errorRetention = .95;

@@ -94,7 +94,8 @@ inline std::set<std::pair<int, int>> allPairs(const SolverData& s) {
         meet = dot(up, b.centre - Vec3(s.position[p])) <= dot(abs(up), b.half);
       } else {
         for (int k = 0; k < 3; ++k)
-          meet &= std::fabs(s.bounds[i].centre[k] - s.bounds[j].centre[k]) <= s.bounds[i].half[k] + s.bounds[j].half[k];
+          meet &= std::fabs(s.bounds[i].centre[k] - s.bounds[j].centre[k]) <=
+                  s.bounds[i].half[k] + s.bounds[j].half[k];
       }
       if (meet) out.emplace(i, j);
     }

@@ -13,7 +13,9 @@ namespace rubble::test {
 struct TemporaryFile {
   std::string path;
   explicit TemporaryFile(const std::string& ending, const std::string& content = "") {
-    path = (std::filesystem::temp_directory_path() / ("rubble_test_" + std::to_string(std::random_device{}()) + ending)).string();
+    path = (std::filesystem::temp_directory_path() /
+            ("rubble_test_" + std::to_string(std::random_device{}()) + ending))
+               .string();
     std::ofstream(path, std::ios::binary) << content;
   }
   ~TemporaryFile() { std::filesystem::remove(path); }
@@ -24,7 +26,9 @@ struct TemporaryFile {
 /// A folder that goes away with the test.
 struct TemporaryFolder {
   std::filesystem::path path;
-  TemporaryFolder() : path(std::filesystem::temp_directory_path() / ("rubble_test_" + std::to_string(std::random_device{}()))) {
+  TemporaryFolder()
+      : path(std::filesystem::temp_directory_path() /
+             ("rubble_test_" + std::to_string(std::random_device{}()))) {
     std::filesystem::create_directory(path);
   }
   ~TemporaryFolder() { std::filesystem::remove_all(path); }

@@ -1,6 +1,6 @@
 #pragma once
-/// Random numbers that are the same with every standard library and compiler: the distributions of <random> are not, and neither is the order in
-/// which arguments of a call are evaluated.
+/// Random numbers that are the same with every standard library and compiler: the distributions of <random>
+/// are not, and neither is the order in which arguments of a call are evaluated.
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -23,7 +23,9 @@ class Random {
   /// In [0, n).
   int below(int n) { return static_cast<int>(bits() % static_cast<std::uint64_t>(n)); }
   /// In [lo, hi).
-  double uniform(double lo, double hi) { return lo + (hi - lo) * static_cast<double>(bits() >> 11) * 0x1p-53; }
+  double uniform(double lo, double hi) {
+    return lo + (hi - lo) * static_cast<double>(bits() >> 11) * 0x1p-53;
+  }
   /// Spread evenly over the orders of magnitude from lo to hi.
   double logUniform(double lo, double hi) { return std::exp(uniform(std::log(lo), std::log(hi))); }
   /// Each component in [-size, size).

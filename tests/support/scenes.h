@@ -56,7 +56,9 @@ inline Scene heap(int layers) {
     for (int y = 0; y < 4; ++y)
       for (int x = 0; x < 4; ++x) {
         const int kind = (x + 2 * y + 3 * z) % 4;
-        const Shape shape = kind == 0 ? Shape::sphere(.3) : kind == 1 ? Shape::capsule(.2, .25) : Shape::box({.3, .25, .2});
+        const Shape shape = kind == 0   ? Shape::sphere(.3)
+                            : kind == 1 ? Shape::capsule(.2, .25)
+                                        : Shape::box({.3, .25, .2});
         BodyDef def = body(shape, {.7 * x + .05 * z, .7 * y - .03 * z, .5 + .8 * z});
         def.orientation = fromAxisAngle(normalize(Vec3{1., .3 * x, .2 * y}), .4 * (x + y + z));
         scene.bodies.push_back(def);

@@ -12,8 +12,8 @@ namespace rubble::test {
 struct Standing {
   std::string name;
   Shape shape;
-  double height;     ///< of the frame over the base [m]
-  double top;        ///< of a flat top over the frame, 0: it has none [m]
+  double height;  ///< of the frame over the base [m]
+  double top;     ///< of a flat top over the frame, 0: it has none [m]
 };
 
 inline std::vector<Vec3> prismCorners(int sides, double radius, double half) {
@@ -27,14 +27,19 @@ inline std::vector<Vec3> prismCorners(int sides, double radius, double half) {
 }
 
 inline std::vector<Standing> standingShapes() {
-  return {{"box", Shape::box({.4, .3, .3}), .3, .3},
-          {"roundedBox", Shape::box({.4, .3, .3}, .05), .3, .3},
-          {"cylinder", Shape::cylinder(.35, .3), .3, .3},
-          {"roundedCylinder", Shape::cylinder(.35, .3, .04), .3, .3},
-          {"cone", Shape::cone(.35, .3), .3, 0},
-          {"hull", Shape::hull(prismCorners(7, .4, .3)), .3, .3},
-          {"pyramid", Shape::hull({{-.3, -.3, 0}, {.3, -.3, 0}, {.3, .3, 0}, {-.3, .3, 0}, {0, 0, .5}}), 0, 0},
-          {"compound", Shape::compound({{Shape::box({.4, .1, .1}), {0, -.25, -.2}, {}}, {Shape::box({.4, .1, .1}), {0, .25, -.2}, {}}, {Shape::box({.4, .35, .1}), {0, 0, 0}, {}}}), .3, .1}};
+  return {
+      {"box", Shape::box({.4, .3, .3}), .3, .3},
+      {"roundedBox", Shape::box({.4, .3, .3}, .05), .3, .3},
+      {"cylinder", Shape::cylinder(.35, .3), .3, .3},
+      {"roundedCylinder", Shape::cylinder(.35, .3, .04), .3, .3},
+      {"cone", Shape::cone(.35, .3), .3, 0},
+      {"hull", Shape::hull(prismCorners(7, .4, .3)), .3, .3},
+      {"pyramid", Shape::hull({{-.3, -.3, 0}, {.3, -.3, 0}, {.3, .3, 0}, {-.3, .3, 0}, {0, 0, .5}}), 0, 0},
+      {"compound",
+       Shape::compound({{Shape::box({.4, .1, .1}), {0, -.25, -.2}, {}},
+                        {Shape::box({.4, .1, .1}), {0, .25, -.2}, {}},
+                        {Shape::box({.4, .35, .1}), {0, 0, 0}, {}}}),
+       .3, .1}};
 }
 
 /// Ground with its surface at z = 0: "plane", "box", "mesh" (triangles of .3 m) or "heights".
@@ -58,7 +63,9 @@ inline BodyDef groundOf(const std::string& kind, double friction = .6, double ha
       }
     def.shape = Shape::mesh(points, triangles);
   } else if (kind == "heights") {
-    def.shape = Shape::heightField(n, n, {kCell, kCell, 0}, std::vector<double>(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), 0));
+    def.shape = Shape::heightField(
+        n, n, {kCell, kCell, 0},
+        std::vector<double>(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), 0));
     def.position = {-half, -half, 0};
   }
   return def;

@@ -1,5 +1,6 @@
 #pragma once
-/// A world whose bodies were added in no order of space, as it is and after a sort: what an order in memory must not change.
+/// A world whose bodies were added in no order of space, as it is and after a sort: what an order in memory
+/// must not change.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +12,8 @@ namespace rubble::test {
 
 inline constexpr int kTowers = 5, kTowerHeight = 3;  // towers along each side, cubes of each
 
-/// Towers of cubes, a sensor around some of them, and a chain that hangs beside, in any order behind the ground: body 0.
+/// Towers of cubes, a sensor around some of them, and a chain that hangs beside, in any order behind the
+/// ground: body 0.
 inline Scene shuffledTowers() {
   Scene scene = emptyScene();
   for (int x = 0; x < kTowers; ++x)
@@ -34,7 +36,8 @@ inline Scene shuffledTowers() {
   }
   for (int i = 0; i < links; ++i) {
     const int link = place[static_cast<std::size_t>(cubes + i)];
-    out.joints.push_back(i == 0 ? ball(kWorld, {-4, 0, 8.25}, link, {0, 0, .25}) : ball(out.joints.back().bodyB, {0, 0, -.25}, link, {0, 0, .25}));
+    out.joints.push_back(i == 0 ? ball(kWorld, {-4, 0, 8.25}, link, {0, 0, .25})
+                                : ball(out.joints.back().bodyB, {0, 0, -.25}, link, {0, 0, .25}));
   }
   return out;
 }
@@ -52,7 +55,8 @@ inline World towersAfter(const std::string& backend, int steps, bool sorted) {
 inline int cubeOfCourse(const Scene& scene, int z, int skip = 0) {
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const BodyDef& b = scene.bodies[i];
-    if (b.shape.type == ShapeType::Box && !b.sensor && std::fabs(b.position.z - (.5 + z)) < .1 && skip-- == 0) return static_cast<int>(i);
+    if (b.shape.type == ShapeType::Box && !b.sensor && std::fabs(b.position.z - (.5 + z)) < .1 && skip-- == 0)
+      return static_cast<int>(i);
   }
   return -1;
 }
@@ -60,7 +64,8 @@ inline int cubeOfCourse(const Scene& scene, int z, int skip = 0) {
 /// Largest distance of the places of a body in two worlds [m].
 inline double apart(const World& a, const World& b) {
   double most = 0;
-  for (const BodyId id : a.bodies()) most = std::max(most, length(a.state(id).position - b.state(id).position));
+  for (const BodyId id : a.bodies())
+    most = std::max(most, length(a.state(id).position - b.state(id).position));
   return most;
 }
 

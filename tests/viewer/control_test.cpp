@@ -145,7 +145,8 @@ TEST(Hand, WhatDoesNotMoveIsNotHeld) {
 
 TEST(Hand, AShotFliesWhereItWasAimed) {
   Player player(blockOnGround, kBlock);
-  const BodyId ball = shoot(player, {0, -20, 5}, {0, 1, 0}, .5), second = shoot(player, {5, -20, 5}, {0, 1, 0}, .5);
+  const BodyId ball = shoot(player, {0, -20, 5}, {0, 1, 0}, .5),
+               second = shoot(player, {5, -20, 5}, {0, 1, 0}, .5);
   player.step();
   EXPECT_GT(player.world().state(ball).position.y, -20 + .3);
   EXPECT_NEAR(player.world().state(ball).position.x, 0, 1e-6);

@@ -12,7 +12,8 @@ namespace {
 class Recorded : public testing::Test {
  protected:
   void SetUp() override {
-    file_ = testing::TempDir() + "rubble_playback_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".rubble";
+    file_ = testing::TempDir() + "rubble_playback_" +
+            testing::UnitTest::GetInstance()->current_test_info()->name() + ".rubble";
     Scene scene;
     BodyDef ball;
     ball.name = "ball";
@@ -41,9 +42,11 @@ TEST_F(Recorded, EveryFrameIsFoundInAnyOrder) {
   for (const int step : {0, 90, 31, 32, 33, 64, 7}) {
     film.seek(step);
     EXPECT_EQ(film.now(), step);
-    EXPECT_NEAR(film.bodies(0, io::ColorBy::Body).front().position.z, heights_[static_cast<std::size_t>(step)], 1e-5);
+    EXPECT_NEAR(film.bodies(0, io::ColorBy::Body).front().position.z,
+                heights_[static_cast<std::size_t>(step)], 1e-5);
   }
-  EXPECT_NEAR(film.bodies(0, io::ColorBy::Speed).front().speed, 9.81 * 7 / 60, 1e-2) << "from the frame before, where implicit Euler fell with the speed of step 7";
+  EXPECT_NEAR(film.bodies(0, io::ColorBy::Speed).front().speed, 9.81 * 7 / 60, 1e-2)
+      << "from the frame before, where implicit Euler fell with the speed of step 7";
 }
 
 TEST_F(Recorded, ItPlaysToItsEndAndStops) {

@@ -1,4 +1,5 @@
-/// Bodies that go further in a step than they, or what they hit, are thick. Plates are 1 m wide and 1 cm thick, bullets 1 cm of lead.
+/// Bodies that go further in a step than they, or what they hit, are thick. Plates are 1 m wide and 1 cm
+/// thick, bullets 1 cm of lead.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -84,7 +85,8 @@ std::vector<Shot> shots() {
   for (const bool box : {false, true})
     for (const bool freePlate : {false, true})
       for (const double speed : {50., 300., 1000.})
-        for (const double degrees : {0., 30., 60., 80.}) all.push_back({box, freePlate, speed, degrees, 11.7});
+        for (const double degrees : {0., 30., 60., 80.})
+          all.push_back({box, freePlate, speed, degrees, 11.7});
   return all;
 }
 INSTANTIATE_TEST_SUITE_P(Shots, FastBody, testing::ValuesIn(shots()));
@@ -157,7 +159,8 @@ TEST(StruckBody, IsNotDrivenIntoTheGround) {
 }
 
 TEST(Assembly, StopsAsOneAndKeepsItsJointsClosed) {
-  // a leaning row of small cubes on ball joints; a cube goes .67 m a step, and the lowest meets the ground first
+  // a leaning row of small cubes on ball joints; a cube goes .67 m a step, and the lowest meets the ground
+  // first
   Scene scene = test::emptyScene({0, 0, 0});
   scene.bodies.push_back(test::ground());
   constexpr double kHalf = .05, kStep = .08;
@@ -165,7 +168,8 @@ TEST(Assembly, StopsAsOneAndKeepsItsJointsClosed) {
     BodyDef cube = test::body(Shape::box({kHalf, kHalf, kHalf}), {kStep * i, 0, .8 + kStep * i});
     cube.velocity = {0, 0, -40};
     scene.bodies.push_back(cube);
-    if (i > 0) scene.joints.push_back(test::ball(i + 1, {-kStep / 2, 0, -kStep / 2}, i, {kStep / 2, 0, kStep / 2}));
+    if (i > 0)
+      scene.joints.push_back(test::ball(i + 1, {-kStep / 2, 0, -kStep / 2}, i, {kStep / 2, 0, kStep / 2}));
   }
   World world(scene, test::options(4));
   int stops = 0;
@@ -173,7 +177,8 @@ TEST(Assembly, StopsAsOneAndKeepsItsJointsClosed) {
   for (int i = 0; i < 20; ++i) {
     stops += world.step().stoppedBodies;
     for (const JointId joint : world.joints()) gap = std::max(gap, world.state(joint).gap);
-    for (int body = 1; body <= 6; ++body) EXPECT_GT(world.state(world.bodyAt(body)).position.z, 0) << "body " << body << ", step " << i;
+    for (int body = 1; body <= 6; ++body)
+      EXPECT_GT(world.state(world.bodyAt(body)).position.z, 0) << "body " << body << ", step " << i;
   }
   EXPECT_GE(stops, 1);
   EXPECT_LT(gap, .08);

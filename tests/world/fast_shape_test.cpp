@@ -1,4 +1,5 @@
-/// Bodies of every kind that go further in a step than they are thick, against plates of every kind: 1 m wide and 1 cm thick, or a sheet.
+/// Bodies of every kind that go further in a step than they are thick, against plates of every kind: 1 m wide
+/// and 1 cm thick, or a sheet.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -15,7 +16,8 @@ constexpr double kTop = .005;
 
 std::vector<Vec3> boxCorners(const Vec3& half) {
   std::vector<Vec3> out;
-  for (int k = 0; k < 8; ++k) out.push_back({(k & 1) ? half.x : -half.x, (k & 2) ? half.y : -half.y, (k & 4) ? half.z : -half.z});
+  for (int k = 0; k < 8; ++k)
+    out.push_back({(k & 1) ? half.x : -half.x, (k & 2) ? half.y : -half.y, (k & 4) ? half.z : -half.z});
   return out;
 }
 
@@ -67,14 +69,16 @@ std::vector<Kind> bullets() {
           {"cone", Shape::cone(kR, kR)},
           {"roundedBox", Shape::box({kR, kR, kR}, kR / 4)},
           {"hull", Shape::hull(boxCorners({kR, kR, kR}))},
-          {"compound", Shape::compound({{Shape::sphere(kR), {-kR, 0, 0}, {}}, {Shape::sphere(kR), {kR, 0, 0}, {}}})}};
+          {"compound",
+           Shape::compound({{Shape::sphere(kR), {-kR, 0, 0}, {}}, {Shape::sphere(kR), {kR, 0, 0}, {}}})}};
 }
 
 std::vector<Kind> plates() {
   return {{"box", Shape::box({.5, .5, kTop})},
           {"hull", Shape::hull(boxCorners({.5, .5, kTop}))},
           {"cylinder", Shape::cylinder(.5, kTop)},
-          {"compound", Shape::compound({{Shape::box({.25, .5, kTop}), {-.25, 0, 0}, {}}, {Shape::box({.25, .5, kTop}), {.25, 0, 0}, {}}})},
+          {"compound", Shape::compound({{Shape::box({.25, .5, kTop}), {-.25, 0, 0}, {}},
+                                        {Shape::box({.25, .5, kTop}), {.25, 0, 0}, {}}})},
           {"mesh", sheet(7, false)},
           {"twoSidedMesh", sheet(7, true)},
           {"heights", Shape::heightField(8, 8, {1. / 7, 1. / 7, 0}, std::vector<double>(64, kTop))},
@@ -123,12 +127,15 @@ std::vector<Shot> shots() {
       for (const double degrees : {0., 60.}) all.push_back({bullet, plate, degrees});
   return all;
 }
-INSTANTIATE_TEST_SUITE_P(Shots, FastShape, testing::ValuesIn(shots()), [](const testing::TestParamInfo<Shot>& info) {
-  return info.param.bullet.name + "_on_" + info.param.plate.name + (info.param.degrees == 0 ? "_upright" : "_slanting");
-});
+INSTANTIATE_TEST_SUITE_P(Shots, FastShape, testing::ValuesIn(shots()),
+                         [](const testing::TestParamInfo<Shot>& info) {
+                           return info.param.bullet.name + "_on_" + info.param.plate.name +
+                                  (info.param.degrees == 0 ? "_upright" : "_slanting");
+                         });
 
 /// A bullet at 1000 m/s along d from x; body 1.
-Scene flight(const Shape& plate, const Vec3& platePosition, const Shape& bullet, const Vec3& x, const Vec3& d) {
+Scene flight(const Shape& plate, const Vec3& platePosition, const Shape& bullet, const Vec3& x,
+             const Vec3& d) {
   Scene scene = test::emptyScene({0, 0, 0});
   BodyDef still = test::body(plate, platePosition);
   still.motion = Motion::Static;
@@ -149,21 +156,25 @@ TEST(FastShapeNearMiss, IsNotTouched) {
       for (const double start : {.02, 3.3, 16.}) {
         World world(flight(plate.shape, {}, bullet.shape, {.506, 0, start}, {0, 0, -1}), test::options(4));
         test::run(world, 3);
-        EXPECT_TRUE(test::near(world.state(world.bodyAt(1)).velocity, Vec3{0, 0, -1000}, .1)) << plate.name << " " << bullet.name << " " << start;
-        EXPECT_TRUE(test::near(world.state(world.bodyAt(1)).position, Vec3{.506, 0, start - 50}, 1e-2)) << plate.name << " " << bullet.name << " " << start;
+        EXPECT_TRUE(test::near(world.state(world.bodyAt(1)).velocity, Vec3{0, 0, -1000}, .1))
+            << plate.name << " " << bullet.name << " " << start;
+        EXPECT_TRUE(test::near(world.state(world.bodyAt(1)).position, Vec3{.506, 0, start - 50}, 1e-2))
+            << plate.name << " " << bullet.name << " " << start;
       }
     }
   }
 }
 
 TEST(FastShape, FliesThroughTheBackOfAOneSidedMesh) {
-  World world(flight(sheet(7, false), {}, Shape::cylinder(.005, .005), {0, 0, -5}, {0, 0, 1}), test::options(4));
+  World world(flight(sheet(7, false), {}, Shape::cylinder(.005, .005), {0, 0, -5}, {0, 0, 1}),
+              test::options(4));
   test::run(world, 3);
   EXPECT_TRUE(test::near(world.state(world.bodyAt(1)).position, Vec3{0, 0, 45}, 1e-2));
 }
 
 TEST(FastShape, IsHeldByTheBackOfATwoSidedMesh) {
-  World world(flight(sheet(7, true), {}, Shape::cylinder(.005, .005), {0, 0, -5}, {0, 0, 1}), test::options(4));
+  World world(flight(sheet(7, true), {}, Shape::cylinder(.005, .005), {0, 0, -5}, {0, 0, 1}),
+              test::options(4));
   for (int i = 0; i < 12; ++i) {
     world.step();
     EXPECT_LT(world.state(world.bodyAt(1)).position.z, kTop) << i;
@@ -177,7 +188,8 @@ TEST(FastShape, SlidesOverTheSeamsOfAMesh) {
     std::vector<Vec3> points;
     std::vector<std::array<int, 3>> triangles;
     for (int i = 0; i <= 100; ++i) points.insert(points.end(), {{.5 * i - 1, -1, 0}, {.5 * i - 1, 1, 0}});
-    for (int i = 0; i < 100; ++i) triangles.insert(triangles.end(), {{2 * i, 2 * i + 2, 2 * i + 3}, {2 * i, 2 * i + 3, 2 * i + 1}});
+    for (int i = 0; i < 100; ++i)
+      triangles.insert(triangles.end(), {{2 * i, 2 * i + 2, 2 * i + 3}, {2 * i, 2 * i + 3, 2 * i + 1}});
     Scene scene = flight(Shape::mesh(points, triangles), {}, bullet.shape, {0, .1, .005}, {.6, 0, 0});
     scene.gravity = {0, 0, -10};
     scene.bodies[0].material.staticFriction = scene.bodies[0].material.dynamicFriction = 0;
@@ -191,7 +203,8 @@ TEST(FastShape, SlidesOverTheSeamsOfAMesh) {
 
 TEST(FastShape, OfALatticeDoesNotPassAPlate) {
   for (const Kind& plate : plates()) {
-    Scene scene = flight(plate.shape, plate.name == "heights" ? Vec3{-.5, -.5, 0} : Vec3{}, latticeBox({.03, .02, .02}, .01), {.03, .02, 7}, {0, 0, -.3});
+    Scene scene = flight(plate.shape, plate.name == "heights" ? Vec3{-.5, -.5, 0} : Vec3{},
+                         latticeBox({.03, .02, .02}, .01), {.03, .02, 7}, {0, 0, -.3});
     World world(scene, test::options(4));
     for (int i = 0; i < 12; ++i) {
       world.step();
@@ -207,7 +220,8 @@ TEST(FastShape, StaysInAHollowOfADistanceField) {
   std::vector<double> samples;
   const auto box = [](const Vec3& x, double half) {
     const Vec3 d = abs(x) - Vec3{half, half, half};
-    return length(Vec3{std::max(d.x, 0.), std::max(d.y, 0.), std::max(d.z, 0.)}) + std::min(0., std::max({d.x, d.y, d.z}));
+    return length(Vec3{std::max(d.x, 0.), std::max(d.y, 0.), std::max(d.z, 0.)}) +
+           std::min(0., std::max({d.x, d.y, d.z}));
   };
   const double first = -kSpacing * (kN - 1) / 2;
   for (int z = 0; z < kN; ++z)

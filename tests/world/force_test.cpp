@@ -78,7 +78,8 @@ TEST(WorldForce, TorqueTurnsAFreeBodyByItsInertia) {
   world.step();
   // a torque is no part of the guess: one Newton step leaves an error of third order in the turn
   EXPECT_TRUE(test::near(world.state(id).angularVelocity, Vec3{0, 0, 2 * 6 * kDt}, 1e-6));
-  EXPECT_TRUE(test::sameRotation(world.state(id).orientation, fromAxisAngle(Vec3{0, 0, 1}, 12 * kDt * kDt), 1e-7));
+  EXPECT_TRUE(
+      test::sameRotation(world.state(id).orientation, fromAxisAngle(Vec3{0, 0, 1}, 12 * kDt * kDt), 1e-7));
   world.step();
   // a torque is no part of the guess: one Newton step leaves an error of third order in the turn
   EXPECT_TRUE(test::near(world.state(id).angularVelocity, Vec3{0, 0, 2 * 6 * kDt}, 1e-6));

@@ -144,8 +144,10 @@ TEST(Ball, FrictionHoldsABodyAgainstASmallMoment) {
     World world(scene, options(10));
     test::run(world, 60);
     const double angle = test::angleBetween(world.state(world.bodyAt(0)).orientation, Quat{});
-    if (friction > 5) EXPECT_LT(angle, .01);
-    else EXPECT_GT(angle, .5);
+    if (friction > 5)
+      EXPECT_LT(angle, .01);
+    else
+      EXPECT_GT(angle, .5);
   }
 }
 
@@ -154,7 +156,8 @@ TEST(SixDof, CountsTheTurnOfItsOneFreeRotationWhicheverAxisItIs) {
     Scene scene = cube({});
     JointDef joint = jointAt(scene, JointType::SixDof, 0, kWorld, {});
     for (int i = 0; i < 6; ++i)
-      if (i != free) joint.axes[static_cast<std::size_t>(i)].min = joint.axes[static_cast<std::size_t>(i)].max = 0;
+      if (i != free)
+        joint.axes[static_cast<std::size_t>(i)].min = joint.axes[static_cast<std::size_t>(i)].max = 0;
     scene.joints.push_back(joint);
     Vec3 spin;
     spin[free - 3] = 4;

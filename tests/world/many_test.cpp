@@ -12,8 +12,7 @@ namespace {
 using test::options;
 
 /// The call must throw an Error whose path is that.
-template <class F>
-void expectErrorAt(F&& call, const std::string& path) {
+template <class F> void expectErrorAt(F&& call, const std::string& path) {
   try {
     call();
     ADD_FAILURE() << "no error at " << path;
@@ -34,14 +33,15 @@ std::vector<BodyId> dynamicOf(const World& world) {
   return out;
 }
 
-template <class T>
-T numberAt(const ArrayView& view, std::int64_t row, std::int64_t column) {
+template <class T> T numberAt(const ArrayView& view, std::int64_t row, std::int64_t column) {
   T out;
-  std::memcpy(&out, static_cast<const char*>(view.data) + row * view.strides[0] + column * view.strides[1], sizeof out);
+  std::memcpy(&out, static_cast<const char*>(view.data) + row * view.strides[0] + column * view.strides[1],
+              sizeof out);
   return out;
 }
 double realAt(const ArrayView& view, std::int64_t row, std::int64_t column) {
-  return view.typestr[2] == '8' ? numberAt<double>(view, row, column) : static_cast<double>(numberAt<float>(view, row, column));
+  return view.typestr[2] == '8' ? numberAt<double>(view, row, column)
+                                : static_cast<double>(numberAt<float>(view, row, column));
 }
 
 TEST_P(ManyBodies, AreEditedAsOneByOne) {
@@ -145,7 +145,8 @@ TEST_P(ManyBodies, AreWrittenFromArrays) {
   values.data = velocities.data(), values.typestr = "<f8";
   values.shape[0] = 4, values.shape[1] = 3, values.strides[0] = 24, values.strides[1] = 8;
   forceView = values;
-  forceView.data = forces.data(), forceView.typestr = "<f4", forceView.strides[0] = 12, forceView.strides[1] = 4;
+  forceView.data = forces.data(), forceView.typestr = "<f4", forceView.strides[0] = 12,
+  forceView.strides[1] = 4;
   // a state that is set is normalized, velocities alone leave the orientation as it is
   for (const BodyId id : ids) many.setState(id, many.state(id));
   many.scatter(StateArray::Velocity, rowView, values);
@@ -156,7 +157,8 @@ TEST_P(ManyBodies, AreWrittenFromArrays) {
     BodyState s = one.state(ids[k]);
     s.velocity = {velocities[3 * row], velocities[3 * row + 1], velocities[3 * row + 2]};
     one.setState(ids[k], s);
-    for (int i = 0; i < 2; ++i) one.applyForce(ids[k], {forces[3 * row], forces[3 * row + 1], forces[3 * row + 2]});
+    for (int i = 0; i < 2; ++i)
+      one.applyForce(ids[k], {forces[3 * row], forces[3 * row + 1], forces[3 * row + 2]});
   }
   test::run(one, 10), test::run(many, 10);
   EXPECT_EQ(one.hash(), many.hash());
@@ -183,7 +185,8 @@ TEST_P(ManyBodies, ArePhotographedWhileTheWorldStepsOn) {
     // that of the step before: this one is still under way
     const PoseFrame frame = w.takePoses();
     EXPECT_EQ(frame.step, i);
-    for (int k = 0; k < 3; ++k) EXPECT_EQ(realAt(frame.position, id.index, k), places[static_cast<std::size_t>(i - 1)][k]);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(realAt(frame.position, id.index, k), places[static_cast<std::size_t>(i - 1)][k]);
   }
   w.beginPoses();
   expectErrorAt([&] { w.beginPoses(); }, "beginPoses");

@@ -12,7 +12,8 @@
 namespace rubble {
 namespace {
 
-/// Large blocks go back to the system when they are freed, from the first test of the program on: none is found again under the limit.
+/// Large blocks go back to the system when they are freed, from the first test of the program on: none is
+/// found again under the limit.
 [[maybe_unused]] const int kLargeBlocksGoBack = mallopt(M_MMAP_THRESHOLD, 1 << 17);
 
 /// The address space of this program may grow by so many bytes while it lives.
@@ -37,7 +38,8 @@ class OutOfMemory : public ::testing::TestWithParam<const char*> {
   /// Balls far from one another.
   World apart() const {
     Scene scene = test::emptyScene();
-    for (int i = 0; i < kSide * kSide * kSide; ++i) scene.bodies.push_back(test::body(Shape::sphere(.5), {3. * i, 0, 0}));
+    for (int i = 0; i < kSide * kSide * kSide; ++i)
+      scene.bodies.push_back(test::body(Shape::sphere(.5), {3. * i, 0, 0}));
     World world(scene, test::options(2, GetParam()));
     test::run(world, 2);
     return world;
@@ -46,7 +48,8 @@ class OutOfMemory : public ::testing::TestWithParam<const char*> {
   static void bringTogether(World& world) {
     std::vector<BodyState> states;
     for (int i = 0; i < kSide * kSide * kSide; ++i)
-      states.push_back({{.99 * (i % kSide), .99 * (i / kSide % kSide), .99 * (i / (kSide * kSide))}, {}, {}, {}});
+      states.push_back(
+          {{.99 * (i % kSide), .99 * (i / kSide % kSide), .99 * (i / (kSide * kSide))}, {}, {}, {}});
     world.setStates(world.bodies(), states);
   }
 };

@@ -17,7 +17,9 @@ constexpr int kSettled = 90;
 
 class Order : public ::testing::TestWithParam<const char*> {
  protected:
-  World world(bool sorted, int steps = kSettled) const { return test::towersAfter(GetParam(), steps, sorted); }
+  World world(bool sorted, int steps = kSettled) const {
+    return test::towersAfter(GetParam(), steps, sorted);
+  }
 };
 
 TEST_P(Order, OfBodiesChangesNoneOfTheirStates) {
@@ -43,7 +45,8 @@ TEST_P(Order, KeepsContactsAndWhatTheyBear) {
 }
 
 TEST_P(Order, KeepsContactsRecycled) {
-  World as(test::tower(6), test::options(10, GetParam())), sorted(test::tower(6), test::options(10, GetParam()));
+  World as(test::tower(6), test::options(10, GetParam())),
+      sorted(test::tower(6), test::options(10, GetParam()));
   test::run(as, 60), test::run(sorted, 60);
   sorted.sortBodies();
   const StepReport a = as.step(), b = sorted.step();
@@ -54,7 +57,8 @@ TEST_P(Order, KeepsContactsRecycled) {
 
 TEST_P(Order, EditsFindTheirBodies) {
   const Scene scene = test::shuffledTowers();
-  const int pushed = test::cubeOfCourse(scene, 2), lifted = test::cubeOfCourse(scene, 2, 1), moved = test::cubeOfCourse(scene, 2, 2);
+  const int pushed = test::cubeOfCourse(scene, 2), lifted = test::cubeOfCourse(scene, 2, 1),
+            moved = test::cubeOfCourse(scene, 2, 2);
   const int gone = test::cubeOfCourse(scene, 2, 3), sunk = test::cubeOfCourse(scene, 0, 4);
   World as = world(false), sorted = world(true);
   for (World* w : {&as, &sorted}) {
@@ -105,7 +109,8 @@ TEST_P(Order, JointsHoldTheSameBodies) {
   for (const JointId id : sorted.joints()) EXPECT_LT(sorted.state(id).gap, 1e-3);
   // a joint that is made now, too
   const Scene scene = test::shuffledTowers();
-  const BodyId a = sorted.bodyAt(test::cubeOfCourse(scene, 2)), b = sorted.bodyAt(test::cubeOfCourse(scene, 2, 9));
+  const BodyId a = sorted.bodyAt(test::cubeOfCourse(scene, 2)),
+               b = sorted.bodyAt(test::cubeOfCourse(scene, 2, 9));
   JointDef rope;
   rope.type = JointType::Rope;
   const double before = length(sorted.state(a).position - sorted.state(b).position);
@@ -125,7 +130,10 @@ TEST_P(Order, ArraysStayById) {
   const auto rowIs = [&](BodyId id) {
     Vec3 row;
     for (int k = 0; k < 3; ++k)
-      std::memcpy(&row[k], static_cast<const char*>(position.data) + id.index * position.strides[0] + k * position.strides[1], sizeof(double));
+      std::memcpy(
+          &row[k],
+          static_cast<const char*>(position.data) + id.index * position.strides[0] + k * position.strides[1],
+          sizeof(double));
     return row == w.state(id).position;
   };
   for (const BodyId id : w.bodies()) EXPECT_TRUE(rowIs(id)) << id.index;
@@ -138,7 +146,8 @@ TEST_P(Order, ArraysStayById) {
   const int rows[2] = {w.bodyAt(4).index, w.bodyAt(11).index};
   const double values[2][3] = {{1, 2, 30}, {4, 5, 60}};
   ArrayView rowView, valueView;
-  rowView.data = rows, rowView.shape[0] = 2, rowView.shape[1] = 1, rowView.strides[0] = rowView.strides[1] = sizeof(int), rowView.typestr = "<i4";
+  rowView.data = rows, rowView.shape[0] = 2, rowView.shape[1] = 1,
+  rowView.strides[0] = rowView.strides[1] = sizeof(int), rowView.typestr = "<i4";
   valueView.data = values, valueView.shape[0] = 2, valueView.shape[1] = 3;
   valueView.strides[0] = sizeof values[0], valueView.strides[1] = sizeof(double);
   valueView.typestr = "<f8";
@@ -154,12 +163,16 @@ TEST_P(Order, PosesAndSolverStatesAreById) {
   const PoseFrame frame = sorted.takePoses();
   for (const BodyId id : sorted.bodies()) {
     double z;
-    std::memcpy(&z, static_cast<const char*>(frame.position.data) + id.index * frame.position.strides[0] + 2 * frame.position.strides[1], sizeof z);
+    std::memcpy(&z,
+                static_cast<const char*>(frame.position.data) + id.index * frame.position.strides[0] +
+                    2 * frame.position.strides[1],
+                sizeof z);
     EXPECT_EQ(z, sorted.state(id).position.z);
   }
   const std::vector<SolverState> a = as.solverStates(), b = sorted.solverStates();
   ASSERT_EQ(a.size(), b.size());
-  for (std::size_t k = 0; k < a.size(); ++k) EXPECT_NEAR(a[k].multiplier, b[k].multiplier, .02 * a[k].multiplier + .1) << k;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    EXPECT_NEAR(a[k].multiplier, b[k].multiplier, .02 * a[k].multiplier + .1) << k;
 }
 
 TEST_P(Order, QueriesFindTheSameBodies) {
@@ -255,10 +268,12 @@ TEST_P(Order, IsTheSameEachTime) {
   EXPECT_EQ(hash(), hash());
 }
 
-/// A cloth on two posts, a box on it that is tied to one of its corners, and boxes elsewhere, in no order of space.
+/// A cloth on two posts, a box on it that is tied to one of its corners, and boxes elsewhere, in no order of
+/// space.
 Scene trampoline() {
   Scene scene = test::emptyScene();
-  for (const double x : {3., -5., .2, 7., -9.}) scene.bodies.push_back(test::body(Shape::box({.2, .2, .2}), {x, 0, x == .2 ? 1.25 : .2}));
+  for (const double x : {3., -5., .2, 7., -9.})
+    scene.bodies.push_back(test::body(Shape::box({.2, .2, .2}), {x, 0, x == .2 ? 1.25 : .2}));
   scene.bodies.push_back(test::ground());
   ClothDef cloth = clothSheet({-1, -1, 1}, {2, 0, 0}, {0, 2, 0}, 8, 8);
   for (const int corner : {0, 8, 72, 80}) cloth.fixed.push_back(corner);

@@ -58,8 +58,11 @@ TEST(Refusal, OfNumbersInShapesThatAreNotFinite) {
 }
 
 TEST(Refusal, OfShapesWithoutTheirGeometryOrThatPointOutsideOfIt) {
-  for (const auto& [type, member] : {std::pair{ShapeType::Hull, ".points"}, {ShapeType::Compound, ".parts"}, {ShapeType::Mesh, ".triangles"},
-                                     {ShapeType::HeightField, ".counts"}, {ShapeType::DistanceField, ".counts"}}) {
+  for (const auto& [type, member] : {std::pair{ShapeType::Hull, ".points"},
+                                     {ShapeType::Compound, ".parts"},
+                                     {ShapeType::Mesh, ".triangles"},
+                                     {ShapeType::HeightField, ".counts"},
+                                     {ShapeType::DistanceField, ".counts"}}) {
     Shape shape;
     shape.type = type;
     expectBadShape(member, shape);
@@ -72,7 +75,8 @@ TEST(Refusal, OfCompoundsInCompoundsWhereTheFirstOneBegins) {
   Shape nested = Shape::sphere(1);
   for (int depth = 0; depth < 5; ++depth) nested = Shape::compound({{nested, {}, {}}});
   expectBadShape(".parts[0].shape", nested);
-  expectBadShape(".parts[1].shape", Shape::compound({{Shape::sphere(1), {}, {}}, {Shape::mesh(kTriangle, {{0, 1, 2}}), {}, {}}}));
+  expectBadShape(".parts[1].shape", Shape::compound({{Shape::sphere(1), {}, {}},
+                                                     {Shape::mesh(kTriangle, {{0, 1, 2}}), {}, {}}}));
 }
 
 TEST(Refusal, OfEnumerationsThatNameNothing) {
@@ -84,8 +88,10 @@ TEST(Refusal, OfEnumerationsThatNameNothing) {
   };
   bad("bodies[1].shape.type", [](Scene& s) { s.bodies[1].shape.type = static_cast<ShapeType>(99); });
   bad("bodies[1].motion", [](Scene& s) { s.bodies[1].motion = static_cast<Motion>(-1); });
-  bad("bodies[1].material.frictionCombine", [](Scene& s) { s.bodies[1].material.frictionCombine = static_cast<Combine>(6); });
-  bad("bodies[1].material.restitutionCombine", [](Scene& s) { s.bodies[1].material.restitutionCombine = static_cast<Combine>(-7); });
+  bad("bodies[1].material.frictionCombine",
+      [](Scene& s) { s.bodies[1].material.frictionCombine = static_cast<Combine>(6); });
+  bad("bodies[1].material.restitutionCombine",
+      [](Scene& s) { s.bodies[1].material.restitutionCombine = static_cast<Combine>(-7); });
   bad("joints[0].type", [](Scene& s) { s.joints[0].type = static_cast<JointType>(15); });
   World world(test::tower(1), test::options());
   expectError("array", [&] { world.array(static_cast<StateArray>(17)); });
@@ -173,7 +179,8 @@ void expectAllOrNothing(const std::string& path, const BodyDef& bad) {
 }
 
 TEST(Refusal, OfOneOfSeveralBodiesAddsNone) {
-  expectAllOrNothing("bodies[4].shape.points", test::body(Shape::hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}), {}));
+  expectAllOrNothing("bodies[4].shape.points",
+                     test::body(Shape::hull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}), {}));
   BodyDef inertia = test::body(Shape::hull({{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {0, 0, 3}}), {});
   inertia.inertia = Vec3{1, 2, 2.5};
   expectAllOrNothing("bodies[4].inertia", inertia);

@@ -101,7 +101,8 @@ TEST(Quarantine, FreezesABodyThatIsNotFiniteAndLetsTheRestGoOn) {
   EXPECT_EQ(world.state(world.bodyAt(2)).position, before);
   EXPECT_EQ(world.state(world.bodyAt(2)).velocity, (Vec3{0, 0, 0}));
   test::run(world, 49);
-  for (const BodyId id : world.bodies()) EXPECT_TRUE(std::isfinite(length(world.state(id).position))) << id.index;
+  for (const BodyId id : world.bodies())
+    EXPECT_TRUE(std::isfinite(length(world.state(id).position))) << id.index;
   EXPECT_NEAR(world.state(world.bodyAt(4)).position.z, 50 - 10 * 60. * 61 / 7200, 1e-3);
   EXPECT_NEAR(world.state(world.bodyAt(1)).position.z, .5, .02);
 }

@@ -50,7 +50,9 @@ TEST(Sleep, ChangesNoHeightAndKeepsTheForces) {
   test::run(world, 120);
   test::run(awake, 240);
   for (int i = 1; i <= 6; ++i)
-    EXPECT_TRUE(test::near(world.state(world.bodyAt(i)).position, awake.state(awake.bodyAt(i)).position, 2e-3)) << i;
+    EXPECT_TRUE(
+        test::near(world.state(world.bodyAt(i)).position, awake.state(awake.bodyAt(i)).position, 2e-3))
+        << i;
   EXPECT_NEAR(world.contactLoad(world.bodyAt(0)).force.z, -60, 3);
 }
 

@@ -43,8 +43,10 @@ TEST(Validation, NamesTheBodyAndFieldThatIsWrong) {
   expectBadScene("bodies[1].velocity", [](Scene& s) { s.bodies[1].velocity.z = kHard; });
   expectBadScene("bodies[1].angularVelocity", [](Scene& s) { s.bodies[1].angularVelocity.z = kNan; });
   expectBadScene("bodies[1].gravityScale", [](Scene& s) { s.bodies[1].gravityScale = kNan; });
-  expectBadScene("bodies[1].material.staticFriction", [](Scene& s) { s.bodies[1].material.staticFriction = -.1; });
-  expectBadScene("bodies[1].material.dynamicFriction", [](Scene& s) { s.bodies[1].material.dynamicFriction = 2; });
+  expectBadScene("bodies[1].material.staticFriction",
+                 [](Scene& s) { s.bodies[1].material.staticFriction = -.1; });
+  expectBadScene("bodies[1].material.dynamicFriction",
+                 [](Scene& s) { s.bodies[1].material.dynamicFriction = 2; });
   expectBadScene("bodies[0].shape", [](Scene& s) { s.bodies[0].motion = Motion::Dynamic; });
   expectBadScene("gravity", [](Scene& s) { s.gravity.y = kNan; });
 }
@@ -83,7 +85,8 @@ TEST(Validation, OfOptionsNamesWhatThereIs) {
   try {
     World world(scene, test::options(4, "quantum"));
   } catch (const Error& e) {
-    for (const std::string& name : backends()) EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
+    for (const std::string& name : backends())
+      EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
   }
 }
 

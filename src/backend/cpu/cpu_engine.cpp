@@ -94,6 +94,8 @@ void loadState(HostTables& tables, double& previousDt, std::span<const std::byte
   std::memcpy(&previousDt, data.data() + data.size() - sizeof previousDt, sizeof previousDt);
 }
 
-std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings) { return std::make_unique<CpuEngine>(threads, timings); }
+std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings) {
+  return std::make_unique<CpuEngine>(threads, timings);
+}
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,5 +1,6 @@
 #pragma once
-/// The step on oneTBB. Kernels write only what belongs to their index, so results do not depend on the number of threads.
+/// The step on oneTBB. Kernels write only what belongs to their index, so results do not depend on the number
+/// of threads.
 #include <algorithm>
 #include <chrono>
 #include <functional>
@@ -15,23 +16,25 @@
 
 #include <rubble/report.h>
 
-#include "tables/host_memory.h"
 #include "backend/cpu/privatized_count.h"
 #include "backend/cpu/simd4_kernels.h"
-#include "tables/state_rows.h"
 #include "stages/step.h"
-#include "state/tables.h"
+#include "state/solver_tables.h"
+#include "tables/host_memory.h"
+#include "tables/state_rows.h"
 
 namespace rubble::RUBBLE_CORE {
 
 class CpuExecutor {
  public:
   using Lane = Real4;
-  /// A proper colouring is found in a few rounds (each settles the clashing body of highest rank at least); this is a guard.
+  /// A proper colouring is found in a few rounds (each settles the clashing body of highest rank at least);
+  /// this is a guard.
   static constexpr int kMaxRounds = 10000;
 
   /// `timings`: measure stages.
-  explicit CpuExecutor(int threads, bool timings = true) : arena_(threads > 0 ? threads : tbb::task_arena::automatic), timings_(timings) {}
+  explicit CpuExecutor(int threads, bool timings = true)
+      : arena_(threads > 0 ? threads : tbb::task_arena::automatic), timings_(timings) {}
 
   SolverTables<HostMemory>& tables() { return tables_; }
   const SolverTables<HostMemory>& tables() const { return tables_; }
@@ -41,36 +44,37 @@ class CpuExecutor {
   /// Told the name of each kernel's stage before it runs, and "between steps" after the last one.
   using Observer = std::function<void(const char* stage)>;
   void observe(Observer observer) { observer_ = std::move(observer); }
-  /// Kernels at one index after another from now on, not side by side nor in parts: what comes out must not depend on it.
+  /// Kernels at one index after another from now on, not side by side nor in parts: what comes out must not
+  /// depend on it.
   void takeOneByOne() { together_ = false; }
 
   /// Runs f() with the threads of this executor.
-  template <class F>
-  void run(F&& f) { arena_.execute(f); }
+  template <class F> void run(F&& f) { arena_.execute(f); }
 
-  template <class Kernel>
-  void forEach(const Kernel& kernel, int n) {
+  template <class Kernel> void forEach(const Kernel& kernel, int n) {
     const StageClock clock(*this, Kernel::kStage);
     const SolverData& s = view();
     if constexpr (requires { InParts<Kernel>::run(s, kernel, 0, n); })
-      if (together_) return forRange(n, [&](int begin, int end) { InParts<Kernel>::run(s, kernel, begin, end); });
+      if (together_)
+        return forRange(n, [&](int begin, int end) { InParts<Kernel>::run(s, kernel, begin, end); });
     run(s, kernel, n, [](int i) { return i; });
   }
-  template <class Kernel>
-  void forEach(const Kernel& kernel, int Counters::*n) { forEach(kernel, view().counters->*n); }
+  template <class Kernel> void forEach(const Kernel& kernel, int Counters::*n) {
+    forEach(kernel, view().counters->*n);
+  }
 
-  template <class Kernel, class N>
-  void beside(const Kernel& kernel, N n) { forEach(kernel, n); }
+  template <class Kernel, class N> void beside(const Kernel& kernel, N n) { forEach(kernel, n); }
 
-  template <class Kernel>
-  void forEachIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
+  template <class Kernel> void forEachIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
     const StageClock clock(*this, Kernel::kStage);
     const SolverData& s = view();
     const int begin = (s.*offsets)[k];
     run(s, kernel, (s.*offsets)[k + 1] - begin, [&](int i) { return begin + i; });
   }
 
-  void clear(int* SolverData::*array, int n) { std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n)); }
+  void clear(int* SolverData::*array, int n) {
+    std::memset(view().*array, 0, sizeof(int) * static_cast<std::size_t>(n));
+  }
   void clear(int* SolverData::*array, int Counters::*n) { clear(array, view().counters->*n); }
 
   void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) {
@@ -83,7 +87,9 @@ class CpuExecutor {
     }
     out[n] = sum;
   }
-  void scan(int* SolverData::*counts, int* SolverData::*offsets, int Counters::*n) { scan(counts, offsets, view().counters->*n); }
+  void scan(int* SolverData::*counts, int* SolverData::*offsets, int Counters::*n) {
+    scan(counts, offsets, view().counters->*n);
+  }
   template <class N>
   void scan(int* SolverData::*counts, int* SolverData::*offsets, N n, int Counters::*total, Per per) {
     scan(counts, offsets, n);
@@ -91,7 +97,8 @@ class CpuExecutor {
     require(per, total);
   }
 
-  void groupByKey(int* SolverData::*keys, int n, int* SolverData::*offsets, int* SolverData::*order, int Counters::*keyCount) {
+  void groupByKey(int* SolverData::*keys, int n, int* SolverData::*offsets, int* SolverData::*order,
+                  int Counters::*keyCount) {
     const SolverData& s = view();
     const int count = s.counters->*keyCount;
     int *const offset = s.*offsets, *const to = s.*order;
@@ -124,7 +131,8 @@ class CpuExecutor {
   }
 
   template <class Take, class Propose>
-  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left, int Counters::*turn) {
+  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
+              int Counters::*turn) {
     Counters& c = *view().counters;
     while (c.*left != 0 && c.*turn < kMaxRounds) {
       forEach(take, count);
@@ -143,7 +151,8 @@ class CpuExecutor {
       run(s, kernel, s.colorOffset[c + 1] - begin, [&](int k) { return s.colorBody[begin + k]; });
       if (s.vertices == 0) continue;
       const int first = s.vertexColorOffset[c];
-      run(s, vertexKernel, s.vertexColorOffset[c + 1] - first, [&](int k) { return s.colorVertex[first + k]; });
+      run(s, vertexKernel, s.vertexColorOffset[c + 1] - first,
+          [&](int k) { return s.colorVertex[first + k]; });
     }
   }
 
@@ -154,22 +163,18 @@ class CpuExecutor {
   }
 
   // Between steps
-  template <class T>
-  T* room(int n) {
+  template <class T> T* room(int n) {
     rooms_.emplace_back(HostMemory::allocate(sizeof(T) * static_cast<std::size_t>(n)));
     return static_cast<T*>(rooms_.back().get());
   }
   void order(const std::uint64_t* keys, int* to, int n) {
     std::iota(to, to + n, 0);
-    tbb::parallel_sort(to, to + n, [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
+    tbb::parallel_sort(to, to + n,
+                       [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
   }
-  template <class T>
-  void copy(T* to, const T* from, int n) {
-    std::copy_n(from, n, to);
-  }
+  template <class T> void copy(T* to, const T* from, int n) { std::copy_n(from, n, to); }
   /// How many i below n a test(view, i) holds for.
-  template <class Test>
-  int count(const Test& test, int n) {
+  template <class Test> int count(const Test& test, int n) {
     const auto part = [&](const tbb::blocked_range<int>& range, int sum) {
       for (int i = range.begin(); i < range.end(); ++i) sum += test(view(), i);
       return sum;
@@ -214,8 +219,7 @@ class CpuExecutor {
   };
 
   /// The kernel at at(0), ..., at(n - 1): four side by side where it can.
-  template <class Kernel, class At>
-  void run(const SolverData& s, const Kernel& kernel, int n, At&& at) {
+  template <class Kernel, class At> void run(const SolverData& s, const Kernel& kernel, int n, At&& at) {
     forRange(n, [&](int begin, int end) {
       int i = begin;
       if constexpr (requires(const Lane4& four) { Simd4Kernel<Kernel>::run(s, four); })
@@ -233,8 +237,7 @@ class CpuExecutor {
     });
   }
   /// f(begin, end) for parts of [0, n).
-  template <class F>
-  void forRange(int n, F&& f) {
+  template <class F> void forRange(int n, F&& f) {
     // below this there is too little work to share
     constexpr int kGrain = 64;
     if (n <= kGrain || arena_.max_concurrency() == 1) return f(0, n);

@@ -1,5 +1,6 @@
 #pragma once
-/// What stages read of four bodies, blocks or joints, gathered into the lanes of vector registers and scattered from there.
+/// What stages read of four bodies, blocks or joints, gathered into the lanes of vector registers and
+/// scattered from there.
 #include <cstddef>
 
 #include "stages/coarse/coarse.h"
@@ -15,8 +16,7 @@ RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* a, const T* b, const T* c, const 
   const auto at = [&](const T* p) { return reinterpret_cast<const Real*>(p) + 4 * k; };
   return LaneAccess<Real4>::gatherQuad(at(a), at(b), at(c), at(d));
 }
-template <class T>
-RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* table, const Lane4& i, int k = 0) {
+template <class T> RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* table, const Lane4& i, int k = 0) {
   return gatherNumbers(table + i[0], table + i[1], table + i[2], table + i[3], k);
 }
 RUBBLE_NEAR Vec3T<Real4> vectorOf(const Quad<Real4>& q) { return {q.x, q.y, q.z}; }
@@ -43,7 +43,8 @@ RUBBLE_NEAR void scatterBlocks(const Block6T<Real4>& in, PaddedBlock (&out)[kLan
   const auto at = [&](int lane, int k) { return reinterpret_cast<Real*>(&out[lane]) + 4 * k; };
   for (int k = 0; k < kBlockQuads; ++k) {
     const Real4 last = k + 1 < kBlockQuads ? from[4 * k + 3] : from[4 * k];
-    LaneAccess<Real4>::scatterQuad(at(0, k), at(1, k), at(2, k), at(3, k), {from[4 * k], from[4 * k + 1], from[4 * k + 2], last});
+    LaneAccess<Real4>::scatterQuad(at(0, k), at(1, k), at(2, k), at(3, k),
+                                   {from[4 * k], from[4 * k + 1], from[4 * k + 2], last});
   }
 }
 
@@ -57,14 +58,18 @@ struct TargetLanes {
   PoseT<Real4> y;
 };
 RUBBLE_NEAR TargetLanes gatherTargets(const SolverData& s, const Lane4& body) {
-  static_assert(offsetof(BodyTarget, y) == 7 * sizeof(Real) && offsetof(BodyTarget, locks) == 14 * sizeof(Real));
-  const Quad<Real4> q[4] = {gatherNumbers(s.target, body, 0), gatherNumbers(s.target, body, 1), gatherNumbers(s.target, body, 2),
-                            gatherNumbers(s.target, body, 3)};
-  return {{q[0].x, {q[0].y, q[0].z, q[0].w, q[1].x, q[1].y, q[1].z}}, {{q[1].w, q[2].x, q[2].y}, {q[2].z, {q[2].w, q[3].x, q[3].y}}}};
+  static_assert(offsetof(BodyTarget, y) == 7 * sizeof(Real) &&
+                offsetof(BodyTarget, locks) == 14 * sizeof(Real));
+  const Quad<Real4> q[4] = {gatherNumbers(s.target, body, 0), gatherNumbers(s.target, body, 1),
+                            gatherNumbers(s.target, body, 2), gatherNumbers(s.target, body, 3)};
+  return {{q[0].x, {q[0].y, q[0].z, q[0].w, q[1].x, q[1].y, q[1].z}},
+          {{q[1].w, q[2].x, q[2].y}, {q[2].z, {q[2].w, q[3].x, q[3].y}}}};
 }
 
-/// Puts four bodies at x; false, and nothing is done, where a rotation is large. `step2`, `turn2`: those of Displacement.
-RUBBLE_NEAR bool placeTogether(const SolverData& s, const Lane4& body, const PoseT<Real4>& x, Real4 step2, Real4 turn2) {
+/// Puts four bodies at x; false, and nothing is done, where a rotation is large. `step2`, `turn2`: those of
+/// Displacement.
+RUBBLE_NEAR bool placeTogether(const SolverData& s, const Lane4& body, const PoseT<Real4>& x, Real4 step2,
+                               Real4 turn2) {
   const QuatT<Real4> q = shortArc(x.q);
   const Real4 u2 = dot(q.v, q.v);
   if (!allOf(u2 < LaneAccess<Real4>::splat(kSmallTurn2))) return false;
@@ -101,7 +106,8 @@ RUBBLE_NEAR bool isPlainBall(const SolverData& s, std::uint32_t code) {
 
 RUBBLE_NEAR BallLanes gatherBalls(const SolverData& s, const Lane4& index) {
   using Rows = GroupRows<AnchorRows::kRows>;
-  static_assert(offsetof(Rows, state) == 6 * sizeof(Real) && sizeof(Rows) >= 12 * sizeof(Real) && sizeof(JointEnd) == 4 * sizeof(Real));
+  static_assert(offsetof(Rows, state) == 6 * sizeof(Real) && sizeof(Rows) >= 12 * sizeof(Real) &&
+                sizeof(JointEnd) == 4 * sizeof(Real));
   Joint<BallJoint>* const joints = s.jointsOf<BallJoint>();
   BallLanes j;
   Lane4 a, b;
@@ -112,7 +118,10 @@ RUBBLE_NEAR BallLanes gatherBalls(const SolverData& s, const Lane4& index) {
     a[lane] = joint.end[0].body, b[lane] = joint.end[1].body;
     j.rows[lane] = &partOf<0>(joint.parts);
   }
-  const auto leverOf = [&](int k) { return vectorOf(gatherNumbers(&frame[0]->end[k], &frame[1]->end[k], &frame[2]->end[k], &frame[3]->end[k])); };
+  const auto leverOf = [&](int k) {
+    return vectorOf(
+        gatherNumbers(&frame[0]->end[k], &frame[1]->end[k], &frame[2]->end[k], &frame[3]->end[k]));
+  };
   j.levers = {leverOf(0), leverOf(1)};
   const auto gatherRows = [&](int k) { return gatherNumbers(j.rows[0], j.rows[1], j.rows[2], j.rows[3], k); };
   const Quad<Real4> first = gatherRows(0), second = gatherRows(1), third = gatherRows(2);
@@ -120,18 +129,24 @@ RUBBLE_NEAR BallLanes gatherBalls(const SolverData& s, const Lane4& index) {
   j.shift[0] = first.w, j.shift[1] = second.x, j.shift[2] = second.y;
   j.law = {second.z, second.w, third.x};
   j.a = gatherPoses(s, a), j.b = gatherPoses(s, b);
-  j.a.p = vectorOf(gatherNumbers(&frame[0]->offset, &frame[1]->offset, &frame[2]->offset, &frame[3]->offset)) + j.a.p;
+  j.a.p = vectorOf(
+              gatherNumbers(&frame[0]->offset, &frame[1]->offset, &frame[2]->offset, &frame[3]->offset)) +
+          j.a.p;
   return j;
 }
 
 /// Adds four ball joints to the blocks of one of their bodies each, as accumulatePivot does.
-inline void accumulateBalls(const SolverData& s, const std::uint32_t (&code)[kLanes], Block6T<Real4>& block, const Vec3T<Real4>& shift) {
+inline void accumulateBalls(const SolverData& s, const std::uint32_t (&code)[kLanes], Block6T<Real4>& block,
+                            const Vec3T<Real4>& shift) {
   const auto side = [&](int lane) { return static_cast<Real>(constraintSide(code[lane])); };
-  const BallLanes j = gatherBalls(s, {constraintIndex(code[0]), constraintIndex(code[1]), constraintIndex(code[2]), constraintIndex(code[3])});
+  const BallLanes j = gatherBalls(s, {constraintIndex(code[0]), constraintIndex(code[1]),
+                                      constraintIndex(code[2]), constraintIndex(code[3])});
   Real4 error[3], force[3], hessian;
   heldErrors<AnchorRows>(j.shift, j.levers, NoMemory{}, j.a, j.b, error);
   cutForce<3>(j.law, error, j.lambda, force, 3, hessian);
-  AnchorRows::accumulate(j.levers, j.a, j.b, Real4{side(0), side(1), side(2), side(3)} == LaneAccess<Real4>::splat(0), shift, force, hessian, block);
+  AnchorRows::accumulate(j.levers, j.a, j.b,
+                         Real4{side(0), side(1), side(2), side(3)} == LaneAccess<Real4>::splat(0), shift,
+                         force, hessian, block);
 }
 
 }  // namespace rubble::RUBBLE_CORE

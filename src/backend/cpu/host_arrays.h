@@ -26,8 +26,11 @@ class HostArrays {
   struct Gather {
     const SolverData& s;
     void operator()(std::byte* to, const void* from, int bytes) const {
-      const auto at = [bytes](int i) { return static_cast<std::size_t>(i) * static_cast<std::size_t>(bytes); };
-      for (int id = 0; id < s.bodies; ++id) std::memcpy(to + at(id), static_cast<const std::byte*>(from) + at(s.placeOf[id]), at(1));
+      const auto at = [bytes](int i) {
+        return static_cast<std::size_t>(i) * static_cast<std::size_t>(bytes);
+      };
+      for (int id = 0; id < s.bodies; ++id)
+        std::memcpy(to + at(id), static_cast<const std::byte*>(from) + at(s.placeOf[id]), at(1));
     }
   };
   struct Bytes {

@@ -1,30 +1,33 @@
 #pragma once
-/// Kernels whose elements all count up the same few numbers: one by one, threads would wait for one another at each of them. A thread counts a part of the
-/// elements for itself first, and adds it to the numbers then.
+/// Kernels whose elements all count up the same few numbers: one by one, threads would wait for one another
+/// at each of them. A thread counts a part of the elements for itself first, and adds it to the numbers then.
 #include "stages/bodies/coloring.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// `InParts<Kernel>::run(s, kernel, begin, end)` does what the kernel does at the indices of [begin, end). Primary: there is none.
-template <class Kernel>
-struct InParts {};
+/// `InParts<Kernel>::run(s, kernel, begin, end)` does what the kernel does at the indices of [begin, end).
+/// Primary: there is none.
+template <class Kernel> struct InParts {};
 
 /// Colours below this are counted so. Those above are rare, and their elements are told one by one.
 inline constexpr int kCountedColors = 128;
 
-/// Calls count(color) for the elements of lower colours, other(i, color) for those of higher ones. colorOf(i) below 0: none.
+/// Calls count(color) for the elements of lower colours, other(i, color) for those of higher ones. colorOf(i)
+/// below 0: none.
 template <class ColorOf, class Count, class Other>
 void visitColors(int begin, int end, ColorOf&& colorOf, Count&& count, Other&& other) {
   for (int i = begin; i < end; ++i) {
     const int color = colorOf(i);
-    if (color >= kCountedColors) other(i, color);
-    else if (color >= 0) count(i, color);
+    if (color >= kCountedColors)
+      other(i, color);
+    else if (color >= 0)
+      count(i, color);
   }
 }
-template <class ColorOf>
-void addColors(int begin, int end, ColorOf&& colorOf, int* total) {
+template <class ColorOf> void addColors(int begin, int end, ColorOf&& colorOf, int* total) {
   int own[kCountedColors] = {};
-  visitColors(begin, end, colorOf, [&](int, int c) { ++own[c]; }, [&](int, int c) { atomicCount(&total[c], 1); });
+  visitColors(
+      begin, end, colorOf, [&](int, int c) { ++own[c]; }, [&](int, int c) { atomicCount(&total[c], 1); });
   for (int c = 0; c < kCountedColors; ++c)
     if (own[c] > 0) atomicCount(&total[c], own[c]);
 }
@@ -32,11 +35,13 @@ void addColors(int begin, int end, ColorOf&& colorOf, int* total) {
 template <class ColorOf>
 void listColors(int begin, int end, ColorOf&& colorOf, const int* offset, int* left, int* list) {
   int place[kCountedColors] = {};
-  visitColors(begin, end, colorOf, [&](int, int c) { ++place[c]; },
-              [&](int i, int c) { list[offset[c] + atomicCount(&left[c], -1) - 1] = i; });
+  visitColors(
+      begin, end, colorOf, [&](int, int c) { ++place[c]; },
+      [&](int i, int c) { list[offset[c] + atomicCount(&left[c], -1) - 1] = i; });
   for (int c = 0; c < kCountedColors; ++c)
     if (const int own = place[c]; own > 0) place[c] = offset[c] + atomicCount(&left[c], -own) - own;
-  visitColors(begin, end, colorOf, [&](int i, int c) { list[place[c]++] = i; }, [](int, int) {});
+  visitColors(
+      begin, end, colorOf, [&](int i, int c) { list[place[c]++] = i; }, [](int, int) {});
 }
 
 inline auto sweptColor(const SolverData& s) {
@@ -45,30 +50,29 @@ inline auto sweptColor(const SolverData& s) {
 inline auto sweptVertexColor(const SolverData& s) {
   return [&s](int v) { return isDynamicVertex(s, v) ? s.vertexColor[v] : -1; };
 }
-template <>
-struct InParts<CountColors> {
-  static void run(const SolverData& s, const CountColors&, int begin, int end) { addColors(begin, end, sweptColor(s), s.colorCount); }
+template <> struct InParts<CountColors> {
+  static void run(const SolverData& s, const CountColors&, int begin, int end) {
+    addColors(begin, end, sweptColor(s), s.colorCount);
+  }
 };
-template <>
-struct InParts<CountVertexColors> {
-  static void run(const SolverData& s, const CountVertexColors&, int begin, int end) { addColors(begin, end, sweptVertexColor(s), s.vertexColorCount); }
+template <> struct InParts<CountVertexColors> {
+  static void run(const SolverData& s, const CountVertexColors&, int begin, int end) {
+    addColors(begin, end, sweptVertexColor(s), s.vertexColorCount);
+  }
 };
-template <>
-struct InParts<FillColors> {
+template <> struct InParts<FillColors> {
   static void run(const SolverData& s, const FillColors&, int begin, int end) {
     listColors(begin, end, sweptColor(s), s.colorOffset, s.colorCount, s.colorBody);
   }
 };
-template <>
-struct InParts<FillVertexColors> {
+template <> struct InParts<FillVertexColors> {
   static void run(const SolverData& s, const FillVertexColors&, int begin, int end) {
     listColors(begin, end, sweptVertexColor(s), s.vertexColorOffset, s.vertexColorCount, s.colorVertex);
   }
 };
 
 /// Neighbours in number often have the same leader.
-template <>
-struct InParts<FlattenAggregates> {
+template <> struct InParts<FlattenAggregates> {
   static void run(const SolverData& s, const FlattenAggregates& kernel, int begin, int end) {
     int leader = -1, count = 0;
     const auto tell = [&] {

@@ -1,20 +1,22 @@
 #pragma once
-/// Kernels that treat four elements side by side, in the lanes of vector registers: four bodies of a colour, four slices, aggregates or joints. They
-/// gather what the stages read, use the same formulas for L = Real4 (lanes.h), and hand on what is rare to the stage itself, one by one. A lane has
-/// the bits that the stage would give it, so neighbours in a register have no influence on one another.
+/// Kernels that treat four elements side by side, in the lanes of vector registers: four bodies of a colour,
+/// four slices, aggregates or joints. They gather what the stages read, use the same formulas for L = Real4
+/// (lanes.h), and hand on what is rare to the stage itself, one by one. A lane has the bits that the stage
+/// would give it, so neighbours in a register have no influence on one another.
 #include "backend/cpu/gather.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// `Simd4Kernel<Kernel>::run(s, i)` does what the kernel does at the four indices; `expect(s, i)` and `prepare(s, i)`, where they are there, ask for
-/// the memory of fours that are kAhead and one before their turn: elements lie in no order that a processor foresees. Primary: there is none.
-template <class Kernel>
-struct Simd4Kernel {};
+/// `Simd4Kernel<Kernel>::run(s, i)` does what the kernel does at the four indices; `expect(s, i)` and
+/// `prepare(s, i)`, where they are there, ask for the memory of fours that are kAhead and one before their
+/// turn: elements lie in no order that a processor foresees. Primary: there is none.
+template <class Kernel> struct Simd4Kernel {};
 
-/// Adds rounds of ball joints, one of each lane's list a round, while all four lanes have one; returns the number of rounds. codeOf(lane, k): incidence
-/// k of a list.
+/// Adds rounds of ball joints, one of each lane's list a round, while all four lanes have one; returns the
+/// number of rounds. codeOf(lane, k): incidence k of a list.
 template <class CodeOf, class ShiftOf>
-int accumulateRounds(const SolverData& s, int least, CodeOf&& codeOf, ShiftOf&& shiftOf, Block6T<Real4>& block) {
+int accumulateRounds(const SolverData& s, int least, CodeOf&& codeOf, ShiftOf&& shiftOf,
+                     Block6T<Real4>& block) {
   int k = 0;
   for (; k < least; ++k) {
     std::uint32_t code[kLanes];
@@ -46,8 +48,7 @@ RUBBLE_NEAR void fetchBall(const SolverData& s, std::uint32_t code) {
 RUBBLE_NEAR int leastOf(const Lane4& a) { return min(min(a[0], a[1]), min(a[2], a[3])); }
 RUBBLE_NEAR int mostOf(const Lane4& a) { return max(max(a[0], a[1]), max(a[2], a[3])); }
 
-template <>
-struct Simd4Kernel<SolveBody<Real4>> {
+template <> struct Simd4Kernel<SolveBody<Real4>> {
   static void expect(const SolverData& s, const Lane4& body) {
     for (const int i : body) {
       fetch(&s.target[i], sizeof(BodyTarget));
@@ -73,23 +74,32 @@ struct Simd4Kernel<SolveBody<Real4>> {
     setInertialHessian(block, target.mass, inverseDt2);
     const Real4 zero = LaneAccess<Real4>::splat(0);
     const auto codeOf = [&](int lane, int k) { return s.incidence[s.incidenceOffset[body[lane]] + k].code; };
-    const int done = accumulateRounds(s, leastOf(count), codeOf, [&](const auto&) { return Vec3T<Real4>{zero, zero, zero}; }, block);
+    const int done = accumulateRounds(
+        s, leastOf(count), codeOf,
+        [&](const auto&) {
+          return Vec3T<Real4>{zero, zero, zero};
+        },
+        block);
     if (done < mostOf(count)) {
       PaddedBlock own[kLanes];
       scatterBlocks(block, own);
       for (int lane = 0; lane < kLanes; ++lane)
-        addRows<Real4>(s, s.incidenceOffset[body[lane]] + done, s.incidenceOffset[body[lane] + 1], own[lane].block);
+        addRows<Real4>(s, s.incidenceOffset[body[lane]] + done, s.incidenceOffset[body[lane] + 1],
+                       own[lane].block);
       gatherBlocks(own, block);
     }
     if (locks == 0 && descendTogether(s, body, target.mass, block, x)) return;
     PaddedBlock own[kLanes];
     scatterBlocks(block, own);
-    for (int lane = 0; lane < kLanes; ++lane) finishBlock(s, body[lane], own[lane].block, {s.dx[body[lane]].dp, s.dq[body[lane]]});
+    for (int lane = 0; lane < kLanes; ++lane)
+      finishBlock(s, body[lane], own[lane].block, {s.dx[body[lane]].dp, s.dq[body[lane]]});
   }
 
  private:
-  /// As finishBlock; false, and nothing is done, where one of the four needs its care: a large rotation, a step that is not finite or too long.
-  static bool descendTogether(const SolverData& s, const Lane4& body, const MassMatrixT<Real4>& m, const Block6T<Real4>& block, const PoseT<Real4>& x) {
+  /// As finishBlock; false, and nothing is done, where one of the four needs its care: a large rotation, a
+  /// step that is not finite or too long.
+  static bool descendTogether(const SolverData& s, const Lane4& body, const MassMatrixT<Real4>& m,
+                              const Block6T<Real4>& block, const PoseT<Real4>& x) {
     const auto splat = [](Real a) { return LaneAccess<Real4>::splat(a); };
     const Vec6T<Real4> dx = newtonStep(block);
     if (!areFinite(dx.lin) || !allOf(dot(dx.ang, dx.ang) <= splat(kMostTurn * kMostTurn))) return false;
@@ -122,8 +132,7 @@ RUBBLE_NEAR bool haveSoftNodes(const SolverData& s, const Lane4& slice) {
   return soft != 0;
 }
 
-template <>
-struct Simd4Kernel<SumSlice<Real4>> {
+template <> struct Simd4Kernel<SumSlice<Real4>> {
   static void expect(const SolverData& s, const Lane4& index) {
     for (const int i : index) {
       __builtin_prefetch(&s.boundary[s.boundaryOffset[i]]);
@@ -160,7 +169,10 @@ struct Simd4Kernel<SumSlice<Real4>> {
     const auto codeOf = [&](int lane, int k) { return s.boundary[s.boundaryOffset[index[lane]] + k]; };
     const auto shiftOf = [&](const std::uint32_t(&code)[kLanes]) {
       Lane4 body;
-      for (int lane = 0; lane < kLanes; ++lane) body[lane] = s.jointsOf<BallJoint>()[constraintIndex(code[lane])].end[constraintSide(code[lane])].body;
+      for (int lane = 0; lane < kLanes; ++lane)
+        body[lane] = s.jointsOf<BallJoint>()[constraintIndex(code[lane])]
+                         .end[constraintSide(code[lane])]
+                         .body;
       return aggregates.shiftsOf(s, body);
     };
     const int done = accumulateRounds(s, leastOf(boundaryBlocks), codeOf, shiftOf, sum);
@@ -168,14 +180,17 @@ struct Simd4Kernel<SumSlice<Real4>> {
     scatterBlocks(sum, own);
     for (int lane = 0; lane < kLanes; ++lane) {
       const int i = index[lane];
-      if (done < boundaryBlocks[lane]) SumSlice<Real4>::addBoundary(s, s.slice[i], s.boundaryOffset[i] + done, s.boundaryOffset[i + 1], own[lane].block);
+      if (done < boundaryBlocks[lane])
+        SumSlice<Real4>::addBoundary(s, s.slice[i], s.boundaryOffset[i] + done, s.boundaryOffset[i + 1],
+                                     own[lane].block);
       s.slice[i].sum = own[lane].block;
     }
   }
 
  private:
   /// Inertial forces of the k-th node of each.
-  static void addInertialForces(const SolverData& s, const AggregateLanes& aggregates, const Lane4& index, int k, Block6T<Real4>& sum) {
+  static void addInertialForces(const SolverData& s, const AggregateLanes& aggregates, const Lane4& index,
+                                int k, Block6T<Real4>& sum) {
     Lane4 body;
     for (int lane = 0; lane < kLanes; ++lane) body[lane] = s.aggregateNode[s.slice[index[lane]].begin + k];
     const TargetLanes target = gatherTargets(s, body);
@@ -187,15 +202,16 @@ struct Simd4Kernel<SumSlice<Real4>> {
   /// Those of the nodes of one lane from the k-th on.
   static void addOthers(const SolverData& s, const Slice& slice, int k, int lane, Block6T<Real4>& sum) {
     Block6 own;
-    own.fl = {sum.fl.x[lane], sum.fl.y[lane], sum.fl.z[lane]}, own.fa = {sum.fa.x[lane], sum.fa.y[lane], sum.fa.z[lane]};
-    for (k += slice.begin; k < slice.end; ++k) addInertialForce(s, s.aggregate[slice.aggregate], s.aggregateNode[k], own);
+    own.fl = {sum.fl.x[lane], sum.fl.y[lane], sum.fl.z[lane]},
+    own.fa = {sum.fa.x[lane], sum.fa.y[lane], sum.fa.z[lane]};
+    for (k += slice.begin; k < slice.end; ++k)
+      addInertialForce(s, s.aggregate[slice.aggregate], s.aggregateNode[k], own);
     sum.fl.x[lane] = own.fl.x, sum.fl.y[lane] = own.fl.y, sum.fl.z[lane] = own.fl.z;
     sum.fa.x[lane] = own.fa.x, sum.fa.y[lane] = own.fa.y, sum.fa.z[lane] = own.fa.z;
   }
 };
 
-template <>
-struct Simd4Kernel<SolveAggregate> {
+template <> struct Simd4Kernel<SolveAggregate> {
   static void run(const SolverData& s, const Lane4& index) {
     PaddedBlock own[kLanes];
     int rare = 0;
@@ -209,18 +225,19 @@ struct Simd4Kernel<SolveAggregate> {
     for (int lane = 0; lane < kLanes; ++lane) own[lane].block = s.aggregate[index[lane]].inertia;
     gatherBlocks(own, inertia);
     const Vec6T<Real4> dx = newtonStep(block);
-    if (rare != 0 || !areFinite(dx.lin) || !areFinite(dx.ang) || !allOf(isWithinWork(block, inertia.ll.xx, inertia.aa, dx))) {
+    if (rare != 0 || !areFinite(dx.lin) || !areFinite(dx.ang) ||
+        !allOf(isWithinWork(block, inertia.ll.xx, inertia.aa, dx))) {
       for (int lane = 0; lane < kLanes; ++lane) SolveAggregate{}(s, index[lane]);
       return;
     }
     const Vec6T<Real4> step = LaneAccess<Real4>::splat(kGroupRelaxation) * dx;
     for (int lane = 0; lane < kLanes; ++lane)
-      s.aggregate[index[lane]].step = {{step.lin.x[lane], step.lin.y[lane], step.lin.z[lane]}, {step.ang.x[lane], step.ang.y[lane], step.ang.z[lane]}};
+      s.aggregate[index[lane]].step = {{step.lin.x[lane], step.lin.y[lane], step.lin.z[lane]},
+                                       {step.ang.x[lane], step.ang.y[lane], step.ang.z[lane]}};
   }
 };
 
-template <>
-struct Simd4Kernel<MoveSlice> {
+template <> struct Simd4Kernel<MoveSlice> {
   static void run(const SolverData& s, const Lane4& index) {
     if (haveSoftNodes(s, index)) {
       for (const int i : index) MoveSlice{}(s, i);
@@ -241,17 +258,18 @@ struct Simd4Kernel<MoveSlice> {
       for (int lane = 0; lane < kLanes; ++lane) moveWithAggregate(s, *aggregates.aggregate[lane], body[lane]);
     }
     for (int lane = 0; lane < kLanes; ++lane)
-      for (int k = s.slice[index[lane]].begin + least; k < s.slice[index[lane]].end; ++k) moveWithAggregate(s, *aggregates.aggregate[lane], s.aggregateNode[k]);
+      for (int k = s.slice[index[lane]].begin + least; k < s.slice[index[lane]].end; ++k)
+        moveWithAggregate(s, *aggregates.aggregate[lane], s.aggregateNode[k]);
   }
 
  private:
   static Quad<Real4> gatherSteps(const AggregateLanes& aggregates, int k) {
-    return gatherNumbers(&aggregates.aggregate[0]->step, &aggregates.aggregate[1]->step, &aggregates.aggregate[2]->step, &aggregates.aggregate[3]->step, k);
+    return gatherNumbers(&aggregates.aggregate[0]->step, &aggregates.aggregate[1]->step,
+                         &aggregates.aggregate[2]->step, &aggregates.aggregate[3]->step, k);
   }
 };
 
-template <>
-struct Simd4Kernel<UpdateJointDuals<BallJoint>> {
+template <> struct Simd4Kernel<UpdateJointDuals<BallJoint>> {
   static void run(const SolverData& s, const Lane4& index) {
     bool plain = true;
     for (int lane = 0; lane < kLanes; ++lane) plain &= isPlainBall(s, index[lane]);
@@ -278,7 +296,9 @@ struct Simd4Kernel<UpdateJointDuals<BallJoint>> {
     heldErrors<AnchorRows>(j.shift, j.levers, NoMemory{}, j.a, j.b, error);
     updateRows<3>(j.law, rule, keeps != LaneAccess<Real4>::splat(0), error, j.lambda, 3);
     const auto at = [&](int lane, int k) { return reinterpret_cast<Real*>(j.rows[lane]) + 4 * k; };
-    const auto scatter = [&](int k, const Quad<Real4>& q) { LaneAccess<Real4>::scatterQuad(at(0, k), at(1, k), at(2, k), at(3, k), q); };
+    const auto scatter = [&](int k, const Quad<Real4>& q) {
+      LaneAccess<Real4>::scatterQuad(at(0, k), at(1, k), at(2, k), at(3, k), q);
+    };
     scatter(0, {j.lambda[0], j.lambda[1], j.lambda[2], j.shift[0]});
     scatter(1, {j.shift[1], j.shift[2], j.law.k, j.law.compliance});
     return true;

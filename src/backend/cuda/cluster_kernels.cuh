@@ -8,13 +8,11 @@ struct BeginTetraCornersByTile {
   static constexpr const char* kStage = BeginTetraCorners::kStage;
   static constexpr int kWidth = 8;
   __device__ void operator()(const SolverData& s, int v, const Tile<kWidth>& tile) const {
-    for (int k = s.tetraCornerOffset[v] + tile.lane; k < s.tetraCornerOffset[v + 1]; k += kWidth) BeginTetraCorners::begin(s, k);
+    for (int k = s.tetraCornerOffset[v] + tile.lane; k < s.tetraCornerOffset[v + 1]; k += kWidth)
+      BeginTetraCorners::begin(s, k);
   }
 };
-template <>
-struct OnDevice<BeginTetraCorners> {
-  using Type = BeginTetraCornersByTile;
-};
+template <> struct OnDevice<BeginTetraCorners> { using Type = BeginTetraCornersByTile; };
 
 struct PlaceLargeClustersByTile {
   static constexpr const char* kStage = PlaceLargeClusters::kStage;
@@ -28,14 +26,10 @@ struct PlaceLargeClustersByTile {
     if (tile.lane == 0) sum.write(s.clusterMotion[large]);
   }
 };
-template <>
-struct OnDevice<PlaceLargeClusters> {
-  using Type = PlaceLargeClustersByTile;
-};
+template <> struct OnDevice<PlaceLargeClusters> { using Type = PlaceLargeClustersByTile; };
 
 /// A lane a vertex; several, where vertices have many contacts.
-template <bool surfaces>
-struct SumClusterByTile {
+template <bool surfaces> struct SumClusterByTile {
   static constexpr const char* kStage = SumCluster<surfaces>::kStage;
   static constexpr int kWidth = surfaces ? kWarp : 8, kLanesPerVertex = surfaces ? 4 : 1;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
@@ -45,7 +39,8 @@ struct SumClusterByTile {
     Block6 own, self;
     bool folded = false;
     for (int k = c.begin + tile.lane / kLanesPerVertex; k < c.end; k += kWidth / kLanesPerVertex)
-      folded |= SumCluster<surfaces>::addVertex(s, s.clusterMember[k], centre, tile.lane % kLanesPerVertex, kLanesPerVertex, own, self);
+      folded |= SumCluster<surfaces>::addVertex(s, s.clusterMember[k], centre, tile.lane % kLanesPerVertex,
+                                                kLanesPerVertex, own, self);
     Real sums[kRealsPerLane<kWidth>];
     sumBlocks(tile, own, sums);
     storeSums(tile, sums, motion.sum);
@@ -58,23 +53,24 @@ struct SumClusterByTile {
     }
   }
 };
-template <bool surfaces>
-struct OnDevice<SumCluster<surfaces>> {
-  using Type = SumClusterByTile<surfaces>;
-};
+template <bool surfaces> struct OnDevice<SumCluster<surfaces>> { using Type = SumClusterByTile<surfaces>; };
 
-/// The share of a worker in the block of a cluster: every `workers`-th chunk, and every `workers`-th element that leaves it.
+/// The share of a worker in the block of a cluster: every `workers`-th chunk, and every `workers`-th element
+/// that leaves it.
 __device__ inline Block6 shareOfCluster(const SolverData& s, int index, int worker, int workers) {
   const Cluster c = s.cluster[index];
   const Vec3 centre = s.clusterMotion[index].centre;
   Block6 own;
-  for (int k = c.sliceBegin + worker; k < c.sliceEnd; k += workers) SolveCluster::addSlice(s, c, k, centre, own);
-  for (int k = c.refBegin + worker; k < c.refEnd; k += workers) SolveCluster::addLeaving(s, s.clusterRef[k], centre, own);
+  for (int k = c.sliceBegin + worker; k < c.sliceEnd; k += workers)
+    SolveCluster::addSlice(s, c, k, centre, own);
+  for (int k = c.refBegin + worker; k < c.refEnd; k += workers)
+    SolveCluster::addLeaving(s, s.clusterRef[k], centre, own);
   return own;
 }
 /// The step of a cluster whose block a tile has summed.
 template <int kWidth>
-__device__ void stepCluster(const SolverData& s, int index, const Tile<kWidth>& tile, const Real (&sums)[kRealsPerLane<kWidth>]) {
+__device__ void stepCluster(const SolverData& s, int index, const Tile<kWidth>& tile,
+                            const Real (&sums)[kRealsPerLane<kWidth>]) {
   Block6 block = gatherSums(tile, sums);
   const Vec6 dx = SolveCluster::stepOf(block);
   if (tile.lane == 0) s.clusterMotion[index].step = dx;
@@ -82,8 +78,7 @@ __device__ void stepCluster(const SolverData& s, int index, const Tile<kWidth>& 
 
 /// Several lanes a cluster: few where clusters fill the device, for all of them solve it alike in the end.
 inline constexpr int kFewClusterLanes = 8, kSomeClusterLanes = 16, kMostClusterLanes = kWarp;
-template <int width>
-struct SolveClusterByTile {
+template <int width> struct SolveClusterByTile {
   static constexpr const char* kStage = SolveCluster::kStage;
   static constexpr int kWidth = width;
   static constexpr int kBlocks = 5;
@@ -98,7 +93,8 @@ struct SolveClusterByTile {
 /// A block a cluster, where there are few.
 inline constexpr int kFewClusterThreads = 512, kSomeClusterThreads = 128;
 template <int kBlockThreads>
-static __global__ void __launch_bounds__(kBlockThreads) solveClusters(const __grid_constant__ SolverData s, int level, Gate gate) {
+static __global__ void __launch_bounds__(kBlockThreads)
+    solveClusters(const __grid_constant__ SolverData s, int level, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   constexpr int kWarps = kBlockThreads / kWarp;
@@ -129,14 +125,10 @@ struct MoveClusterByTile {
     for (int k = c.begin + tile.lane; k < c.end; k += kWidth) move.moveMember(s, i, k);
   }
 };
-template <>
-struct OnDevice<MoveCluster> {
-  using Type = MoveClusterByTile;
-};
+template <> struct OnDevice<MoveCluster> { using Type = MoveClusterByTile; };
 
 /// A lane a vertex; several, where they have many contacts.
-template <bool surfaces>
-struct SumSoftNodePartByTile {
+template <bool surfaces> struct SumSoftNodePartByTile {
   static constexpr const char* kStage = SumSoftNodePart::kStage;
   static constexpr int kWidth = surfaces ? kWarp : 8, kLanesPerVertex = surfaces ? 4 : 1;
   SumSoftNodePart stage;
@@ -153,7 +145,8 @@ struct SumSoftNodePartByTile {
 /// Up to so many objects a processor have a block each to sum their parts, more have a warp.
 inline constexpr int kFewObjects = 8, kSoftNodeThreads = 256;
 template <int kBlockThreads>
-static __global__ void __launch_bounds__(kBlockThreads) sumSoftNodes(const __grid_constant__ SolverData s, int level, Gate gate) {
+static __global__ void __launch_bounds__(kBlockThreads)
+    sumSoftNodes(const __grid_constant__ SolverData s, int level, Gate gate) {
   awaitPrevious();
   const int i = static_cast<int>(blockIdx.x);
   if (gate.closed() || aggregateOfSoftNode(s, level, i) < 0) return;

@@ -1,6 +1,7 @@
 #pragma once
-/// Bodies and vertices by colour: a block counts its own in shared memory, since all have one of few colours. Inside a colour those with most work
-/// come first: what is solved side by side takes as long as the one that has most.
+/// Bodies and vertices by colour: a block counts its own in shared memory, since all have one of few colours.
+/// Inside a colour those with most work come first: what is solved side by side takes as long as the one that
+/// has most.
 #include "backend/cuda/heavy_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -19,7 +20,9 @@ struct ColorBins {
 /// Bodies but hubs, which are solved apart; classes by the number of row blocks.
 struct ColoredBodies {
   using Fill = FillColors;
-  __device__ static bool has(const SolverData& s, int i) { return i < s.bodies && isSwept(s, i) && !isHub(s, i); }
+  __device__ static bool has(const SolverData& s, int i) {
+    return i < s.bodies && isSwept(s, i) && !isHub(s, i);
+  }
   __device__ static int colorOf(const SolverData& s, int i) { return s.color[i]; }
   __device__ static int classOf(const SolverData& s, int i) {
     const int degree = degreeOf(s, i);
@@ -29,7 +32,8 @@ struct ColoredBodies {
   __device__ static const int* offset(const SolverData& s) { return s.colorOffset; }
   __device__ static int* list(const SolverData& s) { return s.colorBody; }
 };
-/// Vertices; classes by the number of elements and contacts, of which these take longer: up to about one, two and four rounds of eight lanes, and more.
+/// Vertices; classes by the number of elements and contacts, of which these take longer: up to about one, two
+/// and four rounds of eight lanes, and more.
 struct ColoredVertices {
   using Fill = FillVertexColors;
   __device__ static bool has(const SolverData& s, int v) { return v < s.vertices && isDynamicVertex(s, v); }
@@ -45,14 +49,14 @@ struct ColoredVertices {
 };
 
 /// The bin of node i, or -1 if it has none. Bins from kColorBins on: nodes of higher colours.
-template <class Nodes>
-__device__ int binOf(const SolverData& s, int i) {
+template <class Nodes> __device__ int binOf(const SolverData& s, int i) {
   return Nodes::has(s, i) ? Nodes::colorOf(s, i) * kWorkClasses + Nodes::classOf(s, i) : -1;
 }
 
 /// CountColors or CountVertexColors.
 template <class Nodes>
-static __global__ void __launch_bounds__(kThreads) countColors(const __grid_constant__ SolverData s, ColorBins bins, Gate gate) {
+static __global__ void __launch_bounds__(kThreads)
+    countColors(const __grid_constant__ SolverData s, ColorBins bins, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   __shared__ int count[kColorBins];
@@ -65,7 +69,8 @@ static __global__ void __launch_bounds__(kThreads) countColors(const __grid_cons
   for (int k = 0; k < kNodesPerThread; ++k) bin[k] = binOf<Nodes>(s, first + k * kThreads);
 #pragma unroll
   for (int k = 0; k < kNodesPerThread; ++k)
-    if (const int b = bin[k]; b >= 0) atomicAdd(b < kColorBins ? &count[b] : &population[b / kWorkClasses], 1);
+    if (const int b = bin[k]; b >= 0)
+      atomicAdd(b < kColorBins ? &count[b] : &population[b / kWorkClasses], 1);
   __syncthreads();
   for (int b = static_cast<int>(threadIdx.x); b < kColorBins; b += kThreads) {
     if (count[b] == 0) continue;
@@ -76,7 +81,8 @@ static __global__ void __launch_bounds__(kThreads) countColors(const __grid_cons
 
 /// FillColors or FillVertexColors: a block takes room for all its nodes of a bin at a time.
 template <class Nodes>
-static __global__ void __launch_bounds__(kThreads) fillColors(const __grid_constant__ SolverData s, ColorBins bins, Gate gate) {
+static __global__ void __launch_bounds__(kThreads)
+    fillColors(const __grid_constant__ SolverData s, ColorBins bins, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   __shared__ int count[kColorBins];
@@ -101,8 +107,10 @@ static __global__ void __launch_bounds__(kThreads) fillColors(const __grid_const
   for (int k = 0; k < kNodesPerThread; ++k) {
     const int node = first + k * kThreads, b = bin[k];
     if (b < 0) continue;
-    if (b < kColorBins) Nodes::list(s)[count[b] + rank[k]] = node;
-    else typename Nodes::Fill{}(s, node);
+    if (b < kColorBins)
+      Nodes::list(s)[count[b] + rank[k]] = node;
+    else
+      typename Nodes::Fill{}(s, node);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// Stages over contacts, a thread a point: the four lanes of a manifold read and write what lies side by side.
+/// Stages over contacts, a thread a point: the four lanes of a manifold read and write what lies side by
+/// side.
 #include "backend/cuda/kernels.cuh"
 #include "backend/cuda/points.cuh"
 
@@ -14,10 +15,7 @@ struct DualOfPoint {
     updateContactDuals<Real>(s.step, r, s.dx[r.a], s.dx[r.b], tile.lane);
   }
 };
-template <>
-struct OnDevice<UpdateContactDuals<Real>> {
-  using Type = DualOfPoint;
-};
+template <> struct OnDevice<UpdateContactDuals<Real>> { using Type = DualOfPoint; };
 
 struct FinishPoint {
   static constexpr const char* kStage = FinishContacts<Real>::kStage;
@@ -47,10 +45,7 @@ struct FinishPoint {
     s.support[i] = supportOf(r, own);
   }
 };
-template <>
-struct OnDevice<FinishContacts<Real>> {
-  using Type = FinishPoint;
-};
+template <> struct OnDevice<FinishContacts<Real>> { using Type = FinishPoint; };
 
 /// A lane a point: most manifolds are recycled, and that is copying.
 struct RecycleManifoldByLanes {
@@ -67,7 +62,8 @@ struct RecycleManifoldByLanes {
       if (tile.lane == 0) keepAsleep(s, i, p, old);
       return;
     }
-    if (!old || !mayRecycle(s, o) || !recyclable(s.pairTest[pair], old->count, pose, s.step.recycleTolerance)) {
+    if (!old || !mayRecycle(s, o) ||
+        !recyclable(s.pairTest[pair], old->count, pose, s.step.recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
     }
@@ -82,7 +78,8 @@ struct RecycleManifoldByLanes {
     bool awake = on;
     // points that bear a load need no targets
     if (tile.ballot(on && memory.lambdaN == Real(0)) != 0 && on)
-      awake = activationRule(s, o)(s, o, pose, n, pointAt(own, 0, n, pose.qA, pose.qB, pose.t), memory.lambdaN);
+      awake = activationRule(s, o)(s, o, pose, n, pointAt(own, 0, n, pose.qA, pose.qB, pose.t),
+                                   memory.lambdaN);
     const unsigned bits = tile.ballot(awake), stick = tile.ballot(on && own.stick != 0);
     if (bits == 0) memory.kN = memory.kT = memory.drift1 = memory.drift2 = Real(0);
     storeMemory(memory, m, tile);
@@ -101,7 +98,8 @@ struct RecycleManifoldByLanes {
  private:
   /// The places of the points and their features, sixteen bytes a lane at a time.
   __device__ static void copyPlaces(const Manifold& from, Manifold& to, const PointTile& tile) {
-    constexpr int kPlaces = offsetof(Manifold, lambdaN) / sizeof(float4), kHandedOn = offsetof(Manifold, feature) / sizeof(float4) - kPlaces;
+    constexpr int kPlaces = offsetof(Manifold, lambdaN) / sizeof(float4),
+                  kHandedOn = offsetof(Manifold, feature) / sizeof(float4) - kPlaces;
     static_assert(kPlaces + 1 <= 2 * kWidth && sizeof(Manifold::feature) == sizeof(float4));
     const int second = kWidth + tile.lane, behind = second < kPlaces ? second : second + kHandedOn;
     const float4* const quads = reinterpret_cast<const float4*>(&from);
@@ -110,10 +108,7 @@ struct RecycleManifoldByLanes {
     reinterpret_cast<float4*>(&to)[tile.lane] = first;
   }
 };
-template <>
-struct OnDevice<RecycleManifolds> {
-  using Type = RecycleManifoldByLanes;
-};
+template <> struct OnDevice<RecycleManifolds> { using Type = RecycleManifoldByLanes; };
 
 struct BuildRowsOfPoint {
   static constexpr const char* kStage = BuildContactRows::kStage;
@@ -146,12 +141,11 @@ struct BuildRowsOfPoint {
     static_assert(kQuads == kWidth);
     float4 head[kQuads];
     memcpy(head, &own.n, sizeof head);
-    reinterpret_cast<float4*>(&r.n)[tile.lane] = tile.lane < 2 ? (tile.lane == 0 ? head[0] : head[1]) : tile.lane == 2 ? head[2] : head[3];
+    reinterpret_cast<float4*>(&r.n)[tile.lane] = tile.lane < 2    ? (tile.lane == 0 ? head[0] : head[1])
+                                                 : tile.lane == 2 ? head[2]
+                                                                  : head[3];
   }
 };
-template <>
-struct OnDevice<BuildContactRows> {
-  using Type = BuildRowsOfPoint;
-};
+template <> struct OnDevice<BuildContactRows> { using Type = BuildRowsOfPoint; };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -20,11 +20,14 @@ struct ScatterList {
 /// A row of blocks a piece, a thread a word.
 __global__ void scatterWords(const __grid_constant__ ScatterList list) {
   const ScatterPiece& p = list.piece[blockIdx.y];
-  const std::size_t words = static_cast<std::size_t>(p.words), all = static_cast<std::size_t>(p.count) * words;
+  const std::size_t words = static_cast<std::size_t>(p.words),
+                    all = static_cast<std::size_t>(p.count) * words;
   const std::size_t stride = static_cast<std::size_t>(gridDim.x) * blockDim.x;
-  for (std::size_t i = static_cast<std::size_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < all; i += stride) {
+  for (std::size_t i = static_cast<std::size_t>(blockIdx.x) * blockDim.x + threadIdx.x; i < all;
+       i += stride) {
     const std::size_t k = i / words;
-    static_cast<int*>(p.to)[static_cast<std::size_t>(p.slots[k]) * words + (i - k * words)] = static_cast<const int*>(p.from)[i];
+    static_cast<int*>(p.to)[static_cast<std::size_t>(p.slots[k]) * words +
+                            (i - k * words)] = static_cast<const int*>(p.from)[i];
   }
 }
 
@@ -33,10 +36,12 @@ __global__ void gatherWords(int* to, const int* from, const int* placeOf, int wo
   const std::size_t i = static_cast<std::size_t>(blockIdx.x) * blockDim.x + threadIdx.x;
   if (i >= all) return;
   const std::size_t id = i / static_cast<std::size_t>(words);
-  to[i] = from[static_cast<std::size_t>(placeOf[id]) * static_cast<std::size_t>(words) + (i - id * static_cast<std::size_t>(words))];
+  to[i] = from[static_cast<std::size_t>(placeOf[id]) * static_cast<std::size_t>(words) +
+               (i - id * static_cast<std::size_t>(words))];
 }
 
-__global__ void changeVelocities(const __grid_constant__ SolverData s, const int* slots, const Vec3d* changes, int count) {
+__global__ void changeVelocities(const __grid_constant__ SolverData s, const int* slots, const Vec3d* changes,
+                                 int count) {
   const int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (k >= count) return;
   changeVelocity(s, slots[k], changes[k]);
@@ -59,9 +64,12 @@ __device__ bool contains(const int* sorted, int count, int value) {
   return low < count && sorted[low] == value;
 }
 
-__global__ void forgetManifolds(const __grid_constant__ SolverData s, const int* slots, int count, int pairs) {
+__global__ void forgetManifolds(const __grid_constant__ SolverData s, const int* slots, int count,
+                                int pairs) {
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
-  if (i >= pairs || !(contains(slots, count, s.oldPair[i].owner) || contains(slots, count, s.oldPair[i].other))) return;
+  if (i >= pairs ||
+      !(contains(slots, count, s.oldPair[i].owner) || contains(slots, count, s.oldPair[i].other)))
+    return;
   forgetOldPair(s, i);
 }
 
@@ -69,7 +77,8 @@ __global__ void forgetPoints(const __grid_constant__ SolverData s, const int* sl
   const int i = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
   if (i >= s.oldPointPairOffset[s.owners()]) return;
   const int owner = s.oldPointPair[i].vertex, cornersFrom = s.vertices + s.edges;
-  if (!contains(slots, count, s.oldPointPair[i].other) && !(owner >= cornersFrom && contains(slots, count, (owner - cornersFrom) / kCornerSlots)))
+  if (!contains(slots, count, s.oldPointPair[i].other) &&
+      !(owner >= cornersFrom && contains(slots, count, (owner - cornersFrom) / kCornerSlots)))
     return;
   s.oldPointPair[i].other = -1;
   s.oldPointContact[i].active = 0;
@@ -92,7 +101,8 @@ void scatterPieces(cudaStream_t stream, const std::vector<ScatterPiece>& pieces)
     std::size_t most = 1;
     for (std::size_t k = 0; k < n; ++k) {
       list.piece[k] = pieces[first + k];
-      most = std::max(most, static_cast<std::size_t>(list.piece[k].count) * static_cast<std::size_t>(list.piece[k].words));
+      most = std::max(most, static_cast<std::size_t>(list.piece[k].count) *
+                                static_cast<std::size_t>(list.piece[k].words));
     }
     const dim3 blocks(std::min<unsigned>(blocksFor(most), kMostBlocks), static_cast<unsigned>(n));
     scatterWords<<<blocks, kEditThreads, 0, stream>>>(list);
@@ -103,12 +113,15 @@ void scatterPieces(cudaStream_t stream, const std::vector<ScatterPiece>& pieces)
 void gatherById(cudaStream_t stream, void* to, const void* from, const int* placeOf, int count, int words) {
   if (count == 0) return;
   const std::size_t all = static_cast<std::size_t>(count) * static_cast<std::size_t>(words);
-  gatherWords<<<blocksFor(all), kEditThreads, 0, stream>>>(static_cast<int*>(to), static_cast<const int*>(from), placeOf, words, all);
+  gatherWords<<<blocksFor(all), kEditThreads, 0, stream>>>(
+      static_cast<int*>(to), static_cast<const int*>(from), placeOf, words, all);
   checkCuda(cudaGetLastError(), "gatherById");
 }
 
-void addVelocities(cudaStream_t stream, const SolverData& device, const int* slots, const Vec3d* changes, int count) {
-  changeVelocities<<<blocksFor(static_cast<std::size_t>(count)), kEditThreads, 0, stream>>>(device, slots, changes, count);
+void addVelocities(cudaStream_t stream, const SolverData& device, const int* slots, const Vec3d* changes,
+                   int count) {
+  changeVelocities<<<blocksFor(static_cast<std::size_t>(count)), kEditThreads, 0, stream>>>(device, slots,
+                                                                                            changes, count);
   checkCuda(cudaGetLastError(), "changeVelocities");
 }
 
@@ -119,11 +132,13 @@ void scatterStateRows(cudaStream_t stream, const SolverData& device, const Scatt
 
 void forgetContactsOf(cudaStream_t stream, const SolverData& device, const int* slots, int count, int pairs) {
   if (pairs <= 0 || count <= 0) return;
-  forgetManifolds<<<blocksFor(static_cast<std::size_t>(pairs)), kEditThreads, 0, stream>>>(device, slots, count, pairs);
+  forgetManifolds<<<blocksFor(static_cast<std::size_t>(pairs)), kEditThreads, 0, stream>>>(device, slots,
+                                                                                           count, pairs);
   checkCuda(cudaGetLastError(), "forgetManifolds");
 }
 
-void forgetVertexContactsOf(cudaStream_t stream, const SolverData& device, const int* slots, int count, int pairs) {
+void forgetVertexContactsOf(cudaStream_t stream, const SolverData& device, const int* slots, int count,
+                            int pairs) {
   if (pairs <= 0 || count <= 0) return;
   forgetPoints<<<blocksFor(static_cast<std::size_t>(pairs)), kEditThreads, 0, stream>>>(device, slots, count);
   checkCuda(cudaGetLastError(), "forgetPoints");
@@ -131,13 +146,15 @@ void forgetVertexContactsOf(cudaStream_t stream, const SolverData& device, const
 
 void startPairOffsets(cudaStream_t stream, const SolverData& device, int begin, int end) {
   if (end <= begin) return;
-  repeatOffset<<<blocksFor(static_cast<std::size_t>(end - begin)), kEditThreads, 0, stream>>>(device.oldPairOffset, begin, end);
+  repeatOffset<<<blocksFor(static_cast<std::size_t>(end - begin)), kEditThreads, 0, stream>>>(
+      device.oldPairOffset, begin, end);
   checkCuda(cudaGetLastError(), "repeatOffset");
 }
 
 void startCornerOffsets(cudaStream_t stream, const SolverData& device, int begin, int end) {
   if (end <= begin) return;
-  repeatOffset<<<blocksFor(static_cast<std::size_t>(end - begin)), kEditThreads, 0, stream>>>(device.oldPointPairOffset, begin, end);
+  repeatOffset<<<blocksFor(static_cast<std::size_t>(end - begin)), kEditThreads, 0, stream>>>(
+      device.oldPointPairOffset, begin, end);
   checkCuda(cudaGetLastError(), "repeatOffset");
 }
 
@@ -149,16 +166,18 @@ std::string problem(int& device, cudaDeviceProp& properties) {
   const cudaError_t status = cudaGetDeviceCount(&count);
   if (status != cudaSuccess || count == 0) {
     cudaGetLastError();
-    return status == cudaSuccess || status == cudaErrorNoDevice ? "no device found"
-                                                                : std::string("no device found: ") + cudaGetErrorString(status);
+    return status == cudaSuccess || status == cudaErrorNoDevice
+               ? "no device found"
+               : std::string("no device found: ") + cudaGetErrorString(status);
   }
   if (const cudaError_t got = cudaGetDevice(&device); got != cudaSuccess) return cudaGetErrorString(got);
-  if (const cudaError_t got = cudaGetDeviceProperties(&properties, device); got != cudaSuccess) return cudaGetErrorString(got);
+  if (const cudaError_t got = cudaGetDeviceProperties(&properties, device); got != cudaSuccess)
+    return cudaGetErrorString(got);
   cudaFuncAttributes attributes{};
   if (cudaFuncGetAttributes(&attributes, scatterWords) == cudaSuccess) return "";
   cudaGetLastError();
-  return std::string(properties.name) + " is of compute capability " + std::to_string(properties.major) + "." +
-         std::to_string(properties.minor) + ", which this build has no code for";
+  return std::string(properties.name) + " is of compute capability " + std::to_string(properties.major) +
+         "." + std::to_string(properties.minor) + ", which this build has no code for";
 }
 
 }  // namespace
@@ -170,8 +189,9 @@ std::string deviceStatus() {
   if (!why.empty()) return "off: " + why;
   int runtime = 0;
   cudaRuntimeGetVersion(&runtime);
-  return std::string("on: ") + properties.name + ", " + std::to_string(properties.totalGlobalMem >> 30) + " GiB, compute capability " +
-         std::to_string(properties.major) + "." + std::to_string(properties.minor) + ", CUDA " + std::to_string(runtime / 1000) + "." +
+  return std::string("on: ") + properties.name + ", " + std::to_string(properties.totalGlobalMem >> 30) +
+         " GiB, compute capability " + std::to_string(properties.major) + "." +
+         std::to_string(properties.minor) + ", CUDA " + std::to_string(runtime / 1000) + "." +
          std::to_string(runtime % 1000 / 10);
 }
 

@@ -59,16 +59,20 @@ class CudaEngine final : public Engine, private PoseCopies {
     RUBBLE_CORE::setExclusions(host(), pairs);
     mirror_.listsWritten();
   }
-  // edits of deformable objects are rare and rewrite lists of all of them: everything is fetched, edited and sent anew
-  void setSoft(const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) override {
+  // edits of deformable objects are rare and rewrite lists of all of them: everything is fetched, edited and
+  // sent anew
+  void setSoft(const std::vector<EngineSoftObject>& objects,
+               const std::vector<EngineAttachment>& attachments) override {
     mirror_.fetchAll();
     RUBBLE_CORE::setSoft(host(), objects, attachments);
     mirror_.allWritten();
   }
-  void vertexStates(int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities) const override {
+  void vertexStates(int first, std::span<rubble::Vec3> positions,
+                    std::span<rubble::Vec3> velocities) const override {
     vertexStatesOf(fetched(), first, positions, velocities);
   }
-  void setVertexStates(int first, std::span<const rubble::Vec3> positions, std::span<const rubble::Vec3> velocities) override {
+  void setVertexStates(int first, std::span<const rubble::Vec3> positions,
+                       std::span<const rubble::Vec3> velocities) override {
     mirror_.fetchAll();
     RUBBLE_CORE::setVertexStates(host(), first, positions, velocities);
     mirror_.allWritten();
@@ -78,7 +82,9 @@ class CudaEngine final : public Engine, private PoseCopies {
     host().view().vertexForce[vertex] += Vec3(force);
     mirror_.allWritten();
   }
-  void elementsAlive(int type, int first, std::span<char> alive) const override { elementsAliveOf(fetched(), type, first, alive); }
+  void elementsAlive(int type, int first, std::span<char> alive) const override {
+    elementsAliveOf(fetched(), type, first, alive);
+  }
   JointState attachmentState(int index) const override { return attachmentStateOf(fetched(), index); }
   std::vector<EngineVertexContact> vertexContacts() const override { return vertexContactsOf(fetched()); }
   BodyState state(int slot) const override {
@@ -100,8 +106,12 @@ class CudaEngine final : public Engine, private PoseCopies {
   }
 
   ArrayView array(StateArray which) override { return mirror_.array(which); }
-  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override { mirror_.scatter(which, rows, values); }
-  bool reserve(const std::string& kind, int count) override { return reserveKind(stepper_.tables(), kind, count); }
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
+    mirror_.scatter(which, rows, values);
+  }
+  bool reserve(const std::string& kind, int count) override {
+    return reserveKind(stepper_.tables(), kind, count);
+  }
 
   PoseCopies* poseCopies() override { return this; }
   void begin(int buffer) override {
@@ -182,7 +192,8 @@ class CudaEngine final : public Engine, private PoseCopies {
   double preparedFor_ = -1;  ///< previousDt_ that the constants were worked out with
 };
 
-/// Works out the constants of the step only where they may differ: a graph is kept as long as they are the same, bit for bit.
+/// Works out the constants of the step only where they may differ: a graph is kept as long as they are the
+/// same, bit for bit.
 void CudaEngine::prepareConstants() {
   if (!settingsChanged_ && preparedFor_ == previousDt_) return;
   const Counters last = *host().view().counters;

@@ -1,6 +1,6 @@
 #pragma once
-/// The step as kernels of one stream. Every call enqueues work and returns; what the step counts stays on the device.
-#include <nvtx3/nvToolsExt.h>
+/// The step as kernels of one stream. Every call enqueues work and returns; what the step counts stays on the
+/// device.
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 #include <cub/device/device_radix_sort.cuh>
@@ -8,61 +8,45 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <limits>
 
+#include "backend/cuda/aggregate_kernels.cuh"
 #include "backend/cuda/cluster_kernels.cuh"
 #include "backend/cuda/color_kernels.cuh"
 #include "backend/cuda/contact_kernels.cuh"
-#include "backend/cuda/device_memory.h"
-#include "backend/cuda/aggregate_kernels.cuh"
-#include "backend/cuda/strand_kernels.cuh"
+#include "backend/cuda/kernel_launcher.cuh"
 #include "backend/cuda/pair_kernels.cuh"
 #include "backend/cuda/point_kernels.cuh"
+#include "backend/cuda/strand_kernels.cuh"
 #include "backend/cuda/strict_kernels.cuh"
-#include "backend/cuda/timeline.h"
 #include "backend/cuda/tree_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Where in the step to begin, what to measure with, and whether a graph is being captured.
-struct EnqueueOptions {
-  int from = 0;                  ///< first operation that is enqueued
-  int colors = 0;                ///< launches for colours
-  Timeline* timeline = nullptr;  ///< of the stages, or none
-  bool captured = false;
-};
-
-class CudaExecutor {
+class CudaExecutor : private KernelLauncher {
  public:
   using Lane = Real;
   /// As on the CPU: a guard, not a limit that a proper step meets.
   static constexpr int kMaxRounds = 10000;
 
-  CudaExecutor(DeviceTables& tables, cudaStream_t stream) : tables_(tables), stream_(stream) {
-    int device = 0;
-    checkCuda(cudaGetDevice(&device), "cudaGetDevice");
-    checkCuda(cudaDeviceGetAttribute(&processors_, cudaDevAttrMultiProcessorCount, device), "cudaDeviceGetAttribute");
-    int major = 0;
-    checkCuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device), "cudaDeviceGetAttribute");
-    launchesEarly_ = major >= kEarlyLaunchMajor;
-    // a full device: more blocks would only wait
-    constexpr int kThreadsPerProcessor = 2048;
-    maxBlocks_ = processors_ * (kThreadsPerProcessor / kThreads);
-    control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
+  CudaExecutor(DeviceTables& tables, cudaStream_t stream) : KernelLauncher(tables, stream) {
     std::fill(std::begin(perOf_), std::end(perOf_), -1);
     // some of the pairs and near pairs: no room of their own
     perOf_[indexOf(&Counters::newPairs)] = static_cast<int>(Per::Pair);
     perOf_[indexOf(&Counters::tested)] = static_cast<int>(Per::ActivePair);
   }
-  ~CudaExecutor() { DeviceMemory::release(control_); }
   CudaExecutor(const CudaExecutor&) = delete;
   CudaExecutor& operator=(const CudaExecutor&) = delete;
 
   const Control* control() const { return control_; }
   /// Is this kind one whose number the device counts?
-  bool counted(Per per) const { return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_); }
-  std::size_t scratchBytes() const { return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size() + hubs_.size() + heavySlices_.size(); }
+  bool counted(Per per) const {
+    return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_);
+  }
+  std::size_t scratchBytes() const {
+    return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size() + hubs_.size() +
+           heavySlices_.size();
+  }
 
   /// Room for what the scans and sorts of a step need besides the tables: the step itself must not allocate.
   void reserveScratch() {
@@ -76,77 +60,91 @@ class CudaExecutor {
     scratch_.reserve(std::max(scanBytes, sortBytes));
     sortedKeys_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
     indices_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
-    tickets_.reserve(sizeof(int) * static_cast<std::size_t>(tables_.capacity(Per::Slice)) * kTreeLevels);
+    tickets_.reserve(sizeof(int) * static_cast<std::size_t>(tables_.capacity(Per::Slice)) * kSumLevels);
     colorBins_.reserve(sizeof(int) * 2 * kColorBins);
     reserveList(hubs_, tables_.capacity(Per::Incidence), kHubEntries);
     reserveList(heavySlices_, tables_.capacity(Per::Boundary), kHeavyRounds * kSmallWidth / kLanes);
   }
 
-  /// Enqueues the step from an operation on; does the tables' part of swapManifolds on the host. Returns whether that was called.
+  /// Enqueues the step from an operation on; does the tables' part of swapManifolds on the host. Returns
+  /// whether that was called.
   bool enqueue(const EnqueueOptions& options) {
-    if (options.from == 0) checkCuda(cudaMemsetAsync(view().counters, 0, sizeof(Counters), stream_), "cudaMemsetAsync");
+    if (options.from == 0)
+      checkCuda(cudaMemsetAsync(view().counters, 0, sizeof(Counters), stream_), "cudaMemsetAsync");
     checkCuda(cudaMemsetAsync(control_, 0, sizeof(Control), stream_), "cudaMemsetAsync");
     return walk(options);
   }
 
   // Executor
-  const SolverData& view() const { return tables_.view(); }
+  using KernelLauncher::view;
 
-  template <class Kernel>
-  void forEach(const Kernel& kernel, int n) {
+  template <class Kernel> void forEach(const Kernel& kernel, int n) {
     if (!begins() || n <= 0) return;
     enterStage(Kernel::kStage);
     launch(onDevice(kernel), {n, nullptr}, n, Kernel::kStage);
   }
-  template <class Kernel>
-  void forEach(const Kernel& kernel, int Counters::*n) {
+  template <class Kernel> void forEach(const Kernel& kernel, int Counters::*n) {
     if (!begins()) return;
     enterStage(Kernel::kStage);
     launch(onDevice(kernel), {0, counter(n)}, capacityOf(n), Kernel::kStage);
   }
 
   /// Its kernel is launched when the one before has begun, and waits for it in the end.
-  template <class Kernel, class N>
-  void beside(const Kernel& kernel, N n) {
+  template <class Kernel, class N> void beside(const Kernel& kernel, N n) {
     beside_ = true;
     forEach(kernel, n);
     beside_ = false;
   }
 
-  /// Nobody knows here how long a range is: the grid is that of ranges which hold one element for a few members, and any grid will do.
+  /// Nobody knows here how long a range is: the grid is that of ranges which hold one element for a few
+  /// members, and any grid will do.
   int blocksForRange(int width) const {
     constexpr int kMembersPerElement = 16;
     return blocksFor(view().nodes() / kMembersPerElement + 1, width);
   }
-  template <class Kernel>
-  void forEachIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
+  template <class Kernel> void forEachIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
     if (!begins()) return;
     enterStage(Kernel::kStage);
     using Type = DeviceKernel<Kernel>;
-    launchNext(runRange<Type>, {blocksForRange(widthOf<Type>()), kThreads}, Kernel::kStage, view(), onDevice(kernel), view().*offsets, k, Gate{control_});
+    launchNext(runRange<Type>, {blocksForRange(widthOf<Type>()), kThreads}, Kernel::kStage, view(),
+               onDevice(kernel), view().*offsets, k, Gate{control_});
   }
-  /// The last tile to sum a chunk of a group goes on with it, and so does what a stage of its own does elsewhere.
+  /// The last tile to sum a chunk of a group goes on with it, and so does what a stage of its own does
+  /// elsewhere.
   void forEach(const SumInertia& kernel, int Counters::*n) {
-    if constexpr (kStrict) forEach<SumInertia>(kernel, n);
-    else forEach(SumInertiaByTile{tree()}, n);
+    if constexpr (kStrict)
+      forEach<SumInertia>(kernel, n);
+    else
+      forEach(SumInertiaByTile{tree()}, n);
   }
   void forEach(const PlaceAggregates& kernel, int Counters::*n) {
     if constexpr (kStrict) forEach<PlaceAggregates>(kernel, n);
   }
   void forEachIn(const SumSlice<Real>& kernel, int* SolverData::*offsets, int level) {
-    if constexpr (kStrict) forEachIn<SumSlice<Real>>(kernel, offsets, level);
-    else if (sliceWidth(view(), level) == kSmallWidth) sumLevel<kSmallWidth>(level);
-    else sumLevel<kWarp>(level);
+    if constexpr (kStrict)
+      forEachIn<SumSlice<Real>>(kernel, offsets, level);
+    else if (sliceWidth(view(), level) == kSmallWidth)
+      sumLevel<kSmallWidth>(level);
+    else
+      sumLevel<kWarp>(level);
   }
   template <class Kernel>
-    requires(!kStrict && (std::same_as<Kernel, SolveAggregate> || std::same_as<Kernel, WithSoftNodes<SolveAggregate>>))
-  void forEachIn(const Kernel&, int* SolverData::*, int) {}
-  void forEachIn(const MoveSlice&, int* SolverData::*, int level) { forEach(MoveNode{level}, view().bodiesMove ? view().bodies : 0); }
-  void forEachIn(const WithSoftNodes<SumSlice<Real>>& kernel, int* SolverData::*offsets, int level) {
-    if constexpr (kStrict) forEachIn<WithSoftNodes<SumSlice<Real>>>(kernel, offsets, level);
-    else sumLevel<kWarp>(level, true);
+  requires(!kStrict &&
+           (std::same_as<Kernel, SolveAggregate> ||
+            std::same_as<Kernel, WithSoftNodes<SolveAggregate>>)) void forEachIn(const Kernel&,
+                                                                                 int* SolverData::*, int) {}
+  void forEachIn(const MoveSlice&, int* SolverData::*, int level) {
+    forEach(MoveNode{level}, view().bodiesMove ? view().bodies : 0);
   }
-  void forEachIn(const WithSoftNodes<MoveSlice>&, int* SolverData::*, int level) { forEach(MoveNode{level, true}, view().bodiesMove ? view().bodies : 0); }
+  void forEachIn(const WithSoftNodes<SumSlice<Real>>& kernel, int* SolverData::*offsets, int level) {
+    if constexpr (kStrict)
+      forEachIn<WithSoftNodes<SumSlice<Real>>>(kernel, offsets, level);
+    else
+      sumLevel<kWarp>(level, true);
+  }
+  void forEachIn(const WithSoftNodes<MoveSlice>&, int* SolverData::*, int level) {
+    forEach(MoveNode{level, true}, view().bodiesMove ? view().bodies : 0);
+  }
 
   void forEach(const SolveCluster& kernel, int n) {
     if constexpr (kStrict) return forEach<SolveCluster>(kernel, n);
@@ -160,9 +158,12 @@ class CudaExecutor {
   }
 
   void forEach(const SumSoftNodePart& kernel, int n) {
-    if constexpr (kStrict) forEach<SumSoftNodePart>(kernel, n);
-    else if (view().features > 0) forEach(SumSoftNodePartByTile<true>{kernel}, n);
-    else forEach(SumSoftNodePartByTile<false>{kernel}, n);
+    if constexpr (kStrict)
+      forEach<SumSoftNodePart>(kernel, n);
+    else if (view().features > 0)
+      forEach(SumSoftNodePartByTile<true>{kernel}, n);
+    else
+      forEach(SumSoftNodePartByTile<false>{kernel}, n);
   }
   /// A thread a particle, and a block or a warp an object, as there are few or many.
   void forEach(const SumSoftNode& kernel, int n) {
@@ -171,9 +172,13 @@ class CudaExecutor {
     enterStage(SumSoftNode::kStage);
     const int objects = view().objects;
     if (objects > 0 && objects <= kFewObjects * processors_)
-      launchNext(sumSoftNodes<kSoftNodeThreads>, {objects, kSoftNodeThreads}, SumSoftNode::kStage, view(), kernel.level, Gate{control_});
-    else if (objects > 0) launchNext(sumSoftNodes<kWarp>, {objects, kWarp}, SumSoftNode::kStage, view(), kernel.level, Gate{control_});
-    if (n > objects) launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumSoftNode::kStage);
+      launchNext(sumSoftNodes<kSoftNodeThreads>, {objects, kSoftNodeThreads}, SumSoftNode::kStage, view(),
+                 kernel.level, Gate{control_});
+    else if (objects > 0)
+      launchNext(sumSoftNodes<kWarp>, {objects, kWarp}, SumSoftNode::kStage, view(), kernel.level,
+                 Gate{control_});
+    if (n > objects)
+      launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumSoftNode::kStage);
   }
 
   void forEach(const SolveTree& kernel, int n) {
@@ -201,7 +206,8 @@ class CudaExecutor {
     startList(hubs_, SortIncidences::kStage);
     forEachWarp(SortEntriesByWarp{listOf(hubs_)}, n);
     if (!begun() || n <= 0) return;
-    launchNext(sortHubs, {processors_, kSortThreads}, SortIncidences::kStage, view(), listOf(hubs_), Gate{control_});
+    launchNext(sortHubs, {processors_, kSortThreads}, SortIncidences::kStage, view(), listOf(hubs_),
+               Gate{control_});
   }
   void forEach(const FillBoundary& kernel, int Counters::*n) {
     if constexpr (kStrict) return forEach<FillBoundary>(kernel, n);
@@ -212,7 +218,9 @@ class CudaExecutor {
   void forEach(const CountColors&, int n) { countByColor<ColoredBodies>(n); }
   void forEach(const FillColors&, int n) { launchByColor(fillColors<ColoredBodies>, FillColors::kStage, n); }
   void forEach(const CountVertexColors&, int n) { countByColor<ColoredVertices>(n); }
-  void forEach(const FillVertexColors&, int n) { launchByColor(fillColors<ColoredVertices>, FillVertexColors::kStage, n); }
+  void forEach(const FillVertexColors&, int n) {
+    launchByColor(fillColors<ColoredVertices>, FillVertexColors::kStage, n);
+  }
 
   void clear(int* SolverData::*array, int n) {
     if (begins() && n > 0) launch(FillArray{view().*array, 0}, {n, nullptr}, n, "clear");
@@ -221,7 +229,9 @@ class CudaExecutor {
     if (begins()) launch(FillArray{view().*array, 0}, {0, counter(n)}, capacityOf(n), "clear");
   }
 
-  void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) { scanTo({view().*counts, nullptr, n, n}, view().*offsets); }
+  void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) {
+    scanTo({view().*counts, nullptr, n, n}, view().*offsets);
+  }
   /// Offsets behind the last element get the total too.
   void scan(int* SolverData::*counts, int* SolverData::*offsets, int Counters::*n) {
     scanTo({view().*counts, counter(n), 0, capacityOf(n)}, view().*offsets);
@@ -232,21 +242,24 @@ class CudaExecutor {
     scan(counts, offsets, n);
     perOf_[indexOf(total)] = static_cast<int>(per);
     if (!begun()) return;
-    launchNext(keepTotal, {1, 1}, "keepTotal", control_, view().*offsets, limit, counter(total), roomFor(per));
+    launchNext(keepTotal, {1, 1}, "keepTotal", control_, view().*offsets, limit, counter(total),
+               roomFor(per));
   }
 
   /// A stable sort; the keys that are left out stand behind the last one.
-  void groupByKey(int* SolverData::*keys, int n, int* SolverData::*offsets, int* SolverData::*order, int Counters::*keyCount) {
+  void groupByKey(int* SolverData::*keys, int n, int* SolverData::*offsets, int* SolverData::*order,
+                  int Counters::*keyCount) {
     grouped_ = std::max(grouped_, n);
     if (!begins()) return;
     if (n > 0) {
-      launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().nodes()}, {n, nullptr}, n, "indices");
+      launch(WriteIndices{reinterpret_cast<int*>(indices_.data()), view().nodes()}, {n, nullptr}, n,
+             "indices");
       std::size_t bytes = scratch_.size();
       sortPairs(scratch_.data(), bytes, view().*keys, view().*order, n);
       afterKernel_ = false;
     }
-    launch(FindFirst{reinterpret_cast<const int*>(sortedKeys_.data()), n, view().*offsets}, {1, counter(keyCount)},
-           capacityOf(keyCount) + 1, "offsets");
+    launch(FindFirst{reinterpret_cast<const int*>(sortedKeys_.data()), n, view().*offsets},
+           {1, counter(keyCount)}, capacityOf(keyCount) + 1, "offsets");
   }
 
   void require(Per per, int Counters::*count) {
@@ -257,7 +270,8 @@ class CudaExecutor {
 
   /// One launch, whose blocks wait for one another between the kernels.
   template <class Take, class Propose>
-  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left, int Counters::*turn) {
+  void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
+              int Counters::*turn) {
     if (!begins()) return;
     enterStage(Take::kStage);
     cudaLaunchAttribute together{};
@@ -270,8 +284,8 @@ class CudaExecutor {
     config.attrs = &together;
     config.numAttrs = 1;
     const int* const n = counter(count);
-    checkCuda(cudaLaunchKernelEx(&config, runRounds<Take, Propose>, view(), take, InBatches<Propose>{propose}, n, counter(left), counter(turn),
-                                 kMaxRounds, Gate{control_}),
+    checkCuda(cudaLaunchKernelEx(&config, runRounds<Take, Propose>, view(), take, InBatches<Propose>{propose},
+                                 n, counter(left), counter(turn), kMaxRounds, Gate{control_}),
               "rounds");
     afterKernel_ = false;
   }
@@ -282,23 +296,30 @@ class CudaExecutor {
     enterStage(SolveBody<Real>::kStage);
     if constexpr (kStrict) {
       for (int c = 0; c < options_.colors; ++c) {
-        launchNext(solveColorStrictly, {blocksFor(std::max(view().bodies, view().vertices)), kThreads}, SolveBody<Real>::kStage, view(), c, control_);
+        launchNext(solveColorStrictly, {blocksFor(std::max(view().bodies, view().vertices)), kThreads},
+                   SolveBody<Real>::kStage, view(), c, control_);
       }
-      launchNext(solveTailStrictly, {1, kThreads}, SolveBody<Real>::kStage, view(), options_.colors, control_);
+      launchNext(solveTailStrictly, {1, kThreads}, SolveBody<Real>::kStage, view(), options_.colors,
+                 control_);
       return;
     }
     // as many blocks as the device holds at a time: they share out whatever a colour has
     const bool bodies = view().bodies > 0 && view().bodiesMove;
     const int held = kSolveBlocks * processors_;
-    const int vertexBlocks = std::min((view().vertices * kVertexCrowdWidth + kSolveThreads - 1) / kSolveThreads, held / kVertexShare);
+    const int vertexBlocks = std::min(
+        (view().vertices * kVertexCrowdWidth + kSolveThreads - 1) / kSolveThreads, held / kVertexShare);
     const int bodyBlocks = std::min((view().bodies + kTailBodies - 1) / kTailBodies, held - vertexBlocks);
-    // a colour begins while the one before is solved, the first when everything is done: they read ahead what no sweep writes
+    // a colour begins while the one before is solved, the first when everything is done: they read ahead what
+    // no sweep writes
     afterKernel_ = false;
     for (int c = 0; c < options_.colors; ++c) {
-      if (bodies) solveColorsFrom(c, kHubBlocks + vertexBlocks + bodyBlocks, {kHubBlocks, vertexBlocks});
+      if (bodies)
+        solveColorsFrom(c, kHubBlocks + vertexBlocks + bodyBlocks, {kHubBlocks, vertexBlocks});
       else if (view().vertices > 0)
-        launchNext(solveVertexColor, {std::min(blocksFor(view().vertices, kVertexCrowdWidth), kVertexBlocks * processors_), kThreads}, SolveVertex::kStage,
-                   view(), c, control_);
+        launchNext(
+            solveVertexColor,
+            {std::min(blocksFor(view().vertices, kVertexCrowdWidth), kVertexBlocks * processors_), kThreads},
+            SolveVertex::kStage, view(), c, control_);
     }
     solveColorsFrom(options_.colors, 1, {0, 0});
   }
@@ -333,59 +354,6 @@ class CudaExecutor {
     return kept_;
   }
 
-  /// Counts operations and says whether this one is enqueued.
-  bool begins() { return operation_++ >= options_.from; }
-  /// Is the present operation?
-  bool begun() const { return operation_ > options_.from; }
-  int operation() const { return operation_ - 1; }
-
-  void enterStage(const char* name) {
-    if (stage_ && name && std::strcmp(stage_, name) == 0) return;
-    if (stage_) nvtxRangePop();
-    if (name) nvtxRangePushA(name);
-    if (options_.timeline && (stage_ || name)) {
-      options_.timeline->mark(name, stream_, options_.captured);
-      afterKernel_ = false;
-    }
-    stage_ = name;
-  }
-
-  /// Are n elements of `width` threads each more than the device holds at a time?
-  bool fill(int n, int width) const { return std::int64_t{n} * width > std::int64_t{maxBlocks_} * kThreads; }
-  /// For n elements of `width` threads each.
-  int blocksFor(int n, int width = 1) const {
-    const std::int64_t blocks = (std::int64_t{n} * width + kThreads - 1) / kThreads;
-    return static_cast<int>(std::clamp<std::int64_t>(blocks, 1, maxBlocks_));
-  }
-
-  /// `most`: no more elements than that.
-  template <class Kernel>
-  void launch(const Kernel& kernel, Count n, int most, const char* name) {
-    const int blocks = blocksFor(most, widthOf<Kernel>());
-    const Gate gate{control_, beside_};
-    if constexpr (Limited<Kernel>) launchNext(runLimited<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
-    else launchNext(runKernel<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
-  }
-
-  struct Grid {
-    int blocks, threads;
-  };
-  /// Launches a kernel that begins by awaitPrevious(): behind another kernel of ours it is launched while that one runs.
-  template <class... Wanted, class... Given>
-  void launchNext(void (*kernel)(Wanted...), const Grid& grid, const char* name, Given&&... arguments) {
-    cudaLaunchAttribute early{};
-    early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
-    early.val.programmaticStreamSerializationAllowed = 1;
-    cudaLaunchConfig_t config{};
-    config.gridDim = dim3(static_cast<unsigned>(grid.blocks));
-    config.blockDim = dim3(static_cast<unsigned>(grid.threads));
-    config.stream = stream_;
-    config.attrs = &early;
-    config.numAttrs = afterKernel_ ? 1 : 0;
-    checkCuda(cudaLaunchKernelEx(&config, kernel, std::forward<Given>(arguments)...), name);
-    afterKernel_ = launchesEarly_;
-  }
-
   /// Without scratch memory it only says how many bytes of it are needed.
   void exclusiveSum(void* scratch, std::size_t& bytes, const CountAt& in, int* out, int n) const {
     const auto counts = thrust::make_transform_iterator(thrust::make_counting_iterator(0), in);
@@ -397,7 +365,8 @@ class CudaExecutor {
     const int bits = std::bit_width(static_cast<unsigned>(n));
     checkCuda(cub::DeviceRadixSort::SortPairs(scratch, bytes, reinterpret_cast<const unsigned*>(keys),
                                               reinterpret_cast<unsigned*>(sortedKeys_.data()),
-                                              reinterpret_cast<const int*>(indices_.data()), order, n, 0, bits, stream_),
+                                              reinterpret_cast<const int*>(indices_.data()), order, n, 0,
+                                              bits, stream_),
               "sort");
   }
 
@@ -410,35 +379,36 @@ class CudaExecutor {
     afterKernel_ = false;
   }
 
-  template <class Kernel>
-  void launchByColor(Kernel* kernel, const char* name, int n) {
+  template <class Kernel> void launchByColor(Kernel* kernel, const char* name, int n) {
     if (!begins() || n <= 0) return;
     enterStage(name);
-    launchNext(kernel, {(n + kColorNodes - 1) / kColorNodes, kThreads}, name, view(), colorBins(), Gate{control_});
+    launchNext(kernel, {(n + kColorNodes - 1) / kColorNodes, kThreads}, name, view(), colorBins(),
+               Gate{control_});
   }
-  template <class Nodes>
-  void countByColor(int n) {
-    if (begins()) launch(FillArray{colorBins().population, 0}, {2 * kColorBins, nullptr}, 2 * kColorBins, "clear");
+  template <class Nodes> void countByColor(int n) {
+    if (begins())
+      launch(FillArray{colorBins().population, 0}, {2 * kColorBins, nullptr}, 2 * kColorBins, "clear");
     launchByColor(countColors<Nodes>, CountColors::kStage, n);
   }
 
-  template <int kBlockThreads>
-  void solveFewClusters(int level, int n) {
+  template <int kBlockThreads> void solveFewClusters(int level, int n) {
     if (!begins() || n <= 0) return;
     enterStage(SolveCluster::kStage);
-    launchNext(solveClusters<kBlockThreads>, {n, kBlockThreads}, SolveCluster::kStage, view(), level, Gate{control_});
+    launchNext(solveClusters<kBlockThreads>, {n, kBlockThreads}, SolveCluster::kStage, view(), level,
+               Gate{control_});
   }
 
-  template <int kTile>
-  void sumLevel(int level, bool softOnly = false) {
+  template <int kTile> void sumLevel(int level, bool softOnly = false) {
     if (!begins()) return;
     enterStage(SumSlice<Real>::kStage);
-    launchNext(hasFewJoints(view()) ? sumChunks<kTile, true> : sumChunks<kTile, false>, {processors_ + blocksForRange(kTile), kThreads},
-               SumSlice<Real>::kStage, view(), tree(), listOf(heavySlices_), processors_, level, softOnly, Gate{control_});
+    launchNext(hasFewJoints(view()) ? sumChunks<kTile, true> : sumChunks<kTile, false>,
+               {processors_ + blocksForRange(kTile), kThreads}, SumSlice<Real>::kStage, view(), tree(),
+               listOf(heavySlices_), processors_, level, softOnly, Gate{control_});
   }
 
   void solveColorsFrom(int color, int count, ColorBlocks blocks) {
-    launchNext(solveColorsOf(view()), {count, kSolveThreads}, SolveBody<Real>::kStage, view(), color, listOf(hubs_), blocks, control_);
+    launchNext(solveColorsOf(view()), {count, kSolveThreads}, SolveBody<Real>::kStage, view(), color,
+               listOf(hubs_), blocks, control_);
   }
 
   ColorBins colorBins() const {
@@ -455,12 +425,11 @@ class CudaExecutor {
     launch(FillArray{listOf(list).count, 0}, {1, nullptr}, 1, "clear");
   }
   /// A warp for as many of n bodies as it has lanes.
-  template <class Kernel>
-  void forEachWarp(const Kernel& kernel, int n) {
-    forEach(kernel, warpsFor(n));
-  }
+  template <class Kernel> void forEachWarp(const Kernel& kernel, int n) { forEach(kernel, warpsFor(n)); }
   /// Room for all elements that can have more than `parts` each.
-  static void reserveList(DeviceBuffer& list, int most, int parts) { list.reserve(sizeof(int) * (2 + static_cast<std::size_t>(most / parts))); }
+  static void reserveList(DeviceBuffer& list, int most, int parts) {
+    list.reserve(sizeof(int) * (2 + static_cast<std::size_t>(most / parts)));
+  }
 
   SumTree tree() const { return {reinterpret_cast<int*>(tickets_.data()), tables_.capacity(Per::Slice)}; }
   Room roomFor(Per per) const { return {static_cast<int>(per), tables_.capacity(per), operation()}; }
@@ -480,21 +449,10 @@ class CudaExecutor {
     return tables_.capacity(static_cast<Per>(per));
   }
 
-  DeviceTables& tables_;
-  cudaStream_t stream_;
-  Control* control_ = nullptr;
   DeviceBuffer scratch_, sortedKeys_, indices_, tickets_, hubs_, heavySlices_, colorBins_;
   int scanned_ = 0, grouped_ = 0;  ///< most elements of a scan and of groupByKey() in this step
-  bool beside_ = false;
-  int processors_ = 1, maxBlocks_ = 1;
   int perOf_[sizeof(Counters) / sizeof(int)];
-
-  EnqueueOptions options_;
-  int operation_ = 0;
-  const char* stage_ = nullptr;
   bool kept_ = false;
-  bool launchesEarly_ = false;  ///< the device can
-  bool afterKernel_ = false;    ///< the last thing in the stream is a kernel of ours
 };
 
 }  // namespace rubble::RUBBLE_CORE

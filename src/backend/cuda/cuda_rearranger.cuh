@@ -1,5 +1,6 @@
 #pragma once
-/// Work between steps (stages/pairs/order.h): what the executor does in a step, over numbers that the host knows, and what takes room of its own.
+/// Work between steps (stages/pairs/order.h): what the executor does in a step, over numbers that the host
+/// knows, and what takes room of its own.
 #include <cub/device/device_radix_sort.cuh>
 
 #include <memory>
@@ -19,7 +20,9 @@ struct NumberElements {
 /// Waits for the device, and gives the room back, at the end of its life.
 class CudaRearranger {
  public:
-  CudaRearranger(CudaExecutor& executor, const Stream& stream) : executor_(executor), stream_(stream) { executor_.beginWork(); }
+  CudaRearranger(CudaExecutor& executor, const Stream& stream) : executor_(executor), stream_(stream) {
+    executor_.beginWork();
+  }
   ~CudaRearranger() {
     executor_.endWork();
     cudaStreamSynchronize(stream_.get());
@@ -28,17 +31,15 @@ class CudaRearranger {
   CudaRearranger& operator=(const CudaRearranger&) = delete;
 
   const SolverData& view() const { return executor_.view(); }
-  template <class Kernel>
-  void forEach(const Kernel& kernel, int n) {
-    executor_.forEach(kernel, n);
-  }
+  template <class Kernel> void forEach(const Kernel& kernel, int n) { executor_.forEach(kernel, n); }
   void clear(int* SolverData::*array, int n) { executor_.clear(array, n); }
-  void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) { executor_.scan(counts, offsets, n); }
+  void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) {
+    executor_.scan(counts, offsets, n);
+  }
   void aliasRows() { executor_.aliasRows(); }
   void swapManifolds() { executor_.swapManifolds(); }
 
-  template <class T>
-  T* room(int n) {
+  template <class T> T* room(int n) {
     return reinterpret_cast<T*>(roomOf(sizeof(T) * static_cast<std::size_t>(n)));
   }
   void order(const std::uint64_t* keys, int* to, int n) {
@@ -47,15 +48,18 @@ class CudaRearranger {
     forEach(NumberElements{indices}, n);
     std::size_t bytes = 0;
     const auto sort = [&](void* scratch) {
-      checkCuda(cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, sorted, indices, to, n, 0, 64, stream_.get()), "sort");
+      checkCuda(
+          cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, sorted, indices, to, n, 0, 64, stream_.get()),
+          "sort");
     };
     sort(nullptr);
     sort(roomOf(bytes));
     executor_.interrupted();
   }
-  template <class T>
-  void copy(T* to, const T* from, int n) {
-    checkCuda(cudaMemcpyAsync(to, from, sizeof(T) * static_cast<std::size_t>(n), cudaMemcpyDeviceToDevice, stream_.get()), "cudaMemcpyAsync");
+  template <class T> void copy(T* to, const T* from, int n) {
+    checkCuda(cudaMemcpyAsync(to, from, sizeof(T) * static_cast<std::size_t>(n), cudaMemcpyDeviceToDevice,
+                              stream_.get()),
+              "cudaMemcpyAsync");
     executor_.interrupted();
   }
 

@@ -9,12 +9,14 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-/// How many launches to enqueue for something that only the device counts: what was needed of late and a few more.
+/// How many launches to enqueue for something that only the device counts: what was needed of late and a few
+/// more.
 class Bound {
  public:
   explicit Bound(int limit) : limit_(limit) {}
   int limit() const { return limit_; }
-  /// After a step that needed so many. Every change costs captures: what grows will grow on, and a launch or two too many stay.
+  /// After a step that needed so many. Every change costs captures: what grows will grow on, and a launch or
+  /// two too many stay.
   void note(int used) {
     seen_ = std::max(seen_, used);
     if (used > limit_) limit_ = used + std::max(kSpare, used / kGrowth);
@@ -24,14 +26,15 @@ class Bound {
   }
 
  private:
-  static constexpr int kWindow = 64;    ///< [steps]
-  static constexpr int kSpare = 1;      ///< launches beyond what was needed
-  static constexpr int kGrowth = 4;     ///< a quarter more where it grows
-  static constexpr int kMostIdle = 2;   ///< so many launches with nothing to do cost less than captures
+  static constexpr int kWindow = 64;   ///< [steps]
+  static constexpr int kSpare = 1;     ///< launches beyond what was needed
+  static constexpr int kGrowth = 4;    ///< a quarter more where it grows
+  static constexpr int kMostIdle = 2;  ///< so many launches with nothing to do cost less than captures
   int limit_, seen_ = 0, steps_ = 0;
 };
 
-/// All that the nodes of a graph depend on. Padding may make equal ones differ: that costs a capture, never a wrong result.
+/// All that the nodes of a graph depend on. Padding may make equal ones differ: that costs a capture, never a
+/// wrong result.
 struct Configuration {
   SolverData view;
   int colors = 0;
@@ -58,8 +61,7 @@ class StepGraph {
     return again;
   }
 
-  template <class Enqueue>
-  void capture(const Configuration& c, cudaStream_t stream, Enqueue&& enqueue) {
+  template <class Enqueue> void capture(const Configuration& c, cudaStream_t stream, Enqueue&& enqueue) {
     captured_ = {};
     timeline_.clear();
     cudaGraph_t graph = nullptr;
@@ -125,7 +127,8 @@ struct CudaStepper::Impl {
     copy(&status->counters, tables.view().counters, sizeof(Counters));
   }
 
-  /// The whole step, by a graph if its configuration has come up before. Pointers alternate from step to step, and so do two graphs.
+  /// The whole step, by a graph if its configuration has come up before. Pointers alternate from step to
+  /// step, and so do two graphs.
   const Timeline& runWhole() {
     const Configuration now{tables.view(), colors.limit()};
     StepGraph& graph = graphs[parity];
@@ -158,16 +161,20 @@ struct CudaStepper::Impl {
     const int spare = tables.capacity(per) > 1 ? 0 : kLeastSpare + control.needed / 8;
     tables.reserve(per, control.needed + spare);
     const SolverData& s = tables.view();
-    makeAmpleRoom({Per::Pair, Per::ActivePair, Per::Manifold, Per::Incidence, Per::Boundary}, s.bodies, control);
+    makeAmpleRoom({Per::Pair, Per::ActivePair, Per::Manifold, Per::Incidence, Per::Boundary}, s.bodies,
+                  control);
     makeAmpleRoom({Per::PointPair, Per::PointIncidence, Per::NearFeature}, s.vertices, control);
     executor.reserveScratch();
   }
-  /// A step that stops costs several, for graphs have to be made anew; and what begins to touch, one after another, would stop it again and
-  /// again. So where contacts are few there is at once room for many of each kind that belongs to them. `nodes`: bodies or vertices.
+  /// A step that stops costs several, for graphs have to be made anew; and what begins to touch, one after
+  /// another, would stop it again and again. So where contacts are few there is at once room for many of each
+  /// kind that belongs to them. `nodes`: bodies or vertices.
   void makeAmpleRoom(std::initializer_list<Per> kinds, int nodes, const Control& control) {
     constexpr int kPerNode = 8, kAmple = 1 << 16;
     const int ample = std::max(nodes / 2, std::min(kPerNode * nodes, kAmple));
-    if (control.needed >= ample || std::find(kinds.begin(), kinds.end(), static_cast<Per>(control.lacking)) == kinds.end()) return;
+    if (control.needed >= ample ||
+        std::find(kinds.begin(), kinds.end(), static_cast<Per>(control.lacking)) == kinds.end())
+      return;
     for (const Per kind : kinds) tables.reserve(kind, ample);
   }
 

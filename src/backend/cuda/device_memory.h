@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "backend/cuda/cuda_check.h"
-#include "state/tables.h"
+#include "state/solver_tables.h"
 
 namespace rubble {
 
@@ -34,8 +34,9 @@ struct DeviceMemory {
     cudaMemGetInfo(&free, &total);
     char text[160];
     const auto mb = [](std::size_t bytes) { return static_cast<double>(bytes) / 1e6; };
-    std::snprintf(text, sizeof text, "CUDA: out of device memory: %.1f MB wanted for one array, %.1f of %.1f MB free", mb(wanted), mb(free),
-                  mb(total));
+    std::snprintf(text, sizeof text,
+                  "CUDA: out of device memory: %.1f MB wanted for one array, %.1f of %.1f MB free",
+                  mb(wanted), mb(free), mb(total));
     return Error(text);
   }
 };
@@ -69,8 +70,7 @@ class DeviceBuffer {
 };
 
 /// One object in page-locked host memory, that copies of a stream write to while the host goes on.
-template <class T>
-class Pinned {
+template <class T> class Pinned {
  public:
   Pinned() {
     void* p = nullptr;
@@ -88,7 +88,8 @@ class Pinned {
   std::unique_ptr<T, Release> value_;
 };
 
-/// Bytes in page-locked host memory that grow and forget: copies between them and the device go on beside the host.
+/// Bytes in page-locked host memory that grow and forget: copies between them and the device go on beside the
+/// host.
 class PinnedBuffer {
  public:
   PinnedBuffer() = default;
@@ -123,7 +124,9 @@ class StreamEvent {
   StreamEvent& operator=(const StreamEvent&) = delete;
   void record(cudaStream_t stream) const { checkCuda(cudaEventRecord(event_, stream), "cudaEventRecord"); }
   /// What is enqueued in the stream from now on waits for the event.
-  void holdBack(cudaStream_t stream) const { checkCuda(cudaStreamWaitEvent(stream, event_, 0), "cudaStreamWaitEvent"); }
+  void holdBack(cudaStream_t stream) const {
+    checkCuda(cudaStreamWaitEvent(stream, event_, 0), "cudaStreamWaitEvent");
+  }
   void wait() const { checkCuda(cudaEventSynchronize(event_), "cudaEventSynchronize"); }
   bool passed() const {
     const cudaError_t status = cudaEventQuery(event_);

@@ -1,6 +1,6 @@
 #pragma once
-/// Poses on their way to the host beside the steps: copied aside on the device in the order of the steps, then to page-locked memory by a
-/// stream of their own.
+/// Poses on their way to the host beside the steps: copied aside on the device in the order of the steps,
+/// then to page-locked memory by a stream of their own.
 #include "backend/cuda/cuda_stepper.h"
 #include "backend/engine.h"
 #include "tables/state_rows.h"
@@ -13,17 +13,21 @@ class DevicePoses {
   void begin(int buffer, const SolverData& device, cudaStream_t steps) {
     Frame& f = frames_[buffer];
     f.rows = device.bodies;
-    const std::size_t positions = sizeof(Vec3d) * static_cast<std::size_t>(f.rows), turns = sizeof(Quat) * static_cast<std::size_t>(f.rows);
+    const std::size_t positions = sizeof(Vec3d) * static_cast<std::size_t>(f.rows),
+                      turns = sizeof(Quat) * static_cast<std::size_t>(f.rows);
     f.angularRowsAt = (positions + kAlign - 1) / kAlign * kAlign;
     const std::size_t bytes = f.angularRowsAt + turns;
     f.aside.reserve(bytes);
     f.host.reserve(bytes);
-    const auto copy = [](void* to, const void* from, std::size_t size, cudaMemcpyKind kind, cudaStream_t stream) {
+    const auto copy = [](void* to, const void* from, std::size_t size, cudaMemcpyKind kind,
+                         cudaStream_t stream) {
       checkCuda(cudaMemcpyAsync(to, from, size, kind, stream), "cudaMemcpyAsync of poses");
     };
     const auto copyAside = [&]<class T>(std::byte* to, const T* from) {
-      if (device.ordered) gatherById(steps, to, from, device.placeOf, f.rows, sizeof(T) / sizeof(int));
-      else copy(to, from, sizeof(T) * static_cast<std::size_t>(f.rows), cudaMemcpyDeviceToDevice, steps);
+      if (device.ordered)
+        gatherById(steps, to, from, device.placeOf, f.rows, sizeof(T) / sizeof(int));
+      else
+        copy(to, from, sizeof(T) * static_cast<std::size_t>(f.rows), cudaMemcpyDeviceToDevice, steps);
     };
     copyAside(f.aside.data(), device.position);
     copyAside(f.aside.data() + f.angularRowsAt, device.orientation);
@@ -38,7 +42,8 @@ class DevicePoses {
     return rowsOf(reinterpret_cast<const Vec3d*>(frames_[buffer].host.data()), frames_[buffer].rows);
   }
   ArrayView orientation(int buffer) const {
-    return rowsOf(reinterpret_cast<const Quat*>(frames_[buffer].host.data() + frames_[buffer].angularRowsAt), frames_[buffer].rows);
+    return rowsOf(reinterpret_cast<const Quat*>(frames_[buffer].host.data() + frames_[buffer].angularRowsAt),
+                  frames_[buffer].rows);
   }
 
  private:

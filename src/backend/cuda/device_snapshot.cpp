@@ -13,7 +13,8 @@ constexpr std::size_t kAlign = 64;
 
 bool kept(Lifetime life) { return life == Lifetime::Authored || life == Lifetime::State; }
 
-/// visit(array, bytes, place) for the arrays that `wanted(life)` names, one behind the other. Returns the bytes of all.
+/// visit(array, bytes, place) for the arrays that `wanted(life)` names, one behind the other. Returns the
+/// bytes of all.
 template <class Wanted, class Visit>
 std::size_t forEachPart(const SnapshotSizes& sizes, Wanted&& wanted, Visit&& visit) {
   std::size_t at = 0;
@@ -35,18 +36,30 @@ bool isAuthored(Lifetime life) { return life == Lifetime::Authored; }
 int SnapshotSizes::count(Per per) const {
   if (const int type = jointTypeOf(per); type >= 0) return joints[type];
   switch (per) {
-    case Per::Body: return bodies;
-    case Per::Pair: return pairs;
-    case Per::ActivePair: return activePairs;
-    case Per::Manifold: return manifolds;
-    case Per::Plane: return planes;
-    case Per::Exclusion: return exclusions;
-    case Per::ShapeVector: return shapeVectors;
-    case Per::ShapeIndex: return shapeIndices;
-    case Per::ShapePart: return shapeParts;
-    case Per::Surface: return surfaces;
-    case Per::Rolling: return rollers;
-    default: return 0;
+    case Per::Body:
+      return bodies;
+    case Per::Pair:
+      return pairs;
+    case Per::ActivePair:
+      return activePairs;
+    case Per::Manifold:
+      return manifolds;
+    case Per::Plane:
+      return planes;
+    case Per::Exclusion:
+      return exclusions;
+    case Per::ShapeVector:
+      return shapeVectors;
+    case Per::ShapeIndex:
+      return shapeIndices;
+    case Per::ShapePart:
+      return shapeParts;
+    case Per::Surface:
+      return surfaces;
+    case Per::Rolling:
+      return rollers;
+    default:
+      return 0;
   }
 }
 
@@ -55,7 +68,8 @@ SnapshotSizes sizesOf(const HostTables& tables, int pairs, int activePairs, int 
   SnapshotSizes sizes;
   sizes.bodies = s.bodies, sizes.planes = s.planes, sizes.exclusions = s.exclusionOffset[s.bodies];
   sizes.pairs = pairs, sizes.activePairs = activePairs, sizes.manifolds = manifolds;
-  sizes.shapeVectors = s.shapeVectors, sizes.shapeIndices = s.shapeIndices, sizes.shapeParts = s.shapeParts, sizes.surfaces = s.surfaces;
+  sizes.shapeVectors = s.shapeVectors, sizes.shapeIndices = s.shapeIndices, sizes.shapeParts = s.shapeParts,
+  sizes.surfaces = s.surfaces;
   sizes.traits = tables.traits(), sizes.rolledBefore = s.rolledBefore;
   sizes.rollers = s.rolls ? s.counters->rollers : 0;
   std::copy(std::begin(s.joints), std::end(s.joints), sizes.joints);
@@ -75,7 +89,8 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   tables.reserve(Per::ShapeIndex, sizes.shapeIndices);
   tables.reserve(Per::ShapePart, sizes.shapeParts);
   tables.reserve(Per::Surface, sizes.surfaces);
-  tables.reserve(Per::Rolling, sizes.traits[BodyTrait::Rolls] > 0 ? std::max(sizes.activePairs, sizes.rollers) : 0);
+  tables.reserve(Per::Rolling,
+                 sizes.traits[BodyTrait::Rolls] > 0 ? std::max(sizes.activePairs, sizes.rollers) : 0);
   SolverData& s = tables.view();
   s.shapeVectors = sizes.shapeVectors, s.shapeIndices = sizes.shapeIndices, s.shapeParts = sizes.shapeParts;
   s.surfaces = sizes.surfaces;
@@ -100,12 +115,14 @@ void putAuthored(HostTables& tables, const SnapshotSizes& sizes, const AuthoredB
   });
 }
 
-DeviceSnapshot::DeviceSnapshot(const SnapshotSizes& s, const SolverData& device, std::shared_ptr<const AuthoredBytes> authoredBytes,
-                               cudaStream_t stream)
+DeviceSnapshot::DeviceSnapshot(const SnapshotSizes& s, const SolverData& device,
+                               std::shared_ptr<const AuthoredBytes> authoredBytes, cudaStream_t stream)
     : sizes(s), authored(std::move(authoredBytes)) {
   data_.reserveExactly(keptBytes(sizes));
   forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {
-    checkCuda(cudaMemcpyAsync(data_.data() + at, device.*array.member, bytes, cudaMemcpyDeviceToDevice, stream), "cudaMemcpyAsync of a snapshot");
+    checkCuda(
+        cudaMemcpyAsync(data_.data() + at, device.*array.member, bytes, cudaMemcpyDeviceToDevice, stream),
+        "cudaMemcpyAsync of a snapshot");
   });
   made_.record(stream);
 }
@@ -113,7 +130,9 @@ DeviceSnapshot::DeviceSnapshot(const SnapshotSizes& s, const SolverData& device,
 void DeviceSnapshot::put(const SolverData& device, cudaStream_t stream) const {
   made_.holdBack(stream);
   forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {
-    checkCuda(cudaMemcpyAsync(device.*array.member, data_.data() + at, bytes, cudaMemcpyDeviceToDevice, stream), "cudaMemcpyAsync of a snapshot");
+    checkCuda(
+        cudaMemcpyAsync(device.*array.member, data_.data() + at, bytes, cudaMemcpyDeviceToDevice, stream),
+        "cudaMemcpyAsync of a snapshot");
   });
 }
 
@@ -126,7 +145,8 @@ std::vector<std::byte> DeviceSnapshot::bytes() const {
   tables.reserve(Per::Manifold, sizes.manifolds);
   *tables.view().counters = counters;
   forEachPart(sizes, kept, [&](const auto& array, std::size_t bytes, std::size_t at) {
-    checkCuda(cudaMemcpy(tables.view().*array.member, data_.data() + at, bytes, cudaMemcpyDeviceToHost), "cudaMemcpy of a snapshot");
+    checkCuda(cudaMemcpy(tables.view().*array.member, data_.data() + at, bytes, cudaMemcpyDeviceToHost),
+              "cudaMemcpy of a snapshot");
   });
   return saveState(tables, previousDt);
 }

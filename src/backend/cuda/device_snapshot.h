@@ -2,9 +2,9 @@
 /// A copy on the device of all that lasts from step to step.
 #include <memory>
 
-#include "tables/table_edit.h"
 #include "backend/cuda/device_memory.h"
 #include "backend/engine.h"
+#include "tables/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -30,7 +30,8 @@ void putAuthored(HostTables& tables, const SnapshotSizes& sizes, const AuthoredB
 class DeviceSnapshot final : public EngineSnapshot {
  public:
   /// Copies in the order of the stream; nobody waits.
-  DeviceSnapshot(const SnapshotSizes& sizes, const SolverData& device, std::shared_ptr<const AuthoredBytes> authored, cudaStream_t stream);
+  DeviceSnapshot(const SnapshotSizes& sizes, const SolverData& device,
+                 std::shared_ptr<const AuthoredBytes> authored, cudaStream_t stream);
 
   /// Back into tables of the device that have the room, in the order of the stream.
   void put(const SolverData& device, cudaStream_t stream) const;

@@ -1,6 +1,7 @@
 #pragma once
-/// Elements with so many parts that a few lanes would be busy with them long after all others are done: what a ball has struck, a plate under a
-/// heap. They are listed once a step, and a whole block or warp takes each of them.
+/// Elements with so many parts that a few lanes would be busy with them long after all others are done: what
+/// a ball has struck, a plate under a heap. They are listed once a step, and a whole block or warp takes each
+/// of them.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -12,13 +13,19 @@ struct HeavyList {
   __device__ void add(int i) const { element[claimTogether(count)] = i; }
 };
 
-/// A body with more row blocks than this is one of them: bricks of a heap have about twenty, and a warp sorts two a lane.
+/// A body with more row blocks than this is one of them: bricks of a heap have about twenty, and a warp sorts
+/// two a lane.
 inline constexpr int kHubEntries = 64;
-__device__ inline int degreeOf(const SolverData& s, int body) { return s.incidenceOffset[body + 1] - s.incidenceOffset[body]; }
-__device__ inline bool isHub(const SolverData& s, int body) { return !kStrict && degreeOf(s, body) > kHubEntries; }
+__device__ inline int degreeOf(const SolverData& s, int body) {
+  return s.incidenceOffset[body + 1] - s.incidenceOffset[body];
+}
+__device__ inline bool isHub(const SolverData& s, int body) {
+  return !kStrict && degreeOf(s, body) > kHubEntries;
+}
 
-/// Sorts n elements in place by a network; `threads` of one block or warp call it, each with its rank, and sync() makes what they have written
-/// known to all of them. Runs of half the width are merged: mirrored at first, then at ever smaller distances. What lies beyond the end stays there.
+/// Sorts n elements in place by a network; `threads` of one block or warp call it, each with its rank, and
+/// sync() makes what they have written known to all of them. Runs of half the width are merged: mirrored at
+/// first, then at ever smaller distances. What lies beyond the end stays there.
 template <class T, class Before, class Sync>
 __device__ void sortTogether(T* first, int n, int rank, int threads, Before&& before, Sync&& sync) {
   for (int width = 2; width / 2 < n; width *= 2) {
@@ -40,12 +47,14 @@ __device__ void sortTogether(T* first, int n, int rank, int threads, Before&& be
 /// together(i) by all lanes for each i whose lane says so.
 template <class Simd4Kernel>
 __device__ void forEachOfWarp(const Tile<kWarp>& tile, bool mine, int i, Simd4Kernel&& together) {
-  for (unsigned left = tile.ballot(mine); left != 0; left &= left - 1) together(__shfl_sync(tile.mask, i, __ffs(static_cast<int>(left)) - 1));
+  for (unsigned left = tile.ballot(mine); left != 0; left &= left - 1)
+    together(__shfl_sync(tile.mask, i, __ffs(static_cast<int>(left)) - 1));
 }
 /// For a stage over n bodies that takes a warp for as many of them as it has lanes.
 inline int warpsFor(int n) { return (n + kWarp - 1) / kWarp; }
 
-/// SortIncidences for 32 bodies: a lane each where incidences are few, else all lanes for one after another. Hubs are listed: these are sorted by a block each.
+/// SortIncidences for 32 bodies: a lane each where incidences are few, else all lanes for one after another.
+/// Hubs are listed: these are sorted by a block each.
 struct SortEntriesByWarp {
   static constexpr const char* kStage = SortIncidences::kStage;
   static constexpr int kWidth = kWarp, kFew = 8;
@@ -54,7 +63,9 @@ struct SortEntriesByWarp {
     const int i = warp * kWarp + tile.lane, count = i < s.bodies ? degreeOf(s, i) : 0;
     if (count > kHubEntries) hubs.add(i);
     if (count <= kFew && i < s.bodies) SortIncidences{}(s, i);
-    forEachOfWarp(tile, count > kFew && count <= kHubEntries, i, [&](int body) { sortByRank(s.incidence + s.incidenceOffset[body], degreeOf(s, body), tile); });
+    forEachOfWarp(tile, count > kFew && count <= kHubEntries, i, [&](int body) {
+      sortByRank(s.incidence + s.incidenceOffset[body], degreeOf(s, body), tile);
+    });
   }
 
  private:
@@ -67,7 +78,8 @@ struct SortEntriesByWarp {
     for (int t = 0; t < kTurns; ++t)
       if (const int k = t * kWarp + tile.lane; k < count) own[t] = first[k];
     for (int j = 0; j < count; ++j) {
-      const std::uint32_t mine = j < kWarp ? own[0].code : own[kTurns - 1].code, code = __shfl_sync(tile.mask, mine, j % kWarp);
+      const std::uint32_t mine = j < kWarp ? own[0].code : own[kTurns - 1].code,
+                          code = __shfl_sync(tile.mask, mine, j % kWarp);
 #pragma unroll
       for (int t = 0; t < kTurns; ++t) place[t] += code < own[t].code ? 1 : 0;
     }
@@ -79,24 +91,28 @@ struct SortEntriesByWarp {
   }
 };
 inline constexpr int kSortThreads = 512;
-static __global__ void __launch_bounds__(kSortThreads) sortHubs(const __grid_constant__ SolverData s, HeavyList hubs, Gate gate) {
+static __global__ void __launch_bounds__(kSortThreads)
+    sortHubs(const __grid_constant__ SolverData s, HeavyList hubs, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   for (int h = static_cast<int>(blockIdx.x); h < *hubs.count; h += static_cast<int>(gridDim.x)) {
     const int body = hubs.element[h];
-    sortTogether(s.incidence + s.incidenceOffset[body], degreeOf(s, body), static_cast<int>(threadIdx.x), kSortThreads,
-                 [](const Incidence& a, const Incidence& b) { return a.code < b.code; }, [] { __syncthreads(); });
+    sortTogether(
+        s.incidence + s.incidenceOffset[body], degreeOf(s, body), static_cast<int>(threadIdx.x), kSortThreads,
+        [](const Incidence& a, const Incidence& b) { return a.code < b.code; }, [] { __syncthreads(); });
   }
 }
 
 /// leavesColor() by a warp.
-__device__ inline bool leavesColorTogether(const SolverData& s, int i, bool mayGoDown, const Tile<kWarp>& tile, int& next) {
+__device__ inline bool leavesColorTogether(const SolverData& s, int i, bool mayGoDown,
+                                           const Tile<kWarp>& tile, int& next) {
   const auto neighbors = [&](auto&& visit) {
     for (int k = s.incidenceOffset[i] + tile.lane; k < s.incidenceOffset[i + 1]; k += kWarp)
       if (s.incidence[k].other >= 0) visit(s.incidence[k].other);
   };
   const auto join = [&](std::uint64_t taken) {
-    const unsigned low = __reduce_or_sync(tile.mask, static_cast<unsigned>(taken)), high = __reduce_or_sync(tile.mask, static_cast<unsigned>(taken >> 32));
+    const unsigned low = __reduce_or_sync(tile.mask, static_cast<unsigned>(taken)),
+                   high = __reduce_or_sync(tile.mask, static_cast<unsigned>(taken >> 32));
     return std::uint64_t{high} << 32 | low;
   };
   Surroundings around = lookAround(s, i, neighbors);
@@ -117,14 +133,15 @@ struct FindClashesByWarp {
       int next = 0;
       const bool leaves = leavesColorTogether(s, body, true, tile, next);
       if (tile.lane != 0) return;
-      if (leaves) FindClashes::note(s, body, next);
-      else FindClashes::raiseColors(s, s.color[body]);
+      if (leaves)
+        FindClashes::note(s, body, next);
+      else
+        FindClashes::raiseColors(s, s.color[body]);
     });
   }
 };
 
-template <>
-struct InBatches<ProposeColors> {
+template <> struct InBatches<ProposeColors> {
   ProposeColors kernel;
   __device__ void operator()(const SolverData& s, int batch, int count, const Tile<kWarp>& tile) const {
     const int k = batch * kWarp + tile.lane, i = k < count ? s.clashing[k] : -1;

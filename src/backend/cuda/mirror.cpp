@@ -8,9 +8,9 @@ namespace {
 
 bool kept(Lifetime life) { return life == Lifetime::Authored || life == Lifetime::State; }
 
-/// Arrays with one element a body, which an edit of that body writes. Offsets into other arrays are not among them.
-template <class T>
-bool perBody(const ArrayInfo<T>& array) {
+/// Arrays with one element a body, which an edit of that body writes. Offsets into other arrays are not among
+/// them.
+template <class T> bool perBody(const ArrayInfo<T>& array) {
   return array.per == Per::Body && array.extra == 0 && kept(array.life);
 }
 
@@ -145,7 +145,8 @@ void Mirror::reserveDevice() {
 void Mirror::flush() {
   reserveDevice();
   // as many old rows as old manifolds, also in the first step with such materials
-  if (host_.view().rolls) stepper_.tables().reserve(Per::Rolling, stepper_.tables().capacity(Per::ActivePair));
+  if (host_.view().rolls)
+    stepper_.tables().reserve(Per::Rolling, stepper_.tables().capacity(Per::ActivePair));
   if (allDirty_) {
     sendAll();
     return;
@@ -154,7 +155,9 @@ void Mirror::flush() {
   if (addedFrom_ >= 0) {
     startPairOffsets(stepper_.stream(), device, addedFrom_, host_.view().bodies);
     const int owners = host_.view().owners();
-    if (host_.view().features > 0) startCornerOffsets(stepper_.stream(), device, owners - kCornerSlots * (host_.view().bodies - addedFrom_), owners);
+    if (host_.view().features > 0)
+      startCornerOffsets(stepper_.stream(), device,
+                         owners - kCornerSlots * (host_.view().bodies - addedFrom_), owners);
   }
   addedFrom_ = -1;
   if (listsDirty_) sendLists();
@@ -170,8 +173,8 @@ void Mirror::sendAll() {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (!kept(array.life) && array.life != Lifetime::Derived) return;
     const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(liveCount(array.per) + array.extra);
-    checkCuda(cudaMemcpyAsync(stepper_.tables().view().*array.member, host_.view().*array.member, bytes, cudaMemcpyHostToDevice,
-                              stepper_.stream()),
+    checkCuda(cudaMemcpyAsync(stepper_.tables().view().*array.member, host_.view().*array.member, bytes,
+                              cudaMemcpyHostToDevice, stepper_.stream()),
               "cudaMemcpyAsync of tables");
   });
   host_.view().counters->pairs = liveCount(Per::Pair);
@@ -190,13 +193,14 @@ void Mirror::noteForces() {
     if (s.force[i] != none || s.torque[i] != none) mark(i, kPushed);
 }
 
-/// Authored arrays that are not edited element by element: planes, exclusions and their offsets; and what is derived.
+/// Authored arrays that are not edited element by element: planes, exclusions and their offsets; and what is
+/// derived.
 void Mirror::sendLists() {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (array.life != Lifetime::Derived && (array.life != Lifetime::Authored || perBody(array))) return;
     const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(liveCount(array.per) + array.extra);
-    checkCuda(cudaMemcpyAsync(stepper_.tables().view().*array.member, host_.view().*array.member, bytes, cudaMemcpyHostToDevice,
-                              stepper_.stream()),
+    checkCuda(cudaMemcpyAsync(stepper_.tables().view().*array.member, host_.view().*array.member, bytes,
+                              cudaMemcpyHostToDevice, stepper_.stream()),
               "cudaMemcpyAsync of lists");
   });
   listsDirty_ = false;
@@ -236,8 +240,8 @@ void Mirror::sendEdits() {
       packet.setSlots(slots);
       packet.add(array);
     };
-    send(joints_[kType], static_cast<Joint<F>* SolverData::*>(&JointTable<F>::joint));
-    send(specs_[kType], static_cast<JointSpec<F>* SolverData::*>(&JointTable<F>::spec));
+    send(joints_[kType], static_cast<Joint<F> * SolverData::*>(&JointTable<F>::joint));
+    send(specs_[kType], static_cast<JointSpec<F> * SolverData::*>(&JointTable<F>::spec));
   });
   // a body that was set afterwards has the velocity that it was given
   std::size_t kept = 0;
@@ -252,11 +256,16 @@ void Mirror::sendEdits() {
   if (kept > 0) swervedAt = packet.append(swerved_), swervesAt = packet.append(swerves_);
   if (!forgotten_.empty()) forgottenAt = packet.append(forgotten_);
   if (const std::byte* const sent = packet.send(upload_, stream)) {
-    const auto at = [&]<class T>(std::size_t place, const std::vector<T>&) { return reinterpret_cast<const T*>(sent + place); };
-    if (kept > 0) addVelocities(stream, device, at(swervedAt, swerved_), at(swervesAt, swerves_), static_cast<int>(kept));
+    const auto at = [&]<class T>(std::size_t place, const std::vector<T>&) {
+      return reinterpret_cast<const T*>(sent + place);
+    };
+    if (kept > 0)
+      addVelocities(stream, device, at(swervedAt, swerved_), at(swervesAt, swerves_), static_cast<int>(kept));
     if (!forgotten_.empty()) {
-      forgetContactsOf(stream, device, at(forgottenAt, forgotten_), static_cast<int>(forgotten_.size()), liveCount(Per::Pair));
-      forgetVertexContactsOf(stream, device, at(forgottenAt, forgotten_), static_cast<int>(forgotten_.size()), liveCount(Per::PointPair));
+      forgetContactsOf(stream, device, at(forgottenAt, forgotten_), static_cast<int>(forgotten_.size()),
+                       liveCount(Per::Pair));
+      forgetVertexContactsOf(stream, device, at(forgottenAt, forgotten_), static_cast<int>(forgotten_.size()),
+                             liveCount(Per::PointPair));
     }
   }
   for (const int slot : touched_) bits_[static_cast<std::size_t>(slot)] &= kKnown | kPushed;

@@ -1,14 +1,14 @@
 #pragma once
-/// The tables of the host beside those of the device. Edits are made on the host and sent before they are needed; what a step has changed
-/// is fetched when somebody asks.
+/// The tables of the host beside those of the device. Edits are made on the host and sent before they are
+/// needed; what a step has changed is fetched when somebody asks.
 #include <cstdint>
 #include <vector>
 
 #include "backend/arrays_by_id.h"
-#include "tables/table_edit.h"
 #include "backend/cuda/cuda_stepper.h"
 #include "backend/cuda/device_snapshot.h"
 #include "backend/cuda/packet.h"
+#include "tables/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -32,12 +32,12 @@ class Mirror {
   }
   void jointWritten(int type, int slot);  ///< all of a joint
   void specWritten(int type, int slot);   ///< what is authored of it
-  void listsWritten() {  ///< planes or exclusions
+  void listsWritten() {                   ///< planes or exclusions
     listsDirty_ = true;
     authored_.reset();
   }
   void derivedWritten() { listsDirty_ = true; }
-  void allWritten();                           ///< by loading: nothing of the device matters any more
+  void allWritten();  ///< by loading: nothing of the device matters any more
   void forgetContacts(int slot);
   /// By the device.
   void bodiesSorted();
@@ -75,12 +75,12 @@ class Mirror {
  private:
   /// Bits of a slot.
   enum : std::uint8_t {
-    kBody = 1,     ///< to be sent: everything
-    kState = 2,    ///< to be sent: position, orientation, velocities
-    kForce = 4,    ///< to be sent: force and torque
-    kKnown = 8,    ///< the state of this slot is that of the device, or newer
-    kPushed = 16,  ///< has a force until the next step
-    kSwerved = 32, ///< to be changed on the device: velocity
+    kBody = 1,      ///< to be sent: everything
+    kState = 2,     ///< to be sent: position, orientation, velocities
+    kForce = 4,     ///< to be sent: force and torque
+    kKnown = 8,     ///< the state of this slot is that of the device, or newer
+    kPushed = 16,   ///< has a force until the next step
+    kSwerved = 32,  ///< to be changed on the device: velocity
   };
 
   void mark(int slot, std::uint8_t bits);
@@ -91,11 +91,11 @@ class Mirror {
   void sendLists();
   void sendEdits();
   void noteForces();
-  template <class T>
-  void download(const ArrayInfo<T>& array, int count);
+  template <class T> void download(const ArrayInfo<T>& array, int count);
   auto gather() const {
     return [this](std::byte* to, const void* from, int bytes) {
-      gatherById(stepper_.stream(), to, from, stepper_.tables().view().placeOf, host_.view().bodies, bytes / static_cast<int>(sizeof(int)));
+      gatherById(stepper_.stream(), to, from, stepper_.tables().view().placeOf, host_.view().bodies,
+                 bytes / static_cast<int>(sizeof(int)));
     };
   }
   void fetchStates();
@@ -107,10 +107,10 @@ class Mirror {
   std::vector<int> touched_;        ///< bodies with bits
   std::vector<int> joints_[JointTypes::kSize], specs_[JointTypes::kSize];
   std::vector<int> forgotten_;
-  std::vector<int> swerved_;        ///< bodies whose velocity changes on the device, and by how much [m/s]
+  std::vector<int> swerved_;  ///< bodies whose velocity changes on the device, and by how much [m/s]
   std::vector<Vec3d> swerves_;
   std::shared_ptr<const AuthoredBytes> authored_;  ///< of the last snapshot, while it is up to date
-  int addedFrom_ = -1;  ///< first body that the device does not know, or -1
+  int addedFrom_ = -1;                             ///< first body that the device does not know, or -1
   bool listsDirty_ = false;
   bool allDirty_ = true;  ///< the device has nothing yet
   bool statesOld_ = false, restOld_ = false;
@@ -118,13 +118,15 @@ class Mirror {
   bool forced_ = false;          ///< there may be some on the device
   int singleFetches_ = 0;
   ArraysById<DeviceBuffer> byId_;
-  StreamEvent handed_;  ///< a place in a stream of a caller of scatter(), or in ours before the caller goes on
+  StreamEvent
+      handed_;  ///< a place in a stream of a caller of scatter(), or in ours before the caller goes on
 };
 
 /// The arrays that BodyState is made of, and what follows from it.
-template <class F>
-void forEachMotionArray(F&& f) {
-  f(&SolverData::position), f(&SolverData::orientation), f(&SolverData::velocity), f(&SolverData::angularVelocity), f(&SolverData::previousVelocity), f(&SolverData::asleep), f(&SolverData::stillTime);
+template <class F> void forEachMotionArray(F&& f) {
+  f(&SolverData::position), f(&SolverData::orientation), f(&SolverData::velocity),
+      f(&SolverData::angularVelocity), f(&SolverData::previousVelocity), f(&SolverData::asleep),
+      f(&SolverData::stillTime);
 }
 
 }  // namespace rubble::RUBBLE_CORE

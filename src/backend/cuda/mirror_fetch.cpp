@@ -25,23 +25,26 @@ void Mirror::stepped(const Counters& counters) {
 void Mirror::endForces() {
   if (!std::exchange(forced_, false)) return;
   const auto end = [&](Vec3* forces, int count) {
-    checkCuda(cudaMemsetAsync(forces, 0, sizeof(Vec3) * static_cast<std::size_t>(count), stepper_.stream()), "cudaMemsetAsync of forces");
+    checkCuda(cudaMemsetAsync(forces, 0, sizeof(Vec3) * static_cast<std::size_t>(count), stepper_.stream()),
+              "cudaMemsetAsync of forces");
   };
   const SolverData& device = stepper_.tables().view();
-  end(device.force, host_.view().bodies), end(device.torque, host_.view().bodies), end(device.vertexForce, host_.view().vertices);
+  end(device.force, host_.view().bodies), end(device.torque, host_.view().bodies),
+      end(device.vertexForce, host_.view().vertices);
 }
 
-template <class T>
-void Mirror::download(const ArrayInfo<T>& array, int count) {
+template <class T> void Mirror::download(const ArrayInfo<T>& array, int count) {
   const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(count);
-  checkCuda(
-      cudaMemcpyAsync(host_.view().*array.member, stepper_.tables().view().*array.member, bytes, cudaMemcpyDeviceToHost, stepper_.stream()),
-      "cudaMemcpyAsync to the host");
+  checkCuda(cudaMemcpyAsync(host_.view().*array.member, stepper_.tables().view().*array.member, bytes,
+                            cudaMemcpyDeviceToHost, stepper_.stream()),
+            "cudaMemcpyAsync to the host");
 }
 
 void Mirror::fetchStates() {
   flush();
-  forEachMotionArray([&]<class T>(T* SolverData::*array) { download(ArrayInfo<T>{array, "", "", Per::Body, Lifetime::State}, host_.view().bodies); });
+  forEachMotionArray([&]<class T>(T* SolverData::*array) {
+    download(ArrayInfo<T>{array, "", "", Per::Body, Lifetime::State}, host_.view().bodies);
+  });
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
   statesOld_ = false;
 }
@@ -57,8 +60,8 @@ void Mirror::fetchState(int slot) {
     return;
   }
   forEachMotionArray([&]<class T>(T* SolverData::*array) {
-    checkCuda(cudaMemcpyAsync(host_.view().*array + slot, stepper_.tables().view().*array + slot, sizeof(T), cudaMemcpyDeviceToHost,
-                              stepper_.stream()),
+    checkCuda(cudaMemcpyAsync(host_.view().*array + slot, stepper_.tables().view().*array + slot, sizeof(T),
+                              cudaMemcpyDeviceToHost, stepper_.stream()),
               "cudaMemcpyAsync of a body");
   });
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
@@ -91,7 +94,8 @@ void Mirror::bodiesSorted() {
   }
   touched_.clear();
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (array.life == Lifetime::Authored && (followsBodies(array) || array.per == Per::Plane || jointTypeOf(array.per) >= 0))
+    if (array.life == Lifetime::Authored &&
+        (followsBodies(array) || array.per == Per::Plane || jointTypeOf(array.per) >= 0))
       download(array, liveCount(array.per));
   });
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
@@ -105,8 +109,9 @@ ArrayView Mirror::array(StateArray which) {
   flush();
   const SolverData& device = stepper_.tables().view();
   const int bodies = host_.view().bodies;
-  ArrayView view = host_.view().ordered ? byId_.view(which, device, bodies, gather())
-                            : withStateArray(which, [&](auto member) { return rowsOf(device.*member, bodies); });
+  ArrayView view = host_.view().ordered
+                       ? byId_.view(which, device, bodies, gather())
+                       : withStateArray(which, [&](auto member) { return rowsOf(device.*member, bodies); });
   view.device = true;
   view.stream = reinterpret_cast<std::uintptr_t>(stepper_.stream());
   return view;
@@ -152,7 +157,8 @@ void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& v
     const auto bytes = [](const ArrayView& view, int numbers) {
       return static_cast<std::size_t>(view.strides[0] * (view.shape[0] - 1) + view.strides[1] * numbers);
     };
-    const std::size_t rowBytes = bytes(rows, 1), valuesAt = (rowBytes + sizeof(double) - 1) / sizeof(double) * sizeof(double);
+    const std::size_t rowBytes = bytes(rows, 1),
+                      valuesAt = (rowBytes + sizeof(double) - 1) / sizeof(double) * sizeof(double);
     const std::size_t valueBytes = bytes(values, static_cast<int>(values.shape[1]));
     std::byte* const to = upload_.begin(valuesAt + valueBytes);
     std::memcpy(to, rows.data, rowBytes);
@@ -171,7 +177,8 @@ void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& v
 
 std::shared_ptr<const DeviceSnapshot> Mirror::snapshot(double previousDt) {
   flush();
-  const SnapshotSizes sizes = sizesOf(host_, liveCount(Per::Pair), liveCount(Per::ActivePair), liveCount(Per::Manifold));
+  const SnapshotSizes sizes = sizesOf(host_, liveCount(Per::Pair), liveCount(Per::ActivePair),
+                                      liveCount(Per::Manifold));
   if (!authored_) authored_ = copyAuthored(host_, sizes);
   auto out = std::make_shared<DeviceSnapshot>(sizes, stepper_.tables().view(), authored_, stepper_.stream());
   out->counters = *host_.view().counters;
@@ -191,7 +198,9 @@ void Mirror::restore(const DeviceSnapshot& snapshot) {
   stepper_.tables().reserve(Per::Pair, snapshot.sizes.pairs);
   stepper_.tables().reserve(Per::ActivePair, snapshot.sizes.activePairs);
   stepper_.tables().reserve(Per::Manifold, snapshot.sizes.manifolds);
-  stepper_.tables().reserve(Per::Rolling, snapshot.sizes.traits[BodyTrait::Rolls] > 0 ? std::max(snapshot.sizes.activePairs, snapshot.sizes.rollers) : 0);
+  stepper_.tables().reserve(Per::Rolling, snapshot.sizes.traits[BodyTrait::Rolls] > 0
+                                              ? std::max(snapshot.sizes.activePairs, snapshot.sizes.rollers)
+                                              : 0);
   snapshot.put(stepper_.tables().view(), stepper_.stream());
   allWritten();
   authored_ = snapshot.authored;

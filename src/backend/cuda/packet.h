@@ -18,15 +18,14 @@ class Packet {
     slotsAt_ = append(slots);
   }
   /// The elements of an array at the slots.
-  template <class T>
-  void add(T* SolverData::*array) {
+  template <class T> void add(T* SolverData::*array) {
     static_assert(sizeof(T) % sizeof(int) == 0 && alignof(T) <= kAlign);
     const int count = static_cast<int>(slots_->size());
-    elements_.push_back({host_.*array, device_.*array, slots_, slotsAt_, reserve(slots_->size() * sizeof(T)), sizeof(T), count});
+    elements_.push_back({host_.*array, device_.*array, slots_, slotsAt_, reserve(slots_->size() * sizeof(T)),
+                         sizeof(T), count});
   }
   /// A list for a kernel of its own; returns its place.
-  template <class T>
-  std::size_t append(const std::vector<T>& list) {
+  template <class T> std::size_t append(const std::vector<T>& list) {
     const std::size_t at = reserve(list.size() * sizeof(T));
     lists_.push_back({list.data(), at, list.size() * sizeof(T)});
     return at;
@@ -40,11 +39,14 @@ class Packet {
       if (list.bytes > 0) std::memcpy(to + list.at, list.from, list.bytes);
     for (const Elements& e : elements_)
       for (std::size_t k = 0; k < e.slots->size(); ++k)
-        std::memcpy(to + e.at + k * e.bytes, static_cast<const std::byte*>(e.from) + static_cast<std::size_t>((*e.slots)[k]) * e.bytes, e.bytes);
+        std::memcpy(to + e.at + k * e.bytes,
+                    static_cast<const std::byte*>(e.from) + static_cast<std::size_t>((*e.slots)[k]) * e.bytes,
+                    e.bytes);
     const std::byte* const sent = upload.send(stream);
     std::vector<ScatterPiece> pieces;
     for (const Elements& e : elements_)
-      pieces.push_back({e.to, sent + e.at, reinterpret_cast<const int*>(sent + e.slotsAt), e.count, static_cast<int>(e.bytes / sizeof(int))});
+      pieces.push_back({e.to, sent + e.at, reinterpret_cast<const int*>(sent + e.slotsAt), e.count,
+                        static_cast<int>(e.bytes / sizeof(int))});
     scatterPieces(stream, pieces);
     return sent;
   }

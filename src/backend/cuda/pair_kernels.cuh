@@ -1,6 +1,7 @@
 #pragma once
-/// Bounds, whose warps agree on what is kept of a level before they write it: all bodies would raise the same few numbers. And the pairs of a body
-/// in their order: a lane a body, and a warp for those with more partners than slots, whose cells are searched again.
+/// Bounds, whose warps agree on what is kept of a level before they write it: all bodies would raise the same
+/// few numbers. And the pairs of a body in their order: a lane a body, and a warp for those with more
+/// partners than slots, whose cells are searched again.
 #include "backend/cuda/heavy_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -23,24 +24,21 @@ struct ComputeBoundsByWarp {
     });
   }
 };
-template <>
-struct OnDevice<ComputeBounds> {
-  using Type = ComputeBoundsByWarp;
-};
+template <> struct OnDevice<ComputeBounds> { using Type = ComputeBoundsByWarp; };
 
-/// Lanes that search for the neighbours of one body: where there are too few bodies to fill the device with a thread each, and where there are by far
-/// too few.
+/// Lanes that search for the neighbours of one body: where there are too few bodies to fill the device with a
+/// thread each, and where there are by far too few.
 inline constexpr int kSearchLanes = 2, kMostSearchLanes = 8;
 
-template <int kTile>
-struct FindNeighborsByTile {
+template <int kTile> struct FindNeighborsByTile {
   static constexpr const char* kStage = FindNeighbors::kStage;
   static constexpr int kWidth = kTile;
-  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const { FindNeighbors{}(s, i, tile.lane, kWidth); }
+  __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
+    FindNeighbors{}(s, i, tile.lane, kWidth);
+  }
 };
 
-template <int kTile>
-struct FindLateStopsByTile {
+template <int kTile> struct FindLateStopsByTile {
   static constexpr const char* kStage = FindLateStops::kStage;
   static constexpr int kWidth = kTile;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
@@ -61,9 +59,12 @@ struct FindPairsByTile {
       int& partners = counts[threadIdx.x / kWidth];
       if (tile.lane == 0) partners = 0;
       __syncwarp(tile.mask);
-      searchPartners(s, i, [&](int other) {
-        if (const int k = atomicAdd(&partners, 1); k < kPairSlots) slots[k] = other;
-      }, tile.lane, kWidth);
+      searchPartners(
+          s, i,
+          [&](int other) {
+            if (const int k = atomicAdd(&partners, 1); k < kPairSlots) slots[k] = other;
+          },
+          tile.lane, kWidth);
       __syncwarp(tile.mask);
       if (tile.lane == 0) s.pairCount[i] = partners;
       return;
@@ -115,8 +116,11 @@ struct WritePairsByWarp {
     forEachOfWarp(tile, many, i, [&](int body) {
       Pair* const first = s.pair + s.pairOffset[body];
       const WarpCounter partners(tile);
-      searchPartners(s, body, [&](int other) { first[partners.next()] = pairOf(s, body, other); }, tile.lane, kWarp);
-      sortTogether(first, partners.total(), tile.lane, kWarp, [](const Pair& a, const Pair& b) { return before(a, b); }, [&] { __syncwarp(tile.mask); });
+      searchPartners(
+          s, body, [&](int other) { first[partners.next()] = pairOf(s, body, other); }, tile.lane, kWarp);
+      sortTogether(
+          first, partners.total(), tile.lane, kWarp,
+          [](const Pair& a, const Pair& b) { return before(a, b); }, [&] { __syncwarp(tile.mask); });
     });
   }
 };

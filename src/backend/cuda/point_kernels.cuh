@@ -1,5 +1,6 @@
 #pragma once
-/// Partners of vertices, edges and corners of bodies: a tile of lanes an owner, which share out the cells that it looks into.
+/// Partners of vertices, edges and corners of bodies: a tile of lanes an owner, which share out the cells
+/// that it looks into.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -15,10 +16,7 @@ struct FindDentingBodiesByTile {
     if (tile.lane == 0) s.nearSurface[body] = near ? 1 : 0;
   }
 };
-template <>
-struct OnDevice<FindDentingBodies> {
-  using Type = FindDentingBodiesByTile;
-};
+template <> struct OnDevice<FindDentingBodies> { using Type = FindDentingBodiesByTile; };
 
 struct FindPointPairsByTile {
   static constexpr const char* kStage = FindPointPairs::kStage;
@@ -46,10 +44,7 @@ struct FindPointPairsByTile {
     FindPointPairs::finish(s, owner, list);
   }
 };
-template <>
-struct OnDevice<FindPointPairs> {
-  using Type = FindPointPairsByTile;
-};
+template <> struct OnDevice<FindPointPairs> { using Type = FindPointPairsByTile; };
 
 /// In no fixed order, as that of one thread.
 struct FindNearByTile {
@@ -70,9 +65,6 @@ struct FindNearByTile {
     if (tile.lane == 0) s.nearCount[owner] = count;
   }
 };
-template <>
-struct OnDevice<FindNear> {
-  using Type = FindNearByTile;
-};
+template <> struct OnDevice<FindNear> { using Type = FindNearByTile; };
 
 }  // namespace rubble::RUBBLE_CORE

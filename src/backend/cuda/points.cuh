@@ -1,6 +1,6 @@
 #pragma once
-/// Points of manifolds in registers. In memory a field of the four points of a manifold is sixteen bytes, half a sector of a cache. So each of
-/// four lanes reads whole fields, and they exchange what they have.
+/// Points of manifolds in registers. In memory a field of the four points of a manifold is sixteen bytes,
+/// half a sector of a cache. So each of four lanes reads whole fields, and they exchange what they have.
 #include "backend/cuda/tile.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -33,7 +33,8 @@ __device__ inline void storeFields(Lanes& first, int count, const float4& values
 inline constexpr int kSharedQuads = (sizeof(Manifold) - offsetof(Manifold, localNormal)) / sizeof(float4);
 static_assert(offsetof(Manifold, localNormal) + kSharedQuads * sizeof(float4) == sizeof(Manifold));
 
-/// A manifold as the point of this lane needs it: it is point 0 of the copy. Features and other points are not set.
+/// A manifold as the point of this lane needs it: it is point 0 of the copy. Features and other points are
+/// not set.
 __device__ inline Manifold manifoldOfPoint(const Manifold& m, const PointTile& tile) {
   static_assert(offsetof(Manifold, localNormal) == 14 * sizeof(Lanes));
   const float4 onA = loadFields(m.aX, tile), onB = loadFields(m.bY, tile), load = loadFields(m.lambda2, tile);
@@ -56,7 +57,8 @@ __device__ inline void storeShared(const Manifold& own, Manifold& m, const Point
   static_assert(kSharedQuads == 2);
   float4 shared[kSharedQuads];
   memcpy(shared, &own.localNormal, sizeof shared);
-  if (tile.lane < kSharedQuads) reinterpret_cast<float4*>(&m.localNormal)[tile.lane] = tile.lane == 0 ? shared[0] : shared[1];
+  if (tile.lane < kSharedQuads)
+    reinterpret_cast<float4*>(&m.localNormal)[tile.lane] = tile.lane == 0 ? shared[0] : shared[1];
 }
 
 /// Writes what the point of this lane hands on.

@@ -1,6 +1,6 @@
 #pragma once
-/// The primal update: several lanes a body gather its rows, while the last warps of the block solve the local problems gathered before. Hubs take
-/// a block each.
+/// The primal update: several lanes a body gather its rows, while the last warps of the block solve the local
+/// problems gathered before. Hubs take a block each.
 #include "backend/cuda/row_stream.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -9,24 +9,29 @@ namespace rubble::RUBBLE_CORE {
 inline constexpr int kGatherThreads = 192, kSolvers = 2 * kWarp, kSolveThreads = kGatherThreads + kSolvers;
 /// Blocks of a colour's kernel that a multiprocessor holds at a time.
 inline constexpr int kSolveBlocks = 2;
-/// The first blocks of a colour's kernel: those for its hubs, which are few, then those for its vertices. The others have its bodies.
+/// The first blocks of a colour's kernel: those for its hubs, which are few, then those for its vertices. The
+/// others have its bodies.
 struct ColorBlocks {
   int hubs, vertices;
 };
 inline constexpr int kHubBlocks = 16;
 /// Of the blocks that a device holds at a time vertices have one in so many, where bodies move too.
 inline constexpr int kVertexShare = 4;
-/// Lanes a body: few where bodies fill the device, so that sums over lanes are short; more where they don't, so that a body takes fewer
-/// rounds. By the population alone, and not by the kernel that finds the colour: the order of sums must be the same each time. The bounds are where four
-/// and sixteen lanes a body fill the 132 multiprocessors of an H200 (about 50,000 threads of this kernel that gather).
+/// Lanes a body: few where bodies fill the device, so that sums over lanes are short; more where they don't,
+/// so that a body takes fewer rounds. By the population alone, and not by the kernel that finds the colour:
+/// the order of sums must be the same each time. The bounds are where four and sixteen lanes a body fill the
+/// 132 multiprocessors of an H200 (about 50,000 threads of this kernel that gather).
 inline constexpr int kCrowdWidth = 4, kManyWidth = 8, kFewWidth = 16;
 inline constexpr int kCrowd = 12288, kMany = 3072;
-/// Colours of at most this many bodies share a launch of one block: all that it solves at a time. More of them would wait for one another there.
+/// Colours of at most this many bodies share a launch of one block: all that it solves at a time. More of
+/// them would wait for one another there.
 inline constexpr int kTailBodies = kGatherThreads / kFewWidth;
 
-/// What row blocks there may be besides contacts that do not roll. What they call takes registers from all of a kernel.
+/// What row blocks there may be besides contacts that do not roll. What they call takes registers from all of
+/// a kernel.
 enum class ExtraRows { None, Any, FewJoints };
-/// So few bodies do not fill the device with lanes: their joints take as long as one of them, whatever the others do. 11,000 gain by it, 35,000 lose.
+/// So few bodies do not fill the device with lanes: their joints take as long as one of them, whatever the
+/// others do. 11,000 gain by it, 35,000 lose.
 inline constexpr int kFewJointBodies = 16384;
 inline bool hasFewJoints(const SolverData& s) { return s.hasJoints() && s.bodies <= kFewJointBodies; }
 inline ExtraRows extraRowsOf(const SolverData& s) {
@@ -34,17 +39,23 @@ inline ExtraRows extraRowsOf(const SolverData& s) {
   return s.hasJoints() || s.rolls || s.vertices > 0 ? ExtraRows::Any : ExtraRows::None;
 }
 
-/// Adds the joints among the incidences [k, end) of a body, a lane each. Rare, and large: a call keeps its registers out of the kernels that contacts fill.
-static __device__ __noinline__ void addJointsApart(const SolverData& s, int k, int end, int stride, Block6* sum) {
+/// Adds the joints among the incidences [k, end) of a body, a lane each. Rare, and large: a call keeps its
+/// registers out of the kernels that contacts fill.
+static __device__ __noinline__ void addJointsApart(const SolverData& s, int k, int end, int stride,
+                                                   Block6* sum) {
   for (; k < end; k += stride)
-    if (const std::uint32_t code = s.incidence[k].code; constraintType(code) != kContactType) addJoint(s, code, *sum);
+    if (const std::uint32_t code = s.incidence[k].code; constraintType(code) != kContactType)
+      addJoint(s, code, *sum);
 }
 
-static __device__ __noinline__ void addRollingApart(const SolverData& s, int k, int end, int stride, Block6* sum) {
-  for (; k < end && constraintType(s.incidence[k].code) == kContactType; k += stride) addRolling(s, s.incidence[k].code, *sum);
+static __device__ __noinline__ void addRollingApart(const SolverData& s, int k, int end, int stride,
+                                                    Block6* sum) {
+  for (; k < end && constraintType(s.incidence[k].code) == kContactType; k += stride)
+    addRolling(s, s.incidence[k].code, *sum);
 }
 
-/// Adds what is no contact, or rolls, among the row blocks of a body that are this lane's, of `kWidth`. any(): does one of them say yes?
+/// Adds what is no contact, or rolls, among the row blocks of a body that are this lane's, of `kWidth`.
+/// any(): does one of them say yes?
 template <int kWidth, class Any>
 __device__ void addExtraRows(const SolverData& s, int body, int lane, bool joints, Any&& any, Block6& sum) {
   const int begin = s.incidenceOffset[body], end = s.incidenceOffset[body + 1];
@@ -59,13 +70,16 @@ __device__ void addExtraRows(const SolverData& s, int body, int lane, bool joint
   sum = others;
 }
 
-/// Is there something else than contacts among the row blocks of a body, or does it roll? Entries are sorted by type, contacts first.
+/// Is there something else than contacts among the row blocks of a body, or does it roll? Entries are sorted
+/// by type, contacts first.
 __device__ inline bool hasExtraRows(const SolverData& s, int body) {
   const int end = s.incidenceOffset[body + 1];
-  return end > s.incidenceOffset[body] && (s.rolls || constraintType(s.incidence[end - 1].code) != kContactType);
+  return end > s.incidenceOffset[body] &&
+         (s.rolls || constraintType(s.incidence[end - 1].code) != kContactType);
 }
 /// Adds these as far as they are this lane's, of `width`: joints begin side by side. Apart as above.
-static __device__ __noinline__ void addExtraRowsUniform(const SolverData& s, int body, int lane, int width, Block6* sum) {
+static __device__ __noinline__ void addExtraRowsUniform(const SolverData& s, int body, int lane, int width,
+                                                        Block6* sum) {
   const int begin = s.incidenceOffset[body], end = s.incidenceOffset[body + 1];
   for (int k = end - 1 - lane; k >= begin; k -= width) {
     const std::uint32_t code = s.incidence[k].code;
@@ -75,7 +89,8 @@ static __device__ __noinline__ void addExtraRowsUniform(const SolverData& s, int
   if (s.rolls) addRollingApart(s, begin + lane, end, width, sum);
 }
 
-/// Sums of the rows of the bodies of a batch, several times: gatherers may be ahead of solvers by so many batches.
+/// Sums of the rows of the bodies of a batch, several times: gatherers may be ahead of solvers by so many
+/// batches.
 inline constexpr int kBuffers = 2;
 using BatchSums = Real[kGatherThreads / kCrowdWidth][kPaddedReals + 1];
 /// Shared memory of a block.
@@ -100,11 +115,14 @@ __device__ inline void passBy(int barrier) {
   asm volatile("barrier.arrive %0, %1;" ::"r"(barrier), "n"(kSolveThreads) : "memory");
 }
 
-/// Solves `count` bodies of one colour, which share no rows: `shares` blocks that call it together. Begins before the colour before is done, as far as
-/// no sweep writes what it reads. Ends with all threads at a barrier.
+/// Solves `count` bodies of one colour, which share no rows: `shares` blocks that call it together. Begins
+/// before the colour before is done, as far as no sweep writes what it reads. Ends with all threads at a
+/// barrier.
 template <int kWidth, ExtraRows rare>
-__device__ void solveBodies(const SolverData& s, const int* bodies, int count, int share, int shares, SolveMemory& memory) {
-  // where bodies are few, and time is that of the longest, a few lanes a body of those that solve add its other rows while contacts are gathered
+__device__ void solveBodies(const SolverData& s, const int* bodies, int count, int share, int shares,
+                            SolveMemory& memory) {
+  // where bodies are few, and time is that of the longest, a few lanes a body of those that solve add its
+  // other rows while contacts are gathered
   constexpr bool few = rare == ExtraRows::FewJoints, apart = few && kWidth == kFewWidth;
   constexpr int kBodies = kGatherThreads / kWidth;
   static_assert(kBodies * (apart ? kWidth / kLanes : 1) <= kSolvers);
@@ -114,7 +132,8 @@ __device__ void solveBodies(const SolverData& s, const int* bodies, int count, i
   if (thread < kGatherThreads) {
     const Tile<kWidth> tile = Tile<kWidth>::ofThread();
     const int slot = thread / kWidth;
-    RowStream<kWidth, kGatherThreads / kLanes> stream(s, memory.staging, tile, bodies, count, first + slot, stride);
+    RowStream<kWidth, kGatherThreads / kLanes> stream(s, memory.staging, tile, bodies, count, first + slot,
+                                                      stride);
     awaitPrevious();
     stream.start();
     for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = nextBuffer(buffer)) {
@@ -127,14 +146,16 @@ __device__ void solveBodies(const SolverData& s, const int* bodies, int count, i
             addExtraRowsUniform(s, bodies[k], tile.lane, kWidth, &sum);
             own = sum;
           } else {
-            addExtraRows<kWidth>(s, bodies[k], tile.lane, others, [&](bool yes) { return tile.ballot(yes) != 0; }, own);
+            addExtraRows<kWidth>(
+                s, bodies[k], tile.lane, others, [&](bool yes) { return tile.ballot(yes) != 0; }, own);
           }
         }
       Real mine[kRealsPerLane<kWidth>];
       sumBlocks(tile, own, mine);
       if (batch >= kBuffers) waitAt(kEmpty + buffer);
 #pragma unroll
-      for (int k = 0; k < kRealsPerLane<kWidth>; ++k) memory.sums[buffer][slot][tile.lane * kRealsPerLane<kWidth> + k] = mine[k];
+      for (int k = 0; k < kRealsPerLane<kWidth>; ++k)
+        memory.sums[buffer][slot][tile.lane * kRealsPerLane<kWidth> + k] = mine[k];
       passBy(kFull + buffer);
     }
   } else {
@@ -169,8 +190,7 @@ __device__ void solveBodies(const SolverData& s, const int* bodies, int count, i
 }
 
 /// Forces and Hessians of the row blocks of a hub that are this thread's, of a block.
-template <ExtraRows rare>
-__device__ Block6 gatherHub(const SolverData& s, int body, int thread) {
+template <ExtraRows rare> __device__ Block6 gatherHub(const SolverData& s, int body, int thread) {
   const int end = s.incidenceOffset[body + 1], point = thread % kLanes;
   int k = s.incidenceOffset[body] + thread / kLanes;
   const Displacement own = s.dx[body];
@@ -185,13 +205,15 @@ __device__ Block6 gatherHub(const SolverData& s, int body, int thread) {
     accumulateContact<Real>(s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
   }
   if constexpr (rare != ExtraRows::None)
-    addExtraRows<kSolveThreads>(s, body, thread, k < end, [](bool yes) { return __syncthreads_or(yes) != 0; }, sum);
+    addExtraRows<kSolveThreads>(
+        s, body, thread, k < end, [](bool yes) { return __syncthreads_or(yes) != 0; }, sum);
   return sum;
 }
 
 /// A hub by all threads of a block.
 template <ExtraRows rare>
-static __device__ __noinline__ void solveHub(const SolverData& s, int body, Real (&warpSums)[kSolveThreads / kWarp][kWarp]) {
+static __device__ __noinline__ void solveHub(const SolverData& s, int body,
+                                             Real (&warpSums)[kSolveThreads / kWarp][kWarp]) {
   const Tile<kWarp> tile = Tile<kWarp>::ofThread();
   const int thread = static_cast<int>(threadIdx.x), warp = thread / kWarp;
   const Block6 own = gatherHub<rare>(s, body, thread);
@@ -215,13 +237,16 @@ static __device__ __noinline__ void solveHub(const SolverData& s, int body, Real
 
 /// The hubs of a colour: `shares` blocks share them out.
 template <ExtraRows rare>
-__device__ void solveHubs(const SolverData& s, int color, const HeavyList& hubs, int share, int shares, SolveMemory& memory) {
+__device__ void solveHubs(const SolverData& s, int color, const HeavyList& hubs, int share, int shares,
+                          SolveMemory& memory) {
   for (int h = share; h < *hubs.count; h += shares)
-    if (const int body = hubs.element[h]; s.color[body] == color && isSwept(s, body)) solveHub<rare>(s, body, memory.warpSums);
+    if (const int body = hubs.element[h]; s.color[body] == color && isSwept(s, body))
+      solveHub<rare>(s, body, memory.warpSums);
 }
 
 template <ExtraRows rare>
-__device__ void solveColorTogether(const SolverData& s, int color, int share, int shares, SolveMemory& memory) {
+__device__ void solveColorTogether(const SolverData& s, int color, int share, int shares,
+                                   SolveMemory& memory) {
   const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
   if (rare != ExtraRows::FewJoints && count > kCrowd)
     solveBodies<kCrowdWidth, rare>(s, s.colorBody + begin, count, share, shares, memory);
@@ -231,17 +256,17 @@ __device__ void solveColorTogether(const SolverData& s, int color, int share, in
     solveBodies<kFewWidth, rare>(s, s.colorBody + begin, count, share, shares, memory);
 }
 
-/// Lanes of a vertex, which share out its elements and contacts: few where vertices fill the device, more where they don't. By the population
-/// alone, as for bodies. A device holds about 100,000 threads of this kernel: each width is used where it does not fill more than that twice. Where bodies
-/// move too, vertices have a sixth of them.
+/// Lanes of a vertex, which share out its elements and contacts: few where vertices fill the device, more
+/// where they don't. By the population alone, as for bodies. A device holds about 100,000 threads of this
+/// kernel: each width is used where it does not fill more than that twice. Where bodies move too, vertices
+/// have a sixth of them.
 inline constexpr int kVertexCrowdWidth = 8, kVertexManyWidth = 16, kVertexFewWidth = kWarp;
 inline constexpr int kVertexCrowd = 12288, kVertexMany = 4096, kVertexPart = 6;
 /// Blocks of a processor, where bodies do not move: so few that there are 80 registers to read ahead with.
 inline constexpr int kVertexBlocks = 6;
 inline constexpr int kTailVertices = kSolveThreads / kVertexFewWidth;
 /// `ahead`: the next tetrahedron is read while one is added, which takes registers.
-template <int kWidth, bool ahead>
-class VertexByTile {
+template <int kWidth, bool ahead> class VertexByTile {
  public:
   __device__ explicit VertexByTile(const SolverData& s) : s_(s) {}
 
@@ -267,7 +292,8 @@ class VertexByTile {
       }
     }
     for (int k = refs_.begin; k < refs_.end; k += kWidth) addElement(s_, s_.ref[k], block);
-    for (int k = contacts_.begin; k < contacts_.end; k += kWidth) addPointContact<!ahead>(s_, s_.pointIncidence[k], block);
+    for (int k = contacts_.begin; k < contacts_.end; k += kWidth)
+      addPointContact<!ahead>(s_, s_.pointIncidence[k], block);
     block = sumOf(tile_, block);
     if (tile_.lane == 0) finishVertexBlock(s_, v_, block);
   }
@@ -293,8 +319,7 @@ class VertexByTile {
 };
 
 /// The vertices of one colour: all threads of a grid or of a block. Begins as solveBodies().
-template <bool ahead>
-__device__ void solveVertices(const SolverData& s, int color, int thread, int threads) {
+template <bool ahead> __device__ void solveVertices(const SolverData& s, int color, int thread, int threads) {
   const int begin = s.vertexColorOffset[color], count = s.vertexColorOffset[color + 1] - begin;
   const auto solve = [&]<int kWidth>() {
     VertexByTile<kWidth, ahead> vertex(s);
@@ -308,13 +333,18 @@ __device__ void solveVertices(const SolverData& s, int color, int thread, int th
     }
   };
   const int crowd = s.bodiesMove ? kVertexPart * count : count;
-  if (crowd > kVertexCrowd) solve.template operator()<kVertexCrowdWidth>();
-  else if (crowd > kVertexMany) solve.template operator()<kVertexManyWidth>();
-  else solve.template operator()<kVertexFewWidth>();
+  if (crowd > kVertexCrowd)
+    solve.template operator()<kVertexCrowdWidth>();
+  else if (crowd > kVertexMany)
+    solve.template operator()<kVertexManyWidth>();
+  else
+    solve.template operator()<kVertexFewWidth>();
 }
-static __global__ void __launch_bounds__(kThreads, kVertexBlocks) solveVertexColor(const __grid_constant__ SolverData s, int color, const Control* control) {
+static __global__ void __launch_bounds__(kThreads, kVertexBlocks)
+    solveVertexColor(const __grid_constant__ SolverData s, int color, const Control* control) {
   if (control->stop != 0 || color >= s.counters->colors) return awaitPrevious();
-  solveVertices<true>(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
+  solveVertices<true>(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
+                      static_cast<int>(gridDim.x * blockDim.x));
 }
 
 /// Notes how many colours are worth a launch.
@@ -325,16 +355,20 @@ __device__ inline void noteWideColors(const SolverData& s, int colors, Control* 
       atomicMax(&control->wideColors, c + 1);
 }
 
-/// The bodies and vertices of colour `first`, which share nothing. Or, without blocks for hubs: all colours from it on, one after another in one block,
-/// whatever their size. It is one kernel, so that a body has the same bits wherever it is solved.
+/// The bodies and vertices of colour `first`, which share nothing. Or, without blocks for hubs: all colours
+/// from it on, one after another in one block, whatever their size. It is one kernel, so that a body has the
+/// same bits wherever it is solved.
 template <ExtraRows rare>
 static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
-    solveColors(const __grid_constant__ SolverData s, int first, HeavyList hubs, ColorBlocks blocks, Control* control) {
+    solveColors(const __grid_constant__ SolverData s, int first, HeavyList hubs, ColorBlocks blocks,
+                Control* control) {
   __shared__ SolveMemory memory;
   if (control->stop != 0) return awaitPrevious();
   const bool tail = blocks.hubs == 0;
-  const int colors = s.counters->colors, end = tail ? colors : min(first + 1, colors), thread = static_cast<int>(threadIdx.x);
-  const int block = static_cast<int>(blockIdx.x), vertexBlock = block - blocks.hubs, bodyBlock = vertexBlock - blocks.vertices;
+  const int colors = s.counters->colors, end = tail ? colors : min(first + 1, colors),
+            thread = static_cast<int>(threadIdx.x);
+  const int block = static_cast<int>(blockIdx.x), vertexBlock = block - blocks.hubs,
+            bodyBlock = vertexBlock - blocks.vertices;
   if (tail) noteWideColors(s, colors, control);
   if (first >= end) awaitPrevious();
   for (int c = first; c < end; ++c) {
@@ -343,9 +377,13 @@ static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
       awaitPrevious();
       solveHubs<rare>(s, c, hubs, block, tail ? 1 : blocks.hubs, memory);
     }
-    if (bodyBlock >= 0) solveColorTogether<rare>(s, c, bodyBlock, static_cast<int>(gridDim.x) - blocks.hubs - blocks.vertices, memory);
+    if (bodyBlock >= 0)
+      solveColorTogether<rare>(s, c, bodyBlock, static_cast<int>(gridDim.x) - blocks.hubs - blocks.vertices,
+                               memory);
     if (rare == ExtraRows::None || s.vertices == 0) continue;
-    if (tail || (vertexBlock >= 0 && bodyBlock < 0)) solveVertices<false>(s, c, vertexBlock * kSolveThreads + thread, max(blocks.vertices, 1) * kSolveThreads);
+    if (tail || (vertexBlock >= 0 && bodyBlock < 0))
+      solveVertices<false>(s, c, vertexBlock * kSolveThreads + thread,
+                           max(blocks.vertices, 1) * kSolveThreads);
     __syncthreads();
   }
 }
@@ -353,7 +391,9 @@ static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
 /// The one for the row blocks that there are.
 inline auto solveColorsOf(const SolverData& s) {
   const ExtraRows rare = extraRowsOf(s);
-  return rare == ExtraRows::None ? solveColors<ExtraRows::None> : rare == ExtraRows::Any ? solveColors<ExtraRows::Any> : solveColors<ExtraRows::FewJoints>;
+  return rare == ExtraRows::None  ? solveColors<ExtraRows::None>
+         : rare == ExtraRows::Any ? solveColors<ExtraRows::Any>
+                                  : solveColors<ExtraRows::FewJoints>;
 }
 
 }  // namespace rubble::RUBBLE_CORE

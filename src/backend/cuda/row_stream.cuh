@@ -1,6 +1,7 @@
 #pragma once
-/// Rows on their way into shared memory while those before them are worked on. Else the sweeps wait for memory most of the time: a body's number leads
-/// to its incidences, these to rows and displacements, and each of them is asked for a body or a row block ahead.
+/// Rows on their way into shared memory while those before them are worked on. Else the sweeps wait for
+/// memory most of the time: a body's number leads to its incidences, these to rows and displacements, and
+/// each of them is asked for a body or a row block ahead.
 #include <cuda_pipeline_primitives.h>
 
 #include "backend/cuda/heavy_kernels.cuh"
@@ -8,27 +9,29 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// The rows of one contact and the displacement of the other body in shared memory, with room to spare such that neighbours read from different banks.
+/// The rows of one contact and the displacement of the other body in shared memory, with room to spare such
+/// that neighbours read from different banks.
 struct StagedRows {
-  static constexpr int kRows = offsetof(ContactRows, muStatic) / sizeof(float4), kMoved = sizeof(Displacement) / sizeof(float4);
+  static constexpr int kRows = offsetof(ContactRows, muStatic) / sizeof(float4),
+                       kMoved = sizeof(Displacement) / sizeof(float4);
   /// 320 bytes: neighbours begin 16 of the 32 banks apart.
   static constexpr int kRoom = 20;
   float4 quad[kRoom];
   __device__ const ContactRows& rows() const { return reinterpret_cast<const ContactRows&>(quad[0]); }
   __device__ const Displacement& other() const { return reinterpret_cast<const Displacement&>(quad[kRows]); }
 };
-static_assert(StagedRows::kRows * sizeof(float4) == offsetof(ContactRows, muStatic) && StagedRows::kMoved == 2 && kLanes == 4);
+static_assert(StagedRows::kRows * sizeof(float4) == offsetof(ContactRows, muStatic) &&
+              StagedRows::kMoved == 2 && kLanes == 4);
 static_assert(StagedRows::kRows + StagedRows::kMoved <= StagedRows::kRoom);
 
-/// Sixteen bytes on their way into shared memory, `kOffset` bytes behind both places. (As __pipeline_memcpy_async(), whose shared addresses are made
-/// anew in each call.)
-template <int kOffset>
-__device__ void copyQuad(unsigned to, const char* from) {
-  asm volatile("cp.async.cg.shared.global [%0+%2], [%1+%2], 16;" ::"r"(to), "l"(from), "n"(kOffset) : "memory");
+/// Sixteen bytes on their way into shared memory, `kOffset` bytes behind both places. (As
+/// __pipeline_memcpy_async(), whose shared addresses are made anew in each call.)
+template <int kOffset> __device__ void copyQuad(unsigned to, const char* from) {
+  asm volatile("cp.async.cg.shared.global [%0+%2], [%1+%2], 16;" ::"r"(to), "l"(from), "n"(kOffset)
+               : "memory");
 }
 /// Asks for `kCount` quads: four lanes, each from its own first one on.
-template <int kCount>
-__device__ void askForQuads(unsigned to, const char* from, int lane) {
+template <int kCount> __device__ void askForQuads(unsigned to, const char* from, int lane) {
   constexpr int kStep = kLanes * sizeof(float4), kWhole = kCount / kLanes;
   if constexpr (kWhole > 0) copyQuad<0>(to, from);
   if constexpr (kWhole > 1) copyQuad<kStep>(to, from);
@@ -38,23 +41,30 @@ __device__ void askForQuads(unsigned to, const char* from, int lane) {
 }
 
 /// Shared memory of `kQuads` times four lanes: of two row blocks each, and the displacements of two bodies.
-template <int kQuads>
-struct Staging {
+template <int kQuads> struct Staging {
   StagedRows rows[2][kQuads];
   float4 own[2][kQuads][StagedRows::kMoved];
 };
 
-/// The row blocks of the bodies number first, first + stride ... of a list, one body a batch, as a tile of `kWidth` lanes gathers them: each four
-/// of its lanes have every (kWidth / 4)-th.
-template <int kWidth, int kQuads>
-class RowStream {
+/// The row blocks of the bodies number first, first + stride ... of a list, one body a batch, as a tile of
+/// `kWidth` lanes gathers them: each four of its lanes have every (kWidth / 4)-th.
+template <int kWidth, int kQuads> class RowStream {
  public:
   static constexpr int kStride = kWidth / kLanes;
 
-  __device__ RowStream(const SolverData& s, Staging<kQuads>& staging, const Tile<kWidth>& tile, const int* bodies, int count, int first, int stride)
-      : s_(s), staging_(staging), quad_(PointTile::ofThread()), quadOfBlock_(static_cast<int>(threadIdx.x) / kLanes), offset_(tile.lane / kLanes),
-        rowsPlace_(placeOf(staging.rows[0][quadOfBlock_].quad + quad_.lane)), ownPlace_(placeOf(staging.own[0][quadOfBlock_] + quad_.lane)),
-        bodies_(bodies), count_(count), next_(first + 3 * stride), stride_(stride) {
+  __device__ RowStream(const SolverData& s, Staging<kQuads>& staging, const Tile<kWidth>& tile,
+                       const int* bodies, int count, int first, int stride)
+      : s_(s),
+        staging_(staging),
+        quad_(PointTile::ofThread()),
+        quadOfBlock_(static_cast<int>(threadIdx.x) / kLanes),
+        offset_(tile.lane / kLanes),
+        rowsPlace_(placeOf(staging.rows[0][quadOfBlock_].quad + quad_.lane)),
+        ownPlace_(placeOf(staging.own[0][quadOfBlock_] + quad_.lane)),
+        bodies_(bodies),
+        count_(count),
+        next_(first + 3 * stride),
+        stride_(stride) {
     body_[0] = bodyAt(first), body_[1] = bodyAt(first + stride), body_[2] = bodyAt(first + 2 * stride);
     range_[0] = rangeOf(body_[0]), range_[1] = rangeOf(body_[1]);
     present_ = entryAt(range_[0], 0);
@@ -62,7 +72,8 @@ class RowStream {
   /// Until here nothing is read that sweeps write.
   __device__ void start() { begin(present_, body_[0], 0); }
 
-  /// The contacts of the next body; -1 has none. Returns whether its incidences go on with others than contacts.
+  /// The contacts of the next body; -1 has none. Returns whether its incidences go on with others than
+  /// contacts.
   __device__ bool gather(Block6& sum) {
     // each of these is used in the next batch
     const Incidence following = entryAt(range_[1], 0);
@@ -111,7 +122,9 @@ class RowStream {
   __device__ static Incidence noEntry() { return {0xffffffffu, -1, 0}; }
   __device__ static bool isContact(const Incidence& e) { return constraintType(e.code) == kContactType; }
   __device__ int bodyAt(int k) const { return k < count_ ? bodies_[k] : -1; }
-  __device__ Range rangeOf(int body) const { return body < 0 ? Range{0, 0} : Range{s_.incidenceOffset[body] + offset_, s_.incidenceOffset[body + 1]}; }
+  __device__ Range rangeOf(int body) const {
+    return body < 0 ? Range{0, 0} : Range{s_.incidenceOffset[body] + offset_, s_.incidenceOffset[body + 1]};
+  }
   __device__ Incidence entryAt(const Range& r, int turn) const {
     const int k = r.begin + turn * kStride;
     return k < r.end ? s_.incidence[k] : noEntry();
@@ -120,7 +133,9 @@ class RowStream {
   /// Asks for the first row block of a body, and where that is.
   __device__ void begin(const Incidence& e, int body, int parity) {
     if (isContact(e)) askForRows(e);
-    if (body >= 0) ask<StagedRows::kMoved>(ownPlace_ + static_cast<unsigned>(parity * sizeof staging_.own[0]), &s_.moved[body]);
+    if (body >= 0)
+      ask<StagedRows::kMoved>(ownPlace_ + static_cast<unsigned>(parity * sizeof staging_.own[0]),
+                              &s_.moved[body]);
     __pipeline_commit();
   }
   __device__ void askForRows(const Incidence& e) {
@@ -129,14 +144,16 @@ class RowStream {
     if (e.other >= 0) ask<StagedRows::kMoved>(to + StagedRows::kRows * sizeof(float4), &s_.moved[e.other]);
   }
   /// `to`: place of this lane.
-  template <int kCount>
-  __device__ void ask(unsigned to, const void* from) const {
+  template <int kCount> __device__ void ask(unsigned to, const void* from) const {
     askForQuads<kCount>(to, static_cast<const char*>(from) + quad_.lane * sizeof(float4), quad_.lane);
   }
   /// In shared memory.
-  __device__ static unsigned placeOf(const float4* p) { return static_cast<unsigned>(__cvta_generic_to_shared(p)); }
+  __device__ static unsigned placeOf(const float4* p) {
+    return static_cast<unsigned>(__cvta_generic_to_shared(p));
+  }
 
-  __device__ void accumulate(const Incidence& e, const Displacement& own, const StagedRows& staged, Block6& sum) const {
+  __device__ void accumulate(const Incidence& e, const Displacement& own, const StagedRows& staged,
+                             Block6& sum) const {
     const ContactRows& r = staged.rows();
     const bool onA = constraintSide(e.code) == 0;
     const Displacement other = e.other >= 0 ? staged.other() : s_.moved[onA ? r.b : r.a];

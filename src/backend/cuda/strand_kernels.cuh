@@ -6,8 +6,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// SolveStrand: the rows that an elimination changes are a window of registers, a number a lane, which moves on by a row. In the order of SolveStrand: the
-/// same bits where products are not contracted.
+/// SolveStrand: the rows that an elimination changes are a window of registers, a number a lane, which moves
+/// on by a row. In the order of SolveStrand: the same bits where products are not contracted.
 struct SolveLineByTile {
   static constexpr const char* kStage = SolveStrand::kStage;
   static constexpr int kWidth = kWarp;
@@ -29,21 +29,28 @@ struct SolveLineByTile {
     Real turn = 0;
     for (int k = line.begin + 1 + tile.lane; k < line.end; k += kWidth)
       turn = max(turn, lineTurn(rows, k - line.begin, s.vertexParams[s.strandVertex[k].v].length));
-    for (int step = kWidth / 2; step > 0; step /= 2) turn = max(turn, __shfl_xor_sync(tile.mask, turn, step, kWidth));
+    for (int step = kWidth / 2; step > 0; step /= 2)
+      turn = max(turn, __shfl_xor_sync(tile.mask, turn, step, kWidth));
     if (tile.lane == 0) s.strandShare[i] = strandShare(turn);
   }
 
   /// The lane that has element (a, b) of the window, a <= b.
   __device__ static constexpr int laneOf(int a, int b) { return a * kWindow - a * (a - 1) / 2 + b - a; }
 
-  /// Where numbers lie in StrandWork as an array. Rows are counted from the first of a vertex, and may be those of its neighbours.
+  /// Where numbers lie in StrandWork as an array. Rows are counted from the first of a vertex, and may be
+  /// those of its neighbours.
   static constexpr int kNumbers = sizeof(StrandWork) / sizeof(double);
-  __device__ static int rowAt(int row) { return ((row + 3 * kBeside) / 3 - kBeside) * kNumbers + (row + 3 * kBeside) % 3 * kWindow; }
-  __device__ static int unknownAt(int row) { return ((row + 3 * kBeside) / 3 - kBeside) * kNumbers + 3 * kWindow + (row + 3 * kBeside) % 3; }
+  __device__ static int rowAt(int row) {
+    return ((row + 3 * kBeside) / 3 - kBeside) * kNumbers + (row + 3 * kBeside) % 3 * kWindow;
+  }
+  __device__ static int unknownAt(int row) {
+    return ((row + 3 * kBeside) / 3 - kBeside) * kNumbers + 3 * kWindow + (row + 3 * kBeside) % 3;
+  }
   static_assert(offsetof(StrandWork, x) == sizeof(double) * 3 * kWindow);
 
   /// Reads vertices from `first` on; where a line has none there are the rows of an identity.
-  __device__ static void stage(const double* rows, int vertices, int first, const Tile<kWidth>& tile, double* to) {
+  __device__ static void stage(const double* rows, int vertices, int first, const Tile<kWidth>& tile,
+                               double* to) {
     __syncwarp(tile.mask);
     for (int k = tile.lane; k < (kStaged + kBeside) * kNumbers; k += kWidth) {
       const int vertex = first + k / kNumbers, number = k % kNumbers;
@@ -60,13 +67,16 @@ struct SolveLineByTile {
     for (; a < kStrandBand && b > kStrandBand; ++a) b -= kStrandBand - a;
     b = min(b, kStrandBand);
     const bool enters = b == kStrandBand;
-    const int from = enters ? 0 : laneOf(a + 1, b + 1), left = laneOf(0, min(a + 1, kStrandBand)), right = laneOf(0, min(b + 1, kStrandBand));
+    const int from = enters ? 0 : laneOf(a + 1, b + 1), left = laneOf(0, min(a + 1, kStrandBand)),
+              right = laneOf(0, min(b + 1, kStrandBand));
     int entryAt[3], forceAt[3], resultAt[3];
     for (int r = 0; r < 3; ++r) {
       entryAt[r] = rowAt(r + 1 + a) + kStrandBand - a, forceAt[r] = unknownAt(r + kWindow);
       resultAt[r] = lane < kStrandBand ? rowAt(r) + lane + 1 : unknownAt(r);
     }
-    const auto broadcast = [&](double value, int source) { return __shfl_sync(tile.mask, value, source, kWidth); };
+    const auto broadcast = [&](double value, int source) {
+      return __shfl_sync(tile.mask, value, source, kWidth);
+    };
     double h = 0, x = 0;
     for (int first = 0; first < vertices; first += kStaged) {
       stage(rows, vertices, first, tile, staged);
@@ -106,7 +116,8 @@ struct SolveLineByTile {
 #pragma unroll
         for (int r = 2; r >= 0; --r) {
           const double factor = near[factorAt[r]], next = near[nextAt[r]];
-          const double own = __shfl_sync(tile.mask, x, 0, kWidth), old = __shfl_sync(tile.mask, x, min(lane + 1, kStrandBand), kWidth);
+          const double own = __shfl_sync(tile.mask, x, 0, kWidth),
+                       old = __shfl_sync(tile.mask, x, min(lane + 1, kStrandBand), kWidth);
           if (tile.lane == 0) rows[v * kNumbers + unknownAt(r)] = own;
           x = lane < kStrandBand ? old - factor * own : next;
         }
@@ -114,9 +125,6 @@ struct SolveLineByTile {
     }
   }
 };
-template <>
-struct OnDevice<SolveStrand> {
-  using Type = SolveLineByTile;
-};
+template <> struct OnDevice<SolveStrand> { using Type = SolveLineByTile; };
 
 }  // namespace rubble::RUBBLE_CORE

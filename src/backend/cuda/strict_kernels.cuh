@@ -1,6 +1,6 @@
 #pragma once
-/// The sweep of a build with RUBBLE_STRICT: a thread a body or vertex, so that every sum has the order of the CPU. Slow, and there to find out what
-/// else differs.
+/// The sweep of a build with RUBBLE_STRICT: a thread a body or vertex, so that every sum has the order of the
+/// CPU. Slow, and there to find out what else differs.
 #include "backend/cuda/primal_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -13,14 +13,17 @@ __device__ inline void solveColorInOrder(const SolverData& s, int color, int thr
   for (int k = thread; k < vertices; k += threads) SolveVertex{}(s, s.colorVertex[first + k]);
 }
 
-static __global__ void __launch_bounds__(kThreads) solveColorStrictly(const __grid_constant__ SolverData s, int color, const Control* control) {
+static __global__ void __launch_bounds__(kThreads)
+    solveColorStrictly(const __grid_constant__ SolverData s, int color, const Control* control) {
   awaitPrevious();
   if (control->stop == 0 && color < s.counters->colors)
-    solveColorInOrder(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x), static_cast<int>(gridDim.x * blockDim.x));
+    solveColorInOrder(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
+                      static_cast<int>(gridDim.x * blockDim.x));
 }
 
 /// The colours from `first` on in one block.
-static __global__ void __launch_bounds__(kThreads) solveTailStrictly(const __grid_constant__ SolverData s, int first, const Control* control) {
+static __global__ void __launch_bounds__(kThreads)
+    solveTailStrictly(const __grid_constant__ SolverData s, int first, const Control* control) {
   awaitPrevious();
   if (control->stop != 0) return;
   for (int c = first; c < s.counters->colors; ++c) {

@@ -1,5 +1,6 @@
 #pragma once
-/// Lanes of a warp that work on one element together, and sums over them by a fixed tree: the same bits each time.
+/// Lanes of a warp that work on one element together, and sums over them by a fixed tree: the same bits each
+/// time.
 #include <cuda_runtime.h>
 
 #include <cstring>
@@ -12,8 +13,7 @@ inline constexpr int kWarp = 32;
 inline constexpr unsigned kAllLanes = 0xffffffffu;
 
 /// kWidth lanes, a power of two up to a warp. All of them make the same calls.
-template <int kWidth>
-struct Tile {
+template <int kWidth> struct Tile {
   static_assert(kWidth >= 1 && kWidth <= kWarp && (kWidth & (kWidth - 1)) == 0);
   int lane;
   unsigned mask;  ///< lanes of the warp that belong to the tile
@@ -46,20 +46,23 @@ struct Tile {
     return total - a;
   }
   /// Bit k: lane k says yes.
-  __device__ unsigned ballot(bool yes) const { return (__ballot_sync(mask, yes) & mask) >> (__ffs(static_cast<int>(mask)) - 1); }
+  __device__ unsigned ballot(bool yes) const {
+    return (__ballot_sync(mask, yes) & mask) >> (__ffs(static_cast<int>(mask)) - 1);
+  }
 };
 
 /// The numbers of a Block6, and how many of their sums a lane is left with.
 inline constexpr int kBlockReals = static_cast<int>(sizeof(Block6) / sizeof(Real));
 inline constexpr int kPaddedReals = 32;
 static_assert(kBlockReals <= kPaddedReals && sizeof(Block6) == sizeof(Real) * kBlockReals);
-template <int kWidth>
-inline constexpr int kRealsPerLane = kPaddedReals / kWidth;
+template <int kWidth> inline constexpr int kRealsPerLane = kPaddedReals / kWidth;
 
-/// Sums blocks over a tile, each number in one lane: lane l gets the sums of the numbers from kRealsPerLane * l on. Halves of the numbers
-/// change sides at each step, so that it takes 31 shuffles and not 27 log2(kWidth).
+/// Sums blocks over a tile, each number in one lane: lane l gets the sums of the numbers from kRealsPerLane *
+/// l on. Halves of the numbers change sides at each step, so that it takes 31 shuffles and not 27
+/// log2(kWidth).
 template <int kWidth>
-__device__ void sumBlocks(const Tile<kWidth>& tile, const Block6& block, Real (&sums)[kRealsPerLane<kWidth>]) {
+__device__ void sumBlocks(const Tile<kWidth>& tile, const Block6& block,
+                          Real (&sums)[kRealsPerLane<kWidth>]) {
   Real v[kPaddedReals] = {};
   memcpy(v, &block, sizeof block);
 #pragma unroll
@@ -98,16 +101,15 @@ __device__ Block6 gatherSums(const Tile<kWidth>& tile, const Real (&sums)[kReals
 }
 
 /// Sum over the lanes of a tile, the same in all.
-template <int kWidth>
-__device__ Block3 sumOf(const Tile<kWidth>& tile, const Block3& own) {
+template <int kWidth> __device__ Block3 sumOf(const Tile<kWidth>& tile, const Block3& own) {
   Block3 sum;
   sum.f = tile.sum(own.f);
-  sum.h = {tile.sum(own.h.xx), tile.sum(own.h.xy), tile.sum(own.h.xz), tile.sum(own.h.yy), tile.sum(own.h.yz), tile.sum(own.h.zz)};
+  sum.h = {tile.sum(own.h.xx), tile.sum(own.h.xy), tile.sum(own.h.xz),
+           tile.sum(own.h.yy), tile.sum(own.h.yz), tile.sum(own.h.zz)};
   return sum;
 }
 
-template <int kWidth>
-__device__ Block6 sumOf(const Tile<kWidth>& tile, const Block6& own) {
+template <int kWidth> __device__ Block6 sumOf(const Tile<kWidth>& tile, const Block6& own) {
   Real v[kBlockReals];
   memcpy(v, &own, sizeof own);
 #pragma unroll
@@ -132,12 +134,10 @@ __device__ inline int claimTogether(int* p) {
   return __shfl_sync(here, base, first) + __popc(here & ((1u << lane) - 1));
 }
 
-/// Which kernel runs a stage on the device. One with `kWidth` lanes has operator()(SolverData, element, Tile<kWidth>) and takes the place of a
-/// stage that has operator()(SolverData, element); what the stage's functor holds it is made from.
-template <class Kernel>
-struct OnDevice {
-  using Type = Kernel;
-};
+/// Which kernel runs a stage on the device. One with `kWidth` lanes has operator()(SolverData, element,
+/// Tile<kWidth>) and takes the place of a stage that has operator()(SolverData, element); what the stage's
+/// functor holds it is made from.
+template <class Kernel> struct OnDevice { using Type = Kernel; };
 /// A strict build runs the stages as they are: a thread an element, sums in the order of the CPU.
 #if defined(RUBBLE_STRICT)
 inline constexpr bool kStrict = true;
@@ -147,28 +147,33 @@ inline constexpr bool kStrict = false;
 template <class Kernel>
 using DeviceKernel = std::conditional_t<kStrict, Kernel, typename OnDevice<Kernel>::Type>;
 
-template <class Kernel>
-auto onDevice(const Kernel& kernel) {
+template <class Kernel> auto onDevice(const Kernel& kernel) {
   using Type = DeviceKernel<Kernel>;
-  if constexpr (std::is_constructible_v<Type, const Kernel&>) return Type(kernel);
-  else return Type{};
+  if constexpr (std::is_constructible_v<Type, const Kernel&>)
+    return Type(kernel);
+  else
+    return Type{};
 }
 
 template <class Kernel>
-concept Tiled = requires { Kernel::kWidth; };
+concept Tiled = requires {
+  Kernel::kWidth;
+};
 
 /// Threads that one element takes.
-template <class Kernel>
-constexpr int widthOf() {
-  if constexpr (Tiled<Kernel>) return Kernel::kWidth;
-  else return 1;
+template <class Kernel> constexpr int widthOf() {
+  if constexpr (Tiled<Kernel>)
+    return Kernel::kWidth;
+  else
+    return 1;
 }
 
 /// kernel(s, i, lane) for the element of this thread's tile.
-template <class Kernel>
-__device__ void apply(const Kernel& kernel, const SolverData& s, int i) {
-  if constexpr (Tiled<Kernel>) kernel(s, i, Tile<Kernel::kWidth>::ofThread());
-  else kernel(s, i);
+template <class Kernel> __device__ void apply(const Kernel& kernel, const SolverData& s, int i) {
+  if constexpr (Tiled<Kernel>)
+    kernel(s, i, Tile<Kernel::kWidth>::ofThread());
+  else
+    kernel(s, i);
 }
 
 }  // namespace rubble::RUBBLE_CORE

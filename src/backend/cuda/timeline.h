@@ -20,7 +20,8 @@ class Timeline {
 
   void clear() { names_.clear(); }
 
-  /// Stage `name` begins here; nullptr: the last one ends. While a graph is captured the event becomes a node of it.
+  /// Stage `name` begins here; nullptr: the last one ends. While a graph is captured the event becomes a node
+  /// of it.
   void mark(const char* name, cudaStream_t stream, bool captured) {
     if (names_.size() == events_.size()) {
       cudaEvent_t event;

@@ -18,11 +18,12 @@ struct BlockPlace {
   }
 };
 
-/// Eight lanes a body, a lane a point of a contact: contacts hardly fill more, and the rows of joints are found beside it.
-template <class L>
-struct AssembleTreeBodiesByTile {
+/// Eight lanes a body, a lane a point of a contact: contacts hardly fill more, and the rows of joints are
+/// found beside it.
+template <class L> struct AssembleTreeBodiesByTile {
   static constexpr const char* kStage = AssembleTreeBodies<L>::kStage;
-  /// 72 registers: with fewer most of a block is copied to memory and back, with more it has no room beside the search.
+  /// 72 registers: with fewer most of a block is copied to memory and back, with more it has no room beside
+  /// the search.
   static constexpr int kWidth = 8, kBlocks = 7;
   explicit AssembleTreeBodiesByTile(const AssembleTreeBodies<L>&) {}
 
@@ -41,40 +42,49 @@ struct AssembleTreeBodiesByTile {
       const int number = tile.lane * kRealsPerLane<kWidth> + k;
       if (number >= kBlockReals) break;
       const BlockPlace place = BlockPlace::of(number);
-      if (place.column == BlockPlace::kForce) w.x.v[place.row] = static_cast<double>(sums[k]);
-      else w.h.m[place.row][place.column] = still && place.row == place.column ? 1 : static_cast<double>(sums[k]);
+      if (place.column == BlockPlace::kForce)
+        w.x.v[place.row] = static_cast<double>(sums[k]);
+      else
+        w.h.m[place.row][place.column] = still && place.row == place.column ? 1
+                                                                            : static_cast<double>(sums[k]);
     }
   }
 
  private:
-  __device__ static void addRows(const SolverData& s, const TreeNode& node, const Tile<kWidth>& tile, Block6& block) {
-    const int begin = s.incidenceOffset[node.body], end = s.incidenceOffset[node.body + 1], point = tile.lane % kLanes;
+  __device__ static void addRows(const SolverData& s, const TreeNode& node, const Tile<kWidth>& tile,
+                                 Block6& block) {
+    const int begin = s.incidenceOffset[node.body], end = s.incidenceOffset[node.body + 1],
+              point = tile.lane % kLanes;
     if (tile.lane == 0) startBlock(s, node.body, block);
-    for (int k = begin + tile.lane / kLanes; k < end && constraintType(s.incidence[k].code) == kContactType; k += kWidth / kLanes) {
+    for (int k = begin + tile.lane / kLanes; k < end && constraintType(s.incidence[k].code) == kContactType;
+         k += kWidth / kLanes) {
       const Incidence incidence = s.incidence[k];
       const Real weight = contactWeight(s, incidence);
       addContact<Real>(s, incidence.code, point, block, weight);
       if (s.rolls && point == 0) addRolling(s, incidence.code, block, weight);
     }
-    // deformable objects come last; their sum has its own memory, for what is passed to a function lies in no register
+    // deformable objects come last; their sum has its own memory, for what is passed to a function lies in no
+    // register
     if (s.vertices == 0) return;
     Block6 soft;
-    for (int k = end - 1 - tile.lane; k >= begin && constraintType(s.incidence[k].code) > JointTypes::kSize; k -= kWidth) addSoftRows(s, s.incidence[k].code, soft);
+    for (int k = end - 1 - tile.lane; k >= begin && constraintType(s.incidence[k].code) > JointTypes::kSize;
+         k -= kWidth)
+      addSoftRows(s, s.incidence[k].code, soft);
     block += soft;
   }
 };
-template <class L>
-struct OnDevice<AssembleTreeBodies<L>> {
-  using Type = AssembleTreeBodiesByTile<L>;
-};
+template <class L> struct OnDevice<AssembleTreeBodies<L>> { using Type = AssembleTreeBodiesByTile<L>; };
 
-/// D += A B of matrices of 8 x 4 and 4 x 8 numbers, by tensor cores: lane l of a warp has A[l / 4][l % 4], B[l % 4][l / 4], and D[l / 4][l % 4 * 2 + c].
+/// D += A B of matrices of 8 x 4 and 4 x 8 numbers, by tensor cores: lane l of a warp has A[l / 4][l % 4],
+/// B[l % 4][l / 4], and D[l / 4][l % 4 * 2 + c].
 __device__ inline void addProduct(double (&d)[2], double a, double b) {
-  asm("mma.sync.aligned.m8n8k4.row.col.f64.f64.f64.f64 {%0, %1}, {%2}, {%3}, {%0, %1};" : "+d"(d[0]), "+d"(d[1]) : "d"(a), "d"(b));
+  asm("mma.sync.aligned.m8n8k4.row.col.f64.f64.f64.f64 {%0, %1}, {%2}, {%3}, {%0, %1};"
+      : "+d"(d[0]), "+d"(d[1])
+      : "d"(a), "d"(b));
 }
 
-/// A warp a body, which takes its joints part by part: rows J with stiffnesses K and forces F make J^T [K J, -F] and, with J' of a neighbour, J^T K J'.
-/// Lane l has number l / 4 of row l % 4.
+/// A warp a body, which takes its joints part by part: rows J with stiffnesses K and forces F make J^T [K J,
+/// -F] and, with J' of a neighbour, J^T K J'. Lane l has number l / 4 of row l % 4.
 struct AssembleTreeJointsByTile {
   static constexpr const char* kStage = AssembleTreeJoints::kStage;
   /// 64 registers: with 48 every part waits for copies of the one before.
@@ -86,10 +96,17 @@ struct AssembleTreeJointsByTile {
     const int row = tile.lane / kRowLanes, column = tile.lane % kRowLanes * 2;
     Sums sums{};
 #pragma unroll
-    for (int c = 0; c < 2; ++c) sums.own[c] = row >= 6 ? 0 : column + c <= row ? w.h.m[row][column + c] : column + c == 6 ? w.x.v[row] : 0;
-    const bool locked = tile.lane < 3 && isLocked(s, tile.lane == 0 ? node.parent[0] : tile.lane == 1 ? node.parent[1] : n);
+    for (int c = 0; c < 2; ++c)
+      sums.own[c] = row >= 6            ? 0
+                    : column + c <= row ? w.h.m[row][column + c]
+                    : column + c == 6   ? w.x.v[row]
+                                        : 0;
+    const bool locked = tile.lane < 3 && isLocked(s, tile.lane == 0   ? node.parent[0]
+                                                     : tile.lane == 1 ? node.parent[1]
+                                                                      : n);
     if (!stands(s, node))
-      for (int k = s.incidenceOffset[node.body], end = s.incidenceOffset[node.body + 1]; k < end; k += kWidth) addJoints(s, node, k, end, tile, sums);
+      for (int k = s.incidenceOffset[node.body], end = s.incidenceOffset[node.body + 1]; k < end; k += kWidth)
+        addJoints(s, node, k, end, tile, sums);
 #pragma unroll
     for (int c = 0; c < 2; ++c) {
       if (row >= 6) break;
@@ -112,19 +129,25 @@ struct AssembleTreeJointsByTile {
   struct Sums {
     double own[2], coupling[2][2];
   };
-  /// What a lane has of the rows of a part: K, or -F where i is 6, a number of J and those of both neighbours.
+  /// What a lane has of the rows of a part: K, or -F where i is 6, a number of J and those of both
+  /// neighbours.
   struct PartOfLane {
     int count;
     double scale;
     Real own, far[2], bend;
   };
 
-  __device__ static bool isLocked(const SolverData& s, int n) { return n >= 0 && s.target[s.treeNode[n].body].locks != 0; }
+  __device__ static bool isLocked(const SolverData& s, int n) {
+    return n >= 0 && s.target[s.treeNode[n].body].locks != 0;
+  }
 
   /// Adds the joints among a warp of incidences from k on.
-  __device__ static void addJoints(const SolverData& s, const TreeNode& node, int k, int end, const Tile<kWidth>& tile, Sums& sums) {
-    const JointOfLane own = k + tile.lane < end ? jointOf(s, node, s.incidence[k + tile.lane]) : JointOfLane{};
-    const int last = tile.sumBefore(own.parts) + own.parts, all = __shfl_sync(tile.mask, last, kWidth - 1, kWidth);
+  __device__ static void addJoints(const SolverData& s, const TreeNode& node, int k, int end,
+                                   const Tile<kWidth>& tile, Sums& sums) {
+    const JointOfLane own = k + tile.lane < end ? jointOf(s, node, s.incidence[k + tile.lane])
+                                                : JointOfLane{};
+    const int last = tile.sumBefore(own.parts) + own.parts,
+              all = __shfl_sync(tile.mask, last, kWidth - 1, kWidth);
     JointOfLane joint{};
     // parts on their way at once
     constexpr int kAhead = 2;
@@ -153,50 +176,66 @@ struct AssembleTreeJointsByTile {
     const char* part;
     int parts;
     unsigned sides;
-    __device__ JointOfLane(const char* at = nullptr, int count = 0, bool isCarried = false, int own = 0, const TreeCoupling& to = {{-1, -1}})
-        : part(at), parts(count), sides(static_cast<unsigned>(own | (to.side[0] + 1) << 2 | (to.side[1] + 1) << 5 | (isCarried ? 1 << 8 : 0))) {}
+    __device__ JointOfLane(const char* at = nullptr, int count = 0, bool isCarried = false, int own = 0,
+                           const TreeCoupling& to = {{-1, -1}})
+        : part(at),
+          parts(count),
+          sides(static_cast<unsigned>(own | (to.side[0] + 1) << 2 | (to.side[1] + 1) << 5 |
+                                      (isCarried ? 1 << 8 : 0))) {}
     __device__ int side() const { return static_cast<int>(sides & 3); }
-    __device__ static int farOf(unsigned sides, int t) { return static_cast<int>(sides >> (2 + 3 * t) & 7) - 1; }
+    __device__ static int farOf(unsigned sides, int t) {
+      return static_cast<int>(sides >> (2 + 3 * t) & 7) - 1;
+    }
     __device__ bool carried() const { return sides >> 8 != 0; }
     /// That of another lane.
     __device__ JointOfLane of(int lane, const Tile<kWidth>& tile) const {
       JointOfLane other;
-      other.part = reinterpret_cast<const char*>(__shfl_sync(tile.mask, reinterpret_cast<unsigned long long>(part), lane, kWidth));
+      other.part = reinterpret_cast<const char*>(
+          __shfl_sync(tile.mask, reinterpret_cast<unsigned long long>(part), lane, kWidth));
       other.sides = __shfl_sync(tile.mask, sides, lane, kWidth);
       return other;
     }
   };
-  __device__ static JointOfLane jointOf(const SolverData& s, const TreeNode& node, const Incidence& incidence) {
+  __device__ static JointOfLane jointOf(const SolverData& s, const TreeNode& node,
+                                        const Incidence& incidence) {
     JointOfLane joint;
     // read at once, whatever the type: lanes that have different ones wait for memory together
     const int far = incidence.other >= 0 ? s.nodeOfBody[incidence.other] : -1;
     forEachType(JointTypes{}, [&]<class F>() {
-      if (constraintType(incidence.code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(incidence.code)) return;
+      if (constraintType(incidence.code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(incidence.code))
+        return;
       const int side = jointSide<F>(incidence.code);
       TreeCoupling to{{-1, -1}};
-      if constexpr (isCarried<F>()) to = couplingOf<F>(s, node, incidence);
-      else noteCoupling(node, 1 - side, far, to);
-      joint = {reinterpret_cast<const char*>(s.treeRowsOf<F>()[jointIndex<F>(incidence.code)].part), F::Parts::kCount, isCarried<F>(), side, to};
+      if constexpr (isCarried<F>())
+        to = couplingOf<F>(s, node, incidence);
+      else
+        noteCoupling(node, 1 - side, far, to);
+      joint = {reinterpret_cast<const char*>(s.treeRowsOf<F>()[jointIndex<F>(incidence.code)].part),
+               F::Parts::kCount, isCarried<F>(), side, to};
     });
     return joint;
   }
 
   /// Reads the next part of a joint.
-  template <int kSides>
-  __device__ static PartOfLane read(JointOfLane& joint, const Tile<kWidth>& tile) {
+  template <int kSides> __device__ static PartOfLane read(JointOfLane& joint, const Tile<kWidth>& tile) {
     const TreePart<kSides>& part = *reinterpret_cast<const TreePart<kSides>*>(joint.part);
     joint.part += sizeof part;
     const int i = tile.lane / kRowLanes, k = tile.lane % kRowLanes, number = min(i, 5);
     const auto of = [&](const Vec6& v) { return (&v.lin.x)[number]; };
     // rows beyond the last are read, too, and not used: so nothing waits for the count
     const TreeRow<kSides>& row = part.row[min(k, kMostTreeRows - 1)];
-    PartOfLane own{part.count, i < 6 ? row.hessian : -row.force, of(row.j[joint.side()]), {}, of(part.bend[joint.side()])};
+    PartOfLane own{part.count,
+                   i < 6 ? row.hessian : -row.force,
+                   of(row.j[joint.side()]),
+                   {},
+                   of(part.bend[joint.side()])};
 #pragma unroll
     for (int t = 0; t < 2; ++t)
       if (const int far = JointOfLane::farOf(joint.sides, t); far >= 0) own.far[t] = of(row.j[far]);
     return own;
   }
-  __device__ static void add(const PartOfLane& part, int far0, int far1, const Tile<kWidth>& tile, Sums& sums) {
+  __device__ static void add(const PartOfLane& part, int far0, int far1, const Tile<kWidth>& tile,
+                             Sums& sums) {
     const int i = tile.lane / kRowLanes, k = tile.lane % kRowLanes;
     if (part.count == 0) return;
     const bool active = k < part.count, isNumber = acts && i < 6;
@@ -210,12 +249,10 @@ struct AssembleTreeJointsByTile {
       if (i < 6 && i == 2 * k + c) sums.own[c] += static_cast<double>(part.bend);
   }
 };
-template <>
-struct OnDevice<AssembleTreeJoints> {
-  using Type = AssembleTreeJointsByTile;
-};
+template <> struct OnDevice<AssembleTreeJoints> { using Type = AssembleTreeJointsByTile; };
 
-/// A lane a column: of H (lanes 0 to 5), the force (6), and the two couplings (8 to 13, 16 to 21). All lanes factor H.
+/// A lane a column: of H (lanes 0 to 5), the force (6), and the two couplings (8 to 13, 16 to 21). All lanes
+/// factor H.
 struct EliminateNodeByTile {
   static constexpr const char* kStage = EliminateNode::kStage;
   static constexpr int kWidth = kWarp;
@@ -265,15 +302,14 @@ struct EliminateNodeByTile {
     solveFactored(h, x);
 #pragma unroll
     for (int i = 0; i < 6; ++i) {
-      if (isForce) w.x.v[i] = x.v[i];
-      else w.w[t].m[i][column] = x.v[i];
+      if (isForce)
+        w.x.v[i] = x.v[i];
+      else
+        w.w[t].m[i][column] = x.v[i];
     }
   }
 };
-template <>
-struct OnDevice<EliminateNode> {
-  using Type = EliminateNodeByTile;
-};
+template <> struct OnDevice<EliminateNode> { using Type = EliminateNodeByTile; };
 
 /// A lane a row.
 struct SubstituteNodeByTile {
@@ -297,14 +333,10 @@ struct SubstituteNodeByTile {
     if (i == 0) SubstituteNode::noteTurn(s, node.tree, all);
   }
 };
-template <>
-struct OnDevice<SubstituteNode> {
-  using Type = SubstituteNodeByTile;
-};
+template <> struct OnDevice<SubstituteNode> { using Type = SubstituteNodeByTile; };
 
 /// Calls round(first, last) for the members of a tree that are eliminated together, from the first round on.
-template <class Round>
-__device__ void forEachRound(const SolverData& s, int begin, int end, Round&& round) {
+template <class Round> __device__ void forEachRound(const SolverData& s, int begin, int end, Round&& round) {
   for (int r = 0, k = begin; r < s.treeLevels; ++r) {
     const int first = k;
     while (k < end && s.treeMember[k] < s.treeBegin[r + 1]) ++k;
@@ -321,23 +353,30 @@ __device__ void forEachRoundBack(const SolverData& s, int begin, int end, Round&
   }
 }
 
-/// SolveTree by a block: a warp each body whose joints are added, or that is eliminated, and fewer lanes each that is substituted. So many blocks that
-/// a thousand trees are all on a large device at a time, and as many warps as then have 80 registers.
+/// SolveTree by a block: a warp each body whose joints are added, or that is eliminated, and fewer lanes each
+/// that is substituted. So many blocks that a thousand trees are all on a large device at a time, and as many
+/// warps as then have 80 registers.
 inline constexpr int kTreeThreads = 3 * kWarp, kTreeBlocks = 8;
-static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks) solveTrees(const __grid_constant__ SolverData s, Gate gate) {
+static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks)
+    solveTrees(const __grid_constant__ SolverData s, Gate gate) {
   gate.enter([&] {
     const int index = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
-    const int begin = s.treeOffset[index], end = s.treeOffset[index + 1], tree = s.treeNode[s.treeMember[begin]].tree;
+    const int begin = s.treeOffset[index], end = s.treeOffset[index + 1],
+              tree = s.treeNode[s.treeMember[begin]].tree;
     if (s.treeConverged[tree]) return;
     const auto solve = [&]<class Kernel>(const Kernel& kernel, int first, int last) {
       constexpr int kWidth = Kernel::kWidth;
       const Tile<kWidth> tile = Tile<kWidth>::ofThread();
-      for (int k = first + thread / kWidth; k < last; k += kTreeThreads / kWidth) kernel(s, s.treeMember[k], tile);
+      for (int k = first + thread / kWidth; k < last; k += kTreeThreads / kWidth)
+        kernel(s, s.treeMember[k], tile);
       __syncthreads();
     };
     solve(AssembleTreeJointsByTile{}, begin, end);
-    forEachRound(s, begin, end, [&](int first, int last) { solve(EliminateNodeByTile(EliminateNode{0}), first, last); });
-    forEachRoundBack(s, begin, end, [&](int first, int last) { solve(SubstituteNodeByTile(SubstituteNode{0}), first, last); });
+    forEachRound(s, begin, end,
+                 [&](int first, int last) { solve(EliminateNodeByTile(EliminateNode{0}), first, last); });
+    forEachRoundBack(s, begin, end, [&](int first, int last) {
+      solve(SubstituteNodeByTile(SubstituteNode{0}), first, last);
+    });
     // not what is left of it in a cache from before
     const double share = treeShare(__ldcg(&s.treeMaxRotation[tree]));
     for (int k = begin + thread; k < end; k += kTreeThreads) MoveTrees::move(s, s.treeMember[k], share);
@@ -360,9 +399,6 @@ struct CloseTreeByTile {
     forEachRoundBack(s, begin, end, [&](int first, int last) { solve(SubstituteLink{0}, first, last); });
   }
 };
-template <>
-struct OnDevice<ProjectTree> {
-  using Type = CloseTreeByTile;
-};
+template <> struct OnDevice<ProjectTree> { using Type = CloseTreeByTile; };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -4,7 +4,8 @@
 
 namespace rubble {
 
-/// The host fills page-locked memory and goes on as soon as a copy is enqueued: the next batch is filled beside it.
+/// The host fills page-locked memory and goes on as soon as a copy is enqueued: the next batch is filled
+/// beside it.
 class Upload {
  public:
   /// Host memory for so many bytes; waits only if the last batch but one has not been copied yet.
@@ -18,7 +19,8 @@ class Upload {
   /// Where the bytes are on the device, for what is enqueued in the stream before the next batch.
   const std::byte* send(cudaStream_t stream) {
     device_.reserve(bytes_);
-    checkCuda(cudaMemcpyAsync(device_.data(), host_[turn_].data(), bytes_, cudaMemcpyHostToDevice, stream), "cudaMemcpyAsync of edits");
+    checkCuda(cudaMemcpyAsync(device_.data(), host_[turn_].data(), bytes_, cudaMemcpyHostToDevice, stream),
+              "cudaMemcpyAsync of edits");
     sent_[turn_].record(stream);
     return device_.data();
   }

@@ -43,19 +43,24 @@ class LockstepEngine final : public Engine {
   void setExclusions(const std::vector<std::pair<int, int>>& pairs) override {
     both([&](HostTables& t) { RUBBLE_CORE::setExclusions(t, pairs); });
   }
-  void setSoft(const std::vector<EngineSoftObject>& objects, const std::vector<EngineAttachment>& attachments) override {
+  void setSoft(const std::vector<EngineSoftObject>& objects,
+               const std::vector<EngineAttachment>& attachments) override {
     both([&](HostTables& t) { RUBBLE_CORE::setSoft(t, objects, attachments); });
   }
-  void vertexStates(int first, std::span<rubble::Vec3> positions, std::span<rubble::Vec3> velocities) const override {
+  void vertexStates(int first, std::span<rubble::Vec3> positions,
+                    std::span<rubble::Vec3> velocities) const override {
     vertexStatesOf(this->first(), first, positions, velocities);
   }
-  void setVertexStates(int first, std::span<const rubble::Vec3> positions, std::span<const rubble::Vec3> velocities) override {
+  void setVertexStates(int first, std::span<const rubble::Vec3> positions,
+                       std::span<const rubble::Vec3> velocities) override {
     both([&](HostTables& t) { RUBBLE_CORE::setVertexStates(t, first, positions, velocities); });
   }
   void addVertexForce(int vertex, const rubble::Vec3& force) override {
     both([&](HostTables& t) { t.view().vertexForce[vertex] += Vec3(force); });
   }
-  void elementsAlive(int type, int first, std::span<char> alive) const override { elementsAliveOf(this->first(), type, first, alive); }
+  void elementsAlive(int type, int first, std::span<char> alive) const override {
+    elementsAliveOf(this->first(), type, first, alive);
+  }
   JointState attachmentState(int index) const override { return attachmentStateOf(first(), index); }
   std::vector<EngineVertexContact> vertexContacts() const override { return vertexContactsOf(first()); }
   BodyState state(int slot) const override { return bodyState(first(), slot); }
@@ -144,8 +149,7 @@ class LockstepEngine final : public Engine {
   std::string firstDifference() const override { return pair_.firstDifference(); }
 
  private:
-  template <class F>
-  void both(F&& f) {
+  template <class F> void both(F&& f) {
     f(pair_.a().tables());
     f(pair_.b().tables());
   }

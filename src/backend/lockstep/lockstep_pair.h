@@ -1,5 +1,6 @@
 #pragma once
-/// Two executors side by side: the step runs on both, stage by stage, and the first stage, table and element that differ are named.
+/// Two executors side by side: the step runs on both, stage by stage, and the first stage, table and element
+/// that differ are named.
 #include <barrier>
 #include <cstring>
 #include <exception>
@@ -14,9 +15,7 @@ namespace rubble::RUBBLE_CORE {
 /// Each runs the step of the library in a thread of its own; they wait for one another where a stage ends.
 class LockstepPair {
  public:
-  LockstepPair(int threadsA, int threadsB) : a_(threadsA), b_(threadsB) {
-    observe();
-  }
+  LockstepPair(int threadsA, int threadsB) : a_(threadsA), b_(threadsB) { observe(); }
   LockstepPair(const LockstepPair&) = delete;
   LockstepPair& operator=(const LockstepPair&) = delete;
 
@@ -63,7 +62,8 @@ class LockstepPair {
   };
 
   void observe() {
-    for (Side* side : {&a_, &b_}) side->executor.observe([this, side](const char* stage) { enter(*side, stage); });
+    for (Side* side : {&a_, &b_})
+      side->executor.observe([this, side](const char* stage) { enter(*side, stage); });
   }
 
   /// A stage of several kernels is compared when it has ended: in between, orders may differ.
@@ -93,33 +93,60 @@ class LockstepPair {
     const Counters& c = *s.counters;
     if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(s.joints[type]);
     switch (per) {
-      case Per::Body: return static_cast<std::size_t>(s.bodies);
-      case Per::Pair: return static_cast<std::size_t>(c.pairs);
-      case Per::ActivePair: return static_cast<std::size_t>(c.activePairs);
-      case Per::Manifold: return static_cast<std::size_t>(c.manifolds);
-      case Per::Rolling: return static_cast<std::size_t>(c.rollers);
-      case Per::Aggregate: return static_cast<std::size_t>(c.aggregates);
-      case Per::Slice: return static_cast<std::size_t>(c.slices);
-      case Per::Boundary: return static_cast<std::size_t>(c.boundary);
-      case Per::NodeLevel: return static_cast<std::size_t>(s.nodes() * kCoarseLevels);
-      case Per::SoftNode: return static_cast<std::size_t>(s.softNodes);
-      case Per::Strand: return static_cast<std::size_t>(s.strands);
-      case Per::StrandVertex: return static_cast<std::size_t>(s.strandVertices);
-      case Per::Incidence: return static_cast<std::size_t>(c.incidences);
-      case Per::Color: return static_cast<std::size_t>(c.colors);
-      case Per::Cell: return static_cast<std::size_t>(s.cells);
-      case Per::Vertex: return static_cast<std::size_t>(s.vertices);
-      case Per::PointOwner: return static_cast<std::size_t>(s.owners());
-      case Per::Feature: return static_cast<std::size_t>(s.features);
-      case Per::FeatureCell: return static_cast<std::size_t>(s.featureCells);
-      case Per::ParticleCell: return static_cast<std::size_t>(s.particleCells);
-      case Per::PointPair: return static_cast<std::size_t>(c.pointPairs);
-      case Per::PointIncidence: return static_cast<std::size_t>(c.pointIncidences);
-      case Per::Cluster: return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
-      case Per::Attachment: return static_cast<std::size_t>(s.attachments);
-      case Per::TreeNode: return static_cast<std::size_t>(treeNodes(s));
-      case Per::TreeChild: return static_cast<std::size_t>(s.treeChildren);
-      default: return elementCount(s, per);
+      case Per::Body:
+        return static_cast<std::size_t>(s.bodies);
+      case Per::Pair:
+        return static_cast<std::size_t>(c.pairs);
+      case Per::ActivePair:
+        return static_cast<std::size_t>(c.activePairs);
+      case Per::Manifold:
+        return static_cast<std::size_t>(c.manifolds);
+      case Per::Rolling:
+        return static_cast<std::size_t>(c.rollers);
+      case Per::Aggregate:
+        return static_cast<std::size_t>(c.aggregates);
+      case Per::Slice:
+        return static_cast<std::size_t>(c.slices);
+      case Per::Boundary:
+        return static_cast<std::size_t>(c.boundary);
+      case Per::NodeLevel:
+        return static_cast<std::size_t>(s.nodes() * kCoarseLevels);
+      case Per::SoftNode:
+        return static_cast<std::size_t>(s.softNodes);
+      case Per::Strand:
+        return static_cast<std::size_t>(s.strands);
+      case Per::StrandVertex:
+        return static_cast<std::size_t>(s.strandVertices);
+      case Per::Incidence:
+        return static_cast<std::size_t>(c.incidences);
+      case Per::Color:
+        return static_cast<std::size_t>(c.colors);
+      case Per::Cell:
+        return static_cast<std::size_t>(s.cells);
+      case Per::Vertex:
+        return static_cast<std::size_t>(s.vertices);
+      case Per::PointOwner:
+        return static_cast<std::size_t>(s.owners());
+      case Per::Feature:
+        return static_cast<std::size_t>(s.features);
+      case Per::FeatureCell:
+        return static_cast<std::size_t>(s.featureCells);
+      case Per::ParticleCell:
+        return static_cast<std::size_t>(s.particleCells);
+      case Per::PointPair:
+        return static_cast<std::size_t>(c.pointPairs);
+      case Per::PointIncidence:
+        return static_cast<std::size_t>(c.pointIncidences);
+      case Per::Cluster:
+        return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
+      case Per::Attachment:
+        return static_cast<std::size_t>(s.attachments);
+      case Per::TreeNode:
+        return static_cast<std::size_t>(treeNodes(s));
+      case Per::TreeChild:
+        return static_cast<std::size_t>(s.treeChildren);
+      default:
+        return elementCount(s, per);
     }
   }
 
@@ -132,7 +159,8 @@ class LockstepPair {
       if (!p || !q || std::memcmp(p, q, n * sizeof(T)) == 0) return;
       for (std::size_t i = 0; i < n; ++i)
         if (std::memcmp(p + i, q + i, sizeof(T)) != 0) {
-          difference_ = "step " + std::to_string(step_) + ", stage " + a_.stage + ", table " + array.name + ", element " + std::to_string(i);
+          difference_ = "step " + std::to_string(step_) + ", stage " + a_.stage + ", table " + array.name +
+                        ", element " + std::to_string(i);
           return;
         }
     });

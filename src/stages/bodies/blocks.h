@@ -5,15 +5,17 @@
 namespace rubble::RUBBLE_CORE {
 
 /// visit(body, side, other) for the dynamic bodies of a block between a and b.
-template <class Visit>
-RUBBLE_HD void visitSides(const SolverData& s, int a, int b, Visit&& visit) {
+template <class Visit> RUBBLE_HD void visitSides(const SolverData& s, int a, int b, Visit&& visit) {
   const bool da = isDynamic(s, a), db = isDynamic(s, b);
   if (da) visit(a, 0, db ? b : -1);
   if (db) visit(b, 1, da ? a : -1);
 }
 
-/// Is a tree solved exactly in this step: without loops, and touching nothing? All of its bodies are solved by its block alone then.
-RUBBLE_HD inline bool isExact(const SolverData& s, const TreeNode& node) { return node.exact && s.treeContacts[node.tree] == kTouchesNothing; }
+/// Is a tree solved exactly in this step: without loops, and touching nothing? All of its bodies are solved
+/// by its block alone then.
+RUBBLE_HD inline bool isExact(const SolverData& s, const TreeNode& node) {
+  return node.exact && s.treeContacts[node.tree] == kTouchesNothing;
+}
 RUBBLE_HD inline bool inExactTree(const SolverData& s, int body) {
   const int node = s.step.jointTrees ? s.nodeOfBody[body] : -1;
   return node >= 0 && isExact(s, s.treeNode[node]);
@@ -23,7 +25,8 @@ struct MarkTouchedTrees {
   static constexpr const char* kStage = "trees";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const auto touch = [&](int body) {
-      if (s.nodeOfBody[body] >= 0) atomicSet(&s.treeContacts[s.treeNode[s.nodeOfBody[body]].tree], kTouchesBodies);
+      if (s.nodeOfBody[body] >= 0)
+        atomicSet(&s.treeContacts[s.treeNode[s.nodeOfBody[body]].tree], kTouchesBodies);
     };
     touch(s.contact[i].a), touch(s.contact[i].b);
   }
@@ -38,16 +41,17 @@ struct ContactBlocks {
   static constexpr int kType = kContactType;
   /// Do two bodies that move as one leave it alone?
   static constexpr bool kRelative = true;
-  RUBBLE_HD static BlockBodies bodies(const SolverData& s, int i) { return {s.contact[i].a, s.contact[i].b, true}; }
-  template <class Visit>
-  RUBBLE_HD static void visitEntries(const SolverData& s, int i, Visit&& visit) {
-    visitSides(s, s.contact[i].a, s.contact[i].b, [&](int body, int side, int other) { visit(body, constraintCode(kType, i, side), other); });
+  RUBBLE_HD static BlockBodies bodies(const SolverData& s, int i) {
+    return {s.contact[i].a, s.contact[i].b, true};
+  }
+  template <class Visit> RUBBLE_HD static void visitEntries(const SolverData& s, int i, Visit&& visit) {
+    visitSides(s, s.contact[i].a, s.contact[i].b,
+               [&](int body, int side, int other) { visit(body, constraintCode(kType, i, side), other); });
   }
   /// Level of the aggregates at which it unites its bodies.
   RUBBLE_HD static int joinLevel(const SolverData& s, int i) { return s.joinLevel[i]; }
 };
-template <class F>
-struct JointBlocks {
+template <class F> struct JointBlocks {
   static constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
   static constexpr bool kRelative = !F::kGrounded && !isCarried<F>();
   RUBBLE_HD static BlockBodies bodies(const SolverData& s, int i) {
@@ -55,21 +59,24 @@ struct JointBlocks {
     return {spec.a, spec.b, s.jointsOf<F>()[i].active != 0};
   }
   /// visit(body, code, other) for the incidences of its dynamic bodies.
-  template <class Visit>
-  RUBBLE_HD static void visitEntries(const SolverData& s, int i, Visit&& visit) {
+  template <class Visit> RUBBLE_HD static void visitEntries(const SolverData& s, int i, Visit&& visit) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     if (!s.jointsOf<F>()[i].active) return;
     if constexpr (isCarried<F>()) {
-      const auto takesPart = [&](int side) { return isDynamic(s, bodyOf(spec, side)) && isFirstSide(spec, side); };
+      const auto takesPart = [&](int side) {
+        return isDynamic(s, bodyOf(spec, side)) && isFirstSide(spec, side);
+      };
       for (int side = 0; side < kSides<F>; ++side) {
         if (!takesPart(side)) continue;
         int link = 0;
         for (int k = 0; k < kSides<F>; ++k)
-          if (k != side && takesPart(k)) visit(bodyOf(spec, side), jointCode<F>(i, side, link++), bodyOf(spec, k));
+          if (k != side && takesPart(k))
+            visit(bodyOf(spec, side), jointCode<F>(i, side, link++), bodyOf(spec, k));
         if (link == 0) visit(bodyOf(spec, side), jointCode<F>(i, side), -1);
       }
     } else {
-      visitSides(s, spec.a, spec.b, [&](int body, int side, int other) { visit(body, jointCode<F>(i, side), other); });
+      visitSides(s, spec.a, spec.b,
+                 [&](int body, int side, int other) { visit(body, jointCode<F>(i, side), other); });
     }
   }
   RUBBLE_HD static int joinLevel(const SolverData& s, int i) {

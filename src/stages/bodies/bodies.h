@@ -1,13 +1,14 @@
 #pragma once
 /// Begin and end of a body's step, and its primal update.
 #include "stages/bodies/far_turns.h"
+#include "stages/ccd/fast_bodies.h"
 #include "stages/contacts/rolling.h"
 #include "stages/soft/soft_rows.h"
-#include "stages/ccd/fast_bodies.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Damps v over a step by exp(-c dt); returns the mean of what is kept, (1 - exp(-c dt)) / (c dt), by which the impulse of a force counts.
+/// Damps v over a step by exp(-c dt); returns the mean of what is kept, (1 - exp(-c dt)) / (c dt), by which
+/// the impulse of a force counts.
 RUBBLE_HD inline Real keptBy(Real damping, Real dt, Vec3& v) {
   v *= std::exp(-damping * dt);
   return -std::expm1(-damping * dt) / (damping * dt);
@@ -47,10 +48,12 @@ struct PredictBodies {
     }
     if (extras.angularDamping > Real(0)) torque *= keptBy(extras.angularDamping, c.dt, w);
     if (limitSpin(w, c.dt)) atomicCount(&s.counters->spinLimited, 1);
-    v = unlocked(v, extras.locks), gravity = unlocked(gravity, extras.locks), push = unlocked(push, extras.locks);
+    v = unlocked(v, extras.locks), gravity = unlocked(gravity, extras.locks),
+    push = unlocked(push, extras.locks);
     Vec3 w1 = w;
     if (!c.literalRotations) {
-      // only the change goes to the body's frame and back: both ways round off, and a free spin would grow by 1e-7 of itself in every step
+      // only the change goes to the body's frame and back: both ways round off, and a free spin would grow by
+      // 1e-7 of itself in every step
       const Vec3 inBody = rotateInverse(q, w);
       w1 += rotate(q, torqueFreeSpin(inBody, rotateInverse(q, torque), p.inertia, c.dt) - inBody);
     }
@@ -60,15 +63,18 @@ struct PredictBodies {
     target.locks = extras.locks;
     target.unused = 0;
     target.y.p = inertialDisplacement(v, gravity + push, c.dt);
-    target.y.q = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q : expRotation(c.dt * w1);
+    target.y.q = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q
+                                    : expRotation(c.dt * w1);
 
-    // what the body followed in the last step says nothing of a push that was not there: it begins as if it had been given a velocity
+    // what the body followed in the last step says nothing of a push that was not there: it begins as if it
+    // had been given a velocity
     const bool newPush = s.pushed[i] == 0;
     const Vec3 known = newPush ? gravity : gravity + push;
     Vec3 guess = followedShare(v, s.previousVelocity[i], known, c.dt) * known;
     if (newPush) guess += push;
     s.pushed[i] = s.force[i] != Vec3{0, 0, 0};
-    // a torque too may be one that contacts hold, and a guess that lifts a body off its points loses what they bear
+    // a torque too may be one that contacts hold, and a guess that lifts a body off its points loses what
+    // they bear
     const bool twisted = torque != Vec3{0, 0, 0} && !c.literalRotations;
     const Quat turned = twisted ? expRotation(c.dt * unlocked(w, extras.locks >> 3)) : target.y.q;
     moved = {inertialDisplacement(v, guess, c.dt), 0, logRotation(turned), 0};
@@ -84,7 +90,9 @@ RUBBLE_HD RUBBLE_NEAR Pose jointPose(const SolverData& s, int body, const Vec3& 
 }
 
 /// Where the origin p_B^t of a joint lies; the world has its own.
-RUBBLE_HD inline Vec3d jointOrigin(const SolverData& s, int body) { return body == kWorldBody ? Vec3d{} : s.position[body]; }
+RUBBLE_HD inline Vec3d jointOrigin(const SolverData& s, int body) {
+  return body == kWorldBody ? Vec3d{} : s.position[body];
+}
 
 /// A or B of a joint where they are now, with what carries their axes.
 template <class F>
@@ -118,11 +126,11 @@ struct Pivot {
   const TurnsFrom* from;
   const AngularRows* laws;
 };
-template <class F>
-RUBBLE_HD RUBBLE_NEAR Pivot pivotOf(const SolverData& s, int index) {
+template <class F> RUBBLE_HD RUBBLE_NEAR Pivot pivotOf(const SolverData& s, int index) {
   const Joint<F>& joint = s.jointsOf<F>()[index];
   Pivot pivot{&joint, &partOf<0>(joint.parts), nullptr, nullptr};
-  if constexpr (hasAngularRows<F>()) pivot.from = &s.angularRowsOf<F>()[index].from, pivot.laws = s.angularRowsOf<F>()[index].law;
+  if constexpr (hasAngularRows<F>())
+    pivot.from = &s.angularRowsOf<F>()[index].from, pivot.laws = s.angularRowsOf<F>()[index].law;
   return pivot;
 }
 /// That of a row block; false: it is none.
@@ -130,35 +138,42 @@ RUBBLE_HD RUBBLE_NEAR bool findPivot(const SolverData& s, std::uint32_t code, Pi
   bool found = false;
   forEachType(JointTypes{}, [&]<class F>() {
     if constexpr (isPivot<F>())
-      if (constraintType(code) == typeIndex<F>(JointTypes{}) + 1) pivot = pivotOf<F>(s, constraintIndex(code)), found = true;
+      if (constraintType(code) == typeIndex<F>(JointTypes{}) + 1)
+        pivot = pivotOf<F>(s, constraintIndex(code)), found = true;
   });
   return found;
 }
 
-/// Adds a joint about a point to the block of one of its bodies, which is about the point from which the centre of the body lies shift(body) away.
-/// `ahead`: asks for all that it needs at once.
+/// Adds a joint about a point to the block of one of its bodies, which is about the point from which the
+/// centre of the body lies shift(body) away. `ahead`: asks for all that it needs at once.
 template <bool ahead, class Shift>
-RUBBLE_HD RUBBLE_NEAR void accumulatePivotOfBody(const SolverData& s, const Pivot& pivot, int side, Block6& block, Shift&& shift) {
+RUBBLE_HD RUBBLE_NEAR void accumulatePivotOfBody(const SolverData& s, const Pivot& pivot, int side,
+                                                 Block6& block, Shift&& shift) {
   const auto& frame = loadVectorized(*pivot.frame);
   const auto& anchors = loadVectorized(*pivot.anchors);
   const Pose a = poseSinceStart(s, frame.end[0].body), b = poseSinceStart(s, frame.end[1].body);
   TurnStream<ahead> turns(pivot.laws ? frame.acting : 0, pivot.from, pivot.laws);
   accumulatePivot(frame, anchors, turns, a, b, side, block, shift(frame.end[side].body));
 }
-/// Adds a joint of any type to the block of one of its bodies, about the point from which its centre lies `shift` away.
+/// Adds a joint of any type to the block of one of its bodies, about the point from which its centre lies
+/// `shift` away.
 template <class F>
-RUBBLE_HD RUBBLE_APART void accumulateJointOfBody(const SolverData& s, int index, int side, Block6& block, const Vec3& shift) {
+RUBBLE_HD RUBBLE_APART void accumulateJointOfBody(const SolverData& s, int index, int side, Block6& block,
+                                                  const Vec3& shift) {
   if constexpr (isPivot<F>()) {
     accumulatePivotOfBody<false>(s, pivotOf<F>(s, index), side, block, [&](int) { return shift; });
   } else {
     const JointAngularRows<F>* const turns = hasAngularRows<F>() ? s.angularRowsOf<F>() + index : nullptr;
     const auto accumulate = [&](const JointSpec<F>& spec, const Joint<F>& joint) {
       Quat turnedA, turnedB;
-      if constexpr (hasAngularRows<F>()) turnedA = poseSinceStart(s, spec.a).q, turnedB = poseSinceStart(s, spec.b).q;
-      accumulateJoint(spec, joint, turns, poseOfA(s, spec, joint), poseOfB(s, spec, joint), turnedA, turnedB, side, block, shift);
+      if constexpr (hasAngularRows<F>())
+        turnedA = poseSinceStart(s, spec.a).q, turnedB = poseSinceStart(s, spec.b).q;
+      accumulateJoint(spec, joint, turns, poseOfA(s, spec, joint), poseOfB(s, spec, joint), turnedA, turnedB,
+                      side, block, shift);
     };
     // others are more than registers hold: they are read part by part
-    constexpr bool isSmall = F::Parts::kCount == 1 && sizeof(JointSpec<F>) + sizeof(Joint<F>) <= 64 * sizeof(Real);
+    constexpr bool isSmall = F::Parts::kCount == 1 &&
+                             sizeof(JointSpec<F>) + sizeof(Joint<F>) <= 64 * sizeof(Real);
     if constexpr (isSmall && alignof(JointSpec<F>) == 4 * sizeof(Real))
       accumulate(loadVectorized(s.specsOf<F>()[index]), loadVectorized(s.jointsOf<F>()[index]));
     else
@@ -167,8 +182,7 @@ RUBBLE_HD RUBBLE_APART void accumulateJointOfBody(const SolverData& s, int index
 }
 
 /// Adds one lane-wise block into a scalar one.
-template <class L>
-RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
+template <class L> RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
   to.ll.xx += sumOf(from.ll.xx), to.ll.xy += sumOf(from.ll.xy), to.ll.xz += sumOf(from.ll.xz);
   to.ll.yy += sumOf(from.ll.yy), to.ll.yz += sumOf(from.ll.yz), to.ll.zz += sumOf(from.ll.zz);
   to.aa.xx += sumOf(from.aa.xx), to.aa.xy += sumOf(from.aa.xy), to.aa.xz += sumOf(from.aa.xz);
@@ -190,20 +204,20 @@ RUBBLE_HD inline Pose startBlock(const SolverData& s, int i, Block6& block) {
 
 /// Adds points of a contact on one of its bodies. Hessians count `weight` times.
 template <class L>
-RUBBLE_HD void addContact(const SolverData& s, std::uint32_t code, int lane, Block6T<L>& points, Real weight = 1) {
+RUBBLE_HD void addContact(const SolverData& s, std::uint32_t code, int lane, Block6T<L>& points,
+                          Real weight = 1) {
   const ContactRows& r = s.contact[constraintIndex(code)];
-  accumulateContact<L>(s.step, r, constraintSide(code) == 0, s.dx[r.a], s.dx[r.b], lane, points, {0, 0, 0}, weight);
+  accumulateContact<L>(s.step, r, constraintSide(code) == 0, s.dx[r.a], s.dx[r.b], lane, points, {0, 0, 0},
+                       weight);
 }
 
 /// Sums over contacts, of each of their points apart: one order of additions, whatever an L stands for.
-template <class L>
-struct PointSums {
+template <class L> struct PointSums {
   static constexpr int kStep = sizeof(L) / sizeof(Real);
   Block6T<L> sum[kLanes / kStep];
 
   /// add(lane, sum) for the points that an L stands for.
-  template <class Add>
-  RUBBLE_HD void each(Add&& add) {
+  template <class Add> RUBBLE_HD void each(Add&& add) {
     for (int lane = 0; lane < kLanes; lane += kStep) add(lane, sum[lane / kStep]);
   }
   RUBBLE_HD void add(const SolverData& s, std::uint32_t code, Real weight = 1) {
@@ -231,17 +245,20 @@ RUBBLE_HD inline void addJoint(const SolverData& s, std::uint32_t code, Block6& 
   });
   if (constraintType(code) > JointTypes::kSize) addSoftRows(s, code, block);
 }
-/// The same by one code for all joints about a point: lanes of a warp that have several types go side by side, and wait for memory once.
-RUBBLE_HD RUBBLE_APART inline void addPivot(const SolverData& s, const Pivot& pivot, int side, Block6& block) {
+/// The same by one code for all joints about a point: lanes of a warp that have several types go side by
+/// side, and wait for memory once.
+RUBBLE_HD RUBBLE_APART inline void addPivot(const SolverData& s, const Pivot& pivot, int side,
+                                            Block6& block) {
   accumulatePivotOfBody<true>(s, pivot, side, block, [](int) { return Vec3{0, 0, 0}; });
 }
 RUBBLE_HD inline void addJointAlike(const SolverData& s, std::uint32_t code, Block6& block) {
-  if (Pivot pivot; findPivot(s, code, pivot)) addPivot(s, pivot, constraintSide(code), block);
-  else addJoint(s, code, block);
+  if (Pivot pivot; findPivot(s, code, pivot))
+    addPivot(s, pivot, constraintSide(code), block);
+  else
+    addJoint(s, code, block);
 }
 
-template <class L>
-RUBBLE_HD L squaredStep(const Vec3T<L>& to, const Vec3T<L>& from) {
+template <class L> RUBBLE_HD L squaredStep(const Vec3T<L>& to, const Vec3T<L>& from) {
   const Vec3T<L> d = to - from;
   return dot(d, d);
 }
@@ -251,15 +268,15 @@ RUBBLE_HD inline void finishBlock(const SolverData& s, int i, Block6 block, Pose
   if (s.target[i].locks != 0) lockAxes(block, s.target[i].locks);
   const Pose before = x;
   const Descent how = descend(block, s.target[i].mass, s.step.inverseDt * s.step.inverseDt, x);
-  if (how != Descent::Newton) atomicCount(how == Descent::Failed ? &s.counters->failedSolves : &s.counters->boundedSteps, 1);
+  if (how != Descent::Newton)
+    atomicCount(how == Descent::Failed ? &s.counters->failedSolves : &s.counters->boundedSteps, 1);
   if (how == Descent::Failed) return;
   s.dq[i] = x.q;
   s.dx[i] = {x.p, squaredStep(x.p, before.p), logRotation(x.q), Real(4) * squaredStep(x.q.v, before.q.v)};
 }
 
 /// Adds the row blocks of a body from incidence k on.
-template <class L>
-RUBBLE_HD void addRows(const SolverData& s, int k, int end, Block6& block) {
+template <class L> RUBBLE_HD void addRows(const SolverData& s, int k, int end, Block6& block) {
   if (k < end && constraintType(s.incidence[k].code) == kContactType) {
     PointSums<L> points;
     for (; k < end && constraintType(s.incidence[k].code) == kContactType; ++k) {
@@ -271,9 +288,9 @@ RUBBLE_HD void addRows(const SolverData& s, int k, int end, Block6& block) {
   for (; k < end; ++k) addJoint(s, s.incidence[k].code, block);
 }
 
-/// The primal update of one body: force [S 5] and Hessian [S 6] of its inertia and its rows, one Newton step [S 3].
-template <class L>
-struct SolveBody {
+/// The primal update of one body: force [S 5] and Hessian [S 6] of its inertia and its rows, one Newton step
+/// [S 3].
+template <class L> struct SolveBody {
   static constexpr const char* kStage = "primal";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Block6 block;

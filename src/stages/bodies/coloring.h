@@ -1,21 +1,26 @@
 #pragma once
-/// Colours: dynamic bodies and vertices that share a row block or element have different ones, so that a colour can be solved in parallel.
-/// Incremental Jones-Plassmann with hashed priorities: colours are kept from step to step, and only nodes that clash, or can go down to
-/// a lower one, choose anew.
+/// Colours: dynamic bodies and vertices that share a row block or element have different ones, so that a
+/// colour can be solved in parallel. Incremental Jones-Plassmann with hashed priorities: colours are kept
+/// from step to step, and only nodes that clash, or can go down to a lower one, choose anew.
 #include "stages/soft/vertex_graph.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// Of two nodes of the graph: bodies, by their ids, or vertices (kVertexNode + index).
 RUBBLE_HD inline bool outranks(const SolverData& s, int a, int b) {
-  const auto name = [&](int node) { return static_cast<std::uint32_t>(node >= kVertexNode ? node : s.idOf[node]); };
+  const auto name = [&](int node) {
+    return static_cast<std::uint32_t>(node >= kVertexNode ? node : s.idOf[node]);
+  };
   const std::uint32_t na = name(a), nb = name(b), ha = hash32(na), hb = hash32(nb);
   return ha != hb ? ha > hb : na > nb;
 }
 
-RUBBLE_HD inline int colorOf(const SolverData& s, int node) { return node >= kVertexNode ? s.vertexColor[node - kVertexNode] : s.color[node]; }
+RUBBLE_HD inline int colorOf(const SolverData& s, int node) {
+  return node >= kVertexNode ? s.vertexColor[node - kVertexNode] : s.color[node];
+}
 
-/// Smallest colour that none of the nodes has which neighbors(visit) visits. Several that share them out join what each has found.
+/// Smallest colour that none of the nodes has which neighbors(visit) visits. Several that share them out join
+/// what each has found.
 template <class Neighbors, class Join>
 RUBBLE_HD int smallestFreeColor(const SolverData& s, Neighbors&& neighbors, Join&& join) {
   for (int base = 0;; base += 64) {
@@ -32,14 +37,12 @@ RUBBLE_HD int smallestFreeColor(const SolverData& s, Neighbors&& neighbors, Join
   }
 }
 
-template <class Neighbors>
-RUBBLE_HD int smallestFreeColor(const SolverData& s, Neighbors&& neighbors) {
+template <class Neighbors> RUBBLE_HD int smallestFreeColor(const SolverData& s, Neighbors&& neighbors) {
   return smallestFreeColor(s, neighbors, [](std::uint64_t used) { return used; });
 }
 
 /// visit(node) for the neighbours of a node.
-template <class Visit>
-RUBBLE_HD void visitNodeNeighbors(const SolverData& s, int node, Visit&& visit) {
+template <class Visit> RUBBLE_HD void visitNodeNeighbors(const SolverData& s, int node, Visit&& visit) {
   if (node >= kVertexNode) {
     visitNeighbors(s, node - kVertexNode, visit);
     return;
@@ -66,15 +69,17 @@ RUBBLE_HD Surroundings lookAround(const SolverData& s, int node, Neighbors&& nei
   neighbors([&](int other) { around.see(s, node, own, other, colorOf(s, other)); });
   return around;
 }
-/// May a node go down to a lower colour? Those that see only lower ones are no neighbours of one another, and can all do so at a time. Few colours
-/// make short sweeps.
+/// May a node go down to a lower colour? Those that see only lower ones are no neighbours of one another, and
+/// can all do so at a time. Few colours make short sweeps.
 RUBBLE_HD inline bool goesDown(const Surroundings& around, int own, int& next) {
   if (!around.highest || own <= 0) return false;
-  for (next = 0; next < 64 && (around.taken >> next & 1); ++next) {}
+  for (next = 0; next < 64 && (around.taken >> next & 1); ++next) {
+  }
   return next < own && next < 64;
 }
 
-/// Does a body share a colour with a neighbour of higher rank? Then it is to take `next`; or, where it may, one that is lower.
+/// Does a body share a colour with a neighbour of higher rank? Then it is to take `next`; or, where it may,
+/// one that is lower.
 RUBBLE_HD inline bool leavesColor(const SolverData& s, int i, bool mayGoDown, int& next) {
   const auto neighbors = [&](auto&& visit) { visitNodeNeighbors(s, i, visit); };
   const Surroundings around = lookAround(s, i, neighbors);
@@ -89,15 +94,17 @@ RUBBLE_HD RUBBLE_APART inline bool vertexLeavesColor(const SolverData& s, int v,
   return around.clashes || (mayGoDown && goesDown(around, s.vertexColor[v], next));
 }
 
-/// The nodes that choose a colour in this step, and what they choose. Only these can clash later: a choice avoids the colours of all neighbours
-/// that keep theirs.
+/// The nodes that choose a colour in this step, and what they choose. Only these can clash later: a choice
+/// avoids the colours of all neighbours that keep theirs.
 struct FindClashes {
   static constexpr const char* kStage = "coloring";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!isDynamic(s, i)) return;
     int next;
-    if (leavesColor(s, i, true, next)) note(s, i, next);
-    else raiseColors(s, s.color[i]);
+    if (leavesColor(s, i, true, next))
+      note(s, i, next);
+    else
+      raiseColors(s, s.color[i]);
   }
   RUBBLE_HD static void note(const SolverData& s, int i, int next) {
     s.nextColor[i] = next;
@@ -123,14 +130,16 @@ struct FindVertexClashes {
   }
 };
 
-/// One round: those that clashed take their choice, and choose again if a neighbour has made the same. Reads `color`, writes `nextColor`, so
-/// that the order inside a round is of no consequence.
+/// One round: those that clashed take their choice, and choose again if a neighbour has made the same. Reads
+/// `color`, writes `nextColor`, so that the order inside a round is of no consequence.
 struct TakeColors {
   static constexpr const char* kStage = "coloring";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const int i = s.clashing[k], v = i - kVertexNode;
-    if (v >= 0) s.vertexColor[v] = s.vertexNextColor[v];
-    else s.color[i] = s.nextColor[i];
+    if (v >= 0)
+      s.vertexColor[v] = s.vertexNextColor[v];
+    else
+      s.color[i] = s.nextColor[i];
     FindClashes::raiseColors(s, colorOf(s, i));
   }
 };
@@ -138,7 +147,9 @@ struct ProposeColors {
   static constexpr const char* kStage = "coloring";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const int i = s.clashing[k], v = i - kVertexNode;
-    if (v >= 0 ? vertexLeavesColor(s, v, false, s.vertexNextColor[v]) : leavesColor(s, i, false, s.nextColor[i])) atomicCount(&s.counters->clashes, 1);
+    if (v >= 0 ? vertexLeavesColor(s, v, false, s.vertexNextColor[v])
+               : leavesColor(s, i, false, s.nextColor[i]))
+      atomicCount(&s.counters->clashes, 1);
   }
 };
 

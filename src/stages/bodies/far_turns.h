@@ -15,7 +15,8 @@ inline constexpr Real kFarTurn2 = Real(.01);
 RUBBLE_HD inline bool isAtRest(const SolverData& s, const ContactRows& r, int other) {
   const BodyKind kind = s.params[other].kind;
   if (kind == BodyKind::Dynamic) return false;
-  if (kind == BodyKind::Kinematic && (s.velocity[other] != Vec3{0, 0, 0} || s.angularVelocity[other] != Vec3{0, 0, 0}))
+  if (kind == BodyKind::Kinematic &&
+      (s.velocity[other] != Vec3{0, 0, 0} || s.angularVelocity[other] != Vec3{0, 0, 0}))
     return false;
   if (s.surfaces == 0) return true;
   return pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).belt == Vec3{0, 0, 0};

@@ -4,17 +4,16 @@
 
 namespace rubble::RUBBLE_CORE {
 
-template <class Blocks>
-struct CountIncidences {
+template <class Blocks> struct CountIncidences {
   static constexpr const char* kStage = "incidence";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    Blocks::visitEntries(s, i, [&](int body, std::uint32_t, int) { atomicCount(&s.incidenceCount[body], 1); });
+    Blocks::visitEntries(s, i,
+                         [&](int body, std::uint32_t, int) { atomicCount(&s.incidenceCount[body], 1); });
   }
 };
 
 /// In no fixed order: SortIncidences follows.
-template <class Blocks>
-struct FillIncidences {
+template <class Blocks> struct FillIncidences {
   static constexpr const char* kStage = "incidence";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Blocks::visitEntries(s, i, [&](int body, std::uint32_t code, int other) {

@@ -1,38 +1,36 @@
 #pragma once
 /// Bodies: begin and end of their step, the graph of what acts on them, and the sweep over them and vertices.
-#include "stages/executor.h"
 #include "stages/bodies/coloring.h"
+#include "stages/executor.h"
 #include "stages/joints/phases.h"
 #include "stages/soft/phases.h"
 
 namespace rubble::RUBBLE_CORE::bodies {
 
 /// Inertial targets and initial guesses.
-template <Executor E>
-void predict(E& e) {
-  e.forEach(PredictBodies{}, e.view().bodies);
-}
+template <Executor E> void predict(E& e) { e.forEach(PredictBodies{}, e.view().bodies); }
 
 /// The row blocks that act on each body.
-template <Executor E>
-void findIncidence(E& e) {
+template <Executor E> void findIncidence(E& e) {
   const int bodies = e.view().bodies;
   const auto forEachBlock = [&]<template <class> class Kernel>() {
     e.forEach(Kernel<ContactBlocks>{}, &Counters::manifolds);
-    forEachType(JointTypes{}, [&]<class F>() { e.beside(Kernel<JointBlocks<F>>{}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+    forEachType(JointTypes{}, [&]<class F>() {
+      e.beside(Kernel<JointBlocks<F>>{}, e.view().joints[typeIndex<F>(JointTypes{})]);
+    });
   };
   e.clear(&SolverData::incidenceCount, bodies);
   forEachBlock.template operator()<CountIncidences>();
   soft::countIncidences(e);
-  e.scan(&SolverData::incidenceCount, &SolverData::incidenceOffset, bodies, &Counters::incidences, Per::Incidence);
+  e.scan(&SolverData::incidenceCount, &SolverData::incidenceOffset, bodies, &Counters::incidences,
+         Per::Incidence);
   forEachBlock.template operator()<FillIncidences>();
   soft::fillIncidences(e);
   e.forEach(SortIncidences{}, bodies);
 }
 
 /// Colors of bodies and vertices.
-template <Executor E>
-void color(E& e) {
+template <Executor E> void color(E& e) {
   const int bodies = e.view().bodies;
   e.forEach(FindClashes{}, bodies);
   e.forEach(FindVertexClashes{}, e.view().vertices);
@@ -46,16 +44,12 @@ void color(E& e) {
 }
 
 /// One sweep, color by color: each body and vertex makes a step of its own.
-template <Executor E>
-void sweep(E& e) {
+template <Executor E> void sweep(E& e) {
   joints::linearize(e);
   e.forEachColor(SolveBody<typename E::Lane>{}, SolveVertex{});
 }
 
 /// Poses and velocities at the end of the step.
-template <Executor E>
-void finish(E& e) {
-  e.forEach(FinishBodies{}, e.view().bodies);
-}
+template <Executor E> void finish(E& e) { e.forEach(FinishBodies{}, e.view().bodies); }
 
 }  // namespace rubble::RUBBLE_CORE::bodies

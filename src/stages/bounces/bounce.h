@@ -5,9 +5,11 @@
 /// impact. Where e > 0 way and velocity must differ, so this pass corrects velocities alone. Three parts:
 ///
 ///   seeds     contacts with e > 0 that closed faster than impactSpeed() at x^t and bear a load at the end
-///   reach     from them along contacts whose load the step has changed as an impact does, through dynamic bodies
+///   reach     from them along contacts whose load the step has changed as an impact does, through dynamic
+///             bodies
 ///   in order  What the step has added to the loads of these contacts is taken back, so that bodies have the
-///             velocities from before the impact. Then contacts act one after another, the earliest first, until
+///             velocities from before the impact. Then contacts act one after another, the earliest first,
+///             until
 ///             none closes. All that share no body with an earlier one act in one round.
 ///
 /// One contact acts on two free bodies. Impulses p >= 0 of its points end the approach, a plastic impact with
@@ -17,12 +19,12 @@
 ///
 /// with c the closing speed, a the acceleration along the normal, d and d' the gaps at the ends of the step.
 /// Without acceleration w = e c. The discrete free flight v' = v + a dt, p' = p + v' dt keeps
-/// v^2 / 2 - a p - a dt v / 2, and the bounce has e^2 of it. Then friction takes from the speeds at the points
-/// what mu (1 + w / c) p can. Without acceleration kinetic energy never grows. Momentum is exact.
+/// v^2 / 2 - a p - a dt v / 2, and the bounce has e^2 of it. Then friction takes from the speeds at the
+/// points what mu (1 + w / c) p can. Without acceleration kinetic energy never grows. Momentum is exact.
 ///
-/// A body whose velocity the contacts do not explain (a joint took part) keeps the velocity of the step, and so do
-/// those that it reaches. Their seeds give back e^2 of the work that ended the approach, P c / 2, on top of it,
-/// without friction, and no more than the two bodies have lost.
+/// A body whose velocity the contacts do not explain (a joint took part) keeps the velocity of the step, and
+/// so do those that it reaches. Their seeds give back e^2 of the work that ended the approach, P c / 2, on
+/// top of it, without friction, and no more than the two bodies have lost.
 #include "stages/bounces/bounce_order.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -71,17 +73,17 @@ struct FindBounces {
       load += lambda, change += absOf(bounce.impulse[k]);
       closing += lambda * speed, free += lambda * impact.closing(k, freeA, freeB);
       // what was left alone of a depth counts too
-      const Real apart =
-          r.place[k].c0 > Real(0) ? -r.place[k].c0 / max(Real(1) - c.alpha, Real(.01)) : -r.place[k].c0;
-      const Vec3 moved =
-          endA.dp + cross(endA.dw, r.place[k].rA) - endB.dp - cross(endB.dw, r.place[k].rA + r.offset);
+      const Real apart = r.place[k].c0 > Real(0) ? -r.place[k].c0 / max(Real(1) - c.alpha, Real(.01))
+                                                 : -r.place[k].c0;
+      const Vec3 moved = endA.dp + cross(endA.dw, r.place[k].rA) - endB.dp -
+                         cross(endB.dw, r.place[k].rA + r.offset);
       gap += lambda * apart, end += lambda * (apart - dot(r.n, moved));
       seed |= r.restitution > Real(0) && lambda > Real(0) && speed > fast;
     }
     if (load > Real(0)) closing /= load, free /= load, gap /= load, end /= load;
     bounce.start = closing, bounce.change = free - closing, bounce.gap = gap, bounce.end = end;
-    bounce.carries =
-        load > Real(0) && change * (impact.a.inverseMass + impact.b.inverseMass) > kBounceReach * fast;
+    bounce.carries = load > Real(0) &&
+                     change * (impact.a.inverseMass + impact.b.inverseMass) > kBounceReach * fast;
     bounce.state = seed ? kBounceSeed | kBounceTakesPart : 0;
     bounce.time = -1;
     if (!seed) return;
@@ -180,7 +182,8 @@ RUBBLE_HD inline Real meanClosing(const Impact& impact, const BodyMotion& a, con
   return load > Real(0) ? closing / load : Real(0);
 }
 
-/// Contacts with bodies whose velocities from before the impact are not what they were: something else took part.
+/// Contacts with bodies whose velocities from before the impact are not what they were: something else took
+/// part.
 struct CheckBounces {
   static constexpr const char* kStage = "bounce";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -190,8 +193,8 @@ struct CheckBounces {
     const Impact impact(s, r);
     constexpr Real kUnexplained = Real(.2);
     const Real off = meanClosing(impact, motionOf(s, r.a), motionOf(s, r.b)) - bounce.start;
-    const Real allowed =
-        kUnexplained * absOf(bounce.start) + 2 * absOf(bounce.change) + impactSpeed(s.step, r.length) / 2;
+    const Real allowed = kUnexplained * absOf(bounce.start) + 2 * absOf(bounce.change) +
+                         impactSpeed(s.step, r.length) / 2;
     if (absOf(off) <= allowed) return;
     reachBody(s, r.a, kAsSolved), reachBody(s, r.b, kAsSolved);
     atomicCount(&s.counters->bounceBound, 1);

@@ -4,7 +4,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// A contact takes part in an impact that changes its load by so much of impactSpeed() [1], and has ended when it closes by less.
+/// A contact takes part in an impact that changes its load by so much of impactSpeed() [1], and has ended
+/// when it closes by less.
 inline constexpr Real kBounceReach = Real(.1), kBounceRest = Real(.02);
 /// Rounds of contacts that act; what closes after them is left to the next step, and counted.
 inline constexpr int kBounceRounds = 256;
@@ -22,8 +23,8 @@ RUBBLE_HD inline bool isAsSolved(const SolverData& s, const ContactRows& r) {
 /// Speed at which bodies part that closed with c; see above.
 RUBBLE_HD inline Real bounceSpeed(Real e, Real closing, const Bounce& bounce, Real inverseDt) {
   const Real b = bounce.change / 2, a = bounce.change * inverseDt;
-  const Real squared =
-      b * b + e * e * (closing * closing - 2 * b * closing + 2 * a * bounce.gap) - 2 * a * bounce.end;
+  const Real squared = b * b + e * e * (closing * closing - 2 * b * closing + 2 * a * bounce.gap) -
+                       2 * a * bounce.end;
   return max(b + std::sqrt(max(squared, Real(0))), Real(0));
 }
 
@@ -103,7 +104,8 @@ struct ActBounces {
     for (int k = 0; k < kLanes; ++k) effect[k] = actsAt(impact.r, k) ? -impact.closing(k, a, b) : Real(0);
   }
 
-  RUBBLE_HD static void act(const SolverData& s, const ContactRows& r, const Bounce& bounce, BodyMotion& a, BodyMotion& b) {
+  RUBBLE_HD static void act(const SolverData& s, const ContactRows& r, const Bounce& bounce, BodyMotion& a,
+                            BodyMotion& b) {
     const Impact impact(s, r);
     Real c[kLanes], matrix[kLanes][kLanes], p[kLanes] = {}, effect[kLanes];
     for (int k = 0; k < kLanes; ++k) {
@@ -145,7 +147,8 @@ struct ActBounces {
     rub(s, r, impact, p, given, a, b);
   }
 
-  /// Friction at the points, each within the cone of `given` times its impulse. It only ever opposes the motion that is left there.
+  /// Friction at the points, each within the cone of `given` times its impulse. It only ever opposes the
+  /// motion that is left there.
   RUBBLE_HD static void rub(const SolverData& s, const ContactRows& r, const Impact& impact,
                             const Real (&p)[kLanes], Real given, BodyMotion& a, BodyMotion& b) {
     Vec3 t1, t2, belt{0, 0, 0};
@@ -179,8 +182,8 @@ struct ActBounces {
   }
 
   /// On top of the velocities of the step.
-  RUBBLE_HD static void giveBack(const SolverData& s, const ContactRows& r, const Bounce& bounce, BodyMotion& a,
-                                 BodyMotion& b) {
+  RUBBLE_HD static void giveBack(const SolverData& s, const ContactRows& r, const Bounce& bounce,
+                                 BodyMotion& a, BodyMotion& b) {
     const Impact impact(s, r);
     Real p[kLanes] = {}, effect[kLanes], load = 0;
     for (int k = 0; k < kLanes; ++k)
@@ -198,8 +201,8 @@ struct ActBounces {
     const Real lost = max(impact.energy(freeA, freeB) - impact.energy(a, b), Real(0));
     // (stiff / 2) x^2 + parting x = work
     const Real work = e * e * min(load * closing / 2, lost);
-    const Real x =
-        stiff > Real(0) ? (std::sqrt(parting * parting + 2 * stiff * work) - parting) / stiff : Real(0);
+    const Real x = stiff > Real(0) ? (std::sqrt(parting * parting + 2 * stiff * work) - parting) / stiff
+                                   : Real(0);
     impact.push(p, max(x, Real(0)), a, b);
   }
 };

@@ -36,7 +36,9 @@ RUBBLE_HD inline Mobility mobility(const SolverData& s, int body) {
   return m;
 }
 
-RUBBLE_HD inline BodyMotion motionOf(const SolverData& s, int body) { return {s.velocity[body], s.angularVelocity[body]}; }
+RUBBLE_HD inline BodyMotion motionOf(const SolverData& s, int body) {
+  return {s.velocity[body], s.angularVelocity[body]};
+}
 
 /// A contact between two bodies that move.
 struct Impact {
@@ -60,7 +62,9 @@ struct Impact {
     ma.v -= a.linear(impulse), ma.w -= a.angular(cross(leverA(k), impulse));
     mb.v += b.linear(impulse), mb.w += b.angular(cross(leverB(k), impulse));
   }
-  RUBBLE_HD Real energy(const BodyMotion& ma, const BodyMotion& mb) const { return a.energy(ma) + b.energy(mb); }
+  RUBBLE_HD Real energy(const BodyMotion& ma, const BodyMotion& mb) const {
+    return a.energy(ma) + b.energy(mb);
+  }
   /// Adds impulses along the normal that push the bodies apart.
   RUBBLE_HD void push(const Real (&p)[kLanes], Real times, BodyMotion& ma, BodyMotion& mb) const {
     Real sum = 0;

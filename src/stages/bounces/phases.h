@@ -1,30 +1,31 @@
 #pragma once
 /// Restitution: what impacts give back.
-#include "stages/executor.h"
 #include "stages/bounces/bounce.h"
+#include "stages/executor.h"
 
 namespace rubble::RUBBLE_CORE::bounces {
 
 /// Before velocities are known: which contacts take part.
-template <Executor E>
-void find(E& e) {
+template <Executor E> void find(E& e) {
   if (!e.view().bounces) return;
   e.forEach(StartBounces{}, e.view().bodies);
   e.forEach(FindBounces{}, &Counters::bounceRows);
-  e.rounds(ReachBounces{}, FindReach{}, &Counters::bounceRows, &Counters::bounceSpread, &Counters::bounceSpreads);
+  e.rounds(ReachBounces{}, FindReach{}, &Counters::bounceRows, &Counters::bounceSpread,
+           &Counters::bounceSpreads);
 }
 
 /// When they are known: impulses.
-template <Executor E>
-void act(E& e) {
+template <Executor E> void act(E& e) {
   if (!e.view().bounces) return;
   const int bodies = e.view().bodies;
   e.forEach(TakeBackBounces{}, bodies);
   e.forEach(CheckBounces{}, &Counters::bounceRows);
-  e.rounds(ReachSolved{}, FindSolved{}, &Counters::bounceRows, &Counters::bounceBound, &Counters::bounceBounds);
+  e.rounds(ReachSolved{}, FindSolved{}, &Counters::bounceRows, &Counters::bounceBound,
+           &Counters::bounceBounds);
   e.forEach(RestoreSolved{}, bodies);
   e.forEach(ProposeBounces{}, &Counters::bounceRows);
-  e.rounds(ActBounces{}, ProposeBounces{}, &Counters::bounceRows, &Counters::bounceLeft, &Counters::bounceTurns);
+  e.rounds(ActBounces{}, ProposeBounces{}, &Counters::bounceRows, &Counters::bounceLeft,
+           &Counters::bounceTurns);
   e.forEach(EndBounces{}, &Counters::bounceRows);
 }
 

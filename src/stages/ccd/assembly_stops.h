@@ -1,6 +1,7 @@
 #pragma once
-/// Stops of bodies that joints hold together. One that stopped alone would tear its joints open by the rest of its way; so an assembly stops as
-/// one, where the first of its bodies meets something, and all of them keep their velocities.
+/// Stops of bodies that joints hold together. One that stopped alone would tear its joints open by the rest
+/// of its way; so an assembly stops as one, where the first of its bodies meets something, and all of them
+/// keep their velocities.
 #include "stages/coarse/aggregates.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -12,8 +13,7 @@ struct StartAssemblies {
     if (s.counters->anyFast > 0) s.root[i] = i;
   }
 };
-template <class F>
-struct JoinAssemblies {
+template <class F> struct JoinAssemblies {
   static constexpr const char* kStage = "stops";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& spec = s.specsOf<F>()[i];

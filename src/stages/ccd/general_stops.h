@@ -1,5 +1,6 @@
 #pragma once
-/// Stops of pairs that are not of two plain shapes: in a kernel of its own, so that the plain ones keep theirs small.
+/// Stops of pairs that are not of two plain shapes: in a kernel of its own, so that the plain ones keep
+/// theirs small.
 #include "stages/ccd/fast_bodies.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -13,7 +14,8 @@ RUBBLE_HD inline bool rowsHold(const SolverData& s, const Manifold* m) {
     if (!(r.load[k].kN > Real(0))) continue;
     active = true;
     const ContactFrame<Real> f = contactFrame<Real>(r, k);
-    if (f.c0 + along(r.n, relativeDisplacement(f, s.dx[r.a], s.dx[r.b])) > kHeldPoint * r.length) return false;
+    if (f.c0 + along(r.n, relativeDisplacement(f, s.dx[r.a], s.dx[r.b])) > kHeldPoint * r.length)
+      return false;
   }
   return active;
 }
@@ -40,7 +42,8 @@ RUBBLE_HD RowFacings rowFacings(const SolverData& s, int pair, bool surfaceOnA, 
   return out;
 }
 
-/// Where the bodies of a pair meet on their ways: parts of compounds one by one, a part and a surface in the first of their slots.
+/// Where the bodies of a pair meet on their ways: parts of compounds one by one, a part and a surface in the
+/// first of their slots.
 struct FindGeneralStops {
   static constexpr const char* kStage = "stops";
   int round;
@@ -56,13 +59,18 @@ struct FindGeneralStops {
     const Vec3d between = s.position[o.b] - s.position[o.a];
     const Real size = pairLength(s.params[o.a], s.params[o.b]);
     const double tolerance = static_cast<double>(kMeetingGap * size);
-    const auto thinnerOf = [&](const PlacedAny& a, const PlacedAny& b) { return thinner(innerRadiusOf(tables, a.shape), innerRadiusOf(tables, b.shape)); };
+    const auto thinnerOf = [&](const PlacedAny& a, const PlacedAny& b) {
+      return thinner(innerRadiusOf(tables, a.shape), innerRadiusOf(tables, b.shape));
+    };
     if (!surface) {
-      const PlacedAny a = placedAny(tables, shapeA, {0, 0, 0}, s.orientation[o.a], p.owner == o.a ? p.first : p.second);
-      const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b], p.owner == o.a ? p.second : p.first);
+      const PlacedAny a = placedAny(tables, shapeA, {0, 0, 0}, s.orientation[o.a],
+                                    p.owner == o.a ? p.first : p.second);
+      const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b],
+                                    p.owner == o.a ? p.second : p.first);
       const Real thin = thinnerOf(a, b);
       if (!mayPass(s, o, wayA, wayB, thin, manifoldOf(s, i))) return;
-      const TimeOfImpact m = meetingOfPair(asConvex(a), wayA, asConvex(b), wayB, manifoldOf(s, i), thin, bothDynamic(s, o), tolerance);
+      const TimeOfImpact m = meetingOfPair(asConvex(a), wayA, asConvex(b), wayB, manifoldOf(s, i), thin,
+                                           bothDynamic(s, o), tolerance);
       if (m.fraction <= 1) noteMeeting(s, i, o, m.fraction);
       return;
     }
@@ -84,16 +92,19 @@ struct FindGeneralStops {
         return (at.fraction > 0 || dot(at.at.n, relative) > 0) && !held.have(facing) && !held.have(at.at.n);
       };
       // as long as the part is in by no more than half its thickness, rows push it out again
-      m = meetField(whole, wayS, part, wayP, {tolerance, true, static_cast<double>(max(kHeldPoint * size, thin))}, accepts);
+      m = meetField(whole, wayS, part, wayP,
+                    {tolerance, true, static_cast<double>(max(kHeldPoint * size, thin))}, accepts);
     } else {
-      const double allowed = static_cast<double>(kHeldInSurface * thin), more = static_cast<double>(kDeeperYetAtRest * thin);
+      const double allowed = static_cast<double>(kHeldInSurface * thin),
+                   more = static_cast<double>(kDeeperYetAtRest * thin);
       const RowFacings rows = rowFacings(s, i, onA, hasRows);
       const Placed convex = asConvex(part);
       const auto meet = [&](const Placed& triangle, const Vec3d& up) {
         if (rows.have(up)) return meetingBeyond(triangle, wayS, convex, wayP, up, false, allowed, more);
         const TimeOfImpact first = meeting(triangle, wayS, convex, wayP, tolerance);
         if (first.fraction > 1 || (first.fraction > 0 && !rows.have(first.at.n))) return first;
-        return meetingBeyond(triangle, wayS, convex, wayP, first.fraction > 0 ? first.at.n : up, false, allowed, more);
+        return meetingBeyond(triangle, wayS, convex, wayP, first.fraction > 0 ? first.at.n : up, false,
+                             allowed, more);
       };
       m = meetTriangles(whole, wayS, convex, wayP, {tolerance, true, allowed}, meet);
     }

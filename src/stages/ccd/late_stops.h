@@ -1,8 +1,9 @@
 #pragma once
-/// Stops of bodies that go where the broad phase did not look: boxes are swept by the velocities before the step, and an impact or the pull of a joint
-/// may make a body fast within it. Its way is checked against all bodies along it with which it makes no pair.
-#include "stages/pairs/broad_phase.h"
+/// Stops of bodies that go where the broad phase did not look: boxes are swept by the velocities before the
+/// step, and an impact or the pull of a joint may make a body fast within it. Its way is checked against all
+/// bodies along it with which it makes no pair.
 #include "stages/ccd/general_stops.h"
+#include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -28,8 +29,10 @@ RUBBLE_HD inline bool leavesBounds(const SolverData& s, int i, const Bounds& way
   return out.x > slack || out.y > slack || out.z > slack;
 }
 
-/// Do part `part` of a body and a part of another make a pair in this step? Against a surface, whatever the slot.
-RUBBLE_HD inline bool makePair(const SolverData& s, int body, int part, int other, int otherPart, bool surface) {
+/// Do part `part` of a body and a part of another make a pair in this step? Against a surface, whatever the
+/// slot.
+RUBBLE_HD inline bool makePair(const SolverData& s, int body, int part, int other, int otherPart,
+                               bool surface) {
   for (int side = 0; side < 2; ++side) {
     const int owner = side == 0 ? body : other, partner = side == 0 ? other : body;
     const int own = side == 0 ? part : otherPart, its = side == 0 ? otherPart : part;
@@ -43,10 +46,10 @@ RUBBLE_HD inline bool makePair(const SolverData& s, int body, int part, int othe
   return false;
 }
 
-/// Where a part of a body meets one of another that it makes no pair with, if it would go into it deeper than rows may leave it: what is less the rows of
-/// the next step push out.
+/// Where a part of a body meets one of another that it makes no pair with, if it would go into it deeper than
+/// rows may leave it: what is less the rows of the next step push out.
 RUBBLE_HD inline TimeOfImpact meetingUnforeseen(const PlacedAny& part, const Way& way, const PlacedAny& other,
-                                           const Way& otherWay, double tolerance) {
+                                                const Way& otherWay, double tolerance) {
   const ShapeTables& tables = part.tables;
   const Real thin = thinner(innerRadiusOf(tables, part.shape), innerRadiusOf(tables, other.shape));
   if (part.shape.kind == ShapeKind::Distance || other.shape.kind == ShapeKind::Distance) {
@@ -82,16 +85,19 @@ struct FindLateStops {
     if (s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
     const Bounds way = boundsOfWay(s, i);
     if (!leavesBounds(s, i, way)) return;
-    searchWay(s, i, way, [&](int other) {
-      if (other == i || isSensor(s, other) || !mayCollide(s, i, other)) return;
-      // whom its box touched has a pair with it; parts may be further apart
-      if (isPrimitivePair(s, i, other) && boundsTouch(s.bounds[i], s.bounds[other])) return;
-      const double fraction = meetBody(s, i, other);
-      if (!(fraction <= 1)) return;
-      const int bits = floatBits(static_cast<Real>(1 - fraction));
-      atomicRaise(&s.stopBits[i], bits);
-      if (stopsAt(s, other, i)) atomicRaise(&s.stopBits[other], bits);
-    }, lane, lanes);
+    searchWay(
+        s, i, way,
+        [&](int other) {
+          if (other == i || isSensor(s, other) || !mayCollide(s, i, other)) return;
+          // whom its box touched has a pair with it; parts may be further apart
+          if (isPrimitivePair(s, i, other) && boundsTouch(s.bounds[i], s.bounds[other])) return;
+          const double fraction = meetBody(s, i, other);
+          if (!(fraction <= 1)) return;
+          const int bits = floatBits(static_cast<Real>(1 - fraction));
+          atomicRaise(&s.stopBits[i], bits);
+          if (stopsAt(s, other, i)) atomicRaise(&s.stopBits[other], bits);
+        },
+        lane, lanes);
   }
 
   /// Part of the way of body i after which it meets another.
@@ -108,8 +114,8 @@ struct FindLateStops {
       for (int j = 0; j < itsParts; ++j) {
         if (makePair(s, i, surfaceIsFirst(own.kind, its.kind) ? j : k, other, j, surface)) continue;
         const PlacedAny a = placedAny(s.shapeTables(), own, {0, 0, 0}, s.orientation[i], k);
-        const PlacedAny b =
-            placedAny(s.shapeTables(), its, s.position[other] - s.position[i], s.orientation[other], j);
+        const PlacedAny b = placedAny(s.shapeTables(), its, s.position[other] - s.position[i],
+                                      s.orientation[other], j);
         const TimeOfImpact m = meetingUnforeseen(a, way, b, otherWay, tolerance);
         if (m.fraction > 0) first = min(first, m.fraction);
       }

@@ -1,14 +1,14 @@
 #pragma once
-/// Continuous collision: bodies that go further in a step than their rows can see stop where they meet others.
-#include "stages/executor.h"
+/// Continuous collision: bodies that go further in a step than their rows can see stop where they meet
+/// others.
 #include "stages/ccd/assembly_stops.h"
-#include "stages/ccd/late_stops.h"
 #include "stages/ccd/general_stops.h"
+#include "stages/ccd/late_stops.h"
+#include "stages/executor.h"
 
 namespace rubble::RUBBLE_CORE::ccd {
 
-template <Executor E>
-void stop(E& e) {
+template <Executor E> void stop(E& e) {
   const SolverData& s = e.view();
   e.forEach(FlagFast{}, s.bodies);
   e.require(Per::Pair, &Counters::swept);

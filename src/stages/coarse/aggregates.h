@@ -1,14 +1,16 @@
 #pragma once
-/// Aggregates for the coarse correction: bodies and soft nodes (nodes.h) of one cell of a nested hierarchy of cubes that hang together by touching
-/// contacts, joints and attachments, at several sizes. Any grouping gives a valid descent (coarse.h); nodes that do not touch would only
-/// disturb one another.
+/// Aggregates for the coarse correction: bodies and soft nodes (nodes.h) of one cell of a nested hierarchy of
+/// cubes that hang together by touching contacts, joints and attachments, at several sizes. Any grouping
+/// gives a valid descent (coarse.h); nodes that do not touch would only disturb one another.
 #include "stages/bodies/blocks.h"
 #include "stages/coarse/forest.h"
 
 namespace rubble::RUBBLE_CORE {
 
 RUBBLE_HD inline int atLevel(const SolverData& s, int level, int node) { return level * s.nodes() + node; }
-RUBBLE_HD inline int aggregateOfSoftNode(const SolverData& s, int level, int softNode) { return s.aggregateOf[atLevel(s, level, s.bodies + softNode)]; }
+RUBBLE_HD inline int aggregateOfSoftNode(const SolverData& s, int level, int softNode) {
+  return s.aggregateOf[atLevel(s, level, s.bodies + softNode)];
+}
 
 /// Every node is alone at first. `root` is a forest until FlattenAggregates: roots lead themselves.
 struct StartAggregates {
@@ -16,16 +18,16 @@ struct StartAggregates {
   RUBBLE_HD void operator()(const SolverData& s, int i) const { s.root[i] = i; }
 };
 
-/// Unites bodies that a row block holds together now and that share a cell at this level and at none that is finer: those that share a
-/// finer one are united already.
-template <class Blocks>
-struct JoinAggregates {
+/// Unites bodies that a row block holds together now and that share a cell at this level and at none that is
+/// finer: those that share a finer one are united already.
+template <class Blocks> struct JoinAggregates {
   static constexpr const char* kStage = "aggregates";
   int level;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (Blocks::joinLevel(s, i) != level) return;
     const BlockBodies block = Blocks::bodies(s, i);
-    if (block.active && isDynamic(s, block.a) && isDynamic(s, block.b)) unite(s.root + level * s.nodes(), block.a, block.b);
+    if (block.active && isDynamic(s, block.a) && isDynamic(s, block.b))
+      unite(s.root + level * s.nodes(), block.a, block.b);
   }
 };
 
@@ -53,11 +55,14 @@ RUBBLE_HD inline bool isWholeObject(const SolverData& s, int t) {
   return softNode >= 0 && softNode < s.objects;
 }
 
-/// Which of them lead an aggregate. One that is the same as at the finer level is solved at both: left out at one of them, the momentum of an impact is
-/// kept less well, for its sweeps are what finds it. An object that is alone is an aggregate of the coarsest level, so that it keeps its own.
+/// Which of them lead an aggregate. One that is the same as at the finer level is solved at both: left out at
+/// one of them, the momentum of an impact is kept less well, for its sweeps are what finds it. An object that
+/// is alone is an aggregate of the coarsest level, so that it keeps its own.
 struct FindRoots {
   static constexpr const char* kStage = "aggregates";
-  RUBBLE_HD void operator()(const SolverData& s, int t) const { s.isRoot[t] = s.nodeCount[t] >= (isWholeObject(s, t) ? 1 : 2); }
+  RUBBLE_HD void operator()(const SolverData& s, int t) const {
+    s.isRoot[t] = s.nodeCount[t] >= (isWholeObject(s, t) ? 1 : 2);
+  }
 };
 
 /// From roots to aggregate numbers; a body or particle that is alone in its cell is in no aggregate.
@@ -66,7 +71,8 @@ struct NumberAggregates {
   RUBBLE_HD void operator()(const SolverData& s, int t) const {
     const int led = atLevel(s, t / s.nodes(), s.aggregateOf[t]);
     s.aggregateOf[t] = s.isRoot[led] ? s.aggregateIndex[led] : -1;
-    if (s.isRoot[t]) s.aggregateSlices[s.aggregateIndex[t]] = (s.nodeCount[t] + kSliceNodes - 1) / kSliceNodes;
+    if (s.isRoot[t])
+      s.aggregateSlices[s.aggregateIndex[t]] = (s.nodeCount[t] + kSliceNodes - 1) / kSliceNodes;
   }
 };
 
@@ -74,7 +80,8 @@ struct NumberAggregates {
 struct FindLevels {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int level) const {
-    const int aggregate = level < kCoarseLevels ? s.aggregateIndex[atLevel(s, level, 0)] : s.counters->aggregates;
+    const int aggregate = level < kCoarseLevels ? s.aggregateIndex[atLevel(s, level, 0)]
+                                                : s.counters->aggregates;
     s.levelAggregate[level] = aggregate;
     s.levelSlice[level] = s.sliceOffset[aggregate];
   }
@@ -103,8 +110,10 @@ struct MakeSlices {
     int low = 0, high = s.counters->aggregates;
     while (high - low > 1) {
       const int middle = low + (high - low) / 2;
-      if (s.sliceOffset[middle] <= i) low = middle;
-      else high = middle;
+      if (s.sliceOffset[middle] <= i)
+        low = middle;
+      else
+        high = middle;
     }
     Slice& slice = s.slice[i];
     slice.aggregate = low;
@@ -114,18 +123,20 @@ struct MakeSlices {
 };
 
 /// Finds the aggregates inside of which there is a joint.
-template <class F>
-struct MarkJointedAggregates {
+template <class F> struct MarkJointedAggregates {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const BlockBodies block = JointBlocks<F>::bodies(s, i);
     if (!block.active || !isDynamic(s, block.a) || !isDynamic(s, block.b)) return;
     for (int level = JointBlocks<F>::joinLevel(s, i); level < kCoarseLevels; ++level)
-      if (const int aggregate = s.aggregateOf[atLevel(s, level, block.a)]; aggregate >= 0 && s.aggregate[aggregate].joined == 0) atomicSet(&s.aggregate[aggregate].joined, 1);
+      if (const int aggregate = s.aggregateOf[atLevel(s, level, block.a)];
+          aggregate >= 0 && s.aggregate[aggregate].joined == 0)
+        atomicSet(&s.aggregate[aggregate].joined, 1);
   }
 };
 
-/// A aggregate does not move as one of its bodies must not: it does not turn such that a body would leave its line or plane either.
+/// A aggregate does not move as one of its bodies must not: it does not turn such that a body would leave its
+/// line or plane either.
 struct LockAggregates {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int t) const {
@@ -134,7 +145,8 @@ struct LockAggregates {
     const int locks = s.extras[node].locks;
     if (locks == 0) return;
     const bool x = locks & 1, y = locks & 2, z = locks & 4;
-    atomicSet(&s.aggregate[aggregate].locks, locks | (y || z ? 8 : 0) | (x || z ? 16 : 0) | (x || y ? 32 : 0));
+    atomicSet(&s.aggregate[aggregate].locks,
+              locks | (y || z ? 8 : 0) | (x || z ? 16 : 0) | (x || y ? 32 : 0));
   }
 };
 

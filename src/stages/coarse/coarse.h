@@ -1,11 +1,13 @@
 #pragma once
-/// The coarse correction: block descent whose blocks are rigid motions of whole aggregates. A body-by-body sweep carries news one body at a
-/// time; a sweep over aggregates carries it across a pile. For an aggregate with centre c the unknowns are dx = (dp, dw), body i moves by
-/// (dp + dw x (p_i - c), dw), and the local problem [S 3]-[S 6] sums the inertia of its bodies and the rows that leave the aggregate: rows inside do
-/// not see a rigid motion. For contacts, linear in displacements from x^t, that is one about the places p_i of x^t; for joints, which turn, one
-/// about the present places. Aggregates with joints inside take the latter. Those with soft nodes, deformable objects and particles, do not turn (soft_nodes.h).
-/// All aggregates of a level move at once, under-relaxed: a row J_a x_a + J_b x_b obeys (J_a x_a + J_b x_b)^2 <= 2 ((J_a x_a)^2 + (J_b x_b)^2), so any
-/// factor below 1 descends.
+/// The coarse correction: block descent whose blocks are rigid motions of whole aggregates. A body-by-body
+/// sweep carries news one body at a time; a sweep over aggregates carries it across a pile. For an aggregate
+/// with centre c the unknowns are dx = (dp, dw), body i moves by (dp + dw x (p_i - c), dw), and the local
+/// problem [S 3]-[S 6] sums the inertia of its bodies and the rows that leave the aggregate: rows inside do
+/// not see a rigid motion. For contacts, linear in displacements from x^t, that is one about the places p_i
+/// of x^t; for joints, which turn, one about the present places. Aggregates with joints inside take the
+/// latter. Those with soft nodes, deformable objects and particles, do not turn (soft_nodes.h). All
+/// aggregates of a level move at once, under-relaxed: a row J_a x_a + J_b x_b obeys (J_a x_a + J_b x_b)^2 <=
+/// 2 ((J_a x_a)^2 + (J_b x_b)^2), so any factor below 1 descends.
 #include "stages/bodies/incidence.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -19,15 +21,17 @@ RUBBLE_HD inline Vec3 shiftOf(const SolverData& s, const Aggregate& aggregate, i
   return aggregate.joined ? shift + s.dx[body].dp : shift;
 }
 
-/// Adds a block about a point into one about another from which the point lies `shift` away: H' = T^T H T, f' = T^T f, T = [1, -[shift]; 0, 1].
+/// Adds a block about a point into one about another from which the point lies `shift` away: H' = T^T H T, f'
+/// = T^T f, T = [1, -[shift]; 0, 1].
 RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shift) {
-  const Vec3 ll[3] = {from.ll.column(0), from.ll.column(1), from.ll.column(2)}, al[3] = {from.al0, from.al1, from.al2};
+  const Vec3 ll[3] = {from.ll.column(0), from.ll.column(1), from.ll.column(2)},
+             al[3] = {from.al0, from.al1, from.al2};
   const Vec3 sl[3] = {cross(shift, ll[0]), cross(shift, ll[1]), cross(shift, ll[2])};  // [shift] LL
   to.ll += from.ll;
   to.al0 += al[0] + sl[0], to.al1 += al[1] + sl[1], to.al2 += al[2] + sl[2];
   to.aa += from.aa;
   // [shift] LA + its transpose + [shift] LL [shift]^T; row i of X [shift]^T is shift x (row i of X)
-  const auto row = [](const Vec3 (&m)[3], int i) { return Vec3{m[0][i], m[1][i], m[2][i]}; };
+  const auto row = [](const Vec3(&m)[3], int i) { return Vec3{m[0][i], m[1][i], m[2][i]}; };
   Vec3 p[3], q[3];
   for (int i = 0; i < 3; ++i) {
     p[i] = cross(shift, row(al, i));
@@ -44,11 +48,14 @@ RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shi
 }
 
 /// Where the inertia of an aggregate is summed about: its first node.
-RUBBLE_HD inline Vec3d originOf(const SolverData& s, const Slice& slice) { return placeOf(s, s.aggregateNode[s.aggregateOffset[slice.aggregate]]); }
+RUBBLE_HD inline Vec3d originOf(const SolverData& s, const Slice& slice) {
+  return placeOf(s, s.aggregateNode[s.aggregateOffset[slice.aggregate]]);
+}
 
-/// Adds the inertia of a body at the initial guess, about `origin`; that of soft nodes is summed by vertex. In the place of a force: the first moment of
-/// all nodes at x^t, and their mass (x of the torque).
-RUBBLE_HD inline void addInertia(const SolverData& s, const Aggregate& aggregate, const Vec3d& origin, int node, Block6& sum) {
+/// Adds the inertia of a body at the initial guess, about `origin`; that of soft nodes is summed by vertex.
+/// In the place of a force: the first moment of all nodes at x^t, and their mass (x of the torque).
+RUBBLE_HD inline void addInertia(const SolverData& s, const Aggregate& aggregate, const Vec3d& origin,
+                                 int node, Block6& sum) {
   const bool isBody = node < s.bodies;
   const Vec3 place(placeOf(s, node) - origin);
   const Real mass = isBody ? s.target[node].mass.mass : massOf(s, s.softNode[node - s.bodies]);
@@ -61,7 +68,8 @@ RUBBLE_HD inline void addInertia(const SolverData& s, const Aggregate& aggregate
   sum.aa += own.aa;
 }
 
-/// Centre of mass, and inertia about it, of an aggregate whose nodes are summed about `origin`: constant in the step.
+/// Centre of mass, and inertia about it, of an aggregate whose nodes are summed about `origin`: constant in
+/// the step.
 RUBBLE_HD inline void placeAggregate(Aggregate& aggregate, const Vec3d& origin, const Block6& sum) {
   const Vec3 centre = sum.fl / sum.fa.x;
   aggregate.centre = origin + Vec3d(centre);
@@ -76,7 +84,8 @@ struct SumInertia {
     Slice& slice = s.slice[i];
     const Vec3d origin = originOf(s, slice);
     Block6 sum;
-    for (int k = slice.begin; k < slice.end; ++k) addInertia(s, s.aggregate[slice.aggregate], origin, s.aggregateNode[k], sum);
+    for (int k = slice.begin; k < slice.end; ++k)
+      addInertia(s, s.aggregate[slice.aggregate], origin, s.aggregateNode[k], sum);
     slice.sum = sum;
   }
 };
@@ -91,15 +100,15 @@ struct PlaceAggregates {
   }
 };
 
-/// visit(code) for the row blocks of a body that leave its aggregate at a level. Those of soft nodes are summed by vertex.
+/// visit(code) for the row blocks of a body that leave its aggregate at a level. Those of soft nodes are
+/// summed by vertex.
 template <class Visit>
 RUBBLE_HD void visitBoundaryOf(const SolverData& s, int body, int level, Visit&& visit) {
   if (body >= s.bodies) return;
   for (int e = s.incidenceOffset[body]; e < s.incidenceOffset[body + 1]; ++e)
     if (s.incidence[e].depth > level) visit(s.incidence[e].code);
 }
-template <class Visit>
-RUBBLE_HD void visitExternals(const SolverData& s, int i, Visit&& visit) {
+template <class Visit> RUBBLE_HD void visitExternals(const SolverData& s, int i, Visit&& visit) {
   const Slice& slice = s.slice[i];
   const int level = s.aggregate[slice.aggregate].level;
   for (int k = slice.begin; k < slice.end; ++k) visitBoundaryOf(s, s.aggregateNode[k], level, visit);
@@ -123,33 +132,39 @@ struct FillBoundary {
 };
 
 /// Adds the inertial force of a body about the centre of its aggregate.
-RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& aggregate, int body, Block6& sum) {
+RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& aggregate, int body,
+                                       Block6& sum) {
   if (body >= s.bodies) return;
   const BodyTarget& target = s.target[body];
   Block6 own;
-  setInertialForce(own, target.mass, {s.dx[body].dp, s.dq[body]}, target.y, s.step.inverseDt * s.step.inverseDt);
+  setInertialForce(own, target.mass, {s.dx[body].dp, s.dq[body]}, target.y,
+                   s.step.inverseDt * s.step.inverseDt);
   sum.fl += own.fl;
   sum.fa += own.fa + cross(shiftOf(s, aggregate, body), own.fl);
 }
 
 /// Adds points of a contact `r` that leaves the aggregate, on its bodies' side.
 template <class L>
-RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregate, const ContactRows& r, int side, int lane, Block6T<L>& points) {
-  accumulateContact<L>(s.step, r, side == 0, s.dx[r.a], s.dx[r.b], lane, points, shiftOf(s, aggregate, side == 0 ? r.a : r.b));
+RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregate, const ContactRows& r,
+                                  int side, int lane, Block6T<L>& points) {
+  accumulateContact<L>(s.step, r, side == 0, s.dx[r.a], s.dx[r.b], lane, points,
+                       shiftOf(s, aggregate, side == 0 ? r.a : r.b));
 }
 
 /// Adds an attachment or contact of vertices that are not in the aggregate.
-RUBBLE_HD RUBBLE_APART inline void addBoundarySoftRows(const SolverData& s, int aggregate, std::uint32_t code, Block6& sum) {
+RUBBLE_HD RUBBLE_APART inline void addBoundarySoftRows(const SolverData& s, int aggregate, std::uint32_t code,
+                                                       Block6& sum) {
   const int type = constraintType(code);
   if (type != kBodyAttachmentType && type != kBodyPointContactType) return;
   Block6 own;
   addSoftRows(s, code, own);
-  const int body = type == kBodyAttachmentType ? s.attachment[constraintIndex(code)].body : s.pointContact[constraintIndex(code)].body;
+  const int body = type == kBodyAttachmentType ? s.attachment[constraintIndex(code)].body
+                                               : s.pointContact[constraintIndex(code)].body;
   addShifted(sum, own, shiftOf(s, s.aggregate[aggregate], body));
 }
 
-/// A joint of up to four bodies, of which several may move with the aggregate: one row of the motion of the aggregate then, summed where the first of
-/// them is met, and none if all do. False: just that one does.
+/// A joint of up to four bodies, of which several may move with the aggregate: one row of the motion of the
+/// aggregate then, summed where the first of them is met, and none if all do. False: just that one does.
 template <class F>
 RUBBLE_HD RUBBLE_APART bool addSharedJoint(const SolverData& s, int g, int index, int side, Block6& sum) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
@@ -171,7 +186,8 @@ RUBBLE_HD RUBBLE_APART bool addSharedJoint(const SolverData& s, int g, int index
   }
   if (!several) return false;
   const Joint<F>& joint = s.jointsOf<F>()[index];
-  if (first && !all) accumulateJointOfGroup(spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), inside, shift, sum);
+  if (first && !all)
+    accumulateJointOfGroup(spec, joint, poseOfA(s, spec, joint), poseOfB(s, spec, joint), inside, shift, sum);
   return true;
 }
 
@@ -187,16 +203,22 @@ RUBBLE_HD inline void addBoundaryJoint(const SolverData& s, int aggregate, std::
   addBoundarySoftRows(s, aggregate, code, sum);
 }
 /// The same as addJointAlike.
-RUBBLE_HD RUBBLE_APART inline void addBoundaryPivot(const SolverData& s, int aggregate, const Pivot& pivot, int side, Block6& sum) {
-  accumulatePivotOfBody<false>(s, pivot, side, sum, [&](int body) { return shiftOf(s, s.aggregate[aggregate], body); });
+RUBBLE_HD RUBBLE_APART inline void addBoundaryPivot(const SolverData& s, int aggregate, const Pivot& pivot,
+                                                    int side, Block6& sum) {
+  accumulatePivotOfBody<false>(s, pivot, side, sum,
+                               [&](int body) { return shiftOf(s, s.aggregate[aggregate], body); });
 }
-RUBBLE_HD inline void addBoundaryJointUniform(const SolverData& s, int aggregate, std::uint32_t code, Block6& sum) {
-  if (Pivot pivot; findPivot(s, code, pivot)) addBoundaryPivot(s, aggregate, pivot, constraintSide(code), sum);
-  else addBoundaryJoint(s, aggregate, code, sum);
+RUBBLE_HD inline void addBoundaryJointUniform(const SolverData& s, int aggregate, std::uint32_t code,
+                                              Block6& sum) {
+  if (Pivot pivot; findPivot(s, code, pivot))
+    addBoundaryPivot(s, aggregate, pivot, constraintSide(code), sum);
+  else
+    addBoundaryJoint(s, aggregate, code, sum);
 }
 
 /// Adds every `stride`-th of the soft nodes among nodes [k, end).
-RUBBLE_HD RUBBLE_APART inline void addSoftNodes(const SolverData& s, int k, int end, int stride, Block6& sum) {
+RUBBLE_HD RUBBLE_APART inline void addSoftNodes(const SolverData& s, int k, int end, int stride,
+                                                Block6& sum) {
   for (; k < end; k += stride) {
     if (s.aggregateNode[k] < s.bodies) continue;
     const Block3& own = s.softNodeSum[s.aggregateNode[k] - s.bodies];
@@ -205,13 +227,13 @@ RUBBLE_HD RUBBLE_APART inline void addSoftNodes(const SolverData& s, int k, int 
 }
 
 /// Force and row Hessians of a slice about the centre of its aggregate.
-template <class L>
-struct SumSlice {
+template <class L> struct SumSlice {
   static constexpr const char* kStage = "coarse";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Slice& slice = s.slice[i];
     Block6 sum;
-    for (int k = slice.begin; k < slice.end; ++k) addInertialForce(s, s.aggregate[slice.aggregate], s.aggregateNode[k], sum);
+    for (int k = slice.begin; k < slice.end; ++k)
+      addInertialForce(s, s.aggregate[slice.aggregate], s.aggregateNode[k], sum);
     if (s.aggregate[slice.aggregate].soft) addSoftNodes(s, slice.begin, slice.end, 1, sum);
     addBoundary(s, slice, s.boundaryOffset[i], s.boundaryOffset[i + 1], sum);
     slice.sum = sum;
@@ -226,7 +248,9 @@ struct SumSlice {
       const std::uint32_t code = s.boundary[k];
       if (constraintType(code) == kContactType) {
         const ContactRows& r = s.contact[constraintIndex(code)];
-        points.each([&](int lane, Block6T<L>& sum) { addBoundaryContact<L>(s, aggregate, r, constraintSide(code), lane, sum); });
+        points.each([&](int lane, Block6T<L>& sum) {
+          addBoundaryContact<L>(s, aggregate, r, constraintSide(code), lane, sum);
+        });
         if (s.rolls) addRolling(s, code, sum);
         touches = true;
       } else {
@@ -237,8 +261,9 @@ struct SumSlice {
   }
 };
 
-/// The step of an aggregate whose rows and forces are summed: under-relaxed, and none if it is not finite. `mass`, `inertia` over dt^2; `bounded`: it would have
-/// gone further than forces and inertia allow (solver/block.h).
+/// The step of an aggregate whose rows and forces are summed: under-relaxed, and none if it is not finite.
+/// `mass`, `inertia` over dt^2; `bounded`: it would have gone further than forces and inertia allow
+/// (solver/block.h).
 RUBBLE_HD inline Vec6 aggregateStep(const Block6& block, Real mass, const Sym3& inertia, bool& bounded) {
   Vec6 dx = newtonStep(block);
   const Vec6 none{{0, 0, 0}, {0, 0, 0}};
@@ -298,8 +323,7 @@ struct MoveSlice {
   RUBBLE_HD static int aggregateOf(const SolverData& s, int i) { return s.slice[i].aggregate; }
 };
 /// One of these stages for aggregates with soft nodes alone.
-template <class Stage>
-struct WithSoftNodes {
+template <class Stage> struct WithSoftNodes {
   static constexpr const char* kStage = Stage::kStage;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.aggregate[Stage::aggregateOf(s, i)].soft) Stage{}(s, i);

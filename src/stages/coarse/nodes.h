@@ -1,11 +1,14 @@
 #pragma once
-/// What aggregates are made of: bodies and, numbered from SolverData::bodies on, soft nodes, which are whole deformable objects and granular particles.
-#include "state/view.h"
+/// What aggregates are made of: bodies and, numbered from SolverData::bodies on, soft nodes, which are whole
+/// deformable objects and granular particles.
+#include "state/solver_data.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// A node that moves by its forces.
-RUBBLE_HD inline bool mayJoin(const SolverData& s, int node) { return node >= s.bodies || s.params[node].kind == BodyKind::Dynamic; }
+RUBBLE_HD inline bool mayJoin(const SolverData& s, int node) {
+  return node >= s.bodies || s.params[node].kind == BodyKind::Dynamic;
+}
 
 /// The node that a vertex moves with, -1: none, as if it were fixed.
 RUBBLE_HD inline int nodeOfVertex(const SolverData& s, int v) {

@@ -1,8 +1,8 @@
 #pragma once
 /// The coarse correction: block descent on rigid motions of aggregates of bodies.
-#include "stages/executor.h"
-#include "stages/coarse/soft_nodes.h"
 #include "stages/coarse/coarse.h"
+#include "stages/coarse/soft_nodes.h"
+#include "stages/executor.h"
 #include "stages/joints/phases.h"
 
 namespace rubble::RUBBLE_CORE::coarse {
@@ -15,8 +15,7 @@ void forEachSoftBlock(E& e, Args... args) {
 }
 
 /// Aggregates from the poses at x^t.
-template <Executor E>
-void findAggregates(E& e) {
+template <Executor E> void findAggregates(E& e) {
   const SolverData& s = e.view();
   if (!s.step.coarseCorrection) return;
   const int nodes = s.nodes(), all = nodes * kCoarseLevels;
@@ -26,7 +25,9 @@ void findAggregates(E& e) {
   if (softNodes) forEachSoftBlock<FindJoinLevels>(e);
   for (int level = 0; level < kCoarseLevels; ++level) {
     e.forEach(JoinAggregates<ContactBlocks>{level}, &Counters::manifolds);
-    forEachType(JointTypes{}, [&]<class F>() { e.beside(JoinAggregates<JointBlocks<F>>{level}, s.joints[typeIndex<F>(JointTypes{})]); });
+    forEachType(JointTypes{}, [&]<class F>() {
+      e.beside(JoinAggregates<JointBlocks<F>>{level}, s.joints[typeIndex<F>(JointTypes{})]);
+    });
     if (softNodes) forEachSoftBlock<JoinSoftNodes>(e, level);
     e.forEach(FlattenAggregates{level}, nodes);
   }
@@ -34,8 +35,10 @@ void findAggregates(E& e) {
   e.scan(&SolverData::isRoot, &SolverData::aggregateIndex, all, &Counters::aggregates, Per::Aggregate);
   e.forEach(NumberAggregates{}, all);
   if (s.vertices > 0) forEachSoftBlock<FindDepths>(e);
-  e.groupByKey(&SolverData::aggregateOf, all, &SolverData::aggregateOffset, &SolverData::aggregateNode, &Counters::aggregates);
-  e.scan(&SolverData::aggregateSlices, &SolverData::sliceOffset, &Counters::aggregates, &Counters::slices, Per::Slice);
+  e.groupByKey(&SolverData::aggregateOf, all, &SolverData::aggregateOffset, &SolverData::aggregateNode,
+               &Counters::aggregates);
+  e.scan(&SolverData::aggregateSlices, &SolverData::sliceOffset, &Counters::aggregates, &Counters::slices,
+         Per::Slice);
   e.forEach(FindLevels{}, kCoarseLevels + 1);
   e.forEach(BeginAggregates{}, &Counters::aggregates);
   e.forEach(MakeSlices{}, &Counters::slices);
@@ -44,28 +47,25 @@ void findAggregates(E& e) {
 }
 
 /// Centers and inertia of the aggregates, and the rows that leave them.
-template <Executor E>
-void prepare(E& e) {
+template <Executor E> void prepare(E& e) {
   if (!e.view().step.coarseCorrection) return;
   e.forEach(SumInertia{}, &Counters::slices);
   e.forEach(PlaceAggregates{}, &Counters::aggregates);
   e.forEach(CountBoundary{}, &Counters::slices);
-  e.scan(&SolverData::boundaryCount, &SolverData::boundaryOffset, &Counters::slices, &Counters::boundary, Per::Boundary);
+  e.scan(&SolverData::boundaryCount, &SolverData::boundaryOffset, &Counters::slices, &Counters::boundary,
+         Per::Boundary);
   e.forEach(FillBoundary{}, &Counters::slices);
 }
 
 /// What the aggregates of a level see of soft nodes.
-template <Executor E>
-void sumSoftNodes(E& e, int level) {
+template <Executor E> void sumSoftNodes(E& e, int level) {
   if (e.view().objects > 0) e.forEach(SumSoftNodePart{level}, e.view().clusterBegin[1]);
   e.forEach(SumSoftNode{level}, e.view().softNodes);
 }
 
 /// One step of the aggregates of a level: of all, or of those `With` soft nodes.
-template <class Stage>
-using WithAny = Stage;
-template <template <class> class With, Executor E>
-void solveLevel(E& e, int level) {
+template <class Stage> using WithAny = Stage;
+template <template <class> class With, Executor E> void solveLevel(E& e, int level) {
   const bool softNodes = e.view().softNodes > 0;
   if (softNodes) sumSoftNodes(e, level);
   e.forEachIn(With<SumSlice<typename E::Lane>>{}, &SolverData::levelSlice, level);
@@ -74,19 +74,20 @@ void solveLevel(E& e, int level) {
   if (softNodes) e.forEach(MoveSoftNodes{level}, e.view().vertices);
 }
 
-/// One sweep over the aggregates, from coarse to fine: all levels but the finest in even iterations, the fine ones in odd.
-template <Executor E>
-void solve(E& e, int iteration) {
+/// One sweep over the aggregates, from coarse to fine: all levels but the finest in even iterations, the fine
+/// ones in odd.
+template <Executor E> void solve(E& e, int iteration) {
   if (!e.view().step.coarseCorrection) return;
   if (iteration == 0) joints::linearize(e);
   const bool even = iteration % 2 == 0;
-  for (int level = (even ? kCoarseLevels : kFineLevels) - 1; level >= (even ? 1 : 0); --level) solveLevel<WithAny>(e, level);
+  for (int level = (even ? kCoarseLevels : kFineLevels) - 1; level >= (even ? 1 : 0); --level)
+    solveLevel<WithAny>(e, level);
 }
 
-/// The last sweep leaves aggregates with soft nodes at another momentum than what acts on them gives them: one more step of these aggregates, at all levels, and
-/// another one of the largest, since a step goes four fifths of the way.
-template <Executor E>
-void keepMomentum(E& e) {
+/// The last sweep leaves aggregates with soft nodes at another momentum than what acts on them gives them:
+/// one more step of these aggregates, at all levels, and another one of the largest, since a step goes four
+/// fifths of the way.
+template <Executor E> void keepMomentum(E& e) {
   if (!e.view().step.coarseCorrection || e.view().softNodes == 0) return;
   for (int level = kCoarseLevels - 1; level >= 0; --level) solveLevel<WithSoftNodes>(e, level);
   solveLevel<WithSoftNodes>(e, kCoarseLevels - 1);

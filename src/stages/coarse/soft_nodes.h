@@ -1,14 +1,17 @@
 #pragma once
-/// Deformable objects and granular particles in the aggregates of bodies: what strikes together moves on together, whatever it is. A aggregate with
-/// soft nodes is moved without being turned: no element and no row inside of it feels that, while a turn would shear the rows between points that
-/// have moved since x^t. Of a soft node its aggregate sees inertia, loads, attachments and contacts of the vertices, but for rows inside of the aggregate.
-/// Objects with fixed vertices are no soft nodes: the world takes part in whatever happens to them.
+/// Deformable objects and granular particles in the aggregates of bodies: what strikes together moves on
+/// together, whatever it is. A aggregate with soft nodes is moved without being turned: no element and no row
+/// inside of it feels that, while a turn would shear the rows between points that have moved since x^t. Of a
+/// soft node its aggregate sees inertia, loads, attachments and contacts of the vertices, but for rows inside
+/// of the aggregate. Objects with fixed vertices are no soft nodes: the world takes part in whatever happens
+/// to them.
 #include "stages/soft/clusters.h"
 #include "stages/soft/vertex_graph.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// visit(node) for what a contact or attachment joins, -1 for what is in no aggregate; an object may be visited several times.
+/// visit(node) for what a contact or attachment joins, -1 for what is in no aggregate; an object may be
+/// visited several times.
 template <class Visit>
 RUBBLE_HD void visitVertices(const SolverData& s, const int (&vertices)[kPointCorners], Visit&& visit) {
   for (int k = 0; k < kPointCorners && vertices[k] >= 0; ++k) visit(nodeOfVertex(s, vertices[k]));
@@ -18,40 +21,43 @@ RUBBLE_HD void visitMembers(const SolverData& s, const PointContact& p, Visit&& 
   visitVertices(s, p.v, visit);
   if (p.body >= 0) visit(isDynamic(s, p.body) ? p.body : -1);
 }
-template <class Visit>
-RUBBLE_HD void visitMembers(const SolverData& s, const Attachment& a, Visit&& visit) {
+template <class Visit> RUBBLE_HD void visitMembers(const SolverData& s, const Attachment& a, Visit&& visit) {
   visitVertices(s, a.v, visit);
   if (a.seam == 0) visit(isDynamic(s, a.body) ? a.body : -1);
 }
 
-/// The most of levels(first, node) over the nodes of a block, the first of which is that of its first vertex; kCoarseLevels if one is in
-/// no aggregate.
+/// The most of levels(first, node) over the nodes of a block, the first of which is that of its first vertex;
+/// kCoarseLevels if one is in no aggregate.
 template <class Block, class Levels>
 RUBBLE_HD int mostLevels(const SolverData& s, const Block& block, Levels&& levels) {
   const int first = nodeOfVertex(s, block.v[0]);
   int most = 0;
   visitMembers(s, block, [&](int node) {
-    if (first < 0 || node < 0) most = kCoarseLevels;
-    else if (node != first) most = max(most, levels(first, node));
+    if (first < 0 || node < 0)
+      most = kCoarseLevels;
+    else if (node != first)
+      most = max(most, levels(first, node));
   });
   return most;
 }
 
 /// Does a block hold its nodes together now, or stop their approach in this step?
 RUBBLE_HD inline bool holdsNow(const SolverData& s, const Attachment& a) { return active(s, a); }
-RUBBLE_HD inline bool holdsNow(const SolverData&, const PointContact& p) { return p.active && (p.impact || p.c0 > -kInactiveGap * p.length); }
+RUBBLE_HD inline bool holdsNow(const SolverData&, const PointContact& p) {
+  return p.active && (p.impact || p.c0 > -kInactiveGap * p.length);
+}
 
 /// `depth` of a block until aggregates are found: the level at which it unites its nodes.
-template <class Blocks>
-struct FindJoinLevels {
+template <class Blocks> struct FindJoinLevels {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     auto& block = Blocks::blocks(s)[i];
-    block.depth = holdsNow(s, block) ? mostLevels(s, block, [&](int a, int b) { return finestSharedLevel(s, a, b); }) : kCoarseLevels;
+    block.depth = holdsNow(s, block)
+                      ? mostLevels(s, block, [&](int a, int b) { return finestSharedLevel(s, a, b); })
+                      : kCoarseLevels;
   }
 };
-template <class Blocks>
-struct JoinSoftNodes {
+template <class Blocks> struct JoinSoftNodes {
   static constexpr const char* kStage = "aggregates";
   int level;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -64,8 +70,7 @@ struct JoinSoftNodes {
   }
 };
 /// And then: the levels at which they are in different aggregates.
-template <class Blocks>
-struct FindDepths {
+template <class Blocks> struct FindDepths {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     auto& block = Blocks::blocks(s)[i];
@@ -99,8 +104,10 @@ struct SumSoftNode {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (aggregateOfSoftNode(s, level, i) < 0) return;
     Block3 sum;
-    if (s.softNode[i].cluster < 0) SumSoftNodePart{level}.addVertex(s, s.softNode[i].first, 0, 1, sum);
-    else addShare(s, i, 0, 1, sum);
+    if (s.softNode[i].cluster < 0)
+      SumSoftNodePart{level}.addVertex(s, s.softNode[i].first, 0, 1, sum);
+    else
+      addShare(s, i, 0, 1, sum);
     s.softNodeSum[i] = sum;
   }
   /// The share of a worker in an object: every `workers`-th of its parts.
@@ -115,7 +122,8 @@ struct MoveSoftNodes {
   static constexpr const char* kStage = "softNodes";
   int level;
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
-    const int softNode = s.vertexParams[v].softNode, aggregate = softNode >= 0 ? aggregateOfSoftNode(s, level, softNode) : -1;
+    const int softNode = s.vertexParams[v].softNode,
+              aggregate = softNode >= 0 ? aggregateOfSoftNode(s, level, softNode) : -1;
     if (aggregate < 0) return;
     const Vec3 move = s.aggregate[aggregate].step.lin;
     s.vertexMoved[v] += move;

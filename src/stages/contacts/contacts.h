@@ -2,11 +2,11 @@
 /// From near pairs to contact rows and back: narrow phase, warm start, and what is kept for the next step.
 #include "collision/sweep.h"
 #include "solver/warmstart.h"
-#include "stages/coarse/cells.h"
 #include "stages/bodies/corrections.h"
+#include "stages/coarse/cells.h"
 #include "stages/contacts/materials.h"
-#include "stages/pairs/active_pairs.h"
 #include "stages/contacts/rolled.h"
+#include "stages/pairs/active_pairs.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -23,11 +23,13 @@ RUBBLE_HD inline const Manifold* manifoldBefore(const SolverData& s, int i) {
 }
 
 /// Notes which points of manifold i take part in the step. Those of one without any are forgotten.
-RUBBLE_HD inline void keepManifold(const SolverData& s, int i, const OrderedPair& o, const PairPose& pair, Manifold m) {
+RUBBLE_HD inline void keepManifold(const SolverData& s, int i, const OrderedPair& o, const PairPose& pair,
+                                   Manifold m) {
   const ActivationRule awake = activationRule(s, o);
   m.awake = 0;
   for (int k = 0; k < m.count; ++k)
-    if (awake(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t), m.lambdaN[k])) m.awake |= static_cast<std::uint8_t>(1u << k);
+    if (awake(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t), m.lambdaN[k]))
+      m.awake |= static_cast<std::uint8_t>(1u << k);
   if (m.awake == 0) forgetPoints(m);
   // a sensor has points, and no rows
   const bool rows = m.awake != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
@@ -69,7 +71,8 @@ struct RecycleManifolds {
   }
 };
 
-/// Narrow phase of the listed pairs of plain shapes: a new manifold, whose points are matched with the old ones. Others follow in TestGeneralPairs.
+/// Narrow phase of the listed pairs of plain shapes: a new manifold, whose points are matched with the old
+/// ones. Others follow in TestGeneralPairs.
 struct TestPairs {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int t) const {
@@ -90,14 +93,14 @@ struct PairRows {
   Vec3 t;
   Real mu;  ///< friction of this step, static or dynamic
   bool bothMove;
-  Real heavier;          ///< k_start by the mass of the heavier body [N/m]
-  Vec3 belt;  ///< [m], see PairMaterial
+  Real heavier;   ///< k_start by the mass of the heavier body [N/m]
+  Vec3 belt;      ///< [m], see PairMaterial
   Vec3 settling;  ///< [m], see relativeSettling()
   StiffnessRule normal, tangent;
 };
 
-/// A point this deep, over half the thickness of its dynamic body [1], in what does not yield: whatever presses the body there, it goes no deeper than
-/// fast bodies may (stages/ccd/fast_bodies.h).
+/// A point this deep, over half the thickness of its dynamic body [1], in what does not yield: whatever
+/// presses the body there, it goes no deeper than fast bodies may (stages/ccd/fast_bodies.h).
 inline constexpr Real kPressedDepth = Real(.1);
 
 /// Notes bodies that are pressed into static or kinematic ones.
@@ -105,14 +108,16 @@ RUBBLE_HD inline void notePressed(const SolverData& s, const OrderedPair& o, Rea
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   const bool moves = pa.kind == BodyKind::Dynamic;
   if (moves == (pb.kind == BodyKind::Dynamic)) return;
-  if (depth > kPressedDepth * innerRadiusOf(s.shapeTables(), (moves ? pa : pb).shape)) s.fast[moves ? o.a : o.b] = 1;
+  if (depth > kPressedDepth * innerRadiusOf(s.shapeTables(), (moves ? pa : pb).shape))
+    s.fast[moves ? o.a : o.b] = 1;
 }
 
 /// Share of the way within which friction would stop a load that counts as slip [1].
 inline constexpr Real kLeastSlip = Real(.01);
 
-/// Did the points of a manifold slip together in the step before? One after another reaches its cone as the push grows, the least loaded first;
-/// those yield at the static coefficient until most of the load is on its cones and moves on there.
+/// Did the points of a manifold slip together in the step before? One after another reaches its cone as the
+/// push grows, the least loaded first; those yield at the static coefficient until most of the load is on its
+/// cones and moves on there.
 RUBBLE_HD inline bool slides(const Manifold& m, Real muStatic) {
   Real load = 0, stiffness = 0, yielding = 0, slip = 0;
   for (int k = 0; k < m.count; ++k) {
@@ -124,8 +129,10 @@ RUBBLE_HD inline bool slides(const Manifold& m, Real muStatic) {
   return 2 * yielding > load && slip * stiffness > kLeastSlip * muStatic * load * load;
 }
 
-/// Speed at which the fastest of the points of a manifold that stop an approach in this step closes, 0: none does [m/s].
-RUBBLE_HD inline Real fastestPoint(const SolverData& s, const Manifold& m, const PairRows& p, const Vec3& n, Real length) {
+/// Speed at which the fastest of the points of a manifold that stop an approach in this step closes, 0: none
+/// does [m/s].
+RUBBLE_HD inline Real fastestPoint(const SolverData& s, const Manifold& m, const PairRows& p, const Vec3& n,
+                                   Real length) {
   Real fastest = 0;
   const int a = p.bodies.a, b = p.bodies.b;
   if (!(pairSpeed(s, a, b, s.params[a], s.params[b]).closing > impactSpeed(s.step, length))) return fastest;
@@ -136,8 +143,8 @@ RUBBLE_HD inline Real fastestPoint(const SolverData& s, const Manifold& m, const
   }
   return fastest;
 }
-/// The load of an impact stands for so many times the mass that it stops [1]: more would not let rows follow their bodies within the iterations, less does
-/// not carry the impact on through a heap.
+/// The load of an impact stands for so many times the mass that it stops [1]: more would not let rows follow
+/// their bodies within the iterations, less does not carry the impact on through a heap.
 inline constexpr Real kImpactMasses = 100;
 
 /// What a load stands for moves the bodies of a contact by no more than this share of half the thickness of
@@ -180,7 +187,9 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) 
   r.n = m.normal;
   r.offset = -p.t;
   r.length = pairLength(pa, pb);
-  const Real lighter = pa.kind != BodyKind::Dynamic ? pb.mass : pb.kind != BodyKind::Dynamic ? pa.mass : min(pa.mass, pb.mass);
+  const Real lighter = pa.kind != BodyKind::Dynamic   ? pb.mass
+                       : pb.kind != BodyKind::Dynamic ? pa.mass
+                                                      : min(pa.mass, pb.mass);
   r.start = startStiffness(c, lighter);
   const PairMaterial material = pairMaterial(s, pair, o);
   p.bothMove = pa.kind == BodyKind::Dynamic && pb.kind == BodyKind::Dynamic;
@@ -200,15 +209,18 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) 
   return p;
 }
 
-/// Rows of point k, in lane `to` of r: geometry, regularised errors, warm start [S 12] [S 17]. Returns whether it stops a fast approach.
-RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p, int k, ContactRows& r, int to) {
+/// Rows of point k, in lane `to` of r: geometry, regularised errors, warm start [S 12] [S 17]. Returns
+/// whether it stops a fast approach.
+RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p, int k,
+                                 ContactRows& r, int to) {
   const StepConstants& c = s.step;
   const OrderedPair& o = p.bodies;
   const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
   const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);
   const bool impact = hits(c, closing, point.depth, r.length), awake = m.awake >> k & 1;
   if (point.depth > c.contactMargin * r.length) notePressed(s, o, point.depth);
-  if (awake && r.restitution > Real(0) && s.counters->bounces == 0 && isImpact(c, closing, r.length)) atomicRaise(&s.counters->bounces, 1);
+  if (awake && r.restitution > Real(0) && s.counters->bounces == 0 && isImpact(c, closing, r.length))
+    atomicRaise(&s.counters->bounces, 1);
 
   const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
   Real drift1 = stuck ? m.drift1[k] : Real(0), drift2 = stuck ? m.drift2[k] : Real(0);
@@ -225,9 +237,14 @@ RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const P
     const Real cut = bound / std::sqrt(size2);
     l1 *= cut, l2 *= cut;
   }
-  const Real kN = !awake ? Real(0) : isNew ? coldStart(normal.start).k : warmStiffness(c, normal, m.kN[k], lambda);
-  const Real kT = !awake ? Real(0) : isNew ? coldStart(p.tangent.start).k : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
-  // The drift is corrected by the part driftCorrection of it: what belts move and what settles is made good in full.
+  const Real kN = !awake  ? Real(0)
+                  : isNew ? coldStart(normal.start).k
+                          : warmStiffness(c, normal, m.kN[k], lambda);
+  const Real kT = !awake  ? Real(0)
+                  : isNew ? coldStart(p.tangent.start).k
+                          : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
+  // The drift is corrected by the part driftCorrection of it: what belts move and what settles is made good
+  // in full.
   Vec3 t1, t2;
   tangentBasis(r.n, t1, t2);
   const Real settling1 = dot(t1, p.settling), settling2 = dot(t2, p.settling);
@@ -241,11 +258,13 @@ RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const P
 }
 
 /// Does point k hold its bodies together now, up to the gap below which a point is not dormant?
-RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) { return r.load[k].kN > Real(0) && r.place[k].c0 > -kInactiveGap * r.length; }
+RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) {
+  return r.load[k].kN > Real(0) && r.place[k].c0 > -kInactiveGap * r.length;
+}
 
-/// Level of the groups at which rows unite their bodies: the finest at which these share a cell (cells.h), if a point holds them together or
-/// stops their approach in this step (bits of `impact`): what strikes together moves on together, and sweeps over one body at a time find
-/// that last.
+/// Level of the groups at which rows unite their bodies: the finest at which these share a cell (cells.h), if
+/// a point holds them together or stops their approach in this step (bits of `impact`): what strikes together
+/// moves on together, and sweeps over one body at a time find that last.
 RUBBLE_HD inline int joinLevel(const SolverData& s, const ContactRows& r, int impact) {
   for (int k = 0; k < kLanes; ++k)
     if (holdsAt(r, k) || (impact >> k & 1)) return finestSharedLevel(s, r.a, r.b);
@@ -272,13 +291,13 @@ struct BuildContactRows {
 };
 
 /// The dual update of all contacts.
-template <class L>
-struct UpdateContactDuals {
+template <class L> struct UpdateContactDuals {
   static constexpr const char* kStage = "dual";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     constexpr int kStep = sizeof(L) / sizeof(Real);
     ContactRows& r = s.contact[i];
-    for (int lane = 0; lane < kLanes; lane += kStep) updateContactDuals<L>(s.step, r, s.dx[r.a], s.dx[r.b], lane);
+    for (int lane = 0; lane < kLanes; lane += kStep)
+      updateContactDuals<L>(s.step, r, s.dx[r.a], s.dx[r.b], lane);
   }
 };
 
@@ -296,7 +315,8 @@ RUBBLE_HD inline StoredFrame storedFrame(const SolverData& s, const ContactRows&
   return f;
 }
 
-/// What a point brought into the step: multipliers, which only an impact asks for, and the drift since it stuck.
+/// What a point brought into the step: multipliers, which only an impact asks for, and the drift since it
+/// stuck.
 struct PointBefore {
   Vec3 lambda{0, 0, 0};
   Real drift1 = 0, drift2 = 0;
@@ -315,18 +335,25 @@ RUBBLE_HD inline void noteBefore(const SolverData& s, int i, const Manifold& m, 
   if (i < s.counters->bounceRows) s.bounce[i].before[k] = multipliersBefore(m, k);
 }
 
-/// What point k hands on to the next step, and whether it sticks. The multipliers of an impact are not kept: those `before` it are.
+/// What point k hands on to the next step, and whether it sticks. The multipliers of an impact are not kept:
+/// those `before` it are.
 struct StoredPoint {
   PointMemory memory;
   bool sticks;
 };
-RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows& r, const StoredFrame& f, int k, bool impact,
-                                         const PointBefore& before) {
+RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows& r, const StoredFrame& f,
+                                         int k, bool impact, const PointBefore& before) {
   const PointLoad load = r.load[k];
   const PointSlip slip = r.slip[k];
   const Vec3 lambda = impact ? before.lambda : Vec3{load.lambdaN, load.lambda1, load.lambda2};
   const bool active = load.kN > Real(0);
-  PointMemory m{lambda.x, lambda.y, lambda.z, active ? load.kN : r.start, active ? slip.kT : r.start * s.step.tangentStiffness, 0, 0};
+  PointMemory m{lambda.x,
+                lambda.y,
+                lambda.z,
+                active ? load.kN : r.start,
+                active ? slip.kT : r.start * s.step.tangentStiffness,
+                0,
+                0};
   // the force on the cone tells
   const Real lt2 = load.lambda1 * load.lambda1 + load.lambda2 * load.lambda2, bound = slip.mu * load.lambdaN;
   const bool stuck = load.lambdaN > Real(0) && lt2 < bound * bound * (Real(1) - Real(1e-5));
@@ -354,8 +381,7 @@ RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows&
 }
 
 /// The last dual update, and what the points hand on to the next step.
-template <class L>
-struct FinishContacts {
+template <class L> struct FinishContacts {
   static constexpr const char* kStage = "store";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     UpdateContactDuals<L>{}(s, i);
@@ -374,8 +400,10 @@ struct FinishContacts {
       remember(m, k, point.memory);
       if (point.sticks) stick |= static_cast<std::uint8_t>(1u << k);
       const PointSupport own = pointSupport(s, r, f.t1, f.t2, k, !impact);
-      if (k % 2 == 0) even = even + own;
-      else odd = odd + own;
+      if (k % 2 == 0)
+        even = even + own;
+      else
+        odd = odd + own;
     }
     m.stick = stick;
     s.support[i] = supportOf(r, even + odd);

@@ -1,13 +1,15 @@
 #pragma once
-/// Narrow phase of all pairs that are not of two plain shapes: in a kernel of its own, so that the plain ones keep theirs small.
+/// Narrow phase of all pairs that are not of two plain shapes: in a kernel of its own, so that the plain ones
+/// keep theirs small.
 #include "stages/contacts/contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
 RUBBLE_HD inline Vec3 downOf(const SolverData& s) { return normalize(s.step.gravity, Vec3{0, 0, 0}); }
 
-/// Manifolds i to i + kSurfaceSlots - 1, of as many pairs: a part of a body and a surface. The points are gathered anew in every step; each takes over
-/// from the nearest old point of the same part and facing, whatever its slot.
+/// Manifolds i to i + kSurfaceSlots - 1, of as many pairs: a part of a body and a surface. The points are
+/// gathered anew in every step; each takes over from the nearest old point of the same part and facing,
+/// whatever its slot.
 RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
   const Pair p = s.pair[s.activePair[i]];
   const OrderedPair o = ordered(p);
@@ -43,7 +45,8 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
     raw.separation = 0;
     if (slot < found.count) {
       SurfaceCluster& c = found.cluster[slot];
-      convex::pickFour(c.points, c.n, convex::loadedSide(c.points, c.n, found.weight), pose.margin, pose.length);
+      convex::pickFour(c.points, c.n, convex::loadedSide(c.points, c.n, found.weight), pose.margin,
+                       pose.length);
       const Vec3 n = rotate(qs, c.n);
       raw.n = onA ? n : -n;
       raw.normalOnB = !onA;
@@ -68,10 +71,12 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
             const int point = j % kLanes;
             if (point >= old.count || (used >> j & 1) || dot(old.normal, m.normal) < kSameNormal) continue;
             if (pass == 0) {
-              if (old.feature[point] == m.feature[k] && bestSlot < 0) bestSlot = j / kLanes, bestPoint = point;
+              if (old.feature[point] == m.feature[k] && bestSlot < 0)
+                bestSlot = j / kLanes, bestPoint = point;
               continue;
             }
-            const Real d2 = min(lengthSquared(pointOnA(m, k) - pointOnA(old, point)), lengthSquared(pointOnB(m, k) - pointOnB(old, point)));
+            const Real d2 = min(lengthSquared(pointOnA(m, k) - pointOnA(old, point)),
+                                lengthSquared(pointOnB(m, k) - pointOnB(old, point)));
             if (d2 < best) best = d2, bestSlot = j / kLanes, bestPoint = point;
           }
           if (bestSlot < 0) continue;

@@ -10,11 +10,16 @@ namespace rubble::RUBBLE_CORE {
 RUBBLE_HD inline Real combined(int ruleA, int ruleB, Combine usual, Real a, Real b) {
   const int rule = max(ruleA, ruleB);
   switch (rule == 0 ? usual : static_cast<Combine>(rule)) {
-    case Combine::Average: return (a + b) / 2;
-    case Combine::Minimum: return min(a, b);
-    case Combine::Multiply: return a * b;
-    case Combine::Maximum: return max(a, b);
-    default: return std::sqrt(a * b);
+    case Combine::Average:
+      return (a + b) / 2;
+    case Combine::Minimum:
+      return min(a, b);
+    case Combine::Multiply:
+      return a * b;
+    case Combine::Maximum:
+      return max(a, b);
+    default:
+      return std::sqrt(a * b);
   }
 }
 
@@ -34,21 +39,28 @@ RUBBLE_HD inline SurfaceData surfaceOf(const SolverData& s, int body, int part) 
 struct PairMaterial {
   Real muStatic, muDynamic, restitution;
   Real rolling, torsional;  ///< [m]
-  Vec3 belt;                ///< how far the surface of A moves against that of B in a step, besides their bodies [m]
+  Vec3 belt;  ///< how far the surface of A moves against that of B in a step, besides their bodies [m]
 };
 
 RUBBLE_HD inline PairMaterial pairMaterial(const SolverData& s, const Pair& pair, const OrderedPair& o) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   if (s.surfaces == 0)
-    return {std::sqrt(pa.muStatic * pb.muStatic), std::sqrt(pa.muDynamic * pb.muDynamic), max(pa.restitution, pb.restitution), 0, 0, {0, 0, 0}};
+    return {std::sqrt(pa.muStatic * pb.muStatic),
+            std::sqrt(pa.muDynamic * pb.muDynamic),
+            max(pa.restitution, pb.restitution),
+            0,
+            0,
+            {0, 0, 0}};
   // beside a surface `first` is the part of the other body, and a surface has no parts
   const bool surface = isSurface(pa.shape.kind) || isSurface(pb.shape.kind), ownerIsA = pair.owner == o.a;
   const SurfaceData a = surfaceOf(s, o.a, surface || ownerIsA ? pair.first : pair.second);
   const SurfaceData b = surfaceOf(s, o.b, surface || !ownerIsA ? pair.first : pair.second);
   PairMaterial m;
   m.muStatic = combined(a.frictionCombine, b.frictionCombine, Combine::GeometricMean, a.muStatic, b.muStatic);
-  m.muDynamic = combined(a.frictionCombine, b.frictionCombine, Combine::GeometricMean, a.muDynamic, b.muDynamic);
-  m.restitution = combined(a.restitutionCombine, b.restitutionCombine, Combine::Maximum, a.restitution, b.restitution);
+  m.muDynamic = combined(a.frictionCombine, b.frictionCombine, Combine::GeometricMean, a.muDynamic,
+                         b.muDynamic);
+  m.restitution = combined(a.restitutionCombine, b.restitutionCombine, Combine::Maximum, a.restitution,
+                           b.restitution);
   m.rolling = max(a.rolling, b.rolling);
   m.torsional = max(a.torsional, b.torsional);
   m.belt = s.step.dt * (rotate(s.orientation[o.a], a.velocity) - rotate(s.orientation[o.b], b.velocity));

@@ -1,27 +1,28 @@
 #pragma once
 /// Contacts of bodies: manifolds, rows and their multipliers.
-#include "stages/executor.h"
 #include "stages/bodies/corrections.h"
+#include "stages/bounces/bounce.h"
 #include "stages/contacts/general_contacts.h"
 #include "stages/contacts/rolling.h"
-#include "stages/bounces/bounce.h"
+#include "stages/executor.h"
 
 namespace rubble::RUBBLE_CORE::contacts {
 
 /// Manifolds and rows at x^t.
-template <Executor E>
-void prepare(E& e) {
+template <Executor E> void prepare(E& e) {
   const SolverData& s = e.view();
   e.clear(&SolverData::impactSpeedBound, s.bodies);
   e.forEach(FindImpactSpeedBounds{}, &Counters::pairs);
   e.forEach(FindActivePairs{}, &Counters::pairs);
   e.forEach(TestNewPairs{}, &Counters::newPairs);
-  e.scan(&SolverData::isActive, &SolverData::activePairOffset, &Counters::pairs, &Counters::activePairs, Per::ActivePair);
+  e.scan(&SolverData::isActive, &SolverData::activePairOffset, &Counters::pairs, &Counters::activePairs,
+         Per::ActivePair);
   e.forEach(ListActivePairs{}, &Counters::pairs);
   e.forEach(RecycleManifolds{}, &Counters::activePairs);
   e.forEach(TestPairs{}, &Counters::tested);
   if (s.generalShapes) e.forEach(TestGeneralPairs{}, &Counters::tested);
-  e.scan(&SolverData::hasRows, &SolverData::rowOffset, &Counters::activePairs, &Counters::manifolds, Per::Manifold);
+  e.scan(&SolverData::hasRows, &SolverData::rowOffset, &Counters::activePairs, &Counters::manifolds,
+         Per::Manifold);
   if (s.rolls) {
     e.forEach(CountRolling{}, 1);
     e.require(Per::Rolling, &Counters::rollers);
@@ -34,18 +35,16 @@ void prepare(E& e) {
   e.require(Per::Bounce, &Counters::bounceRows);
 }
 
-template <Executor E>
-void updateDuals(E& e, bool last) {
+template <Executor E> void updateDuals(E& e, bool last) {
   using L = typename E::Lane;
-  if (last) e.forEach(FinishContacts<L>{}, &Counters::manifolds);
-  else e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
+  if (last)
+    e.forEach(FinishContacts<L>{}, &Counters::manifolds);
+  else
+    e.forEach(UpdateContactDuals<L>{}, &Counters::manifolds);
   if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);
 }
 
 /// How far the correction of penetrations will move each body in the next step.
-template <Executor E>
-void finish(E& e) {
-  e.forEach(FindCorrections{}, e.view().bodies);
-}
+template <Executor E> void finish(E& e) { e.forEach(FindCorrections{}, e.view().bodies); }
 
 }  // namespace rubble::RUBBLE_CORE::contacts

@@ -1,5 +1,6 @@
 #pragma once
-/// Rolling and torsional friction: one row block beside the contact rows of a pair, where any material has such friction.
+/// Rolling and torsional friction: one row block beside the contact rows of a pair, where any material has
+/// such friction.
 #include "stages/contacts/contacts.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -25,14 +26,18 @@ struct BuildRolling {
     } else if (s.hasRows[i] != 0) {
       const PairMaterial material = pairMaterial(s, p, o);
       const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
-      const Real lighter = pa.kind != BodyKind::Dynamic ? pb.mass : pb.kind != BodyKind::Dynamic ? pa.mass : min(pa.mass, pb.mass);
+      const Real lighter = pa.kind != BodyKind::Dynamic   ? pb.mass
+                           : pb.kind != BodyKind::Dynamic ? pa.mass
+                                                          : min(pa.mass, pb.mass);
       const Real arm = pairLength(pa, pb) / 2;
       // a body that rolls carries its mass along
       const Real k = startStiffness(s.step, lighter * arm * arm);
       r.n = m.normal;
       r.rolling = material.rolling, r.torsional = material.torsional;
-      r.kRoll = material.rolling > Real(0) ? k : Real(0), r.kTwist = material.torsional > Real(0) ? k : Real(0);
-      if (before >= 0 && s.rolledBefore && s.oldManifold[before].count > 0 && dot(s.oldRolling[before].n, r.n) > kSameNormal)
+      r.kRoll = material.rolling > Real(0) ? k : Real(0),
+      r.kTwist = material.torsional > Real(0) ? k : Real(0);
+      if (before >= 0 && s.rolledBefore && s.oldManifold[before].count > 0 &&
+          dot(s.oldRolling[before].n, r.n) > kSameNormal)
         r.lambda = s.oldRolling[before].lambda * warmMultiplier(s.step, Real(1), false);
     }
     s.rolling[i] = r;
@@ -49,7 +54,8 @@ struct UpdateRollingDuals {
   }
 };
 
-/// Adds the rolling friction of a contact on one of its bodies; angular moments are the same about every point. Hessians count `weight` times.
+/// Adds the rolling friction of a contact on one of its bodies; angular moments are the same about every
+/// point. Hessians count `weight` times.
 RUBBLE_HD inline void addRolling(const SolverData& s, std::uint32_t code, Block6& block, Real weight = 1) {
   const ContactRows& m = s.contact[constraintIndex(code)];
   accumulateRolling(s.rolling[m.manifold], m, constraintSide(code) == 0, s.dx[m.a], s.dx[m.b], block, weight);

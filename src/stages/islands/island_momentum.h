@@ -16,8 +16,8 @@
 /// repair too, the motion of its bodies against that of a rigid whole is reduced to what is left for it.
 /// Such a motion has no momenta, and no joint sees it reduced.
 ///
-/// Bodies of the coarsest group (aggregates.h) are connected already, so few rows are left to unite. Sums are of
-/// whole numbers, so that their order does not matter (IslandSums).
+/// Bodies of the coarsest group (aggregates.h) are connected already, so few rows are left to unite. Sums are
+/// of whole numbers, so that their order does not matter (IslandSums).
 #include <limits>
 
 #include "stages/coarse/coarse.h"
@@ -121,8 +121,7 @@ RUBBLE_HD inline MomentumSums momentaOf(const SolverData& s, int root, int i) {
   const BodyTarget& target = s.target[i];
   const bool stopped = s.stopBits[i] != 0;
   const Vec3 principal = s.params[i].inertia, way = stopped ? s.ccdMotion[i].dp : s.dx[i].dp;
-  const Quat q = s.orientation[i],
-             start = conjugate(stopped ? expRotation(s.ccdMotion[i].dw) : s.dq[i]) * q;
+  const Quat q = s.orientation[i], start = conjugate(stopped ? expRotation(s.ccdMotion[i].dw) : s.dq[i]) * q;
   const Vec3 frame = s.step.inverseDt * s.target[root].y.p, w = s.angularVelocity[i];
   Vec3 freeVelocity = s.step.inverseDt * target.y.p - frame;
   const Vec3 v = s.velocity[i] - frame;
@@ -142,15 +141,14 @@ RUBBLE_HD inline MomentumSums momentaOf(const SolverData& s, int root, int i) {
   own.angular = m * cross(after, v) + spin;
   own.inertia = inertia;
   addPointInertia(own.inertia, after, m);
-  own.freeEnergy =
-      Real(.5) * (m * dot(freeVelocity, freeVelocity) + dot(freeSpin, target.mass.inertia * freeSpin));
+  own.freeEnergy = Real(.5) *
+                   (m * dot(freeVelocity, freeVelocity) + dot(freeSpin, target.mass.inertia * freeSpin));
   own.energy = Real(.5) * (m * dot(v, v) + dot(w, inertia * w));
   return own;
 }
 
 /// act(sums, k, term) for the terms that a body adds to its island, if nothing holds that.
-template <class Act>
-RUBBLE_HD void forEachMomentum(const SolverData& s, int i, Act&& act) {
+template <class Act> RUBBLE_HD void forEachMomentum(const SolverData& s, int i, Act&& act) {
   const int slot = freeIslandOf(s, i);
   if (slot < 0) return;
   MomentumSums own = momentaOf(s, s.rowIsland[i], i);

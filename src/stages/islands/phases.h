@@ -8,16 +8,14 @@
 namespace rubble::RUBBLE_CORE::islands {
 
 /// Kernel over what of deformable objects keeps bodies awake.
-template <template <class> class Kernel, Executor E>
-void forEachSoftNeighbor(E& e) {
+template <template <class> class Kernel, Executor E> void forEachSoftNeighbor(E& e) {
   if (e.view().vertices == 0) return;
   e.forEach(Kernel<NearVertex>{}, &Counters::pointPairs);
   e.forEach(Kernel<HeldByVertices>{}, e.view().attachments);
 }
 
 /// Wakes islands that something disturbs.
-template <Executor E>
-void wake(E& e) {
+template <Executor E> void wake(E& e) {
   if (!e.view().step.sleeping) return;
   const int bodies = e.view().bodies;
   e.clear(&SolverData::islandFlag, bodies);
@@ -29,8 +27,7 @@ void wake(E& e) {
 }
 
 /// Those that have come to rest fall asleep.
-template <Executor E>
-void sleep(E& e) {
+template <Executor E> void sleep(E& e) {
   if (!e.view().step.sleeping) return;
   const int bodies = e.view().bodies;
   e.clear(&SolverData::islandFlag, bodies);
@@ -44,8 +41,7 @@ void sleep(E& e) {
 }
 
 /// Islands that nothing holds get back the momenta that they are short of.
-template <Executor E>
-void keepMomenta(E& e) {
+template <Executor E> void keepMomenta(E& e) {
   const SolverData& s = e.view();
   if (s.step.literalRotations) return;
   const int bodies = s.bodies;

@@ -1,8 +1,10 @@
 #pragma once
-/// Sleeping. An island is a set of dynamic bodies that hang together by pairs of the broad phase and joints: larger than what touches, so
-/// that no awake body is ever near one that sleeps. An island whose bodies have all been still for a while sleeps: it is left out of rows,
-/// groups, colours and iterations, and its manifolds are kept with their multipliers. It wakes whole, before the rows of a step are made, if
-/// a moving body comes near one of its bodies, if one of them is edited or pushed, or if the pairs of one of them change.
+/// Sleeping. An island is a set of dynamic bodies that hang together by pairs of the broad phase and joints:
+/// larger than what touches, so that no awake body is ever near one that sleeps. An island whose bodies have
+/// all been still for a while sleeps: it is left out of rows, groups, colours and iterations, and its
+/// manifolds are kept with their multipliers. It wakes whole, before the rows of a step are made, if a moving
+/// body comes near one of its bodies, if one of them is edited or pushed, or if the pairs of one of them
+/// change.
 #include "stages/bodies/incidence.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -20,8 +22,7 @@ struct WakeByPairs {
   }
 };
 
-template <class F>
-struct WakeByJoints {
+template <class F> struct WakeByJoints {
   static constexpr const char* kStage = "sleep";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& joint = s.specsOf<F>()[i];
@@ -42,7 +43,9 @@ struct WakeByForces {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.asleep[i] == 0) return;
     const Vec3 none{0, 0, 0};
-    if (s.wakeAll != 0 || s.force[i] != none || s.torque[i] != none || s.velocity[i] != none || s.angularVelocity[i] != none) atomicRaise(&s.islandFlag[s.asleep[i] - 1], 1);
+    if (s.wakeAll != 0 || s.force[i] != none || s.torque[i] != none || s.velocity[i] != none ||
+        s.angularVelocity[i] != none)
+      atomicRaise(&s.islandFlag[s.asleep[i] - 1], 1);
   }
 };
 
@@ -77,23 +80,25 @@ struct JoinIslandsByPairs {
     if (isDynamic(s, p.owner) && isDynamic(s, p.other)) unite(s.island, p.owner, p.other);
   }
 };
-template <class F>
-struct JoinIslandsByJoints {
+template <class F> struct JoinIslandsByJoints {
   static constexpr const char* kStage = "sleep";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& joint = s.specsOf<F>()[i];
     if (!active<F>(s, i)) return;
     for (int side = 1; side < kSides<F>; ++side)
       for (int k = 0; k < side; ++k)
-        if (isDynamic(s, bodyOf(joint, k)) && isDynamic(s, bodyOf(joint, side))) unite(s.island, bodyOf(joint, k), bodyOf(joint, side));
+        if (isDynamic(s, bodyOf(joint, k)) && isDynamic(s, bodyOf(joint, side)))
+          unite(s.island, bodyOf(joint, k), bodyOf(joint, side));
   }
 };
 
-/// Islands that do not sleep: of one body that is not still long enough, or that something moving touches or holds.
+/// Islands that do not sleep: of one body that is not still long enough, or that something moving touches or
+/// holds.
 struct FindRestless {
   static constexpr const char* kStage = "sleep";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (isDynamic(s, i) && s.stillTime[i] < s.step.sleepDelay) atomicRaise(&s.islandFlag[findRoot(s.island, i)], 1);
+    if (isDynamic(s, i) && s.stillTime[i] < s.step.sleepDelay)
+      atomicRaise(&s.islandFlag[findRoot(s.island, i)], 1);
   }
 };
 struct FindMovedIslands {

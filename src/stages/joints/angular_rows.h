@@ -1,16 +1,16 @@
 #pragma once
-/// What turns, once an iteration. Rows that depend on the rotation of A relative to B alone (limits, drives and friction of angles, axes
-/// that stay parallel) are angles, roots and quotients of quaternions, and every sweep asks for them from both bodies, and every level of
-/// groups again. They are found before the sweep, and are linear in what the joint has turned since (forces/joint_accumulation.h) until the next
-/// one; laws of force, bounds and limits stay as they are. What is left out is of second order in the steps of one iteration, and the next
-/// one begins without it. Groups of an iteration have them from the sweep before.
+/// What turns, once an iteration. Rows that depend on the rotation of A relative to B alone (limits, drives
+/// and friction of angles, axes that stay parallel) are angles, roots and quotients of quaternions, and every
+/// sweep asks for them from both bodies, and every level of groups again. They are found before the sweep,
+/// and are linear in what the joint has turned since (forces/joint_accumulation.h) until the next one; laws
+/// of force, bounds and limits stay as they are. What is left out is of second order in the steps of one
+/// iteration, and the next one begins without it. Groups of an iteration have them from the sweep before.
 #include "stages/bodies/blocks.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// A part of a joint each.
-template <class F>
-struct LinearizeAngularRows {
+template <class F> struct LinearizeAngularRows {
   static constexpr const char* kStage = "joint turns";
   static constexpr int kPerJoint = hasAngularRows<F>() ? F::Parts::kCount : 0;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
@@ -29,7 +29,9 @@ struct LinearizeAngularRows {
       forEachPart<F>([&]<int I, class P>() {
         if constexpr (isTurn<F, P>())
           for (int k = 0; I == at.part && k < turnLaws<F, P>(); ++k)
-            storeVectorized(turns.law[firstTurnLaw<F, I>() + k], [&](AngularRows& rows) { return linearizeTurn<F, I, P>(spec, joint, a, b, turnedB, k, rows); });
+            storeVectorized(turns.law[firstTurnLaw<F, I>() + k], [&](AngularRows& rows) {
+              return linearizeTurn<F, I, P>(spec, joint, a, b, turnedB, k, rows);
+            });
       });
     }
   }

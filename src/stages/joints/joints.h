@@ -4,8 +4,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-template <class F>
-RUBBLE_HD bool active(const SolverData& s, int i) {
+template <class F> RUBBLE_HD bool active(const SolverData& s, int i) {
   const JointSpec<F>& spec = s.specsOf<F>()[i];
   if (!spec.alive || s.jointsOf<F>()[i].broken) return false;
   for (int side = 0; side < kSides<F>; ++side)
@@ -28,8 +27,7 @@ RUBBLE_HD inline Pose stillPose(const SolverData& s, int body, const Vec3& offse
 }
 
 /// Warm start at x^t. Runs before bodies are moved to their initial guess.
-template <class F>
-struct BeginJoints {
+template <class F> struct BeginJoints {
   static constexpr const char* kStage = "joint rows";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
@@ -39,14 +37,19 @@ struct BeginJoints {
       joint.acting = 0;
       return;
     }
-    joint.sharedLevel = spec.a == kWorldBody || spec.b == kWorldBody ? kCoarseLevels : finestSharedLevel(s, spec.a, spec.b);
+    joint.sharedLevel = spec.a == kWorldBody || spec.b == kWorldBody ? kCoarseLevels
+                                                                     : finestSharedLevel(s, spec.a, spec.b);
     const Vec3d origin = jointOrigin(s, spec.b);
     const Vec3 offset(jointOrigin(s, spec.a) - origin);
     if constexpr (isCarried<F>()) {
-      const auto offsetOf = [&](int body) { return body == kWorldBody ? Vec3{0, 0, 0} : Vec3(s.position[body] - origin); };
+      const auto offsetOf = [&](int body) {
+        return body == kWorldBody ? Vec3{0, 0, 0} : Vec3(s.position[body] - origin);
+      };
       joint.offsetCarrierA = offsetOf(spec.carrierA), joint.offsetCarrierB = offsetOf(spec.carrierB);
     }
-    const auto radius = [&](int body) { return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic ? s.params[body].radius : Real(0); };
+    const auto radius = [&](int body) {
+      return body != kWorldBody && s.params[body].kind == BodyKind::Dynamic ? s.params[body].radius : Real(0);
+    };
     const Real ra = radius(spec.a), rb = radius(spec.b);
     joint.length = 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
     SidePose<F> a, b;
@@ -73,10 +76,9 @@ struct BeginJoints {
 struct PartIndex {
   int joint, part;
 };
-/// The k-th of all parts of all joints of a type. On a GPU neighbours have the same part, since one instruction is for all lanes of a warp;
-/// on a CPU the same joint, which is in its cache then.
-template <class F>
-RUBBLE_HD PartIndex partAt(const SolverData& s, int k) {
+/// The k-th of all parts of all joints of a type. On a GPU neighbours have the same part, since one
+/// instruction is for all lanes of a warp; on a CPU the same joint, which is in its cache then.
+template <class F> RUBBLE_HD PartIndex partAt(const SolverData& s, int k) {
 #if RUBBLE_DEVICE_CODE
   const int joints = s.joints[typeIndex<F>(JointTypes{})];
   return {k % joints, k / joints};
@@ -87,21 +89,20 @@ RUBBLE_HD PartIndex partAt(const SolverData& s, int k) {
 }
 
 /// Those of a joint about a point, from the errors that sweeps see.
-template <class F>
-RUBBLE_HD void updateAnchors(const SolverData& s, Joint<F>& joint) {
+template <class F> RUBBLE_HD void updateAnchors(const SolverData& s, Joint<F>& joint) {
   const PivotFrame& frame = loadVectorized(frameOf(joint));
   if (!(frame.acting & 1)) return;
   Real error[AnchorRows::kRows];
   updateVectorized(partOf<0>(joint.parts), [&](GroupRows<AnchorRows::kRows>& rows) {
-    anchorErrors(frame, rows, poseSinceStart(s, frame.end[0].body), poseSinceStart(s, frame.end[1].body), error);
+    anchorErrors(frame, rows, poseSinceStart(s, frame.end[0].body), poseSinceStart(s, frame.end[1].body),
+                 error);
     updateGroup<AnchorRows::kRows>(rows.state, error, rows.lambda, AnchorRows::kRows);
     return true;
   });
 }
 
 /// A part of a joint each.
-template <class F>
-struct UpdateJointDuals {
+template <class F> struct UpdateJointDuals {
   static constexpr const char* kStage = "joint dual";
   static constexpr int kPerJoint = F::Parts::kCount;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
@@ -118,11 +119,11 @@ struct UpdateJointDuals {
   }
 };
 
-template <class F>
-struct FinishJoints {
+template <class F> struct FinishJoints {
   static constexpr const char* kStage = "joint end";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (s.jointsOf<F>()[i].active && endJoint(s.specsOf<F>()[i], s.jointsOf<F>()[i])) atomicCount(&s.counters->broken, 1);
+    if (s.jointsOf<F>()[i].active && endJoint(s.specsOf<F>()[i], s.jointsOf<F>()[i]))
+      atomicCount(&s.counters->broken, 1);
   }
 };
 

@@ -5,26 +5,14 @@
 
 namespace rubble::RUBBLE_CORE::joints {
 
-template <Executor E>
-void prepare(E& e) {
-  forEachJoint<BeginJoints>(e);
-}
+template <Executor E> void prepare(E& e) { forEachJoint<BeginJoints>(e); }
 
 /// Rows that depend on the rotation of one body relative to another, about where the bodies are now.
-template <Executor E>
-void linearize(E& e) {
-  forEachJoint<LinearizeAngularRows>(e);
-}
+template <Executor E> void linearize(E& e) { forEachJoint<LinearizeAngularRows>(e); }
 
-template <Executor E>
-void updateDuals(E& e) {
-  forEachJoint<UpdateJointDuals>(e);
-}
+template <Executor E> void updateDuals(E& e) { forEachJoint<UpdateJointDuals>(e); }
 
 /// Which joints break.
-template <Executor E>
-void finish(E& e) {
-  forEachJoint<FinishJoints>(e);
-}
+template <Executor E> void finish(E& e) { forEachJoint<FinishJoints>(e); }
 
 }  // namespace rubble::RUBBLE_CORE::joints

@@ -1,6 +1,7 @@
 #pragma once
-/// Broad phase: a hashed grid with levels. A body lies in the cell of its centre, at the level that fits its swept box; it looks for
-/// partners in its own level and in all coarser ones. Buckets of cells with rising x are neighbours in memory.
+/// Broad phase: a hashed grid with levels. A body lies in the cell of its centre, at the level that fits its
+/// swept box; it looks for partners in its own level and in all coarser ones. Buckets of cells with rising x
+/// are neighbours in memory.
 #include "solver/inertia.h"
 #include "stages/pairs/filter.h"
 #include "stages/pairs/pair_parts.h"
@@ -19,24 +20,30 @@ RUBBLE_HD inline int cellOf(Real x, Real size) {
 }
 
 RUBBLE_HD inline int bucketOf(const SolverData& s, int level, int x, int y, int z) {
-  const std::uint32_t row = hash32(static_cast<std::uint32_t>(y) * 0x9e3779b1u ^ hash32(static_cast<std::uint32_t>(z) * 32u + static_cast<std::uint32_t>(level)));
+  const std::uint32_t row = hash32(
+      static_cast<std::uint32_t>(y) * 0x9e3779b1u ^
+      hash32(static_cast<std::uint32_t>(z) * 32u + static_cast<std::uint32_t>(level)));
   return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(s.cells - 1));
 }
 
 /// Detection margin of a body: half of the smallest margin of a pair of its like [m].
-RUBBLE_HD inline Real ownMargin(const SolverData& s, const BodyParams& p) { return s.step.contactMargin * p.radius; }
+RUBBLE_HD inline Real ownMargin(const SolverData& s, const BodyParams& p) {
+  return s.step.contactMargin * p.radius;
+}
 
-/// raise(most, value) for each of the greatest numbers that are kept of a level and that of a body in it: half extents and cells.
-template <class Raise>
-RUBBLE_HD void raiseExtents(const SolverData& s, const Bounds& b, Raise&& raise) {
+/// raise(most, value) for each of the greatest numbers that are kept of a level and that of a body in it:
+/// half extents and cells.
+template <class Raise> RUBBLE_HD void raiseExtents(const SolverData& s, const Bounds& b, Raise&& raise) {
   Counters& c = *s.counters;
   for (int k = 0; k < 3; ++k) raise(&c.levelHalf[b.level][k], floatBits(b.half[k] * Real(1.000001)));
   const int cell[3] = {b.x, b.y, b.z};
   for (int k = 0; k < 3; ++k)
-    for (int side = 0; side < 2; ++side) raise(&c.levelReach[b.level][side][k], kCellOrigin + (side == 0 ? -cell[k] : cell[k]));
+    for (int side = 0; side < 2; ++side)
+      raise(&c.levelReach[b.level][side][k], kCellOrigin + (side == 0 ? -cell[k] : cell[k]));
 }
 
-/// How far a body goes in a step by its velocity, and by gravity as far as it followed that in the last one. [m]
+/// How far a body goes in a step by its velocity, and by gravity as far as it followed that in the last one.
+/// [m]
 RUBBLE_HD inline Vec3 wayAhead(const SolverData& s, int i) {
   const Real dt = s.step.dt;
   const Vec3 v = s.velocity[i];
@@ -51,7 +58,8 @@ struct ComputeBounds {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!place(s, i)) return;
     const Bounds& b = s.bounds[i];
-    if (int& members = s.counters->levelCount[b.level]; members <= kListedBodies) list(s, b.level, atomicCount(&members, 1), i);
+    if (int& members = s.counters->levelCount[b.level]; members <= kListedBodies)
+      list(s, b.level, atomicCount(&members, 1), i);
     raiseExtents(s, b, [](int* most, int value) {
       if (value > *most) atomicRaise(most, value);
     });
@@ -99,7 +107,8 @@ struct FillGrid {
   }
 };
 
-/// A level of few bodies: visit(incidence) for each of them that is its turn, number `lane` of `lanes`. False: there are many.
+/// A level of few bodies: visit(incidence) for each of them that is its turn, number `lane` of `lanes`.
+/// False: there are many.
 template <class Visit>
 RUBBLE_HD bool visitListed(const SolverData& s, int level, Visit&& visit, int lane = 0, int lanes = 1) {
   const int members = s.counters->levelCount[level];
@@ -116,7 +125,9 @@ struct CellRange {
   int x0, x1, y0, y1, z0, z1;
   RUBBLE_HD bool empty() const { return x1 < x0 || y1 < y0 || z1 < z0; }
   RUBBLE_HD int rows() const { return (y1 - y0 + 1) * (z1 - z0 + 1); }
-  RUBBLE_HD double cells() const { return (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1); }
+  RUBBLE_HD double cells() const {
+    return (double(x1) - x0 + 1) * (double(y1) - y0 + 1) * (double(z1) - z0 + 1);
+  }
 };
 RUBBLE_HD inline CellRange cellsAround(const SolverData& s, const Bounds& b, int level) {
   const Real size = cellSize(level);
@@ -124,35 +135,40 @@ RUBBLE_HD inline CellRange cellsAround(const SolverData& s, const Bounds& b, int
   for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
   const auto& most = s.counters->levelReach[level];
   const auto low = [&](int k) { return max(cellOf(b.centre[k] - reach[k], size), kCellOrigin - most[0][k]); };
-  const auto high = [&](int k) { return min(cellOf(b.centre[k] + reach[k], size), most[1][k] - kCellOrigin); };
+  const auto high = [&](int k) {
+    return min(cellOf(b.centre[k] + reach[k], size), most[1][k] - kCellOrigin);
+  };
   return {low(0), high(0), low(1), high(1), low(2), high(2)};
 }
 
-/// Entries of the buckets of a row of cells. They lie side by side, and go on from the first bucket after the last.
+/// Entries of the buckets of a row of cells. They lie side by side, and go on from the first bucket after the
+/// last.
 struct RowOfCells {
   int begin, end;  ///< in the grid
   int wrapped;     ///< and as many from its beginning on
 };
 RUBBLE_HD inline RowOfCells rowOfCells(const SolverData& s, int level, int x0, int x1, int y, int z) {
   const int bucket = bucketOf(s, level, x0, y, z), cells = x1 - x0 + 1, here = min(cells, s.cells - bucket);
-  return {s.bucketOffset[bucket], s.bucketOffset[bucket + here], here < cells ? s.bucketOffset[cells - here] : 0};
+  return {s.bucketOffset[bucket], s.bucketOffset[bucket + here],
+          here < cells ? s.bucketOffset[cells - here] : 0};
 }
 
 /// Do two boxes, of Bounds or of the grid, touch?
-template <class A, class B>
-RUBBLE_HD bool boundsTouch(const A& a, const B& b) {
+template <class A, class B> RUBBLE_HD bool boundsTouch(const A& a, const B& b) {
   return !(std::fabs(a.centre.x - b.centre.x) > a.half.x + b.half.x) &&
          !(std::fabs(a.centre.y - b.centre.y) > a.half.y + b.half.y) &&
          !(std::fabs(a.centre.z - b.centre.z) > a.half.z + b.half.z);
 }
 
-/// Which bodies of its own level a body looks for: those of a higher number, or those in cells behind its own, row by row, and of a higher number in
-/// its own cell. In either way one of two finds the other; the latter takes half as many cells.
+/// Which bodies of its own level a body looks for: those of a higher number, or those in cells behind its
+/// own, row by row, and of a higher number in its own cell. In either way one of two finds the other; the
+/// latter takes half as many cells.
 enum class Ahead { InNumber, InPlace };
 
 /// found(other) for the bodies of a level whose bounds touch those of body i, for number `lane` of `lanes`.
 template <Ahead kAhead, class Found>
-RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int level, Found&& found, int lane, int lanes) {
+RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int level, Found&& found, int lane,
+                           int lanes) {
   const bool own = level == b.level;
   const auto touches = [&](const GridEntry& e) { return boundsTouch(e, b); };
   const auto tryEntry = [&](const GridEntry& e) {
@@ -179,7 +195,9 @@ RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int leve
     }
     return;
   }
-  const auto rowAt = [&](int y, int z) { return rowOfCells(s, level, y == y0 && z == z0 ? x0 : c.x0, c.x1, y, z); };
+  const auto rowAt = [&](int y, int z) {
+    return rowOfCells(s, level, y == y0 && z == z0 ? x0 : c.x0, c.x1, y, z);
+  };
   int y = y0, z = z0;
   const auto step = [&](int rows) {
     for (y += rows; y > c.y1; y -= c.y1 - c.y0 + 1) ++z;
@@ -197,7 +215,8 @@ RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int leve
       if (e.level != level || !touches(e)) return;
       // cells of another row may share the bucket, and would be visited again
       const int x = cellOf(e.centre.x, size);
-      if (x >= firstX && x <= c.x1 && cellOf(e.centre.y, size) == rowY && cellOf(e.centre.z, size) == rowZ) tryCell(e, x, rowY, rowZ);
+      if (x >= firstX && x <= c.x1 && cellOf(e.centre.y, size) == rowY && cellOf(e.centre.z, size) == rowZ)
+        tryCell(e, x, rowY, rowZ);
     };
     for (int k = row.begin; k < row.end; ++k) visit(s.grid[k]);
     for (int k = 0; k < row.wrapped; ++k) visit(s.grid[k]);
@@ -206,7 +225,8 @@ RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int leve
 
 /// found(plane) for the planes that a box touches: for number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void searchPlanes(const SolverData& s, const Bounds& b, Found&& found, int lane = 0, int lanes = 1) {
+RUBBLE_HD void searchPlanes(const SolverData& s, const Bounds& b, Found&& found, int lane = 0,
+                            int lanes = 1) {
   for (int k = lane; k < s.planes; k += lanes) {
     const int plane = s.planeBody[k];
     const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
@@ -214,53 +234,62 @@ RUBBLE_HD void searchPlanes(const SolverData& s, const Bounds& b, Found&& found,
     if (height <= dot(abs(up), b.half)) found(plane);
   }
 }
-/// found(other) for all bodies whose bounds a box touches that is in no level: body i on a way that its own do not hold.
+/// found(other) for all bodies whose bounds a box touches that is in no level: body i on a way that its own
+/// do not hold.
 template <class Found>
 RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
   for (int level = 0; level < kGridLevels; ++level)
-    if (s.counters->levelCount[level] > 0)
-      searchLevel<Ahead::InNumber>(s, i, way, level, found, lane, lanes);
+    if (s.counters->levelCount[level] > 0) searchLevel<Ahead::InNumber>(s, i, way, level, found, lane, lanes);
   searchPlanes(s, way, found, lane, lanes);
 }
 
-/// found(other, other owns the pair) for the bodies whose bounds touch those of body i: in its own level those ahead of it, in coarser ones all. Of
-/// several that search for one body each takes its part: number `lane` of `lanes`.
+/// found(other, other owns the pair) for the bodies whose bounds touch those of body i: in its own level
+/// those ahead of it, in coarser ones all. Of several that search for one body each takes its part: number
+/// `lane` of `lanes`.
 template <Ahead kAhead, class Found>
 RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
   const BodyParams& p = s.params[i];
   if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return;
   const Bounds& b = s.bounds[i];
   for (int level = b.level; level < kGridLevels; ++level)
-    searchLevel<kAhead>(s, i, b, level, [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
-  searchPlanes(s, b, [&](int plane) { found(plane, false); }, lane, lanes);
+    searchLevel<kAhead>(
+        s, i, b, level, [&](int other) { found(other, level == b.level && other < i); }, lane, lanes);
+  searchPlanes(
+      s, b, [&](int plane) { found(plane, false); }, lane, lanes);
 }
-/// found(other) for the partners of body i: whose bounds touch, and that may collide with it. It owns its pairs with them.
+/// found(other) for the partners of body i: whose bounds touch, and that may collide with it. It owns its
+/// pairs with them.
 template <class Found>
 RUBBLE_HD void searchPartners(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
-  searchBounds<Ahead::InNumber>(s, i, [&](int other, bool) {
-    if (mayCollide(s, i, other)) found(other);
-  }, lane, lanes);
+  searchBounds<Ahead::InNumber>(
+      s, i,
+      [&](int other, bool) {
+        if (mayCollide(s, i, other)) found(other);
+      },
+      lane, lanes);
 }
 
-/// Whom bounds touch is noted with the owner of the pair: of two in one level the one of the lower number, else the one in the finer level. The first
-/// kPairSlots of them are kept, in no fixed order.
+/// Whom bounds touch is noted with the owner of the pair: of two in one level the one of the lower number,
+/// else the one in the finer level. The first kPairSlots of them are kept, in no fixed order.
 struct FindNeighbors {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
   /// By number `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
-    searchBounds<Ahead::InPlace>(s, i, [&](int other, bool otherOwns) {
-      const int owner = otherOwns ? other : i;
-      const int slot = atomicCount(&s.pairCount[owner], 1);
-      if (slot < kPairSlots) s.pairSlot[owner * kPairSlots + slot] = otherOwns ? i : other;
-    }, lane, lanes);
+    searchBounds<Ahead::InPlace>(
+        s, i,
+        [&](int other, bool otherOwns) {
+          const int owner = otherOwns ? other : i;
+          const int slot = atomicCount(&s.pairCount[owner], 1);
+          if (slot < kPairSlots) s.pairSlot[owner * kPairSlots + slot] = otherOwns ? i : other;
+        },
+        lane, lanes);
   }
 };
 
-/// Those of them that may collide are the partners of a body; and the number of pairs of their parts. `kParts` false: no body has parts, and the
-/// kernel stays small.
-template <bool kParts>
-struct FindPairs {
+/// Those of them that may collide are the partners of a body; and the number of pairs of their parts.
+/// `kParts` false: no body has parts, and the kernel stays small.
+template <bool kParts> struct FindPairs {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     int* const slots = s.pairSlot + i * kPairSlots;
@@ -269,8 +298,10 @@ struct FindPairs {
     int count = 0, partners = 0;
     const auto take = [&](int other) {
       const int without = count;
-      if constexpr (kParts) forEachPartPair(s, i, other, [&](int, int) { ++count; });
-      else ++count;
+      if constexpr (kParts)
+        forEachPartPair(s, i, other, [&](int, int) { ++count; });
+      else
+        ++count;
       if (count == without) return;
       if (partners < kPairSlots) slots[partners] = other;
       ++partners;
@@ -286,8 +317,7 @@ struct FindPairs {
 };
 
 /// Pairs sorted by owner, then by partner and parts.
-template <bool kParts>
-struct WritePairs {
+template <bool kParts> struct WritePairs {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const int begin = s.pairOffset[i], count = s.pairOffset[i + 1] - begin;
@@ -311,8 +341,11 @@ struct WritePairs {
       s.pair[k] = pair;
     };
     const auto insert = [&](int other) {
-      if constexpr (kParts) forEachPartPair(s, i, other, [&](int first, int second) { insertPair(pairOf(s, i, other, first, second)); });
-      else insertPair(pairOf(s, i, other));
+      if constexpr (kParts)
+        forEachPartPair(s, i, other,
+                        [&](int first, int second) { insertPair(pairOf(s, i, other, first, second)); });
+      else
+        insertPair(pairOf(s, i, other));
     };
     if (count > kPairSlots) return searchPartners(s, i, insert);
     // every partner has a pair at least, so that as many slots as pairs are enough

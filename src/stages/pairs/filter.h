@@ -1,6 +1,6 @@
 #pragma once
 /// Which bodies meet: layers and masks, groups, and pairs that are excluded.
-#include "state/view.h"
+#include "state/solver_data.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -9,7 +9,9 @@ RUBBLE_HD inline bool filtersMeet(const BodyFilter& a, const BodyFilter& b) {
   return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
 }
 
-RUBBLE_HD inline bool isSensor(const SolverData& s, int body) { return s.filtered && s.filter[body].sensor != 0; }
+RUBBLE_HD inline bool isSensor(const SolverData& s, int body) {
+  return s.filtered && s.filter[body].sensor != 0;
+}
 
 RUBBLE_HD inline bool excluded(const SolverData& s, int a, int b) {
   if (s.exclusions == 0) return false;

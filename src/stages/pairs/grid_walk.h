@@ -5,10 +5,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// visit(body) for every body whose box may meet one of half extents `half` that goes from `x` by `limit` of `d`. The visitor may lower the limit
-/// as it finds hits. Each body is visited once: slab by slab of cells along the main direction, so that near ones come first at each level.
+/// visit(body) for every body whose box may meet one of half extents `half` that goes from `x` by `limit` of
+/// `d`. The visitor may lower the limit as it finds hits. Each body is visited once: slab by slab of cells
+/// along the main direction, so that near ones come first at each level.
 template <class Visit>
-RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, const Vec3d& half, double& limit, Visit&& visit) {
+RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, const Vec3d& half,
+                          double& limit, Visit&& visit) {
   int m = 0;
   for (int k = 1; k < 3; ++k)
     if (std::fabs(d[k]) > std::fabs(d[m])) m = k;
@@ -22,10 +24,15 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
     if (s.counters->levelCount[level] == 0) continue;
     const double size = static_cast<double>(cellSize(level));
     Vec3d reach = half;
-    for (int k = 0; k < 3; ++k) reach[k] += static_cast<double>(fromFloatBits(s.counters->levelHalf[level][k]));
+    for (int k = 0; k < 3; ++k)
+      reach[k] += static_cast<double>(fromFloatBits(s.counters->levelHalf[level][k]));
     const auto cell = [&](double a) { return static_cast<int>(floor(clamp(a / size, -1e9, 1e9))); };
-    const auto low = [&](int k, double t0, double t1) { return cell(min(x[k] + t0 * d[k], x[k] + t1 * d[k]) - reach[k]); };
-    const auto high = [&](int k, double t0, double t1) { return cell(max(x[k] + t0 * d[k], x[k] + t1 * d[k]) + reach[k]); };
+    const auto low = [&](int k, double t0, double t1) {
+      return cell(min(x[k] + t0 * d[k], x[k] + t1 * d[k]) - reach[k]);
+    };
+    const auto high = [&](int k, double t0, double t1) {
+      return cell(max(x[k] + t0 * d[k], x[k] + t1 * d[k]) + reach[k]);
+    };
     const int first = low(m, 0, limit), last = high(m, 0, limit);
     // as many cells as bodies: then rather the bodies
     const double cells = (double(last) - first + 1) * (2 * reach[u] / size + 2) * (2 * reach[v] / size + 2);
@@ -39,7 +46,8 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
       const int slab = forward ? first + n : last - n;
       double t0 = 0, t1 = limit;
       if (d[m] != 0) {
-        const double a = (slab * size - reach[m] - x[m]) / d[m], b = ((slab + 1.0) * size + reach[m] - x[m]) / d[m];
+        const double a = (slab * size - reach[m] - x[m]) / d[m],
+                     b = ((slab + 1.0) * size + reach[m] - x[m]) / d[m];
         t0 = max(t0, min(a, b)), t1 = min(t1, max(a, b));
         if (t0 > t1) continue;
       }
@@ -51,7 +59,8 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
           for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
             const GridEntry& e = s.grid[k];
             // another cell may share the bucket
-            const bool here = e.level == level && cellOf(e.centre.x, cellSize(level)) == c[0] && cellOf(e.centre.y, cellSize(level)) == c[1] &&
+            const bool here = e.level == level && cellOf(e.centre.x, cellSize(level)) == c[0] &&
+                              cellOf(e.centre.y, cellSize(level)) == c[1] &&
                               cellOf(e.centre.z, cellSize(level)) == c[2];
             if (here) tryEntry(e);
           }

@@ -1,13 +1,14 @@
 #pragma once
-/// The order of bodies in the tables: where a user asks for it they are put in the order of a Morton curve through space, between steps. The partners of
-/// neighbors in the tables are then neighbors too, and share cache lines (what it is worth: docs/performance.md). A body keeps its id and all
-/// that lasts of it, its contacts among that. Two bodies come in an order that they alone decide.
+/// The order of bodies in the tables: where a user asks for it they are put in the order of a Morton curve
+/// through space, between steps. The partners of neighbors in the tables are then neighbors too, and share
+/// cache lines (what it is worth: docs/performance.md). A body keeps its id and all that lasts of it, its
+/// contacts among that. Two bodies come in an order that they alone decide.
 #include <algorithm>
 
-#include "stages/soft/body_corners.h"
 #include "stages/joints/joints.h"
 #include "stages/pairs/active_pairs.h"
-#include "state/tables.h"
+#include "stages/soft/body_corners.h"
+#include "state/solver_tables.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -22,7 +23,9 @@ RUBBLE_HD constexpr std::uint64_t spreadBits(std::uint64_t v) {
 }
 
 /// Is a body somewhere, and not everywhere?
-RUBBLE_HD inline bool hasPlace(const SolverData& s, int i) { return s.params[i].kind != BodyKind::Removed && s.params[i].shape.kind != ShapeKind::Plane; }
+RUBBLE_HD inline bool hasPlace(const SolverData& s, int i) {
+  return s.params[i].kind != BodyKind::Removed && s.params[i].shape.kind != ShapeKind::Plane;
+}
 
 /// Edge of the cells of the curve over g dt^2 [1]: 4 cm at 1/60 s.
 inline constexpr double kCurveCell = 16;
@@ -32,7 +35,9 @@ RUBBLE_HD inline std::uint64_t placeOnCurve(const SolverData& s, int i) {
   if (!hasPlace(s, i)) return ~std::uint64_t{0};
   constexpr double kHalf = 1 << 20;
   const double size = kCurveCell / s.step.perFall;
-  const auto cell = [&](double x) { return spreadBits(static_cast<std::uint64_t>(clamp(std::floor(x / size) + kHalf, 0.0, 2 * kHalf - 1))); };
+  const auto cell = [&](double x) {
+    return spreadBits(static_cast<std::uint64_t>(clamp(std::floor(x / size) + kHalf, 0.0, 2 * kHalf - 1)));
+  };
   const Vec3d& x = s.position[i];
   return cell(x.x) | cell(x.y) << 1 | cell(x.z) << 2;
 }
@@ -56,8 +61,7 @@ struct InvertPlaces {
   RUBBLE_HD void operator()(const SolverData&, int k) const { places.to[places.from[k]] = k; }
 };
 
-template <class T>
-struct TakeElements {
+template <class T> struct TakeElements {
   static constexpr const char* kStage = "order";
   T* to;
   const T* of;
@@ -65,8 +69,8 @@ struct TakeElements {
   RUBBLE_HD void operator()(const SolverData&, int k) const { to[k] = of[from[k]]; }
 };
 
-// What was found of pairs goes where that of this step goes, to be the old one of the next. Multipliers and sides of a pair stay; its owner is the one
-// that the next step gives it.
+// What was found of pairs goes where that of this step goes, to be the old one of the next. Multipliers and
+// sides of a pair stay; its owner is the one that the next step gives it.
 
 /// Levels of the grid, as the next step finds them.
 struct FindGridLevels {
@@ -92,7 +96,9 @@ RUBBLE_HD inline Pair movedPair(const SolverData& s, const NewPlaces& places, co
 struct CountMovedPairs {
   static constexpr const char* kStage = "order";
   NewPlaces places;
-  RUBBLE_HD void operator()(const SolverData& s, int i) const { atomicCount(&s.pairCount[movedPair(s, places, s.oldPair[i]).owner], 1); }
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    atomicCount(&s.pairCount[movedPair(s, places, s.oldPair[i]).owner], 1);
+  }
 };
 
 /// In no fixed order; `from` says which old pair each was.
@@ -118,7 +124,9 @@ struct SortMovedPairs {
       const Pair p = s.pair[k];
       const int old = from[k];
       // those whose partner has gone are alike
-      const auto comesBefore = [&](int j) { return before(p, s.pair[j]) || (!before(s.pair[j], p) && old < from[j]); };
+      const auto comesBefore = [&](int j) {
+        return before(p, s.pair[j]) || (!before(s.pair[j], p) && old < from[j]);
+      };
       int j = k;
       for (; j > begin && comesBefore(j - 1); --j) s.pair[j] = s.pair[j - 1], from[j] = from[j - 1];
       s.pair[j] = p, from[j] = old;
@@ -146,13 +154,15 @@ struct MoveManifolds {
 /// Owner of point pairs at the new places: a vertex or an edge, which stay, or corners of a body.
 RUBBLE_HD inline int movedOwner(const SolverData& s, const NewPlaces& places, int owner) {
   const int fixed = s.vertices + s.edges;
-  return owner < fixed ? owner : fixed + kCornerSlots * places.of(bodyOfOwner(s, owner)) + slotOfOwner(s, owner);
+  return owner < fixed ? owner
+                       : fixed + kCornerSlots * places.of(bodyOfOwner(s, owner)) + slotOfOwner(s, owner);
 }
 struct CountMovedPoints {
   static constexpr const char* kStage = "order";
   NewPlaces places;
   RUBBLE_HD void operator()(const SolverData& s, int owner) const {
-    s.pointPairCount[movedOwner(s, places, owner)] = s.oldPointPairOffset[owner + 1] - s.oldPointPairOffset[owner];
+    s.pointPairCount[movedOwner(s, places, owner)] = s.oldPointPairOffset[owner + 1] -
+                                                     s.oldPointPairOffset[owner];
   }
 };
 struct MovePoints {
@@ -175,7 +185,9 @@ struct MovePoints {
 struct RenumberAttachments {
   static constexpr const char* kStage = "order";
   NewPlaces places;
-  RUBBLE_HD void operator()(const SolverData& s, int i) const { s.attachment[i].body = places.of(s.attachment[i].body); }
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    s.attachment[i].body = places.of(s.attachment[i].body);
+  }
 };
 
 struct NumberPlaces {
@@ -193,21 +205,21 @@ struct RenumberPlanes {
   RUBBLE_HD void operator()(const SolverData& s, int k) const { s.planeBody[k] = places.of(s.planeBody[k]); }
 };
 
-template <class F>
-struct RenumberJoints {
+template <class F> struct RenumberJoints {
   static constexpr const char* kStage = "order";
   NewPlaces places;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     JointSpec<F>& joint = s.specsOf<F>()[i];
     joint.a = places.of(joint.a), joint.b = places.of(joint.b);
-    if constexpr (isCarried<F>()) joint.carrierA = places.of(joint.carrierA), joint.carrierB = places.of(joint.carrierB);
+    if constexpr (isCarried<F>())
+      joint.carrierA = places.of(joint.carrierA), joint.carrierB = places.of(joint.carrierB);
   }
 };
 
 /// Does element k of an array belong to the body at place k?
-template <class T>
-bool followsBodies(const ArrayInfo<T>& array) {
-  return array.per == Per::Body && array.extra == 0 && (array.life == Lifetime::Authored || array.life == Lifetime::State);
+template <class T> bool followsBodies(const ArrayInfo<T>& array) {
+  return array.per == Per::Body && array.extra == 0 &&
+         (array.life == Lifetime::Authored || array.life == Lifetime::State);
 }
 
 // Between steps an executor offers, besides some of what it does in them,
@@ -217,8 +229,7 @@ bool followsBodies(const ArrayInfo<T>& array) {
 //   copy(to, from, n)
 
 /// Which body comes where on the curve.
-template <class E>
-int* orderOnCurve(E& e) {
+template <class E> int* orderOnCurve(E& e) {
   const int bodies = e.view().bodies;
   int* const order = e.template room<int>(bodies);
   auto* const key = e.template room<std::uint64_t>(bodies);
@@ -227,10 +238,9 @@ int* orderOnCurve(E& e) {
   return order;
 }
 
-/// Puts the bodies in the order of the curve; there are so many old pairs. Constants are those of the next step. What is derived, and
-/// SolverData::ordered, is to be found anew.
-template <class E>
-void sortBodies(E& e, int pairs) {
+/// Puts the bodies in the order of the curve; there are so many old pairs. Constants are those of the next
+/// step. What is derived, and SolverData::ordered, is to be found anew.
+template <class E> void sortBodies(E& e, int pairs) {
   const int bodies = e.view().bodies;
   const NewPlaces places{orderOnCurve(e), e.template room<int>(bodies)};
   e.forEach(InvertPlaces{places}, bodies);
@@ -259,7 +269,8 @@ void sortBodies(E& e, int pairs) {
     if (followsBodies(array)) most = std::max(most, sizeof(T));
   });
   struct alignas(64) Strand {};
-  void* const aside = e.template room<Strand>(static_cast<int>(most * static_cast<std::size_t>(bodies) / sizeof(Strand)) + 1);
+  void* const aside = e.template room<Strand>(
+      static_cast<int>(most * static_cast<std::size_t>(bodies) / sizeof(Strand)) + 1);
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (!followsBodies(array)) return;
     T* const moved = static_cast<T*>(aside);
@@ -268,7 +279,9 @@ void sortBodies(E& e, int pairs) {
   });
   e.forEach(NumberPlaces{places}, bodies);
   e.forEach(RenumberPlanes{places}, e.view().planes);
-  forEachType(JointTypes{}, [&]<class F>() { e.forEach(RenumberJoints<F>{places}, e.view().joints[typeIndex<F>(JointTypes{})]); });
+  forEachType(JointTypes{}, [&]<class F>() {
+    e.forEach(RenumberJoints<F>{places}, e.view().joints[typeIndex<F>(JointTypes{})]);
+  });
 }
 
 }  // namespace rubble::RUBBLE_CORE

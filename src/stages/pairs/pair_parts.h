@@ -1,6 +1,7 @@
 #pragma once
-/// From pairs of bodies to pairs of parts. A pair of plain shapes is one pair. A compound has one for each of its parts that comes near; a
-/// surface (mesh, height field, distance field) has kSurfaceSlots, one for each direction in which it may hold the other part.
+/// From pairs of bodies to pairs of parts. A pair of plain shapes is one pair. A compound has one for each of
+/// its parts that comes near; a surface (mesh, height field, distance field) has kSurfaceSlots, one for each
+/// direction in which it may hold the other part.
 #include <cstring>
 
 #include "stages/pairs/filter.h"
@@ -11,7 +12,9 @@ namespace rubble::RUBBLE_CORE {
 struct OrderedPair {
   int a, b;
 };
-RUBBLE_HD inline OrderedPair ordered(const Pair& p) { return p.ownerIsA ? OrderedPair{p.owner, p.other} : OrderedPair{p.other, p.owner}; }
+RUBBLE_HD inline OrderedPair ordered(const Pair& p) {
+  return p.ownerIsA ? OrderedPair{p.owner, p.other} : OrderedPair{p.other, p.owner};
+}
 RUBBLE_HD inline Pair pairOf(const SolverData& s, int owner, int other, int first = 0, int second = 0) {
   const bool ownerIsA = s.ordered ? s.idOf[owner] < s.idOf[other] : owner < other;
   return {owner, other, ownerIsA, static_cast<std::uint32_t>(first) & 0x7fffffffu, second};
@@ -19,26 +22,35 @@ RUBBLE_HD inline Pair pairOf(const SolverData& s, int owner, int other, int firs
 
 RUBBLE_HD inline Real pairLength(const BodyParams& a, const BodyParams& b) {
   // the smaller dynamic body; a fixed one says nothing about the scale of the contact
-  const Real ra = a.kind == BodyKind::Dynamic ? a.radius : Real(0), rb = b.kind == BodyKind::Dynamic ? b.radius : Real(0);
+  const Real ra = a.kind == BodyKind::Dynamic ? a.radius : Real(0),
+             rb = b.kind == BodyKind::Dynamic ? b.radius : Real(0);
   return 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
 }
 
-RUBBLE_HD inline Vec3 centreDistance(const SolverData& s, int a, int b) { return Vec3(s.position[b] - s.position[a]); }
+RUBBLE_HD inline Vec3 centreDistance(const SolverData& s, int a, int b) {
+  return Vec3(s.position[b] - s.position[a]);
+}
 
-RUBBLE_HD inline bool isPrimitivePair(const SolverData& s, int a, int b) { return isPrimitive(s.params[a].shape.kind) && isPrimitive(s.params[b].shape.kind); }
+RUBBLE_HD inline bool isPrimitivePair(const SolverData& s, int a, int b) {
+  return isPrimitive(s.params[a].shape.kind) && isPrimitive(s.params[b].shape.kind);
+}
 
 /// What the speed of a pair can do in a step.
 struct PairSpeed {
   Real closing;  ///< bound of the speed at which two of their points approach one another [m/s]
-  bool bullet;   ///< they may pass one another altogether: no row made before the step can tell where they meet (stages/ccd/fast_bodies.h)
+  bool bullet;   ///< they may pass one another altogether: no row made before the step can tell where they
+                 ///< meet (stages/ccd/fast_bodies.h)
 };
-RUBBLE_HD inline PairSpeed pairSpeed(const SolverData& s, int a, int b, const BodyParams& pa, const BodyParams& pb) {
+RUBBLE_HD inline PairSpeed pairSpeed(const SolverData& s, int a, int b, const BodyParams& pa,
+                                     const BodyParams& pb) {
   const Vec3 relative = s.velocity[a] - s.velocity[b];
-  const Real closing = length(relative) + length(s.angularVelocity[a]) * pa.radius + length(s.angularVelocity[b]) * pb.radius;
+  const Real closing = length(relative) + length(s.angularVelocity[a]) * pa.radius +
+                       length(s.angularVelocity[b]) * pb.radius;
   return {closing, s.step.dt * closing > pairLength(pa, pb)};
 }
 
-/// Share of the closing speed of an impact that body `own` may take over, by the masses: all of it from a body as heavy as a third of it.
+/// Share of the closing speed of an impact that body `own` may take over, by the masses: all of it from a
+/// body as heavy as a third of it.
 RUBBLE_HD inline Real shareOfImpact(const BodyParams& own, const BodyParams& other) {
   if (other.kind != BodyKind::Dynamic) return 1;
   return min(Real(1), 4 * other.mass / (own.mass + other.mass));
@@ -57,9 +69,12 @@ RUBBLE_HD inline Real fromFloatBits(int bits) {
   return static_cast<Real>(f);
 }
 
-RUBBLE_HD inline Real impactSpeedBoundOf(const SolverData& s, int a, int b) { return max(fromFloatBits(s.impactSpeedBound[a]), fromFloatBits(s.impactSpeedBound[b])); }
+RUBBLE_HD inline Real impactSpeedBoundOf(const SolverData& s, int a, int b) {
+  return max(fromFloatBits(s.impactSpeedBound[a]), fromFloatBits(s.impactSpeedBound[b]));
+}
 
-/// Detection margin of a pair: not less than contactMargin of its size, and what it may approach in a step, up to its whole size. [m]
+/// Detection margin of a pair: not less than contactMargin of its size, and what it may approach in a step,
+/// up to its whole size. [m]
 RUBBLE_HD inline Real pairMargin(const SolverData& s, int a, int b, Real pairSize, const PairSpeed& speed) {
   const Real least = s.step.contactMargin * pairSize;
   if (!speed.bullet) return max(least, s.step.dt * max(speed.closing, impactSpeedBoundOf(s, a, b)));
@@ -74,8 +89,11 @@ RUBBLE_HD inline Real pairReach(const SolverData& s, int a, int b) {
   return max(s.step.contactMargin * pairLength(pa, pb), s.step.dt * pairSpeed(s, a, b, pa, pb).closing);
 }
 
-/// Of two bodies with a surface among them: is it the first one's? A distance field takes any other surface as a part.
-RUBBLE_HD inline bool surfaceIsFirst(ShapeKind a, ShapeKind b) { return a == ShapeKind::Distance || (isSurface(a) && b != ShapeKind::Distance); }
+/// Of two bodies with a surface among them: is it the first one's? A distance field takes any other surface
+/// as a part.
+RUBBLE_HD inline bool surfaceIsFirst(ShapeKind a, ShapeKind b) {
+  return a == ShapeKind::Distance || (isSurface(a) && b != ShapeKind::Distance);
+}
 
 /// Of a pair with a surface: is it the first body's?
 RUBBLE_HD inline bool surfaceIsOnA(const SolverData& s, const Pair& p, const OrderedPair& o) {
@@ -85,7 +103,9 @@ RUBBLE_HD inline bool surfaceIsOnA(const SolverData& s, const Pair& p, const Ord
 
 namespace parts {
 
-RUBBLE_HD inline int count(const SolverData& s, const ShapeData& shape) { return shape.kind == ShapeKind::Compound ? s.shapeIndex[shape.data + 3] : 1; }
+RUBBLE_HD inline int count(const SolverData& s, const ShapeData& shape) {
+  return shape.kind == ShapeKind::Compound ? s.shapeIndex[shape.data + 3] : 1;
+}
 
 /// Bounding sphere of a part: its centre less that of its body, world axes.
 RUBBLE_HD inline Real sphere(const SolverData& s, int body, int part, Vec3& centre) {
@@ -109,13 +129,14 @@ RUBBLE_HD inline bool nearSurface(const SolverData& s, int surfaceBody, int body
   const Vec3 box{reach, reach, reach};
   if (!boxesMeet(at - box, at + box, -surface.half, surface.half)) return false;
   if (surface.kind == ShapeKind::Distance) return true;
-  return visitTriangles(s.shapeTables(), surface, at - box, at + box, [](const SurfaceTriangle&) { return true; });
+  return visitTriangles(s.shapeTables(), surface, at - box, at + box,
+                        [](const SurfaceTriangle&) { return true; });
 }
 
 }  // namespace parts
 
-/// found(first, second) for every pair of parts of two bodies that may touch. Without a surface: part of the owner, part of the other. With one:
-/// the part that meets it, and the slot.
+/// found(first, second) for every pair of parts of two bodies that may touch. Without a surface: part of the
+/// owner, part of the other. With one: the part that meets it, and the slot.
 template <class Found>
 RUBBLE_HD void forEachPartPair(const SolverData& s, int owner, int other, Found&& found) {
   if (isPrimitivePair(s, owner, other)) {
@@ -144,7 +165,8 @@ RUBBLE_HD void forEachPartPair(const SolverData& s, int owner, int other, Found&
     for (int k = 0; k < ofB; ++k) {
       Vec3 b;
       const Real reach = ra + parts::sphere(s, other, k, b);
-      if (plane ? dot(up, a - between) <= reach : lengthSquared(between + b - a) <= reach * reach) found(i, k);
+      if (plane ? dot(up, a - between) <= reach : lengthSquared(between + b - a) <= reach * reach)
+        found(i, k);
     }
   }
 }

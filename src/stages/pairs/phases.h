@@ -6,14 +6,14 @@
 namespace rubble::RUBBLE_CORE::pairs {
 
 /// Kernel<parts>: with a search of parts where some body has any.
-template <template <bool> class Kernel, Executor E>
-void forEachOwner(E& e) {
-  if (e.view().generalShapes) e.forEach(Kernel<true>{}, e.view().bodies);
-  else e.forEach(Kernel<false>{}, e.view().bodies);
+template <template <bool> class Kernel, Executor E> void forEachOwner(E& e) {
+  if (e.view().generalShapes)
+    e.forEach(Kernel<true>{}, e.view().bodies);
+  else
+    e.forEach(Kernel<false>{}, e.view().bodies);
 }
 
-template <Executor E>
-void find(E& e) {
+template <Executor E> void find(E& e) {
   const int bodies = e.view().bodies, cells = e.view().cells;
   e.clear(&SolverData::bucketCount, cells);
   e.forEach(ComputeBounds{}, bodies);

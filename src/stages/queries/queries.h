@@ -9,26 +9,27 @@ enum class QueryKind : int { Ray, Cast, Overlap, Closest };
 
 struct QueryData {
   QueryKind kind;
-  ShapeData shape;      ///< of a cast and an overlap: convex or a compound, with tables of the queries' own
-  Vec3d position;       ///< of its centre; of a ray and of a closest point: the point [m]
+  ShapeData shape;  ///< of a cast and an overlap: convex or a compound, with tables of the queries' own
+  Vec3d position;   ///< of its centre; of a ray and of a closest point: the point [m]
   Quatd orientation;
-  Vec3d move;           ///< [m]
-  double reach;         ///< closest point: largest distance [m]
-  double size;          ///< diameter of the shape [m]
+  Vec3d move;    ///< [m]
+  double reach;  ///< closest point: largest distance [m]
+  double size;   ///< diameter of the shape [m]
   std::uint32_t layers, mask;
   int sensors, ignore;
 };
 
 struct QueryHit {
-  int body;             ///< -1: none
-  double fraction;      ///< of the move; closest point: distance [m]
+  int body;         ///< -1: none
+  double fraction;  ///< of the move; closest point: distance [m]
   Vec3d position, n;
 };
 
 /// Half extents of the box about the centre of a query's shape [m].
 RUBBLE_HD inline Vec3d extent(const QueryData& q) {
   const Vec3d half(q.shape.half);
-  const Vec3d x = abs(rotate(q.orientation, Vec3d{half.x, 0, 0})), y = abs(rotate(q.orientation, Vec3d{0, half.y, 0}));
+  const Vec3d x = abs(rotate(q.orientation, Vec3d{half.x, 0, 0})),
+              y = abs(rotate(q.orientation, Vec3d{0, half.y, 0}));
   const double radius = static_cast<double>(q.shape.radius);
   return x + y + abs(rotate(q.orientation, Vec3d{0, 0, half.z})) + Vec3d{radius, radius, radius};
 }
@@ -39,17 +40,18 @@ RUBBLE_HD inline bool looksAt(const SolverData& s, const QueryData& q, int body)
   return (q.sensors != 0 || f.sensor == 0) && (f.layers & q.mask) != 0 && (q.layers & f.mask) != 0;
 }
 
-/// visit(part) for the parts of a body as a query sees them: relative to the query's place, so that far from the origin nothing is lost.
+/// visit(part) for the parts of a body as a query sees them: relative to the query's place, so that far from
+/// the origin nothing is lost.
 template <class Visit>
 RUBBLE_HD void visitParts(const SolverData& s, int body, const Vec3d& origin, Visit&& visit) {
   const ShapeData& shape = s.params[body].shape;
   const int count = parts::count(s, shape);
-  for (int k = 0; k < count; ++k) visit(placedAny(s.shapeTables(), shape, s.position[body] - origin, s.orientation[body], k));
+  for (int k = 0; k < count; ++k)
+    visit(placedAny(s.shapeTables(), shape, s.position[body] - origin, s.orientation[body], k));
 }
 
 /// visit(own) for the parts of a query's shape.
-template <class Visit>
-RUBBLE_HD void visitOwn(const ShapeTables& tables, const QueryData& q, Visit&& visit) {
+template <class Visit> RUBBLE_HD void visitOwn(const ShapeTables& tables, const QueryData& q, Visit&& visit) {
   if (q.shape.kind != ShapeKind::Compound) {
     visit(PlacedAny{tables, q.shape, {}, q.orientation});
     return;
@@ -76,11 +78,14 @@ struct RunQuery {
     const Vec3d half = closest ? Vec3d{q.reach, q.reach, q.reach} : extent(q);
     double bestDistance = q.reach;
     const auto take = [&](const QueryHit& hit) {
-      const bool first = best.body < 0 || hit.fraction < best.fraction || (hit.fraction == best.fraction && s.idOf[hit.body] < s.idOf[best.body]);
+      const bool first = best.body < 0 || hit.fraction < best.fraction ||
+                         (hit.fraction == best.fraction && s.idOf[hit.body] < s.idOf[best.body]);
       if (!first) return;
       best = hit;
-      if (closest) bestDistance = hit.fraction;
-      else limit = hit.fraction;
+      if (closest)
+        bestDistance = hit.fraction;
+      else
+        limit = hit.fraction;
     };
     visitAlong(s, q.position, q.move, half, limit, [&](int body) {
       if (!looksAt(s, q, body)) return;
@@ -108,7 +113,8 @@ struct RunQuery {
 
 /// Bodies that a shape overlaps: found(body), in no fixed order.
 template <class Found>
-RUBBLE_HD void searchOverlaps(const SolverData& s, const ShapeTables& tables, const QueryData& q, Found&& found) {
+RUBBLE_HD void searchOverlaps(const SolverData& s, const ShapeTables& tables, const QueryData& q,
+                              Found&& found) {
   double limit = 1;
   visitAlong(s, q.position, {}, extent(q), limit, [&](int body) {
     if (!looksAt(s, q, body)) return;

@@ -1,11 +1,12 @@
 #pragma once
-/// Chebyshev acceleration of the sweeps over solids (Wang 2015; for block descent over vertices Chen et al. 2024): an iteration is taken further along
-/// the way from the last but one,
+/// Chebyshev acceleration of the sweeps over solids (Wang 2015; for block descent over vertices Chen et al.
+/// 2024): an iteration is taken further along the way from the last but one,
 ///
 ///   y_n = y_(n-2) + w_n (x_n - y_(n-2)),    w_n = 4 / (4 - rho^2 w_(n-1)),    w = 2 / (2 - rho^2) at first
 ///
-/// where x_n is what a sweep makes of y_(n-1), and rho its spectral radius. Vertices with contacts or attachments, whose multipliers and cones change from
-/// one iteration to the next, take no part, nor do those without tetrahedra; nor does the last iteration, which has the last word on momentum.
+/// where x_n is what a sweep makes of y_(n-1), and rho its spectral radius. Vertices with contacts or
+/// attachments, whose multipliers and cones change from one iteration to the next, take no part, nor do those
+/// without tetrahedra; nor does the last iteration, which has the last word on momentum.
 #include "stages/soft/vertex_graph.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -16,7 +17,8 @@ inline constexpr int kFirstAccelerated = 2;
 /// w of iteration n.
 inline Real accelerationOf(Real rho, int n) {
   Real w = 1;
-  for (int k = kFirstAccelerated; k <= n; ++k) w = k == kFirstAccelerated ? 2 / (2 - rho * rho) : 4 / (4 - rho * rho * w);
+  for (int k = kFirstAccelerated; k <= n; ++k)
+    w = k == kFirstAccelerated ? 2 / (2 - rho * rho) : 4 / (4 - rho * rho * w);
   return w;
 }
 

@@ -1,26 +1,34 @@
 #pragma once
-/// Contacts of the corners of bodies with surfaces of deformable objects: what vertices against bodies do not see, because it lies between
-/// the vertices. A corner has a contact with the part of a surface that is nearest to it, a triangle, an edge or a vertex. A body has
-/// kCornerSlots owners of pairs, and each stands for a share of its corners; if there are several, it has two rows with a part, one for each half of
-/// them: of those that meet the part the deepest. Corners that are far apart must not share a row: what one of them holds the other falls by.
+/// Contacts of the corners of bodies with surfaces of deformable objects: what vertices against bodies do not
+/// see, because it lies between the vertices. A corner has a contact with the part of a surface that is
+/// nearest to it, a triangle, an edge or a vertex. A body has kCornerSlots owners of pairs, and each stands
+/// for a share of its corners; if there are several, it has two rows with a part, one for each half of them:
+/// of those that meet the part the deepest. Corners that are far apart must not share a row: what one of them
+/// holds the other falls by.
 ///
-/// Sheets have two sides. The one that a corner is on is the one that it was on in the step before, as long as it touches; a closed surface
-/// has an outside. So has a body: what a corner is pushed by lies where the body ends there, and a side that says otherwise, which the corner has
-/// from a part of a folded sheet beside, counts for nothing.
+/// Sheets have two sides. The one that a corner is on is the one that it was on in the step before, as long
+/// as it touches; a closed surface has an outside. So has a body: what a corner is pushed by lies where the
+/// body ends there, and a side that says otherwise, which the corner has from a part of a folded sheet
+/// beside, counts for nothing.
 #include "collision/corners.h"
-#include "stages/soft/feature_contacts.h"
-#include "stages/pairs/filter.h"
 #include "stages/contacts/materials.h"
+#include "stages/pairs/filter.h"
+#include "stages/soft/feature_contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline int bodyOfOwner(const SolverData& s, int owner) { return (owner - s.vertices - s.edges) / kCornerSlots; }
-RUBBLE_HD inline int slotOfOwner(const SolverData& s, int owner) { return (owner - s.vertices - s.edges) % kCornerSlots; }
+RUBBLE_HD inline int bodyOfOwner(const SolverData& s, int owner) {
+  return (owner - s.vertices - s.edges) / kCornerSlots;
+}
+RUBBLE_HD inline int slotOfOwner(const SolverData& s, int owner) {
+  return (owner - s.vertices - s.edges) % kCornerSlots;
+}
 
 /// Is the vertex attached to that body? Then they do not collide.
 RUBBLE_HD inline bool isAttached(const SolverData& s, int v, int body) {
   bool attached = false;
-  visitAttachments(s, v, [&](const Attachment& a) { attached |= active(s, a) && a.seam == 0 && a.body == body; });
+  visitAttachments(s, v,
+                   [&](const Attachment& a) { attached |= active(s, a) && a.seam == 0 && a.body == body; });
   return attached;
 }
 
@@ -29,7 +37,9 @@ RUBBLE_HD inline bool mayMeet(const SolverData& s, int v, int body) {
   if (s.filtered && (isSensor(s, body) || !filtersMeet(s.filter[body], {1, ~0u, 0, 0}))) return false;
   return isDynamicVertex(s, v) || s.params[body].kind == BodyKind::Dynamic;
 }
-RUBBLE_HD inline bool mayTouch(const SolverData& s, int v, int body) { return mayMeet(s, v, body) && !isAttached(s, v, body); }
+RUBBLE_HD inline bool mayTouch(const SolverData& s, int v, int body) {
+  return mayMeet(s, v, body) && !isAttached(s, v, body);
+}
 
 /// May corners of a body touch that part of a surface?
 RUBBLE_HD inline bool mayDent(const SolverData& s, int body, const SurfaceFeature& f) {
@@ -43,21 +53,27 @@ RUBBLE_HD inline bool mayDent(const SolverData& s, int body, const SurfaceFeatur
   return any;
 }
 
-/// A sheet has no inside: what passes it unseen is lost. Two things are not in the velocities at x^t: what stops one corner of a body turns it, so that
-/// others go up to so many times as far (the end of a rod whose other end is stopped),
+/// A sheet has no inside: what passes it unseen is lost. Two things are not in the velocities at x^t: what
+/// stops one corner of a body turns it, so that others go up to so many times as far (the end of a rod whose
+/// other end is stopped),
 inline constexpr Real kTipping = Real(1.5);
 /// and what falls begins to. [m]
-RUBBLE_HD inline Real fallInStep(const SolverData& s) { return s.step.dt * s.step.dt * length(s.step.gravity); }
+RUBBLE_HD inline Real fallInStep(const SolverData& s) {
+  return s.step.dt * s.step.dt * length(s.step.gravity);
+}
 
 /// Bodies whose boxes meet that of a part of a surface, so that others need not look corner by corner.
 struct FindDentingBodies {
   static constexpr const char* kStage = "pairs";
-  RUBBLE_HD void operator()(const SolverData& s, int body) const { s.nearSurface[body] = isActive(s, body, 0, 1) ? 1 : 0; }
+  RUBBLE_HD void operator()(const SolverData& s, int body) const {
+    s.nearSurface[body] = isActive(s, body, 0, 1) ? 1 : 0;
+  }
 
   /// By what number `lane` of `lanes` looks at.
   RUBBLE_HD static bool isActive(const SolverData& s, int body, int lane, int lanes) {
     if (s.bounds[body].level < 0) return false;
-    const Real way = s.step.dt * (length(s.velocity[body]) + length(s.angularVelocity[body]) * s.params[body].radius);
+    const Real way = s.step.dt *
+                     (length(s.velocity[body]) + length(s.angularVelocity[body]) * s.params[body].radius);
     const Real more = (kTipping - Real(1)) * way + fallInStep(s);
     const SweptBox box{s.bounds[body].centre, s.bounds[body].half + Vec3{more, more, more}};
     bool found = false;
@@ -82,12 +98,14 @@ RUBBLE_HD void visitCornersOf(const SolverData& s, int body, const CornerRange& 
   const Quat q = s.orientation[body];
   visitCorners(s.shapeTables(), s.params[body].shape, range, [&](const ShapeCorner& c) {
     const Vec3 at = rotate(q, c.at);
-    visit(PlacedCorner{at, s.velocity[body] + cross(s.angularVelocity[body], at), rotate(q, c.outward), c.radius, c.part});
+    visit(PlacedCorner{at, s.velocity[body] + cross(s.angularVelocity[body], at), rotate(q, c.outward),
+                       c.radius, c.part});
   });
 }
 /// Those that an owner stands for.
 RUBBLE_HD inline CornerRange ownCorners(const SolverData& s, int owner) {
-  return cornerShare(s.shapeTables(), s.params[bodyOfOwner(s, owner)].shape, slotOfOwner(s, owner), kCornerSlots);
+  return cornerShare(s.shapeTables(), s.params[bodyOfOwner(s, owner)].shape, slotOfOwner(s, owner),
+                     kCornerSlots);
 }
 /// Rows that an owner has with a part of a surface.
 RUBBLE_HD inline int rowsWithPart(const SolverData& s, int owner) {
@@ -99,7 +117,8 @@ RUBBLE_HD inline int rowsWithPart(const SolverData& s, int owner) {
 template <class Visit>
 RUBBLE_HD void visitCornersOfRow(const SolverData& s, int owner, int row, Visit&& visit) {
   CornerRange own = ownCorners(s, owner);
-  if (const int middle = (own.begin + own.end) / 2; own.end - own.begin > 1) (row == 0 ? own.end : own.begin) = middle;
+  if (const int middle = (own.begin + own.end) / 2; own.end - own.begin > 1)
+    (row == 0 ? own.end : own.begin) = middle;
   visitCornersOf(s, bodyOfOwner(s, owner), own, visit);
 }
 /// Which of the rows of its owner with that part a pair of a list is.
@@ -110,7 +129,7 @@ RUBBLE_HD inline int rowOfPair(const PointPair* pair, int i) {
 /// A triangle, edge or vertex of a surface.
 struct DentPart {
   int v[3], count;
-  bool rim;        ///< an edge with nothing beside it
+  bool rim;  ///< an edge with nothing beside it
 };
 /// `part`: as PointPair::other.
 RUBBLE_HD inline DentPart dentPart(const SolverData& s, int part) {
@@ -125,20 +144,23 @@ RUBBLE_HD inline DentPart dentPart(const SolverData& s, int part) {
 
 /// A corner against a part of a surface.
 struct CornerTouch {
-  bool valid;      ///< that part is the nearest, and the corner is where it is held
-  Vec3 n;          ///< from the surface to the corner, unit
-  Real distance;   ///< of the corner from the surface; negative behind it [m]
-  Real w[3];       ///< weights of the nearest point
-  Vec3 foot;       ///< nearest point, seen from the centre of the body [m]
+  bool valid;     ///< that part is the nearest, and the corner is where it is held
+  Vec3 n;         ///< from the surface to the corner, unit
+  Real distance;  ///< of the corner from the surface; negative behind it [m]
+  Real w[3];      ///< weights of the nearest point
+  Vec3 foot;      ///< nearest point, seen from the centre of the body [m]
 };
 
-/// May a surface push a corner that way, which is not out of the body? With some doubt, for a surface bends about a corner.
+/// May a surface push a corner that way, which is not out of the body? With some doubt, for a surface bends
+/// about a corner.
 RUBBLE_HD inline bool mayPush(const PlacedCorner& corner, const Vec3& n) {
   constexpr Real kDoubt = Real(.3);
   return dot(n, corner.outward) <= kDoubt;
 }
-/// `side`: direction in which the surface held the corner last, or zero. `behind`: how far behind the surface it is still held [m].
-RUBBLE_HD inline CornerTouch touchPart(const SolverData& s, int body, const PlacedCorner& corner, const DentPart& f, const Vec3& side, Real behind) {
+/// `side`: direction in which the surface held the corner last, or zero. `behind`: how far behind the surface
+/// it is still held [m].
+RUBBLE_HD inline CornerTouch touchPart(const SolverData& s, int body, const PlacedCorner& corner,
+                                       const DentPart& f, const Vec3& side, Real behind) {
   CornerTouch t;
   t.valid = false;
   Vec3 x[3];
@@ -172,7 +194,8 @@ RUBBLE_HD inline CornerTouch touchPart(const SolverData& s, int body, const Plac
   t.distance = length(gap);
   t.n = t.distance > Real(0) ? gap / t.distance : side;
   if (held && dot(t.n, side) < Real(0)) {
-    // beside a rim there is nothing to be behind of; and what lies beside an edge or vertex, and not behind it, is behind another part
+    // beside a rim there is nothing to be behind of; and what lies beside an edge or vertex, and not behind
+    // it, is behind another part
     constexpr Real kRightBehind = Real(-.7);
     if (f.rim || dot(t.n, side) > kRightBehind) return t;
     t.n = -t.n, t.distance = -t.distance;
@@ -218,7 +241,8 @@ struct CornerReach {
   CornerTouch touch;
   Real gap, margin;  ///< [m]
 };
-RUBBLE_HD inline CornerReach reachPart(const SolverData& s, int body, const PlacedCorner& corner, const DentPart& f, const HeldSide& held) {
+RUBBLE_HD inline CornerReach reachPart(const SolverData& s, int body, const PlacedCorner& corner,
+                                       const DentPart& f, const HeldSide& held) {
   const Real size = dentLength(s, body, f);
   CornerReach out;
   out.touch.w[0] = out.touch.w[1] = out.touch.w[2] = Real(1) / static_cast<Real>(f.count);
@@ -230,16 +254,19 @@ RUBBLE_HD inline CornerReach reachPart(const SolverData& s, int body, const Plac
   return out;
 }
 
-/// found(part) for every part of a surface that a corner of this owner may touch in this step, for number `lane` of `lanes`.
+/// found(part) for every part of a surface that a corner of this owner may touch in this step, for number
+/// `lane` of `lanes`.
 template <class Found>
 RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int lane, int lanes) {
   const int body = bodyOfOwner(s, owner);
   if (s.nearSurface[body] == 0) return;
   Real behind = 0;
   for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k)
-    if (s.oldPointPair[k].other >= 0 && s.oldPointContact[k].active) behind = max(behind, s.oldPointContact[k].length);
+    if (s.oldPointPair[k].other >= 0 && s.oldPointContact[k].active)
+      behind = max(behind, s.oldPointContact[k].length);
   visitCornersOf(s, body, ownCorners(s, owner), [&](const PlacedCorner& corner) {
-    const Vec3 from = Vec3(s.position[body]) + corner.at, sweep = (kTipping * s.step.dt / 2) * corner.velocity;
+    const Vec3 from = Vec3(s.position[body]) + corner.at,
+               sweep = (kTipping * s.step.dt / 2) * corner.velocity;
     const Real roundOff = Real(2.4e-7) * (std::fabs(from.x) + std::fabs(from.y) + std::fabs(from.z));
     const Real grow = corner.radius + max(behind, ownMargin(s, s.params[body])) + fallInStep(s) + roundOff;
     const SweptBox box{from + sweep, abs(sweep) + Vec3{grow, grow, grow}};
@@ -254,8 +281,10 @@ RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int 
         nearestOnTriangle(corner.at, x[0], x[1], x[2], w);
         int used = 0, last = 0, unused = 0;
         for (int k = 0; k < 3; ++k) {
-          if (w[k] > Real(0)) ++used, last = k;
-          else unused = k;
+          if (w[k] > Real(0))
+            ++used, last = k;
+          else
+            unused = k;
         }
         // corners k and k + 1 are those that are not `unused`
         if (used == 2) part = kFeatureNode + f.edge[(unused + 1) % 3];
@@ -270,8 +299,10 @@ RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int 
   });
 }
 
-/// A row of the corners of an owner (A) against a part of a surface (B): of the deepest of those that the row stands for. Returns what they start from; fills the geometry.
-RUBBLE_HD inline PointContactStart touchCorner(const SolverData& s, int owner, int other, int row, PointContact& p, Real& gap, Real& margin) {
+/// A row of the corners of an owner (A) against a part of a surface (B): of the deepest of those that the row
+/// stands for. Returns what they start from; fills the geometry.
+RUBBLE_HD inline PointContactStart touchCorner(const SolverData& s, int owner, int other, int row,
+                                               PointContact& p, Real& gap, Real& margin) {
   const int body = bodyOfOwner(s, owner);
   const BodyParams& b = s.params[body];
   const DentPart f = dentPart(s, other);
@@ -290,7 +321,8 @@ RUBBLE_HD inline PointContactStart touchCorner(const SolverData& s, int owner, i
   p.n = -best.touch.n;
   p.length = dentLength(s, body, f);
   // in the middle of the gap
-  p.lever = (corner.at - corner.radius * best.touch.n + best.touch.foot + point.radius * best.touch.n) * Real(.5);
+  p.lever = (corner.at - corner.radius * best.touch.n + best.touch.foot + point.radius * best.touch.n) *
+            Real(.5);
   Real rowMass = b.mass;
   for (int k = 0; k < kPointCorners; ++k) p.v[k] = -1, p.weight[k] = 0;
   int used = 0;
@@ -302,13 +334,16 @@ RUBBLE_HD inline PointContactStart touchCorner(const SolverData& s, int owner, i
     if (mass > Real(0)) rowMass = rowMass > Real(0) ? min(rowMass, mass) : mass;
   }
   const SurfaceData surface = surfaceOf(s, body, corner.part);
-  const auto friction = [&](Real a, Real c) { return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c); };
+  const auto friction = [&](Real a, Real c) {
+    return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c);
+  };
   // a row that none of its corners touches with is not active, but joins what it would
   if (used == 0) p.v[0] = f.v[0];
   p.muStatic = friction(surface.muStatic, point.muStatic);
   p.muDynamic = friction(surface.muDynamic, point.muDynamic);
   return {rowMass, -gap, dot(p.n, corner.velocity - partVelocity(s, f, best.touch.w)),
-          combined(surface.restitutionCombine, point.restitutionCombine, Combine::Maximum, surface.restitution, point.restitution)};
+          combined(surface.restitutionCombine, point.restitutionCombine, Combine::Maximum,
+                   surface.restitution, point.restitution)};
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,6 +1,7 @@
 #pragma once
-/// Hashed grids of swept boxes with levels. A box lies in the cell of its centre, on the finest level whose cells are wide enough for it, so that one
-/// that sweeps far is alone on a coarse level and makes the searches of the others no longer.
+/// Hashed grids of swept boxes with levels. A box lies in the cell of its centre, on the finest level whose
+/// cells are wide enough for it, so that one that sweeps far is alone on a coarse level and makes the
+/// searches of the others no longer.
 #include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -10,15 +11,16 @@ struct SweptBox {
   Vec3 centre, half;  ///< [m]
 };
 RUBBLE_HD inline bool meets(const SweptBox& a, const Vec3& centre, const Vec3& half) {
-  return std::fabs(a.centre.x - centre.x) <= a.half.x + half.x && std::fabs(a.centre.y - centre.y) <= a.half.y + half.y &&
+  return std::fabs(a.centre.x - centre.x) <= a.half.x + half.x &&
+         std::fabs(a.centre.y - centre.y) <= a.half.y + half.y &&
          std::fabs(a.centre.z - centre.z) <= a.half.z + half.z;
 }
 
 struct BoxGrid {
-  Real cell;              ///< edge of the finest cells [m]
-  Real span;              ///< boxes of a level are at most so many cells wide [1]
-  int buckets;            ///< a power of two
-  const int* offset;      ///< [buckets + 1] into incidence
+  Real cell;                  ///< edge of the finest cells [m]
+  Real span;                  ///< boxes of a level are at most so many cells wide [1]
+  int buckets;                ///< a power of two
+  const int* offset;          ///< [buckets + 1] into incidence
   const BoxEntry* incidence;  ///< by bucket, in no fixed order
 
   RUBBLE_HD Real cellSize(int level) const { return cell * static_cast<Real>(1 << level); }
@@ -29,22 +31,29 @@ struct BoxGrid {
     return level;
   }
   RUBBLE_HD int bucketOf(int place, int x, int y, int z) const {
-    const std::uint32_t row = hash32(static_cast<std::uint32_t>(y) * 0x9e3779b1u ^ hash32(static_cast<std::uint32_t>(z) * 64u + static_cast<std::uint32_t>(place)));
+    const std::uint32_t row = hash32(
+        static_cast<std::uint32_t>(y) * 0x9e3779b1u ^
+        hash32(static_cast<std::uint32_t>(z) * 64u + static_cast<std::uint32_t>(place)));
     return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(buckets - 1));
   }
   /// The incidence of a box, and its bucket.
   RUBBLE_HD BoxEntry place(int kind, const SweptBox& box, int item, int& bucket) const {
     const int level = levelOf(box.half), own = kind + kBoxKinds * level;
     const Real size = cellSize(level);
-    bucket = bucketOf(own, cellOf(box.centre.x, size), cellOf(box.centre.y, size), cellOf(box.centre.z, size));
+    bucket = bucketOf(own, cellOf(box.centre.x, size), cellOf(box.centre.y, size),
+                      cellOf(box.centre.z, size));
     return {box.centre, box.half, item, own};
   }
 };
 
 /// What is expected on surfaces: a triangle is about as wide as the cells.
-RUBBLE_HD inline BoxGrid featureGrid(const SolverData& s) { return {s.featureCell, Real(1), s.featureCells, s.featureOffset, s.featureEntry}; }
+RUBBLE_HD inline BoxGrid featureGrid(const SolverData& s) {
+  return {s.featureCell, Real(1), s.featureCells, s.featureOffset, s.featureEntry};
+}
 /// Cells are as wide as a particle, and many that fall at the same speed stay on the finest level.
-RUBBLE_HD inline BoxGrid particleGrid(const SolverData& s) { return {s.particleCell, Real(4), s.particleCells, s.particleOffset, s.particle}; }
+RUBBLE_HD inline BoxGrid particleGrid(const SolverData& s) {
+  return {s.particleCell, Real(4), s.particleCells, s.particleOffset, s.particle};
+}
 
 /// Notes which levels are in use, and how large the boxes there are.
 RUBBLE_HD inline void noteBox(const SolverData& s, const BoxEntry& e) {
@@ -56,10 +65,11 @@ RUBBLE_HD inline void noteBox(const SolverData& s, const BoxEntry& e) {
   }
 }
 
-/// visit(x, y, z) for the cells of edge `size` that something within `reach` of `centre` may have its centre in, for number `lane` of `lanes`. Returns
-/// false, and visits none, if there are more than `most`.
+/// visit(x, y, z) for the cells of edge `size` that something within `reach` of `centre` may have its centre
+/// in, for number `lane` of `lanes`. Returns false, and visits none, if there are more than `most`.
 template <class Visit>
-RUBBLE_HD bool forEachCell(const Vec3& centre, const Vec3& reach, Real size, Real most, int lane, int lanes, Visit&& visit) {
+RUBBLE_HD bool forEachCell(const Vec3& centre, const Vec3& reach, Real size, Real most, int lane, int lanes,
+                           Visit&& visit) {
   if (!((2 * reach.x / size + 1) * (2 * reach.y / size + 1) * (2 * reach.z / size + 1) < most)) return false;
   const int x0 = cellOf(centre.x - reach.x, size), x1 = cellOf(centre.x + reach.x, size);
   const int y0 = cellOf(centre.y - reach.y, size), y1 = cellOf(centre.y + reach.y, size);
@@ -74,8 +84,10 @@ RUBBLE_HD bool forEachCell(const Vec3& centre, const Vec3& reach, Real size, Rea
 
 /// found(item) for the boxes of a kind that meet the given one, for number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void seekBoxes(const SolverData& s, const BoxGrid& grid, int kind, const SweptBox& box, Found&& found, int lane = 0, int lanes = 1) {
-  // a cell is two reads at random, an incidence a part of one in a row: beyond so many cells looking at all there is takes less
+RUBBLE_HD void seekBoxes(const SolverData& s, const BoxGrid& grid, int kind, const SweptBox& box,
+                         Found&& found, int lane = 0, int lanes = 1) {
+  // a cell is two reads at random, an incidence a part of one in a row: beyond so many cells looking at all
+  // there is takes less
   constexpr Real kFewCells = 512, kEntriesPerCell = 8;
   const int all = grid.offset[grid.buckets], levels = s.counters->boxLevels[kind];
   const Real most = max(kFewCells, static_cast<Real>(all) / kEntriesPerCell);
@@ -93,7 +105,8 @@ RUBBLE_HD void seekBoxes(const SolverData& s, const BoxGrid& grid, int kind, con
       for (int k = grid.offset[bucket]; k < grid.offset[bucket + 1]; ++k) {
         // another cell may share the bucket
         const BoxEntry& e = grid.incidence[k];
-        if (cellOf(e.centre.x, size) == x && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z) look(e);
+        if (cellOf(e.centre.x, size) == x && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z)
+          look(e);
       }
     });
     for (int k = lane; !done && k < all; k += lanes) look(grid.incidence[k]);

@@ -7,8 +7,7 @@
 namespace rubble::RUBBLE_CORE::clusters {
 
 /// Where the clusters are, and their mean velocities.
-template <Executor E>
-void prepare(E& e) {
+template <Executor E> void prepare(E& e) {
   const int* const begin = e.view().clusterBegin;
   if (e.view().vertices == 0) return;
   e.forEach(PlaceClusters{}, begin[1]);
@@ -16,23 +15,24 @@ void prepare(E& e) {
 }
 
 /// One sweep over the clusters of every level, from coarse to fine.
-template <Executor E>
-void solve(E& e) {
+template <Executor E> void solve(E& e) {
   if (!e.view().step.coarseCorrection || e.view().vertices == 0) return;
   const int* const begin = e.view().clusterBegin;
   for (int level = kClusterLevels - 1; level >= 0; --level) {
-    const int clusters = level > 0 ? begin[level + 1] - begin[level] : e.view().movingParts, parts = level > 0 ? begin[1] : clusters;
+    const int clusters = level > 0 ? begin[level + 1] - begin[level] : e.view().movingParts,
+              parts = level > 0 ? begin[1] : clusters;
     if (clusters == 0) continue;
-    if (e.view().features > 0) e.forEach(SumCluster<true>{}, parts);
-    else e.forEach(SumCluster<false>{}, parts);
+    if (e.view().features > 0)
+      e.forEach(SumCluster<true>{}, parts);
+    else
+      e.forEach(SumCluster<false>{}, parts);
     e.forEach(SolveCluster{level}, clusters);
     e.forEach(MoveCluster{level}, parts);
   }
 }
 
 /// Gives free objects back the angular momentum that the time step takes.
-template <Executor E>
-void keepSpin(E& e) {
+template <Executor E> void keepSpin(E& e) {
   if (e.view().softNodes == 0) return;
   e.forEach(SumSpins{}, e.view().clusterBegin[1]);
   e.forEach(FindSpins{}, e.view().softNodes);

@@ -1,12 +1,13 @@
 #pragma once
-/// The coarse correction of deformable objects: block descent whose blocks are rigid motions of clusters of vertices, at several sizes, the
-/// largest being the whole object. A vertex-by-vertex sweep carries news one edge at a time, and does not even keep the momentum of an
-/// object; a sweep over clusters does both. Clusters are nested, fixed when the object is made (src/cook/clusters.cpp), and all of a level
-/// move at once (but the finest of solids, which only are parts of sums), under-relaxed as the groups of bodies are (coarse.h); an element that
-/// n > 2 of them share counts n/2 times in each Hessian.
+/// The coarse correction of deformable objects: block descent whose blocks are rigid motions of clusters of
+/// vertices, at several sizes, the largest being the whole object. A vertex-by-vertex sweep carries news one
+/// edge at a time, and does not even keep the momentum of an object; a sweep over clusters does both.
+/// Clusters are nested, fixed when the object is made (src/cook/clusters.cpp), and all of a level move at
+/// once (but the finest of solids, which only are parts of sums), under-relaxed as the groups of bodies are
+/// (coarse.h); an element that n > 2 of them share counts n/2 times in each Hessian.
 #include "forces/group_accumulation.h"
-#include "stages/coarse/coarse.h"
 #include "stages/bodies/coloring.h"
+#include "stages/coarse/coarse.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -59,10 +60,10 @@ struct PlaceLargeClusters {
   }
 };
 
-/// Adds a row to the vertex at a corner. Other corners of its side may move with it: the weights c_i of a side add up to 1 and so
-/// (sum c_i x_i)^2 <= sum |c_i| x_i^2, which is exact for vertices that move alike. So the Hessian counts |c_i| times, not c_i^2.
-template <class Row, class Add>
-RUBBLE_HD void addShared(const Row& row, int corner, Block3& to, Add&& add) {
+/// Adds a row to the vertex at a corner. Other corners of its side may move with it: the weights c_i of a
+/// side add up to 1 and so (sum c_i x_i)^2 <= sum |c_i| x_i^2, which is exact for vertices that move alike.
+/// So the Hessian counts |c_i| times, not c_i^2.
+template <class Row, class Add> RUBBLE_HD void addShared(const Row& row, int corner, Block3& to, Add&& add) {
   const Real share = std::fabs(row.weight[corner]);
   if (!(share > Real(0))) return;
   Block3 own;
@@ -75,22 +76,26 @@ RUBBLE_HD inline bool withinObject(const SolverData& s, const PointContact& p) {
   if (p.body >= 0) return false;
   bool within = true;
   RUBBLE_UNROLL
-  for (int k = 1; k < kPointCorners; ++k) within &= p.v[k] < 0 || s.vertexParams[p.v[k]].first == s.vertexParams[p.v[0]].first;
+  for (int k = 1; k < kPointCorners; ++k)
+    within &= p.v[k] < 0 || s.vertexParams[p.v[k]].first == s.vertexParams[p.v[0]].first;
   return within;
 }
 
 /// No group is moved; depths are larger.
 inline constexpr int kNoLevel = -1;
-/// Adds the share of number `lane` of `lanes` in the inertia, loads, attachments and contacts of a vertex; rows inside of groups of `level`
-/// are left out, and contacts of its object with itself go to `self`. Returns whether there are any.
+/// Adds the share of number `lane` of `lanes` in the inertia, loads, attachments and contacts of a vertex;
+/// rows inside of groups of `level` are left out, and contacts of its object with itself go to `self`.
+/// Returns whether there are any.
 template <bool surfaces>
-RUBBLE_HD bool addFromOutside(const SolverData& s, int v, int lane, int lanes, int level, Block3& own, Block3& self) {
+RUBBLE_HD bool addFromOutside(const SolverData& s, int v, int lane, int lanes, int level, Block3& own,
+                              Block3& self) {
   if (lane == 0) own += startVertexBlock(s, v);
   // loads and attachments come last
   int first = s.refOffset[v + 1];
   while (first > s.refOffset[v] && pointType(s.ref[first - 1]) >= kFirstLoad) --first;
   for (int r = first + lane; r < s.refOffset[v + 1]; r += lanes)
-    if (pointType(s.ref[r]) != kAttachmentCode) addElement(s, s.ref[r], own);
+    if (pointType(s.ref[r]) != kAttachmentCode)
+      addElement(s, s.ref[r], own);
     else if (const Attachment& a = s.attachment[pointIndex(s.ref[r])]; a.depth > level)
       addShared(a, pointCorner(s.ref[r]), own, [&](Block3& b) { addElement(s, s.ref[r], b); });
   bool touchesSelf = false;
@@ -100,21 +105,23 @@ RUBBLE_HD bool addFromOutside(const SolverData& s, int v, int lane, int lanes, i
     const auto& p = loadVectorized(s.pointContact[pointIndex(code)]);
     const bool isInner = surfaces && withinObject(s, p);
     touchesSelf |= isInner;
-    addShared(p, pointCorner(code), isInner ? self : own, [&](Block3& b) { p.accumulateVertex(s.step, pointDisplacement(s, p), pointCorner(code), b); });
+    addShared(p, pointCorner(code), isInner ? self : own,
+              [&](Block3& b) { p.accumulateVertex(s.step, pointDisplacement(s, p), pointCorner(code), b); });
   }
   return touchesSelf;
 }
 
-/// Inertia, contacts, attachments and loads of the vertices of one of the finest clusters, about its centre. `surfaces`: some objects have surfaces
-/// that collide, maybe with themselves, and their vertices many contacts.
-template <bool surfaces>
-struct SumCluster {
+/// Inertia, contacts, attachments and loads of the vertices of one of the finest clusters, about its centre.
+/// `surfaces`: some objects have surfaces that collide, maybe with themselves, and their vertices many
+/// contacts.
+template <bool surfaces> struct SumCluster {
   static constexpr const char* kStage = "clusters";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Cluster& c = s.cluster[i];
     Block6 sum, inner;
     bool folded = false;
-    for (int k = c.begin; k < c.end; ++k) folded |= addVertex(s, s.clusterMember[k], s.clusterMotion[i].centre, 0, 1, sum, inner);
+    for (int k = c.begin; k < c.end; ++k)
+      folded |= addVertex(s, s.clusterMember[k], s.clusterMotion[i].centre, 0, 1, sum, inner);
     s.clusterMotion[i].sum = sum;
     if (surfaces) {
       s.clusterMotion[i].inner = inner;
@@ -123,7 +130,8 @@ struct SumCluster {
   }
 
   /// Adds the share of number `lane` of `lanes` in a vertex; returns whether its object touches itself there.
-  RUBBLE_HD static bool addVertex(const SolverData& s, int v, const Vec3& centre, int lane, int lanes, Block6& sum, Block6& inner) {
+  RUBBLE_HD static bool addVertex(const SolverData& s, int v, const Vec3& centre, int lane, int lanes,
+                                  Block6& sum, Block6& inner) {
     Block3 own, self;
     const bool touchesSelf = addFromOutside<surfaces>(s, v, lane, lanes, kNoLevel, own, self);
     addAtLever(sum, s.vertexPlace[v] - centre, own.f, own.h);
@@ -147,7 +155,8 @@ struct SolveCluster {
   }
 
   /// Adds the vertices of chunk k.
-  RUBBLE_HD static void addSlice(const SolverData& s, const Cluster& c, int k, const Vec3& centre, Block6& block) {
+  RUBBLE_HD static void addSlice(const SolverData& s, const Cluster& c, int k, const Vec3& centre,
+                                 Block6& block) {
     const ClusterMotion& chunk = s.clusterMotion[k];
     const Vec3 shift = chunk.centre - centre;
     const Block6 sum = chunk.sum;  // a copy: read at once
@@ -155,7 +164,8 @@ struct SolveCluster {
     // the whole object feels nothing of what it does to itself
     if (s.features > 0 && c.parent >= 0 && chunk.folded) addShifted(block, chunk.inner, shift);
   }
-  RUBBLE_HD static void addLeaving(const SolverData& s, const ClusterRef& ref, const Vec3& centre, Block6& block) {
+  RUBBLE_HD static void addLeaving(const SolverData& s, const ClusterRef& ref, const Vec3& centre,
+                                   Block6& block) {
     forEachType(ElementTypes{}, [&]<class F>() {
       if constexpr (!kIsLoad<F>) {
         if (ref.type != typeIndex<F>(ElementTypes{})) return;
@@ -168,7 +178,8 @@ struct SolveCluster {
     });
   }
   RUBBLE_HD static Vec6 stepOf(Block6& block) {
-    // vertices on one line do not resist a turn about it: all axes get a little of what the others resist with
+    // vertices on one line do not resist a turn about it: all axes get a little of what the others resist
+    // with
     const Real least = kLeastTurn * (block.aa.xx + block.aa.yy + block.aa.zz);
     block.aa.xx += least, block.aa.yy += least, block.aa.zz += least;
     return aggregateStep(block);

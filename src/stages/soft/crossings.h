@@ -1,16 +1,19 @@
 #pragma once
 /// Surfaces of deformable objects that do not cross in a step do not cross at its end.
 ///
-/// Rows keep surfaces apart by their thickness, as well as a few iterations can. What they leave is checked here: the way of every vertex from
-/// x^t to where the iterations have put it, a straight line, for meetings of vertices with triangles and of edges with edges. Surfaces that
-/// start apart can not cross without such a meeting (neighbours that share a corner can not either). Where two parts would come nearer than a
-/// part of their distance, the approach of their nearest points ends at that time: opposite changes of the ways of their corners, shared out by
-/// mass along the line between the points, as of an impact without rebound. All such pairs at once, again and again; after kDeflections rounds
-/// the corners of those that are left go half the way, then a quarter, and at last stay where they are, which is free of crossings. Where that lets
-/// others meet, round after round, as in a tangle, whole objects stay, and at last all that is near to anything: the rounds are bounded.
+/// Rows keep surfaces apart by their thickness, as well as a few iterations can. What they leave is checked
+/// here: the way of every vertex from x^t to where the iterations have put it, a straight line, for meetings
+/// of vertices with triangles and of edges with edges. Surfaces that start apart can not cross without such a
+/// meeting (neighbours that share a corner can not either). Where two parts would come nearer than a part of
+/// their distance, the approach of their nearest points ends at that time: opposite changes of the ways of
+/// their corners, shared out by mass along the line between the points, as of an impact without rebound. All
+/// such pairs at once, again and again; after kDeflections rounds the corners of those that are left go half
+/// the way, then a quarter, and at last stay where they are, which is free of crossings. Where that lets
+/// others meet, round after round, as in a tangle, whole objects stay, and at last all that is near to
+/// anything: the rounds are bounded.
 ///
-/// Nothing else bounds a motion: ways on which no parts meet are not touched, however long they are and however near the parts lie. The
-/// velocity follows from where a vertex ends, as everywhere.
+/// Nothing else bounds a motion: ways on which no parts meet are not touched, however long they are and
+/// however near the parts lie. The velocity follows from where a vertex ends, as everywhere.
 #include "stages/soft/feature_contacts.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -19,22 +22,26 @@ namespace rubble::RUBBLE_CORE {
 inline constexpr Real kLeastSurfaceGap = Real(.25);
 /// ... this share of their distance, if that is less [1].
 inline constexpr Real kLeastSurfaceShare = Real(.8);
-/// What a change adds to the distance at a meeting, in distances that the parts may come nearer by: else it would be met again [1].
+/// What a change adds to the distance at a meeting, in distances that the parts may come nearer by: else it
+/// would be met again [1].
 inline constexpr Real kClearance = Real(.2);
-/// Rounds in which ways are changed, at most, and pairs for each vertex and edge of an object that may be looked at in all of them: the more pairs a
-/// tangle has, the fewer rounds.
+/// Rounds in which ways are changed, at most, and pairs for each vertex and edge of an object that may be
+/// looked at in all of them: the more pairs a tangle has, the fewer rounds.
 inline constexpr int kDeflections = 20, kDeflectedPairs = 32 * kDeflections;
-/// Halvings of a way after which nothing of it is left, and rounds for that: to stop one vertex may let others meet it.
+/// Halvings of a way after which nothing of it is left, and rounds for that: to stop one vertex may let
+/// others meet it.
 inline constexpr int kMostHalvings = 3, kCuts = 8;
 /// Rounds in which whole objects stay, before all that may meet anything does.
 inline constexpr int kStays = 4;
-/// No step has more rounds than these: what is not resolved then does not move, and nothing that stands still crosses.
+/// No step has more rounds than these: what is not resolved then does not move, and nothing that stands still
+/// crosses.
 inline constexpr int kMostCrossingRounds = kDeflections + kCuts + kStays + 1;
 
 /// Rounds of this step in which ways of the object of a vertex are changed.
 RUBBLE_HD inline int deflections(const SolverData& s, int v) {
   const VertexRepair& object = s.vertexRepair[s.vertexParams[v].first];
-  const Real most = static_cast<Real>(kDeflections), share = static_cast<Real>(object.owners) / static_cast<Real>(max(object.activePairs, 1));
+  const Real most = static_cast<Real>(kDeflections),
+             share = static_cast<Real>(object.owners) / static_cast<Real>(max(object.activePairs, 1));
   return static_cast<int>(clamp(kDeflectedPairs * share, Real(1), most));
 }
 
@@ -48,7 +55,8 @@ struct BeginCrossings {
   }
 };
 
-/// found(feature) for the features that an owner may meet, whatever detours they take, for number `lane` of `lanes`.
+/// found(feature) for the features that an owner may meet, whatever detours they take, for number `lane` of
+/// `lanes`.
 template <class Found>
 RUBBLE_HD void searchNear(const SolverData& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
   if (!ownsFeatures(s, owner)) return;
@@ -109,10 +117,13 @@ struct WriteNear {
   }
 };
 
-/// The meeting of an owner with a feature, if there is one. `clear`: how much further apart they are to stay [m].
-RUBBLE_HD inline bool findCrossing(const SolverData& s, const NearFeature& near, NearParts& p, FeatureMeeting& m, Real& clear) {
+/// The meeting of an owner with a feature, if there is one. `clear`: how much further apart they are to stay
+/// [m].
+RUBBLE_HD inline bool findCrossing(const SolverData& s, const NearFeature& near, NearParts& p,
+                                   FeatureMeeting& m, Real& clear) {
   p = nearParts(s, near.owner, kFeatureNode + near.feature);
-  const Real distance = length(p.gap), keep = min(kLeastSurfaceGap * bothRadii(s, p), kLeastSurfaceShare * distance);
+  const Real distance = length(p.gap),
+             keep = min(kLeastSurfaceGap * bothRadii(s, p), kLeastSurfaceShare * distance);
   Vec3 move[4];
   for (int k = 0; k < 4; ++k) move[k] = foundWay(s, p.v[k]);
   m = firstMeeting(p.x, move, p.sideA, keep);
@@ -146,7 +157,8 @@ RUBBLE_HD inline void deflect(const SolverData& s, const NearParts& p, const Fea
     // changes of all meetings of a vertex add up
     share = max(share, s.vertexRepair[p.v[k]].before);
   }
-  const Real change = ((Real(1) - m.time) * max(Real(0), -rate) + clear) / (mobility * static_cast<Real>(share));
+  const Real change = ((Real(1) - m.time) * max(Real(0), -rate) + clear) /
+                      (mobility * static_cast<Real>(share));
   if (!isFinite(change)) return;
   for (int k = 0; k < 4; ++k) {
     const VertexParams& own = s.vertexParams[p.v[k]];
@@ -174,8 +186,10 @@ struct TakeWays {
       move = (r.held < kMostHalvings && !stays ? Real(-.5) : Real(-1)) * s.vertexMoved[v];
     } else if (r.shift[0] != 0 || r.shift[1] != 0 || r.shift[2] != 0) {
       if (r.detour == Vec3{0, 0, 0}) atomicCount(&s.counters->deflected, 1);
-      Vec3 wanted = r.detour + r.unit * Vec3{static_cast<Real>(r.shift[0]), static_cast<Real>(r.shift[1]), static_cast<Real>(r.shift[2])};
-      // boxes of the grid hold no longer ones; a step that is cut to this is found again, and dealt with by cutting ways
+      Vec3 wanted = r.detour + r.unit * Vec3{static_cast<Real>(r.shift[0]), static_cast<Real>(r.shift[1]),
+                                             static_cast<Real>(r.shift[2])};
+      // boxes of the grid hold no longer ones; a step that is cut to this is found again, and dealt with by
+      // cutting ways
       const Real most = r.unit * static_cast<Real>(FoundWay::kDetourUnits), size = length(wanted);
       if (size > most) wanted = wanted * (most / size);
       move = wanted - r.detour;
@@ -189,11 +203,13 @@ struct TakeWays {
   }
   RUBBLE_HD static bool mustStay(const SolverData& s, int v) {
     return s.vertexRepair[s.vertexParams[v].first].stays != 0 ||
-           (s.vertexRepair[v].isActive != 0 && s.counters->crossingRounds >= deflections(s, v) + kCuts + kStays);
+           (s.vertexRepair[v].isActive != 0 &&
+            s.counters->crossingRounds >= deflections(s, v) + kCuts + kStays);
   }
 };
 
-/// Finds what is left, and how to change it. Pairs that did not meet and whose ways are as they were are not looked at again.
+/// Finds what is left, and how to change it. Pairs that did not meet and whose ways are as they were are not
+/// looked at again.
 struct ProposeWays {
   static constexpr const char* kStage = "crossings";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -212,8 +228,10 @@ struct ProposeWays {
     const int rounds = s.counters->crossingRounds - most;
     if (rounds <= 0) return deflect(s, p, m, clear);
     for (const int v : p.v)
-      if (rounds > kCuts) atomicSet(&s.vertexRepair[s.vertexParams[v].first].stays, 1);
-      else if (isDynamicVertex(s, v)) atomicRaise(&s.vertexRepair[v].hold, 1);
+      if (rounds > kCuts)
+        atomicSet(&s.vertexRepair[s.vertexParams[v].first].stays, 1);
+      else if (isDynamicVertex(s, v))
+        atomicRaise(&s.vertexRepair[v].hold, 1);
   }
 
  private:

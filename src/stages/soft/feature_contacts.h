@@ -1,7 +1,7 @@
 #pragma once
-/// Contacts of surfaces: which parts of them are near, and the rows of such a pair. A vertex has a contact with the part of a surface that is
-/// nearest to it, be it a triangle, an edge or a corner, and so only one with a corner that many triangles share; edges that cross have one
-/// where neither ends.
+/// Contacts of surfaces: which parts of them are near, and the rows of such a pair. A vertex has a contact
+/// with the part of a surface that is nearest to it, be it a triangle, an edge or a corner, and so only one
+/// with a corner that many triangles share; edges that cross have one where neither ends.
 #include "solver/warmstart.h"
 #include "stages/soft/features.h"
 
@@ -9,11 +9,11 @@ namespace rubble::RUBBLE_CORE {
 
 /// Corners of the two sides of a pair at x^t, and their nearest points.
 struct NearParts {
-  int v[kPointCorners];        ///< side A first
-  int sideA, count;            ///< corners of side A; of both
-  Vec3 x[kPointCorners];       ///< seen from the first corner [m]
-  Real c[kPointCorners];       ///< weights, see collision/features.h
-  Vec3 gap;                    ///< p_A - p_B [m]
+  int v[kPointCorners];   ///< side A first
+  int sideA, count;       ///< corners of side A; of both
+  Vec3 x[kPointCorners];  ///< seen from the first corner [m]
+  Real c[kPointCorners];  ///< weights, see collision/features.h
+  Vec3 gap;               ///< p_A - p_B [m]
 };
 
 /// Nearest points of a vertex and a corner, an edge or a triangle, or of two edges, whose corners are set.
@@ -44,7 +44,8 @@ RUBBLE_HD inline NearParts nearParts(const SolverData& s, int owner, int other) 
   } else {
     p.v[p.count++] = other - kCornerNode;
   }
-  for (int k = 0; k < p.count; ++k) p.x[k] = k == 0 ? Vec3{0, 0, 0} : Vec3(s.vertexPosition[p.v[k]] - s.vertexPosition[p.v[0]]);
+  for (int k = 0; k < p.count; ++k)
+    p.x[k] = k == 0 ? Vec3{0, 0, 0} : Vec3(s.vertexPosition[p.v[k]] - s.vertexPosition[p.v[0]]);
   findNearest(p);
   return p;
 }
@@ -63,7 +64,8 @@ RUBBLE_HD inline Real bothRadii(const SolverData& s, const NearParts& p) {
   return s.vertexParams[p.v[0]].surfaceRadius + s.vertexParams[p.v[p.sideA]].surfaceRadius;
 }
 
-/// Parts of one surface that are neighbours at rest keep this share of their distance there, and not their thickness if that is more [1].
+/// Parts of one surface that are neighbours at rest keep this share of their distance there, and not their
+/// thickness if that is more [1].
 inline constexpr Real kRestShare = Real(.5);
 
 /// Distance that a pair of parts keeps [m].
@@ -76,23 +78,27 @@ RUBBLE_HD inline Real touchDistance(const SolverData& s, const NearParts& p) {
   return min(radii, kRestShare * length(rest.gap));
 }
 
-/// Is an edge of a surface (corners a, b of `parts`) where the surface bends away from the other edge? In the flat, and where it bends towards
-/// it, contacts of vertices hold the surfaces apart already. `towards`: from the nearest point of the edge to that of the other.
+/// Is an edge of a surface (corners a, b of `parts`) where the surface bends away from the other edge? In the
+/// flat, and where it bends towards it, contacts of vertices hold the surfaces apart already. `towards`: from
+/// the nearest point of the edge to that of the other.
 RUBBLE_HD inline bool bendsAway(const SolverData& s, const SurfaceFeature& edge, const Vec3& towards) {
   // an edge of one triangle, or of none, is a rim
   if (edge.opposite[0] < 0 || edge.opposite[1] < 0) return true;
   const Vec3 along(s.vertexPosition[edge.v[1]] - s.vertexPosition[edge.v[0]]);
   Real rise = 0;
   for (const int corner : edge.opposite) {
-    const Vec3 out(s.vertexPosition[corner] - s.vertexPosition[edge.v[0]]), across = out - along * (dot(out, along) / dot(along, along));
-    rise += dot(towards, across) / std::sqrt(max(dot(across, across) * dot(towards, towards), std::numeric_limits<Real>::min()));
+    const Vec3 out(s.vertexPosition[corner] - s.vertexPosition[edge.v[0]]),
+        across = out - along * (dot(out, along) / dot(along, along));
+    rise += dot(towards, across) /
+            std::sqrt(max(dot(across, across) * dot(towards, towards), std::numeric_limits<Real>::min()));
   }
   constexpr Real kBend = Real(-.05);
   return rise < kBend;
 }
 
-/// What the nearest point of a feature belongs to: the feature, one of its edges or a corner, as PointPair::other. -1: the contact is that of
-/// other pairs (two edges whose nearest points are not inside of both, or that are flat there).
+/// What the nearest point of a feature belongs to: the feature, one of its edges or a corner, as
+/// PointPair::other. -1: the contact is that of other pairs (two edges whose nearest points are not inside of
+/// both, or that are flat there).
 RUBBLE_HD inline int nearestPart(const SolverData& s, const NearParts& p, int own, int feature) {
   if (p.sideA == 2) {
     for (int k = 0; k < 4; ++k)
@@ -102,11 +108,15 @@ RUBBLE_HD inline int nearestPart(const SolverData& s, const NearParts& p, int ow
   }
   int used = 0, last = -1, unused = -1;
   for (int k = 1; k < p.count; ++k) {
-    if (p.c[k] != Real(0)) ++used, last = k;
-    else unused = k;
+    if (p.c[k] != Real(0))
+      ++used, last = k;
+    else
+      unused = k;
   }
-  // of two corners each of which sees the other it is the contact of the lower one; particles are seen by nobody
-  if (used == 1) return p.v[last] > p.v[0] || s.vertexParams[p.v[0]].cluster < 0 ? kCornerNode + p.v[last] : -1;
+  // of two corners each of which sees the other it is the contact of the lower one; particles are seen by
+  // nobody
+  if (used == 1)
+    return p.v[last] > p.v[0] || s.vertexParams[p.v[0]].cluster < 0 ? kCornerNode + p.v[last] : -1;
   // corners k and k + 1 are those that are not `unused`: edge k of the three
   if (p.count == 4 && used == 2) return kFeatureNode + s.feature[feature].edge[unused % 3];
   return kFeatureNode + feature;
@@ -123,7 +133,8 @@ RUBBLE_HD inline int partCorners(const SolverData& s, int part, int (&v)[3]) {
   return cornersOf(f);
 }
 
-/// Is a part of a surface a side or corner of another? A vertex has a contact with the larger one only: no point of it is further away.
+/// Is a part of a surface a side or corner of another? A vertex has a contact with the larger one only: no
+/// point of it is further away.
 RUBBLE_HD inline bool isSideOf(const SolverData& s, int part, int larger) {
   if (part < kCornerNode || larger < kFeatureNode || part == larger) return false;
   int v[3], w[3];
@@ -144,14 +155,15 @@ RUBBLE_HD inline int dropSides(const SolverData& s, int owner, int count, int* p
   for (int i = 0; i < count; ++i) {
     // those left out so far are behind `kept`, and sides of parts that are still there
     bool side = false;
-    for (int k = 0; k < count && !side; ++k) side = (k < kept || k > i) && isSideOf(s, partner[i * stride], partner[k * stride]);
+    for (int k = 0; k < count && !side; ++k)
+      side = (k < kept || k > i) && isSideOf(s, partner[i * stride], partner[k * stride]);
     if (!side) partner[kept++ * stride] = partner[i * stride];
   }
   return kept;
 }
 
-/// found(part) for every part of a surface that the owner, a vertex or an edge, may touch in this step, for number `lane` of `lanes`. One part
-/// may be found several times.
+/// found(part) for every part of a surface that the owner, a vertex or an edge, may touch in this step, for
+/// number `lane` of `lanes`. One part may be found several times.
 template <class Found>
 RUBBLE_HD void searchFeatures(const SolverData& s, int owner, Found&& found, int lane, int lanes) {
   if (!ownsFeatures(s, owner)) return;
@@ -169,8 +181,10 @@ RUBBLE_HD void searchFeatures(const SolverData& s, int owner, Found&& found, int
   seekFeatures(s, corners == 1 ? FeatureKind::Triangle : FeatureKind::Edge, box, look, lane, lanes);
 }
 
-/// Rows of a vertex or edge (A) against a part of a surface (B). Returns what they start from; fills the geometry.
-RUBBLE_HD inline PointContactStart touchFeature(const SolverData& s, int owner, int other, PointContact& p, Real& gap, Real& margin) {
+/// Rows of a vertex or edge (A) against a part of a surface (B). Returns what they start from; fills the
+/// geometry.
+RUBBLE_HD inline PointContactStart touchFeature(const SolverData& s, int owner, int other, PointContact& p,
+                                                Real& gap, Real& margin) {
   const NearParts parts = nearParts(s, owner, other);
   const VertexParams &pa = s.vertexParams[parts.v[0]], &pb = s.vertexParams[parts.v[parts.sideA]];
   const Real distance = length(parts.gap);
@@ -190,11 +204,14 @@ RUBBLE_HD inline PointContactStart touchFeature(const SolverData& s, int owner, 
     const Real mass = s.vertexParams[parts.v[k]].mass / (c * c);
     if (mass > Real(0)) rowMass = rowMass > Real(0) ? min(rowMass, mass) : mass;
   }
-  const auto friction = [&](Real a, Real b) { return combined(pa.frictionCombine, pb.frictionCombine, Combine::GeometricMean, a, b); };
+  const auto friction = [&](Real a, Real b) {
+    return combined(pa.frictionCombine, pb.frictionCombine, Combine::GeometricMean, a, b);
+  };
   p.muStatic = friction(pa.muStatic, pb.muStatic);
   p.muDynamic = friction(pa.muDynamic, pb.muDynamic);
   return {rowMass, -gap, dot(p.n, relativeVelocity(s, parts)),
-          combined(pa.restitutionCombine, pb.restitutionCombine, Combine::Maximum, pa.restitution, pb.restitution)};
+          combined(pa.restitutionCombine, pb.restitutionCombine, Combine::Maximum, pa.restitution,
+                   pb.restitution)};
 }
 
 }  // namespace rubble::RUBBLE_CORE

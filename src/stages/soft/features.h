@@ -1,6 +1,7 @@
 #pragma once
-/// Triangles and edges of the surfaces of deformable objects: a grid with levels that is filled twice a step, first with the boxes in which
-/// they are expected, then with those in which the iterations have put them (crossings.h).
+/// Triangles and edges of the surfaces of deformable objects: a grid with levels that is filled twice a step,
+/// first with the boxes in which they are expected, then with those in which the iterations have put them
+/// (crossings.h).
 #include "collision/features.h"
 #include "stages/soft/box_grid.h"
 #include "stages/soft/vertices.h"
@@ -11,16 +12,23 @@ RUBBLE_HD inline bool isOnSurface(const SolverData& s, int v) {
   return (s.vertexParams[v].collides & (kCollidesWithSurfaces | kCollidesWithSelf)) != 0;
 }
 
-/// Where vertices are expected before the iterations: along their velocities; and how far from there rows are wanted.
+/// Where vertices are expected before the iterations: along their velocities; and how far from there rows are
+/// wanted.
 struct ExpectedWay {
   RUBBLE_HD static Vec3 way(const SolverData& s, int v) { return s.step.dt * s.vertexVelocity[v]; }
-  RUBBLE_HD static Real reach(const SolverData& s, int v) { return s.vertexParams[v].surfaceRadius + s.step.contactMargin * s.vertexParams[v].length; }
+  RUBBLE_HD static Real reach(const SolverData& s, int v) {
+    return s.vertexParams[v].surfaceRadius + s.step.contactMargin * s.vertexParams[v].length;
+  }
 };
 
-/// How far a vertex may be led off its way where surfaces would cross: this many radii of its surface and this share of its way [1].
+/// How far a vertex may be led off its way where surfaces would cross: this many radii of its surface and
+/// this share of its way [1].
 inline constexpr Real kDetourRadii = 2, kDetourShare = Real(.5);
-/// The way that the iterations have found; none if it is not finite, for then the vertex stays where it is (FinishVertices).
-RUBBLE_HD inline Vec3 foundWay(const SolverData& s, int v) { return isFinite(s.vertexMoved[v]) ? s.vertexMoved[v] : Vec3{0, 0, 0}; }
+/// The way that the iterations have found; none if it is not finite, for then the vertex stays where it is
+/// (FinishVertices).
+RUBBLE_HD inline Vec3 foundWay(const SolverData& s, int v) {
+  return isFinite(s.vertexMoved[v]) ? s.vertexMoved[v] : Vec3{0, 0, 0};
+}
 RUBBLE_HD inline Real longestDetour(const SolverData& s, int v) {
   return kDetourRadii * s.vertexParams[v].surfaceRadius + kDetourShare * length(foundWay(s, v));
 }
@@ -32,17 +40,18 @@ struct FoundWay {
     // as it was when the grid was filled
     return s.vertexParams[v].surfaceRadius + s.vertexRepair[v].unit * kDetourUnits;
   }
-  /// The longest detour in units of VertexRepair: more than enough digits, and room for a thousand of them in a sum.
+  /// The longest detour in units of VertexRepair: more than enough digits, and room for a thousand of them in
+  /// a sum.
   static constexpr int kDetourUnits = 1 << 20;
 };
 
 /// `corners` of v are used.
-template <class Way>
-RUBBLE_HD SweptBox sweptBox(const SolverData& s, const int* v, int corners) {
+template <class Way> RUBBLE_HD SweptBox sweptBox(const SolverData& s, const int* v, int corners) {
   Vec3 low{0, 0, 0}, high{0, 0, 0};
   for (int k = 0; k < corners; ++k) {
     const Vec3 x(s.vertexPosition[v[k]]), to = x + Way::way(s, v[k]);
-    const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z)), grow = Way::reach(s, v[k]) + roundOff;
+    const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z)),
+               grow = Way::reach(s, v[k]) + roundOff;
     for (int i = 0; i < 3; ++i) {
       const Real a = min(x[i], to[i]) - grow, b = max(x[i], to[i]) + grow;
       low[i] = k == 0 ? a : min(low[i], a);
@@ -66,14 +75,12 @@ RUBBLE_HD inline bool isThere(const SolverData& s, const SurfaceFeature& f) {
   return false;
 }
 
-template <class Way>
-RUBBLE_HD BoxEntry placeFeature(const SolverData& s, int i, int& bucket) {
+template <class Way> RUBBLE_HD BoxEntry placeFeature(const SolverData& s, int i, int& bucket) {
   const SurfaceFeature& f = s.feature[i];
   return featureGrid(s).place(static_cast<int>(f.kind), sweptBox<Way>(s, f.v, cornersOf(f)), i, bucket);
 }
 
-template <class Way>
-struct CountFeatures {
+template <class Way> struct CountFeatures {
   static constexpr const char* kStage = "surfaces";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!isThere(s, s.feature[i])) return;
@@ -84,8 +91,7 @@ struct CountFeatures {
 };
 
 /// In no fixed order.
-template <class Way>
-struct FillFeatures {
+template <class Way> struct FillFeatures {
   static constexpr const char* kStage = "surfaces";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!isThere(s, s.feature[i])) return;
@@ -106,7 +112,8 @@ struct ForgetFeatureLevels {
 
 /// found(feature) for those of a kind whose boxes meet the given one, for number `lane` of `lanes`.
 template <class Found>
-RUBBLE_HD void seekFeatures(const SolverData& s, FeatureKind kind, const SweptBox& box, Found&& found, int lane = 0, int lanes = 1) {
+RUBBLE_HD void seekFeatures(const SolverData& s, FeatureKind kind, const SweptBox& box, Found&& found,
+                            int lane = 0, int lanes = 1) {
   seekBoxes(s, featureGrid(s), static_cast<int>(kind), box, found, lane, lanes);
 }
 
@@ -120,7 +127,8 @@ RUBBLE_HD inline bool areJoined(const SolverData& s, int a, int b) {
   return joined;
 }
 
-/// May a vertex or an edge (corners a) meet a feature? Neighbours that share a corner do not, nor do surfaces that an attachment joins there.
+/// May a vertex or an edge (corners a) meet a feature? Neighbours that share a corner do not, nor do surfaces
+/// that an attachment joins there.
 RUBBLE_HD inline bool mayMeet(const SolverData& s, const int* a, int corners, const SurfaceFeature& f) {
   const int others = cornersOf(f);
   bool moves = false;
@@ -130,7 +138,8 @@ RUBBLE_HD inline bool mayMeet(const SolverData& s, const int* a, int corners, co
       if (a[i] == f.v[j]) return false;
   }
   const VertexParams &p = s.vertexParams[a[0]], &q = s.vertexParams[f.v[0]];
-  if (((p.first == q.first ? kCollidesWithSelf : kCollidesWithSurfaces) & p.collides & q.collides) == 0) return false;
+  if (((p.first == q.first ? kCollidesWithSelf : kCollidesWithSurfaces) & p.collides & q.collides) == 0)
+    return false;
   for (int j = 0; j < others; ++j) moves |= isDynamicVertex(s, f.v[j]);
   if (!moves) return false;
   for (int i = 0; s.attachments > 0 && i < corners; ++i)

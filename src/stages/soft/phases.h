@@ -1,26 +1,26 @@
 #pragma once
-/// Deformable objects: contacts of vertices, elements and attachments, and their place in the graph. Nothing happens in worlds without vertices.
+/// Deformable objects: contacts of vertices, elements and attachments, and their place in the graph. Nothing
+/// happens in worlds without vertices.
 #include "stages/executor.h"
 #include "stages/soft/acceleration.h"
 #include "stages/soft/crossings.h"
 #include "stages/soft/spin.h"
+#include "stages/soft/vertex_contacts.h"
 #include "stages/soft/vertex_graph.h"
 #include "stages/soft/vertices.h"
-#include "stages/soft/vertex_contacts.h"
 
 namespace rubble::RUBBLE_CORE::soft {
 
 /// Kernel<F> over all elements of each type.
-template <template <class> class Kernel, Executor E>
-void forEachElement(E& e) {
-  forEachType(ElementTypes{}, [&]<class F>() { e.forEach(Kernel<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]); });
+template <template <class> class Kernel, Executor E> void forEachElement(E& e) {
+  forEachType(ElementTypes{},
+              [&]<class F>() { e.forEach(Kernel<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]); });
 }
 
 inline int tetrahedra(const SolverData& s) { return s.elements[typeIndex<Tetrahedron>(ElementTypes{})]; }
 
 /// The triangles and edges of surfaces, in a grid.
-template <class Way, Executor E>
-void fillFeatures(E& e) {
+template <class Way, Executor E> void fillFeatures(E& e) {
   const int features = e.view().features, cells = e.view().featureCells;
   e.forEach(ForgetFeatureLevels{}, kFeatureKinds);
   e.clear(&SolverData::featureCount, cells);
@@ -30,8 +30,7 @@ void fillFeatures(E& e) {
 }
 
 /// What each vertex and edge is near to.
-template <Executor E>
-void findPairs(E& e) {
+template <Executor E> void findPairs(E& e) {
   const SolverData& s = e.view();
   if (s.vertices == 0) return;
   if (s.particleCells > 0) {
@@ -46,13 +45,13 @@ void findPairs(E& e) {
   }
   const int owners = s.owners();
   e.forEach(FindPointPairs{}, owners);
-  e.scan(&SolverData::pointPairCount, &SolverData::pointPairOffset, owners, &Counters::pointPairs, Per::PointPair);
+  e.scan(&SolverData::pointPairCount, &SolverData::pointPairOffset, owners, &Counters::pointPairs,
+         Per::PointPair);
   e.forEach(WritePointPairs{}, owners);
 }
 
 /// Contacts, elements and attachments at x^t.
-template <Executor E>
-void prepare(E& e) {
+template <Executor E> void prepare(E& e) {
   const int vertices = e.view().vertices;
   if (vertices == 0) return;
   e.forEach(UpdatePointContacts{}, &Counters::pointPairs);
@@ -63,8 +62,7 @@ void prepare(E& e) {
 }
 
 /// Inertial targets and initial guesses, and the contacts that stay open at these.
-template <Executor E>
-void predict(E& e) {
+template <Executor E> void predict(E& e) {
   if (e.view().vertices == 0) return;
   e.forEach(PredictVertices{}, e.view().vertices);
   e.forEach(MarkInactivePoints{}, &Counters::pointPairs);
@@ -72,26 +70,24 @@ void predict(E& e) {
 
 // Row blocks of vertices among those of bodies, and colors.
 
-template <Executor E>
-void countIncidences(E& e) {
+template <Executor E> void countIncidences(E& e) {
   if (e.view().vertices == 0) return;
   e.forEach(CountSoftIncidences<AttachmentBlocks>{}, e.view().attachments);
   e.forEach(CountSoftIncidences<PointContactBlocks>{}, &Counters::pointPairs);
   e.clear(&SolverData::pointIncidenceCount, e.view().vertices);
   e.forEach(CountPointIncidences{}, &Counters::pointPairs);
 }
-template <Executor E>
-void fillIncidences(E& e) {
+template <Executor E> void fillIncidences(E& e) {
   const int vertices = e.view().vertices;
   if (vertices == 0) return;
   e.forEach(FillSoftIncidences<AttachmentBlocks>{}, e.view().attachments);
   e.forEach(FillSoftIncidences<PointContactBlocks>{}, &Counters::pointPairs);
-  e.scan(&SolverData::pointIncidenceCount, &SolverData::pointIncidenceOffset, vertices, &Counters::pointIncidences, Per::PointIncidence);
+  e.scan(&SolverData::pointIncidenceCount, &SolverData::pointIncidenceOffset, vertices,
+         &Counters::pointIncidences, Per::PointIncidence);
   e.forEach(FillPointIncidences{}, &Counters::pointPairs);
   e.forEach(SortPointIncidences{}, vertices);
 }
-template <Executor E>
-void listColors(E& e) {
+template <Executor E> void listColors(E& e) {
   const int vertices = e.view().vertices;
   if (vertices == 0) return;
   e.clear(&SolverData::vertexColorCount, &Counters::colors);
@@ -101,28 +97,28 @@ void listColors(E& e) {
 }
 
 /// Takes solids further than the sweep took them.
-template <Executor E>
-void accelerate(E& e, int iteration) {
+template <Executor E> void accelerate(E& e, int iteration) {
   const StepConstants& c = e.view().step;
   const bool last = iteration + 1 == c.iterations;
-  if (last || tetrahedra(e.view()) == 0 || !(c.acceleration > Real(0)) || c.iterations <= kFirstAccelerated + 1) return;
+  if (last || tetrahedra(e.view()) == 0 || !(c.acceleration > Real(0)) ||
+      c.iterations <= kFirstAccelerated + 1)
+    return;
   e.forEach(AccelerateVertices{iteration, accelerationOf(c.acceleration, iteration)}, e.view().vertices);
 }
 
 /// After the dual updates of contacts and joints, with which these share nothing.
-template <Executor E>
-void updateDuals(E& e) {
+template <Executor E> void updateDuals(E& e) {
   if (e.view().vertices == 0) return;
   e.beside(UpdatePointDuals{}, &Counters::pointPairs);
   forEachType(ElementTypes{}, [&]<class F>() {
-    if constexpr (F::kHasDual) e.beside(UpdateElementDuals<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]);
+    if constexpr (F::kHasDual)
+      e.beside(UpdateElementDuals<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]);
   });
   e.beside(UpdateAttachmentDuals{}, e.view().attachments);
 }
 
 /// Ends ways on which surfaces would cross.
-template <Executor E>
-void keepApart(E& e) {
+template <Executor E> void keepApart(E& e) {
   const SolverData& s = e.view();
   if (s.features == 0) return;
   const int owners = s.vertices + s.edges;
@@ -132,12 +128,12 @@ void keepApart(E& e) {
   e.scan(&SolverData::nearCount, &SolverData::nearOffset, owners, &Counters::nearFeatures, Per::NearFeature);
   e.forEach(WriteNear{}, owners);
   e.forEach(CountCrossings{}, &Counters::nearFeatures);
-  e.rounds(TakeWays{}, ProposeWays{}, &Counters::crossingWork, &Counters::crossings, &Counters::crossingRounds);
+  e.rounds(TakeWays{}, ProposeWays{}, &Counters::crossingWork, &Counters::crossings,
+           &Counters::crossingRounds);
 }
 
 /// What contacts and attachments bore, what yields and what breaks.
-template <Executor E>
-void finishRows(E& e) {
+template <Executor E> void finishRows(E& e) {
   const SolverData& s = e.view();
   if (s.vertices == 0) return;
   e.forEach(FinishPoints{}, &Counters::pointPairs);
@@ -149,9 +145,6 @@ void finishRows(E& e) {
 }
 
 /// Places and velocities at the end of the step.
-template <Executor E>
-void finish(E& e) {
-  e.forEach(FinishVertices{}, e.view().vertices);
-}
+template <Executor E> void finish(E& e) { e.forEach(FinishVertices{}, e.view().vertices); }
 
 }  // namespace rubble::RUBBLE_CORE::soft

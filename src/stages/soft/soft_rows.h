@@ -4,11 +4,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline bool isDynamicVertex(const SolverData& s, int v) { return s.vertexParams[v].kind == VertexKind::Dynamic; }
+RUBBLE_HD inline bool isDynamicVertex(const SolverData& s, int v) {
+  return s.vertexParams[v].kind == VertexKind::Dynamic;
+}
 
 /// sum c_i (x_i - x_i^t) over the vertices of an attachment or contact.
-template <class Block>
-RUBBLE_HD Vec3 movedSum(const SolverData& s, const Block& b) {
+template <class Block> RUBBLE_HD Vec3 movedSum(const SolverData& s, const Block& b) {
   // all of them on their way at once
   Vec3 moved[kPointCorners];
   RUBBLE_UNROLL

@@ -11,7 +11,8 @@ struct NearVertex {
     if (p.vertex >= s.vertices + s.edges) {
       int v[3];
       bool moves = false;
-      for (int k = p.other < 0 ? 0 : partCorners(s, p.other, v); k > 0; --k) moves |= isDynamicVertex(s, v[k - 1]);
+      for (int k = p.other < 0 ? 0 : partCorners(s, p.other, v); k > 0; --k)
+        moves |= isDynamicVertex(s, v[k - 1]);
       return moves ? bodyOfOwner(s, p.vertex) : -1;
     }
     return p.other >= 0 && p.other < kVertexNode && isDynamicVertex(s, p.vertex) ? p.other : -1;
@@ -24,18 +25,18 @@ struct HeldByVertices {
   }
 };
 
-template <class Source>
-struct WakeBySoft {
+template <class Source> struct WakeBySoft {
   static constexpr const char* kStage = "sleep";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (const int body = Source::body(s, i); body >= 0 && s.asleep[body] != 0) atomicRaise(&s.islandFlag[s.asleep[body] - 1], 1);
+    if (const int body = Source::body(s, i); body >= 0 && s.asleep[body] != 0)
+      atomicRaise(&s.islandFlag[s.asleep[body] - 1], 1);
   }
 };
-template <class Source>
-struct KeepAwakeBySoft {
+template <class Source> struct KeepAwakeBySoft {
   static constexpr const char* kStage = "sleep";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    if (const int body = Source::body(s, i); body >= 0 && isDynamic(s, body)) atomicRaise(&s.islandFlag[findRoot(s.island, body)], 1);
+    if (const int body = Source::body(s, i); body >= 0 && isDynamic(s, body))
+      atomicRaise(&s.islandFlag[findRoot(s.island, body)], 1);
   }
 };
 

@@ -1,20 +1,24 @@
 #pragma once
 /// Spin of free solids.
 ///
-/// The rows of a step act where it ends, x = x^t + d, and change velocities v to d / dt. So the angular momentum, which x has a part in as well, is
+/// The rows of a step act where it ends, x = x^t + d, and change velocities v to d / dt. So the angular
+/// momentum, which x has a part in as well, is
 ///
 ///   sum m x x d/dt = sum m x^t x v  +  sum m x x (d/dt - v)  +  sum m d x v
 ///                    (before)          (moment of all forces)   (made by the time step alone)
 ///
-/// with places and velocities seen from the centre of mass. The last sum is -(w dt)^2 of the angular momentum of what turns by w dt in a step. It is
-/// taken back at the end, as a rigid rotation w of velocities with I w = -sum m d x v, but never so far that there is more angular momentum than both
-/// before and after the step: what is torn to pieces gains none.
+/// with places and velocities seen from the centre of mass. The last sum is -(w dt)^2 of the angular momentum
+/// of what turns by w dt in a step. It is taken back at the end, as a rigid rotation w of velocities with I w
+/// = -sum m d x v, but never so far that there is more angular momentum than both before and after the step:
+/// what is torn to pieces gains none.
 #include "stages/coarse/soft_nodes.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// Sheets and ropes are left out: where they hang on hooks, these would open by what is given back.
-RUBBLE_HD inline bool keepsSpin(const SolverData& s, const SoftNode& softNode) { return softNode.cluster >= 0 && inSolid(s, softNode.first); }
+RUBBLE_HD inline bool keepsSpin(const SolverData& s, const SoftNode& softNode) {
+  return softNode.cluster >= 0 && inSolid(s, softNode.first);
+}
 
 /// Sums of one of the finest clusters.
 struct SumSpins {
@@ -38,7 +42,8 @@ struct SumSpins {
   }
 };
 
-/// Those of a whole object, and the rotation of its velocities: `step.ang` of its largest cluster, about `centre`, its centre of mass.
+/// Those of a whole object, and the rotation of its velocities: `step.ang` of its largest cluster, about
+/// `centre`, its centre of mass.
 struct FindSpins {
   static constexpr const char* kStage = "spin";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -79,7 +84,8 @@ struct FindSpins {
   }
   /// The most of [0, 1] with |after - share lost| <= max(|before|, |after|).
   RUBBLE_HD static Real keptShare(const Vec3& before, const Vec3& after, const Vec3& lost) {
-    const Real a = dot(lost, lost), b = dot(after, lost), c = dot(after, after) - max(dot(before, before), dot(after, after));
+    const Real a = dot(lost, lost), b = dot(after, lost),
+               c = dot(after, after) - max(dot(before, before), dot(after, after));
     if (!(a > Real(0))) return 0;
     // the larger root of a t^2 - 2 b t + c
     return clamp((b + std::sqrt(max(b * b - a * c, Real(0)))) / a, Real(0), Real(1));

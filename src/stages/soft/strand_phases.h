@@ -5,12 +5,13 @@
 
 namespace rubble::RUBBLE_CORE::strands {
 
-template <Executor E>
-void solve(E& e) {
+template <Executor E> void solve(E& e) {
   const SolverData& s = e.view();
   if (!s.step.jointTrees || s.strands == 0) return;
-  if (s.features > 0) e.forEach(AssembleStrands<true>{}, s.strandVertices);
-  else e.forEach(AssembleStrands<false>{}, s.strandVertices);
+  if (s.features > 0)
+    e.forEach(AssembleStrands<true>{}, s.strandVertices);
+  else
+    e.forEach(AssembleStrands<false>{}, s.strandVertices);
   e.forEach(SolveStrand{}, s.strands);
   e.forEach(TakeStrandForces{}, s.strandVertices);
   e.forEach(MoveStrands{}, s.strandVertices);

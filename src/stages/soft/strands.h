@@ -1,18 +1,20 @@
 #pragma once
 /// One more block of the same descent: all vertices of a rope or rod, solved at once.
 ///
-/// Sweeps carry news one vertex at a time, the slower the longer and stiffer a line is, and clusters do not bend. But where springs join each
-/// vertex to the next alone, and bends to the next but one, the Newton step [S 3] in the unknowns of all of them is one elimination of a banded
-/// matrix, whose cost is that of a few sweeps. Lines share their rows, and so the objective that every block descends on, with sweeps, clusters and groups.
+/// Sweeps carry news one vertex at a time, the slower the longer and stiffer a line is, and clusters do not
+/// bend. But where springs join each vertex to the next alone, and bends to the next but one, the Newton step
+/// [S 3] in the unknowns of all of them is one elimination of a banded matrix, whose cost is that of a few
+/// sweeps. Lines share their rows, and so the objective that every block descends on, with sweeps, clusters
+/// and groups.
 ///
-/// Contacts, attachments and loads are those of a vertex's own block; several corners of a row may move here without being coupled, and the
-/// bound of clusters.h holds: |c_i| for c_i^2. A row between two places of one line counts twice (coarse.h).
+/// Contacts, attachments and loads are those of a vertex's own block; several corners of a row may move here
+/// without being coupled, and the bound of clusters.h holds: |c_i| for c_i^2. A row between two places of one
+/// line counts twice (coarse.h).
 #include "stages/soft/clusters.h"
 
 namespace rubble::RUBBLE_CORE {
 
-template <class F>
-RUBBLE_HD int cornerOf(const F& element, int v) {
+template <class F> RUBBLE_HD int cornerOf(const F& element, int v) {
   int corner = 0;
   while (element.v[corner] != v) ++corner;
   return corner;
@@ -25,19 +27,22 @@ RUBBLE_HD Sym3 addLineElement(const SolverData& s, const F* element, int v, Bloc
   Vec3 x[F::kCorners];
   gatherCorners(s, *element, x);
   Block3 own;
-  if constexpr (std::is_same_v<F, Spring>) element->accumulate(x, cornerOf(*element, v), element->converged(s.step, x), own);
-  else element->accumulate(s.step, x, cornerOf(*element, v), own);
+  if constexpr (std::is_same_v<F, Spring>)
+    element->accumulate(x, cornerOf(*element, v), element->converged(s.step, x), own);
+  else
+    element->accumulate(s.step, x, cornerOf(*element, v), own);
   block += own;
   return own.h;
 }
 /// What couples two vertices of a bend, in all axes alike.
 RUBBLE_HD inline Real bendCoupling(const LineBend* bend, int a, int b) {
-  return bend && bend->alive ? bend->stiffness * bend->weight[cornerOf(*bend, a)] * bend->weight[cornerOf(*bend, b)] : Real(0);
+  return bend && bend->alive
+             ? bend->stiffness * bend->weight[cornerOf(*bend, a)] * bend->weight[cornerOf(*bend, b)]
+             : Real(0);
 }
 
 /// The rows of each vertex of a line: its own block, and its couplings with the next two.
-template <bool surfaces>
-struct AssembleStrands {
+template <bool surfaces> struct AssembleStrands {
   static constexpr const char* kStage = "lines";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const StrandVertex& at = s.strandVertex[k];
@@ -63,7 +68,8 @@ struct AssembleStrands {
           const Real both = bendCoupling(bend, v, w) + bendCoupling(nextBend, v, w);
           next = {both - spring.xx, -spring.xy, -spring.xz, both - spring.yy, -spring.yz, both - spring.zz};
         }
-        if (k + 1 < last && isDynamicVertex(s, s.strandVertex[k + 2].v)) afterNext = bendCoupling(nextBend, v, s.strandVertex[k + 2].v);
+        if (k + 1 < last && isDynamicVertex(s, s.strandVertex[k + 2].v))
+          afterNext = bendCoupling(nextBend, v, s.strandVertex[k + 2].v);
       }
     } else {
       own.addDiagonal(1);
@@ -71,7 +77,9 @@ struct AssembleStrands {
     write(s.strandWork[k], own, next, afterNext);
   }
 
-  RUBBLE_HD static const Spring* springAfter(const SolverData& s, int k) { return s.spring + s.strandVertex[k].spring; }
+  RUBBLE_HD static const Spring* springAfter(const SolverData& s, int k) {
+    return s.spring + s.strandVertex[k].spring;
+  }
   /// The bend whose middle is vertex k.
   RUBBLE_HD static const LineBend* bendAt(const SolverData& s, int k) {
     return s.strandVertex[k].bend >= 0 ? s.lineBend + s.strandVertex[k].bend : nullptr;
@@ -93,16 +101,20 @@ struct LineRows {
   StrandWork* work;
   int count;
   RUBBLE_HD LineRows(StrandWork* rows, int all) : work(rows), count(all) {}
-  RUBBLE_HD LineRows(const SolverData& s, const Strand& line) : LineRows(s.strandWork + line.begin, 3 * (line.end - line.begin)) {}
+  RUBBLE_HD LineRows(const SolverData& s, const Strand& line)
+      : LineRows(s.strandWork + line.begin, 3 * (line.end - line.begin)) {}
   /// Element (j, j + d).
   RUBBLE_HD double& at(int j, int d) const { return work[j / 3].row[j % 3][d]; }
   RUBBLE_HD double& x(int j) const { return work[j / 3].x[j % 3]; }
-  RUBBLE_HD static Vec3 stepOf(const StrandWork& w) { return {static_cast<Real>(w.x[0]), static_cast<Real>(w.x[1]), static_cast<Real>(w.x[2])}; }
+  RUBBLE_HD static Vec3 stepOf(const StrandWork& w) {
+    return {static_cast<Real>(w.x[0]), static_cast<Real>(w.x[1]), static_cast<Real>(w.x[2])};
+  }
   /// How many rows behind row j it is coupled with.
   RUBBLE_HD int reach(int j) const { return min(kStrandBand, count - 1 - j); }
 };
 
-/// No two neighbours move against each other by more than this share of the distance of vertices: further, directions are others.
+/// No two neighbours move against each other by more than this share of the distance of vertices: further,
+/// directions are others.
 inline constexpr Real kMostLineTurn = Real(.5);
 inline constexpr Real kNoLineTurn = Real(1e30);
 /// How far a vertex moves against the one before, over what it may; kNoLineTurn if that is not finite.
@@ -139,7 +151,8 @@ struct SolveStrand {
     for (int j = rows.count - 1; j > 0; --j)
       for (int a = 1; a <= min(kStrandBand, j); ++a) rows.x(j - a) -= rows.at(j - a, a) * rows.x(j);
     Real turn = 0;
-    for (int k = line.begin + 1; k < line.end; ++k) turn = max(turn, lineTurn(rows, k - line.begin, s.vertexParams[s.strandVertex[k].v].length));
+    for (int k = line.begin + 1; k < line.end; ++k)
+      turn = max(turn, lineTurn(rows, k - line.begin, s.vertexParams[s.strandVertex[k].v].length));
     s.strandShare[i] = strandShare(turn);
   }
 };
@@ -154,7 +167,8 @@ struct TakeStrandForces {
     Spring& spring = s.spring[at.spring];
     Vec3 x[Spring::kCorners];
     gatherCorners(s, spring, x);
-    const Vec3 d = x[0] - x[1], step = LineRows::stepOf(s.strandWork[k]) - LineRows::stepOf(s.strandWork[k + 1]);
+    const Vec3 d = x[0] - x[1],
+               step = LineRows::stepOf(s.strandWork[k]) - LineRows::stepOf(s.strandWork[k + 1]);
     const Real l = length(d);
     if (!spring.alive || !(l > Real(0))) return;
     const Real sign = spring.v[0] == at.v ? Real(1) : Real(-1);

@@ -1,6 +1,7 @@
 #pragma once
-/// Contacts of vertices and edges: a broad phase against the grid of the bodies, for granular particles against a grid of their own, for
-/// surfaces against that of features.h; rows; and what is kept for the next step.
+/// Contacts of vertices and edges: a broad phase against the grid of the bodies, for granular particles
+/// against a grid of their own, for surfaces against that of features.h; rows; and what is kept for the next
+/// step.
 #include "collision/point_shape.h"
 #include "stages/soft/body_corners.h"
 
@@ -16,7 +17,8 @@ RUBBLE_HD inline SweptBox vertexBounds(const SolverData& s, int v) {
 }
 
 RUBBLE_HD inline bool isGrain(const SolverData& s, int v) {
-  return s.vertexParams[v].kind != VertexKind::Removed && (s.vertexParams[v].collides & kCollidesWithParticles) != 0;
+  return s.vertexParams[v].kind != VertexKind::Removed &&
+         (s.vertexParams[v].collides & kCollidesWithParticles) != 0;
 }
 
 struct CountParticles {
@@ -42,7 +44,8 @@ struct FillParticles {
 
 /// found(body) for the bodies whose boxes meet that of a vertex.
 template <class Found>
-RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Found&& found, int lane, int lanes) {
+RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Found&& found, int lane,
+                            int lanes) {
   // cells that a search visits at most; beyond, looking at all bodies takes less
   constexpr Real kMostCells = 512;
   for (int level = 0; level < kGridLevels; ++level) {
@@ -58,7 +61,8 @@ RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Fou
       for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
         // another cell may share the bucket
         const GridEntry& e = s.grid[k];
-        if (cellOf(e.centre.x, size) == x && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z) look(e);
+        if (cellOf(e.centre.x, size) == x && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z)
+          look(e);
       }
     });
     for (int k = lane; !done && k < s.bucketOffset[s.cells]; k += lanes) look(s.grid[k]);
@@ -66,11 +70,13 @@ RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Fou
   for (int k = lane; k < s.planes; k += lanes) {
     const int plane = s.planeBody[k];
     const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
-    if (dot(up, box.centre - Vec3(s.position[plane])) <= dot(abs(up), box.half) && mayTouch(s, v, plane)) found(plane);
+    if (dot(up, box.centre - Vec3(s.position[plane])) <= dot(abs(up), box.half) && mayTouch(s, v, plane))
+      found(plane);
   }
 }
 
-/// found(other) for every partner whose pair a vertex, an edge or a corner of a body owns, for number `lane` of `lanes`. One may be found several times.
+/// found(other) for every partner whose pair a vertex, an edge or a corner of a body owns, for number `lane`
+/// of `lanes`. One may be found several times.
 template <class Found>
 RUBBLE_HD void searchPoint(const SolverData& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
   if (owner >= s.vertices + s.edges) return searchCorners(s, owner, found, lane, lanes);
@@ -87,13 +93,16 @@ RUBBLE_HD void searchPoint(const SolverData& s, int owner, Found&& found, int la
     // vertices of one object with elements do not: they overlap at rest
     if (p.cluster >= 0 && p.cluster == s.vertexParams[other].cluster) return;
     // nor do surfaces, whose triangles and edges do
-    if (p.cluster >= 0 && s.vertexParams[other].cluster >= 0 && (p.collides & s.vertexParams[other].collides & kCollidesWithSurfaces)) return;
+    if (p.cluster >= 0 && s.vertexParams[other].cluster >= 0 &&
+        (p.collides & s.vertexParams[other].collides & kCollidesWithSurfaces))
+      return;
     if (isDynamicVertex(s, v) || isDynamicVertex(s, other)) found(kVertexNode + other);
   };
   seekBoxes(s, particleGrid(s), kParticleKind, box, look, lane, lanes);
 }
 
-/// The partners of an owner, the first kPointPairSlots of them kept. If there are more, some may be counted several times.
+/// The partners of an owner, the first kPointPairSlots of them kept. If there are more, some may be counted
+/// several times.
 struct PartnerList {
   int* slots;
   int count = 0;
@@ -144,7 +153,8 @@ struct WritePointPairs {
     }
     if (rows == 2) {
       const int parts = n - begin;
-      for (int k = parts - 1; k >= 0; --k) s.pointPair[begin + 2 * k + 1] = s.pointPair[begin + 2 * k] = s.pointPair[begin + k];
+      for (int k = parts - 1; k >= 0; --k)
+        s.pointPair[begin + 2 * k + 1] = s.pointPair[begin + 2 * k] = s.pointPair[begin + k];
       n += parts;
     }
     for (; n < end; ++n) s.pointPair[n] = {owner, -1};
@@ -153,9 +163,10 @@ struct WritePointPairs {
 
 RUBBLE_HD inline Real lighter(Real a, Real b) { return a > Real(0) && b > Real(0) ? min(a, b) : max(a, b); }
 
-/// A vertex against a body at x^t, world axes. Surfaces are looked for up to `reach` from the vertex; `side` is the direction in which the body
-/// held it last, or zero.
-RUBBLE_HD inline PointDistance pointToBody(const SolverData& s, int v, int body, Real reach, const Vec3& side) {
+/// A vertex against a body at x^t, world axes. Surfaces are looked for up to `reach` from the vertex; `side`
+/// is the direction in which the body held it last, or zero.
+RUBBLE_HD inline PointDistance pointToBody(const SolverData& s, int v, int body, Real reach,
+                                           const Vec3& side) {
   const Quat q = s.orientation[body];
   const ShapeData& shape = s.params[body].shape;
   const Vec3 x = rotateInverse(q, Vec3(s.vertexPosition[v] - s.position[body]));
@@ -163,7 +174,9 @@ RUBBLE_HD inline PointDistance pointToBody(const SolverData& s, int v, int body,
   if (isPrimitive(shape.kind))
     at = pointToPlainShape(shape, x);
   else
-    at = pointToGeneralShape(s.shapeTables(), shape, x, {reach, max(reach, kHeldFromBelow * s.vertexParams[v].length), rotateInverse(q, side)});
+    at = pointToGeneralShape(
+        s.shapeTables(), shape, x,
+        {reach, max(reach, kHeldFromBelow * s.vertexParams[v].length), rotateInverse(q, side)});
   at.n = rotate(q, at.n);
   return at;
 }
@@ -175,16 +188,19 @@ RUBBLE_HD inline Vec3 beltOf(const SolverData& s, const PointContact& p) {
 }
 
 /// A vertex (B) against a body (A) at x^t. Returns what the rows start from; fills the geometry.
-RUBBLE_HD inline PointContactStart touchBody(const SolverData& s, int v, int body, const PointContact* old, PointContact& p, Real& gap, Real& margin) {
+RUBBLE_HD inline PointContactStart touchBody(const SolverData& s, int v, int body, const PointContact* old,
+                                             PointContact& p, Real& gap, Real& margin) {
   const VertexParams& point = s.vertexParams[v];
   const BodyParams& b = s.params[body];
   const Vec3 x(s.vertexPosition[v] - s.position[body]);
   const Real width = b.kind == BodyKind::Dynamic ? min(point.length, 2 * b.radius) : point.length;
   const Vec3 relative = s.vertexVelocity[v] - s.velocity[body];
-  margin = max(s.step.contactMargin * width, s.step.dt * (length(relative) + length(s.angularVelocity[body]) * length(x)));
+  margin = max(s.step.contactMargin * width,
+               s.step.dt * (length(relative) + length(s.angularVelocity[body]) * length(x)));
   // which may have two sides, and no inside
   if (b.shape.kind == ShapeKind::Mesh) margin += fallInStep(s);
-  const PointDistance at = pointToBody(s, v, body, point.radius + margin, old && old->active ? old->n : Vec3{0, 0, 0});
+  const PointDistance at = pointToBody(s, v, body, point.radius + margin,
+                                       old && old->active ? old->n : Vec3{0, 0, 0});
   gap = at.distance - point.radius;
   p.v[0] = v, p.v[1] = p.v[2] = p.v[3] = -1;
   p.weight[0] = -1;
@@ -195,16 +211,20 @@ RUBBLE_HD inline PointContactStart touchBody(const SolverData& s, int v, int bod
   p.lever = x - p.n * ((at.distance + point.radius) / 2);
   p.length = width;
   const SurfaceData surface = surfaceOf(s, body, at.part);
-  const auto friction = [&](Real a, Real c) { return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c); };
+  const auto friction = [&](Real a, Real c) {
+    return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c);
+  };
   p.muStatic = friction(surface.muStatic, point.muStatic);
   p.muDynamic = friction(surface.muDynamic, point.muDynamic);
   const Real closing = -dot(p.n, relative) + dot(p.n, cross(s.angularVelocity[body], p.lever));
   return {lighter(point.mass, b.mass), -gap, closing,
-          combined(surface.restitutionCombine, point.restitutionCombine, Combine::Maximum, surface.restitution, point.restitution)};
+          combined(surface.restitutionCombine, point.restitutionCombine, Combine::Maximum,
+                   surface.restitution, point.restitution)};
 }
 
 /// Granular particles a (A) and b (B).
-RUBBLE_HD inline PointContactStart touchParticle(const SolverData& s, int a, int b, PointContact& p, Real& gap, Real& margin) {
+RUBBLE_HD inline PointContactStart touchParticle(const SolverData& s, int a, int b, PointContact& p,
+                                                 Real& gap, Real& margin) {
   const VertexParams &pa = s.vertexParams[a], &pb = s.vertexParams[b];
   const Vec3 d(s.vertexPosition[b] - s.vertexPosition[a]);
   gap = length(d) - pa.radius - pb.radius;
@@ -215,15 +235,18 @@ RUBBLE_HD inline PointContactStart touchParticle(const SolverData& s, int a, int
   p.weight[0] = 1, p.weight[1] = -1;
   p.body = -1;
   p.n = normalize(d);
-  const auto friction = [&](Real x, Real y) { return combined(pa.frictionCombine, pb.frictionCombine, Combine::GeometricMean, x, y); };
+  const auto friction = [&](Real x, Real y) {
+    return combined(pa.frictionCombine, pb.frictionCombine, Combine::GeometricMean, x, y);
+  };
   p.muStatic = friction(pa.muStatic, pb.muStatic);
   p.muDynamic = friction(pa.muDynamic, pb.muDynamic);
   return {lighter(pa.mass, pb.mass), -gap, dot(p.n, relative),
-          combined(pa.restitutionCombine, pb.restitutionCombine, Combine::Maximum, pa.restitution, pb.restitution)};
+          combined(pa.restitutionCombine, pb.restitutionCombine, Combine::Maximum, pa.restitution,
+                   pb.restitution)};
 }
 
-/// Adds a share of the way of a belt to the drift of a contact. The rows correct the part driftCorrection of a drift: what the belt moves is
-/// to be made good in full.
+/// Adds a share of the way of a belt to the drift of a contact. The rows correct the part driftCorrection of
+/// a drift: what the belt moves is to be made good in full.
 RUBBLE_HD inline void addBelt(const SolverData& s, PointContact& p, Real share) {
   if (s.surfaces == 0 || p.body < 0) return;
   Vec3 t1, t2;
@@ -236,13 +259,16 @@ RUBBLE_HD inline void addBelt(const SolverData& s, PointContact& p, Real share) 
 RUBBLE_HD inline const PointContact* oldPointContactOf(const SolverData& s, int i) {
   const int owner = s.pointPair[i].vertex, row = rowOfPair(s.pointPair, i);
   for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k)
-    if (s.oldPointPair[k].other == s.pointPair[i].other && rowOfPair(s.oldPointPair, k) == row) return &s.oldPointContact[k];
+    if (s.oldPointPair[k].other == s.pointPair[i].other && rowOfPair(s.oldPointPair, k) == row)
+      return &s.oldPointContact[k];
   return nullptr;
 }
-/// What held a corner of a body before it slid on to part i of a surface, or null: it takes its load along, or it would fall freely for a step at each
-/// edge that it passes. The first part that it comes to has what the first that it leaves had, and so on.
+/// What held a corner of a body before it slid on to part i of a surface, or null: it takes its load along,
+/// or it would fall freely for a step at each edge that it passes. The first part that it comes to has what
+/// the first that it leaves had, and so on.
 RUBBLE_HD inline const PointContact* contactLeftFor(const SolverData& s, int i) {
-  const int owner = s.pointPair[i].vertex, begin = s.pointPairOffset[owner], end = s.pointPairOffset[owner + 1];
+  const int owner = s.pointPair[i].vertex, begin = s.pointPairOffset[owner],
+            end = s.pointPairOffset[owner + 1];
   int turn = 0;
   for (int k = begin; k < i; ++k) turn += s.pointPair[k].other >= 0 && !oldPointContactOf(s, k) ? 1 : 0;
   for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k) {
@@ -269,10 +295,14 @@ struct UpdatePointContacts {
     const bool corner = pair.vertex >= s.vertices + s.edges;
     const PointContact* old = oldPointContactOf(s, i);
     if (!old && corner) old = contactLeftFor(s, i);
-    const PointContactStart start = corner ? touchCorner(s, pair.vertex, pair.other, rowOfPair(s.pointPair, i), p, gap, margin)
-                                    : pair.other < kVertexNode ? touchBody(s, pair.vertex, pair.other, old, p, gap, margin)
-                                    : pair.other < kCornerNode ? touchParticle(s, pair.vertex, pair.other - kVertexNode, p, gap, margin)
-                                                               : touchFeature(s, pair.vertex, pair.other, p, gap, margin);
+    const PointContactStart start = corner ? touchCorner(s, pair.vertex, pair.other,
+                                                         rowOfPair(s.pointPair, i), p, gap, margin)
+                                    : pair.other < kVertexNode
+                                        ? touchBody(s, pair.vertex, pair.other, old, p, gap, margin)
+                                    : pair.other < kCornerNode
+                                        ? touchParticle(s, pair.vertex, pair.other - kVertexNode, p, gap,
+                                                        margin)
+                                        : touchFeature(s, pair.vertex, pair.other, p, gap, margin);
     p.active = gap <= margin;
     if (p.active) {
       beginPointContact(s.step, p, start, old);
@@ -302,7 +332,8 @@ struct MarkInactivePoints {
       d = p.displacement(target, d);
       nearer[0] += dot(p.n, p.displacement(target, {0, 0, 0}));
     }
-    // layers that fall together come together when the lowest is stopped: open means that it is if either side stays where it is
+    // layers that fall together come together when the lowest is stopped: open means that it is if either
+    // side stays where it is
     const Real closes = surfaces ? max(dot(p.n, d), max(nearer[0], nearer[1])) : dot(p.n, d);
     if (p.c0 + closes < -kInactiveGap * p.length) p.kN = p.kT = Real(0);
   }

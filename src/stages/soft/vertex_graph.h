@@ -1,29 +1,33 @@
 #pragma once
-/// Vertices in the incidence lists of bodies, and their neighbours: bodies and vertices are nodes of one graph.
+/// Vertices in the incidence lists of bodies, and their neighbours: bodies and vertices are nodes of one
+/// graph.
 #include "stages/bodies/incidence.h"
 #include "stages/soft/vertex_contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Attachments and contacts as row blocks of a body. A block gives its body one incidence that acts and, if it has several vertices, incidences
-/// that only tell of neighbours.
+/// Attachments and contacts as row blocks of a body. A block gives its body one incidence that acts and, if
+/// it has several vertices, incidences that only tell of neighbours.
 inline constexpr int kBodyNeighborType = JointTypes::kSize + 3;
 
 struct AttachmentBlocks {
   static constexpr int kType = kBodyAttachmentType;
   using Block = Attachment;
   RUBBLE_HD static Block* blocks(const SolverData& s) { return s.attachment; }
-  RUBBLE_HD static bool acts(const SolverData& s, const Block& b) { return active(s, b) && b.seam == 0 && isDynamic(s, b.body); }
+  RUBBLE_HD static bool acts(const SolverData& s, const Block& b) {
+    return active(s, b) && b.seam == 0 && isDynamic(s, b.body);
+  }
 };
 struct PointContactBlocks {
   static constexpr int kType = kBodyPointContactType;
   using Block = PointContact;
   RUBBLE_HD static Block* blocks(const SolverData& s) { return s.pointContact; }
-  RUBBLE_HD static bool acts(const SolverData& s, const Block& b) { return b.active && b.body >= 0 && isDynamic(s, b.body); }
+  RUBBLE_HD static bool acts(const SolverData& s, const Block& b) {
+    return b.active && b.body >= 0 && isDynamic(s, b.body);
+  }
 };
 
-template <class Blocks>
-struct CountSoftIncidences {
+template <class Blocks> struct CountSoftIncidences {
   static constexpr const char* kStage = "incidence";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const auto& block = Blocks::blocks(s)[i];
@@ -34,8 +38,7 @@ struct CountSoftIncidences {
   }
 };
 
-template <class Blocks>
-struct FillSoftIncidences {
+template <class Blocks> struct FillSoftIncidences {
   static constexpr const char* kStage = "incidence";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const auto& block = Blocks::blocks(s)[i];
@@ -43,7 +46,8 @@ struct FillSoftIncidences {
     for (int k = 0; k < kPointCorners && block.v[k] >= 0; ++k) {
       const int slot = s.incidenceOffset[block.body] + atomicCount(&s.incidenceCount[block.body], -1) - 1;
       const int other = isDynamicVertex(s, block.v[k]) ? kVertexNode + block.v[k] : -1;
-      const std::uint32_t code = k == 0 ? constraintCode(Blocks::kType, i, 0) : constraintCode(kBodyNeighborType, 2 * i + k / 2, k & 1);
+      const std::uint32_t code = k == 0 ? constraintCode(Blocks::kType, i, 0)
+                                        : constraintCode(kBodyNeighborType, 2 * i + k / 2, k & 1);
       s.incidence[slot] = {code, other, k == 0 && s.step.coarseCorrection ? block.depth : 0};
     }
   }
@@ -67,7 +71,8 @@ struct FillPointIncidences {
     for (int k = 0; k < kPointCorners && p.v[k] >= 0; ++k) {
       const int v = p.v[k];
       if (!isDynamicVertex(s, v)) continue;
-      s.pointIncidence[s.pointIncidenceOffset[v] + atomicCount(&s.pointIncidenceCount[v], -1) - 1] = pointCode(0, i, k);
+      s.pointIncidence[s.pointIncidenceOffset[v] + atomicCount(&s.pointIncidenceCount[v], -1) -
+                       1] = pointCode(0, i, k);
     }
   }
 };
@@ -77,15 +82,15 @@ struct SortPointIncidences {
     for (int k = s.pointIncidenceOffset[v] + 1; k < s.pointIncidenceOffset[v + 1]; ++k) {
       const std::uint32_t code = s.pointIncidence[k];
       int j = k;
-      for (; j > s.pointIncidenceOffset[v] && s.pointIncidence[j - 1] > code; --j) s.pointIncidence[j] = s.pointIncidence[j - 1];
+      for (; j > s.pointIncidenceOffset[v] && s.pointIncidence[j - 1] > code; --j)
+        s.pointIncidence[j] = s.pointIncidence[j - 1];
       s.pointIncidence[j] = code;
     }
   }
 };
 
 /// visit(node) for everything that must not have the colour of vertex v.
-template <class Visit>
-RUBBLE_HD void visitNeighbors(const SolverData& s, int v, Visit&& visit) {
+template <class Visit> RUBBLE_HD void visitNeighbors(const SolverData& s, int v, Visit&& visit) {
   for (int k = s.neighborOffset[v]; k < s.neighborOffset[v + 1]; ++k) visit(kVertexNode + s.neighbor[k]);
   visitAttachments(s, v, [&](const Attachment& a) {
     if (AttachmentBlocks::acts(s, a)) visit(a.body);

@@ -14,9 +14,9 @@ struct PlaceVertices {
 };
 
 /// visit(attachment) for those of a vertex: they are the last of what acts on it.
-template <class Visit>
-RUBBLE_HD void visitAttachments(const SolverData& s, int v, Visit&& visit) {
-  for (int k = s.refOffset[v + 1] - 1; k >= s.refOffset[v] && pointType(s.ref[k]) == kAttachmentCode; --k) visit(s.attachment[pointIndex(s.ref[k])]);
+template <class Visit> RUBBLE_HD void visitAttachments(const SolverData& s, int v, Visit&& visit) {
+  for (int k = s.refOffset[v + 1] - 1; k >= s.refOffset[v] && pointType(s.ref[k]) == kAttachmentCode; --k)
+    visit(s.attachment[pointIndex(s.ref[k])]);
 }
 
 template <class F>
@@ -25,8 +25,7 @@ RUBBLE_HD void gatherCorners(const SolverData& s, const F& element, Vec3 (&x)[F:
 }
 
 /// What an element takes from x^t.
-template <class F>
-struct BeginElements {
+template <class F> struct BeginElements {
   static constexpr const char* kStage = "elements";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     F& element = s.elementsOf<F>()[i];
@@ -45,13 +44,13 @@ struct BeginTetraCorners {
   }
   RUBBLE_HD static void begin(const SolverData& s, int k) {
     TetraCorner& corner = s.tetraCorner[k];
-    s.cornerStart[k] = corner.damper > Real(0) ? s.tetrahedron[corner.element].strainStart : Sym3{0, 0, 0, 0, 0, 0};
+    s.cornerStart[k] = corner.damper > Real(0) ? s.tetrahedron[corner.element].strainStart
+                                               : Sym3{0, 0, 0, 0, 0, 0};
     if (s.yielding > 0) corner.takeShape(s.tetrahedron[corner.element]);
   }
 };
 
-template <class F>
-struct UpdateElementDuals {
+template <class F> struct UpdateElementDuals {
   static constexpr const char* kStage = "element dual";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     F& element = s.elementsOf<F>()[i];
@@ -63,8 +62,7 @@ struct UpdateElementDuals {
 };
 
 /// Elements that bore too much are gone from now on.
-template <class F>
-struct FinishElements {
+template <class F> struct FinishElements {
   static constexpr const char* kStage = "element end";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     F& element = s.elementsOf<F>()[i];
@@ -104,7 +102,9 @@ struct FinishAttachments {
 };
 
 /// Is it a corner of tetrahedra?
-RUBBLE_HD inline bool inSolid(const SolverData& s, int v) { return s.tetraCornerOffset[v] != s.tetraCornerOffset[v + 1]; }
+RUBBLE_HD inline bool inSolid(const SolverData& s, int v) {
+  return s.tetraCornerOffset[v] != s.tetraCornerOffset[v + 1];
+}
 
 /// Inertial target y [S 2] and initial guess of every vertex.
 struct PredictVertices {
@@ -119,14 +119,18 @@ struct PredictVertices {
     const Vec3 velocity = s.vertexVelocity[v];
     const Vec3 acceleration = p.gravityScale * c.gravity + s.vertexForce[v] / p.mass;
     s.vertexTarget[v] = inertialDisplacement(velocity, acceleration, c.dt);
-    // Vertices of a solid go on as they moved. Loads come by the blocks, with the forces that balance them: a few sweeps leave a part of both undone
-    // alike, while a load in the guess is all there, and does work that no element takes up again.
-    const Real share = inSolid(s, v) ? Real(0) : followedShare(velocity, s.vertexOldVelocity[v], acceleration, c.dt);
+    // Vertices of a solid go on as they moved. Loads come by the blocks, with the forces that balance them: a
+    // few sweeps leave a part of both undone alike, while a load in the guess is all there, and does work
+    // that no element takes up again.
+    const Real share = inSolid(s, v) ? Real(0)
+                                     : followedShare(velocity, s.vertexOldVelocity[v], acceleration, c.dt);
     Vec3 guess = inertialDisplacement(velocity, share * acceleration, c.dt);
     if (p.cluster >= 0) {
-      // from the motion of the whole object it goes no further than an edge is long: beyond, elements would be torn to shapes of an energy
-      // that a few sweeps do not work off
-      const Vec3 rigid = inertialDisplacement(s.clusterMotion[p.cluster].velocity, share * acceleration, c.dt), own = guess - rigid;
+      // from the motion of the whole object it goes no further than an edge is long: beyond, elements would
+      // be torn to shapes of an energy that a few sweeps do not work off
+      const Vec3 rigid = inertialDisplacement(s.clusterMotion[p.cluster].velocity, share * acceleration,
+                                              c.dt),
+                 own = guess - rigid;
       const Real size = length(own);
       if (size > p.reach) guess = rigid + own * (p.reach / size);
     }
@@ -152,14 +156,16 @@ RUBBLE_HD inline void addElement(const SolverData& s, std::uint32_t code, Block3
 }
 
 /// Adds a tetrahedron of the list of a vertex. `start`: its E^t.
-RUBBLE_HD inline void addTetraCorner(const SolverData& s, const TetraCorner& corner, const Sym3& start, const Vec3& own, Block3& block) {
+RUBBLE_HD inline void addTetraCorner(const SolverData& s, const TetraCorner& corner, const Sym3& start,
+                                     const Vec3& own, Block3& block) {
   Vec3 x[TetraCorner::kCorners] = {own, {}, {}, {}};
   for (int i = 0; i < 3; ++i) x[i + 1] = load(s.vertexPlace[corner.other[i]]);
   corner.accumulate(s.step, x, start, 0, block);
 }
 
-/// Multiplier that an attachment begins with: of one with a stiffness its own load K C; of a hard one what holds its vertices against their elements,
-/// sum c_i f_i / sum c_i^2, so that what was stretched before it was hung up pulls at once.
+/// Multiplier that an attachment begins with: of one with a stiffness its own load K C; of a hard one what
+/// holds its vertices against their elements, sum c_i f_i / sum c_i^2, so that what was stretched before it
+/// was hung up pulls at once.
 RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const SolverData& s, const Attachment& a, const Vec3& gap) {
   if (a.compliance > Real(0)) return gap / a.compliance;
   Vec3 force{0, 0, 0};
@@ -169,7 +175,8 @@ RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const SolverData& s, const Attachment
     Block3 block;
     for (int i = s.tetraCornerOffset[v]; i < s.tetraCornerOffset[v + 1]; ++i)
       addTetraCorner(s, s.tetraCorner[i], s.cornerStart[i], s.vertexPlace[v], block);
-    for (int i = s.refOffset[v]; i < s.refOffset[v + 1] && pointType(s.ref[i]) != kAttachmentCode; ++i) addElement(s, s.ref[i], block);
+    for (int i = s.refOffset[v]; i < s.refOffset[v + 1] && pointType(s.ref[i]) != kAttachmentCode; ++i)
+      addElement(s, s.ref[i], block);
     force += a.weight[k] * block.f;
     weight += a.weight[k] * a.weight[k];
   }
@@ -184,7 +191,8 @@ struct BeginAttachments {
     // about the first vertex, in double: weights may add up to -1 or, in a seam, to 0
     const Vec3d origin = s.vertexPosition[a.v[0]];
     Vec3 gap{0, 0, 0}, lever{0, 0, 0};
-    for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k) gap += a.weight[k] * Vec3(s.vertexPosition[a.v[k]] - origin);
+    for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k)
+      gap += a.weight[k] * Vec3(s.vertexPosition[a.v[k]] - origin);
     Real bodyMass = 0;
     if (a.seam == 0) {
       if (a.body == kWorldBody) {
@@ -201,9 +209,13 @@ struct BeginAttachments {
 /// `whole`: read so, which takes registers.
 template <bool whole = false>
 RUBBLE_HD inline void addPointContact(const SolverData& s, std::uint32_t code, Block3& block) {
-  const auto add = [&](const PointContact& p) { p.accumulateVertex(s.step, pointDisplacement(s, p), pointCorner(code), block); };
-  if constexpr (whole) add(loadVectorized(s.pointContact[pointIndex(code)]));
-  else add(s.pointContact[pointIndex(code)]);
+  const auto add = [&](const PointContact& p) {
+    p.accumulateVertex(s.step, pointDisplacement(s, p), pointCorner(code), block);
+  };
+  if constexpr (whole)
+    add(loadVectorized(s.pointContact[pointIndex(code)]));
+  else
+    add(s.pointContact[pointIndex(code)]);
 }
 
 /// The inertial part of the local problem of a vertex.
@@ -226,15 +238,18 @@ RUBBLE_HD inline void finishVertexBlock(const SolverData& s, int v, const Block3
   s.vertexPlace[v] += dx;
 }
 
-/// The primal update of one vertex: force [S 5] and Hessian [S 6] of its inertia, elements and contacts, one Newton step [S 3].
+/// The primal update of one vertex: force [S 5] and Hessian [S 6] of its inertia, elements and contacts, one
+/// Newton step [S 3].
 struct SolveVertex {
   static constexpr const char* kStage = "primal";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
     Block3 block = startVertexBlock(s, v);
     const Vec3 own = s.vertexPlace[v];
-    for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k) addTetraCorner(s, s.tetraCorner[k], s.cornerStart[k], own, block);
+    for (int k = s.tetraCornerOffset[v]; k < s.tetraCornerOffset[v + 1]; ++k)
+      addTetraCorner(s, s.tetraCorner[k], s.cornerStart[k], own, block);
     for (int k = s.refOffset[v]; k < s.refOffset[v + 1]; ++k) addElement(s, s.ref[k], block);
-    for (int k = s.pointIncidenceOffset[v]; k < s.pointIncidenceOffset[v + 1]; ++k) addPointContact(s, s.pointIncidence[k], block);
+    for (int k = s.pointIncidenceOffset[v]; k < s.pointIncidenceOffset[v + 1]; ++k)
+      addPointContact(s, s.pointIncidence[k], block);
     finishVertexBlock(s, v, block);
   }
 };

@@ -1,14 +1,16 @@
 #pragma once
-/// Joints of trees that are open at the end of a step, beyond what they inherited, are closed by moving bodies without turning them, and without
-/// a change of velocity. Two things open them. Bodies that stop in the middle of a step (fast_bodies.h) stop on the straight line between their
-/// places, while the ends of one that turns by w go on arcs, w^2 r / 8 beside it in the middle of the step. And the last Newton step of a tree is
-/// linear in rotations, which are large where limbs are struck.
+/// Joints of trees that are open at the end of a step, beyond what they inherited, are closed by moving
+/// bodies without turning them, and without a change of velocity. Two things open them. Bodies that stop in
+/// the middle of a step (fast_bodies.h) stop on the straight line between their places, while the ends of one
+/// that turns by w go on arcs, w^2 r / 8 beside it in the middle of the step. And the last Newton step of a
+/// tree is linear in rotations, which are large where limbs are struck.
 ///
-///   least  sum_i m_i |e_i|^2 + sum_j k |e_A - e_B + g_j|^2 / 2,     k = kTreeStiffness times the lighter mass of the joint
+///   least  sum_i m_i |e_i|^2 + sum_j k |e_A - e_B + g_j|^2 / 2,     k = kTreeStiffness times the lighter
+///          mass of the joint
 ///
-/// e_i: motion of body i, g_j: what joint j is open by. Its three axes are one and the same elimination of numbers, in the order of trees.h, and
-/// what is held by the world, or with an axis locked, stays. The centre of mass of a free tree stays where it
-/// is, unless a contact or a limit holds a body of it back.
+/// e_i: motion of body i, g_j: what joint j is open by. Its three axes are one and the same elimination of
+/// numbers, in the order of trees.h, and what is held by the world, or with an axis locked, stays. The centre
+/// of mass of a free tree stays where it is, unless a contact or a limit holds a body of it back.
 #include <limits>
 #include <type_traits>
 
@@ -20,18 +22,21 @@ namespace rubble::RUBBLE_CORE {
 /// Trees with a joint open by more than this share of L are closed [1].
 inline constexpr Real kOpenGap = Real(1e-3);
 
-/// How far the anchors of a joint are apart at the end of the step, less what was left alone of the gap that it began with [m]; 0 where they are not
-/// held, or with a force at its bound.
+/// How far the anchors of a joint are apart at the end of the step, less what was left alone of the gap that
+/// it began with [m]; 0 where they are not held, or with a force at its bound.
 template <class F>
 RUBBLE_HD RUBBLE_APART Vec3 addedGap(const SolverData& s, const JointSpec<F>& spec, const Joint<F>& joint) {
   Vec3 gap{0, 0, 0};
   forEachPart<F>([&]<int I, class P>() {
     if constexpr (std::is_same_v<P, AnchorRows>) {
       const auto& rows = partOf<I>(joint.parts);
-      if (partOf<I>(spec.parts).mode != GroupMode::Hold || rows.state.compliance > Real(0) || !rows.state.keepsMultiplier) return;
+      if (partOf<I>(spec.parts).mode != GroupMode::Hold || rows.state.compliance > Real(0) ||
+          !rows.state.keepsMultiplier)
+        return;
       const Vec3 load{rows.lambda[0], rows.lambda[1], rows.lambda[2]};
       if (!(length(load) < rows.state.bound * (Real(1) - kAtBound))) return;
-      const Pose a = stillPose(s, spec.a, Vec3(jointOrigin(s, spec.a) - jointOrigin(s, spec.b))), b = stillPose(s, spec.b, {0, 0, 0});
+      const Pose a = stillPose(s, spec.a, Vec3(jointOrigin(s, spec.a) - jointOrigin(s, spec.b))),
+                 b = stillPose(s, spec.b, {0, 0, 0});
       Real c[P::kRows];
       P::constraint(spec.data, joint.memory, a, b, c);
       gap = {c[0] - rows.shift[0], c[1] - rows.shift[1], c[2] - rows.shift[2]};
@@ -48,11 +53,11 @@ RUBBLE_HD inline int projectionNode(const SolverData& s, int body) {
   return node >= 0 && s.treeNode[node].exact ? node : -1;
 }
 
-/// A body is moved by no more than this share of half its thickness [1]: further it could leave what holds it. Rows close the rest, contacts among them.
+/// A body is moved by no more than this share of half its thickness [1]: further it could leave what holds
+/// it. Rows close the rest, contacts among them.
 inline constexpr Real kClosingWay = Real(.5);
 
-template <class F>
-struct FindTreesToProject {
+template <class F> struct FindTreesToProject {
   static constexpr const char* kStage = "closing";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
@@ -63,12 +68,14 @@ struct FindTreesToProject {
     const Vec3 gap = addedGap(s, spec, joint);
     s.treeRowsOf<F>()[i].gap = gap;
     const int tree = s.treeNode[node].tree;
-    if (!touchesDeformables(s, tree) && length(gap) > kOpenGap * joint.length) atomicSet(&s.treeNeedsProjection[tree], 1);
+    if (!touchesDeformables(s, tree) && length(gap) > kOpenGap * joint.length)
+      atomicSet(&s.treeNeedsProjection[tree], 1);
   }
 };
 
 template <class F>
-RUBBLE_HD void accumulateGap(const SolverData& s, const TreeNode& node, int index, int side, ProjectionLink& link) {
+RUBBLE_HD void accumulateGap(const SolverData& s, const TreeNode& node, int index, int side,
+                             ProjectionLink& link) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
   if (!spec.isRigid || !active<F>(s, index)) return;
   const int other = bodyOf(spec, 1 - side), to = projectionNode(s, other);
@@ -93,7 +100,8 @@ struct AssembleLinks {
         const std::uint32_t code = s.incidence[k].code;
         forEachType(JointTypes{}, [&]<class F>() {
           if constexpr (!isCarried<F>())
-            if (constraintType(code) == typeIndex<F>(JointTypes{}) + 1) accumulateGap<F>(s, node, jointIndex<F>(code), jointSide<F>(code), link);
+            if (constraintType(code) == typeIndex<F>(JointTypes{}) + 1)
+              accumulateGap<F>(s, node, jointIndex<F>(code), jointSide<F>(code), link);
         });
       }
     }
@@ -110,7 +118,8 @@ struct EliminateLink {
     if (s.treeNeedsProjection[node.tree] == 0) return;
     ProjectionLink& link = s.projectionLink[begin + k];
     for (int child = node.childBegin; child < node.childEnd; ++child) {
-      const int from = s.treeChild[child] >> 1, side = s.treeChild[child] & 1, far = s.treeNode[from].parent[1 - side];
+      const int from = s.treeChild[child] >> 1, side = s.treeChild[child] & 1,
+                far = s.treeNode[from].parent[1 - side];
       const ProjectionLink& o = s.projectionLink[from];
       link.h -= o.e[side] * o.w[side];
       link.x -= o.e[side] * o.x;

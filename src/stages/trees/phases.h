@@ -10,8 +10,7 @@ namespace rubble::RUBBLE_CORE::trees {
 inline int nodesOf(const SolverData& s) { return s.step.jointTrees ? treeNodes(s) : 0; }
 
 /// Finds the trees that touch other bodies.
-template <Executor E>
-void prepare(E& e) {
+template <Executor E> void prepare(E& e) {
   const int nodes = nodesOf(e.view());
   if (nodes == 0) return;
   e.clear(&SolverData::treeContacts, nodes);
@@ -19,14 +18,13 @@ void prepare(E& e) {
 }
 
 /// Finds those that touch deformable objects, once the row blocks of each body are known.
-template <Executor E>
-void findSoftTrees(E& e) {
+template <Executor E> void findSoftTrees(E& e) {
   if (e.view().vertices > 0) e.forEach(MarkSoftTrees{}, nodesOf(e.view()));
 }
 
-/// One step of all bodies that hang together by joints. Trees with contacts are solved exactly where no other block moves their bodies afterwards.
-template <Executor E>
-void solveOnce(E& e, TreeSolve how, TreesOf of) {
+/// One step of all bodies that hang together by joints. Trees with contacts are solved exactly where no other
+/// block moves their bodies afterwards.
+template <Executor E> void solveOnce(E& e, TreeSolve how, TreesOf of) {
   const SolverData& s = e.view();
   const int nodes = treeNodes(s);
   e.forEach(BeginTrees{how, of}, nodes);
@@ -36,31 +34,32 @@ void solveOnce(E& e, TreeSolve how, TreesOf of) {
     e.forEach(SolveTree{}, s.trees);
   } else {
     e.forEach(AssembleTreeJoints{}, nodes);
-    for (int r = 0; r < s.treeLevels; ++r) e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
-    for (int r = s.treeLevels - 1; r >= 0; --r) e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+    for (int r = 0; r < s.treeLevels; ++r)
+      e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
+    for (int r = s.treeLevels - 1; r >= 0; --r)
+      e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
     e.forEach(MoveTrees{}, nodes);
   }
   if (how != TreeSolve::Again) forEachJoint<TakeTreeForces>(e);
 }
 
 /// Before the sweep over bodies: in the last iteration only the trees that deformable objects touch.
-template <Executor E>
-void solve(E& e, bool last) {
+template <Executor E> void solve(E& e, bool last) {
   if (nodesOf(e.view()) == 0) return;
-  if (!last) solveOnce(e, TreeSolve::Own, TreesOf::Any);
-  else if (e.view().vertices > 0) solveOnce(e, TreeSolve::Own, TreesOf::Deformables);
+  if (!last)
+    solveOnce(e, TreeSolve::Own, TreesOf::Any);
+  else if (e.view().vertices > 0)
+    solveOnce(e, TreeSolve::Own, TreesOf::Deformables);
 }
 
 /// After the last sweep: all others.
-template <Executor E>
-void solveLast(E& e) {
+template <Executor E> void solveLast(E& e) {
   const int solves = nodesOf(e.view()) > 0 ? lastTreeSolves(e.view()) : 0;
   for (int k = 0; k < solves; ++k) solveOnce(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again, TreesOf::Rest);
 }
 
 /// Closes joints that are open at the end of the step.
-template <Executor E>
-void finish(E& e) {
+template <Executor E> void finish(E& e) {
   const SolverData& s = e.view();
   const int nodes = nodesOf(s);
   if (nodes == 0) return;

@@ -1,17 +1,20 @@
 #pragma once
 /// One more block of the same descent: all bodies that hang together by joints, solved at once.
 ///
-/// News travels one body a sweep, and groups move rigidly; a chain bends. But where joints form a tree, the Newton step [S 3] in the unknowns
-/// of all of its bodies costs little more than those of the bodies one by one: eliminate bodies that have at most two neighbours left, which
-/// leaves at most one new coupling each, and substitute back. Loops that this closes (rings, ladders, four-bars) are solved with the rest; bodies
-/// that always keep three neighbours (nets) stay as they are and count as fixed here. Bodies that are eliminated in the same round are not
-/// neighbours, so a round is one kernel, and a chain of N bodies takes about log2 N rounds.
+/// News travels one body a sweep, and groups move rigidly; a chain bends. But where joints form a tree, the
+/// Newton step [S 3] in the unknowns of all of its bodies costs little more than those of the bodies one by
+/// one: eliminate bodies that have at most two neighbours left, which leaves at most one new coupling each,
+/// and substitute back. Loops that this closes (rings, ladders, four-bars) are solved with the rest; bodies
+/// that always keep three neighbours (nets) stay as they are and count as fixed here. Bodies that are
+/// eliminated in the same round are not neighbours, so a round is one kernel, and a chain of N bodies takes
+/// about log2 N rounds.
 ///
-/// A tree that has no loops and touches nothing is solved exactly, and by this block alone; all others share their rows, and so the objective that
-/// every block descends on, with sweeps and groups.
+/// A tree that has no loops and touches nothing is solved exactly, and by this block alone; all others share
+/// their rows, and so the objective that every block descends on, with sweeps and groups.
 ///
-/// Rows that leave the tree are those of a body's own block. Between two bodies that both move in this block without being coupled in it (a
-/// contact of two limbs) the bound of coarse.h holds: their Hessian counts twice.
+/// Rows that leave the tree are those of a body's own block. Between two bodies that both move in this block
+/// without being coupled in it (a contact of two limbs) the bound of coarse.h holds: their Hessian counts
+/// twice.
 #include "forces/joint_tree.h"
 #include "stages/bodies/incidence.h"
 
@@ -27,26 +30,35 @@ struct MarkSoftTrees {
   }
 };
 
-RUBBLE_HD inline bool movesInTree(const SolverData& s, int body) { return body >= 0 && body < s.bodies && s.nodeOfBody[body] >= 0; }
+RUBBLE_HD inline bool movesInTree(const SolverData& s, int body) {
+  return body >= 0 && body < s.bodies && s.nodeOfBody[body] >= 0;
+}
 
 /// How often the Hessian of a contact counts.
-RUBBLE_HD inline Real contactWeight(const SolverData& s, const Incidence& incidence) { return movesInTree(s, incidence.other) ? Real(2) : Real(1); }
+RUBBLE_HD inline Real contactWeight(const SolverData& s, const Incidence& incidence) {
+  return movesInTree(s, incidence.other) ? Real(2) : Real(1);
+}
 
 /// The node of a body that its tree may move, -1: none.
-RUBBLE_HD inline int movingNode(const SolverData& s, int body) { return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1; }
+RUBBLE_HD inline int movingNode(const SolverData& s, int body) {
+  return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1;
+}
 
 /// How a tree is solved, where those with contacts are solved so.
 RUBBLE_HD inline TreeSolve treeSolveOf(const SolverData& s, const TreeNode& node, TreeSolve how) {
   return isExact(s, node) ? TreeSolve::Exact : node.exact ? how : TreeSolve::Own;
 }
-/// A tree whose bodies have all turned by less than this in a solve is left as it is in those that follow: what the next one would find is
-/// of second order in it, or a limit passed by no more than twice as much [rad].
+/// A tree whose bodies have all turned by less than this in a solve is left as it is in those that follow:
+/// what the next one would find is of second order in it, or a limit passed by no more than twice as much
+/// [rad].
 inline constexpr Real kTreeAtRest = Real(.002);
 
-/// Trees that take part in a solve. Those that deformable objects touch are solved before the last sweep, which does not see how stiff their joints
-/// are held at the end; all others after it.
+/// Trees that take part in a solve. Those that deformable objects touch are solved before the last sweep,
+/// which does not see how stiff their joints are held at the end; all others after it.
 enum class TreesOf { Any, Deformables, Rest };
-RUBBLE_HD inline bool touchesDeformables(const SolverData& s, int tree) { return (s.treeContacts[tree] & kTouchesDeformables) != 0; }
+RUBBLE_HD inline bool touchesDeformables(const SolverData& s, int tree) {
+  return (s.treeContacts[tree] & kTouchesDeformables) != 0;
+}
 
 /// Begins a solve. A tree that is solved exactly is done by the first one, and so is one without limits.
 struct BeginTrees {
@@ -64,8 +76,7 @@ struct BeginTrees {
 };
 
 /// The rows of all joints that a tree has, a part of a joint each.
-template <class F>
-struct FindTreeRows {
+template <class F> struct FindTreeRows {
   static constexpr const char* kStage = "tree rows";
   static constexpr int kPerJoint = F::Parts::kCount;
   TreeSolve how;
@@ -104,7 +115,8 @@ RUBBLE_HD TreeCoupling couplingOf(const SolverData& s, const TreeNode& node, con
     const JointSpec<F>& spec = s.specsOf<F>()[jointIndex<F>(incidence.code)];
     for (int other = 0; other < kSides<F>; ++other) {
       const int body = bodyOf(spec, other);
-      if (other != side && body != bodyOf(spec, side) && isFirstSide(spec, other)) noteCoupling(node, other, movingNode(s, body), to);
+      if (other != side && body != bodyOf(spec, side) && isFirstSide(spec, other))
+        noteCoupling(node, other, movingNode(s, body), to);
     }
   } else if (incidence.other >= 0) {
     noteCoupling(node, 1 - side, s.nodeOfBody[incidence.other], to);
@@ -112,8 +124,10 @@ RUBBLE_HD TreeCoupling couplingOf(const SolverData& s, const TreeNode& node, con
   return to;
 }
 template <class F>
-RUBBLE_HD RUBBLE_APART void accumulateJointOfNode(const SolverData& s, int n, const Incidence& incidence, TreeBlock& w) {
-  accumulateTreeRows<F>(s.treeRowsOf<F>()[jointIndex<F>(incidence.code)], jointSide<F>(incidence.code), couplingOf<F>(s, s.treeNode[n], incidence), w.h, w.x, w.e);
+RUBBLE_HD RUBBLE_APART void accumulateJointOfNode(const SolverData& s, int n, const Incidence& incidence,
+                                                  TreeBlock& w) {
+  accumulateTreeRows<F>(s.treeRowsOf<F>()[jointIndex<F>(incidence.code)], jointSide<F>(incidence.code),
+                        couplingOf<F>(s, s.treeNode[n], incidence), w.h, w.x, w.e);
 }
 
 /// A body that does not move, or an axis that is locked, is decoupled from all others.
@@ -126,11 +140,13 @@ RUBBLE_HD inline void decouple(TreeBlock& w, int axis) {
 }
 
 /// Does a body stay where it is in this solve?
-RUBBLE_HD inline bool stands(const SolverData& s, const TreeNode& node) { return !isDynamic(s, node.body) || s.treeConverged[node.tree] != 0; }
+RUBBLE_HD inline bool stands(const SolverData& s, const TreeNode& node) {
+  return !isDynamic(s, node.body) || s.treeConverged[node.tree] != 0;
+}
 
-/// The block of each body of a tree without its joints: the rows that leave the tree, and those of contacts within it.
-template <class L>
-struct AssembleTreeBodies {
+/// The block of each body of a tree without its joints: the rows that leave the tree, and those of contacts
+/// within it.
+template <class L> struct AssembleTreeBodies {
   static constexpr const char* kStage = "tree rows";
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
@@ -151,7 +167,9 @@ struct AssembleTreeBodies {
     }
     points.addTo(block);
     // deformable objects come last
-    for (int k = end; k > s.incidenceOffset[i] && constraintType(s.incidence[k - 1].code) > JointTypes::kSize; --k) addSoftRows(s, s.incidence[k - 1].code, block);
+    for (int k = end; k > s.incidenceOffset[i] && constraintType(s.incidence[k - 1].code) > JointTypes::kSize;
+         --k)
+      addSoftRows(s, s.incidence[k - 1].code, block);
     addBlock(w.h, w.x, block);
   }
 };
@@ -166,7 +184,8 @@ struct AssembleTreeJoints {
     for (int k = s.incidenceOffset[node.body]; k < s.incidenceOffset[node.body + 1]; ++k) {
       const Incidence& incidence = s.incidence[k];
       forEachType(JointTypes{}, [&]<class F>() {
-        if (constraintType(incidence.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(incidence.code)) accumulateJointOfNode<F>(s, n, incidence, w);
+        if (constraintType(incidence.code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(incidence.code))
+          accumulateJointOfNode<F>(s, n, incidence, w);
       });
     }
     lockAxesOf(s, node, w);
@@ -184,7 +203,8 @@ struct AssembleTreeJoints {
   }
 };
 
-/// Takes a body out: its neighbours get what it passes on when they are taken out themselves. Bodies from `begin` on.
+/// Takes a body out: its neighbours get what it passes on when they are taken out themselves. Bodies from
+/// `begin` on.
 struct EliminateNode {
   static constexpr const char* kStage = "trees";
   int begin;
@@ -236,7 +256,8 @@ struct SubstituteNode {
   static constexpr Real kNoTurn = Real(1e30);
 };
 
-/// Share of its step that a tree makes, by its largest rotation: no body turns by more than kMostTurn, and a step that is not finite is not made.
+/// Share of its step that a tree makes, by its largest rotation: no body turns by more than kMostTurn, and a
+/// step that is not finite is not made.
 RUBBLE_HD inline double treeShare(int turnBits) {
   const double turn = static_cast<double>(fromFloatBits(turnBits));
   if (turn >= .5 * static_cast<double>(SubstituteNode::kNoTurn)) return 0;
@@ -246,7 +267,9 @@ RUBBLE_HD inline double treeShare(int turnBits) {
 /// Bodies make their steps.
 struct MoveTrees {
   static constexpr const char* kStage = "trees";
-  RUBBLE_HD void operator()(const SolverData& s, int n) const { move(s, n, treeShare(s.treeMaxRotation[s.treeNode[n].tree])); }
+  RUBBLE_HD void operator()(const SolverData& s, int n) const {
+    move(s, n, treeShare(s.treeMaxRotation[s.treeNode[n].tree]));
+  }
   RUBBLE_HD static void move(const SolverData& s, int n, double share) {
     const TreeNode& node = s.treeNode[n];
     const int i = node.body;
@@ -271,8 +294,7 @@ struct SolveTree {
 };
 
 /// Multipliers of joints whose rows the tree has solved for, a part of a joint each.
-template <class F>
-struct TakeTreeForces {
+template <class F> struct TakeTreeForces {
   static constexpr const char* kStage = "tree forces";
   static constexpr int kPerJoint = F::Parts::kCount;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
@@ -286,12 +308,15 @@ struct TakeTreeForces {
     if (!(share > 0)) return;
     const Long6 still{}, &dxA = a >= 0 ? s.treeWork[a].x : still, &dxB = b >= 0 ? s.treeWork[b].x : still;
     forEachPart<F>([&]<int I, class P>() {
-      if (I == at.part) takeTreeForces<P>(loadVectorized(s.treeRowsOf<F>()[at.joint].part[I]), partOf<I>(s.jointsOf<F>()[at.joint].parts), dxA, dxB, share);
+      if (I == at.part)
+        takeTreeForces<P>(loadVectorized(s.treeRowsOf<F>()[at.joint].part[I]),
+                          partOf<I>(s.jointsOf<F>()[at.joint].parts), dxA, dxB, share);
     });
   }
 };
 
-/// How often trees with limits are solved at the end of the last iteration: one that the first solve reaches is held by the next.
+/// How often trees with limits are solved at the end of the last iteration: one that the first solve reaches
+/// is held by the next.
 inline constexpr int kLastTreeSolves = 3;
 RUBBLE_HD inline int lastTreeSolves(const SolverData& s) { return s.treeLimits != 0 ? kLastTreeSolves : 1; }
 

@@ -1,5 +1,5 @@
-#include <cstdio>
 #include <rubble/rubble.h>
+#include <cstdio>
 
 int main() {
   rubble::Scene scene;

@@ -1,14 +1,14 @@
 #pragma once
-/// The memory behind a SolverData: every array has room for as many elements as its kind needs; growing keeps what is there.
+/// The memory behind a SolverData: every array has room for as many elements as its kind needs; growing keeps
+/// what is there.
 #include <cstddef>
 
-#include "state/view.h"
+#include "state/arrays.h"
 
 namespace rubble::RUBBLE_CORE {
 
 /// `Memory`: static allocate(bytes) (zeroed), release(pointer), copy(to, from, bytes).
-template <class Memory>
-class SolverTables {
+template <class Memory> class SolverTables {
  public:
   SolverTables() {
     view_.counters = static_cast<Counters*>(Memory::allocate(sizeof(Counters)));
@@ -16,7 +16,9 @@ class SolverTables {
   }
   ~SolverTables() {
     Memory::release(view_.counters);
-    forEachArray([&](const auto& array) { if (!array.aliases) Memory::release(view_.*array.member); });
+    forEachArray([&](const auto& array) {
+      if (!array.aliases) Memory::release(view_.*array.member);
+    });
   }
   SolverTables(const SolverTables&) = delete;
   SolverTables& operator=(const SolverTables&) = delete;
@@ -54,12 +56,15 @@ class SolverTables {
 
   std::size_t bytes() const {
     std::size_t sum = sizeof(Counters);
-    forEachArray([&](const auto& array) { if (view_.*array.member) sum += array.aliases ? 0 : bytesOf(array, capacity(array.per)); });
+    forEachArray([&](const auto& array) {
+      if (view_.*array.member) sum += array.aliases ? 0 : bytesOf(array, capacity(array.per));
+    });
     return sum;
   }
 
-  /// Contact rows have no memory of their own: when all manifolds are found, nobody reads those of the step before, and there are no more rows
-  /// than near pairs. Between steps the rows of the last one stay there, in what the next step fills with manifolds.
+  /// Contact rows have no memory of their own: when all manifolds are found, nobody reads those of the step
+  /// before, and there are no more rows than near pairs. Between steps the rows of the last one stay there,
+  /// in what the next step fills with manifolds.
   void aliasRows() { aliasRowsIn(view_.oldManifold); }
 
   /// The manifolds of this step become those that the next one starts from.
@@ -82,11 +87,12 @@ class SolverTables {
 
  private:
   static_assert(sizeof(ContactRows) <= sizeof(Manifold) && alignof(ContactRows) <= alignof(Manifold));
-  bool rowsAlias(const Manifold* place) const { return place && static_cast<const void*>(view_.contact) == place; }
+  bool rowsAlias(const Manifold* place) const {
+    return place && static_cast<const void*>(view_.contact) == place;
+  }
   void aliasRowsIn(Manifold* place) { view_.contact = reinterpret_cast<ContactRows*>(place); }
 
-  template <class T>
-  static std::size_t bytesOf(const ArrayInfo<T>& array, int count) {
+  template <class T> static std::size_t bytesOf(const ArrayInfo<T>& array, int count) {
     return sizeof(T) * static_cast<std::size_t>(count + array.extra);
   }
 

@@ -1,0 +1,111 @@
+#pragma once
+/// Launches of kernels into one stream, by stage, from an operation of the step on.
+#include <nvtx3/nvToolsExt.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "backend/cuda/device_memory.h"
+#include "backend/cuda/kernels.cuh"
+#include "backend/cuda/timeline.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Where in the step to begin, what to measure with, and whether a graph is being captured.
+struct EnqueueOptions {
+  int from = 0;                  ///< first operation that is enqueued
+  int colors = 0;                ///< launches for colours
+  Timeline* timeline = nullptr;  ///< of the stages, or none
+  bool captured = false;
+};
+
+class KernelLauncher {
+ protected:
+  KernelLauncher(DeviceTables& tables, cudaStream_t stream) : tables_(tables), stream_(stream) {
+    int device = 0;
+    checkCuda(cudaGetDevice(&device), "cudaGetDevice");
+    checkCuda(cudaDeviceGetAttribute(&processors_, cudaDevAttrMultiProcessorCount, device),
+              "cudaDeviceGetAttribute");
+    int major = 0;
+    checkCuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
+              "cudaDeviceGetAttribute");
+    launchesEarly_ = major >= kEarlyLaunchMajor;
+    // a full device: more blocks would only wait
+    constexpr int kThreadsPerProcessor = 2048;
+    maxBlocks_ = processors_ * (kThreadsPerProcessor / kThreads);
+    control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
+  }
+  ~KernelLauncher() { DeviceMemory::release(control_); }
+  KernelLauncher(const KernelLauncher&) = delete;
+  KernelLauncher& operator=(const KernelLauncher&) = delete;
+
+  const SolverData& view() const { return tables_.view(); }
+
+  /// Counts operations and says whether this one is enqueued.
+  bool begins() { return operation_++ >= options_.from; }
+  /// Is the present operation?
+  bool begun() const { return operation_ > options_.from; }
+  int operation() const { return operation_ - 1; }
+
+  void enterStage(const char* name) {
+    if (stage_ && name && std::strcmp(stage_, name) == 0) return;
+    if (stage_) nvtxRangePop();
+    if (name) nvtxRangePushA(name);
+    if (options_.timeline && (stage_ || name)) {
+      options_.timeline->mark(name, stream_, options_.captured);
+      afterKernel_ = false;
+    }
+    stage_ = name;
+  }
+
+  /// Are n elements of `width` threads each more than the device holds at a time?
+  bool fill(int n, int width) const { return std::int64_t{n} * width > std::int64_t{maxBlocks_} * kThreads; }
+  /// For n elements of `width` threads each.
+  int blocksFor(int n, int width = 1) const {
+    const std::int64_t blocks = (std::int64_t{n} * width + kThreads - 1) / kThreads;
+    return static_cast<int>(std::clamp<std::int64_t>(blocks, 1, maxBlocks_));
+  }
+
+  /// `most`: no more elements than that.
+  template <class Kernel> void launch(const Kernel& kernel, Count n, int most, const char* name) {
+    const int blocks = blocksFor(most, widthOf<Kernel>());
+    const Gate gate{control_, beside_};
+    if constexpr (Limited<Kernel>)
+      launchNext(runLimited<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
+    else
+      launchNext(runKernel<Kernel>, {blocks, kThreads}, name, view(), kernel, n, gate);
+  }
+
+  struct Grid {
+    int blocks, threads;
+  };
+  /// Launches a kernel that begins by awaitPrevious(): behind another kernel of ours it is launched while
+  /// that one runs.
+  template <class... Wanted, class... Given>
+  void launchNext(void (*kernel)(Wanted...), const Grid& grid, const char* name, Given&&... arguments) {
+    cudaLaunchAttribute early{};
+    early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+    early.val.programmaticStreamSerializationAllowed = 1;
+    cudaLaunchConfig_t config{};
+    config.gridDim = dim3(static_cast<unsigned>(grid.blocks));
+    config.blockDim = dim3(static_cast<unsigned>(grid.threads));
+    config.stream = stream_;
+    config.attrs = &early;
+    config.numAttrs = afterKernel_ ? 1 : 0;
+    checkCuda(cudaLaunchKernelEx(&config, kernel, std::forward<Given>(arguments)...), name);
+    afterKernel_ = launchesEarly_;
+  }
+
+  DeviceTables& tables_;
+  cudaStream_t stream_;
+  Control* control_ = nullptr;
+  EnqueueOptions options_;
+  int operation_ = 0;
+  const char* stage_ = nullptr;
+  bool beside_ = false;
+  int processors_ = 1, maxBlocks_ = 1;
+  bool launchesEarly_ = false;  ///< the device can
+  bool afterKernel_ = false;    ///< the last thing in the stream is a kernel of ours
+};
+
+}  // namespace rubble::RUBBLE_CORE
