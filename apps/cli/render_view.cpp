@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "render/canvas.h"
+#include "render/framing.h"
 
 namespace rubble::cli {
 namespace {
@@ -39,11 +40,8 @@ const std::vector<std::string>& cameraNames() {
 Sight sightOf(const MomentSource& source) { return {source.camera(), source.gravity(), source.framed(), source.smashes()}; }
 Sight sightOf(const scenes::Job& job) { return {job.camera, job.scene.gravity, io::pictureBodies(job.scene, true), job.smashStep >= 0}; }
 
-render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height, double fieldOfView) {
-  io::PictureSettings settings;
-  settings.width = width;
-  settings.height = height;
-  settings.fieldOfView = fieldOfView;
+render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height,
+                        double fieldOfView) {
   const scenes::Camera& own = sight.own;
   const Vec3 up = normalize(-sight.gravity, {0, 0, 1});
   Vec3 direction = own.target - own.eye;
@@ -62,8 +60,11 @@ render::Camera cameraOf(const std::string& name, const Sight& sight, int width, 
     direction = normalize(level) * found->away + cross(level, up) * found->right - up * found->down;
     closer = found->closer;
   }
-  io::frameBodies(sight.bodies, sight.gravity, settings, {direction, sight.smashes ? kRubbleRoom : 0});
-  return {settings.target - (settings.target - settings.eye) * closer, settings.target, settings.up, fieldOfView};
+  const double aspect = static_cast<double>(width) / height;
+  render::Camera camera = render::cameraShowing(
+      sight.bodies, sight.gravity, {direction, sight.smashes ? kRubbleRoom : 0, aspect, fieldOfView});
+  camera.eye = camera.target - (camera.target - camera.eye) * closer;
+  return camera;
 }
 
 render::Camera turned(const render::Camera& camera, double angle) {
