@@ -22,6 +22,10 @@ if(NOT rubble_gl)
   list(REMOVE_ITEM render_sources ${render_gl_files})
 endif()
 
+if(NOT CAIRO_FOUND)
+  list(FILTER render_sources EXCLUDE REGEX "/render/(canvas|plot|plot_axis|plot_panel)\\.cpp$")
+endif()
+
 # The shaders travel in the program as text.
 set(shader_cases "")
 foreach(shader IN LISTS render_shaders)

@@ -59,4 +59,12 @@ std::unique_ptr<PaintDevice> makePaintDevice() {
 std::string openglStatus() { return "off: built without libepoxy, EGL or libpng"; }
 #endif
 
+std::string cairoStatus() {
+#if defined(RUBBLE_HAS_CAIRO)
+  return "on";
+#else
+  return "off: built without Cairo";
+#endif
+}
+
 }  // namespace rubble::render

@@ -43,5 +43,7 @@ std::unique_ptr<PaintDevice> makePaintDevice();
 
 /// What this build can draw, for listings: "on: OpenGL through EGL", or "off: ..." with the reason.
 std::string openglStatus();
+/// Captions and plots: "on", or "off: built without Cairo".
+std::string cairoStatus();
 
 }  // namespace rubble::render

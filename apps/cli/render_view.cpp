@@ -82,7 +82,7 @@ std::string grouped(long long number) {
 void drawCaption(io::Image& image, const Caption& caption) {
 #if defined(RUBBLE_HAS_CAIRO)
   const double scale = std::max(.5, image.height / 720.);
-  render::ImageCanvas canvas(image, scale);
+  render::Canvas canvas(image, scale);
   const render::TextStyle title{17, {0x26221d, .95}, true, render::Align::Start, 0},
       facts{13.5, {0x3a352f, .92}, false, render::Align::Start, 0};
   const std::string line = fmt::format("{}", fmt::join(caption.facts, "  ·  "));
@@ -91,6 +91,7 @@ void drawCaption(io::Image& image, const Caption& caption) {
   canvas.rectangle({margin, bottom - height}, width, height, {0xffffff, .62}, 7);
   canvas.text({margin + inside, bottom - height + 22}, caption.title, title);
   canvas.text({margin + inside, bottom - height + 42}, line, facts);
+  canvas.finish();
 #else
   (void)image, (void)caption;
 #endif
