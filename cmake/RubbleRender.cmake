@@ -7,9 +7,9 @@ if(PkgConfig_FOUND)
   pkg_check_modules(EGL IMPORTED_TARGET egl)
   pkg_check_modules(CAIRO IMPORTED_TARGET cairo)
 endif()
-option(RUBBLE_GL "Draw with OpenGL where libepoxy and EGL are found" ON)
+option(RUBBLE_GL "Draw with OpenGL where libepoxy, EGL and libpng are found" ON)
 set(rubble_gl OFF)
-if(RUBBLE_GL AND EPOXY_FOUND AND EGL_FOUND)
+if(RUBBLE_GL AND EPOXY_FOUND AND EGL_FOUND AND PNG_FOUND)
   set(rubble_gl ON)
 endif()
 
@@ -20,6 +20,10 @@ set(render_gl_files gl.cpp box_raster.cpp screen_pass.cpp headless.cpp bodies.cp
 if(NOT rubble_gl)
   list(TRANSFORM render_gl_files PREPEND ${PROJECT_SOURCE_DIR}/render/)
   list(REMOVE_ITEM render_sources ${render_gl_files})
+endif()
+
+if(NOT CAIRO_FOUND)
+  list(FILTER render_sources EXCLUDE REGEX "/render/(canvas|plot|plot_axis|plot_panel)\\.cpp$")
 endif()
 
 # The shaders travel in the program as text.

@@ -1,9 +1,10 @@
 #include "io/chunk_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
+
+#include <zlib.h>
 
 #if defined(RUBBLE_HAS_ZSTD)
 #include <zstd.h>
@@ -24,19 +25,8 @@ constexpr std::size_t kHeadSize = 24;
 /// No chunk is larger; a size beyond is a sign of damage.
 constexpr std::uint32_t kLargestContent = 1u << 30;
 
-std::uint32_t crc32(const std::uint8_t* bytes, std::size_t count) {
-  static const std::array<std::uint32_t, 256> table = [] {
-    std::array<std::uint32_t, 256> made{};
-    for (std::uint32_t i = 0; i < 256; ++i) {
-      std::uint32_t value = i;
-      for (int bit = 0; bit < 8; ++bit) value = (value & 1u) ? 0xedb88320u ^ (value >> 1) : value >> 1;
-      made[i] = value;
-    }
-    return made;
-  }();
-  std::uint32_t sum = 0xffffffffu;
-  for (std::size_t i = 0; i < count; ++i) sum = table[(sum ^ bytes[i]) & 255u] ^ (sum >> 8);
-  return ~sum;
+std::uint32_t checksum(const std::uint8_t* bytes, std::size_t count) {
+  return static_cast<std::uint32_t>(crc32_z(0, bytes, count));
 }
 
 #if defined(RUBBLE_HAS_ZSTD)
@@ -94,8 +84,8 @@ std::uint64_t ChunkWriter::write(std::uint32_t name, const Bytes& content) {
   head.put(static_cast<std::uint32_t>(codec));
   head.put(static_cast<std::uint32_t>(stored.size()));
   head.put(static_cast<std::uint32_t>(content.size()));
-  head.put(crc32(stored.data(), stored.size()));
-  head.put(crc32(head.bytes().data(), head.bytes().size()));
+  head.put(checksum(stored.data(), stored.size()));
+  head.put(checksum(head.bytes().data(), head.bytes().size()));
   const std::uint64_t offset = offset_;
   out_.write(reinterpret_cast<const char*>(head.bytes().data()), static_cast<std::streamsize>(kHeadSize));
   out_.write(reinterpret_cast<const char*>(stored.data()), static_cast<std::streamsize>(stored.size()));
@@ -140,7 +130,8 @@ std::optional<ChunkReader::FullHead> ChunkReader::fullHead(std::uint64_t offset)
   head.storedSize = in.get<std::uint32_t>();
   head.contentSize = in.get<std::uint32_t>();
   head.checksum = in.get<std::uint32_t>();
-  if (in.get<std::uint32_t>() != crc32(bytes.data(), kHeadSize - 4)) fail(offset, "the head of a chunk", "a wrong checksum");
+  if (in.get<std::uint32_t>() != checksum(bytes.data(), kHeadSize - 4))
+    fail(offset, "the head of a chunk", "a wrong checksum");
   const bool known = head.codec == Codec::Zstd || (head.codec == Codec::None && head.storedSize == head.contentSize);
   if (!known || head.contentSize > kLargestContent) fail(offset, "a known codec and a size of at most 1 GiB", "another");
   if (offset + kHeadSize + head.storedSize > size_) return std::nullopt;
@@ -157,7 +148,8 @@ std::optional<Chunk> ChunkReader::read(std::uint64_t offset) {
   const auto head = fullHead(offset);
   if (!head) return std::nullopt;
   Bytes stored = readRaw(offset + kHeadSize, head->storedSize);
-  if (crc32(stored.data(), stored.size()) != head->checksum) fail(offset + kHeadSize, "the content of a chunk", "a wrong checksum");
+  if (checksum(stored.data(), stored.size()) != head->checksum)
+    fail(offset + kHeadSize, "the content of a chunk", "a wrong checksum");
   Chunk chunk{offset, head->name, {}};
   if (head->codec == Codec::None) {
     chunk.content = std::move(stored);

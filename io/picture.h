@@ -1,8 +1,7 @@
 #pragma once
-/// Pictures of a world, drawn on the CPU: perspective, sun and sky light, a soft shadow, ambient occlusion, four samples a pixel.
+/// What there is to draw of a world, a scene or a recording, and pictures as files. The folder render/ draws.
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,17 +28,8 @@ inline constexpr std::uint32_t kSoftKeys = 1u << 31;
 /// Below these bits of such a key: the number of the vertex; above: that of the object.
 inline constexpr int kSoftKeyBits = 22;
 
-/// What colours tell (picture_values.h). Bodies of a recording know Body and Speed; the others are taken from a world.
+/// What colours tell (picture_values.h). A recording has Body and Speed; the others are taken from a world.
 enum class ColorBy { Body, Material, Speed, Island, Color, Error, Multiplier, Stiffness, Strain };
-
-struct PictureSettings {
-  int width = 1280, height = 720;
-  Vec3 eye{8, -12, 6}, target{0, 0, 1};  ///< [m]
-  Vec3 up{0, 0, 1};                      ///< any length; need not be square to the view
-  double fieldOfView = .6;               ///< full vertical angle [rad]
-  ColorBy colorBy = ColorBy::Body;
-  double fullValue = 0;  ///< value drawn in the hottest colour; 0: the largest one of the picture
-};
 
 /// Rows from the top, three bytes (red, green, blue; sRGB) a pixel.
 struct Image {
@@ -47,11 +37,8 @@ struct Image {
   std::vector<std::uint8_t> rgb;
 };
 
-/// Draws the bodies. Throws Error for settings that give no picture (no size, eye at target, up along the view).
-Image drawPicture(std::span<const PictureBody> bodies, const PictureSettings& settings);
-
-/// Every body of a world as it is now, then its deformable objects: a sphere for each particle, a mesh for each of the others. Values are
-/// those of `colorBy`.
+/// Every body of a world as it is now, then its deformable objects: a sphere for each particle, a mesh for
+/// each of the others. Values are those of `colorBy`.
 std::vector<PictureBody> pictureBodies(const World& world, ColorBy colorBy = ColorBy::Body);
 /// The same of a scene as it begins; also the bodies that events add, if `withEvents`.
 std::vector<PictureBody> pictureBodies(const Scene& scene, bool withEvents = false);
@@ -63,7 +50,8 @@ bool hasRopes(const World& world);
 /// Key of that mesh.
 inline constexpr std::uint32_t kRopeKey = ~0u;
 /// A tube from a to b with closed ends, added to a mesh [m].
-void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points, std::vector<std::array<int, 3>>& triangles);
+void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points,
+             std::vector<std::array<int, 3>>& triangles);
 
 /// The deformable objects of a world as they are now, or of a scene as they begin.
 void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy = ColorBy::Body);
@@ -86,14 +74,8 @@ double typicalSize(std::span<const PictureBody> bodies);
 /// How far a body reaches from its position along an axis of the world, at most [m].
 double extentAlong(const PictureBody& body, const Vec3& axis);
 
-/// What frameBodies leaves room for and where it looks along.
-struct Framing {
-  Vec3 direction;     ///< from the eye on; zero: from the side and a little above
-  double spread = 0;  ///< room on every side for what may fall there, over the height of what stands
-};
-
-/// Sets eye, target and up so that all the bodies that are not planes are seen. Up is against gravity.
-void frameBodies(std::span<const PictureBody> bodies, const Vec3& gravity, PictureSettings& settings, const Framing& framing = {});
+/// Radius of a sphere about a shape's origin that holds it [m]; 0 for a plane.
+double boundingRadius(const Shape& shape);
 
 /// Throws Error if the file cannot be written.
 void writePng(const Image& image, const std::string& file);

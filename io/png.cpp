@@ -29,7 +29,10 @@ void writePng(const Image& image, const std::string& file) {
   out.finish();
 }
 #else
-void writePng(const Image&, const std::string& file) { throw Error(file, "a build with libpng to write pictures", "one without"); }
+void writePng(const Image&, const std::string& file) {
+  throw Error(file, "a build with libpng to write pictures (Debian: apt-get install libpng-dev)",
+              "one without");
+}
 #endif
 
 }  // namespace rubble::io

@@ -7,7 +7,6 @@
 
 #include "io/byte_stream.h"
 #include "io/frame_codec.h"
-#include "io/picture_extent.h"
 #include "io/recording_format.h"
 #include "io/shape_json.h"
 
@@ -33,7 +32,7 @@ double recordingResolution(const std::vector<RecordedBody>& bodies, const std::v
     const Vec3& h = body.shape.halfExtents;
     if (body.shape.type == ShapeType::Box) smallest = std::min({smallest, h.x, h.y, h.z});
     if (body.shape.type == ShapeType::Sphere || body.shape.type == ShapeType::Capsule) smallest = std::min(smallest, body.shape.radius);
-    if (body.shape.type > ShapeType::Plane) smallest = std::min(smallest, .1 * draw::boundingRadius(body.shape));
+    if (body.shape.type > ShapeType::Plane) smallest = std::min(smallest, .1 * boundingRadius(body.shape));
   }
   constexpr double kOfRadius = 256;
   for (const RecordedSoft& soft : softs)

@@ -1,6 +1,5 @@
 #pragma once
-/// Lines, rectangles and text for plots and captions, onto an SVG file or onto pixels.
-#include <array>
+/// Lines, rectangles and text for plots and captions, by Cairo: onto an SVG file or onto pixels.
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,51 +31,24 @@ struct TextStyle {
 /// Something to draw on. Units are pixels at scale 1; y points down; text stands on its baseline.
 class Canvas {
  public:
-  virtual ~Canvas() = default;
-  virtual void rectangle(const Point& corner, double width, double height, const Ink& fill, double radius = 0) = 0;
-  virtual void line(const std::vector<Point>& points, double width, const Ink& ink, const std::vector<double>& dashes = {}) = 0;
-  virtual void disc(const Point& middle, double radius, const Ink& fill) = 0;
-  virtual void text(const Point& at, const std::string& text, const TextStyle& style) = 0;
-  /// Width of a text; an estimate where no font is at hand.
-  virtual double textWidth(const std::string& text, const TextStyle& style) const = 0;
-};
+  /// Draws over an image, which is changed by finish(); `scale` pixels to a unit.
+  explicit Canvas(io::Image& image, double scale = 1);
+  /// Appends an SVG document of this size to `document`, which is complete after finish().
+  Canvas(std::string& document, double width, double height);
+  ~Canvas();
 
-/// Collects an SVG document.
-class SvgCanvas final : public Canvas {
- public:
-  SvgCanvas(double width, double height);
-  void rectangle(const Point& corner, double width, double height, const Ink& fill, double radius = 0) override;
-  void line(const std::vector<Point>& points, double width, const Ink& ink, const std::vector<double>& dashes = {}) override;
-  void disc(const Point& middle, double radius, const Ink& fill) override;
-  void text(const Point& at, const std::string& text, const TextStyle& style) override;
-  double textWidth(const std::string& text, const TextStyle& style) const override;
-  /// The document.
-  std::string document() const;
-
- private:
-  std::string body_, head_;
-};
-
-/// Can this build draw text and plots onto pixels: "on" or "off: built without Cairo".
-std::string cairoStatus();
-
-#if defined(RUBBLE_HAS_CAIRO)
-/// Draws over an image.
-class ImageCanvas final : public Canvas {
- public:
-  /// `scale` pixels to a unit. The image is changed when the canvas is destroyed.
-  explicit ImageCanvas(io::Image& image, double scale = 1);
-  ~ImageCanvas() override;
-  void rectangle(const Point& corner, double width, double height, const Ink& fill, double radius = 0) override;
-  void line(const std::vector<Point>& points, double width, const Ink& ink, const std::vector<double>& dashes = {}) override;
-  void disc(const Point& middle, double radius, const Ink& fill) override;
-  void text(const Point& at, const std::string& text, const TextStyle& style) override;
-  double textWidth(const std::string& text, const TextStyle& style) const override;
+  void rectangle(const Point& corner, double width, double height, const Ink& fill, double radius = 0);
+  void line(const std::vector<Point>& points, double width, const Ink& ink);
+  void disc(const Point& middle, double radius, const Ink& fill);
+  /// UTF-8. Question marks replace control characters, and everything beyond ASCII if the text is not UTF-8.
+  void text(const Point& at, const std::string& text, const TextStyle& style);
+  double textWidth(const std::string& text, const TextStyle& style) const;
+  /// Ends the drawing. Throws Error if some of it failed.
+  void finish();
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-#endif
 
 }  // namespace rubble::render

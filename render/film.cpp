@@ -184,10 +184,15 @@ std::string ffmpegProgram() {
   return "";
 }
 
+std::unique_ptr<PictureSink> pictureFile(const std::string& file) {
+  if (isFilm(file)) throw Error(file, "the name of a .png or .jpg file for a picture", "another");
+  return std::make_unique<OnePicture>(file, fs::path(file).extension() == ".jpg" ? needFfmpeg(file) : "");
+}
+
 std::unique_ptr<PictureSink> pictureSink(const std::string& file, int width, int height, double framesPerSecond) {
   if (isNumbered(file)) return std::make_unique<NumberedPictures>(file);
+  if (!isFilm(file)) return pictureFile(file);
   const std::string extension = fs::path(file).extension().string();
-  if (!isFilm(file)) return std::make_unique<OnePicture>(file, extension == ".jpg" ? needFfmpeg(file) : "");
   if (extension != ".mp4" && extension != ".mkv" && extension != ".mov" && extension != ".webm" && extension != ".gif")
     throw Error("--out", "a .png or .jpg, numbered pictures (frame_%04d.png) or a film (.mp4, .mkv, .mov, .webm, .gif)", file);
   if (width % 2 != 0 || height % 2 != 0)

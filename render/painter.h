@@ -1,5 +1,6 @@
 #pragma once
-/// The one way to a picture for programs: OpenGL where there is a context to be had, else the drawing on the CPU of io/picture.h.
+/// Pictures without a display. Every build has this interface. One without the renderer refuses to make the
+/// device.
 #include <memory>
 #include <span>
 #include <string>
@@ -21,25 +22,28 @@ struct PaintSettings {
 class Painter {
  public:
   virtual ~Painter() = default;
-  /// Throws Error for lines if it cannot draw them.
-  virtual io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera, std::span<const Line> lines = {}) = 0;
+  virtual io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera,
+                          std::span<const Line> lines = {}) = 0;
 };
 
 /// What draws. Painters must not outlive it.
 class PaintDevice {
  public:
   virtual ~PaintDevice() = default;
-  virtual std::unique_ptr<Painter> painter(std::span<const io::PictureBody> atStart, const Vec3& gravity, const Camera& camera,
-                                           const PaintSettings& settings) = 0;
-  /// "OpenGL on NVIDIA H200", "OpenGL on llvmpipe (...)", "CPU pictures".
+  virtual std::unique_ptr<Painter> painter(std::span<const io::PictureBody> atStart, const Vec3& gravity,
+                                           const Camera& camera, const PaintSettings& settings) = 0;
+  /// "OpenGL on NVIDIA H200", "OpenGL on llvmpipe (...)".
   virtual std::string name() const = 0;
   virtual bool isSoftware() const = 0;
 };
 
-/// `kind`: "gl", "cpu", or "auto" for the first that works. Throws Error if it is not to be had, or the kind is unknown.
-std::unique_ptr<PaintDevice> makePaintDevice(const std::string& kind);
+/// OpenGL without a display. Throws Error with the names of the packages that are missing if the build or the
+/// machine has none.
+std::unique_ptr<PaintDevice> makePaintDevice();
 
-/// What this build can draw, for listings: "on: OpenGL through EGL", "off: built without libepoxy or EGL".
+/// What this build can draw, for listings: "on: OpenGL through EGL", or "off: ..." with the reason.
 std::string openglStatus();
+/// Captions and plots: "on", or "off: built without Cairo".
+std::string cairoStatus();
 
 }  // namespace rubble::render

@@ -5,8 +5,6 @@
 #include <bit>
 #include <cmath>
 
-#include "io/picture_extent.h"
-#include "io/picture_palette.h"
 #include "io/picture_values.h"
 
 namespace rubble::render {
@@ -21,6 +19,10 @@ constexpr double kWreckingBall = 1.3;
 constexpr std::array<std::uint32_t, 6> kCourses{0x6a4d45, 0x8f6656, 0xab846b, 0xbc9c7d, 0xc6b192, 0xcdc0a6};
 /// Colours that go with one another, for scenes of few bodies.
 constexpr std::array<std::uint32_t, 8> kAccents{0xab6a52, 0x4a7480, 0xc9a668, 0x6f8868, 0x86667c, 0x566f8f, 0xb4957a, 0x7b888d};
+/// Of values: cold and dark at 0, through teal and yellow to red at 1.
+constexpr std::array<std::uint32_t, 6> kHeatStops{0x4a5a72, 0x2f7f93, 0x5fb58b, 0xe9d46a, 0xee8f3c, 0xd6362f};
+/// Of what has no value.
+constexpr std::uint32_t kNoValue = 0x9a9c9e;
 constexpr std::uint32_t kRope = 0x5b5247;
 constexpr std::uint32_t kConcrete = 0xb4b3ae, kSteel = 0x6d7378, kDarkMetal = 0x77777a, kGroundColor = 0xb5b3af;
 
@@ -60,11 +62,11 @@ Vec3f linearColor(std::uint32_t rgb) {
   return {channel(16), channel(8), channel(0)};
 }
 
-Vec3f heat(double fraction) { return along(io::draw::kHeatStops, fraction); }
+Vec3f heat(double fraction) { return along(kHeatStops, fraction); }
 
 std::vector<float> heatStops() {
   std::vector<float> out;
-  for (const std::uint32_t stop : io::draw::kHeatStops) {
+  for (const std::uint32_t stop : kHeatStops) {
     const Vec3f c = linearColor(stop);
     out.insert(out.end(), {c.x, c.y, c.z});
   }
@@ -72,10 +74,10 @@ std::vector<float> heatStops() {
 }
 
 Vec3f valueColor(double value, io::ColorBy colorBy, double full) {
-  if (std::isnan(value)) return linearColor(io::draw::kNoValue);
+  if (std::isnan(value)) return linearColor(kNoValue);
   if (!io::quantity(colorBy).isKind) return heat(full > 0 ? value / full : 0);
-  const auto& kinds = io::draw::kKindColors;
-  return linearColor(value < 0 ? io::draw::kNoValue : kinds[static_cast<std::size_t>(value) % kinds.size()]);
+  return linearColor(value < 0 ? kNoValue
+                               : kKindColors[static_cast<std::size_t>(value) % kKindColors.size()]);
 }
 
 Palette::Palette(std::span<const io::PictureBody> bodies, const Vec3& up) : up_(up) {

@@ -1,5 +1,6 @@
 #pragma once
 /// Colours of bodies: one muted family for a scene, varied from body to body, so that what a body was part of can still be told in rubble.
+#include <array>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -8,6 +9,11 @@
 #include "render/bodies.h"
 
 namespace rubble::render {
+
+/// Of kinds (sRGB), which are told apart and have no order.
+inline constexpr std::array<std::uint32_t, 12> kKindColors{0xc0604a, 0x3f7f93, 0xd9b35c, 0x6c9362,
+                                                           0x8e6a94, 0x4f6fa8, 0xd08a4e, 0x5aa59a,
+                                                           0xb5566f, 0x9aa04c, 0x7f6a5a, 0x7aa7cf};
 
 /// Linear colour of "#rrggbb" as 0xrrggbb (sRGB).
 Vec3f linearColor(std::uint32_t rgb);

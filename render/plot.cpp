@@ -7,7 +7,7 @@
 
 #include <rubble/error.h>
 
-#include "io/output_file.h"
+#include "io/scene_json.h"
 #include "render/plot_panel.h"
 
 namespace rubble::render {
@@ -234,26 +234,23 @@ std::vector<Json> readReports(const std::vector<std::string>& files) {
 
 void writeFigure(const Figure& figure, const std::string& file) {
   const std::string extension = std::filesystem::path(file).extension().string();
-  const PlotSize size = figure.size();
+  const auto [width, height] = figure.size();
   if (extension == ".svg") {
-    SvgCanvas canvas(size.width, size.height);
+    std::string document;
+    Canvas canvas(document, width, height);
     figure.draw(canvas);
-    io::OutputFile out(file);
-    out.stream() << canvas.document();
-    return out.finish();
+    canvas.finish();
+    return io::writeText(file, document);
   }
   if (extension != ".png") throw Error("--out", "a .svg or .png file", file);
-#if defined(RUBBLE_HAS_CAIRO)
-  io::Image image{static_cast<int>(std::lround(kPngScale * size.width)), static_cast<int>(std::lround(kPngScale * size.height)), {}};
+  io::Image image{static_cast<int>(std::lround(kPngScale * width)),
+                  static_cast<int>(std::lround(kPngScale * height)),
+                  {}};
   image.rgb.assign(3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height), 255);
-  {
-    ImageCanvas canvas(image, kPngScale);
-    figure.draw(canvas);
-  }
+  Canvas canvas(image, kPngScale);
+  figure.draw(canvas);
+  canvas.finish();
   io::writePng(image, file);
-#else
-  throw Error(file, "a build with Cairo for .png (Debian: apt-get install libcairo2-dev), or a .svg file", "one without");
-#endif
 }
 
 }  // namespace rubble::render

@@ -38,7 +38,7 @@ class Figure {
 /// Reads reports from files; each holds one report or a list. Throws Error with the file for what is none.
 std::vector<nlohmann::ordered_json> readReports(const std::vector<std::string>& files);
 
-/// Writes a figure as .svg, or as .png where the build has Cairo. Throws Error for another name.
+/// Writes a figure as .svg or .png. Throws Error for another name.
 void writeFigure(const Figure& figure, const std::string& file);
 
 }  // namespace rubble::render

@@ -41,17 +41,26 @@ std::vector<PictureRequest> demoPictures(const std::filesystem::path& folder, in
   return requests;
 }
 
+/// What the renderer lacks; "" if it can draw.
+std::string whyNoPictures() {
+  try {
+    render::makePaintDevice();
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
 /// Makes a film of the trajectory, or says why there is none.
 std::string filmOf(const std::filesystem::path& folder, bool quiet) {
   if (render::ffmpegProgram().empty()) return "no film: ffmpeg is not on PATH";
   RenderOptions film;
   film.job.scene = (folder / "trajectory.rubble").string();
   film.out = (folder / "film.mp4").string();
-  film.renderer = "gl";
   film.overlay = true;
   film.quiet = quiet;
   try {
-    if (render::makePaintDevice("gl")->isSoftware()) film.samples = 1;
+    if (render::makePaintDevice()->isSoftware()) film.samples = 1;
     const RenderResult result = renderFilm(film);
     return fmt::format("film.mp4 ({} pictures, {})", result.frames, result.device);
   } catch (const Error& error) {
@@ -70,12 +79,14 @@ int demo(DemoOptions options) {
   SessionOptions session;
   session.quiet = options.quiet;
   session.recordFile = (folder / "trajectory.rubble").string();
-  session.pictures = demoPictures(folder, prepared.job.smashStep, prepared.steps);
+  const std::string noPictures = whyNoPictures();
+  if (noPictures.empty()) session.pictures = demoPictures(folder, prepared.job.smashStep, prepared.steps);
   const SessionResult result = runSession(std::move(prepared), session);
   const std::string text = textReport(result.record, result.reports);
   fmt::print("{}\nwritten to {}:\n  report.json, report.txt, trajectory.rubble\n", text, folder.string());
   for (const PictureRequest& request : session.pictures) fmt::print("  {}\n", std::filesystem::path(request.file).filename().string());
-  if (!options.noFilm) fmt::print("  {}\n", filmOf(folder, options.quiet));
+  if (!noPictures.empty()) fmt::print("  no pictures: {}\n", noPictures);
+  if (!options.noFilm && noPictures.empty()) fmt::print("  {}\n", filmOf(folder, options.quiet));
   writeOutput((folder / "report.json").string(), io::toJson(result.record));
   writeOutput((folder / "report.txt").string(), text);
   return result.record.holds ? kHolds : kDoesNotHold;

@@ -6,6 +6,7 @@
 #include "apps/cli/command.h"
 #include "apps/cli/job.h"
 #include "apps/cli/output.h"
+#include "apps/cli/picture_writer.h"
 #include "apps/cli/session.h"
 #include "io/picture_values.h"
 #include "io/recording.h"
@@ -26,10 +27,11 @@ void fromTrajectory(const PictureCommand& options, const Look& look) {
   io::RecordingReader recording(options.job.scene);
   if (recording.frameCount() == 0) throw Error(options.job.scene, "a trajectory with frames", "none");
   const int last = static_cast<int>(recording.frame(recording.frameCount() - 1).step);
-  for (const PictureRequest& request : picturesOf(options.picture, last)) {
-    const auto bodies = io::pictureBodies(recording, io::frameAfter(recording, request.afterSteps));
-    takePicture(bodies, recording.header().gravity, {}, look, request.file);
-  }
+  const std::vector<PictureRequest> requests = picturesOf(options.picture, last);
+  PictureWriter pictures(requests, look, recording.header().gravity, {}, io::pictureBodies(recording, 0));
+  for (const PictureRequest& request : requests)
+    pictures.take(request.afterSteps,
+                  io::pictureBodies(recording, io::frameAfter(recording, request.afterSteps)));
 }
 
 std::vector<io::PictureBody> bodiesAtStart(const PreparedJob& prepared, const Look& look) {
@@ -41,7 +43,9 @@ void fromScene(const PictureCommand& options, const Look& look) {
   PreparedJob prepared = prepareJob(options.job);
   const bool atStart = options.picture.at.empty() && !options.job.steps;
   if (atStart) {
-    takePicture(bodiesAtStart(prepared, look), prepared.job.scene.gravity, prepared.job.camera, look, options.picture.file);
+    const std::vector<io::PictureBody> bodies = bodiesAtStart(prepared, look);
+    PictureWriter({{0, options.picture.file}}, look, prepared.job.scene.gravity, prepared.job.camera, bodies)
+        .take(0, bodies);
     return;
   }
   SessionOptions session;

@@ -1,8 +1,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rubble/error.h>
+
 #include "apps/cli/command.h"
+#if defined(RUBBLE_HAS_CAIRO)
 #include "render/plot.h"
+#endif
 
 namespace rubble::cli {
 namespace {
@@ -13,6 +17,19 @@ struct PlotCommand {
   std::string kind = "all";
 };
 
+#if defined(RUBBLE_HAS_CAIRO)
+const std::vector<std::string>& plotKinds() { return render::plotKinds(); }
+void plot(const PlotCommand& options) {
+  render::writeFigure(render::Figure(render::readReports(options.reports), options.kind), options.out);
+}
+#else
+std::vector<std::string> plotKinds() { return {"none in this build"}; }
+void plot(const PlotCommand&) {
+  throw Error("plot", "a build with Cairo (Debian: apt-get install libcairo2-dev fonts-dejavu-core)",
+              "one without");
+}
+#endif
+
 }  // namespace
 
 void addPlot(CLI::App& app, int& status) {
@@ -20,9 +37,10 @@ void addPlot(CLI::App& app, int& status) {
   CLI::App* command = app.add_subcommand("plot", "Plot times, errors and energy of reports (JSON of run or bench)");
   command->add_option("reports", options->reports, "Files written by run --json or bench --json")->required()->type_name("REPORT.json");
   command->add_option("-o,--out", options->out, "plot.svg or plot.png")->required()->type_name("FILE");
-  command->add_option("--kind", options->kind, fmt::format("{}", fmt::join(render::plotKinds(), ", ")))->capture_default_str();
+  command->add_option("--kind", options->kind, fmt::format("{}", fmt::join(plotKinds(), ", ")))
+      ->capture_default_str();
   command->callback([options, &status] {
-    render::writeFigure(render::Figure(render::readReports(options->reports), options->kind), options->out);
+    plot(*options);
     status = kHolds;
   });
 }

@@ -89,7 +89,6 @@ void addRender(CLI::App& app, int& status) {
   sub->add_option("--compare", options.compare, "Side by side: two backends (cpu,reference) or two numbers of iterations (4,16)")
       ->delimiter(',');
   sub->add_flag("--overlay", options.overlay, "Write scene, bodies, time and step time on the picture");
-  sub->add_option("--renderer", options.renderer, "gl, cpu, or auto: gl where it works")->capture_default_str();
   sub->add_option("--color-max", options.colorMax, "Value of the hottest colour (default: the largest of each picture)")
       ->check(CLI::PositiveNumber);
   sub->add_option("--show", command->show, "Draw over the picture: contacts, forces, joints, bounds")->delimiter(',');

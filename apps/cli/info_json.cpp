@@ -4,7 +4,6 @@
 
 #include "apps/cli/file_probe.h"
 #include "io/json_text.h"
-#include "render/canvas.h"
 #include "render/film.h"
 #include "render/painter.h"
 #include "scenes/registry.h"

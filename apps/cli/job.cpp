@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "apps/cli/file_job.h"
-#include "io/picture.h"
+#include "render/framing.h"
 
 namespace rubble::cli {
 namespace {
@@ -60,9 +60,9 @@ std::string bestBackend() {
 }
 
 scenes::Camera cameraShowing(const Scene& scene, const Vec3& direction, bool smashed) {
-  io::PictureSettings settings;
-  io::frameBodies(io::pictureBodies(scene, true), scene.gravity, settings, {direction, smashed ? kRubbleSpread : 0});
-  return {settings.eye, settings.target};
+  const render::Framing framing{direction, smashed ? kRubbleSpread : 0};
+  const render::Camera camera = render::cameraShowing(io::pictureBodies(scene, true), scene.gravity, framing);
+  return {camera.eye, camera.target};
 }
 
 void addArgumentOptions(CLI::App& app, JobOptions& options) {

@@ -83,23 +83,6 @@ std::vector<PictureRequest> picturesOf(const PictureOptions& options, int steps)
   return requests;
 }
 
-void takePicture(const std::vector<io::PictureBody>& bodies, const Vec3& gravity, const scenes::Camera& camera, const Look& look,
-                 const std::string& file) {
-  io::PictureSettings settings;
-  settings.width = look.width;
-  settings.height = look.height;
-  settings.fieldOfView = look.fieldOfView;
-  settings.colorBy = look.colorBy;
-  io::frameBodies(bodies, gravity, settings);
-  if (!(camera.eye == camera.target)) {
-    settings.eye = camera.eye;
-    settings.target = camera.target;
-  }
-  settings.eye = look.eye.value_or(settings.eye);
-  settings.target = look.target.value_or(settings.target);
-  io::writePng(io::drawPicture(bodies, settings), file);
-}
-
 void writeOutput(const std::string& file, const std::string& text) {
   if (file == "-") {
     fmt::print("{}", text);

@@ -47,10 +47,6 @@ Look lookOf(const PictureOptions& options);
 /// One request for each step of --at; files are numbered if there are several. Throws Error for a step beyond the run.
 std::vector<PictureRequest> picturesOf(const PictureOptions& options, int steps);
 
-/// Draws bodies and writes the picture. A camera whose eye is at its target stands for one that shows everything.
-void takePicture(const std::vector<io::PictureBody>& bodies, const Vec3& gravity, const scenes::Camera& camera, const Look& look,
-                 const std::string& file);
-
 /// Writes text to a file, or to standard output for "-".
 void writeOutput(const std::string& file, const std::string& text);
 

@@ -103,7 +103,7 @@ RenderResult renderFilm(const RenderOptions& options) {
   const int whole = jobs.size() == 1 ? width : 2 * width + kDivider;
   // What cannot be written is said before anything is simulated.
   const std::unique_ptr<render::PictureSink> sink = render::pictureSink(options.out, whole, options.height, options.fps);
-  const std::unique_ptr<render::PaintDevice> device = render::makePaintDevice(options.renderer);
+  const std::unique_ptr<render::PaintDevice> device = render::makePaintDevice();
   const int samples = options.samples > 0    ? options.samples
                       : single               ? kPictureSamples
                       : device->isSoftware() ? kFilmSamples

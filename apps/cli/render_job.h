@@ -26,7 +26,6 @@ struct RenderOptions {
   double slow = 1;  ///< seconds of film for a second of the scene
   int every = 0;    ///< a frame every so many steps; 0: by time
   int from = 0;     ///< the film begins after this step
-  std::string renderer = "auto";
   std::vector<std::string> compare;  ///< two backends or two numbers of iterations
   bool overlay = false;
   bool quiet = false;

@@ -7,6 +7,7 @@
 #include "apps/cli/render_job.h"
 #include "apps/cli/render_view.h"
 #include "apps/cli/statistics.h"
+#include "render/painter.h"
 
 #if defined(RUBBLE_HAS_GL)
 #include "render/headless.h"
@@ -115,7 +116,8 @@ RenderMeasure measureRender(const RenderOptions& options, int frames, bool live)
 }
 #else
 RenderMeasure measureRender(const RenderOptions&, int, bool) {
-  throw Error("--measure", "a build with libepoxy and EGL (Debian: apt-get install libepoxy-dev libegl-dev)", "one without");
+  render::makePaintDevice();  // says what is missing
+  return {};
 }
 #endif
 

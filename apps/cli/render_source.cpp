@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "apps/cli/output.h"
-#include "io/picture_extent.h"
 #include "io/picture_poses.h"
 #include "io/recording.h"
 

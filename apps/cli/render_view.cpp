@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "render/canvas.h"
+#include "render/framing.h"
 
 namespace rubble::cli {
 namespace {
@@ -39,11 +40,8 @@ const std::vector<std::string>& cameraNames() {
 Sight sightOf(const MomentSource& source) { return {source.camera(), source.gravity(), source.framed(), source.smashes()}; }
 Sight sightOf(const scenes::Job& job) { return {job.camera, job.scene.gravity, io::pictureBodies(job.scene, true), job.smashStep >= 0}; }
 
-render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height, double fieldOfView) {
-  io::PictureSettings settings;
-  settings.width = width;
-  settings.height = height;
-  settings.fieldOfView = fieldOfView;
+render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height,
+                        double fieldOfView) {
   const scenes::Camera& own = sight.own;
   const Vec3 up = normalize(-sight.gravity, {0, 0, 1});
   Vec3 direction = own.target - own.eye;
@@ -62,8 +60,11 @@ render::Camera cameraOf(const std::string& name, const Sight& sight, int width, 
     direction = normalize(level) * found->away + cross(level, up) * found->right - up * found->down;
     closer = found->closer;
   }
-  io::frameBodies(sight.bodies, sight.gravity, settings, {direction, sight.smashes ? kRubbleRoom : 0});
-  return {settings.target - (settings.target - settings.eye) * closer, settings.target, settings.up, fieldOfView};
+  const double aspect = static_cast<double>(width) / height;
+  render::Camera camera = render::cameraShowing(
+      sight.bodies, sight.gravity, {direction, sight.smashes ? kRubbleRoom : 0, aspect, fieldOfView});
+  camera.eye = camera.target - (camera.target - camera.eye) * closer;
+  return camera;
 }
 
 render::Camera turned(const render::Camera& camera, double angle) {
@@ -81,7 +82,7 @@ std::string grouped(long long number) {
 void drawCaption(io::Image& image, const Caption& caption) {
 #if defined(RUBBLE_HAS_CAIRO)
   const double scale = std::max(.5, image.height / 720.);
-  render::ImageCanvas canvas(image, scale);
+  render::Canvas canvas(image, scale);
   const render::TextStyle title{17, {0x26221d, .95}, true, render::Align::Start, 0},
       facts{13.5, {0x3a352f, .92}, false, render::Align::Start, 0};
   const std::string line = fmt::format("{}", fmt::join(caption.facts, "  ·  "));
@@ -90,6 +91,7 @@ void drawCaption(io::Image& image, const Caption& caption) {
   canvas.rectangle({margin, bottom - height}, width, height, {0xffffff, .62}, 7);
   canvas.text({margin + inside, bottom - height + 22}, caption.title, title);
   canvas.text({margin + inside, bottom - height + 42}, line, facts);
+  canvas.finish();
 #else
   (void)image, (void)caption;
 #endif

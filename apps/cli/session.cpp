@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "apps/cli/measure.h"
+#include "apps/cli/picture_writer.h"
 #include "apps/cli/progress.h"
 #include "io/picture_poses.h"
 #include "io/recording.h"
@@ -51,12 +52,13 @@ class Recorder {
 
 SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   scenes::Runner runner(std::move(prepared.job), prepared.world);
-  const scenes::Camera camera = runner.job().camera;
   Recorder recorder(options.recordFile, prepared.title, runner.world());
   Progress progress(prepared.title, prepared.steps, options.quiet);
+  const bool draws = !options.pictures.empty();
+  PictureWriter pictures(options.pictures, options.look, runner.world().gravity(), runner.job().camera,
+                         draws ? io::pictureBodies(runner.world()) : std::vector<io::PictureBody>());
   const auto takePictures = [&](const World& world, int stepsTaken) {
-    for (const PictureRequest& request : options.pictures)
-      if (request.afterSteps == stepsTaken) takePicture(io::pictureBodies(world, options.look.colorBy), world.gravity(), camera, options.look, request.file);
+    if (pictures.isDue(stepsTaken)) pictures.take(stepsTaken, io::pictureBodies(world, options.look.colorBy));
   };
   takePictures(runner.world(), 0);
 

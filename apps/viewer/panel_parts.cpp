@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "io/picture_palette.h"
+#include "render/palette.h"
 
 namespace rubble::viewer {
 namespace {
@@ -15,7 +15,7 @@ void explain(const char* doc) {
 }
 
 ImU32 colorOf(std::size_t series) {
-  const std::uint32_t rgb = io::draw::kKindColors[series % io::draw::kKindColors.size()];
+  const std::uint32_t rgb = render::kKindColors[series % render::kKindColors.size()];
   return IM_COL32(rgb >> 16 & 255, rgb >> 8 & 255, rgb & 255, 255);
 }
 

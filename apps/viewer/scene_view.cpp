@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/framing.h"
+
 namespace rubble::viewer {
 namespace {
 
@@ -14,13 +16,9 @@ constexpr float kSelectedWidth = 3, kSelectedDot = 9;
 constexpr std::uint32_t kSelectedColor = 0xe08a12;
 
 render::Camera cameraShowing(Show& show, int width, int height) {
-  io::PictureSettings settings;
-  settings.width = width;
-  settings.height = height;
-  settings.fieldOfView = .5;
   const scenes::Camera own = show.camera();
-  io::frameBodies(show.framed(), show.gravity(), settings, {own.target - own.eye, .2});
-  return {settings.eye, settings.target, settings.up, settings.fieldOfView};
+  const double aspect = static_cast<double>(width) / height;
+  return render::cameraShowing(show.framed(), show.gravity(), {own.target - own.eye, .2, aspect, .5});
 }
 
 void addSelection(World& world, const Selection& selection, double size, std::vector<render::Line>& lines) {

@@ -5,13 +5,13 @@ The window writes what it shows in every frame, and each input waits for frames:
 import json
 import os
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
-import zlib
+
+from png_file import pixels
 
 RUBBLE = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else "rubble"
 HAS_VIEWER = "one without" not in subprocess.run([RUBBLE, "view", "pile-1k", "--frames", "1"], capture_output=True, text=True,
@@ -38,28 +38,6 @@ SHEET = {
     "deformables": [{"type": "cloth", "name": "sheet", "fixed": [2, 3],
                      "vertices": [[-1, 0, -1], [1, 0, -1], [-1, 0, 1], [1, 0, 1]], "triangles": [[0, 1, 3], [0, 3, 2]]}],
 }
-
-
-def pixels(file):
-    """Width, height and rows of a PNG file of 8-bit RGB."""
-    with open(file, "rb") as source:
-        data = source.read()
-    width, height = struct.unpack(">II", data[16:24])
-    at, packed = 8, b""
-    while at < len(data):
-        length, kind = struct.unpack(">I4s", data[at:at + 8])
-        packed += data[at + 8:at + 8 + length] if kind == b"IDAT" else b""
-        at += 12 + length
-    raw, stride, rows, above = zlib.decompress(packed), 3 * width, [], bytearray(3 * width)
-    for y in range(height):
-        method, line = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
-        for i in range(stride):
-            left, up, corner = line[i - 3] if i >= 3 else 0, above[i], above[i - 3] if i >= 3 else 0
-            nearest = min((abs(up - corner), 0, left), (abs(left - corner), 1, up), (abs(left + up - 2 * corner), 2, corner))[2]
-            line[i] = (line[i] + (0, left, up, (left + up) // 2, nearest)[method]) & 255
-        rows.append(line)
-        above = line
-    return width, height, rows
 
 
 @unittest.skipUnless(HAS_VIEWER and HAS_DISPLAY, "needs a build with the viewer, Xvfb and xdotool")

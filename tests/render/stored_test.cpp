@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "render/framing.h"
 #include "scenes/registry.h"
 #include "tests/render/look.h"
 
@@ -110,12 +111,8 @@ Picture deformables() {
 
 io::Image draw(const Picture& picture) {
   softwareContext();
-  io::PictureSettings settings;
-  settings.width = kWidth;
-  settings.height = kHeight;
-  settings.fieldOfView = .5;
-  io::frameBodies(picture.bodies, picture.gravity, settings, {picture.direction, 0});
-  const Camera camera{settings.eye, settings.target, settings.up, settings.fieldOfView};
+  const double aspect = static_cast<double>(kWidth) / kHeight;
+  const Camera camera = cameraShowing(picture.bodies, picture.gravity, {picture.direction, 0, aspect, .5});
   Stage stage(picture.bodies, picture.gravity, camera, kWidth, kHeight);
   return stage.picture(camera, {8, 1024, 4, 8});
 }

@@ -1,0 +1,40 @@
+#pragma once
+/// Pictures at chosen steps of a run or a trajectory.
+#include <memory>
+#include <vector>
+
+#include "apps/cli/output.h"
+#include "render/film.h"
+#include "render/painter.h"
+
+namespace rubble::cli {
+
+class PictureWriter {
+ public:
+  /// `atStart` is the scene as it begins, for light and colours. A camera whose eye is at its target stands
+  /// for one that shows everything. Throws Error if the pictures cannot be drawn or written. Nothing is
+  /// made ready if there are no requests.
+  PictureWriter(const std::vector<PictureRequest>& requests, const Look& look, const Vec3& gravity,
+                const scenes::Camera& camera, const std::vector<io::PictureBody>& atStart);
+
+  /// Is a picture due after so many steps?
+  bool isDue(int steps) const;
+  /// Draws the bodies into every file that is due after so many steps.
+  void take(int steps, const std::vector<io::PictureBody>& bodies);
+
+ private:
+  render::Camera cameraFor(const std::vector<io::PictureBody>& bodies) const;
+
+  struct Due {
+    int steps;
+    std::unique_ptr<render::PictureSink> sink;
+  };
+  std::vector<Due> due_;
+  Look look_;
+  Vec3 gravity_;  ///< [m/s2]
+  scenes::Camera camera_;
+  std::unique_ptr<render::PaintDevice> device_;
+  std::unique_ptr<render::Painter> painter_;
+};
+
+}  // namespace rubble::cli

@@ -1,0 +1,25 @@
+#pragma once
+/// How alike two names are, for errors that suggest one.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace rubble {
+
+/// Number of insertions, deletions and replacements of letters that turn `a` into `b` (Levenshtein).
+inline std::size_t editDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0u : 1u)});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace rubble
