@@ -32,23 +32,27 @@ std::array<bool, 3> readAxes(const Node& node) {
 /// What a body meets, and how it is held back besides contacts and joints.
 void readExtras(ObjectReader& object, BodyDef& out) {
   if (const auto found = object.get("inertia"))
-    out.inertia = found->vector({0, false, kPositive.max, "a moment of inertia above 0 [kg m2]"}, "three moments of inertia [kg m2]");
+    out.inertia = found->vector({0, false, kPositive.max, "a moment of inertia above 0 [kg m2]"},
+                                "three moments of inertia [kg m2]");
   object.read("linear_damping", out.linearDamping, kNotNegative);
   object.read("angular_damping", out.angularDamping, kNotNegative);
   if (const auto found = object.get("lock_translation")) out.lockTranslation = readAxes(*found);
   if (const auto found = object.get("lock_rotation")) out.lockRotation = readAxes(*found);
   if (const auto found = object.get("layers")) out.filter.layers = readLayers(*found);
   if (const auto found = object.get("mask")) out.filter.mask = readLayers(*found);
-  if (const auto found = object.get("group")) out.filter.group = found->whole(std::numeric_limits<int>::min(), "a whole number").value_or(0);
+  if (const auto found = object.get("group"))
+    out.filter.group = found->whole(std::numeric_limits<int>::min(), "a whole number").value_or(0);
   object.read("sensor", out.sensor);
 }
 
 void checkName(const Node& node, const BodyDef& body) {
   if (body.name.empty()) return;
   const Node where = node.child("name");
-  if (body.name == "world") where.faultText("expected a name other than \"world\", which joints use for the fixed world, got it");
+  if (body.name == "world")
+    where.faultText("expected a name other than \"world\", which joints use for the fixed world, got it");
   if (body.name.back() == '*')
-    where.faultText("expected a name without a final '*', which stands for a prefix, got " + describe(body.name));
+    where.faultText("expected a name without a final '*', which stands for a prefix, got " +
+                    describe(body.name));
 }
 
 }  // namespace
@@ -93,12 +97,15 @@ BodyDef BodyReader::body(const Node& node) const {
   // A plane has no volume to move: it need not be said that it is static.
   if (out.shape.type == ShapeType::Plane) {
     if (!object.get("motion")) out.motion = Motion::Static;
-    if (out.motion != Motion::Static) object.node().faultText("expected motion \"static\" for a plane, got another");
+    if (out.motion != Motion::Static)
+      object.node().faultText("expected motion \"static\" for a plane, got another");
   }
   if (const auto found = object.get("material")) out.material = material(*found);
   const auto density = object.get("density"), mass = object.get("mass");
   if (density && mass) mass->faultText("expected either \"density\" or \"mass\", got both");
-  if (density) out.density = density->number({0, false, kPositive.max, "a density above 0 [kg/m3]"}).value_or(out.density);
+  if (density)
+    out.density = density->number({0, false, kPositive.max, "a density above 0 [kg/m3]"})
+                      .value_or(out.density);
   if (mass) out.mass = mass->number({0, false, kPositive.max, "a mass above 0 [kg]"});
   object.read("position", out.position);
   if (const auto found = object.get("orientation")) out.orientation = readOrientation(*found);

@@ -38,7 +38,8 @@ class ByteReader {
     std::make_unsigned_t<T> bits = 0;
     if (!has(sizeof(T))) return 0;
     for (std::size_t i = 0; i < sizeof(T); ++i)
-      bits = static_cast<std::make_unsigned_t<T>>(bits | static_cast<std::make_unsigned_t<T>>(bytes_[at_ + i]) << (8 * i));
+      bits = static_cast<std::make_unsigned_t<T>>(bits | static_cast<std::make_unsigned_t<T>>(bytes_[at_ + i])
+                                                             << (8 * i));
     at_ += sizeof(T);
     return static_cast<T>(bits);
   }
@@ -46,7 +47,8 @@ class ByteReader {
   std::string getText() {
     const auto size = get<std::uint32_t>();
     if (!has(size)) return "";
-    const std::string text(bytes_.begin() + static_cast<std::ptrdiff_t>(at_), bytes_.begin() + static_cast<std::ptrdiff_t>(at_ + size));
+    const std::string text(bytes_.begin() + static_cast<std::ptrdiff_t>(at_),
+                           bytes_.begin() + static_cast<std::ptrdiff_t>(at_ + size));
     at_ += size;
     return text;
   }

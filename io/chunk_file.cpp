@@ -35,7 +35,8 @@ constexpr int kLevel = 3;
 
 Codec compress(const Bytes& content, Bytes& stored) {
   stored.resize(ZSTD_compressBound(content.size()));
-  const std::size_t size = ZSTD_compress(stored.data(), stored.size(), content.data(), content.size(), kLevel);
+  const std::size_t size = ZSTD_compress(stored.data(), stored.size(), content.data(), content.size(),
+                                         kLevel);
   if (ZSTD_isError(size) || size >= content.size()) {
     stored = content;
     return Codec::None;
@@ -56,12 +57,15 @@ Codec compress(const Bytes& content, Bytes& stored) {
   return Codec::None;
 }
 
-std::string decompress(const Bytes&, Bytes&) { return "a compressed chunk, which this build (without zstd) cannot read"; }
+std::string decompress(const Bytes&, Bytes&) {
+  return "a compressed chunk, which this build (without zstd) cannot read";
+}
 #endif
 
 }  // namespace
 
-ChunkWriter::ChunkWriter(const std::string& file) : file_(file), lock_(file), out_(file, std::ios::binary | std::ios::trunc) {
+ChunkWriter::ChunkWriter(const std::string& file)
+    : file_(file), lock_(file), out_(file, std::ios::binary | std::ios::trunc) {
   if (!out_) throw Error(file_, "a file that can be written", std::strerror(errno));
 }
 
@@ -76,7 +80,8 @@ void ChunkWriter::writeRaw(const Bytes& bytes) {
 }
 
 std::uint64_t ChunkWriter::write(std::uint32_t name, const Bytes& content) {
-  if (content.size() > kLargestContent) throw Error(file_, "chunks of at most 1 GiB", std::to_string(content.size()) + " bytes");
+  if (content.size() > kLargestContent)
+    throw Error(file_, "chunks of at most 1 GiB", std::to_string(content.size()) + " bytes");
   Bytes stored;
   const Codec codec = compress(content, stored);
   ByteWriter head;
@@ -132,8 +137,10 @@ std::optional<ChunkReader::FullHead> ChunkReader::fullHead(std::uint64_t offset)
   head.checksum = in.get<std::uint32_t>();
   if (in.get<std::uint32_t>() != checksum(bytes.data(), kHeadSize - 4))
     fail(offset, "the head of a chunk", "a wrong checksum");
-  const bool known = head.codec == Codec::Zstd || (head.codec == Codec::None && head.storedSize == head.contentSize);
-  if (!known || head.contentSize > kLargestContent) fail(offset, "a known codec and a size of at most 1 GiB", "another");
+  const bool known = head.codec == Codec::Zstd ||
+                     (head.codec == Codec::None && head.storedSize == head.contentSize);
+  if (!known || head.contentSize > kLargestContent)
+    fail(offset, "a known codec and a size of at most 1 GiB", "another");
   if (offset + kHeadSize + head.storedSize > size_) return std::nullopt;
   return head;
 }
@@ -157,7 +164,8 @@ std::optional<Chunk> ChunkReader::read(std::uint64_t offset) {
   }
   chunk.content.resize(head->contentSize);
   const std::string wrong = decompress(stored, chunk.content);
-  if (!wrong.empty()) fail(offset + kHeadSize, std::to_string(head->contentSize) + " bytes of content", wrong);
+  if (!wrong.empty())
+    fail(offset + kHeadSize, std::to_string(head->contentSize) + " bytes of content", wrong);
   return chunk;
 }
 

@@ -25,8 +25,8 @@ struct Chunk {
   Bytes content;  ///< decompressed
 };
 
-/// Appends chunks. What is written is in the file at once and stays there whatever happens. Every call throws Error if the file cannot be
-/// written; one that another ChunkWriter writes cannot be.
+/// Appends chunks. What is written is in the file at once and stays there whatever happens. Every call throws
+/// Error if the file cannot be written; one that another ChunkWriter writes cannot be.
 class ChunkWriter {
  public:
   explicit ChunkWriter(const std::string& file);
@@ -45,7 +45,8 @@ class ChunkWriter {
   std::uint64_t offset_ = 0;
 };
 
-/// Reads chunks. Every call throws Error, with the file and the byte, on data that were not written by a ChunkWriter.
+/// Reads chunks. Every call throws Error, with the file and the byte, on data that were not written by a
+/// ChunkWriter.
 class ChunkReader {
  public:
   explicit ChunkReader(const std::string& file);
@@ -53,7 +54,8 @@ class ChunkReader {
   std::uint64_t size() const { return size_; }
   /// The chunk at an offset; nothing if the file ends before the chunk does.
   std::optional<Chunk> read(std::uint64_t offset);
-  /// Name and end of the chunk at an offset, without its content; nothing if the file ends before the chunk does.
+  /// Name and end of the chunk at an offset, without its content; nothing if the file ends before the chunk
+  /// does.
   struct Head {
     std::uint32_t name = 0;
     std::uint64_t end = 0;

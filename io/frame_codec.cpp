@@ -11,18 +11,25 @@
 namespace rubble::io {
 namespace {
 
-/// Words of 32 bits a body: position x, y, z and the two halves of the quaternion. Vertices have the first three. The words of all bodies and
-/// vertices come one kind after the other: x, y, z of bodies, then of vertices, then quaternions.
+/// Words of 32 bits a body: position x, y, z and the two halves of the quaternion. Vertices have the first
+/// three. The words of all bodies and vertices come one kind after the other: x, y, z of bodies, then of
+/// vertices, then quaternions.
 constexpr std::size_t kPlaceWords = 3, kTurnWords = 2;
-std::size_t wordCountOf(std::size_t bodies, std::size_t vertices) { return kPlaceWords * (bodies + vertices) + kTurnWords * bodies; }
+std::size_t wordCountOf(std::size_t bodies, std::size_t vertices) {
+  return kPlaceWords * (bodies + vertices) + kTurnWords * bodies;
+}
 constexpr int kQuaternionBits = 20;
 constexpr std::uint64_t kQuaternionMask = (1u << kQuaternionBits) - 1;
 /// Zero lies in the middle of the range.
 constexpr double kQuaternionHalf = (1u << (kQuaternionBits - 1)) - 1;
 constexpr double kLargestOffset = 2147483000;
 
-std::uint32_t zigzag(std::int32_t value) { return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31); }
-std::int32_t unzigzag(std::uint32_t value) { return static_cast<std::int32_t>((value >> 1) ^ (~(value & 1u) + 1u)); }
+std::uint32_t zigzag(std::int32_t value) {
+  return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31);
+}
+std::int32_t unzigzag(std::uint32_t value) {
+  return static_cast<std::int32_t>((value >> 1) ^ (~(value & 1u) + 1u));
+}
 
 /// Component of a quaternion: s, x, y, z.
 double component(const Quat& q, int i) { return i == 0 ? q.s : q.v[i - 1]; }
@@ -46,7 +53,9 @@ std::uint64_t packQuaternion(const Quat& q) {
     if (i == largest) continue;
     // The smaller three lie within 1/sqrt 2 of zero, and zero itself is met exactly.
     const double scaled = sign * component(q, i) * std::numbers::sqrt2 * kQuaternionHalf;
-    const double whole = std::isfinite(scaled) ? std::clamp(std::round(scaled), -kQuaternionHalf, kQuaternionHalf) : 0;
+    const double whole = std::isfinite(scaled)
+                             ? std::clamp(std::round(scaled), -kQuaternionHalf, kQuaternionHalf)
+                             : 0;
     bits = bits << kQuaternionBits | static_cast<std::uint64_t>(whole + kQuaternionHalf);
   }
   return bits;
@@ -71,7 +80,9 @@ Quat unpackQuaternion(std::uint64_t bits) {
 bool FrameEncoder::add(const RecordedFrame& frame) {
   const std::size_t bodies = frame.poses.size(), places = bodies + frame.vertices.size();
   const bool first = steps_.empty();
-  const auto placeOf = [&](std::size_t i) -> const Vec3& { return i < bodies ? frame.poses[i].position : frame.vertices[i - bodies]; };
+  const auto placeOf = [&](std::size_t i) -> const Vec3& {
+    return i < bodies ? frame.poses[i].position : frame.vertices[i - bodies];
+  };
   std::vector<std::uint32_t> words(wordCountOf(bodies, frame.vertices.size()));
   for (std::size_t i = 0; i < places; ++i) {
     for (int axis = 0; axis < 3 && !first; ++axis) {
@@ -117,7 +128,8 @@ std::vector<std::uint8_t> FrameEncoder::finish() {
   return content;
 }
 
-std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content, std::size_t bodyCount, std::size_t vertexCount,
+std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content,
+                                                       std::size_t bodyCount, std::size_t vertexCount,
                                                        double resolution, std::uint32_t version) {
   ByteReader in(content);
   const std::size_t frameCount = in.get<std::uint32_t>();
@@ -125,8 +137,10 @@ std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::ui
   const std::size_t vertices = version > 1 ? in.get<std::uint32_t>() : 0;
   const std::size_t places = bodies + vertices, wordCount = wordCountOf(bodies, vertices);
   constexpr std::size_t kBytesOfTime = 16, kBytesOfOrigin = 24, kBytesOfWord = 4;
-  const Size wanted = Size(frameCount) * kBytesOfTime + Size(places) * kBytesOfOrigin + Size(frameCount) * wordCount * kBytesOfWord;
-  if (!in.ok() || bodies != bodyCount || vertices != vertexCount || !(wanted == in.left())) return std::nullopt;
+  const Size wanted = Size(frameCount) * kBytesOfTime + Size(places) * kBytesOfOrigin +
+                      Size(frameCount) * wordCount * kBytesOfWord;
+  if (!in.ok() || bodies != bodyCount || vertices != vertexCount || !(wanted == in.left()))
+    return std::nullopt;
 
   std::vector<RecordedFrame> frames(frameCount);
   for (RecordedFrame& frame : frames) {
@@ -144,7 +158,8 @@ std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::ui
   for (RecordedFrame& frame : frames) {
     for (std::size_t i = 0; i < wordCount; ++i) {
       std::uint32_t difference = 0;
-      for (std::size_t byte = 0; byte < 4; ++byte) difference |= static_cast<std::uint32_t>(plane[byte * wordCount + i]) << (8 * byte);
+      for (std::size_t byte = 0; byte < 4; ++byte)
+        difference |= static_cast<std::uint32_t>(plane[byte * wordCount + i]) << (8 * byte);
       words[i] += static_cast<std::uint32_t>(unzigzag(difference));
     }
     plane += 4 * wordCount;
@@ -156,8 +171,9 @@ std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::ui
       }
     }
     for (std::size_t i = 0; i < bodies; ++i)
-      frame.poses[i].orientation =
-          unpackQuaternion(words[kPlaceWords * places + i] | static_cast<std::uint64_t>(words[kPlaceWords * places + bodies + i]) << 32);
+      frame.poses[i].orientation = unpackQuaternion(
+          words[kPlaceWords * places + i] |
+          static_cast<std::uint64_t>(words[kPlaceWords * places + bodies + i]) << 32);
   }
   return frames;
 }

@@ -1,6 +1,7 @@
 #pragma once
-/// Frames of a trajectory to bytes and back: positions of bodies and vertices in steps of a resolution and quaternions in 62 bits, each less
-/// the one before, low bytes apart from high ones, so that what rests costs next to nothing once compressed.
+/// Frames of a trajectory to bytes and back: positions of bodies and vertices in steps of a resolution and
+/// quaternions in 62 bits, each less the one before, low bytes apart from high ones, so that what rests costs
+/// next to nothing once compressed.
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -19,7 +20,8 @@ class FrameEncoder {
   explicit FrameEncoder(double resolution) : resolution_(resolution) {}
 
   int frameCount() const { return static_cast<int>(steps_.size()); }
-  /// False, and nothing is taken, if a position lies too far from where the chunk begins: it needs a new chunk.
+  /// False, and nothing is taken, if a position lies too far from where the chunk begins: it needs a new
+  /// chunk.
   bool add(const RecordedFrame& frame);
   /// The content of the chunk; the encoder is empty again.
   std::vector<std::uint8_t> finish();
@@ -34,8 +36,10 @@ class FrameEncoder {
   std::vector<std::uint8_t> planes_;     ///< differences, byte by byte
 };
 
-/// Frames of a chunk of a file of that version; nothing if the bytes are not what an encoder makes for that many bodies and vertices.
-std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content, std::size_t bodyCount, std::size_t vertexCount,
+/// Frames of a chunk of a file of that version; nothing if the bytes are not what an encoder makes for that
+/// many bodies and vertices.
+std::optional<std::vector<RecordedFrame>> decodeFrames(const std::vector<std::uint8_t>& content,
+                                                       std::size_t bodyCount, std::size_t vertexCount,
                                                        double resolution, std::uint32_t version);
 
 }  // namespace rubble::io

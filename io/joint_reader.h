@@ -42,6 +42,7 @@ std::size_t axesInFile(JointType type);
 bool usesFrames(JointType type);
 
 /// A joint as files have it; `reference`: how it refers to a body by its index.
-nlohmann::ordered_json jointJson(const JointDef& joint, const std::function<nlohmann::ordered_json(int)>& reference);
+nlohmann::ordered_json jointJson(const JointDef& joint,
+                                 const std::function<nlohmann::ordered_json(int)>& reference);
 
 }  // namespace rubble::io

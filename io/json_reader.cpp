@@ -13,7 +13,8 @@ std::string inQuotes(const std::string& text) {
   return "\"" + (text.size() <= kShown ? text : text.substr(0, kShown) + "...") + "\"";
 }
 
-/// What follows the mark: the library says "[json.exception.parse_error.101] parse error at line 3, column 7: syntax error while ...".
+/// What follows the mark: the library says "[json.exception.parse_error.101] parse error at line 3, column 7:
+/// syntax error while ...".
 std::string behind(const std::string& mark, const std::string& message) {
   const std::size_t begin = message.find(mark);
   return begin == std::string::npos ? message : message.substr(begin + mark.size());
@@ -22,7 +23,8 @@ std::string behind(const std::string& mark, const std::string& message) {
 Fault syntaxFault(const std::string& text, const Json::parse_error& error) {
   Fault fault;
   const std::size_t end = std::min(error.byte > 0 ? error.byte - 1 : 0, text.size());
-  fault.line = 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
+  fault.line = 1 + static_cast<int>(
+                       std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
   const std::size_t lineStart = end == 0 ? std::string::npos : text.rfind('\n', end - 1);
   fault.column = static_cast<int>(end - (lineStart == std::string::npos ? 0 : lineStart + 1)) + 1;
   fault.message = behind(": ", error.what());
@@ -32,8 +34,8 @@ Fault syntaxFault(const std::string& text, const Json::parse_error& error) {
 /// Lists and objects within one another: no file needs more, and what reads one calls itself for each.
 constexpr std::size_t kMostLevels = 64;
 
-/// Goes through a text and notes keys that appear twice in one object, of which a parsed object has only the last, and where it goes too deep.
-/// It leaves syntax to the parser.
+/// Goes through a text and notes keys that appear twice in one object, of which a parsed object has only the
+/// last, and where it goes too deep. It leaves syntax to the parser.
 class StructureCheck final : public Json::json_sax_t {
  public:
   std::vector<Fault> faults;
@@ -53,10 +55,13 @@ class StructureCheck final : public Json::json_sax_t {
   bool key(string_t& key) override {
     Level& level = levels_.back();
     level.key = key;
-    if (!level.keys.insert(key).second) faults.push_back({path(), 0, 0, "expected each key once, got " + inQuotes(key) + " again"});
+    if (!level.keys.insert(key).second)
+      faults.push_back({path(), 0, 0, "expected each key once, got " + inQuotes(key) + " again"});
     return true;
   }
-  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
+    return false;
+  }
 
  private:
   struct Level {
@@ -74,7 +79,9 @@ class StructureCheck final : public Json::json_sax_t {
     element();
     if (levels_.size() == kMostLevels) {
       tooDeep = true;
-      faults.push_back({path(), 0, 0, "expected at most " + std::to_string(kMostLevels) + " lists and objects within one another, got more"});
+      faults.push_back({path(), 0, 0,
+                        "expected at most " + std::to_string(kMostLevels) +
+                            " lists and objects within one another, got more"});
       return false;
     }
     levels_.push_back({isArray, -1, "", {}});
@@ -118,11 +125,15 @@ std::string hint(const std::string& name, const std::vector<std::string>& names)
   return best ? " (did you mean " + inQuotes(*best) + "?)" : "";
 }
 
-void Node::fault(const std::string& expected) const { faultText("expected " + expected + ", got " + describe(*value_)); }
+void Node::fault(const std::string& expected) const {
+  faultText("expected " + expected + ", got " + describe(*value_));
+}
 
 void Node::faultText(const std::string& message) const { faults_->push_back({path_, 0, 0, message}); }
 
-Node Node::child(const std::string& key) const { return {value_->at(key), path_.empty() ? key : path_ + "." + key, *faults_}; }
+Node Node::child(const std::string& key) const {
+  return {value_->at(key), path_.empty() ? key : path_ + "." + key, *faults_};
+}
 
 std::vector<Node> Node::elements(const char* what) const {
   std::vector<Node> nodes;
@@ -131,7 +142,8 @@ std::vector<Node> Node::elements(const char* what) const {
     return nodes;
   }
   nodes.reserve(value_->size());
-  for (std::size_t i = 0; i < value_->size(); ++i) nodes.emplace_back((*value_)[i], path_ + "[" + std::to_string(i) + "]", *faults_);
+  for (std::size_t i = 0; i < value_->size(); ++i)
+    nodes.emplace_back((*value_)[i], path_ + "[" + std::to_string(i) + "]", *faults_);
   return nodes;
 }
 
@@ -191,11 +203,13 @@ std::optional<std::size_t> Node::choice(const std::vector<std::string>& names) c
   }
   const auto found = std::find(names.begin(), names.end(), value_->get<std::string>());
   if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-  faultText("expected one of " + wanted + ", got " + describe(*value_) + hint(value_->get<std::string>(), names));
+  faultText("expected one of " + wanted + ", got " + describe(*value_) +
+            hint(value_->get<std::string>(), names));
   return std::nullopt;
 }
 
-ObjectReader::ObjectReader(const Node& node, const char* what) : node_(node), isObject_(node.value().is_object()) {
+ObjectReader::ObjectReader(const Node& node, const char* what)
+    : node_(node), isObject_(node.value().is_object()) {
   if (!isObject_) node_.fault(what);
 }
 

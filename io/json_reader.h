@@ -1,5 +1,6 @@
 #pragma once
-/// Reading JSON with a path to everything, for files that people write: each fault is noted with its path and reading goes on.
+/// Reading JSON with a path to everything, for files that people write: each fault is noted with its path and
+/// reading goes on.
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -34,7 +35,8 @@ struct Want {
 /// A JSON value at a path, and the list that faults go to.
 class Node {
  public:
-  Node(const Json& value, std::string path, std::vector<Fault>& faults) : value_(&value), path_(std::move(path)), faults_(&faults) {}
+  Node(const Json& value, std::string path, std::vector<Fault>& faults)
+      : value_(&value), path_(std::move(path)), faults_(&faults) {}
 
   const Json& value() const { return *value_; }
   const std::string& path() const { return path_; }

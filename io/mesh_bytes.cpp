@@ -55,7 +55,8 @@ double MeshBytes::toNumber(std::string_view text, const char* what) const {
   double value = 0;
   const auto plain = !text.empty() && text[0] == '+' ? text.substr(1) : text;
   const auto [end, error] = std::from_chars(plain.data(), plain.data() + plain.size(), value);
-  if (error != std::errc{} || end != plain.data() + plain.size() || !(value - value == 0)) fail(what, quoted(text));
+  if (error != std::errc{} || end != plain.data() + plain.size() || !(value - value == 0))
+    fail(what, quoted(text));
   return value;
 }
 

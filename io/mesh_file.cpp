@@ -20,7 +20,8 @@ class Welder {
   explicit Welder(std::vector<Vec3>& vertices) : vertices_(vertices) {}
   int operator()(const Vec3& x) {
     // 0 and -0 are one place
-    const auto [entry, isNew] = numbers_.emplace(std::array<double, 3>{x.x + 0., x.y + 0., x.z + 0.}, static_cast<int>(vertices_.size()));
+    const auto [entry, isNew] = numbers_.emplace(std::array<double, 3>{x.x + 0., x.y + 0., x.z + 0.},
+                                                 static_cast<int>(vertices_.size()));
     if (isNew) vertices_.push_back(x);
     return entry->second;
   }
@@ -46,13 +47,15 @@ MeshFile readObj(MeshBytes& in) {
     const std::string_view key = *words.next();
     if (key == "v") {
       Vec3 x;
-      for (int axis = 0; axis < 3; ++axis) x[axis] = in.toNumber(words.next().value_or(""), "three coordinates");
+      for (int axis = 0; axis < 3; ++axis)
+        x[axis] = in.toNumber(words.next().value_or(""), "three coordinates");
       out.vertices.push_back(x);
     } else if (key == "f" || key == "l") {
       std::vector<int> corners;
       while (const auto word = words.next()) corners.push_back(objCorner(in, *word, out.vertices.size()));
       const std::size_t least = key == "f" ? 3 : 2;
-      if (corners.size() < least) in.fail("at least " + std::to_string(least) + " vertices", std::to_string(corners.size()));
+      if (corners.size() < least)
+        in.fail("at least " + std::to_string(least) + " vertices", std::to_string(corners.size()));
       if (key == "f")
         addPolygon(corners, out);
       else
@@ -72,7 +75,8 @@ MeshFile readTextStl(MeshBytes& in) {
     const std::string_view key = *words.next();
     if (key == "vertex") {
       Vec3 x;
-      for (int axis = 0; axis < 3; ++axis) x[axis] = in.toNumber(words.next().value_or(""), "three coordinates");
+      for (int axis = 0; axis < 3; ++axis)
+        x[axis] = in.toNumber(words.next().value_or(""), "three coordinates");
       corners.push_back(weld(x));
     } else if (key == "endfacet") {
       if (corners.size() != 3) in.fail("a facet of three vertices", std::to_string(corners.size()));
@@ -102,7 +106,8 @@ MeshFile readBinaryStl(MeshBytes& in) {
     std::vector<int> corners;
     for (int k = 0; k < 3; ++k) {
       Vec3 x;
-      for (int axis = 0; axis < 3; ++axis) x[axis] = static_cast<double>(in.binary<float>(kSwap, "a coordinate"));
+      for (int axis = 0; axis < 3; ++axis)
+        x[axis] = static_cast<double>(in.binary<float>(kSwap, "a coordinate"));
       if (!(x.x - x.x + x.y - x.y + x.z - x.z == 0)) in.failByte("three finite coordinates", "others");
       corners.push_back(weld(x));
     }
@@ -117,28 +122,36 @@ MeshFile readStl(MeshBytes& in) {
   if (in.left() >= kStlHeader + 4) {
     MeshBytes copy = in;
     copy.seek(kStlHeader);
-    const auto count = copy.binary<std::uint32_t>(std::endian::native == std::endian::big, "the number of triangles");
+    const auto count = copy.binary<std::uint32_t>(std::endian::native == std::endian::big,
+                                                  "the number of triangles");
     if (copy.left() == count * kStlTriangle) return readBinaryStl(in);
   }
   if (!in.all().starts_with("solid"))
-    in.failByte("\"solid\", or the size of a binary STL file", std::to_string(in.left()) + " bytes of something else");
+    in.failByte("\"solid\", or the size of a binary STL file",
+                std::to_string(in.left()) + " bytes of something else");
   return readTextStl(in);
 }
 
 }  // namespace
 
 void addPolygon(const std::vector<int>& corners, MeshFile& out) {
-  for (std::size_t k = 2; k < corners.size(); ++k) out.triangles.push_back({corners[0], corners[k - 1], corners[k]});
+  for (std::size_t k = 2; k < corners.size(); ++k)
+    out.triangles.push_back({corners[0], corners[k - 1], corners[k]});
 }
 
 MeshFile readMesh(const std::string& file) {
   std::string ending = std::filesystem::path(file).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (ending != ".obj" && ending != ".stl" && ending != ".ply" && ending != ".msh")
     throw Error(file, "a name that ends in .obj, .stl, .ply or .msh", "\"" + ending + "\"");
   MeshBytes in(file);
-  MeshFile mesh = ending == ".obj" ? readObj(in) : ending == ".stl" ? readStl(in) : ending == ".ply" ? readPly(in) : readMsh(in);
-  if (mesh.triangles.empty() && mesh.tetrahedra.empty() && mesh.lines.empty()) throw Error(file, "triangles, tetrahedra or lines", "none");
+  MeshFile mesh = ending == ".obj"   ? readObj(in)
+                  : ending == ".stl" ? readStl(in)
+                  : ending == ".ply" ? readPly(in)
+                                     : readMsh(in);
+  if (mesh.triangles.empty() && mesh.tetrahedra.empty() && mesh.lines.empty())
+    throw Error(file, "triangles, tetrahedra or lines", "none");
   return mesh;
 }
 
@@ -172,7 +185,9 @@ std::vector<Vec3> lineOf(const MeshFile& mesh, const std::string& path) {
     for (const int v : line) {
       const auto found = beside.find(v);
       const std::size_t degree = found == beside.end() ? 0 : found->second.size();
-      if (degree > 2) throw Error(path, "one line that does not branch", std::to_string(degree) + " lines at vertex " + std::to_string(v));
+      if (degree > 2)
+        throw Error(path, "one line that does not branch",
+                    std::to_string(degree) + " lines at vertex " + std::to_string(v));
       if (degree == 1 && start < 0) start = v;
     }
   for (const auto& [v, others] : beside) ends += others.size() == 1;
@@ -191,7 +206,8 @@ std::vector<Vec3> lineOf(const MeshFile& mesh, const std::string& path) {
     order.push_back(at);
     if (at == start) break;
   }
-  if (order.size() != beside.size() + (closed ? 1 : 0)) throw Error(path, "one line", "several that do not meet");
+  if (order.size() != beside.size() + (closed ? 1 : 0))
+    throw Error(path, "one line", "several that do not meet");
   std::vector<Vec3> out;
   for (const int v : order) out.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
   return out;
@@ -211,7 +227,8 @@ void writeMsh(const std::string& file, const TetrahedronMesh& mesh) {
   std::ostream& out = target.stream();
   out.precision(17);
   const std::size_t nodes = mesh.vertices.size(), cells = mesh.tetrahedra.size();
-  out << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 " << nodes << " 1 " << nodes << "\n3 1 0 " << nodes << '\n';
+  out << "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 " << nodes << " 1 " << nodes << "\n3 1 0 " << nodes
+      << '\n';
   for (std::size_t i = 1; i <= nodes; ++i) out << i << '\n';
   for (const Vec3& x : mesh.vertices) out << x.x << ' ' << x.y << ' ' << x.z << '\n';
   out << "$EndNodes\n$Elements\n1 " << cells << " 1 " << cells << "\n3 1 4 " << cells << '\n';

@@ -1,5 +1,6 @@
 #pragma once
-/// Meshes in files: OBJ, STL, PLY (surfaces) and Gmsh's MSH 2.2 and 4.1 (surfaces and tetrahedra), as text or binary where the format has both.
+/// Meshes in files: OBJ, STL, PLY (surfaces) and Gmsh's MSH 2.2 and 4.1 (surfaces and tetrahedra), as text or
+/// binary where the format has both.
 #include <string>
 #include <vector>
 
@@ -17,14 +18,14 @@ struct MeshFile {
   TriangleMesh surface() const { return {vertices, triangles}; }
 };
 
-/// By the ending of its name. Throws Error that names the file and the line (text) or byte (binary) of what is wrong, what was expected and
-/// what came.
+/// By the ending of its name. Throws Error that names the file and the line (text) or byte (binary) of what
+/// is wrong, what was expected and what came.
 MeshFile readMesh(const std::string& file);
 
 /// The tetrahedra of a mesh without the nodes that they do not use.
 TetrahedronMesh tetrahedraOf(const MeshFile& mesh);
-/// The two-node lines or polylines of a mesh joined to one line: its points in order, the first one again at the end of a closed one. Throws
-/// Error if they branch or are several.
+/// The two-node lines or polylines of a mesh joined to one line: its points in order, the first one again at
+/// the end of a closed one. Throws Error if they branch or are several.
 std::vector<Vec3> lineOf(const MeshFile& mesh, const std::string& path);
 
 /// Writes a surface as OBJ, or tetrahedra as MSH 4.1 text. Throws Error if the file cannot be written.

@@ -1,4 +1,5 @@
-/// Gmsh's MSH, versions 2.2 and 4.1 (https://gmsh.info/doc/texinfo/gmsh.html, "MSH file format"), as text and binary.
+/// Gmsh's MSH, versions 2.2 and 4.1 (https://gmsh.info/doc/texinfo/gmsh.html, "MSH file format"), as text and
+/// binary.
 #include <unordered_map>
 
 #include "io/mesh_readers.h"
@@ -7,10 +8,12 @@ namespace rubble::io {
 
 namespace {
 
-// Types of elements, and how many nodes each has; those of higher order count with their corners, which come first.
+// Types of elements, and how many nodes each has; those of higher order count with their corners, which come
+// first.
 constexpr int kNodesOfType[] = {0, 2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1};
 constexpr int kTypes = static_cast<int>(std::size(kNodesOfType));
-constexpr int kLine = 1, kTriangle = 2, kQuad = 3, kTetrahedron = 4, kLine3 = 8, kTriangle6 = 9, kTetrahedron10 = 11;
+constexpr int kLine = 1, kTriangle = 2, kQuad = 3, kTetrahedron = 4, kLine3 = 8, kTriangle6 = 9,
+              kTetrahedron10 = 11;
 
 class MshReader {
  public:
@@ -20,8 +23,10 @@ class MshReader {
     bool hasFormat = false, hasNodes = false;
     while (const auto line = in_.nextLine()) {
       const std::string section(*line);
-      if (section.empty() || section[0] != '$') in_.fail("a section (\"$Nodes\" ...)", "\"" + section.substr(0, 40) + "\"");
-      if (section != "$MeshFormat" && !hasFormat) in_.fail("\"$MeshFormat\" before all else", "\"" + section + "\"");
+      if (section.empty() || section[0] != '$')
+        in_.fail("a section (\"$Nodes\" ...)", "\"" + section.substr(0, 40) + "\"");
+      if (section != "$MeshFormat" && !hasFormat)
+        in_.fail("\"$MeshFormat\" before all else", "\"" + section + "\"");
       if (section == "$MeshFormat")
         format(), hasFormat = true;
       else if (section == "$Nodes")
@@ -34,7 +39,8 @@ class MshReader {
         continue;
       }
       if (const auto end = in_.nextLine(); !end || *end != "$End" + section.substr(1))
-        in_.fail("\"$End" + section.substr(1) + "\"", end ? "\"" + std::string(end->substr(0, 40)) + "\"" : "the end of the file");
+        in_.fail("\"$End" + section.substr(1) + "\"",
+                 end ? "\"" + std::string(end->substr(0, 40)) + "\"" : "the end of the file");
     }
     if (!hasNodes) in_.fail("a section \"$Nodes\"", "none");
     return std::move(out_);
@@ -54,7 +60,8 @@ class MshReader {
     const long long kind = in_.whole("0 (text) or 1 (binary)");
     if (kind != 0 && kind != 1) in_.fail("0 (text) or 1 (binary)", std::to_string(kind));
     binary_ = kind == 1;
-    if (const long long size = in_.whole("the size of a number"); size != 8) in_.fail("numbers of 8 bytes", std::to_string(size));
+    if (const long long size = in_.whole("the size of a number"); size != 8)
+      in_.fail("numbers of 8 bytes", std::to_string(size));
     in_.endLine();
     if (!binary_) return;
     const auto one = in_.binary<std::int32_t>(false, "the number 1");
@@ -64,9 +71,13 @@ class MshReader {
     in_.endLine();
   }
 
-  long long whole32(const char* what) { return binary_ ? in_.binary<std::int32_t>(swap_, what) : in_.whole(what); }
+  long long whole32(const char* what) {
+    return binary_ ? in_.binary<std::int32_t>(swap_, what) : in_.whole(what);
+  }
   /// size_t of the format.
-  long long whole64(const char* what) { return binary_ ? in_.binary<std::int64_t>(swap_, what) : in_.whole(what); }
+  long long whole64(const char* what) {
+    return binary_ ? in_.binary<std::int64_t>(swap_, what) : in_.whole(what);
+  }
   double real(const char* what) { return binary_ ? in_.binary<double>(swap_, what) : in_.number(what); }
   [[noreturn]] void fail(const std::string& expected, const std::string& got) {
     if (binary_) in_.failByte(expected, got);
@@ -112,17 +123,19 @@ class MshReader {
   }
 
   int nodesOf(long long type) {
-    if (type < 1 || type >= kTypes) fail("a type of elements from 1 to " + std::to_string(kTypes - 1), std::to_string(type));
+    if (type < 1 || type >= kTypes)
+      fail("a type of elements from 1 to " + std::to_string(kTypes - 1), std::to_string(type));
     return kNodesOfType[type];
   }
   void element(long long type, const std::vector<long long>& tags) {
-    const bool wanted = type == kLine || type == kLine3 || type == kTriangle || type == kTriangle6 || type == kQuad ||
-                        type == kTetrahedron || type == kTetrahedron10;
+    const bool wanted = type == kLine || type == kLine3 || type == kTriangle || type == kTriangle6 ||
+                        type == kQuad || type == kTetrahedron || type == kTetrahedron10;
     if (!wanted) return;
     std::vector<int> v;
     for (const long long tag : tags) {
       const auto found = numbers_.find(tag);
-      if (found == numbers_.end()) fail("the number of a node", std::to_string(tag) + ", which there is none of");
+      if (found == numbers_.end())
+        fail("the number of a node", std::to_string(tag) + ", which there is none of");
       v.push_back(found->second);
     }
     if (type == kTetrahedron || type == kTetrahedron10)
@@ -136,7 +149,8 @@ class MshReader {
   }
   std::vector<long long> tagsOf(int count) {
     std::vector<long long> tags(static_cast<std::size_t>(count));
-    for (long long& tag : tags) tag = old_ ? whole32("the number of a node") : whole64("the number of a node");
+    for (long long& tag : tags)
+      tag = old_ ? whole32("the number of a node") : whole64("the number of a node");
     return tags;
   }
 
@@ -163,7 +177,9 @@ class MshReader {
       if (!binary_) in_.whole("the number of an element");
       const long long type = whole32("a type");
       const int nodes = nodesOf(type);
-      const std::size_t several = binary_ ? in_.count(whole32("a number of elements"), 4, "a number of elements") : 1;
+      const std::size_t several = binary_
+                                      ? in_.count(whole32("a number of elements"), 4, "a number of elements")
+                                      : 1;
       const std::size_t tags = in_.count(whole32("the number of tags"), 1, "a number of tags");
       if (several == 0) fail("at least one element", "0");
       for (std::size_t k = 0; k < several; ++k, ++i) {

@@ -20,8 +20,9 @@ struct Element {
   std::vector<Property> properties;
 };
 
-constexpr std::string_view kTypes[][2] = {{"char", "int8"}, {"uchar", "uint8"}, {"short", "int16"},   {"ushort", "uint16"},
-                                          {"int", "int32"}, {"uint", "uint32"}, {"float", "float32"}, {"double", "float64"}};
+constexpr std::string_view kTypes[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                          {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                          {"float", "float32"}, {"double", "float64"}};
 
 int typeNamed(const MeshBytes& in, std::string_view name) {
   for (int k = 0; k < 8; ++k)
@@ -61,20 +62,25 @@ class PlyReader {
       if (*key == "end_header") break;
       if (*key == "format") {
         const std::string_view name = need(words, "a format");
-        encoding_ = name == "ascii" ? Encoding::Text : name == "binary_little_endian" ? Encoding::Little : Encoding::Big;
+        encoding_ = name == "ascii"                  ? Encoding::Text
+                    : name == "binary_little_endian" ? Encoding::Little
+                                                     : Encoding::Big;
         if (encoding_ == Encoding::Big && name != "binary_big_endian")
-          in_.fail("\"ascii\", \"binary_little_endian\" or \"binary_big_endian\"", "\"" + std::string(name) + "\"");
+          in_.fail("\"ascii\", \"binary_little_endian\" or \"binary_big_endian\"",
+                   "\"" + std::string(name) + "\"");
         hasFormat = true;
       } else if (*key == "element") {
         Element& element = elements_.emplace_back();
         element.name = need(words, "the name of an element");
-        element.count = in_.count(in_.toWhole(need(words, "how many there are"), "how many there are"), 1, "a number of elements");
+        element.count = in_.count(in_.toWhole(need(words, "how many there are"), "how many there are"), 1,
+                                  "a number of elements");
       } else if (*key == "property") {
         if (elements_.empty()) in_.fail("an element before its properties", "a property");
         Property property;
         const std::string_view type = need(words, "a type");
         if (type == "list")
-          property.countType = typeNamed(in_, need(words, "a type")), property.type = typeNamed(in_, need(words, "a type"));
+          property.countType = typeNamed(in_, need(words, "a type")),
+          property.type = typeNamed(in_, need(words, "a type"));
         else
           property.type = typeNamed(in_, type);
         property.name = need(words, "the name of a property");
@@ -115,7 +121,8 @@ class PlyReader {
 
   void vertices(const Element& element) {
     int axes = 0;
-    for (const Property& p : element.properties) axes += p.countType < 0 && (p.name == "x" || p.name == "y" || p.name == "z");
+    for (const Property& p : element.properties)
+      axes += p.countType < 0 && (p.name == "x" || p.name == "y" || p.name == "z");
     if (axes != 3) fail("the properties x, y and z of a vertex", std::to_string(axes) + " of them");
     for (std::size_t i = 0; i < element.count; ++i) {
       Vec3 x;
@@ -153,7 +160,8 @@ class PlyReader {
         std::vector<int> corners;
         for (const double v : numbers) {
           if (!(v >= 0 && v < static_cast<double>(out_.vertices.size())))
-            fail("indices below " + std::to_string(out_.vertices.size()), std::to_string(static_cast<long long>(v)));
+            fail("indices below " + std::to_string(out_.vertices.size()),
+                 std::to_string(static_cast<long long>(v)));
           corners.push_back(static_cast<int>(v));
         }
         if (corners.size() < 3) fail("a face of at least three vertices", std::to_string(corners.size()));

@@ -72,7 +72,8 @@ NewFile::~NewFile() {
 void NewFile::keep() {
   if (target_.empty()) return;
   std::error_code wrong;
-  if (const fs::file_status before = fs::status(target_, wrong); fs::exists(before)) fs::permissions(path_, before.permissions(), wrong);
+  if (const fs::file_status before = fs::status(target_, wrong); fs::exists(before))
+    fs::permissions(path_, before.permissions(), wrong);
   fs::rename(path_, target_, wrong);
   if (wrong) throw Error(file_, kWritable, wrong.message());
   target_.clear();
@@ -89,11 +90,13 @@ void OutputFile::finish() {
 }
 
 #if defined(RUBBLE_HAS_FLOCK)
-FileLock::FileLock(const std::string& file) : descriptor_(open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666)) {
+FileLock::FileLock(const std::string& file)
+    : descriptor_(open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666)) {
   if (descriptor_ < 0) throw Error(file, kWritable, std::strerror(errno));
   if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   close(descriptor_);
-  throw Error(file, "a file that nothing else is being recorded to", "one that another recording is being written to");
+  throw Error(file, "a file that nothing else is being recorded to",
+              "one that another recording is being written to");
 }
 FileLock::~FileLock() { close(descriptor_); }
 #else

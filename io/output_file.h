@@ -1,12 +1,14 @@
 #pragma once
-/// Files that are there as a whole or not at all: content goes to a new file beside the one that is wanted, which takes its name at the end.
+/// Files that are there as a whole or not at all: content goes to a new file beside the one that is wanted,
+/// which takes its name at the end.
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 namespace rubble::io {
 
-/// The name of a file that is being written. What is no plain file (a device, a pipe) is never replaced: it is written as it is.
+/// The name of a file that is being written. What is no plain file (a device, a pipe) is never replaced: it
+/// is written as it is.
 class NewFile {
  public:
   /// Throws Error if the file cannot be written.

@@ -19,9 +19,11 @@ struct PictureBody {
   double speed = 0;       ///< [m/s]
   std::uint32_t key = 0;  ///< picks the colour; stays with the body
   Motion motion = Motion::Dynamic;
-  bool deforms = false;   ///< a mesh that is another one in every frame; those stand behind all others in a list
-  double value = 0;       ///< what colours tell of it (picture_values.h); not a number: nothing
-  std::vector<float> vertexValues = {};  ///< likewise, of the points of a mesh that deforms; empty: `value` for all
+  bool deforms = false;  ///< a mesh that is another one in every frame; those stand behind all others in a
+                         ///< list
+  double value = 0;      ///< what colours tell of it (picture_values.h); not a number: nothing
+  std::vector<float> vertexValues =
+      {};  ///< likewise, of the points of a mesh that deforms; empty: `value` for all
 };
 /// Keys from here on are of deformable objects.
 inline constexpr std::uint32_t kSoftKeys = 1u << 31;
@@ -58,18 +60,19 @@ void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorB
 void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies);
 /// What there is to draw of a deformable object.
 struct DrawnSoft {
-  std::uint32_t number;                        ///< of the object
-  std::vector<Vec3> vertices;                  ///< [m]
-  std::vector<Vec3> velocities;                ///< [m/s]
+  std::uint32_t number;          ///< of the object
+  std::vector<Vec3> vertices;    ///< [m]
+  std::vector<Vec3> velocities;  ///< [m/s]
   std::vector<std::array<int, 3>> triangles;
   std::vector<std::array<int, 2>> segments;
-  double radius;                               ///< [m]
+  double radius;  ///< [m]
   bool spheres, solid;
-  std::vector<float> values = {};              ///< of the vertices; may be empty
+  std::vector<float> values = {};  ///< of the vertices; may be empty
 };
 void addDeformables(std::span<const DrawnSoft> objects, std::vector<PictureBody>& bodies);
 
-/// Half size of the median moving body, or a tenth of that of a deformable object where there are no bodies [m].
+/// Half size of the median moving body, or a tenth of that of a deformable object where there are no bodies
+/// [m].
 double typicalSize(std::span<const PictureBody> bodies);
 /// How far a body reaches from its position along an axis of the world, at most [m].
 double extentAlong(const PictureBody& body, const Vec3& axis);

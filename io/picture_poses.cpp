@@ -6,15 +6,20 @@ namespace rubble::io {
 namespace {
 
 double number(const ArrayView& view, std::int64_t row, std::int64_t column) {
-  const char* const at = static_cast<const char*>(view.data) + row * view.strides[0] + column * view.strides[1];
+  const char* const at = static_cast<const char*>(view.data) + row * view.strides[0] +
+                         column * view.strides[1];
   double wide = 0;
   float narrow = 0;
-  if (view.typestr[2] == '8') std::memcpy(&wide, at, sizeof wide);
-  else std::memcpy(&narrow, at, sizeof narrow), wide = static_cast<double>(narrow);
+  if (view.typestr[2] == '8')
+    std::memcpy(&wide, at, sizeof wide);
+  else
+    std::memcpy(&narrow, at, sizeof narrow), wide = static_cast<double>(narrow);
   return wide;
 }
 
-Vec3 positionAt(const ArrayView& view, std::int64_t row) { return {number(view, row, 0), number(view, row, 1), number(view, row, 2)}; }
+Vec3 positionAt(const ArrayView& view, std::int64_t row) {
+  return {number(view, row, 0), number(view, row, 1), number(view, row, 2)};
+}
 Quat turnAt(const ArrayView& view, std::int64_t row) {
   return {number(view, row, 0), number(view, row, 1), number(view, row, 2), number(view, row, 3)};
 }
@@ -32,7 +37,8 @@ std::vector<PoseSource> poseSources(World& world) {
   for (const BodyId id : world.bodies()) {
     const BodyState state = world.state(id);
     const Quat own = conjugate(turnAt(engine.orientation, id.index));
-    sources.push_back({id.index, rotate(own, state.position - positionAt(engine.position, id.index)), normalize(own * state.orientation)});
+    sources.push_back({id.index, rotate(own, state.position - positionAt(engine.position, id.index)),
+                       normalize(own * state.orientation)});
   }
   return sources;
 }
@@ -44,14 +50,16 @@ BodyPose poseOf(const PoseSource& source, const ArrayView& position, const Array
 
 bool posesAreAll(const World& world) { return world.deformables().empty() && !hasRopes(world); }
 
-void WatchedBodies::update(World& world, ColorBy colorBy, std::vector<PictureBody>& bodies, std::int64_t& epoch) {
+void WatchedBodies::update(World& world, ColorBy colorBy, std::vector<PictureBody>& bodies,
+                           std::int64_t& epoch) {
   if (colorBy != ColorBy::Body || epoch != world.epoch() || !posesAreAll(world)) {
     bodies = pictureBodies(world, colorBy);
     epoch = world.epoch();
     return;
   }
   if (epoch_ != epoch) sources_ = poseSources(world), epoch_ = epoch;
-  // Ropes and deformable objects come and go within an epoch: a list from before may hold theirs behind the bodies.
+  // Ropes and deformable objects come and go within an epoch: a list from before may hold theirs behind the
+  // bodies.
   if (bodies.size() != sources_.size()) {
     bodies = pictureBodies(world, colorBy);
     return;

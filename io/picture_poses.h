@@ -10,7 +10,8 @@
 
 namespace rubble::io {
 
-/// Where the pose of a body is: the row of its pose in the engine's arrays, and the frame of its shape in that of the engine.
+/// Where the pose of a body is: the row of its pose in the engine's arrays, and the frame of its shape in
+/// that of the engine.
 struct PoseSource {
   std::int32_t row = -1;
   Vec3 place;  ///< [m]
@@ -30,7 +31,8 @@ BodyPose poseOf(const PoseSource& source, const ArrayView& position, const Array
 /// Do bodies move and nothing else? Deformable objects and ropes are other meshes in every step.
 bool posesAreAll(const World& world);
 
-/// Bodies as pictureBodies has them, kept up to date: while none come or go and nothing deforms, only poses are fetched.
+/// Bodies as pictureBodies has them, kept up to date: while none come or go and nothing deforms, only poses
+/// are fetched.
 class WatchedBodies {
  public:
   /// `bodies` are what a call left there when the world had this `epoch`; -1: nothing.

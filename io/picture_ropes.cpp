@@ -12,7 +12,8 @@ namespace {
 constexpr double kThickness = .08;
 
 bool isRope(JointType type) {
-  return type == JointType::Distance || type == JointType::Rope || type == JointType::Spring || type == JointType::Pulley;
+  return type == JointType::Distance || type == JointType::Rope || type == JointType::Spring ||
+         type == JointType::Pulley;
 }
 
 Vec3 anchorOf(const World& world, BodyId body, const Vec3& anchor) {
@@ -25,7 +26,8 @@ Vec3 anchorOf(const World& world, BodyId body, const Vec3& anchor) {
 
 bool hasRopes(const World& world) {
   const std::vector<JointId> joints = world.joints();
-  return std::any_of(joints.begin(), joints.end(), [&](const JointId id) { return isRope(world.definition(id).type); });
+  return std::any_of(joints.begin(), joints.end(),
+                     [&](const JointId id) { return isRope(world.definition(id).type); });
 }
 
 void addRopes(const World& world, std::vector<PictureBody>& bodies) {

@@ -1,4 +1,5 @@
-/// Deformable objects as they are drawn: the triangles of sheets and solids, tubes about rods and springs, a ball for each particle.
+/// Deformable objects as they are drawn: the triangles of sheets and solids, tubes about rods and springs, a
+/// ball for each particle.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,16 +14,20 @@ constexpr int kTubeSides = 8;
 /// Springs without a radius are drawn this thick, over their length [1].
 constexpr double kThinTube = .03;
 
-double valueOf(const DrawnSoft& object, std::size_t vertex) { return object.values.empty() ? 0 : static_cast<double>(object.values[vertex]); }
+double valueOf(const DrawnSoft& object, std::size_t vertex) {
+  return object.values.empty() ? 0 : static_cast<double>(object.values[vertex]);
+}
 
 /// Keys of deformable objects do not meet those of bodies; they keep their colours.
 std::uint32_t keyOf(const DrawnSoft& object, std::size_t vertex) {
-  return kSoftKeys | (((object.number << kSoftKeyBits) + static_cast<std::uint32_t>(vertex)) & (kSoftKeys - 1));
+  return kSoftKeys |
+         (((object.number << kSoftKeyBits) + static_cast<std::uint32_t>(vertex)) & (kSoftKeys - 1));
 }
 
 /// `values` are those of the points.
-void addMesh(const DrawnSoft& object, std::vector<Vec3> points, const std::vector<std::array<int, 3>>& triangles, bool twoSided,
-             std::vector<float> values, std::vector<PictureBody>& out) {
+void addMesh(const DrawnSoft& object, std::vector<Vec3> points,
+             const std::vector<std::array<int, 3>>& triangles, bool twoSided, std::vector<float> values,
+             std::vector<PictureBody>& out) {
   // vertices that are not finite have no place in a picture
   const auto finite = [&](const std::array<int, 3>& t) {
     return std::all_of(t.begin(), t.end(), [&](int v) {
@@ -35,13 +40,20 @@ void addMesh(const DrawnSoft& object, std::vector<Vec3> points, const std::vecto
   if (drawn.empty()) return;
   Vec3 middle;
   for (const auto& t : drawn)
-    for (const int v : t) middle += points[static_cast<std::size_t>(v)] / (3. * static_cast<double>(drawn.size()));
+    for (const int v : t)
+      middle += points[static_cast<std::size_t>(v)] / (3. * static_cast<double>(drawn.size()));
   for (Vec3& x : points) x = std::isfinite(x.x + x.y + x.z) ? x - middle : Vec3{};
   double speed = 0;
   for (const Vec3& v : object.velocities) speed += length(v) / static_cast<double>(object.velocities.size());
-  PictureBody body{Shape::mesh(std::move(points), std::move(drawn), twoSided), middle, {}, speed, keyOf(object, 0), Motion::Dynamic};
+  PictureBody body{Shape::mesh(std::move(points), std::move(drawn), twoSided),
+                   middle,
+                   {},
+                   speed,
+                   keyOf(object, 0),
+                   Motion::Dynamic};
   body.deforms = true;
-  for (std::size_t i = 0; i < object.values.size(); ++i) body.value = i == 0 ? valueOf(object, 0) : std::max(body.value, valueOf(object, i));
+  for (std::size_t i = 0; i < object.values.size(); ++i)
+    body.value = i == 0 ? valueOf(object, 0) : std::max(body.value, valueOf(object, i));
   body.vertexValues = std::move(values);
   out.push_back(std::move(body));
 }
@@ -49,7 +61,12 @@ void addMesh(const DrawnSoft& object, std::vector<Vec3> points, const std::vecto
 void add(const DrawnSoft& object, std::vector<PictureBody>& balls, std::vector<PictureBody>& meshes) {
   if (object.spheres) {
     for (std::size_t i = 0; i < object.vertices.size(); ++i) {
-      balls.push_back({Shape::sphere(object.radius), object.vertices[i], {}, length(object.velocities[i]), keyOf(object, i), Motion::Dynamic});
+      balls.push_back({Shape::sphere(object.radius),
+                       object.vertices[i],
+                       {},
+                       length(object.velocities[i]),
+                       keyOf(object, i),
+                       Motion::Dynamic});
       balls.back().value = valueOf(object, i);
     }
     return;
@@ -62,19 +79,23 @@ void add(const DrawnSoft& object, std::vector<PictureBody>& balls, std::vector<P
   std::vector<std::array<int, 3>> triangles;
   std::vector<float> values;
   for (const auto& s : object.segments) {
-    const Vec3 &a = object.vertices[static_cast<std::size_t>(s[0])], &b = object.vertices[static_cast<std::size_t>(s[1])];
+    const Vec3 &a = object.vertices[static_cast<std::size_t>(s[0])],
+               &b = object.vertices[static_cast<std::size_t>(s[1])];
     addTube(a, b, object.radius > 0 ? object.radius : kThinTube * length(b - a), points, triangles);
     if (object.values.empty()) continue;
-    for (const int end : s) values.insert(values.end(), kTubeSides, object.values[static_cast<std::size_t>(end)]);
+    for (const int end : s)
+      values.insert(values.end(), kTubeSides, object.values[static_cast<std::size_t>(end)]);
   }
   addMesh(object, std::move(points), triangles, false, std::move(values), meshes);
 }
 
 }  // namespace
 
-void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points, std::vector<std::array<int, 3>>& triangles) {
+void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& points,
+             std::vector<std::array<int, 3>>& triangles) {
   const Vec3 along = normalize(b - a, {0, 0, 1});
-  const Vec3 u = normalize(cross(along, std::fabs(along.z) < .9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0})), v = cross(along, u);
+  const Vec3 u = normalize(cross(along, std::fabs(along.z) < .9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0})),
+             v = cross(along, u);
   const int first = static_cast<int>(points.size());
   for (const Vec3& end : {a, b})
     for (int k = 0; k < kTubeSides; ++k) {
@@ -102,8 +123,9 @@ void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorB
   const std::vector<std::vector<float>> values = vertexValues(world, colorBy);
   for (const SoftId id : world.deformables()) {
     World::Surface s = world.surface(id);
-    objects.push_back({static_cast<std::uint32_t>(id.index), std::move(s.vertices), world.velocities(id), std::move(s.triangles), std::move(s.segments),
-                       s.radius, s.spheres, std::holds_alternative<SoftDef>(world.definition(id)), values[objects.size()]});
+    objects.push_back({static_cast<std::uint32_t>(id.index), std::move(s.vertices), world.velocities(id),
+                       std::move(s.triangles), std::move(s.segments), s.radius, s.spheres,
+                       std::holds_alternative<SoftDef>(world.definition(id)), values[objects.size()]});
   }
   addDeformables(objects, bodies);
 }
@@ -113,9 +135,16 @@ void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies) {
   for (std::size_t i = 0; i < scene.deformables.size(); ++i) {
     const Deformable& def = scene.deformables[i];
     const auto model = cookDeformable(def, "deformables[" + std::to_string(i) + "]");
-    DrawnSoft object{static_cast<std::uint32_t>(i), {}, {}, model->surface, {}, model->vertices[0].radius, std::holds_alternative<ParticlesDef>(def),
+    DrawnSoft object{static_cast<std::uint32_t>(i),
+                     {},
+                     {},
+                     model->surface,
+                     {},
+                     model->vertices[0].radius,
+                     std::holds_alternative<ParticlesDef>(def),
                      std::holds_alternative<SoftDef>(def)};
-    for (const SoftModel::Vertex& v : model->vertices) object.vertices.push_back(v.position), object.velocities.push_back(v.velocity);
+    for (const SoftModel::Vertex& v : model->vertices)
+      object.vertices.push_back(v.position), object.velocities.push_back(v.velocity);
     for (const SoftModel::Spring& s : model->springs) object.segments.push_back(s.v);
     objects.push_back(std::move(object));
   }

@@ -15,8 +15,9 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 bool same(const Material& a, const Material& b) {
-  return a.staticFriction == b.staticFriction && a.dynamicFriction == b.dynamicFriction && a.restitution == b.restitution &&
-         a.frictionCombine == b.frictionCombine && a.restitutionCombine == b.restitutionCombine && a.rollingFriction == b.rollingFriction &&
+  return a.staticFriction == b.staticFriction && a.dynamicFriction == b.dynamicFriction &&
+         a.restitution == b.restitution && a.frictionCombine == b.frictionCombine &&
+         a.restitutionCombine == b.restitutionCombine && a.rollingFriction == b.rollingFriction &&
          a.torsionalFriction == b.torsionalFriction && a.surfaceVelocity == b.surfaceVelocity;
 }
 
@@ -25,7 +26,8 @@ class Places {
  public:
   explicit Places(const World& world) : bodies_(world.bodies()), objects_(world.deformables()) {
     for (std::size_t i = 0; i < bodies_.size(); ++i) ofBody_[bodies_[i]] = static_cast<int>(i);
-    for (std::size_t i = 0; i < objects_.size(); ++i) ofObject_[objects_[i]] = static_cast<int>(bodies_.size() + i);
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+      ofObject_[objects_[i]] = static_cast<int>(bodies_.size() + i);
   }
   const std::vector<BodyId>& bodies() const { return bodies_; }
   const std::vector<SoftId>& objects() const { return objects_; }
@@ -35,8 +37,7 @@ class Places {
   int of(const SoftId& id) const { return found(ofObject_, id); }
 
  private:
-  template <class Map, class Id>
-  static int found(const Map& map, const Id& id) {
+  template <class Map, class Id> static int found(const Map& map, const Id& id) {
     const auto it = map.find(id);
     return it == map.end() ? -1 : it->second;
   }
@@ -46,11 +47,12 @@ class Places {
   std::unordered_map<SoftId, int> ofObject_;
 };
 
-/// visit(place, place, error) for everything that joins two of them: contacts that touch, joints and attachments that hold.
-template <class Visit>
-void forEachLink(const World& world, const Places& places, Visit&& visit) {
+/// visit(place, place, error) for everything that joins two of them: contacts that touch, joints and
+/// attachments that hold.
+template <class Visit> void forEachLink(const World& world, const Places& places, Visit&& visit) {
   for (const ContactPoint& c : world.contacts())
-    if (c.depth > 0 || lengthSquared(c.force) > 0) visit(places.of(c.a), places.of(c.b), std::max(0., c.depth));
+    if (c.depth > 0 || lengthSquared(c.force) > 0)
+      visit(places.of(c.a), places.of(c.b), std::max(0., c.depth));
   for (const VertexContact& c : world.vertexContacts())
     visit(places.of(c.object), std::max(places.of(c.body), places.of(c.otherObject)), std::max(0., c.depth));
   for (const JointId id : world.joints()) {
@@ -61,7 +63,8 @@ void forEachLink(const World& world, const Places& places, Visit&& visit) {
   for (const AttachmentId id : world.attachments()) {
     const JointState state = world.state(id);
     const World::AttachmentEnds ends = world.endsOf(id);
-    if (!state.broken) visit(places.of(ends.object), std::max(places.of(ends.body), places.of(ends.otherObject)), state.gap);
+    if (!state.broken)
+      visit(places.of(ends.object), std::max(places.of(ends.body), places.of(ends.otherObject)), state.gap);
   }
 }
 
@@ -71,12 +74,15 @@ std::vector<int> islands(const World& world, const Places& places) {
   std::iota(leader.begin(), leader.end(), 0);
   std::vector<char> joined(places.size(), 0);
   const auto find = [&](int i) {
-    while (leader[static_cast<std::size_t>(i)] != i) i = leader[static_cast<std::size_t>(i)] = leader[static_cast<std::size_t>(leader[static_cast<std::size_t>(i)])];
+    while (leader[static_cast<std::size_t>(i)] != i)
+      i = leader[static_cast<std::size_t>(i)] = leader[static_cast<std::size_t>(
+          leader[static_cast<std::size_t>(i)])];
     return i;
   };
   const auto moves = [&](int i) {
-    return i >= 0 && (static_cast<std::size_t>(i) >= places.bodies().size() ||
-                      world.definition(places.bodies()[static_cast<std::size_t>(i)]).motion == Motion::Dynamic);
+    return i >= 0 &&
+           (static_cast<std::size_t>(i) >= places.bodies().size() ||
+            world.definition(places.bodies()[static_cast<std::size_t>(i)]).motion == Motion::Dynamic);
   };
   forEachLink(world, places, [&](int a, int b, double) {
     for (const int i : {a, b})
@@ -104,7 +110,8 @@ std::vector<double> materials(const World& world, const Places& places) {
   std::vector<Material> known;
   std::vector<double> out;
   const auto add = [&](const Material& material) {
-    const auto at = std::find_if(known.begin(), known.end(), [&](const Material& m) { return same(m, material); });
+    const auto at = std::find_if(known.begin(), known.end(),
+                                 [&](const Material& m) { return same(m, material); });
     out.push_back(static_cast<double>(at - known.begin()));
     if (at == known.end()) known.push_back(material);
   };
@@ -134,7 +141,10 @@ std::vector<Edge> edgesOf(const World& world, SoftId id) {
   const std::vector<Vec3>& rest = common(def).vertices;
   std::vector<Edge> edges;
   const auto add = [&](int a, int b, double length = -1) {
-    edges.push_back({a, b, length >= 0 ? length : rubble::length(rest[static_cast<std::size_t>(a)] - rest[static_cast<std::size_t>(b)])});
+    edges.push_back({a, b,
+                     length >= 0 ? length
+                                 : rubble::length(rest[static_cast<std::size_t>(a)] -
+                                                  rest[static_cast<std::size_t>(b)])});
   };
   if (const auto* solid = std::get_if<SoftDef>(&def)) {
     for (const auto& t : solid->tetrahedra)
@@ -169,11 +179,14 @@ std::vector<float> ofVertices(const World& world, SoftId id, ColorBy by) {
   if (by == ColorBy::Speed)
     for (const Vec3& v : world.velocities(id)) out.push_back(static_cast<float>(length(v)));
   else
-    for (const SolverState& state : world.solverStates(id)) out.push_back(static_cast<float>(valueOf(state, by)));
+    for (const SolverState& state : world.solverStates(id))
+      out.push_back(static_cast<float>(valueOf(state, by)));
   return out;
 }
 
-bool isOfPlaces(ColorBy by) { return by == ColorBy::Material || by == ColorBy::Island || by == ColorBy::Error; }
+bool isOfPlaces(ColorBy by) {
+  return by == ColorBy::Material || by == ColorBy::Island || by == ColorBy::Error;
+}
 
 }  // namespace
 
@@ -187,7 +200,8 @@ const std::vector<Quantity>& quantities() {
       {ColorBy::Error, "error", "m", "largest penetration or gap of a joint", false},
       {ColorBy::Multiplier, "multiplier", "N", "largest |lambda| of the rows on a body", false},
       {ColorBy::Stiffness, "stiffness", "N/m", "largest k of the rows on a body", false},
-      {ColorBy::Strain, "strain", "1", "largest change of length of an edge at a vertex, over its length at rest", false},
+      {ColorBy::Strain, "strain", "1",
+       "largest change of length of an edge at a vertex, over its length at rest", false},
   };
   return all;
 }
@@ -227,14 +241,17 @@ std::vector<std::vector<float>> vertexValues(const World& world, ColorBy by) {
     const Places places(world);
     const std::vector<double> values = placeValues(world, places, by);
     for (std::size_t i = 0; i < objects.size(); ++i)
-      out[i].assign(static_cast<std::size_t>(world.vertexCount(objects[i])), static_cast<float>(values[places.bodies().size() + i]));
+      out[i].assign(static_cast<std::size_t>(world.vertexCount(objects[i])),
+                    static_cast<float>(values[places.bodies().size() + i]));
     return out;
   }
   for (std::size_t i = 0; i < objects.size(); ++i) out[i] = ofVertices(world, objects[i], by);
   return out;
 }
 
-double shownValue(const PictureBody& body, ColorBy by) { return by == ColorBy::Speed && !body.deforms ? body.speed : body.value; }
+double shownValue(const PictureBody& body, ColorBy by) {
+  return by == ColorBy::Speed && !body.deforms ? body.speed : body.value;
+}
 
 double largestValue(std::span<const PictureBody> bodies, ColorBy by) {
   double largest = 0;

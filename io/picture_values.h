@@ -12,7 +12,7 @@ struct Quantity {
   const char* key;   ///< on the command line
   const char* unit;  ///< "1" for none
   const char* doc;
-  bool isKind;       ///< values are kinds, told apart and not compared; below 0: none
+  bool isKind;  ///< values are kinds, told apart and not compared; below 0: none
 };
 /// All of them, in the order of ColorBy.
 const std::vector<Quantity>& quantities();
@@ -24,14 +24,15 @@ bool knownWithoutWorld(ColorBy by);
 
 /// Of all bodies, in the order of World::bodies(); empty where bodies have none of their own (Body, Speed).
 ///   Material    number of the material among those of the world
-///   Island      lowest slot among the bodies that hang together over touching contacts and joints; -1: touches nothing
+///   Island      lowest slot among the bodies that hang together over touching contacts and joints; -1:
+///               touches nothing
 ///   Color       of the last step's colouring; -1: none
 ///   Error       largest penetration, gap of a joint or of an attachment [m]
 ///   Multiplier, Stiffness   largest ones of the rows that act on it [N], [N/m]
 ///   Strain      not a number: bodies are rigid
 std::vector<double> bodyValues(const World& world, ColorBy by);
-/// The same of the vertices of each deformable object, in the order of World::deformables(). Strain: largest |l / l_0 - 1| of the edges at a
-/// vertex, l_0 their lengths at rest.
+/// The same of the vertices of each deformable object, in the order of World::deformables(). Strain: largest
+/// |l / l_0 - 1| of the edges at a vertex, l_0 their lengths at rest.
 std::vector<std::vector<float>> vertexValues(const World& world, ColorBy by);
 
 /// The value that a body is coloured by.

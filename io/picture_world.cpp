@@ -80,8 +80,10 @@ double typicalSize(std::span<const PictureBody> bodies) {
   std::vector<double> sizes, objects;
   for (const PictureBody& body : bodies) {
     if (body.shape.type == ShapeType::Plane || body.motion == Motion::Static) continue;
-    if (body.deforms) objects.push_back(kOfObject * boundingRadius(body.shape));
-    else sizes.push_back(halfSize(body.shape));
+    if (body.deforms)
+      objects.push_back(kOfObject * boundingRadius(body.shape));
+    else
+      sizes.push_back(halfSize(body.shape));
   }
   if (sizes.empty()) sizes = std::move(objects);
   if (sizes.empty()) return 1;

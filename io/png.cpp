@@ -21,7 +21,8 @@ void writePng(const Image& image, const std::string& file) {
   header.format = PNG_FORMAT_RGB;
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::vector<char> bytes(size);
-  const int made = png_image_write_to_memory(&header, bytes.data(), &size, 0, image.rgb.data(), 3 * image.width, nullptr);
+  const int made = png_image_write_to_memory(&header, bytes.data(), &size, 0, image.rgb.data(),
+                                             3 * image.width, nullptr);
   const std::string message = header.message;
   png_image_free(&header);
   if (!made) throw Error(file, "a picture that can be compressed", message);

@@ -22,8 +22,10 @@ constexpr std::size_t kBytesOfPose = 20, kBytesOfVertex = 12;
 
 bool operator==(const RecordedBody& a, const RecordedBody& b) {
   return a.id == b.id && a.motion == b.motion && a.name == b.name && a.shape.type == b.shape.type &&
-         a.shape.halfExtents == b.shape.halfExtents && a.shape.radius == b.shape.radius && a.shape.halfLength == b.shape.halfLength && a.shape.rounding == b.shape.rounding &&
-         (a.shape.geometry == b.shape.geometry || (a.shape.geometry && b.shape.geometry && shapeJson(a.shape) == shapeJson(b.shape)));
+         a.shape.halfExtents == b.shape.halfExtents && a.shape.radius == b.shape.radius &&
+         a.shape.halfLength == b.shape.halfLength && a.shape.rounding == b.shape.rounding &&
+         (a.shape.geometry == b.shape.geometry ||
+          (a.shape.geometry && b.shape.geometry && shapeJson(a.shape) == shapeJson(b.shape)));
 }
 
 double recordingResolution(const std::vector<RecordedBody>& bodies, const std::vector<RecordedSoft>& softs) {
@@ -31,7 +33,8 @@ double recordingResolution(const std::vector<RecordedBody>& bodies, const std::v
   for (const RecordedBody& body : bodies) {
     const Vec3& h = body.shape.halfExtents;
     if (body.shape.type == ShapeType::Box) smallest = std::min({smallest, h.x, h.y, h.z});
-    if (body.shape.type == ShapeType::Sphere || body.shape.type == ShapeType::Capsule) smallest = std::min(smallest, body.shape.radius);
+    if (body.shape.type == ShapeType::Sphere || body.shape.type == ShapeType::Capsule)
+      smallest = std::min(smallest, body.shape.radius);
     if (body.shape.type > ShapeType::Plane) smallest = std::min(smallest, .1 * boundingRadius(body.shape));
   }
   constexpr double kOfRadius = 256;
@@ -68,7 +71,8 @@ struct RecordingWriter::Impl {
 };
 
 RecordingWriter::RecordingWriter(const std::string& file, const RecordingHeader& header) {
-  if (!(header.resolution > 0)) throw Error("recording.resolution", "a length above 0 [m]", std::to_string(header.resolution));
+  if (!(header.resolution > 0))
+    throw Error("recording.resolution", "a length above 0 [m]", std::to_string(header.resolution));
   impl_ = std::make_unique<Impl>(file, header);
 }
 
@@ -80,24 +84,29 @@ RecordingWriter::~RecordingWriter() {
   }
 }
 
-void RecordingWriter::write(const std::vector<RecordedBody>& bodies, const RecordedFrame& frame, const std::vector<RecordedSoft>& softs) {
+void RecordingWriter::write(const std::vector<RecordedBody>& bodies, const RecordedFrame& frame,
+                            const std::vector<RecordedSoft>& softs) {
   Impl& s = *impl_;
   if (s.finished) throw Error("recording", "a recording that is not finished", "one that is");
   if (bodies.size() != frame.poses.size())
-    throw Error("recording.frame", std::to_string(bodies.size()) + " poses", std::to_string(frame.poses.size()));
+    throw Error("recording.frame", std::to_string(bodies.size()) + " poses",
+                std::to_string(frame.poses.size()));
   if (!s.hasBodies || bodies != s.objects.bodies || softs != s.objects.softs) {
     const RecordedObjects now{bodies, softs};
     if (now.vertexCount() != frame.vertices.size())
-      throw Error("recording.frame", std::to_string(now.vertexCount()) + " vertices", std::to_string(frame.vertices.size()));
+      throw Error("recording.frame", std::to_string(now.vertexCount()) + " vertices",
+                  std::to_string(frame.vertices.size()));
     s.flushFrames();
     s.objects = now;
     s.hasBodies = true;
     s.bodyOffset = s.out.write(kBody, encodeObjects(now));
   }
   if (s.objects.vertexCount() != frame.vertices.size())
-    throw Error("recording.frame", std::to_string(s.objects.vertexCount()) + " vertices", std::to_string(frame.vertices.size()));
+    throw Error("recording.frame", std::to_string(s.objects.vertexCount()) + " vertices",
+                std::to_string(frame.vertices.size()));
   s.add(frame);
-  const std::size_t bytes = static_cast<std::size_t>(s.frames.frameCount()) * (bodies.size() * kBytesOfPose + frame.vertices.size() * kBytesOfVertex);
+  const std::size_t bytes = static_cast<std::size_t>(s.frames.frameCount()) *
+                            (bodies.size() * kBytesOfPose + frame.vertices.size() * kBytesOfVertex);
   if (s.frames.frameCount() >= kFramesInChunk || bytes >= kBytesInChunk) s.flushFrames();
 }
 
@@ -136,7 +145,8 @@ struct RecordingReader::Impl {
     }
     for (const FrameChunk& chunk : chunks) {
       firstFrames.push_back(frameCount);
-      if (chunk.frameCount > std::numeric_limits<int>::max() - frameCount) in.fail(chunk.offset, "fewer than 2^31 frames", "more");
+      if (chunk.frameCount > std::numeric_limits<int>::max() - frameCount)
+        in.fail(chunk.offset, "fewer than 2^31 frames", "more");
       frameCount += chunk.frameCount;
     }
   }
@@ -155,7 +165,8 @@ struct RecordingReader::Impl {
     std::optional<RecordingHeader> decoded;
     version = decodeHeader(chunk.content, decoded);
     if (version < kOldestVersion || version > kVersion)
-      in.fail(chunk.offset, "version " + std::to_string(kOldestVersion) + " to " + std::to_string(kVersion), "version " + std::to_string(version));
+      in.fail(chunk.offset, "version " + std::to_string(kOldestVersion) + " to " + std::to_string(kVersion),
+              "version " + std::to_string(version));
     if (!decoded) in.fail(chunk.offset, "the header of a trajectory", "other content");
     header = *decoded;
     return in.head(kMagic.size())->end;
@@ -191,29 +202,38 @@ struct RecordingReader::Impl {
       }
       offset = head->end;
       // Behind the index comes the footer, and this file has not got a whole one.
-      if (head->name == kIndex && in.size() - offset >= kFooterSize) in.fail(offset, "the footer of a trajectory", "other content");
+      if (head->name == kIndex && in.size() - offset >= kFooterSize)
+        in.fail(offset, "the footer of a trajectory", "other content");
     }
   }
 
   /// Makes the chunk of a frame the present one; returns the frame's place in it.
   std::size_t load(int frame) {
     if (frame < 0 || frame >= frameCount)
-      throw Error("recording.frame", "one of " + std::to_string(frameCount) + " frames", std::to_string(frame));
-    const auto place = static_cast<std::size_t>(std::upper_bound(firstFrames.begin(), firstFrames.end(), frame) - firstFrames.begin()) - 1;
+      throw Error("recording.frame", "one of " + std::to_string(frameCount) + " frames",
+                  std::to_string(frame));
+    const auto place = static_cast<std::size_t>(
+                           std::upper_bound(firstFrames.begin(), firstFrames.end(), frame) -
+                           firstFrames.begin()) -
+                       1;
     const FrameChunk& chunk = chunks[place];
     if (framesOf == place) return static_cast<std::size_t>(frame - firstFrames[place]);
     framesOf.reset();
     if (chunk.bodyOffset != bodiesOffset) {
       bodiesOffset.reset();
-      auto decoded = decodeObjects(need(chunk.bodyOffset, kBody, "the bodies of a trajectory").content, version);
+      auto decoded = decodeObjects(need(chunk.bodyOffset, kBody, "the bodies of a trajectory").content,
+                                   version);
       if (!decoded) in.fail(chunk.bodyOffset, "the bodies of a trajectory", "other content");
       objects = std::move(*decoded);
       bodiesOffset = chunk.bodyOffset;
     }
-    auto decoded = decodeFrames(need(chunk.offset, kFrames, "frames").content, objects.bodies.size(), objects.vertexCount(), header.resolution, version);
+    auto decoded = decodeFrames(need(chunk.offset, kFrames, "frames").content, objects.bodies.size(),
+                                objects.vertexCount(), header.resolution, version);
     if (!decoded || decoded->size() != static_cast<std::size_t>(chunk.frameCount))
-      in.fail(chunk.offset, std::to_string(chunk.frameCount) + " frames of " + std::to_string(objects.bodies.size()) + " bodies and " +
-                                std::to_string(objects.vertexCount()) + " vertices", "other content");
+      in.fail(chunk.offset,
+              std::to_string(chunk.frameCount) + " frames of " + std::to_string(objects.bodies.size()) +
+                  " bodies and " + std::to_string(objects.vertexCount()) + " vertices",
+              "other content");
     frames = std::move(*decoded);
     framesOf = place;
     return static_cast<std::size_t>(frame - firstFrames[place]);

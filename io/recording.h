@@ -1,10 +1,11 @@
 #pragma once
-/// Trajectory files: where every body and every vertex of a deformable object was in every frame, compressed, readable from any frame and
-/// after a run that was killed.
+/// Trajectory files: where every body and every vertex of a deformable object was in every frame, compressed,
+/// readable from any frame and after a run that was killed.
 ///
-/// A file is a sequence of chunks, each with a checksum: HEAD (what was run), BODY (the bodies and deformable objects of the frames that
-/// follow), FRAM (up to 32 frames) and at the end INDX (where the FRAM chunks are) with a footer that points to it. A file without an index is
-/// read by walking over its chunks; a last chunk that is cut off is left out. Files of version 1 have no deformable objects.
+/// A file is a sequence of chunks, each with a checksum: HEAD (what was run), BODY (the bodies and deformable
+/// objects of the frames that follow), FRAM (up to 32 frames) and at the end INDX (where the FRAM chunks are)
+/// with a footer that points to it. A file without an index is read by walking over its chunks; a last chunk
+/// that is cut off is left out. Files of version 1 have no deformable objects.
 #include <cstdint>
 #include <fstream>
 #include <memory>
@@ -22,7 +23,8 @@ struct RecordingHeader {
   std::string scene;         ///< title of the run
   double dt = 1.0 / 60;      ///< time between two steps [s]
   Vec3 gravity;              ///< [m/s2]
-  double resolution = 1e-5;  ///< positions are rounded to multiples of this from where a chunk of frames begins [m]
+  double resolution = 1e-5;  ///< positions are rounded to multiples of this from where a chunk of frames
+                             ///< begins [m]
 };
 
 struct RecordedBody {
@@ -41,9 +43,9 @@ struct RecordedSoft {
   int vertices = 0;
   std::vector<std::array<int, 3>> triangles;
   std::vector<std::array<int, 2>> segments;
-  double radius = 0;      ///< of segments and spheres [m]
-  bool spheres = false;   ///< a ball at each vertex
-  bool solid = false;     ///< its triangles are seen from outside only
+  double radius = 0;     ///< of segments and spheres [m]
+  bool spheres = false;  ///< a ball at each vertex
+  bool solid = false;    ///< its triangles are seen from outside only
 
   friend bool operator==(const RecordedSoft&, const RecordedSoft&) = default;
 };
@@ -57,11 +59,13 @@ struct RecordedFrame {
   std::int64_t step = 0;            ///< steps taken before this frame
   double time = 0;                  ///< [s]
   std::vector<RecordedPose> poses;  ///< in the order of the bodies
-  std::vector<Vec3> vertices = {};  ///< of all deformable objects, one after the other; world [m], within half a resolution
+  std::vector<Vec3> vertices =
+      {};  ///< of all deformable objects, one after the other; world [m], within half a resolution
 };
 
 class RecordingReader;
-/// Bodies and deformable objects of a frame as they are drawn; speeds come from the frame before, or from the one after the first.
+/// Bodies and deformable objects of a frame as they are drawn; speeds come from the frame before, or from the
+/// one after the first.
 std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameIndex);
 /// The first frame that was taken after so many steps or more; the last one if there is none.
 int frameAfter(RecordingReader& recording, std::int64_t steps);
@@ -72,8 +76,10 @@ std::vector<RecordedSoft> recordedSofts(const World& world);
 RecordedFrame recordedFrame(const World& world);
 /// The same of poses and vertices alone, with the sources of World::epoch().
 RecordedFrame recordedFrame(World& world, std::span<const PoseSource> sources);
-/// A resolution that no picture shows: 2^-16 of the smallest dimension of a body, 2^-8 of the radius of a deformable object [m].
-double recordingResolution(const std::vector<RecordedBody>& bodies, const std::vector<RecordedSoft>& softs = {});
+/// A resolution that no picture shows: 2^-16 of the smallest dimension of a body, 2^-8 of the radius of a
+/// deformable object [m].
+double recordingResolution(const std::vector<RecordedBody>& bodies,
+                           const std::vector<RecordedSoft>& softs = {});
 
 /// Writes a trajectory frame by frame. What was flushed survives whatever happens to the process.
 class RecordingWriter {
@@ -85,9 +91,10 @@ class RecordingWriter {
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
 
-  /// `bodies` and `frame.poses` have one order and size, and `frame.vertices` are those of `softs`. The tables are written again only when they
-  /// have changed.
-  void write(const std::vector<RecordedBody>& bodies, const RecordedFrame& frame, const std::vector<RecordedSoft>& softs = {});
+  /// `bodies` and `frame.poses` have one order and size, and `frame.vertices` are those of `softs`. The
+  /// tables are written again only when they have changed.
+  void write(const std::vector<RecordedBody>& bodies, const RecordedFrame& frame,
+             const std::vector<RecordedSoft>& softs = {});
   /// Writes the last frames and the index. Throws Error if anything could not be written.
   void finish();
 
@@ -96,7 +103,8 @@ class RecordingWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Reads a trajectory. Every call throws Error, with the file and the byte, on data that are not what was written.
+/// Reads a trajectory. Every call throws Error, with the file and the byte, on data that are not what was
+/// written.
 class RecordingReader {
  public:
   explicit RecordingReader(const std::string& file);

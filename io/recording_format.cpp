@@ -40,7 +40,8 @@ std::uint32_t decodeHeader(const Bytes& content, std::optional<RecordingHeader>&
   read.dt = in.getDouble();
   for (int axis = 0; axis < 3; ++axis) read.gravity[axis] = in.getDouble();
   read.resolution = in.getDouble();
-  const bool finite = std::isfinite(read.dt + read.gravity.x + read.gravity.y + read.gravity.z + read.resolution);
+  const bool finite = std::isfinite(read.dt + read.gravity.x + read.gravity.y + read.gravity.z +
+                                    read.resolution);
   if (in.atEnd() && finite && read.resolution > 0) header = read;
   return version;
 }
@@ -89,7 +90,8 @@ std::optional<std::vector<RecordedBody>> getBodies(ByteReader& in) {
     body.id.generation = in.get<std::uint32_t>();
     const auto motion = in.get<std::uint8_t>(), code = in.get<std::uint8_t>();
     const int type = code & ~kDescribed;
-    if (motion > static_cast<int>(Motion::Dynamic) || type > static_cast<int>(ShapeType::DistanceField)) return std::nullopt;
+    if (motion > static_cast<int>(Motion::Dynamic) || type > static_cast<int>(ShapeType::DistanceField))
+      return std::nullopt;
     body.motion = static_cast<Motion>(motion);
     body.shape.type = static_cast<ShapeType>(type);
     for (int axis = 0; axis < 3; ++axis) body.shape.halfExtents[axis] = in.getDouble();
@@ -108,8 +110,7 @@ std::optional<std::vector<RecordedBody>> getBodies(ByteReader& in) {
   return bodies;
 }
 
-template <std::size_t N>
-void putCorners(ByteWriter& out, const std::vector<std::array<int, N>>& lists) {
+template <std::size_t N> void putCorners(ByteWriter& out, const std::vector<std::array<int, N>>& lists) {
   out.put(static_cast<std::uint32_t>(lists.size()));
   for (const auto& list : lists)
     for (const int v : list) out.put(static_cast<std::int32_t>(v));
@@ -156,7 +157,8 @@ std::optional<std::vector<RecordedSoft>> getSofts(ByteReader& in) {
     soft.radius = in.getDouble();
     soft.name = in.getText();
     if (bits > (kSpheres | kSolid) || soft.vertices < 0) return std::nullopt;
-    if (!getCorners(in, soft.vertices, soft.triangles) || !getCorners(in, soft.vertices, soft.segments)) return std::nullopt;
+    if (!getCorners(in, soft.vertices, soft.triangles) || !getCorners(in, soft.vertices, soft.segments))
+      return std::nullopt;
   }
   return softs;
 }
@@ -173,11 +175,15 @@ Bytes encodeObjects(const RecordedObjects& objects) {
 std::optional<RecordedObjects> decodeObjects(const Bytes& content, std::uint32_t version) {
   ByteReader in(content);
   RecordedObjects objects;
-  if (auto bodies = getBodies(in)) objects.bodies = std::move(*bodies);
-  else return std::nullopt;
+  if (auto bodies = getBodies(in))
+    objects.bodies = std::move(*bodies);
+  else
+    return std::nullopt;
   if (version > 1) {
-    if (auto softs = getSofts(in)) objects.softs = std::move(*softs);
-    else return std::nullopt;
+    if (auto softs = getSofts(in))
+      objects.softs = std::move(*softs);
+    else
+      return std::nullopt;
   }
   return in.atEnd() ? std::optional(std::move(objects)) : std::nullopt;
 }
@@ -185,7 +191,8 @@ std::optional<RecordedObjects> decodeObjects(const Bytes& content, std::uint32_t
 Bytes encodeIndex(const std::vector<FrameChunk>& chunks) {
   ByteWriter out;
   out.put(static_cast<std::uint32_t>(chunks.size()));
-  for (const FrameChunk& chunk : chunks) out.put(chunk.offset), out.put(chunk.bodyOffset), out.put(chunk.frameCount);
+  for (const FrameChunk& chunk : chunks)
+    out.put(chunk.offset), out.put(chunk.bodyOffset), out.put(chunk.frameCount);
   return out.bytes();
 }
 

@@ -19,7 +19,8 @@ std::vector<RecordedSoft> recordedSofts(const World& world) {
   for (const SoftId id : world.deformables()) {
     World::Surface s = world.surface(id);
     const Deformable& definition = world.definition(id);
-    softs.push_back({common(definition).name, id, static_cast<int>(s.vertices.size()), std::move(s.triangles), std::move(s.segments), s.radius, s.spheres,
+    softs.push_back({common(definition).name, id, static_cast<int>(s.vertices.size()), std::move(s.triangles),
+                     std::move(s.segments), s.radius, s.spheres,
                      std::holds_alternative<SoftDef>(definition)});
   }
   return softs;
@@ -81,13 +82,21 @@ std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameInde
   for (const RecordedBody& body : recording.bodies(frameIndex)) {
     const RecordedPose& pose = frame.poses[i];
     const double speed = moved ? length(pose.position - neighbour.poses[i].position) / apart : 0;
-    drawn.push_back({body.shape, pose.position, pose.orientation, speed, static_cast<std::uint32_t>(body.id.index), body.motion});
+    drawn.push_back({body.shape, pose.position, pose.orientation, speed,
+                     static_cast<std::uint32_t>(body.id.index), body.motion});
     ++i;
   }
   std::vector<DrawnSoft> softs;
   std::size_t first = 0;
   for (const RecordedSoft& soft : recording.softs(frameIndex)) {
-    DrawnSoft look{static_cast<std::uint32_t>(soft.id.index), {}, {}, soft.triangles, soft.segments, soft.radius, soft.spheres, soft.solid};
+    DrawnSoft look{static_cast<std::uint32_t>(soft.id.index),
+                   {},
+                   {},
+                   soft.triangles,
+                   soft.segments,
+                   soft.radius,
+                   soft.spheres,
+                   soft.solid};
     for (std::size_t v = first; v < first + static_cast<std::size_t>(soft.vertices); ++v) {
       look.vertices.push_back(frame.vertices[v]);
       look.velocities.push_back(moved ? (frame.vertices[v] - neighbour.vertices[v]) / apart : Vec3{});

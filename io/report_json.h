@@ -1,5 +1,6 @@
 #pragma once
-/// The record of a run or of a benchmark, and its JSON form. The key names are fixed: scripts compare records over time.
+/// The record of a run or of a benchmark, and its JSON form. The key names are fixed: scripts compare records
+/// over time.
 #include <limits>
 #include <map>
 #include <optional>
@@ -29,14 +30,15 @@ struct PhaseTimes {
 
 /// What changes from step to step, for plots; all of one length.
 struct RunSeries {
-  std::vector<double> time;    ///< after the step [s]
-  std::vector<double> stepMs;  ///< wall clock of the step [ms]
-  std::vector<double> energy;  ///< kinetic and potential [J]
+  std::vector<double> time;             ///< after the step [s]
+  std::vector<double> stepMs;           ///< wall clock of the step [ms]
+  std::vector<double> energy;           ///< kinetic and potential [J]
   std::vector<double> gapMean, gapMax;  ///< of the joints [m]
   std::vector<double> penetration;      ///< deepest contact [m]
 };
 
-/// Everything that one run leaves behind. What does not exist in a run (a phase, a drop) is empty and written as null.
+/// Everything that one run leaves behind. What does not exist in a run (a phase, a drop) is empty and written
+/// as null.
 struct RunRecord {
   std::string scene;
   std::string backend;
@@ -50,18 +52,19 @@ struct RunRecord {
   double dt = 0;                                            ///< [s]
   std::optional<PhaseTimes> settled, smash;
   using StageMeans = std::vector<std::pair<std::string, double>>;
-  StageMeans stages, smashStages;                      ///< means of the two phases [ms], in the order of the step
-  int restarts = 0;                                    ///< steps of either phase that were begun again with more room: part of their times
-  double solveMs = 0, collisionMs = 0, totalMs = 0;    ///< means of the settled phase; solve and collision add up to total
-  std::optional<double> topDrop;                       ///< [m]
-  std::optional<Distribution> penetration;             ///< [m]
-  std::optional<double> jointGapMean, jointGapMax;     ///< [m]; empty for a scene without joints
-  double energy = 0;                                   ///< kinetic and potential [J]
-  double engineMb = 0;                                 ///< tables of the engine at the end, on host or device [MB]
-  double bytesPerBody = 0;                             ///< of those tables at the end of the settled phase [B]
-  double rssMb = 0;                                    ///< resident memory of the process [MB]
-  bool holds = true;                                   ///< the verdict
-  std::string statedFor;                               ///< what the verdict is stated for, where the run was another; not written as JSON
+  StageMeans stages, smashStages;  ///< means of the two phases [ms], in the order of the step
+  int restarts = 0;  ///< steps of either phase that were begun again with more room: part of their times
+  double solveMs = 0, collisionMs = 0,
+         totalMs = 0;             ///< means of the settled phase; solve and collision add up to total
+  std::optional<double> topDrop;  ///< [m]
+  std::optional<Distribution> penetration;          ///< [m]
+  std::optional<double> jointGapMean, jointGapMax;  ///< [m]; empty for a scene without joints
+  double energy = 0;                                ///< kinetic and potential [J]
+  double engineMb = 0;      ///< tables of the engine at the end, on host or device [MB]
+  double bytesPerBody = 0;  ///< of those tables at the end of the settled phase [B]
+  double rssMb = 0;         ///< resident memory of the process [MB]
+  bool holds = true;        ///< the verdict
+  std::string statedFor;  ///< what the verdict is stated for, where the run was another; not written as JSON
   std::vector<ClaimRecord> claims;
   std::map<std::string, double> metrics;  ///< everything that the probes measured
   std::optional<RunSeries> series;        ///< written only if it is there

@@ -47,8 +47,8 @@ struct Fault {
   std::string text() const;
 };
 
-/// Reads a scene from JSON text and collects every fault. The scene is complete only if there is none. Mesh files that it names lie in `folder`,
-/// unless it gives their full path.
+/// Reads a scene from JSON text and collects every fault. The scene is complete only if there is none. Mesh
+/// files that it names lie in `folder`, unless it gives their full path.
 SceneFile parseScene(const std::string& text, std::vector<Fault>& faults, const std::string& folder = "");
 /// The folder that a file lies in.
 std::string folderOf(const std::string& file);

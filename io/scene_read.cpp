@@ -33,7 +33,7 @@ class SceneReader {
   std::vector<std::string> bodyNames() const;
 
   std::vector<Fault>& faults_;
-  std::string folder_;                  ///< of mesh files
+  std::string folder_;  ///< of mesh files
   BodyReader bodyReader_;
   std::map<std::string, int> bodies_;  ///< index in the scene by name; -1 for a body that an event adds
   std::set<std::string> joints_;
@@ -56,17 +56,20 @@ int SceneReader::bodyIndex(const Node& node, const Scene& scene) {
   if (!name || *name == "world") return kWorld;
   const auto found = bodies_.find(*name);
   if (found != bodies_.end() && found->second >= 0) return found->second;
-  node.faultText("expected the name or index of a body, or \"world\", got " + describe(node.value()) + hint(*name, bodyNames()));
+  node.faultText("expected the name or index of a body, or \"world\", got " + describe(node.value()) +
+                 hint(*name, bodyNames()));
   return kWorld;
 }
 
 /// Index of a joint that the file has told of before, or -1.
 int SceneReader::jointOfType(const Node& node, const Scene& scene, JointType type) {
   const std::string name = node.text().value_or("");
-  const auto found = std::find_if(scene.joints.begin(), scene.joints.end(), [&](const JointDef& joint) { return joint.name == name; });
-  if (!name.empty() && found != scene.joints.end() && found->type == type) return static_cast<int>(found - scene.joints.begin());
-  node.faultText(std::string("expected the name of a ") + keyword(type) + " further up, got " + describe(node.value()) +
-                 hint(name, {joints_.begin(), joints_.end()}));
+  const auto found = std::find_if(scene.joints.begin(), scene.joints.end(),
+                                  [&](const JointDef& joint) { return joint.name == name; });
+  if (!name.empty() && found != scene.joints.end() && found->type == type)
+    return static_cast<int>(found - scene.joints.begin());
+  node.faultText(std::string("expected the name of a ") + keyword(type) + " further up, got " +
+                 describe(node.value()) + hint(name, {joints_.begin(), joints_.end()}));
   return -1;
 }
 
@@ -74,12 +77,15 @@ int SceneReader::jointOfType(const Node& node, const Scene& scene, JointType typ
 void SceneReader::coupling(ObjectReader& object, JointDef& out, const Scene& scene) {
   const bool rack = out.type == JointType::Rack;
   if (!rack && out.type != JointType::Gear) {
-    object.node().faultText("expected \"joint_a\" and \"joint_b\" only for a gear or a rack, got them for another joint");
+    object.node().faultText(
+        "expected \"joint_a\" and \"joint_b\" only for a gear or a rack, got them for another joint");
     return;
   }
-  const auto a = object.need("joint_a", "the name of a hinge"), b = object.need("joint_b", "the name of a hinge, or of a slider for a rack");
+  const auto a = object.need("joint_a", "the name of a hinge"),
+             b = object.need("joint_b", "the name of a hinge, or of a slider for a rack");
   if (!a || !b) return;
-  const int first = jointOfType(*a, scene, JointType::Hinge), second = jointOfType(*b, scene, rack ? JointType::Slider : JointType::Hinge);
+  const int first = jointOfType(*a, scene, JointType::Hinge),
+            second = jointOfType(*b, scene, rack ? JointType::Slider : JointType::Hinge);
   if (first < 0 || second < 0) return;
   const std::string name = out.name;
   out = rack ? rackBetween(scene, first, second, 1) : gearBetween(scene, first, second, 1);
@@ -105,7 +111,8 @@ JointDef SceneReader::joint(const Node& node, const Scene& scene) {
     if (b) out.bodyB = bodyIndex(*b, scene);
     if (const auto carrier = object.get("carrier_a")) out.carrierA = bodyIndex(*carrier, scene);
     if (const auto carrier = object.get("carrier_b")) out.carrierB = bodyIndex(*carrier, scene);
-    if (a && b && faults_.size() == before && out.bodyA == out.bodyB) node.faultText("expected two different bodies, got one twice");
+    if (a && b && faults_.size() == before && out.bodyA == out.bodyB)
+      node.faultText("expected two different bodies, got one twice");
     readJoint(object, out, scene);
   }
   object.finish();
@@ -117,10 +124,12 @@ JointDef SceneReader::joint(const Node& node, const Scene& scene) {
 void SceneReader::checkRemoval(const Node& node, const std::string& pattern, const Scene&) {
   const bool prefix = !pattern.empty() && pattern.back() == '*';
   const std::string stem = prefix ? pattern.substr(0, pattern.size() - 1) : pattern;
-  const bool known = prefix ? std::any_of(bodies_.begin(), bodies_.end(), [&](const auto& entry) { return entry.first.starts_with(stem); })
+  const bool known = prefix ? std::any_of(bodies_.begin(), bodies_.end(),
+                                          [&](const auto& entry) { return entry.first.starts_with(stem); })
                             : bodies_.contains(pattern);
   if (!known)
-    node.faultText("expected the name of a body, or the beginning of one and '*', got " + describe(node.value()) + hint(stem, bodyNames()));
+    node.faultText("expected the name of a body, or the beginning of one and '*', got " +
+                   describe(node.value()) + hint(stem, bodyNames()));
 }
 
 Event SceneReader::event(const Node& node, const Scene& scene) {
@@ -148,7 +157,8 @@ Event SceneReader::event(const Node& node, const Scene& scene) {
       const auto name = element.text();
       if (!name) continue;
       if (!joints_.contains(*name))
-        element.faultText("expected the name of a joint, got " + describe(element.value()) + hint(*name, {joints_.begin(), joints_.end()}));
+        element.faultText("expected the name of a joint, got " + describe(element.value()) +
+                          hint(*name, {joints_.begin(), joints_.end()}));
       out.removeJoints.push_back(*name);
     }
   }
@@ -159,7 +169,8 @@ Event SceneReader::event(const Node& node, const Scene& scene) {
       if (const auto name = reader.need("body", "the name of a body")) {
         push.body = name->text().value_or("");
         if (!push.body.empty() && !bodies_.contains(push.body))
-          name->faultText("expected the name of a body, got " + describe(name->value()) + hint(push.body, bodyNames()));
+          name->faultText("expected the name of a body, got " + describe(name->value()) +
+                          hint(push.body, bodyNames()));
       }
       reader.read("velocity", push.velocity);
       reader.read("angular_velocity", push.angularVelocity);
@@ -180,9 +191,11 @@ Event::Turn SceneReader::turn(const Node& node) {
   if (const auto name = object.need("joint", "the name of a joint")) {
     out.joint = name->text().value_or("");
     if (!out.joint.empty() && !joints_.contains(out.joint))
-      name->faultText("expected the name of a joint, got " + describe(name->value()) + hint(out.joint, {joints_.begin(), joints_.end()}));
+      name->faultText("expected the name of a joint, got " + describe(name->value()) +
+                      hint(out.joint, {joints_.begin(), joints_.end()}));
   }
-  if (const auto found = object.get("axis")) out.axis = found->whole(0, "the number of an axis, from 0").value_or(0);
+  if (const auto found = object.get("axis"))
+    out.axis = found->whole(0, "the number of an axis, from 0").value_or(0);
   if (const auto found = object.get("target_position")) out.targetPosition = found->number();
   if (const auto found = object.get("target_speed")) out.targetSpeed = found->number();
   if (const auto found = object.get("length")) out.length = found->number();
@@ -195,12 +208,16 @@ FileClaim SceneReader::claim(const Node& node) {
   FileClaim out;
   ObjectReader object(node, "a claim, such as {\"metric\": \"max_speed_m_s\", \"max\": 0.01}");
   if (!object.isObject()) return out;
-  if (const auto found = object.need("metric", "the name of what is measured")) out.metric = found->text().value_or("");
+  if (const auto found = object.need("metric", "the name of what is measured"))
+    out.metric = found->text().value_or("");
   object.read("min", out.min);
   object.read("max", out.max);
   object.read("why", out.why);
-  if (!object.get("min") && !object.get("max")) node.faultText("expected \"min\", \"max\" or both, got neither");
-  if (out.min > out.max) node.faultText("expected min of at most max, got " + Json(out.min).dump() + " above " + Json(out.max).dump());
+  if (!object.get("min") && !object.get("max"))
+    node.faultText("expected \"min\", \"max\" or both, got neither");
+  if (out.min > out.max)
+    node.faultText("expected min of at most max, got " + Json(out.min).dump() + " above " +
+                   Json(out.max).dump());
   object.finish();
   return out;
 }
@@ -209,7 +226,8 @@ FileCamera SceneReader::camera(const Node& node) {
   FileCamera out;
   ObjectReader object(node, "a camera");
   if (const auto found = object.need("eye", "a point [m]")) out.eye = found->vector().value_or(out.eye);
-  if (const auto found = object.need("target", "a point [m]")) out.target = found->vector().value_or(out.target);
+  if (const auto found = object.need("target", "a point [m]"))
+    out.target = found->vector().value_or(out.target);
   if (out.eye == out.target) node.faultText("expected an eye away from the target, got one point");
   object.finish();
   return out;
@@ -223,10 +241,14 @@ SceneFile SceneReader::read(const Json& json) {
   object.read("name", scene.name);
   object.read("description", scene.description);
   object.read("gravity", scene.gravity);
-  if (const auto found = object.get("steps")) out.steps = found->whole(1, "a whole number above 0").value_or(out.steps);
-  if (const auto found = object.get("iterations")) out.iterations = found->whole(1, "a whole number above 0").value_or(out.iterations);
-  if (const auto found = object.get("substeps")) out.substeps = found->whole(1, "a whole number above 0").value_or(out.substeps);
-  if (const auto found = object.get("smash_step")) out.smashStep = found->whole(0, "a whole number of at least 0").value_or(out.smashStep);
+  if (const auto found = object.get("steps"))
+    out.steps = found->whole(1, "a whole number above 0").value_or(out.steps);
+  if (const auto found = object.get("iterations"))
+    out.iterations = found->whole(1, "a whole number above 0").value_or(out.iterations);
+  if (const auto found = object.get("substeps"))
+    out.substeps = found->whole(1, "a whole number above 0").value_or(out.substeps);
+  if (const auto found = object.get("smash_step"))
+    out.smashStep = found->whole(0, "a whole number of at least 0").value_or(out.smashStep);
   object.read("dt", out.dt, {0, false, kInfinity, "a time above 0 [s]"});
   if (const auto found = object.get("materials")) bodyReader_.readMaterials(*found);
   if (const auto found = object.get("shapes")) bodyReader_.readShapes(*found);
@@ -240,13 +262,16 @@ SceneFile SceneReader::read(const Json& json) {
     }
   }
   if (const auto found = object.get("joints"))
-    for (const Node& element : found->elements("a list of joints")) scene.joints.push_back(joint(element, scene));
+    for (const Node& element : found->elements("a list of joints"))
+      scene.joints.push_back(joint(element, scene));
   if (const auto found = object.get("deformables"))
     for (const Node& element : found->elements("a list of deformable objects"))
-      scene.deformables.push_back(readDeformable(element, [this](const Node& material) { return bodyReader_.material(material); }, folder_));
+      scene.deformables.push_back(readDeformable(
+          element, [this](const Node& material) { return bodyReader_.material(material); }, folder_));
   if (const auto found = object.get("attachments"))
     for (const Node& element : found->elements("a list of attachments"))
-      scene.attachments.push_back(readAttachment(element, scene.deformables, [&](const Node& body) { return bodyIndex(body, scene); }));
+      scene.attachments.push_back(readAttachment(element, scene.deformables,
+                                                 [&](const Node& body) { return bodyIndex(body, scene); }));
   if (const auto found = object.get("exclusions")) {
     for (const Node& element : found->elements("a list of pairs of bodies")) {
       const std::vector<Node> two = element.elements("two bodies");
@@ -255,12 +280,15 @@ SceneFile SceneReader::read(const Json& json) {
         continue;
       }
       const int a = bodyIndex(two[0], scene), b = bodyIndex(two[1], scene);
-      if (a == b || a == kWorld || b == kWorld) element.faultText("expected two different bodies of the scene");
-      else scene.exclusions.emplace_back(a, b);
+      if (a == b || a == kWorld || b == kWorld)
+        element.faultText("expected two different bodies of the scene");
+      else
+        scene.exclusions.emplace_back(a, b);
     }
   }
   if (const auto found = object.get("events"))
-    for (const Node& element : found->elements("a list of events")) scene.events.push_back(event(element, scene));
+    for (const Node& element : found->elements("a list of events"))
+      scene.events.push_back(event(element, scene));
   if (const auto found = object.get("camera")) out.camera = camera(*found);
   if (const auto found = object.get("verdict"))
     for (const Node& element : found->elements("a list of claims")) out.claims.push_back(claim(element));
@@ -289,7 +317,8 @@ SceneFile parseScene(const std::string& text, std::vector<Fault>& faults, const 
 std::string faultText(const std::string& file, const std::vector<Fault>& faults) {
   // More would only bury the first.
   constexpr std::size_t kShown = 50;
-  std::string message = file + ": " + std::to_string(faults.size()) + (faults.size() == 1 ? " fault" : " faults");
+  std::string message = file + ": " + std::to_string(faults.size()) +
+                        (faults.size() == 1 ? " fault" : " faults");
   for (std::size_t i = 0; i < std::min(faults.size(), kShown); ++i) message += "\n  " + faults[i].text();
   if (faults.size() > kShown) message += "\n  and " + std::to_string(faults.size() - kShown) + " more";
   return message;

@@ -43,7 +43,8 @@ void writeExtras(const BodyDef& body, Json& json) {
   if (body.inertia) json["inertia"] = vectorJson(*body.inertia);
   if (!same(body.linearDamping, usual.linearDamping)) json["linear_damping"] = body.linearDamping;
   if (!same(body.angularDamping, usual.angularDamping)) json["angular_damping"] = body.angularDamping;
-  if (body.lockTranslation != usual.lockTranslation) json["lock_translation"] = axesJson(body.lockTranslation);
+  if (body.lockTranslation != usual.lockTranslation)
+    json["lock_translation"] = axesJson(body.lockTranslation);
   if (body.lockRotation != usual.lockRotation) json["lock_rotation"] = axesJson(body.lockRotation);
   if (body.filter.layers != usual.filter.layers) json["layers"] = layersJson(body.filter.layers);
   if (body.filter.mask != usual.filter.mask) json["mask"] = layersJson(body.filter.mask);
@@ -78,7 +79,8 @@ class SceneWriter {
 
 void SceneWriter::nameMaterial(const Material& material) {
   const auto key = materialKey(material);
-  if (key != materialKey(Material{})) materials_.try_emplace(key, "material" + std::to_string(materials_.size() + 1), material);
+  if (key != materialKey(Material{}))
+    materials_.try_emplace(key, "material" + std::to_string(materials_.size() + 1), material);
 }
 
 Json SceneWriter::materialName(const Material& material) const {
@@ -111,7 +113,8 @@ Json SceneWriter::body(const BodyDef& body) const {
   if (!same(body.position, usual.position)) json["position"] = vectorJson(body.position);
   if (!same(body.orientation, usual.orientation)) json["orientation"] = quaternionJson(body.orientation);
   if (!same(body.velocity, usual.velocity)) json["velocity"] = vectorJson(body.velocity);
-  if (!same(body.angularVelocity, usual.angularVelocity)) json["angular_velocity"] = vectorJson(body.angularVelocity);
+  if (!same(body.angularVelocity, usual.angularVelocity))
+    json["angular_velocity"] = vectorJson(body.angularVelocity);
   if (!same(body.gravityScale, usual.gravityScale)) json["gravity_scale"] = body.gravityScale;
   writeExtras(body, json);
   return json;
@@ -179,15 +182,19 @@ Json SceneWriter::write() {
   if (file_.substeps != 1) json["substeps"] = file_.substeps;
   if (file_.smashStep >= 0) json["smash_step"] = file_.smashStep;
   if (!same(file_.dt, SceneFile{}.dt)) json["dt"] = file_.dt;
-  if (file_.camera) json["camera"] = {{"eye", vectorJson(file_.camera->eye)}, {"target", vectorJson(file_.camera->target)}};
+  if (file_.camera)
+    json["camera"] = {{"eye", vectorJson(file_.camera->eye)}, {"target", vectorJson(file_.camera->target)}};
   for (const auto& [key, named] : materials_) json["materials"][named.first] = materialJson(named.second);
   for (const auto& [name, shape] : shapes_) json["shapes"][name] = shapeJson(shape);
   json["bodies"] = Json::array();
   for (const BodyDef& added : scene.bodies) json["bodies"].push_back(body(added));
   for (const JointDef& added : scene.joints) json["joints"].push_back(joint(added));
-  for (const Deformable& object : scene.deformables) json["deformables"].push_back(deformableJson(object, materialName(common(object).material)));
-  for (const AttachmentDef& added : scene.attachments) json["attachments"].push_back(attachmentJson(added, bodyReference(added.body)));
-  for (const auto& [a, b] : scene.exclusions) json["exclusions"].push_back(Json{bodyReference(a), bodyReference(b)});
+  for (const Deformable& object : scene.deformables)
+    json["deformables"].push_back(deformableJson(object, materialName(common(object).material)));
+  for (const AttachmentDef& added : scene.attachments)
+    json["attachments"].push_back(attachmentJson(added, bodyReference(added.body)));
+  for (const auto& [a, b] : scene.exclusions)
+    json["exclusions"].push_back(Json{bodyReference(a), bodyReference(b)});
   for (const Event& added : scene.events) json["events"].push_back(event(added));
   for (const FileClaim& added : file_.claims) json["verdict"].push_back(claim(added));
   return json;

@@ -10,7 +10,8 @@
 namespace rubble::io {
 
 /// A shape, or the name of one among `named`. `material` reads that of a part of a compound.
-Shape readShape(const Node& node, const std::map<std::string, Shape>& named, const std::function<Material(const Node&)>& material);
+Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
+                const std::function<Material(const Node&)>& material);
 Material readMaterial(const Node& node);
 
 nlohmann::ordered_json shapeJson(const Shape& shape);

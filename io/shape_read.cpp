@@ -15,7 +15,8 @@ constexpr Want kRatio{0, true, 1, "a number from 0 to 1"};
 constexpr double kUnit = 1e-12;
 constexpr double kNearlyUnit = 1e-3;
 
-const std::vector<std::string> kTypes{"box", "sphere", "capsule", "plane", "cylinder", "cone", "hull", "compound", "mesh", "height_field", "distance_field"};
+const std::vector<std::string> kTypes{"box",  "sphere",   "capsule", "plane",        "cylinder",      "cone",
+                                      "hull", "compound", "mesh",    "height_field", "distance_field"};
 const std::vector<std::string> kRules{"usual", "average", "minimum", "multiply", "maximum", "geometric_mean"};
 
 std::string oneOf(const std::vector<std::string>& names) {
@@ -27,7 +28,8 @@ std::string oneOf(const std::vector<std::string>& names) {
 std::vector<Vec3> readPoints(ObjectReader& object, const char* key) {
   std::vector<Vec3> out;
   if (const auto list = object.need(key, "a list of points [m]"))
-    for (const Node& node : list->elements("a list of points [m]")) out.push_back(node.vector().value_or(Vec3{}));
+    for (const Node& node : list->elements("a list of points [m]"))
+      out.push_back(node.vector().value_or(Vec3{}));
   return out;
 }
 
@@ -53,7 +55,8 @@ std::array<int, count> readCounts(const Node& node, int least, const char* what)
 
 }  // namespace
 
-Shape readShape(const Node& node, const std::map<std::string, Shape>& named, const std::function<Material(const Node&)>& material) {
+Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
+                const std::function<Material(const Node&)>& material) {
   if (node.value().is_string()) {
     const std::string name = node.value().get<std::string>();
     if (const auto found = named.find(name); found != named.end()) return found->second;
@@ -77,7 +80,9 @@ Shape readShape(const Node& node, const std::map<std::string, Shape>& named, con
   Shape out;
   if (name == "box") {
     const auto size = object.need("size", "its three edge lengths [m]");
-    out = Shape::box((size ? size->vector(kLength, "three edge lengths [m]").value_or(Vec3{1, 1, 1}) : Vec3{1, 1, 1}) * .5, rounding);
+    out = Shape::box(
+        (size ? size->vector(kLength, "three edge lengths [m]").value_or(Vec3{1, 1, 1}) : Vec3{1, 1, 1}) * .5,
+        rounding);
   } else if (name == "sphere") {
     out = Shape::sphere(lengthOf("radius", "its radius [m]"));
   } else if (name == "capsule") {
@@ -111,27 +116,34 @@ Shape readShape(const Node& node, const std::map<std::string, Shape>& named, con
     std::vector<std::array<int, 3>> triangles;
     constexpr const char* kText = "three places in \"vertices\"";
     if (const auto list = object.need("triangles", "a list of triangles"))
-      for (const Node& entry : list->elements("a list of triangles")) triangles.push_back(readCounts<3>(entry, 0, kText));
+      for (const Node& entry : list->elements("a list of triangles"))
+        triangles.push_back(readCounts<3>(entry, 0, kText));
     bool twoSided = false;
     object.read("two_sided", twoSided);
     out = Shape::mesh(std::move(points), std::move(triangles), twoSided);
   } else if (name == "height_field") {
     std::array<int, 2> counts{2, 2};
-    if (const auto found = object.need("counts", "samples along x and y")) counts = readCounts<2>(*found, 2, "two counts of at least 2");
+    if (const auto found = object.need("counts", "samples along x and y"))
+      counts = readCounts<2>(*found, 2, "two counts of at least 2");
     Vec3 spacing{1, 1, 0};
     if (const auto found = object.need("spacing", "two lengths [m]")) {
       const std::vector<Node> list = found->elements("two lengths [m]");
-      if (list.size() == 2) spacing = {list[0].number(kLength).value_or(1), list[1].number(kLength).value_or(1), 0};
-      else if (found->value().is_array()) found->fault("two lengths [m]");
+      if (list.size() == 2)
+        spacing = {list[0].number(kLength).value_or(1), list[1].number(kLength).value_or(1), 0};
+      else if (found->value().is_array())
+        found->fault("two lengths [m]");
     }
-    out = Shape::heightField(counts[0], counts[1], spacing, readNumbers(object, "heights", "a list of heights [m]"));
+    out = Shape::heightField(counts[0], counts[1], spacing,
+                             readNumbers(object, "heights", "a list of heights [m]"));
   } else if (name == "distance_field") {
     std::array<int, 3> counts{2, 2, 2};
-    if (const auto found = object.need("counts", "samples along x, y and z")) counts = readCounts<3>(*found, 2, "three counts of at least 2");
+    if (const auto found = object.need("counts", "samples along x, y and z"))
+      counts = readCounts<3>(*found, 2, "three counts of at least 2");
     Vec3 origin;
     object.read("origin", origin);
     const double spacing = lengthOf("spacing", "the distance of samples [m]");
-    out = Shape::distanceField(counts, origin, spacing, readNumbers(object, "distances", "a list of distances [m]"));
+    out = Shape::distanceField(counts, origin, spacing,
+                               readNumbers(object, "distances", "a list of distances [m]"));
   } else {
     out = Shape::plane();
   }
@@ -146,7 +158,8 @@ Material readMaterial(const Node& node) {
   if (friction) {
     out.staticFriction = out.dynamicFriction = friction->number(kNotNegative).value_or(out.staticFriction);
     if (object.get("static_friction") || object.get("dynamic_friction"))
-      friction->faultText("expected either \"friction\" or \"static_friction\" and \"dynamic_friction\", got both");
+      friction->faultText(
+          "expected either \"friction\" or \"static_friction\" and \"dynamic_friction\", got both");
   }
   const bool staticGiven = object.get("static_friction").has_value();
   object.read("static_friction", out.staticFriction, kNotNegative);
@@ -154,8 +167,8 @@ Material readMaterial(const Node& node) {
   object.read("dynamic_friction", out.dynamicFriction, kNotNegative);
   object.read("restitution", out.restitution, kRatio);
   if (out.dynamicFriction > out.staticFriction)
-    node.faultText("expected dynamic_friction of at most static_friction, got " + Json(out.dynamicFriction).dump() + " above " +
-                   Json(out.staticFriction).dump());
+    node.faultText("expected dynamic_friction of at most static_friction, got " +
+                   Json(out.dynamicFriction).dump() + " above " + Json(out.staticFriction).dump());
   const auto rule = [&](const char* key, Combine& to) {
     if (const auto found = object.get(key)) to = static_cast<Combine>(found->choice(kRules).value_or(0));
   };
@@ -182,7 +195,8 @@ Quat readOrientation(const Node& node) {
     }
     return fromAxisAngle(normalize(axis), degrees * std::numbers::pi / 180);
   }
-  constexpr const char* kText = "a unit quaternion [w, x, y, z], or {\"axis\": [x, y, z], \"degrees\": angle}";
+  constexpr const char*
+      kText = "a unit quaternion [w, x, y, z], or {\"axis\": [x, y, z], \"degrees\": angle}";
   std::array<double, 4> q{};
   if (!node.value().is_array() || node.value().size() != 4) {
     node.fault(kText);

@@ -9,18 +9,17 @@ namespace rubble::io {
 namespace {
 
 using Ordered = nlohmann::ordered_json;
-template <std::size_t N>
-using Tuples = std::vector<std::array<int, N>>;
+template <std::size_t N> using Tuples = std::vector<std::array<int, N>>;
 
 std::optional<int> vertexIndex(const Node& node) { return node.whole(0, "the index of a vertex, from 0"); }
 
 /// Reads the field of each key, if it is there.
 class FieldReader {
  public:
-  FieldReader(ObjectReader& object, const std::function<Material(const Node&)>& material) : object_(object), material_(material) {}
+  FieldReader(ObjectReader& object, const std::function<Material(const Node&)>& material)
+      : object_(object), material_(material) {}
 
-  template <class T>
-  void operator()(const char* key, const char*, const char*, T& out) {
+  template <class T> void operator()(const char* key, const char*, const char*, T& out) {
     if (const auto node = object_.get(key)) read(*node, out);
   }
 
@@ -37,16 +36,18 @@ class FieldReader {
   static void read(const Node& node, std::optional<Vec3>& out) { out = node.vector(); }
   void read(const Node& node, Material& out) { out = material_(node); }
   static void read(const Node& node, std::vector<Vec3>& out) {
-    for (const Node& element : node.elements("a list of points")) out.push_back(element.vector().value_or(Vec3{}));
+    for (const Node& element : node.elements("a list of points"))
+      out.push_back(element.vector().value_or(Vec3{}));
   }
   static void read(const Node& node, std::vector<double>& out) {
-    for (const Node& element : node.elements("a list of numbers")) out.push_back(element.number().value_or(0));
+    for (const Node& element : node.elements("a list of numbers"))
+      out.push_back(element.number().value_or(0));
   }
   static void read(const Node& node, std::vector<int>& out) {
-    for (const Node& element : node.elements("a list of vertices")) out.push_back(vertexIndex(element).value_or(0));
+    for (const Node& element : node.elements("a list of vertices"))
+      out.push_back(vertexIndex(element).value_or(0));
   }
-  template <std::size_t N>
-  static void read(const Node& node, Tuples<N>& out) {
+  template <std::size_t N> static void read(const Node& node, Tuples<N>& out) {
     const std::string what = "a list of " + std::to_string(N) + " vertices";
     for (const Node& element : node.elements("a list of lists of vertices")) {
       const std::vector<Node> corners = element.elements(what.c_str());
@@ -66,7 +67,8 @@ class FieldReader {
         element.fault(kEdge);
         continue;
       }
-      NetDef::Edge edge{vertexIndex(parts[0]).value_or(0), vertexIndex(parts[1]).value_or(0), parts[2].number().value_or(1)};
+      NetDef::Edge edge{vertexIndex(parts[0]).value_or(0), vertexIndex(parts[1]).value_or(0),
+                        parts[2].number().value_or(1)};
       if (parts.size() > 3) edge.damping = parts[3].number().value_or(0);
       if (parts.size() > 4) edge.restLength = parts[4].number().value_or(-1);
       out.push_back(edge);
@@ -85,28 +87,23 @@ Ordered jsonOf(const NetDef::Edge& e) {
   if (e.restLength >= 0) json.push_back(e.restLength);
   return json;
 }
-template <class T>
-Ordered jsonOf(const T& value) {
-  return value;
-}
+template <class T> Ordered jsonOf(const T& value) { return value; }
 
 /// -0 is not 0 in a file.
 bool usual(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 bool usual(const Vec3& a, const Vec3& b) { return usual(a.x, b.x) && usual(a.y, b.y) && usual(a.z, b.z); }
 bool usual(bool a, bool b) { return a == b; }
 bool usual(const std::string& a, const std::string& b) { return a == b; }
-template <class T>
-bool usual(const std::optional<T>& a, const std::optional<T>&) { return !a; }
-template <class T>
-bool usual(const std::vector<T>& a, const std::vector<T>&) { return a.empty(); }
+template <class T> bool usual(const std::optional<T>& a, const std::optional<T>&) { return !a; }
+template <class T> bool usual(const std::vector<T>& a, const std::vector<T>&) { return a.empty(); }
 
-/// Writes the fields that are not as a new object has them. `usualValues` gives the fields of one in the same order.
+/// Writes the fields that are not as a new object has them. `usualValues` gives the fields of one in the same
+/// order.
 class FieldWriter {
  public:
   FieldWriter(Ordered& json, const Ordered& material) : json_(json), material_(material) {}
 
-  template <class T>
-  void write(const char* key, const T& value, const T& usualValue) {
+  template <class T> void write(const char* key, const T& value, const T& usualValue) {
     if constexpr (std::is_same_v<T, Material>) {
       if (!material_.is_null()) json_[key] = material_;
     } else if (!usual(value, usualValue)) {
@@ -115,23 +112,19 @@ class FieldWriter {
   }
 
  private:
-  template <class T>
-  void put(const char* key, const std::optional<T>& value) { json_[key] = jsonOf(*value); }
-  template <class T>
-  void put(const char* key, const std::vector<T>& values) {
+  template <class T> void put(const char* key, const std::optional<T>& value) { json_[key] = jsonOf(*value); }
+  template <class T> void put(const char* key, const std::vector<T>& values) {
     json_[key] = Ordered::array();
     for (const T& value : values) json_[key].push_back(jsonOf(value));
   }
-  template <class T>
-  void put(const char* key, const T& value) { json_[key] = jsonOf(value); }
+  template <class T> void put(const char* key, const T& value) { json_[key] = jsonOf(value); }
 
   Ordered& json_;
   const Ordered& material_;
 };
 
 /// Calls use(key, value, usual value) for each field of `def` that `visit` lists.
-template <class D, class Visit, class Use>
-void besideUsual(const D& def, Visit&& visit, Use&& use) {
+template <class D, class Visit, class Use> void besideUsual(const D& def, Visit&& visit, Use&& use) {
   const D fresh;
   visit(def, [&](const char* key, const char*, const char*, const auto& value) {
     visit(fresh, [&](const char* other, const char*, const char*, const auto& usualValue) {
@@ -158,13 +151,16 @@ int objectIndex(const Node& node, const std::vector<Deformable>& objects) {
     names.push_back(common(objects[i]).name);
     if (names.back() == *name) return static_cast<int>(i);
   }
-  if (name) node.faultText("expected the name or index of a deformable object, got " + describe(node.value()) + hint(*name, names));
+  if (name)
+    node.faultText("expected the name or index of a deformable object, got " + describe(node.value()) +
+                   hint(*name, names));
   return 0;
 }
 
 }  // namespace
 
-Deformable readDeformable(const Node& node, const std::function<Material(const Node&)>& material, const std::string& folder) {
+Deformable readDeformable(const Node& node, const std::function<Material(const Node&)>& material,
+                          const std::string& folder) {
   Deformable out;
   ObjectReader object(node, "a deformable object");
   if (!object.isObject()) return out;
@@ -172,21 +168,27 @@ Deformable readDeformable(const Node& node, const std::function<Material(const N
   if (!type) return out;
   const auto kind = type->choice({std::begin(kDeformableKeywords), std::end(kDeformableKeywords)});
   if (!kind) return out;
-  if (*kind == 1) out = ClothDef{};
-  else if (*kind == 2) out = RodDef{};
-  else if (*kind == 3) out = NetDef{};
-  else if (*kind == 4) out = ParticlesDef{};
+  if (*kind == 1)
+    out = ClothDef{};
+  else if (*kind == 2)
+    out = RodDef{};
+  else if (*kind == 3)
+    out = NetDef{};
+  else if (*kind == 4)
+    out = ParticlesDef{};
   std::visit([&](auto& def) { kAllFields(def, FieldReader(object, material)); }, out);
   if (const auto mesh = object.get("mesh")) readMeshInto(*mesh, folder, out);
   object.finish();
   return out;
 }
 
-AttachmentDef readAttachment(const Node& node, const std::vector<Deformable>& objects, const std::function<int(const Node&)>& body) {
+AttachmentDef readAttachment(const Node& node, const std::vector<Deformable>& objects,
+                             const std::function<int(const Node&)>& body) {
   AttachmentDef out;
   ObjectReader object(node, "an attachment");
   if (!object.isObject()) return out;
-  if (const auto found = object.need("object", "the name or index of a deformable object")) out.object = objectIndex(*found, objects);
+  if (const auto found = object.need("object", "the name or index of a deformable object"))
+    out.object = objectIndex(*found, objects);
   if (const auto found = object.get("body")) out.body = body(*found);
   if (const auto found = object.get("other_object")) out.otherObject = objectIndex(*found, objects);
   kAttachmentFields(out, FieldReader(object, {}));
@@ -200,7 +202,9 @@ Ordered deformableJson(const Deformable& object, const Ordered& material) {
   FieldWriter writer(json, material);
   std::visit(
       [&](const auto& def) {
-        besideUsual(def, kAllFields, [&](const char* key, const auto& value, const auto& usualValue) { writer.write(key, value, usualValue); });
+        besideUsual(def, kAllFields, [&](const char* key, const auto& value, const auto& usualValue) {
+          writer.write(key, value, usualValue);
+        });
       },
       object);
   return json;
@@ -212,8 +216,9 @@ Ordered attachmentJson(const AttachmentDef& attachment, const Ordered& body) {
   if (attachment.body != kWorld) json["body"] = body;
   if (attachment.otherObject >= 0) json["other_object"] = attachment.otherObject;
   FieldWriter writer(json, nullptr);
-  besideUsual(attachment, kAttachmentFields,
-              [&](const char* key, const auto& value, const auto& usualValue) { writer.write(key, value, usualValue); });
+  besideUsual(attachment, kAttachmentFields, [&](const char* key, const auto& value, const auto& usualValue) {
+    writer.write(key, value, usualValue);
+  });
   return json;
 }
 

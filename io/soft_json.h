@@ -7,9 +7,11 @@
 namespace rubble::io {
 
 /// `material` reads one, or looks up its name. `folder`: where mesh files are looked for.
-Deformable readDeformable(const Node& node, const std::function<Material(const Node&)>& material, const std::string& folder = "");
+Deformable readDeformable(const Node& node, const std::function<Material(const Node&)>& material,
+                          const std::string& folder = "");
 /// `body` reads a reference to a body; `objects` are those of the scene.
-AttachmentDef readAttachment(const Node& node, const std::vector<Deformable>& objects, const std::function<int(const Node&)>& body);
+AttachmentDef readAttachment(const Node& node, const std::vector<Deformable>& objects,
+                             const std::function<int(const Node&)>& body);
 
 /// `material`: how the file names that of the object; null for the usual one.
 nlohmann::ordered_json deformableJson(const Deformable& object, const nlohmann::ordered_json& material);

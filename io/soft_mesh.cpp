@@ -28,14 +28,19 @@ void fill(const Node& node, const MeshUse& use, MeshFile mesh, SoftDef& out) {
     out.vertices = std::move(made.vertices), out.tetrahedra = std::move(made.tetrahedra);
     return;
   }
-  if (mesh.triangles.empty()) return node.child("file").faultText("expected tetrahedra or a closed surface, got neither in " + use.file);
+  if (mesh.triangles.empty())
+    return node.child("file").faultText("expected tetrahedra or a closed surface, got neither in " +
+                                        use.file);
   if (!(use.cell > 0))
-    return node.faultText("expected \"cell\", the width of the cells that the surface is filled with [m]: the file has no tetrahedra");
+    return node.faultText(
+        "expected \"cell\", the width of the cells that the surface is filled with [m]: the file has no "
+        "tetrahedra");
   TetrahedronMesh made = tetrahedralize(mesh.surface(), use.cell, use.file);
   out.vertices = std::move(made.vertices), out.tetrahedra = std::move(made.tetrahedra);
 }
 void fill(const Node& node, const MeshUse& use, MeshFile mesh, ClothDef& out) {
-  if (mesh.triangles.empty()) return node.child("file").faultText("expected triangles, got none in " + use.file);
+  if (mesh.triangles.empty())
+    return node.child("file").faultText("expected triangles, got none in " + use.file);
   ClothDef made = clothFromMesh(mesh.surface());
   out.vertices = std::move(made.vertices), out.triangles = std::move(made.triangles);
 }
@@ -65,7 +70,8 @@ void readMeshInto(const Node& node, const std::string& folder, Deformable& out) 
   if (std::holds_alternative<SoftDef>(out))
     object.read("cell", use.cell, {0, false, std::numeric_limits<double>::infinity(), "a width above 0 [m]"});
   if (std::holds_alternative<RodDef>(out))
-    object.read("segment", use.segment, {0, false, std::numeric_limits<double>::infinity(), "a length above 0 [m]"});
+    object.read("segment", use.segment,
+                {0, false, std::numeric_limits<double>::infinity(), "a length above 0 [m]"});
   object.finish();
   if (use.file.empty()) return;
   DeformableDef& def = common(out);

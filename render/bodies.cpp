@@ -9,7 +9,8 @@
 namespace rubble::render {
 namespace {
 
-/// Vertices of one instanced draw element: enough to keep the GPU's units full, few enough to leave out what is not seen.
+/// Vertices of one instanced draw element: enough to keep the GPU's units full, few enough to leave out what
+/// is not seen.
 constexpr std::size_t kChunkVertices = 2048;
 constexpr std::size_t kLargestChunk = 64;
 constexpr int kPlaneSectors = 48, kPlaneRings = 12;
@@ -58,7 +59,9 @@ struct Bodies::Shape {
   float radius = 1;  ///< of the mesh at scale 1 [m]
 };
 
-std::size_t Bodies::chunkBodies(int geometry) const { return shapes_[static_cast<std::size_t>(geometry)]->chunkBodies; }
+std::size_t Bodies::chunkBodies(int geometry) const {
+  return shapes_[static_cast<std::size_t>(geometry)]->chunkBodies;
+}
 
 Bodies::Bodies()
     : boxRaster_(gl::wantsCompute() ? std::make_unique<BoxRaster>() : nullptr),
@@ -81,7 +84,8 @@ Bodies::~Bodies() = default;
 
 void Bodies::addShape(std::vector<MeshData> levels) {
   auto shape = std::make_unique<Shape>();
-  shape->chunkBodies = std::clamp(kChunkVertices / levels.back().vertexCount(), std::size_t{1}, kLargestChunk);
+  shape->chunkBodies = std::clamp(kChunkVertices / levels.back().vertexCount(), std::size_t{1},
+                                  kLargestChunk);
   shape->radius = 0;
   for (std::size_t v = 0; v < levels.front().vertexCount(); ++v) {
     const float* p = &levels.front().texels[8 * v];
@@ -93,7 +97,8 @@ void Bodies::addShape(std::vector<MeshData> levels) {
     level.verticesPerBody = static_cast<int>(mesh.vertexCount());
     std::vector<std::uint32_t> indices;
     for (std::size_t body = 0; body < shape->chunkBodies; ++body)
-      for (const std::uint32_t index : mesh.indices) indices.push_back(index + static_cast<std::uint32_t>(body * mesh.vertexCount()));
+      for (const std::uint32_t index : mesh.indices)
+        indices.push_back(index + static_cast<std::uint32_t>(body * mesh.vertexCount()));
     level.indicesPerChunk = static_cast<GLsizei>(indices.size());
     level.indices.upload(indices.data(), indices.size() * sizeof indices[0]);
     level.vertices.buffer().upload(mesh.texels.data(), mesh.texels.size() * sizeof mesh.texels[0]);
@@ -150,8 +155,8 @@ void Bodies::setLooks(std::span<const BodyLook> looks) {
   }
   for (Chunk& chunk : chunks_) {
     const std::size_t bodies = shapes_[static_cast<std::size_t>(chunk.geometry)]->chunkBodies;
-    chunk.largest =
-        *std::max_element(radii_.begin() + chunk.firstSlot, radii_.begin() + static_cast<std::ptrdiff_t>(chunk.firstSlot + bodies));
+    chunk.largest = *std::max_element(radii_.begin() + chunk.firstSlot,
+                                      radii_.begin() + static_cast<std::ptrdiff_t>(chunk.firstSlot + bodies));
   }
   uploadTables();
 }
@@ -176,15 +181,21 @@ void Bodies::uploadTables() {
                           : body >= 0                ? looks_[static_cast<std::size_t>(body)]
                                                      : BodyLook{};
     const bool isSurface = slot >= bodyInSlot_.size();
-    const int shape = isSurface ? (look.heated ? 96 : 32) : look.geometry == kBox ? 8 : look.geometry == kRound ? 16 : 0;
-    const float texels[8] = {look.size.x,  look.size.y,  look.size.z,  look.halfLength,
-                             look.color.x, look.color.y, look.color.z, static_cast<float>(static_cast<int>(look.finish) + shape)};
+    const int shape = isSurface                 ? (look.heated ? 96 : 32)
+                      : look.geometry == kBox   ? 8
+                      : look.geometry == kRound ? 16
+                                                : 0;
+    const float texels[8] = {
+        look.size.x,  look.size.y,  look.size.z,  look.halfLength,
+        look.color.x, look.color.y, look.color.z, static_cast<float>(static_cast<int>(look.finish) + shape)};
     std::copy_n(texels, 8, out + 8 * slot);
   }
   lookTable_.buffer().unmap();
 }
 
-int Bodies::bodyOfSlot(std::uint32_t slot) const { return slot < bodyInSlot_.size() ? bodyInSlot_[slot] : -1; }
+int Bodies::bodyOfSlot(std::uint32_t slot) const {
+  return slot < bodyInSlot_.size() ? bodyInSlot_[slot] : -1;
+}
 
 void Bodies::bindTables(int firstUnit) const {
   poseTable_.bind(firstUnit);
@@ -217,8 +228,10 @@ void Bodies::drawGeometry(int geometry, const DrawView& view) {
   auto chunk = std::lower_bound(chunks_.begin(), chunks_.end(), geometry, byGeometry);
   for (; chunk != chunks_.end() && chunk->geometry == geometry; ++chunk) {
     if (chunk->bounds.empty() || !touches(chunk->bounds, view.visible)) continue;
-    const float distance = view.parallel ? -dot(chunk->bounds.middle(), view.viewer) : distanceTo(chunk->bounds, view.viewer);
-    const float pixels = chunk->largest / (view.pixelSize * (view.parallel ? 1.f : std::max(distance, 1e-6f)));
+    const float distance = view.parallel ? -dot(chunk->bounds.middle(), view.viewer)
+                                         : distanceTo(chunk->bounds, view.viewer);
+    const float pixels = chunk->largest /
+                         (view.pixelSize * (view.parallel ? 1.f : std::max(distance, 1e-6f)));
     std::size_t level = 0;
     for (const float limit : kLevelPixels) level += pixels < limit;
     seen.push_back({distance, chunk->firstSlot, std::min(level, shape.levels.size() - 1)});
@@ -226,9 +239,12 @@ void Bodies::drawGeometry(int geometry, const DrawView& view) {
   if (seen.empty()) return;
   // From front to back: what is hidden then costs no shading.
   std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) {
-    return a.level != b.level ? a.level < b.level : a.distance != b.distance ? a.distance < b.distance : a.slot < b.slot;
+    return a.level != b.level         ? a.level < b.level
+           : a.distance != b.distance ? a.distance < b.distance
+                                      : a.slot < b.slot;
   });
-  gl::Program& program = geometry == kBox ? (view.withIds ? boxes_ : boxDepths_) : (view.withIds ? meshes_ : meshDepths_);
+  gl::Program& program = geometry == kBox ? (view.withIds ? boxes_ : boxDepths_)
+                                          : (view.withIds ? meshes_ : meshDepths_);
   program.use();
   program.setMatrices("viewProjection", view.viewProjection.columns.data());
   program.set("viewer", view.viewer.x, view.viewer.y, view.viewer.z, view.parallel ? 0.f : 1.f);
@@ -249,7 +265,8 @@ void Bodies::drawGeometry(int geometry, const DrawView& view) {
     drawn.vertices.bind(2);
     drawn.indices.bind();
     program.set("verticesPerBody", drawn.verticesPerBody);
-    glDrawElementsInstanced(GL_TRIANGLES, drawn.indicesPerChunk, GL_UNSIGNED_INT, nullptr, static_cast<GLsizei>(slots.size()));
+    glDrawElementsInstanced(GL_TRIANGLES, drawn.indicesPerChunk, GL_UNSIGNED_INT, nullptr,
+                            static_cast<GLsizei>(slots.size()));
     drawn_ += slots.size() * shape.chunkBodies;
   }
 }

@@ -29,11 +29,12 @@ enum Geometry : int { kBox, kRound, kCylinder, kPlane, kOwnMesh };
 
 struct BodyLook {
   int geometry = kBox;
-  Vec3f size{.5f, .5f, .5f};   ///< box: half extents; round and cylinder: radius twice, then radius or half height; mesh: scale [m]
+  Vec3f size{.5f, .5f, .5f};   ///< box: half extents; round and cylinder: radius twice, then radius or half
+                               ///< height; mesh: scale [m]
   float halfLength = 0;        ///< round: half the distance of the two centres of a capsule [m]
   Vec3f color{.5f, .5f, .5f};  ///< linear, 0 to 1
   Finish finish = Finish::Stone;
-  bool heated = false;         ///< surfaces: coloured by what their vertices say
+  bool heated = false;  ///< surfaces: coloured by what their vertices say
 };
 
 /// What one pass draws of the bodies.
@@ -45,7 +46,7 @@ struct DrawView {
   float pixelSize = 0;             ///< [m], at view depth 1 or, for parallel rays, anywhere
   bool withIds = true;             ///< false: depth alone
   Rays rays;
-  float nearest = 0;               ///< view depth that the picture begins at [m]; 0 if parallel
+  float nearest = 0;  ///< view depth that the picture begins at [m]; 0 if parallel
 };
 
 class Bodies {
@@ -60,7 +61,8 @@ class Bodies {
   void setColors(std::span<const Vec3f> colors);
   /// Places of all bodies, in the order of the looks.
   void setPoses(std::span<const Pose> poses);
-  /// Tells a feed where the poses of these bodies are, in the order of the looks; to be told anew when the looks or surfaces change.
+  /// Tells a feed where the poses of these bodies are, in the order of the looks; to be told anew when the
+  /// looks or surfaces change.
   void setSources(std::span<const PoseSource> sources, PoseFeed& feed);
   /// Places of all bodies from there. Planes must not have moved since the last setPoses of the host.
   void setPoses(PoseFeed& feed, const PoseArrays& arrays);
@@ -83,7 +85,9 @@ class Bodies {
   std::uint32_t slotOf(std::size_t body) const { return slotOfBody_[body]; }
   /// Slots that are left to deformable surfaces: their looks follow those of the bodies.
   void setSurfaceLooks(std::span<const BodyLook> looks);
-  std::uint32_t surfaceSlot(std::size_t surface) const { return surfaceSlot_ + static_cast<std::uint32_t>(surface); }
+  std::uint32_t surfaceSlot(std::size_t surface) const {
+    return surfaceSlot_ + static_cast<std::uint32_t>(surface);
+  }
 
  private:
   struct Level;  ///< one level of detail of a geometry

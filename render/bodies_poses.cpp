@@ -37,29 +37,32 @@ void coreOf(std::vector<float>& values, float& low, float& high) {
 
 void Bodies::setPoses(std::span<const Pose> poses) {
   if (poses.size() != slotOfBody_.size())
-    throw Error("poses", std::to_string(slotOfBody_.size()) + " of them, one a body", std::to_string(poses.size()));
+    throw Error("poses", std::to_string(slotOfBody_.size()) + " of them, one a body",
+                std::to_string(poses.size()));
   const std::size_t slots = bodyInSlot_.size() + surfaceLooks_.size();
   if (slots == 0) return;
   for (const std::uint32_t slot : planes_) poses_[slot] = poses[static_cast<std::size_t>(bodyInSlot_[slot])];
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks_.size(), 64), [&](const tbb::blocked_range<std::size_t>& range) {
-    for (std::size_t c = range.begin(); c < range.end(); ++c) {
-      Chunk& chunk = chunks_[c];
-      chunk.bounds = {};
-      const std::size_t end = chunk.firstSlot + chunkBodies(chunk.geometry);
-      for (std::size_t slot = chunk.firstSlot; slot < end; ++slot) {
-        if (bodyInSlot_[slot] < 0) continue;
-        const Pose& pose = poses[static_cast<std::size_t>(bodyInSlot_[slot])];
-        if (!finite(pose)) {
-          poses_[slot] = kNoPose;
-          continue;
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, chunks_.size(), 64),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t c = range.begin(); c < range.end(); ++c) {
+          Chunk& chunk = chunks_[c];
+          chunk.bounds = {};
+          const std::size_t end = chunk.firstSlot + chunkBodies(chunk.geometry);
+          for (std::size_t slot = chunk.firstSlot; slot < end; ++slot) {
+            if (bodyInSlot_[slot] < 0) continue;
+            const Pose& pose = poses[static_cast<std::size_t>(bodyInSlot_[slot])];
+            if (!finite(pose)) {
+              poses_[slot] = kNoPose;
+              continue;
+            }
+            poses_[slot] = pose;
+            const Vec3f centre{pose.x, pose.y, pose.z}, room{radii_[slot], radii_[slot], radii_[slot]};
+            chunk.bounds.add(centre - room);
+            chunk.bounds.add(centre + room);
+          }
         }
-        poses_[slot] = pose;
-        const Vec3f centre{pose.x, pose.y, pose.z}, room{radii_[slot], radii_[slot], radii_[slot]};
-        chunk.bounds.add(centre - room);
-        chunk.bounds.add(centre + room);
-      }
-    }
-  });
+      });
   auto* out = static_cast<Pose*>(poseTable_.buffer().map(slots * sizeof(Pose)));
   std::copy(poses_.begin(), poses_.end(), out);
   std::fill(out + poses_.size(), out + slots, Pose{});
@@ -75,7 +78,8 @@ void Bodies::setSources(std::span<const PoseSource> sources, PoseFeed& feed) {
     bySlot[slot].radius = radii_[slot];
   }
   std::vector<SlotRange> ranges;
-  for (const Chunk& chunk : chunks_) ranges.push_back({chunk.firstSlot, static_cast<std::uint32_t>(chunkBodies(chunk.geometry))});
+  for (const Chunk& chunk : chunks_)
+    ranges.push_back({chunk.firstSlot, static_cast<std::uint32_t>(chunkBodies(chunk.geometry))});
   for (const std::uint32_t slot : planes_) ranges.push_back({slot, 1});
   feed.setSlots(bySlot, ranges);
   fedBounds_.resize(ranges.size());
@@ -118,8 +122,10 @@ void Bodies::setCore(std::vector<float> (&lows)[3], std::vector<float> (&highs)[
   tbb::parallel_for(0, 6, [&](int i) {
     const int axis = i / 2;
     float unused = 0;
-    if (i % 2 == 0) coreOf(lows[axis], core_.low[axis], unused);
-    else coreOf(highs[axis], unused, core_.high[axis]);
+    if (i % 2 == 0)
+      coreOf(lows[axis], core_.low[axis], unused);
+    else
+      coreOf(highs[axis], unused, core_.high[axis]);
   });
 }
 
@@ -132,7 +138,8 @@ float Bodies::nearestTo(const Vec3f& point, const std::vector<HalfSpace>& visibl
     }
     return nearest;
   };
-  float nearest = tbb::parallel_reduce(Range(0, chunks_.size(), 1024), 1e30f, nearestIn, [](float a, float b) { return std::min(a, b); });
+  float nearest = tbb::parallel_reduce(Range(0, chunks_.size(), 1024), 1e30f, nearestIn,
+                                       [](float a, float b) { return std::min(a, b); });
   for (const std::uint32_t slot : planes_) {
     const Pose& p = poses_[slot];
     const Vec3f normal = rotate(QuatT<float>{p.qs, p.qx, p.qy, p.qz}, Vec3f{0, 0, 1});

@@ -5,13 +5,15 @@
 namespace rubble::render {
 namespace {
 
-/// What a shadow is set back by against its own surface, in what depth changes by from texel to texel: as glPolygonOffset has it for others.
+/// What a shadow is set back by against its own surface, in what depth changes by from texel to texel: as
+/// glPolygonOffset has it for others.
 constexpr float kSlopeOffset = 1.5f;
-constexpr GLuint kGroup = 64;                           ///< threads, as in the shader
-constexpr GLuint kMostGroups = 32768;                   ///< along one axis; at least 65535 are allowed
+constexpr GLuint kGroup = 64;          ///< threads, as in the shader
+constexpr GLuint kMostGroups = 32768;  ///< along one axis; at least 65535 are allowed
 constexpr GLuint kClearGroups = 1024;
-constexpr GLuint kMiddlingGroups = 4096;                ///< one a box at a time
-constexpr GLuint kLargeGroups = 64, kLargeParts = 64;   ///< boxes at a time; groups that share the pixels of one
+constexpr GLuint kMiddlingGroups = 4096;  ///< one a box at a time
+constexpr GLuint kLargeGroups = 64,
+                 kLargeParts = 64;  ///< boxes at a time; groups that share the pixels of one
 
 const gl::ComputeFile kFile{"boxes.comp"};
 
@@ -37,8 +39,8 @@ BoxRaster::BoxRaster()
       putSeen_("screen.vert", "boxes.frag", {"NAMED"}, gl::kComputeVersion),
       putLit_("screen.vert", "boxes.frag", {}, gl::kComputeVersion) {}
 
-void BoxRaster::rasterize(gl::Program (&programs)[2], std::uint32_t boxCount, const Rays& rays, const Matrix& viewProjection, float nearest,
-                          bool naming) {
+void BoxRaster::rasterize(gl::Program (&programs)[2], std::uint32_t boxCount, const Rays& rays,
+                          const Matrix& viewProjection, float nearest, bool naming) {
   for (gl::Program& program : programs) {
     program.use();
     program.set("poses", 0);
@@ -70,7 +72,8 @@ void BoxRaster::rasterize(gl::Program (&programs)[2], std::uint32_t boxCount, co
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-void BoxRaster::draw(std::uint32_t boxCount, const Rays& rays, const Matrix& viewProjection, float nearest, bool named) {
+void BoxRaster::draw(std::uint32_t boxCount, const Rays& rays, const Matrix& viewProjection, float nearest,
+                     bool named) {
   if (boxCount == 0) return;
   const std::size_t pixels = static_cast<std::size_t>(rays.width) * static_cast<std::size_t>(rays.height);
   depths_.reserve(pixels * sizeof(std::uint32_t));

@@ -20,20 +20,24 @@ void Bounds::add(const Bounds& other) {
 
 bool touches(const Bounds& bounds, const std::vector<HalfSpace>& spaces) {
   const Vec3f middle = bounds.middle(), half = bounds.half();
-  return std::all_of(spaces.begin(), spaces.end(),
-                     [&](const HalfSpace& space) { return dot(space.normal, middle) + space.offset + dot(abs(space.normal), half) >= 0; });
+  return std::all_of(spaces.begin(), spaces.end(), [&](const HalfSpace& space) {
+    return dot(space.normal, middle) + space.offset + dot(abs(space.normal), half) >= 0;
+  });
 }
 
 float distanceTo(const Bounds& bounds, const Vec3f& point) {
   Vec3f away;
-  for (int axis = 0; axis < 3; ++axis) away[axis] = std::max({bounds.low[axis] - point[axis], point[axis] - bounds.high[axis], 0.f});
+  for (int axis = 0; axis < 3; ++axis)
+    away[axis] = std::max({bounds.low[axis] - point[axis], point[axis] - bounds.high[axis], 0.f});
   return length(away);
 }
 
 Eye::Eye(const Camera& camera, const Vec3& origin, int width, int height) {
-  if (width < 1 || height < 1) throw Error("picture.size", "at least one pixel", std::to_string(width) + "x" + std::to_string(height));
+  if (width < 1 || height < 1)
+    throw Error("picture.size", "at least one pixel", std::to_string(width) + "x" + std::to_string(height));
   if (!(camera.fieldOfView > 0 && camera.fieldOfView < 3.1))
-    throw Error("picture.fieldOfView", "an angle above 0 and below 3.1 rad", std::to_string(camera.fieldOfView));
+    throw Error("picture.fieldOfView", "an angle above 0 and below 3.1 rad",
+                std::to_string(camera.fieldOfView));
   const double distance = length(camera.target - camera.eye);
   if (!(distance > 0)) throw Error("picture.eye", "a point other than the target", "the target");
   const Vec3 ahead = (camera.target - camera.eye) / distance;
@@ -54,10 +58,12 @@ Eye::Eye(const Camera& camera, const Vec3& origin, int width, int height) {
 
 Matrix Eye::viewProjection(float jitterX, float jitterY) const {
   // Rows: x / spanX + jitter z, y / spanY + jitter z, z - 2 nearest, z.
-  const Vec3f rows[4] = {right * (1 / spanX) + forward * jitterX, up * (1 / spanY) + forward * jitterY, forward, forward};
+  const Vec3f rows[4] = {right * (1 / spanX) + forward * jitterX, up * (1 / spanY) + forward * jitterY,
+                         forward, forward};
   Matrix m;
   for (std::size_t row = 0; row < 4; ++row) {
-    for (std::size_t axis = 0; axis < 3; ++axis) m.columns[4 * axis + row] = rows[row][static_cast<int>(axis)];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      m.columns[4 * axis + row] = rows[row][static_cast<int>(axis)];
     m.columns[12 + row] = -dot(rows[row], position) - (row == 2 ? 2 * nearest : 0);
   }
   return m;
@@ -65,7 +71,9 @@ Matrix Eye::viewProjection(float jitterX, float jitterY) const {
 
 std::vector<HalfSpace> Eye::halfSpaces() const {
   std::vector<HalfSpace> spaces;
-  const auto add = [&](const Vec3f& normal, float offset) { spaces.push_back({normal, offset - dot(normal, position)}); };
+  const auto add = [&](const Vec3f& normal, float offset) {
+    spaces.push_back({normal, offset - dot(normal, position)});
+  };
   add(forward, 0);
   for (const float side : {-1.f, 1.f}) {
     add(normalize(forward * spanX + right * side), 0);
@@ -74,6 +82,8 @@ std::vector<HalfSpace> Eye::halfSpaces() const {
   return spaces;
 }
 
-Vec3f Eye::at(float x, float y, float depth) const { return position + (forward + right * (x * spanX) + up * (y * spanY)) * depth; }
+Vec3f Eye::at(float x, float y, float depth) const {
+  return position + (forward + right * (x * spanX) + up * (y * spanY)) * depth;
+}
 
 }  // namespace rubble::render

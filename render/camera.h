@@ -29,7 +29,9 @@ struct Bounds {
   void add(const Bounds& other);
   Vec3f middle() const { return (low + high) * .5f; }
   Vec3f half() const { return (high - low) * .5f; }
-  Vec3f corner(int i) const { return {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}; }
+  Vec3f corner(int i) const {
+    return {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+  }
 };
 
 /// Is some of the box in all of the half spaces? May say yes for a box that is near them.
@@ -54,7 +56,8 @@ struct Eye {
 
   /// Throws Error for a camera that gives no picture (eye at target, no angle).
   Eye(const Camera& camera, const Vec3& origin, int width, int height);
-  /// Depth in [-1, 1] without a far plane; `jitterX` and `jitterY` shift the picture in normalised device coordinates.
+  /// Depth in [-1, 1] without a far plane; `jitterX` and `jitterY` shift the picture in normalised device
+  /// coordinates.
   Matrix viewProjection(float jitterX, float jitterY) const;
   /// Sides of the view and the plane ahead.
   std::vector<HalfSpace> halfSpaces() const;

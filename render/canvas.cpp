@@ -140,8 +140,9 @@ void Canvas::disc(const Point& middle, double radius, const Ink& fill) {
 
 void Canvas::text(const Point& at, const std::string& text, const TextStyle& style) {
   impl_->setInk(style.ink);
-  const double shift =
-      style.align == Align::Start ? 0 : textWidth(text, style) * (style.align == Align::Middle ? .5 : 1);
+  const double shift = style.align == Align::Start
+                           ? 0
+                           : textWidth(text, style) * (style.align == Align::Middle ? .5 : 1);
   impl_->setFont(style);
   cairo_save(impl_->cairo);
   cairo_translate(impl_->cairo, at.x, at.y);

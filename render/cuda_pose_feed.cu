@@ -23,8 +23,7 @@ void check(cudaError_t status, const char* call) {
 }
 
 /// Memory of the device, or page-locked memory of the host, that grows.
-template <class T, bool OnHost>
-class Array {
+template <class T, bool OnHost> class Array {
  public:
   Array() = default;
   ~Array() { release(); }
@@ -33,16 +32,20 @@ class Array {
   void reserve(std::size_t count) {
     if (count <= room_) return;
     release();
-    if constexpr (OnHost) check(cudaMallocHost(&data_, count * sizeof(T)), "cudaMallocHost");
-    else check(cudaMalloc(&data_, count * sizeof(T)), "cudaMalloc");
+    if constexpr (OnHost)
+      check(cudaMallocHost(&data_, count * sizeof(T)), "cudaMallocHost");
+    else
+      check(cudaMalloc(&data_, count * sizeof(T)), "cudaMalloc");
     room_ = count;
   }
   T* data() const { return data_; }
 
  private:
   void release() {
-    if constexpr (OnHost) cudaFreeHost(data_);
-    else cudaFree(data_);
+    if constexpr (OnHost)
+      cudaFreeHost(data_);
+    else
+      cudaFree(data_);
     data_ = nullptr;
     room_ = 0;
   }
@@ -70,11 +73,13 @@ __device__ float4 product(const float4& a, const float4& b) {
 }
 __device__ float3 turned(const float4& q, const float3& v) {
   const float3 t{2 * (q.y * v.z - q.z * v.y), 2 * (q.z * v.x - q.x * v.z), 2 * (q.x * v.y - q.y * v.x)};
-  return {v.x + q.w * t.x + q.y * t.z - q.z * t.y, v.y + q.w * t.y + q.z * t.x - q.x * t.z, v.z + q.w * t.z + q.x * t.y - q.y * t.x};
+  return {v.x + q.w * t.x + q.y * t.z - q.z * t.y, v.y + q.w * t.y + q.z * t.x - q.x * t.z,
+          v.z + q.w * t.z + q.x * t.y - q.y * t.x};
 }
 
 /// One warp a range of slots.
-__global__ void FillPoses(const PoseSource* sources, const SlotRange* ranges, int rangeCount, Rows rows, Texels* out, Box* boxes) {
+__global__ void FillPoses(const PoseSource* sources, const SlotRange* ranges, int rangeCount, Rows rows,
+                          Texels* out, Box* boxes) {
   const int range = (blockIdx.x * blockDim.x + threadIdx.x) / kWarp, lane = threadIdx.x % kWarp;
   if (range >= rangeCount) return;
   Box box{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}};
@@ -84,16 +89,20 @@ __global__ void FillPoses(const PoseSource* sources, const SlotRange* ranges, in
     Texels texels{{kNowhere, kNowhere, kNowhere, 0}, {0, 0, 0, 1}};
     if (s.row >= 0) {
       const double* const p = reinterpret_cast<const double*>(rows.position + s.row * rows.positionStride);
-      const float* const o = reinterpret_cast<const float*>(rows.orientation + s.row * rows.orientationStride);
+      const float* const o = reinterpret_cast<const float*>(rows.orientation +
+                                                            s.row * rows.orientationStride);
       const float4 q{o[1], o[2], o[3], o[0]};
       const float3 shift = turned(q, {s.place[0], s.place[1], s.place[2]});
-      const float3 at{static_cast<float>(p[0] - rows.x) + shift.x, static_cast<float>(p[1] - rows.y) + shift.y,
+      const float3 at{static_cast<float>(p[0] - rows.x) + shift.x,
+                      static_cast<float>(p[1] - rows.y) + shift.y,
                       static_cast<float>(p[2] - rows.z) + shift.z};
       const float4 turn = product(q, {s.turn[0], s.turn[1], s.turn[2], s.turn[3]});
       if (isfinite(at.x + at.y + at.z + turn.x + turn.y + turn.z + turn.w)) {
         texels = {{at.x, at.y, at.z, 0}, turn};
-        box.low = {fminf(box.low.x, at.x - s.radius), fminf(box.low.y, at.y - s.radius), fminf(box.low.z, at.z - s.radius)};
-        box.high = {fmaxf(box.high.x, at.x + s.radius), fmaxf(box.high.y, at.y + s.radius), fmaxf(box.high.z, at.z + s.radius)};
+        box.low = {fminf(box.low.x, at.x - s.radius), fminf(box.low.y, at.y - s.radius),
+                   fminf(box.low.z, at.z - s.radius)};
+        box.high = {fmaxf(box.high.x, at.x + s.radius), fmaxf(box.high.y, at.y + s.radius),
+                    fmaxf(box.high.z, at.z + s.radius)};
       }
     }
     out[slot] = texels;
@@ -126,30 +135,44 @@ class CudaPoseFeed final : public PoseFeed {
     ranges_.reserve(ranges.size());
     boxes_.reserve(ranges.size());
     host_.reserve(ranges.size());
-    check(cudaMemcpy(sources_.data(), sources.data(), sources.size_bytes(), cudaMemcpyHostToDevice), "cudaMemcpy of sources");
-    check(cudaMemcpy(ranges_.data(), ranges.data(), ranges.size_bytes(), cudaMemcpyHostToDevice), "cudaMemcpy of ranges");
+    check(cudaMemcpy(sources_.data(), sources.data(), sources.size_bytes(), cudaMemcpyHostToDevice),
+          "cudaMemcpy of sources");
+    check(cudaMemcpy(ranges_.data(), ranges.data(), ranges.size_bytes(), cudaMemcpyHostToDevice),
+          "cudaMemcpy of ranges");
     rangeCount_ = ranges.size();
   }
 
   void fill(unsigned buffer, int storage, const PoseArrays& arrays, std::span<Bounds> bounds) override {
-    const auto is = [](const ArrayView& view, const char* type) { return view.device && std::string(view.typestr) == type; };
-    if (!is(arrays.position, "<f8") || !is(arrays.orientation, "<f4")) throw Error("poses", "<f8 and <f4 on the device", "others");
-    if (bounds.size() != rangeCount_) throw Error("poses.bounds", std::to_string(rangeCount_) + " of them", std::to_string(bounds.size()));
+    const auto is = [](const ArrayView& view, const char* type) {
+      return view.device && std::string(view.typestr) == type;
+    };
+    if (!is(arrays.position, "<f8") || !is(arrays.orientation, "<f4"))
+      throw Error("poses", "<f8 and <f4 on the device", "others");
+    if (bounds.size() != rangeCount_)
+      throw Error("poses.bounds", std::to_string(rangeCount_) + " of them", std::to_string(bounds.size()));
     bind(buffer, storage);
     wait(arrays.position.stream);
     if (arrays.orientation.stream != arrays.position.stream) wait(arrays.orientation.stream);
     check(cudaGraphicsMapResources(1, &resource_, stream_), "cudaGraphicsMapResources");
     void* out = nullptr;
     std::size_t bytes = 0;
-    check(cudaGraphicsResourceGetMappedPointer(&out, &bytes, resource_), "cudaGraphicsResourceGetMappedPointer");
-    const Rows rows{static_cast<const char*>(arrays.position.data), static_cast<const char*>(arrays.orientation.data),
-                    arrays.position.strides[0], arrays.orientation.strides[0], arrays.origin.x, arrays.origin.y, arrays.origin.z};
+    check(cudaGraphicsResourceGetMappedPointer(&out, &bytes, resource_),
+          "cudaGraphicsResourceGetMappedPointer");
+    const Rows rows{static_cast<const char*>(arrays.position.data),
+                    static_cast<const char*>(arrays.orientation.data),
+                    arrays.position.strides[0],
+                    arrays.orientation.strides[0],
+                    arrays.origin.x,
+                    arrays.origin.y,
+                    arrays.origin.z};
     const int count = static_cast<int>(rangeCount_);
     if (count > 0) {
-      FillPoses<<<(count * kWarp + kBlock - 1) / kBlock, kBlock, 0, stream_>>>(sources_.data(), ranges_.data(), count, rows,
-                                                                                static_cast<Texels*>(out), boxes_.data());
+      FillPoses<<<(count * kWarp + kBlock - 1) / kBlock, kBlock, 0, stream_>>>(
+          sources_.data(), ranges_.data(), count, rows, static_cast<Texels*>(out), boxes_.data());
       check(cudaGetLastError(), "FillPoses");
-      check(cudaMemcpyAsync(host_.data(), boxes_.data(), rangeCount_ * sizeof(Box), cudaMemcpyDeviceToHost, stream_), "cudaMemcpyAsync");
+      check(cudaMemcpyAsync(host_.data(), boxes_.data(), rangeCount_ * sizeof(Box), cudaMemcpyDeviceToHost,
+                            stream_),
+            "cudaMemcpyAsync");
     }
     check(cudaGraphicsUnmapResources(1, &resource_, stream_), "cudaGraphicsUnmapResources");
     check(cudaStreamSynchronize(stream_), "cudaStreamSynchronize");
@@ -164,7 +187,8 @@ class CudaPoseFeed final : public PoseFeed {
     if (resource_ && buffer == buffer_ && storage == storage_) return;
     if (resource_) cudaGraphicsUnregisterResource(resource_);
     resource_ = nullptr;
-    check(cudaGraphicsGLRegisterBuffer(&resource_, buffer, cudaGraphicsRegisterFlagsWriteDiscard), "cudaGraphicsGLRegisterBuffer");
+    check(cudaGraphicsGLRegisterBuffer(&resource_, buffer, cudaGraphicsRegisterFlagsWriteDiscard),
+          "cudaGraphicsGLRegisterBuffer");
     buffer_ = buffer, storage_ = storage;
   }
   /// Behind the work that has the arrays ready.
@@ -197,7 +221,8 @@ std::unique_ptr<PoseFeed> makePoseFeed(std::string& why) {
     why = "no CUDA device";
     return nullptr;
   }
-  const cudaError_t status = cudaGLGetDevices(&count, devices.data(), static_cast<unsigned>(devices.size()), cudaGLDeviceListAll);
+  const cudaError_t status = cudaGLGetDevices(&count, devices.data(), static_cast<unsigned>(devices.size()),
+                                              cudaGLDeviceListAll);
   if (status != cudaSuccess) {
     cudaGetLastError();
     why = std::string("OpenGL draws with no CUDA device: ") + cudaGetErrorString(status);

@@ -52,15 +52,18 @@ std::vector<std::string> ffmpegArguments(const std::string& file, int width, int
   const std::string extension = fs::path(file).extension().string();
   if (extension == ".mp4" || extension == ".mkv" || extension == ".mov") {
     // A file that every player shows, with the colours of the picture named in it.
-    for (const char* a :
-         {"-c:v", "libx264", "-preset", "medium", "-crf", "17", "-pix_fmt", "yuv420p", "-vf", "scale=out_color_matrix=bt709:out_range=tv",
-          "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-movflags", "+faststart"})
+    for (const char* a : {"-c:v", "libx264", "-preset", "medium", "-crf", "17", "-pix_fmt", "yuv420p", "-vf",
+                          "scale=out_color_matrix=bt709:out_range=tv", "-colorspace", "bt709",
+                          "-color_primaries", "bt709", "-color_trc", "bt709", "-movflags", "+faststart"})
       arguments.emplace_back(a);
   } else if (extension == ".jpg") {
     // update: one file of that name, which is no pattern for several
-    for (const char* a : {"-frames:v", "1", "-update", "1", "-q:v", "4", "-pix_fmt", "yuvj444p"}) arguments.emplace_back(a);
+    for (const char* a : {"-frames:v", "1", "-update", "1", "-q:v", "4", "-pix_fmt", "yuvj444p"})
+      arguments.emplace_back(a);
   } else if (extension == ".gif") {
-    for (const char* a : {"-filter_complex", "[0:v]split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=sierra2_4a"})
+    for (const char* a :
+         {"-filter_complex",
+          "[0:v]split[a][b];[a]palettegen=stats_mode=diff[p];[b][p]paletteuse=dither=sierra2_4a"})
       arguments.emplace_back(a);
   }
   // whatever the name begins with or holds, it is that of a file and neither an option nor an address
@@ -92,7 +95,8 @@ class Film final : public PictureSink {
 
   void put(const io::Image& image) override {
     if (image.width != width_ || image.height != height_)
-      throw Error(file_, "pictures of one size", std::to_string(image.width) + "x" + std::to_string(image.height));
+      throw Error(file_, "pictures of one size",
+                  std::to_string(image.width) + "x" + std::to_string(image.height));
     // A program that has given up must not take this one with it.
     const auto before = std::signal(SIGPIPE, SIG_IGN);
     std::size_t sent = 0;
@@ -108,7 +112,8 @@ class Film final : public PictureSink {
 
   void finish() override {
     const int status = wait();
-    if (status != 0) throw Error(file_, "a film that ffmpeg can write", "its exit status " + std::to_string(status));
+    if (status != 0)
+      throw Error(file_, "a film that ffmpeg can write", "its exit status " + std::to_string(status));
     name_.keep();
   }
 
@@ -158,14 +163,18 @@ class OnePicture final : public PictureSink {
 std::string needFfmpeg(const std::string& file) {
   const std::string program = ffmpegProgram();
   if (program.empty())
-    throw Error(file, "the ffmpeg program for a film (Debian, Ubuntu: apt-get install ffmpeg; or write pictures: frame_%04d.png)",
+    throw Error(file,
+                "the ffmpeg program for a film (Debian, Ubuntu: apt-get install ffmpeg; or write pictures: "
+                "frame_%04d.png)",
                 "none on PATH");
   return program;
 }
 
 }  // namespace
 
-bool isNumbered(const std::string& file) { return std::regex_search(file, kNumber) && fs::path(file).extension() == ".png"; }
+bool isNumbered(const std::string& file) {
+  return std::regex_search(file, kNumber) && fs::path(file).extension() == ".png";
+}
 
 bool isFilm(const std::string& file) {
   const std::string extension = fs::path(file).extension().string();
@@ -189,12 +198,16 @@ std::unique_ptr<PictureSink> pictureFile(const std::string& file) {
   return std::make_unique<OnePicture>(file, fs::path(file).extension() == ".jpg" ? needFfmpeg(file) : "");
 }
 
-std::unique_ptr<PictureSink> pictureSink(const std::string& file, int width, int height, double framesPerSecond) {
+std::unique_ptr<PictureSink> pictureSink(const std::string& file, int width, int height,
+                                         double framesPerSecond) {
   if (isNumbered(file)) return std::make_unique<NumberedPictures>(file);
   if (!isFilm(file)) return pictureFile(file);
   const std::string extension = fs::path(file).extension().string();
-  if (extension != ".mp4" && extension != ".mkv" && extension != ".mov" && extension != ".webm" && extension != ".gif")
-    throw Error("--out", "a .png or .jpg, numbered pictures (frame_%04d.png) or a film (.mp4, .mkv, .mov, .webm, .gif)", file);
+  if (extension != ".mp4" && extension != ".mkv" && extension != ".mov" && extension != ".webm" &&
+      extension != ".gif")
+    throw Error(
+        "--out",
+        "a .png or .jpg, numbered pictures (frame_%04d.png) or a film (.mp4, .mkv, .mov, .webm, .gif)", file);
   if (width % 2 != 0 || height % 2 != 0)
     throw Error("--size", "even numbers for a film", std::to_string(width) + "x" + std::to_string(height));
   return std::make_unique<Film>(file, needFfmpeg(file), width, height, framesPerSecond);

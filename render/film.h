@@ -22,7 +22,8 @@ std::unique_ptr<PictureSink> pictureFile(const std::string& file);
 /// By the name: "frame_%04d.png" numbers pictures from 0, another .png or .jpg is a pictureFile, everything
 /// else is a film that the ffmpeg program writes (.mp4, .mkv, .webm, .gif). Throws Error for a film if that
 /// program is missing or the size is odd.
-std::unique_ptr<PictureSink> pictureSink(const std::string& file, int width, int height, double framesPerSecond);
+std::unique_ptr<PictureSink> pictureSink(const std::string& file, int width, int height,
+                                         double framesPerSecond);
 
 /// Will this file be a film?
 bool isFilm(const std::string& file);

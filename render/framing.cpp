@@ -63,8 +63,8 @@ Camera cameraShowing(std::span<const io::PictureBody> bodies, const Vec3& gravit
     const double room = 2 * framing.spread * ranges[2].half();
     ranges[i] = {ranges[i].low - room, ranges[i].high + room};
   }
-  const Vec3 target =
-      axes[0] * ranges[0].middle() + axes[1] * ranges[1].middle() + axes[2] * ranges[2].middle();
+  const Vec3 target = axes[0] * ranges[0].middle() + axes[1] * ranges[1].middle() +
+                      axes[2] * ranges[2].middle();
 
   const Vec3 forward = normalize(framing.direction, normalize(away - right * .55 - up * .42));
   const Vec3 cameraRight = normalize(cross(forward, up), right);

@@ -59,12 +59,14 @@ MeshData cylinderMesh(int sides) {
   const Vec3f axis{0, 0, 1};
   for (std::uint32_t i = 0; i <= n; ++i) {
     for (const float z : {-1.f, 1.f}) mesh.addVertex(direction(i) + axis * z, 0, direction(i));
-    if (i < n) mesh.indices.insert(mesh.indices.end(), {2 * i, 2 * i + 2, 2 * i + 3, 2 * i, 2 * i + 3, 2 * i + 1});
+    if (i < n)
+      mesh.indices.insert(mesh.indices.end(), {2 * i, 2 * i + 2, 2 * i + 3, 2 * i, 2 * i + 3, 2 * i + 1});
   }
   for (const float z : {-1.f, 1.f}) {
     const auto first = static_cast<std::uint32_t>(mesh.vertexCount());
     for (std::uint32_t i = 0; i < n; ++i) mesh.addVertex(direction(i) + axis * z, 0, axis * z);
-    for (std::uint32_t i = 2; i < n; ++i) mesh.indices.insert(mesh.indices.end(), {first, first + i - 1, first + i});
+    for (std::uint32_t i = 2; i < n; ++i)
+      mesh.indices.insert(mesh.indices.end(), {first, first + i - 1, first + i});
   }
   return mesh;
 }

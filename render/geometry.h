@@ -9,7 +9,8 @@
 
 namespace rubble::render {
 
-/// Two texels of four floats a vertex: position and how far the half length moves it along z (-1, 0 or 1), normal and nothing.
+/// Two texels of four floats a vertex: position and how far the half length moves it along z (-1, 0 or 1),
+/// normal and nothing.
 struct MeshData {
   std::vector<float> texels;
   std::vector<std::uint32_t> indices;
@@ -22,11 +23,13 @@ using Triangle = std::array<std::uint32_t, 3>;
 
 /// The three faces of a box about its corner 7; only the indices are used.
 MeshData boxFaces();
-/// A unit sphere, cut in two halves that a half length moves apart: with one it is a capsule. `rings` from pole to pole, even.
+/// A unit sphere, cut in two halves that a half length moves apart: with one it is a capsule. `rings` from
+/// pole to pole, even.
 MeshData roundMesh(int rings);
 /// A unit cylinder along z, from -1 to 1.
 MeshData cylinderMesh(int sides);
-/// Vertices and triangles as they are, with flat faces where edges are sharp (above `crease` [rad]) and smooth ones elsewhere.
+/// Vertices and triangles as they are, with flat faces where edges are sharp (above `crease` [rad]) and
+/// smooth ones elsewhere.
 MeshData meshOf(std::span<const Vec3f> vertices, std::span<const Triangle> triangles, float crease = .6f);
 /// Normals of the vertices of a smooth surface, weighted by area.
 std::vector<Vec3f> smoothNormals(std::span<const Vec3f> vertices, std::span<const Triangle> triangles);

@@ -34,7 +34,9 @@ GLuint VertexArrayKind::make() {
 void VertexArrayKind::release(GLuint id) { glDeleteVertexArrays(1, &id); }
 
 void Buffer::bind() const { glBindBuffer(target_, handle_.id()); }
-void Buffer::bindStorage(GLuint binding) const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, handle_.id()); }
+void Buffer::bindStorage(GLuint binding) const {
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, handle_.id());
+}
 
 void Buffer::reserve(std::size_t bytes) {
   bind();
@@ -51,7 +53,8 @@ void Buffer::upload(const void* data, std::size_t bytes) {
 
 void* Buffer::map(std::size_t bytes) {
   reserve(bytes);
-  return glMapBufferRange(target_, 0, static_cast<GLsizeiptr>(bytes), GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
+  return glMapBufferRange(target_, 0, static_cast<GLsizeiptr>(bytes),
+                          GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
 }
 
 void Buffer::unmap() {
@@ -66,7 +69,10 @@ void TexelBuffer::bind(int unit) const {
 }
 
 Texture::Texture(int width, int height, GLenum format, GLenum filter, int layers)
-    : target_(layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D), format_(format), width_(width), height_(height) {
+    : target_(layers > 0 ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D),
+      format_(format),
+      width_(width),
+      height_(height) {
   glBindTexture(target_, handle_.id());
   const bool isDepth = format == GL_DEPTH_COMPONENT32F || format == GL_DEPTH_COMPONENT24;
   const bool isInteger = format == GL_RG32UI || format == GL_R32UI;
@@ -115,7 +121,8 @@ Framebuffer::Framebuffer(const std::vector<const Texture*>& colors, const Textur
     glDrawBuffers(static_cast<GLsizei>(outputs.size()), outputs.data());
   }
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
-  if (status != GL_FRAMEBUFFER_COMPLETE) throw Error("OpenGL", "a complete framebuffer", "status " + std::to_string(status));
+  if (status != GL_FRAMEBUFFER_COMPLETE)
+    throw Error("OpenGL", "a complete framebuffer", "status " + std::to_string(status));
 }
 
 void Framebuffer::bind() const {
@@ -170,7 +177,8 @@ bool wantsCompute() {
   return canCompute() && (word.empty() ? !drawsInSoftware() : word == "on");
 }
 
-Program::Program(const std::string& vertexFile, const std::string& fragmentFile, const std::vector<std::string>& defines, int version)
+Program::Program(const std::string& vertexFile, const std::string& fragmentFile,
+                 const std::vector<std::string>& defines, int version)
     : id_(glCreateProgram()) {
   attach(GL_VERTEX_SHADER, vertexFile, defines, version);
   attach(GL_FRAGMENT_SHADER, fragmentFile, defines, version);
@@ -182,7 +190,8 @@ Program::Program(const ComputeFile& file, const std::vector<std::string>& define
   link(file.name);
 }
 
-void Program::attach(GLenum stage, const std::string& file, const std::vector<std::string>& defines, int version) {
+void Program::attach(GLenum stage, const std::string& file, const std::vector<std::string>& defines,
+                     int version) {
   const GLuint shader = compile(stage, file, defines, version);
   glAttachShader(id_, shader);
   glDeleteShader(shader);
@@ -214,11 +223,15 @@ void Program::set(const char* name, float value) { glUniform1f(location(name), v
 void Program::setPixels(const char* name, int x, int y) { glUniform2i(location(name), x, y); }
 void Program::set(const char* name, float x, float y) { glUniform2f(location(name), x, y); }
 void Program::set(const char* name, float x, float y, float z) { glUniform3f(location(name), x, y, z); }
-void Program::set(const char* name, float x, float y, float z, float w) { glUniform4f(location(name), x, y, z, w); }
+void Program::set(const char* name, float x, float y, float z, float w) {
+  glUniform4f(location(name), x, y, z, w);
+}
 void Program::setMatrices(const char* name, const float* columns, int count) {
   glUniformMatrix4fv(location(name), count, GL_FALSE, columns);
 }
-void Program::setArray(const char* name, const float* values, int count) { glUniform1fv(location(name), count, values); }
+void Program::setArray(const char* name, const float* values, int count) {
+  glUniform1fv(location(name), count, values);
+}
 
 bool drawsInSoftware() {
   const std::string renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
@@ -227,7 +240,8 @@ bool drawsInSoftware() {
 
 void check(const char* where) {
   const GLenum error = glGetError();
-  if (error != GL_NO_ERROR) throw Error(std::string("OpenGL in ") + where, "no error", "error " + std::to_string(error));
+  if (error != GL_NO_ERROR)
+    throw Error(std::string("OpenGL in ") + where, "no error", "error " + std::to_string(error));
 }
 
 }  // namespace rubble::render::gl

@@ -72,7 +72,9 @@ class Buffer {
 /// A buffer that shaders read as an array of texels.
 class TexelBuffer {
  public:
-  explicit TexelBuffer(GLenum format) : buffer_(GL_TEXTURE_BUFFER), format_(format) { buffer_.upload(nullptr, 0); }
+  explicit TexelBuffer(GLenum format) : buffer_(GL_TEXTURE_BUFFER), format_(format) {
+    buffer_.upload(nullptr, 0);
+  }
   Buffer& buffer() { return buffer_; }
   void bind(int unit) const;
 
@@ -117,8 +119,9 @@ class Framebuffer {
 inline constexpr int kComputeVersion = 43;
 /// Does the current context have them?
 bool canCompute();
-/// Is drawing meant to be done by compute shaders where both ways are there? Not on a software renderer. RUBBLE_GL_COMPUTE=on asks for it
-/// wherever it can be, RUBBLE_GL_COMPUTE=off nowhere. Throws Error for another word.
+/// Is drawing meant to be done by compute shaders where both ways are there? Not on a software renderer.
+/// RUBBLE_GL_COMPUTE=on asks for it wherever it can be, RUBBLE_GL_COMPUTE=off nowhere. Throws Error for
+/// another word.
 bool wantsCompute();
 
 /// Name of the file of a compute shader.
@@ -129,9 +132,10 @@ struct ComputeFile {
 /// A linked program. Names of uniforms that the compiler has taken out are ignored.
 class Program {
  public:
-  /// Shaders by the name of their file in render/shaders; `defines` are put on top of both ("BOX"). `version` of OpenGL, 41 or 43.
-  /// Throws Error with the driver's log.
-  Program(const std::string& vertexFile, const std::string& fragmentFile, const std::vector<std::string>& defines = {}, int version = 41);
+  /// Shaders by the name of their file in render/shaders; `defines` are put on top of both ("BOX"). `version`
+  /// of OpenGL, 41 or 43. Throws Error with the driver's log.
+  Program(const std::string& vertexFile, const std::string& fragmentFile,
+          const std::vector<std::string>& defines = {}, int version = 41);
   explicit Program(const ComputeFile& file, const std::vector<std::string>& defines = {});
   ~Program();
   Program(const Program&) = delete;

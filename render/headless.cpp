@@ -26,7 +26,8 @@ bool deviceHas(EGLDeviceEXT device, const char* extension) {
 /// Which CUDA device this is; a large number for those that are none.
 EGLAttrib cudaIndex(EGLDeviceEXT device) {
   EGLAttrib index = 0;
-  if (deviceHas(device, "EGL_NV_device_cuda") && eglQueryDeviceAttribEXT(device, EGL_CUDA_DEVICE_NV, &index)) return index;
+  if (deviceHas(device, "EGL_NV_device_cuda") && eglQueryDeviceAttribEXT(device, EGL_CUDA_DEVICE_NV, &index))
+    return index;
   return std::numeric_limits<EGLAttrib>::max();
 }
 
@@ -55,8 +56,13 @@ struct HeadlessContext::Impl {
     EGLContext made = EGL_NO_CONTEXT;
     // Some drivers give the version that is asked for and none above it.
     for (const EGLint minor : {gl::kComputeVersion % 10, 1}) {
-      const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,           4,       EGL_CONTEXT_MINOR_VERSION, minor, EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT, EGL_NONE};
+      const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                4,
+                                EGL_CONTEXT_MINOR_VERSION,
+                                minor,
+                                EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                EGL_NONE};
       if (made == EGL_NO_CONTEXT) made = eglCreateContext(candidate, config, EGL_NO_CONTEXT, version);
     }
     if (made == EGL_NO_CONTEXT) return false;
@@ -78,7 +84,8 @@ struct HeadlessContext::Impl {
     if (!eglQueryDevicesEXT(static_cast<EGLint>(devices.size()), devices.data(), &count)) return false;
     // The first CUDA device first: that is where worlds are stepped, and poses need not leave it.
     const auto last = devices.begin() + count;
-    std::stable_sort(devices.begin(), last, [](EGLDeviceEXT a, EGLDeviceEXT b) { return cudaIndex(a) < cudaIndex(b); });
+    std::stable_sort(devices.begin(), last,
+                     [](EGLDeviceEXT a, EGLDeviceEXT b) { return cudaIndex(a) < cudaIndex(b); });
     for (auto device = devices.begin(); device != last; ++device) {
       if (deviceHas(*device, "EGL_MESA_device_software")) continue;
       if (start(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, *device, nullptr))) return true;
@@ -98,7 +105,9 @@ HeadlessContext::HeadlessContext() : impl_(std::make_unique<Impl>()) {
   if (wantSoftware) setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
   if (!wantSoftware && impl_->startOnDevices()) return;
   if (!impl_->startSurfaceless())
-    throw Error("EGL", "an OpenGL 4.1 context without a display (Debian: apt-get install libegl1 libgl1-mesa-dri)", "none");
+    throw Error("EGL",
+                "an OpenGL 4.1 context without a display (Debian: apt-get install libegl1 libgl1-mesa-dri)",
+                "none");
 }
 
 HeadlessContext::~HeadlessContext() {

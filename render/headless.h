@@ -5,8 +5,9 @@
 
 namespace rubble::render {
 
-/// Makes a context (core, 4.3 or else 4.1) current on this thread for as long as it lives: on the GPU where EGL offers one without a display, else on
-/// Mesa's software renderer. RUBBLE_GL=software asks for the latter.
+/// Makes a context (core, 4.3 or else 4.1) current on this thread for as long as it lives: on the GPU where
+/// EGL offers one without a display, else on Mesa's software renderer. RUBBLE_GL=software asks for the
+/// latter.
 class HeadlessContext {
  public:
   /// Throws Error if there is none.

@@ -21,16 +21,19 @@ void Lines::set(std::span<const Line> lines, const Vec3& origin) {
   std::vector<Instance> instances;
   for (const Line& line : lines) {
     const Vec3f a(line.a - origin), b(line.b - origin);
-    const std::uint32_t rgba = (line.rgb >> 16 & 255u) | (line.rgb & 0xff00u) | (line.rgb & 255u) << 16 | 0xff000000u;
+    const std::uint32_t rgba = (line.rgb >> 16 & 255u) | (line.rgb & 0xff00u) | (line.rgb & 255u) << 16 |
+                               0xff000000u;
     if (finite(a) && finite(b)) instances.push_back({a, b, line.width, rgba});
   }
   count_ = static_cast<GLsizei>(instances.size());
   if (count_ == 0) return;
   glBindVertexArray(array_.id());
   buffer_.upload(instances.data(), instances.size() * sizeof(Instance));
-  const auto attribute = [](GLuint index, GLint numbers, GLenum type, GLboolean normalized, std::size_t offset) {
+  const auto attribute = [](GLuint index, GLint numbers, GLenum type, GLboolean normalized,
+                            std::size_t offset) {
     glEnableVertexAttribArray(index);
-    glVertexAttribPointer(index, numbers, type, normalized, sizeof(Instance), reinterpret_cast<const void*>(offset));
+    glVertexAttribPointer(index, numbers, type, normalized, sizeof(Instance),
+                          reinterpret_cast<const void*>(offset));
     glVertexAttribDivisor(index, 1);
   };
   attribute(0, 3, GL_FLOAT, GL_FALSE, offsetof(Instance, a));

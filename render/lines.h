@@ -1,8 +1,8 @@
 #pragma once
 #include <span>
 
-#include "render/gl.h"
 #include "render/camera.h"
+#include "render/gl.h"
 #include "render/overlay.h"
 
 namespace rubble::render {

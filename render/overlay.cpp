@@ -9,7 +9,8 @@
 namespace rubble::render {
 namespace {
 
-constexpr std::uint32_t kTouching = 0x18a36b, kOpen = 0x3d6fd0, kForce = 0xd1302a, kLink = 0x2b2f36, kBounds = 0x2d5f9e;
+constexpr std::uint32_t kTouching = 0x18a36b, kOpen = 0x3d6fd0, kForce = 0xd1302a, kLink = 0x2b2f36,
+                        kBounds = 0x2d5f9e;
 constexpr std::array<std::uint32_t, 3> kAxes{0xd8342b, 0x2f9e44, 0x2b62d9};
 constexpr float kDot = 6, kForceWidth = 2;
 /// Of the axes of a joint's frame and of a normal, over the size of a body.
@@ -23,7 +24,8 @@ struct Arrow {
 
 void addArrow(const Vec3& from, const Vec3& way, std::uint32_t rgb, std::vector<Line>& lines) {
   const Vec3 tip = from + way, ahead = normalize(way);
-  const Vec3 side = normalize(cross(ahead, std::fabs(ahead.z) < .9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0})) * (kHeadWidth * length(way));
+  const Vec3 side = normalize(cross(ahead, std::fabs(ahead.z) < .9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0})) *
+                    (kHeadWidth * length(way));
   const Vec3 other = cross(ahead, side), back = tip - way * kHead;
   lines.push_back({from, tip, rgb, kForceWidth});
   for (const Vec3& edge : {side, -side, other, -other}) lines.push_back({tip, back + edge, rgb, kForceWidth});
@@ -44,7 +46,8 @@ class Vertices {
   std::vector<Vec3> positions_;
 };
 
-void addContacts(const World& world, const Overlays& overlays, double size, std::vector<Line>& lines, std::vector<Arrow>& arrows) {
+void addContacts(const World& world, const Overlays& overlays, double size, std::vector<Line>& lines,
+                 std::vector<Arrow>& arrows) {
   const auto add = [&](const Vec3& at, const Vec3& normal, double depth, const Vec3& force) {
     if (overlays.forces && lengthSquared(force) > 0) arrows.push_back({at, force});
     if (!overlays.contacts) return;
@@ -54,10 +57,12 @@ void addContacts(const World& world, const Overlays& overlays, double size, std:
   };
   for (const ContactPoint& c : world.contacts()) add(c.position, c.normal, c.depth, c.force);
   Vertices vertices(world);
-  for (const VertexContact& c : world.vertexContacts()) add(vertices.of(c.object, c.vertex), c.normal, c.depth, c.force);
+  for (const VertexContact& c : world.vertexContacts())
+    add(vertices.of(c.object, c.vertex), c.normal, c.depth, c.force);
 }
 
-void addJoints(const World& world, const Overlays& overlays, double size, std::vector<Line>& lines, std::vector<Arrow>& arrows) {
+void addJoints(const World& world, const Overlays& overlays, double size, std::vector<Line>& lines,
+               std::vector<Arrow>& arrows) {
   for (const JointId id : world.joints()) {
     const JointState state = world.state(id);
     if (state.broken) continue;
@@ -76,7 +81,8 @@ void addJoints(const World& world, const Overlays& overlays, double size, std::v
     const World::AttachmentEnds ends = world.endsOf(id);
     if (state.broken || ends.otherObject.index >= 0) continue;
     const Vec3 at = ends.body.index < 0 ? ends.anchor
-                                        : world.state(ends.body).position + rotate(world.state(ends.body).orientation, ends.anchor);
+                                        : world.state(ends.body).position +
+                                              rotate(world.state(ends.body).orientation, ends.anchor);
     if (overlays.forces && lengthSquared(state.force) > 0) arrows.push_back({at, state.force});
     if (overlays.joints) lines.push_back({at, at, kLink, kDot});
   }
@@ -92,7 +98,8 @@ void addBounds(const World& world, std::vector<Line>& lines) {
       for (const Vec3& p : points)
         for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
     } else {
-      high = {io::extentAlong(body, {1, 0, 0}), io::extentAlong(body, {0, 1, 0}), io::extentAlong(body, {0, 0, 1})};
+      high = {io::extentAlong(body, {1, 0, 0}), io::extentAlong(body, {0, 1, 0}),
+              io::extentAlong(body, {0, 0, 1})};
       low = -high;
     }
     addBox(body.position + low, body.position + high, kBounds, lines);
@@ -104,11 +111,16 @@ void addBounds(const World& world, std::vector<Line>& lines) {
 Overlays overlaysNamed(const std::vector<std::string>& names) {
   Overlays overlays;
   for (const std::string& name : names) {
-    if (name == "contacts") overlays.contacts = true;
-    else if (name == "forces") overlays.forces = true;
-    else if (name == "joints") overlays.joints = true;
-    else if (name == "bounds") overlays.bounds = true;
-    else throw Error("--show", "contacts, forces, joints or bounds", name);
+    if (name == "contacts")
+      overlays.contacts = true;
+    else if (name == "forces")
+      overlays.forces = true;
+    else if (name == "joints")
+      overlays.joints = true;
+    else if (name == "bounds")
+      overlays.bounds = true;
+    else
+      throw Error("--show", "contacts, forces, joints or bounds", name);
   }
   return overlays;
 }
@@ -127,12 +139,15 @@ void addFrame(const Frame& frame, double length, float width, std::vector<Line>&
   for (int i = 0; i < 3; ++i) {
     Vec3 axis;
     axis[i] = length;
-    lines.push_back({frame.position, frame.position + rotate(frame.orientation, axis), kAxes[static_cast<std::size_t>(i)], width});
+    lines.push_back({frame.position, frame.position + rotate(frame.orientation, axis),
+                     kAxes[static_cast<std::size_t>(i)], width});
   }
 }
 
 void addBox(const Vec3& low, const Vec3& high, std::uint32_t rgb, std::vector<Line>& lines) {
-  const auto corner = [&](int i) { return Vec3{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}; };
+  const auto corner = [&](int i) {
+    return Vec3{i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z};
+  };
   for (int i = 0; i < 8; ++i)
     for (const int bit : {1, 2, 4})
       if (!(i & bit)) lines.push_back({corner(i), corner(i | bit), rgb, 1});
@@ -146,7 +161,8 @@ std::vector<Line> overlayLines(const World& world, const Overlays& overlays, dou
   if (overlays.bounds) addBounds(world, lines);
   double largest = 0;
   for (const Arrow& arrow : arrows) largest = std::max(largest, length(arrow.force));
-  for (const Arrow& arrow : arrows) addArrow(arrow.at, arrow.force * (kLongestForce * size / largest), kForce, lines);
+  for (const Arrow& arrow : arrows)
+    addArrow(arrow.at, arrow.force * (kLongestForce * size / largest), kForce, lines);
   return lines;
 }
 

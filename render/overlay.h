@@ -25,7 +25,8 @@ struct Overlays {
 /// Names as on the command line: "contacts", "forces", "joints", "bounds". Throws Error for others.
 Overlays overlaysNamed(const std::vector<std::string>& names);
 
-/// Lines of a world after its last step. `size`: of a typical body [m]; the longest force is drawn kLongestForce times as long.
+/// Lines of a world after its last step. `size`: of a typical body [m]; the longest force is drawn
+/// kLongestForce times as long.
 std::vector<Line> overlayLines(const World& world, const Overlays& overlays, double size);
 inline constexpr double kLongestForce = 6;
 /// The frame of a joint on one of its bodies (0: A, 1: B), as position and orientation in the world.

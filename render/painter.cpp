@@ -20,7 +20,8 @@ class GlPainter final : public Painter {
     quality_.samples = settings.samples;
   }
 
-  io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera, std::span<const Line> lines) override {
+  io::Image paint(std::span<const io::PictureBody> bodies, const Camera& camera,
+                  std::span<const Line> lines) override {
     stage_.renderer().setLines(lines);
     stage_.setBodies(bodies, settings_.colorBy, settings_.fullValue);
     return stage_.picture(camera, quality_);
@@ -34,8 +35,8 @@ class GlPainter final : public Painter {
 
 class GlDevice final : public PaintDevice {
  public:
-  std::unique_ptr<Painter> painter(std::span<const io::PictureBody> atStart, const Vec3& gravity, const Camera& camera,
-                                   const PaintSettings& settings) override {
+  std::unique_ptr<Painter> painter(std::span<const io::PictureBody> atStart, const Vec3& gravity,
+                                   const Camera& camera, const PaintSettings& settings) override {
     return std::make_unique<GlPainter>(atStart, gravity, camera, settings);
   }
   std::string name() const override { return "OpenGL on " + context_.renderer(); }

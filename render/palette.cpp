@@ -18,13 +18,15 @@ constexpr double kWreckingBall = 1.3;
 /// From the lowest course to the highest: clay, sandstone, limestone.
 constexpr std::array<std::uint32_t, 6> kCourses{0x6a4d45, 0x8f6656, 0xab846b, 0xbc9c7d, 0xc6b192, 0xcdc0a6};
 /// Colours that go with one another, for scenes of few bodies.
-constexpr std::array<std::uint32_t, 8> kAccents{0xab6a52, 0x4a7480, 0xc9a668, 0x6f8868, 0x86667c, 0x566f8f, 0xb4957a, 0x7b888d};
+constexpr std::array<std::uint32_t, 8> kAccents{0xab6a52, 0x4a7480, 0xc9a668, 0x6f8868,
+                                                0x86667c, 0x566f8f, 0xb4957a, 0x7b888d};
 /// Of values: cold and dark at 0, through teal and yellow to red at 1.
 constexpr std::array<std::uint32_t, 6> kHeatStops{0x4a5a72, 0x2f7f93, 0x5fb58b, 0xe9d46a, 0xee8f3c, 0xd6362f};
 /// Of what has no value.
 constexpr std::uint32_t kNoValue = 0x9a9c9e;
 constexpr std::uint32_t kRope = 0x5b5247;
-constexpr std::uint32_t kConcrete = 0xb4b3ae, kSteel = 0x6d7378, kDarkMetal = 0x77777a, kGroundColor = 0xb5b3af;
+constexpr std::uint32_t kConcrete = 0xb4b3ae, kSteel = 0x6d7378, kDarkMetal = 0x77777a,
+                        kGroundColor = 0xb5b3af;
 
 std::uint32_t mixed(std::uint32_t value) {
   value ^= value >> 16;
@@ -114,12 +116,13 @@ Vec3f Palette::stone(const io::PictureBody& body) const {
 
 Vec3f Palette::softColor(std::uint32_t key) const {
   if (key == io::kRopeKey) return linearColor(kRope);
-  return linearColor(kAccents[accentOf(key >> io::kSoftKeyBits)]) * (.93f + .14f * fraction(mixed(key + 1), 8));
+  return linearColor(kAccents[accentOf(key >> io::kSoftKeyBits)]) *
+         (.93f + .14f * fraction(mixed(key + 1), 8));
 }
 
 bool sameShape(const Shape& a, const Shape& b) {
-  return a.type == b.type && a.halfExtents == b.halfExtents && a.radius == b.radius && a.halfLength == b.halfLength &&
-         a.rounding == b.rounding && a.geometry == b.geometry;
+  return a.type == b.type && a.halfExtents == b.halfExtents && a.radius == b.radius &&
+         a.halfLength == b.halfLength && a.rounding == b.rounding && a.geometry == b.geometry;
 }
 
 BodyLook Palette::look(const io::PictureBody& body) {
@@ -146,11 +149,14 @@ BodyLook Palette::newLook(const io::PictureBody& body) const {
       look.geometry = kRound;
       look.size = {radius, radius, radius};
       look.halfLength = shape.type == ShapeType::Capsule ? static_cast<float>(shape.halfLength) : 0;
-      const bool wrecks = isStack_ && shape.type == ShapeType::Sphere && shape.radius > kWreckingBall * bodySize_;
+      const bool wrecks = isStack_ && shape.type == ShapeType::Sphere &&
+                          shape.radius > kWreckingBall * bodySize_;
       look.finish = wrecks ? Finish::Metal : Finish::Plastic;
       // Capsules of one radius are links of one chain or bundle.
       const std::uint32_t ball = body.key >= io::kSoftKeys ? body.key >> io::kSoftKeyBits : body.key;
-      const std::uint32_t kind = shape.type == ShapeType::Capsule ? mixed(std::bit_cast<std::uint32_t>(radius) >> 12) : ball;
+      const std::uint32_t kind = shape.type == ShapeType::Capsule
+                                     ? mixed(std::bit_cast<std::uint32_t>(radius) >> 12)
+                                     : ball;
       look.color = wrecks ? linearColor(kDarkMetal) : linearColor(kAccents[accentOf(kind)]) * shade;
       break;
     }

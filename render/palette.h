@@ -1,5 +1,6 @@
 #pragma once
-/// Colours of bodies: one muted family for a scene, varied from body to body, so that what a body was part of can still be told in rubble.
+/// Colours of bodies: one muted family for a scene, varied from body to body, so that what a body was part of
+/// can still be told in rubble.
 #include <array>
 #include <span>
 #include <unordered_map>
@@ -23,8 +24,8 @@ class Palette {
   /// Looks at the scene as it begins: how high it is, what it is mostly made of.
   Palette(std::span<const io::PictureBody> bodies, const Vec3& up);
 
-  /// How a body looks; the same for the same key and shape in every frame, from where it was first seen. Geometry kOwnMesh stands for a mesh
-  /// that ShapeMeshes has.
+  /// How a body looks; the same for the same key and shape in every frame, from where it was first seen.
+  /// Geometry kOwnMesh stands for a mesh that ShapeMeshes has.
   BodyLook look(const io::PictureBody& body);
   /// Colour of a deformable object.
   Vec3f softColor(std::uint32_t key) const;

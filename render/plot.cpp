@@ -33,7 +33,8 @@ bool hasLabel(const Json& report) {
   return label != report.end() && label->is_string();
 }
 
-/// Names that tell the reports apart: their labels, or the scene and what differs between reports of one scene.
+/// Names that tell the reports apart: their labels, or the scene and what differs between reports of one
+/// scene.
 std::vector<std::string> namesOf(const std::vector<Json>& reports) {
   if (std::all_of(reports.begin(), reports.end(), hasLabel)) {
     std::vector<std::string> labels;
@@ -44,8 +45,8 @@ std::vector<std::string> namesOf(const std::vector<Json>& reports) {
     return std::any_of(reports.begin(), reports.end(),
                        [&](const Json& r) { return r.value(key, Json()) != reports[0].value(key, Json()); });
   };
-  const bool scene = differs("scene") || reports.size() == 1, backend = differs("backend"), threads = differs("threads"),
-             iterations = differs("iterations"), dt = differs("dt");
+  const bool scene = differs("scene") || reports.size() == 1, backend = differs("backend"),
+             threads = differs("threads"), iterations = differs("iterations"), dt = differs("dt");
   std::vector<std::string> names;
   for (const Json& r : reports) {
     std::string name;
@@ -106,7 +107,8 @@ std::vector<Panel> timingPanels(const std::vector<Json>& reports, const std::vec
 
 std::vector<Panel> errorPanels(const std::vector<Json>& reports, const std::vector<std::string>& names) {
   std::vector<Panel> panels;
-  const auto add = [&](const char* title, const char* section, const std::vector<std::pair<const char*, const char*>>& keys) {
+  const auto add = [&](const char* title, const char* section,
+                       const std::vector<std::pair<const char*, const char*>>& keys) {
     Panel panel;
     panel.form = PanelForm::Dots;
     panel.title = title;
@@ -114,7 +116,8 @@ std::vector<Panel> errorPanels(const std::vector<Json>& reports, const std::vect
     for (std::size_t i = 0; i < reports.size(); ++i) {
       PlotRow row{names[i], {}, {}};
       for (const auto& [key, label] : keys)
-        if (const double value = numberAt(reports[i], section, key); value > 0) row.values.push_back({label, value});
+        if (const double value = numberAt(reports[i], section, key); value > 0)
+          row.values.push_back({label, value});
       if (!row.values.empty()) panel.rows.push_back(std::move(row));
     }
     if (!panel.rows.empty()) panels.push_back(std::move(panel));
@@ -124,8 +127,9 @@ std::vector<Panel> errorPanels(const std::vector<Json>& reports, const std::vect
   return panels;
 }
 
-std::vector<Panel> seriesPanel(const std::vector<Json>& reports, const std::vector<std::string>& names, const std::string& key,
-                               const char* title, const char* unit, bool logarithmic = false) {
+std::vector<Panel> seriesPanel(const std::vector<Json>& reports, const std::vector<std::string>& names,
+                               const std::string& key, const char* title, const char* unit,
+                               bool logarithmic = false) {
   Panel panel;
   panel.logY = logarithmic;
   panel.title = title;
@@ -137,7 +141,8 @@ std::vector<Panel> seriesPanel(const std::vector<Json>& reports, const std::vect
     const Json &times = series->at("time_s"), &values = series->at(key);
     PlotRow row{names[i], {}, {}};
     for (std::size_t k = 0; k < std::min(times.size(), values.size()); ++k)
-      if (times[k].is_number() && values[k].is_number()) row.points.push_back({times[k].get<double>(), values[k].get<double>()});
+      if (times[k].is_number() && values[k].is_number())
+        row.points.push_back({times[k].get<double>(), values[k].get<double>()});
     if (row.points.size() > 1) panel.rows.push_back(std::move(row));
   }
   return panel.rows.empty() ? std::vector<Panel>{} : std::vector<Panel>{panel};
@@ -153,8 +158,10 @@ std::vector<Panel> convergencePanel(const std::vector<Json>& reports) {
     const auto error = report.find("error");
     if (!hasLabel(report) || error == report.end() || !error->is_number()) continue;
     const std::string label = report.at("label").get<std::string>();
-    if (const auto unit = report.find("error_unit"); unit != report.end() && unit->is_string()) panel.unitY = unit->get<std::string>();
-    auto row = std::find_if(panel.rows.begin(), panel.rows.end(), [&](const PlotRow& r) { return r.name == label; });
+    if (const auto unit = report.find("error_unit"); unit != report.end() && unit->is_string())
+      panel.unitY = unit->get<std::string>();
+    auto row = std::find_if(panel.rows.begin(), panel.rows.end(),
+                            [&](const PlotRow& r) { return r.name == label; });
     if (row == panel.rows.end()) row = panel.rows.insert(panel.rows.end(), PlotRow{label, {}, {}});
     row->points.push_back({report.at("iterations").get<double>(), error->get<double>()});
   }
@@ -164,7 +171,8 @@ std::vector<Panel> convergencePanel(const std::vector<Json>& reports) {
 }  // namespace
 
 const std::vector<std::string>& plotKinds() {
-  static const std::vector<std::string> kinds{"all", "convergence", "timing", "error", "energy", "gap", "depth", "step"};
+  static const std::vector<std::string> kinds{"all",    "convergence", "timing", "error",
+                                              "energy", "gap",         "depth",  "step"};
   return kinds;
 }
 
@@ -185,7 +193,9 @@ Figure::Figure(const std::vector<Json>& reports, const std::string& kind) {
   add("step", seriesPanel(reports, names, "step_ms", "Time of a step", "ms"));
   if (panels_.empty()) {
     const bool needsSeries = kind == "energy" || kind == "gap" || kind == "depth" || kind == "step";
-    throw Error("reports", std::string("something to plot as ") + kind + (needsSeries ? " (write them with run --series --json)" : ""),
+    throw Error("reports",
+                std::string("something to plot as ") + kind +
+                    (needsSeries ? " (write them with run --series --json)" : ""),
                 "none");
   }
 }
@@ -221,10 +231,11 @@ std::vector<Json> readReports(const std::vector<std::string>& files) {
     }
     if (!content.is_array()) content = Json::array({content});
     for (const Json& report : content) {
-      const bool good = report.is_object() && report.contains("scene") && report["scene"].is_string() && report.contains("backend") &&
-                        report["backend"].is_string() && report.contains("iterations") && report["iterations"].is_number_integer() &&
-                        report.contains("threads") && report["threads"].is_number_integer() && report.contains("dt") &&
-                        report["dt"].is_number();
+      const bool good = report.is_object() && report.contains("scene") && report["scene"].is_string() &&
+                        report.contains("backend") && report["backend"].is_string() &&
+                        report.contains("iterations") && report["iterations"].is_number_integer() &&
+                        report.contains("threads") && report["threads"].is_number_integer() &&
+                        report.contains("dt") && report["dt"].is_number();
       if (!good) throw Error(file, "reports of run or bench (--json)", "something else");
       reports.push_back(report);
     }

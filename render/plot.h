@@ -9,8 +9,9 @@
 
 namespace rubble::render {
 
-/// What can be plotted: "convergence" (what tools/study_convergence writes), "timing" (stages of a step), "error" (penetration and gaps), "energy", "gap", "depth" and "step" (over time; needs --series),
-/// "all" (whatever the reports hold).
+/// What can be plotted: "convergence" (what tools/study_convergence writes), "timing" (stages of a step),
+/// "error" (penetration and gaps), "energy", "gap", "depth" and "step" (over time; needs --series), "all"
+/// (whatever the reports hold).
 const std::vector<std::string>& plotKinds();
 
 struct PlotSize {
@@ -20,8 +21,8 @@ struct PlotSize {
 /// A figure of one or more panels, laid out and ready to be drawn.
 class Figure {
  public:
-  /// `reports` are the objects of one or more files. Throws Error for an unknown kind, for what is no report, and if the reports hold
-  /// nothing of the kind.
+  /// `reports` are the objects of one or more files. Throws Error for an unknown kind, for what is no report,
+  /// and if the reports hold nothing of the kind.
   Figure(const std::vector<nlohmann::ordered_json>& reports, const std::string& kind);
   ~Figure();
   Figure(Figure&&) noexcept;

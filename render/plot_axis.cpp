@@ -7,7 +7,8 @@
 namespace rubble::render {
 
 double Axis::at(double value) const {
-  if (logarithmic) return (std::log10(std::max(value, low)) - std::log10(low)) / (std::log10(high) - std::log10(low));
+  if (logarithmic)
+    return (std::log10(std::max(value, low)) - std::log10(low)) / (std::log10(high) - std::log10(low));
   return (value - low) / (high - low);
 }
 
@@ -30,7 +31,8 @@ Axis linearAxis(double low, double high, int count) {
 Axis logAxis(double low, double high) {
   Axis axis;
   axis.logarithmic = true;
-  int first = static_cast<int>(std::floor(std::log10(low) + 1e-9)), last = static_cast<int>(std::ceil(std::log10(high) - 1e-9));
+  int first = static_cast<int>(std::floor(std::log10(low) + 1e-9)),
+      last = static_cast<int>(std::ceil(std::log10(high) - 1e-9));
   if (first == last) ++last;
   for (int decade = first; decade <= last; ++decade) axis.ticks.push_back(std::pow(10., decade));
   axis.low = axis.ticks.front();
@@ -50,7 +52,8 @@ std::string tickText(double value) {
   std::string digits = text;
   if (digits == "-0") digits = "0";
   const int begin = digits[0] == '-' ? 1 : 0;
-  for (int at = static_cast<int>(digits.size()) - 3; at > begin && size >= 1000; at -= 3) digits.insert(static_cast<std::size_t>(at), ",");
+  for (int at = static_cast<int>(digits.size()) - 3; at > begin && size >= 1000; at -= 3)
+    digits.insert(static_cast<std::size_t>(at), ",");
   return digits;
 }
 

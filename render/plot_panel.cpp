@@ -6,15 +6,19 @@
 namespace rubble::render {
 namespace {
 
-constexpr double kLeft = 190, kRight = 36, kTitle = 40, kLegendLine = 20, kRowHeight = 30, kAxis = 46, kLinesHeight = 230, kGap = 18;
+constexpr double kLeft = 190, kRight = 36, kTitle = 40, kLegendLine = 20, kRowHeight = 30, kAxis = 46,
+                 kLinesHeight = 230, kGap = 18;
 constexpr Ink kText{0x2b2723}, kSoft{0x6f6860}, kRule{0xe4dfd8}, kFrame{0x9a938a};
 /// Quiet colours, told apart also in grey and by the colour-blind where neighbours matter.
-constexpr std::uint32_t kColors[] = {0x8f4a2f, 0xd08a4c, 0xe6c48a, 0x4f7f86, 0x2c4a5e, 0x9fb8a8, 0x7a5a78, 0xc7a6a0,
-                                     0x5d7f4a, 0xb7b27a, 0x6c6f76, 0xa9adb3, 0x3f3a52, 0xcf6f5f, 0x8cc0c8};
+constexpr std::uint32_t kColors[] = {0x8f4a2f, 0xd08a4c, 0xe6c48a, 0x4f7f86, 0x2c4a5e,
+                                     0x9fb8a8, 0x7a5a78, 0xc7a6a0, 0x5d7f4a, 0xb7b27a,
+                                     0x6c6f76, 0xa9adb3, 0x3f3a52, 0xcf6f5f, 0x8cc0c8};
 constexpr std::size_t kColorCount = std::size(kColors);
 
 Ink colorOf(std::size_t index) { return {kColors[index % kColorCount]}; }
-double inside(const Axis& axis, double value) { return kLeft + axis.at(value) * (kPlotWidth - kLeft - kRight); }
+double inside(const Axis& axis, double value) {
+  return kLeft + axis.at(value) * (kPlotWidth - kLeft - kRight);
+}
 
 void drawAxisX(Canvas& canvas, const Axis& axis, double top, double bottom, const std::string& unit) {
   for (const double tick : axis.ticks) {
@@ -57,7 +61,8 @@ double Figure::Panel::drawLegend(Canvas& canvas, double top) const {
   const double width = (kPlotWidth - kLeft - kRight) / kPartsInLine;
   const std::vector<std::string> names = parts();
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const Point at{kLeft + width * static_cast<double>(i % kPartsInLine), top + kLegendLine * static_cast<double>(i / kPartsInLine)};
+    const Point at{kLeft + width * static_cast<double>(i % kPartsInLine),
+                   top + kLegendLine * static_cast<double>(i / kPartsInLine)};
     canvas.rectangle({at.x, at.y + 3}, 11, 11, colorOf(i), 2);
     canvas.text({at.x + 17, at.y + 13}, names[i], {11.5, kText, false, Align::Start, 0});
   }
@@ -84,12 +89,14 @@ void Figure::Panel::drawBars(Canvas& canvas, double top) const {
     canvas.text({kLeft - 12, y + 20}, rows[i].name, {12, kText, false, Align::End, 0});
     double from = 0;
     for (const PlotValue& value : rows[i].values) {
-      const auto part = static_cast<std::size_t>(std::find(names.begin(), names.end(), value.part) - names.begin());
+      const auto part = static_cast<std::size_t>(std::find(names.begin(), names.end(), value.part) -
+                                                 names.begin());
       const double x = inside(axis, from);
       from += value.value;
       canvas.rectangle({x, y + 6}, inside(axis, from) - x, kRowHeight - 12, colorOf(part));
     }
-    canvas.text({inside(axis, from) + 6, y + 20}, tickText(std::round(from * 100) / 100), {11.5, kSoft, false, Align::Start, 0});
+    canvas.text({inside(axis, from) + 6, y + 20}, tickText(std::round(from * 100) / 100),
+                {11.5, kSoft, false, Align::Start, 0});
   }
 }
 
@@ -111,7 +118,8 @@ void Figure::Panel::drawDots(Canvas& canvas, double top) const {
     if (last > 0) canvas.line({{inside(axis, first), y}, {inside(axis, last), y}}, 2, kFrame);
     for (const PlotValue& value : rows[i].values) {
       if (!(value.value > 0)) continue;
-      const auto part = static_cast<std::size_t>(std::find(names.begin(), names.end(), value.part) - names.begin());
+      const auto part = static_cast<std::size_t>(std::find(names.begin(), names.end(), value.part) -
+                                                 names.begin());
       canvas.disc({inside(axis, value.value), y}, 5.5, colorOf(part));
     }
   }
@@ -128,7 +136,8 @@ void Figure::Panel::drawLines(Canvas& canvas, double top) const {
     }
   }
   if (highY < lowY) lowX = highX = lowY = highY = 1;
-  const Axis x = logX ? logAxis(lowX, highX) : linearAxis(lowX, highX, 8), y = logY ? logAxis(lowY, highY) : linearAxis(lowY, highY);
+  const Axis x = logX ? logAxis(lowX, highX) : linearAxis(lowX, highX, 8),
+             y = logY ? logAxis(lowY, highY) : linearAxis(lowY, highY);
   const double bottom = top + kLinesHeight;
   const auto up = [&](double value) { return bottom - y.at(value) * (kLinesHeight - 8); };
   drawAxisX(canvas, x, top + 8, bottom, unitX);

@@ -38,7 +38,8 @@ float radicalInverse(int index, int base) {
 /// Unit vector towards a point of the sun's disc.
 Vec3f sunPoint(const Vec3f& toSun, int sample, int samples) {
   if (samples == 1) return toSun;
-  const Vec3f x = normalize(cross(std::fabs(toSun.x) < .9f ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0}, toSun)), y = cross(toSun, x);
+  const Vec3f x = normalize(cross(std::fabs(toSun.x) < .9f ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0}, toSun)),
+              y = cross(toSun, x);
   const float r = kSunSpread * std::sqrt((static_cast<float>(sample) + .5f) / static_cast<float>(samples));
   const float angle = 2.399963f * static_cast<float>(sample);
   return normalize(toSun + x * (r * std::cos(angle)) + y * (r * std::sin(angle)));
@@ -64,9 +65,10 @@ struct Renderer::Impl {
   std::chrono::steady_clock::time_point passBegan;
 
   const bool computes = gl::wantsCompute();
-  ScreenPass material{"material.frag", computes, {"TWO_TARGETS"}}, occlusion{"occlusion.frag", computes}, blur{"blur.frag", computes},
-      lightOne{"light.frag", computes, {"ONE_SAMPLE"}}, lightMany{"light.frag", computes, {}, true},
-      displayOne{"display.frag", computes, {"ONE_SAMPLE"}}, displayMany{"display.frag", computes};
+  ScreenPass material{"material.frag", computes, {"TWO_TARGETS"}}, occlusion{"occlusion.frag", computes},
+      blur{"blur.frag", computes}, lightOne{"light.frag", computes, {"ONE_SAMPLE"}},
+      lightMany{"light.frag", computes, {}, true}, displayOne{"display.frag", computes, {"ONE_SAMPLE"}},
+      displayMany{"display.frag", computes};
 
   Impl(int width_, int height_) : width(width_), height(height_) {}
 
@@ -79,7 +81,8 @@ struct Renderer::Impl {
     glFinish();
     const auto now = std::chrono::steady_clock::now();
     const double ms = std::chrono::duration<double, std::milli>(now - passBegan).count();
-    const auto known = std::find_if(times.begin(), times.end(), [&](const PassTime& t) { return t.name == name; });
+    const auto known = std::find_if(times.begin(), times.end(),
+                                    [&](const PassTime& t) { return t.name == name; });
     known == times.end() ? times.push_back({name, ms}) : void(known->ms += ms);
     passBegan = now;
   }
@@ -102,15 +105,19 @@ struct Renderer::Impl {
   std::vector<ShadowMap> drawShadows(const Eye& eye, const Vec3f& toSun, const Quality& quality);
   void drawBodies(const Eye& eye, float jitterX, float jitterY);
   void drawMaterial(const Eye& eye, const Setting& setting, float jitterX, float jitterY);
-  void drawOcclusion(const Eye& eye, const Setting& setting, float jitterX, float jitterY, float turn, bool blurred);
-  void drawLight(const Eye& eye, const Setting& setting, const Quality& quality, const std::vector<ShadowMap>& maps, const Vec3f& toSun,
-                 float jitterX, float jitterY, float turn);
+  void drawOcclusion(const Eye& eye, const Setting& setting, float jitterX, float jitterY, float turn,
+                     bool blurred);
+  void drawLight(const Eye& eye, const Setting& setting, const Quality& quality,
+                 const std::vector<ShadowMap>& maps, const Vec3f& toSun, float jitterX, float jitterY,
+                 float turn);
 };
 
-std::vector<ShadowMap> Renderer::Impl::drawShadows(const Eye& eye, const Vec3f& toSun, const Quality& quality) {
+std::vector<ShadowMap> Renderer::Impl::drawShadows(const Eye& eye, const Vec3f& toSun,
+                                                   const Quality& quality) {
   Bounds casters = bodies.core();
   casters.add(surfaceBounds);
-  const std::vector<ShadowMap> maps = fitShadowMaps(eye, casters, toSun, quality.shadowSize, quality.shadowMaps);
+  const std::vector<ShadowMap> maps = fitShadowMaps(eye, casters, toSun, quality.shadowSize,
+                                                    quality.shadowMaps);
   glEnable(GL_DEPTH_TEST);
   // Bodies between the sun and the map are pressed onto its near side, where they still throw their shadow.
   glEnable(GL_DEPTH_CLAMP);
@@ -134,8 +141,14 @@ void Renderer::Impl::drawBodies(const Eye& eye, float jitterX, float jitterY) {
   const GLuint none[4] = {0, 0, 0, 0};
   glClearBufferuiv(GL_COLOR, 0, none);
   glClear(GL_DEPTH_BUFFER_BIT);
-  const DrawView view{eye.viewProjection(jitterX, jitterY), eye.position, false, eye.halfSpaces(), eye.pixelAngle, true,
-                      raysOf(eye, jitterX, jitterY, width, height), eye.nearest};
+  const DrawView view{eye.viewProjection(jitterX, jitterY),
+                      eye.position,
+                      false,
+                      eye.halfSpaces(),
+                      eye.pixelAngle,
+                      true,
+                      raysOf(eye, jitterX, jitterY, width, height),
+                      eye.nearest};
   bodies.draw(view);
   surfaces.draw(view, bodies.surfaceSlot(0));
   endPass("bodies");
@@ -154,12 +167,14 @@ void Renderer::Impl::drawMaterial(const Eye& eye, const Setting& setting, float 
   const double cell = std::pow(10., std::round(std::log10(setting.sceneSize / kCellsToScene)));
   program.setArray("heatStops", heatStops.data(), static_cast<int>(heatStops.size()));
   program.set("gridCell", static_cast<float>(cell));
-  program.set("selected", selected < 0 ? 0 : static_cast<int>(bodies.slotOf(static_cast<std::size_t>(selected))) + 1);
+  program.set("selected",
+              selected < 0 ? 0 : static_cast<int>(bodies.slotOf(static_cast<std::size_t>(selected))) + 1);
   material.run(targets->material, {&targets->colors, &targets->normals});
   endPass("material");
 }
 
-void Renderer::Impl::drawOcclusion(const Eye& eye, const Setting& setting, float jitterX, float jitterY, float turn, bool blurred) {
+void Renderer::Impl::drawOcclusion(const Eye& eye, const Setting& setting, float jitterX, float jitterY,
+                                   float turn, bool blurred) {
   gl::Program& program = occlusion.program();
   setView(program, eye, jitterX, jitterY);
   targets->depths.bind(0);
@@ -171,7 +186,8 @@ void Renderer::Impl::drawOcclusion(const Eye& eye, const Setting& setting, float
   program.set("turn", turn);
   occlusion.run(targets->occlusionTarget, {&targets->occlusion});
   if (blurred) {
-    const float x = 1 / static_cast<float>(targets->occlusion.width()), y = 1 / static_cast<float>(targets->occlusion.height());
+    const float x = 1 / static_cast<float>(targets->occlusion.width()),
+                y = 1 / static_cast<float>(targets->occlusion.height());
     blur.program().use();
     blur.program().set("occlusion", 0);
     targets->occlusion.bind(0);
@@ -184,12 +200,14 @@ void Renderer::Impl::drawOcclusion(const Eye& eye, const Setting& setting, float
   endPass("occlusion");
 }
 
-void Renderer::Impl::drawLight(const Eye& eye, const Setting& setting, const Quality& quality, const std::vector<ShadowMap>& maps,
-                               const Vec3f& toSun, float jitterX, float jitterY, float turn) {
+void Renderer::Impl::drawLight(const Eye& eye, const Setting& setting, const Quality& quality,
+                               const std::vector<ShadowMap>& maps, const Vec3f& toSun, float jitterX,
+                               float jitterY, float turn) {
   ScreenPass& pass = quality.samples > 1 ? lightMany : lightOne;
   gl::Program& light = pass.program();
   setView(light, eye, jitterX, jitterY);
-  const gl::Texture* read[] = {&targets->colors, &targets->normals, &targets->depths, &targets->occlusion, &shadows->maps};
+  const gl::Texture* read[] = {&targets->colors, &targets->normals, &targets->depths, &targets->occlusion,
+                               &shadows->maps};
   const char* names[] = {"colors", "shadedNormals", "depths", "occlusion", "shadowMaps"};
   for (int i = 0; i < 5; ++i) {
     read[i]->bind(i);
@@ -207,7 +225,8 @@ void Renderer::Impl::drawLight(const Eye& eye, const Setting& setting, const Qua
   }
   light.set("shadowMapCount", count);
   light.set("shadowTaps", quality.samples > 1 ? std::max(2, quality.shadowTaps / 4) : quality.shadowTaps);
-  light.set("shadowSoftness", (quality.samples > 1 ? .3f : 1.f) * kShadowSoftness * static_cast<float>(setting.bodySize));
+  light.set("shadowSoftness",
+            (quality.samples > 1 ? .3f : 1.f) * kShadowSoftness * static_cast<float>(setting.bodySize));
   light.set("toSun", toSun.x, toSun.y, toSun.z);
   const Vec3f up(setting.up);
   light.set("up", up.x, up.y, up.z);
@@ -313,15 +332,16 @@ io::Image Renderer::read() const {
   glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upward.data());
   image.rgb.resize(upward.size());
   for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-    std::copy_n(upward.data() + row * (static_cast<std::size_t>(height) - 1 - y), row, image.rgb.data() + row * y);
+    std::copy_n(upward.data() + row * (static_cast<std::size_t>(height) - 1 - y), row,
+                image.rgb.data() + row * y);
   return image;
 }
 
 void Renderer::show(unsigned framebuffer, int left) const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, impl_->targets->pictureTarget.id());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-  glBlitFramebuffer(0, 0, impl_->width, impl_->height, left, 0, left + impl_->width, impl_->height, GL_COLOR_BUFFER_BIT,
-                    GL_NEAREST);
+  glBlitFramebuffer(0, 0, impl_->width, impl_->height, left, 0, left + impl_->width, impl_->height,
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 std::uint32_t Renderer::Impl::slotAt(int x, int y) const {
@@ -348,7 +368,8 @@ Vec3 Renderer::pointAt(int x, int y) const {
   glReadPixels(x, impl_->height - 1 - y, 1, 1, GL_DEPTH_COMPONENT, GL_FLOAT, &depth);
   const auto across = static_cast<float>(2 * x + 1) / static_cast<float>(impl_->width) - 1;
   const auto up = 1 - static_cast<float>(2 * y + 1) / static_cast<float>(impl_->height);
-  return impl_->origin + Vec3(impl_->lastEye->at(across, up, impl_->lastEye->nearest / std::max(1 - depth, 1e-7f)));
+  return impl_->origin +
+         Vec3(impl_->lastEye->at(across, up, impl_->lastEye->nearest / std::max(1 - depth, 1e-7f)));
 }
 
 void Renderer::select(int body) { impl_->selected = body; }

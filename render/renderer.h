@@ -1,5 +1,6 @@
 #pragma once
-/// Draws bodies and surfaces under sun and sky with OpenGL. One thread, one context, which must be current in every call.
+/// Draws bodies and surfaces under sun and sky with OpenGL. One thread, one context, which must be current in
+/// every call.
 #include <memory>
 #include <span>
 #include <vector>
@@ -34,8 +35,8 @@ struct Quality {
   int shadowTaps = 8;     ///< a pixel and sample
 };
 
-/// Milliseconds of the last picture by pass: all of them, so that they add up to the picture. Measured only if asked for, since that waits
-/// for the GPU after each pass.
+/// Milliseconds of the last picture by pass: all of them, so that they add up to the picture. Measured only
+/// if asked for, since that waits for the GPU after each pass.
 struct PassTime {
   const char* name;
   double ms;

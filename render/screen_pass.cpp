@@ -15,7 +15,8 @@ std::vector<std::string> with(std::vector<std::string> defines, bool wanted, con
 ScreenPass::ScreenPass(const std::string& file, bool computes, std::vector<std::string> defines, bool added)
     : computes_(computes),
       added_(added),
-      program_(computes ? gl::Program(gl::ComputeFile{file}, with(with(std::move(defines), added, "ADDED"), true, "COMPUTE"))
+      program_(computes ? gl::Program(gl::ComputeFile{file},
+                                      with(with(std::move(defines), added, "ADDED"), true, "COMPUTE"))
                         : gl::Program("screen.vert", file, defines)) {}
 
 void ScreenPass::run(const gl::Framebuffer& framebuffer, std::initializer_list<const gl::Texture*> targets) {
@@ -33,13 +34,15 @@ void ScreenPass::run(const gl::Framebuffer& framebuffer, std::initializer_list<c
   }
   GLuint image = 0;
   for (const gl::Texture* target : targets)
-    glBindImageTexture(image++, target->id(), 0, GL_FALSE, 0, added_ ? GL_READ_WRITE : GL_WRITE_ONLY, target->format());
+    glBindImageTexture(image++, target->id(), 0, GL_FALSE, 0, added_ ? GL_READ_WRITE : GL_WRITE_ONLY,
+                       target->format());
   const gl::Texture& first = **targets.begin();
   program_.setPixels("targetSize", first.width(), first.height());
   glDispatchCompute(static_cast<GLuint>((first.width() + kGroupWidth - 1) / kGroupWidth),
                     static_cast<GLuint>((first.height() + kGroupHeight - 1) / kGroupHeight), 1);
   // It is read by shaders, copied to the host or the window, drawn over and added to.
-  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT);
+  glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
+                  GL_FRAMEBUFFER_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT);
 }
 
 }  // namespace rubble::render

@@ -8,13 +8,16 @@
 
 namespace rubble::render {
 
-/// One of the shaders that end in pixels_end.glsl: as a fragment shader, or the same text as a compute shader.
+/// One of the shaders that end in pixels_end.glsl: as a fragment shader, or the same text as a compute
+/// shader.
 class ScreenPass {
  public:
   /// `added`: adds to its target, which is RGBA32F.
-  ScreenPass(const std::string& file, bool computes, std::vector<std::string> defines = {}, bool added = false);
+  ScreenPass(const std::string& file, bool computes, std::vector<std::string> defines = {},
+             bool added = false);
   gl::Program& program() { return program_; }
-  /// Writes every pixel of the targets. `framebuffer` has the same ones; textures must be bound and uniforms set.
+  /// Writes every pixel of the targets. `framebuffer` has the same ones; textures must be bound and uniforms
+  /// set.
   void run(const gl::Framebuffer& framebuffer, std::initializer_list<const gl::Texture*> targets);
 
  private:

@@ -26,7 +26,8 @@ Bounds inFrame(const Bounds& bounds, const Frame& frame) {
   return out;
 }
 
-/// Sizes in steps of a twelfth of an octave: a map that keeps its size keeps its texels in place when the view moves.
+/// Sizes in steps of a twelfth of an octave: a map that keeps its size keeps its texels in place when the
+/// view moves.
 float stepped(float size) { return std::exp2(std::ceil(12 * std::log2(size)) / 12); }
 
 std::optional<ShadowMap> mapOver(const Frame& frame, const Bounds& slice, const Bounds& core, int size) {
@@ -35,27 +36,33 @@ std::optional<ShadowMap> mapOver(const Frame& frame, const Bounds& slice, const 
   if (low[0] >= high[0] || low[1] >= high[1]) return std::nullopt;
   constexpr float kBorder = 8;  // texels, for the filter
   const float extent = stepped(std::max(high[0] - low[0], high[1] - low[1]));
-  const float texel = extent / (static_cast<float>(size) - 2 * kBorder), half = .5f * texel * static_cast<float>(size);
-  const float cx = texel * std::round(.5f * (low[0] + high[0]) / texel), cy = texel * std::round(.5f * (low[1] + high[1]) / texel);
-  const float cz = .5f * (core.low.z + core.high.z), deep = std::max(.5f * (core.high.z - core.low.z), texel) * 1.01f;
+  const float texel = extent / (static_cast<float>(size) - 2 * kBorder),
+              half = .5f * texel * static_cast<float>(size);
+  const float cx = texel * std::round(.5f * (low[0] + high[0]) / texel),
+              cy = texel * std::round(.5f * (low[1] + high[1]) / texel);
+  const float cz = .5f * (core.low.z + core.high.z),
+              deep = std::max(.5f * (core.high.z - core.low.z), texel) * 1.01f;
   ShadowMap map;
   map.texel = texel;
   const Vec3f axes[3] = {frame.x * (1 / half), frame.y * (1 / half), frame.z * (-1 / deep)};
   const float offsets[3] = {-cx / half, -cy / half, cz / deep};
   for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t axis = 0; axis < 3; ++axis) map.toClip.columns[4 * axis + row] = axes[row][static_cast<int>(axis)];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      map.toClip.columns[4 * axis + row] = axes[row][static_cast<int>(axis)];
     map.toClip.columns[12 + row] = offsets[row];
   }
   map.toClip.columns[15] = 1;
   map.rays.width = map.rays.height = size;
-  map.rays.origin = frame.x * (cx - half + .5f * texel) + frame.y * (cy - half + .5f * texel) + frame.z * (cz + deep);
+  map.rays.origin = frame.x * (cx - half + .5f * texel) + frame.y * (cy - half + .5f * texel) +
+                    frame.z * (cz + deep);
   map.rays.originX = frame.x * texel;
   map.rays.originY = frame.y * texel;
   map.rays.direction = frame.z * (-2 * deep);
   map.toTexture = map.toClip;
   for (std::size_t axis = 0; axis < 4; ++axis)
     for (std::size_t row = 0; row < 3; ++row)
-      map.toTexture.columns[4 * axis + row] = .5f * (map.toClip.columns[4 * axis + row] + (axis == 3 ? 1.f : 0.f));
+      map.toTexture.columns[4 * axis + row] = .5f *
+                                              (map.toClip.columns[4 * axis + row] + (axis == 3 ? 1.f : 0.f));
   for (const auto& [direction, middle] : {std::pair{frame.x, cx}, std::pair{frame.y, cy}}) {
     map.halfSpaces.push_back({direction, half - middle});
     map.halfSpaces.push_back({-direction, half + middle});
@@ -65,7 +72,8 @@ std::optional<ShadowMap> mapOver(const Frame& frame, const Bounds& slice, const 
 
 }  // namespace
 
-std::vector<ShadowMap> fitShadowMaps(const Eye& eye, const Bounds& core, const Vec3f& toSun, int size, int most) {
+std::vector<ShadowMap> fitShadowMaps(const Eye& eye, const Bounds& core, const Vec3f& toSun, int size,
+                                     int most) {
   std::vector<ShadowMap> maps;
   if (core.empty()) return maps;
   const Frame frame = sunFrame(toSun);
@@ -79,12 +87,13 @@ std::vector<ShadowMap> fitShadowMaps(const Eye& eye, const Bounds& core, const V
   if (farDepth <= 0) return maps;
   farDepth *= 1.15f;
   nearDepth = std::max({nearDepth * .8f, eye.nearest, .002f * farDepth});
-  const int count = std::clamp(static_cast<int>(std::ceil(std::log2(farDepth / nearDepth))) - 1, 1, std::min(most, kMostShadowMaps));
+  const int count = std::clamp(static_cast<int>(std::ceil(std::log2(farDepth / nearDepth))) - 1, 1,
+                               std::min(most, kMostShadowMaps));
   float from = nearDepth;
   for (int i = 1; i <= count; ++i) {
     const float t = static_cast<float>(i) / static_cast<float>(count);
-    const float to =
-        kSplitShape * nearDepth * std::pow(farDepth / nearDepth, t) + (1 - kSplitShape) * (nearDepth + (farDepth - nearDepth) * t);
+    const float to = kSplitShape * nearDepth * std::pow(farDepth / nearDepth, t) +
+                     (1 - kSplitShape) * (nearDepth + (farDepth - nearDepth) * t);
     Bounds slice;
     for (const float depth : {from, to})
       for (const float x : {-1.f, 1.f})

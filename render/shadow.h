@@ -1,5 +1,6 @@
 #pragma once
-/// Depth of the scene as the sun sees it, in one to four maps: each covers a part of the view, the nearest the most finely.
+/// Depth of the scene as the sun sees it, in one to four maps: each covers a part of the view, the nearest
+/// the most finely.
 #include <optional>
 
 #include "render/bodies.h"
@@ -17,7 +18,9 @@ struct ShadowMap {
   Rays rays;
 };
 
-/// Maps of `size` texels that cover what the eye sees of `core`, at most `most` of them; none if it sees nothing of it.
-std::vector<ShadowMap> fitShadowMaps(const Eye& eye, const Bounds& core, const Vec3f& toSun, int size, int most);
+/// Maps of `size` texels that cover what the eye sees of `core`, at most `most` of them; none if it sees
+/// nothing of it.
+std::vector<ShadowMap> fitShadowMaps(const Eye& eye, const Bounds& core, const Vec3f& toSun, int size,
+                                     int most);
 
 }  // namespace rubble::render

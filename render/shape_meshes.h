@@ -1,5 +1,6 @@
 #pragma once
-/// Meshes of the shapes that the renderer has no geometry of its own for; bodies with the same shape share one.
+/// Meshes of the shapes that the renderer has no geometry of its own for; bodies with the same shape share
+/// one.
 #include <map>
 #include <memory>
 #include <tuple>

@@ -24,7 +24,8 @@ Vec3 sunFor(const Camera& camera, const Vec3& up) {
   return normalize(up * .92 - right * .80 + back * .30);
 }
 
-Stage::Stage(std::span<const io::PictureBody> bodies, const Vec3& gravity, const Camera& camera, int width, int height)
+Stage::Stage(std::span<const io::PictureBody> bodies, const Vec3& gravity, const Camera& camera, int width,
+             int height)
     : palette_(bodies, normalize(-gravity, {0, 0, 1})), renderer_(width, height) {
   setting_.up = normalize(-gravity, {0, 0, 1});
   setting_.toSun = sunFor(camera, setting_.up);
@@ -51,10 +52,14 @@ void Stage::setSurfaces(std::span<const io::PictureBody> bodies, io::ColorBy col
     const Vec3 from = body.position - renderer_.origin();
     for (const Vec3& p : g.points) surface.vertices.emplace_back(from + p);
     for (const auto& t : g.triangles)
-      surface.triangles.push_back({static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])});
-    surface.color = colorBy == io::ColorBy::Body ? palette_.softColor(body.key) : valueColor(io::shownValue(body, colorBy), colorBy, fullValue);
+      surface.triangles.push_back({static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]),
+                                   static_cast<std::uint32_t>(t[2])});
+    surface.color = colorBy == io::ColorBy::Body
+                        ? palette_.softColor(body.key)
+                        : valueColor(io::shownValue(body, colorBy), colorBy, fullValue);
     if (colorBy != io::ColorBy::Body && !io::quantity(colorBy).isKind && fullValue > 0)
-      for (const float value : body.vertexValues) surface.heat.push_back(static_cast<float>(value / fullValue));
+      for (const float value : body.vertexValues)
+        surface.heat.push_back(static_cast<float>(value / fullValue));
     surface.finish = g.twoSided ? Finish::Cloth : Finish::Plastic;
   }
   if (hasSurfaces_ || !surfaces.empty()) renderer_.setSurfaces(surfaces);
@@ -65,7 +70,8 @@ void Stage::setBodies(std::span<const io::PictureBody> all, io::ColorBy colorBy,
   ++bodiesSet_;
   if (fullValue <= 0) fullValue = io::largestValue(all, colorBy);
   fullValue_ = fullValue;
-  const auto firstSurface = std::find_if(all.begin(), all.end(), [](const io::PictureBody& body) { return body.deforms; });
+  const auto firstSurface = std::find_if(all.begin(), all.end(),
+                                         [](const io::PictureBody& body) { return body.deforms; });
   const std::span<const io::PictureBody> bodies(all.begin(), firstSurface);
   if (!sameBodies(bodies) || keys_.empty()) {
     std::vector<BodyLook> looks;
@@ -81,8 +87,10 @@ void Stage::setBodies(std::span<const io::PictureBody> all, io::ColorBy colorBy,
   if (colorBy != io::ColorBy::Body || coloredBy_ != colorBy) {
     std::vector<Vec3f> colors;
     for (const io::PictureBody& body : bodies) {
-      const bool own = colorBy == io::ColorBy::Body || body.motion == Motion::Static || body.shape.type == ShapeType::Plane;
-      colors.push_back(own ? palette_.look(body).color : valueColor(io::shownValue(body, colorBy), colorBy, fullValue));
+      const bool own = colorBy == io::ColorBy::Body || body.motion == Motion::Static ||
+                       body.shape.type == ShapeType::Plane;
+      colors.push_back(own ? palette_.look(body).color
+                           : valueColor(io::shownValue(body, colorBy), colorBy, fullValue));
     }
     renderer_.bodies().setColors(colors);
   }

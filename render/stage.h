@@ -11,19 +11,24 @@ namespace rubble::render {
 
 class Stage {
  public:
-  /// `bodies` is the scene as it begins: light, colours and scale are taken from it and from the first camera.
-  Stage(std::span<const io::PictureBody> bodies, const Vec3& gravity, const Camera& camera, int width, int height);
+  /// `bodies` is the scene as it begins: light, colours and scale are taken from it and from the first
+  /// camera.
+  Stage(std::span<const io::PictureBody> bodies, const Vec3& gravity, const Camera& camera, int width,
+        int height);
 
-  /// Bodies as they are now. Those that keep their key keep their colour. `fullValue` has the hottest colour; 0: the largest one of these.
-  void setBodies(std::span<const io::PictureBody> bodies, io::ColorBy colorBy = io::ColorBy::Body, double fullValue = 0);
-  /// Bodies of a world as they are now, in their own colours. While none come or go and nothing deforms, poses go straight from the world's
-  /// arrays to the GPU, on the device where that is possible.
+  /// Bodies as they are now. Those that keep their key keep their colour. `fullValue` has the hottest colour;
+  /// 0: the largest one of these.
+  void setBodies(std::span<const io::PictureBody> bodies, io::ColorBy colorBy = io::ColorBy::Body,
+                 double fullValue = 0);
+  /// Bodies of a world as they are now, in their own colours. While none come or go and nothing deforms,
+  /// poses go straight from the world's arrays to the GPU, on the device where that is possible.
   void follow(World& world);
   /// How the last follow() had its poses: "on the device", "from the host's arrays", "body by body (...)".
   const std::string& posesFrom() const { return posesFrom_; }
   io::Image picture(const Camera& camera, const Quality& quality);
 
-  /// Keys of the bodies and of the deforming surfaces as they are drawn, in the order that the renderer names them in.
+  /// Keys of the bodies and of the deforming surfaces as they are drawn, in the order that the renderer names
+  /// them in.
   const std::vector<std::uint32_t>& keys() const { return keys_; }
   const std::vector<std::uint32_t>& surfaceKeys() const { return surfaceKeys_; }
 

@@ -28,7 +28,8 @@ namespace {
 PoseSource deviceSource(const io::PoseSource& from) {
   PoseSource source;
   source.row = from.row;
-  for (int i = 0; i < 3; ++i) source.place[i] = static_cast<float>(from.place[i]), source.turn[i] = static_cast<float>(from.turn.v[i]);
+  for (int i = 0; i < 3; ++i)
+    source.place[i] = static_cast<float>(from.place[i]), source.turn[i] = static_cast<float>(from.turn.v[i]);
   source.turn[3] = static_cast<float>(from.turn.s);
   return source;
 }
@@ -55,7 +56,8 @@ void Stage::learn(World& world) {
   f.sources = io::poseSources(world);
   for (const BodyId id : world.bodies()) {
     const BodyDef& body = world.definition(id);
-    if (body.shape.type == ShapeType::Plane && body.motion != Motion::Static) f.simple = false, f.why = "a plane moves";
+    if (body.shape.type == ShapeType::Plane && body.motion != Motion::Static)
+      f.simple = false, f.why = "a plane moves";
   }
   if (!f.simple || !world.array(StateArray::Position).device) return;
   if (!f.feedAsked) f.feed = makePoseFeed(f.why);
@@ -69,12 +71,14 @@ void Stage::learn(World& world) {
 void Stage::follow(World& world) {
   if (!followed_) followed_ = std::make_shared<Followed>();
   Followed& f = *followed_;
-  if (f.world != &world || f.epoch != world.epoch() || f.bodiesSet != bodiesSet_ || !f.simple || !io::posesAreAll(world)) {
+  if (f.world != &world || f.epoch != world.epoch() || f.bodiesSet != bodiesSet_ || !f.simple ||
+      !io::posesAreAll(world)) {
     learn(world);
     posesFrom_ = "body by body (" + (f.why.empty() ? "new ones" : f.why) + ")";
     return;
   }
-  PoseArrays arrays{world.array(StateArray::Position), world.array(StateArray::Orientation), renderer_.origin()};
+  PoseArrays arrays{world.array(StateArray::Position), world.array(StateArray::Orientation),
+                    renderer_.origin()};
   if (f.feed) {
     renderer_.bodies().setPoses(*f.feed, arrays);
     posesFrom_ = "on the device";
@@ -87,9 +91,11 @@ void Stage::follow(World& world) {
     posesFrom_ = "copied to the host (" + f.why + ")";
   }
   poses_.resize(f.sources.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, poses_.size(), 4096), [&](const tbb::blocked_range<std::size_t>& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) poses_[i] = poseOf(f.sources[i], arrays);
-  });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, poses_.size(), 4096),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t i = range.begin(); i < range.end(); ++i)
+                        poses_[i] = poseOf(f.sources[i], arrays);
+                    });
   renderer_.bodies().setPoses(poses_);
 }
 

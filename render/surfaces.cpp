@@ -20,7 +20,8 @@ void Surfaces::set(std::span<const Surface> surfaces) {
     std::vector<Vertex> interleaved;
     interleaved.reserve(normals.size());
     const std::vector<float>& heat = surfaces[i].heat;
-    for (std::size_t v = 0; v < normals.size(); ++v) interleaved.push_back({surfaces[i].vertices[v], normals[v], heat.empty() ? 0 : heat[v]});
+    for (std::size_t v = 0; v < normals.size(); ++v)
+      interleaved.push_back({surfaces[i].vertices[v], normals[v], heat.empty() ? 0 : heat[v]});
     glBindVertexArray(part.array.id());
     part.vertices.upload(interleaved.data(), interleaved.size() * sizeof(Vertex));
     part.indices.upload(surfaces[i].triangles.data(), surfaces[i].triangles.size() * sizeof(Triangle));

@@ -19,7 +19,8 @@ class Surfaces {
   };
   std::vector<Part> parts_;
   std::size_t used_ = 0;
-  gl::Program program_{"surface.vert", "body.frag", {"MESH", "HEAT"}}, depths_{"surface.vert", "nothing.frag", {"MESH"}};
+  gl::Program program_{"surface.vert", "body.frag", {"MESH", "HEAT"}},
+      depths_{"surface.vert", "nothing.frag", {"MESH"}};
 };
 
 }  // namespace rubble::render

@@ -33,8 +33,10 @@ struct Targets {
 };
 
 struct ShadowTargets {
-  ShadowTargets(int size_) : size(size_), maps(size, size, GL_DEPTH_COMPONENT32F, GL_LINEAR, kMostShadowMaps) {
-    for (int layer = 0; layer < kMostShadowMaps; ++layer) targets.emplace_back(std::vector<const gl::Texture*>{}, &maps, layer);
+  ShadowTargets(int size_)
+      : size(size_), maps(size, size, GL_DEPTH_COMPONENT32F, GL_LINEAR, kMostShadowMaps) {
+    for (int layer = 0; layer < kMostShadowMaps; ++layer)
+      targets.emplace_back(std::vector<const gl::Texture*>{}, &maps, layer);
   }
   int size;
   gl::Texture maps;

@@ -62,7 +62,8 @@ Probes dropProbes(const Arguments&, const Scene& scene) {
 }
 
 std::vector<Claim> dropClaims(const Arguments&) {
-  return {within("top_drop_m", 2.998, 3.002, "it rests on the ground, within 2 mm"), atMost("max_speed_m_s", 1e-3, "and is still")};
+  return {within("top_drop_m", 2.998, 3.002, "it rests on the ground, within 2 mm"),
+          atMost("max_speed_m_s", 1e-3, "and is still")};
 }
 
 constexpr double kBounceRadius = .5;
@@ -87,7 +88,8 @@ Probes bounceProbes(const Arguments& arguments, const Scene& scene) {
 
 std::vector<Claim> bounceClaims(const Arguments& arguments) {
   const double e = value(arguments, "restitution");
-  return {within("restitution_found", e - .05, e + .05, "the rebound is as high as the restitution says, within .05")};
+  return {within("restitution_found", e - .05, e + .05,
+                 "the rebound is as high as the restitution says, within .05")};
 }
 
 // Pendulum: a rod that hangs by its end.
@@ -104,7 +106,8 @@ double rodPeriod(double gravity) {
 Scene buildPendulum(const Arguments& arguments) {
   const double angle = value(arguments, "angle") * std::numbers::pi / 180;
   Scene scene = emptyScene(kUpY, 9.81);
-  BodyDef rod = named("rod", block(kHalfRod, {kHalfRod.y * std::sin(angle), -kHalfRod.y * std::cos(angle), 0}, 1000));
+  BodyDef rod = named(
+      "rod", block(kHalfRod, {kHalfRod.y * std::sin(angle), -kHalfRod.y * std::cos(angle), 0}, 1000));
   rod.orientation = fromAxisAngle(Vec3{0, 0, 1}, angle);
   scene.bodies.push_back(rod);
   scene.joints.push_back(ballJoint(kWorld, {}, 0, {0, kHalfRod.y, 0}, "pivot"));
@@ -118,7 +121,8 @@ Probes pendulumProbes(const Arguments&, const Scene& scene) {
 }
 
 std::vector<Claim> pendulumClaims(const Arguments&) {
-  return {within("period_error", -.01, .01, "2 pi sqrt(I / (m g d)), within 1 %"), atMost("joint_gap_max_m", 1e-3, "the pivot stays")};
+  return {within("period_error", -.01, .01, "2 pi sqrt(I / (m g d)), within 1 %"),
+          atMost("joint_gap_max_m", 1e-3, "the pivot stays")};
 }
 
 // Free spin about the middle axis of inertia.
@@ -139,8 +143,10 @@ Probes spinProbes(const Arguments&, const Scene&) {
 }
 
 std::vector<Claim> spinClaims(const Arguments&) {
-  return {atMost("momentum_error", 1e-3, "angular momentum stays"), atLeast("energy_ratio", .99, "energy stays within 1 %"),
-          atMost("energy_ratio_max", 1.001, "and is not gained"), atLeast("flips", 1, "the middle axis is unstable: the body turns over")};
+  return {atMost("momentum_error", 1e-3, "angular momentum stays"),
+          atLeast("energy_ratio", .99, "energy stays within 1 %"),
+          atMost("energy_ratio_max", 1.001, "and is not gained"),
+          atLeast("flips", 1, "the middle axis is unstable: the body turns over")};
 }
 
 // Free motion of a body with three moments of inertia: the spin in its own frame is periodic.
@@ -155,13 +161,16 @@ Scene buildFree(const Arguments& arguments) {
   return scene;
 }
 
-/// 4 K(m) / p, from Euler's equations for a spin w about the principal axes, with moments in rising order [s].
+/// 4 K(m) / p, from Euler's equations for a spin w about the principal axes, with moments in rising order
+/// [s].
 double freePeriod(Vec3 moments, const Vec3& w) {
   double energy2 = 0, momentum2 = 0;
-  for (int k = 0; k < 3; ++k) energy2 += moments[k] * w[k] * w[k], momentum2 += moments[k] * moments[k] * w[k] * w[k];
+  for (int k = 0; k < 3; ++k)
+    energy2 += moments[k] * w[k] * w[k], momentum2 += moments[k] * moments[k] * w[k] * w[k];
   // about the axis of the least moment it goes as about that of the largest
   if (momentum2 < energy2 * moments.y) std::swap(moments.x, moments.z);
-  const double a = (moments.z - moments.y) * (momentum2 - energy2 * moments.x), b = (moments.y - moments.x) * (energy2 * moments.z - momentum2);
+  const double a = (moments.z - moments.y) * (momentum2 - energy2 * moments.x),
+               b = (moments.y - moments.x) * (energy2 * moments.z - momentum2);
   const double p = std::sqrt(a / (moments.x * moments.y * moments.z)), m = b / a;
   double x = 1, y = std::sqrt(1 - m);
   for (int k = 0; k < 40; ++k) {
@@ -242,7 +251,8 @@ std::vector<Spec> basicSpecs() {
   Spec projectile = fall;
   projectile.name = "projectile";
   projectile.doc = "A cube is thrown and tumbles on its way.";
-  projectile.arguments = {quantity("speed", 15, 1, 100, "m/s", "at the start"), quantity("angle", 45, 0, 90, "deg", "over the horizon")};
+  projectile.arguments = {quantity("speed", 15, 1, 100, "m/s", "at the start"),
+                          quantity("angle", 45, 0, 90, "deg", "over the horizon")};
   projectile.build = buildProjectile;
 
   Spec drop = fall;
@@ -257,7 +267,8 @@ std::vector<Spec> basicSpecs() {
   Spec bounce = fall;
   bounce.name = "bounce";
   bounce.doc = "A sphere falls and rebounds.";
-  bounce.arguments = {quantity("restitution", .5, .2, 1, "1", "of the sphere"), quantity("height", 2, .5, 20, "m", "of the drop")};
+  bounce.arguments = {quantity("restitution", .5, .2, 1, "1", "of the sphere"),
+                      quantity("height", 2, .5, 20, "m", "of the drop")};
   bounce.build = buildBounce;
   bounce.probes = bounceProbes;
   bounce.claims = bounceClaims;
@@ -294,7 +305,9 @@ std::vector<Spec> basicSpecs() {
     probes.push_back(std::make_unique<FreePeriodProbe>());
     return probes;
   };
-  free.claims = [](const Arguments&) { return std::vector<Claim>{within("period_error", -.01, .01, "the closed form, within 1 %")}; };
+  free.claims = [](const Arguments&) {
+    return std::vector<Claim>{within("period_error", -.01, .01, "the closed form, within 1 %")};
+  };
   free.steps = 600;
 
   Spec impact = fall;

@@ -34,7 +34,8 @@ Scene buildLadder(const Arguments& arguments) {
   return scene;
 }
 
-/// ladder_error: largest |h / (e^2n h_0) - 1| of the tops of all bodies after the first bounces, as long as they close twice as fast as an impact has to.
+/// ladder_error: largest |h / (e^2n h_0) - 1| of the tops of all bodies after the first bounces, as long as
+/// they close twice as fast as an impact has to.
 class LadderProbe final : public Probe {
  public:
   explicit LadderProbe(double height) : height_(height) {}
@@ -111,8 +112,8 @@ Scene buildCradle(const Arguments& arguments) {
   return scene;
 }
 
-/// handed_on_ratio: largest way of the last ball in the first swing over that of the first one; left_ratio: largest speed of the others, over that of the
-/// impact, as the last one passes half of its way.
+/// handed_on_ratio: largest way of the last ball in the first swing over that of the first one; left_ratio:
+/// largest speed of the others, over that of the impact, as the last one passes half of its way.
 class CradleProbe final : public Probe {
  public:
   CradleProbe(int balls, int raised, double angle)

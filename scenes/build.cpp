@@ -12,15 +12,20 @@ Argument count(const std::string& name, int value, int min, int max, const std::
   return {name, double(value), double(min), double(max), "1", doc, true};
 }
 
-Argument quantity(const std::string& name, double value, double min, double max, const std::string& unit, const std::string& doc) {
+Argument quantity(const std::string& name, double value, double min, double max, const std::string& unit,
+                  const std::string& doc) {
   return {name, value, min, max, unit, doc, false};
 }
 
-Argument flag(const std::string& name, bool value, const std::string& doc) { return {name, value ? 1.0 : 0.0, 0, 1, "1", doc, true}; }
+Argument flag(const std::string& name, bool value, const std::string& doc) {
+  return {name, value ? 1.0 : 0.0, 0, 1, "1", doc, true};
+}
 
 std::vector<Argument> stackArguments(std::vector<Argument> own, double density) {
-  own.push_back(quantity("density", density, 1e-3, 1e7, "kg/m3", "density of a brick; everything else keeps its ratio to it"));
-  own.push_back(quantity("length_scale", 1, .01, 100, "1", "factor on all lengths; speeds scale with its square root"));
+  own.push_back(quantity("density", density, 1e-3, 1e7, "kg/m3",
+                         "density of a brick; everything else keeps its ratio to it"));
+  own.push_back(
+      quantity("length_scale", 1, .01, 100, "1", "factor on all lengths; speeds scale with its square root"));
   return own;
 }
 
@@ -30,17 +35,21 @@ double value(const Arguments& arguments, const std::string& name) {
   return found->second;
 }
 
-int whole(const Arguments& arguments, const std::string& name) { return int(std::lround(value(arguments, name))); }
+int whole(const Arguments& arguments, const std::string& name) {
+  return int(std::lround(value(arguments, name)));
+}
 
-Spec variant(const Spec& base, const std::string& name, const std::string& doc, const Arguments& defaults, int steps) {
+Spec variant(const Spec& base, const std::string& name, const std::string& doc, const Arguments& defaults,
+             int steps) {
   Spec spec = base;
   spec.name = name;
   spec.doc = doc;
   if (steps > 0) spec.steps = steps;
   for (const auto& [key, number] : defaults) {
-    const auto found =
-        std::find_if(spec.arguments.begin(), spec.arguments.end(), [&, name = key](const Argument& a) { return a.name == name; });
-    if (found == spec.arguments.end()) throw Error("scene " + name + ", argument " + key, "an argument of " + base.name, "an unknown one");
+    const auto found = std::find_if(spec.arguments.begin(), spec.arguments.end(),
+                                    [&, name = key](const Argument& a) { return a.name == name; });
+    if (found == spec.arguments.end())
+      throw Error("scene " + name + ", argument " + key, "an argument of " + base.name, "an unknown one");
     found->value = number;
   }
   return spec;
@@ -88,7 +97,8 @@ BodyDef block(const Vec3& halfExtents, const Vec3& position, double density) {
 void shuffleBodies(Scene& scene, std::size_t first) {
   // by hand: libraries shuffle differently
   std::mt19937 random;
-  for (std::size_t k = scene.bodies.size(); k > first + 1; --k) std::swap(scene.bodies[k - 1], scene.bodies[first + random() % (k - first)]);
+  for (std::size_t k = scene.bodies.size(); k > first + 1; --k)
+    std::swap(scene.bodies[k - 1], scene.bodies[first + random() % (k - first)]);
 }
 
 void setFriction(Scene& scene, double friction) {
@@ -115,9 +125,15 @@ void addAt(Scene& scene, int step, std::vector<BodyDef> bodies) {
 
 Vec3 upOf(const Scene& scene) { return normalize(-scene.gravity, kUpZ); }
 
-Claim within(const std::string& metric, double min, double max, const std::string& why) { return {metric, min, max, why}; }
-Claim atMost(const std::string& metric, double max, const std::string& why) { return {metric, -kNoBound, max, why}; }
-Claim atLeast(const std::string& metric, double min, const std::string& why) { return {metric, min, kNoBound, why}; }
+Claim within(const std::string& metric, double min, double max, const std::string& why) {
+  return {metric, min, max, why};
+}
+Claim atMost(const std::string& metric, double max, const std::string& why) {
+  return {metric, -kNoBound, max, why};
+}
+Claim atLeast(const std::string& metric, double min, const std::string& why) {
+  return {metric, min, kNoBound, why};
+}
 
 std::vector<Claim> standsClaims(double drop, const std::string& why) {
   return {within("top_drop_m", -drop, drop, why), atMost("bricks_lost", 0, "every brick stays"),

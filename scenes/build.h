@@ -20,7 +20,8 @@ inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 // Arguments.
 Argument count(const std::string& name, int value, int min, int max, const std::string& doc);
-Argument quantity(const std::string& name, double value, double min, double max, const std::string& unit, const std::string& doc);
+Argument quantity(const std::string& name, double value, double min, double max, const std::string& unit,
+                  const std::string& doc);
 /// 0 or 1.
 Argument flag(const std::string& name, bool value, const std::string& doc);
 /// `own` and the two arguments of every stack: density [kg/m3] and length_scale [1].
@@ -28,12 +29,14 @@ std::vector<Argument> stackArguments(std::vector<Argument> own, double density =
 double value(const Arguments& arguments, const std::string& name);
 int whole(const Arguments& arguments, const std::string& name);
 /// A scene of the registry at another size: the same spec with other defaults.
-Spec variant(const Spec& base, const std::string& name, const std::string& doc, const Arguments& defaults, int steps = 0);
+Spec variant(const Spec& base, const std::string& name, const std::string& doc, const Arguments& defaults,
+             int steps = 0);
 
 /// The same scene, run in tests at its own size and length.
 Spec testedInFull(Spec spec);
 
-/// Scale of a stack. Speeds go with the square root of lengths, so that the motion is similar under the same gravity.
+/// Scale of a stack. Speeds go with the square root of lengths, so that the motion is similar under the same
+/// gravity.
 struct Scale {
   double length = 1;      ///< [1]
   double density = 1000;  ///< of a brick [kg/m3]
@@ -48,7 +51,8 @@ Scene emptyScene(const Vec3& up, double gravity);
 BodyDef ground(const Vec3& up, double height = 0, double friction = .6);
 /// A dynamic box with friction .6 and no name.
 BodyDef block(const Vec3& halfExtents, const Vec3& position, double density);
-/// Puts the bodies from `first` on in an order that is random, and always the same. No joint may name one of them yet.
+/// Puts the bodies from `first` on in an order that is random, and always the same. No joint may name one of
+/// them yet.
 void shuffleBodies(Scene& scene, std::size_t first);
 /// Makes all bodies rub with this coefficient, static and dynamic alike.
 void setFriction(Scene& scene, double friction);
@@ -65,7 +69,8 @@ Claim atMost(const std::string& metric, double max, const std::string& why);
 Claim atLeast(const std::string& metric, double min, const std::string& why);
 /// Every brick stays and the top layer moves by `drop` metres at most.
 std::vector<Claim> standsClaims(double drop, const std::string& why);
-/// After the smash (see smashProbes): something gives way, nothing sinks into the ground. `lengthScale` is a factor on bounds in metres.
+/// After the smash (see smashProbes): something gives way, nothing sinks into the ground. `lengthScale` is a
+/// factor on bounds in metres.
 std::vector<Claim> smashClaims(double lengthScale);
 std::vector<Claim> operator+(std::vector<Claim> a, const std::vector<Claim>& b);
 

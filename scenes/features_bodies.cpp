@@ -29,9 +29,11 @@ class DampingProbe final : public BodyProbe {
   explicit DampingProbe(const BodyDef& def) : BodyProbe(def.name), def_(def) {}
   void afterStep(const World& world, const StepReport&) override {
     const BodyState now = state(world);
-    const double v = std::exp(-def_.linearDamping * world.time()), w = std::exp(-def_.angularDamping * world.time());
-    error_ = std::max({error_, length(now.velocity - v * def_.velocity) / length(def_.velocity),
-                       length(now.angularVelocity - w * def_.angularVelocity) / length(def_.angularVelocity)});
+    const double v = std::exp(-def_.linearDamping * world.time()),
+                 w = std::exp(-def_.angularDamping * world.time());
+    error_ = std::max(
+        {error_, length(now.velocity - v * def_.velocity) / length(def_.velocity),
+         length(now.angularVelocity - w * def_.angularVelocity) / length(def_.angularVelocity)});
   }
   void finish(const World&, Metrics& metrics) override { metrics["damping_error"] = error_; }
 
@@ -66,7 +68,8 @@ class PlaneProbe final : public Probe {
     for (const BodyId id : world.bodies()) {
       if (world.definition(id).motion != Motion::Dynamic) continue;
       const BodyState s = world.state(id);
-      out_ = std::max({out_, std::fabs(s.position.y), std::fabs(s.orientation.v.x), std::fabs(s.orientation.v.z)});
+      out_ = std::max(
+          {out_, std::fabs(s.position.y), std::fabs(s.orientation.v.x), std::fabs(s.orientation.v.z)});
     }
   }
   void finish(const World&, Metrics& metrics) override { metrics["out_of_plane"] = out_; }
@@ -102,7 +105,8 @@ class LayersProbe final : public Probe {
     double error = 0;
     for (int layer = 0; layer < 4; ++layer) {
       const double rest = layer < 3 ? 2 + 2.0 * layer + .1 + .5 : .5;
-      error = std::max(error, std::fabs(world.state(world.find("cube" + std::to_string(layer))).position.z - rest));
+      error = std::max(error,
+                       std::fabs(world.state(world.find("cube" + std::to_string(layer))).position.z - rest));
     }
     metrics["rest_error_m"] = error;
   }
@@ -159,7 +163,8 @@ Scene buildSleepers(const Arguments&) {
   scene.bodies.push_back(ground(kUpZ));
   for (const double y : {0.0, 12.0})
     for (int row = 0; row < 4; ++row)
-      for (int k = 0; k < 6; ++k) scene.bodies.push_back(block(kHalfBrick, {1.02 * k + (row % 2 ? .3 : 0), y, .25 + .5 * row}, 1000));
+      for (int k = 0; k < 6; ++k)
+        scene.bodies.push_back(block(kHalfBrick, {1.02 * k + (row % 2 ? .3 : 0), y, .25 + .5 * row}, 1000));
   BodyDef ball;
   ball.name = "ball";
   ball.shape = Shape::sphere(.4);
@@ -196,8 +201,7 @@ Spec basic(const std::string& name, const std::string& doc, int steps) {
   return spec;
 }
 
-template <class P, class... A>
-Probes one(A&&... arguments) {
+template <class P, class... A> Probes one(A&&... arguments) {
   Probes probes;
   probes.push_back(std::make_unique<P>(std::forward<A>(arguments)...));
   return probes;
@@ -207,12 +211,16 @@ Probes one(A&&... arguments) {
 
 std::vector<Spec> bodySpecs() {
   Spec damping = basic("damping", "A free cube flies and spins through a medium.", 120);
-  damping.arguments = {quantity("linear", .5, 0, 100, "1/s", "damping of the velocity"), quantity("angular", 2, 0, 100, "1/s", "of the spin")};
+  damping.arguments = {quantity("linear", .5, 0, 100, "1/s", "damping of the velocity"),
+                       quantity("angular", 2, 0, 100, "1/s", "of the spin")};
   damping.build = buildDamping;
   damping.probes = [](const Arguments&, const Scene& scene) { return one<DampingProbe>(scene.bodies[0]); };
-  damping.claims = [](const Arguments&) { return std::vector<Claim>{atMost("damping_error", 1e-4, "exp(-c t), at any time step")}; };
+  damping.claims = [](const Arguments&) {
+    return std::vector<Claim>{atMost("damping_error", 1e-4, "exp(-c t), at any time step")};
+  };
 
-  Spec planar = basic("planar-pyramid", "A pyramid of bricks that can move in a plane only (after avbd-demo2d).", 300);
+  Spec planar = basic("planar-pyramid",
+                      "A pyramid of bricks that can move in a plane only (after avbd-demo2d).", 300);
   planar.arguments = {count("rows", 12, 1, 100, "rows of bricks")};
   planar.build = buildPlanar;
   planar.probes = [](const Arguments&, const Scene& scene) {
@@ -221,26 +229,33 @@ std::vector<Spec> bodySpecs() {
     return probes;
   };
   planar.claims = [](const Arguments&) {
-    return standsClaims(.02, "the pyramid stands") + std::vector<Claim>{atMost("out_of_plane", 0, "no brick leaves the plane or turns out of it")};
+    return standsClaims(.02, "the pyramid stands") +
+           std::vector<Claim>{atMost("out_of_plane", 0, "no brick leaves the plane or turns out of it")};
   };
   planar.testArguments = {{"rows", 8}};
 
   Spec layers = basic("layers", "Cubes fall through shelves until one of their own layer.", 180);
   layers.build = buildLayers;
   layers.probes = [](const Arguments&, const Scene&) { return one<LayersProbe>(); };
-  layers.claims = [](const Arguments&) { return std::vector<Claim>{atMost("rest_error_m", 3e-3, "each rests where its layer is")}; };
+  layers.claims = [](const Arguments&) {
+    return std::vector<Claim>{atMost("rest_error_m", 3e-3, "each rests where its layer is")};
+  };
 
   Spec gate = basic("sensor-gate", "Balls fall through a sensor.", 240);
   gate.arguments = {count("balls", 12, 1, 15, "balls")};
   gate.build = buildGate;
-  gate.probes = [](const Arguments& arguments, const Scene&) { return one<GateProbe>(whole(arguments, "balls")); };
+  gate.probes = [](const Arguments& arguments, const Scene&) {
+    return one<GateProbe>(whole(arguments, "balls"));
+  };
   gate.claims = [](const Arguments&) {
-    return std::vector<Claim>{within("in_ratio", 1, 1, "each comes in once"), within("out_ratio", 1, 1, "and goes out once"),
+    return std::vector<Claim>{within("in_ratio", 1, 1, "each comes in once"),
+                              within("out_ratio", 1, 1, "and goes out once"),
                               atMost("push_n_s", 0, "and is not pushed")};
   };
   gate.events = true;
 
-  Spec sleepers = basic("sleepers", "Two walls fall asleep; one is hit by a ball, and they sleep again.", 700);
+  Spec sleepers = basic("sleepers", "Two walls fall asleep; one is hit by a ball, and they sleep again.",
+                        700);
   sleepers.build = buildSleepers;
   sleepers.probes = [](const Arguments&, const Scene&) { return one<SleepProbe>(); };
   sleepers.claims = [](const Arguments&) {

@@ -31,7 +31,8 @@ Scene build(const Arguments& arguments) {
   return scene;
 }
 
-/// height_min_m: least height of the bullet's centre over the middle of the plate, while it is over the plate.
+/// height_min_m: least height of the bullet's centre over the middle of the plate, while it is over the
+/// plate.
 class OverPlate final : public Probe {
  public:
   void afterStep(const World& world, const StepReport&) override {
@@ -41,7 +42,8 @@ class OverPlate final : public Probe {
   }
   void finish(const World& world, Metrics& metrics) override {
     metrics["height_min_m"] = least_;
-    metrics["through_m_s"] = world.state(world.find("plate")).velocity.z - world.state(world.find("bullet")).velocity.z;
+    metrics["through_m_s"] = world.state(world.find("plate")).velocity.z -
+                             world.state(world.find("bullet")).velocity.z;
   }
 
  private:
@@ -67,7 +69,8 @@ std::vector<Spec> fastSpecs() {
   Spec spec;
   spec.name = "bullet-plate";
   spec.doc = "A bullet of 1 cm flies at a free steel plate of 1 cm: 17 m a step.";
-  spec.arguments = {quantity("speed", 1000, 10, 2000, "m/s", "of the bullet"), quantity("angle", 30, 0, 80, "deg", "to the normal of the plate"),
+  spec.arguments = {quantity("speed", 1000, 10, 2000, "m/s", "of the bullet"),
+                    quantity("angle", 30, 0, 80, "deg", "to the normal of the plate"),
                     flag("box", false, "1: the bullet is a cube")};
   spec.build = build;
   spec.probes = probes;
@@ -75,8 +78,11 @@ std::vector<Spec> fastSpecs() {
   spec.camera = overview;
   spec.steps = 90;
   spec.tags = {"fast"};
-  return {spec, variant(spec, "bullet-plate-cube", "The same with a cube, straight on.", {{"box", 1}, {"angle", 0}}),
-          variant(spec, "bullet-plate-slow", "A bullet of 50 m/s grazes a plate.", {{"speed", 50}, {"angle", 80}})};
+  return {
+      spec,
+      variant(spec, "bullet-plate-cube", "The same with a cube, straight on.", {{"box", 1}, {"angle", 0}}),
+      variant(spec, "bullet-plate-slow", "A bullet of 50 m/s grazes a plate.",
+              {{"speed", 50}, {"angle", 80}})};
 }
 
 }  // namespace rubble::scenes

@@ -1,5 +1,5 @@
-/// Stacks that stand or fall by little: what a coarse answer drops. Their verdicts are stated for as many iterations or
-/// substeps as they need.
+/// Stacks that stand or fall by little: what a coarse answer drops. Their verdicts are stated for as many
+/// iterations or substeps as they need.
 #include <string>
 
 #include "build.h"
@@ -54,7 +54,8 @@ std::vector<Spec> fineStackSpecs() {
   Spec overhang;
   overhang.name = "overhang";
   overhang.doc = "Bricks that reach out to .95 of the harmonic series over the one at the ground.";
-  overhang.arguments = {count("bricks", 10, 2, 60, "in the stack"), quantity("share", .95, .1, 1.2, "1", "of the limit")};
+  overhang.arguments = {count("bricks", 10, 2, 60, "in the stack"),
+                        quantity("share", .95, .1, 1.2, "1", "of the limit")};
   overhang.build = buildOverhang;
   overhang.probes = standing;
   overhang.claims = [](const Arguments&) { return standsClaims(.02, "it stands"); };

@@ -1,5 +1,5 @@
-/// Friction with closed forms: stopping distance, the threshold of a ramp, a sphere that starts to roll, a floor that moves.
-/// Sources: avbd-demo3d, three-avbd (z up, g 10).
+/// Friction with closed forms: stopping distance, the threshold of a ramp, a sphere that starts to roll, a
+/// floor that moves. Sources: avbd-demo3d, three-avbd (z up, g 10).
 #include "friction_probes.h"
 
 #include <array>
@@ -44,7 +44,8 @@ Scene buildLadder(const Arguments& arguments) {
 Probes ladderProbes(const Arguments&, const Scene& scene) {
   std::vector<Slider> sliders;
   for (int i = 0; i < kLadderBoxes; ++i)
-    if (ladderFriction(i) > 0) sliders.push_back({"box" + std::to_string(i), std::sqrt(kLadderSlab * ladderFriction(i))});
+    if (ladderFriction(i) > 0)
+      sliders.push_back({"box" + std::to_string(i), std::sqrt(kLadderSlab * ladderFriction(i))});
   Probes probes;
   probes.push_back(stopProbe(scene, sliders));
   probes.push_back(travelProbe("box" + std::to_string(kLadderBoxes - 1), {1, 0, 0}));
@@ -75,8 +76,10 @@ Scene buildRamp(const Arguments& arguments) {
   for (std::size_t i = 0; i < kRampRatios.size(); ++i) {
     const double pair = kRampRatios[i] * std::tan(angle);
     const double own = pair * pair / mu;
-    BodyDef box =
-        block({.5, .5, .5}, middle + rotate(tilt, {kRampStart, 2.0 * double(i) - double(kRampRatios.size() - 1), kRampHalf.z + .5}), 1);
+    BodyDef box = block({.5, .5, .5},
+                        middle + rotate(tilt, {kRampStart, 2.0 * double(i) - double(kRampRatios.size() - 1),
+                                               kRampHalf.z + .5}),
+                        1);
     box.name = "box" + std::to_string(i);
     box.orientation = tilt;
     box.material = {own, own, 0};
@@ -87,7 +90,8 @@ Scene buildRamp(const Arguments& arguments) {
 
 Probes rampProbes(const Arguments&, const Scene&) {
   std::vector<RampBox> boxes;
-  for (std::size_t i = 0; i < kRampRatios.size(); ++i) boxes.push_back({"box" + std::to_string(i), kRampRatios[i]});
+  for (std::size_t i = 0; i < kRampRatios.size(); ++i)
+    boxes.push_back({"box" + std::to_string(i), kRampRatios[i]});
   Probes probes;
   probes.push_back(rampProbe(boxes, .1, 5));
   return probes;
@@ -173,8 +177,10 @@ std::vector<Spec> frictionSpecs() {
   Spec ramp = ladder;
   ramp.name = "friction-ramp";
   ramp.doc = "Boxes on a ramp whose friction is a few per cent above or below the tangent of its angle.";
-  ramp.arguments = {quantity("angle", 30, 5, 40, "deg", "slope of the ramp"),
-                    quantity("mu", 1, .05, 10, "1", "friction of the ramp; each box gets the one that makes the pair's what it should be")};
+  ramp.arguments = {
+      quantity("angle", 30, 5, 40, "deg", "slope of the ramp"),
+      quantity("mu", 1, .05, 10, "1",
+               "friction of the ramp; each box gets the one that makes the pair's what it should be")};
   ramp.build = buildRamp;
   ramp.probes = rampProbes;
   ramp.claims = rampClaims;
@@ -182,7 +188,8 @@ std::vector<Spec> frictionSpecs() {
   Spec sphere = ladder;
   sphere.name = "sliding-sphere";
   sphere.doc = "A sphere that slides at first ends up rolling at 5/7 of its speed (three-avbd).";
-  sphere.arguments = {quantity("speed", 3, .1, 20, "m/s", "speed at the start"), quantity("mu", .5, .05, 2, "1", "friction")};
+  sphere.arguments = {quantity("speed", 3, .1, 20, "m/s", "speed at the start"),
+                      quantity("mu", .5, .05, 2, "1", "friction")};
   sphere.build = buildSphere;
   sphere.probes = sphereProbes;
   sphere.claims = sphereClaims;

@@ -1,4 +1,5 @@
-/// Where sticking and standing end, with closed forms: stick and slip of a block on a spring, cylinders and cones that tip.
+/// Where sticking and standing end, with closed forms: stick and slip of a block on a spring, cylinders and
+/// cones that tip.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,12 +17,13 @@ constexpr double kG = 10;
 // Stick-slip: a block of 1 kg on a spring whose far end a kinematic body draws along x.
 
 constexpr double kStatic = .5, kDynamic = .3;
-constexpr double kSpring = 20;    // [N/m]
-constexpr double kDrawing = .1;   // [m/s]
+constexpr double kSpring = 20;   // [N/m]
+constexpr double kDrawing = .1;  // [m/s]
 constexpr double kSpringLength = 2;
 
-/// It sticks until the spring pulls with mu_s m g, and swings about mu_d m g until it stands still against the ground: with D = (mu_s - mu_d) m g / k
-/// and w^2 = k / m the period is 2 D / V + 2 (pi - atan(D w / V)) / w.
+/// It sticks until the spring pulls with mu_s m g, and swings about mu_d m g until it stands still against
+/// the ground: with D = (mu_s - mu_d) m g / k and w^2 = k / m the period is 2 D / V + 2 (pi - atan(D w / V))
+/// / w.
 double stickSlipPeriod() {
   const double d = (kStatic - kDynamic) * kG / kSpring, w = std::sqrt(kSpring);
   return 2 * d / kDrawing + 2 / w * (std::numbers::pi - std::atan(d * w / kDrawing));
@@ -58,7 +60,8 @@ class StickSlipProbe final : public Probe {
   }
   void finish(const World&, Metrics& metrics) override {
     metrics["stiction_ratio"] = pull_ / (kStatic * kG);
-    if (slips_ > 2) metrics["period_error"] = std::fabs((last_ - first_) / (slips_ - 2) / stickSlipPeriod() - 1);
+    if (slips_ > 2)
+      metrics["period_error"] = std::fabs((last_ - first_) / (slips_ - 2) / stickSlipPeriod() - 1);
   }
 
  private:
@@ -75,7 +78,8 @@ Probes stickSlipProbes(const Arguments&, const Scene&) {
 
 std::vector<Claim> stickSlipClaims(const Arguments&) {
   return {atMost("period_error", .05, "the period of the closed form, within 5 %"),
-          within("stiction_ratio", .98, 1.04, "it holds up to mu_s m g; the spring goes on to pull while it begins to move")};
+          within("stiction_ratio", .98, 1.04,
+                 "it holds up to mu_s m g; the spring goes on to pull while it begins to move")};
 }
 
 // Push: blocks that springs draw along at several heights, until they give way.
@@ -99,11 +103,13 @@ Scene buildPush(const Arguments& arguments) {
     spring.length = kSpringLength;
     scene.joints.push_back(spring);
   }
-  for (BodyDef& body : scene.bodies) body.material = {value(arguments, "mu"), kDynamic / kStatic * value(arguments, "mu"), 0};
+  for (BodyDef& body : scene.bodies)
+    body.material = {value(arguments, "mu"), kDynamic / kStatic * value(arguments, "mu"), 0};
   return scene;
 }
 
-/// stiction_least_ratio, stiction_most_ratio: pull of the spring as a block begins to slip over mu_s m g, of all blocks.
+/// stiction_least_ratio, stiction_most_ratio: pull of the spring as a block begins to slip over mu_s m g, of
+/// all blocks.
 class PushProbe final : public Probe {
  public:
   explicit PushProbe(double friction) : friction_(friction) {}
@@ -126,7 +132,8 @@ class PushProbe final : public Probe {
   std::array<bool, kPushHeights.size()> slips_{};
 };
 
-// Tipping: cylinders and cones on slopes just below and above the one at which their weight leaves their base.
+// Tipping: cylinders and cones on slopes just below and above the one at which their weight leaves their
+// base.
 
 constexpr double kRadius = .5;
 constexpr std::array kYaws{0., .2, .37};
@@ -136,7 +143,8 @@ struct Standing {
   bool cone;
   double half;  // of the height [m]
 };
-constexpr std::array<Standing, 4> kStanding{{{"drum", false, .5}, {"column", false, 1.25}, {"cone", true, .75}, {"spire", true, 1.5}}};
+constexpr std::array<Standing, 4> kStanding{
+    {{"drum", false, .5}, {"column", false, 1.25}, {"cone", true, .75}, {"spire", true, 1.5}}};
 
 Scene buildTipping(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, kG);
@@ -147,7 +155,8 @@ Scene buildTipping(const Arguments& arguments) {
       const double centre = cone ? half / 2 : half, yaw = kYaws[k / 2];
       const Quat tilt = fromAxisAngle(Vec3{0, 1, 0}, std::atan(kRadius / centre) + (k % 2 == 0 ? -off : off));
       const Vec3 at{6. * double(i), 6. * double(k), 6};
-      put(scene, held(box({1, 1, .2}, at - rotate(tilt, {0, 0, .2}), 1)), "slope_" + std::to_string(k) + kind);
+      put(scene, held(box({1, 1, .2}, at - rotate(tilt, {0, 0, .2}), 1)),
+          "slope_" + std::to_string(k) + kind);
       scene.bodies.back().orientation = tilt;
       BodyDef body = box({}, at + rotate(tilt, {0, 0, half}), 1);
       body.shape = cone ? Shape::cone(kRadius, half) : Shape::cylinder(kRadius, half);
@@ -165,7 +174,8 @@ Probes tippingProbes(const Arguments&, const Scene& scene) {
     for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
       const BodyDef& body = scene.bodies[i];
       if (body.motion != Motion::Dynamic) continue;
-      const Vec3 up = rotate(world.state(world.bodyAt(int(i))).orientation, kUpZ), before = rotate(body.orientation, kUpZ);
+      const Vec3 up = rotate(world.state(world.bodyAt(int(i))).orientation, kUpZ),
+                 before = rotate(body.orientation, kUpZ);
       const bool tipped = dot(up, before) < std::cos(10 * std::numbers::pi / 180);
       wrong += tipped != (body.name[0] == 't');
     }
@@ -175,7 +185,8 @@ Probes tippingProbes(const Arguments&, const Scene& scene) {
 }
 
 std::vector<Claim> tippingClaims(const Arguments&) {
-  return {atMost("tips_wrong", 0, "a body tips if, and only if, the slope is steeper than its closed form, to `off`")};
+  return {atMost("tips_wrong", 0,
+                 "a body tips if, and only if, the slope is steeper than its closed form, to `off`")};
 }
 
 }  // namespace
@@ -195,7 +206,9 @@ std::vector<Spec> frictionLimitSpecs() {
 
   Spec tipping = slip;
   tipping.name = "tipping";
-  tipping.doc = "Cylinders and cones, turned about their axes, on slopes just below and above the one at which they tip.";
+  tipping.doc =
+      "Cylinders and cones, turned about their axes, on slopes just below and above the one at which they "
+      "tip.";
   tipping.arguments = {quantity("off", .5, .1, 5, "deg", "how far the slopes are from the closed form")};
   tipping.build = buildTipping;
   tipping.probes = tippingProbes;
@@ -204,8 +217,10 @@ std::vector<Spec> frictionLimitSpecs() {
 
   Spec push = slip;
   push.name = "push";
-  push.doc = "Blocks that springs draw along at five heights slip when the pull is mu_s m g, whatever its height.";
-  push.arguments = {quantity("mu", kStatic, .1, .5, "1", "static friction; the dynamic one is three fifths of it")};
+  push.doc =
+      "Blocks that springs draw along at five heights slip when the pull is mu_s m g, whatever its height.";
+  push.arguments = {
+      quantity("mu", kStatic, .1, .5, "1", "static friction; the dynamic one is three fifths of it")};
   push.build = buildPush;
   push.probes = [](const Arguments& arguments, const Scene&) {
     Probes probes;

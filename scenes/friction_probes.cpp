@@ -11,7 +11,8 @@ namespace {
 
 class StopProbe final : public Probe {
  public:
-  StopProbe(const Scene& scene, std::vector<Slider> sliders) : gravity_(length(scene.gravity)), sliders_(std::move(sliders)) {}
+  StopProbe(const Scene& scene, std::vector<Slider> sliders)
+      : gravity_(length(scene.gravity)), sliders_(std::move(sliders)) {}
 
   void start(const World& world) override {
     for (const Slider& slider : sliders_) first_.push_back(world.state(world.find(slider.body)));
@@ -40,7 +41,8 @@ class StopProbe final : public Probe {
 
 class RampProbe final : public Probe {
  public:
-  RampProbe(std::vector<RampBox> boxes, double hold, double settled) : boxes_(std::move(boxes)), hold_(hold), settled_(settled) {}
+  RampProbe(std::vector<RampBox> boxes, double hold, double settled)
+      : boxes_(std::move(boxes)), hold_(hold), settled_(settled) {}
 
   void start(const World& world) override { first_ = middle_ = positions(world); }
 
@@ -96,10 +98,12 @@ class SpeedProbe final : public BodyProbe {
 
 class SlipProbe final : public BodyProbe {
  public:
-  SlipProbe(const Scene& scene, const std::string& body, double reference) : BodyProbe(body), up_(upOf(scene)), reference_(reference) {}
+  SlipProbe(const Scene& scene, const std::string& body, double reference)
+      : BodyProbe(body), up_(upOf(scene)), reference_(reference) {}
   void finish(const World& world, Metrics& metrics) override {
     const BodyState now = state(world);
-    const Vec3 touching = now.velocity - world.definition(id()).shape.radius * cross(now.angularVelocity, up_);
+    const Vec3 touching = now.velocity -
+                          world.definition(id()).shape.radius * cross(now.angularVelocity, up_);
     metrics["final_slip_ratio"] = length(touching - dot(touching, up_) * up_) / reference_;
   }
 

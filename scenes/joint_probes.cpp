@@ -33,7 +33,9 @@ class AtEnd : public Probe {
 }  // namespace
 
 std::unique_ptr<Probe> everyStep(Measure measure) { return std::make_unique<EveryStep>(std::move(measure)); }
-std::unique_ptr<Probe> atEnd(std::function<void(const World&, Metrics&)> measure) { return std::make_unique<AtEnd>(std::move(measure)); }
+std::unique_ptr<Probe> atEnd(std::function<void(const World&, Metrics&)> measure) {
+  return std::make_unique<AtEnd>(std::move(measure));
+}
 
 void raise(Metrics& metrics, const std::string& name, double value) {
   const auto [found, fresh] = metrics.emplace(name, value);
@@ -89,7 +91,8 @@ BodyDef rod(const Vec3& a, const Vec3& b, double radius, double mass) {
   return body;
 }
 
-JointDef& join(Scene& scene, JointType type, int a, int b, const Vec3& point, const Vec3& axis, const std::string& name) {
+JointDef& join(Scene& scene, JointType type, int a, int b, const Vec3& point, const Vec3& axis,
+               const std::string& name) {
   scene.joints.push_back(jointAt(scene, type, a, b, point, frameAlong(axis)));
   scene.joints.back().name = name;
   return scene.joints.back();
@@ -115,8 +118,9 @@ JointAxis motor(double speed, double most) {
   return axis;
 }
 
-Spec jointSpec(const std::string& name, const std::string& doc, Scene (*build)(const Arguments&), Probes (*probes)(const Arguments&, const Scene&),
-               std::vector<Claim> claims, int steps, std::vector<Argument> arguments) {
+Spec jointSpec(const std::string& name, const std::string& doc, Scene (*build)(const Arguments&),
+               Probes (*probes)(const Arguments&, const Scene&), std::vector<Claim> claims, int steps,
+               std::vector<Argument> arguments) {
   Spec s;
   s.name = name;
   s.doc = doc;

@@ -32,7 +32,8 @@ BodyDef ball(double radius, const Vec3& position, double mass);
 /// A capsule between two points.
 BodyDef rod(const Vec3& a, const Vec3& b, double radius, double mass);
 /// Adds jointAt() with a name and an axis (its frame's x); returns it for more.
-JointDef& join(Scene& scene, JointType type, int a, int b, const Vec3& point, const Vec3& axis = {1, 0, 0}, const std::string& name = "");
+JointDef& join(Scene& scene, JointType type, int a, int b, const Vec3& point, const Vec3& axis = {1, 0, 0},
+               const std::string& name = "");
 
 /// The same body, static.
 BodyDef held(BodyDef body);
@@ -42,7 +43,8 @@ JointDef link(JointType type, int a, int b);
 JointAxis motor(double speed, double most = kHard);
 
 /// A scene of joints: claims at every size, and that every state stays finite; 4 iterations.
-Spec jointSpec(const std::string& name, const std::string& doc, Scene (*build)(const Arguments&), Probes (*probes)(const Arguments&, const Scene&),
-               std::vector<Claim> claims, int steps, std::vector<Argument> arguments = {});
+Spec jointSpec(const std::string& name, const std::string& doc, Scene (*build)(const Arguments&),
+               Probes (*probes)(const Arguments&, const Scene&), std::vector<Claim> claims, int steps,
+               std::vector<Argument> arguments = {});
 
 }  // namespace rubble::scenes

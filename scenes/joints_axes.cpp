@@ -27,7 +27,8 @@ Scene buildHingePendulum(const Arguments& arguments) {
 }
 Probes hingePendulumProbes(const Arguments&, const Scene&) {
   Probes probes;
-  const double moment = kRodMass * (kHalfRod * kHalfRod + kHalfThick * kHalfThick) / 3 + kRodMass * kHalfRod * kHalfRod;
+  const double moment = kRodMass * (kHalfRod * kHalfRod + kHalfThick * kHalfThick) / 3 +
+                        kRodMass * kHalfRod * kHalfRod;
   probes.push_back(periodProbe("rod", 2 * std::numbers::pi * std::sqrt(moment / (kRodMass * kG * kHalfRod))));
   probes.push_back(jointErrorProbe());
   return probes;
@@ -46,9 +47,12 @@ Scene buildDoor(const Arguments&) {
     door.angularVelocity = {0, 0, kDoorSpin};
     door.velocity = cross(door.angularVelocity, Vec3{arm, 0, 0});
     const int body = put(scene, door, i == 0 ? "stopped" : "rubbed");
-    JointDef& hinge = join(scene, JointType::Hinge, body, kWorld, {0, y, 1}, kZ, i == 0 ? "limit" : "friction");
-    if (i == 0) hinge.axes[0].min = -kDoorLimit, hinge.axes[0].max = kDoorLimit;
-    else hinge.axes[0].friction = kDoorFriction;
+    JointDef& hinge = join(scene, JointType::Hinge, body, kWorld, {0, y, 1}, kZ,
+                           i == 0 ? "limit" : "friction");
+    if (i == 0)
+      hinge.axes[0].min = -kDoorLimit, hinge.axes[0].max = kDoorLimit;
+    else
+      hinge.axes[0].friction = kDoorFriction;
   }
   return scene;
 }
@@ -88,7 +92,8 @@ Scene buildSpring(const Arguments& arguments) {
 }
 Probes springProbes(const Arguments& arguments, const Scene&) {
   Probes probes;
-  const double rate = 2 * std::numbers::pi * value(arguments, "frequency"), zeta = value(arguments, "damping_ratio");
+  const double rate = 2 * std::numbers::pi * value(arguments, "frequency"),
+               zeta = value(arguments, "damping_ratio");
   struct Track {
     double z = 0, v = 0, amplitude = 0;
   };
@@ -98,7 +103,8 @@ Probes springProbes(const Arguments& arguments, const Scene&) {
     const double h = world.params().dt / substeps;
     for (int k = 0; k < substeps; ++k) {
       // (1 + 2 zeta w h + w^2 h^2) v' = v - h (g + w^2 z)
-      track->v = (track->v - h * (kG + rate * rate * track->z)) / (1 + 2 * zeta * rate * h + rate * rate * h * h);
+      track->v = (track->v - h * (kG + rate * rate * track->z)) /
+                 (1 + 2 * zeta * rate * h + rate * rate * h * h);
       track->z += h * track->v;
     }
     const double z = bodyOf(world, "bob").position.z + kSpringRest;
@@ -172,7 +178,8 @@ Scene buildBreak(const Arguments&) {
     const int body = put(scene, box({.5, .5, .5}, {1.5 * i, 0, 0}, 1), "cube" + std::to_string(i));
     // .55 to 1.45 of the weight, in force or, at an arm of half a metre, in torque
     const double part = .55 + .1 * i;
-    JointDef& joint = join(scene, JointType::Fixed, body, kWorld, i % 2 ? Vec3{1.5 * i - .5, 0, 0} : Vec3{1.5 * i, 0, .5}, {1, 0, 0},
+    JointDef& joint = join(scene, JointType::Fixed, body, kWorld,
+                           i % 2 ? Vec3{1.5 * i - .5, 0, 0} : Vec3{1.5 * i, 0, .5}, {1, 0, 0},
                            "joint" + std::to_string(i));
     (i % 2 ? joint.breakTorque : joint.breakForce) = i % 2 ? part * kG * .5 : part * kG;
   }
@@ -187,7 +194,8 @@ Probes breakProbes(const Arguments&, const Scene&) {
   }));
   probes.push_back(atEnd([](const World& world, Metrics& metrics) {
     double wrong = 0;
-    for (int i = 0; i < kHangers; ++i) wrong += jointOf(world, "joint" + std::to_string(i)).broken != (.55 + .1 * i < 1);
+    for (int i = 0; i < kHangers; ++i)
+      wrong += jointOf(world, "joint" + std::to_string(i)).broken != (.55 + .1 * i < 1);
     metrics["broken_wrong"] = wrong;
   }));
   return probes;
@@ -204,7 +212,8 @@ Scene buildGrab(const Arguments&) {
     BodyDef cube = box({.5, .5, .5}, {0, y, .5}, mass);
     cube.material = {.5, .5, 0};
     const int body = put(scene, cube, i == 0 ? "light" : "heavy");
-    JointDef& grab = join(scene, JointType::Grab, body, kWorld, {.5, y, .5}, {1, 0, 0}, i == 0 ? "grab" : "vain");
+    JointDef& grab = join(scene, JointType::Grab, body, kWorld, {.5, y, .5}, {1, 0, 0},
+                          i == 0 ? "grab" : "vain");
     grab.stiffness = 400, grab.dampingRatio = 1, grab.maxForce = kGrabForce;
     for (int step = 30; step <= 150; step += 2) {
       Event event;
@@ -218,7 +227,8 @@ Scene buildGrab(const Arguments&) {
 Probes grabProbes(const Arguments&, const Scene&) {
   Probes probes;
   probes.push_back(everyStep([](const World& world, const StepReport&, Metrics& metrics) {
-    for (const char* name : {"grab", "vain"}) raise(metrics, "force_peak_ratio", length(jointOf(world, name).force) / kGrabForce);
+    for (const char* name : {"grab", "vain"})
+      raise(metrics, "force_peak_ratio", length(jointOf(world, name).force) / kGrabForce);
   }));
   probes.push_back(atEnd([](const World& world, Metrics& metrics) {
     metrics["dragged_m"] = bodyOf(world, "light").position.x;
@@ -232,34 +242,53 @@ Probes grabProbes(const Arguments&, const Scene&) {
 std::vector<Spec> jointAxisSpecs() {
   return {
       jointSpec("hinge-pendulum", "A rod on a hinge swings.", buildHingePendulum, hingePendulumProbes,
-           {within("period_error", -.01, .01, "2 pi sqrt(I / (m g d)), within 1 %"), atMost("joint_gap_peak_m", 1e-3, "the pivot stays"),
-            atMost("joint_angle_peak_deg", .1, "and so does the axis")},
-           420, {quantity("angle", 5, 1, 10, "deg", "at the start, from the vertical")}),
-      jointSpec("door", "Two doors are thrown: one against its limit, a revolving one is stopped by friction in its hinge.", buildDoor, doorProbes,
-           {atMost("limit_excess_rad", .02, "the limit holds"), within("reached_limit", 1, 1, "it is reached"),
-            within("friction_way_error", -.01, .01, "friction stops the other after I w^2 / (2 T)"), atMost("rest_speed_rad_s", 1e-3, "and holds it"),
-            atMost("joint_gap_peak_m", 2e-3, "the hinges stay")},
-           240),
-      jointSpec("spring-oscillator", "A mass on a damped spring, let go where the spring is at rest.", buildSpring, springProbes,
-           {atMost("position_error_ratio", .01, "implicit Euler in closed form: frequency and decay, within 1 % of the sag"),
-            within("spring_force_ratio", .98, 1.02, "in the end it carries the weight")},
-           900, {quantity("frequency", .5, .05, 5, "1/s", "undamped"), quantity("damping_ratio", .1, 0, 2, "1", "of critical")}),
-      jointSpec("motor", "A motor of 50 N m spins up a plank to 20 rad/s, another stalls under the arm it lifts (avbd-demo2d).", buildMotor, motorProbes,
-           {atMost("speed_error_ratio", .01, "w = min(20, T t / I) within 1 %"), within("stall_deg", 28.5, 31.5, "stalls where m g l sin a = T, swinging a little"),
-            within("stall_torque_ratio", .99, 1.01, "with all its torque")},
-           780),
+                {within("period_error", -.01, .01, "2 pi sqrt(I / (m g d)), within 1 %"),
+                 atMost("joint_gap_peak_m", 1e-3, "the pivot stays"),
+                 atMost("joint_angle_peak_deg", .1, "and so does the axis")},
+                420, {quantity("angle", 5, 1, 10, "deg", "at the start, from the vertical")}),
+      jointSpec(
+          "door",
+          "Two doors are thrown: one against its limit, a revolving one is stopped by friction in its hinge.",
+          buildDoor, doorProbes,
+          {atMost("limit_excess_rad", .02, "the limit holds"), within("reached_limit", 1, 1, "it is reached"),
+           within("friction_way_error", -.01, .01, "friction stops the other after I w^2 / (2 T)"),
+           atMost("rest_speed_rad_s", 1e-3, "and holds it"),
+           atMost("joint_gap_peak_m", 2e-3, "the hinges stay")},
+          240),
+      jointSpec("spring-oscillator", "A mass on a damped spring, let go where the spring is at rest.",
+                buildSpring, springProbes,
+                {atMost("position_error_ratio", .01,
+                        "implicit Euler in closed form: frequency and decay, within 1 % of the sag"),
+                 within("spring_force_ratio", .98, 1.02, "in the end it carries the weight")},
+                900,
+                {quantity("frequency", .5, .05, 5, "1/s", "undamped"),
+                 quantity("damping_ratio", .1, 0, 2, "1", "of critical")}),
+      jointSpec("motor",
+                "A motor of 50 N m spins up a plank to 20 rad/s, another stalls under the arm it lifts "
+                "(avbd-demo2d).",
+                buildMotor, motorProbes,
+                {atMost("speed_error_ratio", .01, "w = min(20, T t / I) within 1 %"),
+                 within("stall_deg", 28.5, 31.5, "stalls where m g l sin a = T, swinging a little"),
+                 within("stall_torque_ratio", .99, 1.01, "with all its torque")},
+                780),
       jointSpec("rope-taut", "A mass falls a metre before its rope is taut.", buildTaut, tautProbes,
-           {atMost("stretch_peak", .02, "the rope stops it"), atMost("rebound_m", .05, "without throwing it back"),
-            within("tension_ratio", .98, 1.02, "and carries its weight"), atMost("stretch", .002, "at its length")},
-           300, {quantity("mass", 10, 1e-3, 1e6, "kg", "of the bob")}),
-      jointSpec("break-row", "Ten cubes hang on joints of growing strength, by force and by torque.", buildBreak, breakProbes,
-           {within("broken_wrong", 0, 0, "just those that cannot bear the weight break"), within("events", 5, 5, "each is reported once"),
-            within("wrong_events", 0, 0, "and it is the one that broke")},
-           180),
-      jointSpec("grab", "A grab of 60 N drags a cube over the ground, and a heavy one in vain.", buildGrab, grabProbes,
-           {within("dragged_m", 2.8, 3.05, "the light one follows, behind by friction over stiffness"), atMost("heavy_moved_m", .01, "friction holds the other"),
-            atMost("force_peak_ratio", 1.0001, "the force stays in its bound")},
-           300),
+                {atMost("stretch_peak", .02, "the rope stops it"),
+                 atMost("rebound_m", .05, "without throwing it back"),
+                 within("tension_ratio", .98, 1.02, "and carries its weight"),
+                 atMost("stretch", .002, "at its length")},
+                300, {quantity("mass", 10, 1e-3, 1e6, "kg", "of the bob")}),
+      jointSpec("break-row", "Ten cubes hang on joints of growing strength, by force and by torque.",
+                buildBreak, breakProbes,
+                {within("broken_wrong", 0, 0, "just those that cannot bear the weight break"),
+                 within("events", 5, 5, "each is reported once"),
+                 within("wrong_events", 0, 0, "and it is the one that broke")},
+                180),
+      jointSpec("grab", "A grab of 60 N drags a cube over the ground, and a heavy one in vain.", buildGrab,
+                grabProbes,
+                {within("dragged_m", 2.8, 3.05, "the light one follows, behind by friction over stiffness"),
+                 atMost("heavy_moved_m", .01, "friction holds the other"),
+                 atMost("force_peak_ratio", 1.0001, "the force stays in its bound")},
+                300),
   };
 }
 

@@ -1,4 +1,5 @@
-/// Gears and racks whose axes move: planets on an arm, a gearbox that falls, a differential, a rack on a turntable.
+/// Gears and racks whose axes move: planets on an arm, a gearbox that falls, a differential, a rack on a
+/// turntable.
 #include <cmath>
 #include <numbers>
 
@@ -39,7 +40,9 @@ Scene buildPlanetary(const Arguments&) {
   constexpr int kBlocks = 24;
   for (int i = 0; i < kBlocks; ++i) {
     const double angle = 2 * kPi * i / kBlocks, radius = kRing * kTooth + .04;
-    blocks.push_back({Shape::box({.085, .06, .03}), {radius * std::sin(angle), 0, radius * std::cos(angle)}, fromAxisAngle(kY, angle)});
+    blocks.push_back({Shape::box({.085, .06, .03}),
+                      {radius * std::sin(angle), 0, radius * std::cos(angle)},
+                      fromAxisAngle(kY, angle)});
   }
   BodyDef frame;
   frame.motion = Motion::Static;
@@ -61,15 +64,19 @@ Scene buildPlanetary(const Arguments&) {
 Probes planetaryProbes(const Arguments&, const Scene&) {
   Probes probes;
   const auto slack = [](const World& world) {
-    const double sun = jointOf(world, "sun axle").axes[0].position, arm = jointOf(world, "arm axle").axes[0].position;
+    const double sun = jointOf(world, "sun axle").axes[0].position,
+                 arm = jointOf(world, "arm axle").axes[0].position;
     double largest = 0;
     for (int i = 0; i < kPlanets; ++i) {
       const double pin = jointOf(world, "pin" + std::to_string(i)).axes[0].position;
-      largest = std::max({largest, std::fabs(sun - arm + kPlanet / kSun * pin), std::fabs(pin + kRing / kPlanet * arm)});
+      largest = std::max(
+          {largest, std::fabs(sun - arm + kPlanet / kSun * pin), std::fabs(pin + kRing / kPlanet * arm)});
     }
     return largest;
   };
-  probes.push_back(everyStep([slack](const World& world, const StepReport&, Metrics& metrics) { raise(metrics, "tooth_error_rad", slack(world)); }));
+  probes.push_back(everyStep([slack](const World& world, const StepReport&, Metrics& metrics) {
+    raise(metrics, "tooth_error_rad", slack(world));
+  }));
   probes.push_back(atEnd([slack](const World& world, Metrics& metrics) {
     const JointAxisState sun = jointOf(world, "sun axle").axes[0], arm = jointOf(world, "arm axle").axes[0];
     constexpr double kRatio = 1 + kRing / kSun;
@@ -109,7 +116,8 @@ Vec3 angularMomentum(const World& world, Vec3& linear, Vec3& centre) {
     const BodyState s = world.state(id);
     const MassProperties m = world.massOf(id);
     const Quat q = s.orientation * m.axes;
-    sum += m.mass * cross(s.position - centre, s.velocity - linear / mass) + rotate(q, mul(m.inertia, rotateInverse(q, s.angularVelocity)));
+    sum += m.mass * cross(s.position - centre, s.velocity - linear / mass) +
+           rotate(q, mul(m.inertia, rotateInverse(q, s.angularVelocity)));
   }
   linear = linear / mass;
   return sum;
@@ -122,7 +130,8 @@ Probes gearboxProbes(const Arguments&, const Scene&) {
     const Vec3 momentum = angularMomentum(world, velocity, centre);
     raise(metrics, "momentum_ratio", length(momentum) / (kSlowMoment * kShaftSpeed * kFast / kSlow));
     raise(metrics, "fall_error_m_s", length(velocity - Vec3{0, 0, -kG * world.time()}));
-    const double shaft = jointOf(world, "shaft").axes[0].position, output = jointOf(world, "output").axes[0].position;
+    const double shaft = jointOf(world, "shaft").axes[0].position,
+                 output = jointOf(world, "output").axes[0].position;
     raise(metrics, "tooth_error_rad", std::fabs(shaft + kSlow / kFast * output));
   }));
   probes.push_back(atEnd([](const World& world, Metrics& metrics) {
@@ -148,17 +157,24 @@ Scene buildDifferential(const Arguments&) {
   Scene scene = emptyScene(kUpZ, 0);
   const int cage = put(scene, disc(.3, .04, {}, kX, 8), "cage");
   const int spider = put(scene, disc(.1, .03, {0, 0, .15}, kZ, 1), "spider");
-  const int wheels[2] = {put(scene, disc(.25, .05, {-.5, 0, 0}, kX, 5), "left"), put(scene, disc(.25, .05, {.5, 0, 0}, kX, 5), "right")};
+  const int wheels[2] = {put(scene, disc(.25, .05, {-.5, 0, 0}, kX, 5), "left"),
+                         put(scene, disc(.25, .05, {.5, 0, 0}, kX, 5), "right")};
   JointAxis& drive = join(scene, JointType::Hinge, cage, kWorld, {}, kX, "cage axle").axes[0];
   drive = motor(100, kCageTorque);
   join(scene, JointType::Hinge, spider, cage, {0, 0, .15}, kZ, "pin");
   for (int i = 0; i < 2; ++i)
-    join(scene, JointType::Hinge, wheels[i], kWorld, {i == 0 ? -.5 : .5, 0, 0}, kX, i == 0 ? "left axle" : "right axle").axes[0].friction = kWheelBrake[i];
+    join(scene, JointType::Hinge, wheels[i], kWorld, {i == 0 ? -.5 : .5, 0, 0}, kX,
+         i == 0 ? "left axle" : "right axle")
+        .axes[0]
+        .friction = kWheelBrake[i];
   for (int i = 0; i < 2; ++i) {
-    JointDef& mesh = gear(scene, wheels[i], spider, cage, i == 0 ? 1 : -1, i == 0 ? "left mesh" : "right mesh");
+    JointDef& mesh = gear(scene, wheels[i], spider, cage, i == 0 ? 1 : -1,
+                          i == 0 ? "left mesh" : "right mesh");
     // bevels: the wheel turns about x of the cage, the spider about its z
-    mesh.frameA = normalize(conjugate(scene.bodies[static_cast<std::size_t>(wheels[i])].orientation) * frameAlong(kX));
-    mesh.frameB = normalize(conjugate(scene.bodies[static_cast<std::size_t>(spider)].orientation) * frameAlong(kZ));
+    mesh.frameA = normalize(conjugate(scene.bodies[static_cast<std::size_t>(wheels[i])].orientation) *
+                            frameAlong(kX));
+    mesh.frameB = normalize(conjugate(scene.bodies[static_cast<std::size_t>(spider)].orientation) *
+                            frameAlong(kZ));
   }
   return scene;
 }
@@ -166,15 +182,20 @@ Probes differentialProbes(const Arguments&, const Scene&) {
   Probes probes;
   probes.push_back(everyStep([](const World& world, const StepReport&, Metrics& metrics) {
     const auto angle = [&](const char* name) { return jointOf(world, name).axes[0].position; };
-    raise(metrics, "tooth_error_rad", std::fabs(angle("left axle") + angle("right axle") - 2 * angle("cage axle")));
+    raise(metrics, "tooth_error_rad",
+          std::fabs(angle("left axle") + angle("right axle") - 2 * angle("cage axle")));
   }));
   probes.push_back(atEnd([](const World& world, Metrics& metrics) {
     // both wheels get the same torque, half of what the cage does not take up itself: a' of the wheels from
     // T = I_cage (aL + aR) / 2 + I (aL + aR) + the brakes, I (aL - aR) = difference of the brakes
-    constexpr double kWheel = 5 * .25 * .25 / 2, kCage = 8 * .3 * .3 / 2 + .15 * .15 + (3 * .1 * .1 + .06 * .06) / 12;
-    const double sum = (kCageTorque - kWheelBrake[0] - kWheelBrake[1]) / (kWheel + kCage / 2), difference = (kWheelBrake[1] - kWheelBrake[0]) / kWheel;
-    metrics["left_speed_ratio"] = jointOf(world, "left axle").axes[0].speed / ((sum + difference) / 2 * world.time());
-    metrics["right_speed_ratio"] = jointOf(world, "right axle").axes[0].speed / ((sum - difference) / 2 * world.time());
+    constexpr double kWheel = 5 * .25 * .25 / 2,
+                     kCage = 8 * .3 * .3 / 2 + .15 * .15 + (3 * .1 * .1 + .06 * .06) / 12;
+    const double sum = (kCageTorque - kWheelBrake[0] - kWheelBrake[1]) / (kWheel + kCage / 2),
+                 difference = (kWheelBrake[1] - kWheelBrake[0]) / kWheel;
+    metrics["left_speed_ratio"] = jointOf(world, "left axle").axes[0].speed /
+                                  ((sum + difference) / 2 * world.time());
+    metrics["right_speed_ratio"] = jointOf(world, "right axle").axes[0].speed /
+                                   ((sum - difference) / 2 * world.time());
   }));
   return probes;
 }
@@ -198,11 +219,13 @@ Scene buildTurntable(const Arguments&) {
 Probes turntableProbes(const Arguments&, const Scene&) {
   Probes probes;
   probes.push_back(everyStep([](const World& world, const StepReport&, Metrics& metrics) {
-    const double way = jointOf(world, "guide").axes[0].position, angle = jointOf(world, "axle").axes[0].position;
+    const double way = jointOf(world, "guide").axes[0].position,
+                 angle = jointOf(world, "axle").axes[0].position;
     raise(metrics, "mesh_error_m", std::fabs(way - kPinion * angle));
   }));
   probes.push_back(atEnd([](const World& world, Metrics& metrics) {
-    const double moment = kPinionMass * kPinion * kPinion / 2, a = kG * kWeight * kPinion * kPinion / (moment + kWeight * kPinion * kPinion);
+    const double moment = kPinionMass * kPinion * kPinion / 2,
+                 a = kG * kWeight * kPinion * kPinion / (moment + kWeight * kPinion * kPinion);
     const double h = world.params().dt / world.params().substeps, t = world.time();
     // along the axis of the turntable the turn adds nothing; implicit Euler: a t (t + h) / 2
     metrics["fall_ratio"] = jointOf(world, "guide").axes[0].position / (a * t * (t + h) / 2);
@@ -215,23 +238,35 @@ Probes turntableProbes(const Arguments&, const Scene&) {
 
 std::vector<Spec> gearSpecs() {
   return {
-      jointSpec("planetary", "A planetary gear: the sun is driven, the ring stands, the arm of three planets is braked.", buildPlanetary, planetaryProbes,
-                {within("speed_ratio", .99, 1.01, "the arm turns 1 + ring / sun times slower"), within("torque_ratio", .98, 1.02, "with as many times the torque"),
-                 atMost("tooth_error_rad", .005, "teeth stay in mesh within a third of a degree while it starts"),
-                 atMost("tooth_error_end_rad", .001, "and closer under load")},
-                300),
-      jointSpec("gearbox", "A motor in a housing that falls drives two wheels, 3 : 1.", buildGearbox, gearboxProbes,
-                {atMost("momentum_ratio", .02, "of the wheels: the housing takes the reaction of the teeth, and implicit Euler a little"),
-                 atMost("fall_error_m_s", 1e-3, "it falls freely"), within("housing_speed_ratio", .98, 1.02, "-(I1 - I2 / 3) s / I"),
-                 within("shaft_speed_ratio", .99, 1.01, "the motor has its speed"), atMost("tooth_error_rad", .005, "teeth stay in mesh")},
-                120),
-      jointSpec("differential", "A cage drives two wheels with different brakes by a spider between them.", buildDifferential, differentialProbes,
-                {atMost("tooth_error_rad", .035, "left + right = 2 cage"), within("left_speed_ratio", .97, 1.03, "both wheels get the same torque"),
+      jointSpec(
+          "planetary",
+          "A planetary gear: the sun is driven, the ring stands, the arm of three planets is braked.",
+          buildPlanetary, planetaryProbes,
+          {within("speed_ratio", .99, 1.01, "the arm turns 1 + ring / sun times slower"),
+           within("torque_ratio", .98, 1.02, "with as many times the torque"),
+           atMost("tooth_error_rad", .005, "teeth stay in mesh within a third of a degree while it starts"),
+           atMost("tooth_error_end_rad", .001, "and closer under load")},
+          300),
+      jointSpec(
+          "gearbox", "A motor in a housing that falls drives two wheels, 3 : 1.", buildGearbox, gearboxProbes,
+          {atMost("momentum_ratio", .02,
+                  "of the wheels: the housing takes the reaction of the teeth, and implicit Euler a little"),
+           atMost("fall_error_m_s", 1e-3, "it falls freely"),
+           within("housing_speed_ratio", .98, 1.02, "-(I1 - I2 / 3) s / I"),
+           within("shaft_speed_ratio", .99, 1.01, "the motor has its speed"),
+           atMost("tooth_error_rad", .005, "teeth stay in mesh")},
+          120),
+      jointSpec("differential", "A cage drives two wheels with different brakes by a spider between them.",
+                buildDifferential, differentialProbes,
+                {atMost("tooth_error_rad", .035, "left + right = 2 cage"),
+                 within("left_speed_ratio", .97, 1.03, "both wheels get the same torque"),
                  within("right_speed_ratio", .9, 1.1, "of which little is left beside the brake")},
                 120),
-      jointSpec("rack-turntable", "A weight on a rack spins its pinion, in a frame that turns.", buildTurntable, turntableProbes,
+      jointSpec("rack-turntable", "A weight on a rack spins its pinion, in a frame that turns.",
+                buildTurntable, turntableProbes,
                 {within("fall_ratio", .99, 1.01, "a = g m r^2 / (I + m r^2), implicit Euler in closed form"),
-                 within("turned_ratio", .99, 1.01, "the frame turns as driven"), atMost("mesh_error_m", 1e-4, "they stay in mesh")},
+                 within("turned_ratio", .99, 1.01, "the frame turns as driven"),
+                 atMost("mesh_error_m", 1e-4, "they stay in mesh")},
                 60),
   };
 }

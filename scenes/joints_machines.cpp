@@ -53,7 +53,8 @@ Scene buildGears(const Arguments&) {
   scene.joints[0].axes[0] = motor(kGearSpeed, 40);
   scene.joints[2].axes[0].friction = kBrake;
   for (int i = 0; i < 2; ++i) {
-    JointDef& gear = join(scene, JointType::Gear, wheels[i], wheels[i + 1], {}, kY, "gear" + std::to_string(i));
+    JointDef& gear = join(scene, JointType::Gear, wheels[i], wheels[i + 1], {}, kY,
+                          "gear" + std::to_string(i));
     gear.ratio = kRatios[i];
   }
   return scene;
@@ -63,7 +64,8 @@ Probes gearProbes(const Arguments&, const Scene&) {
   probes.push_back(everyStep([](const World& world, const StepReport&, Metrics& metrics) {
     double angles[3];
     for (int i = 0; i < 3; ++i) angles[i] = jointOf(world, "axle" + std::to_string(i)).axes[0].position;
-    for (int i = 0; i < 2; ++i) raise(metrics, "tooth_error_rad", std::fabs(angles[i] + kRatios[i] * angles[i + 1]));
+    for (int i = 0; i < 2; ++i)
+      raise(metrics, "tooth_error_rad", std::fabs(angles[i] + kRatios[i] * angles[i + 1]));
   }));
   probes.push_back(atEnd([](const World& world, Metrics& metrics) {
     const JointAxisState drive = jointOf(world, "axle0").axes[0], load = jointOf(world, "axle2").axes[0];
@@ -97,11 +99,13 @@ Scene buildRack(const Arguments&) {
 Probes rackProbes(const Arguments&, const Scene&) {
   Probes probes;
   probes.push_back(everyStep([](const World& world, const StepReport&, Metrics& metrics) {
-    const double way = -jointOf(world, "guide").axes[0].position, angle = jointOf(world, "axle").axes[0].position;
+    const double way = -jointOf(world, "guide").axes[0].position,
+                 angle = jointOf(world, "axle").axes[0].position;
     raise(metrics, "mesh_error_m", std::fabs(way - kPinion * angle));
   }));
   probes.push_back(atEnd([](const World& world, Metrics& metrics) {
-    const double moment = .4 * kPinionMass * kPinion * kPinion, a = kG * kWeight * kPinion * kPinion / (moment + kWeight * kPinion * kPinion);
+    const double moment = .4 * kPinionMass * kPinion * kPinion,
+                 a = kG * kWeight * kPinion * kPinion / (moment + kWeight * kPinion * kPinion);
     const double h = world.params().dt / world.params().substeps, t = world.time();
     // implicit Euler: a t (t + h) / 2
     metrics["fall_ratio"] = -jointOf(world, "guide").axes[0].position / (a * t * (t + h) / 2);
@@ -128,9 +132,11 @@ Probes atwoodProbes(const Arguments& arguments, const Scene&) {
     raise(metrics, "stretch_peak", jointOf(world, "pulley").gap / 8);
   }));
   probes.push_back(atEnd([r](const World& world, Metrics& metrics) {
-    const double a = kG * (r - 1) / (r + 1), h = world.params().dt / world.params().substeps, t = world.time();
+    const double a = kG * (r - 1) / (r + 1), h = world.params().dt / world.params().substeps,
+                 t = world.time();
     metrics["fall_ratio"] = (-2 - bodyOf(world, "heavy").position.z) / (a * t * (t + h) / 2);
-    metrics["tension_ratio"] = jointOf(world, "pulley").axes[0].limitForce / (-2 * kLightMass * r * kG / (r + 1));
+    metrics["tension_ratio"] = jointOf(world, "pulley").axes[0].limitForce /
+                               (-2 * kLightMass * r * kG / (r + 1));
   }));
   return probes;
 }
@@ -156,7 +162,8 @@ Probes universalProbes(const Arguments& arguments, const Scene&) {
   Probes probes;
   const double cosine = std::cos(value(arguments, "bend") * kDegree);
   probes.push_back(everyStep([cosine](const World& world, const StepReport&, Metrics& metrics) {
-    const double in = jointOf(world, "input").axes[0].position, out = jointOf(world, "output").axes[0].position;
+    const double in = jointOf(world, "input").axes[0].position,
+                 out = jointOf(world, "output").axes[0].position;
     // y of A leaves the plane of the bend's normal: there tan out = tan in cos b
     const double wanted = std::atan2(std::sin(in) * cosine, std::cos(in));
     raise(metrics, "angle_error_rad", std::fabs(std::remainder(out - wanted, 2 * std::numbers::pi)));
@@ -171,7 +178,8 @@ std::vector<Claim> universalClaims(const Arguments& arguments) {
   const double high = 1 / std::cos(value(arguments, "bend") * kDegree);
   return {atMost("angle_error_rad", .02, "tan a2 = tan a1 cos b, from the plane of the bend"),
           within("speed_ratio_high", .98 * high, 1.02 * high, "fastest 1 / cos b"),
-          within("speed_ratio_low_inverse", .98 * high, 1.02 * high, "slowest cos b"), atMost("quarantined", 0, "every state stays finite")};
+          within("speed_ratio_low_inverse", .98 * high, 1.02 * high, "slowest cos b"),
+          atMost("quarantined", 0, "every state stays finite")};
 }
 
 /// A platform on six springs of one joint: it slides to a limit, sinks on a spring, and turns as driven.
@@ -205,32 +213,42 @@ Probes platformProbes(const Arguments&, const Scene&) {
 }  // namespace
 
 std::vector<Spec> machineSpecs() {
-  Spec universal = jointSpec("universal-shaft", "Two shafts at an angle on a universal joint, the first driven.", buildUniversal, universalProbes, {}, 300,
-                        {quantity("bend", 30, 0, 60, "deg", "angle of the shafts")});
+  Spec universal = jointSpec(
+      "universal-shaft", "Two shafts at an angle on a universal joint, the first driven.", buildUniversal,
+      universalProbes, {}, 300, {quantity("bend", 30, 0, 60, "deg", "angle of the shafts")});
   universal.claims = universalClaims;
   return {
       jointSpec("slider-crank", "A crank drives a piston.", buildCrank, crankProbes,
-           {atMost("piston_error_m", .005, "r cos a + sqrt(l^2 - r^2 sin^2 a)"), atMost("crank_error_rad", .05, "the motor keeps its speed"),
-            atMost("joint_gap_peak_m", .005, "every joint stays closed")},
-           300),
-      jointSpec("gear-train", "A motor, three wheels, 2 : 1 and 3 : 1, a brake on the last one.", buildGears, gearProbes,
-           {atMost("tooth_error_rad", .01, "the angles keep their ratio within half a degree of the motor while it speeds up"),
-            atMost("tooth_error_end_rad", .005, "and closer when it runs under load"), within("speed_ratio", .99, 1.01, "a sixth of the speed"),
-            within("torque_ratio", .98, 1.02, "a sixth of the torque")},
-           300),
+                {atMost("piston_error_m", .005, "r cos a + sqrt(l^2 - r^2 sin^2 a)"),
+                 atMost("crank_error_rad", .05, "the motor keeps its speed"),
+                 atMost("joint_gap_peak_m", .005, "every joint stays closed")},
+                300),
+      jointSpec("gear-train", "A motor, three wheels, 2 : 1 and 3 : 1, a brake on the last one.", buildGears,
+                gearProbes,
+                {atMost("tooth_error_rad", .01,
+                        "the angles keep their ratio within half a degree of the motor while it speeds up"),
+                 atMost("tooth_error_end_rad", .005, "and closer when it runs under load"),
+                 within("speed_ratio", .99, 1.01, "a sixth of the speed"),
+                 within("torque_ratio", .98, 1.02, "a sixth of the torque")},
+                300),
       jointSpec("rack", "A weight on a rack falls and spins its pinion.", buildRack, rackProbes,
-           {within("fall_ratio", .99, 1.01, "a = g m r^2 / (I + m r^2), implicit Euler in closed form"), atMost("mesh_error_m", 1e-4, "they stay in mesh")},
-           60),
+                {within("fall_ratio", .99, 1.01, "a = g m r^2 / (I + m r^2), implicit Euler in closed form"),
+                 atMost("mesh_error_m", 1e-4, "they stay in mesh")},
+                60),
       jointSpec("atwood", "Two masses on a rope over a pulley.", buildAtwood, atwoodProbes,
-           {within("fall_ratio", .99, 1.01, "a = g (r - 1) / (r + 1), implicit Euler in closed form"), atMost("stretch_peak", .001, "the rope keeps its length"),
-            within("tension_ratio", .99, 1.01, "2 m r g / (r + 1)")},
-           60, {quantity("ratio", 2, 1.01, 1000, "1", "heavy over light mass")}),
+                {within("fall_ratio", .99, 1.01, "a = g (r - 1) / (r + 1), implicit Euler in closed form"),
+                 atMost("stretch_peak", .001, "the rope keeps its length"),
+                 within("tension_ratio", .99, 1.01, "2 m r g / (r + 1)")},
+                60, {quantity("ratio", 2, 1.01, 1000, "1", "heavy over light mass")}),
       universal,
-      jointSpec("platform", "A platform on one six-dof joint: limited, locked, sprung and driven axes.", buildPlatform, platformProbes,
-           {within("slid_m", .495, .505, "driven against its limit"), within("limit_force_ratio", .95, 1.05, "with the force of the drive"),
-            within("sag_ratio", .99, 1.01, "m g / k"), within("turned_rad", .99, 1.01, "turned as driven"),
-            atMost("joint_gap_peak_m", .01, "locked and limited axes hold")},
-           300),
+      jointSpec(
+          "platform", "A platform on one six-dof joint: limited, locked, sprung and driven axes.",
+          buildPlatform, platformProbes,
+          {within("slid_m", .495, .505, "driven against its limit"),
+           within("limit_force_ratio", .95, 1.05, "with the force of the drive"),
+           within("sag_ratio", .99, 1.01, "m g / k"), within("turned_rad", .99, 1.01, "turned as driven"),
+           atMost("joint_gap_peak_m", .01, "locked and limited axes hold")},
+          300),
   };
 }
 

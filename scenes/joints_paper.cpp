@@ -1,5 +1,5 @@
-/// Scenes of the AVBD paper that no other family has: two balls on a chain (Figure 9) and a wall that breaks (Figure 13). Dimensions are ours;
-/// y up, g 9.81 m/s2 for the wall, none for the balls.
+/// Scenes of the AVBD paper that no other family has: two balls on a chain (Figure 9) and a wall that breaks
+/// (Figure 13). Dimensions are ours; y up, g 9.81 m/s2 for the wall, none for the balls.
 #include <cmath>
 
 #include "families.h"
@@ -56,7 +56,8 @@ Scene buildWall(const Arguments& arguments) {
   scene.bodies.push_back(ground(kUpY));
   const int first = static_cast<int>(scene.bodies.size());
   const auto place = [&](int x, int y) {
-    return Vec3{2 * kBrickHalf.x * (x - .5 * (columns - 1)) + (y % 2 ? .5 : -.5) * kBrickHalf.x, kBrickHalf.y * (2 * y + 1), 0};
+    return Vec3{2 * kBrickHalf.x * (x - .5 * (columns - 1)) + (y % 2 ? .5 : -.5) * kBrickHalf.x,
+                kBrickHalf.y * (2 * y + 1), 0};
   };
   for (int y = 0; y < courses; ++y)
     for (int x = 0; x < columns; ++x) {
@@ -65,7 +66,8 @@ Scene buildWall(const Arguments& arguments) {
     }
   const auto bond = [&](int xa, int ya, int xb, int yb) {
     const Vec3 a = place(xa, ya), b = place(xb, yb);
-    JointDef& joint = join(scene, JointType::Fixed, first + ya * columns + xa, first + yb * columns + xb, (a + b) / 2);
+    JointDef& joint = join(scene, JointType::Fixed, first + ya * columns + xa, first + yb * columns + xb,
+                           (a + b) / 2);
     joint.breakForce = value(arguments, "break_force");
     joint.breakTorque = value(arguments, "break_torque");
   };
@@ -113,22 +115,29 @@ Probes wallProbes(const Arguments&, const Scene& scene) {
 }  // namespace
 
 std::vector<Spec> paperSpecs() {
-  Spec whirl = jointSpec(
-      "whirl", "Two balls, each 1,000 times as heavy as a link, whirl about one another on a chain of fifty links (after Figure 9 of the AVBD paper).",
-      buildWhirl, whirlProbes,
-      {atMost("length_error_peak", .02, "the chain keeps its length within 2 %"), atMost("joint_gap_peak_m", .02 * kLink, "no joint opens by 2 % of a link")},
-      600,
-      {count("links", 50, 1, 1000, "links between the balls"), quantity("ratio", 1000, 1, 1e6, "1", "mass of a ball over that of a link"),
-       quantity("spin", 1, .1, 4, "rad/s", "at the start")});
+  Spec whirl = jointSpec("whirl",
+                         "Two balls, each 1,000 times as heavy as a link, whirl about one another on a chain "
+                         "of fifty links (after Figure 9 of the AVBD paper).",
+                         buildWhirl, whirlProbes,
+                         {atMost("length_error_peak", .02, "the chain keeps its length within 2 %"),
+                          atMost("joint_gap_peak_m", .02 * kLink, "no joint opens by 2 % of a link")},
+                         600,
+                         {count("links", 50, 1, 1000, "links between the balls"),
+                          quantity("ratio", 1000, 1, 1e6, "1", "mass of a ball over that of a link"),
+                          quantity("spin", 1, .1, 4, "rad/s", "at the start")});
   Spec wall = jointSpec(
-      "breakable-wall", "A wall whose bricks hang together by hard joints that break, and three fast balls (after Figure 13 of the AVBD paper).", buildWall,
-      wallProbes,
-      {atLeast("broken", 10, "the balls break it"), atLeast("broken_near_ratio", .9, "within two diameters of where they strike"),
+      "breakable-wall",
+      "A wall whose bricks hang together by hard joints that break, and three fast balls (after Figure 13 of "
+      "the AVBD paper).",
+      buildWall, wallProbes,
+      {atLeast("broken", 10, "the balls break it"),
+       atLeast("broken_near_ratio", .9, "within two diameters of where they strike"),
        atMost("joint_gap_max_m", .01, "joints that hold have a gap of less than 1 % of a brick")},
       240,
       {count("columns", 12, 8, 1000, "bricks of a course"), count("courses", 10, 8, 200, "courses"),
        quantity("break_force", 7e4, 1e3, 1e12, "N", "at which a joint breaks"),
-       quantity("break_torque", 1.4e5, 1e3, 1e12, "N m", "likewise"), quantity("speed", 60, 1, 200, "m/s", "of the balls")});
+       quantity("break_torque", 1.4e5, 1e3, 1e12, "N m", "likewise"),
+       quantity("speed", 60, 1, 200, "m/s", "of the balls")});
   return {whirl, wall};
 }
 

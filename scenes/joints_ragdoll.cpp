@@ -42,7 +42,8 @@ Probes limbProbes(const Arguments&, const Scene&) {
 }
 
 /// A ball joint of a ragdoll: half angles of its cone and twist in degrees.
-void socket(Scene& scene, int limb, int trunk, const Vec3& point, const Vec3& axis, double cone, double twist) {
+void socket(Scene& scene, int limb, int trunk, const Vec3& point, const Vec3& axis, double cone,
+            double twist) {
   JointDef& joint = join(scene, JointType::SwingTwist, limb, trunk, point, axis);
   joint.swingY = joint.swingZ = cone * kDegree;
   joint.axes[1].min = -twist * kDegree, joint.axes[1].max = twist * kDegree;
@@ -105,8 +106,10 @@ Scene buildRagdolls(const Arguments& arguments) {
   for (int i = 0; i < n; ++i) {
     const int x = i % wide, y = i / wide % wide, level = i / (wide * wide);
     // sizes spread evenly, in no order that shows
-    const double spread = value(arguments, "size_spread"), size = 1 + spread * (2 * std::fmod(i * .6180339887, 1) - 1);
-    addRagdoll(scene, {1.1 * x + .15 * (level % 2), 1.1 * y, .5 + 2.1 * level}, 1.7 * i, "man" + std::to_string(i), size);
+    const double spread = value(arguments, "size_spread"),
+                 size = 1 + spread * (2 * std::fmod(i * .6180339887, 1) - 1);
+    addRagdoll(scene, {1.1 * x + .15 * (level % 2), 1.1 * y, .5 + 2.1 * level}, 1.7 * i,
+               "man" + std::to_string(i), size);
   }
   // one man alone lands on both feet, and would stand there until round-off tips him over
   if (n == 1)
@@ -120,15 +123,19 @@ Probes ragdollProbes(const Arguments&, const Scene&) {
   probes.push_back(atEnd([](const World& world, Metrics& metrics) {
     double lowest = 1e30;
     for (const BodyId id : world.bodies())
-      if (world.definition(id).motion == Motion::Dynamic) lowest = std::min(lowest, world.state(id).position.z);
+      if (world.definition(id).motion == Motion::Dynamic)
+        lowest = std::min(lowest, world.state(id).position.z);
     metrics["lowest_centre_m"] = lowest;
   }));
   return probes;
 }
 std::vector<Claim> ragdollClaims(const Arguments&) {
-  return {atMost("joint_gap_max_m", .005, "every joint is closed at the end"), atMost("joint_gap_peak_m", .04, "and never opens far"),
-          atMost("joint_angle_peak_deg", 12, "limits hold in the fall"), atMost("max_speed_m_s", .5, "they come to rest"),
-          atLeast("lowest_centre_m", .03, "nobody is in the ground"), atMost("quarantined", 0, "every state stays finite")};
+  return {atMost("joint_gap_max_m", .005, "every joint is closed at the end"),
+          atMost("joint_gap_peak_m", .04, "and never opens far"),
+          atMost("joint_angle_peak_deg", 12, "limits hold in the fall"),
+          atMost("max_speed_m_s", .5, "they come to rest"),
+          atLeast("lowest_centre_m", .03, "nobody is in the ground"),
+          atMost("quarantined", 0, "every state stays finite")};
 }
 
 }  // namespace
@@ -140,9 +147,11 @@ std::vector<Spec> ragdollSpecs() {
   limb.build = buildLimb;
   limb.probes = limbProbes;
   limb.claims = [](const Arguments&) {
-    return std::vector<Claim>{within("swing_peak_deg", kCone - 1, kCone + 2, "it reaches the cone and stays inside"),
-                              within("twist_peak_deg", kTwist - 1, kTwist + 2, "and its twist"),
-                              atMost("joint_gap_peak_m", .005, "the shoulder stays closed"), atMost("quarantined", 0, "every state stays finite")};
+    return std::vector<Claim>{
+        within("swing_peak_deg", kCone - 1, kCone + 2, "it reaches the cone and stays inside"),
+        within("twist_peak_deg", kTwist - 1, kTwist + 2, "and its twist"),
+        atMost("joint_gap_peak_m", .005, "the shoulder stays closed"),
+        atMost("quarantined", 0, "every state stays finite")};
   };
   limb.camera = overview;
   limb.steps = 400;
@@ -161,7 +170,8 @@ std::vector<Spec> ragdollSpecs() {
   Spec many = variant(ragdoll, "ragdolls", "A thousand men fall in a heap.", {{"ragdolls", 1000}}, 600);
   many.testArguments = {{"ragdolls", 8}};
   many.tags = {"joint", "scale"};
-  Spec mixed = variant(many, "ragdolls-mixed", "1,440 men of .7 to 1.3 times a man's size fall in a heap.", {{"ragdolls", 1440}, {"size_spread", .3}});
+  Spec mixed = variant(many, "ragdolls-mixed", "1,440 men of .7 to 1.3 times a man's size fall in a heap.",
+                       {{"ragdolls", 1440}, {"size_spread", .3}});
   mixed.testArguments = {{"ragdolls", 9}};
   return {limb, ragdoll, many, mixed};
 }

@@ -16,15 +16,19 @@ constexpr Vec3 kX{1, 0, 0}, kY{0, 1, 0}, kZ{0, 0, 1};
 constexpr double kLoad = 5, kPose[6] = {.6, -.7, 1.1, .4, -.5, .8};
 Scene buildRobot(const Arguments&) {
   Scene scene = emptyScene(kUpZ, kG);
-  const double lengths[6] = {.4, 1, .9, .3, .25, .15}, masses[6] = {30, 20, 12, 4, 2, 1}, most[6] = {800, 1500, 800, 200, 100, 50};
+  const double lengths[6] = {.4, 1, .9, .3, .25, .15}, masses[6] = {30, 20, 12, 4, 2, 1},
+               most[6] = {800, 1500, 800, 200, 100, 50};
   // stretched upwards; axes: turn, shoulder, elbow, roll, wrist, flange
   const Vec3 axes[6] = {kZ, kY, kY, kZ, kY, kZ};
   double z = 0;
   int before = kWorld;
   for (int i = 0; i < 6; ++i) {
     const double width = .14 - .018 * i;
-    const int link = put(scene, box({width, width, lengths[i] / 2}, {0, 0, z + lengths[i] / 2}, masses[i]), "link" + std::to_string(i));
-    JointAxis& axis = join(scene, JointType::Hinge, link, before, {0, 0, z}, axes[i], "axis" + std::to_string(i)).axes[0];
+    const int link = put(scene, box({width, width, lengths[i] / 2}, {0, 0, z + lengths[i] / 2}, masses[i]),
+                         "link" + std::to_string(i));
+    JointAxis& axis = join(scene, JointType::Hinge, link, before, {0, 0, z}, axes[i],
+                           "axis" + std::to_string(i))
+                          .axes[0];
     axis.min = -2.8, axis.max = 2.8;
     axis.driveStiffness = kHard, axis.maxDriveForce = most[i];
     z += lengths[i];
@@ -37,7 +41,8 @@ Scene buildRobot(const Arguments&) {
     Event event;
     event.step = 30 + k;
     const double s = k / 90., part = s * s * (3 - 2 * s);
-    for (int i = 0; i < 6; ++i) event.setJoint.push_back({"axis" + std::to_string(i), 0, part * kPose[i], {}, {}, {}});
+    for (int i = 0; i < 6; ++i)
+      event.setJoint.push_back({"axis" + std::to_string(i), 0, part * kPose[i], {}, {}, {}});
     scene.events.push_back(event);
   }
   return scene;
@@ -48,7 +53,9 @@ Probes robotProbes(const Arguments&, const Scene& scene) {
   for (const BodyDef& body : scene.bodies) masses.push_back(*body.mass);
   probes.push_back(atEnd([masses](const World& world, Metrics& metrics) {
     double error = 0;
-    for (int i = 0; i < 6; ++i) error = std::max(error, std::fabs(jointOf(world, "axis" + std::to_string(i)).axes[0].position - kPose[i]));
+    for (int i = 0; i < 6; ++i)
+      error = std::max(error,
+                       std::fabs(jointOf(world, "axis" + std::to_string(i)).axes[0].position - kPose[i]));
     metrics["pose_error_deg"] = error / kDegree;
     // what the shoulder must hold: the moment of everything beyond it about its axis
     const JointDef& shoulder = world.definition(world.findJoint("axis1"));
@@ -78,7 +85,8 @@ Scene buildCar(const Arguments&) {
       BodyDef wheel = ball(kWheelRadius, {x, y, kWheelRadius}, 20);
       wheel.material = {1, 1, 0};
       const int body = put(scene, wheel, "wheel" + std::to_string(number));
-      JointDef& joint = join(scene, JointType::SixDof, body, chassis, {x, y, kWheelRadius}, kX, "wheel" + std::to_string(number));
+      JointDef& joint = join(scene, JointType::SixDof, body, chassis, {x, y, kWheelRadius}, kX,
+                             "wheel" + std::to_string(number));
       joint.axes[0].min = joint.axes[0].max = 0;
       joint.axes[1].min = joint.axes[1].max = 0;
       joint.axes[2].min = -.15, joint.axes[2].max = .15;
@@ -119,15 +127,19 @@ Probes carProbes(const Arguments&, const Scene&) {
 
 std::vector<Spec> robotSpecs() {
   return {
-      jointSpec("robot-arm", "Six hinges with position drives move a load to a pose.", buildRobot, robotProbes,
-           {atMost("pose_error_deg", 1, "it gets there"), within("shoulder_torque_ratio", .98, 1.02, "the shoulder holds the moment of all beyond it"),
-            atMost("joint_gap_peak_m", .005, "every joint stays closed")},
-           300),
+      jointSpec("robot-arm", "Six hinges with position drives move a load to a pose.", buildRobot,
+                robotProbes,
+                {atMost("pose_error_deg", 1, "it gets there"),
+                 within("shoulder_torque_ratio", .98, 1.02, "the shoulder holds the moment of all beyond it"),
+                 atMost("joint_gap_peak_m", .005, "every joint stays closed")},
+                300),
       jointSpec("car", "A car on springs, driven by its rear wheels, over sleepers.", buildCar, carProbes,
-           {within("sag_ratio", .9, 1.1, "its springs carry it"), atLeast("travel_m", 25, "it drives over the sleepers"),
-            within("speed_ratio", .9, 1.1, "at the speed of its wheels"), atMost("tilt_peak_deg", 20, "upright"), atMost("side_m", 1.5, "and straight"),
-            atMost("joint_gap_peak_m", .05, "on its wheels")},
-           600),
+                {within("sag_ratio", .9, 1.1, "its springs carry it"),
+                 atLeast("travel_m", 25, "it drives over the sleepers"),
+                 within("speed_ratio", .9, 1.1, "at the speed of its wheels"),
+                 atMost("tilt_peak_deg", 20, "upright"), atMost("side_m", 1.5, "and straight"),
+                 atMost("joint_gap_peak_m", .05, "on its wheels")},
+                600),
   };
 }
 

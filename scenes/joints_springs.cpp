@@ -22,11 +22,13 @@ Scene buildDemoSpring(const Arguments&) {
 }
 Probes demoSpringProbes(const Arguments&, const Scene&) {
   Probes probes;
-  probes.push_back(atEnd([](const World& world, Metrics& metrics) { metrics["height_m"] = bodyOf(world, "cube").position.z; }));
+  probes.push_back(atEnd(
+      [](const World& world, Metrics& metrics) { metrics["height_m"] = bodyOf(world, "cube").position.z; }));
   return probes;
 }
 
-// avbd-demo3d, "Spring ratio": stiffnesses of 1000 : 1 in turn, attached at the ends of the blocks and so compressed.
+// avbd-demo3d, "Spring ratio": stiffnesses of 1000 : 1 in turn, attached at the ends of the blocks and so
+// compressed.
 Scene buildSpringRatio(const Arguments&) {
   Scene scene = emptyScene(kUpZ, kG);
   for (int i = 0; i < 8; ++i) {
@@ -45,7 +47,8 @@ Scene buildSpringRatio(const Arguments&) {
 Probes springRatioProbes(const Arguments&, const Scene&) {
   Probes probes;
   probes.push_back(everyStep([](const World& world, const StepReport&, Metrics& metrics) {
-    if (std::fabs(world.time() - 2) < .3 * world.params().dt) metrics["middle_height_2s_m"] = bodyOf(world, "block3").position.z;
+    if (std::fabs(world.time() - 2) < .3 * world.params().dt)
+      metrics["middle_height_2s_m"] = bodyOf(world, "block3").position.z;
   }));
   return probes;
 }
@@ -61,13 +64,16 @@ Scene buildSoft(const Arguments&) {
     for (int z = 0; z < n; ++z)
       for (int y = 0; y < n; ++y)
         for (int x = 0; x < n; ++x) {
-          BodyDef cube = box({side / 2, side / 2, side / 2}, {side * x, side * y, 8 + 5.2 * blockIndex + side * z}, side * side * side);
+          BodyDef cube = box({side / 2, side / 2, side / 2},
+                             {side * x, side * y, 8 + 5.2 * blockIndex + side * z}, side * side * side);
           cube.material = {.5, .5, 0};
           put(scene, cube);
         }
     const auto at = [&](int x, int y, int z) { return first + (z * n + y) * n + x; };
     const auto weld = [&](int a, int b) {
-      const Vec3 middle = (scene.bodies[static_cast<std::size_t>(a)].position + scene.bodies[static_cast<std::size_t>(b)].position) / 2;
+      const Vec3 middle = (scene.bodies[static_cast<std::size_t>(a)].position +
+                           scene.bodies[static_cast<std::size_t>(b)].position) /
+                          2;
       JointDef& joint = join(scene, JointType::Fixed, a, b, middle);
       joint.stiffness = 1000;
       joint.angularStiffness = 14746;
@@ -88,14 +94,21 @@ Probes noProbes(const Arguments&, const Scene&) { return {}; }
 
 std::vector<Spec> springSpecs() {
   return {
-      jointSpec("spring", "A cube of 8 kg on a spring of 100 N/m (avbd-demo3d).", buildDemoSpring, demoSpringProbes,
-           {within("height_m", 9.19, 9.21, "14 - 4 - m g / k")}, 3600),
-      jointSpec("spring-ratio", "Eight blocks on springs of 10000 and 10 N/m in turn, compressed (avbd-demo3d).", buildSpringRatio, springRatioProbes,
-           {within("middle_height_2s_m", -2.8, -1.2, "-1.65 or -2.29 in converged runs, by sweeps or with trees: the row is compressed and buckles"),
-            within("kinetic_energy_j", 22.9, 36.8, "26.9 or 32.0 there, within 15 %")},
-           240),
-      jointSpec("soft-blocks", "Three blocks of 64 cubes on soft joints fall on one another (avbd-demo3d).", buildSoft, noProbes,
-           {atMost("kinetic_energy_j", 17, "they come to rest as in the reference"), atMost("max_speed_m_s", 3, "nothing flies off")}, 600),
+      jointSpec("spring", "A cube of 8 kg on a spring of 100 N/m (avbd-demo3d).", buildDemoSpring,
+                demoSpringProbes, {within("height_m", 9.19, 9.21, "14 - 4 - m g / k")}, 3600),
+      jointSpec("spring-ratio",
+                "Eight blocks on springs of 10000 and 10 N/m in turn, compressed (avbd-demo3d).",
+                buildSpringRatio, springRatioProbes,
+                {within("middle_height_2s_m", -2.8, -1.2,
+                        "-1.65 or -2.29 in converged runs, by sweeps or with trees: the row is compressed "
+                        "and buckles"),
+                 within("kinetic_energy_j", 22.9, 36.8, "26.9 or 32.0 there, within 15 %")},
+                240),
+      jointSpec("soft-blocks", "Three blocks of 64 cubes on soft joints fall on one another (avbd-demo3d).",
+                buildSoft, noProbes,
+                {atMost("kinetic_energy_j", 17, "they come to rest as in the reference"),
+                 atMost("max_speed_m_s", 3, "nothing flies off")},
+                600),
   };
 }
 

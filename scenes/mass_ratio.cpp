@@ -1,4 +1,5 @@
-/// Columns: equal cubes, heavy on light, cubes that double. y up and g 9.81; z up and g 10 in those from avbd-demo3d.
+/// Columns: equal cubes, heavy on light, cubes that double. y up and g 9.81; z up and g 10 in those from
+/// avbd-demo3d.
 #include "build.h"
 #include "families.h"
 #include "probes.h"
@@ -26,7 +27,9 @@ Probes standingProbes(const Arguments&, const Scene& scene) {
   return result;
 }
 
-Scene buildTower(const Arguments& arguments) { return column(whole(arguments, "levels"), scaleOf(arguments)); }
+Scene buildTower(const Arguments& arguments) {
+  return column(whole(arguments, "levels"), scaleOf(arguments));
+}
 
 std::vector<Claim> towerClaims(const Arguments& arguments) {
   // Measured in avbd-demo3d with k_start = m/dt^2 at 4 iterations: 40 cubes rest .18 m down, 10 cubes .013 m.
@@ -47,7 +50,8 @@ Scene buildMass(const Arguments& arguments) {
 std::vector<Claim> massClaims(const Arguments& arguments) {
   const double ratio = value(arguments, "ratio");
   const double drop = ratio <= 100 ? .05 : ratio <= 1000 ? .1 : .5;
-  return standsClaims(drop * scaleOf(arguments).length, "the heavy cube stays up: under 50 mm at 100, 100 mm at 1000, half a cube above");
+  return standsClaims(drop * scaleOf(arguments).length,
+                      "the heavy cube stays up: under 50 mm at 100, 100 mm at 1000, half a cube above");
 }
 
 Scene buildStackRatio(const Arguments& arguments) {
@@ -57,7 +61,8 @@ Scene buildStackRatio(const Arguments& arguments) {
   double bottom = .5;
   double edge = 1;
   for (int i = 0; i < whole(arguments, "levels"); ++i, edge *= 2) {
-    BodyDef cube = block(scale.length * edge * kHalfCube, scale.length * Vec3{0, 0, bottom + edge / 2}, scale.density);
+    BodyDef cube = block(scale.length * edge * kHalfCube, scale.length * Vec3{0, 0, bottom + edge / 2},
+                         scale.density);
     cube.name = "cube" + std::to_string(i);
     scene.bodies.push_back(cube);
     bottom += edge;
@@ -67,7 +72,8 @@ Scene buildStackRatio(const Arguments& arguments) {
 }
 
 std::vector<Claim> stackRatioClaims(const Arguments& arguments) {
-  return standsClaims(.03 * scaleOf(arguments).length, "the top rests within .03 of its place at 10 iterations");
+  return standsClaims(.03 * scaleOf(arguments).length,
+                      "the top rests within .03 of its place at 10 iterations");
 }
 
 // Cubes that fall on one another.
@@ -88,7 +94,8 @@ Scene buildDrop(const Arguments& arguments) {
 std::vector<Claim> dropClaims(const Arguments& arguments) {
   const double fall = .5 * (whole(arguments, "levels") - 1);
   return {within("top_drop_m", fall - .01, fall + .02, "the top rests within 2 cm of its place"),
-          atMost("max_speed_m_s", .05, "it stands still"), atMost("quarantined", 0, "every state stays finite")};
+          atMost("max_speed_m_s", .05, "it stands still"),
+          atMost("quarantined", 0, "every state stays finite")};
 }
 
 }  // namespace
@@ -112,7 +119,8 @@ std::vector<Spec> towerSpecs() {
   mass.name = "mass";
   mass.doc = "Ten unit cubes with one on top that is many times heavier, 10 s.";
   mass.arguments = stackArguments(
-      {quantity("ratio", 100, 1, 1e6, "1", "density of the top cube over that of the others"), count("levels", 10, 1, 100, "light cubes")});
+      {quantity("ratio", 100, 1, 1e6, "1", "density of the top cube over that of the others"),
+       count("levels", 10, 1, 100, "light cubes")});
   mass.build = buildMass;
   mass.claims = massClaims;
   mass.testArguments = {};
@@ -122,7 +130,8 @@ std::vector<Spec> towerSpecs() {
   Spec ratio = tower;
   ratio.name = "stack-ratio";
   ratio.doc = "Four cubes with edges 1, 2, 4 and 8, the smallest (1/512 of the largest) below (avbd-demo3d).";
-  ratio.arguments = stackArguments({count("levels", 4, 1, 8, "cubes; each has twice the edge of the one below")}, 1);
+  ratio.arguments = stackArguments(
+      {count("levels", 4, 1, 8, "cubes; each has twice the edge of the one below")}, 1);
   ratio.build = buildStackRatio;
   ratio.claims = stackRatioClaims;
   ratio.iterations = 10;
@@ -133,7 +142,8 @@ std::vector<Spec> towerSpecs() {
   Spec drop = tower;
   drop.name = "drop-stack";
   drop.doc = "Ten cubes half a metre apart fall into a stack (avbd-demo3d).";
-  drop.arguments = {count("levels", 10, 1, 100, "cubes"), quantity("density", 1, 1e-3, 1e7, "kg/m3", "of a cube")};
+  drop.arguments = {count("levels", 10, 1, 100, "cubes"),
+                    quantity("density", 1, 1e-3, 1e7, "kg/m3", "of a cube")};
   drop.build = buildDrop;
   drop.claims = dropClaims;
   drop.iterations = 10;
@@ -142,20 +152,23 @@ std::vector<Spec> towerSpecs() {
 
   Spec high = testedInFull(variant(tower, "tower-80", "A column of 80 unit cubes, 10 s.", {{"levels", 80}}));
   high.iterations = 6;
-  Spec heavy = variant(mass, "mass-1000-on-40", "Forty cubes under one of 1,000 times their mass, 10 s.", {{"ratio", 1000}, {"levels", 40}});
+  Spec heavy = variant(mass, "mass-1000-on-40", "Forty cubes under one of 1,000 times their mass, 10 s.",
+                       {{"ratio", 1000}, {"levels", 40}});
   heavy.iterations = 6;
 
-  return {tower,
-          testedInFull(variant(tower, "tower-20", "A column of 20 unit cubes, 10 s.", {{"levels", 20}})),
-          testedInFull(variant(tower, "tower-40", "A column of 40 unit cubes, 10 s.", {{"levels", 40}})),
-          high,
-          mass,
-          heavy,
-          variant(mass, "mass-100", "Ten cubes under one of 100 times their mass, 10 s.", {{"ratio", 100}}),
-          variant(mass, "mass-1000", "Ten cubes under one of 1,000 times their mass, 10 s.", {{"ratio", 1000}}),
-          variant(mass, "mass-10000", "Ten cubes under one of 10,000 times their mass, 10 s.", {{"ratio", 10000}}),
-          ratio,
-          drop};
+  return {
+      tower,
+      testedInFull(variant(tower, "tower-20", "A column of 20 unit cubes, 10 s.", {{"levels", 20}})),
+      testedInFull(variant(tower, "tower-40", "A column of 40 unit cubes, 10 s.", {{"levels", 40}})),
+      high,
+      mass,
+      heavy,
+      variant(mass, "mass-100", "Ten cubes under one of 100 times their mass, 10 s.", {{"ratio", 100}}),
+      variant(mass, "mass-1000", "Ten cubes under one of 1,000 times their mass, 10 s.", {{"ratio", 1000}}),
+      variant(mass, "mass-10000", "Ten cubes under one of 10,000 times their mass, 10 s.",
+              {{"ratio", 10000}}),
+      ratio,
+      drop};
 }
 
 }  // namespace rubble::scenes

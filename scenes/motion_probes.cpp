@@ -16,7 +16,9 @@ class KineticProbe final : public MomentProbe {
       : MomentProbe(at, true), metric_(std::move(metric)), reference_(reference) {}
 
  private:
-  void measure(const World& world, Metrics& metrics) override { metrics[metric_] = world.quality().kineticEnergy / reference_; }
+  void measure(const World& world, Metrics& metrics) override {
+    metrics[metric_] = world.quality().kineticEnergy / reference_;
+  }
 
   std::string metric_;
   double reference_;
@@ -43,7 +45,8 @@ class SwingProbe final : public BodyProbe {
 
 class LengthProbe final : public MomentProbe {
  public:
-  LengthProbe(std::string a, std::string b, double at) : MomentProbe(at), a_(std::move(a)), b_(std::move(b)) {}
+  LengthProbe(std::string a, std::string b, double at)
+      : MomentProbe(at), a_(std::move(a)), b_(std::move(b)) {}
 
  private:
   void measure(const World& world, Metrics& metrics) override {
@@ -173,7 +176,9 @@ class ImpactProbe final : public Probe {
     }
     return sum;
   }
-  Vec3 closing(const World& world) const { return world.state(world.find(a_)).velocity - world.state(world.find(b_)).velocity; }
+  Vec3 closing(const World& world) const {
+    return world.state(world.find(a_)).velocity - world.state(world.find(b_)).velocity;
+  }
 
   std::string a_, b_;
   Vec3 momentum_, closing_, direction_;
@@ -192,7 +197,9 @@ class ReboundProbe final : public BodyProbe {
     if (phase_ == 1) apex_ = std::max(apex_, dot(now.position, up_) - rest_);
     if (phase_ == 1 && speed < 0) phase_ = 2;
   }
-  void finish(const World&, Metrics& metrics) override { metrics["restitution_found"] = std::sqrt(apex_ / drop_); }
+  void finish(const World&, Metrics& metrics) override {
+    metrics["restitution_found"] = std::sqrt(apex_ / drop_);
+  }
 
  private:
   Vec3 up_;
@@ -203,7 +210,8 @@ class ReboundProbe final : public BodyProbe {
 
 class FallenProbe final : public Probe {
  public:
-  FallenProbe(const Scene& scene, const Vec3& local) : local_(local), bodies_(watch(scene, dynamicBodies(scene))) {}
+  FallenProbe(const Scene& scene, const Vec3& local)
+      : local_(local), bodies_(watch(scene, dynamicBodies(scene))) {}
 
   void start(const World& world) override {
     begin(bodies_, world);
@@ -227,17 +235,29 @@ class FallenProbe final : public Probe {
 std::unique_ptr<Probe> kineticProbe(double at, const std::string& metric, double reference) {
   return std::make_unique<KineticProbe>(at, metric, reference);
 }
-std::unique_ptr<Probe> swingProbe(const std::string& body, const Vec3& direction) { return std::make_unique<SwingProbe>(body, direction); }
+std::unique_ptr<Probe> swingProbe(const std::string& body, const Vec3& direction) {
+  return std::make_unique<SwingProbe>(body, direction);
+}
 std::unique_ptr<Probe> lengthProbe(const std::string& a, const std::string& b, double at) {
   return std::make_unique<LengthProbe>(a, b, at);
 }
-std::unique_ptr<Probe> ballisticProbe(const Scene& scene, const std::string& body) { return std::make_unique<BallisticProbe>(scene, body); }
-std::unique_ptr<Probe> periodProbe(const std::string& body, double period) { return std::make_unique<PeriodProbe>(body, period); }
-std::unique_ptr<Probe> spinProbe(const std::string& body, const Vec3& axis) { return std::make_unique<SpinProbe>(body, axis); }
-std::unique_ptr<Probe> impactProbe(const std::string& a, const std::string& b) { return std::make_unique<ImpactProbe>(a, b); }
+std::unique_ptr<Probe> ballisticProbe(const Scene& scene, const std::string& body) {
+  return std::make_unique<BallisticProbe>(scene, body);
+}
+std::unique_ptr<Probe> periodProbe(const std::string& body, double period) {
+  return std::make_unique<PeriodProbe>(body, period);
+}
+std::unique_ptr<Probe> spinProbe(const std::string& body, const Vec3& axis) {
+  return std::make_unique<SpinProbe>(body, axis);
+}
+std::unique_ptr<Probe> impactProbe(const std::string& a, const std::string& b) {
+  return std::make_unique<ImpactProbe>(a, b);
+}
 std::unique_ptr<Probe> reboundProbe(const Scene& scene, const std::string& body, double rest, double drop) {
   return std::make_unique<ReboundProbe>(scene, body, rest, drop);
 }
-std::unique_ptr<Probe> fallenProbe(const Scene& scene, const Vec3& local) { return std::make_unique<FallenProbe>(scene, local); }
+std::unique_ptr<Probe> fallenProbe(const Scene& scene, const Vec3& local) {
+  return std::make_unique<FallenProbe>(scene, local);
+}
 
 }  // namespace rubble::scenes

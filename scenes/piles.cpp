@@ -23,7 +23,8 @@ Scene build(const Arguments& arguments) {
     const double side = level % 2 == 1 ? kBond : -kBond;
     for (int i = 0; i < nx; ++i)
       for (int j = 0; j < nz; ++j) {
-        const Vec3 position{(i - .5 * (nx - 1) + side) * kPitchX, (level + .5) * 2 * kHalfBrick.y, (j - .5 * (nz - 1) + side) * kPitchZ};
+        const Vec3 position{(i - .5 * (nx - 1) + side) * kPitchX, (level + .5) * 2 * kHalfBrick.y,
+                            (j - .5 * (nz - 1) + side) * kPitchZ};
         scene.bodies.push_back(block(scale.length * kHalfBrick, scale.length * position, scale.density));
       }
   }
@@ -33,7 +34,8 @@ Scene build(const Arguments& arguments) {
     ball.name = "ball";
     ball.shape = Shape::sphere(scale.length * radius);
     ball.density = 5 * scale.density;
-    ball.position = scale.length * Vec3{0, std::max(radius, levels * kHalfBrick.y), -(nz * kPitchZ / 2 + radius + kBallClearance)};
+    ball.position = scale.length * Vec3{0, std::max(radius, levels * kHalfBrick.y),
+                                        -(nz * kPitchZ / 2 + radius + kBallClearance)};
     ball.velocity = {0, 0, 30 * scale.speed};
     addAt(scene, kSettleSteps, {ball});
   }
@@ -50,12 +52,13 @@ Probes probes(const Arguments& arguments, const Scene& scene) {
 
 std::vector<Claim> claims(const Arguments& arguments) {
   const double scale = scaleOf(arguments).length;
-  std::vector<Claim> result = standsClaims(.05 * scale, "40 levels at 4 iterations: the top level goes down under 50 mm");
+  std::vector<Claim> result = standsClaims(.05 * scale,
+                                           "40 levels at 4 iterations: the top level goes down under 50 mm");
   if (whole(arguments, "smash") == 1)
     return result + smashClaims(scale) +
-           std::vector<Claim>{
-               atMost("smash_penetration_p99_m", .115 * scale,
-                      "bricks stay out of one another as well as in the best engine measured, half a second after the smash")};
+           std::vector<Claim>{atMost("smash_penetration_p99_m", .115 * scale,
+                                     "bricks stay out of one another as well as in the best engine measured, "
+                                     "half a second after the smash")};
   result.push_back(atMost("max_speed_m_s", .05 * scaleOf(arguments).speed, "it stands still"));
   return result;
 }
@@ -65,10 +68,13 @@ std::vector<Claim> claims(const Arguments& arguments) {
 std::vector<Spec> pileSpecs() {
   Spec pile;
   pile.name = "pile";
-  pile.doc = "A solid bonded block of bricks 40 levels high, each on four others, smashed by a heavy ball (after the seed's Figure 1).";
-  pile.arguments = stackArguments({count("nx", 5, 1, 1000, "bricks a level along x"), count("nz", 5, 1, 1000, "bricks a level along z"),
-                                   count("levels", 40, 1, 200, "levels of bricks"), flag("smash", true, "1: the ball comes after 2 s"),
-                                   quantity("ball_radius", 2.5, .2, 20, "m", "radius of the ball, five times as dense as a brick")});
+  pile.doc =
+      "A solid bonded block of bricks 40 levels high, each on four others, smashed by a heavy ball (after "
+      "the seed's Figure 1).";
+  pile.arguments = stackArguments(
+      {count("nx", 5, 1, 1000, "bricks a level along x"), count("nz", 5, 1, 1000, "bricks a level along z"),
+       count("levels", 40, 1, 200, "levels of bricks"), flag("smash", true, "1: the ball comes after 2 s"),
+       quantity("ball_radius", 2.5, .2, 20, "m", "radius of the ball, five times as dense as a brick")});
   pile.build = build;
   pile.probes = probes;
   pile.claims = claims;
@@ -88,8 +94,10 @@ std::vector<Spec> pileSpecs() {
   sized("pile-10k", "The pile of 10 x 25 x 40 = 10,000 bricks, smashed.", 10, 25, 600);
   sized("pile-110k", "The pile of 55 x 50 x 40 = 110,000 bricks, smashed.", 55, 50, 240);
   sized("pile-510k", "The pile of 150 x 85 x 40 = 510,000 bricks, smashed.", 150, 85, 240);
-  specs.push_back(variant(pile, "pile-1k-hold", "The pile of 1,000 bricks left alone for 10 s.", {{"nx", 5}, {"nz", 5}, {"smash", 0}}));
-  specs.push_back(variant(pile, "pile-10k-hold", "The pile of 10,000 bricks left alone for 10 s.", {{"nx", 10}, {"nz", 25}, {"smash", 0}}));
+  specs.push_back(variant(pile, "pile-1k-hold", "The pile of 1,000 bricks left alone for 10 s.",
+                          {{"nx", 5}, {"nz", 5}, {"smash", 0}}));
+  specs.push_back(variant(pile, "pile-10k-hold", "The pile of 10,000 bricks left alone for 10 s.",
+                          {{"nx", 10}, {"nz", 25}, {"smash", 0}}));
   return specs;
 }
 

@@ -11,7 +11,8 @@ namespace rubble::scenes {
 namespace {
 
 double smallestHalfEdge(const Shape& shape) {
-  if (shape.type == ShapeType::Box) return std::min({shape.halfExtents.x, shape.halfExtents.y, shape.halfExtents.z});
+  if (shape.type == ShapeType::Box)
+    return std::min({shape.halfExtents.x, shape.halfExtents.y, shape.halfExtents.z});
   return shape.geometry ? .3 * cook(shape).radius : shape.radius;
 }
 
@@ -51,7 +52,8 @@ double reach(const Shape& shape, const Quat& orientation, const Vec3& up) {
       break;
   }
   double most = 0;
-  for (const Vec3& point : shapeMesh(shape, 24).points) most = std::max(most, dot(point, rotateInverse(orientation, up)));
+  for (const Vec3& point : shapeMesh(shape, 24).points)
+    most = std::max(most, dot(point, rotateInverse(orientation, up)));
   return most;
 }
 

@@ -8,7 +8,9 @@
 namespace rubble::scenes {
 
 /// Has the world come to that time? Half a step early counts, because times are sums of steps.
-inline bool reached(const World& world, double seconds) { return world.time() > seconds - .5 * world.params().dt; }
+inline bool reached(const World& world, double seconds) {
+  return world.time() > seconds - .5 * world.params().dt;
+}
 
 /// Bodies of the scene, with where they started.
 struct Watched {

@@ -64,7 +64,8 @@ Displacement displacement(const World& world, const std::vector<Watched>& bodies
     // A body that is not finite is lost, not the largest number so far.
     result.largest = distance <= result.largest ? result.largest : distance;
     if (!(distance <= body.halfEdge)) ++result.moved;
-    const double low = dot(state.position, up) - reach(world.definition(body.id).shape, state.orientation, up);
+    const double low = dot(state.position, up) -
+                       reach(world.definition(body.id).shape, state.orientation, up);
     result.lowestPoint = std::min(result.lowestPoint, low);
   }
   return result;
@@ -145,10 +146,15 @@ class SmashProbe final : public Probe {
 class FallProbe final : public Probe {
  public:
   FallProbe(const Scene& scene, double at, double duration)
-      : at_(at), duration_(duration), up_(upOf(scene)), gravity_(length(scene.gravity)), bodies_(watch(scene, dynamicBodies(scene))) {
+      : at_(at),
+        duration_(duration),
+        up_(upOf(scene)),
+        gravity_(length(scene.gravity)),
+        bodies_(watch(scene, dynamicBodies(scene))) {
     const std::vector<int> top = topLayer(scene);
     isTop_.resize(bodies_.size());
-    for (std::size_t i = 0; i < bodies_.size(); ++i) isTop_[i] = std::find(top.begin(), top.end(), bodies_[i].sceneIndex) != top.end();
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+      isTop_[i] = std::find(top.begin(), top.end(), bodies_[i].sceneIndex) != top.end();
   }
 
   void start(const World& world) override { begin(bodies_, world); }
@@ -206,7 +212,9 @@ class ChainProbe final : public Probe {
  public:
   explicit ChainProbe(double chainLength) : length_(chainLength) {}
 
-  void afterStep(const World& world, const StepReport&) override { peak_ = std::max(peak_, gapSum(world) / length_); }
+  void afterStep(const World& world, const StepReport&) override {
+    peak_ = std::max(peak_, gapSum(world) / length_);
+  }
 
   void finish(const World& world, Metrics& metrics) override {
     metrics["stretch"] = gapSum(world) / length_;
@@ -229,7 +237,9 @@ class EnergyProbe final : public Probe {
   explicit EnergyProbe(double scale) : scale_(scale) {}
 
   void start(const World& world) override { start_ = energy(world); }
-  void afterStep(const World& world, const StepReport&) override { largest_ = std::max(largest_, (energy(world) - start_) / scale_); }
+  void afterStep(const World& world, const StepReport&) override {
+    largest_ = std::max(largest_, (energy(world) - start_) / scale_);
+  }
 
   void finish(const World& world, Metrics& metrics) override {
     metrics["energy_gain_ratio"] = largest_;
@@ -270,12 +280,18 @@ std::vector<int> topLayer(const Scene& scene) {
   return top;
 }
 
-std::unique_ptr<Probe> qualityProbe(double at, const std::string& prefix) { return std::make_unique<QualityProbe>(at, prefix); }
-std::unique_ptr<Probe> stackProbe(const Scene& scene, double at) { return std::make_unique<StackProbe>(scene, at); }
+std::unique_ptr<Probe> qualityProbe(double at, const std::string& prefix) {
+  return std::make_unique<QualityProbe>(at, prefix);
+}
+std::unique_ptr<Probe> stackProbe(const Scene& scene, double at) {
+  return std::make_unique<StackProbe>(scene, at);
+}
 std::unique_ptr<Probe> fallProbe(const Scene& scene, double at, double duration) {
   return std::make_unique<FallProbe>(scene, at, duration);
 }
-std::unique_ptr<Probe> chainProbe(const Scene&, double length) { return std::make_unique<ChainProbe>(length); }
+std::unique_ptr<Probe> chainProbe(const Scene&, double length) {
+  return std::make_unique<ChainProbe>(length);
+}
 std::unique_ptr<Probe> energyProbe(double scale) { return std::make_unique<EnergyProbe>(scale); }
 
 Probes smashProbes(const Scene& scene, double at) {

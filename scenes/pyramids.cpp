@@ -13,7 +13,8 @@ void addPyramid(Scene& scene, int base, const Vec3& at, const Scale& scale) {
   for (int i = 0; i < base; ++i)
     for (int j = i; j < base; ++j) {
       const Vec3 position{(i + 1) * kHalf + 2 * (j - i) * kHalf - kHalf * base, (2 * i + 1) * kHalf, 0};
-      scene.bodies.push_back(block(scale.length * Vec3{kHalf, kHalf, kHalf}, scale.length * (position + at), scale.density));
+      scene.bodies.push_back(
+          block(scale.length * Vec3{kHalf, kHalf, kHalf}, scale.length * (position + at), scale.density));
     }
 }
 
@@ -24,13 +25,17 @@ Scene buildField(const Arguments& arguments, int nx, int nz) {
   scene.bodies.push_back(ground(kUpY));
   for (int ix = 0; ix < nx; ++ix)
     for (int iz = 0; iz < nz; ++iz)
-      addPyramid(scene, base, {(ix - .5 * (nx - 1)) * (2 * kHalf * base + kPitchX), 0, (iz - .5 * (nz - 1)) * (2 * kHalf + kPitchZ)},
+      addPyramid(scene, base,
+                 {(ix - .5 * (nx - 1)) * (2 * kHalf * base + kPitchX), 0,
+                  (iz - .5 * (nz - 1)) * (2 * kHalf + kPitchZ)},
                  scale);
   return scene;
 }
 
 Scene buildOne(const Arguments& arguments) { return buildField(arguments, 1, 1); }
-Scene buildMany(const Arguments& arguments) { return buildField(arguments, whole(arguments, "nx"), whole(arguments, "nz")); }
+Scene buildMany(const Arguments& arguments) {
+  return buildField(arguments, whole(arguments, "nx"), whole(arguments, "nz"));
+}
 
 Probes probes(const Arguments&, const Scene& scene) {
   Probes result;
@@ -41,10 +46,12 @@ Probes probes(const Arguments&, const Scene& scene) {
 std::vector<Claim> claims(const Arguments& arguments) {
   // The best engine measured: .171 m at base 50, .68 m at base 100. Half a cube is the limit of bricks_lost.
   const double layers = whole(arguments, "base") / 50.0;
-  return standsClaims((.17 * layers * layers + .005) * scaleOf(arguments).length, "it stands, no lower than in the best engine measured");
+  return standsClaims((.17 * layers * layers + .005) * scaleOf(arguments).length,
+                      "it stands, no lower than in the best engine measured");
 }
 
-// Bricks that fall into a pyramid from above their places, from avbd-demo3d (z up, g 10, density 1, friction .5).
+// Bricks that fall into a pyramid from above their places, from avbd-demo3d (z up, g 10, density 1, friction
+// .5).
 
 Scene buildDrop(const Arguments& arguments) {
   const int rows = whole(arguments, "rows");
@@ -52,7 +59,8 @@ Scene buildDrop(const Arguments& arguments) {
   scene.bodies.push_back(ground(kUpZ));
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < rows - row; ++column)
-      scene.bodies.push_back(block({.5, .25, .25}, {1.01 * column + .5 * row - .5 * rows, 0, .85 * row + .5}, value(arguments, "density")));
+      scene.bodies.push_back(block({.5, .25, .25}, {1.01 * column + .5 * row - .5 * rows, 0, .85 * row + .5},
+                                   value(arguments, "density")));
   setFriction(scene, .5);
   return scene;
 }
@@ -61,7 +69,8 @@ std::vector<Claim> dropClaims(const Arguments& arguments) {
   // The top starts at .85 (rows - 1) + .5 and should rest at .5 (rows - .5).
   const double fall = .35 * (whole(arguments, "rows") - 1) + .25;
   return {within("top_drop_m", fall - .01, fall + .03, "the top rests within 3 cm of its place"),
-          atMost("max_speed_m_s", .05, "it stands still"), atMost("quarantined", 0, "every state stays finite")};
+          atMost("max_speed_m_s", .05, "it stands still"),
+          atMost("quarantined", 0, "every state stays finite")};
 }
 
 }  // namespace
@@ -83,9 +92,11 @@ std::vector<Spec> pyramidSpecs() {
 
   Spec many = pyramid;
   many.name = "many-pyramids";
-  many.doc = "A field of 14 x 14 pyramids of base 10: 10,780 cubes in 196 islands (Box2D benchmark, in space).";
+  many.doc =
+      "A field of 14 x 14 pyramids of base 10: 10,780 cubes in 196 islands (Box2D benchmark, in space).";
   many.arguments = stackArguments({count("base", 10, 1, 100, "cubes in the lowest layer of a pyramid"),
-                                   count("nx", 14, 1, 200, "pyramids along x"), count("nz", 14, 1, 200, "pyramids along z")});
+                                   count("nx", 14, 1, 200, "pyramids along x"),
+                                   count("nz", 14, 1, 200, "pyramids along z")});
   many.build = buildMany;
   many.steps = 200;
   many.testArguments = {{"base", 5}, {"nx", 2}, {"nz", 2}};
@@ -95,7 +106,8 @@ std::vector<Spec> pyramidSpecs() {
   Spec drop = pyramid;
   drop.name = "drop-pyramid";
   drop.doc = "A pyramid of bricks that fall into their places from up to 5 m above (avbd-demo3d).";
-  drop.arguments = {count("rows", 16, 1, 100, "rows of bricks"), quantity("density", 1, 1e-3, 1e7, "kg/m3", "of a brick")};
+  drop.arguments = {count("rows", 16, 1, 100, "rows of bricks"),
+                    quantity("density", 1, 1e-3, 1e7, "kg/m3", "of a brick")};
   drop.build = buildDrop;
   drop.claims = dropClaims;
   drop.iterations = 10;
@@ -103,7 +115,8 @@ std::vector<Spec> pyramidSpecs() {
   drop.testSteps = 0;
 
   return {pyramid, variant(pyramid, "pyramid-50", "A pyramid of base 50: 1,275 cubes, 10 s.", {{"base", 50}}),
-          variant(pyramid, "pyramid-100", "A pyramid of base 100: 5,050 cubes, 10 s.", {{"base", 100}}), many, drop};
+          variant(pyramid, "pyramid-100", "A pyramid of base 100: 5,050 cubes, 10 s.", {{"base", 100}}), many,
+          drop};
 }
 
 }  // namespace rubble::scenes

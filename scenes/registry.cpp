@@ -24,7 +24,8 @@ std::string nearNames(const std::string& name, const std::vector<std::string>& n
   std::string near;
   for (const bool all : {false, true}) {
     for (const std::string& candidate : names) {
-      const bool alike = candidate.find(name) != std::string::npos || editDistance(name, candidate) <= tolerance;
+      const bool alike = candidate.find(name) != std::string::npos ||
+                         editDistance(name, candidate) <= tolerance;
       if (all || alike) near += (near.empty() ? "" : ", ") + candidate;
     }
     if (!near.empty()) break;
@@ -34,12 +35,16 @@ std::string nearNames(const std::string& name, const std::vector<std::string>& n
 
 std::vector<Spec> makeRegistry() {
   std::vector<Spec> all;
-  for (auto* family : {&pileSpecs, &wallSpecs, &pyramidSpecs, &towerSpecs, &removalSpecs, &fastSpecs, &bodySpecs, &chainSpecs, &ropeSpecs,
-                       &frictionSpecs, &frictionLimitSpecs, &siloSpecs, &rollingSpecs, &fineStackSpecs,
-                       &structureSpecs, &jengaSpecs, &shapeRestSpecs, &shapeMotionSpecs, &basicSpecs, &bounceSpecs, &scaleSpecs, &jointAxisSpecs,
-                       &machineSpecs, &gearSpecs, &topSpecs, &robotSpecs, &ragdollSpecs, &cableSpecs, &springSpecs, &paperSpecs, &softSolidSpecs, &softSheetSpecs,
-                       &softContactSpecs, &softDentSpecs, &softClaySpecs, &softPressureSpecs, &softMachineSpecs, &rodSpecs, &softPlateSpecs,
-                       &softGrainSpecs, &softStringSpecs})
+  for (auto* family :
+       {&pileSpecs,          &wallSpecs,        &pyramidSpecs,     &towerSpecs,     &removalSpecs,
+        &fastSpecs,          &bodySpecs,        &chainSpecs,       &ropeSpecs,      &frictionSpecs,
+        &frictionLimitSpecs, &siloSpecs,        &rollingSpecs,     &fineStackSpecs, &structureSpecs,
+        &jengaSpecs,         &shapeRestSpecs,   &shapeMotionSpecs, &basicSpecs,     &bounceSpecs,
+        &scaleSpecs,         &jointAxisSpecs,   &machineSpecs,     &gearSpecs,      &topSpecs,
+        &robotSpecs,         &ragdollSpecs,     &cableSpecs,       &springSpecs,    &paperSpecs,
+        &softSolidSpecs,     &softSheetSpecs,   &softContactSpecs, &softDentSpecs,  &softClaySpecs,
+        &softPressureSpecs,  &softMachineSpecs, &rodSpecs,         &softPlateSpecs, &softGrainSpecs,
+        &softStringSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));
   return all;
 }
@@ -82,9 +87,10 @@ Arguments resolve(const Spec& spec, const Arguments& overrides) {
     names.push_back(argument.name);
   }
   for (const auto& [name, number] : overrides) {
-    const auto found =
-        std::find_if(spec.arguments.begin(), spec.arguments.end(), [&, key = name](const Argument& a) { return a.name == key; });
-    if (found == spec.arguments.end()) throw Error(spec.name + ", argument", nearNames(name, names), "\"" + name + "\"");
+    const auto found = std::find_if(spec.arguments.begin(), spec.arguments.end(),
+                                    [&, key = name](const Argument& a) { return a.name == key; });
+    if (found == spec.arguments.end())
+      throw Error(spec.name + ", argument", nearNames(name, names), "\"" + name + "\"");
     const std::string range = "[" + text(found->min) + ", " + text(found->max) + "]";
     if (!(number >= found->min && number <= found->max))
       throw Error(spec.name + ", argument " + name, "a number in " + range, text(number));
@@ -107,8 +113,8 @@ Job prepare(const Spec& spec, const Arguments& arguments) {
   job.iterations = spec.iterations;
   job.substeps = spec.substeps;
   // Arguments may leave the smash out.
-  const bool smashes =
-      std::any_of(job.scene.events.begin(), job.scene.events.end(), [&](const Event& e) { return e.step == spec.smashStep; });
+  const bool smashes = std::any_of(job.scene.events.begin(), job.scene.events.end(),
+                                   [&](const Event& e) { return e.step == spec.smashStep; });
   job.sleeping = spec.sleeping, job.events = spec.events;
   job.smashStep = smashes ? spec.smashStep : -1;
   job.probes = spec.probes(resolved, job.scene);

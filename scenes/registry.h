@@ -13,9 +13,9 @@ namespace rubble::scenes {
 /// A number that a scene can be built with.
 struct Argument {
   std::string name;
-  double value;     ///< default
+  double value;  ///< default
   double min, max;
-  std::string unit; ///< "1" for none
+  std::string unit;  ///< "1" for none
   std::string doc;
   bool whole = false;  ///< a count: whole numbers only
 };
@@ -60,22 +60,23 @@ struct Camera {
 
 struct Spec {
   std::string name;
-  std::string doc;                       ///< one sentence; source of the scene
+  std::string doc;  ///< one sentence; source of the scene
   std::vector<Argument> arguments;
   std::function<Scene(const Arguments&)> build;
   std::function<Probes(const Arguments&, const Scene&)> probes;
   std::function<std::vector<Claim>(const Arguments&)> claims;
   std::function<Camera(const Arguments&, const Scene&)> camera;
-  int steps = 600;                       ///< of a full run at dt 1/60; scaled with dt
-  int iterations = 4;                    ///< what the verdict is stated for
-  int substeps = 1;                      ///< likewise
-  int smashStep = -1;                    ///< first step of the smash phase, or -1
-  bool sleeping = false;                 ///< its bodies may sleep: what the verdict is about
-  bool events = false;                   ///< its probes read events
-  bool travels = false;                  ///< its bodies leave where they begin: pictures keep to the camera, and do not frame the beginning
-  Arguments testArguments;               ///< a size that a test can afford
-  int testSteps = 0;                     ///< 0: as `steps`
-  std::vector<std::string> tags;         ///< "stack", "joint", "friction", "scale" ...
+  int steps = 600;        ///< of a full run at dt 1/60; scaled with dt
+  int iterations = 4;     ///< what the verdict is stated for
+  int substeps = 1;       ///< likewise
+  int smashStep = -1;     ///< first step of the smash phase, or -1
+  bool sleeping = false;  ///< its bodies may sleep: what the verdict is about
+  bool events = false;    ///< its probes read events
+  bool travels = false;  ///< its bodies leave where they begin: pictures keep to the camera, and do not frame
+                         ///< the beginning
+  Arguments testArguments;        ///< a size that a test can afford
+  int testSteps = 0;              ///< 0: as `steps`
+  std::vector<std::string> tags;  ///< "stack", "joint", "friction", "scale" ...
 };
 
 const std::vector<Spec>& registry();
@@ -95,7 +96,8 @@ struct Job {
   int substeps = 1;
   int smashStep = -1;
   bool sleeping = false, events = false;
-  double dt = 1.0 / 60;  ///< time step that `steps`, `smashStep` and the events are counted in [s]; a runner at another one scales them
+  double dt = 1.0 / 60;  ///< time step that `steps`, `smashStep` and the events are counted in [s]; a runner
+                         ///< at another one scales them
 };
 /// Builds the scene and its probes (those of the spec, and qualityProbe of probes.h).
 Job prepare(const Spec& spec, const Arguments& arguments);
@@ -116,9 +118,10 @@ class Runner {
   Runner(Job job, const WorldOptions& options);
   World& world() { return world_; }
   const Job& job() const { return job_; }
-  StepReport step();                                  ///< events of this step, then one step
+  StepReport step();  ///< events of this step, then one step
   RunResult run(int steps, const Observer& observer = {});
-  /// The world was set back to a snapshot that was taken between two steps: events from there on happen again.
+  /// The world was set back to a snapshot that was taken between two steps: events from there on happen
+  /// again.
   void rewound();
 
  private:

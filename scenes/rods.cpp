@@ -55,18 +55,23 @@ double turnAboutX(const World& world, const BodyDef& start) {
 Spec twistSpec() {
   Spec spec;
   spec.name = "rod-twist";
-  spec.doc = "A motor twists a rod of oriented segments that is built in at the other end: torque = G J theta / L.";
-  spec.arguments = {count("segments", 10, 2, 100, "pieces of the rod; beyond 12 it winds itself up at 4 iterations"), quantity("youngs_modulus", 4e5, 2e5, 1e9, "Pa", "of the rod")};
+  spec.doc =
+      "A motor twists a rod of oriented segments that is built in at the other end: torque = G J theta / L.";
+  spec.arguments = {
+      count("segments", 10, 2, 100, "pieces of the rod; beyond 12 it winds itself up at 4 iterations"),
+      quantity("youngs_modulus", 4e5, 2e5, 1e9, "Pa", "of the rod")};
   spec.build = buildTwist;
   spec.probes = [](const Arguments& arguments, const Scene& scene) {
     const SegmentRodDef rod = twistedRod(arguments);
-    const double wanted = kTorque * kRodLength / (shearModulus(rod) * std::numbers::pi * std::pow(rod.radius, 4) / 2);
+    const double wanted = kTorque * kRodLength /
+                          (shearModulus(rod) * std::numbers::pi * std::pow(rod.radius, 4) / 2);
     const int pieces = whole(arguments, "segments");
     const BodyDef hub = scene.bodies[0], middle = scene.bodies[1 + static_cast<std::size_t>(pieces / 2)];
     const double share = (pieces / 2 + .5) / pieces;
     Probes probes;
-    probes.push_back(endProbe({{"angle_ratio", [=](const World& w) { return turnAboutX(w, hub) / wanted; }},
-                               {"middle_ratio", [=](const World& w) { return turnAboutX(w, middle) / (share * wanted); }}}));
+    probes.push_back(endProbe(
+        {{"angle_ratio", [=](const World& w) { return turnAboutX(w, hub) / wanted; }},
+         {"middle_ratio", [=](const World& w) { return turnAboutX(w, middle) / (share * wanted); }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
@@ -89,7 +94,8 @@ SegmentRodDef coil(const Arguments& arguments) {
   const int turns = whole(arguments, "turns"), around = whole(arguments, "segments");
   for (int i = 0; i <= turns * around; ++i) {
     const double angle = 2 * std::numbers::pi * i / around;
-    rod.points.push_back({kCoilRadius * std::cos(angle), kCoilRadius * std::sin(angle), -kPitch * i / around});
+    rod.points.push_back(
+        {kCoilRadius * std::cos(angle), kCoilRadius * std::sin(angle), -kPitch * i / around});
   }
   rod.name = "wire";
   rod.radius = .005;
@@ -130,16 +136,19 @@ Spec coilSpec() {
   spec.build = buildCoil;
   spec.probes = [](const Arguments& arguments, const Scene& scene) {
     const SegmentRodDef rod = coil(arguments);
-    const double stiffness =
-        shearModulus(rod) * std::pow(2 * rod.radius, 4) / (8 * std::pow(2 * kCoilRadius, 3) * whole(arguments, "turns"));
+    const double stiffness = shearModulus(rod) * std::pow(2 * rod.radius, 4) /
+                             (8 * std::pow(2 * kCoilRadius, 3) * whole(arguments, "turns"));
     const double start = scene.bodies[0].position.z, wanted = kWeight / stiffness;
     Probes probes;
-    probes.push_back(endProbe({{"length_ratio", [=](const World& w) { return (start - w.state(w.find("load")).position.z) / wanted; }}}));
+    probes.push_back(endProbe({{"length_ratio", [=](const World& w) {
+                                  return (start - w.state(w.find("load")).position.z) / wanted;
+                                }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{within("length_ratio", .95, 1.05, "as long as the formula of coil springs says"),
-                              atMost("kinetic_energy_j", 1e-3, "it comes to rest")};
+    return std::vector<Claim>{
+        within("length_ratio", .95, 1.05, "as long as the formula of coil springs says"),
+        atMost("kinetic_energy_j", 1e-3, "it comes to rest")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{.35, -.5, .02}, {0, 0, -.1}}; };
   spec.steps = 600;

@@ -1,5 +1,5 @@
-/// Rolling without slip, with closed forms: balls, capsules and wheels on the level and on a slope of 20 degrees, up to
-/// half a radian a step.
+/// Rolling without slip, with closed forms: balls, capsules and wheels on the level and on a slope of 20
+/// degrees, up to half a radian a step.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,20 +35,23 @@ Scene buildRolling(const Arguments& arguments) {
       for (std::size_t size = 0; size < kRadii.size(); ++size)
         for (std::size_t k = 0; k < (steep ? 1 : kTurns.size()); ++k) {
           const double r = kRadii[size], spin = steep ? 0 : kTurns[k] * 60;
-          BodyDef body = box({}, origin + rotate(tilt, {0, 5. * (kind * 9 + int(size) * 3 + int(k)) - 60, r}), 1);
+          BodyDef body = box({}, origin + rotate(tilt, {0, 5. * (kind * 9 + int(size) * 3 + int(k)) - 60, r}),
+                             1);
           body.shape = shapeOf(kind, r);
           body.orientation = tilt * fromAxisAngle(Vec3{1, 0, 0}, std::numbers::pi / 2);
           body.velocity = {spin * r, 0, 0};
           body.angularVelocity = {0, spin, 0};
-          put(scene, body, std::string(steep ? "down_" : "along_") + std::to_string(kind) + std::to_string(size) + std::to_string(k));
+          put(scene, body,
+              std::string(steep ? "down_" : "along_") + std::to_string(kind) + std::to_string(size) +
+                  std::to_string(k));
         }
   }
   setFriction(scene, 1);
   return scene;
 }
 
-/// roll_error: largest |omega r / v - 1|; speed_error: largest change of the speed on the level; acceleration_error: on the slope against
-/// g sin(slope) / (1 + I / (m r^2)).
+/// roll_error: largest |omega r / v - 1|; speed_error: largest change of the speed on the level;
+/// acceleration_error: on the slope against g sin(slope) / (1 + I / (m r^2)).
 Probes rollingProbes(const Arguments& arguments, const Scene&) {
   const double slope = value(arguments, "slope") * std::numbers::pi / 180;
   Probes probes;
@@ -66,7 +69,8 @@ Probes rollingProbes(const Arguments& arguments, const Scene&) {
         raise(metrics, "speed_error", std::fabs(v / length(body.velocity) - 1));
       } else {
         const double moment = world.massOf(id).inertia.z / (world.massOf(id).mass * r * r);
-        raise(metrics, "acceleration_error", std::fabs(v / world.time() / (kG * std::sin(slope) / (1 + moment)) - 1));
+        raise(metrics, "acceleration_error",
+              std::fabs(v / world.time() / (kG * std::sin(slope) / (1 + moment)) - 1));
       }
     }
   }));
@@ -78,13 +82,17 @@ Probes rollingProbes(const Arguments& arguments, const Scene&) {
 std::vector<Spec> rollingSpecs() {
   Spec spec;
   spec.name = "rolling";
-  spec.doc = "Balls, wheels and capsules that roll on the level by up to half a radian a step, and down a slope of 20 degrees.";
+  spec.doc =
+      "Balls, wheels and capsules that roll on the level by up to half a radian a step, and down a slope of "
+      "20 degrees.";
   spec.arguments = {quantity("slope", 20, 1, 30, "deg", "of the steep ground")};
   spec.build = buildRolling;
   spec.probes = rollingProbes;
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{atMost("roll_error", .002, "they roll without slip"), atMost("speed_error", .005, "and keep their speed on the level"),
-                              atMost("acceleration_error", .01, "down the slope as the closed form says, within 1 %")};
+    return std::vector<Claim>{
+        atMost("roll_error", .002, "they roll without slip"),
+        atMost("speed_error", .005, "and keep their speed on the level"),
+        atMost("acceleration_error", .01, "down the slope as the closed form says, within 1 %")};
   };
   spec.camera = overview;
   spec.steps = 240;

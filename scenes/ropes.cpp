@@ -1,5 +1,5 @@
-/// Ropes of bricks, a bridge, a grid: many ball joints. Sources: avbd-demo3d (z up, g 10, density 1, friction .5);
-/// the joint grid of the Box2D benchmarks (y up, g 9.81).
+/// Ropes of bricks, a bridge, a grid: many ball joints. Sources: avbd-demo3d (z up, g 10, density 1, friction
+/// .5); the joint grid of the Box2D benchmarks (y up, g 9.81).
 #include "build.h"
 #include "families.h"
 #include "motion_probes.h"
@@ -13,7 +13,8 @@ constexpr double kHalfLink = .5;    // [m]
 constexpr double kRopeHeight = 10;  // of a rope's first link [m]
 constexpr double kGroundHeight = -20;
 
-/// `links` bricks from "link0", which is static, along `along`; a last one with an edge of `end` metres instead, if that is not 0.
+/// `links` bricks from "link0", which is static, along `along`; a last one with an edge of `end` metres
+/// instead, if that is not 0.
 Scene rope(const Arguments& arguments, int links, const Vec3& along, double end) {
   Scene scene = emptyScene(kUpZ, 10);
   const double density = value(arguments, "density");
@@ -22,10 +23,13 @@ Scene rope(const Arguments& arguments, int links, const Vec3& along, double end)
   for (int i = 0; i < links; ++i) {
     const bool last = i + 1 == links && end > 0;
     const double half = last ? end / 2 : kHalfLink;
-    BodyDef body = block(last ? Vec3{half, half, half} : halfBrick, Vec3{0, 0, kRopeHeight} + (place + half) * along, density);
+    BodyDef body = block(last ? Vec3{half, half, half} : halfBrick,
+                         Vec3{0, 0, kRopeHeight} + (place + half) * along, density);
     body.name = "link" + std::to_string(i);
     if (i == 0) body.motion = Motion::Static;
-    if (i > 0) scene.joints.push_back(ballJoint(i - 1, kHalfLink * along, i, -half * along, "joint" + std::to_string(i)));
+    if (i > 0)
+      scene.joints.push_back(
+          ballJoint(i - 1, kHalfLink * along, i, -half * along, "joint" + std::to_string(i)));
     scene.bodies.push_back(body);
     place += 2 * half;
   }
@@ -34,7 +38,9 @@ Scene rope(const Arguments& arguments, int links, const Vec3& along, double end)
   return scene;
 }
 
-Scene buildRope(const Arguments& arguments) { return rope(arguments, whole(arguments, "links"), {1, 0, 0}, value(arguments, "end")); }
+Scene buildRope(const Arguments& arguments) {
+  return rope(arguments, whole(arguments, "links"), {1, 0, 0}, value(arguments, "end"));
+}
 
 Scene buildCut(const Arguments& arguments) {
   Scene scene = rope(arguments, kRopeLinks, {0, 0, -1}, 0);
@@ -54,9 +60,9 @@ Probes ropeProbes(const Arguments& arguments, const Scene& scene) {
 }
 
 std::vector<Claim> ropeClaims(const Arguments&) {
-  return {
-      atMost("joint_gap_max_m", 1e-4, "largest gap of a joint at the end: a tenth of a millimetre on links of a metre"),
-      atMost("quarantined", 0, "every state stays finite")};
+  return {atMost("joint_gap_max_m", 1e-4,
+                 "largest gap of a joint at the end: a tenth of a millimetre on links of a metre"),
+          atMost("quarantined", 0, "every state stays finite")};
 }
 
 Probes cutProbes(const Arguments&, const Scene& scene) {
@@ -86,10 +92,11 @@ Probes phaseProbes(const Arguments& arguments, const Scene&) {
 }
 
 std::vector<Claim> phaseClaims(const Arguments&) {
-  return {within("kinetic_first_ratio", .98, 1.02, "kinetic energy after 2.5 s within 2 % of a converged run"),
-          within("kinetic_last_ratio", .95, 1.05, "and within 5 % after 10 s"),
-          atMost("swing_time_s", kReferenceSwing + 5 / 60.0, "the first swing ends at most 5 steps late"),
-          atMost("quarantined", 0, "every state stays finite")};
+  return {
+      within("kinetic_first_ratio", .98, 1.02, "kinetic energy after 2.5 s within 2 % of a converged run"),
+      within("kinetic_last_ratio", .95, 1.05, "and within 5 % after 10 s"),
+      atMost("swing_time_s", kReferenceSwing + 5 / 60.0, "the first swing ends at most 5 steps late"),
+      atMost("quarantined", 0, "every state stays finite")};
 }
 
 // Bridge.
@@ -106,7 +113,8 @@ Scene buildBridge(const Arguments& arguments) {
     scene.bodies.push_back(plank);
     for (const double side : {-2.0, 2.0})
       if (i > 0)
-        scene.joints.push_back(ballJoint(i - 1, {.5, side, 0}, i, {-.5, side, 0}, "seam" + std::to_string(i) + (side < 0 ? "a" : "b")));
+        scene.joints.push_back(ballJoint(i - 1, {.5, side, 0}, i, {-.5, side, 0},
+                                         "seam" + std::to_string(i) + (side < 0 ? "a" : "b")));
   }
   for (int i = 0; i < 10; ++i)
     for (int j = 0; j < 5; ++j) scene.bodies.push_back(block({.5, .5, .5}, {i - 4.5, 0, 12.0 + j}, density));
@@ -122,8 +130,10 @@ Probes bridgeProbes(const Arguments&, const Scene& scene) {
 }
 
 std::vector<Claim> bridgeClaims(const Arguments&) {
-  return {atMost("joint_gap_max_m", .014, "largest gap of a joint at the end, no more than in the reference at 10 iterations"),
-          atLeast("lowest_m", 1, "nothing falls through"), atMost("quarantined", 0, "every state stays finite")};
+  return {atMost("joint_gap_max_m", .014,
+                 "largest gap of a joint at the end, no more than in the reference at 10 iterations"),
+          atLeast("lowest_m", 1, "nothing falls through"),
+          atMost("quarantined", 0, "every state stays finite")};
 }
 
 // Joint grid.
@@ -150,7 +160,8 @@ Scene buildGrid(const Arguments& arguments) {
 Probes gridProbes(const Arguments&, const Scene&) { return {}; }
 
 std::vector<Claim> gridClaims(const Arguments&) {
-  return {atMost("joint_gap_mean_m", .003, "mean gap of a joint under 3 mm"), atMost("quarantined", 0, "every state stays finite")};
+  return {atMost("joint_gap_mean_m", .003, "mean gap of a joint under 3 mm"),
+          atMost("quarantined", 0, "every state stays finite")};
 }
 
 }  // namespace
@@ -161,7 +172,8 @@ std::vector<Spec> ropeSpecs() {
   rope.name = "rope";
   rope.doc = "Twenty bricks on ball joints, the first static, let go from horizontal (avbd-demo3d).";
   rope.arguments = {count("links", kRopeLinks, 2, 2000, "bricks, the static one included"),
-                    quantity("end", 0, 0, 20, "m", "edge of a cube in place of the last brick; 0: a brick"), density};
+                    quantity("end", 0, 0, 20, "m", "edge of a cube in place of the last brick; 0: a brick"),
+                    density};
   rope.build = buildRope;
   rope.probes = ropeProbes;
   rope.claims = ropeClaims;
@@ -170,8 +182,9 @@ std::vector<Spec> ropeSpecs() {
   rope.iterations = 10;
   rope.tags = {"joint"};
 
-  Spec heavy =
-      variant(rope, "heavy-rope", "The rope with a cube of 5 m as its last link: 125 kg on links of .25 kg (avbd-demo3d).", {{"end", 5}});
+  Spec heavy = variant(
+      rope, "heavy-rope",
+      "The rope with a cube of 5 m as its last link: 125 kg on links of .25 kg (avbd-demo3d).", {{"end", 5}});
   heavy.tags.push_back("mass-ratio");
 
   Spec cut = rope;
@@ -187,7 +200,8 @@ std::vector<Spec> ropeSpecs() {
 
   Spec phase = cut;
   phase.name = "rope-phase";
-  phase.doc = "Kinetic energy of the swinging rope against a converged run: it must not swing in slow motion.";
+  phase
+      .doc = "Kinetic energy of the swinging rope against a converged run: it must not swing in slow motion.";
   phase.build = buildPhase;
   phase.probes = phaseProbes;
   phase.claims = phaseClaims;
@@ -204,7 +218,9 @@ std::vector<Spec> ropeSpecs() {
 
   Spec grid = rope;
   grid.name = "joint-grid";
-  grid.doc = "A curtain of spheres on ball joints to the left and up, the first row static (Box2D benchmark, with spheres).";
+  grid.doc =
+      "A curtain of spheres on ball joints to the left and up, the first row static (Box2D benchmark, with "
+      "spheres).";
   grid.arguments = {count("size", 100, 2, 1000, "spheres in a row and in a column"),
                     quantity("density", 1000, 1e-3, 1e7, "kg/m3", "density of a sphere")};
   grid.build = buildGrid;

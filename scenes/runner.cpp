@@ -19,7 +19,8 @@ Job inStepsOf(double dt, Job job) {
 }
 
 Job inOrder(Job job) {
-  std::stable_sort(job.scene.events.begin(), job.scene.events.end(), [](const Event& a, const Event& b) { return a.step < b.step; });
+  std::stable_sort(job.scene.events.begin(), job.scene.events.end(),
+                   [](const Event& a, const Event& b) { return a.step < b.step; });
   return job;
 }
 
@@ -64,7 +65,8 @@ WorldOptions Runner::optionsOf(const Job& job, WorldOptions options) {
 }
 
 Runner::Runner(Job job, const WorldOptions& options)
-    : job_(inOrder(inStepsOf(options.params.dt, std::move(job)))), world_(job_.scene, optionsOf(job_, options)) {}
+    : job_(inOrder(inStepsOf(options.params.dt, std::move(job)))),
+      world_(job_.scene, optionsOf(job_, options)) {}
 
 StepReport Runner::step() {
   if (!started_) {
@@ -72,7 +74,8 @@ StepReport Runner::step() {
     for (auto& probe : job_.probes) probe->start(world_);
   }
   const std::vector<Event>& events = job_.scene.events;
-  for (; nextEvent_ < events.size() && events[nextEvent_].step <= world_.stepCount(); ++nextEvent_) apply(world_, events[nextEvent_]);
+  for (; nextEvent_ < events.size() && events[nextEvent_].step <= world_.stepCount(); ++nextEvent_)
+    apply(world_, events[nextEvent_]);
   StepReport report = world_.step();
   for (auto& probe : job_.probes) probe->afterStep(world_, report);
   return report;

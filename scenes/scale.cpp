@@ -9,11 +9,13 @@
 namespace rubble::scenes {
 namespace {
 
-constexpr double kMesh = .5;      // from node to node of a quilt [m]
-constexpr double kNodeRadius = .1;  // [m]
-constexpr double kCubeDensityRatio = .1;  // density of what falls on a quilt over that of its nodes: a cube weighs five nodes
+constexpr double kMesh = .5;              // from node to node of a quilt [m]
+constexpr double kNodeRadius = .1;        // [m]
+constexpr double kCubeDensityRatio = .1;  // density of what falls on a quilt over that of its nodes: a cube
+                                          // weighs five nodes
 
-// Quilts that catch cubes: after the scene of 35,000 bodies and 72,000 joints of the AVBD paper (Figure 14), without its cloth.
+// Quilts that catch cubes: after the scene of 35,000 bodies and 72,000 joints of the AVBD paper (Figure 14),
+// without its cloth.
 
 constexpr int kLayers = 2;          // of a quilt
 constexpr double kHalfCube = .3;    // of what falls on it [m]
@@ -47,16 +49,19 @@ void addQuilt(Scene& scene, int size, double density, const Vec3& corner) {
 /// So many cubes in layers, as wide as a third of the quilt.
 void addCubes(Scene& scene, int count, int size, double density, const Vec3& corner) {
   const int edge = std::max(1, int(kMesh * size / (3 * kCubePitch)));
-  const double middle = kMesh * (size - 1) / 2, low = kMesh * (kLayers - 1) + kNodeRadius + kClear + kHalfCube;
+  const double middle = kMesh * (size - 1) / 2,
+               low = kMesh * (kLayers - 1) + kNodeRadius + kClear + kHalfCube;
   for (int k = 0; k < count; ++k) {
     const int x = k % edge, z = k / edge % edge, y = k / (edge * edge);
-    const Vec3 place{middle + kCubePitch * (x - .5 * (edge - 1)), low + kCubePitch * y, middle + kCubePitch * (z - .5 * (edge - 1))};
+    const Vec3 place{middle + kCubePitch * (x - .5 * (edge - 1)), low + kCubePitch * y,
+                     middle + kCubePitch * (z - .5 * (edge - 1))};
     scene.bodies.push_back(block({kHalfCube, kHalfCube, kHalfCube}, corner + place, density));
   }
 }
 
 Scene buildQuilts(const Arguments& arguments) {
-  const int quilts = whole(arguments, "quilts"), size = whole(arguments, "size"), cubes = whole(arguments, "cubes");
+  const int quilts = whole(arguments, "quilts"), size = whole(arguments, "size"),
+            cubes = whole(arguments, "cubes");
   const double density = value(arguments, "density");
   Scene scene = emptyScene(kUpY, 9.81);
   scene.bodies.push_back(ground(kUpY, -value(arguments, "height")));
@@ -79,7 +84,8 @@ Probes quiltProbes(const Arguments&, const Scene& scene) {
 std::vector<Claim> quiltClaims(const Arguments& arguments) {
   return {atMost("joint_gap_mean_m", .01 * kMesh, "mean gap of a joint under 1 % of the mesh"),
           atLeast("lowest_m", value(arguments, "height") / 4, "nothing falls through the quilts"),
-          atMost("broken_joints", 0, "every joint holds"), atMost("quarantined", 0, "every state stays finite")};
+          atMost("broken_joints", 0, "every joint holds"),
+          atMost("quarantined", 0, "every state stays finite")};
 }
 
 // Many chains.
@@ -97,11 +103,13 @@ Scene buildChains(const Arguments& arguments) {
   for (int c = 0; c < chains; ++c) {
     const Vec3 top{pitchX * (c % side), 0, double(c / side)};
     for (int i = 0; i < links; ++i) {
-      BodyDef link = block({kHalfWidth, kLink / 2, kHalfWidth}, top + kLink * (i + .5) * along, value(arguments, "density"));
+      BodyDef link = block({kHalfWidth, kLink / 2, kHalfWidth}, top + kLink * (i + .5) * along,
+                           value(arguments, "density"));
       link.orientation = fromAxisAngle(Vec3{0, 0, 1}, angle);
       const int index = int(scene.bodies.size());
       const bool first = i == 0;
-      scene.joints.push_back(ballJoint(first ? kWorld : index - 1, first ? top : Vec3{0, -kLink / 2, 0}, index, {0, kLink / 2, 0}));
+      scene.joints.push_back(ballJoint(first ? kWorld : index - 1, first ? top : Vec3{0, -kLink / 2, 0},
+                                       index, {0, kLink / 2, 0}));
       scene.bodies.push_back(link);
     }
   }
@@ -110,7 +118,8 @@ Scene buildChains(const Arguments& arguments) {
 
 /// Potential energy that the chains can lose: that of their swing down [J].
 double swingEnergy(const Arguments& arguments, const Scene& scene) {
-  const double mass = 4 * kHalfWidth * kHalfWidth * kLink * value(arguments, "density") * double(scene.bodies.size());
+  const double mass = 4 * kHalfWidth * kHalfWidth * kLink * value(arguments, "density") *
+                      double(scene.bodies.size());
   return mass * length(scene.gravity) * whole(arguments, "links") * kLink / 2;
 }
 
@@ -122,7 +131,8 @@ Probes chainsProbes(const Arguments& arguments, const Scene& scene) {
 
 std::vector<Claim> chainsClaims(const Arguments&) {
   return {atMost("joint_gap_mean_m", .01 * kLink, "mean gap of a joint under 1 % of a link"),
-          atMost("energy_gain_ratio", 1e-3, "they never gain energy"), atMost("broken_joints", 0, "every joint holds"),
+          atMost("energy_gain_ratio", 1e-3, "they never gain energy"),
+          atMost("broken_joints", 0, "every joint holds"),
           atMost("quarantined", 0, "every state stays finite")};
 }
 
@@ -134,8 +144,9 @@ std::vector<Spec> scaleSpecs() {
   quilts.name = "quilt";
   quilts.doc = "A quilt of two nets of spheres on ball joints, held along two edges, that catches cubes.";
   quilts.arguments = {count("quilts", 1, 1, 1000, "quilts of two nets, one above the other"),
-                    count("size", 31, 4, 300, "spheres along an edge of a net"), count("cubes", 265, 0, 100000, "cubes over a quilt"),
-                    quantity("height", 10, 1, 100, "m", "of the quilts above the ground"), density};
+                      count("size", 31, 4, 300, "spheres along an edge of a net"),
+                      count("cubes", 265, 0, 100000, "cubes over a quilt"),
+                      quantity("height", 10, 1, 100, "m", "of the quilts above the ground"), density};
   quilts.build = buildQuilts;
   quilts.probes = quiltProbes;
   quilts.claims = quiltClaims;
@@ -148,20 +159,24 @@ std::vector<Spec> scaleSpecs() {
   Spec chains = quilts;
   chains.name = "chains";
   chains.doc = "Chains of fifty links side by side, let go at an angle.";
-  chains.arguments = {count("chains", 10, 1, 100000, "chains"), count("links", 50, 2, 1000, "links of a chain"),
-                      quantity("angle", 30, 0, 90, "degrees", "of the chains to the vertical at the start"), density};
+  chains.arguments = {
+      count("chains", 10, 1, 100000, "chains"), count("links", 50, 2, 1000, "links of a chain"),
+      quantity("angle", 30, 0, 90, "degrees", "of the chains to the vertical at the start"), density};
   chains.build = buildChains;
   chains.probes = chainsProbes;
   chains.claims = chainsClaims;
   chains.testArguments = {{"chains", 3}, {"links", 20}};
 
-  std::vector<Spec> specs{quilts, chains,
-                          variant(quilts, "joints-35k",
-                                  "Sixteen quilts that catch 265 cubes each: 34,992 bodies, 71,984 joints (after Figure 14 of the AVBD paper, without its "
-                                  "cloth).",
-                                  {{"quilts", 16}}),
-                          variant(chains, "chains-1000x50", "A thousand chains of fifty links let go at 30 degrees: 50,000 bodies, 50,000 joints.",
-                                  {{"chains", 1000}})};
+  std::vector<Spec> specs{
+      quilts, chains,
+      variant(quilts, "joints-35k",
+              "Sixteen quilts that catch 265 cubes each: 34,992 bodies, 71,984 joints (after Figure 14 of "
+              "the AVBD paper, without its "
+              "cloth).",
+              {{"quilts", 16}}),
+      variant(chains, "chains-1000x50",
+              "A thousand chains of fifty links let go at 30 degrees: 50,000 bodies, 50,000 joints.",
+              {{"chains", 1000}})};
   for (std::size_t k = 2; k < specs.size(); ++k) specs[k].tags.push_back("scale");
   return specs;
 }

@@ -12,10 +12,12 @@ namespace rubble::scenes {
 std::vector<Vec3> prismCorners(int sides, double radius, double halfHeight);
 /// A pebble: corners spread over an ellipsoid, a little off it; `key` picks one of many.
 Shape pebble(double size, std::uint32_t key);
-/// A shape of about that size, one kind after another: box, cylinder, pebble, cone, rounded box, prism, capsule, sphere, cross.
+/// A shape of about that size, one kind after another: box, cylinder, pebble, cone, rounded box, prism,
+/// capsule, sphere, cross.
 Shape mixedShape(double size, int index);
 /// Distances of a lattice that covers [low, high] with cells of that size.
-Shape distanceShape(const Vec3& low, const Vec3& high, double spacing, const std::function<double(const Vec3&)>& distance);
+Shape distanceShape(const Vec3& low, const Vec3& high, double spacing,
+                    const std::function<double(const Vec3&)>& distance);
 
 /// inside_ratio: share of the dynamic bodies whose frames lie in [low, high] at the end.
 std::unique_ptr<Probe> insideProbe(const Vec3& low, const Vec3& high);

@@ -109,7 +109,9 @@ Probes marbleProbes(const Arguments&, const Scene&) {
 }
 
 std::vector<Claim> marbleClaims(const Arguments&) {
-  return {within("arrived_ratio", 1, 1, "every marble comes down"), within("left_gutter", 0, 0, "none over the rim"), atMost("quarantined", 0, "every state stays finite")};
+  return {within("arrived_ratio", 1, 1, "every marble comes down"),
+          within("left_gutter", 0, 0, "none over the rim"),
+          atMost("quarantined", 0, "every state stays finite")};
 }
 
 // A drum that turns, with things in it.
@@ -126,9 +128,11 @@ Scene buildTumbler(const Arguments& arguments) {
     const Quat q = fromAxisAngle(Vec3{0, 1, 0}, angle);
     parts.push_back({Shape::box({.15, kDrumDepth, half + .1}), rotate(q, Vec3{kDrum + .15, 0, 0}), q});
     // every third stave carries a blade
-    if (i % 3 == 0) parts.push_back({Shape::box({.25, kDrumDepth, .06}), rotate(q, Vec3{kDrum - .25, 0, 0}), q});
+    if (i % 3 == 0)
+      parts.push_back({Shape::box({.25, kDrumDepth, .06}), rotate(q, Vec3{kDrum - .25, 0, 0}), q});
   }
-  for (const double side : {-1.0, 1.0}) parts.push_back({Shape::box({kDrum + .3, .1, kDrum + .3}), {0, side * (kDrumDepth + .1), 0}, {}});
+  for (const double side : {-1.0, 1.0})
+    parts.push_back({Shape::box({kDrum + .3, .1, kDrum + .3}), {0, side * (kDrumDepth + .1), 0}, {}});
   BodyDef drum;
   drum.name = "drum";
   drum.motion = Motion::Kinematic;
@@ -153,7 +157,9 @@ Probes tumblerProbes(const Arguments&, const Scene&) {
 }
 
 std::vector<Claim> tumblerClaims(const Arguments&) {
-  return {within("inside_ratio", 1, 1, "nothing leaves the drum"), atMost("penetration_p99_m", .03, "nothing is crushed"), atMost("quarantined", 0, "every state stays finite")};
+  return {within("inside_ratio", 1, 1, "nothing leaves the drum"),
+          atMost("penetration_p99_m", .03, "nothing is crushed"),
+          atMost("quarantined", 0, "every state stays finite")};
 }
 
 // Three belts: the second takes over from the first, a centimetre lower, and the third carries to the side.
@@ -180,7 +186,9 @@ Scene buildConveyor(const Arguments& arguments) {
   for (int i = 0; i < count; ++i) {
     BodyDef parcel;
     parcel.name = "parcel" + std::to_string(i);
-    parcel.shape = i % 3 == 0 ? Shape::box({.2, .25, .15}) : i % 3 == 1 ? Shape::cylinder(.2, .15) : Shape::hull(prismCorners(6, .22, .15));
+    parcel.shape = i % 3 == 0   ? Shape::box({.2, .25, .15})
+                   : i % 3 == 1 ? Shape::cylinder(.2, .15)
+                                : Shape::hull(prismCorners(6, .22, .15));
     parcel.density = 200;
     parcel.position = {-kBeltHalf + .4 + .8 * i, .1 * (i % 3 - 1), 1.25};
     scene.bodies.push_back(parcel);
@@ -188,8 +196,9 @@ Scene buildConveyor(const Arguments& arguments) {
   return scene;
 }
 
-/// belt_speed_m_s: mean speed along x of the parcels that lie on the first two belts, 1.5 s after the start; delivered_ratio: share of
-/// the parcels that have come to the third belt at the end, or left it in its direction.
+/// belt_speed_m_s: mean speed along x of the parcels that lie on the first two belts, 1.5 s after the start;
+/// delivered_ratio: share of the parcels that have come to the third belt at the end, or left it in its
+/// direction.
 class ParcelProbe : public Probe {
  public:
   void afterStep(const World& world, const StepReport&) override {
@@ -227,7 +236,8 @@ Probes conveyorProbes(const Arguments&, const Scene&) {
 }
 
 std::vector<Claim> conveyorClaims(const Arguments&) {
-  return {within("belt_speed_m_s", kBeltSpeed - .02, kBeltSpeed + .02, "parcels move with the belt"), within("delivered_ratio", 1, 1, "all come to the third belt and go along with it"),
+  return {within("belt_speed_m_s", kBeltSpeed - .02, kBeltSpeed + .02, "parcels move with the belt"),
+          within("delivered_ratio", 1, 1, "all come to the third belt and go along with it"),
           atMost("quarantined", 0, "every state stays finite")};
 }
 
@@ -249,7 +259,8 @@ std::vector<Spec> shapeMotionSpecs() {
   Spec tumbler = marbles;
   tumbler.name = "tumbler";
   tumbler.doc = "A drum with blades turns and tumbles shapes of every kind.";
-  tumbler.arguments = {count("things", 150, 1, 400, "bodies in the drum"), quantity("speed", 1, .1, 4, "rad/s", "of the drum")};
+  tumbler.arguments = {count("things", 150, 1, 400, "bodies in the drum"),
+                       quantity("speed", 1, .1, 4, "rad/s", "of the drum")};
   tumbler.build = buildTumbler;
   tumbler.probes = tumblerProbes;
   tumbler.claims = tumblerClaims;

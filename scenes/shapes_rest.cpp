@@ -54,8 +54,11 @@ Probes voussoirProbes(const Arguments&, const Scene& scene) {
 std::vector<Claim> voussoirClaims(const Arguments& arguments) {
   constexpr double kLimit = .1075;
   if (value(arguments, "thickness") > kLimit)
-    return {within("top_drop_m", -.02, .02, "the crown stays"), atMost("max_drift_m", .03, "every stone stays"), atMost("quarantined", 0, "every state stays finite")};
-  return {atLeast("top_drop_m", 1, "the crown falls: no line of thrust lies within the arch"), atMost("quarantined", 0, "every state stays finite")};
+    return {within("top_drop_m", -.02, .02, "the crown stays"),
+            atMost("max_drift_m", .03, "every stone stays"),
+            atMost("quarantined", 0, "every state stays finite")};
+  return {atLeast("top_drop_m", 1, "the crown falls: no line of thrust lies within the arch"),
+          atMost("quarantined", 0, "every state stays finite")};
 }
 
 // Every kind falls on every kind of ground.
@@ -68,7 +71,8 @@ Scene buildEveryShape(const Arguments& arguments) {
   constexpr double kSpacing = .4;
   std::vector<double> heights;
   for (int j = 0; j <= kCells; ++j)
-    for (int i = 0; i <= kCells; ++i) heights.push_back(i == 0 || j == 0 || i == kCells || j == kCells ? 1.5 : 0);
+    for (int i = 0; i <= kCells; ++i)
+      heights.push_back(i == 0 || j == 0 || i == kCells || j == kCells ? 1.5 : 0);
   BodyDef floor;
   floor.name = "ground";
   floor.motion = Motion::Static;
@@ -84,7 +88,8 @@ Scene buildEveryShape(const Arguments& arguments) {
         BodyDef body;
         body.shape = shapes[std::size_t(index * 7 % 36)];
         body.material.rollingFriction = body.material.torsionalFriction = .01;
-        body.position = {1.0 * (i - 2.5) + .05 * (layer % 3), 1.0 * (j - 2.5) - .04 * (layer % 2), .8 + .9 * layer};
+        body.position = {1.0 * (i - 2.5) + .05 * (layer % 3), 1.0 * (j - 2.5) - .04 * (layer % 2),
+                         .8 + .9 * layer};
         body.orientation = fromAxisAngle(normalize(Vec3{1, .3 * i, .2 * j + .1}), .5 * index);
         scene.bodies.push_back(body);
       }
@@ -98,7 +103,9 @@ Probes everyShapeProbes(const Arguments&, const Scene&) {
 }
 
 std::vector<Claim> everyShapeClaims(const Arguments&) {
-  return {within("inside_ratio", 1, 1, "all stay in the tray"), atMost("penetration_p99_m", .005, "they lie on one another"), atMost("max_speed_m_s", .1, "and come to rest"),
+  return {within("inside_ratio", 1, 1, "all stay in the tray"),
+          atMost("penetration_p99_m", .005, "they lie on one another"),
+          atMost("max_speed_m_s", .1, "and come to rest"),
           atMost("quarantined", 0, "every state stays finite")};
 }
 
@@ -142,7 +149,8 @@ Probes bowlProbes(const Arguments&, const Scene&) {
 }
 
 std::vector<Claim> bowlClaims(const Arguments&) {
-  return {within("inside_ratio", 1, 1, "everything is in the bowl, and the bowl stands"), atMost("penetration_p99_m", .01, "nothing sinks into it"),
+  return {within("inside_ratio", 1, 1, "everything is in the bowl, and the bowl stands"),
+          atMost("penetration_p99_m", .01, "nothing sinks into it"),
           atMost("quarantined", 0, "every state stays finite")};
 }
 
@@ -151,8 +159,11 @@ std::vector<Claim> bowlClaims(const Arguments&) {
 std::vector<Spec> shapeRestSpecs() {
   Spec arch;
   arch.name = "voussoir-arch";
-  arch.doc = "A half circle of wedge-shaped stones without mortar; it stands if it is thicker than .1075 of its radius.";
-  arch.arguments = {count("voussoirs", 15, 5, 99, "stones, an odd number has a keystone"), quantity("thickness", .12, .05, .5, "1", "of the arch over its mean radius")};
+  arch.doc =
+      "A half circle of wedge-shaped stones without mortar; it stands if it is thicker than .1075 of its "
+      "radius.";
+  arch.arguments = {count("voussoirs", 15, 5, 99, "stones, an odd number has a keystone"),
+                    quantity("thickness", .12, .05, .5, "1", "of the arch over its mean radius")};
   arch.build = buildVoussoirs;
   arch.probes = voussoirProbes;
   arch.claims = voussoirClaims;
@@ -160,11 +171,14 @@ std::vector<Spec> shapeRestSpecs() {
   arch.steps = 600;
   arch.iterations = 4;
   arch.tags = {"stack", "shape"};
-  const Spec thin = variant(arch, "voussoir-arch-thin", "The same arch, too thin to stand.", {{"thickness", .095}});
+  const Spec thin = variant(arch, "voussoir-arch-thin", "The same arch, too thin to stand.",
+                            {{"thickness", .095}});
 
   Spec every = arch;
   every.name = "every-shape";
-  every.doc = "Boxes, cylinders, cones, hulls, capsules, spheres, rounded boxes and compounds fall into a tray of triangles.";
+  every.doc =
+      "Boxes, cylinders, cones, hulls, capsules, spheres, rounded boxes and compounds fall into a tray of "
+      "triangles.";
   every.arguments = {count("layers", 4, 1, 40, "layers of 36 bodies")};
   every.build = buildEveryShape;
   every.probes = everyShapeProbes;
@@ -176,7 +190,9 @@ std::vector<Spec> shapeRestSpecs() {
 
   Spec bowl = every;
   bowl.name = "bowl";
-  bowl.doc = "Things fall into a bowl that stands on its foot: a moving hollow body, given by its distances on a lattice.";
+  bowl.doc =
+      "Things fall into a bowl that stands on its foot: a moving hollow body, given by its distances on a "
+      "lattice.";
   bowl.arguments = {count("things", 27, 1, 45, "bodies that fall into it")};
   bowl.build = buildBowl;
   bowl.probes = bowlProbes;

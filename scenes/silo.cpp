@@ -12,8 +12,8 @@
 namespace rubble::scenes {
 namespace {
 
-constexpr double kWall = .8;      ///< half thickness over the width of the bin [1]
-constexpr double kAverage = .5;   ///< forces are averages over the last part of the run [s]
+constexpr double kWall = .8;     ///< half thickness over the width of the bin [1]
+constexpr double kAverage = .5;  ///< forces are averages over the last part of the run [s]
 
 /// The same numbers in every build.
 class Numbers {
@@ -29,11 +29,14 @@ class Numbers {
 };
 
 /// Inner width of the bin, between opposite sides.
-double widthOf(const Arguments& arguments) { return 2.04 * value(arguments, "radius") * whole(arguments, "across"); }
+double widthOf(const Arguments& arguments) {
+  return 2.04 * value(arguments, "radius") * whole(arguments, "across");
+}
 
 Scene buildSilo(const Arguments& arguments) {
   const double r = value(arguments, "radius"), width = widthOf(arguments), rise = value(arguments, "rise");
-  const int across = whole(arguments, "across"), layers = whole(arguments, "layers"), sides = whole(arguments, "sides");
+  const int across = whole(arguments, "across"), layers = whole(arguments, "layers"),
+            sides = whole(arguments, "sides");
   const double top = 2 * r * layers * (1.02 + rise) + 2 * r, thick = kWall * width, pitch = width / across;
   Scene scene = emptyScene(kUpZ, 9.81);
   put(scene, held(box({width + thick, width + thick, thick}, {0, 0, -thick}, 1)), "floor");
@@ -79,7 +82,10 @@ double janssen(double floor, double friction, double slenderness) {
 class SiloProbe final : public Probe {
  public:
   SiloProbe(const Scene& scene, const Arguments& arguments, double end)
-      : gravity_(length(scene.gravity)), friction_(value(arguments, "mu")), width_(widthOf(arguments)), from_(end - kAverage),
+      : gravity_(length(scene.gravity)),
+        friction_(value(arguments, "mu")),
+        width_(widthOf(arguments)),
+        from_(end - kAverage),
         walls_(whole(arguments, "sides")) {}
 
   void start(const World& world) override {
@@ -121,7 +127,9 @@ Probes siloProbes(const Arguments& arguments, const Scene& scene) {
 }
 
 std::vector<Claim> siloClaims(const Arguments&) {
-  return {within("janssen_k", .3, 1, "the floor bears what Janssen's law says, with a pressure on the walls of .3 to 1 of that on the floor"),
+  return {within("janssen_k", .3, 1,
+                 "the floor bears what Janssen's law says, with a pressure on the walls of .3 to 1 of that "
+                 "on the floor"),
           within("wall_ratio", .5, .85, "the walls bear the rest, upwards")};
 }
 
@@ -130,12 +138,17 @@ std::vector<Claim> siloClaims(const Arguments&) {
 std::vector<Spec> siloSpecs() {
   Spec silo;
   silo.name = "silo";
-  silo.doc = "Grains that fall into a tall bin: friction hangs a part of their weight on its walls (Janssen).";
-  silo.arguments = {count("across", 6, 3, 40, "grains side by side"), count("layers", 30, 4, 400, "of grains"),
-                    quantity("rise", .5, 0, 10, "1", "gap between layers at the start over a grain's diameter: they fall"),
-                    quantity("boxes", .3, 0, 1, "1", "share of boxes among the grains, the others are spheres"),
-                    count("sides", 4, 4, 24, "of the bin"), quantity("radius", .05, 1e-3, 10, "m", "of the largest grain"),
-                    quantity("mu", .5, .1, 1, "1", "friction of grains and walls"), count("seed", 1, 1, 1000000, "of sizes and places")};
+  silo.doc =
+      "Grains that fall into a tall bin: friction hangs a part of their weight on its walls (Janssen).";
+  silo.arguments = {
+      count("across", 6, 3, 40, "grains side by side"),
+      count("layers", 30, 4, 400, "of grains"),
+      quantity("rise", .5, 0, 10, "1", "gap between layers at the start over a grain's diameter: they fall"),
+      quantity("boxes", .3, 0, 1, "1", "share of boxes among the grains, the others are spheres"),
+      count("sides", 4, 4, 24, "of the bin"),
+      quantity("radius", .05, 1e-3, 10, "m", "of the largest grain"),
+      quantity("mu", .5, .1, 1, "1", "friction of grains and walls"),
+      count("seed", 1, 1, 1000000, "of sizes and places")};
   silo.build = buildSilo;
   silo.probes = siloProbes;
   silo.claims = siloClaims;
@@ -144,7 +157,8 @@ std::vector<Spec> siloSpecs() {
   silo.iterations = 10;
   silo.tags = {"friction"};
 
-  Spec coarse = variant(silo, "silo-4", "The silo at 4 iterations: the walls bear grains, and do not push them down.", {});
+  Spec coarse = variant(silo, "silo-4",
+                        "The silo at 4 iterations: the walls bear grains, and do not push them down.", {});
   coarse.iterations = 4;
   coarse.claims = [](const Arguments&) {
     return std::vector<Claim>{within("wall_ratio", .4, .85, "the walls bear a part of the weight, upwards"),

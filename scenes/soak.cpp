@@ -7,13 +7,15 @@
 namespace rubble::scenes {
 namespace {
 
-constexpr double kHalfLink = .2;       // half the edge of jointed cubes [m]
-constexpr double kSize = .3;           // of a body, about half its diameter [m]
+constexpr double kHalfLink = .2;  // half the edge of jointed cubes [m]
+constexpr double kSize = .3;      // of a body, about half its diameter [m]
 constexpr std::size_t kMostFaults = 20;
 constexpr int kReplaySteps = 20;
 // chances a step
-constexpr double kChurn = .2, kDisturb = .3, kJoints = .1, kSort = .02, kSnapshot = .01, kRestore = .005, kReplay = .005, kLook = .05;
-/// Deepest that the centre of a body may lie below the ground [m]: a body's own size; above that it has fallen through.
+constexpr double kChurn = .2, kDisturb = .3, kJoints = .1, kSort = .02, kSnapshot = .01, kRestore = .005,
+                 kReplay = .005, kLook = .05;
+/// Deepest that the centre of a body may lie below the ground [m]: a body's own size; above that it has
+/// fallen through.
 constexpr double kDeepest = kSize;
 /// Farthest that a body may be from the start [m]: what the largest impulse would give in a minute.
 constexpr double kFarthest = 600;
@@ -48,7 +50,8 @@ Quat Soak::Random::rotation() {
   }
 }
 
-Soak::Soak(const SoakOptions& options) : options_(options), random_{options.seed}, world_(emptyHeap(), options.world) {
+Soak::Soak(const SoakOptions& options)
+    : options_(options), random_{options.seed}, world_(emptyHeap(), options.world) {
   if (options.bodies < 2) throw Error("bodies", "at least 2", std::to_string(options.bodies));
   addSome(options.bodies);
 }
@@ -57,9 +60,12 @@ double Soak::halfWidth() const { return kSize * std::sqrt(static_cast<double>(op
 
 BodyDef Soak::randomBody() {
   BodyDef body;
-  const double a = kSize * random_.uniform(.5, 1), b = kSize * random_.uniform(.5, 1), c = kSize * random_.uniform(.5, 1);
+  const double a = kSize * random_.uniform(.5, 1), b = kSize * random_.uniform(.5, 1),
+               c = kSize * random_.uniform(.5, 1);
   const int kind = random_.below(4);
-  body.shape = kind == 0 ? Shape::sphere(a) : kind == 1 ? Shape::capsule(a / 2, b / 2) : Shape::box({a, b, c});
+  body.shape = kind == 0   ? Shape::sphere(a)
+               : kind == 1 ? Shape::capsule(a / 2, b / 2)
+                           : Shape::box({a, b, c});
   body.density = random_.uniform(300, 3000);
   body.material.staticFriction = body.material.dynamicFriction = random_.uniform(.1, 1);
   const double w = halfWidth();
@@ -81,7 +87,8 @@ std::vector<BodyId> Soak::someBodies(int most) {
   const int count = std::min(static_cast<int>(alive_.size()), 1 + random_.below(most));
   // a run of them from a random one on: no body twice
   const std::size_t first = static_cast<std::size_t>(random_.below(static_cast<int>(alive_.size())));
-  for (int k = 0; k < count; ++k) out.push_back(alive_[(first + static_cast<std::size_t>(k)) % alive_.size()]);
+  for (int k = 0; k < count; ++k)
+    out.push_back(alive_[(first + static_cast<std::size_t>(k)) % alive_.size()]);
   return out;
 }
 
@@ -96,7 +103,9 @@ void Soak::disturbSome() {
   std::vector<BodyId> ids = someBodies(20);
   const int kind = random_.below(3);
   // one of two that are joined cannot be put elsewhere alone
-  if (kind == 2) std::erase_if(ids, [&](BodyId id) { return std::find(jointed_.begin(), jointed_.end(), id) != jointed_.end(); });
+  if (kind == 2)
+    std::erase_if(
+        ids, [&](BodyId id) { return std::find(jointed_.begin(), jointed_.end(), id) != jointed_.end(); });
   std::vector<Vec3> impulses, forces, torques;
   std::vector<BodyState> states;
   for (const BodyId id : ids) {
@@ -105,14 +114,22 @@ void Soak::disturbSome() {
     forces.push_back(mass * random_.vector(50));
     torques.push_back(mass * kSize * kSize * random_.vector(50));
     const double w = halfWidth();
-    states.push_back({{random_.uniform(-w, w), random_.uniform(-w, w), random_.uniform(2, 10)}, random_.rotation(), random_.vector(3),
+    states.push_back({{random_.uniform(-w, w), random_.uniform(-w, w), random_.uniform(2, 10)},
+                      random_.rotation(),
+                      random_.vector(3),
                       random_.vector(5)});
   }
   const auto count = static_cast<std::int64_t>(ids.size());
   switch (kind) {
-    case 0: world_.applyImpulses(ids, impulses), counts_.pushed += count; break;
-    case 1: world_.applyForces(ids, forces, torques), counts_.forced += count; break;
-    default: world_.setStates(ids, states), counts_.placed += count; break;
+    case 0:
+      world_.applyImpulses(ids, impulses), counts_.pushed += count;
+      break;
+    case 1:
+      world_.applyForces(ids, forces, torques), counts_.forced += count;
+      break;
+    default:
+      world_.setStates(ids, states), counts_.placed += count;
+      break;
   }
 }
 
@@ -146,12 +163,15 @@ void Soak::changeJoints() {
 }
 
 void Soak::edit() {
-  const int count = static_cast<int>(alive_.size()), least = options_.bodies / 2, most = options_.bodies + options_.bodies / 2;
+  const int count = static_cast<int>(alive_.size()), least = options_.bodies / 2,
+            most = options_.bodies + options_.bodies / 2;
   const int batch = std::max(1, options_.bodies / 20);
   if (random_.chance(kChurn)) {
     const bool more = count <= least + batch || (count + batch < most && random_.chance(.5));
-    if (more) addSome(1 + random_.below(batch));
-    else removeSome(batch);
+    if (more)
+      addSome(1 + random_.below(batch));
+    else
+      removeSome(batch);
   }
   if (random_.chance(kDisturb)) disturbSome();
   if (options_.joints && count + 2 < most && random_.chance(kJoints)) changeJoints();
@@ -162,12 +182,14 @@ void Soak::edit() {
 }
 
 void Soak::expect(bool holds, const std::string& what) {
-  if (!holds && faults_.size() < kMostFaults) faults_.push_back("step " + std::to_string(counts_.steps) + ": " + what);
+  if (!holds && faults_.size() < kMostFaults)
+    faults_.push_back("step " + std::to_string(counts_.steps) + ": " + what);
 }
 
 void Soak::check(const StepReport& report) {
-  expect(report.bodies == static_cast<int>(alive_.size()) + 1,
-         std::to_string(report.bodies) + " bodies, where there should be " + std::to_string(alive_.size() + 1));
+  expect(
+      report.bodies == static_cast<int>(alive_.size()) + 1,
+      std::to_string(report.bodies) + " bodies, where there should be " + std::to_string(alive_.size() + 1));
   expect(report.quarantined == 0, std::to_string(report.quarantined) + " bodies were quarantined");
   expect(report.clashes == 0, std::to_string(report.clashes) + " clashes were left");
   // tables grow for a reason, or not at all
@@ -176,7 +198,8 @@ void Soak::check(const StepReport& report) {
   for (const BodyId id : alive_) slots = std::max(slots, static_cast<std::size_t>(id.index) + 1);
   const bool reason = !report.grown.empty() || slots > mostSlots_ || joinedNow_;
   expect(memory <= counts_.memory || reason || counts_.steps <= 1,
-         "tables grew from " + std::to_string(counts_.memory) + " to " + std::to_string(memory) + " bytes for no reason");
+         "tables grew from " + std::to_string(counts_.memory) + " to " + std::to_string(memory) +
+             " bytes for no reason");
   mostSlots_ = std::max(mostSlots_, slots);
   joinedNow_ = false;
   counts_.memory = memory;
@@ -193,13 +216,18 @@ void Soak::checkStates() {
   expect(world_.bodies() == expected, "the bodies are not those that were added and not removed");
   for (const BodyId id : alive_) {
     const BodyState s = world_.state(id);
-    const bool finite = std::isfinite(length(s.position)) && std::isfinite(length(s.velocity)) && std::isfinite(length(s.angularVelocity)) &&
-                        std::fabs(s.orientation.s * s.orientation.s + dot(s.orientation.v, s.orientation.v) - 1) < 1e-3;
+    const bool finite = std::isfinite(length(s.position)) && std::isfinite(length(s.velocity)) &&
+                        std::isfinite(length(s.angularVelocity)) &&
+                        std::fabs(s.orientation.s * s.orientation.s + dot(s.orientation.v, s.orientation.v) -
+                                  1) < 1e-3;
     expect(finite, "body " + std::to_string(id.index) + " has a state that is none");
     if (!finite) continue;
-    expect(length(s.velocity) < kFastest, "body " + std::to_string(id.index) + " flies off at " + std::to_string(length(s.velocity)) + " m/s");
-    expect(s.position.z > -kDeepest, "body " + std::to_string(id.index) + " lies " + std::to_string(-s.position.z) + " m below the ground");
-    expect(length(s.position) < kFarthest, "body " + std::to_string(id.index) + " is lost, " + std::to_string(length(s.position)) + " m away");
+    expect(length(s.velocity) < kFastest, "body " + std::to_string(id.index) + " flies off at " +
+                                              std::to_string(length(s.velocity)) + " m/s");
+    expect(s.position.z > -kDeepest, "body " + std::to_string(id.index) + " lies " +
+                                         std::to_string(-s.position.z) + " m below the ground");
+    expect(length(s.position) < kFarthest, "body " + std::to_string(id.index) + " is lost, " +
+                                               std::to_string(length(s.position)) + " m away");
   }
 }
 
@@ -225,7 +253,8 @@ void Soak::replay() {
   jointed_ = jointed;
   for (int i = 0; i < kReplaySteps; ++i) {
     editAndStep();
-    expect(world_.hash() == first[static_cast<std::size_t>(i)], "run again from a snapshot, step " + std::to_string(i) + " has other bits");
+    expect(world_.hash() == first[static_cast<std::size_t>(i)],
+           "run again from a snapshot, step " + std::to_string(i) + " has other bits");
   }
   ++counts_.replays;
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// A long run of random edits of a heap, with what must stay true checked all the while. The same seed gives the same run.
+/// A long run of random edits of a heap, with what must stay true checked all the while. The same seed gives
+/// the same run.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -11,27 +12,28 @@ namespace rubble::scenes {
 struct SoakOptions {
   WorldOptions world;
   std::uint64_t seed = 1;
-  int bodies = 500;   ///< that the heap varies about: it holds from half as many to one and a half times
+  int bodies = 500;    ///< that the heap varies about: it holds from half as many to one and a half times
   bool joints = true;  ///< pairs of cubes on ball and fixed joints among them
 };
 
 /// What has happened so far.
 struct SoakCounts {
-  std::int64_t steps = 0;  ///< taken, replayed ones included
+  std::int64_t steps = 0;                                                   ///< taken, replayed ones included
   std::int64_t added = 0, removed = 0, pushed = 0, placed = 0, forced = 0;  ///< bodies
   std::int64_t joined = 0, parted = 0;                                      ///< joints
   std::int64_t sorts = 0;                                                   ///< of the bodies in memory
   std::int64_t snapshots = 0, restores = 0, replays = 0, reads = 0;
-  std::int64_t growths = 0;             ///< tables that became larger
+  std::int64_t growths = 0;  ///< tables that became larger
   int bodies = 0, mostBodies = 0;
-  std::size_t memory = 0;               ///< of the engine's tables [bytes]
+  std::size_t memory = 0;  ///< of the engine's tables [bytes]
 };
 
 class Soak {
  public:
   explicit Soak(const SoakOptions& options);
 
-  /// Random edits, one step and the checks. Now and then some steps are run twice from a snapshot, and must end in the same bits.
+  /// Random edits, one step and the checks. Now and then some steps are run twice from a snapshot, and must
+  /// end in the same bits.
   void step();
 
   const SoakCounts& counts() const { return counts_; }
@@ -45,7 +47,9 @@ class Soak {
     std::uint64_t state;
     std::uint64_t bits();
     int below(int n) { return static_cast<int>(bits() % static_cast<std::uint64_t>(n)); }
-    double uniform(double lo, double hi) { return lo + (hi - lo) * static_cast<double>(bits() >> 11) * 0x1p-53; }
+    double uniform(double lo, double hi) {
+      return lo + (hi - lo) * static_cast<double>(bits() >> 11) * 0x1p-53;
+    }
     bool chance(double p) { return uniform(0, 1) < p; }
     Vec3 vector(double size) { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
     Quat rotation();

@@ -14,7 +14,8 @@ constexpr int kTakenStep = 150;
 
 /// A block on the ground whose middle is at x.
 SoftDef claySlab(double x, int cells) {
-  SoftDef slab = softBox({x - kSide / 2, -kSide / 2, 0}, {kSide, kSide, kHeight}, {cells, cells, std::max(1, cells / 2)});
+  SoftDef slab = softBox({x - kSide / 2, -kSide / 2, 0}, {kSide, kSide, kHeight},
+                         {cells, cells, std::max(1, cells / 2)});
   slab.youngsModulus = 5e5;
   slab.density = 1500;
   slab.viscosity = 500;
@@ -77,9 +78,12 @@ class DentProbe : public Probe {
 Spec dentSpec() {
   Spec spec;
   spec.name = "soft-dent";
-  spec.doc = "A ball of 56 kg falls on a block of clay, another on an elastic twin of it; when both are gone the clay keeps its dent.";
+  spec.doc =
+      "A ball of 56 kg falls on a block of clay, another on an elastic twin of it; when both are gone the "
+      "clay keeps its dent.";
   spec.arguments = {count("cells", 12, 4, 60, "cells along an edge of a block"),
-                    quantity("yield_stress", 1e4, 1e3, 1e6, "Pa", "of the clay"), quantity("drop", .5, 0, 3, "m", "height that the balls fall")};
+                    quantity("yield_stress", 1e4, 1e3, 1e6, "Pa", "of the clay"),
+                    quantity("drop", .5, 0, 3, "m", "height that the balls fall")};
   spec.build = buildDent;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;

@@ -1,5 +1,5 @@
-/// Surfaces that touch themselves and one another: a strip that folds, a stack of sheets, pressed balls, a chain of rings on a rope, a knot.
-/// Whether surfaces cross is told by surface_exact.h and not by the engine.
+/// Surfaces that touch themselves and one another: a strip that folds, a stack of sheets, pressed balls, a
+/// chain of rings on a rope, a knot. Whether surfaces cross is told by surface_exact.h and not by the engine.
 #include <cmath>
 #include <numbers>
 
@@ -11,7 +11,8 @@
 namespace rubble::scenes {
 namespace {
 
-/// The most crossings seen, looked for in every `every`-th step: surfaces that have crossed do not come apart by themselves.
+/// The most crossings seen, looked for in every `every`-th step: surfaces that have crossed do not come apart
+/// by themselves.
 class CrossingProbe : public Probe {
  public:
   explicit CrossingProbe(int every) : every_(every) {}
@@ -61,11 +62,13 @@ Spec foldsSpec() {
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
     probes.push_back(std::make_unique<CrossingProbe>(10));
-    probes.push_back(endProbe({{"highest_m", highestVertex}, {"stretch", [](const World& w) { return largestStretch(w, 0); }}}));
+    probes.push_back(endProbe(
+        {{"highest_m", highestVertex}, {"stretch", [](const World& w) { return largestStretch(w, 0); }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{noCrossing(), within("highest_m", .004, .3, "it lies in several layers"), atMost("stretch", 1.3, "cloth hardly stretches"),
+    return std::vector<Claim>{noCrossing(), within("highest_m", .004, .3, "it lies in several layers"),
+                              atMost("stretch", 1.3, "cloth hardly stretches"),
                               atMost("kinetic_energy_j", .01, "it comes to rest")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{.55, -.45, .4}, {0, .05, .06}}; };
@@ -88,7 +91,8 @@ Scene buildStack(const Arguments& arguments) {
   const int layers = whole(arguments, "layers"), cells = whole(arguments, "cells");
   const double thickness = value(arguments, "thickness");
   for (int i = 0; i < layers; ++i) {
-    ClothDef sheet = clothSheet({-.1, -.1, thickness * ((1 + kSheetAir) * i + .52)}, {.2, 0, 0}, {0, .2, 0}, cells, cells);
+    ClothDef sheet = clothSheet({-.1, -.1, thickness * ((1 + kSheetAir) * i + .52)}, {.2, 0, 0}, {0, .2, 0},
+                                cells, cells);
     sheet.thickness = thickness;
     sheet.density = 100;
     sheet.youngsModulus = 2e5;
@@ -105,14 +109,17 @@ Spec stackSpec() {
                     quantity("thickness", .01, 1e-3, .1, "m", "of a sheet")};
   spec.build = buildStack;
   spec.probes = [](const Arguments& arguments, const Scene&) {
-    const double height = value(arguments, "layers") * value(arguments, "thickness"), half = value(arguments, "thickness") / 2;
+    const double height = value(arguments, "layers") * value(arguments, "thickness"),
+                 half = value(arguments, "thickness") / 2;
     Probes probes;
     probes.push_back(std::make_unique<CrossingProbe>(10));
-    probes.push_back(endProbe({{"height_over_thickness", [=](const World& w) { return (highestVertex(w) + half) / height; }}}));
+    probes.push_back(endProbe(
+        {{"height_over_thickness", [=](const World& w) { return (highestVertex(w) + half) / height; }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{noCrossing(), within("height_over_thickness", .95, 1.05, "as high as its sheets are thick"),
+    return std::vector<Claim>{noCrossing(),
+                              within("height_over_thickness", .95, 1.05, "as high as its sheets are thick"),
                               atMost("kinetic_energy_j", .001, "it rests")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{1.2, -1.6, 1.1}, {0, 0, .5}}; };
@@ -155,17 +162,20 @@ Spec pressSpec() {
   Spec spec;
   spec.name = "soft-press";
   spec.doc = "Two squishy balls of 17 kg, one on the other in a shaft, under a lid.";
-  spec.arguments = {count("cells", 6, 2, 60, "cells through a ball"), quantity("lid_mass", 60, 1, 1000, "kg", "of the lid")};
+  spec.arguments = {count("cells", 6, 2, 60, "cells through a ball"),
+                    quantity("lid_mass", 60, 1, 1000, "kg", "of the lid")};
   spec.build = buildPress;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
     probes.push_back(std::make_unique<CrossingProbe>(10));
-    probes.push_back(endProbe({{"lid_height_m", [](const World& w) { return w.state(w.find("lid")).position.z; }},
-                               {"crushed_cells", [](const World& w) { return crushedCells(w, 0) + crushedCells(w, 1); }}}));
+    probes.push_back(endProbe(
+        {{"lid_height_m", [](const World& w) { return w.state(w.find("lid")).position.z; }},
+         {"crushed_cells", [](const World& w) { return crushedCells(w, 0) + crushedCells(w, 1); }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{noCrossing(), within("lid_height_m", .4, .83, "the balls are pressed, and hold"),
+    return std::vector<Claim>{noCrossing(),
+                              within("lid_height_m", .4, .83, "the balls are pressed, and hold"),
                               atMost("kinetic_energy_j", .05, "all comes to rest")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{.7, -1, 1.9}, {0, 0, .4}}; };
@@ -186,7 +196,9 @@ Scene buildKnot(const Arguments& arguments) {
   scene.bodies.push_back(ground(kUpZ, -4));
   std::vector<Vec3> path;
   path.push_back({0, 0, 1.2});
-  for (double t = -2.15; t <= 2.15; t += .01) path.push_back({.05 * (t * t * t - 3 * t), .03 * (t * t * t * t - 4 * t * t), -.022 * (std::pow(t, 5) - 10 * t)});
+  for (double t = -2.15; t <= 2.15; t += .01)
+    path.push_back(
+        {.05 * (t * t * t - 3 * t), .03 * (t * t * t * t - 4 * t * t), -.022 * (std::pow(t, 5) - 10 * t)});
   path.push_back({0, 0, -1});
   // points at equal distances along it
   const double step = value(arguments, "segment_m");
@@ -222,13 +234,16 @@ Scene buildKnot(const Arguments& arguments) {
 Spec knotSpec() {
   Spec spec;
   spec.name = "rope-knot";
-  spec.doc = "A load pulls an overhand knot tight; the knot holds as long as the rope does not pass through itself.";
+  spec.doc =
+      "A load pulls an overhand knot tight; the knot holds as long as the rope does not pass through itself.";
   spec.arguments = {quantity("segment_m", .02, .005, .05, "m", "length of a segment of the rope")};
   spec.build = buildKnot;
   spec.probes = [](const Arguments& arguments, const Scene& scene) {
-    const double whole = value(arguments, "segment_m") * double(common(scene.deformables[0]).vertices.size() - 1);
+    const double whole = value(arguments, "segment_m") *
+                         double(common(scene.deformables[0]).vertices.size() - 1);
     Probes probes;
-    probes.push_back(peakProbe(0, {{"closest_deficit", [](const World& w) { return 1 - closestSegments(w); }}}));
+    probes.push_back(
+        peakProbe(0, {{"closest_deficit", [](const World& w) { return 1 - closestSegments(w); }}}));
     probes.push_back(endProbe({{"in_knot_m",
                                 [whole](const World& w) {
                                   const std::vector<Vec3> x = w.positions(w.deformableAt(0));
@@ -239,7 +254,8 @@ Spec knotSpec() {
   };
   spec.claims = [](const Arguments&) {
     return std::vector<Claim>{within("in_knot_m", .05, .6, "the knot is tight, and takes up rope"),
-                              atMost("closest_deficit", .5, "rope keeps half its thickness at least"), atMost("stretch", 1.2, "rope hardly stretches")};
+                              atMost("closest_deficit", .5, "rope keeps half its thickness at least"),
+                              atMost("stretch", 1.2, "rope hardly stretches")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{.35, -1.9, .1}, {0, 0, -.15}}; };
   spec.steps = 1000;
@@ -262,7 +278,8 @@ RodDef ringAround(const Vec3& centre, int segments) {
   ring.radius = kRopeRadius;
   for (int i = 0; i < segments; ++i) {
     const double angle = 2 * std::numbers::pi * i / segments;
-    ring.vertices.push_back(centre + Vec3{0, kRingSize * std::cos(angle), kRingSize * std::sin(angle) - .6 * kRingSize});
+    ring.vertices.push_back(
+        centre + Vec3{0, kRingSize * std::cos(angle), kRingSize * std::sin(angle) - .6 * kRingSize});
   }
   return ring;
 }
@@ -294,7 +311,8 @@ double worstLinking(const World& world) {
   rope.push_back(rope.front() + Vec3{0, 0, 100});
   double worst = kNoBound;
   const int count = int(world.deformables().size());
-  for (int i = 1; i < count; ++i) worst = std::min(worst, std::fabs(linkingNumber(rope, world.positions(world.deformableAt(i)))));
+  for (int i = 1; i < count; ++i)
+    worst = std::min(worst, std::fabs(linkingNumber(rope, world.positions(world.deformableAt(i)))));
   return worst;
 }
 
@@ -302,19 +320,22 @@ Spec ringsSpec() {
   Spec spec;
   spec.name = "rope-rings";
   spec.doc = "Rings of rope fall along a slack rope that runs through them and heap up at its lowest point.";
-  spec.arguments = {count("segments", 60, 10, 1000, "segments of the rope"), count("rings", 5, 1, 12, "rings on it")};
+  spec.arguments = {count("segments", 60, 10, 1000, "segments of the rope"),
+                    count("rings", 5, 1, 12, "rings on it")};
   spec.build = buildRings;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
-    probes.push_back(peakProbe(0, {{"stretch_peak", [](const World& w) { return largestStretch(w, 0); }},
-                                   {"closest_deficit", [](const World& w) { return 1 - closestSegments(w); }}}));
+    probes.push_back(
+        peakProbe(0, {{"stretch_peak", [](const World& w) { return largestStretch(w, 0); }},
+                      {"closest_deficit", [](const World& w) { return 1 - closestSegments(w); }}}));
     probes.push_back(endProbe({{"linking_least", worstLinking}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{within("linking_least", .99, 1.01, "every ring is still on the rope (linking number)"),
-                              atMost("closest_deficit", .5, "ropes keep half their thickness at least"),
-                              atMost("stretch_peak", 1.2, "rope hardly stretches")};
+    return std::vector<Claim>{
+        within("linking_least", .99, 1.01, "every ring is still on the rope (linking number)"),
+        atMost("closest_deficit", .5, "ropes keep half their thickness at least"),
+        atMost("stretch_peak", 1.2, "rope hardly stretches")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{.5, -1.4, .2}, {0, 0, -.4}}; };
   spec.steps = 1000;
@@ -327,7 +348,8 @@ Spec ringsSpec() {
 }  // namespace
 
 std::vector<Spec> softContactSpecs() {
-  Spec high = variant(stackSpec(), "cloth-stack-100", "A hundred sheets of thick cloth settle to a stack.", {{"layers", 100}});
+  Spec high = variant(stackSpec(), "cloth-stack-100", "A hundred sheets of thick cloth settle to a stack.",
+                      {{"layers", 100}});
   high.iterations = 40;
   high.tags.push_back("scale");
   return {foldsSpec(), stackSpec(), high, pressSpec(), ringsSpec(), knotSpec()};

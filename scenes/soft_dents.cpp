@@ -33,8 +33,8 @@ Shape smallShape(int kind) {
 /// A rotation for each number, spread over all of them.
 Quat someTurn(int i) {
   const double a = 2.4 * i, b = 1.7 * i + .4, c = .37 * i;
-  return normalize(
-      Quat{std::cos(c), std::sin(c) * std::cos(a), std::sin(c) * std::sin(a) * std::cos(b), std::sin(c) * std::sin(a) * std::sin(b)});
+  return normalize(Quat{std::cos(c), std::sin(c) * std::cos(a), std::sin(c) * std::sin(a) * std::cos(b),
+                        std::sin(c) * std::sin(a) * std::sin(b)});
 }
 
 Scene buildDents(const Arguments& arguments) {
@@ -47,7 +47,8 @@ Scene buildDents(const Arguments& arguments) {
     body.density = value(arguments, "density");
     body.material.staticFriction = body.material.dynamicFriction = .6;
     const double pitch = .75 * kSheetSide / side;
-    body.position = {pitch * (i % side - .5 * (side - 1)), pitch * (i / side - .5 * (side - 1)), .2 + .1 * (i % 3)};
+    body.position = {pitch * (i % side - .5 * (side - 1)), pitch * (i / side - .5 * (side - 1)),
+                     .2 + .1 * (i % 3)};
     body.orientation = someTurn(i);
     scene.bodies.push_back(body);
   }
@@ -58,21 +59,25 @@ Scene buildDents(const Arguments& arguments) {
 Spec dentsSpec() {
   Spec spec;
   spec.name = "cloth-dents";
-  spec.doc = "Boxes, tetrahedra, balls, capsules, cylinders and cones of 10 cm fall on a sheet whose cells are three times as wide.";
-  spec.arguments = {count("bodies", 6, 1, 30, "bodies along a side"), count("cells", 6, 1, 100, "cells of the sheet along a side"),
+  spec.doc =
+      "Boxes, tetrahedra, balls, capsules, cylinders and cones of 10 cm fall on a sheet whose cells are "
+      "three times as wide.";
+  spec.arguments = {count("bodies", 6, 1, 30, "bodies along a side"),
+                    count("cells", 6, 1, 100, "cells of the sheet along a side"),
                     quantity("density", 1000, 10, 10000, "kg/m3", "of the bodies")};
   spec.build = buildDents;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
     probes.push_back(peakProbe(0, {{"below_peak", [](const World& w) { return bodiesBelow(w, 0); }}}));
-    probes.push_back(endProbe(
-        {{"stretch", [](const World& w) { return largestStretch(w, 0); }}, {"sag_m", [](const World& w) { return -lowestVertex(w); }}}));
+    probes.push_back(endProbe({{"stretch", [](const World& w) { return largestStretch(w, 0); }},
+                               {"sag_m", [](const World& w) { return -lowestVertex(w); }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{atMost("below_peak", 0, "no body ever slips through a cell"),
-                              atMost("penetration_max_m", 2e-3, "none sinks in"), atLeast("sag_m", .01, "the sheet carries them"),
-                              atMost("stretch", 1.25, "and stretches little"), atMost("quarantined", 0, "finite throughout")};
+    return std::vector<Claim>{
+        atMost("below_peak", 0, "no body ever slips through a cell"),
+        atMost("penetration_max_m", 2e-3, "none sinks in"), atLeast("sag_m", .01, "the sheet carries them"),
+        atMost("stretch", 1.25, "and stretches little"), atMost("quarantined", 0, "finite throughout")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{1.5, -2.2, 1.5}, {0, 0, -.1}}; };
   spec.steps = 600;

@@ -18,7 +18,8 @@ ParticlesDef sandBlock(const Vec3& corner, int nx, int ny, int nz, double radius
   for (int z = 0; z < nz; ++z)
     for (int y = 0; y < ny; ++y)
       for (int x = 0; x < nx; ++x)
-        sand.vertices.push_back(corner + Vec3{pitch * x + .1 * radius * (z % 3), pitch * y + .1 * radius * (z % 2), pitch * (z + .5)});
+        sand.vertices.push_back(corner + Vec3{pitch * x + .1 * radius * (z % 3),
+                                              pitch * y + .1 * radius * (z % 2), pitch * (z + .5)});
   return sand;
 }
 
@@ -26,7 +27,8 @@ Scene buildColumn(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
   scene.bodies.push_back(ground(kUpZ));
   const int side = whole(arguments, "side");
-  scene.deformables.push_back(sandBlock({}, side, side, whole(arguments, "height"), value(arguments, "radius")));
+  scene.deformables.push_back(
+      sandBlock({}, side, side, whole(arguments, "height"), value(arguments, "radius")));
   return scene;
 }
 
@@ -34,19 +36,22 @@ Spec columnSpec() {
   Spec spec;
   spec.name = "sand-column";
   spec.doc = "A column of grains without walls collapses to a heap.";
-  spec.arguments = {count("side", 8, 1, 200, "grains along an edge"), count("height", 16, 1, 400, "grains one on another"),
+  spec.arguments = {count("side", 8, 1, 200, "grains along an edge"),
+                    count("height", 16, 1, 400, "grains one on another"),
                     quantity("radius", .02, 1e-3, 1, "m", "of a grain")};
   spec.build = buildColumn;
   spec.probes = [](const Arguments& arguments, const Scene&) {
     const double radius = value(arguments, "radius");
     Probes probes;
-    probes.push_back(endProbe({{"lowest_over_radius", [=](const World& w) { return lowestVertex(w) / radius; }},
-                               {"penetration_over_radius", [=](const World& w) { return w.quality().penetration.p99 / radius; }}}));
+    probes.push_back(endProbe(
+        {{"lowest_over_radius", [=](const World& w) { return lowestVertex(w) / radius; }},
+         {"penetration_over_radius", [=](const World& w) { return w.quality().penetration.p99 / radius; }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
     return std::vector<Claim>{atLeast("lowest_over_radius", .9, "no grain sinks into the ground"),
-                              atMost("penetration_over_radius", .1, "grains hardly overlap"), atMost("kinetic_energy_j", .05, "the heap rests")};
+                              atMost("penetration_over_radius", .1, "grains hardly overlap"),
+                              atMost("kinetic_energy_j", .05, "the heap rests")};
   };
   spec.camera = [](const Arguments& arguments, const Scene&) {
     const double size = 4 * value(arguments, "radius") * whole(arguments, "side");
@@ -69,21 +74,25 @@ Scene buildHourglass(const Arguments& arguments) {
   const double radius = value(arguments, "radius"), neckHeight = .5, slab = .4;
   for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}}) {
     // the lower edge of a slab is at the neck, and it leans outwards; its faces look along the local z
-    const Quat turn = fromAxisAngle(Vec3{0, 0, 1}, std::atan2(n.y, n.x)) * fromAxisAngle(Vec3{0, 1, 0}, -kSlabTilt);
+    const Quat turn = fromAxisAngle(Vec3{0, 0, 1}, std::atan2(n.y, n.x)) *
+                      fromAxisAngle(Vec3{0, 1, 0}, -kSlabTilt);
     const double thick = .02;
-    BodyDef wall = block({slab, .8, thick}, n * kNeck + Vec3{0, 0, neckHeight} + rotate(turn, Vec3{slab, 0, -thick}), 1000);
+    BodyDef wall = block({slab, .8, thick},
+                         n * kNeck + Vec3{0, 0, neckHeight} + rotate(turn, Vec3{slab, 0, -thick}), 1000);
     wall.motion = Motion::Static;
     wall.orientation = turn;
     scene.bodies.push_back(wall);
   }
   for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}}) {
-    BodyDef wall = block(std::fabs(n.x) > 0 ? Vec3{.02, .32, .25} : Vec3{.32, .02, .25}, n * .3 + Vec3{0, 0, .25}, 1000);
+    BodyDef wall = block(std::fabs(n.x) > 0 ? Vec3{.02, .32, .25} : Vec3{.32, .02, .25},
+                         n * .3 + Vec3{0, 0, .25}, 1000);
     wall.motion = Motion::Static;
     scene.bodies.push_back(wall);
   }
   const int side = whole(arguments, "side");
   const double half = 1.02 * radius * side;
-  scene.deformables.push_back(sandBlock({-half + radius, -half + radius, neckHeight + .3}, side, side, whole(arguments, "height"), radius));
+  scene.deformables.push_back(sandBlock({-half + radius, -half + radius, neckHeight + .3}, side, side,
+                                        whole(arguments, "height"), radius));
   return scene;
 }
 
@@ -91,7 +100,8 @@ Spec hourglassSpec() {
   Spec spec;
   spec.name = "hourglass";
   spec.doc = "Grains run through the neck of a funnel into a box.";
-  spec.arguments = {count("side", 8, 1, 100, "grains along an edge"), count("height", 10, 1, 200, "layers of grains"),
+  spec.arguments = {count("side", 8, 1, 100, "grains along an edge"),
+                    count("height", 10, 1, 200, "layers of grains"),
                     quantity("radius", .015, 1e-3, .1, "m", "of a grain")};
   spec.build = buildHourglass;
   spec.probes = [](const Arguments&, const Scene&) {
@@ -102,12 +112,17 @@ Spec hourglassSpec() {
     Probes probes;
     probes.push_back(endProbe(
         {{"run_through", [=](const World& w) { return share(w, [](const Vec3& x) { return x.z < .5; }); }},
-         {"spilled", [=](const World& w) { return share(w, [](const Vec3& x) { return x.z < .5 && std::max(std::fabs(x.x), std::fabs(x.y)) > .31; }); }},
+         {"spilled",
+          [=](const World& w) {
+            return share(
+                w, [](const Vec3& x) { return x.z < .5 && std::max(std::fabs(x.x), std::fabs(x.y)) > .31; });
+          }},
          {"lowest_m", lowestVertex}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{atLeast("run_through", .9, "the grains run through the neck"), atMost("spilled", 0, "none leaves through a wall"),
+    return std::vector<Claim>{atLeast("run_through", .9, "the grains run through the neck"),
+                              atMost("spilled", 0, "none leaves through a wall"),
                               atLeast("lowest_m", .01, "none sinks into the ground")};
   };
   // into the funnel, whose slabs hide the grains from the side

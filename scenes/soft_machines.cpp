@@ -1,4 +1,5 @@
-/// Deformable objects in machines and among bodies: a figure that falls, men on a trampoline, a car on soft wheels, a gripper with a soft ball.
+/// Deformable objects in machines and among bodies: a figure that falls, men on a trampoline, a car on soft
+/// wheels, a gripper with a soft ball.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,11 +15,17 @@
 namespace rubble::scenes {
 namespace {
 
-/// The surface where a function is zero, negative inside: each cube of a grid is six tetrahedra about its diagonal, each cut by a plane.
-TriangleMesh surfaceOf(const std::function<double(const Vec3&)>& distance, const Vec3& low, const Vec3& high, double spacing) {
+/// The surface where a function is zero, negative inside: each cube of a grid is six tetrahedra about its
+/// diagonal, each cut by a plane.
+TriangleMesh surfaceOf(const std::function<double(const Vec3&)>& distance, const Vec3& low, const Vec3& high,
+                       double spacing) {
   std::array<int, 3> count;
-  for (int axis = 0; axis < 3; ++axis) count[std::size_t(axis)] = int(std::ceil((high[axis] - low[axis]) / spacing)) + 1;
-  const auto place = [&](int p) { return low + spacing * Vec3{double(p % count[0]), double(p / count[0] % count[1]), double(p / count[0] / count[1])}; };
+  for (int axis = 0; axis < 3; ++axis)
+    count[std::size_t(axis)] = int(std::ceil((high[axis] - low[axis]) / spacing)) + 1;
+  const auto place = [&](int p) {
+    return low + spacing * Vec3{double(p % count[0]), double(p / count[0] % count[1]),
+                                double(p / count[0] / count[1])};
+  };
   std::vector<double> value;
   for (int p = 0; p < count[0] * count[1] * count[2]; ++p) value.push_back(distance(place(p)));
   TriangleMesh mesh;
@@ -48,7 +55,8 @@ TriangleMesh surfaceOf(const std::function<double(const Vec3&)>& distance, const
           for (const int corner : p) (value[std::size_t(corner)] < 0 ? in : out).push_back(corner);
           if (in.empty() || out.empty()) continue;
           if (in.size() == 2) {
-            const int a = cut(in[0], out[0]), b = cut(in[0], out[1]), c = cut(in[1], out[1]), d = cut(in[1], out[0]);
+            const int a = cut(in[0], out[0]), b = cut(in[0], out[1]), c = cut(in[1], out[1]),
+                      d = cut(in[1], out[0]);
             emit(a, b, c, place(in[0])), emit(a, c, d, place(in[0]));
           } else {
             const bool one = in.size() == 1;
@@ -60,7 +68,8 @@ TriangleMesh surfaceOf(const std::function<double(const Vec3&)>& distance, const
 }
 
 /// Tetrahedra inside of that surface.
-SoftDef softFromFunction(const std::function<double(const Vec3&)>& distance, const Vec3& low, const Vec3& high, double cell) {
+SoftDef softFromFunction(const std::function<double(const Vec3&)>& distance, const Vec3& low,
+                         const Vec3& high, double cell) {
   return softFromSurface(surfaceOf(distance, low, high, cell / 2), cell);
 }
 
@@ -85,7 +94,9 @@ double blend(double a, double b, double rounding) {
 }
 double figure(const Vec3& p) {
   double d = limb(p, {0, 0, .42}, {0, 0, .72}, .17, .14);
-  const auto add = [&](const Vec3& a, const Vec3& b, double ra, double rb) { d = blend(d, limb(p, a, b, ra, rb), .06); };
+  const auto add = [&](const Vec3& a, const Vec3& b, double ra, double rb) {
+    d = blend(d, limb(p, a, b, ra, rb), .06);
+  };
   add({.02, 0, .95}, {.1, 0, .93}, .12, .07);
   add({-.1, 0, .34}, {-.38, 0, .16}, .08, .035);
   for (const double s : {-1., 1.}) {
@@ -126,12 +137,14 @@ Spec figureSpec() {
   spec.build = buildFigure;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
-    probes.push_back(endProbe({{"crushed_cells", crushedInAll}, {"lowest_m", lowestVertex}, {"motion_j", motion}}));
+    probes.push_back(
+        endProbe({{"crushed_cells", crushedInAll}, {"lowest_m", lowestVertex}, {"motion_j", motion}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
     return std::vector<Claim>{atMost("crushed_cells", 0, "no cell is crushed"),
-                              atLeast("lowest_m", -.005, "it lies on the ground, not in it"), atMost("motion_j", .5, "it comes to rest"),
+                              atLeast("lowest_m", -.005, "it lies on the ground, not in it"),
+                              atMost("motion_j", .5, "it comes to rest"),
                               atMost("quarantined", 0, "finite throughout")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{2, -2.6, 1.5}, {.1, 0, .35}}; };
@@ -154,7 +167,8 @@ Scene buildJumpers(const Arguments& arguments) {
   const int men = whole(arguments, "men");
   for (int i = 0; i < men; ++i) {
     const double angle = 2 * std::numbers::pi * i / men, far = men > 1 ? .9 : 0;
-    addRagdoll(scene, {far * std::cos(angle), far * std::sin(angle), kBedHeight + .5 + .3 * i}, 1.3 * i, "man" + std::to_string(i));
+    addRagdoll(scene, {far * std::cos(angle), far * std::sin(angle), kBedHeight + .5 + .3 * i}, 1.3 * i,
+               "man" + std::to_string(i));
   }
   const int cells = whole(arguments, "cells");
   ClothDef bed = heldSheet(kBed, kBedHeight, cells);
@@ -169,20 +183,23 @@ Spec jumpersSpec() {
   Spec spec;
   spec.name = "trampoline-men";
   spec.doc = "Ragdolls of 70 kg fall on a trampoline of 4 m.";
-  spec.arguments = {count("men", 3, 1, 6, "men"), count("cells", 24, 8, 200, "cells along an edge of the bed")};
+  spec.arguments = {count("men", 3, 1, 6, "men"),
+                    count("cells", 24, 8, 200, "cells along an edge of the bed")};
   spec.build = buildJumpers;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
-    probes.push_back(peakProbe(0, {{"below_peak", [](const World& w) { return bodiesBelow(w, 0); }},
-                                   {"sag_peak_m", [](const World& w) { return kBedHeight - lowestVertex(w); }}}));
+    probes.push_back(
+        peakProbe(0, {{"below_peak", [](const World& w) { return bodiesBelow(w, 0); }},
+                      {"sag_peak_m", [](const World& w) { return kBedHeight - lowestVertex(w); }}}));
     probes.push_back(endProbe({{"stretch", [](const World& w) { return largestStretch(w, 0); }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{
-        atMost("below_peak", 0, "no limb ever goes through the bed"), within("sag_peak_m", .2, 1.4, "it gives way, and holds"),
-        atMost("stretch", 1.3, "and stretches little at rest"), atMost("joint_gap_max_m", .01, "joints are closed at the end"),
-        atMost("quarantined", 0, "finite throughout")};
+    return std::vector<Claim>{atMost("below_peak", 0, "no limb ever goes through the bed"),
+                              within("sag_peak_m", .2, 1.4, "it gives way, and holds"),
+                              atMost("stretch", 1.3, "and stretches little at rest"),
+                              atMost("joint_gap_max_m", .01, "joints are closed at the end"),
+                              atMost("quarantined", 0, "finite throughout")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{3.6, -4.8, 4}, {0, 0, 1.3}}; };
   spec.travels = true;
@@ -208,7 +225,8 @@ Scene buildCar(const Arguments& arguments) {
   scene.bodies.push_back(chassis);
   const auto ring = [](const Vec3& x) { return std::hypot(std::hypot(x.x, x.z) - kTyre, x.y) - kTube; };
   const double far = kTyre + kTube + .05;
-  const SoftDef tyre = softFromFunction(ring, {-far, -kTube - .05, -far}, {far, kTube + .05, far}, value(arguments, "cell"));
+  const SoftDef tyre = softFromFunction(ring, {-far, -kTube - .05, -far}, {far, kTube + .05, far},
+                                        value(arguments, "cell"));
   int number = 0;
   for (const double x : {-.5, .5})
     for (const double y : {-.4, .4}) {
@@ -269,18 +287,23 @@ Spec carSpec() {
   spec.probes = [](const Arguments&, const Scene&) {
     const auto chassis = [](const World& w) { return w.state(w.find("chassis")); };
     Probes probes;
-    probes.push_back(endProbe({{"travel_m", [=](const World& w) { return chassis(w).position.x; }},
-                               {"side_m", [=](const World& w) { return std::fabs(chassis(w).position.y); }},
-                               {"speed_ratio", [=](const World& w) { return chassis(w).velocity.x / (kAxleSpeed * (kTyre + kTube)); }},
-                               {"crushed_cells", crushedInAll}}));
-    probes.push_back(peakProbe(.5, {{"sag_peak_m", [=](const World& w) { return kTyre + kTube + .06 - chassis(w).position.z; }}}));
+    probes.push_back(
+        endProbe({{"travel_m", [=](const World& w) { return chassis(w).position.x; }},
+                  {"side_m", [=](const World& w) { return std::fabs(chassis(w).position.y); }},
+                  {"speed_ratio",
+                   [=](const World& w) { return chassis(w).velocity.x / (kAxleSpeed * (kTyre + kTube)); }},
+                  {"crushed_cells", crushedInAll}}));
+    probes.push_back(peakProbe(
+        .5, {{"sag_peak_m", [=](const World& w) { return kTyre + kTube + .06 - chassis(w).position.z; }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{
-        atLeast("travel_m", 5, "it drives over the sleepers"),  atMost("side_m", 1.2, "nearly straight on"),
-        within("speed_ratio", .8, 1.05, "its tyres roll"),     within("sag_peak_m", .002, .12, "they give way, and carry it"),
-        atMost("joint_gap_max_m", .01, "axles and tyres hold"), atMost("quarantined", 0, "finite throughout")};
+    return std::vector<Claim>{atLeast("travel_m", 5, "it drives over the sleepers"),
+                              atMost("side_m", 1.2, "nearly straight on"),
+                              within("speed_ratio", .8, 1.05, "its tyres roll"),
+                              within("sag_peak_m", .002, .12, "they give way, and carry it"),
+                              atMost("joint_gap_max_m", .01, "axles and tyres hold"),
+                              atMost("quarantined", 0, "finite throughout")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{3.5, -8.5, 4.2}, {3.5, 0, 0}}; };
   spec.travels = true;
@@ -353,7 +376,8 @@ Spec gripperSpec() {
   Spec spec;
   spec.name = "soft-gripper";
   spec.doc = "Two fingers close on a soft ball and lift it by friction.";
-  spec.arguments = {count("cells", 6, 2, 40, "cells through the ball"), quantity("force", 40, 1, 1000, "N", "of each finger"),
+  spec.arguments = {count("cells", 6, 2, 40, "cells through the ball"),
+                    quantity("force", 40, 1, 1000, "N", "of each finger"),
                     quantity("friction", .8, 0, 2, "1", "of fingers and ball")};
   spec.build = buildGripper;
   spec.probes = [](const Arguments&, const Scene&) {
@@ -368,9 +392,10 @@ Spec gripperSpec() {
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{within("lifted_m", .9 * kLift, 1.05 * kLift, "the ball goes up with the gripper"),
-                              atMost("slip_m", .015, "and does not slip"), atMost("crushed_cells", 0, "no cell is crushed"),
-                              atMost("kinetic_energy_j", .05, "it hangs still")};
+    return std::vector<Claim>{
+        within("lifted_m", .9 * kLift, 1.05 * kLift, "the ball goes up with the gripper"),
+        atMost("slip_m", .015, "and does not slip"), atMost("crushed_cells", 0, "no cell is crushed"),
+        atMost("kinetic_energy_j", .05, "it hangs still")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{1.3, -1.9, 1}, {0, 0, .5}}; };
   spec.travels = true;

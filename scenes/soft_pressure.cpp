@@ -18,9 +18,12 @@ ClothDef sphereSheet(const Vec3& centre, double radius, int times) {
   const double g = std::numbers::phi;
   for (const double a : {-1., 1.})
     for (const double b : {-g, g})
-      sheet.vertices.push_back({0, a, b}), sheet.vertices.push_back({a, b, 0}), sheet.vertices.push_back({b, 0, a});
+      sheet.vertices.push_back({0, a, b}), sheet.vertices.push_back({a, b, 0}),
+          sheet.vertices.push_back({b, 0, a});
   // faces of the icosahedron: three corners whose distances are all 2
-  const auto near = [&](std::size_t i, std::size_t j) { return std::fabs(length(sheet.vertices[i] - sheet.vertices[j]) - 2) < 1e-9; };
+  const auto near = [&](std::size_t i, std::size_t j) {
+    return std::fabs(length(sheet.vertices[i] - sheet.vertices[j]) - 2) < 1e-9;
+  };
   for (std::size_t i = 0; i < 12; ++i)
     for (std::size_t j = i + 1; j < 12; ++j)
       for (std::size_t k = j + 1; k < 12; ++k) {
@@ -35,13 +38,15 @@ ClothDef sphereSheet(const Vec3& centre, double radius, int times) {
     std::map<std::pair<int, int>, int> middles;
     const auto middle = [&](int a, int b) {
       const auto [entry, isNew] = middles.emplace(std::minmax(a, b), int(sheet.vertices.size()));
-      if (isNew) sheet.vertices.push_back((sheet.vertices[std::size_t(a)] + sheet.vertices[std::size_t(b)]) / 2);
+      if (isNew)
+        sheet.vertices.push_back((sheet.vertices[std::size_t(a)] + sheet.vertices[std::size_t(b)]) / 2);
       return entry->second;
     };
     std::vector<std::array<int, 3>> finer;
     for (const auto& t : sheet.triangles) {
       const int ab = middle(t[0], t[1]), bc = middle(t[1], t[2]), ca = middle(t[2], t[0]);
-      finer.push_back({t[0], ab, ca}), finer.push_back({ab, t[1], bc}), finer.push_back({ca, bc, t[2]}), finer.push_back({ab, bc, ca});
+      finer.push_back({t[0], ab, ca}), finer.push_back({ab, t[1], bc}), finer.push_back({ca, bc, t[2]}),
+          finer.push_back({ab, bc, ca});
     }
     sheet.triangles = std::move(finer);
     for (Vec3& x : sheet.vertices) x = normalize(x);
@@ -54,8 +59,9 @@ ClothDef sphereSheet(const Vec3& centre, double radius, int times) {
   return sheet;
 }
 
-/// Ratio of the radii of a thin sphere with and without pressure. Of a sheet of St. Venant-Kirchhoff material stretched by L both ways the
-/// tension is T = E h / (1 - nu) (L^2 - 1) / 2, and p = 2 T / (L r): for small strains the stress is p r / (2 h).
+/// Ratio of the radii of a thin sphere with and without pressure. Of a sheet of St. Venant-Kirchhoff material
+/// stretched by L both ways the tension is T = E h / (1 - nu) (L^2 - 1) / 2, and p = 2 T / (L r): for small
+/// strains the stress is p r / (2 h).
 double inflatedRatio(double pressure) {
   // L^2 - 1 = 2 b L
   const double b = pressure * kRadius * (1 - kPoisson) / (2 * kYoung * kThickness);
@@ -82,9 +88,10 @@ Spec balloonSpec() {
     const double wanted = inflatedRatio(value(arguments, "pressure"));
     const double before = volumeInside(World(scene), 0);
     Probes probes;
-    probes.push_back(
-        endProbe({{"strain_ratio", [=](const World& w) { return (std::cbrt(volumeInside(w, 0) / before) - 1) / (wanted - 1); }},
-                  {"motion_j", motion}}));
+    probes.push_back(endProbe(
+        {{"strain_ratio",
+          [=](const World& w) { return (std::cbrt(volumeInside(w, 0) / before) - 1) / (wanted - 1); }},
+         {"motion_j", motion}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
@@ -105,7 +112,8 @@ Scene buildCushion(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
   scene.bodies.push_back(ground(kUpZ));
   for (int i = 0; i < 4; ++i) {
-    ClothDef ball = sphereSheet({.5 * (i % 2) - .25, .5 * (i / 2) - .25, 1.02 * kRadius}, kRadius, whole(arguments, "fineness"));
+    ClothDef ball = sphereSheet({.5 * (i % 2) - .25, .5 * (i / 2) - .25, 1.02 * kRadius}, kRadius,
+                                whole(arguments, "fineness"));
     ball.pressure = value(arguments, "pressure");
     ball.viscosity = 2000;
     scene.deformables.push_back(ball);
@@ -130,14 +138,16 @@ Spec cushionSpec() {
   spec.build = buildCushion;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
-    probes.push_back(endProbe({{"plate_height_m", [](const World& w) { return w.state(w.find("plate")).position.z - .02; }},
-                               {"motion_j", motion}}));
+    probes.push_back(endProbe(
+        {{"plate_height_m", [](const World& w) { return w.state(w.find("plate")).position.z - .02; }},
+         {"motion_j", motion}}));
     return probes;
   };
   spec.claims = [](const Arguments& arguments) {
     const double height = 2 * kRadius * inflatedRatio(value(arguments, "pressure"));
-    return std::vector<Claim>{within("plate_height_m", .78 * height, .97 * height, "the balloons are pressed flat, and carry it"),
-                              atMost("motion_j", .02, "it rests")};
+    return std::vector<Claim>{
+        within("plate_height_m", .78 * height, .97 * height, "the balloons are pressed flat, and carry it"),
+        atMost("motion_j", .02, "it rests")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{1.3, -1.7, .8}, {0, 0, .2}}; };
   spec.steps = 360;

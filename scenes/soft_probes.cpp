@@ -29,13 +29,16 @@ class RunningProbe : public Probe {
     ++count_;
     for (std::size_t i = 0; i < measures_.size(); ++i) {
       const double value = measures_[i].of(world);
-      if (!peak_) values_[i] += value;
-      else if (count_ == 1 || !(value <= values_[i])) values_[i] = value;
+      if (!peak_)
+        values_[i] += value;
+      else if (count_ == 1 || !(value <= values_[i]))
+        values_[i] = value;
     }
   }
   void finish(const World&, Metrics& metrics) override {
     if (count_ == 0) return;
-    for (std::size_t i = 0; i < measures_.size(); ++i) metrics[measures_[i].name] = peak_ ? values_[i] : values_[i] / count_;
+    for (std::size_t i = 0; i < measures_.size(); ++i)
+      metrics[measures_[i].name] = peak_ ? values_[i] : values_[i] / count_;
   }
 
  private:
@@ -50,7 +53,9 @@ Vec3 upIn(const World& world) { return normalize(-world.gravity(), Vec3{0, 0, 1}
 
 }  // namespace
 
-std::unique_ptr<Probe> endProbe(std::vector<Measure> measures) { return std::make_unique<EndProbe>(std::move(measures)); }
+std::unique_ptr<Probe> endProbe(std::vector<Measure> measures) {
+  return std::make_unique<EndProbe>(std::move(measures));
+}
 std::unique_ptr<Probe> peakProbe(double from, std::vector<Measure> measures) {
   return std::make_unique<RunningProbe>(from, true, std::move(measures));
 }
@@ -87,8 +92,9 @@ double cellsBelow(const World& world, int object, double share) {
     const Vec3& a = x[std::size_t(t[0])];
     return dot(x[std::size_t(t[1])] - a, cross(x[std::size_t(t[2])] - a, x[std::size_t(t[3])] - a));
   };
-  return double(std::count_if(def.tetrahedra.begin(), def.tetrahedra.end(),
-                              [&](const auto& t) { return !(volume(now, t) > share * volume(def.vertices, t)); }));
+  return double(std::count_if(def.tetrahedra.begin(), def.tetrahedra.end(), [&](const auto& t) {
+    return !(volume(now, t) > share * volume(def.vertices, t));
+  }));
 }
 double volumeInside(const World& world, int object) {
   const World::Surface s = world.surface(world.deformableAt(object));
@@ -123,11 +129,15 @@ namespace {
 /// Height of the sheet under (or over) a point; a number below all others beside the sheet.
 double heightOfSheet(const World::Surface& sheet, double x, double y) {
   for (const auto& t : sheet.triangles) {
-    const Vec3 &a = sheet.vertices[static_cast<std::size_t>(t[0])], &b = sheet.vertices[static_cast<std::size_t>(t[1])],
+    const Vec3 &a = sheet.vertices[static_cast<std::size_t>(t[0])],
+               &b = sheet.vertices[static_cast<std::size_t>(t[1])],
                &c = sheet.vertices[static_cast<std::size_t>(t[2])];
-    const auto side = [&](const Vec3& p, const Vec3& q) { return (q.x - p.x) * (y - p.y) - (q.y - p.y) * (x - p.x); };
+    const auto side = [&](const Vec3& p, const Vec3& q) {
+      return (q.x - p.x) * (y - p.y) - (q.y - p.y) * (x - p.x);
+    };
     const double wa = side(b, c), wb = side(c, a), wc = side(a, b), sum = wa + wb + wc;
-    if (sum != 0 && wa / sum >= 0 && wb / sum >= 0 && wc / sum >= 0) return (wa * a.z + wb * b.z + wc * c.z) / sum;
+    if (sum != 0 && wa / sum >= 0 && wb / sum >= 0 && wc / sum >= 0)
+      return (wa * a.z + wb * b.z + wc * c.z) / sum;
   }
   return -std::numeric_limits<double>::infinity();
 }
@@ -152,7 +162,8 @@ ClothDef heldSheet(double side, double height, int cells) {
   sheet.thickness = 4e-3;
   sheet.youngsModulus = 2e6;
   sheet.density = 400;
-  sheet.fixed = verticesWhere(sheet, [=](const Vec3& x) { return std::max(std::fabs(x.x), std::fabs(x.y)) > .4995 * side; });
+  sheet.fixed = verticesWhere(
+      sheet, [=](const Vec3& x) { return std::max(std::fabs(x.x), std::fabs(x.y)) > .4995 * side; });
   return sheet;
 }
 

@@ -1,5 +1,6 @@
-/// Cloth, ropes and nets: cloth over a sphere, a trampoline, a flag on a jointed pole, springs of very different stiffness, a capstan.
-/// Springs and flag: figures 4 and 5 of Giles et al. 2025, with our own numbers where the paper gives none.
+/// Cloth, ropes and nets: cloth over a sphere, a trampoline, a flag on a jointed pole, springs of very
+/// different stiffness, a capstan. Springs and flag: figures 4 and 5 of Giles et al. 2025, with our own
+/// numbers where the paper gives none.
 #include <cmath>
 #include <numbers>
 
@@ -35,12 +36,15 @@ Spec drapeSpec() {
   spec.build = buildDrape;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
-    probes.push_back(endProbe({{"lowest_m", lowestVertex}, {"stretch", [](const World& w) { return largestStretch(w, 0); }}}));
+    probes.push_back(endProbe(
+        {{"lowest_m", lowestVertex}, {"stretch", [](const World& w) { return largestStretch(w, 0); }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{within("lowest_m", -.4, -.1, "it hangs down around the sphere"), atMost("stretch", 1.1, "cloth hardly stretches"),
-                              atMost("penetration_max_m", 2e-3, "on the sphere, not in it"), atMost("kinetic_energy_j", .02, "it comes to rest")};
+    return std::vector<Claim>{within("lowest_m", -.4, -.1, "it hangs down around the sphere"),
+                              atMost("stretch", 1.1, "cloth hardly stretches"),
+                              atMost("penetration_max_m", 2e-3, "on the sphere, not in it"),
+                              atMost("kinetic_energy_j", .02, "it comes to rest")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{1.1, -1.5, .9}, {0, 0, 0}}; };
   spec.travels = true;
@@ -68,7 +72,9 @@ Scene buildTrampoline(const Arguments& arguments) {
 Spec trampolineSpec() {
   Spec spec;
   spec.name = "trampoline";
-  spec.doc = "Boxes of 10 kg fall on a sheet of 2 m that is held at its edges; each box weighs as much as the whole sheet and more.";
+  spec.doc =
+      "Boxes of 10 kg fall on a sheet of 2 m that is held at its edges; each box weighs as much as the whole "
+      "sheet and more.";
   spec.arguments = {count("cells", 20, 8, 200, "cells along an edge"), count("boxes", 3, 1, 3, "boxes")};
   spec.build = buildTrampoline;
   spec.probes = [](const Arguments&, const Scene&) {
@@ -76,14 +82,17 @@ Spec trampolineSpec() {
     probes.push_back(endProbe({{"sag_m", [](const World& w) { return -lowestVertex(w); }}}));
     probes.push_back(meanProbe(6, {{"lift_over_weight", [](const World& w) {
                                       double weight = 0;
-                                      for (const BodyId id : w.bodies()) weight += w.massOf(id).mass * length(w.gravity());
+                                      for (const BodyId id : w.bodies())
+                                        weight += w.massOf(id).mass * length(w.gravity());
                                       return liftOfVertices(w) / weight;
                                     }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{within("lift_over_weight", .99, 1.01, "the sheet carries the boxes"), within("sag_m", .1, .5, "it gives way, and holds"),
-                              atMost("penetration_max_m", 2e-3, "boxes lie on the sheet"), atMost("kinetic_energy_j", .1, "all come to rest")};
+    return std::vector<Claim>{within("lift_over_weight", .99, 1.01, "the sheet carries the boxes"),
+                              within("sag_m", .1, .5, "it gives way, and holds"),
+                              atMost("penetration_max_m", 2e-3, "boxes lie on the sheet"),
+                              atMost("kinetic_energy_j", .1, "all come to rest")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{2.2, -3, 1.6}, {0, 0, 0}}; };
   spec.steps = 480;
@@ -102,7 +111,8 @@ NetDef springChain(int masses, double ratio, bool held) {
   net.collide = false;
   net.masses = {1};
   for (int i = 0; i < masses; ++i) net.vertices.push_back({double(i), 0, 0});
-  for (int i = 0; i + 1 < masses; ++i) net.edges.push_back({i, i + 1, i % 2 ? kSoftSpring : kSoftSpring * ratio});
+  for (int i = 0; i + 1 < masses; ++i)
+    net.edges.push_back({i, i + 1, i % 2 ? kSoftSpring : kSoftSpring * ratio});
   net.fixed = {0};
   if (held) net.fixed.push_back(masses - 1);
   return net;
@@ -119,15 +129,19 @@ Scene buildSprings(const Arguments& arguments) {
 double stiffStretch(const World& w) {
   const std::vector<Vec3> x = w.positions(w.deformableAt(0));
   double worst = 0;
-  for (std::size_t i = 0; i + 1 < x.size(); i += 2) worst = std::max(worst, std::fabs(length(x[i] - x[i + 1]) - 1));
+  for (std::size_t i = 0; i + 1 < x.size(); i += 2)
+    worst = std::max(worst, std::fabs(length(x[i] - x[i + 1]) - 1));
   return worst;
 }
 
 Spec springsSpec() {
   Spec spec;
   spec.name = "net-ratio";
-  spec.doc = "Ten masses between two walls, joined by springs of 1e6 and 100 N/m in turn (figure 4 of the paper).";
-  spec.arguments = {count("masses", 10, 2, 200, "masses"), quantity("ratio", 1e4, 1, 1e6, "1", "stiffness of every second spring over that of the others")};
+  spec.doc =
+      "Ten masses between two walls, joined by springs of 1e6 and 100 N/m in turn (figure 4 of the paper).";
+  spec.arguments = {
+      count("masses", 10, 2, 200, "masses"),
+      quantity("ratio", 1e4, 1, 1e6, "1", "stiffness of every second spring over that of the others")};
   spec.build = buildSprings;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
@@ -135,7 +149,8 @@ Spec springsSpec() {
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{atMost("stiff_stretch_peak", .02, "stiff springs keep their length beside soft ones")};
+    return std::vector<Claim>{
+        atMost("stiff_stretch_peak", .02, "stiff springs keep their length beside soft ones")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{5.5, -16, 0}, {5.5, 0, -3}}; };
   spec.travels = true;
@@ -158,14 +173,17 @@ Spec springSwingSpec() {
   Spec spec;
   spec.name = "spring-swing";
   spec.doc = "Two masses swing on springs of 1e6 and 100 N/m (figure 2 of the paper).";
-  spec.arguments = {quantity("ratio", 1e4, 1, 1e6, "1", "stiffness of the upper spring over that of the lower")};
+  spec.arguments = {
+      quantity("ratio", 1e4, 1, 1e6, "1", "stiffness of the upper spring over that of the lower")};
   spec.build = buildSwing;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
     probes.push_back(peakProbe(0, {{"stiff_stretch_peak", stiffStretch}}));
     return probes;
   };
-  spec.claims = [](const Arguments&) { return std::vector<Claim>{atMost("stiff_stretch_peak", .02, "the stiff spring keeps its length")}; };
+  spec.claims = [](const Arguments&) {
+    return std::vector<Claim>{atMost("stiff_stretch_peak", .02, "the stiff spring keeps its length")};
+  };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{0, -6, -.5}, {0, 0, -.8}}; };
   spec.travels = true;
   spec.steps = 600;
@@ -201,7 +219,8 @@ Scene buildFlag(const Arguments& arguments) {
   const double width = 1.2, height = .8, top = kPoleSegments * kSegment - kSegment / 2;
   const auto at = [&](int i, int j) { return i + j * columns; };
   for (int j = 0; j < rows; ++j)
-    for (int i = 0; i < columns; ++i) flag.vertices.push_back({.02 + width * i / (columns - 1), 0, top - height * j / (rows - 1)});
+    for (int i = 0; i < columns; ++i)
+      flag.vertices.push_back({.02 + width * i / (columns - 1), 0, top - height * j / (rows - 1)});
   const double k = value(arguments, "stiffness");
   const auto spring = [&](int a, int b, double factor) { flag.edges.push_back({a, b, k * factor}); };
   for (int j = 0; j < rows; ++j)
@@ -229,20 +248,25 @@ Scene buildFlag(const Arguments& arguments) {
 Spec flagSpec() {
   Spec spec;
   spec.name = "flag";
-  spec.doc = "A flag of springs, hooked at two corners to a pole of 20 segments on hard joints (figure 5 of the paper has angular springs).";
-  spec.arguments = {count("columns", 50, 4, 400, "vertices along the flag"), count("rows", 30, 4, 400, "vertices across it"),
-                    quantity("stiffness", 2e3, 1, 1e6, "N/m", "of a spring"), quantity("mass", .1, 1e-3, 100, "kg", "of the flag")};
+  spec.doc =
+      "A flag of springs, hooked at two corners to a pole of 20 segments on hard joints (figure 5 of the "
+      "paper has angular springs).";
+  spec.arguments = {count("columns", 50, 4, 400, "vertices along the flag"),
+                    count("rows", 30, 4, 400, "vertices across it"),
+                    quantity("stiffness", 2e3, 1, 1e6, "N/m", "of a spring"),
+                    quantity("mass", .1, 1e-3, 100, "kg", "of the flag")};
   spec.build = buildFlag;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
-    probes.push_back(endProbe({{"hook_gap_m",
-                                [](const World& w) {
-                                  double gap = 0;
-                                  for (const AttachmentId id : w.attachments()) gap = std::max(gap, w.state(id).gap);
-                                  return gap;
-                                }},
-                               {"stretch", [](const World& w) { return largestStretch(w, 0); }},
-                               {"pole_tip_m", [](const World& w) { return w.state(w.find("pole19")).position.z; }}}));
+    probes.push_back(
+        endProbe({{"hook_gap_m",
+                   [](const World& w) {
+                     double gap = 0;
+                     for (const AttachmentId id : w.attachments()) gap = std::max(gap, w.state(id).gap);
+                     return gap;
+                   }},
+                  {"stretch", [](const World& w) { return largestStretch(w, 0); }},
+                  {"pole_tip_m", [](const World& w) { return w.state(w.find("pole19")).position.z; }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
@@ -304,19 +328,26 @@ Scene buildCapstan(const Arguments& arguments) {
 Spec capstanSpec() {
   Spec spec;
   spec.name = "capstan";
-  spec.doc = "Two loads hang on a rope over a bar, half a turn: it holds up to a ratio of exp(pi mu) of the loads, here 4 % below, and slips above.";
-  spec.arguments = {count("segments", 20, 5, 400, "segments of each free end"), quantity("friction", .3, 0, 2, "1", "of rope on bar"),
+  spec.doc =
+      "Two loads hang on a rope over a bar, half a turn: it holds up to a ratio of exp(pi mu) of the loads, "
+      "here 4 % below, and slips above.";
+  spec.arguments = {count("segments", 20, 5, 400, "segments of each free end"),
+                    quantity("friction", .3, 0, 2, "1", "of rope on bar"),
                     quantity("load_ratio", 2.46, .1, 100, "1", "heavy over light load")};
   spec.build = buildCapstan;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
-    probes.push_back(endProbe({{"heavy_drop_m", [](const World& w) { return -(kFree + .05) - w.state(w.find("heavy")).position.z; }}}));
+    probes.push_back(endProbe({{"heavy_drop_m", [](const World& w) {
+                                  return -(kFree + .05) - w.state(w.find("heavy")).position.z;
+                                }}}));
     return probes;
   };
   spec.claims = [](const Arguments& arguments) {
-    const bool holds = value(arguments, "load_ratio") < std::exp(std::numbers::pi * value(arguments, "friction"));
-    return std::vector<Claim>{holds ? within("heavy_drop_m", -.02, .1, "friction holds the heavy load")
-                                    : atLeast("heavy_drop_m", .4, "the heavy load pulls the light one up to the bar")};
+    const bool holds = value(arguments, "load_ratio") <
+                       std::exp(std::numbers::pi * value(arguments, "friction"));
+    return std::vector<Claim>{
+        holds ? within("heavy_drop_m", -.02, .1, "friction holds the heavy load")
+              : atLeast("heavy_drop_m", .4, "the heavy load pulls the light one up to the bar")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{0, -2.4, .1}, {0, 0, -.25}}; };
   spec.travels = true;
@@ -330,8 +361,15 @@ Spec capstanSpec() {
 
 std::vector<Spec> softSheetSpecs() {
   const Spec capstan = capstanSpec();
-  return {drapeSpec(),  trampolineSpec(), springsSpec(), springSwingSpec(), flagSpec(), capstan,
-          variant(capstan, "capstan-slips", "The capstan with loads whose ratio is 5 % above the threshold: it slips.", {{"load_ratio", 2.7}})};
+  return {drapeSpec(),
+          trampolineSpec(),
+          springsSpec(),
+          springSwingSpec(),
+          flagSpec(),
+          capstan,
+          variant(capstan, "capstan-slips",
+                  "The capstan with loads whose ratio is 5 % above the threshold: it slips.",
+                  {{"load_ratio", 2.7}})};
 }
 
 }  // namespace rubble::scenes

@@ -16,8 +16,9 @@ constexpr double kBeamSide = .1;
 Scene buildBeam(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
   scene.bodies.push_back(ground(kUpZ, -1));
-  SoftDef beam = softBox({0, -kBeamSide / 2, -kBeamSide / 2}, {1, kBeamSide, kBeamSide},
-                         {whole(arguments, "cells_along"), whole(arguments, "cells_wide"), whole(arguments, "cells_high")});
+  SoftDef beam = softBox(
+      {0, -kBeamSide / 2, -kBeamSide / 2}, {1, kBeamSide, kBeamSide},
+      {whole(arguments, "cells_along"), whole(arguments, "cells_wide"), whole(arguments, "cells_high")});
   beam.name = "beam";
   beam.youngsModulus = value(arguments, "youngs_modulus");
   beam.poissonRatio = 0;
@@ -30,23 +31,27 @@ Spec beamSpec() {
   Spec spec;
   spec.name = "soft-beam";
   spec.doc = "A clamped beam of tetrahedra bends under its own weight: against Euler and Bernoulli.";
-  spec.arguments = {count("cells_along", 50, 2, 400, "cells along the beam"), count("cells_wide", 1, 1, 40, "cells across it, level"),
+  spec.arguments = {count("cells_along", 50, 2, 400, "cells along the beam"),
+                    count("cells_wide", 1, 1, 40, "cells across it, level"),
                     count("cells_high", 8, 1, 40, "cells across it, upright: the way it bends"),
                     quantity("youngs_modulus", 2e7, 1e4, 1e10, "Pa", "Young's modulus")};
   spec.build = buildBeam;
   spec.probes = [](const Arguments& arguments, const Scene& scene) {
     const double inertia = std::pow(kBeamSide, 4) / 12, load = 1000 * 10 * kBeamSide * kBeamSide;
     const double exact = load / (8 * value(arguments, "youngs_modulus") * inertia);
-    const std::vector<int> tip = verticesWhere(common(scene.deformables[0]), [](const Vec3& x) { return x.x > .999; });
+    const std::vector<int> tip = verticesWhere(common(scene.deformables[0]),
+                                               [](const Vec3& x) { return x.x > .999; });
     Probes probes;
-    probes.push_back(meanProbe(2, {{"tip_over_beam_theory", [=](const World& w) { return -meanOf(w, 0, tip).z / exact; }}}));
+    probes.push_back(meanProbe(
+        2, {{"tip_over_beam_theory", [=](const World& w) { return -meanOf(w, 0, tip).z / exact; }}}));
     probes.push_back(endProbe({{"crushed_cells", [](const World& w) { return crushedCells(w, 0); }}}));
     return probes;
   };
   spec.claims = [](const Arguments& arguments) {
     // what linear tetrahedra lock by goes with 1 / cells (docs/soft.md, section 7)
     const double cell = 1 / value(arguments, "cells_high");
-    return std::vector<Claim>{within("tip_over_beam_theory", 1 - .8 * cell, 1.02 - .3 * cell, "the sag of beam theory, but for the stiffness of linear tetrahedra"),
+    return std::vector<Claim>{within("tip_over_beam_theory", 1 - .8 * cell, 1.02 - .3 * cell,
+                                     "the sag of beam theory, but for the stiffness of linear tetrahedra"),
                               atMost("crushed_cells", 0, "no cell has lost half its volume")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{.5, -2.2, .5}, {.5, 0, -.1}}; };
@@ -79,22 +84,26 @@ Spec twistSpec() {
   Spec spec;
   spec.name = "soft-twist";
   spec.doc = "A bar of tetrahedra, clamped at one end and twisted, is let go: it comes back to its shape.";
-  spec.arguments = {count("cells_along", 15, 2, 200, "cells along the bar"), quantity("turns", .5, 0, 4, "1", "turns of the free end")};
+  spec.arguments = {count("cells_along", 15, 2, 200, "cells along the bar"),
+                    quantity("turns", .5, 0, 4, "1", "turns of the free end")};
   spec.build = buildTwist;
   spec.probes = [](const Arguments&, const Scene& scene) {
     const std::vector<Vec3> rest = common(scene.deformables[0]).vertices;
     Probes probes;
-    probes.push_back(endProbe({{"shape_error_m", [rest](const World& w) {
+    probes.push_back(endProbe({{"shape_error_m",
+                                [rest](const World& w) {
                                   double worst = 0;
                                   const std::vector<Vec3> x = w.positions(w.deformableAt(0));
-                                  for (std::size_t i = 0; i < x.size(); ++i) worst = std::max(worst, length(x[i] - rest[i]));
+                                  for (std::size_t i = 0; i < x.size(); ++i)
+                                    worst = std::max(worst, length(x[i] - rest[i]));
                                   return worst;
                                 }},
                                {"crushed_cells", [](const World& w) { return crushedCells(w, 0); }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{atMost("shape_error_m", .01, "back to its shape at rest"), atMost("crushed_cells", 0, "no cell has lost half its volume"),
+    return std::vector<Claim>{atMost("shape_error_m", .01, "back to its shape at rest"),
+                              atMost("crushed_cells", 0, "no cell has lost half its volume"),
                               atMost("quarantined", 0, "finite throughout")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{.5, -2, .8}, {.5, 0, 0}}; };
@@ -120,8 +129,9 @@ Scene buildBalls(const Arguments& arguments) {
   for (int z = 0; z < layers; ++z)
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x) {
-        SoftDef ball = softBall({pitch * (x - .5 * (side - 1)) + .02 * (z % 2), pitch * (y - .5 * (side - 1)), .35 + 1.1 * pitch * z}, radius,
-                                whole(arguments, "cells"));
+        SoftDef ball = softBall({pitch * (x - .5 * (side - 1)) + .02 * (z % 2), pitch * (y - .5 * (side - 1)),
+                                 .35 + 1.1 * pitch * z},
+                                radius, whole(arguments, "cells"));
         ball.youngsModulus = 3e4;
         ball.density = 500;
         ball.viscosity = 100;
@@ -136,8 +146,10 @@ Scene buildBalls(const Arguments& arguments) {
 Spec ballsSpec() {
   Spec spec;
   spec.name = "soft-balls";
-  spec.doc = "Squishy balls dropped into a bin, layer on layer; they collide as the spheres of their vertices.";
-  spec.arguments = {count("side", 3, 1, 40, "balls along a side of the bin"), count("layers", 3, 1, 40, "layers of balls"),
+  spec.doc =
+      "Squishy balls dropped into a bin, layer on layer; they collide as the spheres of their vertices.";
+  spec.arguments = {count("side", 3, 1, 40, "balls along a side of the bin"),
+                    count("layers", 3, 1, 40, "layers of balls"),
                     count("cells", 4, 2, 40, "cells through a ball")};
   spec.build = buildBalls;
   spec.probes = [](const Arguments&, const Scene& scene) {
@@ -150,21 +162,24 @@ Spec ballsSpec() {
       return sum;
     };
     Probes probes;
-    probes.push_back(endProbe({{"lowest_m", lowestVertex},
-                               {"lift_over_weight",
-                                [](const World& w) {
-                                  double mass = 0;
-                                  for (const SoftId id : w.deformables())
-                                    for (const double m : w.masses(id)) mass += m;
-                                  return -liftOfVertices(w) / (mass * length(w.gravity()));
-                                }},
-                               {"inverted_cells", [cellsOf](const World& w) { return cellsOf(w, 0); }},
-                               {"crushed_ratio", [cellsOf, cells](const World& w) { return cellsOf(w, .5) / cells; }}}));
+    probes.push_back(
+        endProbe({{"lowest_m", lowestVertex},
+                  {"lift_over_weight",
+                   [](const World& w) {
+                     double mass = 0;
+                     for (const SoftId id : w.deformables())
+                       for (const double m : w.masses(id)) mass += m;
+                     return -liftOfVertices(w) / (mass * length(w.gravity()));
+                   }},
+                  {"inverted_cells", [cellsOf](const World& w) { return cellsOf(w, 0); }},
+                  {"crushed_ratio", [cellsOf, cells](const World& w) { return cellsOf(w, .5) / cells; }}}));
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{atLeast("lowest_m", -.01, "on the floor, not in it"), atMost("inverted_cells", 0, "no cell is inverted"),
-                              atMost("crushed_ratio", .001, "hardly one has half its volume"), within("lift_over_weight", .97, 1.03, "the bin carries their weight"),
+    return std::vector<Claim>{atLeast("lowest_m", -.01, "on the floor, not in it"),
+                              atMost("inverted_cells", 0, "no cell is inverted"),
+                              atMost("crushed_ratio", .001, "hardly one has half its volume"),
+                              within("lift_over_weight", .97, 1.03, "the bin carries their weight"),
                               atMost("kinetic_energy_j", 1, "they come to rest")};
   };
   spec.camera = [](const Arguments& arguments, const Scene&) {
@@ -195,7 +210,8 @@ Scene buildFlat(const Arguments&) {
 Spec flatSpec() {
   Spec spec;
   spec.name = "soft-flat";
-  spec.doc = "A solid whose vertices all start in one plane, every cell without volume: it comes back to its shape.";
+  spec.doc =
+      "A solid whose vertices all start in one plane, every cell without volume: it comes back to its shape.";
   spec.build = buildFlat;
   spec.probes = [](const Arguments&, const Scene&) {
     Probes probes;
@@ -203,7 +219,8 @@ Spec flatSpec() {
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{atMost("crushed_cells", 0, "every cell has its volume again"), atMost("quarantined", 0, "finite throughout")};
+    return std::vector<Claim>{atMost("crushed_cells", 0, "every cell has its volume again"),
+                              atMost("quarantined", 0, "finite throughout")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{1.2, -1.6, 1}, {0, 0, 0}}; };
   spec.steps = 240;

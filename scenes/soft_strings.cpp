@@ -1,4 +1,5 @@
-/// Strings in closed form: one that is stretched from the start and plucked, and one that hangs as a catenary.
+/// Strings in closed form: one that is stretched from the start and plucked, and one that hangs as a
+/// catenary.
 #include <cmath>
 #include <numbers>
 
@@ -13,11 +14,14 @@ constexpr int kSegments = 40;
 
 Vec3 middleOf(const World& world) { return world.positions(world.deformableAt(0))[kSegments / 2]; }
 
-// Plucked: 1 m at rest, stretched by 1 %, in its first mode. Period 2 L / c, c^2 = T / (mass for each metre) = E strain (1 + strain) / density.
+// Plucked: 1 m at rest, stretched by 1 %, in its first mode. Period 2 L / c, c^2 = T / (mass for each metre)
+// = E strain (1 + strain) / density.
 
 constexpr double kPlucked = .003, kStringModulus = 1.6e6, kStringDensity = 1000;
 
-double pluckedPeriod(double strain) { return 2 * (1 + strain) / std::sqrt(kStringModulus * strain * (1 + strain) / kStringDensity); }
+double pluckedPeriod(double strain) {
+  return 2 * (1 + strain) / std::sqrt(kStringModulus * strain * (1 + strain) / kStringDensity);
+}
 
 Scene buildPlucked(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
@@ -28,13 +32,15 @@ Scene buildPlucked(const Arguments& arguments) {
   string.youngsModulus = kStringModulus;
   string.density = kStringDensity;
   for (const Vec3& x : string.vertices)
-    string.start.push_back({x.x * (1 + value(arguments, "strain")), 0, kPlucked * std::sin(std::numbers::pi * x.x)});
+    string.start.push_back(
+        {x.x * (1 + value(arguments, "strain")), 0, kPlucked * std::sin(std::numbers::pi * x.x)});
   string.fixed = {0, kSegments};
   scene.deformables.push_back(string);
   return scene;
 }
 
-/// Period of the middle, from the first to the last of the times at which it passes through the straight line.
+/// Period of the middle, from the first to the last of the times at which it passes through the straight
+/// line.
 class PeriodProbe : public Probe {
  public:
   explicit PeriodProbe(double exact) : exact_(exact) {}
@@ -59,7 +65,9 @@ class PeriodProbe : public Probe {
 Spec pluckedSpec() {
   Spec spec;
   spec.name = "plucked-string";
-  spec.doc = "A string that is stretched by 1 % from the start and plucked in its first mode: its period is that of its tension.";
+  spec.doc =
+      "A string that is stretched by 1 % from the start and plucked in its first mode: its period is that of "
+      "its tension.";
   spec.arguments = {quantity("strain", .01, 1e-3, .1, "1", "authored stretch")};
   spec.build = buildPlucked;
   spec.probes = [](const Arguments& arguments, const Scene&) {
@@ -67,7 +75,10 @@ Spec pluckedSpec() {
     probes.push_back(std::make_unique<PeriodProbe>(pluckedPeriod(value(arguments, "strain"))));
     return probes;
   };
-  spec.claims = [](const Arguments&) { return std::vector<Claim>{within("period_ratio", .98, 1.02, "all of the authored tension acts from the first step on")}; };
+  spec.claims = [](const Arguments&) {
+    return std::vector<Claim>{
+        within("period_ratio", .98, 1.02, "all of the authored tension acts from the first step on")};
+  };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{.5, -1.2, .1}, {.5, 0, 0}}; };
   spec.steps = 240;
   spec.substeps = 16;
@@ -75,7 +86,8 @@ Spec pluckedSpec() {
   return spec;
 }
 
-// Catenary: z = a (cosh(x / a) - 1) between two nails, a rope that hardly stretches. It starts there: what is missing of its tension shows as sag.
+// Catenary: z = a (cosh(x / a) - 1) between two nails, a rope that hardly stretches. It starts there: what is
+// missing of its tension shows as sag.
 
 constexpr double kHalfSpan = 1, kCatenary = .8;  // a [m]
 
@@ -89,7 +101,8 @@ Scene buildCatenary(const Arguments& arguments) {
   rope.youngsModulus = 1e8;
   for (const Vec3& x : rope.vertices) {
     const double along = kCatenary * std::asinh(x.x / kCatenary);
-    rope.start.push_back({along, 0, kCatenary * (std::cosh(along / kCatenary) - std::cosh(kHalfSpan / kCatenary))});
+    rope.start.push_back(
+        {along, 0, kCatenary * (std::cosh(along / kCatenary) - std::cosh(kHalfSpan / kCatenary))});
   }
   rope.fixed = {0, segments};
   scene.deformables.push_back(rope);
@@ -111,8 +124,9 @@ Spec catenarySpec() {
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{within("sag_over_catenary", .98, 1.02, "it hangs as the closed form says"),
-                              atMost("largest_sag_over_catenary", 1.02, "and did not fall before its tension was there")};
+    return std::vector<Claim>{
+        within("sag_over_catenary", .98, 1.02, "it hangs as the closed form says"),
+        atMost("largest_sag_over_catenary", 1.02, "and did not fall before its tension was there")};
   };
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{0, -3, -.3}, {0, 0, -.4}}; };
   spec.steps = 240;

@@ -17,7 +17,8 @@ Probes stackProbes(const Arguments&, const Scene& scene) {
   return probes;
 }
 
-// Card tower: tents of two leaning cards, a level card from the ridge of each to the next, one tent fewer on each level.
+// Card tower: tents of two leaning cards, a level card from the ridge of each to the next, one tent fewer on
+// each level.
 
 constexpr double kCardLength = .4, kCardDepth = .25;       // [m]
 constexpr double kCardLean = 25 * std::numbers::pi / 180;  // from the vertical
@@ -47,8 +48,8 @@ Scene buildCards(const Arguments& arguments) {
     }
     floor += 2 * halfHeight;
     for (int i = 0; i + 1 < tents; ++i)
-      scene.bodies.push_back(
-          block({kCardLength / 2, thick / 2, kCardDepth / 2}, {(i - .5 * (tents - 2)) * pitch, floor + thick / 2, 0}, density));
+      scene.bodies.push_back(block({kCardLength / 2, thick / 2, kCardDepth / 2},
+                                   {(i - .5 * (tents - 2)) * pitch, floor + thick / 2, 0}, density));
     floor += thick;
   }
   if (whole(arguments, "smash") == 1) {
@@ -74,10 +75,12 @@ Probes cardProbes(const Arguments& arguments, const Scene& scene) {
 
 std::vector<Claim> cardClaims(const Arguments& arguments) {
   const double height = whole(arguments, "levels") * kCardLength * std::cos(kCardLean);
-  std::vector<Claim> claims{atMost("max_drift_m", value(arguments, "thickness"), "no card moves by more than its thickness"),
-                            atMost("quarantined", 0, "every state stays finite")};
+  std::vector<Claim> claims{
+      atMost("max_drift_m", value(arguments, "thickness"), "no card moves by more than its thickness"),
+      atMost("quarantined", 0, "every state stays finite")};
   if (whole(arguments, "smash") == 1)
-    claims.push_back(atLeast("smash_top_drop_m", height / 2, "after the ball the top is below half its height"));
+    claims.push_back(
+        atLeast("smash_top_drop_m", height / 2, "after the ball the top is below half its height"));
   return claims;
 }
 
@@ -91,7 +94,9 @@ Scene buildDominoes(const Arguments& arguments) {
   const int dominoes = whole(arguments, "dominoes");
   const double size = value(arguments, "size"), rate = 1 / std::sqrt(size);
   for (int i = 0; i < dominoes; ++i) {
-    BodyDef domino = block(size * kHalfDomino, size * Vec3{(i - .5 * (dominoes - 1)) * value(arguments, "spacing"), kHalfDomino.y, 0}, 600);
+    BodyDef domino = block(
+        size * kHalfDomino,
+        size * Vec3{(i - .5 * (dominoes - 1)) * value(arguments, "spacing"), kHalfDomino.y, 0}, 600);
     domino.name = "domino" + std::to_string(i);
     scene.bodies.push_back(domino);
   }
@@ -107,14 +112,17 @@ Scene buildDominoes(const Arguments& arguments) {
 /// wave_speed: of the front between a quarter and three quarters of the row, over sqrt(g h).
 class WaveProbe final : public Probe {
  public:
-  WaveProbe(int dominoes, double spacing, double size) : dominoes_(dominoes), spacing_(spacing), size_(size) {}
+  WaveProbe(int dominoes, double spacing, double size)
+      : dominoes_(dominoes), spacing_(spacing), size_(size) {}
 
   void afterStep(const World& world, const StepReport&) override {
     const auto passed = [&](double& time, double share) {
       if (time >= 0) return;
-      const Quat q = world.state(world.find("domino" + std::to_string(static_cast<int>(share * dominoes_)))).orientation;
+      const Quat q = world.state(world.find("domino" + std::to_string(static_cast<int>(share * dominoes_))))
+                         .orientation;
       const double lean = std::acos(std::min(1., rotate(q, Vec3{0, 1, 0}).y));
-      if (lean > kLean) time = world.time() - world.params().dt * (lean - kLean) / std::max(lean - last_[share > .5], 1e-9);
+      if (lean > kLean)
+        time = world.time() - world.params().dt * (lean - kLean) / std::max(lean - last_[share > .5], 1e-9);
       last_[share > .5] = lean;
     };
     passed(from_, .25), passed(to_, .75);
@@ -134,12 +142,14 @@ class WaveProbe final : public Probe {
 Probes dominoProbes(const Arguments& arguments, const Scene& scene) {
   Probes probes;
   probes.push_back(fallenProbe(scene, {0, 1, 0}));
-  probes.push_back(std::make_unique<WaveProbe>(whole(arguments, "dominoes"), value(arguments, "spacing"), value(arguments, "size")));
+  probes.push_back(std::make_unique<WaveProbe>(whole(arguments, "dominoes"), value(arguments, "spacing"),
+                                               value(arguments, "size")));
   return probes;
 }
 
 std::vector<Claim> dominoClaims(const Arguments& arguments) {
-  return {within("fallen_ratio", 1, 1, "every domino falls"), atMost("penetration_max_m", .02 * value(arguments, "size"), "none rests in another"),
+  return {within("fallen_ratio", 1, 1, "every domino falls"),
+          atMost("penetration_max_m", .02 * value(arguments, "size"), "none rests in another"),
           atMost("quarantined", 0, "every state stays finite")};
 }
 
@@ -166,7 +176,9 @@ Scene buildArch(const Arguments& arguments) {
   return scene;
 }
 
-std::vector<Claim> archClaims(const Arguments& arguments) { return standsClaims(.02 * scaleOf(arguments).length, "the lintel stays"); }
+std::vector<Claim> archClaims(const Arguments& arguments) {
+  return standsClaims(.02 * scaleOf(arguments).length, "the lintel stays");
+}
 
 // Breakable beam on two pillars, boxes fall on it.
 
@@ -208,7 +220,8 @@ std::vector<Claim> beamClaims(const Arguments& arguments) {
                             atMost("quarantined", 0, "every state stays finite")};
   if (whole(arguments, "boxes") >= 5 && value(arguments, "break_torque") <= 810)
     claims.push_back(within("broken_joints", 1, kBeamBlocks - 2, "some joints break, not all"));
-  if (whole(arguments, "boxes") == 0) claims.push_back(within("broken_joints", 0, 0, "the beam carries its own weight"));
+  if (whole(arguments, "boxes") == 0)
+    claims.push_back(within("broken_joints", 0, 0, "the beam carries its own weight"));
   return claims;
 }
 
@@ -217,8 +230,11 @@ std::vector<Claim> beamClaims(const Arguments& arguments) {
 std::vector<Spec> structureSpecs() {
   Spec cards;
   cards.name = "card-tower";
-  cards.doc = "A tower of leaning and level cards that friction holds; after 5 s a ball comes (AVBD paper, Figure 6; our dimensions).";
-  cards.arguments = {count("levels", 5, 1, 20, "levels of tents"), quantity("thickness", .004, .001, .02, "m", "of a card"),
+  cards.doc =
+      "A tower of leaning and level cards that friction holds; after 5 s a ball comes (AVBD paper, Figure 6; "
+      "our dimensions).";
+  cards.arguments = {count("levels", 5, 1, 20, "levels of tents"),
+                     quantity("thickness", .004, .001, .02, "m", "of a card"),
                      quantity("density", 600, 1e-3, 1e7, "kg/m3", "of a card and of the ball"),
                      flag("smash", true, "1: the ball comes after 5 s")};
   cards.build = buildCards;
@@ -251,7 +267,8 @@ std::vector<Spec> structureSpecs() {
 
   Spec arch = dominoes;
   arch.name = "corbel-arch";
-  arch.doc = "A corbelled arch: courses that reach further in, a lintel on top, held by weight and friction alone.";
+  arch.doc =
+      "A corbelled arch: courses that reach further in, a lintel on top, held by weight and friction alone.";
   arch.arguments = stackArguments({count("courses", 8, 1, 40, "courses of a pier")}, 2000);
   arch.build = buildArch;
   arch.probes = stackProbes;
@@ -264,7 +281,8 @@ std::vector<Spec> structureSpecs() {
 
   Spec beam = arch;
   beam.name = "breakable-beam";
-  beam.doc = "A beam of eleven blocks on fixed joints that break, two pillars, five boxes fall on it (avbd-demo3d).";
+  beam.doc =
+      "A beam of eleven blocks on fixed joints that break, two pillars, five boxes fall on it (avbd-demo3d).";
   beam.arguments = {quantity("break_torque", 810, 1, 1e9, "N m", "torque at which a joint breaks"),
                     count("boxes", 5, 0, 20, "boxes that fall")};
   beam.build = buildBeam;

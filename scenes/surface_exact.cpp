@@ -29,7 +29,9 @@ struct Parts {
     for (const World::Surface& s : surfaces) {
       const int first = int(x.size());
       x.insert(x.end(), s.vertices.begin(), s.vertices.end());
-      const auto edge = [&](int a, int b) { unique.insert({first + std::min(a, b), first + std::max(a, b)}); };
+      const auto edge = [&](int a, int b) {
+        unique.insert({first + std::min(a, b), first + std::max(a, b)});
+      };
       for (const auto& t : s.triangles) {
         triangles.push_back({first + t[0], first + t[1], first + t[2]});
         for (std::size_t k = 0; k < 3; ++k) edge(t[k], t[(k + 1) % 3]);
@@ -40,11 +42,11 @@ struct Parts {
     edges.assign(unique.begin(), unique.end());
   }
   const Vec3& at(int v) const { return x[std::size_t(v)]; }
-  template <std::size_t N>
-  Box box(const std::array<int, N>& v) const {
+  template <std::size_t N> Box box(const std::array<int, N>& v) const {
     Box b{at(v[0]), at(v[0])};
     for (const int corner : v)
-      for (int k = 0; k < 3; ++k) b.low[k] = std::min(b.low[k], at(corner)[k]), b.high[k] = std::max(b.high[k], at(corner)[k]);
+      for (int k = 0; k < 3; ++k)
+        b.low[k] = std::min(b.low[k], at(corner)[k]), b.high[k] = std::max(b.high[k], at(corner)[k]);
     return b;
   }
 };
@@ -54,8 +56,12 @@ bool separated(const Vec3* p, int np, const Vec3* q, int nq, const Vec3& axis) {
   // products and sums of three terms of coordinates that are of the size of the parts
   constexpr double kRoundOff = 1e-14;
   double pLow = 1e300, pHigh = -1e300, qLow = 1e300, qHigh = -1e300, size = 0;
-  for (int i = 0; i < np; ++i) pLow = std::min(pLow, dot(axis, p[i])), pHigh = std::max(pHigh, dot(axis, p[i])), size = std::max(size, length(p[i]));
-  for (int i = 0; i < nq; ++i) qLow = std::min(qLow, dot(axis, q[i])), qHigh = std::max(qHigh, dot(axis, q[i])), size = std::max(size, length(q[i]));
+  for (int i = 0; i < np; ++i)
+    pLow = std::min(pLow, dot(axis, p[i])), pHigh = std::max(pHigh, dot(axis, p[i])),
+    size = std::max(size, length(p[i]));
+  for (int i = 0; i < nq; ++i)
+    qLow = std::min(qLow, dot(axis, q[i])), qHigh = std::max(qHigh, dot(axis, q[i])),
+    size = std::max(size, length(q[i]));
   return std::max(pLow - qHigh, qLow - pHigh) > kRoundOff * size * length(axis);
 }
 
@@ -77,8 +83,7 @@ class Cells {
   void add(const Box& box, int index) {
     visit(box, [&](std::uint64_t key) { cells_[key].push_back(index); });
   }
-  template <class Found>
-  void seek(const Box& box, Found&& found) const {
+  template <class Found> void seek(const Box& box, Found&& found) const {
     visit(box, [&](std::uint64_t key) {
       const auto cell = cells_.find(key);
       if (cell == cells_.end()) return;
@@ -87,13 +92,15 @@ class Cells {
   }
 
  private:
-  template <class Visit>
-  void visit(const Box& box, Visit&& visit) const {
+  template <class Visit> void visit(const Box& box, Visit&& visit) const {
     long low[3], high[3];
-    for (int k = 0; k < 3; ++k) low[k] = std::lround(std::floor(box.low[k] / size_)), high[k] = std::lround(std::floor(box.high[k] / size_));
+    for (int k = 0; k < 3; ++k)
+      low[k] = std::lround(std::floor(box.low[k] / size_)),
+      high[k] = std::lround(std::floor(box.high[k] / size_));
     for (long z = low[2]; z <= high[2]; ++z)
       for (long y = low[1]; y <= high[1]; ++y)
-        for (long x = low[0]; x <= high[0]; ++x) visit(std::uint64_t(x) * 73856093u ^ std::uint64_t(y) * 19349663u ^ std::uint64_t(z) * 83492791u);
+        for (long x = low[0]; x <= high[0]; ++x)
+          visit(std::uint64_t(x) * 73856093u ^ std::uint64_t(y) * 19349663u ^ std::uint64_t(z) * 83492791u);
   }
   double size_;
   std::unordered_map<std::uint64_t, std::vector<int>> cells_;
@@ -121,8 +128,10 @@ double segmentDistance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
   double low = 0, high = 1;
   for (int k = 0; k < 60; ++k) {
     const double u = low + (high - low) / 3, v = high - (high - low) / 3;
-    if (fromOther(u) < fromOther(v)) high = v;
-    else low = u;
+    if (fromOther(u) < fromOther(v))
+      high = v;
+    else
+      low = u;
   }
   return fromOther((low + high) / 2);
 }
@@ -149,7 +158,8 @@ int countCrossings(const std::vector<World::Surface>& surfaces) {
     near.erase(std::unique(near.begin(), near.end()), near.end());
     for (const int i : near) {
       const auto& t = parts.triangles[std::size_t(i)];
-      const bool shared = std::any_of(t.begin(), t.end(), [&](int v) { return v == edge[0] || v == edge[1]; });
+      const bool shared = std::any_of(t.begin(), t.end(),
+                                      [&](int v) { return v == edge[0] || v == edge[1]; });
       crossings += !shared && meet(parts, edge, t);
     }
   }
@@ -172,7 +182,8 @@ double closestSegments(const World& world) {
     const bool closed = !s.segments.empty() && s.segments.back()[1] == s.segments.front()[0];
     if (s.triangles.empty())
       for (std::size_t i = 0; i < s.segments.size(); ++i) {
-        const Vec3 &a = s.vertices[std::size_t(s.segments[i][0])], &b = s.vertices[std::size_t(s.segments[i][1])];
+        const Vec3 &a = s.vertices[std::size_t(s.segments[i][0])],
+                   &b = s.vertices[std::size_t(s.segments[i][1])];
         segments.push_back({a, b, object, int(i), closed ? int(s.segments.size()) : 1 << 30, s.radius});
         longest = std::max(longest, length(a - b) + 2 * s.radius);
       }
@@ -180,7 +191,8 @@ double closestSegments(const World& world) {
   }
   const auto boxOf = [](const Segment& s) {
     Box b;
-    for (int k = 0; k < 3; ++k) b.low[k] = std::min(s.a[k], s.b[k]) - s.radius, b.high[k] = std::max(s.a[k], s.b[k]) + s.radius;
+    for (int k = 0; k < 3; ++k)
+      b.low[k] = std::min(s.a[k], s.b[k]) - s.radius, b.high[k] = std::max(s.a[k], s.b[k]) + s.radius;
     return b;
   };
   Cells cells(longest);
@@ -203,7 +215,8 @@ double linkingNumber(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   double sum = 0;
   const auto angle = [](const Vec3& u, const Vec3& v, const Vec3& w) {
     const double lu = length(u), lv = length(v), lw = length(w);
-    return 2 * std::atan2(dot(u, cross(v, w)), lu * lv * lw + dot(u, v) * lw + dot(v, w) * lu + dot(w, u) * lv);
+    return 2 *
+           std::atan2(dot(u, cross(v, w)), lu * lv * lw + dot(u, v) * lw + dot(v, w) * lu + dot(w, u) * lv);
   };
   for (std::size_t i = 0; i < a.size(); ++i)
     for (std::size_t j = 0; j < b.size(); ++j) {

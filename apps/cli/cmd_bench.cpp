@@ -35,15 +35,17 @@ void printRow(std::FILE* out, const io::RunRecord& r) {
   const auto ms = [](const std::optional<io::PhaseTimes>& phase, auto member) {
     return phase ? fmt::format("{:.3f}", (*phase).*member) : "-";
   };
-  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9.0f}{:>9.0f}\n", r.scene, r.threads, r.bodies,
-             ms(r.settled, &io::PhaseTimes::mean), ms(r.settled, &io::PhaseTimes::median), fmt::format("{:.3f}", r.collisionMs),
-             fmt::format("{:.3f}", r.solveMs), ms(r.smash, &io::PhaseTimes::mean), ms(r.smash, &io::PhaseTimes::max),
-             r.topDrop ? lengthText(*r.topDrop) : "-", r.penetration ? lengthText(r.penetration->p99) : "-", r.rssMb,
-             r.bytesPerBody);
+  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9.0f}{:>9.0f}\n",
+             r.scene, r.threads, r.bodies, ms(r.settled, &io::PhaseTimes::mean),
+             ms(r.settled, &io::PhaseTimes::median), fmt::format("{:.3f}", r.collisionMs),
+             fmt::format("{:.3f}", r.solveMs), ms(r.smash, &io::PhaseTimes::mean),
+             ms(r.smash, &io::PhaseTimes::max), r.topDrop ? lengthText(*r.topDrop) : "-",
+             r.penetration ? lengthText(r.penetration->p99) : "-", r.rssMb, r.bytesPerBody);
 }
 
 int bench(BenchOptions options) {
-  if (options.search) return searchLargest({options.job, options.limitMs, options.jsonFile}) ? kHolds : kDoesNotHold;
+  if (options.search)
+    return searchLargest({options.job, options.limitMs, options.jsonFile}) ? kHolds : kDoesNotHold;
   if (options.scenes.empty()) throw Error("scenes", "names of scenes, or --search-60hz", "none");
   std::FILE* out = options.jsonFile == "-" ? stderr : stdout;
   std::vector<io::RunRecord> records;
@@ -66,10 +68,12 @@ int bench(BenchOptions options) {
       records.push_back(std::move(result.record));
     }
   }
-  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9}{:>9}\n", "ms a step", "thr", "bodies", "settled",
-             "median", "collide", "solve", "smash", "peak", "top drop", "depth 99 %", "MB", "B/body");
+  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9}{:>9}\n", "ms a step",
+             "thr", "bodies", "settled", "median", "collide", "solve", "smash", "peak", "top drop",
+             "depth 99 %", "MB", "B/body");
   for (const io::RunRecord& record : records) printRow(out, record);
-  if (!options.jsonFile.empty()) writeOutput(options.jsonFile, io::toJson(std::span<const io::RunRecord>(records)));
+  if (!options.jsonFile.empty())
+    writeOutput(options.jsonFile, io::toJson(std::span<const io::RunRecord>(records)));
   return kHolds;
 }
 
@@ -77,23 +81,34 @@ int bench(BenchOptions options) {
 
 void addBench(CLI::App& app, int& status) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* command = app.add_subcommand("bench",
-                                         "Measure scenes: times of the settled phase (the 60 steps before the smash, or steps 60 to 119) "
-                                         "and of the smash (the 120 steps from it on)");
-  command->add_option("scenes", options->scenes, "Names of scenes or scene files, with commas between")->delimiter(',');
+  CLI::App* command = app.add_subcommand(
+      "bench",
+      "Measure scenes: times of the settled phase (the 60 steps before the smash, or steps 60 to 119) "
+      "and of the smash (the 120 steps from it on)");
+  command->add_option("scenes", options->scenes, "Names of scenes or scene files, with commas between")
+      ->delimiter(',');
   addArgumentOptions(*command, options->job);
   addSolverOptions(*command, options->job);
-  command->add_option("-b,--backend", options->job.backend, "Where the step runs (see 'rubble info build')")->capture_default_str();
-  command->add_option("-t,--threads", options->threads, "Numbers of worker threads, with commas between; one run for each; 0 is one a core")
+  command->add_option("-b,--backend", options->job.backend, "Where the step runs (see 'rubble info build')")
+      ->capture_default_str();
+  command
+      ->add_option("-t,--threads", options->threads,
+                   "Numbers of worker threads, with commas between; one run for each; 0 is one a core")
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_flag("--search-60hz", options->search,
-                    "Instead of scenes: find the most walls ('walls', 1,620 bricks each) whose mean step, settled and smash, stays under --limit");
-  command->add_option("--limit", options->limitMs, "For --search-60hz [ms]")->check(CLI::PositiveNumber)->capture_default_str();
-  command->add_flag("--no-stages", options->noStages,
-                    "Without the clocks of stages, which cost a GPU some percent of a small step: the whole step only");
-  command->add_option("--json", options->jsonFile, "Write a list with one record for each run as JSON; '-' is standard output")
+                    "Instead of scenes: find the most walls ('walls', 1,620 bricks each) whose mean step, "
+                    "settled and smash, stays under --limit");
+  command->add_option("--limit", options->limitMs, "For --search-60hz [ms]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag(
+      "--no-stages", options->noStages,
+      "Without the clocks of stages, which cost a GPU some percent of a small step: the whole step only");
+  command
+      ->add_option("--json", options->jsonFile,
+                   "Write a list with one record for each run as JSON; '-' is standard output")
       ->type_name("FILE");
   command->add_flag("-q,--quiet", options->quiet, "No progress, and only the table at the end");
   command->footer("The verdict is in the records; it does not change the exit status.");

@@ -21,8 +21,8 @@ int check(const CheckOptions& options) {
       fmt::print(stderr, "{}\n", io::faultText(file, faults));
       status = kBadInput;
     } else if (!options.quiet) {
-      fmt::print("{}: good: {} bodies, {} joints, {} events, {} claims\n", file, scene.scene.bodies.size(), scene.scene.joints.size(),
-                 scene.scene.events.size(), scene.claims.size());
+      fmt::print("{}: good: {} bodies, {} joints, {} events, {} claims\n", file, scene.scene.bodies.size(),
+                 scene.scene.joints.size(), scene.scene.events.size(), scene.claims.size());
     }
   }
   return status;

@@ -31,8 +31,12 @@ std::string bodyText(const World& world, BodyId id) {
 }
 
 /// Vertices of a deformable object that both have.
-std::size_t commonVertices(const std::vector<Vec3>& a, const std::vector<Vec3>& b) { return std::min(a.size(), b.size()); }
-std::string vertexText(SoftId id, std::size_t vertex) { return fmt::format("vertex {} of deformable object {}", vertex, id.index); }
+std::size_t commonVertices(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  return std::min(a.size(), b.size());
+}
+std::string vertexText(SoftId id, std::size_t vertex) {
+  return fmt::format("vertex {} of deformable object {}", vertex, id.index);
+}
 
 Difference differenceOf(const World& a, const World& b) {
   Difference result;
@@ -53,7 +57,8 @@ Difference differenceOf(const World& a, const World& b) {
   for (const SoftId id : a.deformables()) {
     if (!b.alive(id)) continue;
     const std::vector<Vec3> pa = a.positions(id), pb = b.positions(id);
-    for (std::size_t i = 0; i < commonVertices(pa, pb); ++i) take(length(pa[i] - pb[i]), [&] { return vertexText(id, i); });
+    for (std::size_t i = 0; i < commonVertices(pa, pb); ++i)
+      take(length(pa[i] - pb[i]), [&] { return vertexText(id, i); });
   }
   return result;
 }
@@ -72,13 +77,16 @@ std::string firstOtherBits(const World& a, const World& b) {
   }
   for (const SoftId id : a.deformables()) {
     if (!b.alive(id)) return fmt::format("deformable object {}, which is gone in one of them", id.index);
-    const auto otherOf = [&](const char* what, const std::vector<Vec3>& x, const std::vector<Vec3>& y) -> std::string {
+    const auto otherOf = [&](const char* what, const std::vector<Vec3>& x,
+                             const std::vector<Vec3>& y) -> std::string {
       for (std::size_t i = 0; i < commonVertices(x, y); ++i)
         if (x[i] != y[i]) return fmt::format("{} of {}", what, vertexText(id, i));
       return "";
     };
-    if (const std::string other = otherOf("position", a.positions(id), b.positions(id)); !other.empty()) return other;
-    if (const std::string other = otherOf("velocity", a.velocities(id), b.velocities(id)); !other.empty()) return other;
+    if (const std::string other = otherOf("position", a.positions(id), b.positions(id)); !other.empty())
+      return other;
+    if (const std::string other = otherOf("velocity", a.velocities(id), b.velocities(id)); !other.empty())
+      return other;
   }
   return "";
 }
@@ -103,12 +111,12 @@ int compareTwo(const CompareOptions& options) {
   PreparedJob jobs[2] = {prepared(options, 0), prepared(options, 1)};
   const int steps = jobs[0].steps;
   scenes::Runner a(std::move(jobs[0].job), jobs[0].world), b(std::move(jobs[1].job), jobs[1].world);
-  fmt::print("{}: {} ({} threads) against {} ({} threads)\n", jobs[0].title, jobs[0].world.backend, threadCount(jobs[0].world.threads),
-             jobs[1].world.backend, threadCount(jobs[1].world.threads));
+  fmt::print("{}: {} ({} threads) against {} ({} threads)\n", jobs[0].title, jobs[0].world.backend,
+             threadCount(jobs[0].world.threads), jobs[1].world.backend, threadCount(jobs[1].world.threads));
   fmt::print("{:>8}{:>16}{:>16}   {}\n", "step", "position [m]", "angle [rad]", "farthest apart");
   double worst = 0;
-  int parted = 0;           // first step after which the states have other bits
-  std::string other;        // whose
+  int parted = 0;     // first step after which the states have other bits
+  std::string other;  // whose
   for (int step = 1; step <= steps; ++step) {
     a.step();
     b.step();
@@ -119,17 +127,19 @@ int compareTwo(const CompareOptions& options) {
       if (!other.empty()) parted = step;
     }
     if (isShown(step, steps, options.every))
-      fmt::print("{:>8}{:>16.3e}{:>16.3e}   {}\n", step, difference.position, difference.angle, difference.what);
+      fmt::print("{:>8}{:>16.3e}{:>16.3e}   {}\n", step, difference.position, difference.angle,
+                 difference.what);
   }
   if (parted > 0)
     fmt::print("not the same bits: the first difference is after step {}, in the {}\n", parted, other);
   else
-    fmt::print("identical bits: {}\n", a.world().hash() == b.world().hash() ? "every state of every step, and all that lasts at the end"
-                                                                             : "every state of every step, though not all that lasts");
+    fmt::print("identical bits: {}\n", a.world().hash() == b.world().hash()
+                                           ? "every state of every step, and all that lasts at the end"
+                                           : "every state of every step, though not all that lasts");
   if (!options.within) return kHolds;
   const bool holds = worst <= *options.within;
-  fmt::print("verdict: {}: largest difference {}, wanted at most {}\n", holds ? "holds" : "does not hold", lengthText(worst),
-             lengthText(*options.within));
+  fmt::print("verdict: {}: largest difference {}, wanted at most {}\n", holds ? "holds" : "does not hold",
+             lengthText(worst), lengthText(*options.within));
   return holds ? kHolds : kDoesNotHold;
 }
 
@@ -149,8 +159,10 @@ int lockstep(const CompareOptions& options) {
 
 int compare(const CompareOptions& options) {
   if (options.backends.size() == 1 && options.backends[0] == "lockstep") return lockstep(options);
-  if (options.backends.size() > 2) throw Error("--backends", "two backends, or lockstep alone", fmt::format("{}", options.backends.size()));
-  if (options.threads.size() > 2) throw Error("--threads", "one or two numbers", fmt::format("{}", options.threads.size()));
+  if (options.backends.size() > 2)
+    throw Error("--backends", "two backends, or lockstep alone", fmt::format("{}", options.backends.size()));
+  if (options.threads.size() > 2)
+    throw Error("--threads", "one or two numbers", fmt::format("{}", options.threads.size()));
   return compareTwo(options);
 }
 
@@ -158,7 +170,8 @@ int compare(const CompareOptions& options) {
 
 void addCompare(CLI::App& app, int& status) {
   auto options = std::make_shared<CompareOptions>();
-  CLI::App* command = app.add_subcommand("compare", "Run a scene on two backends side by side and show how far apart they come");
+  CLI::App* command = app.add_subcommand(
+      "compare", "Run a scene on two backends side by side and show how far apart they come");
   command->add_option("scene", options->job.scene, "Name of a scene, or a scene file (.json)")->required();
   addArgumentOptions(*command, options->job);
   addSolverOptions(*command, options->job);
@@ -171,8 +184,12 @@ void addCompare(CLI::App& app, int& status) {
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_option("--every", options->every, "Show every so many steps (default: 1, 2, 5, 10, 20, 50 ...)")->check(CLI::PositiveNumber);
-  command->add_option("--within", options->within, "Wanted: no body farther apart than this [m]; else the exit status is 1")
+  command
+      ->add_option("--every", options->every, "Show every so many steps (default: 1, 2, 5, 10, 20, 50 ...)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--within", options->within,
+                   "Wanted: no body farther apart than this [m]; else the exit status is 1")
       ->check(CLI::NonNegativeNumber);
   command->callback([options, &status] { status = compare(*options); });
 }

@@ -84,7 +84,8 @@ int demo(DemoOptions options) {
   const SessionResult result = runSession(std::move(prepared), session);
   const std::string text = textReport(result.record, result.reports);
   fmt::print("{}\nwritten to {}:\n  report.json, report.txt, trajectory.rubble\n", text, folder.string());
-  for (const PictureRequest& request : session.pictures) fmt::print("  {}\n", std::filesystem::path(request.file).filename().string());
+  for (const PictureRequest& request : session.pictures)
+    fmt::print("  {}\n", std::filesystem::path(request.file).filename().string());
   if (!noPictures.empty()) fmt::print("  no pictures: {}\n", noPictures);
   if (!options.noFilm && noPictures.empty()) fmt::print("  {}\n", filmOf(folder, options.quiet));
   writeOutput((folder / "report.json").string(), io::toJson(result.record));
@@ -98,13 +99,15 @@ void addDemo(CLI::App& app, int& status) {
   auto options = std::make_shared<DemoOptions>();
   options->job.steps = kDemoSteps;
   options->job.iterations = kDemoIterations;
-  CLI::App* command = app.add_subcommand("demo", "Smash a 40-level pile; write a report, a trajectory, pictures and a film");
-  command->add_option("--scene", options->job.scene, "Another scene or scene file (default: ring-110k on cuda, else pile-10k)");
+  CLI::App* command = app.add_subcommand(
+      "demo", "Smash a 40-level pile; write a report, a trajectory, pictures and a film");
+  command->add_option("--scene", options->job.scene,
+                      "Another scene or scene file (default: ring-110k on cuda, else pile-10k)");
   command->add_option("-o,--out", options->folder, "Folder to write to")->capture_default_str();
   addArgumentOptions(*command, options->job);
   addSolverOptions(*command, options->job);
-  auto* backend =
-      command->add_option("-b,--backend", options->job.backend, "Where the step runs (default: cuda where there is a GPU, else cpu)");
+  auto* backend = command->add_option("-b,--backend", options->job.backend,
+                                      "Where the step runs (default: cuda where there is a GPU, else cpu)");
   command->add_option("-t,--threads", options->job.threads, "Worker threads; 0 is one a core")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -22,12 +22,13 @@ std::string unitText(const std::string& unit) { return unit == "1" ? "" : " [" +
 
 void printScenes() {
   for (const scenes::Spec& spec : scenes::registry())
-    fmt::print("{:<24} {}\n{:<24} {} iterations, {} steps{}{}\n", spec.name, spec.doc, "", spec.iterations, spec.steps,
-               spec.tags.empty() ? "" : "; ", fmt::join(spec.tags, ", "));
+    fmt::print("{:<24} {}\n{:<24} {} iterations, {} steps{}{}\n", spec.name, spec.doc, "", spec.iterations,
+               spec.steps, spec.tags.empty() ? "" : "; ", fmt::join(spec.tags, ", "));
 }
 
 void printFields(const std::vector<ForceField>& fields) {
-  for (const ForceField& field : fields) fmt::print("  {:<24} {}{}\n", field.field, field.doc, unitText(field.unit));
+  for (const ForceField& field : fields)
+    fmt::print("  {:<24} {}{}\n", field.field, field.doc, unitText(field.unit));
 }
 
 void printForces() {
@@ -57,17 +58,21 @@ void printParams() {
 void printBuild() {
   const BuildInfo build = buildInfo();
   fmt::print("rubble {}\n", build.version);
-  fmt::print("{:<12}{}\n{:<12}{}\n{:<12}{}\n", "commit", build.commit, "compiler", build.compiler, "precision", build.precision);
-  fmt::print("{:<12}{}\n", "features", build.features.empty() ? "none" : fmt::format("{}", fmt::join(build.features, ", ")));
+  fmt::print("{:<12}{}\n{:<12}{}\n{:<12}{}\n", "commit", build.commit, "compiler", build.compiler,
+             "precision", build.precision);
+  fmt::print("{:<12}{}\n", "features",
+             build.features.empty() ? "none" : fmt::format("{}", fmt::join(build.features, ", ")));
   for (const auto& [name, state] : pictureFeatures()) fmt::print("{:<12}{}\n", name, state);
   fmt::print("{:<12}{}\n", "backends", fmt::join(backends(), ", "));
 }
 
 void printMetrics() {
   fmt::print("Of a body by its name:\n");
-  for (const NamedMetric& metric : bodyMetrics()) fmt::print("  NAME.{:<14} {}\n", metric.quantity, metric.doc);
+  for (const NamedMetric& metric : bodyMetrics())
+    fmt::print("  NAME.{:<14} {}\n", metric.quantity, metric.doc);
   fmt::print("Of a joint by its name:\n");
-  for (const NamedMetric& metric : jointMetrics()) fmt::print("  NAME.{:<14} {}\n", metric.quantity, metric.doc);
+  for (const NamedMetric& metric : jointMetrics())
+    fmt::print("  NAME.{:<14} {}\n", metric.quantity, metric.doc);
   fmt::print("Of the scene (docs/scene_format.md says what they mean):\n");
   for (const std::string& metric : sceneMetrics(true)) fmt::print("  {}\n", metric);
 }
@@ -75,12 +80,14 @@ void printMetrics() {
 void printScene(const JobOptions& options) {
   const scenes::Spec& spec = scenes::find(options.scene);
   const scenes::Job job = loadJob(options.scene, options.arguments);
-  fmt::print("{}\n  {}\n  {} bodies, {} joints, {} deformable objects, {} events; {} steps at {} iterations\n", spec.name, spec.doc,
-             job.scene.bodies.size(), job.scene.joints.size(), job.scene.deformables.size(), job.scene.events.size(), job.steps, job.iterations);
+  fmt::print(
+      "{}\n  {}\n  {} bodies, {} joints, {} deformable objects, {} events; {} steps at {} iterations\n",
+      spec.name, spec.doc, job.scene.bodies.size(), job.scene.joints.size(), job.scene.deformables.size(),
+      job.scene.events.size(), job.steps, job.iterations);
   if (!spec.arguments.empty()) fmt::print("arguments\n");
   for (const scenes::Argument& argument : spec.arguments)
-    fmt::print("  {:<20}{:>10.6g}   {}{}, {:.6g} to {:.6g}\n", argument.name, argument.value, argument.doc, unitText(argument.unit),
-               argument.min, argument.max);
+    fmt::print("  {:<20}{:>10.6g}   {}{}, {:.6g} to {:.6g}\n", argument.name, argument.value, argument.doc,
+               unitText(argument.unit), argument.min, argument.max);
   fmt::print("verdict\n");
   for (const scenes::Claim& claim : job.claims)
     fmt::print("  {:<32}{:>12.6g} to {:<12.6g} {}\n", claim.metric, claim.min, claim.max, claim.why);
@@ -114,12 +121,14 @@ void addInfo(CLI::App& app, int& status) {
   };
   add("scenes", "Scenes of the registry", list(printScenes, scenesJson));
   add("forces", "Forces: rows and what an author sets", list(printForces, forcesJson));
-  add("deformables", "Deformable objects and attachments: what an author sets", list(printDeformables, deformablesJson));
+  add("deformables", "Deformable objects and attachments: what an author sets",
+      list(printDeformables, deformablesJson));
   add("params", "Parameters of the method, for --param", list(printParams, paramsJson));
   add("build", "Version, compiler, backends", list(printBuild, buildJson));
   add("metrics", "What the verdict of a scene file may name", list(printMetrics, metricsJson));
-  CLI::App* scene =
-      add("scene", "One scene: arguments and verdict; with --json the scene itself, as a scene file", [options] { showScene(*options); });
+  CLI::App* scene = add("scene",
+                        "One scene: arguments and verdict; with --json the scene itself, as a scene file",
+                        [options] { showScene(*options); });
   scene->add_option("name", options->scene.scene, "Name of the scene, or a scene file (.json)")->required();
   addArgumentOptions(*scene, options->scene);
 }

@@ -52,9 +52,9 @@ void fromScene(const PictureCommand& options, const Look& look) {
   session.quiet = options.quiet;
   session.look = look;
   session.pictures = picturesOf(options.picture, prepared.steps);
-  prepared.steps = std::max_element(session.pictures.begin(), session.pictures.end(), [](const auto& a, const auto& b) {
-                     return a.afterSteps < b.afterSteps;
-                   })->afterSteps;
+  prepared.steps = std::max_element(session.pictures.begin(), session.pictures.end(),
+                                    [](const auto& a, const auto& b) { return a.afterSteps < b.afterSteps; })
+                       ->afterSteps;
   runSession(std::move(prepared), session);
 }
 
@@ -68,8 +68,12 @@ int picture(const PictureCommand& options) {
 
 void addPicture(CLI::App& app, int& status) {
   auto options = std::make_shared<PictureCommand>();
-  CLI::App* command = app.add_subcommand("picture", "Draw a scene (as it begins, or where --at says) or frames of a trajectory");
-  command->add_option("scene", options->job.scene, "Name of a scene, a scene file (.json) or a trajectory (.rubble)")->required();
+  CLI::App* command = app.add_subcommand(
+      "picture", "Draw a scene (as it begins, or where --at says) or frames of a trajectory");
+  command
+      ->add_option("scene", options->job.scene,
+                   "Name of a scene, a scene file (.json) or a trajectory (.rubble)")
+      ->required();
   addPictureOptions(*command, options->picture, "-o,--out");
   command->get_option("--out")->required();
   addArgumentOptions(*command, options->job);

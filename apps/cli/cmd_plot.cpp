@@ -34,8 +34,11 @@ void plot(const PlotCommand&) {
 
 void addPlot(CLI::App& app, int& status) {
   auto options = std::make_shared<PlotCommand>();
-  CLI::App* command = app.add_subcommand("plot", "Plot times, errors and energy of reports (JSON of run or bench)");
-  command->add_option("reports", options->reports, "Files written by run --json or bench --json")->required()->type_name("REPORT.json");
+  CLI::App* command = app.add_subcommand("plot",
+                                         "Plot times, errors and energy of reports (JSON of run or bench)");
+  command->add_option("reports", options->reports, "Files written by run --json or bench --json")
+      ->required()
+      ->type_name("REPORT.json");
   command->add_option("-o,--out", options->out, "plot.svg or plot.png")->required()->type_name("FILE");
   command->add_option("--kind", options->kind, fmt::format("{}", fmt::join(plotKinds(), ", ")))
       ->capture_default_str();

@@ -22,17 +22,20 @@ struct RenderCommand {
 };
 
 void printMeasure(const RenderMeasure& m, const RenderOptions& options) {
-  fmt::print("{} bodies, {}x{}, {}\n", grouped(static_cast<long long>(m.bodies)), options.width, options.height, m.device);
+  fmt::print("{} bodies, {}x{}, {}\n", grouped(static_cast<long long>(m.bodies)), options.width,
+             options.height, m.device);
   fmt::print(
-      "  frame: mean {:.2f} ms, median {:.2f} ms, 95 % {:.2f} ms ({:.1f} frames a second), {} frames\n  processor time of all threads: "
+      "  frame: mean {:.2f} ms, median {:.2f} ms, 95 % {:.2f} ms ({:.1f} frames a second), {} frames\n  "
+      "processor time of all threads: "
       "{:.1f} ms a frame\n",
       m.meanMs, m.medianMs, m.p95Ms, 1000 / m.meanMs, m.frames, m.cpuMs);
   if (m.stepMs > 0) {
     constexpr double kFrames = 60, kSteps = 30;
     const double busy = (kFrames * m.meanMs + kSteps * m.stepMs) / 1000;
-    fmt::print("  step: mean {:.2f} ms ({:.1f} a second); a step and a frame: {:.2f} ms ({:.1f} a second)\n", m.stepMs, 1000 / m.stepMs,
-               m.stepMs + m.meanMs, 1000 / (m.stepMs + m.meanMs));
-    fmt::print("  {:.0f} frames and {:.0f} steps take {:.3f} s: {} real time\n", kFrames, kSteps, busy, busy <= 1 ? "within" : "slower than");
+    fmt::print("  step: mean {:.2f} ms ({:.1f} a second); a step and a frame: {:.2f} ms ({:.1f} a second)\n",
+               m.stepMs, 1000 / m.stepMs, m.stepMs + m.meanMs, 1000 / (m.stepMs + m.meanMs));
+    fmt::print("  {:.0f} frames and {:.0f} steps take {:.3f} s: {} real time\n", kFrames, kSteps, busy,
+               busy <= 1 ? "within" : "slower than");
   }
   fmt::print("  poses {}; boxes {}; stage by stage, waiting after each:\n", m.poses, m.boxes);
   double sum = 0;
@@ -61,7 +64,9 @@ int renderNow(RenderCommand& command) {
   }
   if (options.out.empty()) throw Error("--out", "a file for the film or the pictures", "none");
   const RenderResult result = renderFilm(options);
-  if (!options.quiet) fmt::print("{}: {} picture{}, {}\n", options.out, result.frames, result.frames == 1 ? "" : "s", result.device);
+  if (!options.quiet)
+    fmt::print("{}: {} picture{}, {}\n", options.out, result.frames, result.frames == 1 ? "" : "s",
+               result.device);
   return kHolds;
 }
 
@@ -71,30 +76,45 @@ void addRender(CLI::App& app, int& status) {
   auto command = std::make_shared<RenderCommand>();
   command->look.fieldOfView = 28;
   RenderOptions& options = command->options;
-  CLI::App* sub = app.add_subcommand("render", "Make a film or pictures of a scene or a trajectory, without a display");
-  sub->add_option("scene", options.job.scene, "Name of a scene, a scene file (.json) or a trajectory (.rubble)")->required();
-  sub->add_option("-o,--out", options.out, "film.mp4 (.mkv, .mov, .webm, .gif), frame_%04d.png, or picture.png (.jpg) for the end alone")
+  CLI::App* sub = app.add_subcommand("render",
+                                     "Make a film or pictures of a scene or a trajectory, without a display");
+  sub->add_option("scene", options.job.scene,
+                  "Name of a scene, a scene file (.json) or a trajectory (.rubble)")
+      ->required();
+  sub->add_option(
+         "-o,--out", options.out,
+         "film.mp4 (.mkv, .mov, .webm, .gif), frame_%04d.png, or picture.png (.jpg) for the end alone")
       ->type_name("FILE");
-  sub->add_option("--camera", options.camera, fmt::format("{}", fmt::join(cameraNames(), ", ")))->capture_default_str();
+  sub->add_option("--camera", options.camera, fmt::format("{}", fmt::join(cameraNames(), ", ")))
+      ->capture_default_str();
   addViewOptions(*sub, command->look);
   sub->add_option("--orbit", command->orbitDegrees, "Turn the camera about its target [degrees/s of film]");
-  sub->add_option("--fps", options.fps, "Frames a second of film")->check(CLI::Range(1.0, 1000.0))->capture_default_str();
+  sub->add_option("--fps", options.fps, "Frames a second of film")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
   sub->add_option("--slow", options.slow, "Slow motion: seconds of film for a second of the scene")
       ->check(CLI::Range(.01, 1000.0))
       ->capture_default_str();
-  sub->add_option("--every", options.every, "A frame every so many steps, whatever the time")->check(CLI::PositiveNumber);
+  sub->add_option("--every", options.every, "A frame every so many steps, whatever the time")
+      ->check(CLI::PositiveNumber);
   sub->add_option("--from", options.from, "Begin after this step")->check(CLI::NonNegativeNumber);
-  sub->add_option("--samples", options.samples, "Samples a pixel (default: 32 for a picture; 4 for a film, 16 on a GPU)")
+  sub->add_option("--samples", options.samples,
+                  "Samples a pixel (default: 32 for a picture; 4 for a film, 16 on a GPU)")
       ->check(CLI::Range(1, 4096));
-  sub->add_option("--compare", options.compare, "Side by side: two backends (cpu,reference) or two numbers of iterations (4,16)")
+  sub->add_option("--compare", options.compare,
+                  "Side by side: two backends (cpu,reference) or two numbers of iterations (4,16)")
       ->delimiter(',');
   sub->add_flag("--overlay", options.overlay, "Write scene, bodies, time and step time on the picture");
-  sub->add_option("--color-max", options.colorMax, "Value of the hottest colour (default: the largest of each picture)")
+  sub->add_option("--color-max", options.colorMax,
+                  "Value of the hottest colour (default: the largest of each picture)")
       ->check(CLI::PositiveNumber);
-  sub->add_option("--show", command->show, "Draw over the picture: contacts, forces, joints, bounds")->delimiter(',');
-  sub->add_option("--measure", command->measure, "Write nothing: draw this many frames of the start and report milliseconds")
+  sub->add_option("--show", command->show, "Draw over the picture: contacts, forces, joints, bounds")
+      ->delimiter(',');
+  sub->add_option("--measure", command->measure,
+                  "Write nothing: draw this many frames of the start and report milliseconds")
       ->check(CLI::PositiveNumber);
-  sub->add_flag("--live", command->live, "With --measure: take a step of the scene before each frame, and report it as well");
+  sub->add_flag("--live", command->live,
+                "With --measure: take a step of the scene before each frame, and report it as well");
   addArgumentOptions(*sub, options.job);
   addSolverOptions(*sub, options.job);
   addBackendOptions(*sub, options.job);

@@ -30,7 +30,8 @@ int run(const RunOptions& options) {
   session.pictures = picturesOf(options.picture, prepared.steps);
   const SessionResult result = runSession(std::move(prepared), session);
   // JSON on standard output has it for itself.
-  if (!options.quiet) fmt::print(options.jsonFile == "-" ? stderr : stdout, "{}", textReport(result.record, result.reports));
+  if (!options.quiet)
+    fmt::print(options.jsonFile == "-" ? stderr : stdout, "{}", textReport(result.record, result.reports));
   if (!options.jsonFile.empty()) writeOutput(options.jsonFile, io::toJson(result.record));
   return result.record.holds ? kHolds : kDoesNotHold;
 }
@@ -39,17 +40,25 @@ int run(const RunOptions& options) {
 
 void addRun(CLI::App& app, int& status) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* command = app.add_subcommand("run", "Run a scene, report times and quality, and judge its verdict");
-  command->add_option("scene", options->job.scene, "Name of a scene (see 'rubble info scenes'), or a scene file (.json)")->required();
+  CLI::App* command = app.add_subcommand("run",
+                                         "Run a scene, report times and quality, and judge its verdict");
+  command
+      ->add_option("scene", options->job.scene,
+                   "Name of a scene (see 'rubble info scenes'), or a scene file (.json)")
+      ->required();
   addArgumentOptions(*command, options->job);
   addSolverOptions(*command, options->job);
   addBackendOptions(*command, options->job);
-  command->add_option("--json", options->jsonFile, "Write the report as JSON; '-' is standard output")->type_name("FILE");
-  command->add_flag("--series", options->series, "Have time, step time, energy and errors of every step in the report, for 'rubble plot'");
+  command->add_option("--json", options->jsonFile, "Write the report as JSON; '-' is standard output")
+      ->type_name("FILE");
+  command->add_flag("--series", options->series,
+                    "Have time, step time, energy and errors of every step in the report, for 'rubble plot'");
   command->add_flag("--no-stages", options->noStages, "Without the clocks of stages, as in 'rubble bench'");
-  command->add_option("--record", options->recordFile, "Write the trajectory of every body")->type_name("FILE");
+  command->add_option("--record", options->recordFile, "Write the trajectory of every body")
+      ->type_name("FILE");
   addPictureOptions(*command, options->picture, "--picture");
-  command->add_flag("-q,--quiet", options->quiet, "No progress and no text report; the exit status is the verdict");
+  command->add_flag("-q,--quiet", options->quiet,
+                    "No progress and no text report; the exit status is the verdict");
   command->callback([options, &status] { status = run(*options); });
 }
 

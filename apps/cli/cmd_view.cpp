@@ -32,8 +32,10 @@ viewer::Opened opened(JobOptions job, const viewer::Request& request) {
   if (!request.backend.empty()) job.backend = request.backend;
   PreparedJob prepared = prepareJob(job);
   const int iterations = prepared.world.params.iterations;
-  viewer::Opened out{prepared.title, fmt::format("{}, {} iteration{}", prepared.world.backend, iterations, iterations == 1 ? "" : "s"),
-                     std::move(prepared.job), prepared.world};
+  viewer::Opened out{
+      prepared.title,
+      fmt::format("{}, {} iteration{}", prepared.world.backend, iterations, iterations == 1 ? "" : "s"),
+      std::move(prepared.job), prepared.world};
   if (!isSceneFile(job.scene)) {
     out.arguments = scenes::find(job.scene).arguments;
     for (const std::string& text : job.arguments) {
@@ -58,13 +60,18 @@ int view(const ViewCommand& command) {
   const std::vector<JobOptions> jobs = comparedJobs(command.job, command.compare);
   options.sides = static_cast<int>(jobs.size());
   for (const scenes::Spec& spec : scenes::registry()) options.scenes.push_back(spec.name);
-  options.open = [jobs](const viewer::Request& request, int side) { return opened(jobs[static_cast<std::size_t>(side)], request); };
+  options.open = [jobs](const viewer::Request& request, int side) {
+    return opened(jobs[static_cast<std::size_t>(side)], request);
+  };
   viewer::runViewer(options);
   return kHolds;
 }
 #else
 int view(const ViewCommand&) {
-  throw Error("view", "a build with GLFW and Dear ImGui (Debian: apt-get install libglfw3-dev libimgui-dev libepoxy-dev)", "one without");
+  throw Error(
+      "view",
+      "a build with GLFW and Dear ImGui (Debian: apt-get install libglfw3-dev libimgui-dev libepoxy-dev)",
+      "one without");
 }
 #endif
 
@@ -73,13 +80,20 @@ int view(const ViewCommand&) {
 void addView(CLI::App& app, int& status) {
   auto command = std::make_shared<ViewCommand>();
   CLI::App* sub = app.add_subcommand("view", "Open a window on a running scene; ? shows the keys");
-  sub->add_option("scene", command->job.scene, "Name of a scene, a scene file (.json) or a trajectory (.rubble)")->required();
-  sub->add_option("--size", command->size, "Size of the window in pixels")->type_name("WxH")->capture_default_str();
-  sub->add_option("--compare", command->compare, "Side by side: two backends (cpu,reference) or two numbers of iterations (4,16)")
+  sub->add_option("scene", command->job.scene,
+                  "Name of a scene, a scene file (.json) or a trajectory (.rubble)")
+      ->required();
+  sub->add_option("--size", command->size, "Size of the window in pixels")
+      ->type_name("WxH")
+      ->capture_default_str();
+  sub->add_option("--compare", command->compare,
+                  "Side by side: two backends (cpu,reference) or two numbers of iterations (4,16)")
       ->delimiter(',');
   sub->add_option("--frames", command->frames, "Close after so many frames")->check(CLI::PositiveNumber);
   sub->add_option("--screenshot", command->screenshot, "Write the last frame (PNG)")->type_name("FILE");
-  sub->add_option("--state", command->stateFile, "Write what the window shows, anew in every frame (JSON; for tests)")->type_name("FILE");
+  sub->add_option("--state", command->stateFile,
+                  "Write what the window shows, anew in every frame (JSON; for tests)")
+      ->type_name("FILE");
   addArgumentOptions(*sub, command->job);
   addSolverOptions(*sub, command->job);
   addBackendOptions(*sub, command->job);

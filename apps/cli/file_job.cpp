@@ -21,8 +21,8 @@ scenes::Probes probesFor(const io::SceneFile& file) {
   if (smashes) probes = scenes::smashProbes(file.scene, moment);
   // Stacks have no joints; a mechanism has no top level unless its verdict says so.
   const auto isStackMetric = [](const io::FileClaim& claim) {
-    return claim.metric.starts_with("top_drop") || claim.metric == "max_drift_m" || claim.metric == "bricks_lost" ||
-           claim.metric == "lowest_m";
+    return claim.metric.starts_with("top_drop") || claim.metric == "max_drift_m" ||
+           claim.metric == "bricks_lost" || claim.metric == "lowest_m";
   };
   if (file.scene.joints.empty() || std::any_of(file.claims.begin(), file.claims.end(), isStackMetric))
     probes.push_back(scenes::stackProbe(file.scene, moment));
@@ -41,7 +41,8 @@ std::vector<io::Fault> checkFile(const std::string& file, io::SceneFile& scene) 
   scene = io::parseScene(text.str(), faults, io::folderOf(file));
   for (std::size_t i = 0; i < scene.claims.size(); ++i) {
     const std::string wrong = metricFault(scene, scene.claims[i].metric);
-    if (!wrong.empty() && !scene.claims[i].metric.empty()) faults.push_back({fmt::format("verdict[{}].metric", i), 0, 0, wrong});
+    if (!wrong.empty() && !scene.claims[i].metric.empty())
+      faults.push_back({fmt::format("verdict[{}].metric", i), 0, 0, wrong});
   }
   return faults;
 }
@@ -71,10 +72,11 @@ scenes::Job loadFileJob(const std::string& file) {
   const std::vector<io::Fault> faults = checkFile(file, scene);
   if (!faults.empty()) throw Error(io::faultText(file, faults));
   scenes::Job job;
-  for (const io::FileClaim& claim : scene.claims) job.claims.push_back({claim.metric, claim.min, claim.max, claim.why});
+  for (const io::FileClaim& claim : scene.claims)
+    job.claims.push_back({claim.metric, claim.min, claim.max, claim.why});
   job.probes = probesFor(scene);
-  job.camera =
-      scene.camera ? scenes::Camera{scene.camera->eye, scene.camera->target} : cameraShowing(scene.scene, {}, scene.smashStep >= 0);
+  job.camera = scene.camera ? scenes::Camera{scene.camera->eye, scene.camera->target}
+                            : cameraShowing(scene.scene, {}, scene.smashStep >= 0);
   job.steps = scene.steps;
   job.iterations = scene.iterations;
   job.substeps = scene.substeps;
@@ -89,7 +91,8 @@ io::SceneFile fileOf(const scenes::Job& job) {
   file.scene = job.scene;
   file.smashStep = job.smashStep;
   for (const scenes::Claim& claim : job.claims)
-    if (metricFault(file, claim.metric).empty()) file.claims.push_back({claim.metric, claim.min, claim.max, claim.why});
+    if (metricFault(file, claim.metric).empty())
+      file.claims.push_back({claim.metric, claim.min, claim.max, claim.why});
   file.camera = io::FileCamera{job.camera.eye, job.camera.target};
   file.steps = job.steps;
   file.iterations = job.iterations;

@@ -26,20 +26,30 @@ double angleBetween(const Quat& a, const Quat& b) {
 
 const std::vector<BodyMetric>& bodyTable() {
   static const std::vector<BodyMetric> table{
-      {{"x_m", "position along x [m]"}, [](const World&, const BodyDef&, const BodyState& now) { return now.position.x; }},
-      {{"y_m", "position along y [m]"}, [](const World&, const BodyDef&, const BodyState& now) { return now.position.y; }},
-      {{"z_m", "position along z [m]"}, [](const World&, const BodyDef&, const BodyState& now) { return now.position.z; }},
+      {{"x_m", "position along x [m]"},
+       [](const World&, const BodyDef&, const BodyState& now) { return now.position.x; }},
+      {{"y_m", "position along y [m]"},
+       [](const World&, const BodyDef&, const BodyState& now) { return now.position.y; }},
+      {{"z_m", "position along z [m]"},
+       [](const World&, const BodyDef&, const BodyState& now) { return now.position.z; }},
       {{"height_m", "position against gravity, from the origin [m]"},
-       [](const World& world, const BodyDef&, const BodyState& now) { return dot(upOf(world), now.position); }},
+       [](const World& world, const BodyDef&, const BodyState& now) {
+         return dot(upOf(world), now.position);
+       }},
       {{"drop_m", "how far down from its start [m]"},
-       [](const World& world, const BodyDef& start, const BodyState& now) { return dot(upOf(world), start.position - now.position); }},
+       [](const World& world, const BodyDef& start, const BodyState& now) {
+         return dot(upOf(world), start.position - now.position);
+       }},
       {{"moved_m", "distance from its start [m]"},
-       [](const World&, const BodyDef& start, const BodyState& now) { return length(now.position - start.position); }},
+       [](const World&, const BodyDef& start, const BodyState& now) {
+         return length(now.position - start.position);
+       }},
       {{"turned_deg", "angle from its orientation at the start [degrees]"},
        [](const World&, const BodyDef& start, const BodyState& now) {
          return angleBetween(start.orientation, now.orientation) * 180 / std::numbers::pi;
        }},
-      {{"speed_m_s", "speed of its centre [m/s]"}, [](const World&, const BodyDef&, const BodyState& now) { return length(now.velocity); }},
+      {{"speed_m_s", "speed of its centre [m/s]"},
+       [](const World&, const BodyDef&, const BodyState& now) { return length(now.velocity); }},
       {{"spin_rad_s", "angular speed [rad/s]"},
        [](const World&, const BodyDef&, const BodyState& now) { return length(now.angularVelocity); }},
   };
@@ -57,7 +67,8 @@ const std::vector<JointMetric>& jointTable() {
       {{"angle_deg", "fixed: deviation from its orientation [degrees]"},
        [](const JointState& joint) { return joint.angle * 180 / std::numbers::pi; }},
       {{"force_n", "force that it carries [N]"}, [](const JointState& joint) { return length(joint.force); }},
-      {{"torque_n_m", "torque of its orientation rows [N m]"}, [](const JointState& joint) { return length(joint.torque); }},
+      {{"torque_n_m", "torque of its orientation rows [N m]"},
+       [](const JointState& joint) { return length(joint.torque); }},
       {{"broken", "1 if it broke"}, [](const JointState& joint) { return joint.broken ? 1. : 0.; }},
   };
   return table;
@@ -70,8 +81,10 @@ template <class Table> std::vector<NamedMetric> namesOf(const Table& table) {
   return names;
 }
 
-template <class Table> auto findIn(const Table& table, const std::string& quantity) -> decltype(&table.front()) {
-  const auto found = std::find_if(table.begin(), table.end(), [&](const auto& entry) { return quantity == entry.name.quantity; });
+template <class Table>
+auto findIn(const Table& table, const std::string& quantity) -> decltype(&table.front()) {
+  const auto found = std::find_if(table.begin(), table.end(),
+                                  [&](const auto& entry) { return quantity == entry.name.quantity; });
   return found == table.end() ? nullptr : &*found;
 }
 
@@ -86,9 +99,11 @@ struct Split {
   }
 };
 
-/// What the probes of scene files measure of the whole scene: before a smash (or at the end), and after it with "smash_" in front.
-constexpr const char* kQuality[] = {"penetration_mean_m", "penetration_p99_m", "penetration_max_m", "joint_gap_mean_m", "joint_gap_max_m",
-                                    "kinetic_energy_j",   "max_speed_m_s",     "quarantined",       "broken_joints"};
+/// What the probes of scene files measure of the whole scene: before a smash (or at the end), and after it
+/// with "smash_" in front.
+constexpr const char* kQuality[] = {"penetration_mean_m", "penetration_p99_m", "penetration_max_m",
+                                    "joint_gap_mean_m",   "joint_gap_max_m",   "kinetic_energy_j",
+                                    "max_speed_m_s",      "quarantined",       "broken_joints"};
 constexpr const char* kStack[] = {"top_drop_m", "top_drop_peak_m", "max_drift_m", "bricks_lost", "lowest_m"};
 constexpr const char* kSmash[] = {"moved_ratio", "lowest_m", "top_drop_m"};
 
@@ -102,7 +117,8 @@ class NamedProbe final : public scenes::Probe {
       // A body that is gone has no metric; its claim then says "not measured".
       if (const BodyMetric* body = findIn(bodyTable(), split.quantity)) {
         for (const BodyId id : world.bodies())
-          if (world.definition(id).name == split.name) metrics[metric] = body->measure(world, world.definition(id), world.state(id));
+          if (world.definition(id).name == split.name)
+            metrics[metric] = body->measure(world, world.definition(id), world.state(id));
       } else if (const JointMetric* joint = findIn(jointTable(), split.quantity)) {
         metrics[metric] = joint->measure(world.state(world.findJoint(split.name)));
       }
@@ -116,12 +132,14 @@ class NamedProbe final : public scenes::Probe {
 bool hasBody(const Scene& scene, const std::string& name) {
   const auto named = [&](const BodyDef& body) { return body.name == name; };
   if (std::any_of(scene.bodies.begin(), scene.bodies.end(), named)) return true;
-  return std::any_of(scene.events.begin(), scene.events.end(),
-                     [&](const Event& event) { return std::any_of(event.add.begin(), event.add.end(), named); });
+  return std::any_of(scene.events.begin(), scene.events.end(), [&](const Event& event) {
+    return std::any_of(event.add.begin(), event.add.end(), named);
+  });
 }
 
 bool hasJoint(const Scene& scene, const std::string& name) {
-  return std::any_of(scene.joints.begin(), scene.joints.end(), [&](const JointDef& joint) { return joint.name == name; });
+  return std::any_of(scene.joints.begin(), scene.joints.end(),
+                     [&](const JointDef& joint) { return joint.name == name; });
 }
 
 std::vector<std::string> quantities(const std::vector<NamedMetric>& metrics) {
@@ -164,14 +182,20 @@ std::string metricFault(const io::SceneFile& file, const std::string& metric) {
   if (split.quantity.empty()) {
     const std::vector<std::string> known = sceneMetrics(file.smashStep >= 0);
     if (std::find(known.begin(), known.end(), metric) != known.end()) return "";
-    return fmt::format("expected one of {}, or NAME.QUANTITY of a body or joint, got \"{}\"", fmt::join(known, ", "), metric);
+    return fmt::format("expected one of {}, or NAME.QUANTITY of a body or joint, got \"{}\"",
+                       fmt::join(known, ", "), metric);
   }
   if (findIn(bodyTable(), split.quantity))
-    return hasBody(file.scene, split.name) ? "" : fmt::format("expected the name of a body before the dot, got \"{}\"", split.name);
+    return hasBody(file.scene, split.name)
+               ? ""
+               : fmt::format("expected the name of a body before the dot, got \"{}\"", split.name);
   if (findIn(jointTable(), split.quantity))
-    return hasJoint(file.scene, split.name) ? "" : fmt::format("expected the name of a joint before the dot, got \"{}\"", split.name);
-  return fmt::format("expected one of {} (bodies) or {} (joints) after the dot, got \"{}\"", fmt::join(quantities(bodyMetrics()), ", "),
-                     fmt::join(quantities(jointMetrics()), ", "), split.quantity);
+    return hasJoint(file.scene, split.name)
+               ? ""
+               : fmt::format("expected the name of a joint before the dot, got \"{}\"", split.name);
+  return fmt::format("expected one of {} (bodies) or {} (joints) after the dot, got \"{}\"",
+                     fmt::join(quantities(bodyMetrics()), ", "), fmt::join(quantities(jointMetrics()), ", "),
+                     split.quantity);
 }
 
 }  // namespace rubble::cli

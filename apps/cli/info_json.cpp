@@ -17,7 +17,12 @@ std::string scenesJson() {
   for (const scenes::Spec& spec : scenes::registry()) {
     Json arguments = Json::array();
     for (const scenes::Argument& a : spec.arguments)
-      arguments.push_back({{"name", a.name}, {"value", a.value}, {"min", a.min}, {"max", a.max}, {"unit", a.unit}, {"doc", a.doc}});
+      arguments.push_back({{"name", a.name},
+                           {"value", a.value},
+                           {"min", a.min},
+                           {"max", a.max},
+                           {"unit", a.unit},
+                           {"doc", a.doc}});
     list.push_back({{"name", spec.name},
                     {"doc", spec.doc},
                     {"steps", spec.steps},
@@ -37,13 +42,17 @@ static Json fieldsJson(const std::vector<ForceField>& fields) {
 std::string forcesJson() {
   Json list = Json::array();
   for (const ForceInfo& force : forceInfos())
-    list.push_back({{"name", force.name}, {"doc", force.doc}, {"rows", force.rows}, {"fields", fieldsJson(force.fields)}});
+    list.push_back({{"name", force.name},
+                    {"doc", force.doc},
+                    {"rows", force.rows},
+                    {"fields", fieldsJson(force.fields)}});
   return io::prettyJson(list);
 }
 
 std::string deformablesJson() {
   Json list = Json::array();
-  for (const DeformableInfo& info : deformableInfos()) list.push_back({{"name", info.name}, {"doc", info.doc}, {"fields", fieldsJson(info.fields)}});
+  for (const DeformableInfo& info : deformableInfos())
+    list.push_back({{"name", info.name}, {"doc", info.doc}, {"fields", fieldsJson(info.fields)}});
   return io::prettyJson(list);
 }
 
@@ -62,7 +71,9 @@ std::string paramsJson() {
 
 std::vector<std::pair<std::string, std::string>> pictureFeatures() {
   const std::string ffmpeg = render::ffmpegProgram();
-  return {{"pictures", render::openglStatus()}, {"text", "Cairo " + render::cairoStatus()}, {"films", ffmpeg.empty() ? "off: no ffmpeg on PATH" : "on: " + ffmpeg}};
+  return {{"pictures", render::openglStatus()},
+          {"text", "Cairo " + render::cairoStatus()},
+          {"films", ffmpeg.empty() ? "off: no ffmpeg on PATH" : "on: " + ffmpeg}};
 }
 
 std::string buildJson() {
@@ -81,10 +92,12 @@ std::string buildJson() {
 std::string metricsJson() {
   const auto named = [](const std::vector<NamedMetric>& metrics) {
     Json list = Json::array();
-    for (const NamedMetric& metric : metrics) list.push_back({{"quantity", metric.quantity}, {"doc", metric.doc}});
+    for (const NamedMetric& metric : metrics)
+      list.push_back({{"quantity", metric.quantity}, {"doc", metric.doc}});
     return list;
   };
-  return io::prettyJson({{"body", named(bodyMetrics())}, {"joint", named(jointMetrics())}, {"scene", sceneMetrics(true)}});
+  return io::prettyJson(
+      {{"body", named(bodyMetrics())}, {"joint", named(jointMetrics())}, {"scene", sceneMetrics(true)}});
 }
 
 }  // namespace rubble::cli

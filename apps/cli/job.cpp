@@ -66,34 +66,44 @@ scenes::Camera cameraShowing(const Scene& scene, const Vec3& direction, bool sma
 }
 
 void addArgumentOptions(CLI::App& app, JobOptions& options) {
-  app.add_option("-a,--arg", options.arguments, "Set an argument of the scene (see 'rubble info scene NAME'); may be repeated")
+  app.add_option("-a,--arg", options.arguments,
+                 "Set an argument of the scene (see 'rubble info scene NAME'); may be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
 }
 
 void addSolverOptions(CLI::App& app, JobOptions& options) {
-  app.add_option("-n,--steps", options.steps, "Number of steps (default: as the scene says)")->check(CLI::PositiveNumber);
-  app.add_option("-i,--iterations", options.iterations, "Solver iterations in a step (default: as the scene says)")
+  app.add_option("-n,--steps", options.steps, "Number of steps (default: as the scene says)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--substeps", options.substeps, "Full steps that a time step is divided into (default: as the scene says)")
+  app.add_option("-i,--iterations", options.iterations,
+                 "Solver iterations in a step (default: as the scene says)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--substeps", options.substeps,
+                 "Full steps that a time step is divided into (default: as the scene says)")
       ->check(CLI::PositiveNumber);
   app.add_option("--dt", options.dt, "Time step [s] (default: 1/60)")->check(CLI::PositiveNumber);
   app.add_option("--preset", options.preset, "Parameter set: engine, paper or demo3d")->capture_default_str();
-  app.add_option("--param", options.parameters, "Set a parameter of the method, for study (see 'rubble info params'); may be repeated")
+  app.add_option("--param", options.parameters,
+                 "Set a parameter of the method, for study (see 'rubble info params'); may be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false);
 }
 
 void addBackendOptions(CLI::App& app, JobOptions& options) {
   options.backend.clear();
-  app.add_option("-b,--backend", options.backend, "Where the step runs (see 'rubble info build'; default: cuda where there is a GPU, else cpu)");
-  app.add_option("-t,--threads", options.threads, "Worker threads; 0 is one a core")->check(CLI::NonNegativeNumber)->capture_default_str();
+  app.add_option(
+      "-b,--backend", options.backend,
+      "Where the step runs (see 'rubble info build'; default: cuda where there is a GPU, else cpu)");
+  app.add_option("-t,--threads", options.threads, "Worker threads; 0 is one a core")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
 }
 
 std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vector<std::string>& compare) {
   if (compare.empty()) return {options};
   if (compare.size() != 2)
-    throw Error("--compare", "two backends or two numbers of iterations, with a comma between them", fmt::format("{}", compare.size()));
+    throw Error("--compare", "two backends or two numbers of iterations, with a comma between them",
+                fmt::format("{}", compare.size()));
   std::vector<JobOptions> jobs(2, options);
   for (std::size_t i = 0; i < 2; ++i) {
     if (!compare[i].empty() && compare[i].find_first_not_of("0123456789") == std::string::npos)
@@ -126,7 +136,8 @@ scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& ar
   }
   const scenes::Spec& spec = scenes::find(scene);
   scenes::Job job = scenes::prepare(spec, scenes::resolve(spec, parseArguments(arguments)));
-  if (!spec.travels) job.camera = cameraShowing(job.scene, job.camera.target - job.camera.eye, job.smashStep >= 0);
+  if (!spec.travels)
+    job.camera = cameraShowing(job.scene, job.camera.target - job.camera.eye, job.smashStep >= 0);
   return job;
 }
 
@@ -134,7 +145,9 @@ PreparedJob prepareJob(const JobOptions& options) {
   const std::string backend = options.backend.empty() ? bestBackend() : options.backend;
   checkBackend(backend);
   PreparedJob prepared;
-  prepared.title = options.arguments.empty() ? options.scene : fmt::format("{} {}", options.scene, fmt::join(options.arguments, " "));
+  prepared.title = options.arguments.empty()
+                       ? options.scene
+                       : fmt::format("{} {}", options.scene, fmt::join(options.arguments, " "));
   prepared.job = loadJob(options.scene, options.arguments);
   prepared.world.backend = backend;
   prepared.world.threads = options.threads;

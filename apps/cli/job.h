@@ -1,5 +1,6 @@
 #pragma once
-/// From what was typed to a job that is ready to run. Every subcommand that runs a scene shares these options.
+/// From what was typed to a job that is ready to run. Every subcommand that runs a scene shares these
+/// options.
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,13 +16,14 @@ struct JobOptions {
   std::vector<std::string> arguments;   ///< "name=value"
   std::vector<std::string> parameters;  ///< "name=value", of rubble::paramFields()
   std::optional<int> steps, iterations, substeps;
-  std::optional<double> dt;  ///< [s]
+  std::optional<double> dt;     ///< [s]
   std::string backend = "cpu";  ///< "": bestBackend()
   std::string preset = "engine";
   int threads = 0;
 };
 
-/// Adds the options to a subcommand. `scene` is left to the caller, which knows whether it takes one or several.
+/// Adds the options to a subcommand. `scene` is left to the caller, which knows whether it takes one or
+/// several.
 void addArgumentOptions(CLI::App& app, JobOptions& options);
 void addSolverOptions(CLI::App& app, JobOptions& options);
 void addBackendOptions(CLI::App& app, JobOptions& options);
@@ -45,14 +47,15 @@ PreparedJob prepareJob(const JobOptions& options);
 /// The same without its probes, which look at every body after every step: for what is drawn and not judged.
 PreparedJob withoutProbes(PreparedJob prepared);
 
-/// One job, or two that differ in what `compare` names: two backends or two numbers of iterations. Throws Error for anything else.
+/// One job, or two that differ in what `compare` names: two backends or two numbers of iterations. Throws
+/// Error for anything else.
 std::vector<JobOptions> comparedJobs(const JobOptions& options, const std::vector<std::string>& compare);
 
 /// The scene of a registry name or file, with its camera and claims.
 scenes::Job loadJob(const std::string& scene, const std::vector<std::string>& arguments);
 
-/// A camera that shows everything that the scene holds or will hold, along `direction` (zero: a usual one), with room for rubble if it
-/// is smashed.
+/// A camera that shows everything that the scene holds or will hold, along `direction` (zero: a usual one),
+/// with room for rubble if it is smashed.
 scenes::Camera cameraShowing(const Scene& scene, const Vec3& direction, bool smashed);
 
 /// Does this name a file rather than a scene of the registry?

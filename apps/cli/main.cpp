@@ -27,7 +27,8 @@ constexpr const char* kFooter =
 /// The subcommands that were chosen, the program itself first.
 std::vector<const CLI::App*> chosenCommands(const CLI::App& app) {
   std::vector<const CLI::App*> chosen{&app};
-  while (!chosen.back()->get_subcommands().empty()) chosen.push_back(chosen.back()->get_subcommands().front());
+  while (!chosen.back()->get_subcommands().empty())
+    chosen.push_back(chosen.back()->get_subcommands().front());
   return chosen;
 }
 

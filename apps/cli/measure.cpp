@@ -34,7 +34,8 @@ void addTimes(io::RunRecord& record, const std::vector<StepReport>& reports, con
   record.settled = summarize(totals(reports, phases.settled));
   if (phases.smash) {
     record.smash = summarize(totals(reports, *phases.smash));
-    for (const auto& [name, times] : stageTimes(reports, *phases.smash)) record.smashStages.emplace_back(name, times.mean);
+    for (const auto& [name, times] : stageTimes(reports, *phases.smash))
+      record.smashStages.emplace_back(name, times.mean);
   }
   for (int i = phases.settled.begin; i < (phases.smash ? *phases.smash : phases.settled).end; ++i)
     record.restarts += reports[static_cast<std::size_t>(i)].restarts;
@@ -61,8 +62,8 @@ void addVerdict(io::RunRecord& record, const scenes::RunResult& result) {
   record.metrics = result.metrics;
   for (const scenes::ClaimResult& r : result.verdict.results) {
     const bool measured = result.metrics.contains(r.claim.metric);
-    record.claims.push_back(
-        {r.claim.metric, r.claim.min, r.claim.max, r.claim.why, measured ? r.value : std::numeric_limits<double>::quiet_NaN(), r.holds});
+    record.claims.push_back({r.claim.metric, r.claim.min, r.claim.max, r.claim.why,
+                             measured ? r.value : std::numeric_limits<double>::quiet_NaN(), r.holds});
   }
 }
 
@@ -92,7 +93,8 @@ bool isCollisionStage(const std::string& stage) {
   return std::find(kStages.begin(), kStages.end(), stage) != kStages.end();
 }
 
-std::vector<std::pair<std::string, io::PhaseTimes>> stageTimes(const std::vector<StepReport>& reports, StepRange range) {
+std::vector<std::pair<std::string, io::PhaseTimes>> stageTimes(const std::vector<StepReport>& reports,
+                                                               StepRange range) {
   std::vector<std::string> order;
   std::map<std::string, std::vector<double>> samples;
   for (int i = range.begin; i < range.end; ++i) {
@@ -108,7 +110,8 @@ std::vector<std::pair<std::string, io::PhaseTimes>> stageTimes(const std::vector
   return times;
 }
 
-io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, const scenes::RunResult& result, const Quality& quality) {
+io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, const scenes::RunResult& result,
+                         const Quality& quality) {
   io::RunRecord record;
   record.scene = prepared.title;
   record.backend = prepared.world.backend;
@@ -131,9 +134,11 @@ io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, co
   record.rssMb = residentMb();
   addVerdict(record, result);
   const Params& params = prepared.world.params;
-  if (static_cast<int>(result.reports.size()) != job.steps || params.iterations != job.iterations || params.substeps != job.substeps)
-    record.statedFor =
-        fmt::format("{} steps of {}{} iterations", job.steps, job.substeps == 1 ? "" : fmt::format("{} x ", job.substeps), job.iterations);
+  if (static_cast<int>(result.reports.size()) != job.steps || params.iterations != job.iterations ||
+      params.substeps != job.substeps)
+    record.statedFor = fmt::format("{} steps of {}{} iterations", job.steps,
+                                   job.substeps == 1 ? "" : fmt::format("{} x ", job.substeps),
+                                   job.iterations);
   record.machine = machineName();
   record.date = timestamp();
   return record;

@@ -13,8 +13,8 @@ struct StepRange {
   bool empty() const { return end <= begin; }
 };
 
-/// The phases that times are quoted for. Settled: the 60 steps before the smash, or steps 60 to 119 where there is none (the second half
-/// of a shorter run). Smash: the 120 steps from the smash on.
+/// The phases that times are quoted for. Settled: the 60 steps before the smash, or steps 60 to 119 where
+/// there is none (the second half of a shorter run). Smash: the 120 steps from the smash on.
 struct Phases {
   StepRange settled;
   std::optional<StepRange> smash;
@@ -28,9 +28,11 @@ int qualityStep(int smashStep, int steps, double dt);
 bool isCollisionStage(const std::string& stage);
 
 /// Times and counts of a run. `quality` is the one to quote.
-io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, const scenes::RunResult& result, const Quality& quality);
+io::RunRecord makeRecord(const PreparedJob& prepared, const scenes::Job& job, const scenes::RunResult& result,
+                         const Quality& quality);
 
 /// Each stage's wall clock over a range of steps, in the order of the step [ms].
-std::vector<std::pair<std::string, io::PhaseTimes>> stageTimes(const std::vector<StepReport>& reports, StepRange range);
+std::vector<std::pair<std::string, io::PhaseTimes>> stageTimes(const std::vector<StepReport>& reports,
+                                                               StepRange range);
 
 }  // namespace rubble::cli

@@ -21,7 +21,8 @@ std::optional<Vec3> pointOf(const std::vector<double>& numbers) {
 
 void parseSize(const std::string& text, int& width, int& height) {
   int read = 0;
-  const bool good = std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &read) == 2 && read == static_cast<int>(text.size());
+  const bool good = std::sscanf(text.c_str(), "%5dx%5d%n", &width, &height, &read) == 2 &&
+                    read == static_cast<int>(text.size());
   if (!good || width < 1 || height < 1 || width > kLargestSide || height > kLargestSide)
     throw Error("--size", fmt::format("WIDTHxHEIGHT of 1 to {} pixels", kLargestSide), text);
 }
@@ -29,8 +30,10 @@ void parseSize(const std::string& text, int& width, int& height) {
 }  // namespace
 
 void addPictureOptions(CLI::App& app, PictureOptions& options, const std::string& fileOption) {
-  app.add_option(fileOption, options.file, "Write a picture (PNG) at the end, or where --at says")->type_name("FILE");
-  app.add_option("--at", options.at, "Take the picture after these numbers of steps (0: the start); several files are numbered")
+  app.add_option(fileOption, options.file, "Write a picture (PNG) at the end, or where --at says")
+      ->type_name("FILE");
+  app.add_option("--at", options.at,
+                 "Take the picture after these numbers of steps (0: the start); several files are numbered")
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber);
   addViewOptions(app, options);
@@ -43,7 +46,9 @@ std::vector<std::string> colorKeys() {
 }
 
 void requireWorldless(io::ColorBy colorBy) {
-  if (!io::knownWithoutWorld(colorBy)) throw Error("--color-by", "body or speed for a trajectory, which has poses alone", io::quantity(colorBy).key);
+  if (!io::knownWithoutWorld(colorBy))
+    throw Error("--color-by", "body or speed for a trajectory, which has poses alone",
+                io::quantity(colorBy).key);
 }
 
 void addViewOptions(CLI::App& app, PictureOptions& options) {
@@ -51,10 +56,19 @@ void addViewOptions(CLI::App& app, PictureOptions& options) {
       ->delimiter(',')
       ->expected(3)
       ->type_name("X,Y,Z");
-  app.add_option("--target", options.target, "What the camera looks at [m]")->delimiter(',')->expected(3)->type_name("X,Y,Z");
-  app.add_option("--fov", options.fieldOfView, "Vertical field of view [degrees]")->check(CLI::Range(1.0, 150.0))->capture_default_str();
-  app.add_option("--size", options.size, "Size of the picture in pixels")->type_name("WxH")->capture_default_str();
-  app.add_option("--color-by", options.colorBy, "What the colours show")->check(CLI::IsMember(colorKeys()))->capture_default_str();
+  app.add_option("--target", options.target, "What the camera looks at [m]")
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("X,Y,Z");
+  app.add_option("--fov", options.fieldOfView, "Vertical field of view [degrees]")
+      ->check(CLI::Range(1.0, 150.0))
+      ->capture_default_str();
+  app.add_option("--size", options.size, "Size of the picture in pixels")
+      ->type_name("WxH")
+      ->capture_default_str();
+  app.add_option("--color-by", options.colorBy, "What the colours show")
+      ->check(CLI::IsMember(colorKeys()))
+      ->capture_default_str();
 }
 
 Look lookOf(const PictureOptions& options) {
@@ -76,9 +90,12 @@ std::vector<PictureRequest> picturesOf(const PictureOptions& options, int steps)
   const std::filesystem::path path(options.file);
   std::vector<PictureRequest> requests;
   for (const int at : options.at) {
-    if (at > steps) throw Error("--at", fmt::format("at most the number of steps, {}", steps), std::to_string(at));
-    const std::string numbered = fmt::format("{}-{:06}{}", path.stem().string(), at, path.extension().string());
-    requests.push_back({at, options.at.size() == 1 ? options.file : (path.parent_path() / numbered).string()});
+    if (at > steps)
+      throw Error("--at", fmt::format("at most the number of steps, {}", steps), std::to_string(at));
+    const std::string numbered = fmt::format("{}-{:06}{}", path.stem().string(), at,
+                                             path.extension().string());
+    requests.push_back(
+        {at, options.at.size() == 1 ? options.file : (path.parent_path() / numbered).string()});
   }
   return requests;
 }

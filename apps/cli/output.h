@@ -44,7 +44,8 @@ std::vector<std::string> colorKeys();
 void requireWorldless(io::ColorBy colorBy);
 /// Throws Error for a size or a point that is none.
 Look lookOf(const PictureOptions& options);
-/// One request for each step of --at; files are numbered if there are several. Throws Error for a step beyond the run.
+/// One request for each step of --at; files are numbered if there are several. Throws Error for a step beyond
+/// the run.
 std::vector<PictureRequest> picturesOf(const PictureOptions& options, int steps);
 
 /// Writes text to a file, or to standard output for "-".

@@ -60,7 +60,8 @@ void Progress::printLine(int done, double ms) {
   const int tenths = 10 * done / steps_;
   if (tenths == tenthsPrinted_) return;
   tenthsPrinted_ = tenths;
-  fmt::print(stderr, "{}: step {}/{}, {:.1f} ms/step, {}\n", title_, done, steps_, ms, duration(secondsNow() - startTime_));
+  fmt::print(stderr, "{}: step {}/{}, {:.1f} ms/step, {}\n", title_, done, steps_, ms,
+             duration(secondsNow() - startTime_));
 }
 
 }  // namespace rubble::cli

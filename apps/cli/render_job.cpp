@@ -19,15 +19,18 @@ constexpr int kPictureSamples = 32, kFilmSamples = 4, kFilmSamplesGpu = 16;
 constexpr int kDivider = 4;  // pixels between two runs
 constexpr double kTimeSlack = 1e-9;
 
-/// One run that is drawn. Moments are taken where a picture needs them: of the step that it shows, and of the one before if it lies between.
+/// One run that is drawn. Moments are taken where a picture needs them: of the step that it shows, and of the
+/// one before if it lies between.
 class Side {
  public:
-  Side(const RenderOptions& options, const JobOptions& job, int width, int height, render::PaintDevice& device, int samples)
+  Side(const RenderOptions& options, const JobOptions& job, int width, int height,
+       render::PaintDevice& device, int samples)
       : options_(options), source_(momentSource(job, options.colorBy, options.show)) {
     camera_ = cameraOf(options.camera, sightOf(*source_), width, height, options.fieldOfView);
     if (options.eye) camera_.eye = *options.eye;
     if (options.target) camera_.target = *options.target;
-    painter_ = device.painter(current().bodies, source_->gravity(), camera_, {width, height, samples, options.colorBy, options.colorMax});
+    painter_ = device.painter(current().bodies, source_->gravity(), camera_,
+                              {width, height, samples, options.colorBy, options.colorMax});
   }
 
   const MomentSource& source() const { return *source_; }
@@ -69,7 +72,8 @@ class Side {
     Caption caption{source_->title(), {grouped(static_cast<long long>(shown.bodies.size())) + " bodies"}};
     if (!source_->label().empty()) caption.facts.push_back(source_->label());
     if (shown.stepMs > 0) caption.facts.push_back(fmt::format("{:.1f} ms a step", shown.stepMs));
-    if (const io::Quantity& by = io::quantity(options_.colorBy); by.by != io::ColorBy::Body) caption.facts.push_back(legend(by, shown));
+    if (const io::Quantity& by = io::quantity(options_.colorBy); by.by != io::ColorBy::Body)
+      caption.facts.push_back(legend(by, shown));
     caption.facts.push_back(fmt::format("{:.2f} s", shown.time));
     if (options_.slow != 1) caption.facts.push_back(fmt::format("{:g}x slower", options_.slow));
     return caption;
@@ -78,8 +82,11 @@ class Side {
   /// "speed up to 3.2 m/s"
   std::string legend(const io::Quantity& quantity, const Moment& shown) const {
     if (quantity.isKind) return fmt::format("coloured by {}", quantity.key);
-    const double full = options_.colorMax > 0 ? options_.colorMax : io::largestValue(shown.bodies, quantity.by);
-    return fmt::format("{} up to {:.3g}{}{}", quantity.key, full, quantity.unit == std::string("1") ? "" : " ", quantity.unit == std::string("1") ? "" : quantity.unit);
+    const double full = options_.colorMax > 0 ? options_.colorMax
+                                              : io::largestValue(shown.bodies, quantity.by);
+    return fmt::format("{} up to {:.3g}{}{}", quantity.key, full,
+                       quantity.unit == std::string("1") ? "" : " ",
+                       quantity.unit == std::string("1") ? "" : quantity.unit);
   }
 
   const RenderOptions& options_;
@@ -91,25 +98,30 @@ class Side {
   std::unique_ptr<render::Painter> painter_;
 };
 
-io::Image together(std::vector<io::Image> images) { return images.size() == 1 ? std::move(images[0]) : beside(images[0], images[1]); }
+io::Image together(std::vector<io::Image> images) {
+  return images.size() == 1 ? std::move(images[0]) : beside(images[0], images[1]);
+}
 
 }  // namespace
 
 RenderResult renderFilm(const RenderOptions& options) {
   const bool single = !render::isFilm(options.out) && !render::isNumbered(options.out);
-  if (!options.compare.empty() && isRecording(options.job.scene)) throw Error("--compare", "a scene to simulate", options.job.scene);
+  if (!options.compare.empty() && isRecording(options.job.scene))
+    throw Error("--compare", "a scene to simulate", options.job.scene);
   const std::vector<JobOptions> jobs = comparedJobs(options.job, options.compare);
   const int width = jobs.size() == 1 ? options.width : (options.width - kDivider) / 2;
   const int whole = jobs.size() == 1 ? width : 2 * width + kDivider;
   // What cannot be written is said before anything is simulated.
-  const std::unique_ptr<render::PictureSink> sink = render::pictureSink(options.out, whole, options.height, options.fps);
+  const std::unique_ptr<render::PictureSink> sink = render::pictureSink(options.out, whole, options.height,
+                                                                        options.fps);
   const std::unique_ptr<render::PaintDevice> device = render::makePaintDevice();
   const int samples = options.samples > 0    ? options.samples
                       : single               ? kPictureSamples
                       : device->isSoftware() ? kFilmSamples
                                              : kFilmSamplesGpu;
   std::vector<std::unique_ptr<Side>> sides;
-  for (const JobOptions& job : jobs) sides.push_back(std::make_unique<Side>(options, job, width, options.height, *device, samples));
+  for (const JobOptions& job : jobs)
+    sides.push_back(std::make_unique<Side>(options, job, width, options.height, *device, samples));
 
   const Side& first = *sides.front();
   const double dt = first.source().dt(), start = first.time();

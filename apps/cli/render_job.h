@@ -19,13 +19,13 @@ struct RenderOptions {
   std::optional<Vec3> eye, target;  ///< in place of the named camera's [m]
   double orbit = 0;                 ///< the camera turns about the target [rad/s of film]
   io::ColorBy colorBy = io::ColorBy::Body;
-  double colorMax = 0;              ///< value of the hottest colour; 0: the largest of each picture
+  double colorMax = 0;  ///< value of the hottest colour; 0: the largest of each picture
   render::Overlays show;
-  int samples = 0;  ///< a pixel; 0: 32 for a single picture, 4 for a film (16 on a GPU)
-  double fps = 30;  ///< frames a second of film
-  double slow = 1;  ///< seconds of film for a second of the scene
-  int every = 0;    ///< a frame every so many steps; 0: by time
-  int from = 0;     ///< the film begins after this step
+  int samples = 0;                   ///< a pixel; 0: 32 for a single picture, 4 for a film (16 on a GPU)
+  double fps = 30;                   ///< frames a second of film
+  double slow = 1;                   ///< seconds of film for a second of the scene
+  int every = 0;                     ///< a frame every so many steps; 0: by time
+  int from = 0;                      ///< the film begins after this step
   std::vector<std::string> compare;  ///< two backends or two numbers of iterations
   bool overlay = false;
   bool quiet = false;
@@ -43,16 +43,17 @@ struct RenderMeasure {
   std::string device;
   std::size_t bodies = 0;
   int frames = 0;
-  double meanMs = 0, medianMs = 0, p95Ms = 0;          ///< a frame, from the poses to the picture on the device
-  double cpuMs = 0;                                    ///< of all threads of the process, a frame; what a software renderer needs
-  double stepMs = 0;                                   ///< of the simulation, a frame; 0: it stood still
-  std::string boxes;                                   ///< "by compute", "as triangles"
-  std::string poses;                                   ///< how they came to the renderer
-  std::vector<std::pair<std::string, double>> passes;  ///< of frames drawn stage by stage: they add up to such a frame [ms]
+  double meanMs = 0, medianMs = 0, p95Ms = 0;  ///< a frame, from the poses to the picture on the device
+  double cpuMs = 0;   ///< of all threads of the process, a frame; what a software renderer needs
+  double stepMs = 0;  ///< of the simulation, a frame; 0: it stood still
+  std::string boxes;  ///< "by compute", "as triangles"
+  std::string poses;  ///< how they came to the renderer
+  std::vector<std::pair<std::string, double>>
+      passes;  ///< of frames drawn stage by stage: they add up to such a frame [ms]
 };
 
-/// Draws the scene as it begins, from `frames` places round about, with new poses each time; nothing is read back or written. If it is
-/// `live`, a step is taken before each picture.
+/// Draws the scene as it begins, from `frames` places round about, with new poses each time; nothing is read
+/// back or written. If it is `live`, a step is taken before each picture.
 RenderMeasure measureRender(const RenderOptions& options, int frames, bool live);
 
 }  // namespace rubble::cli

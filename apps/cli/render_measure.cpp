@@ -24,7 +24,9 @@ using Clock = std::chrono::steady_clock;
 /// Frames that are drawn stage by stage, from all round as the others.
 constexpr int kMeasuredFrames = 12;
 
-double since(Clock::time_point began) { return std::chrono::duration<double, std::milli>(Clock::now() - began).count(); }
+double since(Clock::time_point began) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - began).count();
+}
 
 /// What is drawn, and where from.
 class Measurement {
@@ -32,9 +34,11 @@ class Measurement {
   Measurement(const RenderOptions& options, int frames)
       : frames_(frames),
         prepared_(withoutProbes(prepareJob(options.job))),
-        camera_(cameraOf(options.camera, sightOf(prepared_.job), options.width, options.height, options.fieldOfView)),
+        camera_(cameraOf(options.camera, sightOf(prepared_.job), options.width, options.height,
+                         options.fieldOfView)),
         runner_(std::move(prepared_.job), prepared_.world),
-        stage_(io::pictureBodies(runner_.world()), runner_.world().gravity(), camera_, options.width, options.height) {
+        stage_(io::pictureBodies(runner_.world()), runner_.world().gravity(), camera_, options.width,
+               options.height) {
     quality_.samples = std::max(1, options.samples);
     stage_.follow(runner_.world());
   }
@@ -43,7 +47,8 @@ class Measurement {
     const Clock::time_point began = Clock::now();
     stage_.follow(runner_.world());
     if (measures_) stage_.renderer().finish(), add("poses", since(began));
-    stage_.renderer().draw(turned(camera_, 2 * std::numbers::pi * frame / std::max(1, frames_)), stage_.setting(), quality_);
+    stage_.renderer().draw(turned(camera_, 2 * std::numbers::pi * frame / std::max(1, frames_)),
+                           stage_.setting(), quality_);
     stage_.renderer().finish();
     if (!measures_) return;
     for (const render::PassTime& pass : stage_.renderer().passTimes()) add(pass.name, pass.ms);
@@ -60,7 +65,8 @@ class Measurement {
 
  private:
   void add(const std::string& name, double ms) {
-    const auto known = std::find_if(stages_.begin(), stages_.end(), [&](const auto& stage) { return stage.first == name; });
+    const auto known = std::find_if(stages_.begin(), stages_.end(),
+                                    [&](const auto& stage) { return stage.first == name; });
     known == stages_.end() ? void(stages_.emplace_back(name, ms)) : void(known->second += ms);
   }
 

@@ -37,7 +37,9 @@ class Simulation final : public MomentSource {
   int steps() const override { return steps_; }
   double dt() const override { return world().params().dt; }
   Vec3 gravity() const override { return world().gravity(); }
-  std::vector<io::PictureBody> framed() const override { return io::pictureBodies(runner_.job().scene, true); }
+  std::vector<io::PictureBody> framed() const override {
+    return io::pictureBodies(runner_.job().scene, true);
+  }
   scenes::Camera camera() const override { return runner_.job().camera; }
   bool smashes() const override { return runner_.job().smashStep >= 0; }
   std::string title() const override { return title_; }
@@ -91,7 +93,9 @@ class Recording final : public MomentSource {
   int steps() const override { return frames_ - 1; }
   double dt() const override { return reader_.header().dt; }
   Vec3 gravity() const override { return reader_.header().gravity; }
-  std::vector<io::PictureBody> framed() const override { return const_cast<Recording*>(this)->read(0).bodies; }
+  std::vector<io::PictureBody> framed() const override {
+    return const_cast<Recording*>(this)->read(0).bodies;
+  }
   scenes::Camera camera() const override { return {}; }
   bool smashes() const override { return true; }
   std::string title() const override { return reader_.header().scene; }
@@ -111,7 +115,9 @@ class Recording final : public MomentSource {
 
 /// A surface whose vertices lie between those of two; `b` where these are not the same ones.
 Shape between(const Shape& a, const Shape& b, double at) {
-  if (a.geometry->points.size() != b.geometry->points.size() || a.geometry->triangles != b.geometry->triangles) return b;
+  if (a.geometry->points.size() != b.geometry->points.size() ||
+      a.geometry->triangles != b.geometry->triangles)
+    return b;
   ShapeGeometry geometry = *b.geometry;
   for (std::size_t i = 0; i < geometry.points.size(); ++i)
     geometry.points[i] = a.geometry->points[i] + (geometry.points[i] - a.geometry->points[i]) * at;
@@ -124,10 +130,12 @@ Shape between(const Shape& a, const Shape& b, double at) {
 
 bool isRecording(const std::string& scene) { return std::filesystem::path(scene).extension() == ".rubble"; }
 
-std::unique_ptr<MomentSource> momentSource(const JobOptions& options, io::ColorBy colorBy, const render::Overlays& overlays) {
+std::unique_ptr<MomentSource> momentSource(const JobOptions& options, io::ColorBy colorBy,
+                                           const render::Overlays& overlays) {
   if (!isRecording(options.scene)) return std::make_unique<Simulation>(options, colorBy, overlays);
   requireWorldless(colorBy);
-  if (overlays.any()) throw Error("--show", "a scene to simulate: a trajectory has poses alone", options.scene);
+  if (overlays.any())
+    throw Error("--show", "a scene to simulate: a trajectory has poses alone", options.scene);
   return std::make_unique<Recording>(options.scene, options.steps);
 }
 

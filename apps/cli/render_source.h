@@ -16,7 +16,7 @@ struct Moment {
   std::int64_t step = 0;
   double time = 0;  ///< [s]
   std::vector<io::PictureBody> bodies;
-  double stepMs = 0;  ///< wall clock of the step [ms]; 0 where nothing was simulated
+  double stepMs = 0;                     ///< wall clock of the step [ms]; 0 where nothing was simulated
   std::vector<render::Line> lines = {};  ///< over the picture
   std::int64_t epoch = -1;  ///< of the world that the bodies are from (World::epoch); -1: from none
 };
@@ -26,8 +26,8 @@ class MomentSource {
   virtual ~MomentSource() = default;
   /// Takes the next step. False at the end.
   virtual bool advance() = 0;
-  /// Everything that is drawn of where it is, at first of the start, into a moment from here or a new one. It costs a look at every body: to
-  /// be asked for what is drawn only.
+  /// Everything that is drawn of where it is, at first of the start, into a moment from here or a new one. It
+  /// costs a look at every body: to be asked for what is drawn only.
   virtual void look(Moment& moment) = 0;
   virtual double time() const = 0;      ///< [s]
   virtual double nextTime() const = 0;  ///< after the next step [s]

@@ -23,8 +23,9 @@ struct Direction {
   double away, right, down;
   double closer = 1;  ///< distance over that of a view of everything
 };
-constexpr Direction kDirections[] = {{"front", 1, 0, .12},   {"side", 0, -1, .12},  {"back", -1, 0, .12},     {"top", .02, 0, 1},
-                                     {"corner", 1, -1, .75}, {"low", 1, -.55, .06}, {"close", 1, -.7, .3, .5}};
+constexpr Direction kDirections[] = {{"front", 1, 0, .12},     {"side", 0, -1, .12},   {"back", -1, 0, .12},
+                                     {"top", .02, 0, 1},       {"corner", 1, -1, .75}, {"low", 1, -.55, .06},
+                                     {"close", 1, -.7, .3, .5}};
 
 }  // namespace
 
@@ -37,8 +38,12 @@ const std::vector<std::string>& cameraNames() {
   return names;
 }
 
-Sight sightOf(const MomentSource& source) { return {source.camera(), source.gravity(), source.framed(), source.smashes()}; }
-Sight sightOf(const scenes::Job& job) { return {job.camera, job.scene.gravity, io::pictureBodies(job.scene, true), job.smashStep >= 0}; }
+Sight sightOf(const MomentSource& source) {
+  return {source.camera(), source.gravity(), source.framed(), source.smashes()};
+}
+Sight sightOf(const scenes::Job& job) {
+  return {job.camera, job.scene.gravity, io::pictureBodies(job.scene, true), job.smashStep >= 0};
+}
 
 render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height,
                         double fieldOfView) {
@@ -47,11 +52,14 @@ render::Camera cameraOf(const std::string& name, const Sight& sight, int width, 
   Vec3 direction = own.target - own.eye;
   double closer = 1;
   if (name != "scene") {
-    const auto found = std::find_if(std::begin(kDirections), std::end(kDirections), [&](const Direction& d) { return name == d.name; });
-    if (found == std::end(kDirections)) throw Error("--camera", fmt::format("one of {}", fmt::join(cameraNames(), ", ")), name);
+    const auto found = std::find_if(std::begin(kDirections), std::end(kDirections),
+                                    [&](const Direction& d) { return name == d.name; });
+    if (found == std::end(kDirections))
+      throw Error("--camera", fmt::format("one of {}", fmt::join(cameraNames(), ", ")), name);
     // Level, along the axis that the scene's own view is nearest to.
     Vec3 away = direction - up * dot(direction, up);
-    if (lengthSquared(away) == 0) away = std::fabs(up.x) < .9 ? cross(up, Vec3{1, 0, 0}) : cross(up, Vec3{0, 1, 0});
+    if (lengthSquared(away) == 0)
+      away = std::fabs(up.x) < .9 ? cross(up, Vec3{1, 0, 0}) : cross(up, Vec3{0, 1, 0});
     int axis = 0;
     for (int i = 1; i < 3; ++i)
       if (std::fabs(away[i]) > std::fabs(away[axis])) axis = i;
@@ -75,7 +83,8 @@ render::Camera turned(const render::Camera& camera, double angle) {
 
 std::string grouped(long long number) {
   std::string digits = std::to_string(number);
-  for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3) digits.insert(static_cast<std::size_t>(at), ",");
+  for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3)
+    digits.insert(static_cast<std::size_t>(at), ",");
   return digits;
 }
 
@@ -87,7 +96,8 @@ void drawCaption(io::Image& image, const Caption& caption) {
       facts{13.5, {0x3a352f, .92}, false, render::Align::Start, 0};
   const std::string line = fmt::format("{}", fmt::join(caption.facts, "  ·  "));
   const double height = 54, margin = 18, inside = 14, bottom = image.height / scale - margin;
-  const double width = std::max(canvas.textWidth(caption.title, title), canvas.textWidth(line, facts)) + 2 * inside;
+  const double width = std::max(canvas.textWidth(caption.title, title), canvas.textWidth(line, facts)) +
+                       2 * inside;
   canvas.rectangle({margin, bottom - height}, width, height, {0xffffff, .62}, 7);
   canvas.text({margin + inside, bottom - height + 22}, caption.title, title);
   canvas.text({margin + inside, bottom - height + 42}, line, facts);

@@ -19,8 +19,10 @@ struct Sight {
 };
 Sight sightOf(const MomentSource& source);
 Sight sightOf(const scenes::Job& job);
-/// A camera that shows all of it, in a picture of this size. "scene" is the scene's own. Throws Error for an unknown name.
-render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height, double fieldOfView);
+/// A camera that shows all of it, in a picture of this size. "scene" is the scene's own. Throws Error for an
+/// unknown name.
+render::Camera cameraOf(const std::string& name, const Sight& sight, int width, int height,
+                        double fieldOfView);
 /// The camera turned about the up axis through its target [rad].
 render::Camera turned(const render::Camera& camera, double angle);
 

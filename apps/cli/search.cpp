@@ -17,9 +17,9 @@ struct Trial {
   int walls = 0, bodies = 0;
   double settled = 0, smash = 0;  ///< mean [ms]
   double bytesPerBody = 0;
-  bool verdict = false;           ///< of the scene
-  bool holds = false;             ///< the limit
-  std::string error;              ///< why it could not run: no memory
+  bool verdict = false;  ///< of the scene
+  bool holds = false;    ///< the limit
+  std::string error;     ///< why it could not run: no memory
 };
 
 constexpr int kSmashedSteps = 120;  // of the smash phase
@@ -54,14 +54,22 @@ Trial tryWalls(const SearchOptions& options, int walls) {
 int nextAfter(const Trial& trial, double limitMs) {
   constexpr double kBeyond = 1.03;
   const double slowest = std::max(trial.settled, trial.smash);
-  return static_cast<int>(std::clamp(kBeyond * trial.walls * limitMs / slowest, trial.walls + 1.0, 4.0 * trial.walls));
+  return static_cast<int>(
+      std::clamp(kBeyond * trial.walls * limitMs / slowest, trial.walls + 1.0, 4.0 * trial.walls));
 }
 
-nlohmann::ordered_json jsonOf(const SearchOptions& options, const std::vector<Trial>& trials, const Trial* best) {
+nlohmann::ordered_json jsonOf(const SearchOptions& options, const std::vector<Trial>& trials,
+                              const Trial* best) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Trial& t : trials)
-    list.push_back({{"walls", t.walls}, {"bodies", t.bodies}, {"settled_ms", t.settled}, {"smash_ms", t.smash},
-                    {"bytes_per_body", t.bytesPerBody}, {"verdict", t.verdict}, {"holds", t.holds}, {"error", t.error}});
+    list.push_back({{"walls", t.walls},
+                    {"bodies", t.bodies},
+                    {"settled_ms", t.settled},
+                    {"smash_ms", t.smash},
+                    {"bytes_per_body", t.bytesPerBody},
+                    {"verdict", t.verdict},
+                    {"holds", t.holds},
+                    {"error", t.error}});
   return {{"backend", options.job.backend},
           {"limit_ms", options.limitMs},
           {"walls", best ? best->walls : 0},
@@ -78,14 +86,17 @@ bool searchLargest(const SearchOptions& options) {
   first.scene = "walls";
   prepareJob(first);  // what was typed wrong is said before anything else
   std::FILE* const out = options.jsonFile == "-" ? stderr : stdout;
-  fmt::print(out, "{:>8}{:>10}{:>14}{:>12}{:>10}   {}\n", "walls", "bodies", "settled [ms]", "smash [ms]", "B/body", "");
+  fmt::print(out, "{:>8}{:>10}{:>14}{:>12}{:>10}   {}\n", "walls", "bodies", "settled [ms]", "smash [ms]",
+             "B/body", "");
   std::vector<Trial> trials;
   const auto holds = [&](int walls) {
     trials.push_back(tryWalls(options, walls));
     const Trial& t = trials.back();
-    fmt::print(out, "{:>8}{:>10}{:>14.3f}{:>12.3f}{:>10.0f}   {}\n", t.walls, t.bodies, t.settled, t.smash, t.bytesPerBody,
+    fmt::print(out, "{:>8}{:>10}{:>14.3f}{:>12.3f}{:>10.0f}   {}\n", t.walls, t.bodies, t.settled, t.smash,
+               t.bytesPerBody,
                !t.error.empty() ? t.error
-                                : fmt::format("{}{}", t.holds ? "holds" : "too slow", t.verdict ? "" : "; the scene's verdict does not hold"));
+                                : fmt::format("{}{}", t.holds ? "holds" : "too slow",
+                                              t.verdict ? "" : "; the scene's verdict does not hold"));
     std::fflush(out);
     return t.holds;
   };
@@ -97,13 +108,16 @@ bool searchLargest(const SearchOptions& options) {
     const int middle = low + (high - low) / 2;
     (holds(middle) ? low : high) = middle;
   }
-  const auto best = std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return t.walls == low && low > 0; });
+  const auto best = std::find_if(trials.begin(), trials.end(),
+                                 [&](const Trial& t) { return t.walls == low && low > 0; });
   if (best != trials.end())
-    fmt::print(out, "largest: {} walls, {} bodies, under {:.2f} ms\n", best->walls, best->bodies, options.limitMs);
+    fmt::print(out, "largest: {} walls, {} bodies, under {:.2f} ms\n", best->walls, best->bodies,
+               options.limitMs);
   else
     fmt::print(out, "not even one wall holds {:.2f} ms\n", options.limitMs);
   if (!options.jsonFile.empty())
-    writeOutput(options.jsonFile, io::prettyJson(jsonOf(options, trials, best == trials.end() ? nullptr : &*best)));
+    writeOutput(options.jsonFile,
+                io::prettyJson(jsonOf(options, trials, best == trials.end() ? nullptr : &*best)));
   return best != trials.end();
 }
 

@@ -67,22 +67,24 @@ SessionResult runSession(PreparedJob prepared, const SessionOptions& options) {
   std::optional<Quality> quality;
   double bytesPerBody = 0;
   io::RunSeries series;
-  const scenes::RunResult result = runner.run(prepared.steps, [&](const World& world, const StepReport& report, int step, int) {
-    if (step == quoted) quality = world.quality();
-    if (step + 1 == settledEnd) bytesPerBody = static_cast<double>(world.memoryBytes()) / std::max(1, report.bodies);
-    if (options.series) {
-      const Quality now = world.quality();
-      series.time.push_back(world.time());
-      series.stepMs.push_back(report.totalMs);
-      series.energy.push_back(now.kineticEnergy + now.potentialEnergy);
-      series.gapMean.push_back(now.jointGapMean), series.gapMax.push_back(now.jointGapMax);
-      series.penetration.push_back(now.penetration.max);
-    }
-    recorder.record(runner.world());
-    takePictures(world, step + 1);
-    progress.update(step + 1, report.totalMs);
-    return true;
-  });
+  const scenes::RunResult result = runner.run(
+      prepared.steps, [&](const World& world, const StepReport& report, int step, int) {
+        if (step == quoted) quality = world.quality();
+        if (step + 1 == settledEnd)
+          bytesPerBody = static_cast<double>(world.memoryBytes()) / std::max(1, report.bodies);
+        if (options.series) {
+          const Quality now = world.quality();
+          series.time.push_back(world.time());
+          series.stepMs.push_back(report.totalMs);
+          series.energy.push_back(now.kineticEnergy + now.potentialEnergy);
+          series.gapMean.push_back(now.jointGapMean), series.gapMax.push_back(now.jointGapMax);
+          series.penetration.push_back(now.penetration.max);
+        }
+        recorder.record(runner.world());
+        takePictures(world, step + 1);
+        progress.update(step + 1, report.totalMs);
+        return true;
+      });
   recorder.finish();
   io::RunRecord record = makeRecord(prepared, runner.job(), result, quality.value_or(result.quality));
   record.engineMb = static_cast<double>(runner.world().memoryBytes()) / 1e6;

@@ -14,7 +14,7 @@ struct SessionOptions {
   std::string recordFile;  ///< "" for none
   std::vector<PictureRequest> pictures;
   Look look;
-  bool series = false;     ///< the record gets the time, step time and energy of every step
+  bool series = false;  ///< the record gets the time, step time and energy of every step
 };
 
 struct SessionResult {

@@ -41,8 +41,9 @@ std::string processorName() {
 std::string machineName() {
   utsname system{};
   const bool known = uname(&system) == 0;
-  return fmt::format("{}, {} cores, {}", processorName(), threadCount(0),
-                     known ? fmt::format("{} {} {}", system.sysname, system.release, system.machine) : "unknown system");
+  return fmt::format(
+      "{}, {} cores, {}", processorName(), threadCount(0),
+      known ? fmt::format("{} {} {}", system.sysname, system.release, system.machine) : "unknown system");
 }
 
 std::string timestamp() {
@@ -60,6 +61,8 @@ int threadCount(int requested) {
   return cores > 0 ? static_cast<int>(cores) : 1;
 }
 
-double secondsNow() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double secondsNow() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 }  // namespace rubble::cli

@@ -19,11 +19,12 @@ using Out = std::back_insert_iterator<std::string>;
 
 void heading(Out out, const io::RunRecord& record) {
   fmt::format_to(out, "{}\n", record.scene);
-  fmt::format_to(out, "  {} on {}, {} thread{}, {}{} iterations, dt {:.6g} s\n", record.backend, record.device, record.threads,
-                 record.threads == 1 ? "" : "s", record.substeps == 1 ? "" : fmt::format("{} substeps of ", record.substeps),
+  fmt::format_to(out, "  {} on {}, {} thread{}, {}{} iterations, dt {:.6g} s\n", record.backend,
+                 record.device, record.threads, record.threads == 1 ? "" : "s",
+                 record.substeps == 1 ? "" : fmt::format("{} substeps of ", record.substeps),
                  record.iterations, record.dt);
-  fmt::format_to(out, "  {} bodies, {} manifolds, {} contact points, {} colours, {} clashes\n\n", record.bodies, record.manifolds,
-                 record.contacts, record.colors, record.clashes);
+  fmt::format_to(out, "  {} bodies, {} manifolds, {} contact points, {} colours, {} clashes\n\n",
+                 record.bodies, record.manifolds, record.contacts, record.colors, record.clashes);
 }
 
 void timeRow(Out out, const std::string& name, const io::PhaseTimes& t) {
@@ -43,20 +44,23 @@ void times(Out out, const io::RunRecord& record, const std::vector<StepReport>& 
   timeRow(out, fmt::format("step, all {}", reports.size()), summarize(std::move(totals)));
   if (record.settled) timeRow(out, "step, settled", *record.settled);
   if (record.smash) timeRow(out, "step, smash", *record.smash);
-  if (!record.stages.empty()) fmt::format_to(out, "  settled: collision {:.3f}, solve {:.3f}\n", record.collisionMs, record.solveMs);
+  if (!record.stages.empty())
+    fmt::format_to(out, "  settled: collision {:.3f}, solve {:.3f}\n", record.collisionMs, record.solveMs);
   fmt::format_to(out, "\n");
 }
 
 void quality(Out out, const io::RunRecord& record) {
   if (record.penetration)
-    fmt::format_to(out, "  penetration             mean {}, 99 % {}, max {}\n", lengthText(record.penetration->mean),
-                   lengthText(record.penetration->p99), lengthText(record.penetration->max));
+    fmt::format_to(out, "  penetration             mean {}, 99 % {}, max {}\n",
+                   lengthText(record.penetration->mean), lengthText(record.penetration->p99),
+                   lengthText(record.penetration->max));
   if (record.jointGapMean)
     fmt::format_to(out, "  joint error             mean {}, max {}\n", lengthText(*record.jointGapMean),
                    lengthText(record.jointGapMax.value_or(0)));
   if (record.topDrop) fmt::format_to(out, "  top level down          {}\n", lengthText(*record.topDrop));
   fmt::format_to(out, "  energy                  {:.6g} J\n", record.energy);
-  fmt::format_to(out, "  tables of the engine    {:.1f} MB, {:.0f} bytes a body settled\n", record.engineMb, record.bytesPerBody);
+  fmt::format_to(out, "  tables of the engine    {:.1f} MB, {:.0f} bytes a body settled\n", record.engineMb,
+                 record.bytesPerBody);
   fmt::format_to(out, "  resident memory         {:.1f} MB\n", record.rssMb);
 }
 
@@ -76,7 +80,8 @@ void notices(Out out, const std::vector<StepReport>& reports) {
   std::map<std::string, int> grown;
   for (const StepReport& r : reports) {
     for (const Growth& growth : r.grown) ++grown[growth.what];
-    failed += r.failedSolves, broken += r.brokenJoints, spin += r.spinLimited, restarts += r.restarts, clashes += r.clashes;
+    failed += r.failedSolves, broken += r.brokenJoints, spin += r.spinLimited, restarts += r.restarts,
+        clashes += r.clashes;
     quarantined = std::max(quarantined, r.quarantined);
   }
   if (broken) fmt::format_to(out, "  notice: {} joints broke\n", broken);
@@ -84,11 +89,14 @@ void notices(Out out, const std::vector<StepReport>& reports) {
   if (restarts) {
     std::vector<std::string> kinds;
     for (const auto& [kind, times] : grown) kinds.push_back(fmt::format("{} {}", kind, times));
-    fmt::format_to(out, "  notice: {} steps were begun again with more room ({})\n", restarts, fmt::join(kinds, ", "));
+    fmt::format_to(out, "  notice: {} steps were begun again with more room ({})\n", restarts,
+                   fmt::join(kinds, ", "));
   }
   if (clashes) fmt::format_to(out, "  notice: {} pairs of neighbours were solved with one colour\n", clashes);
-  if (failed) fmt::format_to(out, "  notice: {} local problems were left unsolved for an iteration\n", failed);
-  if (quarantined) fmt::format_to(out, "  notice: {} bodies were frozen because their state was not finite\n", quarantined);
+  if (failed)
+    fmt::format_to(out, "  notice: {} local problems were left unsolved for an iteration\n", failed);
+  if (quarantined)
+    fmt::format_to(out, "  notice: {} bodies were frozen because their state was not finite\n", quarantined);
 }
 
 std::string bounds(const io::ClaimRecord& claim) {
@@ -106,7 +114,8 @@ void verdict(Out out, const io::RunRecord& record) {
   if (!record.statedFor.empty()) fmt::format_to(out, "  (it is stated for {})\n", record.statedFor);
   for (const io::ClaimRecord& claim : record.claims) {
     fmt::format_to(out, "  {:<4} {:<28}{:>14}   wanted {:<22} {}\n", claim.holds ? "yes" : "NO", claim.metric,
-                   std::isnan(claim.value) ? "not measured" : fmt::format("{:.6g}", claim.value), bounds(claim), claim.why);
+                   std::isnan(claim.value) ? "not measured" : fmt::format("{:.6g}", claim.value),
+                   bounds(claim), claim.why);
   }
 }
 

@@ -29,7 +29,7 @@ struct Desk {
   double fullValue = 0;  ///< of the hottest colour in the last picture
   render::Overlays overlays;
   Selection selection;
-  std::string message;  ///< the last error
+  std::string message;            ///< the last error
   std::optional<Request> wanted;  ///< to be opened next
 
   std::vector<IterationError> iterations;  ///< of the step after `iterationsOf`

@@ -6,11 +6,13 @@
 namespace rubble::viewer {
 namespace {
 
-/// The grip holds like a critically damped spring of this frequency [Hz], with this many times the weight of what it holds at most.
+/// The grip holds like a critically damped spring of this frequency [Hz], with this many times the weight of
+/// what it holds at most.
 constexpr double kGripFrequency = 3, kStrength = 50, kGravity = 9.81;
 constexpr double kGripBall = .1;  ///< radius over the distance to the next vertex [1]
-constexpr double kBallSize = 2, kBallDensity = 4000, kBallSpeed = 25;  // of a body's half size [1], [kg/m3], [m/s]
-constexpr double kBoxHeight = 4;  ///< over its half size, above what it falls onto
+constexpr double kBallSize = 2, kBallDensity = 4000,
+                 kBallSpeed = 25;  // of a body's half size [1], [kg/m3], [m/s]
+constexpr double kBoxHeight = 4;   ///< over its half size, above what it falls onto
 
 BodyId add(Player& player, const char* what, BodyDef body) {
   body.name += " " + std::to_string(player.nextNumber());
@@ -72,10 +74,12 @@ void Hand::pull(Player& player, const Vec3& point) {
   const std::shared_ptr<Grip> grip = held_->grip;
   if (held_->body) {
     if (!player.world().alive(grip->joint)) return forget();
-    player.apply("pull", [grip, point](World& world) { world.moveGrab(grip->joint, point); }, true);
+    player.apply(
+        "pull", [grip, point](World& world) { world.moveGrab(grip->joint, point); }, true);
   } else {
     if (!player.world().alive(grip->ball)) return forget();
-    player.apply("pull", [grip, point](World& world) { world.setTarget(grip->ball, point, {}); }, true);
+    player.apply(
+        "pull", [grip, point](World& world) { world.setTarget(grip->ball, point, {}); }, true);
   }
 }
 
@@ -85,8 +89,10 @@ void Hand::release(Player& player) {
   const bool isJoint = held_->body.has_value();
   if (isJoint ? player.world().alive(grip->joint) : player.world().alive(grip->ball)) {
     player.apply("release", [grip, isJoint](World& world) {
-      if (isJoint) world.remove(grip->joint);
-      else world.remove(grip->ball);
+      if (isJoint)
+        world.remove(grip->joint);
+      else
+        world.remove(grip->ball);
     });
   }
   held_.reset();

@@ -7,7 +7,8 @@
 
 namespace rubble::viewer {
 
-/// Holds a point of a body by a grab joint, or a vertex of a deformable object by an attachment to a small kinematic ball.
+/// Holds a point of a body by a grab joint, or a vertex of a deformable object by an attachment to a small
+/// kinematic ball.
 class Hand {
  public:
   /// False for bodies and vertices that do not move.
@@ -21,7 +22,8 @@ class Hand {
   bool holds() const { return held_.has_value(); }
 
  private:
-  /// Ids that a grip made: the same again when its inputs are repeated, since ids follow from what was done before.
+  /// Ids that a grip made: the same again when its inputs are repeated, since ids follow from what was done
+  /// before.
   struct Grip {
     JointId joint;
     BodyId ball;

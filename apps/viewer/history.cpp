@@ -46,12 +46,15 @@ void History::fork(std::int64_t step) {
 void History::add(Input input, bool replaces) {
   if (input.step < own().last || done_ < own().inputs.size()) fork(input.step);
   std::vector<Input>& inputs = own().inputs;
-  if (replaces && !inputs.empty() && inputs.back().step == input.step && inputs.back().what == input.what) inputs.pop_back();
+  if (replaces && !inputs.empty() && inputs.back().step == input.step && inputs.back().what == input.what)
+    inputs.pop_back();
   inputs.push_back(std::move(input));
   done_ = inputs.size();
 }
 
-bool History::wantsMoment(std::int64_t step) const { return step % spacing_ == 0 && !branch().moments.contains(step); }
+bool History::wantsMoment(std::int64_t step) const {
+  return step % spacing_ == 0 && !branch().moments.contains(step);
+}
 
 void History::keep(std::int64_t step, std::vector<Snapshot> worlds) {
   auto& moments = own().moments;

@@ -1,6 +1,6 @@
 #pragma once
-/// Everything that was ever done to a running scene, as a tree of branches: its state at any step follows from the scene and from these
-/// inputs, so that snapshots only save time.
+/// Everything that was ever done to a running scene, as a tree of branches: its state at any step follows
+/// from the scene and from these inputs, so that snapshots only save time.
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -21,10 +21,11 @@ struct Input {
 struct Branch {
   std::string name;
   int parent = -1;
-  std::int64_t begins = 0;  ///< where it left its parent
-  std::int64_t last = 0;    ///< step that was reached
-  std::vector<Input> inputs;                              ///< from the start of the scene on, in order
-  std::map<std::int64_t, std::vector<Snapshot>> moments;  ///< one snapshot a world, before the inputs of that step
+  std::int64_t begins = 0;    ///< where it left its parent
+  std::int64_t last = 0;      ///< step that was reached
+  std::vector<Input> inputs;  ///< from the start of the scene on, in order
+  std::map<std::int64_t, std::vector<Snapshot>>
+      moments;  ///< one snapshot a world, before the inputs of that step
 };
 
 class History {
@@ -39,7 +40,8 @@ class History {
 
   /// The next input that is due at this step, or null. What is taken counts as done.
   const Input* due(std::int64_t step);
-  /// Something new is done at this step. Where the branch goes on already, a new one begins. Inputs of one step that replace one another
+  /// Something new is done at this step. Where the branch goes on already, a new one begins. Inputs of one
+  /// step that replace one another
   /// (`replaces`: the last one was of the same kind) are kept once.
   void add(Input input, bool replaces);
   /// A step was reached: is a snapshot wanted here?
@@ -57,9 +59,9 @@ class History {
 
   std::vector<Branch> branches_;
   int current_ = 0;
-  std::size_t done_ = 0;        ///< inputs of the branch that have been applied
+  std::size_t done_ = 0;  ///< inputs of the branch that have been applied
   std::size_t mostMoments_ = 1;
-  std::int64_t spacing_ = 1;    ///< of moments [steps]
+  std::int64_t spacing_ = 1;  ///< of moments [steps]
 };
 
 }  // namespace rubble::viewer

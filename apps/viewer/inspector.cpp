@@ -8,8 +8,8 @@
 #include "apps/viewer/panel_parts.h"
 #include "cook/soft_fields.h"
 #include "io/joint_reader.h"
-#include "io/shape_json.h"
 #include "io/picture_values.h"
+#include "io/shape_json.h"
 
 namespace rubble::viewer {
 namespace {
@@ -20,7 +20,9 @@ std::string nameOf(const World& world, BodyId id) {
   const std::string& name = world.definition(id).name;
   return name.empty() ? "body " + std::to_string(id.index) : name;
 }
-const char* wordOf(Motion motion) { return motion == Motion::Static ? "static" : motion == Motion::Kinematic ? "kinematic" : "dynamic"; }
+const char* wordOf(Motion motion) {
+  return motion == Motion::Static ? "static" : motion == Motion::Kinematic ? "kinematic" : "dynamic";
+}
 std::string bitsOf(std::uint32_t bits) {
   char text[16];
   std::snprintf(text, sizeof text, "0x%08x", bits);
@@ -39,7 +41,8 @@ void turnRow(const char* name, const Quat& q, const char* doc = "scalar first") 
 }
 
 void materialRows(const Material& m, bool ofBody) {
-  static constexpr const char* kRules[] = {"usual", "average", "minimum", "multiply", "maximum", "geometric mean"};
+  static constexpr const char* kRules[] = {"usual",    "average", "minimum",
+                                           "multiply", "maximum", "geometric mean"};
   row("static friction", "1", m.staticFriction);
   row("dynamic friction", "1", m.dynamicFriction);
   row("restitution", "1", m.restitution);
@@ -56,13 +59,16 @@ void shapeRows(const Shape& shape) {
   for (const auto& [key, value] : json.items()) {
     const std::string text = value.dump();
     constexpr std::size_t kLongest = 60;
-    row(("shape " + key).c_str(), text.size() > kLongest ? std::to_string(value.size()) + " entries" : text, "[m]");
+    row(("shape " + key).c_str(), text.size() > kLongest ? std::to_string(value.size()) + " entries" : text,
+        "[m]");
   }
 }
 
 void solverRows(const SolverState& state) {
-  if (state.color < 0) row("colour", std::string("none"));
-  else row("colour", "1", state.color, "bodies of one colour are solved at the same time");
+  if (state.color < 0)
+    row("colour", std::string("none"));
+  else
+    row("colour", "1", state.color, "bodies of one colour are solved at the same time");
   row("stiffness k", "N/m", state.stiffness, "largest of the rows that act here");
   row("multiplier |lambda|", "N", state.multiplier, "largest of the rows that act here");
 }
@@ -87,8 +93,8 @@ void drawBody(Desk& desk, Player& player, BodyId id) {
   const BodyDef& body = world.definition(id);
   const BodyState state = world.state(id);
   const MassProperties mass = world.massOf(id);
-  ImGui::Text("%s (index %d), %s%s", nameOf(world, id).c_str(), static_cast<int>(id.index), wordOf(body.motion),
-              world.asleep(id) ? ", asleep" : "");
+  ImGui::Text("%s (index %d), %s%s", nameOf(world, id).c_str(), static_cast<int>(id.index),
+              wordOf(body.motion), world.asleep(id) ? ", asleep" : "");
   row("position", "m", state.position);
   turnRow("orientation", state.orientation);
   row("velocity", "m/s", state.velocity);
@@ -104,7 +110,8 @@ void drawBody(Desk& desk, Player& player, BodyId id) {
     const auto ends = world.bodiesOf(joint);
     if (ends[0] != id && ends[1] != id) continue;
     const JointDef& def = world.definition(joint);
-    const std::string label = std::string(keyword(def.type)) + " " + def.name + "##" + std::to_string(joint.index);
+    const std::string label = std::string(keyword(def.type)) + " " + def.name + "##" +
+                              std::to_string(joint.index);
     if (ImGui::SmallButton(label.c_str())) desk.selection = {std::nullopt, joint, std::nullopt, -1};
     ImGui::SameLine();
     ImGui::Text("to %s", nameOf(world, ends[0] == id ? ends[1] : ends[0]).c_str());
@@ -129,11 +136,12 @@ void drawBody(Desk& desk, Player& player, BodyId id) {
 }
 
 /// Number of a field, with the word for infinity.
-template <class Field, class Object>
-void fieldRow(const Field& field, const Object& object) {
+template <class Field, class Object> void fieldRow(const Field& field, const Object& object) {
   const double value = object.*field.member;
-  if (std::isinf(value) && field.word) row(field.key, std::string(value < 0 ? "-" : "") + field.word, field.doc);
-  else row(field.key, field.unit, value, field.doc);
+  if (std::isinf(value) && field.word)
+    row(field.key, std::string(value < 0 ? "-" : "") + field.word, field.doc);
+  else
+    row(field.key, field.unit, value, field.doc);
 }
 
 void drawJoint(Desk& desk, World& world, JointId id) {
@@ -143,7 +151,8 @@ void drawJoint(Desk& desk, World& world, JointId id) {
   ImGui::Text("%s %s%s", keyword(def.type), def.name.c_str(), state.broken ? ", broken" : "");
   for (const BodyId end : ends) {
     if (end.index >= 0 && world.alive(end)) {
-      if (ImGui::SmallButton(nameOf(world, end).c_str())) desk.selection = {end, std::nullopt, std::nullopt, -1};
+      if (ImGui::SmallButton(nameOf(world, end).c_str()))
+        desk.selection = {end, std::nullopt, std::nullopt, -1};
     } else {
       ImGui::TextUnformatted("the world");
     }
@@ -182,19 +191,25 @@ void drawJoint(Desk& desk, World& world, JointId id) {
 struct FieldRows {
   template <class T>
   void operator()(const char* key, const char* unit, const char* doc, const T& value) const {
-    if constexpr (std::is_same_v<T, bool>) row(key, std::string(value ? "yes" : "no"), doc);
-    else if constexpr (std::is_arithmetic_v<T>) row(key, unit, static_cast<double>(value), doc);
-    else if constexpr (std::is_same_v<T, Vec3>) row(key, unit, value, doc);
-    else if constexpr (std::is_same_v<T, std::string>) row(key, value, doc);
-    else if constexpr (std::is_same_v<T, std::optional<double>>) value ? row(key, unit, *value, doc) : row(key, std::string("not given"), doc);
-    else if constexpr (requires { value.size(); }) row(key, std::to_string(value.size()) + " entries", doc);
+    if constexpr (std::is_same_v<T, bool>)
+      row(key, std::string(value ? "yes" : "no"), doc);
+    else if constexpr (std::is_arithmetic_v<T>)
+      row(key, unit, static_cast<double>(value), doc);
+    else if constexpr (std::is_same_v<T, Vec3>)
+      row(key, unit, value, doc);
+    else if constexpr (std::is_same_v<T, std::string>)
+      row(key, value, doc);
+    else if constexpr (std::is_same_v<T, std::optional<double>>)
+      value ? row(key, unit, *value, doc) : row(key, std::string("not given"), doc);
+    else if constexpr (requires { value.size(); })
+      row(key, std::to_string(value.size()) + " entries", doc);
   }
 };
 
 void drawObject(Desk& desk, World& world, SoftId id) {
   const Deformable& def = world.definition(id);
-  ImGui::Text("%s %s (index %d), %d vertices", kDeformableKeywords[def.index()], common(def).name.c_str(), static_cast<int>(id.index),
-              world.vertexCount(id));
+  ImGui::Text("%s %s (index %d), %d vertices", kDeformableKeywords[def.index()], common(def).name.c_str(),
+              static_cast<int>(id.index), world.vertexCount(id));
   const auto v = static_cast<std::size_t>(desk.selection.vertex);
   if (v < world.positions(id).size()) {
     ImGui::Text("vertex %zu", v);
@@ -204,9 +219,11 @@ void drawObject(Desk& desk, World& world, SoftId id) {
     solverRows(world.solverStates(id)[v]);
     const std::vector<SoftId> objects = world.deformables();
     const auto at = std::find(objects.begin(), objects.end(), id) - objects.begin();
-    row("strain", "1", static_cast<double>(io::vertexValues(world, io::ColorBy::Strain)[static_cast<std::size_t>(at)][v]));
+    row("strain", "1",
+        static_cast<double>(io::vertexValues(world, io::ColorBy::Strain)[static_cast<std::size_t>(at)][v]));
     for (const VertexContact& c : world.vertexContacts())
-      if (c.object == id && c.vertex == desk.selection.vertex) row("contact force", "N", c.force), row("  depth", "m", c.depth);
+      if (c.object == id && c.vertex == desk.selection.vertex)
+        row("contact force", "N", c.force), row("  depth", "m", c.depth);
   }
   if (!ImGui::CollapsingHeader("As authored", ImGuiTreeNodeFlags_DefaultOpen)) return;
   commonFields(common(def), FieldRows{});
@@ -227,9 +244,12 @@ void drawInspector(Desk& desk, Player& player) {
   ImGui::SetNextWindowPos({size.x - kMargin, kMargin}, ImGuiCond_Once, {1, 0});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {size.x, size.y - 90});
   ImGui::Begin("Inspector", nullptr, kPlain);
-  if (s.body) drawBody(desk, player, *s.body);
-  else if (s.joint) drawJoint(desk, world, *s.joint);
-  else drawObject(desk, world, *s.object);
+  if (s.body)
+    drawBody(desk, player, *s.body);
+  else if (s.joint)
+    drawJoint(desk, world, *s.joint);
+  else
+    drawObject(desk, world, *s.object);
   ImGui::End();
 }
 

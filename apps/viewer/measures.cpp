@@ -13,7 +13,8 @@ namespace {
 const ImVec2 kPlotSize{330, 70};
 /// Stages shorter than this share of the step are added up as "rest".
 constexpr double kSmallStage = .05;
-/// The residuals of a step that runs are measured every so many steps, and in scenes of so many bodies only when they stand still.
+/// The residuals of a step that runs are measured every so many steps, and in scenes of so many bodies only
+/// when they stand still.
 constexpr std::int64_t kMeasureEvery = 15;
 constexpr std::size_t kManyBodies = 3000;
 
@@ -35,9 +36,11 @@ std::vector<Series> stageSeries(const std::vector<Past>& past) {
 }
 
 void measureIterations(Desk& desk, Player& player) {
-  const bool due = player.paused ? desk.iterationsOf != player.now()
-                                 : desk.iterationsOf < 0 || std::abs(player.now() - desk.iterationsOf) >= kMeasureEvery;
-  if (!desk.measureIterations || !due || (!player.paused && player.world().bodies().size() > kManyBodies)) return;
+  const bool due = player.paused
+                       ? desk.iterationsOf != player.now()
+                       : desk.iterationsOf < 0 || std::abs(player.now() - desk.iterationsOf) >= kMeasureEvery;
+  if (!desk.measureIterations || !due || (!player.paused && player.world().bodies().size() > kManyBodies))
+    return;
   desk.iterations = iterationErrors(player.world());
   desk.iterationsOf = player.now();
 }
@@ -63,9 +66,11 @@ void drawArguments(Desk& desk, Player& player) {
   for (const scenes::Argument& argument : player.arguments()) {
     double value = argument.value;
     ImGui::SetNextItemWidth(110);
-    const bool changed = ImGui::InputDouble(argument.name.c_str(), &value, 0, 0, "%.6g", ImGuiInputTextFlags_EnterReturnsTrue);
+    const bool changed = ImGui::InputDouble(argument.name.c_str(), &value, 0, 0, "%.6g",
+                                            ImGuiInputTextFlags_EnterReturnsTrue);
     if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("%s [%s], %g to %g", argument.doc.c_str(), argument.unit.c_str(), argument.min, argument.max);
+      ImGui::SetTooltip("%s [%s], %g to %g", argument.doc.c_str(), argument.unit.c_str(), argument.min,
+                        argument.max);
     if (!changed) continue;
     desk.wanted = player.request();
     desk.wanted->arguments[argument.name] = value;
@@ -76,9 +81,12 @@ void drawGravity(Player& player) {
   const Vec3 gravity = player.world().gravity();
   double g[3] = {gravity.x, gravity.y, gravity.z};
   ImGui::SetNextItemWidth(220);
-  if (!ImGui::InputScalarN("gravity [m/s2]", ImGuiDataType_Double, g, 3, nullptr, nullptr, "%.4g", ImGuiInputTextFlags_EnterReturnsTrue)) return;
+  if (!ImGui::InputScalarN("gravity [m/s2]", ImGuiDataType_Double, g, 3, nullptr, nullptr, "%.4g",
+                           ImGuiInputTextFlags_EnterReturnsTrue))
+    return;
   const Vec3 wanted{g[0], g[1], g[2]};
-  player.apply("gravity", [wanted](World& world) { world.setGravity(wanted); }, true);
+  player.apply(
+      "gravity", [wanted](World& world) { world.setGravity(wanted); }, true);
 }
 
 }  // namespace
@@ -131,9 +139,11 @@ void drawSettings(Desk& desk, Player& player) {
   int iterations = player.world().params().iterations;
   ImGui::SetNextItemWidth(110);
   if (ImGui::SliderInt("iterations", &iterations, 1, 50))
-    player.changeParams("iterations", [iterations](Params& params) { params.iterations = std::max(1, iterations); });
+    player.changeParams("iterations",
+                        [iterations](Params& params) { params.iterations = std::max(1, iterations); });
   drawGravity(player);
-  if (!player.arguments().empty() && ImGui::CollapsingHeader("Arguments of the scene (restart)", ImGuiTreeNodeFlags_DefaultOpen))
+  if (!player.arguments().empty() &&
+      ImGui::CollapsingHeader("Arguments of the scene (restart)", ImGuiTreeNodeFlags_DefaultOpen))
     drawArguments(desk, player);
   if (ImGui::CollapsingHeader("Parameters"))
     for (const ParamField& field : paramFields()) {

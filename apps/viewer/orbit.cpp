@@ -41,7 +41,8 @@ render::Camera Orbit::camera() const { return {target_ - ahead_ * distance_, tar
 Vec3 Orbit::ray(double x, double y, double aspect) const {
   const Vec3 side = normalize(cross(ahead_, up_), {1, 0, 0});
   const double tall = std::tan(fieldOfView_ / 2);
-  return normalize(ahead_ + side * ((2 * x - 1) * tall * aspect) + cross(side, ahead_) * ((1 - 2 * y) * tall));
+  return normalize(ahead_ + side * ((2 * x - 1) * tall * aspect) +
+                   cross(side, ahead_) * ((1 - 2 * y) * tall));
 }
 
 void Orbit::aim(const Vec3& target, double distance) {
@@ -53,7 +54,8 @@ std::optional<std::array<double, 2>> Orbit::place(const Vec3& point, double aspe
   const Vec3 there = point - (target_ - ahead_ * distance_), side = normalize(cross(ahead_, up_), {1, 0, 0});
   const double depth = dot(there, ahead_), tall = std::tan(fieldOfView_ / 2);
   if (depth <= 0) return std::nullopt;
-  return std::array{.5 + dot(there, side) / (2 * depth * tall * aspect), .5 - dot(there, cross(side, ahead_)) / (2 * depth * tall)};
+  return std::array{.5 + dot(there, side) / (2 * depth * tall * aspect),
+                    .5 - dot(there, cross(side, ahead_)) / (2 * depth * tall)};
 }
 
 }  // namespace rubble::viewer

@@ -21,7 +21,8 @@ class Orbit {
   /// Looks at another point from a distance, in the same direction [m].
   void aim(const Vec3& target, double distance);
   render::Camera camera() const;
-  /// Direction of the ray through a point of the picture: 0,0 is the upper left, 1,1 the lower right; aspect is width over height.
+  /// Direction of the ray through a point of the picture: 0,0 is the upper left, 1,1 the lower right; aspect
+  /// is width over height.
   Vec3 ray(double x, double y, double aspect) const;
   /// Where a point of the world is seen, in the same coordinates; nothing for one behind the eye.
   std::optional<std::array<double, 2>> place(const Vec3& point, double aspect) const;

@@ -26,7 +26,8 @@ Range rangeOf(const std::vector<Series>& series, bool logarithmic) {
   Range range;
   for (const Series& s : series)
     for (const double v : s.values)
-      if (std::isfinite(v) && (!logarithmic || v > 0)) range.low = std::min(range.low, v), range.high = std::max(range.high, v);
+      if (std::isfinite(v) && (!logarithmic || v > 0))
+        range.low = std::min(range.low, v), range.high = std::max(range.high, v);
   if (!(range.low <= range.high)) return {0, 1};
   if (!logarithmic) range.low = std::min(0., range.low);
   if (range.low == range.high) range.high = range.low + (range.low == 0 ? 1 : std::fabs(range.low));
@@ -48,9 +49,11 @@ void row(const char* name, const std::string& text, const char* doc) {
   explain(doc);
 }
 
-void plot(const char* title, const char* unit, const std::vector<Series>& series, const ImVec2& size, bool logarithmic) {
+void plot(const char* title, const char* unit, const std::vector<Series>& series, const ImVec2& size,
+          bool logarithmic) {
   const Range range = rangeOf(series, logarithmic);
-  ImGui::Text("%s [%s]   %.3g to %.3g%s", title, unit, range.low, range.high, logarithmic ? ", logarithmic" : "");
+  ImGui::Text("%s [%s]   %.3g to %.3g%s", title, unit, range.low, range.high,
+              logarithmic ? ", logarithmic" : "");
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   ImDrawList* draw = ImGui::GetWindowDrawList();
   draw->AddRectFilled(corner, {corner.x + size.x, corner.y + size.y}, IM_COL32(255, 255, 255, 160), 3);
@@ -64,7 +67,8 @@ void plot(const char* title, const char* unit, const std::vector<Series>& series
     std::vector<ImVec2> points;
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (!std::isfinite(values[i])) continue;
-      const float across = values.size() > 1 ? static_cast<float>(i) / static_cast<float>(values.size() - 1) : .5f;
+      const float across = values.size() > 1 ? static_cast<float>(i) / static_cast<float>(values.size() - 1)
+                                             : .5f;
       points.push_back({corner.x + size.x * across, height(values[i])});
     }
     draw->AddPolyline(points.data(), static_cast<int>(points.size()), colorOf(s), 0, 1.5f);

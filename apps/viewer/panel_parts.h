@@ -10,7 +10,8 @@
 namespace rubble::viewer {
 
 constexpr float kMargin = 12;
-constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing;
+constexpr ImGuiWindowFlags kPlain = ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_AlwaysAutoResize |
+                                    ImGuiWindowFlags_NoFocusOnAppearing;
 
 /// A line of a table of fields; the doc appears under the mouse.
 void row(const char* name, const char* unit, const Vec3& v, const char* doc = "");
@@ -22,7 +23,9 @@ struct Series {
   std::string name;
   std::vector<double> values;
 };
-/// Lines over one another from left to right, with a legend and the range of the values. `logarithmic`: values above 0.
-void plot(const char* title, const char* unit, const std::vector<Series>& series, const ImVec2& size, bool logarithmic = false);
+/// Lines over one another from left to right, with a legend and the range of the values. `logarithmic`:
+/// values above 0.
+void plot(const char* title, const char* unit, const std::vector<Series>& series, const ImVec2& size,
+          bool logarithmic = false);
 
 }  // namespace rubble::viewer

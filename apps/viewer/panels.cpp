@@ -35,7 +35,8 @@ void drawColors(Desk& desk, const Show& show) {
   if (ImGui::BeginCombo("colour", now.key)) {
     for (const io::Quantity& q : io::quantities()) {
       const bool known = const_cast<Show&>(show).live() || io::knownWithoutWorld(q.by);
-      if (ImGui::Selectable(q.key, q.by == desk.colorBy, known ? 0 : ImGuiSelectableFlags_Disabled)) desk.colorBy = q.by;
+      if (ImGui::Selectable(q.key, q.by == desk.colorBy, known ? 0 : ImGuiSelectableFlags_Disabled))
+        desk.colorBy = q.by;
       if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", q.doc);
     }
     ImGui::EndCombo();
@@ -58,11 +59,15 @@ void drawOverlays(render::Overlays& overlays) {
 void drawCounts(Player& player) {
   for (int side = 0; side < player.sides(); ++side) {
     const StepReport& report = player.report(side);
-    if (player.sides() > 1) ImGui::Text("%s: %s", side == 0 ? "left" : "right", player.label(side).c_str());
-    else ImGui::Text("%s", player.label(side).c_str());
-    ImGui::Text("%zu bodies, %d contact points", player.world(side).bodies().size(), report.contacts + report.vertexContacts);
+    if (player.sides() > 1)
+      ImGui::Text("%s: %s", side == 0 ? "left" : "right", player.label(side).c_str());
+    else
+      ImGui::Text("%s", player.label(side).c_str());
+    ImGui::Text("%zu bodies, %d contact points", player.world(side).bodies().size(),
+                report.contacts + report.vertexContacts);
     ImGui::Text("%d colours, %.2f ms a step", report.colors, report.totalMs);
-    if (!player.world(side).firstDifference().empty()) ImGui::TextWrapped("differs: %s", player.world(side).firstDifference().c_str());
+    if (!player.world(side).firstDifference().empty())
+      ImGui::TextWrapped("differs: %s", player.world(side).firstDifference().c_str());
   }
 }
 
@@ -70,14 +75,18 @@ void drawScenePanel(Desk& desk, Show& show) {
   ImGui::SetNextWindowPos({kMargin, kMargin}, ImGuiCond_Once);
   ImGui::Begin("Scene", nullptr, kPlain);
   ImGui::Text("%s", show.title().c_str());
-  ImGui::Text("%.2f s, step %lld, %s", show.time(), static_cast<long long>(show.now()), show.paused ? "paused" : "running");
-  if (show.live()) drawCounts(*show.live());
+  ImGui::Text("%.2f s, step %lld, %s", show.time(), static_cast<long long>(show.now()),
+              show.paused ? "paused" : "running");
+  if (show.live())
+    drawCounts(*show.live());
   else if (const auto* film = dynamic_cast<const Playback*>(&show))
-    ImGui::Text("frame %d of %d%s", film->frame() + 1, film->frames(), film->complete() ? "" : ", the run was cut off");
+    ImGui::Text("frame %d of %d%s", film->frame() + 1, film->frames(),
+                film->complete() ? "" : ", the run was cut off");
   drawButtons(desk, show);
   auto speed = static_cast<float>(show.speed);
   ImGui::SetNextItemWidth(120);
-  if (ImGui::SliderFloat("speed", &speed, .02f, 4, "%.2f", ImGuiSliderFlags_Logarithmic)) show.speed = static_cast<double>(speed);
+  if (ImGui::SliderFloat("speed", &speed, .02f, 4, "%.2f", ImGuiSliderFlags_Logarithmic))
+    show.speed = static_cast<double>(speed);
   drawColors(desk, show);
   if (show.live()) drawOverlays(desk.overlays);
   if (!desk.message.empty()) {
@@ -148,14 +157,19 @@ void drawPicker(Desk& desk, const std::vector<std::string>& scenes) {
 /// Marks under the slider: where snapshots are, and where the branch began.
 void drawMarks(const Player& player, const ImVec2& corner, float width) {
   const auto at = [&](std::int64_t step) {
-    return corner.x + width * static_cast<float>(step) / static_cast<float>(std::max<std::int64_t>(1, player.last()));
+    return corner.x +
+           width * static_cast<float>(step) / static_cast<float>(std::max<std::int64_t>(1, player.last()));
   };
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const Branch& branch = player.history().branch();
   for (const auto& [step, worlds] : branch.moments)
-    if (step <= player.last()) draw->AddLine({at(step), corner.y}, {at(step), corner.y + 4}, IM_COL32(90, 110, 140, 255));
-  for (const Input& input : branch.inputs) draw->AddLine({at(input.step), corner.y}, {at(input.step), corner.y + 7}, IM_COL32(200, 110, 20, 255));
-  if (branch.parent >= 0) draw->AddLine({at(branch.begins), corner.y}, {at(branch.begins), corner.y + 10}, IM_COL32(200, 30, 30, 255), 2);
+    if (step <= player.last())
+      draw->AddLine({at(step), corner.y}, {at(step), corner.y + 4}, IM_COL32(90, 110, 140, 255));
+  for (const Input& input : branch.inputs)
+    draw->AddLine({at(input.step), corner.y}, {at(input.step), corner.y + 7}, IM_COL32(200, 110, 20, 255));
+  if (branch.parent >= 0)
+    draw->AddLine({at(branch.begins), corner.y}, {at(branch.begins), corner.y + 10},
+                  IM_COL32(200, 30, 30, 255), 2);
 }
 
 }  // namespace
@@ -164,7 +178,8 @@ void drawTimeline(Desk& desk, Show& show) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y - kMargin}, ImGuiCond_Always, {.5f, 1});
   ImGui::SetNextWindowSize({std::min(size.x - 2 * kMargin, 900.f), 0});
-  ImGui::Begin("Timeline", nullptr, ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoFocusOnAppearing);
+  ImGui::Begin("Timeline", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoFocusOnAppearing);
   auto now = static_cast<int>(show.now());
   const auto last = static_cast<int>(std::max<std::int64_t>(1, show.last()));
   const bool branches = show.live() && show.live()->history().branches().size() > 1;
@@ -180,9 +195,10 @@ void drawTimeline(Desk& desk, Show& show) {
       for (std::size_t i = 0; i < player.history().branches().size(); ++i) {
         const Branch& branch = player.history().branches()[i];
         char label[96];
-        std::snprintf(label, sizeof label, "%s: from %lld to %lld", branch.name.c_str(), static_cast<long long>(branch.begins),
-                      static_cast<long long>(branch.last));
-        if (ImGui::Selectable(label, static_cast<int>(i) == player.history().current())) player.choose(static_cast<int>(i)), desk.selection = {};
+        std::snprintf(label, sizeof label, "%s: from %lld to %lld", branch.name.c_str(),
+                      static_cast<long long>(branch.begins), static_cast<long long>(branch.last));
+        if (ImGui::Selectable(label, static_cast<int>(i) == player.history().current()))
+          player.choose(static_cast<int>(i)), desk.selection = {};
       }
       ImGui::EndCombo();
     }
@@ -196,7 +212,9 @@ void drawTimeline(Desk& desk, Show& show) {
 
 void drawPanels(Desk& desk, Show& show, const std::vector<std::string>& scenes) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  if (show.sides() == 2) ImGui::GetBackgroundDrawList()->AddLine({size.x / 2, 0}, {size.x / 2, size.y}, IM_COL32(250, 250, 250, 255), 3);
+  if (show.sides() == 2)
+    ImGui::GetBackgroundDrawList()->AddLine({size.x / 2, 0}, {size.x / 2, size.y},
+                                            IM_COL32(250, 250, 250, 255), 3);
   drawScenePanel(desk, show);
   if (Player* player = show.live()) {
     drawInspector(desk, *player);

@@ -30,6 +30,8 @@ bool Playback::step() {
   return true;
 }
 
-void Playback::seek(std::int64_t step) { show(io::frameAfter(reader_, std::clamp<std::int64_t>(step, 0, last_))); }
+void Playback::seek(std::int64_t step) {
+  show(io::frameAfter(reader_, std::clamp<std::int64_t>(step, 0, last_)));
+}
 
 }  // namespace rubble::viewer

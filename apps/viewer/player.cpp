@@ -20,7 +20,8 @@ Player::Player(const Opener& opener, const Request& request, int sides) : reques
   std::size_t bytes = 0;
   for (int side = 0; side < sides; ++side) {
     Opened opened = opener(request, side);
-    opened.job.probes.clear();  // they look at every body after every step, for a verdict that nobody asks for here
+    opened.job.probes
+        .clear();  // they look at every body after every step, for a verdict that nobody asks for here
     runners_.push_back(std::make_unique<scenes::Runner>(std::move(opened.job), opened.world));
     labels_.push_back(opened.label);
     bytes += runners_.back()->world().memoryBytes();
@@ -73,7 +74,8 @@ void Player::seek(std::int64_t step) {
 }
 
 void Player::choose(int branch) {
-  if (branch == history_.current() || branch < 0 || branch >= static_cast<int>(history_.branches().size())) return;
+  if (branch == history_.current() || branch < 0 || branch >= static_cast<int>(history_.branches().size()))
+    return;
   history_.choose(branch);
   restore(last());
   seek(last());
@@ -127,7 +129,8 @@ std::vector<IterationError> iterationErrors(World& world) {
     IterationError& error = errors.emplace_back();
     error.error = std::max(quality.penetration.max, quality.jointGapMax);
     std::vector<Vec3> now = places();
-    for (std::size_t i = 0; i < before.size(); ++i) error.change = std::max(error.change, length(now[i] - before[i]));
+    for (std::size_t i = 0; i < before.size(); ++i)
+      error.change = std::max(error.change, length(now[i] - before[i]));
     before = std::move(now);
     world.restore(present);
   }

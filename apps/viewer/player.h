@@ -23,7 +23,8 @@ struct Opened {
   std::string label;  ///< of one side: "cpu, 4 iterations"
   scenes::Job job;
   WorldOptions world;
-  std::vector<scenes::Argument> arguments = {};  ///< that the scene can be built with, with the values that it has
+  std::vector<scenes::Argument> arguments =
+      {};  ///< that the scene can be built with, with the values that it has
 };
 /// Opens the scene of a side; throws Error if there is none.
 using Opener = std::function<Opened(const Request&, int side)>;
@@ -46,7 +47,9 @@ class Player final : public Show {
   const std::string& title() const override { return title_; }
   int sides() const override { return static_cast<int>(runners_.size()); }
   std::string label(int side) const override { return labels_[static_cast<std::size_t>(side)]; }
-  std::vector<io::PictureBody> bodies(int side, io::ColorBy colorBy) override { return io::pictureBodies(world(side), colorBy); }
+  std::vector<io::PictureBody> bodies(int side, io::ColorBy colorBy) override {
+    return io::pictureBodies(world(side), colorBy);
+  }
   std::vector<io::PictureBody> framed() override { return io::pictureBodies(job().scene, true); }
   Vec3 gravity() const override { return runners_.front()->world().gravity(); }
   scenes::Camera camera() const override { return runners_.front()->job().camera; }
@@ -69,7 +72,8 @@ class Player final : public Show {
   const std::vector<Past>& past() const { return past_; }
   bool measureEnergy = false;
 
-  /// Does something to all worlds, and remembers it as part of the branch. `replaces`: an input of the same name in the same step.
+  /// Does something to all worlds, and remembers it as part of the branch. `replaces`: an input of the same
+  /// name in the same step.
   void apply(const std::string& what, std::function<void(World&)> change, bool replaces = false);
   /// Changes parameters of all worlds.
   void changeParams(const std::string& what, std::function<void(Params&)> change);

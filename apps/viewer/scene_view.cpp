@@ -37,7 +37,9 @@ void addSelection(World& world, const Selection& selection, double size, std::ve
 
 int nearestVertex(const World& world, SoftId object, const Vec3& point) {
   const std::vector<Vec3> x = world.positions(object);
-  const auto nearest = std::min_element(x.begin(), x.end(), [&](const Vec3& a, const Vec3& b) { return lengthSquared(a - point) < lengthSquared(b - point); });
+  const auto nearest = std::min_element(x.begin(), x.end(), [&](const Vec3& a, const Vec3& b) {
+    return lengthSquared(a - point) < lengthSquared(b - point);
+  });
   return static_cast<int>(nearest - x.begin());
 }
 
@@ -57,7 +59,8 @@ void SceneView::begin(Show& show, int width, int height) {
   const int sideWidth = std::max(1, width / show.sides());
   orbit = Orbit(cameraShowing(show, sideWidth, height));
   for (int side = 0; side < show.sides(); ++side)
-    stages_.push_back(std::make_unique<render::Stage>(show.bodies(side, io::ColorBy::Body), show.gravity(), orbit.camera(), sideWidth, height));
+    stages_.push_back(std::make_unique<render::Stage>(show.bodies(side, io::ColorBy::Body), show.gravity(),
+                                                      orbit.camera(), sideWidth, height));
 }
 
 void SceneView::draw(Show& show, Desk& desk, int width, int height) {
@@ -67,8 +70,10 @@ void SceneView::draw(Show& show, Desk& desk, int width, int height) {
     render::Stage& stage = *stages_[static_cast<std::size_t>(side)];
     render::Renderer& renderer = stage.renderer();
     Player* player = show.live();
-    if (player && desk.colorBy == io::ColorBy::Body) stage.follow(player->world(side));
-    else stage.setBodies(show.bodies(side, desk.colorBy), desk.colorBy);
+    if (player && desk.colorBy == io::ColorBy::Body)
+      stage.follow(player->world(side));
+    else
+      stage.setBodies(show.bodies(side, desk.colorBy), desk.colorBy);
     desk.fullValue = std::max(desk.fullValue, stage.fullValue());
     std::vector<render::Line> lines;
     int selected = -1;
@@ -78,7 +83,8 @@ void SceneView::draw(Show& show, Desk& desk, int width, int height) {
       addSelection(world, desk.selection, stage.setting().bodySize, lines);
       if (desk.selection.body) {
         const auto& keys = stage.keys();
-        const auto at = std::find(keys.begin(), keys.end(), static_cast<std::uint32_t>(desk.selection.body->index));
+        const auto at = std::find(keys.begin(), keys.end(),
+                                  static_cast<std::uint32_t>(desk.selection.body->index));
         if (at != keys.end()) selected = static_cast<int>(at - keys.begin());
       }
     }
@@ -116,7 +122,8 @@ Seen SceneView::at(Show& show, double x, double y) const {
   seen.point = stage.renderer().pointAt(px, py);
   if (!show.live()) return seen;
   World& world = show.live()->world(seen.side);
-  const std::uint32_t key = body >= 0 ? stage.keys()[static_cast<std::size_t>(body)] : stage.surfaceKeys()[static_cast<std::size_t>(surface)];
+  const std::uint32_t key = body >= 0 ? stage.keys()[static_cast<std::size_t>(body)]
+                                      : stage.surfaceKeys()[static_cast<std::size_t>(surface)];
   if (key == io::kRopeKey) return seen;
   if (key < io::kSoftKeys) {
     seen.what.body = show.live()->bodyWithKey(key);
@@ -134,7 +141,8 @@ std::optional<JointId> SceneView::jointAt(Player& player, double x, double y) co
     for (const int side : {0, 1}) {
       const auto place = orbit.place(render::jointFrame(player.world(), id, side).position, aspect());
       if (!place) continue;
-      const double away = std::hypot((*place)[0] * sideWidth() - std::fmod(x, sideWidth()), (*place)[1] * height_ - y);
+      const double away = std::hypot((*place)[0] * sideWidth() - std::fmod(x, sideWidth()),
+                                     (*place)[1] * height_ - y);
       if (away < nearest) nearest = away, best = id;
     }
   }
@@ -151,12 +159,14 @@ void SceneView::frame(Show& show, const Selection& selection) {
   if (selection.body) {
     double radius = bodySize();
     for (const io::PictureBody& body : io::pictureBodies(world))
-      if (body.key == static_cast<std::uint32_t>(selection.body->index)) radius = io::extentAlong(body, normalize(Vec3{1, 1, 1}));
+      if (body.key == static_cast<std::uint32_t>(selection.body->index))
+        radius = io::extentAlong(body, normalize(Vec3{1, 1, 1}));
     orbit.aim(world.state(*selection.body).position, kFrameDistance * std::max(radius, bodySize()));
   } else if (selection.joint) {
     orbit.aim(render::jointFrame(world, *selection.joint, 0).position, kFrameDistance * bodySize());
   } else {
-    orbit.aim(world.positions(*selection.object)[static_cast<std::size_t>(std::max(0, selection.vertex))], kFrameDistance * bodySize());
+    orbit.aim(world.positions(*selection.object)[static_cast<std::size_t>(std::max(0, selection.vertex))],
+              kFrameDistance * bodySize());
   }
 }
 

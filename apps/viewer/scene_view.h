@@ -13,9 +13,9 @@ namespace rubble::viewer {
 /// What is seen at a pixel.
 struct Seen {
   int side = 0;
-  Vec3 point;           ///< [m]
+  Vec3 point;  ///< [m]
   bool something = false;
-  Selection what;       ///< body or vertex; nothing for recordings
+  Selection what;  ///< body or vertex; nothing for recordings
 };
 
 class SceneView {

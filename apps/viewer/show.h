@@ -1,5 +1,6 @@
 #pragma once
-/// What the window shows: a scene that runs, two of them side by side, or a recording. All have steps to go to.
+/// What the window shows: a scene that runs, two of them side by side, or a recording. All have steps to go
+/// to.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -29,16 +30,17 @@ class Show {
   virtual Vec3 gravity() const = 0;
   virtual scenes::Camera camera() const { return {}; }
 
-  virtual double time() const = 0;  ///< [s]
-  virtual double dt() const = 0;    ///< [s]
-  virtual std::int64_t now() const = 0;    ///< step
-  virtual std::int64_t last() const = 0;   ///< step that is known
+  virtual double time() const = 0;        ///< [s]
+  virtual double dt() const = 0;          ///< [s]
+  virtual std::int64_t now() const = 0;   ///< step
+  virtual std::int64_t last() const = 0;  ///< step that is known
   /// To the next step; false at the end of a recording.
   virtual bool step() = 0;
   /// To a step from 0 to last().
   virtual void seek(std::int64_t step) = 0;
 
-  /// Takes the steps that are due after `seconds` of wall clock; at most a few, so that a slow scene becomes slow motion.
+  /// Takes the steps that are due after `seconds` of wall clock; at most a few, so that a slow scene becomes
+  /// slow motion.
   void play(double seconds);
 
   bool paused = false;

@@ -20,9 +20,11 @@ void addLive(Json& state, Player& player, const Desk& desk) {
   Json bodies = Json::object(), vertices = Json::object();
   const std::vector<BodyId> ids = world.bodies();
   for (std::size_t i = 0; i < ids.size() && i < kMostListed; ++i)
-    if (const std::string& name = world.definition(ids[i]).name; !name.empty()) bodies[name] = pointJson(world.state(ids[i]).position);
+    if (const std::string& name = world.definition(ids[i]).name; !name.empty())
+      bodies[name] = pointJson(world.state(ids[i]).position);
   int shots = 0, dropped = 0;
-  for (const auto& [name, place] : bodies.items()) shots += name.rfind("shot ", 0) == 0, dropped += name.rfind("dropped ", 0) == 0;
+  for (const auto& [name, place] : bodies.items())
+    shots += name.rfind("shot ", 0) == 0, dropped += name.rfind("dropped ", 0) == 0;
   for (const SoftId id : world.deformables()) {
     Vec3 low = world.positions(id).front(), high = low;
     for (const Vec3& p : world.positions(id))
@@ -49,7 +51,8 @@ void addLive(Json& state, Player& player, const Desk& desk) {
 
 }  // namespace
 
-std::string stateText(int frame, Show& show, const std::string& scene, const Desk& desk, const Orbit& orbit, bool holds) {
+std::string stateText(int frame, Show& show, const std::string& scene, const Desk& desk, const Orbit& orbit,
+                      bool holds) {
   Json overlays = Json::array();
   if (desk.overlays.contacts) overlays.push_back("contacts");
   if (desk.overlays.forces) overlays.push_back("forces");

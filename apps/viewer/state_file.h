@@ -7,6 +7,7 @@
 namespace rubble::viewer {
 
 /// What the window shows, as JSON.
-std::string stateText(int frame, Show& show, const std::string& scene, const Desk& desk, const Orbit& orbit, bool holds);
+std::string stateText(int frame, Show& show, const std::string& scene, const Desk& desk, const Orbit& orbit,
+                      bool holds);
 
 }  // namespace rubble::viewer

@@ -30,15 +30,20 @@ constexpr double kZoomStep = 1.12, kSpeedStep = 1.5;
 
 class Viewer {
  public:
-  static Viewer* viewerOf(GLFWwindow* window) { return static_cast<Viewer*>(glfwGetWindowUserPointer(window)); }
+  static Viewer* viewerOf(GLFWwindow* window) {
+    return static_cast<Viewer*>(glfwGetWindowUserPointer(window));
+  }
 
   explicit Viewer(const ViewerOptions& options) : options_(options), window_(options.width, options.height) {
     glfwSetWindowUserPointer(window_.handle(), this);
     glfwSetKeyCallback(window_.handle(), [](GLFWwindow* w, int key, int, int action, int modifiers) {
-      if (key == GLFW_KEY_Q && modifiers == GLFW_MOD_CONTROL) glfwSetWindowShouldClose(w, GLFW_TRUE);
-      else if (action != GLFW_RELEASE) viewerOf(w)->guarded([&] { viewerOf(w)->key(key, (modifiers & GLFW_MOD_SHIFT) != 0); });
+      if (key == GLFW_KEY_Q && modifiers == GLFW_MOD_CONTROL)
+        glfwSetWindowShouldClose(w, GLFW_TRUE);
+      else if (action != GLFW_RELEASE)
+        viewerOf(w)->guarded([&] { viewerOf(w)->key(key, (modifiers & GLFW_MOD_SHIFT) != 0); });
     });
-    glfwSetCharCallback(window_.handle(), [](GLFWwindow* w, unsigned letter) { viewerOf(w)->letter(letter); });
+    glfwSetCharCallback(window_.handle(),
+                        [](GLFWwindow* w, unsigned letter) { viewerOf(w)->letter(letter); });
     glfwSetDropCallback(window_.handle(), [](GLFWwindow* w, int count, const char** files) {
       if (count > 0) viewerOf(w)->open({files[0], {}, ""});
     });
@@ -59,15 +64,15 @@ class Viewer {
       draw();
       ++frame;
       if (!options_.stateFile.empty())
-        io::writeText(options_.stateFile, stateText(frame, *show_, request_.scene, desk_, view_.orbit, hand_.holds()));
+        io::writeText(options_.stateFile,
+                      stateText(frame, *show_, request_.scene, desk_, view_.orbit, hand_.holds()));
     }
     if (!options_.screenshot.empty()) io::writePng(screen_, options_.screenshot);
   }
 
  private:
   /// A fault stops the show and is said in the window.
-  template <class Work>
-  void guarded(Work&& work) {
+  template <class Work> void guarded(Work&& work) {
     try {
       work();
     } catch (const Error& error) {
@@ -77,7 +82,8 @@ class Viewer {
   }
 
   std::unique_ptr<Show> showOf(const Request& request) const {
-    if (std::filesystem::path(request.scene).extension() == ".rubble") return std::make_unique<Playback>(request.scene);
+    if (std::filesystem::path(request.scene).extension() == ".rubble")
+      return std::make_unique<Playback>(request.scene);
     return std::make_unique<Player>(options_.open, request, options_.sides);
   }
 
@@ -106,7 +112,8 @@ class Viewer {
     const auto at = std::find(options_.scenes.begin(), options_.scenes.end(), request_.scene);
     const auto count = static_cast<int>(options_.scenes.size());
     if (count == 0) return;
-    const int from = at == options_.scenes.end() ? (by > 0 ? -1 : 0) : static_cast<int>(at - options_.scenes.begin());
+    const int from = at == options_.scenes.end() ? (by > 0 ? -1 : 0)
+                                                 : static_cast<int>(at - options_.scenes.begin());
     open({options_.scenes[static_cast<std::size_t>((from + by + count) % count)], {}, request_.backend});
   }
 
@@ -119,7 +126,8 @@ class Viewer {
   void nextJoint(Player& player) {
     const std::vector<JointId> joints = player.world().joints();
     if (joints.empty()) return;
-    auto at = desk_.selection.joint ? std::find(joints.begin(), joints.end(), *desk_.selection.joint) : joints.end();
+    auto at = desk_.selection.joint ? std::find(joints.begin(), joints.end(), *desk_.selection.joint)
+                                    : joints.end();
     if (at != joints.end()) ++at;
     desk_.selection = {std::nullopt, at == joints.end() ? joints.front() : *at, std::nullopt, -1};
   }
@@ -139,21 +147,40 @@ class Viewer {
     }
     if (ImGui::GetIO().WantTextInput || desk_.showPicker) return;
     switch (key) {
-      case GLFW_KEY_SPACE: show_->paused = !show_->paused; return;
+      case GLFW_KEY_SPACE:
+        show_->paused = !show_->paused;
+        return;
       case GLFW_KEY_N:
-      case GLFW_KEY_RIGHT: show_->paused = true, show_->step(); return;
-      case GLFW_KEY_LEFT: return seek(show_->now() - 1);
-      case GLFW_KEY_HOME: return seek(0);
-      case GLFW_KEY_END: return seek(show_->last());
-      case GLFW_KEY_R: return open(request_);
-      case GLFW_KEY_P: desk_.showPicker = desk_.focusPicker = true, openedPicker_ = true; return;
-      case GLFW_KEY_PAGE_UP: return openNeighbour(-1);
-      case GLFW_KEY_PAGE_DOWN: return openNeighbour(1);
-      case GLFW_KEY_F: return view_.frame(*show_, desk_.selection);
-      case GLFW_KEY_C: return nextColor(shift ? -1 : 1);
-      case GLFW_KEY_MINUS: show_->speed /= kSpeedStep; return;
-      case GLFW_KEY_EQUAL: show_->speed *= kSpeedStep; return;
-      default: break;
+      case GLFW_KEY_RIGHT:
+        show_->paused = true, show_->step();
+        return;
+      case GLFW_KEY_LEFT:
+        return seek(show_->now() - 1);
+      case GLFW_KEY_HOME:
+        return seek(0);
+      case GLFW_KEY_END:
+        return seek(show_->last());
+      case GLFW_KEY_R:
+        return open(request_);
+      case GLFW_KEY_P:
+        desk_.showPicker = desk_.focusPicker = true, openedPicker_ = true;
+        return;
+      case GLFW_KEY_PAGE_UP:
+        return openNeighbour(-1);
+      case GLFW_KEY_PAGE_DOWN:
+        return openNeighbour(1);
+      case GLFW_KEY_F:
+        return view_.frame(*show_, desk_.selection);
+      case GLFW_KEY_C:
+        return nextColor(shift ? -1 : 1);
+      case GLFW_KEY_MINUS:
+        show_->speed /= kSpeedStep;
+        return;
+      case GLFW_KEY_EQUAL:
+        show_->speed *= kSpeedStep;
+        return;
+      default:
+        break;
     }
     if (show_->live()) liveKey(key, *show_->live());
   }
@@ -161,20 +188,36 @@ class Viewer {
   void liveKey(int key, Player& player) {
     const ImVec2 at = ImGui::GetIO().MousePos;
     switch (key) {
-      case GLFW_KEY_B: shoot(player, view_.orbit.camera().eye, view_.ray(double{at.x}, double{at.y}), view_.bodySize()); return;
+      case GLFW_KEY_B:
+        shoot(player, view_.orbit.camera().eye, view_.ray(double{at.x}, double{at.y}), view_.bodySize());
+        return;
       case GLFW_KEY_X: {
         const Seen seen = view_.at(*show_, double{at.x}, double{at.y});
         dropBox(player, seen.something ? seen.point : view_.orbit.camera().target, view_.bodySize());
         return;
       }
-      case GLFW_KEY_1: desk_.overlays.contacts = !desk_.overlays.contacts; return;
-      case GLFW_KEY_2: desk_.overlays.forces = !desk_.overlays.forces; return;
-      case GLFW_KEY_3: desk_.overlays.joints = !desk_.overlays.joints; return;
-      case GLFW_KEY_4: desk_.overlays.bounds = !desk_.overlays.bounds; return;
-      case GLFW_KEY_G: desk_.showPlots = !desk_.showPlots; return;
-      case GLFW_KEY_T: desk_.showSettings = !desk_.showSettings; return;
-      case GLFW_KEY_J: return nextJoint(player);
-      default: return;
+      case GLFW_KEY_1:
+        desk_.overlays.contacts = !desk_.overlays.contacts;
+        return;
+      case GLFW_KEY_2:
+        desk_.overlays.forces = !desk_.overlays.forces;
+        return;
+      case GLFW_KEY_3:
+        desk_.overlays.joints = !desk_.overlays.joints;
+        return;
+      case GLFW_KEY_4:
+        desk_.overlays.bounds = !desk_.overlays.bounds;
+        return;
+      case GLFW_KEY_G:
+        desk_.showPlots = !desk_.showPlots;
+        return;
+      case GLFW_KEY_T:
+        desk_.showSettings = !desk_.showSettings;
+        return;
+      case GLFW_KEY_J:
+        return nextJoint(player);
+      default:
+        return;
     }
   }
 
@@ -190,8 +233,10 @@ class Viewer {
     if (free && io.MouseWheel != 0) view_.orbit.zoom(std::pow(kZoomStep, double{io.MouseWheel}));
     if (free && ImGui::IsMouseClicked(0)) press(x, y);
     if (pressed_ && ImGui::IsMouseDown(0)) {
-      if (hand_.holds()) hand_.pull(*show_->live(), view_.pointAt(x, y, gripDepth_));
-      else view_.orbit.turn(dx, dy);
+      if (hand_.holds())
+        hand_.pull(*show_->live(), view_.pointAt(x, y, gripDepth_));
+      else
+        view_.orbit.turn(dx, dy);
     }
     if (pressed_ && ImGui::IsMouseReleased(0)) {
       pressed_ = false;
@@ -210,15 +255,18 @@ class Viewer {
     Player* player = show_->live();
     if (!player || !under_.any()) return;
     gripDepth_ = view_.depthOf(seen.point);
-    if (under_.body) hand_.take(*player, *under_.body, seen.point);
+    if (under_.body)
+      hand_.take(*player, *under_.body, seen.point);
     else if (hand_.take(*player, *under_.object, under_.vertex))
-      gripDepth_ = view_.depthOf(player->world().positions(*under_.object)[static_cast<std::size_t>(under_.vertex)]);
+      gripDepth_ = view_.depthOf(
+          player->world().positions(*under_.object)[static_cast<std::size_t>(under_.vertex)]);
   }
 
   void click(double x, double y) {
     desk_.selection = under_;
     if (!show_->live() || !desk_.overlays.joints) return;
-    if (const auto joint = view_.jointAt(*show_->live(), x, y)) desk_.selection = {std::nullopt, joint, std::nullopt, -1};
+    if (const auto joint = view_.jointAt(*show_->live(), x, y))
+      desk_.selection = {std::nullopt, joint, std::nullopt, -1};
   }
 
   void draw() {

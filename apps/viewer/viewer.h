@@ -11,11 +11,12 @@ struct ViewerOptions {
   Request first;                    ///< a scene, a scene file or a recording
   std::vector<std::string> scenes;  ///< what the picker offers
   Opener open;
-  int sides = 1;                    ///< 2: two runs of the scene side by side
+  int sides = 1;  ///< 2: two runs of the scene side by side
   int width = 1280, height = 720;
   int frames = 0;          ///< closes after so many frames; 0: when the user closes it
   std::string screenshot;  ///< the last frame, with its panels, goes into this PNG file
-  std::string stateFile;   ///< what the window shows, as JSON, written anew in every frame: for tests that drive the window
+  std::string stateFile;   ///< what the window shows, as JSON, written anew in every frame: for tests that
+                           ///< drive the window
 };
 
 /// Opens a window and runs until it is closed. Throws Error without a display or OpenGL 4.1.

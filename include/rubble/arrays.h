@@ -1,5 +1,6 @@
 #pragma once
-/// The state of all bodies as plain arrays, where the engine keeps them: for renderers, learners and other libraries that take strided memory.
+/// The state of all bodies as plain arrays, where the engine keeps them: for renderers, learners and other
+/// libraries that take strided memory.
 #include <cstdint>
 
 namespace rubble {
@@ -14,17 +15,19 @@ enum class StateArray {
   Torque,           ///< for the next step [N m]: 3 numbers; zero again after it
 };
 
-/// A two-dimensional array in the terms of version 3 of __cuda_array_interface__: data, shape, strides, typestr and stream are its entries.
+/// A two-dimensional array in the terms of version 3 of __cuda_array_interface__: data, shape, strides,
+/// typestr and stream are its entries.
 struct ArrayView {
-  const void* data = nullptr;          ///< first element of the first row
-  std::int64_t shape[2] = {0, 0};      ///< rows, numbers of a row
-  std::int64_t strides[2] = {0, 0};    ///< from row to row and from number to number [bytes]
-  const char* typestr = "<f4";         ///< "<f4" float, "<f8" double, "<i4" int
-  bool device = false;                 ///< memory of the GPU; else of the host
-  /// CUDA stream that has the data ready, as the interface says: 1 the legacy default stream, 2 that of the thread, else a handle; 0: none
-  /// (host memory, or the caller sees to it).
+  const void* data = nullptr;        ///< first element of the first row
+  std::int64_t shape[2] = {0, 0};    ///< rows, numbers of a row
+  std::int64_t strides[2] = {0, 0};  ///< from row to row and from number to number [bytes]
+  const char* typestr = "<f4";       ///< "<f4" float, "<f8" double, "<i4" int
+  bool device = false;               ///< memory of the GPU; else of the host
+  /// CUDA stream that has the data ready, as the interface says: 1 the legacy default stream, 2 that of the
+  /// thread, else a handle; 0: none (host memory, or the caller sees to it).
   std::uintptr_t stream = 0;
-  std::int64_t epoch = 0;              ///< World::epoch() when the view was made: while that is the same, the view is valid
+  std::int64_t
+      epoch = 0;  ///< World::epoch() when the view was made: while that is the same, the view is valid
 };
 
 /// Poses of all body slots after a step, in host memory.

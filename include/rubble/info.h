@@ -5,7 +5,8 @@
 
 namespace rubble {
 
-/// One thing that an author sets on a force or joint: its name in scene files, its unit ("1" for none) and its meaning.
+/// One thing that an author sets on a force or joint: its name in scene files, its unit ("1" for none) and
+/// its meaning.
 struct ForceField {
   std::string field;
   std::string unit;
@@ -43,7 +44,8 @@ struct BuildInfo {
 
 BuildInfo buildInfo();
 
-/// Whether the CUDA backend can run here, and on what, or why not: "on: NVIDIA H200, ...", "off: built without CUDA", "off: no device found".
+/// Whether the CUDA backend can run here, and on what, or why not: "on: NVIDIA H200, ...", "off: built
+/// without CUDA", "off: no device found".
 std::string cudaStatus();
 
 }  // namespace rubble

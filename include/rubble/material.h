@@ -13,9 +13,10 @@ inline constexpr double kUnbreakable = std::numeric_limits<double>::infinity();
 /// In place of a body index of a joint: the fixed world.
 inline constexpr int kWorld = -1;
 
-/// How the coefficients of two materials make that of their contact. Of two different rules the one that stands later here is taken.
+/// How the coefficients of two materials make that of their contact. Of two different rules the one that
+/// stands later here is taken.
 enum class Combine {
-  Usual,          ///< friction: geometric mean; restitution: the larger
+  Usual,  ///< friction: geometric mean; restitution: the larger
   Average,
   Minimum,
   Multiply,
@@ -31,9 +32,12 @@ struct Material {
   Combine frictionCombine = Combine::Usual;
   Combine restitutionCombine = Combine::Usual;
   // bodies only
-  double rollingFriction = 0;    ///< lever: the moment that resists rolling is at most this times the normal force [m]; a pair takes the larger
-  double torsionalFriction = 0;  ///< lever of the moment that resists spinning about the normal [m]; a pair takes the larger
-  Vec3 surfaceVelocity{};        ///< of a belt: what lies on the surface is carried along at this velocity, body axes [m/s]
+  double rollingFriction = 0;    ///< lever: the moment that resists rolling is at most this times the normal
+                                 ///< force [m]; a pair takes the larger
+  double torsionalFriction = 0;  ///< lever of the moment that resists spinning about the normal [m]; a pair
+                                 ///< takes the larger
+  Vec3 surfaceVelocity{};  ///< of a belt: what lies on the surface is carried along at this velocity, body
+                           ///< axes [m/s]
 };
 
 }  // namespace rubble

@@ -1,5 +1,6 @@
 #pragma once
-/// Questions about where bodies are. Each takes a batch and answers in the order of the batch; bodies are where the last step has put them.
+/// Questions about where bodies are. Each takes a batch and answers in the order of the batch; bodies are
+/// where the last step has put them.
 #include <cstdint>
 #include <vector>
 
@@ -22,8 +23,8 @@ struct RayQuery {
   double maxDistance = 1e6;  ///< [m]
   QueryFilter filter;
 };
-/// The first surface that a ray meets. A ray that begins inside a body meets it at distance 0 with the normal against its direction.
-/// One-sided meshes and height fields are met from their front only.
+/// The first surface that a ray meets. A ray that begins inside a body meets it at distance 0 with the normal
+/// against its direction. One-sided meshes and height fields are met from their front only.
 struct RayHit {
   bool hit = false;
   BodyId body;

@@ -32,21 +32,23 @@ struct ContactLoad {
   int points = 0;
 };
 
-/// An axis of a joint, in the order of JointDef::axes. Forces act along it on A, so that they raise `position` where they are positive.
+/// An axis of a joint, in the order of JointDef::axes. Forces act along it on A, so that they raise
+/// `position` where they are positive.
 struct JointAxisState {
-  double position = 0;       ///< [m], [rad], counted over whole turns
-  double speed = 0;          ///< [m/s], [rad/s]
-  double limitForce = 0;     ///< [N], [N m]
+  double position = 0;    ///< [m], [rad], counted over whole turns
+  double speed = 0;       ///< [m/s], [rad/s]
+  double limitForce = 0;  ///< [N], [N m]
   double driveForce = 0;
   double frictionForce = 0;
 };
 
 /// A joint after the last step.
 struct JointState {
-  double gap = 0;     ///< error of what is held or limited in metres: distance of the anchors, excess of a length [m]
-  double angle = 0;   ///< error of what is held or limited in angles [rad]
-  Vec3 force;         ///< on body B, at its anchor [N]
-  Vec3 torque;        ///< on body B, about its anchor [N m]
+  double gap = 0;    ///< error of what is held or limited in metres: distance of the anchors, excess of a
+                     ///< length [m]
+  double angle = 0;  ///< error of what is held or limited in angles [rad]
+  Vec3 force;        ///< on body B, at its anchor [N]
+  Vec3 torque;       ///< on body B, about its anchor [N m]
   std::vector<JointAxisState> axes;  ///< those that the type has
   bool broken = false;
 };
@@ -58,21 +60,23 @@ struct VertexContact {
   BodyId body;         ///< BodyId{}: none
   SoftId otherObject;  ///< SoftId{}: none
   int otherVertex;
-  Vec3 normal;         ///< unit, from the body to the vertex, or from the vertex to the other one
-  double depth;        ///< > 0: penetration [m]
-  Vec3 force;          ///< on the vertex, or on the other vertex [N]
+  Vec3 normal;   ///< unit, from the body to the vertex, or from the vertex to the other one
+  double depth;  ///< > 0: penetration [m]
+  Vec3 force;    ///< on the vertex, or on the other vertex [N]
 };
 
 struct WorldOptions {
-  std::string backend = "cpu";  ///< "cpu", "reference" (double precision), "lockstep", or one named by backends()
-  int threads = 0;              ///< 0: one a core
+  std::string
+      backend = "cpu";  ///< "cpu", "reference" (double precision), "lockstep", or one named by backends()
+  int threads = 0;      ///< 0: one a core
   Params params;
-  bool timings = true;          ///< measure stages
-  bool events = false;          ///< collect the events of each step; on a device this fetches its contacts after each step
+  bool timings = true;  ///< measure stages
+  bool events = false;  ///< collect the events of each step; on a device this fetches its contacts after each
+                        ///< step
 };
 
-/// The whole state of a world, to go on from bit for bit, in that world or in another one of the same backend. On a GPU it stays on the
-/// device. It does not change when the world goes on, and copies share it.
+/// The whole state of a world, to go on from bit for bit, in that world or in another one of the same
+/// backend. On a GPU it stays on the device. It does not change when the world goes on, and copies share it.
 class Snapshot {
  public:
   struct Data;
@@ -87,8 +91,9 @@ class World {
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  /// One step of params().dt. Events of the scene are not run here: see rubble::scenes::Runner. Throws Error where there is no memory for the
-  /// tables that it needs; the world is then as before but for its contacts, which the next step finds anew.
+  /// One step of params().dt. Events of the scene are not run here: see rubble::scenes::Runner. Throws Error
+  /// where there is no memory for the tables that it needs; the world is then as before but for its contacts,
+  /// which the next step finds anew.
   StepReport step();
 
   const Params& params() const;
@@ -104,7 +109,7 @@ class World {
   /// Do the two collide with one another? (They do not if a joint between them says so.)
   void setCollide(BodyId a, BodyId b, bool collide);
   bool alive(BodyId id) const;
-  std::vector<BodyId> bodies() const;  ///< alive ones, by index
+  std::vector<BodyId> bodies() const;          ///< alive ones, by index
   BodyId find(const std::string& name) const;  ///< throws Error if there is none
   BodyId bodyAt(int sceneIndex) const;         ///< body of Scene::bodies[sceneIndex]
   const BodyDef& definition(BodyId id) const;
@@ -113,43 +118,51 @@ class World {
   void setState(BodyId id, const BodyState& state);
   /// Kinematic bodies: be at this pose after the next step.
   void setTarget(BodyId id, const Vec3& position, const Quat& orientation);
-  void applyForce(BodyId id, const Vec3& force);                       ///< at the centre, for the next step [N]
+  void applyForce(BodyId id, const Vec3& force);  ///< at the centre, for the next step [N]
   void applyForceAt(BodyId id, const Vec3& force, const Vec3& point);  ///< [N], world point [m]
   void applyTorque(BodyId id, const Vec3& torque);                     ///< for the next step [N m]
   void applyImpulse(BodyId id, const Vec3& impulse);                   ///< at the centre, at once [N s]
 
-  // Many bodies at once: what the calls above do, for element k of every list. The whole list is checked first: an Error changes nothing.
-  // On a GPU all edits between two steps travel together, in one upload, and nothing waits for the device.
+  // Many bodies at once: what the calls above do, for element k of every list. The whole list is checked
+  // first: an Error changes nothing. On a GPU all edits between two steps travel together, in one upload, and
+  // nothing waits for the device.
   std::vector<BodyId> addBodies(std::span<const BodyDef> bodies);
   void removeBodies(std::span<const BodyId> ids);
   void setStates(std::span<const BodyId> ids, std::span<const BodyState> states);
   /// `torques` may be empty: none.
-  void applyForces(std::span<const BodyId> ids, std::span<const Vec3> forces, std::span<const Vec3> torques = {});
+  void applyForces(std::span<const BodyId> ids, std::span<const Vec3> forces,
+                   std::span<const Vec3> torques = {});
   void applyImpulses(std::span<const BodyId> ids, std::span<const Vec3> impulses);
 
-  // State of all bodies as arrays. Row BodyId::index belongs to that body; rows of removed bodies hold what was there last. Positions and
-  // orientations are those of the centre of mass and of the principal axes: MassProperties says where these lie in the frame of the shape.
-  /// The array as the engine keeps it, with all edits made so far. Read-only: scatter() writes. It stays where it is until the next edit that
-  /// adds or removes bodies, restores a snapshot or sorts the bodies; steps and other edits change its content only, an edit by the next step
-  /// at the latest.
+  // State of all bodies as arrays. Row BodyId::index belongs to that body; rows of removed bodies hold what
+  // was there last. Positions and orientations are those of the centre of mass and of the principal axes:
+  // MassProperties says where these lie in the frame of the shape.
+  /// The array as the engine keeps it, with all edits made so far. Read-only: scatter() writes. It stays
+  /// where it is until the next edit that adds or removes bodies, restores a snapshot or sorts the bodies;
+  /// steps and other edits change its content only, an edit by the next step at the latest.
   ArrayView array(StateArray which) const;
   /// Counts what ends the life of views.
   std::int64_t epoch() const;
-  /// Puts the bodies in an order in memory with the next step: those that are near one another in space are so in memory then. Ids, states and
-  /// contacts stay. It pays where many bodies were added in no order of space, or have mixed (Params::sortInterval does it again and again).
+  /// Puts the bodies in an order in memory with the next step: those that are near one another in space are
+  /// so in memory then. Ids, states and contacts stay. It pays where many bodies were added in no order of
+  /// space, or have mixed (Params::sortInterval does it again and again).
   void sortBodies();
-  /// Row k of `values` becomes row rows[k] of an array; to Force and Torque it is added. `rows`: shape (n, 1), "<i4", each at most once;
-  /// `values`: shape (n, 3 or 4), "<f4" or "<f8". Both lie on the host or, for backend "cuda", both on the device: then they are read in the
-  /// order of values.stream, and work that is enqueued there later may overwrite them. Rows that are no body's are left out. Numbers on the
-  /// device are not checked: a body that gets others than finite ones is quarantined by the step. Orientations are normalised.
+  /// Row k of `values` becomes row rows[k] of an array; to Force and Torque it is added. `rows`: shape (n,
+  /// 1), "<i4", each at most once; `values`: shape (n, 3 or 4), "<f4" or "<f8". Both lie on the host or, for
+  /// backend "cuda", both on the device: then they are read in the order of values.stream, and work that is
+  /// enqueued there later may overwrite them. Rows that are no body's are left out. Numbers on the device are
+  /// not checked: a body that gets others than finite ones is quarantined by the step. Orientations are
+  /// normalised.
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
 
   // Poses for a picture or a learner on the host while the world steps on.
-  /// Begins to copy the present poses; returns at once, and the next steps do not wait. Two copies may be under way; a third throws Error.
+  /// Begins to copy the present poses; returns at once, and the next steps do not wait. Two copies may be
+  /// under way; a third throws Error.
   void beginPoses();
   /// Has the oldest copy under way ended? Never waits.
   bool posesReady() const;
-  /// The oldest copy under way, waiting for its end. It stays valid until the second beginPoses() after the one that began it.
+  /// The oldest copy under way, waiting for its end. It stays valid until the second beginPoses() after the
+  /// one that began it.
   PoseFrame takePoses();
 
   // Joints.
@@ -161,11 +174,12 @@ class World {
   std::vector<JointId> joints() const;
   JointId findJoint(const std::string& name) const;
   const JointDef& definition(JointId id) const;
-  std::array<BodyId, 2> bodiesOf(JointId id) const;  ///< A and B; BodyId{}: the world
+  std::array<BodyId, 2> bodiesOf(JointId id) const;    ///< A and B; BodyId{}: the world
   std::array<BodyId, 2> carriersOf(JointId id) const;  ///< of the axes of A and B; BodyId{}: the world
   JointState state(JointId id) const;
-  /// Has another definition from the next step on: limits, drives, lengths, stiffnesses, frames. Its type must stay, and it keeps its bodies,
-  /// its multipliers and whether it is broken. What is measured when a joint is made (a length below 0, axes of gears) stays as it was.
+  /// Has another definition from the next step on: limits, drives, lengths, stiffnesses, frames. Its type
+  /// must stay, and it keeps its bodies, its multipliers and whether it is broken. What is measured when a
+  /// joint is made (a length below 0, axes of gears) stays as it was.
   void setDefinition(JointId id, const JointDef& joint);
   /// The drive of an axis. Throws Error for an axis that the joint does not have.
   void setTargetPosition(JointId id, int axis, double position);  ///< [m], [rad]
@@ -173,39 +187,43 @@ class World {
   void setLimits(JointId id, int axis, double min, double max);
   void setLength(JointId id, double length);                      ///< distance, rope, spring, pulley [m]
   void setDriveOrientation(JointId id, const Quat& orientation);  ///< swing-twist
-  /// Draws a point of a body (world [m]) to where it is now, and from then on to where moveGrab says, with a stiffness that swings the body's
-  /// mass at `frequency` [1/s] without overshoot, and `maxForce` [N] at most. Ends with remove().
+  /// Draws a point of a body (world [m]) to where it is now, and from then on to where moveGrab says, with a
+  /// stiffness that swings the body's mass at `frequency` [1/s] without overshoot, and `maxForce` [N] at
+  /// most. Ends with remove().
   JointId grab(BodyId id, const Vec3& point, double maxForce, double frequency = 5);
-  void moveGrab(JointId id, const Vec3& target);                  ///< world [m]
+  void moveGrab(JointId id, const Vec3& target);  ///< world [m]
 
   // Deformable objects. Every call with an id that is not alive throws Error.
   SoftId add(const Deformable& deformable);
   void remove(SoftId id);  ///< with its attachments
   bool alive(SoftId id) const;
-  std::vector<SoftId> deformables() const;       ///< alive ones, by index
+  std::vector<SoftId> deformables() const;  ///< alive ones, by index
   SoftId findDeformable(const std::string& name) const;
-  SoftId deformableAt(int sceneIndex) const;     ///< object of Scene::deformables[sceneIndex]
+  SoftId deformableAt(int sceneIndex) const;  ///< object of Scene::deformables[sceneIndex]
   const Deformable& definition(SoftId id) const;
   int vertexCount(SoftId id) const;
-  std::vector<Vec3> positions(SoftId id) const;  ///< of its vertices [m]
-  std::vector<Vec3> velocities(SoftId id) const; ///< [m/s]
-  std::vector<double> masses(SoftId id) const;   ///< of its vertices, 0: fixed [kg]
+  std::vector<Vec3> positions(SoftId id) const;   ///< of its vertices [m]
+  std::vector<Vec3> velocities(SoftId id) const;  ///< [m/s]
+  std::vector<double> masses(SoftId id) const;    ///< of its vertices, 0: fixed [kg]
   /// As many as it has vertices. Contacts and multipliers are kept.
   void setVertices(SoftId id, std::span<const Vec3> positions, std::span<const Vec3> velocities);
   void applyVertexForce(SoftId id, int vertex, const Vec3& force);  ///< for the next step [N]
-  /// What is drawn of it: triangles (outward where it is closed; torn ones left out) or, without any, spheres or a line.
+  /// What is drawn of it: triangles (outward where it is closed; torn ones left out) or, without any, spheres
+  /// or a line.
   struct Surface {
     SoftId id;
-    std::vector<Vec3> vertices;                    ///< [m]
+    std::vector<Vec3> vertices;  ///< [m]
     std::vector<std::array<int, 3>> triangles;
-    std::vector<std::array<int, 2>> segments;      ///< of rods and nets; broken ones left out
-    double radius = 0;                             ///< of the spheres or of the line [m]
-    bool spheres = false;                          ///< every vertex is a sphere
+    std::vector<std::array<int, 2>> segments;  ///< of rods and nets; broken ones left out
+    double radius = 0;                         ///< of the spheres or of the line [m]
+    bool spheres = false;                      ///< every vertex is a sphere
   };
   Surface surface(SoftId id) const;
 
-  /// Attachments; object and body indices of the definition are ignored: the ids say which (BodyId{}: the world; SoftId{}: no seam).
-  AttachmentId addAttachment(const AttachmentDef& attachment, SoftId object, BodyId body, SoftId otherObject = {});
+  /// Attachments; object and body indices of the definition are ignored: the ids say which (BodyId{}: the
+  /// world; SoftId{}: no seam).
+  AttachmentId addAttachment(const AttachmentDef& attachment, SoftId object, BodyId body,
+                             SoftId otherObject = {});
   void remove(AttachmentId id);
   bool alive(AttachmentId id) const;
   std::vector<AttachmentId> attachments() const;
@@ -240,9 +258,9 @@ class World {
 
   /// Bytes of the engine's tables on the device or host.
   std::size_t memoryBytes() const;
-  /// Makes room in the engine's tables for `count` elements of a kind that only steps count, so that they need not grow: "pairs",
-  /// "nearPairs", "manifolds", "rollers", "entries", "colors", "groups", "chunks", "externals", "pointPairs", "pointEntries" or "nearFeatures". It never
-  /// changes a result.
+  /// Makes room in the engine's tables for `count` elements of a kind that only steps count, so that they
+  /// need not grow: "pairs", "nearPairs", "manifolds", "rollers", "entries", "colors", "groups", "chunks",
+  /// "externals", "pointPairs", "pointEntries" or "nearFeatures". It never changes a result.
   void reserve(const std::string& kind, int count);
   /// A hash of the persistent state; equal states have equal hashes.
   std::uint64_t hash() const;

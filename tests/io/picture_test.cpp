@@ -36,8 +36,9 @@ TEST(Picture, PngFilesThatCannotBeWrittenAreErrors) {
 
 #if defined(RUBBLE_HAS_PNG)
 TEST(Picture, PngFilesHaveTheirSignatureAndSize) {
-  const std::string file =
-      (std::filesystem::temp_directory_path() / ("rubble_picture_" + std::to_string(std::random_device{}()) + ".png")).string();
+  const std::string file = (std::filesystem::temp_directory_path() /
+                            ("rubble_picture_" + std::to_string(std::random_device{}()) + ".png"))
+                               .string();
   writePng({3, 2, std::vector<std::uint8_t>(18, 77)}, file);
   std::ifstream in(file, std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};

@@ -103,7 +103,8 @@ const std::vector<BadFile>& badFiles() {
       {withBody(R"("positon": [0, 0, 0])"), "bodies[0].positon", "did you mean \"position\"?"},
       {R"({"bodies": [{"shape": {"type": "plane"}, "motion": "dynamic"}]})", "bodies[0]",
        "\"static\" for a plane"},
-      {R"({"bodies": [{"name": "a", "shape": {"type": "plane"}}, {"name": "a", "shape": {"type": "plane"}}]})",
+      {R"({"bodies": [{"name": "a", "shape": {"type": "plane"}}, {"name": "a",
+        "shape": {"type": "plane"}}]})",
        "bodies[1].name", "again"},
       {R"({"materials": {"ice": {"frction": 0}}, "bodies": []})", "materials.ice.frction",
        "did you mean \"friction\"?"},
@@ -212,11 +213,15 @@ TEST(SceneJson, AuthorsShorthands) {
 
 /// Hinges "shaft" of a on b and "arm" of b on the world, a slider "guide" of c on b, and this joint.
 std::string withMachine(const std::string& joint) {
-  return R"({"bodies": [{"name": "a", "shape": {"type": "sphere", "radius": 1}}, {"name": "b", "shape": {"type": "sphere", "radius": 1}, "position": [3, 0, 0]},
+  return R"({"bodies": [{"name": "a", "shape": {"type": "sphere", "radius": 1}}, {"name": "b",
+    "shape": {"type": "sphere", "radius": 1}, "position": [3, 0, 0]},
                         {"name": "c", "shape": {"type": "sphere", "radius": 1}, "position": [0, 3, 0]}],
-             "joints": [{"name": "shaft", "type": "hinge", "body_a": "a", "body_b": "b", "anchor": [0, 0, 0], "axis": [0, 0, 1]},
-                        {"name": "arm", "type": "hinge", "body_a": "b", "body_b": "world", "anchor": [0, 0, 0], "axis": [0, 0, 1]},
-                        {"name": "guide", "type": "slider", "body_a": "c", "body_b": "b", "anchor": [0, 3, 0], "axis": [0, 1, 0]},)" +
+             "joints": [{"name": "shaft", "type": "hinge", "body_a": "a", "body_b": "b",
+               "anchor": [0, 0, 0], "axis": [0, 0, 1]},
+                        {"name": "arm", "type": "hinge", "body_a": "b", "body_b": "world",
+                          "anchor": [0, 0, 0], "axis": [0, 0, 1]},
+                        {"name": "guide", "type": "slider", "body_a": "c", "body_b": "b",
+                          "anchor": [0, 3, 0], "axis": [0, 1, 0]},)" +
          joint + "]}";
 }
 
@@ -224,7 +229,8 @@ TEST(SceneJson, AGearIsOfTwoHingesAndARackOfAHingeAndASlider) {
   std::vector<Fault> faults;
   const SceneFile gears = parseScene(
       withMachine(
-          R"({"name": "mesh", "type": "gear", "joint_a": "shaft", "joint_b": "arm", "ratio": 3, "break_torque": 5})"),
+          R"({"name": "mesh", "type": "gear", "joint_a": "shaft", "joint_b": "arm", "ratio": 3,
+            "break_torque": 5})"),
       faults);
   ASSERT_TRUE(faults.empty()) << faults[0].message;
   const JointDef& gear = gears.scene.joints[3];

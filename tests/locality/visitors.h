@@ -16,8 +16,8 @@ struct Visitor {
 /// One of each kind; heaps have so many pebbles.
 std::vector<Visitor> visitors(int pebbles);
 
-/// A point of a scene's surroundings: far from all that it has, and over every plane. Zero: planes leave no such
-/// point.
+/// A point of a scene's surroundings: far from all that it has, and over every plane. Zero: planes leave no
+/// such point.
 Vec3 farFrom(const Scene& scene);
 
 }  // namespace rubble::test
