@@ -31,6 +31,7 @@ std::vector<Spec> softPressureSpecs();   ///< closed sheets under pressure
 std::vector<Spec> softMachineSpecs();    ///< deformable objects in machines and among bodies
 std::vector<Spec> softPlateSpecs();      ///< many jointed bodies on cloth
 std::vector<Spec> softGrainSpecs();      ///< granular particles
+std::vector<Spec> mixedSpecs();          ///< jointed bodies and soft things together
 std::vector<Spec> softStringSpecs();     ///< strings in closed form
 std::vector<Spec> shapeRestSpecs();      ///< shapes at rest: an arch of wedges, a drop of every kind, a bowl
 std::vector<Spec> shapeMotionSpecs();    ///< shapes in motion: a marble run, a tumbler, conveyors

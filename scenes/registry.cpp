@@ -44,7 +44,7 @@ std::vector<Spec> makeRegistry() {
         &robotSpecs,         &ragdollSpecs,     &cableSpecs,       &springSpecs,    &paperSpecs,
         &softSolidSpecs,     &softSheetSpecs,   &softContactSpecs, &softDentSpecs,  &softClaySpecs,
         &softPressureSpecs,  &softMachineSpecs, &rodSpecs,         &softPlateSpecs, &softGrainSpecs,
-        &softStringSpecs})
+        &mixedSpecs,         &softStringSpecs})
     for (Spec& spec : family()) all.push_back(std::move(spec));
   return all;
 }

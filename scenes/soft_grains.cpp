@@ -4,12 +4,11 @@
 
 #include "build.h"
 #include "families.h"
+#include "grains.h"
 #include "soft_probes.h"
 
 namespace rubble::scenes {
-namespace {
 
-/// A block of particles, each row a little off the one below.
 ParticlesDef sandBlock(const Vec3& corner, int nx, int ny, int nz, double radius) {
   ParticlesDef sand;
   sand.name = "sand";
@@ -22,6 +21,8 @@ ParticlesDef sandBlock(const Vec3& corner, int nx, int ny, int nz, double radius
                                               pitch * y + .1 * radius * (z % 2), pitch * (z + .5)});
   return sand;
 }
+
+namespace {
 
 Scene buildColumn(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 10);
@@ -58,7 +59,7 @@ Spec columnSpec() {
     return Camera{{1.4 * size, -1.6 * size, 1.1 * size}, {.25 * size, .25 * size, .15 * size}};
   };
   spec.travels = true;
-  spec.steps = 300;
+  spec.steps = 420;
   spec.iterations = 4;
   spec.tags = {"grains"};
   return spec;

@@ -1,5 +1,6 @@
 /// What one object is never changes the bits of another that it does not touch.
 #include <gtest/gtest.h>
+#include <rubble/info.h>
 #include <scenes/registry.h>
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 namespace rubble::RUBBLE_CORE {
 namespace {
 
-/// A few bodies far from the origin, all of one group.
+/// A few bodies far from the origin, all of one aggregate.
 struct Bodies {
   static constexpr int kCount = 12;
   std::vector<Vec3d> position;
@@ -27,17 +27,17 @@ struct Bodies {
       target.back().mass = massMatrix(random.uniform(.1, 10), inertia, random.rotation());
     }
     view.bodies = kCount;
-    view.position = position.data(), view.target = target.data(), view.moved = moved.data();
+    view.position = position.data(), view.target = target.data(), view.dx = moved.data();
     view.step.inverseDt = 60;
   }
 
-  Group group(bool joined) const {
-    Group group{};
-    group.joined = joined;
+  Aggregate aggregate(bool joined) const {
+    Aggregate aggregate{};
+    aggregate.joined = joined;
     Block6 sum;
-    for (int i = 0; i < kCount; ++i) addInertia(view, group, position[0], i, sum);
-    placeAggregate(group, position[0], sum);
-    return group;
+    for (int i = 0; i < kCount; ++i) addInertia(view, aggregate, position[0], i, sum);
+    placeAggregate(aggregate, position[0], sum);
+    return aggregate;
   }
 };
 
@@ -50,25 +50,25 @@ TEST(AggregateInertia, IsAboutTheCentreOfMass) {
     mass += own;
     moment += own * (bodies.position[i] - bodies.position[0]);
   }
-  EXPECT_LT(length(bodies.group(false).centre - bodies.position[0] - moment / mass), 1e-10);
+  EXPECT_LT(length(bodies.aggregate(false).centre - bodies.position[0] - moment / mass), 1e-10);
 }
 
 TEST(AggregateInertia, IsTheSumOfThoseOfItsBodiesAboutThatCentre) {
   const Bodies bodies;
   for (const bool joined : {false, true}) {
-    const Group group = bodies.group(joined);
+    const Aggregate aggregate = bodies.aggregate(joined);
     Block6 expected;
     for (std::size_t i = 0; i < Bodies::kCount; ++i) {
       Block6 own;
       setInertialHessian(own, bodies.target[i].mass, 3600);
-      addShifted(expected, own, shiftOf(bodies.view, group, static_cast<int>(i)));
+      addShifted(expected, own, shiftOf(bodies.view, aggregate, static_cast<int>(i)));
     }
-    const Sym6 sum = pack(group.inertia), wanted = pack(expected);
+    const Sym6 sum = pack(aggregate.inertia), wanted = pack(expected);
     double largest = 0;
     for (const double x : wanted.a) largest = std::max(largest, std::fabs(x));
     for (std::size_t k = 0; k < std::size(wanted.a); ++k)
       EXPECT_NEAR(sum.a[k], wanted.a[k], 1e-10 * largest) << k << (joined ? ", joined" : "");
-    EXPECT_EQ(length(group.inertia.fl) + length(group.inertia.fa), 0);
+    EXPECT_EQ(length(aggregate.inertia.fl) + length(aggregate.inertia.fa), 0);
   }
 }
 

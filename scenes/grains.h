@@ -1,0 +1,9 @@
+#pragma once
+#include <rubble/soft.h>
+
+namespace rubble::scenes {
+
+/// A block of particles, each row a little off the one below.
+ParticlesDef sandBlock(const Vec3& corner, int nx, int ny, int nz, double radius);
+
+}  // namespace rubble::scenes
