@@ -21,8 +21,8 @@ struct TreeNode {
   int limited;  ///< 1: a joint of its tree has limits
 };
 
-/// What touches a tree in a step.
-inline constexpr int kTouchesNothing = 0, kTouchesBodies = 1, kTouchesDeformables = 2;
+/// What touches a tree in a step: contacts of its bodies, or vertices that are attached to them.
+inline constexpr int kTouchesNothing = 0, kHasContacts = 1, kHoldsVertices = 2;
 
 /// Its block.
 struct TreeBlock {

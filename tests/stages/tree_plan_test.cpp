@@ -249,10 +249,10 @@ TEST(JointTrees, OneThatHasHardlyTurnedRestsInTheSolvesThatFollow) {
   };
   EXPECT_TRUE(restsAfter(Real(.01), TreeSolve::Again, 1)) << "no limits";
   for (int n = 0; n < treeNodes(s); ++n) s.treeNode[n].limited = true;
-  EXPECT_TRUE(restsAfter(Real(.001), TreeSolve::Again, 1));
+  EXPECT_TRUE(restsAfter(Real(.001), TreeSolve::Again, kHasContacts));
   EXPECT_FALSE(restsAfter(Real(.01), TreeSolve::Again, 1)) << "limits may have been passed";
-  EXPECT_TRUE(restsAfter(Real(.01), TreeSolve::Again, 0)) << "solved exactly";
-  EXPECT_FALSE(restsAfter(Real(0), TreeSolve::Own, 1));
+  EXPECT_TRUE(restsAfter(Real(.01), TreeSolve::Again, kTouchesNothing)) << "solved exactly";
+  EXPECT_FALSE(restsAfter(Real(0), TreeSolve::Own, kHasContacts));
   EXPECT_FALSE(restsAfter(Real(0), TreeSolve::Exact, 0));
 }
 

@@ -173,14 +173,6 @@ class CpuExecutor {
                        [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
   }
   template <class T> void copy(T* to, const T* from, int n) { std::copy_n(from, n, to); }
-  /// How many i below n a test(view, i) holds for.
-  template <class Test> int count(const Test& test, int n) {
-    const auto part = [&](const tbb::blocked_range<int>& range, int sum) {
-      for (int i = range.begin(); i < range.end(); ++i) sum += test(view(), i);
-      return sum;
-    };
-    return tbb::parallel_reduce(tbb::blocked_range<int>(0, n), 0, part, std::plus<>());
-  }
   /// The work is done.
   void endRooms() { rooms_.clear(); }
 

@@ -26,7 +26,7 @@ struct MarkTouchedTrees {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const auto touch = [&](int body) {
       if (s.nodeOfBody[body] >= 0)
-        atomicSet(&s.treeContacts[s.treeNode[s.nodeOfBody[body]].tree], kTouchesBodies);
+        atomicSet(&s.treeContacts[s.treeNode[s.nodeOfBody[body]].tree], kHasContacts);
     };
     touch(s.contact[i].a), touch(s.contact[i].b);
   }

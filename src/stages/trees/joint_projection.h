@@ -68,7 +68,7 @@ template <class F> struct FindTreesToProject {
     const Vec3 gap = addedGap(s, spec, joint);
     s.treeRowsOf<F>()[i].gap = gap;
     const int tree = s.treeNode[node].tree;
-    if (!touchesDeformables(s, tree) && length(gap) > kOpenGap * joint.length)
+    if (!holdsVertices(s, tree) && length(gap) > kOpenGap * joint.length)
       atomicSet(&s.treeNeedsProjection[tree], 1);
   }
 };

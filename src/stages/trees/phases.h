@@ -48,8 +48,8 @@ template <Executor E> void solve(E& e, bool last) {
   if (nodesOf(e.view()) == 0) return;
   if (!last)
     solveOnce(e, TreeSolve::Own, TreesOf::Any);
-  else if (e.view().vertices > 0)
-    solveOnce(e, TreeSolve::Own, TreesOf::Deformables);
+  else if (e.view().attachments > 0)
+    solveOnce(e, TreeSolve::Own, TreesOf::Attached);
 }
 
 /// After the last sweep: all others.

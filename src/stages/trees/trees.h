@@ -20,13 +20,19 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Trees that deformable objects touch.
+/// Trees that deformable objects touch, or are attached to.
 struct MarkSoftTrees {
   static constexpr const char* kStage = "trees";
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
-    const int i = s.treeNode[n].body, last = s.incidenceOffset[i + 1] - 1;
-    if (last >= s.incidenceOffset[i] && constraintType(s.incidence[last].code) > JointTypes::kSize)
-      atomicSet(&s.treeContacts[s.treeNode[n].tree], kTouchesDeformables);
+    // deformable objects come last, attachments before contacts
+    const int i = s.treeNode[n].body;
+    int touches = kTouchesNothing;
+    for (int k = s.incidenceOffset[i + 1] - 1; k >= s.incidenceOffset[i]; --k) {
+      const int type = constraintType(s.incidence[k].code);
+      if (type <= JointTypes::kSize) break;
+      touches = type == kBodyAttachmentType ? kHoldsVertices : kHasContacts;
+    }
+    if (touches != kTouchesNothing) atomicRaise(&s.treeContacts[s.treeNode[n].tree], touches);
   }
 };
 
@@ -55,9 +61,9 @@ inline constexpr Real kTreeAtRest = Real(.002);
 
 /// Trees that take part in a solve. Those that deformable objects touch are solved before the last sweep,
 /// which does not see how stiff their joints are held at the end; all others after it.
-enum class TreesOf { Any, Deformables, Rest };
-RUBBLE_HD inline bool touchesDeformables(const SolverData& s, int tree) {
-  return (s.treeContacts[tree] & kTouchesDeformables) != 0;
+enum class TreesOf { Any, Attached, Rest };
+RUBBLE_HD inline bool holdsVertices(const SolverData& s, int tree) {
+  return s.treeContacts[tree] == kHoldsVertices;
 }
 
 /// Begins a solve. A tree that is solved exactly is done by the first one, and so is one without limits.
@@ -68,7 +74,7 @@ struct BeginTrees {
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     if (node.tree != n) return;
-    const bool out = of != TreesOf::Any && touchesDeformables(s, n) != (of == TreesOf::Deformables);
+    const bool out = of != TreesOf::Any && holdsVertices(s, n) != (of == TreesOf::Attached);
     const bool done = !node.limited || isExact(s, node) || fromFloatBits(s.treeMaxRotation[n]) < kTreeAtRest;
     s.treeConverged[n] = out || (how == TreeSolve::Again && done);
     s.treeMaxRotation[n] = 0;
