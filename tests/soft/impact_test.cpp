@@ -35,7 +35,7 @@ double keptMomentum(const Scene& scene, int iterations) {
     else
       ++leftOut;
   }
-  EXPECT_LE(leftOut, 8);
+  EXPECT_LE(leftOut, 9);
   EXPECT_LT(world.quality().kineticEnergy, .95 * energy) << "they have met";
   return 1 + change / before;
 }

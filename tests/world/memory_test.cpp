@@ -34,7 +34,7 @@ class LittleMemory {
 
 class OutOfMemory : public ::testing::TestWithParam<const char*> {
  protected:
-  static constexpr int kSide = 24;
+  static constexpr int kSide = 36;
   /// Balls far from one another.
   World apart() const {
     Scene scene = test::emptyScene();

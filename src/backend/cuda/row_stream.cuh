@@ -135,13 +135,13 @@ template <int kWidth, int kQuads> class RowStream {
     if (isContact(e)) askForRows(e);
     if (body >= 0)
       ask<StagedRows::kMoved>(ownPlace_ + static_cast<unsigned>(parity * sizeof staging_.own[0]),
-                              &s_.moved[body]);
+                              &s_.dx[body]);
     __pipeline_commit();
   }
   __device__ void askForRows(const Incidence& e) {
     const unsigned to = rowsPlace_ + static_cast<unsigned>(stage_ * sizeof staging_.rows[0]);
     ask<StagedRows::kRows>(to, &s_.contact[constraintIndex(e.code)]);
-    if (e.other >= 0) ask<StagedRows::kMoved>(to + StagedRows::kRows * sizeof(float4), &s_.moved[e.other]);
+    if (e.other >= 0) ask<StagedRows::kMoved>(to + StagedRows::kRows * sizeof(float4), &s_.dx[e.other]);
   }
   /// `to`: place of this lane.
   template <int kCount> __device__ void ask(unsigned to, const void* from) const {
@@ -156,7 +156,7 @@ template <int kWidth, int kQuads> class RowStream {
                              Block6& sum) const {
     const ContactRows& r = staged.rows();
     const bool onA = constraintSide(e.code) == 0;
-    const Displacement other = e.other >= 0 ? staged.other() : s_.moved[onA ? r.b : r.a];
+    const Displacement other = e.other >= 0 ? staged.other() : s_.dx[onA ? r.b : r.a];
     accumulateContact<Real>(s_.step, r, onA, onA ? own : other, onA ? other : own, quad_.lane, sum);
   }
 

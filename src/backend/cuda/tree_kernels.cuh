@@ -238,9 +238,9 @@ struct AssembleTreeJointsByTile {
                              Sums& sums) {
     const int i = tile.lane / kRowLanes, k = tile.lane % kRowLanes;
     if (part.count == 0) return;
-    const bool active = k < part.count, isNumber = acts && i < 6;
+    const bool active = k < part.count, isNumber = active && i < 6;
     const double own = isNumber ? static_cast<double>(part.own) : 0;
-    addProduct(sums.own, own, isNumber ? part.scale * own : acts && i == 6 ? part.scale : 0);
+    addProduct(sums.own, own, isNumber ? part.scale * own : active && i == 6 ? part.scale : 0);
     const auto times = [&](Real far) { return isNumber ? part.scale * static_cast<double>(far) : 0; };
     if (far0 >= 0) addProduct(sums.coupling[0], own, times(part.far[0]));
     if (far1 >= 0) addProduct(sums.coupling[1], own, times(part.far[1]));
