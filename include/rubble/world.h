@@ -259,8 +259,9 @@ class World {
   /// Bytes of the engine's tables on the device or host.
   std::size_t memoryBytes() const;
   /// Makes room in the engine's tables for `count` elements of a kind that only steps count, so that they
-  /// need not grow: "pairs", "nearPairs", "manifolds", "rollers", "entries", "colors", "groups", "chunks",
-  /// "externals", "pointPairs", "pointEntries" or "nearFeatures". It never changes a result.
+  /// need not grow: "pairs", "activePairs", "manifolds", "rollers", "incidences", "colors", "aggregates",
+  /// "slices", "boundary", "pointPairs", "pointIncidences", "nearFeatures" and others that
+  /// StepReport::grown names. It never changes a result.
   void reserve(const std::string& kind, int count);
   /// A hash of the persistent state; equal states have equal hashes.
   std::uint64_t hash() const;

@@ -141,7 +141,7 @@ TEST_F(Lockstep, NamesADifferenceInTheSolveByItsBody) {
 
 TEST_F(Lockstep, NamesStagesWhereOnlyOneRunsThem) {
   const std::string found = stepWith([&] { b().step.coarseCorrection = false; });
-  EXPECT_EQ(found, "step 0, stage groups beside incidence");
+  EXPECT_EQ(found, "step 0, stage aggregates beside incidence");
 }
 
 TEST_F(Lockstep, KeepsTheFirstDifference) {
