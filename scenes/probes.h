@@ -20,10 +20,12 @@ std::vector<int> topLayer(const Scene& scene);
 /// measures nothing in a run that ends before `at`.
 std::unique_ptr<Probe> qualityProbe(double at, const std::string& prefix = "");
 
-/// A stack at `at` seconds, or at the end of a shorter run, against its start: top_drop_m (mean sinking of
-/// the top layer along gravity), max_drift_m (largest displacement of a brick), bricks_lost (bricks displaced
-/// by more than half their smallest edge), lowest_m (lowest point of a brick above the ground); over the time
-/// until then, sampled every 1/10 s: top_drop_peak_m.
+/// A stack at `at` seconds, or at the end of a shorter run, against its start:
+///   top_drop_m       mean sinking of the top layer along gravity
+///   top_drop_peak_m  the largest until then, sampled every 1/10 s
+///   max_drift_m      largest displacement of a brick
+///   bricks_lost      bricks displaced by more than half their smallest edge
+///   lowest_m         lowest point of a brick above the ground
 std::unique_ptr<Probe> stackProbe(const Scene& scene, double at);
 
 /// A stack after a smash, at the end of the run; nothing if the run ends before `at` seconds:
