@@ -1,15 +1,15 @@
 #pragma once
-/// Narrow phase of all pairs that are not of two plain shapes: in a kernel of its own, so that the plain ones
-/// keep theirs small.
+/// Narrow phase of all pairs that involve a shape other than primitives. It is a separate kernel so that the
+/// kernel for primitives stays small.
 #include "stages/contacts/contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
 RUBBLE_HD inline Vec3 downOf(const SolverData& s) { return normalize(s.step.gravity, Vec3{0, 0, 0}); }
 
-/// Manifolds i to i + kSurfaceSlots - 1, of as many pairs: a part of a body and a surface. The points are
-/// gathered anew in every step; each takes over from the nearest old point of the same part and facing,
-/// whatever its slot.
+/// Manifolds i to i + kSurfaceSlots - 1, of as many pairs: one part of a body against one surface (a mesh,
+/// height field or distance field). Contact points are gathered anew in every step. Each inherits from the
+/// nearest old point of the same part and facing, in whichever slot that is.
 RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
   const Pair p = s.pair[s.activePair[i]];
   const OrderedPair o = ordered(p);
