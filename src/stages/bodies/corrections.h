@@ -48,8 +48,8 @@ RUBBLE_HD inline Real settlingShare(Real settling2, Real bound, Real kT) {
 }
 
 /// Motion of a body by correction in a step: that of the bodies below plus the correction of the contacts
-/// with them, weighted by the share of the weight that each supports. It propagates up a pile by one level
-/// per step.
+/// with them. The mean is weighted by the load that each supports. It propagates up a pile by one level per
+/// step.
 struct FindCorrections {
   static constexpr const char* kStage = "velocity";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {

@@ -18,14 +18,17 @@
 ///   (w - b)^2 = b^2 + e^2 (c^2 - 2 b c + 2 a d) - 2 a d',   b = a dt / 2
 ///
 /// c: closing speed; a: acceleration along the normal; d and d': gaps at the ends of the step. Without
-/// acceleration w = e c. The discrete free flight v' = v + a dt, p' = p + v' dt conserves v^2 / 2 - a p - a
-/// dt v / 2, and the bounce has e^2 of it. Friction then reduces the tangential speeds at the points by at
-/// most mu (1 + w / c) p. Without acceleration kinetic energy never grows. Momentum is conserved exactly.
+/// acceleration w = e c. Discrete free flight conserves an energy, of which the bounce has e^2:
+///
+///   v' = v + a dt,  p' = p + v' dt,  v^2 / 2 - a p - a dt v / 2 = constant
+///
+/// Friction then reduces the tangential speeds at the points by at most mu (1 + w / c) p. Without
+/// acceleration kinetic energy never grows. Momentum is conserved exactly.
 ///
 /// If contacts do not explain the velocity change of a body (a joint took part), it keeps the velocity of the
-/// step. So do the bodies that it reaches. Their seeds give back e^2 of the work that ended the approach, P c
-/// / 2, in addition to that velocity, without friction, and no more than the energy that the two bodies have
-/// lost.
+/// step. So do the bodies that it reaches. Their seeds give back e^2 of P c / 2, the work that ended the
+/// approach, in addition to that velocity and without friction. This work is at most the energy that the two
+/// bodies have lost.
 #include "stages/bounces/bounce_order.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -164,7 +167,7 @@ struct TakeBackBounces {
     solved = motionOf(s, i);
     BodyMotion now{solved.v - m.linear(taken.v), solved.w - m.angular(taken.w)};
     if (alone) {
-      // with free flight and contacts only, errors of unconverged iterations cancel
+      // only contacts act on it: free flight plus the kept impulses has no iteration error
       const Displacement to = targetDisplacement(s, i);
       now = {s.step.inverseDt * to.dp + m.linear(kept.v), s.step.inverseDt * to.dw + m.angular(kept.w)};
     }

@@ -8,7 +8,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Edge of the finest cells over the bounding radius of the larger of two nodes [1], before rounding to a
-/// power of two times g dt^2; and the number of doublings from level to level.
+/// power of two times g dt^2. Then the number of doublings of the edge from level to level.
 inline constexpr double kFinestCell = 3.5;
 inline constexpr int kCellDoublings = 3;
 

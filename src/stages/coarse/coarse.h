@@ -10,8 +10,8 @@
 /// aggregates with joints inside use these. Aggregates with soft nodes (deformable objects and particles) do
 /// not rotate (soft_nodes.h).
 ///
-/// All aggregates of a level move at once, under-relaxed: a row J_a x_a + J_b x_b obeys (J_a x_a + J_b x_b)^2
-/// <= 2 ((J_a x_a)^2 + (J_b x_b)^2), so any factor below 1 descends.
+/// All aggregates of a level move at once, under-relaxed. A row J_a x_a + J_b x_b obeys (J_a x_a + J_b x_b)^2
+/// <= 2 ((J_a x_a)^2 + (J_b x_b)^2). Any factor below 1 therefore descends.
 #include "stages/bodies/incidence.h"
 
 namespace rubble::RUBBLE_CORE {

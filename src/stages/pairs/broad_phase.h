@@ -160,9 +160,9 @@ template <class A, class B> RUBBLE_HD bool boundsTouch(const A& a, const B& b) {
          !(std::fabs(a.centre.z - b.centre.z) > a.half.z + b.half.z);
 }
 
-/// The bodies of its own level that a body searches: those of higher index, or those in later cells in row
-/// order plus those of higher index in its own cell. Either way one of two bodies finds the other; the latter
-/// visits half as many cells.
+/// The bodies of its own level that a body searches. InNumber: those of higher index. InPlace: those in later
+/// cells in row order, and those of higher index in its own cell. Either way one of two bodies finds the
+/// other; the latter visits half as many cells.
 enum class Ahead { InNumber, InPlace };
 
 /// found(other) for the bodies of a level whose bounds touch those of body i; share of worker `lane` of

@@ -56,7 +56,7 @@ RUBBLE_HD inline bool mayDent(const SolverData& s, int body, const SurfaceFeatur
 
 /// A sheet has no inside, so a body that tunnels through it is lost. The velocities at x^t miss two motions.
 /// First, stopping one corner of a body rotates it, so that other corners move farther by up to this factor
-/// (the free end of a rod whose other end is stopped) [1].
+/// [1]. An example is the free end of a rod whose other end stops.
 inline constexpr Real kTipping = Real(1.5);
 /// Second, a body that begins to fall moves this far [m].
 RUBBLE_HD inline Real fallInStep(const SolverData& s) {

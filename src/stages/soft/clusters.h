@@ -160,7 +160,7 @@ struct SolveCluster {
                                  Block6& block) {
     const ClusterMotion& chunk = s.clusterMotion[k];
     const Vec3 shift = chunk.centre - centre;
-    const Block6 sum = chunk.sum;  // a copy: one vectorized read
+    const Block6 sum = chunk.sum;  // a copy: issues all loads at once
     addShifted(block, sum, shift);
     // contacts of an object with itself are invariant under a motion of the whole object
     if (s.features > 0 && c.parent >= 0 && chunk.folded) addShifted(block, chunk.inner, shift);
@@ -170,7 +170,7 @@ struct SolveCluster {
     forEachType(ElementTypes{}, [&]<class F>() {
       if constexpr (!kIsLoad<F>) {
         if (ref.type != typeIndex<F>(ElementTypes{})) return;
-        const F e = s.elementsOf<F>()[ref.index];  // a copy: one vectorized read
+        const F e = s.elementsOf<F>()[ref.index];  // a copy: issues all loads at once
         if (!e.alive) return;
         Vec3 x[F::kCorners];
         gatherCorners(s, e, x);

@@ -16,7 +16,6 @@
 ///
 /// Other motions do not change, however long they are and however near the features lie. The velocity follows
 /// from the final position of a vertex.
-/// however near the parts lie. The velocity follows from where a vertex ends, as everywhere.
 #include "stages/soft/feature_contacts.h"
 
 namespace rubble::RUBBLE_CORE {

@@ -144,7 +144,7 @@ RUBBLE_HD inline void addElement(const SolverData& s, std::uint32_t code, Block3
   const int type = pointType(code), index = pointIndex(code), corner = pointCorner(code);
   forEachType(ElementTypes{}, [&]<class F>() {
     if (std::is_same_v<F, Tetrahedron> || type != typeIndex<F>(ElementTypes{})) return;
-    const F element = s.elementsOf<F>()[index];  // a copy: one vectorized read
+    const F element = s.elementsOf<F>()[index];  // a copy: issues all loads at once
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);
@@ -164,8 +164,8 @@ RUBBLE_HD inline void addTetraCorner(const SolverData& s, const TetraCorner& cor
 }
 
 /// Initial multiplier of an attachment. A compliant attachment starts with its own load K C. A hard one
-/// starts with the force that holds its vertices against their elements, sum c_i f_i / sum c_i^2, so that a
-/// pre-stretched object pulls from the first step on.
+/// starts with the force that holds its vertices against their elements, sum c_i f_i / sum c_i^2. A
+/// pre-stretched object therefore pulls from the first step on.
 RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const SolverData& s, const Attachment& a, const Vec3& gap) {
   if (a.compliance > Real(0)) return gap / a.compliance;
   Vec3 force{0, 0, 0};
