@@ -1,5 +1,5 @@
 #pragma once
-/// What runs the kernels of a step.
+/// The interface through which a step launches its kernels.
 #include "state/solver_data.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -7,33 +7,34 @@ namespace rubble::RUBBLE_CORE {
 template <class L> struct SolveBody;
 struct SolveVertex;
 
-/// Stands for every kernel: a functor f(SolverData, index). Its name is that of its stage in times, profilers
-/// and comparisons.
+/// Stands for any kernel: a functor f(SolverData, index). `kStage` is the name of its stage in timings,
+/// profilers and comparisons between executors.
 struct AnyKernel {
   static constexpr const char* kStage = "any";
   RUBBLE_HD void operator()(const SolverData&, int) const {}
 };
 
-/// What an executor offers to a step. `Counter` is a field of Counters: a number that the step counts itself.
+/// The operations that an executor offers to a step. `Counter` is a member of Counters: a number that the
+/// step itself counts.
 ///
 ///   forEach(kernel, n)             n known before the step: bodies, joints
 ///   forEach(kernel, counter)       n counted in this step
-///   beside(kernel, n or counter)   as forEach, for a kernel that shares no data with the one before it, nor
-///                                  with one that stands beside that
+///   beside(kernel, n or counter)   as forEach, for a kernel that shares no data with the preceding kernel,
+///                                  nor with those launched beside that; they may run concurrently
 ///   forEachIn(kernel, offsets, k)  the range [offsets[k], offsets[k + 1])
 ///   forEachColor(kernel, vertexKernel)  color by color, over its bodies and its vertices
-///   clear(array, n)                zeros
-///   scan(counts, offsets, n)       exclusive sums; the total behind the last one
-///   scan(counts, offsets, n, counter, per)  the total in a counter too, and room for that many
-///   groupByKey(keys, n, offsets, order, counter)  indices modulo nodes() by key, ascending; keys below 0 are
-///                                  left out. The counter has the number of keys. No key is found at two
-///                                  levels: index / nodes()
-///   require(per, counter)          room for that many before they are written: nothing is dropped
-///   rounds(take, propose, counter, left, turn)  takes turns of two kernels over as many as are counted, until
-///                                  `propose` leaves `left` at zero; `turn` counts them
-///   aliasRows()                    contact rows take the place of the old manifolds
-///   swapManifolds()                manifolds of this step are the old ones of the next
-///   Lane                           Real or Real4: points that one call treats side by side
+///   clear(array, n)                sets n elements to zero
+///   scan(counts, offsets, n)       exclusive prefix sums; the total follows the last one
+///   scan(counts, offsets, n, counter, per)  stores the total in a counter too, and reserves capacity for it
+///   groupByKey(keys, n, offsets, order, counter)  counting sort of the indices modulo nodes() by
+///                                  ascending key; negative keys are left out. The counter receives the
+///                                  number of keys. No key occurs at two levels (index / nodes())
+///   require(per, counter)          reserves capacity before elements are written: none is dropped
+///   rounds(take, propose, counter, left, turn)  alternates two kernels over `counter` elements until
+///                                  `propose` leaves `left` at zero; `turn` counts the rounds
+///   aliasRows()                    contact rows reuse the memory of the old manifolds
+///   swapManifolds()                manifolds of this step become the old ones of the next
+///   Lane                           Real or Real4: the number of contact points that one call processes
 template <class E>
 concept Executor = requires(E e, const E& still, const SolveBody<typename E::Lane>& body,
                             const SolveVertex& vertex) {
@@ -59,8 +60,8 @@ concept Executor = requires(E e, const E& still, const SolveBody<typename E::Lan
   e.swapManifolds();
 };
 
-/// Kernel over the joints of every type, which do not wait for one another: over each joint, or over so many
-/// of its parts as it says by `kPerJoint` (joints/joints.h).
+/// Runs a kernel over the joints of all types, which are independent of one another. The element is a joint,
+/// or one of its `kPerJoint` parts if the kernel declares that constant (joints/joints.h).
 template <template <class> class Kernel, Executor E, class... Args> void forEachJoint(E& e, Args... args) {
   bool first = true;
   forEachType(JointTypes{}, [&]<class F>() {

@@ -1,7 +1,7 @@
 #pragma once
-/// The step on one page: algorithm 1 of the method, written once over an Executor. What runs in parallel, and
-/// where, is its business. Each subsystem has its phases in a folder of its own, and returns at once where a
-/// world has nothing of its kind.
+/// The step: algorithm 1 of the method [P A], written once over an Executor, which decides what runs in
+/// parallel and where. Each subsystem keeps its phases in its own folder and returns at once if the world
+/// does not use it.
 #include "stages/bodies/phases.h"
 #include "stages/bounces/phases.h"
 #include "stages/ccd/phases.h"
@@ -17,7 +17,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Rows and blocks, at x^t. No body moves beyond its initial guess.
+/// Detects collisions and builds constraint rows, incidence lists and colors at x^t. Bodies move only to
+/// their initial guess.
 template <Executor E> void prepare(E& e) {
   bodies::predict(e);
   pairs::find(e);
@@ -37,7 +38,7 @@ template <Executor E> void prepare(E& e) {
   clusters::prepare(e);
 }
 
-/// One iteration: each block solver makes its step of descent, then multipliers follow.
+/// One iteration: each block solver takes a descent step, then the multipliers are updated.
 template <Executor E> void iterate(E& e, int n, bool last) {
   coarse::solve(e, n);
   clusters::solve(e);
@@ -51,7 +52,7 @@ template <Executor E> void iterate(E& e, int n, bool last) {
   soft::updateDuals(e);
 }
 
-/// Velocities, and what lasts until the next step.
+/// Computes velocities and stores the state that persists to the next step.
 template <Executor E> void finish(E& e) {
   contacts::finish(e);
   soft::keepApart(e);

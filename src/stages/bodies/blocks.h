@@ -1,18 +1,18 @@
 #pragma once
-/// Row blocks of every type, seen alike: which bodies they act on.
+/// A common interface to constraints of every type: the bodies on which they act.
 #include "stages/joints/joints.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// visit(body, side, other) for the dynamic bodies of a block between a and b.
+/// visit(body, side, other) for the dynamic bodies of a constraint between a and b.
 template <class Visit> RUBBLE_HD void visitSides(const SolverData& s, int a, int b, Visit&& visit) {
   const bool da = isDynamic(s, a), db = isDynamic(s, b);
   if (da) visit(a, 0, db ? b : -1);
   if (db) visit(b, 1, da ? a : -1);
 }
 
-/// Is a tree solved exactly in this step: without loops, and touching nothing? All of its bodies are solved
-/// by its block alone then.
+/// Is a tree solved exactly in this step, because it has neither loops nor contacts? Its own block is then
+/// the only one that moves its bodies.
 RUBBLE_HD inline bool isExact(const SolverData& s, const TreeNode& node) {
   return node.exact && s.treeContacts[node.tree] == kTouchesNothing;
 }
@@ -20,7 +20,7 @@ RUBBLE_HD inline bool inExactTree(const SolverData& s, int body) {
   const int node = s.step.jointTrees ? s.nodeOfBody[body] : -1;
   return node >= 0 && isExact(s, s.treeNode[node]);
 }
-/// Finds the trees that touch something, from the contacts of this step.
+/// Marks the trees with contacts in this step.
 struct MarkTouchedTrees {
   static constexpr const char* kStage = "trees";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -32,14 +32,14 @@ struct MarkTouchedTrees {
   }
 };
 
-/// The two bodies of a row block of type T (ContactRows or a joint), if it acts in this step.
+/// The two bodies of a constraint (contact or joint), and whether it is active in this step.
 struct BlockBodies {
   int a, b;
   bool active;
 };
 struct ContactBlocks {
   static constexpr int kType = kContactType;
-  /// Do two bodies that move as one leave it alone?
+  /// Is the constraint invariant under a rigid motion of both bodies?
   static constexpr bool kRelative = true;
   RUBBLE_HD static BlockBodies bodies(const SolverData& s, int i) {
     return {s.contact[i].a, s.contact[i].b, true};
@@ -48,7 +48,7 @@ struct ContactBlocks {
     visitSides(s, s.contact[i].a, s.contact[i].b,
                [&](int body, int side, int other) { visit(body, constraintCode(kType, i, side), other); });
   }
-  /// Level of the aggregates at which it unites its bodies.
+  /// Level of the aggregates at which the constraint unites its bodies.
   RUBBLE_HD static int joinLevel(const SolverData& s, int i) { return s.joinLevel[i]; }
 };
 template <class F> struct JointBlocks {
@@ -58,7 +58,7 @@ template <class F> struct JointBlocks {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     return {spec.a, spec.b, s.jointsOf<F>()[i].active != 0};
   }
-  /// visit(body, code, other) for the incidences of its dynamic bodies.
+  /// visit(body, code, other) for the incidences of the joint's dynamic bodies.
   template <class Visit> RUBBLE_HD static void visitEntries(const SolverData& s, int i, Visit&& visit) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     if (!s.jointsOf<F>()[i].active) return;

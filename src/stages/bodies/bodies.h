@@ -1,5 +1,5 @@
 #pragma once
-/// Begin and end of a body's step, and its primal update.
+/// Begin and end of the step of a body, and its primal update.
 #include "stages/bodies/far_turns.h"
 #include "stages/ccd/fast_bodies.h"
 #include "stages/contacts/rolling.h"
@@ -7,14 +7,14 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Damps v over a step by exp(-c dt); returns the mean of what is kept, (1 - exp(-c dt)) / (c dt), by which
-/// the impulse of a force counts.
+/// Damps v over a step by exp(-c dt). Returns the mean damping factor, (1 - exp(-c dt)) / (c dt), which
+/// scales the impulse of a force.
 RUBBLE_HD inline Real keptBy(Real damping, Real dt, Vec3& v) {
   v *= std::exp(-damping * dt);
   return -std::expm1(-damping * dt) / (damping * dt);
 }
 
-/// Keeps a spin below what a step can tell.
+/// Limits an angular velocity to what a step can represent.
 RUBBLE_HD inline bool limitSpin(Vec3& w, Real dt) {
   constexpr Real kRoundOff = 1 + 8 * std::numeric_limits<Real>::epsilon();
   const Real turn = length(w) * dt;
@@ -52,8 +52,8 @@ struct PredictBodies {
     push = unlocked(push, extras.locks);
     Vec3 w1 = w;
     if (!c.literalRotations) {
-      // only the change goes to the body's frame and back: both ways round off, and a free spin would grow by
-      // 1e-7 of itself in every step
+      // Only the change of w is rotated to the body frame and back. Round-off of the full rotation would make
+      // a free spin grow by 1e-7 per step.
       const Vec3 inBody = rotateInverse(q, w);
       w1 += rotate(q, torqueFreeSpin(inBody, rotateInverse(q, torque), p.inertia, c.dt) - inBody);
     }
@@ -66,15 +66,14 @@ struct PredictBodies {
     target.y.q = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q
                                     : expRotation(c.dt * w1);
 
-    // what the body followed in the last step says nothing of a push that was not there: it begins as if it
-    // had been given a velocity
+    // The guess follows the share of a force that the body followed in the last step. A new force has no such
+    // share: the guess includes all of it, as if the body had been given a velocity.
     const bool newPush = s.pushed[i] == 0;
     const Vec3 known = newPush ? gravity : gravity + push;
     Vec3 guess = followedShare(v, s.previousVelocity[i], known, c.dt) * known;
     if (newPush) guess += push;
     s.pushed[i] = s.force[i] != Vec3{0, 0, 0};
-    // a torque too may be one that contacts hold, and a guess that lifts a body off its points loses what
-    // they bear
+    // Contacts may also hold a torque, and a guess that lifts a body off its contact points loses their load.
     const bool twisted = torque != Vec3{0, 0, 0} && !c.literalRotations;
     const Quat turned = twisted ? expRotation(c.dt * unlocked(w, extras.locks >> 3)) : target.y.q;
     moved = {inertialDisplacement(v, guess, c.dt), 0, logRotation(turned), 0};
@@ -83,18 +82,18 @@ struct PredictBodies {
   }
 };
 
-/// Pose of a body in the frame of a joint, whose origin is p_B^t: `offset` = p^t minus that origin.
+/// Pose of a body in the frame of a joint, whose origin is p_B^t; `offset` = p^t minus that origin.
 RUBBLE_HD RUBBLE_NEAR Pose jointPose(const SolverData& s, int body, const Vec3& offset) {
   if (body == kWorldBody) return {offset, Quat{}};
   return {offset + s.dx[body].dp, s.dq[body] * s.orientation[body]};
 }
 
-/// Where the origin p_B^t of a joint lies; the world has its own.
+/// Position of the joint origin p_B^t in the world.
 RUBBLE_HD inline Vec3d jointOrigin(const SolverData& s, int body) {
   return body == kWorldBody ? Vec3d{} : s.position[body];
 }
 
-/// A or B of a joint where they are now, with what carries their axes.
+/// Pose of side A or B of a joint at the present iterate, with the pose of its frame body if it has one.
 template <class F>
 RUBBLE_HD SidePose<F> poseOfA(const SolverData& s, const JointSpec<F>& spec, const Joint<F>& joint) {
   if constexpr (isCarried<F>())
@@ -112,14 +111,14 @@ RUBBLE_HD SidePose<F> poseOfB(const SolverData& s, const JointSpec<F>& spec, con
 
 /// Displacement and rotation of a body since x^t.
 RUBBLE_HD RUBBLE_NEAR Pose poseSinceStart(const SolverData& s, int body) {
-  // read at once: whether it is the world decides what to take, not what to wait for
+  // loads are issued unconditionally; the test for the world only selects the result
   const int i = max(body, 0);
   const Vec3 moved = s.dx[i].dp;
   const Quat turned = s.dq[i];
   return body == kWorldBody ? Pose{{0, 0, 0}, Quat{}} : Pose{moved, turned};
 }
 
-/// What sweeps read of a joint about a point; null: its type has no rows that turn.
+/// Data of an anchored joint that sweeps read. `from` and `laws` are null if its type has no angular rows.
 struct Pivot {
   const PivotFrame* frame;
   const GroupRows<AnchorRows::kRows>* anchors;
@@ -133,7 +132,7 @@ template <class F> RUBBLE_HD RUBBLE_NEAR Pivot pivotOf(const SolverData& s, int 
     pivot.from = &s.angularRowsOf<F>()[index].from, pivot.laws = s.angularRowsOf<F>()[index].law;
   return pivot;
 }
-/// That of a row block; false: it is none.
+/// The pivot of a constraint; false if it is not an anchored joint.
 RUBBLE_HD RUBBLE_NEAR bool findPivot(const SolverData& s, std::uint32_t code, Pivot& pivot) {
   bool found = false;
   forEachType(JointTypes{}, [&]<class F>() {
@@ -144,8 +143,8 @@ RUBBLE_HD RUBBLE_NEAR bool findPivot(const SolverData& s, std::uint32_t code, Pi
   return found;
 }
 
-/// Adds a joint about a point to the block of one of its bodies, which is about the point from which the
-/// centre of the body lies shift(body) away. `ahead`: asks for all that it needs at once.
+/// Adds an anchored joint to the block of one of its bodies. shift(body) leads from the reference point of
+/// the block to the center of the body. `ahead`: issues all loads at once.
 template <bool ahead, class Shift>
 RUBBLE_HD RUBBLE_NEAR void accumulatePivotOfBody(const SolverData& s, const Pivot& pivot, int side,
                                                  Block6& block, Shift&& shift) {
@@ -155,8 +154,8 @@ RUBBLE_HD RUBBLE_NEAR void accumulatePivotOfBody(const SolverData& s, const Pivo
   TurnStream<ahead> turns(pivot.laws ? frame.acting : 0, pivot.from, pivot.laws);
   accumulatePivot(frame, anchors, turns, a, b, side, block, shift(frame.end[side].body));
 }
-/// Adds a joint of any type to the block of one of its bodies, about the point from which its centre lies
-/// `shift` away.
+/// Adds a joint of any type to the block of one of its bodies. `shift` leads from the reference point of the
+/// block to the center of the body.
 template <class F>
 RUBBLE_HD RUBBLE_APART void accumulateJointOfBody(const SolverData& s, int index, int side, Block6& block,
                                                   const Vec3& shift) {
@@ -171,7 +170,7 @@ RUBBLE_HD RUBBLE_APART void accumulateJointOfBody(const SolverData& s, int index
       accumulateJoint(spec, joint, turns, poseOfA(s, spec, joint), poseOfB(s, spec, joint), turnedA, turnedB,
                       side, block, shift);
     };
-    // others are more than registers hold: they are read part by part
+    // larger types exceed the registers and are read part by part
     constexpr bool isSmall = F::Parts::kCount == 1 &&
                              sizeof(JointSpec<F>) + sizeof(Joint<F>) <= 64 * sizeof(Real);
     if constexpr (isSmall && alignof(JointSpec<F>) == 4 * sizeof(Real))
@@ -181,7 +180,7 @@ RUBBLE_HD RUBBLE_APART void accumulateJointOfBody(const SolverData& s, int index
   }
 }
 
-/// Adds one lane-wise block into a scalar one.
+/// Adds the lanes of a block to a scalar block.
 template <class L> RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
   to.ll.xx += sumOf(from.ll.xx), to.ll.xy += sumOf(from.ll.xy), to.ll.xz += sumOf(from.ll.xz);
   to.ll.yy += sumOf(from.ll.yy), to.ll.yz += sumOf(from.ll.yz), to.ll.zz += sumOf(from.ll.zz);
@@ -192,7 +191,7 @@ template <class L> RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
   add(to.fl, from.fl), add(to.fa, from.fa);
 }
 
-/// The inertial part of a body's local problem at its present pose, which is returned.
+/// Starts the local problem of a body with its inertia; returns the present pose.
 RUBBLE_HD inline Pose startBlock(const SolverData& s, int i, Block6& block) {
   const BodyTarget& target = s.target[i];
   const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
@@ -202,7 +201,7 @@ RUBBLE_HD inline Pose startBlock(const SolverData& s, int i, Block6& block) {
   return x;
 }
 
-/// Adds points of a contact on one of its bodies. Hessians count `weight` times.
+/// Adds points of a contact on one of its bodies. Their Hessian counts `weight` times.
 template <class L>
 RUBBLE_HD void addContact(const SolverData& s, std::uint32_t code, int lane, Block6T<L>& points,
                           Real weight = 1) {
@@ -211,12 +210,12 @@ RUBBLE_HD void addContact(const SolverData& s, std::uint32_t code, int lane, Blo
                        weight);
 }
 
-/// Sums over contacts, of each of their points apart: one order of additions, whatever an L stands for.
+/// Sums over contacts, separately per contact point, so that the order of additions does not depend on L.
 template <class L> struct PointSums {
   static constexpr int kStep = sizeof(L) / sizeof(Real);
   Block6T<L> sum[kLanes / kStep];
 
-  /// add(lane, sum) for the points that an L stands for.
+  /// add(lane, sum) for the points that an L represents.
   template <class Add> RUBBLE_HD void each(Add&& add) {
     for (int lane = 0; lane < kLanes; lane += kStep) add(lane, sum[lane / kStep]);
   }
@@ -227,7 +226,7 @@ template <class L> struct PointSums {
     if constexpr (kStep == kLanes) {
       addLanes(to, sum[0]);
     } else {
-      // as sumOf of lanes.h
+      // the order of sumOf in lanes.h
       static_assert(kStep == 1 && kLanes == 4);
       Block6 pairs[2] = {sum[0], sum[2]};
       pairs[0] += sum[1], pairs[1] += sum[3];
@@ -237,7 +236,7 @@ template <class L> struct PointSums {
   }
 };
 
-/// Adds a row block that is no contact.
+/// Adds a constraint other than a contact.
 RUBBLE_HD inline void addJoint(const SolverData& s, std::uint32_t code, Block6& block) {
   forEachType(JointTypes{}, [&]<class F>() {
     if (constraintType(code) == typeIndex<F>(JointTypes{}) + 1 && !isLink<F>(code))
@@ -245,8 +244,8 @@ RUBBLE_HD inline void addJoint(const SolverData& s, std::uint32_t code, Block6& 
   });
   if (constraintType(code) > JointTypes::kSize) addSoftRows(s, code, block);
 }
-/// The same by one code for all joints about a point: lanes of a warp that have several types go side by
-/// side, and wait for memory once.
+/// The same with one code path for all anchored joints: lanes of a warp with different joint types stay
+/// converged and issue their loads together.
 RUBBLE_HD RUBBLE_APART inline void addPivot(const SolverData& s, const Pivot& pivot, int side,
                                             Block6& block) {
   accumulatePivotOfBody<true>(s, pivot, side, block, [](int) { return Vec3{0, 0, 0}; });
@@ -263,7 +262,7 @@ template <class L> RUBBLE_HD L squaredStep(const Vec3T<L>& to, const Vec3T<L>& f
   return dot(d, d);
 }
 
-/// Solves the local problem of a body at x and moves it.
+/// Solves the local problem of a body at x and applies its step.
 RUBBLE_HD inline void finishBlock(const SolverData& s, int i, Block6 block, Pose x) {
   if (s.target[i].locks != 0) lockAxes(block, s.target[i].locks);
   const Pose before = x;
@@ -275,7 +274,7 @@ RUBBLE_HD inline void finishBlock(const SolverData& s, int i, Block6 block, Pose
   s.dx[i] = {x.p, squaredStep(x.p, before.p), logRotation(x.q), Real(4) * squaredStep(x.q.v, before.q.v)};
 }
 
-/// Adds the row blocks of a body from incidence k on.
+/// Adds the constraints of a body, incidences [k, end).
 template <class L> RUBBLE_HD void addRows(const SolverData& s, int k, int end, Block6& block) {
   if (k < end && constraintType(s.incidence[k].code) == kContactType) {
     PointSums<L> points;
@@ -288,7 +287,7 @@ template <class L> RUBBLE_HD void addRows(const SolverData& s, int k, int end, B
   for (; k < end; ++k) addJoint(s, s.incidence[k].code, block);
 }
 
-/// The primal update of one body: force [S 5] and Hessian [S 6] of its inertia and its rows, one Newton step
+/// The primal update of one body: force [S 5] and Hessian [S 6] of its inertia and its rows; one Newton step
 /// [S 3].
 template <class L> struct SolveBody {
   static constexpr const char* kStage = "primal";
@@ -300,30 +299,30 @@ template <class L> struct SolveBody {
   }
 };
 
-/// What gravity and forces gave a body that has stopped, for the part of the step that it did not go [m/s]:
-/// its way ended, and their work with it. As far as it followed them: what rows hold has none of it. `start`,
-/// `v`: at both ends of the step.
+/// Velocity that gravity and forces gave a stopped body for the part of the step that it did not move [m/s].
+/// Their work ended with the motion. Only the share that the body followed counts, because rows cancelled the
+/// rest. `start`, `v`: velocities at both ends of the step.
 RUBBLE_HD inline Vec3 unusedPush(const SolverData& s, int i, const Vec3& start, const Vec3& v) {
   const StepConstants& c = s.step;
   const Vec3 push = c.inverseDt * s.target[i].y.p - start;
   return fromFloatBits(s.stopBits[i]) * followedShare(v, start, c.inverseDt * push, c.dt) * push;
 }
 
-/// What the last sweep moved a body by, over its bounding diameter.
+/// Records the displacement of the last sweep over the bounding diameter, a measure of convergence.
 RUBBLE_HD inline void noteUnfinished(const SolverData& s, int i, const Displacement& d) {
   const Real radius = s.params[i].radius;
   const int bits = floatBits((std::sqrt(d.step2) / radius + std::sqrt(d.turn2)) / 2);
-  // most bodies find it high enough
+  // most bodies find a larger value already
   if (bits > s.counters->unfinished) atomicRaise(&s.counters->unfinished, bits);
 }
 
-/// Pose and velocities of a dynamic body at the end of a step, as its rows left them. One that was stopped
-/// on its way keeps its momenta.
+/// Pose and velocities of a dynamic body at the end of a step, as solved. A body stopped by CCD keeps its
+/// momenta.
 struct BodyEnd {
   Quat q;
-  Vec3 move;     ///< since x^t [m]
+  Vec3 move;     ///< displacement since x^t [m]
   Vec3 v, w;     ///< [m/s], [rad/s]
-  bool limited;  ///< the spin is at its ceiling
+  bool limited;  ///< the angular velocity is at its limit
 };
 RUBBLE_HD inline BodyEnd endOf(const SolverData& s, int i) {
   const StepConstants& c = s.step;
@@ -342,7 +341,7 @@ RUBBLE_HD inline BodyEnd endOf(const SolverData& s, int i) {
   }
   const Vec3 inertia = s.params[i].inertia;
   end.w = c.inverseDt * d.dw;
-  // targets are read only where they tell: the two spins differ by abs(dw) times what rows have turned it by
+  // The target is read only if it matters: the two results differ by abs(dw) times the rotation by rows.
   if (dot(d.dw, d.dw) >= kNoTurn2 && (s.target[i].locks >> 3) == 0)
     end.w = spinAfterRows(start, x, d.dw, s.target[i].y.q, inertia, c.dt);
   if (stopped) end.w = spinAt(end.q, x * start, end.w, inertia, c.dt);
@@ -350,7 +349,7 @@ RUBBLE_HD inline BodyEnd endOf(const SolverData& s, int i) {
   return end;
 }
 
-/// Velocities and the new pose. A body whose state is not finite stays where it was, at rest.
+/// Computes velocities and the new pose. A body whose state is not finite keeps its pose, at rest.
 struct FinishBodies {
   static constexpr const char* kStage = "velocity";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {

@@ -1,12 +1,12 @@
 #pragma once
-/// Colours: dynamic bodies and vertices that share a row block or element have different ones, so that a
-/// colour can be solved in parallel. Incremental Jones-Plassmann with hashed priorities: colours are kept
-/// from step to step, and only nodes that clash, or can go down to a lower one, choose anew.
+/// Graph coloring: dynamic bodies and vertices that share a constraint or element have different colors, so
+/// the nodes of a color are solved in parallel. Incremental Jones-Plassmann with hashed priorities. Colors
+/// persist from step to step. Only nodes in conflict, or nodes that can take a lower color, choose a new one.
 #include "stages/soft/vertex_graph.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Of two nodes of the graph: bodies, by their ids, or vertices (kVertexNode + index).
+/// Priority of nodes of the graph: bodies by their ids, vertices by kVertexNode + index.
 RUBBLE_HD inline bool outranks(const SolverData& s, int a, int b) {
   const auto name = [&](int node) {
     return static_cast<std::uint32_t>(node >= kVertexNode ? node : s.idOf[node]);
@@ -19,8 +19,8 @@ RUBBLE_HD inline int colorOf(const SolverData& s, int node) {
   return node >= kVertexNode ? s.vertexColor[node - kVertexNode] : s.color[node];
 }
 
-/// Smallest colour that none of the nodes has which neighbors(visit) visits. Several that share them out join
-/// what each has found.
+/// Smallest color that no neighbor has; neighbors(visit) visits these. Workers that share the neighbors
+/// combine their masks by join().
 template <class Neighbors, class Join>
 RUBBLE_HD int smallestFreeColor(const SolverData& s, Neighbors&& neighbors, Join&& join) {
   for (int base = 0;; base += 64) {
@@ -41,7 +41,7 @@ template <class Neighbors> RUBBLE_HD int smallestFreeColor(const SolverData& s, 
   return smallestFreeColor(s, neighbors, [](std::uint64_t used) { return used; });
 }
 
-/// visit(node) for the neighbours of a node.
+/// visit(node) for the neighbors of a node.
 template <class Visit> RUBBLE_HD void visitNodeNeighbors(const SolverData& s, int node, Visit&& visit) {
   if (node >= kVertexNode) {
     visitNeighbors(s, node - kVertexNode, visit);
@@ -51,11 +51,11 @@ template <class Visit> RUBBLE_HD void visitNodeNeighbors(const SolverData& s, in
     if (s.incidence[k].other >= 0) visit(s.incidence[k].other);
 }
 
-/// What a node sees of the colours around it.
+/// Colors of the neighbors of a node.
 struct Surroundings {
-  bool clashes = false;     ///< a neighbour of higher rank has the same
-  bool highest = true;      ///< all have lower ones
-  std::uint64_t taken = 0;  ///< of the first 64
+  bool clashes = false;     ///< a neighbor of higher priority has the same color
+  bool highest = true;      ///< all neighbors have lower colors
+  std::uint64_t taken = 0;  ///< mask of the first 64 colors in use
   RUBBLE_HD void see(const SolverData& s, int node, int own, int other, int color) {
     clashes |= color == own && outranks(s, other, node);
     highest &= color < own;
@@ -69,8 +69,8 @@ RUBBLE_HD Surroundings lookAround(const SolverData& s, int node, Neighbors&& nei
   neighbors([&](int other) { around.see(s, node, own, other, colorOf(s, other)); });
   return around;
 }
-/// May a node go down to a lower colour? Those that see only lower ones are no neighbours of one another, and
-/// can all do so at a time. Few colours make short sweeps.
+/// May a node take a lower color? Nodes that have only lower neighbors are not adjacent, so all of them may
+/// do so at once. Fewer colors make shorter sweeps.
 RUBBLE_HD inline bool goesDown(const Surroundings& around, int own, int& next) {
   if (!around.highest || own <= 0) return false;
   for (next = 0; next < 64 && (around.taken >> next & 1); ++next) {
@@ -78,8 +78,8 @@ RUBBLE_HD inline bool goesDown(const Surroundings& around, int own, int& next) {
   return next < own && next < 64;
 }
 
-/// Does a body share a colour with a neighbour of higher rank? Then it is to take `next`; or, where it may,
-/// one that is lower.
+/// Does a body change its color to `next`? It must if a neighbor of higher priority has the same color. If
+/// `mayGoDown`, it may also take a lower color.
 RUBBLE_HD inline bool leavesColor(const SolverData& s, int i, bool mayGoDown, int& next) {
   const auto neighbors = [&](auto&& visit) { visitNodeNeighbors(s, i, visit); };
   const Surroundings around = lookAround(s, i, neighbors);
@@ -94,8 +94,8 @@ RUBBLE_HD RUBBLE_APART inline bool vertexLeavesColor(const SolverData& s, int v,
   return around.clashes || (mayGoDown && goesDown(around, s.vertexColor[v], next));
 }
 
-/// The nodes that choose a colour in this step, and what they choose. Only these can clash later: a choice
-/// avoids the colours of all neighbours that keep theirs.
+/// Lists the nodes that choose a color in this step, with their choice. Only these can conflict later,
+/// because a choice avoids the colors of all neighbors that keep theirs.
 struct FindClashes {
   static constexpr const char* kStage = "coloring";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -112,7 +112,7 @@ struct FindClashes {
     atomicCount(&s.counters->clashes, 1);
   }
   RUBBLE_HD static void raiseColors(const SolverData& s, int color) {
-    // most bodies find it high enough
+    // most bodies find a larger value already
     if (s.counters->colors <= color) atomicRaise(&s.counters->colors, color + 1);
   }
 };
@@ -130,8 +130,8 @@ struct FindVertexClashes {
   }
 };
 
-/// One round: those that clashed take their choice, and choose again if a neighbour has made the same. Reads
-/// `color`, writes `nextColor`, so that the order inside a round is of no consequence.
+/// One round: nodes in conflict take their choice, and choose again if a neighbor has made the same one.
+/// Reads `color` and writes `nextColor`, so the order within a round does not matter.
 struct TakeColors {
   static constexpr const char* kStage = "coloring";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
@@ -153,10 +153,10 @@ struct ProposeColors {
   }
 };
 
-/// Does a body take part in the sweeps? They have nothing to add to what an exact tree has solved.
+/// Does a body take part in the sweeps? Bodies of exactly solved trees do not.
 RUBBLE_HD inline bool isSwept(const SolverData& s, int i) { return isDynamic(s, i) && !inExactTree(s, i); }
 
-/// Population of each colour.
+/// Number of bodies of each color.
 struct CountColors {
   static constexpr const char* kStage = "coloring";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -164,7 +164,7 @@ struct CountColors {
   }
 };
 
-/// Bodies by colour. The order inside a colour has no influence on results: its bodies share nothing.
+/// Bodies by color. The order within a color does not affect results, because its bodies share no constraint.
 struct FillColors {
   static constexpr const char* kStage = "coloring";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -180,7 +180,7 @@ struct CountVertexColors {
     if (isDynamicVertex(s, v)) atomicCount(&s.vertexColorCount[s.vertexColor[v]], 1);
   }
 };
-/// The order inside a colour has no influence on results.
+/// The order within a color does not affect results.
 struct FillVertexColors {
   static constexpr const char* kStage = "coloring";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {

@@ -1,30 +1,30 @@
 #pragma once
-/// Position correction and friction. Correcting the penetrations below a body moves it in every step, and its
-/// load lets it settle by as much. Friction is to resist the settling, not the correction: a column of grains
-/// would else hang on to the walls of its bin from below. So the motion that correction causes is found for
-/// each body.
+/// Penetration correction and friction. Correcting the penetrations below a body moves it in every step, and
+/// its load lets it settle by the same amount. Friction must resist the settling but not the correction;
+/// otherwise particles in a bin would be carried by its walls from below. This pass finds the motion of each
+/// body that correction causes.
 #include "state/solver_data.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// How many times what correction moves bodies by friction sees them settle [1]. Most of it turns round
-/// bodies and loads nothing.
+/// Settling that friction sees, over the motion by correction [1]. Most of the correction rotates round
+/// bodies and transfers no load.
 inline constexpr Real kSettling = 12;
-/// Most settling that a point sees in a step, over what takes it from no friction to its cone [1]. More would
-/// only make it slide faster.
+/// Largest settling that a point sees per step, over the displacement that takes it from no friction to its
+/// cone [1]. More would only make it slide faster.
 inline constexpr Real kMostSettling = Real(.3);
 
-/// What one point of a contact adds to Support.
+/// Contribution of one contact point to Support.
 struct PointSupport {
   Real load = 0;    ///< normal force [N]
-  Real weight = 0;  ///< its force on B against gravity, with friction [N]
-  Real moment = 0;  ///< load times what is corrected of its penetration in this step [N m]
+  Real weight = 0;  ///< vertical force on B, friction included; positive if it supports B [N]
+  Real moment = 0;  ///< load times the corrected part of its penetration in this step [N m]
 };
 RUBBLE_HD inline PointSupport operator+(const PointSupport& a, const PointSupport& b) {
   return {a.load + b.load, a.weight + b.weight, a.moment + b.moment};
 }
 
-/// `corrects`: its inherited error is a penetration, and not a bounce.
+/// `corrects`: the inherited error is a penetration, not an impact.
 RUBBLE_HD inline PointSupport pointSupport(const SolverData& s, const ContactRows& r, const Vec3& t1,
                                            const Vec3& t2, int k, bool corrects) {
   const PointLoad& l = r.load[k];
@@ -35,19 +35,21 @@ RUBBLE_HD inline Support supportOf(const ContactRows& r, const PointSupport& sum
   return {sum.load > Real(0) ? (sum.moment / sum.load) * r.n : Vec3{0, 0, 0}, sum.weight};
 }
 
-/// By how much friction sees A settle against B in a step: against what correction moves them by [m].
+/// Settling of A against B in a step as friction sees it, opposite to their motion by correction [m].
 RUBBLE_HD inline Vec3 relativeSettling(const SolverData& s, int a, int b) {
   return kSettling * (s.correction[b] - s.correction[a]);
 }
 
-/// Share of a settling of this square along its tangents that a point sees whose cone is `bound` [N].
+/// Share of a settling that a point sees [1]. `settling2`: its squared tangential length [m2]; `bound`:
+/// radius of the friction cone [N].
 RUBBLE_HD inline Real settlingShare(Real settling2, Real bound, Real kT) {
   const Real force = kT * std::sqrt(settling2), most = kMostSettling * bound;
   return force > most ? most / force : Real(1);
 }
 
-/// How far correction moves a body in a step: as far as what bears it, and what is corrected between the two,
-/// by the share of the weight that each bears. It rises one level of a pile per step.
+/// Motion of a body by correction in a step: that of the bodies below plus the correction of the contacts
+/// with them. The mean is weighted by the load that each supports. It propagates up a pile by one level per
+/// step.
 struct FindCorrections {
   static constexpr const char* kStage = "velocity";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -65,7 +67,7 @@ struct FindCorrections {
       sum += weight * (below + sign * support.correction);
       borne += weight;
     }
-    // where joints bear a part of the weight, that part is not moved
+    // the part of the weight that joints support counts as motionless
     borne = max(borne, -s.params[i].mass * dot(s.step.gravity, s.step.up));
     const Vec3 correction = borne > Real(0) ? sum * (Real(1) / borne) : Vec3{0, 0, 0};
     s.nextCorrection[i] = isFinite(correction) ? correction : Vec3{0, 0, 0};

@@ -1,17 +1,19 @@
 #pragma once
-/// What rows give a body that turns far in a step. They know its turn to first order: their levers are those
-/// of x^t, and a point of a body that turns by an angle a is elsewhere by half of a^2. So their impulses and
-/// their torques fit one another no better than that, and energy comes from it. Rows that act on nothing
-/// which moves do no work: a body with only such rows may have no more kinetic energy than it would have had
-/// without them. Velocity and spin are reduced together, which turns no parting into an approach.
+/// Energy bound for bodies that rotate far in a step. Rows see the rotation to first order: levers are those
+/// of x^t, and a point rotated by an angle a deviates by a^2 / 2. Impulses and torques are therefore
+/// inconsistent to that order, which can add energy.
+///
+/// Rows against immovable surfaces do no work. A body with only such rows must not have more kinetic energy
+/// than it would have without them. Linear and angular velocity are scaled together, which turns no
+/// separation into an approach.
 #include "stages/contacts/contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Bodies that turn further in a step than this are looked at, squared [rad2].
+/// Square of the rotation per step above which the bound applies [rad2].
 inline constexpr Real kFarTurn2 = Real(.01);
 
-/// Is a contact one with a surface that does not move?
+/// Is the contact with an immovable surface?
 RUBBLE_HD inline bool isAtRest(const SolverData& s, const ContactRows& r, int other) {
   const BodyKind kind = s.params[other].kind;
   if (kind == BodyKind::Dynamic) return false;
@@ -22,7 +24,7 @@ RUBBLE_HD inline bool isAtRest(const SolverData& s, const ContactRows& r, int ot
   return pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).belt == Vec3{0, 0, 0};
 }
 
-/// Has a body rows, and do all of them act on what does not move?
+/// Has the body rows, and are all of them contacts with immovable surfaces?
 RUBBLE_HD inline bool isHeldAtRest(const SolverData& s, int i) {
   const int begin = s.incidenceOffset[i], end = s.incidenceOffset[i + 1];
   for (int k = begin; k < end; ++k) {
@@ -34,7 +36,7 @@ RUBBLE_HD inline bool isHeldAtRest(const SolverData& s, int i) {
   return end > begin;
 }
 
-/// Share of its velocity and spin that a body keeps, at orientation q.
+/// Share of its velocities that a body at orientation q keeps [1].
 RUBBLE_HD RUBBLE_APART inline Real keptMotion(const SolverData& s, int i, Quat q, Vec3 v, Vec3 w) {
   if (!isHeldAtRest(s, i)) return 1;
   const Vec3 principal = s.params[i].inertia;

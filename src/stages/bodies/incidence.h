@@ -1,5 +1,5 @@
 #pragma once
-/// Which row blocks act on a body: a compressed list per dynamic body, sorted by force type and index.
+/// Incidence lists: the constraints of each dynamic body in compressed (CSR) form, sorted by type and index.
 #include "stages/coarse/aggregates.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -12,7 +12,7 @@ template <class Blocks> struct CountIncidences {
   }
 };
 
-/// In no fixed order: SortIncidences follows.
+/// In no fixed order; SortIncidences follows.
 template <class Blocks> struct FillIncidences {
   static constexpr const char* kStage = "incidence";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -30,7 +30,7 @@ struct SortIncidences {
     Incidence* const first = s.incidence + s.incidenceOffset[i];
     const int count = s.incidenceOffset[i + 1] - s.incidenceOffset[i];
     if (count < 2) return;
-    // most bodies: all in registers
+    // most bodies: sorted in registers
     constexpr int kFew = 8, kInsertion = 24;
     if (count <= kFew) {
       Incidence own[kFew];
@@ -54,7 +54,7 @@ struct SortIncidences {
       }
       return;
     }
-    // heap sort: in place and without recursion, for the few bodies that touch many others
+    // heap sort: in place and without recursion, for the few bodies with many contacts
     const auto sift = [&](int root, int size) {
       for (int child = 2 * root + 1; child < size; child = 2 * root + 1) {
         if (child + 1 < size && first[child].code < first[child + 1].code) ++child;

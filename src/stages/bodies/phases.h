@@ -1,5 +1,5 @@
 #pragma once
-/// Bodies: begin and end of their step, the graph of what acts on them, and the sweep over them and vertices.
+/// Bodies: begin and end of the step, the constraint graph, and the sweep over bodies and vertices.
 #include "stages/bodies/coloring.h"
 #include "stages/executor.h"
 #include "stages/joints/phases.h"
@@ -10,7 +10,7 @@ namespace rubble::RUBBLE_CORE::bodies {
 /// Inertial targets and initial guesses.
 template <Executor E> void predict(E& e) { e.forEach(PredictBodies{}, e.view().bodies); }
 
-/// The row blocks that act on each body.
+/// The incidence list of each body.
 template <Executor E> void findIncidence(E& e) {
   const int bodies = e.view().bodies;
   const auto forEachBlock = [&]<template <class> class Kernel>() {
@@ -43,7 +43,7 @@ template <Executor E> void color(E& e) {
   soft::listColors(e);
 }
 
-/// One sweep, color by color: each body and vertex makes a step of its own.
+/// One sweep, color by color: each body and vertex takes a step of its own.
 template <Executor E> void sweep(E& e) {
   joints::linearize(e);
   e.forEachColor(SolveBody<typename E::Lane>{}, SolveVertex{});

@@ -1,35 +1,39 @@
 #pragma once
-/// Restitution: what an impact gives back, as impulses after the velocities of the step are known.
+/// Restitution: impulses that are applied after the velocities of the step are known.
 ///
-/// The rows of a step know no restitution: bodies that meet end it in touch, with the velocities of a plastic
-/// impact. Where e > 0 way and velocity must differ, so this pass corrects velocities alone. Three parts:
+/// The rows of a step have no restitution: colliding bodies end it in contact, with the velocities of a
+/// plastic impact. With e > 0 displacement and velocity must differ, so this pass changes velocities only. It
+/// has three parts:
 ///
-///   seeds     contacts with e > 0 that closed faster than impactSpeed() at x^t and bear a load at the end
-///   reach     from them along contacts whose load the step has changed as an impact does, through dynamic
+///   seeds     contacts with e > 0 that closed faster than impactSpeed() at x^t and carry a load at the end
+///   reach     from them along contacts whose load the step has changed as in an impact, through dynamic
 ///             bodies
-///   in order  What the step has added to the loads of these contacts is taken back, so that bodies have the
-///             velocities from before the impact. Then contacts act one after another, the earliest first,
-///             until
-///             none closes. All that share no body with an earlier one act in one round.
+///   in order  The change of the loads of these contacts by the step is undone, which restores the velocities
+///             before the impact. Then contacts act one after another, the earliest first, until none
+///             closes. All contacts that share no body with an earlier one act in one round.
 ///
 /// One contact acts on two free bodies. Impulses p >= 0 of its points end the approach, a plastic impact with
-/// K p = c, and (1 + w / c) p are given:
+/// K p = c, and (1 + w / c) p are applied:
 ///
 ///   (w - b)^2 = b^2 + e^2 (c^2 - 2 b c + 2 a d) - 2 a d',   b = a dt / 2
 ///
-/// with c the closing speed, a the acceleration along the normal, d and d' the gaps at the ends of the step.
-/// Without acceleration w = e c. The discrete free flight v' = v + a dt, p' = p + v' dt keeps
-/// v^2 / 2 - a p - a dt v / 2, and the bounce has e^2 of it. Then friction takes from the speeds at the
-/// points what mu (1 + w / c) p can. Without acceleration kinetic energy never grows. Momentum is exact.
+/// c: closing speed; a: acceleration along the normal; d and d': gaps at the ends of the step. Without
+/// acceleration w = e c. Discrete free flight conserves an energy, of which the bounce has e^2:
 ///
-/// A body whose velocity the contacts do not explain (a joint took part) keeps the velocity of the step, and
-/// so do those that it reaches. Their seeds give back e^2 of the work that ended the approach, P c / 2, on
-/// top of it, without friction, and no more than the two bodies have lost.
+///   v' = v + a dt,  p' = p + v' dt,  v^2 / 2 - a p - a dt v / 2 = constant
+///
+/// Friction then reduces the tangential speeds at the points by at most mu (1 + w / c) p. Without
+/// acceleration kinetic energy never grows. Momentum is conserved exactly.
+///
+/// If contacts do not explain the velocity change of a body (a joint took part), it keeps the velocity of the
+/// step. So do the bodies that it reaches. Their seeds give back e^2 of P c / 2, the work that ended the
+/// approach, in addition to that velocity and without friction. This work is at most the energy that the two
+/// bodies have lost.
 #include "stages/bounces/bounce_order.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Contacts of a step in which something may bounce.
+/// Number of contacts to process: all if any of them may bounce, else none.
 struct CountBounces {
   static constexpr const char* kStage = "bounce";
   RUBBLE_HD void operator()(const SolverData& s, int) const {
@@ -48,7 +52,7 @@ RUBBLE_HD inline void reachBody(const SolverData& s, int body, int how) {
   if (isDynamic(s, body)) atomicRaise(&s.bounceBody[body], how);
 }
 
-/// Seeds, and what every contact would hand on. Reads velocities of x^t.
+/// Finds the seeds, and the change of load of every contact. Reads velocities at x^t.
 struct FindBounces {
   static constexpr const char* kStage = "bounce";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -72,7 +76,7 @@ struct FindBounces {
       bounce.impulse[k] = (lambda - bounce.before[k].x) * c.dt;
       load += lambda, change += absOf(bounce.impulse[k]);
       closing += lambda * speed, free += lambda * impact.closing(k, freeA, freeB);
-      // what was left alone of a depth counts too
+      // including the part of a penetration that alpha leaves uncorrected
       const Real apart = r.place[k].c0 > Real(0) ? -r.place[k].c0 / max(Real(1) - c.alpha, Real(.01))
                                                  : -r.place[k].c0;
       const Vec3 moved = endA.dp + cross(endA.dw, r.place[k].rA) - endB.dp -
@@ -90,7 +94,7 @@ struct FindBounces {
     reachBody(s, r.a, kInOrder), reachBody(s, r.b, kInOrder);
     atomicCount(&s.counters->bounceSpread, 1);
   }
-  /// What of the load that a point began with it bears still.
+  /// The part of the initial load of a point that it still carries.
   RUBBLE_HD static Vec3 restingPart(const Vec3& before, Real lambda) {
     return before.x > lambda ? (max(lambda, Real(0)) / before.x) * before : before;
   }
@@ -99,7 +103,7 @@ struct FindBounces {
   }
 };
 
-/// One round of the reach.
+/// Has the impact reached a body of the contact?
 RUBBLE_HD inline bool isReached(const SolverData& s, const ContactRows& r) {
   return (isDynamic(s, r.a) && s.bounceBody[r.a] != kUnmoved) ||
          (isDynamic(s, r.b) && s.bounceBody[r.b] != kUnmoved);
@@ -122,12 +126,12 @@ struct FindReach {
   }
 };
 
-/// Does a contact resist rolling or spinning about its normal?
+/// Has the contact rolling or torsional friction?
 RUBBLE_HD inline bool rollsAt(const SolverData& s, const ContactRows& r) {
   return s.rolls && (s.rolling[r.manifold].rolling > Real(0) || s.rolling[r.manifold].torsional > Real(0));
 }
 
-/// Velocities from before the impact.
+/// Restores the velocities before the impact.
 struct TakeBackBounces {
   static constexpr const char* kStage = "bounce";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -163,7 +167,7 @@ struct TakeBackBounces {
     solved = motionOf(s, i);
     BodyMotion now{solved.v - m.linear(taken.v), solved.w - m.angular(taken.w)};
     if (alone) {
-      // nothing else acts on it: what iterations have left out does not count
+      // only contacts act on it: free flight plus the kept impulses has no iteration error
       const Displacement to = targetDisplacement(s, i);
       now = {s.step.inverseDt * to.dp + m.linear(kept.v), s.step.inverseDt * to.dw + m.angular(kept.w)};
     }
@@ -172,7 +176,7 @@ struct TakeBackBounces {
   }
 };
 
-/// Closing speed of a contact, by the loads of its points.
+/// Mean closing speed of a contact, weighted by the loads of its points [m/s].
 RUBBLE_HD inline Real meanClosing(const Impact& impact, const BodyMotion& a, const BodyMotion& b) {
   Real load = 0, closing = 0;
   for (int k = 0; k < kLanes; ++k) {
@@ -182,8 +186,7 @@ RUBBLE_HD inline Real meanClosing(const Impact& impact, const BodyMotion& a, con
   return load > Real(0) ? closing / load : Real(0);
 }
 
-/// Contacts with bodies whose velocities from before the impact are not what they were: something else took
-/// part.
+/// Finds contacts whose restored closing speed differs from that at x^t, because something else took part.
 struct CheckBounces {
   static constexpr const char* kStage = "bounce";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {

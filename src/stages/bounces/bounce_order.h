@@ -1,26 +1,26 @@
 #pragma once
-/// Contacts that act one after another (bounce.h says how).
+/// Contacts that act one after another; bounce.h describes the method.
 #include "stages/bounces/impact.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A contact takes part in an impact that changes its load by so much of impactSpeed() [1], and has ended
-/// when it closes by less.
+/// A contact takes part in an impact if its load changes by this share of impactSpeed() [1]. It has ended
+/// when it closes by less than the second share.
 inline constexpr Real kBounceReach = Real(.1), kBounceRest = Real(.02);
-/// Rounds of contacts that act; what closes after them is left to the next step, and counted.
+/// Largest number of rounds. Contacts that still close are left to the next step, and counted.
 inline constexpr int kBounceRounds = 256;
-/// Sweeps over the points of a contact.
+/// Gauss-Seidel sweeps over the points of a contact.
 inline constexpr int kBounceSweeps = 12;
 
 enum BounceState : int { kBounceSeed = 1, kBounceTakesPart = 2, kBounceActed = 4 };
-/// Of bodies: no part, part, part with what the step gave them.
+/// State of a body: not reached, in order, or with the velocity of the step.
 enum BounceBody : int { kUnmoved, kInOrder, kAsSolved };
 
 RUBBLE_HD inline bool isAsSolved(const SolverData& s, const ContactRows& r) {
   return (isDynamic(s, r.a) && s.bounceBody[r.a] == kAsSolved) ||
          (isDynamic(s, r.b) && s.bounceBody[r.b] == kAsSolved);
 }
-/// Speed at which bodies part that closed with c; see above.
+/// Separation speed after an approach with speed `closing` (bounce.h) [m/s].
 RUBBLE_HD inline Real bounceSpeed(Real e, Real closing, const Bounce& bounce, Real inverseDt) {
   const Real b = bounce.change / 2, a = bounce.change * inverseDt;
   const Real squared = b * b + e * e * (closing * closing - 2 * b * closing + 2 * a * bounce.gap) -
@@ -28,7 +28,7 @@ RUBBLE_HD inline Real bounceSpeed(Real e, Real closing, const Bounce& bounce, Re
   return max(b + std::sqrt(max(squared, Real(0))), Real(0));
 }
 
-/// When a contact is to act: the time until its gap is closed.
+/// Proposes the time at which a contact acts: the time until its gap closes [s].
 struct ProposeBounces {
   static constexpr const char* kStage = "bounce";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -52,7 +52,7 @@ struct ProposeBounces {
   }
 };
 
-/// Is contact i before j in the order in which contacts act?
+/// Does contact i act before j? Ties are broken by body ids.
 RUBBLE_HD inline bool actsBefore(const SolverData& s, int i, int j) {
   const Real ti = s.bounce[i].time, tj = s.bounce[j].time;
   if (ti != tj) return ti < tj;
@@ -97,7 +97,7 @@ struct ActBounces {
     return true;
   }
 
-  /// What a unit of impulses `p` takes from the closing speed of each point.
+  /// Reduction of the closing speed of each point by impulses `p`.
   RUBBLE_HD static void effectOf(const Impact& impact, const Real (&p)[kLanes], Real (&effect)[kLanes]) {
     BodyMotion a{{0, 0, 0}, {0, 0, 0}}, b = a;
     impact.push(p, 1, a, b);
@@ -114,7 +114,7 @@ struct ActBounces {
       unit[k] = actsAt(r, k) ? Real(1) : Real(0);
       effectOf(impact, unit, matrix[k]);
     }
-    // begins with the loads of the step, to scale
+    // starts from the loads of the step, scaled
     Real work = 0, stiff = 0;
     for (int k = 0; k < kLanes; ++k) p[k] = actsAt(r, k) ? max(r.load[k].lambdaN, Real(0)) : Real(0);
     effectOf(impact, p, effect);
@@ -141,14 +141,14 @@ struct ActBounces {
       back = asPredicted ? bounceSpeed(r.restitution, closing, bounce, s.step.inverseDt) / closing
                          : r.restitution;
     }
-    // never more than ends the approach: energy
+    // the plastic part never exceeds what ends the approach, so energy does not grow
     const Real given = min(work / stiff, Real(1)) * (1 + back);
     impact.push(p, given, a, b);
     rub(s, r, impact, p, given, a, b);
   }
 
-  /// Friction at the points, each within the cone of `given` times its impulse. It only ever opposes the
-  /// motion that is left there.
+  /// Friction at the points, each within the cone of `given` times its impulse. It only opposes the remaining
+  /// tangential motion.
   RUBBLE_HD static void rub(const SolverData& s, const ContactRows& r, const Impact& impact,
                             const Real (&p)[kLanes], Real given, BodyMotion& a, BodyMotion& b) {
     Vec3 t1, t2, belt{0, 0, 0};
@@ -181,7 +181,7 @@ struct ActBounces {
       }
   }
 
-  /// On top of the velocities of the step.
+  /// Restitution in addition to the velocities of the step.
   RUBBLE_HD static void giveBack(const SolverData& s, const ContactRows& r, const Bounce& bounce,
                                  BodyMotion& a, BodyMotion& b) {
     const Impact impact(s, r);
@@ -207,7 +207,7 @@ struct ActBounces {
   }
 };
 
-/// The next step begins with the loads from before the impact.
+/// The next step is warm-started with the loads before the impact.
 struct EndBounces {
   static constexpr const char* kStage = "bounce";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {

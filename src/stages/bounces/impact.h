@@ -1,13 +1,13 @@
 #pragma once
-/// A contact of two bodies as an impact sees it: what impulses at its points do to their velocities.
+/// A contact of two bodies in an impact: the response of their velocities to impulses at its points.
 #include "stages/bodies/bodies.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// How an impulse at a point moves a body.
+/// Response of a body to an impulse.
 struct Mobility {
   Real inverseMass;
-  Sym3 inertia;  ///< 0 for what does not turn
+  Sym3 inertia;  ///< 0 if the body does not rotate
   int locks;
   bool moves;
 
@@ -26,7 +26,7 @@ struct Mobility {
 RUBBLE_HD inline Mobility mobility(const SolverData& s, int body) {
   if (!isDynamic(s, body)) return {0, {}, 0, false};
   const BodyTarget& t = s.target[body];
-  // at the orientation that it has: with the inertia of x^t one that has turned since would gain energy
+  // at the present orientation: with the inertia at x^t a rotated body would gain energy
   const Sym3 inertia = rotateDiagonal(s.orientation[body], s.params[body].inertia);
   Mobility m{Real(1) / t.mass.mass, inertia, t.locks, true};
   const auto keep = [&](int axis) { return (m.locks >> (3 + axis) & 1) == 0; };
@@ -40,14 +40,14 @@ RUBBLE_HD inline BodyMotion motionOf(const SolverData& s, int body) {
   return {s.velocity[body], s.angularVelocity[body]};
 }
 
-/// A contact between two bodies that move.
+/// A contact between two moving bodies.
 struct Impact {
   const ContactRows& r;
   Mobility a, b;
 
   RUBBLE_HD Impact(const SolverData& s, const ContactRows& rows)
       : r(rows), a(mobility(s, rows.a)), b(mobility(s, rows.b)) {}
-  /// To the surface of the body itself: bodies that were apart at x^t are in touch now.
+  /// Levers end at the surfaces of the bodies: a gap at x^t has closed at the impact.
   RUBBLE_HD Vec3 leverA(int k) const { return r.place[k].rA - (half(k) * r.n); }
   RUBBLE_HD Vec3 leverB(int k) const { return r.place[k].rA + r.offset + (half(k) * r.n); }
   RUBBLE_HD Real half(int k) const { return max(-r.place[k].c0, Real(0)) / 2; }
@@ -57,7 +57,7 @@ struct Impact {
   RUBBLE_HD Real closing(int k, const BodyMotion& ma, const BodyMotion& mb) const {
     return dot(r.n, relative(k, ma, mb));
   }
-  /// Adds an impulse at point k, on B, and its opposite on A.
+  /// Adds an impulse at point k on B, and its opposite on A.
   RUBBLE_HD void strike(int k, const Vec3& impulse, BodyMotion& ma, BodyMotion& mb) const {
     ma.v -= a.linear(impulse), ma.w -= a.angular(cross(leverA(k), impulse));
     mb.v += b.linear(impulse), mb.w += b.angular(cross(leverB(k), impulse));
@@ -78,7 +78,7 @@ struct Impact {
   }
 };
 
-/// Does a point take part in the step?
+/// Is the point active in the step?
 RUBBLE_HD inline bool actsAt(const ContactRows& r, int k) { return r.load[k].kN > Real(0); }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,11 +1,11 @@
 #pragma once
-/// Restitution: what impacts give back.
+/// Restitution of impacts.
 #include "stages/bounces/bounce.h"
 #include "stages/executor.h"
 
 namespace rubble::RUBBLE_CORE::bounces {
 
-/// Before velocities are known: which contacts take part.
+/// Before velocities are known: finds the contacts that take part.
 template <Executor E> void find(E& e) {
   if (!e.view().bounces) return;
   e.forEach(StartBounces{}, e.view().bodies);
@@ -14,7 +14,7 @@ template <Executor E> void find(E& e) {
            &Counters::bounceSpreads);
 }
 
-/// When they are known: impulses.
+/// After velocities are known: applies impulses.
 template <Executor E> void act(E& e) {
   if (!e.view().bounces) return;
   const int bodies = e.view().bodies;

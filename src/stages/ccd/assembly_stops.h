@@ -1,12 +1,12 @@
 #pragma once
-/// Stops of bodies that joints hold together. One that stopped alone would tear its joints open by the rest
-/// of its way; so an assembly stops as one, where the first of its bodies meets something, and all of them
-/// keep their velocities.
+/// CCD islands (assemblies): bodies connected by rigid joints. Stopping one of them alone would open its
+/// joints by the rest of its motion. The whole island therefore stops at the earliest time of impact of its
+/// bodies, and all of them keep their velocities.
 #include "stages/coarse/aggregates.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Bodies of an assembly have one leader, as those of a group.
+/// Bodies of a CCD island share a root, as those of an aggregate do.
 struct StartAssemblies {
   static constexpr const char* kStage = "stops";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -23,10 +23,10 @@ template <class F> struct JoinAssemblies {
     s.stopPair[spec.a] = s.stopPair[spec.b] = kStopsTogether;
   }
 };
-/// In place of the round in which news came: the body is one of those at which its assembly stops.
+/// Value of stopRound, in place of a round: the body is one of those that stop its CCD island.
 inline constexpr int kHasMet = kStopRounds;
 
-/// The leader learns of the first stop.
+/// Passes the earliest stop to the root.
 struct RaiseStops {
   static constexpr const char* kStage = "stops";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -48,7 +48,7 @@ struct StopAssemblies {
   }
 };
 
-/// Has a body met what it stops at, itself?
+/// Has the body itself met what it stops at?
 RUBBLE_HD inline bool hasMet(const SolverData& s, int i) {
   return s.stopBits[i] != 0 && (s.stopPair[i] != kStopsTogether || s.stopRound[i] == kHasMet);
 }

@@ -1,10 +1,11 @@
 #pragma once
-/// Bodies that go further in a step than they are thick, and so could pass through others. Contact rows are
-/// made at x^t and can not know where such a body hits. So its way is checked after the iterations, from x^t
-/// to where they have put it: at the first body in the way it stops for the rest of the step and keeps its
-/// velocity. The next step finds the two in touch, and its rows deal with the impact: momentum is handed over
-/// there and nowhere else, and what is missed is not touched. Such a body loses the rest of one step for each
-/// impact.
+/// Continuous collision detection for bodies that move farther in a step than they are thick, and could
+/// tunnel. Contact rows are built at x^t and cannot anticipate where such a body hits. After the iterations
+/// its motion from x^t to the solved pose is therefore swept against other bodies. At the first time of
+/// impact it stops for the rest of the step.
+///
+/// A CCD stop never changes velocities. Momentum is exchanged only by the ordinary contact in the next step,
+/// so a miss has no effect. Such a body loses the rest of one step per impact.
 #include <limits>
 
 #include "collision/sweep.h"
@@ -13,24 +14,23 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Bodies meet when they are this near, over L [1]: so near that the next step counts them as touching
-/// (kInactiveGap), and its groups move them together, without which light bodies that run into one another
-/// head-on would not keep their momentum at few iterations.
+/// Gap at the time of impact, over L [1]. The next step then counts the bodies as touching (kInactiveGap),
+/// and their aggregates move them together. Without that, light bodies in a head-on collision lose momentum
+/// at few iterations.
 inline constexpr Real kMeetingGap = Real(1e-3);
-/// Bodies that are in touch, or have rows, may be left this deep in one another, over half the thickness of
-/// the thinner one [1]: the rows of the next step push them out again. So no centre passes the surface that
-/// it is held by.
+/// Penetration that CCD allows between bodies in contact, over half the thickness of the thinner one [1]. The
+/// rows of the next step correct it. With this bound no body's center passes the surface that supports it.
 inline constexpr Real kHeldDepth = Real(.15);
-/// The same in meshes and height fields, whose rows are gathered anew in every step: in a hollow a body that
-/// rolls fast lies that deep.
+/// The same against meshes and height fields, whose contacts are gathered anew in every step. A body that
+/// rolls fast through a hollow penetrates that deep.
 inline constexpr Real kHeldInSurface = Real(.5);
-/// Bodies that are deeper may go so much further in a step, likewise: less into what does not move, where
-/// what they are pressed by may come again.
+/// Additional penetration per step that CCD allows to bodies beyond that depth, likewise [1]. It is smaller
+/// against immovable bodies, where the load that presses the body in may persist.
 inline constexpr Real kDeeperYet = Real(.2), kDeeperYetAtRest = Real(.02);
-/// The rows of a point of a distance field have held if they leave it no deeper than this share of L.
+/// Rows against a distance field have held a point if they leave it no deeper than this share of L [1].
 inline constexpr Real kHeldPoint = Real(.05);
 
-/// Which bodies went far, and whether there are any.
+/// Flags the bodies that moved far, and whether there are any.
 struct FlagFast {
   static constexpr const char* kStage = "stops";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -38,10 +38,10 @@ struct FlagFast {
     const BodyParams& p = s.params[i];
     if (p.kind != BodyKind::Dynamic && p.kind != BodyKind::Kinematic) return;
     const Displacement& d = s.dx[i];
-    // the turn moves no point further than the way around
+    // a rotation moves no point by more than its arc
     const Real way2 = dot(d.dp, d.dp), turn = length(d.dw) * (p.radius - p.shape.radius),
                inner = innerRadiusOf(s.shapeTables(), p.shape);
-    // one that was to go far may have been held by rows that give way
+    // contacts that yield may have slowed a body that was about to move far
     const Real ahead = s.step.dt * length(s.velocity[i]);
     if (!(way2 > Real(0)) || (max(std::sqrt(way2), ahead) + turn <= inner && s.fast[i] == 0)) return;
     s.fast[i] = 1;
@@ -50,18 +50,18 @@ struct FlagFast {
   }
 };
 
-/// In place of the pair that a body stops at: it stops with its assembly (assembly_stops.h).
+/// Value of stopPair for a body that stops with its CCD island (assembly_stops.h), in place of a pair.
 inline constexpr int kStopsTogether = std::numeric_limits<int>::max();
-/// The body with which a stop is noted.
+/// The body that stores a stop: the root of a CCD island, or the body itself.
 RUBBLE_HD inline int stopOwner(const SolverData& s, int body) {
   return s.stopPair[body] == kStopsTogether ? findRoot(s.root, body) : body;
 }
 
-/// What has stopped is in the way of others that counted on its going on: so stops are sought again, in so
-/// many rounds, for the pairs of bodies whose way has become shorter.
+/// A stopped body may block others whose search assumed its full motion. The search is therefore repeated in
+/// up to this many rounds, for pairs whose motion has been shortened.
 inline constexpr int kStopRounds = 4;
 
-/// Before a round: how far fast bodies go as far as is known.
+/// Before a round: records how far fast bodies move according to the stops found so far.
 struct NoteStops {
   static constexpr const char* kStage = "stops";
   int round;
@@ -74,24 +74,24 @@ struct NoteStops {
   }
 };
 
-/// The way of a body in the step, as far as is known.
+/// The motion of a body in the step, according to the stops found so far.
 RUBBLE_HD inline Way wayIn(const SolverData& s, int body) {
   if (s.params[body].kind == BodyKind::Static) return {};
   const Displacement& d = s.dx[body];
   return {Vec3d(d.dp), Vec3d(d.dw), 1 - static_cast<double>(fromFloatBits(s.stopSeen[stopOwner(s, body)]))};
 }
 
-/// Is there news for a pair in this round?
+/// Has the motion of a body of the pair changed since the last round?
 RUBBLE_HD inline bool isSought(const SolverData& s, const OrderedPair& o, int round) {
   return round == 0 || s.stopRound[stopOwner(s, o.a)] == round || s.stopRound[stopOwner(s, o.b)] == round;
 }
 
-/// Has a manifold rows in this step?
+/// Has the manifold rows in this step?
 RUBBLE_HD inline bool hasRows(const Manifold* m) { return m && m->count > 0 && m->row >= 0; }
 
-/// Where two convex parts, `thin` thick, meet on their ways. With rows between them, or in touch already,
-/// these have the word: what the turn of a body, which rows know to first order only, or rows that did not
-/// suffice would take too deep ends there.
+/// Time of impact of two convex parts, `thin` thick. If they have rows or touch already, the contact governs
+/// and CCD only bounds the penetration. Excess comes from rotations, which rows know to first order, or from
+/// rows that did not converge.
 RUBBLE_HD inline TimeOfImpact meetingOfPair(const Placed& a, const Way& wayA, const Placed& b,
                                             const Way& wayB, const Manifold* m, Real thin, bool bothMove,
                                             double tolerance) {
@@ -104,22 +104,22 @@ RUBBLE_HD inline TimeOfImpact meetingOfPair(const Placed& a, const Way& wayA, co
   const TimeOfImpact first = meeting(a, wayA, b, wayB, tolerance);
   if (first.fraction > 0) return first;
   if (first.at.n != Vec3d{}) return beyond(first.at.n, false);
-  // in one another, and parting at x^t: a turn may take them further in
+  // overlapping and separating at x^t: a rotation may increase the penetration
   return m && m->count > 0 ? beyond(Vec3d(m->normal), m->normalOnB) : TimeOfImpact{kNeverMet, first.at};
 }
 
-/// Which of two bodies stops where they meet: the fast one, and of a moved and a free one the free one.
+/// Does `body` stop at `other`? A fast body does, and so does a dynamic body at a kinematic or static one.
 RUBBLE_HD inline bool stopsAt(const SolverData& s, int body, int other) {
   if (s.params[body].kind != BodyKind::Dynamic) return false;
   return s.fast[body] != 0 || s.params[other].kind != BodyKind::Dynamic;
 }
 
-/// May the bodies of a pair stop one another?
+/// May the pair cause a CCD stop?
 RUBBLE_HD inline bool mayStop(const SolverData& s, const OrderedPair& o) {
   return (s.fast[o.a] || s.fast[o.b]) && !isSensor(s, o.a) && !isSensor(s, o.b);
 }
 
-/// No two points of the bodies approach one another by more [m].
+/// Upper bound of the approach of any two points of the bodies [m].
 RUBBLE_HD inline Real approach(const SolverData& s, const OrderedPair& o, const Way& a, const Way& b) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   const double both = min(a.until, b.until);
@@ -133,14 +133,14 @@ RUBBLE_HD inline bool bothDynamic(const SolverData& s, const OrderedPair& o) {
   return s.params[o.a].kind == BodyKind::Dynamic && s.params[o.b].kind == BodyKind::Dynamic;
 }
 
-/// Is the way of a pair, whose thinner part is `thin` thick, long enough to pass, or is one pressed into the
-/// other?
+/// Is the motion of a pair, whose thinner part is `thin` thick, long enough to tunnel, or is one pressed into
+/// the other?
 RUBBLE_HD inline bool mayPass(const SolverData& s, const OrderedPair& o, const Way& a, const Way& b,
                               Real thin, const Manifold* m) {
   return (hasRows(m) && !bothDynamic(s, o)) || approach(s, o, a, b) > thin;
 }
 
-/// Notes that the bodies of pair i meet at this part of their ways.
+/// Records that the bodies of pair i meet at this fraction of their motion.
 RUBBLE_HD inline void noteMeeting(const SolverData& s, int i, const OrderedPair& o, double fraction) {
   const int bits = floatBits(static_cast<Real>(1 - fraction));
   s.toiBits[i] = max(s.toiBits[i], bits);
@@ -148,7 +148,7 @@ RUBBLE_HD inline void noteMeeting(const SolverData& s, int i, const OrderedPair&
   if (stopsAt(s, o.b, o.a)) atomicRaise(&s.stopBits[o.b], bits);
 }
 
-/// Where the bodies of a pair of plain shapes meet on their ways: the part of the way that is left then.
+/// Times of impact of pairs of primitive shapes; stores the remaining fraction of the motion.
 struct FindStops {
   static constexpr const char* kStage = "stops";
   int round;
@@ -170,7 +170,7 @@ struct FindStops {
   }
 };
 
-/// The pair that a body stops at: of several at the same time the last one.
+/// The pair at which a body stops; of several at the same time the last one.
 struct ChooseStops {
   static constexpr const char* kStage = "stops";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -182,9 +182,9 @@ struct ChooseStops {
   }
 };
 
-/// The ways that the bodies of a pair make until they stop there. A kinematic body that they have met carries
-/// them along; a dynamic one is a matter of the rows of the next step, for what it would carry them into
-/// nobody has looked at.
+/// The motions of stopped bodies. A kinematic body carries a body that it has met along for the rest of the
+/// step. A dynamic one does not, because the carried motion would not be swept; the rows of the next step
+/// resolve that contact.
 struct StopBodies {
   static constexpr const char* kStage = "stops";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {

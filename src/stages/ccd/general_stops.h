@@ -1,11 +1,11 @@
 #pragma once
-/// Stops of pairs that are not of two plain shapes: in a kernel of its own, so that the plain ones keep
-/// theirs small.
+/// Times of impact of pairs that are not of two primitive shapes. It is a separate kernel so that the kernel
+/// for primitives stays small.
 #include "stages/ccd/fast_bodies.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Do the rows of points of a distance field keep them out?
+/// Do the rows of a distance-field manifold keep its points out?
 RUBBLE_HD inline bool rowsHold(const SolverData& s, const Manifold* m) {
   if (!hasRows(m)) return false;
   const ContactRows& r = s.contact[m->row];
@@ -20,7 +20,7 @@ RUBBLE_HD inline bool rowsHold(const SolverData& s, const Manifold* m) {
   return active;
 }
 
-/// Normals of the rows of a part and a surface, from the surface to the part.
+/// Normals of the rows between a part and a surface, from the surface to the part.
 struct RowFacings {
   Vec3 n[kSurfaceSlots];
   int count = 0;
@@ -31,7 +31,7 @@ struct RowFacings {
     return false;
   }
 };
-/// Those of all rows, or of rows that hold.
+/// Normals of the manifolds that counts(manifold) accepts.
 template <class Counts>
 RUBBLE_HD RowFacings rowFacings(const SolverData& s, int pair, bool surfaceOnA, Counts&& counts) {
   RowFacings out;
@@ -42,8 +42,8 @@ RUBBLE_HD RowFacings rowFacings(const SolverData& s, int pair, bool surfaceOnA, 
   return out;
 }
 
-/// Where the bodies of a pair meet on their ways: parts of compounds one by one, a part and a surface in the
-/// first of their slots.
+/// Times of impact of general pairs. Parts of compounds are separate pairs. The first slot of a part and a
+/// surface processes all of their slots.
 struct FindGeneralStops {
   static constexpr const char* kStage = "stops";
   int round;
@@ -87,11 +87,11 @@ struct FindGeneralStops {
     if (whole.shape.kind == ShapeKind::Distance) {
       const RowFacings held = rowFacings(s, i, onA, [&](const Manifold* rows) { return rowsHold(s, rows); });
       const Vec3d relative = wayS.move - wayP.move;
-      // what rows hold already is not met again; what is touched already only if they go on into one another
+      // rows that hold prevent a further impact; at a touching point only an approach counts
       const auto accepts = [&](const Vec3d& facing, const TimeOfImpact& at) {
         return (at.fraction > 0 || dot(at.at.n, relative) > 0) && !held.have(facing) && !held.have(at.at.n);
       };
-      // as long as the part is in by no more than half its thickness, rows push it out again
+      // rows push a part out again that is in by no more than half its thickness
       m = meetField(whole, wayS, part, wayP,
                     {tolerance, true, static_cast<double>(max(kHeldPoint * size, thin))}, accepts);
     } else {

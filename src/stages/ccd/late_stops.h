@@ -1,13 +1,13 @@
 #pragma once
-/// Stops of bodies that go where the broad phase did not look: boxes are swept by the velocities before the
-/// step, and an impact or the pull of a joint may make a body fast within it. Its way is checked against all
-/// bodies along it with which it makes no pair.
+/// CCD for bodies that leave the region of the broad phase. Its boxes are swept by the velocities before the
+/// step, but an impact or a joint may accelerate a body within it. The motion of such a body is swept against
+/// all bodies on its path with which it has no pair.
 #include "stages/ccd/general_stops.h"
 #include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// The box that a body takes up on its way.
+/// Bounding box of the motion of a body.
 RUBBLE_HD inline Bounds boundsOfWay(const SolverData& s, int i) {
   const BodyParams& p = s.params[i];
   const Displacement& d = s.dx[i];
@@ -19,8 +19,7 @@ RUBBLE_HD inline Bounds boundsOfWay(const SolverData& s, int i) {
   return b;
 }
 
-/// Does the way of a body lead out of the box that the broad phase gave it, by more than bodies may be left
-/// in one another?
+/// Does the motion of a body leave its broad-phase box by more than the allowed penetration?
 RUBBLE_HD inline bool leavesBounds(const SolverData& s, int i, const Bounds& way) {
   const BodyParams& p = s.params[i];
   const Bounds& b = s.bounds[i];
@@ -29,8 +28,8 @@ RUBBLE_HD inline bool leavesBounds(const SolverData& s, int i, const Bounds& way
   return out.x > slack || out.y > slack || out.z > slack;
 }
 
-/// Do part `part` of a body and a part of another make a pair in this step? Against a surface, whatever the
-/// slot.
+/// Is there a pair of part `part` of a body and a part of another one in this step? Against a surface, any
+/// slot counts.
 RUBBLE_HD inline bool makePair(const SolverData& s, int body, int part, int other, int otherPart,
                                bool surface) {
   for (int side = 0; side < 2; ++side) {
@@ -46,8 +45,8 @@ RUBBLE_HD inline bool makePair(const SolverData& s, int body, int part, int othe
   return false;
 }
 
-/// Where a part of a body meets one of another that it makes no pair with, if it would go into it deeper than
-/// rows may leave it: what is less the rows of the next step push out.
+/// Time of impact of parts without a pair, if the penetration would exceed what the rows of the next step
+/// correct.
 RUBBLE_HD inline TimeOfImpact meetingUnforeseen(const PlacedAny& part, const Way& way, const PlacedAny& other,
                                                 const Way& otherWay, double tolerance) {
   const ShapeTables& tables = part.tables;
@@ -79,7 +78,7 @@ RUBBLE_HD inline TimeOfImpact meetingUnforeseen(const PlacedAny& part, const Way
 struct FindLateStops {
   static constexpr const char* kStage = "stops";
   RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
-  /// By number `lane` of `lanes`.
+  /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     if (s.counters->anyFast == 0 || s.fast[i] == 0) return;
     if (s.params[i].kind != BodyKind::Dynamic || isSensor(s, i)) return;
@@ -89,7 +88,7 @@ struct FindLateStops {
         s, i, way,
         [&](int other) {
           if (other == i || isSensor(s, other) || !mayCollide(s, i, other)) return;
-          // whom its box touched has a pair with it; parts may be further apart
+          // primitive bodies whose boxes touched have a pair; parts of others may be too far apart for one
           if (isPrimitivePair(s, i, other) && boundsTouch(s.bounds[i], s.bounds[other])) return;
           const double fraction = meetBody(s, i, other);
           if (!(fraction <= 1)) return;
@@ -100,7 +99,7 @@ struct FindLateStops {
         lane, lanes);
   }
 
-  /// Part of the way of body i after which it meets another.
+  /// Fraction of its motion after which body i meets `other`.
   RUBBLE_HD static double meetBody(const SolverData& s, int i, int other) {
     const ShapeData &own = s.params[i].shape, &its = s.params[other].shape;
     const bool surface = isSurface(own.kind) || isSurface(its.kind);
@@ -123,7 +122,7 @@ struct FindLateStops {
   }
 };
 
-/// The way of a body that has stopped at one with which it makes no pair.
+/// The motion of a body that has stopped at a body with which it has no pair.
 struct StopLateBodies {
   static constexpr const char* kStage = "stops";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {

@@ -1,6 +1,6 @@
 #pragma once
-/// Continuous collision: bodies that go further in a step than their rows can see stop where they meet
-/// others.
+/// Continuous collision detection: bodies that move farther in a step than contact rows can anticipate stop
+/// at their time of impact.
 #include "stages/ccd/assembly_stops.h"
 #include "stages/ccd/general_stops.h"
 #include "stages/ccd/late_stops.h"

@@ -1,7 +1,8 @@
 #pragma once
-/// Aggregates for the coarse correction: bodies and soft nodes (nodes.h) of one cell of a nested hierarchy of
-/// cubes that hang together by touching contacts, joints and attachments, at several sizes. Any grouping
-/// gives a valid descent (coarse.h); nodes that do not touch would only disturb one another.
+/// Aggregates of the coarse correction, at several sizes. An aggregate is a set of bodies and soft nodes
+/// (nodes.h) that share a cell of a nested hierarchy of cubes and are connected by touching contacts, joints
+/// and attachments. Any partition gives a valid descent (coarse.h), but nodes that do not touch would only
+/// disturb one another.
 #include "stages/bodies/blocks.h"
 #include "stages/coarse/forest.h"
 
@@ -12,14 +13,15 @@ RUBBLE_HD inline int aggregateOfSoftNode(const SolverData& s, int level, int sof
   return s.aggregateOf[atLevel(s, level, s.bodies + softNode)];
 }
 
-/// Every node is alone at first. `root` is a forest until FlattenAggregates: roots lead themselves.
+/// Every node starts as its own set. `root` is a union-find forest until FlattenAggregates; a root is its own
+/// parent.
 struct StartAggregates {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const { s.root[i] = i; }
 };
 
-/// Unites bodies that a row block holds together now and that share a cell at this level and at none that is
-/// finer: those that share a finer one are united already.
+/// Unites bodies that an active constraint connects and whose finest shared cell is at this level. Bodies
+/// that share a finer cell are united already.
 template <class Blocks> struct JoinAggregates {
   static constexpr const char* kStage = "aggregates";
   int level;
@@ -31,7 +33,7 @@ template <class Blocks> struct JoinAggregates {
   }
 };
 
-/// Every node knows its root, and starts the next level with it.
+/// Stores the root of a node, which is also its initial set at the next coarser level.
 RUBBLE_HD inline int flatten(const SolverData& s, int level, int node) {
   const int root = findRoot(s.root + level * s.nodes(), node);
   s.aggregateOf[atLevel(s, level, node)] = root;
@@ -39,7 +41,7 @@ RUBBLE_HD inline int flatten(const SolverData& s, int level, int node) {
   return root;
 }
 
-/// Leaders, and the number of nodes of their aggregates.
+/// Finds the roots and counts the nodes of their aggregates.
 struct FlattenAggregates {
   static constexpr const char* kStage = "aggregates";
   int level;
@@ -49,15 +51,15 @@ struct FlattenAggregates {
   }
 };
 
-/// Is place t that of a deformable object at the coarsest level?
+/// Is index t a deformable object at the coarsest level?
 RUBBLE_HD inline bool isWholeObject(const SolverData& s, int t) {
   const int softNode = t - atLevel(s, kCoarseLevels - 1, s.bodies);
   return softNode >= 0 && softNode < s.objects;
 }
 
-/// Which of them lead an aggregate. One that is the same as at the finer level is solved at both: left out at
-/// one of them, the momentum of an impact is kept less well, for its sweeps are what finds it. An object that
-/// is alone is an aggregate of the coarsest level, so that it keeps its own.
+/// Flags the nodes that are roots of aggregates. An aggregate that equals the one at the finer level is
+/// solved at both levels, because skipping it worsens momentum conservation in impacts. A lone deformable
+/// object forms an aggregate of the coarsest level, which conserves its momentum.
 struct FindRoots {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int t) const {
@@ -65,7 +67,7 @@ struct FindRoots {
   }
 };
 
-/// From roots to aggregate numbers; a body or particle that is alone in its cell is in no aggregate.
+/// Maps roots to aggregate numbers. A body or particle that is alone in its cell belongs to no aggregate.
 struct NumberAggregates {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int t) const {
@@ -95,18 +97,18 @@ struct BeginAggregates {
     while (g >= s.levelAggregate[level + 1]) ++level;
     s.aggregate[g].level = level;
     s.aggregate[g].locks = s.aggregate[g].joined = 0;
-    // nodes ascend
+    // nodes ascend, so soft nodes come last
     s.aggregate[g].soft = s.aggregateNode[s.aggregateOffset[g + 1] - 1] >= s.bodies;
     s.aggregate[g].sliceBegin = s.sliceOffset[g];
     s.aggregate[g].sliceEnd = s.sliceOffset[g + 1];
   }
 };
 
-/// Aggregate and nodes of each slice.
+/// Aggregate and node range of each slice.
 struct MakeSlices {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    // the last aggregate that begins at i or before
+    // binary search for the last aggregate that begins at or before slice i
     int low = 0, high = s.counters->aggregates;
     while (high - low > 1) {
       const int middle = low + (high - low) / 2;
@@ -122,7 +124,7 @@ struct MakeSlices {
   }
 };
 
-/// Finds the aggregates inside of which there is a joint.
+/// Flags the aggregates that contain a joint.
 template <class F> struct MarkJointedAggregates {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -135,8 +137,8 @@ template <class F> struct MarkJointedAggregates {
   }
 };
 
-/// A aggregate does not move as one of its bodies must not: it does not turn such that a body would leave its
-/// line or plane either.
+/// An aggregate inherits the locked axes of its bodies. It also does not rotate about axes by which a body
+/// would leave its line or plane.
 struct LockAggregates {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int t) const {
@@ -150,7 +152,8 @@ struct LockAggregates {
   }
 };
 
-/// Coarse levels at which a and b are in different aggregates: the finest ones, since aggregates are nested.
+/// Number of coarse levels at which a and b belong to different aggregates. These are the finest levels,
+/// because aggregates are nested.
 RUBBLE_HD inline int separateLevels(const SolverData& s, int a, int b) {
   int level = 0;
   for (; level < kCoarseLevels; ++level) {

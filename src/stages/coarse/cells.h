@@ -1,18 +1,19 @@
 #pragma once
-/// The nested cubes that aggregates are cut by (aggregates.h). Only the nodes of an aggregate decide where it
-/// ends: edges are the way of a fall in a step, g dt^2, times a power of two, and all worlds are cut alike.
-/// One of another size, whose steps are longer as its falls are, is cut at the same places.
+/// The nested cells that bound aggregates (aggregates.h). Only the nodes of an aggregate determine its
+/// boundary. Cell edges are the free-fall distance per step, g dt^2, times a power of two, and are the same
+/// in all worlds. A scene that is scaled in length and time alike is therefore partitioned at the same
+/// places.
 #include "stages/coarse/nodes.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Edge of the finest cells over the bounding radius of the larger one of two nodes [1], before it is rounded
-/// to a power of two times g dt^2; and how many times it is doubled from level to level.
+/// Edge of the finest cells over the bounding radius of the larger of two nodes [1], before rounding to a
+/// power of two times g dt^2. Then the number of doublings of the edge from level to level.
 inline constexpr double kFinestCell = 3.5;
 inline constexpr int kCellDoublings = 3;
 
-/// Do two points share a cell of edge 2^exponent g dt^2? The origin lies a third of a cell within its own, at
-/// every exponent, so that scenes built about it are not cut there.
+/// Do two points share a cell of edge 2^exponent g dt^2? At every exponent the world origin lies a third of
+/// an edge inside its cell, so that scenes built about the origin are not split there.
 RUBBLE_HD inline bool shareCell(const StepConstants& c, const Vec3d& a, const Vec3d& b, int exponent) {
   const double perEdge = std::ldexp(c.perFall, -exponent), shift = exponent % 2 == 0 ? 1. / 3 : 2. / 3;
   const auto same = [&](double x, double y) {
@@ -21,7 +22,8 @@ RUBBLE_HD inline bool shareCell(const StepConstants& c, const Vec3d& a, const Ve
   return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z);
 }
 
-/// The finest level at which two nodes share a cell, and so all coarser ones; kCoarseLevels if there is none.
+/// The finest level at which two nodes share a cell; they share all coarser ones too. kCoarseLevels if there
+/// is none.
 RUBBLE_HD inline int finestSharedLevel(const SolverData& s, int a, int b) {
   constexpr double kHalfDoubling = 1.41421356;
   const Vec3d at = placeOf(s, a), bt = placeOf(s, b);

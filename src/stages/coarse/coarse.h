@@ -1,28 +1,32 @@
 #pragma once
 /// The coarse correction: block descent whose blocks are rigid motions of whole aggregates. A body-by-body
-/// sweep carries news one body at a time; a sweep over aggregates carries it across a pile. For an aggregate
-/// with centre c the unknowns are dx = (dp, dw), body i moves by (dp + dw x (p_i - c), dw), and the local
-/// problem [S 3]-[S 6] sums the inertia of its bodies and the rows that leave the aggregate: rows inside do
-/// not see a rigid motion. For contacts, linear in displacements from x^t, that is one about the places p_i
-/// of x^t; for joints, which turn, one about the present places. Aggregates with joints inside take the
-/// latter. Those with soft nodes, deformable objects and particles, do not turn (soft_nodes.h). All
-/// aggregates of a level move at once, under-relaxed: a row J_a x_a + J_b x_b obeys (J_a x_a + J_b x_b)^2 <=
-/// 2 ((J_a x_a)^2 + (J_b x_b)^2), so any factor below 1 descends.
+/// sweep propagates a correction by about one body per iteration; a sweep over aggregates propagates it
+/// across a pile.
+///
+/// For an aggregate with center c the unknowns are dx = (dp, dw). Body i moves by (dp + dw x (p_i - c), dw).
+/// The local problem [S 3]-[S 6] sums the inertia of its bodies and its boundary constraints. Constraints
+/// inside the aggregate are invariant under a rigid motion. Contacts are linear in displacements from x^t, so
+/// for them the positions p_i are those of x^t. Joints rotate, so for them the p_i are the present positions;
+/// aggregates with joints inside use these. Aggregates with soft nodes (deformable objects and particles) do
+/// not rotate (soft_nodes.h).
+///
+/// All aggregates of a level move at once, under-relaxed. A row J_a x_a + J_b x_b obeys (J_a x_a + J_b x_b)^2
+/// <= 2 ((J_a x_a)^2 + (J_b x_b)^2). Any factor below 1 therefore descends.
 #include "stages/bodies/incidence.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Under-relaxation of the simultaneous aggregate steps: below 1, where descent is certain.
+/// Under-relaxation of the simultaneous aggregate steps; any factor below 1 guarantees descent [1].
 inline constexpr Real kGroupRelaxation = Real(.8);
 
-/// Vector from the centre of an aggregate to the place p_i that a body moves about.
+/// Vector from the center of an aggregate to the position p_i of a body [m].
 RUBBLE_HD inline Vec3 shiftOf(const SolverData& s, const Aggregate& aggregate, int body) {
   const Vec3 shift(s.position[body] - aggregate.centre);
   return aggregate.joined ? shift + s.dx[body].dp : shift;
 }
 
-/// Adds a block about a point into one about another from which the point lies `shift` away: H' = T^T H T, f'
-/// = T^T f, T = [1, -[shift]; 0, 1].
+/// Adds a block about one point to a block about another point; `shift` leads from the latter to the former.
+/// H' = T^T H T, f' = T^T f, T = [1, -[shift]; 0, 1].
 RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shift) {
   const Vec3 ll[3] = {from.ll.column(0), from.ll.column(1), from.ll.column(2)},
              al[3] = {from.al0, from.al1, from.al2};
@@ -47,13 +51,13 @@ RUBBLE_HD inline void addShifted(Block6& to, const Block6& from, const Vec3& shi
   to.fa += from.fa + cross(shift, from.fl);
 }
 
-/// Where the inertia of an aggregate is summed about: its first node.
+/// Point about which the inertia of an aggregate is summed: its first node.
 RUBBLE_HD inline Vec3d originOf(const SolverData& s, const Slice& slice) {
   return placeOf(s, s.aggregateNode[s.aggregateOffset[slice.aggregate]]);
 }
 
-/// Adds the inertia of a body at the initial guess, about `origin`; that of soft nodes is summed by vertex.
-/// In the place of a force: the first moment of all nodes at x^t, and their mass (x of the torque).
+/// Adds the inertia of a body at the initial guess, about `origin`. That of soft nodes is summed by vertex.
+/// The force and torque of `sum` hold the first moment of all nodes at x^t, and their mass (x of the torque).
 RUBBLE_HD inline void addInertia(const SolverData& s, const Aggregate& aggregate, const Vec3d& origin,
                                  int node, Block6& sum) {
   const bool isBody = node < s.bodies;
@@ -68,8 +72,8 @@ RUBBLE_HD inline void addInertia(const SolverData& s, const Aggregate& aggregate
   sum.aa += own.aa;
 }
 
-/// Centre of mass, and inertia about it, of an aggregate whose nodes are summed about `origin`: constant in
-/// the step.
+/// Computes the center of mass of an aggregate and the inertia about it from a sum about `origin`. Both are
+/// constant in the step.
 RUBBLE_HD inline void placeAggregate(Aggregate& aggregate, const Vec3d& origin, const Block6& sum) {
   const Vec3 centre = sum.fl / sum.fa.x;
   aggregate.centre = origin + Vec3d(centre);
@@ -100,8 +104,8 @@ struct PlaceAggregates {
   }
 };
 
-/// visit(code) for the row blocks of a body that leave its aggregate at a level. Those of soft nodes are
-/// summed by vertex.
+/// visit(code) for the constraints of a body that cross the boundary of its aggregate at a level. Those of
+/// soft nodes are summed by vertex.
 template <class Visit>
 RUBBLE_HD void visitBoundaryOf(const SolverData& s, int body, int level, Visit&& visit) {
   if (body >= s.bodies) return;
@@ -131,7 +135,7 @@ struct FillBoundary {
   }
 };
 
-/// Adds the inertial force of a body about the centre of its aggregate.
+/// Adds the inertial force of a body about the center of its aggregate.
 RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& aggregate, int body,
                                        Block6& sum) {
   if (body >= s.bodies) return;
@@ -143,7 +147,7 @@ RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& agg
   sum.fa += own.fa + cross(shiftOf(s, aggregate, body), own.fl);
 }
 
-/// Adds points of a contact `r` that leaves the aggregate, on its bodies' side.
+/// Adds points of a boundary contact `r`, on the side of the body in the aggregate.
 template <class L>
 RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregate, const ContactRows& r,
                                   int side, int lane, Block6T<L>& points) {
@@ -151,7 +155,7 @@ RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregat
                        shiftOf(s, aggregate, side == 0 ? r.a : r.b));
 }
 
-/// Adds an attachment or contact of vertices that are not in the aggregate.
+/// Adds an attachment to, or a contact with, vertices outside of the aggregate.
 RUBBLE_HD RUBBLE_APART inline void addBoundarySoftRows(const SolverData& s, int aggregate, std::uint32_t code,
                                                        Block6& sum) {
   const int type = constraintType(code);
@@ -163,8 +167,9 @@ RUBBLE_HD RUBBLE_APART inline void addBoundarySoftRows(const SolverData& s, int 
   addShifted(sum, own, shiftOf(s, s.aggregate[aggregate], body));
 }
 
-/// A joint of up to four bodies, of which several may move with the aggregate: one row of the motion of the
-/// aggregate then, summed where the first of them is met, and none if all do. False: just that one does.
+/// Adds a joint of up to four bodies of which several belong to aggregate g. It acts as one row on the motion
+/// of the aggregate and is added at the first of these sides, or not at all if all sides belong to g. Returns
+/// false if only this body belongs to g.
 template <class F>
 RUBBLE_HD RUBBLE_APART bool addSharedJoint(const SolverData& s, int g, int index, int side, Block6& sum) {
   const JointSpec<F>& spec = s.specsOf<F>()[index];
@@ -202,7 +207,7 @@ RUBBLE_HD inline void addBoundaryJoint(const SolverData& s, int aggregate, std::
   });
   addBoundarySoftRows(s, aggregate, code, sum);
 }
-/// The same as addJointAlike.
+/// As addPivot.
 RUBBLE_HD RUBBLE_APART inline void addBoundaryPivot(const SolverData& s, int aggregate, const Pivot& pivot,
                                                     int side, Block6& sum) {
   accumulatePivotOfBody<false>(s, pivot, side, sum,
@@ -216,7 +221,7 @@ RUBBLE_HD inline void addBoundaryJointUniform(const SolverData& s, int aggregate
     addBoundaryJoint(s, aggregate, code, sum);
 }
 
-/// Adds every `stride`-th of the soft nodes among nodes [k, end).
+/// Adds every `stride`-th soft node of the range [k, end).
 RUBBLE_HD RUBBLE_APART inline void addSoftNodes(const SolverData& s, int k, int end, int stride,
                                                 Block6& sum) {
   for (; k < end; k += stride) {
@@ -226,7 +231,7 @@ RUBBLE_HD RUBBLE_APART inline void addSoftNodes(const SolverData& s, int k, int 
   }
 }
 
-/// Force and row Hessians of a slice about the centre of its aggregate.
+/// Force and constraint Hessian of a slice about the center of its aggregate.
 template <class L> struct SumSlice {
   static constexpr const char* kStage = "coarse";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -239,7 +244,7 @@ template <class L> struct SumSlice {
     slice.sum = sum;
   }
   RUBBLE_HD static int aggregateOf(const SolverData& s, int i) { return s.slice[i].aggregate; }
-  /// Adds the row blocks [k, end) that leave the aggregate.
+  /// Adds the boundary constraints [k, end) of the slice.
   RUBBLE_HD static void addBoundary(const SolverData& s, const Slice& slice, int k, int end, Block6& sum) {
     const Aggregate& aggregate = s.aggregate[slice.aggregate];
     PointSums<L> points;
@@ -261,9 +266,9 @@ template <class L> struct SumSlice {
   }
 };
 
-/// The step of an aggregate whose rows and forces are summed: under-relaxed, and none if it is not finite.
-/// `mass`, `inertia` over dt^2; `bounded`: it would have gone further than forces and inertia allow
-/// (solver/block.h).
+/// The step of an aggregate from its summed force and Hessian: under-relaxed, and zero if it is not finite.
+/// `mass`, `inertia` over dt^2. `bounded` is set if the Newton step exceeds the work bound (solver/block.h);
+/// the diagonal step replaces it then.
 RUBBLE_HD inline Vec6 aggregateStep(const Block6& block, Real mass, const Sym3& inertia, bool& bounded) {
   Vec6 dx = newtonStep(block);
   const Vec6 none{{0, 0, 0}, {0, 0, 0}};
@@ -272,7 +277,7 @@ RUBBLE_HD inline Vec6 aggregateStep(const Block6& block, Real mass, const Sym3& 
   if (bounded) dx = diagonalStep(block);
   return isFinite(dx.lin) && isFinite(dx.ang) ? kGroupRelaxation * dx : none;
 }
-/// That of an aggregate whose inertia is in the block: it goes along its forces.
+/// For an aggregate whose block contains its inertia; the step must only not work against the forces.
 RUBBLE_HD inline Vec6 aggregateStep(const Block6& block) {
   bool bounded = false;
   return aggregateStep(block, Real(0), Sym3{}, bounded);
@@ -296,7 +301,7 @@ struct SolveAggregate {
     aggregate.step = aggregateStep(s, aggregate, sumOf(s, aggregate));
   }
   RUBBLE_HD static int aggregateOf(const SolverData&, int g) { return g; }
-  /// Its local problem: inertia and the sums of its slices.
+  /// The local problem: inertia plus the sums of the slices.
   RUBBLE_HD static Block6 sumOf(const SolverData& s, const Aggregate& aggregate) {
     Block6 block = aggregate.inertia;
     for (int k = aggregate.sliceBegin; k < aggregate.sliceEnd; ++k) block += s.slice[k].sum;
@@ -322,7 +327,7 @@ struct MoveSlice {
   }
   RUBBLE_HD static int aggregateOf(const SolverData& s, int i) { return s.slice[i].aggregate; }
 };
-/// One of these stages for aggregates with soft nodes alone.
+/// Runs one of these stages for aggregates with soft nodes only.
 template <class Stage> struct WithSoftNodes {
   static constexpr const char* kStage = Stage::kStage;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {

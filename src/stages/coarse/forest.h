@@ -1,5 +1,5 @@
 #pragma once
-/// Sets that are united in parallel: a forest whose roots lead themselves.
+/// Parallel union-find: disjoint sets as a forest in which a root is its own parent.
 #include "math/hd.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -9,7 +9,7 @@ RUBBLE_HD inline int findRoot(const int* root, int i) {
   return i;
 }
 
-/// Unites the sets of a and b; the lower root leads, so the result does not depend on the order of unions.
+/// Unites the sets of a and b. The lower root wins, so the result does not depend on the order of unions.
 RUBBLE_HD inline void unite(int* root, int a, int b) {
   for (;;) {
     a = findRoot(root, a), b = findRoot(root, b);

@@ -1,35 +1,36 @@
 #pragma once
-/// What aggregates are made of: bodies and, numbered from SolverData::bodies on, soft nodes, which are whole
+/// Nodes of aggregates: bodies, then (numbered from SolverData::bodies on) soft nodes, which are whole
 /// deformable objects and granular particles.
 #include "state/solver_data.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A node that moves by its forces.
+/// Is the node moved by forces?
 RUBBLE_HD inline bool mayJoin(const SolverData& s, int node) {
   return node >= s.bodies || s.params[node].kind == BodyKind::Dynamic;
 }
 
-/// The node that a vertex moves with, -1: none, as if it were fixed.
+/// The node of a vertex, -1 if it has none; such a vertex counts as fixed.
 RUBBLE_HD inline int nodeOfVertex(const SolverData& s, int v) {
   const int softNode = s.vertexParams[v].softNode;
   return softNode >= 0 ? s.bodies + softNode : -1;
 }
 
-/// Centre of mass of the object from its first vertex: at x^t, or at the initial guess (clusters.h).
+/// Center of mass of the object relative to its first vertex, at x^t or at the initial guess (clusters.h)
+/// [m].
 RUBBLE_HD inline Vec3 centreOf(const SolverData& s, const SoftNode& softNode) {
   return softNode.cluster >= 0 ? s.clusterMotion[softNode.cluster].centre : Vec3{0, 0, 0};
 }
 
-/// [kg]
+/// Mass [kg].
 RUBBLE_HD inline Real massOf(const SolverData& s, const SoftNode& softNode) {
   return softNode.cluster >= 0 ? s.clusterMotion[softNode.cluster].mass : s.vertexParams[softNode.first].mass;
 }
-/// Of its bounding sphere. [m]
+/// Radius of the bounding sphere [m].
 RUBBLE_HD inline Real radiusOf(const SolverData& s, int node) {
   return node < s.bodies ? s.params[node].radius : s.softNode[node - s.bodies].radius;
 }
-/// Centre at x^t. [m]
+/// Center at x^t [m].
 RUBBLE_HD inline Vec3d placeOf(const SolverData& s, int node) {
   if (node < s.bodies) return s.position[node];
   const SoftNode softNode = s.softNode[node - s.bodies];

@@ -1,5 +1,5 @@
 #pragma once
-/// The coarse correction: block descent on rigid motions of aggregates of bodies.
+/// The coarse correction: block descent on rigid motions of aggregates.
 #include "stages/coarse/coarse.h"
 #include "stages/coarse/soft_nodes.h"
 #include "stages/executor.h"
@@ -7,14 +7,14 @@
 
 namespace rubble::RUBBLE_CORE::coarse {
 
-/// Kernel over contacts and attachments of vertices, as blocks that join nodes of aggregates.
+/// Runs a kernel over contacts and attachments of vertices, as constraints that connect nodes of aggregates.
 template <template <class> class Kernel, Executor E, class... Args>
 void forEachSoftBlock(E& e, Args... args) {
   e.forEach(Kernel<PointContactBlocks>{args...}, &Counters::pointPairs);
   e.forEach(Kernel<AttachmentBlocks>{args...}, e.view().attachments);
 }
 
-/// Aggregates from the poses at x^t.
+/// Finds the aggregates from the poses at x^t.
 template <Executor E> void findAggregates(E& e) {
   const SolverData& s = e.view();
   if (!s.step.coarseCorrection) return;
@@ -46,7 +46,7 @@ template <Executor E> void findAggregates(E& e) {
   forEachJoint<MarkJointedAggregates>(e);
 }
 
-/// Centers and inertia of the aggregates, and the rows that leave them.
+/// Finds centers and inertia of the aggregates, and their boundary constraints.
 template <Executor E> void prepare(E& e) {
   if (!e.view().step.coarseCorrection) return;
   e.forEach(SumInertia{}, &Counters::slices);
@@ -57,13 +57,13 @@ template <Executor E> void prepare(E& e) {
   e.forEach(FillBoundary{}, &Counters::slices);
 }
 
-/// What the aggregates of a level see of soft nodes.
+/// Sums what soft nodes contribute to the aggregates of a level.
 template <Executor E> void sumSoftNodes(E& e, int level) {
   if (e.view().objects > 0) e.forEach(SumSoftNodePart{level}, e.view().clusterBegin[1]);
   e.forEach(SumSoftNode{level}, e.view().softNodes);
 }
 
-/// One step of the aggregates of a level: of all, or of those `With` soft nodes.
+/// One step of the aggregates of a level: of all, or only of those `With` soft nodes.
 template <class Stage> using WithAny = Stage;
 template <template <class> class With, Executor E> void solveLevel(E& e, int level) {
   const bool softNodes = e.view().softNodes > 0;
@@ -74,8 +74,8 @@ template <template <class> class With, Executor E> void solveLevel(E& e, int lev
   if (softNodes) e.forEach(MoveSoftNodes{level}, e.view().vertices);
 }
 
-/// One sweep over the aggregates, from coarse to fine: all levels but the finest in even iterations, the fine
-/// ones in odd.
+/// One sweep over the aggregates, from coarse to fine. Even iterations sweep all levels but the finest, odd
+/// ones the fine levels.
 template <Executor E> void solve(E& e, int iteration) {
   if (!e.view().step.coarseCorrection) return;
   if (iteration == 0) joints::linearize(e);
@@ -84,9 +84,9 @@ template <Executor E> void solve(E& e, int iteration) {
     solveLevel<WithAny>(e, level);
 }
 
-/// The last sweep leaves aggregates with soft nodes at another momentum than what acts on them gives them:
-/// one more step of these aggregates, at all levels, and another one of the largest, since a step goes four
-/// fifths of the way.
+/// After the last sweep the momentum of aggregates with soft nodes differs from the impulse of the forces on
+/// them. They take one more step at all levels, and another one at the coarsest, because a step is
+/// under-relaxed.
 template <Executor E> void keepMomentum(E& e) {
   if (!e.view().step.coarseCorrection || e.view().softNodes == 0) return;
   for (int level = kCoarseLevels - 1; level >= 0; --level) solveLevel<WithSoftNodes>(e, level);

@@ -1,17 +1,19 @@
 #pragma once
-/// Deformable objects and granular particles in the aggregates of bodies: what strikes together moves on
-/// together, whatever it is. A aggregate with soft nodes is moved without being turned: no element and no row
-/// inside of it feels that, while a turn would shear the rows between points that have moved since x^t. Of a
-/// soft node its aggregate sees inertia, loads, attachments and contacts of the vertices, but for rows inside
-/// of the aggregate. Objects with fixed vertices are no soft nodes: the world takes part in whatever happens
-/// to them.
+/// Deformable objects and granular particles as nodes of aggregates, so that they share the motion after an
+/// impact with the bodies that they touch.
+///
+/// An aggregate with soft nodes is translated but not rotated. A translation changes no element and no
+/// constraint inside; a rotation would shear the rows between points that have moved since x^t. A soft node
+/// contributes inertia, loads, attachments and contacts of its vertices, except for constraints inside the
+/// aggregate. Objects with fixed vertices are no soft nodes, because the world takes part in their momentum
+/// balance.
 #include "stages/soft/clusters.h"
 #include "stages/soft/vertex_graph.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// visit(node) for what a contact or attachment joins, -1 for what is in no aggregate; an object may be
-/// visited several times.
+/// visit(node) for the nodes that a contact or attachment connects, -1 for a node that is in no aggregate. An
+/// object may be visited several times.
 template <class Visit>
 RUBBLE_HD void visitVertices(const SolverData& s, const int (&vertices)[kPointCorners], Visit&& visit) {
   for (int k = 0; k < kPointCorners && vertices[k] >= 0; ++k) visit(nodeOfVertex(s, vertices[k]));
@@ -26,8 +28,8 @@ template <class Visit> RUBBLE_HD void visitMembers(const SolverData& s, const At
   if (a.seam == 0) visit(isDynamic(s, a.body) ? a.body : -1);
 }
 
-/// The most of levels(first, node) over the nodes of a block, the first of which is that of its first vertex;
-/// kCoarseLevels if one is in no aggregate.
+/// The maximum of levels(first, node) over the nodes of a constraint, where `first` is the node of its first
+/// vertex. kCoarseLevels if one of them is in no aggregate.
 template <class Block, class Levels>
 RUBBLE_HD int mostLevels(const SolverData& s, const Block& block, Levels&& levels) {
   const int first = nodeOfVertex(s, block.v[0]);
@@ -41,13 +43,13 @@ RUBBLE_HD int mostLevels(const SolverData& s, const Block& block, Levels&& level
   return most;
 }
 
-/// Does a block hold its nodes together now, or stop their approach in this step?
+/// Does a constraint hold its nodes together, or stop their approach in this step?
 RUBBLE_HD inline bool holdsNow(const SolverData& s, const Attachment& a) { return active(s, a); }
 RUBBLE_HD inline bool holdsNow(const SolverData&, const PointContact& p) {
   return p.active && (p.impact || p.c0 > -kInactiveGap * p.length);
 }
 
-/// `depth` of a block until aggregates are found: the level at which it unites its nodes.
+/// Until aggregates are found, `depth` of a constraint is the level at which it unites its nodes.
 template <class Blocks> struct FindJoinLevels {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -69,7 +71,7 @@ template <class Blocks> struct JoinSoftNodes {
     });
   }
 };
-/// And then: the levels at which they are in different aggregates.
+/// Afterwards `depth` is the number of levels at which its nodes belong to different aggregates.
 template <class Blocks> struct FindDepths {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -78,7 +80,7 @@ template <class Blocks> struct FindDepths {
   }
 };
 
-/// Sums the vertices of one of the finest clusters, if its object is in an aggregate of a level.
+/// Sums the vertices of one of the finest clusters, if its object belongs to an aggregate of the level.
 struct SumSoftNodePart {
   static constexpr const char* kStage = "softNodes";
   int level;
@@ -92,7 +94,7 @@ struct SumSoftNodePart {
     const int softNode = s.vertexParams[s.clusterMember[s.cluster[i].begin]].softNode;
     return softNode >= 0 && aggregateOfSoftNode(s, level, softNode) >= 0;
   }
-  /// Adds the share of number `lane` of `lanes` in a vertex.
+  /// Adds the share of worker `lane` of `lanes` of a vertex.
   RUBBLE_HD void addVertex(const SolverData& s, int v, int lane, int lanes, Block3& sum) const {
     addFromOutside<false>(s, v, lane, lanes, level, sum, sum);
   }
@@ -110,7 +112,7 @@ struct SumSoftNode {
       addShare(s, i, 0, 1, sum);
     s.softNodeSum[i] = sum;
   }
-  /// The share of a worker in an object: every `workers`-th of its parts.
+  /// Adds the share of one worker of an object: every `workers`-th of its parts.
   RUBBLE_HD static void addShare(const SolverData& s, int i, int worker, int workers, Block3& sum) {
     const Cluster& c = s.cluster[s.softNode[i].cluster];
     for (int k = c.sliceBegin + worker; k < c.sliceEnd; k += workers) sum += s.clusterMotion[k].push;

@@ -1,5 +1,6 @@
 #pragma once
-/// From near pairs to contact rows and back: narrow phase, warm start, and what is kept for the next step.
+/// From active pairs to contact rows and back: narrow phase, warm start, and the state kept for the next
+/// step.
 #include "collision/sweep.h"
 #include "solver/warmstart.h"
 #include "stages/bodies/corrections.h"
@@ -16,13 +17,13 @@ RUBBLE_HD inline int countPoints(unsigned bits) {
   return count;
 }
 
-/// What manifold i was in the step before, or null.
+/// The manifold of the same pair in the previous step, or null.
 RUBBLE_HD inline const Manifold* manifoldBefore(const SolverData& s, int i) {
   const int old = s.manifoldBefore[s.activePair[i]];
   return old < 0 ? nullptr : &s.oldManifold[old];
 }
 
-/// Notes which points of manifold i take part in the step. Those of one without any are forgotten.
+/// Stores manifold i and marks its active points. A manifold without active points loses its memory.
 RUBBLE_HD inline void keepManifold(const SolverData& s, int i, const OrderedPair& o, const PairPose& pair,
                                    Manifold m) {
   const ActivationRule awake = activationRule(s, o);
@@ -31,7 +32,7 @@ RUBBLE_HD inline void keepManifold(const SolverData& s, int i, const OrderedPair
     if (awake(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t), m.lambdaN[k]))
       m.awake |= static_cast<std::uint8_t>(1u << k);
   if (m.awake == 0) forgetPoints(m);
-  // a sensor has points, and no rows
+  // a sensor has contact points but no rows
   const bool rows = m.awake != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
   s.manifold[i] = m;
   s.hasRows[i] = rows;
@@ -40,12 +41,12 @@ RUBBLE_HD inline void keepManifold(const SolverData& s, int i, const OrderedPair
   if (m.recycled) atomicCount(&s.counters->recycled, 1);
 }
 
-/// What a part has of a surface is gathered anew in every step.
+/// Against a mesh, height field or distance field the contact points are gathered anew in every step.
 RUBBLE_HD inline bool mayRecycle(const SolverData& s, const OrderedPair& o) {
   return !s.generalShapes || !(isSurface(s.params[o.a].shape.kind) || isSurface(s.params[o.b].shape.kind));
 }
 
-/// A pair of which no body moves has everything kept as it is.
+/// Keeps the manifold of a pair unchanged if neither body can move.
 RUBBLE_HD inline bool keepAsleep(const SolverData& s, int i, const Pair& p, const Manifold* old) {
   if (!old || !s.step.sleeping || moves(s, p.owner) || moves(s, p.other)) return false;
   s.manifold[i] = *old;
@@ -54,7 +55,8 @@ RUBBLE_HD inline bool keepAsleep(const SolverData& s, int i, const Pair& p, cons
   return true;
 }
 
-/// Narrow phase of near pairs that have hardly moved: the manifold of the step before. The others are listed.
+/// Narrow phase of active pairs whose relative pose has hardly changed: reuses the previous manifold. All
+/// other pairs are appended to `tested`.
 struct RecycleManifolds {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -71,8 +73,8 @@ struct RecycleManifolds {
   }
 };
 
-/// Narrow phase of the listed pairs of plain shapes: a new manifold, whose points are matched with the old
-/// ones. Others follow in TestGeneralPairs.
+/// Narrow phase of the `tested` pairs of primitive shapes: builds a new manifold and matches its points with
+/// the previous ones. TestGeneralPairs processes the other pairs.
 struct TestPairs {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int t) const {
@@ -86,24 +88,24 @@ struct TestPairs {
   }
 };
 
-/// What the points of a pair with rows have in common at x^t.
+/// Quantities shared by all contact points of a pair at x^t.
 struct PairRows {
   OrderedPair bodies;
   Quat qa, qb;
   Vec3 t;
-  Real mu;  ///< friction of this step, static or dynamic
+  Real mu;  ///< friction coefficient of this step, static or dynamic
   bool bothMove;
-  Real heavier;   ///< k_start by the mass of the heavier body [N/m]
+  Real heavier;   ///< k_start from the mass of the heavier body [N/m]
   Vec3 belt;      ///< [m], see PairMaterial
   Vec3 settling;  ///< [m], see relativeSettling()
   StiffnessRule normal, tangent;
 };
 
-/// A point this deep, over half the thickness of its dynamic body [1], in what does not yield: whatever
-/// presses the body there, it goes no deeper than fast bodies may (stages/ccd/fast_bodies.h).
+/// Depth of a contact point in an immovable body, over half the thickness of the dynamic body [1]. A body
+/// pressed deeper is flagged for CCD, which bounds how much deeper it may go (stages/ccd/fast_bodies.h).
 inline constexpr Real kPressedDepth = Real(.1);
 
-/// Notes bodies that are pressed into static or kinematic ones.
+/// Flags bodies that are pressed into static or kinematic ones.
 RUBBLE_HD inline void notePressed(const SolverData& s, const OrderedPair& o, Real depth) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   const bool moves = pa.kind == BodyKind::Dynamic;
@@ -112,12 +114,13 @@ RUBBLE_HD inline void notePressed(const SolverData& s, const OrderedPair& o, Rea
     s.fast[moves ? o.a : o.b] = 1;
 }
 
-/// Share of the way within which friction would stop a load that counts as slip [1].
+/// Least displacement that counts as slip, as a share of the displacement over which friction reaches its
+/// cone [1].
 inline constexpr Real kLeastSlip = Real(.01);
 
-/// Did the points of a manifold slip together in the step before? One after another reaches its cone as the
-/// push grows, the least loaded first; those yield at the static coefficient until most of the load is on its
-/// cones and moves on there.
+/// Did the contact slip as a whole in the previous step? As the tangential force grows, points reach their
+/// cones one after another, the least loaded first. They yield at the static coefficient until most of the
+/// load is on its cone and slips.
 RUBBLE_HD inline bool slides(const Manifold& m, Real muStatic) {
   Real load = 0, stiffness = 0, yielding = 0, slip = 0;
   for (int k = 0; k < m.count; ++k) {
@@ -129,8 +132,7 @@ RUBBLE_HD inline bool slides(const Manifold& m, Real muStatic) {
   return 2 * yielding > load && slip * stiffness > kLeastSlip * muStatic * load * load;
 }
 
-/// Speed at which the fastest of the points of a manifold that stop an approach in this step closes, 0: none
-/// does [m/s].
+/// Closing speed of the fastest contact point that stops an approach in this step, 0 if there is none [m/s].
 RUBBLE_HD inline Real fastestPoint(const SolverData& s, const Manifold& m, const PairRows& p, const Vec3& n,
                                    Real length) {
   Real fastest = 0;
@@ -143,23 +145,23 @@ RUBBLE_HD inline Real fastestPoint(const SolverData& s, const Manifold& m, const
   }
   return fastest;
 }
-/// The load of an impact stands for so many times the mass that it stops [1]: more would not let rows follow
-/// their bodies within the iterations, less does not carry the impact on through a heap.
+/// The load of an impact corresponds to at most this many times the stopped mass [1]. With more, rows do not
+/// follow their bodies within the iterations. With less, the impact does not propagate through a pile.
 inline constexpr Real kImpactMasses = 100;
 
-/// What a load stands for moves the bodies of a contact by no more than this share of half the thickness of
-/// the thinner one in a step [1]: they rest three tenths as deep in one another (docs/method.md).
+/// Largest displacement of the bodies per step under the mass that corresponds to their load, over half the
+/// thickness of the thinner body [1]. The resting penetration is 0.3 of it (docs/method.md).
 inline constexpr Real kMostGive = Real(.05);
 
-/// The mass that a load stands for over dt^2, for each newton: a weight |lambda| stands for |lambda| / a,
-/// what ends a speed in the step for up to kImpactMasses |lambda| dt / speed; `thin`: half the thickness of
-/// the thinner body. [1/m]
+/// Stiffness per unit of load [1/m]: the mass that a load corresponds to, over dt^2, per newton. A weight
+/// |lambda| corresponds to the mass |lambda| / a. An approach that stops in the step corresponds to at most
+/// kImpactMasses |lambda| dt / speed. `thin`: half the thickness of the thinner body [m].
 RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real thin) {
   const Real give = c.loadAcceleration * c.dt * c.dt;
   return Real(1) / max(thin > Real(0) ? min(give, kMostGive * thin) : give, speed * c.dt / kImpactMasses);
 }
 
-/// Ceiling of |lambda| of a contact whose bodies close at that speed [N].
+/// Upper bound of |lambda| of a contact with this closing speed [N].
 RUBBLE_HD inline Real largestLoad(const SolverData& s, const OrderedPair& o, Real closing) {
   const Real inverseDt = s.step.inverseDt;
   Real mass = 0, massLength = 0;
@@ -172,7 +174,7 @@ RUBBLE_HD inline Real largestLoad(const SolverData& s, const OrderedPair& o, Rea
   return max(kContactShare * massLength * inverseDt * inverseDt, kMostImpacts * mass * closing * inverseDt);
 }
 
-/// Begins the rows of manifold i: everything but its points. `r` is all zeros.
+/// Initializes the rows of manifold i except for its points. `r` must be all zeros.
 RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) {
   const StepConstants& c = s.step;
   const Manifold& m = s.manifold[i];
@@ -209,8 +211,8 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) 
   return p;
 }
 
-/// Rows of point k, in lane `to` of r: geometry, regularised errors, warm start [S 12] [S 17]. Returns
-/// whether it stops a fast approach.
+/// Builds the rows of point k in lane `to` of r: geometry, regularized errors, warm start [S 12] [S 17].
+/// Returns whether the point stops a fast approach.
 RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p, int k,
                                  ContactRows& r, int to) {
   const StepConstants& c = s.step;
@@ -243,8 +245,8 @@ RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const P
   const Real kT = !awake  ? Real(0)
                   : isNew ? coldStart(p.tangent.start).k
                           : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
-  // The drift is corrected by the part driftCorrection of it: what belts move and what settles is made good
-  // in full.
+  // Rows correct only the share driftCorrection of a drift; displacements by surface velocity and settling
+  // are corrected in full.
   Vec3 t1, t2;
   tangentBasis(r.n, t1, t2);
   const Real settling1 = dot(t1, p.settling), settling2 = dot(t2, p.settling);
@@ -257,21 +259,21 @@ RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const P
   return impact && c.impactRule;
 }
 
-/// Does point k hold its bodies together now, up to the gap below which a point is not dormant?
+/// Does point k touch, up to the gap beyond which a point is inactive?
 RUBBLE_HD inline bool holdsAt(const ContactRows& r, int k) {
   return r.load[k].kN > Real(0) && r.place[k].c0 > -kInactiveGap * r.length;
 }
 
-/// Level of the groups at which rows unite their bodies: the finest at which these share a cell (cells.h), if
-/// a point holds them together or stops their approach in this step (bits of `impact`): what strikes together
-/// moves on together, and sweeps over one body at a time find that last.
+/// Level of the aggregates at which a contact unites its bodies: the finest level at which they share a cell
+/// (cells.h). It unites them only if a point touches or stops an approach in this step (bits of `impact`).
+/// Bodies move together after an impact, and body-by-body sweeps converge slowly to that motion.
 RUBBLE_HD inline int joinLevel(const SolverData& s, const ContactRows& r, int impact) {
   for (int k = 0; k < kLanes; ++k)
     if (holdsAt(r, k) || (impact >> k & 1)) return finestSharedLevel(s, r.a, r.b);
   return kCoarseLevels;
 }
 
-/// Rows of manifold i at x^t. Points that are not awake have k = 0.
+/// Rows of manifold i at x^t. Inactive points have k = 0.
 struct BuildContactRows {
   static constexpr const char* kStage = "rows";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -279,7 +281,7 @@ struct BuildContactRows {
     Manifold& m = s.manifold[i];
     m.row = s.rowOffset[i];
     ContactRows r;
-    memset(static_cast<void*>(&r), 0, sizeof r);  // points that are not used too
+    memset(static_cast<void*>(&r), 0, sizeof r);  // including unused points
     const PairRows p = beginRows(s, i, r);
     for (PointSlip& slip : r.slip) slip.mu = p.mu;
     m.impact = 0;
@@ -290,7 +292,7 @@ struct BuildContactRows {
   }
 };
 
-/// The dual update of all contacts.
+/// The dual update of one contact.
 template <class L> struct UpdateContactDuals {
   static constexpr const char* kStage = "dual";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -301,7 +303,7 @@ template <class L> struct UpdateContactDuals {
   }
 };
 
-/// Turns and tangents that storing the points of a contact takes.
+/// Rotations and tangents for storing the points of a contact.
 struct StoredFrame {
   Displacement a, b;
   Quat turnA, turnB;
@@ -315,8 +317,8 @@ RUBBLE_HD inline StoredFrame storedFrame(const SolverData& s, const ContactRows&
   return f;
 }
 
-/// What a point brought into the step: multipliers, which only an impact asks for, and the drift since it
-/// stuck.
+/// State of a point at the beginning of the step: the multipliers, which are set for impacts alone, and the
+/// drift since it stuck.
 struct PointBefore {
   Vec3 lambda{0, 0, 0};
   Real drift1 = 0, drift2 = 0;
@@ -330,13 +332,13 @@ RUBBLE_HD inline PointBefore pointBefore(const Manifold& m, int k, bool impact) 
   if (m.stick >> k & 1) before.drift1 = m.drift1[k], before.drift2 = m.drift2[k];
   return before;
 }
-/// Notes the multipliers with which point k of rows i began the step, where something may bounce (bounce.h).
+/// Saves the multipliers with which point k of rows i began the step, if any contact may bounce (bounce.h).
 RUBBLE_HD inline void noteBefore(const SolverData& s, int i, const Manifold& m, int k) {
   if (i < s.counters->bounceRows) s.bounce[i].before[k] = multipliersBefore(m, k);
 }
 
-/// What point k hands on to the next step, and whether it sticks. The multipliers of an impact are not kept:
-/// those `before` it are.
+/// State that point k passes to the next step, and whether it sticks. An impact passes on the multipliers
+/// from `before` it, not its own.
 struct StoredPoint {
   PointMemory memory;
   bool sticks;
@@ -354,22 +356,22 @@ RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows&
                 active ? slip.kT : r.start * s.step.tangentStiffness,
                 0,
                 0};
-  // the force on the cone tells
+  // a point slips if its tangential force is on the cone
   const Real lt2 = load.lambda1 * load.lambda1 + load.lambda2 * load.lambda2, bound = slip.mu * load.lambdaN;
   const bool stuck = load.lambdaN > Real(0) && lt2 < bound * bound * (Real(1) - Real(1e-5));
   if (!stuck) {
     if (r.muStatic == r.muDynamic) return {m, false};
-    // what the row still wants to take back is its slip
+    // a slipping point passes on the drift that its row has not corrected, which is its slip
     const Vec3 rA = r.place[k].rA, d = (f.a.dp + cross(f.a.dw, rA)) - (f.b.dp + cross(f.b.dw, rA + r.offset));
     m.drift1 = s.step.driftCorrection * slip.drift1 + dot(f.t1, d);
     m.drift2 = s.step.driftCorrection * slip.drift2 + dot(f.t2, d);
     return {m, false};
   }
-  // exact displacements here: errors of the linear ones would add up from step to step
+  // exact rotations here: errors of the linearized ones would accumulate from step to step
   const Vec3 rA = r.place[k].rA;
   const Vec3 dA = f.a.dp + sweptBy(s, r.a, f.a.dw, f.turnA, rA, r.n);
   const Vec3 d = dA - (f.b.dp + sweptBy(s, r.b, f.b.dw, f.turnB, rA + r.offset, -r.n));
-  // what stood for belts and settling in the row is no drift; the way of the belt is
+  // the offsets that the row had for surface velocity and settling are no drift; the surface's motion is
   m.drift1 = before.drift1 + dot(f.t1, d);
   m.drift2 = before.drift2 + dot(f.t2, d);
   if (s.surfaces > 0) {
@@ -380,7 +382,7 @@ RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows&
   return {m, true};
 }
 
-/// The last dual update, and what the points hand on to the next step.
+/// The last dual update; stores the state that the points pass to the next step.
 template <class L> struct FinishContacts {
   static constexpr const char* kStage = "store";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -389,7 +391,7 @@ template <class L> struct FinishContacts {
     Manifold& m = s.manifold[r.manifold];
     const StoredFrame f = storedFrame(s, r);
     std::uint8_t stick = 0;
-    // in the order in which four lanes add
+    // sums in the order in which four lanes are added
     static_assert(kLanes == 4);
     PointSupport even, odd;
     for (int k = 0; k < m.count; ++k) {

@@ -1,15 +1,15 @@
 #pragma once
-/// Narrow phase of all pairs that are not of two plain shapes: in a kernel of its own, so that the plain ones
-/// keep theirs small.
+/// Narrow phase of all pairs that involve a shape other than primitives. It is a separate kernel so that the
+/// kernel for primitives stays small.
 #include "stages/contacts/contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
 RUBBLE_HD inline Vec3 downOf(const SolverData& s) { return normalize(s.step.gravity, Vec3{0, 0, 0}); }
 
-/// Manifolds i to i + kSurfaceSlots - 1, of as many pairs: a part of a body and a surface. The points are
-/// gathered anew in every step; each takes over from the nearest old point of the same part and facing,
-/// whatever its slot.
+/// Manifolds i to i + kSurfaceSlots - 1, of as many pairs: one part of a body against one surface (a mesh,
+/// height field or distance field). Contact points are gathered anew in every step. Each inherits from the
+/// nearest old point of the same part and facing, in whichever slot that is.
 RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
   const Pair p = s.pair[s.activePair[i]];
   const OrderedPair o = ordered(p);
@@ -20,12 +20,12 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
   const Quat &qs = onA ? pose.qA : pose.qB, &qp = onA ? pose.qB : pose.qA;
   const ShapeTables tables = s.shapeTables();
   const PlacedPart part = placedPart(tables, onA ? shapeB : shapeA, qp, p.first);
-  // the part in the frame of the surface
+  // pose of the part in the frame of the surface
   const Vec3 toPart = (onA ? pose.t : -pose.t) + part.at, at = rotateInverse(qs, toPart);
   const Quat q = conjugate(qs) * part.q;
   SurfaceContacts found;
   found.length = pose.length;
-  // what hangs from a surface does not weigh on it: both centres are that of the other body
+  // a point where the part hangs from the surface bears no weight: both centers are that of the other body
   const Vec3 centre = rotateInverse(qs, surface.kind == ShapeKind::Distance ? toPart - part.at : -part.at);
   found.weight = {centre, centre, rotateInverse(qs, downOf(s))};
   if (surface.kind == ShapeKind::Distance)
@@ -33,10 +33,10 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
   else
     collideTriangles(tables, surface, part.shape, at, q, pose.margin, found);
   if (pose.bullet && !touches(found, kTouchGap * pose.length)) found.count = 0;
-  // distance fields tell points from their own centre, triangles from that of the part
+  // distance fields give points relative to their own center, triangle shapes relative to that of the part
   const Vec3 origin = surface.kind == ShapeKind::Distance ? Vec3{0, 0, 0} : at;
 
-  // all of its pairs are always near
+  // slots of a surface pair are always active together
   const int oldFirst = s.manifoldBefore[s.activePair[i]];
   unsigned used = 0;
   for (int slot = 0; slot < kSurfaceSlots; ++slot) {
@@ -52,7 +52,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
       raw.normalOnB = !onA;
       raw.count = c.points.count;
       for (int k = 0; k < raw.count; ++k) {
-        // relative to the surface's centre, then to that of A
+        // relative to the surface's center, then to that of A
         const Vec3 local = rotate(qs, origin + c.points.v[k].x), onSurface = onA ? local : pose.t + local;
         const Vec3 onPart = onSurface + n * c.points.v[k].w;
         raw.points[k] = {onA ? onSurface : onPart, onA ? onPart : onSurface, c.points.v[k].from};
@@ -60,7 +60,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
     }
     Manifold m = freshManifold(raw, pose);
     if (oldFirst >= 0 && m.count > 0) {
-      // by feature within the facing, then by place
+      // match by feature within the facing, then by distance
       for (int pass = 0; pass < 2; ++pass) {
         for (int k = 0; k < m.count; ++k) {
           if (m.kN[k] > Real(0)) continue;
@@ -89,7 +89,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
   }
 }
 
-/// Narrow phase of the listed pairs that are not of two plain shapes.
+/// Narrow phase of the `tested` pairs that are not of two primitive shapes.
 struct TestGeneralPairs {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int t) const {

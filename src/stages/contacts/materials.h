@@ -1,12 +1,12 @@
 #pragma once
-/// Two materials make that of their contact.
+/// Combines the materials of two bodies into that of their contact.
 #include <rubble/scene.h>
 
 #include "stages/pairs/pair_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Of different rules the later one of rubble::Combine is taken; `usual` is what Combine::Usual stands for.
+/// If the rules differ, the later one in rubble::Combine applies. `usual` is the meaning of Combine::Usual.
 RUBBLE_HD inline Real combined(int ruleA, int ruleB, Combine usual, Real a, Real b) {
   const int rule = max(ruleA, ruleB);
   switch (rule == 0 ? usual : static_cast<Combine>(rule)) {
@@ -23,7 +23,7 @@ RUBBLE_HD inline Real combined(int ruleA, int ruleB, Combine usual, Real a, Real
   }
 }
 
-/// The material of a part of a body; `part` is 0 for what is no compound.
+/// The material of a part of a body; `part` is 0 unless the shape is a compound.
 RUBBLE_HD inline SurfaceData surfaceOf(const SolverData& s, int body, int part) {
   const BodyParams& p = s.params[body];
   int index = p.surface;
@@ -35,11 +35,11 @@ RUBBLE_HD inline SurfaceData surfaceOf(const SolverData& s, int body, int part) 
   return {p.muStatic, p.muDynamic, p.restitution, 0, 0, 0, 0, {0, 0, 0}};
 }
 
-/// What a contact needs of the two materials.
+/// The combined material of a contact.
 struct PairMaterial {
   Real muStatic, muDynamic, restitution;
   Real rolling, torsional;  ///< [m]
-  Vec3 belt;  ///< how far the surface of A moves against that of B in a step, besides their bodies [m]
+  Vec3 belt;                ///< displacement of A's surface against B's in a step by surface velocity [m]
 };
 
 RUBBLE_HD inline PairMaterial pairMaterial(const SolverData& s, const Pair& pair, const OrderedPair& o) {
@@ -51,7 +51,7 @@ RUBBLE_HD inline PairMaterial pairMaterial(const SolverData& s, const Pair& pair
             0,
             0,
             {0, 0, 0}};
-  // beside a surface `first` is the part of the other body, and a surface has no parts
+  // against a surface, `first` is the part of the other body; a surface has no parts
   const bool surface = isSurface(pa.shape.kind) || isSurface(pb.shape.kind), ownerIsA = pair.owner == o.a;
   const SurfaceData a = surfaceOf(s, o.a, surface || ownerIsA ? pair.first : pair.second);
   const SurfaceData b = surfaceOf(s, o.b, surface || !ownerIsA ? pair.first : pair.second);

@@ -1,5 +1,5 @@
 #pragma once
-/// Contacts of bodies: manifolds, rows and their multipliers.
+/// Contacts between rigid bodies: manifolds, rows and multipliers.
 #include "stages/bodies/corrections.h"
 #include "stages/bounces/bounce.h"
 #include "stages/contacts/general_contacts.h"
@@ -8,7 +8,7 @@
 
 namespace rubble::RUBBLE_CORE::contacts {
 
-/// Manifolds and rows at x^t.
+/// Builds manifolds and rows at x^t.
 template <Executor E> void prepare(E& e) {
   const SolverData& s = e.view();
   e.clear(&SolverData::impactSpeedBound, s.bodies);
@@ -44,7 +44,7 @@ template <Executor E> void updateDuals(E& e, bool last) {
   if (e.view().rolls) e.forEach(UpdateRollingDuals{}, &Counters::manifolds);
 }
 
-/// How far the correction of penetrations will move each body in the next step.
+/// Finds the displacement by which penetration correction will move each body in the next step.
 template <Executor E> void finish(E& e) { e.forEach(FindCorrections{}, e.view().bodies); }
 
 }  // namespace rubble::RUBBLE_CORE::contacts

@@ -1,17 +1,17 @@
 #pragma once
-/// Rolling and torsional friction: one row block beside the contact rows of a pair, where any material has
-/// such friction.
+/// Rolling and torsional friction: one constraint per pair in addition to its contact rows, if any material
+/// has such friction.
 #include "stages/contacts/contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// As many as there are manifolds.
+/// One per active pair.
 struct CountRolling {
   static constexpr const char* kStage = "rows";
   RUBBLE_HD void operator()(const SolverData& s, int) const { s.counters->rollers = s.counters->activePairs; }
 };
 
-/// Rows of every touching pair at x^t; multipliers go on from the step before.
+/// Rows of every touching pair at x^t; multipliers are warm-started.
 struct BuildRolling {
   static constexpr const char* kStage = "rows";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -21,7 +21,7 @@ struct BuildRolling {
     const OrderedPair o = ordered(p);
     const int before = s.manifoldBefore[s.activePair[i]];
     if (s.step.sleeping && !moves(s, o.a) && !moves(s, o.b)) {
-      // kept as it is, like the manifold
+      // kept unchanged, like the manifold
       if (before >= 0 && s.rolledBefore) r = s.oldRolling[before];
     } else if (s.hasRows[i] != 0) {
       const PairMaterial material = pairMaterial(s, p, o);
@@ -30,7 +30,7 @@ struct BuildRolling {
                            : pb.kind != BodyKind::Dynamic ? pa.mass
                                                           : min(pa.mass, pb.mass);
       const Real arm = pairLength(pa, pb) / 2;
-      // a body that rolls carries its mass along
+      // a rolling body translates too, so the row's inertia is m arm^2
       const Real k = startStiffness(s.step, lighter * arm * arm);
       r.n = m.normal;
       r.rolling = material.rolling, r.torsional = material.torsional;
@@ -54,8 +54,8 @@ struct UpdateRollingDuals {
   }
 };
 
-/// Adds the rolling friction of a contact on one of its bodies; angular moments are the same about every
-/// point. Hessians count `weight` times.
+/// Adds the rolling friction of a contact to the block of one of its bodies. Its moment does not depend on
+/// the reference point. The Hessian counts `weight` times.
 RUBBLE_HD inline void addRolling(const SolverData& s, std::uint32_t code, Block6& block, Real weight = 1) {
   const ContactRows& m = s.contact[constraintIndex(code)];
   accumulateRolling(s.rolling[m.manifold], m, constraintSide(code) == 0, s.dx[m.a], s.dx[m.b], block, weight);

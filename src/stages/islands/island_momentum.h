@@ -1,30 +1,30 @@
 #pragma once
-/// The momenta of islands that nothing holds.
+/// Conservation of momentum of free islands.
 ///
-/// Sweeps leave the two bodies of a row at poses of which one is older, and turn them by angles that rows
-/// know to first order: what one body is given is not quite what is taken from the other. An island, bodies
-/// that rows of this step connect, of which none acts on anything that does not move by its forces, has to
-/// have the momenta that it would have had without rows,
+/// A sweep evaluates a row for its two bodies at different iterates, and rotations enter rows to first order.
+/// Therefore the impulse on one body does not exactly balance that on the other. An island is a set of bodies
+/// that rows of this step connect. If none of its rows acts on a body that is not dynamic, it must have the
+/// momenta that it would have without rows:
 ///
 ///   sum m (v - v_y) = 0        sum (p x m v + S) - (p^t x m v_y + S_y) = 0
 ///
-/// with v_y, S_y velocity and spin momentum at the inertial target. What is left of the two sums is taken
-/// from the velocities as a rigid motion of the island about its centre of mass. That is the least change in
-/// the metric of its masses, and changes no relative velocity of points that touch.
+/// v_y, S_y: velocity and spin angular momentum at the inertial target. The residuals of the two sums are
+/// removed from the velocities as a rigid motion of the island about its center of mass. That is the smallest
+/// change in the mass metric, and it changes no relative velocity of touching points.
 ///
-/// If the island then had more kinetic energy than at its targets, and where it has joints than before the
-/// repair too, the motion of its bodies against that of a rigid whole is reduced to what is left for it.
-/// Such a motion has no momenta, and no joint sees it reduced.
+/// The kinetic energy of the island must then not exceed that at its inertial targets; with joints, nor that
+/// before the repair if it is larger. Otherwise the motion relative to the rigid motion is scaled down. The
+/// relative motion has no momenta, and scaling it violates no joint.
 ///
-/// Bodies of the coarsest group (aggregates.h) are connected already, so few rows are left to unite. Sums are
-/// of whole numbers, so that their order does not matter (IslandSums).
+/// Bodies of the coarsest aggregates (aggregates.h) are connected already, so few rows remain for union-find.
+/// Sums use integers, so their order does not matter (IslandSums).
 #include <limits>
 
 #include "stages/coarse/coarse.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Forest of the bodies that rows connect: that of the coarsest groups, or one of its own.
+/// Union-find forest of the bodies that rows connect: that of the coarsest aggregates, or a separate one.
 RUBBLE_HD inline int* islandForest(const SolverData& s) { return s.root + atLevel(s, kCoarseLevels - 1, 0); }
 
 struct StartIslandForest {
@@ -32,11 +32,11 @@ struct StartIslandForest {
   RUBBLE_HD void operator()(const SolverData& s, int i) const { islandForest(s)[i] = i; }
 };
 
-/// What rows do with an island, as bits.
-inline constexpr int kHeld = 1;    ///< they act on something that is no body of the forest
+/// Properties of the rows of an island, as bits.
+inline constexpr int kHeld = 1;    ///< a row acts on a body outside the forest, or on the world
 inline constexpr int kJoined = 2;  ///< there are joints, which may have springs and drives
 
-/// Does a joint act on something that is no body of the forest?
+/// Does a joint act on a body outside the forest, or on the world?
 template <class F> RUBBLE_HD bool isJointHeld(const SolverData& s, std::uint32_t code) {
   if constexpr (F::kGrounded) return true;
   if constexpr (isCarried<F>()) {
@@ -57,7 +57,7 @@ RUBBLE_HD inline int bondsOf(const SolverData& s, const Incidence& incidence) {
   return held ? kHeld : kJoined;
 }
 
-/// Unites bodies that rows connect beyond the coarsest groups, and finds those that something holds.
+/// Unites bodies that rows connect beyond the coarsest aggregates, and flags those that are held.
 struct JoinMomentumIslands {
   static constexpr const char* kStage = "momentum";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -77,7 +77,7 @@ struct JoinMomentumIslands {
   }
 };
 
-/// The island of each body, and what rows do with it.
+/// The island of each body, and the bits of its rows.
 struct FindMomentumIslands {
   static constexpr const char* kStage = "momentum";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -91,7 +91,7 @@ struct FindMomentumIslands {
   }
 };
 
-/// Islands that nothing holds: their leaders have a place, all others -1.
+/// Numbers the free islands: islandSlot of their roots; -1 for all other bodies.
 struct NumberFreeIslands {
   static constexpr const char* kStage = "momentum";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -110,13 +110,13 @@ struct BeginFreeIslands {
     s.islandSums[s.islandSlot[i]] = sums;
   }
 };
-/// The place of the island of a body, -1: something holds it, or it has no rows.
+/// The slot of the island of a body, -1 if the island is held or has no rows.
 RUBBLE_HD inline int freeIslandOf(const SolverData& s, int i) {
   return s.counters->freeIslands > 0 && isDynamic(s, i) ? s.islandSlot[s.rowIsland[i]] : -1;
 }
 
-/// What a body adds to the sums of its island. Places and velocities are those against where the leader is,
-/// and how it would go.
+/// Contribution of a body to the sums of its island. Positions and velocities are relative to those of the
+/// root at its inertial target.
 RUBBLE_HD inline MomentumSums momentaOf(const SolverData& s, int root, int i) {
   const BodyTarget& target = s.target[i];
   const bool stopped = s.stopBits[i] != 0;
@@ -147,7 +147,7 @@ RUBBLE_HD inline MomentumSums momentaOf(const SolverData& s, int root, int i) {
   return own;
 }
 
-/// act(sums, k, term) for the terms that a body adds to its island, if nothing holds that.
+/// act(sums, k, term) for the terms that a body adds to its island, if the island is free.
 template <class Act> RUBBLE_HD void forEachMomentum(const SolverData& s, int i, Act&& act) {
   const int slot = freeIslandOf(s, i);
   if (slot < 0) return;
@@ -175,10 +175,10 @@ struct SumMomenta {
   }
 };
 
-/// Energies that differ by less than this share are the same [1].
+/// Relative difference below which energies count as equal [1].
 inline constexpr Real kSameEnergy = sizeof(Real) == 8 ? Real(1e-11) : Real(2e-6);
 
-/// The rigid motion that gives an island its momenta back. `origin` of the sums.
+/// The rigid motion that restores the momenta of an island. `origin`: reference point of the sums.
 RUBBLE_HD inline IslandRepair repairOf(const MomentumSums& sum, const Vec3d& origin, int bonds) {
   const Vec3 centre = sum.place / sum.mass;
   Sym3 inertia = sum.inertia;
@@ -202,7 +202,7 @@ RUBBLE_HD inline IslandRepair repairOf(const MomentumSums& sum, const Vec3d& ori
   return r;
 }
 
-/// Sums of an island that nothing holds, and what it is short of.
+/// Evaluates the sums of a free island and its repair.
 struct RepairIslands {
   static constexpr const char* kStage = "momentum";
   RUBBLE_HD void operator()(const SolverData& s, int slot) const {
@@ -217,7 +217,7 @@ struct RepairIslands {
   }
 };
 
-/// Gives bodies their part of what their islands are short of.
+/// Applies the repair of an island to its bodies.
 struct RepairBodies {
   static constexpr const char* kStage = "momentum";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {

@@ -1,5 +1,5 @@
 #pragma once
-/// Islands: bodies that hang together, as what sleeps and as what keeps its momenta.
+/// Islands of connected bodies, for sleeping and for momentum conservation.
 #include "stages/executor.h"
 #include "stages/islands/island_momentum.h"
 #include "stages/islands/sleep.h"
@@ -7,14 +7,14 @@
 
 namespace rubble::RUBBLE_CORE::islands {
 
-/// Kernel over what of deformable objects keeps bodies awake.
+/// Runs a kernel over the contacts and attachments by which deformable objects keep bodies awake.
 template <template <class> class Kernel, Executor E> void forEachSoftNeighbor(E& e) {
   if (e.view().vertices == 0) return;
   e.forEach(Kernel<NearVertex>{}, &Counters::pointPairs);
   e.forEach(Kernel<HeldByVertices>{}, e.view().attachments);
 }
 
-/// Wakes islands that something disturbs.
+/// Wakes islands that are disturbed.
 template <Executor E> void wake(E& e) {
   if (!e.view().step.sleeping) return;
   const int bodies = e.view().bodies;
@@ -26,7 +26,7 @@ template <Executor E> void wake(E& e) {
   e.forEach(WakeBodies{}, bodies);
 }
 
-/// Those that have come to rest fall asleep.
+/// Puts islands at rest to sleep.
 template <Executor E> void sleep(E& e) {
   if (!e.view().step.sleeping) return;
   const int bodies = e.view().bodies;
@@ -40,7 +40,7 @@ template <Executor E> void sleep(E& e) {
   e.forEach(FallAsleep{}, bodies);
 }
 
-/// Islands that nothing holds get back the momenta that they are short of.
+/// Restores the momenta of free islands.
 template <Executor E> void keepMomenta(E& e) {
   const SolverData& s = e.view();
   if (s.step.literalRotations) return;

@@ -1,15 +1,14 @@
 #pragma once
-/// Sleeping. An island is a set of dynamic bodies that hang together by pairs of the broad phase and joints:
-/// larger than what touches, so that no awake body is ever near one that sleeps. An island whose bodies have
-/// all been still for a while sleeps: it is left out of rows, groups, colours and iterations, and its
-/// manifolds are kept with their multipliers. It wakes whole, before the rows of a step are made, if a moving
-/// body comes near one of its bodies, if one of them is edited or pushed, or if the pairs of one of them
-/// change.
+/// Sleeping. An island is a set of dynamic bodies connected by broad-phase pairs and joints. It is larger
+/// than a set of touching bodies, so no awake body is ever near a sleeping one. An island sleeps when all its
+/// bodies have been still for sleepDelay. Sleeping islands are left out of rows, aggregates, colors and
+/// iterations; their manifolds are kept with their multipliers. An island wakes as a whole, before rows are
+/// built, if a moving body comes near, if one of its bodies is edited or pushed, or if its pairs change.
 #include "stages/bodies/incidence.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Pairs that tell of a disturbance: a moving neighbour, or one that was not there.
+/// Wakes islands near a moving body, or with a new pair.
 struct WakeByPairs {
   static constexpr const char* kStage = "sleep";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -37,7 +36,7 @@ template <class F> struct WakeByJoints {
   }
 };
 
-/// A push wakes as well, and a change that concerns all.
+/// Wakes bodies on which a force acts or that have a velocity, and all bodies if wakeAll is set.
 struct WakeByForces {
   static constexpr const char* kStage = "sleep";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -55,12 +54,12 @@ struct WakeBodies {
     if (s.asleep[i] == 0 || s.islandFlag[s.asleep[i] - 1] == 0) return;
     s.asleep[i] = 0;
     s.stillTime[i] = 0;
-    // it was left out when the others were predicted
+    // PredictBodies skipped the sleeping body
     PredictBodies{}(s, i);
   }
 };
 
-/// Each body an island; for how long it has been still.
+/// Every body starts as its own island. Updates how long it has been still.
 struct StartIslands {
   static constexpr const char* kStage = "sleep";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -92,8 +91,7 @@ template <class F> struct JoinIslandsByJoints {
   }
 };
 
-/// Islands that do not sleep: of one body that is not still long enough, or that something moving touches or
-/// holds.
+/// Flags islands that stay awake: a body has not been still long enough, or a moving kinematic body is near.
 struct FindRestless {
   static constexpr const char* kStage = "sleep";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {

@@ -1,15 +1,17 @@
 #pragma once
-/// What turns, once an iteration. Rows that depend on the rotation of A relative to B alone (limits, drives
-/// and friction of angles, axes that stay parallel) are angles, roots and quotients of quaternions, and every
-/// sweep asks for them from both bodies, and every level of groups again. They are found before the sweep,
-/// and are linear in what the joint has turned since (forces/joint_accumulation.h) until the next one; laws
-/// of force, bounds and limits stay as they are. What is left out is of second order in the steps of one
-/// iteration, and the next one begins without it. Groups of an iteration have them from the sweep before.
+/// Linearization of angular rows, once per iteration. Rows that depend only on the rotation of A relative to
+/// B (limits, drives and friction of angles, parallel axes) involve angles, roots and quotients of
+/// quaternions. Each sweep evaluates them for both bodies, and each aggregate level does again.
+///
+/// They are evaluated once before the sweep and are linear in the joint rotation since then
+/// (forces/joint_accumulation.h). Force laws, bounds and limits are not linearized. The error is of second
+/// order in the steps of one iteration and does not accumulate. Aggregates use the linearization of the
+/// preceding sweep.
 #include "stages/bodies/blocks.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A part of a joint each.
+/// One thread per joint part.
 template <class F> struct LinearizeAngularRows {
   static constexpr const char* kStage = "joint turns";
   static constexpr int kPerJoint = hasAngularRows<F>() ? F::Parts::kCount : 0;
@@ -17,7 +19,7 @@ template <class F> struct LinearizeAngularRows {
     const PartIndex at = partAt<F>(s, k);
     const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
     const Joint<F>& joint = s.jointsOf<F>()[at.joint];
-    // no sweep and no group asks for those of a tree that is solved exactly
+    // no sweep or aggregate evaluates the joints of exactly solved trees
     const int body = spec.a != kWorldBody && isDynamic(s, spec.a) ? spec.a : spec.b;
     if (!joint.active || inExactTree(s, body)) return;
     if constexpr (hasAngularRows<F>()) {

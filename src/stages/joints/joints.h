@@ -26,7 +26,7 @@ RUBBLE_HD inline Pose stillPose(const SolverData& s, int body, const Vec3& offse
   return {offset, body == kWorldBody ? Quat{} : s.orientation[body]};
 }
 
-/// Warm start at x^t. Runs before bodies are moved to their initial guess.
+/// Warm start at x^t. Runs before bodies move to their initial guess.
 template <class F> struct BeginJoints {
   static constexpr const char* kStage = "joint rows";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -76,8 +76,9 @@ template <class F> struct BeginJoints {
 struct PartIndex {
   int joint, part;
 };
-/// The k-th of all parts of all joints of a type. On a GPU neighbours have the same part, since one
-/// instruction is for all lanes of a warp; on a CPU the same joint, which is in its cache then.
+/// The k-th part of all joints of a type. On a GPU adjacent threads process the same part of different
+/// joints, so that a warp does not diverge. On a CPU they process the parts of one joint, which is then in
+/// the cache.
 template <class F> RUBBLE_HD PartIndex partAt(const SolverData& s, int k) {
 #if RUBBLE_DEVICE_CODE
   const int joints = s.joints[typeIndex<F>(JointTypes{})];
@@ -88,7 +89,7 @@ template <class F> RUBBLE_HD PartIndex partAt(const SolverData& s, int k) {
 #endif
 }
 
-/// Those of a joint about a point, from the errors that sweeps see.
+/// Dual update of the anchor rows of a joint, from the errors that sweeps see.
 template <class F> RUBBLE_HD void updateAnchors(const SolverData& s, Joint<F>& joint) {
   const PivotFrame& frame = loadVectorized(frameOf(joint));
   if (!(frame.acting & 1)) return;
@@ -101,7 +102,7 @@ template <class F> RUBBLE_HD void updateAnchors(const SolverData& s, Joint<F>& j
   });
 }
 
-/// A part of a joint each.
+/// One thread per joint part.
 template <class F> struct UpdateJointDuals {
   static constexpr const char* kStage = "joint dual";
   static constexpr int kPerJoint = F::Parts::kCount;

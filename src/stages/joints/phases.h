@@ -1,5 +1,5 @@
 #pragma once
-/// Joints of bodies, and their multipliers.
+/// Joints between bodies, and their multipliers.
 #include "stages/executor.h"
 #include "stages/joints/angular_rows.h"
 
@@ -7,12 +7,12 @@ namespace rubble::RUBBLE_CORE::joints {
 
 template <Executor E> void prepare(E& e) { forEachJoint<BeginJoints>(e); }
 
-/// Rows that depend on the rotation of one body relative to another, about where the bodies are now.
+/// Linearizes the angular rows at the present iterate.
 template <Executor E> void linearize(E& e) { forEachJoint<LinearizeAngularRows>(e); }
 
 template <Executor E> void updateDuals(E& e) { forEachJoint<UpdateJointDuals>(e); }
 
-/// Which joints break.
+/// Breaks joints whose load exceeds their strength.
 template <Executor E> void finish(E& e) { forEachJoint<FinishJoints>(e); }
 
 }  // namespace rubble::RUBBLE_CORE::joints

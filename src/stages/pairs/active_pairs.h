@@ -1,12 +1,12 @@
 #pragma once
-/// Which points of a pair take part in a step, and which pairs have any that may: only these have a manifold.
-/// Bodies that stand side by side with a gap are most pairs of a dry wall whose bricks are turned, and have
-/// nothing to do with one another.
+/// Activation: the points of a pair that take part in a step, and the active pairs, which have such points.
+/// Only active pairs have a manifold. In a dry wall, for example, most pairs are bricks side by side with a
+/// gap, which never interact.
 #include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A pair of bodies as the pair tests need it.
+/// The relative pose of a pair as the narrow phase needs it.
 RUBBLE_HD inline PairPose pairPose(const SolverData& s, const OrderedPair& o) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
   const Real size = pairLength(pa, pb);
@@ -19,8 +19,8 @@ RUBBLE_HD inline PairPose pairPose(const SolverData& s, const OrderedPair& o) {
           speed.bullet};
 }
 
-/// A body at rest that is about to be struck has rows with what it may be driven into: its neighbours look
-/// for it as for a fast one.
+/// Bounds the speed that an imminent impact may give to a body at rest. Its neighbors then use the detection
+/// margin of a fast body, so that rows exist for what it may be driven into.
 struct FindImpactSpeedBounds {
   static constexpr const char* kStage = "impactSpeedBound";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -39,7 +39,7 @@ struct FindImpactSpeedBounds {
   }
 };
 
-/// May a body be elsewhere than in the last step?
+/// May the pose of a body change?
 RUBBLE_HD inline bool moves(const SolverData& s, int body) {
   if (s.params[body].kind == BodyKind::Kinematic)
     return s.velocity[body] != Vec3{0, 0, 0} || s.angularVelocity[body] != Vec3{0, 0, 0};
@@ -48,7 +48,7 @@ RUBBLE_HD inline bool moves(const SolverData& s, int body) {
 
 /// Point k of a manifold at x^t.
 struct PointAt {
-  Vec3 lever;  ///< from the centre of A to the middle of the gap [m]
+  Vec3 lever;  ///< from the center of A to the middle of the gap [m]
   Real depth;  ///< penetration [m]
 };
 RUBBLE_HD inline PointAt pointAt(const Manifold& m, int k, const Vec3& normal, const Quat& qa, const Quat& qb,
@@ -57,14 +57,14 @@ RUBBLE_HD inline PointAt pointAt(const Manifold& m, int k, const Vec3& normal, c
   return {(xa + xb) * Real(.5), dot(normal, xa - xb)};
 }
 
-/// Speed at which a point closes at x^t; `t` = p_B - p_A. [m/s]
+/// Closing speed of a point at x^t; `t` = p_B - p_A [m/s].
 RUBBLE_HD inline Real closingSpeed(const SolverData& s, const OrderedPair& o, const Vec3& n,
                                    const Vec3& lever, const Vec3& t) {
   return dot(n, s.velocity[o.a] + cross(s.angularVelocity[o.a], lever) - s.velocity[o.b] -
                     cross(s.angularVelocity[o.b], lever - t));
 }
 
-/// Does a point at this depth stop a fast approach in the step? `length` of its pair [m].
+/// Does a point at this depth stop a fast approach in the step? `length`: L of its pair [m].
 RUBBLE_HD inline bool hits(const StepConstants& c, Real closing, Real depth, Real length) {
   return depth + closing * c.dt > Real(0) && isImpact(c, closing, length);
 }
@@ -76,29 +76,29 @@ RUBBLE_HD inline Displacement targetDisplacement(const SolverData& s, int body) 
   return {y.p, 0, logRotation(y.q), 0};
 }
 
-/// A point counts as staying open if its gap at the inertial targets is more than this share of L: the gap of
-/// bodies that merely rest is round-off, and of no consequence.
+/// A point stays open if its gap at the inertial targets exceeds this share of L [1]. The gap of resting
+/// bodies is round-off and must not decide.
 inline constexpr Real kInactiveGap = Real(1e-3);
 
-/// Do the bodies of a pair part at a point, struck by no other?
+/// Do the bodies of a pair separate at a point, with no other impact on them?
 RUBBLE_HD inline bool partsAlone(const SolverData& s, const OrderedPair& o, Real closing,
                                  Real impactSpeedBound) {
-  // the pair is one of those that agitate its bodies
+  // the impact speed bound includes this pair itself
   return closing < Real(0) &&
          impactSpeedBound <= Real(1.001) * pairSpeed(s, o.a, o.b, s.params[o.a], s.params[o.b]).closing;
 }
 
-/// Does a point take part in the step? It does if it bears a load, or if it does not stay open at the
-/// inertial targets of both bodies.
+/// Is a point active? It is if it carries load, or if it does not stay open at the inertial targets of both
+/// bodies.
 struct ActivationRule {
-  Displacement a, b;  ///< at the targets
+  Displacement a, b;  ///< displacements at the targets
   RUBBLE_HD bool operator()(const SolverData& s, const OrderedPair& o, const PairPose& pair, const Vec3& n,
                             const PointAt& p, Real lambda) const {
     if (!s.step.dormantRows || lambda != Real(0)) return true;
     const Real closing = closingSpeed(s, o, n, p.lever, pair.t),
                impactSpeedBound = impactSpeedBoundOf(s, o.a, o.b);
     if (hits(s.step, closing, p.depth, pair.length)) return true;
-    // a body that is struck in this step goes elsewhere than its target says
+    // an impact in this step moves the body away from its inertial target
     if (inheritedViolation(s.step, p.depth) + s.step.dt * impactSpeedBound > Real(0) &&
         !partsAlone(s, o, closing, impactSpeedBound))
       return true;
@@ -110,7 +110,7 @@ RUBBLE_HD inline ActivationRule activationRule(const SolverData& s, const Ordere
   return {targetDisplacement(s, o.a), targetDisplacement(s, o.b)};
 }
 
-/// How near points of two bodies must be to take part in the step, by any clause of the ActivationRule [m].
+/// Largest distance at which points of two bodies can be active by any clause of ActivationRule [m].
 RUBBLE_HD inline Real activationReach(const SolverData& s, const OrderedPair& o, const PairPose& pair,
                                       Real apart) {
   const BodyParams &pa = s.params[o.a], &pb = s.params[o.b];
@@ -125,24 +125,24 @@ RUBBLE_HD inline Real activationReach(const SolverData& s, const OrderedPair& o,
     return Real(3.1416) * length(y.q.v) * radius;
   };
   Vec3 moveA, moveB;
-  // a lever ends in the middle of the gap
+  // a lever ends at the middle of the gap
   const Real turns = target(o.a, pa.radius + apart, moveA) + target(o.b, pb.radius + apart, moveB);
   const Real fastest = max(pairSpeed(s, o.a, o.b, pa, pb).closing, impactSpeedBoundOf(s, o.a, o.b));
   return max(length(moveA - moveB) + turns + kInactiveGap * pair.length, s.step.dt * fastest);
 }
 
-/// The pair of the step before, or -1.
+/// Index of the same pair in the previous step, or -1.
 RUBBLE_HD inline int findOldPair(const SolverData& s, const Pair& p) {
   for (int k = s.oldPairOffset[p.owner]; k < s.oldPairOffset[p.owner + 1]; ++k)
     if (samePair(s.oldPair[k], p)) return k;
   return -1;
 }
-/// The manifold that a pair of the step before had, or -1.
+/// The manifold of a pair of the previous step, or -1.
 RUBBLE_HD inline int manifoldOfOld(const SolverData& s, int oldPair) {
   return s.oldActivePairOffset[oldPair + 1] > s.oldActivePairOffset[oldPair] ? s.oldActivePairOffset[oldPair]
                                                                              : -1;
 }
-/// A body of a pair was edited: it begins anew, and what the body touched can not sleep on.
+/// Resets a pair one of whose bodies was edited, and wakes both bodies.
 RUBBLE_HD inline void forgetOldPair(const SolverData& s, int oldPair) {
   Pair& p = s.oldPair[oldPair];
   s.asleep[p.owner] = 0;
@@ -150,17 +150,17 @@ RUBBLE_HD inline void forgetOldPair(const SolverData& s, int oldPair) {
   p.other = -1;
   if (const int m = manifoldOfOld(s, oldPair); m >= 0) s.oldManifold[m].count = 0;
 }
-/// The manifold that a pair has in this step, or null.
+/// The manifold of a pair in this step, or null.
 RUBBLE_HD inline const Manifold* manifoldOf(const SolverData& s, int pair) {
   return s.isActive[pair] ? &s.manifold[s.activePairOffset[pair]] : nullptr;
 }
 
-/// May a pair be known to stay apart? A plane has no radius, and of sensors is asked how near they are.
+/// Can the pair be skipped by its last test? Planes have no radius, and sensors need the actual distance.
 RUBBLE_HD inline bool mayStayApart(const SolverData& s, const Pair& p) {
   return s.step.dormantRows && s.step.recycleTolerance > Real(0) &&
          s.params[p.other].shape.kind != ShapeKind::Plane && !isSensor(s, p.owner) && !isSensor(s, p.other);
 }
-/// Is it, by its last full test?
+/// Does the last full test show that the pair stays apart?
 RUBBLE_HD inline bool staysApart(const SolverData& s, const OrderedPair& o, const PairPose& pose,
                                  const PairTest& test) {
   if (!(test.separation > Real(0))) return false;
@@ -168,9 +168,8 @@ RUBBLE_HD inline bool staysApart(const SolverData& s, const OrderedPair& o, cons
   return apart > Real(0) && apart > activationReach(s, o, pose, apart);
 }
 
-/// Which pairs may have points that take part in the step. All others are known to stay apart: since their
-/// last test, which found them apart, their bodies have come nearer by less than they would have to. They
-/// have no manifold, and all that is known of them is that test.
+/// Finds the pairs that may have active points. For all others, the relative motion since their last test is
+/// smaller than the separation that it found. They have no manifold, and only that test is stored.
 struct FindActivePairs {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -190,8 +189,7 @@ struct FindActivePairs {
   }
 };
 
-/// Pairs of plain shapes that were none in the step before: tested at once, for most that come near one
-/// another do not touch.
+/// Tests new pairs of primitive shapes at once, because most new pairs do not touch.
 struct TestNewPairs {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int t) const {
@@ -204,7 +202,7 @@ struct TestNewPairs {
   }
 };
 
-/// The pairs that have manifolds.
+/// Lists the active pairs.
 struct ListActivePairs {
   static constexpr const char* kStage = "narrow";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {

@@ -1,14 +1,15 @@
 #pragma once
-/// Broad phase: a hashed grid with levels. A body lies in the cell of its centre, at the level that fits its
-/// swept box; it looks for partners in its own level and in all coarser ones. Buckets of cells with rising x
-/// are neighbours in memory.
+/// Broad phase: a hashed multi-level grid. A body lies in the cell of its center, at the level that fits its
+/// swept box. It searches its own level and all coarser ones. Buckets of cells with ascending x are adjacent
+/// in memory.
 #include "solver/inertia.h"
 #include "stages/pairs/filter.h"
 #include "stages/pairs/pair_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A level holds bodies up to this many cells wide (half extent), turned any way and with some way ahead.
+/// Largest half extent of a body of a level, in cells; and the allowance for rotation and motion in the
+/// radius test [1].
 inline constexpr Real kLevelFill = Real(1.35), kTurnedWay = Real(1.1);
 
 /// Edge of the cells of a level [m]: powers of two.
@@ -26,13 +27,13 @@ RUBBLE_HD inline int bucketOf(const SolverData& s, int level, int x, int y, int 
   return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(s.cells - 1));
 }
 
-/// Detection margin of a body: half of the smallest margin of a pair of its like [m].
+/// Detection margin of a body: half the smallest margin of a pair of equal bodies [m].
 RUBBLE_HD inline Real ownMargin(const SolverData& s, const BodyParams& p) {
   return s.step.contactMargin * p.radius;
 }
 
-/// raise(most, value) for each of the greatest numbers that are kept of a level and that of a body in it:
-/// half extents and cells.
+/// raise(most, value) for each maximum that is kept per level, with the value of a body: half extents and
+/// cells.
 template <class Raise> RUBBLE_HD void raiseExtents(const SolverData& s, const Bounds& b, Raise&& raise) {
   Counters& c = *s.counters;
   for (int k = 0; k < 3; ++k) raise(&c.levelHalf[b.level][k], floatBits(b.half[k] * Real(1.000001)));
@@ -42,8 +43,8 @@ template <class Raise> RUBBLE_HD void raiseExtents(const SolverData& s, const Bo
       raise(&c.levelReach[b.level][side][k], kCellOrigin + (side == 0 ? -cell[k] : cell[k]));
 }
 
-/// How far a body goes in a step by its velocity, and by gravity as far as it followed that in the last one.
-/// [m]
+/// Displacement of a body in a step by its velocity and by the share of gravity that it followed in the last
+/// step [m].
 RUBBLE_HD inline Vec3 wayAhead(const SolverData& s, int i) {
   const Real dt = s.step.dt;
   const Vec3 v = s.velocity[i];
@@ -52,7 +53,7 @@ RUBBLE_HD inline Vec3 wayAhead(const SolverData& s, int i) {
   return inertialDisplacement(v, followedShare(v, s.previousVelocity[i], gravity, dt) * gravity, dt);
 }
 
-/// Boxes at x^t, swept along the way ahead and for the turn, with the detection margin; their cells.
+/// Boxes at x^t, swept by the predicted motion and rotation, with the detection margin; and their cells.
 struct ComputeBounds {
   static constexpr const char* kStage = "bounds";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -64,11 +65,11 @@ struct ComputeBounds {
       if (value > *most) atomicRaise(most, value);
     });
   }
-  /// Body i is the k-th of its level.
+  /// Stores body i as the k-th of its level.
   RUBBLE_HD static void list(const SolverData& s, int level, int k, int i) {
     if (k < kListedBodies) s.counters->levelBody[level][k] = i;
   }
-  /// All but what is kept of its level; false: it is not in the grid.
+  /// Everything but the maxima of the level. Returns false if the body is not in the grid.
   RUBBLE_HD static bool place(const SolverData& s, int i) {
     const BodyParams& p = s.params[i];
     Bounds& b = s.bounds[i];
@@ -77,11 +78,11 @@ struct ComputeBounds {
     const Quat q = s.orientation[i];
     const Vec3 sweep = Real(.5) * wayAhead(s, i);
     const Vec3 x(s.position[i]);
-    // turning moves the surface by no more than the radius; the error of a single-precision centre is added
+    // Rotation moves the surface by at most the radius. The error of a single-precision center is added.
     const Real turn = min(s.step.dt * length(s.angularVelocity[i]), Real(1)) * p.radius;
     const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
     const Real grow = turn + ownMargin(s, p) + roundOff;
-    // what goes elsewhere is looked for along its way at the end of the step (late_stops.h)
+    // late_stops.h sweeps bodies that leave this box
     b.centre = x + sweep;
     b.half = boundingHalf(p.shape, q) + abs(sweep) + Vec3{grow, grow, grow};
     int level = 0;
@@ -95,7 +96,7 @@ struct ComputeBounds {
   }
 };
 
-/// Bodies into their buckets. The order inside a bucket is not fixed; pairs are sorted later.
+/// Sorts bodies into buckets. The order inside a bucket is not fixed; pairs are sorted later.
 struct FillGrid {
   static constexpr const char* kStage = "grid";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -107,8 +108,8 @@ struct FillGrid {
   }
 };
 
-/// A level of few bodies: visit(incidence) for each of them that is its turn, number `lane` of `lanes`.
-/// False: there are many.
+/// visit(entry) for each body of a level with few bodies; share of worker `lane` of `lanes`. Returns false if
+/// the level has many.
 template <class Visit>
 RUBBLE_HD bool visitListed(const SolverData& s, int level, Visit&& visit, int lane = 0, int lanes = 1) {
   const int members = s.counters->levelCount[level];
@@ -120,7 +121,7 @@ RUBBLE_HD bool visitListed(const SolverData& s, int level, Visit&& visit, int la
   return true;
 }
 
-/// Cells of a level in which the centre of a body may be that these bounds touch.
+/// Cells of a level that may contain the center of a body touching these bounds.
 struct CellRange {
   int x0, x1, y0, y1, z0, z1;
   RUBBLE_HD bool empty() const { return x1 < x0 || y1 < y0 || z1 < z0; }
@@ -141,11 +142,10 @@ RUBBLE_HD inline CellRange cellsAround(const SolverData& s, const Bounds& b, int
   return {low(0), high(0), low(1), high(1), low(2), high(2)};
 }
 
-/// Entries of the buckets of a row of cells. They lie side by side, and go on from the first bucket after the
-/// last.
+/// Entries of the buckets of a row of cells. They are contiguous, and wrap around after the last bucket.
 struct RowOfCells {
   int begin, end;  ///< in the grid
-  int wrapped;     ///< and as many from its beginning on
+  int wrapped;     ///< number of further entries at the beginning of the grid
 };
 RUBBLE_HD inline RowOfCells rowOfCells(const SolverData& s, int level, int x0, int x1, int y, int z) {
   const int bucket = bucketOf(s, level, x0, y, z), cells = x1 - x0 + 1, here = min(cells, s.cells - bucket);
@@ -153,19 +153,20 @@ RUBBLE_HD inline RowOfCells rowOfCells(const SolverData& s, int level, int x0, i
           here < cells ? s.bucketOffset[cells - here] : 0};
 }
 
-/// Do two boxes, of Bounds or of the grid, touch?
+/// Do two boxes (Bounds or GridEntry) touch?
 template <class A, class B> RUBBLE_HD bool boundsTouch(const A& a, const B& b) {
   return !(std::fabs(a.centre.x - b.centre.x) > a.half.x + b.half.x) &&
          !(std::fabs(a.centre.y - b.centre.y) > a.half.y + b.half.y) &&
          !(std::fabs(a.centre.z - b.centre.z) > a.half.z + b.half.z);
 }
 
-/// Which bodies of its own level a body looks for: those of a higher number, or those in cells behind its
-/// own, row by row, and of a higher number in its own cell. In either way one of two finds the other; the
-/// latter takes half as many cells.
+/// The bodies of its own level that a body searches. InNumber: those of higher index. InPlace: those in later
+/// cells in row order, and those of higher index in its own cell. Either way one of two bodies finds the
+/// other; the latter visits half as many cells.
 enum class Ahead { InNumber, InPlace };
 
-/// found(other) for the bodies of a level whose bounds touch those of body i, for number `lane` of `lanes`.
+/// found(other) for the bodies of a level whose bounds touch those of body i; share of worker `lane` of
+/// `lanes`.
 template <Ahead kAhead, class Found>
 RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int level, Found&& found, int lane,
                            int lanes) {
@@ -179,13 +180,13 @@ RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int leve
   const CellRange c = cellsAround(s, b, level);
   if (c.empty()) return;
   const bool inPlace = own && kAhead == Ahead::InPlace;
-  // the first cell that counts
+  // the first cell to visit
   const int x0 = inPlace ? b.x : c.x0, y0 = inPlace ? b.y : c.y0, z0 = inPlace ? b.z : c.z0;
   const auto tryCell = [&](const GridEntry& e, int x, int y, int z) {
     const bool ahead = !own || e.body > i || (inPlace && !(x == b.x && y == b.y && z == b.z));
     if (ahead && touches(e)) found(e.body);
   };
-  // more cells than buckets: then rather all bodies (one that flies off at any speed costs no more than that)
+  // with more cells than buckets a scan of all bodies is cheaper, which bounds the cost of any speed
   if (c.cells() > s.cells) {
     for (int k = lane; k < s.bucketOffset[s.cells]; k += lanes) {
       const GridEntry& e = s.grid[k];
@@ -208,12 +209,12 @@ RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int leve
   for (bool more = true; more;) {
     const RowOfCells row = next;
     const int rowY = y, rowZ = z, firstX = y == y0 && z == z0 ? x0 : c.x0;
-    // where the next row lies is asked for before this one is looked at
+    // the offsets of the next row are loaded before this row is processed
     more = step(lanes);
     if (more) next = rowAt(y, z);
     const auto visit = [&](const GridEntry& e) {
       if (e.level != level || !touches(e)) return;
-      // cells of another row may share the bucket, and would be visited again
+      // cells of another row may share the bucket and would be visited twice
       const int x = cellOf(e.centre.x, size);
       if (x >= firstX && x <= c.x1 && cellOf(e.centre.y, size) == rowY && cellOf(e.centre.z, size) == rowZ)
         tryCell(e, x, rowY, rowZ);
@@ -223,7 +224,7 @@ RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int leve
   }
 }
 
-/// found(plane) for the planes that a box touches: for number `lane` of `lanes`.
+/// found(plane) for the planes that a box touches; share of worker `lane` of `lanes`.
 template <class Found>
 RUBBLE_HD void searchPlanes(const SolverData& s, const Bounds& b, Found&& found, int lane = 0,
                             int lanes = 1) {
@@ -234,8 +235,8 @@ RUBBLE_HD void searchPlanes(const SolverData& s, const Bounds& b, Found&& found,
     if (height <= dot(abs(up), b.half)) found(plane);
   }
 }
-/// found(other) for all bodies whose bounds a box touches that is in no level: body i on a way that its own
-/// do not hold.
+/// found(other) for all bodies whose bounds touch the box `way` of a motion of body i, which leaves its own
+/// bounds.
 template <class Found>
 RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
   for (int level = 0; level < kGridLevels; ++level)
@@ -243,9 +244,8 @@ RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& 
   searchPlanes(s, way, found, lane, lanes);
 }
 
-/// found(other, other owns the pair) for the bodies whose bounds touch those of body i: in its own level
-/// those ahead of it, in coarser ones all. Of several that search for one body each takes its part: number
-/// `lane` of `lanes`.
+/// found(other, otherOwns) for the bodies whose bounds touch those of body i: in its own level those ahead of
+/// it, in coarser levels all. Share of worker `lane` of `lanes`.
 template <Ahead kAhead, class Found>
 RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
   const BodyParams& p = s.params[i];
@@ -257,8 +257,8 @@ RUBBLE_HD void searchBounds(const SolverData& s, int i, Found&& found, int lane 
   searchPlanes(
       s, b, [&](int plane) { found(plane, false); }, lane, lanes);
 }
-/// found(other) for the partners of body i: whose bounds touch, and that may collide with it. It owns its
-/// pairs with them.
+/// found(other) for the partners of body i: its bounds touch theirs, they may collide, and body i owns the
+/// pair.
 template <class Found>
 RUBBLE_HD void searchPartners(const SolverData& s, int i, Found&& found, int lane = 0, int lanes = 1) {
   searchBounds<Ahead::InNumber>(
@@ -269,12 +269,12 @@ RUBBLE_HD void searchPartners(const SolverData& s, int i, Found&& found, int lan
       lane, lanes);
 }
 
-/// Whom bounds touch is noted with the owner of the pair: of two in one level the one of the lower number,
-/// else the one in the finer level. The first kPairSlots of them are kept, in no fixed order.
+/// Stores bodies with touching bounds with the owner of the pair. In one level that is the body of lower
+/// index, else the one in the finer level. The first kPairSlots are stored, in no fixed order.
 struct FindNeighbors {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
-  /// By number `lane` of `lanes`.
+  /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
     searchBounds<Ahead::InPlace>(
         s, i,
@@ -287,8 +287,8 @@ struct FindNeighbors {
   }
 };
 
-/// Those of them that may collide are the partners of a body; and the number of pairs of their parts.
-/// `kParts` false: no body has parts, and the kernel stays small.
+/// Keeps the bodies that may collide as partners, and counts the pairs of parts. `kParts` false: no body has
+/// parts, and the kernel stays small.
 template <bool kParts> struct FindPairs {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -324,7 +324,7 @@ template <bool kParts> struct WritePairs {
     const int* const slots = s.pairSlot + i * kPairSlots;
     if constexpr (!kParts) {
       if (count <= kPairSlots) {
-        // a pair a partner: how many come before it is its place
+        // one pair per partner: its rank is its place
         for (int k = 0; k < count; ++k) {
           const int other = slots[k];
           int place = begin;
@@ -348,7 +348,7 @@ template <bool kParts> struct WritePairs {
         insertPair(pairOf(s, i, other));
     };
     if (count > kPairSlots) return searchPartners(s, i, insert);
-    // every partner has a pair at least, so that as many slots as pairs are enough
+    // every partner has at least one pair, so there are no more partners than pairs
     int slot = 0;
     while (n < count) insert(slots[slot++]);
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// Which bodies meet: layers and masks, groups, and pairs that are excluded.
+/// Collision filters: layers and masks, groups, and excluded pairs.
 #include "state/solver_data.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -21,12 +21,12 @@ RUBBLE_HD inline bool excluded(const SolverData& s, int a, int b) {
   return false;
 }
 
-/// May a body collide with all whom it meets? Then nobody needs to look at these.
+/// May a body collide with every body that it touches? Its partners then need no test.
 RUBBLE_HD inline bool collidesWithAll(const SolverData& s, int body) {
   return s.params[body].kind == BodyKind::Dynamic && !s.filtered && s.exclusions == 0;
 }
 
-/// Two bodies of which one is dynamic, or of which one moves and the other is a sensor.
+/// Pairs with a dynamic body, or with a kinematic body and a sensor.
 RUBBLE_HD inline bool mayCollide(const SolverData& s, int a, int b) {
   if (collidesWithAll(s, a)) return true;
   const BodyKind ka = s.params[a].kind, kb = s.params[b].kind;

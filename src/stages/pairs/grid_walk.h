@@ -1,13 +1,13 @@
 #pragma once
-/// Bodies along a way, by the grid of the broad phase.
+/// Bodies along a path, by the grid of the broad phase.
 #include "collision/sweep.h"
 #include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// visit(body) for every body whose box may meet one of half extents `half` that goes from `x` by `limit` of
-/// `d`. The visitor may lower the limit as it finds hits. Each body is visited once: slab by slab of cells
-/// along the main direction, so that near ones come first at each level.
+/// visit(body) for every body whose box may touch a box of half extents `half` that moves from `x` by `limit`
+/// times `d`. The visitor may lower the limit as it finds hits. Each body is visited once. Cells are visited
+/// slab by slab along the main direction, so near bodies come first at each level.
 template <class Visit>
 RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, const Vec3d& half,
                           double& limit, Visit&& visit) {
@@ -34,7 +34,7 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
       return cell(max(x[k] + t0 * d[k], x[k] + t1 * d[k]) + reach[k]);
     };
     const int first = low(m, 0, limit), last = high(m, 0, limit);
-    // as many cells as bodies: then rather the bodies
+    // with more cells than entries a scan of the entries is cheaper
     const double cells = (double(last) - first + 1) * (2 * reach[u] / size + 2) * (2 * reach[v] / size + 2);
     if (cells > 2.0 * incidences + 64) {
       for (int k = 0; k < incidences; ++k)

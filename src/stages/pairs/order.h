@@ -1,8 +1,8 @@
 #pragma once
-/// The order of bodies in the tables: where a user asks for it they are put in the order of a Morton curve
-/// through space, between steps. The partners of neighbors in the tables are then neighbors too, and share
-/// cache lines (what it is worth: docs/performance.md). A body keeps its id and all that lasts of it, its
-/// contacts among that. Two bodies come in an order that they alone decide.
+/// The order of bodies in the tables. On request they are sorted along a Morton curve between steps. Bodies
+/// that are close in space then lie close in memory and share cache lines (docs/performance.md gives the
+/// gain). A body keeps its id and its persistent state, contacts included. The relative order of two bodies
+/// depends on these two alone.
 #include <algorithm>
 
 #include "stages/joints/joints.h"
@@ -12,7 +12,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// The lowest 21 bits of a number, two zeros behind each.
+/// The lowest 21 bits of a number, each followed by two zeros.
 RUBBLE_HD constexpr std::uint64_t spreadBits(std::uint64_t v) {
   v &= 0x1fffffu;
   v = (v | v << 32) & 0x001f00000000ffffu;
@@ -22,7 +22,7 @@ RUBBLE_HD constexpr std::uint64_t spreadBits(std::uint64_t v) {
   return (v | v << 2) & 0x1249249249249249u;
 }
 
-/// Is a body somewhere, and not everywhere?
+/// Has the body a position? Removed bodies and planes do not.
 RUBBLE_HD inline bool hasPlace(const SolverData& s, int i) {
   return s.params[i].kind != BodyKind::Removed && s.params[i].shape.kind != ShapeKind::Plane;
 }
@@ -30,7 +30,7 @@ RUBBLE_HD inline bool hasPlace(const SolverData& s, int i) {
 /// Edge of the cells of the curve over g dt^2 [1]: 4 cm at 1/60 s.
 inline constexpr double kCurveCell = 16;
 
-/// How far along the curve a body lies. Those without a place stand behind the others.
+/// Key of a body on the curve. Bodies without a position come last.
 RUBBLE_HD inline std::uint64_t placeOnCurve(const SolverData& s, int i) {
   if (!hasPlace(s, i)) return ~std::uint64_t{0};
   constexpr double kHalf = 1 << 20;
@@ -48,10 +48,10 @@ struct FindPlacesOnCurve {
   RUBBLE_HD void operator()(const SolverData& s, int i) const { key[i] = placeOnCurve(s, i); }
 };
 
-/// Where bodies go.
+/// The permutation of bodies.
 struct NewPlaces {
-  int* from;  ///< old place of what comes to each place
-  int* to;    ///< new place of what was at each place
+  int* from;  ///< old place of the body at each new place
+  int* to;    ///< new place of the body at each old place
   RUBBLE_HD int of(int body) const { return body < 0 ? body : to[body]; }
 };
 
@@ -69,10 +69,10 @@ template <class T> struct TakeElements {
   RUBBLE_HD void operator()(const SolverData&, int k) const { to[k] = of[from[k]]; }
 };
 
-// What was found of pairs goes where that of this step goes, to be the old one of the next. Multipliers and
-// sides of a pair stay; its owner is the one that the next step gives it.
+// Pair data are written to the tables of this step, which then become the old ones of the next. Multipliers
+// and sides of a pair persist; its owner is the one that the next step will determine.
 
-/// Levels of the grid, as the next step finds them.
+/// Grid levels as the next step will find them.
 struct FindGridLevels {
   static constexpr const char* kStage = "order";
   RUBBLE_HD void operator()(const SolverData& s, int i) const { ComputeBounds::place(s, i); }
@@ -82,12 +82,12 @@ RUBBLE_HD inline Pair movedPair(const SolverData& s, const NewPlaces& places, co
   Pair p = old;
   p.owner = places.of(old.owner), p.other = places.of(old.other);
   if (old.other < 0) return p;
-  // planes own nothing
+  // planes own no pairs
   const int level = s.bounds[old.owner].level, otherLevel = s.bounds[old.other].level;
   if (otherLevel < 0 || level < otherLevel || (level == otherLevel && p.owner < p.other)) return p;
   p.owner = places.of(old.other), p.other = places.of(old.owner);
   p.ownerIsA = !old.ownerIsA;
-  // beside a surface they are the part of the other body, and where on the surface
+  // against a surface, `first` and `second` are the part of the other body and the slot, whoever is the owner
   if (isSurface(s.params[old.owner].shape.kind) || isSurface(s.params[old.other].shape.kind)) return p;
   p.first = static_cast<std::uint32_t>(old.second) & 0x7fffffffu, p.second = static_cast<int>(old.first);
   return p;
@@ -101,7 +101,7 @@ struct CountMovedPairs {
   }
 };
 
-/// In no fixed order; `from` says which old pair each was.
+/// In no fixed order; `from` receives the old index of each pair.
 struct FillMovedPairs {
   static constexpr const char* kStage = "order";
   NewPlaces places;
@@ -114,7 +114,7 @@ struct FillMovedPairs {
   }
 };
 
-/// By partner and parts; what else is known of a pair follows.
+/// Sorts by partner and parts; other pair data follow.
 struct SortMovedPairs {
   static constexpr const char* kStage = "order";
   int* from;
@@ -123,7 +123,7 @@ struct SortMovedPairs {
     for (int k = begin + 1; k < end; ++k) {
       const Pair p = s.pair[k];
       const int old = from[k];
-      // those whose partner has gone are alike
+      // pairs whose partner was removed compare equal
       const auto comesBefore = [&](int j) {
         return before(p, s.pair[j]) || (!before(s.pair[j], p) && old < from[j]);
       };
@@ -149,9 +149,9 @@ struct MoveManifolds {
   }
 };
 
-// Contacts of vertices, and of corners with surfaces, go with their owners.
+// Contacts of vertices, and of corners with surfaces, follow their owners.
 
-/// Owner of point pairs at the new places: a vertex or an edge, which stay, or corners of a body.
+/// New owner of point pairs: vertices and edges keep their index, corners follow their body.
 RUBBLE_HD inline int movedOwner(const SolverData& s, const NewPlaces& places, int owner) {
   const int fixed = s.vertices + s.edges;
   return owner < fixed ? owner
@@ -180,7 +180,7 @@ struct MovePoints {
   }
 };
 
-// What names a body by its place.
+// References to bodies by place.
 
 struct RenumberAttachments {
   static constexpr const char* kStage = "order";
@@ -222,13 +222,13 @@ template <class T> bool followsBodies(const ArrayInfo<T>& array) {
          (array.life == Lifetime::Authored || array.life == Lifetime::State);
 }
 
-// Between steps an executor offers, besides some of what it does in them,
+// Operations that an executor offers between steps, in addition to some of those within a step:
 //
-//   room<T>(n)             memory that is there until the work is done
-//   order(keys, order, n)  indices by rising key, equal ones as they were
+//   room<T>(n)             temporary memory until the sort is complete
+//   order(keys, order, n)  stable sort: indices by ascending key
 //   copy(to, from, n)
 
-/// Which body comes where on the curve.
+/// The bodies in the order of the curve.
 template <class E> int* orderOnCurve(E& e) {
   const int bodies = e.view().bodies;
   int* const order = e.template room<int>(bodies);
@@ -238,8 +238,8 @@ template <class E> int* orderOnCurve(E& e) {
   return order;
 }
 
-/// Puts the bodies in the order of the curve; there are so many old pairs. Constants are those of the next
-/// step. What is derived, and SolverData::ordered, is to be found anew.
+/// Sorts the bodies along the curve. `pairs`: number of old pairs. Constants are those of the next step.
+/// Derived arrays and SolverData::ordered must be updated afterwards.
 template <class E> void sortBodies(E& e, int pairs) {
   const int bodies = e.view().bodies;
   const NewPlaces places{orderOnCurve(e), e.template room<int>(bodies)};

@@ -1,7 +1,7 @@
 #pragma once
-/// From pairs of bodies to pairs of parts. A pair of plain shapes is one pair. A compound has one for each of
-/// its parts that comes near; a surface (mesh, height field, distance field) has kSurfaceSlots, one for each
-/// direction in which it may hold the other part.
+/// From pairs of bodies to pairs of parts. Two primitive shapes give one pair. A compound gives one pair for
+/// each of its parts that comes near. A surface (mesh, height field, distance field) gives kSurfaceSlots
+/// pairs, one for each direction in which it may support the other part.
 #include <cstring>
 
 #include "stages/pairs/filter.h"
@@ -35,11 +35,11 @@ RUBBLE_HD inline bool isPrimitivePair(const SolverData& s, int a, int b) {
   return isPrimitive(s.params[a].shape.kind) && isPrimitive(s.params[b].shape.kind);
 }
 
-/// What the speed of a pair can do in a step.
+/// Bounds from the relative speed of a pair.
 struct PairSpeed {
-  Real closing;  ///< bound of the speed at which two of their points approach one another [m/s]
-  bool bullet;   ///< they may pass one another altogether: no row made before the step can tell where they
-                 ///< meet (stages/ccd/fast_bodies.h)
+  Real closing;  ///< upper bound of the closing speed of any two points [m/s]
+  bool bullet;   ///< the bodies may tunnel: no row built before the step can predict where they meet
+                 ///< (stages/ccd/fast_bodies.h)
 };
 RUBBLE_HD inline PairSpeed pairSpeed(const SolverData& s, int a, int b, const BodyParams& pa,
                                      const BodyParams& pb) {
@@ -49,14 +49,14 @@ RUBBLE_HD inline PairSpeed pairSpeed(const SolverData& s, int a, int b, const Bo
   return {closing, s.step.dt * closing > pairLength(pa, pb)};
 }
 
-/// Share of the closing speed of an impact that body `own` may take over, by the masses: all of it from a
-/// body as heavy as a third of it.
+/// Share of the closing speed of an impact that body `own` may receive, by mass [1]. It is 1 if the other
+/// body has at least a third of its mass.
 RUBBLE_HD inline Real shareOfImpact(const BodyParams& own, const BodyParams& other) {
   if (other.kind != BodyKind::Dynamic) return 1;
   return min(Real(1), 4 * other.mass / (own.mass + other.mass));
 }
 
-/// Bits of a non-negative float: they are ordered as the numbers are.
+/// Bits of a non-negative float, which are ordered as the numbers are.
 RUBBLE_HD inline int floatBits(Real a) {
   const float f = static_cast<float>(a);
   int bits;
@@ -73,29 +73,29 @@ RUBBLE_HD inline Real impactSpeedBoundOf(const SolverData& s, int a, int b) {
   return max(fromFloatBits(s.impactSpeedBound[a]), fromFloatBits(s.impactSpeedBound[b]));
 }
 
-/// Detection margin of a pair: not less than contactMargin of its size, and what it may approach in a step,
-/// up to its whole size. [m]
+/// Detection margin of a pair [m]: contactMargin of its size, or the possible approach in a step if larger.
+/// For pairs that may tunnel it is at most their size.
 RUBBLE_HD inline Real pairMargin(const SolverData& s, int a, int b, Real pairSize, const PairSpeed& speed) {
   const Real least = s.step.contactMargin * pairSize;
   if (!speed.bullet) return max(least, s.step.dt * max(speed.closing, impactSpeedBoundOf(s, a, b)));
-  // momentum that two bodies exchange over four points takes more iterations than over the one where they met
+  // exchanging momentum over four points takes more iterations than over the one point of first contact
   const bool bothMove = s.params[a].kind == BodyKind::Dynamic && s.params[b].kind == BodyKind::Dynamic;
   return bothMove ? least : pairSize;
 }
 
-/// How far apart parts of a pair may be that have to be looked at in this step. [m]
+/// Largest distance of two parts that need a test in this step [m].
 RUBBLE_HD inline Real pairReach(const SolverData& s, int a, int b) {
   const BodyParams &pa = s.params[a], &pb = s.params[b];
   return max(s.step.contactMargin * pairLength(pa, pb), s.step.dt * pairSpeed(s, a, b, pa, pb).closing);
 }
 
-/// Of two bodies with a surface among them: is it the first one's? A distance field takes any other surface
-/// as a part.
+/// Of two bodies with a surface among them: does the first one have it? Against a distance field any other
+/// surface counts as a part.
 RUBBLE_HD inline bool surfaceIsFirst(ShapeKind a, ShapeKind b) {
   return a == ShapeKind::Distance || (isSurface(a) && b != ShapeKind::Distance);
 }
 
-/// Of a pair with a surface: is it the first body's?
+/// Of a pair with a surface: is it on body A?
 RUBBLE_HD inline bool surfaceIsOnA(const SolverData& s, const Pair& p, const OrderedPair& o) {
   const ShapeKind a = s.params[o.a].shape.kind, b = s.params[o.b].shape.kind;
   return p.owner == o.a ? surfaceIsFirst(a, b) : !surfaceIsFirst(b, a);
@@ -107,7 +107,7 @@ RUBBLE_HD inline int count(const SolverData& s, const ShapeData& shape) {
   return shape.kind == ShapeKind::Compound ? s.shapeIndex[shape.data + 3] : 1;
 }
 
-/// Bounding sphere of a part: its centre less that of its body, world axes.
+/// Bounding sphere of a part: its center relative to that of its body, world axes. Returns the radius [m].
 RUBBLE_HD inline Real sphere(const SolverData& s, int body, int part, Vec3& centre) {
   const BodyParams& p = s.params[body];
   if (p.shape.kind != ShapeKind::Compound) {

@@ -1,11 +1,11 @@
 #pragma once
-/// Which bodies may meet in the step.
+/// Broad phase: the pairs of bodies that may touch in the step.
 #include "stages/executor.h"
 #include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE::pairs {
 
-/// Kernel<parts>: with a search of parts where some body has any.
+/// Runs Kernel<parts>, which searches parts only if some body has any.
 template <template <bool> class Kernel, Executor E> void forEachOwner(E& e) {
   if (e.view().generalShapes)
     e.forEach(Kernel<true>{}, e.view().bodies);

@@ -1,5 +1,5 @@
 #pragma once
-/// Queries over the grid of the broad phase, filled for the present poses: a functor a query.
+/// Queries over the grid of the broad phase, filled at the present poses. One functor call per query.
 #include "collision/probe.h"
 #include "stages/pairs/grid_walk.h"
 
@@ -9,8 +9,8 @@ enum class QueryKind : int { Ray, Cast, Overlap, Closest };
 
 struct QueryData {
   QueryKind kind;
-  ShapeData shape;  ///< of a cast and an overlap: convex or a compound, with tables of the queries' own
-  Vec3d position;   ///< of its centre; of a ray and of a closest point: the point [m]
+  ShapeData shape;  ///< of a cast and an overlap: convex or a compound, in the queries' own shape tables
+  Vec3d position;   ///< center of the shape; of a ray and of a closest-point query: the point [m]
   Quatd orientation;
   Vec3d move;    ///< [m]
   double reach;  ///< closest point: largest distance [m]
@@ -21,11 +21,11 @@ struct QueryData {
 
 struct QueryHit {
   int body;         ///< -1: none
-  double fraction;  ///< of the move; closest point: distance [m]
+  double fraction;  ///< fraction of `move`; closest point: distance [m]
   Vec3d position, n;
 };
 
-/// Half extents of the box about the centre of a query's shape [m].
+/// Half extents of the box about the center of a query's shape [m].
 RUBBLE_HD inline Vec3d extent(const QueryData& q) {
   const Vec3d half(q.shape.half);
   const Vec3d x = abs(rotate(q.orientation, Vec3d{half.x, 0, 0})),
@@ -40,8 +40,8 @@ RUBBLE_HD inline bool looksAt(const SolverData& s, const QueryData& q, int body)
   return (q.sensors != 0 || f.sensor == 0) && (f.layers & q.mask) != 0 && (q.layers & f.mask) != 0;
 }
 
-/// visit(part) for the parts of a body as a query sees them: relative to the query's place, so that far from
-/// the origin nothing is lost.
+/// visit(part) for the parts of a body relative to the query's position, which keeps precision far from the
+/// origin.
 template <class Visit>
 RUBBLE_HD void visitParts(const SolverData& s, int body, const Vec3d& origin, Visit&& visit) {
   const ShapeData& shape = s.params[body].shape;
@@ -60,10 +60,10 @@ template <class Visit> RUBBLE_HD void visitOwn(const ShapeTables& tables, const 
   for (int k = 0; k < count; ++k) visit(placedAny(tables, q.shape, {}, Quat(q.orientation), k));
 }
 
-/// Shapes count as touching within this share of the size of a shape that is cast [1].
+/// Contact tolerance of a cast over the size of its shape [1].
 inline constexpr double kCastGap = 1e-4;
 
-/// The first hit, or the nearest body. Of several at the same place the one of the lowest id.
+/// The first hit, or the nearest body. Ties go to the body of the lowest id.
 struct RunQuery {
   static constexpr const char* kStage = "queries";
   const QueryData* queries;
@@ -111,7 +111,7 @@ struct RunQuery {
   }
 };
 
-/// Bodies that a shape overlaps: found(body), in no fixed order.
+/// found(body) for the bodies that a shape overlaps, in no fixed order.
 template <class Found>
 RUBBLE_HD void searchOverlaps(const SolverData& s, const ShapeTables& tables, const QueryData& q,
                               Found&& found) {
@@ -138,7 +138,7 @@ struct CountOverlaps {
   }
 };
 
-/// Into [offsets[i], offsets[i + 1]), rising.
+/// Writes to [offsets[i], offsets[i + 1]), ascending.
 struct FillOverlaps {
   static constexpr const char* kStage = "queries";
   const QueryData* queries;

@@ -1,20 +1,20 @@
 #pragma once
 /// Chebyshev acceleration of the sweeps over solids (Wang 2015; for block descent over vertices Chen et al.
-/// 2024): an iteration is taken further along the way from the last but one,
+/// 2024): an iteration extrapolates from the last but one,
 ///
 ///   y_n = y_(n-2) + w_n (x_n - y_(n-2)),    w_n = 4 / (4 - rho^2 w_(n-1)),    w = 2 / (2 - rho^2) at first
 ///
-/// where x_n is what a sweep makes of y_(n-1), and rho its spectral radius. Vertices with contacts or
-/// attachments, whose multipliers and cones change from one iteration to the next, take no part, nor do those
-/// without tetrahedra; nor does the last iteration, which has the last word on momentum.
+/// x_n: result of a sweep over y_(n-1); rho: estimated spectral radius of a sweep. Vertices with contacts or
+/// attachments are excluded, because their multipliers and friction cones change between iterations. Vertices
+/// without tetrahedra are excluded too, and so is the last iteration, which determines the momentum.
 #include "stages/soft/vertex_graph.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// First iteration that is taken further: those before it still do away with what sweeps are good at.
+/// First accelerated iteration. The sweeps before it reduce the high-frequency error.
 inline constexpr int kFirstAccelerated = 2;
 
-/// w of iteration n.
+/// Weight w of iteration n.
 inline Real accelerationOf(Real rho, int n) {
   Real w = 1;
   for (int k = kFirstAccelerated; k <= n; ++k)

@@ -1,15 +1,16 @@
 #pragma once
-/// Contacts of the corners of bodies with surfaces of deformable objects: what vertices against bodies do not
-/// see, because it lies between the vertices. A corner has a contact with the part of a surface that is
-/// nearest to it, a triangle, an edge or a vertex. A body has kCornerSlots owners of pairs, and each stands
-/// for a share of its corners; if there are several, it has two rows with a part, one for each half of them:
-/// of those that meet the part the deepest. Corners that are far apart must not share a row: what one of them
-/// holds the other falls by.
+/// Contacts of the corners of bodies with surfaces of deformable objects. They complement vertex-body
+/// contacts, which miss a corner between the vertices.
 ///
-/// Sheets have two sides. The one that a corner is on is the one that it was on in the step before, as long
-/// as it touches; a closed surface has an outside. So has a body: what a corner is pushed by lies where the
-/// body ends there, and a side that says otherwise, which the corner has from a part of a folded sheet
-/// beside, counts for nothing.
+/// A corner has a contact with the nearest feature of a surface: a triangle, an edge or a vertex. A body has
+/// kCornerSlots owners of pairs, each of which represents a share of its corners. An owner of several corners
+/// has two rows per feature, one for each half of the corners, and a row acts on the deepest corner of its
+/// half. Corners that are far apart must not share a row, because supporting one of them would let the other
+/// fall.
+///
+/// Sheets have two sides. A corner stays on the side of the previous step as long as it touches; a closed
+/// surface has an outside. The contact normal must also agree with the outward direction of the body at the
+/// corner. A normal that does not agree comes from an adjacent part of a folded sheet and is rejected.
 #include "collision/corners.h"
 #include "stages/contacts/materials.h"
 #include "stages/pairs/filter.h"
@@ -24,7 +25,7 @@ RUBBLE_HD inline int slotOfOwner(const SolverData& s, int owner) {
   return (owner - s.vertices - s.edges) % kCornerSlots;
 }
 
-/// Is the vertex attached to that body? Then they do not collide.
+/// Is the vertex attached to that body? Attached vertices and bodies do not collide.
 RUBBLE_HD inline bool isAttached(const SolverData& s, int v, int body) {
   bool attached = false;
   visitAttachments(s, v,
@@ -32,7 +33,7 @@ RUBBLE_HD inline bool isAttached(const SolverData& s, int v, int body) {
   return attached;
 }
 
-/// To filters of bodies a vertex is what a body is that has none.
+/// To the filters of bodies a vertex counts as a body without a filter.
 RUBBLE_HD inline bool mayMeet(const SolverData& s, int v, int body) {
   if (s.filtered && (isSensor(s, body) || !filtersMeet(s.filter[body], {1, ~0u, 0, 0}))) return false;
   return isDynamicVertex(s, v) || s.params[body].kind == BodyKind::Dynamic;
@@ -41,7 +42,7 @@ RUBBLE_HD inline bool mayTouch(const SolverData& s, int v, int body) {
   return mayMeet(s, v, body) && !isAttached(s, v, body);
 }
 
-/// May corners of a body touch that part of a surface?
+/// May corners of a body touch that feature?
 RUBBLE_HD inline bool mayDent(const SolverData& s, int body, const SurfaceFeature& f) {
   if ((s.vertexParams[f.v[0]].collides & kCollidesWithBodies) == 0) return false;
   const int corners = cornersOf(f);
@@ -53,23 +54,23 @@ RUBBLE_HD inline bool mayDent(const SolverData& s, int body, const SurfaceFeatur
   return any;
 }
 
-/// A sheet has no inside: what passes it unseen is lost. Two things are not in the velocities at x^t: what
-/// stops one corner of a body turns it, so that others go up to so many times as far (the end of a rod whose
-/// other end is stopped),
+/// A sheet has no inside, so a body that tunnels through it is lost. The velocities at x^t miss two motions.
+/// First, stopping one corner of a body rotates it, so that other corners move farther by up to this factor
+/// [1]. An example is the free end of a rod whose other end stops.
 inline constexpr Real kTipping = Real(1.5);
-/// and what falls begins to. [m]
+/// Second, a body that begins to fall moves this far [m].
 RUBBLE_HD inline Real fallInStep(const SolverData& s) {
   return s.step.dt * s.step.dt * length(s.step.gravity);
 }
 
-/// Bodies whose boxes meet that of a part of a surface, so that others need not look corner by corner.
+/// Flags bodies whose boxes touch that of a feature; the corners of all other bodies need no search.
 struct FindDentingBodies {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int body) const {
     s.nearSurface[body] = isActive(s, body, 0, 1) ? 1 : 0;
   }
 
-  /// By what number `lane` of `lanes` looks at.
+  /// Share of worker `lane` of `lanes`.
   RUBBLE_HD static bool isActive(const SolverData& s, int body, int lane, int lanes) {
     if (s.bounds[body].level < 0) return false;
     const Real way = s.step.dt *
@@ -84,15 +85,15 @@ struct FindDentingBodies {
   }
 };
 
-/// A corner of a body at x^t, world axes, seen from its centre.
+/// A corner of a body at x^t, world axes, relative to the body's center.
 struct PlacedCorner {
   Vec3 at, velocity;  ///< [m], [m/s]
-  Vec3 outward;       ///< where the body ends; zero: on all sides
+  Vec3 outward;       ///< outward direction of the body at the corner; zero: all directions
   Real radius;        ///< [m]
   int part;
 };
 
-/// visit(corner) for some corners of a body.
+/// visit(corner) for a range of corners of a body.
 template <class Visit>
 RUBBLE_HD void visitCornersOf(const SolverData& s, int body, const CornerRange& range, Visit&& visit) {
   const Quat q = s.orientation[body];
@@ -102,18 +103,18 @@ RUBBLE_HD void visitCornersOf(const SolverData& s, int body, const CornerRange& 
                        c.radius, c.part});
   });
 }
-/// Those that an owner stands for.
+/// The corners that an owner represents.
 RUBBLE_HD inline CornerRange ownCorners(const SolverData& s, int owner) {
   return cornerShare(s.shapeTables(), s.params[bodyOfOwner(s, owner)].shape, slotOfOwner(s, owner),
                      kCornerSlots);
 }
-/// Rows that an owner has with a part of a surface.
+/// Number of rows that an owner has per feature.
 RUBBLE_HD inline int rowsWithPart(const SolverData& s, int owner) {
   if (owner < s.vertices + s.edges) return 1;
   const CornerRange own = ownCorners(s, owner);
   return own.end - own.begin > 1 ? 2 : 1;
 }
-/// visit(corner) for those that one of these rows stands for.
+/// visit(corner) for the corners that one of these rows represents.
 template <class Visit>
 RUBBLE_HD void visitCornersOfRow(const SolverData& s, int owner, int row, Visit&& visit) {
   CornerRange own = ownCorners(s, owner);
@@ -121,7 +122,7 @@ RUBBLE_HD void visitCornersOfRow(const SolverData& s, int owner, int row, Visit&
     (row == 0 ? own.end : own.begin) = middle;
   visitCornersOf(s, bodyOfOwner(s, owner), own, visit);
 }
-/// Which of the rows of its owner with that part a pair of a list is.
+/// Index of pair i among the rows of its owner with the same feature.
 RUBBLE_HD inline int rowOfPair(const PointPair* pair, int i) {
   return i > 0 && pair[i - 1].vertex == pair[i].vertex && pair[i - 1].other == pair[i].other ? 1 : 0;
 }
@@ -129,7 +130,7 @@ RUBBLE_HD inline int rowOfPair(const PointPair* pair, int i) {
 /// A triangle, edge or vertex of a surface.
 struct DentPart {
   int v[3], count;
-  bool rim;  ///< an edge with nothing beside it
+  bool rim;  ///< a boundary edge
 };
 /// `part`: as PointPair::other.
 RUBBLE_HD inline DentPart dentPart(const SolverData& s, int part) {
@@ -142,23 +143,23 @@ RUBBLE_HD inline DentPart dentPart(const SolverData& s, int part) {
   return p;
 }
 
-/// A corner against a part of a surface.
+/// A corner against a feature.
 struct CornerTouch {
-  bool valid;     ///< that part is the nearest, and the corner is where it is held
+  bool valid;     ///< the feature is the nearest, and the corner is within `behind` of its front side
   Vec3 n;         ///< from the surface to the corner, unit
   Real distance;  ///< of the corner from the surface; negative behind it [m]
-  Real w[3];      ///< weights of the nearest point
-  Vec3 foot;      ///< nearest point, seen from the centre of the body [m]
+  Real w[3];      ///< barycentric weights of the nearest point
+  Vec3 foot;      ///< nearest point relative to the center of the body [m]
 };
 
-/// May a surface push a corner that way, which is not out of the body? With some doubt, for a surface bends
-/// about a corner.
+/// May a surface push a corner along n, that is, into the body? The tolerance accounts for a surface that
+/// bends about a corner.
 RUBBLE_HD inline bool mayPush(const PlacedCorner& corner, const Vec3& n) {
   constexpr Real kDoubt = Real(.3);
   return dot(n, corner.outward) <= kDoubt;
 }
-/// `side`: direction in which the surface held the corner last, or zero. `behind`: how far behind the surface
-/// it is still held [m].
+/// `side`: direction in which the surface held the corner last, or zero. `behind`: largest distance behind
+/// the surface at which it is still held [m].
 RUBBLE_HD inline CornerTouch touchPart(const SolverData& s, int body, const PlacedCorner& corner,
                                        const DentPart& f, const Vec3& side, Real behind) {
   CornerTouch t;
@@ -194,8 +195,8 @@ RUBBLE_HD inline CornerTouch touchPart(const SolverData& s, int body, const Plac
   t.distance = length(gap);
   t.n = t.distance > Real(0) ? gap / t.distance : side;
   if (held && dot(t.n, side) < Real(0)) {
-    // beside a rim there is nothing to be behind of; and what lies beside an edge or vertex, and not behind
-    // it, is behind another part
+    // A corner cannot be behind a boundary edge. One that is beside an edge or vertex rather than behind it
+    // is behind another feature.
     constexpr Real kRightBehind = Real(-.7);
     if (f.rim || dot(t.n, side) > kRightBehind) return t;
     t.n = -t.n, t.distance = -t.distance;
@@ -204,7 +205,7 @@ RUBBLE_HD inline CornerTouch touchPart(const SolverData& s, int body, const Plac
   return t;
 }
 
-/// Where the owner was held by a part that shares a corner with this one.
+/// Side on which a feature that shares a vertex with this one held the owner.
 struct HeldSide {
   Vec3 side;    ///< from the surface to the body, or zero
   Real behind;  ///< [m]
@@ -219,13 +220,13 @@ RUBBLE_HD inline HeldSide heldSide(const SolverData& s, int owner, const DentPar
       for (int j = 0; j < kPointCorners && old.v[j] >= 0; ++j) shared += old.v[j] == f.v[i] ? 1 : 0;
     if (shared == 0) continue;
     out = {-old.n, old.length};
-    // the part itself
+    // the feature itself
     if (shared == f.count) return out;
   }
   return out;
 }
 
-/// L of a contact between a body and a surface: of the smaller one. [m]
+/// L of a contact between a body and a surface: that of the smaller one [m].
 RUBBLE_HD inline Real dentLength(const SolverData& s, int body, const DentPart& f) {
   const Real own = s.vertexParams[f.v[0]].length;
   return s.params[body].kind == BodyKind::Dynamic ? min(own, 2 * s.params[body].radius) : own;
@@ -236,7 +237,7 @@ RUBBLE_HD inline Vec3 partVelocity(const SolverData& s, const DentPart& f, const
   return sum;
 }
 
-/// A corner against a part, with what it may be apart from it or behind it in this step.
+/// A corner against a feature, with its gap and detection margin in this step.
 struct CornerReach {
   CornerTouch touch;
   Real gap, margin;  ///< [m]
@@ -254,8 +255,8 @@ RUBBLE_HD inline CornerReach reachPart(const SolverData& s, int body, const Plac
   return out;
 }
 
-/// found(part) for every part of a surface that a corner of this owner may touch in this step, for number
-/// `lane` of `lanes`.
+/// found(part) for every feature that a corner of this owner may touch in this step; share of worker `lane`
+/// of `lanes`.
 template <class Found>
 RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int lane, int lanes) {
   const int body = bodyOfOwner(s, owner);
@@ -286,7 +287,7 @@ RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int 
           else
             unused = k;
         }
-        // corners k and k + 1 are those that are not `unused`
+        // the corners other than `unused` are k and k + 1
         if (used == 2) part = kFeatureNode + f.edge[(unused + 1) % 3];
         if (used == 1) part = kCornerNode + f.v[last];
       }
@@ -299,8 +300,8 @@ RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int 
   });
 }
 
-/// A row of the corners of an owner (A) against a part of a surface (B): of the deepest of those that the row
-/// stands for. Returns what they start from; fills the geometry.
+/// A row between the corners of an owner (A) and a feature (B), at the deepest corner of the row. Fills the
+/// geometry and returns the initial values.
 RUBBLE_HD inline PointContactStart touchCorner(const SolverData& s, int owner, int other, int row,
                                                PointContact& p, Real& gap, Real& margin) {
   const int body = bodyOfOwner(s, owner);
@@ -320,7 +321,7 @@ RUBBLE_HD inline PointContactStart touchCorner(const SolverData& s, int owner, i
   p.part = corner.part;
   p.n = -best.touch.n;
   p.length = dentLength(s, body, f);
-  // in the middle of the gap
+  // at the middle of the gap
   p.lever = (corner.at - corner.radius * best.touch.n + best.touch.foot + point.radius * best.touch.n) *
             Real(.5);
   Real rowMass = b.mass;
@@ -337,7 +338,7 @@ RUBBLE_HD inline PointContactStart touchCorner(const SolverData& s, int owner, i
   const auto friction = [&](Real a, Real c) {
     return combined(surface.frictionCombine, point.frictionCombine, Combine::GeometricMean, a, c);
   };
-  // a row that none of its corners touches with is not active, but joins what it would
+  // an inactive row still needs a valid vertex
   if (used == 0) p.v[0] = f.v[0];
   p.muStatic = friction(surface.muStatic, point.muStatic);
   p.muDynamic = friction(surface.muDynamic, point.muDynamic);

@@ -1,7 +1,7 @@
 #pragma once
-/// Hashed grids of swept boxes with levels. A box lies in the cell of its centre, on the finest level whose
-/// cells are wide enough for it, so that one that sweeps far is alone on a coarse level and makes the
-/// searches of the others no longer.
+/// Hashed multi-level grids of swept boxes. A box lies in the cell of its center, on the finest level whose
+/// cells are wide enough for it. A box with a long sweep therefore lies on a coarse level and does not
+/// lengthen other searches.
 #include "stages/pairs/broad_phase.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -18,7 +18,7 @@ RUBBLE_HD inline bool meets(const SweptBox& a, const Vec3& centre, const Vec3& h
 
 struct BoxGrid {
   Real cell;                  ///< edge of the finest cells [m]
-  Real span;                  ///< boxes of a level are at most so many cells wide [1]
+  Real span;                  ///< boxes of a level are at most this many cells wide [1]
   int buckets;                ///< a power of two
   const int* offset;          ///< [buckets + 1] into incidence
   const BoxEntry* incidence;  ///< by bucket, in no fixed order
@@ -36,7 +36,7 @@ struct BoxGrid {
         hash32(static_cast<std::uint32_t>(z) * 64u + static_cast<std::uint32_t>(place)));
     return static_cast<int>((row + static_cast<std::uint32_t>(x)) & static_cast<std::uint32_t>(buckets - 1));
   }
-  /// The incidence of a box, and its bucket.
+  /// The entry of a box, and its bucket.
   RUBBLE_HD BoxEntry place(int kind, const SweptBox& box, int item, int& bucket) const {
     const int level = levelOf(box.half), own = kind + kBoxKinds * level;
     const Real size = cellSize(level);
@@ -46,16 +46,16 @@ struct BoxGrid {
   }
 };
 
-/// What is expected on surfaces: a triangle is about as wide as the cells.
+/// Grid of surface features: a triangle is about as wide as the finest cells.
 RUBBLE_HD inline BoxGrid featureGrid(const SolverData& s) {
   return {s.featureCell, Real(1), s.featureCells, s.featureOffset, s.featureEntry};
 }
-/// Cells are as wide as a particle, and many that fall at the same speed stay on the finest level.
+/// Grid of particles: cells are as wide as a particle, and falling particles stay on the finest level longer.
 RUBBLE_HD inline BoxGrid particleGrid(const SolverData& s) {
   return {s.particleCell, Real(4), s.particleCells, s.particleOffset, s.particle};
 }
 
-/// Notes which levels are in use, and how large the boxes there are.
+/// Records which levels are in use, and their largest half extents.
 RUBBLE_HD inline void noteBox(const SolverData& s, const BoxEntry& e) {
   const int kind = e.place % kBoxKinds, level = e.place / kBoxKinds;
   if ((s.counters->boxLevels[kind] >> level & 1) == 0) atomicSet(&s.counters->boxLevels[kind], 1 << level);
@@ -65,8 +65,8 @@ RUBBLE_HD inline void noteBox(const SolverData& s, const BoxEntry& e) {
   }
 }
 
-/// visit(x, y, z) for the cells of edge `size` that something within `reach` of `centre` may have its centre
-/// in, for number `lane` of `lanes`. Returns false, and visits none, if there are more than `most`.
+/// visit(x, y, z) for the cells of edge `size` that may hold the center of a box within `reach` of `centre`;
+/// share of worker `lane` of `lanes`. Returns false and visits no cell if there are more than `most`.
 template <class Visit>
 RUBBLE_HD bool forEachCell(const Vec3& centre, const Vec3& reach, Real size, Real most, int lane, int lanes,
                            Visit&& visit) {
@@ -82,12 +82,12 @@ RUBBLE_HD bool forEachCell(const Vec3& centre, const Vec3& reach, Real size, Rea
   }
 }
 
-/// found(item) for the boxes of a kind that meet the given one, for number `lane` of `lanes`.
+/// found(item) for the boxes of a kind that touch the given one; share of worker `lane` of `lanes`.
 template <class Found>
 RUBBLE_HD void seekBoxes(const SolverData& s, const BoxGrid& grid, int kind, const SweptBox& box,
                          Found&& found, int lane = 0, int lanes = 1) {
-  // a cell is two reads at random, an incidence a part of one in a row: beyond so many cells looking at all
-  // there is takes less
+  // A cell costs two random reads, an entry part of a sequential one. With more cells than this, a scan of
+  // all entries is cheaper.
   constexpr Real kFewCells = 512, kEntriesPerCell = 8;
   const int all = grid.offset[grid.buckets], levels = s.counters->boxLevels[kind];
   const Real most = max(kFewCells, static_cast<Real>(all) / kEntriesPerCell);

@@ -6,7 +6,7 @@
 
 namespace rubble::RUBBLE_CORE::clusters {
 
-/// Where the clusters are, and their mean velocities.
+/// Centers and mean velocities of the clusters.
 template <Executor E> void prepare(E& e) {
   const int* const begin = e.view().clusterBegin;
   if (e.view().vertices == 0) return;
@@ -31,7 +31,7 @@ template <Executor E> void solve(E& e) {
   }
 }
 
-/// Gives free objects back the angular momentum that the time step takes.
+/// Restores the angular momentum of free solids that implicit Euler dissipates.
 template <Executor E> void keepSpin(E& e) {
   if (e.view().softNodes == 0) return;
   e.forEach(SumSpins{}, e.view().clusterBegin[1]);

@@ -1,20 +1,21 @@
 #pragma once
 /// The coarse correction of deformable objects: block descent whose blocks are rigid motions of clusters of
-/// vertices, at several sizes, the largest being the whole object. A vertex-by-vertex sweep carries news one
-/// edge at a time, and does not even keep the momentum of an object; a sweep over clusters does both.
-/// Clusters are nested, fixed when the object is made (src/cook/clusters.cpp), and all of a level move at
-/// once (but the finest of solids, which only are parts of sums), under-relaxed as the groups of bodies are
-/// (coarse.h); an element that n > 2 of them share counts n/2 times in each Hessian.
+/// vertices, at several sizes up to the whole object. A vertex-by-vertex sweep propagates a correction by
+/// about one edge and does not conserve the momentum of an object; a sweep over clusters does both.
+///
+/// Clusters are nested and are fixed when the object is made (src/cook/clusters.cpp). All clusters of a level
+/// move at once, under-relaxed like aggregates (coarse.h). The finest clusters of solids do not move; they
+/// are only partial sums. An element that n > 2 clusters share counts n/2 times in each of their Hessians.
 #include "forces/group_accumulation.h"
 #include "stages/bodies/coloring.h"
 #include "stages/coarse/coarse.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Rotational Hessian that is added about every axis, over the trace of a cluster's own [1].
+/// Rotational Hessian added about every axis, over the trace of the cluster's own [1].
 inline constexpr Real kLeastTurn = Real(.01);
 
-/// Centre and mean velocity of each of the finest clusters: at x^t, and again at the initial guess.
+/// Center and mean velocity of each of the finest clusters: at x^t, and again at the initial guess.
 struct PlaceClusters {
   static constexpr const char* kStage = "clusters";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -33,7 +34,7 @@ struct PlaceClusters {
     s.clusterMotion[i].velocity = momentum / mass;
   }
 };
-/// Mass, and first moments of place and velocity.
+/// Mass, and mass-weighted sums of position and velocity.
 struct ClusterMoments {
   Real mass = 0;
   Vec3 place{0, 0, 0}, velocity{0, 0, 0};
@@ -48,7 +49,7 @@ struct ClusterMoments {
     motion.velocity = velocity / mass;
   }
 };
-/// And of those that are made of them.
+/// The same for coarser clusters, from their finest ones.
 struct PlaceLargeClusters {
   static constexpr const char* kStage = "clusters";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -60,9 +61,9 @@ struct PlaceLargeClusters {
   }
 };
 
-/// Adds a row to the vertex at a corner. Other corners of its side may move with it: the weights c_i of a
-/// side add up to 1 and so (sum c_i x_i)^2 <= sum |c_i| x_i^2, which is exact for vertices that move alike.
-/// So the Hessian counts |c_i| times, not c_i^2.
+/// Adds a row to the vertex at one of its corners. Other corners of the same side may move with it. The
+/// weights c_i of a side add up to 1, so (sum c_i x_i)^2 <= sum |c_i| x_i^2, with equality for vertices that
+/// move alike. The Hessian therefore counts |c_i| times, not c_i^2.
 template <class Row, class Add> RUBBLE_HD void addShared(const Row& row, int corner, Block3& to, Add&& add) {
   const Real share = std::fabs(row.weight[corner]);
   if (!(share > Real(0))) return;
@@ -81,11 +82,11 @@ RUBBLE_HD inline bool withinObject(const SolverData& s, const PointContact& p) {
   return within;
 }
 
-/// No group is moved; depths are larger.
+/// For a block that moves without any aggregate: all depths are larger.
 inline constexpr int kNoLevel = -1;
-/// Adds the share of number `lane` of `lanes` in the inertia, loads, attachments and contacts of a vertex;
-/// rows inside of groups of `level` are left out, and contacts of its object with itself go to `self`.
-/// Returns whether there are any.
+/// Adds the share of worker `lane` of `lanes` of the inertia, loads, attachments and contacts of a vertex.
+/// Rows inside aggregates of `level` are left out. Contacts of the object with itself are added to `self`;
+/// returns whether there are any.
 template <bool surfaces>
 RUBBLE_HD bool addFromOutside(const SolverData& s, int v, int lane, int lanes, int level, Block3& own,
                               Block3& self) {
@@ -111,9 +112,9 @@ RUBBLE_HD bool addFromOutside(const SolverData& s, int v, int lane, int lanes, i
   return touchesSelf;
 }
 
-/// Inertia, contacts, attachments and loads of the vertices of one of the finest clusters, about its centre.
-/// `surfaces`: some objects have surfaces that collide, maybe with themselves, and their vertices many
-/// contacts.
+/// Inertia, contacts, attachments and loads of the vertices of one of the finest clusters, about its center.
+/// `surfaces`: objects with colliding surfaces exist; their vertices may have many contacts, also within the
+/// object.
 template <bool surfaces> struct SumCluster {
   static constexpr const char* kStage = "clusters";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -129,7 +130,7 @@ template <bool surfaces> struct SumCluster {
     }
   }
 
-  /// Adds the share of number `lane` of `lanes` in a vertex; returns whether its object touches itself there.
+  /// Adds the share of worker `lane` of `lanes` of a vertex. Returns whether its object touches itself there.
   RUBBLE_HD static bool addVertex(const SolverData& s, int v, const Vec3& centre, int lane, int lanes,
                                   Block6& sum, Block6& inner) {
     Block3 own, self;
@@ -140,7 +141,7 @@ template <bool surfaces> struct SumCluster {
   }
 };
 
-/// Cluster i of a level: its vertices, and the elements that leave it.
+/// Cluster i of a level: its vertices, and the elements on its boundary.
 struct SolveCluster {
   static constexpr const char* kStage = "clusters";
   int level;
@@ -154,14 +155,14 @@ struct SolveCluster {
     motion.step = stepOf(block);
   }
 
-  /// Adds the vertices of chunk k.
+  /// Adds the vertices of finest cluster k.
   RUBBLE_HD static void addSlice(const SolverData& s, const Cluster& c, int k, const Vec3& centre,
                                  Block6& block) {
     const ClusterMotion& chunk = s.clusterMotion[k];
     const Vec3 shift = chunk.centre - centre;
-    const Block6 sum = chunk.sum;  // a copy: read at once
+    const Block6 sum = chunk.sum;  // a copy: issues all loads at once
     addShifted(block, sum, shift);
-    // the whole object feels nothing of what it does to itself
+    // contacts of an object with itself are invariant under a motion of the whole object
     if (s.features > 0 && c.parent >= 0 && chunk.folded) addShifted(block, chunk.inner, shift);
   }
   RUBBLE_HD static void addLeaving(const SolverData& s, const ClusterRef& ref, const Vec3& centre,
@@ -169,7 +170,7 @@ struct SolveCluster {
     forEachType(ElementTypes{}, [&]<class F>() {
       if constexpr (!kIsLoad<F>) {
         if (ref.type != typeIndex<F>(ElementTypes{})) return;
-        const F e = s.elementsOf<F>()[ref.index];  // a copy: read at once
+        const F e = s.elementsOf<F>()[ref.index];  // a copy: issues all loads at once
         if (!e.alive) return;
         Vec3 x[F::kCorners];
         gatherCorners(s, e, x);
@@ -178,15 +179,15 @@ struct SolveCluster {
     });
   }
   RUBBLE_HD static Vec6 stepOf(Block6& block) {
-    // vertices on one line do not resist a turn about it: all axes get a little of what the others resist
-    // with
+    // Collinear vertices do not resist a rotation about their line. Every axis gets a small share of the
+    // trace.
     const Real least = kLeastTurn * (block.aa.xx + block.aa.yy + block.aa.zz);
     block.aa.xx += least, block.aa.yy += least, block.aa.zz += least;
     return aggregateStep(block);
   }
 };
 
-/// Moves the vertices of one of the finest clusters with the cluster of a level that it belongs to.
+/// Moves the vertices of one of the finest clusters with the cluster of a level that contains it.
 struct MoveCluster {
   static constexpr const char* kStage = "clusters";
   int level;
@@ -194,13 +195,13 @@ struct MoveCluster {
     for (int k = s.cluster[i].begin; k < s.cluster[i].end; ++k) moveMember(s, i, k);
   }
 
-  /// Moves the k-th member, which is of the finest cluster i.
+  /// Moves the k-th member, which belongs to finest cluster i.
   RUBBLE_HD void moveMember(const SolverData& s, int i, int k) const {
     int owner = i;
     for (int n = 0; n < level && owner >= 0; ++n) owner = s.cluster[owner].parent;
     if (owner < 0) return;
     const ClusterMotion& motion = s.clusterMotion[owner];
-    // an exact rotation: the elements inside feel nothing of it
+    // an exact rotation: the elements inside are invariant under it
     const Quat turn = expRotation(motion.step.ang);
     const int v = s.clusterMember[k];
     const Vec3 at = s.vertexPlace[v] - motion.centre, move = motion.step.lin + rotate(turn, at) - at;

@@ -1,43 +1,45 @@
 #pragma once
-/// Surfaces of deformable objects that do not cross in a step do not cross at its end.
+/// Continuous collision detection between surfaces: surfaces of deformable objects that do not cross at x^t
+/// do not cross at the end of the step.
 ///
-/// Rows keep surfaces apart by their thickness, as well as a few iterations can. What they leave is checked
-/// here: the way of every vertex from x^t to where the iterations have put it, a straight line, for meetings
-/// of vertices with triangles and of edges with edges. Surfaces that start apart can not cross without such a
-/// meeting (neighbours that share a corner can not either). Where two parts would come nearer than a part of
-/// their distance, the approach of their nearest points ends at that time: opposite changes of the ways of
-/// their corners, shared out by mass along the line between the points, as of an impact without rebound. All
-/// such pairs at once, again and again; after kDeflections rounds the corners of those that are left go half
-/// the way, then a quarter, and at last stay where they are, which is free of crossings. Where that lets
-/// others meet, round after round, as in a tangle, whole objects stay, and at last all that is near to
-/// anything: the rounds are bounded.
+/// Rows keep surfaces apart by their thickness, as far as a few iterations converge. This pass checks what
+/// remains: the straight motion of every vertex from x^t to its solved position, for vertex-triangle and
+/// edge-edge impacts. Surfaces that start apart, neighbors that share a vertex included, cannot cross without
+/// such an impact.
 ///
-/// Nothing else bounds a motion: ways on which no parts meet are not touched, however long they are and
-/// however near the parts lie. The velocity follows from where a vertex ends, as everywhere.
+/// Where two features would come nearer than a share of their distance, the approach of their nearest points
+/// ends at that time. The motions of their vertices change by an inelastic impulse along the line between the
+/// points, shared by mass. All such pairs are processed at once, in several rounds. After kDeflections rounds
+/// the vertices of the remaining pairs halve their motion repeatedly and finally stay at x^t, which is free
+/// of crossings. If that causes further impacts, as in a tangle, whole objects stay, and finally everything
+/// near another feature. The number of rounds is bounded.
+///
+/// Other motions do not change, however long they are and however near the features lie. The velocity follows
+/// from the final position of a vertex.
 #include "stages/soft/feature_contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// In a step two parts come no nearer than this share of their radii [1], or ...
+/// In a step two features come no nearer than this share of their radii [1], or ...
 inline constexpr Real kLeastSurfaceGap = Real(.25);
 /// ... this share of their distance, if that is less [1].
 inline constexpr Real kLeastSurfaceShare = Real(.8);
-/// What a change adds to the distance at a meeting, in distances that the parts may come nearer by: else it
-/// would be met again [1].
+/// Clearance added at an impact, over the distance by which the features may approach [1]. Without it the
+/// same impact would be found again.
 inline constexpr Real kClearance = Real(.2);
-/// Rounds in which ways are changed, at most, and pairs for each vertex and edge of an object that may be
-/// looked at in all of them: the more pairs a tangle has, the fewer rounds.
+/// Largest number of rounds that deflect motions. Also the number of pairs per vertex and edge of an object
+/// that may be processed in all rounds: a tangle with more pairs gets fewer rounds.
 inline constexpr int kDeflections = 20, kDeflectedPairs = 32 * kDeflections;
-/// Halvings of a way after which nothing of it is left, and rounds for that: to stop one vertex may let
-/// others meet it.
+/// Halvings of a motion after which it is zero, and rounds for them. Stopping one vertex may cause impacts of
+/// others.
 inline constexpr int kMostHalvings = 3, kCuts = 8;
-/// Rounds in which whole objects stay, before all that may meet anything does.
+/// Rounds in which whole objects stay, before every vertex near a feature does.
 inline constexpr int kStays = 4;
-/// No step has more rounds than these: what is not resolved then does not move, and nothing that stands still
-/// crosses.
+/// Largest number of rounds in a step. Vertices that are unresolved then do not move, and vertices at x^t do
+/// not cross.
 inline constexpr int kMostCrossingRounds = kDeflections + kCuts + kStays + 1;
 
-/// Rounds of this step in which ways of the object of a vertex are changed.
+/// Number of rounds in this step that deflect the object of a vertex.
 RUBBLE_HD inline int deflections(const SolverData& s, int v) {
   const VertexRepair& object = s.vertexRepair[s.vertexParams[v].first];
   const Real most = static_cast<Real>(kDeflections),
@@ -45,7 +47,7 @@ RUBBLE_HD inline int deflections(const SolverData& s, int v) {
   return static_cast<int>(clamp(kDeflectedPairs * share, Real(1), most));
 }
 
-/// Clears what the step before has left. Before the grid is filled: boxes hold all detours.
+/// Resets the state of a vertex. Runs before the grid is filled, because the boxes include all detours.
 struct BeginCrossings {
   static constexpr const char* kStage = "crossings";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
@@ -55,8 +57,8 @@ struct BeginCrossings {
   }
 };
 
-/// found(feature) for the features that an owner may meet, whatever detours they take, for number `lane` of
-/// `lanes`.
+/// found(feature) for the features that an owner may meet within their longest detours; share of worker
+/// `lane` of `lanes`.
 template <class Found>
 RUBBLE_HD void searchNear(const SolverData& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
   if (!ownsFeatures(s, owner)) return;
@@ -117,8 +119,7 @@ struct WriteNear {
   }
 };
 
-/// The meeting of an owner with a feature, if there is one. `clear`: how much further apart they are to stay
-/// [m].
+/// The impact of an owner and a feature, if there is one. `clear`: additional clearance [m].
 RUBBLE_HD inline bool findCrossing(const SolverData& s, const NearFeature& near, NearParts& p,
                                    FeatureMeeting& m, Real& clear) {
   p = nearParts(s, near.owner, kFeatureNode + near.feature);
@@ -131,7 +132,7 @@ RUBBLE_HD inline bool findCrossing(const SolverData& s, const NearFeature& near,
   return m.meets;
 }
 
-/// Counts the meetings of each vertex.
+/// Counts the impacts of each vertex.
 struct CountCrossings {
   static constexpr const char* kStage = "crossings";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -154,7 +155,7 @@ RUBBLE_HD inline void deflect(const SolverData& s, const NearParts& p, const Fea
     const VertexParams& own = s.vertexParams[p.v[k]];
     rate += m.c[k] * dot(m.n, foundWay(s, p.v[k]));
     if (own.kind == VertexKind::Dynamic) mobility += m.c[k] * m.c[k] / own.mass;
-    // changes of all meetings of a vertex add up
+    // the changes of all impacts of a vertex add up
     share = max(share, s.vertexRepair[p.v[k]].before);
   }
   const Real change = ((Real(1) - m.time) * max(Real(0), -rate) + clear) /
@@ -173,7 +174,7 @@ RUBBLE_HD inline void deflect(const SolverData& s, const NearParts& p, const Fea
   }
 }
 
-/// Takes the changes that the last round found. Called as often as there is crossingWork.
+/// Applies the changes of the last round. Runs over crossingWork elements.
 struct TakeWays {
   static constexpr const char* kStage = "crossings";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
@@ -188,8 +189,8 @@ struct TakeWays {
       if (r.detour == Vec3{0, 0, 0}) atomicCount(&s.counters->deflected, 1);
       Vec3 wanted = r.detour + r.unit * Vec3{static_cast<Real>(r.shift[0]), static_cast<Real>(r.shift[1]),
                                              static_cast<Real>(r.shift[2])};
-      // boxes of the grid hold no longer ones; a step that is cut to this is found again, and dealt with by
-      // cutting ways
+      // The boxes of the grid hold no longer detour. A detour that is clipped here is found again and
+      // resolved by halving the motion.
       const Real most = r.unit * static_cast<Real>(FoundWay::kDetourUnits), size = length(wanted);
       if (size > most) wanted = wanted * (most / size);
       move = wanted - r.detour;
@@ -208,8 +209,8 @@ struct TakeWays {
   }
 };
 
-/// Finds what is left, and how to change it. Pairs that did not meet and whose ways are as they were are not
-/// looked at again.
+/// Finds the remaining impacts and their changes. Pairs without an impact whose motions did not change are
+/// skipped.
 struct ProposeWays {
   static constexpr const char* kStage = "crossings";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {

@@ -1,22 +1,23 @@
 #pragma once
-/// Contacts of surfaces: which parts of them are near, and the rows of such a pair. A vertex has a contact
-/// with the part of a surface that is nearest to it, be it a triangle, an edge or a corner, and so only one
-/// with a corner that many triangles share; edges that cross have one where neither ends.
+/// Contacts between surfaces: which features are near, and the rows of such a pair. A vertex has one contact
+/// with the nearest feature of a surface, a triangle, an edge or a vertex, so a vertex shared by many
+/// triangles gives only one contact. Edges have a contact with each other where they cross in their
+/// interiors.
 #include "solver/warmstart.h"
 #include "stages/soft/features.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Corners of the two sides of a pair at x^t, and their nearest points.
+/// Vertices of the two sides of a pair at x^t, and their nearest points.
 struct NearParts {
   int v[kPointCorners];   ///< side A first
-  int sideA, count;       ///< corners of side A; of both
-  Vec3 x[kPointCorners];  ///< seen from the first corner [m]
+  int sideA, count;       ///< vertices of side A; of both sides
+  Vec3 x[kPointCorners];  ///< relative to the first vertex [m]
   Real c[kPointCorners];  ///< weights, see collision/features.h
   Vec3 gap;               ///< p_A - p_B [m]
 };
 
-/// Nearest points of a vertex and a corner, an edge or a triangle, or of two edges, whose corners are set.
+/// Nearest points of a vertex and a vertex, edge or triangle, or of two edges, for the given vertices.
 RUBBLE_HD inline void findNearest(NearParts& p) {
   p.c[0] = Real(1);
   if (p.sideA == 2 || p.count == 4) {
@@ -32,7 +33,7 @@ RUBBLE_HD inline void findNearest(NearParts& p) {
   }
 }
 
-/// The owner of a pair and a feature, or a corner (kCornerNode + index).
+/// The features of a pair. `other`: a feature (kFeatureNode + index) or a vertex (kCornerNode + index).
 RUBBLE_HD inline NearParts nearParts(const SolverData& s, int owner, int other) {
   NearParts p;
   int own[2];
@@ -50,7 +51,7 @@ RUBBLE_HD inline NearParts nearParts(const SolverData& s, int owner, int other) 
   return p;
 }
 
-/// Speed at which the nearest points come nearer, and that of one from the other. [m/s]
+/// Velocity of the nearest point of side A relative to that of side B [m/s].
 RUBBLE_HD inline Vec3 relativeVelocity(const SolverData& s, const NearParts& p) {
   Vec3 sum{0, 0, 0};
   for (int k = 0; k < p.count; ++k) sum += p.c[k] * s.vertexVelocity[p.v[k]];
@@ -64,11 +65,11 @@ RUBBLE_HD inline Real bothRadii(const SolverData& s, const NearParts& p) {
   return s.vertexParams[p.v[0]].surfaceRadius + s.vertexParams[p.v[p.sideA]].surfaceRadius;
 }
 
-/// Parts of one surface that are neighbours at rest keep this share of their distance there, and not their
-/// thickness if that is more [1].
+/// Features of one surface that are closer at rest than the thickness keep only this share of their rest
+/// distance [1].
 inline constexpr Real kRestShare = Real(.5);
 
-/// Distance that a pair of parts keeps [m].
+/// Distance that a pair of features keeps [m].
 RUBBLE_HD inline Real touchDistance(const SolverData& s, const NearParts& p) {
   const Real radii = bothRadii(s, p);
   if (s.vertexParams[p.v[0]].first != s.vertexParams[p.v[p.sideA]].first) return radii;
@@ -78,11 +79,11 @@ RUBBLE_HD inline Real touchDistance(const SolverData& s, const NearParts& p) {
   return min(radii, kRestShare * length(rest.gap));
 }
 
-/// Is an edge of a surface (corners a, b of `parts`) where the surface bends away from the other edge? In the
-/// flat, and where it bends towards it, contacts of vertices hold the surfaces apart already. `towards`: from
-/// the nearest point of the edge to that of the other.
+/// Does the surface bend away from the other edge at an edge (vertices a, b of `parts`)? Where it is flat, or
+/// bends towards the other edge, vertex contacts keep the surfaces apart already. `towards`: from the nearest
+/// point of the edge to that of the other.
 RUBBLE_HD inline bool bendsAway(const SolverData& s, const SurfaceFeature& edge, const Vec3& towards) {
-  // an edge of one triangle, or of none, is a rim
+  // an edge with fewer than two triangles is a boundary
   if (edge.opposite[0] < 0 || edge.opposite[1] < 0) return true;
   const Vec3 along(s.vertexPosition[edge.v[1]] - s.vertexPosition[edge.v[0]]);
   Real rise = 0;
@@ -96,9 +97,9 @@ RUBBLE_HD inline bool bendsAway(const SolverData& s, const SurfaceFeature& edge,
   return rise < kBend;
 }
 
-/// What the nearest point of a feature belongs to: the feature, one of its edges or a corner, as
-/// PointPair::other. -1: the contact is that of other pairs (two edges whose nearest points are not inside of
-/// both, or that are flat there).
+/// The feature in which the nearest point lies: the given one, one of its edges or a vertex, as
+/// PointPair::other. -1 if other pairs represent the contact: for two edges whose nearest points are not
+/// interior, or at which the surfaces are flat.
 RUBBLE_HD inline int nearestPart(const SolverData& s, const NearParts& p, int own, int feature) {
   if (p.sideA == 2) {
     for (int k = 0; k < 4; ++k)
@@ -113,16 +114,15 @@ RUBBLE_HD inline int nearestPart(const SolverData& s, const NearParts& p, int ow
     else
       unused = k;
   }
-  // of two corners each of which sees the other it is the contact of the lower one; particles are seen by
-  // nobody
+  // of two vertices that see each other the lower one owns the contact; particles own no such pair
   if (used == 1)
     return p.v[last] > p.v[0] || s.vertexParams[p.v[0]].cluster < 0 ? kCornerNode + p.v[last] : -1;
-  // corners k and k + 1 are those that are not `unused`: edge k of the three
+  // the vertices other than `unused` are k and k + 1: edge k of the three
   if (p.count == 4 && used == 2) return kFeatureNode + s.feature[feature].edge[unused % 3];
   return kFeatureNode + feature;
 }
 
-/// Corners of a part of a surface, as PointPair::other.
+/// Vertices of a feature, as PointPair::other.
 RUBBLE_HD inline int partCorners(const SolverData& s, int part, int (&v)[3]) {
   if (part < kFeatureNode) {
     v[0] = part - kCornerNode;
@@ -133,8 +133,8 @@ RUBBLE_HD inline int partCorners(const SolverData& s, int part, int (&v)[3]) {
   return cornersOf(f);
 }
 
-/// Is a part of a surface a side or corner of another? A vertex has a contact with the larger one only: no
-/// point of it is further away.
+/// Is feature `part` an edge or vertex of feature `larger`? A vertex has a contact with the larger one only,
+/// because it is at least as near.
 RUBBLE_HD inline bool isSideOf(const SolverData& s, int part, int larger) {
   if (part < kCornerNode || larger < kFeatureNode || part == larger) return false;
   int v[3], w[3];
@@ -148,12 +148,13 @@ RUBBLE_HD inline bool isSideOf(const SolverData& s, int part, int larger) {
   return true;
 }
 
-/// Leaves out the parts that are sides of others, of a list of partners; returns how many are left.
+/// Removes features that are edges or vertices of others from a list of partners; returns the remaining
+/// number.
 RUBBLE_HD inline int dropSides(const SolverData& s, int owner, int count, int* partner, int stride) {
   if (owner >= s.vertices && owner < s.vertices + s.edges) return count;
   int kept = 0;
   for (int i = 0; i < count; ++i) {
-    // those left out so far are behind `kept`, and sides of parts that are still there
+    // entries removed so far are behind `kept`; they are parts of features that remain
     bool side = false;
     for (int k = 0; k < count && !side; ++k)
       side = (k < kept || k > i) && isSideOf(s, partner[i * stride], partner[k * stride]);
@@ -162,8 +163,8 @@ RUBBLE_HD inline int dropSides(const SolverData& s, int owner, int count, int* p
   return kept;
 }
 
-/// found(part) for every part of a surface that the owner, a vertex or an edge, may touch in this step, for
-/// number `lane` of `lanes`. One part may be found several times.
+/// found(part) for every feature that the owner, a vertex or an edge, may touch in this step; share of worker
+/// `lane` of `lanes`. A feature may be found several times.
 template <class Found>
 RUBBLE_HD void searchFeatures(const SolverData& s, int owner, Found&& found, int lane, int lanes) {
   if (!ownsFeatures(s, owner)) return;
@@ -181,15 +182,14 @@ RUBBLE_HD void searchFeatures(const SolverData& s, int owner, Found&& found, int
   seekFeatures(s, corners == 1 ? FeatureKind::Triangle : FeatureKind::Edge, box, look, lane, lanes);
 }
 
-/// Rows of a vertex or edge (A) against a part of a surface (B). Returns what they start from; fills the
-/// geometry.
+/// Rows of a vertex or edge (A) against a feature (B). Fills the geometry and returns the initial values.
 RUBBLE_HD inline PointContactStart touchFeature(const SolverData& s, int owner, int other, PointContact& p,
                                                 Real& gap, Real& margin) {
   const NearParts parts = nearParts(s, owner, other);
   const VertexParams &pa = s.vertexParams[parts.v[0]], &pb = s.vertexParams[parts.v[parts.sideA]];
   const Real distance = length(parts.gap);
   gap = distance - touchDistance(s, parts);
-  // surfaces that touch have no direction to be held apart in
+  // at zero distance there is no contact normal
   margin = distance > Real(0) ? featureMargin(s, parts) : -std::fabs(gap) - Real(1);
   p.n = distance > Real(0) ? -parts.gap / distance : Vec3{0, 0, 1};
   p.body = -1;

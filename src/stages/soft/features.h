@@ -1,6 +1,6 @@
 #pragma once
-/// Triangles and edges of the surfaces of deformable objects: a grid with levels that is filled twice a step,
-/// first with the boxes in which they are expected, then with those in which the iterations have put them
+/// Triangles and edges of the surfaces of deformable objects, in a multi-level grid. It is filled twice per
+/// step: first with the predicted boxes, then with those of the motions that the iterations have found
 /// (crossings.h).
 #include "collision/features.h"
 #include "stages/soft/box_grid.h"
@@ -12,8 +12,7 @@ RUBBLE_HD inline bool isOnSurface(const SolverData& s, int v) {
   return (s.vertexParams[v].collides & (kCollidesWithSurfaces | kCollidesWithSelf)) != 0;
 }
 
-/// Where vertices are expected before the iterations: along their velocities; and how far from there rows are
-/// wanted.
+/// Predicted motion of a vertex along its velocity, and the reach within which rows are wanted.
 struct ExpectedWay {
   RUBBLE_HD static Vec3 way(const SolverData& s, int v) { return s.step.dt * s.vertexVelocity[v]; }
   RUBBLE_HD static Real reach(const SolverData& s, int v) {
@@ -21,11 +20,11 @@ struct ExpectedWay {
   }
 };
 
-/// How far a vertex may be led off its way where surfaces would cross: this many radii of its surface and
-/// this share of its way [1].
+/// Largest detour of a vertex that avoids a crossing: this many radii of its surface, plus this share of its
+/// motion [1].
 inline constexpr Real kDetourRadii = 2, kDetourShare = Real(.5);
-/// The way that the iterations have found; none if it is not finite, for then the vertex stays where it is
-/// (FinishVertices).
+/// The motion that the iterations have found. It is zero if it is not finite, because the vertex then does
+/// not move (FinishVertices).
 RUBBLE_HD inline Vec3 foundWay(const SolverData& s, int v) {
   return isFinite(s.vertexMoved[v]) ? s.vertexMoved[v] : Vec3{0, 0, 0};
 }
@@ -33,19 +32,19 @@ RUBBLE_HD inline Real longestDetour(const SolverData& s, int v) {
   return kDetourRadii * s.vertexParams[v].surfaceRadius + kDetourShare * length(foundWay(s, v));
 }
 
-/// Where the iterations have put them.
+/// Motion of a vertex as found by the iterations.
 struct FoundWay {
   RUBBLE_HD static Vec3 way(const SolverData& s, int v) { return foundWay(s, v); }
   RUBBLE_HD static Real reach(const SolverData& s, int v) {
-    // as it was when the grid was filled
+    // the value with which the grid was filled
     return s.vertexParams[v].surfaceRadius + s.vertexRepair[v].unit * kDetourUnits;
   }
-  /// The longest detour in units of VertexRepair: more than enough digits, and room for a thousand of them in
-  /// a sum.
+  /// The longest detour in units of VertexRepair. The resolution is ample, and a sum has room for a thousand
+  /// detours.
   static constexpr int kDetourUnits = 1 << 20;
 };
 
-/// `corners` of v are used.
+/// `v` has `corners` vertices.
 template <class Way> RUBBLE_HD SweptBox sweptBox(const SolverData& s, const int* v, int corners) {
   Vec3 low{0, 0, 0}, high{0, 0, 0};
   for (int k = 0; k < corners; ++k) {
@@ -63,7 +62,7 @@ template <class Way> RUBBLE_HD SweptBox sweptBox(const SolverData& s, const int*
 
 RUBBLE_HD inline int cornersOf(const SurfaceFeature& f) { return f.kind == FeatureKind::Triangle ? 3 : 2; }
 
-/// A torn triangle is no longer there, nor an edge that has lost all its triangles or its spring.
+/// Does the feature exist? A torn triangle does not, nor does an edge without its triangles or spring.
 RUBBLE_HD inline bool isThere(const SolverData& s, const SurfaceFeature& f) {
   if (f.source[0] == kNoSource) return true;
   for (const std::uint32_t source : f.source) {
@@ -101,7 +100,7 @@ template <class Way> struct FillFeatures {
   }
 };
 
-/// The second filling starts anew.
+/// Resets the levels before the second filling.
 struct ForgetFeatureLevels {
   static constexpr const char* kStage = "surfaces";
   RUBBLE_HD void operator()(const SolverData& s, int kind) const {
@@ -110,14 +109,15 @@ struct ForgetFeatureLevels {
   }
 };
 
-/// found(feature) for those of a kind whose boxes meet the given one, for number `lane` of `lanes`.
+/// found(feature) for the features of a kind whose boxes touch the given one; share of worker `lane` of
+/// `lanes`.
 template <class Found>
 RUBBLE_HD void seekFeatures(const SolverData& s, FeatureKind kind, const SweptBox& box, Found&& found,
                             int lane = 0, int lanes = 1) {
   seekBoxes(s, featureGrid(s), static_cast<int>(kind), box, found, lane, lanes);
 }
 
-/// Does an attachment hold the two vertices to one another?
+/// Does an attachment connect the two vertices?
 RUBBLE_HD inline bool areJoined(const SolverData& s, int a, int b) {
   bool joined = false;
   visitAttachments(s, a, [&](const Attachment& seam) {
@@ -127,8 +127,8 @@ RUBBLE_HD inline bool areJoined(const SolverData& s, int a, int b) {
   return joined;
 }
 
-/// May a vertex or an edge (corners a) meet a feature? Neighbours that share a corner do not, nor do surfaces
-/// that an attachment joins there.
+/// May a vertex or an edge (vertices a) collide with a feature? Features that share a vertex do not, nor do
+/// surfaces that an attachment connects there.
 RUBBLE_HD inline bool mayMeet(const SolverData& s, const int* a, int corners, const SurfaceFeature& f) {
   const int others = cornersOf(f);
   bool moves = false;
@@ -148,7 +148,7 @@ RUBBLE_HD inline bool mayMeet(const SolverData& s, const int* a, int corners, co
   return true;
 }
 
-/// Corners of the owner of a pair: one vertex, or the two of an edge.
+/// Vertices of the owner of a pair: one, or the two of an edge.
 RUBBLE_HD inline int ownerCorners(const SolverData& s, int owner, int (&v)[2]) {
   if (owner < s.vertices) {
     v[0] = owner;

@@ -1,6 +1,6 @@
 #pragma once
-/// Deformable objects: contacts of vertices, elements and attachments, and their place in the graph. Nothing
-/// happens in worlds without vertices.
+/// Deformable objects: contacts of vertices, elements and attachments, and their nodes in the graph. All
+/// phases return at once in worlds without vertices.
 #include "stages/executor.h"
 #include "stages/soft/acceleration.h"
 #include "stages/soft/crossings.h"
@@ -11,7 +11,7 @@
 
 namespace rubble::RUBBLE_CORE::soft {
 
-/// Kernel<F> over all elements of each type.
+/// Runs Kernel<F> over all elements of each type.
 template <template <class> class Kernel, Executor E> void forEachElement(E& e) {
   forEachType(ElementTypes{},
               [&]<class F>() { e.forEach(Kernel<F>{}, e.view().elements[typeIndex<F>(ElementTypes{})]); });
@@ -19,7 +19,7 @@ template <template <class> class Kernel, Executor E> void forEachElement(E& e) {
 
 inline int tetrahedra(const SolverData& s) { return s.elements[typeIndex<Tetrahedron>(ElementTypes{})]; }
 
-/// The triangles and edges of surfaces, in a grid.
+/// Fills the grid of triangles and edges.
 template <class Way, Executor E> void fillFeatures(E& e) {
   const int features = e.view().features, cells = e.view().featureCells;
   e.forEach(ForgetFeatureLevels{}, kFeatureKinds);
@@ -29,7 +29,7 @@ template <class Way, Executor E> void fillFeatures(E& e) {
   e.forEach(FillFeatures<Way>{}, features);
 }
 
-/// What each vertex and edge is near to.
+/// Finds the partners of vertices, edges and corners of bodies.
 template <Executor E> void findPairs(E& e) {
   const SolverData& s = e.view();
   if (s.vertices == 0) return;
@@ -50,7 +50,7 @@ template <Executor E> void findPairs(E& e) {
   e.forEach(WritePointPairs{}, owners);
 }
 
-/// Contacts, elements and attachments at x^t.
+/// Builds contacts, elements and attachments at x^t.
 template <Executor E> void prepare(E& e) {
   const int vertices = e.view().vertices;
   if (vertices == 0) return;
@@ -61,14 +61,14 @@ template <Executor E> void prepare(E& e) {
   e.forEach(BeginAttachments{}, e.view().attachments);
 }
 
-/// Inertial targets and initial guesses, and the contacts that stay open at these.
+/// Inertial targets and initial guesses. Deactivates contacts that stay open at the targets.
 template <Executor E> void predict(E& e) {
   if (e.view().vertices == 0) return;
   e.forEach(PredictVertices{}, e.view().vertices);
   e.forEach(MarkInactivePoints{}, &Counters::pointPairs);
 }
 
-// Row blocks of vertices among those of bodies, and colors.
+// Constraints of vertices in the incidence lists of bodies, and colors.
 
 template <Executor E> void countIncidences(E& e) {
   if (e.view().vertices == 0) return;
@@ -96,7 +96,7 @@ template <Executor E> void listColors(E& e) {
   e.forEach(FillVertexColors{}, vertices);
 }
 
-/// Takes solids further than the sweep took them.
+/// Chebyshev acceleration of solids after the sweep.
 template <Executor E> void accelerate(E& e, int iteration) {
   const StepConstants& c = e.view().step;
   const bool last = iteration + 1 == c.iterations;
@@ -106,7 +106,7 @@ template <Executor E> void accelerate(E& e, int iteration) {
   e.forEach(AccelerateVertices{iteration, accelerationOf(c.acceleration, iteration)}, e.view().vertices);
 }
 
-/// After the dual updates of contacts and joints, with which these share nothing.
+/// Runs beside the dual updates of contacts and joints, with which it shares no data.
 template <Executor E> void updateDuals(E& e) {
   if (e.view().vertices == 0) return;
   e.beside(UpdatePointDuals{}, &Counters::pointPairs);
@@ -117,7 +117,7 @@ template <Executor E> void updateDuals(E& e) {
   e.beside(UpdateAttachmentDuals{}, e.view().attachments);
 }
 
-/// Ends ways on which surfaces would cross.
+/// Changes motions by which surfaces would cross.
 template <Executor E> void keepApart(E& e) {
   const SolverData& s = e.view();
   if (s.features == 0) return;
@@ -132,7 +132,7 @@ template <Executor E> void keepApart(E& e) {
            &Counters::crossingRounds);
 }
 
-/// What contacts and attachments bore, what yields and what breaks.
+/// Stores multipliers of contacts and attachments; plastic flow and breakage.
 template <Executor E> void finishRows(E& e) {
   const SolverData& s = e.view();
   if (s.vertices == 0) return;
@@ -144,7 +144,7 @@ template <Executor E> void finishRows(E& e) {
   e.forEach(FinishAttachments{}, s.attachments);
 }
 
-/// Places and velocities at the end of the step.
+/// Positions and velocities at the end of the step.
 template <Executor E> void finish(E& e) { e.forEach(FinishVertices{}, e.view().vertices); }
 
 }  // namespace rubble::RUBBLE_CORE::soft

@@ -1,5 +1,5 @@
 #pragma once
-/// Attachments and contacts of vertices as their two sides see them.
+/// Attachments and contacts of vertices, as seen from a body and from a vertex.
 #include "stages/contacts/contacts.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -8,9 +8,9 @@ RUBBLE_HD inline bool isDynamicVertex(const SolverData& s, int v) {
   return s.vertexParams[v].kind == VertexKind::Dynamic;
 }
 
-/// sum c_i (x_i - x_i^t) over the vertices of an attachment or contact.
+/// sum c_i (x_i - x_i^t) over the vertices of an attachment or contact [m].
 template <class Block> RUBBLE_HD Vec3 movedSum(const SolverData& s, const Block& b) {
-  // all of them on their way at once
+  // issues all loads at once
   Vec3 moved[kPointCorners];
   RUBBLE_UNROLL
   for (int k = 0; k < kPointCorners; ++k) moved[k] = s.vertexMoved[max(b.v[k], 0)];

@@ -1,10 +1,10 @@
 #pragma once
-/// Deformable objects do not sleep, and keep those bodies awake that they hold or are near to.
+/// Deformable objects do not sleep. They keep bodies awake that are attached to them or near them.
 #include "stages/soft/vertex_contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// The bodies that a vertex that moves is near to, and those that one holds. -1: none.
+/// The body near a moving vertex, and the body of an attachment; -1 if there is none.
 struct NearVertex {
   RUBBLE_HD static int body(const SolverData& s, int i) {
     const PointPair p = s.pointPair[i];

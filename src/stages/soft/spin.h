@@ -1,21 +1,21 @@
 #pragma once
-/// Spin of free solids.
+/// Conservation of the angular momentum of free solids.
 ///
-/// The rows of a step act where it ends, x = x^t + d, and change velocities v to d / dt. So the angular
-/// momentum, which x has a part in as well, is
+/// The rows of a step act at its end, x = x^t + d, and change velocities from v to d / dt. Angular momentum
+/// also depends on x:
 ///
 ///   sum m x x d/dt = sum m x^t x v  +  sum m x x (d/dt - v)  +  sum m d x v
-///                    (before)          (moment of all forces)   (made by the time step alone)
+///                    (before)          (moment of all forces)   (numerical error of the time step)
 ///
-/// with places and velocities seen from the centre of mass. The last sum is -(w dt)^2 of the angular momentum
-/// of what turns by w dt in a step. It is taken back at the end, as a rigid rotation w of velocities with I w
-/// = -sum m d x v, but never so far that there is more angular momentum than both before and after the step:
-/// what is torn to pieces gains none.
+/// Positions and velocities are relative to the center of mass. The last sum is -(w dt)^2 of the angular
+/// momentum of an object that rotates by w dt per step. It is removed at the end as a rigid rotation w of
+/// velocities with I w = -sum m d x v. The correction is limited so that the angular momentum does not exceed
+/// both that before and that after the step; a torn object therefore gains none.
 #include "stages/coarse/soft_nodes.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Sheets and ropes are left out: where they hang on hooks, these would open by what is given back.
+/// Sheets and ropes are excluded: where they hang on attachments, the restored spin would tear them off.
 RUBBLE_HD inline bool keepsSpin(const SolverData& s, const SoftNode& softNode) {
   return softNode.cluster >= 0 && inSolid(s, softNode.first);
 }
@@ -42,8 +42,8 @@ struct SumSpins {
   }
 };
 
-/// Those of a whole object, and the rotation of its velocities: `step.ang` of its largest cluster, about
-/// `centre`, its centre of mass.
+/// Sums of a whole object, and the rotation of its velocities: `step.ang` of its largest cluster about
+/// `centre`, the center of mass.
 struct FindSpins {
   static constexpr const char* kStage = "spin";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -57,7 +57,7 @@ struct FindSpins {
     const Vec3 lost = sum.lost - mass * cross(moved, whole.velocity);
     const Vec3 before = sum.before - sum.lost - mass * cross(centre - moved, whole.velocity);
     const Vec3 after = s.step.inverseDt * (sum.after - mass * cross(centre, moved));
-    // what lies on one line has no moment of inertia about it
+    // collinear masses have no moment of inertia about their line
     constexpr Real kLeast = Real(1e-5);
     const Real least = kLeast * (inertia.xx + inertia.yy + inertia.zz);
     inertia.xx += least, inertia.yy += least, inertia.zz += least;
@@ -70,7 +70,7 @@ struct FindSpins {
     for (int k = c.sliceBegin; k < c.sliceEnd; ++k) {
       const ClusterMotion& part = s.clusterMotion[k];
       const Vec3 shift = part.centre - whole.centre;
-      // of (s + shift)
+      // shift of the reference point, for positions s + shift
       sum.inertia += part.spin.inertia;
       addPointInertia(sum.inertia, shift + part.spin.place / part.mass, part.mass);
       addPointInertia(sum.inertia, part.spin.place / part.mass, -part.mass);
@@ -82,7 +82,7 @@ struct FindSpins {
     }
     return sum;
   }
-  /// The most of [0, 1] with |after - share lost| <= max(|before|, |after|).
+  /// The largest share in [0, 1] with |after - share lost| <= max(|before|, |after|).
   RUBBLE_HD static Real keptShare(const Vec3& before, const Vec3& after, const Vec3& lost) {
     const Real a = dot(lost, lost), b = dot(after, lost),
                c = dot(after, after) - max(dot(before, before), dot(after, after));
@@ -92,7 +92,7 @@ struct FindSpins {
   }
 };
 
-/// What the spin of its object adds to the velocity of a vertex.
+/// Velocity that the spin correction of its object adds to a vertex [m/s].
 RUBBLE_HD inline Vec3 spinOf(const SolverData& s, int v) {
   const int softNode = s.vertexParams[v].softNode;
   if (softNode < 0 || !keepsSpin(s, s.softNode[softNode])) return {0, 0, 0};
@@ -100,7 +100,7 @@ RUBBLE_HD inline Vec3 spinOf(const SolverData& s, int v) {
   return cross(whole.step.ang, s.vertexPlace[v] - whole.centre);
 }
 
-/// Velocities and new positions. A vertex whose state is not finite stays where it was, at rest.
+/// Computes velocities and new positions. A vertex whose state is not finite keeps its position, at rest.
 struct FinishVertices {
   static constexpr const char* kStage = "velocity";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {

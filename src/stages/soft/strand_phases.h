@@ -1,5 +1,5 @@
 #pragma once
-/// Ropes and rods: all vertices of one are a block.
+/// Strands (ropes and rods): all vertices of a strand form one block.
 #include "stages/executor.h"
 #include "stages/soft/strands.h"
 

@@ -1,15 +1,16 @@
 #pragma once
-/// One more block of the same descent: all vertices of a rope or rod, solved at once.
+/// Direct solve of strands: one more block of the same descent, whose unknowns are all vertices of a rope or
+/// rod.
 ///
-/// Sweeps carry news one vertex at a time, the slower the longer and stiffer a line is, and clusters do not
-/// bend. But where springs join each vertex to the next alone, and bends to the next but one, the Newton step
-/// [S 3] in the unknowns of all of them is one elimination of a banded matrix, whose cost is that of a few
-/// sweeps. Lines share their rows, and so the objective that every block descends on, with sweeps, clusters
-/// and groups.
+/// Sweeps propagate a correction by one vertex and converge slowly on long, stiff strands; clusters move
+/// rigidly and do not bend. In a strand, springs connect each vertex only to the next, and bends reach to the
+/// next but one. The Newton step [S 3] in the unknowns of all vertices is then one elimination of a banded
+/// matrix, at the cost of a few sweeps. Strands share their rows, and so the objective of the descent, with
+/// sweeps, clusters and aggregates.
 ///
-/// Contacts, attachments and loads are those of a vertex's own block; several corners of a row may move here
-/// without being coupled, and the bound of clusters.h holds: |c_i| for c_i^2. A row between two places of one
-/// line counts twice (coarse.h).
+/// Contacts, attachments and loads enter as in a vertex's own block. Several corners of a row may move here
+/// without being coupled, so the bound of clusters.h holds: |c_i| instead of c_i^2. A row between two points
+/// of one strand counts twice (coarse.h).
 #include "stages/soft/clusters.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -20,7 +21,7 @@ template <class F> RUBBLE_HD int cornerOf(const F& element, int v) {
   return corner;
 }
 
-/// Adds an element to the block of a vertex, and returns its Hessian there; null: there is none.
+/// Adds an element to the block of a vertex and returns its Hessian there; 0 if `element` is null.
 template <class F>
 RUBBLE_HD Sym3 addLineElement(const SolverData& s, const F* element, int v, Block3& block) {
   if (!element || !element->alive) return {};
@@ -34,14 +35,14 @@ RUBBLE_HD Sym3 addLineElement(const SolverData& s, const F* element, int v, Bloc
   block += own;
   return own.h;
 }
-/// What couples two vertices of a bend, in all axes alike.
+/// Coupling of two vertices of a bend, equal in all axes.
 RUBBLE_HD inline Real bendCoupling(const LineBend* bend, int a, int b) {
   return bend && bend->alive
              ? bend->stiffness * bend->weight[cornerOf(*bend, a)] * bend->weight[cornerOf(*bend, b)]
              : Real(0);
 }
 
-/// The rows of each vertex of a line: its own block, and its couplings with the next two.
+/// The rows of each vertex of a strand: its own block, and its couplings with the next two vertices.
 template <bool surfaces> struct AssembleStrands {
   static constexpr const char* kStage = "lines";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
@@ -96,7 +97,7 @@ template <bool surfaces> struct AssembleStrands {
   }
 };
 
-/// The scalar rows of a line, as one banded matrix L D L^T, and its unknowns.
+/// The scalar rows of a strand as a banded matrix L D L^T, and its unknowns.
 struct LineRows {
   StrandWork* work;
   int count;
@@ -109,15 +110,15 @@ struct LineRows {
   RUBBLE_HD static Vec3 stepOf(const StrandWork& w) {
     return {static_cast<Real>(w.x[0]), static_cast<Real>(w.x[1]), static_cast<Real>(w.x[2])};
   }
-  /// How many rows behind row j it is coupled with.
+  /// Number of rows after row j that it is coupled with.
   RUBBLE_HD int reach(int j) const { return min(kStrandBand, count - 1 - j); }
 };
 
-/// No two neighbours move against each other by more than this share of the distance of vertices: further,
-/// directions are others.
+/// Largest relative motion of neighbors per step, over the distance of vertices [1]. Beyond it the linearized
+/// directions are no longer valid.
 inline constexpr Real kMostLineTurn = Real(.5);
 inline constexpr Real kNoLineTurn = Real(1e30);
-/// How far a vertex moves against the one before, over what it may; kNoLineTurn if that is not finite.
+/// Relative motion of a vertex and the previous one, over that limit [1]; kNoLineTurn if it is not finite.
 RUBBLE_HD inline Real lineTurn(const LineRows& rows, int k, Real reach) {
   double square = 0;
   for (int i = 0; i < 3; ++i) {
@@ -127,10 +128,10 @@ RUBBLE_HD inline Real lineTurn(const LineRows& rows, int k, Real reach) {
   const double turn = std::sqrt(square) / static_cast<double>(kMostLineTurn * reach);
   return turn < static_cast<double>(kNoLineTurn) ? static_cast<Real>(turn) : kNoLineTurn;
 }
-/// Share of its step that a line makes.
+/// Share of its step that a strand takes [1].
 RUBBLE_HD inline Real strandShare(Real turn) { return turn < kNoLineTurn ? 1 / max(Real(1), turn) : Real(0); }
 
-/// The step of a line.
+/// The step of a strand: banded factorization and substitution.
 struct SolveStrand {
   static constexpr const char* kStage = "lines";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -157,7 +158,7 @@ struct SolveStrand {
   }
 };
 
-/// Multipliers of the springs, whose rows a line has solved for.
+/// Updates the multipliers of the springs whose rows the strand has solved.
 struct TakeStrandForces {
   static constexpr const char* kStage = "lines";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {

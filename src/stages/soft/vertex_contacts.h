@@ -1,7 +1,7 @@
 #pragma once
-/// Contacts of vertices and edges: a broad phase against the grid of the bodies, for granular particles
-/// against a grid of their own, for surfaces against that of features.h; rows; and what is kept for the next
-/// step.
+/// Contacts of vertices and edges. Broad phase: vertices against the grid of the bodies, granular particles
+/// against a grid of their own, surfaces against that of features.h. Then rows, and the state kept for the
+/// next step.
 #include "collision/point_shape.h"
 #include "stages/soft/body_corners.h"
 
@@ -42,11 +42,11 @@ struct FillParticles {
   }
 };
 
-/// found(body) for the bodies whose boxes meet that of a vertex.
+/// found(body) for the bodies whose boxes touch that of a vertex.
 template <class Found>
 RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Found&& found, int lane,
                             int lanes) {
-  // cells that a search visits at most; beyond, looking at all bodies takes less
+  // largest number of cells of a search; beyond, scanning all bodies is cheaper
   constexpr Real kMostCells = 512;
   for (int level = 0; level < kGridLevels; ++level) {
     const auto look = [&](const GridEntry& e) {
@@ -75,8 +75,8 @@ RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Fou
   }
 }
 
-/// found(other) for every partner whose pair a vertex, an edge or a corner of a body owns, for number `lane`
-/// of `lanes`. One may be found several times.
+/// found(other) for every partner in the pairs that a vertex, an edge or a corner of a body owns; share of
+/// worker `lane` of `lanes`. A partner may be found several times.
 template <class Found>
 RUBBLE_HD void searchPoint(const SolverData& s, int owner, Found&& found, int lane = 0, int lanes = 1) {
   if (owner >= s.vertices + s.edges) return searchCorners(s, owner, found, lane, lanes);
@@ -90,9 +90,9 @@ RUBBLE_HD void searchPoint(const SolverData& s, int owner, Found&& found, int la
   if (!(p.collides & kCollidesWithParticles)) return;
   const auto look = [&](int other) {
     if (other <= v) return;
-    // vertices of one object with elements do not: they overlap at rest
+    // vertices of one object with elements do not collide: they overlap at rest
     if (p.cluster >= 0 && p.cluster == s.vertexParams[other].cluster) return;
-    // nor do surfaces, whose triangles and edges do
+    // vertices of two surfaces do not collide; their triangles and edges do
     if (p.cluster >= 0 && s.vertexParams[other].cluster >= 0 &&
         (p.collides & s.vertexParams[other].collides & kCollidesWithSurfaces))
       return;
@@ -101,8 +101,8 @@ RUBBLE_HD void searchPoint(const SolverData& s, int owner, Found&& found, int la
   seekBoxes(s, particleGrid(s), kParticleKind, box, look, lane, lanes);
 }
 
-/// The partners of an owner, the first kPointPairSlots of them kept. If there are more, some may be counted
-/// several times.
+/// The partners of an owner, of which the first kPointPairSlots are stored. Beyond that number some may be
+/// counted several times.
 struct PartnerList {
   int* slots;
   int count = 0;
@@ -114,7 +114,7 @@ struct PartnerList {
   }
 };
 
-/// Partners of each vertex and edge.
+/// Finds the partners of each owner.
 struct FindPointPairs {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int owner) const {
@@ -129,7 +129,8 @@ struct FindPointPairs {
   }
 };
 
-/// Pairs sorted by owner, then by partner; behind them pairs with nothing for what was counted several times.
+/// Pairs sorted by owner, then by partner. Empty pairs (other = -1) follow for partners that were counted
+/// several times.
 struct WritePointPairs {
   static constexpr const char* kStage = "pairs";
   RUBBLE_HD void operator()(const SolverData& s, int owner) const {
@@ -163,8 +164,8 @@ struct WritePointPairs {
 
 RUBBLE_HD inline Real lighter(Real a, Real b) { return a > Real(0) && b > Real(0) ? min(a, b) : max(a, b); }
 
-/// A vertex against a body at x^t, world axes. Surfaces are looked for up to `reach` from the vertex; `side`
-/// is the direction in which the body held it last, or zero.
+/// Distance of a vertex from a body at x^t, world axes. Surfaces are searched up to `reach` from the vertex.
+/// `side`: the contact normal of the previous step, or zero.
 RUBBLE_HD inline PointDistance pointToBody(const SolverData& s, int v, int body, Real reach,
                                            const Vec3& side) {
   const Quat q = s.orientation[body];
@@ -181,13 +182,13 @@ RUBBLE_HD inline PointDistance pointToBody(const SolverData& s, int v, int body,
   return at;
 }
 
-/// How far the surface of the body of a contact moves in a step, besides the body. [m]
+/// Displacement of the surface of the body in a step by surface velocity [m].
 RUBBLE_HD inline Vec3 beltOf(const SolverData& s, const PointContact& p) {
   if (s.surfaces == 0 || p.body < 0) return {0, 0, 0};
   return s.step.dt * rotate(s.orientation[p.body], surfaceOf(s, p.body, p.part).velocity);
 }
 
-/// A vertex (B) against a body (A) at x^t. Returns what the rows start from; fills the geometry.
+/// A vertex (B) against a body (A) at x^t. Fills the geometry and returns the initial values.
 RUBBLE_HD inline PointContactStart touchBody(const SolverData& s, int v, int body, const PointContact* old,
                                              PointContact& p, Real& gap, Real& margin) {
   const VertexParams& point = s.vertexParams[v];
@@ -197,7 +198,7 @@ RUBBLE_HD inline PointContactStart touchBody(const SolverData& s, int v, int bod
   const Vec3 relative = s.vertexVelocity[v] - s.velocity[body];
   margin = max(s.step.contactMargin * width,
                s.step.dt * (length(relative) + length(s.angularVelocity[body]) * length(x)));
-  // which may have two sides, and no inside
+  // an open mesh has two sides and no inside
   if (b.shape.kind == ShapeKind::Mesh) margin += fallInStep(s);
   const PointDistance at = pointToBody(s, v, body, point.radius + margin,
                                        old && old->active ? old->n : Vec3{0, 0, 0});
@@ -207,7 +208,7 @@ RUBBLE_HD inline PointContactStart touchBody(const SolverData& s, int v, int bod
   p.body = body;
   p.part = at.part;
   p.n = at.n;
-  // in the middle of the gap
+  // at the middle of the gap
   p.lever = x - p.n * ((at.distance + point.radius) / 2);
   p.length = width;
   const SurfaceData surface = surfaceOf(s, body, at.part);
@@ -245,8 +246,8 @@ RUBBLE_HD inline PointContactStart touchParticle(const SolverData& s, int a, int
                    pb.restitution)};
 }
 
-/// Adds a share of the way of a belt to the drift of a contact. The rows correct the part driftCorrection of
-/// a drift: what the belt moves is to be made good in full.
+/// Adds a share of the displacement by surface velocity to the drift of a contact. Rows correct only the
+/// share driftCorrection of a drift; this displacement is to be corrected in full.
 RUBBLE_HD inline void addBelt(const SolverData& s, PointContact& p, Real share) {
   if (s.surfaces == 0 || p.body < 0) return;
   Vec3 t1, t2;
@@ -255,7 +256,7 @@ RUBBLE_HD inline void addBelt(const SolverData& s, PointContact& p, Real share) 
   p.drift1 += dot(t1, belt), p.drift2 += dot(t2, belt);
 }
 
-/// What the i-th pair was in the step before, or null.
+/// The contact of pair i in the previous step, or null.
 RUBBLE_HD inline const PointContact* oldPointContactOf(const SolverData& s, int i) {
   const int owner = s.pointPair[i].vertex, row = rowOfPair(s.pointPair, i);
   for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k)
@@ -263,9 +264,9 @@ RUBBLE_HD inline const PointContact* oldPointContactOf(const SolverData& s, int 
       return &s.oldPointContact[k];
   return nullptr;
 }
-/// What held a corner of a body before it slid on to part i of a surface, or null: it takes its load along,
-/// or it would fall freely for a step at each edge that it passes. The first part that it comes to has what
-/// the first that it leaves had, and so on.
+/// The contact that a corner of a body had before it slid to feature i, or null. The corner keeps its load;
+/// otherwise it would fall freely for a step at each edge that it passes. New features inherit from the left
+/// ones in order.
 RUBBLE_HD inline const PointContact* contactLeftFor(const SolverData& s, int i) {
   const int owner = s.pointPair[i].vertex, begin = s.pointPairOffset[owner],
             end = s.pointPairOffset[owner + 1];
@@ -280,13 +281,13 @@ RUBBLE_HD inline const PointContact* contactLeftFor(const SolverData& s, int i) 
   return nullptr;
 }
 
-/// Rows of a pair at x^t, matched with those of the step before.
+/// Rows of a pair at x^t, warm-started from those of the previous step.
 struct UpdatePointContacts {
   static constexpr const char* kStage = "rows";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const PointPair pair = s.pointPair[i];
     PointContact p;
-    memset(static_cast<void*>(&p), 0, sizeof p);  // padding too: states are hashed
+    memset(static_cast<void*>(&p), 0, sizeof p);  // padding too, because states are hashed
     Real gap, margin;
     if (pair.other < 0) {
       s.pointContact[i] = p;
@@ -313,7 +314,7 @@ struct UpdatePointContacts {
   }
 };
 
-/// Contacts without load that stay open at the inertial targets take no part in the step: k = 0.
+/// Deactivates contacts without load that stay open at the inertial targets: k = 0.
 struct MarkInactivePoints {
   static constexpr const char* kStage = "dormant";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -332,8 +333,8 @@ struct MarkInactivePoints {
       d = p.displacement(target, d);
       nearer[0] += dot(p.n, p.displacement(target, {0, 0, 0}));
     }
-    // layers that fall together come together when the lowest is stopped: open means that it is if either
-    // side stays where it is
+    // Falling layers come together when the lowest one is stopped. A contact therefore counts as open only if
+    // it stays open with either side at rest.
     const Real closes = surfaces ? max(dot(p.n, d), max(nearer[0], nearer[1])) : dot(p.n, d);
     if (p.c0 + closes < -kInactiveGap * p.length) p.kN = p.kT = Real(0);
   }
@@ -353,10 +354,10 @@ struct FinishPoints {
     PointContact& p = s.pointContact[i];
     if (!p.active) return;
     Vec3 d = movedSum(s, p);
-    // exact here: errors of the linear displacement would add up from step to step
+    // exact here: errors of the linear displacement would accumulate from step to step
     if (p.body >= 0) d += s.dx[p.body].dp + rotate(s.dq[p.body], p.lever) - p.lever;
     p.finish(s.step, d);
-    // its way in this step instead of what stood for it in the row
+    // replaces the offset in the row by the displacement of this step
     if (p.stick) addBelt(s, p, Real(1) - Real(1) / s.step.driftCorrection);
   }
 };

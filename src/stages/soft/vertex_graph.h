@@ -1,13 +1,13 @@
 #pragma once
-/// Vertices in the incidence lists of bodies, and their neighbours: bodies and vertices are nodes of one
-/// graph.
+/// Vertices in the incidence lists of bodies, and the neighbors of a vertex. Bodies and vertices are nodes of
+/// one graph.
 #include "stages/bodies/incidence.h"
 #include "stages/soft/vertex_contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Attachments and contacts as row blocks of a body. A block gives its body one incidence that acts and, if
-/// it has several vertices, incidences that only tell of neighbours.
+/// Attachments and vertex contacts as constraints of a body. A constraint gives its body one active
+/// incidence. If it has several vertices, further incidences only list the neighbors.
 inline constexpr int kBodyNeighborType = JointTypes::kSize + 3;
 
 struct AttachmentBlocks {
@@ -89,7 +89,7 @@ struct SortPointIncidences {
   }
 };
 
-/// visit(node) for everything that must not have the colour of vertex v.
+/// visit(node) for every node that must not share the color of vertex v.
 template <class Visit> RUBBLE_HD void visitNeighbors(const SolverData& s, int v, Visit&& visit) {
   for (int k = s.neighborOffset[v]; k < s.neighborOffset[v + 1]; ++k) visit(kVertexNode + s.neighbor[k]);
   visitAttachments(s, v, [&](const Attachment& a) {

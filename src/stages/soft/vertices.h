@@ -1,11 +1,11 @@
 #pragma once
-/// Begin and end of the step of a vertex and of its elements, and its primal update.
+/// Begin and end of the step of vertices and their elements, and the primal update of a vertex.
 #include "forces/plasticity.h"
 #include "stages/joints/joints.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Where each vertex lies at x^t, seen from the first one of its object.
+/// Positions of vertices at x^t relative to the first vertex of their object.
 struct PlaceVertices {
   static constexpr const char* kStage = "elements";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
@@ -13,7 +13,7 @@ struct PlaceVertices {
   }
 };
 
-/// visit(attachment) for those of a vertex: they are the last of what acts on it.
+/// visit(attachment) for the attachments of a vertex, which are last in its list.
 template <class Visit> RUBBLE_HD void visitAttachments(const SolverData& s, int v, Visit&& visit) {
   for (int k = s.refOffset[v + 1] - 1; k >= s.refOffset[v] && pointType(s.ref[k]) == kAttachmentCode; --k)
     visit(s.attachment[pointIndex(s.ref[k])]);
@@ -24,7 +24,7 @@ RUBBLE_HD void gatherCorners(const SolverData& s, const F& element, Vec3 (&x)[F:
   for (int k = 0; k < F::kCorners; ++k) x[k] = load(s.vertexPlace[element.v[k]]);
 }
 
-/// What an element takes from x^t.
+/// Computes the quantities of an element at x^t.
 template <class F> struct BeginElements {
   static constexpr const char* kStage = "elements";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -36,7 +36,7 @@ template <class F> struct BeginElements {
   }
 };
 
-/// What the copies of tetrahedra that the vertices have take from these.
+/// Copies the quantities of tetrahedra at x^t to their corners in the lists of the vertices.
 struct BeginTetraCorners {
   static constexpr const char* kStage = "elements";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
@@ -61,7 +61,7 @@ template <class F> struct UpdateElementDuals {
   }
 };
 
-/// Elements that bore too much are gone from now on.
+/// Removes elements whose load exceeds their strength.
 template <class F> struct FinishElements {
   static constexpr const char* kStage = "element end";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -75,7 +75,7 @@ template <class F> struct FinishElements {
   }
 };
 
-/// Tetrahedra flow by what they bear at the end of the step.
+/// Plastic flow of tetrahedra by their stress at the end of the step.
 struct FlowTetrahedra {
   static constexpr const char* kStage = "element end";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -101,7 +101,7 @@ struct FinishAttachments {
   }
 };
 
-/// Is it a corner of tetrahedra?
+/// Is the vertex a corner of tetrahedra?
 RUBBLE_HD inline bool inSolid(const SolverData& s, int v) {
   return s.tetraCornerOffset[v] != s.tetraCornerOffset[v + 1];
 }
@@ -119,15 +119,15 @@ struct PredictVertices {
     const Vec3 velocity = s.vertexVelocity[v];
     const Vec3 acceleration = p.gravityScale * c.gravity + s.vertexForce[v] / p.mass;
     s.vertexTarget[v] = inertialDisplacement(velocity, acceleration, c.dt);
-    // Vertices of a solid go on as they moved. Loads come by the blocks, with the forces that balance them: a
-    // few sweeps leave a part of both undone alike, while a load in the guess is all there, and does work
-    // that no element takes up again.
+    // The guess for vertices of a solid is their velocity alone. Loads enter through the local problems,
+    // where a few sweeps leave the same part of the load and of its elastic reaction undone. A load in the
+    // guess would act in full and do work that no element absorbs.
     const Real share = inSolid(s, v) ? Real(0)
                                      : followedShare(velocity, s.vertexOldVelocity[v], acceleration, c.dt);
     Vec3 guess = inertialDisplacement(velocity, share * acceleration, c.dt);
     if (p.cluster >= 0) {
-      // from the motion of the whole object it goes no further than an edge is long: beyond, elements would
-      // be torn to shapes of an energy that a few sweeps do not work off
+      // The guess deviates from the rigid motion of the object by at most one edge length. Beyond, the
+      // elastic energy of the distorted elements would exceed what a few sweeps can reduce.
       const Vec3 rigid = inertialDisplacement(s.clusterMotion[p.cluster].velocity, share * acceleration,
                                               c.dt),
                  own = guess - rigid;
@@ -139,12 +139,12 @@ struct PredictVertices {
   }
 };
 
-/// Adds one element, but no tetrahedron, or attachment to the block of a vertex.
+/// Adds an element (other than a tetrahedron) or attachment to the block of a vertex.
 RUBBLE_HD inline void addElement(const SolverData& s, std::uint32_t code, Block3& block) {
   const int type = pointType(code), index = pointIndex(code), corner = pointCorner(code);
   forEachType(ElementTypes{}, [&]<class F>() {
     if (std::is_same_v<F, Tetrahedron> || type != typeIndex<F>(ElementTypes{})) return;
-    const F element = s.elementsOf<F>()[index];  // a copy: read at once
+    const F element = s.elementsOf<F>()[index];  // a copy: issues all loads at once
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);
@@ -155,7 +155,7 @@ RUBBLE_HD inline void addElement(const SolverData& s, std::uint32_t code, Block3
   if (active(s, a)) a.accumulateVertex(bodyMove(s, a), movedSum(s, a), corner, block);
 }
 
-/// Adds a tetrahedron of the list of a vertex. `start`: its E^t.
+/// Adds a tetrahedron of the list of a vertex. `start`: its Green strain E^t at x^t.
 RUBBLE_HD inline void addTetraCorner(const SolverData& s, const TetraCorner& corner, const Sym3& start,
                                      const Vec3& own, Block3& block) {
   Vec3 x[TetraCorner::kCorners] = {own, {}, {}, {}};
@@ -163,9 +163,9 @@ RUBBLE_HD inline void addTetraCorner(const SolverData& s, const TetraCorner& cor
   corner.accumulate(s.step, x, start, 0, block);
 }
 
-/// Multiplier that an attachment begins with: of one with a stiffness its own load K C; of a hard one what
-/// holds its vertices against their elements, sum c_i f_i / sum c_i^2, so that what was stretched before it
-/// was hung up pulls at once.
+/// Initial multiplier of an attachment. A compliant attachment starts with its own load K C. A hard one
+/// starts with the force that holds its vertices against their elements, sum c_i f_i / sum c_i^2. A
+/// pre-stretched object therefore pulls from the first step on.
 RUBBLE_HD RUBBLE_APART inline Vec3 newLoad(const SolverData& s, const Attachment& a, const Vec3& gap) {
   if (a.compliance > Real(0)) return gap / a.compliance;
   Vec3 force{0, 0, 0};
@@ -188,7 +188,8 @@ struct BeginAttachments {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Attachment& a = s.attachment[i];
     if (!active(s, a)) return;
-    // about the first vertex, in double: weights may add up to -1 or, in a seam, to 0
+    // relative to the first vertex, in double: weights may add up to -1, or to 0 in a vertex-vertex
+    // attachment
     const Vec3d origin = s.vertexPosition[a.v[0]];
     Vec3 gap{0, 0, 0}, lever{0, 0, 0};
     for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k)
@@ -206,7 +207,7 @@ struct BeginAttachments {
     a.begin(s.step, gap, lever, bodyMass, a.isNew() ? newLoad(s, a, gap) : Vec3{0, 0, 0});
   }
 };
-/// `whole`: read so, which takes registers.
+/// `whole`: read the contact with vector loads, which takes more registers.
 template <bool whole = false>
 RUBBLE_HD inline void addPointContact(const SolverData& s, std::uint32_t code, Block3& block) {
   const auto add = [&](const PointContact& p) {
@@ -227,7 +228,7 @@ RUBBLE_HD inline Block3 startVertexBlock(const SolverData& s, int v) {
   return block;
 }
 
-/// Solves the local problem of a vertex and moves it. A step that is not finite is not taken.
+/// Solves the local problem of a vertex and applies its step. A step that is not finite is rejected.
 RUBBLE_HD inline void finishVertexBlock(const SolverData& s, int v, const Block3& block) {
   const Vec3 dx = solve(block);
   if (!isFinite(dx)) {
@@ -238,7 +239,7 @@ RUBBLE_HD inline void finishVertexBlock(const SolverData& s, int v, const Block3
   s.vertexPlace[v] += dx;
 }
 
-/// The primal update of one vertex: force [S 5] and Hessian [S 6] of its inertia, elements and contacts, one
+/// The primal update of one vertex: force [S 5] and Hessian [S 6] of its inertia, elements and contacts; one
 /// Newton step [S 3].
 struct SolveVertex {
   static constexpr const char* kStage = "primal";

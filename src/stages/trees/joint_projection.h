@@ -1,16 +1,18 @@
 #pragma once
-/// Joints of trees that are open at the end of a step, beyond what they inherited, are closed by moving
-/// bodies without turning them, and without a change of velocity. Two things open them. Bodies that stop in
-/// the middle of a step (fast_bodies.h) stop on the straight line between their places, while the ends of one
-/// that turns by w go on arcs, w^2 r / 8 beside it in the middle of the step. And the last Newton step of a
-/// tree is linear in rotations, which are large where limbs are struck.
+/// Projection of joints: closes joints of trees that are open at the end of a step by more than at its
+/// beginning. It translates bodies without rotation and without change of velocity. Such gaps have two
+/// causes:
+///
+/// Bodies stopped by CCD within a step (fast_bodies.h) stop on the straight line between their positions. The
+/// ends of a body that rotates by w move on arcs, which deviate by w^2 r / 8 from that line in the middle of
+/// the step. Also, the last Newton step of a tree is linear in rotations, which are large in impacts.
 ///
 ///   least  sum_i m_i |e_i|^2 + sum_j k |e_A - e_B + g_j|^2 / 2,     k = kTreeStiffness times the lighter
 ///          mass of the joint
 ///
-/// e_i: motion of body i, g_j: what joint j is open by. Its three axes are one and the same elimination of
-/// numbers, in the order of trees.h, and what is held by the world, or with an axis locked, stays. The centre
-/// of mass of a free tree stays where it is, unless a contact or a limit holds a body of it back.
+/// e_i: translation of body i; g_j: gap of joint j. The three axes share one scalar elimination in the order
+/// of trees.h. Bodies with a locked axis do not move. The center of mass of a free tree does not move either,
+/// unless a contact or the limit kClosingWay restricts one of its bodies.
 #include <limits>
 #include <type_traits>
 
@@ -19,11 +21,11 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Trees with a joint open by more than this share of L are closed [1].
+/// Trees with a joint gap above this share of L are projected [1].
 inline constexpr Real kOpenGap = Real(1e-3);
 
-/// How far the anchors of a joint are apart at the end of the step, less what was left alone of the gap that
-/// it began with [m]; 0 where they are not held, or with a force at its bound.
+/// Distance of the anchors of a joint at the end of the step, less the part of the initial gap that the step
+/// leaves uncorrected [m]. 0 for joints that do not hold their anchors, or whose force is at its bound.
 template <class F>
 RUBBLE_HD RUBBLE_APART Vec3 addedGap(const SolverData& s, const JointSpec<F>& spec, const Joint<F>& joint) {
   Vec3 gap{0, 0, 0};
@@ -45,7 +47,8 @@ RUBBLE_HD RUBBLE_APART Vec3 addedGap(const SolverData& s, const JointSpec<F>& sp
   return gap;
 }
 
-/// The node of a body that closing may move, -1: none. One that has just stopped at another stays there.
+/// The node of a body that the projection may move, -1 if there is none. Bodies that CCD has just stopped at
+/// another body do not move.
 RUBBLE_HD inline int projectionNode(const SolverData& s, int body) {
   if (body == kWorldBody || !isDynamic(s, body)) return -1;
   if ((s.target[body].locks & 7) != 0 || hasMet(s, body)) return -1;
@@ -53,8 +56,8 @@ RUBBLE_HD inline int projectionNode(const SolverData& s, int body) {
   return node >= 0 && s.treeNode[node].exact ? node : -1;
 }
 
-/// A body is moved by no more than this share of half its thickness [1]: further it could leave what holds
-/// it. Rows close the rest, contacts among them.
+/// Largest translation of a body over half its thickness [1]. A larger one could move the body through what
+/// supports it. Rows, contacts included, correct the remaining gap.
 inline constexpr Real kClosingWay = Real(.5);
 
 template <class F> struct FindTreesToProject {
@@ -109,7 +112,7 @@ struct AssembleLinks {
   }
 };
 
-/// As EliminateNode.
+/// As EliminateNode, for scalars.
 struct EliminateLink {
   static constexpr const char* kStage = "closing";
   int begin;
@@ -131,7 +134,7 @@ struct EliminateLink {
   }
 };
 
-/// As SubstituteNode.
+/// As SubstituteNode, for scalars.
 struct SubstituteLink {
   static constexpr const char* kStage = "closing";
   int begin;
@@ -144,7 +147,7 @@ struct SubstituteLink {
   }
 };
 
-/// All rounds of a small tree.
+/// Solves a small tree in one thread: assembly and all levels.
 struct ProjectTree {
   static constexpr const char* kStage = "closing";
   RUBBLE_HD void operator()(const SolverData& s, int tree) const {
@@ -156,7 +159,8 @@ struct ProjectTree {
   }
 };
 
-/// How far a body may go into the other one of a contact; of a gap between two that move each has half. [m]
+/// Distance by which a body may approach the other body of a contact [m]. If both are dynamic, each gets half
+/// of the gap.
 RUBBLE_HD inline Real roomBefore(const SolverData& s, const ContactRows& r) {
   const Manifold& m = s.manifold[r.manifold];
   const Vec3 t = centreDistance(s, r.a, r.b);
@@ -166,10 +170,10 @@ RUBBLE_HD inline Real roomBefore(const SolverData& s, const ContactRows& r) {
   return max(-deepest, Real(0)) * (isDynamic(s, r.a) && isDynamic(s, r.b) ? Real(.5) : Real(1));
 }
 
-/// What the contacts of a body leave of a way: into what it touches it does not go.
+/// Clips a translation of a body by its contacts so that it does not enter what it touches.
 RUBBLE_HD RUBBLE_APART inline Vec3 keptOut(const SolverData& s, int body, Vec3 way) {
-  constexpr int kPasses = 2;                    // what one contact turns aside another one may have to stop
-  const Real slack = Real(1e-4) * length(way);  // more than the round-off of what is taken away
+  constexpr int kPasses = 2;                    // sliding along one contact may run into another
+  const Real slack = Real(1e-4) * length(way);  // above the round-off of the subtraction
   for (int pass = 0; pass <= kPasses; ++pass)
     for (int k = s.incidenceOffset[body]; k < s.incidenceOffset[body + 1]; ++k) {
       const std::uint32_t code = s.incidence[k].code;
@@ -184,7 +188,7 @@ RUBBLE_HD RUBBLE_APART inline Vec3 keptOut(const SolverData& s, int body, Vec3 w
   return way;
 }
 
-/// How far a body of a tree is moved: all are still where they were.
+/// Limits the translation of a body. All bodies still have their uncorrected positions.
 struct LimitProjection {
   static constexpr const char* kStage = "closing";
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
@@ -209,7 +213,7 @@ struct ApplyProjection {
     // a body may have several nodes, of which one moves it
     if (x == Vec3d{0, 0, 0}) return;
     s.position[node.body] += x;
-    // the way that it has made in the step
+    // keeps the stored displacement of the step consistent
     (s.stopBits[node.body] != 0 ? s.ccdMotion : s.dx)[node.body].dp += Vec3(x);
   }
 };

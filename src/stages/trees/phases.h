@@ -1,12 +1,12 @@
 #pragma once
-/// Trees of joints: all bodies that hang together by joints are one block.
+/// Joint trees: all bodies connected by joints form one block.
 #include "stages/executor.h"
 #include "stages/trees/joint_projection.h"
 #include "stages/trees/trees.h"
 
 namespace rubble::RUBBLE_CORE::trees {
 
-/// Bodies that are solved by trees in this step.
+/// Number of nodes that trees solve in this step.
 inline int nodesOf(const SolverData& s) { return s.step.jointTrees ? treeNodes(s) : 0; }
 
 /// Finds the trees that touch other bodies.
@@ -17,13 +17,13 @@ template <Executor E> void prepare(E& e) {
   e.forEach(MarkTouchedTrees{}, &Counters::manifolds);
 }
 
-/// Finds those that touch deformable objects, once the row blocks of each body are known.
+/// Finds the trees that touch deformable objects, once incidence lists exist.
 template <Executor E> void findSoftTrees(E& e) {
   if (e.view().vertices > 0) e.forEach(MarkSoftTrees{}, nodesOf(e.view()));
 }
 
-/// One step of all bodies that hang together by joints. Trees with contacts are solved exactly where no other
-/// block moves their bodies afterwards.
+/// One solve of all trees. Trees with contacts are solved exactly only if no other block moves their bodies
+/// afterwards.
 template <Executor E> void solveOnce(E& e, TreeSolve how, TreesOf of) {
   const SolverData& s = e.view();
   const int nodes = treeNodes(s);
@@ -43,7 +43,7 @@ template <Executor E> void solveOnce(E& e, TreeSolve how, TreesOf of) {
   if (how != TreeSolve::Again) forEachJoint<TakeTreeForces>(e);
 }
 
-/// Before the sweep over bodies: in the last iteration only the trees that deformable objects touch.
+/// Before the sweep over bodies. In the last iteration only the trees attached to deformable objects.
 template <Executor E> void solve(E& e, bool last) {
   if (nodesOf(e.view()) == 0) return;
   if (!last)
@@ -52,13 +52,13 @@ template <Executor E> void solve(E& e, bool last) {
     solveOnce(e, TreeSolve::Own, TreesOf::Attached);
 }
 
-/// After the last sweep: all others.
+/// After the last sweep: all other trees.
 template <Executor E> void solveLast(E& e) {
   const int solves = nodesOf(e.view()) > 0 ? lastTreeSolves(e.view()) : 0;
   for (int k = 0; k < solves; ++k) solveOnce(e, k == 0 ? TreeSolve::Exact : TreeSolve::Again, TreesOf::Rest);
 }
 
-/// Closes joints that are open at the end of the step.
+/// Projects joints that are open at the end of the step.
 template <Executor E> void finish(E& e) {
   const SolverData& s = e.view();
   const int nodes = nodesOf(s);

@@ -1,30 +1,30 @@
 #pragma once
-/// One more block of the same descent: all bodies that hang together by joints, solved at once.
+/// Direct solve of joint trees: one more block of the same descent, whose unknowns are all bodies connected
+/// by joints.
 ///
-/// News travels one body a sweep, and groups move rigidly; a chain bends. But where joints form a tree, the
-/// Newton step [S 3] in the unknowns of all of its bodies costs little more than those of the bodies one by
-/// one: eliminate bodies that have at most two neighbours left, which leaves at most one new coupling each,
-/// and substitute back. Loops that this closes (rings, ladders, four-bars) are solved with the rest; bodies
-/// that always keep three neighbours (nets) stay as they are and count as fixed here. Bodies that are
-/// eliminated in the same round are not neighbours, so a round is one kernel, and a chain of N bodies takes
-/// about log2 N rounds.
+/// A body-by-body sweep propagates a correction by one body, and aggregates move rigidly, while a chain
+/// bends. Where joints form a tree, the Newton step [S 3] in the unknowns of all its bodies costs little more
+/// than one step per body. Bodies with at most two remaining neighbors are eliminated, each of which leaves
+/// at most one new coupling; back substitution follows. Loops that close in this way (rings, ladders,
+/// four-bars) are solved along with the rest. Bodies that always keep three neighbors (nets) are left to
+/// other blocks and count as fixed here. Bodies of one elimination level are not neighbors, so a level is one
+/// kernel, and a chain of N bodies takes about log2 N levels.
 ///
-/// A tree that has no loops and touches nothing is solved exactly, and by this block alone; all others share
-/// their rows, and so the objective that every block descends on, with sweeps and groups.
+/// A tree without loops and contacts is solved exactly, and by this block alone. All other trees share their
+/// rows, and so the objective of the descent, with sweeps and aggregates.
 ///
-/// Rows that leave the tree are those of a body's own block. Between two bodies that both move in this block
-/// without being coupled in it (a contact of two limbs) the bound of coarse.h holds: their Hessian counts
-/// twice.
+/// Rows that leave the tree enter as in a body's own block. A contact between two bodies of trees is not
+/// coupled in this block although both move. The bound of coarse.h holds for it: its Hessian counts twice.
 #include "forces/joint_tree.h"
 #include "stages/bodies/incidence.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Trees that deformable objects touch, or are attached to.
+/// Marks the trees that are in contact with, or attached to, deformable objects.
 struct MarkSoftTrees {
   static constexpr const char* kStage = "trees";
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
-    // deformable objects come last, attachments before contacts
+    // deformable objects come last in the incidence list, attachments before contacts
     const int i = s.treeNode[n].body;
     int touches = kTouchesNothing;
     for (int k = s.incidenceOffset[i + 1] - 1; k >= s.incidenceOffset[i]; --k) {
@@ -40,33 +40,33 @@ RUBBLE_HD inline bool movesInTree(const SolverData& s, int body) {
   return body >= 0 && body < s.bodies && s.nodeOfBody[body] >= 0;
 }
 
-/// How often the Hessian of a contact counts.
+/// Weight of the Hessian of a contact [1].
 RUBBLE_HD inline Real contactWeight(const SolverData& s, const Incidence& incidence) {
   return movesInTree(s, incidence.other) ? Real(2) : Real(1);
 }
 
-/// The node of a body that its tree may move, -1: none.
+/// The node of a body that its tree may move, -1 if there is none.
 RUBBLE_HD inline int movingNode(const SolverData& s, int body) {
   return body != kWorldBody && isDynamic(s, body) ? s.nodeOfBody[body] : -1;
 }
 
-/// How a tree is solved, where those with contacts are solved so.
+/// How a tree is solved when trees with contacts are solved by `how`.
 RUBBLE_HD inline TreeSolve treeSolveOf(const SolverData& s, const TreeNode& node, TreeSolve how) {
   return isExact(s, node) ? TreeSolve::Exact : node.exact ? how : TreeSolve::Own;
 }
-/// A tree whose bodies have all turned by less than this in a solve is left as it is in those that follow:
-/// what the next one would find is of second order in it, or a limit passed by no more than twice as much
-/// [rad].
+/// A tree in which no body rotates by more than this in a solve is skipped in the repeated solves [rad]. What
+/// they would correct is of second order in it, or a limit violated by no more than twice as much.
 inline constexpr Real kTreeAtRest = Real(.002);
 
-/// Trees that take part in a solve. Those that deformable objects touch are solved before the last sweep,
-/// which does not see how stiff their joints are held at the end; all others after it.
+/// The trees that take part in a solve. Trees attached to deformable objects are solved before the last
+/// sweep, because vertices do not see the high stiffness of the exactly solved joints. All others are solved
+/// after it.
 enum class TreesOf { Any, Attached, Rest };
 RUBBLE_HD inline bool holdsVertices(const SolverData& s, int tree) {
   return s.treeContacts[tree] == kHoldsVertices;
 }
 
-/// Begins a solve. A tree that is solved exactly is done by the first one, and so is one without limits.
+/// Begins a solve. Trees that are solved exactly, or have no limits, need no repeated solve.
 struct BeginTrees {
   static constexpr const char* kStage = "trees";
   TreeSolve how;
@@ -81,7 +81,7 @@ struct BeginTrees {
   }
 };
 
-/// The rows of all joints that a tree has, a part of a joint each.
+/// Linearizes the rows of all joints of trees. One thread per joint part.
 template <class F> struct FindTreeRows {
   static constexpr const char* kStage = "tree rows";
   static constexpr int kPerJoint = F::Parts::kCount;
@@ -107,12 +107,12 @@ template <class F> struct FindTreeRows {
   }
 };
 
-/// Notes that a side of a joint is a node, which may be a neighbour.
+/// Records the side of a joint whose body is a parent of the node.
 RUBBLE_HD inline void noteCoupling(const TreeNode& node, int side, int n, TreeCoupling& to) {
   for (int t = 0; t < 2; ++t)
     if (n >= 0 && node.parent[t] == n) to.side[t] = side;
 }
-/// Which sides of the joint of an incidence are the neighbours of a node.
+/// The sides of the joint of an incidence whose bodies are the parents of a node.
 template <class F>
 RUBBLE_HD TreeCoupling couplingOf(const SolverData& s, const TreeNode& node, const Incidence& incidence) {
   TreeCoupling to{{-1, -1}};
@@ -136,7 +136,7 @@ RUBBLE_HD RUBBLE_APART void accumulateJointOfNode(const SolverData& s, int n, co
                         couplingOf<F>(s, s.treeNode[n], incidence), w.h, w.x, w.e);
 }
 
-/// A body that does not move, or an axis that is locked, is decoupled from all others.
+/// Decouples an axis of a body that is fixed or locked.
 RUBBLE_HD inline void decouple(TreeBlock& w, int axis) {
   for (int k = 0; k < 6; ++k) {
     if (k != axis) w.h.m[axis][k] = w.h.m[k][axis] = 0;
@@ -145,12 +145,12 @@ RUBBLE_HD inline void decouple(TreeBlock& w, int axis) {
   w.x.v[axis] = 0;
 }
 
-/// Does a body stay where it is in this solve?
+/// Is the body of a node fixed in this solve?
 RUBBLE_HD inline bool stands(const SolverData& s, const TreeNode& node) {
   return !isDynamic(s, node.body) || s.treeConverged[node.tree] != 0;
 }
 
-/// The block of each body of a tree without its joints: the rows that leave the tree, and those of contacts
+/// The block of each body of a tree without its joints: inertia, rows that leave the tree, and contacts
 /// within it.
 template <class L> struct AssembleTreeBodies {
   static constexpr const char* kStage = "tree rows";
@@ -172,7 +172,7 @@ template <class L> struct AssembleTreeBodies {
       if (s.rolls) addRolling(s, s.incidence[k].code, block, weight);
     }
     points.addTo(block);
-    // deformable objects come last
+    // rows of deformable objects come last
     for (int k = end; k > s.incidenceOffset[i] && constraintType(s.incidence[k - 1].code) > JointTypes::kSize;
          --k)
       addSoftRows(s, s.incidence[k - 1].code, block);
@@ -180,7 +180,7 @@ template <class L> struct AssembleTreeBodies {
   }
 };
 
-/// Joints come to the blocks, and make the couplings to the neighbours that a body has when it is eliminated.
+/// Adds joints to the diagonal blocks, and to the couplings with the parents of a node.
 struct AssembleTreeJoints {
   static constexpr const char* kStage = "tree rows";
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
@@ -209,8 +209,7 @@ struct AssembleTreeJoints {
   }
 };
 
-/// Takes a body out: its neighbours get what it passes on when they are taken out themselves. Bodies from
-/// `begin` on.
+/// Eliminates a node after its children. `begin`: first node of the level.
 struct EliminateNode {
   static constexpr const char* kStage = "trees";
   int begin;
@@ -237,7 +236,7 @@ struct EliminateNode {
   }
 };
 
-/// The step of a body, whose neighbours know theirs, and the largest rotation of its tree.
+/// Back substitution: the step of a node whose parents are solved. Raises the largest rotation of its tree.
 struct SubstituteNode {
   static constexpr const char* kStage = "trees";
   int begin;
@@ -258,19 +257,19 @@ struct SubstituteNode {
     const bool finite = isFinite(dx.lin) && isFinite(dx.ang);
     atomicRaise(&s.treeMaxRotation[tree], floatBits(finite ? length(dx.ang) : kNoTurn));
   }
-  /// Of a step that is not finite: larger than any rotation [rad].
+  /// Stands for a step that is not finite; larger than any rotation [rad].
   static constexpr Real kNoTurn = Real(1e30);
 };
 
-/// Share of its step that a tree makes, by its largest rotation: no body turns by more than kMostTurn, and a
-/// step that is not finite is not made.
+/// Share of its step that a tree takes [1]: no body rotates by more than kMostTurn, and a step that is not
+/// finite is rejected.
 RUBBLE_HD inline double treeShare(int turnBits) {
   const double turn = static_cast<double>(fromFloatBits(turnBits));
   if (turn >= .5 * static_cast<double>(SubstituteNode::kNoTurn)) return 0;
   return turn > static_cast<double>(kMostTurn) ? static_cast<double>(kMostTurn) / turn : 1;
 }
 
-/// Bodies make their steps.
+/// Applies the steps of the bodies.
 struct MoveTrees {
   static constexpr const char* kStage = "trees";
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
@@ -286,7 +285,7 @@ struct MoveTrees {
   }
 };
 
-/// A small tree: its joints, all rounds, and the steps of its bodies.
+/// Solves a small tree in one thread: joints, all levels, and the steps of its bodies.
 struct SolveTree {
   static constexpr const char* kStage = "trees";
   RUBBLE_HD void operator()(const SolverData& s, int tree) const {
@@ -299,13 +298,13 @@ struct SolveTree {
   }
 };
 
-/// Multipliers of joints whose rows the tree has solved for, a part of a joint each.
+/// Updates the multipliers of joints that the tree has solved exactly. One thread per joint part.
 template <class F> struct TakeTreeForces {
   static constexpr const char* kStage = "tree forces";
   static constexpr int kPerJoint = F::Parts::kCount;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const PartIndex at = partAt<F>(s, k);
-    // couplings with carriers hold nothing, so a tree does not find their multipliers
+    // couplings with frame bodies are not held exactly, so the tree finds no multipliers for them
     if (isCarried<F>() || !s.jointsOf<F>()[at.joint].active) return;
     const JointSpec<F>& spec = s.specsOf<F>()[at.joint];
     const int a = movingNode(s, spec.a), b = movingNode(s, spec.b), any = a >= 0 ? a : b;
@@ -321,8 +320,8 @@ template <class F> struct TakeTreeForces {
   }
 };
 
-/// How often trees with limits are solved at the end of the last iteration: one that the first solve reaches
-/// is held by the next.
+/// Number of solves of trees with limits at the end of the last iteration. A limit that the first solve
+/// reaches is held by the next one.
 inline constexpr int kLastTreeSolves = 3;
 RUBBLE_HD inline int lastTreeSolves(const SolverData& s) { return s.treeLimits != 0 ? kLastTreeSolves : 1; }
 
