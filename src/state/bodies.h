@@ -275,8 +275,7 @@ struct Counters {
   int levelCount[kGridLevels];  ///< bodies of a level; counted up to a little more than kListedBodies
   int levelBody[kGridLevels][kListedBodies];  ///< the first of them, in no fixed order
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]
-  int levelReach[kGridLevels][2]
-                [3];  ///< used cells of a level: kCellOrigin minus the lowest, and plus the highest
+  int levelReach[kGridLevels][2][3];  ///< used cells: kCellOrigin minus the lowest, and plus the highest
 };
 
 }  // namespace rubble::RUBBLE_CORE

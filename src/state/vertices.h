@@ -127,8 +127,8 @@ struct ClusterRef {
 };
 
 /// Mass-weighted sums over vertices, for the angular momentum of their object. s: position at the end of the
-/// step, relative to a reference point; d: displacement in the step; v: velocity at x^t. [kg m2], [kg m], [kg
-/// m2], [kg m2/s]
+/// step, relative to a reference point; d: displacement in the step; v: velocity at x^t. Units [kg m2], [kg
+/// m], [kg m2/s].
 struct SpinSums {
   Sym3 inertia;              ///< (s.s) 1 - s s^T
   Vec3 place, moved;         ///< s, d
@@ -168,9 +168,8 @@ struct StrandVertex {
 /// Half bandwidth of the Hessian of a strand, in scalar rows.
 inline constexpr int kStrandBand = 6;
 struct StrandWork {
-  double row[3]
-            [kStrandBand + 1];  ///< rows of H, then of its LDL^T factors: the diagonal and the band behind it
-  double x[3];                  ///< force [N], then the Newton step [m]
+  double row[3][kStrandBand + 1];  ///< H, then its LDL^T factors: diagonal and band
+  double x[3];                     ///< force [N], then the Newton step [m]
 };
 
 /// The last two iterates of a vertex, written alternately [m].
