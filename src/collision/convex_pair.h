@@ -42,7 +42,7 @@ RUBBLE_HD inline void cutByPlane(Cut& in, Cut& out, const Vec3& n, Real offset, 
     const Real dp = dot(n, p.x) - offset, dq = dot(n, q.x) - offset;
     const bool keepP = dp <= Real(0), keepQ = dq <= Real(0);
     if (keepP && out.count < kMaxCut) out.v[out.count++] = p;
-    // an edge feature runs forth and back; it is clipped on the way forth
+    // an edge feature is traversed in both directions; only the first one is clipped
     if (keepP == keepQ || out.count >= kMaxCut) continue;
     CutVertex& x = out.v[out.count++];
     x = between(p, q, dp / (dp - dq));

@@ -277,8 +277,7 @@ struct TimeOfImpact {
 inline constexpr double kNeverMet = 2;
 RUBBLE_HD inline TimeOfImpact meeting(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB,
                                       double tolerance) {
-  constexpr int
-      kMostSteps = 128;  // a longer search means a long time within the tolerance; that counts as the impact
+  constexpr int kMostSteps = 128;  // longer searches stay within the tolerance for long: an impact
   TimeOfImpact m{0, separation(a, b)};
   for (int step = 0; step < kMostSteps && m.at.distance > tolerance; ++step) {
     const Way nowA = wayFrom(wayA, m.fraction), nowB = wayFrom(wayB, m.fraction);
@@ -312,9 +311,8 @@ RUBBLE_HD inline TimeOfImpact meetingBeyond(const Placed& a, const Way& wayA, co
                                             const Way& wayB, const Vec3d& n, bool turnsWithB, double allowed,
                                             double more) {
   constexpr int kMostSteps = 128;
-  constexpr double
-      kMostTurn = .1;  // rotation of n per search step [rad]: the speed bounds along n hold at its start
-  constexpr double kSameSide = 1;  // after a larger rotation [rad] a gap along n may lie on the other side
+  constexpr double kMostTurn = .1;  // rotation of n per search step [rad]: speed bounds hold at its start
+  constexpr double kSameSide = 1;   // after a larger rotation [rad] a gap along n may lie on the other side
   const double start = gapAlong(a, b, n);
   allowed = max(allowed, more - start);
   const double reached = allowed - more / 4;

@@ -81,8 +81,7 @@ RUBBLE_HD inline PairTest pairTest(const RawManifold& raw, const PairPose& pair)
 /// Motion of B relative to A since the last full test.
 struct PairMotion {
   Vec3 move;  ///< of the center of B [m]
-  Vec3
-      turn;  ///< axis times sin(angle / 2); a point at distance r from the center moved by at most 2 r |turn|
+  Vec3 turn;  ///< axis times sin(angle / 2); a point at radius r moved by at most 2 r |turn|
 };
 RUBBLE_HD inline PairMotion motionSince(const PairTest& test, const PairPose& pair) {
   return {rotateInverse(pair.qA, pair.t) - test.offset,

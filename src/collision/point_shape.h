@@ -14,9 +14,8 @@ struct PointDistance {
 
 /// Search range of a point query against a triangle surface, which has no inside.
 struct PointReach {
-  Real front,
-      behind;  ///< triangles further away are ignored, for points in front of and behind the surface [m]
-  Vec3 side;   ///< normal with which the surface last held the point, or zero
+  Real front, behind;  ///< search radius in front and behind [m]
+  Vec3 side;           ///< normal with which the surface last held the point, or zero
 };
 
 RUBBLE_HD inline PointDistance pointToRound(const ShapeData& s, const Vec3& x) {

@@ -101,8 +101,7 @@ RUBBLE_HD TimeOfImpact meetTriangles(const PlacedAny& surface, const Way& wayS, 
   const Vec3d move = wayP.move * wayP.until - wayS.move * wayS.until;
   const Vec3d x = rotateInverse(surface.q, part.p - surface.p), d = rotateInverse(surface.q, move);
   const double turns = length(wayS.turn) *
-                       (length(x) + length(d));  // bound of the displacement of points of the part by the
-                                                 // rotation of the surface
+                       (length(x) + length(d));  // bounds the path of the part by this rotation
   const double reach = length(Vec3d(part.shape.half)) + part.radius() + rule.tolerance + turns +
                        length(wayP.turn) * length(part.arm);
   const Placed end = movedBy(part, {move, wayP.turn * wayP.until}, 1);
@@ -270,8 +269,7 @@ RUBBLE_HD RUBBLE_APART inline Real generalInnerRadius(const ShapeTables& tables,
 
 }  // namespace sweep
 
-/// Radius of the largest inscribed sphere about the center of any shape: half of its smallest thickness. For
-/// a compound that of its thinnest part; 0 for surfaces. [m]
+/// Half of the smallest thickness of any shape; for a compound that of its thinnest part, for surfaces 0. [m]
 RUBBLE_HD inline Real innerRadiusOf(const ShapeTables& tables, const ShapeData& s) {
   return isPrimitive(s.kind) ? innerRadius(s) : sweep::generalInnerRadius(tables, s);
 }

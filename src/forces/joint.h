@@ -158,7 +158,7 @@ template <class F> struct JointSpec : Carriers<isCarried<F>()> {
   typename F::Data data;
   int a, b;  ///< bodies, or kWorldBody
   bool alive;
-  bool isRigid;  ///< does it hold its bodies rigidly together, so that they form one aggregate?
+  bool isRigid;                  ///< does it connect its bodies rigidly, so that they form one aggregate?
   Real breakForce, breakTorque;  ///< [N], [N m]
   PartStore<PartSpec, typename F::Parts> parts;
 };
