@@ -303,10 +303,10 @@ RUBBLE_HD inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& 
   return dot(n, gjk::support(b, -n) - gjk::support(a, n)) - a.radius() - b.radius();
 }
 
-/// Time of impact of A and B, which are already in contact along n: when they penetrate deeper than
-/// `allowed`, or deeper than at the start by `more`, so that the step can proceed in any case. n rotates with
-/// one of the bodies. The cheap gap along n is tested first; the distance replaces it, with its own
-/// direction, when the gap fails.
+/// Time of impact of A and B, which are already in contact along n. An impact is a penetration deeper than
+/// `allowed`. If they start deeper, they may still penetrate further by `more`, so that the step can proceed.
+/// n rotates with one of the bodies. The cheap gap along n is tested first. Where it fails, the distance and
+/// its direction replace it.
 RUBBLE_HD inline TimeOfImpact meetingBeyond(const Placed& a, const Way& wayA, const Placed& b,
                                             const Way& wayB, const Vec3d& n, bool turnsWithB, double allowed,
                                             double more) {

@@ -21,7 +21,7 @@ RUBBLE_HD inline void accumulateMeanRows(Block6& block, Real lin, const Vec3& an
   block.aa.xx += size, block.aa.yy += size, block.aa.zz += size;
 }
 
-/// The same for three sets of weights: `lin` holds their sums, the columns of `ang` their values of `ang`.
+/// The same for three sets of weights: `lin` holds their sums w_a, the columns of `ang` their sums w_a s_a.
 RUBBLE_HD inline void accumulateMeanRows(Block6& block, const Vec3& lin, const Mat3& ang, Real k) {
   const Real mass = k * dot(lin, lin),
              size = k * (dot(ang.c0, ang.c0) + dot(ang.c1, ang.c1) + dot(ang.c2, ang.c2));

@@ -13,7 +13,7 @@ namespace rubble::RUBBLE_CORE {
 
 /// Stiffness of hard rows in an exact tree over m_row / dt^2 [1]. After one solve of a chain of N links under
 /// R times their mass, the relative error of a multiplier is about N R / kTreeStiffness. The elimination in
-/// double precision keeps seven more digits.
+/// double precision retains seven digits besides.
 inline constexpr double kTreeStiffness = 1e9;
 
 /// A force within this share of its bound counts as at the bound. A tree that solved such a row exactly would

@@ -141,8 +141,7 @@ struct alignas(4 * sizeof(Real)) BodyTarget {
 struct Bounce {
   Vec3 before[kLanes];   ///< multipliers of the points at the start of the step: normal, tangents [N]
   Real impulse[kLanes];  ///< impulse that the step added to the normal rows [N s]
-  Real start,
-      change;     ///< closing speed at x^t, and its change by forces weighted by the point loads [m/s]
+  Real start, change;    ///< closing speed at x^t, and its change by forces weighted by the loads [m/s]
   Real gap, end;  ///< gap at x^t and at the end of the step, weighted likewise; negative: penetration [m]
   Real time;      ///< time of impact; negative: none [s]
   int carries, state;  ///< 1: its load changed as in an impact; BounceState

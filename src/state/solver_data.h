@@ -107,13 +107,12 @@ struct SolverData : JointTables<JointTypes> {
                              ///< of their CCD island
   int* stopRound = nullptr;  ///< CCD: round in which that last changed, or kHasMet
   int* stopPair = nullptr;   ///< CCD: 1 + the pair that stops the body, or 0
-  Displacement* ccdMotion = nullptr;  ///< CCD: motion after the cut
-  int* bounceBody = nullptr;          ///< restitution state of the body: BounceBody
-  BodyMotion*
-      bounceMotion = nullptr;      ///< velocities that the solver computed, before the restitution changes
-  Vec3* nextCorrection = nullptr;  ///< `correction` of the next step [m]
-  int* color = nullptr;            ///< kept between steps
-  int* nextColor = nullptr;        ///< new color of the bodies in `clashing`
+  Displacement* ccdMotion = nullptr;   ///< CCD: motion after the cut
+  int* bounceBody = nullptr;           ///< restitution state of the body: BounceBody
+  BodyMotion* bounceMotion = nullptr;  ///< solved velocities, before restitution
+  Vec3* nextCorrection = nullptr;      ///< `correction` of the next step [m]
+  int* color = nullptr;                ///< kept between steps
+  int* nextColor = nullptr;            ///< new color of the bodies in `clashing`
   int* clashing = nullptr;   ///< bodies and vertices (kVertexNode + index) that need a new color in this step
   int* colorBody = nullptr;  ///< dynamic bodies sorted by color
   int* incidenceCount = nullptr;   ///< constraints on the body
