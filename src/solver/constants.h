@@ -8,7 +8,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Largest rotation of a free body per step [rad]: the short arc is ambiguous at pi (120 rad/s at 60 Hz).
+/// Largest rotation per step at the velocity of a body [rad]: the short arc is ambiguous at pi (120 rad/s at
+/// 60 Hz).
 inline constexpr Real kMaxSpinPerStep = 2;
 /// Ceiling of |lambda| of a contact over m L / dt^2 of the heaviest body of its island in the last step [1].
 inline constexpr Real kContactShare = 100;

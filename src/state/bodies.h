@@ -175,7 +175,7 @@ struct Aggregate {
   int sliceBegin, sliceEnd;
 };
 
-/// A part of an aggregate that one thread sums over.
+/// A part of an aggregate: the unit of parallel summation.
 struct Slice {
   int aggregate;
   int begin, end;  ///< in aggregateNode
@@ -262,7 +262,7 @@ struct Counters {
   int bounceSpread, bounceSpreads, bounceBound, bounceBounds, bounceLeft,
       bounceTurns;   ///< restitution rounds: work left, and number of rounds
   int bouncesLeft;   ///< contacts that still close after the last restitution round
-  int freeIslands;   ///< bodies of islands that no row connects to the world
+  int freeIslands;   ///< islands that no row connects to the world or to a non-dynamic body
   int rollers;       ///< active pairs, if some material has rolling resistance
   int nearFeatures;  ///< candidate pairs of features whose swept motions may meet
   int crossingWork;  ///< the same count, but at least the number of vertices

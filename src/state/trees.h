@@ -8,7 +8,7 @@ namespace rubble::RUBBLE_CORE {
 /// block solver.
 inline constexpr int kTreeLevels = 64;
 
-/// Up to this many bodies in every tree, each tree is solved by one thread instead of level by level.
+/// Up to this many bodies in every tree, each tree is solved as a whole instead of level by level.
 inline constexpr int kSmallTree = 64;
 
 /// A body in elimination order.
