@@ -1,31 +1,30 @@
 #pragma once
-/// Box against box: separating axes with a preference for faces, then clipping of the incident face to at
+/// Box against box: separating axis test with a preference for faces, then the incident face clipped to at
 /// most four points.
 #include "collision/shapes.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// An edge axis wins over the best face axis only if it separates by more than this share of the face's
-/// separation plus kEdgeMargin L: near ties belong to faces, whose manifolds are complete.
+/// An edge axis wins over the best face axis only if its separation exceeds this share of the face's
+/// separation by kEdgeMargin L. Near ties go to faces, whose manifolds are complete.
 inline constexpr Real kEdgePreference = Real(.95);
 inline constexpr Real kEdgeMargin = Real(.01);
-/// Cross products of edges shorter than this are parallel edges and are no axis [1].
+/// Edges are parallel, and give no axis, if their cross product is shorter than this [1].
 inline constexpr Real kParallelEdges = Real(1e-3);
-/// A point deeper than the corners of the reduced manifold by this share of L takes the place of the nearest
-/// of them.
+/// A point deeper than all points of the reduced manifold by this share of L replaces the nearest of them.
 inline constexpr Real kDeeperPoint = Real(1e-3);
 
 namespace boxes {
 
-/// A vertex of the incident face while it is clipped, in the frame of the reference face: u, v in the face, w
-/// above it. The edge that leaves it is 0-3 for an incident edge, 4-7 for a side plane.
+/// A vertex of the incident face during clipping, in the frame of the reference face: u, v in the face, w
+/// above it. Edge numbers: 0-3 incident edges, 4-7 side planes.
 struct ClipVertex {
   Real u, v, w;
   int edgeIn, edgeOut;
 };
 inline constexpr int kMaxVertices = 8;
 
-/// Keeps the part of the polygon with sign * coordinate <= limit (coordinate u if axis 0, v if 1).
+/// Clips the polygon to sign * coordinate <= limit (coordinate u if axis 0, v if 1).
 RUBBLE_HD inline int clip(ClipVertex (&in)[kMaxVertices], int count, ClipVertex (&out)[kMaxVertices],
                           int axis, Real sign, Real limit, int plane) {
   int n = 0;
@@ -39,16 +38,16 @@ RUBBLE_HD inline int clip(ClipVertex (&in)[kMaxVertices], int count, ClipVertex 
       ClipVertex& x = out[n++];
       x = {p.u + t * (q.u - p.u), p.v + t * (q.v - p.v), p.w + t * (q.w - p.w), p.edgeOut, p.edgeOut};
       if (keepP)
-        x.edgeOut = plane;  // leaves the half space: goes on along the side plane
+        x.edgeOut = plane;  // leaves the half space: continues along the side plane
       else
-        x.edgeIn = plane;  // comes back from it
+        x.edgeIn = plane;  // returns from the side plane
     }
   }
   return n;
 }
 
-/// Picks four of `count` vertices: the extreme ones along the two diagonals of the reference face, then the
-/// deepest if it stands out.
+/// Reduces `count` vertices to four: the extreme ones along the two diagonals of the reference face, then the
+/// deepest one if kDeeperPoint selects it.
 RUBBLE_HD inline void reduceToFour(ClipVertex (&p)[kMaxVertices], int& count, Real hu, Real hv, Real length) {
   if (count <= kLanes) return;
   int chosen[kLanes];
@@ -86,7 +85,7 @@ RUBBLE_HD inline void reduceToFour(ClipVertex (&p)[kMaxVertices], int& count, Re
 
 }  // namespace boxes
 
-/// `t` = p_B - p_A. Points within `margin` of touching.
+/// Contact points whose gap is at most `margin`. `t` = p_B - p_A; `length` = L.
 RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const Vec3& hb, const Quat& qb,
                                           const Vec3& t, Real margin, Real length) {
   using namespace boxes;
@@ -115,7 +114,7 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
   for (int j = 0; j < 3; ++j) {
     const Real s = std::fabs(tb[j]) -
                    (halfB[j] + halfA[0] * absR[0][j] + halfA[1] * absR[1][j] + halfA[2] * absR[2][j]);
-    // A's faces win ties, so that the reference face does not flicker
+    // ties go to faces of A, so that the reference face does not flicker
     if (s > bestFace + Real(1e-3) * length) bestFace = s, face = 3 + j;
   }
   out.separation = bestFace;
@@ -146,7 +145,7 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
   const auto edgeContact = [&] {
     const int i = edge / 3, j = edge % 3;
     out.n = normalize(cross(axisA[i], axisB[j]) * edgeSign);
-    // a point on each supporting edge, then the closest points of the two lines
+    // a point on each supporting edge, then the closest points of the two edges
     Vec3 pa{0, 0, 0}, pb = t;
     for (int k = 0; k < 3; ++k) {
       if (k != i) pa += axisA[k] * (dot(axisA[k], out.n) > Real(0) ? halfA[k] : -halfA[k]);
@@ -165,7 +164,7 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
     return out;
   }
 
-  // Face contact. Reference box X, incident box Y; everything relative to the centre of A.
+  // Face contact. X: reference box, Y: incident box; positions relative to the center of A.
   const bool refB = face >= 3;
   const int axis = refB ? face - 3 : face;
   const Vec3* axisX = refB ? axisB : axisA;
@@ -174,7 +173,7 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
   const Real* halfY = refB ? halfA : halfB;
   const Vec3 toY = refB ? -t : t;
   const Real side = dot(axisX[axis], toY) < Real(0) ? Real(-1) : Real(1);
-  const Vec3 normal = axisX[axis] * side;  // out of X towards Y
+  const Vec3 normal = axisX[axis] * side;  // out of X toward Y
   const int iu = (axis + 1) % 3, iv = (axis + 2) % 3;
 
   int incident = 0;
@@ -186,7 +185,7 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
   const Real incidentSide = dot(axisY[incident], normal) > Real(0) ? Real(-1) : Real(1);
   const int ju = (incident + 1) % 3, jv = (incident + 2) % 3;
   const Vec3 centreY = toY +
-                       axisY[incident] * (incidentSide * halfY[incident]);  // relative to the centre of X
+                       axisY[incident] * (incidentSide * halfY[incident]);  // relative to the center of X
   ClipVertex p[kMaxVertices], q[kMaxVertices];
   for (int k = 0; k < 4; ++k) {
     const Real su = (k == 1 || k == 2) ? halfY[ju] : -halfY[ju], sv = k >= 2 ? halfY[jv] : -halfY[jv];
@@ -203,7 +202,7 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
     if (p[k].w <= margin) p[kept++] = p[k];
   count = kept;
   if (count == 0 && edge >= 0) {
-    // the faces pass one another although they were preferred: two edges cross
+    // the incident face misses the reference face: two edges cross
     edgeContact();
     return out;
   }

@@ -1,11 +1,11 @@
 #pragma once
-/// The pair test for any two shapes.
+/// Narrow-phase test of two primitive shapes.
 #include "collision/box_box.h"
 #include "collision/round.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// The manifold of (B, A), told of (A, B): `t` = p_B - p_A.
+/// The manifold of (B, A) as one of (A, B): `t` = p_B - p_A.
 RUBBLE_HD inline RawManifold flipped(RawManifold m, const Vec3& t) {
   m.n = -m.n;
   m.normalOnB = !m.normalOnB;
@@ -18,7 +18,7 @@ RUBBLE_HD inline RawManifold flipped(RawManifold m, const Vec3& t) {
 
 namespace pairs {
 
-/// For kinds in rising order: round, box, plane.
+/// For shape kinds in ascending order: round, box, plane.
 RUBBLE_HD inline RawManifold collideOrdered(const ShapeData& sa, const Quat& qa, const ShapeData& sb,
                                             const Quat& qb, const Vec3& t, Real margin, Real length) {
   if (sb.kind == ShapeKind::Plane)
@@ -30,8 +30,8 @@ RUBBLE_HD inline RawManifold collideOrdered(const ShapeData& sa, const Quat& qa,
 
 }  // namespace pairs
 
-/// Touching points of A and B within `margin` [m]; `t` = p_B - p_A, `length` = bounding diameter of the
-/// smaller one.
+/// Contact points of A and B whose gap is at most `margin` [m]. `t` = p_B - p_A; `length` = bounding diameter
+/// of the smaller shape.
 RUBBLE_HD inline RawManifold collide(const ShapeData& sa, const Quat& qa, const ShapeData& sb, const Quat& qb,
                                      const Vec3& t, Real margin, Real length) {
   if (sa.kind > sb.kind) return flipped(pairs::collideOrdered(sb, qb, sa, qa, -t, margin, length), t);

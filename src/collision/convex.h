@@ -1,33 +1,32 @@
 #pragma once
-/// Convex shapes as the general pair test sees them: a core with a support function, faces and contact
-/// features, and a rounding around it.
+/// Convex shapes for the general narrow phase: a core with support function, faces and contact features, and
+/// a rounding radius around it.
 #include "collision/shapes.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Corners of a contact feature: of a face of a hull with more, an even selection is taken; a disc gets
-/// kDiscCorners.
+/// Most corners of a contact feature. A hull face with more is sampled evenly; a disc gets kDiscCorners.
 inline constexpr int kMaxCorners = 16;
 inline constexpr int kDiscCorners = 12;
-/// A disc that leans more than this sine has its first corner where it is lowest; else it has it where it is
-/// loaded, else fixed to its body.
+/// Sine of the tilt above which the first corner of a disc is its lowest point. Below it the first corner is
+/// the loaded point if there is one, else fixed to the body.
 inline constexpr Real kFlatDisc = Real(2e-3);
-/// Weight that acts this share of the radius off the middle of a disc has a corner of its own.
+/// Share of the radius beyond which an off-center load gets a corner of its own on a disc.
 inline constexpr Real kOffMiddle = Real(.25);
-/// The end of a cylinder (or the base of a cone) is what touches if the direction leans less than this from
-/// its axis (cosine).
+/// The cap of a cylinder or the base of a cone is the feature if the direction is within this cosine of the
+/// axis.
 inline constexpr Real kCapCosine = Real(.7);
 
-/// A convex shape about its own centre. All sizes are those of the core; `radius` lies around it.
+/// A convex shape about its own center. Sizes are those of the core, which `radius` rounds.
 struct Convex {
   ShapeKind kind;
   Vec3 half;
   Real radius;
-  const Vec4* vertices;  ///< hull
+  const Vec4* vertices;  ///< of a hull
   const Vec4* planes;
-  const int* faces;  ///< first corner of each face, and of one more
+  const int* faces;  ///< offset of the first corner of each face, plus an end offset
   int vertexCount, faceCount;
-  Vec3 corner[3];  ///< triangle
+  Vec3 corner[3];  ///< of a triangle
 };
 
 RUBBLE_HD inline Convex convexOf(const ShapeTables& tables, const ShapeData& s) {
@@ -41,12 +40,12 @@ RUBBLE_HD inline Convex convexOf(const ShapeTables& tables, const ShapeData& s) 
   return c;
 }
 
-/// A contact feature: a face, an edge or a corner, of the core.
+/// A contact feature of the core: a face, an edge or a corner.
 struct Feature {
   Vec3 corner[kMaxCorners];
-  int id[kMaxCorners];  ///< of each corner
+  int id[kMaxCorners];  ///< feature id of each corner
   int count = 0;        ///< 1: corner, 2: edge, more: face, counter-clockwise from outside
-  Vec3 normal;          ///< of a face
+  Vec3 normal;          ///< outward normal of a face
 };
 
 RUBBLE_HD inline void addCorner(Feature& f, const Vec3& x, int id) {
@@ -55,10 +54,10 @@ RUBBLE_HD inline void addCorner(Feature& f, const Vec3& x, int id) {
 
 namespace convex {
 
-/// Height of the base of a cone under its centre of mass: a quarter of the whole.
+/// z of the base of a cone relative to its center of mass: -h / 4.
 RUBBLE_HD inline Real coneBase(const Convex& c) { return -c.half.z / 3; }
 
-/// Unit radial direction of d about z; a fixed one if d has next to none.
+/// Unit radial direction of d about z; {1, 0, 0} if its radial part is at most `least`.
 template <class S> RUBBLE_HD Vec3T<S> radial(const Vec3T<S>& d, S least) {
   const S l2 = d.x * d.x + d.y * d.y;
   if (!(l2 > least * least)) return {1, 0, 0};
@@ -66,8 +65,8 @@ template <class S> RUBBLE_HD Vec3T<S> radial(const Vec3T<S>& d, S least) {
   return {d.x * inverse, d.y * inverse, 0};
 }
 
-/// Corners of the disc of radius r at height z, counter-clockwise about `side` z. It leans along d, and is
-/// loaded at `load`.
+/// Adds corners on the disc of radius r at height z, counter-clockwise about `side` z. `d`: direction of the
+/// contact, in which the disc tilts; `load`: loaded point.
 RUBBLE_HD inline void addDisc(Feature& f, const Vec3& d, const Vec3& load, Real r, Real z, Real side,
                               int firstId) {
   const bool leans = d.x * d.x + d.y * d.y > kFlatDisc * kFlatDisc;
@@ -84,7 +83,8 @@ RUBBLE_HD inline void addDisc(Feature& f, const Vec3& d, const Vec3& load, Real 
   f.normal = {0, 0, side};
 }
 
-/// Of more corners than a feature has, the one that lies furthest towards `load` is among those taken.
+/// Adds the corners of a hull face. If it has more than kMaxCorners, the one furthest along `load` is
+/// included.
 RUBBLE_HD inline void addHullFace(Feature& f, const Convex& c, int face, const Vec3& load) {
   const int begin = c.faces[face], count = c.faces[face + 1] - begin;
   const int taken = min(count, kMaxCorners);
@@ -116,7 +116,7 @@ RUBBLE_HD inline void addBoxFace(Feature& f, const Vec3& h, int axis, Real side)
 
 }  // namespace convex
 
-/// The point of the core that is furthest along d (of any length), in the precision of d.
+/// Support function of the core along d (of any length), in the precision of d.
 template <class S> RUBBLE_HD Vec3T<S> support(const Convex& c, const Vec3T<S>& d) {
   const Vec3T<S> half(c.half);
   switch (c.kind) {
@@ -153,7 +153,7 @@ template <class S> RUBBLE_HD Vec3T<S> support(const Convex& c, const Vec3T<S>& d
   }
 }
 
-/// Number of face normals that may separate.
+/// Number of face normals that are tested as separating axes.
 RUBBLE_HD inline int faceCount(const Convex& c) {
   switch (c.kind) {
     case ShapeKind::Box:
@@ -171,7 +171,7 @@ RUBBLE_HD inline int faceCount(const Convex& c) {
   }
 }
 
-/// Outward normal of a face and its distance from the centre [m].
+/// Outward normal of a face, and distance of its plane from the center [m].
 RUBBLE_HD inline Vec4 facePlane(const Convex& c, int face) {
   const Real side = (face & 1) ? Real(-1) : Real(1);
   switch (c.kind) {
@@ -193,7 +193,7 @@ RUBBLE_HD inline Vec4 facePlane(const Convex& c, int face) {
   }
 }
 
-/// The corners of a face; `lean` and `load` (a point, zero: none) say where those of a disc begin.
+/// Adds the corners of a face. `lean` and `load` (a point; zero: none) select the first corner of a disc.
 RUBBLE_HD inline void faceFeature(const Convex& c, int face, const Vec3& lean, const Vec3& load, Feature& f) {
   const Real side = (face & 1) ? Real(-1) : Real(1);
   switch (c.kind) {
@@ -218,7 +218,8 @@ RUBBLE_HD inline void faceFeature(const Convex& c, int face, const Vec3& lean, c
   }
 }
 
-/// Does a face of a hull reach so far along d? Of a thin hull the planes of faces do whose corners do not.
+/// Does a face of a hull reach further than `far` along d? In thin hulls the plane may while the corners do
+/// not.
 RUBBLE_HD inline bool faceReaches(const Convex& c, int face, const Vec3& d, Real far) {
   const int* const corners = c.faces + c.faceCount + 1;
   for (int k = c.faces[face]; k < c.faces[face + 1]; ++k)
@@ -226,8 +227,8 @@ RUBBLE_HD inline bool faceReaches(const Convex& c, int face, const Vec3& d, Real
   return false;
 }
 
-/// What of the core lies furthest along the unit vector d: of a polyhedron the face there that looks most
-/// along d.
+/// The feature of the core that is furthest along the unit vector d. Of a hull: the face there whose normal
+/// is closest to d.
 RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, const Vec3& load, Real tolerance,
                                    Feature& f) {
   switch (c.kind) {

@@ -1,23 +1,23 @@
 #pragma once
-/// Any two convex shapes: the faces of both and the direction of gjk.h are tried as separating planes; near
-/// ties belong to faces. Contact of a face is the incident feature cut to it, at most four points; else there
-/// are the two ends of edges side by side, or one point.
+/// Narrow phase of any two convex shapes. Separating axes are the faces of both and the direction of gjk.h;
+/// near ties go to faces. A face contact clips the incident feature to at most four points. Otherwise
+/// parallel edges give two points, and all else one.
 #include "collision/box_box.h"
 #include "collision/gjk.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Vertices of a feature that is being cut by a face.
+/// Most vertices of a feature while it is clipped.
 inline constexpr int kMaxCut = 2 * kMaxCorners;
-/// Edges count as side by side up to this sine of the angle between them.
+/// Edges count as parallel up to this sine of the angle between them.
 inline constexpr Real kParallelSides = Real(.05);
-/// A feature lies as far out as its tip, within this share of L.
+/// Heights within this share of L count as equal.
 inline constexpr Real kSameHeight = Real(1e-3);
 
 namespace convex {
 
-/// A point of the incident feature; `w` is its height over the reference face. Edges: 0-31 of the incident
-/// feature, 32-63 of the reference.
+/// A vertex of the clipped incident feature. `w`: height over the reference face. Edge numbers: 0-31 incident
+/// edges, 32-63 reference edges.
 struct CutVertex {
   Vec3 x;
   Real w;
@@ -34,7 +34,7 @@ RUBBLE_HD inline CutVertex between(const CutVertex& p, const CutVertex& q, Real 
   return {p.x + (q.x - p.x) * t, p.w + (q.w - p.w) * t, p.to, p.to};
 }
 
-/// Keeps what lies on the inner side of a plane, d <= 0.
+/// Clips a polygon to d <= 0 of a plane.
 RUBBLE_HD inline void cutByPlane(Cut& in, Cut& out, const Vec3& n, Real offset, int plane) {
   out.count = 0;
   for (int i = 0; i < in.count; ++i) {
@@ -42,7 +42,7 @@ RUBBLE_HD inline void cutByPlane(Cut& in, Cut& out, const Vec3& n, Real offset, 
     const Real dp = dot(n, p.x) - offset, dq = dot(n, q.x) - offset;
     const bool keepP = dp <= Real(0), keepQ = dq <= Real(0);
     if (keepP && out.count < kMaxCut) out.v[out.count++] = p;
-    // an edge feature is there and back: it is cut on the way there
+    // an edge feature is traversed in both directions; only the first one is clipped
     if (keepP == keepQ || out.count >= kMaxCut) continue;
     CutVertex& x = out.v[out.count++];
     x = between(p, q, dp / (dp - dq));
@@ -53,7 +53,7 @@ RUBBLE_HD inline void cutByPlane(Cut& in, Cut& out, const Vec3& n, Real offset, 
   }
 }
 
-/// The incident feature within the reference face, with heights over it.
+/// Clips the incident feature to the side planes of the reference face.
 RUBBLE_HD inline void cutToFace(const Feature& face, const Feature& incident, Real slack, Cut& result) {
   Cut other;
   Cut *in = &result, *out = &other;
@@ -71,7 +71,7 @@ RUBBLE_HD inline void cutToFace(const Feature& face, const Feature& incident, Re
       in = out, out = swapped;
       continue;
     }
-    // a corner or an edge
+    // incident feature is a corner or an edge
     Real d[2];
     for (int i = 0; i < in->count; ++i) d[i] = dot(side, in->v[i].x) - offset;
     if (in->count == 1) {
@@ -90,10 +90,10 @@ RUBBLE_HD inline void cutToFace(const Feature& face, const Feature& incident, Re
   if (in != &result) result = *in;
 }
 
-/// Of vertices that reach as far to this share of L the first one is taken.
+/// Scores within this share of L count as equal; the first vertex wins.
 inline constexpr Real kSameReach = Real(1e-4);
 
-/// The vertex with the highest score; of scores within `same` the first one.
+/// Index of the vertex with the highest score; among scores within `same` the first one.
 template <int kSize, class Score> RUBBLE_HD int bestVertex(const CutOf<kSize>& c, Real same, Score&& score) {
   int best = 0;
   Real most = score(c.v[0].x);
@@ -104,13 +104,13 @@ template <int kSize, class Score> RUBBLE_HD int bestVertex(const CutOf<kSize>& c
   return best;
 }
 
-/// Where a contact is loaded, as its weight tells: from under the centre that weighs on it along the contact
-/// plane. `along`: unit, zero: nowhere more than elsewhere.
+/// Direction in which the weight of the upper body loads a contact, in the contact plane. `from`: its center
+/// of mass projected onto the plane; `along`: unit, or zero if the load is centered.
 struct LoadedSide {
   Vec3 from, along;
 };
 
-/// Vertices this near to the loaded side, of their reach, lie on it: they bear all of the load.
+/// Vertices this close to the load direction, relative to their distance, lie on it and bear the whole load.
 inline constexpr Real kOnLoadedSide = Real(.02);
 
 template <int kSize>
@@ -124,7 +124,7 @@ RUBBLE_HD LoadedSide loadedSide(const CutOf<kSize>& c, const Vec3& n, const Weig
   return {from, lengthSquared(way) > kOffMiddle * kOffMiddle * reach2 ? normalize(way) : Vec3{0, 0, 0}};
 }
 
-/// The extreme ones along the diagonals of a frame fixed to the face, each another one.
+/// Four distinct vertices, extreme along the diagonals of a frame fixed to the face.
 template <int kSize>
 RUBBLE_HD void chooseByDiagonals(const CutOf<kSize>& c, const Vec3& normal, Real same,
                                  int (&chosen)[kLanes]) {
@@ -132,8 +132,8 @@ RUBBLE_HD void chooseByDiagonals(const CutOf<kSize>& c, const Vec3& normal, Real
   tangentBasis(normal, t1, t2);
   unsigned used = 0;
   for (int k = 0; k < kLanes; ++k) {
-    // steeper than the diagonals of a square, to which corners of discs lie symmetric: their order would be
-    // that of round-off
+    // Not the diagonals of a square: disc corners lie symmetric to those, and round-off would decide their
+    // order.
     const Vec3 d = t1 * ((k & 1) ? Real(1) : Real(-1)) + t2 * ((k & 2) ? Real(.8) : Real(-.8));
     int best = -1;
     Real most = 0;
@@ -146,8 +146,8 @@ RUBBLE_HD void chooseByDiagonals(const CutOf<kSize>& c, const Vec3& normal, Real
   }
 }
 
-/// The one that lies furthest to the loaded side, the other end of the edge over which the bodies would tip
-/// there, and two that add most area.
+/// Four vertices of an off-center load: the furthest along the load direction, the other end of the edge over
+/// which the bodies would tip, and two that add most area.
 template <int kSize>
 RUBBLE_HD void chooseByLoad(const CutOf<kSize>& c, const Vec3& normal, const LoadedSide& side, Real same,
                             Real length, int (&chosen)[kLanes]) {
@@ -156,7 +156,7 @@ RUBBLE_HD void chooseByLoad(const CutOf<kSize>& c, const Vec3& normal, const Loa
   const Vec3 a = c.v[chosen[0]].x;
   const Real offA = dot(aside, a - side.from), outA = dot(first, a - side.from);
   if (std::fabs(offA) > kOnLoadedSide * outA) {
-    // how far out the way to it crosses the loaded side
+    // distance at which the line to the first vertex crosses the load direction
     chosen[1] = bestVertex(c, same, [&](const Vec3& x) {
       const Real off = dot(aside, x - side.from);
       return off * offA < Real(0) ? outA + (dot(first, x - side.from) - outA) * offA / (offA - off) : -length;
@@ -176,8 +176,8 @@ RUBBLE_HD void chooseByLoad(const CutOf<kSize>& c, const Vec3& normal, const Loa
   });
 }
 
-/// Picks at most four vertices within `reach` of the face: those that bear the load where it leans to one
-/// side; and the deepest if it stands out.
+/// Reduces to at most four vertices with height <= `reach`: those that bear an off-center load, or extreme
+/// ones, and the deepest one if kDeeperPoint selects it.
 template <int kSize>
 RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, const LoadedSide& side, Real reach,
                         Real length) {
@@ -214,7 +214,7 @@ RUBBLE_HD void pickFour(CutOf<kSize>& c, const Vec3& normal, const LoadedSide& s
   }
 }
 
-/// A feature of B told in the frame of A.
+/// Transforms a feature of B to the frame of A.
 RUBBLE_HD inline void place(Feature& f, const ConvexPair& p) {
   for (int k = 0; k < f.count; ++k) f.corner[k] = p.at + p.turn * f.corner[k];
   f.normal = p.turn * f.normal;
@@ -226,7 +226,7 @@ struct BestFace {
   Real s = 0;
 };
 
-/// The face that separates most; those of A win near ties. Stops at one that separates by more than `enough`.
+/// The face with the largest separation; near ties go to A. Returns early once a separation exceeds `enough`.
 RUBBLE_HD inline BestFace bestFace(const ConvexPair& p, Real enough) {
   BestFace best;
   const int ofA = faceCount(p.a), ofB = faceCount(p.b);
@@ -248,7 +248,7 @@ RUBBLE_HD inline BestFace bestFace(const ConvexPair& p, Real enough) {
   return best;
 }
 
-/// Points of a face contact in the frame of A. `lowest`: height of the lowest point over the face.
+/// Contact points of a face contact, in the frame of A. `lowest`: height of the lowest vertex over the face.
 RUBBLE_HD inline void faceContact(const ConvexPair& p, const BestFace& best, Real margin, RawManifold& out,
                                   Real& lowest) {
   const Convex &reference = best.onB ? p.b : p.a, &other = best.onB ? p.a : p.b;
@@ -262,7 +262,7 @@ RUBBLE_HD inline void faceContact(const ConvexPair& p, const BestFace& best, Rea
   const bool loaded = footOfWeight(p.weight, out.n, level, foot);
   const Vec3 onA = loaded ? foot : Vec3{0, 0, 0},
              onB = loaded ? mulTransposed(p.turn, foot - p.at) : Vec3{0, 0, 0};
-  // unloaded, a disc begins where the other shape lies
+  // without load, the first corner of a disc points toward the other shape
   const Vec3 lies = best.onB ? mulTransposed(p.turn, -p.at) : p.at;
   Feature face, incident;
   faceFeature(reference, best.face, {0, 0, 0}, loaded ? (best.onB ? onB : onA) : lies, face);
@@ -279,7 +279,7 @@ RUBBLE_HD inline void faceContact(const ConvexPair& p, const BestFace& best, Rea
   for (int k = 0; k < cut.count; ++k) {
     const CutVertex& v = cut.v[k];
     const Vec3 onOther = v.x - normal * other.radius, onFace = v.x - normal * (v.w - reference.radius);
-    // corners go by their names, which stay as faces change
+    // corners use their feature ids, which persist when the faces change
     const bool corner = v.from < 32 && v.to < 32;
     const int name = corner ? incident.id[v.to] : 0x800 | v.from << 6 | v.to;
     out.points[k] = {best.onB ? onOther : onFace, best.onB ? onFace : onOther,
@@ -287,7 +287,7 @@ RUBBLE_HD inline void faceContact(const ConvexPair& p, const BestFace& best, Rea
   }
 }
 
-/// Edges side by side have two points, anything else one.
+/// Contact without a reference face: two points for parallel edges, else one.
 RUBBLE_HD inline void edgeContact(const ConvexPair& p, const SeparatingDirection& x, Real margin,
                                   RawManifold& out) {
   const Real radii = p.a.radius + p.b.radius;
@@ -314,7 +314,7 @@ RUBBLE_HD inline void edgeContact(const ConvexPair& p, const SeparatingDirection
           const Vec3 a = fa.corner[0] + da * (k == 0 ? lo : hi);
           const Real u = clamp(dot(a - fb.corner[0], db) / bb, Real(0), Real(1));
           const Vec3 b = fb.corner[0] + db * u;
-          // the same place along the normal's plane on both
+          // the same position in the contact plane on both shapes
           add(a, a + x.n * dot(x.n, b - a), 0x2001 + k);
         }
         if (out.count > 0) return;
@@ -326,7 +326,7 @@ RUBBLE_HD inline void edgeContact(const ConvexPair& p, const SeparatingDirection
 
 }  // namespace convex
 
-/// `t` = p_B - p_A; the weight is relative to p_A. Points within `margin` of touching.
+/// Contact points whose gap is at most `margin`. `t` = p_B - p_A; the weight is relative to p_A.
 RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, const Convex& b, const Quat& qb,
                                            const Vec3& t, Real margin, Real length, const Weight& weight) {
   using namespace convex;
@@ -350,8 +350,8 @@ RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, cons
     if (out.separation > margin) return out;
     Real lowest;
     faceContact(p, face, margin, out, lowest);
-    // The face is as far as the bodies are apart, or they touch in it and no edge can be preferred: no need
-    // to look any further.
+    // The face separation equals the distance, or the shapes overlap so little that no edge can be preferred.
+    // GJK is not needed then.
     const bool exact = lowest <= face.s + kSameHeight * length;
     if (out.count > 0 && exact && kEdgePreference * face.s + kEdgeMargin * length > Real(0)) return told();
     start = out.n;

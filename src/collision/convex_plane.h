@@ -1,18 +1,18 @@
 #pragma once
-/// Convex shapes against half spaces: the lowest corners, at most four.
+/// Convex shapes against half spaces: at most four of the lowest corners.
 #include "collision/convex_pair.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Rounded box, cylinder, cone or hull (A) against the half space z < 0 of the plane (B); `t` = p_B - p_A;
-/// the weight is relative to p_A.
+/// Convex shape (A) against the half space z < 0 of the plane (B). `t` = p_B - p_A; the weight is relative to
+/// p_A.
 RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa, const Quat& qb,
                                                 const Vec3& t, Real margin, Real length,
                                                 const Weight& weight) {
   using namespace convex;
   RawManifold out;
-  const Vec3 up = rotate(qb, Vec3{0, 0, 1}), down = rotateInverse(qa, -up);  // the latter in the frame of A
-  const Real surface = -dot(up, t);  // height of A's centre over the plane
+  const Vec3 up = rotate(qb, Vec3{0, 0, 1}), down = rotateInverse(qa, -up);  // `down` in the frame of A
+  const Real surface = -dot(up, t);  // height of A's center over the plane
   out.n = -up;
   out.normalOnB = true;
   out.separation = surface - dot(down, support(a, down)) - a.radius;
@@ -22,7 +22,7 @@ RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa,
                    rotateInverse(qa, weight.down)};
   Cut cut;
   if (a.kind == ShapeKind::Hull) {
-    // every corner counts, whatever its faces
+    // all vertices of the hull, independent of its faces
     for (int k = 0; k < a.vertexCount; ++k) {
       const Vec3 x = xyz(a.vertices[k]);
       const Real height = surface - dot(down, x);
@@ -38,7 +38,7 @@ RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa,
     for (int k = 0; k < f.count; ++k)
       cut.v[cut.count++] = {f.corner[k], surface - dot(down, f.corner[k]), f.id[k], f.id[k]};
   }
-  // a frame fixed to A: its corners are chosen alike from step to step
+  // in the frame of A, so that the same corners are chosen from step to step
   pickFour(cut, down, loadedSide(cut, down, own), margin + a.radius, length);
   out.count = cut.count;
   for (int k = 0; k < cut.count; ++k) {

@@ -1,6 +1,5 @@
 #pragma once
-/// A shape as engines take it, in double precision: what the cook makes of a Shape and backends copy into
-/// their shared tables.
+/// A cooked shape in double precision: output of the cooker, copied by backends into their shared tables.
 #include <array>
 #include <vector>
 
@@ -8,7 +7,7 @@
 
 namespace rubble {
 
-/// The numbers of ShapeKind (collision/shapes.h), which is compiled once a precision.
+/// Mirrors ShapeKind (collision/shapes.h), which is compiled once per precision.
 enum class CookedKind : int {
   Sphere,
   Capsule,
@@ -25,7 +24,7 @@ enum class CookedKind : int {
   Distance
 };
 
-/// Like ShapeData; `data` counts from the beginning of this shape's own tables.
+/// Like ShapeData; `data` is relative to the tables of this shape.
 struct CookedData {
   CookedKind kind = CookedKind::Plane;
   Vec3 half;
@@ -41,16 +40,16 @@ struct CookedPart {
   std::optional<Material> material = {};
 };
 
-/// In the frame of the engine: origin at the centre of mass, axes along the principal axes.
+/// In the engine's frame: origin at the center of mass, principal axes.
 struct CookedShape {
   CookedData shape;
-  MassProperties unit;  ///< at density 1; `centre` and `axes` say where the engine's frame lies in the
-                        ///< author's, also for what has no mass
-  double radius = 0;    ///< of the sphere about the origin that holds it [m]
+  MassProperties unit;  ///< mass properties at density 1; `centre` and `axes` locate the engine's frame in
+                        ///< the authored frame, even without mass
+  double radius = 0;    ///< of the bounding sphere about the origin [m]
   std::vector<std::array<double, 4>> vectors;
   std::vector<int> indices;
   std::vector<CookedPart> parts;
-  /// Places in `indices` that count from the beginning of this shape's tables: of vectors, indices and parts.
+  /// Positions in `indices` whose value is relative to this shape's tables of vectors, indices and parts.
   std::vector<int> vectorPlaces, indexPlaces, partPlaces;
 };
 

@@ -1,23 +1,23 @@
 #pragma once
-/// Corners of a shape: the points that it can dent a surface with. A sphere and the ends of a capsule are
-/// corners with a radius.
+/// Corners of a shape: the points with which it indents a surface. A sphere, and each end of a capsule, is a
+/// corner with a radius.
 #include "collision/lattice.h"
 #include "math/trig.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Corners of a rim of a cylinder or cone: between two of them it lies .5 % of its radius further out.
+/// Corners on the rim of a cylinder or cone. Between two of them the rim protrudes by 0.5 % of its radius.
 inline constexpr int kRimCorners = 32;
 
-/// In the frame of its body.
+/// In the frame of the body.
 struct ShapeCorner {
   Vec3 at;       ///< [m]
-  Vec3 outward;  ///< unit: where the body ends there; zero: on all sides
+  Vec3 outward;  ///< unit outward direction; zero: convex on all sides
   Real radius;   ///< [m]
-  int part;      ///< of a compound, else 0
+  int part;      ///< part of a compound, else 0
 };
 
-/// Of a shape that is no compound. Planes, meshes and height fields have none.
+/// Number of corners of a shape other than a compound. Planes, meshes and height fields have none.
 RUBBLE_HD inline int convexCornerCount(const ShapeTables& tables, const ShapeData& s) {
   switch (s.kind) {
     case ShapeKind::Sphere:
@@ -66,7 +66,7 @@ RUBBLE_HD inline Vec3 convexCorner(const ShapeTables& tables, const ShapeData& s
   }
 }
 
-/// Where a shape ends at its k-th corner, which is at `at`; zero: on all sides.
+/// Outward direction of corner k at `at`; zero: convex on all sides.
 RUBBLE_HD inline Vec3 cornerOutward(const ShapeTables& tables, const ShapeData& s, int k, const Vec3& at) {
   Vec3 out{0, 0, 0};
   switch (s.kind) {
@@ -93,7 +93,7 @@ RUBBLE_HD inline Vec3 cornerOutward(const ShapeTables& tables, const ShapeData& 
   return size > Real(0) ? out / size : Vec3{0, 0, 0};
 }
 
-/// Corners [begin, end) of a shape, of all that its parts have one after another.
+/// Corners [begin, end) of a shape; the corners of a compound are numbered part after part.
 struct CornerRange {
   int begin, end;
 };
@@ -105,8 +105,8 @@ RUBBLE_HD inline int cornerCount(const ShapeTables& tables, const ShapeData& s) 
     all += convexCornerCount(tables, tables.part[tables.index[s.data + 2] + p].shape);
   return all;
 }
-/// Share `share` of `shares` of the corners of a shape: neighbours in its list, where those that are near to
-/// one another follow one another (cook/halving.h). The tip of a cone has a share of its own.
+/// Range `share` of `shares` of the corners of a shape. Corners close in the list are close in space
+/// (cook/halving.h). The tip of a cone has a range of its own.
 RUBBLE_HD inline CornerRange cornerShare(const ShapeTables& tables, const ShapeData& s, int share,
                                          int shares) {
   const int all = cornerCount(tables, s);
@@ -115,7 +115,7 @@ RUBBLE_HD inline CornerRange cornerShare(const ShapeTables& tables, const ShapeD
   return {cut(share), cut(share + 1)};
 }
 
-/// visit(corner) for some corners of a shape.
+/// Calls visit(corner) for the corners in `range`.
 template <class Visit>
 RUBBLE_HD void visitCorners(const ShapeTables& tables, const ShapeData& s, const CornerRange& range,
                             Visit&& visit) {

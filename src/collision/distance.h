@@ -1,51 +1,50 @@
 #pragma once
-/// Distances between convex shapes by GJK (Gilbert, Johnson, Keerthi 1988; Ericson 2005, chapter 9), the time
-/// at which moving ones meet by conservative advancement (Mirtich 1996), and rays. In double precision: a
-/// bullet is small beside the way it goes in a step.
+/// Distance of convex shapes by GJK (Gilbert, Johnson, Keerthi 1988; Ericson 2005, chapter 9), and their time
+/// of impact by conservative advancement (Mirtich 1996). In double precision, because a bullet is small
+/// compared with its displacement per step.
 #include "collision/convex.h"
 
 namespace rubble::RUBBLE_CORE {
 
 using Quatd = QuatT<double>;
 
-/// A convex shape, or a half space, at a pose.
+/// A convex shape or a half space, at a pose.
 struct Placed {
   Convex shape;
-  Vec3d p;  ///< its centre [m]
+  Vec3d p;  ///< its center [m]
   Quatd q;
-  Vec3d arm{};  ///< its centre less that of the body that it turns with [m]
+  Vec3d arm{};  ///< its center relative to that of the rotating body [m]
 
   RUBBLE_HD bool isPlane() const { return shape.kind == ShapeKind::Plane; }
   RUBBLE_HD double radius() const { return static_cast<double>(shape.radius); }
 };
-/// Plain shapes need no tables.
+/// Primitive shapes need no tables.
 RUBBLE_HD inline Placed placed(const ShapeData& shape, const Vec3d& p, const Quatd& q) {
   return {{shape.kind, shape.half, shape.radius, nullptr, nullptr, nullptr, 0, 0, {}}, p, q};
 }
 
-/// Shortest way from A to B.
+/// Distance and closest points of A and B.
 struct Separation {
-  double distance;  ///< [m]; of overlapping cores: 0 less both radii, and n and the points are not defined
+  double distance;  ///< [m]; if the cores overlap: minus both radii, with n and the points undefined
   Vec3d onA, onB;   ///< on the two surfaces
-  Vec3d n;          ///< from A to B, unit
+  Vec3d n;          ///< unit, from A to B
 };
 
 namespace gjk {
 
 struct Vertex {
-  Vec3d a, b, w;  ///< on A, on B, a - b
+  Vec3d a, b, w;  ///< support points of A and B, and a - b
 };
 
-/// Up to four vertices whose hull has the point nearest to the origin inside, and its barycentric
-/// coordinates.
+/// Up to four vertices whose hull contains the point closest to the origin, with its barycentric weights.
 struct Simplex {
   Vertex v[4];
   double weight[3];
   int count;
 };
 
-/// Vertices of a simplex by number, whose hull has that point inside; none: the origin is inside of the
-/// whole.
+/// A feature of a simplex by vertex numbers, with the weights of the point closest to the origin. count 0:
+/// the simplex contains the origin.
 struct Part {
   int count, vertex[3];
   double weight[3];
@@ -58,7 +57,7 @@ RUBBLE_HD RUBBLE_APART inline Vec3d generalSupport(const Convex& c, const Vec3d&
 RUBBLE_HD inline Vec3d support(const Placed& s, const Vec3d& direction) {
   const Vec3d d = rotateInverse(s.q, direction);
   if (s.shape.kind > ShapeKind::RoundBox) return s.p + rotate(s.q, generalSupport(s.shape, d));
-  // the core of a sphere is a box of no size, that of a capsule a line
+  // the core of a sphere is a box of size zero, that of a capsule a segment
   const Vec3d half(s.shape.half);
   return s.p + rotate(s.q, Vec3d{d.x < 0 ? -half.x : half.x, d.y < 0 ? -half.y : half.y,
                                  d.z < 0 ? -half.z : half.z});
@@ -99,7 +98,7 @@ RUBBLE_HD inline Part nearestPart(const Simplex& s, int i, int j, int k) {
   return {3, {i, j, k}, {va / total, vb / total, vc / total}};
 }
 
-/// The part of the first `count` vertices that is nearest to the origin.
+/// Feature of the first `count` vertices that is closest to the origin.
 RUBBLE_HD inline Part nearestPart(const Simplex& s, int count) {
   if (count == 1) return onVertex(0);
   if (count == 2) return nearestPart(s, 0, 1);
@@ -110,7 +109,7 @@ RUBBLE_HD inline Part nearestPart(const Simplex& s, int count) {
     const int j = (i + 1) % 4, k = (i + 2) % 4, l = (i + 3) % 4;
     const Vec3d &a = s.v[j].w, n = cross(s.v[k].w - a, s.v[l].w - a), edge = s.v[i].w - a;
     const double own = dot(n, edge), origin = -dot(n, a);
-    // on the same side of this face as the fourth vertex; a flat tetrahedron has no inside
+    // origin on the inner side of this face; a flat tetrahedron has no inside
     if (own * origin > 0 && own * own > 1e-24 * dot(n, n) * dot(edge, edge)) continue;
     const Part face = nearestPart(s, j, k, l);
     const Vec3d x = nearest(s, face);
@@ -118,27 +117,27 @@ RUBBLE_HD inline Part nearestPart(const Simplex& s, int count) {
   }
   return best;
 }
-/// Leaves the vertices of a part, in its order.
+/// Reduces the simplex to a feature, in its vertex order.
 RUBBLE_HD inline void keep(Simplex& s, const Part& part) {
   const Vertex kept[3] = {s.v[part.vertex[0]], s.v[part.vertex[1]], s.v[part.vertex[2]]};
   for (int k = 0; k < part.count; ++k) s.v[k] = kept[k], s.weight[k] = part.weight[k];
   s.count = part.count;
 }
 
-/// Cores overlap whose squared distance is less than this share of their squared sizes: the digits of both
-/// are used up.
+/// Cores overlap if their squared distance is less than this share of their squared sizes, where double
+/// precision ends.
 inline constexpr double kTouching = 1e-22;
-/// Two lines are parallel whose angle has a squared sine less than this.
+/// Segments are parallel if the squared sine of their angle is less than this.
 inline constexpr double kParallel = 1e-12;
-/// Below it cores overlap [m^2]; more than nothing for two points.
+/// Squared distance below which cores overlap [m2]; positive even for two points.
 RUBBLE_HD inline double touchingDistance2(const Placed& a, const Placed& b) {
   const Vec3d halfA(a.shape.half), halfB(b.shape.half);
   return kTouching * (dot(halfA, halfA) + dot(halfB, halfB) + 1e-30);
 }
 
-/// Points of the two cores that are nearest to one another.
+/// Closest points of the two cores.
 RUBBLE_HD inline Separation cores(const Placed& a, const Placed& b) {
-  constexpr int kMostSteps = 64;       // it ends after a few; more would be round-off going in circles
+  constexpr int kMostSteps = 64;       // typically a few; more would be cycles of round-off
   constexpr double kRelative = 1e-12;  // of the squared distance
   Simplex s{};
   Vec3d d = b.p - a.p;
@@ -179,19 +178,19 @@ RUBBLE_HD inline Separation cores(const Placed& a, const Placed& b) {
   return out;
 }
 
-/// The core of a sphere is a point, that of a capsule a line.
+/// Is the core a point or a segment (sphere or capsule)?
 RUBBLE_HD inline bool isLine(const Placed& s) {
   return s.shape.kind == ShapeKind::Sphere || s.shape.kind == ShapeKind::Capsule;
 }
 
-/// The same for two lines p + s u and q + t v with s and t in [-1, 1], in closed form (Ericson 2005,
+/// Closest points of two segments p + s u and q + t v with s and t in [-1, 1], in closed form (Ericson 2005,
 /// section 5.1.9).
 RUBBLE_HD inline Separation lines(const Placed& a, const Placed& b) {
   const Vec3d u = rotate(a.q, Vec3d(a.shape.half)), v = rotate(b.q, Vec3d(b.shape.half)), r = b.p - a.p;
   const double uu = dot(u, u), vv = dot(v, v), uv = dot(u, v), ur = dot(u, r), vr = dot(v, r),
                det = uu * vv - uv * uv;
   const auto along = [](double way, double size) { return size > 0 ? clamp(way / size, -1.0, 1.0) : 0.0; };
-  // where they are parallel any s will do
+  // any s will do for parallel segments
   double s = det > kParallel * uu * vv ? clamp((ur * vv - uv * vr) / det, -1.0, 1.0) : 0.0;
   const double t = along(s * uv - vr, vv);
   s = along(t * uv + ur, uu);
@@ -217,7 +216,7 @@ RUBBLE_HD inline Separation fromPlane(const Placed& plane, const Placed& b) {
 
 }  // namespace gjk
 
-/// Distance of two shapes; two half spaces are never near.
+/// Distance of two shapes; two half spaces are infinitely far apart.
 RUBBLE_HD inline Separation separation(const Placed& a, const Placed& b) {
   if (a.isPlane() && b.isPlane()) return {1e300, a.p, b.p, {0, 0, 1}};
   if (a.isPlane()) return gjk::fromPlane(a, b);
@@ -231,17 +230,17 @@ RUBBLE_HD inline Separation separation(const Placed& a, const Placed& b) {
   return s;
 }
 
-/// A way that a shape goes at constant speed, until it stops.
+/// Rigid motion at constant velocity within a step, until `until`.
 struct Way {
-  Vec3d move;        ///< of its centre [m]
+  Vec3d move;        ///< displacement of the center [m]
   Vec3d turn;        ///< rotation vector [rad]
-  double until = 1;  ///< part of the way after which it stays
+  double until = 1;  ///< fraction of the step after which it stands still
 };
-/// From this part of the way on.
+/// The remaining motion at `fraction`.
 RUBBLE_HD inline Way wayFrom(const Way& way, double fraction) {
   return fraction < way.until ? way : Way{{}, {}, way.until};
 }
-/// The next part at which one of two ways ends, or 1.
+/// The next fraction after `fraction` at which one of two motions ends, or 1.
 RUBBLE_HD inline double nextEnd(const Way& a, const Way& b, double fraction) {
   const double endA = a.until > fraction ? a.until : 1, endB = b.until > fraction ? b.until : 1;
   return min(endA, endB);
@@ -264,22 +263,21 @@ RUBBLE_HD inline Placed movedBy(const Placed& s, const Way& way, double fraction
   return m;
 }
 
-/// No point of the core goes further along the unit vector n by a turn of its body than this [m]: (w x r) . n
-/// = (n x w) . r, however far r has turned.
+/// Bound of the displacement of any point of the core along the unit vector n by the rotation [m]: (w x r) .
+/// n = (n x w) . r at every orientation of r.
 RUBBLE_HD inline double turnReach(const Placed& s, const Way& way, const Vec3d& n) {
   return length(cross(n, way.turn)) * (length(Vec3d(s.shape.half)) + length(s.arm));
 }
 
-/// Where and when A and B come within `tolerance` of one another.
+/// Time of impact and the closest points then.
 struct TimeOfImpact {
-  double fraction;  ///< of the way, above 1: never
+  double fraction;  ///< fraction of the step; above 1: no impact
   Separation at;
 };
 inline constexpr double kNeverMet = 2;
 RUBBLE_HD inline TimeOfImpact meeting(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB,
                                       double tolerance) {
-  constexpr int kMostSteps = 128;  // whoever needs more stays within the tolerance for long: then that is
-                                   // where they meet
+  constexpr int kMostSteps = 128;  // longer searches stay within the tolerance for long: an impact
   TimeOfImpact m{0, separation(a, b)};
   for (int step = 0; step < kMostSteps && m.at.distance > tolerance; ++step) {
     const Way nowA = wayFrom(wayA, m.fraction), nowB = wayFrom(wayB, m.fraction);
@@ -297,25 +295,24 @@ RUBBLE_HD inline TimeOfImpact meeting(const Placed& a, const Way& wayA, const Pl
   return m;
 }
 
-/// Distance of two shapes along a unit vector from A to B: no more than their distance, below 0 where they
-/// overlap that far in this direction. [m]
+/// Separation of two shapes along a unit vector from A to B [m]: at most their distance; negative: overlap
+/// along n.
 RUBBLE_HD inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& n) {
   if (a.isPlane()) return gjk::fromPlane(a, b).distance;
   if (b.isPlane()) return gjk::fromPlane(b, a).distance;
   return dot(n, gjk::support(b, -n) - gjk::support(a, n)) - a.radius() - b.radius();
 }
 
-/// Where and when A and B, which something holds apart along n, go deeper into one another than `allowed`, or
-/// than they are by `more`, so that the step goes on for them in any case. While their gap along n, which
-/// turns with one of them, tells that they do not, nothing else is asked; then their distance is, whose
-/// direction takes its place.
+/// Time of impact of A and B, which are already in contact along n. An impact is a penetration deeper than
+/// `allowed`. If they start deeper, they may still penetrate further by `more`, so that the step can proceed.
+/// n rotates with one of the bodies. The cheap gap along n is tested first. Where it fails, the distance and
+/// its direction replace it.
 RUBBLE_HD inline TimeOfImpact meetingBeyond(const Placed& a, const Way& wayA, const Placed& b,
                                             const Way& wayB, const Vec3d& n, bool turnsWithB, double allowed,
                                             double more) {
   constexpr int kMostSteps = 128;
-  constexpr double kMostTurn = .1;  // of n in a step of the search [rad]: bounds of speeds along it are those
-                                    // at its beginning
-  constexpr double kSameSide = 1;   // apart along an n that turned further [rad]: maybe on the other side
+  constexpr double kMostTurn = .1;  // rotation of n per search step [rad]: speed bounds hold at its start
+  constexpr double kSameSide = 1;   // after a larger rotation [rad] a gap along n may lie on the other side
   const double start = gapAlong(a, b, n);
   allowed = max(allowed, more - start);
   const double reached = allowed - more / 4;
@@ -355,9 +352,9 @@ RUBBLE_HD inline TimeOfImpact meetingBeyond(const Placed& a, const Way& wayA, co
   return m;
 }
 
-/// Half of the smallest thickness of a plain shape [m].
+/// Half of the smallest thickness of a primitive shape [m].
 RUBBLE_HD inline Real innerRadius(const ShapeData& s) {
-  // nothing passes a plane, but what goes into it deeply comes back slowly
+  // a plane has no far side, but deep penetration is corrected slowly
   if (s.kind == ShapeKind::Plane) return Real(0);
   if (s.kind != ShapeKind::Box) return s.radius;
   return min(s.half.x, min(s.half.y, s.half.z));

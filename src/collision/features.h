@@ -1,18 +1,17 @@
 #pragma once
-/// Nearest points of the parts of surfaces (a vertex and a triangle, two edges), and when two moving ones
-/// come near.
+/// Closest points of surface features (vertex and triangle, or two edges), and their time of impact.
 ///
 ///   corners x_0 to x_3: side A first (one vertex, or two ends of an edge), then side B (a triangle, or an
 ///   edge)
-///   nearest points: sum c_i x_i = p_A - p_B, with c_i >= 0 that add up to 1 on side A and c_i <= 0 that add
+///   closest points: sum c_i x_i = p_A - p_B, with c_i >= 0 that add up to 1 on side A and c_i <= 0 that add
 ///   up to -1 on side B
 ///
-/// Coordinates are seen from near by: a float then tells apart 1e-7 of the size of the parts.
+/// Coordinates are relative to a nearby origin, so that floats resolve 1e-7 of the size of the features.
 #include "math/hd.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Weights of the point of segment ab that is nearest to p.
+/// Barycentric weights of the point of segment ab closest to p.
 RUBBLE_HD inline void nearestOnSegment(const Vec3& p, const Vec3& a, const Vec3& b, Real (&w)[2]) {
   const Vec3 e = b - a;
   const Real size2 = dot(e, e),
@@ -20,7 +19,7 @@ RUBBLE_HD inline void nearestOnSegment(const Vec3& p, const Vec3& a, const Vec3&
   w[0] = Real(1) - t, w[1] = t;
 }
 
-/// Weights of the point of triangle abc that is nearest to p: by the region of the plane that p lies over.
+/// Barycentric weights of the point of triangle abc closest to p, by Voronoi region.
 RUBBLE_HD inline void nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c,
                                         Real (&w)[3]) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
@@ -45,7 +44,7 @@ RUBBLE_HD inline void nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3
     w[1] = vb / sum, w[2] = vc / sum;
     w[0] = Real(1) - w[1] - w[2];
   } else {
-    // no area: the nearest of its three sides
+    // degenerate triangle: the closest of its three sides
     const Vec3* const corner[3] = {&a, &b, &c};
     Real best = -1;
     for (int k = 0; k < 3; ++k) {
@@ -61,12 +60,11 @@ RUBBLE_HD inline void nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3
   }
 }
 
-/// Weights of the nearest points of segments x0 x1 (c_0, c_1) and x2 x3 (c_2, c_3, negative).
+/// Weights of the closest points of segments x0 x1 (c_0, c_1) and x2 x3 (c_2, c_3, negative).
 RUBBLE_HD inline void nearestOfSegments(const Vec3 (&x)[4], Real (&c)[4]) {
   const Vec3 u = x[1] - x[0], v = x[3] - x[2], r = x[0] - x[2];
   const Real a = dot(u, u), e = dot(v, v), b = dot(u, v), f = dot(v, r), g = dot(u, r), det = a * e - b * b;
-  // below this sine squared of the angle between them, round-off decides where the nearest points of the
-  // lines are
+  // below this squared sine of the angle between them, round-off determines the closest points of the lines
   constexpr Real kParallel = sizeof(Real) == 8 ? Real(1e-12) : Real(1e-5);
   if (det > kParallel * a * e) {
     const Real s0 = clamp((b * f - g * e) / det, Real(0), Real(1)), t0 = (b * s0 + f) / e;
@@ -88,11 +86,12 @@ RUBBLE_HD inline void nearestOfSegments(const Vec3 (&x)[4], Real (&c)[4]) {
   }
 }
 
-/// p_A - p_B of a vertex and a triangle (`sideA` 1) or of two edges (2), and their weights.
+/// p_A - p_B of a vertex and a triangle (`sideA` 1) or of two edges (2), and the weights of the closest
+/// points.
 RUBBLE_HD inline Vec3 nearestOfFeatures(const Vec3 (&x)[4], int sideA, Real (&c)[4]) {
   if (sideA == 2) {
     nearestOfSegments(x, c);
-    // from one corner: sums of products of coordinates would lose digits
+    // relative to one corner, because sums of products of coordinates lose digits
     return (x[0] - x[2]) + c[1] * (x[1] - x[0]) + c[3] * (x[3] - x[2]);
   }
   Real w[3];
@@ -101,23 +100,23 @@ RUBBLE_HD inline Vec3 nearestOfFeatures(const Vec3 (&x)[4], int sideA, Real (&c)
   return (x[0] - x[1]) + c[2] * (x[2] - x[1]) + c[3] * (x[3] - x[1]);
 }
 
-/// Where two moving features come near.
+/// Result of a time-of-impact query of two moving features.
 struct FeatureMeeting {
   bool meets;
-  Real time;  ///< a time before which they are further apart than `keep`, from 0 to 1
-  Vec3 n;     ///< from B to A, unit
+  Real time;  ///< time in [0, 1]; before it they are further apart than `keep`
+  Vec3 n;     ///< unit, from B to A
   Real c[4];
 };
 
-/// Steps of the search below; what is not decided then counts as a meeting.
+/// Most steps of conservative advancement; an undecided query counts as an impact.
 inline constexpr int kMostAdvances = 128;
-/// A distance that has fallen to `keep` plus this share of what it was above it is a meeting [1].
+/// The features count as in contact once their distance above `keep` has fallen to this share [1].
 inline constexpr Real kMetShare = Real(.1);
 
-/// Do features whose corners go from x to x + move on straight lines come as near as `keep` (less than their
-/// distance at the start)? By conservative advancement: they may go on for as long as their distance above
-/// `keep` lasts at the greatest speed of their corners relative to one another (Li, Kaufman, Jiang:
-/// Codimensional incremental potential contact, 2021, section 5). Never misses a meeting.
+/// Do features whose corners move linearly from x to x + move come as close as `keep`? `keep` is less than
+/// their distance at the start. Conservative advancement: the distance above `keep` divided by the greatest
+/// relative speed of their corners is a safe time step (Li, Kaufman, Jiang: Codimensional incremental
+/// potential contact, 2021, section 5). Never misses an impact.
 RUBBLE_HD inline FeatureMeeting firstMeeting(const Vec3 (&x)[4], const Vec3 (&move)[4], int sideA,
                                              Real keep) {
   FeatureMeeting m;
@@ -134,7 +133,7 @@ RUBBLE_HD inline FeatureMeeting firstMeeting(const Vec3 (&x)[4], const Vec3 (&mo
   Vec3 gap = nearestOfFeatures(x, sideA, m.c);
   Real distance = length(gap);
   if (distance - keep > reach) return m;
-  // a plane between them that holds at both ends holds all the way
+  // a plane that separates them at the start and at the end separates them all the time
   m.n = gap / distance;
   Real lowest = 0, highest = 0;
   for (int k = 0; k < 4; ++k) {

@@ -1,29 +1,30 @@
 #pragma once
-/// The direction that separates two convex cores most, and where they are nearest along it.
+/// The separating direction of two convex cores with the largest separation, and the closest points along it.
 ///
 /// Distance: Gilbert, Johnson and Keerthi 1988, with the sub-simplices of Ericson 2005 (section 9.5).
-/// Overlap: with s(n) the separation along n (negative: they overlap by -s), B is pushed out along the best n
-/// known so far until a gap of tau is left. If the nearest points of the pair so placed, d apart along n',
-/// have d > tau, then s(n') >= d - tau + s(n) > s(n): n' is better and is tried next. A direction that stays
-/// is a local maximum of s, the least way out. So every distance is taken of bodies well apart, where it is
-/// well conditioned.
+///
+/// Overlap: let s(n) be the separation along n (negative: overlap). B is translated along the best n found so
+/// far until the gap is tau. Let the closest points of this configuration be d apart along n'. If d > tau,
+/// then s(n') >= d - tau + s(n) > s(n), so n' is better and is tried next. A fixed point is a local maximum
+/// of s, the least penetration. Distances are thus only computed for separated cores, where they are well
+/// conditioned.
 #include "collision/distance.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Gap that overlapping bodies are pushed to, over L [1].
+/// Gap to which overlapping cores are separated, over L [1].
 inline constexpr Real kPushedGap = Real(.03);
-/// Bodies apart by more than this share of L have a direction between their nearest points.
+/// Cores further apart than this share of L take the direction between their closest points.
 inline constexpr Real kLeastGap = Real(1e-3);
-/// A direction that gains less than this share of L is not searched on.
+/// The search stops once a direction gains less than this share of L.
 inline constexpr Real kLeastGain = Real(1e-4);
-/// Pushes of a pair, and steps of one distance: guards that few pairs meet.
+/// Most translations per pair, and most GJK steps per distance. Few pairs reach them.
 inline constexpr int kMaxPushes = 4;
 inline constexpr int kMaxGjkSteps = 24;
 /// Squared relative error of a distance.
 inline constexpr Real kGjkTolerance = sizeof(Real) == 8 ? Real(1e-11) : Real(2e-6);
 
-/// Two cores in the frame of A; B is turned by `q`, as a matrix `turn`, and lies at `at`.
+/// Two cores in the frame of A. B has rotation `q` (matrix `turn`) and center `at`.
 struct ConvexPair {
   const Convex& a;
   const Convex& b;
@@ -31,7 +32,7 @@ struct ConvexPair {
   Mat3 turn;
   Vec3 at;
   Real length;      ///< L [m]
-  Weight weight{};  ///< in the frame of A, relative to its centre
+  Weight weight{};  ///< in the frame of A, relative to the center of A
 };
 
 RUBBLE_HD inline Vec3 supportOfB(const ConvexPair& p, const Vec3& d) {
@@ -45,14 +46,15 @@ RUBBLE_HD inline Real separationAlong(const ConvexPair& p, const Vec3& n) {
 
 struct Nearest {
   Vec3 n;         ///< unit, from A to B
-  Real distance;  ///< 0: they overlap
+  Real distance;  ///< 0: overlap
   Vec3 onA, onB;
-  Real proven;  ///< separation of the cores along n, by their supports: the distance, but for round-off
+  Real proven;  ///< separation along n by support functions: equals `distance` up to round-off
 };
 
 namespace simplices {
 
-/// Points of B - A with the points of A that they come from, and weights of the point nearest to the origin.
+/// Simplex of the Minkowski difference B - A: its vertices, their points on A, and the barycentric weights of
+/// the point closest to the origin.
 struct Simplex {
   Vec3 w[4], a[4];
   Real weight[4];
@@ -70,7 +72,7 @@ RUBBLE_HD inline void keep(Simplex& s, int i, int j, int k, Real wi, Real wj, Re
   }
 }
 
-/// Weights of the point of a triangle nearest to the origin.
+/// Barycentric weights of the point of a triangle closest to the origin.
 RUBBLE_HD inline Vec3 triangleWeights(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a;
   const Real d1 = -dot(ab, a), d2 = -dot(ac, a);
@@ -98,7 +100,7 @@ RUBBLE_HD inline Vec3 triangleWeights(const Vec3& a, const Vec3& b, const Vec3& 
   return {va * inverse, vb * inverse, vc * inverse};
 }
 
-/// Reduces a simplex to the part that holds its point nearest to the origin; false if it holds the origin.
+/// Reduces a simplex to the feature closest to the origin. Returns false if the simplex contains the origin.
 RUBBLE_HD inline bool reduce(Simplex& s) {
   if (s.count == 1) {
     s.weight[0] = 1;
@@ -115,7 +117,7 @@ RUBBLE_HD inline bool reduce(Simplex& s) {
     keep(s, 0, 1, 2, w.x, w.y, w.z);
     return true;
   }
-  // the faces that the origin lies outside of
+  // the faces that have the origin on their outer side
   Real best = -1;
   int face = -1;
   Vec3 bestWeights{0, 0, 0};
@@ -137,19 +139,19 @@ RUBBLE_HD inline bool reduce(Simplex& s) {
 
 }  // namespace simplices
 
-/// Nearest points of the cores, each `size` times as large, with B moved by `shift`, from a first guess of
-/// the direction.
+/// Closest points of the cores, scaled by `size` about their centers, with B translated by `shift`. `guess`:
+/// first search direction.
 RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, const Vec3& guess,
                                        Real size = 1) {
   simplices::Simplex s;
   Vec3 v = guess;
   Real v2 = Real(1e30);
-  Real reach = 0;  // of the furthest point against v, times |v|
+  Real reach = 0;  // support of the last search direction, times |v|
   Nearest out{guess, 0, {0, 0, 0}, {0, 0, 0}, 0};
   for (int step = 0; step < kMaxGjkSteps; ++step) {
     const Vec3 a = support(p.a, v) * size, w = p.at + (supportOfB(p, -v) - p.at) * size + shift - a;
     reach = dot(v, w);
-    // nothing lies further towards the origin
+    // no point is closer to the origin
     if (s.count > 0 && v2 - reach <= kGjkTolerance * v2) break;
     bool known = false;
     for (int k = 0; k < s.count; ++k) known |= s.w[k] == w;
@@ -162,7 +164,7 @@ RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, c
     const Real next2 = dot(next, next);
     if (!(next2 > Real(0))) return out;
     if (next2 >= v2) {
-      // rounding: no progress any more
+      // no progress because of round-off
       s = before;
       --s.count;
       break;
@@ -178,33 +180,33 @@ RUBBLE_HD inline Nearest nearestPoints(const ConvexPair& p, const Vec3& shift, c
   return out;
 }
 
-/// A direction with its separation of the cores, and the nearest points there (onB - onA = separation n).
+/// A direction, the separation of the cores along it, and its closest points (onB - onA = separation n).
 struct SeparatingDirection {
   Vec3 n;
   Real s;
   Vec3 onA, onB;
 };
 
-/// Of a distance found in single precision this share is proven at least, or it is sought again [1].
+/// Least ratio of `proven` to `distance` of a result in single precision; below it GJK runs in double [1].
 inline constexpr Real kProven = Real(.9);
 
-/// The distance in double precision. Beside a body of a thousand times its size a small one is lost in the
-/// round-off of the points of a simplex: cores that overlap seem to be apart.
+/// GJK in double precision. In single precision, round-off of the simplex loses a small body beside one a
+/// thousand times its size, and overlapping cores seem separated.
 RUBBLE_HD RUBBLE_APART inline Nearest preciseNearest(Convex a, Convex b, Quat turn, Vec3 at) {
   const Separation x = gjk::cores({a, {0, 0, 0}, {}}, {b, Vec3d(at), Quatd(turn)});
   const Real distance = static_cast<Real>(x.distance);
   return {Vec3(x.n), distance, Vec3(x.onA), Vec3(x.onB), distance};
 }
 
-/// Nearest points of the cores, from a first guess of the direction: a distance of which kProven is proven.
+/// Closest points of the cores with proven >= kProven distance. `guess`: first search direction.
 RUBBLE_HD inline Nearest provenNearest(const ConvexPair& p, const Vec3& guess) {
   const Nearest near = nearestPoints(p, {0, 0, 0}, guess);
   return near.proven >= kProven * near.distance ? near : preciseNearest(p.a, p.b, p.q, p.at);
 }
 
-/// The direction that separates most: of bodies apart that between their nearest points; of others a local
-/// maximum, climbed to from the better one of the unit vector n and the direction between the bodies made
-/// smaller about their centres, which loses little of their form.
+/// The direction of largest separation. For separated cores it is the direction between the closest points.
+/// For overlapping cores it is a local maximum. The search starts from n, or from the direction between the
+/// cores shrunk about their centers if that separates more.
 RUBBLE_HD inline SeparatingDirection mostSeparating(const ConvexPair& p, Vec3 n) {
   const Real gap = kPushedGap * p.length;
   const Nearest whole = provenNearest(p, n);
@@ -226,7 +228,7 @@ RUBBLE_HD inline SeparatingDirection mostSeparating(const ConvexPair& p, Vec3 n)
     const Real s = separationAlong(p, near.n);
     const bool better = s >= best.s;
     if (better || push == 0) {
-      // both points on a line along n, the separation apart
+      // both points on a common line along n, the separation apart
       const Vec3 middle = (near.onA + near.onB) * Real(.5);
       const Vec3 dir = better ? near.n : best.n;
       const Real size = better ? s : best.s;

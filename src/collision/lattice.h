@@ -1,16 +1,16 @@
 #pragma once
-/// Solids given by signed distances on a lattice: points of their surface against the other shape, and
-/// corners of the other in the lattice.
-///   vectors: (first sample, spacing) and the rotation lattice -> body (x, y, z, w), then samples, four a
+/// Solids given by a signed distance field on a lattice. Contacts are its surface points against the other
+/// shape, and corners of the other shape against the field.
+///   vectors: (first sample, spacing) and the rotation lattice -> body (x, y, z, w), then samples, four per
 ///   vector, x fastest, then surface points
 #include "collision/surface_contacts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// How far below a surface of triangles a point is still held up by it, over L [1].
+/// Depth below a triangle surface up to which a point is still pushed out, over L [1].
 inline constexpr Real kHeldFromBelow = Real(.1);
 
-/// A lattice of distances in its body's frame.
+/// A signed distance field in the frame of its body.
 struct DistanceLattice {
   Vec3 first;
   Real spacing;
@@ -34,7 +34,7 @@ RUBBLE_HD inline Real sampleAt(const DistanceLattice& l, int i) {
   return (i & 3) == 0 ? four.x : (i & 3) == 1 ? four.y : (i & 3) == 2 ? four.z : four.w;
 }
 
-/// Distance and outward normal at x, body frame; outside of the lattice the way to it is added.
+/// Distance and outward normal at x, body frame. Outside the lattice the distance to its boundary is added.
 RUBBLE_HD inline Real latticeDistance(const DistanceLattice& l, const Vec3& x, Vec3& normal) {
   const Vec3 local = rotateInverse(l.turn, x - l.first) / l.spacing;
   const int counts[3] = {l.nx, l.ny, l.nz};
@@ -64,7 +64,8 @@ RUBBLE_HD inline Real latticeDistance(const DistanceLattice& l, const Vec3& x, V
   return mix(y0, y1, t.z) + away;
 }
 
-/// Signed distance of a point to a convex shape, its frame; of hulls outside an edge a little less.
+/// Signed distance of a point to a convex shape, in its frame. A lower bound for hulls and cones outside
+/// edges.
 RUBBLE_HD inline Real distanceTo(const Convex& c, const Vec3& x) {
   switch (c.kind) {
     case ShapeKind::Capsule:
@@ -97,7 +98,7 @@ RUBBLE_HD inline Real distanceTo(const Convex& c, const Vec3& x) {
   }
 }
 
-/// Gradient of the distance, unit, by central differences over h.
+/// Unit gradient of the distance by central differences with step h.
 RUBBLE_HD inline Vec3 normalTo(const Convex& c, const Vec3& x, Real h) {
   Vec3 g;
   for (int k = 0; k < 3; ++k) {
@@ -110,7 +111,7 @@ RUBBLE_HD inline Vec3 normalTo(const Convex& c, const Vec3& x, Real h) {
 
 namespace distance {
 
-/// Corners by which a convex core touches the inside of a hollow.
+/// Corners with which a convex core touches a concave surface.
 template <class Visit> RUBBLE_HD void visitCorners(const Convex& c, Visit&& visit) {
   switch (c.kind) {
     case ShapeKind::Capsule:
@@ -146,9 +147,9 @@ template <class Visit> RUBBLE_HD void visitCorners(const Convex& c, Visit&& visi
 
 }  // namespace distance
 
-/// found(n, onSurface, gap, feature) for every place where a lattice solid comes within `margin` of another
-/// shape, which lies at `at`, turned by q, in the frame of the solid; n from the solid to the other, points
-/// relative to the solid's centre. The margin may be lowered on the way.
+/// Calls found(n, onSurface, gap, feature) wherever another shape is within `margin` of a distance field.
+/// Frame of the field; the other shape has center `at` and rotation q. n points from the field to the other
+/// shape; points are relative to the center of the field. The callback may lower `margin`.
 template <class Found>
 RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const ShapeData& other,
                          const Vec3& at, const Quat& q, Real length, const Real& margin, Found&& found) {
@@ -187,7 +188,7 @@ RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const Sh
                  centre = rotateInverse(q, -at);
       visitTriangles(tables, other, inOther - reach, inOther + reach, [&](const SurfaceTriangle& t) {
         Vec3 n = normalize(cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]));
-        // over the inside of the triangle
+        // only if the point projects into the triangle
         for (int e = 0; e < 3; ++e)
           if (dot(cross(n, t.corner[(e + 1) % 3] - t.corner[e]), inOther - t.corner[e]) < Real(0))
             return false;
@@ -217,7 +218,7 @@ RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const Sh
   });
 }
 
-/// Contacts of a lattice solid and another shape.
+/// Contacts of a distance field and another shape.
 RUBBLE_HD inline void collideDistance(const ShapeTables& tables, const ShapeData& s, const ShapeData& other,
                                       const Vec3& at, const Quat& q, Real margin, SurfaceContacts& out) {
   visitGaps(tables, s, other, at, q, out.length, margin,

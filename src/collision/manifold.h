@@ -1,6 +1,6 @@
 #pragma once
-/// What lasts of a pair: what its last full test found, and the manifold with everything that its points hand
-/// on to the next step.
+/// Persistent state of a pair: its last full narrow-phase test, and the manifold with the state of its
+/// points.
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -10,63 +10,62 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Normals of the same contact in two steps differ by less than this (cos 30 deg).
+/// Normals of one contact in consecutive steps differ by less than this (cosine of 30 degrees).
 inline constexpr Real kSameNormal = Real(.866);
-/// An old point within this share of L of a new one, on either body, is the same point though its feature
-/// changed.
+/// An old point within this share of L of a new one, on either body, is matched with it even if its feature
+/// differs.
 inline constexpr Real kSamePoint = Real(.03);
 
-/// The last full test of a pair, which is the origin of its manifold, or the proof that it needs none as long
-/// as its bodies come no nearer.
+/// Relative pose at the last full test of a pair. Its manifold was computed there; without one, `separation`
+/// proves that none is needed until the bodies come closer.
 struct alignas(8 * sizeof(Real)) PairTest {
   Vec3 offset;          ///< R_A^T (p_B - p_A) [m]
   Quat rotation;        ///< q_A^-1 q_B
-  Real separation = 0;  ///< lower bound of the distance [m]; not above 0: none is known
+  Real separation = 0;  ///< lower bound of the distance [m]; if not positive, none is known
 };
 
-/// Integers that fill a manifold to the last bit in either precision: states are compared byte by byte, so
-/// none may be left to chance.
+/// Integer types that leave no padding in a manifold in either precision. States are compared byte by byte.
 using ManifoldInt = std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t>;
 using ManifoldBits = std::conditional_t<sizeof(Real) == 4, std::uint8_t, std::uint16_t>;
 
-/// Geometry found at the last full test, and what the points hand on. In single precision 256 bytes: each
-/// begins with a sector of a cache.
+/// Geometry of the last full test, and the state of its points. 256 bytes in single precision, so that each
+/// manifold starts at a cache sector.
 struct Manifold {
-  Lanes aX, aY, aZ;                 ///< point on the surface of A, in its frame [m]
-  Lanes bX, bY, bZ;                 ///< on B
-  Lanes lambdaN, lambda1, lambda2;  ///< multipliers to go on with, tangent basis of `normal` [N]
-  Lanes kN, kT;                     ///< [N/m], 0: new
+  Lanes aX, aY, aZ;                 ///< contact point on the surface of A, in the frame of A [m]
+  Lanes bX, bY, bZ;                 ///< the same for B
+  Lanes lambdaN, lambda1, lambda2;  ///< warm-start multipliers, tangent basis of `normal` [N]
+  Lanes kN, kT;                     ///< stiffness [N/m]; 0: new
   Lanes drift1, drift2;             ///< tangential drift since the point stuck, same basis [m]
   ManifoldInt feature[kLanes];
-  Vec3 localNormal;     ///< from A to B in the frame of A, or of B if normalOnB
-  Vec3 normal;          ///< world, in the last step
-  ManifoldInt row;      ///< index of its rows in this step, -1 if it has none
-  ManifoldBits stick;   ///< bit k: point k stuck
-  ManifoldBits impact;  ///< bit k: point k stops a fast approach in this step
-  ManifoldBits awake;   ///< bit k: point k takes part in this step
+  Vec3 localNormal;     ///< unit normal from A to B in the frame of A, or of B if normalOnB
+  Vec3 normal;          ///< in world axes, at the last step
+  ManifoldInt row;      ///< index of its contact rows in this step; -1: none
+  ManifoldBits stick;   ///< bit k: point k sticks
+  ManifoldBits impact;  ///< bit k: point k has an impact in this step
+  ManifoldBits awake;   ///< bit k: point k is active in this step
   ManifoldBits normalOnB : 1;
-  ManifoldBits recycled : 1;                          ///< not tested anew in this step
-  ManifoldBits count : 8 * sizeof(ManifoldBits) - 2;  ///< points, 0: not touching
+  ManifoldBits recycled : 1;                          ///< reused without a full test in this step
+  ManifoldBits count : 8 * sizeof(ManifoldBits) - 2;  ///< points; 0: no contact
 };
 static_assert(sizeof(Manifold) == 64 * sizeof(Real));
 
 RUBBLE_HD inline Vec3 pointOnA(const Manifold& m, int k) { return {m.aX[k], m.aY[k], m.aZ[k]}; }
 RUBBLE_HD inline Vec3 pointOnB(const Manifold& m, int k) { return {m.bX[k], m.bY[k], m.bZ[k]}; }
 
-/// A pair at x^t, as the tests need it.
+/// Input of the narrow phase: a pair at x^t.
 struct PairPose {
   Quat qA, qB;
   Vec3 t;               ///< p_B - p_A [m]
   Real length;          ///< L: bounding diameter of the smaller body [m]
   Real margin;          ///< detection margin [m]
-  bool bullet = false;  ///< they may pass one another altogether in this step
+  bool bullet = false;  ///< the bodies may pass through one another in this step
 };
 
-/// Bodies touch that are this near, over L [1].
+/// Bodies this close are in contact, over L [1].
 inline constexpr Real kTouchGap = Real(2e-3);
 
-/// Has a pair rows? Bodies that fly by one another at high speed have none before they touch, for nobody can
-/// tell at x^t where they will; from then on all points that can meet have.
+/// Does a pair get rows? Fast bodies get none before they touch, because the contact points cannot be
+/// predicted at x^t; CCD covers them until then. Afterwards all points within the margin get rows.
 RUBBLE_HD inline bool meetsNow(const RawManifold& raw, const PairPose& pair) {
   if (!pair.bullet) return true;
   bool touches = false;
@@ -79,35 +78,33 @@ RUBBLE_HD inline PairTest pairTest(const RawManifold& raw, const PairPose& pair)
   return {rotateInverse(pair.qA, pair.t), conjugate(pair.qA) * pair.qB, raw.separation};
 }
 
-/// How B has moved since the test, seen from A.
+/// Motion of B relative to A since the last full test.
 struct PairMotion {
-  Vec3 move;  ///< of its centre [m]
-  Vec3 turn;  ///< axis times the sine of half the angle: a point at distance r has gone 2 r |turn| around the
-              ///< centre
+  Vec3 move;  ///< of the center of B [m]
+  Vec3 turn;  ///< axis times sin(angle / 2); a point at radius r moved by at most 2 r |turn|
 };
 RUBBLE_HD inline PairMotion motionSince(const PairTest& test, const PairPose& pair) {
   return {rotateInverse(pair.qA, pair.t) - test.offset,
           (conjugate(pair.qA) * pair.qB * conjugate(test.rotation)).v};
 }
 
-/// Has the pair moved so little since its last full test that a manifold of so many points still holds?
+/// Has the pair moved so little since its last full test that its manifold of `count` points can be reused?
 RUBBLE_HD inline bool recyclable(const PairTest& test, int count, const PairPose& pair, Real tolerance) {
   if (!(tolerance > Real(0))) return false;
   const PairMotion m = motionSince(test, pair);
   if (dot(m.move, m.move) > tolerance * tolerance * pair.length * pair.length) return false;
   if (Real(4) * dot(m.turn, m.turn) > tolerance * tolerance) return false;
-  // a pair apart must stay apart by more than what it may have moved
+  // separated bodies must stay separated by more than their possible motion
   return count > 0 || test.separation - Real(2) * tolerance * pair.length > pair.margin;
 }
 
-/// Lower bound of the distance of a pair by its last full test; `radius` is that of the bounding sphere of B.
-/// [m]
+/// Lower bound of the distance of a pair from its last full test [m]. `radius`: bounding sphere of B.
 RUBBLE_HD inline Real leastDistance(const PairTest& test, const PairPose& pair, Real radius) {
   const PairMotion m = motionSince(test, pair);
   return test.separation - length(m.move) - Real(2) * radius * length(m.turn);
 }
 
-/// Manifold of a new test, with nothing handed on yet.
+/// Manifold of a full test, without state from the last step.
 RUBBLE_HD inline Manifold freshManifold(const RawManifold& raw, const PairPose& pair) {
   Manifold m;
   const Lanes zero = splatLanes(0);
@@ -132,8 +129,8 @@ RUBBLE_HD inline Manifold freshManifold(const RawManifold& raw, const PairPose& 
   return m;
 }
 
-/// What a point hands on from step to step besides its place: tangential vectors keep their world direction
-/// as far as it lies in the new tangent plane.
+/// State of a point that is carried to the next step. Tangential vectors keep the part of their world
+/// direction that lies in the new tangent plane.
 struct PointMemory {
   Real lambdaN, lambda1, lambda2, kN, kT, drift1, drift2;
 };
@@ -152,24 +149,24 @@ RUBBLE_HD inline void remember(Manifold& m, int k, const PointMemory& p) {
   m.drift1[k] = p.drift1, m.drift2[k] = p.drift2;
 }
 
-/// Point `from` of `old` hands on to point `to`.
+/// Copies the state of point `from` of `old` to point `to`.
 RUBBLE_HD inline void handOn(const Manifold& old, int from, Manifold& m, int to) {
   remember(m, to, memoryOf(old, from, m.normal));
   if (old.stick >> from & 1) m.stick |= static_cast<std::uint8_t>(1u << to);
 }
 
-/// Points that take no part in a step are new to the next one.
+/// Resets the state of points that are inactive in this step.
 RUBBLE_HD inline void forgetPoints(Manifold& m) {
   m.kN = m.kT = m.drift1 = m.drift2 = splatLanes(0);
   m.stick = 0;
 }
 
-/// The normal of a manifold that turns with its pair.
+/// The normal of an old manifold, rotated with the body in which it is fixed.
 RUBBLE_HD inline Vec3 turnedNormal(const Manifold& old, const PairPose& pair) {
   return rotate(old.normalOnB ? pair.qB : pair.qA, old.localNormal);
 }
 
-/// The old manifold of a pair that hardly moved.
+/// The old manifold, reused for a pair that hardly moved.
 RUBBLE_HD inline Manifold recycledManifold(const Manifold& old, const PairPose& pair) {
   Manifold m = old;
   m.normal = turnedNormal(old, pair);
@@ -181,7 +178,7 @@ RUBBLE_HD inline Manifold recycledManifold(const Manifold& old, const PairPose& 
   return m;
 }
 
-/// The manifold of a new test, whose points are matched with the old ones, first by feature, then by place.
+/// The manifold of a full test. Its points are matched with the old ones, first by feature, then by position.
 /// `old` may be null.
 RUBBLE_HD inline Manifold testedManifold(const RawManifold& raw, const PairPose& pair, const Manifold* old) {
   Manifold m = freshManifold(raw, pair);
@@ -214,7 +211,7 @@ RUBBLE_HD inline Manifold testedManifold(const RawManifold& raw, const PairPose&
   return m;
 }
 
-/// The test of two plain shapes.
+/// Full test of two primitive shapes.
 RUBBLE_HD inline RawManifold collide(const ShapeData& sa, const ShapeData& sb, const PairPose& pair) {
   RawManifold raw = collide(sa, pair.qA, sb, pair.qB, pair.t, pair.margin, pair.length);
   if (!meetsNow(raw, pair)) raw.count = 0;

@@ -1,18 +1,18 @@
 #pragma once
-/// Parts of bodies in pair tests: one convex part against another, whatever their kinds.
+/// Narrow phase of two convex parts of any kind.
 #include "collision/collide.h"
 #include "collision/convex_plane.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A part of a body in the world.
+/// A part of a body, in world axes.
 struct PlacedPart {
   ShapeData shape;
   Quat q;
-  Vec3 at;  ///< its centre less that of its body, world axes [m]
+  Vec3 at;  ///< its center relative to that of its body, world axes [m]
 };
 
-/// Part `part` of a body of that shape; a shape that is no compound is its own part.
+/// Part `part` of a body; a shape that is not a compound is its only part.
 RUBBLE_HD inline PlacedPart placedPart(const ShapeTables& tables, const ShapeData& shape, const Quat& q,
                                        int part) {
   if (shape.kind != ShapeKind::Compound) return {shape, q, {0, 0, 0}};
@@ -20,7 +20,7 @@ RUBBLE_HD inline PlacedPart placedPart(const ShapeTables& tables, const ShapeDat
   return {p.shape, q * p.rotation, rotate(q, p.position)};
 }
 
-/// Touching points of two parts, relative to the centre of A's body; `t` = p_B - p_A of the bodies; `down`:
+/// Contact points of two parts, relative to the center of A's body. `t` = p_B - p_A of the bodies; `down`:
 /// unit, along gravity, or zero.
 RUBBLE_HD inline RawManifold collideParts(const ShapeTables& tables, const PlacedPart& a, const PlacedPart& b,
                                           const Vec3& t, Real margin, Real length,

@@ -1,37 +1,37 @@
 #pragma once
-/// A point against a shape: signed distance and direction. One function a shape and one dispatch.
+/// Signed distance and normal of a point against a shape: one function per shape kind, and a dispatch.
 #include "collision/gjk.h"
 #include "collision/lattice.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Of a point x in the frame of the shape: the nearest point of the surface is x - distance n.
+/// Signed distance of a point x in the frame of the shape. The closest surface point is x - distance n.
 struct PointDistance {
   Vec3 n{0, 0, 1};             ///< outward, unit
   Real distance = Real(1e18);  ///< negative inside [m]
-  int part = 0;                ///< of a compound
+  int part = 0;                ///< part of a compound
 };
 
-/// What a point asks of a surface of triangles, which has no inside.
+/// Search range of a point query against a triangle surface, which has no inside.
 struct PointReach {
-  Real front, behind;  ///< triangles further away than this are not looked at [m]
-  Vec3 side;           ///< the direction in which the surface held the point last, or zero
+  Real front, behind;  ///< search radius in front and behind [m]
+  Vec3 side;           ///< normal with which the surface last held the point, or zero
 };
 
 RUBBLE_HD inline PointDistance pointToRound(const ShapeData& s, const Vec3& x) {
-  // a capsule's axis lies along z; a sphere's has no length
+  // the axis of a capsule is along z; that of a sphere has length zero
   const Vec3 d{x.x, x.y, x.z - clamp(x.z, -s.half.z, s.half.z)};
   const Real l = length(d);
   return {l > Real(0) ? d / l : Vec3{1, 0, 0}, l - s.radius};
 }
 
-/// A box, rounded or not.
+/// A box with or without rounding.
 RUBBLE_HD inline PointDistance pointToBox(const ShapeData& s, const Vec3& x) {
   const Vec3& h = s.half;
   const Vec3 outside = x - Vec3{clamp(x.x, -h.x, h.x), clamp(x.y, -h.y, h.y), clamp(x.z, -h.z, h.z)};
   const Real l = length(outside);
   if (l > Real(1e-6) * length(h)) return {outside / l, l - s.radius};
-  // inside: out through the nearest face
+  // inside: exit through the nearest face
   int axis = 0;
   for (int i = 1; i < 3; ++i)
     if (std::fabs(x[i]) - h[i] > std::fabs(x[axis]) - h[axis]) axis = i;
@@ -54,11 +54,11 @@ RUBBLE_HD inline PointDistance pointToPlainShape(const ShapeData& s, const Vec3&
   }
 }
 
-/// Distance and direction in the half plane (across, along) of a body of revolution.
+/// Distance and normal of a solid of revolution in the half plane (radial, axial).
 struct FlatDistance {
   Real nAcross, nAlong, distance;
 };
-/// From the nearest point, which is (dAcross, dAlong) away; on or below the surface, from the nearest line.
+/// Distance from the closest point, which is (dAcross, dAlong) away; `line` on or inside the surface.
 RUBBLE_HD inline FlatDistance fromFlat(Real dAcross, Real dAlong, const FlatDistance& line, Real size) {
   const Real l = std::sqrt(dAcross * dAcross + dAlong * dAlong);
   if (l > Real(1e-6) * size) return {dAcross / l, dAlong / l, l};
@@ -102,7 +102,7 @@ RUBBLE_HD inline PointDistance pointToHull(const ShapeTables& tables, const Shap
   const Vec3 n = xyz(c.planes[best]);
   const PointDistance toFace{n, most - c.radius};
   if (most <= Real(0)) return toFace;
-  // outside, over the inside of that face?
+  // outside: does the point project into that face?
   const int begin = c.faces[best], count = c.faces[best + 1] - begin;
   const int* const corners = c.faces + c.faceCount + 1 + begin;
   bool over = true;
@@ -119,13 +119,13 @@ RUBBLE_HD inline PointDistance pointToHull(const ShapeTables& tables, const Shap
 
 namespace surface {
 
-/// The point of a triangle nearest to the origin.
+/// The point of a triangle closest to the query point.
 struct NearTriangle {
-  Vec3 at;      ///< there
+  Vec3 at;      ///< closest point relative to the query point
   Vec3 n;       ///< normal of the triangle
-  Real height;  ///< of the origin over its plane [m]
-  bool inside;  ///< not on an edge
-  bool rim;     ///< on an edge that has no neighbour
+  Real height;  ///< height of the query point over its plane [m]
+  bool inside;  ///< closest point is not on an edge
+  bool rim;     ///< closest point is on a boundary edge
 };
 
 RUBBLE_HD inline NearTriangle nearTriangle(const SurfaceTriangle& t, const Vec3& x) {
@@ -142,13 +142,13 @@ RUBBLE_HD inline NearTriangle nearTriangle(const SurfaceTriangle& t, const Vec3&
 
 }  // namespace surface
 
-/// Points of two triangles closer than this share of the reach are one, on their common edge: the one seen
-/// most from above tells the side.
+/// Closest points of two triangles within this share of the reach coincide on a common edge. The triangle
+/// that faces the query point most then decides the side.
 inline constexpr Real kCommonPoint = Real(1e-4);
-/// A triangle that faces away from where the surface held the point last is not what it touches (cosine).
+/// A triangle whose normal deviates from the last holding normal by more than this cosine is ignored.
 inline constexpr Real kFacingAway = Real(-.5);
 
-/// The nearest triangle of a mesh or height field.
+/// Distance to the closest triangle of a mesh or height field.
 RUBBLE_HD inline PointDistance pointToTriangles(const ShapeTables& tables, const ShapeData& s, const Vec3& x,
                                                 const PointReach& reach) {
   const bool twoSided = isTwoSided(tables, s), held = reach.side != Vec3{0, 0, 0};
@@ -166,7 +166,7 @@ RUBBLE_HD inline PointDistance pointToTriangles(const ShapeTables& tables, const
     const Vec3 n = turned ? -near.n : near.n;
     const Real over = turned ? -near.height : near.height, d = std::sqrt(d2);
     if (held && !twoSided && facing < kFacingAway) return false;
-    // beside a rim there is nothing to be behind of
+    // beyond a boundary edge there is no back side
     if (over < Real(0) && (d > reach.behind || near.rim)) return false;
     best2 = d2, bestHeight = height, bestAt = near.at;
     if (near.inside || !(d > Real(1e-3) * far))
@@ -178,7 +178,7 @@ RUBBLE_HD inline PointDistance pointToTriangles(const ShapeTables& tables, const
   return best;
 }
 
-/// Any convex shape but a plane.
+/// Any convex shape except a plane.
 RUBBLE_HD inline PointDistance pointToConvex(const ShapeTables& tables, const ShapeData& s, const Vec3& x) {
   switch (s.kind) {
     case ShapeKind::RoundBox:
@@ -193,8 +193,7 @@ RUBBLE_HD inline PointDistance pointToConvex(const ShapeTables& tables, const Sh
   }
 }
 
-/// Shapes that are not plain. Of a compound it is the nearest part, inside the one that the point is deepest
-/// in.
+/// Non-primitive shapes. For a compound the part with the smallest signed distance.
 RUBBLE_HD RUBBLE_APART inline PointDistance pointToGeneralShape(const ShapeTables& tables, const ShapeData& s,
                                                                 const Vec3& x, const PointReach& reach) {
   switch (s.kind) {

@@ -1,12 +1,12 @@
 #pragma once
-/// What queries ask of a shape of any kind: rays, casts, overlaps and nearest points. The asker is at the
-/// origin.
+/// Scene queries against a shape of any kind: rays, shape casts, overlaps and closest points. Coordinates are
+/// relative to the origin of the query.
 #include "collision/sweep.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A ray ends this near the surface: of convex shapes over their size, of distance fields over their spacing
-/// [1].
+/// A ray hits at this distance from the surface: of convex shapes relative to their size, of distance fields
+/// relative to their spacing [1].
 inline constexpr double kRayGap = 1e-7, kFieldRayGap = 1e-4;
 
 namespace probes {
@@ -17,11 +17,10 @@ RUBBLE_HD inline Convex point() {
   return {ShapeKind::Sphere, {0, 0, 0}, 0, nullptr, nullptr, nullptr, 0, 0, {}};
 }
 
-/// On by the distance each time; what is gone too far, since distances between samples are not exact, is
-/// found back by halving.
+/// Sphere tracing. Interpolated distances are not exact, so an overshoot into the solid is bisected.
 RUBBLE_HD inline RayMeeting rayToField(const PlacedAny& field, const Vec3d& move) {
   constexpr int kMostSteps = 512, kHalvings = 30;
-  constexpr double kSafe = .7;  // outside of the lattice up to sqrt(2) of the distance is told
+  constexpr double kSafe = .7;  // outside the lattice the distance is overestimated by up to sqrt(2)
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
   const Vec3d x = rotateInverse(field.q, -field.p), d = rotateInverse(field.q, move);
   const double speed = length(d), near = kFieldRayGap * static_cast<double>(lattice.spacing);
@@ -51,8 +50,8 @@ RUBBLE_HD inline RayMeeting rayToField(const PlacedAny& field, const Vec3d& move
   return {rays::kNever, {}};
 }
 
-/// The nearest point of the surface by the lattice: from the nearest of its stored points on along the
-/// surface.
+/// Closest surface point of a distance field: starts from the closest stored surface point and slides along
+/// the surface.
 RUBBLE_HD inline Separation nearestOfField(const PlacedAny& field) {
   constexpr int kSteps = 16;
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
@@ -119,7 +118,7 @@ RUBBLE_HD inline Separation nearestOfTriangles(const PlacedAny& surface, double 
   if (surface.shape.kind == ShapeKind::Mesh) {
     surface::visitMesh(surface.tables, surface.shape, near, visit);
   } else {
-    // the cell below or above says how far to look
+    // the cell below or above bounds the search radius
     const surface::HeightGrid g = surface::heightGrid(surface.tables, surface.shape);
     const auto column = [&](double a) {
       return surface::cellAt((static_cast<Real>(a) - g.first.x) / g.grid.x, g.nx - 1);
@@ -139,7 +138,7 @@ RUBBLE_HD inline Separation nearestOfTriangles(const PlacedAny& surface, double 
 
 }  // namespace probes
 
-/// A ray from the origin along `move`. Surfaces that are one-sided are met from their front.
+/// Casts a ray from the origin along `move`. One-sided surfaces are hit from their front only.
 RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) {
   if (isPrimitive(target.shape.kind)) return castRay(asConvex(target), {}, move);
   RayMeeting out{rays::kNever, {}};
@@ -166,8 +165,8 @@ RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) 
   return out;
 }
 
-/// Where a convex shape that goes `move` comes within `tolerance` of another; the normal of the meeting
-/// points out of the other.
+/// Casts a convex shape along `move`; the result is within `tolerance` of the target. The normal points out
+/// of the target.
 RUBBLE_HD inline TimeOfImpact castShape(const PlacedAny& own, const Vec3d& move, const PlacedAny& target,
                                         double tolerance) {
   const auto all = [](const Vec3d&, const TimeOfImpact&) { return true; };
@@ -184,7 +183,7 @@ RUBBLE_HD inline TimeOfImpact castShape(const PlacedAny& own, const Vec3d& move,
   return meeting(asConvex(target), probes::kStill, asConvex(own), way, tolerance);
 }
 
-/// Does a convex shape overlap another? Of a mesh and a height field only the surface counts.
+/// Does a convex shape overlap another? For meshes and height fields only the surface counts.
 RUBBLE_HD inline bool overlaps(const PlacedAny& own, const PlacedAny& target) {
   const Placed part = asConvex(own);
   if (target.shape.kind == ShapeKind::Distance) return fieldSeparation(target, own).distance <= 0;
@@ -196,7 +195,8 @@ RUBBLE_HD inline bool overlaps(const PlacedAny& own, const PlacedAny& target) {
   });
 }
 
-/// From the origin to the nearest point of a shape; beyond `reach` anything above it.
+/// From the origin to the closest point of a shape. If that is beyond `reach`, the distance is any value
+/// above it.
 RUBBLE_HD inline Separation nearestPoint(const PlacedAny& target, double reach) {
   if (target.shape.kind == ShapeKind::Distance) return probes::nearestOfField(target);
   if (isSurface(target.shape.kind)) return probes::nearestOfTriangles(target, reach);

@@ -1,10 +1,10 @@
 #pragma once
-/// Where a ray meets a plain shape or a triangle, in closed form.
+/// Ray against a primitive shape or a triangle, in closed form.
 #include "collision/distance.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Fraction of the way at which the surface is met (above 1: never), and the outer normal there.
+/// Fraction of the ray at the hit (above 1: no hit), and the outward normal there.
 struct RayMeeting {
   double fraction;
   Vec3d n;
@@ -14,13 +14,13 @@ namespace rays {
 
 inline constexpr double kNever = 2;
 
-/// x + t d against the sphere of that radius about the origin.
+/// Ray x + t d against a sphere about the origin.
 RUBBLE_HD inline RayMeeting sphere(const Vec3d& x, const Vec3d& d, double radius) {
   const double b = dot(x, d), c = dot(x, x) - radius * radius, dd = dot(d, d);
   if (c <= 0) return {0, {0, 0, 0}};
   const double q = b * b - c * dd;
   if (b >= 0 || q < 0) return {kNever, {}};
-  const double t = c / (std::sqrt(q) - b);  // without cancellation
+  const double t = c / (std::sqrt(q) - b);  // this form avoids cancellation
   return {t, (x + d * t) / radius};
 }
 
@@ -43,7 +43,7 @@ RUBBLE_HD inline RayMeeting box(const Vec3d& x, const Vec3d& d, const Vec3d& hal
   return {in, n};
 }
 
-/// About the z axis, with round ends at +- half.
+/// Capsule along z, with cap centers at z = +- half.
 RUBBLE_HD inline RayMeeting capsule(const Vec3d& x, const Vec3d& d, double half, double radius) {
   const Vec3d side{x.x, x.y, 0}, along{d.x, d.y, 0};
   RayMeeting m = dot(along, along) > 0 || dot(side, side) <= radius * radius ? sphere(side, along, radius)
@@ -53,14 +53,14 @@ RUBBLE_HD inline RayMeeting capsule(const Vec3d& x, const Vec3d& d, double half,
   return a.fraction < b.fraction ? a : b;
 }
 
-/// Against a triangle, from its front, or from either side.
+/// Ray against a triangle, from the front or, if twoSided, from either side.
 RUBBLE_HD inline RayMeeting triangle(const Vec3d& x, const Vec3d& d, const Vec3d& a, const Vec3d& b,
                                      const Vec3d& c, bool twoSided) {
   Vec3d n = cross(b - a, c - a);
   double over = dot(n, x - a), down = -dot(n, d);
   if (down < 0 && twoSided) n = -n, over = -over, down = -down;
   if (!(down > 0) || over < 0 || over > down) return {kNever, {}};
-  // neighbours see their common edge with opposite signs, so nothing slips through between them
+  // the edge terms of neighbors have exactly opposite signs, so no ray passes between them
   const double u = dot(d, cross(b - x, a - x)), v = dot(d, cross(c - x, b - x)),
                w = dot(d, cross(a - x, c - x));
   if (!((u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0))) return {kNever, {}};
@@ -69,7 +69,7 @@ RUBBLE_HD inline RayMeeting triangle(const Vec3d& x, const Vec3d& d, const Vec3d
 
 }  // namespace rays
 
-/// A ray from `origin` that goes `move`, against a plain shape.
+/// Casts a ray from `origin` along `move` against a primitive shape.
 RUBBLE_HD inline RayMeeting castRay(const Placed& shape, const Vec3d& origin, const Vec3d& move) {
   const Vec3d x = rotateInverse(shape.q, origin - shape.p), d = rotateInverse(shape.q, move);
   RayMeeting m{rays::kNever, {}};

@@ -1,25 +1,25 @@
 #pragma once
-/// Spheres and capsules against everything, and boxes against planes. Points are fresh every step and lie on
-/// the two surfaces.
+/// Spheres and capsules against primitive shapes, and boxes against planes. Contact points are recomputed in
+/// every step and lie on the two surfaces.
 #include "collision/shapes.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A capsule counts as lying on a face or along another capsule up to this sine of the angle between them.
+/// A capsule counts as parallel to a face or to another capsule up to this sine of the angle.
 inline constexpr Real kParallelCapsule = Real(.05);
 
 namespace rounds {
 
-/// The axis of a round shape: a segment (of length zero for a sphere) and a radius.
+/// Core of a round shape: a segment (of length zero for a sphere) and a radius.
 struct Core {
-  Vec3 centre, half;  ///< relative to the centre of A; end points are centre +- half
+  Vec3 centre, half;  ///< relative to the center of A; end points are centre +- half
   Real radius;
 };
 RUBBLE_HD inline Core coreOf(const ShapeData& s, const Quat& q, const Vec3& centre) {
   return {centre, rotate(q, s.half), s.radius};
 }
 
-/// Adds the point between `a` on the core of A and `b` on the core of B along n.
+/// Adds the contact of point `a` on the core of A with point `b` on the core of B, along n.
 RUBBLE_HD inline void addPoint(RawManifold& out, const Vec3& a, Real radiusA, const Vec3& b, Real radiusB,
                                Real margin, int feature) {
   const Real gap = dot(b - a, out.n) - radiusA - radiusB;
@@ -27,13 +27,13 @@ RUBBLE_HD inline void addPoint(RawManifold& out, const Vec3& a, Real radiusA, co
   out.points[out.count++] = {a + out.n * radiusA, b - out.n * radiusB, feature};
 }
 
-/// Parameter in [-1, 1] of the point of the segment c + s h that is nearest to x.
+/// Parameter in [-1, 1] of the point of the core segment closest to x.
 RUBBLE_HD inline Real nearestOnSegment(const Core& c, const Vec3& x) {
   const Real h2 = dot(c.half, c.half);
   return h2 > Real(0) ? clamp(dot(x - c.centre, c.half) / h2, Real(-1), Real(1)) : Real(0);
 }
 
-/// Nearest parameters of two segments (Ericson 2005, 5.1.9, for centred segments).
+/// Parameters of the closest points of two segments (Ericson 2005, 5.1.9, for centered segments).
 RUBBLE_HD inline void nearestOfSegments(const Core& a, const Core& b, Real& s, Real& t) {
   const Real aa = dot(a.half, a.half), bb = dot(b.half, b.half), ab = dot(a.half, b.half);
   const Vec3 d = b.centre - a.centre;
@@ -57,8 +57,8 @@ RUBBLE_HD inline RawManifold collideRounds(const ShapeData& sa, const Quat& qa, 
   nearestOfSegments(a, b, s, u);
   const Vec3 pa = a.centre + a.half * s, pb = b.centre + b.half * u;
   const Vec3 d = pb - pa;
-  // centres on top of one another: any direction separates them; across both axes is the shortest way for
-  // capsules
+  // coincident points: any direction separates spheres; the common normal of both axes is the shortest way
+  // out for capsules
   const Vec3 across = cross(a.half, b.half);
   out.n = normalize(d, dot(across, across) > Real(0) ? normalize(across) : normalize(t, Vec3{0, 0, 1}));
   out.separation = length(d) - a.radius - b.radius;
@@ -67,7 +67,7 @@ RUBBLE_HD inline RawManifold collideRounds(const ShapeData& sa, const Quat& qa, 
   const Vec3 cross2 = cross(a.half, b.half);
   const Real sizes = dot(a.half, a.half) * dot(b.half, b.half);
   if (sizes > Real(0) && dot(cross2, cross2) < kParallelCapsule * kParallelCapsule * sizes) {
-    // side by side: the two ends of the common part, if it has a length
+    // parallel: two points at the ends of the common part, if it has a length
     const Real reach = std::sqrt(dot(b.half, b.half) / dot(a.half, a.half));
     const Real middle = dot(b.centre - a.centre, a.half) / dot(a.half, a.half);
     const Real lo = max(Real(-1), middle - reach), hi = min(Real(1), middle + reach);
@@ -92,7 +92,7 @@ RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa
   const auto clampToBox = [&](const Vec3& x) {
     return Vec3{clamp(x.x, -h.x, h.x), clamp(x.y, -h.y, h.y), clamp(x.z, -h.z, h.z)};
   };
-  // The squared distance of centre + s half to the box is convex in s: bisect its derivative.
+  // The squared distance of centre + s half to the box is convex in s, so its derivative is bisected.
   Real lo = -1, hi = 1, s = 0;
   if (dot(half, half) > Real(0)) {
     constexpr int kBisections = 24;
@@ -118,7 +118,7 @@ RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa
       if (std::fabs(n[i]) > Real(1) - Real(1e-4))
         faceAxis = i, faceSide = n[i] > Real(0) ? Real(-1) : Real(1);
   } else {
-    // the axis reaches into the box: out through the face that needs the shortest way for the whole segment
+    // the axis intersects the box: exit through the face with the shortest way for the whole segment
     Real best = 0;
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < 2; ++k) {
@@ -134,7 +134,7 @@ RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa
   out.n = rotate(qb, n);
 
   if (faceAxis >= 0) {
-    // over a face: each end of the part of the axis above it
+    // face contact: both ends of the part of the axis above the face
     Real from = -1, to = 1;
     for (int i = 0; i < 3; ++i) {
       if (i == faceAxis || half[i] == Real(0)) continue;
@@ -172,7 +172,7 @@ RUBBLE_HD inline RawManifold collidePlane(const ShapeData& sa, const Quat& qa, c
     if (gap <= margin && out.count < kLanes) out.points[out.count++] = {x, x - up * gap, feature};
   };
   if (sa.kind == ShapeKind::Box) {
-    // the four corners of the face that looks down most
+    // the four corners of the lowest face
     const Vec3 down = rotateInverse(qa, -up);
     int axis = 0;
     for (int i = 1; i < 3; ++i)

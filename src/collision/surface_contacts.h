@@ -1,20 +1,20 @@
 #pragma once
-/// A convex part against a surface of triangles: contacts of all triangles, gathered by direction.
+/// A convex part against a triangle surface: the contacts of all triangles, clustered by normal.
 #include "collision/parts.h"
 #include "collision/triangles.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Manifolds of a pair with a surface: directions in which it can be held at a time.
+/// Manifolds per pair with a surface, one per contact normal.
 inline constexpr int kSurfaceSlots = 4;
-/// Contacts whose normals differ by less are one manifold (cosine of 5 degrees).
+/// Contacts whose normals differ by less belong to one manifold (cosine of 5 degrees).
 inline constexpr Real kSameFacing = Real(.9962);
-/// Points of a direction nearer to one another than this share of L are one.
+/// Points of a cluster closer than this share of L are merged.
 inline constexpr Real kSameSpot = Real(.01);
 
-/// Points with one normal, relative to some origin.
+/// Contact points with a common normal.
 struct SurfaceCluster {
-  Vec3 n;                   ///< from the surface to the part
+  Vec3 n;                   ///< unit, from the surface to the part
   convex::CutOf<8> points;  ///< x: on the surface, w: gap along n, from: feature
 };
 
@@ -22,10 +22,10 @@ struct SurfaceContacts {
   SurfaceCluster cluster[kSurfaceSlots];
   int count = 0;
   Real length;    ///< L [m]
-  Weight weight;  ///< in the frame of the surface, relative to the centre of the part
+  Weight weight;  ///< in the frame of the surface, relative to the center of the part
 };
 
-/// As meetsNow() of manifold.h.
+/// Same rule as meetsNow() of manifold.h.
 RUBBLE_HD inline bool touches(const SurfaceContacts& found, Real gap) {
   for (int i = 0; i < found.count; ++i)
     for (int k = 0; k < found.cluster[i].points.count; ++k)
@@ -33,7 +33,7 @@ RUBBLE_HD inline bool touches(const SurfaceContacts& found, Real gap) {
   return false;
 }
 
-/// The normal of a cluster is that of its deepest point.
+/// Adds a point to the cluster with the closest normal. The normal of a cluster is that of its deepest point.
 RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const Vec3& onSurface, Real gap,
                                       int feature) {
   int best = -1;
@@ -55,7 +55,7 @@ RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const
   const Real near2 = kSameSpot * kSameSpot * out.length * out.length;
   for (int k = 0; k < points.count; ++k) {
     if (lengthSquared(points.v[k].x - onSurface) > near2) continue;
-    // of two that are as deep the one further out on the loaded side stays
+    // of two equally deep points the one further along the load direction stays
     const bool asDeep = std::fabs(gap - points.v[k].w) < kSameHeight * out.length;
     const Real outward = dot(convex::loadedSide(points, cluster.n, out.weight).along,
                              onSurface - points.v[k].x);
@@ -71,8 +71,8 @@ RUBBLE_HD inline void addSurfacePoint(SurfaceContacts& out, const Vec3& n, const
 
 namespace surface {
 
-/// Contact of one triangle. `part` is turned by q, as a matrix `turn`; the corners are relative to its
-/// centre, in the frame of the surface.
+/// Adds the contacts of one triangle. The corners are in the frame of the surface, relative to the center of
+/// the part; q and `turn` rotate the part.
 RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const Convex& part, const Quat& q,
                                   const Mat3& turn, Real margin, SurfaceContacts& out) {
   Convex triangle{ShapeKind::Triangle,
@@ -87,7 +87,7 @@ RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const
   Vec3 n = xyz(facePlane(triangle, 0));
   bool turned = false;
   if (dot(n, triangle.corner[0]) > Real(0)) {
-    // seen from behind
+    // back face
     if (!twoSided) return;
     triangle.corner[1] = t.corner[2], triangle.corner[2] = t.corner[1];
     n = -n;
@@ -107,20 +107,20 @@ RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const
     const Vec3 plane = xyz(facePlane(start.onB ? part : triangle, start.face < 0 ? 0 : start.face));
     const SeparatingDirection x = mostSeparating(p, start.onB ? -(turn * plane) : n);
     if (x.s - part.radius > margin) return;
-    // the corner or edge that lies furthest out along the direction
+    // corner or edge of the triangle furthest out along the direction
     Real height[3];
     for (int k = 0; k < 3; ++k) height[k] = dot(triangle.corner[k], x.n);
     const int low = height[0] <= height[1] && height[0] <= height[2] ? 0 : height[1] <= height[2] ? 1 : 2;
     const int i = (low + 1) % 3, j = (low + 2) % 3;
     const auto original = [&](int k) { return turned && k > 0 ? 3 - k : k; };
-    // seen from behind, hollows are ridges
+    // on the back side concave edges are convex
     const int flags = turned ? t.flags >> 6 : t.flags;
-    // the triangle on the other side of an edge must not rise over the touching plane: then it is its face
-    // that is touched
+    // the triangle beyond an edge must not rise above the contact plane; otherwise the contact belongs to its
+    // face
     const auto clear = [&](int edge, int corner) {
       return dot(x.n, t.beyond[edge] - triangle.corner[corner]) <= kSameHeight * length;
     };
-    // edge e goes on from corner e: turned over, edges 0 and 2 change places
+    // edge e starts at corner e; on the back side edges 0 and 2 are exchanged
     const auto edgeFrom = [&](int k) { return turned ? 2 - k : k; };
     bool touchable;
     if (std::fabs(height[i] - height[j]) < kSameHeight * length) {
@@ -144,8 +144,8 @@ RUBBLE_HD inline void addTriangle(const SurfaceTriangle& t, bool twoSided, const
 
 }  // namespace surface
 
-/// Contacts of a part with a mesh or height field, in the frame of the surface, relative to the centre of the
-/// part: `at` there, turned by q.
+/// Contacts of a part with a mesh or height field, in the frame of the surface. Points are relative to the
+/// center of the part; the part has center `at` and rotation q.
 RUBBLE_HD inline void collideTriangles(const ShapeTables& tables, const ShapeData& s, const ShapeData& part,
                                        const Vec3& at, const Quat& q, Real margin, SurfaceContacts& out) {
   const Convex convexPart = convexOf(tables, part);

@@ -1,6 +1,6 @@
 #pragma once
-/// Where and when moving shapes of any kind meet: convex ones by distance.h; meshes and height fields
-/// triangle by triangle along the way; distance fields by going on by the least distance.
+/// Time of impact of moving shapes of any kind. Convex shapes: conservative advancement (distance.h). Meshes
+/// and height fields: the triangles along the path. Distance fields: conservative advancement by the field.
 #include "collision/distance.h"
 #include "collision/lattice.h"
 #include "collision/parts.h"
@@ -8,15 +8,15 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// A part of a body, of any kind but a compound, at a pose.
+/// A non-compound shape or a part of a compound, at a pose.
 struct PlacedAny {
   ShapeTables tables;
   ShapeData shape;
-  Vec3d p;  ///< its centre [m]
+  Vec3d p;  ///< its center [m]
   Quatd q;
-  Vec3d arm{};  ///< its centre less that of the body that it turns with [m]
+  Vec3d arm{};  ///< its center relative to that of the rotating body [m]
 };
-/// Part `part` of a body at p.
+/// Part `part` of a body whose center is p.
 RUBBLE_HD inline PlacedAny placedAny(const ShapeTables& tables, const ShapeData& shape, const Vec3d& p,
                                      const Quat& q, int part) {
   const PlacedPart x = placedPart(tables, shape, q, part);
@@ -26,16 +26,16 @@ RUBBLE_HD inline Placed asConvex(const PlacedAny& s) {
   return {convexOf(s.tables, s.shape), s.p, s.q, s.arm};
 }
 
-/// What counts as a meeting with a surface: to come within `tolerance`; or, `passing`, to come so near and
-/// then to go in deeper than `held`, of a distance field and a convex shape, one with its centre into the
-/// other.
+/// When a contact with a surface counts as an impact: at a distance of `tolerance`. With `passing` the shape
+/// must also penetrate deeper than `held`, or, for a distance field and a convex shape, one must contain the
+/// center of the other.
 struct MeetRule {
   double tolerance;  ///< [m]
   bool passing = false;
   double held = 0;  ///< [m]
 };
 
-/// Does a box of half extents `reach` about x meet the origin on its way x + t d, t in [0, limit]?
+/// Does a box of half extents `reach` about x + t d contain the origin for some t in [0, limit]?
 RUBBLE_HD inline bool passes(const Vec3d& x, const Vec3d& d, const Vec3d& reach, double limit) {
   double in = 0, out = limit;
   for (int k = 0; k < 3; ++k) {
@@ -49,9 +49,9 @@ RUBBLE_HD inline bool passes(const Vec3d& x, const Vec3d& d, const Vec3d& reach,
   return in <= out;
 }
 
-/// visit(triangle) for the triangles of a mesh or height field that a box of half extents `half` may meet on
-/// its way x + t d, t in [0, limit], all in the frame of the surface. The visitor may lower the limit as it
-/// finds hits.
+/// Calls visit(triangle) for the triangles of a mesh or height field that a box of half extents `half` may
+/// touch on its path x + t d, t in [0, limit]. Frame of the surface. The visitor may lower `limit` after a
+/// hit.
 template <class Visit>
 RUBBLE_HD void visitTrianglesAlong(const ShapeTables& tables, const ShapeData& s, const Vec3d& x,
                                    const Vec3d& d, const Vec3d& half, const double& limit, Visit&& visit) {
@@ -68,7 +68,7 @@ RUBBLE_HD void visitTrianglesAlong(const ShapeTables& tables, const ShapeData& s
     return;
   }
   const surface::HeightGrid g = surface::heightGrid(tables, s);
-  // row by row, from where the way begins; within a row the cells that it crosses
+  // row by row from the start of the path; within a row the cells that it crosses
   const auto cell = [](double a, double first, double spacing, int cells) {
     return static_cast<int>(clamp(std::floor((a - first) / spacing), 0.0, static_cast<double>(cells - 1)));
   };
@@ -93,16 +93,15 @@ RUBBLE_HD void visitTrianglesAlong(const ShapeTables& tables, const ShapeData& s
   }
 }
 
-/// A convex part against a mesh or height field (A). One whose centre is behind a one-sided triangle does not
-/// meet it. meet(triangle, face normal towards the part) says where the part meets one of them.
+/// Time of impact of a mesh or height field (A) with a convex part. Back faces of one-sided triangles are
+/// ignored. meet(triangle, face normal toward the part) returns the time of impact with one triangle.
 template <class Meet>
 RUBBLE_HD TimeOfImpact meetTriangles(const PlacedAny& surface, const Way& wayS, const Placed& part,
                                      const Way& wayP, const MeetRule& rule, Meet&& meet) {
   const Vec3d move = wayP.move * wayP.until - wayS.move * wayS.until;
   const Vec3d x = rotateInverse(surface.q, part.p - surface.p), d = rotateInverse(surface.q, move);
   const double turns = length(wayS.turn) *
-                       (length(x) +
-                        length(d));  // no point of the part is moved further by a turn of the surface
+                       (length(x) + length(d));  // bounds the path of the part by this rotation
   const double reach = length(Vec3d(part.shape.half)) + part.radius() + rule.tolerance + turns +
                        length(wayP.turn) * length(part.arm);
   const Placed end = movedBy(part, {move, wayP.turn * wayP.until}, 1);
@@ -133,7 +132,7 @@ RUBBLE_HD TimeOfImpact meetTriangles(const PlacedAny& surface, const Way& wayS, 
   return best;
 }
 
-/// Points of a distance field (A) against a mesh or height field.
+/// Time of impact of the surface points of a distance field (A) with a mesh or height field.
 template <class Accepts>
 RUBBLE_HD TimeOfImpact meetFieldTriangles(const PlacedAny& field, const Way& wayF, const PlacedAny& surface,
                                           const Way& wayS, const MeetRule& rule, Accepts&& accepts) {
@@ -164,12 +163,13 @@ RUBBLE_HD TimeOfImpact meetFieldTriangles(const PlacedAny& field, const Way& way
   return best;
 }
 
-/// Least distance of a distance field (A) and a convex shape, a plane or another field, and where.
+/// Smallest distance of a distance field (A) to a convex shape, a plane or another field, and its closest
+/// points.
 RUBBLE_HD inline Separation fieldSeparation(const PlacedAny& field, const PlacedAny& other) {
   const Real sizeF = boundingRadius(field.shape), sizeO = boundingRadius(other.shape);
   const Vec3d between = other.p - field.p;
   Separation out{length(between) - static_cast<double>(sizeF + sizeO), field.p, other.p, normalize(between)};
-  // far apart their spheres tell enough
+  // far apart the distance of the bounding spheres suffices
   if (other.shape.kind != ShapeKind::Plane && out.distance > .25 * static_cast<double>(sizeF + sizeO))
     return out;
   const Vec3 at(rotateInverse(field.q, between));
@@ -187,8 +187,8 @@ RUBBLE_HD inline Separation fieldSeparation(const PlacedAny& field, const Placed
   return out;
 }
 
-/// A distance field (A) against a shape of any kind. Where they touch without meeting it goes on by half a
-/// spacing.
+/// Time of impact of a distance field (A) with a shape of any kind. A contact that is not accepted as an
+/// impact is stepped over by half a spacing.
 template <class Accepts>
 RUBBLE_HD TimeOfImpact meetField(const PlacedAny& field, const Way& wayF, const PlacedAny& other,
                                  const Way& wayO, const MeetRule& rule, Accepts&& accepts) {
@@ -225,7 +225,7 @@ RUBBLE_HD TimeOfImpact meetField(const PlacedAny& field, const Way& wayF, const 
     if (!(speed > 0) || m.fraction >= 1) return {kNeverMet, m.at};
     m.fraction = min(1.0, m.fraction + (touches ? detail : m.at.distance - rule.tolerance / 2) / speed);
   }
-  // so long beside the surface: whatever comes then is not passed through
+  // step limit while in contact: counts as an impact, so that nothing passes through
   return rule.passing ? m : TimeOfImpact{kNeverMet, m.at};
 }
 
@@ -238,7 +238,7 @@ RUBBLE_HD inline Real innerRadiusOfPart(const ShapeTables& tables, const ShapeDa
     case ShapeKind::Cylinder:
       return min(s.half.x, s.half.z) + s.radius;
     case ShapeKind::Cone: {
-      // the sphere that touches base and side
+      // insphere, which touches base and side
       const Real r = s.half.x, h = s.half.z * 4 / 3;
       return r * h / (r + std::sqrt(r * r + h * h));
     }
@@ -269,13 +269,12 @@ RUBBLE_HD RUBBLE_APART inline Real generalInnerRadius(const ShapeTables& tables,
 
 }  // namespace sweep
 
-/// Half of the smallest thickness of any shape: of a compound that of its thinnest part; a surface has none.
-/// [m]
+/// Half of the smallest thickness of any shape; for a compound that of its thinnest part, for surfaces 0. [m]
 RUBBLE_HD inline Real innerRadiusOf(const ShapeTables& tables, const ShapeData& s) {
   return isPrimitive(s.kind) ? innerRadius(s) : sweep::generalInnerRadius(tables, s);
 }
 
-/// Half of the thickness of the thinner of two shapes; planes and surfaces have none of their own. [m]
+/// The smaller inner radius of two shapes. Planes and surfaces have none and do not count. [m]
 RUBBLE_HD inline Real thinner(Real a, Real b) { return a > Real(0) && b > Real(0) ? min(a, b) : max(a, b); }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,15 +1,15 @@
 #pragma once
-/// The triangles of meshes and height fields that lie in a box.
-///   mesh          vectors: low and high corner of each node of a tree in depth-first order, then vertices;
-///                 indices: for each node the one to
-///                 go on with if it is not entered, and its triangle or -1; then corners of the triangles,
-///                 their flags, and beyond each edge
-///                 the corner of the triangle on its other side, or -1
+/// The triangles of meshes and height fields inside a box.
+///   mesh          vectors: low and high corner of each node of a bounding volume hierarchy in depth-first
+///                 order, then vertices;
+///                 indices: per node the next node if it is skipped, and its triangle or -1; then corners
+///                 of the triangles, their flags, and the opposite corner of the neighbor beyond each edge,
+///                 or -1
 ///   height field  vectors: (spacing x, spacing y, lowest, highest), (x, y of the first sample, -, -), then
-///                 samples, four a vector, x fastest;
+///                 samples, four per vector, x fastest;
 ///                 indices: flags of the two triangles of each cell
-/// Flags: bit e: the edge from corner e on can be touched; bit 3 + k: so can corner k; six bits further up
-/// the same from behind.
+/// Flags: bit e: the edge that starts at corner e may be touched; bit 3 + k: corner k may be touched. The
+/// next six bits are the same for the back side.
 #include "collision/shapes.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -18,7 +18,7 @@ struct SurfaceTriangle {
   Vec3 corner[3];
   int flags;
   int index;
-  Vec3 beyond[3];  ///< far corner of the triangle on the other side of the edge from corner e on; corner e if
+  Vec3 beyond[3];  ///< opposite corner of the neighbor beyond the edge that starts at corner e; corner e if
                    ///< there is none
 };
 
@@ -40,7 +40,7 @@ RUBBLE_HD inline bool isTwoSided(const ShapeTables& tables, const ShapeData& s) 
 
 namespace surface {
 
-/// visit(triangle) for the triangles of a mesh whose boxes, and those of the nodes above them, pass
+/// Calls visit(triangle) for the triangles of a mesh whose AABBs, and those of all their parent nodes, pass
 /// meets(low, high).
 template <class Meets, class Visit>
 RUBBLE_HD bool visitMesh(const ShapeTables& tables, const ShapeData& s, Meets&& meets, Visit&& visit) {
@@ -89,14 +89,14 @@ struct HeightGrid {
     const Real h = (k & 3) == 0 ? four.x : (k & 3) == 1 ? four.y : (k & 3) == 2 ? four.z : four.w;
     return {first.x + Real(i) * grid.x, first.y + Real(j) * grid.y, h};
   }
-  /// visit(triangle) for those of a cell whose boxes pass meets(low, high).
+  /// Calls visit(triangle) for the triangles of a cell whose AABBs pass meets(low, high).
   template <class Meets, class Visit>
   RUBBLE_HD bool visitCell(int i, int j, Meets&& meets, Visit&& visit) const {
     const Vec3 a = corner(i, j), b = corner(i + 1, j), c = corner(i + 1, j + 1), d = corner(i, j + 1);
     const int cell = 2 * (j * (nx - 1) + i);
     for (int half = 0; half < 2; ++half) {
       SurfaceTriangle t{{a, half == 0 ? b : c, half == 0 ? c : d}, flags[cell + half], cell + half, {}};
-      // cells beyond the rim give the corner itself or a point of the rim: neither rises over the edge
+      // at the boundary this gives the corner itself or another boundary point; neither rises above the edge
       t.beyond[0] = half == 0 ? corner(i, max(j - 1, 0)) : b;
       t.beyond[1] = half == 0 ? corner(min(i + 2, nx - 1), j + 1) : corner(i + 1, min(j + 2, ny - 1));
       t.beyond[2] = half == 0 ? d : corner(max(i - 1, 0), j);
@@ -128,8 +128,8 @@ RUBBLE_HD bool visitHeights(const HeightGrid& g, const Vec3& low, const Vec3& hi
 
 }  // namespace surface
 
-/// visit(triangle) for all that meet the box [low, high] of the surface's frame, until it returns true;
-/// whether it did.
+/// Calls visit(triangle) for the triangles whose AABBs overlap [low, high] (frame of the surface), until it
+/// returns true. Returns whether it did.
 template <class Visit>
 RUBBLE_HD bool visitTriangles(const ShapeTables& tables, const ShapeData& s, const Vec3& low,
                               const Vec3& high, Visit&& visit) {

@@ -1,21 +1,21 @@
 #pragma once
-/// Row blocks between the orientations of two bodies. Q_A = q_A f_A and Q_B = q_B f_B are the joint's frames
-/// on both bodies, e = Q_B^-1 Q_A = (s, u) on the short arc: the frame of A seen from B.
+/// Constraints between the orientations of two bodies. Q_A = q_A f_A and Q_B = q_B f_B are the joint frames
+/// on both bodies; e = Q_B^-1 Q_A = (s, u), short arc, is the frame of A relative to B.
 #include "forces/joint.h"
 #include "math/trig.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A rotation about an axis that is counted beyond half a turn.
+/// A rotation angle that is continued beyond half a revolution.
 struct TurnCounter {
   Real angle;  ///< at x^t, in [-pi, pi] [rad]
-  int turns;   ///< whole turns besides
+  int turns;   ///< full revolutions in addition
 
   RUBBLE_HD static Real wrap(Real angle) {
     constexpr Real kTurn = Real(6.283185307179586);
     return angle - kTurn * std::floor(angle / kTurn + Real(.5));
   }
-  /// An angle of any branch on the branch of this step.
+  /// Shifts an angle by full revolutions to the branch closest to the angle at x^t.
   RUBBLE_HD Real nearest(Real raw) const { return angle + wrap(raw - angle); }
   RUBBLE_HD void follow(Real raw) {
     constexpr Real kTurn = Real(6.283185307179586), kHalf = kTurn / 2;
@@ -26,13 +26,13 @@ struct TurnCounter {
   RUBBLE_HD double turned() const { return 6.283185307179586 * turns; }
 };
 
-/// Memory of a joint with one counted angle, of its frames about their x axis.
+/// Memory of a joint with one continued angle: the twist of its frames about x.
 struct TwistMemory {
   TurnCounter twist;
   template <class D> RUBBLE_HD void remember(const D& d, const Pose& a, const Pose& b, const Vec3d&);
 };
 
-/// Smallest s^2 + u_x^2 that a twist is worked out with [1]: where x has turned right over there is none.
+/// Floor of s^2 + u_x^2 in the twist [1]. The twist is undefined where the swing is half a revolution.
 inline constexpr Real kTwistFloor = Real(.01);
 
 /// Twist of e about x: theta = 2 atan2(u_x, s), with N = s^2 + u_x^2
@@ -66,7 +66,7 @@ RUBBLE_HD void TwistMemory::remember(const D& d, const Pose& a, const Pose& b, c
   twist.follow(twistAngle(frameAInB(d, a, b)));
 }
 
-/// The twist of the joint's frames, counted over whole turns.
+/// Twist of the joint frames about x, continued over full revolutions.
 struct TwistAxis {
   static constexpr int kRows = 1;
   static constexpr RowUnit kUnit = RowUnit::Angular;
@@ -90,10 +90,9 @@ struct TwistAxis {
   }
 };
 
-/// The relative orientation is kept, at `rest`.
+/// The relative orientation equals `rest`.
 ///
-///   C = 2 v,  (t, v) = rest^-1 seen from B: e rest^-1, short arc       [rad for small angles], 3 rows, F [N
-///             m]
+///   C = 2 v,  (t, v) = e rest^-1 in the axes of B, short arc       [rad for small angles], 3 rows, F [N m]
 ///   J_A = (t 1 - [v]) R(Q_B)^T,  J_B = -J_A
 ///   G_A = G_B = -(F.v) / 2 on the angular diagonal
 RUBBLE_HD inline Quat deviation(const Quat& frameA, const Quat& frameB, const Quat& rest) {
@@ -104,7 +103,7 @@ RUBBLE_HD inline void orientationError(const Quat& e, Real (&c)[3]) {
 }
 RUBBLE_HD inline void orientationJacobian(const Quat& e, const Quat& frameB, int side, Vec6 (&j)[3]) {
   const Real sign = side == 0 ? Real(1) : Real(-1);
-  // row i of (s 1 - [u]) R_B^T, as a vector: R_B (s e_i + u x e_i)
+  // row i of (s 1 - [u]) R_B^T as a vector: R_B (s e_i + u x e_i)
   const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (int i = 0; i < 3; ++i) j[i] = {{0, 0, 0}, sign * rotate(frameB, e.s * axes[i] + cross(e.v, axes[i]))};
 }
@@ -138,7 +137,7 @@ struct OrientationRows {
   }
 };
 
-/// The x axes of both frames stay parallel. a: x axis of A, b_i: axes of B, all in the world.
+/// The x axes of both frames are parallel. a: x axis of A, b_i: axes of B, in world axes.
 ///
 ///   C = (b_2.a, b_3.a)                                [1: sine of the angle], 2 rows, F [N m]
 ///   J_A = [0, a x b_i],  J_B = -J_A,  G = S(F_1 b_2 + F_2 b_3, a) on both bodies
@@ -168,9 +167,9 @@ struct ParallelRows {
   }
 };
 
-/// A function c(a) of the direction a of A's x axis in the frame of B.
-///   J_A = R(Q_B) (a x grad c),  J_B = -J_A,  d2c = R(Q_B) ([a]^T hess c [a] + S(grad c, a)) R(Q_B)^T on both
-///                               bodies
+/// A scalar function c(a) of the direction a of A's x axis in the frame of B.
+///   J_A = R(Q_B) (a x grad c),  J_B = -J_A
+///   d2c = R(Q_B) ([a]^T hess c [a] + S(grad c, a)) R(Q_B)^T on both bodies
 /// Fn: evaluate(data, a, gradient, hessian) returns c.
 template <class Fn> struct DirectionAxis {
   static constexpr int kRows = 1;
@@ -218,8 +217,8 @@ template <class Fn> struct DirectionAxis {
   }
 };
 
-/// 2 atan2(n, d) for linear n(a), d(a) with gradients dn, dd. Half-angle form: no fold at 90 degrees,
-/// singular only where n = d = 0.
+/// 2 atan2(n, d) for linear n(a), d(a) with gradients dn, dd. The half-angle form has no fold at 90 degrees
+/// and is singular only where n = d = 0.
 RUBBLE_HD inline Real halfAngle(Real n, Real d, const Vec3& dn, const Vec3& dd, Vec3& gradient,
                                 Sym3& hessian) {
   const Real r2 = max(n * n + d * d, kTwistFloor), r4 = r2 * r2;
@@ -227,14 +226,14 @@ RUBBLE_HD inline Real halfAngle(Real n, Real d, const Vec3& dn, const Vec3& dd, 
   const Real nn = -4 * n * d / r4, nd = 2 * (n * n - d * d) / r4;
   hessian = outer(dn, nn);
   hessian += outer(dd, -nn);
-  // nd (dn dd^T + dd dn^T) by polarisation
+  // nd (dn dd^T + dd dn^T) by polarization
   hessian += outer(dn + dd, nd / 2);
   hessian += outer(dn - dd, -nd / 2);
   return Real(2) * signedAngleOf(n, d);
 }
 
-/// Swing about y: 2 atan2(-a_z, 1 + a_x); about z: 2 atan2(a_y, 1 + a_x). The angle itself where the other is
-/// 0.
+/// Swing about y: 2 atan2(-a_z, 1 + a_x); about z: 2 atan2(a_y, 1 + a_x). Equals the rotation angle where the
+/// other swing is 0.
 struct SwingY {
   template <class D> RUBBLE_HD static Real evaluate(const D&, const Vec3& a, Vec3& gradient, Sym3& hessian) {
     return halfAngle(-a.z, Real(1) + a.x, {0, 0, -1}, {1, 0, 0}, gradient, hessian);
@@ -246,20 +245,20 @@ struct SwingZ {
   }
 };
 
-/// Swing away from x in any direction: 2 atan2(rho, 1 + a_x), rho^2 = (y a_z)^2 + (z a_y)^2 with the factors
-/// data.cone = (y, z) >= 1. With both 1 it is the angle between the x axes. With limits Ly about y and Lz
-/// about z, T = max(tan(L/2)), y = T / tan(Ly/2) and z = T / tan(Lz/2), the ellipse of both limits is the
-/// level 2 atan(T).
+/// Swing away from x in any direction: 2 atan2(rho, 1 + a_x), rho^2 = (y a_z)^2 + (z a_y)^2, with factors
+/// (data.coneY, data.coneZ) = (y, z) >= 1. With both 1 it is the angle between the x axes. For limits Ly
+/// about y and Lz about z let T = max(tan(L/2)), y = T / tan(Ly/2) and z = T / tan(Lz/2). The elliptic cone
+/// of both limits is then the level 2 atan(T).
 struct SwingCone {
   template <class D>
   RUBBLE_HD static Real evaluate(const D& d, const Vec3& a, Vec3& gradient, Sym3& hessian) {
-    // the tip of the cone has no direction; nothing acts there unless the cone is closed
+    // the tip of the cone has no direction; no row acts there unless the cone is closed
     constexpr Real kTip = Real(1e-6);
     const Real y = d.coneY * a.z, z = d.coneZ * a.y;
     const Real rho = std::sqrt(y * y + z * z), safe = max(rho, kTip);
     const Vec3 slope{0, d.coneZ * z / safe, d.coneY * y / safe};
     const Real value = halfAngle(rho, Real(1) + a.x, slope, {1, 0, 0}, gradient, hessian);
-    // rho bends: (dc/drho) d2rho, d2rho = (diag(0, z^2, y^2) - slope slope^T) / rho
+    // curvature of rho: (dc/drho) d2rho, d2rho = (diag(0, z^2, y^2) - slope slope^T) / rho
     const Real n2 = max(rho * rho + (Real(1) + a.x) * (Real(1) + a.x), kTwistFloor);
     const Real perRho = Real(2) * (Real(1) + a.x) / n2 / safe;
     Sym3 bend{0, 0, 0, perRho * d.coneZ * d.coneZ, 0, perRho * d.coneY * d.coneY};

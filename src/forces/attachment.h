@@ -1,22 +1,22 @@
 #pragma once
-/// Attachment: a point of a body, or of the world, and a weighted mean of vertices coincide; or two means of
-/// vertices (a seam).
+/// Attachment: a point of a body, or of the world, coincides with a weighted mean of vertices. A
+/// vertex-vertex attachment (`seam`) joins two such means.
 ///
 ///   C = x_A + sum c_i x_i,  x_A = p + r, r = R a (absent in a seam)     [m], 3 rows, F [N]
-///   c_i: minus the weights of the vertices that stand against x_A; in a seam + on one side, - on the other
+///   c_i: minus the weights of the vertices that are attached to x_A; in a seam + on one side, - on the other
 ///   J_body = [1, -[r]],  J_i = c_i 1;  G of the body: S(F, r), by its column norms
 ///
-/// The three rows share one stiffness and one bound on |F|, which is the break threshold. C is kept as its
-/// value at x^t plus displacements.
+/// The three rows share one stiffness and one bound on |F|, the break threshold. C is stored as its value at
+/// x^t and updated by displacements.
 #include "forces/joint.h"
 #include "math/block3.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Vertices that one contact or attachment acts on at most.
+/// Most vertices of one contact or attachment.
 inline constexpr int kPointCorners = 4;
 
-/// How a body moved in this step.
+/// Displacement of a body in this step.
 struct BodyMove {
   Vec3 dp;    ///< [m]
   Quat turn;  ///< q (q^t)^-1
@@ -26,26 +26,26 @@ struct Attachment {
   static constexpr const char* kName = "attachment";
   static constexpr int kRows = 3;
 
-  int v[kPointCorners];        ///< -1: none
+  int v[kPointCorners];        ///< -1: unused
   Real weight[kPointCorners];  ///< c_i
   int body;                    ///< or kWorldBody
-  int seam;                    ///< 1: between vertices only
+  int seam;                    ///< 1: vertex-vertex attachment
   int alive, broken;
-  int depth;               ///< as that of a PointContact
+  int depth;               ///< as in PointContact
   Vec3d worldPoint;        ///< x_A if the body is kWorldBody [m]
   Vec3 anchor;             ///< a [m]
-  Real bound, compliance;  ///< break threshold [N], 1/K [m/N]; 0: hard
+  Real bound, compliance;  ///< break threshold [N]; 1/K [m/N], 0: hard
   Real length;             ///< L of the rows [m]
-  Real mass;               ///< of the vertices: least m_i / c_i^2 [kg]
+  Real mass;               ///< row mass of the vertices: least m_i / c_i^2 [kg]
   Vec3 lambda;             ///< F [N]
   Real k;                  ///< 0 before the first step [N/m]
-  GroupState group;        ///< of this step
-  Vec3 c0;                 ///< C(x^t) after regularisation [m]
+  GroupState group;        ///< group state of this step
+  Vec3 c0;                 ///< C(x^t) after regularization [m]
   Vec3 lever;              ///< r at x^t [m]
 
   RUBBLE_HD bool isNew() const { return !(k > Real(0)); }
-  /// `gap`: C*(x^t); `leverNow`: r at x^t; `bodyMass`: 0 unless dynamic; `load`: the multiplier of one that
-  /// is new.
+  /// `gap`: C*(x^t); `leverNow`: r at x^t; `bodyMass`: 0 unless dynamic; `load`: initial multiplier of a new
+  /// attachment.
   RUBBLE_HD void begin(const StepConstants& c, const Vec3& gap, const Vec3& leverNow, Real bodyMass,
                        const Vec3& load) {
     const bool hard = compliance == Real(0);
@@ -90,10 +90,10 @@ struct Attachment {
     updateGroup<kRows>(group, e, l, kRows);
     lambda = {l[0], l[1], l[2]};
   }
-  /// Keeps the stiffness; returns whether it breaks now.
+  /// Stores the stiffness; returns whether the attachment breaks in this step.
   RUBBLE_HD bool finish() {
     k = group.k;
-    // the force was cut to the bound, so "reached" is up to round-off
+    // forces are cut to the bound, so equality holds up to round-off only
     const bool broke = dot(lambda, lambda) >= bound * bound * (Real(1) - Real(1e-5));
     broken |= broke;
     return broke;

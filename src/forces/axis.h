@@ -1,56 +1,54 @@
 #pragma once
-/// A scalar coordinate c(x) of a joint (an angle, a travel, a length) and the three rows that may act on it.
-/// They share one Jacobian.
+/// A scalar coordinate c(x) of a joint (an angle, a travel or a length) and its up to three rows. They share
+/// one Jacobian.
 ///
-///   limit     c in [lo, hi]; lo = hi: locked. Hard, or with a stiffness and a damper
-///   drive     towards a position and a speed, by stiffness and damper (either may be hard), with a largest
+///   limit     c in [lo, hi]; lo = hi: locked. Hard, or with stiffness and damper
+///   drive     toward a position and a speed, by stiffness and damper (either may be hard), with a largest
 ///             force
 ///   friction  against any motion, up to a bound
 ///
-/// Each is one row whose force is that of an interval [l, h], which the drive and the friction have with l =
-/// h:
+/// Each row has the force of an interval [l, h]; for drive and friction l = h:
 ///
 ///   F = s (k (c - h) + lambda) if that is above 0,  s (k (c - l) + lambda) if that is below 0,  else 0;
 ///   cut to [-bound, bound]
 ///
-/// which is the force of the augmented Lagrangian of l <= c <= h. At most one of the two is on its side,
-/// since l <= h. A damper of D joins the stiffness K in one finite row: K_tot = K + D / dt, and the error is
-/// C - w C(x^t) with w = (D / dt) / K_tot. [N, N m]
+/// This is the force of the augmented Lagrangian of l <= c <= h. At most one of the two conditions holds,
+/// since l <= h. A damper D and a stiffness K form one finite row: K_tot = K + D / dt, and the error is C - w
+/// C(x^t) with w = (D / dt) / K_tot. [N, N m]
 #include "solver/row.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A stiffness [N/m, N m/rad] or damper [N s/m, N m s/rad] from here on is hard, a bound from here on is
-/// none.
+/// A stiffness [N/m, N m/rad] or damper [N s/m, N m s/rad] of at least this is hard; a bound of at least this
+/// is none.
 inline constexpr Real kHardValue = Real(1e18);
-/// A limit beyond this is none [m, rad].
+/// A limit of at least this is none [m, rad].
 inline constexpr Real kNoLimit = Real(1e18);
-/// A limit without load takes no part in a step if the coordinate stays inside even when it moves so many
-/// times as far as predicted [1] ...
+/// An unloaded limit is inactive if the coordinate stays inside even at this many times its predicted change
+/// [1] ...
 inline constexpr Real kInactiveReach = Real(1.5);
-/// ... unless an impact may drive it there: within so many radians, or shares of the characteristic length,
-/// it is watched [rad, 1]. A limit that is watched has no stiffness until it is crossed, so free motion stays
-/// free.
+/// ... unless it is within this distance of the limit, in rad or in characteristic lengths, where an impact
+/// may drive it across [rad, 1]. Then it is watched: its stiffness is zero until it is crossed, so that free
+/// motion stays free.
 inline constexpr Real kWatchReach = Real(1.5);
 
-/// Authored.
+/// Authored parameters.
 struct AxisSpec {
   Real lo, hi;  ///< [m], [rad]
   Real limitStiffness, limitDamping;
-  Real target, speed;  ///< of the drive [m, rad], [m/s, rad/s]
+  Real target, speed;  ///< target of the drive [m, rad], [m/s, rad/s]
   Real driveStiffness, driveDamping;
   Real driveBound;  ///< largest force of the drive [N, N m]
-  Real friction;    ///< [N, N m]
+  Real friction;    ///< largest friction force [N, N m]
 };
 
-/// One row of a coordinate: what lasts (lambda, k) and what a step works with.
+/// One row of a coordinate: persistent state (lambda, k) and the data of a step.
 struct AxisRow {
   Real lambda, k;
-  Real lo, hi;      ///< interval after regularisation
+  Real lo, hi;      ///< interval after regularization
   Real compliance;  ///< 1 / K_tot; 0: hard
   Real bound;
-  int active;  ///< 0, 1, or kWatched; no bool, for padding would be left to chance where states are compared
-               ///< byte by byte
+  int active;  ///< 0, 1 or kWatched; an int, because states compared byte by byte must have no padding
   int keepsMultiplier;  ///< 0, 1
 };
 
@@ -58,13 +56,13 @@ inline constexpr int kWatched = 2;
 
 struct alignas(4 * sizeof(Real)) AxisRows {
   AxisRow limit, drive, friction;
-  Real start, length;  ///< k_start, and the length that its growth refers to (1 for angles)
-  Real beforeImpact;   ///< multiplier of the limit to go on with after an impact
-  int impact;          ///< the limit stops a fast approach in this step
+  Real start, length;  ///< k_start, and the length scale of the growth of k (1 for angles)
+  Real beforeImpact;   ///< multiplier of the limit before an impact, for the warm start after it
+  int impact;          ///< 1: the limit has an impact in this step
 };
 
-/// Force and Hessian stiffness of a row at c; returns the distance from the interval that the force comes
-/// from (0: no force).
+/// Force and Hessian stiffness of a row at c. Returns the violation of the interval that causes the force (0:
+/// no force).
 RUBBLE_HD inline Real axisForce(const AxisRow& row, Real c, Real& force, Real& hessian) {
   const Real s = row.keepsMultiplier ? Real(1) / (Real(1) + row.k * row.compliance) : Real(1);
   const Real up = s * (row.k * (c - row.hi) + row.lambda), low = s * (row.k * (c - row.lo) + row.lambda);
@@ -74,7 +72,7 @@ RUBBLE_HD inline Real axisForce(const AxisRow& row, Real c, Real& force, Real& h
   const Real size = absOf(force);
   if (size > row.bound) {
     const Real sign = force > Real(0) ? Real(1) : Real(-1);
-    // the secant of the cut force, kept above half of what stops the motion: with lambda at the bound the
+    // secant of the cut force, but at least half of what stops the motion: with lambda at the bound the
     // secant alone is zero
     if (absOf(error) > Real(0))
       hessian = min(hessian, max(absOf(row.bound - sign * row.lambda), row.bound / 2) / absOf(error));
@@ -83,7 +81,7 @@ RUBBLE_HD inline Real axisForce(const AxisRow& row, Real c, Real& force, Real& h
   return error;
 }
 
-/// Sum of the forces and Hessian stiffnesses of the rows that act.
+/// Sums of forces and Hessian stiffnesses of the active rows.
 RUBBLE_HD inline void axisForces(const AxisRows& rows, Real c, Real& force, Real& hessian) {
   force = hessian = Real(0);
   const auto add = [&](const AxisRow& row) {
@@ -98,14 +96,14 @@ RUBBLE_HD inline void axisForces(const AxisRows& rows, Real c, Real& force, Real
 RUBBLE_HD inline bool actsAtAll(const AxisRows& rows) {
   return rows.limit.active || rows.drive.active || rows.friction.active;
 }
-/// The force that the rows have after the last dual update.
+/// Total force of the rows after the last dual update.
 RUBBLE_HD inline Real axisLoad(const AxisRows& rows) {
   return (rows.limit.active ? rows.limit.lambda : Real(0)) +
          (rows.drive.active ? rows.drive.lambda : Real(0)) +
          (rows.friction.active ? rows.friction.lambda : Real(0));
 }
 
-/// [S 13] and [S 14] of one row.
+/// Dual update [S 13], [S 14] of one row.
 RUBBLE_HD inline void updateAxisRow(const StepConstants& c, const AxisRows& rows, AxisRow& row, Real value) {
   if (!row.active) return;
   Real force, hessian;
@@ -126,20 +124,20 @@ RUBBLE_HD inline void updateAxis(const StepConstants& c, AxisRows& rows, Real va
   updateAxisRow(c, rows, rows.friction, value);
 }
 
-/// What beginAxis knows of the joint.
+/// Input of beginAxis.
 struct AxisSituation {
-  Real value;    ///< c(x^t), within its turn
-  Real turn;     ///< what whole turns add to it
-  Real change;   ///< of c in this step without any row, to first order
+  Real value;    ///< c(x^t), within one revolution
+  Real turn;     ///< full revolutions to add to it
+  Real change;   ///< change of c in this step without any row, to first order
   Real inertia;  ///< row inertia
   Real length;   ///< characteristic length [m]; 1 for angles
-  Real reach;    ///< speed of a point for a unit of speed of c [1, m]
+  Real reach;    ///< speed of a point per unit speed of c [1, m]
   Real bound;    ///< break threshold and ceiling [N, N m]
-  Real size;     ///< of the joint [m]
+  Real size;     ///< L of the joint [m]
 };
 
-/// Stiffness, compliance and kept multiplier of a row. `kept`: factor on the multiplier; `authored`:
-/// multiplier of a row of finite stiffness that is new, which is the load K C that it has at x^t.
+/// Initializes stiffness, compliance and multiplier of a row. `kept`: decay of the multiplier. `authored`:
+/// initial multiplier K C of a new row of finite stiffness.
 RUBBLE_HD inline void beginAxisRow(const StepConstants& c, AxisRows& rows, AxisRow& row, Real total,
                                    Real kept, Real authored, Real bound) {
   const bool hard = total >= kHardValue, ramp = !hard && !c.compliantRows;
@@ -158,7 +156,7 @@ RUBBLE_HD inline void beginAxisRow(const StepConstants& c, AxisRows& rows, AxisR
   row.active = true;
 }
 
-/// Rows of this step, from x^t.
+/// Initializes the rows of this step at x^t.
 RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, AxisRows& rows,
                                 const AxisSituation& at) {
   rows.start = startStiffness(c, at.inertia);
@@ -188,7 +186,7 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       beginAxisRow(c, rows, limit, total, hard ? c.alpha * c.gamma : c.gamma,
                    spec.limitStiffness * beyondRoundOff(beyond, absOf(at.value) + at.length), at.bound);
       if (dormant) limit.active = kWatched;
-      // as for contacts: the multiplier of an impact is many times the load that follows
+      // as for contacts: the multiplier of an impact is many times the subsequent load
       rows.impact = c.impactRule && hard && !locked &&
                     absOf(at.change) * c.inverseDt * at.reach > impactSpeed(c, at.size) &&
                     !inside(at.value + at.change);
@@ -206,7 +204,7 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
       drive.hi = target + c.alpha * (at.value - target);
       kept *= c.alpha;
     } else if (spec.driveDamping >= kHardValue) {
-      // the speed is no error of position: all of c(x^t) is left alone
+      // a speed is not a position error: all of c(x^t) is retained
       drive.hi = at.value + c.dt * spec.speed;
     } else {
       const Real damping = spec.driveDamping * c.inverseDt;
@@ -229,7 +227,7 @@ RUBBLE_HD inline void beginAxis(const StepConstants& c, const AxisSpec& spec, Ax
   }
 }
 
-/// A part that takes no part in a step.
+/// Deactivates all rows of a part in this step.
 RUBBLE_HD inline void restPart(AxisRows& rows) {
   for (AxisRow* row : {&rows.limit, &rows.drive, &rows.friction})
     row->active = false, row->lambda = 0, row->k = 0;

@@ -1,15 +1,16 @@
 #pragma once
-/// Bending of sheets across an edge and of lines at a vertex.
+/// Bending of cloth across an edge and of strands at a vertex.
 ///
-/// Sheet: edge (x_0, x_1), opposite corners x_2, x_3.
+/// Cloth: edge (x_0, x_1), opposite corners x_2, x_3.
 ///   flat at rest   E = K/2 |sum w_i x_i|^2, w from the cotangents at rest (quadratic isometric bending,
 ///                  Bergou et al. 2006)
-///                  f_i = -K w_i sum w_j x_j,  H_i = K w_i^2 1 (complete and constant)
-///   folded at rest E = D/2 (theta - theta_0)^2, theta the angle between the two normals; Gauss-Newton H = D
-///   grad grad^T
-/// Line: E = K/2 |x_0 - 2 x_1 + x_2|^2, K = E I / l^3: the same quadratic form with weights 1, -2, 1,
-/// straight at rest; no twist. A damper acts on theta, which no rigid motion changes; the quadratic forms
-/// have none, since sum w_i x_i turns with a bent sheet.
+///                  f_i = -K w_i sum w_j x_j,  H_i = K w_i^2 1 (exact and constant)
+///   folded at rest E = D/2 (theta - theta_0)^2, theta the dihedral angle; Gauss-Newton H = D grad grad^T
+/// Strand: E = K/2 |x_0 - 2 x_1 + x_2|^2, K = E I / l^3: the same quadratic form with weights 1, -2, 1.
+/// Straight at rest; no twist.
+///
+/// A damper acts on theta, which is invariant under rigid motion. The quadratic forms have no damper, because
+/// sum w_i x_i rotates with a bent element.
 #include "math/block3.h"
 #include "math/trig.h"
 #include "solver/constants.h"
@@ -23,11 +24,11 @@ template <int N> struct QuadraticBend {
 
   int v[N];
   int alive;
-  Real stiffness;  ///< K [N/m], with weights of no unit
+  Real stiffness;  ///< K [N/m], with dimensionless weights
   Real weight[N];
 
   RUBBLE_HD Vec3 sum(const Vec3 (&x)[N]) const {
-    // about the first vertex: weights add up to zero
+    // relative to the first vertex; weights add up to zero
     Vec3 s = weight[1] * (x[1] - x[0]);
     for (int i = 2; i < N; ++i) s += weight[i] * (x[i] - x[0]);
     return s;
@@ -64,9 +65,9 @@ struct FoldBend {
   Real angleStart;  ///< theta at x^t [rad]
 
   struct Fold {
-    Vec3 n1, n2, edge;  ///< normals of twice the areas, x_1 - x_0
+    Vec3 n1, n2, edge;  ///< normals, twice the areas long; x_1 - x_0
     Real angle;
-    bool valid;  ///< both triangles have an area
+    bool valid;  ///< both triangles have positive area
   };
   RUBBLE_HD Fold fold(const Vec3 (&x)[kCorners]) const {
     Fold f;
@@ -78,7 +79,7 @@ struct FoldBend {
     f.angle = f.valid ? signedAngleOf(dot(cross(f.n1, f.n2), f.edge) / l, dot(f.n1, f.n2)) : Real(0);
     return f;
   }
-  /// a - b, the short way round.
+  /// a - b, wrapped to half a revolution.
   RUBBLE_HD static Real turn(Real a, Real b) {
     constexpr Real kTurn = Real(6.283185307179586);
     const Real d = a - b;

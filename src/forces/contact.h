@@ -1,77 +1,77 @@
 #pragma once
 /// Contact with friction: up to four points of a pair of bodies A, B, with one normal.
 ///
-///   at x^t      n from A to B, r_A, r_B levers to the point, C_n0 = penetration, C_t0 = tangential drift
-///               since the point stuck
+///   at x^t      n from A to B; r_A, r_B levers to the point; C_n0 penetration; C_t0 tangential drift since
+///               the point stuck
 ///   in the step d_A = Dp_A + Dw_A x r_A, d_B likewise: first-order displacements of the point on both bodies
 ///   normal      C_n = C_n0' + n.(d_A - d_B),           0 <= F_n                    [m], [N]
-///   tangent     C_t = c C_t0 + t.(d_A - d_B), |F_t| <= mu F_n                       [m], [N]   (c: part of
-///               the drift corrected in a step)
-///               mu is one for all points of a step, static or dynamic: a point that yields while the others
-///               hold keeps what it bears
-///   force       on A: -(F_n n + F_t) at r_A, on B: the opposite at r_B
+///   tangent     C_t = c C_t0 + t.(d_A - d_B), |F_t| <= mu F_n                       [m], [N]   (c: share of
+///               the drift corrected per step)
+///               All points share mu in a step, static or dynamic: a point that yields while the others stick
+///               keeps its load.
+///   force       on A: -(F_n n + F_t) at r_A; on B: the opposite at r_B
 ///
-/// Normal and levers stay frozen at x^t (a true first-order expansion), so there is no curvature term. Both
-/// bodies use the same point, in the middle of the gap: their forces have no net moment. (Giles et al. 2025,
-/// section 3.3 and 4.)
+/// Normal and levers stay frozen at x^t (a first-order expansion), so there is no curvature term. Both bodies
+/// use the same point, in the middle of the gap, so that their forces have no net moment. (Giles et al. 2025,
+/// sections 3.3 and 4.)
 #include "solver/block.h"
 #include "solver/friction.h"
 #include "solver/stiffness.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// What a body moved since x^t: translation [m] and rotation vector [rad]. All that contacts read of a body
-/// during the iterations.
+/// Motion of a body since x^t: translation [m] and rotation vector [rad]. Contacts read nothing else of a
+/// body during the iterations.
 struct alignas(8 * sizeof(Real)) Displacement {
   Vec3 dp;
-  Real step2;  ///< square of what the last sweep added to dp [m2]; 0: it did not move the body
+  Real step2;  ///< squared norm of the last sweep's update of dp [m2]; 0: the sweep did not move the body
   Vec3 dw;
-  Real turn2;  ///< and to dw [rad2]
+  Real turn2;  ///< and of dw [rad2]
 };
 
-/// The rows of one point, in three pieces that are read and written whole.
+/// The rows of one point, in three records for vectorized loads and stores.
 struct alignas(4 * sizeof(Real)) PointPlace {
-  Vec3 rA;  ///< lever on A [m]; on B: rA + offset
-  Real c0;  ///< C_n at x^t after regularisation [m]
+  Vec3 rA;  ///< lever on A [m]; the lever on B is rA + offset
+  Real c0;  ///< C_n at x^t after regularization [m]
 };
 struct alignas(4 * sizeof(Real)) PointLoad {
-  Real lambdaN, lambda1, lambda2;  ///< multipliers, those of friction in the tangent basis of n [N]
+  Real lambdaN, lambda1, lambda2;  ///< multipliers; friction in the tangent basis of n [N]
   Real kN;                         ///< stiffness of the normal row [N/m]
 };
 struct alignas(4 * sizeof(Real)) PointSlip {
-  Real drift1, drift2;  ///< C_t at x^t before regularisation, same basis [m]
-  Real mu;              ///< static or dynamic friction, by what the manifold did before [1]
-  Real kT;              ///< stiffness of the two tangential rows [N/m]
+  Real drift1, drift2;  ///< C_t at x^t before regularization, in the same basis [m]
+  Real mu;  ///< static or dynamic friction coefficient, by the state of the manifold in the last step [1]
+  Real kT;  ///< stiffness of the two tangential rows [N/m]
 };
 
-/// The rows of one manifold in one step. Unused and dormant points have k = 0 and lambda = 0 and so neither
-/// push nor resist.
+/// The rows of one manifold in one step. Unused and inactive points have k = 0 and lambda = 0 and so
+/// contribute neither force nor Hessian.
 struct ContactRows {
   PointPlace place[kLanes];
   PointLoad load[kLanes];
   PointSlip slip[kLanes];
-  Vec3 n;                    ///< unit, from A to B
+  Vec3 n;                    ///< unit normal, from A to B
   Real most;                 ///< largest normal force of a point [N]
   Vec3 offset;               ///< p_A - p_B at x^t [m]
   Real start;                ///< k_start of the normal rows [N/m]
   int a, b;                  ///< bodies, a < b
-  int manifold;              ///< that these are the rows of
+  int manifold;              ///< index of the manifold of these rows
   Real length;               ///< L: bounding diameter of the smaller dynamic body [m]
-  Real muStatic, muDynamic;  ///< what no sweep reads from here on
+  Real muStatic, muDynamic;  ///< from here on not read by sweeps
   Real restitution;          ///< e [1]
-  Real perLoad;              ///< stiffness of a row for each newton of its load, where it follows it [1/m]
+  Real perLoad;              ///< stiffness of a row per newton of load, for StiffnessPolicy::FollowLoad [1/m]
 };
 static_assert(sizeof(ContactRows) == 64 * sizeof(Real));
 
-/// Position errors and forces of the points of one manifold.
+/// Errors and forces of the points of one manifold.
 template <class L> struct ContactForces {
   L cN, c1, c2;
   L fN;
   TangentForce<L> t;
 };
 
-/// Points of a manifold as lanes, with the tangents that they share. Load: lambdaN, lambda1, lambda2, kN.
-/// Slip: drift1, drift2, mu, kT.
+/// The points of a manifold as SIMD lanes, with their common tangents. load: lambdaN, lambda1, lambda2, kN.
+/// slip: drift1, drift2, mu, kT.
 template <class L> struct ContactFrame {
   Vec3 t1, t2;
   Vec3T<L> rA, rB;
@@ -108,7 +108,7 @@ template <class L> RUBBLE_HD L along(const Vec3& u, const Vec3T<L>& d) {
   return u.x * d.x + u.y * d.y + u.z * d.z;
 }
 
-/// Errors and bounded forces at the present displacements.
+/// Errors and bounded forces at the given displacements.
 template <class L>
 RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRows& m,
                                          const ContactFrame<L>& f, const Displacement& a,
@@ -124,9 +124,9 @@ RUBBLE_HD ContactForces<L> contactForces(const StepConstants& c, const ContactRo
   return o;
 }
 
-/// Adds forces and Hessians of the points to the block of A (onA) or B: [[W, -W [r]], [[r] W, -[r] W [r]]], W
-/// = k_n n n^T + tangential part. The block may be about another point than the body's centre, which then
-/// lies `shift` from that point. Hessians count `weight` times.
+/// Adds forces and Hessians of the points to the block of A (onA) or B:
+/// [[W, -W [r]], [[r] W, -[r] W [r]]] with W = k_n n n^T + tangential part. The block may be about a point
+/// other than the center of the body; the center then lies `shift` from it. Hessians are scaled by `weight`.
 template <class L>
 RUBBLE_HD void accumulateContact(const StepConstants& c, const ContactRows& m, bool onA,
                                  const Displacement& a, const Displacement& b, int lane, Block6T<L>& block,
@@ -145,8 +145,8 @@ RUBBLE_HD void accumulateContact(const StepConstants& c, const ContactRows& m, b
   addAtLever(block, r, force, LaneAccess<L>::splat(weight) * pointHessian(n, t1, t2, f.load.w, o.t));
 }
 
-/// The dual update [S 13], [S 14] of the points: normal force first, then the cone with it, then both
-/// stiffnesses.
+/// The dual update [S 13], [S 14] of the points: the normal force, the friction cone that follows from it,
+/// then both stiffnesses.
 template <class L>
 RUBBLE_HD void updateContactDuals(const StepConstants& c, ContactRows& m, const Displacement& a,
                                   const Displacement& b, int lane) {

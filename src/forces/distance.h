@@ -1,25 +1,24 @@
 #pragma once
-/// Distance of two anchors (DistanceAxis): rod (locked), rope (upper limit), strut (lower limit), spring with
-/// damper (a drive).
+/// Distance joint between two anchors (DistanceAxis): rod (locked), rope (upper limit), strut (lower limit),
+/// or spring with damper (drive).
 ///
-/// A distance has a direction, and rows along it are linear while that turns little. Where the anchors move
-/// against one another in a step by more than the length L that they are to keep, it may turn anyhow, and a
-/// multiplier pushes where it should pull. There the joint is a point for that step: its anchors keep the
-/// offset o = L n along every axis (AnchorRows), n the direction at x^t. Since |d - L n| >= ||d| - L|, with
-/// equality at x^t, the energy of its rows bounds that of the distance from above and no energy comes from
-/// the change; what it keeps from turning is less than what a step moves. A rope that is slack keeps the
-/// offset that it has. One of no length is a point always.
+/// The rows of a distance are linear as long as its direction rotates little. If the relative displacement of
+/// the anchors in a step exceeds the length L to keep, the direction is arbitrary, and a multiplier may push
+/// instead of pull. In such a step the joint becomes a point joint (AnchorRows): its anchors keep the offset
+/// o = L n in all axes, n being the direction at x^t. Since |d - L n| >= ||d| - L|, with equality at x^t, the
+/// energy of these rows bounds that of the distance from above, and the switch adds no energy. A slack rope
+/// keeps its present offset. A distance of zero length is always a point joint.
 #include "forces/linear_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Lengths that anchors may move against one another in a step before their distance has no direction in it
-/// [1].
+/// Relative displacement of the anchors per step, over their length, beyond which the joint becomes a point
+/// joint [1].
 inline constexpr Real kMostSpanWay = 1;
 
 struct SpanMemory {
-  Vec3 offset;  ///< o, in the world's axes [m]
-  int isPoint;  ///< 0, 1: in this step
+  Vec3 offset;  ///< o, world axes [m]
+  int isPoint;  ///< 0, 1: point joint in this step
   template <class D> RUBBLE_HD void remember(const D&, const Pose&, const Pose&, const Vec3d&) {}
   RUBBLE_HD bool takesPart(int part) const { return (part == 1) == (isPoint != 0); }
 };
@@ -31,10 +30,10 @@ struct DistanceJoint {
   using Parts = PartList<DistanceAxis, AnchorRows>;
   using Memory = SpanMemory;
   struct Data {
-    Vec3 anchorA, anchorB;  ///< in the frame of their body [m]
+    Vec3 anchorA, anchorB;  ///< in the frames of their bodies [m]
   };
 
-  /// The length that an axis keeps, by one limit or one spring alone; kNoLimit: none.
+  /// The length that the axis keeps by a single limit or a single spring; kNoLimit: none.
   RUBBLE_HD static Real keptLength(const AxisSpec& axis) {
     const bool driven = axis.driveStiffness > Real(0) || axis.driveDamping > Real(0),
                limited = axis.lo > -kNoLimit || axis.hi < kNoLimit;
@@ -42,7 +41,7 @@ struct DistanceJoint {
     if (limited) return axis.lo > -kNoLimit && axis.lo != axis.hi ? kNoLimit : axis.hi;
     return axis.driveStiffness > Real(0) && axis.speed == Real(0) ? axis.target : kNoLimit;
   }
-  /// Is it a distance or a point in this step? The multiplier goes from one to the other.
+  /// Selects distance or point joint for this step, and converts the multiplier.
   template <class Spec, class State>
   RUBBLE_HD static void choose(const Spec& spec, State& joint, const Pose& a, const Pose& b,
                                const JointBody (&bodies)[2]) {

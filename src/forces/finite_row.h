@@ -1,22 +1,23 @@
 #pragma once
-/// Rows of finite stiffness K between vertices, which carry most of the stiffness of cloth and springs.
+/// Rows of finite stiffness K between vertices: most of the stiffness of cloth and springs.
 ///
 ///   compliant   F = s (k (C - c0) + lambda), s = K / (K + k), lambda <- F: F = K C at the fixed point,
-///               whatever k is       (engine)
+///               for any k           (engine)
 ///   ramp        F = k C, k <- min(K, k + beta |C|)
 ///               (preset paper, [P 16])
 ///
-/// Block descent moves news one vertex a sweep, and the slower the stiffer the rows are that add their K; k
-/// starts near the inertia of the vertices instead and follows the load. A row much stiffer than that is as
-/// good as hard, and an error C - lambda/K that it has inherited must not become velocity: c0 = alpha (C -
-/// lambda/K) at x^t, which is the rule of hard rows for K -> infinity and vanishes where lambda has
-/// converged; the multiplier loses what theirs do. What an author has stretched is no such error: a row that
-/// is new starts with lambda = K C.
+/// Block descent propagates a change by one vertex per sweep, more slowly the stiffer the rows are that enter
+/// the Hessian with K. Therefore k starts near the inertia of the vertices and follows the load. A row that
+/// is much stiffer is practically hard, and its inherited error C - lambda/K must not become velocity. Hence
+/// c0 = alpha (C
+/// - lambda/K) at x^t, and the multiplier decays as that of a hard row. This is the rule of hard rows for K
+/// -> infinity, and c0 vanishes where lambda has converged. Authored stretch is not an inherited error: a new
+/// row starts with lambda = K C.
 #include "solver/warmstart.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Force multiplier of a row and the stiffness that it puts into the Hessian.
+/// Force multiplier of a row and its stiffness in the Hessian.
 struct FiniteForce {
   Real force, hessian;
 };
@@ -26,12 +27,12 @@ RUBBLE_HD inline FiniteForce finiteForce(bool compliant, Real stiffness, Real k,
   return {s * (k * error + lambda), s * k};
 }
 
-/// What a row starts a step with.
+/// State of a row at the start of a step.
 struct FiniteStart {
   Real k, lambda, c0;
 };
 /// `unit`: m / (dt^2 |J|^2) of the row; `perForce`: |J|, from multiplier to force; `error`: C(x^t); `k`,
-/// `lambda` of the step before, k = 0 before the first.
+/// `lambda`: of the last step, k = 0 before the first.
 RUBBLE_HD inline FiniteStart beginFiniteRow(const StepConstants& c, Real stiffness, Real unit, Real perForce,
                                             Real error, Real k, Real lambda) {
   const Real start = c.startStiffness * unit;
@@ -43,7 +44,7 @@ RUBBLE_HD inline FiniteStart beginFiniteRow(const StepConstants& c, Real stiffne
           c0};
 }
 
-/// k after an iteration. `length`: the elongation that C = 1 stands for [m].
+/// k after an iteration. `length`: the elongation at C = 1 [m].
 RUBBLE_HD inline Real grownFiniteRow(const StepConstants& c, Real stiffness, Real unit, Real perForce,
                                      Real error, Real k, Real lambda, Real length) {
   if (c.compliantRows)
@@ -53,8 +54,7 @@ RUBBLE_HD inline Real grownFiniteRow(const StepConstants& c, Real stiffness, Rea
   return min(stiffness, k + beta * std::fabs(error));
 }
 
-/// A row with a damper: K_tot = K + D with D = d/dt for a damper of coefficient d, and the error that it
-/// sees, C - shift.
+/// A row with a damper of coefficient d: K_tot = K + D with D = d/dt, and its error is C - shift.
 struct DampedRow {
   Real stiffness, shift;
 };

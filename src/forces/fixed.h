@@ -1,5 +1,5 @@
 #pragma once
-/// Fixed joint (weld): the anchors coincide (AnchorRows) and the relative orientation is kept
+/// Fixed joint (weld): the anchors coincide (AnchorRows) and the relative orientation is constant
 /// (OrientationRows). Without the anchors it is an angular spring.
 #include "forces/angular_parts.h"
 #include "forces/linear_parts.h"
@@ -12,8 +12,8 @@ struct FixedJoint {
   using Parts = PartList<AnchorRows, OrientationRows>;
   using Memory = NoMemory;
   struct Data {
-    Vec3 anchorA, anchorB;  ///< in the frame of their body [m]
-    Quat aToB;              ///< wanted q_B^-1 q_A
+    Vec3 anchorA, anchorB;  ///< in the frames of their bodies [m]
+    Quat aToB;              ///< rest orientation q_B^-1 q_A
   };
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The list of forces. A new joint is its header and one incidence here.
+/// The list of joint types. A new joint needs its header and one entry here.
 #include <type_traits>
 
 #include "forces/ball.h"
@@ -21,12 +21,12 @@ template <class... F> struct TypeList { static constexpr int kSize = sizeof...(F
 using JointTypes = TypeList<BallJoint, FixedJoint, HingeJoint, SliderJoint, DistanceJoint, UniversalJoint,
                             SwingTwistJoint, SixDofJoint, GearJoint, RackJoint, PulleyJoint>;
 
-/// f.template operator()<F>() for each joint type, in order.
+/// Calls f.template operator()<F>() for each joint type, in order.
 template <class Function, class... F> RUBBLE_HD void forEachType(TypeList<F...>, Function&& f) {
   (f.template operator()<F>(), ...);
 }
 
-/// Position of F in the list.
+/// Index of G in the list, or -1.
 template <class G, class... F> constexpr int typeIndex(TypeList<F...>) {
   int index = 0, found = -1;
   ((found = std::is_same_v<F, G> ? index : found, ++index), ...);

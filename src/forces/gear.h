@@ -1,25 +1,25 @@
 #pragma once
-/// Gear: the turns of two bodies about axes go together. Each axis lies in a body that carries it (the
-/// housing, the arm of planets, or the world), and theta_i is the twist of Q_i = q_i f_i about x seen from
-/// W_i = q_carrier,i w_i, counted over whole turns.
+/// Gear: couples the rotations of two bodies about their axes. Each axis is fixed in a carrier (the housing,
+/// the arm of planets, or the world). theta_i is the twist of Q_i = q_i f_i about x relative to W_i =
+/// q_carrier,i w_i, continued over full revolutions.
 ///
-///   c = theta_A + rho theta_B                         [rad], F [N m] on A, rho F on B; the carriers take the
-///   reaction
-///   J_A = R(W_A) g_A,  J_carrier,A = -J_A,  J_B = rho R(W_B) g_B,  J_carrier,B = -J_B;  G: twistCurvature
-///                      with F, rho F
+///   c = theta_A + rho theta_B                         [rad], F [N m] on A, rho F on B; the reaction acts on
+///                                                     the carriers
+///   J_A = R(W_A) g_A,  J_carrier,A = -J_A,  J_B = rho R(W_B) g_B,  J_carrier,B = -J_B
+///   G: twistCurvature with F, rho F
 ///
-/// The moments on all of them sum to zero, so a gearbox that floats keeps its momentum.
+/// All moments add up to zero, so a floating gearbox conserves its momentum.
 #include "forces/angular_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Axis of a wheel in the world, and the wheel's frame seen from there.
+/// World frame of a wheel's axis, and the frame of the wheel relative to it.
 RUBBLE_HD inline Quat carriedAxis(const CarriedPose& x, const Quat& base) { return x.carrier.q * base; }
 RUBBLE_HD inline Quat seenFromCarrier(const CarriedPose& x, const Quat& base, const Quat& frame) {
   return shortArc(conjugate(carriedAxis(x, base)) * x.q * frame);
 }
 
-/// dtheta/dx of a wheel, or of what carries it, and column norms of f theta.
+/// dtheta/dx of a wheel or of its carrier, and column norms of f theta.
 RUBBLE_HD inline Vec3 turnGradient(const CarriedPose& x, const Quat& base, const Quat& frame,
                                    bool ofCarrier) {
   const Vec3 g = rotate(carriedAxis(x, base), twistGradient(seenFromCarrier(x, base, frame)));
@@ -72,9 +72,9 @@ struct GearJoint {
     }
   };
   struct Data {
-    Quat frameA, frameB;  ///< joint -> body: x is the axis
-    Quat baseA, baseB;    ///< the same axes in the frames of their carriers, where the angles are 0
-    Real ratio;           ///< rho: turns of A for each turn of B, the other way [1]
+    Quat frameA, frameB;  ///< joint -> body; x is the axis
+    Quat baseA, baseB;    ///< joint -> carrier; the twist is 0 where both agree
+    Real ratio;           ///< rho: revolutions of A per revolution of B, in the opposite direction [1]
   };
 };
 

@@ -1,16 +1,15 @@
 #pragma once
-/// An element as a cluster of vertices sees it that moves as one: x_a -> x_a + dp + dw x s_a for the corners
-/// a inside, the others stay.
+/// Contribution of an element to a cluster of vertices that moves rigidly: x_a -> x_a + dp + dw x s_a for the
+/// corners a inside; the others stay.
 ///
 /// Force and moment are those of the corners. The Hessian is that of rows C with J_S = (sum J_a, sum s_a x
-/// J_a), summed before it is squared; the curvature of rows is dropped where it is negative. For the
-/// tetrahedron the rows are the incidences of F (stiffness mu) and J (lambda), which bound its Hessian from
-/// above where it is under pressure.
+/// J_a), summed before squaring; negative curvature of rows is dropped. For a tetrahedron the rows are the
+/// entries of F (stiffness mu) and J (lambda), which bound its Hessian from above under compression.
 #include "forces/soft_forces.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Rows e_i (sum_a w_a x_a), i = 1..3, of stiffness k: `lin` = sum w_a, `ang` = sum w_a s_a over the corners
+/// Rows e_i (sum_a w_a x_a), i = 1..3, of stiffness k. `lin` = sum w_a, `ang` = sum w_a s_a over the corners
 /// inside.
 RUBBLE_HD inline void accumulateMeanRows(Block6& block, Real lin, const Vec3& ang, Real k) {
   block.ll.xx += k * lin * lin, block.ll.yy += k * lin * lin, block.ll.zz += k * lin * lin;
@@ -22,8 +21,7 @@ RUBBLE_HD inline void accumulateMeanRows(Block6& block, Real lin, const Vec3& an
   block.aa.xx += size, block.aa.yy += size, block.aa.zz += size;
 }
 
-/// The same for three such weights at once: `lin` has their sums, and the columns of `ang` what `ang` is
-/// above.
+/// The same for three sets of weights: `lin` holds their sums w_a, the columns of `ang` their sums w_a s_a.
 RUBBLE_HD inline void accumulateMeanRows(Block6& block, const Vec3& lin, const Mat3& ang, Real k) {
   const Real mass = k * dot(lin, lin),
              size = k * (dot(ang.c0, ang.c0) + dot(ang.c1, ang.c1) + dot(ang.c2, ang.c2));
@@ -65,7 +63,7 @@ RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Membr
     force[i] = o.force;
     accumulateRow(block, rows[i], Real(0), scale * o.hessian);
   }
-  // tension: the stress S in the axes of the material, at most its trace each way
+  // tension: largest principal value of the stress S in material axes
   const Real sx = force[0] + force[1], sy = force[0] - force[1],
              largest = max(Real(0),
                            (sx + sy) / 2 + std::sqrt((sx - sy) * (sx - sy) / 4 + force[2] * force[2]));
@@ -114,7 +112,7 @@ RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Sprin
   accumulateMeanRows(block, lin, ang, scale * across);
 }
 
-/// Adds force and Hessian of an element that has corners inside and others outside. `scale`: on the Hessian.
+/// Adds force and Hessian of an element with corners inside and outside. `scale`: factor on the Hessian.
 template <class F>
 RUBBLE_HD void accumulateGroup(const StepConstants& c, const F& e, const Vec3 (&x)[F::kCorners],
                                unsigned mask, const Vec3& centre, Real scale, Block6& block) {
@@ -126,7 +124,7 @@ RUBBLE_HD void accumulateGroup(const StepConstants& c, const F& e, const Vec3 (&
   accumulateGroupHessian(c, e, x, mask, centre, scale, block);
 }
 
-/// The tetrahedron, all corners at once: with m = sum m_a and B = sum s_a m_a^T over the corners inside
+/// The tetrahedron, all corners at once. With m = sum m_a and B = sum s_a m_a^T over the corners inside
 /// (columns b_i), the force is -P m, the moment -sum b_i x P_i, and the row of J has J_S = (K m, sum b_i x
 /// K_i), K = cof F.
 RUBBLE_HD inline void accumulateGroup(const StepConstants& c, const Tetrahedron& e, const Vec3 (&x)[4],
@@ -144,7 +142,7 @@ RUBBLE_HD inline void accumulateGroup(const StepConstants& c, const Tetrahedron&
   };
   block.fl -= p * m;
   block.fa -= moment(p);
-  // far from its volume the second derivative of J between corners counts too: bounded by |F|
+  // far from the rest volume the mixed second derivatives of J matter too; |F| bounds them
   constexpr Real kFarVolume = Real(.5);
   const Real excess = max(Real(0), std::fabs(dot(f.c0, k.c0) - 1) - kFarVolume);
   const Real bend = excess > Real(0)

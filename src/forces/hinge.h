@@ -1,14 +1,15 @@
 #pragma once
-/// Hinge: the anchors coincide (AnchorRows), the x axes of both frames are parallel (ParallelRows), and the
-/// turn of A about that axis, counted over whole turns, has limits, a drive and friction (TwistAxis).
+/// Hinge: the anchors coincide (AnchorRows) and the x axes of both frames are parallel (ParallelRows). The
+/// rotation of A about this axis, continued over full revolutions, has limits, a drive and friction
+/// (TwistAxis).
 #include "forces/angular_parts.h"
 #include "forces/linear_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Anchors and frames of a joint in its two bodies.
+/// Anchors and joint frames on both bodies.
 struct FramedData {
-  Vec3 anchorA, anchorB;  ///< in the frame of their body [m]
+  Vec3 anchorA, anchorB;  ///< in the frames of their bodies [m]
   Quat frameA, frameB;    ///< joint -> body
 };
 

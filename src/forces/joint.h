@@ -1,28 +1,29 @@
 #pragma once
-/// What every joint shares: two bodies, a list of parts, and the loops over them. A joint type F declares
+/// What all joints share: two bodies, a list of parts, and the loops over them. A joint type F declares
 ///
 ///   kName      keyword
-///   Parts      PartList<...> of row blocks (linear_parts.h, angular_parts.h, or its own)
+///   Parts      PartList<...> of constraints (linear_parts.h, angular_parts.h, or its own)
 ///   Data       authored constants
-///   Memory     what it remembers from step to step besides multipliers (NoMemory, or a struct with
+///   Memory     state besides multipliers that is kept between steps (NoMemory, or a struct with
 ///              remember(data, a, b, origin))
-///   kGrounded  do its errors change when both bodies move rigidly together (it refers to the world)?
-///   kCarried   true: the axes of A and B lie in two more bodies that carry them (optional; gears and racks)
-///   kChooses   true: its parts take part in a step or not (optional): choose(spec, joint, a, b, bodies)
+///   kGrounded  true: its errors change when both bodies move rigidly together (it refers to the world)
+///   kCarried   true: the axes of A and B are fixed in two further frame bodies, the carriers (optional;
+///              gears and racks)
+///   kChooses   true: its parts are activated step by step (optional): choose(spec, joint, a, b, bodies)
 ///              decides, Memory::takesPart(part) tells
 ///
-/// A part P declares kRows, kUnit, kAxis (true: one scalar coordinate with limits, drive and friction, see
-/// axis.h; false: rows that are held together, with one stiffness and one bound on the size of their force)
-/// and
+/// A part P declares kRows, kUnit and kAxis. kAxis true: one scalar coordinate with limits, drive and
+/// friction (axis.h). kAxis false: a group of rows with one stiffness and one bound on the norm of their
+/// force. Further
 ///
 ///   constraint       C(x), for the poses of A and B in a common frame
 ///   jacobian         dC/dx of A (side 0) or B (side 1), rotations in world axes on the left; sides 2 and 3:
-///                    what carries the axis of A, of B
+///                    the carriers of A and of B
 ///   curvature        column norms of sum F d2C/dx2 of that body
-///   turns            axes: what whole turns add to the coordinate (optional)
-///   kStiffnessShare  axes: factor on the row inertia that k_start and the growth of k refer to (optional)
+///   turns            axes: what full revolutions add to the coordinate (optional)
+///   kStiffnessShare  axes: factor on the row inertia in k_start and in the growth of k (optional)
 ///
-/// and everything else follows: warm start, primal, dual, breakage, incidence, tests.
+/// The rest follows from these: warm start, primal, dual, breakage, incidence, tests.
 #include <utility>
 
 #include "forces/axis.h"
@@ -31,7 +32,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// In place of a body index: the fixed world.
+/// Body index of the fixed world.
 inline constexpr int kWorldBody = -1;
 
 template <class F> constexpr bool isCarried() {
@@ -46,48 +47,48 @@ template <class F> constexpr bool choosesParts() {
   else
     return false;
 }
-/// Sides of a joint: A, B and, where their axes are carried, what carries that of A and that of B. One body
-/// may have several of them.
+/// Sides of a joint: A, B and, if kCarried, the carriers of A and of B. One body may be on several sides.
 template <class F> inline constexpr int kSides = isCarried<F>() ? 4 : 2;
 
-/// A body and what carries its axis.
+/// Pose of a body and of the carrier of its axis.
 struct CarriedPose : Pose {
   Pose carrier;
 };
-/// Where a joint has A or B.
+/// Pose of A or B as the parts of a joint of type F read it.
 template <class F> using SidePose = std::conditional_t<isCarried<F>(), CarriedPose, Pose>;
 
-/// Bodies that carry the axes of A and B, or kWorldBody. Nothing for joints without.
+/// Body indices of the carriers, or kWorldBody. Empty for joints without.
 template <bool carried> struct Carriers {};
 template <> struct Carriers<true> { int carrierA, carrierB; };
-/// Their positions from p_B at x^t; 0 for the world, which is where the step has it [m].
+/// Positions of the carriers relative to p_B at x^t; 0 for the world, whose origin is at p_B [m].
 template <bool carried> struct CarrierOffsets {};
 template <> struct CarrierOffsets<true> { Vec3 offsetCarrierA, offsetCarrierB; };
 
-/// Share of couplings (gear, rack, pulley), whose two bodies speed up together: at 1 the heavier mass over a
-/// pulley falls at .85 of its acceleration at 4 iterations, and a rack at .76 (docs/joints.md).
+/// Stiffness share of couplings (gear, rack, pulley), which accelerate two bodies together. At 1 and 4
+/// iterations the heavier mass of a pulley falls at 0.85 of its acceleration, and a rack at 0.76
+/// (docs/joints.md).
 inline constexpr Real kCouplingShare = Real(1) / 30;
 
 template <class... P> struct PartList { static constexpr int kCount = sizeof...(P); };
 
 struct AnchorRows;
-/// A joint about a point: its anchors coincide, and all else that it asks for depends on how A is turned
-/// against B alone. Sweeps read of it its PivotFrame, the rows of its anchors and those that turn, which look
-/// alike whatever its type (forces/joint_accumulation.h).
+/// Is F a joint about a point? Its anchors coincide, and its other rows depend on the rotation of A relative
+/// to B only. Sweeps read its PivotFrame, its anchor rows and its angular rows, whose layout does not depend
+/// on the type (forces/joint_accumulation.h).
 template <class F> constexpr bool isPivot() {
   return []<class First, class... P>(PartList<First, P...>) {
     return std::is_same_v<First, AnchorRows> && ((P::kUnit == RowUnit::Angular) && ...) && !isCarried<F>();
   }(typename F::Parts{});
 }
 
-/// A part whose rows depend on the rotation of A relative to B alone. They are linear in it for an iteration
+/// Does part P depend on the rotation of A relative to B only? Its rows are linearized once per iteration
 /// (forces/joint_accumulation.h).
 template <class F, class P> constexpr bool isTurn() {
   return P::kUnit == RowUnit::Angular && !isCarried<F>();
 }
-/// Laws of force of such a part: of an axis limit, drive and friction have their own.
+/// Number of force laws of such a part: limit, drive and friction for an axis, else one.
 template <class F, class P> constexpr int turnLaws() { return !isTurn<F, P>() ? 0 : P::kAxis ? 3 : 1; }
-/// Those of a type; of its parts before part I; `I` = all of them.
+/// Number of force laws of the parts of F before part I; without I, of all parts.
 template <class F, int I = F::Parts::kCount> constexpr int firstTurnLaw() {
   int laws = 0, part = 0;
   [&]<class... P>(PartList<P...>) {
@@ -96,24 +97,24 @@ template <class F, int I = F::Parts::kCount> constexpr int firstTurnLaw() {
   return laws;
 }
 template <class F> constexpr bool hasAngularRows() { return firstTurnLaw<F>() > 0; }
-/// Bits of JointFrame::acting.
+/// Bit of force law `law` in JointFrame::acting. Bit 0 is the first part.
 constexpr int turnBit(int law) { return 1 + law; }
 
-/// `Point`: held in the steps in which the joint says so (kChooses).
+/// `Point`: active in the steps that the joint chooses (kChooses).
 enum class GroupMode { Off, Hold, Friction, Point };
 
-/// Authored, of rows that are held together. What joints are made of is read in quads (loadVectorized).
+/// Authored parameters of a group of rows. Joint records are aligned for loadVectorized.
 struct alignas(4 * sizeof(Real)) GroupSpec {
   GroupMode mode;
   Real stiffness, damping;  ///< kHardValue: hard
-  Real bound;               ///< largest force [N], [N m]
+  Real bound;               ///< largest norm of the force [N], [N m]
 };
 
-/// Their multipliers and what a step works with.
+/// Multipliers and step state of a group of rows.
 template <int N> struct alignas(4 * sizeof(Real)) GroupRows {
   Real lambda[N];    ///< [N], [N m]
-  Real shift[N];     ///< part of C(x^t) that is left alone
-  GroupState state;  ///< k lasts; 0 before the first step
+  Real shift[N];     ///< part of C(x^t) that is not corrected in this step
+  GroupState state;  ///< k is kept between steps; 0 before the first
 };
 
 template <class P> using PartSpec = std::conditional_t<P::kAxis, AxisSpec, GroupSpec>;
@@ -131,7 +132,7 @@ using PartStore = PartStoreOf<Of, List, std::make_index_sequence<static_cast<std
 template <int I, class T> RUBBLE_HD T& partOf(PartSlot<I, T>& slot) { return slot.value; }
 template <int I, class T> RUBBLE_HD const T& partOf(const PartSlot<I, T>& slot) { return slot.value; }
 
-/// f.operator()<I, P>() for each part.
+/// Calls f.operator()<I, P>() for each part.
 template <class Function, class... P, std::size_t... I>
 RUBBLE_HD void forEachPartOf(PartList<P...>, std::index_sequence<I...>, Function&& f) {
   (f.template operator()<static_cast<int>(I), P>(), ...);
@@ -147,30 +148,30 @@ template <class F> constexpr int rowCount() {
   return rows;
 }
 
-/// A joint that needs no memory of its own.
+/// For joints without a memory of their own.
 struct NoMemory {
   template <class D> RUBBLE_HD void remember(const D&, const Pose&, const Pose&, const Vec3d&) {}
 };
 
-/// A joint of type F as authored. Read-only in a step.
+/// Authored data of a joint of type F. Read-only in a step.
 template <class F> struct JointSpec : Carriers<isCarried<F>()> {
   typename F::Data data;
   int a, b;  ///< bodies, or kWorldBody
   bool alive;
-  bool isRigid;                  ///< does it hold its bodies together, as one group of the coarse correction?
+  bool isRigid;                  ///< does it connect its bodies rigidly, so that they form one aggregate?
   Real breakForce, breakTorque;  ///< [N], [N m]
   PartStore<PartSpec, typename F::Parts> parts;
 };
 
 /// One body of a joint about a point.
 struct JointEnd {
-  Vec3 lever;  ///< from its centre to its anchor, in the world's axes at x^t [m]
+  Vec3 lever;  ///< from its center of mass to its anchor, world axes at x^t [m]
   int body;
 };
-/// Where a joint is, and which of its rows act.
+/// Frame of a joint, and which of its rows are active.
 struct alignas(4 * sizeof(Real)) JointFrame {
-  Vec3 offset;  ///< p_A - p_B at x^t [m]; the step works in the frame with origin p_B^t
-  int acting;   ///< bits: 0 the first part; 1 + k law k of those that turn
+  Vec3 offset;  ///< p_A - p_B at x^t [m]; the step works in a frame with origin p_B^t
+  int acting;   ///< bit 0: the first part; bit 1 + k: force law k of the angular rows
 };
 struct PivotFrame : JointFrame {
   JointEnd end[2];
@@ -178,11 +179,11 @@ struct PivotFrame : JointFrame {
 
 template <class F> using FrameOf = std::conditional_t<isPivot<F>(), PivotFrame, JointFrame>;
 
-/// Its state.
+/// State of a joint of type F.
 template <class F> struct Joint : FrameOf<F>, CarrierOffsets<isCarried<F>()> {
   int broken;       ///< 0, 1
-  int active;       ///< 0, 1: in this step
-  int sharedLevel;  ///< finest level of groups at which its bodies share a cell (stages/coarse/aggregates.h)
+  int active;       ///< 0, 1: active in this step
+  int sharedLevel;  ///< finest aggregate level at which its bodies share a cell (stages/coarse/aggregates.h)
   Real length;      ///< L: bounding diameter of the smaller dynamic body [m]
   typename F::Memory memory;
   PartStore<PartRows, typename F::Parts> parts;
@@ -196,7 +197,7 @@ template <class F> RUBBLE_HD int bodyOf(const JointSpec<F>& spec, int side) {
     if (side >= 2) return side == 2 ? spec.carrierA : spec.carrierB;
   return side == 0 ? spec.a : spec.b;
 }
-/// Is it the first of the sides that its body has?
+/// Is `side` the first side of its body?
 template <class F> RUBBLE_HD bool isFirstSide(const JointSpec<F>& spec, int side) {
   if constexpr (isCarried<F>())
     for (int k = 0; k < side; ++k)
@@ -204,7 +205,7 @@ template <class F> RUBBLE_HD bool isFirstSide(const JointSpec<F>& spec, int side
   return true;
 }
 
-/// dC/dx of the body of that side: the sum over all sides that it has.
+/// dC/dx of the body on that side: the sum over all sides of this body.
 template <class P, class F>
 RUBBLE_HD void jacobianOf(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
                           const SidePose<F>& b, int side, Vec6 (&j)[P::kRows]) {
@@ -217,7 +218,7 @@ RUBBLE_HD void jacobianOf(const JointSpec<F>& spec, const Joint<F>& joint, const
       for (int i = 0; i < P::kRows; ++i) j[i].lin += more[i].lin, j[i].ang += more[i].ang;
     }
 }
-/// Column norms of that body; of several sides no more than the sum of theirs.
+/// Column norms for that body; for several sides the sum, which is an upper bound.
 template <class P, class F>
 RUBBLE_HD Vec6 curvatureOf(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
                            const SidePose<F>& b, int side, const Real (&f)[P::kRows]) {
@@ -231,20 +232,20 @@ RUBBLE_HD Vec6 curvatureOf(const JointSpec<F>& spec, const Joint<F>& joint, cons
   return sum;
 }
 
-/// What a joint needs to know of one of its bodies at the start of a step.
+/// What a joint reads of one of its bodies at the start of a step.
 struct JointBody {
   Real mass;     ///< 0: not dynamic [kg]
   Vec3 inertia;  ///< principal moments [kg m2]
   Vec6 change;   ///< motion in this step without joints, to first order [m, rad]
 };
 
-/// Row inertia of a group: mass [kg] or moment of inertia with lever [kg m2].
+/// Row inertia of a group: mass [kg], or moment of inertia including the lever [kg m2].
 RUBBLE_HD inline Real rowInertia(const JointBody& body, RowUnit unit, Real lever2) {
   if (unit == RowUnit::Linear) return body.mass;
   return min(min(body.inertia.x, body.inertia.y), body.inertia.z) + body.mass * lever2 / 3;
 }
-/// Of a coordinate with Jacobian j: m / |j|^2, or that of the moment about the axis, with the lever r of the
-/// joint.
+/// Row inertia of a coordinate with Jacobian j: m / |j|^2, or the moment of inertia about its axis, including
+/// the lever r of the joint.
 RUBBLE_HD inline Real axisInertia(const JointBody& body, const Quat& q, const Vec6& j, const Vec3& r) {
   const Real l2 = lengthSquared(j.lin), a2 = lengthSquared(j.ang);
   if (l2 > Real(0)) return body.mass / l2;
@@ -260,7 +261,7 @@ template <class D> RUBBLE_HD Vec3 leverOf(const D& d, const Quat& q, int side) {
     return {0, 0, 0};
 }
 
-/// The smaller of the two inertias that are there.
+/// The smaller of the inertias of the two dynamic bodies.
 template <class Of> RUBBLE_HD Real lighter(const JointBody& a, const JointBody& b, Of&& of) {
   const Real ia = a.mass > Real(0) ? of(a, 0) : Real(0), ib = b.mass > Real(0) ? of(b, 1) : Real(0);
   return ia > Real(0) && ib > Real(0) ? min(ia, ib) : max(ia, ib);
@@ -289,7 +290,7 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
     rule.start = min(rule.start, rule.limit);
   }
   const Real share = friction ? Real(1) : hard ? c.alpha : damping / total;
-  // of finite stiffness and new: the load that it has at x^t
+  // a new row of finite stiffness starts with its elastic load at x^t
   const bool isNew = !(state.k > Real(0)), isLoaded = isNew && !hard && !friction;
   Real size = 1, size2 = 0;
   if (P::kUnit == RowUnit::Linear)
@@ -331,14 +332,14 @@ RUBBLE_HD void beginPart(const StepConstants& c, const JointSpec<F>& spec, const
       Vec6 j[1];
       jacobianOf<P>(spec, joint, a, b, side, j);
       at.change += dot(j[0], bodies[side].change);
-      // a carrier of wheels that turn against one another may feel nothing
+      // the Jacobian of a carrier may vanish, as for wheels that counter-rotate
       const Real arm = P::kUnit == RowUnit::Linear ? joint.length : Real(1);
       if (!(lengthSquared(j[0].lin) + lengthSquared(j[0].ang) / (arm * arm) > Real(1e-8))) continue;
       const Real own = axisInertia(bodies[side], side == 2 ? a.carrier.q : b.carrier.q, j[0], {0, 0, 0});
       at.inertia = at.inertia > Real(0) ? min(at.inertia, own) : own;
     }
-  // two bodies that a coupling moves together lag behind by its stiffness where block descent moves one of
-  // them at a time
+  // block descent moves one body at a time, so two bodies that a coupling accelerates together lag behind in
+  // proportion to its stiffness
   if constexpr (requires { P::kStiffnessShare; })
     if (!together) at.inertia *= P::kStiffnessShare;
   at.length = P::kUnit == RowUnit::Linear ? joint.length : Real(1);
@@ -354,7 +355,7 @@ template <class P> RUBBLE_HD RUBBLE_NEAR bool partActs(const PartSpec<P>& spec, 
   else
     return spec.mode != GroupMode::Off && (spec.mode != GroupMode::Point || rows.state.k > Real(0));
 }
-/// Does a part that turns have a law that acts?
+/// Is a force law of the given rotation-only part active?
 template <class F> RUBBLE_HD bool turnActs(int acting, int part) {
   bool active = false;
   forEachPart<F>([&]<int I, class P>() {
@@ -362,7 +363,7 @@ template <class F> RUBBLE_HD bool turnActs(int acting, int part) {
   });
   return active;
 }
-/// JointFrame::acting.
+/// Computes JointFrame::acting.
 template <class F> RUBBLE_HD int actingRows(const JointSpec<F>& spec, const Joint<F>& joint) {
   int acting = 0;
   forEachPart<F>([&]<int I, class P>() {
@@ -384,8 +385,8 @@ template <int N> RUBBLE_HD void restPart(GroupRows<N>& rows) {
   for (Real& lambda : rows.lambda) lambda = 0;
 }
 
-/// Warm start of all rows at x^t: joint.length and memory are set. Poses of both bodies in the joint's frame.
-/// `together`: its bodies are moved by one block (stages/trees/trees.h).
+/// Warm start of all rows at x^t; joint.length and joint.memory are set. Poses are in the frame of the joint.
+/// `together`: one joint tree solves both bodies (stages/trees/trees.h).
 template <class F>
 RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Joint<F>& joint,
                           const SidePose<F>& a, const SidePose<F>& b, const JointBody (&bodies)[kSides<F>],
@@ -400,7 +401,7 @@ RUBBLE_HD void beginJoint(const StepConstants& c, const JointSpec<F>& spec, Join
                  together);
   });
 }
-/// Where its bodies are at x^t, and what of it acts once its rows are begun.
+/// Stores the frame of the joint at x^t and its active rows; call after beginJoint.
 template <class F>
 RUBBLE_HD void placeJoint(const JointSpec<F>& spec, Joint<F>& joint, const Vec3& offset, const SidePose<F>& a,
                           const SidePose<F>& b) {
@@ -414,8 +415,7 @@ RUBBLE_HD void placeJoint(const JointSpec<F>& spec, Joint<F>& joint, const Vec3&
   });
 }
 
-/// Errors, from their shifts on, of rows that are held together: of one joint (L = Real), or of several side
-/// by side (lanes.h).
+/// Errors of a group of rows, less their shifts: of one joint (L = Real) or of SIMD lanes (math/lanes.h).
 template <class P, class L, class D, class M, class S>
 RUBBLE_HD RUBBLE_NEAR void heldErrors(const L (&shift)[P::kRows], const D& data, const M& memory, const S& a,
                                       const S& b, L (&error)[P::kRows]) {
@@ -423,8 +423,8 @@ RUBBLE_HD RUBBLE_NEAR void heldErrors(const L (&shift)[P::kRows], const D& data,
   for (int i = 0; i < P::kRows; ++i) error[i] -= shift[i];
 }
 
-/// Forces of the rows of a part, and their stiffness, at C (an axis), or at C less its shift (rows that are
-/// held together); false: none.
+/// Forces and Hessian stiffness of the rows of a part. `error`: C of an axis, or C less its shift for a group
+/// of rows. Returns false if both are zero.
 template <class P>
 RUBBLE_HD RUBBLE_NEAR bool forcesAt(const PartRows<P>& rows, const Real (&error)[P::kRows],
                                     Real (&force)[P::kRows], Real& hessian) {
@@ -436,7 +436,7 @@ RUBBLE_HD RUBBLE_NEAR bool forcesAt(const PartRows<P>& rows, const Real (&error)
     return true;
   }
 }
-/// Errors of a part at the present poses, as forcesAt wants them.
+/// Errors of a part at the present poses, in the form that forcesAt expects.
 template <class P, class F>
 RUBBLE_HD RUBBLE_NEAR void partErrors(const JointSpec<F>& spec, const Joint<F>& joint,
                                       const PartRows<P>& rows, const SidePose<F>& a, const SidePose<F>& b,
@@ -467,7 +467,7 @@ RUBBLE_HD void updateJointDuals(const StepConstants& c, const JointSpec<F>& spec
   forEachPart<F>([&]<int I, class P>() { updatePartDuals<F, I, P>(c, spec, joint, a, b); });
 }
 
-/// Squares of the size of all linear and of all angular forces after the last dual update [N2], [N2 m2].
+/// Squared norms of all linear and of all angular forces after the last dual update [N2], [N2 m2].
 template <class F>
 RUBBLE_HD void jointLoads(const JointSpec<F>& spec, const Joint<F>& joint, Real& linear, Real& angular) {
   linear = angular = Real(0);
@@ -483,11 +483,11 @@ RUBBLE_HD void jointLoads(const JointSpec<F>& spec, const Joint<F>& joint, Real&
   });
 }
 
-/// A joint whose force or torque has reached its break threshold is broken from now on: returns true.
+/// Marks the joint as broken if its force or torque has reached the break threshold; returns true then.
 template <class F> RUBBLE_HD bool endJoint(const JointSpec<F>& spec, Joint<F>& joint) {
   Real linear, angular;
   jointLoads(spec, joint, linear, angular);
-  // forces were cut to the threshold, so "reached" is up to round-off
+  // forces are cut to the threshold, so equality holds up to round-off only
   constexpr Real kReached = Real(1) - Real(1e-5);
   const bool broke = linear >= kReached * spec.breakForce * spec.breakForce ||
                      angular >= kReached * spec.breakTorque * spec.breakTorque;

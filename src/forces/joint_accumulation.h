@@ -1,38 +1,36 @@
 #pragma once
-/// How the rows of a joint act on the block of a body or of a group, and those of its parts that turn, which
-/// are linear during an iteration.
+/// Contribution of the rows of a joint to the block of a body or of an aggregate, and the linearization of
+/// its angular rows within an iteration.
 ///
-/// Sweeps ask for a joint again and again, and what it costs them is what they read, one thing after another.
-/// So that of a joint about a point lies in a few places, whatever its type: its levers at x^t, the rows of
-/// its anchors, and laws of force of what turns. None of it needs an orientation: poses in a sweep are
-/// displacements and rotations since x^t.
+/// Memory reads of joints dominate the cost of sweeps. The data of a joint about a point is therefore compact
+/// and independent of its type: levers at x^t, anchor rows and the force laws of its angular rows. None of it
+/// needs an orientation, because poses in a sweep are displacements and rotations since x^t.
 #include "forces/linear_parts.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Rows that turn, with one law of force: all of a part whose rows are held together, or one of those of an
-/// axis. Until the next iteration they are linear: a rotation of the joint as a whole changes nothing, and
-/// what they cost is found once for all sweeps. C(d) = error + turn . d, where A has turned by d against B
-/// since then (turnedSince).
+/// Angular rows of one force law: a whole group of rows, or one row of an axis. They are linear until the
+/// next iteration and invariant under rotation of the whole joint, so they are evaluated once for all sweeps.
+/// C(d) = error + turn . d, where d is the rotation of A relative to B since the linearization (turnedSince).
 struct alignas(4 * sizeof(Real)) AngularRows {
   static constexpr int kMost = 3;
   struct Row {
-    Vec3 turn;   ///< in the world's axes at x^t, turning with B since
-    Real error;  ///< C, for rows that are held together less its shift
+    Vec3 turn;   ///< Jacobian, in world axes at x^t; rotates with B
+    Real error;  ///< C at the linearization; for a group less its shift
   };
   Row row[kMost];
   Real lambda[kMost], k, compliance, bound;
-  Real lo, hi;  ///< of an axis
-  Vec3 bend;    ///< column norms of the second derivatives, in the world's axes
-  int count;    ///< of rows that are held together; 0: one of an axis, kWatchedRow: one that is watched
+  Real lo, hi;  ///< interval of an axis row
+  Vec3 bend;    ///< column norms of the second derivative, world axes
+  int count;    ///< rows of a group; 0: a row of an axis; kWatchedRow: a watched limit
 };
 inline constexpr int kWatchedRow = -1;
 
-/// Where the rows of a joint are linear: the rotation of B since x^t less that of A.
+/// Linearization point of angular rows: rotation of B since x^t relative to that of A.
 struct alignas(4 * sizeof(Real)) TurnsFrom {
   Quat between;
 };
-/// Rows of a joint that turn.
+/// Linearized angular rows of a joint.
 template <class F> struct JointAngularRows {
   TurnsFrom from;
   AngularRows law[hasAngularRows<F>() ? firstTurnLaw<F>() : 1];
@@ -41,13 +39,13 @@ template <class F> struct JointAngularRows {
 RUBBLE_HD inline TurnsFrom turnsFrom(const Quat& turnedA, const Quat& turnedB) {
   return {conjugate(turnedA) * turnedB};
 }
-/// What A has turned by against B since then, in the axes of AngularRows::Row::turn [rad]. Rotations since
-/// x^t.
+/// Rotation of A relative to B since the linearization, in the axes of AngularRows::Row::turn [rad].
+/// `turnedA`, `turnedB`: rotations since x^t.
 RUBBLE_HD inline Vec3 turnedSince(const TurnsFrom& from, const Quat& turnedA, const Quat& turnedB) {
   return Real(2) * shortArc(conjugate(turnedB) * turnedA * from.between).v;
 }
 
-/// Law `k` of a part at the present poses; false, and nothing is found: it does not act.
+/// Linearizes force law `k` of a part at the present poses. Returns false if the law is inactive.
 template <class F, int I, class P>
 RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, const Pose& a, const Pose& b,
                              const Quat& turnedB, int k, AngularRows& out) {
@@ -78,7 +76,7 @@ RUBBLE_HD bool linearizeTurn(const JointSpec<F>& spec, const Joint<F>& joint, co
   out.bend = P::curvature(spec.data, joint.memory, a, b, 0, force).ang;
   return true;
 }
-/// All parts of a joint.
+/// Linearizes all angular rows of a joint.
 template <class F>
 RUBBLE_HD void linearizeAngularRows(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
                                     const SidePose<F>& b, const Quat& turnedA, const Quat& turnedB,
@@ -91,7 +89,8 @@ RUBBLE_HD void linearizeAngularRows(const JointSpec<F>& spec, const Joint<F>& jo
   });
 }
 
-/// Forces of rows that turn, where A has turned by `turned` since they were found; false: none.
+/// Forces of angular rows after the relative rotation `turned` since the linearization. Returns false if
+/// none.
 RUBBLE_HD RUBBLE_NEAR bool turnForces(const AngularRows& rows, const Vec3& turned,
                                       Real (&force)[AngularRows::kMost], Real& hessian) {
   Real error[AngularRows::kMost];
@@ -107,17 +106,17 @@ RUBBLE_HD RUBBLE_NEAR bool turnForces(const AngularRows& rows, const Vec3& turne
   return true;
 }
 
-/// What sweeps read of the rows of a joint that turn. `ahead`: the first law is asked for before it is
-/// needed, which takes registers.
+/// Streams the linearized angular rows of a joint in a sweep. `ahead`: prefetches the first force law, which
+/// costs registers.
 template <bool ahead> class TurnStream {
  public:
-  /// `acting`: of the joint. `from`, `laws`: of one that has rows that turn.
+  /// `acting`: of the JointFrame. `from`, `laws`: may be null for joints without angular rows.
   RUBBLE_HD RUBBLE_NEAR TurnStream(int acting, const TurnsFrom* from, const AngularRows* laws)
       : from_(from), laws_(laws), left_(static_cast<unsigned>(acting) >> turnBit(0)) {
     if constexpr (ahead)
       if (left_ != 0) fetch();
   }
-  /// Adds them to the block of one of its bodies.
+  /// Adds the rows to the block of the body on `side`.
   RUBBLE_HD RUBBLE_NEAR void accumulate(const Quat& turnedA, const Quat& turnedB, int side, Block6& block) {
     if (left_ == 0) return;
     const Vec3 turned = turnedSince(loadVectorized(*from_), turnedA, turnedB);
@@ -145,15 +144,15 @@ template <bool ahead> class TurnStream {
   AngularRows next_;
 };
 
-/// Errors of the anchors of a joint about a point, at displacements and rotations since x^t.
+/// Errors of the anchors of a joint about a point. Poses are displacements and rotations since x^t.
 RUBBLE_HD RUBBLE_NEAR void anchorErrors(const PivotFrame& frame, const GroupRows<AnchorRows::kRows>& rows,
                                         const Pose& a, const Pose& b, Real (&error)[AnchorRows::kRows]) {
   const Anchors<Real> levers{frame.end[0].lever, frame.end[1].lever};
   heldErrors<AnchorRows>(rows.shift, levers, NoMemory{}, Pose{frame.offset + a.p, a.q}, b, error);
 }
 
-/// Adds all rows of a joint about a point to the block of one of its bodies. The block may be about another
-/// point than the centre of the body, which then lies `shift` from that point. Poses: displacements and
+/// Adds all rows of a joint about a point to the block of the body on `side`. The block may be about a point
+/// other than the center of the body; the center then lies `shift` from it. Poses are displacements and
 /// rotations since x^t.
 template <class Turns>
 RUBBLE_HD RUBBLE_NEAR void accumulatePivot(const PivotFrame& frame,
@@ -171,7 +170,7 @@ RUBBLE_HD RUBBLE_NEAR void accumulatePivot(const PivotFrame& frame,
   turns.accumulate(a.q, b.q, side, block);
 }
 
-/// Adds all rows of any other joint to the block of one of its bodies, by the first side that it has.
+/// Adds all rows of any other joint to the block of a body; `side`: the first side of this body.
 template <class F>
 RUBBLE_HD void accumulateJoint(const JointSpec<F>& spec, const Joint<F>& joint,
                                const JointAngularRows<F>* turns, const SidePose<F>& a, const SidePose<F>& b,
@@ -195,8 +194,9 @@ RUBBLE_HD void accumulateJoint(const JointSpec<F>& spec, const Joint<F>& joint,
     TurnStream<false>(joint.acting, &turns->from, turns->law).accumulate(turnedA, turnedB, side, block);
 }
 
-/// Adds all rows of a joint to the block of a group that several of its sides move with, and others do not
-/// (bits of `inside`): by (dp + dw x shift_i, dw). A row changes by sum J_i T_i, T_i = [1, -[shift_i]; 0, 1].
+/// Adds all rows of a joint to the block of an aggregate that contains the sides in the bit mask `inside`.
+/// Side i moves by (dp + dw x shift_i, dw), so a row has the Jacobian sum J_i T_i, T_i = [1, -[shift_i]; 0,
+/// 1].
 template <class F>
 RUBBLE_HD void accumulateJointOfGroup(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a,
                                       const SidePose<F>& b, unsigned inside, const Vec3 (&shift)[kSides<F>],

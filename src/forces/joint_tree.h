@@ -1,49 +1,50 @@
 #pragma once
-/// The rows of a joint as the block of a whole tree of joints sees them (stages/trees/trees.h).
+/// The rows of a joint in the block system of a joint tree (stages/trees/trees.h).
 ///
-/// In a tree that is solved exactly a hard row has the stiffness kTreeStiffness m_row / dt^2 in place of its
-/// own k, a row of finite stiffness its own compliance beside it, and its multiplier is that of the solution:
-/// F + h J dx, the dual update [S 13] of a row so stiff. Limits are among them while they push; one that
-/// would have to pull lets go. All other rows (friction, drives, forces cut at their bound) are as in the
+/// In an exactly solved tree, hard rows have the stiffness kTreeStiffness m_row / dt^2 instead of k; rows of
+/// finite stiffness have their own compliance in addition. Their multiplier becomes that of the solution, F +
+/// h J dx, which is the dual update [S 13] of so stiff a row. Limits are included while they push and
+/// released when they would pull. All other rows (friction, drives, forces cut at their bound) are as in the
 /// block of a body.
 #include "forces/joint.h"
 #include "solver/dense6.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Stiffness of hard rows in an exact tree over m_row / dt^2 [1]: what is left of it in a multiplier's error
-/// after one solve of a chain of N links under R times their mass is about N R / kTreeStiffness; the
-/// elimination, in double, keeps seven digits beside it.
+/// Stiffness of hard rows in an exact tree over m_row / dt^2 [1]. After one solve of a chain of N links under
+/// R times their mass, the relative error of a multiplier is about N R / kTreeStiffness. The elimination in
+/// double precision retains seven digits besides.
 inline constexpr double kTreeStiffness = 1e9;
 
-/// Rows whose force is this near to their bound, as a share of it, are at it: a tree that held them would
-/// move bodies by a force that they must not have. A margin, so that round-off does not decide.
+/// A force within this share of its bound counts as at the bound. A tree that solved such a row exactly would
+/// apply a larger force. The margin keeps the decision independent of round-off.
 inline constexpr Real kAtBound = Real(1e-4);
 
-/// How a tree has its rows: with their own stiffness, solved exactly, or exactly once more, when limits that
-/// it has come to still hold.
+/// How a tree treats its rows: with their own stiffness; solved exactly; or solved exactly again, with
+/// reached limits kept.
 enum class TreeSolve { Own, Exact, Again };
-/// A limit is reached within this share of L (of 1 rad): exact solves leave it off by round-off, on either
-/// side, which must not decide.
+/// A limit within this share of L (of 1 rad) counts as reached. After an exact solve it is violated only by
+/// round-off, whose sign is random.
 inline constexpr Real kReached = Real(1e-5);
 
-/// Whose multiplier the force of a row becomes.
+/// Which multiplier takes the force of a row.
 enum class TreeTake { Nothing, Held, Limit, UpperLimit, LowerLimit, Drive };
 
-/// A row of a joint as its tree has it: the force F and stiffness h at the present poses.
+/// A row of a joint in its tree: force F and stiffness h at the present poses.
 template <int kSides> struct TreeRow {
   double force, hessian;
-  Vec6 j[kSides];  ///< dC/dx of the bodies of its first sides
+  Vec6 j[kSides];  ///< dC/dx, at the first side of each body
   TreeTake take;
 };
-/// Rows of a part at most: those of three axes in space, or limit, drive and the rest of one coordinate.
+/// Most rows of a part: three of a group, or limit, drive and the remainder of one axis.
 inline constexpr int kMostTreeRows = 3;
-/// The rows of a part that act: those of a group, or of an axis its limit, its drive, and what else acts on
-/// it. Blocks are summed of these, and multipliers found: F + h J dx with h = kTreeStiffness m_row / dt^2 is
-/// a small difference of large numbers, and has no correct digit unless both have the same bits of C and J.
+/// The active rows of a part: those of a group, or limit, drive and the remainder of an axis. Both the block
+/// system and the multipliers use these records. F + h J dx with h = kTreeStiffness m_row / dt^2 is a small
+/// difference of large numbers, which has no correct digit unless C and J are bitwise the same in both.
 template <int kSides> struct alignas(2 * sizeof(double)) TreePart {
   int count;
-  Vec6 bend[kSides];  ///< column norms of the second derivatives by the forces of the rows' own stiffness
+  Vec6 bend[kSides];  ///< column norms of the second derivatives, weighted by the forces at the rows' own
+                      ///< stiffness
   TreeRow<kSides> row[kMostTreeRows];
 
   RUBBLE_HD void add(double force, double hessian, TreeTake take) {
@@ -53,10 +54,10 @@ template <int kSides> struct alignas(2 * sizeof(double)) TreePart {
 };
 template <class F> struct TreeRows {
   TreePart<kSides<F>> part[F::Parts::kCount];
-  Vec3 gap;  ///< of its anchors at the end of the step, beyond what it inherited [m]
+  Vec3 gap;  ///< gap of its anchors at the end of the step, beyond the inherited gap [m]
 };
 
-/// A row with the stiffness of a tree, or its own compliance.
+/// Adds a row with the stiffness of the tree, in series with its own compliance.
 template <int kSides>
 RUBBLE_HD void addSolvedRow(const StepConstants& c, TreePart<kSides>& out, Real start, Real compliance,
                             Real value, Real lambda, TreeTake take) {
@@ -65,13 +66,13 @@ RUBBLE_HD void addSolvedRow(const StepConstants& c, TreePart<kSides>& out, Real 
   out.add(s * (k * static_cast<double>(value) + static_cast<double>(lambda)), s * k, take);
 }
 
-/// Adds the rows of an axis at c; `own`: its force by its own stiffness.
+/// Adds the rows of an axis at c. `own`: force at the rows' own stiffness.
 template <int kSides>
 RUBBLE_HD void addTreeAxis(const StepConstants& c, const AxisRows& rows, Real value, TreeSolve how,
                            TreePart<kSides>& out, Real& own) {
   own = 0;
   Real force = 0, hessian = 0;
-  // 1: c is at the upper end, -1: at the lower one, 0: not known to be at one
+  // 1: c is at the upper end, -1: at the lower end, 0: unknown
   const auto reached = [&](const AxisRow& row) {
     if (how != TreeSolve::Again || row.lo == row.hi) return 0;
     return value - row.hi > -kReached * rows.length ? 1 : row.lo - value > -kReached * rows.length ? -1 : 0;
@@ -104,7 +105,7 @@ RUBBLE_HD void addTreeAxis(const StepConstants& c, const AxisRows& rows, Real va
     out.add(static_cast<double>(force), static_cast<double>(hessian), TreeTake::Nothing);
 }
 
-/// Adds rows that are held together; `own`: their force by their own stiffness.
+/// Adds a group of rows. `own`: forces at their own stiffness.
 template <int N, int kSides>
 RUBBLE_HD void addTreeGroup(const StepConstants& c, const GroupSpec& spec, const GroupRows<N>& rows,
                             const Real (&error)[N], TreeSolve how, TreePart<kSides>& out, Real (&own)[N]) {
@@ -123,7 +124,7 @@ RUBBLE_HD void addTreeGroup(const StepConstants& c, const GroupSpec& spec, const
   }
 }
 
-/// The rows of part I of a joint at the present poses.
+/// Evaluates the rows of part I of a joint at the present poses.
 template <class F, int I, class P>
 RUBBLE_HD void findTreePart(const StepConstants& c, const JointSpec<F>& spec, const Joint<F>& joint,
                             const SidePose<F>& a, const SidePose<F>& b, TreeSolve how,
@@ -150,12 +151,12 @@ RUBBLE_HD void findTreePart(const StepConstants& c, const JointSpec<F>& spec, co
   }
 }
 
-/// Which sides of a joint are the neighbours that a body is coupled to when it is eliminated; -1: none.
+/// Sides of a joint that hold the parents of an eliminated body; -1: none.
 struct TreeCoupling {
   int side[2];
 };
 
-/// Adds the rows of a joint to the block (h, f) of the body of a side (the lower triangle of h), and to its
+/// Adds the rows of a joint to the block (h, f) of the body on `side` (lower triangle of h) and to its
 /// couplings e.
 template <class F>
 RUBBLE_HD void accumulateTreeRows(const TreeRows<F>& rows, int side, const TreeCoupling& to, Dense6& h,
@@ -175,7 +176,7 @@ RUBBLE_HD void accumulateTreeRows(const TreeRows<F>& rows, int side, const TreeC
   }
 }
 
-/// The multipliers of a part after the tree has found that the bodies move by dxA, dxB, of which they make
+/// Updates the multipliers of a part from the solution dxA, dxB of the tree, of which the bodies take
 /// `share`.
 template <class P, int kSides>
 RUBBLE_HD void takeTreeForces(const TreePart<kSides>& part, PartRows<P>& own, const Long6& dxA,
@@ -186,7 +187,7 @@ RUBBLE_HD void takeTreeForces(const TreePart<kSides>& part, PartRows<P>& own, co
   };
   const auto forceOf = [&](const TreeRow<kSides>& row) {
     const double force = row.force + row.hessian * (dot(longer(row.j[0]), dxA) + dot(longer(row.j[1]), dxB));
-    // a limit that would have to pull lets go: the next solve is without it
+    // a limit that would pull is released: the next solve omits it
     return row.take == TreeTake::UpperLimit   ? max(force, 0.0)
            : row.take == TreeTake::LowerLimit ? min(force, 0.0)
                                               : force;

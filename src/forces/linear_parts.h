@@ -1,19 +1,18 @@
 #pragma once
-/// Row blocks between points of two bodies. x_i = p_i + r_i with r_i = R_i a_i, d = x_A - x_B, b_i: axes of
-/// the joint's frame on B.
+/// Constraints between points of two bodies. x_i = p_i + r_i with r_i = R_i a_i, d = x_A - x_B, b_i: axes of
+/// the joint frame on B.
 #include "forces/joint.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Points of A and B: in the frame of their body, or, with rotations since x^t, in the world's axes at x^t
-/// [m].
+/// Anchors of A and B: in the frames of their bodies, or, with rotations since x^t, in world axes at x^t [m].
 template <class L> struct Anchors { Vec3T<L> anchorA, anchorB; };
 
 template <class D> RUBBLE_HD RUBBLE_NEAR Vec3 anchorLever(const D& d, const Pose& pose, int side) {
   return rotate(pose.q, side == 0 ? d.anchorA : d.anchorB);
 }
 
-/// The anchors coincide, or are apart by an offset o that the joint remembers.
+/// The anchors coincide, or keep an offset o from the memory of the joint.
 ///
 ///   C = x_A - x_B - o                                 [m], 3 rows, F [N]
 ///   J_A = [1, -[r_A]],  J_B = -[1, -[r_B]]
@@ -48,7 +47,8 @@ struct AnchorRows {
                                   const Real (&f)[kRows]) {
     return {{0, 0, 0}, turningColumnNorms({f[0], f[1], f[2]}, anchorLever(d, side == 0 ? a : b, side))};
   }
-  /// With the curvature: that of the turn about the body's centre, wherever the block is about.
+  /// Adds the rows including their curvature, which is about the center of the body wherever the block is
+  /// about.
   template <class D, class Mask, class L>
   RUBBLE_HD RUBBLE_NEAR static void accumulate(const D& d, const PoseT<L>& a, const PoseT<L>& b, Mask onA,
                                                const Vec3T<L>& shift, const L (&f)[kRows], L k,
@@ -60,15 +60,14 @@ struct AnchorRows {
   }
 };
 
-/// Jacobian of u.(x_A - x_B) for a direction u that turns with B: J_A = [u, r_A x u], J_B = -[u, (x_A - p_B)
-/// x u].
+/// Jacobian of u.(x_A - x_B) for a direction u fixed in B: J_A = [u, r_A x u], J_B = -[u, (x_A - p_B) x u].
 template <class D>
 RUBBLE_HD Vec6 travelJacobian(const D& d, const Pose& a, const Pose& b, int side, const Vec3& u) {
   const Vec3 r = rotate(a.q, d.anchorA);
   return side == 0 ? Vec6{u, cross(r, u)} : -Vec6{u, cross(a.p + r - b.p, u)};
 }
-/// Column norms for the force vector f = sum F u: A has S(f, r_A) in its angular block; B has [f] beside S(f,
-/// x_A - p_B).
+/// Column norms for the force vector f = sum F u. A: S(f, r_A) in the angular block. B: also the off-diagonal
+/// block [f], and S(f, x_A - p_B).
 template <class D>
 RUBBLE_HD Vec6 travelCurvature(const D& d, const Pose& a, const Pose& b, int side, const Vec3& f) {
   const Vec3 r = rotate(a.q, d.anchorA);
@@ -88,10 +87,10 @@ template <class D> RUBBLE_HD Vec3 axisOfB(const D& d, const Pose& b, int i) {
   return rotate(b.q, rotate(d.frameB, unitAxis(i)));
 }
 
-/// Anchor A stays on the x axis of the frame on B.
+/// Anchor A lies on the x axis of the joint frame on B.
 ///
-///   C = (b_2.d, b_3.d)                                [m], 2 rows, F [N];  J, G as above, f = F_1 b_2 + F_2
-///   b_3
+///   C = (b_2.d, b_3.d)                                [m], 2 rows, F [N]
+///   J, G as above, f = F_1 b_2 + F_2 b_3
 struct OnLineRows {
   static constexpr int kRows = 2;
   static constexpr RowUnit kUnit = RowUnit::Linear;
@@ -114,7 +113,7 @@ struct OnLineRows {
   }
 };
 
-/// Travel of anchor A along axis I of the frame on B.
+/// Travel of anchor A along axis I of the joint frame on B.
 ///
 ///   c = b_I.d                                         [m], F [N];  J, G as above, f = F b_I
 template <int I> struct TravelAxis {
@@ -139,19 +138,19 @@ template <int I> struct TravelAxis {
   }
 };
 
-/// Below this a distance has no direction [m].
+/// A shorter distance has no direction [m].
 inline constexpr Real kNoDistance = Real(1e-6);
 
-/// |d|, with its direction n. Where d has none, n is z.
+/// |d| and its direction n; n = z if |d| <= kNoDistance.
 RUBBLE_HD inline Real direction(const Vec3& d, Vec3& n) {
   const Real size = length(d);
   n = size > kNoDistance ? d / size : Vec3{0, 0, 1};
   return size;
 }
 
-/// Column norms of f d2|d|/dx2 for the body that d = x + const moves with, x = p + r:
+/// Column norms of f d2|d|/dx2 for the body that moves one end of d, d = x + const, x = p + r:
 ///   D^T P D + [0, 0; 0, S(n, r)],  D = [1, -[r]],  P = (1 - n n^T) / |d|
-/// blocks P, -P [r], [r] P, -[r] P [r] + S(n, r). Under compression only S is kept: with P struts oscillate.
+/// Blocks P, -P [r], [r] P, -[r] P [r] + S(n, r). Under compression only S is used: with P struts oscillate.
 RUBBLE_HD inline Vec6 lengthCurvature(Real f, const Vec3& n, Real size, const Vec3& r) {
   const Real force = absOf(f);
   if (f < Real(0) || !(size > kNoDistance)) {
@@ -199,7 +198,7 @@ struct DistanceAxis {
                                   const Real (&f)[kRows]) {
     Vec3 n;
     const Real size = direction(span(d, a, b), n);
-    // seen from B the span is -d, with direction -n
+    // for B the span is -d, with direction -n
     return lengthCurvature(f[0], side == 0 ? n : -n, size, anchorLever(d, side == 0 ? a : b, side));
   }
 };

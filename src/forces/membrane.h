@@ -1,18 +1,16 @@
 #pragma once
-/// Triangle of a sheet that resists stretch and shear in its plane (St. Venant-Kirchhoff), as three finite
-/// rows.
+/// Cloth triangle with in-plane stretch and shear stiffness (St. Venant-Kirchhoff), as three finite rows.
 ///
-///   F = [f1 f2] = sum x_i m_i^T (3x2), E = (F^T F - 1)/2, A: area at rest; mu, lam: Lame parameters times
-///   the thickness [N/m]
+///   F = [f1 f2] = sum x_i m_i^T (3x2), E = (F^T F - 1)/2; A: rest area; mu, lam: Lame parameters times the
+///   thickness [N/m]
 ///   psi A = A (mu |E|^2 + lam/2 tr(E)^2) = A (mu + lam)/2 C_0^2 + A mu/2 (C_1^2 + C_2^2)
 ///   C_0 = E11 + E22, C_1 = E11 - E22, C_2 = 2 E12      [1], multipliers in J
 ///   J_i: f1 m1 + f2 m2,  f1 m1 - f2 m2,  f1 m2 + f2 m1  with m_i = (m1, m2)
-///   d2C/dx_i^2: (m1^2 + m2^2) 1, (m1^2 - m2^2) 1, 2 m1 m2 1: summed with the multipliers it is m_i.S m_i 1,
-///   and max(0, .) of that is kept:
-///   the one projection that makes H definite where the sheet is compressed.
+///   d2C/dx_i^2: (m1^2 + m2^2) 1, (m1^2 - m2^2) 1, 2 m1 m2 1; their sum with the multipliers is m_i.S m_i 1,
+///   of which max(0, .) is kept: the only projection that makes H definite under compression
 ///
-/// The rows live in the axes of the material, so multipliers that last from step to step turn with it.
-/// Viscosity damps dE/dt.
+/// The rows are in material axes, so their multipliers rotate with the cloth from step to step. Viscosity
+/// acts on dE/dt.
 #include "forces/finite_row.h"
 #include "math/block3.h"
 
@@ -27,15 +25,15 @@ struct Membrane {
   int v[kCorners];
   int alive;
   Real m1[2],
-      m2[2];  ///< gradients of corners 1 and 2 at rest, by component; corner 0 has minus their sum [1/m]
-  Real stiffness[2];     ///< A (mu + lam) of row 0, A mu of rows 1 and 2 [J]
-  Real damper;           ///< A h eta / 2 of every row [J s]
-  Real tearStretch;      ///< largest stretch (length over rest length) that it bears [1]
+      m2[2];             ///< rest gradients of corners 1 and 2, by component; corner 0: minus their sum [1/m]
+  Real stiffness[2];     ///< A (mu + lam) for row 0, A mu for rows 1 and 2 [J]
+  Real damper;           ///< A h eta / 2 for each row [J s]
+  Real tearStretch;      ///< tear threshold of the largest principal stretch (length over rest length) [1]
   Real unit0;            ///< mass of the lightest vertex over the largest |m_i|^2 [kg m2]
-  Real largest;          ///< that |m_i| [1/m]
+  Real largest;          ///< the largest |m_i| [1/m]
   Real lambda[kRows];    ///< [J]
   Real k[kRows];         ///< [J]
-  DampedRow row[kRows];  ///< of this step
+  DampedRow row[kRows];  ///< rows of this step
   Real c0[kRows];        ///< [1]
 
   struct Columns {
@@ -109,7 +107,7 @@ struct Membrane {
                             Real(1) / largest);
     }
   }
-  /// Does it tear? The largest principal stretch decides.
+  /// Does it tear in this step?
   RUBBLE_HD bool finish(const StepConstants&, const Vec3 (&x)[kCorners]) const {
     if (!isFinite(tearStretch)) return false;
     const Columns f = deformation(x);

@@ -1,31 +1,31 @@
 #pragma once
 /// Tetrahedron of stable neo-Hookean material (Smith, de Goes, Kim 2018) with viscosity.
 ///
-///   F = sum x_i m_i^T, J = det F, m_i: gradient of the shape function of corner i at rest; V: volume at rest
-///   psi = mu/2 (|F|^2 - 3) + lam/2 (J - a)^2,  a = 1 + mu/lam,  mu = E/(2 (1 + nu)),  lam = E nu/((1 + nu)(1
-///                                              - 2 nu)) + mu       [Pa]
+///   F = sum x_i m_i^T, J = det F; m_i: rest gradient of the shape function of corner i; V: rest volume
+///   psi = mu/2 (|F|^2 - 3) + lam/2 (J - a)^2,  a = 1 + mu/lam                                        [Pa]
+///   mu = E/(2 (1 + nu)),  lam = E nu/((1 + nu)(1 - 2 nu)) + mu                                       [Pa]
 ///   f_i = -V (mu F m_i + lam (J - a) w_i),   w_i = cof(F) m_i
 ///   H_i = V (mu |m_i|^2 1 + lam w_i w_i^T)
 ///
-/// J is linear in one vertex, so H_i is its complete second derivative; it is positive definite for any F,
-/// inverted ones too. Viscosity acts on the rate of the Green strain E = (F^T F - 1)/2, which no rigid motion
-/// has: dissipation V eta/(2 dt) |E - E^t|^2, Gauss-Newton Hessian.
+/// J is linear in each vertex, so H_i is the exact second derivative. It is positive definite for any F, even
+/// inverted. Viscosity acts on the rate of the Green strain E = (F^T F - 1)/2, which is invariant under rigid
+/// motion: dissipation V eta/(2 dt) |E - E^t|^2, Gauss-Newton Hessian.
 #include "math/block3.h"
 #include "solver/constants.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Material and shape at rest. Any corner may be the one that is called 0.
+/// Material and rest shape. Any corner may be corner 0.
 struct NeoHookean {
   static constexpr int kCorners = 4;
 
   Vec3 m[3];        ///< m_1, m_2, m_3; m_0 is minus their sum [1/m]
-  Real mu, lambda;  ///< times V [J]
+  Real mu, lambda;  ///< Lame parameters times V [J]
   Real damper;      ///< V eta [J s]
 
   RUBBLE_HD Vec3 gradient(int corner) const { return corner == 0 ? -(m[0] + m[1] + m[2]) : m[corner - 1]; }
 
-  /// Sum of |m_i|^2: mu times it is what its corners feel of its stiffness. [1/m2]
+  /// Sum of |m_i|^2; times mu it is the stiffness that its corners see. [1/m2]
   RUBBLE_HD Real steepness() const {
     Real sum = 0;
     for (int i = 0; i < kCorners; ++i) sum += dot(gradient(i), gradient(i));
@@ -52,7 +52,7 @@ struct NeoHookean {
   }
   RUBBLE_HD Real target() const { return Real(1) + mu / lambda; }
 
-  /// P = V (mu F + lam (J - a) cof F + eta/dt F (E - E^t)): f_i = -P m_i. `start`: E^t, where there is
+  /// P = V (mu F + lam (J - a) cof F + eta/dt F (E - E^t)), f_i = -P m_i. `start`: E^t, if there is
   /// viscosity. [J]
   RUBBLE_HD Mat3 stress(const StepConstants& c, const Mat3& f, const Mat3& cof, const Sym3& start) const {
     Mat3 p = mu * f + (lambda * (dot(f.c0, cof.c0) - target())) * cof;
@@ -79,23 +79,23 @@ struct NeoHookean {
   }
 };
 
-/// In quads of 16 B, as its corners are.
+/// Aligned for vectorized loads.
 struct alignas(4 * sizeof(Real)) Tetrahedron : NeoHookean {
   static constexpr const char* kName = "tetrahedron";
   static constexpr int kCorners = NeoHookean::kCorners;
   static constexpr bool kHasDual = false;
 
   int v[kCorners];
-  int alive;              ///< always: it does not tear
+  int alive;              ///< always 1: it does not tear
   Sym3 strainStart;       ///< E^t, if there is viscosity
-  Real yield, hardening;  ///< times V [J]; plasticity.h, which changes the m_i
-  Real plasticStrain;     ///< equivalent, so far [1]
-  Real steepest;          ///< sum of |m_i|^2 over its corners up to which it flows [1/m2]
+  Real yield, hardening;  ///< yield stress and hardening times V [J]; plasticity.h, which changes the m_i
+  Real plasticStrain;     ///< accumulated equivalent plastic strain [1]
+  Real steepest;          ///< largest sum of |m_i|^2 that plastic flow may reach [1/m2]
 
   RUBBLE_HD void begin(const StepConstants&, const Vec3 (&x)[kCorners]) {
     if (damper > Real(0)) strainStart = greenStrain(deformation(x));
   }
-  /// With the dissipation of the step, V eta/(2 dt) |E - E^t|^2. [J]
+  /// Elastic energy, plus the dissipation of the step V eta/(2 dt) |E - E^t|^2. [J]
   RUBBLE_HD Real energy(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     const Mat3 f = deformation(x);
     const Real excess = dot(f.c0, cross(f.c1, f.c2)) - target();
@@ -115,13 +115,13 @@ struct alignas(4 * sizeof(Real)) Tetrahedron : NeoHookean {
   }
 };
 
-/// A tetrahedron as one of its corners sees it, which is its corner 0: a copy for each of the four, so that a
-/// vertex reads what acts on it in a row.
+/// Copy of a tetrahedron for one of its corners, which is corner 0 here. A vertex thus reads its tetrahedra
+/// contiguously.
 struct alignas(4 * sizeof(Real)) TetraCorner : NeoHookean {
   int other[3];  ///< vertices 1, 2, 3
   int element;
 
-  /// m_1, m_2, m_3 of its vertices, in their order.
+  /// Copies m_1, m_2, m_3 in the order of `other`.
   RUBBLE_HD void takeShape(const Tetrahedron& e) {
     for (int k = 0, n = 0; k < kCorners && n < 3; ++k)
       if (e.v[k] == other[n]) m[n++] = e.gradient(k);

@@ -2,50 +2,50 @@
 /// Plastic flow of a tetrahedron: F = F_e F_p, and the radial return of Simo (1988) for neo-Hookean material
 /// with isotropic hardening.
 ///
-///   F = sum x_i m_i^T is F_e: the m_i are those of the stress-free shape.  C = F^T F,  b = F F^T,  J = det
-///   F,  I1 = tr C,  I2 = |cof F|^2
-///   q = sqrt(3/2) mu |dev C|                von Mises stress of Kirchhoff stress (dev tau = mu dev b, and
+///   F = sum x_i m_i^T is F_e: the m_i are those of the stress-free shape
+///   C = F^T F,  b = F F^T,  J = det F,  I1 = tr C,  I2 = |cof F|^2
+///   q = sqrt(3/2) mu |dev C|                von Mises stress of the Kirchhoff stress (dev tau = mu dev b,
 ///                                           |dev b| = |dev C|)  [Pa]
-///   Y = sigma_Y + H eps                     eps: equivalent plastic strain
-///                                           [Pa]
-///   q > Y:  d = (q - Y)/(mu I1 + H),   eps <- eps + d,   b' = f b + g 1,   f = (Y + H d)/q,   g >= 0: det b'
-///           = J^2
+///   Y = sigma_Y + H eps                     eps: equivalent plastic strain  [Pa]
+///   q > Y:  d = (q - Y)/(mu I1 + H),   eps <- eps + d,   b' = f b + g 1,   f = (Y + H d)/q,   g >= 0:
+///           det b' = J^2
 ///   F' = F D,   D D^T = F^-1 b' F^-T,   m_i <- D^T m_i
 ///
-/// b' has the axes of b, f dev b and the same J, so pressure and volume stay and the energy falls. D is known
-/// up to a rotation of the stress-free shape, of which an isotropic material knows nothing: with F = Q R, D =
-/// R^-1 U where U U^T = f R R^T + g 1, both upper triangular, so that D is 1 where nothing flows. det D = 1.
+/// b' has the axes of b, f dev b and the same J. So pressure and volume are unchanged and the energy
+/// decreases. D is determined up to a rotation of the stress-free shape, to which isotropic material is
+/// invariant. With F = Q R, D = R^-1 U and U U^T = f R R^T + g 1, both upper triangular. So D = 1 without
+/// flow, and det D = 1.
 #include "forces/neo_hookean.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Volume over that of the stress-free shape up to which a tetrahedron does not flow: what is flat or
-/// inverted is to find its shape first [1].
+/// Least volume over that of the stress-free shape at which a tetrahedron flows [1]. Flat and inverted
+/// tetrahedra recover their shape first.
 inline constexpr Real kLeastVolumeToFlow = Real(.05);
-/// How often as stiff as at first, for its corners (sum of |m_i|^2), a tetrahedron may become by flowing [1]:
-/// drawn out to 15 times its length, or pressed to a fifth of its height. What would go further is elastic.
-/// Without a bound elements that are torn apart become needles that ten sweeps do not solve, and the energy
-/// of a thrown object grows until numbers run out; at 30 it does not.
+/// Largest growth of the corner stiffness (sum of |m_i|^2) by plastic flow [1]: stretched to 15 times the
+/// length, or pressed to a fifth of the height. Beyond it the material is elastic. Without a bound, elements
+/// that are torn apart become needles that ten sweeps do not solve, and the energy of a thrown object
+/// diverges; at 30 it does not.
 inline constexpr Real kMostSteepness = 10;
-/// Newton steps for g. Volumes up to twice that of the stress-free shape take 8 to 1e-7 of g, stretches of
-/// 1,000 too; what misses the volume then is made up for by U.
+/// Newton steps for g. Volumes up to twice that of the stress-free shape, and stretches of 1,000, need 8 for
+/// a relative error of 1e-7. U compensates the remaining volume error.
 inline constexpr int kFlowSteps = 12;
 
-/// An upper triangular matrix.
+/// Upper triangular matrix.
 struct Upper3 {
   Real xx, xy, xz, yy, yz, zz;
 
   RUBBLE_HD Vec3 timesTransposed(const Vec3& a) const {
     return {xx * a.x, xy * a.x + yy * a.y, xz * a.x + yz * a.y + zz * a.z};
   }
-  /// y of U^T y = a.
+  /// Solves U^T y = a.
   RUBBLE_HD Vec3 solveTransposed(const Vec3& a) const {
     const Real x = a.x / xx, y = (a.y - xy * x) / yy;
     return {x, y, (a.z - xz * x - yz * y) / zz};
   }
 };
 
-/// R of F = Q R, by Gram and Schmidt. det F = `det` > 0.
+/// R of F = Q R by Gram-Schmidt. det F = `det` > 0.
 RUBBLE_HD inline Upper3 triangularPart(const Mat3& f, Real det) {
   Upper3 r;
   r.xx = std::sqrt(dot(f.c0, f.c0));
@@ -58,7 +58,7 @@ RUBBLE_HD inline Upper3 triangularPart(const Mat3& f, Real det) {
   return r;
 }
 
-/// U of U U^T = f R R^T + g 1, with the determinant of R. No difference of large numbers in it.
+/// U of U U^T = f R R^T + g 1, with the determinant of R. Free of cancellation.
 RUBBLE_HD inline Upper3 returned(const Upper3& r, Real f, Real g) {
   const Real zz2 = f * r.zz * r.zz + g, left = g / zz2;
   Upper3 u;
@@ -70,7 +70,7 @@ RUBBLE_HD inline Upper3 returned(const Upper3& r, Real f, Real g) {
   return u;
 }
 
-/// sqrt(3/2) |dev C|: von Mises stress over mu.
+/// von Mises stress over mu: sqrt(3/2) |dev C|.
 RUBBLE_HD inline Real distortion(const Mat3& f) {
   const Real xx = dot(f.c0, f.c0), yy = dot(f.c1, f.c1), zz = dot(f.c2, f.c2);
   const Real xy = dot(f.c0, f.c1), xz = dot(f.c0, f.c2), yz = dot(f.c1, f.c2);
@@ -78,18 +78,18 @@ RUBBLE_HD inline Real distortion(const Mat3& f) {
   return std::sqrt((a * a + b * b + c * c) / 2 + 3 * (xy * xy + xz * xz + yz * yz));
 }
 
-/// g >= 0 with g^3 + f I1 g^2 + f^2 I2 g = (1 - f^3) J^2, which says det(f b + g 1) = J^2. `lost`: 1 - f,
-/// small where little flows.
+/// Solves g^3 + f I1 g^2 + f^2 I2 g = (1 - f^3) J^2 for g >= 0, i.e. det(f b + g 1) = J^2. `lost`: 1 - f,
+/// small for little flow.
 RUBBLE_HD inline Real volumeKeeper(Real f, Real lost, Real i1, Real i2, Real det) {
   const Real a = f * i1, b = f * f * i2, c = lost * (Real(1) + f + f * f) * det * det;
-  // the root lies below both: the eigenvalues of b' have no geometric mean above their arithmetic one, and
-  // g^3 <= c. Newton's steps go down to it
+  // upper bounds of the root: the geometric mean of the eigenvalues of b' is at most their arithmetic mean,
+  // and g^3 <= c; Newton descends from there monotonically
   Real g = min(lost * i1, c + Real(2)) / Real(3);
   for (int k = 0; k < kFlowSteps; ++k) g -= (((g + a) * g + b) * g - c) / ((3 * g + 2 * a) * g + b);
   return max(g, Real(0));
 }
 
-/// Lets a tetrahedron flow by the stress that it bears with its corners at x.
+/// Plastic flow of a tetrahedron by its stress with corners at x.
 RUBBLE_HD inline void flow(Tetrahedron& e, const Vec3 (&x)[Tetrahedron::kCorners]) {
   const Mat3 f = e.deformation(x), cof = Tetrahedron::cofactors(f);
   const Real det = dot(f.c0, cof.c0), q = e.mu * distortion(f),
@@ -102,7 +102,7 @@ RUBBLE_HD inline void flow(Tetrahedron& e, const Vec3 (&x)[Tetrahedron::kCorners
   const Upper3 r = triangularPart(f, det), u = returned(r, share, volumeKeeper(share, lost, i1, i2, det));
   NeoHookean flowed = e;
   for (Vec3& m : flowed.m) m = u.timesTransposed(r.solveTransposed(m));
-  // false too for what is not finite
+  // also false if not finite
   if (!(flowed.steepness() <= e.steepest)) return;
   for (int k = 0; k < 3; ++k) e.m[k] = flowed.m[k];
   e.plasticStrain += strain;

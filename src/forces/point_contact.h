@@ -1,5 +1,5 @@
 #pragma once
-/// Contact with friction of vertices: with a body, with one another, with triangles and edges.
+/// Contact with friction of vertices: with bodies, other vertices, triangles and edges.
 ///
 ///   side A: a body at lever r, or vertices with weights c_i > 0; side B: vertices with weights c_i < 0,
 ///   which add up to -1
@@ -8,28 +8,29 @@
 ///   C_t = c C_t0 + t.d,         |F_t| <= mu F_n
 ///   force on vertex i: -c_i (F_n n + F_t),  H_i = c_i^2 W,  W = k_n n n^T + tangential part (friction.h)
 ///
-/// The rows of contact.h, with one point and 3x3 blocks on the side of the vertices.
+/// The rows of contact.h with one point, and 3x3 blocks for the vertices.
 #include "forces/attachment.h"
 #include "solver/friction.h"
 
 namespace rubble::RUBBLE_CORE {
 
-struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
-  int v[kPointCorners];                          ///< -1: none
+struct alignas(4 * sizeof(Real)) PointContact {  // aligned for vectorized loads
+  int v[kPointCorners];                          ///< -1: unused
   Real weight[kPointCorners];                    ///< c_i
   int body;                                      ///< side A, or -1
-  int part;                                      ///< of its shape
-  int depth;   ///< coarse levels at which what it joins is in different groups (stages/coarse/soft_nodes.h)
-  int active;  ///< near enough to have rows in this step
-  int stick, impact;    ///< it stuck at the end of the step; it stops a fast approach in it
+  int part;                                      ///< part of its shape
+  int depth;            ///< coarse levels at which its two sides are in different aggregates
+                        ///< (stages/coarse/soft_nodes.h)
+  int active;           ///< 1: has rows in this step
+  int stick, impact;    ///< 1: it stuck at the end of the step; 1: it has an impact in this step
   Vec3 n;               ///< unit
   Vec3 lever;           ///< r [m]
-  Real c0;              ///< C_n at x^t after regularisation [m]
-  Real drift1, drift2;  ///< C_t at x^t before regularisation, tangent basis of n [m]
+  Real c0;              ///< C_n at x^t after regularization [m]
+  Real drift1, drift2;  ///< C_t at x^t before regularization, tangent basis of n [m]
   Real mu, muStatic, muDynamic;
   Real lambdaN, lambda1, lambda2;  ///< [N]
-  Real keptN, kept1, kept2;        ///< what the next step starts from; not that of an impact [N]
-  Real kN, kT;                     ///< [N/m]; 0: dormant, or new
+  Real keptN, kept1, kept2;        ///< multipliers for the next warm start; not those of an impact [N]
+  Real kN, kT;                     ///< [N/m]; 0: inactive or new
   Real start;                      ///< k_start of the normal row [N/m]
   Real length;                     ///< L [m]
 
@@ -41,7 +42,7 @@ struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
     RUBBLE_HD Sym3 hessian(const Vec3& n, Real kN) const { return pointHessian(n, t1, t2, kN, t); }
   };
 
-  /// d at displacement `a` of the body and sum `moved` of those of the vertices.
+  /// d for displacement `a` of the body and weighted sum `moved` of the vertex displacements.
   RUBBLE_HD Vec3 displacement(const Displacement& a, const Vec3& moved) const {
     return body >= 0 ? moved + a.dp + cross(a.dw, lever) : moved;
   }
@@ -77,7 +78,7 @@ struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
       kT = grownStiffness(tangent, kT, std::sqrt(o.c1 * o.c1 + o.c2 * o.c2),
                           std::sqrt(o.t.f1 * o.t.f1 + o.t.f2 * o.t.f2));
   }
-  /// At the end of a step: what the next one starts from. `d`: exact relative displacement.
+  /// Stores the state for the next step. `d`: exact relative displacement.
   RUBBLE_HD void finish(const StepConstants& c, const Vec3& d) {
     if (!impact) keptN = lambdaN, kept1 = lambda1, kept2 = lambda2;
     if (!(kN > Real(0))) kN = start, kT = start * c.tangentStiffness;
@@ -91,19 +92,19 @@ struct alignas(4 * sizeof(Real)) PointContact {  // read in quads
   }
 };
 
-/// What the rows of a contact start from, besides their geometry.
+/// Input of beginPointContact besides the geometry.
 struct PointContactStart {
-  Real rowMass;  ///< of the lightest side [kg]
+  Real rowMass;  ///< mass of the lighter side [kg]
   Real depth;    ///< C_n*(x^t) [m]
-  Real closing;  ///< speed of approach [m/s]
+  Real closing;  ///< closing speed [m/s]
   Real restitution;
 };
 
-/// Closing speed above which a contact of vertices counts as an impact [m/s].
+/// Closing speed above which a vertex contact counts as an impact [m/s].
 inline constexpr Real kVertexImpactSpeed = 1;
 
-/// Regularises and warm-starts [S 12] [S 17] rows whose geometry is set, from those of the step before (or
-/// null).
+/// Regularizes and warm-starts [S 12] [S 17] rows whose geometry is set. `old`: the contact in the last step,
+/// or null.
 RUBBLE_HD inline void beginPointContact(const StepConstants& c, PointContact& p, const PointContactStart& s,
                                         const PointContact* old) {
   p.start = startStiffness(c, s.rowMass);
@@ -113,7 +114,7 @@ RUBBLE_HD inline void beginPointContact(const StepConstants& c, PointContact& p,
   p.mu = p.muStatic;
   const StiffnessRule normal = contactRule(c, p.start, p.length), tangent = tangentRule(c, normal);
   p.kN = coldStart(normal.start).k, p.kT = coldStart(tangent.start).k;
-  // of a contact whose normal has turned far nothing is handed on
+  // no warm start if the normal has rotated too far
   constexpr Real kSameDirection = Real(.866);
   if (!old || !old->active || dot(old->n, p.n) < kSameDirection) return;
   Vec3 o1, o2, t1, t2;

@@ -1,17 +1,16 @@
 #pragma once
 /// Pressure on a triangle of a closed surface.
 ///
-///   E = -p V,  V = 1/6 sum over triangles x_0.(x_1 x x_2): the volume inside of the surface,
-///              counter-clockwise seen from outside
-///   dV/dx_i = 1/6 sum over the triangles at i of (x_1 - x_0) x (x_2 - x_0): a third of the area vector of
-///   each
+///   E = -p V,  V = 1/6 sum over triangles x_0.(x_1 x x_2): enclosed volume, triangles counter-clockwise seen
+///              from outside
+///   dV/dx_i = 1/6 sum over the triangles at i of (x_1 - x_0) x (x_2 - x_0): a third of each area vector
 ///   f_i = p/6 (x_1 - x_0) x (x_2 - x_0) for each of its triangles,  H_i = 0
 ///
-/// V is linear in one vertex, so that H_i = 0 is its complete second derivative. The gradient of the sum is
-/// written in its symmetric form: each triangle feels the pressure on its own area and no other (single terms
-/// of V depend on where the origin lies, their sum does not).
+/// V is linear in each vertex, so H_i = 0 is the exact second derivative. The symmetric form of the gradient
+/// makes each triangle feel the pressure on its own area only. Single terms of V depend on the origin; their
+/// sum does not.
 ///
-/// It is a load: the forces of one triangle do not add up to zero, as those of other elements do.
+/// Pressure is a load: unlike those of other elements, the forces of one triangle do not add up to zero.
 #include "math/block3.h"
 #include "solver/constants.h"
 
@@ -25,10 +24,10 @@ struct Pressure {
 
   int v[kCorners];
   int alive;
-  Real pressure;  ///< p, inside over outside [Pa]
+  Real pressure;  ///< p, inside relative to outside [Pa]
 
   RUBBLE_HD void begin(const StepConstants&, const Vec3 (&)[kCorners]) {}
-  /// Its term of -p V, about the origin. [J]
+  /// Its term of -p V, which depends on the origin. [J]
   RUBBLE_HD Real energy(const StepConstants&, const Vec3 (&x)[kCorners]) const {
     return -pressure / 6 * dot(x[0], cross(x[1], x[2]));
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// Pulley: a rope from A over two points of the world to B. d_i = x_i - o_i, n_i = d_i / |d_i|.
+/// Pulley: a rope from A over two fixed points in the world to B. d_i = x_i - o_i, n_i = d_i / |d_i|.
 ///
 ///   c = |d_A| + rho |d_B|                             [m], F [N] in the part of A, rho F in that of B
 ///   J_A = [n_A, r_A x n_A],  J_B = rho [n_B, r_B x n_B];  G_A, G_B: lengthCurvature with F and rho F
@@ -43,15 +43,15 @@ struct PulleyJoint {
   static constexpr bool kGrounded = true;
   using Parts = PartList<PulleyAxis>;
   struct Memory {
-    Vec3 overA, overB;  ///< the points of the world, from p_B^t [m]
+    Vec3 overA, overB;  ///< o_A, o_B relative to p_B^t [m]
     template <class D> RUBBLE_HD void remember(const D& d, const Pose&, const Pose&, const Vec3d& origin) {
       overA = Vec3(d.pointA - origin);
       overB = Vec3(d.pointB - origin);
     }
   };
   struct Data {
-    Vec3d pointA, pointB;   ///< points that the rope runs over, world [m]
-    Vec3 anchorA, anchorB;  ///< in the frame of their body [m]
+    Vec3d pointA, pointB;   ///< o_A, o_B: points that the rope runs over, world [m]
+    Vec3 anchorA, anchorB;  ///< in the frames of their bodies [m]
     Real ratio;             ///< rho [1]
   };
 };

@@ -1,7 +1,7 @@
 #pragma once
-/// Rack and pinion: A turns about an axis, B travels along a line; axis and line lie in bodies that carry
-/// them, or in the world. theta as for gears. With p, R of the carrier of B, the line's direction u = R t and
-/// its beginning o = p + R s:
+/// Rack and pinion: A rotates about an axis and B travels along a line. Axis and line are fixed in the
+/// carriers of A and B, or in the world. theta as for gears. With p, R of the carrier of B, the direction of
+/// the line is u = R t and its origin o = p + R s:
 ///
 ///   c = rho theta - u.d,  d = x_B - o                 [m], F [N];  rho: travel for a radian [m]
 ///   J_A = rho [0, R(W) g],  J_carrier,A = -J_A,  J_B = -[u, r_B x u],  J_carrier,B = [u, (x_B - p) x u]
@@ -17,8 +17,8 @@ struct RackAxis {
   static constexpr bool kAxis = true;
   static constexpr Real kStiffnessShare = kCouplingShare;
 
-  /// The travel of B in its carrier is that of an anchor in the frame of another body: B there is A of
-  /// travelJacobian.
+  /// The travel of B in its carrier is that of an anchor of A in the frame of B in travelJacobian; so B takes
+  /// the place of A there.
   struct Line {
     Vec3 anchorA;
   };
@@ -58,8 +58,7 @@ struct RackJoint {
   using Parts = PartList<RackAxis>;
   struct Memory {
     TurnCounter twist;
-    Vec3 begin;  ///< s: o in the frame of B's carrier; for the world, which the step has at p_B^t, from there
-                 ///< [m]
+    Vec3 begin;  ///< s: o in the frame of B's carrier, or relative to p_B^t if the carrier is the world [m]
     template <class D>
     RUBBLE_HD void remember(const D& d, const CarriedPose& a, const CarriedPose&, const Vec3d& origin) {
       twist.follow(twistAngle(seenFromCarrier(a, d.baseA, d.frameA)));
@@ -68,12 +67,12 @@ struct RackJoint {
   };
   struct Data {
     Vec3d pointB;           ///< o in the frame of B's carrier, or in the world [m]
-    Vec3 anchorA, anchorB;  ///< in the frame of their body [m]; A's is not used
-    Quat frameA;            ///< joint -> A: x is the axis
-    Quat baseA;             ///< the same axis in the frame of A's carrier, where the angle is 0
+    Vec3 anchorA, anchorB;  ///< in the frames of their bodies [m]; that of A is unused
+    Quat frameA;            ///< joint -> A; x is the axis
+    Quat baseA;             ///< joint -> carrier of A; the twist is 0 where both agree
     Vec3 direction;         ///< t, unit, in the frame of B's carrier
     Real ratio;             ///< rho [m]
-    int inWorld;            ///< 1: the world carries the line of B
+    int inWorld;            ///< 1: the carrier of B is the world
   };
 };
 

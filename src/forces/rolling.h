@@ -1,27 +1,27 @@
 #pragma once
-/// Rolling and torsional friction of a contact: moments that resist the relative turn of two bodies A, B at
-/// their contact with normal n.
+/// Rolling and torsional friction of a contact with normal n: moments that resist the relative rotation of
+/// bodies A and B.
 ///
-///   turn        w = Dw_A - Dw_B since x^t, of which n.w is a spin on the spot and the rest a roll     [rad]
+///   rotation    w = Dw_A - Dw_B since x^t; torsional part n.w, the rest is the rolling part           [rad]
 ///   torsion     C = n.w,             |F| <= l_t F_n                                                    [N m]
 ///   rolling     C = (1 - n n^T) w,   |F| <= l_r F_n                                                    [N m]
 ///   moment      on A: -(F_t n + F_r), on B: the opposite
 ///
-/// F_n is the normal force of all points together, as the last iteration left it; l_t and l_r are the levers
-/// of the two materials, in metres: a wheel of radius r rolls down a slope of more than l_r / r. C is linear
-/// in the displacements: there is no curvature term.
+/// F_n is the sum of the normal forces after the last iteration. l_t and l_r are the levers of the material
+/// pair in meters: a wheel of radius r rolls down slopes steeper than l_r / r. C is linear in the
+/// displacements, so there is no curvature term.
 #include "forces/contact.h"
 
 namespace rubble::RUBBLE_CORE {
 
 struct RollingRows {
-  Vec3 n;                   ///< unit, of the contact
+  Vec3 n;                   ///< unit normal of the contact
   Vec3 lambda;              ///< multipliers of both rows as a world vector [N m]
-  Real kTwist, kRoll;       ///< [N m/rad]; 0: the contact has no such friction
+  Real kTwist, kRoll;       ///< [N m/rad]; 0: no such friction
   Real torsional, rolling;  ///< levers [m]
 };
 
-/// Moment on A and the Hessian of the angular part.
+/// Moment on A, and Hessian of the angular block.
 struct RollingMoment {
   Vec3 moment;
   Sym3 hessian;

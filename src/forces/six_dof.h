@@ -1,7 +1,7 @@
 #pragma once
-/// Six degrees of freedom, each free, limited or locked, with a drive and friction of its own: travel along
-/// the axes of B's frame (TravelAxis), twist about x (TwistAxis) and swing about y and z (DirectionAxis).
-/// Where one rotation only is free, x is its axis: the twist alone has no end.
+/// Six degrees of freedom, each free, limited or locked, with its own drive and friction: travel along the
+/// axes of B's joint frame (TravelAxis), twist about x (TwistAxis) and swing about y and z (DirectionAxis).
+/// If only one rotation is free, x must be its axis: only the twist continues beyond half a revolution.
 #include "forces/hinge.h"
 
 namespace rubble::RUBBLE_CORE {

@@ -1,6 +1,7 @@
 #pragma once
-/// Slider (prismatic joint): anchor A stays on the x axis of B's frame (OnLineRows), the orientation is kept
-/// (OrientationRows), and the travel along that axis has limits, a drive and friction (TravelAxis).
+/// Slider (prismatic joint): anchor A lies on the x axis of B's joint frame (OnLineRows) and the relative
+/// orientation is constant (OrientationRows). The travel along the axis has limits, a drive and friction
+/// (TravelAxis).
 #include "forces/angular_parts.h"
 #include "forces/linear_parts.h"
 
@@ -12,9 +13,9 @@ struct SliderJoint {
   using Parts = PartList<OnLineRows, OrientationRows, TravelAxis<0>>;
   using Memory = NoMemory;
   struct Data {
-    Vec3 anchorA, anchorB;  ///< in the frame of their body [m]
-    Quat frameB;            ///< joint -> B: x is the way
-    Quat aToB;              ///< wanted q_B^-1 q_A
+    Vec3 anchorA, anchorB;  ///< in the frames of their bodies [m]
+    Quat frameB;            ///< joint -> B; x is the axis of travel
+    Quat aToB;              ///< rest orientation q_B^-1 q_A
   };
 };
 

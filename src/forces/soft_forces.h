@@ -1,6 +1,6 @@
 #pragma once
-/// The list of elements between vertices. A new element is its header, one incidence here and an array in
-/// view.h.
+/// The list of elements between vertices. A new element needs its header, one entry here and an array in
+/// state/solver_data.h.
 #include "forces/bending.h"
 #include "forces/forces.h"
 #include "forces/membrane.h"
@@ -13,11 +13,11 @@ namespace rubble::RUBBLE_CORE {
 
 using ElementTypes = TypeList<Tetrahedron, Membrane, FlatBend, FoldBend, LineBend, Spring, Pressure>;
 
-/// Does an element push its vertices from outside? Then it is counted by vertex in whole objects and clusters
-/// too; others feel nothing of a rigid motion of theirs.
+/// Does an element apply external loads? Whole objects and clusters must then sum it per vertex. All other
+/// elements are invariant under their rigid motion.
 template <class F> inline constexpr bool kIsLoad = requires { F::kIsLoad; };
 
-/// Loads are the last of the list, so that the elements of a vertex end with them.
+/// Loads come last, so that they are at the end of the element list of each vertex.
 inline constexpr int kFirstLoad = typeIndex<Pressure>(ElementTypes{});
 static_assert(kFirstLoad == ElementTypes::kSize - 1 && kIsLoad<Pressure> && !kIsLoad<Spring>);
 

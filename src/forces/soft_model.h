@@ -1,6 +1,5 @@
 #pragma once
-/// A deformable object as the engine takes it: cooked from what the author wrote, in double precision. Vertex
-/// indices are those of the object.
+/// A cooked deformable object, in double precision. Vertex indices are local to the object.
 #include <array>
 #include <memory>
 #include <vector>
@@ -9,15 +8,15 @@
 
 namespace rubble {
 
-/// The elements are those of the same name in this folder. No precision: this header is for the host.
+/// The element structs mirror those of the same name in this folder. Host only, independent of the precision.
 struct SoftModel {
   struct Vertex {
     Vec3 position, velocity;
     double mass = 0;        ///< 0: fixed [kg]
     double radius = 0;      ///< [m]
     double length = 0;      ///< L [m]
-    bool onSurface = true;  ///< or inside of a solid
-    Vec3 rest;              ///< where it is at rest, from the first vertex [m]
+    bool onSurface = true;  ///< false: inside a solid
+    Vec3 rest;              ///< rest position relative to the first vertex [m]
   };
   struct Tetrahedron {
     std::array<int, 4> v;
@@ -68,10 +67,11 @@ struct SoftModel {
   std::vector<LineBend> lineBends;
   std::vector<Spring> springs;
   std::vector<Pressure> pressures;
-  std::vector<std::array<int, 3>> surface;  ///< triangles to draw, outward
-  /// What the surface is made of that other surfaces meet; empty unless it collides.
+  std::vector<std::array<int, 3>> surface;  ///< triangles of the drawn surface, oriented outward
+  /// Features of the collision surface against other surfaces; empty unless it collides with them.
   struct Source {
-    int type = -1;  ///< of the element that it vanishes with, in the order of ElementTypes; -1: none
+    int type = -1;  ///< type of the element whose removal removes the feature, as index into ElementTypes;
+                    ///< -1: none
     int index = 0;
   };
   struct SurfaceEdge {
@@ -87,28 +87,28 @@ struct SoftModel {
   std::vector<SurfaceEdge> edges;
   std::vector<SurfaceFace> faces;
   double meanEdge = 0;       ///< mean length of the edges at rest [m]
-  double surfaceRadius = 0;  ///< half of the distance that surfaces keep [m]
-  /// Nested clusters for the coarse correction; parents come before their parts.
+  double surfaceRadius = 0;  ///< half of the distance between surfaces in contact [m]
+  /// Nested clusters for the coarse correction; parents come before children.
   struct Cluster {
-    int level, begin, end;  ///< members in clusterOrder
-    int parent;             ///< or -1
+    int level, begin, end;  ///< range in clusterOrder
+    int parent;             ///< parent cluster, or -1
   };
   static constexpr int kClusterLevels = 6, kFinestCluster = 8;
   std::vector<int> clusterOrder;
   std::vector<Cluster> clusters;
-  double size = 0;  ///< diagonal of the box about the vertices [m]
-  double mass = 0;  ///< of all vertices [kg]
+  double size = 0;  ///< diagonal of the bounding box of the vertices [m]
+  double mass = 0;  ///< total mass of the vertices [kg]
 };
 
-/// Does a group of bodies move it as one: an object with clusters and without fixed vertices?
+/// Is the object a node of aggregates, i.e. has it clusters and no fixed vertices?
 inline bool isSoftNode(const SoftModel& m) {
   return !m.clusters.empty() && m.clusterOrder.size() == m.vertices.size();
 }
 
-/// Throws Error as validate() of soft.h does.
+/// Cooks a deformable object. Throws Error like validate() of soft.h.
 std::shared_ptr<const SoftModel> cookDeformable(const Deformable& def, const std::string& path);
 
-/// One attachment between vertices that are already numbered as the engine numbers them.
+/// An attachment between vertices in engine numbering.
 struct EngineAttachment {
   int v[4] = {-1, -1, -1, -1};
   double weight[4] = {0, 0, 0, 0};
@@ -117,37 +117,37 @@ struct EngineAttachment {
   Vec3 worldPoint, anchor;
   double bound = kUnbreakable, compliance = 0;
   double length = 1, mass = 0;
-  int previous = -1;  ///< its index at the last call, or -1: new
+  int previous = -1;  ///< its index at the last call; -1: new
 };
 
-/// Where an object lies in the tables: its first vertex and its first element of each type, in the order of
+/// Location of an object in the tables: first vertex, and first element of each type in the order of
 /// ElementTypes.
 struct SoftRange {
   static constexpr int kElementTypes = 7;
   int vertex = -1;
   int element[kElementTypes] = {};
-  int edge = 0, face = 0;  ///< of its surface
+  int edge = 0, face = 0;  ///< first edge and face of its surface
 };
-/// Elements of an object, in the same order.
+/// Number of elements of each type, in the order of ElementTypes.
 inline std::array<int, SoftRange::kElementTypes> elementCounts(const SoftModel& m) {
   return {int(m.tetrahedra.size()), int(m.membranes.size()), int(m.flatBends.size()), int(m.foldBends.size()),
           int(m.lineBends.size()),  int(m.springs.size()),   int(m.pressures.size())};
 }
 
-/// Granular particles.
+/// Does the object consist of granular particles?
 inline bool hasNoElements(const SoftModel& m) {
   for (const int n : elementCounts(m))
     if (n > 0) return false;
   return true;
 }
 
-/// Fills the clusters of a model whose vertices and elements are set.
+/// Computes the clusters of a model with given vertices and elements.
 void makeClusters(SoftModel& model);
 
 struct EngineSoftObject {
   std::shared_ptr<const SoftModel> model;
   SoftRange at;
-  SoftRange previous;  ///< where it was until now; vertex -1: new
+  SoftRange previous;  ///< location at the last call; vertex -1: new
 };
 
 }  // namespace rubble

@@ -3,11 +3,10 @@
 ///
 ///   C = |x_0 - x_1| - L_0              [m], F [N]
 ///   J_0 = u^T = -J_1,  u = (x_0 - x_1) / l
-///   d2C/dx2 = (1 - u u^T) / l          kept for F > 0 (tension), dropped for F < 0, where it would make H
-///                                      indefinite
+///   d2C/dx2 = (1 - u u^T) / l          used for F > 0 (tension) only; makes H indefinite for F < 0
 ///
-/// Finite rows of finite_row.h, with a damper on dC/dt. Breaks when the force of a step ends above its
-/// threshold.
+/// A finite row (finite_row.h) with a damper on dC/dt. It breaks if its force at the end of a step exceeds
+/// the threshold.
 #include "forces/finite_row.h"
 #include "math/block3.h"
 
@@ -24,10 +23,10 @@ struct Spring {
   Real damping;     ///< [N s/m]
   Real restLength;  ///< [m]
   Real bound;       ///< break threshold [N]
-  Real mass;        ///< of the lighter vertex [kg]
+  Real mass;        ///< mass of the lighter vertex [kg]
   Real lambda;      ///< [N]
   Real k;           ///< [N/m]
-  DampedRow row;    ///< of this step
+  DampedRow row;    ///< row of this step
   Real c0;          ///< [m]
 
   RUBBLE_HD Real elongation(const Vec3 (&x)[kCorners]) const { return length(x[0] - x[1]) - restLength; }
@@ -44,12 +43,12 @@ struct Spring {
   RUBBLE_HD FiniteForce evaluate(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     return finiteForce(c.compliantRows, row.stiffness, k, error(x), lambda);
   }
-  /// What that comes to when lambda has converged: for those who solve for all that the spring moves
+  /// Force at the converged multiplier, for direct solvers of all vertices of a spring
   /// (stages/soft/strands.h).
   RUBBLE_HD FiniteForce converged(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     return c.compliantRows ? FiniteForce{row.stiffness * error(x), row.stiffness} : evaluate(c, x);
   }
-  /// Of one iteration [J].
+  /// Energy of the row in the present iteration [J].
   RUBBLE_HD Real energy(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     const Real e = error(x), s = c.compliantRows ? row.stiffness / (row.stiffness + k) : Real(1);
     return s * (k * e * e / 2 + lambda * e);
@@ -58,12 +57,12 @@ struct Spring {
                             Block3& block) const {
     accumulate(x, corner, evaluate(c, x), block);
   }
-  /// With that force.
+  /// Adds the row with the given force.
   RUBBLE_HD void accumulate(const Vec3 (&x)[kCorners], int corner, const FiniteForce& f,
                             Block3& block) const {
     const Vec3 d = corner == 0 ? x[0] - x[1] : x[1] - x[0];
     const Real l2 = dot(d, d);
-    // ends on one another have no direction: the others pull them apart
+    // coincident ends have no direction; other forces separate them
     if (!(l2 > Real(1e-12) * restLength * restLength)) return;
     const Real l = std::sqrt(l2);
     const Vec3 u = d / l;
@@ -77,7 +76,7 @@ struct Spring {
     if (c.compliantRows) lambda = f.force;
     k = grownFiniteRow(c, row.stiffness, unit(c), Real(1), error(x), k, f.force, restLength);
   }
-  /// Does it break?
+  /// Does it break in this step?
   RUBBLE_HD bool finish(const StepConstants& c, const Vec3 (&x)[kCorners]) const {
     return std::fabs(c.compliantRows ? lambda : evaluate(c, x).force) >= bound;
   }

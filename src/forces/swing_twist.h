@@ -1,13 +1,13 @@
 #pragma once
-/// Ball joint with limits: the anchors coincide (AnchorRows); A's x axis swings inside a cone about B's
-/// (DirectionAxis<SwingCone>) and twists between limits (TwistAxis); a drive pulls to an orientation
-/// (DriveRows) and friction resists any turn (TurnFrictionRows).
+/// Ball joint with limits: the anchors coincide (AnchorRows). The x axis of A swings within a cone about that
+/// of B (DirectionAxis<SwingCone>) and twists within limits (TwistAxis). A drive acts toward an orientation
+/// (DriveRows), and friction against any rotation (TurnFrictionRows).
 #include "forces/hinge.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// The rows of OrientationRows between the joint's frames, towards data.driveTarget: e = Q_B^-1 Q_A, in the
-/// axes of B's frame.
+/// OrientationRows between the joint frames, toward data.driveTarget: e = Q_B^-1 Q_A, in the axes of B's
+/// joint frame.
 struct DriveRows {
   static constexpr int kRows = 3;
   static constexpr RowUnit kUnit = RowUnit::Angular;
@@ -32,8 +32,8 @@ struct DriveRows {
   }
 };
 
-/// The same towards the relative orientation at x^t: any turn is an error, and the bound on its force is the
-/// torque of friction.
+/// The same toward the relative orientation at x^t: any rotation is an error, and the bound is the friction
+/// torque.
 struct TurnFrictionRows {
   static constexpr int kRows = 3;
   static constexpr RowUnit kUnit = RowUnit::Angular;
@@ -65,17 +65,17 @@ struct SwingTwistJoint {
   using Parts = PartList<AnchorRows, DriveRows, TurnFrictionRows, DirectionAxis<SwingCone>, TwistAxis>;
   struct Memory {
     TurnCounter twist;
-    Quat start;  ///< frame of A seen from B at x^t
+    Quat start;  ///< joint frame of A relative to that of B, at x^t
     template <class D> RUBBLE_HD void remember(const D& d, const Pose& a, const Pose& b, const Vec3d&) {
       start = frameAInB(d, a, b);
       twist.follow(twistAngle(start));
     }
   };
   struct Data {
-    Vec3 anchorA, anchorB;  ///< in the frame of their body [m]
+    Vec3 anchorA, anchorB;  ///< in the frames of their bodies [m]
     Quat frameA, frameB;    ///< joint -> body
-    Quat driveTarget;       ///< frame of A seen from B
-    Real coneY, coneZ;      ///< shape of the cone, see SwingCone [1]
+    Quat driveTarget;       ///< joint frame of A relative to that of B
+    Real coneY, coneZ;      ///< factors of the elliptic cone, see SwingCone [1]
   };
 };
 

@@ -5,7 +5,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Two axes stay perpendicular. y: y axis of A's frame, z: z axis of B's, in the world.
+/// Two axes are perpendicular. y: y axis of A's joint frame, z: z axis of B's, in world axes.
 ///
 ///   C = y.z                                           [1: sine of the angle], F [N m]
 ///   J_A = [0, y x z],  J_B = -J_A,  G = F S(z, y) on both bodies

@@ -1,5 +1,5 @@
 #pragma once
-/// The local problem of a vertex: three unknowns.
+/// The local problem of one vertex, with three unknowns.
 #include "math/sym.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -13,7 +13,7 @@ struct Block3 {
   RUBBLE_HD void operator+=(const Block3& b) { h += b.h, f += b.f; }
 };
 
-/// H^-1 f by diagonal scaling and LDL^T: cofactors would lose all digits of a matrix as ill-conditioned as
+/// H^-1 f by diagonal scaling and LDL^T. Cofactors would lose all digits for an ill-conditioned H, such as
 /// that of a crushed tetrahedron.
 RUBBLE_HD inline Vec3 solve(const Block3& block) {
   constexpr Real kFloor = sizeof(Real) == 8 ? Real(1e-14) : Real(1e-7);

@@ -1,6 +1,5 @@
 #pragma once
-/// What differs between host and device code. The only header outside the CUDA backend that looks at the
-/// compiler's target.
+/// Host and device differences. Outside the CUDA backend no other header depends on the compiler's target.
 #include <atomic>
 #include <bit>
 #include <cstdint>
@@ -13,21 +12,22 @@
     "the core is compiled once a precision: define RUBBLE_CORE (f32 or f64) and RUBBLE_REAL (float or double)"
 #endif
 
-/// Rare and large: a call keeps its registers out of the kernels that it is called from.
+/// Keeps a large, rarely used function out of line, so that its registers do not count in the calling
+/// kernels.
 #if defined(__CUDACC__)
 #define RUBBLE_APART __noinline__
 #else
 #define RUBBLE_APART __attribute__((noinline))
 #endif
 
-/// 1 in what is compiled for a GPU.
+/// 1 in device code.
 #if defined(__CUDA_ARCH__)
 #define RUBBLE_DEVICE_CODE 1
 #else
 #define RUBBLE_DEVICE_CODE 0
 #endif
 
-/// A short loop over an array that is to live in registers.
+/// Unrolls a short loop over an array that must stay in registers.
 #if defined(__CUDACC__)
 #define RUBBLE_UNROLL _Pragma("unroll")
 #elif defined(__clang__)
@@ -38,15 +38,15 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// The scalar of the solver.
+/// Scalar type of the solver.
 using Real = RUBBLE_REAL;
 using Vec3 = Vec3T<Real>;
 using Quat = QuatT<Real>;
 using Mat3 = Mat3T<Real>;
-/// World positions keep double precision; the solver works on displacements from them.
+/// World positions are double; the solver works with displacements from them.
 using Vec3d = Vec3T<double>;
 
-/// A vector in a table that is read at random: a device reads it as one quad.
+/// A vector in a randomly accessed table, padded so that a device loads it at once.
 struct alignas(4 * sizeof(Real)) PaddedVec3 : Vec3 {
   Real padding{};
   PaddedVec3() = default;
@@ -62,9 +62,8 @@ RUBBLE_HD inline Vec3 load(const PaddedVec3& a) {
 #endif
 }
 
-/// An object in a table as one thread reads and writes it. Device code loads what it needs where it needs it,
-/// and behind each branch it waits for memory again: there it is a copy, which comes and goes in quads of 16
-/// B, all of them on their way at once.
+/// Access to an object in a table by one thread. On a device a plain reference loads members one by one and
+/// stalls after each branch. loadVectorized copies the whole object with independent 16-byte loads instead.
 #if defined(__CUDA_ARCH__)
 template <class T> using Quads = int4[sizeof(T) / sizeof(int4)];
 template <class T> RUBBLE_HD RUBBLE_NEAR T loadVectorized(const T& from) {
@@ -77,7 +76,7 @@ template <class T> RUBBLE_HD RUBBLE_NEAR T loadVectorized(const T& from) {
   memcpy(static_cast<void*>(&to), quads, sizeof to);
   return to;
 }
-/// fill(object) fills it, and says whether it is worth writing.
+/// fill(object) fills it and returns whether to write it.
 template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to, Fill&& fill) {
   static_assert(alignof(T) % sizeof(int4) == 0);
   T own;
@@ -87,7 +86,7 @@ template <class T, class Fill> RUBBLE_HD RUBBLE_NEAR void storeVectorized(T& to,
   RUBBLE_UNROLL
   for (std::size_t k = 0; k < sizeof(T) / sizeof(int4); ++k) reinterpret_cast<int4*>(&to)[k] = quads[k];
 }
-/// change(object) changes it, and says whether it has.
+/// change(object) changes it and returns whether to write it.
 template <class T, class Change> RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& object, Change&& change) {
   storeVectorized(object, [&](T& own) {
     own = loadVectorized(object);
@@ -102,7 +101,7 @@ template <class T, class Change> RUBBLE_HD RUBBLE_NEAR void updateVectorized(T& 
 }
 #endif
 
-/// Place of the lowest bit of a number that is not 0.
+/// Index of the lowest set bit of a non-zero number.
 RUBBLE_HD inline int lowestBit(unsigned a) {
 #if RUBBLE_DEVICE_CODE
   return __ffs(static_cast<int>(a)) - 1;
@@ -111,7 +110,7 @@ RUBBLE_HD inline int lowestBit(unsigned a) {
 #endif
 }
 
-/// *p += a; returns the old value. Only for counting: the order of the additions is not fixed.
+/// *p += a; returns the old value. For counters only: the order of the additions is not fixed.
 RUBBLE_HD inline int atomicCount(int* p, int a) {
 #if defined(__CUDA_ARCH__)
   return atomicAdd(p, a);
@@ -120,7 +119,7 @@ RUBBLE_HD inline int atomicCount(int* p, int a) {
 #endif
 }
 
-/// *p += a, of whole numbers: in any order the sum is the same.
+/// *p += a for integers; the sum does not depend on the order.
 RUBBLE_HD inline void atomicSum(std::int64_t* p, std::int64_t a) {
 #if defined(__CUDA_ARCH__)
   atomicAdd(reinterpret_cast<unsigned long long*>(p), static_cast<unsigned long long>(a));
@@ -150,7 +149,7 @@ RUBBLE_HD inline void atomicSet(int* p, int bits) {
 #endif
 }
 
-/// Puts `a` in *p if it holds `empty`; returns what it held.
+/// Compare and swap: *p = a if *p == empty; returns the old value.
 RUBBLE_HD inline int atomicClaim(int* p, int empty, int a) {
 #if defined(__CUDA_ARCH__)
   return atomicCAS(p, empty, a);
@@ -167,7 +166,7 @@ template <class T> RUBBLE_HD constexpr T clamp(T a, T lo, T hi) { return a < lo 
 RUBBLE_HD inline bool isFinite(Real a) { return a - a == Real(0); }
 RUBBLE_HD inline bool isFinite(const Vec3& a) { return isFinite(a.x + a.y + a.z); }
 
-/// A well-mixed 32-bit hash (the finaliser of MurmurHash3).
+/// A well-mixed 32-bit hash (finalizer of MurmurHash3).
 RUBBLE_HD constexpr std::uint32_t hash32(std::uint32_t h) {
   h ^= h >> 16;
   h *= 0x85ebca6bu;

@@ -1,7 +1,7 @@
 #pragma once
-/// Lane4 contact points, bodies or joints side by side. Their formulas are written once, for a lane type L:
-/// `Real` (one of them, a GPU thread) or `Real4` (four, a CPU vector register). A lane has the bits that it
-/// would have alone.
+/// SIMD lanes over contact points, bodies or joints. Formulas are written once for a lane type L: `Real` (one
+/// item, a GPU thread) or `Real4` (four items, a CPU vector register). Each lane of Real4 is bitwise equal to
+/// Real.
 #include <bit>
 #include <cstring>
 
@@ -12,7 +12,7 @@ namespace rubble::RUBBLE_CORE {
 /// Points of a manifold.
 inline constexpr int kLanes = 4;
 
-/// A field of the four points, as it lies in memory.
+/// One field of the four points, as stored in memory.
 struct alignas(kLanes * sizeof(Real)) Lanes {
   Real v[kLanes];
   RUBBLE_HD Real& operator[](int i) { return v[i]; }
@@ -30,11 +30,11 @@ RUBBLE_HD inline Real sumOf(Real a) { return a; }
 RUBBLE_HD inline bool allOf(bool mask) { return mask; }
 RUBBLE_HD inline bool anyOf(bool mask) { return mask; }
 
-/// Lane4 numbers of each point that an L stands for.
+/// Four fields of the points of an L.
 template <class L> struct Quad { L x, y, z, w; };
 
-/// Reads and writes the points that an L stands for: with L = Real that of `lane`. Quads lie in memory point
-/// by point, one access of a GPU's thread each; a T holds four numbers.
+/// Loads and stores the points of an L; with L = Real that of `lane`. Quads are stored point by point, so
+/// that a GPU thread needs one access each; T holds four numbers.
 template <class L> struct LaneAccess {
   RUBBLE_HD static L load(const Lanes& lanes, int lane) { return lanes.v[lane]; }
   RUBBLE_HD static void store(Lanes& lanes, int lane, L a) { lanes.v[lane] = a; }
@@ -73,10 +73,10 @@ template <class Mask> inline bool allOf(Mask mask) {
   return common == -1;
 }
 template <class Mask> inline bool anyOf(Mask mask) { return !allOf(~mask); }
-/// In a fixed order.
+/// Sums in a fixed order.
 inline Real sumOf(Real4 a) { return (a[0] + a[1]) + (a[2] + a[3]); }
 
-/// rotate of rubble/math.h, whose 2 is a scalar.
+/// rotate of rubble/math.h, where the factor 2 is a scalar.
 RUBBLE_NEAR Vec3T<Real4> rotate(const QuatT<Real4>& q, const Vec3T<Real4>& r) {
   const Vec3T<Real4> half = cross(q.v, r), t = half + half;
   return r + q.s * t + cross(q.v, t);
@@ -96,9 +96,9 @@ template <> struct LaneAccess<Real4> {
     auto* const p = reinterpret_cast<Real4Aliased*>(points);
     p[0] = v.x, p[1] = v.y, p[2] = v.z, p[3] = v.w;
   }
-  /// The four numbers from each of four places on.
+  /// Loads four numbers from each of four addresses.
   static Quad<Real4> gatherQuad(const Real* a, const Real* b, const Real* c, const Real* d) {
-    // copied: not every compiler takes an alignment below that of a vector
+    // copied, because not every compiler accepts an alignment below that of a vector
     const auto at = [](const Real* p) {
       Real4 numbers;
       std::memcpy(&numbers, p, sizeof numbers);

@@ -1,11 +1,11 @@
 #pragma once
-/// Rotation vectors: exact exponential and logarithm of unit quaternions, for rotations of a whole step.
+/// Rotation vectors: exact exponential and logarithm of unit quaternions, for the rotation of a whole step.
 #include "math/lanes.h"
 #include "math/trig.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// The same rotation with s >= 0.
+/// The same rotation with s >= 0 (short arc).
 template <class L> RUBBLE_HD RUBBLE_NEAR QuatT<L> shortArc(const QuatT<L>& q) {
   const auto far = q.s < LaneAccess<L>::splat(0);
   return {select(far, -q.s, q.s), select(far, -q.v, q.v)};
@@ -15,7 +15,7 @@ template <class L> RUBBLE_HD RUBBLE_NEAR QuatT<L> shortArc(const QuatT<L>& q) {
 RUBBLE_HD inline Quat expRotation(const Vec3& a) {
   const Real angle2 = dot(a, a);
   if (angle2 < Real(1e-4)) {
-    // sin(t/2)/t and cos(t/2) by their series: exact to round-off here
+    // series of sin(t/2)/t and cos(t/2), exact to round-off here
     return {Real(1) - angle2 * (Real(1) / 8 - angle2 / 384),
             a * (Real(.5) - angle2 * (Real(1) / 48 - angle2 / 3840))};
   }
@@ -24,15 +24,15 @@ RUBBLE_HD inline Quat expRotation(const Vec3& a) {
   return {half.cos, a * (half.sin / angle)};
 }
 
-/// Below this |v|^2 of a unit quaternion (s, v) its logarithm is a series (a rotation of .1 rad).
+/// Bound of |v|^2 of a unit quaternion (s, v) below which its logarithm is a series (a rotation of 0.1 rad).
 inline constexpr Real kSmallTurn2 = Real(.0025);
-/// logRotation of a quaternion along the short arc with u2 = |v|^2 < kSmallTurn2: 2 asin(u)/u by its series,
-/// relative error below 1e-9.
+/// logRotation of a short-arc quaternion with u2 = |v|^2 < kSmallTurn2: series of 2 asin(u)/u, relative error
+/// below 1e-9.
 template <class L> RUBBLE_HD RUBBLE_NEAR Vec3T<L> logOfSmall(const QuatT<L>& q, L u2) {
   return q.v * (Real(2) * (Real(1) + u2 * (Real(1) / 6 + u2 * (Real(3) / 40 + u2 * (Real(15) / 336)))));
 }
 
-/// The vector a in [-pi, pi] with expRotation(a) = q up to sign [rad].
+/// The rotation vector a, |a| <= pi, with expRotation(a) = q up to sign [rad].
 RUBBLE_HD inline Vec3 logRotation(const Quat& rotation) {
   const Quat q = shortArc(rotation);
   const Real u2 = dot(q.v, q.v);
@@ -41,8 +41,8 @@ RUBBLE_HD inline Vec3 logRotation(const Quat& rotation) {
   return q.v * (Real(2) * angleOf(u, q.s) / u);
 }
 
-/// Two unit vectors that make a right-handed basis with the unit vector n; a continuous function of n but for
-/// one point (Duff et al. 2017).
+/// Two unit vectors that complete the unit vector n to a right-handed basis; continuous in n except at one
+/// point (Duff et al. 2017).
 RUBBLE_HD inline void tangentBasis(const Vec3& n, Vec3& t1, Vec3& t2) {
   const Real sign = n.z < Real(0) ? Real(-1) : Real(1);
   const Real a = Real(-1) / (sign + n.z);

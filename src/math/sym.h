@@ -1,5 +1,5 @@
 #pragma once
-/// Symmetric 3x3 and 6x6 matrices and the 6x6 solve.
+/// Symmetric 3x3 and 6x6 matrices, and the 6x6 solve.
 #include "math/lanes.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -42,12 +42,11 @@ RUBBLE_HD inline Sym3 rotateDiagonal(const Quat& q, const Vec3& d) {
   m += outer(r.c2, d.z);
   return m;
 }
-/// The 6x6 system H dx = f of one body, linear part first: H = [[ll, la], [la^T, aa]].
-/// `al` holds la^T (row: angular, column: linear) by columns. L as in lanes.h, to accumulate points side by
-/// side.
+/// The 6x6 system H dx = f of one body, linear part first: H = [[ll, la], [la^T, aa]]. `al` holds la^T (row:
+/// angular, column: linear) by columns. L: Real or SIMD lanes (lanes.h).
 template <class L> struct Block6T {
   Sym3T<L> ll, aa;
-  Vec3T<L> al0{}, al1{}, al2{};  ///< columns of al
+  Vec3T<L> al0{}, al1{}, al2{};  ///< columns of la^T
   Vec3T<L> fl{}, fa{};           ///< force, torque
 };
 using Block6 = Block6T<Real>;
@@ -104,8 +103,8 @@ template <class L> RUBBLE_HD Sym6T<L> pack(const Block6T<L>& b) {
            b.al1.y, b.al2.y, b.aa.xy, b.aa.yy, b.al0.z, b.al1.z, b.al2.z, b.aa.xz, b.aa.yz, b.aa.zz}};
 }
 
-/// Smallest pivot of the scaled matrix (diagonal 1): relative, since masses and inertias of one body may
-/// differ by 1e4 and more.
+/// Floor of the pivots, relative to the scaled diagonal 1, since masses and inertias of one body may differ
+/// by 1e4 and more.
 inline constexpr Real kPivotFloor = sizeof(Real) == 8 ? Real(1e-12) : Real(1e-6);
 
 /// Solves H x = f in place (x holds f) for a symmetric positive definite H: diagonal scaling, then LDL^T

@@ -1,6 +1,5 @@
 #pragma once
-/// The few functions of angles that the step needs, in plain arithmetic: the same bits on host and device,
-/// and in every C library.
+/// Trigonometric functions in plain arithmetic: bitwise equal on host and device and with every C library.
 #include "math/hd.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -9,16 +8,16 @@ struct SinCos {
   Real sin, cos;
 };
 
-/// Sine and cosine of x [rad], within 2 units in the last place of 1 for |x| up to 1e6, within 1e-6 up to
-/// 1e9, and those of 1e9 beyond. A number that is not finite gives one that is none.
+/// Sine and cosine of x [rad]: within 2 ulp of 1 for |x| up to 1e6, within 1e-6 up to 1e9, and those of 1e9
+/// beyond. NaN and infinity give NaN.
 RUBBLE_HD inline SinCos sinCos(Real x) {
-  // x = n pi/2 + r with |r| <= pi/4. pi/2 in two parts: n times the first is exact for n below 2^20.
+  // x = n pi/2 + r with |r| <= pi/4. pi/2 is split in two: n times the first part is exact for n below 2^20.
   constexpr double kHalfPiHigh = 1.57079632673412561417e+00, kHalfPiLow = 6.07710050650619224932e-11;
   constexpr double kTurns = .636619772367581343076, kLargest = 1e9;
   const double wide = static_cast<double>(clamp(x, Real(-kLargest), Real(kLargest)));
   const double n = floor(wide * kTurns + .5);
   const Real r = static_cast<Real>((wide - n * kHalfPiHigh) - n * kHalfPiLow) + (x - x);
-  // Taylor series, nested; the first term left out is below 1e-9 (float) and 1e-18 (double)
+  // nested Taylor series; the first omitted term is below 1e-9 (float) and 1e-18 (double)
   constexpr int kTerms = sizeof(Real) == sizeof(float) ? 6 : 10;
   const Real r2 = r * r;
   Real sine = 1, cosine = 1;
@@ -34,10 +33,9 @@ RUBBLE_HD inline SinCos sinCos(Real x) {
   return {sine, cosine};
 }
 
-/// Angle in [0, pi/2] of the vector (c, s) with c, s >= 0, not both zero [rad]: atan2(s, c) within 4 units in
-/// the last place.
+/// Angle in [0, pi/2] of the vector (c, s) with c, s >= 0, not both zero [rad]: atan2(s, c) within 4 ulp.
 RUBBLE_HD inline Real angleOf(Real s, Real c) {
-  // tan of a half and of a quarter of it, at most .4143
+  // tangents of its half and its quarter, at most 0.4143
   const Real half = s / (std::sqrt(s * s + c * c) + c);
   const Real t = half / (std::sqrt(Real(1) + half * half) + Real(1));
   // atan t = t - t^3/3 + t^5/5 - ..., up to the term below 1e-9 (float) and 1e-18 (double)
@@ -48,8 +46,7 @@ RUBBLE_HD inline Real angleOf(Real s, Real c) {
   return Real(4) * (t * sum);
 }
 
-/// Angle in [-pi, pi] of the vector (c, s), of any length and sign [rad]: atan2(s, c) within 6 units in the
-/// last place; 0 for the null vector.
+/// Angle in [-pi, pi] of any vector (c, s) [rad]: atan2(s, c) within 6 ulp; 0 for the null vector.
 RUBBLE_HD inline Real signedAngleOf(Real s, Real c) {
   constexpr Real kPi = Real(3.14159265358979323846);
   const Real up = std::fabs(s), along = std::fabs(c), longest = up < along ? along : up;

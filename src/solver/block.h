@@ -1,5 +1,5 @@
 #pragma once
-/// The local problem of one body: its force, its Hessian and one Newton step.
+/// The local problem of one body: force, Hessian and one Newton step.
 #include <limits>
 
 #include "math/block3.h"
@@ -34,13 +34,12 @@ template <class L> RUBBLE_HD Vec6T<L> newtonStep(const Block6T<L>& block) {
   return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
 }
 
-/// Bits of locked axes: 0-2 translation along world x, y, z, 3-5 rotation about them.
+/// Sets the components of locked axes to zero. `bits`: locks of the x, y and z axes.
 RUBBLE_HD inline Vec3 unlocked(const Vec3& a, int bits) {
   return {bits & 1 ? Real(0) : a.x, bits & 2 ? Real(0) : a.y, bits & 4 ? Real(0) : a.z};
 }
 
-/// Takes locked axes out of the system: their rows and columns are those of the diagonal, and nothing pushes
-/// along them.
+/// Removes locked axes from the system: off-diagonal entries and the force along them become zero.
 RUBBLE_HD inline void lockAxes(Block6& b, int locks) {
   const auto keep = [&](int axis) { return (locks >> axis & 1) == 0; };
   const auto off = [&](Sym3& m, int first) {
@@ -56,14 +55,15 @@ RUBBLE_HD inline void lockAxes(Block6& b, int locks) {
   b.fa = unlocked(b.fa, locks >> 3);
 }
 
-/// Largest rotation of one Newton step [rad]: rows are linear in it, and a small body that is hit off its
-/// centre would answer by turning many times, which moves none of its points.
+/// Largest rotation of one Newton step [rad]. Rows are linearized in it; a small body hit off its center
+/// would otherwise take a step of several turns.
 inline constexpr Real kMostTurn = 1;
-/// Cosine of half the rotation since x^t beyond which no Newton step turns a body further (1.5 rad).
+/// cos(angle / 2) of the rotation since x^t beyond which a Newton step may not rotate a body further (1.5
+/// rad).
 inline constexpr Real kMostTurned = Real(.7317);
 
-/// The Newton step from a rotation q since x^t, with its own rotation in bounds; the translation is the best
-/// one for that rotation.
+/// The Newton step with a bounded rotation (a trust region). `q`: rotation since x^t. If the rotation is cut,
+/// the translation minimizes the local energy for the remaining rotation.
 RUBBLE_HD inline Vec6 trustedStep(const Block6& block, const Quat& q) {
   Vec6 dx = newtonStep(block);
   const Real turn2 = dot(dx.ang, dx.ang), turned = std::fabs(q.s);
@@ -77,13 +77,13 @@ RUBBLE_HD inline Vec6 trustedStep(const Block6& block, const Quat& q) {
   return dx;
 }
 
-/// Round-off of the work of a step, over the sum of the work along each axis [1].
+/// Round-off of the work of a step, relative to the sum of the absolute work per axis [1].
 inline constexpr Real kWorkRoundOff = 32 * std::numeric_limits<Real>::epsilon();
 
-/// May a step be what its forces have done? With H >= M / dt^2 a Newton step obeys |dx|_M^2 / dt^2 <= dx . H
-/// dx = f . dx, and a part of it, or the best one with less rotation, twice that: it has no more kinetic
-/// energy than the forces have done work. Where stiffnesses are so large beside M / dt^2 that H has no digits
-/// left, what comes out of it may have any. `mass`, `inertia`: over dt^2.
+/// Energy test of a Newton step: |dx|_M^2 / dt^2 <= 2 f . dx. With H >= M / dt^2 the exact step satisfies
+/// |dx|_M^2 / dt^2 <= dx . H dx = f . dx, and a shortened step, or the optimum with less rotation, twice
+/// that. So its kinetic energy does not exceed the work of the forces. The test fails where the row
+/// stiffnesses exceed M / dt^2 by so much that round-off destroys H. `mass`, `inertia`: divided by dt^2.
 template <class L>
 RUBBLE_HD RUBBLE_NEAR auto isWithinWork(const Block6T<L>& block, const L& mass, const Sym3T<L>& inertia,
                                         const Vec6T<L>& dx) {
@@ -100,8 +100,8 @@ RUBBLE_HD inline Vec6 product(const Block6& b, const Vec6& dx) {
   return {b.ll * dx.lin + Vec3{dot(b.al0, dx.ang), dot(b.al1, dx.ang), dot(b.al2, dx.ang)},
           b.al0 * dx.lin.x + b.al1 * dx.lin.y + b.al2 * dx.lin.z + b.aa * dx.ang};
 }
-/// The best step along D^-1 f, D the diagonal of H: it subtracts nothing, and descends whatever digits are
-/// left. A copy of the block, so that the caller's own stays in registers.
+/// The exact line minimum along D^-1 f, with D = diag(H). It involves no cancellation and therefore descends
+/// in spite of round-off. Takes the block by value so that the caller's stays in registers.
 RUBBLE_HD RUBBLE_APART inline Vec6 diagonalStep(Block6 b) {
   const Vec6 d{{b.fl.x / b.ll.xx, b.fl.y / b.ll.yy, b.fl.z / b.ll.zz},
                {b.fa.x / b.aa.xx, b.fa.y / b.aa.yy, b.fa.z / b.aa.zz}};
@@ -111,13 +111,12 @@ RUBBLE_HD RUBBLE_APART inline Vec6 diagonalStep(Block6 b) {
   return share * d;
 }
 
-/// What became of a Newton step: it was taken; another one in its place, since it went further than forces
-/// and inertia allow; or none, since it was not finite.
+/// Result of `descend`: Newton step taken; diagonal step taken, because the Newton step failed the energy
+/// test; or no step taken, because it was not finite.
 enum class Descent { Newton, Diagonal, Failed };
 
-/// \eq{S3} One Newton step on the local problem of a body with the mass matrix m, all others held at their
-/// latest poses. One that is not finite is
-/// not taken.
+/// \eq{S3} One Newton step on the local problem of a body, with all other bodies at their latest poses.
+/// `m`: its mass matrix. A step that is not finite is not taken.
 RUBBLE_HD inline Descent descend(const Block6& block, const MassMatrix& m, Real inverseDt2, Pose& x) {
   Vec6 dx = trustedStep(block, x.q);
   if (!isFinite(dx.lin) || !isFinite(dx.ang)) return Descent::Failed;

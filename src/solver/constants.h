@@ -1,5 +1,5 @@
 #pragma once
-/// The numbers of one step, worked out from Params once on the host.
+/// The constants of one step, computed from Params on the host.
 #include <cmath>
 
 #include <rubble/params.h>
@@ -8,36 +8,36 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Ceiling of a spin in one step [rad]: the short arc is ambiguous at pi (120 rad/s at 60 Hz).
+/// Largest rotation per step at the velocity of a body [rad]: the short arc is ambiguous at pi (120 rad/s at
+/// 60 Hz).
 inline constexpr Real kMaxSpinPerStep = 2;
-/// Ceiling of |lambda| of a contact in m L / dt^2 of the heaviest body of the island that it belonged to in
-/// the last step [1].
+/// Ceiling of |lambda| of a contact over m L / dt^2 of the heaviest body of its island in the last step [1].
 inline constexpr Real kContactShare = 100;
-/// Ceiling of |lambda| of a contact that closes at speed v, in m v / dt of its heavier body, if that is more
-/// [1]: what stops the body within the step, and some. Iterates overshoot the load of an impact, so a higher
-/// one would let heaps explode.
+/// Ceiling of |lambda| of a contact that closes at speed v, over m v / dt of its heavier body, if that is
+/// larger [1]. It exceeds what stops the body within the step. Iterates overshoot the load of an impact, so a
+/// higher ceiling makes piles explode.
 inline constexpr Real kMostImpacts = 10;
-/// Acceleration that a load stands for where nothing weighs [m/s2].
+/// Acceleration that converts a load to a mass in weightless worlds [m/s2].
 inline constexpr double kEarthGravity = 9.81;
-/// Acceleration by which bodies are judged to be still there, in L / dt^2 [1]: that of the Earth for 1 m at
+/// Acceleration for the sleep threshold in weightless worlds, over L / dt^2 [1]: that of the Earth for 1 m at
 /// 60 Hz.
 inline constexpr double kWeightlessShare = 2.725e-3;
-/// An impact closes faster than all of these: a share of sqrt(g L), the speed of a fall over L / 22 ...
+/// An impact closes faster than all of: this share of sqrt(g L), the speed of a fall over L / 22 ...
 inline constexpr Real kImpactShare = Real(.3);
-/// ... what gravity makes of rest in so many steps [1] ...
+/// ... the speed that gravity adds in this many steps [1] ...
 inline constexpr Real kImpactSteps = 2;
-/// ... and so much of L in a step [1], which corrections of errors do where nothing weighs.
+/// ... and this share of L per step [1], which error correction can cause in weightless worlds.
 inline constexpr Real kImpactWay = Real(3e-4);
-/// Ceiling of k over m_row / dt^2 when no finite material stiffness is lower; K_mat above it is treated as
-/// hard [1].
+/// Ceiling of k over m_row / dt^2, unless a finite material stiffness is lower. A row with a higher K_mat
+/// counts as hard [1].
 inline constexpr Real kHardFromStiffness = Real(1e6);
 
-/// Depth of a contact point over L from which its stiffness follows no load, and the ceiling of k over
-/// k_start there [1].
+/// Depth of a contact point over L beyond which its stiffness no longer follows the load, and the ceiling of
+/// k over k_start there [1].
 inline constexpr Real kDeepShare = Real(.1);
 inline constexpr Real kDeepStiffness = 10;
 
-/// A threshold that nothing reaches, in the place of "never".
+/// A threshold that is never reached.
 inline constexpr Real kUnreached = Real(1e18);
 
 struct StepConstants {
@@ -46,44 +46,43 @@ struct StepConstants {
   Vec3 gravity;    ///< [m/s2]
   Vec3 up;         ///< against gravity, unit; zero where nothing weighs
   int iterations;
-  Real alpha;                           ///< part of an inherited error that is left alone in this step [1]
-  Real gamma;                           ///< warm-start decay [1]
-  Real startStiffness;                  ///< K [1]
-  Real tangentStiffness;                ///< k_start of tangential over normal rows [1]
+  Real alpha;             ///< share of an inherited error that is not corrected in this step [1]
+  Real gamma;             ///< warm-start decay [1]
+  Real startStiffness;    ///< K [1]
+  Real tangentStiffness;  ///< k_start of tangential rows over that of normal rows [1]
   Real contactRampRate, jointRampRate;  ///< B [1], or beta itself if literalBeta
   bool literalBeta;
   Real maxStiffness;  ///< k_max dt^2 / m_row [1]
   StiffnessPolicy contactPolicy, jointPolicy;
   Real gravitySize;       ///< g [m/s2]
-  Real loadAcceleration;  ///< a: a load stands for the mass |lambda| / a [m/s2]
-  double perFall;  ///< 1 / (g dt^2) [1/m]: space is divided by a length of the world's gravity and time step
-                   ///< alone
+  Real loadAcceleration;  ///< a: a load lambda stands for the mass |lambda| / a [m/s2]
+  double perFall;  ///< 1 / (g dt^2) [1/m]: the unit length of spatial cells depends on gravity and dt only
   bool coneHessian, dormantRows, impactRule, compliantRows, literalRotations, coarseCorrection, jointTrees;
-  Real acceleration;      ///< rho of the sweeps over solids [1]
-  Real driftCorrection;   ///< part of a tangential drift that is corrected in a step [1]
+  Real acceleration;      ///< rho of the accelerated sweeps over deformables [1]
+  Real driftCorrection;   ///< share of a tangential drift that is corrected per step [1]
   Real contactMargin;     ///< d_min over L [1]
   Real recycleTolerance;  ///< [1], [rad]
   bool sleeping;
-  Real sleepSpeed;        ///< surface speed below which a body is still, over sqrt(a L) [1]
+  Real sleepSpeed;        ///< surface speed below which a body counts as still, over sqrt(a L) [1]
   Real sleepDelay;        ///< [s]
   Real stiffnessRescale;  ///< (dt of the last step / dt)^2 [1]
 };
 
-/// Closing speed above which a contact of length L [m] counts as an impact: its multipliers are not
-/// warm-started, restitution acts. Contacts at rest close by g dt at most. [m/s]
+/// Closing speed above which a contact of length L [m] counts as an impact [m/s]. Its multipliers are then
+/// not warm-started and restitution acts. Resting contacts close at g dt at most.
 RUBBLE_HD inline Real impactSpeed(const StepConstants& c, Real length) {
   return max(kImpactShare * std::sqrt(c.gravitySize * length),
              max(kImpactSteps * c.dt * c.gravitySize, kImpactWay * c.inverseDt * length));
 }
 
-/// closing > impactSpeed(c, length)
+/// Is closing > impactSpeed(c, length)? Without a square root.
 RUBBLE_HD inline bool isImpact(const StepConstants& c, Real closing, Real length) {
   return closing > kImpactSteps * c.dt * c.gravitySize &&
          closing * closing > kImpactShare * kImpactShare * c.gravitySize * length &&
          closing > kImpactWay * c.inverseDt * length;
 }
 
-/// Surface speed below which a body of bounding diameter L [m] is still. [m/s]
+/// Surface speed below which a body of bounding diameter L [m] counts as still [m/s].
 RUBBLE_HD inline Real stillSpeed(const StepConstants& c, Real length) {
   const Real a = c.gravitySize > Real(0) ? c.gravitySize
                                          : Real(kWeightlessShare) * length * c.inverseDt * c.inverseDt;

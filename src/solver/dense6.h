@@ -1,11 +1,11 @@
 #pragma once
-/// Full 6x6 matrices in double, for eliminations that subtract large stiffnesses from one another: what is
-/// left may be 1e-9 of them.
+/// Dense 6x6 matrices in double precision, for block elimination. It subtracts large stiffnesses from one
+/// another, and the remainder may be 1e-9 of them.
 #include "solver/block.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Linear part first, as in Vec6.
+/// A 6-vector in double precision, linear part first as in Vec6.
 struct Long6 {
   double v[6];
 };
@@ -68,11 +68,11 @@ RUBBLE_HD inline void subtractProduct(Long6& c, const Dense6& a, const Long6& b)
     for (int i = 0; i < 6; ++i) c.v[i] -= a.m[k][i] * b.v[k];
 }
 
-/// Smallest pivot over the diagonal element that it came from.
+/// Floor of a pivot, relative to its diagonal element before elimination.
 inline constexpr double kDensePivotFloor = 1e-13;
 
-/// H = L D L^T of a symmetric positive definite H, of which it reads and writes the lower triangle: L below
-/// the diagonal, 1 / D on it.
+/// In-place factorization H = L D L^T of a symmetric positive definite H. Uses the lower triangle only: L
+/// below the diagonal, 1 / D on it.
 RUBBLE_HD inline void factor(Dense6& h) {
   double d[6];
   for (int j = 0; j < 6; ++j) {

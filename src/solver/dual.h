@@ -1,12 +1,11 @@
 #pragma once
-/// The dual update: after each sweep a multiplier takes over the force of its row, and k grows where that is
-/// still moving.
+/// The dual update: after each sweep the multiplier of a row becomes its force, and k grows.
 #include "solver/row.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// \eq{S13} lambda <- F, the bounded force k C + lambda; k moves by its rule while the force is inside its
-/// bound. `keeps`: where multipliers are kept.
+/// \eq{S13} lambda <- F, the bounded force k C + lambda; k follows its rule while F is below its bound.
+/// `keeps`: mask of the lanes that keep their multiplier.
 template <int N, class L, class Mask>
 RUBBLE_HD RUBBLE_NEAR void updateRows(GroupLaw<L>& g, const StiffnessRuleT<L>& rule, Mask keeps,
                                       const L* error, L* lambda, int count) {
@@ -19,7 +18,7 @@ RUBBLE_HD RUBBLE_NEAR void updateRows(GroupLaw<L>& g, const StiffnessRuleT<L>& r
     force2 += force[i] * force[i];
     lambda[i] = select(keeps, force[i], zero);
   }
-  // a compliant group needs no growth: its multiplier converges to K_mat C at any k
+  // no growth for a compliant group: its multiplier converges to K_mat C at any k
   const L grown = grownBy(rule, g.k, sqrtOf(error2), sqrtOf(force2));
   g.k = select(over, g.k, select(g.compliance == zero, grown, g.k));
 }

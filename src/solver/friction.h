@@ -1,31 +1,31 @@
 #pragma once
-/// Coulomb friction of a contact point: a circular cone in the tangent plane, written for lanes.
+/// Coulomb friction of a contact point: a circular cone in the tangent plane. L: Real or SIMD lanes.
 #include <limits>
 
 #include "math/sym.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Force in the tangent basis and its Hessian W = across 1 + excess e e^T.
+/// Friction force in the tangent basis, and its Hessian W = across 1 + excess e e^T.
 template <class L> struct TangentForce {
   L f1, f2;
-  L e1, e2;          ///< direction e of k C + lambda, along which the point is held or slides
-  L across, excess;  ///< stiffness across e, and by how much more or less there is along it
-  L inside;          ///< 1 where the force is inside the cone (sticking), else 0
+  L e1, e2;          ///< direction of k C + lambda, along which the point sticks or slides
+  L across, excess;  ///< stiffness perpendicular to e, and its excess along e
+  L inside;          ///< 1: the force is inside the cone (sticking), else 0
 
   RUBBLE_HD L w11() const { return across + excess * e1 * e1; }
   RUBBLE_HD L w12() const { return excess * e1 * e2; }
   RUBBLE_HD L w22() const { return across + excess * e2 * e2; }
 };
 
-/// Least Hessian stiffness along the sliding direction, in cone force over slip [1]: 1 would stop the slip
-/// within the step.
+/// Least Hessian stiffness along the sliding direction, in units of cone force over slip [1]. At 1 the slip
+/// would stop within the step.
 inline constexpr Real kSlidingResistance = Real(.5);
 
-/// l = k C + lambda, cut to the cone |l| <= mu F_n. A point that leaves the cone of `mu` slides with
-/// `muDynamic` at once. The Hessian is that of the cut force: along the sliding direction e the secant |b -
-/// lambda.e| / |C.e|, across it k b / |l| (exact). With `coneHessian` false it is k in both directions, as in
-/// the paper.
+/// The force l = k C + lambda, projected onto the cone |l| <= mu F_n. A point that leaves the cone of `mu`
+/// slides with `muDynamic` at once. The Hessian is that of the projected force: along the sliding direction e
+/// the secant |b - lambda.e| / |C.e|, perpendicular to it k b / |l| (exact), with b = muDynamic F_n. With
+/// `coneHessian` false it is k in both directions, as in the paper.
 template <class L>
 RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L normalForce, L mu,
                                         L muDynamic, bool coneHessian) {
@@ -46,8 +46,8 @@ RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L
     return t;
   }
   const L slip = absOf(c1 * t.e1 + c2 * t.e2), missing = absOf(bound - (lambda1 * t.e1 + lambda2 * t.e2));
-  // With lambda on the cone the secant is 0, and the body would overshoot and flip lambda for ever: resist
-  // half of what stops it.
+  // With lambda on the cone the secant is 0; the body would then overshoot and flip the sign of lambda in
+  // every iteration. The floor is half of what stops it.
   const L resistance = maxOf(missing, A::splat(kSlidingResistance) * bound) / maxOf(slip, tiny);
   const L along = select(stick, k, select(slip < tiny, k, minOf(k, resistance)));
   t.across = select(stick, k, minOf(k, k * bound * inverse));
@@ -55,8 +55,8 @@ RUBBLE_HD TangentForce<L> frictionForce(L k, L c1, L c2, L lambda1, L lambda2, L
   return t;
 }
 
-/// The Hessian W = k_n n n^T + across (1 - n n^T) + excess e e^T of a point with normal n, tangents t1, t2
-/// and e = e1 t1 + e2 t2.
+/// The Hessian W = k_n n n^T + across (1 - n n^T) + excess e e^T of a contact point, with normal n, tangents
+/// t1, t2 and e = e1 t1 + e2 t2.
 template <class L>
 RUBBLE_HD Sym3T<L> pointHessian(const Vec3& n, const Vec3& t1, const Vec3& t2, L kN,
                                 const TangentForce<L>& t) {

@@ -1,18 +1,18 @@
 #pragma once
-/// Differences and updates of poses. A pose in a step is x^t plus a displacement; orientations are kept
+/// Differences and updates of poses. Within a step a pose is x^t plus a displacement, and orientations are
 /// relative to q^t.
 #include "math/rotation.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A position and an orientation; L as in lanes.h.
+/// A position and an orientation; L: Real or SIMD lanes (math/lanes.h).
 template <class L> struct PoseT {
   Vec3T<L> p;
   QuatT<L> q;
 };
 using Pose = PoseT<Real>;
 
-/// A 6-vector: linear part first; angular part in world axes.
+/// A 6-vector: linear part first, angular part in world axes.
 template <class L> struct Vec6T {
   Vec3T<L> lin, ang;
   RUBBLE_HD friend Vec6T operator-(const Vec6T& a) { return {-a.lin, -a.ang}; }
@@ -26,7 +26,7 @@ template <class L> RUBBLE_HD RUBBLE_NEAR Vec6T<L> difference(const PoseT<L>& a, 
   return {a.p - b.p, LaneAccess<L>::splat(2) * shortArc(a.q * conjugate(b.q)).v};
 }
 
-/// \eq{S9} x + dx = (p + dp, normalize(q + (0, dw) q / 2)). For the small updates of the solver.
+/// \eq{S9} x + dx = (p + dp, normalize(q + (0, dw) q / 2)). For small updates only.
 template <class L = Real> RUBBLE_HD RUBBLE_NEAR PoseT<L> retract(const PoseT<L>& x, const Vec6T<L>& dx) {
   using A = LaneAccess<L>;
   const QuatT<L> dq = QuatT<L>{A::splat(0), dx.ang} * x.q;

@@ -1,6 +1,6 @@
 #pragma once
 /// Rows: scalar constraints C(x) with a Jacobian. A group of rows shares one stiffness and one bound on the
-/// size of its force.
+/// norm of its force.
 #include "solver/block.h"
 #include "solver/warmstart.h"
 
@@ -8,37 +8,38 @@ namespace rubble::RUBBLE_CORE {
 
 /// \eq{S10} Energy of a row of finite stiffness: k C^2 / 2. [J]
 RUBBLE_HD inline Real quadraticEnergy(Real k, Real error) { return k * error * error / 2; }
-/// \eq{S11} Energy of a hard row: k C^2 / 2 + lambda C; its derivative by C is the force. [J]
+/// \eq{S11} Energy of a hard row: k C^2 / 2 + lambda C. Its derivative with respect to C is the force. [J]
 RUBBLE_HD inline Real augmentedEnergy(Real k, Real lambda, Real error) {
   return quadraticEnergy(k, error) + lambda * error;
 }
 
 enum class RowUnit { Linear, Angular };
 
-/// Rows [begin, begin + count) of a force.
+/// Rows [begin, begin + count) of a constraint.
 struct RowGroup {
   int begin, count;
   RowUnit unit;
 };
 
-/// What the force of a group depends on, besides errors and multipliers.
+/// Force law of a group: what its force depends on besides errors and multipliers.
 template <class L> struct GroupLaw {
   L k;           ///< [N/m] or [N m/rad]
   L compliance;  ///< 1 / K_mat; 0 for a hard group
-  L bound;       ///< largest |force| [N] or [N m]
+  L bound;       ///< largest norm of the force [N] or [N m]
 };
-/// What a group of rows keeps: multipliers live beside it, one a row.
+/// State of a group of rows. Its multipliers are stored beside it, one per row.
 struct GroupState {
   Real k, compliance, bound;  ///< as in GroupLaw
   StiffnessRule rule;
-  int keepsMultiplier;  ///< 0 (no bool: padding would be left to chance where states are compared): a soft
-                        ///< group whose k ramps up to K_mat instead (the paper's rule for finite stiffness)
+  int keepsMultiplier;  ///< 0: a soft group whose k ramps up to K_mat (the paper's rule for finite
+                        ///< stiffness). An int, so that states compared byte by byte have no padding
 };
 
-/// Force multiplier and Hessian stiffness of a group at error C: s (k C + lambda) and s k, s = 1 / (1 + k
-/// compliance), the force cut to the bound. Hard rows have s = 1. Returns where it was cut. A cut force has
-/// the secant stiffness |bound - lambda| / |C| along itself, and at least half of what stops it: with lambda
-/// at the bound the secant alone is zero, the bodies overshoot, and the force turns round at its full size.
+/// Force and Hessian stiffness of a group at error C: s (k C + lambda) and s k, with s = 1 / (1 + k
+/// compliance); s = 1 for hard rows. The force is cut to the bound; returns the mask of the cut lanes. A cut
+/// force has the secant stiffness |bound - lambda| / |C| along itself, but at least half of what stops the
+/// bodies. With lambda at the bound the secant alone is zero; the bodies overshoot and the force reverses at
+/// full size.
 template <int N, class L>
 RUBBLE_HD RUBBLE_NEAR auto cutForce(const GroupLaw<L>& g, const L* error, const L* lambda, L (&force)[N],
                                     int count, L& hessian) {
@@ -61,7 +62,7 @@ RUBBLE_HD RUBBLE_NEAR auto cutForce(const GroupLaw<L>& g, const L* error, const 
   hessian = select(over & (error2 > zero), minOf(hessian, secant), hessian);
   return over;
 }
-/// The same; returns whether the force is inside its bound.
+/// cutForce for one GroupState; returns true if the force is inside its bound.
 template <int N>
 RUBBLE_HD RUBBLE_NEAR bool aggregateForce(const GroupState& g, const Real* error, const Real* lambda,
                                           Real (&force)[N], int count, Real& hessian) {
@@ -79,22 +80,22 @@ RUBBLE_HD RUBBLE_NEAR void accumulateRow(Block6& block, const Vec6& j, Real forc
   block.al2 += (k * j.lin.z) * j.ang;
 }
 
-/// \eq{S16} The second-derivative term G = sum F d2C/dx2 of a force, replaced by the diagonal of its column
-/// norms: H += diag(g).
+/// \eq{S16} Second-derivative term G = sum F d2C/dx2, replaced by the diagonal of its column norms:
+/// H += diag(g).
 template <class L> RUBBLE_HD RUBBLE_NEAR void accumulateCurvature(Block6T<L>& block, const Vec6T<L>& g) {
   block.ll.xx += g.lin.x, block.ll.yy += g.lin.y, block.ll.zz += g.lin.z;
   block.aa.xx += g.ang.x, block.aa.yy += g.ang.y, block.aa.zz += g.ang.z;
 }
-/// The same where the body's centre lies `shift` from the point that the block is about.
+/// The same for a block about another point; the center of the body lies `shift` from it.
 RUBBLE_HD RUBBLE_NEAR void accumulateCurvature(Block6& block, const Vec6& g, const Vec3& shift) {
-  // few rows have a linear part
+  // few rows have curvature in their linear part
   if (!(g.lin.x + g.lin.y + g.lin.z > Real(0))) return accumulateCurvature(block, g);
   addAtLever(block, shift, {0, 0, 0}, Sym3{g.lin.x, 0, 0, g.lin.y, 0, g.lin.z});
   accumulateCurvature(block, {{0, 0, 0}, g.ang});
 }
 
-/// Second derivative of a . r(w) for a vector r = b that turns with the body: S(a, b) = (a b^T + b a^T) / 2 -
-/// (a . b) 1. Norms of its columns.
+/// Column norms of the second derivative S(a, b) = (a b^T + b a^T) / 2 - (a . b) 1 of a . r(w), where the
+/// vector r = b rotates with the body.
 template <class L = Real>
 RUBBLE_HD RUBBLE_NEAR Vec3T<L> turningColumnNorms(const Vec3T<L>& a, const Vec3T<L>& b) {
   const L aa = dot(a, a), bb = dot(b, b), ab = dot(a, b), zero = LaneAccess<L>::splat(0);

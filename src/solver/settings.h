@@ -1,16 +1,16 @@
 #pragma once
-/// From what users set to the constants of a step.
+/// Computes the constants of a step from the user's parameters.
 #include <algorithm>
 
 #include "solver/constants.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// `previousDt`: of the last step [s], 0 before the first.
+/// `previousDt`: time step of the last step [s], 0 before the first.
 inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, double previousDt) {
   const Tuning& t = params.tuning;
   const double dt = params.dt / params.substeps;
-  // (1 - alpha) / dt, the rate at which errors are corrected, is the same for every time step [1/s]
+  // (1 - alpha) / dt, the correction rate of errors, does not depend on the time step [1/s]
   constexpr double kCorrectionRate = 3;
   const double alpha = t.errorRetention >= 0 ? t.errorRetention : 1 - std::min(1.0, kCorrectionRate * dt);
   StepConstants c{};
@@ -42,7 +42,7 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.coarseCorrection = t.coarseCorrection;
   c.jointTrees = t.jointTrees;
   c.acceleration = static_cast<Real>(t.acceleration);
-  // not zero: belts divide by it
+  // not zero, because the surface velocity of conveyors is divided by it
   constexpr double kLeastDriftCorrection = 1e-6;
   c.driftCorrection = static_cast<Real>(std::max(
       kLeastDriftCorrection, t.driftCorrection >= 0 ? std::min(1.0, t.driftCorrection * dt) : 1 - alpha));

@@ -1,6 +1,6 @@
 #pragma once
-/// The penalty stiffness k of a row: where it starts and how it moves. It sets how fast multipliers converge,
-/// never what they converge to.
+/// The penalty stiffness k of a row: start value and growth. It affects how fast multipliers converge, not
+/// their limit.
 #include <limits>
 
 #include "math/lanes.h"
@@ -8,24 +8,23 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Floor of k: K m_row / dt^2, with m_row the mass of the lighter dynamic body of the row (angular rows: its
-/// inertia about the row).
+/// Floor of k: K m_row / dt^2. m_row is the mass of the lighter dynamic body of the row; for angular rows its
+/// moment of inertia about the row.
 RUBBLE_HD inline Real startStiffness(const StepConstants& c, Real rowInertia) {
   return c.startStiffness * rowInertia * c.inverseDt * c.inverseDt;
 }
 
-/// How k of one row moves. `unit` = m_row / dt^2.
+/// Growth rule of k for one row. The unit of stiffness is m_row / dt^2.
 template <class L> struct StiffnessRuleT {
   StiffnessPolicy policy;
   L start;    ///< k_start
   L limit;    ///< k_max
-  L beta;     ///< Ramp: growth for each unit of error
-  L perLoad;  ///< FollowLoad: 1 / (a dt^2): the mass that the load is the weight of, at acceleration a, over
-              ///< dt^2
+  L beta;     ///< Ramp: growth per unit of error
+  L perLoad;  ///< FollowLoad: 1 / (a dt^2); the load is the weight of this mass at acceleration a, over dt^2
 };
 using StiffnessRule = StiffnessRuleT<Real>;
 
-/// `rampRate`: B; `length`: characteristic length of a linear row [m], 1 for an angular row.
+/// `rampRate`: B. `length`: characteristic length of a linear row [m], 1 for an angular row.
 RUBBLE_HD inline StiffnessRule stiffnessRule(const StepConstants& c, StiffnessPolicy policy, Real rampRate,
                                              Real start, Real length) {
   const Real unit = start / c.startStiffness;
@@ -39,10 +38,10 @@ RUBBLE_HD inline StiffnessRule jointRule(const StepConstants& c, Real start, Rea
   return stiffnessRule(c, c.jointPolicy, c.jointRampRate, start, length);
 }
 
-/// Largest k of a normal row of depth C_n0 at x^t. Bodies deep in one another may have no way out (a cube
-/// born between two that a joint holds): there the error stays whatever the force, and a stiffness that
-/// follows its load doubles that load every step, up to the day when the bodies slip free. With k held the
-/// load is too: the part that the warm start forgets balances what the error adds.
+/// Largest k of a normal row whose depth is C_n0 at x^t. Deeply interpenetrating bodies may have no way out,
+/// for example a cube created between two jointed bodies. Their error persists at any force; a stiffness that
+/// follows the load would double the load in every step until the bodies slip free. At constant k the load is
+/// bounded, because the decay of the warm start balances what the error adds.
 template <class L> RUBBLE_HD L contactCeiling(const StepConstants& c, Real start, Real length, L depth) {
   using A = LaneAccess<L>;
   const Real deep = c.contactPolicy == StiffnessPolicy::FollowLoad ? kDeepShare * length
@@ -51,21 +50,20 @@ template <class L> RUBBLE_HD L contactCeiling(const StepConstants& c, Real start
                 A::splat(c.maxStiffness * start / c.startStiffness));
 }
 
-/// Tangential rows of a contact: they start softer and follow their own load.
+/// Growth rule of the tangential rows of a contact: a lower start, then k follows their own load.
 RUBBLE_HD inline StiffnessRule tangentRule(const StepConstants& c, StiffnessRule normal) {
   normal.start *= c.tangentStiffness;
   return normal;
 }
 
-/// \eq{S14} k + beta |C|, up to the ceiling; or the stiffness that follows the load, max(k_start, |lambda| /
-/// (a dt^2)).
+/// \eq{S14} k + beta |C|, up to the ceiling; or, for FollowLoad, max(k_start, |lambda| / (a dt^2)).
 template <class L>
 RUBBLE_HD RUBBLE_NEAR L grownBy(const StiffnessRuleT<L>& rule, L k, L error, L multiplier) {
   if (rule.policy == StiffnessPolicy::FollowLoad)
     return minOf(maxOf(rule.start, absOf(multiplier) * rule.perLoad), rule.limit);
   return minOf(k + rule.beta * absOf(error), rule.limit);
 }
-/// The same for rows side by side that have one rule.
+/// The same for SIMD lanes that share one rule.
 template <class L> RUBBLE_HD L grownStiffness(const StiffnessRule& rule, L k, L error, L multiplier) {
   using A = LaneAccess<L>;
   const StiffnessRuleT<L> each{rule.policy, A::splat(rule.start), A::splat(rule.limit), A::splat(rule.beta),

@@ -1,5 +1,6 @@
 #pragma once
-/// What a row takes over from the step before, and how much of its error.
+/// Warm start: multipliers and stiffness carried over from the last step, and regularization of inherited
+/// errors.
 #include "solver/stiffness.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -15,32 +16,32 @@ RUBBLE_HD inline Real warmMultiplier(const StepConstants& c, Real lambda, bool h
   return (hard ? c.alpha * c.gamma : c.gamma) * lambda;
 }
 
-/// Second half of [S 17]: k <- max(gamma k, k_start), within the ceiling of its rule; rescaled where the time
-/// step has changed.
+/// Second half of [S 17]: k <- max(gamma k, k_start), within the ceiling of its rule. Rescaled if the time
+/// step changed.
 RUBBLE_HD inline Real warmStiffness(const StepConstants& c, const StiffnessRule& rule, Real k, Real lambda) {
   if (rule.policy == StiffnessPolicy::FollowLoad) return grownStiffness<Real>(rule, k, Real(0), lambda);
   return clamp(c.gamma * k * c.stiffnessRescale, rule.start, rule.limit);
 }
 
-/// k of a row that is new and begins with a load.
+/// k of a new row that starts with a load.
 RUBBLE_HD inline Real newStiffness(const StiffnessRule& rule, Real lambda) {
   return rule.policy == StiffnessPolicy::FollowLoad ? grownStiffness<Real>(rule, rule.start, Real(0), lambda)
                                                     : rule.start;
 }
 
-/// What of an authored error, a difference of numbers of that size, is more than round-off: the load of a
-/// stiff row would be that of round-off else.
+/// The part of an error above round-off; `size` is the magnitude of the numbers that it is a difference of.
+/// Otherwise a stiff row would start with a load of round-off.
 RUBBLE_HD inline Real beyondRoundOff(Real error, Real size) {
   constexpr Real kRoundOff = 8 * std::numeric_limits<Real>::epsilon();
   return error - clamp(error, -kRoundOff * size, kRoundOff * size);
 }
 
-/// C(x^t) of an equality after regularisation, C*(x) - alpha C*(x^t): only the part 1 - alpha of an inherited
-/// error is corrected in this step.
+/// Regularized error of an equality at x^t, C* - alpha C*: only the share 1 - alpha of an inherited error is
+/// corrected in this step.
 RUBBLE_HD inline Real inheritedError(const StepConstants& c, Real error) {
   return (Real(1) - c.alpha) * error;
 }
-/// The same for a row that acts on C > 0 only: a gap is not an error and stays whole.
+/// The same for an inequality that acts on C > 0: a gap is not an error and is not scaled.
 RUBBLE_HD inline Real inheritedViolation(const StepConstants& c, Real error) {
   return error > Real(0) ? inheritedError(c, error) : error;
 }

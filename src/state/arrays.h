@@ -1,5 +1,5 @@
 #pragma once
-/// The list of all arrays of the engine: name, unit, shape and how long each lasts.
+/// The table of all arrays of SolverData: name, unit, number of elements and lifetime.
 #include "state/solver_data.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -10,8 +10,8 @@ template <class T> struct ArrayInfo {
   const char* unit;
   Per per;
   Lifetime life;
-  int extra = 0;         ///< elements beyond one for each
-  bool aliases = false;  ///< in the memory of another array
+  int extra = 0;         ///< elements beyond one per `per`
+  bool aliases = false;  ///< shares the memory of another array
 };
 
 /// Calls f(ArrayInfo) for every array.

@@ -1,5 +1,6 @@
 #pragma once
-/// What is kept of a body, besides its arrays of state.
+/// Per-body records other than the plain state arrays: parameters, filters, pairs, incidences, aggregates,
+/// islands and the counters of a step.
 #include "collision/lattice.h"
 #include "collision/manifold.h"
 #include "forces/forces.h"
@@ -10,11 +11,11 @@ namespace rubble::RUBBLE_CORE {
 
 enum class BodyKind : int { Removed, Static, Kinematic, Dynamic };
 
-/// Authored once; read-only in a step. No bytes lie between or behind the members: hashes take all of them.
+/// Authored once; read-only in a step. There is no padding, because hashes cover every byte.
 struct BodyParams {
   ShapeData shape;
   BodyKind kind;
-  int surface;   ///< its material in the shared table, -1: the numbers below with the usual rules
+  int surface;   ///< material in the shared table; -1: the coefficients below with the default combine rules
   Real mass;     ///< [kg]; 0 unless dynamic
   Vec3 inertia;  ///< principal moments, body axes [kg m2]
   Real radius;   ///< bounding sphere [m]
@@ -24,58 +25,58 @@ struct BodyParams {
 };
 static_assert(sizeof(BodyParams) == sizeof(ShapeData) + 2 * sizeof(int) + 9 * sizeof(Real));
 
-/// A material in full.
+/// A material with all its coefficients.
 struct SurfaceData {
   Real muStatic, muDynamic, restitution;
   int frictionCombine, restitutionCombine;  ///< rubble::Combine
-  Real rolling, torsional;                  ///< levers of the moments that resist [m]
-  Vec3 velocity;                            ///< of a belt, body axes [m/s]
+  Real rolling, torsional;  ///< rolling and torsional resistance: lever of the resisting moment [m]
+  Vec3 velocity;            ///< surface velocity of a conveyor, body axes [m/s]
 };
 
-/// What few bodies have: read once a step.
+/// Properties that few bodies have; read once per step.
 struct BodyExtras {
   Real linearDamping, angularDamping;  ///< [1/s]
   int locks;   ///< bits 0-2: no translation along world x, y, z; bits 3-5: no rotation about them
   int traits;  ///< bits 1 << BodyTrait
 };
 
-/// What few bodies have, and stages ask for at once: the world counts the bodies that have each.
+/// Optional features of bodies. The world counts the bodies that have each, so that stages can be skipped.
 enum class BodyTrait { GeneralShape, Rolls, Bounces, Locked, Filtered };
 inline constexpr int kBodyTraits = 5;
 struct TraitCounts {
   int bodies[kBodyTraits] = {};
   RUBBLE_HD int& operator[](BodyTrait t) { return bodies[static_cast<int>(t)]; }
   RUBBLE_HD int operator[](BodyTrait t) const { return bodies[static_cast<int>(t)]; }
-  /// `change` more bodies have the traits of these bits.
+  /// Adds `change` to the count of every trait whose bit is set.
   void count(int traits, int change) {
     for (int t = 0; t < kBodyTraits; ++t) bodies[t] += (traits >> t & 1) * change;
   }
 };
 
-/// Which bodies meet (CollisionFilter), and whether they push.
+/// Collision filter of a body (CollisionFilter), and whether it is a sensor.
 struct BodyFilter {
   std::uint32_t layers, mask;
   int group;
   int sensor;
 };
 
-/// World-aligned box swept over the step, with its cell in the grid of its level.
+/// World AABB swept over the step, with its cell in the grid of its level.
 struct Bounds {
   Vec3 centre, half;  ///< [m]
   int level;          ///< -1: not in the grid (planes, removed bodies)
   int x, y, z;        ///< cell
 };
 
-/// A body in its place in the grid.
+/// A body as stored in its grid bucket.
 struct alignas(8 * sizeof(Real)) GridEntry {
-  Vec3 centre, half;  ///< of its bounds [m]
+  Vec3 centre, half;  ///< of its Bounds [m]
   int body;
   int level;
 };
 
-/// Two parts of bodies whose swept boxes meet. The pair belongs to the body of the finer grid level; of two
-/// in one level to that of lower index. What first and second are is said in stages/pairs/pair_parts.h; of
-/// two plain shapes both are 0.
+/// Two parts of bodies whose swept AABBs overlap. The owner is the body of the finer grid level; within one
+/// level it is the body of lower index. `first` and `second` are defined in stages/pairs/pair_parts.h and are
+/// 0 for two primitive shapes.
 struct alignas(16) Pair {
   int owner, other;
   std::uint32_t ownerIsA : 1;  ///< the owner has the lower id
@@ -83,7 +84,7 @@ struct alignas(16) Pair {
   int second;
 };
 static_assert(sizeof(Pair) == 4 * sizeof(int));
-/// Pairs of one owner are in this order.
+/// Order of the pairs of one owner.
 RUBBLE_HD constexpr bool before(const Pair& a, const Pair& b) {
   return a.other != b.other   ? a.other < b.other
          : a.first != b.first ? a.first < b.first
@@ -93,11 +94,12 @@ RUBBLE_HD constexpr bool samePair(const Pair& a, const Pair& b) {
   return a.other == b.other && a.first == b.first && a.second == b.second;
 }
 
-/// One row block that acts on a body, seen from it.
+/// One constraint that acts on a body, seen from that body.
 struct Incidence {
-  std::uint32_t code;  ///< sorted: force type (5 bits), index (26 bits), side (1 bit)
+  std::uint32_t code;  ///< sort key: constraint type (5 bits), index (26 bits), side (1 bit)
   int other;           ///< the other dynamic body or vertex (kVertexNode + index), or -1
-  int depth;  ///< coarse levels at which the two bodies are in different groups (nested: the finest ones)
+  int depth;  ///< number of coarse levels, counted from the finest, at which the two bodies are in different
+              ///< aggregates
 };
 inline constexpr int kContactType = 0;  ///< joint type i is i + 1
 RUBBLE_HD constexpr std::uint32_t constraintCode(int type, int index, int side) {
@@ -110,8 +112,8 @@ RUBBLE_HD constexpr int constraintIndex(std::uint32_t code) {
 }
 RUBBLE_HD constexpr int constraintSide(std::uint32_t code) { return static_cast<int>(code & 1u); }
 
-/// Entries of joints. One with carriers has up to four bodies; each has an incidence that acts and, as it has
-/// several neighbours there, up to two more that only tell of these (`link` 1, 2).
+/// Incidence code of a joint. A joint with frame bodies has up to four bodies. Each has one incidence that
+/// acts, plus up to two (`link` 1, 2) that only name its other neighbors.
 template <class F> RUBBLE_HD constexpr std::uint32_t jointCode(int index, int side, int link = 0) {
   constexpr int kType = typeIndex<F>(JointTypes{}) + 1;
   return isCarried<F>() ? constraintCode(kType, 8 * index + 2 * side + link / 2, link % 2)
@@ -127,8 +129,7 @@ template <class F> RUBBLE_HD constexpr bool isLink(std::uint32_t code) {
   return isCarried<F>() && (constraintIndex(code) % 2 != 0 || constraintSide(code) != 0);
 }
 
-/// Where a body would go without constraints, and its inertia, in this step. Aligned, so that it is read and
-/// written in few pieces.
+/// Inertial target and mass matrix of a body in this step. Aligned for vectorized loads and stores.
 struct alignas(4 * sizeof(Real)) BodyTarget {
   MassMatrix mass;
   Pose y;      ///< displacement [m] and rotation relative to x^t
@@ -136,45 +137,45 @@ struct alignas(4 * sizeof(Real)) BodyTarget {
   int unused;  ///< 0
 };
 
-/// What a contact has to do with an impact (stages/bounces/bounce.h).
+/// Restitution state of a contact (stages/bounces/bounce.h).
 struct Bounce {
-  Vec3 before[kLanes];   ///< multipliers with which the points began the step: normal, tangents [N]
-  Real impulse[kLanes];  ///< what the step added to the impulses of the normal rows [N s]
-  Real start, change;  ///< closing speed at x^t, and what forces add to it, by the loads of the points [m/s]
-  Real gap, end;       ///< gap at x^t and at the end of the step, below 0 in one another, likewise [m]
-  Real time;           ///< until it acts, below 0: it does not [s]
-  int carries, state;  ///< its load changed as in an impact; BounceState
+  Vec3 before[kLanes];   ///< multipliers of the points at the start of the step: normal, tangents [N]
+  Real impulse[kLanes];  ///< impulse that the step added to the normal rows [N s]
+  Real start, change;    ///< closing speed at x^t, and its change by forces weighted by the loads [m/s]
+  Real gap, end;  ///< gap at x^t and at the end of the step, weighted likewise; negative: penetration [m]
+  Real time;      ///< time of impact; negative: none [s]
+  int carries, state;  ///< 1: its load changed as in an impact; BounceState
 };
 struct BodyMotion {
   Vec3 v, w;  ///< [m/s], [rad/s]
 };
 
-/// What a contact does to bear one of its bodies, as found at the end of a step
+/// Support that a contact gives to one of its bodies, evaluated at the end of a step
 /// (stages/bodies/corrections.h).
 struct Support {
-  Vec3 correction;  ///< of B against A along the normal: what is corrected of their penetration in a step [m]
-  Real weight;      ///< force on B against gravity; below 0: it bears A [N]
+  Vec3 correction;  ///< displacement of B relative to A along the normal that corrects their penetration in
+                    ///< one step [m]
+  Real weight;      ///< force on B against gravity; negative: the contact supports A [N]
 };
 
-/// Levels of aggregates of bodies and soft nodes, from fine to coarse (stages/coarse/aggregates.h).
+/// Levels of aggregates of bodies and soft nodes, finest first (stages/coarse/aggregates.h).
 inline constexpr int kCoarseLevels = 4;
-/// The finest of them, which odd iterations sweep; even ones sweep all but the finest.
+/// Number of fine levels. Odd iterations sweep these; even iterations sweep all others.
 inline constexpr int kFineLevels = 2;
 
-/// A aggregate of bodies and soft nodes that the coarse correction moves as one.
+/// An aggregate of bodies and soft nodes that the coarse correction moves as one rigid body.
 struct Aggregate {
-  Vec3d centre;    ///< centre of mass [m]
-  Block6 inertia;  ///< Hessian of the inertia of its bodies about the centre; no force
-  Vec6 step;       ///< motion found by the last solve [m, rad]
+  Vec3d centre;    ///< center of mass [m]
+  Block6 inertia;  ///< inertial Hessian of its bodies about the center; its force part is unused
+  Vec6 step;       ///< solution of the last coarse solve [m, rad]
   int level;
-  int locks;   ///< motions that one of its bodies must not make, as in BodyExtras
-  int joined;  ///< 1: joints hold some of its bodies together, and all move about their present places
-               ///< (coarse.h)
-  int soft;    ///< 1: there are soft nodes, and the aggregate does not turn
+  int locks;   ///< locked axes of its bodies, as in BodyExtras
+  int joined;  ///< 1: contains rigid joints; its bodies then move about their present poses (coarse.h)
+  int soft;    ///< 1: contains soft nodes; the aggregate then has no rotation
   int sliceBegin, sliceEnd;
 };
 
-/// A part of an aggregate that one worker sums over.
+/// A part of an aggregate: the unit of parallel summation.
 struct Slice {
   int aggregate;
   int begin, end;  ///< in aggregateNode
@@ -182,18 +183,18 @@ struct Slice {
 };
 inline constexpr int kSliceNodes = 32;
 
-/// Sums over an island, or a part of it, about a fixed point and in a frame that goes on with its leader
+/// Sums over an island, or a part of it, about a fixed point, in a frame that moves with the root body
 /// (stages/islands/island_momentum.h).
 struct MomentumSums {
   Real mass;                       ///< [kg]
-  Real freeEnergy, energy;         ///< kinetic, of the inertial targets and of the iterates [J]
-  Vec3 place;                      ///< first moment of the masses at the end of the step [kg m]
-  Vec3 givenLinear, givenAngular;  ///< momenta that rows have given [kg m/s, kg m2/s]
+  Real freeEnergy, energy;         ///< kinetic energy of the inertial targets and of the iterates [J]
+  Vec3 place;                      ///< first mass moment at the end of the step [kg m]
+  Vec3 givenLinear, givenAngular;  ///< momenta added by rows [kg m/s, kg m2/s]
   Vec3 linear, angular;            ///< momenta of the iterates
   Sym3 inertia;                    ///< [kg m2]
 };
 inline constexpr int kMomentumTerms = sizeof(MomentumSums) / sizeof(Real);
-/// act(term) for each number of the sums.
+/// Calls act(term) for each scalar of the sums.
 template <class Act> RUBBLE_HD void forEachTerm(MomentumSums& m, Act&& act) {
   act(m.mass), act(m.freeEnergy), act(m.energy);
   const auto actOnVector = [&](Vec3& v) { act(v.x), act(v.y), act(v.z); };
@@ -202,13 +203,13 @@ template <class Act> RUBBLE_HD void forEachTerm(MomentumSums& m, Act&& act) {
   Sym3& i = m.inertia;
   act(i.xx), act(i.yy), act(i.zz), act(i.xy), act(i.xz), act(i.yz);
 }
-/// The same as whole numbers, whose sums do not depend on the order: in units of 2^-kTermBits of a power of
-/// two that no term of its kind reaches, so that 2^22 of them fit a sum.
+/// MomentumSums in fixed point, so that sums do not depend on the order. The unit is 2^-kTermBits of a power
+/// of two above every term of its kind, so that 2^22 terms fit one sum.
 struct IslandSums {
   static constexpr int kTermBits = 40;
   std::int64_t sum[kMomentumTerms];
-  int largest[kMomentumTerms];  ///< of the terms, as the bits of a float
-  int root;                     ///< the body that leads the island
+  int largest[kMomentumTerms];  ///< largest term, as the bits of a float
+  int root;                     ///< root body of the island
 
   /// Are all terms finite?
   RUBBLE_HD bool isKnown(int k) const { return largest[k] >> 23 < 255; }
@@ -220,60 +221,60 @@ struct IslandSums {
   }
 
  private:
-  /// Power of two of the units: a float with the exponent bits e is below 2^(e - 126).
+  /// Exponent of the fixed-point unit: a float with exponent bits e is below 2^(e - 126).
   RUBBLE_HD int shift(int k) const { return kTermBits - (largest[k] >> 23) + 126; }
 };
-/// What an island is given at the end of a step. Velocities in the same frame.
+/// Momentum correction of an island at the end of a step. Velocities are in the frame of MomentumSums.
 struct IslandRepair {
-  Vec3d centre;               ///< of mass, at the end of the step [m]
-  Vec3 velocity, spin;        ///< of the rigid motion that has the momenta of the iterates [m/s, rad/s]
-  Vec3 addVelocity, addSpin;  ///< added to it
-  Real loss;                  ///< share of all other motion that is taken away [1]
+  Vec3d centre;               ///< center of mass at the end of the step [m]
+  Vec3 velocity, spin;        ///< rigid motion that has the momenta of the iterates [m/s, rad/s]
+  Vec3 addVelocity, addSpin;  ///< correction of that rigid motion
+  Real loss;                  ///< share of the motion relative to it that is removed [1]
   int active;                 ///< 0: the sums are not finite
 };
 
-/// Levels of the grid: cells of level k have an edge of 2^(k - kMetreLevel) m, a ladder and no scale.
+/// Grid levels. Cells of level k have an edge of 2^(k - kMetreLevel) m: a fixed ladder, not a scale of the
+/// scene.
 inline constexpr int kGridLevels = 32;
 inline constexpr int kMetreLevel = 16;
-/// More than any cell of the grid is from the first.
+/// Bias of cell coordinates; larger than any cell index.
 inline constexpr int kCellOrigin = 1 << 30;
-/// A level with no more bodies than this lists them: nobody looks for a ball or the ground in a hundred
-/// cells.
+/// A level with at most this many bodies keeps them in a list, so that queries need not visit many cells to
+/// find a few bodies.
 inline constexpr int kListedBodies = 8;
 
-/// Numbers that a step counts. `required` fields may exceed the room there is; then the step is begun again
-/// with more.
+/// Counters of a step. A `required` counter may exceed its capacity; the tables then grow and the step runs
+/// again.
 struct Counters {
   int pairs, activePairs, manifolds, incidences, colors;
   int contacts, recycled, newPairs, tested;
   int aggregates, slices, boundary;
-  int clashing, clashes, rounds;  ///< nodes that choose a colour, those left to choose again, rounds of that
-  int anyFast;                    ///< 1: a body goes far, or is pressed into another
-  int swept;                      ///< pairs to be searched for fast bodies: all, or none
-  int stopped;                    ///< bodies that stopped at an impact
-  int asleep;                     ///< bodies that sleep after this step
+  int clashing, clashes, rounds;  ///< nodes that need a new color, color conflicts left, and coloring rounds
+  int anyFast;                    ///< 1: a body needs CCD: it moves far, or is pressed into another
+  int swept;                      ///< pairs to be tested by CCD: all, or none
+  int stopped;                    ///< bodies whose motion CCD cut short
+  int asleep;                     ///< bodies asleep after this step
   int quarantined, failedSolves, boundedSteps, spinLimited, broken;
   int unfinished;  ///< largest motion of a body in the last sweep over its bounding diameter, as the bits of
                    ///< a float [1]
   int pointPairs, pointContacts, pointIncidences;
   int bounces, bounceRows;  ///< 1: a contact with restitution closes fast; contacts, if one does
   int bounceSpread, bounceSpreads, bounceBound, bounceBounds, bounceLeft,
-      bounceTurns;   ///< of its rounds: what is left to do, and how many there were
-  int bouncesLeft;   ///< contacts that still close after the last round
-  int freeIslands;   ///< bodies that rows connect and nothing holds
-  int rollers;       ///< near pairs, where some material has rolling friction
-  int nearFeatures;  ///< pairs of features that may meet on their ways
-  int crossingWork;  ///< as many, and at least as many as there are vertices
+      bounceTurns;   ///< restitution rounds: work left, and number of rounds
+  int bouncesLeft;   ///< contacts that still close after the last restitution round
+  int freeIslands;   ///< islands that no row connects to the world or to a non-dynamic body
+  int rollers;       ///< active pairs, if some material has rolling resistance
+  int nearFeatures;  ///< candidate pairs of features whose swept motions may meet
+  int crossingWork;  ///< the same count, but at least the number of vertices
   int crossings,
-      crossingRounds;        ///< pairs of features that would come too near, and rounds until there are none
-  int deflected, held;       ///< vertices whose way was changed, or cut, for that
-  int boxLevels[kBoxKinds];  ///< levels of the grids of boxes in use, a bit each
+      crossingRounds;        ///< pairs of features that would come too near, and rounds to resolve them
+  int deflected, held;       ///< vertices whose motion was deflected or cut for that
+  int boxLevels[kBoxKinds];  ///< bit mask of the used levels of the box grids
   int boxHalf[kBoxKinds][kBoxLevels][3];  ///< largest half extents, as bits like levelHalf [m]
-  int levelCount[kGridLevels];            ///< bodies of a level, counted up to kListedBodies and a few more
+  int levelCount[kGridLevels];  ///< bodies of a level; counted up to a little more than kListedBodies
   int levelBody[kGridLevels][kListedBodies];  ///< the first of them, in no fixed order
   int levelHalf[kGridLevels][3];  ///< largest half extents of a level, as the bits of non-negative floats [m]
-  int levelReach[kGridLevels][2]
-                [3];  ///< cells of a level in use: kCellOrigin less the lowest, and plus the highest
+  int levelReach[kGridLevels][2][3];  ///< used cells: kCellOrigin minus the lowest, and plus the highest
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,16 +1,16 @@
 #pragma once
-/// The arrays of joints, a set for each type.
+/// Arrays of joints, one set per joint type.
 #include "forces/joint_accumulation.h"
 #include "forces/joint_tree.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// The arrays of one joint type.
+/// Arrays of one joint type.
 template <class F> struct JointTable {
   JointSpec<F>* spec = nullptr;
   Joint<F>* joint = nullptr;
   TreeRows<F>* treeRows = nullptr;
-  JointAngularRows<F>* angularRows = nullptr;  ///< none for types that have no parts that turn
+  JointAngularRows<F>* angularRows = nullptr;  ///< null for types without angular rows
 };
 template <class List> struct JointTables;
 template <class... F> struct JointTables<TypeList<F...>> : JointTable<F>... {};

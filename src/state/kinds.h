@@ -1,11 +1,11 @@
 #pragma once
-/// What arrays of the engine have elements of, and how long their content matters.
+/// What the arrays of SolverData have one element per, and how long their content stays valid.
 #include "forces/forces.h"
 #include "state/vertices.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// What an array has one element of.
+/// What an array has one element per.
 enum class Per {
   Body,
   BodySlot,
@@ -53,19 +53,22 @@ enum class Per {
   FirstElement,
   FirstJoint = FirstElement + ElementTypes::kSize
 };
-/// The element types follow one another from FirstElement on, the joint types from FirstJoint on.
+/// Element types take consecutive values from FirstElement on, joint types from FirstJoint on.
 inline constexpr int kPerCount = static_cast<int>(Per::FirstJoint) + JointTypes::kSize;
 
-/// How long its content matters: authored (written by edits), derived (by the host from what is authored),
-/// state (from step to step), work (inside one step), unordered (work whose order of elements is not fixed
-/// and has no influence on results).
+/// How long the content of an array stays valid:
+///   Authored   written by edits
+///   Derived    computed on the host from authored data
+///   State      kept from step to step
+///   Work       valid inside one step
+///   Unordered  like Work; the order of its elements is not fixed and does not influence results
 enum class Lifetime { Authored, Derived, State, Work, Unordered };
 
-/// Candidates that a body may own before its pairs are searched a second time.
+/// Pairs that a body may own before the broad phase runs again with more room.
 inline constexpr int kPairSlots = 20;
 
 constexpr Per perJoint(int type) { return static_cast<Per>(static_cast<int>(Per::FirstJoint) + type); }
-/// The joint type that a kind of element is one of, or -1.
+/// Index of the joint type of `per`, or -1.
 constexpr int jointTypeOf(Per per) {
   return per < Per::FirstJoint ? -1 : static_cast<int>(per) - static_cast<int>(Per::FirstJoint);
 }

@@ -1,6 +1,5 @@
 #pragma once
-/// The memory behind a SolverData: every array has room for as many elements as its kind needs; growing keeps
-/// what is there.
+/// Owner of the memory behind a SolverData. Each array has a capacity by its kind; growing keeps the content.
 #include <cstddef>
 
 #include "state/arrays.h"
@@ -23,7 +22,7 @@ template <class Memory> class SolverTables {
   SolverTables(const SolverTables&) = delete;
   SolverTables& operator=(const SolverTables&) = delete;
 
-  /// Bodies that have each trait; the flags of the SolverData follow.
+  /// Number of bodies with each trait. Setting it updates the flags of the SolverData.
   const TraitCounts& traits() const { return traits_; }
   void setTraits(const TraitCounts& traits) {
     traits_ = traits;
@@ -36,7 +35,8 @@ template <class Memory> class SolverTables {
   const SolverData& view() const { return view_; }
   int capacity(Per per) const { return capacity_[static_cast<int>(per)]; }
 
-  /// Room for at least `count` elements of a kind; grows by half, so that rising needs cost few moves.
+  /// Grows the arrays of a kind to at least `count` elements, by half more, so that repeated growth stays
+  /// cheap.
   void reserve(Per per, int count) {
     int& capacity = capacity_[static_cast<int>(per)];
     if (count <= capacity) return;
@@ -62,12 +62,12 @@ template <class Memory> class SolverTables {
     return sum;
   }
 
-  /// Contact rows have no memory of their own: when all manifolds are found, nobody reads those of the step
-  /// before, and there are no more rows than near pairs. Between steps the rows of the last one stay there,
-  /// in what the next step fills with manifolds.
+  /// Contact rows alias the old manifolds. Once all manifolds of the step are found, the old ones are unused,
+  /// and there are no more rows than active pairs. Between steps the rows of the last step stay valid there,
+  /// until the next step overwrites them with manifolds.
   void aliasRows() { aliasRowsIn(view_.oldManifold); }
 
-  /// The manifolds of this step become those that the next one starts from.
+  /// Makes the manifolds of this step the old ones of the next.
   void swapManifolds() {
     const auto swap = [](auto*& a, auto*& b) {
       auto* const c = a;

@@ -1,46 +1,46 @@
 #pragma once
-/// Trees of joints: which bodies are solved together, and in which order (stages/trees/trees.h).
+/// Joint trees: the bodies that one direct solve covers, and their elimination order (stages/trees/trees.h).
 #include "solver/dense6.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Rounds of elimination at most: a chain of N bodies takes log2 N. Bodies that would come later are left to
-/// the other blocks.
+/// Most elimination levels. A chain of N bodies takes log2 N. Bodies beyond the last level stay with the
+/// block solver.
 inline constexpr int kTreeLevels = 64;
 
-/// A world whose trees are no larger has each of them solved at once, and not round by round.
+/// Up to this many bodies in every tree, each tree is solved as a whole instead of level by level.
 inline constexpr int kSmallTree = 64;
 
-/// A body in the order of elimination.
+/// A body in elimination order.
 struct TreeNode {
   int body;
-  int tree;                  ///< a number below that of nodes
-  int parent[2];             ///< nodes that it is coupled to when it is eliminated, -1: none
-  int childBegin, childEnd;  ///< nodes eliminated before that pass something on to it
-  int exact;    ///< 1: its joints close no loop, with the world neither, and all of its tree is eliminated
+  int tree;                  ///< tree number, less than the number of nodes
+  int parent[2];             ///< nodes that it is coupled to when it is eliminated; -1: none
+  int childBegin, childEnd;  ///< range in treeChild: nodes eliminated earlier that update this one
+  int exact;    ///< 1: its joints close no loop, not even through the world, and its whole tree is eliminated
   int limited;  ///< 1: a joint of its tree has limits
 };
 
-/// What touches a tree in a step: contacts of its bodies, or vertices that are attached to them.
+/// What touches a tree in a step: nothing, contacts of its bodies, or vertices attached to them.
 inline constexpr int kTouchesNothing = 0, kHasContacts = 1, kHoldsVertices = 2;
 
-/// Its block.
+/// Block row of the tree's Hessian for one node.
 struct TreeBlock {
-  Dense6 h;     ///< lower triangle of the Hessian, then its factors
-  Dense6 e[2];  ///< block (this, parent) of the Hessian
-  Long6 x;      ///< force, then H^-1 f, then the step of the body
+  Dense6 h;     ///< lower triangle of the diagonal block, then its LDL^T factors
+  Dense6 e[2];  ///< off-diagonal blocks (this, parent)
+  Long6 x;      ///< force, then H^-1 f, then the Newton step of the body
 };
-/// And what becomes of it.
+/// TreeBlock with the eliminated couplings.
 struct TreeWork : TreeBlock {
   Dense6 w[2];  ///< H^-1 e
 };
 
-/// The same for its translation alone, in all axes alike (stages/trees/joint_projection.h).
+/// The same system for translations alone, isotropic (stages/trees/joint_projection.h).
 struct ProjectionLink {
   double h;     ///< diagonal [kg]
-  double e[2];  ///< beside it (this, parent)
+  double e[2];  ///< off-diagonals (this, parent)
   double w[2];  ///< e / h
-  Vec3d x;      ///< right side, then the motion of the body [m]
+  Vec3d x;      ///< right-hand side, then the displacement of the body [m]
 };
 
 }  // namespace rubble::RUBBLE_CORE

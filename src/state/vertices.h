@@ -1,5 +1,6 @@
 #pragma once
-/// What is kept of vertices: the points of soft bodies, cloth and rods, and granular particles.
+/// Vertices: the points of deformable solids, cloth, cables and rods, and granular particles. Also their
+/// surfaces, clusters and strands.
 #include "forces/soft_forces.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -10,74 +11,81 @@ enum class VertexKind : int { Removed, Fixed, Dynamic };
 struct VertexParams {
   VertexKind kind;
   Real mass;    ///< [kg]; 0 unless dynamic
-  Real radius;  ///< of the sphere that collides [m]
-  Real length;  ///< L: mean length of its edges, or its diameter [m]
+  Real radius;  ///< radius of its collision sphere [m]
+  Real length;  ///< L: mean length of its edges, or its diameter for a particle [m]
   Real muStatic, muDynamic;
   Real restitution;
   int frictionCombine, restitutionCombine;  ///< rubble::Combine
   Real gravityScale;
-  int first;           ///< first vertex of its object: the origin that the object's elements are seen from
-  int cluster;         ///< the one that is its whole object, or -1: it has no elements
-  int softNode;        ///< that it belongs to, or -1: none
+  int first;           ///< first vertex of its object, the local origin of the object's elements
+  int cluster;         ///< cluster that contains its whole object; -1: the object has no elements
+  int softNode;        ///< its soft node; -1: none
   Real reach;          ///< mean L of its object [m]
-  int collides;        ///< kCollides... of below
-  Real surfaceRadius;  ///< half the thickness that its surface has to other surfaces [m]
+  int collides;        ///< flags kCollides... below
+  Real surfaceRadius;  ///< half the thickness of its surface against other surfaces [m]
 };
-/// With bodies; with other vertices that do, as spheres; with the surfaces of other objects that do, with the
-/// surface of its own.
+/// Collision with bodies; as a sphere with other such vertices; with the surfaces of other such objects; with
+/// the surface of its own object.
 inline constexpr int kCollidesWithBodies = 1, kCollidesWithParticles = 2, kCollidesWithSurfaces = 4,
                      kCollidesWithSelf = 8;
-/// Its surface is closed, counter-clockwise seen from outside.
+/// The surface is closed, counter-clockwise seen from outside.
 inline constexpr int kHasInside = 16;
 
-/// A triangle or an edge of the surface of an object. Those of a kind lie in one grid.
-enum class FeatureKind : int { Triangle, BareEdge, Edge };  // bare: of no triangle
+/// A triangle or edge of the surface of an object. Features of one kind share a grid.
+enum class FeatureKind : int { Triangle, BareEdge, Edge };  // BareEdge: of no triangle
 inline constexpr int kFeatureKinds = 3;
 struct SurfaceFeature {
   FeatureKind kind;
   int v[3];                 ///< corners, -1: none
-  int edge[3];              ///< of a triangle: features that join corners k and k + 1
-  int opposite[2];          ///< of an edge: third corners of its triangles, -1: none
-  std::uint32_t source[2];  ///< elements (pointCode) that it vanishes with, or kNoSource
+  int edge[3];              ///< of a triangle: the edge features of corners k and k + 1
+  int opposite[2];          ///< of an edge: third corners of its triangles; -1: none
+  std::uint32_t source[2];  ///< elements (pointCode) whose removal removes the feature, or kNoSource
 };
 inline constexpr std::uint32_t kNoSource = ~0u;
 
 /// Kinds of boxes in grids (stages/soft/box_grid.h): features, then granular particles.
 inline constexpr int kParticleKind = kFeatureKinds, kBoxKinds = kFeatureKinds + 1, kBoxLevels = 16;
-/// A feature or granular particle in its place in a grid.
+/// A feature or granular particle as stored in its grid bucket.
 struct alignas(8 * sizeof(Real)) BoxEntry {
-  Vec3 centre, half;  ///< swept box [m]
+  Vec3 centre, half;  ///< swept AABB [m]
   int item;           ///< feature or vertex
   int place;          ///< kind + kBoxKinds * level
 };
 
-/// A vertex or edge (as PointPair::vertex) and a feature that it may meet on their ways.
+/// A vertex or edge (as PointPair::vertex) and a feature that its swept motion may meet.
 struct NearFeature {
   int owner, feature;
-  int meets;  ///< in the last round that looked
+  int meets;  ///< 1: they meet in the last round that tested them
 };
 
-/// How the way of a vertex is changed where surfaces would cross (stages/soft/crossings.h).
+/// Deflection of the motion of a vertex where surfaces would cross (stages/soft/crossings.h).
 struct VertexRepair {
-  int shift[3];  ///< sum of changes, in units of VertexRepair unit: whole numbers add up to the same in any
-                 ///< order
-  int hits;      ///< meetings that it takes part in
-  int before;    ///< in the round before
-  int hold;      ///< 1: it goes half the way in the next round
-  int held;      ///< how often it did
-  int changed;   ///< 1: its way is another than in the round before
-  int isActive;  ///< 1: parts of it may meet others
-  int stays;     ///< of the first vertex of an object, 1: the whole object stays where it is
+  int shift[3];  ///< sum of changes in units of VertexRepair::unit; integers, so that the sum does not depend
+                 ///< on the order
+  int hits;      ///< predicted impacts that involve the vertex
+  int before;    ///< the same in the last round
+  int hold;      ///< 1: its motion is halved in the next round
+  int held;      ///< number of halvings so far
+  int changed;   ///< 1: its motion differs from that of the last round
+  int isActive;  ///< 1: its features may meet others
+  int stays;     ///< at the first vertex of an object: 1: the whole object stays at x^t
   int owners,
-      activePairs;  ///< likewise: its vertices and edges that may meet something, and the pairs that they own
+      activePairs;  ///< at the first vertex of an object: vertices and edges that may meet something, and the
+                    ///< pairs that they own
   Real unit;        ///< of shift [m]
-  Vec3 detour;      ///< what has changed in all [m]
+  Vec3 detour;      ///< total change of the motion [m]
 };
 
-/// What may touch: `vertex` is a vertex or, from `vertices` on, an edge (vertices + feature) or, behind
-/// those, some corners of a body (stages/soft/body_corners.h); `other` a body, a granular particle of higher
-/// index (kVertexNode + index), a vertex of a surface (kCornerNode + index), an edge or triangle
-/// (kFeatureNode + feature), or -1: nothing.
+/// A candidate pair. `vertex` is one of
+///   a vertex
+///   an edge: vertices + feature
+///   a corner slot of a body: behind the edges (stages/soft/body_corners.h)
+/// `other` is one of
+///   a body
+///   a granular particle of higher index: kVertexNode + index
+///   a vertex of a surface: kCornerNode + index
+///   an edge or triangle: kFeatureNode + feature
+///   nothing: -1
 struct PointPair {
   int vertex, other;
 };
@@ -90,88 +98,89 @@ RUBBLE_HD constexpr std::uint32_t pointCode(int type, int index, int corner) {
 RUBBLE_HD constexpr int pointType(std::uint32_t code) { return static_cast<int>(code >> 28); }
 RUBBLE_HD constexpr int pointIndex(std::uint32_t code) { return static_cast<int>((code & 0x0fffffffu) >> 2); }
 RUBBLE_HD constexpr int pointCorner(std::uint32_t code) { return static_cast<int>(code & 3u); }
-/// Types behind those of ElementTypes.
+/// Type codes after those of ElementTypes.
 inline constexpr int kAttachmentCode = ElementTypes::kSize;
 
-/// Row blocks of bodies (state/bodies.h) behind those of joints.
+/// Constraint types of bodies (state/bodies.h) after those of joints.
 inline constexpr int kBodyAttachmentType = JointTypes::kSize + 1,
                      kBodyPointContactType = JointTypes::kSize + 2;
 
-/// In Incidence::other and among neighbours: vertex v is written kVertexNode + v.
+/// Vertex v is written kVertexNode + v in Incidence::other and in lists of neighbors.
 inline constexpr int kVertexNode = 1 << 30;
 /// In PointPair::other only.
 inline constexpr int kCornerNode = kVertexNode + (1 << 28), kFeatureNode = kVertexNode + (1 << 29);
 
-/// A cluster of vertices of one object, which the coarse correction moves as one (stages/soft/clusters.h).
+/// A cluster of vertices of one object that the coarse correction moves rigidly (stages/soft/clusters.h).
 struct Cluster {
-  int begin, end;            ///< in clusterMember
-  int sliceBegin, sliceEnd;  ///< clusters of the finest level that it is made of
-  int refBegin, refEnd;      ///< in clusterRef
-  int parent;                ///< of the next level, or -1
+  int begin, end;            ///< range in clusterMember
+  int sliceBegin, sliceEnd;  ///< range of the finest-level clusters that it contains
+  int refBegin, refEnd;      ///< range in clusterRef
+  int parent;                ///< cluster of the next coarser level, or -1
 };
 inline constexpr int kClusterLevels = 6;
 
-/// An element that leaves a cluster.
+/// An element that crosses the boundary of a cluster.
 struct ClusterRef {
   int type, index;
-  unsigned inside;  ///< bit k: corner k is inside
-  int clusters;     ///< how many clusters of this level share it, 2 at least
+  unsigned inside;  ///< bit k: corner k is in the cluster
+  int clusters;     ///< number of clusters of this level that share the element, at least 2
 };
 
-/// What a cluster does in a step. Aligned, and blocks in quads, so that it is read in few pieces.
-/// Sums of m times something over vertices, for the spin of their object. s: place at the end of the step,
-/// seen from a point; d: displacement in the step; v: velocity at x^t. [kg m2], [kg m], [kg m2], [kg m2/s]
+/// Mass-weighted sums over vertices, for the angular momentum of their object. s: position at the end of the
+/// step, relative to a reference point; d: displacement in the step; v: velocity at x^t. Units [kg m2], [kg
+/// m], [kg m2/s].
 struct SpinSums {
   Sym3 inertia;              ///< (s.s) 1 - s s^T
   Vec3 place, moved;         ///< s, d
   Vec3 lost, before, after;  ///< d x v, s x v, s x d
 };
 
+/// Sums and solution of a cluster in one step. Aligned for vectorized loads.
 struct alignas(4 * sizeof(Real)) ClusterMotion {
-  Block6 sum;     ///< finest level: of its vertices, without `inner`
+  Block6 sum;     ///< finest level: sum over its vertices, without `inner`
   Real mass;      ///< [kg]
-  Block6 inner;   ///< finest level: of contacts of its object with itself
-  int folded;     ///< 1: there are any
-  Vec3 centre;    ///< at the initial guess, seen from the first vertex of the object [m]
-  Vec3 velocity;  ///< mean of its vertices at x^t [m/s]
-  Vec6 step;      ///< motion found by the last solve [m, rad]
-  Block3 push;    ///< finest level: of its vertices, as their group sees them
-  SpinSums spin;  ///< finest level: of its vertices, about `centre`
+  Block6 inner;   ///< finest level: self-contacts of its object
+  int folded;     ///< 1: `inner` is not zero
+  Vec3 centre;    ///< center at the initial guess, relative to the first vertex of the object [m]
+  Vec3 velocity;  ///< mean velocity of its vertices at x^t [m/s]
+  Vec6 step;      ///< solution of the last coarse solve [m, rad]
+  Block3 push;    ///< finest level: sum over its vertices, as seen by their aggregate
+  SpinSums spin;  ///< finest level: sum over its vertices, about `centre`
 };
 
-/// What groups of bodies move as if it were a body (stages/coarse/soft_nodes.h): a deformable object without
+/// A node of the aggregates that is not a body (stages/coarse/soft_nodes.h): a deformable object without
 /// fixed vertices, or a granular particle.
 struct SoftNode {
   int first;    ///< first vertex of the object, or the particle
-  int cluster;  ///< that is the whole object, or -1: a particle
-  Real radius;  ///< half of its size [m]
+  int cluster;  ///< cluster that contains the whole object; -1: a particle
+  Real radius;  ///< half its size [m]
 };
 
-/// A rope or rod: vertices of which springs join each to the next alone (stages/soft/strands.h).
+/// A cable or rod: a chain of vertices that springs join to their successors only (stages/soft/strands.h).
 struct Strand {
-  int begin, end;  ///< in strandVertex
+  int begin, end;  ///< range in strandVertex
 };
 struct StrandVertex {
   int v, line;
-  int spring;  ///< to the next one; -1: it is the last
-  int bend;    ///< of which it is the middle, or -1
+  int spring;  ///< spring to the next vertex; -1: the last vertex
+  int bend;    ///< bending element with this vertex in the middle, or -1
 };
-/// Scalar rows of a matrix that a vertex of a line has, and how far behind the diagonal they reach.
+/// Half bandwidth of the Hessian of a strand, in scalar rows.
 inline constexpr int kStrandBand = 6;
 struct StrandWork {
-  double row[3][kStrandBand + 1];  ///< H, then its factors L D L^T: the diagonal and what stands behind it
-  double x[3];                     ///< force [N], then the step [m]
+  double row[3][kStrandBand + 1];  ///< H, then its LDL^T factors: diagonal and band
+  double x[3];                     ///< force [N], then the Newton step [m]
 };
 
-/// The last two iterates of a vertex, by turns [m].
+/// The last two iterates of a vertex, written alternately [m].
 struct PastVertex {
   Vec3 moved[2];
 };
 
-/// Owners of pairs that a body has for its corners, where there are surfaces.
+/// Corner slots per body: owners of pairs between body corners and surfaces.
 inline constexpr int kCornerSlots = 8;
 
-/// Pairs that a vertex or edge may own before they are searched a second time.
+/// Pairs that a vertex or edge may own before the broad phase runs again with more room.
 inline constexpr int kPointPairSlots = 12;
 
 }  // namespace rubble::RUBBLE_CORE
