@@ -97,8 +97,7 @@ struct ShapeGeometry {
   std::vector<ShapePartDef> parts;            ///< compound
   std::array<int, 3> counts{};                ///< height field (x, y), distance field: samples
   Vec3 origin;                                ///< distance field: position of the first sample [m]
-  Vec3 spacing{1, 1, 1};                      ///< height field (x, y), distance field: distance of samples
-                                              ///< [m]
+  Vec3 spacing{1, 1, 1};                      ///< height field (x, y), distance field: sample distance [m]
   std::vector<double> samples;                ///< heights or distances, x fastest [m]
 };
 

@@ -117,7 +117,7 @@ class World {
   MassProperties massOf(BodyId id) const;
   BodyState state(BodyId id) const;
   void setState(BodyId id, const BodyState& state);
-  /// Kinematic bodies: moves to this pose in the next step, with the velocity that follows from it.
+  /// Kinematic bodies: sets the pose to reach in the next step.
   void setTarget(BodyId id, const Vec3& position, const Quat& orientation);
   void applyForce(BodyId id, const Vec3& force);  ///< at the center of mass, for the next step [N]
   void applyForceAt(BodyId id, const Vec3& force, const Vec3& point);  ///< [N], at a world point [m]
