@@ -47,8 +47,8 @@ struct Tuning {
   double contactMargin = .01;
   /// Sleep threshold: surface speed over sqrt(g L), with L the bounding diameter [1].
   double sleepSpeed = .02;
-  double sleepDelay = .5;  ///< an island sleeps after all of its bodies were below sleepSpeed for this time
-                           ///< [s]
+  /// Sleep delay [s]: an island sleeps after all of its bodies were below sleepSpeed for this time.
+  double sleepDelay = .5;
   /// Relative motion below which a manifold is recycled, over the bounding diameter [1] and as an angle
   /// [rad].
   double recycleTolerance = 2e-3;

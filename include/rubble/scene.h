@@ -208,9 +208,8 @@ struct JointDef {
   double length = -1;
   double ratio = 1;       ///< gear, pulley [1]; rack: translation of B per rotation of A [m/rad]
   Vec3 pulleyA, pulleyB;  ///< pulley: world points that the rope runs over [m]
-  double swingY = kFree,
-         /// Swing-twist: half angles of the cone about y and z [rad], at most pi.
-      swingZ = kFree;
+  /// Swing-twist: half angles of the cone about y and z [rad], at most pi.
+  double swingY = kFree, swingZ = kFree;
   double friction = 0;                ///< ball, swing-twist: torque of dry friction, all rotations [N m]
   Quat driveOrientation;              ///< swing-twist: target orientation of the frame of A in that of B
   double driveStiffness = 0;          ///< swing-twist: toward driveOrientation [N m/rad]
@@ -273,7 +272,7 @@ struct Scene {
   std::vector<Event> events;
 };
 
-/// Mass [kg] and principal moments of inertia [kg m2] about the centre of mass.
+/// Mass [kg] and principal moments of inertia [kg m2] about the center of mass.
 struct MassProperties {
   double mass = 0;
   Vec3 inertia;  ///< principal moments

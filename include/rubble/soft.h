@@ -31,10 +31,8 @@ struct DeformableDef {
 
 /// A tetrahedral solid with the stable neo-Hookean energy.
 struct SoftDef : DeformableDef {
-  SoftDef() {
-    collideSelf = false;
-    /// Off by default: the elastic volume resists self-contact, and a folded surface must be free to unfold.
-  }
+  /// Without self-collision: the elastic volume resists it, and a folded surface must be free to unfold.
+  SoftDef() { collideSelf = false; }
   /// Positive volume at rest: vertex 3 lies on the side that (1 - 0) x (2 - 0) points to.
   std::vector<std::array<int, 4>> tetrahedra;
   double youngsModulus = 1e5;  ///< [Pa]
@@ -77,10 +75,8 @@ struct RodDef : DeformableDef {
 
 /// A net: point masses connected by springs.
 struct NetDef : DeformableDef {
-  NetDef() {
-    collideSurface = collideSelf = false;
-    /// Off by default: springs may cross. Only triangles of the surface collide.
-  }
+  /// Without surface collision by default: springs may cross. If enabled, only triangles collide.
+  NetDef() { collideSurface = collideSelf = false; }
   struct Edge {
     int a, b;
     double stiffness;        ///< [N/m]

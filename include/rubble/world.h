@@ -122,8 +122,7 @@ class World {
   void applyForce(BodyId id, const Vec3& force);  ///< at the center of mass, for the next step [N]
   void applyForceAt(BodyId id, const Vec3& force, const Vec3& point);  ///< [N], at a world point [m]
   void applyTorque(BodyId id, const Vec3& torque);                     ///< for the next step [N m]
-  void applyImpulse(BodyId id, const Vec3& impulse);                   ///< at the center of mass, applied
-                                                                       ///< immediately [N s]
+  void applyImpulse(BodyId id, const Vec3& impulse);                   ///< at the center of mass [N s]
 
   // Batched edits: element k of each list is one call of the functions above. The whole list is checked
   // first, so an Error changes nothing. On a GPU all edits between two steps are one upload, without
@@ -176,8 +175,7 @@ class World {
   JointId findJoint(const std::string& name) const;
   const JointDef& definition(JointId id) const;
   std::array<BodyId, 2> bodiesOf(JointId id) const;    ///< A and B; BodyId{}: the world
-  std::array<BodyId, 2> carriersOf(JointId id) const;  ///< frame bodies of the axes of A and B; BodyId{}: the
-                                                       ///< world
+  std::array<BodyId, 2> carriersOf(JointId id) const;  ///< frame bodies; BodyId{}: the world
   JointState state(JointId id) const;
   /// Replaces the definition from the next step on: limits, drives, lengths, stiffnesses, frames. The type
   /// must be unchanged. Bodies, multipliers and the broken flag are kept. Quantities measured when the joint

@@ -15,8 +15,7 @@ std::unique_ptr<Engine> makeCudaEngine(bool timings);
 
 std::string cudaStatus() { return f32::deviceStatus(); }
 bool cudaReady() {
-  static const bool ready = f32::deviceReady();  // initializes the driver, which takes seconds on some
-                                                 // machines
+  static const bool ready = f32::deviceReady();  // may take seconds: initializes the driver
   return ready;
 }
 std::unique_ptr<Engine> makeCudaEngine(bool timings) {

@@ -62,7 +62,7 @@ struct EngineJoint {
   int a = kWorld, b = kWorld;
   int carrierA = kWorld, carrierB = kWorld;  ///< gears, racks: frame bodies of the axes
   bool alive = false;
-  bool isRigid = true;  ///< rigidly connects its bodies (ccd islands, islands)
+  bool isRigid = true;  ///< rigidly connects its bodies (joint trees, aggregates, ccd islands)
   Vec3 anchorA, anchorB;
   Quat frameA, frameB, aToB;
   Quat baseA, baseB;               ///< gears, racks: the axes in their frame bodies

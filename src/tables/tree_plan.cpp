@@ -44,9 +44,8 @@ class Plan {
   std::vector<std::vector<int>> near_;  ///< remaining neighbors; after elimination of a body: its parents
   std::vector<int> round_;              ///< level of elimination, -1: not eliminated
   std::vector<char> joined_;            ///< has a joint
-  std::vector<int> held_,
-      /// Per component: joints between two of its bodies, and joints to bodies that do not move.
-      grounded_;
+  /// Per component: joints between two of its bodies, and joints to bodies that do not move.
+  std::vector<int> held_, grounded_;
   std::vector<char> whole_;    ///< per component: all of its bodies are eliminated
   std::vector<int> order_;     ///< bodies by level
   std::vector<int> begin_;     ///< first body of each level

@@ -55,8 +55,8 @@ template <bool surfaces> struct SumClusterByTile {
 };
 template <bool surfaces> struct OnDevice<SumCluster<surfaces>> { using Type = SumClusterByTile<surfaces>; };
 
-/// This worker's share of the block of a cluster: every `workers`-th slice, and every `workers`-th element on
-/// its boundary.
+/// This worker's share of the block of a cluster: every `workers`-th slice (cluster of the finest level), and
+/// every `workers`-th element on its boundary.
 __device__ inline Block6 shareOfCluster(const SolverData& s, int index, int worker, int workers) {
   const Cluster c = s.cluster[index];
   const Vec3 centre = s.clusterMotion[index].centre;

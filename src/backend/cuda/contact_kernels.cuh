@@ -75,7 +75,7 @@ struct RecycleManifoldByLanes {
     PointMemory memory{};
     if (on) memory = memoryOf(own, 0, n);
     bool awake = on;
-    // points that carry load are independent of the targets
+    // points that carry load do not need the targets
     if (tile.ballot(on && memory.lambdaN == Real(0)) != 0 && on)
       awake = activationRule(s, o)(s, o, pose, n, pointAt(own, 0, n, pose.qA, pose.qB, pose.t),
                                    memory.lambdaN);

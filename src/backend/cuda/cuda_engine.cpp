@@ -171,7 +171,7 @@ class CudaEngine final : public Engine, private PoseCopies {
     return mirror_.host();
   }
   void prepareConstants();
-  /// Counts dynamic bodies and traits as bodies are added and removed.
+  /// Updates the body counts when a body is added or removed.
   void count(int slot, int change) {
     const BodyKind kind = host().view().params[slot].kind;
     if (kind != BodyKind::Removed) bodyCount_ += change;
