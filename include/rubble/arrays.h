@@ -1,39 +1,39 @@
 #pragma once
-/// The state of all bodies as plain arrays, where the engine keeps them: for renderers, learners and other
-/// libraries that take strided memory.
+/// Zero-copy views of the state of all bodies as strided arrays, in the memory of the backend. For renderers,
+/// learning frameworks and other libraries.
 #include <cstdint>
 
 namespace rubble {
 
-/// What a World keeps of every body, one row a body slot.
+/// An array of body state. Shape: one row per body slot.
 enum class StateArray {
-  Position,         ///< centre of mass, world [m]: 3 numbers of 8 bytes on every backend
-  Orientation,      ///< body -> world: 4 numbers, the scalar first
+  Position,         ///< center of mass, world [m]: 3 doubles on every backend
+  Orientation,      ///< body -> world: quaternion, 4 numbers, scalar first
   Velocity,         ///< [m/s]: 3 numbers
   AngularVelocity,  ///< world axes [rad/s]: 3 numbers
-  Force,            ///< at the centre, for the next step [N]: 3 numbers; zero again after it
-  Torque,           ///< for the next step [N m]: 3 numbers; zero again after it
+  Force,            ///< at the center of mass [N]: 3 numbers; zeroed by each step
+  Torque,           ///< world axes [N m]: 3 numbers; zeroed by each step
 };
 
-/// A two-dimensional array in the terms of version 3 of __cuda_array_interface__: data, shape, strides,
-/// typestr and stream are its entries.
+/// A two-dimensional strided array. The members match the entries of __cuda_array_interface__ version 3.
 struct ArrayView {
-  const void* data = nullptr;        ///< first element of the first row
-  std::int64_t shape[2] = {0, 0};    ///< rows, numbers of a row
-  std::int64_t strides[2] = {0, 0};  ///< from row to row and from number to number [bytes]
+  const void* data = nullptr;        ///< first element of row 0
+  std::int64_t shape[2] = {0, 0};    ///< rows, numbers per row
+  std::int64_t strides[2] = {0, 0};  ///< between rows, between numbers [bytes]
   const char* typestr = "<f4";       ///< "<f4" float, "<f8" double, "<i4" int
-  bool device = false;               ///< memory of the GPU; else of the host
-  /// CUDA stream that has the data ready, as the interface says: 1 the legacy default stream, 2 that of the
-  /// thread, else a handle; 0: none (host memory, or the caller sees to it).
+  bool device = false;               ///< true: GPU memory; false: host memory
+  /// CUDA stream on which the data is ready, as in __cuda_array_interface__: 1 the legacy default stream, 2
+  /// the per-thread default stream, otherwise a handle. 0: no synchronization is needed, or the caller does
+  /// it.
   std::uintptr_t stream = 0;
-  std::int64_t
-      epoch = 0;  ///< World::epoch() when the view was made: while that is the same, the view is valid
+  /// World::epoch() when the view was made. The view is valid while that number is unchanged.
+  std::int64_t epoch = 0;
 };
 
-/// Poses of all body slots after a step, in host memory.
+/// Poses of all body slots after a step, in host memory (World::takePoses).
 struct PoseFrame {
-  std::int64_t step = 0;  ///< steps that had been taken
-  double time = 0;        ///< [s]
+  std::int64_t step = 0;  ///< number of steps taken
+  double time = 0;        ///< simulated time [s]
   ArrayView position;     ///< as StateArray::Position
   ArrayView orientation;  ///< as StateArray::Orientation
 };

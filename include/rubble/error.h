@@ -4,7 +4,8 @@
 
 namespace rubble {
 
-/// Bad input. `path` says where ("bodies[3].mass"), `what()` says path, what was expected and what came.
+/// Invalid input. `path()` names the field ("bodies[3].mass"). `what()` gives the path, the expected value
+/// and the actual value.
 class Error : public std::runtime_error {
  public:
   Error(std::string path, const std::string& expected, const std::string& got)

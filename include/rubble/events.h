@@ -1,5 +1,5 @@
 #pragma once
-/// What happened in a step: polled after it, in an order that is the same in every run.
+/// Events of a step: polled after it, in an order that is the same in every run.
 #include <string>
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace rubble {
 
-/// A contact point of the last step. The force acts on B; its opposite acts on A.
+/// A contact point of the last step. The force acts on B, its opposite on A.
 struct ContactPoint {
   BodyId a, b;
   Vec3 position;  ///< world [m]
@@ -19,31 +19,32 @@ struct ContactPoint {
 
 enum class Phase { Begin, Stay, End };
 
-/// Two bodies touch: a point of theirs carries a force, or is less than a thousandth of the smaller one's
-/// size from the other's surface.
+/// Contact between two bodies. They touch if a contact point carries force, or if its gap is below a
+/// thousandth of the size of the smaller body.
 struct ContactEvent {
   Phase phase = Phase::Begin;
-  BodyId a, b;          ///< in rising order of their slots; after End one of them may not be alive any more
-  bool sensor = false;  ///< one of them is a sensor: no force
-  Vec3 impulse;  ///< on B, over the step (with substeps: the last one's force for the whole step) [N s]
-  std::vector<ContactPoint> points;  ///< none for sensors and at the End
+  BodyId a, b;          ///< in ascending order of slots; after End one of them may have been removed
+  bool sensor = false;  ///< one of them is a sensor: no contact force
+  /// On B, over the step [N s]. With substeps: the force of the last substep times the whole step.
+  Vec3 impulse;
+  std::vector<ContactPoint> points;  ///< empty for sensors and for Phase::End
 };
 
 /// A joint that broke in this step.
 struct JointEvent {
   JointId joint;
-  BodyId a, b;  ///< index -1: the world
-  Vec3 force;   ///< on B when it broke [N]
-  Vec3 torque;  ///< [N m]
+  BodyId a, b;  ///< index -1: the static world
+  Vec3 force;   ///< on B, in the step that broke it [N]
+  Vec3 torque;  ///< on B [N m]
 };
 
-/// A body that fell asleep or woke.
+/// A body fell asleep or woke.
 struct SleepEvent {
   BodyId body;
   bool asleep = false;
 };
 
-/// Of the last step; contacts by the slots of their bodies, joints by slot, bodies by slot.
+/// Events of the last step. Contacts are sorted by the slots of their bodies, the others by slot.
 struct Events {
   std::vector<ContactEvent> contacts;
   std::vector<JointEvent> joints;

@@ -4,8 +4,8 @@
 
 namespace rubble {
 
-/// A stable name of a body or joint. A slot is used again after a removal, then with another generation: an
-/// old id never finds a new body.
+/// Stable handle of a body, joint or other object: slot index and generation. A removed slot is reused with
+/// the next generation, so a stale id never matches a new object.
 template <class Tag> struct Id {
   std::int32_t index = -1;
   std::uint32_t generation = 0;
@@ -14,7 +14,7 @@ template <class Tag> struct Id {
 
 using BodyId = Id<struct BodyTag>;
 using JointId = Id<struct JointTag>;
-using SoftId = Id<struct SoftTag>;  ///< a deformable object
+using SoftId = Id<struct SoftTag>;  ///< a deformable object (Jolt: soft body)
 using AttachmentId = Id<struct AttachmentTag>;
 
 }  // namespace rubble

@@ -1,20 +1,20 @@
 #pragma once
-/// Surfaces, and the words of authoring that bodies, joints and deformable objects share.
+/// Surface materials, and constants that definitions of bodies, joints and deformable objects share.
 #include <limits>
 
 #include <rubble/math.h>
 
 namespace rubble {
 
-/// "hard": a constraint of infinite stiffness.
+/// Infinite stiffness: a hard constraint.
 inline constexpr double kHard = std::numeric_limits<double>::infinity();
-/// "never": a threshold that is not reached.
+/// A break threshold that is never reached.
 inline constexpr double kUnbreakable = std::numeric_limits<double>::infinity();
-/// In place of a body index of a joint: the fixed world.
+/// In place of a body index of a joint: the static world.
 inline constexpr int kWorld = -1;
 
-/// How the coefficients of two materials make that of their contact. Of two different rules the one that
-/// stands later here is taken.
+/// Rule that combines the coefficients of two materials. If the two materials have different rules, the later
+/// enumerator applies.
 enum class Combine {
   Usual,  ///< friction: geometric mean; restitution: the larger
   Average,
@@ -28,16 +28,17 @@ enum class Combine {
 struct Material {
   double staticFriction = .6;   ///< mu_s [1]
   double dynamicFriction = .6;  ///< mu_d [1], at most mu_s
-  double restitution = 0;       ///< e [1], for closing speeds above 1 m/s
+  double restitution = 0;       ///< e [1], for approach speeds above 1 m/s
   Combine frictionCombine = Combine::Usual;
   Combine restitutionCombine = Combine::Usual;
   // bodies only
-  double rollingFriction = 0;    ///< lever: the moment that resists rolling is at most this times the normal
-                                 ///< force [m]; a pair takes the larger
-  double torsionalFriction = 0;  ///< lever of the moment that resists spinning about the normal [m]; a pair
-                                 ///< takes the larger
-  Vec3 surfaceVelocity{};  ///< of a belt: what lies on the surface is carried along at this velocity, body
-                           ///< axes [m/s]
+  /// Lever of rolling resistance [m]: its torque is at most this times the normal force. A pair takes the
+  /// larger one.
+  double rollingFriction = 0;
+  /// Lever of torsional friction about the normal [m]. A pair takes the larger one.
+  double torsionalFriction = 0;
+  /// Velocity of the surface, body axes [m/s]: a conveyor belt. Friction drives touching bodies to it.
+  Vec3 surfaceVelocity{};
 };
 
 }  // namespace rubble

@@ -1,10 +1,11 @@
 #pragma once
-/// Small vectors, quaternions and 3x3 matrices, shared by the public API (double) and the solver (float or
-/// double). Conventions: right-handed, Hamilton quaternions (scalar first), rotation body -> world, SI units.
+/// Small vectors, quaternions and 3x3 matrices. The public API uses double, the solver float or double.
+/// Conventions: right-handed frames, Hamilton quaternions with the scalar first, rotation body -> world, SI
+/// units.
 #include <cmath>
 
-/// RUBBLE_HD: for host and device. RUBBLE_NEAR: small and hot; in the one large unit that a step is, a
-/// compiler gives up on inlining.
+/// RUBBLE_HD: host and device function. RUBBLE_NEAR: forced inlining of small hot functions. The step is one
+/// large translation unit, in which inlining heuristics give up.
 #if defined(__CUDACC__)
 #define RUBBLE_HD __host__ __device__
 #define RUBBLE_NEAR __forceinline__
@@ -61,14 +62,14 @@ template <class R> RUBBLE_HD inline R length(const Vec3T<R>& a) { return std::sq
 template <class R> RUBBLE_HD inline Vec3T<R> abs(const Vec3T<R>& a) {
   return {std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)};
 }
-/// a / |a|, or `fallback` where |a| is zero.
+/// a / |a|, or `fallback` if |a| is zero.
 template <class R>
 RUBBLE_HD inline Vec3T<R> normalize(const Vec3T<R>& a, const Vec3T<R>& fallback = {R(0), R(0), R(1)}) {
   const R l2 = dot(a, a);
   return l2 > R(0) ? a * (R(1) / std::sqrt(l2)) : fallback;
 }
 
-/// Quaternion (s, v): Hamilton product; a unit one rotates body -> world.
+/// Quaternion (s, v) with the Hamilton product. A unit quaternion rotates body -> world.
 template <class R> struct QuatT {
   R s{1};
   Vec3T<R> v{};
@@ -103,7 +104,7 @@ template <class R> RUBBLE_HD inline QuatT<R> fromAxisAngle(const Vec3T<R>& axis,
   return {std::cos(angle / 2), axis * std::sin(angle / 2)};
 }
 
-/// 3x3 matrix by columns.
+/// 3x3 matrix, stored by columns.
 template <class R> struct Mat3T {
   Vec3T<R> c0{1, 0, 0}, c1{0, 1, 0}, c2{0, 0, 1};
 

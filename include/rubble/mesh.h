@@ -1,5 +1,5 @@
 #pragma once
-/// From meshes to deformable objects: checks, a tetrahedraliser for closed surfaces, cloth and rods.
+/// Deformable objects from meshes: validation, a tetrahedralizer for closed surfaces, cloth and rods.
 #include <array>
 #include <string>
 #include <vector>
@@ -8,42 +8,41 @@
 
 namespace rubble {
 
-/// A surface; corners counter-clockwise seen from outside.
+/// A surface mesh. Triangles are counter-clockwise seen from outside.
 struct TriangleMesh {
   std::vector<Vec3> vertices;  ///< [m]
   std::vector<std::array<int, 3>> triangles;
 };
 
-/// A solid; corners as in SoftDef.
+/// A tetrahedral mesh. Corner order as in SoftDef.
 struct TetrahedronMesh {
   std::vector<Vec3> vertices;  ///< [m]
   std::vector<std::array<int, 4>> tetrahedra;
 };
 
-/// Throws Error unless the surface encloses a solid: indices of vertices, triangles with an area, two
-/// triangles on each edge that go along it in opposite directions, a positive volume. The path is that of the
-/// first triangle that is wrong ("surface.triangles[17]").
+/// Throws Error unless the surface is closed and oriented. Required: valid vertex indices, triangles with an
+/// area, two triangles of opposite direction on each edge, and a positive volume. The path of the error names
+/// the first invalid triangle ("surface.triangles[17]").
 void validateClosed(const TriangleMesh& surface, const std::string& path = "surface");
 
-/// Volume inside of a closed surface [m3].
+/// Volume enclosed by a closed surface [m3].
 double volumeOf(const TriangleMesh& surface);
 
-/// Tetrahedra that fill a closed surface, by isosurface stuffing (Labelle and Shewchuk 2007): a body-centred
-/// lattice of cells of that width [m] whose points near the surface are moved onto it, and whose tetrahedra
-/// are cut along it. What is thinner than a cell gets holes or is lost. The surface may have parts inside of
-/// one another and cross itself: inside is what it winds around once or more. Throws Error for what
-/// validateClosed() refuses, and for cells that are too wide to catch anything of it or so fine that there
-/// are more than 2^26 of them.
+/// Tetrahedralizes a closed surface by isosurface stuffing (Labelle and Shewchuk 2007). The lattice is
+/// body-centered cubic with cells of width `cell` [m]. Lattice points near the surface are moved onto it, and
+/// tetrahedra are cut along it. Parts thinner than a cell get holes or disappear. The surface may be nested
+/// and self-intersecting: inside is where the winding number is 1 or more. Throws Error if validateClosed()
+/// does, if no lattice point lies inside, or if there are more than 2^26 cells.
 TetrahedronMesh tetrahedralize(const TriangleMesh& surface, double cell, const std::string& path = "surface");
 
-/// A solid of these tetrahedra; with those of negative volume turned over.
+/// A solid from these tetrahedra. Tetrahedra of negative volume are reoriented.
 SoftDef softFromMesh(TetrahedronMesh mesh);
-/// A solid inside of a closed surface.
+/// A solid inside a closed surface, with cells of width `cell` [m].
 SoftDef softFromSurface(const TriangleMesh& surface, double cell);
-/// A sheet of these triangles. Vertices that none of them uses are left out.
+/// Cloth from these triangles. Unused vertices are left out.
 ClothDef clothFromMesh(const TriangleMesh& mesh);
-/// A rod along a line through these points, in segments of about that length [m]. A closed one returns to the
-/// first point.
+/// A rod along a polyline through these points, in segments of about that length [m]. A closed one returns to
+/// the first point.
 RodDef rodAlong(const std::vector<Vec3>& points, double segment, bool closed = false);
 
 }  // namespace rubble

@@ -1,6 +1,6 @@
 #pragma once
-/// Questions about where bodies are. Each takes a batch and answers in the order of the batch; bodies are
-/// where the last step has put them.
+/// Spatial queries: ray casts, shape casts, overlaps and closest points. Each call takes a batch and returns
+/// results in its order. Body poses are those after the last step.
 #include <cstdint>
 #include <vector>
 
@@ -9,31 +9,32 @@
 
 namespace rubble {
 
-/// A body is looked at if it has a layer that `mask` names and its own mask names one of `layers`.
+/// Selects bodies. A body is tested if `mask` contains one of its layers and its own mask contains one of
+/// `layers`.
 struct QueryFilter {
   std::uint32_t layers = 0xffffffffu;
   std::uint32_t mask = 0xffffffffu;
-  bool sensors = false;  ///< sensors are looked at as well
-  BodyId ignore;         ///< this one is not
+  bool sensors = false;  ///< also test sensors
+  BodyId ignore;         ///< body to skip
 };
 
 struct RayQuery {
   Vec3 origin;               ///< [m]
-  Vec3 direction{0, 0, -1};  ///< of any length above 0
+  Vec3 direction{0, 0, -1};  ///< any non-zero length
   double maxDistance = 1e6;  ///< [m]
   QueryFilter filter;
 };
-/// The first surface that a ray meets. A ray that begins inside a body meets it at distance 0 with the normal
-/// against its direction. One-sided meshes and height fields are met from their front only.
+/// First hit of a ray. A ray that starts inside a body hits it at distance 0, with the normal opposite to its
+/// direction. One-sided meshes and height fields are hit from the front only.
 struct RayHit {
   bool hit = false;
   BodyId body;
   double distance = 0;  ///< [m]
   Vec3 position;        ///< [m]
-  Vec3 normal;          ///< out of the body
+  Vec3 normal;          ///< outward from the body
 };
 
-/// A convex shape or a compound that is moved along a line without turning.
+/// Sweep of a convex shape or compound along a line, without rotation.
 struct CastQuery {
   Shape shape;
   Vec3 position;  ///< [m]
@@ -41,18 +42,19 @@ struct CastQuery {
   Vec3 displacement;  ///< [m]
   QueryFilter filter;
 };
-/// Where the shape first comes within 1e-4 of its size of a body.
+/// First place where the swept shape comes within 1e-4 of its size of a body.
 struct CastHit {
   bool hit = false;
   BodyId body;
-  double fraction = 0;  ///< of the displacement; 0 if they touch at the start
-  Vec3 position;        ///< on the body [m]; that of the shape if they overlap at the start
-  Vec3 normal;          ///< out of the body, towards the shape; zero if they overlap deeply at the start
+  double fraction = 0;  ///< fraction of the displacement; 0: they touch at the start
+  Vec3 position;        ///< on the body [m]; the position of the shape if they overlap at the start
+  /// Outward from the body, toward the shape. Zero if they overlap deeply at the start.
+  Vec3 normal;
 };
 
-/// Meshes and height fields are overlapped where their surface is.
+/// Overlap test. Meshes and height fields overlap where their surface does.
 struct OverlapQuery {
-  Shape shape;    ///< convex, or a compound
+  Shape shape;    ///< convex or compound
   Vec3 position;  ///< [m]
   Quat orientation;
   QueryFilter filter;
@@ -63,7 +65,7 @@ struct ClosestQuery {
   double maxDistance = 1e3;  ///< [m]
   QueryFilter filter;
 };
-/// The nearest point of a body. Inside a body it is the point itself.
+/// Closest point of a body. For a point inside of a body it is that point.
 struct ClosestHit {
   bool hit = false;
   BodyId body;

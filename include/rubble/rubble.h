@@ -1,5 +1,5 @@
 #pragma once
-/// Rubble: rigid-body physics by augmented vertex block descent. One header for everything.
+/// Rubble: rigid-body physics by Augmented Vertex Block Descent. Includes the whole API.
 #include <rubble/arrays.h>
 #include <rubble/error.h>
 #include <rubble/events.h>

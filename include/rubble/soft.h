@@ -1,6 +1,5 @@
 #pragma once
-/// Deformable objects as an author writes them: solids, cloth, rods, nets and granular particles, in physical
-/// units only.
+/// Definitions of deformable objects: solids, cloth, rods, nets and granular particles, in physical units.
 #include <array>
 #include <optional>
 #include <string>
@@ -12,87 +11,87 @@
 
 namespace rubble {
 
-/// What all deformable objects have.
+/// Fields that all deformable objects have.
 struct DeformableDef {
   std::string name;            ///< optional
-  std::vector<Vec3> vertices;  ///< shape at rest, world [m]
-  std::vector<Vec3> start;     ///< where the vertices start [m]; empty: at rest
-  std::vector<int> fixed;      ///< vertices that never move
+  std::vector<Vec3> vertices;  ///< rest shape, world [m]
+  std::vector<Vec3> start;     ///< initial positions [m]; empty: the rest shape
+  std::vector<int> fixed;      ///< indices of fixed vertices
   Vec3 velocity;               ///< [m/s]
-  Vec3 angularVelocity;        ///< about the centre of mass [rad/s]
-  Material material;           ///< of the surface, in contact with bodies
-  double gravityScale = 1;     ///< factor on the scene's gravity [1]
-  bool collide = true;         ///< with bodies
-  bool collideSurface = true;  ///< its vertices, edges and triangles collide with those of other objects that
-                               ///< say so
-  bool collideSelf = true;     ///< and with one another
-  bool collideVertices = false;  ///< its vertices, as spheres of its contact radius, collide with those of
-                                 ///< other objects that say so
+  Vec3 angularVelocity;        ///< about the center of mass [rad/s]
+  Material material;           ///< of the surface
+  double gravityScale = 1;     ///< factor on gravity [1]
+  bool collide = true;         ///< collide with bodies
+  /// The surface (vertices, edges, triangles) collides with surfaces of other objects that have this flag.
+  bool collideSurface = true;
+  bool collideSelf = true;  ///< the surface collides with itself
+  /// Vertices collide, as spheres of the contact radius, with vertices of other objects that have this flag.
+  bool collideVertices = false;
 };
 
-/// A solid of tetrahedra: stable neo-Hookean.
+/// A tetrahedral solid with the stable neo-Hookean energy.
 struct SoftDef : DeformableDef {
-  SoftDef() {
-    collideSelf = false;
-  }  ///< its volume resists; and a surface that is folded into itself must be free to come out again
-  std::vector<std::array<int, 4>>
-      tetrahedra;  ///< of positive volume at rest: vertex 3 on the side that (1 - 0) x (2 - 0) points to
-  double youngsModulus = 1e5;         ///< [Pa]
-  double poissonRatio = .4;           ///< [1], 0 to below .5
-  double density = 1000;              ///< [kg/m3]
-  double viscosity = 0;               ///< of the strain rate [Pa s]
-  double yieldStress = kUnbreakable;  ///< von Mises (Kirchhoff) stress at which it begins to flow and keeps
-                                      ///< what strains it flows by [Pa]
-  double hardening = 0;      ///< of the yield stress, for each unit of equivalent plastic strain [Pa]
-  double contactRadius = 0;  ///< how far from a vertex its surface lies [m]
+  /// Without self-collision: the elastic volume resists it, and a folded surface must be free to unfold.
+  SoftDef() { collideSelf = false; }
+  /// Positive volume at rest: vertex 3 lies on the side that (1 - 0) x (2 - 0) points to.
+  std::vector<std::array<int, 4>> tetrahedra;
+  double youngsModulus = 1e5;  ///< [Pa]
+  double poissonRatio = .4;    ///< [1], 0 to less than 0.5
+  double density = 1000;       ///< [kg/m3]
+  double viscosity = 0;        ///< viscosity of the strain rate [Pa s]
+  /// Von Mises (Kirchhoff) yield stress [Pa]. Plastic strain beyond it is permanent.
+  double yieldStress = kUnbreakable;
+  /// Increase of the yield stress per unit of equivalent plastic strain [Pa].
+  double hardening = 0;
+  double contactRadius = 0;  ///< distance of the contact surface from the vertices [m]
 };
 
-/// A sheet of triangles that resists stretch, shear and bending.
+/// Cloth: triangles that resist stretch, shear and bending.
 struct ClothDef : DeformableDef {
   std::vector<std::array<int, 3>> triangles;
-  double thickness = 1e-3;                 ///< [m]; contacts keep half of it
+  double thickness = 1e-3;                 ///< [m]; contacts keep half of it as distance
   double youngsModulus = 1e6;              ///< [Pa]
   double poissonRatio = .3;                ///< [1], -1 to 1
   double density = 300;                    ///< [kg/m3]
-  double viscosity = 0;                    ///< of the strain rate in the plane [Pa s]
-  std::optional<double> bendingStiffness;  ///< [N m]; none: E h^3 / (12 (1 - nu^2))
-  bool restFolded = false;    ///< keep the angles that the mesh has at rest; else it wants to be flat
-  double bendingDamping = 0;  ///< restFolded only: of the rate of an angle, for each metre of edge [N s/rad]
-  double tearStretch = kUnbreakable;  ///< length over rest length at which a triangle tears
-  double pressure = 0;  ///< inside over outside, of a closed sheet whose triangles are counter-clockwise from
-                        ///< outside [Pa]
+  double viscosity = 0;                    ///< viscosity of the in-plane strain rate [Pa s]
+  std::optional<double> bendingStiffness;  ///< [N m]; empty: E h^3 / (12 (1 - nu^2))
+  bool restFolded = false;                 ///< rest angles are those of the rest shape; otherwise flat
+  /// restFolded only: damping of the angle rate per meter of edge [N s/rad].
+  double bendingDamping = 0;
+  double tearStretch = kUnbreakable;  ///< stretch (length over rest length) at which a triangle tears
+  /// Inside minus outside [Pa]. The sheet must be closed, its triangles counter-clockwise seen from outside.
+  double pressure = 0;
 };
 
-/// A line of vertices that resists stretch and bending, straight at rest; no twist.
+/// A cable: a polyline that resists stretch and bending, straight at rest, without twist.
 struct RodDef : DeformableDef {
-  bool closed = false;               ///< a ring
-  double radius = .01;               ///< of its circular section [m]; also in contact
+  bool closed = false;               ///< closed ring
+  double radius = .01;               ///< of the circular section, also for contacts [m]
   double youngsModulus = 1e7;        ///< [Pa]
   double density = 1000;             ///< [kg/m3]
-  double viscosity = 0;              ///< of the stretch rate [Pa s]
+  double viscosity = 0;              ///< viscosity of the stretch rate [Pa s]
   double breakForce = kUnbreakable;  ///< tension at which a segment breaks [N]
 };
 
-/// Point masses joined by springs.
+/// A net: point masses connected by springs.
 struct NetDef : DeformableDef {
-  NetDef() {
-    collideSurface = collideSelf = false;
-  }  ///< springs may cross; of its surface only triangles collide
+  /// Without surface collision by default: springs may cross. If enabled, only triangles collide.
+  NetDef() { collideSurface = collideSelf = false; }
   struct Edge {
     int a, b;
     double stiffness;        ///< [N/m]
     double damping = 0;      ///< [N s/m]
-    double restLength = -1;  ///< [m]; below 0: the distance of the vertices at rest
+    double restLength = -1;  ///< [m]; negative: distance in the rest shape
   };
-  std::vector<double> masses;  ///< of each vertex [kg]; one number serves all
+  std::vector<double> masses;  ///< per vertex [kg]; a single value applies to all
   std::vector<Edge> edges;
-  std::vector<std::array<int, 3>> triangles;  ///< drawn, and its surface
+  std::vector<std::array<int, 3>> triangles;  ///< surface for rendering and collision
   double contactRadius = 0;                   ///< [m]
-  double breakForce = kUnbreakable;           ///< of a spring [N]
+  double breakForce = kUnbreakable;           ///< of each spring [N]
 };
 
-/// Spheres that collide with bodies, with one another and with other objects of collideVertices, and do not
-/// turn.
+/// Granular particles: spheres that do not rotate. They collide with bodies, with each other and with objects
+/// that set collideVertices.
 struct ParticlesDef : DeformableDef {
   double radius = .01;    ///< [m]
   double density = 1500;  ///< [kg/m3]
@@ -100,23 +99,24 @@ struct ParticlesDef : DeformableDef {
 
 using Deformable = std::variant<SoftDef, ClothDef, RodDef, NetDef, ParticlesDef>;
 
-/// A weighted mean of vertices held to a point of a body or of the world, or to another mean of vertices (a
-/// seam).
+/// A constraint between a weighted mean of vertices and a point of a body, a point of the world, or another
+/// such mean (a seam, vertex-vertex attachment).
 struct AttachmentDef {
   std::string name;             ///< optional
   int object = 0;               ///< index into Scene::deformables
-  std::vector<int> vertices;    ///< up to four with those of the other side
-  std::vector<double> weights;  ///< at least 0, which add up to 1; empty: equal ones
-  int body = kWorld;            ///< index into Scene::bodies, or the world
-  std::optional<Vec3> anchor;   ///< in the frame of the body [m]; none: where the vertices start
-  int otherObject = -1;         ///< a seam: the other side is of this deformable object
+  std::vector<int> vertices;    ///< at most four, those of the other side included
+  std::vector<double> weights;  ///< not negative, sum 1; empty: equal weights
+  int body = kWorld;            ///< index into Scene::bodies, or kWorld
+  std::optional<Vec3> anchor;   ///< in the body frame [m]; empty: at the initial vertex positions
+  /// Vertex-vertex attachment: the object of the other side. -1: none.
+  int otherObject = -1;
   std::vector<int> otherVertices;
   std::vector<double> otherWeights;
   double stiffness = kHard;          ///< [N/m], or hard
   double breakForce = kUnbreakable;  ///< [N]
 };
 
-/// Common part of a deformable object of any kind.
+/// The fields that all kinds share.
 inline const DeformableDef& common(const Deformable& d) {
   return std::visit([](const auto& own) -> const DeformableDef& { return own; }, d);
 }
@@ -124,18 +124,18 @@ inline DeformableDef& common(Deformable& d) {
   return std::visit([](auto& own) -> DeformableDef& { return own; }, d);
 }
 
-/// A box of cells, each cut into six tetrahedra, with its lowest corner at `corner`.
+/// A box of cells with six tetrahedra each. `corner` is its lowest corner.
 SoftDef softBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells);
-/// A ball of tetrahedra: a cube of `cells` each way, 2 at least, drawn to a ball. None of them has its four
-/// corners on the surface.
+/// A ball of tetrahedra: a cube of `cells` cells per edge (at least 2), mapped to a ball. No tetrahedron has
+/// all four corners on the surface.
 SoftDef softBall(const Vec3& centre, double radius, int cells);
-/// A sheet of cells, two triangles each: `corner` + s `u` + t `v`, s and t from 0 to 1. Vertex (i, j) is i +
-/// j (cellsU + 1).
+/// Cloth of cells with two triangles each: corner + s u + t v, s and t from 0 to 1. Vertex (i, j) has index i
+/// + j (cellsU + 1).
 ClothDef clothSheet(const Vec3& corner, const Vec3& u, const Vec3& v, int cellsU, int cellsV);
-/// A straight rod.
+/// A straight cable.
 RodDef straightRod(const Vec3& from, const Vec3& to, int segments);
 
-/// Throws Error with the path of the first thing that is wrong ("deformables[2].tetrahedra[17]").
+/// Throws Error with the path of the first invalid field ("deformables[2].tetrahedra[17]").
 void validate(const Deformable& deformable, const std::string& path);
 
 }  // namespace rubble

@@ -1,12 +1,12 @@
 #pragma once
-/// Arrays of state by id where the bodies have another order: copies that follow the originals, once somebody
-/// has asked for them.
+/// State arrays in the order of ids, for backends whose bodies are sorted in another order. A copy is made at
+/// the first request and updated from then on.
 #include "tables/state_rows.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// `Buffer`: reserve(bytes), data(), size(). Where a call takes gather(to, from, bytes), it is to make
-/// element `id` of `to` the element placeOf[id] of `from`, of so many bytes each.
+/// `Buffer` has reserve(bytes), data() and size(). A parameter gather(to, from, bytes) copies element
+/// placeOf[id] of `from` to element `id` of `to`, `bytes` per element.
 template <class Buffer> class ArraysById {
  public:
   template <class Gather> ArrayView view(StateArray which, const SolverData& s, int bodies, Gather&& gather) {

@@ -1,4 +1,4 @@
-// What the rest of the library sees of the CUDA backend, whether or not it is built.
+// Interface of the CUDA backend to the rest of the library, whether or not it is built.
 #include <rubble/info.h>
 
 #include "backend/engine.h"
@@ -15,7 +15,7 @@ std::unique_ptr<Engine> makeCudaEngine(bool timings);
 
 std::string cudaStatus() { return f32::deviceStatus(); }
 bool cudaReady() {
-  static const bool ready = f32::deviceReady();  // starts the driver: a matter of seconds on some machines
+  static const bool ready = f32::deviceReady();  // may take seconds: initializes the driver
   return ready;
 }
 std::unique_ptr<Engine> makeCudaEngine(bool timings) {

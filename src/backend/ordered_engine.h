@@ -1,6 +1,6 @@
 #pragma once
-/// An engine that knows bodies by their ids, whatever order they have in its tables; and that keeps this
-/// order a good one.
+/// An engine that addresses bodies by id, whatever their order in the tables, and that sorts them
+/// periodically.
 #include "backend/engine.h"
 
 namespace rubble {
@@ -9,10 +9,10 @@ class OrderedEngine final : public Engine {
  public:
   explicit OrderedEngine(std::unique_ptr<Engine> engine) : engine_(std::move(engine)) {}
 
-  /// With the next step, however the bodies lie.
+  /// Sorts with the next step, whether or not it is due.
   void sortSoon() { due_ = true; }
 
-  // by id
+  // By id.
   void setBody(int id, const EngineBody& body) override { engine_->setBody(slot(id), body); }
   void forgetContacts(int id) override { engine_->forgetContacts(slot(id)); }
   void forgetContactsOf(std::span<const int> ids) override { engine_->forgetContactsOf(slots(ids)); }
@@ -38,10 +38,10 @@ class OrderedEngine final : public Engine {
   std::vector<EngineHit> query(std::span<const EngineQuery> queries) override;
   std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override;
 
-  /// Sorts the bodies first, where that is due.
+  /// Sorts the bodies first if that is due.
   void step(StepReport& report) override;
 
-  // as they are
+  // Forwarded unchanged.
   void configure(const EngineSettings& settings) override {
     sortInterval_ = settings.params.sortInterval;
     engine_->configure(settings);
@@ -87,7 +87,7 @@ class OrderedEngine final : public Engine {
   std::string firstDifference() const override { return engine_->firstDifference(); }
 
  private:
-  /// No body: as it is.
+  /// Negative ids (no body) are unchanged.
   int slot(int id) const { return id < 0 ? id : engine_->order().slotOf[static_cast<std::size_t>(id)]; }
   int idOf(int slot) const { return slot < 0 ? slot : engine_->order().idOf[static_cast<std::size_t>(slot)]; }
   std::vector<int> slots(std::span<const int> ids) const;

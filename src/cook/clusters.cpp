@@ -1,4 +1,4 @@
-/// Nested clusters of the vertices of an object, by halving boxes.
+/// Nested clusters of the vertices of an object, by recursive bisection of their bounding box.
 #include "cook/halving.h"
 #include "forces/soft_model.h"
 
@@ -31,7 +31,7 @@ void makeClusters(SoftModel& model) {
   if (moving < 2) return;
   int level = 0;
   while (level < SoftModel::kClusterLevels - 1 && moving > SoftModel::kFinestCluster << (3 * level)) ++level;
-  // the whole object is a cluster, whatever its size
+  // the coarsest cluster is the whole object, whatever its size
   Builder{model}.add(level, 0, moving, -1);
 }
 

@@ -91,7 +91,7 @@ void addCompound(CookedShape& out, const Shape& shape, const std::string& path) 
     incidence.rotation = normalize(back * q * part.unit.axes);
     incidence.radius = part.radius;
     incidence.material = parts[i].material;
-    // its tables behind those that are there
+    // appends its tables to the existing ones
     const int vectors = static_cast<int>(out.vectors.size()), indices = static_cast<int>(out.indices.size());
     for (const int place : part.vectorPlaces)
       part.indices[static_cast<std::size_t>(place)] += vectors, out.vectorPlaces.push_back(place + indices);
@@ -141,7 +141,7 @@ CookedShape cook(const Shape& shape, const std::string& path) {
       out.radius = std::hypot(shape.radius - r, shape.halfLength - r) + r;
       break;
     case ShapeType::Cone:
-      // the tip is three quarters of the height above the centre of mass
+      // the tip is three quarters of the height above the center of mass
       out.shape = {CookedKind::Cone, {shape.radius, shape.radius, 1.5 * shape.halfLength}, 0};
       out.radius = std::max(1.5 * shape.halfLength, std::hypot(shape.radius, .5 * shape.halfLength));
       break;

@@ -12,7 +12,7 @@ namespace rubble::cooking {
 
 namespace {
 
-/// Inside or outside is asked for at this many places along each edge of a cell.
+/// Samples per cell edge for the inside test.
 constexpr int kProbes = 4;
 
 SolidSums insideOf(const ShapeGeometry& g) {
@@ -24,7 +24,7 @@ SolidSums insideOf(const ShapeGeometry& g) {
       for (int i = 0; i < (g.counts[0] - 1) * kProbes; ++i) {
         const Vec3 x = g.origin + Vec3{(2 * i + 1) * half.x, (2 * j + 1) * half.y, (2 * k + 1) * half.z};
         const double d = distanceAt(g, x);
-        // the part of the piece that is inside, if the surface passes through it as a plane
+        // share of the sample cell that is inside, with the surface as a plane
         const double share = std::clamp(.5 - d / (2 * half.x), 0.0, 1.0);
         if (share > 0) sums += placed(piece, x, Quat{}, share);
       }
@@ -47,7 +47,7 @@ void addDistanceField(CookedShape& out, const Shape& shape, const std::string& p
   out.indices[static_cast<std::size_t>(header) + 5] = static_cast<int>(surface.points.size());
   out.shape.kind = CookedKind::Distance;
   out.shape.data = header;
-  // pose of the lattice in the engine's frame
+  // pose of the lattice in the engine frame
   const Quat back = conjugate(out.unit.axes);
   const Vec3 first = rotate(back, g.origin - out.unit.centre);
   out.vectors.push_back({first.x, first.y, first.z, g.spacing.x});

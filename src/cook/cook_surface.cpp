@@ -26,13 +26,13 @@ struct Range {
 
 Vec3 at(const std::vector<Vec3>& points, int i) { return points[static_cast<std::size_t>(i)]; }
 
-/// A tree over triangles in depth-first order, a triangle a leaf.
+/// A bounding volume tree over triangles in depth-first order, one triangle per leaf.
 class TreeBuilder {
  public:
   struct Node {
     Range box;
-    int skip = 0;       ///< the node to go on with if this one is not entered
-    int triangle = -1;  ///< place in the new order, -1: inner
+    int skip = 0;       ///< next node if this one is not entered
+    int triangle = -1;  ///< index in the new order, -1: inner node
   };
   TreeBuilder(const std::vector<Range>& boxes) : boxes_(boxes), order_(boxes.size()) {
     std::iota(order_.begin(), order_.end(), 0);
@@ -87,7 +87,7 @@ void setBounds(CookedShape& out, const Range& box) {
 std::vector<int> touchableEdges(const std::vector<Vec3>& points,
                                 const std::vector<std::array<int, 3>>& triangles, bool twoSided,
                                 std::vector<int>* beyond) {
-  // corners in one place are one
+  // merge corners at equal positions
   std::map<std::array<double, 3>, int> places;
   std::vector<int> weld(points.size());
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -117,7 +117,7 @@ std::vector<int> touchableEdges(const std::vector<Vec3>& points,
             sides[1 - k].triangle, sides[1 - k].edge + 2);
   }
   std::vector<int> flags(triangles.size());
-  // from the front, and from the back six bits further up
+  // front faces, then back faces six bits higher
   for (int face = 0; face < (twoSided ? 2 : 1); ++face) {
     const int shift = 6 * face;
     std::vector<bool> touchable(points.size());

@@ -1,4 +1,4 @@
-/// From what an author writes of a deformable object to elements with their constants at rest.
+/// Converts authored deformable objects to elements with their rest-shape constants.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -19,7 +19,7 @@ const Vec3& at(const DeformableDef& d, int vertex) { return d.vertices[std::size
 
 double triangleArea(const Vec3& a, const Vec3& b, const Vec3& c) { return length(cross(b - a, c - a)) / 2; }
 
-/// Vertices at their start, without mass, radius and velocity.
+/// Vertices at their initial positions, without mass, radius and velocity.
 SoftModel startModel(const DeformableDef& d) {
   SoftModel m;
   const std::vector<Vec3>& from = d.start.empty() ? d.vertices : d.start;
@@ -32,7 +32,7 @@ SoftModel startModel(const DeformableDef& d) {
   return m;
 }
 
-/// What follows from the masses: velocities, fixed vertices, size.
+/// Adds what depends on masses: velocities, fixed vertices, size.
 std::shared_ptr<const SoftModel> finished(SoftModel m, const DeformableDef& d) {
   Vec3 moment, lowest = m.vertices[0].position, highest = lowest;
   for (const SoftModel::Vertex& v : m.vertices) {
@@ -55,7 +55,7 @@ std::shared_ptr<const SoftModel> finished(SoftModel m, const DeformableDef& d) {
   return std::make_shared<const SoftModel>(std::move(m));
 }
 
-/// L of each vertex: the mean length of its edges at rest; `otherwise` where it has none.
+/// L of each vertex: the mean rest length of its edges, or `otherwise` if it has none.
 void setLengths(SoftModel& m, const DeformableDef& d, const std::vector<Edge>& edges, double otherwise) {
   std::vector<double> sum(m.vertices.size()), count(m.vertices.size());
   for (const auto& [a, b] : edges) {
@@ -66,7 +66,7 @@ void setLengths(SoftModel& m, const DeformableDef& d, const std::vector<Edge>& e
     m.vertices[v].length = count[v] > 0 ? sum[v] / count[v] : otherwise;
 }
 
-/// The least mass among vertices that move.
+/// The smallest mass among dynamic vertices.
 template <class Corners>
 double leastMass(const SoftModel& m, const DeformableDef& d, const Corners& corners) {
   double least = 0;
@@ -121,7 +121,7 @@ std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
 
 SoftModel::Membrane cookMembrane(const ClothDef& d, const SoftModel& m, const std::array<int, 3>& v) {
   const Vec3 a = at(d, v[0]), e1 = at(d, v[1]) - a, e2 = at(d, v[2]) - a;
-  // axes of the material in the plane of the triangle at rest
+  // material axes in the plane of the rest triangle
   const Vec3 u = normalize(e1), n = normalize(cross(e1, e2)), w = cross(n, u);
   const double x1 = dot(e1, u), x2 = dot(e2, u), y2 = dot(e2, w), area = x1 * y2 / 2;
   SoftModel::Membrane t;
@@ -142,7 +142,7 @@ SoftModel::Membrane cookMembrane(const ClothDef& d, const SoftModel& m, const st
   return t;
 }
 
-/// Two triangles (or one) at an edge, with the corner opposite to it.
+/// One or two triangles at an edge, with their opposite corners.
 struct Hinge {
   int from = 0, to = 0;
   std::vector<int> opposite;

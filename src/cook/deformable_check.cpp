@@ -21,7 +21,7 @@ void ratio(double a, double least, const std::string& path) {
     throw Error(path, "a number from " + text(least) + " to below .5", text(a));
 }
 
-/// Indices are of vertices, and differ from one another.
+/// Indices must be valid and distinct.
 template <class Corners> void corners(const DeformableDef& d, const Corners& c, const std::string& path) {
   for (const int v : c)
     if (v < 0 || std::size_t(v) >= d.vertices.size())
@@ -55,7 +55,7 @@ void checkCommon(const DeformableDef& d, std::size_t least, const std::string& p
   finite(d.gravityScale, path + ".gravityScale");
 }
 
-/// Every vertex must have mass: each is a corner of something.
+/// Every vertex must have mass, so each must be a corner of an element.
 void allUsed(const std::vector<bool>& used, const std::string& path, const char* of) {
   const auto it = std::find(used.begin(), used.end(), false);
   if (it != used.end())
@@ -63,7 +63,7 @@ void allUsed(const std::vector<bool>& used, const std::string& path, const char*
                 "a vertex of none");
 }
 
-/// Below this share of the cube (square) of the longest edge a volume (area) counts as none.
+/// Volumes (areas) below this share of the cubed (squared) longest edge count as zero.
 constexpr double kDegenerate = 1e-9;
 
 void check(const SoftDef& d, const std::string& path) {
@@ -123,8 +123,8 @@ void checkTriangles(const DeformableDef& d, const std::vector<std::array<int, 3>
   }
 }
 
-/// A pressure needs an inside: every edge has two triangles, which go along it in opposite directions, and
-/// the volume is positive.
+/// Pressure requires a closed sheet: two triangles of opposite direction at every edge, and a positive
+/// volume.
 void checkClosed(const ClothDef& d, const std::string& path) {
   std::map<std::pair<int, int>, std::size_t> ways;
   for (std::size_t i = 0; i < d.triangles.size(); ++i)

@@ -62,7 +62,7 @@ ShapeMesh distanceSurface(const ShapeGeometry& f) {
   for (int k = 0; k + 1 < nz; ++k)
     for (int j = 0; j + 1 < ny; ++j)
       for (int i = 0; i + 1 < nx; ++i) {
-        // the middle of where the edges of the cell are cut
+        // the mean of the points where the surface cuts edges of the cell
         Vec3 sum;
         int cuts = 0;
         for (int axis = 0; axis < 3; ++axis)
@@ -87,7 +87,7 @@ ShapeMesh distanceSurface(const ShapeGeometry& f) {
         mesh.points.push_back(x);
         mesh.normals.push_back(distanceNormal(f, x));
       }
-  // a quad around each lattice edge that the surface cuts
+  // one quad around each lattice edge that the surface cuts
   for (int k = 0; k < nz; ++k)
     for (int j = 0; j < ny; ++j)
       for (int i = 0; i < nx; ++i)

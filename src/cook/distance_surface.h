@@ -1,17 +1,16 @@
 #pragma once
-/// Signed distances at the points of a lattice: value and surface.
+/// Signed distance fields on a lattice: interpolation and surface extraction.
 #include "cook/shape_mesh.h"
 
 namespace rubble {
 
-/// The distance at a point by linear interpolation in its cell; outside of the lattice that of the nearest
-/// point of it. [m]
+/// Trilinear interpolation at a point. Points outside are clamped to the lattice. [m]
 double distanceAt(const ShapeGeometry& field, const Vec3& point);
-/// Its gradient, unit.
+/// Unit gradient at a point.
 Vec3 distanceNormal(const ShapeGeometry& field, const Vec3& point);
 
-/// The surface of distance 0, a corner for each cell that it passes through (surface nets, Gibson 1998),
-/// moved onto the surface.
+/// The zero surface by surface nets (Gibson 1998): one vertex per cell that it crosses, projected onto the
+/// surface.
 ShapeMesh distanceSurface(const ShapeGeometry& field);
 
 }  // namespace rubble

@@ -1,5 +1,5 @@
 #pragma once
-/// Points in an order in which those that are near to one another are near in the list.
+/// Orders points by recursive bisection, so that neighbors in space are neighbors in the list.
 #include <algorithm>
 #include <numeric>
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace rubble {
 
-/// Orders the indices [begin, end) of a list into pieces of at most `most`, by cutting the longest side of
-/// their box in the middle of them; visit(begin, end) for each piece. at(index): place of a point.
+/// Orders the indices [begin, end) into pieces of at most `most`, by bisecting the longest side of their
+/// bounding box at the median. Calls visit(begin, end) for each piece. at(index): position of a point.
 template <class At, class Visit>
 void cutInHalves(std::vector<int>& order, int begin, int end, int most, const At& at, const Visit& visit) {
   if (end - begin <= most) {
@@ -34,7 +34,7 @@ void cutInHalves(std::vector<int>& order, int begin, int end, int most, const At
   cutInHalves(order, middle, end, most, at, visit);
 }
 
-/// All points in such an order: corners of a body, whose owners of contacts have neighbours in the list
+/// Orders all points. Used for the corners of a body, so that contact owners have neighbors in the list
 /// (stages/soft/body_corners.h).
 inline std::vector<int> nearOrder(const std::vector<Vec3>& points) {
   std::vector<int> order(points.size());

@@ -21,7 +21,7 @@ namespace rubble {
 
 namespace {
 
-/// Frees what qhull holds, whatever happens.
+/// Frees the memory of qhull on scope exit.
 class Qhull {
  public:
   Qhull() { qh_zero(&qh_, nullptr); }
@@ -55,7 +55,7 @@ bool hasHulls() { return true; }
 Hull convexHull(const std::vector<Vec3>& points, const std::string& path) {
   const std::string wanted = "at least four points that do not lie in one plane";
   if (points.size() < 4) throw Error(path, wanted, std::to_string(points.size()) + " points");
-  // about the middle and of size 1, so that tolerances mean the same for every hull
+  // centered and scaled to size 1, so that tolerances are relative to the hull
   Vec3 low = points[0], high = points[0];
   for (const Vec3& p : points)
     for (int i = 0; i < 3; ++i) low[i] = std::min(low[i], p[i]), high[i] = std::max(high[i], p[i]);
@@ -70,7 +70,7 @@ Hull convexHull(const std::vector<Vec3>& points, const std::string& path) {
   Qhull qhull;
   qhT* qh = qhull.get();
   char options[] = "qhull Pp C-1e-7";
-  // what qhull has to say is said by the error
+  // the error reports failures, so qhull prints nothing
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> silence(
       std::fopen("/dev/null", "w"), [](std::FILE* f) { return f ? std::fclose(f) : 0; });
   if (qh_new_qhull(qh, 3, static_cast<int>(points.size()), coordinates.data(), False, options, silence.get(),

@@ -10,13 +10,13 @@ namespace rubble {
 struct Hull {
   std::vector<Vec3> vertices;
   std::vector<std::vector<int>> faces;  ///< corners, counter-clockwise seen from outside
-  std::vector<Vec3> normals;            ///< outward, unit, one a face
+  std::vector<Vec3> normals;            ///< outward unit normals, one per face
 };
 
-/// The convex hull of points, faces that lie in one plane united (qhull; Barber, Dobkin, Huhdanpaa 1996).
-/// Throws Error at `path` if the points lie in one plane, or if this build has no qhull.
+/// Convex hull of points with coplanar faces merged (qhull; Barber, Dobkin, Huhdanpaa 1996). Throws Error at
+/// `path` if the points are coplanar, or if this build has no qhull.
 Hull convexHull(const std::vector<Vec3>& points, const std::string& path);
-/// Is qhull in this build?
+/// Returns whether this build has qhull.
 bool hasHulls();
 
 }  // namespace rubble

@@ -10,13 +10,12 @@ namespace rubble {
 namespace {
 
 constexpr int kMostCells = 1 << 26;
-/// The lattice is shifted by these shares of a cell, so that corners and edges of a surface built on round
-/// numbers do not lie in its rows [1].
+/// Offset of the lattice in cells [1]. It avoids that rows of the lattice contain corners and edges of
+/// surfaces with round coordinates.
 constexpr Vec3 kShift{.0137, .0071, .0193};
 
-/// Does the row through (y, z), along x, pass through a triangle? 1 from outside to inside, -1 the other way,
-/// 0 no. Both triangles at an edge work it out from the same numbers, so that no row slips through between
-/// them.
+/// Tests whether the row along x through (y, z) crosses a triangle: 1 inward, -1 outward, 0 no. Both
+/// triangles at an edge compute it from the same numbers, so no row passes between them.
 int passes(const TriangleMesh& mesh, const std::array<int, 3>& t, double y, double z, double& x) {
   double side[3];
   int sum = 0;
@@ -33,19 +32,19 @@ int passes(const TriangleMesh& mesh, const std::array<int, 3>& t, double y, doub
   const double all = side[0] + side[1] + side[2];
   if (all == 0) return 0;
   const auto at = [&](std::size_t k) { return mesh.vertices[static_cast<std::size_t>(t[k])].x; };
-  // the side of an edge weighs the corner opposite to it
+  // the edge function of an edge weights the opposite corner
   x = (side[0] * at(2) + side[1] * at(0) + side[2] * at(1)) / all;
-  // counter-clockwise about x: the normal points along x, out of the solid
+  // counter-clockwise about x: the normal points along x, so the row leaves the solid
   return sum > 0 ? -1 : 1;
 }
 
-/// Where the way from `from` by `along` meets a triangle, from 0 to 1; 2: nowhere.
+/// Parameter from 0 to 1 at which the segment `from`, `along` crosses a triangle; 2: no crossing.
 double meets(const Vec3& from, const Vec3& along, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 e1 = b - a, e2 = c - a, p = cross(along, e2);
   const double det = dot(e1, p);
   if (det == 0) return 2;
   const Vec3 s = from - a, q = cross(s, e1);
-  // a little beyond the rim: a way through an edge must not slip between its triangles
+  // tolerance at the rim: a segment through an edge must not pass between its triangles
   constexpr double kRim = 1e-9;
   const double u = dot(s, p) / det, v = dot(along, q) / det, t = dot(e2, q) / det;
   return u >= -kRim && v >= -kRim && u + v <= 1 + kRim && t >= 0 && t <= 1 ? t : 2;
@@ -174,7 +173,7 @@ Vec3 SidesOfLattice::cut(int inside, int outside) const {
   const Vec3 from = place(inside), along = place(outside) - from;
   int low[3], high[3];
   for (int axis = 0; axis < 3; ++axis) {
-    // a way along the border of two cells looks into both
+    // a segment along the border of two cells searches both
     constexpr double kBorder = 1e-6;
     const double a = (std::min(from[axis], from[axis] + along[axis]) - first_[axis]) / cell_,
                  b = (std::max(from[axis], from[axis] + along[axis]) - first_[axis]) / cell_;
@@ -195,7 +194,7 @@ Vec3 SidesOfLattice::cut(int inside, int outside) const {
                                             surface_.vertices[static_cast<std::size_t>(t[2])]));
         }
       }
-  // round-off may hide a surface that grazes an end
+  // round-off may miss a surface that grazes an end
   return from + (nearest <= 1 ? nearest : .5) * along;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// A body-centred cubic lattice about a closed surface: which of its points lie inside, and where the surface
-/// cuts its edges.
+/// A body-centered cubic lattice around a closed surface: inside test of its points, and intersections of its
+/// edges with the surface.
 #include <array>
 #include <string>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace rubble {
 
-/// Points are numbered: corners of cells first, then their centres, x fastest.
+/// Point indices: corners of cells first, then centers of cells, x fastest.
 class SidesOfLattice {
  public:
   /// Throws Error if there are too many cells.
@@ -18,12 +18,12 @@ class SidesOfLattice {
   int points() const { return corners_ + cellCount(); }
   Vec3 place(int point) const;
 
-  /// 1 for each point that the surface winds around once or more, else -1.
+  /// 1 for each point with winding number 1 or more, otherwise -1.
   void findSides(std::vector<signed char>& side) const;
-  /// Where the surface cuts the way from a point inside to one outside, nearest to the first.
+  /// The intersection of the segment from an inside point to an outside point that is nearest to the first.
   Vec3 cut(int inside, int outside) const;
 
-  /// visit(neighbour, is it as far as a cell is wide?) for the points that share an edge with one.
+  /// Calls visit(neighbor, is the edge one cell long?) for the neighbors of a point.
   template <class Visit> void forEachNeighbor(int point, Visit&& visit) const {
     const bool centre = point >= corners_;
     const std::array<int, 3> at = indexOf(point);
@@ -39,7 +39,7 @@ class SidesOfLattice {
         to[static_cast<std::size_t>(axis)] += step;
         tryPoint(centre, to[0], to[1], to[2], true);
       }
-    // centre (i, j, k) lies between the corners (i, j, k) and (i + 1, j + 1, k + 1)
+    // center (i, j, k) lies between the corners (i, j, k) and (i + 1, j + 1, k + 1)
     for (int k = 0; k < 8; ++k) {
       const int dx = k & 1, dy = k >> 1 & 1, dz = k >> 2;
       if (centre)
@@ -49,7 +49,7 @@ class SidesOfLattice {
     }
   }
 
-  /// visit(centre, centre, corners of their face in order) for every two cells side by side.
+  /// Calls visit(center, center, corners of their face in order) for every two adjacent cells.
   template <class Visit> void forEachFace(Visit&& visit) const {
     for (int z = 0; z < cells_[2]; ++z)
       for (int y = 0; y < cells_[1]; ++y)
@@ -84,7 +84,7 @@ class SidesOfLattice {
   Vec3 first_;  ///< the lowest corner
   std::array<int, 3> cells_{};
   int corners_ = 0;
-  std::vector<int> bucketBegin_, bucketTriangle_;  ///< triangles whose boxes meet a cell
+  std::vector<int> bucketBegin_, bucketTriangle_;  ///< triangles whose boxes overlap a cell
 };
 
 }  // namespace rubble

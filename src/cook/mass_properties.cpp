@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Of the solid that a closed surface holds. `symmetric`: its centre and axes are those of the frame.
+/// Mass properties of the solid inside a closed surface. `symmetric`: center and axes are those of the frame.
 MassProperties ofSurface(const ShapeMesh& mesh, double density, bool symmetric) {
   SolidSums sums;
   for (const std::array<int, 3>& t : mesh.triangles) {
@@ -33,7 +33,7 @@ MassProperties scaled(MassProperties m, double density) {
 }  // namespace
 
 MassProperties massProperties(const Shape& shape, double density) {
-  // fine enough for 2e-3
+  // relative error 2e-3
   constexpr int kSegments = 96;
   const double r = shape.radius, l = shape.halfLength;
   switch (shape.type) {
@@ -53,7 +53,7 @@ MassProperties massProperties(const Shape& shape, double density) {
     }
     case ShapeType::Capsule: {
       const double cylinder = density * kPi * r * r * 2 * l, sphere = density * 4 / 3 * kPi * r * r * r;
-      // each half sphere has its centre of mass 3/8 r beyond the end of the cylinder
+      // the center of mass of a hemisphere is 3/8 r beyond the end of the cylinder
       const double axial = cylinder * r * r / 2 + sphere * .4 * r * r;
       const double across = cylinder * (r * r / 4 + l * l / 3) + sphere * (.4 * r * r + l * l + .75 * l * r);
       return {cylinder + sphere, {across, across, axial}, {}, {}};

@@ -1,4 +1,4 @@
-/// Deformable objects from meshes and lines, and what a closed surface must be.
+/// Deformable objects from meshes and polylines, and the validation of closed surfaces.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,9 +12,9 @@ namespace rubble {
 
 namespace {
 
-/// Below this share of the square of its longest edge the area of a triangle counts as none [1].
+/// Triangle areas below this share of the squared longest edge count as zero [1].
 constexpr double kNoArea = 1e-12;
-/// Of a rod: half a gigabyte of vertices. A longer one is a slip of the unit.
+/// Half a gigabyte of vertices. A longer rod is most likely a unit error.
 constexpr int kMostSegments = 1 << 24;
 
 std::string item(const std::string& path, const char* list, std::size_t i) {

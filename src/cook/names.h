@@ -1,12 +1,12 @@
 #pragma once
-/// How alike two names are, for errors that suggest one.
+/// Similarity of names, for suggestions in errors.
 #include <algorithm>
 #include <string>
 #include <vector>
 
 namespace rubble {
 
-/// Number of insertions, deletions and replacements of letters that turn `a` into `b` (Levenshtein).
+/// Levenshtein distance of two names.
 inline std::size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;

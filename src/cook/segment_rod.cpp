@@ -34,7 +34,7 @@ void check(const Scene& scene, const SegmentRodDef& rod, const std::string& path
                   std::to_string(*end));
 }
 
-/// Stiffness of a piece of length 1 m.
+/// Stiffnesses of a segment of length 1 m.
 struct Section {
   double stretch, shear, twist, bend;  ///< [N], [N], [N m2], [N m2]
 
@@ -65,13 +65,13 @@ SegmentRod addRod(Scene& scene, const SegmentRodDef& rod, const std::string& pat
     body.shape = Shape::capsule(rod.radius, size / 2);
     body.material = rod.material;
     body.density = rod.density;
-    // that of the cylinder: caps of neighbours lie in one another
+    // mass of the cylinder: the caps of neighboring capsules overlap
     const double mass = rod.density * area * size,
                  across = mass * (rod.radius * rod.radius / 4 + size * size / 12);
     body.mass = mass;
     body.inertia = Vec3{across, across, mass * rod.radius * rod.radius / 2};
     body.position = rod.points[static_cast<std::size_t>(i)] + piece / 2;
-    // z of the capsule is x of the frame along the piece
+    // z of the capsule is x of the frame along the segment
     body.orientation = normalize(frameAlong(piece) *
                                  Quat{std::numbers::sqrt2 / 2, 0, std::numbers::sqrt2 / 2, 0});
     scene.bodies.push_back(body);

@@ -1,5 +1,5 @@
-/// What can be said of a shape without cooking it: that its numbers are finite and that its lists fit to one
-/// another. What reads geometry (the cook, pictures, files) relies on it.
+/// Validation of shapes before cooking: finite numbers and consistent list sizes. All readers of geometry
+/// (cooking, rendering, files) rely on it.
 #include <rubble/scene.h>
 
 #include "cook/checks.h"
@@ -11,7 +11,8 @@ namespace {
 
 using namespace checks;
 
-/// Elements of a list of geometry: what is made of them, two triangles of a sample say, is counted in int.
+/// Largest number of elements of a geometry list. Derived elements, such as two triangles per sample, are
+/// counted in int.
 constexpr std::size_t kMost = std::size_t{1} << 28;
 
 void bounded(std::size_t count, const std::string& path) {
@@ -32,7 +33,7 @@ void checkTriangles(const ShapeGeometry& g, const std::string& path) {
         throw Error(element(path, t), "corners below " + std::to_string(g.points.size()), std::to_string(v));
 }
 
-/// As many samples as the lattice has points, `axes` of its counts.
+/// One sample per lattice point. `axes`: number of entries of `counts` in use.
 void checkSamples(const ShapeGeometry& g, std::size_t axes, const std::string& path,
                   const std::string& name) {
   Size count = 1;
@@ -52,7 +53,7 @@ bool isConvexSolid(ShapeType type) {
          type == ShapeType::Cylinder || type == ShapeType::Cone || type == ShapeType::Hull;
 }
 
-/// Parts are solids themselves and never compounds, so that this goes one level down and no further.
+/// Parts are convex solids, not compounds, so the recursion has one level.
 void checkParts(const ShapeGeometry& g, const std::string& path) {
   if (g.parts.empty()) throw Error(path, "the parts of a compound", "none");
   bounded(g.parts.size(), path);

@@ -23,7 +23,7 @@ class Builder {
     mesh.normals.push_back(normal);
     return static_cast<int>(mesh.points.size()) - 1;
   }
-  /// A flat convex face, counter-clockwise seen from outside.
+  /// A planar convex face, counter-clockwise seen from outside.
   void face(const std::vector<Vec3>& corners) {
     Vec3 area;
     for (std::size_t k = 1; k + 1 < corners.size(); ++k)
@@ -65,7 +65,7 @@ class Builder {
         if (rings[at + 1].r > 0) mesh.triangles.push_back({b, b + 1, a + 1});
       }
   }
-  /// A quarter circle of rings about (0, z), from the pole (top) or to it.
+  /// A quarter circle of rings about (0, z), starting (top) or ending at the pole.
   void cap(std::vector<Ring>& rings, double r, double z, bool top) const {
     const int steps = segments_ / 4;
     for (int k = 0; k <= steps; ++k) {
@@ -82,12 +82,12 @@ class Builder {
     }
     face(corners);
   }
-  /// Faces of the hull of the points furthest out along many directions: any rounded convex solid.
+  /// Any rounded convex solid: faces of the hull of its support points in many directions.
   template <class Support> void rounded(double radius, const std::vector<Vec3>& normals, Support&& furthest) {
     std::vector<Vec3> points;
     const int count = segments_ * segments_ / 3;
     for (int k = 0; k < count; ++k) {
-      // evenly spread over the sphere (golden angle)
+      // evenly distributed on the sphere (golden angle)
       const double z = 1 - (2 * k + 1.0) / count, s = std::sqrt(1 - z * z),
                    angle = kTurn * .61803398874989485 * k;
       const Vec3 d{s * std::cos(angle), s * std::sin(angle), z};
@@ -117,7 +117,7 @@ class Builder {
   int segments_;
 };
 
-/// Everything furthest out along d, within rounding.
+/// All points that are extreme along d, within round-off.
 std::vector<Vec3> furthestOf(const std::vector<Vec3>& points, const Vec3& d) {
   double most = -1e300;
   for (const Vec3& p : points) most = std::max(most, dot(p, d));

@@ -1,6 +1,5 @@
 #pragma once
-/// The surface of a shape as triangles, for pictures, viewers and exports: the one place where shapes are
-/// triangulated.
+/// Triangulation of shape surfaces, for rendering and export.
 #include <array>
 #include <vector>
 
@@ -8,15 +7,14 @@
 
 namespace rubble {
 
-/// Corners have a place and a normal each; those of a sharp edge occur once for each of its faces. Frame of
-/// the author.
+/// Corners have a position and a normal. A corner at a sharp edge occurs once per face. Authored frame.
 struct ShapeMesh {
   std::vector<Vec3> points;                   ///< [m]
   std::vector<Vec3> normals;                  ///< outward, unit
   std::vector<std::array<int, 3>> triangles;  ///< counter-clockwise seen from outside
 };
 
-/// `segments`: of a full circle. A plane has none. Throws Error for geometry that nothing can be made of.
+/// `segments`: per full circle. A plane has no triangles. Throws Error for degenerate geometry.
 ShapeMesh shapeMesh(const Shape& shape, int segments = 48);
 
 }  // namespace rubble

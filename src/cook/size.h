@@ -1,19 +1,18 @@
 #pragma once
-/// Products and sums of counts that come from outside.
+/// Overflow-safe products and sums of untrusted counts.
 #include <cstddef>
 #include <limits>
 
 namespace rubble {
 
-/// A number of bytes or elements that stays at the largest one instead of wrapping round. That is above every
-/// limit and equal to no size of anything that is there, so one comparison at the end is all that an
-/// expression of sizes needs.
+/// A number of bytes or elements that saturates instead of overflowing. The saturated value exceeds every
+/// limit and differs from every actual size, so one comparison at the end of an expression suffices.
 class Size {
  public:
   static constexpr std::size_t kLargest = std::numeric_limits<std::size_t>::max();
 
   constexpr Size(std::size_t value) : value_(value) {}
-  /// Of a count that may be negative: nothing has that size.
+  /// Negative counts become the saturated value.
   static constexpr Size of(long long count) { return count < 0 ? kLargest : static_cast<std::size_t>(count); }
 
   constexpr std::size_t value() const { return value_; }

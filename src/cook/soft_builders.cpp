@@ -8,9 +8,9 @@ namespace rubble {
 
 namespace {
 
-/// Points of a lattice and the six tetrahedra of each of its cells, which go along paths from one corner to
-/// the opposite one. startsHigh(axis, cell): the path starts at the high end of that axis. As this depends on
-/// the place along that axis alone, cells fit to one another.
+/// Lattice points, and six tetrahedra per cell along the paths from one corner to the opposite one.
+/// startsHigh(axis, cell): the path starts at the high end of that axis. It depends on the position along
+/// that axis only, so neighboring cells match.
 template <class StartsHigh>
 SoftDef lattice(const Vec3& corner, const Vec3& size, const std::array<int, 3>& cells,
                 StartsHigh&& startsHigh) {
@@ -30,7 +30,7 @@ SoftDef lattice(const Vec3& corner, const Vec3& size, const std::array<int, 3>& 
         for (int p = 0; p < 6; ++p) {
           std::array<int, 4> t;
           int at[3] = {i, j, k}, way[3];
-          // odd permutations of axes are mirror images, and so is each axis that is gone down
+          // odd permutations of axes are mirror images, and so is each reversed axis
           bool mirrored = p >= 3;
           for (int axis = 0; axis < 3; ++axis) {
             const bool down = startsHigh(axis, at[axis]);
@@ -61,12 +61,12 @@ SoftDef softBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& 
 SoftDef softBall(const Vec3& centre, double radius, int cells) {
   if (cells < 2 || !(radius > 0))
     throw Error("softBall", "a positive radius and at least two cells each way", "others");
-  // from the corner of a cell that is nearest to the centre: all six tetrahedra have it, so that none has its
-  // four corners on the surface, where those at the edges of the cube would be flat
+  // Paths start at the cell corner nearest to the center, which all six tetrahedra share. Otherwise
+  // tetrahedra at the edges of the cube would have all corners on the surface and be flat.
   SoftDef d = lattice({-1, -1, -1}, {2, 2, 2}, {cells, cells, cells},
                       [&](int, int cell) { return 2 * cell + 1 < cells; });
   for (Vec3& x : d.vertices) {
-    // the shell at distance r from the centre of the cube becomes the sphere of radius r
+    // the shell at distance r from the center of the cube becomes the sphere of radius r
     const double shell = std::max({std::fabs(x.x), std::fabs(x.y), std::fabs(x.z)}), size = length(x);
     x = centre + (size > 0 ? x * (radius * shell / size) : Vec3{});
   }

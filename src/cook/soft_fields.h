@@ -1,6 +1,6 @@
 #pragma once
-/// Everything that an author sets on deformable objects, once: key in files, unit ("1" for none) and meaning.
-/// Scene files and listings follow.
+/// All authored fields of deformable objects: keyword in files, unit ("1" for none) and meaning. Scene files
+/// and listings are generated from it.
 #include <rubble/soft.h>
 
 namespace rubble {
@@ -8,7 +8,7 @@ namespace rubble {
 /// Keywords of the kinds, in the order of Deformable.
 inline constexpr const char* kDeformableKeywords[] = {"soft", "cloth", "rod", "net", "particles"};
 
-/// f(key, unit, doc, member) for the fields that all kinds have. `D` may be const.
+/// Calls f(key, unit, doc, member) for the fields that all kinds share. `D` may be const.
 template <class D, class F> void commonFields(D& d, F&& f) {
   f("name", "1", "optional", d.name);
   f("vertices", "m", "shape at rest, world", d.vertices);
@@ -79,7 +79,7 @@ void ownFields(D& d, F&& f) {
   f("density", "kg/m3", "of each sphere", d.density);
 }
 
-/// The same for an attachment, but for the objects and the body that it names.
+/// The same for an attachment, without the objects and the body that it refers to.
 template <class D, class F> void attachmentFields(D& d, F&& f) {
   f("name", "1", "optional", d.name);
   f("vertices", "1", "of the object, up to four with those of the other side", d.vertices);

@@ -9,10 +9,10 @@ namespace {
 
 using Edge = std::pair<int, int>;
 
-// Types of elements by their place in ElementTypes.
+// Element types by their index in ElementTypes.
 constexpr int kMembranes = 1, kSprings = 5;
-/// Radius of a surface whose author gives none, over the mean length of its edges: without any it has no
-/// direction to be held apart in [1].
+/// Default contact radius over the mean edge length [1]. With a radius of zero the contact normal is
+/// undefined.
 constexpr double kBareSurfaceRadius = .01;
 
 Edge orderedEdge(int a, int b) { return {std::min(a, b), std::max(a, b)}; }

@@ -11,7 +11,7 @@ struct Symmetric {
   double m[3][3];
 };
 
-/// Eigenvectors of a symmetric matrix by Jacobi's rotations, as columns; the matrix becomes diagonal.
+/// Eigenvectors of a symmetric matrix as columns, by Jacobi rotations. The matrix becomes diagonal.
 void diagonalize(Symmetric& a, double (&axes)[3][3]) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) axes[i][j] = i == j;
@@ -19,7 +19,7 @@ void diagonalize(Symmetric& a, double (&axes)[3][3]) {
   const double scale = std::fabs(a.m[0][0]) + std::fabs(a.m[1][1]) + std::fabs(a.m[2][2]);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     const double off = std::fabs(a.m[0][1]) + std::fabs(a.m[0][2]) + std::fabs(a.m[1][2]);
-    // what rounding has left of a frame that is principal already
+    // round-off of a frame that is already principal
     if (off <= 1e-12 * scale) return;
     for (int p = 0; p < 2; ++p) {
       for (int q = p + 1; q < 3; ++q) {
@@ -44,7 +44,7 @@ void diagonalize(Symmetric& a, double (&axes)[3][3]) {
   }
 }
 
-/// The quaternion of a rotation matrix given by columns (Shepperd 1978: the largest component first).
+/// The quaternion of a rotation matrix given by columns (Shepperd 1978: largest component first).
 Quat quaternionOf(const double (&r)[3][3]) {
   const double trace = r[0][0] + r[1][1] + r[2][2];
   double q[4];

@@ -1,5 +1,5 @@
 #pragma once
-/// Mass, centre and inertia of solids: exact for polyhedra, summed for composites.
+/// Mass, center of mass and inertia of solids: exact for polyhedra, summed for compounds.
 #include <array>
 #include <span>
 
@@ -17,17 +17,17 @@ struct SolidSums {
   SolidSums& operator+=(const SolidSums& b);
 };
 
-/// Of the tetrahedron (origin, a, b, c), negative if a, b, c are clockwise seen from outside. A closed
-/// surface sums to its solid.
+/// Of the tetrahedron (origin, a, b, c). Negative if a, b, c are clockwise seen from outside. The triangles
+/// of a closed surface sum to its solid.
 SolidSums tetrahedronSums(const Vec3& a, const Vec3& b, const Vec3& c);
 /// Of a box about the origin.
 SolidSums boxSums(const Vec3& halfExtents);
-/// Of a body whose properties are known, in the frame of its shape.
+/// Of a body with known mass properties, in its shape frame.
 SolidSums sumsOf(const MassProperties& mass);
-/// The same solid after x -> position + rotate(q, x), `density` times as heavy.
+/// The solid transformed by x -> position + rotate(q, x), with its density scaled by `density`.
 SolidSums placed(const SolidSums& s, const Vec3& position, const Quat& q, double density);
 
-/// Mass, centre, principal moments and axes. Axes of a frame that is principal already are kept as they are.
+/// Mass, center of mass, principal moments and axes. Axes of a frame that is already principal are kept.
 MassProperties principal(const SolidSums& s);
 
 }  // namespace rubble

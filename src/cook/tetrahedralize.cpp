@@ -1,5 +1,5 @@
-/// Isosurface stuffing: a body-centred cubic lattice, its points near the surface moved onto it, its
-/// tetrahedra cut along it.
+/// Isosurface stuffing: a body-centered cubic lattice whose points near the surface are moved onto it and
+/// whose tetrahedra are cut along it.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -14,9 +14,9 @@ namespace rubble {
 
 namespace {
 
-/// A point is moved onto a cut of the surface that is nearer than this share of the edge: long edges go from
-/// cell to cell, short ones from a corner to a centre (the shares that bound the angles best, Labelle and
-/// Shewchuk 2007, table 1) [1].
+/// A point is moved onto a cut nearer than this share of the edge. Long edges connect cell to cell, short
+/// ones a corner and a center. These values give the best angle bounds (Labelle and Shewchuk 2007, table 1)
+/// [1].
 constexpr double kLongShare = .24999, kShortShare = .41189;
 
 class Stuffing {
@@ -47,7 +47,7 @@ class Stuffing {
     }
   }
 
-  /// Points that a cut is near to lie on the surface from now on, and their edges are not cut.
+  /// Moves points near a cut onto the surface. Their edges are then not cut.
   void movePoints() {
     moved_.reserve(cuts_.size());
     for (int p = 0; p < lattice_.points(); ++p) {
@@ -65,7 +65,8 @@ class Stuffing {
     }
   }
 
-  /// Each is between the centres of two cells that share a face and the ends of an edge of that face.
+  /// Each tetrahedron connects the centers of two adjacent cells and the ends of an edge of their common
+  /// face.
   template <class Visit> void forEachTetrahedron(Visit&& visit) {
     lattice_.forEachFace([&](int here, int there, const std::array<int, 4>& corners) {
       for (std::size_t k = 0; k < 4; ++k) {
@@ -90,7 +91,7 @@ class Stuffing {
     return incidence->second;
   }
 
-  /// What of a tetrahedron is inside.
+  /// The part of a tetrahedron that is inside.
   void clip(const std::array<int, 4>& t) {
     int in[4], on[4], out[4], ins = 0, ons = 0, outs = 0;
     for (const int p : t) {
@@ -121,7 +122,7 @@ class Stuffing {
     }
   }
 
-  /// Quadrilaterals are split from their lowest vertex, on whichever side they are seen.
+  /// Quadrilaterals are split at their lowest vertex, from either side.
   static bool splitsFirst(int a, int b, int c, int d) { return std::min(a, c) < std::min(b, d); }
 
   void pyramid(const std::array<int, 4>& base, int top) {
@@ -157,9 +158,9 @@ class Stuffing {
 
   SidesOfLattice lattice_;
   std::vector<signed char> side_;                 ///< of each point: 1 inside, -1 outside, 0 on the surface
-  std::unordered_map<std::uint64_t, Vec3> cuts_;  ///< where the surface cuts an edge
+  std::unordered_map<std::uint64_t, Vec3> cuts_;  ///< intersections of edges with the surface
   std::unordered_map<int, Vec3> moved_;
-  std::unordered_map<int, int> vertices_;  ///< of the output, by point
+  std::unordered_map<int, int> vertices_;  ///< output index by point
   std::unordered_map<std::uint64_t, int> cutVertices_;
   TetrahedronMesh out_;
 };

@@ -7,14 +7,14 @@
 
 namespace rubble {
 
-/// Zeroed memory on cache lines. Large pieces come from the system as zeros, so that what nobody touches
-/// takes neither time nor memory: the host's copies of what only a device works on.
+/// Zeroed memory, aligned to cache lines. Large blocks are zero pages of the operating system. Untouched
+/// pages cost neither time nor memory, such as host copies of work arrays of the device.
 struct HostMemory {
   static constexpr std::size_t kLine = 64;
   static void* allocate(std::size_t bytes) {
     void* const own = std::calloc(bytes + 2 * kLine, 1);
     if (!own) throw std::bad_alloc();
-    // what calloc gave stands before the first line that leaves room for it
+    // the pointer of calloc is stored before the first cache line that leaves room for it
     auto* const line = static_cast<std::byte*>(own) +
                        (2 * kLine - reinterpret_cast<std::uintptr_t>(own) % kLine);
     std::memcpy(line - sizeof own, &own, sizeof own);

@@ -13,14 +13,14 @@ static_assert(typeIndex<PulleyJoint>(JointTypes{}) == static_cast<int>(EngineJoi
 static_assert(typeIndex<SwingTwistJoint>(JointTypes{}) == static_cast<int>(EngineJointType::SwingTwist));
 static_assert(typeIndex<GearJoint>(JointTypes{}) == static_cast<int>(EngineJointType::Gear));
 
-/// f.operator()<F>() for the joint type of that index.
+/// Calls f.operator()<F>() for the joint type of that index.
 template <class Function> void withJointType(int type, Function&& f) {
   forEachType(JointTypes{}, [&]<class F>() {
     if (typeIndex<F>(JointTypes{}) == type) f.template operator()<F>();
   });
 }
 
-/// Infinity is kHardValue in the core.
+/// Replaces infinity by kHardValue.
 Real finite(double a) {
   return static_cast<Real>(std::clamp(a, -static_cast<double>(kHardValue), static_cast<double>(kHardValue)));
 }
@@ -58,7 +58,7 @@ template <class Data> void setData(Data& data, const EngineJoint& in) {
 
 template <class F> void editJointOf(HostTables& tables, int slot, const EngineJoint& in) {
   JointSpec<F>& spec = tables.view().specsOf<F>()[slot];
-  // other edits of a joint leave the trees as they are
+  // other edits of a joint do not change the joint trees
   bool moved = spec.a != in.a || spec.b != in.b;
   if constexpr (isCarried<F>()) moved |= spec.carrierA != in.carrierA || spec.carrierB != in.carrierB;
   tables.view().treesStale |= moved || spec.alive != in.alive || spec.isRigid != in.isRigid;
@@ -82,7 +82,7 @@ Pose worldPose(const SolverData& s, int body, const Vec3d& origin) {
   return {Vec3(s.position[body] - origin), s.orientation[body]};
 }
 
-/// How far c is outside of the limits.
+/// Distance of c outside of the limits.
 double excess(const AxisSpec& spec, double c) {
   return std::max({0.0, c - static_cast<double>(spec.hi), static_cast<double>(spec.lo) - c});
 }
@@ -93,7 +93,7 @@ template <class F> void measureJoint(const SolverData& s, int slot, JointState& 
   const Vec3d origin = jointOrigin(s, spec.b);
   SidePose<F> a, b;
   if constexpr (isCarried<F>()) {
-    // the world as a carrier is where the step has it
+    // the world as a frame body has the pose that the step uses
     const auto carrier = [&](int body) {
       return body == kWorldBody ? Pose{{0, 0, 0}, Quat{}} : worldPose(s, body, origin);
     };
@@ -160,7 +160,7 @@ template <class F> void measureJoint(const SolverData& s, int slot, JointState& 
 void setJointCount(HostTables& tables, int type, int slots) {
   tables.reserve(perJoint(type), slots);
   int& count = tables.view().joints[type];
-  // a new slot may have been in use before an older state was restored
+  // a new slot may hold data from before a restored state
   withJointType(type, [&]<class F>() {
     std::fill(tables.view().specsOf<F>() + std::min(count, slots), tables.view().specsOf<F>() + slots,
               JointSpec<F>{});

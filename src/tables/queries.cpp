@@ -18,9 +18,9 @@ template <class Kernel> void forEach(const SolverData& s, const Kernel& kernel, 
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) { kernel(s, static_cast<int>(i)); });
 }
 
-/// The grid at the present poses.
+/// Fills the grid at the present poses.
 void fillGrid(SolverData& s) {
-  // bodies stand still while they are asked about
+  // bodies do not move during queries
   const Real dt = s.step.dt;
   s.step.dt = 0;
   std::fill_n(s.bucketCount, s.cells, 0);
@@ -39,7 +39,7 @@ void fillGrid(SolverData& s) {
   s.step.dt = dt;
 }
 
-/// Queries in the precision of the tables, with tables of the shapes that are asked with.
+/// Queries in the precision of the tables, and tables of the query shapes.
 struct CoreQueries {
   std::vector<QueryData> data;
   std::optional<HostTables> shelf;

@@ -3,7 +3,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// A cooked shape in the precision of the tables.
+/// A cooked shape in the solver precision.
 ShapeData shapeData(const CookedData& shape);
 
 }  // namespace rubble::RUBBLE_CORE

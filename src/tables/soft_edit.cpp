@@ -11,10 +11,10 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 Real real(double a) { return static_cast<Real>(a); }
-/// A threshold; "never" is a number that nothing reaches.
+/// A threshold in the solver precision. Infinity becomes kUnreached.
 Real bound(double a) { return static_cast<Real>(std::min(a, static_cast<double>(kUnreached))); }
 
-/// An element that is all zeros, padding too: states are hashed.
+/// A zeroed element, padding included, because states are hashed.
 template <class F, std::size_t N> F fresh(const std::array<int, N>& v, int first) {
   F e;
   std::memset(static_cast<void*>(&e), 0, sizeof e);
@@ -98,7 +98,7 @@ Attachment made(const EngineAttachment& in) {
   return a;
 }
 
-/// Elements of all objects, those that were there with their state.
+/// Writes the elements of all objects. Elements that existed before keep their state.
 template <class F> void placeElements(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
   constexpr int kType = typeIndex<F>(ElementTypes{});
   SolverData& s = tables.view();
@@ -134,7 +134,7 @@ void placeAttachments(HostTables& tables, const std::vector<EngineAttachment>& a
   }
 }
 
-/// What vertices have that lasts, by old index.
+/// Persistent state of vertices by old index.
 struct OldVertices {
   explicit OldVertices(const SolverData& s)
       : position(s.vertexPosition, s.vertexPosition + s.vertices),
@@ -155,7 +155,7 @@ struct OldVertices {
   int edges, features;
 };
 
-/// Old index of each new vertex and feature, and new index of each old one; -1: none.
+/// Old index of each new vertex and feature, and new index of each old one. -1: none.
 struct Moves {
   std::vector<int> vertexFrom, vertexTo, featureFrom, featureTo;
 
@@ -175,7 +175,7 @@ struct Moves {
       add(old.edges + o.previous.face, s.edges + o.at.face, o.model->faces.size());
     }
   }
-  /// Where an owner of pairs was.
+  /// Old index of an owner of pairs.
   int ownerFrom(const SolverData& s, const OldVertices& old, int owner) const {
     if (owner < s.vertices) return vertexFrom[static_cast<std::size_t>(owner)];
     if (owner >= s.vertices + s.edges) {
@@ -185,7 +185,7 @@ struct Moves {
     const int from = featureFrom[static_cast<std::size_t>(owner - s.vertices)];
     return from < 0 ? -1 : static_cast<int>(old.position.size()) + from;
   }
-  /// What the partner of a pair is now; bodies stay. Below -1: gone.
+  /// New code of the partner of a pair. Bodies are unchanged. Below -1: removed.
   int partnerTo(int other) const {
     const auto moved = [&](int base, const std::vector<int>& to) {
       const int now = to[static_cast<std::size_t>(other - base)];
@@ -198,7 +198,7 @@ struct Moves {
   static constexpr int kGone = -2;
 };
 
-/// Contacts of the last step between vertices that are still there.
+/// Keeps the contacts of the last step between vertices that still exist.
 void placeContacts(HostTables& tables, const OldVertices& old, const Moves& moves) {
   tables.reserve(Per::PointPair, static_cast<int>(old.pair.size()));
   SolverData& s = tables.view();
@@ -280,7 +280,7 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
       moves.vertexTo[from] = v;
     }
   }
-  // cells a little wider than the largest particle
+  // cells are slightly wider than the largest particle
   s.particleCell = widest > Real(0) ? Real(2.2) * widest : Real(1);
   s.particleCells = widest > Real(0)
                         ? static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * vertices))))

@@ -1,14 +1,14 @@
 #pragma once
-/// Edits and measures of deformable objects in tables in host memory.
+/// Edits and measures of deformable objects in host tables.
 #include "tables/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 
 void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
              const std::vector<EngineAttachment>& attachments);
-/// Counts the tetrahedra that can yield, from what their table says.
+/// Counts the tetrahedra with a finite yield stress.
 void countYielding(SolverData& s);
-/// Slots in use of everything that deformable objects have; states loaded from elsewhere need the same.
+/// Slots in use of all kinds of elements of deformable objects. A loaded state must match them.
 struct SoftCounts {
   int vertices, refs, tetraCorners, neighbors, particleCells, attachments;
   int elements[ElementTypes::kSize];
@@ -28,9 +28,9 @@ void elementsAliveOf(const HostTables& tables, int type, int first, std::span<ch
 JointState attachmentStateOf(const HostTables& tables, int index);
 /// Contacts of the last step that carry load or overlap.
 std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables);
-/// Adds energies, depths and gaps of vertices.
+/// Adds energies, penetrations and gaps of vertices.
 void addSoftQuality(const HostTables& tables, Quality& quality, std::vector<double>& depths, int& joints);
-/// Contacts of vertices with that body are forgotten.
+/// Clears the contacts of vertices with that body.
 void forgetVertexContacts(HostTables& tables, int body);
 
 }  // namespace rubble::RUBBLE_CORE

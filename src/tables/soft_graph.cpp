@@ -11,10 +11,10 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-/// An element as its given corner sees it.
+/// An element with its corners permuted so that `corner` comes first.
 TetraCorner seenFrom(const Tetrahedron& e, int index, int corner) {
   TetraCorner t;
-  std::memset(static_cast<void*>(&t), 0, sizeof t);  // padding too: states are hashed
+  std::memset(static_cast<void*>(&t), 0, sizeof t);  // clears padding: states are hashed
   t.mu = e.mu, t.lambda = e.lambda, t.damper = e.damper;
   t.element = index;
   for (int k = 0, n = 0; k < Tetrahedron::kCorners; ++k)
@@ -25,7 +25,7 @@ TetraCorner seenFrom(const Tetrahedron& e, int index, int corner) {
 
 }  // namespace
 
-/// Which elements and attachments act on each vertex, and which vertices share one.
+/// Lists the elements and attachments of each vertex, and the vertices that share one.
 void connect(HostTables& tables) {
   SolverData& s = tables.view();
   constexpr int kTetrahedron = typeIndex<Tetrahedron>(ElementTypes{});
@@ -68,16 +68,17 @@ void connect(HostTables& tables) {
 
 static_assert(kClusterLevels == SoftModel::kClusterLevels);
 
-/// Are the vertices of a cluster moved as one? In a solid not those of the finest level, which only are parts
-/// that others are summed of: the next ones are four vertices wide, and sweeps see over that.
+/// Returns whether a cluster is moved as a rigid unit. Clusters of the finest level of a solid are not: they
+/// only hold partial sums. Clusters of the next level are about four vertices wide, a distance that vertex
+/// sweeps handle.
 bool movesAsOne(const SoftModel& model, const SoftModel::Cluster& c) {
   return c.level > 0 || c.parent < 0 || model.tetrahedra.empty();
 }
 
-/// The clusters of all objects by level, and the elements that leave each.
+/// Places the clusters of all objects by level, and lists the boundary elements of each.
 void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
   SolverData& s = tables.view();
-  std::vector<std::pair<int, int>> byLevel[kClusterLevels];  // object, its cluster
+  std::vector<std::pair<int, int>> byLevel[kClusterLevels];  // (object, cluster)
   std::vector<std::vector<int>> number(objects.size());
   for (std::size_t o = 0; o < objects.size(); ++o) {
     number[o].resize(objects[o].model->clusters.size());
@@ -99,7 +100,7 @@ void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& obje
   s.clusterBegin[kClusterLevels] = count;
   tables.reserve(Per::Cluster, count);
 
-  // members of an object are one range; parts of a cluster come one after another in it
+  // the vertices of an object are one range, and those of a cluster are contiguous in it
   std::vector<int> memberBegin, clusterOf(static_cast<std::size_t>(s.vertices) * kClusterLevels, -1);
   int members = 0;
   for (const EngineSoftObject& o : objects) {
@@ -193,14 +194,14 @@ void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects
 
 namespace {
 
-/// Springs at a vertex, and the vertices that they lead to.
+/// Springs at a vertex, and the vertices at their other ends.
 struct LineEnds {
   int count = 0;
   int spring[2] = {-1, -1}, other[2] = {-1, -1};
 };
 
-/// What joins the vertices of an object that is made of springs and their bends alone; nothing if it is not,
-/// or has a branch.
+/// The connections of an object that consists of springs and their bends only. Empty if it has other elements
+/// or a branch.
 std::vector<LineEnds> lineEnds(const SoftModel& m) {
   const auto counts = elementCounts(m);
   const std::size_t elements = static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), 0));
@@ -253,7 +254,7 @@ void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects
   std::copy(vertices.begin(), vertices.end(), s.strandVertex);
 }
 
-/// Edges and triangles of all surfaces that collide, and their grid.
+/// Places edges and triangles of all colliding surfaces, and sizes their grid.
 void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& objects) {
   SolverData& s = tables.view();
   int edges = 0, triangles = 0;
@@ -264,7 +265,7 @@ void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& obje
     shortest = shortest > 0 ? std::min(shortest, o.model->meanEdge) : o.model->meanEdge;
   }
   s.edges = edges, s.features = edges + triangles;
-  // a triangle is about as wide as its edges are long, and its box a little wider
+  // a swept triangle box is slightly wider than its edges are long
   constexpr double kCellEdges = 1.25;
   s.featureCell = static_cast<Real>(shortest > 0 ? kCellEdges * shortest : 1);
   s.featureCells = s.features > 0

@@ -1,21 +1,20 @@
 #pragma once
-/// What is listed once when deformable objects are made: who shares what, clusters, and the parts of
-/// surfaces.
+/// Precomputed topology of deformable objects: incidence lists, clusters and surface features.
 #include "tables/table_edit.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Which elements and attachments act on each vertex, and which vertices share one.
+/// Lists the elements and attachments of each vertex, and the vertices that share one.
 void connect(HostTables& tables);
-/// The clusters of all objects by level, and the elements that leave each.
+/// Places the clusters of all objects by level, and lists the boundary elements of each.
 void placeClusters(HostTables& tables, const std::vector<EngineSoftObject>& objects);
-/// What groups move as one: objects with clusters, then granular particles.
+/// Lists the soft nodes: objects with clusters, then granular particles.
 void placeLumps(HostTables& tables, const std::vector<EngineSoftObject>& objects);
-/// Ropes and rods: what springs join one by one, without branches and not to a ring.
+/// Lists the strands: chains of springs without branches that are not closed.
 void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects);
-/// Edges and triangles of all surfaces that collide, and their grid.
+/// Places edges and triangles of all colliding surfaces, and sizes their grid.
 void placeFeatures(HostTables& tables, const std::vector<EngineSoftObject>& objects);
-/// Room for as many features, cells and owners of pairs as the view says.
+/// Reserves features, grid cells and pair owners for the counts in the SolverData.
 void reserveFeatures(HostTables& tables);
 
 }  // namespace rubble::RUBBLE_CORE

@@ -16,7 +16,7 @@ JointState attachmentStateOf(const HostTables& tables, int index) {
                                 : s.position[a.body] + Vec3d(rotate(s.orientation[a.body], a.anchor));
   JointState state;
   state.gap = length(gap);
-  // on the vertices (B); the rows push C down
+  // force on the vertices (B): the rows push C down
   state.force = Vec3d(a.lambda);
   state.broken = a.broken != 0;
   return state;
@@ -38,7 +38,7 @@ std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
       touchCorner(s, s.oldPointPair[k].vertex, s.oldPointPair[k].other, rowOfPair(s.oldPointPair, k), now,
                   gap, margin);
       depth = static_cast<double>(max(-gap, -p.length));
-      // the corner that is nearest to the point
+      // the corner nearest to the point
       Real most = 0;
       for (int c = 0; c < kPointCorners && p.v[c] >= 0; ++c)
         if (-p.weight[c] > most) most = -p.weight[c], vertex = p.v[c];
@@ -49,7 +49,7 @@ std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
     } else if (s.oldPointPair[k].other >= kCornerNode) {
       const NearParts parts = nearParts(s, s.oldPointPair[k].vertex, s.oldPointPair[k].other);
       depth = static_cast<double>(touchDistance(s, parts) - length(parts.gap));
-      // of the other side the corner that is nearest to the point
+      // the corner of the other side nearest to the point
       Real most = 0;
       for (int c = 1; c < kPointCorners && p.v[c] >= 0; ++c)
         if (-p.weight[c] > most) most = -p.weight[c], other = p.v[c];

@@ -1,5 +1,5 @@
-/// What the solver keeps of each body and vertex, for those who look at it: colour, stiffness and multipliers
-/// of the rows that act there.
+/// SolverState of each body and vertex, for inspection: color, and the largest stiffness and multiplier of
+/// its rows.
 #include <algorithm>
 #include <cmath>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The arrays of state as rows of numbers, on host and device alike; see rubble/arrays.h.
+/// State arrays as rows of numbers, on host and device (rubble/arrays.h).
 #include <type_traits>
 
 #include <rubble/arrays.h>
@@ -8,7 +8,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// f(member of SolverData) of the array.
+/// Calls f(member of SolverData) for the array.
 template <class F> auto withStateArray(StateArray which, F&& f) {
   switch (which) {
     case StateArray::Position:
@@ -27,7 +27,7 @@ template <class F> auto withStateArray(StateArray which, F&& f) {
   return f(&SolverData::position);
 }
 
-/// Elements of three or four numbers as an array of host memory.
+/// An array of 3 or 4 numbers per element as a view of host memory.
 template <class T> ArrayView rowsOf(const T* data, int rows) {
   using Number = std::conditional_t<std::is_same_v<T, Vec3d>, double, Real>;
   static_assert(sizeof(T) % sizeof(Number) == 0);
@@ -41,13 +41,14 @@ template <class T> ArrayView rowsOf(const T* data, int rows) {
   return view;
 }
 
-/// An impulse's change of velocity, added in double precision as by one who reads it, adds and writes it.
+/// Velocity change of an impulse. It is added in double precision, so that the result equals that of a read,
+/// an addition and a write through the API.
 RUBBLE_HD inline void changeVelocity(const SolverData& s, int slot, const Vec3d& change) {
   s.velocity[slot] = s.previousVelocity[slot] = Vec3(Vec3d(s.velocity[slot]) + change);
   wakeBody(s, slot);
 }
 
-/// Row k of the values becomes a row of an array, or is added to it.
+/// Writes row k of the values to a row of an array, or adds it.
 struct ScatterRows {
   StateArray which;
   const char *rows, *values;
@@ -99,7 +100,7 @@ struct ScatterRows {
   }
 };
 
-/// Kinds of tables whose size only steps know, by the names that reports and World::reserve() use.
+/// Kinds of tables whose sizes only steps know, by the names in reports and World::reserve().
 struct CountedKind {
   const char* name;
   Per per;
@@ -123,7 +124,7 @@ inline const char* kindName(Per per) {
     if (kind.per == per) return kind.name;
   return "";
 }
-/// Room in tables for a kind by its name; false if there is none of that name.
+/// Reserves table memory for a kind by name. Returns false if the name is unknown.
 template <class SomeTables> bool reserveKind(SomeTables& tables, const std::string& name, int count) {
   for (const CountedKind& kind : kCountedKinds)
     if (name == kind.name) {

@@ -12,13 +12,13 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-/// Bits of BodyTrait that a material has.
+/// BodyTrait bits of a material.
 int traitsOf(const SurfaceData& m) {
   return (m.rolling > Real(0) || m.torsional > Real(0) ? 1 << static_cast<int>(BodyTrait::Rolls) : 0) |
          (m.restitution > Real(0) ? 1 << static_cast<int>(BodyTrait::Bounces) : 0);
 }
 
-/// Those of the body in a slot, whose materials are in the tables.
+/// BodyTrait bits of the body in a slot, whose materials must be in the tables.
 int traitsOf(const SolverData& s, int slot) {
   const BodyParams& p = s.params[slot];
   if (p.kind == BodyKind::Removed) return 0;
@@ -66,7 +66,7 @@ void setBodyCount(HostTables& tables, int slots) {
   const int cells = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * slots))));
   tables.reserve(Per::Cell, cells);
   if (tables.view().features > 0) {
-    // nor do its corners
+    // the corners of new bodies own no pairs
     const int owners = tables.view().owners(), more = owners + kCornerSlots * (slots - tables.view().bodies);
     tables.reserve(Per::PointOwner, more);
     tables.reserve(Per::PointOwnerSlot, tables.capacity(Per::PointOwner) * kPointPairSlots);
@@ -82,7 +82,7 @@ void setBodyCount(HostTables& tables, int slots) {
     s.extras[i] = {};
     s.filter[i] = {};
     s.orientation[i] = Quat{};
-    // a new slot owns no pairs
+    // a new body owns no pairs
     s.oldPairOffset[i + 1] = s.oldPairOffset[i];
     s.exclusionOffset[i + 1] = s.exclusionOffset[i];
   }
@@ -93,7 +93,7 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   SolverData& s = tables.view();
   BodyParams& p = s.params[slot];
   p.shape = shapeData(body.shape);
-  // who comes has no joints yet, and who goes has lost them before
+  // a new body has no joints yet, and the joints of a removed one were removed before
   const auto kind = static_cast<BodyKind>(body.kind);
   s.treesStale |= p.kind != kind && p.kind != BodyKind::Removed && kind != BodyKind::Removed;
   p.kind = kind;
@@ -106,7 +106,7 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   p.restitution = static_cast<Real>(body.material.restitution);
   p.gravityScale = static_cast<Real>(body.gravityScale);
   p.surface = body.surface;
-  // member by member: what lies between members is hashed too, and a temporary has it from the stack
+  // Member by member: padding is hashed too, and that of a temporary is undefined.
   BodyExtras& extras = s.extras[slot];
   extras.linearDamping = static_cast<Real>(body.linearDamping),
   extras.angularDamping = static_cast<Real>(body.angularDamping);
@@ -118,7 +118,7 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   extras.traits = traitsOf(s, slot);
   traits.count(extras.traits, 1);
   tables.setTraits(traits);
-  // as many old rows as old manifolds, also in the first step with such materials
+  // as many old rolling rows as old manifolds, also in the first step with such materials
   if (s.rolls) tables.reserve(Per::Rolling, tables.capacity(Per::ActivePair));
   s.color[slot] = 0;
   s.force[slot] = s.torque[slot] = {0, 0, 0};
@@ -172,7 +172,7 @@ void abandonStep(HostTables& tables) {
   std::fill_n(s.oldPointPairOffset, s.owners() + 1, 0);
   s.oldActivePairOffset[0] = 0;
   s.treesStale = 1;
-  // the tables of manifolds may have moved since
+  // reserving may have moved the manifold tables
   tables.aliasRows();
 }
 
@@ -223,14 +223,14 @@ void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& p
 
 namespace {
 
-/// visit(pair, manifold) for every pair of the last step that has points.
+/// Calls visit(pair, manifold) for every pair of the last step that has contact points.
 template <class Visit> void forEachManifold(const SolverData& s, Visit&& visit) {
   for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
     if (const int m = manifoldOfOld(s, k); m >= 0 && s.oldManifold[m].count > 0 && s.oldPair[k].other >= 0)
       visit(ordered(s.oldPair[k]), s.oldManifold[m]);
 }
 
-/// The two surfaces at a point, relative to the centre of A.
+/// The two surface points of a contact point, relative to the center of A.
 struct SurfacePoints {
   Vec3 onA, onB;
 };
@@ -245,7 +245,7 @@ std::vector<EngineContact> contactsOf(const HostTables& tables) {
   const SolverData& s = tables.view();
   std::vector<EngineContact> out;
   forEachManifold(s, [&](const OrderedPair& o, const Manifold& m) {
-    // a pair that sleeps has no rows, but what they held
+    // a sleeping pair has no rows, but keeps its multipliers
     const bool sleeps = m.row < 0 && (isAsleep(s, o.a) || isAsleep(s, o.b));
     if (m.row < 0 && !sleeps) return;
     const ContactRows* const r = sleeps ? nullptr : &s.contact[m.row];

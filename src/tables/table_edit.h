@@ -11,7 +11,7 @@ namespace rubble::RUBBLE_CORE {
 using HostTables = SolverTables<HostMemory>;
 
 void setBodyCount(HostTables& tables, int slots);
-/// Room for the groups of as many bodies and soft nodes as there is room for.
+/// Reserves aggregate arrays for the present capacity of bodies and soft nodes.
 void reserveNodes(HostTables& tables);
 void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces);
 void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
@@ -21,31 +21,32 @@ void setPlanes(HostTables& tables, const std::vector<int>& slots);
 void setJointCount(HostTables& tables, int type, int slots);
 void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
 void editJoint(HostTables& tables, int slot, const EngineJoint& joint);
-/// Finds the trees of joints anew if bodies or joints were edited: returns whether they were.
+/// Rebuilds the joint trees if bodies or joints were edited. Returns whether they were.
 bool planTrees(HostTables& tables);
 void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs);
 BodyState bodyState(const HostTables& tables, int slot);
 void setBodyState(HostTables& tables, int slot, const BodyState& state);
-/// Forces and torques act for one step, of however many substeps.
+/// Clears forces and torques, which act for one step, at its end.
 void endForces(HostTables& tables);
-/// After a step that found no memory: bodies and vertices, which move at its very end, are where they were;
-/// its contacts and those of the step before, whose place it had begun to use, are forgotten.
+/// Restores a usable state after a step that ran out of memory. Poses are unchanged, since they are written
+/// at the very end of a step. Contacts of this step and of the last one are cleared, because their tables are
+/// partly overwritten.
 void abandonStep(HostTables& tables);
 void addVelocity(HostTables& tables, int slot, const rubble::Vec3& change);
-/// Contacts of many slots at once.
+/// Clears the contacts of many slots at once.
 void forgetContactsOf(HostTables& tables, std::span<const int> slots);
 
 BodyOrder orderOf(const HostTables& tables);
-/// Is any body at another place than its id?
+/// Returns whether the bodies are sorted in another order than their ids.
 bool inOtherOrder(const SolverData& s);
 /// As World::scatter, from host memory.
 void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, const ArrayView& values);
 
-/// The contacts of the last step at the present poses.
+/// Contacts of the last step at the present poses.
 std::vector<EngineContact> contactsOf(const HostTables& tables);
 std::vector<EngineTouch> touchesOf(const HostTables& tables);
 std::vector<int> sleepersOf(const HostTables& tables);
-/// At the present poses. They fill the grid anew.
+/// Queries at the present poses. Overwrites the grid.
 std::vector<EngineHit> runQueries(HostTables& tables, std::span<const EngineQuery> queries);
 std::vector<std::vector<int>> runOverlaps(HostTables& tables, std::span<const EngineQuery> queries);
 JointState jointStateOf(const HostTables& tables, int type, int slot);
@@ -55,7 +56,7 @@ Quality qualityOf(const HostTables& tables);
 void solverStatesOf(const HostTables& tables, std::vector<SolverState>& bodies,
                     std::vector<SolverState>& vertices);
 
-/// Everything that lasts from step to step, as bytes; equal states give equal bytes.
+/// All persistent state as bytes. Equal states give equal bytes.
 std::vector<std::byte> saveTables(const HostTables& tables);
 void loadTables(HostTables& tables, std::span<const std::byte> data);
 std::uint64_t hashBytes(std::span<const std::byte> data);

@@ -6,7 +6,7 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-/// Elements of an array that matter at present.
+/// Number of persistent elements of an array.
 std::size_t liveCount(const SolverData& s, Per per) {
   if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(s.joints[type]);
   switch (per) {
@@ -71,8 +71,8 @@ template <class Visit> void forEachKept(const SolverData& s, Visit&& visit) {
   });
 }
 
-/// Copies elements with their padding cleared, where the compiler can: it holds no state, but is hashed with
-/// it.
+/// Copies elements with zeroed padding, where the compiler supports it. Padding carries no state but is
+/// hashed.
 template <class T> void copyClean(std::byte* to, const T* from, std::size_t bytes) {
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_clear_padding)

@@ -1,4 +1,4 @@
-/// Trees of joints from what is authored: which bodies are eliminated when.
+/// Builds joint trees from authored joints: which bodies are eliminated at which level.
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -13,7 +13,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// What joints there are between dynamic bodies.
+/// The graph of joints between dynamic bodies, and its elimination.
 class Plan {
  public:
   explicit Plan(const SolverData& s)
@@ -40,20 +40,19 @@ class Plan {
   static void listTrees(SolverData& s);
 
   const SolverData& s_;
-  std::vector<int> component_;  ///< union-find over joints
-  std::vector<std::vector<int>>
-      near_;                  ///< neighbours that are left, and after its elimination those it had then
-  std::vector<int> round_;    ///< of elimination, -1: never
-  std::vector<char> joined_;  ///< has a joint
-  std::vector<int> held_,
-      grounded_;  ///< of a component: joints that hold two of its bodies, or one to what does not move
-  std::vector<char> whole_;    ///< of a component: all of it is eliminated
-  std::vector<int> order_;     ///< bodies by round
-  std::vector<int> begin_;     ///< of each round
-  std::vector<char> limited_;  ///< of a component: a joint has limits
+  std::vector<int> component_;          ///< union-find over joints
+  std::vector<std::vector<int>> near_;  ///< remaining neighbors; after elimination of a body: its parents
+  std::vector<int> round_;              ///< level of elimination, -1: not eliminated
+  std::vector<char> joined_;            ///< has a joint
+  /// Per component: joints between two of its bodies, and joints to bodies that do not move.
+  std::vector<int> held_, grounded_;
+  std::vector<char> whole_;    ///< per component: all of its bodies are eliminated
+  std::vector<int> order_;     ///< bodies by level
+  std::vector<int> begin_;     ///< first body of each level
+  std::vector<char> limited_;  ///< per component: a joint has limits
 };
 
-/// Coordinates that go from one value to another, and not on.
+/// Returns whether the joint has limits that are neither free nor locked.
 template <class F> bool hasLimits(const JointSpec<F>& spec) {
   bool found = false;
   forEachPart<F>([&]<int I, class P>() {
@@ -97,7 +96,7 @@ void Plan::readJoints() {
   for (const auto& [body, both] : holding) ++(both ? held_ : grounded_)[at(root(body))];
 }
 
-/// Its neighbours become those of one another.
+/// Eliminates a body: its neighbors become neighbors of one another.
 void Plan::take(int body) {
   const std::vector<int>& own = near_[at(body)];
   for (const int other : own) {
@@ -108,7 +107,7 @@ void Plan::take(int body) {
   }
 }
 
-/// In each round bodies with at most two neighbours, none of which is taken in the same round.
+/// Eliminates, at each level, an independent set of bodies with at most two neighbors.
 void Plan::eliminate() {
   std::vector<int> left;
   for (int i = 0; i < s_.bodies; ++i)
@@ -135,7 +134,8 @@ void Plan::write(HostTables& tables) {
   std::vector<int> bodiesOf(at(s.bodies), 0);
   for (int i = 0; i < s.bodies; ++i)
     if (joined_[at(i)] && dynamic(i)) ++bodiesOf[at(root(i))];
-  // a body alone is solved by its own block as well, unless a joint holds it to something
+  // a body without tree neighbors is solved by its own block as well, unless a joint connects it to a static
+  // body
   const auto useful = [&](int i) {
     const std::size_t c = at(root(i));
     return whole_[c] && (bodiesOf[c] > 1 || grounded_[c] == 1);
@@ -185,7 +185,7 @@ void Plan::write(HostTables& tables) {
   listTrees(s);
 }
 
-/// The nodes of each tree.
+/// Lists the nodes of each tree.
 void Plan::listTrees(SolverData& s) {
   const int nodes = treeNodes(s);
   std::vector<std::vector<int>> lists(at(nodes));

@@ -1,5 +1,5 @@
 #pragma once
-/// What the world keeps of a body besides what the engine has.
+/// Data that the world keeps of a body, in addition to that of the engine.
 #include <rubble/scene.h>
 
 #include "world/shape_frame.h"
@@ -9,7 +9,7 @@ namespace rubble {
 struct BodyRecord {
   BodyDef def;
   MassProperties mass;
-  ShapeFrame frame;  ///< of the engine in that of the author
+  ShapeFrame frame;  ///< engine frame in the authored frame
   double radius;     ///< of the bounding sphere about the center of mass [m]
 };
 

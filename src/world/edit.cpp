@@ -11,8 +11,8 @@ namespace {
 
 int kindOf(Motion motion) { return motion == Motion::Static ? 1 : motion == Motion::Kinematic ? 2 : 3; }
 
-/// Moments about the axes of a body as moments about the principal axes of its shape, which the engine works
-/// in: they have to be principal there too.
+/// Converts moments about the body axes to moments about the principal axes of the shape, which the engine
+/// uses. Throws Error unless the given tensor is diagonal there.
 Vec3 inertiaAlong(const Vec3& moments, const Quat& axes, const std::string& path) {
   Vec3 out;
   const std::array<Vec3, 3> local{rotate(axes, Vec3{1, 0, 0}), rotate(axes, Vec3{0, 1, 0}),
@@ -30,7 +30,7 @@ Vec3 inertiaAlong(const Vec3& moments, const Quat& axes, const std::string& path
   return out;
 }
 
-/// Mass of a body whose shape has these properties at density 1.
+/// Mass properties of a body from those of its shape at density 1.
 MassProperties massOfDefinition(const BodyDef& def, const MassProperties& unit, const std::string& path) {
   if (def.motion != Motion::Dynamic) return {};
   const double density = def.mass ? *def.mass / unit.mass : def.density;

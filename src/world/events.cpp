@@ -1,4 +1,4 @@
-/// Events of a step, from what the engine tells after it and what was known before.
+/// Events of a step, from the state of the engine after it and the state recorded before.
 #include <algorithm>
 
 #include <rubble/world.h>
@@ -44,7 +44,7 @@ void World::Impl::collectContacts() {
       event.impulse += p->force * params.dt;
     }
   };
-  // two sorted lists side by side; a slot that has been used again counts as another pair
+  // merge of two sorted lists; a reused slot counts as another pair
   const std::vector<Touch>& old = registry.touches;
   std::size_t i = 0, k = 0;
   while (i < old.size() || k < now.size()) {

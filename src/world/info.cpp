@@ -36,7 +36,7 @@ const Fields kLength = {{"length", "m", "as it is at the beginning if it is not 
                         {"damping_ratio", "1", "in its place: of critical"}};
 const Fields kRatio = {{"ratio", "1", "between the motion of A and of B"}};
 
-/// What each axis of a joint has.
+/// Fields of a joint axis.
 Fields axis(const std::string& coordinate, const std::string& unit, const std::string& force) {
   return {{"axes[].min, max", unit, "limits of " + coordinate + "; equal ones lock it"},
           {"axes[].limit_stiffness, limit_damping", force + "/" + unit + ", " + force + " s/" + unit,

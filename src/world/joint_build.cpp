@@ -16,10 +16,10 @@ Vec3 worldPoint(const JointBodyState& body, const Vec3& local) {
   return body.position + rotate(body.orientation, local);
 }
 
-/// Mass of the two bodies against one another: the smaller one where the other does not move.
+/// Reduced mass of two bodies. If one of them is static it is the mass of the other.
 double reduced(double a, double b) { return a > 0 && b > 0 ? a * b / (a + b) : std::max(a, b); }
 
-/// Moment of inertia about a world axis through the joint, averaged over all axes where there is none.
+/// Moment of inertia about a world axis through the joint, or its mean over all axes if there is no axis.
 double momentAbout(const JointBodyState& body, const Vec3& anchor, const Vec3* axis) {
   if (!(body.mass.mass > 0)) return 0;
   const Vec3 lever = rotate(body.orientation, anchor);
@@ -70,18 +70,18 @@ class Builder {
   EngineJoint joint_;
 };
 
-/// Distance, rope, spring, pulley: the one coordinate is a length.
+/// Distance, rope, spring, pulley: the only coordinate is a length.
 void Builder::lengthJoint() {
   double now = length(worldPoint(bodies_.a, def_.anchorA) - worldPoint(bodies_.b, def_.anchorB));
   if (def_.type == JointType::Pulley)
     now = length(worldPoint(bodies_.a, def_.anchorA) - def_.pulleyA) +
           def_.ratio * length(worldPoint(bodies_.b, def_.anchorB) - def_.pulleyB);
-  // as it was when the joint was made
+  // as measured when the joint was made
   if (before_) now = before_->axes[0].targetPosition;
   const double wanted = def_.length < 0 ? now : def_.length;
   useAxes();
   JointAxis& axis = joint_.axes[0];
-  // remembered; only springs are driven
+  // kept for later edits; only springs are driven toward it
   axis.targetPosition = wanted;
   joint_.isRigid = def_.type == JointType::Distance && def_.stiffness == kHard;
   const bool isPoint = def_.type != JointType::Pulley && hasNoLength(wanted);
@@ -102,7 +102,7 @@ void Builder::lengthJoint() {
   }
 }
 
-/// Is a length round-off beside the levers of the joint and the sizes of its bodies?
+/// Returns whether a length is round-off relative to the lever arms and body sizes of the joint.
 bool Builder::hasNoLength(double wanted) const {
   constexpr double kRoundOff = 1e-6;
   const auto size = [](const JointBodyState& body, const Vec3& anchor) {
@@ -126,7 +126,8 @@ void Builder::swingTwist() {
   joint_.axes.assign(2, {});
   if (def_.type == JointType::Ball) return;
   useAxes();
-  // one free direction leaves the other limit as it is: there the cone is nearly closed to half a turn
+  // With one direction free the cone is nearly half a revolution wide there, so that the other limit is
+  // unchanged.
   constexpr double kWidest = .999 * std::numbers::pi;
   const double y = std::tan(std::min(def_.swingY, kWidest) / 2),
                z = std::tan(std::min(def_.swingZ, kWidest) / 2), wide = std::max(y, z);
@@ -135,8 +136,8 @@ void Builder::swingTwist() {
   joint_.axes[0].max = def_.swingY == kFree && def_.swingZ == kFree ? kFree : 2 * std::atan(wide);
 }
 
-/// Where just one rotation is not locked it becomes that about x, the only one that is counted over whole
-/// turns.
+/// If exactly one rotation is not locked, permutes the axes so that it is about x. Only that angle counts
+/// whole revolutions.
 void Builder::sixDof() {
   const auto locked = [&](std::size_t i) { return def_.axes[i].min == def_.axes[i].max; };
   joint_.isRigid = locked(0) && locked(1) && locked(2);
@@ -145,7 +146,7 @@ void Builder::sixDof() {
   joint_.axes.resize(6);
   for (std::size_t i = 0; i < 6; ++i)
     joint_.axes[i] = def_.axes[i / 3 * 3 + (i + static_cast<std::size_t>(joint_.turned)) % 3];
-  // x to y to z: a third of a turn about their diagonal
+  // cyclic permutation x -> y -> z: a rotation by 120 degrees about the diagonal
   const Quat third = joint_.turned == 0   ? Quat{}
                      : joint_.turned == 1 ? Quat{.5, .5, .5, .5}
                                           : Quat{-.5, .5, .5, .5};
@@ -153,7 +154,7 @@ void Builder::sixDof() {
   joint_.frameB = normalize(joint_.frameB * third);
 }
 
-/// Axes of gears and racks stay where they are in their carriers when the joint is made.
+/// The axes of gears and racks are fixed in their frame bodies when the joint is made.
 void Builder::geared() {
   useAxes();
   joint_.isRigid = false;
@@ -166,7 +167,7 @@ void Builder::geared() {
   joint_.pointB = before_ ? before_->pointB
                           : rotateInverse(cb.orientation, worldPoint(bodies_.b, def_.anchorB) - cb.position);
   JointAxis& axis = joint_.axes[0];
-  // free as authored means kept: a gear without teeth is none
+  // an axis without limits is locked: a gear without coupling has no use
   if (axis.min == -kFree && axis.max == kFree) axis.min = axis.max = 0;
   axis.limitStiffness = def_.stiffness;
   axis.limitDamping = def_.damping;

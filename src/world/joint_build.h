@@ -1,10 +1,10 @@
 #pragma once
-/// From what an author says of a joint to what the engine is given.
+/// Converts authored joint definitions to engine joints.
 #include "backend/engine.h"
 
 namespace rubble {
 
-/// A body of a joint at the moment when the joint is made; the world is at the origin and has no mass.
+/// A body of a joint at the time when the joint is made. The world has the identity pose and no mass.
 struct JointBodyState {
   Vec3 position;
   Quat orientation;
@@ -15,13 +15,13 @@ struct JointBodies {
   JointBodyState carrierA = {}, carrierB = {};
 };
 
-/// Axes that a type has: JointDef::axes [0, axisCount).
+/// Number of entries of JointDef::axes that a type uses.
 int axisCount(JointType type);
 bool hasLength(JointType type);
-/// Throws Error unless such a joint may have that carrier for one of its bodies.
+/// Throws Error unless the joint type allows that frame body for one of its bodies.
 void checkCarrier(JointType type, int body, int carrier, const std::string& path);
 
-/// `before`: the same joint until now; what was measured when it was made is taken from there.
+/// `before`: the present joint when it is redefined. Quantities measured when it was made are taken from it.
 EngineJoint engineJoint(const JointDef& def, const JointBodies& bodies, const EngineJoint* before = nullptr);
 
 }  // namespace rubble

@@ -67,7 +67,7 @@ void validate(const JointDef& joint, const std::string& path) {
   finite(joint.length, path + ".length");
   finite(joint.pulleyA, path + ".pulleyA");
   finite(joint.pulleyB, path + ".pulleyB");
-  // a narrower cone is a hinge
+  // a narrower cone must be a hinge
   constexpr double kNarrowest = 1e-3;
   for (const auto& [angle, name] : {std::pair{joint.swingY, ".swingY"}, {joint.swingZ, ".swingZ"}})
     if (!(angle >= kNarrowest)) throw Error(path + name, "an angle of at least 0.001 rad", text(angle));
@@ -113,7 +113,7 @@ const char* keyword(JointType type) {
 
 Quat frameAlong(const Vec3& x) {
   const Vec3 axis = normalize(x, Vec3{1, 0, 0});
-  // the shortest turn of x, and half a turn about z where there is no shortest one
+  // The shortest rotation of the x axis; 180 degrees about z if that is not unique.
   if (axis.x < -1 + 1e-9) return {0, 0, 0, 1};
   return normalize(Quat{1 + axis.x, 0, -axis.z, axis.y});
 }
@@ -126,12 +126,12 @@ std::pair<Vec3, Quat> poseOf(const Scene& scene, int body) {
   return {def.position, normalize(def.orientation)};
 }
 
-/// The side of a hinge or slider that moves, and the one that carries it. A hinge of the world's, or of a
-/// body that stands still, is turned round: seen from A its B moves the same way about the opposite axis.
+/// The moving side and the frame body of a hinge or slider. If A is the world or a static body the roles of A
+/// and B are swapped: B moves the same way about the opposite axis.
 struct Moving {
   int body, carrier;
-  Vec3 anchor;  ///< on the moving body
-  Quat frame;   ///< on it
+  Vec3 anchor;  ///< in the frame of the moving body
+  Quat frame;   ///< in the frame of the moving body
 };
 Moving movingSide(const Scene& scene, int index, JointType type, const char* path) {
   if (index < 0 || static_cast<std::size_t>(index) >= scene.joints.size())
@@ -148,7 +148,7 @@ Moving movingSide(const Scene& scene, int index, JointType type, const char* pat
   if (!stands(joint.bodyA))
     return {joint.bodyA, joint.bodyB, joint.anchorA,
             line ? normalize(conjugate(a) * b * joint.frameB) : joint.frameA};
-  // half a turn about y
+  // 180 degrees about y
   return {joint.bodyB, joint.bodyA, joint.anchorB, normalize(joint.frameB * Quat{0, 0, 1, 0})};
 }
 

@@ -1,4 +1,4 @@
-// Many bodies at once, and the state as arrays.
+// Batched edits of bodies, and state arrays.
 #include <cmath>
 #include <cstring>
 #include <string_view>
@@ -34,7 +34,7 @@ double numberAt(const ArrayView& view, std::int64_t row, std::int64_t column) {
   return static_cast<double>(*reinterpret_cast<const float*>(at));
 }
 
-/// Copies of host arrays: done when they begin.
+/// Synchronous copies of host arrays.
 class HostPoseCopies final : public PoseCopies {
  public:
   explicit HostPoseCopies(Engine& engine) : engine_(engine) {}
@@ -197,7 +197,7 @@ PoseFrame World::takePoses() {
 }
 
 void World::reserve(const std::string& kind, int count) {
-  // tables grow by half, and what belongs to their elements is counted in int
+  // tables grow by half, and their elements are counted in int
   constexpr int kMost = 1 << 28;
   if (count < 0 || count > kMost)
     throw Error("count", "a number from 0 to " + std::to_string(kMost), std::to_string(count));

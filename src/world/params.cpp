@@ -8,7 +8,7 @@ namespace rubble {
 
 namespace {
 
-/// What the published presets have in common: none of the engine's own rules.
+/// Settings that the published presets share: none of the engine's own rules.
 void literal(Tuning& t) {
   t.contactPolicy = t.jointPolicy = StiffnessPolicy::Ramp;
   t.literalBeta = true;
@@ -27,8 +27,8 @@ Params Params::of(Preset preset) {
     case Preset::Engine:
       break;
     case Preset::Paper:
-      // the seed's line; k_start is left open by it and scales with mass here, tangential rows less because
-      // their Hessian is unclamped
+      // The parameters of the AVBD abstract, which leaves k_start open. It scales with mass here, and is
+      // smaller for tangential rows because their Hessian is unclamped.
       t.startStiffness = 1;
       t.tangentStiffness = .01;
       t.contactRampRate = t.jointRampRate = 10;

@@ -1,4 +1,4 @@
-/// Queries: checked here, answered by the engine in slots, told in ids.
+/// Queries: validation, translation of ids to slots, and back.
 #include <algorithm>
 #include <cmath>
 
@@ -25,7 +25,8 @@ EngineQuery filtered(EngineQuery::Kind kind, const QueryFilter& filter) {
   return q;
 }
 
-/// Shapes that are asked with. Bodies of the world, and other queries of the batch, may share what is cooked.
+/// Cooked query shapes. Geometry shared with bodies of the world or other queries of the batch is cooked
+/// once.
 class QueryShapes {
  public:
   explicit QueryShapes(const std::vector<CookedEntry>& known) : known_(known) {}

@@ -1,6 +1,6 @@
 #pragma once
-/// Between the frame that a shape is authored in and that of the engine, which is at the centre of mass and
-/// along the principal axes.
+/// Conversion between the authored frame of a shape and the engine frame, which has its origin at the center
+/// of mass and its axes along the principal axes.
 #include <memory>
 
 #include <rubble/world.h>
@@ -9,14 +9,14 @@
 
 namespace rubble {
 
-/// Where the engine's frame lies in the author's.
+/// Pose of the engine frame in the authored frame.
 struct ShapeFrame {
   Vec3 centre;
   Quat axes;
 
   bool same() const { return centre == Vec3{} && axes == Quat{}; }
   Vec3 pointToEngine(const Vec3& p) const { return rotateInverse(axes, p - centre); }
-  /// The pose of the engine's frame for a pose of the author's, and back.
+  /// Converts the state of the authored frame to that of the engine frame, and back.
   BodyState toEngine(BodyState s) const {
     if (same()) return s;
     s.orientation = normalize(s.orientation);
@@ -32,11 +32,11 @@ struct ShapeFrame {
   }
 };
 
-/// A shape that the engine has tables of.
+/// A shape whose tables the engine has.
 struct CookedEntry {
   Shape key;
   std::shared_ptr<const CookedShape> cooked;
-  int indexBase;  ///< where its indices begin
+  int indexBase;  ///< offset of its indices in the shape tables
 };
 
 }  // namespace rubble

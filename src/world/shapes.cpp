@@ -7,7 +7,8 @@ namespace rubble {
 
 namespace {
 
-/// One with the usual rules and nothing but two frictions and a restitution.
+/// Returns whether a material has default combine rules, no rolling or torsional friction and no surface
+/// velocity.
 bool isPlain(const Material& m) {
   return m.frictionCombine == Combine::Usual && m.restitutionCombine == Combine::Usual &&
          m.rollingFriction == 0 && m.torsionalFriction == 0 && m.surfaceVelocity == Vec3{};
@@ -58,7 +59,7 @@ int World::Impl::placeShape(const Shape& shape, const std::shared_ptr<const Cook
     int surface = -1;
     if (part.material) {
       surface = surfaceOf(*part.material);
-      // one that stands in for that of the body has to be in the table, plain or not
+      // a material that overrides that of the body is always in the table
       if (surface < 0) {
         registry.surfaces.push_back(*part.material);
         engine->setSurfaces(registry.surfaces);

@@ -21,7 +21,7 @@ template <class Id, class Record> std::vector<Id> inOrder(const Slots<Id, Record
   return ids;
 }
 
-/// Weights of one side of an attachment, a mean: none is negative, and they add up to 1.
+/// Weights of one side of an attachment: not negative, sum 1.
 std::vector<double> sideWeights(const std::vector<int>& vertices, const std::vector<double>& weights,
                                 int count, const std::string& path) {
   if (vertices.empty()) throw Error(path, "at least one vertex", "none");
@@ -275,7 +275,7 @@ std::vector<VertexContact> World::vertexContacts() const {
   impl_->flush();
   const Registry& r = impl_->registry;
   const std::vector<SoftId> order = inOrder(r.softs);
-  // the object of a vertex: the last one that begins at or before it
+  // the object of a vertex: the last one that starts at or before it
   const auto owner = [&](int vertex, int& local) {
     const auto next = std::upper_bound(order.begin(), order.end(), vertex,
                                        [&](int v, SoftId id) { return v < r.softs[id].range.vertex; });

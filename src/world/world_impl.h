@@ -12,8 +12,8 @@
 
 namespace rubble {
 
-/// Alive objects of one kind by slot; a freed slot is used again with the next generation. Copies share their
-/// items until one of them is edited: a snapshot costs nothing here.
+/// Live objects of one kind by slot. A freed slot is reused with the next generation. Copies share their
+/// items until one of them is edited (copy on write), so a snapshot is free.
 template <class Id, class Def> class Slots {
  public:
   Id add(Def def) {
@@ -38,7 +38,7 @@ template <class Id, class Def> class Slots {
            item(id.index).generation == id.generation;
   }
   const Def& operator[](Id id) const { return item(id.index).def; }
-  /// To change it.
+  /// The item for writing.
   Def& edit(Id id) { return own(items_)[static_cast<std::size_t>(id.index)].def; }
   std::optional<Id> at(int index) const {
     return item(index).alive ? std::optional<Id>(Id{index, item(index).generation}) : std::nullopt;
@@ -59,7 +59,7 @@ template <class Id, class Def> class Slots {
     bool alive;
   };
   const Item& item(int index) const { return (*items_)[static_cast<std::size_t>(index)]; }
-  /// The one copy that may be edited.
+  /// Copies a shared list before it is written.
   template <class T> static T& own(std::shared_ptr<T>& shared) {
     if (shared.use_count() > 1) shared = std::make_shared<T>(*shared);
     return *shared;
@@ -69,22 +69,22 @@ template <class Id, class Def> class Slots {
   std::shared_ptr<std::vector<std::int32_t>> free_ = std::make_shared<std::vector<std::int32_t>>();
 };
 
-/// What is made of the definition of a body before anything of the world changes.
+/// Everything derived from the definition of a body before the world is changed.
 struct ReadyBody {
   std::shared_ptr<const CookedShape> cooked;
   MassProperties mass;
 };
 
-/// What the name of a body is expected to be.
+/// Expectation in the error for a duplicate name.
 inline constexpr const char* kOwnName = "a name that no other body has";
 
-/// Null if there is none with the geometry of that shape.
+/// Null if no shape has the same geometry.
 const CookedEntry* findCooked(std::span<const CookedEntry> entries, const Shape& shape);
 
-/// More are of no use to any machine, and what runs them has no bound of its own.
+/// A sanity bound: the thread pool itself has none.
 inline constexpr int kMostThreads = 1024;
 
-/// Throws Error with the path of what is not finite, or not a rotation.
+/// Throws Error with the path of a value that is not finite, or of an invalid rotation.
 void validate(const BodyState& state, const std::string& path);
 
 struct JointRecord {
@@ -92,11 +92,11 @@ struct JointRecord {
   BodyId a, b;  ///< index -1: the world
   BodyId carrierA, carrierB;
   EngineJoint engine;  ///< as the engine has it
-  int engineSlot;      ///< among the joints of its type
+  int engineSlot;      ///< index among the joints of its type
   bool broken = false;
 };
 
-/// Two bodies that touch, by rising slot.
+/// Two touching bodies, in ascending order of slots.
 struct Touch {
   BodyId a, b;
   bool sensor;
@@ -105,20 +105,20 @@ struct Touch {
 struct SoftRecord {
   Deformable def;
   std::shared_ptr<const SoftModel> model;
-  std::int64_t order;  ///< objects lie in the tables in the order in which they were added
-  SoftRange range;     ///< in the tables; vertex -1: not there yet
+  std::int64_t order;  ///< objects are in the tables in the order in which they were added
+  SoftRange range;     ///< in the tables; vertex -1: not placed yet
 };
 
 struct AttachmentRecord {
   AttachmentDef def;
-  SoftId object, otherObject;  ///< other: index -1: no seam
+  SoftId object, otherObject;  ///< other: index -1: not a vertex-vertex attachment
   BodyId body;                 ///< index -1: the world
-  Vec3 anchor;                 ///< in the frame of the body, or in the world [m]
+  Vec3 anchor;                 ///< in the body frame, or in the world [m]
   std::int64_t order;
-  int engineIndex = -1;  ///< -1: not there yet
+  int engineIndex = -1;  ///< -1: not placed yet
 };
 
-/// Everything of a world but its engine: copied whole into a snapshot.
+/// All data of a world except its engine. A snapshot copies it.
 struct Registry {
   Slots<BodyId, BodyRecord> bodies;
   Slots<JointId, JointRecord> joints;
@@ -130,26 +130,26 @@ struct Registry {
   std::unordered_map<std::string, BodyId> bodyNames;
   std::unordered_map<std::string, JointId> jointNames;
   std::vector<BodyId> sceneBodies;
-  std::vector<CookedEntry> shapes;  ///< whose geometry the engine keeps in its tables
+  std::vector<CookedEntry> shapes;  ///< those with geometry in the tables of the engine
   int shapeIndices = 0, shapeParts = 0;
-  std::vector<Material> surfaces;  ///< that the engine keeps in its table
+  std::vector<Material> surfaces;  ///< those in the material table of the engine
   std::vector<int> freeJointSlots[kEngineJointTypes];
   int jointSlots[kEngineJointTypes] = {};
-  std::set<std::pair<int, int>> exclusions;  ///< slots (low, high), besides those of joints
-  std::vector<Touch> touches;                ///< after the last step whose events were collected, sorted
-  std::vector<int> sleepers;                 ///< likewise, slots
+  std::set<std::pair<int, int>> exclusions;  ///< slots (low, high), without those of joints
+  std::vector<Touch> touches;                ///< of the last step with events enabled, sorted
+  std::vector<int> sleepers;                 ///< of the same step, slots
   Vec3 gravity;
   std::int64_t step = 0;
   double time = 0;
 };
 
-/// Copies of poses under way: the oldest first, of buffers that take turns.
+/// Pending copies of poses, oldest first. Two buffers alternate.
 struct PoseRing {
   struct Frame {
     std::int64_t step = 0;
     double time = 0;
   };
-  std::unique_ptr<PoseCopies> host;  ///< where the engine has none of its own
+  std::unique_ptr<PoseCopies> host;  ///< for engines without asynchronous copies
   Frame frames[2];
   std::int64_t begun = 0, taken = 0;
 };
@@ -161,31 +161,30 @@ struct World::Impl {
   bool settingsChanged = true;
   bool planesChanged = true;
   bool exclusionsChanged = true;
-  bool doublePrecision = false;  ///< of the engine: its snapshots are of no use to others
+  bool doublePrecision = false;  ///< of the engine; snapshots of the other precision cannot be restored
   std::int64_t epoch = 0;
   PoseRing poses;
   bool softChanged = false;
-  bool disturbed = false;  ///< something that acts on all bodies has changed: none sleeps on
+  bool disturbed = false;  ///< a setting that acts on all bodies has changed: wakes all of them
   bool wantsEvents = false;
   Events events;
 
-  /// The shape as the engine takes it. What has the geometry of a shape that the engine has, or of one in
-  /// `fresh`, is not cooked again.
+  /// The cooked shape. Geometry that the engine or `fresh` already has is not cooked again.
   std::shared_ptr<const CookedShape> cookShape(const Shape& shape, const std::string& path,
                                                std::vector<CookedEntry>& fresh) const;
-  /// Where its indices begin in the tables of the engine; shapes with the same geometry are there once.
+  /// Offset of its indices in the tables of the engine. Equal geometry is stored once.
   int placeShape(const Shape& shape, const std::shared_ptr<const CookedShape>& cooked);
-  /// Place among the engine's materials, -1 for one that needs none.
+  /// Index into the materials of the engine, or -1 if the material needs no entry.
   int surfaceOf(const Material& material);
-  /// Throws Error for a body that cannot be made, and changes nothing.
+  /// Throws Error for a body that cannot be made, without changing anything.
   ReadyBody ready(const BodyDef& def, const std::string& path, std::vector<CookedEntry>& fresh) const;
   BodyId addBody(const BodyDef& def, const ReadyBody& ready);
-  /// All of the list, or, with an Error, none.
+  /// Adds all bodies or, with an Error, none.
   std::vector<BodyId> addBodies(std::span<const BodyDef> bodies, const std::string& list);
   JointId addJoint(const JointDef& def, BodyId a, BodyId b, BodyId carrierA, BodyId carrierB);
-  /// Another definition of the same type for a joint.
+  /// Redefines a joint, with the same type.
   void redefine(JointId id, const JointDef& def);
-  /// The same with an axis changed by edit(JointAxis&).
+  /// Redefines a joint whose axis is changed by edit(JointAxis&).
   template <class Edit> void editAxis(JointId id, int axis, Edit&& edit) {
     requireAlive(id);
     JointDef def = registry.joints[id].def;
@@ -195,11 +194,11 @@ struct World::Impl {
     edit(def.axes[static_cast<std::size_t>(axis)]);
     redefine(id, def);
   }
-  /// Notes the joints that have broken in this step.
+  /// Records the joints that broke in this step.
   void findBroken(std::vector<JointId>& broken);
   JointBodies jointBodies(const JointRecord& joint) const;
   void wakeBodiesOf(const JointRecord& joint);
-  /// The same with anchors and frames in the axes of the engine.
+  /// The definition with anchors and frames in the engine frames of its bodies.
   JointDef inEngineFrames(JointDef def, BodyId a, BodyId b) const;
   void removeBody(BodyId id);
   void removeBodies(std::span<const BodyId> ids);
@@ -216,14 +215,14 @@ struct World::Impl {
   void removeAttachmentsOf(BodyId id);
   void requireAlive(SoftId id) const;
   void requireAlive(AttachmentId id) const;
-  /// Brings the tables of deformable objects up to date.
+  /// Updates the tables of deformable objects.
   void flushSoft();
   void wake(BodyId id);
   void collectEvents(const StepReport& report);
   void collectContacts();
   void collectBreaks(const std::vector<JointId>& broken);
   void collectSleeps();
-  /// Brings the engine up to date with all edits since the last step.
+  /// Sends all edits since the last step to the engine.
   void flush();
 };
 

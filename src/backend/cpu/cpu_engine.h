@@ -1,5 +1,5 @@
 #pragma once
-/// An engine whose tables lie in host memory.
+/// An engine whose tables are in host memory.
 #include "backend/cpu/cpu_executor.h"
 #include "backend/cpu/host_arrays.h"
 #include "backend/engine.h"
@@ -10,19 +10,19 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// The whole step is by far the largest thing that there is to compile: only cpu_engine.cpp does it.
+/// Instantiated in cpu_engine.cpp only: the step dominates the compile time of the library.
 extern template void step(CpuExecutor&);
 
-/// Fills the counts of a report.
+/// Copies the counters of a step to its report.
 void reportCounters(const SolverData& s, StepReport& report);
 
-/// Sets counters and constants for the next step.
+/// Sets counters and constants of the next step.
 void beginStep(SolverData& s, const EngineSettings& settings, double previousDt);
 
-/// Engine::sortBodies() of what an executor steps, with the constants of the next step.
+/// Engine::sortBodies() for the tables of an executor, with the constants of the next step.
 void sortBodiesOf(CpuExecutor& executor);
 
-/// SolverTables and the time step they were last stepped with: all that an engine on the host keeps.
+/// Serializes or restores the complete state of a host engine: its tables and its last time step.
 std::vector<std::byte> saveState(const HostTables& tables, double previousDt);
 void loadState(HostTables& tables, double& previousDt, std::span<const std::byte> data);
 

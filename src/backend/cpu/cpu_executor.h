@@ -1,6 +1,6 @@
 #pragma once
-/// The step on oneTBB. Kernels write only what belongs to their index, so results do not depend on the number
-/// of threads.
+/// The executor for oneTBB. Kernels write only elements of their own index, so results do not depend on the
+/// number of threads.
 #include <algorithm>
 #include <chrono>
 #include <functional>
@@ -28,11 +28,11 @@ namespace rubble::RUBBLE_CORE {
 class CpuExecutor {
  public:
   using Lane = Real4;
-  /// A proper colouring is found in a few rounds (each settles the clashing body of highest rank at least);
-  /// this is a guard.
+  /// Bound on coloring rounds. Each round settles at least the clashing body of highest rank, so a proper
+  /// coloring takes a few rounds.
   static constexpr int kMaxRounds = 10000;
 
-  /// `timings`: measure stages.
+  /// `timings`: measure stage times.
   explicit CpuExecutor(int threads, bool timings = true)
       : arena_(threads > 0 ? threads : tbb::task_arena::automatic), timings_(timings) {}
 
@@ -41,14 +41,14 @@ class CpuExecutor {
   SolverData& view() { return tables_.view(); }
   const SolverData& view() const { return tables_.view(); }
 
-  /// Told the name of each kernel's stage before it runs, and "between steps" after the last one.
+  /// Called with the stage name before each kernel, and with "between steps" after the last one.
   using Observer = std::function<void(const char* stage)>;
   void observe(Observer observer) { observer_ = std::move(observer); }
-  /// Kernels at one index after another from now on, not side by side nor in parts: what comes out must not
-  /// depend on it.
+  /// Disables SIMD kernels and privatized counts: from now on each kernel runs index by index. Results must
+  /// not depend on it.
   void takeOneByOne() { together_ = false; }
 
-  /// Runs f() with the threads of this executor.
+  /// Runs f() in the thread arena of this executor.
   template <class F> void run(F&& f) { arena_.execute(f); }
 
   template <class Kernel> void forEach(const Kernel& kernel, int n) {
@@ -104,7 +104,7 @@ class CpuExecutor {
     int *const offset = s.*offsets, *const to = s.*order;
     const int* const key = s.*keys;
     const int members = s.nodes();
-    // a key is one of members of one level: levels share none
+    // a key has nodes of one level only, since levels share no keys
     const auto forEachKey = [&](auto&& f) {
       const auto level = [&](int l) {
         for (int m = 0; m < members && l * members + m < n; ++m)
@@ -117,7 +117,7 @@ class CpuExecutor {
     forEachKey([&](int k, int) { ++offset[k]; });
     int sum = 0;
     for (int k = 0; k <= count; ++k) sum += std::exchange(offset[k], sum);
-    // fill from each offset on, then move the offsets back by one
+    // fill upward from each offset, then shift the offsets back by one
     forEachKey([&](int k, int member) { to[offset[k]++] = member; });
     for (int k = count; k > 0; --k) offset[k] = offset[k - 1];
     offset[0] = 0;
@@ -162,7 +162,7 @@ class CpuExecutor {
     tables_.swapManifolds();
   }
 
-  // Between steps
+  // Scratch memory between steps, used by stages/pairs/order.h.
   template <class T> T* room(int n) {
     rooms_.emplace_back(HostMemory::allocate(sizeof(T) * static_cast<std::size_t>(n)));
     return static_cast<T*>(rooms_.back().get());
@@ -173,19 +173,19 @@ class CpuExecutor {
                        [keys](int a, int b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
   }
   template <class T> void copy(T* to, const T* from, int n) { std::copy_n(from, n, to); }
-  /// The work is done.
+  /// Releases the scratch memory.
   void endRooms() { rooms_.clear(); }
 
-  /// Time of each stage since the last call [ms].
+  /// Stage times since the last call [ms].
   std::vector<StageTime> takeTimes() { return std::exchange(times_, {}); }
-  /// SolverTables that have grown since the last call.
+  /// Tables that have grown since the last call.
   std::vector<Growth> takeGrown() { return std::exchange(grown_, {}); }
 
  private:
   int countOf(int n) const { return n; }
   int countOf(int Counters::*n) const { return view().counters->*n; }
 
-  /// Adds the time of its life to a stage.
+  /// Adds the time of its own lifetime to a stage.
   class StageClock {
    public:
     StageClock(CpuExecutor& executor, const char* name) : executor_(executor), name_(name) {
@@ -210,7 +210,7 @@ class CpuExecutor {
     Clock::time_point begin_;
   };
 
-  /// The kernel at at(0), ..., at(n - 1): four side by side where it can.
+  /// Calls the kernel for at(0), ..., at(n - 1), four at a time if it has a SIMD version.
   template <class Kernel, class At> void run(const SolverData& s, const Kernel& kernel, int n, At&& at) {
     forRange(n, [&](int begin, int end) {
       int i = begin;
@@ -228,9 +228,9 @@ class CpuExecutor {
       for (; i < end; ++i) kernel(s, at(i));
     });
   }
-  /// f(begin, end) for parts of [0, n).
+  /// Calls f(begin, end) for subranges of [0, n) in parallel.
   template <class F> void forRange(int n, F&& f) {
-    // below this there is too little work to share
+    // smaller ranges run serially
     constexpr int kGrain = 64;
     if (n <= kGrain || arena_.max_concurrency() == 1) return f(0, n);
     const auto body = [&](const tbb::blocked_range<int>& range) { f(range.begin(), range.end()); };

@@ -1,16 +1,16 @@
 #pragma once
-/// What stages read of four bodies, blocks or joints, gathered into the lanes of vector registers and
-/// scattered from there.
+/// Gathers stage inputs of four bodies, constraints or joints into the lanes of SIMD registers, and scatters
+/// the results.
 #include <cstddef>
 
 #include "stages/coarse/coarse.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Indices of four elements.
+/// Indices of four elements, one per lane.
 using Lane4 = int[kLanes];
 
-/// The numbers [4 k, 4 k + 4) of four structs of numbers.
+/// Elements [4 k, 4 k + 4) of four structs of reals.
 template <class T>
 RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* a, const T* b, const T* c, const T* d, int k = 0) {
   const auto at = [&](const T* p) { return reinterpret_cast<const Real*>(p) + 4 * k; };
@@ -22,7 +22,7 @@ template <class T> RUBBLE_NEAR Quad<Real4> gatherNumbers(const T* table, const L
 RUBBLE_NEAR Vec3T<Real4> vectorOf(const Quad<Real4>& q) { return {q.x, q.y, q.z}; }
 RUBBLE_NEAR QuatT<Real4> quaternionOf(const Quad<Real4>& q) { return {q.x, {q.y, q.z, q.w}}; }
 
-/// A block that is read and written by fours.
+/// A block padded to a multiple of four reals.
 struct PaddedBlock {
   Block6 block;
   Real pad = 0;
@@ -52,7 +52,7 @@ RUBBLE_NEAR void scatterBlocks(const Block6T<Real4>& in, PaddedBlock (&out)[kLan
 RUBBLE_NEAR PoseT<Real4> gatherPoses(const SolverData& s, const Lane4& body) {
   return {vectorOf(gatherNumbers(s.dx, body)), quaternionOf(gatherNumbers(s.dq, body))};
 }
-/// Their inertia and their targets.
+/// Inertia and inertial targets of four bodies.
 struct TargetLanes {
   MassMatrixT<Real4> mass;
   PoseT<Real4> y;
@@ -66,8 +66,8 @@ RUBBLE_NEAR TargetLanes gatherTargets(const SolverData& s, const Lane4& body) {
           {{q[1].w, q[2].x, q[2].y}, {q[2].z, {q[2].w, q[3].x, q[3].y}}}};
 }
 
-/// Puts four bodies at x; false, and nothing is done, where a rotation is large. `step2`, `turn2`: those of
-/// Displacement.
+/// Sets the iterates of four bodies to x. Returns false without a write if a rotation is large. `step2`,
+/// `turn2`: as in Displacement.
 RUBBLE_NEAR bool placeTogether(const SolverData& s, const Lane4& body, const PoseT<Real4>& x, Real4 step2,
                                Real4 turn2) {
   const QuatT<Real4> q = shortArc(x.q);
@@ -84,21 +84,21 @@ RUBBLE_NEAR bool placeTogether(const SolverData& s, const Lane4& body, const Pos
   return true;
 }
 
-/// Ball joints side by side: what the sweeps read of them. Poses since x^t, that of A from the centre of B.
+/// Inputs of four ball joints in a sweep. Poses are relative to x^t, that of A relative to the center of B.
 struct BallLanes {
   Anchors<Real4> levers;
   PoseT<Real4> a, b;
   Real4 lambda[3], shift[3];
   GroupLaw<Real4> law;
-  GroupRows<AnchorRows::kRows>* rows[kLanes];  ///< where they are from
+  GroupRows<AnchorRows::kRows>* rows[kLanes];  ///< source of each lane
 };
 
-/// Is a ball joint between two bodies, and held?
+/// Returns whether this is an active ball joint between two bodies with held anchors.
 RUBBLE_NEAR bool isPlainBall(const SolverData& s, int index) {
   const Joint<BallJoint>& joint = s.jointsOf<BallJoint>()[index];
   return joint.end[0].body != kWorldBody && joint.end[1].body != kWorldBody && (joint.acting & 1) != 0;
 }
-/// Is a row block one of these?
+/// Returns whether the constraint of this code is such a joint.
 RUBBLE_NEAR bool isPlainBall(const SolverData& s, std::uint32_t code) {
   if (constraintType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return false;
   return isPlainBall(s, constraintIndex(code));
@@ -135,7 +135,7 @@ RUBBLE_NEAR BallLanes gatherBalls(const SolverData& s, const Lane4& index) {
   return j;
 }
 
-/// Adds four ball joints to the blocks of one of their bodies each, as accumulatePivot does.
+/// Adds four ball joints to the block of one body each (accumulatePivot for four lanes).
 inline void accumulateBalls(const SolverData& s, const std::uint32_t (&code)[kLanes], Block6T<Real4>& block,
                             const Vec3T<Real4>& shift) {
   const auto side = [&](int lane) { return static_cast<Real>(constraintSide(code[lane])); };

@@ -1,5 +1,6 @@
 #pragma once
-/// Arrays of state of tables in host memory: as they are, or by id where the bodies have another order.
+/// State arrays of tables in host memory: the tables themselves, or copies in the order of ids if the bodies
+/// are sorted in another order.
 #include <cstring>
 #include <vector>
 
@@ -17,7 +18,7 @@ class HostArrays {
     if (s.ordered) return byId_.view(which, s, s.bodies, Gather{tables_.view()});
     return withStateArray(which, [&](auto member) { return rowsOf(s.*member, s.bodies); });
   }
-  /// The state has changed.
+  /// Updates the copies after a change of state.
   void follow() {
     if (tables_.view().ordered) byId_.follow(tables_.view(), tables_.view().bodies, Gather{tables_.view()});
   }

@@ -1,19 +1,19 @@
 #pragma once
-/// Kernels whose elements all count up the same few numbers: one by one, threads would wait for one another
-/// at each of them. A thread counts a part of the elements for itself first, and adds it to the numbers then.
+/// Kernels in which all elements increment the same few counters. Each task counts its range privately and
+/// then adds the sums to the shared counters, which avoids contention.
 #include "stages/bodies/coloring.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// `InParts<Kernel>::run(s, kernel, begin, end)` does what the kernel does at the indices of [begin, end).
-/// Primary: there is none.
+/// `InParts<Kernel>::run(s, kernel, begin, end)` is equivalent to the kernel for the indices of [begin, end).
+/// The primary template is empty: no such version.
 template <class Kernel> struct InParts {};
 
-/// Colours below this are counted so. Those above are rare, and their elements are told one by one.
+/// Colors below this number are counted privately. Elements of higher colors are rare and handled one by one.
 inline constexpr int kCountedColors = 128;
 
-/// Calls count(color) for the elements of lower colours, other(i, color) for those of higher ones. colorOf(i)
-/// below 0: none.
+/// Calls count(color) once per element of a low color and other(i, color) for elements of higher colors.
+/// Elements with colorOf(i) < 0 are skipped.
 template <class ColorOf, class Count, class Other>
 void visitColors(int begin, int end, ColorOf&& colorOf, Count&& count, Other&& other) {
   for (int i = begin; i < end; ++i) {
@@ -31,7 +31,7 @@ template <class ColorOf> void addColors(int begin, int end, ColorOf&& colorOf, i
   for (int c = 0; c < kCountedColors; ++c)
     if (own[c] > 0) atomicCount(&total[c], own[c]);
 }
-/// `left`: of each colour how many have no place yet.
+/// `left`: number of elements of each color that are not placed yet.
 template <class ColorOf>
 void listColors(int begin, int end, ColorOf&& colorOf, const int* offset, int* left, int* list) {
   int place[kCountedColors] = {};
@@ -71,7 +71,7 @@ template <> struct InParts<FillVertexColors> {
   }
 };
 
-/// Neighbours in number often have the same leader.
+/// Nodes with consecutive indices often have the same root.
 template <> struct InParts<FlattenAggregates> {
   static void run(const SolverData& s, const FlattenAggregates& kernel, int begin, int end) {
     int leader = -1, count = 0;

@@ -1,19 +1,20 @@
 #pragma once
-/// Kernels that treat four elements side by side, in the lanes of vector registers: four bodies of a colour,
-/// four slices, aggregates or joints. They gather what the stages read, use the same formulas for L = Real4
-/// (lanes.h), and hand on what is rare to the stage itself, one by one. A lane has the bits that the stage
-/// would give it, so neighbours in a register have no influence on one another.
+/// SIMD versions of kernels: four bodies of one color, four slices, aggregates or joints in the lanes of
+/// vector registers. They gather the inputs, evaluate the formulas of the stages with L = Real4 (lanes.h),
+/// and leave rare cases to the scalar kernel. Each lane has the bits of the scalar kernel, so results do not
+/// depend on the grouping.
 #include "backend/cpu/gather.h"
 
 namespace rubble::RUBBLE_CORE {
 
-/// `Simd4Kernel<Kernel>::run(s, i)` does what the kernel does at the four indices; `expect(s, i)` and
-/// `prepare(s, i)`, where they are there, ask for the memory of fours that are kAhead and one before their
-/// turn: elements lie in no order that a processor foresees. Primary: there is none.
+/// `Simd4Kernel<Kernel>::run(s, i)` is equivalent to the kernel for four indices. Optional `expect(s, i)` and
+/// `prepare(s, i)` prefetch the memory of a later group: kAhead groups and one group ahead. The primary
+/// template is empty: no SIMD version. Hardware prefetching fails because elements are accessed in random
+/// order.
 template <class Kernel> struct Simd4Kernel {};
 
-/// Adds rounds of ball joints, one of each lane's list a round, while all four lanes have one; returns the
-/// number of rounds. codeOf(lane, k): incidence k of a list.
+/// Adds ball joints in rounds, one joint per lane and round, as long as all four lanes have one. Returns the
+/// number of rounds. codeOf(lane, k) is incidence k of a lane.
 template <class CodeOf, class ShiftOf>
 int accumulateRounds(const SolverData& s, int least, CodeOf&& codeOf, ShiftOf&& shiftOf,
                      Block6T<Real4>& block) {
@@ -31,15 +32,15 @@ int accumulateRounds(const SolverData& s, int least, CodeOf&& codeOf, ShiftOf&& 
   return k;
 }
 
-/// A four is expected so many turns ahead, and prepared in the next but one.
+/// Prefetch distance in groups of four.
 inline constexpr int kAhead = 2;
 
-/// Asks for the first and the last byte of [begin, begin + bytes).
+/// Prefetches the first and the last byte of [begin, begin + bytes).
 RUBBLE_NEAR void fetch(const void* begin, std::size_t bytes) {
   __builtin_prefetch(begin);
   __builtin_prefetch(static_cast<const char*>(begin) + bytes - 1);
 }
-/// What a sweep reads of a row block.
+/// Prefetches the inputs of a constraint.
 RUBBLE_NEAR void fetchBall(const SolverData& s, std::uint32_t code) {
   if (constraintType(code) != typeIndex<BallJoint>(JointTypes{}) + 1) return;
   fetch(&s.jointsOf<BallJoint>()[constraintIndex(code)], sizeof(Joint<BallJoint>));
@@ -96,8 +97,8 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
   }
 
  private:
-  /// As finishBlock; false, and nothing is done, where one of the four needs its care: a large rotation, a
-  /// step that is not finite or too long.
+  /// finishBlock for four lanes. Returns false without a write if a lane needs the scalar version: large
+  /// rotation, step not finite, or step too long.
   static bool descendTogether(const SolverData& s, const Lane4& body, const MassMatrixT<Real4>& m,
                               const Block6T<Real4>& block, const PoseT<Real4>& x) {
     const auto splat = [](Real a) { return LaneAccess<Real4>::splat(a); };
@@ -111,13 +112,13 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
   }
 };
 
-/// The aggregates of four slices, as their bodies see them.
+/// The aggregates of four slices.
 struct AggregateLanes {
   const Aggregate* aggregate[kLanes];
   AggregateLanes(const SolverData& s, const Lane4& slice) {
     for (int lane = 0; lane < kLanes; ++lane) aggregate[lane] = &s.aggregate[s.slice[slice[lane]].aggregate];
   }
-  /// shiftOf, of one body in each.
+  /// shiftOf for one body per lane.
   Vec3T<Real4> shiftsOf(const SolverData& s, const Lane4& body) const {
     const auto shift = [&](int lane) { return shiftOf(s, *aggregate[lane], body[lane]); };
     const Vec3 a = shift(0), b = shift(1), c = shift(2), d = shift(3);
@@ -125,7 +126,7 @@ struct AggregateLanes {
   }
 };
 RUBBLE_NEAR int nodesOf(const Slice& slice) { return slice.end - slice.begin; }
-/// Is one of them of an aggregate with soft nodes? These are treated one by one.
+/// Returns whether an aggregate has soft nodes. These slices use the scalar kernel.
 RUBBLE_NEAR bool haveSoftNodes(const SolverData& s, const Lane4& slice) {
   int soft = 0;
   for (const int i : slice) soft |= s.aggregate[s.slice[i].aggregate].soft;
@@ -141,7 +142,7 @@ template <> struct Simd4Kernel<SumSlice<Real4>> {
   }
   static void prepare(const SolverData& s, const Lane4& index) {
     for (const int i : index) {
-      // those of large slices are many turns away
+      // no prefetch far into the list of a large slice
       const int end = min(s.boundaryOffset[i + 1], s.boundaryOffset[i] + kLanes * kAhead);
       for (int k = s.boundaryOffset[i]; k < end; ++k) fetchBall(s, s.boundary[k]);
       for (int k = s.slice[i].begin; k < min(s.slice[i].end, s.slice[i].begin + kLanes); ++k)
@@ -188,7 +189,7 @@ template <> struct Simd4Kernel<SumSlice<Real4>> {
   }
 
  private:
-  /// Inertial forces of the k-th node of each.
+  /// Adds the inertial forces of the k-th node of each lane.
   static void addInertialForces(const SolverData& s, const AggregateLanes& aggregates, const Lane4& index,
                                 int k, Block6T<Real4>& sum) {
     Lane4 body;
@@ -199,7 +200,7 @@ template <> struct Simd4Kernel<SumSlice<Real4>> {
     sum.fl += own.fl;
     sum.fa += own.fa + cross(aggregates.shiftsOf(s, body), own.fl);
   }
-  /// Those of the nodes of one lane from the k-th on.
+  /// Adds the inertial forces of the nodes of one lane from the k-th on.
   static void addOthers(const SolverData& s, const Slice& slice, int k, int lane, Block6T<Real4>& sum) {
     Block6 own;
     own.fl = {sum.fl.x[lane], sum.fl.y[lane], sum.fl.z[lane]},
@@ -278,7 +279,7 @@ template <> struct Simd4Kernel<UpdateJointDuals<BallJoint>> {
   }
 
  private:
-  /// False, and nothing is done, where the four have rules of different kinds.
+  /// Returns false without a write if the four lanes have stiffness rules of different policies.
   static bool update(const SolverData& s, const Lane4& index) {
     BallLanes j = gatherBalls(s, index);
     const auto stateOf = [&](int lane) -> GroupState& { return j.rows[lane]->state; };

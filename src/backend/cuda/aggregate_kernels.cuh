@@ -1,12 +1,12 @@
 #pragma once
-/// Stages of the coarse correction, a tile of lanes a slice: they stride over nodes, row blocks, points or
+/// Kernels of the coarse correction. A tile of lanes per slice strides over nodes, constraints, points or
 /// slices.
 #include "backend/cuda/heavy_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Bodies of one warp that have the same root are counted by one of them: the aggregates of coarse levels are
-/// few, and large.
+/// FlattenAggregates with warp aggregation: one lane counts all bodies of a warp that have the same root.
+/// Aggregates of coarse levels are few and large.
 struct FlattenAggregatesByBlock {
   static constexpr const char* kStage = FlattenAggregates::kStage;
   int level;
@@ -21,23 +21,25 @@ struct FlattenAggregatesByBlock {
 };
 template <> struct OnDevice<FlattenAggregates> { using Type = FlattenAggregatesByBlock; };
 
-/// Lanes of a slice: the aggregates of the finest level are small, those of the others fill their slices.
+/// Lanes per slice. Aggregates of the finest level are small, the slices of coarser ones are full.
 inline constexpr int kSmallWidth = 8;
-/// In the sweeps: where there are many joints, one for so many bodies or fewer, or soft nodes, all have a
-/// warp: these take long one after another.
+/// Slices get a full warp in sweeps if there are soft nodes, or at least one joint per this many bodies.
+/// Joints and soft nodes take long when one lane handles several.
 inline constexpr int kBodiesPerJoint = 4;
 __host__ __device__ inline int sliceWidth(const SolverData& s, int level) {
   return level == 0 && s.softNodes == 0 && kBodiesPerJoint * s.jointSlots() < s.bodies ? kSmallWidth : kWarp;
 }
 
-/// Sums of slices into those of their aggregate by a tree whose fan-in is the width of a tile: the last of a
-/// node's children to come adds them up, in their order. The levels are enough for kSmallWidth^8 slices.
+/// Slice sums are reduced to the sum of an aggregate by a tree whose fan-in is the tile width. The last child
+/// to arrive adds up all children of a node, in index order. kSumLevels levels cover kSmallWidth^8 slices.
 inline constexpr int kSumLevels = 8;
 struct SumTree {
-  int* tickets;  ///< [kSumLevels][slices] children that have come; zero between kernels
+  /// [kSumLevels][slices] number of children that have arrived. Zero between kernels.
+  int* tickets;
   int slices;
 
-  /// Hands the sum of slice `c` up the tree; true in the tile that is left with the sum of the aggregate.
+  /// Passes the sum of slice `c` up the reduction tree. Returns true in the tile that completes the
+  /// aggregate.
   template <int kWidth>
   __device__ bool carryUp(const SolverData& s, const Aggregate& aggregate, int c, const Tile<kWidth>& tile,
                           Real (&sum)[kRealsPerLane<kWidth>]) const {
@@ -63,7 +65,7 @@ struct SumTree {
   }
 
  private:
-  /// What other blocks have written in this kernel.
+  /// Loads a block that other thread blocks wrote within this kernel.
   __device__ static Block6 loadFresh(const Block6& from) {
     Real v[kBlockReals];
     const Real* const numbers = reinterpret_cast<const Real*>(&from);
@@ -75,7 +77,7 @@ struct SumTree {
   }
 };
 
-/// SumInertia and PlaceAggregates in one: the tile that completes the sum of an aggregate goes on with it.
+/// SumInertia and PlaceAggregates fused: the tile that completes the sum of an aggregate places it.
 struct SumInertiaByTile {
   static constexpr const char* kStage = SumInertia::kStage;
   static constexpr int kWidth = kSmallWidth;
@@ -110,14 +112,14 @@ struct CountBoundaryByTile {
 };
 template <> struct OnDevice<CountBoundary> { using Type = CountBoundaryByTile; };
 
-/// Lanes of a slice in the sweeps, by the level of its aggregate. If they would take more rounds than this, a
-/// row block for four lanes, it is a heavy one.
+/// A slice is heavy if its tile would take more rounds than this in a sweep, with one constraint per four
+/// lanes and round.
 inline constexpr int kHeavyRounds = 32;
 __device__ inline bool isHeavySlice(const SolverData& s, int slice, int level) {
   return s.boundaryOffset[slice + 1] - s.boundaryOffset[slice] > kHeavyRounds * sliceWidth(s, level) / kLanes;
 }
 
-/// In the order that one thread would write them. Lists heavy slices.
+/// FillBoundary in the order of the serial kernel. It also lists heavy slices.
 struct FillBoundaryByTile {
   static constexpr const char* kStage = FillBoundary::kStage;
   static constexpr int kWidth = kSmallWidth;
@@ -139,8 +141,8 @@ struct FillBoundaryByTile {
     }
   }
 };
-/// Adds the joints among external row blocks [k, end), a lane each. Rare, and large: a call keeps its
-/// registers out of the kernels that contacts fill.
+/// Adds the joints among the boundary constraints [k, end), one per lane. Not inlined: joints are rare and
+/// would raise the register count of kernels that mostly process contacts.
 static __device__ __noinline__ void addBoundaryJointsOutOfLine(const SolverData& s, int aggregate, int k,
                                                                int end, int stride, Block6* sum) {
   for (; k < end; k += stride)
@@ -148,9 +150,9 @@ static __device__ __noinline__ void addBoundaryJointsOutOfLine(const SolverData&
       addBoundaryJoint(s, aggregate, code, *sum);
 }
 
-/// The same where they are few and so take as long as one of them (ExtraRows::FewJoints): a tile, which has
-/// `kWidth` row blocks at a time, from `k` on, `stride` apart, gathers them until every lane has one, and
-/// those of one round are done side by side.
+/// The same for worlds with few joints (ExtraRows::FewJoints), where the time is that of one joint. A tile
+/// visits `kWidth` constraints at a time from `k` on, `stride` apart, and compacts the joints until each lane
+/// has one. The joints of a round run in parallel.
 template <int kWidth>
 static __device__ __noinline__ void addBoundaryJointsUniform(const SolverData& s, int aggregate, int k,
                                                              int end, int stride, const Tile<kWidth> tile,
@@ -166,7 +168,7 @@ static __device__ __noinline__ void addBoundaryJointsUniform(const SolverData& s
     const std::uint32_t code = e < end ? s.boundary[e] : 0;
     const unsigned joints = tile.ballot(e < end && constraintType(code) != kContactType);
     const int found = __popc(joints);
-    // number n of them goes to lane `first` + n
+    // joint n goes to lane `first` + n
     const auto take = [&](int first) {
       const int n = tile.lane - first;
       const bool mine = n >= 0 && n < found;
@@ -190,8 +192,8 @@ static __device__ __noinline__ void addBoundaryRollingOutOfLine(const SolverData
       addRolling(s, code, *sum);
 }
 
-/// Forces and row Hessians of a slice that are this lane's, of `kWidth`, a warp or less of which is a tile.
-/// any(): does one of them say yes?
+/// This lane's share of the forces and Hessians of a slice, divided among `kWidth` lanes. The tile is a warp
+/// or less of them. any() is a vote of the tile.
 template <int kWidth, bool alike, int kTile, class Any>
 __device__ Block6 gatherSlice(const SolverData& s, int i, const Slice& slice, const Aggregate& aggregate,
                               const Tile<kTile>& tile, int lane, Any&& any) {
@@ -203,7 +205,7 @@ __device__ Block6 gatherSlice(const SolverData& s, int i, const Slice& slice, co
     addSoftNodes(s, slice.begin + lane, slice.end, kWidth, sum);
     own = sum;
   }
-  // a lane a point: four lanes share a row block
+  // one lane per contact point: four lanes share a constraint
   constexpr int kStride = kWidth / kLanes;
   const int begin = s.boundaryOffset[i] + lane / kLanes, end = s.boundaryOffset[i + 1], point = lane % kLanes;
   bool joints = false;
@@ -234,7 +236,7 @@ __device__ Block6 gatherSlice(const SolverData& s, int i, const Slice& slice, co
   return own;
 }
 
-/// Hands the sums of a slice on; the tile that completes those of an aggregate solves it.
+/// Passes the sums of a slice on. The tile that completes the aggregate solves it.
 template <int kTile>
 __device__ void handOn(const SolverData& s, const SumTree& tree, int i, Aggregate& aggregate,
                        const Tile<kTile>& tile, Real (&sums)[kRealsPerLane<kTile>]) {
@@ -245,7 +247,7 @@ __device__ void handOn(const SolverData& s, const SumTree& tree, int i, Aggregat
   if (tile.lane == 0) aggregate.step = dx;
 }
 
-/// A heavy slice, by a block.
+/// A heavy slice, processed by a thread block.
 template <int kTile, bool alike>
 __device__ __noinline__ void sumHeavySlice(const SolverData& s, const SumTree& tree, int i,
                                            Real (&warpSums)[kThreads / kWarp][kWarp]) {
@@ -270,8 +272,8 @@ __device__ __noinline__ void sumHeavySlice(const SolverData& s, const SumTree& t
   __syncthreads();
 }
 
-/// SumSlice and SolveAggregate in one, for the slices of a level (`softOnly`: of aggregates with soft nodes):
-/// the first blocks take the heavy ones, tiles of the others one each.
+/// SumSlice and SolveAggregate fused, for the slices of a level (`softOnly`: of aggregates with soft nodes).
+/// The first blocks process heavy slices, each tile of the other blocks one slice.
 template <int kTile, bool alike>
 __global__ void __launch_bounds__(kThreads, 6)
     sumChunks(const __grid_constant__ SolverData s, SumTree tree, HeavyList heavy, int heavyBlocks, int level,
@@ -303,8 +305,8 @@ __global__ void __launch_bounds__(kThreads, 6)
   }
 }
 
-/// MoveSlice for all slices of a level, a thread a body: it knows its aggregate, and bodies lie side by side
-/// where nodes do not.
+/// MoveSlice for all slices of a level, one thread per body. Bodies are contiguous in memory, the nodes of an
+/// aggregate are not.
 struct MoveNode {
   static constexpr const char* kStage = MoveSlice::kStage;
   int level;

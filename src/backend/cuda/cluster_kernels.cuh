@@ -1,5 +1,5 @@
 #pragma once
-/// Stages of deformable objects and their clusters, a tile of lanes a vertex or a cluster.
+/// Kernels of deformable objects and their clusters, one tile of lanes per vertex or cluster.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -28,7 +28,7 @@ struct PlaceLargeClustersByTile {
 };
 template <> struct OnDevice<PlaceLargeClusters> { using Type = PlaceLargeClustersByTile; };
 
-/// A lane a vertex; several, where vertices have many contacts.
+/// One lane per vertex, or several where vertices have many contacts.
 template <bool surfaces> struct SumClusterByTile {
   static constexpr const char* kStage = SumCluster<surfaces>::kStage;
   static constexpr int kWidth = surfaces ? kWarp : 8, kLanesPerVertex = surfaces ? 4 : 1;
@@ -55,8 +55,8 @@ template <bool surfaces> struct SumClusterByTile {
 };
 template <bool surfaces> struct OnDevice<SumCluster<surfaces>> { using Type = SumClusterByTile<surfaces>; };
 
-/// The share of a worker in the block of a cluster: every `workers`-th chunk, and every `workers`-th element
-/// that leaves it.
+/// This worker's share of the block of a cluster: every `workers`-th slice (cluster of the finest level), and
+/// every `workers`-th element on its boundary.
 __device__ inline Block6 shareOfCluster(const SolverData& s, int index, int worker, int workers) {
   const Cluster c = s.cluster[index];
   const Vec3 centre = s.clusterMotion[index].centre;
@@ -67,7 +67,7 @@ __device__ inline Block6 shareOfCluster(const SolverData& s, int index, int work
     SolveCluster::addLeaving(s, s.clusterRef[k], centre, own);
   return own;
 }
-/// The step of a cluster whose block a tile has summed.
+/// Solves a cluster whose block was summed by a tile.
 template <int kWidth>
 __device__ void stepCluster(const SolverData& s, int index, const Tile<kWidth>& tile,
                             const Real (&sums)[kRealsPerLane<kWidth>]) {
@@ -76,7 +76,7 @@ __device__ void stepCluster(const SolverData& s, int index, const Tile<kWidth>& 
   if (tile.lane == 0) s.clusterMotion[index].step = dx;
 }
 
-/// Several lanes a cluster: few where clusters fill the device, for all of them solve it alike in the end.
+/// Lanes per cluster. Few where clusters fill the device, because all lanes repeat the solve.
 inline constexpr int kFewClusterLanes = 8, kSomeClusterLanes = 16, kMostClusterLanes = kWarp;
 template <int width> struct SolveClusterByTile {
   static constexpr const char* kStage = SolveCluster::kStage;
@@ -90,7 +90,7 @@ template <int width> struct SolveClusterByTile {
     stepCluster(s, index, tile, sums);
   }
 };
-/// A block a cluster, where there are few.
+/// One thread block per cluster where clusters are few.
 inline constexpr int kFewClusterThreads = 512, kSomeClusterThreads = 128;
 template <int kBlockThreads>
 static __global__ void __launch_bounds__(kBlockThreads)
@@ -114,7 +114,7 @@ static __global__ void __launch_bounds__(kBlockThreads)
   stepCluster(s, index, tile, mine);
 }
 
-/// A lane a vertex.
+/// One lane per vertex.
 struct MoveClusterByTile {
   static constexpr const char* kStage = MoveCluster::kStage;
   static constexpr int kWidth = 8;
@@ -127,7 +127,7 @@ struct MoveClusterByTile {
 };
 template <> struct OnDevice<MoveCluster> { using Type = MoveClusterByTile; };
 
-/// A lane a vertex; several, where they have many contacts.
+/// One lane per vertex, or several where vertices have many contacts.
 template <bool surfaces> struct SumSoftNodePartByTile {
   static constexpr const char* kStage = SumSoftNodePart::kStage;
   static constexpr int kWidth = surfaces ? kWarp : 8, kLanesPerVertex = surfaces ? 4 : 1;
@@ -142,7 +142,8 @@ template <bool surfaces> struct SumSoftNodePartByTile {
     if (tile.lane == 0) s.clusterMotion[i].push = sum;
   }
 };
-/// Up to so many objects a processor have a block each to sum their parts, more have a warp.
+/// Up to kFewObjects objects per multiprocessor, each object has a thread block to sum its parts. More
+/// objects have a warp each.
 inline constexpr int kFewObjects = 8, kSoftNodeThreads = 256;
 template <int kBlockThreads>
 static __global__ void __launch_bounds__(kBlockThreads)
@@ -165,7 +166,7 @@ static __global__ void __launch_bounds__(kBlockThreads)
   for (int k = 0; k < kWarps; ++k) all += sums[k][thread];
   reinterpret_cast<Real*>(&s.softNodeSum[i])[thread] = all;
 }
-/// The soft nodes behind the objects.
+/// Soft nodes with indices above the objects: particles.
 struct SumParticle {
   static constexpr const char* kStage = SumSoftNode::kStage;
   SumSoftNode stage;

@@ -1,23 +1,22 @@
 #pragma once
-/// Bodies and vertices by colour: a block counts its own in shared memory, since all have one of few colours.
-/// Inside a colour those with most work come first: what is solved side by side takes as long as the one that
-/// has most.
+/// Bodies and vertices by color. Colors are few, so each thread block counts in shared memory. Within a
+/// color, nodes with the most work come first: the time of a batch is that of its longest node.
 #include "backend/cuda/heavy_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Colours that a block counts by itself; nodes of higher ones, which are few, are counted one by one.
+/// Colors counted in shared memory. Nodes of higher colors are few and counted one by one.
 inline constexpr int kSharedColors = 64;
 inline constexpr int kNodesPerThread = 8;
 inline constexpr int kColorNodes = kThreads * kNodesPerThread;
-/// Inside a colour there are so many classes of nodes, by their work, most first.
+/// Classes of nodes within a color by amount of work, most first.
 inline constexpr int kWorkClasses = 4, kColorBins = kSharedColors * kWorkClasses;
 struct ColorBins {
   int* population;  ///< [kSharedColors][kWorkClasses]
-  int* filled;      ///< nodes that have their place by now
+  int* filled;      ///< nodes placed so far
 };
 
-/// Bodies but hubs, which are solved apart; classes by the number of row blocks.
+/// Bodies except those of high degree, which other blocks solve. Classes by number of constraints.
 struct ColoredBodies {
   using Fill = FillColors;
   __device__ static bool has(const SolverData& s, int i) {
@@ -32,8 +31,8 @@ struct ColoredBodies {
   __device__ static const int* offset(const SolverData& s) { return s.colorOffset; }
   __device__ static int* list(const SolverData& s) { return s.colorBody; }
 };
-/// Vertices; classes by the number of elements and contacts, of which these take longer: up to about one, two
-/// and four rounds of eight lanes, and more.
+/// Vertices. Classes by number of elements and contacts, weighted by cost: about one, two, four and more
+/// rounds of eight lanes.
 struct ColoredVertices {
   using Fill = FillVertexColors;
   __device__ static bool has(const SolverData& s, int v) { return v < s.vertices && isDynamicVertex(s, v); }
@@ -48,7 +47,7 @@ struct ColoredVertices {
   __device__ static int* list(const SolverData& s) { return s.colorVertex; }
 };
 
-/// The bin of node i, or -1 if it has none. Bins from kColorBins on: nodes of higher colours.
+/// The bin of node i, or -1 if it has none. Bins from kColorBins on are nodes of higher colors.
 template <class Nodes> __device__ int binOf(const SolverData& s, int i) {
   return Nodes::has(s, i) ? Nodes::colorOf(s, i) * kWorkClasses + Nodes::classOf(s, i) : -1;
 }
@@ -79,7 +78,7 @@ static __global__ void __launch_bounds__(kThreads)
   }
 }
 
-/// FillColors or FillVertexColors: a block takes room for all its nodes of a bin at a time.
+/// FillColors or FillVertexColors. A block reserves the range of a bin for all of its nodes at once.
 template <class Nodes>
 static __global__ void __launch_bounds__(kThreads)
     fillColors(const __grid_constant__ SolverData s, ColorBins bins, Gate gate) {

@@ -1,6 +1,5 @@
 #pragma once
-/// Stages over contacts, a thread a point: the four lanes of a manifold read and write what lies side by
-/// side.
+/// Kernels over contacts, one thread per point. The four lanes of a manifold access contiguous memory.
 #include "backend/cuda/kernels.cuh"
 #include "backend/cuda/points.cuh"
 
@@ -25,7 +24,7 @@ struct FinishPoint {
     ContactRows& r = s.contact[i];
     Manifold& m = s.manifold[r.manifold];
     const int k = tile.lane;
-    // asked for before it is needed
+    // prefetch
     const bool on = k < m.count, impact = on && (m.impact >> k & 1);
     updateContactDuals<Real>(s.step, r, s.dx[r.a], s.dx[r.b], k);
     PointBefore before;
@@ -47,7 +46,7 @@ struct FinishPoint {
 };
 template <> struct OnDevice<FinishContacts<Real>> { using Type = FinishPoint; };
 
-/// A lane a point: most manifolds are recycled, and that is copying.
+/// One lane per point. Most manifolds are recycled, and recycling is a copy.
 struct RecycleManifoldByLanes {
   static constexpr const char* kStage = RecycleManifolds::kStage;
   static constexpr int kWidth = kLanes;
@@ -76,7 +75,7 @@ struct RecycleManifoldByLanes {
     PointMemory memory{};
     if (on) memory = memoryOf(own, 0, n);
     bool awake = on;
-    // points that bear a load need no targets
+    // points that carry load do not need the targets
     if (tile.ballot(on && memory.lambdaN == Real(0)) != 0 && on)
       awake = activationRule(s, o)(s, o, pose, n, pointAt(own, 0, n, pose.qA, pose.qB, pose.t),
                                    memory.lambdaN);
@@ -96,7 +95,7 @@ struct RecycleManifoldByLanes {
   }
 
  private:
-  /// The places of the points and their features, sixteen bytes a lane at a time.
+  /// Copies positions and features of the points, 16 bytes per lane.
   __device__ static void copyPlaces(const Manifold& from, Manifold& to, const PointTile& tile) {
     constexpr int kPlaces = offsetof(Manifold, lambdaN) / sizeof(float4),
                   kHandedOn = offsetof(Manifold, feature) / sizeof(float4) - kPlaces;
@@ -118,7 +117,7 @@ struct BuildRowsOfPoint {
     if (s.hasRows[i] == 0) return;
     Manifold& m = s.manifold[i];
     const int k = tile.lane, row = s.rowOffset[i];
-    // everything that the points share, and the point of this thread in lane 0
+    // the fields that the points share, and this thread's point in lane 0
     ContactRows own;
     memset(static_cast<void*>(&own), 0, sizeof own);
     const PairRows p = beginRows(s, i, own);
@@ -135,7 +134,7 @@ struct BuildRowsOfPoint {
   }
 
  private:
-  /// What the points share, sixteen bytes a lane.
+  /// Stores the fields that the points share, 16 bytes per lane.
   __device__ static void storeHead(const ContactRows& own, ContactRows& r, const PointTile& tile) {
     constexpr int kQuads = (sizeof(ContactRows) - offsetof(ContactRows, n)) / sizeof(float4);
     static_assert(kQuads == kWidth);

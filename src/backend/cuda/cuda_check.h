@@ -7,10 +7,10 @@
 
 namespace rubble {
 
-/// Throws Error if a CUDA call failed; `call` names it.
+/// Throws Error if a CUDA call failed. `call` is its name.
 inline void checkCuda(cudaError_t status, const char* call) {
   if (status == cudaSuccess) return;
-  cudaGetLastError();  // told here once: the next call starts clean
+  cudaGetLastError();  // clears the error, so that the next call does not report it again
   throw Error(std::string("CUDA: ") + call + ": " + cudaGetErrorString(status));
 }
 

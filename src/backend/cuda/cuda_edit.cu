@@ -11,13 +11,13 @@ namespace {
 
 constexpr int kEditThreads = 128;
 
-/// Pieces that one launch takes: they travel with its arguments.
+/// Pieces per launch: they are passed as kernel arguments.
 constexpr int kMostPieces = 32;
 struct ScatterList {
   ScatterPiece piece[kMostPieces];
 };
 
-/// A row of blocks a piece, a thread a word.
+/// One row of blocks per piece, one thread per word.
 __global__ void scatterWords(const __grid_constant__ ScatterList list) {
   const ScatterPiece& p = list.piece[blockIdx.y];
   const std::size_t words = static_cast<std::size_t>(p.words),
@@ -31,7 +31,7 @@ __global__ void scatterWords(const __grid_constant__ ScatterList list) {
   }
 }
 
-/// A thread a word.
+/// One thread per word.
 __global__ void gatherWords(int* to, const int* from, const int* placeOf, int words, std::size_t all) {
   const std::size_t i = static_cast<std::size_t>(blockIdx.x) * blockDim.x + threadIdx.x;
   if (i >= all) return;
@@ -160,7 +160,7 @@ void startCornerOffsets(cudaStream_t stream, const SolverData& device, int begin
 
 namespace {
 
-/// Empty if the device can run the step, else why not.
+/// Empty if the device can run the step, otherwise the reason.
 std::string problem(int& device, cudaDeviceProp& properties) {
   int count = 0;
   const cudaError_t status = cudaGetDeviceCount(&count);

@@ -12,7 +12,7 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-/// An engine whose tables lie on the device. Its host tables follow where they are needed.
+/// An engine whose tables are on the device. Its host tables are synchronized on demand.
 class CudaEngine final : public Engine, private PoseCopies {
  public:
   explicit CudaEngine(bool timings) : stepper_(timings) {}
@@ -59,8 +59,8 @@ class CudaEngine final : public Engine, private PoseCopies {
     RUBBLE_CORE::setExclusions(host(), pairs);
     mirror_.listsWritten();
   }
-  // edits of deformable objects are rare and rewrite lists of all of them: everything is fetched, edited and
-  // sent anew
+  // edits of deformable objects are rare and rewrite lists of all objects: fetch everything, edit, upload
+  // everything
   void setSoft(const std::vector<EngineSoftObject>& objects,
                const std::vector<EngineAttachment>& attachments) override {
     mirror_.fetchAll();
@@ -116,7 +116,7 @@ class CudaEngine final : public Engine, private PoseCopies {
   PoseCopies* poseCopies() override { return this; }
   void begin(int buffer) override {
     mirror_.flush();
-    // the sizes of the device's view are those of the last step
+    // the sizes in the device's SolverData are those of the last step
     SolverData view = stepper_.tables().view();
     view.bodies = host().view().bodies, view.ordered = host().view().ordered;
     poses_.begin(buffer, view, stepper_.stream());
@@ -142,7 +142,7 @@ class CudaEngine final : public Engine, private PoseCopies {
     mirror_.fetchState(slot);
     return host().view().asleep[slot] != 0;
   }
-  /// On the host, by the same functors, over the states that are fetched: a batch costs a copy and no launch.
+  /// Runs on the host with the same functors, over fetched states. A batch costs a copy and no launch.
   std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
     mirror_.fetchAll();
     return runQueries(host(), queries);
@@ -153,12 +153,12 @@ class CudaEngine final : public Engine, private PoseCopies {
   }
   JointState jointState(int type, int slot) const override { return jointStateOf(fetched(), type, slot); }
   std::vector<std::pair<int, int>> brokenJoints() const override { return brokenJointsOf(fetched()); }
-  /// On the device.
+  /// Device memory.
   std::size_t memoryBytes() const override { return stepper_.bytes(); }
   std::uint64_t hash() const override { return hashBytes(save()); }
   std::vector<std::byte> save() const override { return saveState(fetched(), previousDt_); }
   void load(std::span<const std::byte> data) override;
-  /// With vertices by way of the host: snapshots on the device hold bodies and joints.
+  /// With vertices through the host: device snapshots contain only bodies and joints.
   std::shared_ptr<const EngineSnapshot> snapshot() const override {
     return host().view().vertices > 0 ? Engine::snapshot() : mirror_.snapshot(previousDt_);
   }
@@ -171,7 +171,7 @@ class CudaEngine final : public Engine, private PoseCopies {
     return mirror_.host();
   }
   void prepareConstants();
-  /// Bodies are counted as they come and go.
+  /// Updates the body counts when a body is added or removed.
   void count(int slot, int change) {
     const BodyKind kind = host().view().params[slot].kind;
     if (kind != BodyKind::Removed) bodyCount_ += change;
@@ -183,17 +183,17 @@ class CudaEngine final : public Engine, private PoseCopies {
   }
 
   CudaStepper stepper_;
-  mutable Mirror mirror_{stepper_};  ///< reading fetches
+  mutable Mirror mirror_{stepper_};  ///< mutable: reads fetch from the device
   DevicePoses poses_;
   EngineSettings settings_;
   bool settingsChanged_ = true;
   int bodyCount_ = 0, dynamicCount_ = 0;
   double previousDt_ = 0;
-  double preparedFor_ = -1;  ///< previousDt_ that the constants were worked out with
+  double preparedFor_ = -1;  ///< previousDt_ of the prepared constants
 };
 
-/// Works out the constants of the step only where they may differ: a graph is kept as long as they are the
-/// same, bit for bit.
+/// Recomputes the constants of the step only if they may differ. A CUDA graph is reused while they are
+/// bitwise equal.
 void CudaEngine::prepareConstants() {
   if (!settingsChanged_ && preparedFor_ == previousDt_) return;
   const Counters last = *host().view().counters;

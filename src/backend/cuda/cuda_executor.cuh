@@ -1,6 +1,6 @@
 #pragma once
-/// The step as kernels of one stream. Every call enqueues work and returns; what the step counts stays on the
-/// device.
+/// The executor for CUDA: the step as kernels of one stream. Every call enqueues work and returns. Counts
+/// stay on the device.
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 #include <cub/device/device_radix_sort.cuh>
@@ -26,12 +26,12 @@ namespace rubble::RUBBLE_CORE {
 class CudaExecutor : private KernelLauncher {
  public:
   using Lane = Real;
-  /// As on the CPU: a guard, not a limit that a proper step meets.
+  /// As in CpuExecutor: a guard that is not reached by a proper coloring.
   static constexpr int kMaxRounds = 10000;
 
   CudaExecutor(DeviceTables& tables, cudaStream_t stream) : KernelLauncher(tables, stream) {
     std::fill(std::begin(perOf_), std::end(perOf_), -1);
-    // some of the pairs and near pairs: no room of their own
+    // subsets of pairs and active pairs: no capacity of their own
     perOf_[indexOf(&Counters::newPairs)] = static_cast<int>(Per::Pair);
     perOf_[indexOf(&Counters::tested)] = static_cast<int>(Per::ActivePair);
   }
@@ -39,7 +39,7 @@ class CudaExecutor : private KernelLauncher {
   CudaExecutor& operator=(const CudaExecutor&) = delete;
 
   const Control* control() const { return control_; }
-  /// Is this kind one whose number the device counts?
+  /// Returns whether the number of elements of this kind is counted on the device.
   bool counted(Per per) const {
     return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_);
   }
@@ -48,7 +48,7 @@ class CudaExecutor : private KernelLauncher {
            heavySlices_.size();
   }
 
-  /// Room for what the scans and sorts of a step need besides the tables: the step itself must not allocate.
+  /// Allocates scratch memory for the scans and sorts of a step, which must not allocate.
   void reserveScratch() {
     scanned_ = grouped_ = 0;
     EnqueueOptions nothing;
@@ -66,7 +66,7 @@ class CudaExecutor : private KernelLauncher {
     reserveList(heavySlices_, tables_.capacity(Per::Boundary), kHeavyRounds * kSmallWidth / kLanes);
   }
 
-  /// Enqueues the step from an operation on; does the tables' part of swapManifolds on the host. Returns
+  /// Enqueues the step from an operation on, and performs swapManifolds of the tables on the host. Returns
   /// whether that was called.
   bool enqueue(const EnqueueOptions& options) {
     if (options.from == 0)
@@ -75,7 +75,7 @@ class CudaExecutor : private KernelLauncher {
     return walk(options);
   }
 
-  // Executor
+  // Executor interface.
   using KernelLauncher::view;
 
   template <class Kernel> void forEach(const Kernel& kernel, int n) {
@@ -89,15 +89,15 @@ class CudaExecutor : private KernelLauncher {
     launch(onDevice(kernel), {0, counter(n)}, capacityOf(n), Kernel::kStage);
   }
 
-  /// Its kernel is launched when the one before has begun, and waits for it in the end.
+  /// Launches its kernel when the previous one has started. The kernel waits for the previous one at its end.
   template <class Kernel, class N> void beside(const Kernel& kernel, N n) {
     beside_ = true;
     forEach(kernel, n);
     beside_ = false;
   }
 
-  /// Nobody knows here how long a range is: the grid is that of ranges which hold one element for a few
-  /// members, and any grid will do.
+  /// Grid size for a range whose length is known on the device only. It assumes ranges that hold one element
+  /// per few nodes. Kernels accept any grid size.
   int blocksForRange(int width) const {
     constexpr int kMembersPerElement = 16;
     return blocksFor(view().nodes() / kMembersPerElement + 1, width);
@@ -109,8 +109,7 @@ class CudaExecutor : private KernelLauncher {
     launchNext(runRange<Type>, {blocksForRange(widthOf<Type>()), kThreads}, Kernel::kStage, view(),
                onDevice(kernel), view().*offsets, k, Gate{control_});
   }
-  /// The last tile to sum a chunk of a group goes on with it, and so does what a stage of its own does
-  /// elsewhere.
+  /// Fused kernels: the last tile that sums a slice continues with the next stage of its aggregate.
   void forEach(const SumInertia& kernel, int Counters::*n) {
     if constexpr (kStrict)
       forEach<SumInertia>(kernel, n);
@@ -148,7 +147,7 @@ class CudaExecutor : private KernelLauncher {
 
   void forEach(const SolveCluster& kernel, int n) {
     if constexpr (kStrict) return forEach<SolveCluster>(kernel, n);
-    // by its registers a device holds a quarter of its threads of these kernels
+    // register use limits these kernels to a quarter of the device's threads
     const auto fills = [&](int width) { return fill(4 * n, width); };
     if (fills(kFewClusterLanes)) return forEach(SolveClusterByTile<kFewClusterLanes>{kernel.level}, n);
     if (fills(kSomeClusterLanes)) return forEach(SolveClusterByTile<kSomeClusterLanes>{kernel.level}, n);
@@ -165,7 +164,7 @@ class CudaExecutor : private KernelLauncher {
     else
       forEach(SumSoftNodePartByTile<false>{kernel}, n);
   }
-  /// A thread a particle, and a block or a warp an object, as there are few or many.
+  /// One thread per particle. One block or warp per object, depending on their number.
   void forEach(const SumSoftNode& kernel, int n) {
     if constexpr (kStrict) return forEach<SumSoftNode>(kernel, n);
     if (!begins() || n <= 0) return;
@@ -188,7 +187,7 @@ class CudaExecutor : private KernelLauncher {
     launchNext(solveTrees, {n, kTreeThreads}, SolveTree::kStage, view(), Gate{control_});
   }
 
-  /// A search is long: where bodies do not fill the device several lanes share one.
+  /// Several lanes share the search of one body where bodies do not fill the device.
   template <template <int> class ByTile, class Search> void search(const Search& kernel, int n) {
     if (fill(n, kSearchLanes)) return forEach<Search>(kernel, n);
     fill(n, kMostSearchLanes) ? forEach(ByTile<kSearchLanes>{}, n) : forEach(ByTile<kMostSearchLanes>{}, n);
@@ -232,7 +231,7 @@ class CudaExecutor : private KernelLauncher {
   void scan(int* SolverData::*counts, int* SolverData::*offsets, int n) {
     scanTo({view().*counts, nullptr, n, n}, view().*offsets);
   }
-  /// Offsets behind the last element get the total too.
+  /// Offsets beyond the last element also receive the total.
   void scan(int* SolverData::*counts, int* SolverData::*offsets, int Counters::*n) {
     scanTo({view().*counts, counter(n), 0, capacityOf(n)}, view().*offsets);
   }
@@ -246,7 +245,7 @@ class CudaExecutor : private KernelLauncher {
                roomFor(per));
   }
 
-  /// A stable sort; the keys that are left out stand behind the last one.
+  /// A stable sort. Skipped keys come after the last valid one.
   void groupByKey(int* SolverData::*keys, int n, int* SolverData::*offsets, int* SolverData::*order,
                   int Counters::*keyCount) {
     grouped_ = std::max(grouped_, n);
@@ -268,7 +267,7 @@ class CudaExecutor : private KernelLauncher {
     launchNext(requireRoom, {1, 1}, "requireRoom", control_, counter(count), roomFor(per));
   }
 
-  /// One launch, whose blocks wait for one another between the kernels.
+  /// A single launch with grid-wide barriers between the kernels.
   template <class Take, class Propose>
   void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
               int Counters::*turn) {
@@ -290,7 +289,7 @@ class CudaExecutor : private KernelLauncher {
     afterKernel_ = false;
   }
 
-  /// A launch for each of the first colours, and one for all that follow.
+  /// One launch for each of the first colors, and one for all others.
   void forEachColor(const SolveBody<Real>&, const SolveVertex&) {
     if (!begins() || view().bodies + view().vertices == 0) return;
     enterStage(SolveBody<Real>::kStage);
@@ -303,14 +302,14 @@ class CudaExecutor : private KernelLauncher {
                  control_);
       return;
     }
-    // as many blocks as the device holds at a time: they share out whatever a colour has
+    // as many blocks as are resident at once, whatever the size of the color
     const bool bodies = view().bodies > 0 && view().bodiesMove;
     const int held = kSolveBlocks * processors_;
     const int vertexBlocks = std::min(
         (view().vertices * kVertexCrowdWidth + kSolveThreads - 1) / kSolveThreads, held / kVertexShare);
     const int bodyBlocks = std::min((view().bodies + kTailBodies - 1) / kTailBodies, held - vertexBlocks);
-    // a colour begins while the one before is solved, the first when everything is done: they read ahead what
-    // no sweep writes
+    // A color starts while the previous one is being solved and reads ahead what no sweep writes. The first
+    // one starts after everything else has ended.
     afterKernel_ = false;
     for (int c = 0; c < options_.colors; ++c) {
       if (bodies)
@@ -324,7 +323,7 @@ class CudaExecutor : private KernelLauncher {
     solveColorsFrom(options_.colors, 1, {0, 0});
   }
 
-  /// Work between steps begins: its kernels are in no graph and no stage.
+  /// Begins work between steps, whose kernels belong to no graph and no stage.
   void beginWork() {
     checkCuda(cudaMemsetAsync(control_, 0, sizeof(Control), stream_), "cudaMemsetAsync");
     options_ = {};
@@ -333,7 +332,7 @@ class CudaExecutor : private KernelLauncher {
     kept_ = afterKernel_ = false;
   }
   void endWork() { enterStage(nullptr); }
-  /// Others have enqueued something behind our last kernel.
+  /// Other work was enqueued after the last kernel of this executor.
   void interrupted() { afterKernel_ = false; }
 
   void aliasRows() { tables_.aliasRows(); }
@@ -354,14 +353,14 @@ class CudaExecutor : private KernelLauncher {
     return kept_;
   }
 
-  /// Without scratch memory it only says how many bytes of it are needed.
+  /// With null scratch memory it only computes the number of bytes needed.
   void exclusiveSum(void* scratch, std::size_t& bytes, const CountAt& in, int* out, int n) const {
     const auto counts = thrust::make_transform_iterator(thrust::make_counting_iterator(0), in);
     checkCuda(cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, out, n, stream_), "scan");
   }
 
   void sortPairs(void* scratch, std::size_t& bytes, const int* keys, int* order, int n) const {
-    // keys number fewer than n elements: these bits tell them apart from -1
+    // keys are fewer than n: these bits distinguish them from -1
     const int bits = std::bit_width(static_cast<unsigned>(n));
     checkCuda(cub::DeviceRadixSort::SortPairs(scratch, bytes, reinterpret_cast<const unsigned*>(keys),
                                               reinterpret_cast<unsigned*>(sortedKeys_.data()),
@@ -373,7 +372,7 @@ class CudaExecutor : private KernelLauncher {
   void scanTo(const CountAt& in, int* offsets) {
     scanned_ = std::max(scanned_, in.limit);
     if (!begins()) return;
-    // one element more than there are counts: the total stands behind the last
+    // one element more than counts: the total follows the last one
     std::size_t bytes = scratch_.size();
     exclusiveSum(scratch_.data(), bytes, in, offsets, in.limit + 1);
     afterKernel_ = false;
@@ -424,9 +423,9 @@ class CudaExecutor : private KernelLauncher {
     enterStage(stage);
     launch(FillArray{listOf(list).count, 0}, {1, nullptr}, 1, "clear");
   }
-  /// A warp for as many of n bodies as it has lanes.
+  /// One warp per kWarp of n bodies.
   template <class Kernel> void forEachWarp(const Kernel& kernel, int n) { forEach(kernel, warpsFor(n)); }
-  /// Room for all elements that can have more than `parts` each.
+  /// Reserves space for all elements that can have more than `parts` parts.
   static void reserveList(DeviceBuffer& list, int most, int parts) {
     list.reserve(sizeof(int) * (2 + static_cast<std::size_t>(most / parts)));
   }
@@ -436,13 +435,13 @@ class CudaExecutor : private KernelLauncher {
   int limitOf(int n) const { return n; }
   int limitOf(int Counters::*n) const { return capacityOf(n); }
 
-  /// Counters are ints one after another.
+  /// Counters is an array of ints.
   static std::size_t indexOf(int Counters::*c) {
     static const Counters probe{};
     return static_cast<std::size_t>(&(probe.*c) - reinterpret_cast<const int*>(&probe));
   }
   int* counter(int Counters::*c) const { return reinterpret_cast<int*>(view().counters) + indexOf(c); }
-  /// Room of the kind that this counter counts: require() has named it.
+  /// Capacity of the kind that this counter counts, as given by require().
   int capacityOf(int Counters::*c) const {
     const int per = perOf_[indexOf(c)];
     if (per < 0) throw std::logic_error("CudaExecutor: a counter is used before the room for it is required");
@@ -450,7 +449,8 @@ class CudaExecutor : private KernelLauncher {
   }
 
   DeviceBuffer scratch_, sortedKeys_, indices_, tickets_, hubs_, heavySlices_, colorBins_;
-  int scanned_ = 0, grouped_ = 0;  ///< most elements of a scan and of groupByKey() in this step
+  /// largest scan and largest groupByKey() of this step, in elements
+  int scanned_ = 0, grouped_ = 0;
   int perOf_[sizeof(Counters) / sizeof(int)];
   bool kept_ = false;
 };

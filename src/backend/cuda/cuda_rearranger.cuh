@@ -1,6 +1,6 @@
 #pragma once
-/// Work between steps (stages/pairs/order.h): what the executor does in a step, over numbers that the host
-/// knows, and what takes room of its own.
+/// Work between steps (stages/pairs/order.h): executor operations over counts known on the host, and their
+/// scratch memory.
 #include <cub/device/device_radix_sort.cuh>
 
 #include <memory>
@@ -10,14 +10,14 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Each element is its index.
+/// Writes the index of each element.
 struct NumberElements {
   static constexpr const char* kStage = "order";
   int* to;
   __device__ void operator()(const SolverData&, int i) const { to[i] = i; }
 };
 
-/// Waits for the device, and gives the room back, at the end of its life.
+/// The destructor synchronizes with the device and frees the scratch memory.
 class CudaRearranger {
  public:
   CudaRearranger(CudaExecutor& executor, const Stream& stream) : executor_(executor), stream_(stream) {

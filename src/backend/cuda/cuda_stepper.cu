@@ -9,14 +9,13 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-/// How many launches to enqueue for something that only the device counts: what was needed of late and a few
-/// more.
+/// Number of launches to enqueue for a count that only the device knows: the recent maximum and a margin.
 class Bound {
  public:
   explicit Bound(int limit) : limit_(limit) {}
   int limit() const { return limit_; }
-  /// After a step that needed so many. Every change costs captures: what grows will grow on, and a launch or
-  /// two too many stay.
+  /// Records the number that a step needed. A change costs a graph capture, so the bound grows with a margin
+  /// and shrinks late.
   void note(int used) {
     seen_ = std::max(seen_, used);
     if (used > limit_) limit_ = used + std::max(kSpare, used / kGrowth);
@@ -27,14 +26,14 @@ class Bound {
 
  private:
   static constexpr int kWindow = 64;   ///< [steps]
-  static constexpr int kSpare = 1;     ///< launches beyond what was needed
-  static constexpr int kGrowth = 4;    ///< a quarter more where it grows
-  static constexpr int kMostIdle = 2;  ///< so many launches with nothing to do cost less than captures
+  static constexpr int kSpare = 1;     ///< launches beyond the recent maximum
+  static constexpr int kGrowth = 4;    ///< growth by a quarter
+  static constexpr int kMostIdle = 2;  ///< this many empty launches cost less than a capture
   int limit_, seen_ = 0, steps_ = 0;
 };
 
-/// All that the nodes of a graph depend on. Padding may make equal ones differ: that costs a capture, never a
-/// wrong result.
+/// Everything that the nodes of a graph depend on. Padding may make equal configurations differ, which costs
+/// a capture but never a wrong result.
 struct Configuration {
   SolverData view;
   int colors = 0;
@@ -54,7 +53,7 @@ class StepGraph {
   StepGraph& operator=(const StepGraph&) = delete;
 
   bool holds(const Configuration& c) const { return exec_ && captured_ == c; }
-  /// Has this configuration been asked for the second time in a row?
+  /// Returns whether this configuration was requested twice in a row.
   bool seen(const Configuration& c) {
     const bool again = asked_ == c;
     if (!again) asked_ = c;
@@ -84,7 +83,7 @@ class StepGraph {
   const Timeline& timeline() const { return timeline_; }
 
  private:
-  /// Updates the graph that there is, if only parameters changed, or makes a new one.
+  /// Updates the existing graph if only parameters changed, otherwise instantiates a new one.
   cudaError_t adopt(cudaGraph_t graph) {
     if (exec_) {
       cudaGraphExecUpdateResultInfo info{};
@@ -101,13 +100,13 @@ class StepGraph {
   Timeline timeline_;
 };
 
-/// What the host learns of a step.
+/// The part of a step's result that is copied to the host.
 struct StepStatus {
   Control control;
   Counters counters;
 };
 
-/// Colours before anything is known of a scene.
+/// Color launches before the first step of a scene.
 constexpr int kFirstColors = 16;
 
 }  // namespace
@@ -115,7 +114,8 @@ constexpr int kFirstColors = 16;
 struct CudaStepper::Impl {
   explicit Impl(bool measure) : timings(measure) {}
 
-  /// From operation `from` on; afterwards the tables stand as before the step.
+  /// Enqueues the step from operation `from` on. Afterwards the host's table pointers are those before the
+  /// step.
   void enqueue(int from, Timeline* timeline, bool captured) {
     if (timeline) timeline->clear();
     swaps = executor.enqueue({from, colors.limit(), timings ? timeline : nullptr, captured});
@@ -127,8 +127,8 @@ struct CudaStepper::Impl {
     copy(&status->counters, tables.view().counters, sizeof(Counters));
   }
 
-  /// The whole step, by a graph if its configuration has come up before. Pointers alternate from step to
-  /// step, and so do two graphs.
+  /// Runs the whole step, as a graph if its configuration occurred before. Pointers alternate between two
+  /// states, and each has its own graph.
   const Timeline& runWhole() {
     const Configuration now{tables.view(), colors.limit()};
     StepGraph& graph = graphs[parity];
@@ -146,7 +146,7 @@ struct CudaStepper::Impl {
     return graph.timeline();
   }
 
-  /// Sizes and constants of `host`.
+  /// Takes over the sizes and constants of `host`.
   void adopt(const SolverData& host) {
     SolverData view = host;
     forEachArray([&](const auto& array) { view.*array.member = tables.view().*array.member; });
@@ -156,7 +156,7 @@ struct CudaStepper::Impl {
 
   void makeRoom(const Control& control) {
     const Per per = static_cast<Per>(control.lacking);
-    // the first time there is no room at all, and the next steps need a little more
+    // tables start empty, and the next steps need a little more
     constexpr int kLeastSpare = 64;
     const int spare = tables.capacity(per) > 1 ? 0 : kLeastSpare + control.needed / 8;
     tables.reserve(per, control.needed + spare);
@@ -166,9 +166,8 @@ struct CudaStepper::Impl {
     makeAmpleRoom({Per::PointPair, Per::PointIncidence, Per::NearFeature}, s.vertices, control);
     executor.reserveScratch();
   }
-  /// A step that stops costs several, for graphs have to be made anew; and what begins to touch, one after
-  /// another, would stop it again and again. So where contacts are few there is at once room for many of each
-  /// kind that belongs to them. `nodes`: bodies or vertices.
+  /// Reserves generously for contact-related kinds while contacts are few. A step that stops requires new
+  /// graphs, and contacts that appear one by one would stop it repeatedly. `nodes`: bodies or vertices.
   void makeAmpleRoom(std::initializer_list<Per> kinds, int nodes, const Control& control) {
     constexpr int kPerNode = 8, kAmple = 1 << 16;
     const int ample = std::max(nodes / 2, std::min(kPerNode * nodes, kAmple));
@@ -205,7 +204,7 @@ void CudaStepper::sortBodies(const SolverData& host, int pairs) {
   m.executor.reserveScratch();
   CudaRearranger rearranger(m.executor, m.stream);
   RUBBLE_CORE::sortBodies(rearranger, pairs);
-  // what is old lies where it lies after every other step
+  // old and new tables swap roles in each step
   m.parity ^= 1;
 }
 
@@ -225,7 +224,7 @@ Counters CudaStepper::step(const SolverData& host, StepReport& report) {
     if (m.timings) m.direct.addTo(report.stages);
   }
   if (m.swaps) {
-    // a graph's launch leaves the host's pointers alone
+    // a graph launch does not change the host's pointers
     m.tables.aliasRows();
     m.tables.swapManifolds();
     m.parity ^= 1;

@@ -1,5 +1,5 @@
 #pragma once
-/// Steps tables on the device. Host code: what is compiled for the device lies behind it.
+/// Steps tables on the device. This header is plain host code; device code is behind it.
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,27 +11,27 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Runs the step as one CUDA graph a configuration (sizes, pointers, constants); a configuration seen for the
-/// first time runs without one. A step that lacks room stops on the device before it does harm; the host
-/// makes room and goes on where it stopped.
+/// Runs the step as one CUDA graph per configuration (sizes, pointers, constants). A configuration that
+/// occurs for the first time runs without a graph. A step that exceeds a table's capacity stops on the device
+/// before it writes. The host then grows the table and continues from the operation that stopped.
 class CudaStepper {
  public:
-  /// `timings`: measure stages.
+  /// `timings`: measure stage times.
   explicit CudaStepper(bool timings);
   ~CudaStepper();
 
   DeviceTables& tables();
   const DeviceTables& tables() const;
   cudaStream_t stream() const;
-  /// Is this kind one whose number the device counts, so that its room is the stepper's business?
+  /// Returns whether the device counts the elements of this kind, so that the stepper manages its capacity.
   bool counted(Per per) const;
   std::size_t bytes() const;
 
-  /// One step with the sizes and constants of `host`, whose pointers are not used. Adds to restarts and
-  /// stages of the report.
+  /// Takes one step with the sizes and constants of `host`, whose pointers are not used. Adds restarts and
+  /// stage times to the report.
   Counters step(const SolverData& host, StepReport& report);
 
-  // stages/pairs/order.h, with the sizes of `host` and so many old pairs
+  // stages/pairs/order.h, with the sizes of `host` and that many old pairs
   void sortBodies(const SolverData& host, int pairs);
 
  private:
@@ -39,34 +39,35 @@ class CudaStepper {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Small kernels of edits; all run in the order of the stream.
+/// Small kernels of edits, all in the order of the stream.
 ///
-/// Element k of `from` goes to element slots[k] of `to`; all on the device, elements of so many 4-byte words.
+/// Copies element k of `from` to element slots[k] of `to`. All pointers are device memory, elements are
+/// arrays of 4-byte words.
 struct ScatterPiece {
   void* to;
   const void* from;
   const int* slots;
   int count, words;
 };
-/// One launch for up to some tens of pieces.
+/// Scatters all pieces, some tens per launch.
 void scatterPieces(cudaStream_t stream, const std::vector<ScatterPiece>& pieces);
-/// changeVelocity() of bodies that differ from one another.
+/// changeVelocity() of distinct bodies.
 void addVelocities(cudaStream_t stream, const SolverData& device, const int* slots, const Vec3d* changes,
                    int count);
-/// Element `id` of `to` becomes element placeOf[id] of `from`, of so many 4-byte words each.
+/// Copies element placeOf[id] of `from` to element `id` of `to`. Elements are arrays of 4-byte words.
 void gatherById(cudaStream_t stream, void* to, const void* from, const int* placeOf, int count, int words);
 void scatterStateRows(cudaStream_t stream, const SolverData& device, const ScatterRows& rows, int count);
-/// Old manifolds of these bodies (sorted, on the device) are emptied.
+/// Clears the old manifolds of these bodies (sorted slots, device memory).
 void forgetContactsOf(cudaStream_t stream, const SolverData& device, const int* slots, int count, int pairs);
-/// Likewise those of vertices with these bodies; `pairs`: room for them.
+/// Clears the old contacts of vertices with these bodies. `pairs`: capacity.
 void forgetVertexContactsOf(cudaStream_t stream, const SolverData& device, const int* slots, int count,
                             int pairs);
-/// Bodies [begin, end) are new and own no old pairs.
+/// Initializes the old pair offsets of new bodies [begin, end), which own no pairs.
 void startPairOffsets(cudaStream_t stream, const SolverData& device, int begin, int end);
-/// Likewise owners [begin, end), which are corners of new bodies.
+/// The same for owners [begin, end), the corners of new bodies.
 void startCornerOffsets(cudaStream_t stream, const SolverData& device, int begin, int end);
 
-/// What cudaStatus() of info.h says when the backend is built.
+/// Text of cudaStatus() (info.h) if the backend is built.
 std::string deviceStatus();
 bool deviceReady();
 

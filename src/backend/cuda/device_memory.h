@@ -1,5 +1,5 @@
 #pragma once
-/// Owners of what the CUDA runtime hands out.
+/// RAII owners of CUDA runtime resources.
 #include <cstddef>
 #include <cstdio>
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace rubble {
 
-/// Zeroed memory of the device. Calls end before they return, so that any stream may use it.
+/// Zeroed device memory. Calls are synchronous, so any stream may use the result.
 struct DeviceMemory {
   static void* allocate(std::size_t bytes) {
     void* p = nullptr;
@@ -41,7 +41,7 @@ struct DeviceMemory {
   }
 };
 
-/// Bytes on the device that grow and forget.
+/// A device buffer. Growing discards its content.
 class DeviceBuffer {
  public:
   DeviceBuffer() = default;
@@ -49,7 +49,7 @@ class DeviceBuffer {
   DeviceBuffer(const DeviceBuffer&) = delete;
   DeviceBuffer& operator=(const DeviceBuffer&) = delete;
 
-  /// Waits for the device where it has to grow.
+  /// Synchronizes with the device if it has to grow.
   void reserve(std::size_t bytes) {
     if (bytes <= bytes_) return;
     reserveExactly(bytes + bytes / 2);
@@ -69,7 +69,7 @@ class DeviceBuffer {
   std::size_t bytes_ = 0;
 };
 
-/// One object in page-locked host memory, that copies of a stream write to while the host goes on.
+/// One object in page-locked host memory, the target of asynchronous copies.
 template <class T> class Pinned {
  public:
   Pinned() {
@@ -88,8 +88,7 @@ template <class T> class Pinned {
   std::unique_ptr<T, Release> value_;
 };
 
-/// Bytes in page-locked host memory that grow and forget: copies between them and the device go on beside the
-/// host.
+/// A page-locked host buffer for asynchronous copies. Growing discards its content.
 class PinnedBuffer {
  public:
   PinnedBuffer() = default;
@@ -97,7 +96,7 @@ class PinnedBuffer {
   PinnedBuffer(const PinnedBuffer&) = delete;
   PinnedBuffer& operator=(const PinnedBuffer&) = delete;
 
-  /// No copy may be under way.
+  /// No copy may be pending.
   void reserve(std::size_t bytes) {
     if (bytes <= bytes_) return;
     checkCuda(cudaFreeHost(std::exchange(data_, nullptr)), "cudaFreeHost");
@@ -115,7 +114,7 @@ class PinnedBuffer {
   std::size_t bytes_ = 0;
 };
 
-/// A place in the order of a stream. One that was never recorded has passed.
+/// A CUDA event. One that was never recorded counts as completed.
 class StreamEvent {
  public:
   StreamEvent() { checkCuda(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "cudaEventCreate"); }
@@ -123,7 +122,7 @@ class StreamEvent {
   StreamEvent(const StreamEvent&) = delete;
   StreamEvent& operator=(const StreamEvent&) = delete;
   void record(cudaStream_t stream) const { checkCuda(cudaEventRecord(event_, stream), "cudaEventRecord"); }
-  /// What is enqueued in the stream from now on waits for the event.
+  /// Later work of the stream waits for the event.
   void holdBack(cudaStream_t stream) const {
     checkCuda(cudaStreamWaitEvent(stream, event_, 0), "cudaStreamWaitEvent");
   }
@@ -138,7 +137,7 @@ class StreamEvent {
   cudaEvent_t event_ = nullptr;
 };
 
-/// A stream of its own, that does not wait for the default stream.
+/// A non-blocking stream, which does not synchronize with the default stream.
 class Stream {
  public:
   Stream() { checkCuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreate"); }

@@ -1,6 +1,6 @@
 #pragma once
-/// Poses on their way to the host beside the steps: copied aside on the device in the order of the steps,
-/// then to page-locked memory by a stream of their own.
+/// Asynchronous copies of poses to the host. Poses are copied to a staging buffer in the order of the steps,
+/// then to page-locked memory by a separate stream.
 #include "backend/cuda/cuda_stepper.h"
 #include "backend/engine.h"
 #include "tables/state_rows.h"
@@ -9,7 +9,7 @@ namespace rubble::RUBBLE_CORE {
 
 class DevicePoses {
  public:
-  /// Position and orientation of `device`, when the steps enqueued so far have ended.
+  /// Copies position and orientation of `device` after the steps enqueued so far.
   void begin(int buffer, const SolverData& device, cudaStream_t steps) {
     Frame& f = frames_[buffer];
     f.rows = device.bodies;

@@ -13,8 +13,8 @@ constexpr std::size_t kAlign = 64;
 
 bool kept(Lifetime life) { return life == Lifetime::Authored || life == Lifetime::State; }
 
-/// visit(array, bytes, place) for the arrays that `wanted(life)` names, one behind the other. Returns the
-/// bytes of all.
+/// Calls visit(array, bytes, offset) for all arrays for which wanted(lifetime) holds, packed contiguously.
+/// Returns the total number of bytes.
 template <class Wanted, class Visit>
 std::size_t forEachPart(const SnapshotSizes& sizes, Wanted&& wanted, Visit&& visit) {
   std::size_t at = 0;

@@ -1,20 +1,19 @@
 #pragma once
-/// Elements with so many parts that a few lanes would be busy with them long after all others are done: what
-/// a ball has struck, a plate under a heap. They are listed once a step, and a whole block or warp takes each
-/// of them.
+/// Heavy elements: those with so many parts that a few lanes would finish long after all others, such as a
+/// plate under a heap. They are listed once per step, and a whole block or warp processes each.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Indices of such elements, in no fixed order: it has no influence on results.
+/// Indices of heavy elements. Their order varies and does not influence results.
 struct HeavyList {
   int* count;
   int* element;
   __device__ void add(int i) const { element[claimTogether(count)] = i; }
 };
 
-/// A body with more row blocks than this is one of them: bricks of a heap have about twenty, and a warp sorts
-/// two a lane.
+/// A body with more constraints than this has high degree. Bodies of a heap have about 20, and a warp sorts
+/// two per lane.
 inline constexpr int kHubEntries = 64;
 __device__ inline int degreeOf(const SolverData& s, int body) {
   return s.incidenceOffset[body + 1] - s.incidenceOffset[body];
@@ -23,9 +22,9 @@ __device__ inline bool isHub(const SolverData& s, int body) {
   return !kStrict && degreeOf(s, body) > kHubEntries;
 }
 
-/// Sorts n elements in place by a network; `threads` of one block or warp call it, each with its rank, and
-/// sync() makes what they have written known to all of them. Runs of half the width are merged: mirrored at
-/// first, then at ever smaller distances. What lies beyond the end stays there.
+/// Sorts n elements in place by a bitonic network. `threads` threads of a block or warp call it, each with
+/// its rank; sync() is their barrier. Each merge starts with a mirrored pass, followed by passes at halved
+/// distances. Elements beyond the end are not touched.
 template <class T, class Before, class Sync>
 __device__ void sortTogether(T* first, int n, int rank, int threads, Before&& before, Sync&& sync) {
   for (int width = 2; width / 2 < n; width *= 2) {
@@ -44,17 +43,17 @@ __device__ void sortTogether(T* first, int n, int rank, int threads, Before&& be
   }
 }
 
-/// together(i) by all lanes for each i whose lane says so.
+/// Calls together(i) with all lanes for each lane's i whose flag is set.
 template <class Simd4Kernel>
 __device__ void forEachOfWarp(const Tile<kWarp>& tile, bool mine, int i, Simd4Kernel&& together) {
   for (unsigned left = tile.ballot(mine); left != 0; left &= left - 1)
     together(__shfl_sync(tile.mask, i, __ffs(static_cast<int>(left)) - 1));
 }
-/// For a stage over n bodies that takes a warp for as many of them as it has lanes.
+/// Number of warps for a stage over n bodies with one body per lane.
 inline int warpsFor(int n) { return (n + kWarp - 1) / kWarp; }
 
-/// SortIncidences for 32 bodies: a lane each where incidences are few, else all lanes for one after another.
-/// Hubs are listed: these are sorted by a block each.
+/// SortIncidences for 32 bodies: one lane per short list, and all lanes for one long list at a time. Lists of
+/// high-degree bodies are recorded and sorted by one block each.
 struct SortEntriesByWarp {
   static constexpr const char* kStage = SortIncidences::kStage;
   static constexpr int kWidth = kWarp, kFew = 8;
@@ -69,7 +68,7 @@ struct SortEntriesByWarp {
   }
 
  private:
-  /// Every lane finds the places of its incidences by the number of those before them.
+  /// Rank sort: the place of an incidence is the number of smaller ones.
   __device__ static void sortByRank(Incidence* first, int count, const Tile<kWidth>& tile) {
     constexpr int kTurns = kHubEntries / kWarp;
     Incidence own[kTurns] = {};
@@ -103,7 +102,7 @@ static __global__ void __launch_bounds__(kSortThreads)
   }
 }
 
-/// leavesColor() by a warp.
+/// leavesColor() evaluated by a warp.
 __device__ inline bool leavesColorTogether(const SolverData& s, int i, bool mayGoDown,
                                            const Tile<kWarp>& tile, int& next) {
   const auto neighbors = [&](auto&& visit) {
@@ -121,7 +120,7 @@ __device__ inline bool leavesColorTogether(const SolverData& s, int i, bool mayG
   return around.clashes || (mayGoDown && goesDown(around, s.color[i], next));
 }
 
-/// FindClashes for 32 bodies: a lane each, and hubs by all lanes.
+/// FindClashes for 32 bodies: one lane each, high-degree bodies by all lanes.
 struct FindClashesByWarp {
   static constexpr const char* kStage = FindClashes::kStage;
   static constexpr int kWidth = kWarp;

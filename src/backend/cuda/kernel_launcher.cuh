@@ -1,5 +1,5 @@
 #pragma once
-/// Launches of kernels into one stream, by stage, from an operation of the step on.
+/// Launches kernels into one stream, grouped by stage, from an operation of the step on.
 #include <nvtx3/nvToolsExt.h>
 
 #include <algorithm>
@@ -11,11 +11,11 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Where in the step to begin, what to measure with, and whether a graph is being captured.
+/// First operation, timing, and whether a graph is being captured.
 struct EnqueueOptions {
-  int from = 0;                  ///< first operation that is enqueued
-  int colors = 0;                ///< launches for colours
-  Timeline* timeline = nullptr;  ///< of the stages, or none
+  int from = 0;                  ///< first operation to enqueue
+  int colors = 0;                ///< number of color launches
+  Timeline* timeline = nullptr;  ///< for stage times; may be null
   bool captured = false;
 };
 
@@ -30,7 +30,7 @@ class KernelLauncher {
     checkCuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
               "cudaDeviceGetAttribute");
     launchesEarly_ = major >= kEarlyLaunchMajor;
-    // a full device: more blocks would only wait
+    // resident threads per multiprocessor: more blocks would only queue
     constexpr int kThreadsPerProcessor = 2048;
     maxBlocks_ = processors_ * (kThreadsPerProcessor / kThreads);
     control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
@@ -41,9 +41,9 @@ class KernelLauncher {
 
   const SolverData& view() const { return tables_.view(); }
 
-  /// Counts operations and says whether this one is enqueued.
+  /// Counts operations. Returns whether this one is enqueued.
   bool begins() { return operation_++ >= options_.from; }
-  /// Is the present operation?
+  /// Returns whether the present operation is enqueued.
   bool begun() const { return operation_ > options_.from; }
   int operation() const { return operation_ - 1; }
 
@@ -58,15 +58,15 @@ class KernelLauncher {
     stage_ = name;
   }
 
-  /// Are n elements of `width` threads each more than the device holds at a time?
+  /// Returns whether n elements of `width` threads each exceed the resident threads of the device.
   bool fill(int n, int width) const { return std::int64_t{n} * width > std::int64_t{maxBlocks_} * kThreads; }
-  /// For n elements of `width` threads each.
+  /// Blocks for n elements of `width` threads each.
   int blocksFor(int n, int width = 1) const {
     const std::int64_t blocks = (std::int64_t{n} * width + kThreads - 1) / kThreads;
     return static_cast<int>(std::clamp<std::int64_t>(blocks, 1, maxBlocks_));
   }
 
-  /// `most`: no more elements than that.
+  /// `most`: upper bound on the number of elements.
   template <class Kernel> void launch(const Kernel& kernel, Count n, int most, const char* name) {
     const int blocks = blocksFor(most, widthOf<Kernel>());
     const Gate gate{control_, beside_};
@@ -79,8 +79,8 @@ class KernelLauncher {
   struct Grid {
     int blocks, threads;
   };
-  /// Launches a kernel that begins by awaitPrevious(): behind another kernel of ours it is launched while
-  /// that one runs.
+  /// Launches a kernel that starts with awaitPrevious(). After another kernel of this class it uses
+  /// programmatic dependent launch.
   template <class... Wanted, class... Given>
   void launchNext(void (*kernel)(Wanted...), const Grid& grid, const char* name, Given&&... arguments) {
     cudaLaunchAttribute early{};
@@ -104,8 +104,8 @@ class KernelLauncher {
   const char* stage_ = nullptr;
   bool beside_ = false;
   int processors_ = 1, maxBlocks_ = 1;
-  bool launchesEarly_ = false;  ///< the device can
-  bool afterKernel_ = false;    ///< the last thing in the stream is a kernel of ours
+  bool launchesEarly_ = false;  ///< the device supports programmatic dependent launch
+  bool afterKernel_ = false;    ///< the last operation in the stream is a kernel of this class
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,5 +1,5 @@
 #pragma once
-/// How a functor of the step becomes a kernel, and the few kernels that replace decisions of the host.
+/// Turns functors of the step into kernels, and provides the kernels that replace decisions of the host.
 #include <cooperative_groups.h>
 #include <cuda_runtime.h>
 
@@ -9,37 +9,37 @@ namespace rubble::RUBBLE_CORE {
 
 inline constexpr int kThreads = 128;
 
-/// A step that lacks room stops: every later kernel sees it and does nothing, and the host goes on from there
-/// with more room.
+/// Stop flag of a step. When a table is too small the step stops: all later kernels see the flag and return.
+/// The host grows the table and continues from that operation.
 struct Control {
-  int stop;        ///< 0, or 1 + the operation that could not be done
-  int lacking;     ///< what there is too little of: a Per
-  int needed;      ///< how many
-  int wideColors;  ///< colours up to the last that is worth a launch
+  int stop;        ///< 0, or 1 + the operation that could not be performed
+  int lacking;     ///< kind of the table that is too small (Per)
+  int needed;      ///< elements needed
+  int wideColors;  ///< colors up to the last that is worth a launch
 };
 
-/// The next kernel may come, though it will wait for this one to end.
+/// Allows the dependent kernel to launch. It still waits for the end of this one.
 __device__ inline void callNext() {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
   cudaTriggerProgrammaticLaunchCompletion();
 #endif
 }
-/// The first thing that a kernel of the step does. It may have been launched while the one before it was
-/// running (CudaExecutor::launchNext), and waits here until that one has ended and all that it wrote can be
-/// seen; then the next one may come. What is hidden so is the launch.
+/// First call of each kernel of the step. With programmatic dependent launch (CudaExecutor::launchNext) the
+/// kernel may have started early. It waits here until the previous kernel has ended and its writes are
+/// visible, then allows the next launch. This hides launch latency.
 __device__ inline void awaitPrevious() {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
   cudaGridDependencySynchronize();
 #endif
   callNext();
 }
-/// Devices of this compute capability and higher can do that.
+/// Minimum compute capability for programmatic dependent launch.
 inline constexpr int kEarlyLaunchMajor = 9;
 
-/// When a kernel has nothing to do, and when it begins.
+/// When a kernel is skipped, and when it starts.
 struct Gate {
   const Control* control;
-  bool beside = false;  ///< the kernel before it: it waits for that one last, and not first
+  bool beside = false;  ///< independent of the previous kernel: waits for it at the end instead of the start
   __device__ bool closed() const { return control->stop != 0; }
 
   template <class Work> __device__ void enter(Work&& work) const {
@@ -54,8 +54,8 @@ struct Gate {
 
 /// A number of elements, known on the host or counted on the device.
 struct Count {
-  int fixed;           ///< added to what is counted
-  const int* counted;  ///< or null
+  int fixed;           ///< added to the counted number
+  const int* counted;  ///< device counter, or null
   __device__ int get() const { return counted ? *counted + fixed : fixed; }
 };
 
@@ -65,8 +65,8 @@ __device__ inline void lack(Control* control, int operation, int lacking, int ne
   control->stop = operation + 1;
 }
 
-/// kernel(s, i) for all i of [begin, begin + count), whatever the size of the grid. The lanes of a tile go
-/// along together.
+/// kernel(s, i) for all i in [begin, begin + count), as a grid-stride loop. The lanes of a tile stay
+/// together.
 template <class Kernel>
 __device__ void runStrided(const SolverData& s, const Kernel& kernel, int begin, int count) {
   constexpr unsigned kWidth = widthOf<Kernel>();
@@ -83,7 +83,7 @@ __global__ void __launch_bounds__(kThreads)
   gate.enter([&] { runStrided(s, kernel, 0, n.get()); });
 }
 
-/// A kernel that wants so many blocks on a multiprocessor at a time, and its registers limited for it.
+/// A kernel with launch bounds: a number of blocks per multiprocessor, which limits its registers.
 template <class Kernel>
 concept Limited = requires {
   Kernel::kBlocks;
@@ -110,15 +110,15 @@ struct FillArray {
   __device__ void operator()(const SolverData&, int i) const { array[i] = value; }
 };
 
-/// 0 to modulo - 1, again and again.
+/// 0 to modulo - 1, repeated.
 struct WriteIndices {
   int* array;
   int modulo;
   __device__ void operator()(const SolverData&, int i) const { array[i] = i % modulo; }
 };
 
-/// Of key k: its first place among `count` sorted keys. Keys are compared as unsigned numbers, so that
-/// negative ones are the last.
+/// For key k: its first place among `count` sorted keys. Keys compare as unsigned numbers, so negative keys
+/// come last.
 struct FindFirst {
   const int* sorted;
   int count;
@@ -136,7 +136,7 @@ struct FindFirst {
   }
 };
 
-/// Input of a scan: zeros beyond the last element.
+/// Input of a scan: zero beyond the last element.
 struct CountAt {
   const int* counts;
   const int* counted;
@@ -147,7 +147,7 @@ struct CountAt {
   }
 };
 
-/// Room for elements that a step counts, and the operation that needs it.
+/// Capacity of a table whose elements a step counts, and the operation that needs it.
 struct Room {
   int per, capacity, operation;
 };
@@ -156,7 +156,7 @@ __device__ inline void checkRoom(Control* control, int count, const Room& room) 
   if (count > room.capacity) lack(control, room.operation, room.per, count);
 }
 
-/// The total of a scan over at most `limit` elements, from behind the last one.
+/// Stores the total of a scan over at most `limit` elements, which follows the last offset.
 static __global__ void keepTotal(Control* control, const int* offsets, int limit, int* total, Room room) {
   awaitPrevious();
   if (control->stop != 0) return;
@@ -169,7 +169,7 @@ static __global__ void requireRoom(Control* control, const int* count, Room room
   if (control->stop == 0) checkRoom(control, *count, room);
 }
 
-/// kernel(s, k) for as many elements as a warp has lanes, those from batch * kWarp on.
+/// kernel(s, k) for batches of kWarp elements, one warp per batch, from batch * kWarp on.
 template <class Kernel> struct InBatches {
   Kernel kernel;
   __device__ void operator()(const SolverData& s, int batch, int count, const Tile<kWarp>& tile) const {
@@ -177,8 +177,8 @@ template <class Kernel> struct InBatches {
   }
 };
 
-/// Rounds of `take`, a thread an element, and `propose`, a warp for as many elements as it has lanes, until a
-/// round leaves *left at zero. All blocks of the grid run at a time.
+/// Alternates `take` (one thread per element) and `propose` (one warp per kWarp elements) until a round
+/// leaves *left at zero. Cooperative: all blocks of the grid are resident.
 inline constexpr int kRoundThreads = 256;
 template <class Take, class Propose>
 __global__ void __launch_bounds__(kRoundThreads)

@@ -8,8 +8,8 @@ namespace {
 
 bool kept(Lifetime life) { return life == Lifetime::Authored || life == Lifetime::State; }
 
-/// Arrays with one element a body, which an edit of that body writes. Offsets into other arrays are not among
-/// them.
+/// Arrays with one element per body that an edit of that body writes. Offsets into other arrays are not
+/// included.
 template <class T> bool perBody(const ArrayInfo<T>& array) {
   return array.per == Per::Body && array.extra == 0 && kept(array.life);
 }
@@ -67,7 +67,7 @@ void Mirror::forgetContacts(int slot) {
     RUBBLE_CORE::forgetContacts(host_, slot);
     return;
   }
-  // the manifolds may lie on the device only
+  // the manifolds may exist on the device only
   forgotten_.push_back(slot);
   restOld_ = true;
 }
@@ -137,14 +137,14 @@ int Mirror::liveCount(Per per) const {
 void Mirror::reserveDevice() {
   for (int k = 0; k < kPerCount; ++k) {
     const Per per = static_cast<Per>(k);
-    // the room for what the device counts is found by the steps
+    // the steps determine the capacity of kinds that the device counts
     if (!stepper_.counted(per)) stepper_.tables().reserve(per, host_.capacity(per));
   }
 }
 
 void Mirror::flush() {
   reserveDevice();
-  // as many old rows as old manifolds, also in the first step with such materials
+  // as many old rolling rows as old manifolds, also in the first step with such materials
   if (host_.view().rolls)
     stepper_.tables().reserve(Per::Rolling, stepper_.tables().capacity(Per::ActivePair));
   if (allDirty_) {
@@ -185,7 +185,7 @@ void Mirror::sendAll() {
   noteForces();
 }
 
-/// Forces end with the next step: remembers who has one.
+/// Forces last until the next step: records the bodies that have one.
 void Mirror::noteForces() {
   const SolverData& s = host_.view();
   const Vec3 none{0, 0, 0};
@@ -193,8 +193,8 @@ void Mirror::noteForces() {
     if (s.force[i] != none || s.torque[i] != none) mark(i, kPushed);
 }
 
-/// Authored arrays that are not edited element by element: planes, exclusions and their offsets; and what is
-/// derived.
+/// Sends arrays that are not edited element by element: planes, exclusions and their offsets, and derived
+/// arrays.
 void Mirror::sendLists() {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (array.life != Lifetime::Derived && (array.life != Lifetime::Authored || perBody(array))) return;
@@ -206,7 +206,7 @@ void Mirror::sendLists() {
   listsDirty_ = false;
 }
 
-/// One upload for all that was edited element by element, and one kernel for each kind of edit.
+/// Sends all element edits as one upload, with one kernel per kind of edit.
 void Mirror::sendEdits() {
   const SolverData& device = stepper_.tables().view();
   const cudaStream_t stream = stepper_.stream();
@@ -243,7 +243,7 @@ void Mirror::sendEdits() {
     send(joints_[kType], static_cast<Joint<F> * SolverData::*>(&JointTable<F>::joint));
     send(specs_[kType], static_cast<JointSpec<F> * SolverData::*>(&JointTable<F>::spec));
   });
-  // a body that was set afterwards has the velocity that it was given
+  // a body that was set afterwards keeps the velocity of that call
   std::size_t kept = 0;
   for (std::size_t k = 0; k < swerved_.size(); ++k) {
     if (!(bits_[static_cast<std::size_t>(swerved_[k])] & kSwerved)) continue;

@@ -1,6 +1,6 @@
 #pragma once
-/// The tables of the host beside those of the device. Edits are made on the host and sent before they are
-/// needed; what a step has changed is fetched when somebody asks.
+/// Keeps host tables and device tables consistent. Edits are made on the host and sent before they are
+/// needed. Results of a step are fetched when they are read.
 #include <cstdint>
 #include <vector>
 
@@ -19,8 +19,8 @@ class Mirror {
   HostTables& host() { return host_; }
   const HostTables& host() const { return host_; }
 
-  // What an edit of the host's tables has written.
-  void bodiesAdded(int before);  ///< slots from `before` on
+  // Notifications that an edit wrote host tables.
+  void bodiesAdded(int before);  ///< new slots: `before` and above
   void bodyWritten(int slot) {
     mark(slot, kBody);
     authored_.reset();
@@ -30,29 +30,29 @@ class Mirror {
     mark(slot, kForce);
     forced_ = true;
   }
-  void jointWritten(int type, int slot);  ///< all of a joint
-  void specWritten(int type, int slot);   ///< what is authored of it
+  void jointWritten(int type, int slot);  ///< authored data and state
+  void specWritten(int type, int slot);   ///< authored data only
   void listsWritten() {                   ///< planes or exclusions
     listsDirty_ = true;
     authored_.reset();
   }
   void derivedWritten() { listsDirty_ = true; }
-  void allWritten();  ///< by loading: nothing of the device matters any more
+  void allWritten();  ///< after loading: the content of the device is obsolete
   void forgetContacts(int slot);
-  /// By the device.
+  /// The device has sorted its bodies.
   void bodiesSorted();
 
-  /// Changes the velocity of a body, on the device unless the host knows it.
+  /// Changes the velocity of a body, on the device unless the host has the present state.
   void addVelocity(int slot, const rubble::Vec3& change);
-  /// As Engine::scatter; the host's tables do not follow.
+  /// As Engine::scatter. The host tables become outdated.
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values);
-  /// As Engine::array, on the device.
+  /// As Engine::array, in device memory.
   ArrayView array(StateArray which);
-  /// Arrays by id follow a step.
+  /// Updates the arrays by id after a step.
   void followArrays();
-  /// Of the step before, on the device.
+  /// Number of pairs of the last step on the device.
   int oldPairs() const { return liveCount(Per::Pair); }
-  /// Before a force of the host is added: those that lie on the device only are fetched.
+  /// Call before a force is added on the host: fetches forces that exist on the device only.
   void beforeForce() {
     if (forcesOnDevice_) fetchAll();
   }
@@ -60,27 +60,27 @@ class Mirror {
   std::shared_ptr<const DeviceSnapshot> snapshot(double previousDt);
   void restore(const DeviceSnapshot& snapshot);
 
-  /// Sends all edits.
+  /// Sends all pending edits.
   void flush();
-  /// The device has taken a step, or a substep.
+  /// The device has taken a step or substep.
   void stepped(const Counters& counters);
-  /// As for tables of the host.
+  /// As for host tables.
   void endForces();
 
-  /// Position, orientation and velocities of one body are as on the device.
+  /// Updates position, orientation and velocities of one body on the host.
   void fetchState(int slot);
-  /// All that lasts from step to step is as on the device.
+  /// Updates all persistent state on the host.
   void fetchAll();
 
  private:
-  /// Bits of a slot.
+  /// Flags of a slot.
   enum : std::uint8_t {
-    kBody = 1,      ///< to be sent: everything
-    kState = 2,     ///< to be sent: position, orientation, velocities
-    kForce = 4,     ///< to be sent: force and torque
-    kKnown = 8,     ///< the state of this slot is that of the device, or newer
+    kBody = 1,      ///< pending upload: everything
+    kState = 2,     ///< pending upload: position, orientation, velocities
+    kForce = 4,     ///< pending upload: force and torque
+    kKnown = 8,     ///< the host's state of this slot is up to date
     kPushed = 16,   ///< has a force until the next step
-    kSwerved = 32,  ///< to be changed on the device: velocity
+    kSwerved = 32,  ///< pending velocity change on the device
   };
 
   void mark(int slot, std::uint8_t bits);
@@ -103,26 +103,26 @@ class Mirror {
   CudaStepper& stepper_;
   HostTables host_;
   Upload upload_;
-  std::vector<std::uint8_t> bits_;  ///< of each body
-  std::vector<int> touched_;        ///< bodies with bits
+  std::vector<std::uint8_t> bits_;  ///< flags of each body
+  std::vector<int> touched_;        ///< bodies with flags
   std::vector<int> joints_[JointTypes::kSize], specs_[JointTypes::kSize];
   std::vector<int> forgotten_;
-  std::vector<int> swerved_;  ///< bodies whose velocity changes on the device, and by how much [m/s]
+  std::vector<int> swerved_;  ///< bodies with pending velocity changes, and the changes [m/s]
   std::vector<Vec3d> swerves_;
   std::shared_ptr<const AuthoredBytes> authored_;  ///< of the last snapshot, while it is up to date
-  int addedFrom_ = -1;                             ///< first body that the device does not know, or -1
+  int addedFrom_ = -1;                             ///< first body that is not on the device yet, or -1
   bool listsDirty_ = false;
-  bool allDirty_ = true;  ///< the device has nothing yet
+  bool allDirty_ = true;  ///< the device has no data yet
   bool statesOld_ = false, restOld_ = false;
-  bool forcesOnDevice_ = false;  ///< some that the host's tables do not have
-  bool forced_ = false;          ///< there may be some on the device
+  bool forcesOnDevice_ = false;  ///< some forces exist on the device only
+  bool forced_ = false;          ///< the device may have forces
   int singleFetches_ = 0;
   ArraysById<DeviceBuffer> byId_;
-  StreamEvent
-      handed_;  ///< a place in a stream of a caller of scatter(), or in ours before the caller goes on
+  /// orders the streams of a caller of scatter() and of this engine
+  StreamEvent handed_;
 };
 
-/// The arrays that BodyState is made of, and what follows from it.
+/// The arrays of BodyState, and those derived from them.
 template <class F> void forEachMotionArray(F&& f) {
   f(&SolverData::position), f(&SolverData::orientation), f(&SolverData::velocity),
       f(&SolverData::angularVelocity), f(&SolverData::previousVelocity), f(&SolverData::asleep),

@@ -1,4 +1,4 @@
-// What the device has changed, and what is changed there.
+// Fetches device results, and performs edits on the device.
 #include <cstring>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ void Mirror::fetchState(int slot) {
   const std::uint8_t bits = bits_[static_cast<std::size_t>(slot)];
   if (!statesOld_ || (bits & kKnown)) return;
   if (bits & kSwerved) flush();
-  // one by one for a few bodies; who asks for more will ask for all
+  // fetches single bodies up to this number, then all bodies
   constexpr int kMostSingle = 16;
   if (++singleFetches_ > kMostSingle) {
     fetchStates();
@@ -86,7 +86,7 @@ void Mirror::fetchAll() {
 
 void Mirror::bodiesSorted() {
   SolverData& s = host_.view();
-  // forces of the host lie on the device, where their bodies are now
+  // forces of the host are on the device, at the present places of their bodies
   for (const int slot : touched_) {
     forcesOnDevice_ |= (bits_[static_cast<std::size_t>(slot)] & kPushed) != 0;
     s.force[slot] = s.torque[slot] = {0, 0, 0};
@@ -127,7 +127,7 @@ void Mirror::addVelocity(int slot, const rubble::Vec3& change) {
     stateWritten(slot);
     return;
   } else if (bits & kSwerved) {
-    flush();  // one change a body and batch, so that they add up in the order of the calls
+    flush();  // one change per body and batch, so that changes add up in call order
   }
   mark(slot, kSwerved);
   swerved_.push_back(slot);
@@ -140,7 +140,7 @@ void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& v
   const SolverData& device = stepper_.tables().view();
   const int count = static_cast<int>(rows.shape[0]);
   if (values.device) {
-    // behind the caller's work, and before what the caller enqueues next
+    // ordered after the caller's earlier work and before its later work
     const auto order = [&](std::uintptr_t handle, cudaStream_t first, cudaStream_t then) {
       if (handle == 0) return;
       handed_.record(first);

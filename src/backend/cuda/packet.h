@@ -1,5 +1,5 @@
 #pragma once
-/// All edits since the last batch as one upload and one kernel.
+/// Packs all edits since the last batch into one upload and one kernel.
 #include <cstring>
 #include <vector>
 
@@ -12,26 +12,26 @@ class Packet {
  public:
   Packet(const SolverData& host, const SolverData& device) : host_(host), device_(device) {}
 
-  /// From here on, elements of these slots, which must live until the packet is sent.
+  /// Slots of the elements added from here on. The list must live until the packet is sent.
   void setSlots(const std::vector<int>& slots) {
     slots_ = &slots;
     slotsAt_ = append(slots);
   }
-  /// The elements of an array at the slots.
+  /// Adds the elements of an array at the slots.
   template <class T> void add(T* SolverData::*array) {
     static_assert(sizeof(T) % sizeof(int) == 0 && alignof(T) <= kAlign);
     const int count = static_cast<int>(slots_->size());
     elements_.push_back({host_.*array, device_.*array, slots_, slotsAt_, reserve(slots_->size() * sizeof(T)),
                          sizeof(T), count});
   }
-  /// A list for a kernel of its own; returns its place.
+  /// Appends a list for a separate kernel. Returns its offset.
   template <class T> std::size_t append(const std::vector<T>& list) {
     const std::size_t at = reserve(list.size() * sizeof(T));
     lists_.push_back({list.data(), at, list.size() * sizeof(T)});
     return at;
   }
 
-  /// Uploads everything and scatters the elements. Returns where the packet lies on the device.
+  /// Uploads everything and scatters the elements. Returns the device address of the packet.
   const std::byte* send(Upload& upload, cudaStream_t stream) const {
     if (bytes_ == 0) return nullptr;
     std::byte* const to = upload.begin(bytes_);

@@ -1,7 +1,7 @@
 #pragma once
-/// Bounds, whose warps agree on what is kept of a level before they write it: all bodies would raise the same
-/// few numbers. And the pairs of a body in their order: a lane a body, and a warp for those with more
-/// partners than slots, whose cells are searched again.
+/// Bounds: each warp reduces the values of a grid level before it writes them, which avoids contention on the
+/// few counters. Pairs of a body in order: one lane per body, and one warp per body with more partners than
+/// slots, whose cells are searched again.
 #include "backend/cuda/heavy_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -26,8 +26,7 @@ struct ComputeBoundsByWarp {
 };
 template <> struct OnDevice<ComputeBounds> { using Type = ComputeBoundsByWarp; };
 
-/// Lanes that search for the neighbours of one body: where there are too few bodies to fill the device with a
-/// thread each, and where there are by far too few.
+/// Lanes that share the pair search of one body: few bodies, and very few bodies.
 inline constexpr int kSearchLanes = 2, kMostSearchLanes = 8;
 
 template <int kTile> struct FindNeighborsByTile {
@@ -46,7 +45,7 @@ template <int kTile> struct FindLateStopsByTile {
   }
 };
 
-/// A lane a neighbour, where no body has parts.
+/// One lane per neighbor, for worlds without shapes of several parts.
 struct FindPairsByTile {
   static constexpr const char* kStage = FindPairs<false>::kStage;
   static constexpr int kWidth = kMostSearchLanes;
@@ -82,7 +81,7 @@ struct FindPairsByTile {
   }
 };
 
-/// A number of each warp of a block, counted up by its lanes.
+/// A counter per warp of a block, incremented by its lanes.
 class WarpCounter {
  public:
   __device__ explicit WarpCounter(const Tile<kWarp>& tile) : tile_(tile) {
@@ -91,7 +90,7 @@ class WarpCounter {
     __syncwarp(tile.mask);
   }
   __device__ int next() const { return atomicAdd(&number(), 1); }
-  /// Once all lanes have counted.
+  /// Valid after all lanes have counted.
   __device__ int total() const {
     __syncwarp(tile_.mask);
     return number();
@@ -105,7 +104,7 @@ class WarpCounter {
   const Tile<kWarp>& tile_;
 };
 
-/// WritePairs for 32 bodies, where none has parts.
+/// WritePairs for 32 bodies, for worlds without shapes of several parts.
 struct WritePairsByWarp {
   static constexpr const char* kStage = WritePairs<false>::kStage;
   static constexpr int kWidth = kWarp;

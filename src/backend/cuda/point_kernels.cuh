@@ -1,11 +1,10 @@
 #pragma once
-/// Partners of vertices, edges and corners of bodies: a tile of lanes an owner, which share out the cells
-/// that it looks into.
+/// Partners of vertices, edges and corners of bodies. A tile of lanes per owner shares the cells to search.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-/// A search looks into about 27 cells, and most owners find nothing.
+/// A search visits about 27 cells, and most owners find nothing.
 inline constexpr int kSearchWidth = 8;
 
 struct FindDentingBodiesByTile {
@@ -22,7 +21,7 @@ struct FindPointPairsByTile {
   static constexpr const char* kStage = FindPointPairs::kStage;
   static constexpr int kWidth = kSearchWidth;
   static constexpr int kBlocks = 8;
-  /// What the lanes find before it is known what they have found twice.
+  /// partners found by the lanes, before duplicates are removed
   static constexpr int kFound = 32;
 
   __device__ void operator()(const SolverData& s, int owner, const Tile<kWidth>& tile) const {
@@ -39,14 +38,14 @@ struct FindPointPairsByTile {
     if (tile.lane != 0) return;
     PartnerList list{s.pointPairSlot + owner * kPointPairSlots};
     for (int k = 0; k < min(counts[own], kFound); ++k) list.add(found[own][k]);
-    // those that were not kept may be of any number
+    // partners that were not stored may include duplicates
     if (counts[own] > kFound) list.count = counts[own];
     FindPointPairs::finish(s, owner, list);
   }
 };
 template <> struct OnDevice<FindPointPairs> { using Type = FindPointPairsByTile; };
 
-/// In no fixed order, as that of one thread.
+/// In no fixed order, as in the serial version.
 struct FindNearByTile {
   static constexpr const char* kStage = FindNear::kStage;
   static constexpr int kWidth = kSearchWidth;

@@ -1,6 +1,6 @@
 #pragma once
-/// Points of manifolds in registers. In memory a field of the four points of a manifold is sixteen bytes,
-/// half a sector of a cache. So each of four lanes reads whole fields, and they exchange what they have.
+/// Points of manifolds in registers. A field of the four points of a manifold is 16 contiguous bytes, half a
+/// cache sector. Each of four lanes reads whole fields, and the lanes transpose them by shuffles.
 #include "backend/cuda/tile.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -9,7 +9,7 @@ static_assert(kLanes == 4 && sizeof(Lanes) == sizeof(float4));
 /// The four lanes of a manifold.
 using PointTile = Tile<kLanes>;
 
-/// Number k of lane j becomes number j of lane k.
+/// 4 x 4 transpose: element k of lane j becomes element j of lane k.
 __device__ inline float4 transposed(const float4& v, const PointTile& tile) {
   const auto exchange = [&](float a, int step) { return __shfl_xor_sync(tile.mask, a, step, kLanes); };
   const bool odd = tile.lane & 1, upper = tile.lane & 2;
@@ -19,22 +19,21 @@ __device__ inline float4 transposed(const float4& v, const PointTile& tile) {
   return upper ? make_float4(c, d, pairs.z, pairs.w) : make_float4(pairs.x, pairs.y, c, d);
 }
 
-/// Lane4 fields one after another, at the point of this lane.
+/// Loads four consecutive Lane4 fields, at the point of this lane.
 __device__ inline float4 loadFields(const Lanes& first, const PointTile& tile) {
   return transposed(reinterpret_cast<const float4*>(&first)[tile.lane], tile);
 }
-/// Writes the first `count` of four fields one after another, at the points of all lanes.
+/// Stores the first `count` of four consecutive fields, at the points of all lanes.
 __device__ inline void storeFields(Lanes& first, int count, const float4& values, const PointTile& tile) {
   const float4 field = transposed(values, tile);
   if (tile.lane < count) reinterpret_cast<float4*>(&first)[tile.lane] = field;
 }
 
-/// Quads of what the points of a manifold share, behind all else.
+/// Quads (16 bytes) of the fields that the points of a manifold share. They come last in the struct.
 inline constexpr int kSharedQuads = (sizeof(Manifold) - offsetof(Manifold, localNormal)) / sizeof(float4);
 static_assert(offsetof(Manifold, localNormal) + kSharedQuads * sizeof(float4) == sizeof(Manifold));
 
-/// A manifold as the point of this lane needs it: it is point 0 of the copy. Features and other points are
-/// not set.
+/// A manifold with the point of this lane as point 0. Features and other points are not set.
 __device__ inline Manifold manifoldOfPoint(const Manifold& m, const PointTile& tile) {
   static_assert(offsetof(Manifold, localNormal) == 14 * sizeof(Lanes));
   const float4 onA = loadFields(m.aX, tile), onB = loadFields(m.bY, tile), load = loadFields(m.lambda2, tile);
@@ -52,7 +51,7 @@ __device__ inline Manifold manifoldOfPoint(const Manifold& m, const PointTile& t
   return own;
 }
 
-/// Writes what the points of a manifold share, a quad a lane.
+/// Stores the fields that the points share, one quad per lane.
 __device__ inline void storeShared(const Manifold& own, Manifold& m, const PointTile& tile) {
   static_assert(kSharedQuads == 2);
   float4 shared[kSharedQuads];
@@ -61,7 +60,7 @@ __device__ inline void storeShared(const Manifold& own, Manifold& m, const Point
     reinterpret_cast<float4*>(&m.localNormal)[tile.lane] = tile.lane == 0 ? shared[0] : shared[1];
 }
 
-/// Writes what the point of this lane hands on.
+/// Stores the persistent data of this lane's point.
 __device__ inline void storeMemory(const PointMemory& p, Manifold& m, const PointTile& tile) {
   static_assert(offsetof(Manifold, drift2) == offsetof(Manifold, lambdaN) + 6 * sizeof(Lanes));
   storeFields(m.lambdaN, 4, make_float4(p.lambdaN, p.lambda1, p.lambda2, p.kN), tile);

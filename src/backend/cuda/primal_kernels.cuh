@@ -1,37 +1,35 @@
 #pragma once
-/// The primal update: several lanes a body gather its rows, while the last warps of the block solve the local
-/// problems gathered before. Hubs take a block each.
+/// The primal update. Several lanes per body gather its rows, while the last warps of the block solve the
+/// local problems of the previous batch. High-degree bodies take a block each.
 #include "backend/cuda/row_stream.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Threads of a block that gather; two warps more solve.
+/// Threads of a block that gather. Two more warps solve.
 inline constexpr int kGatherThreads = 192, kSolvers = 2 * kWarp, kSolveThreads = kGatherThreads + kSolvers;
-/// Blocks of a colour's kernel that a multiprocessor holds at a time.
+/// Resident blocks of a color kernel per multiprocessor.
 inline constexpr int kSolveBlocks = 2;
-/// The first blocks of a colour's kernel: those for its hubs, which are few, then those for its vertices. The
-/// others have its bodies.
+/// Block ranges of a color kernel: high-degree bodies first, then vertices, then bodies.
 struct ColorBlocks {
   int hubs, vertices;
 };
 inline constexpr int kHubBlocks = 16;
-/// Of the blocks that a device holds at a time vertices have one in so many, where bodies move too.
+/// One of this many resident blocks processes vertices, where bodies move as well.
 inline constexpr int kVertexShare = 4;
-/// Lanes a body: few where bodies fill the device, so that sums over lanes are short; more where they don't,
-/// so that a body takes fewer rounds. By the population alone, and not by the kernel that finds the colour:
-/// the order of sums must be the same each time. The bounds are where four and sixteen lanes a body fill the
-/// 132 multiprocessors of an H200 (about 50,000 threads of this kernel that gather).
+/// Lanes per body: few where bodies fill the device, so that reductions are short, and more otherwise, so
+/// that a body takes fewer rounds. The width depends on the number of bodies alone, not on the kernel, so
+/// that the order of sums is reproducible. The bounds are the body counts at which 4 and 16 lanes per body
+/// fill 132 multiprocessors (H200: about 50,000 gathering threads of this kernel).
 inline constexpr int kCrowdWidth = 4, kManyWidth = 8, kFewWidth = 16;
 inline constexpr int kCrowd = 12288, kMany = 3072;
-/// Colours of at most this many bodies share a launch of one block: all that it solves at a time. More of
-/// them would wait for one another there.
+/// Colors of at most this many bodies share a single-block launch, which solves that many at once.
 inline constexpr int kTailBodies = kGatherThreads / kFewWidth;
 
-/// What row blocks there may be besides contacts that do not roll. What they call takes registers from all of
-/// a kernel.
+/// Which constraints occur besides contacts without rolling friction. Their calls cost registers in the whole
+/// kernel.
 enum class ExtraRows { None, Any, FewJoints };
-/// So few bodies do not fill the device with lanes: their joints take as long as one of them, whatever the
-/// others do. 11,000 gain by it, 35,000 lose.
+/// Below this number of bodies the device is not full, and the time of all joints is that of one. 11,000
+/// bodies gain by it, 35,000 lose.
 inline constexpr int kFewJointBodies = 16384;
 inline bool hasFewJoints(const SolverData& s) { return s.hasJoints() && s.bodies <= kFewJointBodies; }
 inline ExtraRows extraRowsOf(const SolverData& s) {
@@ -39,8 +37,8 @@ inline ExtraRows extraRowsOf(const SolverData& s) {
   return s.hasJoints() || s.rolls || s.vertices > 0 ? ExtraRows::Any : ExtraRows::None;
 }
 
-/// Adds the joints among the incidences [k, end) of a body, a lane each. Rare, and large: a call keeps its
-/// registers out of the kernels that contacts fill.
+/// Adds the joints among the incidences [k, end) of a body, one per lane. Not inlined: joints are rare and
+/// would raise the register count of kernels that mostly process contacts.
 static __device__ __noinline__ void addJointsApart(const SolverData& s, int k, int end, int stride,
                                                    Block6* sum) {
   for (; k < end; k += stride)
@@ -54,8 +52,7 @@ static __device__ __noinline__ void addRollingApart(const SolverData& s, int k, 
     addRolling(s, s.incidence[k].code, *sum);
 }
 
-/// Adds what is no contact, or rolls, among the row blocks of a body that are this lane's, of `kWidth`.
-/// any(): does one of them say yes?
+/// Adds this lane's share (of `kWidth`) of a body's joints and rolling contacts. any() is a vote of the tile.
 template <int kWidth, class Any>
 __device__ void addExtraRows(const SolverData& s, int body, int lane, bool joints, Any&& any, Block6& sum) {
   const int begin = s.incidenceOffset[body], end = s.incidenceOffset[body + 1];
@@ -70,14 +67,14 @@ __device__ void addExtraRows(const SolverData& s, int body, int lane, bool joint
   sum = others;
 }
 
-/// Is there something else than contacts among the row blocks of a body, or does it roll? Entries are sorted
-/// by type, contacts first.
+/// Returns whether a body has joints, attachments or rolling contacts. Incidences are sorted by type,
+/// contacts first.
 __device__ inline bool hasExtraRows(const SolverData& s, int body) {
   const int end = s.incidenceOffset[body + 1];
   return end > s.incidenceOffset[body] &&
          (s.rolls || constraintType(s.incidence[end - 1].code) != kContactType);
 }
-/// Adds these as far as they are this lane's, of `width`: joints begin side by side. Apart as above.
+/// Adds this lane's share (of `width`) of these constraints, starting at the joints. Not inlined, as above.
 static __device__ __noinline__ void addExtraRowsUniform(const SolverData& s, int body, int lane, int width,
                                                         Block6* sum) {
   const int begin = s.incidenceOffset[body], end = s.incidenceOffset[body + 1];
@@ -89,8 +86,8 @@ static __device__ __noinline__ void addExtraRowsUniform(const SolverData& s, int
   if (s.rolls) addRollingApart(s, begin + lane, end, width, sum);
 }
 
-/// Sums of the rows of the bodies of a batch, several times: gatherers may be ahead of solvers by so many
-/// batches.
+/// Number of buffers for the row sums of a batch: the number of batches by which gathering may be ahead of
+/// solving.
 inline constexpr int kBuffers = 2;
 using BatchSums = Real[kGatherThreads / kCrowdWidth][kPaddedReals + 1];
 /// Shared memory of a block.
@@ -99,11 +96,11 @@ struct SolveMemory {
   BatchSums sums[kBuffers];
   Real warpSums[kSolveThreads / kWarp][kWarp];
 };
-/// What a kernel may declare without asking the driver for more [B].
+/// Static shared memory available without an opt-in [bytes].
 inline constexpr int kSharedMemory = 48 * 1024;
 static_assert(sizeof(SolveMemory) <= kSharedMemory);
 
-/// Barriers of a block by number; that of __syncthreads() is 0. A warp comes as a whole.
+/// Named barriers of a block (0 is __syncthreads()). Warps arrive as a whole.
 inline constexpr int kFull = 1, kEmpty = kFull + kBuffers;
 __device__ inline void waitAt(int barrier) {
   __syncwarp();
@@ -115,14 +112,13 @@ __device__ inline void passBy(int barrier) {
   asm volatile("barrier.arrive %0, %1;" ::"r"(barrier), "n"(kSolveThreads) : "memory");
 }
 
-/// Solves `count` bodies of one colour, which share no rows: `shares` blocks that call it together. Begins
-/// before the colour before is done, as far as no sweep writes what it reads. Ends with all threads at a
-/// barrier.
+/// Solves `count` bodies of one color, which share no rows, by `shares` blocks. It starts before the previous
+/// color has ended, as far as it reads what no sweep writes. All threads end at a barrier.
 template <int kWidth, ExtraRows rare>
 __device__ void solveBodies(const SolverData& s, const int* bodies, int count, int share, int shares,
                             SolveMemory& memory) {
-  // where bodies are few, and time is that of the longest, a few lanes a body of those that solve add its
-  // other rows while contacts are gathered
+  // with few bodies the time is that of the longest: some lanes of the solving warps add the other rows of a
+  // body while its contacts are gathered
   constexpr bool few = rare == ExtraRows::FewJoints, apart = few && kWidth == kFewWidth;
   constexpr int kBodies = kGatherThreads / kWidth;
   static_assert(kBodies * (apart ? kWidth / kLanes : 1) <= kSolvers);
@@ -178,7 +174,7 @@ __device__ void solveBodies(const SolverData& s, const int* bodies, int count, i
         }
       waitAt(kFull + buffer);
       if (on) memcpy(static_cast<void*>(&rows), memory.sums[buffer][solver], sizeof rows);
-      // the last ones are waited for by nobody
+      // nothing waits for the last batches
       if (batch + kBuffers < batches) passBy(kEmpty + buffer);
       if (on) {
         block += rows;
@@ -189,7 +185,7 @@ __device__ void solveBodies(const SolverData& s, const int* bodies, int count, i
   __syncthreads();
 }
 
-/// Forces and Hessians of the row blocks of a hub that are this thread's, of a block.
+/// This thread's share of the forces and Hessians of a high-degree body, divided among a block.
 template <ExtraRows rare> __device__ Block6 gatherHub(const SolverData& s, int body, int thread) {
   const int end = s.incidenceOffset[body + 1], point = thread % kLanes;
   int k = s.incidenceOffset[body] + thread / kLanes;
@@ -210,7 +206,7 @@ template <ExtraRows rare> __device__ Block6 gatherHub(const SolverData& s, int b
   return sum;
 }
 
-/// A hub by all threads of a block.
+/// A high-degree body, solved by all threads of a block.
 template <ExtraRows rare>
 static __device__ __noinline__ void solveHub(const SolverData& s, int body,
                                              Real (&warpSums)[kSolveThreads / kWarp][kWarp]) {
@@ -235,7 +231,7 @@ static __device__ __noinline__ void solveHub(const SolverData& s, int body,
   __syncthreads();
 }
 
-/// The hubs of a colour: `shares` blocks share them out.
+/// The high-degree bodies of a color, divided among `shares` blocks.
 template <ExtraRows rare>
 __device__ void solveHubs(const SolverData& s, int color, const HeavyList& hubs, int share, int shares,
                           SolveMemory& memory) {
@@ -256,16 +252,16 @@ __device__ void solveColorTogether(const SolverData& s, int color, int share, in
     solveBodies<kFewWidth, rare>(s, s.colorBody + begin, count, share, shares, memory);
 }
 
-/// Lanes of a vertex, which share out its elements and contacts: few where vertices fill the device, more
-/// where they don't. By the population alone, as for bodies. A device holds about 100,000 threads of this
-/// kernel: each width is used where it does not fill more than that twice. Where bodies move too, vertices
-/// have a sixth of them.
+/// Lanes per vertex, which share its elements and contacts. The width depends on the number of vertices
+/// alone, as for bodies. A device holds about 100,000 threads of this kernel, and each width is used up to
+/// twice that. Vertices get a sixth of them if bodies move as well.
 inline constexpr int kVertexCrowdWidth = 8, kVertexManyWidth = 16, kVertexFewWidth = kWarp;
 inline constexpr int kVertexCrowd = 12288, kVertexMany = 4096, kVertexPart = 6;
-/// Blocks of a processor, where bodies do not move: so few that there are 80 registers to read ahead with.
+/// Resident blocks per multiprocessor if no body moves. The number is low so that 80 registers are available
+/// for reading ahead.
 inline constexpr int kVertexBlocks = 6;
 inline constexpr int kTailVertices = kSolveThreads / kVertexFewWidth;
-/// `ahead`: the next tetrahedron is read while one is added, which takes registers.
+/// `ahead`: read the next tetrahedron while one is added, at the cost of registers.
 template <int kWidth, bool ahead> class VertexByTile {
  public:
   __device__ explicit VertexByTile(const SolverData& s) : s_(s) {}
@@ -300,7 +296,7 @@ template <int kWidth, bool ahead> class VertexByTile {
 
  private:
   struct Range {
-    int begin, end;  ///< of this lane
+    int begin, end;  ///< range of this lane
   };
   struct Tetra {
     TetraCorner corner;
@@ -318,7 +314,7 @@ template <int kWidth, bool ahead> class VertexByTile {
   std::conditional_t<ahead, Tetra, None> next_;
 };
 
-/// The vertices of one colour: all threads of a grid or of a block. Begins as solveBodies().
+/// The vertices of one color, by all threads of a grid or block. Starts early as solveBodies() does.
 template <bool ahead> __device__ void solveVertices(const SolverData& s, int color, int thread, int threads) {
   const int begin = s.vertexColorOffset[color], count = s.vertexColorOffset[color + 1] - begin;
   const auto solve = [&]<int kWidth>() {
@@ -347,7 +343,7 @@ static __global__ void __launch_bounds__(kThreads, kVertexBlocks)
                       static_cast<int>(gridDim.x * blockDim.x));
 }
 
-/// Notes how many colours are worth a launch.
+/// Records how many colors are worth a launch.
 __device__ inline void noteWideColors(const SolverData& s, int colors, Control* control) {
   for (int c = static_cast<int>(threadIdx.x); c < colors; c += kSolveThreads)
     if (s.colorOffset[c + 1] - s.colorOffset[c] > kTailBodies ||
@@ -355,9 +351,9 @@ __device__ inline void noteWideColors(const SolverData& s, int colors, Control* 
       atomicMax(&control->wideColors, c + 1);
 }
 
-/// The bodies and vertices of colour `first`, which share nothing. Or, without blocks for hubs: all colours
-/// from it on, one after another in one block, whatever their size. It is one kernel, so that a body has the
-/// same bits wherever it is solved.
+/// The bodies and vertices of color `first`, which share no constraint. Without blocks for high-degree
+/// bodies: all colors from it on, one after another in one block. Both cases are one kernel, so a body has
+/// the same bits in either.
 template <ExtraRows rare>
 static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
     solveColors(const __grid_constant__ SolverData s, int first, HeavyList hubs, ColorBlocks blocks,
@@ -372,7 +368,7 @@ static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
   if (tail) noteWideColors(s, colors, control);
   if (first >= end) awaitPrevious();
   for (int c = first; c < end; ++c) {
-    // without hubs the tail begins as early as other blocks of bodies
+    // without high-degree bodies the tail starts as early as other blocks of bodies
     if (tail ? *hubs.count > 0 : vertexBlock < 0) {
       awaitPrevious();
       solveHubs<rare>(s, c, hubs, block, tail ? 1 : blocks.hubs, memory);
@@ -388,7 +384,7 @@ static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
   }
 }
 
-/// The one for the row blocks that there are.
+/// Selects the kernel for the constraint types that occur.
 inline auto solveColorsOf(const SolverData& s) {
   const ExtraRows rare = extraRowsOf(s);
   return rare == ExtraRows::None  ? solveColors<ExtraRows::None>

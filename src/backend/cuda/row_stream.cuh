@@ -1,7 +1,7 @@
 #pragma once
-/// Rows on their way into shared memory while those before them are worked on. Else the sweeps wait for
-/// memory most of the time: a body's number leads to its incidences, these to rows and displacements, and
-/// each of them is asked for a body or a row block ahead.
+/// Software pipeline that copies rows to shared memory while earlier rows are processed. A sweep follows a
+/// chain of dependent loads: body, incidence, rows and displacement. Each is requested one body or one
+/// constraint ahead, which hides memory latency.
 #include <cuda_pipeline_primitives.h>
 
 #include "backend/cuda/heavy_kernels.cuh"
@@ -9,12 +9,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// The rows of one contact and the displacement of the other body in shared memory, with room to spare such
-/// that neighbours read from different banks.
+/// The rows of one contact and the displacement of the other body in shared memory, padded so that neighbors
+/// use different banks.
 struct StagedRows {
   static constexpr int kRows = offsetof(ContactRows, muStatic) / sizeof(float4),
                        kMoved = sizeof(Displacement) / sizeof(float4);
-  /// 320 bytes: neighbours begin 16 of the 32 banks apart.
+  /// 320 bytes: neighbors start 16 of 32 banks apart
   static constexpr int kRoom = 20;
   float4 quad[kRoom];
   __device__ const ContactRows& rows() const { return reinterpret_cast<const ContactRows&>(quad[0]); }
@@ -24,13 +24,13 @@ static_assert(StagedRows::kRows * sizeof(float4) == offsetof(ContactRows, muStat
               StagedRows::kMoved == 2 && kLanes == 4);
 static_assert(StagedRows::kRows + StagedRows::kMoved <= StagedRows::kRoom);
 
-/// Sixteen bytes on their way into shared memory, `kOffset` bytes behind both places. (As
-/// __pipeline_memcpy_async(), whose shared addresses are made anew in each call.)
+/// Asynchronous copy of 16 bytes to shared memory, `kOffset` bytes after both addresses. Like
+/// __pipeline_memcpy_async(), without recomputing the shared address in each call.
 template <int kOffset> __device__ void copyQuad(unsigned to, const char* from) {
   asm volatile("cp.async.cg.shared.global [%0+%2], [%1+%2], 16;" ::"r"(to), "l"(from), "n"(kOffset)
                : "memory");
 }
-/// Asks for `kCount` quads: four lanes, each from its own first one on.
+/// Requests `kCount` quads for each of four lanes, starting at the lane's own.
 template <int kCount> __device__ void askForQuads(unsigned to, const char* from, int lane) {
   constexpr int kStep = kLanes * sizeof(float4), kWhole = kCount / kLanes;
   if constexpr (kWhole > 0) copyQuad<0>(to, from);
@@ -40,14 +40,15 @@ template <int kCount> __device__ void askForQuads(unsigned to, const char* from,
   if (lane < kCount % kLanes) copyQuad<kWhole * kStep>(to, from);
 }
 
-/// Shared memory of `kQuads` times four lanes: of two row blocks each, and the displacements of two bodies.
+/// Shared memory of `kQuads` quads times four lanes: two constraints each, and the displacements of two
+/// bodies.
 template <int kQuads> struct Staging {
   StagedRows rows[2][kQuads];
   float4 own[2][kQuads][StagedRows::kMoved];
 };
 
-/// The row blocks of the bodies number first, first + stride ... of a list, one body a batch, as a tile of
-/// `kWidth` lanes gathers them: each four of its lanes have every (kWidth / 4)-th.
+/// Streams the constraints of the bodies first, first + stride ... of a list, one body per batch, to a tile
+/// of `kWidth` lanes. Each group of four lanes processes every (kWidth / 4)-th constraint.
 template <int kWidth, int kQuads> class RowStream {
  public:
   static constexpr int kStride = kWidth / kLanes;
@@ -69,13 +70,12 @@ template <int kWidth, int kQuads> class RowStream {
     range_[0] = rangeOf(body_[0]), range_[1] = rangeOf(body_[1]);
     present_ = entryAt(range_[0], 0);
   }
-  /// Until here nothing is read that sweeps write.
+  /// Reads nothing that sweeps write.
   __device__ void start() { begin(present_, body_[0], 0); }
 
-  /// The contacts of the next body; -1 has none. Returns whether its incidences go on with others than
-  /// contacts.
+  /// Adds the contacts of the next body (-1: none). Returns whether it has incidences other than contacts.
   __device__ bool gather(Block6& sum) {
-    // each of these is used in the next batch
+    // used in the next batch
     const Incidence following = entryAt(range_[1], 0);
     const Range afterNext = rangeOf(body_[2]);
     const int afterThat = bodyAt(next_);
@@ -116,9 +116,9 @@ template <int kWidth, int kQuads> class RowStream {
 
  private:
   struct Range {
-    int begin, end;  ///< of the incidences from that of these four lanes on
+    int begin, end;  ///< of the incidences, for these four lanes
   };
-  /// Of no type that there is.
+  /// An incidence of no existing type.
   __device__ static Incidence noEntry() { return {0xffffffffu, -1, 0}; }
   __device__ static bool isContact(const Incidence& e) { return constraintType(e.code) == kContactType; }
   __device__ int bodyAt(int k) const { return k < count_ ? bodies_[k] : -1; }
@@ -130,7 +130,7 @@ template <int kWidth, int kQuads> class RowStream {
     return k < r.end ? s_.incidence[k] : noEntry();
   }
 
-  /// Asks for the first row block of a body, and where that is.
+  /// Requests the first constraint of a body, and its location.
   __device__ void begin(const Incidence& e, int body, int parity) {
     if (isContact(e)) askForRows(e);
     if (body >= 0)
@@ -143,11 +143,11 @@ template <int kWidth, int kQuads> class RowStream {
     ask<StagedRows::kRows>(to, &s_.contact[constraintIndex(e.code)]);
     if (e.other >= 0) ask<StagedRows::kMoved>(to + StagedRows::kRows * sizeof(float4), &s_.dx[e.other]);
   }
-  /// `to`: place of this lane.
+  /// `to`: address for this lane.
   template <int kCount> __device__ void ask(unsigned to, const void* from) const {
     askForQuads<kCount>(to, static_cast<const char*>(from) + quad_.lane * sizeof(float4), quad_.lane);
   }
-  /// In shared memory.
+  /// Shared-memory address.
   __device__ static unsigned placeOf(const float4* p) {
     return static_cast<unsigned>(__cvta_generic_to_shared(p));
   }
@@ -164,7 +164,7 @@ template <int kWidth, int kQuads> class RowStream {
   Staging<kQuads>& staging_;
   const PointTile quad_;
   const int quadOfBlock_, offset_;
-  const unsigned rowsPlace_, ownPlace_;  ///< of this lane, in the first stage and of the first parity
+  const unsigned rowsPlace_, ownPlace_;  ///< of this lane: first stage, first parity
   const int* const bodies_;
   const int count_;
   int next_;
@@ -172,8 +172,8 @@ template <int kWidth, int kQuads> class RowStream {
   int body_[3];
   Range range_[2];
   Incidence present_;
-  int stage_ = 0;   ///< where the next row block goes
-  int parity_ = 0;  ///< of the batch
+  int stage_ = 0;   ///< stage of the next constraint
+  int parity_ = 0;  ///< parity of the batch
 };
 
 }  // namespace rubble::RUBBLE_CORE

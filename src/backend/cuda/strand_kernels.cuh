@@ -1,20 +1,21 @@
 #pragma once
-/// Ropes and rods, a warp each.
+/// Strands (cables and rods), one warp each.
 #include <cstddef>
 
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-/// SolveStrand: the rows that an elimination changes are a window of registers, a number a lane, which moves
-/// on by a row. In the order of SolveStrand: the same bits where products are not contracted.
+/// SolveStrand by a warp. The window of rows that an elimination step changes is held in registers, one
+/// element per lane, and advances row by row. The order of operations is that of SolveStrand, so without
+/// contraction the bits are the same.
 struct SolveLineByTile {
   static constexpr const char* kStage = SolveStrand::kStage;
   static constexpr int kWidth = kWarp;
   static constexpr int kWindow = kStrandBand + 1;
   static_assert(kWindow * (kWindow + 1) / 2 <= kWidth);
 
-  /// Vertices that are read at a time, and those beside them that their rows are coupled with.
+  /// Vertices read at a time, and neighbors that their rows are coupled to.
   static constexpr int kStaged = 32, kBeside = (kStrandBand + 3) / 3;
 
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
@@ -34,11 +35,11 @@ struct SolveLineByTile {
     if (tile.lane == 0) s.strandShare[i] = strandShare(turn);
   }
 
-  /// The lane that has element (a, b) of the window, a <= b.
+  /// The lane that holds element (a, b) of the window, a <= b.
   __device__ static constexpr int laneOf(int a, int b) { return a * kWindow - a * (a - 1) / 2 + b - a; }
 
-  /// Where numbers lie in StrandWork as an array. Rows are counted from the first of a vertex, and may be
-  /// those of its neighbours.
+  /// Layout of StrandWork as an array of doubles. Rows are counted from the first row of a vertex and may
+  /// belong to its neighbors.
   static constexpr int kNumbers = sizeof(StrandWork) / sizeof(double);
   __device__ static int rowAt(int row) {
     return ((row + 3 * kBeside) / 3 - kBeside) * kNumbers + (row + 3 * kBeside) % 3 * kWindow;
@@ -48,7 +49,7 @@ struct SolveLineByTile {
   }
   static_assert(offsetof(StrandWork, x) == sizeof(double) * 3 * kWindow);
 
-  /// Reads vertices from `first` on; where a line has none there are the rows of an identity.
+  /// Reads vertices from `first` on. Beyond the ends of the strand the rows are those of the identity.
   __device__ static void stage(const double* rows, int vertices, int first, const Tile<kWidth>& tile,
                                double* to) {
     __syncwarp(tile.mask);
@@ -60,7 +61,7 @@ struct SolveLineByTile {
     __syncwarp(tile.mask);
   }
 
-  /// L, and D^-1 L^-1 of the forces.
+  /// L, and D^-1 L^-1 applied to the forces.
   __device__ static void eliminate(double* rows, int vertices, const Tile<kWidth>& tile, double* staged) {
     const int lane = tile.lane, behind = min(lane + 1, kStrandBand);
     int a = 0, b = lane;
@@ -99,7 +100,7 @@ struct SolveLineByTile {
     }
   }
 
-  /// L^-T of that; lanes have the unknowns from a row back.
+  /// L^-T applied to that. Lanes hold the unknowns preceding a row.
   __device__ static void substitute(double* rows, int vertices, const Tile<kWidth>& tile, double* staged) {
     const int lane = min(tile.lane, kStrandBand);
     int factorAt[3], nextAt[3];

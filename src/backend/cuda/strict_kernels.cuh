@@ -1,6 +1,6 @@
 #pragma once
-/// The sweep of a build with RUBBLE_STRICT: a thread a body or vertex, so that every sum has the order of the
-/// CPU. Slow, and there to find out what else differs.
+/// The primal update of a strict build (RUBBLE_STRICT): one thread per body or vertex, so that every sum has
+/// the order of the CPU. Slow, for finding other differences between the backends.
 #include "backend/cuda/primal_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
@@ -21,7 +21,7 @@ static __global__ void __launch_bounds__(kThreads)
                       static_cast<int>(gridDim.x * blockDim.x));
 }
 
-/// The colours from `first` on in one block.
+/// The colors from `first` on in one block.
 static __global__ void __launch_bounds__(kThreads)
     solveTailStrictly(const __grid_constant__ SolverData s, int first, const Control* control) {
   awaitPrevious();

@@ -1,6 +1,6 @@
 #pragma once
-/// Lanes of a warp that work on one element together, and sums over them by a fixed tree: the same bits each
-/// time.
+/// Tiles: groups of lanes of a warp that process one element together. Reductions use a fixed tree and are
+/// bitwise reproducible.
 #include <cuda_runtime.h>
 
 #include <cstring>
@@ -12,13 +12,13 @@ namespace rubble::RUBBLE_CORE {
 inline constexpr int kWarp = 32;
 inline constexpr unsigned kAllLanes = 0xffffffffu;
 
-/// kWidth lanes, a power of two up to a warp. All of them make the same calls.
+/// A tile of kWidth lanes, a power of two up to a warp. All lanes make the same calls.
 template <int kWidth> struct Tile {
   static_assert(kWidth >= 1 && kWidth <= kWarp && (kWidth & (kWidth - 1)) == 0);
   int lane;
-  unsigned mask;  ///< lanes of the warp that belong to the tile
+  unsigned mask;  ///< lanes of the warp in the tile
 
-  /// Of the thread that calls; blocks are one-dimensional.
+  /// The tile of the calling thread; blocks are one-dimensional.
   __device__ static Tile ofThread() {
     const unsigned thread = threadIdx.x % kWarp, first = thread & ~static_cast<unsigned>(kWidth - 1);
     return {static_cast<int>(thread - first), (kAllLanes >> (kWarp - kWidth)) << first};
@@ -35,7 +35,7 @@ template <int kWidth> struct Tile {
     for (int step = kWidth / 2; step > 0; step /= 2) a += __shfl_xor_sync(mask, a, step, kWidth);
     return a;
   }
-  /// Sum over the lanes before this one.
+  /// Exclusive prefix sum over the lanes.
   __device__ int sumBefore(int a) const {
     int total = a;
 #pragma unroll
@@ -45,21 +45,20 @@ template <int kWidth> struct Tile {
     }
     return total - a;
   }
-  /// Bit k: lane k says yes.
+  /// Bit k: the flag of lane k.
   __device__ unsigned ballot(bool yes) const {
     return (__ballot_sync(mask, yes) & mask) >> (__ffs(static_cast<int>(mask)) - 1);
   }
 };
 
-/// The numbers of a Block6, and how many of their sums a lane is left with.
+/// Number of reals in a Block6, and number of sums that each lane keeps.
 inline constexpr int kBlockReals = static_cast<int>(sizeof(Block6) / sizeof(Real));
 inline constexpr int kPaddedReals = 32;
 static_assert(kBlockReals <= kPaddedReals && sizeof(Block6) == sizeof(Real) * kBlockReals);
 template <int kWidth> inline constexpr int kRealsPerLane = kPaddedReals / kWidth;
 
-/// Sums blocks over a tile, each number in one lane: lane l gets the sums of the numbers from kRealsPerLane *
-/// l on. Halves of the numbers change sides at each step, so that it takes 31 shuffles and not 27
-/// log2(kWidth).
+/// Reduce-scatter of blocks over a tile: lane l gets the sums of the reals from kRealsPerLane * l on. Lanes
+/// exchange halves in each step, which takes 31 shuffles instead of 27 log2(kWidth).
 template <int kWidth>
 __device__ void sumBlocks(const Tile<kWidth>& tile, const Block6& block,
                           Real (&sums)[kRealsPerLane<kWidth>]) {
@@ -79,7 +78,7 @@ __device__ void sumBlocks(const Tile<kWidth>& tile, const Block6& block,
   for (int k = 0; k < kRealsPerLane<kWidth>; ++k) sums[k] = v[k];
 }
 
-/// Writes what sumBlocks has left in the lanes of a tile.
+/// Stores the sums that sumBlocks() left in the lanes.
 template <int kWidth>
 __device__ void storeSums(const Tile<kWidth>& tile, const Real (&sums)[kRealsPerLane<kWidth>], Block6& to) {
   Real* const numbers = reinterpret_cast<Real*>(&to);
@@ -88,7 +87,7 @@ __device__ void storeSums(const Tile<kWidth>& tile, const Real (&sums)[kRealsPer
     if (const int i = tile.lane * kRealsPerLane<kWidth> + k; i < kBlockReals) numbers[i] = sums[k];
 }
 
-/// What sumBlocks has left in the lanes of a tile, in every lane.
+/// All-gather of the sums that sumBlocks() left in the lanes.
 template <int kWidth>
 __device__ Block6 gatherSums(const Tile<kWidth>& tile, const Real (&sums)[kRealsPerLane<kWidth>]) {
   Real v[kBlockReals];
@@ -100,7 +99,7 @@ __device__ Block6 gatherSums(const Tile<kWidth>& tile, const Real (&sums)[kReals
   return block;
 }
 
-/// Sum over the lanes of a tile, the same in all.
+/// Sum over the lanes of a tile, the same in all lanes.
 template <int kWidth> __device__ Block3 sumOf(const Tile<kWidth>& tile, const Block3& own) {
   Block3 sum;
   sum.f = tile.sum(own.f);
@@ -119,13 +118,13 @@ template <int kWidth> __device__ Block6 sumOf(const Tile<kWidth>& tile, const Bl
   return sum;
 }
 
-/// *p += a for threads of a warp that come here together, by one of them.
+/// *p += a with warp aggregation: one atomic for the converged threads.
 __device__ inline void atomicCountTogether(int* p, int a) {
   const unsigned here = __activemask();
   const int sum = __reduce_add_sync(here, a);
   if (static_cast<int>(threadIdx.x % kWarp) == __ffs(static_cast<int>(here)) - 1) atomicAdd(p, sum);
 }
-/// The same by ones; returns a number of its own to each thread that comes here, from the old *p on.
+/// The same with a = 1. Returns a unique number per thread, from the old *p on.
 __device__ inline int claimTogether(int* p) {
   const unsigned here = __activemask();
   const int lane = static_cast<int>(threadIdx.x % kWarp), first = __ffs(static_cast<int>(here)) - 1;
@@ -134,11 +133,11 @@ __device__ inline int claimTogether(int* p) {
   return __shfl_sync(here, base, first) + __popc(here & ((1u << lane) - 1));
 }
 
-/// Which kernel runs a stage on the device. One with `kWidth` lanes has operator()(SolverData, element,
-/// Tile<kWidth>) and takes the place of a stage that has operator()(SolverData, element); what the stage's
-/// functor holds it is made from.
+/// Maps a stage to its device kernel. A kernel with `kWidth` lanes has operator()(SolverData, element,
+/// Tile<kWidth>) in place of the stage's operator()(SolverData, element). It is constructed from the stage's
+/// functor.
 template <class Kernel> struct OnDevice { using Type = Kernel; };
-/// A strict build runs the stages as they are: a thread an element, sums in the order of the CPU.
+/// A strict build runs the stages unchanged: one thread per element, sums in the order of the CPU.
 #if defined(RUBBLE_STRICT)
 inline constexpr bool kStrict = true;
 #else
@@ -160,7 +159,7 @@ concept Tiled = requires {
   Kernel::kWidth;
 };
 
-/// Threads that one element takes.
+/// Threads per element.
 template <class Kernel> constexpr int widthOf() {
   if constexpr (Tiled<Kernel>)
     return Kernel::kWidth;

@@ -1,5 +1,5 @@
 #pragma once
-/// Times of the stages of one enqueued step, by events between them. Nothing waits for them inside the step.
+/// Stage times of an enqueued step, measured by CUDA events. The step never waits for them.
 #include <cstring>
 #include <vector>
 
@@ -20,8 +20,8 @@ class Timeline {
 
   void clear() { names_.clear(); }
 
-  /// Stage `name` begins here; nullptr: the last one ends. While a graph is captured the event becomes a node
-  /// of it.
+  /// Starts stage `name`; nullptr ends the last one. While a graph is captured the event becomes a node of
+  /// it.
   void mark(const char* name, cudaStream_t stream, bool captured) {
     if (names_.size() == events_.size()) {
       cudaEvent_t event;
@@ -33,7 +33,7 @@ class Timeline {
     names_.push_back(name);
   }
 
-  /// Adds the times [ms] of the last run, which has ended.
+  /// Adds the times [ms] of the last run, which must have ended.
   void addTo(std::vector<StageTime>& times) const {
     for (std::size_t i = 0; i + 1 < names_.size(); ++i) {
       if (!names_[i]) continue;

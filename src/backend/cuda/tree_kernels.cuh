@@ -1,15 +1,16 @@
 #pragma once
-/// Stages of joint trees, a tile of lanes a body: a joint is hundreds of numbers, and some bodies have five.
+/// Kernels of joint trees, one tile of lanes per body. A joint has hundreds of numbers, and bodies have up to
+/// about five joints.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Where a number of a Block6 lies in [H f]: in the lower triangle of H, or in column 6.
+/// Place of an element of a Block6 in [H f]: the lower triangle of H, or column 6.
 struct BlockPlace {
   static constexpr int kForce = 6;
   int row, column;
   __device__ static BlockPlace of(int number) {
-    // ll and aa: xx xy xz yy yz zz; then the columns of al; then fl, fa
+    // order: ll and aa as xx xy xz yy yz zz, then the columns of al, then fl, fa
     constexpr int kTriangle = 6, kSquare = 9;
     if (number >= 2 * kTriangle + kSquare) return {number - 2 * kTriangle - kSquare, kForce};
     if (number >= 2 * kTriangle) return {3 + (number - 2 * kTriangle) % 3, (number - 2 * kTriangle) / 3};
@@ -18,18 +19,17 @@ struct BlockPlace {
   }
 };
 
-/// Eight lanes a body, a lane a point of a contact: contacts hardly fill more, and the rows of joints are
-/// found beside it.
+/// Eight lanes per body, one lane per contact point. More lanes would be idle with contacts, and the rows of
+/// joints are computed elsewhere.
 template <class L> struct AssembleTreeBodiesByTile {
   static constexpr const char* kStage = AssembleTreeBodies<L>::kStage;
-  /// 72 registers: with fewer most of a block is copied to memory and back, with more it has no room beside
-  /// the search.
+  /// 72 registers. Fewer spill most of a block to memory, more prevent concurrency with the pair search.
   static constexpr int kWidth = 8, kBlocks = 7;
   explicit AssembleTreeBodiesByTile(const AssembleTreeBodies<L>&) {}
 
   __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
     const TreeNode node = s.treeNode[n];
-    // nobody asks for the blocks of small trees that rest
+    // blocks of converged small trees are not used
     if (s.smallTrees && s.treeConverged[node.tree]) return;
     Block6 block;
     const bool still = stands(s, node);
@@ -63,8 +63,8 @@ template <class L> struct AssembleTreeBodiesByTile {
       addContact<Real>(s, incidence.code, point, block, weight);
       if (s.rolls && point == 0) addRolling(s, incidence.code, block, weight);
     }
-    // deformable objects come last; their sum has its own memory, for what is passed to a function lies in no
-    // register
+    // Deformable objects come last. Their sum is a separate variable, because a variable passed by reference
+    // is not kept in registers.
     if (s.vertices == 0) return;
     Block6 soft;
     for (int k = end - 1 - tile.lane; k >= begin && constraintType(s.incidence[k].code) > JointTypes::kSize;
@@ -75,19 +75,19 @@ template <class L> struct AssembleTreeBodiesByTile {
 };
 template <class L> struct OnDevice<AssembleTreeBodies<L>> { using Type = AssembleTreeBodiesByTile<L>; };
 
-/// D += A B of matrices of 8 x 4 and 4 x 8 numbers, by tensor cores: lane l of a warp has A[l / 4][l % 4],
-/// B[l % 4][l / 4], and D[l / 4][l % 4 * 2 + c].
+/// D += A B for 8 x 4 and 4 x 8 matrices on tensor cores. Lane l of a warp holds A[l / 4][l % 4], B[l % 4][l
+/// / 4], and D[l / 4][l % 4 * 2 + c].
 __device__ inline void addProduct(double (&d)[2], double a, double b) {
   asm("mma.sync.aligned.m8n8k4.row.col.f64.f64.f64.f64 {%0, %1}, {%2}, {%3}, {%0, %1};"
       : "+d"(d[0]), "+d"(d[1])
       : "d"(a), "d"(b));
 }
 
-/// A warp a body, which takes its joints part by part: rows J with stiffnesses K and forces F make J^T [K J,
-/// -F] and, with J' of a neighbour, J^T K J'. Lane l has number l / 4 of row l % 4.
+/// One warp per body, which processes its joints part by part. Rows J with stiffnesses K and forces F give
+/// J^T [K J, -F] and, with J' of a neighbor, J^T K J'. Lane l holds element l / 4 of row l % 4.
 struct AssembleTreeJointsByTile {
   static constexpr const char* kStage = AssembleTreeJoints::kStage;
-  /// 64 registers: with 48 every part waits for copies of the one before.
+  /// 64 registers; 48 cause spills in every part
   static constexpr int kWidth = kWarp, kBlocks = 8;
 
   __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
@@ -122,15 +122,14 @@ struct AssembleTreeJointsByTile {
   }
 
  private:
-  /// Lanes that have the rows of a part.
+  /// Lanes that hold the rows of a part.
   static constexpr int kRowLanes = 4;
   static_assert(kMostTreeRows <= kRowLanes);
-  /// What a lane has of [H f], and of the couplings.
+  /// This lane's elements of [H f] and of the couplings.
   struct Sums {
     double own[2], coupling[2][2];
   };
-  /// What a lane has of the rows of a part: K, or -F where i is 6, a number of J and those of both
-  /// neighbours.
+  /// This lane's elements of the rows of a part: K (-F for i = 6), one of J, and one for each neighbor.
   struct PartOfLane {
     int count;
     double scale;
@@ -149,7 +148,7 @@ struct AssembleTreeJointsByTile {
     const int last = tile.sumBefore(own.parts) + own.parts,
               all = __shfl_sync(tile.mask, last, kWidth - 1, kWidth);
     JointOfLane joint{};
-    // parts on their way at once
+    // parts in flight
     constexpr int kAhead = 2;
     for (int p = 0, next = 0, until = 0; p < all;) {
       PartOfLane part[kAhead];
@@ -171,7 +170,7 @@ struct AssembleTreeJointsByTile {
       }
     }
   }
-  /// A joint, whose next part lies at `part`, and the sides of it that are the body and its neighbours.
+  /// A joint whose next part is at `part`, and its sides that are the body and its neighbors.
   struct JointOfLane {
     const char* part;
     int parts;
@@ -187,7 +186,7 @@ struct AssembleTreeJointsByTile {
       return static_cast<int>(sides >> (2 + 3 * t) & 7) - 1;
     }
     __device__ bool carried() const { return sides >> 8 != 0; }
-    /// That of another lane.
+    /// The value of another lane.
     __device__ JointOfLane of(int lane, const Tile<kWidth>& tile) const {
       JointOfLane other;
       other.part = reinterpret_cast<const char*>(
@@ -199,7 +198,7 @@ struct AssembleTreeJointsByTile {
   __device__ static JointOfLane jointOf(const SolverData& s, const TreeNode& node,
                                         const Incidence& incidence) {
     JointOfLane joint;
-    // read at once, whatever the type: lanes that have different ones wait for memory together
+    // read before the branch on the type, so that all lanes wait for memory together
     const int far = incidence.other >= 0 ? s.nodeOfBody[incidence.other] : -1;
     forEachType(JointTypes{}, [&]<class F>() {
       if (constraintType(incidence.code) != typeIndex<F>(JointTypes{}) + 1 || isLink<F>(incidence.code))
@@ -222,7 +221,7 @@ struct AssembleTreeJointsByTile {
     joint.part += sizeof part;
     const int i = tile.lane / kRowLanes, k = tile.lane % kRowLanes, number = min(i, 5);
     const auto of = [&](const Vec6& v) { return (&v.lin.x)[number]; };
-    // rows beyond the last are read, too, and not used: so nothing waits for the count
+    // rows beyond the last are read but not used, so that the read does not depend on the count
     const TreeRow<kSides>& row = part.row[min(k, kMostTreeRows - 1)];
     PartOfLane own{part.count,
                    i < 6 ? row.hessian : -row.force,
@@ -251,8 +250,8 @@ struct AssembleTreeJointsByTile {
 };
 template <> struct OnDevice<AssembleTreeJoints> { using Type = AssembleTreeJointsByTile; };
 
-/// A lane a column: of H (lanes 0 to 5), the force (6), and the two couplings (8 to 13, 16 to 21). All lanes
-/// factor H.
+/// One lane per column: H (lanes 0 to 5), the force (6), and the two couplings (8 to 13, 16 to 21). All lanes
+/// repeat the factorization of H.
 struct EliminateNodeByTile {
   static constexpr const char* kStage = EliminateNode::kStage;
   static constexpr int kWidth = kWarp;
@@ -311,7 +310,7 @@ struct EliminateNodeByTile {
 };
 template <> struct OnDevice<EliminateNode> { using Type = EliminateNodeByTile; };
 
-/// A lane a row.
+/// One lane per row.
 struct SubstituteNodeByTile {
   static constexpr const char* kStage = SubstituteNode::kStage;
   static constexpr int kWidth = 8;
@@ -335,7 +334,7 @@ struct SubstituteNodeByTile {
 };
 template <> struct OnDevice<SubstituteNode> { using Type = SubstituteNodeByTile; };
 
-/// Calls round(first, last) for the members of a tree that are eliminated together, from the first round on.
+/// Calls round(first, last) for the nodes of each elimination level of a tree, in order.
 template <class Round> __device__ void forEachRound(const SolverData& s, int begin, int end, Round&& round) {
   for (int r = 0, k = begin; r < s.treeLevels; ++r) {
     const int first = k;
@@ -343,7 +342,7 @@ template <class Round> __device__ void forEachRound(const SolverData& s, int beg
     if (k > first) round(first, k);
   }
 }
-/// The same from the last round back.
+/// The same in reverse order.
 template <class Round>
 __device__ void forEachRoundBack(const SolverData& s, int begin, int end, Round&& round) {
   for (int r = s.treeLevels - 1, k = end; r >= 0; --r) {
@@ -353,9 +352,8 @@ __device__ void forEachRoundBack(const SolverData& s, int begin, int end, Round&
   }
 }
 
-/// SolveTree by a block: a warp each body whose joints are added, or that is eliminated, and fewer lanes each
-/// that is substituted. So many blocks that a thousand trees are all on a large device at a time, and as many
-/// warps as then have 80 registers.
+/// SolveTree by a block: one warp per body for adding joints and elimination, fewer lanes for substitution.
+/// The block size lets 1000 trees be resident on a large device, with 80 registers per thread.
 inline constexpr int kTreeThreads = 3 * kWarp, kTreeBlocks = 8;
 static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks)
     solveTrees(const __grid_constant__ SolverData s, Gate gate) {
@@ -377,13 +375,13 @@ static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks)
     forEachRoundBack(s, begin, end, [&](int first, int last) {
       solve(SubstituteNodeByTile(SubstituteNode{0}), first, last);
     });
-    // not what is left of it in a cache from before
+    // bypasses a stale L1 cache line
     const double share = treeShare(__ldcg(&s.treeMaxRotation[tree]));
     for (int k = begin + thread; k < end; k += kTreeThreads) MoveTrees::move(s, s.treeMember[k], share);
   });
 }
 
-/// ProjectTree by a warp, a lane a body.
+/// ProjectTree by a warp, one lane per body.
 struct CloseTreeByTile {
   static constexpr const char* kStage = ProjectTree::kStage;
   static constexpr int kWidth = kWarp;

@@ -1,14 +1,13 @@
 #pragma once
-/// Batches of bytes on their way to the device, in the order of a stream.
+/// Asynchronous uploads of byte batches, in stream order.
 #include "backend/cuda/device_memory.h"
 
 namespace rubble {
 
-/// The host fills page-locked memory and goes on as soon as a copy is enqueued: the next batch is filled
-/// beside it.
+/// Double-buffered page-locked memory: the host fills the next batch while the previous one is copied.
 class Upload {
  public:
-  /// Host memory for so many bytes; waits only if the last batch but one has not been copied yet.
+  /// Host memory for that many bytes. Waits only if the batch before the last is still being copied.
   std::byte* begin(std::size_t bytes) {
     turn_ ^= 1;
     sent_[turn_].wait();
@@ -16,7 +15,7 @@ class Upload {
     bytes_ = bytes;
     return host_[turn_].data();
   }
-  /// Where the bytes are on the device, for what is enqueued in the stream before the next batch.
+  /// Device address of the bytes, valid for work enqueued before the next batch.
   const std::byte* send(cudaStream_t stream) {
     device_.reserve(bytes_);
     checkCuda(cudaMemcpyAsync(device_.data(), host_[turn_].data(), bytes_, cudaMemcpyHostToDevice, stream),

@@ -4,7 +4,7 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-/// One thread beside many. Measures come from the first.
+/// One thread next to many threads. Measures and arrays are those of the first executor.
 class LockstepEngine final : public Engine {
  public:
   explicit LockstepEngine(int threads) : pair_(1, threads) {}
@@ -81,7 +81,7 @@ class LockstepEngine final : public Engine {
   void forgetContactsOf(std::span<const int> slots) override {
     both([&](HostTables& t) { RUBBLE_CORE::forgetContactsOf(t, slots); });
   }
-  /// Of the first: nobody but the engine writes.
+  /// Of the first executor: views are read-only.
   ArrayView array(StateArray which) override { return arrays_.view(which); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
     both([&](HostTables& t) { scatterRows(t, which, rows, values); });

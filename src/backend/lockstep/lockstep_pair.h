@@ -1,6 +1,6 @@
 #pragma once
-/// Two executors side by side: the step runs on both, stage by stage, and the first stage, table and element
-/// that differ are named.
+/// Runs the step on two executors and compares all tables after each stage. Reports the first stage, table
+/// and element that differ.
 #include <barrier>
 #include <cstring>
 #include <exception>
@@ -12,7 +12,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-/// Each runs the step of the library in a thread of its own; they wait for one another where a stage ends.
+/// Each executor runs the step in a thread of its own. The threads meet in a barrier at the end of each
+/// stage.
 class LockstepPair {
  public:
   LockstepPair(int threadsA, int threadsB) : a_(threadsA), b_(threadsB) { observe(); }
@@ -23,7 +24,7 @@ class LockstepPair {
   CpuExecutor& b() { return b_.executor; }
   const CpuExecutor& a() const { return a_.executor; }
 
-  /// One step of both, as `step` of one; `number` is its name in a difference.
+  /// One step of both executors. `number` identifies it in a reported difference.
   void step(std::int64_t number) {
     step_ = number;
     a_.ended = b_.ended = false;
@@ -36,7 +37,7 @@ class LockstepPair {
       if (error) std::rethrow_exception(error);
   }
 
-  /// Between steps they do not wait for one another.
+  /// Without barriers between the two.
   void sortBodies() {
     for (Side* side : {&a_, &b_}) {
       side->executor.observe({});
@@ -45,16 +46,16 @@ class LockstepPair {
     observe();
   }
 
-  /// "stage narrow, table manifold, element 12" of the first difference since the start, or "".
+  /// The first difference since the start, "stage narrow, table manifold, element 12", or "".
   const std::string& firstDifference() const { return difference_; }
 
  private:
-  /// One of the two, and the stage that it is in.
+  /// One of the two executors, and its present stage.
   struct Side {
     explicit Side(int threads) : executor(threads) {}
     CpuExecutor executor;
     const char* stage = "";
-    bool ended = false;  ///< its part of this step
+    bool ended = false;  ///< its thread has finished this step
   };
   struct Compare {
     LockstepPair* pair;
@@ -66,7 +67,7 @@ class LockstepPair {
       side->executor.observe([this, side](const char* stage) { enter(*side, stage); });
   }
 
-  /// A stage of several kernels is compared when it has ended: in between, orders may differ.
+  /// Compares a stage only at its end: within it, the kernels may run in different orders.
   void enter(Side& side, const char* stage) {
     if (*side.stage && std::strcmp(stage, side.stage) != 0) meeting_->arrive_and_wait();
     side.stage = stage;
@@ -81,7 +82,7 @@ class LockstepPair {
     meeting_->arrive_and_drop();
   }
 
-  /// Both have come to the end of a stage, or of the step.
+  /// Both threads are at the end of a stage or of the step.
   void meet() {
     if (!difference_.empty() || (a_.ended && b_.ended)) return;
     if (a_.ended == b_.ended && std::strcmp(a_.stage, b_.stage) == 0) return compare();
