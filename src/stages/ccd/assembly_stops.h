@@ -8,13 +8,13 @@ namespace rubble::RUBBLE_CORE {
 
 /// Bodies of a CCD island share a root, as those of an aggregate do.
 struct StartAssemblies {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.counters->anyFast > 0) s.root[i] = i;
   }
 };
 template <class F> struct JoinAssemblies {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     if (s.counters->anyFast == 0 || !spec.isRigid || !active<F>(s, i)) return;
@@ -28,14 +28,14 @@ inline constexpr int kHasMet = kStopRounds;
 
 /// Passes the earliest stop to the root.
 struct RaiseStops {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.counters->anyFast == 0 || s.stopPair[i] != kStopsTogether || s.stopBits[i] == 0) return;
     atomicRaise(&s.stopSeen[findRoot(s.root, i)], s.stopBits[i]);
   }
 };
 struct StopAssemblies {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.counters->anyFast == 0 || s.stopPair[i] != kStopsTogether) return;
     const int leader = findRoot(s.root, i), bits = s.stopSeen[leader];

@@ -32,7 +32,7 @@ inline constexpr Real kHeldPoint = Real(.05);
 
 /// Flags the bodies that moved far, and whether there are any.
 struct FlagFast {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     s.stopBits[i] = s.stopPair[i] = s.stopSeen[i] = s.stopRound[i] = 0;
     const BodyParams& p = s.params[i];
@@ -63,7 +63,7 @@ inline constexpr int kStopRounds = 4;
 
 /// Before a round: records how far fast bodies move according to the stops found so far.
 struct NoteStops {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   int round;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.counters->anyFast == 0 || s.fast[i] == 0) return;
@@ -150,7 +150,7 @@ RUBBLE_HD inline void noteMeeting(const SolverData& s, int i, const OrderedPair&
 
 /// Times of impact of pairs of primitive shapes; stores the remaining fraction of the motion.
 struct FindStops {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   int round;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (round == 0) s.toiBits[i] = 0;
@@ -172,7 +172,7 @@ struct FindStops {
 
 /// The pair at which a body stops; of several at the same time the last one.
 struct ChooseStops {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const int bits = s.toiBits[i];
     if (bits == 0) return;
@@ -186,7 +186,7 @@ struct ChooseStops {
 /// step. A dynamic one does not, because the carried motion would not be swept; the rows of the next step
 /// resolve that contact.
 struct StopBodies {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.toiBits[i] == 0) return;
     const OrderedPair o = ordered(s.pair[i]);

@@ -45,7 +45,7 @@ RUBBLE_HD RowFacings rowFacings(const SolverData& s, int pair, bool surfaceOnA, 
 /// Times of impact of general pairs. Parts of compounds are separate pairs. The first slot of a part and a
 /// surface processes all of their slots.
 struct FindGeneralStops {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   int round;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Pair p = s.pair[i];

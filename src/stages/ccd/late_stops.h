@@ -76,7 +76,7 @@ RUBBLE_HD inline TimeOfImpact meetingUnforeseen(const PlacedAny& part, const Way
 }
 
 struct FindLateStops {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const { (*this)(s, i, 0, 1); }
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD void operator()(const SolverData& s, int i, int lane, int lanes) const {
@@ -124,7 +124,7 @@ struct FindLateStops {
 
 /// The motion of a body that has stopped at a body with which it has no pair.
 struct StopLateBodies {
-  static constexpr const char* kStage = "stops";
+  static constexpr const char* kStage = "ccd";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (s.counters->anyFast == 0 || s.stopBits[i] == 0 || s.stopPair[i] != 0) return;
     atomicCount(&s.counters->stopped, 1);

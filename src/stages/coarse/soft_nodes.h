@@ -82,7 +82,7 @@ template <class Blocks> struct FindDepths {
 
 /// Sums the vertices of one of the finest clusters, if its object belongs to an aggregate of the level.
 struct SumSoftNodePart {
-  static constexpr const char* kStage = "softNodes";
+  static constexpr const char* kStage = "soft nodes";
   int level;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!isWanted(s, i)) return;
@@ -101,7 +101,7 @@ struct SumSoftNodePart {
 };
 /// Sums a soft node from its parts.
 struct SumSoftNode {
-  static constexpr const char* kStage = "softNodes";
+  static constexpr const char* kStage = "soft nodes";
   int level;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (aggregateOfSoftNode(s, level, i) < 0) return;
@@ -121,7 +121,7 @@ struct SumSoftNode {
 
 /// Moves a vertex with the aggregate of its soft node.
 struct MoveSoftNodes {
-  static constexpr const char* kStage = "softNodes";
+  static constexpr const char* kStage = "soft nodes";
   int level;
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
     const int softNode = s.vertexParams[v].softNode,

@@ -13,7 +13,7 @@ namespace rubble::RUBBLE_CORE {
 
 /// One thread per joint part.
 template <class F> struct LinearizeAngularRows {
-  static constexpr const char* kStage = "joint turns";
+  static constexpr const char* kStage = "angular rows";
   static constexpr int kPerJoint = hasAngularRows<F>() ? F::Parts::kCount : 0;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const PartIndex at = partAt<F>(s, k);

@@ -22,7 +22,7 @@ RUBBLE_HD inline PairPose pairPose(const SolverData& s, const OrderedPair& o) {
 /// Bounds the speed that an imminent impact may give to a body at rest. Its neighbors then use the detection
 /// margin of a fast body, so that rows exist for what it may be driven into.
 struct FindImpactSpeedBounds {
-  static constexpr const char* kStage = "impactSpeedBound";
+  static constexpr const char* kStage = "impact speed";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Pair p = s.pair[i];
     const BodyParams &po = s.params[p.owner], &pb = s.params[p.other];

@@ -268,9 +268,9 @@ template <class E> void sortBodies(E& e, int pairs) {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (followsBodies(array)) most = std::max(most, sizeof(T));
   });
-  struct alignas(64) Strand {};
-  void* const aside = e.template room<Strand>(
-      static_cast<int>(most * static_cast<std::size_t>(bodies) / sizeof(Strand)) + 1);
+  struct alignas(64) Line {};
+  void* const aside = e.template room<Line>(
+      static_cast<int>(most * static_cast<std::size_t>(bodies) / sizeof(Line)) + 1);
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (!followsBodies(array)) return;
     T* const moved = static_cast<T*>(aside);

@@ -44,7 +44,7 @@ RUBBLE_HD inline Real bendCoupling(const LineBend* bend, int a, int b) {
 
 /// The rows of each vertex of a strand: its own block, and its couplings with the next two vertices.
 template <bool surfaces> struct AssembleStrands {
-  static constexpr const char* kStage = "lines";
+  static constexpr const char* kStage = "strands";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const StrandVertex& at = s.strandVertex[k];
     const int v = at.v, last = s.strand[at.line].end - 1;
@@ -133,7 +133,7 @@ RUBBLE_HD inline Real strandShare(Real turn) { return turn < kNoLineTurn ? 1 / m
 
 /// The step of a strand: banded factorization and substitution.
 struct SolveStrand {
-  static constexpr const char* kStage = "lines";
+  static constexpr const char* kStage = "strands";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Strand& line = s.strand[i];
     const LineRows rows(s, line);
@@ -160,7 +160,7 @@ struct SolveStrand {
 
 /// Updates the multipliers of the springs whose rows the strand has solved.
 struct TakeStrandForces {
-  static constexpr const char* kStage = "lines";
+  static constexpr const char* kStage = "strands";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const StrandVertex& at = s.strandVertex[k];
     const Real share = s.strandShare[at.line];
@@ -179,7 +179,7 @@ struct TakeStrandForces {
 };
 
 struct MoveStrands {
-  static constexpr const char* kStage = "lines";
+  static constexpr const char* kStage = "strands";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const StrandVertex& at = s.strandVertex[k];
     const Real share = s.strandShare[at.line];

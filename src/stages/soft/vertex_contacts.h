@@ -316,7 +316,7 @@ struct UpdatePointContacts {
 
 /// Deactivates contacts without load that stay open at the inertial targets: k = 0.
 struct MarkInactivePoints {
-  static constexpr const char* kStage = "dormant";
+  static constexpr const char* kStage = "inactive";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     PointContact& p = s.pointContact[i];
     if (!s.step.dormantRows || !p.active || p.lambdaN != Real(0)) return;

@@ -61,7 +61,7 @@ RUBBLE_HD inline int projectionNode(const SolverData& s, int body) {
 inline constexpr Real kClosingWay = Real(.5);
 
 template <class F> struct FindTreesToProject {
-  static constexpr const char* kStage = "closing";
+  static constexpr const char* kStage = "joint projection";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     if (!spec.isRigid || !active<F>(s, i)) return;
@@ -92,7 +92,7 @@ RUBBLE_HD void accumulateGap(const SolverData& s, const TreeNode& node, int inde
 }
 
 struct AssembleLinks {
-  static constexpr const char* kStage = "closing";
+  static constexpr const char* kStage = "joint projection";
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     if (s.treeNeedsProjection[node.tree] == 0) return;
@@ -114,7 +114,7 @@ struct AssembleLinks {
 
 /// As EliminateNode, for scalars.
 struct EliminateLink {
-  static constexpr const char* kStage = "closing";
+  static constexpr const char* kStage = "joint projection";
   int begin;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const TreeNode& node = s.treeNode[begin + k];
@@ -136,7 +136,7 @@ struct EliminateLink {
 
 /// As SubstituteNode, for scalars.
 struct SubstituteLink {
-  static constexpr const char* kStage = "closing";
+  static constexpr const char* kStage = "joint projection";
   int begin;
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const TreeNode& node = s.treeNode[begin + k];
@@ -149,7 +149,7 @@ struct SubstituteLink {
 
 /// Solves a small tree in one thread: assembly and all levels.
 struct ProjectTree {
-  static constexpr const char* kStage = "closing";
+  static constexpr const char* kStage = "joint projection";
   RUBBLE_HD void operator()(const SolverData& s, int tree) const {
     const int begin = s.treeOffset[tree], end = s.treeOffset[tree + 1];
     if (s.treeNeedsProjection[s.treeNode[s.treeMember[begin]].tree] == 0) return;
@@ -190,7 +190,7 @@ RUBBLE_HD RUBBLE_APART inline Vec3 keptOut(const SolverData& s, int body, Vec3 w
 
 /// Limits the translation of a body. All bodies still have their uncorrected positions.
 struct LimitProjection {
-  static constexpr const char* kStage = "closing";
+  static constexpr const char* kStage = "joint projection";
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     if (s.treeNeedsProjection[node.tree] == 0) return;
@@ -205,7 +205,7 @@ struct LimitProjection {
   }
 };
 struct ApplyProjection {
-  static constexpr const char* kStage = "closing";
+  static constexpr const char* kStage = "joint projection";
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     if (s.treeNeedsProjection[node.tree] == 0) return;
