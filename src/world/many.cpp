@@ -209,8 +209,8 @@ void World::reserve(const std::string& kind, int count) {
   }
   if (!known)
     throw Error("kind",
-                "pairs, nearPairs, manifolds, rollers, bounceRows, entries, colors, groups, chunks, "
-                "externals, pointPairs, pointEntries, nearFeatures or freeIslands",
+                "pairs, activePairs, manifolds, rollers, bounceRows, incidences, colors, aggregates, slices, "
+                "boundary, pointPairs, pointIncidences, nearFeatures or freeIslands",
                 "\"" + kind + "\"");
 }
 

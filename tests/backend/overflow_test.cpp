@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kSteps = 40;
 constexpr int kAmple = 100'000;
-const std::vector<std::string> kKinds = {"pairs",  "activePairs", "manifolds", "incidences", "colors",
-                                         "groups", "chunks",      "externals", "freeIslands"};
+const std::vector<std::string> kKinds = {"pairs",      "activePairs", "manifolds", "incidences", "colors",
+                                         "aggregates", "slices",      "boundary",  "freeIslands"};
 const std::vector<std::string> kGeneralKinds = {"rollers", "pointPairs", "pointIncidences", "nearFeatures"};
 
 /// Two soft cubes, one falls on the other, and balls with rolling friction.

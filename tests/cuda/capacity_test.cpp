@@ -28,7 +28,7 @@ TEST_F(CudaCapacity, OverflowDoesNotChangeTheResult) {
 /// Room for all but one kind, which begins with one element.
 TEST_F(CudaCapacity, OverflowOfEachTableIsReportedAndChangesNoResult) {
   const std::vector<std::string> kinds = {"pairs",  "activePairs", "manifolds", "incidences",
-                                          "colors", "groups",      "chunks",    "externals"};
+                                          "colors", "aggregates",  "slices",    "boundary"};
   const auto worldBut = [&](const std::string& scarce) {
     World world(mixedScene(), optionsFor("cuda"));
     for (const std::string& kind : kinds)
