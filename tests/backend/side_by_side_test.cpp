@@ -65,7 +65,9 @@ TEST(SideBySide, HasTheBitsOfOneByOne) {
       return std::memcmp(a, b, sizeof *a * static_cast<std::size_t>(count)) == 0;
     };
     ASSERT_TRUE(same(s.position, t.position, s.bodies) && same(s.orientation, t.orientation, s.bodies)) << n;
-    ASSERT_TRUE(same(s.velocity, t.velocity, s.bodies) && same(s.angularVelocity, t.angularVelocity, s.bodies)) << n;
+    ASSERT_TRUE(same(s.velocity, t.velocity, s.bodies) &&
+                same(s.angularVelocity, t.angularVelocity, s.bodies))
+        << n;
     for (int i = 0; i < s.joints[0]; ++i) {
       const auto &rows = partOf<0>(s.jointsOf<BallJoint>()[i].parts),
                  &alone = partOf<0>(t.jointsOf<BallJoint>()[i].parts);
