@@ -89,7 +89,7 @@ Probes bounceProbes(const Arguments& arguments, const Scene& scene) {
 std::vector<Claim> bounceClaims(const Arguments& arguments) {
   const double e = value(arguments, "restitution");
   return {within("restitution_found", e - .05, e + .05,
-                 "the rebound is as high as the restitution says, within .05")};
+                 "the rebound is as high as the restitution says, within 0.05")};
 }
 
 // Pendulum: a rod that hangs by its end.

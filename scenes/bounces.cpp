@@ -66,7 +66,7 @@ class LadderProbe final : public Probe {
     bool rises = false;
   };
   void finishBounce(Bouncer& b) {
-    // twice .3 sqrt(g L)
+    // twice 0.3 sqrt(g L)
     const bool fast = 2 * kGravity * b.expected > .36 * kGravity * 2 * kSize;
     b.expected *= b.e * b.e;
     if (fast) error_ = std::max(error_, std::abs(b.top / b.expected - 1)), ++bounces_;

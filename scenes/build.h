@@ -49,7 +49,7 @@ Scale scaleOf(const Arguments& arguments);
 Scene emptyScene(const Vec3& up, double gravity);
 /// Static half space "ground" with its surface at `height` above the origin.
 BodyDef ground(const Vec3& up, double height = 0, double friction = .6);
-/// A dynamic box with friction .6 and no name.
+/// A dynamic box with friction 0.6 and no name.
 BodyDef block(const Vec3& halfExtents, const Vec3& position, double density);
 /// Puts the bodies from `first` on in an order that is random, and always the same. No joint may name one of
 /// them yet.

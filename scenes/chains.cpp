@@ -87,12 +87,12 @@ constexpr double kPendulumSwing = 5.887;  // first swing at 1600 iterations of s
 std::vector<Claim> pendulumClaims(const Arguments& arguments) {
   const Scale scale = scaleOf(arguments);
   std::vector<Claim> result{
-      atMost("joint_gap_mean_m", .0002 * kLink * scale.length, "mean joint gap under .02 % of a link"),
+      atMost("joint_gap_mean_m", .0002 * kLink * scale.length, "mean joint gap under 0.02 % of a link"),
       keepsEnergy(), atMost("quarantined", 0, "every state stays finite")};
   if (whole(arguments, "links") == kPendulumLinks && value(arguments, "ratio") == kPendulumRatio) {
     const double swing = kPendulumSwing * std::sqrt(scale.length);
     result.push_back(within("swing_time_s", .995 * swing, 1.005 * swing,
-                            "it swings with the period of a converged run, within .5 %"));
+                            "it swings with the period of a converged run, within 0.5 %"));
   }
   return result;
 }

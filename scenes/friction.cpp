@@ -22,7 +22,7 @@ BodyDef slab(const Vec3& halfExtents, const Vec3& position, double friction) {
   return body;
 }
 
-// Ladder: boxes with friction 5, 4.5, ... 0 on a slab of .5.
+// Ladder: boxes with friction 5, 4.5, ... 0 on a slab of 0.5.
 
 constexpr int kLadderBoxes = 11;
 constexpr double kLadderSlab = .5;

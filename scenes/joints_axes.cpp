@@ -176,7 +176,7 @@ Scene buildBreak(const Arguments&) {
   Scene scene = emptyScene(kUpZ, kG);
   for (int i = 0; i < kHangers; ++i) {
     const int body = put(scene, box({.5, .5, .5}, {1.5 * i, 0, 0}, 1), "cube" + std::to_string(i));
-    // .55 to 1.45 of the weight, in force or, at an arm of half a metre, in torque
+    // 0.55 to 1.45 of the weight, in force or, at an arm of half a metre, in torque
     const double part = .55 + .1 * i;
     JointDef& joint = join(scene, JointType::Fixed, body, kWorld,
                            i % 2 ? Vec3{1.5 * i - .5, 0, 0} : Vec3{1.5 * i, 0, .5}, {1, 0, 0},

@@ -11,7 +11,7 @@ namespace {
 constexpr double kG = 10, kDegree = std::numbers::pi / 180;
 constexpr Vec3 kX{1, 0, 0}, kY{0, 1, 0}, kZ{0, 0, 1};
 
-// Crank of .5 m, rod of 1.5 m, piston on a slider along x.
+// Crank of 0.5 m, rod of 1.5 m, piston on a slider along x.
 constexpr double kCrank = .5, kRod = 1.5, kCrankSpeed = 4;
 Scene buildCrank(const Arguments&) {
   Scene scene = emptyScene(kUpZ, kG);

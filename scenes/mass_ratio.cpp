@@ -32,8 +32,8 @@ Scene buildTower(const Arguments& arguments) {
 }
 
 std::vector<Claim> towerClaims(const Arguments& arguments) {
-  // Measured in avbd-demo3d with k_start = m/dt^2 at 4 iterations: 40 cubes rest .18 m down, 10 cubes .013 m.
-  // The error of a layer grows with the layers above it.
+  // Measured in avbd-demo3d with k_start = m/dt^2 at 4 iterations: 40 cubes rest 0.18 m down, 10 cubes 0.013
+  // m. The error of a layer grows with the layers above it.
   const double height = whole(arguments, "levels") / 40.0;
   return standsClaims((.18 * height * height + .002) * scaleOf(arguments).length,
                       "no lower than in the authors' demo with k_start = m/dt^2");

@@ -44,14 +44,15 @@ Probes probes(const Arguments&, const Scene& scene) {
 }
 
 std::vector<Claim> claims(const Arguments& arguments) {
-  // The best engine measured: .171 m at base 50, .68 m at base 100. Half a cube is the limit of bricks_lost.
+  // The best engine measured: 0.171 m at base 50, 0.68 m at base 100. Half a cube is the limit of
+  // bricks_lost.
   const double layers = whole(arguments, "base") / 50.0;
   return standsClaims((.17 * layers * layers + .005) * scaleOf(arguments).length,
                       "it stands, no lower than in the best engine measured");
 }
 
 // Bricks that fall into a pyramid from above their places, from avbd-demo3d (z up, g 10, density 1, friction
-// .5).
+// 0.5).
 
 Scene buildDrop(const Arguments& arguments) {
   const int rows = whole(arguments, "rows");
@@ -66,7 +67,7 @@ Scene buildDrop(const Arguments& arguments) {
 }
 
 std::vector<Claim> dropClaims(const Arguments& arguments) {
-  // The top starts at .85 (rows - 1) + .5 and should rest at .5 (rows - .5).
+  // The top starts at 0.85 (rows - 1) + 0.5 and should rest at 0.5 (rows - 0.5).
   const double fall = .35 * (whole(arguments, "rows") - 1) + .25;
   return {within("top_drop_m", fall - .01, fall + .03, "the top rests within 3 cm of its place"),
           atMost("max_speed_m_s", .05, "it stands still"),

@@ -1,5 +1,5 @@
 /// Ropes of bricks, a bridge, a grid: many ball joints. Sources: avbd-demo3d (z up, g 10, density 1, friction
-/// .5); the joint grid of the Box2D benchmarks (y up, g 9.81).
+/// 0.5); the joint grid of the Box2D benchmarks (y up, g 9.81).
 #include "build.h"
 #include "families.h"
 #include "motion_probes.h"

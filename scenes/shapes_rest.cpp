@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// A half circle of wedges. The least thickness that stands is .1075 of the mean radius (Milankovitch 1907).
+// A half circle of wedges. The least thickness that stands is 0.1075 of the mean radius (Milankovitch 1907).
 
 constexpr double kArchRadius = 5;
 constexpr double kArchWidth = 1;

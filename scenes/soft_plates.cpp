@@ -13,9 +13,9 @@ namespace {
 /// A plate is a lattice of cubes, each held to its neighbours by a ball joint in the middle of their faces.
 constexpr int kPlateX = 5, kPlateY = 4, kPlateZ = 2;
 constexpr double kPitch = .1,
-                 kHalfCube = .049;   // [m]; vertices of the sheet, of radius .003 m, do not fit between cubes
-constexpr double kCell = .1;         // of the sheet [m]
-constexpr double kGroundLevel = -5;  // [m]
+                 kHalfCube = .049;  // [m]; vertices of the sheet, of radius 0.003 m, do not fit between cubes
+constexpr double kCell = .1;        // of the sheet [m]
+constexpr double kGroundLevel = -5;                                          // [m]
 constexpr double kPlateSpaceX = .58, kPlateSpaceY = .48, kPlateSpaceZ = .4;  // [m]
 
 void addPlate(Scene& scene, const Vec3& corner) {

@@ -9,7 +9,7 @@
 namespace rubble::scenes {
 namespace {
 
-// Beam: clamped at x = 0, 1 m long, .1 m square. Euler and Bernoulli: tip q L^4 / (8 E I).
+// Beam: clamped at x = 0, 1 m long, 0.1 m square. Euler and Bernoulli: tip q L^4 / (8 E I).
 
 constexpr double kBeamSide = .1;
 

@@ -1,5 +1,5 @@
 /// Structures that friction or breakable joints hold: a card tower, dominoes, a corbelled arch, a beam.
-/// Sources: the AVBD paper, Figure 6; avbd-demo3d (the beam; z up, g 10, density 1, friction .5).
+/// Sources: the AVBD paper, Figure 6; avbd-demo3d (the beam; z up, g 10, density 1, friction 0.5).
 #include <cmath>
 #include <numbers>
 

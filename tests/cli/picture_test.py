@@ -4,30 +4,14 @@
 RUBBLE_UPDATE_PICTURES=1 stores the brightness of pictures anew: look at the pictures before you commit it."""
 import json
 import os
-import subprocess
-import sys
-import tempfile
 import unittest
 
+from drawing_case import HAS_GL, DrawingCase
 from png_file import pixels
 
-RUBBLE = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else "rubble"
-ENVIRONMENT = {**os.environ, "RUBBLE_GL": "software"}
 STORED = os.path.join(os.path.dirname(os.path.abspath(__file__)), "pictures.json")
-BUILD = json.loads(subprocess.check_output([RUBBLE, "info", "build", "--json"]))
-HAS_GL = BUILD["drawing"]["pictures"].startswith("on")
 BLOCK = 10  # pixels
 TOLERANCE = 6  # of 255, of the mean of a block: what another version of the driver may differ by
-
-# A ball falls beside a block that stands.
-SCENE = {
-    "name": "falling ball", "steps": 60,
-    "bodies": [
-        {"name": "ground", "motion": "static", "shape": {"type": "plane"}},
-        {"name": "block", "shape": {"type": "box", "size": [1, 1, 1]}, "position": [0, 0, 0.5]},
-        {"name": "ball", "shape": {"type": "sphere", "radius": 0.5}, "position": [2, 0, 3]},
-    ],
-}
 
 
 def blocks(file):
@@ -46,28 +30,7 @@ def largest_difference(a, b):
     return max(abs(x - y) for one, other in zip(a, b) for x, y in zip(one, other))
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-
-    def path(self, name):
-        return os.path.join(self.folder.name, name)
-
-    def scene(self, bodies=3):
-        with open(self.path("scene.json"), "w", encoding="utf-8") as file:
-            json.dump({**SCENE, "bodies": SCENE["bodies"][:bodies]}, file)
-        return self.path("scene.json")
-
-    def rubble(self, *arguments, status=0):
-        done = subprocess.run([RUBBLE, *arguments], capture_output=True, text=True, timeout=600,
-                              env=ENVIRONMENT)
-        self.assertEqual(done.returncode, status, f"{arguments}\n{done.stdout}\n{done.stderr}")
-        return done
-
-    def refused(self, *arguments, says):
-        self.assertIn(says, self.rubble(*arguments, status=2).stderr)
-
+class Case(DrawingCase):
     def picture(self, *arguments, size="160x90"):
         """Blocks of brightness of a picture."""
         self.rubble("picture", *arguments, "-o", self.path("p.png"), "--size", size, "-q")

@@ -6,51 +6,16 @@ import re
 import shutil
 import struct
 import subprocess
-import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree as xml
 
-RUBBLE = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else "rubble"
-ENVIRONMENT = {**os.environ, "RUBBLE_GL": "software"}
-DRAWING = json.loads(subprocess.run([RUBBLE, "info", "build", "--json"], capture_output=True, text=True, check=True).stdout)["drawing"]
-HAS_GL = DRAWING["pictures"].startswith("on")
+from drawing_case import DRAWING, ENVIRONMENT, HAS_GL, DrawingCase
+
 HAS_CAIRO = DRAWING["text"].startswith("Cairo on")
 SVG, XLINK = "{http://www.w3.org/2000/svg}", "{http://www.w3.org/1999/xlink}"
 
-# A ball falls beside a block that stands.
-SCENE = {
-    "name": "falling ball", "steps": 60,
-    "bodies": [
-        {"name": "ground", "motion": "static", "shape": {"type": "plane"}},
-        {"name": "block", "shape": {"type": "box", "size": [1, 1, 1]}, "position": [0, 0, 0.5]},
-        {"name": "ball", "shape": {"type": "sphere", "radius": 0.5}, "position": [2, 0, 3]},
-    ],
-}
 
-
-class Case(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-
-    def path(self, name):
-        return os.path.join(self.folder.name, name)
-
-    def scene(self):
-        with open(self.path("scene.json"), "w", encoding="utf-8") as file:
-            json.dump(SCENE, file)
-        return self.path("scene.json")
-
-    def rubble(self, *arguments, status=0, environment=None):
-        done = subprocess.run([RUBBLE, *arguments], capture_output=True, text=True, timeout=600, env=environment or ENVIRONMENT)
-        self.assertEqual(done.returncode, status, f"{arguments}\n{done.stdout}\n{done.stderr}")
-        return done
-
-    def refused(self, *arguments, says, environment=None):
-        done = self.rubble(*arguments, status=2, environment=environment)
-        self.assertIn(says, done.stderr)
-
+class Case(DrawingCase):
     def png_size(self, name):
         with open(self.path(name), "rb") as file:
             head = file.read(24)

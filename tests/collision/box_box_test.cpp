@@ -42,8 +42,8 @@ TEST(BoxBox, NormalSeparatesAboutAsFarAsAnyDirection) {
     if (m.count == 0) continue;
     ++touching;
     EXPECT_NEAR(rubble::length(m.n), 1, 1e-12);
-    // faces win near ties: against edges by 5 % of the separation and .01 L, those of A against those of B by
-    // .001 L
+    // faces win near ties: against edges by 5 % of the separation and 0.01 L, those of A against those of B
+    // by 0.001 L
     const Real allowed = .01 * length + .001 * length + .06 * std::fabs(best);
     EXPECT_GE(separationAlong(x, m.n), best - allowed);
     edges += m.points[0].feature >= 0x1000;

@@ -195,7 +195,7 @@ TEST(Recycling, MeasuresFromTheLastFullTestAndNotFromTheLastStep) {
     pair = update(stacked(.2 + i * step), &pair, tolerance);
     tests += !pair.manifold.recycled;
   }
-  // one in four: .3, .6, .9 are kept, 1.2 is tested
+  // one in four: 0.3, 0.6, 0.9 are kept, 1.2 is tested
   EXPECT_EQ(tests, 5);
 }
 

@@ -47,7 +47,8 @@ TEST_P(SoftBall, IsFilledByTetrahedraThatFitToOneAnother) {
     for (const int v : face)
       EXPECT_NEAR(length(ball.vertices[static_cast<std::size_t>(v)] - Vec3{1, 2, 3}), kRadius, 1e-12);
   }
-  // flat faces lack a share that falls with the square of their size: .88 / n^2 with 2 cells, 1.15 / n^2 with
+  // flat faces lack a share that falls with the square of their size: 0.88 / n^2 with 2 cells, 1.15 / n^2
+  // with
   // 9
   const double whole = 4 * std::numbers::pi / 3 * kRadius * kRadius * kRadius,
                lacking = (1 - volume / whole) * GetParam() * GetParam();

@@ -68,7 +68,7 @@ TEST_F(CudaStep, StaysBesideTheCpuWithJoints) {
 }
 
 /// Forces of trees are small differences of large numbers: with other bits of a coordinate where they are
-/// taken than where the blocks were summed, limits that are just reached turned elbows by .02 rad a step in
+/// taken than where the blocks were summed, limits that are just reached turned elbows by 0.02 rad a step in
 /// free fall.
 TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
   Scene arms;

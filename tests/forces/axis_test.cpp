@@ -116,7 +116,7 @@ TEST(Axis, DriveIsASpringAndADamperWithALargestForce) {
   spec.driveStiffness = 40, spec.driveDamping = 5;
   AxisRows rows{};
   beginAxis(c, spec, rows, at(1));
-  // .02 in a step is 1.2 a second, .6 more than wanted
+  // 0.02 in a step is 1.2 a second, 0.6 more than wanted
   EXPECT_NEAR(settled(c, rows, 1.02), 40 * (1.02 - 2) + 5 * (1.2 - .6), 1e-6);
   spec.driveBound = 7;
   AxisRows weak{};

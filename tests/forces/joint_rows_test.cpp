@@ -200,7 +200,7 @@ TEST(Joint, WithADamperResistsTheRateOfItsError) {
   Joint<BallJoint> joint = begun(x, c, spec);
   x.a.p = {.05, 0, 0};
   for (int i = 0; i < 400; ++i) updateJointDuals(c, spec, joint, x.a, x.b);
-  // .03 m in 1/60 s
+  // 0.03 m in 1/60 s
   EXPECT_NEAR(partOf<0>(joint.parts).lambda[0], 500 * .05 + 30 * .03 * 60, 1e-6);
 }
 

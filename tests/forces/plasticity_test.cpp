@@ -23,7 +23,7 @@ struct Clay {
   Real volume = 0;
 };
 
-/// A tetrahedron of some shape whose corners are then moved by up to `size`, in units of .1 m.
+/// A tetrahedron of some shape whose corners are then moved by up to `size`, in units of 0.1 m.
 Clay clay(Random& random, Real size, Real hardening = kHardening) {
   Clay c;
   c.x[0] = {0, 0, 0}, c.x[1] = {.1, 0, 0}, c.x[2] = {.02, .12, 0}, c.x[3] = {.03, .02, .09};

@@ -99,7 +99,7 @@ TEST(Stopping, DoesNotDependOnTheDirection) {
 }
 
 TEST(Friction, OfAPairIsTheGeometricMean) {
-  // .25 on 1 is .5
+  // 0.25 on 1 is 0.5
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::ground(1));
   BodyDef cube = test::unitCube({0, 0, .5}, .25);
@@ -148,7 +148,7 @@ TEST(Friction, SlowsASpinAtItsRate) {
   scene.bodies.push_back(cube);
   World world(scene, options(10));
   test::run(world, 10);
-  // four corners at r = sqrt(.5), I = 1/6: mu m g r / I
+  // four corners at r = sqrt(0.5), I = 1/6: mu m g r / I
   EXPECT_NEAR(world.state(world.bodyAt(1)).angularVelocity.z, 5 - 10 * kDt * .5 * 10 * std::sqrt(.5) * 6,
               .05);
   EXPECT_LT(length(world.state(world.bodyAt(1)).position - Vec3{0, 0, .5}), .01);

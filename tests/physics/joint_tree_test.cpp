@@ -238,7 +238,7 @@ TEST(JointTree, StaysClosedWhereItsTrunkIsStruck) {
 }
 
 TEST(JointTree, StaysClosedWhereItStopsInTheMiddleOfAStep) {
-  // two rods in a row turn by .7 rad a step: their centres go on arcs, and meet the ground somewhere on the
+  // two rods in a row turn by 0.7 rad a step: their centres go on arcs, and meet the ground somewhere on the
   // way
   Scene scene = test::emptyScene({0, 0, 0});
   scene.bodies.push_back(test::ground());

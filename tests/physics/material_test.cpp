@@ -69,7 +69,7 @@ TEST(Belt, CarriesABoxAtItsSpeed) {
     scene.bodies[0].material.surfaceVelocity = {1.5, 0, 0};
     scene.bodies.push_back(test::body(Shape::box({.3, .2, .1}), {-3, 0, .1}, .5));
     World world(scene, options(4));
-    // mu g t = 1.5 m/s after .3 s
+    // mu g t = 1.5 m/s after 0.3 s
     test::run(world, 9);
     EXPECT_NEAR(world.state(world.bodyAt(1)).velocity.x, .75, .15) << kind;
     test::run(world, 111);

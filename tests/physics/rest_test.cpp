@@ -21,7 +21,7 @@ double spinAfterASecond(int iterations) {
   return world.state(world.bodyAt(1)).angularVelocity.z;
 }
 
-/// Friction stops a spin of 5 rad/s within .24 s, and it stays stopped.
+/// Friction stops a spin of 5 rad/s within 0.24 s, and it stays stopped.
 TEST(Friction, BringsASpinningCubeToRest) {
   for (const int iterations : {4, 10, 50})
     EXPECT_LT(std::fabs(spinAfterASecond(iterations)), .01) << iterations;

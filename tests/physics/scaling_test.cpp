@@ -94,7 +94,7 @@ TEST_P(TimeStep, KeepsStacksStandingAndHeavyOnLight) {
 TEST_P(TimeStep, KeepsTheStoppingDistance) {
   const double dt = GetParam();
   const auto states = finalStates(sample(), dt, 3, 10);
-  // mu is the mean of .5 and .6
+  // mu is the mean of 0.5 and 0.6
   const double way = 9 / (2 * std::sqrt(.5 * .6) * 10) - 3 * dt / 2;
   EXPECT_NEAR(states[kSlider].position.x - 10, way, .03 * way);
 }

@@ -151,7 +151,7 @@ TEST(Mesh, DoesNotTripABallAtARidge) {
       world.step();
       lowest = std::min(lowest, world.state(world.bodyAt(1)).velocity.x);
     }
-    // up by 2 m at .1: v^2 = v0^2 - 2 g h
+    // up by 2 m at 0.1: v^2 = v0^2 - 2 g h
     const double top = std::sqrt(speed * speed - 20 * 2 * slope);
     EXPECT_NEAR(lowest, top, .03 * top) << twoSided;
     EXPECT_GT(world.state(world.bodyAt(1)).position.x, .2);

@@ -70,7 +70,7 @@ double creepOf(const std::string& name, const scenes::Arguments& arguments, int 
 }
 
 TEST(Settling, DoesNotMoveWhatFrictionHolds) {
-  // stones of about a metre and cards of .4 m, in twenty seconds
+  // stones of about a metre and cards of 0.4 m, in twenty seconds
   EXPECT_LT(creepOf("voussoir-arch", {}, 600, 1200), 5e-4);
   EXPECT_LT(creepOf("card-tower", {{"smash", 0}}, 600, 1200), 5e-4);
 }

@@ -99,7 +99,7 @@ TEST(QuerySurface, NearestPointsAndOverlapsAreThoseOfTheNearestTriangle) {
 }
 
 TEST(QueryField, AgreesWithTheBallThatItSamples) {
-  // a ball of radius 1 on a lattice of .1, away from the middle of its lattice: chords of .1 lie .00125
+  // a ball of radius 1 on a lattice of 0.1, away from the middle of its lattice: chords of 0.1 lie 0.00125
   // inside
   constexpr int kN = 31;
   const Vec3 origin{-1.3, -1.4, -1.6};

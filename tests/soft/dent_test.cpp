@@ -192,7 +192,7 @@ TEST(Dents, FastBodiesDoNotPassALargeTriangle) {
 }
 
 TEST(Dents, FrictionHoldsABoxOnATiltedTriangleUpToItsAngle) {
-  // tan 30 degrees = .577
+  // tan 30 degrees = 0.577
   for (const double mu : {.5, .65}) {
     Scene scene = emptyScene(10 * Vec3{.5, 0, -std::sqrt(.75)});
     ClothDef sheet = stiffSheet();

@@ -146,7 +146,7 @@ TEST(Strand, IsFoundWhateverTheNumbersOfItsVertices) {
 }
 
 TEST(Strand, HoldsOnABarUpToTheRatioOfLoadsThatFrictionAllows) {
-  // e^(mu pi) = 2.566 for mu = .3; the rope hangs with a hundredth of the light load
+  // e^(mu pi) = 2.566 for mu = 0.3; the rope hangs with a hundredth of the light load
   for (const int segments : {20, 60}) {
     const auto fallAfter = [&](double ratio, int steps) {
       const scenes::Spec& spec = scenes::find("capstan");

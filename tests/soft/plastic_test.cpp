@@ -59,7 +59,7 @@ TEST(Plastic, KeepsTheStrainThatItYieldedBy) {
   pull(world, bar, stress, 300);
   const double pulled = strainOf(world, bar), volume = volumeOf(world);
   run(world, 200);
-  // (stress - Y)/H = .02; what yields is Kirchhoff stress, the load by the area at rest times the stretch,
+  // (stress - Y)/H = 0.02; what yields is Kirchhoff stress, the load by the area at rest times the stretch,
   // and its strain is logarithmic
   const double plastic = (stress * (1 + pulled) - kYield) / kHardening;
   EXPECT_NEAR(plastic, .0207, .0001);

@@ -73,7 +73,7 @@ TEST(VertexShapes, HoldASheetThatFallsOnThem) {
 }
 
 TEST(VertexShapes, GrainsStayInABowlOfTriangles) {
-  // a paraboloid z = r^2, whose cells are .1 m wide
+  // a paraboloid z = r^2, whose cells are 0.1 m wide
   constexpr int kCount = 21;
   std::vector<double> heights;
   for (int j = 0; j < kCount; ++j)
@@ -89,7 +89,7 @@ TEST(VertexShapes, GrainsStayInABowlOfTriangles) {
   World world(scene, options(4));
   run(world, 240);
   for (const Vec3& x : world.positions(world.deformableAt(0))) {
-    // triangles lie up to .1^2 / 4 over the paraboloid, and touch a ball beside its lowest point
+    // triangles lie up to 0.1^2 / 4 over the paraboloid, and touch a ball beside its lowest point
     EXPECT_GT(x.z, x.x * x.x + x.y * x.y + .045);
     EXPECT_LT(x.z, .75);
   }
@@ -128,7 +128,7 @@ TEST(VertexShapes, BeltsCarryGrains) {
 }
 
 TEST(VertexShapes, FrictionFollowsTheRuleOfTheMaterials) {
-  // the smaller coefficient .2 instead of the mean .4: on a slope of .3 grains slide with g (sin - mu cos)
+  // the smaller coefficient 0.2 instead of the mean 0.4: on a slope of 0.3 grains slide with g (sin - mu cos)
   constexpr double kSlope = .3;
   for (const bool minimum : {false, true}) {
     ParticlesDef def = grains({{0, 0, .05}});

@@ -33,7 +33,7 @@ TEST(Cloth, HangsFromTwoCornersWithoutStretchingMuch) {
 }
 
 TEST(Cloth, StripStretchesUnderItsLoadAsItsModulusSays) {
-  // 1 m long, .1 m wide, E h w = 1000 N; the load comes on slowly, since a blow would fold the strip
+  // 1 m long, 0.1 m wide, E h w = 1000 N; the load comes on slowly, since a blow would fold the strip
   ClothDef strip = clothSheet({0, 0, 0}, {0, 0, -1}, {.1, 0, 0}, 10, 1);
   strip.youngsModulus = 1e7, strip.thickness = 1e-3, strip.poissonRatio = 0, strip.density = 100;
   strip.collide = false;

@@ -27,7 +27,7 @@ TEST(Solid, BeamFollowsTheConvergedSolutionAtTwentyIterations) {
     worst = std::max(worst, std::fabs(tipHeight(world, beam) - tipHeight(converged, beam)));
     deepest = std::max(deepest, -tipHeight(converged, beam));
   }
-  // two swings, the first of them through .73 m
+  // two swings, the first of them through 0.73 m
   EXPECT_GT(deepest, .6);
   EXPECT_LT(worst, .02 * deepest);
 }

@@ -100,8 +100,8 @@ TEST(TorqueFreeSpin, ConservesMomentumAndEnergyOfATumblingBody) {
 }
 
 TEST(TorqueFreeSpin, TurnsTheIntermediateAxisOver) {
-  // A tilt of .01 grows by the rate w sqrt((I3 - I2)(I2 - I1) / (I1 I3)) = 2.9 /s: it turns over near 2 s and
-  // near 6 s.
+  // A tilt of 0.01 grows by the rate w sqrt((I3 - I2)(I2 - I1) / (I1 I3)) = 2.9 /s: it turns over near 2 s
+  // and near 6 s.
   const SpinRun run = spin({.05, 5, .05}, 540);
   EXPECT_EQ(run.flips, 2);
   EXPECT_GT(run.lowEnergy, .9990);

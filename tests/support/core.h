@@ -25,8 +25,8 @@ inline Vec6 unitVec6(int i) {
   return e;
 }
 
-/// Constants of a step of 1/60 s under gravity 10 with nothing special: alpha .95, gamma .99, K 1, stiffness
-/// by the ramp.
+/// Constants of a step of 1/60 s under gravity 10 with nothing special: alpha 0.95, gamma 0.99, K 1,
+/// stiffness by the ramp.
 inline StepConstants testConstants() {
   Params params;
   params.tuning.errorRetention = .95;

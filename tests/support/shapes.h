@@ -42,7 +42,7 @@ inline std::vector<Standing> standingShapes() {
        .3, .1}};
 }
 
-/// Ground with its surface at z = 0: "plane", "box", "mesh" (triangles of .3 m) or "heights".
+/// Ground with its surface at z = 0: "plane", "box", "mesh" (triangles of 0.3 m) or "heights".
 inline BodyDef groundOf(const std::string& kind, double friction = .6, double half = 6) {
   BodyDef def = ground(friction);
   constexpr double kCell = .3;

@@ -72,7 +72,7 @@ TEST(Events, ASensorTellsAndDoesNotPush) {
       if (e.phase == Phase::End) end = world.state(world.bodyAt(2)).position.z;
     }
   }
-  // it came in with its lower face at 3.5 and went out with its upper one at 2.5; a step is up to .13 m
+  // it came in with its lower face at 3.5 and went out with its upper one at 2.5; a step is up to 0.13 m
   EXPECT_GT(begin, 3.87);
   EXPECT_LE(begin, 4.01);
   EXPECT_LE(end, 2.01);

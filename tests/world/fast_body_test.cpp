@@ -159,7 +159,7 @@ TEST(StruckBody, IsNotDrivenIntoTheGround) {
 }
 
 TEST(Assembly, StopsAsOneAndKeepsItsJointsClosed) {
-  // a leaning row of small cubes on ball joints; a cube goes .67 m a step, and the lowest meets the ground
+  // a leaning row of small cubes on ball joints; a cube goes 0.67 m a step, and the lowest meets the ground
   // first
   Scene scene = test::emptyScene({0, 0, 0});
   scene.bodies.push_back(test::ground());

@@ -168,7 +168,7 @@ TEST(WorldTarget, AKinematicPlatformCarriesABoxByFriction) {
   scene.bodies.push_back(test::unitCube({0, 0, .5}));
   World world(scene, options(10, "reference"));
   const BodyId platform = world.bodyAt(0), box = world.bodyAt(1);
-  // up to 1 m/s in .5 s, then steadily: 2 m/s2 is below mu g = 6
+  // up to 1 m/s in 0.5 s, then steadily: 2 m/s2 is below mu g = 6
   double x = 0;
   for (int i = 0; i < 120; ++i) {
     x += std::min(1., 2 * kDt * (i + 1)) * kDt;

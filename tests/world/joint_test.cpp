@@ -56,7 +56,7 @@ TEST(FixedJoint, HoldsACantileverAndReportsItsMoment) {
   const JointState state = world.state(world.joints()[0]);
   EXPECT_LT(state.gap, 1e-3);
   EXPECT_LT(state.angle, 2e-3);
-  // 10 N at .5 m, on B
+  // 10 N at 0.5 m, on B
   EXPECT_TRUE(test::near(state.torque, Vec3{0, 5, 0}, .1));
   EXPECT_TRUE(test::near(state.force, Vec3{0, 0, -10}, .1));
 }

@@ -40,7 +40,7 @@ TEST(Hinge, KeepsItsAnchorsTogetherUnderLoadAndReportsTheWrench) {
   const JointState state = world.state(only(world));
   EXPECT_LT(state.gap, 1e-4);
   EXPECT_LT(state.angle, 1e-3);
-  // on the world, about the anchor: 10 N at .5 m
+  // on the world, about the anchor: 10 N at 0.5 m
   EXPECT_TRUE(test::near(state.force, Vec3{0, 0, -10}, .05));
   EXPECT_TRUE(test::near(state.torque, Vec3{0, 5, 0}, .05));
   ASSERT_EQ(state.axes.size(), 1u);
@@ -62,7 +62,7 @@ TEST(Hinge, CountsTurnsBeyondPiAndStopsAtALimitOfTwoTurns) {
 
 TEST(Hinge, RestsOnASoftLimitByHookesLaw) {
   Scene scene = cube();
-  // a cube of 1 kg, its centre .5 m from the hinge, falls onto a limit of 40 N m/rad
+  // a cube of 1 kg, its centre 0.5 m from the hinge, falls onto a limit of 40 N m/rad
   JointDef hinge = jointAt(scene, JointType::Hinge, 0, kWorld, {-.5, 0, 0}, frameAlong(kY));
   hinge.axes[0].max = .2;
   hinge.axes[0].limitStiffness = 40, hinge.axes[0].limitDamping = 4;

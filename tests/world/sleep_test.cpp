@@ -77,7 +77,7 @@ TEST(Sleep, EndsWhenTheSupportGoes) {
   World world = settled();
   world.remove(world.bodyAt(1));
   test::run(world, 20);
-  // free fall of 20 steps of 1/60 s at 10 m/s2: .583 m
+  // free fall of 20 steps of 1/60 s at 10 m/s2: 0.583 m
   EXPECT_LT(world.state(world.bodyAt(3)).position.z, 2.5 - .5);
   EXPECT_TRUE(world.asleep(world.bodyAt(4)));
 }
