@@ -40,12 +40,18 @@ inline constexpr Real kDeepStiffness = 10;
 /// A threshold that is never reached.
 inline constexpr Real kUnreached = Real(1e18);
 
+/// What a step does, as opposed to its numbers: a change needs another sequence of kernels.
+struct StepPlan {
+  int iterations = 0;
+  bool sleeping = false, coarseCorrection = false, jointTrees = false, literalRotations = false;
+  Real acceleration = 0;  ///< rho of the accelerated sweeps over deformables [1]
+};
+
 struct StepConstants {
   Real dt;         ///< [s]
   Real inverseDt;  ///< [1/s]
   Vec3 gravity;    ///< [m/s2]
   Vec3 up;         ///< against gravity, unit; zero where nothing weighs
-  int iterations;
   Real alpha;             ///< share of an inherited error that is not corrected in this step [1]
   Real gamma;             ///< warm-start decay [1]
   Real startStiffness;    ///< K [1]
@@ -57,12 +63,11 @@ struct StepConstants {
   Real gravitySize;       ///< g [m/s2]
   Real loadAcceleration;  ///< a: a load lambda stands for the mass |lambda| / a [m/s2]
   double perFall;  ///< 1 / (g dt^2) [1/m]: the unit length of spatial cells depends on gravity and dt only
-  bool coneHessian, dormantRows, impactRule, compliantRows, literalRotations, coarseCorrection, jointTrees;
-  Real acceleration;      ///< rho of the accelerated sweeps over deformables [1]
+  bool coneHessian, dormantRows, impactRule, compliantRows;
   Real driftCorrection;   ///< share of a tangential drift that is corrected per step [1]
   Real contactMargin;     ///< d_min over L [1]
   Real recycleTolerance;  ///< [1], [rad]
-  bool sleeping;
+  bool wakeAll;           ///< every body wakes in this step
   Real sleepSpeed;        ///< surface speed below which a body counts as still, over sqrt(a L) [1]
   Real sleepDelay;        ///< [s]
   Real stiffnessRescale;  ///< (dt of the last step / dt)^2 [1]

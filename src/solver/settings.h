@@ -6,6 +6,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
+inline StepPlan stepPlan(const Params& params) {
+  const Tuning& t = params.tuning;
+  return {params.iterations, params.sleeping, t.coarseCorrection, t.jointTrees,
+          params.preset == Preset::Demo3d, static_cast<Real>(t.acceleration)};
+}
+
 /// `previousDt`: time step of the last step [s], 0 before the first.
 inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, double previousDt) {
   const Tuning& t = params.tuning;
@@ -17,7 +23,6 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.dt = static_cast<Real>(dt);
   c.inverseDt = static_cast<Real>(1 / dt);
   c.gravity = Vec3(gravity);
-  c.iterations = params.iterations;
   c.alpha = static_cast<Real>(alpha);
   c.gamma = static_cast<Real>(params.preset == Preset::Engine ? std::pow(t.warmStartDecay, 60 * dt)
                                                               : t.warmStartDecay);
@@ -39,16 +44,11 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.dormantRows = t.dormantRows;
   c.impactRule = t.impactRule;
   c.compliantRows = t.compliantRows;
-  c.coarseCorrection = t.coarseCorrection;
-  c.jointTrees = t.jointTrees;
-  c.acceleration = static_cast<Real>(t.acceleration);
   // not zero, because the surface velocity of conveyors is divided by it
   constexpr double kLeastDriftCorrection = 1e-6;
   c.driftCorrection = static_cast<Real>(std::max(
       kLeastDriftCorrection, t.driftCorrection >= 0 ? std::min(1.0, t.driftCorrection * dt) : 1 - alpha));
-  c.literalRotations = params.preset == Preset::Demo3d;
   c.contactMargin = static_cast<Real>(t.contactMargin);
-  c.sleeping = params.sleeping;
   c.sleepSpeed = static_cast<Real>(t.sleepSpeed);
   c.sleepDelay = static_cast<Real>(t.sleepDelay);
   c.recycleTolerance = static_cast<Real>(t.recycleTolerance);

@@ -72,7 +72,7 @@ template <Executor E> void finish(E& e) {
 
 /// One step of dt.
 template <Executor E> void step(E& e) {
-  const int iterations = e.view().step.iterations;
+  const int iterations = e.view().plan.iterations;
   prepare(e);
   for (int n = 0; n < iterations; ++n) iterate(e, n, n + 1 == iterations);
   finish(e);

@@ -10,10 +10,9 @@
 namespace rubble::RUBBLE_CORE {
 
 struct SolverData : JointTables<JointTypes> {
-  int bodies = 0;  ///< slots in use, including removed ones
+  int bodies = 0;  ///< slots, including removed ones and a reserve
   int planes = 0;
-  int shapeVectors = 0, shapeIndices = 0, shapeParts = 0,
-      surfaces = 0;                    ///< elements in use of the shared tables
+  int surfaces = 0;                    ///< materials in the shared table
   bool generalShapes = false;          ///< true: some body has a non-primitive shape
   bool rolls = false;                  ///< true: the material of some body has rolling or torsional friction
   bool rolledBefore = false;           ///< `rolls` of the last step
@@ -23,7 +22,6 @@ struct SolverData : JointTables<JointTypes> {
   bool bodiesMove = true;              ///< false: no body is dynamic
   int exclusions = 0;                  ///< pairs of bodies excluded from collision
   bool filtered = false;               ///< true: some body has a collision filter or is a sensor
-  int wakeAll = 0;                     ///< 1: every body wakes in this step
   bool locked = false;                 ///< true: some body has locked axes
   int joints[JointTypes::kSize] = {};  ///< slots in use per joint type
   int treeBegin[kTreeLevels + 1] =
@@ -33,7 +31,6 @@ struct SolverData : JointTables<JointTypes> {
   int trees = 0;
   bool smallTrees = false;  ///< true: no tree has more than kSmallTree bodies
   int treeLimits = 0;       ///< 1: some joint in a tree has limits
-  int treesStale = 1;       ///< 1: bodies or joints were edited since the trees were built
   int vertices = 0;         ///< slots in use, including removed ones
   int particleCells = 0;    ///< buckets of the grid of granular particles, a power of two; 0: no particles
   Real particleCell = 1;    ///< [m]
@@ -48,7 +45,8 @@ struct SolverData : JointTables<JointTypes> {
   int strands = 0, strandVertices = 0;  ///< cables and rods, and their vertices
   int elements[ElementTypes::kSize] = {},
       yielding = 0;  ///< slots in use per element type; tetrahedra that can yield
-  StepConstants step{};
+  StepPlan plan;
+  StepConstants* step = nullptr;
   Counters* counters = nullptr;
 
   // bodies: authored
@@ -279,7 +277,7 @@ struct SolverData : JointTables<JointTypes> {
   RUBBLE_HD bool hasJoints() const { return jointSlots() > 0; }
   /// Number of possible owners of vertex pairs: every vertex, every edge and, if there is a surface, the
   /// corner slots of every body.
-  RUBBLE_HD int owners() const { return vertices + edges + (features > 0 ? kCornerSlots * bodies : 0); }
+  RUBBLE_HD int owners() const;
   RUBBLE_HD ShapeTables shapeTables() const { return {shapeVector, shapeIndex, shapePart}; }
 
   template <class F> RUBBLE_HD JointSpec<F>* specsOf() const { return JointTable<F>::spec; }
@@ -289,6 +287,13 @@ struct SolverData : JointTables<JointTypes> {
     return JointTable<F>::angularRows;
   }
 };
+
+/// SolverData::owners() with another number of bodies.
+RUBBLE_HD inline int ownersOf(const SolverData& s, int bodies) {
+  return s.vertices + s.edges + (s.features > 0 ? kCornerSlots * bodies : 0);
+}
+
+RUBBLE_HD inline int SolverData::owners() const { return ownersOf(*this, bodies); }
 
 /// Slots in use of an element type; 0 for other kinds.
 inline std::size_t elementCount(const SolverData& s, Per per) {
@@ -306,7 +311,7 @@ RUBBLE_HD inline void wakeBody(const SolverData& s, int body) {
   s.stillTime[body] = 0;
 }
 RUBBLE_HD inline bool isAsleep(const SolverData& s, int body) {
-  return s.step.sleeping && s.asleep[body] != 0;
+  return s.plan.sleeping && s.asleep[body] != 0;
 }
 /// Is the body moved by the solver? A sleeping body counts as static.
 RUBBLE_HD inline bool isDynamic(const SolverData& s, int body) {

@@ -11,25 +11,17 @@ template <class Memory> class SolverTables {
  public:
   SolverTables() {
     view_.counters = static_cast<Counters*>(Memory::allocate(sizeof(Counters)));
+    view_.step = static_cast<StepConstants*>(Memory::allocate(sizeof(StepConstants)));
     for (int per = 0; per < kPerCount; ++per) reserve(static_cast<Per>(per), 1);
   }
   ~SolverTables() {
-    Memory::release(view_.counters);
+    Memory::release(view_.counters), Memory::release(view_.step);
     forEachArray([&](const auto& array) {
       if (!array.aliases) Memory::release(view_.*array.member);
     });
   }
   SolverTables(const SolverTables&) = delete;
   SolverTables& operator=(const SolverTables&) = delete;
-
-  /// Number of bodies with each trait. Setting it updates the flags of the SolverData.
-  const TraitCounts& traits() const { return traits_; }
-  void setTraits(const TraitCounts& traits) {
-    traits_ = traits;
-    view_.generalShapes = traits[BodyTrait::GeneralShape] > 0, view_.rolls = traits[BodyTrait::Rolls] > 0;
-    view_.bounces = traits[BodyTrait::Bounces] > 0, view_.locked = traits[BodyTrait::Locked] > 0;
-    view_.filtered = traits[BodyTrait::Filtered] > 0;
-  }
 
   SolverData& view() { return view_; }
   const SolverData& view() const { return view_; }
@@ -97,7 +89,6 @@ template <class Memory> class SolverTables {
   }
 
   SolverData view_;
-  TraitCounts traits_;
   int capacity_[kPerCount] = {};
 };
 

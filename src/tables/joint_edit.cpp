@@ -61,7 +61,7 @@ template <class F> void editJointOf(HostTables& tables, int slot, const EngineJo
   // other edits of a joint do not change the joint trees
   bool moved = spec.a != in.a || spec.b != in.b;
   if constexpr (isCarried<F>()) moved |= spec.carrierA != in.carrierA || spec.carrierB != in.carrierB;
-  tables.view().treesStale |= moved || spec.alive != in.alive || spec.isRigid != in.isRigid;
+  tables.treesStale |= moved || spec.alive != in.alive || spec.isRigid != in.isRigid;
   spec = {};
   setData(spec.data, in);
   spec.a = in.a, spec.b = in.b;
@@ -157,15 +157,17 @@ template <class F> void measureJoint(const SolverData& s, int slot, JointState& 
 
 }  // namespace
 
-void setJointCount(HostTables& tables, int type, int slots) {
+void setJointCount(HostTables& tables, int type, int ids) {
+  const int slots = slotsFor(ids), before = tables.view().joints[type];
   tables.reserve(perJoint(type), slots);
-  int& count = tables.view().joints[type];
-  // a new slot may hold data from before a restored state
+  // reserve slots are empty, also after fewer joints were loaded
+  const int begin = ids < tables.jointIds[type] ? ids : std::min(before, slots);
   withJointType(type, [&]<class F>() {
-    std::fill(tables.view().specsOf<F>() + std::min(count, slots), tables.view().specsOf<F>() + slots,
-              JointSpec<F>{});
+    JointSpec<F>* const spec = tables.view().specsOf<F>();
+    std::fill(spec + begin, spec + slots, JointSpec<F>{});
   });
-  count = slots;
+  tables.jointIds[type] = ids;
+  tables.view().joints[type] = slots;
 }
 
 void editJoint(HostTables& tables, int slot, const EngineJoint& joint) {

@@ -21,8 +21,8 @@ template <class Kernel> void forEach(const SolverData& s, const Kernel& kernel, 
 /// Fills the grid at the present poses.
 void fillGrid(SolverData& s) {
   // bodies do not move during queries
-  const Real dt = s.step.dt;
-  s.step.dt = 0;
+  const Real dt = s.step->dt;
+  s.step->dt = 0;
   std::fill_n(s.bucketCount, s.cells, 0);
   for (int level = 0; level < kGridLevels; ++level) {
     s.counters->levelCount[level] = 0;
@@ -36,7 +36,7 @@ void fillGrid(SolverData& s) {
   }
   s.bucketOffset[s.cells] = sum;
   for (int i = 0; i < s.bodies; ++i) FillGrid{}(s, i);
-  s.step.dt = dt;
+  s.step->dt = dt;
 }
 
 /// Queries in the precision of the tables, and tables of the query shapes.
@@ -52,7 +52,7 @@ struct CoreQueries {
       ShapeData shape = point ? ShapeData{{0, 0, 0}, 0, ShapeKind::Sphere, -1} : shapeData(q.shape->shape);
       if (shape.data >= 0) {
         if (!shelf) shelf.emplace();
-        const auto [place, isNew] = places.try_emplace(q.shape.get(), shelf->view().shapeIndices);
+        const auto [place, isNew] = places.try_emplace(q.shape.get(), shelf->shapeIndices);
         if (isNew) addShape(*shelf, *q.shape, std::vector<int>(q.shape->parts.size(), -1));
         shape.data += place->second;
       }

@@ -14,20 +14,20 @@ ShapeData shapeData(const CookedData& shape) {
 
 void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces) {
   SolverData& s = tables.view();
-  const int vectors = s.shapeVectors, indices = s.shapeIndices, parts = s.shapeParts;
+  const int vectors = tables.shapeVectors, indices = tables.shapeIndices, parts = tables.shapeParts;
   tables.reserve(Per::ShapeVector, vectors + static_cast<int>(shape.vectors.size()));
   tables.reserve(Per::ShapeIndex, indices + static_cast<int>(shape.indices.size()));
   tables.reserve(Per::ShapePart, parts + static_cast<int>(shape.parts.size()));
   for (const auto& v : shape.vectors)
-    s.shapeVector[s.shapeVectors++] = {static_cast<Real>(v[0]), static_cast<Real>(v[1]),
+    s.shapeVector[tables.shapeVectors++] = {static_cast<Real>(v[0]), static_cast<Real>(v[1]),
                                        static_cast<Real>(v[2]), static_cast<Real>(v[3])};
-  for (const int index : shape.indices) s.shapeIndex[s.shapeIndices++] = index;
+  for (const int index : shape.indices) s.shapeIndex[tables.shapeIndices++] = index;
   for (const int place : shape.vectorPlaces) s.shapeIndex[indices + place] += vectors;
   for (const int place : shape.indexPlaces) s.shapeIndex[indices + place] += indices;
   for (const int place : shape.partPlaces) s.shapeIndex[indices + place] += parts;
   for (std::size_t i = 0; i < shape.parts.size(); ++i) {
     const CookedPart& part = shape.parts[i];
-    ShapePart& out = s.shapePart[s.shapeParts++];
+    ShapePart& out = s.shapePart[tables.shapeParts++];
     out.shape = shapeData(part.shape);
     if (out.shape.data >= 0) out.shape.data += indices;
     out.position = Vec3(part.position);

@@ -82,7 +82,7 @@ void addSoftQuality(const HostTables& tables, Quality& q, std::vector<double>& d
     const double v2 = dot(Vec3d(s.vertexVelocity[v]), Vec3d(s.vertexVelocity[v]));
     q.kineticEnergy += .5 * static_cast<double>(p.mass) * v2;
     q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) *
-                         dot(Vec3d(s.step.gravity), s.vertexPosition[v]);
+                         dot(Vec3d(s.step->gravity), s.vertexPosition[v]);
     q.maxSpeed = std::max(q.maxSpeed, std::sqrt(v2));
   }
 }

@@ -56,26 +56,9 @@ void reserveNodes(HostTables& tables) {
                  (tables.capacity(Per::Body) + tables.capacity(Per::SoftNode)) * kCoarseLevels);
 }
 
-void setBodyCount(HostTables& tables, int slots) {
-  if (slots <= tables.view().bodies) return;
-  tables.reserve(Per::Body, slots);
-  tables.reserve(Per::BodySlot, tables.capacity(Per::Body) * kPairSlots);
-  reserveNodes(tables);
-  tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
-  tables.reserve(Per::Level, kCoarseLevels);
-  const int cells = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * slots))));
-  tables.reserve(Per::Cell, cells);
-  if (tables.view().features > 0) {
-    // the corners of new bodies own no pairs
-    const int owners = tables.view().owners(), more = owners + kCornerSlots * (slots - tables.view().bodies);
-    tables.reserve(Per::PointOwner, more);
-    tables.reserve(Per::PointOwnerSlot, tables.capacity(Per::PointOwner) * kPointPairSlots);
-    int* const offset = tables.view().oldPointPairOffset;
-    std::fill(offset + owners + 1, offset + more + 1, offset[owners]);
-  }
+void clearBodySlots(HostTables& tables, int begin) {
   SolverData& s = tables.view();
-  s.cells = cells;
-  for (int i = s.bodies; i < slots; ++i) {
+  for (int i = begin; i < s.bodies; ++i) {
     s.idOf[i] = s.placeOf[i] = i;
     s.params[i] = {};
     s.nodeOfBody[i] = -1;
@@ -86,7 +69,31 @@ void setBodyCount(HostTables& tables, int slots) {
     s.oldPairOffset[i + 1] = s.oldPairOffset[i];
     s.exclusionOffset[i + 1] = s.exclusionOffset[i];
   }
-  s.bodies = slots;
+  if (s.features == 0) return;
+  // nor do the corners of new bodies
+  int* const offset = s.oldPointPairOffset;
+  const int owners = ownersOf(s, begin);
+  std::fill(offset + owners + 1, offset + s.owners() + 1, offset[owners]);
+}
+
+void setBodyCount(HostTables& tables, int ids) {
+  tables.bodyIds = std::max(tables.bodyIds, ids);
+  const int before = tables.view().bodies, slots = slotsFor(ids);
+  if (slots <= before) return;
+  tables.reserve(Per::Body, slots);
+  tables.reserve(Per::BodySlot, tables.capacity(Per::Body) * kPairSlots);
+  reserveNodes(tables);
+  tables.reserve(Per::Node, tables.capacity(Per::Body) + tables.capacity(Per::Vertex));
+  tables.reserve(Per::Level, kCoarseLevels);
+  const int cells = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(64, 2 * slots))));
+  tables.reserve(Per::Cell, cells);
+  if (tables.view().features > 0) {
+    tables.reserve(Per::PointOwner, ownersOf(tables.view(), slots));
+    tables.reserve(Per::PointOwnerSlot, tables.capacity(Per::PointOwner) * kPointPairSlots);
+  }
+  tables.view().cells = cells;
+  tables.view().bodies = slots;
+  clearBodySlots(tables, before);
 }
 
 void setBody(HostTables& tables, int slot, const EngineBody& body) {
@@ -95,7 +102,7 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   p.shape = shapeData(body.shape);
   // a new body has no joints yet, and the joints of a removed one were removed before
   const auto kind = static_cast<BodyKind>(body.kind);
-  s.treesStale |= p.kind != kind && p.kind != BodyKind::Removed && kind != BodyKind::Removed;
+  tables.treesStale |= p.kind != kind && p.kind != BodyKind::Removed && kind != BodyKind::Removed;
   p.kind = kind;
   const bool dynamic = p.kind == BodyKind::Dynamic;
   p.mass = dynamic ? static_cast<Real>(body.mass.mass) : Real(0);
@@ -171,7 +178,7 @@ void abandonStep(HostTables& tables) {
   std::fill_n(s.oldPairOffset, s.bodies + 1, 0);
   std::fill_n(s.oldPointPairOffset, s.owners() + 1, 0);
   s.oldActivePairOffset[0] = 0;
-  s.treesStale = 1;
+  tables.treesStale = true;
   // reserving may have moved the manifold tables
   tables.aliasRows();
 }
@@ -315,7 +322,7 @@ Quality qualityOf(const HostTables& tables) {
     q.kineticEnergy += .5 *
                        (static_cast<double>(p.mass) * v2 + static_cast<double>(dot(w, mul(p.inertia, w))));
     q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) *
-                         dot(Vec3d(s.step.gravity), s.position[i]);
+                         dot(Vec3d(s.step->gravity), s.position[i]);
     q.maxSpeed = std::max(q.maxSpeed, std::sqrt(v2));
   }
   return q;

@@ -2,15 +2,15 @@
 /// Edits and measures of tables in host memory.
 #include <vector>
 
-#include "state/solver_tables.h"
-#include "tables/host_memory.h"
+#include "tables/host_tables.h"
 #include "tables/records.h"
 
 namespace rubble::RUBBLE_CORE {
 
-using HostTables = SolverTables<HostMemory>;
-
-void setBodyCount(HostTables& tables, int slots);
+/// Makes slots for at least that many ids. New slots are removed bodies.
+void setBodyCount(HostTables& tables, int ids);
+/// Makes removed bodies of all slots from `begin` on.
+void clearBodySlots(HostTables& tables, int begin);
 /// Reserves aggregate arrays for the present capacity of bodies and soft nodes.
 void reserveNodes(HostTables& tables);
 void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces);
@@ -18,7 +18,7 @@ void setSurfaces(HostTables& tables, const std::vector<Material>& surfaces);
 void setBody(HostTables& tables, int slot, const EngineBody& body);
 void forgetContacts(HostTables& tables, int slot);
 void setPlanes(HostTables& tables, const std::vector<int>& slots);
-void setJointCount(HostTables& tables, int type, int slots);
+void setJointCount(HostTables& tables, int type, int ids);
 void setJoint(HostTables& tables, int slot, const EngineJoint& joint);
 void editJoint(HostTables& tables, int slot, const EngineJoint& joint);
 /// Rebuilds the joint trees if bodies or joints were edited. Returns whether they were.

@@ -7,11 +7,12 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 /// Number of persistent elements of an array.
-std::size_t liveCount(const SolverData& s, Per per) {
-  if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(s.joints[type]);
+std::size_t liveCount(const HostTables& tables, Per per) {
+  const SolverData& s = tables.view();
+  if (const int type = jointTypeOf(per); type >= 0) return static_cast<std::size_t>(tables.jointIds[type]);
   switch (per) {
     case Per::Body:
-      return static_cast<std::size_t>(s.bodies);
+      return static_cast<std::size_t>(tables.bodyIds);
     case Per::Pair:
       return static_cast<std::size_t>(s.oldPairOffset[s.bodies]);
     case Per::ActivePair:
@@ -23,11 +24,11 @@ std::size_t liveCount(const SolverData& s, Per per) {
     case Per::Exclusion:
       return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
     case Per::ShapeVector:
-      return static_cast<std::size_t>(s.shapeVectors);
+      return static_cast<std::size_t>(tables.shapeVectors);
     case Per::ShapeIndex:
-      return static_cast<std::size_t>(s.shapeIndices);
+      return static_cast<std::size_t>(tables.shapeIndices);
     case Per::ShapePart:
-      return static_cast<std::size_t>(s.shapeParts);
+      return static_cast<std::size_t>(tables.shapeParts);
     case Per::Surface:
       return static_cast<std::size_t>(s.surfaces);
     // none before the first step with such materials
@@ -36,7 +37,7 @@ std::size_t liveCount(const SolverData& s, Per per) {
     case Per::Vertex:
       return static_cast<std::size_t>(s.vertices);
     case Per::PointOwner:
-      return static_cast<std::size_t>(s.owners());
+      return static_cast<std::size_t>(ownersOf(s, tables.bodyIds));
     case Per::Feature:
       return static_cast<std::size_t>(s.features);
     case Per::ElementRef:
@@ -64,10 +65,10 @@ std::size_t liveCount(const SolverData& s, Per per) {
   }
 }
 
-template <class Visit> void forEachKept(const SolverData& s, Visit&& visit) {
+template <class Visit> void forEachKept(const HostTables& tables, Visit&& visit) {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (array.life != Lifetime::Authored && array.life != Lifetime::State) return;
-    visit(array, sizeof(T) * (liveCount(s, array.per) + static_cast<std::size_t>(array.extra)));
+    visit(array, sizeof(T) * (liveCount(tables, array.per) + static_cast<std::size_t>(array.extra)));
   });
 }
 
@@ -100,25 +101,25 @@ struct SavedCounts {
 
 std::vector<std::byte> saveTables(const HostTables& tables) {
   const SolverData& s = tables.view();
-  SavedCounts counts{s.bodies,
+  SavedCounts counts{tables.bodyIds,
                      s.planes,
-                     static_cast<int>(liveCount(s, Per::Pair)),
+                     static_cast<int>(liveCount(tables, Per::Pair)),
                      s.counters->activePairs,
                      s.counters->manifolds,
-                     static_cast<int>(liveCount(s, Per::Exclusion)),
-                     s.shapeVectors,
-                     s.shapeIndices,
-                     s.shapeParts,
+                     static_cast<int>(liveCount(tables, Per::Exclusion)),
+                     tables.shapeVectors,
+                     tables.shapeIndices,
+                     tables.shapeParts,
                      s.surfaces,
                      s.rolledBefore,
-                     static_cast<int>(liveCount(s, Per::Rolling)),
+                     static_cast<int>(liveCount(tables, Per::Rolling)),
                      tables.traits(),
                      {},
-                     static_cast<int>(liveCount(s, Per::PointPair)),
+                     static_cast<int>(liveCount(tables, Per::PointPair)),
                      softCounts(s)};
-  std::copy(std::begin(s.joints), std::end(s.joints), counts.joints);
+  std::copy(std::begin(tables.jointIds), std::end(tables.jointIds), counts.joints);
   std::size_t size = sizeof counts;
-  forEachKept(s, [&](const auto&, std::size_t bytes) { size += bytes; });
+  forEachKept(tables, [&](const auto&, std::size_t bytes) { size += bytes; });
   std::vector<std::byte> out(size);
   std::byte* to = out.data();
   const auto put = [&](const void* from, std::size_t bytes) {
@@ -126,7 +127,7 @@ std::vector<std::byte> saveTables(const HostTables& tables) {
     to += bytes;
   };
   put(&counts, sizeof counts);
-  forEachKept(s, [&](const auto& array, std::size_t bytes) {
+  forEachKept(tables, [&](const auto& array, std::size_t bytes) {
     copyClean(to, s.*array.member, bytes);
     to += bytes;
   });
@@ -152,11 +153,12 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   tables.reserve(Per::Rolling,
                  counts.traits[BodyTrait::Rolls] > 0 ? std::max(counts.activePairs, counts.rollers) : 0);
   SolverData& s = tables.view();
-  s.bodies = counts.bodies;
+  tables.bodyIds = counts.bodies;
+  s.bodies = slotsFor(counts.bodies);
   s.planes = counts.planes;
-  s.treesStale = 1;
-  s.shapeVectors = counts.shapeVectors, s.shapeIndices = counts.shapeIndices,
-  s.shapeParts = counts.shapeParts;
+  tables.treesStale = true;
+  tables.shapeVectors = counts.shapeVectors, tables.shapeIndices = counts.shapeIndices,
+  tables.shapeParts = counts.shapeParts;
   s.surfaces = counts.surfaces;
   tables.setTraits(counts.traits);
   s.rolledBefore = counts.rolledBefore != 0;
@@ -166,12 +168,13 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   // sizes of later arrays depend on these
   s.oldPairOffset[counts.bodies] = counts.pairs;
   s.exclusionOffset[counts.bodies] = s.exclusions = counts.exclusions;
-  s.oldPointPairOffset[s.owners()] = counts.pointPairs;
+  s.oldPointPairOffset[ownersOf(s, counts.bodies)] = counts.pointPairs;
   const std::byte* from = data.data() + sizeof counts;
-  forEachKept(s, [&](const auto& array, std::size_t bytes) {
+  forEachKept(tables, [&](const auto& array, std::size_t bytes) {
     if (bytes > 0) std::memcpy(s.*array.member, from, bytes);
     from += bytes;
   });
+  clearBodySlots(tables, counts.bodies);
   s.ordered = inOtherOrder(s);
   countYielding(s);
 }

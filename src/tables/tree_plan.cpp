@@ -205,9 +205,9 @@ void Plan::listTrees(SolverData& s) {
 }  // namespace
 
 bool planTrees(HostTables& tables) {
-  if (!tables.view().treesStale) return false;
+  if (!tables.treesStale) return false;
   Plan(tables.view()).write(tables);
-  tables.view().treesStale = 0;
+  tables.treesStale = false;
   return true;
 }
 

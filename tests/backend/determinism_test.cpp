@@ -126,26 +126,26 @@ TEST_F(Lockstep, NamesStepTableAndElementOfAPlantedDifference) {
 
 TEST_F(Lockstep, NamesTheStageThatFirstDiffers) {
   // gravity is no table: the inertial targets are the first to see it
-  const std::string found = stepWith([&] { b().step.gravity.z = -9; });
+  const std::string found = stepWith([&] { b().step->gravity.z = -9; });
   EXPECT_EQ(found, "step 0, stage predict, table target, element 0");
 }
 
 TEST_F(Lockstep, NamesADifferenceInTheSolveByItsBody) {
   EXPECT_EQ(plainStep(), "");
   // the second step begins with other multipliers
-  const std::string found = stepWith([&] { b().step.gamma = .5; });
+  const std::string found = stepWith([&] { b().step->gamma = .5; });
   EXPECT_NE(found.find("step 1, stage "), std::string::npos) << found;
   EXPECT_NE(found.find(", table "), std::string::npos) << found;
   EXPECT_NE(found.find(", element "), std::string::npos) << found;
 }
 
 TEST_F(Lockstep, NamesStagesWhereOnlyOneRunsThem) {
-  const std::string found = stepWith([&] { b().step.coarseCorrection = false; });
+  const std::string found = stepWith([&] { b().plan.coarseCorrection = false; });
   EXPECT_EQ(found, "step 0, stage aggregates beside incidence");
 }
 
 TEST_F(Lockstep, KeepsTheFirstDifference) {
-  const std::string first = stepWith([&] { b().step.gravity.z = -9; });
+  const std::string first = stepWith([&] { b().step->gravity.z = -9; });
   b().velocity[3].y += 1;
   EXPECT_EQ(plainStep(), first);
 }

@@ -28,7 +28,7 @@ struct Bodies {
     }
     view.bodies = kCount;
     view.position = position.data(), view.target = target.data(), view.dx = moved.data();
-    view.step.inverseDt = 60;
+    view.step->inverseDt = 60;
   }
 
   Aggregate aggregate(bool joined) const {

@@ -87,7 +87,7 @@ TEST(BroadPhase, BoundsHoldABodyAllThroughItsStep) {
   for (int i = 0; i < s.bodies; ++i) {
     const Vec3 h = s.params[i].shape.half;
     for (const Real share : {0., .5, 1.}) {
-      const Real time = share * s.step.dt;
+      const Real time = share * s.step->dt;
       const Quat q = expRotation(time * s.angularVelocity[i]) * s.orientation[i];
       for (int corner = 0; corner < 8; ++corner) {
         const Vec3 local{(corner & 1) ? h.x : -h.x, (corner & 2) ? h.y : -h.y, (corner & 4) ? h.z : -h.z};

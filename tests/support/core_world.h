@@ -28,7 +28,7 @@ class CoreWorld {
     const CookedShape cooked = cook(def.shape);
     body.shape = cooked.shape;
     if (body.shape.data >= 0) {
-      body.shape.data += view().shapeIndices;
+      body.shape.data += executor_.tables().shapeIndices;
       addShape(executor_.tables(), cooked, std::vector<int>(cooked.parts.size(), -1));
     }
     body.radius = cooked.radius;

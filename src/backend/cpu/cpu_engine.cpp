@@ -8,8 +8,9 @@ template void step(CpuExecutor&);
 
 void beginStep(SolverData& s, const EngineSettings& settings, double previousDt) {
   *s.counters = {};
-  s.step = stepConstants(settings.params, settings.gravity, previousDt);
-  s.wakeAll = settings.wakeAll;
+  s.plan = stepPlan(settings.params);
+  *s.step = stepConstants(settings.params, settings.gravity, previousDt);
+  s.step->wakeAll = settings.wakeAll;
 }
 
 void reportCounters(const SolverData& s, StepReport& report) {
@@ -79,7 +80,7 @@ void sortBodiesOf(CpuExecutor& executor) {
   executor.run([&] { rubble::RUBBLE_CORE::sortBodies(executor, s.oldPairOffset[s.bodies]); });
   executor.endRooms();
   executor.view().ordered = inOtherOrder(executor.view());
-  executor.view().treesStale = 1;
+  executor.tables().treesStale = true;
 }
 
 std::vector<std::byte> saveState(const HostTables& tables, double previousDt) {

@@ -32,7 +32,7 @@ class CpuEngine final : public Engine {
 
   void configure(const EngineSettings& settings) override {
     settings_ = settings;
-    tables().view().step.gravity = Vec3(settings.gravity);
+    tables().view().step->gravity = Vec3(settings.gravity);
   }
   void setBodyCount(int slots) override { RUBBLE_CORE::setBodyCount(tables(), slots); }
   void setBody(int slot, const EngineBody& body) override { RUBBLE_CORE::setBody(tables(), slot, body); }

@@ -19,8 +19,7 @@
 #include "backend/cpu/privatized_count.h"
 #include "backend/cpu/simd4_kernels.h"
 #include "stages/step.h"
-#include "state/solver_tables.h"
-#include "tables/host_memory.h"
+#include "tables/host_tables.h"
 #include "tables/state_rows.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -36,8 +35,8 @@ class CpuExecutor {
   explicit CpuExecutor(int threads, bool timings = true)
       : arena_(threads > 0 ? threads : tbb::task_arena::automatic), timings_(timings) {}
 
-  SolverTables<HostMemory>& tables() { return tables_; }
-  const SolverTables<HostMemory>& tables() const { return tables_; }
+  HostTables& tables() { return tables_; }
+  const HostTables& tables() const { return tables_; }
   SolverData& view() { return tables_.view(); }
   const SolverData& view() const { return tables_.view(); }
 
@@ -241,7 +240,7 @@ class CpuExecutor {
     void operator()(void* memory) const { HostMemory::release(memory); }
   };
 
-  SolverTables<HostMemory> tables_;
+  HostTables tables_;
   std::vector<std::unique_ptr<void, Release>> rooms_;
   tbb::task_arena arena_;
   bool timings_;

@@ -13,27 +13,28 @@ class HostArrays {
  public:
   explicit HostArrays(const HostTables& tables) : tables_(tables) {}
 
-  ArrayView view(StateArray which) {
-    const SolverData& s = tables_.view();
-    if (s.ordered) return byId_.view(which, s, s.bodies, Gather{tables_.view()});
-    return withStateArray(which, [&](auto member) { return rowsOf(s.*member, s.bodies); });
-  }
-  /// Updates the copies after a change of state.
-  void follow() {
-    if (tables_.view().ordered) byId_.follow(tables_.view(), tables_.view().bodies, Gather{tables_.view()});
-  }
-
- private:
-  struct Gather {
-    const SolverData& s;
-    void operator()(std::byte* to, const void* from, int bytes) const {
+  /// Copies rows from the order of slots to that of ids.
+  auto gather() const {
+    return [this](std::byte* to, const void* from, int bytes) {
       const auto at = [bytes](int i) {
         return static_cast<std::size_t>(i) * static_cast<std::size_t>(bytes);
       };
-      for (int id = 0; id < s.bodies; ++id)
-        std::memcpy(to + at(id), static_cast<const std::byte*>(from) + at(s.placeOf[id]), at(1));
-    }
-  };
+      for (int id = 0; id < tables_.bodyIds; ++id)
+        std::memcpy(to + at(id), static_cast<const std::byte*>(from) + at(tables_.view().placeOf[id]), at(1));
+    };
+  }
+
+  ArrayView view(StateArray which) {
+    const SolverData& s = tables_.view();
+    if (s.ordered) return byId_.view(which, s, tables_.bodyIds, gather());
+    return withStateArray(which, [&](auto member) { return rowsOf(s.*member, tables_.bodyIds); });
+  }
+  /// Updates the copies after a change of state.
+  void follow() {
+    if (tables_.view().ordered) byId_.follow(tables_.view(), tables_.bodyIds, gather());
+  }
+
+ private:
   struct Bytes {
     std::vector<std::byte> bytes;
     void reserve(std::size_t size) { bytes.resize(std::max(size, bytes.size())); }

@@ -70,7 +70,7 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
     const TargetLanes target = gatherTargets(s, body);
     const PoseT<Real4> x = gatherPoses(s, body);
     Block6T<Real4> block;
-    const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
+    const Real inverseDt2 = s.step->inverseDt * s.step->inverseDt;
     setInertialForce(block, target.mass, x, target.y, inverseDt2);
     setInertialHessian(block, target.mass, inverseDt2);
     const Real4 zero = LaneAccess<Real4>::splat(0);
@@ -104,7 +104,7 @@ template <> struct Simd4Kernel<SolveBody<Real4>> {
     const auto splat = [](Real a) { return LaneAccess<Real4>::splat(a); };
     const Vec6T<Real4> dx = newtonStep(block);
     if (!areFinite(dx.lin) || !allOf(dot(dx.ang, dx.ang) <= splat(kMostTurn * kMostTurn))) return false;
-    const Real4 inverseDt2 = splat(s.step.inverseDt * s.step.inverseDt);
+    const Real4 inverseDt2 = splat(s.step->inverseDt * s.step->inverseDt);
     if (!allOf(isWithinWork(block, inverseDt2 * m.mass, inverseDt2 * m.inertia, dx))) return false;
     const PoseT<Real4> then = retract(x, dx);
     if (!allOf(absOf(then.q.s) >= splat(kMostTurned))) return false;
@@ -196,7 +196,7 @@ template <> struct Simd4Kernel<SumSlice<Real4>> {
     for (int lane = 0; lane < kLanes; ++lane) body[lane] = s.aggregateNode[s.slice[index[lane]].begin + k];
     const TargetLanes target = gatherTargets(s, body);
     Block6T<Real4> own;
-    setInertialForce(own, target.mass, gatherPoses(s, body), target.y, s.step.inverseDt * s.step.inverseDt);
+    setInertialForce(own, target.mass, gatherPoses(s, body), target.y, s.step->inverseDt * s.step->inverseDt);
     sum.fl += own.fl;
     sum.fa += own.fa + cross(aggregates.shiftsOf(s, body), own.fl);
   }

@@ -11,7 +11,7 @@ struct DualOfPoint {
   static constexpr int kBlocks = 12;
   __device__ void operator()(const SolverData& s, int i, const PointTile& tile) const {
     ContactRows& r = s.contact[i];
-    updateContactDuals<Real>(s.step, r, s.dx[r.a], s.dx[r.b], tile.lane);
+    updateContactDuals<Real>(*s.step, r, s.dx[r.a], s.dx[r.b], tile.lane);
   }
 };
 template <> struct OnDevice<UpdateContactDuals<Real>> { using Type = DualOfPoint; };
@@ -26,7 +26,7 @@ struct FinishPoint {
     const int k = tile.lane;
     // prefetch
     const bool on = k < m.count, impact = on && (m.impact >> k & 1);
-    updateContactDuals<Real>(s.step, r, s.dx[r.a], s.dx[r.b], k);
+    updateContactDuals<Real>(*s.step, r, s.dx[r.a], s.dx[r.b], k);
     PointBefore before;
     if (on) before = pointBefore(m, k, impact), noteBefore(s, i, m, k);
     StoredPoint point{};
@@ -57,12 +57,12 @@ struct RecycleManifoldByLanes {
     const OrderedPair o = ordered(p);
     const PairPose pose = pairPose(s, o);
     const Manifold* const old = manifoldBefore(s, i);
-    if (old && s.step.sleeping && !moves(s, p.owner) && !moves(s, p.other)) {
+    if (old && s.plan.sleeping && !moves(s, p.owner) && !moves(s, p.other)) {
       if (tile.lane == 0) keepAsleep(s, i, p, old);
       return;
     }
     if (!old || !mayRecycle(s, o) ||
-        !recyclable(s.pairTest[pair], old->count, pose, s.step.recycleTolerance)) {
+        !recyclable(s.pairTest[pair], old->count, pose, s.step->recycleTolerance)) {
       if (tile.lane == 0) s.tested[claimTogether(&s.counters->tested)] = i;
       return;
     }

@@ -20,7 +20,7 @@ class CudaEngine final : public Engine, private PoseCopies {
   void configure(const EngineSettings& settings) override {
     settings_ = settings;
     settingsChanged_ = true;
-    host().view().step.gravity = Vec3(settings.gravity);
+    host().view().step->gravity = Vec3(settings.gravity);
   }
   void setBodyCount(int slots) override {
     const int before = host().view().bodies;
@@ -119,7 +119,7 @@ class CudaEngine final : public Engine, private PoseCopies {
     // the sizes in the device's SolverData are those of the last step
     SolverData view = stepper_.tables().view();
     view.bodies = host().view().bodies, view.ordered = host().view().ordered;
-    poses_.begin(buffer, view, stepper_.stream());
+    poses_.begin(buffer, view, host().bodyIds, stepper_.stream());
   }
   bool ready(int buffer) const override { return poses_.ready(buffer); }
   void wait(int buffer) override { poses_.wait(buffer); }
@@ -216,8 +216,7 @@ void CudaEngine::step(StepReport& report) {
   }
   mirror_.endForces();
   mirror_.followArrays();
-  settings_.wakeAll = false;
-  host().view().wakeAll = 0;
+  settingsChanged_ |= std::exchange(settings_.wakeAll, false);
   nvtxRangePop();
 
   SolverData counts = host().view();

@@ -32,8 +32,9 @@ class Bound {
   int limit_, seen_ = 0, steps_ = 0;
 };
 
-/// Everything that the nodes of a graph depend on. Padding may make equal configurations differ, which costs
-/// a capture but never a wrong result.
+/// Everything that the nodes of a graph depend on: pointers, sizes and the plan of the step. Constants are in
+/// device memory. Padding may make equal configurations differ, which costs a capture but never a wrong
+/// result.
 struct Configuration {
   SolverData view;
   int colors = 0;
@@ -150,8 +151,14 @@ struct CudaStepper::Impl {
   void adopt(const SolverData& host) {
     SolverData view = host;
     forEachArray([&](const auto& array) { view.*array.member = tables.view().*array.member; });
-    view.counters = tables.view().counters;
+    view.counters = tables.view().counters, view.step = tables.view().step;
     tables.view() = view;
+    // the last copy has ended, because every step waits for the device
+    if (std::memcmp(constants.get(), host.step, sizeof(StepConstants)) == 0) return;
+    *constants.get() = *host.step;
+    checkCuda(cudaMemcpyAsync(view.step, constants.get(), sizeof(StepConstants), cudaMemcpyHostToDevice,
+                              stream.get()),
+              "cudaMemcpyAsync of constants");
   }
 
   void makeRoom(const Control& control) {
@@ -181,6 +188,7 @@ struct CudaStepper::Impl {
   DeviceTables tables;
   CudaExecutor executor{tables, stream.get()};
   Pinned<StepStatus> status;
+  Pinned<StepConstants> constants;  ///< those on the device
   StepGraph graphs[2];
   Timeline direct;
   Bound colors{kFirstColors};

@@ -9,10 +9,10 @@ namespace rubble::RUBBLE_CORE {
 
 class DevicePoses {
  public:
-  /// Copies position and orientation of `device` after the steps enqueued so far.
-  void begin(int buffer, const SolverData& device, cudaStream_t steps) {
+  /// Copies position and orientation of the first ids of `device` after the steps enqueued so far.
+  void begin(int buffer, const SolverData& device, int bodies, cudaStream_t steps) {
     Frame& f = frames_[buffer];
-    f.rows = device.bodies;
+    f.rows = bodies;
     const std::size_t positions = sizeof(Vec3d) * static_cast<std::size_t>(f.rows),
                       turns = sizeof(Quat) * static_cast<std::size_t>(f.rows);
     f.angularRowsAt = (positions + kAlign - 1) / kAlign * kAlign;

@@ -68,11 +68,13 @@ SnapshotSizes sizesOf(const HostTables& tables, int pairs, int activePairs, int 
   SnapshotSizes sizes;
   sizes.bodies = s.bodies, sizes.planes = s.planes, sizes.exclusions = s.exclusionOffset[s.bodies];
   sizes.pairs = pairs, sizes.activePairs = activePairs, sizes.manifolds = manifolds;
-  sizes.shapeVectors = s.shapeVectors, sizes.shapeIndices = s.shapeIndices, sizes.shapeParts = s.shapeParts,
-  sizes.surfaces = s.surfaces;
+  sizes.shapeVectors = tables.shapeVectors, sizes.shapeIndices = tables.shapeIndices,
+  sizes.shapeParts = tables.shapeParts, sizes.surfaces = s.surfaces;
   sizes.traits = tables.traits(), sizes.rolledBefore = s.rolledBefore;
   sizes.rollers = s.rolls ? s.counters->rollers : 0;
   std::copy(std::begin(s.joints), std::end(s.joints), sizes.joints);
+  sizes.bodyIds = tables.bodyIds;
+  std::copy(std::begin(tables.jointIds), std::end(tables.jointIds), sizes.jointIds);
   return sizes;
 }
 
@@ -81,10 +83,11 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   for (int t = 0; t < JointTypes::kSize; ++t) setJointCount(tables, t, sizes.joints[t]);
   tables.reserve(Per::Plane, sizes.planes);
   tables.reserve(Per::Exclusion, sizes.exclusions);
-  tables.view().bodies = sizes.bodies;
+  tables.bodyIds = sizes.bodyIds, tables.view().bodies = sizes.bodies;
+  std::copy(std::begin(sizes.jointIds), std::end(sizes.jointIds), tables.jointIds);
   tables.view().planes = sizes.planes;
   tables.view().exclusions = sizes.exclusions;
-  tables.view().treesStale = 1;
+  tables.treesStale = true;
   tables.reserve(Per::ShapeVector, sizes.shapeVectors);
   tables.reserve(Per::ShapeIndex, sizes.shapeIndices);
   tables.reserve(Per::ShapePart, sizes.shapeParts);
@@ -92,8 +95,8 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   tables.reserve(Per::Rolling,
                  sizes.traits[BodyTrait::Rolls] > 0 ? std::max(sizes.activePairs, sizes.rollers) : 0);
   SolverData& s = tables.view();
-  s.shapeVectors = sizes.shapeVectors, s.shapeIndices = sizes.shapeIndices, s.shapeParts = sizes.shapeParts;
-  s.surfaces = sizes.surfaces;
+  tables.shapeVectors = sizes.shapeVectors, tables.shapeIndices = sizes.shapeIndices,
+  tables.shapeParts = sizes.shapeParts, s.surfaces = sizes.surfaces;
   tables.setTraits(sizes.traits);
   s.rolledBefore = sizes.rolledBefore;
 }

@@ -88,11 +88,11 @@ int Mirror::liveCount(Per per) const {
     case Per::Plane:
       return s.planes;
     case Per::ShapeVector:
-      return s.shapeVectors;
+      return host_.shapeVectors;
     case Per::ShapeIndex:
-      return s.shapeIndices;
+      return host_.shapeIndices;
     case Per::ShapePart:
-      return s.shapeParts;
+      return host_.shapeParts;
     case Per::Surface:
       return s.surfaces;
     case Per::Rolling:

@@ -94,7 +94,7 @@ class Mirror {
   template <class T> void download(const ArrayInfo<T>& array, int count);
   auto gather() const {
     return [this](std::byte* to, const void* from, int bytes) {
-      gatherById(stepper_.stream(), to, from, stepper_.tables().view().placeOf, host_.view().bodies,
+      gatherById(stepper_.stream(), to, from, stepper_.tables().view().placeOf, host_.bodyIds,
                  bytes / static_cast<int>(sizeof(int)));
     };
   }

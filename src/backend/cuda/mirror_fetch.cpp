@@ -101,14 +101,14 @@ void Mirror::bodiesSorted() {
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
   statesOld_ = restOld_ = true;
   authored_.reset();
-  s.treesStale = 1;
+  host_.treesStale = true;
   s.ordered = inOtherOrder(s);
 }
 
 ArrayView Mirror::array(StateArray which) {
   flush();
   const SolverData& device = stepper_.tables().view();
-  const int bodies = host_.view().bodies;
+  const int bodies = host_.bodyIds;
   ArrayView view = host_.view().ordered
                        ? byId_.view(which, device, bodies, gather())
                        : withStateArray(which, [&](auto member) { return rowsOf(device.*member, bodies); });
@@ -118,7 +118,7 @@ ArrayView Mirror::array(StateArray which) {
 }
 
 void Mirror::followArrays() {
-  if (host_.view().ordered) byId_.follow(stepper_.tables().view(), host_.view().bodies, gather());
+  if (host_.view().ordered) byId_.follow(stepper_.tables().view(), host_.bodyIds, gather());
 }
 
 void Mirror::addVelocity(int slot, const rubble::Vec3& change) {

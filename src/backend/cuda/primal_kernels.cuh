@@ -198,7 +198,7 @@ template <ExtraRows rare> __device__ Block6 gatherHub(const SolverData& s, int b
     const ContactRows& r = s.contact[constraintIndex(incidence.code)];
     const bool onA = constraintSide(incidence.code) == 0;
     const Displacement other = s.dx[onA ? r.b : r.a];
-    accumulateContact<Real>(s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
+    accumulateContact<Real>(*s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
   }
   if constexpr (rare != ExtraRows::None)
     addExtraRows<kSolveThreads>(

@@ -11,7 +11,7 @@ class LockstepEngine final : public Engine {
 
   void configure(const EngineSettings& settings) override {
     settings_ = settings;
-    both([&](HostTables& t) { t.view().step.gravity = Vec3(settings.gravity); });
+    both([&](HostTables& t) { t.view().step->gravity = Vec3(settings.gravity); });
   }
   void setBodyCount(int slots) override {
     both([&](HostTables& t) { RUBBLE_CORE::setBodyCount(t, slots); });

@@ -17,7 +17,7 @@ RUBBLE_HD inline bool isExact(const SolverData& s, const TreeNode& node) {
   return node.exact && s.treeContacts[node.tree] == kTouchesNothing;
 }
 RUBBLE_HD inline bool inExactTree(const SolverData& s, int body) {
-  const int node = s.step.jointTrees ? s.nodeOfBody[body] : -1;
+  const int node = s.plan.jointTrees ? s.nodeOfBody[body] : -1;
   return node >= 0 && isExact(s, s.treeNode[node]);
 }
 /// Marks the trees with contacts in this step.

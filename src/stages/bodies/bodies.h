@@ -27,7 +27,7 @@ RUBBLE_HD inline bool limitSpin(Vec3& w, Real dt) {
 struct PredictBodies {
   static constexpr const char* kStage = "predict";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const StepConstants& c = s.step;
+    const StepConstants& c = *s.step;
     const BodyParams& p = s.params[i];
     Vec3 v = s.velocity[i], w = s.angularVelocity[i];
     s.fast[i] = 0;
@@ -51,7 +51,7 @@ struct PredictBodies {
     v = unlocked(v, extras.locks), gravity = unlocked(gravity, extras.locks),
     push = unlocked(push, extras.locks);
     Vec3 w1 = w;
-    if (!c.literalRotations) {
+    if (!s.plan.literalRotations) {
       // Only the change of w is rotated to the body frame and back. Round-off of the full rotation would make
       // a free spin grow by 1e-7 per step.
       const Vec3 inBody = rotateInverse(q, w);
@@ -63,7 +63,7 @@ struct PredictBodies {
     target.locks = extras.locks;
     target.unused = 0;
     target.y.p = inertialDisplacement(v, gravity + push, c.dt);
-    target.y.q = c.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q
+    target.y.q = s.plan.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q
                                     : expRotation(c.dt * w1);
 
     // The guess follows the share of a force that the body followed in the last step. A new force has no such
@@ -74,7 +74,7 @@ struct PredictBodies {
     if (newPush) guess += push;
     s.pushed[i] = s.force[i] != Vec3{0, 0, 0};
     // Contacts may also hold a torque, and a guess that lifts a body off its contact points loses their load.
-    const bool twisted = torque != Vec3{0, 0, 0} && !c.literalRotations;
+    const bool twisted = torque != Vec3{0, 0, 0} && !s.plan.literalRotations;
     const Quat turned = twisted ? expRotation(c.dt * unlocked(w, extras.locks >> 3)) : target.y.q;
     moved = {inertialDisplacement(v, guess, c.dt), 0, logRotation(turned), 0};
     s.dq[i] = turned;
@@ -194,7 +194,7 @@ template <class L> RUBBLE_HD void addLanes(Block6& to, const Block6T<L>& from) {
 /// Starts the local problem of a body with its inertia; returns the present pose.
 RUBBLE_HD inline Pose startBlock(const SolverData& s, int i, Block6& block) {
   const BodyTarget& target = s.target[i];
-  const Real inverseDt2 = s.step.inverseDt * s.step.inverseDt;
+  const Real inverseDt2 = s.step->inverseDt * s.step->inverseDt;
   const Pose x{s.dx[i].dp, s.dq[i]};
   setInertialForce(block, target.mass, x, target.y, inverseDt2);
   setInertialHessian(block, target.mass, inverseDt2);
@@ -206,7 +206,7 @@ template <class L>
 RUBBLE_HD void addContact(const SolverData& s, std::uint32_t code, int lane, Block6T<L>& points,
                           Real weight = 1) {
   const ContactRows& r = s.contact[constraintIndex(code)];
-  accumulateContact<L>(s.step, r, constraintSide(code) == 0, s.dx[r.a], s.dx[r.b], lane, points, {0, 0, 0},
+  accumulateContact<L>(*s.step, r, constraintSide(code) == 0, s.dx[r.a], s.dx[r.b], lane, points, {0, 0, 0},
                        weight);
 }
 
@@ -266,7 +266,7 @@ template <class L> RUBBLE_HD L squaredStep(const Vec3T<L>& to, const Vec3T<L>& f
 RUBBLE_HD inline void finishBlock(const SolverData& s, int i, Block6 block, Pose x) {
   if (s.target[i].locks != 0) lockAxes(block, s.target[i].locks);
   const Pose before = x;
-  const Descent how = descend(block, s.target[i].mass, s.step.inverseDt * s.step.inverseDt, x);
+  const Descent how = descend(block, s.target[i].mass, s.step->inverseDt * s.step->inverseDt, x);
   if (how != Descent::Newton)
     atomicCount(how == Descent::Failed ? &s.counters->failedSolves : &s.counters->boundedSteps, 1);
   if (how == Descent::Failed) return;
@@ -303,7 +303,7 @@ template <class L> struct SolveBody {
 /// Their work ended with the motion. Only the share that the body followed counts, because rows cancelled the
 /// rest. `start`, `v`: velocities at both ends of the step.
 RUBBLE_HD inline Vec3 unusedPush(const SolverData& s, int i, const Vec3& start, const Vec3& v) {
-  const StepConstants& c = s.step;
+  const StepConstants& c = *s.step;
   const Vec3 push = c.inverseDt * s.target[i].y.p - start;
   return fromFloatBits(s.stopBits[i]) * followedShare(v, start, c.inverseDt * push, c.dt) * push;
 }
@@ -325,7 +325,7 @@ struct BodyEnd {
   bool limited;  ///< the angular velocity is at its limit
 };
 RUBBLE_HD inline BodyEnd endOf(const SolverData& s, int i) {
-  const StepConstants& c = s.step;
+  const StepConstants& c = *s.step;
   const Displacement& d = s.dx[i];
   const bool stopped = s.stopBits[i] != 0;
   const Quat start = s.orientation[i], x = s.dq[i];
@@ -334,7 +334,7 @@ RUBBLE_HD inline BodyEnd endOf(const SolverData& s, int i) {
   end.move = stopped ? s.ccdMotion[i].dp : d.dp;
   end.v = c.inverseDt * d.dp;
   if (stopped) end.v -= unusedPush(s, i, s.velocity[i], end.v);
-  if (c.literalRotations) {
+  if (s.plan.literalRotations) {
     end.w = c.inverseDt * (Real(2) * shortArc(x).v);
     end.limited = limitSpin(end.w, c.dt);
     return end;

@@ -46,7 +46,7 @@ RUBBLE_HD RUBBLE_APART inline Real keptMotion(const SolverData& s, int i, Quat q
     return mass * dot(linear, linear) + dot(own, mul(principal, own));
   };
   const BodyTarget& target = s.target[i];
-  const Real inverseDt = s.step.inverseDt;
+  const Real inverseDt = s.step->inverseDt;
   const Real free = energy(s.orientation[i], inverseDt * target.y.p, inverseDt * logRotation(target.y.q));
   const Real now = energy(q, v, w);
   return now > free ? std::sqrt(free / now) : Real(1);

@@ -18,7 +18,7 @@ template <class Blocks> struct FillIncidences {
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     Blocks::visitEntries(s, i, [&](int body, std::uint32_t code, int other) {
       const int slot = s.incidenceOffset[body] + atomicCount(&s.incidenceCount[body], -1) - 1;
-      const bool inner = Blocks::kRelative && other >= 0 && s.step.coarseCorrection;
+      const bool inner = Blocks::kRelative && other >= 0 && s.plan.coarseCorrection;
       s.incidence[slot] = {code, other, inner ? separateLevels(s, body, other) : kCoarseLevels};
     });
   }

@@ -56,7 +56,7 @@ RUBBLE_HD inline void reachBody(const SolverData& s, int body, int how) {
 struct FindBounces {
   static constexpr const char* kStage = "bounce";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const StepConstants& c = s.step;
+    const StepConstants& c = *s.step;
     const ContactRows& r = s.contact[i];
     Bounce& bounce = s.bounce[i];
     const Impact impact(s, r);
@@ -157,7 +157,7 @@ struct TakeBackBounces {
         const Vec3 load{r.load[p].lambdaN, r.load[p].lambda1, r.load[p].lambda2},
             left = takesPart ? before : load, gone = load - left;
         const auto impulse = [&](const Vec3& f) {
-          return (onA ? -s.step.dt : s.step.dt) * (f.x * r.n + f.y * t1 + f.z * t2);
+          return (onA ? -s.step->dt : s.step->dt) * (f.x * r.n + f.y * t1 + f.z * t2);
         };
         taken.v += impulse(gone), taken.w += cross(lever, impulse(gone));
         kept.v += impulse(left), kept.w += cross(lever, impulse(left));
@@ -169,7 +169,7 @@ struct TakeBackBounces {
     if (alone) {
       // only contacts act on it: free flight plus the kept impulses has no iteration error
       const Displacement to = targetDisplacement(s, i);
-      now = {s.step.inverseDt * to.dp + m.linear(kept.v), s.step.inverseDt * to.dw + m.angular(kept.w)};
+      now = {s.step->inverseDt * to.dp + m.linear(kept.v), s.step->inverseDt * to.dw + m.angular(kept.w)};
     }
     if (!isFinite(now.v) || !isFinite(now.w)) return;
     s.velocity[i] = now.v, s.angularVelocity[i] = now.w;
@@ -197,7 +197,7 @@ struct CheckBounces {
     constexpr Real kUnexplained = Real(.2);
     const Real off = meanClosing(impact, motionOf(s, r.a), motionOf(s, r.b)) - bounce.start;
     const Real allowed = kUnexplained * absOf(bounce.start) + 2 * absOf(bounce.change) +
-                         impactSpeed(s.step, r.length) / 2;
+                         impactSpeed(*s.step, r.length) / 2;
     if (absOf(off) <= allowed) return;
     reachBody(s, r.a, kAsSolved), reachBody(s, r.b, kAsSolved);
     atomicCount(&s.counters->bounceBound, 1);

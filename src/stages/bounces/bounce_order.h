@@ -38,14 +38,14 @@ struct ProposeBounces {
     bounce.time = -1;
     if (isAsSolved(s, r)) {
       if (!(bounce.state & kBounceSeed) || (bounce.state & kBounceActed)) return;
-      bounce.time = max(bounce.gap, Real(0)) / max(bounce.start, impactSpeed(s.step, r.length));
+      bounce.time = max(bounce.gap, Real(0)) / max(bounce.start, impactSpeed(*s.step, r.length));
     } else {
       const Impact impact(s, r);
       const BodyMotion a = motionOf(s, r.a), b = motionOf(s, r.b);
       Real fastest = 0;
       for (int k = 0; k < kLanes; ++k)
         if (actsAt(r, k)) fastest = max(fastest, impact.closing(k, a, b));
-      if (!(fastest > kBounceRest * impactSpeed(s.step, r.length))) return;
+      if (!(fastest > kBounceRest * impactSpeed(*s.step, r.length))) return;
       bounce.time = max(bounce.gap, Real(0)) / fastest;
     }
     if (s.counters->bounceTurns < kBounceRounds) atomicCount(&s.counters->bounceLeft, 1);
@@ -78,7 +78,7 @@ struct ActBounces {
       act(s, r, bounce, a, b);
     bounce.state |= kBounceActed;
     if (!isFinite(a.v) || !isFinite(a.w) || !isFinite(b.v) || !isFinite(b.w)) return;
-    limitSpin(a.w, s.step.dt), limitSpin(b.w, s.step.dt);
+    limitSpin(a.w, s.step->dt), limitSpin(b.w, s.step->dt);
     if (isDynamic(s, r.a)) s.velocity[r.a] = a.v, s.angularVelocity[r.a] = a.w;
     if (isDynamic(s, r.b)) s.velocity[r.b] = b.v, s.angularVelocity[r.b] = b.w;
   }
@@ -136,9 +136,9 @@ struct ActBounces {
     if (!(sum > Real(0)) || !(stiff > Real(0)) || !(work > Real(0))) return;
     const Real closing = work / sum;
     Real back = 0;
-    if (r.restitution > Real(0) && closing > impactSpeed(s.step, r.length)) {
+    if (r.restitution > Real(0) && closing > impactSpeed(*s.step, r.length)) {
       const bool asPredicted = (bounce.state & kBounceSeed) && !(bounce.state & kBounceActed);
-      back = asPredicted ? bounceSpeed(r.restitution, closing, bounce, s.step.inverseDt) / closing
+      back = asPredicted ? bounceSpeed(r.restitution, closing, bounce, s.step->inverseDt) / closing
                          : r.restitution;
     }
     // the plastic part never exceeds what ends the approach, so energy does not grow
@@ -154,7 +154,7 @@ struct ActBounces {
     Vec3 t1, t2, belt{0, 0, 0};
     tangentBasis(r.n, t1, t2);
     if (s.surfaces > 0)
-      belt = s.step.inverseDt * pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).belt;
+      belt = s.step->inverseDt * pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).belt;
     Real room[kLanes], resists[kLanes];
     for (int k = 0; k < kLanes; ++k) {
       room[k] = actsAt(r, k) ? r.slip[k].mu * given * p[k] : Real(0);
@@ -194,10 +194,10 @@ struct ActBounces {
     Real stiff = 0, parting = 0;
     for (int k = 0; k < kLanes; ++k)
       stiff += p[k] * effect[k], parting -= actsAt(r, k) ? p[k] * impact.closing(k, a, b) : Real(0);
-    const Real e = bounceSpeed(r.restitution, closing, bounce, s.step.inverseDt) / closing;
+    const Real e = bounceSpeed(r.restitution, closing, bounce, s.step->inverseDt) / closing;
     const Displacement toA = targetDisplacement(s, r.a), toB = targetDisplacement(s, r.b);
-    const BodyMotion freeA{s.step.inverseDt * toA.dp, s.step.inverseDt * toA.dw},
-        freeB{s.step.inverseDt * toB.dp, s.step.inverseDt * toB.dw};
+    const BodyMotion freeA{s.step->inverseDt * toA.dp, s.step->inverseDt * toA.dw},
+        freeB{s.step->inverseDt * toB.dp, s.step->inverseDt * toB.dw};
     const Real lost = max(impact.energy(freeA, freeB) - impact.energy(a, b), Real(0));
     // (stiff / 2) x^2 + parting x = work
     const Real work = e * e * min(load * closing / 2, lost);

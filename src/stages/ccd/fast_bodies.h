@@ -42,7 +42,7 @@ struct FlagFast {
     const Real way2 = dot(d.dp, d.dp), turn = length(d.dw) * (p.radius - p.shape.radius),
                inner = innerRadiusOf(s.shapeTables(), p.shape);
     // contacts that yield may have slowed a body that was about to move far
-    const Real ahead = s.step.dt * length(s.velocity[i]);
+    const Real ahead = s.step->dt * length(s.velocity[i]);
     if (!(way2 > Real(0)) || (max(std::sqrt(way2), ahead) + turn <= inner && s.fast[i] == 0)) return;
     s.fast[i] = 1;
     atomicRaise(&s.counters->anyFast, 1);

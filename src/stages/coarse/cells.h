@@ -28,9 +28,9 @@ RUBBLE_HD inline int finestSharedLevel(const SolverData& s, int a, int b) {
   constexpr double kHalfDoubling = 1.41421356;
   const Vec3d at = placeOf(s, a), bt = placeOf(s, b);
   const double larger = static_cast<double>(max(radiusOf(s, a), radiusOf(s, b)));
-  const int finest = std::ilogb(kHalfDoubling * kFinestCell * larger * s.step.perFall);
+  const int finest = std::ilogb(kHalfDoubling * kFinestCell * larger * s.step->perFall);
   int level = 0;
-  while (level < kCoarseLevels && !shareCell(s.step, at, bt, finest + level * kCellDoublings)) ++level;
+  while (level < kCoarseLevels && !shareCell(*s.step, at, bt, finest + level * kCellDoublings)) ++level;
   return level;
 }
 

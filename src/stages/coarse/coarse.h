@@ -67,7 +67,7 @@ RUBBLE_HD inline void addInertia(const SolverData& s, const Aggregate& aggregate
   sum.fa.x += mass;
   if (!isBody) return;
   Block6 own;
-  setInertialHessian(own, s.target[node].mass, s.step.inverseDt * s.step.inverseDt);
+  setInertialHessian(own, s.target[node].mass, s.step->inverseDt * s.step->inverseDt);
   addAtLever(sum, aggregate.joined ? place + s.dx[node].dp : place, {0, 0, 0}, own.ll.xx);
   sum.aa += own.aa;
 }
@@ -142,7 +142,7 @@ RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& agg
   const BodyTarget& target = s.target[body];
   Block6 own;
   setInertialForce(own, target.mass, {s.dx[body].dp, s.dq[body]}, target.y,
-                   s.step.inverseDt * s.step.inverseDt);
+                   s.step->inverseDt * s.step->inverseDt);
   sum.fl += own.fl;
   sum.fa += own.fa + cross(shiftOf(s, aggregate, body), own.fl);
 }
@@ -151,7 +151,7 @@ RUBBLE_HD inline void addInertialForce(const SolverData& s, const Aggregate& agg
 template <class L>
 RUBBLE_HD void addBoundaryContact(const SolverData& s, const Aggregate& aggregate, const ContactRows& r,
                                   int side, int lane, Block6T<L>& points) {
-  accumulateContact<L>(s.step, r, side == 0, s.dx[r.a], s.dx[r.b], lane, points,
+  accumulateContact<L>(*s.step, r, side == 0, s.dx[r.a], s.dx[r.b], lane, points,
                        shiftOf(s, aggregate, side == 0 ? r.a : r.b));
 }
 

@@ -17,7 +17,7 @@ void forEachSoftBlock(E& e, Args... args) {
 /// Finds the aggregates from the poses at x^t.
 template <Executor E> void findAggregates(E& e) {
   const SolverData& s = e.view();
-  if (!s.step.coarseCorrection) return;
+  if (!s.plan.coarseCorrection) return;
   const int nodes = s.nodes(), all = nodes * kCoarseLevels;
   const bool softNodes = s.softNodes > 0;
   e.clear(&SolverData::nodeCount, all);
@@ -48,7 +48,7 @@ template <Executor E> void findAggregates(E& e) {
 
 /// Finds centers and inertia of the aggregates, and their boundary constraints.
 template <Executor E> void prepare(E& e) {
-  if (!e.view().step.coarseCorrection) return;
+  if (!e.view().plan.coarseCorrection) return;
   e.forEach(SumInertia{}, &Counters::slices);
   e.forEach(PlaceAggregates{}, &Counters::aggregates);
   e.forEach(CountBoundary{}, &Counters::slices);
@@ -77,7 +77,7 @@ template <template <class> class With, Executor E> void solveLevel(E& e, int lev
 /// One sweep over the aggregates, from coarse to fine. Even iterations sweep all levels but the finest, odd
 /// ones the fine levels.
 template <Executor E> void solve(E& e, int iteration) {
-  if (!e.view().step.coarseCorrection) return;
+  if (!e.view().plan.coarseCorrection) return;
   if (iteration == 0) joints::linearize(e);
   const bool even = iteration % 2 == 0;
   for (int level = (even ? kCoarseLevels : kFineLevels) - 1; level >= (even ? 1 : 0); --level)
@@ -88,7 +88,7 @@ template <Executor E> void solve(E& e, int iteration) {
 /// them. They take one more step at all levels, and another one at the coarsest, because a step is
 /// under-relaxed.
 template <Executor E> void keepMomentum(E& e) {
-  if (!e.view().step.coarseCorrection || e.view().softNodes == 0) return;
+  if (!e.view().plan.coarseCorrection || e.view().softNodes == 0) return;
   for (int level = kCoarseLevels - 1; level >= 0; --level) solveLevel<WithSoftNodes>(e, level);
   solveLevel<WithSoftNodes>(e, kCoarseLevels - 1);
 }

@@ -48,7 +48,7 @@ RUBBLE_HD inline bool mayRecycle(const SolverData& s, const OrderedPair& o) {
 
 /// Keeps the manifold of a pair unchanged if neither body can move.
 RUBBLE_HD inline bool keepAsleep(const SolverData& s, int i, const Pair& p, const Manifold* old) {
-  if (!old || !s.step.sleeping || moves(s, p.owner) || moves(s, p.other)) return false;
+  if (!old || !s.plan.sleeping || moves(s, p.owner) || moves(s, p.other)) return false;
   s.manifold[i] = *old;
   s.manifold[i].row = -1;
   s.hasRows[i] = 0;
@@ -66,7 +66,7 @@ struct RecycleManifolds {
     const PairPose pose = pairPose(s, o);
     const Manifold* const old = manifoldBefore(s, i);
     if (keepAsleep(s, i, p, old)) return;
-    if (old && mayRecycle(s, o) && recyclable(s.pairTest[pair], old->count, pose, s.step.recycleTolerance))
+    if (old && mayRecycle(s, o) && recyclable(s.pairTest[pair], old->count, pose, s.step->recycleTolerance))
       keepManifold(s, i, o, pose, recycledManifold(*old, pose));
     else
       s.tested[atomicCount(&s.counters->tested, 1)] = i;
@@ -137,11 +137,11 @@ RUBBLE_HD inline Real fastestPoint(const SolverData& s, const Manifold& m, const
                                    Real length) {
   Real fastest = 0;
   const int a = p.bodies.a, b = p.bodies.b;
-  if (!(pairSpeed(s, a, b, s.params[a], s.params[b]).closing > impactSpeed(s.step, length))) return fastest;
+  if (!(pairSpeed(s, a, b, s.params[a], s.params[b]).closing > impactSpeed(*s.step, length))) return fastest;
   for (int k = 0; k < m.count; ++k) {
     const PointAt point = pointAt(m, k, n, p.qa, p.qb, p.t);
     const Real closing = closingSpeed(s, p.bodies, n, point.lever, p.t);
-    if (hits(s.step, closing, point.depth, length)) fastest = max(fastest, closing);
+    if (hits(*s.step, closing, point.depth, length)) fastest = max(fastest, closing);
   }
   return fastest;
 }
@@ -163,7 +163,7 @@ RUBBLE_HD inline Real stiffnessPerLoad(const StepConstants& c, Real speed, Real 
 
 /// Upper bound of |lambda| of a contact with this closing speed [N].
 RUBBLE_HD inline Real largestLoad(const SolverData& s, const OrderedPair& o, Real closing) {
-  const Real inverseDt = s.step.inverseDt;
+  const Real inverseDt = s.step->inverseDt;
   Real mass = 0, massLength = 0;
   for (const int body : {o.a, o.b}) {
     const BodyParams& p = s.params[body];
@@ -176,7 +176,7 @@ RUBBLE_HD inline Real largestLoad(const SolverData& s, const OrderedPair& o, Rea
 
 /// Initializes the rows of manifold i except for its points. `r` must be all zeros.
 RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) {
-  const StepConstants& c = s.step;
+  const StepConstants& c = *s.step;
   const Manifold& m = s.manifold[i];
   const Pair& pair = s.pair[s.activePair[i]];
   const OrderedPair o = ordered(pair);
@@ -215,7 +215,7 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) 
 /// Returns whether the point stops a fast approach.
 RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p, int k,
                                  ContactRows& r, int to) {
-  const StepConstants& c = s.step;
+  const StepConstants& c = *s.step;
   const OrderedPair& o = p.bodies;
   const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
   const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);
@@ -299,7 +299,7 @@ template <class L> struct UpdateContactDuals {
     constexpr int kStep = sizeof(L) / sizeof(Real);
     ContactRows& r = s.contact[i];
     for (int lane = 0; lane < kLanes; lane += kStep)
-      updateContactDuals<L>(s.step, r, s.dx[r.a], s.dx[r.b], lane);
+      updateContactDuals<L>(*s.step, r, s.dx[r.a], s.dx[r.b], lane);
   }
 };
 
@@ -353,7 +353,7 @@ RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows&
                 lambda.y,
                 lambda.z,
                 active ? load.kN : r.start,
-                active ? slip.kT : r.start * s.step.tangentStiffness,
+                active ? slip.kT : r.start * s.step->tangentStiffness,
                 0,
                 0};
   // a point slips if its tangential force is on the cone
@@ -363,8 +363,8 @@ RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows&
     if (r.muStatic == r.muDynamic) return {m, false};
     // a slipping point passes on the drift that its row has not corrected, which is its slip
     const Vec3 rA = r.place[k].rA, d = (f.a.dp + cross(f.a.dw, rA)) - (f.b.dp + cross(f.b.dw, rA + r.offset));
-    m.drift1 = s.step.driftCorrection * slip.drift1 + dot(f.t1, d);
-    m.drift2 = s.step.driftCorrection * slip.drift2 + dot(f.t2, d);
+    m.drift1 = s.step->driftCorrection * slip.drift1 + dot(f.t1, d);
+    m.drift2 = s.step->driftCorrection * slip.drift2 + dot(f.t2, d);
     return {m, false};
   }
   // exact rotations here: errors of the linearized ones would accumulate from step to step

@@ -5,7 +5,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline Vec3 downOf(const SolverData& s) { return normalize(s.step.gravity, Vec3{0, 0, 0}); }
+RUBBLE_HD inline Vec3 downOf(const SolverData& s) { return normalize(s.step->gravity, Vec3{0, 0, 0}); }
 
 /// Manifolds i to i + kSurfaceSlots - 1, of as many pairs: one part of a body against one surface (a mesh,
 /// height field or distance field). Contact points are gathered anew in every step. Each inherits from the

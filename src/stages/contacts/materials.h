@@ -63,7 +63,7 @@ RUBBLE_HD inline PairMaterial pairMaterial(const SolverData& s, const Pair& pair
                            b.restitution);
   m.rolling = max(a.rolling, b.rolling);
   m.torsional = max(a.torsional, b.torsional);
-  m.belt = s.step.dt * (rotate(s.orientation[o.a], a.velocity) - rotate(s.orientation[o.b], b.velocity));
+  m.belt = s.step->dt * (rotate(s.orientation[o.a], a.velocity) - rotate(s.orientation[o.b], b.velocity));
   return m;
 }
 

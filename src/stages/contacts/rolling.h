@@ -20,7 +20,7 @@ struct BuildRolling {
     const Pair p = s.pair[s.activePair[i]];
     const OrderedPair o = ordered(p);
     const int before = s.manifoldBefore[s.activePair[i]];
-    if (s.step.sleeping && !moves(s, o.a) && !moves(s, o.b)) {
+    if (s.plan.sleeping && !moves(s, o.a) && !moves(s, o.b)) {
       // kept unchanged, like the manifold
       if (before >= 0 && s.rolledBefore) r = s.oldRolling[before];
     } else if (s.hasRows[i] != 0) {
@@ -31,14 +31,14 @@ struct BuildRolling {
                                                           : min(pa.mass, pb.mass);
       const Real arm = pairLength(pa, pb) / 2;
       // a rolling body translates too, so the row's inertia is m arm^2
-      const Real k = startStiffness(s.step, lighter * arm * arm);
+      const Real k = startStiffness(*s.step, lighter * arm * arm);
       r.n = m.normal;
       r.rolling = material.rolling, r.torsional = material.torsional;
       r.kRoll = material.rolling > Real(0) ? k : Real(0),
       r.kTwist = material.torsional > Real(0) ? k : Real(0);
       if (before >= 0 && s.rolledBefore && s.oldManifold[before].count > 0 &&
           dot(s.oldRolling[before].n, r.n) > kSameNormal)
-        r.lambda = s.oldRolling[before].lambda * warmMultiplier(s.step, Real(1), false);
+        r.lambda = s.oldRolling[before].lambda * warmMultiplier(*s.step, Real(1), false);
     }
     s.rolling[i] = r;
   }

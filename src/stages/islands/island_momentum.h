@@ -122,21 +122,21 @@ RUBBLE_HD inline MomentumSums momentaOf(const SolverData& s, int root, int i) {
   const bool stopped = s.stopBits[i] != 0;
   const Vec3 principal = s.params[i].inertia, way = stopped ? s.ccdMotion[i].dp : s.dx[i].dp;
   const Quat q = s.orientation[i], start = conjugate(stopped ? expRotation(s.ccdMotion[i].dw) : s.dq[i]) * q;
-  const Vec3 frame = s.step.inverseDt * s.target[root].y.p, w = s.angularVelocity[i];
-  Vec3 freeVelocity = s.step.inverseDt * target.y.p - frame;
+  const Vec3 frame = s.step->inverseDt * s.target[root].y.p, w = s.angularVelocity[i];
+  Vec3 freeVelocity = s.step->inverseDt * target.y.p - frame;
   const Vec3 v = s.velocity[i] - frame;
-  if (stopped) freeVelocity -= unusedPush(s, i, s.previousVelocity[i], s.step.inverseDt * s.dx[i].dp);
-  const Vec3 freeSpin = s.step.inverseDt * logRotation(target.y.q);
+  if (stopped) freeVelocity -= unusedPush(s, i, s.previousVelocity[i], s.step->inverseDt * s.dx[i].dp);
+  const Vec3 freeSpin = s.step->inverseDt * logRotation(target.y.q);
   const Real m = target.mass.mass;
   const Vec3 after(s.position[i] - s.position[root]), before = after - way, given = m * (v - freeVelocity);
-  const Vec3 spin = angularMomentum(q, w, principal, s.step.dt);
+  const Vec3 spin = angularMomentum(q, w, principal, s.step->dt);
   const Sym3 inertia = rotateDiagonal(q, principal);
   MomentumSums own;
   own.mass = m;
   own.place = m * after;
   own.givenLinear = given;
   own.givenAngular = cross(before, given) + m * cross(way, v + frame) +
-                     (spin - freeMomentum(start, freeSpin, principal, s.step.dt));
+                     (spin - freeMomentum(start, freeSpin, principal, s.step->dt));
   own.linear = m * v;
   own.angular = m * cross(after, v) + spin;
   own.inertia = inertia;
@@ -231,14 +231,14 @@ struct RepairBodies {
     const Vec3 arm(s.position[i] - r.centre);
     Vec3 v = r.addVelocity + cross(r.addSpin, arm), turn = r.addSpin, given = inertia * r.addSpin;
     if (r.loss > Real(0)) {
-      v -= r.loss * (s.velocity[i] - s.step.inverseDt * s.target[root].y.p - r.velocity - cross(r.spin, arm));
+      v -= r.loss * (s.velocity[i] - s.step->inverseDt * s.target[root].y.p - r.velocity - cross(r.spin, arm));
       turn -= r.loss * (spin - r.spin);
-      given -= r.loss * (angularMomentum(q, spin, principal, s.step.dt) - inertia * r.spin);
+      given -= r.loss * (angularMomentum(q, spin, principal, s.step->dt) - inertia * r.spin);
     }
     const Vec3 change = spinChange(rotateInverse(q, spin), rotateInverse(q, given), rotateInverse(q, turn),
-                                   kUnreached, principal, s.step.dt);
+                                   kUnreached, principal, s.step->dt);
     Vec3 w = spin + rotate(q, change);
-    limitSpin(w, s.step.dt);
+    limitSpin(w, s.step->dt);
     s.velocity[i] += v;
     s.angularVelocity[i] = w;
   }

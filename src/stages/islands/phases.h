@@ -16,7 +16,7 @@ template <template <class> class Kernel, Executor E> void forEachSoftNeighbor(E&
 
 /// Wakes islands that are disturbed.
 template <Executor E> void wake(E& e) {
-  if (!e.view().step.sleeping) return;
+  if (!e.view().plan.sleeping) return;
   const int bodies = e.view().bodies;
   e.clear(&SolverData::islandFlag, bodies);
   e.forEach(WakeByForces{}, bodies);
@@ -28,7 +28,7 @@ template <Executor E> void wake(E& e) {
 
 /// Puts islands at rest to sleep.
 template <Executor E> void sleep(E& e) {
-  if (!e.view().step.sleeping) return;
+  if (!e.view().plan.sleeping) return;
   const int bodies = e.view().bodies;
   e.clear(&SolverData::islandFlag, bodies);
   e.forEach(StartIslands{}, bodies);
@@ -43,9 +43,9 @@ template <Executor E> void sleep(E& e) {
 /// Restores the momenta of free islands.
 template <Executor E> void keepMomenta(E& e) {
   const SolverData& s = e.view();
-  if (s.step.literalRotations) return;
+  if (s.plan.literalRotations) return;
   const int bodies = s.bodies;
-  if (!s.step.coarseCorrection) e.forEach(StartIslandForest{}, bodies);
+  if (!s.plan.coarseCorrection) e.forEach(StartIslandForest{}, bodies);
   e.forEach(JoinMomentumIslands{}, bodies);
   e.forEach(FindMomentumIslands{}, bodies);
   e.forEach(NumberFreeIslands{}, bodies);

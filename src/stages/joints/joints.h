@@ -16,9 +16,9 @@ RUBBLE_HD inline JointBody jointBody(const SolverData& s, int body) {
   if (body == kWorldBody) return {0, {0, 0, 0}, {{0, 0, 0}, {0, 0, 0}}};
   const BodyParams& p = s.params[body];
   const bool dynamic = p.kind == BodyKind::Dynamic;
-  Vec3 way = s.step.dt * s.velocity[body];
-  if (dynamic) way += (s.step.dt * s.step.dt) * (p.gravityScale * s.step.gravity);
-  return {dynamic ? p.mass : Real(0), p.inertia, {way, s.step.dt * s.angularVelocity[body]}};
+  Vec3 way = s.step->dt * s.velocity[body];
+  if (dynamic) way += (s.step->dt * s.step->dt) * (p.gravityScale * s.step->gravity);
+  return {dynamic ? p.mass : Real(0), p.inertia, {way, s.step->dt * s.angularVelocity[body]}};
 }
 
 /// Pose of a body at x^t, in the frame of a joint.
@@ -61,13 +61,13 @@ template <class F> struct BeginJoints {
     }
     joint.memory.remember(spec.data, a, b, origin);
     JointBody bodies[kSides<F>];
-    bool together = s.step.jointTrees && treeNodes(s) > 0;
+    bool together = s.plan.jointTrees && treeNodes(s) > 0;
     for (int side = 0; side < kSides<F>; ++side) {
       const int body = bodyOf(spec, side);
       bodies[side] = jointBody(s, body);
       together &= !isDynamic(s, body) || s.nodeOfBody[body] >= 0;
     }
-    beginJoint(s.step, spec, joint, a, b, bodies, together);
+    beginJoint(*s.step, spec, joint, a, b, bodies, together);
     placeJoint(spec, joint, offset, a, b);
   }
 };
@@ -115,7 +115,7 @@ template <class F> struct UpdateJointDuals {
     if (!joint.active) return;
     const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
     forEachPart<F>([&]<int I, class P>() {
-      if (I == at.part) updatePartDuals<F, I, P>(s.step, spec, joint, a, b);
+      if (I == at.part) updatePartDuals<F, I, P>(*s.step, spec, joint, a, b);
     });
   }
 };

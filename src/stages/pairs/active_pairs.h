@@ -27,7 +27,7 @@ struct FindImpactSpeedBounds {
     const Pair p = s.pair[i];
     const BodyParams &po = s.params[p.owner], &pb = s.params[p.other];
     const PairSpeed speed = pairSpeed(s, p.owner, p.other, po, pb);
-    if (!isImpact(s.step, speed.closing, pairLength(po, pb)) || speed.bullet || isSensor(s, p.owner) ||
+    if (!isImpact(*s.step, speed.closing, pairLength(po, pb)) || speed.bullet || isSensor(s, p.owner) ||
         isSensor(s, p.other))
       return;
     const auto agitate = [&](int body, const BodyParams& own, const BodyParams& other) {
@@ -43,7 +43,7 @@ struct FindImpactSpeedBounds {
 RUBBLE_HD inline bool moves(const SolverData& s, int body) {
   if (s.params[body].kind == BodyKind::Kinematic)
     return s.velocity[body] != Vec3{0, 0, 0} || s.angularVelocity[body] != Vec3{0, 0, 0};
-  return s.params[body].kind == BodyKind::Dynamic ? !isAsleep(s, body) : !s.step.sleeping;
+  return s.params[body].kind == BodyKind::Dynamic ? !isAsleep(s, body) : !s.plan.sleeping;
 }
 
 /// Point k of a manifold at x^t.
@@ -94,16 +94,16 @@ struct ActivationRule {
   Displacement a, b;  ///< displacements at the targets
   RUBBLE_HD bool operator()(const SolverData& s, const OrderedPair& o, const PairPose& pair, const Vec3& n,
                             const PointAt& p, Real lambda) const {
-    if (!s.step.dormantRows || lambda != Real(0)) return true;
+    if (!s.step->dormantRows || lambda != Real(0)) return true;
     const Real closing = closingSpeed(s, o, n, p.lever, pair.t),
                impactSpeedBound = impactSpeedBoundOf(s, o.a, o.b);
-    if (hits(s.step, closing, p.depth, pair.length)) return true;
+    if (hits(*s.step, closing, p.depth, pair.length)) return true;
     // an impact in this step moves the body away from its inertial target
-    if (inheritedViolation(s.step, p.depth) + s.step.dt * impactSpeedBound > Real(0) &&
+    if (inheritedViolation(*s.step, p.depth) + s.step->dt * impactSpeedBound > Real(0) &&
         !partsAlone(s, o, closing, impactSpeedBound))
       return true;
     const Vec3 move = a.dp + cross(a.dw, p.lever) - b.dp - cross(b.dw, p.lever - pair.t);
-    return inheritedViolation(s.step, p.depth) + dot(n, move) >= -kInactiveGap * pair.length;
+    return inheritedViolation(*s.step, p.depth) + dot(n, move) >= -kInactiveGap * pair.length;
   }
 };
 RUBBLE_HD inline ActivationRule activationRule(const SolverData& s, const OrderedPair& o) {
@@ -128,7 +128,7 @@ RUBBLE_HD inline Real activationReach(const SolverData& s, const OrderedPair& o,
   // a lever ends at the middle of the gap
   const Real turns = target(o.a, pa.radius + apart, moveA) + target(o.b, pb.radius + apart, moveB);
   const Real fastest = max(pairSpeed(s, o.a, o.b, pa, pb).closing, impactSpeedBoundOf(s, o.a, o.b));
-  return max(length(moveA - moveB) + turns + kInactiveGap * pair.length, s.step.dt * fastest);
+  return max(length(moveA - moveB) + turns + kInactiveGap * pair.length, s.step->dt * fastest);
 }
 
 /// Index of the same pair in the previous step, or -1.
@@ -157,7 +157,7 @@ RUBBLE_HD inline const Manifold* manifoldOf(const SolverData& s, int pair) {
 
 /// Can the pair be skipped by its last test? Planes have no radius, and sensors need the actual distance.
 RUBBLE_HD inline bool mayStayApart(const SolverData& s, const Pair& p) {
-  return s.step.dormantRows && s.step.recycleTolerance > Real(0) &&
+  return s.step->dormantRows && s.step->recycleTolerance > Real(0) &&
          s.params[p.other].shape.kind != ShapeKind::Plane && !isSensor(s, p.owner) && !isSensor(s, p.other);
 }
 /// Does the last full test show that the pair stays apart?

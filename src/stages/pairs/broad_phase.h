@@ -29,7 +29,7 @@ RUBBLE_HD inline int bucketOf(const SolverData& s, int level, int x, int y, int 
 
 /// Detection margin of a body: half the smallest margin of a pair of equal bodies [m].
 RUBBLE_HD inline Real ownMargin(const SolverData& s, const BodyParams& p) {
-  return s.step.contactMargin * p.radius;
+  return s.step->contactMargin * p.radius;
 }
 
 /// raise(most, value) for each maximum that is kept per level, with the value of a body: half extents and
@@ -46,10 +46,10 @@ template <class Raise> RUBBLE_HD void raiseExtents(const SolverData& s, const Bo
 /// Displacement of a body in a step by its velocity and by the share of gravity that it followed in the last
 /// step [m].
 RUBBLE_HD inline Vec3 wayAhead(const SolverData& s, int i) {
-  const Real dt = s.step.dt;
+  const Real dt = s.step->dt;
   const Vec3 v = s.velocity[i];
   if (s.params[i].kind != BodyKind::Dynamic) return dt * v;
-  const Vec3 gravity = s.params[i].gravityScale * s.step.gravity;
+  const Vec3 gravity = s.params[i].gravityScale * s.step->gravity;
   return inertialDisplacement(v, followedShare(v, s.previousVelocity[i], gravity, dt) * gravity, dt);
 }
 
@@ -79,7 +79,7 @@ struct ComputeBounds {
     const Vec3 sweep = Real(.5) * wayAhead(s, i);
     const Vec3 x(s.position[i]);
     // Rotation moves the surface by at most the radius. The error of a single-precision center is added.
-    const Real turn = min(s.step.dt * length(s.angularVelocity[i]), Real(1)) * p.radius;
+    const Real turn = min(s.step->dt * length(s.angularVelocity[i]), Real(1)) * p.radius;
     const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
     const Real grow = turn + ownMargin(s, p) + roundOff;
     // late_stops.h sweeps bodies that leave this box

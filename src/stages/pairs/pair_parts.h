@@ -46,7 +46,7 @@ RUBBLE_HD inline PairSpeed pairSpeed(const SolverData& s, int a, int b, const Bo
   const Vec3 relative = s.velocity[a] - s.velocity[b];
   const Real closing = length(relative) + length(s.angularVelocity[a]) * pa.radius +
                        length(s.angularVelocity[b]) * pb.radius;
-  return {closing, s.step.dt * closing > pairLength(pa, pb)};
+  return {closing, s.step->dt * closing > pairLength(pa, pb)};
 }
 
 /// Share of the closing speed of an impact that body `own` may receive, by mass [1]. It is 1 if the other
@@ -76,8 +76,8 @@ RUBBLE_HD inline Real impactSpeedBoundOf(const SolverData& s, int a, int b) {
 /// Detection margin of a pair [m]: contactMargin of its size, or the possible approach in a step if larger.
 /// For pairs that may tunnel it is at most their size.
 RUBBLE_HD inline Real pairMargin(const SolverData& s, int a, int b, Real pairSize, const PairSpeed& speed) {
-  const Real least = s.step.contactMargin * pairSize;
-  if (!speed.bullet) return max(least, s.step.dt * max(speed.closing, impactSpeedBoundOf(s, a, b)));
+  const Real least = s.step->contactMargin * pairSize;
+  if (!speed.bullet) return max(least, s.step->dt * max(speed.closing, impactSpeedBoundOf(s, a, b)));
   // exchanging momentum over four points takes more iterations than over the one point of first contact
   const bool bothMove = s.params[a].kind == BodyKind::Dynamic && s.params[b].kind == BodyKind::Dynamic;
   return bothMove ? least : pairSize;
@@ -86,7 +86,7 @@ RUBBLE_HD inline Real pairMargin(const SolverData& s, int a, int b, Real pairSiz
 /// Largest distance of two parts that need a test in this step [m].
 RUBBLE_HD inline Real pairReach(const SolverData& s, int a, int b) {
   const BodyParams &pa = s.params[a], &pb = s.params[b];
-  return max(s.step.contactMargin * pairLength(pa, pb), s.step.dt * pairSpeed(s, a, b, pa, pb).closing);
+  return max(s.step->contactMargin * pairLength(pa, pb), s.step->dt * pairSpeed(s, a, b, pa, pb).closing);
 }
 
 /// Of two bodies with a surface among them: does the first one have it? Against a distance field any other

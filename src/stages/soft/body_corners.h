@@ -60,7 +60,7 @@ RUBBLE_HD inline bool mayDent(const SolverData& s, int body, const SurfaceFeatur
 inline constexpr Real kTipping = Real(1.5);
 /// Second, a body that begins to fall moves this far [m].
 RUBBLE_HD inline Real fallInStep(const SolverData& s) {
-  return s.step.dt * s.step.dt * length(s.step.gravity);
+  return s.step->dt * s.step->dt * length(s.step->gravity);
 }
 
 /// Flags bodies whose boxes touch that of a feature; the corners of all other bodies need no search.
@@ -73,7 +73,7 @@ struct FindDentingBodies {
   /// Share of worker `lane` of `lanes`.
   RUBBLE_HD static bool isActive(const SolverData& s, int body, int lane, int lanes) {
     if (s.bounds[body].level < 0) return false;
-    const Real way = s.step.dt *
+    const Real way = s.step->dt *
                      (length(s.velocity[body]) + length(s.angularVelocity[body]) * s.params[body].radius);
     const Real more = (kTipping - Real(1)) * way + fallInStep(s);
     const SweptBox box{s.bounds[body].centre, s.bounds[body].half + Vec3{more, more, more}};
@@ -247,11 +247,11 @@ RUBBLE_HD inline CornerReach reachPart(const SolverData& s, int body, const Plac
   const Real size = dentLength(s, body, f);
   CornerReach out;
   out.touch.w[0] = out.touch.w[1] = out.touch.w[2] = Real(1) / static_cast<Real>(f.count);
-  const Real fast = s.step.dt * length(corner.velocity - partVelocity(s, f, out.touch.w));
+  const Real fast = s.step->dt * length(corner.velocity - partVelocity(s, f, out.touch.w));
   out.touch = touchPart(s, body, corner, f, held.side, max(held.behind, max(fast, kHeldFromBelow * size)));
   out.gap = out.touch.distance - corner.radius - s.vertexParams[f.v[0]].radius;
-  const Real there = s.step.dt * length(corner.velocity - partVelocity(s, f, out.touch.w));
-  out.margin = max(s.step.contactMargin * size, kTipping * max(fast, there) + fallInStep(s));
+  const Real there = s.step->dt * length(corner.velocity - partVelocity(s, f, out.touch.w));
+  out.margin = max(s.step->contactMargin * size, kTipping * max(fast, there) + fallInStep(s));
   return out;
 }
 
@@ -267,7 +267,7 @@ RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int 
       behind = max(behind, s.oldPointContact[k].length);
   visitCornersOf(s, body, ownCorners(s, owner), [&](const PlacedCorner& corner) {
     const Vec3 from = Vec3(s.position[body]) + corner.at,
-               sweep = (kTipping * s.step.dt / 2) * corner.velocity;
+               sweep = (kTipping * s.step->dt / 2) * corner.velocity;
     const Real roundOff = Real(2.4e-7) * (std::fabs(from.x) + std::fabs(from.y) + std::fabs(from.z));
     const Real grow = corner.radius + max(behind, ownMargin(s, s.params[body])) + fallInStep(s) + roundOff;
     const SweptBox box{from + sweep, abs(sweep) + Vec3{grow, grow, grow}};

@@ -16,7 +16,7 @@ template <Executor E> void prepare(E& e) {
 
 /// One sweep over the clusters of every level, from coarse to fine.
 template <Executor E> void solve(E& e) {
-  if (!e.view().step.coarseCorrection || e.view().vertices == 0) return;
+  if (!e.view().plan.coarseCorrection || e.view().vertices == 0) return;
   const int* const begin = e.view().clusterBegin;
   for (int level = kClusterLevels - 1; level >= 0; --level) {
     const int clusters = level > 0 ? begin[level + 1] - begin[level] : e.view().movingParts,

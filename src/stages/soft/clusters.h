@@ -107,7 +107,7 @@ RUBBLE_HD bool addFromOutside(const SolverData& s, int v, int lane, int lanes, i
     const bool isInner = surfaces && withinObject(s, p);
     touchesSelf |= isInner;
     addShared(p, pointCorner(code), isInner ? self : own,
-              [&](Block3& b) { p.accumulateVertex(s.step, pointDisplacement(s, p), pointCorner(code), b); });
+              [&](Block3& b) { p.accumulateVertex(*s.step, pointDisplacement(s, p), pointCorner(code), b); });
   }
   return touchesSelf;
 }
@@ -174,7 +174,7 @@ struct SolveCluster {
         if (!e.alive) return;
         Vec3 x[F::kCorners];
         gatherCorners(s, e, x);
-        accumulateGroup(s.step, e, x, ref.inside, centre, static_cast<Real>(ref.clusters) / 2, block);
+        accumulateGroup(*s.step, e, x, ref.inside, centre, static_cast<Real>(ref.clusters) / 2, block);
       }
     });
   }

@@ -59,7 +59,7 @@ RUBBLE_HD inline Vec3 relativeVelocity(const SolverData& s, const NearParts& p) 
 }
 RUBBLE_HD inline Real featureMargin(const SolverData& s, const NearParts& p) {
   const Real size = min(s.vertexParams[p.v[0]].length, s.vertexParams[p.v[p.sideA]].length);
-  return max(s.step.contactMargin * size, s.step.dt * length(relativeVelocity(s, p)));
+  return max(s.step->contactMargin * size, s.step->dt * length(relativeVelocity(s, p)));
 }
 RUBBLE_HD inline Real bothRadii(const SolverData& s, const NearParts& p) {
   return s.vertexParams[p.v[0]].surfaceRadius + s.vertexParams[p.v[p.sideA]].surfaceRadius;

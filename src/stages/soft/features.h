@@ -14,9 +14,9 @@ RUBBLE_HD inline bool isOnSurface(const SolverData& s, int v) {
 
 /// Predicted motion of a vertex along its velocity, and the reach within which rows are wanted.
 struct ExpectedWay {
-  RUBBLE_HD static Vec3 way(const SolverData& s, int v) { return s.step.dt * s.vertexVelocity[v]; }
+  RUBBLE_HD static Vec3 way(const SolverData& s, int v) { return s.step->dt * s.vertexVelocity[v]; }
   RUBBLE_HD static Real reach(const SolverData& s, int v) {
-    return s.vertexParams[v].surfaceRadius + s.step.contactMargin * s.vertexParams[v].length;
+    return s.vertexParams[v].surfaceRadius + s.step->contactMargin * s.vertexParams[v].length;
   }
 };
 

@@ -98,12 +98,12 @@ template <Executor E> void listColors(E& e) {
 
 /// Chebyshev acceleration of solids after the sweep.
 template <Executor E> void accelerate(E& e, int iteration) {
-  const StepConstants& c = e.view().step;
-  const bool last = iteration + 1 == c.iterations;
-  if (last || tetrahedra(e.view()) == 0 || !(c.acceleration > Real(0)) ||
-      c.iterations <= kFirstAccelerated + 1)
+  const StepPlan& plan = e.view().plan;
+  const bool last = iteration + 1 == plan.iterations;
+  if (last || tetrahedra(e.view()) == 0 || !(plan.acceleration > Real(0)) ||
+      plan.iterations <= kFirstAccelerated + 1)
     return;
-  e.forEach(AccelerateVertices{iteration, accelerationOf(c.acceleration, iteration)}, e.view().vertices);
+  e.forEach(AccelerateVertices{iteration, accelerationOf(plan.acceleration, iteration)}, e.view().vertices);
 }
 
 /// Runs beside the dual updates of contacts and joints, with which it shares no data.

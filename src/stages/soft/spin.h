@@ -56,7 +56,7 @@ struct FindSpins {
     addPointInertia(inertia, centre, -mass);
     const Vec3 lost = sum.lost - mass * cross(moved, whole.velocity);
     const Vec3 before = sum.before - sum.lost - mass * cross(centre - moved, whole.velocity);
-    const Vec3 after = s.step.inverseDt * (sum.after - mass * cross(centre, moved));
+    const Vec3 after = s.step->inverseDt * (sum.after - mass * cross(centre, moved));
     // collinear masses have no moment of inertia about their line
     constexpr Real kLeast = Real(1e-5);
     const Real least = kLeast * (inertia.xx + inertia.yy + inertia.zz);
@@ -105,7 +105,7 @@ struct FinishVertices {
   static constexpr const char* kStage = "velocity";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
     if (!isDynamicVertex(s, v)) return;
-    const Vec3 moved = s.vertexMoved[v], velocity = s.step.inverseDt * moved + spinOf(s, v);
+    const Vec3 moved = s.vertexMoved[v], velocity = s.step->inverseDt * moved + spinOf(s, v);
     if (!isFinite(velocity)) {
       atomicCount(&s.counters->quarantined, 1);
       s.vertexVelocity[v] = s.vertexOldVelocity[v] = {0, 0, 0};

@@ -7,7 +7,7 @@ namespace rubble::RUBBLE_CORE::strands {
 
 template <Executor E> void solve(E& e) {
   const SolverData& s = e.view();
-  if (!s.step.jointTrees || s.strands == 0) return;
+  if (!s.plan.jointTrees || s.strands == 0) return;
   if (s.features > 0)
     e.forEach(AssembleStrands<true>{}, s.strandVertices);
   else

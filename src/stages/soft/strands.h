@@ -29,9 +29,9 @@ RUBBLE_HD Sym3 addLineElement(const SolverData& s, const F* element, int v, Bloc
   gatherCorners(s, *element, x);
   Block3 own;
   if constexpr (std::is_same_v<F, Spring>)
-    element->accumulate(x, cornerOf(*element, v), element->converged(s.step, x), own);
+    element->accumulate(x, cornerOf(*element, v), element->converged(*s.step, x), own);
   else
-    element->accumulate(s.step, x, cornerOf(*element, v), own);
+    element->accumulate(*s.step, x, cornerOf(*element, v), own);
   block += own;
   return own.h;
 }
@@ -164,7 +164,7 @@ struct TakeStrandForces {
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const StrandVertex& at = s.strandVertex[k];
     const Real share = s.strandShare[at.line];
-    if (at.spring < 0 || !s.step.compliantRows || !(share > Real(0))) return;
+    if (at.spring < 0 || !s.step->compliantRows || !(share > Real(0))) return;
     Spring& spring = s.spring[at.spring];
     Vec3 x[Spring::kCorners];
     gatherCorners(s, spring, x);

@@ -10,9 +10,9 @@ namespace rubble::RUBBLE_CORE {
 /// Box of a vertex swept over the step, with the detection margin.
 RUBBLE_HD inline SweptBox vertexBounds(const SolverData& s, int v) {
   const VertexParams& p = s.vertexParams[v];
-  const Vec3 sweep = (s.step.dt / 2) * s.vertexVelocity[v], x(s.vertexPosition[v]);
+  const Vec3 sweep = (s.step->dt / 2) * s.vertexVelocity[v], x(s.vertexPosition[v]);
   const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
-  const Real grow = p.radius + s.step.contactMargin * p.length + fallInStep(s) + roundOff;
+  const Real grow = p.radius + s.step->contactMargin * p.length + fallInStep(s) + roundOff;
   return {x + sweep, abs(sweep) + Vec3{grow, grow, grow}};
 }
 
@@ -185,7 +185,7 @@ RUBBLE_HD inline PointDistance pointToBody(const SolverData& s, int v, int body,
 /// Displacement of the surface of the body in a step by surface velocity [m].
 RUBBLE_HD inline Vec3 beltOf(const SolverData& s, const PointContact& p) {
   if (s.surfaces == 0 || p.body < 0) return {0, 0, 0};
-  return s.step.dt * rotate(s.orientation[p.body], surfaceOf(s, p.body, p.part).velocity);
+  return s.step->dt * rotate(s.orientation[p.body], surfaceOf(s, p.body, p.part).velocity);
 }
 
 /// A vertex (B) against a body (A) at x^t. Fills the geometry and returns the initial values.
@@ -196,8 +196,8 @@ RUBBLE_HD inline PointContactStart touchBody(const SolverData& s, int v, int bod
   const Vec3 x(s.vertexPosition[v] - s.position[body]);
   const Real width = b.kind == BodyKind::Dynamic ? min(point.length, 2 * b.radius) : point.length;
   const Vec3 relative = s.vertexVelocity[v] - s.velocity[body];
-  margin = max(s.step.contactMargin * width,
-               s.step.dt * (length(relative) + length(s.angularVelocity[body]) * length(x)));
+  margin = max(s.step->contactMargin * width,
+               s.step->dt * (length(relative) + length(s.angularVelocity[body]) * length(x)));
   // an open mesh has two sides and no inside
   if (b.shape.kind == ShapeKind::Mesh) margin += fallInStep(s);
   const PointDistance at = pointToBody(s, v, body, point.radius + margin,
@@ -231,7 +231,7 @@ RUBBLE_HD inline PointContactStart touchParticle(const SolverData& s, int a, int
   gap = length(d) - pa.radius - pb.radius;
   const Vec3 relative = s.vertexVelocity[a] - s.vertexVelocity[b];
   p.length = min(pa.length, pb.length);
-  margin = max(s.step.contactMargin * p.length, s.step.dt * length(relative));
+  margin = max(s.step->contactMargin * p.length, s.step->dt * length(relative));
   p.v[0] = a, p.v[1] = b, p.v[2] = p.v[3] = -1;
   p.weight[0] = 1, p.weight[1] = -1;
   p.body = -1;
@@ -306,8 +306,8 @@ struct UpdatePointContacts {
                                         : touchFeature(s, pair.vertex, pair.other, p, gap, margin);
     p.active = gap <= margin;
     if (p.active) {
-      beginPointContact(s.step, p, start, old);
-      addBelt(s, p, Real(1) / s.step.driftCorrection);
+      beginPointContact(*s.step, p, start, old);
+      addBelt(s, p, Real(1) / s.step->driftCorrection);
       atomicCount(&s.counters->pointContacts, 1);
     }
     s.pointContact[i] = p;
@@ -319,7 +319,7 @@ struct MarkInactivePoints {
   static constexpr const char* kStage = "inactive";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     PointContact& p = s.pointContact[i];
-    if (!s.step.dormantRows || !p.active || p.lambdaN != Real(0)) return;
+    if (!s.step->dormantRows || !p.active || p.lambdaN != Real(0)) return;
     const bool surfaces = s.pointPair[i].other >= kCornerNode;
     Vec3 d{0, 0, 0};
     Real nearer[2] = {0, 0};
@@ -344,7 +344,7 @@ struct UpdatePointDuals {
   static constexpr const char* kStage = "dual";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     PointContact& p = s.pointContact[i];
-    if (p.active) p.updateDual(s.step, pointDisplacement(s, p));
+    if (p.active) p.updateDual(*s.step, pointDisplacement(s, p));
   }
 };
 
@@ -356,9 +356,9 @@ struct FinishPoints {
     Vec3 d = movedSum(s, p);
     // exact here: errors of the linear displacement would accumulate from step to step
     if (p.body >= 0) d += s.dx[p.body].dp + rotate(s.dq[p.body], p.lever) - p.lever;
-    p.finish(s.step, d);
+    p.finish(*s.step, d);
     // replaces the offset in the row by the displacement of this step
-    if (p.stick) addBelt(s, p, Real(1) - Real(1) / s.step.driftCorrection);
+    if (p.stick) addBelt(s, p, Real(1) - Real(1) / s.step->driftCorrection);
   }
 };
 

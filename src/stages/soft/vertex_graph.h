@@ -48,7 +48,7 @@ template <class Blocks> struct FillSoftIncidences {
       const int other = isDynamicVertex(s, block.v[k]) ? kVertexNode + block.v[k] : -1;
       const std::uint32_t code = k == 0 ? constraintCode(Blocks::kType, i, 0)
                                         : constraintCode(kBodyNeighborType, 2 * i + k / 2, k & 1);
-      s.incidence[slot] = {code, other, k == 0 && s.step.coarseCorrection ? block.depth : 0};
+      s.incidence[slot] = {code, other, k == 0 && s.plan.coarseCorrection ? block.depth : 0};
     }
   }
 };

@@ -32,7 +32,7 @@ template <class F> struct BeginElements {
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);
-    element.begin(s.step, x);
+    element.begin(*s.step, x);
   }
 };
 
@@ -57,7 +57,7 @@ template <class F> struct UpdateElementDuals {
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);
-    element.updateDual(s.step, x);
+    element.updateDual(*s.step, x);
   }
 };
 
@@ -69,7 +69,7 @@ template <class F> struct FinishElements {
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);
-    if (!element.finish(s.step, x)) return;
+    if (!element.finish(*s.step, x)) return;
     element.alive = 0;
     atomicCount(&s.counters->broken, 1);
   }
@@ -110,7 +110,7 @@ RUBBLE_HD inline bool inSolid(const SolverData& s, int v) {
 struct PredictVertices {
   static constexpr const char* kStage = "predict";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
-    const StepConstants& c = s.step;
+    const StepConstants& c = *s.step;
     const VertexParams& p = s.vertexParams[v];
     if (p.kind != VertexKind::Dynamic) {
       s.vertexTarget[v] = s.vertexMoved[v] = {0, 0, 0};
@@ -148,7 +148,7 @@ RUBBLE_HD inline void addElement(const SolverData& s, std::uint32_t code, Block3
     if (!element.alive) return;
     Vec3 x[F::kCorners];
     gatherCorners(s, element, x);
-    element.accumulate(s.step, x, corner, block);
+    element.accumulate(*s.step, x, corner, block);
   });
   if (type != kAttachmentCode) return;
   const Attachment& a = s.attachment[index];
@@ -160,7 +160,7 @@ RUBBLE_HD inline void addTetraCorner(const SolverData& s, const TetraCorner& cor
                                      const Vec3& own, Block3& block) {
   Vec3 x[TetraCorner::kCorners] = {own, {}, {}, {}};
   for (int i = 0; i < 3; ++i) x[i + 1] = load(s.vertexPlace[corner.other[i]]);
-  corner.accumulate(s.step, x, start, 0, block);
+  corner.accumulate(*s.step, x, start, 0, block);
 }
 
 /// Initial multiplier of an attachment. A compliant attachment starts with its own load K C. A hard one
@@ -204,14 +204,14 @@ struct BeginAttachments {
         bodyMass = s.params[a.body].mass;
       }
     }
-    a.begin(s.step, gap, lever, bodyMass, a.isNew() ? newLoad(s, a, gap) : Vec3{0, 0, 0});
+    a.begin(*s.step, gap, lever, bodyMass, a.isNew() ? newLoad(s, a, gap) : Vec3{0, 0, 0});
   }
 };
 /// `whole`: read the contact with vector loads, which takes more registers.
 template <bool whole = false>
 RUBBLE_HD inline void addPointContact(const SolverData& s, std::uint32_t code, Block3& block) {
   const auto add = [&](const PointContact& p) {
-    p.accumulateVertex(s.step, pointDisplacement(s, p), pointCorner(code), block);
+    p.accumulateVertex(*s.step, pointDisplacement(s, p), pointCorner(code), block);
   };
   if constexpr (whole)
     add(loadVectorized(s.pointContact[pointIndex(code)]));
@@ -221,7 +221,7 @@ RUBBLE_HD inline void addPointContact(const SolverData& s, std::uint32_t code, B
 
 /// The inertial part of the local problem of a vertex.
 RUBBLE_HD inline Block3 startVertexBlock(const SolverData& s, int v) {
-  const Real m = s.vertexParams[v].mass * s.step.inverseDt * s.step.inverseDt;
+  const Real m = s.vertexParams[v].mass * s.step->inverseDt * s.step->inverseDt;
   Block3 block;
   block.addDiagonal(m);
   block.f = m * (s.vertexTarget[v] - s.vertexMoved[v]);

@@ -7,7 +7,7 @@
 namespace rubble::RUBBLE_CORE::trees {
 
 /// Number of nodes that trees solve in this step.
-inline int nodesOf(const SolverData& s) { return s.step.jointTrees ? treeNodes(s) : 0; }
+inline int nodesOf(const SolverData& s) { return s.plan.jointTrees ? treeNodes(s) : 0; }
 
 /// Finds the trees that touch other bodies.
 template <Executor E> void prepare(E& e) {

@@ -100,7 +100,7 @@ template <class F> struct FindTreeRows {
     to.count = 0;
     storeVectorized(to, [&](TreePart<kSides<F>>& part) {
       forEachPart<F>([&]<int I, class P>() {
-        if (I == at.part) findTreePart<F, I, P>(s.step, spec, joint, a, b, own, part);
+        if (I == at.part) findTreePart<F, I, P>(*s.step, spec, joint, a, b, own, part);
       });
       return part.count > 0;
     });

@@ -1,0 +1,38 @@
+#pragma once
+/// Tables in host memory, with what only edits need to know of them.
+#include <algorithm>
+#include <bit>
+
+#include "state/solver_tables.h"
+#include "tables/host_memory.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Slots of a table for `ids` elements. A reserve of up to a 32nd lets additions leave the number of slots,
+/// on which captured steps depend, as it is.
+inline int slotsFor(int ids) {
+  const int grain = std::max(1, static_cast<int>(std::bit_floor(static_cast<unsigned>(ids))) / 32);
+  return (ids + grain - 1) / grain * grain;
+}
+
+struct HostTables : SolverTables<HostMemory> {
+  int bodyIds = 0;                       ///< slots beyond are a reserve of removed bodies
+  int jointIds[JointTypes::kSize] = {};  ///< the same for each joint type
+  int shapeVectors = 0, shapeIndices = 0, shapeParts = 0;  ///< elements of the shared tables in use
+  bool treesStale = true;  ///< bodies or joints were edited since the joint trees were built
+
+  /// Number of bodies with each trait. Setting it updates the flags of the SolverData.
+  const TraitCounts& traits() const { return traits_; }
+  void setTraits(const TraitCounts& traits) {
+    SolverData& s = view();
+    traits_ = traits;
+    s.generalShapes = traits[BodyTrait::GeneralShape] > 0, s.rolls = traits[BodyTrait::Rolls] > 0;
+    s.bounces = traits[BodyTrait::Bounces] > 0, s.locked = traits[BodyTrait::Locked] > 0;
+    s.filtered = traits[BodyTrait::Filtered] > 0;
+  }
+
+ private:
+  TraitCounts traits_;
+};
+
+}  // namespace rubble::RUBBLE_CORE
