@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/cli/command.h"
+#include "apps/cli/edit_bench.h"
 #include "apps/cli/measure.h"
 #include "apps/cli/search.h"
 #include "apps/cli/session.h"
@@ -23,6 +24,7 @@ struct BenchOptions {
   bool quiet = false;
   bool search = false;
   bool noStages = false;
+  bool edits = false;
   double limitMs = 1000.0 / 60;
 };
 
@@ -53,6 +55,11 @@ int bench(BenchOptions options) {
   for (const std::string& scene : options.scenes) {
     options.job.scene = scene;
     prepareJob(options.job);
+  }
+  if (options.edits) {
+    constexpr int kEditSteps = 80;
+    benchEdits(options.job, options.scenes, options.job.steps.value_or(kEditSteps), options.jsonFile);
+    return kHolds;
   }
   for (const std::string& scene : options.scenes) {
     for (const int threads : options.threads) {
@@ -103,6 +110,9 @@ void addBench(CLI::App& app, int& status) {
   command->add_option("--limit", options->limitMs, "For --search-60hz [ms]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag("--edits", options->edits,
+                    "Instead of phases: what an edit or a query before every step costs. --steps: for each "
+                    "kind of edit");
   command->add_flag(
       "--no-stages", options->noStages,
       "Without the clocks of stages, which cost a GPU some percent of a small step: the whole step only");

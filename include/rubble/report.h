@@ -56,6 +56,7 @@ struct StepReport {
   double unfinishedMotion = 0;
   /// The bodies were sorted in memory before the step. Earlier array views are invalid.
   bool sorted = false;
+  std::string difference;     ///< lockstep only: the first difference found so far, or ""
   int restarts = 0;           ///< number of times the step was restarted with larger tables
   std::vector<Growth> grown;  ///< the tables that grew
   std::vector<StageTime> stages;

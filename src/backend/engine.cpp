@@ -1,22 +1,22 @@
 #include "backend/engine.h"
 
+#include <cstring>
+
 namespace rubble {
 
-namespace {
-
-class SavedBytes final : public EngineSnapshot {
- public:
-  explicit SavedBytes(std::vector<std::byte> bytes) : bytes_(std::move(bytes)) {}
-  std::vector<std::byte> bytes() const override { return bytes_; }
-
- private:
-  std::vector<std::byte> bytes_;
-};
-
-}  // namespace
-
-std::shared_ptr<const EngineSnapshot> Engine::snapshot() const {
-  return std::make_shared<SavedBytes>(save());
+std::uint64_t hashOf(Engine& engine) {
+  const std::vector<std::byte> state = engine.snapshot()->bytes();
+  // FNV-1a over 64-bit words
+  std::uint64_t h = 0xcbf29ce484222325ull;
+  std::size_t i = 0;
+  for (; i + 8 <= state.size(); i += 8) {
+    std::uint64_t word;
+    std::memcpy(&word, state.data() + i, 8);
+    h = (h ^ word) * 0x100000001b3ull;
+    h ^= h >> 32;
+  }
+  for (; i < state.size(); ++i) h = (h ^ static_cast<std::uint64_t>(state[i])) * 0x100000001b3ull;
+  return h;
 }
 
 }  // namespace rubble

@@ -26,8 +26,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::extras, "extras", "1/s", Per::Body, Lifetime::Authored);
   is(&SolverData::filter, "filter", "", Per::Body, Lifetime::Authored);
   is(&SolverData::planeBody, "planeBody", "", Per::Plane, Lifetime::Authored);
-  is(&SolverData::exclusionOffset, "exclusionOffset", "", Per::Body, Lifetime::Authored, 1);
-  is(&SolverData::exclusionBody, "exclusionBody", "", Per::Exclusion, Lifetime::Authored);
+  is(&SolverData::exclusion, "exclusion", "", Per::Exclusion, Lifetime::Authored);
   is(&SolverData::shapeVector, "shapeVector", "m", Per::ShapeVector, Lifetime::Authored);
   is(&SolverData::shapeIndex, "shapeIndex", "", Per::ShapeIndex, Lifetime::Authored);
   is(&SolverData::shapePart, "shapePart", "", Per::ShapePart, Lifetime::Authored);
@@ -114,8 +113,9 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::nodeOfBody, "nodeOfBody", "", Per::Body, Lifetime::Derived);
   is(&SolverData::treeNode, "treeNode", "", Per::TreeNode, Lifetime::Derived);
   is(&SolverData::treeChild, "treeChild", "", Per::TreeChild, Lifetime::Derived);
-  is(&SolverData::treeOffset, "treeOffset", "", Per::TreeNode, Lifetime::Derived, 1);
-  is(&SolverData::treeMember, "treeMember", "", Per::TreeNode, Lifetime::Derived);
+  is(&SolverData::nodeLevel, "nodeLevel", "", Per::TreeNode, Lifetime::Derived);
+  is(&SolverData::smallTree, "smallTree", "", Per::SmallTree, Lifetime::Derived);
+  is(&SolverData::levelNode, "levelNode", "", Per::TreeNode, Lifetime::Derived);
   is(&SolverData::treeWork, "treeWork", "", Per::TreeNode, Lifetime::Work);
   is(&SolverData::treeContacts, "treeContacts", "", Per::TreeNode, Lifetime::Work);
   is(&SolverData::treeConverged, "treeConverged", "", Per::TreeNode, Lifetime::Work);

@@ -60,6 +60,13 @@ struct BodyFilter {
   int sensor;
 };
 
+/// Ids of two bodies that do not collide; -1, -1: an empty element of the hash table.
+struct ExcludedPair {
+  int low, high;
+  RUBBLE_HD constexpr bool operator==(const ExcludedPair& o) const { return low == o.low && high == o.high; }
+  constexpr auto operator<=>(const ExcludedPair&) const = default;
+};
+
 /// World AABB swept over the step, with its cell in the grid of its level.
 struct Bounds {
   Vec3 centre, half;  ///< [m]

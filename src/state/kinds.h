@@ -31,6 +31,7 @@ enum class Per {
   FreeIsland,
   TreeNode,
   TreeChild,
+  SmallTree,
   Vertex,
   PointOwner,
   PointOwnerSlot,

@@ -20,21 +20,19 @@ struct SolverData : JointTables<JointTypes> {
   int cells = 0;                       ///< buckets of the grid, a power of two
   bool ordered = false;                ///< true: table order differs from id order
   bool bodiesMove = true;              ///< false: no body is dynamic
-  int exclusions = 0;                  ///< pairs of bodies excluded from collision
+  int exclusions = 0;                  ///< size of the hash table of excluded pairs; 0: there are none
   bool filtered = false;               ///< true: some body has a collision filter or is a sensor
   bool locked = false;                 ///< true: some body has locked axes
   int joints[JointTypes::kSize] = {};  ///< slots in use per joint type
-  int treeBegin[kTreeLevels + 1] =
-      {};  ///< first node of each elimination level; the last entry is the number of nodes
-  int treeLevels = 0;
-  int treeChildren = 0;
-  int trees = 0;
-  bool smallTrees = false;  ///< true: no tree has more than kSmallTree bodies
-  int treeLimits = 0;       ///< 1: some joint in a tree has limits
-  int vertices = 0;         ///< slots in use, including removed ones
-  int particleCells = 0;    ///< buckets of the grid of granular particles, a power of two; 0: no particles
-  Real particleCell = 1;    ///< [m]
-  int attachments = 0;      ///< slots in use
+  int treeNodes = 0;                   ///< slots of nodes of joint trees
+  int smallTrees = 0;                  ///< slots of the list of small trees
+  int treeLevels = 0;                  ///< elimination levels of the large trees
+  int levelBegin[kTreeLevels + 1] = {};  ///< first element of each level in levelNode, and their number
+  int treeLimits = 0;                    ///< 1: some joint in a tree has limits
+  int vertices = 0;                      ///< slots in use, including removed ones
+  int particleCells = 0;  ///< buckets of the grid of granular particles, a power of two; 0: no particles
+  Real particleCell = 1;  ///< [m]
+  int attachments = 0;    ///< slots in use
   int edges = 0, features = 0;                ///< of colliding surfaces; edges come first, then triangles
   int featureCells = 0;                       ///< buckets of the grid of features, a power of two
   Real featureCell = 1;                       ///< cell size of its finest level [m]
@@ -55,9 +53,8 @@ struct SolverData : JointTables<JointTypes> {
   BodyParams* params = nullptr;
   BodyExtras* extras = nullptr;
   BodyFilter* filter = nullptr;
-  int* planeBody = nullptr;        ///< body indices of the planes
-  int* exclusionOffset = nullptr;  ///< [bodies + 1], by id, into exclusionBody
-  int* exclusionBody = nullptr;    ///< ids excluded from collision with this one (higher ids only), sorted
+  int* planeBody = nullptr;           ///< body indices of the planes
+  ExcludedPair* exclusion = nullptr;  ///< hash table of pairs that do not collide (stages/pairs/filter.h)
   // shapes and materials shared by bodies: authored
   Vec4* shapeVector = nullptr;  ///< see ShapeTables
   int* shapeIndex = nullptr;
@@ -134,11 +131,12 @@ struct SolverData : JointTables<JointTypes> {
   int* levelAggregate = nullptr;      ///< [levels + 1] first aggregate of a level
   int* levelSlice = nullptr;          ///< [levels + 1] first slice of a level
   // joint trees: derived, and work
-  int* nodeOfBody = nullptr;     ///< tree node of each body; -1: none
-  TreeNode* treeNode = nullptr;  ///< by elimination level
-  int* treeOffset = nullptr;     ///< [trees + 1]
-  int* treeMember = nullptr;     ///< nodes sorted by tree, then by level
-  int* treeChild = nullptr;      ///< 2 * node + side of its coupling, sorted by parent
+  int* nodeOfBody = nullptr;  ///< tree node of each body; -1: none
+  TreeNode* treeNode = nullptr;
+  int* nodeLevel = nullptr;  ///< elimination level of each node
+  int* treeChild = nullptr;  ///< 2 * node + side of its coupling, sorted by parent
+  SmallTree* smallTree = nullptr;
+  int* levelNode = nullptr;  ///< nodes of the large trees, sorted by level
   TreeWork* treeWork = nullptr;
   int* treeContacts = nullptr;     ///< what touches the tree in this step (state/trees.h)
   int* treeConverged = nullptr;    ///< by tree: 1: this solve leaves it unchanged
@@ -300,9 +298,6 @@ inline std::size_t elementCount(const SolverData& s, Per per) {
   const int type = static_cast<int>(per) - static_cast<int>(Per::FirstElement);
   return type >= 0 && type < ElementTypes::kSize ? static_cast<std::size_t>(s.elements[type]) : 0;
 }
-
-/// Bodies solved by joint trees.
-RUBBLE_HD inline int treeNodes(const SolverData& s) { return s.treeBegin[kTreeLevels]; }
 
 /// Wakes an edited body. Its island wakes with it in the next step, because an awake neighbor wakes an
 /// island.

@@ -8,17 +8,23 @@ namespace rubble::RUBBLE_CORE {
 /// block solver.
 inline constexpr int kTreeLevels = 64;
 
-/// Up to this many bodies in every tree, each tree is solved as a whole instead of level by level.
+/// A tree of up to this many bodies is solved as a whole, a larger one level by level.
 inline constexpr int kSmallTree = 64;
 
-/// A body in elimination order.
+/// A body in elimination order. The nodes of a tree are consecutive and sorted by level.
 struct TreeNode {
-  int body;
-  int tree;                  ///< tree number, less than the number of nodes
+  int body;                  ///< -1: an empty slot
+  int tree;                  ///< first node of its tree
   int parent[2];             ///< nodes that it is coupled to when it is eliminated; -1: none
   int childBegin, childEnd;  ///< range in treeChild: nodes eliminated earlier that update this one
   int exact;    ///< 1: its joints close no loop, not even through the world, and its whole tree is eliminated
   int limited;  ///< 1: a joint of its tree has limits
+  int large;    ///< 1: its tree is solved level by level
+};
+
+/// The nodes of a tree that one block solves as a whole. An empty slot has none.
+struct SmallTree {
+  int begin, end;
 };
 
 /// What touches a tree in a step: nothing, contacts of its bodies, or vertices attached to them.

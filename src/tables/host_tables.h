@@ -5,6 +5,7 @@
 
 #include "state/solver_tables.h"
 #include "tables/host_memory.h"
+#include "tables/tree_plan.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -16,10 +17,11 @@ inline int slotsFor(int ids) {
 }
 
 struct HostTables : SolverTables<HostMemory> {
-  int bodyIds = 0;                       ///< slots beyond are a reserve of removed bodies
-  int jointIds[JointTypes::kSize] = {};  ///< the same for each joint type
+  int bodyIds = 0;                                         ///< slots beyond are a reserve of removed bodies
+  int jointIds[JointTypes::kSize] = {};                    ///< the same for each joint type
   int shapeVectors = 0, shapeIndices = 0, shapeParts = 0;  ///< elements of the shared tables in use
-  bool treesStale = true;  ///< bodies or joints were edited since the joint trees were built
+  int excludedPairs = 0;
+  TreePlan trees;
 
   /// Number of bodies with each trait. Setting it updates the flags of the SolverData.
   const TraitCounts& traits() const { return traits_; }

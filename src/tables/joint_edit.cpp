@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "stages/joints/joints.h"
-#include "tables/table_edit.h"
+#include "tables/host_reader.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -58,10 +58,7 @@ template <class Data> void setData(Data& data, const EngineJoint& in) {
 
 template <class F> void editJointOf(HostTables& tables, int slot, const EngineJoint& in) {
   JointSpec<F>& spec = tables.view().specsOf<F>()[slot];
-  // other edits of a joint do not change the joint trees
-  bool moved = spec.a != in.a || spec.b != in.b;
-  if constexpr (isCarried<F>()) moved |= spec.carrierA != in.carrierA || spec.carrierB != in.carrierB;
-  tables.treesStale |= moved || spec.alive != in.alive || spec.isRigid != in.isRigid;
+  const JointLinks before = linksOf<F>(spec);
   spec = {};
   setData(spec.data, in);
   spec.a = in.a, spec.b = in.b;
@@ -75,6 +72,7 @@ template <class F> void editJointOf(HostTables& tables, int slot, const EngineJo
     else
       partOf<I>(spec.parts) = specOf(group < in.groups.size() ? in.groups[group++] : EngineGroup{});
   });
+  tables.trees.relink({typeIndex<F>(JointTypes{}), slot}, before, linksOf<F>(spec));
 }
 
 Pose worldPose(const SolverData& s, int body, const Vec3d& origin) {
@@ -179,14 +177,14 @@ void setJoint(HostTables& tables, int slot, const EngineJoint& joint) {
   withJointType(static_cast<int>(joint.type), [&]<class F>() { tables.view().jointsOf<F>()[slot] = {}; });
 }
 
-JointState jointStateOf(const HostTables& tables, int type, int slot) {
+JointState HostReader::jointState(int type, int slot) const {
   JointState state;
-  withJointType(type, [&]<class F>() { measureJoint<F>(tables.view(), slot, state); });
+  withJointType(type, [&]<class F>() { measureJoint<F>(data(), slot, state); });
   return state;
 }
 
-std::vector<std::pair<int, int>> brokenJointsOf(const HostTables& tables) {
-  const SolverData& s = tables.view();
+std::vector<std::pair<int, int>> HostReader::brokenJoints() const {
+  const SolverData& s = data();
   std::vector<std::pair<int, int>> out;
   forEachType(JointTypes{}, [&]<class F>() {
     constexpr int kType = typeIndex<F>(JointTypes{});

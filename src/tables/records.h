@@ -56,7 +56,7 @@ struct EngineGroup {
   double stiffness = kHard, damping = 0, bound = kHard;
 };
 
-/// A joint between body slots (kWorld: the world). Groups and axes are those of its parts, in their order.
+/// A joint between bodies by id (kWorld: the world). Groups and axes are those of its parts, in their order.
 struct EngineJoint {
   EngineJointType type = EngineJointType::Ball;
   int a = kWorld, b = kWorld;
@@ -96,7 +96,7 @@ struct EngineTouch {
   bool sensor;
 };
 
-/// A query (rubble/query.h) in body slots.
+/// A query (rubble/query.h).
 struct EngineQuery {
   enum Kind { Ray, Cast, Overlap, Closest };
   Kind kind = Ray;
@@ -119,11 +119,6 @@ struct EngineSettings {
   Params params;
   Vec3 gravity;
   bool wakeAll = false;  ///< wakes all bodies in the next step
-};
-
-/// Slots by id (BodyId::index), and ids by slot.
-struct BodyOrder {
-  std::span<const int> slotOf, idOf;
 };
 
 }  // namespace rubble

@@ -363,15 +363,6 @@ void setSoftCounts(HostTables& tables, const SoftCounts& c) {
   });
 }
 
-void vertexStatesOf(const HostTables& tables, int first, std::span<rubble::Vec3> positions,
-                    std::span<rubble::Vec3> velocities) {
-  const SolverData& s = tables.view();
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    positions[i] = s.vertexPosition[static_cast<std::size_t>(first) + i];
-  for (std::size_t i = 0; i < velocities.size(); ++i)
-    velocities[i] = rubble::Vec3(s.vertexVelocity[static_cast<std::size_t>(first) + i]);
-}
-
 void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3> positions,
                      std::span<const rubble::Vec3> velocities) {
   SolverData& s = tables.view();
@@ -382,15 +373,6 @@ void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3
     if (s.vertexParams[v].kind == VertexKind::Dynamic)
       s.vertexVelocity[v] = s.vertexOldVelocity[v] = Vec3(velocities[i]);
   }
-}
-
-void elementsAliveOf(const HostTables& tables, int type, int first, std::span<char> alive) {
-  const SolverData& s = tables.view();
-  forEachType(ElementTypes{}, [&]<class F>() {
-    if (typeIndex<F>(ElementTypes{}) != type) return;
-    for (std::size_t i = 0; i < alive.size(); ++i)
-      alive[i] = s.elementsOf<F>()[static_cast<std::size_t>(first) + i].alive != 0;
-  });
 }
 
 void forgetVertexContacts(HostTables& tables, int body) {

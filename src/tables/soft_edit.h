@@ -20,16 +20,8 @@ struct SoftCounts {
 SoftCounts softCounts(const SolverData& s);
 void setSoftCounts(HostTables& tables, const SoftCounts& counts);
 
-void vertexStatesOf(const HostTables& tables, int first, std::span<rubble::Vec3> positions,
-                    std::span<rubble::Vec3> velocities);
 void setVertexStates(HostTables& tables, int first, std::span<const rubble::Vec3> positions,
                      std::span<const rubble::Vec3> velocities);
-void elementsAliveOf(const HostTables& tables, int type, int first, std::span<char> alive);
-JointState attachmentStateOf(const HostTables& tables, int index);
-/// Contacts of the last step that carry load or overlap.
-std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables);
-/// Adds energies, penetrations and gaps of vertices.
-void addSoftQuality(const HostTables& tables, Quality& quality, std::vector<double>& depths, int& joints);
 /// Clears the contacts of vertices with that body.
 void forgetVertexContacts(HostTables& tables, int body);
 

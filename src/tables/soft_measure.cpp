@@ -1,12 +1,12 @@
 #include <algorithm>
 
 #include "stages/soft/cluster_phases.h"
-#include "tables/soft_edit.h"
+#include "tables/host_reader.h"
 
 namespace rubble::RUBBLE_CORE {
 
-JointState attachmentStateOf(const HostTables& tables, int index) {
-  const SolverData& s = tables.view();
+JointState HostReader::attachmentState(int index) const {
+  const SolverData& s = data();
   const Attachment& a = s.attachment[index];
   Vec3d gap;
   for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k)
@@ -22,8 +22,8 @@ JointState attachmentStateOf(const HostTables& tables, int index) {
   return state;
 }
 
-std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
-  const SolverData& s = tables.view();
+std::vector<EngineVertexContact> HostReader::vertexContacts() const {
+  const SolverData& s = data();
   std::vector<EngineVertexContact> out;
   for (int k = 0; k < s.oldPointPairOffset[s.owners()]; ++k) {
     const PointContact& p = s.oldPointContact[k];
@@ -59,19 +59,19 @@ std::vector<EngineVertexContact> vertexContactsOf(const HostTables& tables) {
               length(s.vertexPosition[other] - s.vertexPosition[vertex]);
     }
     if (depth < 0 && !(p.lambdaN > Real(0))) continue;
-    out.push_back(
-        {vertex, p.body, other, Vec3d(p.n), Vec3d(p.n * p.lambdaN + t1 * p.lambda1 + t2 * p.lambda2), depth});
+    out.push_back({vertex, p.body < 0 ? -1 : s.idOf[p.body], other, Vec3d(p.n),
+                   Vec3d(p.n * p.lambdaN + t1 * p.lambda1 + t2 * p.lambda2), depth});
   }
   return out;
 }
 
-void addSoftQuality(const HostTables& tables, Quality& q, std::vector<double>& depths, int& joints) {
-  const SolverData& s = tables.view();
+void HostReader::addSoftQuality(Quality& q, std::vector<double>& depths, int& joints) const {
+  const SolverData& s = data();
   if (s.vertices == 0) return;
-  for (const EngineVertexContact& c : vertexContactsOf(tables)) depths.push_back(std::max(0.0, c.depth));
+  for (const EngineVertexContact& c : vertexContacts()) depths.push_back(std::max(0.0, c.depth));
   for (int i = 0; i < s.attachments; ++i) {
     if (!active(s, s.attachment[i])) continue;
-    const double gap = attachmentStateOf(tables, i).gap;
+    const double gap = attachmentState(i).gap;
     q.jointGapMean += gap;
     q.jointGapMax = std::max(q.jointGapMax, gap);
     ++joints;
@@ -85,6 +85,25 @@ void addSoftQuality(const HostTables& tables, Quality& q, std::vector<double>& d
                          dot(Vec3d(s.step->gravity), s.vertexPosition[v]);
     q.maxSpeed = std::max(q.maxSpeed, std::sqrt(v2));
   }
+}
+
+void HostReader::vertexStates(int first, std::span<rubble::Vec3> positions,
+                              std::span<rubble::Vec3> velocities) const {
+  const SolverData& s = data();
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    positions[i] = s.vertexPosition[static_cast<std::size_t>(first) + i];
+  for (std::size_t i = 0; i < velocities.size(); ++i)
+    velocities[i] = rubble::Vec3(s.vertexVelocity[static_cast<std::size_t>(first) + i]);
+}
+
+std::vector<char> HostReader::elementsAlive(int type, int first, int count) const {
+  std::vector<char> alive(static_cast<std::size_t>(count));
+  forEachType(ElementTypes{}, [&]<class F>() {
+    if (typeIndex<F>(ElementTypes{}) != type) return;
+    for (int i = 0; i < count; ++i)
+      alive[static_cast<std::size_t>(i)] = data().elementsOf<F>()[first + i].alive != 0;
+  });
+  return alive;
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -5,7 +5,7 @@
 
 #include "stages/contacts/contacts.h"
 #include "stages/joints/joints.h"
-#include "tables/table_edit.h"
+#include "tables/host_reader.h"
 
 namespace rubble::RUBBLE_CORE {
 namespace {
@@ -77,23 +77,37 @@ void addVertexRows(const SolverData& s, std::vector<SolverState>& bodies,
   }
 }
 
-}  // namespace
-
-void solverStatesOf(const HostTables& tables, std::vector<SolverState>& bodies,
-                    std::vector<SolverState>& vertices) {
-  const SolverData& s = tables.view();
-  bodies.assign(static_cast<std::size_t>(s.bodies), {});
-  vertices.assign(static_cast<std::size_t>(s.vertices), {});
-  for (int i = 0; i < s.bodies; ++i)
-    if (s.params[i].kind == BodyKind::Dynamic) bodies[static_cast<std::size_t>(i)].color = s.color[i];
-  for (int v = 0; v < s.vertices; ++v)
-    if (isDynamicVertex(s, v)) vertices[static_cast<std::size_t>(v)].color = s.vertexColor[v];
+void addRows(const SolverData& s, std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) {
   addContacts(s, bodies);
   forEachType(JointTypes{}, [&]<class F>() {
     for (int i = 0; i < s.joints[typeIndex<F>(JointTypes{})]; ++i)
       if (active<F>(s, i)) addJoint<F>(s, i, bodies);
   });
   addVertexRows(s, bodies, vertices);
+}
+
+}  // namespace
+
+std::vector<SolverState> HostReader::bodySolverStates() const {
+  const SolverData& s = data();
+  std::vector<SolverState> bodies(static_cast<std::size_t>(s.bodies)),
+      vertices(static_cast<std::size_t>(s.vertices));
+  for (int i = 0; i < s.bodies; ++i)
+    if (s.params[i].kind == BodyKind::Dynamic) bodies[static_cast<std::size_t>(i)].color = s.color[i];
+  addRows(s, bodies, vertices);
+  std::vector<SolverState> out(static_cast<std::size_t>(tables_.bodyIds));
+  for (std::size_t id = 0; id < out.size(); ++id) out[id] = bodies[static_cast<std::size_t>(s.placeOf[id])];
+  return out;
+}
+
+std::vector<SolverState> HostReader::vertexSolverStates() const {
+  const SolverData& s = data();
+  std::vector<SolverState> bodies(static_cast<std::size_t>(s.bodies)),
+      vertices(static_cast<std::size_t>(s.vertices));
+  for (int v = 0; v < s.vertices; ++v)
+    if (isDynamicVertex(s, v)) vertices[static_cast<std::size_t>(v)].color = s.vertexColor[v];
+  addRows(s, bodies, vertices);
+  return vertices;
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -38,17 +38,6 @@ int traitsOf(const SolverData& s, int slot) {
   return traits;
 }
 
-Distribution distribution(std::vector<double>& values) {
-  Distribution d;
-  if (values.empty()) return d;
-  std::sort(values.begin(), values.end());
-  for (const double v : values) d.mean += v;
-  d.mean /= static_cast<double>(values.size());
-  d.p99 = values[static_cast<std::size_t>(.99 * static_cast<double>(values.size() - 1))];
-  d.max = values.back();
-  return d;
-}
-
 }  // namespace
 
 void reserveNodes(HostTables& tables) {
@@ -67,7 +56,6 @@ void clearBodySlots(HostTables& tables, int begin) {
     s.orientation[i] = Quat{};
     // a new body owns no pairs
     s.oldPairOffset[i + 1] = s.oldPairOffset[i];
-    s.exclusionOffset[i + 1] = s.exclusionOffset[i];
   }
   if (s.features == 0) return;
   // nor do the corners of new bodies
@@ -100,9 +88,8 @@ void setBody(HostTables& tables, int slot, const EngineBody& body) {
   SolverData& s = tables.view();
   BodyParams& p = s.params[slot];
   p.shape = shapeData(body.shape);
-  // a new body has no joints yet, and the joints of a removed one were removed before
   const auto kind = static_cast<BodyKind>(body.kind);
-  tables.treesStale |= p.kind != kind && p.kind != BodyKind::Removed && kind != BodyKind::Removed;
+  if (p.kind != kind) tables.trees.touch(slot);
   p.kind = kind;
   const bool dynamic = p.kind == BodyKind::Dynamic;
   p.mass = dynamic ? static_cast<Real>(body.mass.mass) : Real(0);
@@ -151,14 +138,7 @@ void setBodyState(HostTables& tables, int slot, const BodyState& state) {
   wakeBody(s, slot);
 }
 
-void forgetContacts(HostTables& tables, int slot) {
-  SolverData& s = tables.view();
-  for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
-    if (s.oldPair[k].owner == slot || s.oldPair[k].other == slot) forgetOldPair(s, k);
-  forgetVertexContacts(tables, slot);
-}
-
-void forgetContactsOf(HostTables& tables, std::span<const int> slots) {
+void forgetContacts(HostTables& tables, std::span<const int> slots) {
   SolverData& s = tables.view();
   std::vector<char> gone(static_cast<std::size_t>(s.bodies), 0);
   for (const int slot : slots) gone[static_cast<std::size_t>(slot)] = 1;
@@ -178,7 +158,7 @@ void abandonStep(HostTables& tables) {
   std::fill_n(s.oldPairOffset, s.bodies + 1, 0);
   std::fill_n(s.oldPointPairOffset, s.owners() + 1, 0);
   s.oldActivePairOffset[0] = 0;
-  tables.treesStale = true;
+  tables.trees.touchAll();
   // reserving may have moved the manifold tables
   tables.aliasRows();
 }
@@ -200,12 +180,6 @@ bool inOtherOrder(const SolverData& s) {
   return false;
 }
 
-BodyOrder orderOf(const HostTables& tables) {
-  const SolverData& s = tables.view();
-  const std::size_t bodies = static_cast<std::size_t>(s.bodies);
-  return {{s.placeOf, bodies}, {s.idOf, bodies}};
-}
-
 void scatterRows(HostTables& tables, StateArray which, const ArrayView& rows, const ArrayView& values) {
   const ScatterRows scatter(which, rows, values);
   for (int k = 0; k < static_cast<int>(rows.shape[0]); ++k) scatter(tables.view(), k);
@@ -215,117 +189,6 @@ void setPlanes(HostTables& tables, const std::vector<int>& slots) {
   tables.reserve(Per::Plane, static_cast<int>(slots.size()));
   std::copy(slots.begin(), slots.end(), tables.view().planeBody);
   tables.view().planes = static_cast<int>(slots.size());
-}
-
-void setExclusions(HostTables& tables, const std::vector<std::pair<int, int>>& pairs) {
-  tables.reserve(Per::Exclusion, static_cast<int>(pairs.size()));
-  SolverData& s = tables.view();
-  std::size_t k = 0;
-  for (int i = 0; i < s.bodies; ++i) {
-    s.exclusionOffset[i] = static_cast<int>(k);
-    for (; k < pairs.size() && pairs[k].first == i; ++k) s.exclusionBody[k] = pairs[k].second;
-  }
-  s.exclusionOffset[s.bodies] = s.exclusions = static_cast<int>(k);
-}
-
-namespace {
-
-/// Calls visit(pair, manifold) for every pair of the last step that has contact points.
-template <class Visit> void forEachManifold(const SolverData& s, Visit&& visit) {
-  for (int k = 0; k < s.oldPairOffset[s.bodies]; ++k)
-    if (const int m = manifoldOfOld(s, k); m >= 0 && s.oldManifold[m].count > 0 && s.oldPair[k].other >= 0)
-      visit(ordered(s.oldPair[k]), s.oldManifold[m]);
-}
-
-/// The two surface points of a contact point, relative to the center of A.
-struct SurfacePoints {
-  Vec3 onA, onB;
-};
-SurfacePoints surfacePoints(const SolverData& s, const OrderedPair& o, const Manifold& m, int point) {
-  return {rotate(s.orientation[o.a], pointOnA(m, point)),
-          centreDistance(s, o.a, o.b) + rotate(s.orientation[o.b], pointOnB(m, point))};
-}
-
-}  // namespace
-
-std::vector<EngineContact> contactsOf(const HostTables& tables) {
-  const SolverData& s = tables.view();
-  std::vector<EngineContact> out;
-  forEachManifold(s, [&](const OrderedPair& o, const Manifold& m) {
-    // a sleeping pair has no rows, but keeps its multipliers
-    const bool sleeps = m.row < 0 && (isAsleep(s, o.a) || isAsleep(s, o.b));
-    if (m.row < 0 && !sleeps) return;
-    const ContactRows* const r = sleeps ? nullptr : &s.contact[m.row];
-    const Vec3 n = r ? r->n : m.normal;
-    Vec3 t1, t2;
-    tangentBasis(n, t1, t2);
-    for (int k = 0; k < m.count; ++k) {
-      const SurfacePoints x = surfacePoints(s, o, m, k);
-      const Vec3 force = r ? n * r->load[k].lambdaN + t1 * r->load[k].lambda1 + t2 * r->load[k].lambda2
-                           : n * m.lambdaN[k] + t1 * m.lambda1[k] + t2 * m.lambda2[k];
-      out.push_back({o.a, o.b, s.position[o.a] + Vec3d((x.onA + x.onB) * Real(.5)), Vec3d(n), Vec3d(force),
-                     static_cast<double>(dot(n, x.onA - x.onB))});
-    }
-  });
-  return out;
-}
-
-std::vector<EngineTouch> touchesOf(const HostTables& tables) {
-  const SolverData& s = tables.view();
-  std::vector<EngineTouch> out;
-  forEachManifold(s, [&](const OrderedPair& o, const Manifold& m) {
-    bool touch = false;
-    for (int k = 0; k < m.count; ++k) {
-      const SurfacePoints x = surfacePoints(s, o, m, k);
-      const bool loaded = m.row >= 0 && s.contact[m.row].load[k].lambdaN > Real(0);
-      touch |= loaded ||
-               dot(m.normal, x.onA - x.onB) > -kInactiveGap * pairLength(s.params[o.a], s.params[o.b]);
-    }
-    if (touch) out.push_back({o.a, o.b, isSensor(s, o.a) || isSensor(s, o.b)});
-  });
-  return out;
-}
-
-std::vector<int> sleepersOf(const HostTables& tables) {
-  const SolverData& s = tables.view();
-  std::vector<int> out;
-  for (int i = 0; i < s.bodies; ++i)
-    if (s.asleep[i] != 0 && s.params[i].kind == BodyKind::Dynamic) out.push_back(i);
-  return out;
-}
-
-Quality qualityOf(const HostTables& tables) {
-  const SolverData& s = tables.view();
-  Quality q;
-  std::vector<double> depths;
-  for (const EngineContact& c : contactsOf(tables)) depths.push_back(std::max(0.0, c.depth));
-  int joints = 0;
-  addSoftQuality(tables, q, depths, joints);
-  q.penetration = distribution(depths);
-  forEachType(JointTypes{}, [&]<class F>() {
-    const int type = typeIndex<F>(JointTypes{});
-    for (int i = 0; i < s.joints[type]; ++i) {
-      if (!active<F>(s, i)) continue;
-      const double gap = jointStateOf(tables, type, i).gap;
-      q.jointGapMean += gap;
-      q.jointGapMax = std::max(q.jointGapMax, gap);
-      ++joints;
-    }
-  });
-  if (joints > 0) q.jointGapMean /= joints;
-
-  for (int i = 0; i < s.bodies; ++i) {
-    const BodyParams& p = s.params[i];
-    if (p.kind != BodyKind::Dynamic) continue;
-    const Vec3 w = rotateInverse(s.orientation[i], s.angularVelocity[i]);
-    const double v2 = dot(Vec3d(s.velocity[i]), Vec3d(s.velocity[i]));
-    q.kineticEnergy += .5 *
-                       (static_cast<double>(p.mass) * v2 + static_cast<double>(dot(w, mul(p.inertia, w))));
-    q.potentialEnergy -= static_cast<double>(p.mass * p.gravityScale) *
-                         dot(Vec3d(s.step->gravity), s.position[i]);
-    q.maxSpeed = std::max(q.maxSpeed, std::sqrt(v2));
-  }
-  return q;
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,3 +1,4 @@
+#include "tables/exclusions.h"
 #include "tables/soft_edit.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ std::size_t liveCount(const HostTables& tables, Per per) {
     case Per::Body:
       return static_cast<std::size_t>(tables.bodyIds);
     case Per::Pair:
-      return static_cast<std::size_t>(s.oldPairOffset[s.bodies]);
+      return static_cast<std::size_t>(s.oldPairOffset[tables.bodyIds]);
     case Per::ActivePair:
       return static_cast<std::size_t>(s.counters->activePairs);
     case Per::Manifold:
@@ -22,7 +23,7 @@ std::size_t liveCount(const HostTables& tables, Per per) {
     case Per::Plane:
       return static_cast<std::size_t>(s.planes);
     case Per::Exclusion:
-      return static_cast<std::size_t>(s.exclusionOffset[s.bodies]);
+      return static_cast<std::size_t>(tables.excludedPairs);
     case Per::ShapeVector:
       return static_cast<std::size_t>(tables.shapeVectors);
     case Per::ShapeIndex:
@@ -47,7 +48,7 @@ std::size_t liveCount(const HostTables& tables, Per per) {
     case Per::Neighbor:
       return static_cast<std::size_t>(s.neighborOffset[s.vertices]);
     case Per::PointPair:
-      return static_cast<std::size_t>(s.oldPointPairOffset[s.owners()]);
+      return static_cast<std::size_t>(s.oldPointPairOffset[ownersOf(s, tables.bodyIds)]);
     case Per::Cluster:
       return static_cast<std::size_t>(s.clusterBegin[kClusterLevels]);
     case Per::ClusterRef:
@@ -65,10 +66,38 @@ std::size_t liveCount(const HostTables& tables, Per per) {
   }
 }
 
+// Excluded pairs are saved as offsets by the lower id, then the higher ids: the place of a pair in the hash
+// table depends on the edits that led there.
+template <class T> constexpr bool isExclusions = std::is_same_v<T, ExcludedPair>;
+std::size_t exclusionBytes(const HostTables& tables) {
+  return sizeof(int) * static_cast<std::size_t>(tables.bodyIds + 1 + tables.excludedPairs);
+}
+void saveExclusions(const HostTables& tables, std::byte* to) {
+  const std::vector<ExcludedPair> pairs = excludedPairs(tables.view());
+  std::vector<int> out;
+  for (int id = 0, k = 0; id <= tables.bodyIds; ++id) {
+    while (k < tables.excludedPairs && pairs[static_cast<std::size_t>(k)].low < id) ++k;
+    out.push_back(k);
+  }
+  for (const ExcludedPair& pair : pairs) out.push_back(pair.high);
+  std::memcpy(to, out.data(), exclusionBytes(tables));
+}
+void readExclusions(HostTables& tables, const std::byte* from) {
+  std::vector<int> in(exclusionBytes(tables) / sizeof(int));
+  std::memcpy(in.data(), from, exclusionBytes(tables));
+  std::vector<ExcludedPair> pairs;
+  const int* const high = in.data() + tables.bodyIds + 1;
+  for (int id = 0; id < tables.bodyIds; ++id)
+    for (int k = in [static_cast<std::size_t>(id)]; k < in[static_cast<std::size_t>(id) + 1]; ++k)
+      pairs.push_back({id, high[k]});
+  loadExclusions(tables, pairs);
+}
+
 template <class Visit> void forEachKept(const HostTables& tables, Visit&& visit) {
   forEachArray([&]<class T>(const ArrayInfo<T>& array) {
     if (array.life != Lifetime::Authored && array.life != Lifetime::State) return;
-    visit(array, sizeof(T) * (liveCount(tables, array.per) + static_cast<std::size_t>(array.extra)));
+    const std::size_t count = liveCount(tables, array.per) + static_cast<std::size_t>(array.extra);
+    visit(array, isExclusions<T> ? exclusionBytes(tables) : sizeof(T) * count);
   });
 }
 
@@ -127,8 +156,11 @@ std::vector<std::byte> saveTables(const HostTables& tables) {
     to += bytes;
   };
   put(&counts, sizeof counts);
-  forEachKept(tables, [&](const auto& array, std::size_t bytes) {
-    copyClean(to, s.*array.member, bytes);
+  forEachKept(tables, [&]<class T>(const ArrayInfo<T>& array, std::size_t bytes) {
+    if constexpr (isExclusions<T>)
+      saveExclusions(tables, to);
+    else
+      copyClean(to, s.*array.member, bytes);
     to += bytes;
   });
   return out;
@@ -143,7 +175,6 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   tables.reserve(Per::ActivePair, counts.activePairs);
   tables.reserve(Per::Manifold, counts.manifolds);
   tables.reserve(Per::Plane, counts.planes);
-  tables.reserve(Per::Exclusion, counts.exclusions);
   setSoftCounts(tables, counts.soft);
   tables.reserve(Per::PointPair, counts.pointPairs);
   tables.reserve(Per::ShapeVector, counts.shapeVectors);
@@ -156,7 +187,7 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   tables.bodyIds = counts.bodies;
   s.bodies = slotsFor(counts.bodies);
   s.planes = counts.planes;
-  tables.treesStale = true;
+  tables.trees.touchAll();
   tables.shapeVectors = counts.shapeVectors, tables.shapeIndices = counts.shapeIndices,
   tables.shapeParts = counts.shapeParts;
   s.surfaces = counts.surfaces;
@@ -167,30 +198,19 @@ void loadTables(HostTables& tables, std::span<const std::byte> data) {
   s.counters->manifolds = counts.manifolds;
   // sizes of later arrays depend on these
   s.oldPairOffset[counts.bodies] = counts.pairs;
-  s.exclusionOffset[counts.bodies] = s.exclusions = counts.exclusions;
+  tables.excludedPairs = counts.exclusions;
   s.oldPointPairOffset[ownersOf(s, counts.bodies)] = counts.pointPairs;
   const std::byte* from = data.data() + sizeof counts;
-  forEachKept(tables, [&](const auto& array, std::size_t bytes) {
-    if (bytes > 0) std::memcpy(s.*array.member, from, bytes);
+  forEachKept(tables, [&]<class T>(const ArrayInfo<T>& array, std::size_t bytes) {
+    if constexpr (isExclusions<T>)
+      readExclusions(tables, from);
+    else if (bytes > 0)
+      std::memcpy(s.*array.member, from, bytes);
     from += bytes;
   });
   clearBodySlots(tables, counts.bodies);
   s.ordered = inOtherOrder(s);
   countYielding(s);
-}
-
-std::uint64_t hashBytes(std::span<const std::byte> data) {
-  // FNV-1a over 64-bit words
-  std::uint64_t h = 0xcbf29ce484222325ull;
-  std::size_t i = 0;
-  for (; i + 8 <= data.size(); i += 8) {
-    std::uint64_t word;
-    std::memcpy(&word, data.data() + i, 8);
-    h = (h ^ word) * 0x100000001b3ull;
-    h ^= h >> 32;
-  }
-  for (; i < data.size(); ++i) h = (h ^ static_cast<std::uint64_t>(data[i])) * 0x100000001b3ull;
-  return h;
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,5 +1,8 @@
 #pragma once
 /// Data that the world keeps of a body, in addition to that of the engine.
+#include <vector>
+
+#include <rubble/ids.h>
 #include <rubble/scene.h>
 
 #include "world/shape_frame.h"
@@ -11,6 +14,7 @@ struct BodyRecord {
   MassProperties mass;
   ShapeFrame frame;  ///< engine frame in the authored frame
   double radius;     ///< of the bounding sphere about the center of mass [m]
+  std::vector<JointId> joints = {};
 };
 
 }  // namespace rubble

@@ -67,8 +67,7 @@ BodyId World::Impl::addBody(const BodyDef& def, const ReadyBody& ready) {
   const BodyId id = registry.bodies.add(
       {def, ready.mass, {cooked->unit.centre, cooked->unit.axes}, cooked->radius});
   if (!def.name.empty()) registry.bodyNames[def.name] = id;
-  engine->setBodyCount(registry.bodies.size());
-  if (id.generation > 0) engine->forgetContacts(id.index);
+  if (id.generation > 0) engine->apply(ForgetContacts{{id.index}});
   EngineBody body;
   body.kind = kindOf(def.motion);
   body.shape = cooked->shape;
@@ -85,11 +84,17 @@ BodyId World::Impl::addBody(const BodyDef& def, const ReadyBody& ready) {
   body.sensor = def.sensor;
   body.state = registry.bodies[id].frame.toEngine(
       {def.position, normalize(def.orientation), def.velocity, def.angularVelocity});
-  engine->setBody(id.index, body);
-  settingsChanged = true;
+  engine->apply(SetBody{id.index, body});
   ++epoch;
-  planesChanged |= def.shape.type == ShapeType::Plane;
+  if (def.shape.type == ShapeType::Plane) setPlanes();
   return id;
+}
+
+void World::Impl::setPlanes() {
+  std::vector<int> planes;
+  for (const BodyId id : registry.bodies.ids())
+    if (registry.bodies[id].def.shape.type == ShapeType::Plane) planes.push_back(id.index);
+  engine->apply(SetPlanes{std::move(planes)});
 }
 
 void World::Impl::removeBody(BodyId id) { removeBodies({&id, 1}); }
@@ -104,24 +109,24 @@ void World::Impl::removeBodies(std::span<const BodyId> ids) {
   std::sort(slots.begin(), slots.end());
   if (std::adjacent_find(slots.begin(), slots.end()) != slots.end())
     throw Error("bodies", "each body once", "one of them twice");
-  const auto goes = [&](BodyId id) { return std::binary_search(slots.begin(), slots.end(), id.index); };
-  for (const JointId joint : registry.joints.ids())
-    if (const JointRecord& r = registry.joints[joint];
-        goes(r.a) || goes(r.b) || goes(r.carrierA) || goes(r.carrierB))
-      removeJoint(joint);
+  bool planes = false;
   for (const BodyId id : ids) {
+    const std::vector<JointId> joints = registry.bodies[id].joints;
+    for (const JointId joint : joints) removeJoint(joint);
     removeAttachmentsOf(id);
     const BodyDef& def = registry.bodies[id].def;
     if (!def.name.empty()) registry.bodyNames.erase(def.name);
-    planesChanged |= def.shape.type == ShapeType::Plane;
-    exclusionsChanged |= std::erase_if(registry.exclusions, [&](const auto& pair) {
-                           return pair.first == id.index || pair.second == id.index;
-                         }) > 0;
+    planes |= def.shape.type == ShapeType::Plane;
+    for (auto pair = registry.exclusions.begin(); pair != registry.exclusions.end();) {
+      const bool goes = pair->first == id.index || pair->second == id.index;
+      if (goes) engine->apply(SetExcluded{pair->first, pair->second, false});
+      pair = goes ? registry.exclusions.erase(pair) : std::next(pair);
+    }
     registry.bodies.remove(id);
-    engine->setBody(id.index, {});
+    engine->apply(SetBody{id.index, {}});
   }
-  engine->forgetContactsOf(slots);
-  settingsChanged = true;
+  engine->apply(ForgetContacts{std::move(slots)});
+  if (planes) setPlanes();
   ++epoch;
 }
 
@@ -143,38 +148,65 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b, BodyId ca
   int& slot = record.engineSlot;
   if (registry.freeJointSlots[type].empty()) {
     slot = registry.jointSlots[type]++;
-    engine->setJointCount(type, registry.jointSlots[type]);
   } else {
     slot = registry.freeJointSlots[type].back();
     registry.freeJointSlots[type].pop_back();
   }
   wakeBodiesOf(record);
-  engine->setJoint(slot, record.engine);
+  engine->apply(SetJoint{slot, record.engine});
   const JointId id = registry.joints.add(record);
   if (!def.name.empty()) registry.jointNames[def.name] = id;
-  exclusionsChanged |= !def.collide;
+  listJoint(id, record, true);
+  if (!def.collide) updateExclusion(a, b);
   return id;
 }
 
 void World::Impl::removeJoint(JointId id) {
   requireAlive(id);
-  const JointRecord& joint = registry.joints[id];
+  const JointRecord joint = registry.joints[id];
   EngineJoint none;
   none.type = joint.engine.type;
   wakeBodiesOf(joint);
-  engine->setJoint(joint.engineSlot, none);
+  engine->apply(SetJoint{joint.engineSlot, none});
   registry.freeJointSlots[static_cast<int>(none.type)].push_back(joint.engineSlot);
   if (!joint.def.name.empty()) registry.jointNames.erase(joint.def.name);
-  exclusionsChanged |= !joint.def.collide;
+  listJoint(id, joint, false);
   registry.joints.remove(id);
+  if (!joint.def.collide) updateExclusion(joint.a, joint.b);
+}
+
+void World::Impl::listJoint(JointId id, const JointRecord& joint, bool listed) {
+  for (const BodyId body : {joint.a, joint.b, joint.carrierA, joint.carrierB}) {
+    if (body.index < 0) continue;
+    std::vector<JointId>& joints = registry.bodies.edit(body).joints;
+    const auto found = std::find(joints.begin(), joints.end(), id);
+    if (listed && found == joints.end()) joints.push_back(id);
+    if (!listed && found != joints.end()) joints.erase(found);
+  }
 }
 
 void World::Impl::exclude(BodyId a, BodyId b, bool excluded) {
   requireAlive(a), requireAlive(b);
   if (a == b) throw Error("exclusion", "two different bodies", "the same one twice");
   const std::pair<int, int> pair = std::minmax(a.index, b.index);
-  exclusionsChanged |= excluded ? registry.exclusions.insert(pair).second
-                                : registry.exclusions.erase(pair) > 0;
+  if (excluded)
+    registry.exclusions.insert(pair);
+  else
+    registry.exclusions.erase(pair);
+  updateExclusion(a, b);
+}
+
+bool World::Impl::excludes(BodyId a, BodyId b) const {
+  if (registry.exclusions.contains(std::minmax(a.index, b.index))) return true;
+  return std::ranges::any_of(registry.bodies[a].joints, [&](JointId id) {
+    const JointRecord& joint = registry.joints[id];
+    const bool links = (joint.a == a && joint.b == b) || (joint.a == b && joint.b == a);
+    return links && !joint.def.collide && !joint.broken;
+  });
+}
+
+void World::Impl::updateExclusion(BodyId a, BodyId b) {
+  if (a.index >= 0 && b.index >= 0) engine->apply(SetExcluded{a.index, b.index, excludes(a, b)});
 }
 
 JointDef World::Impl::inEngineFrames(JointDef def, BodyId a, BodyId b) const {
@@ -196,7 +228,7 @@ void World::Impl::wakeBodiesOf(const JointRecord& joint) {
 JointBodies World::Impl::jointBodies(const JointRecord& joint) const {
   const auto of = [&](BodyId id) {
     if (id.index < 0) return JointBodyState{};
-    const BodyState state = engine->state(id.index);
+    const BodyState state = bodyState(id);
     return JointBodyState{state.position, state.orientation, registry.bodies[id].mass};
   };
   return {of(joint.a), of(joint.b), of(joint.carrierA), of(joint.carrierB)};
@@ -222,55 +254,33 @@ void World::Impl::redefine(JointId id, const JointDef& def) {
   joint.a = record.engine.a, joint.b = record.engine.b;
   joint.carrierA = record.engine.carrierA, joint.carrierB = record.engine.carrierB;
   wakeBodiesOf(record);
-  engine->editJoint(record.engineSlot, joint);
-  exclusionsChanged |= def.collide != record.def.collide;
+  engine->apply(SetJoint{record.engineSlot, joint, true});
   JointRecord& changed = registry.joints.edit(id);
+  const bool collided = changed.def.collide;
   changed.def = def;
   changed.engine = joint;
+  if (def.collide != collided) updateExclusion(changed.a, changed.b);
 }
 
 void World::Impl::findBroken(std::vector<JointId>& broken) {
-  const std::vector<std::pair<int, int>> all = engine->brokenJoints();
+  const std::vector<std::pair<int, int>> all = engine->read().brokenJoints();
   for (const JointId id : registry.joints.ids()) {
     const JointRecord& joint = registry.joints[id];
     if (joint.broken || !std::binary_search(all.begin(), all.end(),
                                             std::pair{static_cast<int>(joint.engine.type), joint.engineSlot}))
       continue;
-    exclusionsChanged |= !joint.def.collide;
     registry.joints.edit(id).broken = true;
+    if (!joint.def.collide) updateExclusion(joint.a, joint.b);
     broken.push_back(id);
   }
 }
 
-void World::Impl::flush() {
-  flushSoft();
-  if (planesChanged) {
-    std::vector<int> planes;
-    for (const BodyId id : registry.bodies.ids())
-      if (registry.bodies[id].def.shape.type == ShapeType::Plane) planes.push_back(id.index);
-    engine->setPlanes(planes);
-    planesChanged = false;
-  }
-  if (exclusionsChanged) {
-    std::vector<std::pair<int, int>> pairs(registry.exclusions.begin(), registry.exclusions.end());
-    for (const JointId id : registry.joints.ids()) {
-      const JointRecord& joint = registry.joints[id];
-      if (!joint.def.collide && !joint.broken && joint.a.index >= 0 && joint.b.index >= 0)
-        pairs.emplace_back(std::minmax(joint.a.index, joint.b.index));
-    }
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    engine->setExclusions(pairs);
-    exclusionsChanged = false;
-  }
-  if (settingsChanged) {
-    EngineSettings settings;
-    settings.params = params;
-    settings.gravity = registry.gravity;
-    settings.wakeAll = std::exchange(disturbed, false);
-    engine->configure(settings);
-    settingsChanged = false;
-  }
+void World::Impl::configure(bool wakesAll) {
+  EngineSettings settings;
+  settings.params = params;
+  settings.gravity = registry.gravity;
+  settings.wakeAll = wakesAll;
+  engine->configure(settings);
 }
 
 }  // namespace rubble

@@ -18,14 +18,14 @@ bool same(const Touch& s, const Touch& t) { return s.a == t.a && s.b == t.b; }
 
 void World::Impl::collectContacts() {
   std::vector<Touch> now;
-  for (const EngineTouch& t : engine->touches()) {
+  for (const EngineTouch& t : engine->read().touches()) {
     const auto a = registry.bodies.at(t.a), b = registry.bodies.at(t.b);
     if (a && b) now.push_back({*a, *b, t.sensor});
   }
   std::sort(now.begin(), now.end(), before);
   // two bodies may touch at several of their parts
   now.erase(std::unique(now.begin(), now.end(), same), now.end());
-  std::vector<EngineContact> points = engine->contacts();
+  std::vector<EngineContact> points = engine->read().contacts();
   std::stable_sort(points.begin(), points.end(), [](const EngineContact& p, const EngineContact& q) {
     return std::pair(p.a, p.b) < std::pair(q.a, q.b);
   });
@@ -65,13 +65,13 @@ void World::Impl::collectContacts() {
 void World::Impl::collectBreaks(const std::vector<JointId>& broken) {
   for (const JointId id : broken) {
     const JointRecord& joint = registry.joints[id];
-    const JointState state = engine->jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
+    const JointState state = engine->read().jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
     events.joints.push_back({id, joint.a, joint.b, state.force, state.torque});
   }
 }
 
 void World::Impl::collectSleeps() {
-  const std::vector<int> now = engine->sleepers();
+  const std::vector<int> now = engine->read().sleepers();
   const std::vector<int>& old = registry.sleepers;
   std::size_t i = 0, k = 0;
   const auto add = [&](int slot, bool asleep) {
@@ -100,7 +100,7 @@ const Events& World::events() const { return impl_->events; }
 
 bool World::asleep(BodyId id) const {
   impl_->requireAlive(id);
-  return impl_->params.sleeping && impl_->engine->isAsleep(id.index);
+  return impl_->params.sleeping && impl_->engine->read(Fetch::Body, id.index).isAsleep(id.index);
 }
 
 void World::wake(BodyId id) {
@@ -111,14 +111,14 @@ void World::wake(BodyId id) {
 void World::Impl::wake(BodyId id) {
   if (!params.sleeping || id.index < 0) return;
   if (registry.bodies[id].def.motion == Motion::Dynamic)
-    engine->setState(id.index, engine->state(id.index));
+    engine->apply(SetBodyState{id.index, bodyState(id)});
   else
-    engine->forgetContacts(id.index);
+    engine->apply(ForgetContacts{{id.index}});
 }
 
 std::vector<ContactPoint> World::contacts() const {
   std::vector<ContactPoint> out;
-  for (const EngineContact& c : impl_->engine->contacts()) {
+  for (const EngineContact& c : impl_->engine->read().contacts()) {
     const auto a = impl_->registry.bodies.at(c.a), b = impl_->registry.bodies.at(c.b);
     if (a && b) out.push_back({*a, *b, c.position, c.normal, c.depth, c.force});
   }
@@ -126,9 +126,9 @@ std::vector<ContactPoint> World::contacts() const {
 }
 
 std::vector<SolverState> World::solverStates() const {
-  std::vector<SolverState> bySlot, ofVertices, out;
-  impl_->engine->solverStates(bySlot, ofVertices);
-  for (const BodyId id : bodies()) out.push_back(bySlot[static_cast<std::size_t>(id.index)]);
+  const std::vector<SolverState> all = impl_->engine->read().bodySolverStates();
+  std::vector<SolverState> out;
+  for (const BodyId id : bodies()) out.push_back(all[static_cast<std::size_t>(id.index)]);
   return out;
 }
 
@@ -136,17 +136,15 @@ std::vector<SolverState> World::solverStates(SoftId id) const {
   impl_->requireAlive(id);
   impl_->flush();
   const SoftRange& range = impl_->registry.softs[id].range;
-  std::vector<SolverState> ofBodies, bySlot, out(static_cast<std::size_t>(vertexCount(id)));
-  impl_->engine->solverStates(ofBodies, bySlot);
-  std::copy_n(bySlot.begin() + range.vertex, out.size(), out.begin());
-  return out;
+  const std::vector<SolverState> all = impl_->engine->read().vertexSolverStates();
+  return {all.begin() + range.vertex, all.begin() + range.vertex + vertexCount(id)};
 }
 
 ContactLoad World::contactLoad(BodyId id) const {
   impl_->requireAlive(id);
-  const Vec3 centre = impl_->engine->state(id.index).position;
+  const Vec3 centre = impl_->bodyState(id).position;
   ContactLoad load;
-  for (const EngineContact& c : impl_->engine->contacts()) {
+  for (const EngineContact& c : impl_->engine->read().contacts()) {
     if (c.a != id.index && c.b != id.index) continue;
     const Vec3 force = c.b == id.index ? c.force : -c.force;
     load.force += force;

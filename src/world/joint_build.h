@@ -1,6 +1,6 @@
 #pragma once
 /// Converts authored joint definitions to engine joints.
-#include "backend/engine.h"
+#include "tables/records.h"
 
 namespace rubble {
 

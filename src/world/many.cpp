@@ -94,11 +94,13 @@ void World::setStates(std::span<const BodyId> ids, std::span<const BodyState> st
     impl_->requireAlive(ids[k]);
     validate(states[k], element("states", k));
   }
+  std::vector<Edit> edits;
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const BodyRecord& body = impl_->registry.bodies[ids[k]];
     if (body.def.motion != Motion::Dynamic) impl_->wake(ids[k]);
-    impl_->engine->setState(ids[k].index, body.frame.toEngine(states[k]));
+    edits.push_back(SetBodyState{ids[k].index, body.frame.toEngine(states[k])});
   }
+  impl_->engine->apply(edits);
 }
 
 void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> forces,
@@ -110,23 +112,23 @@ void World::applyForces(std::span<const BodyId> ids, std::span<const Vec3> force
   }
   checks::finite(forces, "forces");
   checks::finite(torques, "torques");
+  std::vector<Edit> edits;
   for (std::size_t k = 0; k < ids.size(); ++k)
-    impl_->engine->addForce(ids[k].index, forces[k], torques.empty() ? Vec3{} : torques[k]);
+    edits.push_back(AddForce{ids[k].index, forces[k], torques.empty() ? Vec3{} : torques[k]});
+  impl_->engine->apply(edits);
 }
 
 void World::applyImpulses(std::span<const BodyId> ids, std::span<const Vec3> impulses) {
   sameLength(ids.size(), impulses.size(), "impulses");
   checks::finite(impulses, "impulses");
-  std::vector<int> slots;
-  std::vector<Vec3> changes;
+  std::vector<Edit> edits;
   for (std::size_t k = 0; k < ids.size(); ++k) {
     impl_->requireAlive(ids[k]);
     const BodyRecord& body = impl_->registry.bodies[ids[k]];
     if (body.def.motion != Motion::Dynamic) continue;
-    slots.push_back(ids[k].index);
-    changes.push_back(impulses[k] / body.mass.mass);
+    edits.push_back(AddVelocity{ids[k].index, impulses[k] / body.mass.mass});
   }
-  impl_->engine->addVelocities(slots, changes);
+  impl_->engine->apply(edits);
 }
 
 ArrayView World::array(StateArray which) const {

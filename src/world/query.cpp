@@ -1,6 +1,9 @@
 /// Queries: validation, translation of ids to slots, and back.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+
+#include <tbb/parallel_for.h>
 
 #include <rubble/world.h>
 
@@ -23,6 +26,23 @@ EngineQuery filtered(EngineQuery::Kind kind, const QueryFilter& filter) {
   q.sensors = filter.sensors;
   q.ignore = filter.ignore.index;
   return q;
+}
+
+/// Throws the Error of an invalid ray.
+void checkRay(const RayQuery& ray, std::size_t i) {
+  checks::finite(ray.origin, at("rays", i, "origin"));
+  const double size = length(ray.direction);
+  if (!(size > 0) || !std::isfinite(size))
+    throw Error(at("rays", i, "direction"), "a direction", "a vector of length " + std::to_string(size));
+  checks::positive(ray.maxDistance, at("rays", i, "maxDistance"));
+}
+
+/// f(i) for all i < n, in parallel if that pays.
+template <class F> void forEachIndex(std::size_t n, F&& f) {
+  constexpr std::size_t kGrain = 2048;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kGrain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) f(i);
+  });
 }
 
 /// Cooked query shapes. Geometry shared with bodies of the world or other queries of the batch is cooked
@@ -66,30 +86,31 @@ class QueryShapes {
 }  // namespace
 
 std::vector<RayHit> World::castRays(std::span<const RayQuery> rays) {
-  std::vector<EngineQuery> queries;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const RayQuery& ray = rays[i];
-    checks::finite(ray.origin, at("rays", i, "origin"));
+  const auto isValid = [](const RayQuery& ray) {
     const double size = length(ray.direction);
-    if (!(size > 0) || !std::isfinite(size))
-      throw Error(at("rays", i, "direction"), "a direction", "a vector of length " + std::to_string(size));
-    checks::positive(ray.maxDistance, at("rays", i, "maxDistance"));
-    EngineQuery q = filtered(EngineQuery::Ray, ray.filter);
-    q.position = ray.origin;
-    q.move = ray.direction * (ray.maxDistance / size);
-    queries.push_back(q);
-  }
+    return checks::isFinite(ray.origin) && size > 0 && std::isfinite(size) && ray.maxDistance > 0 &&
+           std::isfinite(ray.maxDistance);
+  };
+  std::vector<EngineQuery> queries(rays.size());
+  std::atomic<bool> valid = true;
+  forEachIndex(rays.size(), [&](std::size_t i) {
+    const RayQuery& ray = rays[i];
+    if (!isValid(ray)) valid = false;
+    queries[i] = filtered(EngineQuery::Ray, ray.filter);
+    queries[i].position = ray.origin;
+    queries[i].move = ray.direction * (ray.maxDistance / length(ray.direction));
+  });
+  if (!valid)
+    for (std::size_t i = 0; i < rays.size(); ++i) checkRay(rays[i], i);
   impl_->flush();
-  std::vector<RayHit> out;
   const std::vector<EngineHit> hits = impl_->engine->query(queries);
-  for (std::size_t i = 0; i < hits.size(); ++i) {
+  std::vector<RayHit> out(rays.size());
+  forEachIndex(rays.size(), [&](std::size_t i) {
     const EngineHit& hit = hits[i];
-    if (hit.body < 0)
-      out.push_back({});
-    else
-      out.push_back({true, *impl_->registry.bodies.at(hit.body), hit.fraction * rays[i].maxDistance,
-                     hit.position, hit.normal});
-  }
+    if (hit.body >= 0)
+      out[i] = {true, *impl_->registry.bodies.at(hit.body), hit.fraction * rays[i].maxDistance, hit.position,
+                hit.normal};
+  });
   return out;
 }
 

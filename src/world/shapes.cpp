@@ -30,7 +30,7 @@ int World::Impl::surfaceOf(const Material& material) {
                                   [&](const Material& m) { return same(m, material); });
   if (found != all.end()) return static_cast<int>(found - all.begin());
   all.push_back(material);
-  engine->setSurfaces(all);
+  engine->apply(SetSurfaces{all});
   return static_cast<int>(all.size()) - 1;
 }
 
@@ -62,13 +62,13 @@ int World::Impl::placeShape(const Shape& shape, const std::shared_ptr<const Cook
       // a material that overrides that of the body is always in the table
       if (surface < 0) {
         registry.surfaces.push_back(*part.material);
-        engine->setSurfaces(registry.surfaces);
+        engine->apply(SetSurfaces{registry.surfaces});
         surface = static_cast<int>(registry.surfaces.size()) - 1;
       }
     }
     partSurfaces.push_back(surface);
   }
-  engine->addShape(*cooked, partSurfaces);
+  engine->apply(AddShape{cooked, partSurfaces});
   registry.shapes.push_back({shape, cooked, registry.shapeIndices});
   registry.shapeIndices += static_cast<int>(cooked->indices.size());
   return registry.shapes.back().indexBase;

@@ -52,7 +52,7 @@ SoftId World::Impl::addSoft(const Deformable& def, const std::string& path) {
     throw Error(path + ".name", "a name that no other deformable object has", "\"" + name + "\"");
   const SoftId id = registry.softs.add({def, cookDeformable(def, path), registry.softOrder++, {}});
   if (!name.empty()) registry.softNames[name] = id;
-  softChanged = settingsChanged = true;
+  softChanged = true;
   return id;
 }
 
@@ -64,7 +64,7 @@ void World::Impl::removeSoft(SoftId id) {
   const std::string& name = common(registry.softs[id].def).name;
   if (!name.empty()) registry.softNames.erase(name);
   registry.softs.remove(id);
-  softChanged = settingsChanged = true;
+  softChanged = true;
 }
 
 AttachmentId World::Impl::addAttachment(const AttachmentDef& def, SoftId object, BodyId body, SoftId other,
@@ -92,18 +92,18 @@ AttachmentId World::Impl::addAttachment(const AttachmentDef& def, SoftId object,
     const SoftRecord& soft = registry.softs[object];
     std::vector<Vec3> at(std::size_t(countOf(object)));
     if (soft.range.vertex >= 0)
-      engine->vertexStates(soft.range.vertex, at, {});
+      engine->read(Fetch::Vertices).vertexStates(soft.range.vertex, at, {});
     else
       std::transform(soft.model->vertices.begin(), soft.model->vertices.end(), at.begin(),
                      [](const auto& v) { return v.position; });
     for (std::size_t i = 0; i < def.vertices.size(); ++i)
       record.anchor += record.def.weights[i] * at[std::size_t(def.vertices[i])];
     if (body.index >= 0) {
-      const BodyState state = registry.bodies[body].frame.toAuthor(engine->state(body.index));
+      const BodyState state = registry.bodies[body].frame.toAuthor(bodyState(body));
       record.anchor = rotateInverse(state.orientation, record.anchor - state.position);
     }
   }
-  softChanged = settingsChanged = true;
+  softChanged = true;
   return registry.attachments.add(std::move(record));
 }
 
@@ -118,7 +118,7 @@ void World::Impl::removeAttachmentsOf(BodyId id) {
     if (registry.attachments[a].body == id) removeAttachment(a);
 }
 
-void World::Impl::flushSoft() {
+void World::Impl::flush() {
   if (!softChanged) return;
   std::vector<EngineSoftObject> objects;
   SoftRange next;
@@ -165,7 +165,7 @@ void World::Impl::flushSoft() {
     r.engineIndex = int(attachments.size());
     attachments.push_back(a);
   }
-  engine->setSoft(objects, attachments);
+  engine->apply(SetDeformables{std::move(objects), std::move(attachments)});
   softChanged = false;
 }
 
@@ -196,13 +196,13 @@ int World::vertexCount(SoftId id) const {
 std::vector<Vec3> World::positions(SoftId id) const {
   std::vector<Vec3> out(static_cast<std::size_t>(vertexCount(id)));
   impl_->flush();
-  impl_->engine->vertexStates(impl_->registry.softs[id].range.vertex, out, {});
+  impl_->engine->read(Fetch::Vertices).vertexStates(impl_->registry.softs[id].range.vertex, out, {});
   return out;
 }
 std::vector<Vec3> World::velocities(SoftId id) const {
   std::vector<Vec3> out(static_cast<std::size_t>(vertexCount(id)));
   impl_->flush();
-  impl_->engine->vertexStates(impl_->registry.softs[id].range.vertex, {}, out);
+  impl_->engine->read(Fetch::Vertices).vertexStates(impl_->registry.softs[id].range.vertex, {}, out);
   return out;
 }
 std::vector<double> World::masses(SoftId id) const {
@@ -219,14 +219,16 @@ void World::setVertices(SoftId id, std::span<const Vec3> positions, std::span<co
   checks::finite(positions, "vertices");
   checks::finite(velocities, "vertices");
   impl_->flush();
-  impl_->engine->setVertexStates(impl_->registry.softs[id].range.vertex, positions, velocities);
+  impl_->engine->apply(SetVertices{impl_->registry.softs[id].range.vertex,
+                                   {positions.begin(), positions.end()},
+                                   {velocities.begin(), velocities.end()}});
 }
 void World::applyVertexForce(SoftId id, int vertex, const Vec3& force) {
   if (vertex < 0 || vertex >= vertexCount(id))
     throw Error("vertex", "an index below " + std::to_string(vertexCount(id)), std::to_string(vertex));
   checks::finite(force, "force");
   impl_->flush();
-  impl_->engine->addVertexForce(impl_->registry.softs[id].range.vertex + vertex, force);
+  impl_->engine->apply(AddVertexForce{impl_->registry.softs[id].range.vertex + vertex, force});
 }
 
 World::Surface World::surface(SoftId id) const {
@@ -237,9 +239,7 @@ World::Surface World::surface(SoftId id) const {
   const SoftModel& m = *r.model;
   const auto counts = elementCounts(m);
   const auto alive = [&](int type) {
-    std::vector<char> flags(static_cast<std::size_t>(counts[std::size_t(type)]));
-    impl_->engine->elementsAlive(type, r.range.element[type], flags);
-    return flags;
+    return impl_->engine->read().elementsAlive(type, r.range.element[type], counts[std::size_t(type)]);
   };
   constexpr int kMembranes = 1, kSprings = 5;
   const std::vector<char> whole = alive(kMembranes);
@@ -268,7 +268,7 @@ World::AttachmentEnds World::endsOf(AttachmentId id) const {
 JointState World::state(AttachmentId id) const {
   impl_->requireAlive(id);
   impl_->flush();
-  return impl_->engine->attachmentState(impl_->registry.attachments[id].engineIndex);
+  return impl_->engine->read().attachmentState(impl_->registry.attachments[id].engineIndex);
 }
 
 std::vector<VertexContact> World::vertexContacts() const {
@@ -284,7 +284,7 @@ std::vector<VertexContact> World::vertexContacts() const {
     return id;
   };
   std::vector<VertexContact> out;
-  for (const EngineVertexContact& c : impl_->engine->vertexContacts()) {
+  for (const EngineVertexContact& c : impl_->engine->read().vertexContacts()) {
     VertexContact v{{}, -1, {}, {}, -1, c.normal, c.depth, c.force};
     v.object = owner(c.vertex, v.vertex);
     if (c.otherVertex >= 0) v.otherObject = owner(c.otherVertex, v.otherVertex);

@@ -47,12 +47,12 @@ World::World(const Scene& scene, const WorldOptions& options) : impl_(std::make_
     throw Error("threads", "a number from 0 to " + std::to_string(kMostThreads),
                 std::to_string(options.threads));
   impl_->params = options.params;
-  impl_->engine = std::make_unique<OrderedEngine>(makeEngine(options));
+  impl_->engine = makeEngine(options);
   impl_->doublePrecision = options.backend == "reference";
   impl_->wantsEvents = options.events;
   Registry& r = impl_->registry;
   r.gravity = scene.gravity;
-  impl_->engine->setBodyCount(static_cast<int>(scene.bodies.size()));
+  impl_->configure(false);
   r.sceneBodies = impl_->addBodies(scene.bodies, "bodies");
   const auto idOf = [&](int body) {
     return body == kWorld ? BodyId{} : r.sceneBodies[static_cast<std::size_t>(body)];
@@ -82,8 +82,11 @@ StepReport World::step() try {
   impl_->flush();
   StepReport report;
   report.step = impl_->registry.step;
+  const int interval = impl_->params.sortInterval;
+  report.sorted = std::exchange(impl_->sortSoon, false) || (interval > 0 && report.step % interval == 0);
+  if (report.sorted) impl_->engine->sortBodies(), ++impl_->epoch;
   impl_->engine->step(report);
-  if (report.sorted) ++impl_->epoch;
+  impl_->difference = report.difference;
   if (report.brokenJoints > 0) impl_->findBroken(report.broken);
   impl_->collectEvents(report);
   ++impl_->registry.step;
@@ -94,19 +97,19 @@ StepReport World::step() try {
   throw Error("step", "memory for the tables that it needs", "none left");
 }
 
-void World::sortBodies() { impl_->engine->sortSoon(); }
+void World::sortBodies() { impl_->sortSoon = true; }
 
 const Params& World::params() const { return impl_->params; }
 void World::setParams(const Params& params) {
   validate(params);
   impl_->params = params;
-  impl_->settingsChanged = impl_->disturbed = true;
+  impl_->configure(true);
 }
 Vec3 World::gravity() const { return impl_->registry.gravity; }
 void World::setGravity(const Vec3& gravity) {
   checks::finite(gravity, "gravity");
   impl_->registry.gravity = gravity;
-  impl_->settingsChanged = impl_->disturbed = true;
+  impl_->configure(true);
 }
 std::int64_t World::stepCount() const { return impl_->registry.step; }
 double World::time() const { return impl_->registry.time; }
@@ -142,13 +145,13 @@ MassProperties World::massOf(BodyId id) const {
 }
 BodyState World::state(BodyId id) const {
   impl_->requireAlive(id);
-  return impl_->registry.bodies[id].frame.toAuthor(impl_->engine->state(id.index));
+  return impl_->registry.bodies[id].frame.toAuthor(impl_->bodyState(id));
 }
 void World::setState(BodyId id, const BodyState& state) {
   impl_->requireAlive(id);
   validate(state, "state");
   if (impl_->registry.bodies[id].def.motion != Motion::Dynamic) impl_->wake(id);
-  impl_->engine->setState(id.index, impl_->registry.bodies[id].frame.toEngine(state));
+  impl_->engine->apply(SetBodyState{id.index, impl_->registry.bodies[id].frame.toEngine(state)});
 }
 void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) {
   impl_->requireAlive(id);
@@ -156,7 +159,7 @@ void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) 
     throw Error("target", "a kinematic body", "another");
   checks::finite(position, "position");
   checks::rotation(orientation, "orientation");
-  BodyState s = impl_->engine->state(id.index);
+  BodyState s = impl_->bodyState(id);
   const double dt = impl_->params.dt;
   const BodyState target = impl_->registry.bodies[id].frame.toEngine(
       {position, normalize(orientation), {}, {}});
@@ -165,23 +168,23 @@ void World::setTarget(BodyId id, const Vec3& position, const Quat& orientation) 
   if (d.s < 0) d = {-d.s, -d.v};
   const double u = length(d.v);
   s.angularVelocity = u > 0 ? d.v * (2 * std::atan2(u, d.s) / (u * dt)) : Vec3{};
-  impl_->engine->setState(id.index, s);
+  impl_->engine->apply(SetBodyState{id.index, s});
 }
 void World::applyForce(BodyId id, const Vec3& force) {
   impl_->requireAlive(id);
   checks::finite(force, "force");
-  impl_->engine->addForce(id.index, force, {});
+  impl_->engine->apply(AddForce{id.index, force, {}});
 }
 void World::applyForceAt(BodyId id, const Vec3& force, const Vec3& point) {
   impl_->requireAlive(id);
   checks::finite(force, "force");
   checks::finite(point, "point");
-  impl_->engine->addForce(id.index, force, cross(point - impl_->engine->state(id.index).position, force));
+  impl_->engine->apply(AddForce{id.index, force, cross(point - impl_->bodyState(id).position, force)});
 }
 void World::applyTorque(BodyId id, const Vec3& torque) {
   impl_->requireAlive(id);
   checks::finite(torque, "torque");
-  impl_->engine->addForce(id.index, {}, torque);
+  impl_->engine->apply(AddForce{id.index, {}, torque});
 }
 void World::applyImpulse(BodyId id, const Vec3& impulse) { applyImpulses({&id, 1}, {&impulse, 1}); }
 
@@ -200,7 +203,7 @@ JointId World::findJoint(const std::string& name) const {
 JointState World::state(JointId id) const {
   impl_->requireAlive(id);
   const JointRecord& joint = impl_->registry.joints[id];
-  JointState state = impl_->engine->jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
+  JointState state = impl_->engine->read().jointState(static_cast<int>(joint.engine.type), joint.engineSlot);
   state.axes.resize(static_cast<std::size_t>(axisCount(joint.def.type)));
   if (joint.engine.turned != 0) {
     const std::vector<JointAxisState> own = state.axes;
@@ -280,13 +283,13 @@ void World::moveGrab(JointId id, const Vec3& target) {
 
 Quality World::quality() const {
   impl_->flush();
-  return impl_->engine->quality();
+  return impl_->engine->read().quality();
 }
 
 std::size_t World::memoryBytes() const { return impl_->engine->memoryBytes(); }
 std::uint64_t World::hash() const {
   impl_->flush();
-  return impl_->engine->hash();
+  return hashOf(*impl_->engine);
 }
 
 Snapshot World::snapshot() const {
@@ -303,10 +306,10 @@ void World::restore(const Snapshot& snapshot) {
   impl_->params = snapshot.data->params;
   impl_->engine->restore(*snapshot.data->engine);
   ++impl_->epoch;
-  impl_->settingsChanged = true;
+  impl_->configure(false);
   impl_->softChanged = false;
 }
 
-std::string World::firstDifference() const { return impl_->engine->firstDifference(); }
+std::string World::firstDifference() const { return impl_->difference; }
 
 }  // namespace rubble

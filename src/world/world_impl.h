@@ -5,7 +5,7 @@
 
 #include <rubble/events.h>
 
-#include "backend/ordered_engine.h"
+#include "backend/engine.h"
 #include "world/body_record.h"
 #include "world/joint_build.h"
 #include "world/shape_frame.h"
@@ -135,7 +135,8 @@ struct Registry {
   std::vector<Material> surfaces;  ///< those in the material table of the engine
   std::vector<int> freeJointSlots[kEngineJointTypes];
   int jointSlots[kEngineJointTypes] = {};
-  std::set<std::pair<int, int>> exclusions;  ///< slots (low, high), without those of joints
+  std::set<std::pair<int, int>> exclusions;  ///< (low, high), without those of joints
+  std::vector<int> planes;                   ///< bodies, ascending
   std::vector<Touch> touches;                ///< of the last step with events enabled, sorted
   std::vector<int> sleepers;                 ///< of the same step, slots
   Vec3 gravity;
@@ -155,18 +156,16 @@ struct PoseRing {
 };
 
 struct World::Impl {
-  std::unique_ptr<OrderedEngine> engine;
+  std::unique_ptr<Engine> engine;
   Registry registry;
   Params params;
-  bool settingsChanged = true;
-  bool planesChanged = true;
-  bool exclusionsChanged = true;
   bool doublePrecision = false;  ///< of the engine; snapshots of the other precision cannot be restored
   std::int64_t epoch = 0;
   PoseRing poses;
   bool softChanged = false;
-  bool disturbed = false;  ///< a setting that acts on all bodies has changed: wakes all of them
+  bool sortSoon = false;  ///< the next step sorts the bodies
   bool wantsEvents = false;
+  std::string difference;  ///< of the reports
   Events events;
 
   /// The cooked shape. Geometry that the engine or `fresh` already has is not cooked again.
@@ -205,6 +204,8 @@ struct World::Impl {
   void removeJoint(JointId id);
   void exclude(BodyId a, BodyId b, bool excluded);
   void requireAlive(BodyId id) const;
+  /// In the engine frame.
+  BodyState bodyState(BodyId id) const { return engine->read(Fetch::Body, id.index).state(id.index); }
   void requireAlive(JointId id) const;
   PoseCopies& poseCopies();
   SoftId addSoft(const Deformable& def, const std::string& path);
@@ -215,15 +216,22 @@ struct World::Impl {
   void removeAttachmentsOf(BodyId id);
   void requireAlive(SoftId id) const;
   void requireAlive(AttachmentId id) const;
-  /// Updates the tables of deformable objects.
-  void flushSoft();
+  /// Sends edits of deformable objects, which the engine takes all at once.
+  void flush();
   void wake(BodyId id);
   void collectEvents(const StepReport& report);
   void collectContacts();
   void collectBreaks(const std::vector<JointId>& broken);
   void collectSleeps();
-  /// Sends all edits since the last step to the engine.
-  void flush();
+  /// Whether they never collide: by an exclusion of their own, or by a joint.
+  bool excludes(BodyId a, BodyId b) const;
+  /// Tells the engine whether the two bodies collide.
+  void updateExclusion(BodyId a, BodyId b);
+  /// Adds or removes a joint in the records of its bodies.
+  void listJoint(JointId id, const JointRecord& joint, bool listed);
+  void setPlanes();
+  /// Gives parameters and gravity to the engine. `wakesAll`: they have changed, and act on all bodies.
+  void configure(bool wakesAll);
 };
 
 struct Snapshot::Data {

@@ -88,7 +88,6 @@ class Lockstep : public ::testing::Test {
         setBody(t, i, body);
       }
       setPlanes(t, {});
-      setExclusions(t, {});
     });
   }
 

@@ -15,6 +15,7 @@ struct Bodies {
   std::vector<Vec3d> position;
   std::vector<BodyTarget> target;
   std::vector<Displacement> moved;
+  StepConstants step{};
   SolverData view;
 
   Bodies() {
@@ -28,7 +29,8 @@ struct Bodies {
     }
     view.bodies = kCount;
     view.position = position.data(), view.target = target.data(), view.dx = moved.data();
-    view.step->inverseDt = 60;
+    step.inverseDt = 60;
+    view.step = &step;
   }
 
   Aggregate aggregate(bool joined) const {

@@ -34,39 +34,52 @@ Links chainOf(int bodies) {
   return links;
 }
 
-int roundOf(const SolverData& s, int node) {
-  int r = 0;
-  while (node >= s.treeBegin[r + 1]) ++r;
-  return r;
+/// Number of bodies in trees.
+int nodesOf(const SolverData& s) {
+  return static_cast<int>(std::count_if(s.nodeOfBody, s.nodeOfBody + s.bodies, [](int n) { return n >= 0; }));
+}
+int levelsOf(const SolverData& s) {
+  int levels = 0;
+  for (int n = 0; n < s.treeNodes; ++n)
+    if (s.treeNode[n].body >= 0) levels = std::max(levels, s.nodeLevel[n] + 1);
+  return levels;
 }
 
-/// Every coupling goes to a later round, every joint is a coupling, and what is passed on arrives; each tree
-/// lists its nodes by round.
+/// Every coupling goes to a later level, every joint is a coupling, what is passed on arrives, and the nodes
+/// of a tree are consecutive, sorted by level and in one of the lists.
 void expectSound(const SolverData& s, const Links& links) {
-  EXPECT_EQ(s.treeOffset[s.trees], treeNodes(s));
-  std::vector<int> listed(s.treeMember, s.treeMember + treeNodes(s));
-  for (int t = 0; t < s.trees; ++t) {
-    const int begin = s.treeOffset[t], end = s.treeOffset[t + 1];
-    EXPECT_LT(begin, end);
-    EXPECT_TRUE(std::is_sorted(s.treeMember + begin, s.treeMember + end));
-    for (int k = begin; k < end; ++k)
-      EXPECT_EQ(s.treeNode[s.treeMember[k]].tree, s.treeNode[s.treeMember[begin]].tree);
-  }
+  std::vector<int> listed(s.levelNode, s.levelNode + s.levelBegin[kTreeLevels]), live;
+  for (int r = 0; r < s.treeLevels; ++r)
+    for (int k = s.levelBegin[r]; k < s.levelBegin[r + 1]; ++k) EXPECT_EQ(s.nodeLevel[s.levelNode[k]], r);
+  for (int t = 0; t < s.smallTrees; ++t)
+    for (int n = s.smallTree[t].begin; n < s.smallTree[t].end; ++n) {
+      EXPECT_EQ(s.treeNode[n].tree, s.smallTree[t].begin);
+      listed.push_back(n);
+    }
   std::sort(listed.begin(), listed.end());
-  for (int n = 0; n < treeNodes(s); ++n) EXPECT_EQ(listed[static_cast<std::size_t>(n)], n);
-  for (int n = 0; n < treeNodes(s); ++n) {
+  for (int n = 0; n < s.treeNodes; ++n) {
     const TreeNode& node = s.treeNode[n];
+    if (node.body < 0) continue;
+    live.push_back(n);
     EXPECT_EQ(s.nodeOfBody[node.body], n);
+    EXPECT_LE(node.tree, n);
+    if (node.tree < n) {
+      EXPECT_EQ(s.treeNode[n - 1].tree, node.tree);
+      EXPECT_LE(s.nodeLevel[n - 1], s.nodeLevel[n]);
+    }
     for (int side = 0; side < 2; ++side) {
       const int to = node.parent[side];
       if (to < 0) continue;
-      EXPECT_GT(roundOf(s, to), roundOf(s, n));
+      EXPECT_EQ(s.treeNode[to].tree, node.tree);
+      EXPECT_GT(s.nodeLevel[to], s.nodeLevel[n]);
       const TreeNode& other = s.treeNode[to];
       const int* const first = s.treeChild + other.childBegin;
       const int* const last = s.treeChild + other.childEnd;
       EXPECT_EQ(std::count(first, last, 2 * n + side), 1);
     }
   }
+  EXPECT_EQ(listed, live);
+  EXPECT_EQ(static_cast<int>(live.size()), nodesOf(s));
   for (const auto& [a, b] : links) {
     if (b == kWorldBody || s.nodeOfBody[a] < 0) continue;
     const int na = s.nodeOfBody[a], nb = s.nodeOfBody[b];
@@ -76,13 +89,34 @@ void expectSound(const SolverData& s, const Links& links) {
   }
 }
 
-TEST(JointTrees, ThousandLinksTakeTenRounds) {
+/// What a plan says of a body, in terms of bodies.
+struct Planned {
+  int level = -1, parent[2] = {-1, -1}, exact = 0, limited = 0, large = 0;
+  std::vector<int> children;
+  bool operator==(const Planned&) const = default;
+};
+std::vector<Planned> plannedBodies(const SolverData& s, int bodies) {
+  std::vector<Planned> out(static_cast<std::size_t>(bodies));
+  for (int i = 0; i < bodies; ++i) {
+    if (s.nodeOfBody[i] < 0) continue;
+    const TreeNode& node = s.treeNode[s.nodeOfBody[i]];
+    Planned& to = out[static_cast<std::size_t>(i)];
+    to.level = s.nodeLevel[s.nodeOfBody[i]];
+    for (int k = 0; k < 2; ++k) to.parent[k] = node.parent[k] < 0 ? -1 : s.treeNode[node.parent[k]].body;
+    to.exact = node.exact, to.limited = node.limited, to.large = node.large;
+    for (int k = node.childBegin; k < node.childEnd; ++k)
+      to.children.push_back(2 * s.treeNode[s.treeChild[k] / 2].body + s.treeChild[k] % 2);
+  }
+  return out;
+}
+
+TEST(JointTrees, ThousandLinksTakeTenLevels) {
   const Links links = chainOf(1000);
   Linked world(1000, links);
   const SolverData& s = world.view();
-  EXPECT_EQ(treeNodes(s), 1000);
-  EXPECT_LE(s.treeLevels, 11);
-  EXPECT_FALSE(s.smallTrees);
+  EXPECT_EQ(nodesOf(s), 1000);
+  EXPECT_LE(levelsOf(s), 11);
+  EXPECT_EQ(s.treeNode[0].large, 1);
   EXPECT_EQ(s.treeNode[0].exact, 1);
   expectSound(s, links);
 }
@@ -92,7 +126,7 @@ TEST(JointTrees, BranchesAreEliminatedWhole) {
   Links links;
   for (int i = 1; i < 200; ++i) links.emplace_back(i, i / 2);
   Linked world(200, links);
-  EXPECT_EQ(treeNodes(world.view()), 200);
+  EXPECT_EQ(nodesOf(world.view()), 200);
   EXPECT_EQ(world.view().treeNode[0].exact, 1);
   expectSound(world.view(), links);
 }
@@ -101,7 +135,7 @@ TEST(JointTrees, ARingIsEliminatedButNotExact) {
   Links links;
   for (int i = 0; i < 12; ++i) links.emplace_back(i, (i + 1) % 12);
   Linked world(12, links);
-  EXPECT_EQ(treeNodes(world.view()), 12);
+  EXPECT_EQ(nodesOf(world.view()), 12);
   EXPECT_EQ(world.view().treeNode[0].exact, 0);
   expectSound(world.view(), links);
 }
@@ -110,7 +144,7 @@ TEST(JointTrees, ALoopThroughTheWorldIsNotExact) {
   Links links = chainOf(5);
   links.emplace_back(4, kWorldBody);
   Linked world(5, links);
-  EXPECT_EQ(treeNodes(world.view()), 5);
+  EXPECT_EQ(nodesOf(world.view()), 5);
   EXPECT_EQ(world.view().treeNode[0].exact, 0);
 }
 
@@ -118,7 +152,7 @@ TEST(JointTrees, TwoJointsBetweenTwoBodiesAreNotExact) {
   Links links = chainOf(3);
   links.emplace_back(1, 2);
   Linked world(3, links);
-  EXPECT_EQ(treeNodes(world.view()), 3);
+  EXPECT_EQ(nodesOf(world.view()), 3);
   EXPECT_EQ(world.view().treeNode[0].exact, 0);
 }
 
@@ -131,48 +165,31 @@ TEST(JointTrees, NetsAreLeftToTheSweeps) {
       if (y > 0) links.emplace_back(y * kEdge + x, (y - 1) * kEdge + x);
     }
   Linked world(kEdge * kEdge, links);
-  EXPECT_EQ(treeNodes(world.view()), 0);
+  EXPECT_EQ(nodesOf(world.view()), 0);
 }
 
 TEST(JointTrees, ALoneBodyIsOneIfAJointHoldsIt) {
   Linked world(4, {{2, kWorldBody}});
-  ASSERT_EQ(treeNodes(world.view()), 1);
+  ASSERT_EQ(nodesOf(world.view()), 1);
   EXPECT_EQ(world.view().treeNode[0].body, 2);
   EXPECT_EQ(world.view().treeNode[0].exact, 1);
 }
 
-/// Blocks of a chain as if some joint were there: diagonals outweigh couplings.
-void fillBlocks(const SolverData& s) {
-  for (int n = 0; n < treeNodes(s); ++n) {
-    TreeWork& w = s.treeWork[n];
-    for (int i = 0; i < 6; ++i) {
-      w.x.v[i] = 1 + .1 * n + i;
-      for (int j = 0; j < 6; ++j) {
-        w.h.m[i][j] = i == j ? 20 + n : .5;
-        for (int t = 0; t < 2; ++t) w.e[t].m[i][j] = s.treeNode[n].parent[t] >= 0 ? .2 * (i + 1) - .1 * j : 0;
-      }
-    }
+/// Moves the small trees of a world to the lists of large ones.
+void listByLevel(SolverData& s) {
+  std::vector<std::vector<int>> levels(kTreeLevels);
+  for (int n = 0; n < s.treeNodes; ++n) {
+    if (s.treeNode[n].body < 0) continue;
+    s.treeNode[n].large = 1;
+    levels[static_cast<std::size_t>(s.nodeLevel[n])].push_back(n);
   }
-}
-
-TEST(JointTrees, ASmallTreeIsSolvedAtOnceAsInRounds) {
-  Linked world(20, chainOf(20));
-  const SolverData& s = world.view();
-  ASSERT_TRUE(s.smallTrees);
-  ASSERT_EQ(s.trees, 1);
-  std::fill_n(s.treeConverged, treeNodes(s), 0);
-  std::vector<Long6> wanted;
-  fillBlocks(s);
-  for (int r = 0; r < s.treeLevels; ++r)
-    for (int n = s.treeBegin[r]; n < s.treeBegin[r + 1]; ++n) EliminateNode{0}(s, n);
-  for (int r = s.treeLevels - 1; r >= 0; --r)
-    for (int n = s.treeBegin[r]; n < s.treeBegin[r + 1]; ++n) SubstituteNode{0}(s, n);
-  for (int n = 0; n < treeNodes(s); ++n) wanted.push_back(s.treeWork[n].x);
-  fillBlocks(s);
-  SolveTree{}(s, 0);
-  for (int n = 0; n < treeNodes(s); ++n)
-    for (int i = 0; i < 6; ++i)
-      EXPECT_EQ(s.treeWork[n].x.v[i], wanted[static_cast<std::size_t>(n)].v[i]) << n;
+  s.smallTrees = 0, s.treeLevels = levelsOf(s);
+  int* to = s.levelNode;
+  for (std::size_t r = 0; r < levels.size(); ++r) {
+    s.levelBegin[r] = static_cast<int>(to - s.levelNode);
+    to = std::copy(levels[r].begin(), levels[r].end(), to);
+  }
+  s.levelBegin[kTreeLevels] = static_cast<int>(to - s.levelNode);
 }
 
 /// Two chains, whose bodies stand by turns in the order of elimination.
@@ -183,33 +200,61 @@ Links twoChains(int bodies) {
   return links;
 }
 
-TEST(JointTrees, SmallOnesStepAsInRounds) {
+TEST(JointTrees, SmallOnesStepAsLevelByLevel) {
   constexpr int kBodies = 20, kSteps = 10;
-  Linked atOnce(kBodies, twoChains(kBodies)), inRounds(kBodies, twoChains(kBodies));
-  ASSERT_EQ(atOnce.view().trees, 2);
-  ASSERT_TRUE(atOnce.view().smallTrees);
-  inRounds.view().smallTrees = 0;
+  Linked atOnce(kBodies, twoChains(kBodies)), byLevel(kBodies, twoChains(kBodies));
+  EXPECT_EQ(atOnce.view().treeLevels, 0);
+  listByLevel(byLevel.view());
   const Vec3d start = atOnce.view().position[kBodies - 1];
-  for (Linked* world : {&atOnce, &inRounds})
+  for (Linked* world : {&atOnce, &byLevel})
     for (int k = 0; k < kSteps; ++k) {
       world->begin();
       step(world->executor());
     }
-  for (int i = 0; i < kBodies; ++i) EXPECT_EQ(atOnce.view().position[i], inRounds.view().position[i]) << i;
+  for (int i = 0; i < kBodies; ++i) EXPECT_EQ(atOnce.view().position[i], byLevel.view().position[i]) << i;
   EXPECT_GT(length(atOnce.view().position[kBodies - 1] - start), .05);
+}
+
+/// Random joints added and removed, also between more than kSmallTree bodies: each plan is the one that a
+/// new world makes.
+TEST(JointTrees, EditsPlanAsFromTheBeginning) {
+  test::Random random(7);
+  constexpr int kBodies = 200, kSlots = 240, kEdits = 300;
+  Linked world(kBodies, {});
+  Links links(kSlots, {-1, -1});
+  for (int edit = 0; edit < kEdits; ++edit) {
+    const int slot = random.below(kSlots), a = random.below(kBodies);
+    const bool grounded = random.below(10) == 0, removed = links[static_cast<std::size_t>(slot)].first >= 0;
+    // mostly neighbors, so that chains, branches and loops form
+    const int b = grounded ? kWorldBody : (a + 1 + random.below(3)) % kBodies;
+    links[static_cast<std::size_t>(slot)] = removed ? std::pair{-1, -1} : std::pair{a, b};
+    if (removed)
+      apply(world.executor().tables(), SetJoint{slot, {}});
+    else
+      world.addBall(slot, a, b);
+    if (edit % 3 != 0) continue;
+    planTrees(world.executor().tables());
+    Linked fresh(kBodies, {});
+    Links present;
+    for (int k = 0; k < kSlots; ++k)
+      if (const auto [i, j] = links[static_cast<std::size_t>(k)]; i >= 0)
+        fresh.addBall(k, i, j), present.emplace_back(i, j);
+    planTrees(fresh.executor().tables());
+    expectSound(world.view(), present);
+    ASSERT_EQ(plannedBodies(world.view(), kBodies), plannedBodies(fresh.view(), kBodies)) << edit;
+  }
 }
 
 TEST(JointTrees, SmallOnesAreClosedOneByOneAsAllTogether) {
   constexpr int kBodies = 20;
   Linked world(kBodies, twoChains(kBodies));
   const SolverData& s = world.view();
-  ASSERT_EQ(s.trees, 2);
   world.begin();
   step(world.executor());
   // every third joint is open by a hundredth, beyond the step
   for (int i = 0; i < kBodies; i += 3) s.position[i].y += .01;
   const std::vector<Vec3d> opened(s.position, s.position + kBodies);
-  std::fill_n(s.treeNeedsProjection, treeNodes(s), 0);
+  std::fill_n(s.treeNeedsProjection, s.treeNodes, 0);
   const auto largestGap = [&] {
     Real largest = 0;
     for (int k = 0; k < kBodies; ++k) {
@@ -219,18 +264,18 @@ TEST(JointTrees, SmallOnesAreClosedOneByOneAsAllTogether) {
     return largest;
   };
   const auto moveAll = [&] {
-    for (int n = 0; n < treeNodes(s); ++n) LimitProjection{}(s, n);
-    for (int n = 0; n < treeNodes(s); ++n) ApplyProjection{}(s, n);
+    for (int n = 0; n < s.treeNodes; ++n) LimitProjection{}(s, n);
+    for (int n = 0; n < s.treeNodes; ++n) ApplyProjection{}(s, n);
   };
   EXPECT_NEAR(largestGap(), .01, 1e-3);
-  for (int n = 0; n < treeNodes(s); ++n) ASSERT_EQ(s.treeNeedsProjection[s.treeNode[n].tree], 1);
-  for (int n = 0; n < treeNodes(s); ++n) AssembleLinks{}(s, n);
-  for (int n = 0; n < treeNodes(s); ++n) EliminateLink{0}(s, n);
-  for (int n = treeNodes(s) - 1; n >= 0; --n) SubstituteLink{0}(s, n);
+  for (int n = 0; n < s.treeNodes; ++n) ASSERT_EQ(s.treeNeedsProjection[s.treeNode[n].tree], 1);
+  for (int n = 0; n < s.treeNodes; ++n) AssembleLinks{}(s, n);
+  for (int n = 0; n < s.treeNodes; ++n) EliminateLink{}(s, n);
+  for (int n = s.treeNodes - 1; n >= 0; --n) SubstituteLink{}(s, n);
   moveAll();
   const std::vector<Vec3d> wanted(s.position, s.position + kBodies);
   std::copy(opened.begin(), opened.end(), s.position);
-  for (int tree = 0; tree < s.trees; ++tree) ProjectTree{}(s, tree);
+  for (int tree = 0; tree < s.smallTrees; ++tree) ProjectTree{}(s, tree);
   moveAll();
   for (int i = 0; i < kBodies; ++i) EXPECT_EQ(s.position[i], wanted[static_cast<std::size_t>(i)]) << i;
   EXPECT_LT(largestGap(), 1e-5);
@@ -243,12 +288,12 @@ TEST(JointTrees, OneThatHasHardlyTurnedRestsInTheSolvesThatFollow) {
   const auto restsAfter = [&](Real turn, TreeSolve how, int touched) {
     s.treeContacts[tree] = touched;
     s.treeMaxRotation[tree] = floatBits(turn);
-    for (int n = 0; n < treeNodes(s); ++n) BeginTrees{how, TreesOf::Any}(s, n);
+    for (int n = 0; n < s.treeNodes; ++n) BeginTrees{how, TreesOf::Any}(s, n);
     EXPECT_EQ(s.treeMaxRotation[tree], 0);
     return s.treeConverged[tree] != 0;
   };
   EXPECT_TRUE(restsAfter(Real(.01), TreeSolve::Again, 1)) << "no limits";
-  for (int n = 0; n < treeNodes(s); ++n) s.treeNode[n].limited = true;
+  for (int n = 0; n < s.treeNodes; ++n) s.treeNode[n].limited = true;
   EXPECT_TRUE(restsAfter(Real(.001), TreeSolve::Again, kHasContacts));
   EXPECT_FALSE(restsAfter(Real(.01), TreeSolve::Again, 1)) << "limits may have been passed";
   EXPECT_TRUE(restsAfter(Real(.01), TreeSolve::Again, kTouchesNothing)) << "solved exactly";

@@ -21,7 +21,7 @@ class CoreWorld {
   EngineSettings& settings() { return settings_; }
 
   int add(const BodyDef& def) {
-    const int slot = view().bodies;
+    const int slot = executor_.tables().bodyIds;
     setBodyCount(executor_.tables(), slot + 1);
     EngineBody body;
     body.kind = def.motion == Motion::Static ? 1 : def.motion == Motion::Kinematic ? 2 : 3;
@@ -42,7 +42,7 @@ class CoreWorld {
   /// After the last body and before the first step.
   void finish(const std::vector<std::pair<int, int>>& exclusions = {}) {
     setPlanes(executor_.tables(), planes_);
-    setExclusions(executor_.tables(), exclusions);
+    for (const auto& [a, b] : exclusions) apply(executor_.tables(), SetExcluded{a, b, true});
   }
   /// A ball joint of two slots, as engines have them.
   void addBall(int slot, int a, int b, const rubble::Vec3& anchorA = {}, const rubble::Vec3& anchorB = {}) {
@@ -53,9 +53,8 @@ class CoreWorld {
   }
   /// A joint of its type's slot.
   void addJoint(int slot, EngineJoint joint) {
-    setJointCount(executor_.tables(), static_cast<int>(joint.type), slot + 1);
     joint.alive = true;
-    setJoint(executor_.tables(), slot, joint);
+    apply(executor_.tables(), SetJoint{slot, joint});
   }
   /// Counters at zero, constants of the next step.
   void begin() { beginStep(view(), settings_, 0); }
@@ -84,7 +83,9 @@ inline std::set<std::pair<int, int>> allPairs(const SolverData& s) {
   const auto isPlane = [&](int i) { return s.params[i].shape.kind == ShapeKind::Plane; };
   for (int i = 0; i < s.bodies; ++i)
     for (int j = i + 1; j < s.bodies; ++j) {
-      if (s.params[i].kind != BodyKind::Dynamic && s.params[j].kind != BodyKind::Dynamic) continue;
+      const BodyKind first = s.params[i].kind, second = s.params[j].kind;
+      if (first == BodyKind::Removed || second == BodyKind::Removed) continue;
+      if (first != BodyKind::Dynamic && second != BodyKind::Dynamic) continue;
       if (isPlane(i) && isPlane(j)) continue;
       bool meet = true;
       if (isPlane(i) || isPlane(j)) {

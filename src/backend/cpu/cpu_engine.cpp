@@ -40,10 +40,9 @@ void reportCounters(const SolverData& s, StepReport& report) {
   report.unfinishedMotion = static_cast<double>(fromFloatBits(c.unfinished));
 }
 
-void CpuEngine::addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) {
-  const SolverData& s = executor_.view();
-  s.force[slot] += Vec3(force);
-  s.torque[slot] += Vec3(torque);
+void planTrees(HostTables& tables) {
+  TreeChanges changes;
+  tables.trees.update(tables, changes);
 }
 
 void CpuEngine::step(StepReport& report) {
@@ -80,7 +79,7 @@ void sortBodiesOf(CpuExecutor& executor) {
   executor.run([&] { rubble::RUBBLE_CORE::sortBodies(executor, s.oldPairOffset[s.bodies]); });
   executor.endRooms();
   executor.view().ordered = inOtherOrder(executor.view());
-  executor.tables().treesStale = true;
+  executor.tables().trees.touchAll();
 }
 
 std::vector<std::byte> saveState(const HostTables& tables, double previousDt) {

@@ -40,6 +40,11 @@ __global__ void gatherWords(int* to, const int* from, const int* placeOf, int wo
                (i - id * static_cast<std::size_t>(words))];
 }
 
+__global__ void copyMotion(const __grid_constant__ SolverData s, int i, BodyMotionState* to) {
+  *to = {s.position[i],         s.orientation[i], s.velocity[i], s.angularVelocity[i],
+         s.previousVelocity[i], s.asleep[i],      s.stillTime[i]};
+}
+
 __global__ void changeVelocities(const __grid_constant__ SolverData s, const int* slots, const Vec3d* changes,
                                  int count) {
   const int k = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
@@ -116,6 +121,11 @@ void gatherById(cudaStream_t stream, void* to, const void* from, const int* plac
   gatherWords<<<blocksFor(all), kEditThreads, 0, stream>>>(
       static_cast<int*>(to), static_cast<const int*>(from), placeOf, words, all);
   checkCuda(cudaGetLastError(), "gatherById");
+}
+
+void readMotion(cudaStream_t stream, const SolverData& device, int slot, BodyMotionState* to) {
+  copyMotion<<<1, 1, 0, stream>>>(device, slot, to);
+  checkCuda(cudaGetLastError(), "copyMotion");
 }
 
 void addVelocities(cudaStream_t stream, const SolverData& device, const int* slots, const Vec3d* changes,

@@ -5,8 +5,10 @@
 
 #include "backend/cpu/cpu_engine.h"
 #include "backend/cuda/device_poses.h"
+#include "backend/cuda/device_queries.h"
 #include "backend/cuda/mirror.h"
-#include "stages/pairs/order.h"
+#include "tables/exclusions.h"
+#include "tables/host_reader.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -22,91 +24,27 @@ class CudaEngine final : public Engine, private PoseCopies {
     settingsChanged_ = true;
     host().view().step->gravity = Vec3(settings.gravity);
   }
-  void setBodyCount(int slots) override {
-    const int before = host().view().bodies;
-    RUBBLE_CORE::setBodyCount(host(), slots);
-    mirror_.bodiesAdded(before);
+  void apply(std::span<const Edit> edits) override {
+    queries_.moved();
+    for (const Edit& edit : edits) std::visit([this](const auto& e) { write(e); }, edit);
   }
-  void setBody(int slot, const EngineBody& body) override {
-    count(slot, -1);
-    RUBBLE_CORE::setBody(host(), slot, body);
-    count(slot, 1);
-    mirror_.bodyWritten(slot);
-  }
-  void forgetContacts(int slot) override { mirror_.forgetContacts(slot); }
-  void addShape(const CookedShape& shape, const std::vector<int>& partSurfaces) override {
-    RUBBLE_CORE::addShape(host(), shape, partSurfaces);
-    mirror_.listsWritten();
-  }
-  void setSurfaces(const std::vector<Material>& surfaces) override {
-    RUBBLE_CORE::setSurfaces(host(), surfaces);
-    mirror_.listsWritten();
-  }
-  void setPlanes(const std::vector<int>& slots) override {
-    RUBBLE_CORE::setPlanes(host(), slots);
-    mirror_.listsWritten();
-  }
-  void setJointCount(int type, int slots) override { RUBBLE_CORE::setJointCount(host(), type, slots); }
-  void setJoint(int slot, const EngineJoint& joint) override {
-    RUBBLE_CORE::setJoint(host(), slot, joint);
-    mirror_.jointWritten(static_cast<int>(joint.type), slot);
-  }
-  void editJoint(int slot, const EngineJoint& joint) override {
-    RUBBLE_CORE::editJoint(host(), slot, joint);
-    mirror_.specWritten(static_cast<int>(joint.type), slot);
-  }
-  void setExclusions(const std::vector<std::pair<int, int>>& pairs) override {
-    RUBBLE_CORE::setExclusions(host(), pairs);
-    mirror_.listsWritten();
-  }
-  // edits of deformable objects are rare and rewrite lists of all objects: fetch everything, edit, upload
-  // everything
-  void setSoft(const std::vector<EngineSoftObject>& objects,
-               const std::vector<EngineAttachment>& attachments) override {
-    mirror_.fetchAll();
-    RUBBLE_CORE::setSoft(host(), objects, attachments);
-    mirror_.allWritten();
-  }
-  void vertexStates(int first, std::span<rubble::Vec3> positions,
-                    std::span<rubble::Vec3> velocities) const override {
-    vertexStatesOf(fetched(), first, positions, velocities);
-  }
-  void setVertexStates(int first, std::span<const rubble::Vec3> positions,
-                       std::span<const rubble::Vec3> velocities) override {
-    mirror_.fetchAll();
-    RUBBLE_CORE::setVertexStates(host(), first, positions, velocities);
-    mirror_.allWritten();
-  }
-  void addVertexForce(int vertex, const rubble::Vec3& force) override {
-    mirror_.fetchAll();
-    host().view().vertexForce[vertex] += Vec3(force);
-    mirror_.allWritten();
-  }
-  void elementsAlive(int type, int first, std::span<char> alive) const override {
-    elementsAliveOf(fetched(), type, first, alive);
-  }
-  JointState attachmentState(int index) const override { return attachmentStateOf(fetched(), index); }
-  std::vector<EngineVertexContact> vertexContacts() const override { return vertexContactsOf(fetched()); }
-  BodyState state(int slot) const override {
-    mirror_.fetchState(slot);
-    return bodyState(host(), slot);
-  }
-  void setState(int slot, const BodyState& state) override {
-    setBodyState(host(), slot, state);
-    mirror_.stateWritten(slot);
-  }
-  void addVelocities(std::span<const int> slots, std::span<const rubble::Vec3> changes) override {
-    for (std::size_t k = 0; k < slots.size(); ++k) mirror_.addVelocity(slots[k], changes[k]);
-  }
-  void addForce(int slot, const rubble::Vec3& force, const rubble::Vec3& torque) override {
-    mirror_.beforeForce();
-    host().view().force[slot] += Vec3(force);
-    host().view().torque[slot] += Vec3(torque);
-    mirror_.forceWritten(slot);
+  const TableReader& read(Fetch what, int id) override {
+    switch (what) {
+      case Fetch::Body:
+        mirror_.fetchState(slotOf(host(), id));
+        break;
+      case Fetch::Vertices:
+        mirror_.fetchVertices();
+        break;
+      case Fetch::All:
+        mirror_.fetchAll();
+    }
+    return reader_;
   }
 
   ArrayView array(StateArray which) override { return mirror_.array(which); }
   void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
+    queries_.moved();
     mirror_.scatter(which, rows, values);
   }
   bool reserve(const std::string& kind, int count) override {
@@ -114,13 +52,7 @@ class CudaEngine final : public Engine, private PoseCopies {
   }
 
   PoseCopies* poseCopies() override { return this; }
-  void begin(int buffer) override {
-    mirror_.flush();
-    // the sizes in the device's SolverData are those of the last step
-    SolverData view = stepper_.tables().view();
-    view.bodies = host().view().bodies, view.ordered = host().view().ordered;
-    poses_.begin(buffer, view, host().bodyIds, stepper_.stream());
-  }
+  void begin(int buffer) override { poses_.begin(buffer, present(), host().bodyIds, stepper_.stream()); }
   bool ready(int buffer) const override { return poses_.ready(buffer); }
   void wait(int buffer) override { poses_.wait(buffer); }
   ArrayView position(int buffer) const override { return poses_.position(buffer); }
@@ -128,48 +60,78 @@ class CudaEngine final : public Engine, private PoseCopies {
 
   void step(StepReport& report) override;
 
-  BodyOrder order() const override { return orderOf(host()); }
   void sortBodies() override;
-
-  Quality quality() const override { return qualityOf(fetched()); }
-  void solverStates(std::vector<SolverState>& bodies, std::vector<SolverState>& vertices) const override {
-    solverStatesOf(fetched(), bodies, vertices);
-  }
-  std::vector<EngineContact> contacts() const override { return contactsOf(fetched()); }
-  std::vector<EngineTouch> touches() const override { return touchesOf(fetched()); }
-  std::vector<int> sleepers() const override { return sleepersOf(fetched()); }
-  bool isAsleep(int slot) const override {
-    mirror_.fetchState(slot);
-    return host().view().asleep[slot] != 0;
-  }
-  /// Runs on the host with the same functors, over fetched states. A batch costs a copy and no launch.
   std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
-    mirror_.fetchAll();
-    return runQueries(host(), queries);
+    const SolverData device = present();
+    return engineHits(host(),
+                      queries_.run(device, *host().view().step, {host(), queries}, stepper_.stream()));
   }
   std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override {
-    mirror_.fetchAll();
-    return runOverlaps(host(), queries);
+    const SolverData device = present();
+    std::vector<int> offsets, bodies;
+    queries_.overlaps(device, *host().view().step, {host(), queries}, stepper_.stream(), offsets, bodies);
+    return idsByQuery(host(), offsets, bodies);
   }
-  JointState jointState(int type, int slot) const override { return jointStateOf(fetched(), type, slot); }
-  std::vector<std::pair<int, int>> brokenJoints() const override { return brokenJointsOf(fetched()); }
   /// Device memory.
   std::size_t memoryBytes() const override { return stepper_.bytes(); }
-  std::uint64_t hash() const override { return hashBytes(save()); }
-  std::vector<std::byte> save() const override { return saveState(fetched(), previousDt_); }
-  void load(std::span<const std::byte> data) override;
   /// With vertices through the host: device snapshots contain only bodies and joints.
-  std::shared_ptr<const EngineSnapshot> snapshot() const override {
-    return host().view().vertices > 0 ? Engine::snapshot() : mirror_.snapshot(previousDt_);
-  }
+  std::shared_ptr<const EngineSnapshot> snapshot() override;
   void restore(const EngineSnapshot& snapshot) override;
 
  private:
-  HostTables& host() const { return mirror_.host(); }
-  const HostTables& fetched() const {
-    mirror_.fetchAll();
-    return mirror_.host();
+  HostTables& host() { return mirror_.host(); }
+  /// The tables of the device with all edits. The sizes in its own SolverData are those of the last step.
+  SolverData present() {
+    mirror_.flush();
+    return onDevice(host().view(), stepper_.tables().view());
   }
+
+  void write(const SetBody& e);
+  void write(const SetBodyState& e) {
+    const int slot = slotOf(host(), e.id);
+    setBodyState(host(), slot, e.state);
+    mirror_.stateWritten(slot);
+  }
+  void write(const AddForce& e) {
+    mirror_.beforeForce();
+    RUBBLE_CORE::apply(host(), e);
+    mirror_.forceWritten(slotOf(host(), e.id));
+  }
+  void write(const AddVelocity& e) { mirror_.addVelocity(slotOf(host(), e.id), e.change); }
+  void write(const ForgetContacts& e) { mirror_.forgetContacts(slotsOf(host(), e.ids)); }
+  void write(const AddShape& e) {
+    RUBBLE_CORE::apply(host(), e);
+    mirror_.shapesAppended();
+  }
+  void write(const SetSurfaces& e) {
+    RUBBLE_CORE::apply(host(), e);
+    mirror_.listWritten(Per::Surface);
+  }
+  void write(const SetPlanes& e) {
+    RUBBLE_CORE::apply(host(), e);
+    mirror_.listWritten(Per::Plane);
+  }
+  void write(const SetJoint& e) {
+    RUBBLE_CORE::apply(host(), e);
+    const int type = static_cast<int>(e.joint.type);
+    e.keepsState ? mirror_.specWritten(type, e.slot) : mirror_.jointWritten(type, e.slot);
+  }
+  void write(const SetExcluded& e) { setExcluded(host(), e.a, e.b, e.excluded, mirror_.exclusionsWritten()); }
+  /// Rewrites the lists of all objects: everything is fetched, edited and uploaded.
+  void write(const SetDeformables& e) {
+    mirror_.fetchAll();
+    RUBBLE_CORE::apply(host(), e);
+    mirror_.allWritten();
+  }
+  void write(const SetVertices& e) {
+    RUBBLE_CORE::apply(host(), e);
+    mirror_.verticesWritten(e.first, static_cast<int>(e.positions.size()));
+  }
+  void write(const AddVertexForce& e) {
+    RUBBLE_CORE::apply(host(), e);
+    mirror_.vertexForceWritten(e.vertex);
+  }
+
   void prepareConstants();
   /// Updates the body counts when a body is added or removed.
   void count(int slot, int change) {
@@ -183,8 +145,10 @@ class CudaEngine final : public Engine, private PoseCopies {
   }
 
   CudaStepper stepper_;
-  mutable Mirror mirror_{stepper_};  ///< mutable: reads fetch from the device
+  Mirror mirror_{stepper_};
+  HostReader reader_{mirror_.host()};
   DevicePoses poses_;
+  DeviceQueries queries_;
   EngineSettings settings_;
   bool settingsChanged_ = true;
   int bodyCount_ = 0, dynamicCount_ = 0;
@@ -204,8 +168,9 @@ void CudaEngine::prepareConstants() {
 }
 
 void CudaEngine::step(StepReport& report) {
+  queries_.moved();
   nvtxRangePushA("rubble step");
-  if (planTrees(host())) mirror_.derivedWritten();
+  host().trees.update(host(), mirror_.treeChanges());
   host().view().bodiesMove = dynamicCount_ > 0;
   for (int k = 0; k < settings_.params.substeps; ++k) {
     mirror_.flush();
@@ -226,24 +191,41 @@ void CudaEngine::step(StepReport& report) {
 }
 
 void CudaEngine::sortBodies() {
+  queries_.moved();
   mirror_.flush();
   prepareConstants();
   stepper_.sortBodies(host().view(), mirror_.oldPairs());
   mirror_.bodiesSorted();
 }
 
-void CudaEngine::load(std::span<const std::byte> data) {
-  loadState(host(), previousDt_, data);
-  mirror_.allWritten();
-  countBodies();
+void CudaEngine::write(const SetBody& e) {
+  const int before = host().view().bodies;
+  setBodyCount(host(), e.id + 1);
+  mirror_.bodiesAdded(before);
+  const int slot = slotOf(host(), e.id);
+  count(slot, -1);
+  setBody(host(), slot, e.body);
+  count(slot, 1);
+  mirror_.bodyWritten(slot);
+}
+
+std::shared_ptr<const EngineSnapshot> CudaEngine::snapshot() {
+  if (host().view().vertices == 0) return mirror_.snapshot(previousDt_);
+  mirror_.fetchAll();
+  return std::make_shared<SavedState>(saveState(host(), previousDt_));
 }
 
 void CudaEngine::restore(const EngineSnapshot& snapshot) {
+  queries_.moved();
   const auto* const own = dynamic_cast<const DeviceSnapshot*>(&snapshot);
-  if (!own) return load(snapshot.bytes());
-  if (host().view().vertices > 0) setSoft({}, {});
-  mirror_.restore(*own);
-  previousDt_ = own->previousDt;
+  if (own) {
+    if (host().view().vertices > 0) write(SetDeformables{});
+    mirror_.restore(*own);
+    previousDt_ = own->previousDt;
+  } else {
+    loadState(host(), previousDt_, snapshot.bytes());
+    mirror_.allWritten();
+  }
   countBodies();
 }
 

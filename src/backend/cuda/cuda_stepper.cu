@@ -149,15 +149,12 @@ struct CudaStepper::Impl {
 
   /// Takes over the sizes and constants of `host`.
   void adopt(const SolverData& host) {
-    SolverData view = host;
-    forEachArray([&](const auto& array) { view.*array.member = tables.view().*array.member; });
-    view.counters = tables.view().counters, view.step = tables.view().step;
-    tables.view() = view;
+    tables.view() = onDevice(host, tables.view());
     // the last copy has ended, because every step waits for the device
     if (std::memcmp(constants.get(), host.step, sizeof(StepConstants)) == 0) return;
     *constants.get() = *host.step;
-    checkCuda(cudaMemcpyAsync(view.step, constants.get(), sizeof(StepConstants), cudaMemcpyHostToDevice,
-                              stream.get()),
+    checkCuda(cudaMemcpyAsync(tables.view().step, constants.get(), sizeof(StepConstants),
+                              cudaMemcpyHostToDevice, stream.get()),
               "cudaMemcpyAsync of constants");
   }
 

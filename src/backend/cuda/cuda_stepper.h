@@ -39,6 +39,14 @@ class CudaStepper {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Sizes and plan of `host` with the pointers of `device`.
+inline SolverData onDevice(const SolverData& host, const SolverData& device) {
+  SolverData s = host;
+  forEachArray([&](const auto& array) { s.*array.member = device.*array.member; });
+  s.counters = device.counters, s.step = device.step;
+  return s;
+}
+
 /// Small kernels of edits, all in the order of the stream.
 ///
 /// Copies element k of `from` to element slots[k] of `to`. All pointers are device memory, elements are
@@ -51,6 +59,16 @@ struct ScatterPiece {
 };
 /// Scatters all pieces, some tens per launch.
 void scatterPieces(cudaStream_t stream, const std::vector<ScatterPiece>& pieces);
+/// The arrays of forEachMotionArray() for one body.
+struct BodyMotionState {
+  Vec3d position;
+  Quat orientation;
+  Vec3 velocity, angularVelocity, previousVelocity;
+  int asleep;
+  Real stillTime;
+};
+/// Writes the state of a body to page-locked memory.
+void readMotion(cudaStream_t stream, const SolverData& device, int slot, BodyMotionState* to);
 /// changeVelocity() of distinct bodies.
 void addVelocities(cudaStream_t stream, const SolverData& device, const int* slots, const Vec3d* changes,
                    int count);

@@ -66,7 +66,8 @@ int SnapshotSizes::count(Per per) const {
 SnapshotSizes sizesOf(const HostTables& tables, int pairs, int activePairs, int manifolds) {
   const SolverData& s = tables.view();
   SnapshotSizes sizes;
-  sizes.bodies = s.bodies, sizes.planes = s.planes, sizes.exclusions = s.exclusionOffset[s.bodies];
+  sizes.bodies = s.bodies, sizes.planes = s.planes, sizes.exclusions = s.exclusions;
+  sizes.excludedPairs = tables.excludedPairs;
   sizes.pairs = pairs, sizes.activePairs = activePairs, sizes.manifolds = manifolds;
   sizes.shapeVectors = tables.shapeVectors, sizes.shapeIndices = tables.shapeIndices,
   sizes.shapeParts = tables.shapeParts, sizes.surfaces = s.surfaces;
@@ -87,7 +88,8 @@ void adopt(HostTables& tables, const SnapshotSizes& sizes) {
   std::copy(std::begin(sizes.jointIds), std::end(sizes.jointIds), tables.jointIds);
   tables.view().planes = sizes.planes;
   tables.view().exclusions = sizes.exclusions;
-  tables.treesStale = true;
+  tables.excludedPairs = sizes.excludedPairs;
+  tables.trees.touchAll();
   tables.reserve(Per::ShapeVector, sizes.shapeVectors);
   tables.reserve(Per::ShapeIndex, sizes.shapeIndices);
   tables.reserve(Per::ShapePart, sizes.shapeParts);

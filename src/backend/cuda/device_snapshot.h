@@ -15,7 +15,7 @@ struct SnapshotSizes {
   TraitCounts traits;
   bool rolledBefore = false;
   int joints[JointTypes::kSize] = {};
-  int bodyIds = 0, jointIds[JointTypes::kSize] = {};
+  int excludedPairs = 0, bodyIds = 0, jointIds[JointTypes::kSize] = {};
   /// Number of persistent elements of a kind.
   int count(Per per) const;
 };

@@ -35,9 +35,16 @@ void Mirror::bodiesAdded(int before) {
   const int after = host_.view().bodies;
   if (after == before) return;
   bits_.resize(static_cast<std::size_t>(after));
-  listsWritten();
+  authored_.reset();
   if (addedFrom_ < 0) addedFrom_ = before;
-  for (int i = before; i < after; ++i) mark(i, kBody);
+  for (int i = before; i < after; ++i) mark(i, kBody), trees_.bodies.push_back(i);
+}
+
+void Mirror::verticesWritten(int first, int count) {
+  for (int v = first; v < first + count; ++v) {
+    movedVertices_.push_back(v);
+    if (host_.view().vertexParams[v].kind == VertexKind::Dynamic) dynamicVertices_.push_back(v);
+  }
 }
 
 void Mirror::jointWritten(int type, int slot) {
@@ -59,16 +66,17 @@ void Mirror::allWritten() {
   addedFrom_ = -1;
   allDirty_ = true;
   authored_.reset();
-  listsDirty_ = statesOld_ = restOld_ = forcesOnDevice_ = false;
+  std::fill(std::begin(resend_), std::end(resend_), false);
+  trees_ = {};
+  exclusions_.clear();
+  movedVertices_.clear(), dynamicVertices_.clear(), forcedVertices_.clear();
+  statesOld_ = verticesOld_ = restOld_ = forcesOnDevice_ = false;
 }
 
-void Mirror::forgetContacts(int slot) {
-  if (allDirty_) {
-    RUBBLE_CORE::forgetContacts(host_, slot);
-    return;
-  }
+void Mirror::forgetContacts(std::span<const int> slots) {
+  if (allDirty_) return RUBBLE_CORE::forgetContacts(host_, slots);
   // the manifolds may exist on the device only
-  forgotten_.push_back(slot);
+  forgotten_.insert(forgotten_.end(), slots.begin(), slots.end());
   restOld_ = true;
 }
 
@@ -98,7 +106,7 @@ int Mirror::liveCount(Per per) const {
     case Per::Rolling:
       return s.rolls ? s.counters->rollers : 0;
     case Per::Exclusion:
-      return s.exclusionOffset[s.bodies];
+      return s.exclusions;
     case Per::Vertex:
       return s.vertices;
     case Per::PointOwner:
@@ -124,9 +132,11 @@ int Mirror::liveCount(Per per) const {
     case Per::Attachment:
       return s.attachments;
     case Per::TreeNode:
-      return treeNodes(s);
+      return s.treeNodes;
     case Per::TreeChild:
-      return s.treeChildren;
+      return 2 * s.treeNodes;
+    case Per::SmallTree:
+      return s.smallTrees;
     case Per::PointPair:
       return allDirty_ ? s.oldPointPairOffset[s.owners()] : s.counters->pointPairs;
     default:
@@ -160,8 +170,16 @@ void Mirror::flush() {
                          owners - kCornerSlots * (host_.view().bodies - addedFrom_), owners);
   }
   addedFrom_ = -1;
-  if (listsDirty_) sendLists();
+  sendLists();
+  sendShapes();
   sendEdits();
+}
+
+template <class T> void Mirror::upload(const ArrayInfo<T>& array, int first, int count) {
+  checkCuda(
+      cudaMemcpyAsync(stepper_.tables().view().*array.member + first, host_.view().*array.member + first,
+                      sizeof(T) * static_cast<std::size_t>(count), cudaMemcpyHostToDevice, stepper_.stream()),
+      "cudaMemcpyAsync of tables");
 }
 
 void Mirror::sendAll() {
@@ -170,17 +188,15 @@ void Mirror::sendAll() {
   stepper_.tables().reserve(Per::Manifold, liveCount(Per::Manifold));
   stepper_.tables().reserve(Per::PointPair, liveCount(Per::PointPair));
   stepper_.tables().reserve(Per::Rolling, liveCount(Per::Rolling));
-  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+  forEachArray([&](const auto& array) {
     if (!kept(array.life) && array.life != Lifetime::Derived) return;
-    const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(liveCount(array.per) + array.extra);
-    checkCuda(cudaMemcpyAsync(stepper_.tables().view().*array.member, host_.view().*array.member, bytes,
-                              cudaMemcpyHostToDevice, stepper_.stream()),
-              "cudaMemcpyAsync of tables");
+    upload(array, 0, liveCount(array.per) + array.extra);
   });
   host_.view().counters->pairs = liveCount(Per::Pair);
   host_.view().counters->pointPairs = liveCount(Per::PointPair);
   allWritten();
   allDirty_ = false;
+  sentShapes_[0] = host_.shapeVectors, sentShapes_[1] = host_.shapeIndices, sentShapes_[2] = host_.shapeParts;
   forced_ = true;
   noteForces();
 }
@@ -193,17 +209,67 @@ void Mirror::noteForces() {
     if (s.force[i] != none || s.torque[i] != none) mark(i, kPushed);
 }
 
-/// Sends arrays that are not edited element by element: planes, exclusions and their offsets, and derived
-/// arrays.
+/// Sends authored arrays that are not edited element by element.
 void Mirror::sendLists() {
-  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
-    if (array.life != Lifetime::Derived && (array.life != Lifetime::Authored || perBody(array))) return;
-    const std::size_t bytes = sizeof(T) * static_cast<std::size_t>(liveCount(array.per) + array.extra);
-    checkCuda(cudaMemcpyAsync(stepper_.tables().view().*array.member, host_.view().*array.member, bytes,
-                              cudaMemcpyHostToDevice, stepper_.stream()),
-              "cudaMemcpyAsync of lists");
+  if (std::find(std::begin(resend_), std::end(resend_), true) == std::end(resend_)) return;
+  forEachArray([&](const auto& array) {
+    if (array.life == Lifetime::Authored && resend_[static_cast<int>(array.per)])
+      upload(array, 0, liveCount(array.per) + array.extra);
   });
-  listsDirty_ = false;
+  std::fill(std::begin(resend_), std::end(resend_), false);
+}
+
+/// Sends the shapes that were appended.
+void Mirror::sendShapes() {
+  const auto send = [&](Per per, int& sent, int now) {
+    if (now == sent) return;
+    forEachArray([&](const auto& array) {
+      if (array.per == per) upload(array, sent, now - sent);
+    });
+    sent = now;
+  };
+  send(Per::ShapeVector, sentShapes_[0], host_.shapeVectors);
+  send(Per::ShapeIndex, sentShapes_[1], host_.shapeIndices);
+  send(Per::ShapePart, sentShapes_[2], host_.shapeParts);
+}
+
+void Mirror::addTrees(Packet& packet) {
+  const auto add = [&](const std::vector<int>& slots, auto... arrays) {
+    if (slots.empty()) return;
+    packet.setSlots(slots);
+    (packet.add(arrays), ...);
+  };
+  if (trees_.all || trees_.levels)
+    forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+      if (array.life != Lifetime::Derived) return;
+      if constexpr (std::is_same_v<T, int>)
+        if (array.member == &SolverData::levelNode)
+          return upload(array, 0, host_.view().levelBegin[kTreeLevels]);
+      if (trees_.all) upload(array, 0, liveCount(array.per));
+    });
+  if (trees_.all) return;
+  treeChildren_.clear();
+  for (const int n : trees_.nodes) treeChildren_.push_back(2 * n), treeChildren_.push_back(2 * n + 1);
+  add(trees_.bodies, &SolverData::nodeOfBody);
+  add(trees_.nodes, &SolverData::treeNode, &SolverData::nodeLevel);
+  add(treeChildren_, &SolverData::treeChild);
+  add(trees_.smallTrees, &SolverData::smallTree);
+}
+
+void Mirror::addVertices(Packet& packet) {
+  if (!movedVertices_.empty()) {
+    packet.setSlots(movedVertices_);
+    packet.add(&SolverData::vertexPosition);
+  }
+  if (!dynamicVertices_.empty()) {
+    packet.setSlots(dynamicVertices_);
+    packet.add(&SolverData::vertexVelocity);
+    packet.add(&SolverData::vertexOldVelocity);
+  }
+  if (!forcedVertices_.empty()) {
+    packet.setSlots(forcedVertices_);
+    packet.add(&SolverData::vertexForce);
+  }
 }
 
 /// Sends all element edits as one upload, with one kernel per kind of edit.
@@ -226,6 +292,12 @@ void Mirror::sendEdits() {
     packet.setSlots(forces);
     packet.add(&SolverData::force);
     packet.add(&SolverData::torque);
+  }
+  addTrees(packet);
+  addVertices(packet);
+  if (!exclusions_.empty()) {
+    packet.setSlots(exclusions_);
+    packet.add(&SolverData::exclusion);
   }
   const auto inOrder = [](std::vector<int>& slots) {
     std::sort(slots.begin(), slots.end());
@@ -272,6 +344,8 @@ void Mirror::sendEdits() {
   for (std::vector<int>& slots : joints_) slots.clear();
   for (std::vector<int>& slots : specs_) slots.clear();
   swerved_.clear(), swerves_.clear(), forgotten_.clear();
+  trees_ = {};
+  exclusions_.clear(), movedVertices_.clear(), dynamicVertices_.clear();
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -32,13 +32,26 @@ class Mirror {
   }
   void jointWritten(int type, int slot);  ///< authored data and state
   void specWritten(int type, int slot);   ///< authored data only
-  void listsWritten() {                   ///< planes or exclusions
-    listsDirty_ = true;
+  /// All elements of authored arrays of a kind.
+  void listWritten(Per per) {
+    resend_[static_cast<int>(per)] = true;
     authored_.reset();
   }
-  void derivedWritten() { listsDirty_ = true; }
+  void shapesAppended() { authored_.reset(); }
+  void verticesWritten(int first, int count);
+  void vertexForceWritten(int vertex) {
+    forcedVertices_.push_back(vertex);
+    forced_ = true;
+  }
+  /// Receives the elements that the next plan of joint trees writes.
+  TreeChanges& treeChanges() { return trees_; }
+  /// Receives the elements of the table of excluded pairs that an edit writes.
+  std::vector<int>& exclusionsWritten() {
+    authored_.reset();
+    return exclusions_;
+  }
   void allWritten();  ///< after loading: the content of the device is obsolete
-  void forgetContacts(int slot);
+  void forgetContacts(std::span<const int> slots);
   /// The device has sorted its bodies.
   void bodiesSorted();
 
@@ -69,6 +82,8 @@ class Mirror {
 
   /// Updates position, orientation and velocities of one body on the host.
   void fetchState(int slot);
+  /// Updates positions and velocities of vertices on the host.
+  void fetchVertices();
   /// Updates all persistent state on the host.
   void fetchAll();
 
@@ -89,8 +104,12 @@ class Mirror {
   void reserveDevice();
   void sendAll();
   void sendLists();
+  void sendShapes();
   void sendEdits();
+  void addTrees(Packet& packet);
+  void addVertices(Packet& packet);
   void noteForces();
+  template <class T> void upload(const ArrayInfo<T>& array, int first, int count);
   template <class T> void download(const ArrayInfo<T>& array, int count);
   auto gather() const {
     return [this](std::byte* to, const void* from, int bytes) {
@@ -111,12 +130,17 @@ class Mirror {
   std::vector<Vec3d> swerves_;
   std::shared_ptr<const AuthoredBytes> authored_;  ///< of the last snapshot, while it is up to date
   int addedFrom_ = -1;                             ///< first body that is not on the device yet, or -1
-  bool listsDirty_ = false;
+  bool resend_[kPerCount] = {};                    ///< kinds whose authored arrays are sent as a whole
+  int sentShapes_[3] = {};  ///< vectors, indices and parts of shapes that the device has
+  TreeChanges trees_;
+  std::vector<int> treeChildren_;  ///< elements of treeChild in trees_
+  std::vector<int> exclusions_, movedVertices_, dynamicVertices_, forcedVertices_;
   bool allDirty_ = true;  ///< the device has no data yet
-  bool statesOld_ = false, restOld_ = false;
+  bool statesOld_ = false, verticesOld_ = false, restOld_ = false;
   bool forcesOnDevice_ = false;  ///< some forces exist on the device only
   bool forced_ = false;          ///< the device may have forces
   int singleFetches_ = 0;
+  Pinned<BodyMotionState> fetched_;
   ArraysById<DeviceBuffer> byId_;
   /// orders the streams of a caller of scatter() and of this engine
   StreamEvent handed_;

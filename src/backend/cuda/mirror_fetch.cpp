@@ -17,7 +17,9 @@ void Mirror::stepped(const Counters& counters) {
     bits_[static_cast<std::size_t>(slot)] = 0;
   }
   touched_.clear();
-  statesOld_ = restOld_ = true;
+  for (const int v : forcedVertices_) s.vertexForce[v] = {0, 0, 0};
+  forcedVertices_.clear();
+  statesOld_ = verticesOld_ = restOld_ = true;
   forcesOnDevice_ = false;
   singleFetches_ = 0;
 }
@@ -53,23 +55,32 @@ void Mirror::fetchState(int slot) {
   const std::uint8_t bits = bits_[static_cast<std::size_t>(slot)];
   if (!statesOld_ || (bits & kKnown)) return;
   if (bits & kSwerved) flush();
-  // fetches single bodies up to this number, then all bodies
-  constexpr int kMostSingle = 16;
-  if (++singleFetches_ > kMostSingle) {
-    fetchStates();
-    return;
-  }
-  forEachMotionArray([&]<class T>(T* SolverData::*array) {
-    checkCuda(cudaMemcpyAsync(host_.view().*array + slot, stepper_.tables().view().*array + slot, sizeof(T),
-                              cudaMemcpyDeviceToHost, stepper_.stream()),
-              "cudaMemcpyAsync of a body");
-  });
+  // single bodies, until all of them at once cost less
+  constexpr int kMostSingle = 16, kBodiesPerSingle = 1000;
+  if (++singleFetches_ > std::max(kMostSingle, host_.view().bodies / kBodiesPerSingle)) return fetchStates();
+  readMotion(stepper_.stream(), stepper_.tables().view(), slot, fetched_.get());
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
+  const SolverData& s = host_.view();
+  s.position[slot] = fetched_->position, s.orientation[slot] = fetched_->orientation;
+  s.velocity[slot] = fetched_->velocity, s.angularVelocity[slot] = fetched_->angularVelocity;
+  s.previousVelocity[slot] = fetched_->previousVelocity;
+  s.asleep[slot] = fetched_->asleep, s.stillTime[slot] = fetched_->stillTime;
   mark(slot, kKnown);
 }
 
+void Mirror::fetchVertices() {
+  if (!verticesOld_) return;
+  flush();
+  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+    if constexpr (std::is_same_v<T, Vec3d> || std::is_same_v<T, Vec3>)
+      if (array.per == Per::Vertex && array.life == Lifetime::State) download(array, host_.view().vertices);
+  });
+  checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
+  verticesOld_ = false;
+}
+
 void Mirror::fetchAll() {
-  if (!statesOld_ && !restOld_) return;
+  if (!statesOld_ && !verticesOld_ && !restOld_) return;
   flush();
   host_.reserve(Per::Pair, liveCount(Per::Pair));
   host_.reserve(Per::ActivePair, liveCount(Per::ActivePair));
@@ -80,7 +91,7 @@ void Mirror::fetchAll() {
     if (array.life == Lifetime::State) download(array, liveCount(array.per) + array.extra);
   });
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
-  statesOld_ = restOld_ = false;
+  statesOld_ = verticesOld_ = restOld_ = false;
   if (std::exchange(forcesOnDevice_, false)) noteForces();
 }
 
@@ -101,7 +112,7 @@ void Mirror::bodiesSorted() {
   checkCuda(cudaStreamSynchronize(stepper_.stream()), "cudaStreamSynchronize");
   statesOld_ = restOld_ = true;
   authored_.reset();
-  host_.treesStale = true;
+  host_.trees.touchAll();
   s.ordered = inOtherOrder(s);
 }
 
@@ -205,6 +216,7 @@ void Mirror::restore(const DeviceSnapshot& snapshot) {
   allWritten();
   authored_ = snapshot.authored;
   allDirty_ = false;
+  sentShapes_[0] = host_.shapeVectors, sentShapes_[1] = host_.shapeIndices, sentShapes_[2] = host_.shapeParts;
   statesOld_ = restOld_ = true;
   forcesOnDevice_ = forced_ = snapshot.hasForces;
   *s.counters = snapshot.counters;

@@ -30,7 +30,7 @@ template <class L> struct AssembleTreeBodiesByTile {
   __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
     const TreeNode node = s.treeNode[n];
     // blocks of converged small trees are not used
-    if (s.smallTrees && s.treeConverged[node.tree]) return;
+    if (!node.large && s.treeConverged[node.tree]) return;
     Block6 block;
     const bool still = stands(s, node);
     if (!still) addRows(s, node, tile, block);
@@ -255,10 +255,8 @@ template <> struct OnDevice<AssembleTreeJoints> { using Type = AssembleTreeJoint
 struct EliminateNodeByTile {
   static constexpr const char* kStage = EliminateNode::kStage;
   static constexpr int kWidth = kWarp;
-  int begin;
-  RUBBLE_HD explicit EliminateNodeByTile(const EliminateNode& stage) : begin(stage.begin) {}
-  __device__ void operator()(const SolverData& s, int index, const Tile<kWidth>& tile) const {
-    const int n = begin + index, place = tile.lane / 8, column = tile.lane % 8, t = place - 1;
+  __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
+    const int place = tile.lane / 8, column = tile.lane % 8, t = place - 1;
     const TreeNode node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
     const bool isForce = place == 0 && column == 6, isHessian = place == 0 && column < 6;
@@ -314,10 +312,8 @@ template <> struct OnDevice<EliminateNode> { using Type = EliminateNodeByTile; }
 struct SubstituteNodeByTile {
   static constexpr const char* kStage = SubstituteNode::kStage;
   static constexpr int kWidth = 8;
-  int begin;
-  RUBBLE_HD explicit SubstituteNodeByTile(const SubstituteNode& stage) : begin(stage.begin) {}
-  __device__ void operator()(const SolverData& s, int index, const Tile<kWidth>& tile) const {
-    const int n = begin + index, i = tile.lane;
+  __device__ void operator()(const SolverData& s, int n, const Tile<kWidth>& tile) const {
+    const int i = tile.lane;
     const TreeNode node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
     double x = i < 6 ? w.x.v[i] : 0;
@@ -334,21 +330,44 @@ struct SubstituteNodeByTile {
 };
 template <> struct OnDevice<SubstituteNode> { using Type = SubstituteNodeByTile; };
 
-/// Calls round(first, last) for the nodes of each elimination level of a tree, in order.
-template <class Round> __device__ void forEachRound(const SolverData& s, int begin, int end, Round&& round) {
-  for (int r = 0, k = begin; r < s.treeLevels; ++r) {
-    const int first = k;
-    while (k < end && s.treeMember[k] < s.treeBegin[r + 1]) ++k;
-    if (k > first) round(first, k);
+/// The launch bounds of a kernel, if it has any.
+template <class Kernel> struct LaunchBounds {};
+template <class Kernel>
+requires requires { Kernel::kBlocks; }
+struct LaunchBounds<Kernel> {
+  static constexpr int kBlocks = Kernel::kBlocks;
+};
+
+/// InLevel of a kernel by tiles.
+template <class Kernel> struct InLevelByTile : LaunchBounds<Kernel> {
+  static constexpr const char* kStage = Kernel::kStage;
+  static constexpr int kWidth = Kernel::kWidth;
+  int begin;
+  template <class Plain> explicit InLevelByTile(const InLevel<Plain>& plain) : begin(plain.begin) {}
+  __device__ void operator()(const SolverData& s, int k, const Tile<kWidth>& tile) const {
+    Kernel{}(s, s.levelNode[begin + k], tile);
+  }
+};
+template <> struct OnDevice<InLevel<AssembleTreeJoints>> {
+  using Type = InLevelByTile<AssembleTreeJointsByTile>;
+};
+template <> struct OnDevice<InLevel<EliminateNode>> { using Type = InLevelByTile<EliminateNodeByTile>; };
+template <> struct OnDevice<InLevel<SubstituteNode>> { using Type = InLevelByTile<SubstituteNodeByTile>; };
+
+/// Calls level(first, last) for the nodes of each elimination level of a tree, in order.
+template <class Level>
+__device__ void forEachLevel(const SolverData& s, const SmallTree& tree, Level&& level) {
+  for (int first = tree.begin, last; first < tree.end; first = last) {
+    for (last = first + 1; last < tree.end && s.nodeLevel[last] == s.nodeLevel[first];) ++last;
+    level(first, last);
   }
 }
 /// The same in reverse order.
-template <class Round>
-__device__ void forEachRoundBack(const SolverData& s, int begin, int end, Round&& round) {
-  for (int r = s.treeLevels - 1, k = end; r >= 0; --r) {
-    const int last = k;
-    while (k > begin && s.treeMember[k - 1] >= s.treeBegin[r]) --k;
-    if (k < last) round(k, last);
+template <class Level>
+__device__ void forEachLevelBack(const SolverData& s, const SmallTree& tree, Level&& level) {
+  for (int last = tree.end, first; last > tree.begin; last = first) {
+    for (first = last - 1; first > tree.begin && s.nodeLevel[first - 1] == s.nodeLevel[last - 1];) --first;
+    level(first, last);
   }
 }
 
@@ -359,25 +378,20 @@ static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks)
     solveTrees(const __grid_constant__ SolverData s, Gate gate) {
   gate.enter([&] {
     const int index = static_cast<int>(blockIdx.x), thread = static_cast<int>(threadIdx.x);
-    const int begin = s.treeOffset[index], end = s.treeOffset[index + 1],
-              tree = s.treeNode[s.treeMember[begin]].tree;
-    if (s.treeConverged[tree]) return;
+    const SmallTree tree = s.smallTree[index];
+    if (tree.begin == tree.end || s.treeConverged[tree.begin]) return;
     const auto solve = [&]<class Kernel>(const Kernel& kernel, int first, int last) {
       constexpr int kWidth = Kernel::kWidth;
       const Tile<kWidth> tile = Tile<kWidth>::ofThread();
-      for (int k = first + thread / kWidth; k < last; k += kTreeThreads / kWidth)
-        kernel(s, s.treeMember[k], tile);
+      for (int k = first + thread / kWidth; k < last; k += kTreeThreads / kWidth) kernel(s, k, tile);
       __syncthreads();
     };
-    solve(AssembleTreeJointsByTile{}, begin, end);
-    forEachRound(s, begin, end,
-                 [&](int first, int last) { solve(EliminateNodeByTile(EliminateNode{0}), first, last); });
-    forEachRoundBack(s, begin, end, [&](int first, int last) {
-      solve(SubstituteNodeByTile(SubstituteNode{0}), first, last);
-    });
+    solve(AssembleTreeJointsByTile{}, tree.begin, tree.end);
+    forEachLevel(s, tree, [&](int first, int last) { solve(EliminateNodeByTile{}, first, last); });
+    forEachLevelBack(s, tree, [&](int first, int last) { solve(SubstituteNodeByTile{}, first, last); });
     // bypasses a stale L1 cache line
-    const double share = treeShare(__ldcg(&s.treeMaxRotation[tree]));
-    for (int k = begin + thread; k < end; k += kTreeThreads) MoveTrees::move(s, s.treeMember[k], share);
+    const double share = treeShare(__ldcg(&s.treeMaxRotation[tree.begin]));
+    for (int n = tree.begin + thread; n < tree.end; n += kTreeThreads) MoveTrees::move(s, n, share);
   });
 }
 
@@ -386,15 +400,15 @@ struct CloseTreeByTile {
   static constexpr const char* kStage = ProjectTree::kStage;
   static constexpr int kWidth = kWarp;
   __device__ void operator()(const SolverData& s, int index, const Tile<kWidth>& tile) const {
-    const int begin = s.treeOffset[index], end = s.treeOffset[index + 1];
-    if (s.treeNeedsProjection[s.treeNode[s.treeMember[begin]].tree] == 0) return;
+    const SmallTree tree = s.smallTree[index];
+    if (tree.begin == tree.end || s.treeNeedsProjection[tree.begin] == 0) return;
     const auto solve = [&](const auto& kernel, int first, int last) {
-      for (int k = first + tile.lane; k < last; k += kWidth) kernel(s, s.treeMember[k]);
+      for (int n = first + tile.lane; n < last; n += kWidth) kernel(s, n);
       __syncwarp(tile.mask);
     };
-    solve(AssembleLinks{}, begin, end);
-    forEachRound(s, begin, end, [&](int first, int last) { solve(EliminateLink{0}, first, last); });
-    forEachRoundBack(s, begin, end, [&](int first, int last) { solve(SubstituteLink{0}, first, last); });
+    solve(AssembleLinks{}, tree.begin, tree.end);
+    forEachLevel(s, tree, [&](int first, int last) { solve(EliminateLink{}, first, last); });
+    forEachLevelBack(s, tree, [&](int first, int last) { solve(SubstituteLink{}, first, last); });
   }
 };
 template <> struct OnDevice<ProjectTree> { using Type = CloseTreeByTile; };

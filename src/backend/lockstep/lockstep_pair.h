@@ -143,9 +143,11 @@ class LockstepPair {
       case Per::Attachment:
         return static_cast<std::size_t>(s.attachments);
       case Per::TreeNode:
-        return static_cast<std::size_t>(treeNodes(s));
+        return static_cast<std::size_t>(s.treeNodes);
       case Per::TreeChild:
-        return static_cast<std::size_t>(s.treeChildren);
+        return static_cast<std::size_t>(2 * s.treeNodes);
+      case Per::SmallTree:
+        return static_cast<std::size_t>(s.smallTrees);
       default:
         return elementCount(s, per);
     }

@@ -61,7 +61,7 @@ template <class F> struct BeginJoints {
     }
     joint.memory.remember(spec.data, a, b, origin);
     JointBody bodies[kSides<F>];
-    bool together = s.plan.jointTrees && treeNodes(s) > 0;
+    bool together = s.plan.jointTrees && s.treeNodes > 0;
     for (int side = 0; side < kSides<F>; ++side) {
       const int body = bodyOf(spec, side);
       bodies[side] = jointBody(s, body);

@@ -13,12 +13,18 @@ RUBBLE_HD inline bool isSensor(const SolverData& s, int body) {
   return s.filtered && s.filter[body].sensor != 0;
 }
 
-RUBBLE_HD inline bool excluded(const SolverData& s, int a, int b) {
+/// Where the search for a pair begins in a hash table of `size` elements, a power of two.
+RUBBLE_HD inline int firstPlace(const ExcludedPair& pair, int size) {
+  const auto mixed = (static_cast<std::uint32_t>(pair.low) * 0x9e3779b1u ^
+                      static_cast<std::uint32_t>(pair.high)) *
+                     0x85ebca6bu;
+  return static_cast<int>((mixed ^ mixed >> 15) & static_cast<std::uint32_t>(size - 1));
+}
+RUBBLE_HD inline bool isExcluded(const SolverData& s, const ExcludedPair& pair) {
   if (s.exclusions == 0) return false;
-  const int idA = s.idOf[a], idB = s.idOf[b], low = min(idA, idB), high = max(idA, idB);
-  for (int k = s.exclusionOffset[low]; k < s.exclusionOffset[low + 1]; ++k)
-    if (s.exclusionBody[k] == high) return true;
-  return false;
+  int k = firstPlace(pair, s.exclusions);
+  while (s.exclusion[k].low >= 0 && s.exclusion[k] != pair) k = (k + 1) & (s.exclusions - 1);
+  return s.exclusion[k].low >= 0;
 }
 
 /// May a body collide with every body that it touches? Its partners then need no test.
@@ -35,7 +41,9 @@ RUBBLE_HD inline bool mayCollide(const SolverData& s, int a, int b) {
     if (!moves || (!isSensor(s, a) && !isSensor(s, b))) return false;
   }
   if (s.filtered && !filtersMeet(s.filter[a], s.filter[b])) return false;
-  return !excluded(s, a, b);
+  if (s.exclusions == 0) return true;
+  const int idA = s.idOf[a], idB = s.idOf[b];
+  return !isExcluded(s, {min(idA, idB), max(idA, idB)});
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -7,10 +7,11 @@ namespace rubble::RUBBLE_CORE {
 
 /// visit(body) for every body whose box may touch a box of half extents `half` that moves from `x` by `limit`
 /// times `d`. The visitor may lower the limit as it finds hits. Each body is visited once. Cells are visited
-/// slab by slab along the main direction, so near bodies come first at each level.
+/// slab by slab along the main direction, so near bodies come first at each level. Several lanes may share
+/// the bodies, each with its own limit: lane `lane` of `lanes` visits every `lanes`-th slab.
 template <class Visit>
 RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, const Vec3d& half,
-                          double& limit, Visit&& visit) {
+                          double& limit, Visit&& visit, int lane = 0, int lanes = 1) {
   int m = 0;
   for (int k = 1; k < 3; ++k)
     if (std::fabs(d[k]) > std::fabs(d[m])) m = k;
@@ -33,18 +34,31 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
     const auto high = [&](int k, double t0, double t1) {
       return cell(max(x[k] + t0 * d[k], x[k] + t1 * d[k]) + reach[k]);
     };
-    const int first = low(m, 0, limit), last = high(m, 0, limit);
+    // the part of the path that passes the cells in use
+    double from = 0, until = limit;
+    for (int k = 0; k < 3; ++k) {
+      const auto& used = s.counters->levelReach[level];
+      const double lowest = (kCellOrigin - used[0][k]) * size - reach[k] - x[k],
+                   highest = (used[1][k] - kCellOrigin + 1.0) * size + reach[k] - x[k];
+      if (d[k] != 0)
+        from = max(from, min(lowest / d[k], highest / d[k])),
+        until = min(until, max(lowest / d[k], highest / d[k]));
+      else if (lowest > 0 || highest < 0)
+        until = -1;
+    }
+    if (from > until) continue;
+    const int first = low(m, from, until), last = high(m, from, until);
     // with more cells than entries a scan of the entries is cheaper
     const double cells = (double(last) - first + 1) * (2 * reach[u] / size + 2) * (2 * reach[v] / size + 2);
     if (cells > 2.0 * incidences + 64) {
-      for (int k = 0; k < incidences; ++k)
+      for (int k = lane; k < incidences; k += lanes)
         if (s.grid[k].level == level) tryEntry(s.grid[k]);
       continue;
     }
     const bool forward = d[m] >= 0;
-    for (int n = 0; n <= last - first; ++n) {
+    for (int n = lane; n <= last - first; n += lanes) {
       const int slab = forward ? first + n : last - n;
-      double t0 = 0, t1 = limit;
+      double t0 = from, t1 = min(until, limit);
       if (d[m] != 0) {
         const double a = (slab * size - reach[m] - x[m]) / d[m],
                      b = ((slab + 1.0) * size + reach[m] - x[m]) / d[m];
@@ -67,7 +81,7 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
         }
     }
   }
-  for (int k = 0; k < s.planes; ++k) visit(s.planeBody[k]);
+  for (int k = lane; k < s.planes; k += lanes) visit(s.planeBody[k]);
 }
 
 }  // namespace rubble::RUBBLE_CORE

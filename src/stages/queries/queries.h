@@ -63,52 +63,56 @@ template <class Visit> RUBBLE_HD void visitOwn(const ShapeTables& tables, const 
 /// Contact tolerance of a cast over the size of its shape [1].
 inline constexpr double kCastGap = 1e-4;
 
-/// The first hit, or the nearest body. Ties go to the body of the lowest id.
+/// Is a the better answer to a query? Ties go to the body of the lowest id.
+RUBBLE_HD inline bool comesBefore(const SolverData& s, const QueryHit& a, const QueryHit& b) {
+  if (a.body < 0 || b.body < 0) return a.body >= 0;
+  return a.fraction < b.fraction || (a.fraction == b.fraction && s.idOf[a.body] < s.idOf[b.body]);
+}
+
+/// The first hit, or the nearest body, among those that lane `lane` of `lanes` visits.
+RUBBLE_HD inline QueryHit answer(const SolverData& s, const QueryData& q, const ShapeTables& own,
+                                 int lane = 0, int lanes = 1) {
+  QueryHit best{-1, 0, {}, {}};
+  double limit = 1, bestDistance = q.reach;
+  const bool closest = q.kind == QueryKind::Closest;
+  const Vec3d half = closest ? Vec3d{q.reach, q.reach, q.reach} : extent(q);
+  const auto take = [&](const QueryHit& hit) {
+    if (!comesBefore(s, hit, best)) return;
+    best = hit;
+    (closest ? bestDistance : limit) = hit.fraction;
+  };
+  visitAlong(
+      s, q.position, q.move, half, limit,
+      [&](int body) {
+        if (!looksAt(s, q, body)) return;
+        visitParts(s, body, q.position, [&](const PlacedAny& target) {
+          if (q.kind == QueryKind::Ray) {
+            const RayMeeting m = castRay(target, q.move);
+            if (m.fraction <= 1) take({body, m.fraction, q.move * m.fraction, m.n});
+          } else if (closest) {
+            const Separation at = nearestPoint(target, bestDistance);
+            const bool inside = !(at.distance > 0);
+            const double distance = inside ? 0 : at.distance;
+            if (distance <= bestDistance) take({body, distance, inside ? Vec3d{} : at.onB, {}});
+          } else {
+            visitOwn(own, q, [&](const PlacedAny& part) {
+              const TimeOfImpact m = castShape(part, q.move, target, kCastGap * q.size);
+              if (m.fraction <= 1) take({body, m.fraction, m.at.n == Vec3d{} ? Vec3d{} : m.at.onA, m.at.n});
+            });
+          }
+        });
+      },
+      lane, lanes);
+  best.position += q.position;
+  return best;
+}
+
 struct RunQuery {
   static constexpr const char* kStage = "queries";
   const QueryData* queries;
   ShapeTables own;
   QueryHit* hits;
-
-  RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const QueryData& q = queries[i];
-    QueryHit best{-1, 0, {}, {}};
-    double limit = 1;
-    const bool closest = q.kind == QueryKind::Closest;
-    const Vec3d half = closest ? Vec3d{q.reach, q.reach, q.reach} : extent(q);
-    double bestDistance = q.reach;
-    const auto take = [&](const QueryHit& hit) {
-      const bool first = best.body < 0 || hit.fraction < best.fraction ||
-                         (hit.fraction == best.fraction && s.idOf[hit.body] < s.idOf[best.body]);
-      if (!first) return;
-      best = hit;
-      if (closest)
-        bestDistance = hit.fraction;
-      else
-        limit = hit.fraction;
-    };
-    visitAlong(s, q.position, q.move, half, limit, [&](int body) {
-      if (!looksAt(s, q, body)) return;
-      visitParts(s, body, q.position, [&](const PlacedAny& target) {
-        if (q.kind == QueryKind::Ray) {
-          const RayMeeting m = castRay(target, q.move);
-          if (m.fraction <= 1) take({body, m.fraction, q.move * m.fraction, m.n});
-        } else if (closest) {
-          const Separation at = nearestPoint(target, bestDistance);
-          const bool inside = !(at.distance > 0);
-          const double distance = inside ? 0 : at.distance;
-          if (distance <= bestDistance) take({body, distance, inside ? Vec3d{} : at.onB, {}});
-        } else {
-          visitOwn(own, q, [&](const PlacedAny& part) {
-            const TimeOfImpact m = castShape(part, q.move, target, kCastGap * q.size);
-            if (m.fraction <= 1) take({body, m.fraction, m.at.n == Vec3d{} ? Vec3d{} : m.at.onA, m.at.n});
-          });
-        }
-      });
-    });
-    best.position += q.position;
-    hits[i] = best;
-  }
+  RUBBLE_HD void operator()(const SolverData& s, int i) const { hits[i] = answer(s, queries[i], own); }
 };
 
 /// found(body) for the bodies that a shape overlaps, in no fixed order.

@@ -115,11 +115,10 @@ struct AssembleLinks {
 /// As EliminateNode, for scalars.
 struct EliminateLink {
   static constexpr const char* kStage = "joint projection";
-  int begin;
-  RUBBLE_HD void operator()(const SolverData& s, int k) const {
-    const TreeNode& node = s.treeNode[begin + k];
+  RUBBLE_HD void operator()(const SolverData& s, int n) const {
+    const TreeNode& node = s.treeNode[n];
     if (s.treeNeedsProjection[node.tree] == 0) return;
-    ProjectionLink& link = s.projectionLink[begin + k];
+    ProjectionLink& link = s.projectionLink[n];
     for (int child = node.childBegin; child < node.childEnd; ++child) {
       const int from = s.treeChild[child] >> 1, side = s.treeChild[child] & 1,
                 far = s.treeNode[from].parent[1 - side];
@@ -137,11 +136,10 @@ struct EliminateLink {
 /// As SubstituteNode, for scalars.
 struct SubstituteLink {
   static constexpr const char* kStage = "joint projection";
-  int begin;
-  RUBBLE_HD void operator()(const SolverData& s, int k) const {
-    const TreeNode& node = s.treeNode[begin + k];
+  RUBBLE_HD void operator()(const SolverData& s, int n) const {
+    const TreeNode& node = s.treeNode[n];
     if (s.treeNeedsProjection[node.tree] == 0) return;
-    ProjectionLink& link = s.projectionLink[begin + k];
+    ProjectionLink& link = s.projectionLink[n];
     for (int t = 0; t < 2; ++t)
       if (node.parent[t] >= 0) link.x -= link.w[t] * s.projectionLink[node.parent[t]].x;
   }
@@ -151,11 +149,11 @@ struct SubstituteLink {
 struct ProjectTree {
   static constexpr const char* kStage = "joint projection";
   RUBBLE_HD void operator()(const SolverData& s, int tree) const {
-    const int begin = s.treeOffset[tree], end = s.treeOffset[tree + 1];
-    if (s.treeNeedsProjection[s.treeNode[s.treeMember[begin]].tree] == 0) return;
-    for (int k = begin; k < end; ++k) AssembleLinks{}(s, s.treeMember[k]);
-    for (int k = begin; k < end; ++k) EliminateLink{0}(s, s.treeMember[k]);
-    for (int k = end - 1; k >= begin; --k) SubstituteLink{0}(s, s.treeMember[k]);
+    const auto [begin, end] = s.smallTree[tree];
+    if (begin == end || s.treeNeedsProjection[begin] == 0) return;
+    for (int n = begin; n < end; ++n) AssembleLinks{}(s, n);
+    for (int n = begin; n < end; ++n) EliminateLink{}(s, n);
+    for (int n = end - 1; n >= begin; --n) SubstituteLink{}(s, n);
   }
 };
 
@@ -210,7 +208,6 @@ struct ApplyProjection {
     const TreeNode& node = s.treeNode[n];
     if (s.treeNeedsProjection[node.tree] == 0) return;
     const Vec3d x = s.projectionLink[n].x;
-    // a body may have several nodes, of which one moves it
     if (x == Vec3d{0, 0, 0}) return;
     s.position[node.body] += x;
     // keeps the stored displacement of the step consistent

@@ -7,7 +7,10 @@
 namespace rubble::RUBBLE_CORE::trees {
 
 /// Number of nodes that trees solve in this step.
-inline int nodesOf(const SolverData& s) { return s.plan.jointTrees ? treeNodes(s) : 0; }
+inline int nodesOf(const SolverData& s) { return s.plan.jointTrees ? s.treeNodes : 0; }
+/// Nodes of one level of the large trees.
+inline int nodesAt(const SolverData& s, int level) { return s.levelBegin[level + 1] - s.levelBegin[level]; }
+inline int largeNodes(const SolverData& s) { return s.levelBegin[kTreeLevels]; }
 
 /// Finds the trees that touch other bodies.
 template <Executor E> void prepare(E& e) {
@@ -26,20 +29,14 @@ template <Executor E> void findSoftTrees(E& e) {
 /// afterwards.
 template <Executor E> void solveOnce(E& e, TreeSolve how, TreesOf of) {
   const SolverData& s = e.view();
-  const int nodes = treeNodes(s);
-  e.forEach(BeginTrees{how, of}, nodes);
+  e.forEach(BeginTrees{how, of}, s.treeNodes);
   forEachJoint<FindTreeRows>(e, how);
-  e.beside(AssembleTreeBodies<typename E::Lane>{}, nodes);
-  if (s.smallTrees) {
-    e.forEach(SolveTree{}, s.trees);
-  } else {
-    e.forEach(AssembleTreeJoints{}, nodes);
-    for (int r = 0; r < s.treeLevels; ++r)
-      e.forEach(EliminateNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
-    for (int r = s.treeLevels - 1; r >= 0; --r)
-      e.forEach(SubstituteNode{s.treeBegin[r]}, s.treeBegin[r + 1] - s.treeBegin[r]);
-    e.forEach(MoveTrees{}, nodes);
-  }
+  e.beside(AssembleTreeBodies<typename E::Lane>{}, s.treeNodes);
+  e.forEach(SolveTree{}, s.smallTrees);
+  e.forEach(InLevel<AssembleTreeJoints>{0}, largeNodes(s));
+  for (int r = 0; r < s.treeLevels; ++r) e.forEach(InLevel<EliminateNode>{s.levelBegin[r]}, nodesAt(s, r));
+  for (int r = s.treeLevels; r-- > 0;) e.forEach(InLevel<SubstituteNode>{s.levelBegin[r]}, nodesAt(s, r));
+  e.forEach(InLevel<MoveTrees>{0}, largeNodes(s));
   if (how != TreeSolve::Again) forEachJoint<TakeTreeForces>(e);
 }
 
@@ -65,14 +62,10 @@ template <Executor E> void finish(E& e) {
   if (nodes == 0) return;
   e.clear(&SolverData::treeNeedsProjection, nodes);
   forEachJoint<FindTreesToProject>(e);
-  if (s.smallTrees) {
-    e.forEach(ProjectTree{}, s.trees);
-  } else {
-    e.forEach(AssembleLinks{}, nodes);
-    const auto inRound = [&](int r) { return s.treeBegin[r + 1] - s.treeBegin[r]; };
-    for (int r = 0; r < s.treeLevels; ++r) e.forEach(EliminateLink{s.treeBegin[r]}, inRound(r));
-    for (int r = s.treeLevels - 1; r >= 0; --r) e.forEach(SubstituteLink{s.treeBegin[r]}, inRound(r));
-  }
+  e.forEach(ProjectTree{}, s.smallTrees);
+  e.forEach(InLevel<AssembleLinks>{0}, largeNodes(s));
+  for (int r = 0; r < s.treeLevels; ++r) e.forEach(InLevel<EliminateLink>{s.levelBegin[r]}, nodesAt(s, r));
+  for (int r = s.treeLevels; r-- > 0;) e.forEach(InLevel<SubstituteLink>{s.levelBegin[r]}, nodesAt(s, r));
   e.forEach(LimitProjection{}, nodes);
   e.forEach(ApplyProjection{}, nodes);
 }

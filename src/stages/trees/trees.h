@@ -26,6 +26,7 @@ struct MarkSoftTrees {
   RUBBLE_HD void operator()(const SolverData& s, int n) const {
     // deformable objects come last in the incidence list, attachments before contacts
     const int i = s.treeNode[n].body;
+    if (i < 0) return;
     int touches = kTouchesNothing;
     for (int k = s.incidenceOffset[i + 1] - 1; k >= s.incidenceOffset[i]; --k) {
       const int type = constraintType(s.incidence[k].code);
@@ -209,12 +210,17 @@ struct AssembleTreeJoints {
   }
 };
 
-/// Eliminates a node after its children. `begin`: first node of the level.
+/// A kernel over nodes, run over those of one level of the large trees. `begin`: first of them in levelNode.
+template <class Kernel> struct InLevel {
+  static constexpr const char* kStage = Kernel::kStage;
+  int begin;
+  RUBBLE_HD void operator()(const SolverData& s, int k) const { Kernel{}(s, s.levelNode[begin + k]); }
+};
+
+/// Eliminates a node after its children.
 struct EliminateNode {
   static constexpr const char* kStage = "trees";
-  int begin;
-  RUBBLE_HD void operator()(const SolverData& s, int k) const {
-    const int n = begin + k;
+  RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
     for (int child = node.childBegin; child < node.childEnd; ++child) {
@@ -239,9 +245,7 @@ struct EliminateNode {
 /// Back substitution: the step of a node whose parents are solved. Raises the largest rotation of its tree.
 struct SubstituteNode {
   static constexpr const char* kStage = "trees";
-  int begin;
-  RUBBLE_HD void operator()(const SolverData& s, int k) const {
-    const int n = begin + k;
+  RUBBLE_HD void operator()(const SolverData& s, int n) const {
     const TreeNode& node = s.treeNode[n];
     TreeWork& w = s.treeWork[n];
     for (int t = 0; t < 2; ++t) {
@@ -289,12 +293,12 @@ struct MoveTrees {
 struct SolveTree {
   static constexpr const char* kStage = "trees";
   RUBBLE_HD void operator()(const SolverData& s, int tree) const {
-    const int begin = s.treeOffset[tree], end = s.treeOffset[tree + 1];
-    if (s.treeConverged[s.treeNode[s.treeMember[begin]].tree]) return;
-    for (int k = begin; k < end; ++k) AssembleTreeJoints{}(s, s.treeMember[k]);
-    for (int k = begin; k < end; ++k) EliminateNode{0}(s, s.treeMember[k]);
-    for (int k = end - 1; k >= begin; --k) SubstituteNode{0}(s, s.treeMember[k]);
-    for (int k = begin; k < end; ++k) MoveTrees{}(s, s.treeMember[k]);
+    const auto [begin, end] = s.smallTree[tree];
+    if (begin == end || s.treeConverged[begin]) return;
+    for (int n = begin; n < end; ++n) AssembleTreeJoints{}(s, n);
+    for (int n = begin; n < end; ++n) EliminateNode{}(s, n);
+    for (int n = end - 1; n >= begin; --n) SubstituteNode{}(s, n);
+    for (int n = begin; n < end; ++n) MoveTrees{}(s, n);
   }
 };
 

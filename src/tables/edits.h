@@ -1,0 +1,72 @@
+#pragma once
+/// Edits of the tables. Bodies are addressed by id, everything else by slot or index.
+#include <variant>
+
+#include "tables/records.h"
+
+namespace rubble {
+
+/// Adds, replaces or removes (kind 0) a body.
+struct SetBody {
+  int id;
+  EngineBody body;
+};
+struct SetBodyState {
+  int id;
+  BodyState state;
+};
+/// For the next step, about the center of mass.
+struct AddForce {
+  int id;
+  Vec3 force, torque;
+};
+struct AddVelocity {
+  int id;
+  Vec3 change;
+};
+/// Clears the contacts of bodies that are removed or replaced.
+struct ForgetContacts {
+  std::vector<int> ids;
+};
+/// Appends the tables of a shape. `partSurfaces`: materials of its parts as indices into those of
+/// SetSurfaces; -1: that of the body.
+struct AddShape {
+  std::shared_ptr<const CookedShape> shape;
+  std::vector<int> partSurfaces;
+};
+struct SetSurfaces {
+  std::vector<Material> surfaces;
+};
+/// The bodies that are planes.
+struct SetPlanes {
+  std::vector<int> ids;
+};
+/// Adds, changes or removes a joint. `keepsState`: its multipliers remain.
+struct SetJoint {
+  int slot;
+  EngineJoint joint;
+  bool keepsState = false;
+};
+/// Whether two bodies never collide.
+struct SetExcluded {
+  int a, b;
+  bool excluded;
+};
+/// All deformable objects and attachments. Existing ones keep their relative order and their state.
+struct SetDeformables {
+  std::vector<EngineSoftObject> objects;
+  std::vector<EngineAttachment> attachments;
+};
+struct SetVertices {
+  int first;
+  std::vector<Vec3> positions, velocities;
+};
+struct AddVertexForce {
+  int vertex;
+  Vec3 force;
+};
+
+using Edit = std::variant<SetBody, SetBodyState, AddForce, AddVelocity, ForgetContacts, AddShape, SetSurfaces,
+                          SetPlanes, SetJoint, SetExcluded, SetDeformables, SetVertices, AddVertexForce>;
+
+}  // namespace rubble
