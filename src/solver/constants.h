@@ -57,7 +57,7 @@ struct StepConstants {
   Real gravitySize;       ///< g [m/s2]
   Real loadAcceleration;  ///< a: a load lambda stands for the mass |lambda| / a [m/s2]
   double perFall;  ///< 1 / (g dt^2) [1/m]: the unit length of spatial cells depends on gravity and dt only
-  bool coneHessian, dormantRows, impactRule, compliantRows, literalRotations, coarseCorrection, jointTrees;
+  bool coneHessian, inactiveRows, impactRule, compliantRows, literalRotations, coarseCorrection, jointTrees;
   Real acceleration;      ///< rho of the accelerated sweeps over deformables [1]
   Real driftCorrection;   ///< share of a tangential drift that is corrected per step [1]
   Real contactMargin;     ///< d_min over L [1]

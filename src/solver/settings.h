@@ -36,7 +36,7 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.perFall = 1 / (fall * dt * dt);
   c.up = g > 0 ? Vec3(gravity * (-1 / g)) : Vec3{0, 0, 0};
   c.coneHessian = t.coneHessian;
-  c.dormantRows = t.dormantRows;
+  c.inactiveRows = t.dormantRows;
   c.impactRule = t.impactRule;
   c.compliantRows = t.compliantRows;
   c.coarseCorrection = t.coarseCorrection;

@@ -87,7 +87,7 @@ TEST(PointDistance, OfAClosedMeshIsThatOfTheSolidNearItsSurface) {
   int inside = 0, outside = 0;
   for (int round = 0; round < 3000; ++round) {
     const Vec3 x = mul(random.vector(1), h * Real(1.3));
-    const PointDistance expected = pointToPlainShape(solid, x);
+    const PointDistance expected = pointToPrimitive(solid, x);
     const PointDistance at = pointToGeneralShape(shelf.tables(), mesh, x, {.1, .05, {0, 0, 0}});
     if (expected.distance > -.05 && expected.distance < .1) {
       ++(expected.distance < 0 ? inside : outside);

@@ -67,9 +67,9 @@ TEST_F(CudaStep, StaysBesideTheCpuWithJoints) {
   }
 }
 
-/// Forces of trees are small differences of large numbers: with other bits of a coordinate where they are
-/// taken than where the blocks were summed, limits that are just reached turned elbows by 0.02 rad a step in
-/// free fall.
+/// Forces of trees are small differences of large numbers. If the coordinates of the back-substitution
+/// differ in one bit from those of the summed blocks, limits that are just reached rotate elbows by 0.02 rad
+/// per step in free fall.
 TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
   Scene arms;
   for (int i = 0; i < 16; ++i) {
@@ -95,8 +95,8 @@ TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
   EXPECT_LT(distance(cpu, cuda), 1e-5);
 }
 
-/// The plate has a block or a warp of its own in every stage that loops over what touches it; the ball
-/// strikes the heap.
+/// The plate has a block or a warp of its own in each stage that loops over its contacts. The ball strikes
+/// the heap.
 TEST_F(CudaStep, StaysBesideTheCpuWhereOneBodyTouchesAHundred) {
   Scene heap = ground();
   BodyDef plate;

@@ -1,4 +1,4 @@
-/// What every joint makes of its rows: warm start, stamps, dual update, breakage.
+/// Rows of all joints: warm start, accumulation, dual update, breakage.
 #include "tests/forces/joint_cases.h"
 
 namespace rubble::RUBBLE_CORE {

@@ -40,8 +40,8 @@ int roundOf(const SolverData& s, int node) {
   return r;
 }
 
-/// Every coupling goes to a later round, every joint is a coupling, and what is passed on arrives; each tree
-/// lists its nodes by round.
+/// Every coupling leads to a later level and is a joint, and every fill-in block has a destination. Each
+/// tree lists its nodes by level.
 void expectSound(const SolverData& s, const Links& links) {
   EXPECT_EQ(s.treeOffset[s.trees], treeNodes(s));
   std::vector<int> listed(s.treeMember, s.treeMember + treeNodes(s));
@@ -88,7 +88,7 @@ TEST(JointTrees, ThousandLinksTakeTenRounds) {
 }
 
 TEST(JointTrees, BranchesAreEliminatedWhole) {
-  // every body hangs on that of half its number
+  // the parent of each body is the one with half its index
   Links links;
   for (int i = 1; i < 200; ++i) links.emplace_back(i, i / 2);
   Linked world(200, links);
@@ -141,7 +141,7 @@ TEST(JointTrees, ALoneBodyIsOneIfAJointHoldsIt) {
   EXPECT_EQ(world.view().treeNode[0].exact, 1);
 }
 
-/// Blocks of a chain as if some joint were there: diagonals outweigh couplings.
+/// Blocks of a chain with dominant diagonals.
 void fillBlocks(const SolverData& s) {
   for (int n = 0; n < treeNodes(s); ++n) {
     TreeWork& w = s.treeWork[n];
@@ -175,7 +175,7 @@ TEST(JointTrees, ASmallTreeIsSolvedAtOnceAsInRounds) {
       EXPECT_EQ(s.treeWork[n].x.v[i], wanted[static_cast<std::size_t>(n)].v[i]) << n;
 }
 
-/// Two chains, whose bodies stand by turns in the order of elimination.
+/// Two chains whose bodies alternate in the order of elimination.
 Links twoChains(int bodies) {
   Links links = chainOf(bodies / 2);
   links.emplace_back(bodies / 2, kWorldBody);

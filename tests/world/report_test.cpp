@@ -1,4 +1,4 @@
-/// What a step says of itself, and what happens to bodies that are no longer finite or spin too fast.
+/// The step report, quarantine of bodies with a state that is not finite, and the limit of spin.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -84,7 +84,7 @@ TEST(StepReport, CountsBodiesWhoseSpinIsLimited) {
   }
   World world(scene, options(4));
   EXPECT_EQ(world.step().spinLimited, 1);
-  // 2 rad a step
+  // 2 rad per step
   EXPECT_NEAR(world.state(world.bodyAt(1)).angularVelocity.z, 120, 1e-3);
   EXPECT_NEAR(world.state(world.bodyAt(0)).angularVelocity.z, 100, 1e-3);
 }
