@@ -23,7 +23,7 @@ struct Watched {
 std::vector<Watched> watch(const Scene& scene, const std::vector<int>& sceneIndices);
 void begin(std::vector<Watched>& bodies, const World& world);
 
-/// Largest height of a shape over its centre, along `up` [m].
+/// Largest height of a shape over its center, along `up` [m].
 double reach(const Shape& shape, const Quat& orientation, const Vec3& up);
 /// Height of the surface of the body "ground" along up; without one, -infinity.
 double groundHeight(const Scene& scene);

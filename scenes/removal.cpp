@@ -1,4 +1,4 @@
-/// Support removal beside the stacks: a stack that stands by false stiffness hovers when its support goes.
+/// Removal of the support of a stack: numerical stiffness would let the stack hover.
 #include <string>
 
 #include "build.h"

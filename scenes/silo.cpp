@@ -128,7 +128,7 @@ Probes siloProbes(const Arguments& arguments, const Scene& scene) {
 
 std::vector<Claim> siloClaims(const Arguments&) {
   return {within("janssen_k", .3, 1,
-                 "the floor bears what Janssen's law says, with a pressure on the walls of .3 to 1 of that "
+                 "the floor bears what Janssen's law says, with a pressure on the walls of 0.3 to 1 of that "
                  "on the floor"),
           within("wall_ratio", .5, .85, "the walls bear the rest, upwards")};
 }

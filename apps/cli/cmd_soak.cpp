@@ -115,7 +115,7 @@ void addSoak(CLI::App& app, int& status) {
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();
   command->add_flag("--joints", options->joints, "Also pairs of cubes on joints, made and removed");
-  command->add_option("-i,--iterations", options->iterations, "Solver iterations in a step")
+  command->add_option("-i,--iterations", options->iterations, "Solver iterations per step")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("-b,--backend", options->backend, "Where the step runs (see 'rubble info build')")

@@ -48,7 +48,7 @@ const std::vector<BodyMetric>& bodyTable() {
        [](const World&, const BodyDef& start, const BodyState& now) {
          return angleBetween(start.orientation, now.orientation) * 180 / std::numbers::pi;
        }},
-      {{"speed_m_s", "speed of its centre [m/s]"},
+      {{"speed_m_s", "speed of its center [m/s]"},
        [](const World&, const BodyDef&, const BodyState& now) { return length(now.velocity); }},
       {{"spin_rad_s", "angular speed [rad/s]"},
        [](const World&, const BodyDef&, const BodyState& now) { return length(now.angularVelocity); }},

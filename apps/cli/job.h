@@ -1,5 +1,5 @@
 #pragma once
-/// From what was typed to a job that is ready to run. Every subcommand that runs a scene shares these
+/// From command-line arguments to a job that is ready to run. All subcommands that run a scene share these
 /// options.
 #include <optional>
 #include <string>
@@ -41,7 +41,7 @@ struct PreparedJob {
   int steps = 0;
 };
 
-/// Throws Error for anything that was typed wrong or does not exist.
+/// Throws Error for arguments that are invalid or name nothing.
 PreparedJob prepareJob(const JobOptions& options);
 
 /// The same without its probes, which look at every body after every step: for what is drawn and not judged.

@@ -73,7 +73,7 @@ int runProgram(int argc, char** argv) {
 
 }  // namespace
 
-/// What was printed has to have arrived: a full disk shows itself when the last of it is flushed.
+/// Flushes standard output; a full disk is detected here.
 void flushOutput() {
   const bool streamGood = static_cast<bool>(std::cout.flush());
   if (std::fflush(stdout) != 0 || std::ferror(stdout) || !streamGood)
