@@ -21,7 +21,7 @@ struct PictureBody {
   Motion motion = Motion::Dynamic;
   bool deforms = false;  ///< a mesh that is another one in every frame; those stand behind all others in a
                          ///< list
-  double value = 0;      ///< what colors tell of it (picture_values.h); not a number: nothing
+  double value = 0;      ///< quantity shown by colors (picture_values.h); NaN: none
   std::vector<float> vertexValues =
       {};  ///< likewise, of the points of a mesh that deforms; empty: `value` for all
 };
@@ -30,7 +30,7 @@ inline constexpr std::uint32_t kSoftKeys = 1u << 31;
 /// Below these bits of such a key: the number of the vertex; above: that of the object.
 inline constexpr int kSoftKeyBits = 22;
 
-/// What colors tell (picture_values.h). A recording has Body and Speed; the others are taken from a world.
+/// Quantity shown by colors (picture_values.h). A recording has Body and Speed, a world has all.
 enum class ColorBy { Body, Material, Speed, Island, Color, Error, Multiplier, Stiffness, Strain };
 
 /// Rows from the top, three bytes (red, green, blue; sRGB) a pixel.

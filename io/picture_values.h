@@ -12,7 +12,7 @@ struct Quantity {
   const char* key;   ///< on the command line
   const char* unit;  ///< "1" for none
   const char* doc;
-  bool isKind;  ///< values are kinds, told apart and not compared; below 0: none
+  bool isKind;  ///< values are categories without an order; negative: none
 };
 /// All of them, in the order of ColorBy.
 const std::vector<Quantity>& quantities();

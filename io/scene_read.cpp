@@ -61,7 +61,7 @@ int SceneReader::bodyIndex(const Node& node, const Scene& scene) {
   return kWorld;
 }
 
-/// Index of a joint that the file has told of before, or -1.
+/// Index of a joint that the file has named earlier, or -1.
 int SceneReader::jointOfType(const Node& node, const Scene& scene, JointType type) {
   const std::string name = node.text().value_or("");
   const auto found = std::find_if(scene.joints.begin(), scene.joints.end(),

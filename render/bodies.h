@@ -61,7 +61,7 @@ class Bodies {
   void setColors(std::span<const Vec3f> colors);
   /// Places of all bodies, in the order of the looks.
   void setPoses(std::span<const Pose> poses);
-  /// Tells a feed where the poses of these bodies are, in the order of the looks; to be told anew when the
+  /// Gives a feed the sources of the poses of these bodies, in the order of the looks. To be repeated when
   /// looks or surfaces change.
   void setSources(std::span<const PoseSource> sources, PoseFeed& feed);
   /// Places of all bodies from there. Planes must not have moved since the last setPoses of the host.

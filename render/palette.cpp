@@ -10,7 +10,7 @@
 namespace rubble::render {
 namespace {
 
-/// Fewer boxes than this are no stack: each has a color of its own.
+/// Scenes with fewer boxes are not stacks: each box has its own color.
 constexpr std::size_t kStack = 30;
 /// A ball this much larger than a brick is a wrecking ball.
 constexpr double kWreckingBall = 1.3;
@@ -108,7 +108,7 @@ Vec3f Palette::stone(const io::PictureBody& body) const {
   const double height = dot(body.position, up_) - low_;
   // Courses differ a little from one another, bricks of a course less.
   const auto course = static_cast<std::uint32_t>(std::max(0., std::round(height / course_)));
-  // What lies in one course has nothing but its own shade.
+  // Within one course bodies differ in shade only.
   const double place = isFlat_ ? .25 + .45 * fraction(bits, 16) : height / (high_ - low_);
   const double t = place + .05 * (fraction(mixed(course + 11), 0) - .5) + .07 * (fraction(bits, 0) - .5);
   return along(kCourses, t) * shade;

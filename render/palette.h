@@ -11,7 +11,7 @@
 
 namespace rubble::render {
 
-/// Of kinds (sRGB), which are told apart and have no order.
+/// Colors of categories (sRGB), distinguishable and without an order.
 inline constexpr std::array<std::uint32_t, 12> kKindColors{0xc0604a, 0x3f7f93, 0xd9b35c, 0x6c9362,
                                                            0x8e6a94, 0x4f6fa8, 0xd08a4e, 0x5aa59a,
                                                            0xb5566f, 0x9aa04c, 0x7f6a5a, 0x7aa7cf};
@@ -56,7 +56,7 @@ bool sameShape(const Shape& a, const Shape& b);
 Vec3f heat(double fraction);
 /// The colors that heat runs along, three numbers each.
 std::vector<float> heatStops();
-/// Color of a value of a quantity; what has none is grey.
+/// Color of a value of a quantity; what has none is gray.
 Vec3f valueColor(double value, io::ColorBy colorBy, double full);
 
 }  // namespace rubble::render

@@ -33,7 +33,7 @@ bool hasLabel(const Json& report) {
   return label != report.end() && label->is_string();
 }
 
-/// Names that tell the reports apart: their labels, or the scene and what differs between reports of one
+/// Names that distinguish the reports: their labels, or the scene and the differences between reports of one
 /// scene.
 std::vector<std::string> namesOf(const std::vector<Json>& reports) {
   if (std::all_of(reports.begin(), reports.end(), hasLabel)) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What the builders of the scene families share: arguments, ground, bricks, claims and cameras.
+/// Shared by the builders of the scene families: arguments, ground, bricks, claims and cameras.
 #include <initializer_list>
 #include <string>
 #include <utility>

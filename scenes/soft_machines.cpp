@@ -33,7 +33,7 @@ TriangleMesh surfaceOf(const std::function<double(const Vec3&)>& distance, const
   const auto cut = [&](int in, int out) {
     const auto [entry, isNew] = cuts.emplace(std::pair{in, out}, int(mesh.vertices.size()));
     const double a = value[std::size_t(in)], b = value[std::size_t(out)];
-    // off the corners, so that no triangle is without area
+    // away from the corners, so that no triangle is degenerate
     const double share = std::clamp(a / (a - b), .01, .99);
     if (isNew) mesh.vertices.push_back(place(in) + share * (place(out) - place(in)));
     return entry->second;

@@ -49,7 +49,7 @@ int bench(BenchOptions options) {
   if (options.scenes.empty()) throw Error("scenes", "names of scenes, or --search-60hz", "none");
   std::FILE* out = options.jsonFile == "-" ? stderr : stdout;
   std::vector<io::RunRecord> records;
-  // What cannot run is to be known before the first minute is spent.
+  // Reports scenes that cannot run before any of them runs.
   for (const std::string& scene : options.scenes) {
     options.job.scene = scene;
     prepareJob(options.job);

@@ -82,7 +82,7 @@ int soak(const SoakCommand& command) {
   };
   while (goesOn()) {
     soak.step();
-    // what the first steps allocate is no growth
+    // allocations of the first steps do not count as growth
     constexpr int kWarm = 100;
     if (rssBefore == 0 && soak.counts().steps >= kWarm) rssBefore = residentMb();
     if (secondsNow() - shown < kEvery) continue;

@@ -114,7 +114,7 @@ class NamedProbe final : public scenes::Probe {
   void finish(const World& world, scenes::Metrics& metrics) override {
     for (const std::string& metric : names_) {
       const Split split(metric);
-      // A body that is gone has no metric; its claim then says "not measured".
+      // A removed body has no metric; its claim is then reported as "not measured".
       if (const BodyMetric* body = findIn(bodyTable(), split.quantity)) {
         for (const BodyId id : world.bodies())
           if (world.definition(id).name == split.name)

@@ -44,7 +44,7 @@ struct PreparedJob {
 /// Throws Error for arguments that are invalid or name nothing.
 PreparedJob prepareJob(const JobOptions& options);
 
-/// The same without its probes, which look at every body after every step: for what is drawn and not judged.
+/// The same without its probes, which visit every body in every step: for drawing without a verdict.
 PreparedJob withoutProbes(PreparedJob prepared);
 
 /// One job, or two that differ in what `compare` names: two backends or two numbers of iterations. Throws

@@ -111,7 +111,7 @@ RenderResult renderFilm(const RenderOptions& options) {
   const std::vector<JobOptions> jobs = comparedJobs(options.job, options.compare);
   const int width = jobs.size() == 1 ? options.width : (options.width - kDivider) / 2;
   const int whole = jobs.size() == 1 ? width : 2 * width + kDivider;
-  // What cannot be written is said before anything is simulated.
+  // Tests the output before anything is simulated.
   const std::unique_ptr<render::PictureSink> sink = render::pictureSink(options.out, whole, options.height,
                                                                         options.fps);
   const std::unique_ptr<render::PaintDevice> device = render::makePaintDevice();
@@ -134,7 +134,7 @@ RenderResult renderFilm(const RenderOptions& options) {
   Progress progress(first.source().title(), single ? std::max(1, steps) : frames, options.quiet);
   RenderResult result{0, device->name()};
   if (single) {
-    // The last step, whatever the time between pictures would be.
+    // The last step, at any picture rate.
     for (int step = 1; step <= steps; ++step) {
       for (const auto& side : sides) side->step();
       progress.update(step, first.stepMs());

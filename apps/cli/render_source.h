@@ -1,5 +1,5 @@
 #pragma once
-/// Moments of a scene that is being simulated, or of a recording.
+/// Drawn states of a running scene or of a recording.
 #include <cstdint>
 #include <memory>
 #include <string>

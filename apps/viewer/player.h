@@ -34,7 +34,7 @@ struct StepRecord {
   std::int64_t step = 0;
   double totalMs = 0;
   std::vector<StageTime> stages;
-  double kinetic = 0, potential = 0;  ///< [J]; measured if asked for
+  double kinetic = 0, potential = 0;  ///< [J]; only with measureEnergy
   double error = 0;                   ///< largest penetration or gap [m]
 };
 

@@ -15,7 +15,7 @@ RecordingSession::RecordingSession(const std::string& file) : reader_(file) {
 }
 
 void RecordingSession::showFrame(int index) {
-  // What can fail comes first: a damaged frame leaves the one that is shown.
+  // Decodes before it changes anything: a damaged frame leaves the shown one.
   std::vector<io::PictureBody> bodies = io::pictureBodies(reader_, index);
   frame_ = reader_.frame(index);
   bodies_ = std::move(bodies);

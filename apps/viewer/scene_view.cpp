@@ -54,7 +54,7 @@ std::optional<SoftId> objectWithKey(const World& world, std::uint32_t key) {
 void SceneView::begin(Session& session, int width, int height) {
   width_ = width, height_ = height;
   stages_.clear();
-  // Without a GPU a window that answers is worth more than fine shadows.
+  // Software rendering: a responsive window matters more than fine shadows.
   if (render::gl::drawsInSoftware()) quality_ = {1, 1024, 2, 4};
   const int sideWidth = std::max(1, width / session.sides());
   orbit = Orbit(cameraShowing(session, sideWidth, height));

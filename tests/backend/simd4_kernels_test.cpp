@@ -52,7 +52,7 @@ struct Net : CoreWorld {
   }
 };
 
-TEST(Simd4Kernels, HasTheBitsOfOneByOne) {
+TEST(Simd4Kernels, HaveTheBitsOfTheScalarCode) {
   Net four, one;
   one.executor().takeOneByOne();
   double before = 0, beforeOne = 0;

@@ -36,7 +36,7 @@ Manifold updateManifold(const PairPose& p, const Manifold* old) {
 }
 Manifold fresh(const PairPose& p) { return updateManifold(p, nullptr); }
 
-/// Gives each point multipliers that tell it from the others.
+/// Gives each point distinct multipliers.
 void load(Manifold& m) {
   for (int k = 0; k < m.count; ++k) {
     m.lambdaN[k] = 10 + k, m.lambda1[k] = 1 + k, m.lambda2[k] = -1 - k;

@@ -54,7 +54,7 @@ TEST(PointDistance, OfConvexShapesIsTheLargestOverAllDirections) {
     for (int round = 0; round < 60; ++round) {
       const Vec3 x = random.vector(.7);
       const PointDistance at = pointToGeneralShape(shelf.tables(), shapes[k], x, {1, 1, {0, 0, 0}});
-      // no direction gives more, and the one that is told gives as much
+      // no direction gives more, and the reported one gives as much
       EXPECT_GE(at.distance, bruteDistance(shelf, shapes[k], x, random) - 1e-6) << k << " " << round;
       EXPECT_NEAR(outsideAlong(shelf, shapes[k], x, at.n), at.distance, 1e-5) << k << " " << round;
     }

@@ -10,8 +10,8 @@ namespace {
 
 class CudaOrder : public CudaTest {
  protected:
-  /// mixedScene() with its bricks taken from both ends by turns and a ball that rests, so many steps old,
-  /// then sorted, if it is, and one step older.
+  /// mixedScene() with its bricks taken alternately from both ends and a ball at rest, `steps` steps old,
+  /// then optionally sorted, and one step older.
   static World world(const std::string& backend, bool sorted, int steps = 40) {
     World w(scrambled(), optionsFor(backend));
     run(w, steps);

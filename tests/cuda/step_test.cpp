@@ -27,7 +27,7 @@ TEST_F(CudaStep, FindsWhatTheCpuFindsInTheFirstStep) {
   EXPECT_EQ(b.quarantined, 0);
 }
 
-TEST_F(CudaStep, StaysBesideTheCpuWhileAPileSettles) {
+TEST_F(CudaStep, AgreesWithTheCpuWhileAPileSettles) {
   World cpu(brickPile(5, 8), optionsFor("cpu")), cuda(brickPile(5, 8), optionsFor("cuda"));
   run(cpu, 60), run(cuda, 60);
   EXPECT_LT(distance(cpu, cuda), 1e-3);
@@ -50,7 +50,7 @@ TEST_F(CudaStep, HasTheBitsOfTheCpuInAStrictBuild) {
   }
 }
 
-TEST_F(CudaStep, StaysBesideTheCpuWithJoints) {
+TEST_F(CudaStep, AgreesWithTheCpuWithJoints) {
   Scene chain = mixedScene();
   // the links and their joints alone: nothing chaotic
   chain.bodies.erase(chain.bodies.begin(), chain.bodies.end() - 6);
@@ -70,7 +70,7 @@ TEST_F(CudaStep, StaysBesideTheCpuWithJoints) {
 /// Forces of trees are small differences of large numbers. If the coordinates of the back-substitution
 /// differ in one bit from those of the summed blocks, limits that are just reached rotate elbows by 0.02 rad
 /// per step in free fall.
-TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
+TEST_F(CudaStep, AgreesWithTheCpuWithLimitsAndFrictionInTrees) {
   Scene arms;
   for (int i = 0; i < 16; ++i) {
     const Quat turn = fromAxisAngle(normalize(Vec3{1., .3 * i, -.2 * i}), .4 * i);
@@ -97,7 +97,7 @@ TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
 
 /// The plate has a block or a warp of its own in each stage that loops over its contacts. The ball strikes
 /// the heap.
-TEST_F(CudaStep, StaysBesideTheCpuWhereOneBodyTouchesAHundred) {
+TEST_F(CudaStep, AgreesWithTheCpuWhereOneBodyTouchesAHundred) {
   Scene heap = ground();
   BodyDef plate;
   plate.shape = Shape::box({5, 5, .25});

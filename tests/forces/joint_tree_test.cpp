@@ -24,7 +24,7 @@ TreePart<2> rowsAtLimit(Real ahead, TreeSolve how) {
   return rows;
 }
 
-TEST(TreeRows, ALimitThatASolveHasComeToHoldsInTheNextOneOnEitherSideOfIt) {
+TEST(TreeRows, ALimitReachedByASolveStaysActiveInTheNextOneOnEitherSide) {
   for (const Real off : {-1e-7, 1e-7}) {
     const TreePart<2> rows = rowsAtLimit(off, TreeSolve::Again);
     ASSERT_EQ(rows.count, 1) << off;

@@ -99,7 +99,7 @@ TEST(JointTree, EndsWhereManySweepsEnd) {
   EXPECT_LT(worstDistance(tumblingTree(), test::options(kFew), sweeps, 60), .02);
 }
 
-TEST(JointedGroup, SwingsAsFastAsTheTree) {
+TEST(JointedAggregate, SwingsAsFastAsTheTree) {
   // released from horizontal; a group evaluated at the poses of x^t would produce a spurious moment
   constexpr int kLinks = 20, kSteps = 120;
   Scene rope = test::emptyScene();

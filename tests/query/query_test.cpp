@@ -239,7 +239,7 @@ TEST(QueryWorld, ChangesNothing) {
   EXPECT_EQ(asked.hash(), quiet.hash());
 }
 
-TEST(QueryWorld, TellsWhatIsWrong) {
+TEST(QueryWorld, NamesTheFault) {
   World world(test::tower(1), test::options(4));
   EXPECT_THROW(world.castRays(std::vector{RayQuery{{}, {}, 1, {}}}), Error);
   EXPECT_THROW(world.castShapes(std::vector{CastQuery{Shape::plane(), {}, {}, {}, {}}}), Error);

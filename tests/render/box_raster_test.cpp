@@ -149,7 +149,7 @@ TEST_F(ComputedBoxes, AreTheSameBitsWhateverWasDrawnBefore) {
   EXPECT_EQ(used->picture(camera, {}).rgb, fresh->picture(camera, {}).rgb);
 }
 
-TEST_F(ComputedBoxes, GiveWayToTrianglesWhenAsked) {
+TEST_F(ComputedBoxes, AreReplacedByTrianglesOnRequest) {
   EXPECT_FALSE(stageOf("triangles", heap(), {})->renderer().bodies().computesBoxes());
   const Asked asked("points");
   EXPECT_THROW(Renderer(8, 8), Error);

@@ -67,7 +67,7 @@ TEST(BodyVsSurface, EveryShapeRestsOnATriangleThatIsLargerThanItself) {
   }
 }
 
-/// A prism with six sides along x, whose corners are given by turns from either end.
+/// A hexagonal prism along x. Its corners are listed alternately from both ends.
 Shape hexagonalPrism(double radius, double half) {
   std::vector<Vec3> points;
   for (int k = 0; k < 6; ++k)

@@ -76,7 +76,7 @@ void expectSound(const SolverData& s, const Links& links) {
   }
 }
 
-TEST(JointTrees, ThousandLinksTakeTenRounds) {
+TEST(JointTrees, AThousandLinksHaveTenLevels) {
   const Links links = chainOf(1000);
   Linked world(1000, links);
   const SolverData& s = world.view();
@@ -155,7 +155,7 @@ void fillBlocks(const SolverData& s) {
   }
 }
 
-TEST(JointTrees, ASmallTreeIsSolvedAtOnceAsInRounds) {
+TEST(JointTrees, ASmallTreeIsSolvedAtOnceAsByLevels) {
   Linked world(20, chainOf(20));
   const SolverData& s = world.view();
   ASSERT_TRUE(s.smallTrees);
@@ -183,7 +183,7 @@ Links twoChains(int bodies) {
   return links;
 }
 
-TEST(JointTrees, SmallOnesStepAsInRounds) {
+TEST(JointTrees, SmallOnesStepAsByLevels) {
   constexpr int kBodies = 20, kSteps = 10;
   Linked atOnce(kBodies, twoChains(kBodies)), inRounds(kBodies, twoChains(kBodies));
   ASSERT_EQ(atOnce.view().trees, 2);

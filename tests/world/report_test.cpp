@@ -59,7 +59,7 @@ double unfinished(int levels, int iterations, double scale = 1) {
   return sum / 30;
 }
 
-TEST(StepReport, TellsWhatIterationsLeaveUndone) {
+TEST(StepReport, ReportsTheResidualOfIterations) {
   const double four = unfinished(20, 4);
   EXPECT_GT(four, 0);
   EXPECT_LT(unfinished(20, 20), .5 * four) << "more iterations leave less";
@@ -68,7 +68,7 @@ TEST(StepReport, TellsWhatIterationsLeaveUndone) {
   EXPECT_NEAR(unfinished(20, 4, .01), four, .02 * four);
 }
 
-TEST(StepReport, LeavesNothingUndoneWhereNothingTouches) {
+TEST(StepReport, HasNoResidualWhereNothingTouches) {
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::unitCube({0, 0, 5}));
   scene.bodies.back().angularVelocity = {1, 2, 3};
