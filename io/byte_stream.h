@@ -28,7 +28,7 @@ class ByteWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// Never reads beyond the end: what is not there reads as zero, and ok() says so.
+/// Never reads beyond the end: missing bytes read as zero and clear ok().
 class ByteReader {
  public:
   explicit ByteReader(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
@@ -53,7 +53,7 @@ class ByteReader {
     return text;
   }
   std::size_t left() const { return bytes_.size() - at_; }
-  /// False once something was asked for that is not there.
+  /// False after a read beyond the end.
   bool ok() const { return ok_; }
   bool atEnd() const { return ok_ && left() == 0; }
 

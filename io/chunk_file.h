@@ -25,7 +25,7 @@ struct Chunk {
   Bytes content;  ///< decompressed
 };
 
-/// Appends chunks. What is written is in the file at once and stays there whatever happens. Every call throws
+/// Appends chunks. Each write reaches the file at once and survives a crash. Every call throws
 /// Error if the file cannot be written; one that another ChunkWriter writes cannot be.
 class ChunkWriter {
  public:

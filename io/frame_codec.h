@@ -1,7 +1,7 @@
 #pragma once
-/// Frames of a trajectory to bytes and back: positions of bodies and vertices in steps of a resolution and
-/// quaternions in 62 bits, each less the one before, low bytes apart from high ones, so that what rests costs
-/// next to nothing once compressed.
+/// Codec of trajectory frames. Positions of bodies and vertices are stored in steps of a resolution,
+/// quaternions in 62 bits. Each number is the difference from the previous frame, and low bytes are stored
+/// apart from high ones, so that bodies at rest compress to almost nothing.
 #include <cstdint>
 #include <optional>
 #include <vector>

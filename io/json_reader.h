@@ -1,6 +1,5 @@
 #pragma once
-/// Reading JSON with a path to everything, for files that people write: each fault is noted with its path and
-/// reading goes on.
+/// Reads JSON that people write. Each fault is recorded with its path, and reading continues.
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -60,7 +59,7 @@ class Node {
   std::vector<Fault>* faults_;
 };
 
-/// An object whose keys are known. Keys that are asked for count as known; finish() notes the others.
+/// An object with known keys. Keys that were read count as known; finish() reports the others.
 class ObjectReader {
  public:
   /// Notes a fault, and then has no keys, if the node is no object.
@@ -72,7 +71,7 @@ class ObjectReader {
   std::optional<Node> get(const std::string& key);
   /// The same; notes a fault if it is not there.
   std::optional<Node> need(const std::string& key, const std::string& what);
-  /// Notes each key that was never asked for.
+  /// Reports each key that was never read.
   void finish();
 
   void read(const std::string& key, double& out, const Want& want = {});

@@ -23,7 +23,7 @@ class MeshBytes {
   std::size_t at() const { return at_; }
   std::size_t left() const { return bytes_.size() - at_; }
   std::string_view all() const { return bytes_; }
-  /// The place from which reading goes on: the end of the file for whatever lies behind it.
+  /// Sets the position of the next read, at most the end of the file.
   void seek(std::size_t at) { at_ = std::min(at, bytes_.size()); }
 
   /// The next line without its end and without spaces around it. Throws Error at the end of the file.

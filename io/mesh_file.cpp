@@ -193,7 +193,7 @@ std::vector<Vec3> lineOf(const MeshFile& mesh, const std::string& path) {
   for (const auto& [v, others] : beside) ends += others.size() == 1;
   if (ends > 2) throw Error(path, "one line", std::to_string(ends / 2) + " of them");
   const bool closed = start < 0;
-  // the first vertex that has a neighbour: a line may also stand still at one
+  // the first vertex that has a neighbor: a line may also stand still at one
   for (const auto& line : mesh.lines)
     for (const int v : line)
       if (start < 0 && beside.contains(v)) start = v;

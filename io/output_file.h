@@ -1,6 +1,6 @@
 #pragma once
-/// Files that are there as a whole or not at all: content goes to a new file beside the one that is wanted,
-/// which takes its name at the end.
+/// Files that are written completely or not at all: content goes to a new file next to the wanted one, which
+/// is renamed at the end.
 #include <filesystem>
 #include <fstream>
 #include <string>

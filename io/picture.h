@@ -1,5 +1,5 @@
 #pragma once
-/// What there is to draw of a world, a scene or a recording, and pictures as files. The folder render/ draws.
+/// Bodies and surfaces to draw of a world, a scene or a recording, and pictures as files. render/ draws them.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -17,11 +17,11 @@ struct PictureBody {
   Vec3 position;          ///< world [m]
   Quat orientation;       ///< body -> world
   double speed = 0;       ///< [m/s]
-  std::uint32_t key = 0;  ///< picks the colour; stays with the body
+  std::uint32_t key = 0;  ///< picks the color; stays with the body
   Motion motion = Motion::Dynamic;
   bool deforms = false;  ///< a mesh that is another one in every frame; those stand behind all others in a
                          ///< list
-  double value = 0;      ///< what colours tell of it (picture_values.h); not a number: nothing
+  double value = 0;      ///< quantity shown by colors (picture_values.h); NaN: none
   std::vector<float> vertexValues =
       {};  ///< likewise, of the points of a mesh that deforms; empty: `value` for all
 };
@@ -30,7 +30,7 @@ inline constexpr std::uint32_t kSoftKeys = 1u << 31;
 /// Below these bits of such a key: the number of the vertex; above: that of the object.
 inline constexpr int kSoftKeyBits = 22;
 
-/// What colours tell (picture_values.h). A recording has Body and Speed; the others are taken from a world.
+/// Quantity shown by colors (picture_values.h). A recording has Body and Speed, a world has all.
 enum class ColorBy { Body, Material, Speed, Island, Color, Error, Multiplier, Stiffness, Strain };
 
 /// Rows from the top, three bytes (red, green, blue; sRGB) a pixel.
@@ -58,7 +58,7 @@ void addTube(const Vec3& a, const Vec3& b, double radius, std::vector<Vec3>& poi
 /// The deformable objects of a world as they are now, or of a scene as they begin.
 void addDeformables(const World& world, std::vector<PictureBody>& bodies, ColorBy colorBy = ColorBy::Body);
 void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies);
-/// What there is to draw of a deformable object.
+/// The drawn parts of a deformable object.
 struct DrawnSoft {
   std::uint32_t number;          ///< of the object
   std::vector<Vec3> vertices;    ///< [m]

@@ -18,7 +18,7 @@ double valueOf(const DrawnSoft& object, std::size_t vertex) {
   return object.values.empty() ? 0 : static_cast<double>(object.values[vertex]);
 }
 
-/// Keys of deformable objects do not meet those of bodies; they keep their colours.
+/// Keys of deformable objects do not meet those of bodies; they keep their colors.
 std::uint32_t keyOf(const DrawnSoft& object, std::size_t vertex) {
   return kSoftKeys |
          (((object.number << kSoftKeyBits) + static_cast<std::uint32_t>(vertex)) & (kSoftKeys - 1));

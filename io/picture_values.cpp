@@ -70,13 +70,13 @@ template <class Visit> void forEachLink(const World& world, const Places& places
 
 /// Lowest place of each island; -1: alone.
 std::vector<int> islands(const World& world, const Places& places) {
-  std::vector<int> leader(places.size());
-  std::iota(leader.begin(), leader.end(), 0);
+  std::vector<int> root(places.size());
+  std::iota(root.begin(), root.end(), 0);
   std::vector<char> joined(places.size(), 0);
   const auto find = [&](int i) {
-    while (leader[static_cast<std::size_t>(i)] != i)
-      i = leader[static_cast<std::size_t>(i)] = leader[static_cast<std::size_t>(
-          leader[static_cast<std::size_t>(i)])];
+    while (root[static_cast<std::size_t>(i)] != i)
+      i = root[static_cast<std::size_t>(i)] = root[static_cast<std::size_t>(
+          root[static_cast<std::size_t>(i)])];
     return i;
   };
   const auto moves = [&](int i) {
@@ -89,12 +89,12 @@ std::vector<int> islands(const World& world, const Places& places) {
       if (moves(i)) joined[static_cast<std::size_t>(i)] = 1;
     if (!moves(a) || !moves(b)) return;
     const int x = find(a), y = find(b);
-    leader[static_cast<std::size_t>(std::max(x, y))] = std::min(x, y);
+    root[static_cast<std::size_t>(std::max(x, y))] = std::min(x, y);
   });
-  for (std::size_t i = 0; i < leader.size(); ++i) leader[i] = find(static_cast<int>(i));
-  for (std::size_t i = 0; i < leader.size(); ++i)
-    if (!joined[i]) leader[i] = -1;
-  return leader;
+  for (std::size_t i = 0; i < root.size(); ++i) root[i] = find(static_cast<int>(i));
+  for (std::size_t i = 0; i < root.size(); ++i)
+    if (!joined[i]) root[i] = -1;
+  return root;
 }
 
 std::vector<double> errors(const World& world, const Places& places) {
@@ -192,9 +192,9 @@ bool isOfPlaces(ColorBy by) {
 
 const std::vector<Quantity>& quantities() {
   static const std::vector<Quantity> all = {
-      {ColorBy::Body, "body", "1", "each body has its own colour", true},
+      {ColorBy::Body, "body", "1", "each body has its own color", true},
       {ColorBy::Material, "material", "1", "bodies of one material are alike", true},
-      {ColorBy::Speed, "speed", "m/s", "of centres and vertices", false},
+      {ColorBy::Speed, "speed", "m/s", "of centers and vertices", false},
       {ColorBy::Island, "island", "1", "what hangs together over touching contacts and joints", true},
       {ColorBy::Color, "color", "1", "what the solver moves at the same time", true},
       {ColorBy::Error, "error", "m", "largest penetration or gap of a joint", false},

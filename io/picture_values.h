@@ -1,5 +1,5 @@
 #pragma once
-/// What colours can tell of a world: one number for each body and vertex.
+/// Quantities that colors can show: one number for each body and vertex.
 #include <string>
 #include <vector>
 
@@ -12,21 +12,21 @@ struct Quantity {
   const char* key;   ///< on the command line
   const char* unit;  ///< "1" for none
   const char* doc;
-  bool isKind;  ///< values are kinds, told apart and not compared; below 0: none
+  bool isKind;  ///< values are categories without an order; negative: none
 };
 /// All of them, in the order of ColorBy.
 const std::vector<Quantity>& quantities();
 const Quantity& quantity(ColorBy by);
 /// Throws Error for an unknown key.
 ColorBy colorByNamed(const std::string& key);
-/// Can bodies without a world, of a recording, be coloured by it?
+/// Can bodies without a world, of a recording, be colored by it?
 bool knownWithoutWorld(ColorBy by);
 
 /// Of all bodies, in the order of World::bodies(); empty where bodies have none of their own (Body, Speed).
 ///   Material    number of the material among those of the world
-///   Island      lowest slot among the bodies that hang together over touching contacts and joints; -1:
+///   Island      lowest slot among the bodies connected by touching contacts and joints; -1:
 ///               touches nothing
-///   Color       of the last step's colouring; -1: none
+///   Color       of the last step's coloring; -1: none
 ///   Error       largest penetration, gap of a joint or of an attachment [m]
 ///   Multiplier, Stiffness   largest ones of the rows that act on it [N], [N/m]
 ///   Strain      not a number: bodies are rigid
@@ -35,7 +35,7 @@ std::vector<double> bodyValues(const World& world, ColorBy by);
 /// |l / l_0 - 1| of the edges at a vertex, l_0 their lengths at rest.
 std::vector<std::vector<float>> vertexValues(const World& world, ColorBy by);
 
-/// The value that a body is coloured by.
+/// The value that a body is colored by.
 double shownValue(const PictureBody& body, ColorBy by);
 /// The largest one in a picture, of bodies that are not static.
 double largestValue(std::span<const PictureBody> bodies, ColorBy by);

@@ -80,7 +80,7 @@ RecordingWriter::~RecordingWriter() {
   try {
     finish();
   } catch (const Error&) {
-    // A destructor has nobody to tell; who needs to know calls finish().
+    // A destructor cannot report an error; finish() throws.
   }
 }
 

@@ -1,11 +1,10 @@
 #pragma once
-/// Trajectory files: where every body and every vertex of a deformable object was in every frame, compressed,
-/// readable from any frame and after a run that was killed.
-///
-/// A file is a sequence of chunks, each with a checksum: HEAD (what was run), BODY (the bodies and deformable
-/// objects of the frames that follow), FRAM (up to 32 frames) and at the end INDX (where the FRAM chunks are)
-/// with a footer that points to it. A file without an index is read by walking over its chunks; a last chunk
-/// that is cut off is left out. Files of version 1 have no deformable objects.
+/// Trajectory files: positions of all bodies and of the vertices of all deformable objects in every frame,
+/// compressed. A file can be read from any frame on, and also after a run that was killed. A file is a
+/// sequence of chunks, each with a checksum. HEAD describes the run. BODY has the bodies and deformable
+/// objects of the frames that follow. FRAM has up to 32 frames. INDX at the end lists the FRAM chunks, and a
+/// footer points to it. A file without an index is read by walking over its chunks; a truncated last chunk
+/// is ignored. Files of version 1 have no deformable objects.
 #include <cstdint>
 #include <fstream>
 #include <memory>

@@ -59,7 +59,7 @@ RecordedFrame recordedFrame(World& world, std::span<const PoseSource> sources) {
 }
 
 std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameIndex) {
-  /// Who there is in a frame: bodies and deformable objects with their numbers of vertices.
+  /// Bodies and deformable objects of a frame, with their numbers of vertices.
   struct Present {
     std::vector<BodyId> bodies;
     std::vector<std::pair<SoftId, int>> softs;
@@ -72,16 +72,16 @@ std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameInde
     return out;
   };
   const int other = frameIndex > 0 ? frameIndex - 1 : std::min(1, recording.frameCount() - 1);
-  const RecordedFrame neighbour = recording.frame(other);
+  const RecordedFrame neighbor = recording.frame(other);
   const Present before = presentIn(other);
   const RecordedFrame frame = recording.frame(frameIndex);
-  const double apart = std::fabs(frame.time - neighbour.time);
+  const double apart = std::fabs(frame.time - neighbor.time);
   const bool moved = apart > 0 && presentIn(frameIndex) == before;
   std::vector<PictureBody> drawn;
   std::size_t i = 0;
   for (const RecordedBody& body : recording.bodies(frameIndex)) {
     const RecordedPose& pose = frame.poses[i];
-    const double speed = moved ? length(pose.position - neighbour.poses[i].position) / apart : 0;
+    const double speed = moved ? length(pose.position - neighbor.poses[i].position) / apart : 0;
     drawn.push_back({body.shape, pose.position, pose.orientation, speed,
                      static_cast<std::uint32_t>(body.id.index), body.motion});
     ++i;
@@ -99,7 +99,7 @@ std::vector<PictureBody> pictureBodies(RecordingReader& recording, int frameInde
                    soft.solid};
     for (std::size_t v = first; v < first + static_cast<std::size_t>(soft.vertices); ++v) {
       look.vertices.push_back(frame.vertices[v]);
-      look.velocities.push_back(moved ? (frame.vertices[v] - neighbour.vertices[v]) / apart : Vec3{});
+      look.velocities.push_back(moved ? (frame.vertices[v] - neighbor.vertices[v]) / apart : Vec3{});
     }
     first += static_cast<std::size_t>(soft.vertices);
     softs.push_back(std::move(look));

@@ -61,7 +61,7 @@ int SceneReader::bodyIndex(const Node& node, const Scene& scene) {
   return kWorld;
 }
 
-/// Index of a joint that the file has told of before, or -1.
+/// Index of a joint that the file has named earlier, or -1.
 int SceneReader::jointOfType(const Node& node, const Scene& scene, JointType type) {
   const std::string name = node.text().value_or("");
   const auto found = std::find_if(scene.joints.begin(), scene.joints.end(),
@@ -73,7 +73,7 @@ int SceneReader::jointOfType(const Node& node, const Scene& scene, JointType typ
   return -1;
 }
 
-/// A gear of two hinges, or a rack of a hinge and a slider: bodies, carriers and axes are theirs.
+/// A gear of two hinges, or a rack of a hinge and a slider: bodies, frame bodies and axes come from them.
 void SceneReader::coupling(ObjectReader& object, JointDef& out, const Scene& scene) {
   const bool rack = out.type == JointType::Rack;
   if (!rack && out.type != JointType::Gear) {
@@ -304,7 +304,7 @@ SceneFile parseScene(const std::string& text, std::vector<Fault>& faults, const 
   if (!json) return {};
   SceneFile file = SceneReader(faults, folder).read(*json);
   if (faults.size() == before) {
-    // What the engine itself asks for beyond this reader.
+    // Conditions that the engine checks in addition to this reader.
     try {
       validate(file.scene);
     } catch (const Error& error) {
@@ -315,7 +315,7 @@ SceneFile parseScene(const std::string& text, std::vector<Fault>& faults, const 
 }
 
 std::string faultText(const std::string& file, const std::vector<Fault>& faults) {
-  // More would only bury the first.
+  // A longer list would hide the first fault.
   constexpr std::size_t kShown = 50;
   std::string message = file + ": " + std::to_string(faults.size()) +
                         (faults.size() == 1 ? " fault" : " faults");

@@ -87,7 +87,7 @@ Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
     out = Shape::sphere(lengthOf("radius", "its radius [m]"));
   } else if (name == "capsule") {
     const double radius = lengthOf("radius", "its radius [m]");
-    out = Shape::capsule(radius, lengthOf("length", "the distance of the centres of its two ends [m]") / 2);
+    out = Shape::capsule(radius, lengthOf("length", "the distance of the centers of its two ends [m]") / 2);
   } else if (name == "cylinder") {
     const double radius = lengthOf("radius", "its radius [m]");
     out = Shape::cylinder(radius, lengthOf("length", "its height along local z [m]") / 2, rounding);

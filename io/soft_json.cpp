@@ -28,7 +28,7 @@ class FieldReader {
   static void read(const Node& node, bool& out) { out = node.boolean().value_or(out); }
   static void read(const Node& node, Vec3& out) { out = node.vector().value_or(out); }
   static void read(const Node& node, double& out) {
-    // what is without bound may say so
+    // unbounded values may be given as a word
     const bool word = node.value() == "hard" || node.value() == "never";
     if (!(word && std::isinf(out))) out = node.number().value_or(out);
   }

@@ -73,7 +73,7 @@ Bodies::Bodies()
   addShape({boxFaces()});
   addShape({roundMesh(48), roundMesh(20), roundMesh(8)});
   addShape({cylinderMesh(64), cylinderMesh(24), cylinderMesh(10)});
-  shapes_.push_back(std::make_unique<Shape>());  // planes draw themselves
+  shapes_.push_back(std::make_unique<Shape>());  // planes are drawn separately
   glBindVertexArray(planeArray_.id());
   const std::vector<std::uint32_t> triangles = planeTriangles();
   planeIndices_.upload(triangles.data(), triangles.size() * sizeof triangles[0]);
@@ -237,7 +237,7 @@ void Bodies::drawGeometry(int geometry, const DrawView& view) {
     seen.push_back({distance, chunk->firstSlot, std::min(level, shape.levels.size() - 1)});
   }
   if (seen.empty()) return;
-  // From front to back: what is hidden then costs no shading.
+  // Front to back, so that hidden pixels are not shaded.
   std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) {
     return a.level != b.level         ? a.level < b.level
            : a.distance != b.distance ? a.distance < b.distance

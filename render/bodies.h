@@ -15,7 +15,7 @@ namespace rubble::render {
 
 /// Where a body is, as the shaders read it: 32 bytes. A body whose pose is not finite is not drawn.
 struct Pose {
-  float x = 0, y = 0, z = 0, unused = 0;  ///< centre, in the renderer's frame [m]
+  float x = 0, y = 0, z = 0, unused = 0;  ///< center, in the renderer's frame [m]
   float qx = 0, qy = 0, qz = 0, qs = 1;   ///< unit quaternion, body -> world, scalar last
 };
 
@@ -31,10 +31,10 @@ struct BodyLook {
   int geometry = kBox;
   Vec3f size{.5f, .5f, .5f};   ///< box: half extents; round and cylinder: radius twice, then radius or half
                                ///< height; mesh: scale [m]
-  float halfLength = 0;        ///< round: half the distance of the two centres of a capsule [m]
+  float halfLength = 0;        ///< round: half the distance of the two centers of a capsule [m]
   Vec3f color{.5f, .5f, .5f};  ///< linear, 0 to 1
   Finish finish = Finish::Stone;
-  bool heated = false;  ///< surfaces: coloured by what their vertices say
+  bool heated = false;  ///< surfaces: colored by what their vertices say
 };
 
 /// What one pass draws of the bodies.
@@ -57,11 +57,11 @@ class Bodies {
   int addMesh(std::span<const Vec3f> vertices, std::span<const Triangle> triangles);
   /// Replaces all bodies. Poses must follow.
   void setLooks(std::span<const BodyLook> looks);
-  /// New colours for the same bodies.
+  /// New colors for the same bodies.
   void setColors(std::span<const Vec3f> colors);
   /// Places of all bodies, in the order of the looks.
   void setPoses(std::span<const Pose> poses);
-  /// Tells a feed where the poses of these bodies are, in the order of the looks; to be told anew when the
+  /// Gives a feed the sources of the poses of these bodies, in the order of the looks. To be repeated when
   /// looks or surfaces change.
   void setSources(std::span<const PoseSource> sources, PoseFeed& feed);
   /// Places of all bodies from there. Planes must not have moved since the last setPoses of the host.

@@ -57,9 +57,9 @@ void Bodies::setPoses(std::span<const Pose> poses) {
               continue;
             }
             poses_[slot] = pose;
-            const Vec3f centre{pose.x, pose.y, pose.z}, room{radii_[slot], radii_[slot], radii_[slot]};
-            chunk.bounds.add(centre - room);
-            chunk.bounds.add(centre + room);
+            const Vec3f center{pose.x, pose.y, pose.z}, room{radii_[slot], radii_[slot], radii_[slot]};
+            chunk.bounds.add(center - room);
+            chunk.bounds.add(center + room);
           }
         }
       });
@@ -107,10 +107,10 @@ void Bodies::updateCore() {
   const std::size_t stride = std::max<std::size_t>(1, bodyInSlot_.size() / kCoreSample);
   for (std::size_t slot = 0; slot<bodyInSlot_.size(); slot += radii_[slot]> 0 ? stride : 1) {
     if (radii_[slot] == 0 || poses_[slot].x == kNoPose.x) continue;
-    const float centre[3] = {poses_[slot].x, poses_[slot].y, poses_[slot].z};
+    const float center[3] = {poses_[slot].x, poses_[slot].y, poses_[slot].z};
     for (int axis = 0; axis < 3; ++axis) {
-      lows[axis].push_back(centre[axis] - radii_[slot]);
-      highs[axis].push_back(centre[axis] + radii_[slot]);
+      lows[axis].push_back(center[axis] - radii_[slot]);
+      highs[axis].push_back(center[axis] + radii_[slot]);
     }
   }
   setCore(lows, highs);

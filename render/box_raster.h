@@ -8,7 +8,7 @@
 
 namespace rubble::render {
 
-/// The rays through the centres of the pixels of a view, from the pixel at the lower left on, in the
+/// The rays through the centers of the pixels of a view, from the pixel at the lower left on, in the
 /// renderer's frame.
 struct Rays {
   Vec3f origin, originX, originY;  ///< and what one pixel to the right and one upwards add [m]

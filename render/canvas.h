@@ -12,7 +12,7 @@ struct Point {
   double x = 0, y = 0;  ///< from the left and from the top
 };
 
-/// Colour as 0xrrggbb (sRGB) and opacity 0 to 1.
+/// Color as 0xrrggbb (sRGB) and opacity 0 to 1.
 struct Ink {
   std::uint32_t rgb = 0;
   double opacity = 1;

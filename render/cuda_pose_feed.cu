@@ -53,7 +53,7 @@ template <class T, bool OnHost> class Array {
   std::size_t room_ = 0;
 };
 
-/// Two texels: centre and nothing; quaternion, scalar last.
+/// Two texels: center and nothing; quaternion, scalar last.
 struct Texels {
   float4 place, turn;
 };
@@ -77,7 +77,7 @@ __device__ float3 turned(const float4& q, const float3& v) {
           v.z + q.w * t.z + q.x * t.y - q.y * t.x};
 }
 
-/// One warp a range of slots.
+/// One warp per range of slots.
 __global__ void FillPoses(const PoseSource* sources, const SlotRange* ranges, int rangeCount, Rows rows,
                           Texels* out, Box* boxes) {
   const int range = (blockIdx.x * blockDim.x + threadIdx.x) / kWarp, lane = threadIdx.x % kWarp;

@@ -51,7 +51,7 @@ std::vector<std::string> ffmpegArguments(const std::string& file, int width, int
                                      size,     "-framerate",   std::to_string(fps), "-i",    "-"};
   const std::string extension = fs::path(file).extension().string();
   if (extension == ".mp4" || extension == ".mkv" || extension == ".mov") {
-    // A file that every player shows, with the colours of the picture named in it.
+    // A file that every player shows, with the colors of the picture named in it.
     for (const char* a : {"-c:v", "libx264", "-preset", "medium", "-crf", "17", "-pix_fmt", "yuv420p", "-vf",
                           "scale=out_color_matrix=bt709:out_range=tv", "-colorspace", "bt709",
                           "-color_primaries", "bt709", "-color_trc", "bt709", "-movflags", "+faststart"})
@@ -97,7 +97,7 @@ class Film final : public PictureSink {
     if (image.width != width_ || image.height != height_)
       throw Error(file_, "pictures of one size",
                   std::to_string(image.width) + "x" + std::to_string(image.height));
-    // A program that has given up must not take this one with it.
+    // Without this a broken pipe would end this program.
     const auto before = std::signal(SIGPIPE, SIG_IGN);
     std::size_t sent = 0;
     while (sent < image.rgb.size()) {

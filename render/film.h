@@ -1,5 +1,5 @@
 #pragma once
-/// Where pictures of a run go: one file, numbered files, or a film.
+/// Sinks of the pictures of a run: one file, numbered files, or a film.
 #include <memory>
 #include <string>
 

@@ -54,7 +54,7 @@ struct HeadlessContext::Impl {
     EGLint count = 0;
     if (!eglChooseConfig(candidate, wanted, &config, 1, &count) || count == 0) return false;
     EGLContext made = EGL_NO_CONTEXT;
-    // Some drivers give the version that is asked for and none above it.
+    // Some drivers create exactly the requested version.
     for (const EGLint minor : {gl::kComputeVersion % 10, 1}) {
       const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,
                                 4,

@@ -1,5 +1,5 @@
 #pragma once
-/// What can be drawn over a picture: lines for contacts, forces, frames of joints and bounds.
+/// Lines drawn over a picture: contacts, forces, joint frames and bounds.
 #include <string>
 #include <vector>
 

@@ -15,10 +15,10 @@ struct PaintSettings {
   int width = 1280, height = 720;
   int samples = 1;
   io::ColorBy colorBy = io::ColorBy::Body;
-  double fullValue = 0;  ///< value of the hottest colour; 0: the largest one of each picture
+  double fullValue = 0;  ///< value of the hottest color; 0: the largest one of each picture
 };
 
-/// Draws the pictures of one run. Colours and light are chosen from the scene as it begins.
+/// Draws the pictures of one run. Colors and light are chosen from the scene as it begins.
 class Painter {
  public:
   virtual ~Painter() = default;

@@ -10,14 +10,14 @@
 namespace rubble::render {
 namespace {
 
-/// Fewer boxes than this are no stack: each has a colour of its own.
+/// Scenes with fewer boxes are not stacks: each box has its own color.
 constexpr std::size_t kStack = 30;
 /// A ball this much larger than a brick is a wrecking ball.
 constexpr double kWreckingBall = 1.3;
 
 /// From the lowest course to the highest: clay, sandstone, limestone.
 constexpr std::array<std::uint32_t, 6> kCourses{0x6a4d45, 0x8f6656, 0xab846b, 0xbc9c7d, 0xc6b192, 0xcdc0a6};
-/// Colours that go with one another, for scenes of few bodies.
+/// Colors that go with one another, for scenes of few bodies.
 constexpr std::array<std::uint32_t, 8> kAccents{0xab6a52, 0x4a7480, 0xc9a668, 0x6f8868,
                                                 0x86667c, 0x566f8f, 0xb4957a, 0x7b888d};
 /// Of values: cold and dark at 0, through teal and yellow to red at 1.
@@ -37,7 +37,7 @@ std::uint32_t mixed(std::uint32_t value) {
 }
 float fraction(std::uint32_t bits, int shift) { return static_cast<float>((bits >> shift) & 255u) / 255.f; }
 
-/// Neighbours take colours that are far apart.
+/// Neighbors take colors that are far apart.
 std::size_t accentOf(std::uint32_t kind) { return (kind * 5u + 3u) % kAccents.size(); }
 
 double middleOf(std::vector<double>& values, double fallback) {
@@ -108,7 +108,7 @@ Vec3f Palette::stone(const io::PictureBody& body) const {
   const double height = dot(body.position, up_) - low_;
   // Courses differ a little from one another, bricks of a course less.
   const auto course = static_cast<std::uint32_t>(std::max(0., std::round(height / course_)));
-  // What lies in one course has nothing but its own shade.
+  // Within one course bodies differ in shade only.
   const double place = isFlat_ ? .25 + .45 * fraction(bits, 16) : height / (high_ - low_);
   const double t = place + .05 * (fraction(mixed(course + 11), 0) - .5) + .07 * (fraction(bits, 0) - .5);
   return along(kCourses, t) * shade;

@@ -1,6 +1,6 @@
 #pragma once
-/// Colours of bodies: one muted family for a scene, varied from body to body, so that what a body was part of
-/// can still be told in rubble.
+/// Colors of bodies: one muted family per scene, varied from body to body, so that the origin of a body can
+/// be recognized in rubble.
 #include <array>
 #include <span>
 #include <unordered_map>
@@ -11,12 +11,12 @@
 
 namespace rubble::render {
 
-/// Of kinds (sRGB), which are told apart and have no order.
+/// Colors of categories (sRGB), distinguishable and without an order.
 inline constexpr std::array<std::uint32_t, 12> kKindColors{0xc0604a, 0x3f7f93, 0xd9b35c, 0x6c9362,
                                                            0x8e6a94, 0x4f6fa8, 0xd08a4e, 0x5aa59a,
                                                            0xb5566f, 0x9aa04c, 0x7f6a5a, 0x7aa7cf};
 
-/// Linear colour of "#rrggbb" as 0xrrggbb (sRGB).
+/// Linear color of "#rrggbb" as 0xrrggbb (sRGB).
 Vec3f linearColor(std::uint32_t rgb);
 
 class Palette {
@@ -27,7 +27,7 @@ class Palette {
   /// How a body looks; the same for the same key and shape in every frame, from where it was first seen.
   /// Geometry kOwnMesh stands for a mesh that ShapeMeshes has.
   BodyLook look(const io::PictureBody& body);
-  /// Colour of a deformable object.
+  /// Color of a deformable object.
   Vec3f softColor(std::uint32_t key) const;
   /// Typical half size of a moving body [m].
   double bodySize() const { return bodySize_; }
@@ -39,7 +39,7 @@ class Palette {
   double low_ = 0, high_ = 1;  ///< of the scene along up [m]
   double bodySize_ = .5;       ///< [m]
   double course_ = 1;          ///< height of a course of bricks [m]
-  bool isStack_ = false;       ///< many boxes: coloured by course
+  bool isStack_ = false;       ///< many boxes: colored by course
   bool isFlat_ = false;        ///< all in one course
   BodyLook newLook(const io::PictureBody& body) const;
 
@@ -54,9 +54,9 @@ bool sameShape(const Shape& a, const Shape& b);
 
 /// Cold at rest, through teal and yellow to red at `fraction` 1.
 Vec3f heat(double fraction);
-/// The colours that heat runs along, three numbers each.
+/// The colors that heat runs along, three numbers each.
 std::vector<float> heatStops();
-/// Colour of a value of a quantity; what has none is grey.
+/// Color of a value of a quantity; what has none is gray.
 Vec3f valueColor(double value, io::ColorBy colorBy, double full);
 
 }  // namespace rubble::render

@@ -33,7 +33,7 @@ bool hasLabel(const Json& report) {
   return label != report.end() && label->is_string();
 }
 
-/// Names that tell the reports apart: their labels, or the scene and what differs between reports of one
+/// Names that distinguish the reports: their labels, or the scene and the differences between reports of one
 /// scene.
 std::vector<std::string> namesOf(const std::vector<Json>& reports) {
   if (std::all_of(reports.begin(), reports.end(), hasLabel)) {
@@ -93,7 +93,7 @@ std::vector<Panel> timingPanels(const std::vector<Json>& reports, const std::vec
   Panel panel;
   panel.form = PanelForm::StackedBars;
   panel.title = "Time of a settled step by stage";
-  panel.unitX = "ms a step";
+  panel.unitX = "ms per step";
   for (std::size_t i = 0; i < reports.size(); ++i) {
     PlotRow row{names[i], {}, {}};
     if (const auto stages = reports[i].find("stages_ms"); stages != reports[i].end() && stages->is_object())
@@ -152,7 +152,7 @@ std::vector<Panel> seriesPanel(const std::vector<Json>& reports, const std::vect
 std::vector<Panel> convergencePanel(const std::vector<Json>& reports) {
   Panel panel;
   panel.title = "Error against a converged run";
-  panel.unitX = "iterations a step";
+  panel.unitX = "iterations per step";
   panel.logX = panel.logY = true;
   for (const Json& report : reports) {
     const auto error = report.find("error");

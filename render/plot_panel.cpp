@@ -9,7 +9,7 @@ namespace {
 constexpr double kLeft = 190, kRight = 36, kTitle = 40, kLegendLine = 20, kRowHeight = 30, kAxis = 46,
                  kLinesHeight = 230, kGap = 18;
 constexpr Ink kText{0x2b2723}, kSoft{0x6f6860}, kRule{0xe4dfd8}, kFrame{0x9a938a};
-/// Quiet colours, told apart also in grey and by the colour-blind where neighbours matter.
+/// Muted colors. Neighboring ones are distinguishable in gray and by the color-blind.
 constexpr std::uint32_t kColors[] = {0x8f4a2f, 0xd08a4c, 0xe6c48a, 0x4f7f86, 0x2c4a5e,
                                      0x9fb8a8, 0x7a5a78, 0xc7a6a0, 0x5d7f4a, 0xb7b27a,
                                      0x6c6f76, 0xa9adb3, 0x3f3a52, 0xcf6f5f, 0x8cc0c8};

@@ -23,7 +23,7 @@ struct PoseSource {
   float place[3] = {};           ///< [m]
   float turn[4] = {0, 0, 0, 1};  ///< scalar last
 };
-/// Slots whose bounds are asked for together.
+/// A range of slots with common bounds.
 struct SlotRange {
   std::uint32_t first = 0, count = 0;
 };

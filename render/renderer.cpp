@@ -240,7 +240,7 @@ void Renderer::Impl::drawLight(const Eye& eye, const Setting& setting, const Qua
 void Renderer::Impl::drawSample(const Eye& eye, const Setting& setting, const Quality& quality, int sample) {
   float jitterX = 0, jitterY = 0, turn = 0;
   if (quality.samples > 1) {
-    // A tent of two pixels: edges come out smooth and not stepped.
+    // A tent filter of two pixels smooths edges.
     const auto tent = [](float u) { return u < .5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 - 2 * u); };
     jitterX = tent(radicalInverse(sample + 1, 2)) * 2 / static_cast<float>(width);
     jitterY = tent(radicalInverse(sample + 1, 3)) * 2 / static_cast<float>(height);

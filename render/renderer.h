@@ -17,7 +17,7 @@ struct Surface {
   std::vector<Triangle> triangles;
   Vec3f color{.5f, .5f, .5f};  ///< linear
   Finish finish = Finish::Cloth;
-  std::vector<float> heat = {};  ///< of the vertices, 0 to 1: colours in place of `color`; empty: none
+  std::vector<float> heat = {};  ///< of the vertices, 0 to 1: colors in place of `color`; empty: none
 };
 
 /// Light and scale of a scene; nothing here depends on the view, so it stays as the camera moves.
@@ -35,7 +35,7 @@ struct Quality {
   int shadowTaps = 8;     ///< a pixel and sample
 };
 
-/// Milliseconds of the last picture by pass: all of them, so that they add up to the picture. Measured only
+/// Time per pass of the last picture [ms]; the passes add up to the picture. Measured only
 /// if asked for, since that waits for the GPU after each pass.
 struct PassTime {
   const char* name;

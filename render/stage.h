@@ -11,16 +11,16 @@ namespace rubble::render {
 
 class Stage {
  public:
-  /// `bodies` is the scene as it begins: light, colours and scale are taken from it and from the first
+  /// `bodies` is the scene as it begins: light, colors and scale are taken from it and from the first
   /// camera.
   Stage(std::span<const io::PictureBody> bodies, const Vec3& gravity, const Camera& camera, int width,
         int height);
 
-  /// Bodies as they are now. Those that keep their key keep their colour. `fullValue` has the hottest colour;
+  /// Bodies as they are now. Those that keep their key keep their color. `fullValue` has the hottest color;
   /// 0: the largest one of these.
   void setBodies(std::span<const io::PictureBody> bodies, io::ColorBy colorBy = io::ColorBy::Body,
                  double fullValue = 0);
-  /// Bodies of a world as they are now, in their own colours. While none come or go and nothing deforms,
+  /// Bodies of a world as they are now, in their own colors. While none come or go and nothing deforms,
   /// poses go straight from the world's arrays to the GPU, on the device where that is possible.
   void follow(World& world);
   /// How the last follow() had its poses: "on the device", "from the host's arrays", "body by body (...)".
@@ -34,7 +34,7 @@ class Stage {
 
   Renderer& renderer() { return renderer_; }
   const Setting& setting() const { return setting_; }
-  /// What the hottest colour stands for in the last picture.
+  /// What the hottest color stands for in the last picture.
   double fullValue() const { return fullValue_; }
 
  private:

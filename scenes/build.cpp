@@ -95,7 +95,7 @@ BodyDef block(const Vec3& halfExtents, const Vec3& position, double density) {
 }
 
 void shuffleBodies(Scene& scene, std::size_t first) {
-  // by hand: libraries shuffle differently
+  // std::shuffle differs between standard libraries
   std::mt19937 random;
   for (std::size_t k = scene.bodies.size(); k > first + 1; --k)
     std::swap(scene.bodies[k - 1], scene.bodies[first + random() % (k - first)]);
@@ -162,7 +162,7 @@ struct Bounds {
   Vec3 low{kNoBound, kNoBound, kNoBound}, high{-kNoBound, -kNoBound, -kNoBound};
 
   void add(const BodyDef& body) {
-    // Half spaces and slabs would shrink everything else to a dot.
+    // Half spaces and slabs are left out: with them all else would be too small in the picture.
     if (body.shape.type == ShapeType::Plane) return;
     const double r = radiusOf(body.shape);
     if (body.motion == Motion::Static && r > 20) return;
@@ -185,11 +185,11 @@ Camera overview(const Arguments&, const Scene& scene) {
   // Right-handed: front is towards the viewer.
   const Vec3 front = std::fabs(up.z) > .5 ? Vec3{0, -1, 0} : Vec3{0, 0, 1};
   const Vec3 right = cross(up, front);
-  const Vec3 centre = .5 * (bounds.low + bounds.high);
+  const Vec3 center = .5 * (bounds.low + bounds.high);
   const double radius = .5 * length(bounds.high - bounds.low);
   // A sphere of that radius fills a view of 40 degrees at 2.9 radii.
   const Vec3 direction = normalize(.62 * right + .75 * front + .42 * up);
-  return {centre + 2.4 * radius * direction, centre};
+  return {center + 2.4 * radius * direction, center};
 }
 
 }  // namespace rubble::scenes

@@ -1,5 +1,5 @@
 #pragma once
-/// What the builders of the scene families share: arguments, ground, bricks, claims and cameras.
+/// Shared by the builders of the scene families: arguments, ground, bricks, claims and cameras.
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -51,10 +51,10 @@ Scene emptyScene(const Vec3& up, double gravity);
 BodyDef ground(const Vec3& up, double height = 0, double friction = .6);
 /// A dynamic box with friction 0.6 and no name.
 BodyDef block(const Vec3& halfExtents, const Vec3& position, double density);
-/// Puts the bodies from `first` on in an order that is random, and always the same. No joint may name one of
+/// Shuffles the bodies from `first` on with a fixed seed. No joint may name one of
 /// them yet.
 void shuffleBodies(Scene& scene, std::size_t first);
-/// Makes all bodies rub with this coefficient, static and dynamic alike.
+/// Sets static and dynamic friction of all bodies to this coefficient.
 void setFriction(Scene& scene, double friction);
 /// A ball joint between bodies by index; kWorld: the anchor is in world coordinates.
 JointDef ballJoint(int a, const Vec3& anchorA, int b, const Vec3& anchorB, const std::string& name = "");

@@ -18,7 +18,7 @@ std::vector<Spec> frictionSpecs();       ///< sliding and rolling
 std::vector<Spec> frictionLimitSpecs();  ///< where sticking and standing end
 std::vector<Spec> siloSpecs();           ///< grains in a tall bin
 std::vector<Spec> rollingSpecs();        ///< rolling without slip
-std::vector<Spec> fineStackSpecs();      ///< stacks that a coarse answer drops
+std::vector<Spec> fineStackSpecs();      ///< stacks that inaccurate solutions let fall
 std::vector<Spec> jengaSpecs();          ///< a tower out of which blocks are drawn
 std::vector<Spec> structureSpecs();      ///< card tower, dominoes, arch, breakable beam
 std::vector<Spec> softSolidSpecs();      ///< solids of tetrahedra
@@ -31,7 +31,7 @@ std::vector<Spec> softPressureSpecs();   ///< closed sheets under pressure
 std::vector<Spec> softMachineSpecs();    ///< deformable objects in machines and among bodies
 std::vector<Spec> softPlateSpecs();      ///< many jointed bodies on cloth
 std::vector<Spec> softGrainSpecs();      ///< granular particles
-std::vector<Spec> mixedSpecs();          ///< jointed bodies and soft things together
+std::vector<Spec> mixedSpecs();          ///< jointed bodies and deformables together
 std::vector<Spec> softStringSpecs();     ///< strings in closed form
 std::vector<Spec> shapeRestSpecs();      ///< shapes at rest: an arch of wedges, a drop of every kind, a bowl
 std::vector<Spec> shapeMotionSpecs();    ///< shapes in motion: a marble run, a tumbler, conveyors

@@ -1,4 +1,4 @@
-/// What a body may have of its own: damping, locked axes, layers, a sensor's senses, sleep.
+/// Optional properties of bodies: damping, locked axes, layers, sensors, sleep.
 #include <algorithm>
 #include <cmath>
 
@@ -54,7 +54,7 @@ Scene buildPlanar(const Arguments& arguments) {
       BodyDef brick = block(kHalfBrick, {1.1 * k + .55 * row, 0, .25 + .5 * row}, 1000);
       brick.lockTranslation = {false, true, false};
       brick.lockRotation = {true, false, true};
-      // what locks must hold back
+      // motion that the locks must prevent
       brick.angularVelocity = {.5, 0, .5};
       scene.bodies.push_back(brick);
     }

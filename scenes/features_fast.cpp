@@ -31,7 +31,7 @@ Scene build(const Arguments& arguments) {
   return scene;
 }
 
-/// height_min_m: least height of the bullet's centre over the middle of the plate, while it is over the
+/// height_min_m: least height of the bullet's center over the middle of the plate, while it is over the
 /// plate.
 class OverPlate final : public Probe {
  public:
@@ -68,7 +68,7 @@ std::vector<Claim> claims(const Arguments& arguments) {
 std::vector<Spec> fastSpecs() {
   Spec spec;
   spec.name = "bullet-plate";
-  spec.doc = "A bullet of 1 cm flies at a free steel plate of 1 cm: 17 m a step.";
+  spec.doc = "A bullet of 1 cm flies at a free steel plate of 1 cm: 17 m per step.";
   spec.arguments = {quantity("speed", 1000, 10, 2000, "m/s", "of the bullet"),
                     quantity("angle", 30, 0, 80, "deg", "to the normal of the plate"),
                     flag("box", false, "1: the bullet is a cube")};

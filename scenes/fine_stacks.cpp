@@ -1,5 +1,5 @@
-/// Stacks that stand or fall by little: what a coarse answer drops. Their verdicts are stated for as many
-/// iterations or substeps as they need.
+/// Stacks near their limit of stability, which inaccurate solutions let fall. Each verdict is stated for the
+/// iterations or substeps that the scene needs.
 #include <string>
 
 #include "build.h"
@@ -53,7 +53,7 @@ Probes standing(const Arguments&, const Scene& scene) {
 std::vector<Spec> fineStackSpecs() {
   Spec overhang;
   overhang.name = "overhang";
-  overhang.doc = "Bricks that reach out to .95 of the harmonic series over the one at the ground.";
+  overhang.doc = "Bricks that reach out to 0.95 of the harmonic series beyond the one at the ground.";
   overhang.arguments = {count("bricks", 10, 2, 60, "in the stack"),
                         quantity("share", .95, .1, 1.2, "1", "of the limit")};
   overhang.build = buildOverhang;

@@ -163,7 +163,7 @@ std::vector<Claim> floorClaims(const Arguments&) {
 std::vector<Spec> frictionSpecs() {
   Spec ladder;
   ladder.name = "friction-ladder";
-  ladder.doc = "Eleven boxes with friction from 5 down to 0 slide to rest on a slab of .5 (avbd-demo3d).";
+  ladder.doc = "Eleven boxes with friction from 5 down to 0 slide to rest on a slab of 0.5 (avbd-demo3d).";
   ladder.arguments = {quantity("speed", 10, .5, 12, "m/s", "speed at the start"),
                       quantity("density", 1, 1e-3, 1e7, "kg/m3", "density of the boxes")};
   ladder.build = buildLadder;

@@ -21,9 +21,9 @@ constexpr double kSpring = 20;   // [N/m]
 constexpr double kDrawing = .1;  // [m/s]
 constexpr double kSpringLength = 2;
 
-/// It sticks until the spring pulls with mu_s m g, and swings about mu_d m g until it stands still against
-/// the ground: with D = (mu_s - mu_d) m g / k and w^2 = k / m the period is 2 D / V + 2 (pi - atan(D w / V))
-/// / w.
+/// The block sticks until the spring pulls with mu_s m g. It then swings about mu_d m g until its velocity
+/// is zero. With D = (mu_s - mu_d) m g / k and w^2 = k / m the period is 2 D / V + 2 (pi - atan(D w / V)) /
+/// w.
 double stickSlipPeriod() {
   const double d = (kStatic - kDynamic) * kG / kSpring, w = std::sqrt(kSpring);
   return 2 * d / kDrawing + 2 / w * (std::numbers::pi - std::atan(d * w / kDrawing));
@@ -152,8 +152,8 @@ Scene buildTipping(const Arguments& arguments) {
   for (std::size_t i = 0; i < kStanding.size(); ++i)
     for (std::size_t k = 0; k < 2 * kYaws.size(); ++k) {
       const auto& [kind, cone, half] = kStanding[i];
-      const double centre = cone ? half / 2 : half, yaw = kYaws[k / 2];
-      const Quat tilt = fromAxisAngle(Vec3{0, 1, 0}, std::atan(kRadius / centre) + (k % 2 == 0 ? -off : off));
+      const double center = cone ? half / 2 : half, yaw = kYaws[k / 2];
+      const Quat tilt = fromAxisAngle(Vec3{0, 1, 0}, std::atan(kRadius / center) + (k % 2 == 0 ? -off : off));
       const Vec3 at{6. * double(i), 6. * double(k), 6};
       put(scene, held(box({1, 1, .2}, at - rotate(tilt, {0, 0, .2}), 1)),
           "slope_" + std::to_string(k) + kind);
@@ -217,8 +217,7 @@ std::vector<Spec> frictionLimitSpecs() {
 
   Spec push = slip;
   push.name = "push";
-  push.doc =
-      "Blocks that springs draw along at five heights slip when the pull is mu_s m g, whatever its height.";
+  push.doc = "Springs pull blocks at five heights. Each block slips when the pull is mu_s m g.";
   push.arguments = {
       quantity("mu", kStatic, .1, .5, "1", "static friction; the dynamic one is three fifths of it")};
   push.build = buildPush;

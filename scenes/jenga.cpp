@@ -1,4 +1,4 @@
-/// A tower of loose blocks, out of which a hand draws one after the other.
+/// A tower of loose blocks, from which a drag joint pulls one block after the other.
 #include <algorithm>
 #include <cmath>
 
@@ -80,7 +80,7 @@ Probes jengaProbes(const Arguments&, const Scene& scene) {
 
 std::vector<Spec> jengaSpecs() {
   Spec jenga = jointSpec(
-      "jenga", "A tower of 54 loose blocks, out of which a hand draws five.", buildJenga, jengaProbes,
+      "jenga", "A tower of 54 loose blocks, from which a drag joint pulls five.", buildJenga, jengaProbes,
       {atLeast("drawn_least_m", 2 * kBlock.x, "five blocks are out by their length"),
        atMost("drift_max_m", .5 * kBlock.y, "no other went along by a quarter of its width"),
        within("top_drop_m", -.01, .01, "the tower stands")},

@@ -1,5 +1,5 @@
 #pragma once
-/// What the scenes of joints measure with, and short ways to build them.
+/// Probes for scenes of joints, and functions that build such scenes.
 #include <functional>
 #include <memory>
 #include <string>
@@ -37,7 +37,7 @@ JointDef& join(Scene& scene, JointType type, int a, int b, const Vec3& point, co
 
 /// The same body, static.
 BodyDef held(BodyDef body);
-/// A joint of two bodies by index; anchors are at their centres.
+/// A joint of two bodies by index; anchors are at their centers.
 JointDef link(JointType type, int a, int b);
 /// A motor on an axis, with its largest force.
 JointAxis motor(double speed, double most = kHard);

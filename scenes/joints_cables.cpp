@@ -20,7 +20,7 @@ std::unique_ptr<Probe> lowestProbe(std::vector<int> bodies) {
   });
 }
 
-// Mail: small balls on rods of 0.5 m to their neighbours, the border held, and a ball of a thousand times
+// Mail: small balls on rods of 0.5 m to their neighbors, the border held, and a ball of a thousand times
 // their mass.
 constexpr double kMesh = .5, kBead = .12;
 Scene buildMail(const Arguments& arguments) {

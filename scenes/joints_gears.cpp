@@ -103,20 +103,20 @@ Scene buildGearbox(const Arguments&) {
   scene.joints.push_back(mesh);
   return scene;
 }
-Vec3 angularMomentum(const World& world, Vec3& linear, Vec3& centre) {
+Vec3 angularMomentum(const World& world, Vec3& linear, Vec3& center) {
   double mass = 0;
-  linear = centre = {};
+  linear = center = {};
   for (const BodyId id : world.bodies()) {
     const double m = world.massOf(id).mass;
-    mass += m, linear += m * world.state(id).velocity, centre += m * world.state(id).position;
+    mass += m, linear += m * world.state(id).velocity, center += m * world.state(id).position;
   }
-  centre = centre / mass;
+  center = center / mass;
   Vec3 sum;
   for (const BodyId id : world.bodies()) {
     const BodyState s = world.state(id);
     const MassProperties m = world.massOf(id);
     const Quat q = s.orientation * m.axes;
-    sum += m.mass * cross(s.position - centre, s.velocity - linear / mass) +
+    sum += m.mass * cross(s.position - center, s.velocity - linear / mass) +
            rotate(q, mul(m.inertia, rotateInverse(q, s.angularVelocity)));
   }
   linear = linear / mass;
@@ -126,8 +126,8 @@ Probes gearboxProbes(const Arguments&, const Scene&) {
   Probes probes;
   constexpr double kFastMoment = kFastMass * kFast * kFast / 2, kSlowMoment = kSlowMass * kSlow * kSlow / 2;
   probes.push_back(everyStep([](const World& world, const StepReport&, Metrics& metrics) {
-    Vec3 velocity, centre;
-    const Vec3 momentum = angularMomentum(world, velocity, centre);
+    Vec3 velocity, center;
+    const Vec3 momentum = angularMomentum(world, velocity, center);
     raise(metrics, "momentum_ratio", length(momentum) / (kSlowMoment * kShaftSpeed * kFast / kSlow));
     raise(metrics, "fall_error_m_s", length(velocity - Vec3{0, 0, -kG * world.time()}));
     const double shaft = jointOf(world, "shaft").axes[0].position,
@@ -136,11 +136,11 @@ Probes gearboxProbes(const Arguments&, const Scene&) {
   }));
   probes.push_back(atEnd([](const World& world, Metrics& metrics) {
     // all of it turns with the housing, and the wheels besides
-    Vec3 velocity, centre;
-    angularMomentum(world, velocity, centre);
+    Vec3 velocity, center;
+    angularMomentum(world, velocity, center);
     double moment = kFastMoment + kSlowMoment + kHousingMass * (.66 * .66 + .4 * .4) / 3;
     for (const BodyId id : world.bodies()) {
-      const Vec3 r = world.state(id).position - centre;
+      const Vec3 r = world.state(id).position - center;
       moment += world.massOf(id).mass * (r.x * r.x + r.z * r.z);
     }
     const double wanted = -(kFastMoment - kSlowMoment * kFast / kSlow) * kShaftSpeed / moment;
@@ -186,8 +186,8 @@ Probes differentialProbes(const Arguments&, const Scene&) {
           std::fabs(angle("left axle") + angle("right axle") - 2 * angle("cage axle")));
   }));
   probes.push_back(atEnd([](const World& world, Metrics& metrics) {
-    // both wheels get the same torque, half of what the cage does not take up itself: a' of the wheels from
-    // T = I_cage (aL + aR) / 2 + I (aL + aR) + the brakes, I (aL - aR) = difference of the brakes
+    // both wheels get the same torque. Accelerations a of the wheels, with T the torque of the motor: T =
+    // I_cage (aL + aR) / 2 + I (aL + aR) + brakes, I (aL - aR) = difference of the brakes
     constexpr double kWheel = 5 * .25 * .25 / 2,
                      kCage = 8 * .3 * .3 / 2 + .15 * .15 + (3 * .1 * .1 + .06 * .06) / 12;
     const double sum = (kCageTorque - kWheelBrake[0] - kWheelBrake[1]) / (kWheel + kCage / 2),

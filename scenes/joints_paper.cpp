@@ -127,7 +127,7 @@ std::vector<Spec> paperSpecs() {
                           quantity("spin", 1, .1, 4, "rad/s", "at the start")});
   Spec wall = jointSpec(
       "breakable-wall",
-      "A wall whose bricks hang together by hard joints that break, and three fast balls (after Figure 13 of "
+      "A wall of bricks on hard joints that break, and three fast balls (after Figure 13 of "
       "the AVBD paper).",
       buildWall, wallProbes,
       {atLeast("broken", 10, "the balls break it"),

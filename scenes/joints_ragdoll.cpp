@@ -91,7 +91,7 @@ void addRagdoll(Scene& scene, const Vec3& foot, double turn, const std::string& 
     JointDef& joint = scene.joints[i];
     joint.name = name + ".joint" + std::to_string(i - firstJoint);
     joint.anchorA = size * joint.anchorA, joint.anchorB = size * joint.anchorB;
-    // a moment goes with weight and length
+    // a moment scales with weight and length
     const double moment = size * size * size * size;
     joint.friction *= moment, joint.axes[0].friction *= moment;
   }
@@ -105,16 +105,16 @@ Scene buildRagdolls(const Arguments& arguments) {
   const int n = whole(arguments, "ragdolls"), wide = std::max(1, static_cast<int>(std::ceil(std::cbrt(n))));
   for (int i = 0; i < n; ++i) {
     const int x = i % wide, y = i / wide % wide, level = i / (wide * wide);
-    // sizes spread evenly, in no order that shows
+    // evenly spread sizes in a quasi-random order
     const double spread = value(arguments, "size_spread"),
                  size = 1 + spread * (2 * std::fmod(i * .6180339887, 1) - 1);
     addRagdoll(scene, {1.1 * x + .15 * (level % 2), 1.1 * y, .5 + 2.1 * level}, 1.7 * i,
-               "man" + std::to_string(i), size);
+               "ragdoll" + std::to_string(i), size);
   }
-  // one man alone lands on both feet, and would stand there until round-off tips him over
+  // a single ragdoll lands on both feet and would balance until round-off tips it over
   if (n == 1)
     for (BodyDef& body : scene.bodies)
-      if (body.name == "man0.head") body.velocity = {1, 0, 0};
+      if (body.name == "ragdoll0.head") body.velocity = {1, 0, 0};
   return scene;
 }
 Probes ragdollProbes(const Arguments&, const Scene&) {
@@ -134,7 +134,7 @@ std::vector<Claim> ragdollClaims(const Arguments&) {
           atMost("joint_gap_peak_m", .04, "and never opens far"),
           atMost("joint_angle_peak_deg", 12, "limits hold in the fall"),
           atMost("max_speed_m_s", .5, "they come to rest"),
-          atLeast("lowest_centre_m", .03, "nobody is in the ground"),
+          atLeast("lowest_centre_m", .03, "no body is in the ground"),
           atMost("quarantined", 0, "every state stays finite")};
 }
 
@@ -159,18 +159,19 @@ std::vector<Spec> ragdollSpecs() {
 
   Spec ragdoll = limb;
   ragdoll.name = "ragdoll";
-  ragdoll.doc = "A man of eleven bodies falls on the ground.";
-  ragdoll.arguments = {count("ragdolls", 1, 1, 10000, "men, in a block above the ground"),
-                       quantity("size_spread", 0, 0, .4, "1", "their sizes lie so far about that of a man")};
+  ragdoll.doc = "A ragdoll of eleven bodies falls on the ground.";
+  ragdoll.arguments = {count("ragdolls", 1, 1, 10000, "ragdolls, in a block above the ground"),
+                       quantity("size_spread", 0, 0, .4, "1", "relative spread of their sizes")};
   ragdoll.build = buildRagdolls;
   ragdoll.probes = ragdollProbes;
   ragdoll.claims = ragdollClaims;
   ragdoll.steps = 480;
 
-  Spec many = variant(ragdoll, "ragdolls", "A thousand men fall in a heap.", {{"ragdolls", 1000}}, 600);
+  Spec many = variant(ragdoll, "ragdolls", "A thousand ragdolls fall in a heap.", {{"ragdolls", 1000}}, 600);
   many.testArguments = {{"ragdolls", 8}};
   many.tags = {"joint", "scale"};
-  Spec mixed = variant(many, "ragdolls-mixed", "1,440 men of .7 to 1.3 times a man's size fall in a heap.",
+  Spec mixed = variant(many, "ragdolls-mixed",
+                       "1,440 ragdolls of 0.7 to 1.3 times the usual size fall in a heap.",
                        {{"ragdolls", 1440}, {"size_spread", .3}});
   mixed.testArguments = {{"ragdolls", 9}};
   return {limb, ragdoll, many, mixed};

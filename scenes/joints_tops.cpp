@@ -15,8 +15,8 @@ constexpr Vec3 kUp{0, 0, 1};
 struct TopShape {
   const char* name;
   Shape shape;
-  double lever;   ///< from the point to the centre of mass [m]
-  double centre;  ///< z of the centre of mass in the frame of the shape [m]
+  double lever;   ///< from the point to the center of mass [m]
+  double center;  ///< z of the center of mass in the frame of the shape [m]
 };
 const TopShape kTops[] = {{"disc", Shape::cylinder(.3, .02), .05, 0},
                           {"box", Shape::box({.25, .25, .04}), .05, 0},
@@ -42,7 +42,7 @@ Scene buildTops(const Arguments& arguments) {
     body.mass = 1;
     body.orientation = fromAxisAngle(Vec3{0, 1, 0}, inclination);
     const Vec3 axis = rotate(body.orientation, kUp);
-    body.position = pivot + (top.lever - top.centre) * axis;
+    body.position = pivot + (top.lever - top.center) * axis;
     const double rate = precession(top, inclination, spin);
     body.angularVelocity = rate * kUp + (spin - rate * std::cos(inclination)) * axis;
     body.velocity = cross(body.angularVelocity, top.lever * axis);

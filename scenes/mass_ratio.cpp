@@ -73,7 +73,7 @@ Scene buildStackRatio(const Arguments& arguments) {
 
 std::vector<Claim> stackRatioClaims(const Arguments& arguments) {
   return standsClaims(.03 * scaleOf(arguments).length,
-                      "the top rests within .03 of its place at 10 iterations");
+                      "the top rests within 0.03 of its place at 10 iterations");
 }
 
 // Cubes that fall on one another.

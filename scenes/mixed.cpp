@@ -1,5 +1,5 @@
-/// Worlds of jointed bodies and soft things together. Joints are held as well as they are without the soft
-/// things: a probe steps the same world without these beside it.
+/// Worlds of jointed bodies and deformable objects. Joints are held as well as without the deformables: a
+/// probe steps the same world without them in parallel.
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -14,8 +14,8 @@ namespace {
 
 constexpr Vec3 kY{0, 1, 0};
 
-/// gap_ratio: mean gap of joints over the run, over that of a scene which has the same joints; at least 2 um
-/// of these, which is some roundings of a float of the size of a robot.
+/// gap_ratio: mean joint gap over the run, over that of the scene without deformables, or over 2 um if that
+/// is larger. 2 um is a few roundings of a float of the size of a robot.
 class TwinProbe final : public Probe {
  public:
   explicit TwinProbe(Scene twin) : scene_(std::move(twin)) {}
@@ -40,7 +40,7 @@ class TwinProbe final : public Probe {
   int steps_ = 0;
 };
 
-/// `instead`: rigid bodies in the place of the soft things.
+/// `instead`: rigid bodies in place of the deformables.
 Probes twinProbes(Scene scene, std::vector<BodyDef> instead = {}) {
   scene.deformables.clear(), scene.attachments.clear();
   scene.bodies.insert(scene.bodies.end(), instead.begin(), instead.end());
@@ -57,7 +57,8 @@ Spec mixedSpec(const std::string& name, const std::string& doc, std::vector<Argu
   spec.build = build, spec.probes = probes;
   spec.claims = [](const Arguments&) {
     return std::vector<Claim>{
-        atMost("gap_ratio", 1.2, "joints are held as they are with rigid things or none, or to 2 um"),
+        atMost("gap_ratio", 1.2,
+               "joint gaps are no larger than with rigid bodies or none in their place, or than 2 um"),
         atMost("quarantined", 0, "finite throughout")};
   };
   spec.camera = overview;
@@ -171,7 +172,7 @@ std::vector<Spec> mixedSpecs() {
   trampoline.testSteps = 150;
   Spec arms = mixedSpec(
       "mixed-arms", "Robot arms that wave in a shower of sand.",
-      {count("arms", 2, 1, 8, "arms"), count("side", 10, 2, 60, "grains along an edge of the block")},
+      {count("arms", 2, 1, 8, "arms"), count("side", 10, 2, 60, "particles along an edge of the block")},
       buildArms, armProbes);
   arms.testArguments = {{"side", 6}};
   Spec chains = mixedSpec("mixed-chains", "Chains with a weight at the end swing into soft balls.",

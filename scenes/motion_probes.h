@@ -16,7 +16,7 @@ std::unique_ptr<Probe> kineticProbe(double at, const std::string& metric, double
 /// time, which is the far end of the first swing.
 std::unique_ptr<Probe> swingProbe(const std::string& body, const Vec3& direction);
 
-/// length_m: distance of two bodies' centres at `at` seconds.
+/// length_m: distance of two bodies' centers at `at` seconds.
 std::unique_ptr<Probe> lengthProbe(const std::string& a, const std::string& b, double at);
 
 /// position_error_ratio: largest distance from p + v n h + g h^2 n (n + 1) / 2 (implicit Euler in closed

@@ -70,7 +70,7 @@ std::vector<Spec> pileSpecs() {
   pile.name = "pile";
   pile.doc =
       "A solid bonded block of bricks 40 levels high, each on four others, smashed by a heavy ball (after "
-      "the seed's Figure 1).";
+      "Figure 1 of the AVBD abstract).";
   pile.arguments = stackArguments(
       {count("nx", 5, 1, 1000, "bricks a level along x"), count("nz", 5, 1, 1000, "bricks a level along z"),
        count("levels", 40, 1, 200, "levels of bricks"), flag("smash", true, "1: the ball comes after 2 s"),

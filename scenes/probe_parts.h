@@ -7,7 +7,7 @@
 
 namespace rubble::scenes {
 
-/// Has the world come to that time? Half a step early counts, because times are sums of steps.
+/// Has the world reached that time, to half a step? Times are sums of steps.
 inline bool reached(const World& world, double seconds) {
   return world.time() > seconds - .5 * world.params().dt;
 }
@@ -23,7 +23,7 @@ struct Watched {
 std::vector<Watched> watch(const Scene& scene, const std::vector<int>& sceneIndices);
 void begin(std::vector<Watched>& bodies, const World& world);
 
-/// Largest height of a shape over its centre, along `up` [m].
+/// Largest height of a shape over its center, along `up` [m].
 double reach(const Shape& shape, const Quat& orientation, const Vec3& up);
 /// Height of the surface of the body "ground" along up; without one, -infinity.
 double groundHeight(const Scene& scene);
@@ -57,7 +57,7 @@ class MomentProbe : public Probe {
 
  protected:
   virtual void measure(const World& world, Metrics& metrics) = 0;
-  /// What is known of the whole run.
+  /// Values over the whole run.
   virtual void conclude(Metrics& metrics) const { (void)metrics; }
 
  private:

@@ -22,7 +22,7 @@ std::unique_ptr<Probe> qualityProbe(double at, const std::string& prefix = "");
 
 /// A stack at `at` seconds, or at the end of a shorter run, against its start:
 ///   top_drop_m       mean sinking of the top layer along gravity
-///   top_drop_peak_m  the largest until then, sampled every 1/10 s
+///   top_drop_peak_m  the largest so far, sampled every 0.1 s
 ///   max_drift_m      largest displacement of a brick
 ///   bricks_lost      bricks displaced by more than half their smallest edge
 ///   lowest_m         lowest point of a brick above the ground
@@ -34,8 +34,8 @@ std::unique_ptr<Probe> stackProbe(const Scene& scene, double at);
 Probes smashProbes(const Scene& scene, double at);
 
 /// Fall of a stack in the `duration` after the step at `at` seconds, over the discrete free fall g dt^2 n (n
-/// + 1) / 2: fall_ratio (mean of the top layer), fall_ratio_mean (all), fall_ratio_ends (mean of top layer
-/// and lowest brick), fall_ratio_bottom, fall_ratio_min (the one that falls least).
+/// + 1) / 2. fall_ratio: mean of the top layer; fall_ratio_mean: all bodies; fall_ratio_ends: mean of top
+/// layer and lowest brick; fall_ratio_bottom; fall_ratio_min: the body that falls least.
 std::unique_ptr<Probe> fallProbe(const Scene& scene, double at, double duration);
 
 /// Joints along a chain of `length` metres: stretch (sum of the gaps over the length, at the end),

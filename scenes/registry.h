@@ -72,8 +72,8 @@ struct Spec {
   int smashStep = -1;     ///< first step of the smash phase, or -1
   bool sleeping = false;  ///< its bodies may sleep: what the verdict is about
   bool events = false;    ///< its probes read events
-  bool travels = false;  ///< its bodies leave where they begin: pictures keep to the camera, and do not frame
-                         ///< the beginning
+  bool travels = false;   ///< its bodies leave the starting region: pictures use the camera and do not frame
+                          ///< the beginning
   Arguments testArguments;        ///< a size that a test can afford
   int testSteps = 0;              ///< 0: as `steps`
   std::vector<std::string> tags;  ///< "stack", "joint", "friction", "scale" ...

@@ -1,4 +1,4 @@
-/// Support removal beside the stacks: a stack that stands by false stiffness hovers when its support goes.
+/// Removal of the support of a stack: numerical stiffness would let the stack hover.
 #include <string>
 
 #include "build.h"
@@ -8,7 +8,7 @@
 namespace rubble::scenes {
 namespace {
 
-/// What a fall must reach.
+/// Bounds of a fall.
 struct Fall {
   double least;      ///< of free fall: the top layer, and the body that falls least
   bool equalBodies;  ///< a heavy body pushes a light one below it ahead, so the mean of top and bottom says

@@ -36,7 +36,7 @@ Scene buildTwist(const Arguments& arguments) {
   hub.name = "hub";
   hub.mass = 1;
   scene.bodies.push_back(hub);
-  // as fast as its torque lets it
+  // with the speed that its torque allows
   JointDef motor = jointAt(scene, JointType::Hinge, 0, kWorld, hub.position, frameAlong({1, 0, 0}));
   motor.axes[0].targetSpeed = 1e3;
   motor.axes[0].driveDamping = kHard;

@@ -1,5 +1,5 @@
 /// Rolling without slip, with closed forms: balls, capsules and wheels on the level and on a slope of 20
-/// degrees, up to half a radian a step.
+/// degrees, up to half a radian per step.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -62,7 +62,7 @@ Probes rollingProbes(const Arguments& arguments, const Scene&) {
       if (body.motion != Motion::Dynamic) continue;
       const BodyState s = world.state(id);
       const double r = body.shape.radius, v = length(s.velocity);
-      // far down they would turn by more than a step can tell
+      // farther down they would rotate by more than 2 rad per step
       if (length(s.angularVelocity) * world.params().dt > .55) continue;
       raise(metrics, "roll_error", std::fabs(length(s.angularVelocity) * r / v - 1));
       if (body.name[0] == 'a') {
@@ -83,7 +83,8 @@ std::vector<Spec> rollingSpecs() {
   Spec spec;
   spec.name = "rolling";
   spec.doc =
-      "Balls, wheels and capsules that roll on the level by up to half a radian a step, and down a slope of "
+      "Balls, wheels and capsules that roll on the level by up to half a radian per step, and down a slope "
+      "of "
       "20 degrees.";
   spec.arguments = {quantity("slope", 20, 1, 30, "deg", "of the steep ground")};
   spec.build = buildRolling;

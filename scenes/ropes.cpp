@@ -184,7 +184,8 @@ std::vector<Spec> ropeSpecs() {
 
   Spec heavy = variant(
       rope, "heavy-rope",
-      "The rope with a cube of 5 m as its last link: 125 kg on links of .25 kg (avbd-demo3d).", {{"end", 5}});
+      "The rope with a cube of 5 m as its last link: 125 kg on links of 0.25 kg (avbd-demo3d).",
+      {{"end", 5}});
   heavy.tags.push_back("mass-ratio");
 
   Spec cut = rope;
@@ -210,7 +211,7 @@ std::vector<Spec> ropeSpecs() {
 
   Spec bridge = rope;
   bridge.name = "bridge";
-  bridge.doc = "Forty planks with two ball joints a seam, fifty cubes fall on them (avbd-demo3d).";
+  bridge.doc = "Forty planks with two ball joints between neighbors, fifty cubes fall on them (avbd-demo3d).";
   bridge.arguments = {density};
   bridge.build = buildBridge;
   bridge.probes = bridgeProbes;

@@ -46,7 +46,7 @@ void addQuilt(Scene& scene, int size, double density, const Vec3& corner) {
       }
 }
 
-/// So many cubes in layers, as wide as a third of the quilt.
+/// Cubes in layers, as wide as a third of the quilt.
 void addCubes(Scene& scene, int count, int size, double density, const Vec3& corner) {
   const int edge = std::max(1, int(kMesh * size / (3 * kCubePitch)));
   const double middle = kMesh * (size - 1) / 2,

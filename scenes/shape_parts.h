@@ -1,5 +1,5 @@
 #pragma once
-/// What the scenes of shapes share: forms, and a probe for where things end up.
+/// Shared by the scenes of shapes: forms, and a probe for final positions.
 #include <cstdint>
 #include <memory>
 #include <vector>

@@ -26,18 +26,18 @@ Scene buildVoussoirs(const Arguments& arguments) {
   for (int i = 0; i < count; ++i) {
     std::vector<Vec3> points;
     const double middle = kPi * (i + .5) / count;
-    const Vec3 centre = kArchRadius * Vec3{std::cos(middle), 0, std::sin(middle)};
+    const Vec3 center = kArchRadius * Vec3{std::cos(middle), 0, std::sin(middle)};
     for (const int side : {i, i + 1})
       for (const double r : {inner, outer})
         for (const double y : {-kArchWidth / 2, kArchWidth / 2}) {
           const double angle = kPi * side / count;
-          points.push_back(Vec3{r * std::cos(angle), y, r * std::sin(angle)} - centre);
+          points.push_back(Vec3{r * std::cos(angle), y, r * std::sin(angle)} - center);
         }
     BodyDef stone;
     stone.name = "voussoir" + std::to_string(i);
     stone.shape = Shape::hull(std::move(points));
     stone.density = 2400;
-    stone.position = centre;
+    stone.position = center;
     scene.bodies.push_back(std::move(stone));
   }
   // masonry does not slide
@@ -160,7 +160,7 @@ std::vector<Spec> shapeRestSpecs() {
   Spec arch;
   arch.name = "voussoir-arch";
   arch.doc =
-      "A half circle of wedge-shaped stones without mortar; it stands if it is thicker than .1075 of its "
+      "A half circle of wedge-shaped stones without mortar; it stands if it is thicker than 0.1075 of its "
       "radius.";
   arch.arguments = {count("voussoirs", 15, 5, 99, "stones, an odd number has a keystone"),
                     quantity("thickness", .12, .05, .5, "1", "of the arch over its mean radius")};

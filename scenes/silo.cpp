@@ -1,4 +1,4 @@
-/// Grains in a tall bin: what its walls bear, against Janssen's closed form.
+/// Grains in a tall bin: the load of its walls against the closed form of Janssen.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace {
 constexpr double kWall = .8;     ///< half thickness over the width of the bin [1]
 constexpr double kAverage = .5;  ///< forces are averages over the last part of the run [s]
 
-/// The same numbers in every build.
+/// A random generator with the same numbers in every build.
 class Numbers {
  public:
   explicit Numbers(double seed) : state_(static_cast<std::uint32_t>(seed) * 2654435761u + 12345u) {}
@@ -128,7 +128,7 @@ Probes siloProbes(const Arguments& arguments, const Scene& scene) {
 
 std::vector<Claim> siloClaims(const Arguments&) {
   return {within("janssen_k", .3, 1,
-                 "the floor bears what Janssen's law says, with a pressure on the walls of .3 to 1 of that "
+                 "the floor bears what Janssen's law says, with a pressure on the walls of 0.3 to 1 of that "
                  "on the floor"),
           within("wall_ratio", .5, .85, "the walls bear the rest, upwards")};
 }

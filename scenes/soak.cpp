@@ -11,15 +11,15 @@ constexpr double kHalfLink = .2;  // half the edge of jointed cubes [m]
 constexpr double kSize = .3;      // of a body, about half its diameter [m]
 constexpr std::size_t kMostFaults = 20;
 constexpr int kReplaySteps = 20;
-// chances a step
+// probabilities per step
 constexpr double kChurn = .2, kDisturb = .3, kJoints = .1, kSort = .02, kSnapshot = .01, kRestore = .005,
                  kReplay = .005, kLook = .05;
-/// Deepest that the centre of a body may lie below the ground [m]: a body's own size; above that it has
+/// Deepest that the center of a body may lie below the ground [m]: a body's own size; above that it has
 /// fallen through.
 constexpr double kDeepest = kSize;
 /// Farthest that a body may be from the start [m]: what the largest impulse would give in a minute.
 constexpr double kFarthest = 600;
-/// No body moves as fast as this [m/s]: they fall from up to 15 m and are pushed by 5 m/s.
+/// Speed that no body reaches [m/s]: bodies fall from up to 15 m and are pushed by 5 m/s.
 constexpr double kFastest = 60;
 
 Scene emptyHeap() {
@@ -85,7 +85,7 @@ void Soak::addSome(int count) {
 std::vector<BodyId> Soak::someBodies(int most) {
   std::vector<BodyId> out;
   const int count = std::min(static_cast<int>(alive_.size()), 1 + random_.below(most));
-  // a run of them from a random one on: no body twice
+  // consecutive bodies from a random one on, so that no body occurs twice
   const std::size_t first = static_cast<std::size_t>(random_.below(static_cast<int>(alive_.size())));
   for (int k = 0; k < count; ++k)
     out.push_back(alive_[(first + static_cast<std::size_t>(k)) % alive_.size()]);
@@ -102,7 +102,7 @@ void Soak::removeSome(int count) {
 void Soak::disturbSome() {
   std::vector<BodyId> ids = someBodies(20);
   const int kind = random_.below(3);
-  // one of two that are joined cannot be put elsewhere alone
+  // a jointed body cannot be moved on its own
   if (kind == 2)
     std::erase_if(
         ids, [&](BodyId id) { return std::find(jointed_.begin(), jointed_.end(), id) != jointed_.end(); });
@@ -140,7 +140,7 @@ void Soak::changeJoints() {
     ++counts_.parted;
     return;
   }
-  // two new cubes high above the heap that hang together at their faces
+  // two new cubes high above the heap, joined at their faces
   BodyDef a = randomBody();
   a.shape = Shape::box(kHalfLink * Vec3{1, 1, 1});
   a.position.z = 15;
@@ -192,7 +192,7 @@ void Soak::check(const StepReport& report) {
       std::to_string(report.bodies) + " bodies, where there should be " + std::to_string(alive_.size() + 1));
   expect(report.quarantined == 0, std::to_string(report.quarantined) + " bodies were quarantined");
   expect(report.clashes == 0, std::to_string(report.clashes) + " clashes were left");
-  // tables grow for a reason, or not at all
+  // tables grow only when the scene does
   const std::size_t memory = world_.memoryBytes();
   std::size_t slots = 0;
   for (const BodyId id : alive_) slots = std::max(slots, static_cast<std::size_t>(id.index) + 1);

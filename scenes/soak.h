@@ -1,6 +1,6 @@
 #pragma once
-/// A long run of random edits of a heap, with what must stay true checked all the while. The same seed gives
-/// the same run.
+/// A long run of random edits of a heap, with invariants checked after each step. The same seed gives the
+/// same run.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,11 +12,11 @@ namespace rubble::scenes {
 struct SoakOptions {
   WorldOptions world;
   std::uint64_t seed = 1;
-  int bodies = 500;    ///< that the heap varies about: it holds from half as many to one and a half times
+  int bodies = 500;    ///< mean size of the heap, which varies between half and one and a half times this
   bool joints = true;  ///< pairs of cubes on ball and fixed joints among them
 };
 
-/// What has happened so far.
+/// Counts since the start.
 struct SoakCounts {
   std::int64_t steps = 0;                                                   ///< taken, replayed ones included
   std::int64_t added = 0, removed = 0, pushed = 0, placed = 0, forced = 0;  ///< bodies
@@ -32,8 +32,8 @@ class Soak {
  public:
   explicit Soak(const SoakOptions& options);
 
-  /// Random edits, one step and the checks. Now and then some steps are run twice from a snapshot, and must
-  /// end in the same bits.
+  /// Random edits, one step and the checks. At intervals some steps are run twice from a snapshot and must
+  /// give the same bits.
   void step();
 
   const SoakCounts& counts() const { return counts_; }
@@ -42,7 +42,7 @@ class Soak {
   const World& world() const { return world_; }
 
  private:
-  /// SplitMix64: a copy goes on alike.
+  /// SplitMix64. A copy continues the same sequence.
   struct Random {
     std::uint64_t state;
     std::uint64_t bits();

@@ -1,5 +1,6 @@
-/// Surfaces that touch themselves and one another: a strip that folds, a stack of sheets, pressed balls, a
-/// chain of rings on a rope, a knot. Whether surfaces cross is told by surface_exact.h and not by the engine.
+/// Contact of surfaces with themselves and one another: a strip that folds, a stack of sheets, pressed
+/// balls, a chain of rings on a rope, a knot. surface_exact.h tests independently of the engine whether
+/// surfaces cross.
 #include <cmath>
 #include <numbers>
 
@@ -11,8 +12,8 @@
 namespace rubble::scenes {
 namespace {
 
-/// The most crossings seen, looked for in every `every`-th step: surfaces that have crossed do not come apart
-/// by themselves.
+/// Largest number of crossings, tested every `every` steps. Surfaces that have crossed do not separate by
+/// themselves.
 class CrossingProbe : public Probe {
  public:
   explicit CrossingProbe(int every) : every_(every) {}
@@ -272,14 +273,14 @@ constexpr double kRingSize = .08;
 constexpr double kSpan = .54, kSag = .45;
 double ropeHeight(double x) { return -kSag * (1 - x * x / (kSpan * kSpan)); }
 
-RodDef ringAround(const Vec3& centre, int segments) {
+RodDef ringAround(const Vec3& center, int segments) {
   RodDef ring;
   ring.closed = true;
   ring.radius = kRopeRadius;
   for (int i = 0; i < segments; ++i) {
     const double angle = 2 * std::numbers::pi * i / segments;
     ring.vertices.push_back(
-        centre + Vec3{0, kRingSize * std::cos(angle), kRingSize * std::sin(angle) - .6 * kRingSize});
+        center + Vec3{0, kRingSize * std::cos(angle), kRingSize * std::sin(angle) - .6 * kRingSize});
   }
   return ring;
 }

@@ -1,4 +1,4 @@
-/// Small rigid bodies on coarse cloth: what holds them lies between the vertices of the sheet.
+/// Small rigid bodies on coarse cloth: they touch the sheet between its vertices.
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -36,10 +36,10 @@ Scene buildColumn(const Arguments& arguments) {
 Spec columnSpec() {
   Spec spec;
   spec.name = "sand-column";
-  spec.doc = "A column of grains without walls collapses to a heap.";
-  spec.arguments = {count("side", 8, 1, 200, "grains along an edge"),
-                    count("height", 16, 1, 400, "grains one on another"),
-                    quantity("radius", .02, 1e-3, 1, "m", "of a grain")};
+  spec.doc = "A column of granular particles without walls collapses to a heap.";
+  spec.arguments = {count("side", 8, 1, 200, "particles along an edge"),
+                    count("height", 16, 1, 400, "particles along the height"),
+                    quantity("radius", .02, 1e-3, 1, "m", "of a particle")};
   spec.build = buildColumn;
   spec.probes = [](const Arguments& arguments, const Scene&) {
     const double radius = value(arguments, "radius");
@@ -50,8 +50,8 @@ Spec columnSpec() {
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{atLeast("lowest_over_radius", .9, "no grain sinks into the ground"),
-                              atMost("penetration_over_radius", .1, "grains hardly overlap"),
+    return std::vector<Claim>{atLeast("lowest_over_radius", .9, "no particle sinks into the ground"),
+                              atMost("penetration_over_radius", .1, "particles hardly overlap"),
                               atMost("kinetic_energy_j", .05, "the heap rests")};
   };
   spec.camera = [](const Arguments& arguments, const Scene&) {
@@ -100,10 +100,10 @@ Scene buildHourglass(const Arguments& arguments) {
 Spec hourglassSpec() {
   Spec spec;
   spec.name = "hourglass";
-  spec.doc = "Grains run through the neck of a funnel into a box.";
-  spec.arguments = {count("side", 8, 1, 100, "grains along an edge"),
-                    count("height", 10, 1, 200, "layers of grains"),
-                    quantity("radius", .015, 1e-3, .1, "m", "of a grain")};
+  spec.doc = "Granular particles run through the neck of a funnel into a box.";
+  spec.arguments = {count("side", 8, 1, 100, "particles along an edge"),
+                    count("height", 10, 1, 200, "layers of particles"),
+                    quantity("radius", .015, 1e-3, .1, "m", "of a particle")};
   spec.build = buildHourglass;
   spec.probes = [](const Arguments&, const Scene&) {
     const auto share = [](const World& w, auto&& inside) {
@@ -122,11 +122,11 @@ Spec hourglassSpec() {
     return probes;
   };
   spec.claims = [](const Arguments&) {
-    return std::vector<Claim>{atLeast("run_through", .9, "the grains run through the neck"),
+    return std::vector<Claim>{atLeast("run_through", .9, "the particles run through the neck"),
                               atMost("spilled", 0, "none leaves through a wall"),
                               atLeast("lowest_m", .01, "none sinks into the ground")};
   };
-  // into the funnel, whose slabs hide the grains from the side
+  // into the funnel, whose slabs hide the particles from the side
   spec.camera = [](const Arguments&, const Scene&) { return Camera{{.3, -.6, 3}, {0, 0, .4}}; };
   spec.steps = 420;
   spec.iterations = 4;

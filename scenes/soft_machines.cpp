@@ -1,5 +1,5 @@
-/// Deformable objects in machines and among bodies: a figure that falls, men on a trampoline, a car on soft
-/// wheels, a gripper with a soft ball.
+/// Deformable objects in machines and among bodies: a falling figure, ragdolls on a trampoline, a car on
+/// soft wheels, a gripper with a soft ball.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -33,7 +33,7 @@ TriangleMesh surfaceOf(const std::function<double(const Vec3&)>& distance, const
   const auto cut = [&](int in, int out) {
     const auto [entry, isNew] = cuts.emplace(std::pair{in, out}, int(mesh.vertices.size()));
     const double a = value[std::size_t(in)], b = value[std::size_t(out)];
-    // off the corners, so that no triangle is without area
+    // away from the corners, so that no triangle is degenerate
     const double share = std::clamp(a / (a - b), .01, .99);
     if (isNew) mesh.vertices.push_back(place(in) + share * (place(out) - place(in)));
     return entry->second;
@@ -157,18 +157,18 @@ Spec figureSpec() {
   return spec;
 }
 
-// Men on a trampoline.
+// Ragdolls on a trampoline.
 
 constexpr double kBed = 4, kBedHeight = 1.5;  // [m]
 
 Scene buildJumpers(const Arguments& arguments) {
   Scene scene = emptyScene(kUpZ, 9.81);
   scene.bodies.push_back(ground(kUpZ, -2));
-  const int men = whole(arguments, "men");
-  for (int i = 0; i < men; ++i) {
-    const double angle = 2 * std::numbers::pi * i / men, far = men > 1 ? .9 : 0;
+  const int ragdolls = whole(arguments, "men");
+  for (int i = 0; i < ragdolls; ++i) {
+    const double angle = 2 * std::numbers::pi * i / ragdolls, far = ragdolls > 1 ? .9 : 0;
     addRagdoll(scene, {far * std::cos(angle), far * std::sin(angle), kBedHeight + .5 + .3 * i}, 1.3 * i,
-               "man" + std::to_string(i));
+               "ragdoll" + std::to_string(i));
   }
   const int cells = whole(arguments, "cells");
   ClothDef bed = heldSheet(kBed, kBedHeight, cells);
@@ -183,7 +183,7 @@ Spec jumpersSpec() {
   Spec spec;
   spec.name = "trampoline-men";
   spec.doc = "Ragdolls of 70 kg fall on a trampoline of 4 m.";
-  spec.arguments = {count("men", 3, 1, 6, "men"),
+  spec.arguments = {count("men", 3, 1, 6, "ragdolls"),
                     count("cells", 24, 8, 200, "cells along an edge of the bed")};
   spec.build = buildJumpers;
   spec.probes = [](const Arguments&, const Scene&) {
@@ -230,8 +230,8 @@ Scene buildCar(const Arguments& arguments) {
   int number = 0;
   for (const double x : {-.5, .5})
     for (const double y : {-.4, .4}) {
-      const Vec3 centre{x, y, height};
-      BodyDef hub = block({.1, .1, .1}, centre, 1000);
+      const Vec3 center{x, y, height};
+      BodyDef hub = block({.1, .1, .1}, center, 1000);
       hub.name = "hub" + std::to_string(number);
       hub.shape = Shape::cylinder(kHub, .06);
       hub.mass = 2;
@@ -240,7 +240,7 @@ Scene buildCar(const Arguments& arguments) {
       hub.filter.mask = 0;
       const int body = int(scene.bodies.size());
       scene.bodies.push_back(hub);
-      JointDef axle = jointAt(scene, JointType::Hinge, body, 1, centre, frameAlong({0, 1, 0}));
+      JointDef axle = jointAt(scene, JointType::Hinge, body, 1, center, frameAlong({0, 1, 0}));
       axle.name = "axle" + std::to_string(number);
       if (x < 0) {
         axle.axes[0].targetSpeed = kAxleSpeed;
@@ -256,7 +256,7 @@ Scene buildCar(const Arguments& arguments) {
       own.material.staticFriction = own.material.dynamicFriction = 1;
       for (std::size_t v = 0; v < own.vertices.size(); ++v) {
         const bool inner = std::hypot(own.vertices[v].x, own.vertices[v].z) < kHub;
-        own.vertices[v] += centre;
+        own.vertices[v] += center;
         if (!inner) continue;
         AttachmentDef hold;
         hold.object = int(scene.deformables.size());
@@ -329,7 +329,7 @@ Scene buildGripper(const Arguments& arguments) {
   JointDef lift = jointAt(scene, JointType::Slider, 1, kWorld, beam.position, frameAlong(kUpZ));
   lift.name = "lift";
   lift.axes[0].driveStiffness = 2e4, lift.axes[0].driveDamping = 800;
-  // what the drive sags by under beam and fingers is nothing that the verdict is about
+  // the sag of the drive under beam and fingers is not part of the verdict
   scene.joints.push_back(lift);
   for (const double side : {-1., 1.}) {
     BodyDef finger = block({.015, .06, .12}, {side * .2, 0, .13}, 1000);

@@ -10,7 +10,7 @@
 namespace rubble::scenes {
 namespace {
 
-/// A plate is a lattice of cubes, each held to its neighbours by a ball joint in the middle of their faces.
+/// A plate is a lattice of cubes, each held to its neighbors by a ball joint in the middle of their faces.
 constexpr int kPlateX = 5, kPlateY = 4, kPlateZ = 2;
 constexpr double kPitch = .1,
                  kHalfCube = .049;  // [m]; vertices of the sheet, of radius 0.003 m, do not fit between cubes
@@ -55,7 +55,7 @@ Scene buildPlates(const Arguments& arguments) {
             rows = std::max(1, static_cast<int>(.85 * side / kPlateSpaceY));
   for (int i = 0; i < plates; ++i) {
     const int x = i % columns, y = i / columns % rows, z = i / (columns * rows);
-    // neighbouring layers do not lie cube over cube
+    // neighboring layers do not lie cube over cube
     const Vec3 shift{.03 * (z % 3), -.02 * (z % 4), .1};
     addPlate(scene, shift + Vec3{kPlateSpaceX * (x - .5 * columns), kPlateSpaceY * (y - .5 * rows),
                                  kPlateSpaceZ * z});
@@ -63,7 +63,7 @@ Scene buildPlates(const Arguments& arguments) {
   return scene;
 }
 
-/// Bodies whose centre lies below the vertex of the sheet that is nearest to them as seen from above.
+/// Bodies whose center lies below the vertex of the sheet that is nearest to them as seen from above.
 double bodiesThrough(const World& world, int cells) {
   const std::vector<Vec3> x = world.positions(world.deformableAt(0));
   constexpr int kReach = 4;  // the sheet sags inwards by less than so many cells
@@ -93,7 +93,7 @@ Spec platesSpec() {
   spec.doc =
       "875 plates of 40 jointed cubes each fall on a sheet of 10,000 vertices that is held at its edges "
       "(figure 14 of Giles et al. 2025).";
-  spec.arguments = {count("cells", 99, 10, 400, "cells along an edge of the sheet, .1 m each"),
+  spec.arguments = {count("cells", 99, 10, 400, "cells along an edge of the sheet, 0.1 m each"),
                     count("plates", 875, 1, 20000, "plates")};
   spec.build = buildPlates;
   spec.probes = [](const Arguments& arguments, const Scene&) {

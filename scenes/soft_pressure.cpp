@@ -13,7 +13,7 @@ namespace {
 constexpr double kRadius = .2, kThickness = 1e-3, kYoung = 1e6, kPoisson = .3;  // [m], [m], [Pa], [1]
 
 /// A sphere of triangles: an icosahedron whose edges are halved `times` times, on the sphere.
-ClothDef sphereSheet(const Vec3& centre, double radius, int times) {
+ClothDef sphereSheet(const Vec3& center, double radius, int times) {
   ClothDef sheet;
   const double g = std::numbers::phi;
   for (const double a : {-1., 1.})
@@ -51,7 +51,7 @@ ClothDef sphereSheet(const Vec3& centre, double radius, int times) {
     sheet.triangles = std::move(finer);
     for (Vec3& x : sheet.vertices) x = normalize(x);
   }
-  for (Vec3& x : sheet.vertices) x = centre + radius * normalize(x);
+  for (Vec3& x : sheet.vertices) x = center + radius * normalize(x);
   sheet.thickness = kThickness;
   sheet.youngsModulus = kYoung;
   sheet.poissonRatio = kPoisson;

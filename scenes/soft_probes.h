@@ -1,5 +1,5 @@
 #pragma once
-/// What scenes of deformable objects measure, and the parts that they are built from.
+/// Probes and building blocks for scenes of deformable objects.
 #include <functional>
 #include <utility>
 #include <vector>

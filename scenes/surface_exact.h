@@ -1,5 +1,5 @@
 #pragma once
-/// Tests of surfaces that do not trust the engine: from positions alone, in double precision.
+/// Tests of surfaces that use positions only and no code of the engine, in double precision.
 #include <rubble/world.h>
 
 namespace rubble::scenes {
@@ -12,11 +12,11 @@ int countCrossings(const World& world);
 int countCrossings(const std::vector<World::Surface>& surfaces);
 
 /// Least distance over the distance that they should keep (the sum of the radii) of two segments of lines
-/// that share no corner nor a neighbouring segment [1]; 1e30 if there are none.
+/// that share no corner nor a neighboring segment [1]; 1e30 if there are none.
 double closestSegments(const World& world);
 
-/// How often two closed lines go through one another (Gauss' linking number, from solid angles); lines that
-/// do not cut each other keep it.
+/// How often two closed lines wind around one another (Gauss linking number, from solid angles). The number
+/// changes only if they cross.
 double linkingNumber(const std::vector<Vec3>& a, const std::vector<Vec3>& b);
 
 }  // namespace rubble::scenes

@@ -1,5 +1,5 @@
-/// Running-bond walls, the ring wall of the seed's Figure 1, the gables of its Figure 2. y up, g 9.81;
-/// the single wall has z up, g 10.
+/// Running-bond walls, the ring wall of Figure 1 and the gables of Figure 2 of the AVBD abstract. y up, g
+/// 9.81. The single wall has z up, g 10.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -46,8 +46,8 @@ BodyDef ball(const std::string& name, double radius, double density, const Vec3&
   return body;
 }
 
-/// One wall along `along`, centred over `at`; half bricks close the odd courses, `gap` [m] between the bricks
-/// of a course.
+/// One wall along `along`, centered over `at`; half bricks close the odd courses, `gap` [m] between the
+/// bricks of a course.
 void addWall(Scene& scene, int bricks, int courses, double gap, const Vec3& along, const Vec3& up,
              const Vec3& at, const Vec3& halfBrick, const Scale& scale) {
   const double pitch = 2 * kHalfBrick.x + gap;
@@ -167,7 +167,7 @@ Scene buildRing(const Arguments& arguments) {
 
 // Gables.
 
-constexpr double kGableDistance = 2;  // between neighbours, both ways [m]
+constexpr double kGableDistance = 2;  // between neighbors, both ways [m]
 
 Scene buildGables(const Arguments& arguments) {
   const int nx = whole(arguments, "nx"), nz = whole(arguments, "nz"), courses = whole(arguments, "courses");
@@ -204,10 +204,10 @@ Scene buildGables(const Arguments& arguments) {
 
 std::vector<Spec> wallSpecs() {
   const Argument smash = flag("smash", true, "1: the ball comes after 2 s");
-  const Argument shuffle = flag("shuffle", false, "1: the bricks are added in no order of space");
+  const Argument shuffle = flag("shuffle", false, "1: the bricks are added in random order");
   Spec walls;
   walls.name = "walls";
-  walls.doc = "Running-bond walls of 40 courses side by side, two contacts a brick, a ball from one end.";
+  walls.doc = "Running-bond walls of 40 courses side by side, two contacts per brick, a ball from one end.";
   walls.arguments = stackArguments(
       {count("walls", 4, 1, 20000, "walls side by side"), count("bricks", 40, 2, 1000, "bricks in a course"),
        count("courses", 40, 1, 200, "courses of a wall"), smash, shuffle,
@@ -241,7 +241,8 @@ std::vector<Spec> wallSpecs() {
   Spec ring = walls;
   ring.name = "ring";
   ring.doc =
-      "The pile of the seed's Figure 1: a ring wall, sheer inside, stepped outside, smashed from inside.";
+      "The pile of Figure 1 of the AVBD abstract: a ring wall, sheer inside, stepped outside, smashed from "
+      "inside.";
   ring.arguments = stackArguments(
       {quantity("radius", 13.45, 6, 2000, "m", "inner radius of the wall"),
        count("rows", 2, 1, 40, "rows of bricks at the base"),
@@ -255,7 +256,8 @@ std::vector<Spec> wallSpecs() {
   Spec gables = walls;
   gables.name = "gables";
   gables.doc =
-      "The walls of the seed's Figure 2: a field of triangular walls one brick thick, smashed by two balls.";
+      "The walls of Figure 2 of the AVBD abstract: a field of triangular walls one brick thick, smashed by "
+      "two balls.";
   gables.arguments = stackArguments(
       {count("nx", 2, 1, 200, "gables along x"), count("nz", 6, 1, 500, "gables along z, 2 m apart"),
        count("courses", 30, 1, 100, "courses; as many bricks in the lowest one"),
@@ -293,7 +295,7 @@ std::vector<Spec> wallSpecs() {
   large(ring, "ring-1m", "The ring wall of 999,942 bricks, 40 courses, 34 rows, 480 m across, smashed.",
         {{"radius", 221}, {"rows", 34}, {"ball_radius", 20}});
   large(gables, "gables-510k", "16 x 68 gables of 465 bricks: 505,920, smashed.", {{"nx", 16}, {"nz", 68}});
-  large(gables, "gables-510k-shuffled", "The same, with bricks that were added in no order of space.",
+  large(gables, "gables-510k-shuffled", "The same, with bricks added in random order.",
         {{"nx", 16}, {"nz", 68}, {"shuffle", 1}});
   return specs;
 }

@@ -51,7 +51,7 @@ int bench(BenchOptions options) {
   if (options.scenes.empty()) throw Error("scenes", "names of scenes, or --search-60hz", "none");
   std::FILE* out = options.jsonFile == "-" ? stderr : stdout;
   std::vector<io::RunRecord> records;
-  // What cannot run is to be known before the first minute is spent.
+  // Reports scenes that cannot run before any of them runs.
   for (const std::string& scene : options.scenes) {
     options.job.scene = scene;
     prepareJob(options.job);
@@ -75,9 +75,9 @@ int bench(BenchOptions options) {
       records.push_back(std::move(result.record));
     }
   }
-  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9}{:>9}\n", "ms a step",
-             "thr", "bodies", "settled", "median", "collide", "solve", "smash", "peak", "top drop",
-             "depth 99 %", "MB", "B/body");
+  fmt::print(out, "{:<28}{:>4}{:>9}{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}{:>11}{:>12}{:>9}{:>9}\n",
+             "ms per step", "thr", "bodies", "settled", "median", "collide", "solve", "smash", "peak",
+             "top drop", "depth 99 %", "MB", "B/body");
   for (const io::RunRecord& record : records) printRow(out, record);
   if (!options.jsonFile.empty())
     writeOutput(options.jsonFile, io::toJson(std::span<const io::RunRecord>(records)));

@@ -25,15 +25,16 @@ void printMeasure(const RenderMeasure& m, const RenderOptions& options) {
   fmt::print("{} bodies, {}x{}, {}\n", grouped(static_cast<long long>(m.bodies)), options.width,
              options.height, m.device);
   fmt::print(
-      "  frame: mean {:.2f} ms, median {:.2f} ms, 95 % {:.2f} ms ({:.1f} frames a second), {} frames\n  "
+      "  frame: mean {:.2f} ms, median {:.2f} ms, 95 % {:.2f} ms ({:.1f} frames per second), {} frames\n  "
       "processor time of all threads: "
-      "{:.1f} ms a frame\n",
+      "{:.1f} ms per frame\n",
       m.meanMs, m.medianMs, m.p95Ms, 1000 / m.meanMs, m.frames, m.cpuMs);
   if (m.stepMs > 0) {
     constexpr double kFrames = 60, kSteps = 30;
     const double busy = (kFrames * m.meanMs + kSteps * m.stepMs) / 1000;
-    fmt::print("  step: mean {:.2f} ms ({:.1f} a second); a step and a frame: {:.2f} ms ({:.1f} a second)\n",
-               m.stepMs, 1000 / m.stepMs, m.stepMs + m.meanMs, 1000 / (m.stepMs + m.meanMs));
+    fmt::print(
+        "  step: mean {:.2f} ms ({:.1f} per second); a step and a frame: {:.2f} ms ({:.1f} per second)\n",
+        m.stepMs, 1000 / m.stepMs, m.stepMs + m.meanMs, 1000 / (m.stepMs + m.meanMs));
     fmt::print("  {:.0f} frames and {:.0f} steps take {:.3f} s: {} real time\n", kFrames, kSteps, busy,
                busy <= 1 ? "within" : "slower than");
   }
@@ -89,10 +90,10 @@ void addRender(CLI::App& app, int& status) {
       ->capture_default_str();
   addViewOptions(*sub, command->look);
   sub->add_option("--orbit", command->orbitDegrees, "Turn the camera about its target [degrees/s of film]");
-  sub->add_option("--fps", options.fps, "Frames a second of film")
+  sub->add_option("--fps", options.fps, "Frames per second of film")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
-  sub->add_option("--slow", options.slow, "Slow motion: seconds of film for a second of the scene")
+  sub->add_option("--slow", options.slow, "Slow motion: seconds of film per second of the scene")
       ->check(CLI::Range(.01, 1000.0))
       ->capture_default_str();
   sub->add_option("--every", options.every, "A frame every so many steps, whatever the time")
@@ -106,7 +107,7 @@ void addRender(CLI::App& app, int& status) {
       ->delimiter(',');
   sub->add_flag("--overlay", options.overlay, "Write scene, bodies, time and step time on the picture");
   sub->add_option("--color-max", options.colorMax,
-                  "Value of the hottest colour (default: the largest of each picture)")
+                  "Value of the hottest color (default: the largest of each picture)")
       ->check(CLI::PositiveNumber);
   sub->add_option("--show", command->show, "Draw over the picture: contacts, forces, joints, bounds")
       ->delimiter(',');

@@ -29,7 +29,7 @@ int run(const RunOptions& options) {
   session.look = lookOf(options.picture);
   session.pictures = picturesOf(options.picture, prepared.steps);
   const SessionResult result = runSession(std::move(prepared), session);
-  // JSON on standard output has it for itself.
+  // JSON on standard output excludes all other text.
   if (!options.quiet)
     fmt::print(options.jsonFile == "-" ? stderr : stdout, "{}", textReport(result.record, result.reports));
   if (!options.jsonFile.empty()) writeOutput(options.jsonFile, io::toJson(result.record));

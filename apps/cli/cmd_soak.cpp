@@ -82,7 +82,7 @@ int soak(const SoakCommand& command) {
   };
   while (goesOn()) {
     soak.step();
-    // what the first steps allocate is no growth
+    // allocations of the first steps do not count as growth
     constexpr int kWarm = 100;
     if (rssBefore == 0 && soak.counts().steps >= kWarm) rssBefore = residentMb();
     if (secondsNow() - shown < kEvery) continue;
@@ -115,7 +115,7 @@ void addSoak(CLI::App& app, int& status) {
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();
   command->add_flag("--joints", options->joints, "Also pairs of cubes on joints, made and removed");
-  command->add_option("-i,--iterations", options->iterations, "Solver iterations in a step")
+  command->add_option("-i,--iterations", options->iterations, "Solver iterations per step")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("-b,--backend", options->backend, "Where the step runs (see 'rubble info build')")

@@ -20,8 +20,8 @@ struct ViewCommand {
 };
 
 #if defined(RUBBLE_HAS_VIEWER)
-/// The scene that is asked for, with what was typed: arguments belong to the scene that they were given for.
-viewer::Opened opened(JobOptions job, const viewer::Request& request) {
+/// The requested scene. Arguments of the command line apply only to the scene that they were given for.
+viewer::OpenedScene opened(JobOptions job, const viewer::Request& request) {
   if (request.scene != job.scene) job.arguments.clear();
   job.scene = request.scene;
   for (const auto& [name, value] : request.arguments) {
@@ -32,7 +32,7 @@ viewer::Opened opened(JobOptions job, const viewer::Request& request) {
   if (!request.backend.empty()) job.backend = request.backend;
   PreparedJob prepared = prepareJob(job);
   const int iterations = prepared.world.params.iterations;
-  viewer::Opened out{
+  viewer::OpenedScene out{
       prepared.title,
       fmt::format("{}, {} iteration{}", prepared.world.backend, iterations, iterations == 1 ? "" : "s"),
       std::move(prepared.job), prepared.world};

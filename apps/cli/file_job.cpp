@@ -19,7 +19,7 @@ scenes::Probes probesFor(const io::SceneFile& file) {
   const double moment = smashes ? file.smashStep * file.dt : std::numeric_limits<double>::infinity();
   scenes::Probes probes;
   if (smashes) probes = scenes::smashProbes(file.scene, moment);
-  // Stacks have no joints; a mechanism has no top level unless its verdict says so.
+  // A scene without joints is a stack. Others have a top level only if their verdict names one.
   const auto isStackMetric = [](const io::FileClaim& claim) {
     return claim.metric.starts_with("top_drop") || claim.metric == "max_drift_m" ||
            claim.metric == "bricks_lost" || claim.metric == "lowest_m";

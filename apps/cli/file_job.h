@@ -14,7 +14,7 @@ scenes::Job loadFileJob(const std::string& file);
 /// Every fault of a scene file, its text and its verdict. Throws Error if the file cannot be read at all.
 std::vector<io::Fault> checkFile(const std::string& file, io::SceneFile& scene);
 
-/// What keeps a world from being made of a scene: shapes that cannot be cooked, in it and in its events.
+/// Faults that prevent a world: shapes of the scene or of its events that cannot be cooked.
 std::vector<io::Fault> worldFaults(const Scene& scene);
 
 /// The file form of a job. Claims about what only the probes of its registry scene measure are left out.

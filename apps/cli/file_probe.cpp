@@ -48,7 +48,7 @@ const std::vector<BodyMetric>& bodyTable() {
        [](const World&, const BodyDef& start, const BodyState& now) {
          return angleBetween(start.orientation, now.orientation) * 180 / std::numbers::pi;
        }},
-      {{"speed_m_s", "speed of its centre [m/s]"},
+      {{"speed_m_s", "speed of its center [m/s]"},
        [](const World&, const BodyDef&, const BodyState& now) { return length(now.velocity); }},
       {{"spin_rad_s", "angular speed [rad/s]"},
        [](const World&, const BodyDef&, const BodyState& now) { return length(now.angularVelocity); }},
@@ -114,7 +114,7 @@ class NamedProbe final : public scenes::Probe {
   void finish(const World& world, scenes::Metrics& metrics) override {
     for (const std::string& metric : names_) {
       const Split split(metric);
-      // A body that is gone has no metric; its claim then says "not measured".
+      // A removed body has no metric; its claim is then reported as "not measured".
       if (const BodyMetric* body = findIn(bodyTable(), split.quantity)) {
         for (const BodyId id : world.bodies())
           if (world.definition(id).name == split.name)

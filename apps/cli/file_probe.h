@@ -21,7 +21,7 @@ std::vector<std::string> sceneMetrics(bool smashes);
 /// Measures the "name.quantity" metrics that the claims of a file name, at the end of the run.
 std::unique_ptr<scenes::Probe> namedProbe(const std::vector<io::FileClaim>& claims);
 
-/// What is wrong with the metric of a claim, or "".
+/// The fault of the metric of a claim, or "".
 std::string metricFault(const io::SceneFile& file, const std::string& metric);
 
 }  // namespace rubble::cli

@@ -76,7 +76,7 @@ void addSolverOptions(CLI::App& app, JobOptions& options) {
   app.add_option("-n,--steps", options.steps, "Number of steps (default: as the scene says)")
       ->check(CLI::PositiveNumber);
   app.add_option("-i,--iterations", options.iterations,
-                 "Solver iterations in a step (default: as the scene says)")
+                 "Solver iterations per step (default: as the scene says)")
       ->check(CLI::PositiveNumber);
   app.add_option("--substeps", options.substeps,
                  "Full steps that a time step is divided into (default: as the scene says)")

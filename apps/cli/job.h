@@ -1,5 +1,5 @@
 #pragma once
-/// From what was typed to a job that is ready to run. Every subcommand that runs a scene shares these
+/// From command-line arguments to a job that is ready to run. All subcommands that run a scene share these
 /// options.
 #include <optional>
 #include <string>
@@ -41,10 +41,10 @@ struct PreparedJob {
   int steps = 0;
 };
 
-/// Throws Error for anything that was typed wrong or does not exist.
+/// Throws Error for arguments that are invalid or name nothing.
 PreparedJob prepareJob(const JobOptions& options);
 
-/// The same without its probes, which look at every body after every step: for what is drawn and not judged.
+/// The same without its probes, which visit every body in every step: for drawing without a verdict.
 PreparedJob withoutProbes(PreparedJob prepared);
 
 /// One job, or two that differ in what `compare` names: two backends or two numbers of iterations. Throws

@@ -35,7 +35,7 @@ std::vector<const CLI::App*> chosenCommands(const CLI::App& app) {
 std::string messageOf(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<const CLI::App*> chosen = chosenCommands(app);
   std::string message = error.what();
-  // The library takes an unknown subcommand for a missing one.
+  // The library reports an unknown subcommand as a missing one.
   const std::vector<std::string> unknown = app.remaining(true);
   if (chosen.back()->get_require_subcommand_min() > 0 && !unknown.empty())
     message = fmt::format("there is no subcommand '{}'", unknown.front());
@@ -73,7 +73,7 @@ int runProgram(int argc, char** argv) {
 
 }  // namespace
 
-/// What was printed has to have arrived: a full disk shows itself when the last of it is flushed.
+/// Flushes standard output; a full disk is detected here.
 void flushOutput() {
   const bool streamGood = static_cast<bool>(std::cout.flush());
   if (std::fflush(stdout) != 0 || std::ferror(stdout) || !streamGood)

@@ -66,7 +66,7 @@ void addViewOptions(CLI::App& app, PictureOptions& options) {
   app.add_option("--size", options.size, "Size of the picture in pixels")
       ->type_name("WxH")
       ->capture_default_str();
-  app.add_option("--color-by", options.colorBy, "What the colours show")
+  app.add_option("--color-by", options.colorBy, "What the colors show")
       ->check(CLI::IsMember(colorKeys()))
       ->capture_default_str();
 }

@@ -11,7 +11,7 @@ namespace rubble::cli {
 
 class PictureWriter {
  public:
-  /// `atStart` is the scene as it begins, for light and colours. A camera whose eye is at its target stands
+  /// `atStart` is the scene as it begins, for light and colors. A camera whose eye is at its target stands
   /// for one that shows everything. Throws Error if the pictures cannot be drawn or written. Nothing is
   /// made ready if there are no requests.
   PictureWriter(const std::vector<PictureRequest>& requests, const Look& look, const Vec3& gravity,

@@ -3,8 +3,8 @@
 
 namespace rubble::cli {
 
-/// Says on standard error how far a run is: a bar that is drawn over itself on a terminal, a plain line every
-/// tenth of the way in a log.
+/// Shows the progress of a run on standard error: a bar on a terminal, a line every tenth of the run in a
+/// log.
 class Progress {
  public:
   /// `quiet` says nothing at all.

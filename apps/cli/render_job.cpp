@@ -71,7 +71,7 @@ class Side {
   Caption caption(const Moment& shown) const {
     Caption caption{source_->title(), {grouped(static_cast<long long>(shown.bodies.size())) + " bodies"}};
     if (!source_->label().empty()) caption.facts.push_back(source_->label());
-    if (shown.stepMs > 0) caption.facts.push_back(fmt::format("{:.1f} ms a step", shown.stepMs));
+    if (shown.stepMs > 0) caption.facts.push_back(fmt::format("{:.1f} ms per step", shown.stepMs));
     if (const io::Quantity& by = io::quantity(options_.colorBy); by.by != io::ColorBy::Body)
       caption.facts.push_back(legend(by, shown));
     caption.facts.push_back(fmt::format("{:.2f} s", shown.time));
@@ -81,7 +81,7 @@ class Side {
 
   /// "speed up to 3.2 m/s"
   std::string legend(const io::Quantity& quantity, const Moment& shown) const {
-    if (quantity.isKind) return fmt::format("coloured by {}", quantity.key);
+    if (quantity.isKind) return fmt::format("colored by {}", quantity.key);
     const double full = options_.colorMax > 0 ? options_.colorMax
                                               : io::largestValue(shown.bodies, quantity.by);
     return fmt::format("{} up to {:.3g}{}{}", quantity.key, full,
@@ -111,7 +111,7 @@ RenderResult renderFilm(const RenderOptions& options) {
   const std::vector<JobOptions> jobs = comparedJobs(options.job, options.compare);
   const int width = jobs.size() == 1 ? options.width : (options.width - kDivider) / 2;
   const int whole = jobs.size() == 1 ? width : 2 * width + kDivider;
-  // What cannot be written is said before anything is simulated.
+  // Tests the output before anything is simulated.
   const std::unique_ptr<render::PictureSink> sink = render::pictureSink(options.out, whole, options.height,
                                                                         options.fps);
   const std::unique_ptr<render::PaintDevice> device = render::makePaintDevice();
@@ -134,7 +134,7 @@ RenderResult renderFilm(const RenderOptions& options) {
   Progress progress(first.source().title(), single ? std::max(1, steps) : frames, options.quiet);
   RenderResult result{0, device->name()};
   if (single) {
-    // The last step, whatever the time between pictures would be.
+    // The last step, at any picture rate.
     for (int step = 1; step <= steps; ++step) {
       for (const auto& side : sides) side->step();
       progress.update(step, first.stepMs());

@@ -19,7 +19,7 @@ struct RenderOptions {
   std::optional<Vec3> eye, target;  ///< in place of the named camera's [m]
   double orbit = 0;                 ///< the camera turns about the target [rad/s of film]
   io::ColorBy colorBy = io::ColorBy::Body;
-  double colorMax = 0;  ///< value of the hottest colour; 0: the largest of each picture
+  double colorMax = 0;  ///< value of the hottest color; 0: the largest of each picture
   render::Overlays show;
   int samples = 0;                   ///< a pixel; 0: 32 for a single picture, 4 for a film (16 on a GPU)
   double fps = 30;                   ///< frames a second of film

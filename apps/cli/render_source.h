@@ -1,5 +1,5 @@
 #pragma once
-/// Moments of a scene that is being simulated, or of a recording.
+/// Drawn states of a running scene or of a recording.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -26,8 +26,8 @@ class MomentSource {
   virtual ~MomentSource() = default;
   /// Takes the next step. False at the end.
   virtual bool advance() = 0;
-  /// Everything that is drawn of where it is, at first of the start, into a moment from here or a new one. It
-  /// costs a look at every body: to be asked for what is drawn only.
+  /// All that is drawn of the present step, at first of the start, written into this moment or a new one. It
+  /// visits every body, so call it only for drawn steps.
   virtual void look(Moment& moment) = 0;
   virtual double time() const = 0;      ///< [s]
   virtual double nextTime() const = 0;  ///< after the next step [s]

@@ -33,7 +33,7 @@ Trial tryWalls(const SearchOptions& options, int walls) {
   try {
     PreparedJob prepared = prepareJob(job);
     prepared.steps = job.steps.value_or(prepared.job.smashStep + kSmashedSteps);
-    prepared.world.timings = false;  // nobody looks at the stages
+    prepared.world.timings = false;  // the stages are not reported
     SessionOptions session;
     session.quiet = true;
     const io::RunRecord record = runSession(std::move(prepared), session).record;
@@ -84,7 +84,7 @@ nlohmann::ordered_json jsonOf(const SearchOptions& options, const std::vector<Tr
 bool searchLargest(const SearchOptions& options) {
   JobOptions first = options.job;
   first.scene = "walls";
-  prepareJob(first);  // what was typed wrong is said before anything else
+  prepareJob(first);  // reports wrong arguments before anything runs
   std::FILE* const out = options.jsonFile == "-" ? stderr : stdout;
   fmt::print(out, "{:>8}{:>10}{:>14}{:>12}{:>10}   {}\n", "walls", "bodies", "settled [ms]", "smash [ms]",
              "B/body", "");

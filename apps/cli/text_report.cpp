@@ -23,7 +23,7 @@ void heading(Out out, const io::RunRecord& record) {
                  record.device, record.threads, record.threads == 1 ? "" : "s",
                  record.substeps == 1 ? "" : fmt::format("{} substeps of ", record.substeps),
                  record.iterations, record.dt);
-  fmt::format_to(out, "  {} bodies, {} manifolds, {} contact points, {} colours, {} clashes\n\n",
+  fmt::format_to(out, "  {} bodies, {} manifolds, {} contact points, {} colors, {} clashes\n\n",
                  record.bodies, record.manifolds, record.contacts, record.colors, record.clashes);
 }
 
@@ -64,7 +64,7 @@ void quality(Out out, const io::RunRecord& record) {
   fmt::format_to(out, "  resident memory         {:.1f} MB\n", record.rssMb);
 }
 
-/// What iterations have left undone, step by step.
+/// The residual that iterations leave, step by step.
 void residuals(Out out, const std::vector<StepReport>& reports) {
   double sum = 0, most = 0;
   for (const StepReport& r : reports) sum += r.unfinishedMotion, most = std::max(most, r.unfinishedMotion);
@@ -73,7 +73,7 @@ void residuals(Out out, const std::vector<StepReport>& reports) {
                    sum / static_cast<double>(reports.size()), most);
 }
 
-/// What the steps report beyond counts: nothing that the engine had to do out of the ordinary goes unsaid.
+/// Notices of the step reports beyond counts.
 void notices(Out out, const std::vector<StepReport>& reports) {
   long broken = 0, spin = 0, restarts = 0, clashes = 0, failed = 0;
   int quarantined = 0;
@@ -92,7 +92,7 @@ void notices(Out out, const std::vector<StepReport>& reports) {
     fmt::format_to(out, "  notice: {} steps were begun again with more room ({})\n", restarts,
                    fmt::join(kinds, ", "));
   }
-  if (clashes) fmt::format_to(out, "  notice: {} pairs of neighbours were solved with one colour\n", clashes);
+  if (clashes) fmt::format_to(out, "  notice: {} pairs of neighbors were solved with one color\n", clashes);
   if (failed)
     fmt::format_to(out, "  notice: {} local problems were left unsolved for an iteration\n", failed);
   if (quarantined)

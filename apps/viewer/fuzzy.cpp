@@ -40,7 +40,7 @@ std::vector<std::size_t> fuzzySearch(const std::string& pattern, const std::vect
   std::vector<std::pair<int, std::size_t>> found;
   for (std::size_t i = 0; i < texts.size(); ++i)
     if (const int score = fuzzyScore(pattern, texts[i]); score >= 0) found.emplace_back(score, i);
-  // Of texts with one score the shorter fits better: less of it was not asked for.
+  // Among equal scores the shorter text fits better.
   std::stable_sort(found.begin(), found.end(), [&](const auto& a, const auto& b) {
     return a.first != b.first ? a.first > b.first : texts[a.second].size() < texts[b.second].size();
   });

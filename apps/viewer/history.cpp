@@ -7,18 +7,19 @@ namespace {
 
 /// What the snapshots of a branch may take [bytes], and how many are useful.
 constexpr std::size_t kMostBytes = std::size_t{512} << 20;
-constexpr std::size_t kFewestMoments = 4, kMostMoments = 160;
+constexpr std::size_t kMinCheckpoints = 4, kMaxCheckpoints = 160;
 constexpr std::int64_t kFirstSpacing = 5;  // steps
 
 }  // namespace
 
 void History::begin(std::vector<Snapshot> start, std::size_t bytes) {
-  mostMoments_ = std::clamp(kMostBytes / std::max<std::size_t>(1, bytes), kFewestMoments, kMostMoments);
+  maxCheckpoints_ = std::clamp(kMostBytes / std::max<std::size_t>(1, bytes), kMinCheckpoints,
+                               kMaxCheckpoints);
   spacing_ = kFirstSpacing;
   current_ = 0;
   done_ = 0;
   branches_.assign(1, {"main", -1, 0, 0, {}, {}});
-  own().moments[0] = std::move(start);
+  own().checkpoints[0] = std::move(start);
 }
 
 void History::choose(int branch) {
@@ -38,7 +39,7 @@ void History::fork(std::int64_t step) {
   branch.parent = current_;
   branch.begins = branch.last = step;
   branch.inputs.resize(done_);
-  branch.moments.erase(branch.moments.upper_bound(step), branch.moments.end());
+  branch.checkpoints.erase(branch.checkpoints.upper_bound(step), branch.checkpoints.end());
   branches_.push_back(std::move(branch));
   current_ = static_cast<int>(branches_.size()) - 1;
 }
@@ -52,21 +53,21 @@ void History::add(Input input, bool replaces) {
   done_ = inputs.size();
 }
 
-bool History::wantsMoment(std::int64_t step) const {
-  return step % spacing_ == 0 && !branch().moments.contains(step);
+bool History::wantsCheckpoint(std::int64_t step) const {
+  return step % spacing_ == 0 && !branch().checkpoints.contains(step);
 }
 
 void History::keep(std::int64_t step, std::vector<Snapshot> worlds) {
-  auto& moments = own().moments;
-  moments[step] = std::move(worlds);
-  while (moments.size() > mostMoments_) {
+  auto& checkpoints = own().checkpoints;
+  checkpoints[step] = std::move(worlds);
+  while (checkpoints.size() > maxCheckpoints_) {
     spacing_ *= 2;
-    std::erase_if(moments, [&](const auto& moment) { return moment.first % spacing_ != 0; });
+    std::erase_if(checkpoints, [&](const auto& checkpoint) { return checkpoint.first % spacing_ != 0; });
   }
 }
 
 const std::pair<const std::int64_t, std::vector<Snapshot>>& History::before(std::int64_t step) const {
-  return *std::prev(branch().moments.upper_bound(step));
+  return *std::prev(branch().checkpoints.upper_bound(step));
 }
 
 void History::rewound(std::int64_t step) {

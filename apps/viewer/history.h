@@ -1,6 +1,6 @@
 #pragma once
-/// Everything that was ever done to a running scene, as a tree of branches: its state at any step follows
-/// from the scene and from these inputs, so that snapshots only save time.
+/// History of the inputs to a running scene, as a tree of branches. The state at any step follows from the
+/// scene and these inputs; snapshots only save time.
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace rubble::viewer {
 
-/// Something that was done to the worlds before the step of that index is taken.
+/// An input applied to the worlds before step `step`.
 struct Input {
   std::int64_t step = 0;
   std::string what;
@@ -21,11 +21,11 @@ struct Input {
 struct Branch {
   std::string name;
   int parent = -1;
-  std::int64_t begins = 0;    ///< where it left its parent
-  std::int64_t last = 0;      ///< step that was reached
+  std::int64_t begins = 0;    ///< step at which it leaves its parent
+  std::int64_t last = 0;      ///< last step reached
   std::vector<Input> inputs;  ///< from the start of the scene on, in order
   std::map<std::int64_t, std::vector<Snapshot>>
-      moments;  ///< one snapshot a world, before the inputs of that step
+      checkpoints;  ///< one snapshot per world, before the inputs of that step
 };
 
 class History {
@@ -38,19 +38,18 @@ class History {
   int current() const { return current_; }
   void choose(int branch);
 
-  /// The next input that is due at this step, or null. What is taken counts as done.
+  /// The next input due at this step, or null. A returned input counts as applied.
   const Input* due(std::int64_t step);
-  /// Something new is done at this step. Where the branch goes on already, a new one begins. Inputs of one
-  /// step that replace one another
-  /// (`replaces`: the last one was of the same kind) are kept once.
+  /// Adds an input at this step. If the branch already has later steps, a new branch begins. With `replaces`
+  /// it replaces the last input of the same kind in the same step.
   void add(Input input, bool replaces);
-  /// A step was reached: is a snapshot wanted here?
-  bool wantsMoment(std::int64_t step) const;
+  /// Should a snapshot be taken at this step?
+  bool wantsCheckpoint(std::int64_t step) const;
   void reached(std::int64_t step) { own().last = std::max(own().last, step); }
   void keep(std::int64_t step, std::vector<Snapshot> worlds);
-  /// The latest moment at or before a step.
+  /// The latest checkpoint at or before a step.
   const std::pair<const std::int64_t, std::vector<Snapshot>>& before(std::int64_t step) const;
-  /// The worlds are at this moment again: what was done before it is done.
+  /// The worlds are restored to the checkpoint of this step; earlier inputs count as applied.
   void rewound(std::int64_t step);
 
  private:
@@ -60,8 +59,8 @@ class History {
   std::vector<Branch> branches_;
   int current_ = 0;
   std::size_t done_ = 0;  ///< inputs of the branch that have been applied
-  std::size_t mostMoments_ = 1;
-  std::int64_t spacing_ = 1;  ///< of moments [steps]
+  std::size_t maxCheckpoints_ = 1;
+  std::int64_t spacing_ = 1;  ///< of checkpoints [steps]
 };
 
 }  // namespace rubble::viewer

@@ -4,8 +4,8 @@
 
 #include <imgui/imgui.h>
 
-#include "apps/viewer/desk.h"
 #include "apps/viewer/panel_parts.h"
+#include "apps/viewer/ui_state.h"
 #include "cook/soft_fields.h"
 #include "io/joint_reader.h"
 #include "io/picture_values.h"
@@ -66,9 +66,9 @@ void shapeRows(const Shape& shape) {
 
 void solverRows(const SolverState& state) {
   if (state.color < 0)
-    row("colour", std::string("none"));
+    row("color", std::string("none"));
   else
-    row("colour", "1", state.color, "bodies of one colour are solved at the same time");
+    row("color", "1", state.color, "bodies of one color are solved at the same time");
   row("stiffness k", "N/m", state.stiffness, "largest of the rows that act here");
   row("multiplier |lambda|", "N", state.multiplier, "largest of the rows that act here");
 }
@@ -76,7 +76,7 @@ void solverRows(const SolverState& state) {
 void contactRows(const World& world, BodyId id) {
   const ContactLoad load = world.contactLoad(id);
   row("contact force", "N", load.force, "of all contacts");
-  row("contact torque", "N m", load.torque, "about the centre");
+  row("contact torque", "N m", load.torque, "about the center");
   row("residual", "m", load.residual, "deepest penetration that is left");
   if (load.points == 0 || !ImGui::TreeNode("contacts", "%d contact points", load.points)) return;
   for (const ContactPoint& c : world.contacts()) {
@@ -88,7 +88,7 @@ void contactRows(const World& world, BodyId id) {
   ImGui::TreePop();
 }
 
-void drawBody(Desk& desk, Player& player, BodyId id) {
+void drawBody(UiState& uiState, Player& player, BodyId id) {
   World& world = player.world();
   const BodyDef& body = world.definition(id);
   const BodyState state = world.state(id);
@@ -112,7 +112,7 @@ void drawBody(Desk& desk, Player& player, BodyId id) {
     const JointDef& def = world.definition(joint);
     const std::string label = std::string(keyword(def.type)) + " " + def.name + "##" +
                               std::to_string(joint.index);
-    if (ImGui::SmallButton(label.c_str())) desk.selection = {std::nullopt, joint, std::nullopt, -1};
+    if (ImGui::SmallButton(label.c_str())) uiState.selection = {std::nullopt, joint, std::nullopt, -1};
     ImGui::SameLine();
     ImGui::Text("to %s", nameOf(world, ends[0] == id ? ends[1] : ends[0]).c_str());
   }
@@ -120,7 +120,7 @@ void drawBody(Desk& desk, Player& player, BodyId id) {
   shapeRows(body.shape);
   row("mass", "kg", mass.mass);
   row("inertia", "kg m2", mass.inertia, "about the principal axes");
-  row("centre of mass", "m", mass.centre, "in the frame of the shape");
+  row("center of mass", "m", mass.centre, "in the frame of the shape");
   turnRow("principal axes", mass.axes);
   row("density", "kg/m3", body.density);
   materialRows(body.material, true);
@@ -144,7 +144,7 @@ template <class Field, class Object> void fieldRow(const Field& field, const Obj
     row(field.key, field.unit, value, field.doc);
 }
 
-void drawJoint(Desk& desk, World& world, JointId id) {
+void drawJoint(UiState& uiState, World& world, JointId id) {
   const JointDef& def = world.definition(id);
   const JointState state = world.state(id);
   const auto ends = world.bodiesOf(id);
@@ -152,7 +152,7 @@ void drawJoint(Desk& desk, World& world, JointId id) {
   for (const BodyId end : ends) {
     if (end.index >= 0 && world.alive(end)) {
       if (ImGui::SmallButton(nameOf(world, end).c_str()))
-        desk.selection = {end, std::nullopt, std::nullopt, -1};
+        uiState.selection = {end, std::nullopt, std::nullopt, -1};
     } else {
       ImGui::TextUnformatted("the world");
     }
@@ -206,11 +206,11 @@ struct FieldRows {
   }
 };
 
-void drawObject(Desk& desk, World& world, SoftId id) {
+void drawObject(UiState& uiState, World& world, SoftId id) {
   const Deformable& def = world.definition(id);
   ImGui::Text("%s %s (index %d), %d vertices", kDeformableKeywords[def.index()], common(def).name.c_str(),
               static_cast<int>(id.index), world.vertexCount(id));
-  const auto v = static_cast<std::size_t>(desk.selection.vertex);
+  const auto v = static_cast<std::size_t>(uiState.selection.vertex);
   if (v < world.positions(id).size()) {
     ImGui::Text("vertex %zu", v);
     row("position", "m", world.positions(id)[v]);
@@ -222,7 +222,7 @@ void drawObject(Desk& desk, World& world, SoftId id) {
     row("strain", "1",
         static_cast<double>(io::vertexValues(world, io::ColorBy::Strain)[static_cast<std::size_t>(at)][v]));
     for (const VertexContact& c : world.vertexContacts())
-      if (c.object == id && c.vertex == desk.selection.vertex)
+      if (c.object == id && c.vertex == uiState.selection.vertex)
         row("contact force", "N", c.force), row("  depth", "m", c.depth);
   }
   if (!ImGui::CollapsingHeader("As authored", ImGuiTreeNodeFlags_DefaultOpen)) return;
@@ -233,9 +233,9 @@ void drawObject(Desk& desk, World& world, SoftId id) {
 
 }  // namespace
 
-void drawInspector(Desk& desk, Player& player) {
+void drawInspector(UiState& uiState, Player& player) {
   World& world = player.world();
-  Selection& s = desk.selection;
+  Selection& s = uiState.selection;
   if (s.body && !world.alive(*s.body)) s.body.reset();
   if (s.joint && !world.alive(*s.joint)) s.joint.reset();
   if (s.object && !world.alive(*s.object)) s.object.reset();
@@ -245,11 +245,11 @@ void drawInspector(Desk& desk, Player& player) {
   ImGui::SetNextWindowSizeConstraints({0, 0}, {size.x, size.y - 90});
   ImGui::Begin("Inspector", nullptr, kPlain);
   if (s.body)
-    drawBody(desk, player, *s.body);
+    drawBody(uiState, player, *s.body);
   else if (s.joint)
-    drawJoint(desk, world, *s.joint);
+    drawJoint(uiState, world, *s.joint);
   else
-    drawObject(desk, world, *s.object);
+    drawObject(uiState, world, *s.object);
   ImGui::End();
 }
 

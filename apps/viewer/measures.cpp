@@ -4,8 +4,8 @@
 
 #include <imgui/imgui.h>
 
-#include "apps/viewer/desk.h"
 #include "apps/viewer/panel_parts.h"
+#include "apps/viewer/ui_state.h"
 
 namespace rubble::viewer {
 namespace {
@@ -18,12 +18,12 @@ constexpr double kSmallStage = .05;
 constexpr std::int64_t kMeasureEvery = 15;
 constexpr std::size_t kManyBodies = 3000;
 
-std::vector<Series> stageSeries(const std::vector<Past>& past) {
+std::vector<Series> stageSeries(const std::vector<StepRecord>& records) {
   std::vector<Series> series{{"step", {}}};
-  if (past.empty()) return series;
-  for (const StageTime& stage : past.back().stages)
-    if (stage.ms > kSmallStage * past.back().totalMs) series.push_back({stage.name, {}});
-  for (const Past& p : past) {
+  if (records.empty()) return series;
+  for (const StageTime& stage : records.back().stages)
+    if (stage.ms > kSmallStage * records.back().totalMs) series.push_back({stage.name, {}});
+  for (const StepRecord& p : records) {
     series[0].values.push_back(p.totalMs);
     for (std::size_t s = 1; s < series.size(); ++s) {
       double ms = 0;
@@ -35,14 +35,14 @@ std::vector<Series> stageSeries(const std::vector<Past>& past) {
   return series;
 }
 
-void measureIterations(Desk& desk, Player& player) {
-  const bool due = player.paused
-                       ? desk.iterationsOf != player.now()
-                       : desk.iterationsOf < 0 || std::abs(player.now() - desk.iterationsOf) >= kMeasureEvery;
-  if (!desk.measureIterations || !due || (!player.paused && player.world().bodies().size() > kManyBodies))
+void measureIterations(UiState& uiState, Player& player) {
+  const bool due = player.paused ? uiState.iterationsOf != player.now()
+                                 : uiState.iterationsOf < 0 ||
+                                       std::abs(player.now() - uiState.iterationsOf) >= kMeasureEvery;
+  if (!uiState.measureIterations || !due || (!player.paused && player.world().bodies().size() > kManyBodies))
     return;
-  desk.iterations = iterationErrors(player.world());
-  desk.iterationsOf = player.now();
+  uiState.iterations = iterationErrors(player.world());
+  uiState.iterationsOf = player.now();
 }
 
 void numberOf(Player& player, const ParamField& field) {
@@ -62,7 +62,7 @@ void numberOf(Player& player, const ParamField& field) {
   player.changeParams(name, [name, value](Params& params) { setParam(params, name, value); });
 }
 
-void drawArguments(Desk& desk, Player& player) {
+void drawArguments(UiState& uiState, Player& player) {
   for (const scenes::Argument& argument : player.arguments()) {
     double value = argument.value;
     ImGui::SetNextItemWidth(110);
@@ -72,8 +72,8 @@ void drawArguments(Desk& desk, Player& player) {
       ImGui::SetTooltip("%s [%s], %g to %g", argument.doc.c_str(), argument.unit.c_str(), argument.min,
                         argument.max);
     if (!changed) continue;
-    desk.wanted = player.request();
-    desk.wanted->arguments[argument.name] = value;
+    uiState.wanted = player.request();
+    uiState.wanted->arguments[argument.name] = value;
   }
 }
 
@@ -91,17 +91,17 @@ void drawGravity(Player& player) {
 
 }  // namespace
 
-void drawPlots(Desk& desk, Player& player) {
+void drawPlots(UiState& uiState, Player& player) {
   player.measureEnergy = true;
-  const std::vector<Past>& past = player.past();
+  const std::vector<StepRecord>& records = player.records();
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({kMargin, size.y - 70}, ImGuiCond_Once, {0, 1});
-  ImGui::Begin("Plots", &desk.showPlots, kPlain);
-  plot("stages", "ms", stageSeries(past), kPlotSize);
+  ImGui::Begin("Plots", &uiState.showPlots, kPlain);
+  plot("stages", "ms", stageSeries(records), kPlotSize);
   std::vector<Series> energy{{"kinetic", {}}, {"potential from here", {}}, {"sum", {}}};
   Series error{"largest error", {}};
-  for (const Past& p : past) {
-    const double potential = p.potential - past.front().potential;
+  for (const StepRecord& p : records) {
+    const double potential = p.potential - records.front().potential;
     energy[0].values.push_back(p.kinetic);
     energy[1].values.push_back(potential);
     energy[2].values.push_back(p.kinetic + potential);
@@ -109,30 +109,30 @@ void drawPlots(Desk& desk, Player& player) {
   }
   plot("energy", "J", energy, kPlotSize);
   plot("penetration and gaps", "m", {error}, kPlotSize);
-  ImGui::Checkbox("residuals of the next step by iteration", &desk.measureIterations);
-  measureIterations(desk, player);
-  if (desk.measureIterations && !desk.iterations.empty()) {
+  ImGui::Checkbox("residuals of the next step by iteration", &uiState.measureIterations);
+  measureIterations(uiState, player);
+  if (uiState.measureIterations && !uiState.iterations.empty()) {
     Series errors{"error", {}}, changes{"motion by the last iteration", {}};
-    for (std::size_t i = 0; i < desk.iterations.size(); ++i) {
-      errors.values.push_back(desk.iterations[i].error);
-      changes.values.push_back(i == 0 ? std::nan("") : desk.iterations[i].change);
+    for (std::size_t i = 0; i < uiState.iterations.size(); ++i) {
+      errors.values.push_back(uiState.iterations[i].error);
+      changes.values.push_back(i == 0 ? std::nan("") : uiState.iterations[i].change);
     }
     plot("residual", "m", {errors, changes}, kPlotSize, true);
   }
   ImGui::End();
 }
 
-void drawSettings(Desk& desk, Player& player) {
+void drawSettings(UiState& uiState, Player& player) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, kMargin}, ImGuiCond_Once, {.5f, 0});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {size.x, size.y - 90});
-  ImGui::Begin("Settings", &desk.showSettings, kPlain);
+  ImGui::Begin("Settings", &uiState.showSettings, kPlain);
   ImGui::SetNextItemWidth(110);
   if (ImGui::BeginCombo("backend", player.backend().c_str())) {
     for (const std::string& backend : backends()) {
       if (!ImGui::Selectable(backend.c_str(), backend == player.backend())) continue;
-      desk.wanted = player.request();
-      desk.wanted->backend = backend;
+      uiState.wanted = player.request();
+      uiState.wanted->backend = backend;
     }
     ImGui::EndCombo();
   }
@@ -144,7 +144,7 @@ void drawSettings(Desk& desk, Player& player) {
   drawGravity(player);
   if (!player.arguments().empty() &&
       ImGui::CollapsingHeader("Arguments of the scene (restart)", ImGuiTreeNodeFlags_DefaultOpen))
-    drawArguments(desk, player);
+    drawArguments(uiState, player);
   if (ImGui::CollapsingHeader("Parameters"))
     for (const ParamField& field : paramFields()) {
       const std::string name = field.name;

@@ -1,49 +1,50 @@
-/// The panels that any show has: scene, help and picker, and the timeline.
+/// The panels of every session: scene, help, picker and timeline.
 #include <algorithm>
 #include <cstdio>
 
 #include <imgui/imgui.h>
 #include <imgui/imgui_stdlib.h>
 
-#include "apps/viewer/desk.h"
 #include "apps/viewer/fuzzy.h"
 #include "apps/viewer/panel_parts.h"
-#include "apps/viewer/playback.h"
+#include "apps/viewer/recording_session.h"
+#include "apps/viewer/ui_state.h"
 #include "io/picture_values.h"
 
 namespace rubble::viewer {
 namespace {
 
-void drawButtons(Desk& desk, Show& show) {
-  if (ImGui::Button(show.paused ? "Run" : "Pause")) show.paused = !show.paused;
+void drawButtons(UiState& uiState, Session& session) {
+  if (ImGui::Button(session.paused ? "Run" : "Pause")) session.paused = !session.paused;
   ImGui::SameLine();
-  if (ImGui::Button("Step")) show.paused = true, show.step();
+  if (ImGui::Button("Step")) session.paused = true, session.step();
   ImGui::SameLine();
-  if (ImGui::Button("Restart")) show.live() ? void(desk.wanted = show.live()->request()) : show.seek(0);
+  if (ImGui::Button("Restart"))
+    session.live() ? void(uiState.wanted = session.live()->request()) : session.seek(0);
   ImGui::SameLine();
-  if (ImGui::Button("Scenes")) desk.showPicker = desk.focusPicker = true;
-  if (!show.live()) return;
+  if (ImGui::Button("Scenes")) uiState.showPicker = uiState.focusPicker = true;
+  if (!session.live()) return;
   ImGui::SameLine();
-  if (ImGui::Button("Settings")) desk.showSettings = !desk.showSettings;
+  if (ImGui::Button("Settings")) uiState.showSettings = !uiState.showSettings;
   ImGui::SameLine();
-  if (ImGui::Button("Plots")) desk.showPlots = !desk.showPlots;
+  if (ImGui::Button("Plots")) uiState.showPlots = !uiState.showPlots;
 }
 
-void drawColors(Desk& desk, const Show& show) {
+void drawColors(UiState& uiState, const Session& session) {
   ImGui::SetNextItemWidth(120);
-  const io::Quantity& now = io::quantity(desk.colorBy);
-  if (ImGui::BeginCombo("colour", now.key)) {
+  const io::Quantity& now = io::quantity(uiState.colorBy);
+  if (ImGui::BeginCombo("color", now.key)) {
     for (const io::Quantity& q : io::quantities()) {
-      const bool known = const_cast<Show&>(show).live() || io::knownWithoutWorld(q.by);
-      if (ImGui::Selectable(q.key, q.by == desk.colorBy, known ? 0 : ImGuiSelectableFlags_Disabled))
-        desk.colorBy = q.by;
+      const bool known = const_cast<Session&>(session).live() || io::knownWithoutWorld(q.by);
+      if (ImGui::Selectable(q.key, q.by == uiState.colorBy, known ? 0 : ImGuiSelectableFlags_Disabled))
+        uiState.colorBy = q.by;
       if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", q.doc);
     }
     ImGui::EndCombo();
   }
   if (now.isKind) return;
   ImGui::SameLine();
-  ImGui::Text("up to %.3g %s", desk.fullValue, std::string(now.unit) == "1" ? "" : now.unit);
+  ImGui::Text("up to %.3g %s", uiState.fullValue, std::string(now.unit) == "1" ? "" : now.unit);
 }
 
 void drawOverlays(render::Overlays& overlays) {
@@ -65,44 +66,44 @@ void drawCounts(Player& player) {
       ImGui::Text("%s", player.label(side).c_str());
     ImGui::Text("%zu bodies, %d contact points", player.world(side).bodies().size(),
                 report.contacts + report.vertexContacts);
-    ImGui::Text("%d colours, %.2f ms a step", report.colors, report.totalMs);
+    ImGui::Text("%d colors, %.2f ms per step", report.colors, report.totalMs);
     if (!player.world(side).firstDifference().empty())
       ImGui::TextWrapped("differs: %s", player.world(side).firstDifference().c_str());
   }
 }
 
-void drawScenePanel(Desk& desk, Show& show) {
+void drawScenePanel(UiState& uiState, Session& session) {
   ImGui::SetNextWindowPos({kMargin, kMargin}, ImGuiCond_Once);
   ImGui::Begin("Scene", nullptr, kPlain);
-  ImGui::Text("%s", show.title().c_str());
-  ImGui::Text("%.2f s, step %lld, %s", show.time(), static_cast<long long>(show.now()),
-              show.paused ? "paused" : "running");
-  if (show.live())
-    drawCounts(*show.live());
-  else if (const auto* film = dynamic_cast<const Playback*>(&show))
+  ImGui::Text("%s", session.title().c_str());
+  ImGui::Text("%.2f s, step %lld, %s", session.time(), static_cast<long long>(session.now()),
+              session.paused ? "paused" : "running");
+  if (session.live())
+    drawCounts(*session.live());
+  else if (const auto* film = dynamic_cast<const RecordingSession*>(&session))
     ImGui::Text("frame %d of %d%s", film->frame() + 1, film->frames(),
                 film->complete() ? "" : ", the run was cut off");
-  drawButtons(desk, show);
-  auto speed = static_cast<float>(show.speed);
+  drawButtons(uiState, session);
+  auto speed = static_cast<float>(session.speed);
   ImGui::SetNextItemWidth(120);
   if (ImGui::SliderFloat("speed", &speed, .02f, 4, "%.2f", ImGuiSliderFlags_Logarithmic))
-    show.speed = static_cast<double>(speed);
-  drawColors(desk, show);
-  if (show.live()) drawOverlays(desk.overlays);
-  if (!desk.message.empty()) {
+    session.speed = static_cast<double>(speed);
+  drawColors(uiState, session);
+  if (session.live()) drawOverlays(uiState.overlays);
+  if (!uiState.message.empty()) {
     ImGui::PushTextWrapPos(340);
-    ImGui::TextColored({.75f, .1f, .05f, 1}, "%s", desk.message.c_str());
+    ImGui::TextColored({.75f, .1f, .05f, 1}, "%s", uiState.message.c_str());
     ImGui::PopTextWrapPos();
   }
   ImGui::TextDisabled("? for the keys");
   ImGui::End();
 }
 
-void drawHelp(Desk& desk) {
-  if (!desk.showHelp) return;
+void drawHelp(UiState& uiState) {
+  if (!uiState.showHelp) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {.5f, .5f});
-  ImGui::Begin("Keys", &desk.showHelp, kPlain);
+  ImGui::Begin("Keys", &uiState.showHelp, kPlain);
   ImGui::TextUnformatted(
       "left drag     pull a body or vertex; beside them: turn the camera\n"
       "right drag    turn the camera          middle drag   move it\n"
@@ -112,7 +113,7 @@ void drawHelp(Desk& desk) {
       "R             restart                  - +           slower, faster\n"
       "B             shoot a ball             X             drop a box where the mouse is\n"
       "P             pick a scene             PgUp, PgDn    previous, next scene\n"
-      "C, Shift C    next, previous colouring\n"
+      "C, Shift C    next, previous coloring\n"
       "1 2 3 4       contacts, forces, frames of joints, bounds\n"
       "G             plots of times, energy and residuals\n"
       "T             arguments of the scene and parameters\n"
@@ -123,35 +124,35 @@ void drawHelp(Desk& desk) {
   ImGui::End();
 }
 
-void drawPicker(Desk& desk, const std::vector<std::string>& scenes) {
-  if (!desk.showPicker) return;
+void drawPicker(UiState& uiState, const std::vector<std::string>& scenes) {
+  if (!uiState.showPicker) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y * .2f}, ImGuiCond_Always, {.5f, 0});
   ImGui::SetNextWindowSize({420, 380}, ImGuiCond_Always);
-  ImGui::Begin("Scenes", &desk.showPicker, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize);
-  if (desk.focusPicker) {
+  ImGui::Begin("Scenes", &uiState.showPicker, ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoResize);
+  if (uiState.focusPicker) {
     ImGui::SetKeyboardFocusHere();
-    desk.focusPicker = false;
-    desk.choice = 0;
+    uiState.focusPicker = false;
+    uiState.choice = 0;
   }
   ImGui::SetNextItemWidth(-1);
-  ImGui::InputText("##search", &desk.search, ImGuiInputTextFlags_AutoSelectAll);
-  if (ImGui::IsItemEdited()) desk.choice = 0;
-  const std::vector<std::size_t> found = fuzzySearch(desk.search, scenes);
+  ImGui::InputText("##search", &uiState.search, ImGuiInputTextFlags_AutoSelectAll);
+  if (ImGui::IsItemEdited()) uiState.choice = 0;
+  const std::vector<std::size_t> found = fuzzySearch(uiState.search, scenes);
   const int last = static_cast<int>(found.size()) - 1;
-  desk.choice = std::clamp(desk.choice, 0, std::max(0, last));
+  uiState.choice = std::clamp(uiState.choice, 0, std::max(0, last));
   std::string chosen;
   ImGui::BeginChild("##list");
   for (int i = 0; i <= last; ++i)
-    if (ImGui::Selectable(scenes[found[static_cast<std::size_t>(i)]].c_str(), i == desk.choice))
+    if (ImGui::Selectable(scenes[found[static_cast<std::size_t>(i)]].c_str(), i == uiState.choice))
       chosen = scenes[found[static_cast<std::size_t>(i)]];
   ImGui::EndChild();
-  if (desk.takeChoice && last >= 0) chosen = scenes[found[static_cast<std::size_t>(desk.choice)]];
-  desk.takeChoice = false;
+  if (uiState.takeChoice && last >= 0) chosen = scenes[found[static_cast<std::size_t>(uiState.choice)]];
+  uiState.takeChoice = false;
   ImGui::End();
   if (chosen.empty()) return;
-  desk.showPicker = false;
-  desk.wanted = Request{chosen, {}, ""};
+  uiState.showPicker = false;
+  uiState.wanted = Request{chosen, {}, ""};
 }
 
 /// Marks under the slider: where snapshots are, and where the branch began.
@@ -162,7 +163,7 @@ void drawMarks(const Player& player, const ImVec2& corner, float width) {
   };
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const Branch& branch = player.history().branch();
-  for (const auto& [step, worlds] : branch.moments)
+  for (const auto& [step, worlds] : branch.checkpoints)
     if (step <= player.last())
       draw->AddLine({at(step), corner.y}, {at(step), corner.y + 4}, IM_COL32(90, 110, 140, 255));
   for (const Input& input : branch.inputs)
@@ -174,21 +175,21 @@ void drawMarks(const Player& player, const ImVec2& corner, float width) {
 
 }  // namespace
 
-void drawTimeline(Desk& desk, Show& show) {
+void drawTimeline(UiState& uiState, Session& session) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y - kMargin}, ImGuiCond_Always, {.5f, 1});
   ImGui::SetNextWindowSize({std::min(size.x - 2 * kMargin, 900.f), 0});
   ImGui::Begin("Timeline", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoFocusOnAppearing);
-  auto now = static_cast<int>(show.now());
-  const auto last = static_cast<int>(std::max<std::int64_t>(1, show.last()));
-  const bool branches = show.live() && show.live()->history().branches().size() > 1;
+  auto now = static_cast<int>(session.now());
+  const auto last = static_cast<int>(std::max<std::int64_t>(1, session.last()));
+  const bool branches = session.live() && session.live()->history().branches().size() > 1;
   const float width = ImGui::GetContentRegionAvail().x - (branches ? 140.f : 0.f);
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   ImGui::SetNextItemWidth(width);
-  if (ImGui::SliderInt("##step", &now, 0, last, "step %d")) show.paused = true, show.seek(now);
+  if (ImGui::SliderInt("##step", &now, 0, last, "step %d")) session.paused = true, session.seek(now);
   if (branches) {
-    Player& player = *show.live();
+    Player& player = *session.live();
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1);
     if (ImGui::BeginCombo("##branch", player.history().branch().name.c_str())) {
@@ -198,32 +199,32 @@ void drawTimeline(Desk& desk, Show& show) {
         std::snprintf(label, sizeof label, "%s: from %lld to %lld", branch.name.c_str(),
                       static_cast<long long>(branch.begins), static_cast<long long>(branch.last));
         if (ImGui::Selectable(label, static_cast<int>(i) == player.history().current()))
-          player.choose(static_cast<int>(i)), desk.selection = {};
+          player.choose(static_cast<int>(i)), uiState.selection = {};
       }
       ImGui::EndCombo();
     }
   }
-  if (show.live()) {
-    drawMarks(*show.live(), {corner.x, ImGui::GetCursorScreenPos().y - 3}, width);
+  if (session.live()) {
+    drawMarks(*session.live(), {corner.x, ImGui::GetCursorScreenPos().y - 3}, width);
     ImGui::Dummy({0, 5});
   }
   ImGui::End();
 }
 
-void drawPanels(Desk& desk, Show& show, const std::vector<std::string>& scenes) {
+void drawPanels(UiState& uiState, Session& session, const std::vector<std::string>& scenes) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
-  if (show.sides() == 2)
+  if (session.sides() == 2)
     ImGui::GetBackgroundDrawList()->AddLine({size.x / 2, 0}, {size.x / 2, size.y},
                                             IM_COL32(250, 250, 250, 255), 3);
-  drawScenePanel(desk, show);
-  if (Player* player = show.live()) {
-    drawInspector(desk, *player);
-    if (desk.showPlots) drawPlots(desk, *player);
-    if (desk.showSettings) drawSettings(desk, *player);
+  drawScenePanel(uiState, session);
+  if (Player* player = session.live()) {
+    drawInspector(uiState, *player);
+    if (uiState.showPlots) drawPlots(uiState, *player);
+    if (uiState.showSettings) drawSettings(uiState, *player);
   }
-  drawTimeline(desk, show);
-  drawHelp(desk);
-  drawPicker(desk, scenes);
+  drawTimeline(uiState, session);
+  drawHelp(uiState);
+  drawPicker(uiState, scenes);
 }
 
 }  // namespace rubble::viewer

@@ -6,7 +6,7 @@
 namespace rubble::viewer {
 namespace {
 
-constexpr std::size_t kPastKept = 240;  // steps
+constexpr std::size_t kRecordsKept = 240;  // steps
 
 std::vector<Snapshot> snapshotsOf(const std::vector<std::unique_ptr<scenes::Runner>>& runners) {
   std::vector<Snapshot> out;
@@ -16,12 +16,12 @@ std::vector<Snapshot> snapshotsOf(const std::vector<std::unique_ptr<scenes::Runn
 
 }  // namespace
 
-Player::Player(const Opener& opener, const Request& request, int sides) : request_(request) {
+Player::Player(const SceneOpener& opener, const Request& request, int sides) : request_(request) {
   std::size_t bytes = 0;
   for (int side = 0; side < sides; ++side) {
-    Opened opened = opener(request, side);
+    OpenedScene opened = opener(request, side);
     opened.job.probes
-        .clear();  // they look at every body after every step, for a verdict that nobody asks for here
+        .clear();  // probes visit every body in every step, for a verdict that the viewer does not show
     runners_.push_back(std::make_unique<scenes::Runner>(std::move(opened.job), opened.world));
     labels_.push_back(opened.label);
     bytes += runners_.back()->world().memoryBytes();
@@ -36,21 +36,21 @@ Player::Player(const Opener& opener, const Request& request, int sides) : reques
 
 void Player::measure() {
   const StepReport& report = reports_.front();
-  Past past{now(), report.totalMs, report.stages, 0, 0, 0};
+  StepRecord records{now(), report.totalMs, report.stages, 0, 0, 0};
   if (measureEnergy) {
     const Quality quality = world().quality();
-    past.kinetic = quality.kineticEnergy, past.potential = quality.potentialEnergy;
-    past.error = std::max(quality.penetration.max, quality.jointGapMax);
+    records.kinetic = quality.kineticEnergy, records.potential = quality.potentialEnergy;
+    records.error = std::max(quality.penetration.max, quality.jointGapMax);
   }
-  if (past_.size() >= kPastKept) past_.erase(past_.begin());
-  past_.push_back(std::move(past));
+  if (records_.size() >= kRecordsKept) records_.erase(records_.begin());
+  records_.push_back(std::move(records));
 }
 
 bool Player::step() {
   applyDue();
   for (std::size_t side = 0; side < runners_.size(); ++side) reports_[side] = runners_[side]->step();
   history_.reached(now());
-  if (history_.wantsMoment(now())) history_.keep(now(), snapshotsOf(runners_));
+  if (history_.wantsCheckpoint(now())) history_.keep(now(), snapshotsOf(runners_));
   measure();
   return true;
 }
@@ -62,14 +62,14 @@ void Player::restore(std::int64_t step) {
     runners_[side]->rewound();
   }
   history_.rewound(at);
-  past_.clear();
+  records_.clear();
 }
 
 void Player::seek(std::int64_t step) {
   const std::int64_t wanted = std::clamp<std::int64_t>(step, 0, last());
   if (wanted < now() || history_.before(wanted).first > now()) restore(wanted);
   while (now() < wanted) this->step();
-  // What was done at the end of a branch, after its last step.
+  // Inputs after the last step of a branch.
   if (now() == last()) applyDue();
 }
 

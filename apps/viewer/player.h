@@ -1,5 +1,5 @@
 #pragma once
-/// A scene that runs in the viewer, or two that are compared, and what is done to them.
+/// A scene that runs in the viewer, or two scenes that are compared, and the inputs to them.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -7,18 +7,18 @@
 #include <vector>
 
 #include "apps/viewer/history.h"
-#include "apps/viewer/show.h"
+#include "apps/viewer/session.h"
 
 namespace rubble::viewer {
 
-/// What is asked to be shown.
+/// A request to show a scene.
 struct Request {
   std::string scene;            ///< a name, or a file
   scenes::Arguments arguments;  ///< that differ from the usual ones
   std::string backend;          ///< "": the usual one
 };
 /// A scene, ready to run.
-struct Opened {
+struct OpenedScene {
   std::string title;
   std::string label;  ///< of one side: "cpu, 4 iterations"
   scenes::Job job;
@@ -27,21 +27,21 @@ struct Opened {
       {};  ///< that the scene can be built with, with the values that it has
 };
 /// Opens the scene of a side; throws Error if there is none.
-using Opener = std::function<Opened(const Request&, int side)>;
+using SceneOpener = std::function<OpenedScene(const Request&, int side)>;
 
-/// What a step said of itself, to be plotted.
-struct Past {
+/// Measurements of a step, for plots.
+struct StepRecord {
   std::int64_t step = 0;
   double totalMs = 0;
   std::vector<StageTime> stages;
-  double kinetic = 0, potential = 0;  ///< [J]; measured if asked for
+  double kinetic = 0, potential = 0;  ///< [J]; only with measureEnergy
   double error = 0;                   ///< largest penetration or gap [m]
 };
 
-class Player final : public Show {
+class Player final : public Session {
  public:
   /// Throws Error if the scene cannot be opened.
-  Player(const Opener& opener, const Request& request, int sides = 1);
+  Player(const SceneOpener& opener, const Request& request, int sides = 1);
 
   Player* live() override { return this; }
   const std::string& title() const override { return title_; }
@@ -59,7 +59,7 @@ class Player final : public Show {
   std::int64_t last() const override { return history_.branch().last; }
   bool step() override;
   void seek(std::int64_t step) override;
-  /// Goes on with another branch, at its end.
+  /// Switches to the end of another branch.
   void choose(int branch);
 
   World& world(int side = 0) { return runners_[static_cast<std::size_t>(side)]->world(); }
@@ -69,23 +69,23 @@ class Player final : public Show {
   const std::vector<scenes::Argument>& arguments() const { return arguments_; }
   const History& history() const { return history_; }
   const StepReport& report(int side = 0) const { return reports_[static_cast<std::size_t>(side)]; }
-  const std::vector<Past>& past() const { return past_; }
+  const std::vector<StepRecord>& records() const { return records_; }
   bool measureEnergy = false;
 
-  /// Does something to all worlds, and remembers it as part of the branch. `replaces`: an input of the same
-  /// name in the same step.
+  /// Applies an input to all worlds and records it in the branch. `replaces`: it replaces an input of the
+  /// same name in the same step.
   void apply(const std::string& what, std::function<void(World&)> change, bool replaces = false);
   /// Changes parameters of all worlds.
   void changeParams(const std::string& what, std::function<void(Params&)> change);
-  /// Another one each time: for names.
+  /// A new number on each call, for names.
   int nextNumber() { return ++numbers_; }
   std::optional<BodyId> bodyWithKey(std::uint32_t key) const;
 
  private:
   void measure();
-  /// To the moment at or before a step.
+  /// Restores the checkpoint at or before a step.
   void restore(std::int64_t step);
-  /// What was done to this step before, and is not done yet.
+  /// Applies the recorded inputs of this step that are still due.
   void applyDue();
 
   std::vector<std::unique_ptr<scenes::Runner>> runners_;
@@ -95,7 +95,7 @@ class Player final : public Show {
   std::vector<scenes::Argument> arguments_;
   History history_;
   std::vector<StepReport> reports_;
-  std::vector<Past> past_;
+  std::vector<StepRecord> records_;
   int numbers_ = 0;
 };
 
@@ -104,7 +104,7 @@ struct IterationError {
   double error = 0;   ///< largest penetration or gap of a joint [m]
   double change = 0;  ///< farthest that a body or vertex lies from where one iteration less leaves it [m]
 };
-/// Takes the next step with ever more iterations, each from the present state, which is as before afterwards.
+/// Takes the next step with 1, 2, ... iterations, each from the present state, which is restored afterwards.
 std::vector<IterationError> iterationErrors(World& world);
 
 }  // namespace rubble::viewer

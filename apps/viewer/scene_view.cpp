@@ -15,10 +15,10 @@ constexpr double kFrameDistance = 9;
 constexpr float kSelectedWidth = 3, kSelectedDot = 9;
 constexpr std::uint32_t kSelectedColor = 0xe08a12;
 
-render::Camera cameraShowing(Show& show, int width, int height) {
-  const scenes::Camera own = show.camera();
+render::Camera cameraShowing(Session& session, int width, int height) {
+  const scenes::Camera own = session.camera();
   const double aspect = static_cast<double>(width) / height;
-  return render::cameraShowing(show.framed(), show.gravity(), {own.target - own.eye, .2, aspect, .5});
+  return render::cameraShowing(session.framed(), session.gravity(), {own.target - own.eye, .2, aspect, .5});
 }
 
 void addSelection(World& world, const Selection& selection, double size, std::vector<render::Line>& lines) {
@@ -51,40 +51,41 @@ std::optional<SoftId> objectWithKey(const World& world, std::uint32_t key) {
 
 }  // namespace
 
-void SceneView::begin(Show& show, int width, int height) {
+void SceneView::begin(Session& session, int width, int height) {
   width_ = width, height_ = height;
   stages_.clear();
-  // Without a GPU a window that answers is worth more than fine shadows.
+  // Software rendering: a responsive window matters more than fine shadows.
   if (render::gl::drawsInSoftware()) quality_ = {1, 1024, 2, 4};
-  const int sideWidth = std::max(1, width / show.sides());
-  orbit = Orbit(cameraShowing(show, sideWidth, height));
-  for (int side = 0; side < show.sides(); ++side)
-    stages_.push_back(std::make_unique<render::Stage>(show.bodies(side, io::ColorBy::Body), show.gravity(),
-                                                      orbit.camera(), sideWidth, height));
+  const int sideWidth = std::max(1, width / session.sides());
+  orbit = Orbit(cameraShowing(session, sideWidth, height));
+  for (int side = 0; side < session.sides(); ++side)
+    stages_.push_back(std::make_unique<render::Stage>(session.bodies(side, io::ColorBy::Body),
+                                                      session.gravity(), orbit.camera(), sideWidth, height));
 }
 
-void SceneView::draw(Show& show, Desk& desk, int width, int height) {
+void SceneView::draw(Session& session, UiState& uiState, int width, int height) {
   width_ = width, height_ = height;
-  desk.fullValue = 0;
-  for (int side = 0; side < show.sides(); ++side) {
+  uiState.fullValue = 0;
+  for (int side = 0; side < session.sides(); ++side) {
     render::Stage& stage = *stages_[static_cast<std::size_t>(side)];
     render::Renderer& renderer = stage.renderer();
-    Player* player = show.live();
-    if (player && desk.colorBy == io::ColorBy::Body)
+    Player* player = session.live();
+    if (player && uiState.colorBy == io::ColorBy::Body)
       stage.follow(player->world(side));
     else
-      stage.setBodies(show.bodies(side, desk.colorBy), desk.colorBy);
-    desk.fullValue = std::max(desk.fullValue, stage.fullValue());
+      stage.setBodies(session.bodies(side, uiState.colorBy), uiState.colorBy);
+    uiState.fullValue = std::max(uiState.fullValue, stage.fullValue());
     std::vector<render::Line> lines;
     int selected = -1;
     if (player) {
       World& world = player->world(side);
-      if (desk.overlays.any()) lines = render::overlayLines(world, desk.overlays, stage.setting().bodySize);
-      addSelection(world, desk.selection, stage.setting().bodySize, lines);
-      if (desk.selection.body) {
+      if (uiState.overlays.any())
+        lines = render::overlayLines(world, uiState.overlays, stage.setting().bodySize);
+      addSelection(world, uiState.selection, stage.setting().bodySize, lines);
+      if (uiState.selection.body) {
         const auto& keys = stage.keys();
         const auto at = std::find(keys.begin(), keys.end(),
-                                  static_cast<std::uint32_t>(desk.selection.body->index));
+                                  static_cast<std::uint32_t>(uiState.selection.body->index));
         if (at != keys.end()) selected = static_cast<int>(at - keys.begin());
       }
     }
@@ -111,27 +112,27 @@ Vec3 SceneView::pointAt(double x, double y, double depth) const {
   return camera.eye + along * (depth / dot(along, normalize(camera.target - camera.eye)));
 }
 
-Seen SceneView::at(Show& show, double x, double y) const {
-  Seen seen;
-  seen.side = std::clamp(static_cast<int>(x) / sideWidth(), 0, static_cast<int>(stages_.size()) - 1);
-  render::Stage& stage = *stages_[static_cast<std::size_t>(seen.side)];
-  const int px = static_cast<int>(x) - seen.side * sideWidth(), py = static_cast<int>(y);
+PickResult SceneView::pick(Session& session, double x, double y) const {
+  PickResult picked;
+  picked.side = std::clamp(static_cast<int>(x) / sideWidth(), 0, static_cast<int>(stages_.size()) - 1);
+  render::Stage& stage = *stages_[static_cast<std::size_t>(picked.side)];
+  const int px = static_cast<int>(x) - picked.side * sideWidth(), py = static_cast<int>(y);
   const int body = stage.renderer().bodyAt(px, py), surface = stage.renderer().surfaceAt(px, py);
-  if (body < 0 && surface < 0) return seen;
-  seen.something = true;
-  seen.point = stage.renderer().pointAt(px, py);
-  if (!show.live()) return seen;
-  World& world = show.live()->world(seen.side);
+  if (body < 0 && surface < 0) return picked;
+  picked.something = true;
+  picked.point = stage.renderer().pointAt(px, py);
+  if (!session.live()) return picked;
+  World& world = session.live()->world(picked.side);
   const std::uint32_t key = body >= 0 ? stage.keys()[static_cast<std::size_t>(body)]
                                       : stage.surfaceKeys()[static_cast<std::size_t>(surface)];
-  if (key == io::kRopeKey) return seen;
+  if (key == io::kRopeKey) return picked;
   if (key < io::kSoftKeys) {
-    seen.what.body = show.live()->bodyWithKey(key);
+    picked.what.body = session.live()->bodyWithKey(key);
   } else if (const auto object = objectWithKey(world, key)) {
-    seen.what.object = object;
-    seen.what.vertex = nearestVertex(world, *object, seen.point);
+    picked.what.object = object;
+    picked.what.vertex = nearestVertex(world, *object, picked.point);
   }
-  return seen;
+  return picked;
 }
 
 std::optional<JointId> SceneView::jointAt(Player& player, double x, double y) const {
@@ -149,10 +150,10 @@ std::optional<JointId> SceneView::jointAt(Player& player, double x, double y) co
   return best;
 }
 
-void SceneView::frame(Show& show, const Selection& selection) {
-  Player* player = show.live();
+void SceneView::frame(Session& session, const Selection& selection) {
+  Player* player = session.live();
   if (!player || !selection.any()) {
-    orbit = Orbit(cameraShowing(show, sideWidth(), height_));
+    orbit = Orbit(cameraShowing(session, sideWidth(), height_));
     return;
   }
   World& world = player->world();

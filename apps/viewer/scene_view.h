@@ -1,17 +1,17 @@
 #pragma once
-/// The scene in the window, once or twice beside itself, and what lies under the mouse.
+/// The scene in the window, once or twice side by side, and picking.
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "apps/viewer/desk.h"
 #include "apps/viewer/orbit.h"
+#include "apps/viewer/ui_state.h"
 #include "render/stage.h"
 
 namespace rubble::viewer {
 
-/// What is seen at a pixel.
-struct Seen {
+/// Result of picking at a pixel.
+struct PickResult {
   int side = 0;
   Vec3 point;  ///< [m]
   bool something = false;
@@ -20,13 +20,13 @@ struct Seen {
 
 class SceneView {
  public:
-  /// A new scene: light, colours and camera are taken from it.
-  void begin(Show& show, int width, int height);
+  /// A new scene: light, colors and camera are taken from it.
+  void begin(Session& session, int width, int height);
   /// Draws into the window.
-  void draw(Show& show, Desk& desk, int width, int height);
+  void draw(Session& session, UiState& uiState, int width, int height);
 
   /// `x`, `y`: pixels from the upper left of the window.
-  Seen at(Show& show, double x, double y) const;
+  PickResult pick(Session& session, double x, double y) const;
   /// The joint whose anchor is seen within some pixels.
   std::optional<JointId> jointAt(Player& player, double x, double y) const;
   Vec3 ray(double x, double y) const;
@@ -34,7 +34,7 @@ class SceneView {
   Vec3 pointAt(double x, double y, double depth) const;
   double depthOf(const Vec3& point) const;
   /// Shows the selection, or everything.
-  void frame(Show& show, const Selection& selection);
+  void frame(Session& session, const Selection& selection);
 
   Orbit orbit;
   double bodySize() const { return stages_.front()->setting().bodySize; }

@@ -1,6 +1,6 @@
 #include "apps/viewer/state_file.h"
 
-#include "apps/viewer/playback.h"
+#include "apps/viewer/recording_session.h"
 #include "io/json_text.h"
 #include "io/picture_values.h"
 #include "io/scene_json.h"
@@ -15,7 +15,7 @@ constexpr std::size_t kMostListed = 64;
 
 Json pointJson(const Vec3& p) { return {p.x, p.y, p.z}; }
 
-void addLive(Json& state, Player& player, const Desk& desk) {
+void addLive(Json& state, Player& player, const UiState& uiState) {
   World& world = player.world();
   Json bodies = Json::object(), vertices = Json::object();
   const std::vector<BodyId> ids = world.bodies();
@@ -31,7 +31,7 @@ void addLive(Json& state, Player& player, const Desk& desk) {
       for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], p[k]), high[k] = std::max(high[k], p[k]);
     vertices[std::to_string(id.index)] = {pointJson(low), pointJson(high)};
   }
-  const Selection& s = desk.selection;
+  const Selection& s = uiState.selection;
   state["backend"] = player.backend();
   state["bodies"] = bodies;
   state["objects"] = vertices;
@@ -42,41 +42,41 @@ void addLive(Json& state, Player& player, const Desk& desk) {
   state["selected_vertex"] = s.object ? s.vertex : -1;
   state["branch"] = player.history().branch().name;
   state["branches"] = player.history().branches().size();
-  state["moments"] = player.history().branch().moments.size();
+  state["moments"] = player.history().branch().checkpoints.size();
   state["hash"] = std::to_string(world.hash());
   state["iterations"] = world.params().iterations;
-  state["plotted_steps"] = player.past().size();
-  state["plotted_iterations"] = desk.iterations.size();
+  state["plotted_steps"] = player.records().size();
+  state["plotted_iterations"] = uiState.iterations.size();
 }
 
 }  // namespace
 
-std::string stateText(int frame, Show& show, const std::string& scene, const Desk& desk, const Orbit& orbit,
-                      bool holds) {
+std::string stateText(int frame, Session& session, const std::string& scene, const UiState& uiState,
+                      const Orbit& orbit, bool holds) {
   Json overlays = Json::array();
-  if (desk.overlays.contacts) overlays.push_back("contacts");
-  if (desk.overlays.forces) overlays.push_back("forces");
-  if (desk.overlays.joints) overlays.push_back("joints");
-  if (desk.overlays.bounds) overlays.push_back("bounds");
+  if (uiState.overlays.contacts) overlays.push_back("contacts");
+  if (uiState.overlays.forces) overlays.push_back("forces");
+  if (uiState.overlays.joints) overlays.push_back("joints");
+  if (uiState.overlays.bounds) overlays.push_back("bounds");
   Json state = {{"frame", frame},
                 {"scene", scene},
-                {"title", show.title()},
-                {"sides", show.sides()},
-                {"paused", show.paused},
-                {"steps", show.now()},
-                {"last", show.last()},
-                {"speed", show.speed},
-                {"color_by", io::quantity(desk.colorBy).key},
-                {"full_value", desk.fullValue},
+                {"title", session.title()},
+                {"sides", session.sides()},
+                {"paused", session.paused},
+                {"steps", session.now()},
+                {"last", session.last()},
+                {"speed", session.speed},
+                {"color_by", io::quantity(uiState.colorBy).key},
+                {"full_value", uiState.fullValue},
                 {"overlays", overlays},
-                {"help", desk.showHelp},
-                {"plots", desk.showPlots},
-                {"settings", desk.showSettings},
-                {"message", desk.message},
+                {"help", uiState.showHelp},
+                {"plots", uiState.showPlots},
+                {"settings", uiState.showSettings},
+                {"message", uiState.message},
                 {"eye", pointJson(orbit.camera().eye)},
                 {"held", holds},
-                {"recording", show.live() == nullptr}};
-  if (show.live()) addLive(state, *show.live(), desk);
+                {"recording", session.live() == nullptr}};
+  if (session.live()) addLive(state, *session.live(), uiState);
   return io::prettyJson(state);
 }
 

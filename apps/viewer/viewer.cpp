@@ -13,8 +13,8 @@
 
 #include <rubble/error.h>
 
-#include "apps/viewer/hand.h"
-#include "apps/viewer/playback.h"
+#include "apps/viewer/dragger.h"
+#include "apps/viewer/recording_session.h"
 #include "apps/viewer/scene_view.h"
 #include "apps/viewer/state_file.h"
 #include "apps/viewer/window.h"
@@ -48,9 +48,9 @@ class Viewer {
       if (count > 0) viewerOf(w)->open({files[0], {}, ""});
     });
     panels_ = std::make_unique<PanelContext>(window_.handle());
-    show_ = showOf(options.first);
+    session_ = sessionOf(options.first);
     request_ = options.first;
-    view_.begin(*show_, options.width, options.height);
+    view_.begin(*session_, options.width, options.height);
   }
 
   void run() {
@@ -59,56 +59,56 @@ class Viewer {
     while (!glfwWindowShouldClose(window_.handle()) && (options_.frames == 0 || frame < options_.frames)) {
       glfwPollEvents();
       const double now = glfwGetTime();
-      guarded([&] { show_->play(now - before); });
+      guarded([&] { session_->play(now - before); });
       before = now;
       draw();
       ++frame;
       if (!options_.stateFile.empty())
         io::writeText(options_.stateFile,
-                      stateText(frame, *show_, request_.scene, desk_, view_.orbit, hand_.holds()));
+                      stateText(frame, *session_, request_.scene, uiState_, view_.orbit, dragger_.holds()));
     }
     if (!options_.screenshot.empty()) io::writePng(screen_, options_.screenshot);
   }
 
  private:
-  /// A fault stops the show and is said in the window.
+  /// An error pauses the session and is shown in the window.
   template <class Work> void guarded(Work&& work) {
     try {
       work();
     } catch (const Error& error) {
-      desk_.message = error.what();
-      show_->paused = true;
+      uiState_.message = error.what();
+      session_->paused = true;
     }
   }
 
-  std::unique_ptr<Show> showOf(const Request& request) const {
+  std::unique_ptr<Session> sessionOf(const Request& request) const {
     if (std::filesystem::path(request.scene).extension() == ".rubble")
-      return std::make_unique<Playback>(request.scene);
+      return std::make_unique<RecordingSession>(request.scene);
     return std::make_unique<Player>(options_.open, request, options_.sides);
   }
 
-  /// Shows something else; keeps the present show, and says why, if that cannot be opened.
+  /// Opens another session. If that fails, the present one stays and the window shows the error.
   void open(const Request& request) {
     guarded([&] {
-      std::unique_ptr<Show> next = showOf(request);
+      std::unique_ptr<Session> next = sessionOf(request);
       const bool sameScene = request.scene == request_.scene;
-      next->speed = show_->speed;
-      next->paused = sameScene && show_->paused;
-      hand_.forget();
-      show_ = std::move(next);
+      next->speed = session_->speed;
+      next->paused = sameScene && session_->paused;
+      dragger_.forget();
+      session_ = std::move(next);
       request_ = request;
-      desk_.message.clear();
-      desk_.selection = {};
-      desk_.iterations.clear();
-      desk_.iterationsOf = -1;
-      if (!show_->live() && !io::knownWithoutWorld(desk_.colorBy)) desk_.colorBy = io::ColorBy::Body;
+      uiState_.message.clear();
+      uiState_.selection = {};
+      uiState_.iterations.clear();
+      uiState_.iterationsOf = -1;
+      if (!session_->live() && !io::knownWithoutWorld(uiState_.colorBy)) uiState_.colorBy = io::ColorBy::Body;
       const Orbit orbit = view_.orbit;
-      view_.begin(*show_, width_, height_);
+      view_.begin(*session_, width_, height_);
       if (sameScene) view_.orbit = orbit;
     });
   }
 
-  void openNeighbour(int by) {
+  void openNeighbor(int by) {
     const auto at = std::find(options_.scenes.begin(), options_.scenes.end(), request_.scene);
     const auto count = static_cast<int>(options_.scenes.size());
     if (count == 0) return;
@@ -119,70 +119,70 @@ class Viewer {
 
   void nextColor(int by) {
     const int count = static_cast<int>(io::quantities().size());
-    do desk_.colorBy = static_cast<io::ColorBy>((static_cast<int>(desk_.colorBy) + by + count) % count);
-    while (!show_->live() && !io::knownWithoutWorld(desk_.colorBy));
+    do uiState_.colorBy = static_cast<io::ColorBy>((static_cast<int>(uiState_.colorBy) + by + count) % count);
+    while (!session_->live() && !io::knownWithoutWorld(uiState_.colorBy));
   }
 
   void nextJoint(Player& player) {
     const std::vector<JointId> joints = player.world().joints();
     if (joints.empty()) return;
-    auto at = desk_.selection.joint ? std::find(joints.begin(), joints.end(), *desk_.selection.joint)
-                                    : joints.end();
+    auto at = uiState_.selection.joint ? std::find(joints.begin(), joints.end(), *uiState_.selection.joint)
+                                       : joints.end();
     if (at != joints.end()) ++at;
-    desk_.selection = {std::nullopt, at == joints.end() ? joints.front() : *at, std::nullopt, -1};
+    uiState_.selection = {std::nullopt, at == joints.end() ? joints.front() : *at, std::nullopt, -1};
   }
 
   void seek(std::int64_t step) {
-    if (show_->live()) hand_.forget();
-    show_->paused = true;
-    show_->seek(step);
+    if (session_->live()) dragger_.forget();
+    session_->paused = true;
+    session_->seek(step);
   }
 
   void key(int key, bool shift) {
-    if (key == GLFW_KEY_ESCAPE) desk_.selection = {}, desk_.showPicker = false;
-    if (desk_.showPicker) {
+    if (key == GLFW_KEY_ESCAPE) uiState_.selection = {}, uiState_.showPicker = false;
+    if (uiState_.showPicker) {
       // Here and not from Dear ImGui, which does not see a key that goes down and up within one frame.
-      desk_.takeChoice = desk_.takeChoice || key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
-      desk_.choice += key == GLFW_KEY_DOWN ? 1 : key == GLFW_KEY_UP ? -1 : 0;
+      uiState_.takeChoice = uiState_.takeChoice || key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER;
+      uiState_.choice += key == GLFW_KEY_DOWN ? 1 : key == GLFW_KEY_UP ? -1 : 0;
     }
-    if (ImGui::GetIO().WantTextInput || desk_.showPicker) return;
+    if (ImGui::GetIO().WantTextInput || uiState_.showPicker) return;
     switch (key) {
       case GLFW_KEY_SPACE:
-        show_->paused = !show_->paused;
+        session_->paused = !session_->paused;
         return;
       case GLFW_KEY_N:
       case GLFW_KEY_RIGHT:
-        show_->paused = true, show_->step();
+        session_->paused = true, session_->step();
         return;
       case GLFW_KEY_LEFT:
-        return seek(show_->now() - 1);
+        return seek(session_->now() - 1);
       case GLFW_KEY_HOME:
         return seek(0);
       case GLFW_KEY_END:
-        return seek(show_->last());
+        return seek(session_->last());
       case GLFW_KEY_R:
         return open(request_);
       case GLFW_KEY_P:
-        desk_.showPicker = desk_.focusPicker = true, openedPicker_ = true;
+        uiState_.showPicker = uiState_.focusPicker = true, openedPicker_ = true;
         return;
       case GLFW_KEY_PAGE_UP:
-        return openNeighbour(-1);
+        return openNeighbor(-1);
       case GLFW_KEY_PAGE_DOWN:
-        return openNeighbour(1);
+        return openNeighbor(1);
       case GLFW_KEY_F:
-        return view_.frame(*show_, desk_.selection);
+        return view_.frame(*session_, uiState_.selection);
       case GLFW_KEY_C:
         return nextColor(shift ? -1 : 1);
       case GLFW_KEY_MINUS:
-        show_->speed /= kSpeedStep;
+        session_->speed /= kSpeedStep;
         return;
       case GLFW_KEY_EQUAL:
-        show_->speed *= kSpeedStep;
+        session_->speed *= kSpeedStep;
         return;
       default:
         break;
     }
-    if (show_->live()) liveKey(key, *show_->live());
+    if (session_->live()) liveKey(key, *session_->live());
   }
 
   void liveKey(int key, Player& player) {
@@ -192,27 +192,27 @@ class Viewer {
         shoot(player, view_.orbit.camera().eye, view_.ray(double{at.x}, double{at.y}), view_.bodySize());
         return;
       case GLFW_KEY_X: {
-        const Seen seen = view_.at(*show_, double{at.x}, double{at.y});
-        dropBox(player, seen.something ? seen.point : view_.orbit.camera().target, view_.bodySize());
+        const PickResult picked = view_.pick(*session_, double{at.x}, double{at.y});
+        dropBox(player, picked.something ? picked.point : view_.orbit.camera().target, view_.bodySize());
         return;
       }
       case GLFW_KEY_1:
-        desk_.overlays.contacts = !desk_.overlays.contacts;
+        uiState_.overlays.contacts = !uiState_.overlays.contacts;
         return;
       case GLFW_KEY_2:
-        desk_.overlays.forces = !desk_.overlays.forces;
+        uiState_.overlays.forces = !uiState_.overlays.forces;
         return;
       case GLFW_KEY_3:
-        desk_.overlays.joints = !desk_.overlays.joints;
+        uiState_.overlays.joints = !uiState_.overlays.joints;
         return;
       case GLFW_KEY_4:
-        desk_.overlays.bounds = !desk_.overlays.bounds;
+        uiState_.overlays.bounds = !uiState_.overlays.bounds;
         return;
       case GLFW_KEY_G:
-        desk_.showPlots = !desk_.showPlots;
+        uiState_.showPlots = !uiState_.showPlots;
         return;
       case GLFW_KEY_T:
-        desk_.showSettings = !desk_.showSettings;
+        uiState_.showSettings = !uiState_.showSettings;
         return;
       case GLFW_KEY_J:
         return nextJoint(player);
@@ -222,7 +222,7 @@ class Viewer {
   }
 
   void letter(unsigned letter) {
-    if (letter == '?' && !ImGui::GetIO().WantTextInput) desk_.showHelp = !desk_.showHelp;
+    if (letter == '?' && !ImGui::GetIO().WantTextInput) uiState_.showHelp = !uiState_.showHelp;
   }
 
   void mouse() {
@@ -233,14 +233,14 @@ class Viewer {
     if (free && io.MouseWheel != 0) view_.orbit.zoom(std::pow(kZoomStep, double{io.MouseWheel}));
     if (free && ImGui::IsMouseClicked(0)) press(x, y);
     if (pressed_ && ImGui::IsMouseDown(0)) {
-      if (hand_.holds())
-        hand_.pull(*show_->live(), view_.pointAt(x, y, gripDepth_));
+      if (dragger_.holds())
+        dragger_.pull(*session_->live(), view_.pointAt(x, y, gripDepth_));
       else
         view_.orbit.turn(dx, dy);
     }
     if (pressed_ && ImGui::IsMouseReleased(0)) {
       pressed_ = false;
-      if (show_->live()) hand_.release(*show_->live());
+      if (session_->live()) dragger_.release(*session_->live());
       if (std::hypot(x - pressedX_, y - pressedY_) < kClick) click(x, y);
     }
     if (free && ImGui::IsMouseDown(1)) view_.orbit.turn(dx, dy);
@@ -250,23 +250,23 @@ class Viewer {
   void press(double x, double y) {
     pressed_ = true;
     pressedX_ = x, pressedY_ = y;
-    const Seen seen = view_.at(*show_, x, y);
-    under_ = seen.what;
-    Player* player = show_->live();
+    const PickResult picked = view_.pick(*session_, x, y);
+    under_ = picked.what;
+    Player* player = session_->live();
     if (!player || !under_.any()) return;
-    gripDepth_ = view_.depthOf(seen.point);
+    gripDepth_ = view_.depthOf(picked.point);
     if (under_.body)
-      hand_.take(*player, *under_.body, seen.point);
-    else if (hand_.take(*player, *under_.object, under_.vertex))
+      dragger_.take(*player, *under_.body, picked.point);
+    else if (dragger_.take(*player, *under_.object, under_.vertex))
       gripDepth_ = view_.depthOf(
           player->world().positions(*under_.object)[static_cast<std::size_t>(under_.vertex)]);
   }
 
   void click(double x, double y) {
-    desk_.selection = under_;
-    if (!show_->live() || !desk_.overlays.joints) return;
-    if (const auto joint = view_.jointAt(*show_->live(), x, y))
-      desk_.selection = {std::nullopt, joint, std::nullopt, -1};
+    uiState_.selection = under_;
+    if (!session_->live() || !uiState_.overlays.joints) return;
+    if (const auto joint = view_.jointAt(*session_->live(), x, y))
+      uiState_.selection = {std::nullopt, joint, std::nullopt, -1};
   }
 
   void draw() {
@@ -281,17 +281,17 @@ class Viewer {
     }
     ImGui::NewFrame();
     guarded([&] { mouse(); });
-    guarded([&] { drawPanels(desk_, *show_, options_.scenes); });
+    guarded([&] { drawPanels(uiState_, *session_, options_.scenes); });
     ImGui::Render();
-    if (desk_.wanted) {
-      const Request wanted = *desk_.wanted;
-      desk_.wanted.reset();
+    if (uiState_.wanted) {
+      const Request wanted = *uiState_.wanted;
+      uiState_.wanted.reset();
       open(wanted);
     }
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glClearColor(1, 1, 1, 1);
     glClear(GL_COLOR_BUFFER_BIT);
-    guarded([&] { view_.draw(*show_, desk_, width_, height_); });
+    guarded([&] { view_.draw(*session_, uiState_, width_, height_); });
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     if (!options_.screenshot.empty()) capture();
@@ -312,11 +312,11 @@ class Viewer {
   ViewerOptions options_;
   Window window_;
   std::unique_ptr<PanelContext> panels_;
-  std::unique_ptr<Show> show_;
+  std::unique_ptr<Session> session_;
   Request request_;
   SceneView view_;
-  Hand hand_;
-  Desk desk_;
+  Dragger dragger_;
+  UiState uiState_;
   int width_ = 1, height_ = 1;
   bool pressed_ = false, openedPicker_ = false;
   double pressedX_ = 0, pressedY_ = 0;  ///< [pixels]

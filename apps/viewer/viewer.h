@@ -10,7 +10,7 @@ namespace rubble::viewer {
 struct ViewerOptions {
   Request first;                    ///< a scene, a scene file or a recording
   std::vector<std::string> scenes;  ///< what the picker offers
-  Opener open;
+  SceneOpener open;
   int sides = 1;  ///< 2: two runs of the scene side by side
   int width = 1280, height = 720;
   int frames = 0;          ///< closes after so many frames; 0: when the user closes it

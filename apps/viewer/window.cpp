@@ -15,7 +15,7 @@ Window::Window(int width, int height) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  // Some drivers give the version that is asked for and none above it.
+  // Some drivers create exactly the requested version.
   for (const int minor : {render::gl::kComputeVersion % 10, 1}) {
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, minor);
     if (!handle_) handle_ = glfwCreateWindow(width, height, "Rubble", nullptr, nullptr);

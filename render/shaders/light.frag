@@ -48,7 +48,7 @@ float sunSeen(vec3 position, vec3 normal) {
     float margin = 3.0 / float(textureSize(shadowMaps, 0).x);
     if (any(lessThan(at.xy, vec2(margin))) || any(greaterThan(at.xy, vec2(1.0 - margin)))) continue;
     float texels = max(1.1, shadowSoftness / shadowTexel[i]) / float(textureSize(shadowMaps, 0).x);
-    float angle = 6.2831853 * fract(pattern(pixelCentre) + turn);
+    float angle = 6.2831853 * fract(pattern(pixelCenter) + turn);
     float sum = 0.0;
     for (int k = 0; k < shadowTaps; ++k) {
       float r = sqrt((float(k) + 0.5) / float(shadowTaps)) * texels;
@@ -84,7 +84,7 @@ void put(vec3 shown) {
 }
 
 void shade() {
-  ivec2 pixel = ivec2(pixelCentre);
+  ivec2 pixel = ivec2(pixelCenter);
   vec4 surface = texelFetch(colors, pixel, 0);
   vec3 ray = rayAt(uv);
   vec3 toward = normalize(ray);
@@ -113,7 +113,7 @@ void shade() {
   vec3 mirror = isMetal ? albedo : vec3(0.04);
   vec3 fresnel = mirror + (1.0 - mirror) * pow(1.0 - nv, 5.0) * (1.0 - roughness);
 
-  // Light that is reflected within a crevice keeps the crevice's colour (fit of Jimenez et al., 2016).
+  // Light that is reflected within a crevice keeps the crevice's color (fit of Jimenez et al., 2016).
   vec3 glow = max(vec3(open), ((open * (2.0404 * albedo - 0.3324) + (-4.7951 * albedo + 0.6417)) * open + (2.7552 * albedo + 0.6903)) * open);
   vec3 ambient = mix(kBounce, kSky, 0.5 + 0.5 * height) * glow;
   vec3 diffuse = isMetal ? vec3(0.0) : albedo * (ambient + kSun * sun);

@@ -1,4 +1,4 @@
-// From what is seen to its normal, colour and finish. target0: square root of the albedo; finish / 8, 0 for the sky. target1: normal; wear
+// From what is seen to its normal, color and finish. target0: square root of the albedo; finish / 8, 0 for the sky. target1: normal; wear
 // of the surface, which roughens it.
 #include "pose.glsl"
 #include "view.glsl"
@@ -53,7 +53,7 @@ vec3 heatColor(float heat) {
 }
 
 void shade() {
-  ivec2 pixel = ivec2(pixelCentre);
+  ivec2 pixel = ivec2(pixelCenter);
   uvec2 seen = texelFetch(seenBodies, pixel, 0).xy;
   if (seen.x == 0u) {
     target0 = vec4(0.0);
@@ -63,12 +63,12 @@ void shade() {
   int slot = int(seen.x - 1u);
   vec4 size = texelFetch(looks, 2 * slot);
   vec4 look = texelFetch(looks, 2 * slot + 1);
-  vec3 centre = texelFetch(poses, 2 * slot).xyz;
+  vec3 center = texelFetch(poses, 2 * slot).xyz;
   vec4 q = texelFetch(poses, 2 * slot + 1);
   float z = viewDepth(texelFetch(depths, pixel, 0).x);
   vec3 ray = rayAt(uv);
   vec3 position = eye + ray * z;
-  vec3 local = turnedBack(q, position - centre);
+  vec3 local = turnedBack(q, position - center);
   int code = int(look.w + 0.5), finish = code & 7;
   bool isBox = (code & 8) != 0, isRound = (code & 16) != 0;
   float footprint = pixelAngle * z;
@@ -87,7 +87,7 @@ void shade() {
     vec3 bent = face + closeness * closeness * 0.75 * shown;
     normal = turned(q, normalize(bent * side));
     wear = max(closeness.x, max(closeness.y, closeness.z)) * shown;
-    // Far away the gaps between neighbours are below a pixel: a rim keeps them apart.
+    // Far away the gaps between neighbors are below a pixel: a rim keeps them apart.
     float rim = min(inside.x + face.x * 1e9, min(inside.y + face.y * 1e9, inside.z + face.z * 1e9));
     float tiny = smoothstep(0.02, 0.08, footprint / smallest) * (1.0 - smoothstep(0.3, 0.9, footprint / smallest));
     albedo *= 1.0 - 0.42 * tiny * (1.0 - clamp(rim / (1.2 * footprint) - 0.2, 0.0, 1.0));

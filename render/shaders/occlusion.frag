@@ -17,8 +17,8 @@ float pattern(vec2 p) { return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 
 vec3 pointAt(vec2 at) { return rayAt(at) * viewDepth(texture(depths, at).x); }
 
 void shade() {
-  // The centre of one of the four pixels that this one stands for: between them rounding would choose.
-  vec2 at = (2.0 * floor(pixelCentre) + 1.5) / pixelsAcross;
+  // The center of one of the four pixels that this one stands for: between them rounding would choose.
+  vec2 at = (2.0 * floor(pixelCenter) + 1.5) / pixelsAcross;
   float depth = texture(depths, at).x;
   if (depth >= 1.0) {
     target0 = vec4(1.0, 1e9, 0.0, 0.0);
@@ -31,8 +31,8 @@ void shade() {
   point += normal * (1.5 * pixelAngle * z);
   vec3 toEye = normalize(-point);
   float reach = clamp(radius / (pixelAngle * z), 3.0, 0.18 * pixelsAcross.y);
-  float noiseA = fract(pattern(floor(pixelCentre)) + turn);
-  float noiseB = fract(pattern(floor(pixelCentre.yx) + 17.0) + turn * 3.0);
+  float noiseA = fract(pattern(floor(pixelCenter)) + turn);
+  float noiseB = fract(pattern(floor(pixelCenter.yx) + 17.0) + turn * 3.0);
   vec3 right = normalize(rightSpan), up = normalize(upSpan);
   float sum = 0.0;
   for (int slice = 0; slice < kSlices; ++slice) {

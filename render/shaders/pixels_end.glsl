@@ -4,8 +4,8 @@ uniform ivec2 targetSize;
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, targetSize))) return;
-  pixelCentre = vec2(pixel) + 0.5;
-  uv = pixelCentre / vec2(targetSize);
+  pixelCenter = vec2(pixel) + 0.5;
+  uv = pixelCenter / vec2(targetSize);
   shade();
 #ifdef ADDED
   target0 += imageLoad(image0, pixel);

@@ -10,10 +10,10 @@ const int kSectors = 48;
 
 void main() {
   slot = uint(planeSlot);
-  vec3 centre = texelFetch(poses, 2 * planeSlot).xyz;
+  vec3 center = texelFetch(poses, 2 * planeSlot).xyz;
   vec4 q = texelFetch(poses, 2 * planeSlot + 1);
   vec3 normal = turned(q, vec3(0.0, 0.0, 1.0));
-  vec3 foot = eye - normal * dot(eye - centre, normal);
+  vec3 foot = eye - normal * dot(eye - center, normal);
   int ring = gl_VertexID / kSectors, sector = gl_VertexID % kSectors;
   float angle = float(sector) * (6.283185307 / float(kSectors));
   float radius = ring == 0 ? 0.0 : reach * exp2(2.0 * float(ring - 1));

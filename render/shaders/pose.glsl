@@ -1,4 +1,4 @@
-// Bodies: two texels of `poses` (centre; quaternion, vector part first) and two of `looks` (size; colour and finish) for each slot.
+// Bodies: two texels of `poses` (center; quaternion, vector part first) and two of `looks` (size; color and finish) for each slot.
 uniform samplerBuffer poses;
 uniform samplerBuffer looks;
 

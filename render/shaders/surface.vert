@@ -1,7 +1,7 @@
 // A deformable surface: vertices and normals of this frame.
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 vertexNormal;
-layout(location = 2) in float vertexHeat;  // 0 to 1: what its colour tells
+layout(location = 2) in float vertexHeat;  // 0 to 1: what its color tells
 uniform mat4 viewProjection;
 uniform int surfaceSlot;
 flat out uint slot;

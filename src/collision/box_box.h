@@ -184,12 +184,12 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
   }
   const Real incidentSide = dot(axisY[incident], normal) > Real(0) ? Real(-1) : Real(1);
   const int ju = (incident + 1) % 3, jv = (incident + 2) % 3;
-  const Vec3 centreY = toY +
+  const Vec3 centerY = toY +
                        axisY[incident] * (incidentSide * halfY[incident]);  // relative to the center of X
   ClipVertex p[kMaxVertices], q[kMaxVertices];
   for (int k = 0; k < 4; ++k) {
     const Real su = (k == 1 || k == 2) ? halfY[ju] : -halfY[ju], sv = k >= 2 ? halfY[jv] : -halfY[jv];
-    const Vec3 x = centreY + axisY[ju] * su + axisY[jv] * sv;
+    const Vec3 x = centerY + axisY[ju] * su + axisY[jv] * sv;
     p[k] = {dot(x, axisX[iu]), dot(x, axisX[iv]), dot(x, normal) - halfX[axis], (k + 3) % 4, k};
   }
   int count = 4;
@@ -208,12 +208,12 @@ RUBBLE_HD inline RawManifold collideBoxes(const Vec3& ha, const Quat& qa, const 
   }
   reduceToFour(p, count, halfX[iu], halfX[iv], length);
 
-  const Vec3 centreX = refB ? t : Vec3{0, 0, 0};
+  const Vec3 centerX = refB ? t : Vec3{0, 0, 0};
   out.n = refB ? -normal : normal;
   out.normalOnB = refB;
   out.count = count;
   for (int k = 0; k < count; ++k) {
-    const Vec3 onX = centreX + axisX[iu] * p[k].u + axisX[iv] * p[k].v + normal * halfX[axis];
+    const Vec3 onX = centerX + axisX[iu] * p[k].u + axisX[iv] * p[k].v + normal * halfX[axis];
     const Vec3 onY = onX + normal * p[k].w;
     const int feature = ((face * 2 + (side > Real(0))) * 6 + incident * 2 + (incidentSide > Real(0))) * 64 +
                         p[k].edgeIn * 8 + p[k].edgeOut;

@@ -117,8 +117,8 @@ template <int kSize>
 RUBBLE_HD LoadedSide loadedSide(const CutOf<kSize>& c, const Vec3& n, const Weight& weight) {
   Vec3 foot;
   if (c.count <= 1 || !footOfWeight(weight, n, c.v[0].x, foot)) return {{0, 0, 0}, {0, 0, 0}};
-  const Vec3& centre = dot(weight.down, n) > Real(0) ? weight.centreA : weight.centreB;
-  const Vec3 from = centre + n * dot(n, c.v[0].x - centre), way = foot - from;
+  const Vec3& center = dot(weight.down, n) > Real(0) ? weight.centerA : weight.centerB;
+  const Vec3 from = center + n * dot(n, c.v[0].x - center), way = foot - from;
   Real reach2 = 0;
   for (int k = 0; k < c.count; ++k) reach2 = max(reach2, lengthSquared(c.v[k].x - from));
   return {from, lengthSquared(way) > kOffMiddle * kOffMiddle * reach2 ? normalize(way) : Vec3{0, 0, 0}};
@@ -330,7 +330,7 @@ RUBBLE_HD inline void edgeContact(const ConvexPair& p, const SeparatingDirection
 RUBBLE_HD inline RawManifold collideConvex(const Convex& a, const Quat& qa, const Convex& b, const Quat& qb,
                                            const Vec3& t, Real margin, Real length, const Weight& weight) {
   using namespace convex;
-  const Weight own{rotateInverse(qa, weight.centreA), rotateInverse(qa, weight.centreB),
+  const Weight own{rotateInverse(qa, weight.centerA), rotateInverse(qa, weight.centerB),
                    rotateInverse(qa, weight.down)};
   const Quat q = conjugate(qa) * qb;
   const ConvexPair p{a, b, q, rotationMatrix(q), rotateInverse(qa, t), length, own};

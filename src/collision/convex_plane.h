@@ -18,7 +18,7 @@ RUBBLE_HD inline RawManifold collideConvexPlane(const Convex& a, const Quat& qa,
   out.separation = surface - dot(down, support(a, down)) - a.radius;
   if (out.separation > margin) return out;
 
-  const Weight own{rotateInverse(qa, weight.centreA), rotateInverse(qa, weight.centreB),
+  const Weight own{rotateInverse(qa, weight.centerA), rotateInverse(qa, weight.centerB),
                    rotateInverse(qa, weight.down)};
   Cut cut;
   if (a.kind == ShapeKind::Hull) {

@@ -231,17 +231,17 @@ RUBBLE_HD inline Separation separation(const Placed& a, const Placed& b) {
 }
 
 /// Rigid motion at constant velocity within a step, until `until`.
-struct Way {
+struct SweptMotion {
   Vec3d move;        ///< displacement of the center [m]
   Vec3d turn;        ///< rotation vector [rad]
   double until = 1;  ///< fraction of the step after which it stands still
 };
 /// The remaining motion at `fraction`.
-RUBBLE_HD inline Way wayFrom(const Way& way, double fraction) {
-  return fraction < way.until ? way : Way{{}, {}, way.until};
+RUBBLE_HD inline SweptMotion motionFrom(const SweptMotion& motion, double fraction) {
+  return fraction < motion.until ? motion : SweptMotion{{}, {}, motion.until};
 }
 /// The next fraction after `fraction` at which one of two motions ends, or 1.
-RUBBLE_HD inline double nextEnd(const Way& a, const Way& b, double fraction) {
+RUBBLE_HD inline double nextEnd(const SweptMotion& a, const SweptMotion& b, double fraction) {
   const double endA = a.until > fraction ? a.until : 1, endB = b.until > fraction ? b.until : 1;
   return min(endA, endB);
 }
@@ -251,12 +251,12 @@ RUBBLE_HD inline Quatd turnOf(const Vec3d& w) {
   return angle > 0 ? fromAxisAngle(w / angle, angle) : Quatd{};
 }
 
-RUBBLE_HD inline Placed movedBy(const Placed& s, const Way& way, double fraction) {
+RUBBLE_HD inline Placed movedBy(const Placed& s, const SweptMotion& motion, double fraction) {
   Placed m = s;
-  fraction = min(fraction, way.until);
-  m.p += way.move * fraction;
-  if (way.turn == Vec3d{}) return m;
-  const Quatd turn = turnOf(way.turn * fraction);
+  fraction = min(fraction, motion.until);
+  m.p += motion.move * fraction;
+  if (motion.turn == Vec3d{}) return m;
+  const Quatd turn = turnOf(motion.turn * fraction);
   m.q = turn * s.q;
   m.arm = rotate(turn, s.arm);
   m.p += m.arm - s.arm;
@@ -265,8 +265,8 @@ RUBBLE_HD inline Placed movedBy(const Placed& s, const Way& way, double fraction
 
 /// Bound of the displacement of any point of the core along the unit vector n by the rotation [m]: (w x r) .
 /// n = (n x w) . r at every orientation of r.
-RUBBLE_HD inline double turnReach(const Placed& s, const Way& way, const Vec3d& n) {
-  return length(cross(n, way.turn)) * (length(Vec3d(s.shape.half)) + length(s.arm));
+RUBBLE_HD inline double turnReach(const Placed& s, const SweptMotion& motion, const Vec3d& n) {
+  return length(cross(n, motion.turn)) * (length(Vec3d(s.shape.half)) + length(s.arm));
 }
 
 /// Time of impact and the closest points then.
@@ -274,23 +274,23 @@ struct TimeOfImpact {
   double fraction;  ///< fraction of the step; above 1: no impact
   Separation at;
 };
-inline constexpr double kNeverMet = 2;
-RUBBLE_HD inline TimeOfImpact meeting(const Placed& a, const Way& wayA, const Placed& b, const Way& wayB,
-                                      double tolerance) {
+inline constexpr double kNoImpact = 2;
+RUBBLE_HD inline TimeOfImpact timeOfImpact(const Placed& a, const SweptMotion& motionA, const Placed& b,
+                                           const SweptMotion& motionB, double tolerance) {
   constexpr int kMostSteps = 128;  // longer searches stay within the tolerance for long: an impact
   TimeOfImpact m{0, separation(a, b)};
   for (int step = 0; step < kMostSteps && m.at.distance > tolerance; ++step) {
-    const Way nowA = wayFrom(wayA, m.fraction), nowB = wayFrom(wayB, m.fraction);
+    const SweptMotion nowA = motionFrom(motionA, m.fraction), nowB = motionFrom(motionB, m.fraction);
     const double closing = dot(m.at.n, nowA.move - nowB.move) + turnReach(a, nowA, m.at.n) +
                            turnReach(b, nowB, m.at.n);
-    const double end = nextEnd(wayA, wayB, m.fraction), safe = m.at.distance - tolerance / 2;
+    const double end = nextEnd(motionA, motionB, m.fraction), safe = m.at.distance - tolerance / 2;
     if (closing > 0 && m.fraction + safe / closing <= end)
       m.fraction += safe / closing;
     else if (end < 1)
       m.fraction = end;
     else
-      return {kNeverMet, m.at};
-    m.at = separation(movedBy(a, wayA, m.fraction), movedBy(b, wayB, m.fraction));
+      return {kNoImpact, m.at};
+    m.at = separation(movedBy(a, motionA, m.fraction), movedBy(b, motionB, m.fraction));
   }
   return m;
 }
@@ -307,9 +307,9 @@ RUBBLE_HD inline double gapAlong(const Placed& a, const Placed& b, const Vec3d& 
 /// `allowed`. If they start deeper, they may still penetrate further by `more`, so that the step can proceed.
 /// n rotates with one of the bodies. The cheap gap along n is tested first. Where it fails, the distance and
 /// its direction replace it.
-RUBBLE_HD inline TimeOfImpact meetingBeyond(const Placed& a, const Way& wayA, const Placed& b,
-                                            const Way& wayB, const Vec3d& n, bool turnsWithB, double allowed,
-                                            double more) {
+RUBBLE_HD inline TimeOfImpact timeOfImpactBeyond(const Placed& a, const SweptMotion& motionA, const Placed& b,
+                                                 const SweptMotion& motionB, const Vec3d& n, bool turnsWithB,
+                                                 double allowed, double more) {
   constexpr int kMostSteps = 128;
   constexpr double kMostTurn = .1;  // rotation of n per search step [rad]: speed bounds hold at its start
   constexpr double kSameSide = 1;   // after a larger rotation [rad] a gap along n may lie on the other side
@@ -317,16 +317,17 @@ RUBBLE_HD inline TimeOfImpact meetingBeyond(const Placed& a, const Way& wayA, co
   allowed = max(allowed, more - start);
   const double reached = allowed - more / 4;
   const Placed& own = turnsWithB ? b : a;
-  const Placed endA = movedBy(a, wayA, 1), endB = movedBy(b, wayB, 1);
+  const Placed endA = movedBy(a, motionA, 1), endB = movedBy(b, motionB, 1);
   Vec3d local = rotateInverse(own.q, n);
-  TimeOfImpact m{kNeverMet, {start, {}, {}, n}};
-  const bool sameSide = length((turnsWithB ? wayB : wayA).turn) <= kSameSide;
+  TimeOfImpact m{kNoImpact, {start, {}, {}, n}};
+  const bool sameSide = length((turnsWithB ? motionB : motionA).turn) <= kSameSide;
   if (sameSide && gapAlong(endA, endB, rotate((turnsWithB ? endB : endA).q, local)) >= -allowed) return m;
 
-  const double spin = max(length(wayA.turn), length(wayB.turn)), turnStep = spin > 0 ? kMostTurn / spin : 1;
+  const double spin = max(length(motionA.turn), length(motionB.turn)),
+               turnStep = spin > 0 ? kMostTurn / spin : 1;
   m.fraction = 0;
   for (int step = 0; step < kMostSteps; ++step) {
-    const Placed nowA = movedBy(a, wayA, m.fraction), nowB = movedBy(b, wayB, m.fraction);
+    const Placed nowA = movedBy(a, motionA, m.fraction), nowB = movedBy(b, motionB, m.fraction);
     const Placed& nowOwn = turnsWithB ? nowB : nowA;
     m.at.n = rotate(nowOwn.q, local);
     m.at.distance = gapAlong(nowA, nowB, m.at.n);
@@ -336,17 +337,19 @@ RUBBLE_HD inline TimeOfImpact meetingBeyond(const Placed& a, const Way& wayA, co
       m.at = s;
       local = rotateInverse(nowOwn.q, s.n);
     }
-    const Way goA = wayFrom(wayA, m.fraction), goB = wayFrom(wayB, m.fraction);
-    const auto velocity = [](const Placed& x, const Way& way) { return way.move + cross(way.turn, x.arm); };
+    const SweptMotion goA = motionFrom(motionA, m.fraction), goB = motionFrom(motionB, m.fraction);
+    const auto velocity = [](const Placed& x, const SweptMotion& motion) {
+      return motion.move + cross(motion.turn, x.arm);
+    };
     const Placed& other = turnsWithB ? nowA : nowB;
     const Vec3d ownTurn = (turnsWithB ? goB : goA).turn, otherTurn = (turnsWithB ? goA : goB).turn,
                 toOther = turnsWithB ? -m.at.n : m.at.n;
     const double closing = dot(m.at.n, velocity(nowA, goA) - velocity(nowB, goB)) +
                            dot(toOther, cross(ownTurn, other.p - nowOwn.p)) +
                            length(cross(m.at.n, otherTurn - ownTurn)) * length(Vec3d(other.shape.half));
-    double next = min(m.fraction + turnStep, nextEnd(wayA, wayB, m.fraction));
+    double next = min(m.fraction + turnStep, nextEnd(motionA, motionB, m.fraction));
     if (closing > 0) next = min(next, m.fraction + (m.at.distance + allowed) / closing);
-    if (next >= 1 || m.fraction >= 1) return {kNeverMet, m.at};
+    if (next >= 1 || m.fraction >= 1) return {kNoImpact, m.at};
     m.fraction = next;
   }
   return m;

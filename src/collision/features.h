@@ -101,7 +101,7 @@ RUBBLE_HD inline Vec3 nearestOfFeatures(const Vec3 (&x)[4], int sideA, Real (&c)
 }
 
 /// Result of a time-of-impact query of two moving features.
-struct FeatureMeeting {
+struct FeatureImpact {
   bool meets;
   Real time;  ///< time in [0, 1]; before it they are further apart than `keep`
   Vec3 n;     ///< unit, from B to A
@@ -117,9 +117,8 @@ inline constexpr Real kMetShare = Real(.1);
 /// their distance at the start. Conservative advancement: the distance above `keep` divided by the greatest
 /// relative speed of their corners is a safe time step (Li, Kaufman, Jiang: Codimensional incremental
 /// potential contact, 2021, section 5). Never misses an impact.
-RUBBLE_HD inline FeatureMeeting firstMeeting(const Vec3 (&x)[4], const Vec3 (&move)[4], int sideA,
-                                             Real keep) {
-  FeatureMeeting m;
+RUBBLE_HD inline FeatureImpact firstImpact(const Vec3 (&x)[4], const Vec3 (&move)[4], int sideA, Real keep) {
+  FeatureImpact m;
   m.meets = false, m.time = Real(1);
   const Vec3 mean = Real(.25) * (move[0] + move[1] + move[2] + move[3]);
   Real side[2] = {0, 0};

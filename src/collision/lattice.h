@@ -185,14 +185,14 @@ RUBBLE_HD void visitGaps(const ShapeTables& tables, const ShapeData& s, const Sh
     const bool twoSided = isTwoSided(tables, other);
     for (int k = 0; k < lattice.pointCount; ++k) {
       const Vec3 x = xyz(lattice.points[k]), inOther = rotateInverse(q, x - at),
-                 centre = rotateInverse(q, -at);
+                 center = rotateInverse(q, -at);
       visitTriangles(tables, other, inOther - reach, inOther + reach, [&](const SurfaceTriangle& t) {
         Vec3 n = normalize(cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]));
         // only if the point projects into the triangle
         for (int e = 0; e < 3; ++e)
           if (dot(cross(n, t.corner[(e + 1) % 3] - t.corner[e]), inOther - t.corner[e]) < Real(0))
             return false;
-        if (dot(n, centre - t.corner[0]) < Real(0)) {
+        if (dot(n, center - t.corner[0]) < Real(0)) {
           if (!twoSided) return false;
           n = -n;
         }

@@ -37,12 +37,12 @@ struct Manifold {
   Lanes kN, kT;                     ///< stiffness [N/m]; 0: new
   Lanes drift1, drift2;             ///< tangential drift since the point stuck, same basis [m]
   ManifoldInt feature[kLanes];
-  Vec3 localNormal;     ///< unit normal from A to B in the frame of A, or of B if normalOnB
-  Vec3 normal;          ///< in world axes, at the last step
-  ManifoldInt row;      ///< index of its contact rows in this step; -1: none
-  ManifoldBits stick;   ///< bit k: point k sticks
-  ManifoldBits impact;  ///< bit k: point k has an impact in this step
-  ManifoldBits awake;   ///< bit k: point k is active in this step
+  Vec3 localNormal;           ///< unit normal from A to B in the frame of A, or of B if normalOnB
+  Vec3 normal;                ///< in world axes, at the last step
+  ManifoldInt row;            ///< index of its contact rows in this step; -1: none
+  ManifoldBits stick;         ///< bit k: point k sticks
+  ManifoldBits impact;        ///< bit k: point k has an impact in this step
+  ManifoldBits activePoints;  ///< bit k: point k is active in this step
   ManifoldBits normalOnB : 1;
   ManifoldBits recycled : 1;                          ///< reused without a full test in this step
   ManifoldBits count : 8 * sizeof(ManifoldBits) - 2;  ///< points; 0: no contact
@@ -66,7 +66,7 @@ inline constexpr Real kTouchGap = Real(2e-3);
 
 /// Does a pair get rows? Fast bodies get none before they touch, because the contact points cannot be
 /// predicted at x^t; CCD covers them until then. Afterwards all points within the margin get rows.
-RUBBLE_HD inline bool meetsNow(const RawManifold& raw, const PairPose& pair) {
+RUBBLE_HD inline bool touchesNow(const RawManifold& raw, const PairPose& pair) {
   if (!pair.bullet) return true;
   bool touches = false;
   for (int k = 0; k < raw.count; ++k)
@@ -105,7 +105,7 @@ RUBBLE_HD inline Real leastDistance(const PairTest& test, const PairPose& pair, 
 }
 
 /// Manifold of a full test, without state from the last step.
-RUBBLE_HD inline Manifold freshManifold(const RawManifold& raw, const PairPose& pair) {
+RUBBLE_HD inline Manifold newManifold(const RawManifold& raw, const PairPose& pair) {
   Manifold m;
   const Lanes zero = splatLanes(0);
   m.aX = m.aY = m.aZ = m.bX = m.bY = m.bZ = zero;
@@ -123,7 +123,7 @@ RUBBLE_HD inline Manifold freshManifold(const RawManifold& raw, const PairPose& 
   m.localNormal = rotateInverse(raw.normalOnB ? pair.qB : pair.qA, raw.n);
   m.count = static_cast<std::uint8_t>(raw.count) & 63;
   m.row = -1;
-  m.stick = m.impact = m.awake = 0;
+  m.stick = m.impact = m.activePoints = 0;
   m.normalOnB = raw.normalOnB;
   m.recycled = false;
   return m;
@@ -150,7 +150,7 @@ RUBBLE_HD inline void remember(Manifold& m, int k, const PointMemory& p) {
 }
 
 /// Copies the state of point `from` of `old` to point `to`.
-RUBBLE_HD inline void handOn(const Manifold& old, int from, Manifold& m, int to) {
+RUBBLE_HD inline void transferLoad(const Manifold& old, int from, Manifold& m, int to) {
   remember(m, to, memoryOf(old, from, m.normal));
   if (old.stick >> from & 1) m.stick |= static_cast<std::uint8_t>(1u << to);
 }
@@ -171,7 +171,7 @@ RUBBLE_HD inline Manifold recycledManifold(const Manifold& old, const PairPose& 
   Manifold m = old;
   m.normal = turnedNormal(old, pair);
   m.stick = 0;
-  for (int k = 0; k < m.count; ++k) handOn(old, k, m, k);
+  for (int k = 0; k < m.count; ++k) transferLoad(old, k, m, k);
   m.row = -1;
   m.impact = 0;
   m.recycled = true;
@@ -181,14 +181,14 @@ RUBBLE_HD inline Manifold recycledManifold(const Manifold& old, const PairPose& 
 /// The manifold of a full test. Its points are matched with the old ones, first by feature, then by position.
 /// `old` may be null.
 RUBBLE_HD inline Manifold testedManifold(const RawManifold& raw, const PairPose& pair, const Manifold* old) {
-  Manifold m = freshManifold(raw, pair);
+  Manifold m = newManifold(raw, pair);
   if (!old || old->count == 0 || m.count == 0 || dot(m.normal, old->normal) < kSameNormal) return m;
 
   unsigned usedOld = 0, matched = 0;
   for (int k = 0; k < m.count; ++k) {
     for (int j = 0; j < old->count; ++j) {
       if ((usedOld >> j & 1) || old->feature[j] != m.feature[k]) continue;
-      handOn(*old, j, m, k);
+      transferLoad(*old, j, m, k);
       usedOld |= 1u << j, matched |= 1u << k;
       break;
     }
@@ -205,7 +205,7 @@ RUBBLE_HD inline Manifold testedManifold(const RawManifold& raw, const PairPose&
       if (d2 < nearest2) nearest = j, nearest2 = d2;
     }
     if (nearest < 0) continue;
-    handOn(*old, nearest, m, k);
+    transferLoad(*old, nearest, m, k);
     usedOld |= 1u << nearest;
   }
   return m;
@@ -214,7 +214,7 @@ RUBBLE_HD inline Manifold testedManifold(const RawManifold& raw, const PairPose&
 /// Full test of two primitive shapes.
 RUBBLE_HD inline RawManifold collide(const ShapeData& sa, const ShapeData& sb, const PairPose& pair) {
   RawManifold raw = collide(sa, pair.qA, sb, pair.qB, pair.t, pair.margin, pair.length);
-  if (!meetsNow(raw, pair)) raw.count = 0;
+  if (!touchesNow(raw, pair)) raw.count = 0;
   return raw;
 }
 

@@ -42,7 +42,7 @@ RUBBLE_HD inline PointDistance pointToBox(const ShapeData& s, const Vec3& x) {
 
 RUBBLE_HD inline PointDistance pointToPlane(const Vec3& x) { return {{0, 0, 1}, x.z}; }
 
-RUBBLE_HD inline PointDistance pointToPlainShape(const ShapeData& s, const Vec3& x) {
+RUBBLE_HD inline PointDistance pointToPrimitive(const ShapeData& s, const Vec3& x) {
   switch (s.kind) {
     case ShapeKind::Sphere:
     case ShapeKind::Capsule:
@@ -189,7 +189,7 @@ RUBBLE_HD inline PointDistance pointToConvex(const ShapeTables& tables, const Sh
     case ShapeKind::Hull:
       return pointToHull(tables, s, x);
     default:
-      return pointToPlainShape(s, x);
+      return pointToPrimitive(s, x);
   }
 }
 

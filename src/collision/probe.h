@@ -11,14 +11,14 @@ inline constexpr double kRayGap = 1e-7, kFieldRayGap = 1e-4;
 
 namespace probes {
 
-inline constexpr Way kStill{};
+inline constexpr SweptMotion kStill{};
 
 RUBBLE_HD inline Convex point() {
   return {ShapeKind::Sphere, {0, 0, 0}, 0, nullptr, nullptr, nullptr, 0, 0, {}};
 }
 
 /// Sphere tracing. Interpolated distances are not exact, so an overshoot into the solid is bisected.
-RUBBLE_HD inline RayMeeting rayToField(const PlacedAny& field, const Vec3d& move) {
+RUBBLE_HD inline RayImpact rayToField(const PlacedAny& field, const Vec3d& move) {
   constexpr int kMostSteps = 512, kHalvings = 30;
   constexpr double kSafe = .7;  // outside the lattice the distance is overestimated by up to sqrt(2)
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
@@ -132,20 +132,20 @@ RUBBLE_HD inline Separation nearestOfTriangles(const PlacedAny& surface, double 
     for (int j = front; j <= back; ++j)
       for (int i = left; i <= right; ++i) g.visitCell(i, j, near, visit);
   }
-  if (!found) best.distance = kNeverMet * reach + 1;
+  if (!found) best.distance = kNoImpact * reach + 1;
   return best;
 }
 
 }  // namespace probes
 
 /// Casts a ray from the origin along `move`. One-sided surfaces are hit from their front only.
-RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) {
+RUBBLE_HD inline RayImpact castRay(const PlacedAny& target, const Vec3d& move) {
   if (isPrimitive(target.shape.kind)) return castRay(asConvex(target), {}, move);
-  RayMeeting out{rays::kNever, {}};
+  RayImpact out{rays::kNever, {}};
   if (isConvex(target.shape.kind)) {
     const double gap = kRayGap * static_cast<double>(boundingRadius(target.shape));
-    const TimeOfImpact m = meeting({probes::point(), {}, {}}, {move, {}}, asConvex(target), probes::kStill,
-                                   gap);
+    const TimeOfImpact m = timeOfImpact({probes::point(), {}, {}}, {move, {}}, asConvex(target),
+                                        probes::kStill, gap);
     out = {m.fraction, m.at.distance > 0 ? -m.at.n : Vec3d{}};
   } else if (target.shape.kind == ShapeKind::Distance) {
     out = probes::rayToField(target, move);
@@ -154,8 +154,8 @@ RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) 
     const bool twoSided = isTwoSided(target.tables, target.shape);
     double limit = 1;
     visitTrianglesAlong(target.tables, target.shape, x, d, {}, limit, [&](const SurfaceTriangle& t) {
-      const RayMeeting m = rays::triangle(x, d, Vec3d(t.corner[0]), Vec3d(t.corner[1]), Vec3d(t.corner[2]),
-                                          twoSided);
+      const RayImpact m = rays::triangle(x, d, Vec3d(t.corner[0]), Vec3d(t.corner[1]), Vec3d(t.corner[2]),
+                                         twoSided);
       if (m.fraction > limit || (m.fraction == limit && out.fraction <= 1)) return;
       out = {m.fraction, rotate(target.q, m.n)};
       limit = m.fraction;
@@ -170,17 +170,17 @@ RUBBLE_HD inline RayMeeting castRay(const PlacedAny& target, const Vec3d& move) 
 RUBBLE_HD inline TimeOfImpact castShape(const PlacedAny& own, const Vec3d& move, const PlacedAny& target,
                                         double tolerance) {
   const auto all = [](const Vec3d&, const TimeOfImpact&) { return true; };
-  const Way way{move, {}};
+  const SweptMotion motion{move, {}};
   if (target.shape.kind == ShapeKind::Distance)
-    return meetField(target, probes::kStill, own, way, {tolerance}, all);
+    return timeOfImpactWithField(target, probes::kStill, own, motion, {tolerance}, all);
   if (isSurface(target.shape.kind)) {
     const Placed part = asConvex(own);
     const auto meet = [&](const Placed& triangle, const Vec3d&) {
-      return meeting(triangle, probes::kStill, part, way, tolerance);
+      return timeOfImpact(triangle, probes::kStill, part, motion, tolerance);
     };
-    return meetTriangles(target, probes::kStill, part, way, {tolerance}, meet);
+    return timeOfImpactWithTriangles(target, probes::kStill, part, motion, {tolerance}, meet);
   }
-  return meeting(asConvex(target), probes::kStill, asConvex(own), way, tolerance);
+  return timeOfImpact(asConvex(target), probes::kStill, asConvex(own), motion, tolerance);
 }
 
 /// Does a convex shape overlap another? For meshes and height fields only the surface counts.

@@ -5,7 +5,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Fraction of the ray at the hit (above 1: no hit), and the outward normal there.
-struct RayMeeting {
+struct RayImpact {
   double fraction;
   Vec3d n;
 };
@@ -15,7 +15,7 @@ namespace rays {
 inline constexpr double kNever = 2;
 
 /// Ray x + t d against a sphere about the origin.
-RUBBLE_HD inline RayMeeting sphere(const Vec3d& x, const Vec3d& d, double radius) {
+RUBBLE_HD inline RayImpact sphere(const Vec3d& x, const Vec3d& d, double radius) {
   const double b = dot(x, d), c = dot(x, x) - radius * radius, dd = dot(d, d);
   if (c <= 0) return {0, {0, 0, 0}};
   const double q = b * b - c * dd;
@@ -24,7 +24,7 @@ RUBBLE_HD inline RayMeeting sphere(const Vec3d& x, const Vec3d& d, double radius
   return {t, (x + d * t) / radius};
 }
 
-RUBBLE_HD inline RayMeeting box(const Vec3d& x, const Vec3d& d, const Vec3d& half) {
+RUBBLE_HD inline RayImpact box(const Vec3d& x, const Vec3d& d, const Vec3d& half) {
   double in = 0, out = 1;
   int axis = -1;
   for (int k = 0; k < 3; ++k) {
@@ -44,18 +44,18 @@ RUBBLE_HD inline RayMeeting box(const Vec3d& x, const Vec3d& d, const Vec3d& hal
 }
 
 /// Capsule along z, with cap centers at z = +- half.
-RUBBLE_HD inline RayMeeting capsule(const Vec3d& x, const Vec3d& d, double half, double radius) {
+RUBBLE_HD inline RayImpact capsule(const Vec3d& x, const Vec3d& d, double half, double radius) {
   const Vec3d side{x.x, x.y, 0}, along{d.x, d.y, 0};
-  RayMeeting m = dot(along, along) > 0 || dot(side, side) <= radius * radius ? sphere(side, along, radius)
-                                                                             : RayMeeting{kNever, {}};
+  RayImpact m = dot(along, along) > 0 || dot(side, side) <= radius * radius ? sphere(side, along, radius)
+                                                                            : RayImpact{kNever, {}};
   if (m.fraction <= 1 && std::fabs(x.z + m.fraction * d.z) <= half) return m;
-  const RayMeeting a = sphere(x - Vec3d{0, 0, half}, d, radius), b = sphere(x + Vec3d{0, 0, half}, d, radius);
+  const RayImpact a = sphere(x - Vec3d{0, 0, half}, d, radius), b = sphere(x + Vec3d{0, 0, half}, d, radius);
   return a.fraction < b.fraction ? a : b;
 }
 
 /// Ray against a triangle, from the front or, if twoSided, from either side.
-RUBBLE_HD inline RayMeeting triangle(const Vec3d& x, const Vec3d& d, const Vec3d& a, const Vec3d& b,
-                                     const Vec3d& c, bool twoSided) {
+RUBBLE_HD inline RayImpact triangle(const Vec3d& x, const Vec3d& d, const Vec3d& a, const Vec3d& b,
+                                    const Vec3d& c, bool twoSided) {
   Vec3d n = cross(b - a, c - a);
   double over = dot(n, x - a), down = -dot(n, d);
   if (down < 0 && twoSided) n = -n, over = -over, down = -down;
@@ -70,9 +70,9 @@ RUBBLE_HD inline RayMeeting triangle(const Vec3d& x, const Vec3d& d, const Vec3d
 }  // namespace rays
 
 /// Casts a ray from `origin` along `move` against a primitive shape.
-RUBBLE_HD inline RayMeeting castRay(const Placed& shape, const Vec3d& origin, const Vec3d& move) {
+RUBBLE_HD inline RayImpact castRay(const Placed& shape, const Vec3d& origin, const Vec3d& move) {
   const Vec3d x = rotateInverse(shape.q, origin - shape.p), d = rotateInverse(shape.q, move);
-  RayMeeting m{rays::kNever, {}};
+  RayImpact m{rays::kNever, {}};
   if (shape.isPlane()) {
     if (x.z <= 0)
       m = {0, {0, 0, 0}};

@@ -12,11 +12,11 @@ namespace rounds {
 
 /// Core of a round shape: a segment (of length zero for a sphere) and a radius.
 struct Core {
-  Vec3 centre, half;  ///< relative to the center of A; end points are centre +- half
+  Vec3 center, half;  ///< relative to the center of A; end points are center +- half
   Real radius;
 };
-RUBBLE_HD inline Core coreOf(const ShapeData& s, const Quat& q, const Vec3& centre) {
-  return {centre, rotate(q, s.half), s.radius};
+RUBBLE_HD inline Core coreOf(const ShapeData& s, const Quat& q, const Vec3& center) {
+  return {center, rotate(q, s.half), s.radius};
 }
 
 /// Adds the contact of point `a` on the core of A with point `b` on the core of B, along n.
@@ -30,19 +30,19 @@ RUBBLE_HD inline void addPoint(RawManifold& out, const Vec3& a, Real radiusA, co
 /// Parameter in [-1, 1] of the point of the core segment closest to x.
 RUBBLE_HD inline Real nearestOnSegment(const Core& c, const Vec3& x) {
   const Real h2 = dot(c.half, c.half);
-  return h2 > Real(0) ? clamp(dot(x - c.centre, c.half) / h2, Real(-1), Real(1)) : Real(0);
+  return h2 > Real(0) ? clamp(dot(x - c.center, c.half) / h2, Real(-1), Real(1)) : Real(0);
 }
 
 /// Parameters of the closest points of two segments (Ericson 2005, 5.1.9, for centered segments).
 RUBBLE_HD inline void nearestOfSegments(const Core& a, const Core& b, Real& s, Real& t) {
   const Real aa = dot(a.half, a.half), bb = dot(b.half, b.half), ab = dot(a.half, b.half);
-  const Vec3 d = b.centre - a.centre;
+  const Vec3 d = b.center - a.center;
   const Real denominator = aa * bb - ab * ab;
   s = denominator > Real(1e-6) * aa * bb
           ? clamp((dot(d, a.half) * bb - dot(d, b.half) * ab) / denominator, Real(-1), Real(1))
           : Real(0);
-  t = nearestOnSegment(b, a.centre + a.half * s);
-  s = nearestOnSegment(a, b.centre + b.half * t);
+  t = nearestOnSegment(b, a.center + a.half * s);
+  s = nearestOnSegment(a, b.center + b.half * t);
 }
 
 }  // namespace rounds
@@ -55,7 +55,7 @@ RUBBLE_HD inline RawManifold collideRounds(const ShapeData& sa, const Quat& qa, 
   RawManifold out;
   Real s, u;
   nearestOfSegments(a, b, s, u);
-  const Vec3 pa = a.centre + a.half * s, pb = b.centre + b.half * u;
+  const Vec3 pa = a.center + a.half * s, pb = b.center + b.half * u;
   const Vec3 d = pb - pa;
   // coincident points: any direction separates spheres; the common normal of both axes is the shortest way
   // out for capsules
@@ -69,12 +69,12 @@ RUBBLE_HD inline RawManifold collideRounds(const ShapeData& sa, const Quat& qa, 
   if (sizes > Real(0) && dot(cross2, cross2) < kParallelCapsule * kParallelCapsule * sizes) {
     // parallel: two points at the ends of the common part, if it has a length
     const Real reach = std::sqrt(dot(b.half, b.half) / dot(a.half, a.half));
-    const Real middle = dot(b.centre - a.centre, a.half) / dot(a.half, a.half);
+    const Real middle = dot(b.center - a.center, a.half) / dot(a.half, a.half);
     const Real lo = max(Real(-1), middle - reach), hi = min(Real(1), middle + reach);
     if (hi - lo > Real(.1)) {
-      const Vec3 lowA = a.centre + a.half * lo, highA = a.centre + a.half * hi;
-      addPoint(out, lowA, a.radius, b.centre + b.half * nearestOnSegment(b, lowA), b.radius, margin, 1);
-      addPoint(out, highA, a.radius, b.centre + b.half * nearestOnSegment(b, highA), b.radius, margin, 2);
+      const Vec3 lowA = a.center + a.half * lo, highA = a.center + a.half * hi;
+      addPoint(out, lowA, a.radius, b.center + b.half * nearestOnSegment(b, lowA), b.radius, margin, 1);
+      addPoint(out, highA, a.radius, b.center + b.half * nearestOnSegment(b, highA), b.radius, margin, 2);
       if (out.count > 0) return out;
     }
   }
@@ -88,23 +88,23 @@ RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa
   using namespace rounds;
   RawManifold out;
   // in the frame of the box
-  const Vec3 centre = rotateInverse(qb, -t), half = rotateInverse(qb, rotate(qa, sa.half)), h = sb.half;
+  const Vec3 center = rotateInverse(qb, -t), half = rotateInverse(qb, rotate(qa, sa.half)), h = sb.half;
   const auto clampToBox = [&](const Vec3& x) {
     return Vec3{clamp(x.x, -h.x, h.x), clamp(x.y, -h.y, h.y), clamp(x.z, -h.z, h.z)};
   };
-  // The squared distance of centre + s half to the box is convex in s, so its derivative is bisected.
+  // The squared distance of center + s half to the box is convex in s, so its derivative is bisected.
   Real lo = -1, hi = 1, s = 0;
   if (dot(half, half) > Real(0)) {
     constexpr int kBisections = 24;
     for (int i = 0; i < kBisections; ++i) {
       s = (lo + hi) / 2;
-      const Vec3 x = centre + half * s;
+      const Vec3 x = center + half * s;
       const Real slope = dot(x - clampToBox(x), half);
       if (slope == Real(0)) break;
       (slope > Real(0) ? hi : lo) = s;
     }
   }
-  const Vec3 x = centre + half * s, onBox = clampToBox(x), d = onBox - x;
+  const Vec3 x = center + half * s, onBox = clampToBox(x), d = onBox - x;
   const Real distance = length(d);
   out.normalOnB = true;
   Vec3 n;  // from the round shape to the box, box frame
@@ -123,7 +123,7 @@ RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < 2; ++k) {
         const Real sign = k == 0 ? Real(1) : Real(-1);
-        const Real separation = sign * centre[i] - std::fabs(half[i]) - h[i];
+        const Real separation = sign * center[i] - std::fabs(half[i]) - h[i];
         if (faceAxis < 0 || separation > best) best = separation, faceAxis = i, faceSide = sign;
       }
     }
@@ -138,13 +138,13 @@ RUBBLE_HD inline RawManifold collideRoundBox(const ShapeData& sa, const Quat& qa
     Real from = -1, to = 1;
     for (int i = 0; i < 3; ++i) {
       if (i == faceAxis || half[i] == Real(0)) continue;
-      const Real a = (-h[i] - centre[i]) / half[i], b = (h[i] - centre[i]) / half[i];
+      const Real a = (-h[i] - center[i]) / half[i], b = (h[i] - center[i]) / half[i];
       from = max(from, min(a, b));
       to = min(to, max(a, b));
     }
     const bool single = dot(half, half) == Real(0) || !(to - from > Real(.1));
     for (int k = 0; k < (single ? 1 : 2); ++k) {
-      const Vec3 end = centre + half * (single ? s : k == 0 ? from : to);
+      const Vec3 end = center + half * (single ? s : k == 0 ? from : to);
       Vec3 foot = end;
       foot[faceAxis] = faceSide * h[faceAxis];
       const Real gap = dot(foot - end, n) - sa.radius;

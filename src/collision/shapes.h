@@ -84,7 +84,7 @@ RUBBLE_HD inline Vec3 boundingHalf(const ShapeData& s, const Quat& q) {
 /// Load line of a contact: the weight of the upper body acts along gravity through its center of mass. All in
 /// one frame.
 struct Weight {
-  Vec3 centreA, centreB;  ///< [m]
+  Vec3 centerA, centerB;  ///< [m]
   Vec3 down;              ///< unit, along gravity; zero without gravity
 };
 /// Contacts steeper than this carry no weight (cosine between gravity and normal).
@@ -95,9 +95,9 @@ inline constexpr Real kSteepestFloor = Real(.2);
 RUBBLE_HD inline bool footOfWeight(const Weight& w, const Vec3& n, const Vec3& x, Vec3& foot) {
   const Real along = dot(w.down, n);
   if (!(std::fabs(along) > kSteepestFloor)) return false;
-  const Vec3& centre = along > Real(0) ? w.centreA : w.centreB;
-  const Real fall = dot(x - centre, n) / along;
-  foot = centre + w.down * fall;
+  const Vec3& center = along > Real(0) ? w.centerA : w.centerB;
+  const Real fall = dot(x - center, n) / along;
+  foot = center + w.down * fall;
   return fall > Real(0);
 }
 

@@ -25,7 +25,7 @@ struct SurfaceContacts {
   Weight weight;  ///< in the frame of the surface, relative to the center of the part
 };
 
-/// Same rule as meetsNow() of manifold.h.
+/// Same rule as touchesNow() of manifold.h.
 RUBBLE_HD inline bool touches(const SurfaceContacts& found, Real gap) {
   for (int i = 0; i < found.count; ++i)
     for (int k = 0; k < found.cluster[i].points.count; ++k)

@@ -29,7 +29,7 @@ RUBBLE_HD inline Placed asConvex(const PlacedAny& s) {
 /// When a contact with a surface counts as an impact: at a distance of `tolerance`. With `passing` the shape
 /// must also penetrate deeper than `held`, or, for a distance field and a convex shape, one must contain the
 /// center of the other.
-struct MeetRule {
+struct ImpactRule {
   double tolerance;  ///< [m]
   bool passing = false;
   double held = 0;  ///< [m]
@@ -96,20 +96,21 @@ RUBBLE_HD void visitTrianglesAlong(const ShapeTables& tables, const ShapeData& s
 /// Time of impact of a mesh or height field (A) with a convex part. Back faces of one-sided triangles are
 /// ignored. meet(triangle, face normal toward the part) returns the time of impact with one triangle.
 template <class Meet>
-RUBBLE_HD TimeOfImpact meetTriangles(const PlacedAny& surface, const Way& wayS, const Placed& part,
-                                     const Way& wayP, const MeetRule& rule, Meet&& meet) {
-  const Vec3d move = wayP.move * wayP.until - wayS.move * wayS.until;
+RUBBLE_HD TimeOfImpact timeOfImpactWithTriangles(const PlacedAny& surface, const SweptMotion& motionS,
+                                                 const Placed& part, const SweptMotion& motionP,
+                                                 const ImpactRule& rule, Meet&& meet) {
+  const Vec3d move = motionP.move * motionP.until - motionS.move * motionS.until;
   const Vec3d x = rotateInverse(surface.q, part.p - surface.p), d = rotateInverse(surface.q, move);
-  const double turns = length(wayS.turn) *
+  const double turns = length(motionS.turn) *
                        (length(x) + length(d));  // bounds the path of the part by this rotation
   const double reach = length(Vec3d(part.shape.half)) + part.radius() + rule.tolerance + turns +
-                       length(wayP.turn) * length(part.arm);
-  const Placed end = movedBy(part, {move, wayP.turn * wayP.until}, 1);
+                       length(motionP.turn) * length(part.arm);
+  const Placed end = movedBy(part, {move, motionP.turn * motionP.until}, 1);
   const bool twoSided = isTwoSided(surface.tables, surface.shape);
   Placed triangle{{ShapeKind::Triangle, surface.shape.half, 0, nullptr, nullptr, nullptr, 0, 0, {}},
                   surface.p,
                   surface.q};
-  TimeOfImpact best{kNeverMet, {}};
+  TimeOfImpact best{kNoImpact, {}};
   double limit = 1;
   visitTrianglesAlong(
       surface.tables, surface.shape, x, d, {reach, reach, reach}, limit, [&](const SurfaceTriangle& t) {
@@ -134,23 +135,24 @@ RUBBLE_HD TimeOfImpact meetTriangles(const PlacedAny& surface, const Way& wayS, 
 
 /// Time of impact of the surface points of a distance field (A) with a mesh or height field.
 template <class Accepts>
-RUBBLE_HD TimeOfImpact meetFieldTriangles(const PlacedAny& field, const Way& wayF, const PlacedAny& surface,
-                                          const Way& wayS, const MeetRule& rule, Accepts&& accepts) {
+RUBBLE_HD TimeOfImpact timeOfImpactWithFieldTriangles(const PlacedAny& field, const SweptMotion& motionF,
+                                                      const PlacedAny& surface, const SweptMotion& motionS,
+                                                      const ImpactRule& rule, Accepts&& accepts) {
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
   const bool twoSided = isTwoSided(surface.tables, surface.shape);
-  const Quatd turnF = turnOf(wayF.turn * wayF.until), turnS = turnOf(wayS.turn * wayS.until);
-  TimeOfImpact best{kNeverMet, {}};
+  const Quatd turnF = turnOf(motionF.turn * motionF.until), turnS = turnOf(motionS.turn * motionS.until);
+  TimeOfImpact best{kNoImpact, {}};
   double limit = 1;
   for (int k = 0; k < lattice.pointCount; ++k) {
     const Vec3d lever = rotate(field.q, Vec3d(xyz(lattice.points[k])));
     const Vec3d from = rotateInverse(surface.q, field.p + lever - surface.p);
-    const Vec3d end = field.p + wayF.move * wayF.until + rotate(turnF, lever);
-    const Vec3d to = rotateInverse(turnS * surface.q, end - surface.p - wayS.move * wayS.until);
+    const Vec3d end = field.p + motionF.move * motionF.until + rotate(turnF, lever);
+    const Vec3d to = rotateInverse(turnS * surface.q, end - surface.p - motionS.move * motionS.until);
     visitTrianglesAlong(surface.tables, surface.shape, from, to - from, {}, limit,
                         [&](const SurfaceTriangle& t) {
                           const Vec3d a(t.corner[0]);
-                          const RayMeeting r = rays::triangle(from, to - from, a, Vec3d(t.corner[1]),
-                                                              Vec3d(t.corner[2]), twoSided);
+                          const RayImpact r = rays::triangle(from, to - from, a, Vec3d(t.corner[1]),
+                                                             Vec3d(t.corner[2]), twoSided);
                           if (r.fraction > limit || (r.fraction == limit && best.fraction <= 1)) return;
                           if (rule.passing && dot(r.n, to - a) > -rule.held) return;
                           const Vec3d n = -rotate(surface.q, r.n), at = field.p + lever;
@@ -190,15 +192,17 @@ RUBBLE_HD inline Separation fieldSeparation(const PlacedAny& field, const Placed
 /// Time of impact of a distance field (A) with a shape of any kind. A contact that is not accepted as an
 /// impact is stepped over by half a spacing.
 template <class Accepts>
-RUBBLE_HD TimeOfImpact meetField(const PlacedAny& field, const Way& wayF, const PlacedAny& other,
-                                 const Way& wayO, const MeetRule& rule, Accepts&& accepts) {
+RUBBLE_HD TimeOfImpact timeOfImpactWithField(const PlacedAny& field, const SweptMotion& motionF,
+                                             const PlacedAny& other, const SweptMotion& motionO,
+                                             const ImpactRule& rule, Accepts&& accepts) {
   if (other.shape.kind == ShapeKind::Mesh || other.shape.kind == ShapeKind::HeightField)
-    return meetFieldTriangles(field, wayF, other, wayO, rule, accepts);
+    return timeOfImpactWithFieldTriangles(field, motionF, other, motionO, rule, accepts);
   constexpr int kMostSteps = 128;
-  const double speed = max(length(wayF.move - wayO.move),
-                           max(length(wayF.move), length(wayO.move)) * (wayF.until < 1 || wayO.until < 1)) +
-                       length(wayF.turn) * static_cast<double>(boundingRadius(field.shape)) +
-                       length(wayO.turn) *
+  const double speed = max(length(motionF.move - motionO.move),
+                           max(length(motionF.move), length(motionO.move)) *
+                               (motionF.until < 1 || motionO.until < 1)) +
+                       length(motionF.turn) * static_cast<double>(boundingRadius(field.shape)) +
+                       length(motionO.turn) *
                            (static_cast<double>(boundingRadius(other.shape)) + length(other.arm));
   const DistanceLattice lattice = latticeOf(field.tables, field.shape);
   const double detail = static_cast<double>(lattice.spacing) / 2;
@@ -208,25 +212,25 @@ RUBBLE_HD TimeOfImpact meetField(const PlacedAny& field, const Way& wayF, const 
     return latticeDistance(lattice, Vec3(rotateInverse(f.q, o.p - f.p)), n) < Real(0) ||
            distanceTo(convexOf(o.tables, o.shape), Vec3(rotateInverse(o.q, f.p - o.p))) < Real(0);
   };
-  const auto moved = [](const PlacedAny& s, const Way& way, double fraction) {
-    const Placed m = movedBy({{}, s.p, s.q, s.arm}, way, fraction);
+  const auto moved = [](const PlacedAny& s, const SweptMotion& motion, double fraction) {
+    const Placed m = movedBy({{}, s.p, s.q, s.arm}, motion, fraction);
     return PlacedAny{s.tables, s.shape, m.p, m.q, m.arm};
   };
-  TimeOfImpact m{0, {}}, first{kNeverMet, {}};
+  TimeOfImpact m{0, {}}, first{kNoImpact, {}};
   for (int step = 0; step < kMostSteps; ++step) {
-    const PlacedAny f = moved(field, wayF, m.fraction), o = moved(other, wayO, m.fraction);
+    const PlacedAny f = moved(field, motionF, m.fraction), o = moved(other, motionO, m.fraction);
     m.at = fieldSeparation(f, o);
     const bool touches = m.at.distance <= rule.tolerance;
     if (!touches)
-      first.fraction = kNeverMet;
+      first.fraction = kNoImpact;
     else if (first.fraction > 1 && accepts(m.at.n, m))
       first = m;
     if (first.fraction <= 1 && (!rule.passing || entered(f, o, m.at.distance))) return first;
-    if (!(speed > 0) || m.fraction >= 1) return {kNeverMet, m.at};
+    if (!(speed > 0) || m.fraction >= 1) return {kNoImpact, m.at};
     m.fraction = min(1.0, m.fraction + (touches ? detail : m.at.distance - rule.tolerance / 2) / speed);
   }
   // step limit while in contact: counts as an impact, so that nothing passes through
-  return rule.passing ? m : TimeOfImpact{kNeverMet, m.at};
+  return rule.passing ? m : TimeOfImpact{kNoImpact, m.at};
 }
 
 namespace sweep {

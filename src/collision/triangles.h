@@ -22,7 +22,7 @@ struct SurfaceTriangle {
                    ///< there is none
 };
 
-RUBBLE_HD inline bool boxesMeet(const Vec3& lowA, const Vec3& highA, const Vec3& lowB, const Vec3& highB) {
+RUBBLE_HD inline bool boxesOverlap(const Vec3& lowA, const Vec3& highA, const Vec3& lowB, const Vec3& highB) {
   return lowA.x <= highB.x && lowB.x <= highA.x && lowA.y <= highB.y && lowB.y <= highA.y &&
          lowA.z <= highB.z && lowB.z <= highA.z;
 }
@@ -119,7 +119,7 @@ RUBBLE_HD bool visitHeights(const HeightGrid& g, const Vec3& low, const Vec3& hi
   const Real x0 = (low.x - g.first.x) / g.grid.x, x1 = (high.x - g.first.x) / g.grid.x;
   const Real y0 = (low.y - g.first.y) / g.grid.y, y1 = (high.y - g.first.y) / g.grid.y;
   if (x1 < Real(0) || y1 < Real(0) || x0 > Real(g.nx - 1) || y0 > Real(g.ny - 1)) return false;
-  const auto meets = [&](const Vec3& l, const Vec3& h) { return boxesMeet(low, high, l, h); };
+  const auto meets = [&](const Vec3& l, const Vec3& h) { return boxesOverlap(low, high, l, h); };
   for (int j = cellAt(y0, g.ny - 1); j <= cellAt(y1, g.ny - 1); ++j)
     for (int i = cellAt(x0, g.nx - 1); i <= cellAt(x1, g.nx - 1); ++i)
       if (g.visitCell(i, j, meets, visit)) return true;
@@ -135,7 +135,7 @@ RUBBLE_HD bool visitTriangles(const ShapeTables& tables, const ShapeData& s, con
                               const Vec3& high, Visit&& visit) {
   if (s.kind == ShapeKind::Mesh)
     return surface::visitMesh(
-        tables, s, [&](const Vec3& l, const Vec3& h) { return boxesMeet(low, high, l, h); }, visit);
+        tables, s, [&](const Vec3& l, const Vec3& h) { return boxesOverlap(low, high, l, h); }, visit);
   if (s.kind == ShapeKind::HeightField)
     return surface::visitHeights(surface::heightGrid(tables, s), low, high, visit);
   return false;

@@ -11,7 +11,7 @@ namespace rubble {
 namespace {
 
 // Collision flags of state/vertices.h.
-constexpr int kWithBodies = 1, kWithGrains = 2, kWithSurfaces = 4, kWithSelf = 8, kInside = 16;
+constexpr int kWithBodies = 1, kWithParticles = 2, kWithSurfaces = 4, kWithSelf = 8, kInside = 16;
 
 using Edge = std::pair<int, int>;
 
@@ -27,7 +27,7 @@ SoftModel startModel(const DeformableDef& d) {
     m.vertices.push_back({from[v], {}, 0, 0, 0, true, d.vertices[v] - d.vertices[0]});
   m.material = d.material;
   m.gravityScale = d.gravityScale;
-  m.collides = (d.collide ? kWithBodies : 0) | (d.collideVertices ? kWithGrains : 0) |
+  m.collides = (d.collide ? kWithBodies : 0) | (d.collideVertices ? kWithParticles : 0) |
                (d.collideSurface ? kWithSurfaces : 0) | (d.collideSelf ? kWithSelf : 0);
   return m;
 }
@@ -44,9 +44,9 @@ std::shared_ptr<const SoftModel> finished(SoftModel m, const DeformableDef& d) {
     }
   }
   m.size = length(highest - lowest) + 2 * m.vertices[0].radius;
-  const Vec3 centre = moment / m.mass;
+  const Vec3 center = moment / m.mass;
   for (SoftModel::Vertex& v : m.vertices)
-    v.velocity = d.velocity + cross(d.angularVelocity, v.position - centre);
+    v.velocity = d.velocity + cross(d.angularVelocity, v.position - center);
   for (const int v : d.fixed) {
     m.vertices[std::size_t(v)].mass = 0;
     m.vertices[std::size_t(v)].velocity = {};
@@ -262,7 +262,7 @@ std::shared_ptr<const SoftModel> cook(const ParticlesDef& d) {
   SoftModel m = startModel(d);
   const double mass = d.density * 4 / 3 * std::numbers::pi * std::pow(d.radius, 3);
   for (SoftModel::Vertex& v : m.vertices) v.mass = mass, v.radius = d.radius, v.length = 2 * d.radius;
-  m.collides |= kWithGrains;
+  m.collides |= kWithParticles;
   m.surfaceRadius = d.radius;
   return finished(std::move(m), d);
 }

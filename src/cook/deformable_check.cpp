@@ -131,7 +131,7 @@ void checkClosed(const ClothDef& d, const std::string& path) {
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [way, isNew] = ways.emplace(std::pair{d.triangles[i][k], d.triangles[i][(k + 1) % 3]}, i);
       if (!isNew)
-        throw Error(item(path, "triangles", i), "neighbours that are turned the same way, beside a pressure",
+        throw Error(item(path, "triangles", i), "neighbors that are turned the same way, beside a pressure",
                     "one that is turned over");
     }
   double volume = 0;

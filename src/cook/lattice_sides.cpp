@@ -76,9 +76,9 @@ SidesOfLattice::SidesOfLattice(const TriangleMesh& surface, double cell, const s
 }
 
 std::array<int, 3> SidesOfLattice::indexOf(int point) const {
-  const bool centre = point >= corners_;
-  const int i = centre ? point - corners_ : point, nx = cells_[0] + (centre ? 0 : 1),
-            ny = cells_[1] + (centre ? 0 : 1);
+  const bool center = point >= corners_;
+  const int i = center ? point - corners_ : point, nx = cells_[0] + (center ? 0 : 1),
+            ny = cells_[1] + (center ? 0 : 1);
   return {i % nx, i / nx % ny, i / nx / ny};
 }
 
@@ -94,9 +94,9 @@ void SidesOfLattice::findSides(std::vector<signed char>& side) const {
   markRows(true, side);
 }
 
-void SidesOfLattice::markRows(bool centres, std::vector<signed char>& side) const {
-  const int more = centres ? 0 : 1, nx = cells_[0] + more, ny = cells_[1] + more, nz = cells_[2] + more;
-  const double half = centres ? .5 : 0;
+void SidesOfLattice::markRows(bool centers, std::vector<signed char>& side) const {
+  const int more = centers ? 0 : 1, nx = cells_[0] + more, ny = cells_[1] + more, nz = cells_[2] + more;
+  const double half = centers ? .5 : 0;
   struct Pass {
     double x;
     int way;
@@ -135,7 +135,7 @@ void SidesOfLattice::markRows(bool centres, std::vector<signed char>& side) cons
       for (int x = 0; x < nx; ++x) {
         const double here = first_.x + cell_ * (x + half);
         for (; next < row.size() && row[next].x <= here; ++next) winding += row[next].way;
-        if (winding > 0) side[static_cast<std::size_t>(number(centres, x, y, z))] = 1;
+        if (winding > 0) side[static_cast<std::size_t>(number(centers, x, y, z))] = 1;
       }
     }
 }

@@ -25,24 +25,24 @@ class SidesOfLattice {
 
   /// Calls visit(neighbor, is the edge one cell long?) for the neighbors of a point.
   template <class Visit> void forEachNeighbor(int point, Visit&& visit) const {
-    const bool centre = point >= corners_;
+    const bool center = point >= corners_;
     const std::array<int, 3> at = indexOf(point);
-    const auto tryPoint = [&](bool isCentre, int x, int y, int z, bool isLong) {
-      const int more = isCentre ? 0 : 1;
+    const auto tryPoint = [&](bool isCenter, int x, int y, int z, bool isLong) {
+      const int more = isCenter ? 0 : 1;
       if (x < 0 || y < 0 || z < 0 || x >= cells_[0] + more || y >= cells_[1] + more || z >= cells_[2] + more)
         return;
-      visit(number(isCentre, x, y, z), isLong);
+      visit(number(isCenter, x, y, z), isLong);
     };
     for (int axis = 0; axis < 3; ++axis)
       for (const int step : {-1, 1}) {
         std::array<int, 3> to = at;
         to[static_cast<std::size_t>(axis)] += step;
-        tryPoint(centre, to[0], to[1], to[2], true);
+        tryPoint(center, to[0], to[1], to[2], true);
       }
     // center (i, j, k) lies between the corners (i, j, k) and (i + 1, j + 1, k + 1)
     for (int k = 0; k < 8; ++k) {
       const int dx = k & 1, dy = k >> 1 & 1, dz = k >> 2;
-      if (centre)
+      if (center)
         tryPoint(false, at[0] + dx, at[1] + dy, at[2] + dz, false);
       else
         tryPoint(true, at[0] - dx, at[1] - dy, at[2] - dz, false);
@@ -72,11 +72,11 @@ class SidesOfLattice {
  private:
   int cellCount() const { return cells_[0] * cells_[1] * cells_[2]; }
   std::array<int, 3> indexOf(int point) const;
-  int number(bool centre, int x, int y, int z) const {
-    const int more = centre ? 0 : 1;
-    return (centre ? corners_ : 0) + (z * (cells_[1] + more) + y) * (cells_[0] + more) + x;
+  int number(bool center, int x, int y, int z) const {
+    const int more = center ? 0 : 1;
+    return (center ? corners_ : 0) + (z * (cells_[1] + more) + y) * (cells_[0] + more) + x;
   }
-  void markRows(bool centres, std::vector<signed char>& side) const;
+  void markRows(bool centers, std::vector<signed char>& side) const;
   void bucketTriangles();
 
   const TriangleMesh& surface_;

@@ -58,7 +58,7 @@ SoftDef softBox(const Vec3& corner, const Vec3& size, const std::array<int, 3>& 
   return lattice(corner, size, cells, [](int, int) { return false; });
 }
 
-SoftDef softBall(const Vec3& centre, double radius, int cells) {
+SoftDef softBall(const Vec3& center, double radius, int cells) {
   if (cells < 2 || !(radius > 0))
     throw Error("softBall", "a positive radius and at least two cells each way", "others");
   // Paths start at the cell corner nearest to the center, which all six tetrahedra share. Otherwise
@@ -68,7 +68,7 @@ SoftDef softBall(const Vec3& centre, double radius, int cells) {
   for (Vec3& x : d.vertices) {
     // the shell at distance r from the center of the cube becomes the sphere of radius r
     const double shell = std::max({std::fabs(x.x), std::fabs(x.y), std::fabs(x.z)}), size = length(x);
-    x = centre + (size > 0 ? x * (radius * shell / size) : Vec3{});
+    x = center + (size > 0 ? x * (radius * shell / size) : Vec3{});
   }
   return d;
 }

@@ -29,7 +29,7 @@ struct Attachment {
   int v[kPointCorners];        ///< -1: unused
   Real weight[kPointCorners];  ///< c_i
   int body;                    ///< or kWorldBody
-  int seam;                    ///< 1: vertex-vertex attachment
+  int isVertexVertex;          ///< 1: vertex-vertex attachment
   int alive, broken;
   int depth;               ///< as in PointContact
   Vec3d worldPoint;        ///< x_A if the body is kWorldBody [m]
@@ -59,7 +59,7 @@ struct Attachment {
     lever = leverNow;
   }
   RUBBLE_HD void error(const BodyMove& a, const Vec3& moved, Real (&e)[kRows]) const {
-    const Vec3 at = c0 + moved + (seam ? Vec3{0, 0, 0} : a.dp + (rotate(a.turn, lever) - lever));
+    const Vec3 at = c0 + moved + (isVertexVertex ? Vec3{0, 0, 0} : a.dp + (rotate(a.turn, lever) - lever));
     e[0] = at.x, e[1] = at.y, e[2] = at.z;
   }
   /// `moved`: sum c_i (x_i - x_i^t).

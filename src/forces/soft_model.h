@@ -113,7 +113,7 @@ struct EngineAttachment {
   int v[4] = {-1, -1, -1, -1};
   double weight[4] = {0, 0, 0, 0};
   int body = kWorld;
-  bool seam = false;
+  bool isVertexVertex = false;
   Vec3 worldPoint, anchor;
   double bound = kUnbreakable, compliance = 0;
   double length = 1, mass = 0;

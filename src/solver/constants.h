@@ -63,7 +63,7 @@ struct StepConstants {
   Real gravitySize;       ///< g [m/s2]
   Real loadAcceleration;  ///< a: a load lambda stands for the mass |lambda| / a [m/s2]
   double perFall;  ///< 1 / (g dt^2) [1/m]: the unit length of spatial cells depends on gravity and dt only
-  bool coneHessian, dormantRows, impactRule, compliantRows;
+  bool coneHessian, inactiveRows, impactRule, compliantRows;
   Real driftCorrection;   ///< share of a tangential drift that is corrected per step [1]
   Real contactMargin;     ///< d_min over L [1]
   Real recycleTolerance;  ///< [1], [rad]

@@ -133,7 +133,7 @@ RUBBLE_HD inline Vec3 spinChange(const Vec3& w, const Vec3& given, const Vec3& n
 
 /// Squared rotation per step below which Pi+- equal I w to the accuracy of the rows [rad2]. spinAfterRows is
 /// not called then.
-inline constexpr Real kNoTurn2 = Real(1e-8);
+inline constexpr Real kNoRotation2 = Real(1e-8);
 
 /// Moments of inertia whose relative difference is smaller count as equal [1].
 inline constexpr Real kSameMoment = Real(1e-4);

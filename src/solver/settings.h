@@ -41,7 +41,7 @@ inline StepConstants stepConstants(const Params& params, const Vec3d& gravity, d
   c.perFall = 1 / (fall * dt * dt);
   c.up = g > 0 ? Vec3(gravity * (-1 / g)) : Vec3{0, 0, 0};
   c.coneHessian = t.coneHessian;
-  c.dormantRows = t.dormantRows;
+  c.inactiveRows = t.dormantRows;
   c.impactRule = t.impactRule;
   c.compliantRows = t.compliantRows;
   // not zero, because the surface velocity of conveyors is divided by it

@@ -83,10 +83,10 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::bounceBody, "bounceBody", "", Per::Body, Lifetime::Work);
   is(&SolverData::bounceMotion, "bounceMotion", "m/s, rad/s", Per::Body, Lifetime::Work);
   is(&SolverData::bounce, "bounce", "N, N s", Per::Bounce, Lifetime::Work);
-  is(&SolverData::stopBits, "stopBits", "", Per::Body, Lifetime::Work);
-  is(&SolverData::stopSeen, "stopSeen", "", Per::Body, Lifetime::Work);
-  is(&SolverData::stopRound, "stopRound", "", Per::Body, Lifetime::Work);
-  is(&SolverData::stopPair, "stopPair", "", Per::Body, Lifetime::Work);
+  is(&SolverData::ccdShareBits, "ccdShareBits", "", Per::Body, Lifetime::Work);
+  is(&SolverData::ccdSeenBits, "ccdSeenBits", "", Per::Body, Lifetime::Work);
+  is(&SolverData::ccdRound, "ccdRound", "", Per::Body, Lifetime::Work);
+  is(&SolverData::ccdPair, "ccdPair", "", Per::Body, Lifetime::Work);
   is(&SolverData::ccdMotion, "ccdMotion", "m, rad", Per::Body, Lifetime::Work);
   is(&SolverData::nextCorrection, "nextCorrection", "m, rad", Per::Body, Lifetime::Work);
   is(&SolverData::nextColor, "nextColor", "", Per::Body, Lifetime::Unordered);
@@ -179,7 +179,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::strandShare, "strandShare", "", Per::Strand, Lifetime::Work);
   is(&SolverData::vertexTarget, "vertexTarget", "m", Per::Vertex, Lifetime::Work);
   is(&SolverData::vertexMoved, "vertexMoved", "m", Per::Vertex, Lifetime::Work);
-  is(&SolverData::pastVertex, "pastVertex", "m", Per::Vertex, Lifetime::Work);
+  is(&SolverData::vertexIterates, "vertexIterates", "m", Per::Vertex, Lifetime::Work);
   is(&SolverData::vertexPlace, "vertexPlace", "m", Per::Vertex, Lifetime::Work);
   is(&SolverData::vertexNextColor, "vertexNextColor", "", Per::Vertex, Lifetime::Work);
   is(&SolverData::colorVertex, "colorVertex", "", Per::Vertex, Lifetime::Unordered);

@@ -69,14 +69,14 @@ struct ExcludedPair {
 
 /// World AABB swept over the step, with its cell in the grid of its level.
 struct Bounds {
-  Vec3 centre, half;  ///< [m]
+  Vec3 center, half;  ///< [m]
   int level;          ///< -1: not in the grid (planes, removed bodies)
   int x, y, z;        ///< cell
 };
 
 /// A body as stored in its grid bucket.
 struct alignas(8 * sizeof(Real)) GridEntry {
-  Vec3 centre, half;  ///< of its Bounds [m]
+  Vec3 center, half;  ///< of its Bounds [m]
   int body;
   int level;
 };
@@ -172,7 +172,7 @@ inline constexpr int kFineLevels = 2;
 
 /// An aggregate of bodies and soft nodes that the coarse correction moves as one rigid body.
 struct Aggregate {
-  Vec3d centre;    ///< center of mass [m]
+  Vec3d center;    ///< center of mass [m]
   Block6 inertia;  ///< inertial Hessian of its bodies about the center; its force part is unused
   Vec6 step;       ///< solution of the last coarse solve [m, rad]
   int level;
@@ -233,7 +233,7 @@ struct IslandSums {
 };
 /// Momentum correction of an island at the end of a step. Velocities are in the frame of MomentumSums.
 struct IslandRepair {
-  Vec3d centre;               ///< center of mass at the end of the step [m]
+  Vec3d center;               ///< center of mass at the end of the step [m]
   Vec3 velocity, spin;        ///< rigid motion that has the momenta of the iterates [m/s, rad/s]
   Vec3 addVelocity, addSpin;  ///< correction of that rigid motion
   Real loss;                  ///< share of the motion relative to it that is removed [1]
@@ -267,7 +267,7 @@ struct Counters {
   int pointPairs, pointContacts, pointIncidences;
   int bounces, bounceRows;  ///< 1: a contact with restitution closes fast; contacts, if one does
   int bounceSpread, bounceSpreads, bounceBound, bounceBounds, bounceLeft,
-      bounceTurns;   ///< restitution rounds: work left, and number of rounds
+      bounceRounds;  ///< restitution rounds: work left, and number of rounds
   int bouncesLeft;   ///< contacts that still close after the last restitution round
   int freeIslands;   ///< islands that no row connects to the world or to a non-dynamic body
   int rollers;       ///< active pairs, if some material has rolling resistance

@@ -96,12 +96,12 @@ struct SolverData : JointTables<JointTypes> {
   IslandRepair* islandRepair = nullptr;
   int* fast = nullptr;  ///< 1: CCD candidate: moves further than its thickness, or is pressed into a rigid
                         ///< surface
-  int* nearSurface = nullptr;  ///< 1: its corners may touch the surface of a deformable object
-  int* stopBits = nullptr;     ///< CCD: share of the motion that is cut off, as the bits of a float
-  int* stopSeen = nullptr;   ///< CCD: stopBits as of the present round; for jointed bodies stored at the root
-                             ///< of their CCD island
-  int* stopRound = nullptr;  ///< CCD: round in which that last changed, or kHasMet
-  int* stopPair = nullptr;   ///< CCD: 1 + the pair that stops the body, or 0
+  int* nearSurface = nullptr;   ///< 1: its corners may touch the surface of a deformable object
+  int* ccdShareBits = nullptr;  ///< CCD: share of the motion that is cut off, as the bits of a float
+  int* ccdSeenBits = nullptr;   ///< CCD: ccdShareBits as of the present round; for jointed bodies stored at
+                                ///< the root of their CCD island
+  int* ccdRound = nullptr;      ///< CCD: round in which that last changed, or kOwnImpact
+  int* ccdPair = nullptr;       ///< CCD: 1 + the pair that stops the body, or 0
   Displacement* ccdMotion = nullptr;   ///< CCD: motion after the cut
   int* bounceBody = nullptr;           ///< restitution state of the body: BounceBody
   BodyMotion* bounceMotion = nullptr;  ///< solved velocities, before restitution
@@ -196,7 +196,7 @@ struct SolverData : JointTables<JointTypes> {
   // vertices: work
   Vec3* vertexTarget = nullptr;  ///< y - x^t [m]
   Vec3* vertexMoved = nullptr;   ///< x - x^t, present iterate [m]
-  PastVertex* pastVertex = nullptr;
+  VertexIterates* vertexIterates = nullptr;
   PaddedVec3* vertexPlace = nullptr;  ///< x relative to the first vertex of its object at x^t [m]
   int* vertexNextColor = nullptr;
   int* colorVertex = nullptr;     ///< dynamic vertices sorted by color

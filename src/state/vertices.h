@@ -47,7 +47,7 @@ inline constexpr std::uint32_t kNoSource = ~0u;
 inline constexpr int kParticleKind = kFeatureKinds, kBoxKinds = kFeatureKinds + 1, kBoxLevels = 16;
 /// A feature or granular particle as stored in its grid bucket.
 struct alignas(8 * sizeof(Real)) BoxEntry {
-  Vec3 centre, half;  ///< swept AABB [m]
+  Vec3 center, half;  ///< swept AABB [m]
   int item;           ///< feature or vertex
   int place;          ///< kind + kBoxKinds * level
 };
@@ -141,11 +141,11 @@ struct alignas(4 * sizeof(Real)) ClusterMotion {
   Real mass;      ///< [kg]
   Block6 inner;   ///< finest level: self-contacts of its object
   int folded;     ///< 1: `inner` is not zero
-  Vec3 centre;    ///< center at the initial guess, relative to the first vertex of the object [m]
+  Vec3 center;    ///< center at the initial guess, relative to the first vertex of the object [m]
   Vec3 velocity;  ///< mean velocity of its vertices at x^t [m/s]
   Vec6 step;      ///< solution of the last coarse solve [m, rad]
   Block3 push;    ///< finest level: sum over its vertices, as seen by their aggregate
-  SpinSums spin;  ///< finest level: sum over its vertices, about `centre`
+  SpinSums spin;  ///< finest level: sum over its vertices, about `center`
 };
 
 /// A node of the aggregates that is not a body (stages/coarse/soft_nodes.h): a deformable object without
@@ -161,7 +161,7 @@ struct Strand {
   int begin, end;  ///< range in strandVertex
 };
 struct StrandVertex {
-  int v, line;
+  int v, strand;
   int spring;  ///< spring to the next vertex; -1: the last vertex
   int bend;    ///< bending element with this vertex in the middle, or -1
 };
@@ -173,7 +173,7 @@ struct StrandWork {
 };
 
 /// The last two iterates of a vertex, written alternately [m].
-struct PastVertex {
+struct VertexIterates {
   Vec3 moved[2];
 };
 

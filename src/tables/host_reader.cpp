@@ -32,7 +32,7 @@ struct SurfacePoints {
 };
 SurfacePoints surfacePoints(const SolverData& s, const OrderedPair& o, const Manifold& m, int point) {
   return {rotate(s.orientation[o.a], pointOnA(m, point)),
-          centreDistance(s, o.a, o.b) + rotate(s.orientation[o.b], pointOnB(m, point))};
+          centerDistance(s, o.a, o.b) + rotate(s.orientation[o.b], pointOnB(m, point))};
 }
 
 }  // namespace

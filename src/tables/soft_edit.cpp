@@ -91,7 +91,7 @@ Attachment made(const EngineAttachment& in) {
   Attachment a;
   std::memset(static_cast<void*>(&a), 0, sizeof a);
   for (int k = 0; k < kPointCorners; ++k) a.v[k] = in.v[k], a.weight[k] = real(in.weight[k]);
-  a.body = in.body, a.seam = in.seam, a.alive = 1;
+  a.body = in.body, a.isVertexVertex = in.isVertexVertex, a.alive = 1;
   a.worldPoint = in.worldPoint, a.anchor = Vec3(in.anchor);
   a.bound = bound(in.bound), a.compliance = real(in.compliance);
   a.length = real(in.length), a.mass = real(in.mass);

@@ -11,7 +11,7 @@ JointState HostReader::attachmentState(int index) const {
   Vec3d gap;
   for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k)
     gap += s.vertexPosition[a.v[k]] * static_cast<double>(a.weight[k]);
-  if (a.seam == 0)
+  if (a.isVertexVertex == 0)
     gap += a.body == kWorldBody ? a.worldPoint
                                 : s.position[a.body] + Vec3d(rotate(s.orientation[a.body], a.anchor));
   JointState state;

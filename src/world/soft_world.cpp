@@ -152,9 +152,9 @@ void World::Impl::flush() {
       }
     };
     addSide(r.object, r.def.vertices, r.def.weights, -1);
-    a.seam = r.otherObject.index >= 0;
-    if (a.seam) addSide(r.otherObject, r.def.otherVertices, r.def.otherWeights, 1);
-    a.body = a.seam ? kWorld : r.body.index;
+    a.isVertexVertex = r.otherObject.index >= 0;
+    if (a.isVertexVertex) addSide(r.otherObject, r.def.otherVertices, r.def.otherWeights, 1);
+    a.body = a.isVertexVertex ? kWorld : r.body.index;
     if (a.body == kWorld)
       a.worldPoint = r.anchor;
     else

@@ -1,4 +1,4 @@
-/// Too little room in any table: the step grows it, says so, and its result is that of a world with room for
+/// If any table overflows, the step grows it, reports this and gives the result of a world with room for
 /// all.
 #include <gtest/gtest.h>
 

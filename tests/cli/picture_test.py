@@ -93,8 +93,8 @@ class Picture(Case):
             file.write(b"\xff\xff\xff")
         self.refused("picture", trajectory, "-o", self.path("t.png"), says="checksum")
 
-    def test_colours_tell_of_values(self):
-        def colour(*arguments):
+    def test_colors_show_values(self):
+        def color(*arguments):
             """Mean of the middle of the picture, which the block fills."""
             self.rubble("picture", *arguments, "--eye", "0,-4,0.5", "--target", "0,0,0.5",
                         "-o", self.path("c.png"), "--size", "64x36", "-q")
@@ -102,10 +102,10 @@ class Picture(Case):
 
         trajectory = self.path("run.rubble")
         self.rubble("run", self.scene(), "-q", "--steps", "20", "--record", trajectory)
-        cold = colour(trajectory, "--color-by", "speed")
+        cold = color(trajectory, "--color-by", "speed")
         self.assertGreater(cold[2], cold[0] + 20)  # it rests
-        own = colour(self.scene(), "--at", "20")
-        loaded = colour(self.scene(), "--at", "20", "--color-by", "multiplier")
+        own = color(self.scene(), "--at", "20")
+        loaded = color(self.scene(), "--at", "20", "--color-by", "multiplier")
         self.assertGreater(own[0], own[2])
         self.assertGreater(loaded[0], 2 * loaded[2])  # nothing carries more than the block
         self.refused("picture", trajectory, "-o", self.path("t.png"), "--color-by", "multiplier",

@@ -30,7 +30,7 @@ class Case(DrawingCase):
 @unittest.skipUnless(HAS_GL, "built without OpenGL")
 class Render(Case):
     def test_numbered_pictures_by_time(self):
-        # One second of scene at 10 pictures a second: 0, .1, ... 1.
+        # One second of scene at 10 pictures per second: 0, 0.1, ... 1.
         self.rubble("render", self.scene(), "-o", self.path("f_%03d.png"), "--size", "64x36", "--fps", "10", "--samples", "1", "-q")
         names = sorted(name for name in os.listdir(self.folder.name) if name.startswith("f_"))
         self.assertEqual(names, [f"f_{i:03}.png" for i in range(11)])
@@ -42,7 +42,7 @@ class Render(Case):
         self.assertEqual(sorted(n for n in os.listdir(self.folder.name) if n.startswith("f_")), ["f_0.png", "f_1.png", "f_2.png"])
 
     def test_a_film_shows_steps_and_what_lies_between(self):
-        # At 120 pictures a second every other one is a step of 1/60 s; those between are neither of their neighbours.
+        # At 120 pictures per second every other one is a step of 1/60 s; those between are neither of their neighbors.
         options = ["--size", "128x72", "--samples", "1", "-q"]
         self.rubble("render", self.scene(), "-o", self.path("f_%03d.png"), "--fps", "120", "--steps", "20", *options)
         self.rubble("render", self.scene(), "-o", self.path("every_%d.png"), "--every", "1", "--steps", "20", *options)
@@ -100,7 +100,7 @@ class Render(Case):
         self.assertEqual(len(pictures), 8)
         self.refused("render", self.scene(), "-o", self.path("c.png"), "--camera", "moon", says="corner")
 
-    def test_colours_and_lines_tell_of_the_world(self):
+    def test_colors_and_lines_show_the_world(self):
         pictures = set()
         for option in [[], ["--color-by", "multiplier"], ["--color-by", "island"], ["--color-by", "multiplier", "--color-max", "1e9"],
                        ["--show", "contacts"], ["--show", "contacts,forces"], ["--show", "bounds"]]:
@@ -127,7 +127,7 @@ class Render(Case):
     def test_measure_writes_nothing(self):
         before = set(os.listdir(self.folder.name)) | {"scene.json"}
         done = self.rubble("render", self.scene(), "--measure", "2", "--size", "64x36")
-        self.assertIn("frames a second", done.stdout)
+        self.assertIn("frames per second", done.stdout)
         # The stages add up to what they say.
         stages = {line.split()[0]: float(line.split()[1]) for line in done.stdout.splitlines() if line.split()[2:] == ["ms"]}
         self.assertLessEqual({"poses", "view", "shadows", "bodies", "material", "occlusion", "light", "display", "sum"}, set(stages))
@@ -161,7 +161,7 @@ class Film(Case):
     @unittest.skipUnless(HAS_GL and shutil.which("ffmpeg") and shutil.which("ffprobe"),
                          "built without OpenGL, or no ffmpeg")
     def test_a_film_has_the_right_length(self):
-        # One second of scene, two times slower, at 15 pictures a second, both ends: 31 pictures.
+        # One second of scene, two times slower, at 15 pictures per second, both ends: 31 pictures.
         film = self.path("film.mp4")
         self.rubble("render", self.scene(), "-o", film, "--size", "64x36", "--fps", "15", "--slow", "2", "--samples", "1", "--overlay", "-q")
         probed = json.loads(subprocess.run(

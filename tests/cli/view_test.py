@@ -203,7 +203,7 @@ class Window(unittest.TestCase):
         self.assertEqual((branched["branches"], branched["branch"], branched["dropped"]), (2, "branch 1", 1))
         self.assertEqual(branched["last"], middle["steps"] + 1)
 
-    def test_a_joint_is_selected_and_all_overlays_colours_and_panels_are_drawn(self):
+    def test_a_joint_is_selected_and_all_overlays_colors_and_panels_are_drawn(self):
         self.open(self.scene(HINGED))
         self.key("space")
         self.assertEqual(self.key("j")["selected_joint"], "axle")

@@ -139,12 +139,12 @@ TEST(BoxBox, EightPointsAreReducedToFourThatSpanThem) {
       box({.5, .5, .5}), box({.5, .5, .5}), Quat{}, fromAxisAngle(Vec3{0, 0, 1}, .785398), {0, 0, 1}};
   const RawManifold m = x.collide(.02);
   ASSERT_EQ(m.count, 4);
-  Vec3 centre;
+  Vec3 center;
   for (int k = 0; k < 4; ++k) {
-    centre += m.points[k].onA / 4.;
+    center += m.points[k].onA / 4.;
     for (int j = 0; j < k; ++j) EXPECT_GT(length(m.points[k].onA - m.points[j].onA), .3);
   }
-  EXPECT_LT(length(centre - Vec3{0, 0, .5}), .05);
+  EXPECT_LT(length(center - Vec3{0, 0, .5}), .05);
 }
 
 TEST(BoxBox, ReductionKeepsADeepPointThatIsNoCorner) {
@@ -175,7 +175,7 @@ TEST(BoxBox, CrossedEdgesTouchAtOnePoint) {
   EXPECT_TRUE(hasPoint(m, {.1, 0, diagonal}, {.1, 0, diagonal - .01}, 1e-9));
 }
 
-/// Poses whose result does not hang on a tie between the faces of A and B.
+/// Poses whose result does not depend on a tie between the faces of A and B.
 bool clearCut(const PairCase& x) {
   const Mat3 ra = rotationMatrix(x.qA), rb = rotationMatrix(x.qB);
   Real bestA = -1e30, bestB = -1e30;

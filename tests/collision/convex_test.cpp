@@ -131,7 +131,7 @@ TEST(ConvexPair, FlatContactHasFourPointsAtTheDepthOfTheOverlap) {
   Random random(43);
   Shelf shelf;
   const ShapeData slab = box({2, 2, .1});
-  // what stands on its base, and how high its centre of mass is over it
+  // what stands on its base, and how high its center of mass is over it
   const std::vector<std::pair<ShapeData, Real>> standing = {
       {shelf.add(Shape::cylinder(.25, .3)), .3},
       {shelf.add(Shape::cone(.3, .4)), .2},

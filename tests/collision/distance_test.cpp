@@ -1,5 +1,5 @@
-/// Distances of spheres and capsules in closed form against those over many points, and meetings against
-/// dense sampling in time.
+/// Distances of spheres and capsules in closed form against those over many points, and times of impact
+/// against dense sampling in time.
 #include <collision/distance.h>
 
 #include "tests/collision/shapes_for_tests.h"
@@ -12,7 +12,7 @@ using test::Random;
 Placed somewhere(Random& random, const ShapeData& shape, double spread) {
   return placed(shape, Vec3d(random.vector(1)) * spread, Quatd(random.rotation()));
 }
-Way someWay(Random& random, double move, double turn) {
+SweptMotion someWay(Random& random, double move, double turn) {
   return {Vec3d(random.vector(1)) * move, Vec3d(random.vector(1)) * turn};
 }
 
@@ -58,32 +58,33 @@ TEST(Distance, OfCrossingAxesIsThatOfTheirRadii) {
   EXPECT_NEAR(separation(a, b).distance, -.2, 1e-7);
 }
 
-/// Bodies that spin fast meet no later than they should and not where they are apart.
+/// For fast-spinning bodies the time of impact is neither missed nor invented.
 TEST(TimeOfImpact, IsNeverMissedAndNeverInventedWhereBodiesSpin) {
   constexpr int kSamples = 2000;
   constexpr double kTolerance = 1e-3;
   Random random(9);
   const ShapeData shapes[] = {sphere(Real(.2)), capsule(Real(.1), Real(.5)),
                               box({Real(.3), Real(.05), Real(.2)}), box({Real(.1), Real(.1), Real(.1)})};
-  int meetings = 0, misses = 0;
+  int impacts = 0, misses = 0;
   for (int k = 0; k < 320; ++k) {
     const Placed a = somewhere(random, shapes[k % 4], .6), b = somewhere(random, shapes[k / 4 % 4], .6);
-    const Way wayA = someWay(random, .6, 3.), wayB = someWay(random, .6, 3.);
+    const SweptMotion motionA = someWay(random, .6, 3.), motionB = someWay(random, .6, 3.);
     if (separation(a, b).distance <= kTolerance) continue;
-    const TimeOfImpact m = meeting(a, wayA, b, wayB, kTolerance);
+    const TimeOfImpact m = timeOfImpact(a, motionA, b, motionB, kTolerance);
     const bool meets = m.fraction <= 1;
-    ++(meets ? meetings : misses);
+    ++(meets ? impacts : misses);
     if (meets) {
-      EXPECT_LE(separation(movedBy(a, wayA, m.fraction), movedBy(b, wayB, m.fraction)).distance, kTolerance)
+      EXPECT_LE(separation(movedBy(a, motionA, m.fraction), movedBy(b, motionB, m.fraction)).distance,
+                kTolerance)
           << k;
     }
     for (int i = 0; i <= kSamples; ++i) {
       const double t = (meets ? m.fraction : 1) * i / kSamples;
-      ASSERT_GT(separation(movedBy(a, wayA, t), movedBy(b, wayB, t)).distance, .49 * kTolerance)
+      ASSERT_GT(separation(movedBy(a, motionA, t), movedBy(b, motionB, t)).distance, .49 * kTolerance)
           << k << " at " << t;
     }
   }
-  EXPECT_GT(meetings, 30);
+  EXPECT_GT(impacts, 30);
   EXPECT_GT(misses, 30);
 }
 

@@ -1,4 +1,5 @@
-/// Nearest points of parts of surfaces against brute force, and meetings against dense sampling in time.
+/// Nearest points of parts of surfaces against brute force, and times of impact against dense sampling in
+/// time.
 #include <collision/features.h>
 #include <gtest/gtest.h>
 
@@ -59,7 +60,7 @@ TEST(Features, NearestPointsAreThoseOfAFineSampling) {
 
 TEST(Features, MeetingIsNeverMissedAndNeverInvented) {
   Random random(5);
-  int meetings = 0, misses = 0;
+  int impacts = 0, misses = 0;
   for (int sideA : {1, 2})
     for (int i = 0; i < 2000; ++i) {
       Vec3 x[4], move[4];
@@ -68,8 +69,8 @@ TEST(Features, MeetingIsNeverMissedAndNeverInvented) {
       for (Vec3& m : move) m = common + random.vector(1.5);
       Real c[4];
       const Real distance = length(nearestOfFeatures(x, sideA, c)), keep = Real(.2) * distance;
-      const FeatureMeeting m = firstMeeting(x, move, sideA, keep);
-      Real least = distance, atMeeting = distance;
+      const FeatureImpact m = firstImpact(x, move, sideA, keep);
+      Real least = distance, atImpact = distance;
       constexpr int kSamples = 400;
       for (int k = 0; k <= kSamples; ++k) {
         const Real t = Real(k) / kSamples;
@@ -77,7 +78,7 @@ TEST(Features, MeetingIsNeverMissedAndNeverInvented) {
         for (int j = 0; j < 4; ++j) at[j] = x[j] + t * move[j];
         const Real d = length(nearestOfFeatures(at, sideA, c));
         least = std::min(least, d);
-        // up to the meeting nothing comes nearer than it says
+        // before the impact nothing comes closer than the reported distance
         if (t <= m.time) {
           EXPECT_GT(d, keep * (1 - 1e-9));
         }
@@ -85,24 +86,24 @@ TEST(Features, MeetingIsNeverMissedAndNeverInvented) {
       {
         Vec3 at[4];
         for (int j = 0; j < 4; ++j) at[j] = x[j] + m.time * move[j];
-        atMeeting = length(nearestOfFeatures(at, sideA, c));
+        atImpact = length(nearestOfFeatures(at, sideA, c));
       }
       if (m.meets) {
-        ++meetings;
-        EXPECT_LT(atMeeting, keep + Real(.11) * (distance - keep));
+        ++impacts;
+        EXPECT_LT(atImpact, keep + Real(.11) * (distance - keep));
       } else {
         ++misses;
         EXPECT_GT(least, keep * (1 - 1e-9));
       }
     }
-  EXPECT_GT(meetings, 200);
+  EXPECT_GT(impacts, 200);
   EXPECT_GT(misses, 200);
 }
 
 TEST(Features, ThatFlyTogetherNeverMeetHoweverFastTheyAre) {
   const Vec3 x[4] = {{.3, .3, 1e-4}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const Vec3 move[4] = {{100, 50, -80}, {100, 50, -80}, {100, 50, -80}, {100, 50, -80}};
-  EXPECT_FALSE(firstMeeting(x, move, 1, Real(2.5e-5)).meets);
+  EXPECT_FALSE(firstImpact(x, move, 1, Real(2.5e-5)).meets);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-/// What a manifold hands on from step to step: matching by feature and by place, world directions, recycling.
+/// Transfer of loads between manifolds of successive steps: matching by feature and by position, world
+/// directions, recycling.
 #include <collision/manifold.h>
 
 #include "tests/collision/shapes_for_tests.h"
@@ -35,7 +36,7 @@ Manifold updateManifold(const PairPose& p, const Manifold* old) {
 }
 Manifold fresh(const PairPose& p) { return updateManifold(p, nullptr); }
 
-/// Gives each point multipliers that tell it from the others.
+/// Gives each point distinct multipliers.
 void load(Manifold& m) {
   for (int k = 0; k < m.count; ++k) {
     m.lambdaN[k] = 10 + k, m.lambda1[k] = 1 + k, m.lambda2[k] = -1 - k;
@@ -64,7 +65,7 @@ TEST(Manifold, KeepsPointsInTheFramesOfTheirBodies) {
   const Quat qA = random.rotation(), qB = qA * fromAxisAngle(Vec3{0, 0, 1}, .2);
   const PairPose p = pose(qA, qB, rotate(qA, Vec3{.1, .05, .249}));
   const RawManifold raw = collide(kBrick, p.qA, kBrick, p.qB, p.t, p.margin, p.length);
-  const Manifold m = freshManifold(raw, p);
+  const Manifold m = newManifold(raw, p);
   ASSERT_EQ(m.count, raw.count);
   for (int k = 0; k < m.count; ++k) {
     EXPECT_TRUE(test::near(rotate(qA, pointOnA(m, k)), raw.points[k].onA, 1e-12));
@@ -138,7 +139,7 @@ TEST(Manifold, FarPointsAndTurnedNormalsAreNew) {
   for (int k = 0; k < 4; ++k) EXPECT_EQ(m.kN[k], 0);
 }
 
-TEST(Manifold, EachOldPointIsHandedOnOnce) {
+TEST(Manifold, EachOldPointIsMatchedOnce) {
   Manifold old = fresh(stacked());
   load(old);
   for (int k = 0; k < 4; ++k) old.feature[k] = old.feature[0];
@@ -148,7 +149,7 @@ TEST(Manifold, EachOldPointIsHandedOnOnce) {
   EXPECT_LE(sum, 10 + 11 + 12 + 13);
 }
 
-TEST(HandOn, KeepsTheWorldTangentialVectorAsFarAsItLiesInTheNewPlane) {
+TEST(TransferLoad, KeepsTheWorldTangentialVectorAsFarAsItLiesInTheNewPlane) {
   Random random(3);
   for (int n = 0; n < 100; ++n) {
     Manifold old = fresh(stacked()), m = old;
@@ -156,7 +157,7 @@ TEST(HandOn, KeepsTheWorldTangentialVectorAsFarAsItLiesInTheNewPlane) {
     // across the half sphere where the basis jumps, too
     old.normal = normalize(Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-.1, .1)});
     m.normal = normalize(old.normal + random.vector(.2));
-    handOn(old, 2, m, 1);
+    transferLoad(old, 2, m, 1);
     const Vec3 before = worldVector(old, old.lambda1[2], old.lambda2[2]),
                after = worldVector(m, m.lambda1[1], m.lambda2[1]);
     EXPECT_TRUE(test::near(after, before - m.normal * dot(m.normal, before), 1e-12));

@@ -54,7 +54,7 @@ TEST(PointDistance, OfConvexShapesIsTheLargestOverAllDirections) {
     for (int round = 0; round < 60; ++round) {
       const Vec3 x = random.vector(.7);
       const PointDistance at = pointToGeneralShape(shelf.tables(), shapes[k], x, {1, 1, {0, 0, 0}});
-      // no direction gives more, and the one that is told gives as much
+      // no direction gives more, and the reported one gives as much
       EXPECT_GE(at.distance, bruteDistance(shelf, shapes[k], x, random) - 1e-6) << k << " " << round;
       EXPECT_NEAR(outsideAlong(shelf, shapes[k], x, at.n), at.distance, 1e-5) << k << " " << round;
     }
@@ -87,7 +87,7 @@ TEST(PointDistance, OfAClosedMeshIsThatOfTheSolidNearItsSurface) {
   int inside = 0, outside = 0;
   for (int round = 0; round < 3000; ++round) {
     const Vec3 x = mul(random.vector(1), h * Real(1.3));
-    const PointDistance expected = pointToPlainShape(solid, x);
+    const PointDistance expected = pointToPrimitive(solid, x);
     const PointDistance at = pointToGeneralShape(shelf.tables(), mesh, x, {.1, .05, {0, 0, 0}});
     if (expected.distance > -.05 && expected.distance < .1) {
       ++(expected.distance < 0 ? inside : outside);

@@ -8,7 +8,7 @@ using test::Random;
 constexpr Real kQuarter = 1.5707963267948966;
 const Quat kAlongX = fromAxisAngle(Vec3{0, 1, 0}, kQuarter);  ///< lays a capsule along x
 
-TEST(SphereSphere, TouchesAlongTheLineOfCentres) {
+TEST(SphereSphere, TouchesAlongTheLineOfCenters) {
   Random random(1);
   for (const Real gap : {-.3, 0., .01}) {
     const Vec3 d = random.direction();
@@ -27,7 +27,7 @@ TEST(SphereSphere, ApartGivesItsDistance) {
   EXPECT_NEAR(x.collide(.02).separation, .7, 1e-14);
 }
 
-TEST(SphereSphere, OfOneCentreIsPushedApartSomehow) {
+TEST(SphereSphere, OfOneCenterAreSeparated) {
   const PairCase x{sphere(.5), sphere(.8), Quat{}, Quat{}, {0, 0, 0}};
   const RawManifold m = x.collide(.02);
   ASSERT_EQ(m.count, 1);
@@ -48,7 +48,7 @@ TEST(SphereBox, TouchesFaceEdgeAndCorner) {
   }
 }
 
-TEST(SphereBox, WithItsCentreInsideIsPushedOutOfTheNearestFace) {
+TEST(SphereBox, WithItsCenterInsideIsPushedOutOfTheNearestFace) {
   const PairCase x{sphere(.5), box({1, 2, 3}), Quat{}, Quat{}, {-.9, 0, 0}};
   const RawManifold m = x.collide(.02);
   ASSERT_EQ(m.count, 1);

@@ -38,7 +38,7 @@ class Shelf {
   std::vector<int> indices_;
 };
 
-/// Two shapes in the frame of A's centre.
+/// Two shapes in the frame of A's center.
 struct PairCase {
   ShapeData a, b;
   Quat qA, qB;
@@ -53,7 +53,7 @@ struct PairCase {
   PairCase turned(const Quat& turn) const { return {a, b, turn * qA, turn * qB, rotate(turn, t)}; }
 };
 
-/// Furthest extent of a shape about its centre along the unit vector d.
+/// Furthest extent of a shape about its center along the unit vector d.
 inline Real reach(const ShapeData& s, const Quat& q, const Vec3& d) {
   const Vec3 local = rotateInverse(q, d);
   return dot(abs(local), s.half) + s.radius;
@@ -63,7 +63,7 @@ inline Real separationAlong(const PairCase& x, const Vec3& d) {
   return dot(x.t, d) - reach(x.a, x.qA, d) - reach(x.b, x.qB, d);
 }
 
-/// How far a point (relative to the shape's centre) lies outside a box, along its axes.
+/// How far a point (relative to the shape's center) lies outside a box, along its axes.
 inline Real outside(const ShapeData& s, const Quat& q, const Vec3& point) {
   const Vec3 local = rotateInverse(q, point);
   return std::max(
@@ -77,7 +77,7 @@ inline Real deepest(const RawManifold& m) {
   return depth;
 }
 
-/// Is there a point of `m` with these places, and features alike?
+/// Does `m` have a point with these positions and equal features?
 inline bool hasPoint(const RawManifold& m, const Vec3& onA, const Vec3& onB, Real tolerance) {
   for (int k = 0; k < m.count; ++k)
     if (length(m.points[k].onA - onA) <= tolerance && length(m.points[k].onB - onB) <= tolerance) return true;
@@ -91,7 +91,7 @@ inline std::vector<int> features(const RawManifold& m) {
   return out;
 }
 
-/// Two boxes near touching, turned anyhow.
+/// Two boxes near touching, with random orientations.
 inline PairCase randomBoxes(test::Random& random) {
   PairCase x{box({random.uniform(.2, 1), random.uniform(.2, 1), random.uniform(.2, 1)}),
              box({random.uniform(.2, 1), random.uniform(.2, 1), random.uniform(.2, 1)}),

@@ -25,7 +25,7 @@ std::vector<Vec3> boxCorners(const Vec3& h, const Vec3& at = {}, const Quat& q =
   return points;
 }
 
-/// The inertia tensor in the frame of the shape, about its centre of mass.
+/// The inertia tensor in the frame of the shape, about its center of mass.
 Mat3 tensor(const MassProperties& m) {
   const Mat3 r = rotationMatrix(m.axes);
   return r * Mat3{{m.inertia.x, 0, 0}, {0, m.inertia.y, 0}, {0, 0, m.inertia.z}} * transpose(r);

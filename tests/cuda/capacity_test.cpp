@@ -1,4 +1,4 @@
-// Room is found out on the device: a step that lacks it goes on with more, and nobody can tell from the
+// The device detects overflow of its tables. Such a step runs again with larger tables and gives the same
 // result.
 #include "tests/cuda/cuda_scenes.h"
 
@@ -7,8 +7,8 @@ namespace {
 
 class CudaCapacity : public CudaTest {};
 
-/// A world in its first step has room for nothing; one that has run the same scene before and was set back
-/// has room for all.
+/// A world in its first step has tables without room. A world that has run the same scene and was reset has
+/// room for all.
 TEST_F(CudaCapacity, OverflowDoesNotChangeTheResult) {
   World ample(mixedScene(), optionsFor("cuda"));
   const Snapshot start = ample.snapshot();
@@ -81,7 +81,7 @@ TEST_F(CudaCapacity, GrowsWithTheScene) {
   EXPECT_LT(distance(cpu, cuda), .3);
 }
 
-/// More colours than there are launches for at first: one ground box that all others touch, and a clique of
+/// More colors than there are launches for at first: one ground box that all others touch, and a clique of
 /// overlapping boxes.
 TEST_F(CudaCapacity, FindsAsManyColorsAsItTakes) {
   Scene scene = ground();

@@ -1,5 +1,5 @@
-// Compiled, never run: nvcc must take every header that host and device share, and every kernel of the step,
-// without a warning.
+// Compiled, never run: nvcc must compile every header that host and device share, and every kernel of the
+// step, without a warning.
 #include "backend/cuda/cuda_executor.cuh"
 #include "core_headers.h"
 

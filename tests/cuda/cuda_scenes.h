@@ -15,7 +15,7 @@ inline bool hasCuda() {
   return std::find(names.begin(), names.end(), "cuda") != names.end();
 }
 
-/// Tests here need a device, and say so where there is none.
+/// These tests need a device and are skipped without one.
 class CudaTest : public testing::Test {
  protected:
   void SetUp() override {

@@ -1,6 +1,6 @@
-// Bits of runs on the device as they were recorded. They change with the method and with the order in which
-// sums are taken, and with nothing else: a test that fails here beside tests that pass asks whether that was
-// meant. The message has the new number.
+// Recorded hashes of runs on the device. They change with the method and with the order of sums only. If
+// this test fails while all others pass, check whether the change was intended. The message has the new
+// number.
 #include <cuda_runtime_api.h>
 
 #include "scenes/registry.h"

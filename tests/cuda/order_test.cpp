@@ -10,8 +10,8 @@ namespace {
 
 class CudaOrder : public CudaTest {
  protected:
-  /// mixedScene() with its bricks taken from both ends by turns and a ball that rests, so many steps old,
-  /// then sorted, if it is, and one step older.
+  /// mixedScene() with its bricks taken alternately from both ends and a ball at rest, `steps` steps old,
+  /// then optionally sorted, and one step older.
   static World world(const std::string& backend, bool sorted, int steps = 40) {
     World w(scrambled(), optionsFor(backend));
     run(w, steps);
@@ -93,7 +93,7 @@ TEST_F(CudaOrder, LetsEditsAndArraysFindTheirBodies) {
   w.step();
   EXPECT_NEAR(w.state(moved).position.x, 20, 1e-3);
   EXPECT_NEAR(w.state(fresh).velocity.z, 0, 1e-4);
-  // forces that wait when the bodies are sorted act on who was pushed
+  // forces that are pending during a sort act on the body that they were applied to
   w.applyForce(fresh, {0, 0, 9.81 * w.massOf(fresh).mass});
   w.sortBodies();
   w.step();
@@ -115,7 +115,7 @@ TEST_F(CudaOrder, IsInSnapshots) {
   w.restore(after);
   run(w, 5);
   EXPECT_EQ(w.hash(), sorted);
-  // the CPU takes it, and goes on beside
+  // the CPU restores it and continues in step
   World cpu(scrambled(), optionsFor("cpu"));
   cpu.restore(after);
   run(cpu, 1);

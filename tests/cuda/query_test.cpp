@@ -5,7 +5,7 @@
 
 #include <rubble/info.h>
 
-#include "tests/query/crowd.h"
+#include "tests/query/random_scene.h"
 
 namespace rubble::test {
 namespace {
@@ -51,7 +51,7 @@ template <class Hit> void expectSame(const std::vector<Hit>& a, const std::vecto
 }
 
 TEST_F(CudaQuery, AnswersAsTheCpuDoes) {
-  const Scene scene = crowd(31);
+  const Scene scene = randomScene(31);
   World device(scene, on("cuda")), host(scene, on("cpu"));
   meet(device, host);
   Random random(32);
@@ -79,7 +79,7 @@ TEST_F(CudaQuery, AnswersAsTheCpuDoes) {
 }
 
 TEST_F(CudaQuery, SeesEditsAndLeavesTheStepAlone) {
-  const Scene scene = crowd(33);
+  const Scene scene = randomScene(33);
   World asked(scene, on("cuda")), alone(scene, on("cuda"));
   const RayQuery ray{{0, 0, 50}, {0, 0, -1}, 30, {}};
   // before the first step, after an edit, and between steps that a graph takes

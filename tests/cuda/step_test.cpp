@@ -27,7 +27,7 @@ TEST_F(CudaStep, FindsWhatTheCpuFindsInTheFirstStep) {
   EXPECT_EQ(b.quarantined, 0);
 }
 
-TEST_F(CudaStep, StaysBesideTheCpuWhileAPileSettles) {
+TEST_F(CudaStep, AgreesWithTheCpuWhileAPileSettles) {
   World cpu(brickPile(5, 8), optionsFor("cpu")), cuda(brickPile(5, 8), optionsFor("cuda"));
   run(cpu, 60), run(cuda, 60);
   EXPECT_LT(distance(cpu, cuda), 1e-3);
@@ -50,7 +50,7 @@ TEST_F(CudaStep, HasTheBitsOfTheCpuInAStrictBuild) {
   }
 }
 
-TEST_F(CudaStep, StaysBesideTheCpuWithJoints) {
+TEST_F(CudaStep, AgreesWithTheCpuWithJoints) {
   Scene chain = mixedScene();
   // the links and their joints alone: nothing chaotic
   chain.bodies.erase(chain.bodies.begin(), chain.bodies.end() - 6);
@@ -67,10 +67,10 @@ TEST_F(CudaStep, StaysBesideTheCpuWithJoints) {
   }
 }
 
-/// Forces of trees are small differences of large numbers: with other bits of a coordinate where they are
-/// taken than where the blocks were summed, limits that are just reached turned elbows by 0.02 rad a step in
-/// free fall.
-TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
+/// Forces of trees are small differences of large numbers. If the coordinates of the back-substitution
+/// differ in one bit from those of the summed blocks, limits that are just reached rotate elbows by 0.02 rad
+/// per step in free fall.
+TEST_F(CudaStep, AgreesWithTheCpuWithLimitsAndFrictionInTrees) {
   Scene arms;
   for (int i = 0; i < 16; ++i) {
     const Quat turn = fromAxisAngle(normalize(Vec3{1., .3 * i, -.2 * i}), .4 * i);
@@ -95,9 +95,9 @@ TEST_F(CudaStep, StaysBesideTheCpuWithLimitsAndFrictionInTrees) {
   EXPECT_LT(distance(cpu, cuda), 1e-5);
 }
 
-/// The plate has a block or a warp of its own in every stage that loops over what touches it; the ball
-/// strikes the heap.
-TEST_F(CudaStep, StaysBesideTheCpuWhereOneBodyTouchesAHundred) {
+/// The plate has a block or a warp of its own in each stage that loops over its contacts. The ball strikes
+/// the heap.
+TEST_F(CudaStep, AgreesWithTheCpuWhereOneBodyTouchesAHundred) {
   Scene heap = ground();
   BodyDef plate;
   plate.shape = Shape::box({5, 5, .25});

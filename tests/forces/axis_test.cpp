@@ -40,7 +40,7 @@ TEST(Axis, LimitPushesBackOnEitherSideOnly) {
   }
 }
 
-TEST(Axis, LimitThatStaysOpenIsDormant) {
+TEST(Axis, LimitThatStaysOpenIsInactive) {
   const StepConstants c = constants();
   AxisSpec spec = nothing();
   spec.hi = 1;
@@ -64,7 +64,7 @@ TEST(Axis, LimitNearbyIsWatchedWithoutStiffnessUntilItIsCrossed) {
   axisForces(rows, Real(.9), force, hessian);
   EXPECT_EQ(force, 0);
   EXPECT_EQ(hessian, 0);
-  // an impact drives it past its stop: it pushes back in the same step, and has a multiplier in the next
+  // an impact drives it past its limit: the limit acts in the same step and has a multiplier in the next
   axisForces(rows, Real(1.1), force, hessian);
   EXPECT_NEAR(force, rows.limit.k * Real(.1), 1e-6 * rows.limit.k);
   EXPECT_EQ(hessian, rows.limit.k);

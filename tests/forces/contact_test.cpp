@@ -155,7 +155,7 @@ TEST(Contact, ForcesOnBothBodiesHaveNoNetForceAndNoNetMoment) {
     for (int lane = 0; lane < kLanes; ++lane) {
       const Block6 a = blockOf(c, x, true, lane), b = blockOf(c, x, false, lane);
       EXPECT_TRUE(test::near(a.fl + b.fl, Vec3{}, 1e-12));
-      // about the centre of B: A's lies at `offset`
+      // about the center of B: A's lies at `offset`
       EXPECT_TRUE(test::near(a.fa + cross(x.rows.offset, a.fl) + b.fa, Vec3{}, 1e-11));
     }
   }

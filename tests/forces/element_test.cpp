@@ -1,6 +1,6 @@
-/// What every element between vertices promises: its force is minus the gradient of its energy, its Hessian
-/// the derivative of its force (or a definite part of it, where it says so), its forces have no net force or
-/// moment, and a turned element gives turned forces.
+/// Properties of all elements between vertices. The force is minus the gradient of the energy. The Hessian
+/// is the derivative of the force, or a definite part of it where the element says so. Forces have no net
+/// force or moment and rotate with the element.
 #include <gtest/gtest.h>
 
 #include "forces/soft_forces.h"

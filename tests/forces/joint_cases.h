@@ -21,8 +21,8 @@ template <class F> Pose& poseOf(JointCase<F>& x, int side) {
   return side == 0 ? x.a : x.b;
 }
 
-/// A frame on a body that is turned by up to 2 rad against `base`: not close to half a turn, where angles
-/// fold over.
+/// A frame on a body, rotated by up to 2 rad against `base`. Near half a revolution angles would wrap
+/// around.
 inline Quat frameNear(test::Random& random, const Quat& base, const Quat& body) {
   return conjugate(body) * base * random.rotationUpTo(2);
 }
@@ -81,7 +81,7 @@ template <class F> JointCase<F> moved(JointCase<F> x, int side, const Vec6& dx) 
   return x;
 }
 
-/// Everything turned and shifted, the world's own part of the joint too.
+/// The case rotated and translated, including the world side of the joint.
 template <class F> JointCase<F> image(const JointCase<F>& x, const Quat& turn, const Vec3& shift) {
   JointCase<F> y = x;
   const auto of = [&](const Pose& p) { return Pose{rotate(turn, p.p) + shift, turn * p.q}; };
@@ -111,8 +111,8 @@ template <class F> JointSpec<F> specOf(const typename F::Data& data) {
   return spec;
 }
 
-/// Rows of a joint whose turns are linear at one pair of poses, added to a block at another. x^t: where both
-/// bodies are not turned.
+/// Rows of a joint whose angular rows are linearized at one pair of poses, added to a block at another. x^t:
+/// both bodies unrotated.
 template <class F>
 void accumulateFrom(const JointSpec<F>& spec, Joint<F> joint, const JointCase<F>& from, const SidePose<F>& a,
                     const SidePose<F>& b, int side, Block6& block) {
@@ -128,7 +128,7 @@ void accumulateFrom(const JointSpec<F>& spec, Joint<F> joint, const JointCase<F>
     accumulateJoint(spec, joint, &turns, a, b, a.q, b.q, side, block);
   }
 }
-/// The same where its turns are linear.
+/// The same with linearized angular rows.
 template <class F>
 void accumulateAt(const JointSpec<F>& spec, const Joint<F>& joint, const SidePose<F>& a, const SidePose<F>& b,
                   int side, Block6& block) {

@@ -1,4 +1,4 @@
-/// What every joint makes of its rows: warm start, stamps, dual update, breakage.
+/// Rows of all joints: warm start, accumulation, dual update, breakage.
 #include "tests/forces/joint_cases.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -90,7 +90,7 @@ TEST(Joint, WarmStartsMultiplierAndStiffness) {
   EXPECT_NEAR(rows.state.k, 7 * .99 * k0, 1e-6);
 }
 
-TEST(Joint, StampsTheForceThatItsEnergyGives) {
+TEST(Joint, AccumulatesTheForceThatItsEnergyGives) {
   // without inherited error: E = k |C|^2 / 2 + lambda . C, differentiated along the retraction
   Random random(5);
   for (int n = 0; n < 20; ++n) {

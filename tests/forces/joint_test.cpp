@@ -207,7 +207,8 @@ TYPED_TEST(JointTest, ReportsTheForceThatItsBodiesFeelInTheBlockOfEach) {
   }
 }
 
-/// A joint with load on the rows that turn, and how it pushes B where it is now by what was found at `from`.
+/// A joint with loaded angular rows, and its force on B at the present poses with the linearization at
+/// `from`.
 template <class F> struct LoadedJoint {
   JointSpec<F> spec;
   Joint<F> joint{};
@@ -327,7 +328,7 @@ TEST(FixedJoint, MeasuresTheAngleFromTheWantedOrientation) {
   }
 }
 
-/// A hinge whose A is turned by `angle` about x.
+/// A hinge with A rotated by `angle` about x.
 JointCase<HingeJoint> turned(Real angle) {
   JointCase<HingeJoint> x{};
   x.a.q = fromAxisAngle(Vec3{1, 0, 0}, angle);

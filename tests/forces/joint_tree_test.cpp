@@ -1,4 +1,4 @@
-/// Rows of joints as a tree that is solved exactly sees them.
+/// Rows of joints in exactly solved joint trees.
 #include <forces/joint_tree.h>
 
 #include "tests/forces/joint_cases.h"
@@ -6,8 +6,7 @@
 namespace rubble::RUBBLE_CORE {
 namespace {
 
-/// Rows at the angle of a hinge of which A has turned by 1 rad, with a limit at 1 rad + `ahead` that bears
-/// nothing yet.
+/// Rows at the angle of a hinge whose A is rotated by 1 rad. Its unloaded limit is at 1 rad + `ahead`.
 TreePart<2> rowsAtLimit(Real ahead, TreeSolve how) {
   constexpr int kAngle = 2;
   StepConstants c = testConstants();
@@ -25,7 +24,7 @@ TreePart<2> rowsAtLimit(Real ahead, TreeSolve how) {
   return rows;
 }
 
-TEST(TreeRows, ALimitThatASolveHasComeToHoldsInTheNextOneOnEitherSideOfIt) {
+TEST(TreeRows, ALimitReachedByASolveStaysActiveInTheNextOneOnEitherSide) {
   for (const Real off : {-1e-7, 1e-7}) {
     const TreePart<2> rows = rowsAtLimit(off, TreeSolve::Again);
     ASSERT_EQ(rows.count, 1) << off;

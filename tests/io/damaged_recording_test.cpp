@@ -152,7 +152,7 @@ TEST(DamagedRecording, WhoseIndexNamesOffsetZero) {
   EXPECT_FALSE(forge.reads());
 }
 
-TEST(DamagedRecording, WhoseIndexNamesOneChunkTwiceWithOtherCounts) {
+TEST(DamagedRecording, WhoseIndexNamesOneChunkTwiceWithDifferentCounts) {
   Forge forge = sample();
   forge.index = {{4, 3, 3}, {4, 3, 9}};
   EXPECT_FALSE(forge.reads());

@@ -6,7 +6,7 @@
 namespace rubble::io {
 namespace {
 
-/// Boxes and hulls in the air; hulls have their centre of mass elsewhere than their frame.
+/// Boxes and hulls in the air; hulls have their center of mass elsewhere than their frame.
 Scene falling() {
   Scene scene;
   for (int i = 0; i < 12; ++i) {
@@ -71,8 +71,8 @@ TEST(WatchedBodies, ComeAndGo) {
   expectSame(early, pictureBodies(world));
 }
 
-/// The first body hangs on a rope, and a sheet lies beside them: both are drawn as further entries behind the
-/// bodies.
+/// The first body hangs on a rope, and a sheet lies next to them. Both are drawn as further entries after
+/// the bodies.
 Scene fallingBesideARopeAndASheet() {
   Scene scene = falling();
   JointDef rope;

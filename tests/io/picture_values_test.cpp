@@ -1,4 +1,4 @@
-/// What colours tell of a world.
+/// Values that colors show.
 #include <algorithm>
 #include <cmath>
 
@@ -38,7 +38,7 @@ World twoTowers() {
                            cube({4, 0, 1.5}), cube({9, 0, 50})}));
 }
 
-TEST(Values, IslandsHangTogetherOverContactsAndNotOverTheGround) {
+TEST(Values, IslandsAreConnectedByContactsAndNotByTheGround) {
   const World world = twoTowers();
   const std::vector<double> island = bodyValues(world, ColorBy::Island);
   ASSERT_EQ(island.size(), 7u);
@@ -50,7 +50,7 @@ TEST(Values, IslandsHangTogetherOverContactsAndNotOverTheGround) {
   EXPECT_EQ(island[6], -1) << "the ground joins nothing";
 }
 
-TEST(Values, IslandsHangTogetherOverJoints) {
+TEST(Values, IslandsAreConnectedByJoints) {
   Scene scene;
   scene.bodies = {cube({0, 0, 0}), cube({3, 0, 0}), cube({6, 0, 0})};
   scene.joints = {jointAt(scene, JointType::Ball, 0, 1, {1.5, 0, 0})};
@@ -59,7 +59,7 @@ TEST(Values, IslandsHangTogetherOverJoints) {
   EXPECT_EQ(island[2], -1);
 }
 
-TEST(Values, NeighboursHaveDifferentColours) {
+TEST(Values, NeighborsHaveDifferentColors) {
   const World world = twoTowers();
   const std::vector<double> color = bodyValues(world, ColorBy::Color);
   EXPECT_NE(color[0], color[1]);

@@ -258,7 +258,7 @@ TEST(Recording, RestCostsNextToNothing) {
     RecordingWriter writer(file.path, {"", 1, {}, kResolution});
     for (frame.step = 0; frame.step < 320; ++frame.step) writer.write(bodies, frame);
   }
-  // 1000 bodies x 10 chunks x 8 bytes of rotation and 24 of origin is what cannot be told from noise.
+  // Incompressible: 1000 bodies x 10 chunks x 8 bytes of rotation and 24 of origin.
   EXPECT_LT(std::filesystem::file_size(file.path), 400'000u);
 }
 #endif

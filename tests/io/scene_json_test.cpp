@@ -154,11 +154,11 @@ TEST(SceneJson, EveryBadFileSaysWhereAndWhat) {
 
 TEST(SceneJson, AllFaultsAreCollected) {
   const std::vector<Fault> faults = faultsOf(
-      R"({"bodies": [{"shape": {"type": "box", "size": [1, -1, 0]}, "mass": -2, "colour": 1}], "speed": 3})");
+      R"({"bodies": [{"shape": {"type": "box", "size": [1, -1, 0]}, "mass": -2, "tint": 1}], "speed": 3})");
   std::vector<std::string> paths;
   for (const Fault& fault : faults) paths.push_back(fault.path);
   EXPECT_EQ(paths, (std::vector<std::string>{"bodies[0].shape.size[1]", "bodies[0].shape.size[2]",
-                                             "bodies[0].mass", "bodies[0].colour", "speed"}));
+                                             "bodies[0].mass", "bodies[0].tint", "speed"}));
 }
 
 TEST(SceneJson, SyntaxFaultsHaveLineAndColumn) {

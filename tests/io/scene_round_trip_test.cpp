@@ -290,10 +290,10 @@ TEST(SceneRoundTrip, DeformableObjectsAreExact) {
   net.masses = {.1, .2, .3};
   net.edges = {{0, 1, 100}, {1, 2, 200, 3}, {2, 0, 300, 0, .9}};
   net.triangles = {{0, 1, 2}};
-  ParticlesDef grains;
-  grains.vertices = {{0, 0, 5}};
-  grains.gravityScale = .5, grains.collideVertices = true;
-  file.scene.deformables = {soft, cloth, rod, net, grains};
+  ParticlesDef particles;
+  particles.vertices = {{0, 0, 5}};
+  particles.gravityScale = .5, particles.collideVertices = true;
+  file.scene.deformables = {soft, cloth, rod, net, particles};
   AttachmentDef held;
   held.name = "held", held.object = 1, held.vertices = {0, 1}, held.weights = {.25, .75}, held.body = 0,
   held.anchor = Vec3{0, 0, 1. / 3};

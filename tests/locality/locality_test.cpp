@@ -1,4 +1,4 @@
-/// What one object is never changes the bits of another that it does not touch.
+/// Objects never change the bits of another object that they do not touch.
 #include <gtest/gtest.h>
 #include <rubble/info.h>
 #include <scenes/registry.h>
@@ -77,8 +77,8 @@ struct Originals {
   }
 };
 
-/// Bodies far away whose ids those have that events add: they leave just before, so that the ids are the same
-/// whoever else is there.
+/// Distant bodies that have the ids of bodies which events add. They are removed just before, so that the
+/// ids are the same with and without visitors.
 class Reserve {
  public:
   Reserve(Scene& scene, const Vec3& at) : first_(static_cast<int>(scene.bodies.size())) {

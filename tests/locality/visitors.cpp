@@ -55,7 +55,7 @@ void addPebbles(Scene& scene, const Vec3& at, int count, double height) {
     addAt(scene, body(Shape::sphere(.01), {}), at, .025 * (i % 60 - 30), .025 * (i / 60 - 25), .01 + height);
 }
 
-/// More of them than anything else, in no order of space.
+/// A heap of pebbles in random order, more than all other objects.
 void addDust(Scene& scene, const Vec3& at, int count) {
   addSlab(scene, at, 2);
   for (int i = 0; i < count; ++i) {
@@ -87,7 +87,7 @@ void addDeformable(Scene& scene, const Vec3& at, Deformable object) {
   scene.deformables.push_back(std::move(object));
 }
 
-ParticlesDef grain() {
+ParticlesDef particle() {
   ParticlesDef out;
   out.vertices = {{0, 0, .3}};
   return out;
@@ -131,7 +131,7 @@ BodyDef filtered() {
   return def;
 }
 
-BodyDef belt() {
+BodyDef conveyor() {
   BodyDef def = body(Shape::box({.2, .2, .2}), {});
   def.material.surfaceVelocity = {.5, 0, 0};
   return def;
@@ -156,7 +156,7 @@ Visitor oneShape(const char* name, Shape (*make)()) {
 
 std::vector<Visitor> visitors(int pebbles) {
   return {
-      {"grain", [](Scene& s, const Vec3& at) { addDeformable(s, at, grain()); }},
+      {"grain", [](Scene& s, const Vec3& at) { addDeformable(s, at, particle()); }},
       {"cloth",
        [](Scene& s, const Vec3& at) {
          addDeformable(s, at, clothSheet({-.5, -.5, .3}, {1, 0, 0}, {0, 1, 0}, 5, 5));
@@ -181,7 +181,7 @@ std::vector<Visitor> visitors(int pebbles) {
       oneBody("locked", locked),
       oneBody("sensor", sensor),
       oneBody("filtered", filtered),
-      oneBody("belt", belt),
+      oneBody("belt", conveyor),
       oneBody("moving mesh", movingMesh),
       oneShape("cone", [] { return Shape::cone(.2, .2); }),
       oneShape("hull",

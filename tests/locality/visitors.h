@@ -1,5 +1,5 @@
 #pragma once
-/// What comes to a scene 700 m away, and must change nothing in it.
+/// Objects added to a scene 700 m away, which must change nothing in it.
 #include <functional>
 #include <string>
 #include <vector>

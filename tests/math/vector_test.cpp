@@ -110,8 +110,8 @@ TEST(Scalar, AtomicCountersCountAndRaise) {
   EXPECT_EQ(count, 11);
 }
 
-TEST(Scalar, HashSpreadsNeighbouringNumbers) {
-  // neighbouring inputs differ in about half of the 32 bits
+TEST(Scalar, HashSpreadsNeighboringNumbers) {
+  // neighboring inputs differ in about half of the 32 bits
   double flipped = 0;
   constexpr int kInputs = 4096;
   for (std::uint32_t i = 0; i < kInputs; ++i)

@@ -28,7 +28,7 @@ WorldOptions optionsOf(const scenes::Job& job, const std::string& backend) {
   options.threads = 1;
   options.params.iterations = job.iterations;
   options.params.substeps = job.substeps;
-  // dormancy is decided by the sign of a gap, which is round-off where bodies just touch
+  // the sign of a gap decides whether a row is active, and is round-off where bodies just touch
   options.params.tuning.dormantRows = false;
   return options;
 }

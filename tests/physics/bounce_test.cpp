@@ -18,7 +18,7 @@ WorldOptions optionsAt(double dt, int iterations = 4) {
   return o;
 }
 
-/// What falls flat on the ground, and the height of its centre there.
+/// What falls flat on the ground, and the height of its center there.
 struct Dropped {
   const char* name;
   Shape shape;
@@ -29,7 +29,7 @@ const Dropped kDropped[] = {{"sphere", Shape::sphere(.5), .5},
                             {"box", Shape::box({.4, .3, .2}), .2},
                             {"capsule", Shape::capsule(.2, .3), .2, fromAxisAngle({0, 1, 0}, std::acos(0.))}};
 
-/// Highest places of the centre above its place of rest: of the drop, then after each impact.
+/// Highest places of the center above its place of rest: of the drop, then after each impact.
 std::vector<double> apexes(const Dropped& d, double e, double dt, int bounces, int iterations) {
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::ground());

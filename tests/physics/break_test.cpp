@@ -1,4 +1,4 @@
-/// Joints that break: what breaks must not depend on how far the iterations go.
+/// Breaking joints: which joints break must not depend on the number of iterations.
 #include <gtest/gtest.h>
 #include <scenes/registry.h>
 

@@ -92,7 +92,7 @@ Throw randomThrow(std::uint64_t seed) {
   bullet.orientation = random.rotation();
   out.dt = std::array{1. / 30, 1. / 60, 1. / 240}[static_cast<std::size_t>(random.below(3))];
   out.iterations = random.below(2) == 0 ? 4 : 10;
-  // a spin of up to 1.5 rad a step, and a way of half a step to one and a half to the plate
+  // a spin of up to 1.5 rad per step, and a way of half a step to one and a half to the plate
   bullet.angularVelocity = random.uniform(0, 1.5) / out.dt * random.direction();
   const Vec3 d = normalize(Vec3{random.uniform(-.7, .7), random.uniform(-.7, .7), -1});
   bullet.velocity = out.speed * d;
@@ -114,13 +114,13 @@ ThrowOutcome take(const Throw& shot, const std::string& backend) {
   World world(shot.scene, options);
   const double start = world.quality().kineticEnergy;
   const BodyId plate = world.bodyAt(0), bullet = world.bodyAt(1);
-  const Vec3 centre = world.massOf(bullet).centre;
+  const Vec3 center = world.massOf(bullet).centre;
   ThrowOutcome out;
   for (int i = 0; i < 24; ++i) {
     world.step();
     out.gain = std::max(out.gain, world.quality().kineticEnergy / start - 1);
     const BodyState p = world.state(plate), b = world.state(bullet);
-    const Vec3 at = rotateInverse(p.orientation, b.position + rotate(b.orientation, centre) - p.position);
+    const Vec3 at = rotateInverse(p.orientation, b.position + rotate(b.orientation, center) - p.position);
     const Vec3 middle = shot.plate == "heights" ? Vec3{shot.halfWidth, shot.halfWidth, 0} : Vec3{};
     const bool beside = std::fabs(at.x - middle.x) > shot.halfWidth - shot.reach ||
                         std::fabs(at.y - middle.y) > shot.halfWidth - shot.reach;

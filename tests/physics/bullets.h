@@ -1,5 +1,5 @@
 #pragma once
-/// Throws of bodies of every kind at plates of every kind, and what became of them.
+/// Bodies of every kind thrown at plates of every kind, and the outcome.
 #include <cstdint>
 #include <string>
 

@@ -1,5 +1,4 @@
-/// Bodies that go further in a step than they are thick: what they are stopped at, what that costs, and what
-/// they gain by it.
+/// Bodies whose motion per step exceeds their thickness: at what CCD stops them, its cost, and the energy.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +39,7 @@ BodyDef floorOf(Floor kind) {
   return def;
 }
 
-/// A body that stops has gone only a part of its way: gravity has worked on that part alone. Whatever the
+/// A stopped body has made only a part of its motion, and gravity has worked on that part alone, on any
 /// floor.
 TEST(FastBodies, GainNoEnergyWhereTheyStop) {
   Random random(1);
@@ -72,7 +71,7 @@ TEST(FastBodies, GainNoEnergyWhereTheyStop) {
   EXPECT_GT(stopped, 20);
 }
 
-/// What stands still has a box no larger than itself: a blow sends it further within the step.
+/// The swept box of a body at rest is no larger than the body. An impact moves it farther within the step.
 TEST(FastBodies, WhatIsStruckDoesNotPassWhatItIsDrivenInto) {
   Random random(2);
   for (int i = 0; i < 120; ++i) {

@@ -192,7 +192,7 @@ TEST_P(PushAt, SlipsAtStaticFrictionAtAnyHeight) {
     EXPECT_NEAR(slippingPush(height, 0, GetParam()), 1, .02) << height;
 }
 
-TEST_P(PushAt, SlipsAndTurnsAtTheClosedFormOffCentre) {
+TEST_P(PushAt, SlipsAndTurnsAtTheClosedFormOffCenter) {
   for (const double side : {.1, .25}) {
     const double exact = slippingPushOfFourPoints(side);
     EXPECT_NEAR(slippingPush(.3, side, GetParam()), exact, .02 * exact) << side;

@@ -1,4 +1,4 @@
-/// Gears and racks whose axes are carried by other bodies, against closed forms.
+/// Gears and racks with frame bodies, against closed forms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,8 +24,8 @@ void motor(JointDef& hinge, double speed, double most = kHard) {
 }
 const Quat kUp = frameAlong({0, 0, 1});
 
-/// A housing with two wheels 2 : 1 about z, a motor on the first, all of it turned and turning as one about
-/// an axis of its own.
+/// A housing with two wheels 2 : 1 about z and a motor on the first. All of it is rotated and spins about an
+/// axis of its own.
 Scene floatingGearbox(const Quat& turn, const Vec3& spin) {
   Scene scene = test::emptyScene({0, 0, 0});
   scene.bodies = {test::body(Shape::box({.6, .4, .1}), {}), wheel({-.3, 0, .2}, .1, 2),
@@ -92,8 +92,8 @@ TEST(Gear, InAHousingThatTumblesKeepsRatioAndMomentum) {
   // what the motor drives has 1.4 N m s
   EXPECT_LT(coarse.linear, 1e-3);
   EXPECT_LT(coarse.angular, .45);
-  // implicit Euler loses orbital momentum in proportion to the time step; a gear that leaned on the world
-  // would not get better
+  // implicit Euler loses orbital momentum in proportion to the time step; a gear with a reaction on the world
+  // would not improve with the step
   EXPECT_LT(fine.angular, coarse.angular / 5);
 }
 
@@ -117,7 +117,7 @@ TEST(Gear, BetweenPlanetAndArmHasTheRatioOfWillis) {
   EXPECT_NEAR(angle(world, 1) * (1 + 60. / 24), angle(world, 0), .02);
 }
 
-TEST(Gear, GoesWithItsCarrier) {
+TEST(Gear, FollowsItsFrameBody) {
   Scene scene = floatingGearbox({}, {});
   World world(scene, options(4));
   const JointId gear = world.joints()[2];
@@ -168,7 +168,7 @@ TEST(Rack, InAFrameThatFliesKeepsMomentumAndMesh) {
   EXPECT_LT(length(after.angular - before.angular), .02 * length(before.angular));
 }
 
-TEST(Gear, OfAMovingCarrierIsCheckedFieldByField) {
+TEST(Gear, OfAMovingFrameBodyIsCheckedFieldByField) {
   Scene scene = floatingGearbox({}, {});
   scene.joints[2].carrierA = 1;
   EXPECT_THROW(validate(scene), Error);

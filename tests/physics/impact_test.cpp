@@ -46,8 +46,7 @@ TEST(HeadOnImpact, WithoutBounceLeavesBothWithOneVelocity) {
     }
 }
 
-/// Neither body is fast for its size, so nothing stops it where they touch: the rows of this step deal with
-/// the impact.
+/// Neither body is fast for its size, so CCD stops neither. The rows of this step resolve the impact.
 TEST(HeadOnImpact, OfTwentyMetresASecondKeepsMomentumAtFourIterations) {
   for (const double ratio : {.1, 1., 10.})
     for (const Shape& shape : {Shape::sphere(.5), Shape::box({.5, .5, .5})}) {

@@ -1,5 +1,5 @@
-/// Bodies on trees of joints, solved together: what must be exact is, and what a body on its own does it does
-/// in a tree as well.
+/// Bodies in joint trees. Exact trees are solved exactly, and contacts, CCD and sleep work as for single
+/// bodies.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -99,9 +99,8 @@ TEST(JointTree, EndsWhereManySweepsEnd) {
   EXPECT_LT(worstDistance(tumblingTree(), test::options(kFew), sweeps, 60), .02);
 }
 
-TEST(JointedGroup, SwingsAsFastAsTheTree) {
-  // let go from horizontal; a group that turned about places of x^t would put a moment on it that nobody
-  // ordered
+TEST(JointedAggregate, SwingsAsFastAsTheTree) {
+  // released from horizontal; a group evaluated at the poses of x^t would produce a spurious moment
   constexpr int kLinks = 20, kSteps = 120;
   Scene rope = test::emptyScene();
   for (int i = 0; i < kLinks; ++i) {
@@ -238,8 +237,8 @@ TEST(JointTree, StaysClosedWhereItsTrunkIsStruck) {
 }
 
 TEST(JointTree, StaysClosedWhereItStopsInTheMiddleOfAStep) {
-  // two rods in a row turn by 0.7 rad a step: their centres go on arcs, and meet the ground somewhere on the
-  // way
+  // two rods in a row rotate by 0.7 rad per step; their centers move on arcs and hit the ground within a
+  // step
   Scene scene = test::emptyScene({0, 0, 0});
   scene.bodies.push_back(test::ground());
   const double spin = 40, fall = 30;

@@ -1,4 +1,4 @@
-/// Heaps of jointed bodies: nothing is thrown off, however things land on one another.
+/// Heaps of jointed bodies throw nothing off, however bodies land on one another.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +14,8 @@ using test::Random;
 
 constexpr double kGravity = 10;
 
-/// Adds a box with a joint to `parent` at the point `anchor` of the parent and `own` of the box, both in the
-/// frame of their body; the box is turned as its parent is.
+/// Adds a box with a joint to `parent` at the point `anchor` of the parent and `own` of the box, in body
+/// frames. The box has the orientation of its parent.
 void addLimb(Scene& scene, int parent, const Vec3& half, const Vec3& anchor, const Vec3& own,
              JointType type) {
   const BodyDef& to = scene.bodies[static_cast<std::size_t>(parent)];
@@ -35,8 +35,8 @@ BodyDef turnedBox(const Vec3& half, const Vec3& position, Random& random) {
   return def;
 }
 
-/// Layers of two pairs of cubes each, which hang together face to face by a ball or a fixed joint. No two
-/// pairs touch at the start.
+/// Layers of two pairs of cubes each. A ball or fixed joint connects the cubes of a pair at their faces. No
+/// two pairs touch at the start.
 Scene pairs(std::uint64_t seed, double height) {
   Random random(seed);
   Scene scene = test::emptyScene({0, 0, -kGravity});
@@ -70,7 +70,7 @@ Scene figures(std::uint64_t seed, double height) {
   return scene;
 }
 
-/// What a fall shows: the largest speed of a centre [m/s], and how far the energy rose above its lowest so
+/// What a fall shows: the largest speed of a center [m/s], and how far the energy rose above its lowest so
 /// far, over that at the start.
 struct Fall {
   double speed = 0, rise = 0;

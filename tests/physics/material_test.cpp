@@ -1,4 +1,4 @@
-/// Materials: combine rules, belts, rolling and torsional friction.
+/// Materials: combine rules, surface velocity, rolling and torsional friction.
 #include <gtest/gtest.h>
 
 #include "tests/support/expect.h"
@@ -62,7 +62,7 @@ TEST(Material, OfAPartCountsWhereThePartTouches) {
   EXPECT_NEAR(slow(rubber, ice), .5 * 10 * .5, .3);
 }
 
-TEST(Belt, CarriesABoxAtItsSpeed) {
+TEST(SurfaceVelocity, CarriesABoxAtItsSpeed) {
   for (const std::string& kind : test::groundKinds()) {
     Scene scene = test::emptyScene();
     scene.bodies.push_back(test::groundOf(kind, .5));

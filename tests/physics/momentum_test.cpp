@@ -1,4 +1,4 @@
-/// Momenta and energy of groups of bodies that nothing holds, at any number of iterations.
+/// Momenta and energy of isolated systems of bodies, at any number of iterations.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace rubble {
 namespace {
 
-Vec3 centreOf(const World& world, BodyId id) {
+Vec3 centerOf(const World& world, BodyId id) {
   const BodyState s = world.state(id);
   return s.position + rotate(s.orientation, world.massOf(id).centre);
 }
@@ -33,12 +33,12 @@ Momenta momentaOf(const World& world, BodyId id) {
              turn = cross(x, h);
   const double a = length(x), c = a < 1e-3 ? 1. / 12 : (1 - a / 2 / std::tan(a / 2)) / (a * a);
   const Vec3 spin = h - .5 * turn + c * cross(x, turn);
-  return {m.mass * s.velocity, cross(centreOf(world, id), m.mass * s.velocity) + rotate(axes, spin),
+  return {m.mass * s.velocity, cross(centerOf(world, id), m.mass * s.velocity) + rotate(axes, spin),
           .5 * (m.mass * dot(s.velocity, s.velocity) + dot(w, h))};
 }
 
-/// What was made, over what bodies have exchanged and had, whose round-off is made too;
-/// and the energy that was gained, over that of the start.
+/// Spurious momentum over the momenta exchanged and present, whose round-off counts too, and the energy
+/// gained over that of the start.
 struct Made {
   double linear, angular, energy;
 };
@@ -60,7 +60,7 @@ Made madeBy(const Scene& scene, int iterations, double dt) {
   Vec3 linear, angular;
   for (int i = 0; i < std::lround(1 / dt); ++i) {
     std::vector<Vec3> places;
-    for (const BodyId id : ids) places.push_back(centreOf(world, id));
+    for (const BodyId id : ids) places.push_back(centerOf(world, id));
     world.step();
     double now = 0;
     for (std::size_t k = 0; k < ids.size(); ++k) {

@@ -28,7 +28,7 @@ TEST(FreeFall, IsExactInDiscreteTime) {
   }
 }
 
-TEST(FreeFall, DoesNotDependOnMassShapeOrNeighbours) {
+TEST(FreeFall, DoesNotDependOnMassShapeOrNeighbors) {
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::body(Shape::sphere(.01), {0, 0, 0}));
   scene.bodies.push_back(test::body(Shape::box({3, .1, 2}), {10, 0, 0}));

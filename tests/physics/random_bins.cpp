@@ -150,7 +150,7 @@ void addWalls(Bin& bin, Random& random) {
     const double start = -spacing * (n - 1) / 2;
     scene.bodies.push_back(
         wall(Shape::heightField(n, n, {spacing, spacing, 0}, heights), {start, start, -half.z}));
-    bin.inner.z += wave, bin.centre.z -= wave;  // down to the lowest hollow
+    bin.inner.z += wave, bin.center.z -= wave;  // down to the lowest hollow
   }
   bin.walls = static_cast<int>(scene.bodies.size());
 }
@@ -238,7 +238,7 @@ Bin randomBin(std::uint64_t seed) {
     bin.size.push_back(2 * s.radius);
     bin.thickness.push_back(s.thickness);
   }
-  // some neighbours are joined
+  // some neighbors are joined
   for (int k = 0; k + 1 < count; ++k) {
     if (random.below(5) != 0) continue;
     int nearest = -1;
@@ -283,8 +283,8 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
   const double start = energy(), scale = world.quality().kineticEnergy + 1e-9;
   const double least = *std::min_element(bin.size.begin(), bin.size.end());
   // the origin of the frame of a hull may be outside of it
-  std::vector<Vec3> centreOfMass;
-  for (int k = 0; k < count; ++k) centreOfMass.push_back(world.massOf(world.bodyAt(bin.walls + k)).centre);
+  std::vector<Vec3> centerOfMass;
+  for (int k = 0; k < count; ++k) centerOfMass.push_back(world.massOf(world.bodyAt(bin.walls + k)).centre);
   std::vector<bool> gone(std::size_t(count), false);
   const auto indexOf = [&](BodyId id) { return static_cast<int>(id.index) - bin.walls; };
   for (int i = 0; i < steps; ++i) {
@@ -296,8 +296,8 @@ BinOutcome settle(const Bin& bin, const std::string& backend, int threads) {
       for (int k = 0; k < count; ++k) {
         if (gone[std::size_t(k)]) continue;
         const BodyState body = world.state(world.bodyAt(bin.walls + k));
-        const Vec3 d = abs(body.position + rotate(body.orientation, centreOfMass[std::size_t(k)]) -
-                           bin.centre) -
+        const Vec3 d = abs(body.position + rotate(body.orientation, centerOfMass[std::size_t(k)]) -
+                           bin.center) -
                        bin.inner;
         if (std::max({d.x, d.y, d.z}) > .05 * least) {
           gone[std::size_t(k)] = true;

@@ -1,6 +1,6 @@
 #pragma once
-/// Closed bins of every kind with random bodies in them, thrown in and left to come to rest; and what must be
-/// true of each.
+/// Closed bins of every kind with random bodies thrown in and left to come to rest, and the invariants of
+/// each.
 #include <cstdint>
 #include <string>
 
@@ -8,13 +8,13 @@
 
 namespace rubble::test {
 
-/// What a seed stands for.
+/// The bin that a seed gives.
 struct Bin {
   std::string kind;  ///< of its walls
   Scene scene;
   int walls = 0;  ///< bodies [0, walls) are the bin
-  Vec3 inner;     ///< half extents of the room inside, about `centre` [m]
-  Vec3 centre;
+  Vec3 inner;     ///< half extents of the room inside, about `center` [m]
+  Vec3 center;
   std::vector<double> size;       ///< of each body beyond the walls: diameter of its bounding sphere [m]
   std::vector<double> thickness;  ///< likewise: its smallest width [m]
   double dt = 1. / 60;            ///< [s]
@@ -22,7 +22,7 @@ struct Bin {
 };
 Bin randomBin(std::uint64_t seed);
 
-/// What became of it after ten seconds.
+/// Outcome after ten seconds.
 struct BinOutcome {
   int outside = 0;    ///< bodies that left
   int restless = 0;   ///< bodies that move

@@ -10,7 +10,7 @@
 namespace rubble::test {
 namespace {
 
-/// What became of many bins.
+/// Outcome of many bins.
 struct BinCount {
   int left = 0, unsettled = 0, quarantined = 0, failed = 0;
 };

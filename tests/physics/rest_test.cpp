@@ -1,4 +1,4 @@
-/// What rests stays at rest: no spin that friction never stops, nothing that round-off decides.
+/// Bodies at rest stay at rest: friction stops every spin, and round-off decides nothing.
 #include <gtest/gtest.h>
 #include <scenes/registry.h>
 
@@ -43,9 +43,8 @@ double precisionGap(const std::string& name) {
   return worst;
 }
 
-/// A structure at rest does not move by what round-off decides: bodies that just touch are dormant or not by
-/// the last bit of their gap.
-TEST(Rest, DoesNotHangOnRoundOff) {
+/// Round-off moves no structure at rest. The sign of a gap of zero decides whether a row is active.
+TEST(Rest, DoesNotDependOnRoundOff) {
   for (const char* name : {"tower-20", "pyramid", "card-tower"}) EXPECT_LT(precisionGap(name), 1e-3) << name;
 }
 

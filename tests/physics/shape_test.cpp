@@ -201,7 +201,7 @@ TEST(Mesh, OfOneSideHoldsFromOutsideAndOfTwoFromBoth) {
 }
 
 TEST(Shapes, KeepTheFrameOfTheirAuthor) {
-  // a cone, whose centre of mass is not in the middle, and a hull far from its origin: poses and anchors come
+  // a cone, whose center of mass is not in the middle, and a hull far from its origin: poses and anchors come
   // out as they go in
   const Quat q = normalize(Quat{.8, {.1, -.5, .3}});
   Scene scene = test::emptyScene({0, 0, 0});
@@ -215,7 +215,7 @@ TEST(Shapes, KeepTheFrameOfTheirAuthor) {
     const BodyDef& def = scene.bodies[static_cast<std::size_t>(i)];
     EXPECT_TRUE(test::near(world.state(world.bodyAt(i)).position, def.position, 1e-6));
     EXPECT_TRUE(test::sameRotation(world.state(world.bodyAt(i)).orientation, q, 1e-6));
-    // pushed through its centre of mass it does not turn
+    // pushed through its center of mass it does not turn
     world.applyImpulse(world.bodyAt(i), {5, 0, 0});
   }
   test::run(world, 60);

@@ -1,4 +1,4 @@
-/// Grains in tall bins, however they are filled in: walls bear a part of their weight, and the floor the
+/// Grains in tall bins, whatever the order of filling: walls bear a part of the weight and the floor the
 /// rest.
 #include <gtest/gtest.h>
 #include <scenes/registry.h>

@@ -1,4 +1,5 @@
-/// The same scene in other lengths, masses and times: no scale but those of gravity, the step and the bodies.
+/// The same scene in other units of length, mass and time. The only scales are gravity, the step and the
+/// bodies.
 #include <gtest/gtest.h>
 
 #include <cmath>

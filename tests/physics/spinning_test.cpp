@@ -20,8 +20,8 @@ enum class Mount { Joint, Spring };
 /// A body of 1 kg whose axis of symmetry is its z, over a point of it.
 struct Top {
   Shape shape;
-  double lever;   ///< from the point to the centre of mass [m]
-  double centre;  ///< z of the centre of mass in the frame of the shape [m]
+  double lever;   ///< from the point to the center of mass [m]
+  double center;  ///< z of the center of mass in the frame of the shape [m]
   double inclination, spin, gravity;
   Mount mount;
 
@@ -40,7 +40,7 @@ struct Top {
     def.mass = 1;
     def.orientation = fromAxisAngle(Vec3{0, 1, 0}, inclination);
     const Vec3 axis = rotate(def.orientation, kUp);
-    def.position = (lever - centre) * axis;
+    def.position = (lever - center) * axis;
     def.angularVelocity = precession() * kUp + (spin - precession() * std::cos(inclination)) * axis;
     def.velocity = cross(def.angularVelocity, lever * axis);
     return def;
@@ -48,7 +48,7 @@ struct Top {
   Scene scene() const {
     Scene out = test::emptyScene({0, 0, -gravity});
     out.bodies.push_back(body());
-    JointDef joint = test::ball(0, {0, 0, centre - lever}, kWorld, {});
+    JointDef joint = test::ball(0, {0, 0, center - lever}, kWorld, {});
     // 0.01 mm under the weight
     if (mount == Mount::Spring) joint.stiffness = 1e5 * gravity, joint.dampingRatio = .1;
     out.joints.push_back(joint);
@@ -89,7 +89,7 @@ void expectPrecession(const Top& top, double dt) {
 /// Of little load: implicit Euler takes p^2 dt / 2 of a precession p in a second, 0.1 % here.
 struct Kind {
   Shape shape;
-  double lever, centre;
+  double lever, center;
 };
 const std::vector<Kind> kKinds = {{Shape::cylinder(.3, .02), .05, 0},
                                   {Shape::box({.25, .25, .04}), .05, 0},
@@ -107,14 +107,14 @@ TEST_P(TopAt, PrecessesOnAJointAndDoesNotFall) {
   for (const Kind& kind : kKinds)
     for (const double degrees : kInclinations)
       expectPrecession(
-          {kind.shape, kind.lever, kind.centre, degrees * kPi / 180, GetParam().spin, 9.81, Mount::Joint},
+          {kind.shape, kind.lever, kind.center, degrees * kPi / 180, GetParam().spin, 9.81, Mount::Joint},
           GetParam().dt);
 }
 TEST_P(TopAt, PrecessesOnASpringAndDoesNotFall) {
   for (const Kind& kind : kKinds)
     for (const double degrees : kInclinations)
       expectPrecession(
-          {kind.shape, kind.lever, kind.centre, degrees * kPi / 180, GetParam().spin, 9.81, Mount::Spring},
+          {kind.shape, kind.lever, kind.center, degrees * kPi / 180, GetParam().spin, 9.81, Mount::Spring},
           GetParam().dt);
 }
 INSTANTIATE_TEST_SUITE_P(All, TopAt,

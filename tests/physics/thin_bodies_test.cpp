@@ -82,12 +82,12 @@ TEST(ThinBodies, LieOnWhatIsAThousandTimesAsLarge) {
     WorldOptions o = test::options(4);
     o.params.dt = random.below(2) ? 1. / 60 : 1. / 30;
     World world(smallOverHuge(random, size), o);
-    const Vec3 centre = world.massOf(world.bodyAt(1)).centre;
+    const Vec3 center = world.massOf(world.bodyAt(1)).centre;
     double lowest = size;
     for (int i = 0; i < 150; ++i) {
       world.step();
       const BodyState body = world.state(world.bodyAt(1));
-      lowest = std::min(lowest, (body.position + rotate(body.orientation, centre)).z);
+      lowest = std::min(lowest, (body.position + rotate(body.orientation, center)).z);
     }
     EXPECT_GT(lowest, 0) << "seed " << seed;
   }

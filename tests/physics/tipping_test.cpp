@@ -1,5 +1,4 @@
-/// Bodies with round and many-cornered bases on slopes: they tip where their weight leaves the base, whatever
-/// way they are turned.
+/// Bodies with round and many-cornered bases on slopes tip where their weight leaves the base, for any yaw.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -69,8 +68,8 @@ class TippingOn : public ::testing::TestWithParam<std::tuple<Ground, Base>> {
   /// Does it tip within 6 s, `off` degrees steeper than it should?
   static bool tips(double slender, double yaw, double down, double off) {
     const auto [ground, base] = GetParam();
-    const double halfHeight = slender * kRadius, centre = base == Base::Cone ? halfHeight / 2 : halfHeight;
-    const double slope = std::atan(reachOf(base, down - yaw) / centre) + off * kPi / 180;
+    const double halfHeight = slender * kRadius, center = base == Base::Cone ? halfHeight / 2 : halfHeight;
+    const double slope = std::atan(reachOf(base, down - yaw) / center) + off * kPi / 180;
     const Quat tilt = fromAxisAngle(Vec3{-std::sin(down), std::cos(down), 0}, slope);
     Scene scene = test::emptyScene();
     scene.bodies.push_back(groundOf(ground, tilt));

@@ -4,16 +4,16 @@
 #include <algorithm>
 #include <optional>
 
-#include "tests/query/crowd.h"
+#include "tests/query/random_scene.h"
 #include "tests/support/expect.h"
 
 namespace rubble {
 namespace {
 
-using test::crowd;
 using test::distanceBetween;
 using test::distanceTo;
 using test::randomFilter;
+using test::randomScene;
 
 bool seen(const BodyDef& b, const QueryFilter& f) {
   return (f.sensors || !b.sensor) && (b.filter.layers & f.mask) != 0;
@@ -51,7 +51,7 @@ class March {
 class Query : public testing::TestWithParam<std::string> {};
 
 TEST_P(Query, RaysMeetWhatMarchingMeets) {
-  const Scene scene = crowd(1);
+  const Scene scene = randomScene(1);
   World world(scene, test::options(4, GetParam()));
   test::Random random(2);
   std::vector<RayQuery> rays;
@@ -86,7 +86,7 @@ TEST_P(Query, RaysMeetWhatMarchingMeets) {
 }
 
 TEST_P(Query, SpheresThatAreCastMeetWhatMarchingMeets) {
-  const Scene scene = crowd(3);
+  const Scene scene = randomScene(3);
   World world(scene, test::options(4, GetParam()));
   test::Random random(4);
   std::vector<CastQuery> casts;
@@ -126,7 +126,7 @@ TEST_P(Query, SpheresThatAreCastMeetWhatMarchingMeets) {
 }
 
 TEST_P(Query, ShapesThatAreCastStopAtTouch) {
-  const Scene scene = crowd(5);
+  const Scene scene = randomScene(5);
   World world(scene, test::options(4, GetParam()));
   test::Random random(6);
   std::vector<CastQuery> casts;
@@ -162,7 +162,7 @@ TEST_P(Query, ShapesThatAreCastStopAtTouch) {
 }
 
 TEST_P(Query, OverlapsAreThoseOfZeroDistance) {
-  const Scene scene = crowd(7);
+  const Scene scene = randomScene(7);
   World world(scene, test::options(4, GetParam()));
   test::Random random(8);
   std::vector<OverlapQuery> queries;
@@ -180,7 +180,7 @@ TEST_P(Query, OverlapsAreThoseOfZeroDistance) {
     total += slots.size();
     for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
       const BodyDef& other = scene.bodies[k];
-      // no shape reaches further than 4 m from its centre
+      // no shape reaches further than 4 m from its center
       const bool far = other.shape.type != ShapeType::Plane && length(other.position - own.position) > 8;
       const double distance = seen(other, queries[i].filter) && !far ? distanceBetween(own, other) : 1;
       const bool listed = std::binary_search(slots.begin(), slots.end(), static_cast<int>(k));
@@ -196,7 +196,7 @@ TEST_P(Query, OverlapsAreThoseOfZeroDistance) {
 }
 
 TEST_P(Query, ClosestPointsAreThoseOfTheDistanceFunctions) {
-  const Scene scene = crowd(9);
+  const Scene scene = randomScene(9);
   World world(scene, test::options(4, GetParam()));
   test::Random random(10);
   std::vector<ClosestQuery> queries;
@@ -239,7 +239,7 @@ TEST(QueryWorld, ChangesNothing) {
   EXPECT_EQ(asked.hash(), quiet.hash());
 }
 
-TEST(QueryWorld, TellsWhatIsWrong) {
+TEST(QueryWorld, NamesTheFault) {
   World world(test::tower(1), test::options(4));
   EXPECT_THROW(world.castRays(std::vector{RayQuery{{}, {}, 1, {}}}), Error);
   EXPECT_THROW(world.castShapes(std::vector{CastQuery{Shape::plane(), {}, {}, {}, {}}}), Error);

@@ -51,7 +51,7 @@ std::vector<int> bodiesIn(const Stage& stage) {
 }
 
 /// Both ways to draw bodies must agree: pictures, and which body a pixel shows but for edges that run through
-/// a pixel's centre.
+/// a pixel's center.
 void expectAlike(const std::vector<io::PictureBody>& bodies, const Camera& camera, const Quality& quality) {
   const auto triangles = stageOf("triangles", bodies, camera), computed = stageOf("compute", bodies, camera);
   const io::Image a = triangles->picture(camera, quality), b = computed->picture(camera, quality);
@@ -118,8 +118,8 @@ TEST_F(ComputedBoxes, LookLikeTrianglesWhereBricksAreSmallerThanPixels) {
 }
 
 TEST_F(ComputedBoxes, CoverTheirPixels) {
-  // One metre at the near face, `distance` away, is 90 / distance pixels: by one thread, by a group, by many
-  // groups.
+  // One metre at the near face, `distance` away, is 90 / distance pixels: drawn by one thread, by a thread
+  // group or by several groups.
   const Camera camera{{0, -10, 0}, {0, 0, 0}, {0, 0, 1}, 2 * std::atan(1.)};
   for (const double half : {.2, 1., 6.}) {
     const auto stage = stageOf("compute", numbered({bodyOf(Shape::box({half, 1, half}))}), camera);
@@ -149,7 +149,7 @@ TEST_F(ComputedBoxes, AreTheSameBitsWhateverWasDrawnBefore) {
   EXPECT_EQ(used->picture(camera, {}).rgb, fresh->picture(camera, {}).rgb);
 }
 
-TEST_F(ComputedBoxes, GiveWayToTrianglesWhenAsked) {
+TEST_F(ComputedBoxes, AreReplacedByTrianglesOnRequest) {
   EXPECT_FALSE(stageOf("triangles", heap(), {})->renderer().bodies().computesBoxes());
   const Asked asked("points");
   EXPECT_THROW(Renderer(8, 8), Error);

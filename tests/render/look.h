@@ -1,6 +1,6 @@
 #pragma once
-/// What the tests of pictures share: a context in software, reading of PNG files, and how unlike two pictures
-/// look.
+/// Shared by the picture tests: a software context, a PNG reader and measures of the difference of two
+/// pictures.
 #include <cmath>
 #include <string>
 #include <vector>

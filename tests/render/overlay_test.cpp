@@ -118,7 +118,7 @@ TEST(Stage, FollowsAWorldAsItIsDrawnBodyByBody) {
   fast.follow(world);
   slow.setBodies(io::pictureBodies(world));
   EXPECT_EQ(likeness(slow.picture(camera, {}), fast.picture(camera, {})).largest, 0);
-  // Its frame is not that of the engine, which is about the centre of mass.
+  // Its frame is not that of the engine, which is about the center of mass.
   state.position = {-1.2, .3, .9};
   world.setState(world.bodies()[2], state);
   fast.follow(world);
@@ -127,7 +127,7 @@ TEST(Stage, FollowsAWorldAsItIsDrawnBodyByBody) {
   EXPECT_LT(likeness(slow.picture(camera, {}), fast.picture(camera, {})).largest, 3);
 }
 
-TEST(Surfaces, AreColouredByWhatTheirVerticesSay) {
+TEST(Surfaces, AreColoredByTheValuesOfTheirVertices) {
   softwareContext();
   // A sheet in the picture's plane, at rest on the left and hot on the right.
   io::PictureBody sheet = bodyOf(

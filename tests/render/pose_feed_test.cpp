@@ -17,7 +17,7 @@ Scene tower() {
   for (int i = 0; i < 200; ++i) {
     BodyDef body;
     body.position = {1.1 * (i % 10), 1.1 * (i / 10 % 5), .5 + 1.1 * (i / 50)};
-    // Hulls have their centre of mass elsewhere than their frame.
+    // Hulls have their center of mass elsewhere than their frame.
     if (i % 3 == 0)
       body.shape = Shape::hull({{-.4, -.4, -.4}, {.5, -.4, -.4}, {-.4, .5, -.4}, {-.4, -.4, .5}});
     scene.bodies.push_back(body);

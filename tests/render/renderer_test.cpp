@@ -75,7 +75,7 @@ TEST_F(Rendering, ATurnedBoxCoversWhatItsCornersSpan) {
 }
 
 TEST_F(Rendering, SpheresAndCapsulesCoverTheirPixels) {
-  // A sphere is seen at the angle asin(1/10) from its centre.
+  // A sphere is seen at the angle asin(1/10) from its center.
   const double radius = 100 * std::tan(std::asin(.1));
   io::PictureBody rod = bodyOf(Shape::capsule(.5, 3));
   rod.orientation = fromAxisAngle(Vec3{0, 1, 0}, std::acos(0.));

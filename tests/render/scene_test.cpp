@@ -1,4 +1,4 @@
-/// Pictures of whole scenes: deformable objects, values as colours, any camera, and cameras that show all.
+/// Pictures of whole scenes: deformable objects, values as colors, any camera, and cameras that show all.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -31,17 +31,17 @@ bool isCovered(const io::Image& image, const io::Image& empty, int x, int y) {
   return difference > 24;
 }
 
-/// A sheet that stands up in the middle of the view, a rod to its left, a grain and a solid to its right.
+/// An upright sheet in the middle of the view, a rod to its left, a particle and a solid to its right.
 Scene softScene() {
   Scene scene;
   scene.gravity = {};
   ClothDef sheet = clothSheet({-1, 0, -1}, {2, 0, 0}, {0, 0, 2}, 4, 4);
   RodDef rod = straightRod({-5, 0, -2}, {-5, 0, 2}, 8);
   rod.radius = .3;
-  ParticlesDef grains;
-  grains.vertices = {{4, 0, 0}};
-  grains.radius = .5;
-  scene.deformables = {sheet, rod, grains, softBox({6, -.5, -.5}, {1, 1, 1}, {1, 1, 1})};
+  ParticlesDef particles;
+  particles.vertices = {{4, 0, 0}};
+  particles.radius = .5;
+  scene.deformables = {sheet, rod, particles, softBox({6, -.5, -.5}, {1, 1, 1}, {1, 1, 1})};
   return scene;
 }
 
@@ -64,7 +64,7 @@ TEST(ScenePicture, DeformableObjectsAreSeenWhereTheyAre) {
   }
 }
 
-TEST(ScenePicture, SpeedHasItsOwnColours) {
+TEST(ScenePicture, SpeedHasItsOwnColors) {
   std::vector<io::PictureBody> bodies{bodyOf(Shape::box({1, 1, 1}))};
   const io::Image slow = drawn(bodies, frontView(), io::ColorBy::Speed, 10);
   bodies[0].speed = 10;
@@ -73,7 +73,7 @@ TEST(ScenePicture, SpeedHasItsOwnColours) {
   EXPECT_GT(channel(fast, 100, 50, 0), 1.5 * channel(fast, 100, 50, 2)) << "red at the full value";
 }
 
-TEST(ScenePicture, AnyCameraInAnyCrowdGivesAPicture) {
+TEST(ScenePicture, AnyCameraInAnySceneGivesAPicture) {
   std::mt19937 random(17);
   std::uniform_real_distribution<double> place(-3, 3);
   const auto point = [&] { return Vec3{place(random), place(random), place(random)}; };

@@ -84,7 +84,7 @@ Picture grounds() {
   return {"grounds", bodies, {0, 0, -9.81}, {}};
 }
 
-/// Cloth over nothing, a block of tetrahedra, a rod, a net and grains.
+/// Cloth over nothing, a block of tetrahedra, a rod, a net and particles.
 Picture deformables() {
   Scene scene;
   ClothDef cloth = clothSheet({-2.5, -.8, 1.6}, {1.8, 0, 0}, {0, 1.8, 0}, 16, 16);
@@ -99,11 +99,11 @@ Picture deformables() {
   net.contactRadius = .05;
   for (int a = 0; a < 4; ++a)
     for (int b = a + 1; b < 4; ++b) net.edges.push_back({a, b, 100, 0, -1});
-  ParticlesDef grains;
-  grains.radius = .12;
+  ParticlesDef particles;
+  particles.radius = .12;
   for (int i = 0; i < 20; ++i)
-    grains.vertices.push_back({1.1 + .25 * (i % 4), -1.2 + .25 * (i / 4 % 3), .12 + .24 * (i / 12)});
-  scene.deformables = {cloth, softBox({-.3, -.4, .05}, {1, 1, 1}, {3, 3, 3}), rod, net, grains};
+    particles.vertices.push_back({1.1 + .25 * (i % 4), -1.2 + .25 * (i / 4 % 3), .12 + .24 * (i / 12)});
+  scene.deformables = {cloth, softBox({-.3, -.4, .05}, {1, 1, 1}, {3, 3, 3}), rod, net, particles};
   std::vector<io::PictureBody> bodies = io::pictureBodies(scene);
   bodies.insert(bodies.begin(), bodyOf(Shape::plane()));
   return {"deformables", bodies, scene.gravity, {}};

@@ -266,7 +266,7 @@ void expectError(const std::function<void()>& call, const std::vector<std::strin
   }
 }
 
-TEST(Find, NamesWhatIsNear) {
+TEST(Find, SuggestsSimilarNames) {
   EXPECT_EQ(find("pile-10k").name, "pile-10k");
   expectError([] { find("piles-10k"); }, {"pile-10k", "\"piles-10k\""});
   expectError([] { find("ring110k"); }, {"ring-110k"});

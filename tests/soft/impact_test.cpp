@@ -1,5 +1,5 @@
-/// Impacts between deformable objects, particles and bodies, at few iterations: what strikes together has the
-/// momentum of both.
+/// Impacts between deformable objects, particles and bodies at few iterations. Bodies that strike together
+/// act with the momentum of both.
 #include <gtest/gtest.h>
 
 #include "tests/soft/soft_scenes.h"
@@ -40,8 +40,8 @@ double keptMomentum(const Scene& scene, int iterations) {
   return 1 + change / before;
 }
 
-BodyDef heavyBox(const Vec3& centre, double speed) {
-  BodyDef box = body(Shape::box({.2, .2, .2}), centre);
+BodyDef heavyBox(const Vec3& center, double speed) {
+  BodyDef box = body(Shape::box({.2, .2, .2}), center);
   box.mass = 30;
   box.velocity = {speed, 0, 0};
   return box;
@@ -51,7 +51,7 @@ SoftDef jelly(const Vec3& corner, double speed) {
   box.velocity = {speed, 0, 0};
   return box;
 }
-ParticlesDef grains(std::vector<Vec3> places, double speed) {
+ParticlesDef particles(std::vector<Vec3> places, double speed) {
   ParticlesDef def;
   def.radius = .05;
   def.vertices = std::move(places);
@@ -83,16 +83,16 @@ TEST_P(SoftImpact, OfTwoSolidsKeepsMomentum) {
   EXPECT_NEAR(keptMomentum(scene, 4), 1, .002);
 }
 
-TEST_P(SoftImpact, OfTwoGrainsKeepsMomentum) {
+TEST_P(SoftImpact, OfTwoParticlesKeepsMomentum) {
   Scene scene = emptyScene({0, 0, 0});
-  scene.deformables = {grains({{0, 0, 0}}, 0), grains({{-.4, .013, .021}}, GetParam())};
+  scene.deformables = {particles({{0, 0, 0}}, 0), particles({{-.4, .013, .021}}, GetParam())};
   EXPECT_NEAR(keptMomentum(scene, 4), 1, .005);
   EXPECT_NEAR(keptMomentum(scene, 10), 1, 1e-4);
 }
 
-TEST_P(SoftImpact, OfABodyOnAGrainKeepsMomentum) {
+TEST_P(SoftImpact, OfABodyOnAParticleKeepsMomentum) {
   Scene scene = emptyScene({0, 0, 0});
-  scene.deformables = {grains({{0, .01, .02}}, 0)};
+  scene.deformables = {particles({{0, .01, .02}}, 0)};
   scene.bodies = {heavyBox({-.8, 0, 0}, GetParam())};
   scene.bodies[0].mass = 1;
   EXPECT_NEAR(keptMomentum(scene, 4), 1, .001);
@@ -100,12 +100,12 @@ TEST_P(SoftImpact, OfABodyOnAGrainKeepsMomentum) {
 
 INSTANTIATE_TEST_SUITE_P(Speeds, SoftImpact, testing::Values(2., 20., 60.));
 
-TEST(SoftImpact, OfAGrainOnAWallOfGrainsKeepsMomentum) {
+TEST(SoftImpact, OfAParticleOnAWallOfParticlesKeepsMomentum) {
   std::vector<Vec3> wall;
   for (int y = -1; y <= 1; ++y)
     for (int z = -1; z <= 1; ++z) wall.push_back({0, .1 * y, .1 * z});
   Scene scene = emptyScene({0, 0, 0});
-  scene.deformables = {grains(wall, 0), grains({{-.4, .013, .021}}, 20)};
+  scene.deformables = {particles(wall, 0), particles({{-.4, .013, .021}}, 20)};
   EXPECT_NEAR(keptMomentum(scene, 4), 1, .01);
   EXPECT_NEAR(keptMomentum(scene, 20), 1, 5e-4);
 }
@@ -130,7 +130,8 @@ TEST(SoftMomentum, OfASolidThatIsAloneIsKept) {
   EXPECT_LT(drift, 1e-4 * fastest);
 }
 
-/// A pinned sheet is in no group: what falls on it is borne by the pins, and not carried off with them.
+/// A pinned sheet is in no aggregate. Its pins bear a body that falls on it, and no aggregate moves that
+/// body along.
 TEST(SoftImpact, OnAPinnedSheetEndsInItsWeight) {
   ClothDef sheet = clothSheet({-.5, -.5, 0}, {1, 0, 0}, {0, 1, 0}, 8, 8);
   for (int v = 0; v < static_cast<int>(sheet.vertices.size()); ++v)

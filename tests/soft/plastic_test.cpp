@@ -1,4 +1,4 @@
-/// Solids that flow: what stays of a strain, and what they keep.
+/// Plastic solids: remaining strain and conserved quantities.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -109,8 +109,8 @@ TEST(Plastic, AYieldStressThatNothingReachesChangesNoBit) {
   EXPECT_EQ(elastic.velocities(elastic.deformableAt(0)), unreached.velocities(unreached.deformableAt(0)));
 }
 
-/// How far the shape of an object is from the one that it was made with: root mean square change of the edges
-/// of its cells.
+/// Deviation of the shape of an object from its authored shape: root mean square change of the edges of its
+/// cells.
 double changeOf(const World& world, SoftId id) {
   const SoftDef& d = std::get<SoftDef>(world.definition(id));
   const std::vector<Vec3> x = world.positions(id);

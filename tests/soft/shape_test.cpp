@@ -10,18 +10,18 @@ namespace {
 
 using namespace test;
 
-ParticlesDef grains(const std::vector<Vec3>& at, double radius = .05) {
+ParticlesDef particles(const std::vector<Vec3>& at, double radius = .05) {
   ParticlesDef def;
   def.vertices = at;
   def.radius = radius;
   return def;
 }
 
-TEST(VertexShapes, GrainsLieOnEveryGround) {
+TEST(VertexShapes, ParticlesLieOnEveryGround) {
   for (const std::string& kind : groundKinds()) {
     std::vector<Vec3> at;
     for (int i = 0; i < 30; ++i) at.push_back({.131 * i - 2, .077 * i - 1, .1 + .003 * i});
-    Scene scene = sceneWith(grains(at));
+    Scene scene = sceneWith(particles(at));
     scene.bodies.push_back(groundOf(kind));
     World world(scene, options(4));
     run(world, 90);
@@ -72,7 +72,7 @@ TEST(VertexShapes, HoldASheetThatFallsOnThem) {
   }
 }
 
-TEST(VertexShapes, GrainsStayInABowlOfTriangles) {
+TEST(VertexShapes, ParticlesStayInABowlOfTriangles) {
   // a paraboloid z = r^2, whose cells are 0.1 m wide
   constexpr int kCount = 21;
   std::vector<double> heights;
@@ -82,7 +82,7 @@ TEST(VertexShapes, GrainsStayInABowlOfTriangles) {
   for (int k = 0; k < 3; ++k)
     for (int j = -3; j <= 3; ++j)
       for (int i = -3; i <= 3; ++i) at.push_back({.11 * i + .01 * k, .11 * j, .6 + .11 * k});
-  Scene scene = sceneWith(grains(at));
+  Scene scene = sceneWith(particles(at));
   BodyDef bowl = body(Shape::heightField(kCount, kCount, {.1, .1, 0}, heights), {-1, -1, 0});
   bowl.motion = Motion::Static;
   scene.bodies.push_back(bowl);
@@ -96,8 +96,8 @@ TEST(VertexShapes, GrainsStayInABowlOfTriangles) {
 }
 
 TEST(VertexShapes, AttachmentsHoldToTheAuthorsFrameOfABody) {
-  // its centre of mass and principal axes lie elsewhere than its frame
-  Scene scene = sceneWith(grains({{1.2, .3, 1.1}}));
+  // its center of mass and principal axes lie elsewhere than its frame
+  Scene scene = sceneWith(particles({{1.2, .3, 1.1}}));
   const Shape odd = Shape::compound(
       {{Shape::box({.5, .1, .1}), {.5, 0, 0}, {}}, {Shape::box({.1, .3, .1}), {1, .3, .1}, {}}});
   BodyDef def = body(odd, {0, 0, 1});
@@ -115,8 +115,8 @@ TEST(VertexShapes, AttachmentsHoldToTheAuthorsFrameOfABody) {
   EXPECT_LT(world.state(world.attachments()[0]).gap, 1e-3);
 }
 
-TEST(VertexShapes, BeltsCarryGrains) {
-  Scene scene = sceneWith(grains({{0, 0, .05}}));
+TEST(VertexShapes, ConveyorsCarryParticles) {
+  Scene scene = sceneWith(particles({{0, 0, .05}}));
   scene.bodies.push_back(ground());
   scene.bodies[0].material.surfaceVelocity = {.5, 0, 0};
   World world(scene, options(4));
@@ -128,10 +128,11 @@ TEST(VertexShapes, BeltsCarryGrains) {
 }
 
 TEST(VertexShapes, FrictionFollowsTheRuleOfTheMaterials) {
-  // the smaller coefficient 0.2 instead of the mean 0.4: on a slope of 0.3 grains slide with g (sin - mu cos)
+  // the smaller coefficient 0.2 instead of the mean 0.4: on a slope of 0.3 particles slide with g (sin - mu
+  // cos)
   constexpr double kSlope = .3;
   for (const bool minimum : {false, true}) {
-    ParticlesDef def = grains({{0, 0, .05}});
+    ParticlesDef def = particles({{0, 0, .05}});
     def.material.staticFriction = def.material.dynamicFriction = .2;
     if (minimum) def.material.frictionCombine = Combine::Minimum;
     Scene scene = sceneWith(def, {10 * std::sin(kSlope), 0, -10 * std::cos(kSlope)});
@@ -145,7 +146,7 @@ TEST(VertexShapes, FrictionFollowsTheRuleOfTheMaterials) {
 }
 
 TEST(VertexShapes, RollingFrictionOfVerticesIsRefused) {
-  ParticlesDef def = grains({{0, 0, .05}});
+  ParticlesDef def = particles({{0, 0, .05}});
   def.material.rollingFriction = .01;
   EXPECT_THROW(validate(Deformable{def}, "deformables[0]"), Error);
 }

@@ -251,25 +251,25 @@ TEST(Attachment, BreaksAboveItsThreshold) {
   run(world, 120);
   // it weighs 80 N
   EXPECT_TRUE(world.state(world.attachments()[0]).broken);
-  EXPECT_LT(momentumOf(world, world.deformableAt(0)).centre.z, -2);
+  EXPECT_LT(momentumOf(world, world.deformableAt(0)).center.z, -2);
 }
 
-TEST(Grains, SlideAndStopAsCoulombSays) {
+TEST(Particles, SlideAndStopAsCoulombSays) {
   Scene scene = emptyScene();
   scene.bodies.push_back(ground(.5));
-  ParticlesDef grain;
-  grain.vertices = {{0, 0, .05}};
-  grain.radius = .05;
-  grain.material = {.5, .5, 0};
-  grain.velocity = {3, 0, 0};
-  scene.deformables.push_back(grain);
+  ParticlesDef particle;
+  particle.vertices = {{0, 0, .05}};
+  particle.radius = .05;
+  particle.material = {.5, .5, 0};
+  particle.velocity = {3, 0, 0};
+  scene.deformables.push_back(particle);
   World world(scene, options(4));
   run(world, 120);
   const double exact = 9. / (2 * .5 * 10) - 3. / 120;
   EXPECT_NEAR(world.positions(world.deformableAt(0))[0].x, exact, .02 * exact);
 }
 
-TEST(Grains, AHeapRestsWithoutOverlap) {
+TEST(Particles, AHeapRestsWithoutOverlap) {
   Scene scene = emptyScene();
   scene.bodies.push_back(ground());
   ParticlesDef sand;
@@ -287,7 +287,7 @@ TEST(Grains, AHeapRestsWithoutOverlap) {
 }
 
 /// One whose box is far larger than a cell lies on another level of their grid than the one that it meets.
-TEST(Grains, OfAnySpeedMeetWhatLiesInTheirWay) {
+TEST(Particles, OfAnySpeedMeetWhatLiesInTheirWay) {
   for (const double speed : {2., 20., 90.}) {
     ParticlesDef still, shot;
     still.radius = shot.radius = .05;

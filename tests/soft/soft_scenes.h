@@ -37,7 +37,7 @@ inline void throwApart(World& world, SoftId id, unsigned seed) {
 }
 
 struct Momentum {
-  Vec3 linear, angular, centre;
+  Vec3 linear, angular, center;
   double mass = 0;
 };
 inline Momentum momentumOf(const World& world, SoftId id) {
@@ -47,10 +47,10 @@ inline Momentum momentumOf(const World& world, SoftId id) {
   for (std::size_t i = 0; i < x.size(); ++i) {
     p.linear += m[i] * v[i];
     p.angular += m[i] * cross(x[i], v[i]);
-    p.centre += m[i] * x[i];
+    p.center += m[i] * x[i];
     p.mass += m[i];
   }
-  p.centre = p.centre / p.mass;
+  p.center = p.center / p.mass;
   return p;
 }
 

@@ -96,7 +96,7 @@ TEST(Solid, KeepsItsMomentumAndLosesEnergyInFreeFlight) {
   }
   const Momentum after = momentumOf(world, id);
   EXPECT_LT(length(after.linear - before.linear), 2e-3 * length(before.linear));
-  EXPECT_LT(length(after.centre - (before.centre + Vec3{2, 0, 0})), 2e-3);
+  EXPECT_LT(length(after.center - (before.center + Vec3{2, 0, 0})), 2e-3);
   EXPECT_LT(largest, 1.001);
 }
 
@@ -184,8 +184,8 @@ TEST(Solid, SpheresOfVerticesKeepTwoBoxesApart) {
   }
   World world(scene, options(10));
   run(world, 240);
-  const double below = momentumOf(world, world.deformableAt(0)).centre.z,
-               above = momentumOf(world, world.deformableAt(1)).centre.z;
+  const double below = momentumOf(world, world.deformableAt(0)).center.z,
+               above = momentumOf(world, world.deformableAt(1)).center.z;
   EXPECT_GT(above - below, .3);
   EXPECT_LT(world.quality().kineticEnergy, .05);
 }

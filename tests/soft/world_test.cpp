@@ -83,7 +83,7 @@ TEST(SoftWorld, RemovingAnObjectLeavesTheOthersAsTheyAre) {
   const SoftId fresh = world.add(jellyBox({4, 0, 1}, .3, 2));
   EXPECT_NE(fresh, ids[1]);
   run(world, 10);
-  EXPECT_LT(momentumOf(world, fresh).centre.z, 1.15);
+  EXPECT_LT(momentumOf(world, fresh).center.z, 1.15);
 }
 
 TEST(SoftWorld, RemovingABodyTakesItsAttachmentsWithIt) {
@@ -94,7 +94,7 @@ TEST(SoftWorld, RemovingABodyTakesItsAttachmentsWithIt) {
   run(world, 10);
 }
 
-TEST(SoftWorld, ABodyWithoutDeformableObjectsIsStepppedAsEver) {
+TEST(SoftWorld, AWorldWithoutDeformableObjectsStepsAsBefore) {
   World plain(tower(5), options(4));
   World edited(tower(5), options(4));
   const SoftId id = edited.add(jellyBox({5, 5, 5}, .3, 2));
@@ -150,10 +150,10 @@ TEST(SoftWorld, KeepsBodiesAwakeThatLieOnCloth) {
 }
 
 TEST(SoftWorld, LetsVerticesThroughSensors) {
-  ParticlesDef grains;
-  grains.vertices = {{0, 0, 1}};
-  grains.radius = .05;
-  Scene scene = sceneWith(grains);
+  ParticlesDef particles;
+  particles.vertices = {{0, 0, 1}};
+  particles.radius = .05;
+  Scene scene = sceneWith(particles);
   BodyDef sensor = body(Shape::box({1, 1, .1}), {0, 0, .5});
   sensor.motion = Motion::Static;
   sensor.sensor = true;

@@ -58,7 +58,7 @@ Both randomBoth(Random& random) {
   return both;
 }
 
-TEST(Block, StampsRowsAsOuterProducts) {
+TEST(Block, AccumulatesRowsAsOuterProducts) {
   Random random(1);
   for (int i = 0; i < 50; ++i) {
     const Both both = randomBoth(random);

@@ -177,7 +177,7 @@ TEST(SpinAt, KeepsTheMomentumOfABodyThatWasStoppedOnItsWay) {
   EXPECT_TRUE(test::near(momentum(here, spinAt(here, there, w, kInertia, kDt)), momentum(there, w), 1e-9));
 }
 
-/// A step of a body that would turn by y and is turned by a little more.
+/// A step of a body with the inertial rotation y and a slightly larger actual rotation.
 struct TurnedByRows {
   Quat start, x, y;
   Vec3 inertia, turn;

@@ -9,7 +9,7 @@ namespace {
 using test::Random;
 constexpr Real kNoBound = 1e30;
 
-/// A group of stiffness k with the ramp rule of beta 10 up to 1e6.
+/// A group of rows with stiffness k with the ramp rule of beta 10 up to 1e6.
 GroupState group(Real k, Real compliance = 0, Real bound = kNoBound) {
   return {k, compliance, bound, {StiffnessPolicy::Ramp, 1, 1e6, 10, 1e3}, true};
 }

@@ -131,7 +131,7 @@ TEST(StepConstants, DivideTheStepBySubsteps) {
   EXPECT_EQ(c.gravity, (Vec3{1, 2, 3}));
 }
 
-TEST(StepConstants, OfThePaperAreTheSeedsNumbers) {
+TEST(StepConstants, OfThePaperAreThoseOfTheAvbdAbstract) {
   const Params params = Params::of(Preset::Paper);
   const StepConstants c = stepConstants(params, {0, 0, 0}, 0);
   EXPECT_EQ(c.alpha, .95);

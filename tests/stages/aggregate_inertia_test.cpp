@@ -1,4 +1,4 @@
-/// Groups of the coarse correction: where their centre is, and their inertia about it.
+/// Aggregates of the coarse correction: center of mass and inertia.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -43,7 +43,7 @@ struct Bodies {
   }
 };
 
-TEST(AggregateInertia, IsAboutTheCentreOfMass) {
+TEST(AggregateInertia, IsAboutTheCenterOfMass) {
   const Bodies bodies;
   Vec3d moment{0, 0, 0};
   double mass = 0;
@@ -52,10 +52,10 @@ TEST(AggregateInertia, IsAboutTheCentreOfMass) {
     mass += own;
     moment += own * (bodies.position[i] - bodies.position[0]);
   }
-  EXPECT_LT(length(bodies.aggregate(false).centre - bodies.position[0] - moment / mass), 1e-10);
+  EXPECT_LT(length(bodies.aggregate(false).center - bodies.position[0] - moment / mass), 1e-10);
 }
 
-TEST(AggregateInertia, IsTheSumOfThoseOfItsBodiesAboutThatCentre) {
+TEST(AggregateInertia, IsTheSumOfThoseOfItsBodiesAboutThatCenter) {
   const Bodies bodies;
   for (const bool joined : {false, true}) {
     const Aggregate aggregate = bodies.aggregate(joined);

@@ -91,7 +91,7 @@ TEST(BroadPhase, BoundsHoldABodyAllThroughItsStep) {
       const Quat q = expRotation(time * s.angularVelocity[i]) * s.orientation[i];
       for (int corner = 0; corner < 8; ++corner) {
         const Vec3 local{(corner & 1) ? h.x : -h.x, (corner & 2) ? h.y : -h.y, (corner & 4) ? h.z : -h.z};
-        const Vec3 d = abs(s.position[i] + time * s.velocity[i] + rotate(q, local) - s.bounds[i].centre);
+        const Vec3 d = abs(s.position[i] + time * s.velocity[i] + rotate(q, local) - s.bounds[i].center);
         for (int k = 0; k < 3; ++k) EXPECT_LE(d[k], s.bounds[i].half[k]);
       }
     }

@@ -1,4 +1,4 @@
-/// Incidence lists and colours on chains, stars and piles.
+/// Incidence lists and colors on chains, stars and piles.
 #include "tests/support/core_world.h"
 
 #include <algorithm>
@@ -45,7 +45,7 @@ void expectProper(const SolverData& s, std::size_t atLeastEdges) {
   EXPECT_GE(list.size(), atLeastEdges);
   for (const auto& [a, b] : list) EXPECT_NE(s.color[a], s.color[b]) << a << " " << b;
   EXPECT_EQ(s.counters->clashes, 0);
-  // every dynamic body is in the list of its colour, once
+  // every dynamic body is in the list of its color, once
   std::vector<int> seen(static_cast<std::size_t>(s.bodies), 0);
   for (int c = 0; c < s.counters->colors; ++c)
     for (int k = s.colorOffset[c]; k < s.colorOffset[c + 1]; ++k) {
@@ -91,7 +91,7 @@ void buildChain(CoreWorld& world, int links) {
   world.finish();
 }
 
-TEST(Coloring, ColoursAChainInAFewRounds) {
+TEST(Coloring, ColorsAChainInAFewRounds) {
   CoreWorld world;
   buildChain(world, 5000);
   findGraph(world);
@@ -101,7 +101,7 @@ TEST(Coloring, ColoursAChainInAFewRounds) {
   EXPECT_LE(world.view().counters->rounds, 15);
 }
 
-TEST(Coloring, OfAStarWithFiveHundredNeighboursNeedsTwoColours) {
+TEST(Coloring, OfAStarWithFiveHundredNeighborsNeedsTwoColors) {
   CoreWorld world;
   world.add(cube({0, 0, 100}));
   for (int i = 0; i < 500; ++i) {
@@ -116,7 +116,7 @@ TEST(Coloring, OfAStarWithFiveHundredNeighboursNeedsTwoColours) {
   EXPECT_LE(world.view().counters->colors, 3);
 }
 
-TEST(Coloring, OfACliqueNeedsAsManyColoursAsBodies) {
+TEST(Coloring, OfACliqueNeedsAsManyColorsAsBodies) {
   // more than a word of 64 bits holds
   CoreWorld world;
   constexpr int kBodies = 80;
@@ -160,7 +160,7 @@ TEST(Coloring, OfAPileIsProperAtAnyNumberOfThreads) {
   }
 }
 
-/// Colours again and again until nobody chooses one; returns how many times that took.
+/// Runs rounds of coloring until no body changes its color; returns their number.
 int colorUntilKept(CoreWorld& world) {
   for (int step = 1;; ++step) {
     findGraph(world);
@@ -172,14 +172,14 @@ int colorUntilKept(CoreWorld& world) {
 TEST(Coloring, GoesDownToFewColorsStepByStep) {
   CoreWorld world;
   buildPile(world);
-  // a proper start with a colour for each body
+  // a proper start with a color for each body
   for (int i = 0; i < world.view().bodies; ++i) world.view().color[i] = i;
   EXPECT_LT(colorUntilKept(world), 100);
   expectProper(world.view(), 5000);
   EXPECT_LE(world.view().counters->colors, 12);
 }
 
-TEST(Coloring, KeepsColoursFromStepToStep) {
+TEST(Coloring, KeepsColorsFromStepToStep) {
   CoreWorld world;
   buildPile(world);
   findGraph(world);
@@ -193,7 +193,7 @@ TEST(Coloring, KeepsColoursFromStepToStep) {
   EXPECT_EQ(std::vector<int>(world.view().color, world.view().color + world.view().bodies), before);
 }
 
-TEST(Coloring, RepairsAFewNewNeighboursInAFewRounds) {
+TEST(Coloring, RepairsAFewNewNeighborsInAFewRounds) {
   CoreWorld world;
   buildPile(world);
   findGraph(world);

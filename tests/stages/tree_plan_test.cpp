@@ -122,7 +122,7 @@ TEST(JointTrees, ThousandLinksTakeTenLevels) {
 }
 
 TEST(JointTrees, BranchesAreEliminatedWhole) {
-  // every body hangs on that of half its number
+  // the parent of each body is the one with half its index
   Links links;
   for (int i = 1; i < 200; ++i) links.emplace_back(i, i / 2);
   Linked world(200, links);
@@ -192,7 +192,7 @@ void listByLevel(SolverData& s) {
   s.levelBegin[kTreeLevels] = static_cast<int>(to - s.levelNode);
 }
 
-/// Two chains, whose bodies stand by turns in the order of elimination.
+/// Two chains whose bodies alternate in the order of elimination.
 Links twoChains(int bodies) {
   Links links = chainOf(bodies / 2);
   links.emplace_back(bodies / 2, kWorldBody);

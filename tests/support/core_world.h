@@ -92,10 +92,10 @@ inline std::set<std::pair<int, int>> allPairs(const SolverData& s) {
         const int p = isPlane(i) ? i : j;
         const Bounds& b = s.bounds[isPlane(i) ? j : i];
         const Vec3 up = rotate(s.orientation[p], Vec3{0, 0, 1});
-        meet = dot(up, b.centre - Vec3(s.position[p])) <= dot(abs(up), b.half);
+        meet = dot(up, b.center - Vec3(s.position[p])) <= dot(abs(up), b.half);
       } else {
         for (int k = 0; k < 3; ++k)
-          meet &= std::fabs(s.bounds[i].centre[k] - s.bounds[j].centre[k]) <=
+          meet &= std::fabs(s.bounds[i].center[k] - s.bounds[j].center[k]) <=
                   s.bounds[i].half[k] + s.bounds[j].half[k];
       }
       if (meet) out.emplace(i, j);

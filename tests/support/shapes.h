@@ -76,7 +76,7 @@ inline const std::vector<std::string>& groundKinds() {
   return kinds;
 }
 
-/// The whole scene turned by q about the origin; gravity stays.
+/// The scene rotated by q about the origin; gravity stays.
 inline void turn(Scene& scene, const Quat& q) {
   for (BodyDef& body : scene.bodies) {
     body.position = rotate(q, body.position);

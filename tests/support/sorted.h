@@ -1,6 +1,6 @@
 #pragma once
-/// A world whose bodies were added in no order of space, as it is and after a sort: what an order in memory
-/// must not change.
+/// A world with bodies added in random order, before and after a sort. The order in memory must not change
+/// results.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,8 +12,8 @@ namespace rubble::test {
 
 inline constexpr int kTowers = 5, kTowerHeight = 3;  // towers along each side, cubes of each
 
-/// Towers of cubes, a sensor around some of them, and a chain that hangs beside, in any order behind the
-/// ground: body 0.
+/// Towers of cubes, a sensor around some of them and a hanging chain, in random order behind the ground,
+/// which is body 0.
 inline Scene shuffledTowers() {
   Scene scene = emptyScene();
   for (int x = 0; x < kTowers; ++x)
@@ -51,7 +51,7 @@ inline World towersAfter(const std::string& backend, int steps, bool sorted) {
   return world;
 }
 
-/// The first cubes of the scene, by height: index in Scene::bodies of one whose centre is that of course z.
+/// The first cubes of the scene, by height: index in Scene::bodies of one whose center is that of course z.
 inline int cubeOfCourse(const Scene& scene, int z, int skip = 0) {
   for (std::size_t i = 1; i < scene.bodies.size(); ++i) {
     const BodyDef& b = scene.bodies[i];

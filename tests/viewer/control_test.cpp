@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "apps/viewer/dragger.h"
 #include "apps/viewer/fuzzy.h"
-#include "apps/viewer/hand.h"
 #include "apps/viewer/orbit.h"
 #include "apps/viewer/player.h"
 
@@ -59,8 +59,8 @@ TEST(Orbit, ZoomGoesNearer) {
 }
 
 /// A block of 1 m on a plane, and a cloth that hangs by a side, z up.
-Opened blockOnGround(const Request&, int side) {
-  Opened opened;
+OpenedScene blockOnGround(const Request&, int side) {
+  OpenedScene opened;
   BodyDef ground;
   ground.motion = Motion::Static;
   ground.shape = Shape::plane();
@@ -77,8 +77,8 @@ Opened blockOnGround(const Request&, int side) {
 }
 
 /// The same with a block that appears at step 20.
-Opened withAnEvent(const Request& request, int side) {
-  Opened opened = blockOnGround(request, side);
+OpenedScene withAnEvent(const Request& request, int side) {
+  OpenedScene opened = blockOnGround(request, side);
   Event event;
   event.step = 20;
   event.add = {opened.job.scene.bodies[1]};
@@ -90,60 +90,60 @@ Opened withAnEvent(const Request& request, int side) {
 
 const Request kBlock{"block", {}, ""};
 
-TEST(Hand, AHeldBodyFollowsTheMouse) {
+TEST(Dragger, AHeldBodyFollowsTheMouse) {
   Player player(blockOnGround, kBlock);
-  Hand hand;
+  Dragger dragger;
   const BodyId block = player.world().find("block");
-  ASSERT_TRUE(hand.take(player, block, {0, 0, 1}));
-  hand.pull(player, {0, 0, 3});
+  ASSERT_TRUE(dragger.take(player, block, {0, 0, 1}));
+  dragger.pull(player, {0, 0, 3});
   for (int i = 0; i < 240; ++i) player.step();
   // The grip is a spring of 3 Hz: the weight stretches it by g / (2 pi 3)^2 = 28 mm.
   EXPECT_NEAR(player.world().state(block).position.z, 2.5 - .028, .1);
-  hand.release(player);
+  dragger.release(player);
   EXPECT_TRUE(player.world().joints().empty());
   for (int i = 0; i < 120; ++i) player.step();
   EXPECT_LT(player.world().state(block).position.z, .8);
 }
 
-TEST(Hand, AHeldBodyFollowsAMouseThatMoves) {
+TEST(Dragger, AHeldBodyFollowsAMouseThatMoves) {
   Player player(blockOnGround, kBlock);
-  Hand hand;
+  Dragger dragger;
   for (int i = 0; i < 60; ++i) player.step();
   const BodyId block = player.world().find("block");
-  ASSERT_TRUE(hand.take(player, block, {0, -.5, .7}));
+  ASSERT_TRUE(dragger.take(player, block, {0, -.5, .7}));
   for (int i = 0; i < 120; ++i) {
-    hand.pull(player, {0, -.5, .7 + .01 * i});
+    dragger.pull(player, {0, -.5, .7 + .01 * i});
     player.step();
   }
   EXPECT_GT(player.world().state(block).position.z, 1.2);
 }
 
-TEST(Hand, AHeldVertexFollowsTheMouse) {
+TEST(Dragger, AHeldVertexFollowsTheMouse) {
   Player player(blockOnGround, kBlock);
-  Hand hand;
+  Dragger dragger;
   const SoftId cloth = player.world().deformables().front();
   const int corner = 24;
   const Vec3 before = player.world().positions(cloth)[24];
-  ASSERT_TRUE(hand.take(player, cloth, corner));
+  ASSERT_TRUE(dragger.take(player, cloth, corner));
   for (int i = 0; i < 60; ++i) {
-    hand.pull(player, before + Vec3{0, .01 * i, 0});
+    dragger.pull(player, before + Vec3{0, .01 * i, 0});
     player.step();
   }
   EXPECT_GT(player.world().positions(cloth)[24].y, .3);
-  hand.release(player);
+  dragger.release(player);
   EXPECT_TRUE(player.world().attachments().empty());
   EXPECT_EQ(player.world().bodies().size(), 2u) << "the grip is gone";
 }
 
-TEST(Hand, WhatDoesNotMoveIsNotHeld) {
+TEST(Dragger, WhatDoesNotMoveIsNotHeld) {
   Player player(blockOnGround, kBlock);
-  Hand hand;
-  EXPECT_FALSE(hand.take(player, player.world().bodyAt(0), {0, 0, 0}));
-  EXPECT_FALSE(hand.take(player, player.world().deformables().front(), 0)) << "a fixed vertex";
-  EXPECT_FALSE(hand.holds());
+  Dragger dragger;
+  EXPECT_FALSE(dragger.take(player, player.world().bodyAt(0), {0, 0, 0}));
+  EXPECT_FALSE(dragger.take(player, player.world().deformables().front(), 0)) << "a fixed vertex";
+  EXPECT_FALSE(dragger.holds());
 }
 
-TEST(Hand, AShotFliesWhereItWasAimed) {
+TEST(Dragger, AShotFliesWhereItWasAimed) {
   Player player(blockOnGround, kBlock);
   const BodyId ball = shoot(player, {0, -20, 5}, {0, 1, 0}, .5),
                second = shoot(player, {5, -20, 5}, {0, 1, 0}, .5);
@@ -153,7 +153,7 @@ TEST(Hand, AShotFliesWhereItWasAimed) {
   EXPECT_NE(player.world().definition(ball).name, player.world().definition(second).name);
 }
 
-TEST(Hand, ABoxIsDroppedOntoAPoint) {
+TEST(Dragger, ABoxIsDroppedOntoAPoint) {
   Player player(blockOnGround, kBlock);
   const BodyId box = dropBox(player, {-4, 0, 0}, .25);
   for (int i = 0; i < 120; ++i) player.step();
@@ -176,14 +176,14 @@ TEST(Player, PausedItStandsStillAndDoesNotCatchUp) {
 
 TEST(Player, EveryStepIsFoundAgainBitForBit) {
   Player player(withAnEvent, kBlock);
-  Hand hand;
+  Dragger dragger;
   std::vector<std::uint64_t> hashes{player.world().hash()};
   const BodyId block = player.world().find("block");
   for (int i = 0; i < 60; ++i) {
     // The hand pulls on the way: what it did is done again.
-    if (i == 12) hand.take(player, block, {0, 0, 1});
-    if (hand.holds()) hand.pull(player, {0, 0, 1 + .05 * (i - 12)});
-    if (i == 33) hand.release(player);
+    if (i == 12) dragger.take(player, block, {0, 0, 1});
+    if (dragger.holds()) dragger.pull(player, {0, 0, 1 + .05 * (i - 12)});
+    if (i == 33) dragger.release(player);
     if (i == 41) shoot(player, {0, -20, 1}, {0, 1, 0}, .5);
     player.step();
     hashes.push_back(player.world().hash());
@@ -196,7 +196,7 @@ TEST(Player, EveryStepIsFoundAgainBitForBit) {
   EXPECT_EQ(player.history().branches().size(), 1u) << "looking back changes nothing";
 }
 
-TEST(Player, WhatIsDoneInThePastBeginsABranch) {
+TEST(Player, AnInputAtAnEarlierStepBeginsABranch) {
   Player player(blockOnGround, kBlock);
   for (int i = 0; i < 40; ++i) player.step();
   const std::uint64_t first = player.world().hash();

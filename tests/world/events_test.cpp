@@ -51,7 +51,7 @@ TEST(Events, LoadsAreTheWeightsThatRestOnABody) {
   EXPECT_LT(middle.residual, 1e-3);
 }
 
-TEST(Events, ASensorTellsAndDoesNotPush) {
+TEST(Events, ASensorReportsAndDoesNotPush) {
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::ground());
   BodyDef gate = test::body(Shape::box({1, 1, .5}), {0, 0, 3});
@@ -80,7 +80,7 @@ TEST(Events, ASensorTellsAndDoesNotPush) {
   EXPECT_EQ(world.state(world.bodyAt(2)).position, without.state(without.bodyAt(1)).position);
 }
 
-TEST(Events, ABrokenJointIsToldOnce) {
+TEST(Events, ABrokenJointIsReportedOnce) {
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::unitCube({0, 0, 0}));
   JointDef joint = test::ball(kWorld, {0, 0, .5}, 0, {0, 0, .5});

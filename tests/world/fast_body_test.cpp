@@ -1,5 +1,5 @@
-/// Bodies that go further in a step than they, or what they hit, are thick. Plates are 1 m wide and 1 cm
-/// thick, bullets 1 cm of lead.
+/// Bodies whose motion per step exceeds their own thickness or that of what they hit. Plates are 1 m wide
+/// and 1 cm thick, bullets are 1 cm of lead.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -65,7 +65,7 @@ TEST_P(FastBody, DoesNotPassAPlate) {
     }
   }
   EXPECT_GE(stops, 1);
-  // and does not go on through it
+  // and does not pass through it
   EXPECT_GT(world.state(b).velocity.z - world.state(p).velocity.z, -.005 * shot.speed);
 }
 
@@ -158,9 +158,9 @@ TEST(StruckBody, IsNotDrivenIntoTheGround) {
   }
 }
 
-TEST(Assembly, StopsAsOneAndKeepsItsJointsClosed) {
-  // a leaning row of small cubes on ball joints; a cube goes 0.67 m a step, and the lowest meets the ground
-  // first
+TEST(CcdIsland, StopsAsOneAndKeepsItsJointsClosed) {
+  // a leaning row of small cubes on ball joints; a cube moves 0.67 m per step, and the lowest meets the
+  // ground first
   Scene scene = test::emptyScene({0, 0, 0});
   scene.bodies.push_back(test::ground());
   constexpr double kHalf = .05, kStep = .08;

@@ -1,5 +1,5 @@
-/// Bodies of every kind that go further in a step than they are thick, against plates of every kind: 1 m wide
-/// and 1 cm thick, or a sheet.
+/// Bodies of every kind whose motion per step exceeds their thickness, against plates of every kind. Plates
+/// are 1 m wide and 1 cm thick, or a sheet.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -235,7 +235,7 @@ TEST(FastShape, StaysInAHollowOfADistanceField) {
   for (int i = 0; i < 60; ++i) {
     world.step();
     const Vec3 x = abs(world.state(world.bodyAt(1)).position);
-    // its centre does not enter the wall, and in the end it lies on it
+    // its center does not enter the wall, and in the end it lies on it
     EXPECT_LT(std::max({x.x, x.y, x.z}), i < 40 ? .18 : .155) << i;
   }
 }

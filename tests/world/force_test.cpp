@@ -44,7 +44,7 @@ TEST(WorldForce, ActsThroughAllSubstepsOfItsStep) {
   }
 }
 
-/// Rows that held its weight are still stiff, and let it go only as it begins away from them.
+/// Rows that held its weight are still stiff and release it only once it moves away.
 TEST(WorldForce, LiftsABodyAtRestAtOnce) {
   for (const int iterations : {1, 4, 10, 200}) {
     World world(test::tower(1), options(iterations));

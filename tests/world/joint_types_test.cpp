@@ -62,7 +62,7 @@ TEST(Hinge, CountsTurnsBeyondPiAndStopsAtALimitOfTwoTurns) {
 
 TEST(Hinge, RestsOnASoftLimitByHookesLaw) {
   Scene scene = cube();
-  // a cube of 1 kg, its centre 0.5 m from the hinge, falls onto a limit of 40 N m/rad
+  // a cube of 1 kg, its center 0.5 m from the hinge, falls onto a limit of 40 N m/rad
   JointDef hinge = jointAt(scene, JointType::Hinge, 0, kWorld, {-.5, 0, 0}, frameAlong(kY));
   hinge.axes[0].max = .2;
   hinge.axes[0].limitStiffness = 40, hinge.axes[0].limitDamping = 4;

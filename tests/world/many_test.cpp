@@ -135,7 +135,7 @@ TEST_P(ManyBodies, AreWrittenFromArrays) {
   World one = world(test::heap(2)), many = world(test::heap(2));
   test::run(one, 5), test::run(many, 5);
   const std::vector<BodyId> ids = {one.bodyAt(4), one.bodyAt(9), one.bodyAt(2)};
-  // row 99 is nobody's
+  // row 99 belongs to no body
   const std::vector<int> rows = {4, 9, 99, 2};
   const std::vector<double> velocities = {1, 2, 3, -1, 0, .5, 7, 7, 7, 0, .25, -2};
   const std::vector<float> forces = {10, 0, 0, 0, 20, 0, 1, 1, 1, 0, 0, 30};

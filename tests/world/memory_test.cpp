@@ -1,4 +1,4 @@
-/// A step that finds no memory for its tables is an Error, and the world goes on.
+/// A step that cannot allocate its tables throws Error, and the world stays usable.
 #include <gtest/gtest.h>
 
 #include <fstream>

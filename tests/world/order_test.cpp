@@ -1,4 +1,4 @@
-/// Bodies in another order in memory: nothing that the user sees changes.
+/// Sorting bodies in memory changes nothing that the API shows.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -250,7 +250,7 @@ TEST_P(Order, SnapshotsKnowIt) {
   test::run(w, 5);
   EXPECT_EQ(w.hash(), sorted);
   EXPECT_EQ(w.state(w.bodyAt(13)).position, place);
-  // and another world takes it
+  // and another world restores it
   World other(test::shuffledTowers(), test::options(10, GetParam()));
   other.restore(after);
   test::run(other, 5);
@@ -268,8 +268,7 @@ TEST_P(Order, IsTheSameEachTime) {
   EXPECT_EQ(hash(), hash());
 }
 
-/// A cloth on two posts, a box on it that is tied to one of its corners, and boxes elsewhere, in no order of
-/// space.
+/// A cloth on two posts with a box attached to one of its corners, and other boxes in random order.
 Scene trampoline() {
   Scene scene = test::emptyScene();
   for (const double x : {3., -5., .2, 7., -9.})

@@ -1,4 +1,4 @@
-/// What would break a world is refused with the path of what is wrong, and an Error changes nothing.
+/// Invalid input is refused with the path of the faulty field, and an Error changes nothing.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-/// What a step says of itself, and what happens to bodies that are no longer finite or spin too fast.
+/// The step report, quarantine of bodies with a state that is not finite, and the limit of spin.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -59,7 +59,7 @@ double unfinished(int levels, int iterations, double scale = 1) {
   return sum / 30;
 }
 
-TEST(StepReport, TellsWhatIterationsLeaveUndone) {
+TEST(StepReport, ReportsTheResidualOfIterations) {
   const double four = unfinished(20, 4);
   EXPECT_GT(four, 0);
   EXPECT_LT(unfinished(20, 20), .5 * four) << "more iterations leave less";
@@ -68,7 +68,7 @@ TEST(StepReport, TellsWhatIterationsLeaveUndone) {
   EXPECT_NEAR(unfinished(20, 4, .01), four, .02 * four);
 }
 
-TEST(StepReport, LeavesNothingUndoneWhereNothingTouches) {
+TEST(StepReport, HasNoResidualWhereNothingTouches) {
   Scene scene = test::emptyScene();
   scene.bodies.push_back(test::unitCube({0, 0, 5}));
   scene.bodies.back().angularVelocity = {1, 2, 3};
@@ -84,7 +84,7 @@ TEST(StepReport, CountsBodiesWhoseSpinIsLimited) {
   }
   World world(scene, options(4));
   EXPECT_EQ(world.step().spinLimited, 1);
-  // 2 rad a step
+  // 2 rad per step
   EXPECT_NEAR(world.state(world.bodyAt(1)).angularVelocity.z, 120, 1e-3);
   EXPECT_NEAR(world.state(world.bodyAt(0)).angularVelocity.z, 100, 1e-3);
 }

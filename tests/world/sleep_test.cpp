@@ -105,12 +105,12 @@ TEST(Sleep, EndsByForceStateGravityAndWish) {
   EXPECT_EQ(wakes([](World&) {}), std::pair(false, false));
 }
 
-TEST(Sleep, NothingSleepsOnABeltThatMoves) {
+TEST(Sleep, NothingSleepsOnAMovingConveyor) {
   Scene scene = test::emptyScene();
-  BodyDef belt = test::body(Shape::box({50, 2, .1}), {0, 0, -.1});
-  belt.motion = Motion::Kinematic;
-  belt.velocity = {.01, 0, 0};
-  scene.bodies.push_back(belt);
+  BodyDef conveyor = test::body(Shape::box({50, 2, .1}), {0, 0, -.1});
+  conveyor.motion = Motion::Kinematic;
+  conveyor.velocity = {.01, 0, 0};
+  scene.bodies.push_back(conveyor);
   scene.bodies.push_back(test::unitCube({0, 0, .5}));
   World world(scene, sleepy());
   test::run(world, 180);

@@ -77,7 +77,7 @@ TEST(Snapshot, ThatIsEmptyThrows) {
   EXPECT_THROW(world.restore(Snapshot{}), Error);
 }
 
-TEST(WorldHash, TellsStatesApart) {
+TEST(WorldHash, DistinguishesStates) {
   World a(test::heap(1), options()), b(test::heap(1), options());
   EXPECT_EQ(a.hash(), b.hash());
   BodyState state = b.state(b.bodyAt(3));

@@ -1,4 +1,4 @@
-/// Bad input throws with the path of what is wrong.
+/// Invalid input throws with the path of the faulty field.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -137,7 +137,7 @@ template <> struct Simd4Kernel<SumSlice<Real4>> {
   static void expect(const SolverData& s, const Lane4& index) {
     for (const int i : index) {
       __builtin_prefetch(&s.boundary[s.boundaryOffset[i]]);
-      __builtin_prefetch(&s.aggregate[s.slice[i].aggregate].centre);
+      __builtin_prefetch(&s.aggregate[s.slice[i].aggregate].center);
     }
   }
   static void prepare(const SolverData& s, const Lane4& index) {
@@ -231,7 +231,7 @@ template <> struct Simd4Kernel<SolveAggregate> {
       for (int lane = 0; lane < kLanes; ++lane) SolveAggregate{}(s, index[lane]);
       return;
     }
-    const Vec6T<Real4> step = LaneAccess<Real4>::splat(kGroupRelaxation) * dx;
+    const Vec6T<Real4> step = LaneAccess<Real4>::splat(kAggregateRelaxation) * dx;
     for (int lane = 0; lane < kLanes; ++lane)
       s.aggregate[index[lane]].step = {{step.lin.x[lane], step.lin.y[lane], step.lin.z[lane]},
                                        {step.ang.x[lane], step.ang.y[lane], step.ang.z[lane]}};

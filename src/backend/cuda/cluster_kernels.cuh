@@ -35,11 +35,11 @@ template <bool surfaces> struct SumClusterByTile {
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const Cluster c = s.cluster[i];
     ClusterMotion& motion = s.clusterMotion[i];
-    const Vec3 centre = motion.centre;
+    const Vec3 center = motion.center;
     Block6 own, self;
     bool folded = false;
     for (int k = c.begin + tile.lane / kLanesPerVertex; k < c.end; k += kWidth / kLanesPerVertex)
-      folded |= SumCluster<surfaces>::addVertex(s, s.clusterMember[k], centre, tile.lane % kLanesPerVertex,
+      folded |= SumCluster<surfaces>::addVertex(s, s.clusterMember[k], center, tile.lane % kLanesPerVertex,
                                                 kLanesPerVertex, own, self);
     Real sums[kRealsPerLane<kWidth>];
     sumBlocks(tile, own, sums);
@@ -59,12 +59,12 @@ template <bool surfaces> struct OnDevice<SumCluster<surfaces>> { using Type = Su
 /// every `workers`-th element on its boundary.
 __device__ inline Block6 shareOfCluster(const SolverData& s, int index, int worker, int workers) {
   const Cluster c = s.cluster[index];
-  const Vec3 centre = s.clusterMotion[index].centre;
+  const Vec3 center = s.clusterMotion[index].center;
   Block6 own;
   for (int k = c.sliceBegin + worker; k < c.sliceEnd; k += workers)
-    SolveCluster::addSlice(s, c, k, centre, own);
+    SolveCluster::addSlice(s, c, k, center, own);
   for (int k = c.refBegin + worker; k < c.refEnd; k += workers)
-    SolveCluster::addLeaving(s, s.clusterRef[k], centre, own);
+    SolveCluster::addLeaving(s, s.clusterRef[k], center, own);
   return own;
 }
 /// Solves a cluster whose block was summed by a tile.

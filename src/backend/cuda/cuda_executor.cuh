@@ -193,7 +193,7 @@ class CudaExecutor : private KernelLauncher {
     fill(n, kMostSearchLanes) ? forEach(ByTile<kSearchLanes>{}, n) : forEach(ByTile<kMostSearchLanes>{}, n);
   }
   void forEach(const FindNeighbors& kernel, int n) { search<FindNeighborsByTile>(kernel, n); }
-  void forEach(const FindLateStops& kernel, int n) { search<FindLateStopsByTile>(kernel, n); }
+  void forEach(const FindUnpairedImpacts& kernel, int n) { search<FindUnpairedImpactsByTile>(kernel, n); }
   void forEach(const FindPairs<false>& kernel, int n) {
     fill(n, kSearchLanes) ? forEach<FindPairs<false>>(kernel, n) : forEach(FindPairsByTile{}, n);
   }

@@ -37,11 +37,11 @@ template <int kTile> struct FindNeighborsByTile {
   }
 };
 
-template <int kTile> struct FindLateStopsByTile {
-  static constexpr const char* kStage = FindLateStops::kStage;
+template <int kTile> struct FindUnpairedImpactsByTile {
+  static constexpr const char* kStage = FindUnpairedImpacts::kStage;
   static constexpr int kWidth = kTile;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
-    FindLateStops{}(s, i, tile.lane, kWidth);
+    FindUnpairedImpacts{}(s, i, tile.lane, kWidth);
   }
 };
 

@@ -47,7 +47,8 @@ __device__ inline Manifold manifoldOfPoint(const Manifold& m, const PointTile& t
   own.lambda2[0] = load.x, own.kN[0] = load.y, own.kT[0] = load.z, own.drift1[0] = load.w;
   own.drift2[0] = m.drift2[tile.lane];
   const auto ofPoint = [&](std::uint8_t bits) { return static_cast<std::uint8_t>(bits >> tile.lane & 1); };
-  own.stick = ofPoint(own.stick), own.impact = ofPoint(own.impact), own.awake = ofPoint(own.awake);
+  own.stick = ofPoint(own.stick), own.impact = ofPoint(own.impact),
+  own.activePoints = ofPoint(own.activePoints);
   return own;
 }
 

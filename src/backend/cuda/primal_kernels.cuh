@@ -81,7 +81,7 @@ static __device__ __noinline__ void addExtraRowsUniform(const SolverData& s, int
   for (int k = end - 1 - lane; k >= begin; k -= width) {
     const std::uint32_t code = s.incidence[k].code;
     if (constraintType(code) == kContactType) break;
-    addJointAlike(s, code, *sum);
+    addJointUniform(s, code, *sum);
   }
   if (s.rolls) addRollingApart(s, begin + lane, end, width, sum);
 }

@@ -22,14 +22,14 @@ struct SolveLineByTile {
     __shared__ double staged[kThreads / kWidth][(kStaged + kBeside) * kNumbers];
     double* const own = staged[threadIdx.x / kWidth];
     const Strand line = s.strand[i];
-    const LineRows rows(s, line);
+    const StrandRows rows(s, line);
     double* const numbers = &rows.work->row[0][0];
     eliminate(numbers, line.end - line.begin, tile, own);
     substitute(numbers, line.end - line.begin, tile, own);
     __syncwarp(tile.mask);
     Real turn = 0;
     for (int k = line.begin + 1 + tile.lane; k < line.end; k += kWidth)
-      turn = max(turn, lineTurn(rows, k - line.begin, s.vertexParams[s.strandVertex[k].v].length));
+      turn = max(turn, strandRotation(rows, k - line.begin, s.vertexParams[s.strandVertex[k].v].length));
     for (int step = kWidth / 2; step > 0; step /= 2)
       turn = max(turn, __shfl_xor_sync(tile.mask, turn, step, kWidth));
     if (tile.lane == 0) s.strandShare[i] = strandShare(turn);

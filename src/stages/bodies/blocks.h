@@ -44,7 +44,7 @@ struct ContactBlocks {
   RUBBLE_HD static BlockBodies bodies(const SolverData& s, int i) {
     return {s.contact[i].a, s.contact[i].b, true};
   }
-  template <class Visit> RUBBLE_HD static void visitEntries(const SolverData& s, int i, Visit&& visit) {
+  template <class Visit> RUBBLE_HD static void visitIncidences(const SolverData& s, int i, Visit&& visit) {
     visitSides(s, s.contact[i].a, s.contact[i].b,
                [&](int body, int side, int other) { visit(body, constraintCode(kType, i, side), other); });
   }
@@ -59,7 +59,7 @@ template <class F> struct JointBlocks {
     return {spec.a, spec.b, s.jointsOf<F>()[i].active != 0};
   }
   /// visit(body, code, other) for the incidences of the joint's dynamic bodies.
-  template <class Visit> RUBBLE_HD static void visitEntries(const SolverData& s, int i, Visit&& visit) {
+  template <class Visit> RUBBLE_HD static void visitIncidences(const SolverData& s, int i, Visit&& visit) {
     const JointSpec<F>& spec = s.specsOf<F>()[i];
     if (!s.jointsOf<F>()[i].active) return;
     if constexpr (isCarried<F>()) {

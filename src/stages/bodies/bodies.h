@@ -1,6 +1,6 @@
 #pragma once
 /// Begin and end of the step of a body, and its primal update.
-#include "stages/bodies/far_turns.h"
+#include "stages/bodies/far_rotations.h"
 #include "stages/ccd/fast_bodies.h"
 #include "stages/contacts/rolling.h"
 #include "stages/soft/soft_rows.h"
@@ -250,7 +250,7 @@ RUBBLE_HD RUBBLE_APART inline void addPivot(const SolverData& s, const Pivot& pi
                                             Block6& block) {
   accumulatePivotOfBody<true>(s, pivot, side, block, [](int) { return Vec3{0, 0, 0}; });
 }
-RUBBLE_HD inline void addJointAlike(const SolverData& s, std::uint32_t code, Block6& block) {
+RUBBLE_HD inline void addJointUniform(const SolverData& s, std::uint32_t code, Block6& block) {
   if (Pivot pivot; findPivot(s, code, pivot))
     addPivot(s, pivot, constraintSide(code), block);
   else
@@ -305,7 +305,7 @@ template <class L> struct SolveBody {
 RUBBLE_HD inline Vec3 unusedPush(const SolverData& s, int i, const Vec3& start, const Vec3& v) {
   const StepConstants& c = *s.step;
   const Vec3 push = c.inverseDt * s.target[i].y.p - start;
-  return fromFloatBits(s.stopBits[i]) * followedShare(v, start, c.inverseDt * push, c.dt) * push;
+  return fromFloatBits(s.ccdShareBits[i]) * followedShare(v, start, c.inverseDt * push, c.dt) * push;
 }
 
 /// Records the displacement of the last sweep over the bounding diameter, a measure of convergence.
@@ -327,7 +327,7 @@ struct BodyEnd {
 RUBBLE_HD inline BodyEnd endOf(const SolverData& s, int i) {
   const StepConstants& c = *s.step;
   const Displacement& d = s.dx[i];
-  const bool stopped = s.stopBits[i] != 0;
+  const bool stopped = s.ccdShareBits[i] != 0;
   const Quat start = s.orientation[i], x = s.dq[i];
   BodyEnd end;
   end.q = normalize((stopped ? expRotation(s.ccdMotion[i].dw) : x) * start);
@@ -342,7 +342,7 @@ RUBBLE_HD inline BodyEnd endOf(const SolverData& s, int i) {
   const Vec3 inertia = s.params[i].inertia;
   end.w = c.inverseDt * d.dw;
   // The target is read only if it matters: the two results differ by abs(dw) times the rotation by rows.
-  if (dot(d.dw, d.dw) >= kNoTurn2 && (s.target[i].locks >> 3) == 0)
+  if (dot(d.dw, d.dw) >= kNoRotation2 && (s.target[i].locks >> 3) == 0)
     end.w = spinAfterRows(start, x, d.dw, s.target[i].y.q, inertia, c.dt);
   if (stopped) end.w = spinAt(end.q, x * start, end.w, inertia, c.dt);
   end.limited = limitSpin(end.w, c.dt);
@@ -361,7 +361,7 @@ struct FinishBodies {
       return;
     }
     BodyEnd end = endOf(s, i);
-    if (const Vec3 turn = s.dx[i].dw; dot(turn, turn) >= kFarTurn2) {
+    if (const Vec3 turn = s.dx[i].dw; dot(turn, turn) >= kFarRotation2) {
       const Real kept = keptMotion(s, i, end.q, end.v, end.w);
       end.v *= kept, end.w *= kept;
     }

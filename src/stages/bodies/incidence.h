@@ -7,8 +7,8 @@ namespace rubble::RUBBLE_CORE {
 template <class Blocks> struct CountIncidences {
   static constexpr const char* kStage = "incidence";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    Blocks::visitEntries(s, i,
-                         [&](int body, std::uint32_t, int) { atomicCount(&s.incidenceCount[body], 1); });
+    Blocks::visitIncidences(s, i,
+                            [&](int body, std::uint32_t, int) { atomicCount(&s.incidenceCount[body], 1); });
   }
 };
 
@@ -16,7 +16,7 @@ template <class Blocks> struct CountIncidences {
 template <class Blocks> struct FillIncidences {
   static constexpr const char* kStage = "incidence";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    Blocks::visitEntries(s, i, [&](int body, std::uint32_t code, int other) {
+    Blocks::visitIncidences(s, i, [&](int body, std::uint32_t code, int other) {
       const int slot = s.incidenceOffset[body] + atomicCount(&s.incidenceCount[body], -1) - 1;
       const bool inner = Blocks::kRelative && other >= 0 && s.plan.coarseCorrection;
       s.incidence[slot] = {code, other, inner ? separateLevels(s, body, other) : kCoarseLevels};

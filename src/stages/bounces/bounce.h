@@ -99,7 +99,7 @@ struct FindBounces {
     return before.x > lambda ? (max(lambda, Real(0)) / before.x) * before : before;
   }
   RUBBLE_HD static Displacement endOf(const SolverData& s, int body) {
-    return isDynamic(s, body) && s.stopBits[body] != 0 ? s.ccdMotion[body] : s.dx[body];
+    return isDynamic(s, body) && s.ccdShareBits[body] != 0 ? s.ccdMotion[body] : s.dx[body];
   }
 };
 

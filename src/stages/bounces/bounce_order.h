@@ -48,7 +48,7 @@ struct ProposeBounces {
       if (!(fastest > kBounceRest * impactSpeed(*s.step, r.length))) return;
       bounce.time = max(bounce.gap, Real(0)) / fastest;
     }
-    if (s.counters->bounceTurns < kBounceRounds) atomicCount(&s.counters->bounceLeft, 1);
+    if (s.counters->bounceRounds < kBounceRounds) atomicCount(&s.counters->bounceLeft, 1);
   }
 };
 
@@ -151,10 +151,11 @@ struct ActBounces {
   /// tangential motion.
   RUBBLE_HD static void rub(const SolverData& s, const ContactRows& r, const Impact& impact,
                             const Real (&p)[kLanes], Real given, BodyMotion& a, BodyMotion& b) {
-    Vec3 t1, t2, belt{0, 0, 0};
+    Vec3 t1, t2, surfaceShift{0, 0, 0};
     tangentBasis(r.n, t1, t2);
     if (s.surfaces > 0)
-      belt = s.step->inverseDt * pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).belt;
+      surfaceShift = s.step->inverseDt *
+                     pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).surfaceShift;
     Real room[kLanes], resists[kLanes];
     for (int k = 0; k < kLanes; ++k) {
       room[k] = actsAt(r, k) ? r.slip[k].mu * given * p[k] : Real(0);
@@ -171,7 +172,7 @@ struct ActBounces {
     for (int sweep = 0; sweep < kBounceSweeps; ++sweep)
       for (int k = 0; k < kLanes; ++k) {
         if (!(room[k] > Real(0))) continue;
-        Vec3 u = impact.relative(k, a, b) + belt;
+        Vec3 u = impact.relative(k, a, b) + surfaceShift;
         u -= dot(r.n, u) * r.n;
         const Real speed = length(u);
         if (!(speed > Real(0))) continue;

@@ -25,7 +25,7 @@ template <Executor E> void act(E& e) {
   e.forEach(RestoreSolved{}, bodies);
   e.forEach(ProposeBounces{}, &Counters::bounceRows);
   e.rounds(ActBounces{}, ProposeBounces{}, &Counters::bounceRows, &Counters::bounceLeft,
-           &Counters::bounceTurns);
+           &Counters::bounceRounds);
   e.forEach(EndBounces{}, &Counters::bounceRows);
 }
 

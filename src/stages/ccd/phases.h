@@ -1,9 +1,9 @@
 #pragma once
 /// Continuous collision detection: bodies that move farther in a step than contact rows can anticipate stop
 /// at their time of impact.
-#include "stages/ccd/assembly_stops.h"
-#include "stages/ccd/general_stops.h"
-#include "stages/ccd/late_stops.h"
+#include "stages/ccd/general_impacts.h"
+#include "stages/ccd/islands.h"
+#include "stages/ccd/unpaired_impacts.h"
 #include "stages/executor.h"
 
 namespace rubble::RUBBLE_CORE::ccd {
@@ -14,22 +14,22 @@ template <Executor E> void stop(E& e) {
   e.require(Per::Pair, &Counters::swept);
   const bool joints = s.hasJoints();
   if (joints) {
-    e.forEach(StartAssemblies{}, s.bodies);
-    forEachJoint<JoinAssemblies>(e);
+    e.forEach(StartCcdIslands{}, s.bodies);
+    forEachJoint<JoinCcdIslands>(e);
   }
-  for (int round = 0; round < kStopRounds; ++round) {
-    if (round > 0) e.forEach(NoteStops{round}, s.bodies);
-    e.forEach(FindStops{round}, &Counters::swept);
-    if (s.generalShapes) e.forEach(FindGeneralStops{round}, &Counters::swept);
-    if (round == 0) e.forEach(FindLateStops{}, s.bodies);
+  for (int round = 0; round < kCcdRounds; ++round) {
+    if (round > 0) e.forEach(BeginCcdRound{round}, s.bodies);
+    e.forEach(FindImpacts{round}, &Counters::swept);
+    if (s.generalShapes) e.forEach(FindGeneralImpacts{round}, &Counters::swept);
+    if (round == 0) e.forEach(FindUnpairedImpacts{}, s.bodies);
   }
   if (joints) {
-    e.forEach(RaiseStops{}, s.bodies);
-    e.forEach(StopAssemblies{}, s.bodies);
+    e.forEach(RaiseIslandShares{}, s.bodies);
+    e.forEach(StopCcdIslands{}, s.bodies);
   }
-  e.forEach(ChooseStops{}, &Counters::swept);
+  e.forEach(ChooseCcdPairs{}, &Counters::swept);
   e.forEach(StopBodies{}, &Counters::swept);
-  e.forEach(StopLateBodies{}, s.bodies);
+  e.forEach(StopUnpairedBodies{}, s.bodies);
 }
 
 }  // namespace rubble::RUBBLE_CORE::ccd

@@ -17,11 +17,11 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Under-relaxation of the simultaneous aggregate steps; any factor below 1 guarantees descent [1].
-inline constexpr Real kGroupRelaxation = Real(.8);
+inline constexpr Real kAggregateRelaxation = Real(.8);
 
 /// Vector from the center of an aggregate to the position p_i of a body [m].
 RUBBLE_HD inline Vec3 shiftOf(const SolverData& s, const Aggregate& aggregate, int body) {
-  const Vec3 shift(s.position[body] - aggregate.centre);
+  const Vec3 shift(s.position[body] - aggregate.center);
   return aggregate.joined ? shift + s.dx[body].dp : shift;
 }
 
@@ -75,10 +75,10 @@ RUBBLE_HD inline void addInertia(const SolverData& s, const Aggregate& aggregate
 /// Computes the center of mass of an aggregate and the inertia about it from a sum about `origin`. Both are
 /// constant in the step.
 RUBBLE_HD inline void placeAggregate(Aggregate& aggregate, const Vec3d& origin, const Block6& sum) {
-  const Vec3 centre = sum.fl / sum.fa.x;
-  aggregate.centre = origin + Vec3d(centre);
+  const Vec3 center = sum.fl / sum.fa.x;
+  aggregate.center = origin + Vec3d(center);
   aggregate.inertia = {};
-  addShifted(aggregate.inertia, sum, -centre);
+  addShifted(aggregate.inertia, sum, -center);
   aggregate.inertia.fl = aggregate.inertia.fa = {0, 0, 0};
 }
 
@@ -112,7 +112,7 @@ RUBBLE_HD void visitBoundaryOf(const SolverData& s, int body, int level, Visit&&
   for (int e = s.incidenceOffset[body]; e < s.incidenceOffset[body + 1]; ++e)
     if (s.incidence[e].depth > level) visit(s.incidence[e].code);
 }
-template <class Visit> RUBBLE_HD void visitExternals(const SolverData& s, int i, Visit&& visit) {
+template <class Visit> RUBBLE_HD void visitBoundary(const SolverData& s, int i, Visit&& visit) {
   const Slice& slice = s.slice[i];
   const int level = s.aggregate[slice.aggregate].level;
   for (int k = slice.begin; k < slice.end; ++k) visitBoundaryOf(s, s.aggregateNode[k], level, visit);
@@ -122,7 +122,7 @@ struct CountBoundary {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     int count = 0;
-    visitExternals(s, i, [&](std::uint32_t) { ++count; });
+    visitBoundary(s, i, [&](std::uint32_t) { ++count; });
     s.boundaryCount[i] = count;
   }
 };
@@ -131,7 +131,7 @@ struct FillBoundary {
   static constexpr const char* kStage = "aggregates";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     int to = s.boundaryOffset[i];
-    visitExternals(s, i, [&](std::uint32_t code) { s.boundary[to++] = code; });
+    visitBoundary(s, i, [&](std::uint32_t code) { s.boundary[to++] = code; });
   }
 };
 
@@ -275,7 +275,7 @@ RUBBLE_HD inline Vec6 aggregateStep(const Block6& block, Real mass, const Sym3& 
   if (!isFinite(dx.lin) || !isFinite(dx.ang)) return none;
   bounded = !isWithinWork(block, mass, inertia, dx);
   if (bounded) dx = diagonalStep(block);
-  return isFinite(dx.lin) && isFinite(dx.ang) ? kGroupRelaxation * dx : none;
+  return isFinite(dx.lin) && isFinite(dx.ang) ? kAggregateRelaxation * dx : none;
 }
 /// For an aggregate whose block contains its inertia; the step must only not work against the forces.
 RUBBLE_HD inline Vec6 aggregateStep(const Block6& block) {
@@ -286,7 +286,7 @@ RUBBLE_HD inline Vec6 aggregateStep(const SolverData& s, const Aggregate& aggreg
   if (aggregate.locks != 0) lockAxes(block, aggregate.locks);
   if (aggregate.soft) {
     const Vec3 dx = solve(Block3{block.ll, block.fl});
-    return {isFinite(dx) ? kGroupRelaxation * dx : Vec3{0, 0, 0}, {0, 0, 0}};
+    return {isFinite(dx) ? kAggregateRelaxation * dx : Vec3{0, 0, 0}, {0, 0, 0}};
   }
   bool bounded = false;
   const Vec6 dx = aggregateStep(block, aggregate.inertia.ll.xx, aggregate.inertia.aa, bounded);

@@ -18,8 +18,8 @@ RUBBLE_HD inline int nodeOfVertex(const SolverData& s, int v) {
 
 /// Center of mass of the object relative to its first vertex, at x^t or at the initial guess (clusters.h)
 /// [m].
-RUBBLE_HD inline Vec3 centreOf(const SolverData& s, const SoftNode& softNode) {
-  return softNode.cluster >= 0 ? s.clusterMotion[softNode.cluster].centre : Vec3{0, 0, 0};
+RUBBLE_HD inline Vec3 centerOf(const SolverData& s, const SoftNode& softNode) {
+  return softNode.cluster >= 0 ? s.clusterMotion[softNode.cluster].center : Vec3{0, 0, 0};
 }
 
 /// Mass [kg].
@@ -34,7 +34,7 @@ RUBBLE_HD inline Real radiusOf(const SolverData& s, int node) {
 RUBBLE_HD inline Vec3d placeOf(const SolverData& s, int node) {
   if (node < s.bodies) return s.position[node];
   const SoftNode softNode = s.softNode[node - s.bodies];
-  return s.vertexPosition[softNode.first] + Vec3d(centreOf(s, softNode));
+  return s.vertexPosition[softNode.first] + Vec3d(centerOf(s, softNode));
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -18,14 +18,13 @@ template <class Visit>
 RUBBLE_HD void visitVertices(const SolverData& s, const int (&vertices)[kPointCorners], Visit&& visit) {
   for (int k = 0; k < kPointCorners && vertices[k] >= 0; ++k) visit(nodeOfVertex(s, vertices[k]));
 }
-template <class Visit>
-RUBBLE_HD void visitMembers(const SolverData& s, const PointContact& p, Visit&& visit) {
+template <class Visit> RUBBLE_HD void visitNodes(const SolverData& s, const PointContact& p, Visit&& visit) {
   visitVertices(s, p.v, visit);
   if (p.body >= 0) visit(isDynamic(s, p.body) ? p.body : -1);
 }
-template <class Visit> RUBBLE_HD void visitMembers(const SolverData& s, const Attachment& a, Visit&& visit) {
+template <class Visit> RUBBLE_HD void visitNodes(const SolverData& s, const Attachment& a, Visit&& visit) {
   visitVertices(s, a.v, visit);
-  if (a.seam == 0) visit(isDynamic(s, a.body) ? a.body : -1);
+  if (a.isVertexVertex == 0) visit(isDynamic(s, a.body) ? a.body : -1);
 }
 
 /// The maximum of levels(first, node) over the nodes of a constraint, where `first` is the node of its first
@@ -34,7 +33,7 @@ template <class Block, class Levels>
 RUBBLE_HD int mostLevels(const SolverData& s, const Block& block, Levels&& levels) {
   const int first = nodeOfVertex(s, block.v[0]);
   int most = 0;
-  visitMembers(s, block, [&](int node) {
+  visitNodes(s, block, [&](int node) {
     if (first < 0 || node < 0)
       most = kCoarseLevels;
     else if (node != first)
@@ -66,7 +65,7 @@ template <class Blocks> struct JoinSoftNodes {
     const auto& block = Blocks::blocks(s)[i];
     if (block.depth != level) return;
     const int first = nodeOfVertex(s, block.v[0]);
-    visitMembers(s, block, [&](int node) {
+    visitNodes(s, block, [&](int node) {
       if (node != first) unite(s.root + level * s.nodes(), first, node);
     });
   }

@@ -26,18 +26,18 @@ RUBBLE_HD inline const Manifold* manifoldBefore(const SolverData& s, int i) {
 /// Stores manifold i and marks its active points. A manifold without active points loses its memory.
 RUBBLE_HD inline void keepManifold(const SolverData& s, int i, const OrderedPair& o, const PairPose& pair,
                                    Manifold m) {
-  const ActivationRule awake = activationRule(s, o);
-  m.awake = 0;
+  const ActivationRule isActivePoint = activationRule(s, o);
+  m.activePoints = 0;
   for (int k = 0; k < m.count; ++k)
-    if (awake(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t), m.lambdaN[k]))
-      m.awake |= static_cast<std::uint8_t>(1u << k);
-  if (m.awake == 0) forgetPoints(m);
+    if (isActivePoint(s, o, pair, m.normal, pointAt(m, k, m.normal, pair.qA, pair.qB, pair.t), m.lambdaN[k]))
+      m.activePoints |= static_cast<std::uint8_t>(1u << k);
+  if (m.activePoints == 0) forgetPoints(m);
   // a sensor has contact points but no rows
-  const bool rows = m.awake != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
+  const bool rows = m.activePoints != 0 && !isSensor(s, o.a) && !isSensor(s, o.b);
   s.manifold[i] = m;
   s.hasRows[i] = rows;
   if (!rows) return;
-  atomicCount(&s.counters->contacts, countPoints(m.awake));
+  atomicCount(&s.counters->contacts, countPoints(m.activePoints));
   if (m.recycled) atomicCount(&s.counters->recycled, 1);
 }
 
@@ -95,9 +95,9 @@ struct PairRows {
   Vec3 t;
   Real mu;  ///< friction coefficient of this step, static or dynamic
   bool bothMove;
-  Real heavier;   ///< k_start from the mass of the heavier body [N/m]
-  Vec3 belt;      ///< [m], see PairMaterial
-  Vec3 settling;  ///< [m], see relativeSettling()
+  Real heavier;       ///< k_start from the mass of the heavier body [N/m]
+  Vec3 surfaceShift;  ///< [m], see PairMaterial
+  Vec3 settling;      ///< [m], see relativeSettling()
   StiffnessRule normal, tangent;
 };
 
@@ -184,7 +184,7 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) 
   PairRows p;
   p.bodies = o;
   p.qa = s.orientation[o.a], p.qb = s.orientation[o.b];
-  p.t = centreDistance(s, o.a, o.b);
+  p.t = centerDistance(s, o.a, o.b);
   r.a = o.a, r.b = o.b, r.manifold = i;
   r.n = m.normal;
   r.offset = -p.t;
@@ -199,7 +199,7 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) 
   p.mu = r.muStatic != r.muDynamic && slides(m, r.muStatic) ? r.muDynamic : r.muStatic;
   r.restitution = material.restitution;
   r.most = largestLoad(s, o, pairSpeed(s, o.a, o.b, pa, pb).closing);
-  p.belt = material.belt;
+  p.surfaceShift = material.surfaceShift;
   p.heavier = startStiffness(c, max(pa.mass, pb.mass));
   p.settling = relativeSettling(s, o.a, o.b);
   p.normal = contactRule(c, r.start, r.length);
@@ -219,9 +219,9 @@ RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const P
   const OrderedPair& o = p.bodies;
   const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
   const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);
-  const bool impact = hits(c, closing, point.depth, r.length), awake = m.awake >> k & 1;
+  const bool impact = hits(c, closing, point.depth, r.length), isActive = m.activePoints >> k & 1;
   if (point.depth > c.contactMargin * r.length) notePressed(s, o, point.depth);
-  if (awake && r.restitution > Real(0) && s.counters->bounces == 0 && isImpact(c, closing, r.length))
+  if (isActive && r.restitution > Real(0) && s.counters->bounces == 0 && isImpact(c, closing, r.length))
     atomicRaise(&s.counters->bounces, 1);
 
   const bool stuck = m.stick >> k & 1, isNew = m.kN[k] == Real(0);
@@ -239,20 +239,20 @@ RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const P
     const Real cut = bound / std::sqrt(size2);
     l1 *= cut, l2 *= cut;
   }
-  const Real kN = !awake  ? Real(0)
-                  : isNew ? coldStart(normal.start).k
-                          : warmStiffness(c, normal, m.kN[k], lambda);
-  const Real kT = !awake  ? Real(0)
-                  : isNew ? coldStart(p.tangent.start).k
-                          : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
+  const Real kN = !isActive ? Real(0)
+                  : isNew   ? coldStart(normal.start).k
+                            : warmStiffness(c, normal, m.kN[k], lambda);
+  const Real kT = !isActive ? Real(0)
+                  : isNew   ? coldStart(p.tangent.start).k
+                            : warmStiffness(c, p.tangent, m.kT[k], std::sqrt(l1 * l1 + l2 * l2));
   // Rows correct only the share driftCorrection of a drift; displacements by surface velocity and settling
   // are corrected in full.
   Vec3 t1, t2;
   tangentBasis(r.n, t1, t2);
   const Real settling1 = dot(t1, p.settling), settling2 = dot(t2, p.settling);
   const Real share = settlingShare(settling1 * settling1 + settling2 * settling2, bound, kT);
-  drift1 += (dot(t1, p.belt) + share * settling1) / c.driftCorrection;
-  drift2 += (dot(t2, p.belt) + share * settling2) / c.driftCorrection;
+  drift1 += (dot(t1, p.surfaceShift) + share * settling1) / c.driftCorrection;
+  drift2 += (dot(t2, p.surfaceShift) + share * settling2) / c.driftCorrection;
   r.place[to] = {point.lever, inheritedViolation(c, point.depth)};
   r.load[to] = {lambda, l1, l2, kN};
   r.slip[to] = {drift1, drift2, p.mu, kT};
@@ -306,13 +306,13 @@ template <class L> struct UpdateContactDuals {
 /// Rotations and tangents for storing the points of a contact.
 struct StoredFrame {
   Displacement a, b;
-  Quat turnA, turnB;
+  Quat rotationA, rotationB;
   Vec3 t1, t2;
 };
 RUBBLE_HD inline StoredFrame storedFrame(const SolverData& s, const ContactRows& r) {
   StoredFrame f;
   f.a = s.dx[r.a], f.b = s.dx[r.b];
-  f.turnA = expRotation(f.a.dw), f.turnB = expRotation(f.b.dw);
+  f.rotationA = expRotation(f.a.dw), f.rotationB = expRotation(f.b.dw);
   tangentBasis(r.n, f.t1, f.t2);
   return f;
 }
@@ -369,15 +369,15 @@ RUBBLE_HD inline StoredPoint storedPoint(const SolverData& s, const ContactRows&
   }
   // exact rotations here: errors of the linearized ones would accumulate from step to step
   const Vec3 rA = r.place[k].rA;
-  const Vec3 dA = f.a.dp + sweptBy(s, r.a, f.a.dw, f.turnA, rA, r.n);
-  const Vec3 d = dA - (f.b.dp + sweptBy(s, r.b, f.b.dw, f.turnB, rA + r.offset, -r.n));
+  const Vec3 dA = f.a.dp + sweptBy(s, r.a, f.a.dw, f.rotationA, rA, r.n);
+  const Vec3 d = dA - (f.b.dp + sweptBy(s, r.b, f.b.dw, f.rotationB, rA + r.offset, -r.n));
   // the offsets that the row had for surface velocity and settling are no drift; the surface's motion is
   m.drift1 = before.drift1 + dot(f.t1, d);
   m.drift2 = before.drift2 + dot(f.t2, d);
   if (s.surfaces > 0) {
-    const Vec3 belt = pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).belt;
-    m.drift1 += dot(f.t1, belt);
-    m.drift2 += dot(f.t2, belt);
+    const Vec3 surfaceShift = pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).surfaceShift;
+    m.drift1 += dot(f.t1, surfaceShift);
+    m.drift2 += dot(f.t2, surfaceShift);
   }
   return {m, true};
 }

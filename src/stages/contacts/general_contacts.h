@@ -26,8 +26,8 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
   SurfaceContacts found;
   found.length = pose.length;
   // a point where the part hangs from the surface bears no weight: both centers are that of the other body
-  const Vec3 centre = rotateInverse(qs, surface.kind == ShapeKind::Distance ? toPart - part.at : -part.at);
-  found.weight = {centre, centre, rotateInverse(qs, downOf(s))};
+  const Vec3 center = rotateInverse(qs, surface.kind == ShapeKind::Distance ? toPart - part.at : -part.at);
+  found.weight = {center, center, rotateInverse(qs, downOf(s))};
   if (surface.kind == ShapeKind::Distance)
     collideDistance(tables, surface, part.shape, at, q, pose.margin, found);
   else
@@ -58,7 +58,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
         raw.points[k] = {onA ? onSurface : onPart, onA ? onPart : onSurface, c.points.v[k].from};
       }
     }
-    Manifold m = freshManifold(raw, pose);
+    Manifold m = newManifold(raw, pose);
     if (oldFirst >= 0 && m.count > 0) {
       // match by feature within the facing, then by distance
       for (int pass = 0; pass < 2; ++pass) {
@@ -80,7 +80,7 @@ RUBBLE_HD inline void updateSurfaceManifolds(const SolverData& s, int i) {
             if (d2 < best) best = d2, bestSlot = j / kLanes, bestPoint = point;
           }
           if (bestSlot < 0) continue;
-          handOn(s.oldManifold[oldFirst + bestSlot], bestPoint, m, k);
+          transferLoad(s.oldManifold[oldFirst + bestSlot], bestPoint, m, k);
           used |= 1u << (bestSlot * kLanes + bestPoint);
         }
       }
@@ -107,7 +107,7 @@ struct TestGeneralPairs {
     const PlacedPart a = placedPart(tables, shapeA, pose.qA, p.owner == o.a ? p.first : p.second);
     const PlacedPart b = placedPart(tables, shapeB, pose.qB, p.owner == o.a ? p.second : p.first);
     RawManifold raw = collideParts(tables, a, b, pose.t, pose.margin, pose.length, downOf(s));
-    if (!meetsNow(raw, pose)) raw.count = 0;
+    if (!touchesNow(raw, pose)) raw.count = 0;
     s.pairTest[pair] = pairTest(raw, pose);
     keepManifold(s, i, o, pose, testedManifold(raw, pose, manifoldBefore(s, i)));
   }

@@ -39,7 +39,7 @@ RUBBLE_HD inline SurfaceData surfaceOf(const SolverData& s, int body, int part) 
 struct PairMaterial {
   Real muStatic, muDynamic, restitution;
   Real rolling, torsional;  ///< [m]
-  Vec3 belt;                ///< displacement of A's surface against B's in a step by surface velocity [m]
+  Vec3 surfaceShift;        ///< displacement of A's surface against B's in a step by surface velocity [m]
 };
 
 RUBBLE_HD inline PairMaterial pairMaterial(const SolverData& s, const Pair& pair, const OrderedPair& o) {
@@ -63,7 +63,8 @@ RUBBLE_HD inline PairMaterial pairMaterial(const SolverData& s, const Pair& pair
                            b.restitution);
   m.rolling = max(a.rolling, b.rolling);
   m.torsional = max(a.torsional, b.torsional);
-  m.belt = s.step->dt * (rotate(s.orientation[o.a], a.velocity) - rotate(s.orientation[o.b], b.velocity));
+  m.surfaceShift = s.step->dt *
+                   (rotate(s.orientation[o.a], a.velocity) - rotate(s.orientation[o.b], b.velocity));
   return m;
 }
 

@@ -119,7 +119,7 @@ RUBBLE_HD inline int freeIslandOf(const SolverData& s, int i) {
 /// root at its inertial target.
 RUBBLE_HD inline MomentumSums momentaOf(const SolverData& s, int root, int i) {
   const BodyTarget& target = s.target[i];
-  const bool stopped = s.stopBits[i] != 0;
+  const bool stopped = s.ccdShareBits[i] != 0;
   const Vec3 principal = s.params[i].inertia, way = stopped ? s.ccdMotion[i].dp : s.dx[i].dp;
   const Quat q = s.orientation[i], start = conjugate(stopped ? expRotation(s.ccdMotion[i].dw) : s.dq[i]) * q;
   const Vec3 frame = s.step->inverseDt * s.target[root].y.p, w = s.angularVelocity[i];
@@ -180,14 +180,14 @@ inline constexpr Real kSameEnergy = sizeof(Real) == 8 ? Real(1e-11) : Real(2e-6)
 
 /// The rigid motion that restores the momenta of an island. `origin`: reference point of the sums.
 RUBBLE_HD inline IslandRepair repairOf(const MomentumSums& sum, const Vec3d& origin, int bonds) {
-  const Vec3 centre = sum.place / sum.mass;
+  const Vec3 center = sum.place / sum.mass;
   Sym3 inertia = sum.inertia;
-  addPointInertia(inertia, centre, -sum.mass);
+  addPointInertia(inertia, center, -sum.mass);
   const auto spin = [&](const Vec3& angular, const Vec3& linear) {
-    return solve(Block3{inertia, angular - cross(centre, linear)});
+    return solve(Block3{inertia, angular - cross(center, linear)});
   };
   IslandRepair r{};
-  r.centre = origin + Vec3d(centre);
+  r.center = origin + Vec3d(center);
   r.velocity = sum.linear / sum.mass, r.spin = spin(sum.angular, sum.linear);
   r.addVelocity = -(sum.givenLinear / sum.mass), r.addSpin = -spin(sum.givenAngular, sum.givenLinear);
   const auto rigid = [&](const Vec3& v, const Vec3& w) {
@@ -228,7 +228,7 @@ struct RepairBodies {
     const Vec3 principal = s.params[i].inertia, spin = s.angularVelocity[i];
     const Quat q = s.orientation[i];
     const Sym3 inertia = rotateDiagonal(q, principal);
-    const Vec3 arm(s.position[i] - r.centre);
+    const Vec3 arm(s.position[i] - r.center);
     Vec3 v = r.addVelocity + cross(r.addSpin, arm), turn = r.addSpin, given = inertia * r.addSpin;
     if (r.loss > Real(0)) {
       v -= r.loss * (s.velocity[i] - s.step->inverseDt * s.target[root].y.p - r.velocity - cross(r.spin, arm));

@@ -13,7 +13,7 @@ RUBBLE_HD inline PairPose pairPose(const SolverData& s, const OrderedPair& o) {
   const PairSpeed speed = pairSpeed(s, o.a, o.b, pa, pb);
   return {s.orientation[o.a],
           s.orientation[o.b],
-          centreDistance(s, o.a, o.b),
+          centerDistance(s, o.a, o.b),
           size,
           pairMargin(s, o.a, o.b, size, speed),
           speed.bullet};
@@ -94,7 +94,7 @@ struct ActivationRule {
   Displacement a, b;  ///< displacements at the targets
   RUBBLE_HD bool operator()(const SolverData& s, const OrderedPair& o, const PairPose& pair, const Vec3& n,
                             const PointAt& p, Real lambda) const {
-    if (!s.step->dormantRows || lambda != Real(0)) return true;
+    if (!s.step->inactiveRows || lambda != Real(0)) return true;
     const Real closing = closingSpeed(s, o, n, p.lever, pair.t),
                impactSpeedBound = impactSpeedBoundOf(s, o.a, o.b);
     if (hits(*s.step, closing, p.depth, pair.length)) return true;
@@ -156,13 +156,13 @@ RUBBLE_HD inline const Manifold* manifoldOf(const SolverData& s, int pair) {
 }
 
 /// Can the pair be skipped by its last test? Planes have no radius, and sensors need the actual distance.
-RUBBLE_HD inline bool mayStayApart(const SolverData& s, const Pair& p) {
-  return s.step->dormantRows && s.step->recycleTolerance > Real(0) &&
+RUBBLE_HD inline bool mayStaySeparated(const SolverData& s, const Pair& p) {
+  return s.step->inactiveRows && s.step->recycleTolerance > Real(0) &&
          s.params[p.other].shape.kind != ShapeKind::Plane && !isSensor(s, p.owner) && !isSensor(s, p.other);
 }
 /// Does the last full test show that the pair stays apart?
-RUBBLE_HD inline bool staysApart(const SolverData& s, const OrderedPair& o, const PairPose& pose,
-                                 const PairTest& test) {
+RUBBLE_HD inline bool staysSeparated(const SolverData& s, const OrderedPair& o, const PairPose& pose,
+                                     const PairTest& test) {
   if (!(test.separation > Real(0))) return false;
   const Real apart = leastDistance(test, pose, s.params[o.b].radius);
   return apart > Real(0) && apart > activationReach(s, o, pose, apart);
@@ -179,11 +179,11 @@ struct FindActivePairs {
     s.pairTest[i] = test;
     s.manifoldBefore[i] = manifold;
     s.isActive[i] = 1;
-    if (!mayStayApart(s, p)) return;
+    if (!mayStaySeparated(s, p)) return;
     const OrderedPair o = ordered(p);
     if (old < 0) {
       if (isPrimitivePair(s, o.a, o.b)) s.newPair[atomicCount(&s.counters->newPairs, 1)] = i;
-    } else if (staysApart(s, o, pairPose(s, o), test)) {
+    } else if (staysSeparated(s, o, pairPose(s, o), test)) {
       s.isActive[i] = manifold >= 0 && s.oldManifold[manifold].row >= 0;
     }
   }
@@ -198,7 +198,7 @@ struct TestNewPairs {
     const PairPose pose = pairPose(s, o);
     const PairTest test = pairTest(collide(s.params[o.a].shape, s.params[o.b].shape, pose), pose);
     s.pairTest[i] = test;
-    s.isActive[i] = !staysApart(s, o, pose, test);
+    s.isActive[i] = !staysSeparated(s, o, pose, test);
   }
 };
 

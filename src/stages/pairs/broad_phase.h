@@ -45,7 +45,7 @@ template <class Raise> RUBBLE_HD void raiseExtents(const SolverData& s, const Bo
 
 /// Displacement of a body in a step by its velocity and by the share of gravity that it followed in the last
 /// step [m].
-RUBBLE_HD inline Vec3 wayAhead(const SolverData& s, int i) {
+RUBBLE_HD inline Vec3 pathAhead(const SolverData& s, int i) {
   const Real dt = s.step->dt;
   const Vec3 v = s.velocity[i];
   if (s.params[i].kind != BodyKind::Dynamic) return dt * v;
@@ -76,21 +76,21 @@ struct ComputeBounds {
     b.level = -1;
     if (p.kind == BodyKind::Removed || p.shape.kind == ShapeKind::Plane) return false;
     const Quat q = s.orientation[i];
-    const Vec3 sweep = Real(.5) * wayAhead(s, i);
+    const Vec3 sweep = Real(.5) * pathAhead(s, i);
     const Vec3 x(s.position[i]);
     // Rotation moves the surface by at most the radius. The error of a single-precision center is added.
     const Real turn = min(s.step->dt * length(s.angularVelocity[i]), Real(1)) * p.radius;
     const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z));
     const Real grow = turn + ownMargin(s, p) + roundOff;
-    // late_stops.h sweeps bodies that leave this box
-    b.centre = x + sweep;
+    // unpaired_impacts.h sweeps bodies that leave this box
+    b.center = x + sweep;
     b.half = boundingHalf(p.shape, q) + abs(sweep) + Vec3{grow, grow, grow};
     int level = 0;
     const Real widest = max(kTurnedWay * p.radius, max(b.half.x, max(b.half.y, b.half.z)));
     Real size = cellSize(level);
     while (level < kGridLevels - 1 && widest > kLevelFill * size) ++level, size *= 2;
     b.level = level;
-    b.x = cellOf(b.centre.x, size), b.y = cellOf(b.centre.y, size), b.z = cellOf(b.centre.z, size);
+    b.x = cellOf(b.center.x, size), b.y = cellOf(b.center.y, size), b.z = cellOf(b.center.z, size);
     atomicCount(&s.bucketCount[bucketOf(s, level, b.x, b.y, b.z)], 1);
     return true;
   }
@@ -104,7 +104,7 @@ struct FillGrid {
     if (b.level < 0) return;
     const int bucket = bucketOf(s, b.level, b.x, b.y, b.z);
     const int slot = s.bucketOffset[bucket] + atomicCount(&s.bucketCount[bucket], -1) - 1;
-    s.grid[slot] = {b.centre, b.half, i, b.level};
+    s.grid[slot] = {b.center, b.half, i, b.level};
   }
 };
 
@@ -116,7 +116,7 @@ RUBBLE_HD bool visitListed(const SolverData& s, int level, Visit&& visit, int la
   if (members > kListedBodies) return false;
   for (int k = lane; k < members; k += lanes) {
     const int body = s.counters->levelBody[level][k];
-    visit(GridEntry{s.bounds[body].centre, s.bounds[body].half, body, level});
+    visit(GridEntry{s.bounds[body].center, s.bounds[body].half, body, level});
   }
   return true;
 }
@@ -135,9 +135,9 @@ RUBBLE_HD inline CellRange cellsAround(const SolverData& s, const Bounds& b, int
   Vec3 reach;
   for (int k = 0; k < 3; ++k) reach[k] = b.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
   const auto& most = s.counters->levelReach[level];
-  const auto low = [&](int k) { return max(cellOf(b.centre[k] - reach[k], size), kCellOrigin - most[0][k]); };
+  const auto low = [&](int k) { return max(cellOf(b.center[k] - reach[k], size), kCellOrigin - most[0][k]); };
   const auto high = [&](int k) {
-    return min(cellOf(b.centre[k] + reach[k], size), most[1][k] - kCellOrigin);
+    return min(cellOf(b.center[k] + reach[k], size), most[1][k] - kCellOrigin);
   };
   return {low(0), high(0), low(1), high(1), low(2), high(2)};
 }
@@ -155,9 +155,9 @@ RUBBLE_HD inline RowOfCells rowOfCells(const SolverData& s, int level, int x0, i
 
 /// Do two boxes (Bounds or GridEntry) touch?
 template <class A, class B> RUBBLE_HD bool boundsTouch(const A& a, const B& b) {
-  return !(std::fabs(a.centre.x - b.centre.x) > a.half.x + b.half.x) &&
-         !(std::fabs(a.centre.y - b.centre.y) > a.half.y + b.half.y) &&
-         !(std::fabs(a.centre.z - b.centre.z) > a.half.z + b.half.z);
+  return !(std::fabs(a.center.x - b.center.x) > a.half.x + b.half.x) &&
+         !(std::fabs(a.center.y - b.center.y) > a.half.y + b.half.y) &&
+         !(std::fabs(a.center.z - b.center.z) > a.half.z + b.half.z);
 }
 
 /// The bodies of its own level that a body searches. InNumber: those of higher index. InPlace: those in later
@@ -191,7 +191,7 @@ RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int leve
     for (int k = lane; k < s.bucketOffset[s.cells]; k += lanes) {
       const GridEntry& e = s.grid[k];
       if (e.level != level) continue;
-      const int x = cellOf(e.centre.x, size), y = cellOf(e.centre.y, size), z = cellOf(e.centre.z, size);
+      const int x = cellOf(e.center.x, size), y = cellOf(e.center.y, size), z = cellOf(e.center.z, size);
       if (!inPlace || z > z0 || (z == z0 && (y > y0 || (y == y0 && x >= x0)))) tryCell(e, x, y, z);
     }
     return;
@@ -215,8 +215,8 @@ RUBBLE_HD void searchLevel(const SolverData& s, int i, const Bounds& b, int leve
     const auto visit = [&](const GridEntry& e) {
       if (e.level != level || !touches(e)) return;
       // cells of another row may share the bucket and would be visited twice
-      const int x = cellOf(e.centre.x, size);
-      if (x >= firstX && x <= c.x1 && cellOf(e.centre.y, size) == rowY && cellOf(e.centre.z, size) == rowZ)
+      const int x = cellOf(e.center.x, size);
+      if (x >= firstX && x <= c.x1 && cellOf(e.center.y, size) == rowY && cellOf(e.center.z, size) == rowZ)
         tryCell(e, x, rowY, rowZ);
     };
     for (int k = row.begin; k < row.end; ++k) visit(s.grid[k]);
@@ -231,14 +231,14 @@ RUBBLE_HD void searchPlanes(const SolverData& s, const Bounds& b, Found&& found,
   for (int k = lane; k < s.planes; k += lanes) {
     const int plane = s.planeBody[k];
     const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
-    const Real height = dot(up, b.centre - Vec3(s.position[plane]));
+    const Real height = dot(up, b.center - Vec3(s.position[plane]));
     if (height <= dot(abs(up), b.half)) found(plane);
   }
 }
 /// found(other) for all bodies whose bounds touch the box `way` of a motion of body i, which leaves its own
 /// bounds.
 template <class Found>
-RUBBLE_HD void searchWay(const SolverData& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
+RUBBLE_HD void searchPath(const SolverData& s, int i, const Bounds& way, Found&& found, int lane, int lanes) {
   for (int level = 0; level < kGridLevels; ++level)
     if (s.counters->levelCount[level] > 0) searchLevel<Ahead::InNumber>(s, i, way, level, found, lane, lanes);
   searchPlanes(s, way, found, lane, lanes);

@@ -4,7 +4,7 @@
 
 namespace rubble::RUBBLE_CORE {
 
-RUBBLE_HD inline bool filtersMeet(const BodyFilter& a, const BodyFilter& b) {
+RUBBLE_HD inline bool filtersAllow(const BodyFilter& a, const BodyFilter& b) {
   if (a.group != 0 && a.group == b.group) return a.group > 0;
   return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0;
 }
@@ -40,7 +40,7 @@ RUBBLE_HD inline bool mayCollide(const SolverData& s, int a, int b) {
     const bool moves = ka == BodyKind::Kinematic || kb == BodyKind::Kinematic;
     if (!moves || (!isSensor(s, a) && !isSensor(s, b))) return false;
   }
-  if (s.filtered && !filtersMeet(s.filter[a], s.filter[b])) return false;
+  if (s.filtered && !filtersAllow(s.filter[a], s.filter[b])) return false;
   if (s.exclusions == 0) return true;
   const int idA = s.idOf[a], idB = s.idOf[b];
   return !isExcluded(s, {min(idA, idB), max(idA, idB)});

@@ -17,7 +17,7 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
     if (std::fabs(d[k]) > std::fabs(d[m])) m = k;
   const int u = (m + 1) % 3, v = (m + 2) % 3;
   const auto tryEntry = [&](const GridEntry& e) {
-    const Vec3d away = x - Vec3d(e.centre);
+    const Vec3d away = x - Vec3d(e.center);
     if (passes(away, d, half + Vec3d(e.half), limit)) visit(e.body);
   };
   const int incidences = s.bucketOffset[s.cells];
@@ -73,9 +73,9 @@ RUBBLE_HD void visitAlong(const SolverData& s, const Vec3d& x, const Vec3d& d, c
           for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
             const GridEntry& e = s.grid[k];
             // another cell may share the bucket
-            const bool here = e.level == level && cellOf(e.centre.x, cellSize(level)) == c[0] &&
-                              cellOf(e.centre.y, cellSize(level)) == c[1] &&
-                              cellOf(e.centre.z, cellSize(level)) == c[2];
+            const bool here = e.level == level && cellOf(e.center.x, cellSize(level)) == c[0] &&
+                              cellOf(e.center.y, cellSize(level)) == c[1] &&
+                              cellOf(e.center.z, cellSize(level)) == c[2];
             if (here) tryEntry(e);
           }
         }

@@ -27,7 +27,7 @@ RUBBLE_HD inline Real pairLength(const BodyParams& a, const BodyParams& b) {
   return 2 * (ra > Real(0) && rb > Real(0) ? min(ra, rb) : max(ra, rb));
 }
 
-RUBBLE_HD inline Vec3 centreDistance(const SolverData& s, int a, int b) {
+RUBBLE_HD inline Vec3 centerDistance(const SolverData& s, int a, int b) {
   return Vec3(s.position[b] - s.position[a]);
 }
 
@@ -108,26 +108,26 @@ RUBBLE_HD inline int count(const SolverData& s, const ShapeData& shape) {
 }
 
 /// Bounding sphere of a part: its center relative to that of its body, world axes. Returns the radius [m].
-RUBBLE_HD inline Real sphere(const SolverData& s, int body, int part, Vec3& centre) {
+RUBBLE_HD inline Real sphere(const SolverData& s, int body, int part, Vec3& center) {
   const BodyParams& p = s.params[body];
   if (p.shape.kind != ShapeKind::Compound) {
-    centre = {0, 0, 0};
+    center = {0, 0, 0};
     return p.radius;
   }
   const ShapePart& incidence = s.shapePart[s.shapeIndex[p.shape.data + 2] + part];
-  centre = rotate(s.orientation[body], incidence.position);
+  center = rotate(s.orientation[body], incidence.position);
   return incidence.radius;
 }
 
 /// Does a part come near the surface of another body?
 RUBBLE_HD inline bool nearSurface(const SolverData& s, int surfaceBody, int body, int part, Real margin) {
   const ShapeData& surface = s.params[surfaceBody].shape;
-  Vec3 centre;
-  const Real reach = sphere(s, body, part, centre) + margin;
-  const Vec3 at = rotateInverse(s.orientation[surfaceBody], centreDistance(s, surfaceBody, body) + centre);
+  Vec3 center;
+  const Real reach = sphere(s, body, part, center) + margin;
+  const Vec3 at = rotateInverse(s.orientation[surfaceBody], centerDistance(s, surfaceBody, body) + center);
   if (s.params[body].shape.kind == ShapeKind::Plane) return true;
   const Vec3 box{reach, reach, reach};
-  if (!boxesMeet(at - box, at + box, -surface.half, surface.half)) return false;
+  if (!boxesOverlap(at - box, at + box, -surface.half, surface.half)) return false;
   if (surface.kind == ShapeKind::Distance) return true;
   return visitTriangles(s.shapeTables(), surface, at - box, at + box,
                         [](const SurfaceTriangle&) { return true; });
@@ -156,7 +156,7 @@ RUBBLE_HD void forEachPartPair(const SolverData& s, int owner, int other, Found&
     return;
   }
   const int ofA = parts::count(s, shapeA), ofB = parts::count(s, shapeB);
-  const Vec3 between = centreDistance(s, owner, other);
+  const Vec3 between = centerDistance(s, owner, other);
   const bool plane = shapeB.kind == ShapeKind::Plane;
   const Vec3 up = plane ? rotate(s.orientation[other], Vec3{0, 0, 1}) : Vec3{0, 0, 0};
   for (int i = 0; i < ofA; ++i) {

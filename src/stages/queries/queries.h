@@ -87,7 +87,7 @@ RUBBLE_HD inline QueryHit answer(const SolverData& s, const QueryData& q, const 
         if (!looksAt(s, q, body)) return;
         visitParts(s, body, q.position, [&](const PlacedAny& target) {
           if (q.kind == QueryKind::Ray) {
-            const RayMeeting m = castRay(target, q.move);
+            const RayImpact m = castRay(target, q.move);
             if (m.fraction <= 1) take({body, m.fraction, q.move * m.fraction, m.n});
           } else if (closest) {
             const Separation at = nearestPoint(target, bestDistance);

@@ -28,15 +28,15 @@ struct AccelerateVertices {
   Real weight;
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
     if (s.tetraCornerOffset[v] == s.tetraCornerOffset[v + 1]) return;
-    Vec3& past = s.pastVertex[v].moved[iteration % 2];
+    Vec3& previous = s.vertexIterates[v].moved[iteration % 2];
     Vec3 x = s.vertexMoved[v];
     if (iteration >= kFirstAccelerated && s.pointIncidenceOffset[v] == s.pointIncidenceOffset[v + 1]) {
-      const Vec3 further = (weight - Real(1)) * (x - past);
+      const Vec3 further = (weight - Real(1)) * (x - previous);
       x += further;
       s.vertexMoved[v] = x;
       s.vertexPlace[v] += further;
     }
-    past = x;
+    previous = x;
   }
 };
 

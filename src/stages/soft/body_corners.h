@@ -28,14 +28,15 @@ RUBBLE_HD inline int slotOfOwner(const SolverData& s, int owner) {
 /// Is the vertex attached to that body? Attached vertices and bodies do not collide.
 RUBBLE_HD inline bool isAttached(const SolverData& s, int v, int body) {
   bool attached = false;
-  visitAttachments(s, v,
-                   [&](const Attachment& a) { attached |= active(s, a) && a.seam == 0 && a.body == body; });
+  visitAttachments(s, v, [&](const Attachment& a) {
+    attached |= active(s, a) && a.isVertexVertex == 0 && a.body == body;
+  });
   return attached;
 }
 
 /// To the filters of bodies a vertex counts as a body without a filter.
 RUBBLE_HD inline bool mayMeet(const SolverData& s, int v, int body) {
-  if (s.filtered && (isSensor(s, body) || !filtersMeet(s.filter[body], {1, ~0u, 0, 0}))) return false;
+  if (s.filtered && (isSensor(s, body) || !filtersAllow(s.filter[body], {1, ~0u, 0, 0}))) return false;
   return isDynamicVertex(s, v) || s.params[body].kind == BodyKind::Dynamic;
 }
 RUBBLE_HD inline bool mayTouch(const SolverData& s, int v, int body) {
@@ -43,7 +44,7 @@ RUBBLE_HD inline bool mayTouch(const SolverData& s, int v, int body) {
 }
 
 /// May corners of a body touch that feature?
-RUBBLE_HD inline bool mayDent(const SolverData& s, int body, const SurfaceFeature& f) {
+RUBBLE_HD inline bool mayTouchSurface(const SolverData& s, int body, const SurfaceFeature& f) {
   if ((s.vertexParams[f.v[0]].collides & kCollidesWithBodies) == 0) return false;
   const int corners = cornersOf(f);
   bool any = false;
@@ -76,9 +77,9 @@ struct FindDentingBodies {
     const Real way = s.step->dt *
                      (length(s.velocity[body]) + length(s.angularVelocity[body]) * s.params[body].radius);
     const Real more = (kTipping - Real(1)) * way + fallInStep(s);
-    const SweptBox box{s.bounds[body].centre, s.bounds[body].half + Vec3{more, more, more}};
+    const SweptBox box{s.bounds[body].center, s.bounds[body].half + Vec3{more, more, more}};
     bool found = false;
-    const auto look = [&](int i) { found = found || mayDent(s, body, s.feature[i]); };
+    const auto look = [&](int i) { found = found || mayTouchSurface(s, body, s.feature[i]); };
     seekFeatures(s, FeatureKind::BareEdge, box, look, lane, lanes);
     seekFeatures(s, FeatureKind::Triangle, box, look, lane, lanes);
     return found;
@@ -128,13 +129,13 @@ RUBBLE_HD inline int rowOfPair(const PointPair* pair, int i) {
 }
 
 /// A triangle, edge or vertex of a surface.
-struct DentPart {
+struct SurfacePart {
   int v[3], count;
   bool rim;  ///< a boundary edge
 };
 /// `part`: as PointPair::other.
-RUBBLE_HD inline DentPart dentPart(const SolverData& s, int part) {
-  DentPart p{{-1, -1, -1}, 0, false};
+RUBBLE_HD inline SurfacePart surfacePart(const SolverData& s, int part) {
+  SurfacePart p{{-1, -1, -1}, 0, false};
   p.count = partCorners(s, part, p.v);
   if (p.count == 2) {
     const SurfaceFeature& f = s.feature[part - kFeatureNode];
@@ -161,7 +162,7 @@ RUBBLE_HD inline bool mayPush(const PlacedCorner& corner, const Vec3& n) {
 /// `side`: direction in which the surface held the corner last, or zero. `behind`: largest distance behind
 /// the surface at which it is still held [m].
 RUBBLE_HD inline CornerTouch touchPart(const SolverData& s, int body, const PlacedCorner& corner,
-                                       const DentPart& f, const Vec3& side, Real behind) {
+                                       const SurfacePart& f, const Vec3& side, Real behind) {
   CornerTouch t;
   t.valid = false;
   Vec3 x[3];
@@ -210,7 +211,7 @@ struct HeldSide {
   Vec3 side;    ///< from the surface to the body, or zero
   Real behind;  ///< [m]
 };
-RUBBLE_HD inline HeldSide heldSide(const SolverData& s, int owner, const DentPart& f) {
+RUBBLE_HD inline HeldSide heldSide(const SolverData& s, int owner, const SurfacePart& f) {
   HeldSide out{{0, 0, 0}, 0};
   for (int k = s.oldPointPairOffset[owner]; k < s.oldPointPairOffset[owner + 1]; ++k) {
     const PointContact& old = s.oldPointContact[k];
@@ -227,11 +228,11 @@ RUBBLE_HD inline HeldSide heldSide(const SolverData& s, int owner, const DentPar
 }
 
 /// L of a contact between a body and a surface: that of the smaller one [m].
-RUBBLE_HD inline Real dentLength(const SolverData& s, int body, const DentPart& f) {
+RUBBLE_HD inline Real surfaceContactLength(const SolverData& s, int body, const SurfacePart& f) {
   const Real own = s.vertexParams[f.v[0]].length;
   return s.params[body].kind == BodyKind::Dynamic ? min(own, 2 * s.params[body].radius) : own;
 }
-RUBBLE_HD inline Vec3 partVelocity(const SolverData& s, const DentPart& f, const Real (&w)[3]) {
+RUBBLE_HD inline Vec3 partVelocity(const SolverData& s, const SurfacePart& f, const Real (&w)[3]) {
   Vec3 sum{0, 0, 0};
   for (int k = 0; k < f.count; ++k) sum += w[k] * s.vertexVelocity[f.v[k]];
   return sum;
@@ -243,8 +244,8 @@ struct CornerReach {
   Real gap, margin;  ///< [m]
 };
 RUBBLE_HD inline CornerReach reachPart(const SolverData& s, int body, const PlacedCorner& corner,
-                                       const DentPart& f, const HeldSide& held) {
-  const Real size = dentLength(s, body, f);
+                                       const SurfacePart& f, const HeldSide& held) {
+  const Real size = surfaceContactLength(s, body, f);
   CornerReach out;
   out.touch.w[0] = out.touch.w[1] = out.touch.w[2] = Real(1) / static_cast<Real>(f.count);
   const Real fast = s.step->dt * length(corner.velocity - partVelocity(s, f, out.touch.w));
@@ -273,7 +274,7 @@ RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int 
     const SweptBox box{from + sweep, abs(sweep) + Vec3{grow, grow, grow}};
     const auto look = [&](int i) {
       const SurfaceFeature& f = s.feature[i];
-      if (!mayDent(s, body, f)) return;
+      if (!mayTouchSurface(s, body, f)) return;
       int part = kFeatureNode + i;
       if (f.kind == FeatureKind::Triangle) {
         Real w[3];
@@ -291,7 +292,7 @@ RUBBLE_HD void searchCorners(const SolverData& s, int owner, Found&& found, int 
         if (used == 2) part = kFeatureNode + f.edge[(unused + 1) % 3];
         if (used == 1) part = kCornerNode + f.v[last];
       }
-      const DentPart nearest = dentPart(s, part);
+      const SurfacePart nearest = surfacePart(s, part);
       const CornerReach r = reachPart(s, body, corner, nearest, heldSide(s, owner, nearest));
       if (r.touch.valid && r.gap <= r.margin) found(part);
     };
@@ -306,7 +307,7 @@ RUBBLE_HD inline PointContactStart touchCorner(const SolverData& s, int owner, i
                                                PointContact& p, Real& gap, Real& margin) {
   const int body = bodyOfOwner(s, owner);
   const BodyParams& b = s.params[body];
-  const DentPart f = dentPart(s, other);
+  const SurfacePart f = surfacePart(s, other);
   const HeldSide held = heldSide(s, owner, f);
   PlacedCorner corner{};
   CornerReach best{};
@@ -320,7 +321,7 @@ RUBBLE_HD inline PointContactStart touchCorner(const SolverData& s, int owner, i
   p.body = body;
   p.part = corner.part;
   p.n = -best.touch.n;
-  p.length = dentLength(s, body, f);
+  p.length = surfaceContactLength(s, body, f);
   // at the middle of the gap
   p.lever = (corner.at - corner.radius * best.touch.n + best.touch.foot + point.radius * best.touch.n) *
             Real(.5);

@@ -8,12 +8,12 @@ namespace rubble::RUBBLE_CORE {
 
 /// A box that holds a vertex, an edge or a triangle during the step.
 struct SweptBox {
-  Vec3 centre, half;  ///< [m]
+  Vec3 center, half;  ///< [m]
 };
-RUBBLE_HD inline bool meets(const SweptBox& a, const Vec3& centre, const Vec3& half) {
-  return std::fabs(a.centre.x - centre.x) <= a.half.x + half.x &&
-         std::fabs(a.centre.y - centre.y) <= a.half.y + half.y &&
-         std::fabs(a.centre.z - centre.z) <= a.half.z + half.z;
+RUBBLE_HD inline bool meets(const SweptBox& a, const Vec3& center, const Vec3& half) {
+  return std::fabs(a.center.x - center.x) <= a.half.x + half.x &&
+         std::fabs(a.center.y - center.y) <= a.half.y + half.y &&
+         std::fabs(a.center.z - center.z) <= a.half.z + half.z;
 }
 
 struct BoxGrid {
@@ -40,9 +40,9 @@ struct BoxGrid {
   RUBBLE_HD BoxEntry place(int kind, const SweptBox& box, int item, int& bucket) const {
     const int level = levelOf(box.half), own = kind + kBoxKinds * level;
     const Real size = cellSize(level);
-    bucket = bucketOf(own, cellOf(box.centre.x, size), cellOf(box.centre.y, size),
-                      cellOf(box.centre.z, size));
-    return {box.centre, box.half, item, own};
+    bucket = bucketOf(own, cellOf(box.center.x, size), cellOf(box.center.y, size),
+                      cellOf(box.center.z, size));
+    return {box.center, box.half, item, own};
   }
 };
 
@@ -65,15 +65,15 @@ RUBBLE_HD inline void noteBox(const SolverData& s, const BoxEntry& e) {
   }
 }
 
-/// visit(x, y, z) for the cells of edge `size` that may hold the center of a box within `reach` of `centre`;
+/// visit(x, y, z) for the cells of edge `size` that may hold the center of a box within `reach` of `center`;
 /// share of worker `lane` of `lanes`. Returns false and visits no cell if there are more than `most`.
 template <class Visit>
-RUBBLE_HD bool forEachCell(const Vec3& centre, const Vec3& reach, Real size, Real most, int lane, int lanes,
+RUBBLE_HD bool forEachCell(const Vec3& center, const Vec3& reach, Real size, Real most, int lane, int lanes,
                            Visit&& visit) {
   if (!((2 * reach.x / size + 1) * (2 * reach.y / size + 1) * (2 * reach.z / size + 1) < most)) return false;
-  const int x0 = cellOf(centre.x - reach.x, size), x1 = cellOf(centre.x + reach.x, size);
-  const int y0 = cellOf(centre.y - reach.y, size), y1 = cellOf(centre.y + reach.y, size);
-  const int z0 = cellOf(centre.z - reach.z, size), z1 = cellOf(centre.z + reach.z, size);
+  const int x0 = cellOf(center.x - reach.x, size), x1 = cellOf(center.x + reach.x, size);
+  const int y0 = cellOf(center.y - reach.y, size), y1 = cellOf(center.y + reach.y, size);
+  const int z0 = cellOf(center.z - reach.z, size), z1 = cellOf(center.z + reach.z, size);
   for (int x = x0 + lane, y = y0, z = z0;; x += lanes) {
     while (x > x1) x -= x1 - x0 + 1, ++y;
     while (y > y1) y -= y1 - y0 + 1, ++z;
@@ -98,14 +98,14 @@ RUBBLE_HD void seekBoxes(const SolverData& s, const BoxGrid& grid, int kind, con
     Vec3 reach;
     for (int k = 0; k < 3; ++k) reach[k] = box.half[k] + fromFloatBits(s.counters->boxHalf[kind][level][k]);
     const auto look = [&](const BoxEntry& e) {
-      if (e.place == place && meets(box, e.centre, e.half)) found(e.item);
+      if (e.place == place && meets(box, e.center, e.half)) found(e.item);
     };
-    const bool done = forEachCell(box.centre, reach, size, most, lane, lanes, [&](int x, int y, int z) {
+    const bool done = forEachCell(box.center, reach, size, most, lane, lanes, [&](int x, int y, int z) {
       const int bucket = grid.bucketOf(place, x, y, z);
       for (int k = grid.offset[bucket]; k < grid.offset[bucket + 1]; ++k) {
         // another cell may share the bucket
         const BoxEntry& e = grid.incidence[k];
-        if (cellOf(e.centre.x, size) == x && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z)
+        if (cellOf(e.center.x, size) == x && cellOf(e.center.y, size) == y && cellOf(e.center.z, size) == z)
           look(e);
       }
     });

@@ -30,7 +30,7 @@ struct PlaceClusters {
       momentum += m * s.vertexVelocity[v];
     }
     s.clusterMotion[i].mass = mass;
-    s.clusterMotion[i].centre = moment / mass;
+    s.clusterMotion[i].center = moment / mass;
     s.clusterMotion[i].velocity = momentum / mass;
   }
 };
@@ -40,12 +40,12 @@ struct ClusterMoments {
   Vec3 place{0, 0, 0}, velocity{0, 0, 0};
   RUBBLE_HD void add(const ClusterMotion& part) {
     mass += part.mass;
-    place += part.mass * part.centre;
+    place += part.mass * part.center;
     velocity += part.mass * part.velocity;
   }
   RUBBLE_HD void write(ClusterMotion& motion) const {
     motion.mass = mass;
-    motion.centre = place / mass;
+    motion.center = place / mass;
     motion.velocity = velocity / mass;
   }
 };
@@ -122,7 +122,7 @@ template <bool surfaces> struct SumCluster {
     Block6 sum, inner;
     bool folded = false;
     for (int k = c.begin; k < c.end; ++k)
-      folded |= addVertex(s, s.clusterMember[k], s.clusterMotion[i].centre, 0, 1, sum, inner);
+      folded |= addVertex(s, s.clusterMember[k], s.clusterMotion[i].center, 0, 1, sum, inner);
     s.clusterMotion[i].sum = sum;
     if (surfaces) {
       s.clusterMotion[i].inner = inner;
@@ -131,12 +131,12 @@ template <bool surfaces> struct SumCluster {
   }
 
   /// Adds the share of worker `lane` of `lanes` of a vertex. Returns whether its object touches itself there.
-  RUBBLE_HD static bool addVertex(const SolverData& s, int v, const Vec3& centre, int lane, int lanes,
+  RUBBLE_HD static bool addVertex(const SolverData& s, int v, const Vec3& center, int lane, int lanes,
                                   Block6& sum, Block6& inner) {
     Block3 own, self;
     const bool touchesSelf = addFromOutside<surfaces>(s, v, lane, lanes, kNoLevel, own, self);
-    addAtLever(sum, s.vertexPlace[v] - centre, own.f, own.h);
-    if (touchesSelf) addAtLever(inner, s.vertexPlace[v] - centre, self.f, self.h);
+    addAtLever(sum, s.vertexPlace[v] - center, own.f, own.h);
+    if (touchesSelf) addAtLever(inner, s.vertexPlace[v] - center, self.f, self.h);
     return touchesSelf;
   }
 };
@@ -150,22 +150,22 @@ struct SolveCluster {
     const Cluster& c = s.cluster[index];
     ClusterMotion& motion = s.clusterMotion[index];
     Block6 block;
-    for (int k = c.sliceBegin; k < c.sliceEnd; ++k) addSlice(s, c, k, motion.centre, block);
-    for (int k = c.refBegin; k < c.refEnd; ++k) addLeaving(s, s.clusterRef[k], motion.centre, block);
+    for (int k = c.sliceBegin; k < c.sliceEnd; ++k) addSlice(s, c, k, motion.center, block);
+    for (int k = c.refBegin; k < c.refEnd; ++k) addLeaving(s, s.clusterRef[k], motion.center, block);
     motion.step = stepOf(block);
   }
 
   /// Adds the vertices of finest cluster k.
-  RUBBLE_HD static void addSlice(const SolverData& s, const Cluster& c, int k, const Vec3& centre,
+  RUBBLE_HD static void addSlice(const SolverData& s, const Cluster& c, int k, const Vec3& center,
                                  Block6& block) {
     const ClusterMotion& chunk = s.clusterMotion[k];
-    const Vec3 shift = chunk.centre - centre;
+    const Vec3 shift = chunk.center - center;
     const Block6 sum = chunk.sum;  // a copy: issues all loads at once
     addShifted(block, sum, shift);
     // contacts of an object with itself are invariant under a motion of the whole object
     if (s.features > 0 && c.parent >= 0 && chunk.folded) addShifted(block, chunk.inner, shift);
   }
-  RUBBLE_HD static void addLeaving(const SolverData& s, const ClusterRef& ref, const Vec3& centre,
+  RUBBLE_HD static void addLeaving(const SolverData& s, const ClusterRef& ref, const Vec3& center,
                                    Block6& block) {
     forEachType(ElementTypes{}, [&]<class F>() {
       if constexpr (!kIsLoad<F>) {
@@ -174,7 +174,7 @@ struct SolveCluster {
         if (!e.alive) return;
         Vec3 x[F::kCorners];
         gatherCorners(s, e, x);
-        accumulateGroup(*s.step, e, x, ref.inside, centre, static_cast<Real>(ref.clusters) / 2, block);
+        accumulateGroup(*s.step, e, x, ref.inside, center, static_cast<Real>(ref.clusters) / 2, block);
       }
     });
   }
@@ -204,7 +204,7 @@ struct MoveCluster {
     // an exact rotation: the elements inside are invariant under it
     const Quat turn = expRotation(motion.step.ang);
     const int v = s.clusterMember[k];
-    const Vec3 at = s.vertexPlace[v] - motion.centre, move = motion.step.lin + rotate(turn, at) - at;
+    const Vec3 at = s.vertexPlace[v] - motion.center, move = motion.step.lin + rotate(turn, at) - at;
     s.vertexMoved[v] += move;
     s.vertexPlace[v] += move;
   }

@@ -121,13 +121,13 @@ struct WriteNear {
 
 /// The impact of an owner and a feature, if there is one. `clear`: additional clearance [m].
 RUBBLE_HD inline bool findCrossing(const SolverData& s, const NearFeature& near, NearParts& p,
-                                   FeatureMeeting& m, Real& clear) {
+                                   FeatureImpact& m, Real& clear) {
   p = nearParts(s, near.owner, kFeatureNode + near.feature);
   const Real distance = length(p.gap),
              keep = min(kLeastSurfaceGap * bothRadii(s, p), kLeastSurfaceShare * distance);
   Vec3 move[4];
   for (int k = 0; k < 4; ++k) move[k] = foundWay(s, p.v[k]);
-  m = firstMeeting(p.x, move, p.sideA, keep);
+  m = firstImpact(p.x, move, p.sideA, keep);
   clear = kClearance * (distance - keep);
   return m.meets;
 }
@@ -137,7 +137,7 @@ struct CountCrossings {
   static constexpr const char* kStage = "crossings";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     NearParts p;
-    FeatureMeeting m;
+    FeatureImpact m;
     Real clear;
     const bool meets = findCrossing(s, s.nearFeature[i], p, m, clear);
     for (const int v : p.v) atomicSet(&s.vertexRepair[v].isActive, 1);
@@ -148,7 +148,7 @@ struct CountCrossings {
   }
 };
 
-RUBBLE_HD inline void deflect(const SolverData& s, const NearParts& p, const FeatureMeeting& m, Real clear) {
+RUBBLE_HD inline void deflect(const SolverData& s, const NearParts& p, const FeatureImpact& m, Real clear) {
   Real rate = 0, mobility = 0;
   int share = 1;
   for (int k = 0; k < 4; ++k) {
@@ -218,7 +218,7 @@ struct ProposeWays {
     NearFeature& near = s.nearFeature[i];
     if (near.meets == 0 && !changed(s, near)) return;
     NearParts p;
-    FeatureMeeting m;
+    FeatureImpact m;
     Real clear;
     near.meets = findCrossing(s, near, p, m, clear);
     if (near.meets == 0) return;

@@ -45,12 +45,12 @@ struct FoundWay {
 };
 
 /// `v` has `corners` vertices.
-template <class Way> RUBBLE_HD SweptBox sweptBox(const SolverData& s, const int* v, int corners) {
+template <class SweptMotion> RUBBLE_HD SweptBox sweptBox(const SolverData& s, const int* v, int corners) {
   Vec3 low{0, 0, 0}, high{0, 0, 0};
   for (int k = 0; k < corners; ++k) {
-    const Vec3 x(s.vertexPosition[v[k]]), to = x + Way::way(s, v[k]);
+    const Vec3 x(s.vertexPosition[v[k]]), to = x + SweptMotion::way(s, v[k]);
     const Real roundOff = Real(2.4e-7) * (std::fabs(x.x) + std::fabs(x.y) + std::fabs(x.z)),
-               grow = Way::reach(s, v[k]) + roundOff;
+               grow = SweptMotion::reach(s, v[k]) + roundOff;
     for (int i = 0; i < 3; ++i) {
       const Real a = min(x[i], to[i]) - grow, b = max(x[i], to[i]) + grow;
       low[i] = k == 0 ? a : min(low[i], a);
@@ -74,28 +74,29 @@ RUBBLE_HD inline bool isThere(const SolverData& s, const SurfaceFeature& f) {
   return false;
 }
 
-template <class Way> RUBBLE_HD BoxEntry placeFeature(const SolverData& s, int i, int& bucket) {
+template <class SweptMotion> RUBBLE_HD BoxEntry placeFeature(const SolverData& s, int i, int& bucket) {
   const SurfaceFeature& f = s.feature[i];
-  return featureGrid(s).place(static_cast<int>(f.kind), sweptBox<Way>(s, f.v, cornersOf(f)), i, bucket);
+  return featureGrid(s).place(static_cast<int>(f.kind), sweptBox<SweptMotion>(s, f.v, cornersOf(f)), i,
+                              bucket);
 }
 
-template <class Way> struct CountFeatures {
+template <class SweptMotion> struct CountFeatures {
   static constexpr const char* kStage = "surfaces";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!isThere(s, s.feature[i])) return;
     int bucket;
-    noteBox(s, placeFeature<Way>(s, i, bucket));
+    noteBox(s, placeFeature<SweptMotion>(s, i, bucket));
     atomicCount(&s.featureCount[bucket], 1);
   }
 };
 
 /// In no fixed order.
-template <class Way> struct FillFeatures {
+template <class SweptMotion> struct FillFeatures {
   static constexpr const char* kStage = "surfaces";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     if (!isThere(s, s.feature[i])) return;
     int bucket;
-    const BoxEntry e = placeFeature<Way>(s, i, bucket);
+    const BoxEntry e = placeFeature<SweptMotion>(s, i, bucket);
     s.featureEntry[s.featureOffset[bucket] + atomicCount(&s.featureCount[bucket], -1) - 1] = e;
   }
 };
@@ -120,9 +121,9 @@ RUBBLE_HD void seekFeatures(const SolverData& s, FeatureKind kind, const SweptBo
 /// Does an attachment connect the two vertices?
 RUBBLE_HD inline bool areJoined(const SolverData& s, int a, int b) {
   bool joined = false;
-  visitAttachments(s, a, [&](const Attachment& seam) {
-    if (!active(s, seam)) return;
-    for (int c = 0; c < kPointCorners && seam.v[c] >= 0; ++c) joined |= seam.v[c] == b;
+  visitAttachments(s, a, [&](const Attachment& attachment) {
+    if (!active(s, attachment)) return;
+    for (int c = 0; c < kPointCorners && attachment.v[c] >= 0; ++c) joined |= attachment.v[c] == b;
   });
   return joined;
 }

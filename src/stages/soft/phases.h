@@ -20,13 +20,13 @@ template <template <class> class Kernel, Executor E> void forEachElement(E& e) {
 inline int tetrahedra(const SolverData& s) { return s.elements[typeIndex<Tetrahedron>(ElementTypes{})]; }
 
 /// Fills the grid of triangles and edges.
-template <class Way, Executor E> void fillFeatures(E& e) {
+template <class SweptMotion, Executor E> void fillFeatures(E& e) {
   const int features = e.view().features, cells = e.view().featureCells;
   e.forEach(ForgetFeatureLevels{}, kFeatureKinds);
   e.clear(&SolverData::featureCount, cells);
-  e.forEach(CountFeatures<Way>{}, features);
+  e.forEach(CountFeatures<SweptMotion>{}, features);
   e.scan(&SolverData::featureCount, &SolverData::featureOffset, cells);
-  e.forEach(FillFeatures<Way>{}, features);
+  e.forEach(FillFeatures<SweptMotion>{}, features);
 }
 
 /// Finds the partners of vertices, edges and corners of bodies.

@@ -21,7 +21,7 @@ struct NearVertex {
 struct HeldByVertices {
   RUBBLE_HD static int body(const SolverData& s, int i) {
     const Attachment& a = s.attachment[i];
-    return active(s, a) && a.seam == 0 ? a.body : -1;
+    return active(s, a) && a.isVertexVertex == 0 ? a.body : -1;
   }
 };
 

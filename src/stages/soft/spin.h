@@ -27,12 +27,12 @@ struct SumSpins {
     const Cluster& c = s.cluster[i];
     ClusterMotion& motion = s.clusterMotion[i];
     SpinSums sum{};
-    for (int k = c.begin; k < c.end; ++k) addVertex(s, s.clusterMember[k], motion.centre, sum);
+    for (int k = c.begin; k < c.end; ++k) addVertex(s, s.clusterMember[k], motion.center, sum);
     motion.spin = sum;
   }
-  RUBBLE_HD static void addVertex(const SolverData& s, int v, const Vec3& centre, SpinSums& sum) {
+  RUBBLE_HD static void addVertex(const SolverData& s, int v, const Vec3& center, SpinSums& sum) {
     const Real m = s.vertexParams[v].mass;
-    const Vec3 place = s.vertexPlace[v] - centre, moved = s.vertexMoved[v], velocity = s.vertexVelocity[v];
+    const Vec3 place = s.vertexPlace[v] - center, moved = s.vertexMoved[v], velocity = s.vertexVelocity[v];
     addPointInertia(sum.inertia, place, m);
     sum.place += m * place;
     sum.moved += m * moved;
@@ -43,7 +43,7 @@ struct SumSpins {
 };
 
 /// Sums of a whole object, and the rotation of its velocities: `step.ang` of its largest cluster about
-/// `centre`, the center of mass.
+/// `center`, the center of mass.
 struct FindSpins {
   static constexpr const char* kStage = "spin";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
@@ -51,25 +51,25 @@ struct FindSpins {
     ClusterMotion& whole = s.clusterMotion[s.softNode[i].cluster];
     const SpinSums sum = sumOf(s, s.cluster[s.softNode[i].cluster], whole);
     const Real mass = whole.mass;
-    const Vec3 centre = sum.place / mass, moved = sum.moved / mass;
+    const Vec3 center = sum.place / mass, moved = sum.moved / mass;
     Sym3 inertia = sum.inertia;
-    addPointInertia(inertia, centre, -mass);
+    addPointInertia(inertia, center, -mass);
     const Vec3 lost = sum.lost - mass * cross(moved, whole.velocity);
-    const Vec3 before = sum.before - sum.lost - mass * cross(centre - moved, whole.velocity);
-    const Vec3 after = s.step->inverseDt * (sum.after - mass * cross(centre, moved));
+    const Vec3 before = sum.before - sum.lost - mass * cross(center - moved, whole.velocity);
+    const Vec3 after = s.step->inverseDt * (sum.after - mass * cross(center, moved));
     // collinear masses have no moment of inertia about their line
     constexpr Real kLeast = Real(1e-5);
     const Real least = kLeast * (inertia.xx + inertia.yy + inertia.zz);
     inertia.xx += least, inertia.yy += least, inertia.zz += least;
     const Vec3 turn = solve(Block3{inertia, -keptShare(before, after, lost) * lost});
-    whole.centre += centre;
+    whole.center += center;
     whole.step.ang = isFinite(turn) ? turn : Vec3{0, 0, 0};
   }
   RUBBLE_HD static SpinSums sumOf(const SolverData& s, const Cluster& c, const ClusterMotion& whole) {
     SpinSums sum{};
     for (int k = c.sliceBegin; k < c.sliceEnd; ++k) {
       const ClusterMotion& part = s.clusterMotion[k];
-      const Vec3 shift = part.centre - whole.centre;
+      const Vec3 shift = part.center - whole.center;
       // shift of the reference point, for positions s + shift
       sum.inertia += part.spin.inertia;
       addPointInertia(sum.inertia, shift + part.spin.place / part.mass, part.mass);
@@ -97,7 +97,7 @@ RUBBLE_HD inline Vec3 spinOf(const SolverData& s, int v) {
   const int softNode = s.vertexParams[v].softNode;
   if (softNode < 0 || !keepsSpin(s, s.softNode[softNode])) return {0, 0, 0};
   const ClusterMotion& whole = s.clusterMotion[s.softNode[softNode].cluster];
-  return cross(whole.step.ang, s.vertexPlace[v] - whole.centre);
+  return cross(whole.step.ang, s.vertexPlace[v] - whole.center);
 }
 
 /// Computes velocities and new positions. A vertex whose state is not finite keeps its position, at rest.

@@ -47,7 +47,7 @@ template <bool surfaces> struct AssembleStrands {
   static constexpr const char* kStage = "strands";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const StrandVertex& at = s.strandVertex[k];
-    const int v = at.v, last = s.strand[at.line].end - 1;
+    const int v = at.v, last = s.strand[at.strand].end - 1;
     Block3 own, self;
     Sym3 next;
     Real afterNext = 0;
@@ -56,7 +56,7 @@ template <bool surfaces> struct AssembleStrands {
       own += {2 * self.h, self.f};
       const LineBend* const bend = bendAt(s, k);
       addLineElement(s, bend, v, own);
-      if (k > s.strand[at.line].begin) {
+      if (k > s.strand[at.strand].begin) {
         addLineElement(s, springAfter(s, k - 1), v, own);
         addLineElement(s, bendAt(s, k - 1), v, own);
       }
@@ -98,12 +98,12 @@ template <bool surfaces> struct AssembleStrands {
 };
 
 /// The scalar rows of a strand as a banded matrix L D L^T, and its unknowns.
-struct LineRows {
+struct StrandRows {
   StrandWork* work;
   int count;
-  RUBBLE_HD LineRows(StrandWork* rows, int all) : work(rows), count(all) {}
-  RUBBLE_HD LineRows(const SolverData& s, const Strand& line)
-      : LineRows(s.strandWork + line.begin, 3 * (line.end - line.begin)) {}
+  RUBBLE_HD StrandRows(StrandWork* rows, int all) : work(rows), count(all) {}
+  RUBBLE_HD StrandRows(const SolverData& s, const Strand& strand)
+      : StrandRows(s.strandWork + strand.begin, 3 * (strand.end - strand.begin)) {}
   /// Element (j, j + d).
   RUBBLE_HD double& at(int j, int d) const { return work[j / 3].row[j % 3][d]; }
   RUBBLE_HD double& x(int j) const { return work[j / 3].x[j % 3]; }
@@ -116,27 +116,30 @@ struct LineRows {
 
 /// Largest relative motion of neighbors per step, over the distance of vertices [1]. Beyond it the linearized
 /// directions are no longer valid.
-inline constexpr Real kMostLineTurn = Real(.5);
-inline constexpr Real kNoLineTurn = Real(1e30);
-/// Relative motion of a vertex and the previous one, over that limit [1]; kNoLineTurn if it is not finite.
-RUBBLE_HD inline Real lineTurn(const LineRows& rows, int k, Real reach) {
+inline constexpr Real kMaxStrandRotation = Real(.5);
+inline constexpr Real kNoStrandRotation = Real(1e30);
+/// Relative motion of a vertex and the previous one, over that limit [1]; kNoStrandRotation if it is not
+/// finite.
+RUBBLE_HD inline Real strandRotation(const StrandRows& rows, int k, Real reach) {
   double square = 0;
   for (int i = 0; i < 3; ++i) {
     const double d = rows.work[k].x[i] - rows.work[k - 1].x[i];
     square += d * d;
   }
-  const double turn = std::sqrt(square) / static_cast<double>(kMostLineTurn * reach);
-  return turn < static_cast<double>(kNoLineTurn) ? static_cast<Real>(turn) : kNoLineTurn;
+  const double turn = std::sqrt(square) / static_cast<double>(kMaxStrandRotation * reach);
+  return turn < static_cast<double>(kNoStrandRotation) ? static_cast<Real>(turn) : kNoStrandRotation;
 }
 /// Share of its step that a strand takes [1].
-RUBBLE_HD inline Real strandShare(Real turn) { return turn < kNoLineTurn ? 1 / max(Real(1), turn) : Real(0); }
+RUBBLE_HD inline Real strandShare(Real turn) {
+  return turn < kNoStrandRotation ? 1 / max(Real(1), turn) : Real(0);
+}
 
 /// The step of a strand: banded factorization and substitution.
 struct SolveStrand {
   static constexpr const char* kStage = "strands";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const Strand& line = s.strand[i];
-    const LineRows rows(s, line);
+    const Strand& strand = s.strand[i];
+    const StrandRows rows(s, strand);
     for (int j = 0; j < rows.count; ++j) {
       const double inverse = 1 / rows.at(j, 0), x = rows.x(j);
       double scaled[kStrandBand + 1];
@@ -152,8 +155,8 @@ struct SolveStrand {
     for (int j = rows.count - 1; j > 0; --j)
       for (int a = 1; a <= min(kStrandBand, j); ++a) rows.x(j - a) -= rows.at(j - a, a) * rows.x(j);
     Real turn = 0;
-    for (int k = line.begin + 1; k < line.end; ++k)
-      turn = max(turn, lineTurn(rows, k - line.begin, s.vertexParams[s.strandVertex[k].v].length));
+    for (int k = strand.begin + 1; k < strand.end; ++k)
+      turn = max(turn, strandRotation(rows, k - strand.begin, s.vertexParams[s.strandVertex[k].v].length));
     s.strandShare[i] = strandShare(turn);
   }
 };
@@ -163,13 +166,13 @@ struct TakeStrandForces {
   static constexpr const char* kStage = "strands";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const StrandVertex& at = s.strandVertex[k];
-    const Real share = s.strandShare[at.line];
+    const Real share = s.strandShare[at.strand];
     if (at.spring < 0 || !s.step->compliantRows || !(share > Real(0))) return;
     Spring& spring = s.spring[at.spring];
     Vec3 x[Spring::kCorners];
     gatherCorners(s, spring, x);
     const Vec3 d = x[0] - x[1],
-               step = LineRows::stepOf(s.strandWork[k]) - LineRows::stepOf(s.strandWork[k + 1]);
+               step = StrandRows::stepOf(s.strandWork[k]) - StrandRows::stepOf(s.strandWork[k + 1]);
     const Real l = length(d);
     if (!spring.alive || !(l > Real(0))) return;
     const Real sign = spring.v[0] == at.v ? Real(1) : Real(-1);
@@ -182,9 +185,9 @@ struct MoveStrands {
   static constexpr const char* kStage = "strands";
   RUBBLE_HD void operator()(const SolverData& s, int k) const {
     const StrandVertex& at = s.strandVertex[k];
-    const Real share = s.strandShare[at.line];
+    const Real share = s.strandShare[at.strand];
     if (!isDynamicVertex(s, at.v) || !(share > Real(0))) return;
-    const Vec3 move = share * LineRows::stepOf(s.strandWork[k]);
+    const Vec3 move = share * StrandRows::stepOf(s.strandWork[k]);
     s.vertexMoved[at.v] += move;
     s.vertexPlace[at.v] += move;
   }

@@ -16,7 +16,7 @@ RUBBLE_HD inline SweptBox vertexBounds(const SolverData& s, int v) {
   return {x + sweep, abs(sweep) + Vec3{grow, grow, grow}};
 }
 
-RUBBLE_HD inline bool isGrain(const SolverData& s, int v) {
+RUBBLE_HD inline bool isParticle(const SolverData& s, int v) {
   return s.vertexParams[v].kind != VertexKind::Removed &&
          (s.vertexParams[v].collides & kCollidesWithParticles) != 0;
 }
@@ -24,7 +24,7 @@ RUBBLE_HD inline bool isGrain(const SolverData& s, int v) {
 struct CountParticles {
   static constexpr const char* kStage = "grid";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
-    if (!isGrain(s, v)) return;
+    if (!isParticle(s, v)) return;
     int bucket;
     noteBox(s, particleGrid(s).place(kParticleKind, vertexBounds(s, v), v, bucket));
     atomicCount(&s.particleCount[bucket], 1);
@@ -35,7 +35,7 @@ struct CountParticles {
 struct FillParticles {
   static constexpr const char* kStage = "grid";
   RUBBLE_HD void operator()(const SolverData& s, int v) const {
-    if (!isGrain(s, v)) return;
+    if (!isParticle(s, v)) return;
     int bucket;
     const BoxEntry e = particleGrid(s).place(kParticleKind, vertexBounds(s, v), v, bucket);
     s.particle[s.particleOffset[bucket] + atomicCount(&s.particleCount[bucket], -1) - 1] = e;
@@ -50,18 +50,18 @@ RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Fou
   constexpr Real kMostCells = 512;
   for (int level = 0; level < kGridLevels; ++level) {
     const auto look = [&](const GridEntry& e) {
-      if (e.level == level && meets(box, e.centre, e.half) && mayTouch(s, v, e.body)) found(e.body);
+      if (e.level == level && meets(box, e.center, e.half) && mayTouch(s, v, e.body)) found(e.body);
     };
     if (visitListed(s, level, look, lane, lanes)) continue;
     Vec3 reach;
     for (int k = 0; k < 3; ++k) reach[k] = box.half[k] + fromFloatBits(s.counters->levelHalf[level][k]);
     const Real size = cellSize(level);
-    const bool done = forEachCell(box.centre, reach, size, kMostCells, lane, lanes, [&](int x, int y, int z) {
+    const bool done = forEachCell(box.center, reach, size, kMostCells, lane, lanes, [&](int x, int y, int z) {
       const int bucket = bucketOf(s, level, x, y, z);
       for (int k = s.bucketOffset[bucket]; k < s.bucketOffset[bucket + 1]; ++k) {
         // another cell may share the bucket
         const GridEntry& e = s.grid[k];
-        if (cellOf(e.centre.x, size) == x && cellOf(e.centre.y, size) == y && cellOf(e.centre.z, size) == z)
+        if (cellOf(e.center.x, size) == x && cellOf(e.center.y, size) == y && cellOf(e.center.z, size) == z)
           look(e);
       }
     });
@@ -70,7 +70,7 @@ RUBBLE_HD void searchBodies(const SolverData& s, int v, const SweptBox& box, Fou
   for (int k = lane; k < s.planes; k += lanes) {
     const int plane = s.planeBody[k];
     const Vec3 up = rotate(s.orientation[plane], Vec3{0, 0, 1});
-    if (dot(up, box.centre - Vec3(s.position[plane])) <= dot(abs(up), box.half) && mayTouch(s, v, plane))
+    if (dot(up, box.center - Vec3(s.position[plane])) <= dot(abs(up), box.half) && mayTouch(s, v, plane))
       found(plane);
   }
 }
@@ -173,7 +173,7 @@ RUBBLE_HD inline PointDistance pointToBody(const SolverData& s, int v, int body,
   const Vec3 x = rotateInverse(q, Vec3(s.vertexPosition[v] - s.position[body]));
   PointDistance at;
   if (isPrimitive(shape.kind))
-    at = pointToPlainShape(shape, x);
+    at = pointToPrimitive(shape, x);
   else
     at = pointToGeneralShape(
         s.shapeTables(), shape, x,
@@ -183,7 +183,7 @@ RUBBLE_HD inline PointDistance pointToBody(const SolverData& s, int v, int body,
 }
 
 /// Displacement of the surface of the body in a step by surface velocity [m].
-RUBBLE_HD inline Vec3 beltOf(const SolverData& s, const PointContact& p) {
+RUBBLE_HD inline Vec3 surfaceShiftOf(const SolverData& s, const PointContact& p) {
   if (s.surfaces == 0 || p.body < 0) return {0, 0, 0};
   return s.step->dt * rotate(s.orientation[p.body], surfaceOf(s, p.body, p.part).velocity);
 }
@@ -248,12 +248,12 @@ RUBBLE_HD inline PointContactStart touchParticle(const SolverData& s, int a, int
 
 /// Adds a share of the displacement by surface velocity to the drift of a contact. Rows correct only the
 /// share driftCorrection of a drift; this displacement is to be corrected in full.
-RUBBLE_HD inline void addBelt(const SolverData& s, PointContact& p, Real share) {
+RUBBLE_HD inline void addSurfaceShift(const SolverData& s, PointContact& p, Real share) {
   if (s.surfaces == 0 || p.body < 0) return;
   Vec3 t1, t2;
   tangentBasis(p.n, t1, t2);
-  const Vec3 belt = share * beltOf(s, p);
-  p.drift1 += dot(t1, belt), p.drift2 += dot(t2, belt);
+  const Vec3 shift = share * surfaceShiftOf(s, p);
+  p.drift1 += dot(t1, shift), p.drift2 += dot(t2, shift);
 }
 
 /// The contact of pair i in the previous step, or null.
@@ -307,7 +307,7 @@ struct UpdatePointContacts {
     p.active = gap <= margin;
     if (p.active) {
       beginPointContact(*s.step, p, start, old);
-      addBelt(s, p, Real(1) / s.step->driftCorrection);
+      addSurfaceShift(s, p, Real(1) / s.step->driftCorrection);
       atomicCount(&s.counters->pointContacts, 1);
     }
     s.pointContact[i] = p;
@@ -319,7 +319,7 @@ struct MarkInactivePoints {
   static constexpr const char* kStage = "inactive";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     PointContact& p = s.pointContact[i];
-    if (!s.step->dormantRows || !p.active || p.lambdaN != Real(0)) return;
+    if (!s.step->inactiveRows || !p.active || p.lambdaN != Real(0)) return;
     const bool surfaces = s.pointPair[i].other >= kCornerNode;
     Vec3 d{0, 0, 0};
     Real nearer[2] = {0, 0};
@@ -358,7 +358,7 @@ struct FinishPoints {
     if (p.body >= 0) d += s.dx[p.body].dp + rotate(s.dq[p.body], p.lever) - p.lever;
     p.finish(*s.step, d);
     // replaces the offset in the row by the displacement of this step
-    if (p.stick) addBelt(s, p, Real(1) - Real(1) / s.step->driftCorrection);
+    if (p.stick) addSurfaceShift(s, p, Real(1) - Real(1) / s.step->driftCorrection);
   }
 };
 

@@ -14,15 +14,15 @@ struct AttachmentBlocks {
   static constexpr int kType = kBodyAttachmentType;
   using Block = Attachment;
   RUBBLE_HD static Block* blocks(const SolverData& s) { return s.attachment; }
-  RUBBLE_HD static bool acts(const SolverData& s, const Block& b) {
-    return active(s, b) && b.seam == 0 && isDynamic(s, b.body);
+  RUBBLE_HD static bool isActive(const SolverData& s, const Block& b) {
+    return active(s, b) && b.isVertexVertex == 0 && isDynamic(s, b.body);
   }
 };
 struct PointContactBlocks {
   static constexpr int kType = kBodyPointContactType;
   using Block = PointContact;
   RUBBLE_HD static Block* blocks(const SolverData& s) { return s.pointContact; }
-  RUBBLE_HD static bool acts(const SolverData& s, const Block& b) {
+  RUBBLE_HD static bool isActive(const SolverData& s, const Block& b) {
     return b.active && b.body >= 0 && isDynamic(s, b.body);
   }
 };
@@ -31,7 +31,7 @@ template <class Blocks> struct CountSoftIncidences {
   static constexpr const char* kStage = "incidence";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const auto& block = Blocks::blocks(s)[i];
-    if (!Blocks::acts(s, block)) return;
+    if (!Blocks::isActive(s, block)) return;
     int corners = 0;
     while (corners < kPointCorners && block.v[corners] >= 0) ++corners;
     atomicCount(&s.incidenceCount[block.body], corners);
@@ -42,7 +42,7 @@ template <class Blocks> struct FillSoftIncidences {
   static constexpr const char* kStage = "incidence";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const auto& block = Blocks::blocks(s)[i];
-    if (!Blocks::acts(s, block)) return;
+    if (!Blocks::isActive(s, block)) return;
     for (int k = 0; k < kPointCorners && block.v[k] >= 0; ++k) {
       const int slot = s.incidenceOffset[block.body] + atomicCount(&s.incidenceCount[block.body], -1) - 1;
       const int other = isDynamicVertex(s, block.v[k]) ? kVertexNode + block.v[k] : -1;
@@ -93,11 +93,11 @@ struct SortPointIncidences {
 template <class Visit> RUBBLE_HD void visitNeighbors(const SolverData& s, int v, Visit&& visit) {
   for (int k = s.neighborOffset[v]; k < s.neighborOffset[v + 1]; ++k) visit(kVertexNode + s.neighbor[k]);
   visitAttachments(s, v, [&](const Attachment& a) {
-    if (AttachmentBlocks::acts(s, a)) visit(a.body);
+    if (AttachmentBlocks::isActive(s, a)) visit(a.body);
   });
   for (int k = s.pointIncidenceOffset[v]; k < s.pointIncidenceOffset[v + 1]; ++k) {
     const PointContact& p = s.pointContact[pointIndex(s.pointIncidence[k])];
-    if (PointContactBlocks::acts(s, p)) visit(p.body);
+    if (PointContactBlocks::isActive(s, p)) visit(p.body);
     for (int c = 0; c < kPointCorners && p.v[c] >= 0; ++c)
       if (p.v[c] != v && isDynamicVertex(s, p.v[c])) visit(kVertexNode + p.v[c]);
   }

@@ -195,7 +195,7 @@ struct BeginAttachments {
     for (int k = 0; k < kPointCorners && a.v[k] >= 0; ++k)
       gap += a.weight[k] * Vec3(s.vertexPosition[a.v[k]] - origin);
     Real bodyMass = 0;
-    if (a.seam == 0) {
+    if (a.isVertexVertex == 0) {
       if (a.body == kWorldBody) {
         gap += Vec3(a.worldPoint - origin);
       } else {

@@ -16,7 +16,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "stages/ccd/assembly_stops.h"
+#include "stages/ccd/islands.h"
 #include "stages/trees/trees.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -51,7 +51,7 @@ RUBBLE_HD RUBBLE_APART Vec3 addedGap(const SolverData& s, const JointSpec<F>& sp
 /// another body do not move.
 RUBBLE_HD inline int projectionNode(const SolverData& s, int body) {
   if (body == kWorldBody || !isDynamic(s, body)) return -1;
-  if ((s.target[body].locks & 7) != 0 || hasMet(s, body)) return -1;
+  if ((s.target[body].locks & 7) != 0 || hasOwnImpact(s, body)) return -1;
   const int node = s.nodeOfBody[body];
   return node >= 0 && s.treeNode[node].exact ? node : -1;
 }
@@ -161,7 +161,7 @@ struct ProjectTree {
 /// of the gap.
 RUBBLE_HD inline Real roomBefore(const SolverData& s, const ContactRows& r) {
   const Manifold& m = s.manifold[r.manifold];
-  const Vec3 t = centreDistance(s, r.a, r.b);
+  const Vec3 t = centerDistance(s, r.a, r.b);
   Real deepest = -std::numeric_limits<Real>::max();
   for (int k = 0; k < m.count; ++k)
     deepest = max(deepest, pointAt(m, k, r.n, s.orientation[r.a], s.orientation[r.b], t).depth);
@@ -211,7 +211,7 @@ struct ApplyProjection {
     if (x == Vec3d{0, 0, 0}) return;
     s.position[node.body] += x;
     // keeps the stored displacement of the step consistent
-    (s.stopBits[node.body] != 0 ? s.ccdMotion : s.dx)[node.body].dp += Vec3(x);
+    (s.ccdShareBits[node.body] != 0 ? s.ccdMotion : s.dx)[node.body].dp += Vec3(x);
   }
 };
 

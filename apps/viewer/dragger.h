@@ -1,5 +1,5 @@
 #pragma once
-/// What the mouse does to a running scene. All of it goes through Player::apply and so into its history.
+/// Mouse interaction with a running scene. All of it goes through Player::apply and so into the history.
 #include <memory>
 #include <optional>
 
@@ -9,7 +9,7 @@ namespace rubble::viewer {
 
 /// Holds a point of a body by a grab joint, or a vertex of a deformable object by an attachment to a small
 /// kinematic ball.
-class Hand {
+class Dragger {
  public:
   /// False for bodies and vertices that do not move.
   bool take(Player& player, BodyId body, const Vec3& point);
@@ -17,13 +17,12 @@ class Hand {
   /// The held point is drawn here.
   void pull(Player& player, const Vec3& point);
   void release(Player& player);
-  /// The worlds are others, or at another time.
+  /// Releases without an input: the worlds were replaced or rewound.
   void forget() { held_.reset(); }
   bool holds() const { return held_.has_value(); }
 
  private:
-  /// Ids that a grip made: the same again when its inputs are repeated, since ids follow from what was done
-  /// before.
+  /// Ids of the objects that a grip created. Repeating the inputs gives the same ids.
   struct Grip {
     JointId joint;
     BodyId ball;
@@ -35,7 +34,7 @@ class Hand {
   std::optional<Held> held_;
 };
 
-/// A ball from a point along a unit direction, larger and denser than what the scene is made of.
+/// A ball from a point along a unit direction, larger and denser than the bodies of the scene.
 BodyId shoot(Player& player, const Vec3& from, const Vec3& direction, double bodySize);
 /// A box that falls onto a point.
 BodyId dropBox(Player& player, const Vec3& onto, double bodySize);

@@ -1,11 +1,11 @@
 #pragma once
-/// A world to ask about, and what of it a query looks at.
+/// A random scene for queries, and random query filters.
 #include "tests/query/exact.h"
 
 namespace rubble::test {
 
-/// 300 bodies in a cube of 20 m that overlap as they like, over a half space.
-inline Scene crowd(std::uint64_t seed) {
+/// 300 bodies in a cube of 20 m that may overlap, over a half space.
+inline Scene randomScene(std::uint64_t seed) {
   Random random(seed);
   Scene scene = emptyScene();
   BodyDef floor = ground();

@@ -1,4 +1,4 @@
-/// Counts of which each thread takes a part.
+/// Privatized counting: each thread counts its share.
 #include <numeric>
 
 #include "tests/support/core_world.h"
@@ -6,8 +6,8 @@
 namespace rubble::RUBBLE_CORE {
 namespace {
 
-TEST(InParts, ListsEachElementOnceBehindTheOffsetOfItsColor) {
-  // more colours than are counted together, and elements of none
+TEST(PrivatizedCount, ListsEachElementOnceBehindTheOffsetOfItsColor) {
+  // more colors than are counted together, and elements of none
   constexpr int kColors = 2 * kCountedColors + 10, kElements = 5000;
   const auto colorOf = [](int i) {
     return static_cast<int>(hash32(static_cast<std::uint32_t>(i)) % (kColors + 1)) - 1;

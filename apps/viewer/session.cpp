@@ -1,4 +1,4 @@
-#include "apps/viewer/show.h"
+#include "apps/viewer/session.h"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@ constexpr int kMostStepsAFrame = 4;
 
 }  // namespace
 
-void Show::play(double seconds) {
+void Session::play(double seconds) {
   if (paused) return;
   due_ = std::min(due_ + seconds * speed, kMostStepsAFrame * dt());
   for (; due_ >= dt(); due_ -= dt()) {

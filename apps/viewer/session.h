@@ -1,6 +1,6 @@
 #pragma once
-/// What the window shows: a scene that runs, two of them side by side, or a recording. All have steps to go
-/// to.
+/// What the window shows: a running scene, two of them side by side, or a recording. All of them can seek to
+/// a step.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,9 +12,9 @@ namespace rubble::viewer {
 
 class Player;
 
-class Show {
+class Session {
  public:
-  virtual ~Show() = default;
+  virtual ~Session() = default;
 
   virtual const std::string& title() const = 0;
   /// The running scene; null for a recording.

@@ -1,4 +1,4 @@
-#include "apps/viewer/hand.h"
+#include "apps/viewer/dragger.h"
 
 #include <cmath>
 #include <numbers>
@@ -21,7 +21,7 @@ BodyId add(Player& player, const char* what, BodyDef body) {
   return *made;
 }
 
-double nearestNeighbour(const std::vector<Vec3>& points, std::size_t of) {
+double nearestNeighbor(const std::vector<Vec3>& points, std::size_t of) {
   double nearest = 1e30;
   for (std::size_t i = 0; i < points.size(); ++i)
     if (i != of) nearest = std::min(nearest, length(points[i] - points[of]));
@@ -30,7 +30,7 @@ double nearestNeighbour(const std::vector<Vec3>& points, std::size_t of) {
 
 }  // namespace
 
-bool Hand::take(Player& player, BodyId body, const Vec3& point) {
+bool Dragger::take(Player& player, BodyId body, const Vec3& point) {
   release(player);
   if (player.world().definition(body).motion != Motion::Dynamic) return false;
   const double mass = player.world().massOf(body).mass;
@@ -42,7 +42,7 @@ bool Hand::take(Player& player, BodyId body, const Vec3& point) {
   return true;
 }
 
-bool Hand::take(Player& player, SoftId object, int vertex) {
+bool Dragger::take(Player& player, SoftId object, int vertex) {
   release(player);
   const auto v = static_cast<std::size_t>(vertex);
   const std::vector<double> masses = player.world().masses(object);
@@ -52,7 +52,7 @@ bool Hand::take(Player& player, SoftId object, int vertex) {
   for (const double m : masses) mass += m;
   BodyDef ball;
   ball.motion = Motion::Kinematic;
-  ball.shape = Shape::sphere(std::max(1e-4, kGripBall * nearestNeighbour(points, v)));
+  ball.shape = Shape::sphere(std::max(1e-4, kGripBall * nearestNeighbor(points, v)));
   ball.position = points[v];
   ball.filter.layers = ball.filter.mask = 0;
   AttachmentDef attachment;
@@ -69,7 +69,7 @@ bool Hand::take(Player& player, SoftId object, int vertex) {
   return true;
 }
 
-void Hand::pull(Player& player, const Vec3& point) {
+void Dragger::pull(Player& player, const Vec3& point) {
   if (!held_) return;
   const std::shared_ptr<Grip> grip = held_->grip;
   if (held_->body) {
@@ -83,7 +83,7 @@ void Hand::pull(Player& player, const Vec3& point) {
   }
 }
 
-void Hand::release(Player& player) {
+void Dragger::release(Player& player) {
   if (!held_) return;
   const std::shared_ptr<Grip> grip = held_->grip;
   const bool isJoint = held_->body.has_value();

@@ -1,14 +1,14 @@
 #pragma once
 /// A recording in the window.
-#include "apps/viewer/show.h"
+#include "apps/viewer/session.h"
 #include "io/recording.h"
 
 namespace rubble::viewer {
 
-class Playback final : public Show {
+class RecordingSession final : public Session {
  public:
   /// Throws Error if the file is none, is damaged or has no frames.
-  explicit Playback(const std::string& file);
+  explicit RecordingSession(const std::string& file);
 
   const std::string& title() const override { return title_; }
   std::vector<io::PictureBody> bodies(int side, io::ColorBy colorBy) override;
@@ -26,7 +26,7 @@ class Playback final : public Show {
   bool complete() const { return reader_.complete(); }
 
  private:
-  void show(int index);
+  void showFrame(int index);
 
   io::RecordingReader reader_;
   std::string title_;

@@ -1,4 +1,4 @@
-/// Ropes and rods, all vertices of which are solved for at once.
+/// Strands: ropes and rods whose vertices are solved together.
 #include <gtest/gtest.h>
 
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "apps/viewer/playback.h"
+#include "apps/viewer/recording_session.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,31 +7,31 @@
 
 namespace rubble::viewer {
 
-Playback::Playback(const std::string& file) : reader_(file) {
+RecordingSession::RecordingSession(const std::string& file) : reader_(file) {
   if (reader_.frameCount() == 0) throw Error(file, "a trajectory with frames", "none");
   title_ = reader_.header().scene + " (" + std::filesystem::path(file).filename().string() + ")";
   last_ = reader_.frame(reader_.frameCount() - 1).step;
-  show(0);
+  showFrame(0);
 }
 
-void Playback::show(int index) {
-  // What can fail comes first: a damaged frame leaves the one that is shown.
+void RecordingSession::showFrame(int index) {
+  // Decodes before it changes anything: a damaged frame leaves the shown one.
   std::vector<io::PictureBody> bodies = io::pictureBodies(reader_, index);
   frame_ = reader_.frame(index);
   bodies_ = std::move(bodies);
   index_ = index;
 }
 
-std::vector<io::PictureBody> Playback::bodies(int, io::ColorBy) { return bodies_; }
+std::vector<io::PictureBody> RecordingSession::bodies(int, io::ColorBy) { return bodies_; }
 
-bool Playback::step() {
+bool RecordingSession::step() {
   if (index_ + 1 >= reader_.frameCount()) return false;
-  show(index_ + 1);
+  showFrame(index_ + 1);
   return true;
 }
 
-void Playback::seek(std::int64_t step) {
-  show(io::frameAfter(reader_, std::clamp<std::int64_t>(step, 0, last_)));
+void RecordingSession::seek(std::int64_t step) {
+  showFrame(io::frameAfter(reader_, std::clamp<std::int64_t>(step, 0, last_)));
 }
 
 }  // namespace rubble::viewer

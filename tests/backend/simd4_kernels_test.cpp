@@ -1,4 +1,4 @@
-/// Bodies, chunks, groups and joints in the lanes of registers have the bits that they have one by one.
+/// SIMD kernels for bodies, slices, aggregates and joints give the bits of the scalar code.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -8,9 +8,9 @@
 namespace rubble::RUBBLE_CORE {
 namespace {
 
-/// A net of 12 x 12 spheres on ball joints, its top row held, of which some are boxes that turn fast, locked,
-/// on the world or heavy; loose spheres lie in it, so that some bodies have contacts and joints, and some
-/// only one of these.
+/// A net of 12 x 12 spheres on ball joints with its top row held. Some nodes are boxes that rotate fast,
+/// have locked axes, are jointed to the world or are heavy. Loose spheres among them give some bodies
+/// contacts, some joints and some both.
 struct Net : CoreWorld {
   static constexpr int kSize = 12;
   Net() {
@@ -52,7 +52,7 @@ struct Net : CoreWorld {
   }
 };
 
-TEST(SideBySide, HasTheBitsOfOneByOne) {
+TEST(Simd4Kernels, HaveTheBitsOfTheScalarCode) {
   Net four, one;
   one.executor().takeOneByOne();
   double before = 0, beforeOne = 0;
@@ -117,7 +117,7 @@ struct MixedChain : CoreWorld {
   }
 };
 
-/// The sum of a body's row blocks by either way to add one.
+/// The sum of a body's constraint blocks with either way to add one.
 template <class Add> Block6 sumOfRows(const SolverData& s, int body, Add&& add) {
   Block6 sum;
   for (int k = s.incidenceOffset[body]; k < s.incidenceOffset[body + 1]; ++k)
@@ -138,7 +138,7 @@ TEST(JointSweep, OneCodeForAllTypesAboutAPointHasTheBitsOfThatOfEach) {
       const Block6 own = sumOfRows(
           s, i, [](const SolverData& v, std::uint32_t code, Block6& to) { addJoint(v, code, to); });
       const Block6 alike = sumOfRows(
-          s, i, [](const SolverData& v, std::uint32_t code, Block6& to) { addJointAlike(v, code, to); });
+          s, i, [](const SolverData& v, std::uint32_t code, Block6& to) { addJointUniform(v, code, to); });
       ASSERT_EQ(std::memcmp(&own, &alike, sizeof own), 0) << n << " " << i;
       ASSERT_GT(length(own.fl) + length(own.fa), 0) << n << " " << i;
     }
@@ -150,7 +150,7 @@ TEST(JointSweep, OneCodeForAllTypesAboutAPointHasTheBitsOfThatOfEach) {
       << "limits, drives and friction are among them";
 }
 
-/// Levers of x^t turned since then are anchors turned as a whole.
+/// Rotating the levers of x^t gives the same anchors as rotating the whole joint frame.
 TEST(JointSweep, ErrorsOfAnchorsByLeversAreThoseByOrientations) {
   MixedChain chain;
   double before = 0;
@@ -159,7 +159,7 @@ TEST(JointSweep, ErrorsOfAnchorsByLeversAreThoseByOrientations) {
     step(chain.executor());
     before = chain.settings().params.dt;
   }
-  // within a step: bodies moved and turned, orientations still those of x^t
+  // within a step: displacements and rotations are nonzero, orientations are those of x^t
   SolverData& s = chain.view();
   test::Random random(5);
   beginStep(s, chain.settings(), before);

@@ -1,4 +1,4 @@
-/// Open joints are closed by moving bodies: that moves none of them into what it touches.
+/// Joint projection moves bodies, but not into what they touch.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ Scene thrownPair(Random& random, bool onPlane) {
   return scene;
 }
 
-TEST(Closing, PushesNoneThroughTheGround) {
+TEST(JointProjection, PushesNoneThroughTheGround) {
   for (int seed = 0; seed < 400; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
     const double dt = random.below(2) ? 1. / 60 : 1. / 30;

@@ -44,21 +44,21 @@ RUBBLE_HD RowFacings rowFacings(const SolverData& s, int pair, bool surfaceOnA, 
 
 /// Times of impact of general pairs. Parts of compounds are separate pairs. The first slot of a part and a
 /// surface processes all of their slots.
-struct FindGeneralStops {
+struct FindGeneralImpacts {
   static constexpr const char* kStage = "ccd";
   int round;
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
     const Pair p = s.pair[i];
     const OrderedPair o = ordered(p);
-    if (isPrimitivePair(s, o.a, o.b) || !mayStop(s, o) || !isSought(s, o, round)) return;
+    if (isPrimitivePair(s, o.a, o.b) || !mayImpact(s, o) || !needsSearch(s, o, round)) return;
     const ShapeData &shapeA = s.params[o.a].shape, &shapeB = s.params[o.b].shape;
     const bool surface = isSurface(shapeA.kind) || isSurface(shapeB.kind);
     if (surface && p.second != 0) return;
     const ShapeTables tables = s.shapeTables();
-    const Way wayA = wayIn(s, o.a), wayB = wayIn(s, o.b);
+    const SweptMotion motionA = motionIn(s, o.a), motionB = motionIn(s, o.b);
     const Vec3d between = s.position[o.b] - s.position[o.a];
     const Real size = pairLength(s.params[o.a], s.params[o.b]);
-    const double tolerance = static_cast<double>(kMeetingGap * size);
+    const double tolerance = static_cast<double>(kImpactGap * size);
     const auto thinnerOf = [&](const PlacedAny& a, const PlacedAny& b) {
       return thinner(innerRadiusOf(tables, a.shape), innerRadiusOf(tables, b.shape));
     };
@@ -68,10 +68,10 @@ struct FindGeneralStops {
       const PlacedAny b = placedAny(tables, shapeB, between, s.orientation[o.b],
                                     p.owner == o.a ? p.second : p.first);
       const Real thin = thinnerOf(a, b);
-      if (!mayPass(s, o, wayA, wayB, thin, manifoldOf(s, i))) return;
-      const TimeOfImpact m = meetingOfPair(asConvex(a), wayA, asConvex(b), wayB, manifoldOf(s, i), thin,
-                                           bothDynamic(s, o), tolerance);
-      if (m.fraction <= 1) noteMeeting(s, i, o, m.fraction);
+      if (!mayPass(s, o, motionA, motionB, thin, manifoldOf(s, i))) return;
+      const TimeOfImpact m = timeOfImpactOfPair(asConvex(a), motionA, asConvex(b), motionB, manifoldOf(s, i),
+                                                thin, bothDynamic(s, o), tolerance);
+      if (m.fraction <= 1) recordImpact(s, i, o, m.fraction);
       return;
     }
     const bool onA = surfaceIsOnA(s, p, o);
@@ -80,35 +80,37 @@ struct FindGeneralStops {
     const Real thin = thinnerOf(a, b);
     bool rows = false;
     for (int slot = 0; slot < kSurfaceSlots; ++slot) rows |= hasRows(manifoldOf(s, i + slot));
-    if (!rows && approach(s, o, wayA, wayB) <= thin) return;
+    if (!rows && approach(s, o, motionA, motionB) <= thin) return;
     const PlacedAny &whole = onA ? a : b, &part = onA ? b : a;
-    const Way &wayS = onA ? wayA : wayB, &wayP = onA ? wayB : wayA;
+    const SweptMotion &motionS = onA ? motionA : motionB, &motionP = onA ? motionB : motionA;
     TimeOfImpact m;
     if (whole.shape.kind == ShapeKind::Distance) {
       const RowFacings held = rowFacings(s, i, onA, [&](const Manifold* rows) { return rowsHold(s, rows); });
-      const Vec3d relative = wayS.move - wayP.move;
+      const Vec3d relative = motionS.move - motionP.move;
       // rows that hold prevent a further impact; at a touching point only an approach counts
       const auto accepts = [&](const Vec3d& facing, const TimeOfImpact& at) {
         return (at.fraction > 0 || dot(at.at.n, relative) > 0) && !held.have(facing) && !held.have(at.at.n);
       };
       // rows push a part out again that is in by no more than half its thickness
-      m = meetField(whole, wayS, part, wayP,
-                    {tolerance, true, static_cast<double>(max(kHeldPoint * size, thin))}, accepts);
+      m = timeOfImpactWithField(whole, motionS, part, motionP,
+                                {tolerance, true, static_cast<double>(max(kHeldPoint * size, thin))},
+                                accepts);
     } else {
       const double allowed = static_cast<double>(kHeldInSurface * thin),
                    more = static_cast<double>(kDeeperYetAtRest * thin);
       const RowFacings rows = rowFacings(s, i, onA, hasRows);
       const Placed convex = asConvex(part);
-      const auto meet = [&](const Placed& triangle, const Vec3d& up) {
-        if (rows.have(up)) return meetingBeyond(triangle, wayS, convex, wayP, up, false, allowed, more);
-        const TimeOfImpact first = meeting(triangle, wayS, convex, wayP, tolerance);
+      const auto impactWith = [&](const Placed& triangle, const Vec3d& up) {
+        if (rows.have(up))
+          return timeOfImpactBeyond(triangle, motionS, convex, motionP, up, false, allowed, more);
+        const TimeOfImpact first = timeOfImpact(triangle, motionS, convex, motionP, tolerance);
         if (first.fraction > 1 || (first.fraction > 0 && !rows.have(first.at.n))) return first;
-        return meetingBeyond(triangle, wayS, convex, wayP, first.fraction > 0 ? first.at.n : up, false,
-                             allowed, more);
+        return timeOfImpactBeyond(triangle, motionS, convex, motionP, first.fraction > 0 ? first.at.n : up,
+                                  false, allowed, more);
       };
-      m = meetTriangles(whole, wayS, convex, wayP, {tolerance, true, allowed}, meet);
+      m = timeOfImpactWithTriangles(whole, motionS, convex, motionP, {tolerance, true, allowed}, impactWith);
     }
-    if (m.fraction <= 1) noteMeeting(s, i, o, m.fraction);
+    if (m.fraction <= 1) recordImpact(s, i, o, m.fraction);
   }
 };
 

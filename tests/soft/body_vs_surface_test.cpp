@@ -1,4 +1,4 @@
-/// Rigid bodies against what lies between the vertices of a surface.
+/// Contact of rigid bodies with triangles and edges of surfaces.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ ShapePartDef part(const Shape& shape, const Vec3& position) {
   return out;
 }
 
-TEST(Dents, EveryShapeRestsOnATriangleThatIsLargerThanItself) {
+TEST(BodyVsSurface, EveryShapeRestsOnATriangleThatIsLargerThanItself) {
   struct Case {
     Shape shape;
     double height;  ///< of the origin of the shape above the sheet at rest [m]
@@ -67,7 +67,7 @@ TEST(Dents, EveryShapeRestsOnATriangleThatIsLargerThanItself) {
   }
 }
 
-/// A prism with six sides along x, whose corners are given by turns from either end.
+/// A hexagonal prism along x. Its corners are listed alternately from both ends.
 Shape hexagonalPrism(double radius, double half) {
   std::vector<Vec3> points;
   for (int k = 0; k < 6; ++k)
@@ -79,7 +79,7 @@ Shape hexagonalPrism(double radius, double half) {
 
 /// Corners that are far apart need a row each: where two of them shared one, a body fell by millimetres now
 /// and then.
-TEST(Dents, LongBodiesLieStillWhicheverSideIsDown) {
+TEST(BodyVsSurface, LongBodiesLieStillWhicheverSideIsDown) {
   const double slope = std::atan(.5);
   for (int turn = 0; turn < 12; ++turn) {
     const Quat roll = fromAxisAngle({0, 0, 1}, turn * std::numbers::pi / 6);
@@ -104,9 +104,9 @@ TEST(Dents, LongBodiesLieStillWhicheverSideIsDown) {
   }
 }
 
-/// A sheet has no inside, so a corner that has passed it once is lost. What it begins to fall by in a step
-/// (2.8 mm), and what it is turned by when another corner is stopped, are not in its velocity.
-TEST(Dents, NoHeightLetsAFallingCornerPass) {
+/// A sheet has no inside, so a corner that has passed it does not return. The motion of its first step (2.8
+/// mm) and its rotation when another corner stops are not in its velocity.
+TEST(BodyVsSurface, NoHeightLetsAFallingCornerPass) {
   const double s = .05;
   const Shape tetrahedron = Shape::hull({{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}});
   for (int i = 0; i < 120; ++i) {
@@ -128,24 +128,24 @@ TEST(Dents, NoHeightLetsAFallingCornerPass) {
 }
 
 /// The same for vertices and what is thin on the other side.
-TEST(Dents, NoHeightLetsAGrainPassASheetOfTriangles) {
+TEST(BodyVsSurface, NoHeightLetsAParticlePassASheetOfTriangles) {
   Scene scene = emptyScene({0, 0, -10});
   BodyDef plate;
   plate.motion = Motion::Static;
   plate.shape = Shape::mesh({{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}}, {{0, 1, 2}, {0, 2, 3}}, true);
   scene.bodies.push_back(plate);
-  ParticlesDef grains;
-  grains.radius = .001;
+  ParticlesDef particles;
+  particles.radius = .001;
   for (int i = 0; i < 400; ++i)
-    grains.vertices.push_back({-8. + .8 * (i % 20), -8. + .8 * (i / 20), .2 + 2e-4 * i});
-  scene.deformables.push_back(grains);
+    particles.vertices.push_back({-8. + .8 * (i % 20), -8. + .8 * (i / 20), .2 + 2e-4 * i});
+  scene.deformables.push_back(particles);
   World world(scene, options(4));
   run(world, 60);
   const std::vector<Vec3> x = world.positions(world.deformableAt(0));
-  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_GT(x[i].z, 0) << "grain " << i;
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_GT(x[i].z, 0) << "particle " << i;
 }
 
-TEST(Dents, WhatSlidesOverAnEdgeTakesItsLoadAlong) {
+TEST(BodyVsSurface, WhatSlidesOverAnEdgeTakesItsLoadAlong) {
   ClothDef sheet = clothSheet({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 6, 6);
   sheet.thickness = 2e-3;
   for (int v = 0; v < 49; ++v) sheet.fixed.push_back(v);
@@ -162,11 +162,11 @@ TEST(Dents, WhatSlidesOverAnEdgeTakesItsLoadAlong) {
     const double height = world.state(world.bodies()[0]).position.z;
     if (i >= 5) lowest = std::min(lowest, height), highest = std::max(highest, height);
   }
-  // it passes eight edges; if its load were forgotten there, it would fall by 1e-5 m at each
+  // it passes eight edges; if its load were lost there, it would fall by 1e-5 m at each
   EXPECT_LT(highest - lowest, 4e-6);
 }
 
-TEST(Dents, ABodyUnderASheetIsHeldUnderIt) {
+TEST(BodyVsSurface, ABodyUnderASheetIsHeldUnderIt) {
   Scene scene = emptyScene({0, 0, 10});
   scene.deformables.push_back(stiffSheet());
   scene.bodies.push_back(bodyOf(Shape::box({.05, .05, .05}), {-.4, .3, -.1}));
@@ -175,7 +175,7 @@ TEST(Dents, ABodyUnderASheetIsHeldUnderIt) {
   EXPECT_NEAR(world.state(world.bodies()[0]).position.z, -.051, 5e-4);
 }
 
-TEST(Dents, FastBodiesDoNotPassALargeTriangle) {
+TEST(BodyVsSurface, FastBodiesDoNotPassALargeTriangle) {
   for (const double speed : {1., 10., 60.}) {
     Scene scene = emptyScene({0, 0, 0});
     scene.deformables.push_back(stiffSheet());
@@ -191,7 +191,7 @@ TEST(Dents, FastBodiesDoNotPassALargeTriangle) {
   }
 }
 
-TEST(Dents, FrictionHoldsABoxOnATiltedTriangleUpToItsAngle) {
+TEST(BodyVsSurface, FrictionHoldsABoxOnATiltedTriangleUpToItsAngle) {
   // tan 30 degrees = 0.577
   for (const double mu : {.5, .65}) {
     Scene scene = emptyScene(10 * Vec3{.5, 0, -std::sqrt(.75)});
@@ -213,7 +213,7 @@ TEST(Dents, FrictionHoldsABoxOnATiltedTriangleUpToItsAngle) {
   }
 }
 
-TEST(Dents, ASharpCornerStandsOnASolid) {
+TEST(BodyVsSurface, ASharpCornerStandsOnASolid) {
   Scene scene = emptyScene({0, 0, -10});
   SoftDef base = softBox({-.5, -.5, -.5}, {1, 1, .5}, {2, 2, 2});
   base.youngsModulus = 1e6;
@@ -229,7 +229,7 @@ TEST(Dents, ASharpCornerStandsOnASolid) {
   EXPECT_NEAR(world.state(world.bodies()[0]).position.z, .05, 3e-3) << "on its tip, not in the solid";
 }
 
-TEST(Dents, ForcesOnBodyAndSheetAreOppositeSoThatMomentumIsKept) {
+TEST(BodyVsSurface, ForcesOnBodyAndSheetAreOppositeSoThatMomentumIsKept) {
   Scene scene = emptyScene({0, 0, 0});
   ClothDef sheet = stiffSheet();
   sheet.fixed.clear();
@@ -247,7 +247,7 @@ TEST(Dents, ForcesOnBodyAndSheetAreOppositeSoThatMomentumIsKept) {
   EXPECT_LT(sheetNow.linear.z, .1 * before) << "the sheet was hit";
 }
 
-TEST(Dents, AttachedBodiesFiltersAndOpenSurfacesHaveNoContact) {
+TEST(BodyVsSurface, AttachedBodiesFiltersAndOpenSurfacesHaveNoContact) {
   const auto fallsThrough = [](auto&& change) {
     Scene scene = emptyScene({0, 0, -10});
     scene.deformables.push_back(stiffSheet());
@@ -266,7 +266,7 @@ TEST(Dents, AttachedBodiesFiltersAndOpenSurfacesHaveNoContact) {
   EXPECT_TRUE(fallsThrough([](Scene& s) { s.bodies[0].filter.mask = 2; }));
 }
 
-TEST(Dents, BodiesMayComeAndGoBesideASurface) {
+TEST(BodyVsSurface, BodiesMayComeAndGoBesideASurface) {
   Scene scene = emptyScene({0, 0, -10});
   scene.deformables.push_back(stiffSheet());
   scene.bodies.push_back(bodyOf(Shape::box({.05, .05, .05}), {-.4, .3, .06}));
@@ -285,7 +285,7 @@ TEST(Dents, BodiesMayComeAndGoBesideASurface) {
   const BodyId again = world.add(bodyOf(Shape::box({.05, .05, .05}), {-.4, .3, .06}));
   run(world, 60);
   EXPECT_NEAR(world.state(again).position.z, .051, 5e-4);
-  // and a snapshot knows them all
+  // and a snapshot has them all
   const auto kept = world.snapshot();
   run(world, 30);
   const std::uint64_t hash = world.hash();

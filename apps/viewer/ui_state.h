@@ -1,5 +1,5 @@
 #pragma once
-/// What keys, mouse and panels share.
+/// State shared by keys, mouse and panels.
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace rubble::viewer {
 
-/// What the inspector shows.
+/// The selected object, which the inspector shows.
 struct Selection {
   std::optional<BodyId> body;
   std::optional<JointId> joint;
@@ -19,14 +19,14 @@ struct Selection {
   bool any() const { return body || joint || object; }
 };
 
-struct Desk {
+struct UiState {
   bool showHelp = false, showPicker = false, showPlots = false, showSettings = false;
   bool focusPicker = false;
   std::string search;
   int choice = 0;           ///< of the picker
   bool takeChoice = false;  ///< Enter was pressed
   io::ColorBy colorBy = io::ColorBy::Body;
-  double fullValue = 0;  ///< of the hottest colour in the last picture
+  double fullValue = 0;  ///< of the hottest color in the last picture
   render::Overlays overlays;
   Selection selection;
   std::string message;            ///< the last error
@@ -38,10 +38,10 @@ struct Desk {
 };
 
 /// The panels of one frame.
-void drawPanels(Desk& desk, Show& show, const std::vector<std::string>& scenes);
-void drawInspector(Desk& desk, Player& player);
-void drawTimeline(Desk& desk, Show& show);
-void drawPlots(Desk& desk, Player& player);
-void drawSettings(Desk& desk, Player& player);
+void drawPanels(UiState& uiState, Session& session, const std::vector<std::string>& scenes);
+void drawInspector(UiState& uiState, Player& player);
+void drawTimeline(UiState& uiState, Session& session);
+void drawPlots(UiState& uiState, Player& player);
+void drawSettings(UiState& uiState, Player& player);
 
 }  // namespace rubble::viewer

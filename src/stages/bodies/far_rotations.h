@@ -11,7 +11,7 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Square of the rotation per step above which the bound applies [rad2].
-inline constexpr Real kFarTurn2 = Real(.01);
+inline constexpr Real kFarRotation2 = Real(.01);
 
 /// Is the contact with an immovable surface?
 RUBBLE_HD inline bool isAtRest(const SolverData& s, const ContactRows& r, int other) {
@@ -21,7 +21,7 @@ RUBBLE_HD inline bool isAtRest(const SolverData& s, const ContactRows& r, int ot
       (s.velocity[other] != Vec3{0, 0, 0} || s.angularVelocity[other] != Vec3{0, 0, 0}))
     return false;
   if (s.surfaces == 0) return true;
-  return pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).belt == Vec3{0, 0, 0};
+  return pairMaterial(s, s.pair[s.activePair[r.manifold]], {r.a, r.b}).surfaceShift == Vec3{0, 0, 0};
 }
 
 /// Has the body rows, and are all of them contacts with immovable surfaces?

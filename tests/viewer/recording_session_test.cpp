@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "apps/viewer/playback.h"
+#include "apps/viewer/recording_session.h"
 
 namespace rubble::viewer {
 namespace {
@@ -36,7 +36,7 @@ class Recorded : public testing::Test {
 };
 
 TEST_F(Recorded, EveryFrameIsFoundInAnyOrder) {
-  Playback film(file_);
+  RecordingSession film(file_);
   EXPECT_EQ(film.title().substr(0, 4), "fall");
   EXPECT_EQ(film.last(), 90);
   for (const int step : {0, 90, 31, 32, 33, 64, 7}) {
@@ -50,7 +50,7 @@ TEST_F(Recorded, EveryFrameIsFoundInAnyOrder) {
 }
 
 TEST_F(Recorded, ItPlaysToItsEndAndStops) {
-  Playback film(file_);
+  RecordingSession film(file_);
   for (int i = 0; i < 60; ++i) film.play(1. / 30);
   EXPECT_EQ(film.now(), 90);
   EXPECT_TRUE(film.paused);
@@ -60,7 +60,7 @@ TEST_F(Recorded, ItPlaysToItsEndAndStops) {
 
 TEST_F(Recorded, ARunThatWasCutOffIsShownAsFarAsItCame) {
   std::filesystem::resize_file(file_, std::filesystem::file_size(file_) * 3 / 4);
-  Playback film(file_);
+  RecordingSession film(file_);
   EXPECT_FALSE(film.complete());
   EXPECT_LT(film.last(), 90);
   EXPECT_GE(film.last(), 31) << "whole chunks are kept";
@@ -69,7 +69,7 @@ TEST_F(Recorded, ARunThatWasCutOffIsShownAsFarAsItCame) {
 TEST_F(Recorded, ADamagedFileIsRefusedWithItsName) {
   std::fstream(file_, std::ios::in | std::ios::out | std::ios::binary).seekp(60).write("\xff\xff\xff\xff", 4);
   try {
-    Playback film(file_);
+    RecordingSession film(file_);
     film.seek(90);
     FAIL() << "it was opened";
   } catch (const Error& error) {

@@ -1,4 +1,4 @@
-/// Pairs without a manifold: none of them could have taken part in the step.
+/// Pairs without a manifold could not have taken part in the step.
 #include <cstring>
 
 #include "tests/support/core_world.h"
@@ -8,15 +8,15 @@ namespace {
 
 using test::Random;
 
-/// How many of the points of a pair would take part in the step, by a full test at x^t.
-int awakePoints(const SolverData& s, const Pair& p) {
+/// Number of active points of a pair, by a full test at x^t.
+int countActivePoints(const SolverData& s, const Pair& p) {
   const OrderedPair o = ordered(p);
   const PairPose pose = pairPose(s, o);
-  const Manifold m = freshManifold(collide(s.params[o.a].shape, s.params[o.b].shape, pose), pose);
-  const ActivationRule awake = activationRule(s, o);
+  const Manifold m = newManifold(collide(s.params[o.a].shape, s.params[o.b].shape, pose), pose);
+  const ActivationRule isActivePoint = activationRule(s, o);
   int count = 0;
   for (int k = 0; k < m.count; ++k)
-    count += awake(s, o, pose, m.normal, pointAt(m, k, m.normal, pose.qA, pose.qB, pose.t), 0);
+    count += isActivePoint(s, o, pose, m.normal, pointAt(m, k, m.normal, pose.qA, pose.qB, pose.t), 0);
   return count;
 }
 
@@ -36,7 +36,8 @@ Seen watch(CoreWorld& world, int steps) {
     for (int i = 0; i < s.counters->pairs; ++i) {
       (s.isActive[i] ? seen.near : seen.apart) += 1;
       if (s.isActive[i]) continue;
-      EXPECT_EQ(awakePoints(s, s.pair[i]), 0) << "bodies " << s.pair[i].owner << " and " << s.pair[i].other;
+      EXPECT_EQ(countActivePoints(s, s.pair[i]), 0)
+          << "bodies " << s.pair[i].owner << " and " << s.pair[i].other;
     }
   });
   for (int n = 0; n < steps; ++n) {
@@ -80,7 +81,7 @@ TEST(ActivePairs, NoPointOfAPairWithoutManifoldTakesPartInTheStep) {
 }
 
 TEST(ActivePairs, BricksAcrossAGapHaveNoManifold) {
-  // two piles turned by 45 degrees, 2 cm apart: their boxes overlap, they do not meet
+  // two piles rotated by 45 degrees, 2 cm apart: their bounding boxes overlap, the bodies do not touch
   CoreWorld world;
   BodyDef ground;
   ground.motion = Motion::Static;
