@@ -82,7 +82,8 @@ std::unique_ptr<Engine> makeCudaEngine(bool timings);
 
 namespace f32 {
 std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings);
-std::unique_ptr<Engine> makeLockstepEngine(int threads);
+/// Two engines of this precision, compared after every kernel.
+std::unique_ptr<Engine> makeLockstepEngine(std::unique_ptr<Engine> a, std::unique_ptr<Engine> b);
 }  // namespace f32
 namespace f64 {
 std::unique_ptr<Engine> makeCpuEngine(int threads, bool timings);

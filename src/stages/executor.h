@@ -1,11 +1,21 @@
 #pragma once
 /// The interface through which a step launches its kernels.
+#include <string_view>
+
 #include "state/solver_data.h"
 
 namespace rubble::RUBBLE_CORE {
 
 template <class L> struct SolveBody;
 struct SolveVertex;
+
+/// The name of a kernel's type, without namespace and template arguments.
+template <class Kernel> constexpr std::string_view kernelName() {
+  std::string_view text = __PRETTY_FUNCTION__;
+  text.remove_prefix(text.find("Kernel = ") + 9);
+  text = text.substr(0, text.find_first_of("<;]"));
+  return text.substr(text.rfind(':') + 1);
+}
 
 /// Stands for any kernel: a functor f(SolverData, index). `kStage` is the name of its stage in timings,
 /// profilers and comparisons between executors.

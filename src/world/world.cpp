@@ -16,10 +16,14 @@ namespace {
 std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
   if (options.backend == "cpu") return f32::makeCpuEngine(options.threads, options.timings);
   if (options.backend == "reference") return f64::makeCpuEngine(options.threads, options.timings);
-  if (options.backend == "lockstep") return f32::makeLockstepEngine(options.threads);
-  if (options.backend == "cuda") {
+  if (options.backend == "lockstep")
+    return f32::makeLockstepEngine(f32::makeCpuEngine(1, options.timings),
+                                   f32::makeCpuEngine(options.threads, false));
+  if (options.backend == "cuda" || options.backend == "lockstep-cuda") {
     if (!cudaReady()) throw Error("backend", "a machine and a build with CUDA", cudaStatus());
-    return makeCudaEngine(options.timings);
+    if (options.backend == "cuda") return makeCudaEngine(options.timings);
+    return f32::makeLockstepEngine(f32::makeCpuEngine(options.threads, options.timings),
+                                   makeCudaEngine(false));
   }
   std::string names;
   for (const std::string& name : backends()) names += (names.empty() ? "" : ", ") + name;
@@ -30,7 +34,7 @@ std::unique_ptr<Engine> makeEngine(const WorldOptions& options) {
 
 std::vector<std::string> backends() {
   std::vector<std::string> names = {"cpu", "reference", "lockstep"};
-  if (cudaReady()) names.push_back("cuda");
+  if (cudaReady()) names.insert(names.end(), {"cuda", "lockstep-cuda"});
   return names;
 }
 

@@ -1,5 +1,5 @@
 /// The same bits at any number of threads, and the lockstep that proves it.
-#include <backend/lockstep/lockstep_pair.h>
+#include <backend/lockstep/lockstep_engine.h>
 
 #include <tbb/global_control.h>
 
@@ -67,86 +67,83 @@ TEST(Determinism, EditsWhileRunningKeepTheBits) {
 namespace RUBBLE_CORE {
 namespace {
 
-/// Two executors with the same falling cubes.
+/// Two engines with the same falling cubes.
 class Lockstep : public ::testing::Test {
  protected:
   static constexpr int kBodies = 300;
 
   Lockstep() {
     settings_.gravity = {0, 0, -10};
-    both([](HostTables& t) {
-      setBodyCount(t, kBodies);
-      for (int i = 0; i < kBodies; ++i) {
-        EngineBody body;
-        body.kind = 3;
-        const Shape cube = Shape::box({.5, .5, .5});
-        const CookedShape cooked = cook(cube);
-        body.shape = cooked.shape, body.radius = cooked.radius;
-        body.mass = massProperties(cube, 1);
-        body.state.position = {1. * (i % 10), 1. * (i / 10 % 10), 1. * (i / 100)};
-        body.state.velocity = {0, 0, i >= 100 ? -1. : 0.};
-        setBody(t, i, body);
-      }
-      setPlanes(t, {});
-    });
+    lockstep_.configure(settings_);
+    const Shape cube = Shape::box({.5, .5, .5});
+    const CookedShape cooked = cook(cube);
+    for (int i = 0; i < kBodies; ++i) {
+      EngineBody body;
+      body.kind = 3;
+      body.shape = cooked.shape, body.radius = cooked.radius;
+      body.mass = massProperties(cube, 1);
+      body.state.position = {1. * (i % 10), 1. * (i / 10 % 10), 1. * (i / 100)};
+      body.state.velocity = {0, 0, i >= 100 ? -1. : 0.};
+      lockstep_.apply(SetBody{i, body});
+    }
   }
 
-  template <class F> void both(F&& f) {
-    f(pair_.a().tables());
-    f(pair_.b().tables());
+  std::string step() {
+    StepReport report;
+    report.step = step_++;
+    lockstep_.step(report);
+    return report.difference;
   }
-  SolverData& b() { return pair_.b().view(); }
+  /// A step whose settings in the second engine are others.
+  template <class Change> std::string stepWith(Change&& change) {
+    EngineSettings other = settings_;
+    change(other);
+    b_->configure(other);
+    return step();
+  }
+  SolverData& b() { return b_->tables().view(); }
 
-  template <class Plant> std::string stepWith(Plant&& plant) {
-    both([&](HostTables& t) { beginStep(t.view(), settings_, step_ > 0 ? 1. / 60 : 0); });
-    plant();
-    pair_.step(step_++);
-    return pair_.firstDifference();
-  }
-  std::string plainStep() {
-    return stepWith([] {});
-  }
-
-  LockstepPair pair_{1, 2};
+  CpuEngine* const b_ = new CpuEngine(2, false);
+  LockstepEngine lockstep_{std::make_unique<CpuEngine>(1, false), std::unique_ptr<CpuEngine>(b_)};
   EngineSettings settings_;
   int step_ = 0;
 };
 
 TEST_F(Lockstep, FindsNothingWhereThereIsNothing) {
-  for (int i = 0; i < 5; ++i) EXPECT_EQ(plainStep(), "");
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(step(), "");
 }
 
 TEST_F(Lockstep, NamesStepTableAndElementOfAPlantedDifference) {
-  EXPECT_EQ(plainStep(), "");
-  EXPECT_EQ(plainStep(), "");
-  const std::string found = stepWith([&] { b().velocity[7].x = std::nextafter(b().velocity[7].x, 1.); });
-  EXPECT_EQ(found, "step 2, stage between steps, table velocity, element 7");
+  EXPECT_EQ(step(), "");
+  b().color[7] += 1;
+  EXPECT_EQ(step(), "step 1, stage predict, kernel PredictBodies, table color, element 7");
 }
 
-TEST_F(Lockstep, NamesTheStageThatFirstDiffers) {
+TEST_F(Lockstep, NamesTheKernelThatFirstDiffers) {
   // gravity is no table: the inertial targets are the first to see it
-  const std::string found = stepWith([&] { b().step->gravity.z = -9; });
-  EXPECT_EQ(found, "step 0, stage predict, table target, element 0");
+  EXPECT_EQ(stepWith([](EngineSettings& s) { s.gravity.z = -9; }),
+            "step 0, stage predict, kernel PredictBodies, table target, element 0");
 }
 
 TEST_F(Lockstep, NamesADifferenceInTheSolveByItsBody) {
-  EXPECT_EQ(plainStep(), "");
+  EXPECT_EQ(step(), "");
   // the second step begins with other multipliers
-  const std::string found = stepWith([&] { b().step->gamma = .5; });
+  const std::string found = stepWith([](EngineSettings& s) { s.params.tuning.warmStartDecay = .5; });
   EXPECT_NE(found.find("step 1, stage "), std::string::npos) << found;
   EXPECT_NE(found.find(", table "), std::string::npos) << found;
   EXPECT_NE(found.find(", element "), std::string::npos) << found;
 }
 
-TEST_F(Lockstep, NamesStagesWhereOnlyOneRunsThem) {
-  const std::string found = stepWith([&] { b().plan.coarseCorrection = false; });
-  EXPECT_EQ(found, "step 0, stage aggregates beside incidence");
+TEST_F(Lockstep, NamesKernelsThatOnlyOneRuns) {
+  const std::string found = stepWith([](EngineSettings& s) { s.params.tuning.coarseCorrection = false; });
+  EXPECT_EQ(found.find("step 0, stage "), 0u) << found;
+  EXPECT_NE(found.find(" beside "), std::string::npos) << found;
 }
 
 TEST_F(Lockstep, KeepsTheFirstDifference) {
-  const std::string first = stepWith([&] { b().step->gravity.z = -9; });
+  const std::string first = stepWith([](EngineSettings& s) { s.gravity.z = -9; });
   b().velocity[3].y += 1;
-  EXPECT_EQ(plainStep(), first);
+  EXPECT_EQ(step(), first);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 /// An engine whose tables are in host memory.
 #include "backend/cpu/cpu_executor.h"
 #include "backend/cpu/host_arrays.h"
-#include "backend/engine.h"
+#include "backend/observable_engine.h"
 #include "solver/settings.h"
 #include "tables/host_reader.h"
 #include "tables/state_rows.h"
@@ -28,7 +28,7 @@ void sortBodiesOf(CpuExecutor& executor);
 std::vector<std::byte> saveState(const HostTables& tables, double previousDt);
 void loadState(HostTables& tables, double& previousDt, std::span<const std::byte> data);
 
-class CpuEngine final : public Engine {
+class CpuEngine final : public ObservableEngine {
  public:
   CpuEngine(int threads, bool timings) : executor_(threads, timings) {}
 
@@ -64,10 +64,12 @@ class CpuEngine final : public Engine {
   void restore(const EngineSnapshot& snapshot) override {
     loadState(tables(), previousDt_, snapshot.bytes());
   }
+  void observe(KernelObserver observer) override { executor_.observe(std::move(observer)); }
+  const SolverData& tablesNow() override { return executor_.view(); }
+  HostTables& tables() { return executor_.tables(); }
 
  private:
   void takeStep(StepReport& report);
-  HostTables& tables() { return executor_.tables(); }
 
   CpuExecutor executor_;
   HostReader reader_{executor_.tables()};

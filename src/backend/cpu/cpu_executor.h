@@ -18,6 +18,7 @@
 
 #include "backend/cpu/privatized_count.h"
 #include "backend/cpu/simd4_kernels.h"
+#include "backend/observable_engine.h"
 #include "stages/step.h"
 #include "tables/host_tables.h"
 #include "tables/state_rows.h"
@@ -40,9 +41,7 @@ class CpuExecutor {
   SolverData& view() { return tables_.view(); }
   const SolverData& view() const { return tables_.view(); }
 
-  /// Called with the stage name before each kernel, and with "between steps" after the last one.
-  using Observer = std::function<void(const char* stage)>;
-  void observe(Observer observer) { observer_ = std::move(observer); }
+  void observe(KernelObserver observer) { observer_ = std::move(observer); }
   /// Disables SIMD kernels and privatized counts: from now on each kernel runs index by index. Results must
   /// not depend on it.
   void takeOneByOne() { together_ = false; }
@@ -51,7 +50,7 @@ class CpuExecutor {
   template <class F> void run(F&& f) { arena_.execute(f); }
 
   template <class Kernel> void forEach(const Kernel& kernel, int n) {
-    const StageClock clock(*this, Kernel::kStage);
+    const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
     const SolverData& s = view();
     if constexpr (requires { InParts<Kernel>::run(s, kernel, 0, n); })
       if (together_)
@@ -65,7 +64,7 @@ class CpuExecutor {
   template <class Kernel, class N> void beside(const Kernel& kernel, N n) { forEach(kernel, n); }
 
   template <class Kernel> void forEachIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
-    const StageClock clock(*this, Kernel::kStage);
+    const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
     const SolverData& s = view();
     const int begin = (s.*offsets)[k];
     run(s, kernel, (s.*offsets)[k + 1] - begin, [&](int i) { return begin + i; });
@@ -143,7 +142,7 @@ class CpuExecutor {
 
   template <class Kernel, class VertexKernel>
   void forEachColor(const Kernel& kernel, const VertexKernel& vertexKernel) {
-    const StageClock clock(*this, Kernel::kStage);
+    const StageClock clock(*this, Kernel::kStage, kernelName<Kernel>());
     const SolverData& s = view();
     for (int c = 0; c < s.counters->colors; ++c) {
       const int begin = s.colorOffset[c];
@@ -157,7 +156,7 @@ class CpuExecutor {
 
   void aliasRows() { tables_.aliasRows(); }
   void swapManifolds() {
-    if (observer_) observer_("between steps");
+    if (observer_) observer_("between steps", "");
     tables_.swapManifolds();
   }
 
@@ -187,8 +186,9 @@ class CpuExecutor {
   /// Adds the time of its own lifetime to a stage.
   class StageClock {
    public:
-    StageClock(CpuExecutor& executor, const char* name) : executor_(executor), name_(name) {
-      if (executor.observer_) executor.observer_(name);
+    StageClock(CpuExecutor& executor, const char* name, std::string_view kernel)
+        : executor_(executor), name_(name) {
+      if (executor.observer_) executor.observer_(name, kernel);
       begin_ = Clock::now();
     }
     ~StageClock() {
@@ -245,7 +245,7 @@ class CpuExecutor {
   tbb::task_arena arena_;
   bool timings_;
   bool together_ = true;
-  Observer observer_;
+  KernelObserver observer_;
   std::vector<StageTime> times_;
   std::vector<Growth> grown_;
 };

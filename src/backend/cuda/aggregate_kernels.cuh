@@ -1,7 +1,7 @@
 #pragma once
 /// Kernels of the coarse correction. A tile of lanes per slice strides over nodes, constraints, points or
 /// slices.
-#include "backend/cuda/heavy_kernels.cuh"
+#include "backend/cuda/long_list_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -112,22 +112,22 @@ struct CountBoundaryByTile {
 };
 template <> struct OnDevice<CountBoundary> { using Type = CountBoundaryByTile; };
 
-/// A slice is heavy if its tile would take more rounds than this in a sweep, with one constraint per four
+/// A slice is long if its tile would take more rounds than this in a sweep, with one constraint per four
 /// lanes and round.
-inline constexpr int kHeavyRounds = 32;
-__device__ inline bool isHeavySlice(const SolverData& s, int slice, int level) {
-  return s.boundaryOffset[slice + 1] - s.boundaryOffset[slice] > kHeavyRounds * sliceWidth(s, level) / kLanes;
+inline constexpr int kLongRounds = 32;
+__device__ inline bool isLongSlice(const SolverData& s, int slice, int level) {
+  return s.boundaryOffset[slice + 1] - s.boundaryOffset[slice] > kLongRounds * sliceWidth(s, level) / kLanes;
 }
 
-/// FillBoundary in the order of the serial kernel. It also lists heavy slices.
+/// FillBoundary in the order of the serial kernel. It also lists long slices.
 struct FillBoundaryByTile {
   static constexpr const char* kStage = FillBoundary::kStage;
   static constexpr int kWidth = kSmallWidth;
-  HeavyList heavy;
+  LongList longSlices;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const Slice& slice = s.slice[i];
     const int level = s.aggregate[slice.aggregate].level;
-    if (tile.lane == 0 && isHeavySlice(s, i, level)) heavy.add(i);
+    if (tile.lane == 0 && isLongSlice(s, i, level)) longSlices.add(i);
     int first = s.boundaryOffset[i];
     for (int base = slice.begin; base < slice.end; base += kWidth) {
       const int k = base + tile.lane;
@@ -151,8 +151,8 @@ static __device__ __noinline__ void addBoundaryJointsOutOfLine(const SolverData&
 }
 
 /// The same for worlds with few joints (ExtraRows::FewJoints), where the time is that of one joint. A tile
-/// visits `kWidth` constraints at a time from `k` on, `stride` apart, and compacts the joints until each lane
-/// has one. The joints of a round run in parallel.
+/// visits `kWidth` constraints at a time from `k` on, `stride` apart, and compacts the joints until each
+/// lane has one. The joints of a round run in parallel.
 template <int kWidth>
 static __device__ __noinline__ void addBoundaryJointsUniform(const SolverData& s, int aggregate, int k,
                                                              int end, int stride, const Tile<kWidth> tile,
@@ -194,7 +194,7 @@ static __device__ __noinline__ void addBoundaryRollingOutOfLine(const SolverData
 
 /// This lane's share of the forces and Hessians of a slice, divided among `kWidth` lanes. The tile is a warp
 /// or less of them. any() is a vote of the tile.
-template <int kWidth, bool alike, int kTile, class Any>
+template <int kWidth, bool uniform, int kTile, class Any>
 __device__ Block6 gatherSlice(const SolverData& s, int i, const Slice& slice, const Aggregate& aggregate,
                               const Tile<kTile>& tile, int lane, Any&& any) {
   Block6 own;
@@ -226,7 +226,7 @@ __device__ Block6 gatherSlice(const SolverData& s, int i, const Slice& slice, co
   }
   if (any(joints)) {
     Block6 sum = own;
-    if constexpr (alike)
+    if constexpr (uniform)
       addBoundaryJointsUniform(s, slice.aggregate, s.boundaryOffset[i] + (lane - tile.lane), end, kWidth,
                                tile, &sum);
     else
@@ -247,15 +247,15 @@ __device__ void handOn(const SolverData& s, const SumTree& tree, int i, Aggregat
   if (tile.lane == 0) aggregate.step = dx;
 }
 
-/// A heavy slice, processed by a thread block.
-template <int kTile, bool alike>
-__device__ __noinline__ void sumHeavySlice(const SolverData& s, const SumTree& tree, int i,
-                                           Real (&warpSums)[kThreads / kWarp][kWarp]) {
+/// A long slice, processed by a thread block.
+template <int kTile, bool uniform>
+__device__ __noinline__ void sumLongSlice(const SolverData& s, const SumTree& tree, int i,
+                                          Real (&warpSums)[kThreads / kWarp][kWarp]) {
   const Slice slice = s.slice[i];
   Aggregate& aggregate = s.aggregate[slice.aggregate];
   const int thread = static_cast<int>(threadIdx.x);
-  const Block6 own = gatherSlice<kThreads, alike>(s, i, slice, aggregate, Tile<kWarp>::ofThread(), thread,
-                                                  [](bool yes) { return __syncthreads_or(yes) != 0; });
+  const Block6 own = gatherSlice<kThreads, uniform>(s, i, slice, aggregate, Tile<kWarp>::ofThread(), thread,
+                                                    [](bool yes) { return __syncthreads_or(yes) != 0; });
   Real mine[kRealsPerLane<kWarp>];
   sumBlocks(Tile<kWarp>::ofThread(), own, mine);
   warpSums[thread / kWarp][thread % kWarp] = mine[0];
@@ -273,32 +273,32 @@ __device__ __noinline__ void sumHeavySlice(const SolverData& s, const SumTree& t
 }
 
 /// SumSlice and SolveAggregate fused, for the slices of a level (`softOnly`: of aggregates with soft nodes).
-/// The first blocks process heavy slices, each tile of the other blocks one slice.
-template <int kTile, bool alike>
+/// The first blocks process long slices, each tile of the other blocks one slice.
+template <int kTile, bool uniform>
 __global__ void __launch_bounds__(kThreads, 6)
-    sumChunks(const __grid_constant__ SolverData s, SumTree tree, HeavyList heavy, int heavyBlocks, int level,
-              bool softOnly, Gate gate) {
+    sumSlices(const __grid_constant__ SolverData s, SumTree tree, LongList longSlices, int longBlocks,
+              int level, bool softOnly, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
   const auto isLeft = [&](int i) { return softOnly && !s.aggregate[s.slice[i].aggregate].soft; };
   __shared__ Real warpSums[kThreads / kWarp][kWarp];
   const int begin = s.levelSlice[level], end = s.levelSlice[level + 1],
-            block = static_cast<int>(blockIdx.x) - heavyBlocks;
+            block = static_cast<int>(blockIdx.x) - longBlocks;
   if (block < 0) {
-    for (int h = static_cast<int>(blockIdx.x); h < *heavy.count; h += heavyBlocks)
-      if (const int i = heavy.element[h]; i >= begin && i < end && !isLeft(i))
-        sumHeavySlice<kTile, alike>(s, tree, i, warpSums);
+    for (int h = static_cast<int>(blockIdx.x); h < *longSlices.count; h += longBlocks)
+      if (const int i = longSlices.element[h]; i >= begin && i < end && !isLeft(i))
+        sumLongSlice<kTile, uniform>(s, tree, i, warpSums);
     return;
   }
   const Tile<kTile> tile = Tile<kTile>::ofThread();
   constexpr int kTiles = kThreads / kTile;
-  const int stride = (static_cast<int>(gridDim.x) - heavyBlocks) * kTiles;
+  const int stride = (static_cast<int>(gridDim.x) - longBlocks) * kTiles;
   for (int i = begin + block * kTiles + static_cast<int>(threadIdx.x) / kTile; i < end; i += stride) {
-    if (isHeavySlice(s, i, level) || isLeft(i)) continue;
+    if (isLongSlice(s, i, level) || isLeft(i)) continue;
     const Slice slice = s.slice[i];
     Aggregate& aggregate = s.aggregate[slice.aggregate];
-    const Block6 own = gatherSlice<kTile, alike>(s, i, slice, aggregate, tile, tile.lane,
-                                                 [&](bool yes) { return tile.ballot(yes) != 0; });
+    const Block6 own = gatherSlice<kTile, uniform>(s, i, slice, aggregate, tile, tile.lane,
+                                                   [&](bool yes) { return tile.ballot(yes) != 0; });
     Real sums[kRealsPerLane<kTile>];
     sumBlocks(tile, own, sums);
     handOn(s, tree, i, aggregate, tile, sums);

@@ -77,7 +77,6 @@ __device__ void stepCluster(const SolverData& s, int index, const Tile<kWidth>& 
 }
 
 /// Lanes per cluster. Few where clusters fill the device, because all lanes repeat the solve.
-inline constexpr int kFewClusterLanes = 8, kSomeClusterLanes = 16, kMostClusterLanes = kWarp;
 template <int width> struct SolveClusterByTile {
   static constexpr const char* kStage = SolveCluster::kStage;
   static constexpr int kWidth = width;
@@ -91,7 +90,6 @@ template <int width> struct SolveClusterByTile {
   }
 };
 /// One thread block per cluster where clusters are few.
-inline constexpr int kFewClusterThreads = 512, kSomeClusterThreads = 128;
 template <int kBlockThreads>
 static __global__ void __launch_bounds__(kBlockThreads)
     solveClusters(const __grid_constant__ SolverData s, int level, Gate gate) {
@@ -142,9 +140,7 @@ template <bool surfaces> struct SumSoftNodePartByTile {
     if (tile.lane == 0) s.clusterMotion[i].push = sum;
   }
 };
-/// Up to kFewObjects objects per multiprocessor, each object has a thread block to sum its parts. More
-/// objects have a warp each.
-inline constexpr int kFewObjects = 8, kSoftNodeThreads = 256;
+/// One block per object, which sums its parts.
 template <int kBlockThreads>
 static __global__ void __launch_bounds__(kBlockThreads)
     sumSoftNodes(const __grid_constant__ SolverData s, int level, Gate gate) {

@@ -1,7 +1,7 @@
 #pragma once
 /// Bodies and vertices by color. Colors are few, so each thread block counts in shared memory. Within a
 /// color, nodes with the most work come first: the time of a batch is that of its longest node.
-#include "backend/cuda/heavy_kernels.cuh"
+#include "backend/cuda/long_list_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -20,7 +20,7 @@ struct ColorBins {
 struct ColoredBodies {
   using Fill = FillColors;
   __device__ static bool has(const SolverData& s, int i) {
-    return i < s.bodies && isSwept(s, i) && !isHub(s, i);
+    return i < s.bodies && isSwept(s, i) && !isHighDegree(s, i);
   }
   __device__ static int colorOf(const SolverData& s, int i) { return s.color[i]; }
   __device__ static int classOf(const SolverData& s, int i) {

@@ -15,7 +15,7 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 /// An engine whose tables are on the device. Its host tables are synchronized on demand.
-class CudaEngine final : public Engine, private PoseCopies {
+class CudaEngine final : public ObservableEngine, private PoseCopies {
  public:
   explicit CudaEngine(bool timings) : stepper_(timings) {}
 
@@ -72,6 +72,8 @@ class CudaEngine final : public Engine, private PoseCopies {
     queries_.overlaps(device, *host().view().step, {host(), queries}, stepper_.stream(), offsets, bodies);
     return idsByQuery(host(), offsets, bodies);
   }
+  void observe(KernelObserver observer) override { stepper_.observe(std::move(observer)); }
+  const SolverData& tablesNow() override;
   /// Device memory.
   std::size_t memoryBytes() const override { return stepper_.bytes(); }
   /// With vertices through the host: device snapshots contain only bodies and joints.
@@ -149,6 +151,8 @@ class CudaEngine final : public Engine, private PoseCopies {
   HostReader reader_{mirror_.host()};
   DevicePoses poses_;
   DeviceQueries queries_;
+  std::unique_ptr<HostTables> seen_;  ///< of tablesNow()
+  std::vector<ContactRows> seenRows_;
   EngineSettings settings_;
   bool settingsChanged_ = true;
   int bodyCount_ = 0, dynamicCount_ = 0;
@@ -188,6 +192,26 @@ void CudaEngine::step(StepReport& report) {
   counts.bodies = 0;
   reportCounters(counts, report);
   report.bodies = bodyCount_;
+}
+
+const SolverData& CudaEngine::tablesNow() {
+  if (!seen_) seen_ = std::make_unique<HostTables>();
+  const SolverData& device = stepper_.tables().view();
+  for (int k = 0; k < kPerCount; ++k)
+    seen_->reserve(static_cast<Per>(k), stepper_.tables().capacity(static_cast<Per>(k)));
+  seenRows_.resize(static_cast<std::size_t>(stepper_.tables().capacity(Per::Manifold)));
+  SolverData& to = seen_->view();
+  to = onDevice(device, to);
+  const auto copy = [](void* here, const void* there, std::size_t bytes) {
+    checkCuda(cudaMemcpy(here, there, bytes, cudaMemcpyDeviceToHost), "cudaMemcpy of tables");
+  };
+  copy(to.counters, device.counters, sizeof(Counters));
+  forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+    // rows have memory of their own here
+    if constexpr (std::is_same_v<T, ContactRows>) to.contact = seenRows_.data();
+    copy(to.*array.member, device.*array.member, sizeof(T) * elementsWritten(to, array.per));
+  });
+  return to;
 }
 
 void CudaEngine::sortBodies() {

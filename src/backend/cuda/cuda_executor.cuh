@@ -44,8 +44,8 @@ class CudaExecutor : private KernelLauncher {
     return std::find(std::begin(perOf_), std::end(perOf_), static_cast<int>(per)) != std::end(perOf_);
   }
   std::size_t scratchBytes() const {
-    return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size() + hubs_.size() +
-           heavySlices_.size();
+    return scratch_.size() + sortedKeys_.size() + indices_.size() + tickets_.size() + highDegree_.size() +
+           longSlices_.size();
   }
 
   /// Allocates scratch memory for the scans and sorts of a step, which must not allocate.
@@ -62,8 +62,8 @@ class CudaExecutor : private KernelLauncher {
     indices_.reserve(sizeof(int) * static_cast<std::size_t>(grouped_));
     tickets_.reserve(sizeof(int) * static_cast<std::size_t>(tables_.capacity(Per::Slice)) * kSumLevels);
     colorBins_.reserve(sizeof(int) * 2 * kColorBins);
-    reserveList(hubs_, tables_.capacity(Per::Incidence), kHubEntries);
-    reserveList(heavySlices_, tables_.capacity(Per::Boundary), kHeavyRounds * kSmallWidth / kLanes);
+    reserveList(highDegree_, tables_.capacity(Per::Incidence), kLongIncidences);
+    reserveList(longSlices_, tables_.capacity(Per::Boundary), kLongRounds * kSmallWidth / kLanes);
   }
 
   /// Enqueues the step from an operation on, and performs swapManifolds of the tables on the host. Returns
@@ -78,15 +78,13 @@ class CudaExecutor : private KernelLauncher {
   // Executor interface.
   using KernelLauncher::view;
 
-  template <class Kernel> void forEach(const Kernel& kernel, int n) {
-    if (!begins() || n <= 0) return;
-    enterStage(Kernel::kStage);
-    launch(onDevice(kernel), {n, nullptr}, n, Kernel::kStage);
+  template <class Kernel, class N> void forEach(const Kernel& kernel, N n) {
+    announce(Kernel::kStage, kernelName<Kernel>());
+    run(kernel, n);
   }
-  template <class Kernel> void forEach(const Kernel& kernel, int Counters::*n) {
-    if (!begins()) return;
-    enterStage(Kernel::kStage);
-    launch(onDevice(kernel), {0, counter(n)}, capacityOf(n), Kernel::kStage);
+  template <class Kernel> void forEachIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
+    announce(Kernel::kStage, kernelName<Kernel>());
+    runIn(kernel, offsets, k);
   }
 
   /// Launches its kernel when the previous one has started. The kernel waits for the previous one at its end.
@@ -96,13 +94,24 @@ class CudaExecutor : private KernelLauncher {
     beside_ = false;
   }
 
+  template <class Kernel> void run(const Kernel& kernel, int n) {
+    if (!begins() || n <= 0) return;
+    enterStage(Kernel::kStage);
+    launch(onDevice(kernel), {n, nullptr}, n, Kernel::kStage);
+  }
+  template <class Kernel> void run(const Kernel& kernel, int Counters::*n) {
+    if (!begins()) return;
+    enterStage(Kernel::kStage);
+    launch(onDevice(kernel), {0, counter(n)}, capacityOf(n), Kernel::kStage);
+  }
+
   /// Grid size for a range whose length is known on the device only. It assumes ranges that hold one element
   /// per few nodes. Kernels accept any grid size.
   int blocksForRange(int width) const {
     constexpr int kMembersPerElement = 16;
     return blocksFor(view().nodes() / kMembersPerElement + 1, width);
   }
-  template <class Kernel> void forEachIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
+  template <class Kernel> void runIn(const Kernel& kernel, int* SolverData::*offsets, int k) {
     if (!begins()) return;
     enterStage(Kernel::kStage);
     using Type = DeviceKernel<Kernel>;
@@ -110,18 +119,18 @@ class CudaExecutor : private KernelLauncher {
                onDevice(kernel), view().*offsets, k, Gate{control_});
   }
   /// Fused kernels: the last tile that sums a slice continues with the next stage of its aggregate.
-  void forEach(const SumInertia& kernel, int Counters::*n) {
+  void run(const SumInertia& kernel, int Counters::*n) {
     if constexpr (kStrict)
-      forEach<SumInertia>(kernel, n);
+      run<SumInertia>(kernel, n);
     else
-      forEach(SumInertiaByTile{tree()}, n);
+      run(SumInertiaByTile{tree()}, n);
   }
-  void forEach(const PlaceAggregates& kernel, int Counters::*n) {
-    if constexpr (kStrict) forEach<PlaceAggregates>(kernel, n);
+  void run(const PlaceAggregates& kernel, int Counters::*n) {
+    if constexpr (kStrict) run<PlaceAggregates>(kernel, n);
   }
-  void forEachIn(const SumSlice<Real>& kernel, int* SolverData::*offsets, int level) {
+  void runIn(const SumSlice<Real>& kernel, int* SolverData::*offsets, int level) {
     if constexpr (kStrict)
-      forEachIn<SumSlice<Real>>(kernel, offsets, level);
+      runIn<SumSlice<Real>>(kernel, offsets, level);
     else if (sliceWidth(view(), level) == kSmallWidth)
       sumLevel<kSmallWidth>(level);
     else
@@ -130,58 +139,55 @@ class CudaExecutor : private KernelLauncher {
   template <class Kernel>
   requires(!kStrict &&
            (std::same_as<Kernel, SolveAggregate> ||
-            std::same_as<Kernel, WithSoftNodes<SolveAggregate>>)) void forEachIn(const Kernel&,
+            std::same_as<Kernel, WithSoftNodes<SolveAggregate>>)) void runIn(const Kernel&,
                                                                                  int* SolverData::*, int) {}
-  void forEachIn(const MoveSlice&, int* SolverData::*, int level) {
-    forEach(MoveNode{level}, view().bodiesMove ? view().bodies : 0);
+  void runIn(const MoveSlice&, int* SolverData::*, int level) {
+    run(MoveNode{level}, view().bodiesMove ? view().bodies : 0);
   }
-  void forEachIn(const WithSoftNodes<SumSlice<Real>>& kernel, int* SolverData::*offsets, int level) {
+  void runIn(const WithSoftNodes<SumSlice<Real>>& kernel, int* SolverData::*offsets, int level) {
     if constexpr (kStrict)
-      forEachIn<WithSoftNodes<SumSlice<Real>>>(kernel, offsets, level);
+      runIn<WithSoftNodes<SumSlice<Real>>>(kernel, offsets, level);
     else
       sumLevel<kWarp>(level, true);
   }
-  void forEachIn(const WithSoftNodes<MoveSlice>&, int* SolverData::*, int level) {
-    forEach(MoveNode{level, true}, view().bodiesMove ? view().bodies : 0);
+  void runIn(const WithSoftNodes<MoveSlice>&, int* SolverData::*, int level) {
+    run(MoveNode{level, true}, view().bodiesMove ? view().bodies : 0);
   }
 
-  void forEach(const SolveCluster& kernel, int n) {
-    if constexpr (kStrict) return forEach<SolveCluster>(kernel, n);
+  void run(const SolveCluster& kernel, int n) {
+    if constexpr (kStrict) return run<SolveCluster>(kernel, n);
     // register use limits these kernels to a quarter of the device's threads
-    const auto fills = [&](int width) { return fill(4 * n, width); };
-    if (fills(kFewClusterLanes)) return forEach(SolveClusterByTile<kFewClusterLanes>{kernel.level}, n);
-    if (fills(kSomeClusterLanes)) return forEach(SolveClusterByTile<kSomeClusterLanes>{kernel.level}, n);
-    if (fills(kSomeClusterThreads)) return forEach(SolveClusterByTile<kMostClusterLanes>{kernel.level}, n);
-    if (fills(kFewClusterThreads)) return solveFewClusters<kSomeClusterThreads>(kernel.level, n);
-    solveFewClusters<kFewClusterThreads>(kernel.level, n);
+    const int lanes = lanesFor<8, 16, kWarp, 128, 512>(n, residentThreads() / 4);
+    withLanes<8, 16, kWarp>(lanes,
+                            [&]<int kLanes>() { run(SolveClusterByTile<kLanes>{kernel.level}, n); });
+    withLanes<128, 512>(lanes, [&]<int kLanes>() { solveFewClusters<kLanes>(kernel.level, n); });
   }
 
-  void forEach(const SumSoftNodePart& kernel, int n) {
+  void run(const SumSoftNodePart& kernel, int n) {
     if constexpr (kStrict)
-      forEach<SumSoftNodePart>(kernel, n);
+      run<SumSoftNodePart>(kernel, n);
     else if (view().features > 0)
-      forEach(SumSoftNodePartByTile<true>{kernel}, n);
+      run(SumSoftNodePartByTile<true>{kernel}, n);
     else
-      forEach(SumSoftNodePartByTile<false>{kernel}, n);
+      run(SumSoftNodePartByTile<false>{kernel}, n);
   }
   /// One thread per particle. One block or warp per object, depending on their number.
-  void forEach(const SumSoftNode& kernel, int n) {
-    if constexpr (kStrict) return forEach<SumSoftNode>(kernel, n);
+  void run(const SumSoftNode& kernel, int n) {
+    if constexpr (kStrict) return run<SumSoftNode>(kernel, n);
     if (!begins() || n <= 0) return;
     enterStage(SumSoftNode::kStage);
     const int objects = view().objects;
-    if (objects > 0 && objects <= kFewObjects * processors_)
-      launchNext(sumSoftNodes<kSoftNodeThreads>, {objects, kSoftNodeThreads}, SumSoftNode::kStage, view(),
-                 kernel.level, Gate{control_});
-    else if (objects > 0)
-      launchNext(sumSoftNodes<kWarp>, {objects, kWarp}, SumSoftNode::kStage, view(), kernel.level,
-                 Gate{control_});
+    if (objects > 0)
+      withLanes<kWarp, 256>(lanesFor<kWarp, 256>(objects, residentThreads()), [&]<int kLanes>() {
+        launchNext(sumSoftNodes<kLanes>, {objects, kLanes}, SumSoftNode::kStage, view(), kernel.level,
+                   Gate{control_});
+      });
     if (n > objects)
       launch(SumParticle{kernel, objects}, {n - objects, nullptr}, n - objects, SumSoftNode::kStage);
   }
 
-  void forEach(const SolveTree& kernel, int n) {
-    if constexpr (kStrict) return forEach<SolveTree>(kernel, n);
+  void run(const SolveTree& kernel, int n) {
+    if constexpr (kStrict) return run<SolveTree>(kernel, n);
     if (!begins() || n <= 0) return;
     enterStage(SolveTree::kStage);
     launchNext(solveTrees, {n, kTreeThreads}, SolveTree::kStage, view(), Gate{control_});
@@ -189,35 +195,37 @@ class CudaExecutor : private KernelLauncher {
 
   /// Several lanes share the search of one body where bodies do not fill the device.
   template <template <int> class ByTile, class Search> void search(const Search& kernel, int n) {
-    if (fill(n, kSearchLanes)) return forEach<Search>(kernel, n);
-    fill(n, kMostSearchLanes) ? forEach(ByTile<kSearchLanes>{}, n) : forEach(ByTile<kMostSearchLanes>{}, n);
+    withLanes<1, 2, 8>(lanesFor<1, 2, 8>(n, residentThreads()), [&]<int kLanes>() {
+      if constexpr (kLanes == 1)
+        run<Search>(kernel, n);
+      else
+        run(ByTile<kLanes>{}, n);
+    });
   }
-  void forEach(const FindNeighbors& kernel, int n) { search<FindNeighborsByTile>(kernel, n); }
-  void forEach(const FindUnpairedImpacts& kernel, int n) { search<FindUnpairedImpactsByTile>(kernel, n); }
-  void forEach(const FindPairs<false>& kernel, int n) {
-    fill(n, kSearchLanes) ? forEach<FindPairs<false>>(kernel, n) : forEach(FindPairsByTile{}, n);
-  }
+  void run(const FindNeighbors& kernel, int n) { search<FindNeighborsByTile>(kernel, n); }
+  void run(const FindUnpairedImpacts& kernel, int n) { search<FindUnpairedImpactsByTile>(kernel, n); }
+  void run(const FindPairs<false>& kernel, int n) { search<FindPairsByTile>(kernel, n); }
 
   /// Stages in which a few elements have very many parts.
-  void forEach(const WritePairs<false>&, int n) { forEachWarp(WritePairsByWarp{}, n); }
-  void forEach(const FindClashes&, int n) { forEachWarp(FindClashesByWarp{}, n); }
-  void forEach(const SortIncidences&, int n) {
-    startList(hubs_, SortIncidences::kStage);
-    forEachWarp(SortEntriesByWarp{listOf(hubs_)}, n);
+  void run(const WritePairs<false>&, int n) { runByWarp(WritePairsByWarp{}, n); }
+  void run(const FindClashes&, int n) { runByWarp(FindClashesByWarp{}, n); }
+  void run(const SortIncidences&, int n) {
+    startList(highDegree_, SortIncidences::kStage);
+    runByWarp(SortIncidencesByWarp{listOf(highDegree_)}, n);
     if (!begun() || n <= 0) return;
-    launchNext(sortHubs, {processors_, kSortThreads}, SortIncidences::kStage, view(), listOf(hubs_),
-               Gate{control_});
+    launchNext(sortHighDegree, {processors_, kSortThreads}, SortIncidences::kStage, view(),
+               listOf(highDegree_), Gate{control_});
   }
-  void forEach(const FillBoundary& kernel, int Counters::*n) {
-    if constexpr (kStrict) return forEach<FillBoundary>(kernel, n);
-    startList(heavySlices_, FillBoundary::kStage);
-    forEach(FillBoundaryByTile{listOf(heavySlices_)}, n);
+  void run(const FillBoundary& kernel, int Counters::*n) {
+    if constexpr (kStrict) return run<FillBoundary>(kernel, n);
+    startList(longSlices_, FillBoundary::kStage);
+    run(FillBoundaryByTile{listOf(longSlices_)}, n);
   }
 
-  void forEach(const CountColors&, int n) { countByColor<ColoredBodies>(n); }
-  void forEach(const FillColors&, int n) { launchByColor(fillColors<ColoredBodies>, FillColors::kStage, n); }
-  void forEach(const CountVertexColors&, int n) { countByColor<ColoredVertices>(n); }
-  void forEach(const FillVertexColors&, int n) {
+  void run(const CountColors&, int n) { countByColor<ColoredBodies>(n); }
+  void run(const FillColors&, int n) { launchByColor(fillColors<ColoredBodies>, FillColors::kStage, n); }
+  void run(const CountVertexColors&, int n) { countByColor<ColoredVertices>(n); }
+  void run(const FillVertexColors&, int n) {
     launchByColor(fillColors<ColoredVertices>, FillVertexColors::kStage, n);
   }
 
@@ -271,6 +279,7 @@ class CudaExecutor : private KernelLauncher {
   template <class Take, class Propose>
   void rounds(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
               int Counters::*turn) {
+    if (observer_) return roundsOneByOne(take, propose, count, left, turn);
     if (!begins()) return;
     enterStage(Take::kStage);
     cudaLaunchAttribute together{};
@@ -289,8 +298,32 @@ class CudaExecutor : private KernelLauncher {
     afterKernel_ = false;
   }
 
+  /// The same from the host, so that each kernel is announced.
+  template <class Take, class Propose>
+  void roundsOneByOne(const Take& take, const Propose& propose, int Counters::*count, int Counters::*left,
+                      int Counters::*turn) {
+    if (!begins()) return;
+    Counters c;
+    const auto copy = [&](void* to, const void* from, cudaMemcpyKind kind) {
+      checkCuda(cudaMemcpyAsync(to, from, sizeof(int), kind, stream_), "cudaMemcpyAsync");
+      checkCuda(cudaStreamSynchronize(stream_), "rounds");
+      afterKernel_ = false;
+    };
+    while (true) {
+      copy(&(c.*left), counter(left), cudaMemcpyDeviceToHost);
+      copy(&(c.*turn), counter(turn), cudaMemcpyDeviceToHost);
+      if (c.*left == 0 || c.*turn >= kMaxRounds) return;
+      forEach(take, count);
+      c.*left = 0, ++(c.*turn);
+      copy(counter(left), &(c.*left), cudaMemcpyHostToDevice);
+      copy(counter(turn), &(c.*turn), cudaMemcpyHostToDevice);
+      forEach(propose, count);
+    }
+  }
+
   /// One launch for each of the first colors, and one for all others.
   void forEachColor(const SolveBody<Real>&, const SolveVertex&) {
+    announce(SolveBody<Real>::kStage, kernelName<SolveBody<Real>>());
     if (!begins() || view().bodies + view().vertices == 0) return;
     enterStage(SolveBody<Real>::kStage);
     if constexpr (kStrict) {
@@ -305,20 +338,20 @@ class CudaExecutor : private KernelLauncher {
     // as many blocks as are resident at once, whatever the size of the color
     const bool bodies = view().bodies > 0 && view().bodiesMove;
     const int held = kSolveBlocks * processors_;
-    const int vertexBlocks = std::min(
-        (view().vertices * kVertexCrowdWidth + kSolveThreads - 1) / kSolveThreads, held / kVertexShare);
+    const int vertexBlocks = std::min((view().vertices * kVertexLanes + kSolveThreads - 1) / kSolveThreads,
+                                      held / kVertexShare);
     const int bodyBlocks = std::min((view().bodies + kTailBodies - 1) / kTailBodies, held - vertexBlocks);
     // A color starts while the previous one is being solved and reads ahead what no sweep writes. The first
     // one starts after everything else has ended.
     afterKernel_ = false;
     for (int c = 0; c < options_.colors; ++c) {
       if (bodies)
-        solveColorsFrom(c, kHubBlocks + vertexBlocks + bodyBlocks, {kHubBlocks, vertexBlocks});
+        solveColorsFrom(c, kHighDegreeBlocks + vertexBlocks + bodyBlocks, {kHighDegreeBlocks, vertexBlocks});
       else if (view().vertices > 0)
         launchNext(
             solveVertexColor,
-            {std::min(blocksFor(view().vertices, kVertexCrowdWidth), kVertexBlocks * processors_), kThreads},
-            SolveVertex::kStage, view(), c, control_);
+            {std::min(blocksFor(view().vertices, kVertexLanes), kVertexBlocks * processors_), kThreads},
+            SolveVertex::kStage, view(), c, SolveThreads::of(view(), processors_).vertices, control_);
     }
     solveColorsFrom(options_.colors, 1, {0, 0});
   }
@@ -400,21 +433,21 @@ class CudaExecutor : private KernelLauncher {
   template <int kTile> void sumLevel(int level, bool softOnly = false) {
     if (!begins()) return;
     enterStage(SumSlice<Real>::kStage);
-    launchNext(hasFewJoints(view()) ? sumChunks<kTile, true> : sumChunks<kTile, false>,
+    launchNext(hasFewJoints(view(), residentThreads()) ? sumSlices<kTile, true> : sumSlices<kTile, false>,
                {processors_ + blocksForRange(kTile), kThreads}, SumSlice<Real>::kStage, view(), tree(),
-               listOf(heavySlices_), processors_, level, softOnly, Gate{control_});
+               listOf(longSlices_), processors_, level, softOnly, Gate{control_});
   }
 
   void solveColorsFrom(int color, int count, ColorBlocks blocks) {
-    launchNext(solveColorsOf(view()), {count, kSolveThreads}, SolveBody<Real>::kStage, view(), color,
-               listOf(hubs_), blocks, control_);
+    launchNext(solveColorsOf(view(), residentThreads()), {count, kSolveThreads}, SolveBody<Real>::kStage,
+               view(), color, listOf(highDegree_), blocks, SolveThreads::of(view(), processors_), control_);
   }
 
   ColorBins colorBins() const {
     int* const first = reinterpret_cast<int*>(colorBins_.data());
     return {first, first + kColorBins};
   }
-  HeavyList listOf(const DeviceBuffer& list) const {
+  LongList listOf(const DeviceBuffer& list) const {
     int* const first = reinterpret_cast<int*>(list.data());
     return {first, first + 1};
   }
@@ -424,7 +457,7 @@ class CudaExecutor : private KernelLauncher {
     launch(FillArray{listOf(list).count, 0}, {1, nullptr}, 1, "clear");
   }
   /// One warp per kWarp of n bodies.
-  template <class Kernel> void forEachWarp(const Kernel& kernel, int n) { forEach(kernel, warpsFor(n)); }
+  template <class Kernel> void runByWarp(const Kernel& kernel, int n) { run(kernel, warpsFor(n)); }
   /// Reserves space for all elements that can have more than `parts` parts.
   static void reserveList(DeviceBuffer& list, int most, int parts) {
     list.reserve(sizeof(int) * (2 + static_cast<std::size_t>(most / parts)));
@@ -448,7 +481,7 @@ class CudaExecutor : private KernelLauncher {
     return tables_.capacity(static_cast<Per>(per));
   }
 
-  DeviceBuffer scratch_, sortedKeys_, indices_, tickets_, hubs_, heavySlices_, colorBins_;
+  DeviceBuffer scratch_, sortedKeys_, indices_, tickets_, highDegree_, longSlices_, colorBins_;
   /// largest scan and largest groupByKey() of this step, in elements
   int scanned_ = 0, grouped_ = 0;
   int perOf_[sizeof(Counters) / sizeof(int)];

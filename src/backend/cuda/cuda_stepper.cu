@@ -128,9 +128,25 @@ struct CudaStepper::Impl {
     copy(&status->counters, tables.view().counters, sizeof(Counters));
   }
 
+  /// Enqueues the step from an operation on, up to the one that stops it.
+  void enqueueObserved(int from) {
+    try {
+      enqueue(from, &direct, false);
+    } catch (const StepStopped&) {
+      checkCuda(cudaMemcpyAsync(&status->control, executor.control(), sizeof(Control), cudaMemcpyDeviceToHost,
+                                stream.get()),
+                "cudaMemcpyAsync");
+    }
+    stream.wait();
+  }
+
   /// Runs the whole step, as a graph if its configuration occurred before. Pointers alternate between two
   /// states, and each has its own graph.
   const Timeline& runWhole() {
+    if (observer) {
+      enqueueObserved(0);
+      return direct;
+    }
     const Configuration now{tables.view(), colors.limit()};
     StepGraph& graph = graphs[parity];
     if (!graph.holds(now)) {
@@ -192,6 +208,7 @@ struct CudaStepper::Impl {
   int parity = 0;
   bool swaps = false;
   bool timings;
+  KernelObserver observer;
 };
 
 CudaStepper::CudaStepper(bool timings) : impl_(std::make_unique<Impl>(timings)) {}
@@ -202,6 +219,11 @@ const DeviceTables& CudaStepper::tables() const { return impl_->tables; }
 cudaStream_t CudaStepper::stream() const { return impl_->stream.get(); }
 bool CudaStepper::counted(Per per) const { return impl_->executor.counted(per); }
 std::size_t CudaStepper::bytes() const { return impl_->tables.bytes() + impl_->executor.scratchBytes(); }
+
+void CudaStepper::observe(KernelObserver observer) {
+  impl_->observer = observer;
+  impl_->executor.observe(std::move(observer));
+}
 
 void CudaStepper::sortBodies(const SolverData& host, int pairs) {
   Impl& m = *impl_;
@@ -224,10 +246,15 @@ Counters CudaStepper::step(const SolverData& host, StepReport& report) {
     m.makeRoom(control);
     ++report.restarts;
     report.grown.push_back({kindName(static_cast<Per>(control.lacking)), control.needed});
-    m.enqueue(control.stop - 1, &m.direct, false);
-    m.stream.wait();
+    if (m.observer) {
+      m.enqueueObserved(control.stop - 1);
+    } else {
+      m.enqueue(control.stop - 1, &m.direct, false);
+      m.stream.wait();
+    }
     if (m.timings) m.direct.addTo(report.stages);
   }
+  if (m.observer) m.observer("between steps", "");
   if (m.swaps) {
     // a graph launch does not change the host's pointers
     m.tables.aliasRows();

@@ -7,6 +7,7 @@
 #include <rubble/report.h>
 
 #include "backend/cuda/device_memory.h"
+#include "backend/observable_engine.h"
 #include "tables/state_rows.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -30,6 +31,9 @@ class CudaStepper {
   /// Takes one step with the sizes and constants of `host`, whose pointers are not used. Adds restarts and
   /// stage times to the report.
   Counters step(const SolverData& host, StepReport& report);
+
+  /// While there is an observer, kernels run one by one and without graphs.
+  void observe(KernelObserver observer);
 
   // stages/pairs/order.h, with the sizes of `host` and that many old pairs
   void sortBodies(const SolverData& host, int pairs);

@@ -64,6 +64,14 @@ class Layout {
   std::size_t bytes_ = 0;
 };
 
+std::int64_t residentThreads() {
+  int device = 0, processors = 0, threads = 0;
+  checkCuda(cudaGetDevice(&device), "cudaGetDevice");
+  checkCuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "processors");
+  checkCuda(cudaDeviceGetAttribute(&threads, cudaDevAttrMaxThreadsPerMultiProcessor, device), "threads");
+  return std::int64_t{processors} * threads;
+}
+
 void copyTo(void* device, const void* host, std::size_t bytes, cudaStream_t stream) {
   if (bytes > 0)
     checkCuda(cudaMemcpyAsync(device, host, bytes, cudaMemcpyHostToDevice, stream),
@@ -145,8 +153,11 @@ std::vector<QueryHit> DeviceQueries::run(const SolverData& device, const StepCon
   hits_.reserve(sizeof(QueryHit) * batch.data.size());
   QueryHit* const hits = reinterpret_cast<QueryHit*>(hits_.data());
   const RunQuery query{sent.queries, sent.shapes, hits};
-  batch.count() <= kFewQueries ? launch(s, RunQueryByTile{query}, batch.count(), stream)
-                               : launch(s, query, batch.count(), stream);
+  // a warp for each query shortens the wait for few of them
+  if (lanesFor<1, kWarp>(batch.count(), residentThreads()) == kWarp)
+    launch(s, RunQueryByTile{query}, batch.count(), stream);
+  else
+    launch(s, query, batch.count(), stream);
   checkCuda(cudaStreamSynchronize(stream), "queries");
   return {hits, hits + batch.count()};
 }

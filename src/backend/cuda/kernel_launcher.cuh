@@ -8,6 +8,7 @@
 #include "backend/cuda/device_memory.h"
 #include "backend/cuda/kernels.cuh"
 #include "backend/cuda/timeline.h"
+#include "backend/observable_engine.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -19,7 +20,14 @@ struct EnqueueOptions {
   bool captured = false;
 };
 
+/// Thrown out of a step that is observed when a table is too small.
+struct StepStopped {};
+
 class KernelLauncher {
+ public:
+  /// With an observer, each kernel of a step ends before it is called for the next one.
+  void observe(KernelObserver observer) { observer_ = std::move(observer); }
+
  protected:
   KernelLauncher(DeviceTables& tables, cudaStream_t stream) : tables_(tables), stream_(stream) {
     int device = 0;
@@ -30,9 +38,11 @@ class KernelLauncher {
     checkCuda(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
               "cudaDeviceGetAttribute");
     launchesEarly_ = major >= kEarlyLaunchMajor;
-    // resident threads per multiprocessor: more blocks would only queue
-    constexpr int kThreadsPerProcessor = 2048;
-    maxBlocks_ = processors_ * (kThreadsPerProcessor / kThreads);
+    int threads = 0;
+    checkCuda(cudaDeviceGetAttribute(&threads, cudaDevAttrMaxThreadsPerMultiProcessor, device),
+              "cudaDeviceGetAttribute");
+    // more blocks would only queue
+    maxBlocks_ = processors_ * (threads / kThreads);
     control_ = static_cast<Control*>(DeviceMemory::allocate(sizeof(Control)));
   }
   ~KernelLauncher() { DeviceMemory::release(control_); }
@@ -47,6 +57,17 @@ class KernelLauncher {
   bool begun() const { return operation_ > options_.from; }
   int operation() const { return operation_ - 1; }
 
+  void announce(const char* stage, std::string_view kernel) {
+    if (!observer_ || operation_ < options_.from) return;
+    Control control;
+    checkCuda(cudaMemcpyAsync(&control, control_, sizeof control, cudaMemcpyDeviceToHost, stream_),
+              "cudaMemcpyAsync");
+    checkCuda(cudaStreamSynchronize(stream_), "a kernel before the next one");
+    afterKernel_ = false;
+    if (control.stop != 0) throw StepStopped{};
+    observer_(stage, kernel);
+  }
+
   void enterStage(const char* name) {
     if (stage_ && name && std::strcmp(stage_, name) == 0) return;
     if (stage_) nvtxRangePop();
@@ -58,8 +79,8 @@ class KernelLauncher {
     stage_ = name;
   }
 
-  /// Returns whether n elements of `width` threads each exceed the resident threads of the device.
-  bool fill(int n, int width) const { return std::int64_t{n} * width > std::int64_t{maxBlocks_} * kThreads; }
+  /// Threads that are resident at once.
+  int residentThreads() const { return maxBlocks_ * kThreads; }
   /// Blocks for n elements of `width` threads each.
   int blocksFor(int n, int width = 1) const {
     const std::int64_t blocks = (std::int64_t{n} * width + kThreads - 1) / kThreads;
@@ -100,6 +121,7 @@ class KernelLauncher {
   cudaStream_t stream_;
   Control* control_ = nullptr;
   EnqueueOptions options_;
+  KernelObserver observer_;
   int operation_ = 0;
   const char* stage_ = nullptr;
   bool beside_ = false;

@@ -20,7 +20,7 @@ void Mirror::mark(int slot, std::uint8_t bits) {
   std::uint8_t& b = bits_[static_cast<std::size_t>(slot)];
   if (b == 0) touched_.push_back(slot);
   b |= bits;
-  if (bits & (kBody | kState)) b = static_cast<std::uint8_t>((b | kKnown) & ~kSwerved);
+  if (bits & (kBody | kState)) b = static_cast<std::uint8_t>((b | kKnown) & ~kVelocityEdited);
   if (bits & kForce) b |= kPushed;
 }
 
@@ -62,7 +62,7 @@ void Mirror::allWritten() {
   forgotten_.clear();
   for (std::vector<int>& slots : joints_) slots.clear();
   for (std::vector<int>& slots : specs_) slots.clear();
-  swerved_.clear(), swerves_.clear();
+  velocityEdits_.clear(), velocityChanges_.clear();
   addedFrom_ = -1;
   allDirty_ = true;
   authored_.reset();
@@ -317,22 +317,23 @@ void Mirror::sendEdits() {
   });
   // a body that was set afterwards keeps the velocity of that call
   std::size_t kept = 0;
-  for (std::size_t k = 0; k < swerved_.size(); ++k) {
-    if (!(bits_[static_cast<std::size_t>(swerved_[k])] & kSwerved)) continue;
-    swerved_[kept] = swerved_[k], swerves_[kept++] = swerves_[k];
+  for (std::size_t k = 0; k < velocityEdits_.size(); ++k) {
+    if (!(bits_[static_cast<std::size_t>(velocityEdits_[k])] & kVelocityEdited)) continue;
+    velocityEdits_[kept] = velocityEdits_[k], velocityChanges_[kept++] = velocityChanges_[k];
   }
-  swerved_.resize(kept), swerves_.resize(kept);
+  velocityEdits_.resize(kept), velocityChanges_.resize(kept);
   std::sort(forgotten_.begin(), forgotten_.end());
 
-  std::size_t swervedAt = 0, swervesAt = 0, forgottenAt = 0;
-  if (kept > 0) swervedAt = packet.append(swerved_), swervesAt = packet.append(swerves_);
+  std::size_t editedAt = 0, changesAt = 0, forgottenAt = 0;
+  if (kept > 0) editedAt = packet.append(velocityEdits_), changesAt = packet.append(velocityChanges_);
   if (!forgotten_.empty()) forgottenAt = packet.append(forgotten_);
   if (const std::byte* const sent = packet.send(upload_, stream)) {
     const auto at = [&]<class T>(std::size_t place, const std::vector<T>&) {
       return reinterpret_cast<const T*>(sent + place);
     };
     if (kept > 0)
-      addVelocities(stream, device, at(swervedAt, swerved_), at(swervesAt, swerves_), static_cast<int>(kept));
+      addVelocities(stream, device, at(editedAt, velocityEdits_), at(changesAt, velocityChanges_),
+                    static_cast<int>(kept));
     if (!forgotten_.empty()) {
       forgetContactsOf(stream, device, at(forgottenAt, forgotten_), static_cast<int>(forgotten_.size()),
                        liveCount(Per::Pair));
@@ -343,7 +344,7 @@ void Mirror::sendEdits() {
   for (const int slot : touched_) bits_[static_cast<std::size_t>(slot)] &= kKnown | kPushed;
   for (std::vector<int>& slots : joints_) slots.clear();
   for (std::vector<int>& slots : specs_) slots.clear();
-  swerved_.clear(), swerves_.clear(), forgotten_.clear();
+  velocityEdits_.clear(), velocityChanges_.clear(), forgotten_.clear();
   trees_ = {};
   exclusions_.clear(), movedVertices_.clear(), dynamicVertices_.clear();
 }

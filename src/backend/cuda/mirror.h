@@ -90,12 +90,12 @@ class Mirror {
  private:
   /// Flags of a slot.
   enum : std::uint8_t {
-    kBody = 1,      ///< pending upload: everything
-    kState = 2,     ///< pending upload: position, orientation, velocities
-    kForce = 4,     ///< pending upload: force and torque
-    kKnown = 8,     ///< the host's state of this slot is up to date
-    kPushed = 16,   ///< has a force until the next step
-    kSwerved = 32,  ///< pending velocity change on the device
+    kBody = 1,             ///< pending upload: everything
+    kState = 2,            ///< pending upload: position, orientation, velocities
+    kForce = 4,            ///< pending upload: force and torque
+    kKnown = 8,            ///< the host's state of this slot is up to date
+    kPushed = 16,          ///< has a force until the next step
+    kVelocityEdited = 32,  ///< pending velocity change on the device
   };
 
   void mark(int slot, std::uint8_t bits);
@@ -126,8 +126,8 @@ class Mirror {
   std::vector<int> touched_;        ///< bodies with flags
   std::vector<int> joints_[JointTypes::kSize], specs_[JointTypes::kSize];
   std::vector<int> forgotten_;
-  std::vector<int> swerved_;  ///< bodies with pending velocity changes, and the changes [m/s]
-  std::vector<Vec3d> swerves_;
+  std::vector<int> velocityEdits_;  ///< bodies with pending velocity changes, and the changes [m/s]
+  std::vector<Vec3d> velocityChanges_;
   std::shared_ptr<const AuthoredBytes> authored_;  ///< of the last snapshot, while it is up to date
   int addedFrom_ = -1;                             ///< first body that is not on the device yet, or -1
   bool resend_[kPerCount] = {};                    ///< kinds whose authored arrays are sent as a whole

@@ -54,7 +54,7 @@ void Mirror::fetchStates() {
 void Mirror::fetchState(int slot) {
   const std::uint8_t bits = bits_[static_cast<std::size_t>(slot)];
   if (!statesOld_ || (bits & kKnown)) return;
-  if (bits & kSwerved) flush();
+  if (bits & kVelocityEdited) flush();
   // single bodies, until all of them at once cost less
   constexpr int kMostSingle = 16, kBodiesPerSingle = 1000;
   if (++singleFetches_ > std::max(kMostSingle, host_.view().bodies / kBodiesPerSingle)) return fetchStates();
@@ -137,12 +137,12 @@ void Mirror::addVelocity(int slot, const rubble::Vec3& change) {
     RUBBLE_CORE::addVelocity(host_, slot, change);
     stateWritten(slot);
     return;
-  } else if (bits & kSwerved) {
+  } else if (bits & kVelocityEdited) {
     flush();  // one change per body and batch, so that changes add up in call order
   }
-  mark(slot, kSwerved);
-  swerved_.push_back(slot);
-  swerves_.push_back(change);
+  mark(slot, kVelocityEdited);
+  velocityEdits_.push_back(slot);
+  velocityChanges_.push_back(change);
 }
 
 void Mirror::scatter(StateArray which, const ArrayView& rows, const ArrayView& values) {

@@ -2,7 +2,7 @@
 /// Bounds: each warp reduces the values of a grid level before it writes them, which avoids contention on the
 /// few counters. Pairs of a body in order: one lane per body, and one warp per body with more partners than
 /// slots, whose cells are searched again.
-#include "backend/cuda/heavy_kernels.cuh"
+#include "backend/cuda/long_list_kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -26,9 +26,6 @@ struct ComputeBoundsByWarp {
 };
 template <> struct OnDevice<ComputeBounds> { using Type = ComputeBoundsByWarp; };
 
-/// Lanes that share the pair search of one body: few bodies, and very few bodies.
-inline constexpr int kSearchLanes = 2, kMostSearchLanes = 8;
-
 template <int kTile> struct FindNeighborsByTile {
   static constexpr const char* kStage = FindNeighbors::kStage;
   static constexpr int kWidth = kTile;
@@ -46,9 +43,9 @@ template <int kTile> struct FindUnpairedImpactsByTile {
 };
 
 /// One lane per neighbor, for worlds without shapes of several parts.
-struct FindPairsByTile {
+template <int kTile> struct FindPairsByTile {
   static constexpr const char* kStage = FindPairs<false>::kStage;
-  static constexpr int kWidth = kMostSearchLanes;
+  static constexpr int kWidth = kTile;
   __device__ void operator()(const SolverData& s, int i, const Tile<kWidth>& tile) const {
     const int near = s.pairCount[i];
     if (collidesWithAll(s, i)) return;

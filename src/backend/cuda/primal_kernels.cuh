@@ -11,43 +11,54 @@ inline constexpr int kGatherThreads = 192, kSolvers = 2 * kWarp, kSolveThreads =
 inline constexpr int kSolveBlocks = 2;
 /// Block ranges of a color kernel: high-degree bodies first, then vertices, then bodies.
 struct ColorBlocks {
-  int hubs, vertices;
+  int highDegree, vertices;
 };
-inline constexpr int kHubBlocks = 16;
+inline constexpr int kHighDegreeBlocks = 16;
 /// One of this many resident blocks processes vertices, where bodies move as well.
 inline constexpr int kVertexShare = 4;
 /// Lanes per body: few where bodies fill the device, so that reductions are short, and more otherwise, so
-/// that a body takes fewer rounds. The width depends on the number of bodies alone, not on the kernel, so
-/// that the order of sums is reproducible. The bounds are the body counts at which 4 and 16 lanes per body
-/// fill 132 multiprocessors (H200: about 50,000 gathering threads of this kernel).
-inline constexpr int kCrowdWidth = 4, kManyWidth = 8, kFewWidth = 16;
-inline constexpr int kCrowd = 12288, kMany = 3072;
+/// that a body takes fewer rounds.
+inline constexpr int kLeastLanes = 4, kMostLanes = 16;
+/// Lanes per vertex, which share its elements and contacts.
+inline constexpr int kVertexLanes = 8, kMostVertexLanes = kWarp;
+/// Resident blocks of the vertex kernel per multiprocessor if no body moves. The number is low so that 80
+/// registers are available for reading ahead.
+inline constexpr int kVertexBlocks = 6;
+/// Threads of the device that gather the rows of one color.
+struct SolveThreads {
+  int bodies, vertices;
+  static SolveThreads of(const SolverData& s, int processors) {
+    const int all = kSolveBlocks * processors;
+    return {all * kGatherThreads,
+            s.bodiesMove ? all / kVertexShare * kSolveThreads : kVertexBlocks * processors * kThreads};
+  }
+};
 /// Colors of at most this many bodies share a single-block launch, which solves that many at once.
-inline constexpr int kTailBodies = kGatherThreads / kFewWidth;
+inline constexpr int kTailBodies = kGatherThreads / kMostLanes;
 
 /// Which constraints occur besides contacts without rolling friction. Their calls cost registers in the whole
 /// kernel.
 enum class ExtraRows { None, Any, FewJoints };
-/// Below this number of bodies the device is not full, and the time of all joints is that of one. 11,000
-/// bodies gain by it, 35,000 lose.
-inline constexpr int kFewJointBodies = 16384;
-inline bool hasFewJoints(const SolverData& s) { return s.hasJoints() && s.bodies <= kFewJointBodies; }
-inline ExtraRows extraRowsOf(const SolverData& s) {
-  if (hasFewJoints(s)) return ExtraRows::FewJoints;
+/// While bodies do not fill the device, the time of all joints is that of one.
+inline bool hasFewJoints(const SolverData& s, int threads) {
+  return s.hasJoints() && lanesFor<1, kMostLanes>(s.bodies, threads) == kMostLanes;
+}
+inline ExtraRows extraRowsOf(const SolverData& s, int threads) {
+  if (hasFewJoints(s, threads)) return ExtraRows::FewJoints;
   return s.hasJoints() || s.rolls || s.vertices > 0 ? ExtraRows::Any : ExtraRows::None;
 }
 
 /// Adds the joints among the incidences [k, end) of a body, one per lane. Not inlined: joints are rare and
 /// would raise the register count of kernels that mostly process contacts.
-static __device__ __noinline__ void addJointsApart(const SolverData& s, int k, int end, int stride,
-                                                   Block6* sum) {
+static __device__ __noinline__ void addJointsOutOfLine(const SolverData& s, int k, int end, int stride,
+                                                       Block6* sum) {
   for (; k < end; k += stride)
     if (const std::uint32_t code = s.incidence[k].code; constraintType(code) != kContactType)
       addJoint(s, code, *sum);
 }
 
-static __device__ __noinline__ void addRollingApart(const SolverData& s, int k, int end, int stride,
-                                                    Block6* sum) {
+static __device__ __noinline__ void addRollingOutOfLine(const SolverData& s, int k, int end, int stride,
+                                                        Block6* sum) {
   for (; k < end && constraintType(s.incidence[k].code) == kContactType; k += stride)
     addRolling(s, s.incidence[k].code, *sum);
 }
@@ -58,12 +69,12 @@ __device__ void addExtraRows(const SolverData& s, int body, int lane, bool joint
   const int begin = s.incidenceOffset[body], end = s.incidenceOffset[body + 1];
   if (s.rolls && lane % kLanes == 0) {
     Block6 rolling = sum;
-    addRollingApart(s, begin + lane / kLanes, end, kWidth / kLanes, &rolling);
+    addRollingOutOfLine(s, begin + lane / kLanes, end, kWidth / kLanes, &rolling);
     sum = rolling;
   }
   if (!any(joints)) return;
   Block6 others = sum;
-  addJointsApart(s, begin + lane, end, kWidth, &others);
+  addJointsOutOfLine(s, begin + lane, end, kWidth, &others);
   sum = others;
 }
 
@@ -83,13 +94,13 @@ static __device__ __noinline__ void addExtraRowsUniform(const SolverData& s, int
     if (constraintType(code) == kContactType) break;
     addJointUniform(s, code, *sum);
   }
-  if (s.rolls) addRollingApart(s, begin + lane, end, width, sum);
+  if (s.rolls) addRollingOutOfLine(s, begin + lane, end, width, sum);
 }
 
 /// Number of buffers for the row sums of a batch: the number of batches by which gathering may be ahead of
 /// solving.
 inline constexpr int kBuffers = 2;
-using BatchSums = Real[kGatherThreads / kCrowdWidth][kPaddedReals + 1];
+using BatchSums = Real[kGatherThreads / kLeastLanes][kPaddedReals + 1];
 /// Shared memory of a block.
 struct SolveMemory {
   Staging<kGatherThreads / kLanes> staging;
@@ -114,14 +125,14 @@ __device__ inline void passBy(int barrier) {
 
 /// Solves `count` bodies of one color, which share no rows, by `shares` blocks. It starts before the previous
 /// color has ended, as far as it reads what no sweep writes. All threads end at a barrier.
-template <int kWidth, ExtraRows rare>
+template <int kWidth, ExtraRows extra>
 __device__ void solveBodies(const SolverData& s, const int* bodies, int count, int share, int shares,
                             SolveMemory& memory) {
   // with few bodies the time is that of the longest: some lanes of the solving warps add the other rows of a
   // body while its contacts are gathered
-  constexpr bool few = rare == ExtraRows::FewJoints, apart = few && kWidth == kFewWidth;
+  constexpr bool few = extra == ExtraRows::FewJoints, bySolvers = few && kWidth == kMostLanes;
   constexpr int kBodies = kGatherThreads / kWidth;
-  static_assert(kBodies * (apart ? kWidth / kLanes : 1) <= kSolvers);
+  static_assert(kBodies * (bySolvers ? kWidth / kLanes : 1) <= kSolvers);
   const int thread = static_cast<int>(threadIdx.x), first = share * kBodies, stride = shares * kBodies;
   const int batches = first < count ? (count - first + stride - 1) / stride : 0;
   const auto nextBuffer = [](int buffer) { return buffer + 1 < kBuffers ? buffer + 1 : 0; };
@@ -135,7 +146,7 @@ __device__ void solveBodies(const SolverData& s, const int* bodies, int count, i
     for (int batch = 0, buffer = 0; batch < batches; ++batch, buffer = nextBuffer(buffer)) {
       Block6 own;
       const bool others = stream.gather(own);
-      if constexpr (rare != ExtraRows::None && !apart)
+      if constexpr (extra != ExtraRows::None && !bySolvers)
         if (const int k = first + batch * stride + slot; (s.rolls || tile.ballot(others) != 0) && k < count) {
           if constexpr (few) {
             Block6 sum = own;
@@ -155,7 +166,7 @@ __device__ void solveBodies(const SolverData& s, const int* bodies, int count, i
       passBy(kFull + buffer);
     }
   } else {
-    constexpr int kShare = apart ? kWidth / kLanes : 1;
+    constexpr int kShare = bySolvers ? kWidth / kLanes : 1;
     const Tile<kShare> tile = Tile<kShare>::ofThread();
     const int solver = (thread - kGatherThreads) / kShare;
     awaitPrevious();
@@ -166,7 +177,7 @@ __device__ void solveBodies(const SolverData& s, const int* bodies, int count, i
       Block6 block, rows;
       Pose x;
       if (on) x = startBlock(s, body, block);
-      if constexpr (apart)
+      if constexpr (bySolvers)
         if (mine && hasExtraRows(s, body)) {
           Block6 own;
           addExtraRowsUniform(s, body, tile.lane, kShare, &own);
@@ -186,7 +197,7 @@ __device__ void solveBodies(const SolverData& s, const int* bodies, int count, i
 }
 
 /// This thread's share of the forces and Hessians of a high-degree body, divided among a block.
-template <ExtraRows rare> __device__ Block6 gatherHub(const SolverData& s, int body, int thread) {
+template <ExtraRows extra> __device__ Block6 gatherHighDegree(const SolverData& s, int body, int thread) {
   const int end = s.incidenceOffset[body + 1], point = thread % kLanes;
   int k = s.incidenceOffset[body] + thread / kLanes;
   const Displacement own = s.dx[body];
@@ -200,19 +211,19 @@ template <ExtraRows rare> __device__ Block6 gatherHub(const SolverData& s, int b
     const Displacement other = s.dx[onA ? r.b : r.a];
     accumulateContact<Real>(*s.step, r, onA, onA ? own : other, onA ? other : own, point, sum);
   }
-  if constexpr (rare != ExtraRows::None)
+  if constexpr (extra != ExtraRows::None)
     addExtraRows<kSolveThreads>(
         s, body, thread, k < end, [](bool yes) { return __syncthreads_or(yes) != 0; }, sum);
   return sum;
 }
 
 /// A high-degree body, solved by all threads of a block.
-template <ExtraRows rare>
-static __device__ __noinline__ void solveHub(const SolverData& s, int body,
-                                             Real (&warpSums)[kSolveThreads / kWarp][kWarp]) {
+template <ExtraRows extra>
+static __device__ __noinline__ void solveHighDegreeBody(const SolverData& s, int body,
+                                                        Real (&warpSums)[kSolveThreads / kWarp][kWarp]) {
   const Tile<kWarp> tile = Tile<kWarp>::ofThread();
   const int thread = static_cast<int>(threadIdx.x), warp = thread / kWarp;
-  const Block6 own = gatherHub<rare>(s, body, thread);
+  const Block6 own = gatherHighDegree<extra>(s, body, thread);
   Real mine[kRealsPerLane<kWarp>];
   sumBlocks(tile, own, mine);
   warpSums[warp][tile.lane] = mine[0];
@@ -232,35 +243,25 @@ static __device__ __noinline__ void solveHub(const SolverData& s, int body,
 }
 
 /// The high-degree bodies of a color, divided among `shares` blocks.
-template <ExtraRows rare>
-__device__ void solveHubs(const SolverData& s, int color, const HeavyList& hubs, int share, int shares,
-                          SolveMemory& memory) {
-  for (int h = share; h < *hubs.count; h += shares)
-    if (const int body = hubs.element[h]; s.color[body] == color && isSwept(s, body))
-      solveHub<rare>(s, body, memory.warpSums);
+template <ExtraRows extra>
+__device__ void solveHighDegreeBodies(const SolverData& s, int color, const LongList& highDegree, int share,
+                                      int shares, SolveMemory& memory) {
+  for (int h = share; h < *highDegree.count; h += shares)
+    if (const int body = highDegree.element[h]; s.color[body] == color && isSwept(s, body))
+      solveHighDegreeBody<extra>(s, body, memory.warpSums);
 }
 
-template <ExtraRows rare>
-__device__ void solveColorTogether(const SolverData& s, int color, int share, int shares,
+template <ExtraRows extra>
+__device__ void solveColorTogether(const SolverData& s, int color, int threads, int share, int shares,
                                    SolveMemory& memory) {
   const int begin = s.colorOffset[color], count = s.colorOffset[color + 1] - begin;
-  if (rare != ExtraRows::FewJoints && count > kCrowd)
-    solveBodies<kCrowdWidth, rare>(s, s.colorBody + begin, count, share, shares, memory);
-  else if (count > kMany)
-    solveBodies<kManyWidth, rare>(s, s.colorBody + begin, count, share, shares, memory);
-  else
-    solveBodies<kFewWidth, rare>(s, s.colorBody + begin, count, share, shares, memory);
+  withLanes<kLeastLanes, 8, kMostLanes>(
+      lanesFor<kLeastLanes, 8, kMostLanes>(count, threads), [&]<int kWidth>() {
+        solveBodies<kWidth, extra>(s, s.colorBody + begin, count, share, shares, memory);
+      });
 }
 
-/// Lanes per vertex, which share its elements and contacts. The width depends on the number of vertices
-/// alone, as for bodies. A device holds about 100,000 threads of this kernel, and each width is used up to
-/// twice that. Vertices get a sixth of them if bodies move as well.
-inline constexpr int kVertexCrowdWidth = 8, kVertexManyWidth = 16, kVertexFewWidth = kWarp;
-inline constexpr int kVertexCrowd = 12288, kVertexMany = 4096, kVertexPart = 6;
-/// Resident blocks per multiprocessor if no body moves. The number is low so that 80 registers are available
-/// for reading ahead.
-inline constexpr int kVertexBlocks = 6;
-inline constexpr int kTailVertices = kSolveThreads / kVertexFewWidth;
+inline constexpr int kTailVertices = kSolveThreads / kMostVertexLanes;
 /// `ahead`: read the next tetrahedron while one is added, at the cost of registers.
 template <int kWidth, bool ahead> class VertexByTile {
  public:
@@ -315,32 +316,27 @@ template <int kWidth, bool ahead> class VertexByTile {
 };
 
 /// The vertices of one color, by all threads of a grid or block. Starts early as solveBodies() does.
-template <bool ahead> __device__ void solveVertices(const SolverData& s, int color, int thread, int threads) {
+template <bool ahead>
+__device__ void solveVertices(const SolverData& s, int color, int thread, int threads, int resident) {
   const int begin = s.vertexColorOffset[color], count = s.vertexColorOffset[color + 1] - begin;
-  const auto solve = [&]<int kWidth>() {
-    VertexByTile<kWidth, ahead> vertex(s);
-    int k = thread / kWidth;
-    if (k < count) vertex.begin(s.colorVertex[begin + k]);
-    awaitPrevious();
-    while (k < count) {
-      vertex.solve();
-      k += threads / kWidth;
-      if (k < count) vertex.begin(s.colorVertex[begin + k]);
-    }
-  };
-  const int crowd = s.bodiesMove ? kVertexPart * count : count;
-  if (crowd > kVertexCrowd)
-    solve.template operator()<kVertexCrowdWidth>();
-  else if (crowd > kVertexMany)
-    solve.template operator()<kVertexManyWidth>();
-  else
-    solve.template operator()<kVertexFewWidth>();
+  withLanes<kVertexLanes, 16, kMostVertexLanes>(lanesFor<kVertexLanes, 16, kMostVertexLanes>(count, resident),
+                                                [&]<int kWidth>() {
+                                                  VertexByTile<kWidth, ahead> vertex(s);
+                                                  int k = thread / kWidth;
+                                                  if (k < count) vertex.begin(s.colorVertex[begin + k]);
+                                                  awaitPrevious();
+                                                  while (k < count) {
+                                                    vertex.solve();
+                                                    k += threads / kWidth;
+                                                    if (k < count) vertex.begin(s.colorVertex[begin + k]);
+                                                  }
+                                                });
 }
 static __global__ void __launch_bounds__(kThreads, kVertexBlocks)
-    solveVertexColor(const __grid_constant__ SolverData s, int color, const Control* control) {
+    solveVertexColor(const __grid_constant__ SolverData s, int color, int resident, const Control* control) {
   if (control->stop != 0 || color >= s.counters->colors) return awaitPrevious();
   solveVertices<true>(s, color, static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
-                      static_cast<int>(gridDim.x * blockDim.x));
+                      static_cast<int>(gridDim.x * blockDim.x), resident);
 }
 
 /// Records how many colors are worth a launch.
@@ -354,42 +350,42 @@ __device__ inline void noteWideColors(const SolverData& s, int colors, Control* 
 /// The bodies and vertices of color `first`, which share no constraint. Without blocks for high-degree
 /// bodies: all colors from it on, one after another in one block. Both cases are one kernel, so a body has
 /// the same bits in either.
-template <ExtraRows rare>
+template <ExtraRows extra>
 static __global__ void __launch_bounds__(kSolveThreads, kSolveBlocks)
-    solveColors(const __grid_constant__ SolverData s, int first, HeavyList hubs, ColorBlocks blocks,
-                Control* control) {
+    solveColors(const __grid_constant__ SolverData s, int first, LongList highDegree, ColorBlocks blocks,
+                SolveThreads resident, Control* control) {
   __shared__ SolveMemory memory;
   if (control->stop != 0) return awaitPrevious();
-  const bool tail = blocks.hubs == 0;
+  const bool tail = blocks.highDegree == 0;
   const int colors = s.counters->colors, end = tail ? colors : min(first + 1, colors),
             thread = static_cast<int>(threadIdx.x);
-  const int block = static_cast<int>(blockIdx.x), vertexBlock = block - blocks.hubs,
+  const int block = static_cast<int>(blockIdx.x), vertexBlock = block - blocks.highDegree,
             bodyBlock = vertexBlock - blocks.vertices;
   if (tail) noteWideColors(s, colors, control);
   if (first >= end) awaitPrevious();
   for (int c = first; c < end; ++c) {
     // without high-degree bodies the tail starts as early as other blocks of bodies
-    if (tail ? *hubs.count > 0 : vertexBlock < 0) {
+    if (tail ? *highDegree.count > 0 : vertexBlock < 0) {
       awaitPrevious();
-      solveHubs<rare>(s, c, hubs, block, tail ? 1 : blocks.hubs, memory);
+      solveHighDegreeBodies<extra>(s, c, highDegree, block, tail ? 1 : blocks.highDegree, memory);
     }
     if (bodyBlock >= 0)
-      solveColorTogether<rare>(s, c, bodyBlock, static_cast<int>(gridDim.x) - blocks.hubs - blocks.vertices,
-                               memory);
-    if (rare == ExtraRows::None || s.vertices == 0) continue;
+      solveColorTogether<extra>(s, c, resident.bodies, bodyBlock,
+                                static_cast<int>(gridDim.x) - blocks.highDegree - blocks.vertices, memory);
+    if (extra == ExtraRows::None || s.vertices == 0) continue;
     if (tail || (vertexBlock >= 0 && bodyBlock < 0))
       solveVertices<false>(s, c, vertexBlock * kSolveThreads + thread,
-                           max(blocks.vertices, 1) * kSolveThreads);
+                           max(blocks.vertices, 1) * kSolveThreads, resident.vertices);
     __syncthreads();
   }
 }
 
 /// Selects the kernel for the constraint types that occur.
-inline auto solveColorsOf(const SolverData& s) {
-  const ExtraRows rare = extraRowsOf(s);
-  return rare == ExtraRows::None  ? solveColors<ExtraRows::None>
-         : rare == ExtraRows::Any ? solveColors<ExtraRows::Any>
-                                  : solveColors<ExtraRows::FewJoints>;
+inline auto solveColorsOf(const SolverData& s, int threads) {
+  const ExtraRows extra = extraRowsOf(s, threads);
+  return extra == ExtraRows::None  ? solveColors<ExtraRows::None>
+         : extra == ExtraRows::Any ? solveColors<ExtraRows::Any>
+                                   : solveColors<ExtraRows::FewJoints>;
 }
 
 }  // namespace rubble::RUBBLE_CORE

@@ -4,7 +4,7 @@
 /// constraint ahead, which hides memory latency.
 #include <cuda_pipeline_primitives.h>
 
-#include "backend/cuda/heavy_kernels.cuh"
+#include "backend/cuda/long_list_kernels.cuh"
 #include "backend/cuda/points.cuh"
 
 namespace rubble::RUBBLE_CORE {

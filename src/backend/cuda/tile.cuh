@@ -133,6 +133,20 @@ __device__ inline int claimTogether(int* p) {
   return __shfl_sync(here, base, first) + __popc(here & ((1u << lane) - 1));
 }
 
+/// Lanes that share an element: the most of the given numbers, in ascending order, with which `count`
+/// elements take no more than `threads` threads; else the fewest. It depends on the count and the device
+/// alone, so that the order of sums is reproducible.
+template <int kFewest, int... kMore>
+__host__ __device__ constexpr int lanesFor(std::int64_t count, std::int64_t threads) {
+  int lanes = kFewest;
+  ((lanes = count * kMore <= threads ? kMore : lanes), ...);
+  return lanes;
+}
+/// Calls f.operator()<lanes>() for that one of the given numbers.
+template <int... kLanes, class F> __host__ __device__ void withLanes(int lanes, F&& f) {
+  ((lanes == kLanes ? f.template operator()<kLanes>() : void()), ...);
+}
+
 /// Maps a stage to its device kernel. A kernel with `kWidth` lanes has operator()(SolverData, element,
 /// Tile<kWidth>) in place of the stage's operator()(SolverData, element). It is constructed from the stage's
 /// functor.

@@ -396,7 +396,7 @@ static __global__ void __launch_bounds__(kTreeThreads, kTreeBlocks)
 }
 
 /// ProjectTree by a warp, one lane per body.
-struct CloseTreeByTile {
+struct ProjectTreeByTile {
   static constexpr const char* kStage = ProjectTree::kStage;
   static constexpr int kWidth = kWarp;
   __device__ void operator()(const SolverData& s, int index, const Tile<kWidth>& tile) const {
@@ -411,6 +411,6 @@ struct CloseTreeByTile {
     forEachLevelBack(s, tree, [&](int first, int last) { solve(SubstituteLink{}, first, last); });
   }
 };
-template <> struct OnDevice<ProjectTree> { using Type = CloseTreeByTile; };
+template <> struct OnDevice<ProjectTree> { using Type = ProjectTreeByTile; };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -1,12 +1,12 @@
 #pragma once
-/// Heavy elements: those with so many parts that a few lanes would finish long after all others, such as a
-/// plate under a heap. They are listed once per step, and a whole block or warp processes each.
+/// Elements with long lists: those with so many parts that a few lanes would finish long after all others,
+/// such as a plate under a heap. They are listed once per step, and a whole block or warp processes each.
 #include "backend/cuda/kernels.cuh"
 
 namespace rubble::RUBBLE_CORE {
 
-/// Indices of heavy elements. Their order varies and does not influence results.
-struct HeavyList {
+/// Indices of elements with long lists. Their order varies and does not influence results.
+struct LongList {
   int* count;
   int* element;
   __device__ void add(int i) const { element[claimTogether(count)] = i; }
@@ -14,12 +14,12 @@ struct HeavyList {
 
 /// A body with more constraints than this has high degree. Bodies of a heap have about 20, and a warp sorts
 /// two per lane.
-inline constexpr int kHubEntries = 64;
+inline constexpr int kLongIncidences = 64;
 __device__ inline int degreeOf(const SolverData& s, int body) {
   return s.incidenceOffset[body + 1] - s.incidenceOffset[body];
 }
-__device__ inline bool isHub(const SolverData& s, int body) {
-  return !kStrict && degreeOf(s, body) > kHubEntries;
+__device__ inline bool isHighDegree(const SolverData& s, int body) {
+  return !kStrict && degreeOf(s, body) > kLongIncidences;
 }
 
 /// Sorts n elements in place by a bitonic network. `threads` threads of a block or warp call it, each with
@@ -54,15 +54,15 @@ inline int warpsFor(int n) { return (n + kWarp - 1) / kWarp; }
 
 /// SortIncidences for 32 bodies: one lane per short list, and all lanes for one long list at a time. Lists of
 /// high-degree bodies are recorded and sorted by one block each.
-struct SortEntriesByWarp {
+struct SortIncidencesByWarp {
   static constexpr const char* kStage = SortIncidences::kStage;
   static constexpr int kWidth = kWarp, kFew = 8;
-  HeavyList hubs;
+  LongList highDegree;
   __device__ void operator()(const SolverData& s, int warp, const Tile<kWidth>& tile) const {
     const int i = warp * kWarp + tile.lane, count = i < s.bodies ? degreeOf(s, i) : 0;
-    if (count > kHubEntries) hubs.add(i);
+    if (count > kLongIncidences) highDegree.add(i);
     if (count <= kFew && i < s.bodies) SortIncidences{}(s, i);
-    forEachOfWarp(tile, count > kFew && count <= kHubEntries, i, [&](int body) {
+    forEachOfWarp(tile, count > kFew && count <= kLongIncidences, i, [&](int body) {
       sortByRank(s.incidence + s.incidenceOffset[body], degreeOf(s, body), tile);
     });
   }
@@ -70,7 +70,7 @@ struct SortEntriesByWarp {
  private:
   /// Rank sort: the place of an incidence is the number of smaller ones.
   __device__ static void sortByRank(Incidence* first, int count, const Tile<kWidth>& tile) {
-    constexpr int kTurns = kHubEntries / kWarp;
+    constexpr int kTurns = kLongIncidences / kWarp;
     Incidence own[kTurns] = {};
     int place[kTurns] = {};
 #pragma unroll
@@ -91,11 +91,11 @@ struct SortEntriesByWarp {
 };
 inline constexpr int kSortThreads = 512;
 static __global__ void __launch_bounds__(kSortThreads)
-    sortHubs(const __grid_constant__ SolverData s, HeavyList hubs, Gate gate) {
+    sortHighDegree(const __grid_constant__ SolverData s, LongList highDegree, Gate gate) {
   awaitPrevious();
   if (gate.closed()) return;
-  for (int h = static_cast<int>(blockIdx.x); h < *hubs.count; h += static_cast<int>(gridDim.x)) {
-    const int body = hubs.element[h];
+  for (int h = static_cast<int>(blockIdx.x); h < *highDegree.count; h += static_cast<int>(gridDim.x)) {
+    const int body = highDegree.element[h];
     sortTogether(
         s.incidence + s.incidenceOffset[body], degreeOf(s, body), static_cast<int>(threadIdx.x), kSortThreads,
         [](const Incidence& a, const Incidence& b) { return a.code < b.code; }, [] { __syncthreads(); });
@@ -126,9 +126,9 @@ struct FindClashesByWarp {
   static constexpr int kWidth = kWarp;
   __device__ void operator()(const SolverData& s, int warp, const Tile<kWidth>& tile) const {
     const int i = warp * kWarp + tile.lane;
-    const bool on = i < s.bodies && isDynamic(s, i), hub = on && isHub(s, i);
-    if (on && !hub) FindClashes{}(s, i);
-    forEachOfWarp(tile, hub, i, [&](int body) {
+    const bool on = i < s.bodies && isDynamic(s, i), highDegree = on && isHighDegree(s, i);
+    if (on && !highDegree) FindClashes{}(s, i);
+    forEachOfWarp(tile, highDegree, i, [&](int body) {
       int next = 0;
       const bool leaves = leavesColorTogether(s, body, true, tile, next);
       if (tile.lane != 0) return;
@@ -144,9 +144,9 @@ template <> struct InBatches<ProposeColors> {
   ProposeColors kernel;
   __device__ void operator()(const SolverData& s, int batch, int count, const Tile<kWarp>& tile) const {
     const int k = batch * kWarp + tile.lane, i = k < count ? s.clashing[k] : -1;
-    const bool hub = i >= 0 && i < kVertexNode && isHub(s, i);
-    if (i >= 0 && !hub) kernel(s, k);
-    forEachOfWarp(tile, hub, i, [&](int body) {
+    const bool highDegree = i >= 0 && i < kVertexNode && isHighDegree(s, i);
+    if (i >= 0 && !highDegree) kernel(s, k);
+    forEachOfWarp(tile, highDegree, i, [&](int body) {
       int next = 0;
       if (!leavesColorTogether(s, body, false, tile, next) || tile.lane != 0) return;
       s.nextColor[body] = next;

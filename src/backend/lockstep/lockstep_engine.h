@@ -1,0 +1,128 @@
+#pragma once
+/// Runs each step on two engines and compares all tables after each kernel. Reports the first stage, kernel,
+/// table and element that differ.
+#include <barrier>
+#include <cstring>
+#include <exception>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "backend/observable_engine.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Each engine runs the step in a thread of its own. The threads meet in a barrier at the end of each kernel.
+/// Reads are of the first engine.
+class LockstepEngine final : public Engine {
+ public:
+  LockstepEngine(std::unique_ptr<ObservableEngine> a, std::unique_ptr<ObservableEngine> b)
+      : a_{std::move(a)}, b_{std::move(b)} {}
+
+  void configure(const EngineSettings& settings) override {
+    both([&](Engine& e) { e.configure(settings); });
+  }
+  void apply(std::span<const Edit> edits) override {
+    both([&](Engine& e) { e.apply(edits); });
+  }
+  void step(StepReport& report) override {
+    step_ = report.step;
+    a_.ended = b_.ended = false;
+    meeting_.emplace(2, Compare{this});
+    StepReport otherReport = report;
+    std::thread other([&] { run(b_, otherReport); });
+    run(a_, report);
+    other.join();
+    report.difference = difference_;
+    for (const Side* side : {&a_, &b_})
+      if (side->error) std::rethrow_exception(side->error);
+  }
+  void sortBodies() override {
+    both([](Engine& e) { e.sortBodies(); });
+  }
+  const TableReader& read(Fetch what, int id) override { return a_.engine->read(what, id); }
+  std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
+    b_.engine->query(queries);
+    return a_.engine->query(queries);
+  }
+  std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override {
+    b_.engine->overlaps(queries);
+    return a_.engine->overlaps(queries);
+  }
+  ArrayView array(StateArray which) override { return a_.engine->array(which); }
+  void scatter(StateArray which, const ArrayView& rows, const ArrayView& values) override {
+    both([&](Engine& e) { e.scatter(which, rows, values); });
+  }
+  bool reserve(const std::string& kind, int count) override {
+    return b_.engine->reserve(kind, count) && a_.engine->reserve(kind, count);
+  }
+  std::size_t memoryBytes() const override { return a_.engine->memoryBytes() + b_.engine->memoryBytes(); }
+  std::shared_ptr<const EngineSnapshot> snapshot() override { return a_.engine->snapshot(); }
+  void restore(const EngineSnapshot& snapshot) override {
+    both([&](Engine& e) { e.restore(snapshot); });
+  }
+
+ private:
+  /// One of the two engines, and its present kernel.
+  struct Side {
+    std::unique_ptr<ObservableEngine> engine;
+    std::string stage = "", kernel = "";
+    bool ended = false;  ///< its thread has finished this step
+    std::exception_ptr error = nullptr;
+  };
+  struct Compare {
+    LockstepEngine* pair;
+    void operator()() const noexcept { pair->meet(); }
+  };
+
+  template <class F> void both(F&& f) { f(*a_.engine), f(*b_.engine); }
+
+  void run(Side& side, StepReport& report) {
+    side.stage.clear(), side.error = nullptr;
+    side.engine->observe([this, &side](std::string_view stage, std::string_view kernel) {
+      if (!side.stage.empty()) meeting_->arrive_and_wait();
+      side.stage = stage, side.kernel = kernel;
+    });
+    try {
+      side.engine->step(report);
+    } catch (...) {
+      side.error = std::current_exception();
+    }
+    side.engine->observe({});
+    side.ended = true;
+    meeting_->arrive_and_drop();
+  }
+
+  /// Both threads are at the end of a kernel or of the step.
+  void meet() {
+    if (!difference_.empty() || (a_.ended && b_.ended)) return;
+    if (a_.ended == b_.ended && a_.stage == b_.stage && a_.kernel == b_.kernel) return compare();
+    difference_ = place() + " beside " + b_.stage + " " + b_.kernel;
+  }
+
+  std::string place() const {
+    const std::string kernel = a_.kernel.empty() ? "" : ", kernel " + a_.kernel;
+    return "step " + std::to_string(step_) + ", stage " + a_.stage + kernel;
+  }
+
+  void compare() {
+    const SolverData &s = a_.engine->tablesNow(), &t = b_.engine->tablesNow();
+    forEachArray([&]<class T>(const ArrayInfo<T>& array) {
+      if (!difference_.empty() || array.life == Lifetime::Unordered) return;
+      const T *p = s.*array.member, *q = t.*array.member;
+      const std::size_t n = elementsWritten(s, array.per);
+      if (!p || !q || std::memcmp(p, q, n * sizeof(T)) == 0) return;
+      std::size_t i = 0;
+      while (std::memcmp(p + i, q + i, sizeof(T)) == 0) ++i;
+      difference_ = place() + ", table " + array.name + ", element " + std::to_string(i);
+    });
+  }
+
+  Side a_, b_;
+  std::optional<std::barrier<Compare>> meeting_;
+  std::int64_t step_ = 0;
+  std::string difference_;
+};
+
+}  // namespace rubble::RUBBLE_CORE

@@ -1,0 +1,87 @@
+#pragma once
+/// Engines whose tables can be looked at between the kernels of a step.
+#include <functional>
+#include <string_view>
+
+#include "backend/engine.h"
+#include "state/arrays.h"
+
+namespace rubble::RUBBLE_CORE {
+
+/// Called with the names of stage and kernel before each kernel of a step, and with "between steps" at its
+/// end.
+using KernelObserver = std::function<void(std::string_view stage, std::string_view kernel)>;
+
+class ObservableEngine : public Engine {
+ public:
+  virtual void observe(KernelObserver observer) = 0;
+  /// All arrays in host memory, as of the call of the observer from which it is called.
+  virtual const SolverData& tablesNow() = 0;
+};
+
+/// Elements of a kind that a step has written so far.
+inline std::size_t elementsWritten(const SolverData& s, Per per) {
+  const Counters& c = *s.counters;
+  const auto count = [](int n) { return static_cast<std::size_t>(n); };
+  if (const int type = jointTypeOf(per); type >= 0) return count(s.joints[type]);
+  switch (per) {
+    case Per::Body:
+      return count(s.bodies);
+    case Per::Pair:
+      return count(c.pairs);
+    case Per::ActivePair:
+      return count(c.activePairs);
+    case Per::Manifold:
+      return count(c.manifolds);
+    case Per::Rolling:
+      return count(c.rollers);
+    case Per::Aggregate:
+      return count(c.aggregates);
+    case Per::Slice:
+      return count(c.slices);
+    case Per::Boundary:
+      return count(c.boundary);
+    case Per::NodeLevel:
+      return count(s.nodes() * kCoarseLevels);
+    case Per::SoftNode:
+      return count(s.softNodes);
+    case Per::Strand:
+      return count(s.strands);
+    case Per::StrandVertex:
+      return count(s.strandVertices);
+    case Per::Incidence:
+      return count(c.incidences);
+    case Per::Color:
+      return count(c.colors);
+    case Per::Cell:
+      return count(s.cells);
+    case Per::Vertex:
+      return count(s.vertices);
+    case Per::PointOwner:
+      return count(s.owners());
+    case Per::Feature:
+      return count(s.features);
+    case Per::FeatureCell:
+      return count(s.featureCells);
+    case Per::ParticleCell:
+      return count(s.particleCells);
+    case Per::PointPair:
+      return count(c.pointPairs);
+    case Per::PointIncidence:
+      return count(c.pointIncidences);
+    case Per::Cluster:
+      return count(s.clusterBegin[kClusterLevels]);
+    case Per::Attachment:
+      return count(s.attachments);
+    case Per::TreeNode:
+      return count(s.treeNodes);
+    case Per::TreeChild:
+      return count(2 * s.treeNodes);
+    case Per::SmallTree:
+      return count(s.smallTrees);
+    default:
+      return elementCount(s, per);
+  }
+}
+
+}  // namespace rubble::RUBBLE_CORE
