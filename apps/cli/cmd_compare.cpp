@@ -158,7 +158,7 @@ int lockstep(const CompareOptions& options) {
 }
 
 int compare(const CompareOptions& options) {
-  if (options.backends.size() == 1 && options.backends[0] == "lockstep") return lockstep(options);
+  if (options.backends.size() == 1 && options.backends[0].starts_with("lockstep")) return lockstep(options);
   if (options.backends.size() > 2)
     throw Error("--backends", "two backends, or lockstep alone", fmt::format("{}", options.backends.size()));
   if (options.threads.size() > 2)
@@ -177,7 +177,8 @@ void addCompare(CLI::App& app, int& status) {
   addSolverOptions(*command, options->job);
   command
       ->add_option("-b,--backends", options->backends,
-                   "The two backends; one name stands for both; 'lockstep' alone compares stage by stage")
+                   "The two backends; one name stands for both; 'lockstep' or 'lockstep-cuda' alone "
+                   "compares kernel by kernel")
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("-t,--threads", options->threads, "Worker threads of each; 0 is one a core")

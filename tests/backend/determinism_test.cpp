@@ -84,7 +84,7 @@ class Lockstep : public ::testing::Test {
       body.mass = massProperties(cube, 1);
       body.state.position = {1. * (i % 10), 1. * (i / 10 % 10), 1. * (i / 100)};
       body.state.velocity = {0, 0, i >= 100 ? -1. : 0.};
-      lockstep_.apply(SetBody{i, body});
+      static_cast<Engine&>(lockstep_).apply(SetBody{i, body});
     }
   }
 
