@@ -17,11 +17,13 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 
-# Precompiled headers: what most files of a target include. In CXX alone.
+# Precompiled headers: those of the standard library and those given. None of ours: GCC knows a header with `#pragma once` again by
+# the time of its last change, and a compiler cache may bring a precompiled one from before it.
 option(RUBBLE_PRECOMPILE "Precompile headers that many files include" ON)
 function(rubble_precompile target)
   if(RUBBLE_PRECOMPILE)
-    list(TRANSFORM ARGN REPLACE "(.+)" "$<$<COMPILE_LANGUAGE:CXX>:\\1>" OUTPUT_VARIABLE headers)
+    set(headers <algorithm> <array> <cmath> <functional> <memory> <numbers> <optional> <span> <string> <utility> <variant> <vector> ${ARGN})
+    list(TRANSFORM headers REPLACE "(.+)" "$<$<COMPILE_LANGUAGE:CXX>:\\1>")
     target_precompile_headers(${target} PRIVATE ${headers})
   endif()
 endfunction()

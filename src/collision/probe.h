@@ -11,7 +11,8 @@ inline constexpr double kRayGap = 1e-7, kFieldRayGap = 1e-4;
 
 namespace probes {
 
-inline constexpr SweptMotion kStill{};
+/// A function, because device code cannot refer to a constant of the host.
+RUBBLE_HD constexpr SweptMotion still() { return {}; }
 
 RUBBLE_HD inline Convex point() {
   return {ShapeKind::Sphere, {0, 0, 0}, 0, nullptr, nullptr, nullptr, 0, 0, {}};
@@ -145,7 +146,7 @@ RUBBLE_HD inline RayImpact castRay(const PlacedAny& target, const Vec3d& move) {
   if (isConvex(target.shape.kind)) {
     const double gap = kRayGap * static_cast<double>(boundingRadius(target.shape));
     const TimeOfImpact m = timeOfImpact({probes::point(), {}, {}}, {move, {}}, asConvex(target),
-                                        probes::kStill, gap);
+                                        probes::still(), gap);
     out = {m.fraction, m.at.distance > 0 ? -m.at.n : Vec3d{}};
   } else if (target.shape.kind == ShapeKind::Distance) {
     out = probes::rayToField(target, move);
@@ -172,15 +173,15 @@ RUBBLE_HD inline TimeOfImpact castShape(const PlacedAny& own, const Vec3d& move,
   const auto all = [](const Vec3d&, const TimeOfImpact&) { return true; };
   const SweptMotion motion{move, {}};
   if (target.shape.kind == ShapeKind::Distance)
-    return timeOfImpactWithField(target, probes::kStill, own, motion, {tolerance}, all);
+    return timeOfImpactWithField(target, probes::still(), own, motion, {tolerance}, all);
   if (isSurface(target.shape.kind)) {
     const Placed part = asConvex(own);
     const auto meet = [&](const Placed& triangle, const Vec3d&) {
-      return timeOfImpact(triangle, probes::kStill, part, motion, tolerance);
+      return timeOfImpact(triangle, probes::still(), part, motion, tolerance);
     };
-    return timeOfImpactWithTriangles(target, probes::kStill, part, motion, {tolerance}, meet);
+    return timeOfImpactWithTriangles(target, probes::still(), part, motion, {tolerance}, meet);
   }
-  return timeOfImpact(asConvex(target), probes::kStill, asConvex(own), motion, tolerance);
+  return timeOfImpact(asConvex(target), probes::still(), asConvex(own), motion, tolerance);
 }
 
 /// Does a convex shape overlap another? For meshes and height fields only the surface counts.

@@ -76,6 +76,7 @@ class CudaExecutor : private KernelLauncher {
   }
 
   // Executor interface.
+  using KernelLauncher::observe;
   using KernelLauncher::view;
 
   template <class Kernel, class N> void forEach(const Kernel& kernel, N n) {
