@@ -53,7 +53,7 @@ class CoreWorld {
   }
   /// A joint of its type's slot.
   void addJoint(int slot, EngineJoint joint) {
-    setJointCount(executor_.tables(), static_cast<int>(joint.type), slot + 1);
+    setJointCount(executor_.tables(), joint.type, slot + 1);
     joint.alive = true;
     setJoint(executor_.tables(), slot, joint);
   }
