@@ -81,8 +81,15 @@ MassProperties cookedMass(const Shape& shape, double density) {
 MassProperties massless(const Shape&, double) { return {}; }
 
 ShapeTraits plane() {
-  return {ShapeType::Plane, "plane", "half space, solid where local z is below 0", false, {}, nullptr,
-          [](CookedShape&, const Shape&, const std::string&) {}, massless, nullptr};
+  return {ShapeType::Plane,
+          "plane",
+          "half space, solid where local z is below 0",
+          false,
+          {},
+          nullptr,
+          [](CookedShape&, const Shape&, const std::string&) {},
+          massless,
+          nullptr};
 }
 
 struct Hull {
@@ -96,15 +103,28 @@ struct Hull {
     return s.rounding > 0 ? massInside(s, density, false) : cookedMass(s, density);
   }
   static ShapeTraits traits() {
-    return {ShapeType::Hull, "hull", "convex hull of points", true, anyFields<Shape, Hull, InShape>(), check,
-            cooking::addHull, mass, nullptr};
+    return {ShapeType::Hull,
+            "hull",
+            "convex hull of points",
+            true,
+            anyFields<Shape, Hull, InShape>(),
+            check,
+            cooking::addHull,
+            mass,
+            nullptr};
   }
 };
 
 ShapeTraits compound() {
-  return {ShapeType::Compound, "compound", "convex shapes that move as one", false, {},
+  return {ShapeType::Compound,
+          "compound",
+          "convex shapes that move as one",
+          false,
+          {},
           [](const Shape& s, const std::string& path) { checkParts(geometryOf(s), path + ".parts"); },
-          cooking::addCompound, cookedMass, nullptr};
+          cooking::addCompound,
+          cookedMass,
+          nullptr};
 }
 
 ShapeTraits mesh() {
@@ -112,8 +132,8 @@ ShapeTraits mesh() {
     checkPoints(geometryOf(s), path + ".points");
     checkTriangles(geometryOf(s), path + ".triangles");
   };
-  return {ShapeType::Mesh, "mesh", "surface of triangles", false, {}, check, cooking::addMesh, massless,
-          nullptr};
+  return {ShapeType::Mesh, "mesh", "surface of triangles", false, {}, check, cooking::addMesh,
+          massless,        nullptr};
 }
 
 ShapeTraits heightField() {
@@ -126,8 +146,15 @@ ShapeTraits heightField() {
   const auto cook = [](CookedShape& out, const Shape& s, const std::string&) {
     cooking::addHeightField(out, s);
   };
-  return {ShapeType::HeightField, "height_field", "surface over the local x-y plane", false, {}, check, cook,
-          massless, nullptr};
+  return {ShapeType::HeightField,
+          "height_field",
+          "surface over the local x-y plane",
+          false,
+          {},
+          check,
+          cook,
+          massless,
+          nullptr};
 }
 
 ShapeTraits distanceField() {
@@ -139,8 +166,15 @@ ShapeTraits distanceField() {
     if (g.spacing.y != g.spacing.x || g.spacing.z != g.spacing.x)
       throw Error(path + ".spacing", "one length for all three axes", text(g.spacing));
   };
-  return {ShapeType::DistanceField, "distance_field", "solid by signed distances on a lattice", false, {},
-          check, cooking::addDistanceField, cookedMass, nullptr};
+  return {ShapeType::DistanceField,
+          "distance_field",
+          "solid by signed distances on a lattice",
+          false,
+          {},
+          check,
+          cooking::addDistanceField,
+          cookedMass,
+          nullptr};
 }
 
 }  // namespace
