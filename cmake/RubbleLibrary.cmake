@@ -2,7 +2,7 @@
 
 file(GLOB rubble_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/rubble/*.h)
 file(GLOB rubble_host_sources CONFIGURE_DEPENDS
-  ${PROJECT_SOURCE_DIR}/src/world/*.cpp ${PROJECT_SOURCE_DIR}/src/cook/*.cpp ${PROJECT_SOURCE_DIR}/src/backend/*.cpp)
+  ${PROJECT_SOURCE_DIR}/src/world/*.cpp ${PROJECT_SOURCE_DIR}/src/cook/*.cpp ${PROJECT_SOURCE_DIR}/src/forces/*.cpp ${PROJECT_SOURCE_DIR}/src/backend/*.cpp)
 file(GLOB rubble_core_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/tables/*.cpp ${PROJECT_SOURCE_DIR}/src/backend/cpu/*.cpp)
 file(GLOB rubble_lockstep_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/lockstep/*.cpp)
 file(GLOB rubble_cuda_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/backend/cuda/*.cu ${PROJECT_SOURCE_DIR}/src/backend/cuda/*.cpp)

@@ -29,7 +29,8 @@ function(rubble_precompile target)
 endfunction()
 
 add_library(rubble_warnings INTERFACE)
-target_compile_options(rubble_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wconversion>)
+# -Wno-psabi: lanes are wider than a baseline register, and no function that takes them by value is called from elsewhere.
+target_compile_options(rubble_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wconversion -Wno-psabi>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION MATCHES "^12\\.")
   # GCC bug 105651: GCC 12 takes "text" + std::string for an overlapping copy.
   target_compile_options(rubble_warnings INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
@@ -53,10 +54,10 @@ endif()
 
 # Engine objects. No fast-math: contraction is off so that every build rounds alike, and the two -fno- flags change no result,
 # they only free the compiler from keeping errno and floating-point traps (sqrt becomes one instruction, branches become masks).
-# Release is -O3. -Wno-psabi: lanes are wider than a baseline register, and no function that takes them by value is called from elsewhere.
+# Release is -O3.
 add_library(rubble_engine_flags INTERFACE)
 target_compile_options(rubble_engine_flags INTERFACE
-  $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off -Wno-psabi -fno-math-errno -fno-trapping-math>
+  $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off -fno-math-errno -fno-trapping-math>
   $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${BUILD_SHARED_LIBS}>>:-fno-semantic-interposition>)
 if(RUBBLE_ARCH)
   target_compile_options(rubble_engine_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-march=${RUBBLE_ARCH}>)

@@ -2,6 +2,7 @@
 /// Joints of scene files.
 #include <functional>
 
+#include "forces/joint_kind.h"
 #include "io/json_reader.h"
 
 namespace rubble::io {
@@ -14,32 +15,9 @@ void readJointValues(ObjectReader& object, JointDef& out);
 /// Keywords of all joint types, in the order of JointType.
 const std::vector<std::string>& jointKeywords();
 
-enum class FieldRange { Any, NotNegative, Positive };
-
-/// One field of a joint in files: its key, where it is, and what is said about it.
-struct JointField {
-  const char* key;
-  double JointDef::*member;
-  FieldRange range;
-  const char* word;  ///< for infinity: "hard", "never", "free"; null: it must be finite
-  const char* unit;
-  const char* doc;
-};
-struct AxisField {
-  const char* key;
-  double JointAxis::*member;
-  FieldRange range;
-  const char* word;
-  const char* unit;
-  const char* doc;
-};
-const std::vector<JointField>& jointFields();
-const std::vector<AxisField>& axisFields();
-
-/// Axes that a file may describe for a joint of this type.
-std::size_t axesInFile(JointType type);
-/// Do the joint's axes matter?
-bool usesFrames(JointType type);
+/// Fields of a joint in files, in their order there, without its anchors and frames. Files of any type may
+/// have the fields that JointDef has.
+std::vector<JointField> valueFields(const JointKind& kind);
 
 /// A joint as files have it; `reference`: how it refers to a body by its index.
 nlohmann::ordered_json jointJson(const JointDef& joint,

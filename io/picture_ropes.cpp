@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "forces/joint_kind.h"
 #include "io/picture.h"
 
 namespace rubble::io {
@@ -11,10 +12,7 @@ namespace {
 /// Radius of a tube over the half size of a typical body.
 constexpr double kThickness = .08;
 
-bool isRope(JointType type) {
-  return type == JointType::Distance || type == JointType::Rope || type == JointType::Spring ||
-         type == JointType::Pulley;
-}
+bool isRope(JointType type) { return kindOf(type).has("length"); }
 
 Vec3 anchorOf(const World& world, BodyId body, const Vec3& anchor) {
   if (body.index < 0) return anchor;
@@ -43,7 +41,7 @@ void addRopes(const World& world, std::vector<PictureBody>& bodies) {
     if (!isRope(joint.type) || world.state(id).broken) continue;
     const auto [bodyA, bodyB] = world.bodiesOf(id);
     const Vec3 a = anchorOf(world, bodyA, joint.anchorA), b = anchorOf(world, bodyB, joint.anchorB);
-    if (joint.type != JointType::Pulley) {
+    if (!kindOf(joint.type).has("pulley_a")) {
       add(a, b);
       continue;
     }

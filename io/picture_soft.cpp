@@ -145,7 +145,7 @@ void addDeformables(const Scene& scene, std::vector<PictureBody>& bodies) {
                      std::holds_alternative<SoftDef>(def)};
     for (const SoftModel::Vertex& v : model->vertices)
       object.vertices.push_back(v.position), object.velocities.push_back(v.velocity);
-    for (const SoftModel::Spring& s : model->springs) object.segments.push_back(s.v);
+    for (const SpringModel& s : model->list<SpringModel>()) object.segments.push_back(s.v);
     objects.push_back(std::move(object));
   }
   addDeformables(objects, bodies);

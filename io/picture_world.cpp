@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cook/shape_traits.h"
 #include "io/picture_values.h"
 
 namespace rubble::io {
@@ -25,9 +26,15 @@ Vec3 shapeExtent(const Shape& shape) {
     default:
       break;
   }
-  if (!shape.geometry) return {};
-  const ShapeGeometry& g = *shape.geometry;
   Vec3 far;
+  const auto support = traitsOf(shape.type).support;
+  for (int i = 0; i < 3 && support; ++i) {
+    Vec3 axis;
+    axis[i] = 1;
+    far[i] = std::max(support(shape, axis)[i], -support(shape, -axis)[i]);
+  }
+  if (!shape.geometry) return far;
+  const ShapeGeometry& g = *shape.geometry;
   const auto add = [&](const Vec3& p) {
     for (int i = 0; i < 3; ++i) far[i] = std::max(far[i], std::fabs(p[i]));
   };

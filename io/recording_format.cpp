@@ -4,6 +4,7 @@
 
 #include <rubble/error.h>
 
+#include "cook/shape_traits.h"
 #include "cook/size.h"
 #include "io/byte_stream.h"
 #include "io/shape_json.h"
@@ -90,7 +91,7 @@ std::optional<std::vector<RecordedBody>> getBodies(ByteReader& in) {
     body.id.generation = in.get<std::uint32_t>();
     const auto motion = in.get<std::uint8_t>(), code = in.get<std::uint8_t>();
     const int type = code & ~kDescribed;
-    if (motion > static_cast<int>(Motion::Dynamic) || type > static_cast<int>(ShapeType::DistanceField))
+    if (motion > static_cast<int>(Motion::Dynamic) || type >= static_cast<int>(shapeTraits().size()))
       return std::nullopt;
     body.motion = static_cast<Motion>(motion);
     body.shape.type = static_cast<ShapeType>(type);

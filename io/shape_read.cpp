@@ -2,6 +2,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "cook/shape_traits.h"
+#include "io/field_json.h"
 #include "io/shape_json.h"
 
 namespace rubble::io {
@@ -15,9 +17,16 @@ constexpr Want kRatio{0, true, 1, "a number from 0 to 1"};
 constexpr double kUnit = 1e-12;
 constexpr double kNearlyUnit = 1e-3;
 
-const std::vector<std::string> kTypes{"box",  "sphere",   "capsule", "plane",        "cylinder",      "cone",
-                                      "hull", "compound", "mesh",    "height_field", "distance_field"};
 const std::vector<std::string> kRules{"usual", "average", "minimum", "multiply", "maximum", "geometric_mean"};
+
+const std::vector<std::string>& shapeKeywords() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const ShapeTraits& traits : shapeTraits()) all.emplace_back(traits.name);
+    return all;
+  }();
+  return names;
+}
 
 std::string oneOf(const std::vector<std::string>& names) {
   std::string out = "one of ";
@@ -66,36 +75,19 @@ Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
     return {};
   }
   ObjectReader object(node, "a shape, such as {\"type\": \"box\", \"size\": [1, 1, 1]}");
-  const auto type = object.need("type", oneOf(kTypes));
+  const auto type = object.need("type", oneOf(shapeKeywords()));
   if (!type) return {};
-  const auto choice = type->choice(kTypes);
+  const auto choice = type->choice(shapeKeywords());
   if (!choice) return {};
-  const std::string& name = kTypes[*choice];
+  const std::string& name = shapeKeywords()[*choice];
   const auto lengthOf = [&](const char* key, const char* what) {
     const auto found = object.need(key, what);
     return found ? found->number(kLength).value_or(1) : 1;
   };
-  double rounding = 0;
-  if (name == "box" || name == "cylinder" || name == "hull") object.read("rounding", rounding, kNotNegative);
-  Shape out;
-  if (name == "box") {
-    const auto size = object.need("size", "its three edge lengths [m]");
-    out = Shape::box(
-        (size ? size->vector(kLength, "three edge lengths [m]").value_or(Vec3{1, 1, 1}) : Vec3{1, 1, 1}) * .5,
-        rounding);
-  } else if (name == "sphere") {
-    out = Shape::sphere(lengthOf("radius", "its radius [m]"));
-  } else if (name == "capsule") {
-    const double radius = lengthOf("radius", "its radius [m]");
-    out = Shape::capsule(radius, lengthOf("length", "the distance of the centers of its two ends [m]") / 2);
-  } else if (name == "cylinder") {
-    const double radius = lengthOf("radius", "its radius [m]");
-    out = Shape::cylinder(radius, lengthOf("length", "its height along local z [m]") / 2, rounding);
-  } else if (name == "cone") {
-    const double radius = lengthOf("radius", "the radius of its base [m]");
-    out = Shape::cone(radius, lengthOf("length", "its height along local z [m]") / 2);
-  } else if (name == "hull") {
-    out = Shape::hull(readPoints(object, "points"), rounding);
+  const ShapeTraits& traits = shapeTraits()[*choice];
+  Shape out{traits.type, {}, 0, 0};
+  if (name == "hull") {
+    out = Shape::hull(readPoints(object, "points"));
   } else if (name == "compound") {
     std::vector<ShapePartDef> parts;
     if (const auto list = object.need("parts", "a list of parts"))
@@ -144,8 +136,10 @@ Shape readShape(const Node& node, const std::map<std::string, Shape>& named,
     const double spacing = lengthOf("spacing", "the distance of samples [m]");
     out = Shape::distanceField(counts, origin, spacing,
                                readNumbers(object, "distances", "a list of distances [m]"));
-  } else {
-    out = Shape::plane();
+  }
+  for (const ShapeField& field : traits.fields) {
+    if (field.rules.always) object.need(field.key, field.doc + std::string(" [") + field.unit + "]");
+    field.visit(out, [&](auto& value) { readField(object, field, value); });
   }
   object.finish();
   return out;

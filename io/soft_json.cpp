@@ -3,6 +3,8 @@
 #include <bit>
 
 #include "cook/soft_fields.h"
+#include "forces/element_kind.h"
+#include "io/field_json.h"
 #include "io/soft_mesh.h"
 
 namespace rubble::io {
@@ -135,7 +137,7 @@ template <class D, class Visit, class Use> void besideUsual(const D& def, Visit&
 }
 
 constexpr auto kAllFields = [](auto& def, auto&& f) { commonFields(def, f), ownFields(def, f); };
-constexpr auto kAttachmentFields = [](auto& def, auto&& f) { attachmentFields(def, f); };
+constexpr auto kFieldsOfAttachment = [](auto& def, auto&& f) { attachmentFields(def, f); };
 
 /// The index of an object of the scene, by index or name.
 int objectIndex(const Node& node, const std::vector<Deformable>& objects) {
@@ -155,6 +157,35 @@ int objectIndex(const Node& node, const std::vector<Deformable>& objects) {
     node.faultText("expected the name or index of a deformable object, got " + describe(node.value()) +
                    hint(*name, names));
   return 0;
+}
+
+std::vector<ElementDef> readElements(const Node& node) {
+  std::vector<std::string> names;
+  for (const ElementKind& kind : elementKinds()) names.emplace_back(kind.name);
+  std::vector<ElementDef> out;
+  for (const Node& each : node.elements("a list of elements")) {
+    ObjectReader object(each, "an element");
+    const auto type = object.need("type", "the keyword of an element");
+    const auto kind = type ? type->choice(names) : std::nullopt;
+    if (!kind) continue;
+    ElementDef& def = out.emplace_back(ElementDef{names[*kind], {}, {}});
+    if (const auto list = object.need("vertices", "its vertices"))
+      for (const Node& v : list->elements("a list of vertices"))
+        def.vertices.push_back(vertexIndex(v).value_or(0));
+    for (const ElementField& field : elementKinds()[*kind].fields)
+      field.visit(def, [&](auto& value) { readField(object, field, value); });
+    object.finish();
+  }
+  return out;
+}
+
+Ordered elementJson(const ElementDef& def) {
+  Ordered json{{"type", def.type}, {"vertices", def.vertices}};
+  for (const ElementField& field : findElementKind(def.type)->fields)
+    field.visit(def, ElementDef{}, [&](const auto& value, const auto& usualValue) {
+      if (!sameBits(value, usualValue) || field.rules.always) json[field.key] = fieldJson(field, value);
+    });
+  return json;
 }
 
 }  // namespace
@@ -177,6 +208,8 @@ Deformable readDeformable(const Node& node, const std::function<Material(const N
   else if (*kind == 4)
     out = ParticlesDef{};
   std::visit([&](auto& def) { kAllFields(def, FieldReader(object, material)); }, out);
+  if (!elementKinds().empty())
+    if (const auto list = object.get("elements")) common(out).elements = readElements(*list);
   if (const auto mesh = object.get("mesh")) readMeshInto(*mesh, folder, out);
   object.finish();
   return out;
@@ -191,7 +224,7 @@ AttachmentDef readAttachment(const Node& node, const std::vector<Deformable>& ob
     out.object = objectIndex(*found, objects);
   if (const auto found = object.get("body")) out.body = body(*found);
   if (const auto found = object.get("other_object")) out.otherObject = objectIndex(*found, objects);
-  kAttachmentFields(out, FieldReader(object, {}));
+  kFieldsOfAttachment(out, FieldReader(object, {}));
   object.finish();
   return out;
 }
@@ -207,6 +240,7 @@ Ordered deformableJson(const Deformable& object, const Ordered& material) {
         });
       },
       object);
+  for (const ElementDef& def : common(object).elements) json["elements"].push_back(elementJson(def));
   return json;
 }
 
@@ -216,9 +250,10 @@ Ordered attachmentJson(const AttachmentDef& attachment, const Ordered& body) {
   if (attachment.body != kWorld) json["body"] = body;
   if (attachment.otherObject >= 0) json["other_object"] = attachment.otherObject;
   FieldWriter writer(json, nullptr);
-  besideUsual(attachment, kAttachmentFields, [&](const char* key, const auto& value, const auto& usualValue) {
-    writer.write(key, value, usualValue);
-  });
+  besideUsual(attachment, kFieldsOfAttachment,
+              [&](const char* key, const auto& value, const auto& usualValue) {
+                writer.write(key, value, usualValue);
+              });
   return json;
 }
 

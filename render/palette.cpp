@@ -174,11 +174,7 @@ BodyLook Palette::newLook(const io::PictureBody& body) const {
       look.color = linearColor(kAccents[accentOf(body.key)]) * shade;
       break;
     }
-    case ShapeType::Hull:
-    case ShapeType::Compound:
-    case ShapeType::Mesh:
-    case ShapeType::HeightField:
-    case ShapeType::DistanceField:
+    default:
       look.geometry = kOwnMesh;
       look.size = {1, 1, 1};
       look.color = stone(body);

@@ -7,7 +7,7 @@
 #include "apps/viewer/panel_parts.h"
 #include "apps/viewer/ui_state.h"
 #include "cook/soft_fields.h"
-#include "io/joint_reader.h"
+#include "forces/joint_kind.h"
 #include "io/picture_values.h"
 #include "io/shape_json.h"
 
@@ -136,13 +136,17 @@ void drawBody(UiState& uiState, Player& player, BodyId id) {
 }
 
 /// Number of a field, with the word for infinity.
-template <class Field, class Object> void fieldRow(const Field& field, const Object& object) {
-  const double value = object.*field.member;
-  if (std::isinf(value) && field.word)
-    row(field.key, std::string(value < 0 ? "-" : "") + field.word, field.doc);
+void fieldRow(const FieldInfo& field, double value) {
+  if (std::isinf(value) && field.rules.infinity)
+    row(field.key, std::string(value < 0 ? "-" : "") + field.rules.infinity, field.doc);
   else
     row(field.key, field.unit, value, field.doc);
 }
+void fieldRow(const FieldInfo& field, bool value) {
+  row(field.key, std::string(value ? "yes" : "no"), field.doc);
+}
+void fieldRow(const FieldInfo& field, const Vec3& value) { row(field.key, field.unit, value, field.doc); }
+void fieldRow(const FieldInfo& field, const Quat& value) { turnRow(field.key, value, field.doc); }
 
 void drawJoint(UiState& uiState, World& world, JointId id) {
   const JointDef& def = world.definition(id);
@@ -172,18 +176,14 @@ void drawJoint(UiState& uiState, World& world, JointId id) {
     row("  friction force", "N, N m", axis.frictionForce);
   }
   if (!ImGui::CollapsingHeader("As authored", ImGuiTreeNodeFlags_DefaultOpen)) return;
-  row("anchor A", "m", def.anchorA, "in the frame of A");
-  row("anchor B", "m", def.anchorB, "in the frame of B");
-  turnRow("frame A", def.frameA);
-  turnRow("frame B", def.frameB);
-  turnRow("orientation A to B", def.orientationAtoB);
-  turnRow("drive orientation", def.driveOrientation);
-  for (const io::JointField& field : io::jointFields()) fieldRow(field, def);
-  if (def.type == JointType::Pulley) row("pulley A", "m", def.pulleyA), row("pulley B", "m", def.pulleyB);
+  const JointKind& kind = kindOf(def.type);
+  for (const JointField& field : kind.fields)
+    field.visit(def, [&](const auto& value) { fieldRow(field, value); });
   row("collide", std::string(def.collide ? "yes" : "no"));
-  for (std::size_t i = 0; i < io::axesInFile(def.type); ++i) {
-    ImGui::Text("axis %zu", i);
-    for (const io::AxisField& field : io::axisFields()) fieldRow(field, def.axes[i]);
+  for (int i = 0; i < kind.axes; ++i) {
+    ImGui::Text("axis %d", i);
+    forEachField(kAxisFields, def.axes[static_cast<std::size_t>(i)],
+                 [](const FieldInfo& field, double value) { fieldRow(field, value); });
   }
 }
 

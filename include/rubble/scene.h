@@ -1,5 +1,6 @@
 #pragma once
 /// Scene definitions: bodies, joints and scripted events, in physical units. No field concerns the solver.
+#include <any>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -30,6 +31,12 @@ enum class ShapeType {
   HeightField,
   DistanceField
 };
+
+/// Keyword of a shape type in scene files: "height_field".
+const char* keyword(ShapeType type);
+/// The shape type of a keyword. Types without an enumerator are found by it too. Throws Error if there is
+/// none.
+ShapeType shapeType(const std::string& keyword);
 
 struct ShapeGeometry;
 struct ShapePartDef;
@@ -178,7 +185,7 @@ struct JointAxis {
 
 /// A joint between two bodies, or between a body and the world. Each body has a joint frame: an anchor and x,
 /// y, z axes. Coordinates are those of the frame of A in the frame of B.
-/// `axes` by type:
+/// Scene files list the fields in this order. `axes` by type:
 ///   hinge {angle}, slider {translation}, distance, rope, spring {length},
 ///   swing-twist {swing (cone), twist}, six-dof {translation x, y, z, rotation x, y, z},
 ///   gear {theta_A + ratio theta_B}, rack {ratio theta_A - translation_B},
@@ -193,6 +200,7 @@ struct JointDef {
   Quat frameA, frameB;    ///< joint axes in the body frame (world: world axes)
   /// Fixed, slider, angular spring: target orientation of A in the frame of B, q_B^-1 q_A.
   Quat orientationAtoB;
+  Quat driveOrientation;  ///< swing-twist: target orientation of the frame of A in that of B
   /// Of the anchors [N/m], or hard. Spring, rope, distance, pulley: of the length.
   double stiffness = kHard;
   double damping = 0;  ///< in parallel to a finite stiffness [N s/m]
@@ -203,25 +211,28 @@ struct JointDef {
   double angularDampingRatio = 0;   ///< alternative to angularDamping [1]
   double maxForce = kHard;          ///< ball, fixed, grab: largest force on the anchors [N]
   double maxTorque = kHard;         ///< fixed, angular spring: largest torque [N m]
-  std::array<JointAxis, 6> axes;    ///< by type, see above
   /// Distance, rope, spring, pulley [m]. Negative: the length when the joint is made.
   double length = -1;
-  double ratio = 1;       ///< gear, pulley [1]; rack: translation of B per rotation of A [m/rad]
-  Vec3 pulleyA, pulleyB;  ///< pulley: world points that the rope runs over [m]
+  double ratio = 1;  ///< gear, pulley [1]; rack: translation of B per rotation of A [m/rad]
   /// Swing-twist: half angles of the cone about y and z [rad], at most pi.
   double swingY = kFree, swingZ = kFree;
   double friction = 0;                ///< ball, swing-twist: torque of dry friction, all rotations [N m]
-  Quat driveOrientation;              ///< swing-twist: target orientation of the frame of A in that of B
   double driveStiffness = 0;          ///< swing-twist: toward driveOrientation [N m/rad]
   double driveDamping = 0;            ///< [N m s/rad]
   double maxDriveTorque = kHard;      ///< [N m]
   double breakForce = kUnbreakable;   ///< [N]
   double breakTorque = kUnbreakable;  ///< [N m]
+  Vec3 pulleyA, pulleyB;              ///< pulley: world points that the rope runs over [m]
+  std::array<JointAxis, 6> axes;      ///< by type, see above
   bool collide = false;               ///< do the two bodies collide with each other?
+  std::any own;                       ///< fields of a joint type that has no members here (docs/extending.md)
 };
 
 /// Keyword of a joint type in scene files: "swing_twist".
 const char* keyword(JointType type);
+/// The joint type of a keyword. Types without an enumerator are found by it too. Throws Error if there is
+/// none.
+JointType jointType(const std::string& keyword);
 /// A rotation whose x axis has that direction.
 Quat frameAlong(const Vec3& x);
 /// A joint at a world point [m] with the axes of `frame` (world), for two bodies of the scene at their

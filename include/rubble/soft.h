@@ -1,5 +1,6 @@
 #pragma once
 /// Definitions of deformable objects: solids, cloth, rods, nets and granular particles, in physical units.
+#include <any>
 #include <array>
 #include <optional>
 #include <string>
@@ -10,6 +11,14 @@
 #include <rubble/math.h>
 
 namespace rubble {
+
+/// An element of its own between vertices of an object, of a type whose header declares its fields
+/// (docs/extending.md).
+struct ElementDef {
+  std::string type;           ///< keyword
+  std::vector<int> vertices;  ///< as many as the type has corners
+  std::any fields;            ///< a struct that the header declares; empty: its defaults
+};
 
 /// Fields that all deformable objects have.
 struct DeformableDef {
@@ -27,6 +36,7 @@ struct DeformableDef {
   bool collideSelf = true;  ///< the surface collides with itself
   /// Vertices collide, as spheres of the contact radius, with vertices of other objects that have this flag.
   bool collideVertices = false;
+  std::vector<ElementDef> elements;  ///< besides those that the kind of the object implies
 };
 
 /// A tetrahedral solid with the stable neo-Hookean energy.

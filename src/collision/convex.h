@@ -148,8 +148,11 @@ template <class S> RUBBLE_HD Vec3T<S> support(const Convex& c, const Vec3T<S>& d
       const S a = dot(x, d), b = dot(y, d), e = dot(z, d);
       return a >= b && a >= e ? x : b >= e ? y : z;
     }
-    default:
-      return {0, 0, 0};
+    default: {
+      Vec3T<S> x{0, 0, 0};
+      withAddedShape(c.kind, [&]<class A>() { x = A::support(half, d); });
+      return x;
+    }
   }
 }
 
@@ -231,6 +234,10 @@ RUBBLE_HD inline bool faceReaches(const Convex& c, int face, const Vec3& d, Real
 /// is closest to d.
 RUBBLE_HD inline void featureAlong(const Convex& c, const Vec3& d, const Vec3& load, Real tolerance,
                                    Feature& f) {
+  if (isAdded(c.kind)) {
+    addCorner(f, support(c, d), 0);
+    return;
+  }
   switch (c.kind) {
     case ShapeKind::Sphere:
       addCorner(f, {0, 0, 0}, 0);

@@ -5,28 +5,13 @@
 
 #include <rubble/scene.h>
 
-namespace rubble {
+#include "collision/shape_kind.h"
 
-/// Mirrors ShapeKind (collision/shapes.h), which is compiled once per precision.
-enum class CookedKind : int {
-  Sphere,
-  Capsule,
-  Box,
-  Plane,
-  RoundBox,
-  Cylinder,
-  Cone,
-  Hull,
-  Triangle,
-  Compound,
-  Mesh,
-  HeightField,
-  Distance
-};
+namespace rubble {
 
 /// Like ShapeData; `data` is relative to the tables of this shape.
 struct CookedData {
-  CookedKind kind = CookedKind::Plane;
+  ShapeKind kind = ShapeKind::Plane;
   Vec3 half;
   double radius = 0;
   int data = -1;

@@ -36,7 +36,7 @@ RUBBLE_HD inline int convexCornerCount(const ShapeTables& tables, const ShapeDat
     case ShapeKind::Distance:
       return tables.index[s.data + 5];
     default:
-      return 0;
+      return isAdded(s.kind) ? kAddedCorners : 0;
   }
 }
 
@@ -61,8 +61,11 @@ RUBBLE_HD inline Vec3 convexCorner(const ShapeTables& tables, const ShapeData& s
       return xyz(tables.vector[tables.index[s.data] + k]);
     case ShapeKind::Distance:
       return xyz(latticeOf(tables, s).points[k]);
-    default:
-      return {0, 0, 0};
+    default: {
+      Vec3 x{0, 0, 0};
+      withAddedShape(s.kind, [&]<class A>() { x = A::support(s.half, addedDirection(k)); });
+      return x;
+    }
   }
 }
 

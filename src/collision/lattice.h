@@ -93,8 +93,12 @@ RUBBLE_HD inline Real distanceTo(const Convex& c, const Vec3& x) {
       for (int f = 0; f < c.faceCount; ++f) most = max(most, dot(xyz(c.planes[f]), x) - c.planes[f].w);
       return most - c.radius;
     }
-    default:
-      return length(x) - c.radius;
+    default: {
+      Real distance = length(x);
+      [[maybe_unused]] Vec3 n;
+      withAddedShape(c.kind, [&]<class A>() { distance = A::distance(c.half, x, n); });
+      return distance - c.radius;
+    }
   }
 }
 
@@ -141,7 +145,8 @@ template <class Visit> RUBBLE_HD void visitCorners(const Convex& c, Visit&& visi
       for (int k = 0; k < c.vertexCount; ++k) visit(xyz(c.vertices[k]), k);
       return;
     default:
-      visit(Vec3{0, 0, 0}, 0);
+      if (!isAdded(c.kind)) return visit(Vec3{0, 0, 0}, 0);
+      for (int k = 0; k < kAddedCorners; ++k) visit(support(c, addedDirection(k)), k);
   }
 }
 

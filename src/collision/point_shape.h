@@ -188,8 +188,12 @@ RUBBLE_HD inline PointDistance pointToConvex(const ShapeTables& tables, const Sh
       return pointToRevolved(s, x);
     case ShapeKind::Hull:
       return pointToHull(tables, s, x);
-    default:
-      return pointToPrimitive(s, x);
+    default: {
+      if (!isAdded(s.kind)) return pointToPrimitive(s, x);
+      PointDistance at;
+      withAddedShape(s.kind, [&]<class A>() { at.distance = A::distance(s.half, x, at.n) - s.radius; });
+      return at;
+    }
   }
 }
 

@@ -1,27 +1,10 @@
 #pragma once
 /// Shapes as the solver stores them, and the result of the narrow phase.
+#include "collision/shape_kind.h"
 #include "math/sym.h"
 #include "solver/pose_algebra.h"
 
 namespace rubble::RUBBLE_CORE {
-
-/// Kinds up to Plane are primitive: a pair has one manifold, which a specialized kernel computes. The other
-/// kinds store data in shared tables.
-enum class ShapeKind : int {
-  Sphere,
-  Capsule,
-  Box,
-  Plane,
-  RoundBox,
-  Cylinder,
-  Cone,
-  Hull,
-  Triangle,
-  Compound,
-  Mesh,
-  HeightField,
-  Distance
-};
 
 /// A shape in the frame of its body: origin at the center of mass, principal axes.
 struct ShapeData {

@@ -257,8 +257,11 @@ RUBBLE_HD inline Real innerRadiusOfPart(const ShapeTables& tables, const ShapeDa
     case ShapeKind::Mesh:
     case ShapeKind::HeightField:
       return 0;
-    default:
-      return innerRadius(s);
+    default: {
+      Real radius = innerRadius(s);
+      withAddedShape(s.kind, [&]<class A>() { radius = A::innerRadius(s.half) + s.radius; });
+      return radius;
+    }
   }
 }
 

@@ -67,6 +67,26 @@ void material(const Material& m, const std::string& path) {
   finite(m.surfaceVelocity, path + ".surfaceVelocity");
 }
 
+void field(const FieldInfo& info, double value, const std::string& path) {
+  const std::string own = path + "." + info.name();
+  const bool infinite = info.rules.infinity != nullptr;
+  if (info.rules.range == FieldRange::Positive)
+    infinite ? positiveOrInfinite(value, own) : positive(value, own);
+  else if (info.rules.range == FieldRange::NotNegative)
+    infinite ? notNegativeOrInfinite(value, own) : notNegative(value, own);
+  else if (!infinite)
+    finite(value, own);
+}
+void field(const FieldInfo& info, const Vec3& value, const std::string& path) {
+  const std::string own = path + "." + info.name();
+  if (info.rules.range == FieldRange::Any) return finite(value, own);
+  const auto check = info.rules.range == FieldRange::Positive ? positive : notNegative;
+  check(value.x, own + ".x"), check(value.y, own + ".y"), check(value.z, own + ".z");
+}
+void field(const FieldInfo& info, const Quat& value, const std::string& path) {
+  unit(value, path + "." + info.name());
+}
+
 void failEnumeration(long long value, long long last, const std::string& path) {
   throw Error(path, "one of an enumeration, 0 to " + std::to_string(last), std::to_string(value));
 }

@@ -8,6 +8,8 @@
 #include <rubble/material.h>
 #include <rubble/math.h>
 
+#include "math/field.h"
+
 namespace rubble::checks {
 
 std::string text(double a);
@@ -31,6 +33,11 @@ void unit(const Quat& q, const std::string& path);
 /// A length that is safe to normalize.
 void rotation(const Quat& q, const std::string& path);
 void material(const Material& m, const std::string& path);
+/// The value of a field by its rules. `path`: of its owner.
+void field(const FieldInfo& info, double value, const std::string& path);
+void field(const FieldInfo& info, const Vec3& value, const std::string& path);
+void field(const FieldInfo& info, const Quat& value, const std::string& path);
+inline void field(const FieldInfo&, bool, const std::string&) {}
 
 [[noreturn]] void failEnumeration(long long value, long long last, const std::string& path);
 /// An enumerator from 0 to `last`.

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "cook/hull.h"
-#include "cook/shape_mesh.h"
+#include "cook/shape_traits.h"
 #include "cook/solid_mass.h"
 
 namespace rubble {
@@ -43,7 +43,7 @@ void addHull(CookedShape& out, const Shape& shape, const std::string& path) {
   const int header = beginHeader(out, 4);
   out.indices[static_cast<std::size_t>(header) + 2] = static_cast<int>(hull.vertices.size());
   out.indices[static_cast<std::size_t>(header) + 3] = static_cast<int>(hull.faces.size());
-  out.shape = {CookedKind::Hull, {}, shape.rounding, header};
+  out.shape = {ShapeKind::Hull, {}, shape.rounding, header};
   std::vector<Vec3> local;
   for (const Vec3& v : hull.vertices) {
     const Vec3 x = rotateInverse(out.unit.axes, v - out.unit.centre);
@@ -80,7 +80,7 @@ void addCompound(CookedShape& out, const Shape& shape, const std::string& path) 
   out.indices[static_cast<std::size_t>(header) + 2] = 0;
   out.indices[static_cast<std::size_t>(header) + 3] = static_cast<int>(parts.size());
   out.partPlaces.push_back(header + 2);
-  out.shape = {CookedKind::Compound, {}, 0, header};
+  out.shape = {ShapeKind::Compound, {}, 0, header};
   const Quat back = conjugate(out.unit.axes);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     CookedShape& part = cooked[i];
@@ -117,52 +117,7 @@ void addCompound(CookedShape& out, const Shape& shape, const std::string& path) 
 CookedShape cook(const Shape& shape, const std::string& path) {
   validate(shape, path);
   CookedShape out;
-  const double r = shape.rounding;
-  const auto inside = [&](double smallest) {
-    if (r > 0 && !(r < smallest))
-      throw Error(path + ".rounding", "less than half of the smallest size", std::to_string(r));
-  };
-  switch (shape.type) {
-    case ShapeType::Sphere:
-      out.shape = {CookedKind::Sphere, {}, shape.radius};
-      break;
-    case ShapeType::Capsule:
-      out.shape = {CookedKind::Capsule, {0, 0, shape.halfLength}, shape.radius};
-      break;
-    case ShapeType::Box:
-      inside(std::min({shape.halfExtents.x, shape.halfExtents.y, shape.halfExtents.z}));
-      out.shape = {r > 0 ? CookedKind::RoundBox : CookedKind::Box, shape.halfExtents - Vec3{r, r, r}, r};
-      break;
-    case ShapeType::Plane:
-      return out;
-    case ShapeType::Cylinder:
-      inside(std::min(shape.radius, shape.halfLength));
-      out.shape = {CookedKind::Cylinder, {shape.radius - r, shape.radius - r, shape.halfLength - r}, r};
-      out.radius = std::hypot(shape.radius - r, shape.halfLength - r) + r;
-      break;
-    case ShapeType::Cone:
-      // the tip is three quarters of the height above the center of mass
-      out.shape = {CookedKind::Cone, {shape.radius, shape.radius, 1.5 * shape.halfLength}, 0};
-      out.radius = std::max(1.5 * shape.halfLength, std::hypot(shape.radius, .5 * shape.halfLength));
-      break;
-    case ShapeType::Hull:
-      cooking::addHull(out, shape, path);
-      return out;
-    case ShapeType::Compound:
-      cooking::addCompound(out, shape, path);
-      return out;
-    case ShapeType::Mesh:
-      cooking::addMesh(out, shape, path);
-      return out;
-    case ShapeType::HeightField:
-      cooking::addHeightField(out, shape);
-      return out;
-    case ShapeType::DistanceField:
-      cooking::addDistanceField(out, shape, path);
-      return out;
-  }
-  out.unit = massProperties(shape, 1);
-  if (out.radius == 0) out.radius = out.shape.radius + length(out.shape.half);
+  traitsOf(shape.type).cook(out, shape, path);
   return out;
 }
 

@@ -45,7 +45,7 @@ void addDistanceField(CookedShape& out, const Shape& shape, const std::string& p
   const int header = beginHeader(out, 6);
   for (std::size_t i = 0; i < 3; ++i) out.indices[static_cast<std::size_t>(header) + 2 + i] = g.counts[i];
   out.indices[static_cast<std::size_t>(header) + 5] = static_cast<int>(surface.points.size());
-  out.shape.kind = CookedKind::Distance;
+  out.shape.kind = ShapeKind::Distance;
   out.shape.data = header;
   // pose of the lattice in the engine frame
   const Quat back = conjugate(out.unit.axes);

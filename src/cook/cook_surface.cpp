@@ -163,7 +163,7 @@ void addMesh(CookedShape& out, const Shape& shape, const std::string& path) {
     out.indices[static_cast<std::size_t>(header + k)] = static_cast<int>(value);
   };
   set(2, tree.nodes.size()), set(3, g.triangles.size()), set(4, g.points.size()), set(5, g.twoSided);
-  out.shape.kind = CookedKind::Mesh;
+  out.shape.kind = ShapeKind::Mesh;
   out.shape.data = header;
   const Vec3 c = out.unit.centre;
   for (const auto& node : tree.nodes) {
@@ -203,7 +203,7 @@ void addHeightField(CookedShape& out, const Shape& shape) {
   const int header = beginHeader(out, 4);
   out.indices[static_cast<std::size_t>(header) + 2] = nx;
   out.indices[static_cast<std::size_t>(header) + 3] = ny;
-  out.shape.kind = CookedKind::HeightField;
+  out.shape.kind = ShapeKind::HeightField;
   out.shape.data = header;
   const Vec3 c = out.unit.centre;
   out.vectors.push_back({g.spacing.x, g.spacing.y, whole.low.z - c.z, whole.high.z - c.z});

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "cook/soft_surface.h"
+#include "forces/element_kind.h"
 
 namespace rubble {
 
@@ -25,6 +26,7 @@ SoftModel startModel(const DeformableDef& d) {
   const std::vector<Vec3>& from = d.start.empty() ? d.vertices : d.start;
   for (std::size_t v = 0; v < from.size(); ++v)
     m.vertices.push_back({from[v], {}, 0, 0, 0, true, d.vertices[v] - d.vertices[0]});
+  for (const ElementDef& e : d.elements) findElementKind(e.type)->add(m, e);
   m.material = d.material;
   m.gravityScale = d.gravityScale;
   m.collides = (d.collide ? kWithBodies : 0) | (d.collideVertices ? kWithParticles : 0) |
@@ -90,10 +92,10 @@ template <std::size_t N> std::vector<Edge> edgesOf(const std::vector<std::array<
   return edges;
 }
 
-SoftModel::Tetrahedron cookTetrahedron(const SoftDef& d, const std::array<int, 4>& v) {
+TetrahedronModel cookTetrahedron(const SoftDef& d, const std::array<int, 4>& v) {
   const Vec3 a = at(d, v[0]), e1 = at(d, v[1]) - a, e2 = at(d, v[2]) - a, e3 = at(d, v[3]) - a;
   const double det = dot(e1, cross(e2, e3));
-  SoftModel::Tetrahedron t;
+  TetrahedronModel t;
   t.v = v;
   t.m[0] = cross(e2, e3) / det, t.m[1] = cross(e3, e1) / det, t.m[2] = cross(e1, e2) / det;
   t.volume = det / 6;
@@ -107,9 +109,9 @@ SoftModel::Tetrahedron cookTetrahedron(const SoftDef& d, const std::array<int, 4
 std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
   SoftModel m = startModel(d);
   for (const auto& v : d.tetrahedra) {
-    m.tetrahedra.push_back(cookTetrahedron(d, v));
+    m.list<TetrahedronModel>().push_back(cookTetrahedron(d, v));
     for (const int corner : v)
-      m.vertices[std::size_t(corner)].mass += d.density * m.tetrahedra.back().volume / 4;
+      m.vertices[std::size_t(corner)].mass += d.density * m.list<TetrahedronModel>().back().volume / 4;
   }
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.contactRadius;
   setLengths(m, d, edgesOf(d.tetrahedra), 1);
@@ -119,12 +121,12 @@ std::shared_ptr<const SoftModel> cook(const SoftDef& d) {
   return finished(std::move(m), d);
 }
 
-SoftModel::Membrane cookMembrane(const ClothDef& d, const SoftModel& m, const std::array<int, 3>& v) {
+MembraneModel cookMembrane(const ClothDef& d, const SoftModel& m, const std::array<int, 3>& v) {
   const Vec3 a = at(d, v[0]), e1 = at(d, v[1]) - a, e2 = at(d, v[2]) - a;
   // material axes in the plane of the rest triangle
   const Vec3 u = normalize(e1), n = normalize(cross(e1, e2)), w = cross(n, u);
   const double x1 = dot(e1, u), x2 = dot(e2, u), y2 = dot(e2, w), area = x1 * y2 / 2;
-  SoftModel::Membrane t;
+  MembraneModel t;
   t.v = v;
   t.m1[0] = 1 / x1, t.m1[1] = -x2 / (x1 * y2);
   t.m2[0] = 0, t.m2[1] = 1 / y2;
@@ -175,12 +177,12 @@ void addBends(const ClothDef& d, SoftModel& m) {
     if (d.restFolded) {
       const Vec3 n1 = cross(x0 - x2, x1 - x2), n2 = cross(x1 - x3, x0 - x3);
       const double angle = std::atan2(dot(cross(n1, n2), e0) / length(e0), dot(n1, n2));
-      m.foldBends.push_back({v, kb * q * dot(e0, e0), d.bendingDamping * length(e0), angle});
+      m.list<FoldBendModel>().push_back({v, kb * q * dot(e0, e0), d.bendingDamping * length(e0), angle});
       continue;
     }
     const double c01 = cotangent(e0, x2 - x0), c02 = cotangent(e0, x3 - x0), c03 = cotangent(-e0, x2 - x1),
                  c04 = cotangent(-e0, x3 - x1);
-    m.flatBends.push_back({v, kb * q, {c03 + c04, c01 + c02, -c01 - c03, -c02 - c04}});
+    m.list<QuadraticBendModel<4>>().push_back({v, kb * q, {c03 + c04, c01 + c02, -c01 - c03, -c02 - c04}});
   }
 }
 
@@ -190,13 +192,13 @@ std::shared_ptr<const SoftModel> cook(const ClothDef& d) {
     const double mass = d.density * d.thickness * triangleArea(at(d, t[0]), at(d, t[1]), at(d, t[2]));
     for (const int v : t) m.vertices[std::size_t(v)].mass += mass / 3;
   }
-  for (const auto& t : d.triangles) m.membranes.push_back(cookMembrane(d, m, t));
+  for (const auto& t : d.triangles) m.list<MembraneModel>().push_back(cookMembrane(d, m, t));
   addBends(d, m);
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.thickness / 2;
   setLengths(m, d, edgesOf(d.triangles), 1);
   m.surface = d.triangles;
   if (d.pressure != 0) {
-    for (const auto& t : d.triangles) m.pressures.push_back({t, d.pressure});
+    for (const auto& t : d.triangles) m.list<PressureModel>().push_back({t, d.pressure});
     m.collides |= kInside;
   }
   addSurface(m, d, d.triangles, {}, true);
@@ -215,19 +217,19 @@ std::shared_ptr<const SoftModel> cook(const RodDef& d) {
       m.vertices[std::size_t(v)].mass += d.density * area * lengthOf(e) / 2;
   for (const Edge& e : edges) {
     const double l = lengthOf(e);
-    m.springs.push_back({{e.first, e.second},
-                         d.youngsModulus * area / l,
-                         d.viscosity * area / l,
-                         l,
-                         d.breakForce,
-                         leastMass(m, d, std::array<int, 2>{e.first, e.second})});
+    m.list<SpringModel>().push_back({{e.first, e.second},
+                                     d.youngsModulus * area / l,
+                                     d.viscosity * area / l,
+                                     l,
+                                     d.breakForce,
+                                     leastMass(m, d, std::array<int, 2>{e.first, e.second})});
   }
   for (int i = d.closed ? 0 : 1; i < segments; ++i) {
     const Edge &before = edges[std::size_t((i + segments - 1) % segments)], &after = edges[std::size_t(i)];
     const double a = lengthOf(before), b = lengthOf(after), mean = (a + b) / 2;
-    m.lineBends.push_back({{after.first, before.first, after.second},
-                           d.youngsModulus * inertia / (mean * mean * mean),
-                           {-mean * (1 / a + 1 / b), mean / a, mean / b}});
+    m.list<QuadraticBendModel<3>>().push_back({{after.first, before.first, after.second},
+                                               d.youngsModulus * inertia / (mean * mean * mean),
+                                               {-mean * (1 / a + 1 / b), mean / a, mean / b}});
   }
   for (SoftModel::Vertex& v : m.vertices) v.radius = d.radius;
   setLengths(m, d, edges, 1);
@@ -245,12 +247,12 @@ std::shared_ptr<const SoftModel> cook(const NetDef& d) {
   for (const NetDef::Edge& e : d.edges) {
     edges.emplace_back(e.a, e.b);
     const double rest = e.restLength >= 0 ? e.restLength : length(at(d, e.a) - at(d, e.b));
-    m.springs.push_back({{e.a, e.b},
-                         e.stiffness,
-                         e.damping,
-                         rest,
-                         d.breakForce,
-                         leastMass(m, d, std::array<int, 2>{e.a, e.b})});
+    m.list<SpringModel>().push_back({{e.a, e.b},
+                                     e.stiffness,
+                                     e.damping,
+                                     rest,
+                                     d.breakForce,
+                                     leastMass(m, d, std::array<int, 2>{e.a, e.b})});
   }
   setLengths(m, d, edges, d.contactRadius > 0 ? 2 * d.contactRadius : 1);
   m.surface = d.triangles;

@@ -5,6 +5,7 @@
 #include <rubble/soft.h>
 
 #include "cook/checks.h"
+#include "forces/element_kind.h"
 
 namespace rubble {
 
@@ -31,6 +32,18 @@ template <class Corners> void corners(const DeformableDef& d, const Corners& c, 
       if (c[i] == c[j]) throw Error(path, "different vertices", "vertex " + std::to_string(c[i]) + " twice");
 }
 
+void checkElement(const DeformableDef& d, const ElementDef& e, const std::string& path) {
+  const ElementKind* const kind = findElementKind(e.type);
+  if (!kind) throw Error(path + ".type", "the keyword of an element type", "\"" + e.type + "\"");
+  if (e.vertices.size() != static_cast<std::size_t>(kind->corners))
+    throw Error(path + ".vertices", std::to_string(kind->corners) + " vertices",
+                std::to_string(e.vertices.size()));
+  corners(d, e.vertices, path + ".vertices");
+  if (!kind->hasFields(e)) throw Error(path + ".fields", "those of a " + e.type, "others");
+  for (const ElementField& info : kind->fields)
+    info.visit(e, [&](const auto& value) { checks::field(info, value, path); });
+}
+
 void checkCommon(const DeformableDef& d, std::size_t least, const std::string& path) {
   if (d.vertices.size() < least)
     throw Error(path + ".vertices", "at least " + std::to_string(least), std::to_string(d.vertices.size()));
@@ -53,6 +66,8 @@ void checkCommon(const DeformableDef& d, std::size_t least, const std::string& p
   none(length(m.surfaceVelocity), "surfaceVelocity",
        "none: only the surfaces of bodies move along themselves");
   finite(d.gravityScale, path + ".gravityScale");
+  for (std::size_t i = 0; i < d.elements.size(); ++i)
+    checkElement(d, d.elements[i], item(path, "elements", i));
 }
 
 /// Every vertex must have mass, so each must be a corner of an element.

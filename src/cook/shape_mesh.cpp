@@ -6,6 +6,7 @@
 
 #include "cook/distance_surface.h"
 #include "cook/hull.h"
+#include "cook/shape_traits.h"
 
 namespace rubble {
 
@@ -174,13 +175,26 @@ void addHeights(Builder& builder, const ShapeGeometry& g) {
     }
 }
 
+/// The hull of support points of an added shape, along directions on a grid of latitudes and longitudes.
+void addSupportPoints(Builder& builder, const ShapeTraits& traits, const Shape& shape) {
+  const int around = builder.segments(), down = around / 2;
+  std::vector<Vec3> points;
+  for (int i = 0; i <= down; ++i)
+    for (int k = 0; k < (i == 0 || i == down ? 1 : around); ++k) {
+      const double a = std::numbers::pi * i / down, b = 2 * std::numbers::pi * k / around;
+      points.push_back(
+          traits.support(shape, {std::sin(a) * std::cos(b), std::sin(a) * std::sin(b), std::cos(a)}));
+    }
+  builder.polyhedron(convexHull(points, "shape"));
+}
+
 }  // namespace
 
 ShapeMesh shapeMesh(const Shape& shape, int segments) {
   Builder builder(segments);
   std::vector<Builder::Ring> rings;
   const double r = shape.radius, l = shape.halfLength;
-  if (shape.rounding > 0) {
+  if (shape.rounding > 0 && hasField(traitsOf(shape.type).fields, "rounding")) {
     addRounded(builder, shape);
     return std::move(builder.mesh);
   }
@@ -232,6 +246,8 @@ ShapeMesh shapeMesh(const Shape& shape, int segments) {
       break;
     case ShapeType::DistanceField:
       return distanceSurface(*shape.geometry);
+    default:
+      addSupportPoints(builder, traitsOf(shape.type), shape);
   }
   return std::move(builder.mesh);
 }

@@ -9,8 +9,8 @@ namespace {
 
 using Edge = std::pair<int, int>;
 
-// Element types by their index in ElementTypes.
-constexpr int kMembranes = 1, kSprings = 5;
+constexpr int kMembranes = typeIndex<host::Membrane>(host::ElementTypes{}),
+              kSprings = typeIndex<host::Spring>(host::ElementTypes{});
 /// Default contact radius over the mean edge length [1]. With a radius of zero the contact normal is
 /// undefined.
 constexpr double kBareSurfaceRadius = .01;

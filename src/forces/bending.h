@@ -11,9 +11,25 @@
 ///
 /// A damper acts on theta, which is invariant under rigid motion. The quadratic forms have no damper, because
 /// sum w_i x_i rotates with a bent element.
+#include <array>
+
 #include "math/block3.h"
 #include "math/trig.h"
 #include "solver/constants.h"
+
+namespace rubble {
+
+/// Cooked bends, in double precision. Vertices are those of their object.
+template <int N> struct QuadraticBendModel {
+  std::array<int, N> v;
+  double stiffness, weight[N];
+};
+struct FoldBendModel {
+  std::array<int, 4> v;
+  double stiffness, damping, restAngle;
+};
+
+}  // namespace rubble
 
 namespace rubble::RUBBLE_CORE {
 
@@ -26,6 +42,12 @@ template <int N> struct QuadraticBend {
   int alive;
   Real stiffness;  ///< K [N/m], with dimensionless weights
   Real weight[N];
+
+  using Model = QuadraticBendModel<N>;
+  void set(const Model& m) {
+    stiffness = Real(m.stiffness);
+    for (int i = 0; i < N; ++i) weight[i] = Real(m.weight[i]);
+  }
 
   RUBBLE_HD Vec3 sum(const Vec3 (&x)[N]) const {
     // relative to the first vertex; weights add up to zero
@@ -63,6 +85,11 @@ struct FoldBend {
   Real damping;     ///< [N m s/rad]
   Real restAngle;   ///< theta_0 [rad]
   Real angleStart;  ///< theta at x^t [rad]
+
+  using Model = FoldBendModel;
+  void set(const Model& m) {
+    stiffness = Real(m.stiffness), damping = Real(m.damping), restAngle = Real(m.restAngle);
+  }
 
   struct Fold {
     Vec3 n1, n2, edge;  ///< normals, twice the areas long; x_1 - x_0

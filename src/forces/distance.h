@@ -29,9 +29,7 @@ struct DistanceJoint {
   static constexpr bool kChooses = true;
   using Parts = PartList<DistanceAxis, AnchorRows>;
   using Memory = SpanMemory;
-  struct Data {
-    Vec3 anchorA, anchorB;  ///< in the frames of their bodies [m]
-  };
+  using Data = Anchors<Real>;
 
   /// The length that the axis keeps by a single limit or a single spring; kNoLimit: none.
   RUBBLE_HD static Real keptLength(const AxisSpec& axis) {
@@ -75,6 +73,68 @@ struct DistanceJoint {
       row.lambda = point.lambda[0] * n.x + point.lambda[1] * n.y + point.lambda[2] * n.z;
       row.k = point.state.k;
     }
+  }
+};
+
+/// What distance, rope and spring share: the anchors keep a length, or a point if it is zero.
+struct LengthKind {
+  using Joint = DistanceJoint;
+  static constexpr int kRows = DistanceAxis::kRows;
+  static constexpr auto kFields = std::tuple_cat(kAnchorFields, kStiffnessField, kDampingFields, kLengthField,
+                                                 kBreakForceField);
+
+  /// The length of a joint that has one: the target of its axis, kept for later edits. Null if its anchors
+  /// coincide.
+  static JointAxis* axisOf(JointBuild& b) {
+    JointAxis& axis = b.joint.axes[0];
+    const rubble::Vec3 &a = b.def.anchorA, &c = b.def.anchorB;
+    axis.targetPosition = b.lengthOr(length(b.bodies.a.point(a) - b.bodies.b.point(c)));
+    b.joint.isRigid = false;
+    // round-off relative to the lever arms and body sizes
+    constexpr double kRoundOff = 1e-6;
+    const auto size = [](const JointBodyState& body, const rubble::Vec3& anchor) {
+      const rubble::Vec3& i = body.mass.inertia;
+      return length(anchor) + (body.mass.mass > 0 ? std::sqrt((i.x + i.y + i.z) / (3 * body.mass.mass)) : 0);
+    };
+    const bool isPoint = axis.targetPosition <=
+                         kRoundOff * std::max(size(b.bodies.a, a), size(b.bodies.b, c));
+    b.joint.groups = {b.anchors()};
+    if (!isPoint) b.joint.groups[0].mode = GroupMode::Point;
+    return isPoint ? nullptr : &axis;
+  }
+  static void limit(JointBuild& b, JointAxis& axis) {
+    axis.max = axis.targetPosition;
+    axis.limitStiffness = b.def.stiffness;
+    axis.limitDamping = b.damping();
+  }
+};
+struct DistanceKind : LengthKind {
+  static constexpr JointType kType = JointType::Distance;
+  static constexpr const char* kName = "distance";
+  static constexpr const char* kDoc = "the anchors keep a distance";
+  static void build(JointBuild& b) {
+    if (JointAxis* const axis = axisOf(b)) limit(b, *axis), axis->min = axis->max;
+    b.joint.isRigid = b.def.stiffness == kHard;
+  }
+};
+struct RopeKind : LengthKind {
+  static constexpr JointType kType = JointType::Rope;
+  static constexpr const char* kName = "rope";
+  static constexpr const char* kDoc = "the anchors keep a largest distance";
+  static void build(JointBuild& b) {
+    if (JointAxis* const axis = axisOf(b)) limit(b, *axis);
+  }
+};
+struct SpringKind : LengthKind {
+  static constexpr JointType kType = JointType::Spring;
+  static constexpr const char* kName = "spring";
+  static constexpr const char* kDoc = "spring and damper between the anchors";
+  static void build(JointBuild& b) {
+    if (JointAxis* const axis = axisOf(b))
+      axis->driveStiffness = b.def.stiffness, axis->driveDamping = b.damping();
+  }
+  static void check(const JointDef& def, const std::string& path) {
+    if (def.stiffness == kHard) throw Error(path + ".stiffness", "a finite stiffness for a spring", "hard");
   }
 };
 

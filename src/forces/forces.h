@@ -1,9 +1,8 @@
 #pragma once
-/// The list of joint types. A new joint needs its header and one entry here.
-#include <type_traits>
-
+/// The list of joints. A new joint needs its header and one entry here (docs/extending.md).
 #include "forces/ball.h"
 #include "forces/distance.h"
+#include "forces/extension.h"
 #include "forces/fixed.h"
 #include "forces/gear.h"
 #include "forces/hinge.h"
@@ -13,24 +12,19 @@
 #include "forces/slider.h"
 #include "forces/swing_twist.h"
 #include "forces/universal.h"
+#include "math/type_list.h"
 
 namespace rubble::RUBBLE_CORE {
 
-template <class... F> struct TypeList { static constexpr int kSize = sizeof...(F); };
+/// What scenes call joints (forces/joint_build.h). Their joints are numbered in the order of first
+/// appearance.
+using JointKinds = TypeList<BallKind, GrabKind, FixedKind, AngularSpringKind, HingeKind, SliderKind,
+                            DistanceKind, RopeKind, SpringKind, UniversalKind, SwingTwistKind, SixDofKind,
+                            GearKind, RackKind, PulleyKind RUBBLE_EXTRA_JOINTS>;
 
-using JointTypes = TypeList<BallJoint, FixedJoint, HingeJoint, SliderJoint, DistanceJoint, UniversalJoint,
-                            SwingTwistJoint, SixDofJoint, GearJoint, RackJoint, PulleyJoint>;
-
-/// Calls f.template operator()<F>() for each joint type, in order.
-template <class Function, class... F> RUBBLE_HD void forEachType(TypeList<F...>, Function&& f) {
-  (f.template operator()<F>(), ...);
-}
-
-/// Index of G in the list, or -1.
-template <class G, class... F> constexpr int typeIndex(TypeList<F...>) {
-  int index = 0, found = -1;
-  ((found = std::is_same_v<F, G> ? index : found, ++index), ...);
-  return found;
-}
+template <class List> struct JointsOf;
+template <class... K> struct JointsOf<TypeList<K...>> { using Type = Unique<typename K::Joint...>; };
+/// Joints of the engine.
+using JointTypes = JointsOf<JointKinds>::Type;
 
 }  // namespace rubble::RUBBLE_CORE

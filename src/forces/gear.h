@@ -59,6 +59,13 @@ struct GearAxis {
   }
 };
 
+/// Constants of gears and racks, whose axes are fixed in frame bodies when the joint is made.
+struct CoupledConstants {
+  rubble::Quat baseA, baseB;
+  rubble::Vec3 pointB;  ///< racks: anchor of B in its frame body [m]
+  double ratio = 1;
+};
+
 struct GearJoint {
   static constexpr const char* kName = "gear";
   static constexpr bool kGrounded = false, kCarried = true;
@@ -75,7 +82,43 @@ struct GearJoint {
     Quat frameA, frameB;  ///< joint -> body; x is the axis
     Quat baseA, baseB;    ///< joint -> carrier; the twist is 0 where both agree
     Real ratio;           ///< rho: revolutions of A per revolution of B, in the opposite direction [1]
+    static Data of(const EngineJoint& j) {
+      const auto own = j.constants.get<CoupledConstants>();
+      return {Quat(j.frameA), Quat(j.frameB), Quat(own.baseA), Quat(own.baseB), Real(own.ratio)};
+    }
   };
+};
+
+/// Builds a gear or a rack.
+inline void buildCoupling(JointBuild& b) {
+  const JointDef& def = b.def;
+  const JointBodies& at = b.bodies;
+  const auto base = [](const JointBodyState& carrier, const JointBodyState& body, const rubble::Quat& frame) {
+    return normalize(conjugate(carrier.orientation) * body.orientation * frame);
+  };
+  CoupledConstants own{base(at.carrierA, at.a, def.frameA), base(at.carrierB, at.b, def.frameB),
+                       rotateInverse(at.carrierB.orientation, at.b.point(def.anchorB) - at.carrierB.position),
+                       0};
+  if (b.before) own = b.before->constants.get<CoupledConstants>();
+  own.ratio = def.ratio;
+  b.joint.constants.set(own);
+  b.joint.isRigid = false;
+  JointAxis& axis = b.joint.axes[0];
+  // an axis without limits is locked: a gear without coupling has no use
+  if (axis.min == -kFree && axis.max == kFree) axis.min = axis.max = 0;
+  axis.limitStiffness = def.stiffness;
+  axis.limitDamping = def.damping;
+}
+
+struct GearKind {
+  using Joint = GearJoint;
+  static constexpr JointType kType = JointType::Gear;
+  static constexpr const char* kName = "gear";
+  static constexpr const char*
+      kDoc = "the turns of A and B about axes fixed in frame bodies: theta_A + ratio theta_B is kept";
+  static constexpr auto kFields = std::tuple_cat(kFrameFields, kRatioField, kStiffnessField, kDampingFields,
+                                                 kBreakTorqueField);
+  static void build(JointBuild& b) { buildCoupling(b); }
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -112,6 +112,19 @@ RUBBLE_HD inline void accumulateGroupHessian(const StepConstants& c, const Sprin
   accumulateMeanRows(block, lin, ang, scale * across);
 }
 
+/// For elements without a formula of their own: an upper bound by the traces of the Hessians of the corners.
+template <class F>
+RUBBLE_HD void boundGroupHessian(const StepConstants& c, const F& e, const Vec3 (&x)[F::kCorners],
+                                 unsigned mask, const Vec3& centre, Real scale, Block6& block) {
+  int inside = 0;
+  forEachInside(x, mask, centre, [&](int, const Vec3&) { ++inside; });
+  forEachInside(x, mask, centre, [&](int k, const Vec3& s) {
+    Block3 own;
+    e.accumulate(c, x, k, own);
+    accumulateMeanRows(block, Real(1), s, scale * Real(inside) * (own.h.xx + own.h.yy + own.h.zz));
+  });
+}
+
 /// Adds force and Hessian of an element with corners inside and outside. `scale`: factor on the Hessian.
 template <class F>
 RUBBLE_HD void accumulateGroup(const StepConstants& c, const F& e, const Vec3 (&x)[F::kCorners],
@@ -121,7 +134,10 @@ RUBBLE_HD void accumulateGroup(const StepConstants& c, const F& e, const Vec3 (&
     e.accumulate(c, x, k, own);
     block.fl += own.f, block.fa += cross(s, own.f);
   });
-  accumulateGroupHessian(c, e, x, mask, centre, scale, block);
+  if constexpr (requires { accumulateGroupHessian(c, e, x, mask, centre, scale, block); })
+    accumulateGroupHessian(c, e, x, mask, centre, scale, block);
+  else
+    boundGroupHessian(c, e, x, mask, centre, scale, block);
 }
 
 /// The tetrahedron, all corners at once. With m = sum m_a and B = sum s_a m_a^T over the corners inside

@@ -11,6 +11,9 @@ namespace rubble::RUBBLE_CORE {
 struct FramedData {
   Vec3 anchorA, anchorB;  ///< in the frames of their bodies [m]
   Quat frameA, frameB;    ///< joint -> body
+  static FramedData of(const EngineJoint& j) {
+    return {Vec3(j.anchorA), Vec3(j.anchorB), Quat(j.frameA), Quat(j.frameB)};
+  }
 };
 
 struct HingeJoint {
@@ -19,6 +22,17 @@ struct HingeJoint {
   using Parts = PartList<AnchorRows, ParallelRows, TwistAxis>;
   using Memory = TwistMemory;
   using Data = FramedData;
+};
+
+struct HingeKind {
+  using Joint = HingeJoint;
+  static constexpr JointType kType = JointType::Hinge;
+  static constexpr const char* kName = "hinge";
+  static constexpr const char*
+      kDoc = "hinge: A turns about the x axis of the joint, counted over whole turns";
+  static constexpr auto kFields = std::tuple_cat(kAnchorFields, kFrameFields, kStiffnessField,
+                                                 kAngularStiffnessField, kBreakFields);
+  static void build(JointBuild& b) { b.joint.groups = {b.held(), b.heldTurns()}; }
 };
 
 }  // namespace rubble::RUBBLE_CORE

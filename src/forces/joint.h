@@ -3,7 +3,7 @@
 ///
 ///   kName      keyword
 ///   Parts      PartList<...> of constraints (linear_parts.h, angular_parts.h, or its own)
-///   Data       authored constants
+///   Data       authored constants, with a static function of(const EngineJoint&)
 ///   Memory     state besides multipliers that is kept between steps (NoMemory, or a struct with
 ///              remember(data, a, b, origin))
 ///   kGrounded  true: its errors change when both bodies move rigidly together (it refers to the world)
@@ -23,11 +23,13 @@
 ///   turns            axes: what full revolutions add to the coordinate (optional)
 ///   kStiffnessShare  axes: factor on the row inertia in k_start and in the growth of k (optional)
 ///
-/// The rest follows from these: warm start, primal, dual, breakage, incidence, tests.
+/// The rest follows from these: warm start, primal, dual, breakage, incidence, tests. What scenes say of it
+/// is declared beside it, as joint kinds (forces/joint_build.h).
 #include <utility>
 
 #include "forces/axis.h"
 #include "forces/contact.h"
+#include "forces/joint_build.h"
 #include "solver/dual.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -99,9 +101,6 @@ template <class F, int I = F::Parts::kCount> constexpr int firstTurnLaw() {
 template <class F> constexpr bool hasAngularRows() { return firstTurnLaw<F>() > 0; }
 /// Bit of force law `law` in JointFrame::acting. Bit 0 is the first part.
 constexpr int turnBit(int law) { return 1 + law; }
-
-/// `Point`: active in the steps that the joint chooses (kChooses).
-enum class GroupMode { Off, Hold, Friction, Point };
 
 /// Authored parameters of a group of rows. Joint records are aligned for loadVectorized.
 struct alignas(4 * sizeof(Real)) GroupSpec {

@@ -6,7 +6,10 @@
 namespace rubble::RUBBLE_CORE {
 
 /// Anchors of A and B: in the frames of their bodies, or, with rotations since x^t, in world axes at x^t [m].
-template <class L> struct Anchors { Vec3T<L> anchorA, anchorB; };
+template <class L> struct Anchors {
+  Vec3T<L> anchorA, anchorB;
+  static Anchors of(const EngineJoint& j) { return {Vec3T<L>(j.anchorA), Vec3T<L>(j.anchorB)}; }
+};
 
 template <class D> RUBBLE_HD RUBBLE_NEAR Vec3 anchorLever(const D& d, const Pose& pose, int side) {
   return rotate(pose.q, side == 0 ? d.anchorA : d.anchorB);

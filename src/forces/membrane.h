@@ -11,8 +11,25 @@
 ///
 /// The rows are in material axes, so their multipliers rotate with the cloth from step to step. Viscosity
 /// acts on dE/dt.
+#include <array>
+
 #include "forces/finite_row.h"
 #include "math/block3.h"
+
+namespace rubble {
+
+/// Cooked cloth triangle, in double precision. Vertices are those of its object.
+struct MembraneModel {
+  std::array<int, 3> v;
+  double m1[2], m2[2];  ///< [1/m]
+  double stiffness[2];  ///< [J]
+  double damper;        ///< [J s]
+  double tearStretch;
+  double unit;     ///< [kg m2]
+  double largest;  ///< [1/m]
+};
+
+}  // namespace rubble
 
 namespace rubble::RUBBLE_CORE {
 
@@ -35,6 +52,14 @@ struct Membrane {
   Real k[kRows];         ///< [J]
   DampedRow row[kRows];  ///< rows of this step
   Real c0[kRows];        ///< [1]
+
+  using Model = MembraneModel;
+  void set(const Model& m) {
+    for (int i = 0; i < 2; ++i)
+      m1[i] = Real(m.m1[i]), m2[i] = Real(m.m2[i]), stiffness[i] = Real(m.stiffness[i]);
+    damper = Real(m.damper), tearStretch = Real(m.tearStretch);
+    unit0 = Real(m.unit), largest = Real(m.largest);
+  }
 
   struct Columns {
     Vec3 f1, f2;

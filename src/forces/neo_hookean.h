@@ -10,8 +10,24 @@
 /// J is linear in each vertex, so H_i is the exact second derivative. It is positive definite for any F, even
 /// inverted. Viscosity acts on the rate of the Green strain E = (F^T F - 1)/2, which is invariant under rigid
 /// motion: dissipation V eta/(2 dt) |E - E^t|^2, Gauss-Newton Hessian.
+#include <array>
+
 #include "math/block3.h"
 #include "solver/constants.h"
+
+namespace rubble {
+
+/// Cooked tetrahedron, in double precision. Vertices are those of its object.
+struct TetrahedronModel {
+  std::array<int, 4> v;
+  Vec3 m[3];                ///< [1/m]
+  double mu, lambda;        ///< [Pa]
+  double volume;            ///< [m3]
+  double viscosity;         ///< [Pa s]
+  double yield, hardening;  ///< [Pa]
+};
+
+}  // namespace rubble
 
 namespace rubble::RUBBLE_CORE {
 
@@ -79,6 +95,12 @@ struct NeoHookean {
   }
 };
 
+/// Largest growth of the corner stiffness (sum of |m_i|^2) by plastic flow [1]: stretched to 15 times the
+/// length, or pressed to a fifth of the height. Beyond it the material is elastic. Without a bound, elements
+/// that are torn apart become needles that ten sweeps do not solve, and the energy of a thrown object
+/// diverges; at 30 it does not.
+inline constexpr Real kMostSteepness = 10;
+
 /// Aligned for vectorized loads.
 struct alignas(4 * sizeof(Real)) Tetrahedron : NeoHookean {
   static constexpr const char* kName = "tetrahedron";
@@ -91,6 +113,15 @@ struct alignas(4 * sizeof(Real)) Tetrahedron : NeoHookean {
   Real yield, hardening;  ///< yield stress and hardening times V [J]; plasticity.h, which changes the m_i
   Real plasticStrain;     ///< accumulated equivalent plastic strain [1]
   Real steepest;          ///< largest sum of |m_i|^2 that plastic flow may reach [1/m2]
+
+  using Model = TetrahedronModel;
+  void set(const Model& in) {
+    for (int k = 0; k < 3; ++k) m[k] = Vec3(in.m[k]);
+    mu = Real(in.mu * in.volume), lambda = Real(in.lambda * in.volume);
+    damper = Real(in.volume * in.viscosity);
+    yield = thresholdOf(in.yield * in.volume), hardening = Real(in.hardening * in.volume);
+    steepest = kMostSteepness * steepness();
+  }
 
   RUBBLE_HD void begin(const StepConstants&, const Vec3 (&x)[kCorners]) {
     if (damper > Real(0)) strainStart = greenStrain(deformation(x));

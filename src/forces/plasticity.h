@@ -22,11 +22,6 @@ namespace rubble::RUBBLE_CORE {
 /// Least volume over that of the stress-free shape at which a tetrahedron flows [1]. Flat and inverted
 /// tetrahedra recover their shape first.
 inline constexpr Real kLeastVolumeToFlow = Real(.05);
-/// Largest growth of the corner stiffness (sum of |m_i|^2) by plastic flow [1]: stretched to 15 times the
-/// length, or pressed to a fifth of the height. Beyond it the material is elastic. Without a bound, elements
-/// that are torn apart become needles that ten sweeps do not solve, and the energy of a thrown object
-/// diverges; at 30 it does not.
-inline constexpr Real kMostSteepness = 10;
 /// Newton steps for g. Volumes up to twice that of the stress-free shape, and stretches of 1,000, need 8 for
 /// a relative error of 1e-7. U compensates the remaining volume error.
 inline constexpr int kFlowSteps = 12;

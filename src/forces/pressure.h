@@ -11,8 +11,20 @@
 /// sum does not.
 ///
 /// Pressure is a load: unlike those of other elements, the forces of one triangle do not add up to zero.
+#include <array>
+
 #include "math/block3.h"
 #include "solver/constants.h"
+
+namespace rubble {
+
+/// Cooked triangle under pressure. Vertices are those of its object.
+struct PressureModel {
+  std::array<int, 3> v;
+  double pressure;  ///< [Pa]
+};
+
+}  // namespace rubble
 
 namespace rubble::RUBBLE_CORE {
 
@@ -25,6 +37,9 @@ struct Pressure {
   int v[kCorners];
   int alive;
   Real pressure;  ///< p, inside relative to outside [Pa]
+
+  using Model = PressureModel;
+  void set(const Model& m) { pressure = Real(m.pressure); }
 
   RUBBLE_HD void begin(const StepConstants&, const Vec3 (&)[kCorners]) {}
   /// Its term of -p V, which depends on the origin. [J]

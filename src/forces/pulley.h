@@ -3,7 +3,7 @@
 ///
 ///   c = |d_A| + rho |d_B|                             [m], F [N] in the part of A, rho F in that of B
 ///   J_A = [n_A, r_A x n_A],  J_B = rho [n_B, r_B x n_B];  G_A, G_B: lengthCurvature with F and rho F
-#include "forces/linear_parts.h"
+#include "forces/distance.h"
 
 namespace rubble::RUBBLE_CORE {
 
@@ -49,11 +49,48 @@ struct PulleyJoint {
       overB = Vec3(d.pointB - origin);
     }
   };
+  struct Constants {
+    rubble::Vec3 pointA, pointB;
+    double ratio = 1;
+  };
   struct Data {
     Vec3d pointA, pointB;   ///< o_A, o_B: points that the rope runs over, world [m]
     Vec3 anchorA, anchorB;  ///< in the frames of their bodies [m]
     Real ratio;             ///< rho [1]
+    static Data of(const EngineJoint& j) {
+      const auto own = j.constants.get<Constants>();
+      return {own.pointA, own.pointB, Vec3(j.anchorA), Vec3(j.anchorB), Real(own.ratio)};
+    }
   };
+};
+
+struct PulleyKind {
+  using Joint = PulleyJoint;
+  static constexpr JointType kType = JointType::Pulley;
+  static constexpr const char* kName = "pulley";
+  static constexpr const char* kDoc =
+      "a rope from A over two points of the world to B: the length of A's part + ratio of B's has a largest "
+      "value";
+  static constexpr FieldRules kGiven{.always = true};
+  static constexpr auto kFields = std::tuple_cat(
+      kAnchorFields,
+      std::tuple{
+          field("pulley_a", "m", "point of the world that A's part runs over", &JointDef::pulleyA, kGiven),
+          field("pulley_b", "m", "point of the world that B's part runs over", &JointDef::pulleyB, kGiven)},
+      kRatioField, LengthKind::kFields);
+
+  static void build(JointBuild& b) {
+    const JointDef& def = b.def;
+    JointAxis& axis = b.joint.axes[0];
+    axis.targetPosition = b.lengthOr(length(b.bodies.a.point(def.anchorA) - def.pulleyA) +
+                                     def.ratio * length(b.bodies.b.point(def.anchorB) - def.pulleyB));
+    LengthKind::limit(b, axis);
+    b.joint.isRigid = false;
+    b.joint.constants.set(PulleyJoint::Constants{def.pulleyA, def.pulleyB, def.ratio});
+  }
+  static void check(const JointDef& def, const std::string& path) {
+    if (def.ratio < 0) throw Error(path + ".ratio", "a positive number for a pulley", numberText(def.ratio));
+  }
 };
 
 }  // namespace rubble::RUBBLE_CORE

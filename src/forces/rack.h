@@ -73,7 +73,26 @@ struct RackJoint {
     Vec3 direction;         ///< t, unit, in the frame of B's carrier
     Real ratio;             ///< rho [m]
     int inWorld;            ///< 1: the carrier of B is the world
+    static Data of(const EngineJoint& j) {
+      const auto own = j.constants.get<CoupledConstants>();
+      return {own.pointB,      Vec3(j.anchorA),     Vec3(j.anchorB),
+              Quat(j.frameA),  Quat(own.baseA),     Vec3(rotate(own.baseB, rubble::Vec3{1, 0, 0})),
+              Real(own.ratio), j.carrierB == kWorld};
+    }
   };
+};
+
+struct RackKind {
+  using Joint = RackJoint;
+  static constexpr JointType kType = JointType::Rack;
+  static constexpr const char* kName = "rack";
+  static constexpr const char* kDoc =
+      "turn of A about an axis and travel of B along a line, both fixed in frame bodies: ratio theta - "
+      "travel "
+      "is kept";
+  static constexpr auto kFields = std::tuple_cat(kAnchorFields, kFrameFields, kRatioField, kStiffnessField,
+                                                 kDampingFields, kBreakForceField);
+  static void build(JointBuild& b) { buildCoupling(b); }
 };
 
 }  // namespace rubble::RUBBLE_CORE

@@ -15,4 +15,31 @@ struct SixDofJoint {
   using Data = FramedData;
 };
 
+struct SixDofKind {
+  using Joint = SixDofJoint;
+  static constexpr JointType kType = JointType::SixDof;
+  static constexpr const char* kName = "six_dof";
+  static constexpr const char*
+      kDoc = "travel along and turn about three axes, each free, limited, locked or driven";
+  static constexpr auto kFields = std::tuple_cat(kAnchorFields, kFrameFields, kBreakFields);
+
+  /// If exactly one rotation is not locked, permutes the axes so that it is about x. Only that angle counts
+  /// whole revolutions.
+  static void build(JointBuild& b) {
+    EngineJoint& j = b.joint;
+    const auto locked = [&](std::size_t i) { return b.def.axes[i].min == b.def.axes[i].max; };
+    j.isRigid = locked(0) && locked(1) && locked(2);
+    const bool x = locked(3), y = locked(4), z = locked(5);
+    j.turned = x && !y && z ? 1 : x && y && !z ? 2 : 0;
+    for (std::size_t i = 0; i < 6; ++i)
+      j.axes[i] = b.def.axes[i / 3 * 3 + (i + static_cast<std::size_t>(j.turned)) % 3];
+    // cyclic permutation x -> y -> z: a rotation by 120 degrees about the diagonal
+    const rubble::Quat third = j.turned == 0   ? rubble::Quat{}
+                               : j.turned == 1 ? rubble::Quat{.5, .5, .5, .5}
+                                               : rubble::Quat{-.5, .5, .5, .5};
+    j.frameA = normalize(j.frameA * third);
+    j.frameB = normalize(j.frameB * third);
+  }
+};
+
 }  // namespace rubble::RUBBLE_CORE

@@ -2,13 +2,22 @@
 /// A cooked deformable object, in double precision. Vertex indices are local to the object.
 #include <array>
 #include <memory>
+#include <tuple>
 #include <vector>
 
 #include <rubble/soft.h>
 
+#include "forces/soft_forces.h"
+
 namespace rubble {
 
-/// The element structs mirror those of the same name in this folder. Host only, independent of the precision.
+/// A list of models for each element type.
+template <class List> struct ElementModels;
+template <class... F> struct ElementModels<TypeList<F...>> {
+  using Lists = std::tuple<std::vector<typename F::Model>...>;
+};
+
+/// Host only, independent of the precision.
 struct SoftModel {
   struct Vertex {
     Vec3 position, velocity;
@@ -18,55 +27,12 @@ struct SoftModel {
     bool onSurface = true;  ///< false: inside a solid
     Vec3 rest;              ///< rest position relative to the first vertex [m]
   };
-  struct Tetrahedron {
-    std::array<int, 4> v;
-    Vec3 m[3];                ///< [1/m]
-    double mu, lambda;        ///< [Pa]
-    double volume;            ///< [m3]
-    double viscosity;         ///< [Pa s]
-    double yield, hardening;  ///< [Pa]
-  };
-  struct Membrane {
-    std::array<int, 3> v;
-    double m1[2], m2[2];  ///< [1/m]
-    double stiffness[2];  ///< [J]
-    double damper;        ///< [J s]
-    double tearStretch;
-    double unit;     ///< [kg m2]
-    double largest;  ///< [1/m]
-  };
-  struct FlatBend {
-    std::array<int, 4> v;
-    double stiffness, weight[4];
-  };
-  struct FoldBend {
-    std::array<int, 4> v;
-    double stiffness, damping, restAngle;
-  };
-  struct LineBend {
-    std::array<int, 3> v;
-    double stiffness, weight[3];
-  };
-  struct Spring {
-    std::array<int, 2> v;
-    double stiffness, damping, restLength, bound, mass;
-  };
-  struct Pressure {
-    std::array<int, 3> v;
-    double pressure;  ///< [Pa]
-  };
 
   std::vector<Vertex> vertices;
   Material material;
   double gravityScale = 1;
-  int collides = 0;  ///< kCollides... of state/vertices.h
-  std::vector<Tetrahedron> tetrahedra;
-  std::vector<Membrane> membranes;
-  std::vector<FlatBend> flatBends;
-  std::vector<FoldBend> foldBends;
-  std::vector<LineBend> lineBends;
-  std::vector<Spring> springs;
-  std::vector<Pressure> pressures;
+  int collides = 0;                                          ///< kCollides... of state/vertices.h
+  ElementModels<RUBBLE_CORE::ElementTypes>::Lists elements;  ///< by type
   std::vector<std::array<int, 3>> surface;  ///< triangles of the drawn surface, oriented outward
   /// Features of the collision surface against other surfaces; empty unless it collides with them.
   struct Source {
@@ -98,6 +64,10 @@ struct SoftModel {
   std::vector<Cluster> clusters;
   double size = 0;  ///< diagonal of the bounding box of the vertices [m]
   double mass = 0;  ///< total mass of the vertices [kg]
+
+  /// The elements of one type, by its model.
+  template <class M> std::vector<M>& list() { return std::get<std::vector<M>>(elements); }
+  template <class M> const std::vector<M>& list() const { return std::get<std::vector<M>>(elements); }
 };
 
 /// Is the object a node of aggregates, i.e. has it clusters and no fixed vertices?
@@ -123,15 +93,15 @@ struct EngineAttachment {
 /// Location of an object in the tables: first vertex, and first element of each type in the order of
 /// ElementTypes.
 struct SoftRange {
-  static constexpr int kElementTypes = 7;
+  static constexpr int kElementTypes = RUBBLE_CORE::ElementTypes::kSize;
   int vertex = -1;
   int element[kElementTypes] = {};
   int edge = 0, face = 0;  ///< first edge and face of its surface
 };
 /// Number of elements of each type, in the order of ElementTypes.
 inline std::array<int, SoftRange::kElementTypes> elementCounts(const SoftModel& m) {
-  return {int(m.tetrahedra.size()), int(m.membranes.size()), int(m.flatBends.size()), int(m.foldBends.size()),
-          int(m.lineBends.size()),  int(m.springs.size()),   int(m.pressures.size())};
+  return std::apply([](const auto&... list) { return std::array{static_cast<int>(list.size())...}; },
+                    m.elements);
 }
 
 /// Does the object consist of granular particles?

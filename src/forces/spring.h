@@ -7,8 +7,20 @@
 ///
 /// A finite row (finite_row.h) with a damper on dC/dt. It breaks if its force at the end of a step exceeds
 /// the threshold.
+#include <array>
+
 #include "forces/finite_row.h"
 #include "math/block3.h"
+
+namespace rubble {
+
+/// Cooked spring, in double precision. Vertices are those of its object.
+struct SpringModel {
+  std::array<int, 2> v;
+  double stiffness, damping, restLength, bound, mass;
+};
+
+}  // namespace rubble
 
 namespace rubble::RUBBLE_CORE {
 
@@ -28,6 +40,12 @@ struct Spring {
   Real k;           ///< [N/m]
   DampedRow row;    ///< row of this step
   Real c0;          ///< [m]
+
+  using Model = SpringModel;
+  void set(const Model& m) {
+    stiffness = Real(m.stiffness), damping = Real(m.damping), restLength = Real(m.restLength);
+    bound = thresholdOf(m.bound), mass = Real(m.mass);
+  }
 
   RUBBLE_HD Real elongation(const Vec3 (&x)[kCorners]) const { return length(x[0] - x[1]) - restLength; }
   RUBBLE_HD Real unit(const StepConstants& c) const { return mass * c.inverseDt * c.inverseDt; }

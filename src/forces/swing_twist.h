@@ -2,6 +2,9 @@
 /// Ball joint with limits: the anchors coincide (AnchorRows). The x axis of A swings within a cone about that
 /// of B (DirectionAxis<SwingCone>) and twists within limits (TwistAxis). A drive acts toward an orientation
 /// (DriveRows), and friction against any rotation (TurnFrictionRows).
+#include <cmath>
+#include <numbers>
+
 #include "forces/hinge.h"
 
 namespace rubble::RUBBLE_CORE {
@@ -71,12 +74,63 @@ struct SwingTwistJoint {
       twist.follow(twistAngle(start));
     }
   };
+  struct Constants {
+    rubble::Quat driveTarget;
+    double coneY = 1, coneZ = 1;
+  };
   struct Data {
     Vec3 anchorA, anchorB;  ///< in the frames of their bodies [m]
     Quat frameA, frameB;    ///< joint -> body
     Quat driveTarget;       ///< joint frame of A relative to that of B
     Real coneY, coneZ;      ///< factors of the elliptic cone, see SwingCone [1]
+    static Data of(const EngineJoint& j) {
+      const auto own = j.constants.get<Constants>();
+      return {Vec3(j.anchorA),       Vec3(j.anchorB), Quat(j.frameA), Quat(j.frameB),
+              Quat(own.driveTarget), Real(own.coneY), Real(own.coneZ)};
+    }
   };
+};
+
+struct SwingTwistKind {
+  using Joint = SwingTwistJoint;
+  static constexpr JointType kType = JointType::SwingTwist;
+  static constexpr const char* kName = "swing_twist";
+  static constexpr const char* kDoc = "ball joint whose x axis swings in a cone and twists within limits";
+  static constexpr FieldRules kAngle{FieldRange::Positive, "free"};
+  static constexpr auto kFields = std::tuple_cat(
+      kAnchorFields, kFrameFields, kStiffnessField, kDampingFields, kMaxForceField,
+      std::tuple{field("swing_y", "rad", "half angle of the cone about y", &JointDef::swingY, kAngle),
+                 field("swing_z", "rad", "half angle of the cone about z", &JointDef::swingZ, kAngle)},
+      kFrictionField,
+      std::tuple{field("drive_orientation", "1", "wanted orientation of A's frame seen from B's",
+                       &JointDef::driveOrientation),
+                 field("drive_stiffness", "N m/rad", "towards drive_orientation", &JointDef::driveStiffness,
+                       kDrives),
+                 field("drive_damping", "N m s/rad", "of that drive", &JointDef::driveDamping, kDrives),
+                 field("max_drive_torque", "N m", "of that drive", &JointDef::maxDriveTorque, kDrives)},
+      kBreakFields);
+
+  static void build(JointBuild& b) {
+    const JointDef& def = b.def;
+    EngineGroup drive{GroupMode::Hold, def.driveStiffness, def.driveDamping, def.maxDriveTorque};
+    if (!(def.driveStiffness > 0 || def.driveDamping > 0) || !(b.moment() > 0)) drive = b.off();
+    b.joint.groups = {b.anchors(), drive, b.friction()};
+    // With one direction free the cone is nearly half a revolution wide there, so that the other limit is
+    // unchanged.
+    constexpr double kWidest = .999 * std::numbers::pi;
+    const double y = std::tan(std::min(def.swingY, kWidest) / 2),
+                 z = std::tan(std::min(def.swingZ, kWidest) / 2), wide = std::max(y, z);
+    b.joint.constants.set(SwingTwistJoint::Constants{normalize(def.driveOrientation), wide / y, wide / z});
+    b.joint.axes[0].min = -kFree;
+    b.joint.axes[0].max = def.swingY == kFree && def.swingZ == kFree ? kFree : 2 * std::atan(wide);
+  }
+  static void check(const JointDef& def, const std::string& path) {
+    // a narrower cone must be a hinge
+    constexpr double kNarrowest = 1e-3;
+    for (const auto& [angle, name] : {std::pair{def.swingY, ".swingY"}, {def.swingZ, ".swingZ"}})
+      if (!(angle >= kNarrowest))
+        throw Error(path + name, "an angle of at least 0.001 rad", numberText(angle));
+  }
 };
 
 }  // namespace rubble::RUBBLE_CORE

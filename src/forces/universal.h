@@ -45,4 +45,13 @@ struct UniversalJoint {
   using Data = FramedData;
 };
 
+struct UniversalKind {
+  using Joint = UniversalJoint;
+  static constexpr JointType kType = JointType::Universal;
+  static constexpr const char* kName = "universal";
+  static constexpr const char* kDoc = "two shafts (x axes) joined by a cross of A's y and B's z axis";
+  static constexpr auto kFields = HingeKind::kFields;
+  static void build(JointBuild& b) { b.joint.groups = {b.held(), b.heldTurns()}; }
+};
+
 }  // namespace rubble::RUBBLE_CORE

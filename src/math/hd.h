@@ -7,9 +7,11 @@
 
 #include <rubble/math.h>
 
-#if !defined(RUBBLE_CORE) || !defined(RUBBLE_REAL)
-#error \
-    "the core is compiled once a precision: define RUBBLE_CORE (f32 or f64) and RUBBLE_REAL (float or double)"
+// The core is compiled once per precision, which defines RUBBLE_CORE (f32 or f64) and RUBBLE_REAL (float or
+// double). Other host code sees its types in double, in a namespace of its own.
+#if !defined(RUBBLE_CORE)
+#define RUBBLE_CORE host
+#define RUBBLE_REAL double
 #endif
 
 /// Keeps a large, rarely used function out of line, so that its registers do not count in the calling

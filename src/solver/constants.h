@@ -39,6 +39,8 @@ inline constexpr Real kDeepStiffness = 10;
 
 /// A threshold that is never reached.
 inline constexpr Real kUnreached = Real(1e18);
+/// A threshold in the precision of the solver. Infinity becomes kUnreached.
+inline Real thresholdOf(double a) { return Real(a < static_cast<double>(kUnreached) ? a : kUnreached); }
 
 /// What a step does, as opposed to its numbers: a change needs another sequence of kernels.
 struct StepPlan {

@@ -160,13 +160,10 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::oldPointPair, "oldPointPair", "", Per::PointPair, Lifetime::State);
   is(&SolverData::oldPointContact, "oldPointContact", "", Per::PointPair, Lifetime::State);
   is(&SolverData::attachment, "attachment", "", Per::Attachment, Lifetime::State);
-  is(&SolverData::tetrahedron, "tetrahedron", "", perElement<Tetrahedron>(), Lifetime::State);
-  is(&SolverData::membrane, "membrane", "", perElement<Membrane>(), Lifetime::State);
-  is(&SolverData::flatBend, "flatBend", "", perElement<FlatBend>(), Lifetime::State);
-  is(&SolverData::foldBend, "foldBend", "", perElement<FoldBend>(), Lifetime::State);
-  is(&SolverData::lineBend, "lineBend", "", perElement<LineBend>(), Lifetime::State);
-  is(&SolverData::spring, "spring", "", perElement<Spring>(), Lifetime::State);
-  is(&SolverData::pressure, "pressure", "", perElement<Pressure>(), Lifetime::State);
+  forEachType(ElementTypes{}, [&]<class E>() {
+    is(static_cast<E * SolverData::*>(&ElementTable<E>::element), E::kName, "", perElement<E>(),
+       Lifetime::State);
+  });
   is(&SolverData::cluster, "cluster", "", Per::Cluster, Lifetime::Authored);
   is(&SolverData::clusterMember, "clusterMember", "", Per::Vertex, Lifetime::Authored);
   is(&SolverData::clusterRef, "clusterRef", "", Per::ClusterRef, Lifetime::Authored);

@@ -9,7 +9,12 @@
 
 namespace rubble::RUBBLE_CORE {
 
-struct SolverData : JointTables<JointTypes> {
+/// Elements between vertices, one array per type.
+template <class F> struct ElementTable { F* element = nullptr; };
+template <class List> struct ElementTables;
+template <class... F> struct ElementTables<TypeList<F...>> : ElementTable<F>... {};
+
+struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   int bodies = 0;  ///< slots, including removed ones and a reserve
   int planes = 0;
   int surfaces = 0;                    ///< materials in the shared table
@@ -239,32 +244,9 @@ struct SolverData : JointTables<JointTypes> {
   StrandVertex* strandVertex = nullptr;  ///< sorted by strand, from one end to the other
   StrandWork* strandWork = nullptr;
   Real* strandShare = nullptr;  ///< share of the Newton step that the strand takes [1]
-  // elements
+  // attachments; elements are in ElementTables
   Attachment* attachment = nullptr;
-  Tetrahedron* tetrahedron = nullptr;
-  Membrane* membrane = nullptr;
-  FlatBend* flatBend = nullptr;
-  FoldBend* foldBend = nullptr;
-  LineBend* lineBend = nullptr;
-  Spring* spring = nullptr;
-  Pressure* pressure = nullptr;
 
-  template <class F> RUBBLE_HD F* elementsOf() const {
-    if constexpr (std::is_same_v<F, Tetrahedron>)
-      return tetrahedron;
-    else if constexpr (std::is_same_v<F, Membrane>)
-      return membrane;
-    else if constexpr (std::is_same_v<F, FlatBend>)
-      return flatBend;
-    else if constexpr (std::is_same_v<F, FoldBend>)
-      return foldBend;
-    else if constexpr (std::is_same_v<F, LineBend>)
-      return lineBend;
-    else if constexpr (std::is_same_v<F, Spring>)
-      return spring;
-    else
-      return pressure;
-  }
   /// Number of nodes that aggregates are made of.
   RUBBLE_HD int nodes() const { return bodies + softNodes; }
   RUBBLE_HD int jointSlots() const {
@@ -278,6 +260,7 @@ struct SolverData : JointTables<JointTypes> {
   RUBBLE_HD int owners() const;
   RUBBLE_HD ShapeTables shapeTables() const { return {shapeVector, shapeIndex, shapePart}; }
 
+  template <class F> RUBBLE_HD F* elementsOf() const { return ElementTable<F>::element; }
   template <class F> RUBBLE_HD JointSpec<F>* specsOf() const { return JointTable<F>::spec; }
   template <class F> RUBBLE_HD Joint<F>* jointsOf() const { return JointTable<F>::joint; }
   template <class F> RUBBLE_HD TreeRows<F>* treeRowsOf() const { return JointTable<F>::treeRows; }

@@ -8,11 +8,6 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
-static_assert(JointTypes::kSize == kEngineJointTypes);
-static_assert(typeIndex<PulleyJoint>(JointTypes{}) == static_cast<int>(EngineJointType::Pulley));
-static_assert(typeIndex<SwingTwistJoint>(JointTypes{}) == static_cast<int>(EngineJointType::SwingTwist));
-static_assert(typeIndex<GearJoint>(JointTypes{}) == static_cast<int>(EngineJointType::Gear));
-
 /// Calls f.operator()<F>() for the joint type of that index.
 template <class Function> void withJointType(int type, Function&& f) {
   forEachType(JointTypes{}, [&]<class F>() {
@@ -26,7 +21,7 @@ Real finite(double a) {
 }
 
 GroupSpec specOf(const EngineGroup& in) {
-  return {static_cast<GroupMode>(in.mode), finite(in.stiffness), finite(in.damping), finite(in.bound)};
+  return {in.mode, finite(in.stiffness), finite(in.damping), finite(in.bound)};
 }
 AxisSpec specOf(const JointAxis& in) {
   AxisSpec out;
@@ -39,28 +34,11 @@ AxisSpec specOf(const JointAxis& in) {
   return out;
 }
 
-template <class Data> void setData(Data& data, const EngineJoint& in) {
-  if constexpr (requires { data.anchorA; }) data.anchorA = Vec3(in.anchorA), data.anchorB = Vec3(in.anchorB);
-  if constexpr (requires { data.frameA; }) data.frameA = Quat(in.frameA);
-  if constexpr (requires { data.frameB; }) data.frameB = Quat(in.frameB);
-  if constexpr (requires { data.aToB; }) data.aToB = Quat(in.aToB);
-  if constexpr (requires { data.baseA; }) data.baseA = Quat(in.baseA);
-  if constexpr (requires { data.baseB; }) data.baseB = Quat(in.baseB);
-  if constexpr (requires { data.pointA; }) data.pointA = in.pointA;
-  if constexpr (requires { data.pointB; }) data.pointB = in.pointB;
-  if constexpr (requires { data.direction; }) data.direction = Vec3(in.direction);
-  if constexpr (requires { data.inWorld; }) data.inWorld = in.carrierB == kWorld;
-  if constexpr (requires { data.ratio; }) data.ratio = static_cast<Real>(in.ratio);
-  if constexpr (requires { data.driveTarget; }) data.driveTarget = Quat(in.driveTarget);
-  if constexpr (requires { data.coneY; })
-    data.coneY = static_cast<Real>(in.coneY), data.coneZ = static_cast<Real>(in.coneZ);
-}
-
 template <class F> void editJointOf(HostTables& tables, int slot, const EngineJoint& in) {
   JointSpec<F>& spec = tables.view().specsOf<F>()[slot];
   const JointLinks before = linksOf<F>(spec);
   spec = {};
-  setData(spec.data, in);
+  spec.data = F::Data::of(in);
   spec.a = in.a, spec.b = in.b;
   if constexpr (isCarried<F>()) spec.carrierA = in.carrierA, spec.carrierB = in.carrierB;
   spec.alive = in.alive, spec.isRigid = in.isRigid;
@@ -169,12 +147,12 @@ void setJointCount(HostTables& tables, int type, int ids) {
 }
 
 void editJoint(HostTables& tables, int slot, const EngineJoint& joint) {
-  withJointType(static_cast<int>(joint.type), [&]<class F>() { editJointOf<F>(tables, slot, joint); });
+  withJointType(joint.type, [&]<class F>() { editJointOf<F>(tables, slot, joint); });
 }
 
 void setJoint(HostTables& tables, int slot, const EngineJoint& joint) {
   editJoint(tables, slot, joint);
-  withJointType(static_cast<int>(joint.type), [&]<class F>() { tables.view().jointsOf<F>()[slot] = {}; });
+  withJointType(joint.type, [&]<class F>() { tables.view().jointsOf<F>()[slot] = {}; });
 }
 
 JointState HostReader::jointState(int type, int slot) const {

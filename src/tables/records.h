@@ -10,6 +10,7 @@
 #include <rubble/world.h>
 
 #include "collision/cooked_shape.h"
+#include "forces/joint_record.h"
 #include "forces/soft_model.h"
 
 namespace rubble {
@@ -30,50 +31,6 @@ struct EngineBody {
   CollisionFilter filter;
   bool sensor = false;
   BodyState state;
-};
-
-/// Joint types of the engine, in the order of JointTypes. Several authored types may map to one of them.
-enum class EngineJointType {
-  Ball,
-  Fixed,
-  Hinge,
-  Slider,
-  Distance,
-  Universal,
-  SwingTwist,
-  SixDof,
-  Gear,
-  Rack,
-  Pulley
-};
-inline constexpr int kEngineJointTypes = 11;
-
-/// Rows with a common stiffness and force bound. Mode: off, held, friction relative to the start of the step,
-/// or held as a point where a length has no direction (forces/distance.h).
-struct EngineGroup {
-  enum class Mode { Off, Hold, Friction, Point };
-  Mode mode = Mode::Hold;
-  double stiffness = kHard, damping = 0, bound = kHard;
-};
-
-/// A joint between bodies by id (kWorld: the world). Groups and axes are those of its parts, in their order.
-struct EngineJoint {
-  EngineJointType type = EngineJointType::Ball;
-  int a = kWorld, b = kWorld;
-  int carrierA = kWorld, carrierB = kWorld;  ///< gears, racks: frame bodies of the axes
-  bool alive = false;
-  bool isRigid = true;  ///< rigidly connects its bodies (joint trees, aggregates, ccd islands)
-  Vec3 anchorA, anchorB;
-  Quat frameA, frameB, aToB;
-  Quat baseA, baseB;               ///< gears, racks: the axes in their frame bodies
-  Vec3 pointA, pointB, direction;  ///< pulleys: world; racks: frame body
-  double ratio = 1;
-  Quat driveTarget;
-  double coneY = 1, coneZ = 1;
-  std::vector<EngineGroup> groups;
-  std::vector<JointAxis> axes;
-  double breakForce = kUnbreakable, breakTorque = kUnbreakable;
-  int turned = 0;  ///< six-dof: authored axis (i + turned) % 3 is axis i here
 };
 
 struct EngineContact {

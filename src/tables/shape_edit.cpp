@@ -4,12 +4,8 @@
 
 namespace rubble::RUBBLE_CORE {
 
-static_assert(static_cast<int>(CookedKind::Plane) == static_cast<int>(ShapeKind::Plane));
-static_assert(static_cast<int>(CookedKind::Hull) == static_cast<int>(ShapeKind::Hull));
-static_assert(static_cast<int>(CookedKind::Distance) == static_cast<int>(ShapeKind::Distance));
-
 ShapeData shapeData(const CookedData& shape) {
-  return {Vec3(shape.half), static_cast<Real>(shape.radius), static_cast<ShapeKind>(shape.kind), shape.data};
+  return {Vec3(shape.half), static_cast<Real>(shape.radius), shape.kind, shape.data};
 }
 
 void addShape(HostTables& tables, const CookedShape& shape, const std::vector<int>& partSurfaces) {

@@ -11,81 +11,15 @@ namespace rubble::RUBBLE_CORE {
 namespace {
 
 Real real(double a) { return static_cast<Real>(a); }
-/// A threshold in the solver precision. Infinity becomes kUnreached.
-Real bound(double a) { return static_cast<Real>(std::min(a, static_cast<double>(kUnreached))); }
-
-/// A zeroed element, padding included, because states are hashed.
-template <class F, std::size_t N> F fresh(const std::array<int, N>& v, int first) {
+/// An element from its model. Padding is zeroed, because states are hashed.
+template <class F> F made(const typename F::Model& model, int first) {
   F e;
   std::memset(static_cast<void*>(&e), 0, sizeof e);
-  for (std::size_t k = 0; k < N; ++k) e.v[k] = first + v[k];
+  for (int k = 0; k < F::kCorners; ++k) e.v[k] = first + model.v[static_cast<std::size_t>(k)];
   e.alive = 1;
+  e.set(model);
   return e;
 }
-
-Tetrahedron made(const SoftModel::Tetrahedron& m, int first) {
-  Tetrahedron e = fresh<Tetrahedron>(m.v, first);
-  for (int k = 0; k < 3; ++k) e.m[k] = Vec3(m.m[k]);
-  e.mu = real(m.mu * m.volume), e.lambda = real(m.lambda * m.volume);
-  e.damper = real(m.volume * m.viscosity);
-  e.yield = bound(m.yield * m.volume), e.hardening = real(m.hardening * m.volume);
-  e.steepest = kMostSteepness * e.steepness();
-  return e;
-}
-Membrane made(const SoftModel::Membrane& m, int first) {
-  Membrane e = fresh<Membrane>(m.v, first);
-  for (int k = 0; k < 2; ++k)
-    e.m1[k] = real(m.m1[k]), e.m2[k] = real(m.m2[k]), e.stiffness[k] = real(m.stiffness[k]);
-  e.damper = real(m.damper), e.tearStretch = real(m.tearStretch), e.unit0 = real(m.unit),
-  e.largest = real(m.largest);
-  return e;
-}
-FlatBend made(const SoftModel::FlatBend& m, int first) {
-  FlatBend e = fresh<FlatBend>(m.v, first);
-  e.stiffness = real(m.stiffness);
-  for (int k = 0; k < 4; ++k) e.weight[k] = real(m.weight[k]);
-  return e;
-}
-FoldBend made(const SoftModel::FoldBend& m, int first) {
-  FoldBend e = fresh<FoldBend>(m.v, first);
-  e.stiffness = real(m.stiffness), e.damping = real(m.damping), e.restAngle = real(m.restAngle);
-  return e;
-}
-LineBend made(const SoftModel::LineBend& m, int first) {
-  LineBend e = fresh<LineBend>(m.v, first);
-  e.stiffness = real(m.stiffness);
-  for (int k = 0; k < 3; ++k) e.weight[k] = real(m.weight[k]);
-  return e;
-}
-Spring made(const SoftModel::Spring& m, int first) {
-  Spring e = fresh<Spring>(m.v, first);
-  e.stiffness = real(m.stiffness), e.damping = real(m.damping), e.restLength = real(m.restLength);
-  e.bound = bound(m.bound), e.mass = real(m.mass);
-  return e;
-}
-Pressure made(const SoftModel::Pressure& m, int first) {
-  Pressure e = fresh<Pressure>(m.v, first);
-  e.pressure = real(m.pressure);
-  return e;
-}
-
-template <class F> const auto& listOf(const SoftModel& m) {
-  if constexpr (std::is_same_v<F, Tetrahedron>)
-    return m.tetrahedra;
-  else if constexpr (std::is_same_v<F, Membrane>)
-    return m.membranes;
-  else if constexpr (std::is_same_v<F, FlatBend>)
-    return m.flatBends;
-  else if constexpr (std::is_same_v<F, FoldBend>)
-    return m.foldBends;
-  else if constexpr (std::is_same_v<F, LineBend>)
-    return m.lineBends;
-  else if constexpr (std::is_same_v<F, Spring>)
-    return m.springs;
-  else
-    return m.pressures;
-}
-static_assert(ElementTypes::kSize == SoftRange::kElementTypes);
 
 Attachment made(const EngineAttachment& in) {
   Attachment a;
@@ -93,7 +27,7 @@ Attachment made(const EngineAttachment& in) {
   for (int k = 0; k < kPointCorners; ++k) a.v[k] = in.v[k], a.weight[k] = real(in.weight[k]);
   a.body = in.body, a.isVertexVertex = in.isVertexVertex, a.alive = 1;
   a.worldPoint = in.worldPoint, a.anchor = Vec3(in.anchor);
-  a.bound = bound(in.bound), a.compliance = real(in.compliance);
+  a.bound = thresholdOf(in.bound), a.compliance = real(in.compliance);
   a.length = real(in.length), a.mass = real(in.mass);
   return a;
 }
@@ -104,14 +38,15 @@ template <class F> void placeElements(HostTables& tables, const std::vector<Engi
   SolverData& s = tables.view();
   const std::vector<F> old(s.elementsOf<F>(), s.elementsOf<F>() + s.elements[kType]);
   int count = 0;
-  for (const EngineSoftObject& o : objects) count += static_cast<int>(listOf<F>(*o.model).size());
+  for (const EngineSoftObject& o : objects) count += elementCounts(*o.model)[kType];
   tables.reserve(perElement<F>(), count);
   s.elements[kType] = count;
   for (const EngineSoftObject& o : objects) {
     F* to = s.elementsOf<F>() + o.at.element[kType];
-    for (std::size_t i = 0; i < listOf<F>(*o.model).size(); ++i, ++to) {
+    const auto& models = o.model->list<typename F::Model>();
+    for (std::size_t i = 0; i < models.size(); ++i, ++to) {
       if (o.previous.vertex < 0) {
-        *to = made(listOf<F>(*o.model)[i], o.at.vertex);
+        *to = made<F>(models[i], o.at.vertex);
         continue;
       }
       *to = old[static_cast<std::size_t>(o.previous.element[kType]) + i];
@@ -300,7 +235,8 @@ void setSoft(HostTables& tables, const std::vector<EngineSoftObject>& objects,
 
 void countYielding(SolverData& s) {
   const std::span<const Tetrahedron> all(
-      s.tetrahedron, static_cast<std::size_t>(s.elements[typeIndex<Tetrahedron>(ElementTypes{})]));
+      s.elementsOf<Tetrahedron>(),
+      static_cast<std::size_t>(s.elements[typeIndex<Tetrahedron>(ElementTypes{})]));
   s.yielding = static_cast<int>(
       std::count_if(all.begin(), all.end(), [](const Tetrahedron& e) { return e.yield < kUnreached; }));
 }

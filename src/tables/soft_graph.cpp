@@ -62,7 +62,8 @@ void connect(HostTables& tables) {
   fill(refs, s.refOffset, [&](std::size_t k, std::uint32_t code) { s.ref[k] = code; });
   fill(neighbors, s.neighborOffset, [&](std::size_t k, int v) { s.neighbor[k] = v; });
   fill(tetrahedra, s.tetraCornerOffset, [&](std::size_t k, std::uint32_t code) {
-    s.tetraCorner[k] = seenFrom(s.tetrahedron[pointIndex(code)], pointIndex(code), pointCorner(code));
+    s.tetraCorner[k] = seenFrom(s.elementsOf<Tetrahedron>()[pointIndex(code)], pointIndex(code),
+                                pointCorner(code));
   });
 }
 
@@ -72,7 +73,7 @@ static_assert(kClusterLevels == SoftModel::kClusterLevels);
 /// only hold partial sums. Clusters of the next level are about four vertices wide, a distance that vertex
 /// sweeps handle.
 bool movesAsOne(const SoftModel& model, const SoftModel::Cluster& c) {
-  return c.level > 0 || c.parent < 0 || model.tetrahedra.empty();
+  return c.level > 0 || c.parent < 0 || model.list<TetrahedronModel>().empty();
 }
 
 /// Places the clusters of all objects by level, and lists the boundary elements of each.
@@ -205,13 +206,14 @@ struct LineEnds {
 std::vector<LineEnds> lineEnds(const SoftModel& m) {
   const auto counts = elementCounts(m);
   const std::size_t elements = static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), 0));
-  if (m.springs.empty() || elements != m.springs.size() + m.lineBends.size()) return {};
+  const auto& springs = m.list<SpringModel>();
+  if (springs.empty() || elements != springs.size() + m.list<LineBend::Model>().size()) return {};
   std::vector<LineEnds> ends(m.vertices.size());
-  for (std::size_t i = 0; i < m.springs.size(); ++i)
+  for (std::size_t i = 0; i < springs.size(); ++i)
     for (std::size_t k = 0; k < 2; ++k) {
-      LineEnds& end = ends[static_cast<std::size_t>(m.springs[i].v[k])];
+      LineEnds& end = ends[static_cast<std::size_t>(springs[i].v[k])];
       if (end.count == 2) return {};
-      end.spring[end.count] = static_cast<int>(i), end.other[end.count++] = m.springs[i].v[1 - k];
+      end.spring[end.count] = static_cast<int>(i), end.other[end.count++] = springs[i].v[1 - k];
     }
   return ends;
 }
@@ -228,8 +230,8 @@ void placeLines(HostTables& tables, const std::vector<EngineSoftObject>& objects
     // the first vertex of a bend is its middle
     std::vector<int> bendAt(ends.size(), -1);
     if (!ends.empty())
-      for (std::size_t i = 0; i < m.lineBends.size(); ++i)
-        bendAt[static_cast<std::size_t>(m.lineBends[i].v[0])] = static_cast<int>(i);
+      for (std::size_t i = 0; i < m.list<LineBend::Model>().size(); ++i)
+        bendAt[static_cast<std::size_t>(m.list<LineBend::Model>()[i].v[0])] = static_cast<int>(i);
     const auto global = [&](int type, int index) { return index < 0 ? -1 : o.at.element[type] + index; };
     std::vector<char> done(ends.size(), 0);
     for (std::size_t first = 0; first < ends.size(); ++first) {

@@ -5,6 +5,7 @@
 #include <rubble/scene.h>
 
 #include "cook/checks.h"
+#include "world/joint_build.h"
 
 namespace rubble {
 
@@ -14,101 +15,46 @@ using namespace checks;
 
 void validateAxis(const JointAxis& axis, const std::string& path) {
   if (!(axis.min <= axis.max)) throw Error(path + ".min", "at most max, " + text(axis.max), text(axis.min));
-  positiveOrInfinite(axis.limitStiffness, path + ".limitStiffness");
-  notNegative(axis.limitDamping, path + ".limitDamping");
-  finite(axis.targetPosition, path + ".targetPosition");
-  finite(axis.targetSpeed, path + ".targetSpeed");
-  notNegativeOrInfinite(axis.driveStiffness, path + ".driveStiffness");
-  notNegativeOrInfinite(axis.driveDamping, path + ".driveDamping");
-  notNegativeOrInfinite(axis.maxDriveForce, path + ".maxDriveForce");
-  notNegativeOrInfinite(axis.friction, path + ".friction");
-  if (!std::isfinite(axis.friction))
+  if (axis.friction > 0 && !std::isfinite(axis.friction))
     throw Error(path + ".friction", "a finite number; equal limits lock an axis", text(axis.friction));
+  forEachField(kAxisFields, axis,
+               [&](const FieldInfo& info, double value) { checks::field(info, value, path); });
 }
 
 }  // namespace
 
 void validate(const JointDef& joint, const std::string& path) {
-  enumeration(joint.type, JointType::Grab, path + ".type");
-  finite(joint.anchorA, path + ".anchorA");
-  finite(joint.anchorB, path + ".anchorB");
-  unit(joint.frameA, path + ".frameA");
-  unit(joint.frameB, path + ".frameB");
-  unit(joint.orientationAtoB, path + ".orientationAtoB");
-  unit(joint.driveOrientation, path + ".driveOrientation");
-  positiveOrInfinite(joint.stiffness, path + ".stiffness");
-  positiveOrInfinite(joint.angularStiffness, path + ".angularStiffness");
-  positiveOrInfinite(joint.breakForce, path + ".breakForce");
-  positiveOrInfinite(joint.breakTorque, path + ".breakTorque");
-  positiveOrInfinite(joint.maxForce, path + ".maxForce");
-  positiveOrInfinite(joint.maxTorque, path + ".maxTorque");
-  for (const auto& [value, name] : {std::pair{joint.damping, ".damping"},
-                                    {joint.dampingRatio, ".dampingRatio"},
-                                    {joint.angularDamping, ".angularDamping"},
-                                    {joint.angularDampingRatio, ".angularDampingRatio"},
-                                    {joint.friction, ".friction"}})
-    notNegative(value, path + name);
-  for (const auto& [value, name] : {std::pair{joint.driveStiffness, ".driveStiffness"},
-                                    {joint.driveDamping, ".driveDamping"},
-                                    {joint.maxDriveTorque, ".maxDriveTorque"}})
-    notNegativeOrInfinite(value, path + name);
+  enumeration(static_cast<int>(joint.type), static_cast<int>(jointKinds().size()) - 1, path + ".type");
+  const JointKind& kind = kindOf(joint.type);
+  kind.check(joint, path);
+  const auto check = [&](const JointField& info) {
+    info.visit(joint, [&](const auto& value) { checks::field(info, value, path); });
+  };
+  for (const JointField& info : sharedJointFields()) check(info);
+  for (const JointField& info : kind.ownFields) check(info);
   if (joint.dampingRatio > 0 && joint.stiffness == kHard)
     throw Error(path + ".dampingRatio", "a stiffness beside it", "a hard joint");
   if (joint.angularDampingRatio > 0 && joint.angularStiffness == kHard)
     throw Error(path + ".angularDampingRatio", "an angularStiffness beside it", "a hard joint");
-  finite(joint.ratio, path + ".ratio");
   if (joint.ratio == 0) throw Error(path + ".ratio", "a number other than 0", "0");
-  if (joint.type == JointType::Pulley && joint.ratio < 0)
-    throw Error(path + ".ratio", "a positive number for a pulley", text(joint.ratio));
-  if (joint.type == JointType::Spring && joint.stiffness == kHard)
-    throw Error(path + ".stiffness", "a finite stiffness for a spring", "hard");
-  if (joint.type == JointType::Grab && joint.stiffness == kHard)
-    throw Error(path + ".stiffness", "a finite stiffness for a grab", "hard");
-  finite(joint.length, path + ".length");
-  finite(joint.pulleyA, path + ".pulleyA");
-  finite(joint.pulleyB, path + ".pulleyB");
-  // a narrower cone must be a hinge
-  constexpr double kNarrowest = 1e-3;
-  for (const auto& [angle, name] : {std::pair{joint.swingY, ".swingY"}, {joint.swingZ, ".swingZ"}})
-    if (!(angle >= kNarrowest)) throw Error(path + name, "an angle of at least 0.001 rad", text(angle));
   for (std::size_t i = 0; i < joint.axes.size(); ++i)
     validateAxis(joint.axes[i], path + ".axes[" + std::to_string(i) + "]");
 }
 
+void checkCarrier(JointType type, int body, int carrier, const std::string& path) {
+  if (carrier == kWorld) return;
+  if (!kindOf(type).isCarried) throw Error(path, std::string("none for a ") + keyword(type), "a body");
+  if (carrier == body) throw Error(path, "another body than the one that moves in it", "the same");
+}
+
 const char* keyword(JointType type) {
-  switch (type) {
-    case JointType::Ball:
-      return "ball";
-    case JointType::Fixed:
-      return "fixed";
-    case JointType::Hinge:
-      return "hinge";
-    case JointType::Slider:
-      return "slider";
-    case JointType::Distance:
-      return "distance";
-    case JointType::Rope:
-      return "rope";
-    case JointType::Spring:
-      return "spring";
-    case JointType::AngularSpring:
-      return "angular_spring";
-    case JointType::SwingTwist:
-      return "swing_twist";
-    case JointType::Universal:
-      return "universal";
-    case JointType::SixDof:
-      return "six_dof";
-    case JointType::Gear:
-      return "gear";
-    case JointType::Rack:
-      return "rack";
-    case JointType::Pulley:
-      return "pulley";
-    case JointType::Grab:
-      return "grab";
-  }
-  return "";
+  const auto at = static_cast<std::size_t>(type);
+  return at < jointKinds().size() ? jointKinds()[at].name : "";
+}
+JointType jointType(const std::string& keyword) {
+  for (const JointKind& kind : jointKinds())
+    if (kind.name == keyword) return kind.type;
+  throw Error("type", "the keyword of a joint type", "\"" + keyword + "\"");
 }
 
 Quat frameAlong(const Vec3& x) {

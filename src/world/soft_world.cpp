@@ -241,13 +241,14 @@ World::Surface World::surface(SoftId id) const {
   const auto alive = [&](int type) {
     return impl_->engine->read().elementsAlive(type, r.range.element[type], counts[std::size_t(type)]);
   };
-  constexpr int kMembranes = 1, kSprings = 5;
+  constexpr int kMembranes = typeIndex<host::Membrane>(host::ElementTypes{}),
+                kSprings = typeIndex<host::Spring>(host::ElementTypes{});
   const std::vector<char> whole = alive(kMembranes);
   for (std::size_t i = 0; i < m.surface.size(); ++i)
     if (whole.empty() || whole[i]) out.triangles.push_back(m.surface[i]);
   const std::vector<char> unbroken = alive(kSprings);
-  for (std::size_t i = 0; i < m.springs.size(); ++i)
-    if (unbroken[i]) out.segments.push_back(m.springs[i].v);
+  for (std::size_t i = 0; i < unbroken.size(); ++i)
+    if (unbroken[i]) out.segments.push_back(m.list<SpringModel>()[i].v);
   out.radius = m.vertices[0].radius;
   out.spheres = std::holds_alternative<ParticlesDef>(r.def);
   return out;

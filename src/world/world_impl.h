@@ -133,8 +133,9 @@ struct Registry {
   std::vector<CookedEntry> shapes;  ///< those with geometry in the tables of the engine
   int shapeIndices = 0, shapeParts = 0;
   std::vector<Material> surfaces;  ///< those in the material table of the engine
-  std::vector<int> freeJointSlots[kEngineJointTypes];
-  int jointSlots[kEngineJointTypes] = {};
+  /// By joint type of the engine.
+  std::vector<std::vector<int>> freeJointSlots{static_cast<std::size_t>(engineJointTypes())};
+  std::vector<int> jointSlots = std::vector<int>(freeJointSlots.size());
   std::set<std::pair<int, int>> exclusions;  ///< (low, high), without those of joints
   std::vector<int> planes;                   ///< bodies, ascending
   std::vector<Touch> touches;                ///< of the last step with events enabled, sorted

@@ -95,11 +95,12 @@ struct MixedChain : CoreWorld {
       add(body);
     }
     finish();
-    const EngineJointType types[] = {EngineJointType::Ball,       EngineJointType::Fixed,
-                                     EngineJointType::Hinge,      EngineJointType::Universal,
-                                     EngineJointType::SwingTwist, EngineJointType::Slider,
-                                     EngineJointType::Distance};
-    int slots[kEngineJointTypes] = {};
+    constexpr JointTypes kAll;
+    constexpr int types[] = {typeIndex<BallJoint>(kAll),       typeIndex<FixedJoint>(kAll),
+                             typeIndex<HingeJoint>(kAll),      typeIndex<UniversalJoint>(kAll),
+                             typeIndex<SwingTwistJoint>(kAll), typeIndex<SliderJoint>(kAll),
+                             typeIndex<DistanceJoint>(kAll)};
+    int slots[JointTypes::kSize] = {};
     test::Random random(41);
     for (int i = 1; i < kLinks; ++i) {
       EngineJoint joint;
@@ -112,7 +113,7 @@ struct MixedChain : CoreWorld {
       axis.min = -.05, axis.max = .02 * (i % 3);
       axis.friction = i % 2, axis.driveStiffness = i % 4, axis.driveDamping = .1;
       joint.axes = {axis, axis};
-      addJoint(slots[static_cast<int>(joint.type)]++, joint);
+      addJoint(slots[joint.type]++, joint);
     }
   }
 };
@@ -142,7 +143,7 @@ TEST(JointSweep, OneCodeForAllTypesAboutAPointHasTheBitsOfThatOfEach) {
       ASSERT_EQ(std::memcmp(&own, &alike, sizeof own), 0) << n << " " << i;
       ASSERT_GT(length(own.fl) + length(own.fa), 0) << n << " " << i;
     }
-    for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::SwingTwist)]; ++i)
+    for (int i = 0; i < s.joints[typeIndex<SwingTwistJoint>(JointTypes{})]; ++i)
       acting |= s.jointsOf<SwingTwistJoint>()[i].acting;
   }
   constexpr int kTwist = 4;
@@ -163,10 +164,9 @@ TEST(JointSweep, ErrorsOfAnchorsByLeversAreThoseByOrientations) {
   SolverData& s = chain.view();
   test::Random random(5);
   beginStep(s, chain.settings(), before);
-  for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::Hinge)]; ++i)
-    BeginJoints<HingeJoint>{}(s, i);
+  for (int i = 0; i < s.joints[typeIndex<HingeJoint>(JointTypes{})]; ++i) BeginJoints<HingeJoint>{}(s, i);
   for (int i = 0; i < s.bodies; ++i) s.dx[i].dp = random.vector(), s.dq[i] = random.rotation();
-  for (int i = 0; i < s.joints[static_cast<int>(EngineJointType::Hinge)]; ++i) {
+  for (int i = 0; i < s.joints[typeIndex<HingeJoint>(JointTypes{})]; ++i) {
     const JointSpec<HingeJoint>& spec = s.specsOf<HingeJoint>()[i];
     const Joint<HingeJoint>& joint = s.jointsOf<HingeJoint>()[i];
     const auto& rows = partOf<0>(joint.parts);

@@ -96,7 +96,7 @@ SolverData DeviceQueries::withGrid(const SolverData& device, const StepConstants
   // bodies do not move during queries
   StepConstants still = constants;
   still.dt = 0;
-  copyTo(s.step, &still, sizeof still, stream);
+  copyTo(*s.step, &still, sizeof still, stream);
   const auto clear = [&](void* p, std::size_t bytes) {
     checkCuda(cudaMemsetAsync(p, 0, bytes, stream), "cudaMemsetAsync");
   };

@@ -68,8 +68,8 @@ RUBBLE_HD inline bool isThere(const SolverData& s, const SurfaceFeature& f) {
   for (const std::uint32_t source : f.source) {
     if (source == kNoSource) continue;
     const int type = pointType(source), index = pointIndex(source);
-    if (type == typeIndex<Membrane>(ElementTypes{}) && s.membrane[index].alive) return true;
-    if (type == typeIndex<Spring>(ElementTypes{}) && s.spring[index].alive) return true;
+    if (type == typeIndex<Membrane>(ElementTypes{}) && s.elementsOf<Membrane>()[index].alive) return true;
+    if (type == typeIndex<Spring>(ElementTypes{}) && s.elementsOf<Spring>()[index].alive) return true;
   }
   return false;
 }

@@ -79,11 +79,11 @@ template <bool surfaces> struct AssembleStrands {
   }
 
   RUBBLE_HD static const Spring* springAfter(const SolverData& s, int k) {
-    return s.spring + s.strandVertex[k].spring;
+    return s.elementsOf<Spring>() + s.strandVertex[k].spring;
   }
   /// The bend whose middle is vertex k.
   RUBBLE_HD static const LineBend* bendAt(const SolverData& s, int k) {
-    return s.strandVertex[k].bend >= 0 ? s.lineBend + s.strandVertex[k].bend : nullptr;
+    return s.strandVertex[k].bend >= 0 ? s.elementsOf<LineBend>() + s.strandVertex[k].bend : nullptr;
   }
   RUBBLE_HD static void write(StrandWork& w, const Block3& own, const Sym3& next, Real afterNext) {
     for (int i = 0; i < 3; ++i) {
@@ -168,7 +168,7 @@ struct TakeStrandForces {
     const StrandVertex& at = s.strandVertex[k];
     const Real share = s.strandShare[at.strand];
     if (at.spring < 0 || !s.step->compliantRows || !(share > Real(0))) return;
-    Spring& spring = s.spring[at.spring];
+    Spring& spring = s.elementsOf<Spring>()[at.spring];
     Vec3 x[Spring::kCorners];
     gatherCorners(s, spring, x);
     const Vec3 d = x[0] - x[1],

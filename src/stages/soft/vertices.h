@@ -44,9 +44,9 @@ struct BeginTetraCorners {
   }
   RUBBLE_HD static void begin(const SolverData& s, int k) {
     TetraCorner& corner = s.tetraCorner[k];
-    s.cornerStart[k] = corner.damper > Real(0) ? s.tetrahedron[corner.element].strainStart
+    s.cornerStart[k] = corner.damper > Real(0) ? s.elementsOf<Tetrahedron>()[corner.element].strainStart
                                                : Sym3{0, 0, 0, 0, 0, 0};
-    if (s.yielding > 0) corner.takeShape(s.tetrahedron[corner.element]);
+    if (s.yielding > 0) corner.takeShape(s.elementsOf<Tetrahedron>()[corner.element]);
   }
 };
 
@@ -79,7 +79,7 @@ template <class F> struct FinishElements {
 struct FlowTetrahedra {
   static constexpr const char* kStage = "element end";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    Tetrahedron& element = s.tetrahedron[i];
+    Tetrahedron& element = s.elementsOf<Tetrahedron>()[i];
     Vec3 x[Tetrahedron::kCorners];
     gatherCorners(s, element, x);
     flow(element, x);

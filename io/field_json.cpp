@@ -1,0 +1,73 @@
+#include "io/field_json.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "io/shape_json.h"
+
+namespace rubble::io {
+
+using Ordered = nlohmann::ordered_json;
+
+static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// What is expected of a number, in words: "a length above 0 [m]".
+static std::string textOf(const FieldInfo& field) {
+  const bool positive = field.rules.range == FieldRange::Positive;
+  const bool isLength = positive && !field.rules.infinity && std::string_view(field.unit) == "m";
+  std::string text = isLength ? "a length" : "a number";
+  if (field.rules.range != FieldRange::Any) text += positive ? " above 0" : " of at least 0";
+  text += std::string(" [") + field.unit + "]";
+  return field.rules.infinity ? text + ", or \"" + field.rules.infinity + "\"" : text;
+}
+static Want wanted(const FieldInfo& field, const std::string& text) {
+  return {field.rules.range == FieldRange::Any ? -kInfinity : 0, field.rules.range != FieldRange::Positive,
+          kInfinity, text.c_str()};
+}
+
+void readField(ObjectReader& object, const FieldInfo& field, double& out) {
+  const auto node = object.get(field.key);
+  if (!node) return;
+  const FieldRules& rules = field.rules;
+  const std::string text = textOf(field);
+  // the lower side of a limit stays below
+  if (rules.infinity && node->value().is_string() && node->value().get<std::string>() == rules.infinity)
+    out = std::isinf(out) && out < 0 ? -kInfinity : kInfinity;
+  else if (const auto value = node->number(wanted(field, text)))
+    out = *value / rules.factor;
+}
+void readField(ObjectReader& object, const FieldInfo& field, Vec3& out) {
+  const auto node = object.get(field.key);
+  if (!node) return;
+  const std::string text = textOf(field);
+  if (const auto value = field.rules.range == FieldRange::Any ? node->vector()
+                                                              : node->vector(wanted(field, text)))
+    out = *value / field.rules.factor;
+}
+void readField(ObjectReader& object, const FieldInfo& field, bool& out) { object.read(field.key, out); }
+void readField(ObjectReader& object, const FieldInfo& field, Quat& out) {
+  if (const auto found = object.get(field.key)) out = readOrientation(*found);
+}
+
+Ordered fieldJson(const FieldInfo& field, double value) {
+  return std::isinf(value) && field.rules.infinity ? Ordered(field.rules.infinity)
+                                                   : Ordered(value * field.rules.factor);
+}
+Ordered fieldJson(const FieldInfo&, bool value) { return value; }
+Ordered fieldJson(const FieldInfo& field, const Vec3& value) {
+  const Vec3 v = value * field.rules.factor;
+  return {v.x, v.y, v.z};
+}
+Ordered fieldJson(const FieldInfo&, const Quat& value) { return {value.s, value.v.x, value.v.y, value.v.z}; }
+
+bool sameBits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+bool sameBits(bool a, bool b) { return a == b; }
+bool sameBits(const Vec3& a, const Vec3& b) {
+  return sameBits(a.x, b.x) && sameBits(a.y, b.y) && sameBits(a.z, b.z);
+}
+bool sameBits(const Quat& a, const Quat& b) { return sameBits(a.s, b.s) && sameBits(a.v, b.v); }
+
+}  // namespace rubble::io

@@ -1,0 +1,72 @@
+#pragma once
+/// A joint between World and the tables: what its definition becomes, in double precision. Host only.
+#include <array>
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+#include <rubble/scene.h>
+
+namespace rubble {
+
+/// Mode of rows with one stiffness: off, held, friction relative to the start of the step, or held as a point
+/// in the steps that the joint chooses.
+enum class GroupMode { Off, Hold, Friction, Point };
+
+/// Rows with a common stiffness and force bound.
+struct EngineGroup {
+  using Mode = GroupMode;
+  Mode mode = Mode::Hold;
+  double stiffness = kHard, damping = 0, bound = kHard;
+};
+
+/// Constants of a joint type beyond its placement: a struct of numbers that its header declares.
+class JointConstants {
+ public:
+  template <class T> void set(const T& constants) {
+    static_assert(std::is_trivially_copyable_v<T> && sizeof(T) <= sizeof(values_));
+    std::memcpy(values_.data(), &constants, sizeof(T));
+    isSet_ = true;
+  }
+  /// The defaults of T if nothing was set.
+  template <class T> T get() const {
+    T constants;
+    if (isSet_) std::memcpy(static_cast<void*>(&constants), values_.data(), sizeof(T));
+    return constants;
+  }
+
+ private:
+  std::array<double, 12> values_{};
+  bool isSet_ = false;
+};
+
+/// A joint between body slots (kWorld: the world). Groups and axes are those of its parts, in their order.
+struct EngineJoint {
+  int type = 0;  ///< index into JointTypes
+  int a = kWorld, b = kWorld;
+  int carrierA = kWorld, carrierB = kWorld;  ///< frame bodies of the axes
+  bool alive = false;
+  bool isRigid = true;  ///< rigidly connects its bodies (joint trees, aggregates, ccd islands)
+  Vec3 anchorA, anchorB;
+  Quat frameA, frameB, aToB;
+  JointConstants constants;
+  std::vector<EngineGroup> groups;
+  std::vector<JointAxis> axes;
+  double breakForce = kUnbreakable, breakTorque = kUnbreakable;
+  int turned = 0;  ///< six-dof: authored axis (i + turned) % 3 is axis i here
+};
+
+/// A body of a joint at the time when the joint is made. The world has the identity pose and no mass.
+struct JointBodyState {
+  Vec3 position;
+  Quat orientation;
+  MassProperties mass;
+
+  Vec3 point(const Vec3& local) const;  ///< in the world [m]
+};
+struct JointBodies {
+  JointBodyState a, b;
+  JointBodyState carrierA = {}, carrierB = {};
+};
+
+}  // namespace rubble
