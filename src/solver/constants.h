@@ -50,10 +50,10 @@ struct StepPlan {
 };
 
 struct StepConstants {
-  Real dt;         ///< [s]
-  Real inverseDt;  ///< [1/s]
-  Vec3 gravity;    ///< [m/s2]
-  Vec3 up;         ///< against gravity, unit; zero where nothing weighs
+  Real dt;                ///< [s]
+  Real inverseDt;         ///< [1/s]
+  Vec3 gravity;           ///< [m/s2]
+  Vec3 up;                ///< against gravity, unit; zero where nothing weighs
   Real alpha;             ///< share of an inherited error that is not corrected in this step [1]
   Real gamma;             ///< warm-start decay [1]
   Real startStiffness;    ///< K [1]

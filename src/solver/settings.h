@@ -8,8 +8,12 @@ namespace rubble::RUBBLE_CORE {
 
 inline StepPlan stepPlan(const Params& params) {
   const Tuning& t = params.tuning;
-  return {params.iterations, params.sleeping, t.coarseCorrection, t.jointTrees,
-          params.preset == Preset::Demo3d, static_cast<Real>(t.acceleration)};
+  return {params.iterations,
+          params.sleeping,
+          t.coarseCorrection,
+          t.jointTrees,
+          params.preset == Preset::Demo3d,
+          static_cast<Real>(t.acceleration)};
 }
 
 /// `previousDt`: time step of the last step [s], 0 before the first.

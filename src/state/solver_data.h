@@ -49,6 +49,8 @@ struct SolverData : JointTables<JointTypes>, ElementTables<ElementTypes> {
   int elements[ElementTypes::kSize] = {},
       yielding = 0;  ///< slots in use per element type; tetrahedra that can yield
   StepPlan plan;
+  /// In device memory on a device, so that a captured step outlives them. Kernels that use many copy them,
+  /// because loads through the pointer are repeated after every store.
   StepConstants* step = nullptr;
   Counters* counters = nullptr;
 

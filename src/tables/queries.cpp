@@ -11,6 +11,14 @@ namespace rubble::RUBBLE_CORE {
 
 namespace {
 
+/// f(i) for all i < n, in parallel if that pays.
+template <class F> void forEachIndex(int n, F&& f) {
+  constexpr int kGrain = 2048;
+  tbb::parallel_for(tbb::blocked_range<int>(0, n, kGrain), [&](const auto& range) {
+    for (int i = range.begin(); i < range.end(); ++i) f(i);
+  });
+}
+
 template <class Kernel> void forEach(const SolverData& s, const Kernel& kernel, int n) {
   tbb::parallel_for(0, n, [&](int i) { kernel(s, i); });
 }
@@ -38,28 +46,39 @@ void fillGrid(SolverData& s) {
 }  // namespace
 
 QueryBatch::QueryBatch(const HostTables& tables, std::span<const EngineQuery> queries) {
+  data.resize(queries.size());
   std::map<const CookedShape*, int> places;
-  data.reserve(queries.size());
-  for (const EngineQuery& q : queries) {
-    const bool point = q.kind == EngineQuery::Ray || q.kind == EngineQuery::Closest;
-    ShapeData shape = point ? ShapeData{{0, 0, 0}, 0, ShapeKind::Sphere, -1} : shapeData(q.shape->shape);
-    if (shape.data >= 0) {
+  for (const EngineQuery& q : queries)
+    if (q.shape && q.shape->shape.data >= 0 && !places.contains(q.shape.get())) {
       if (!shelf) shelf.emplace();
-      const auto [place, isNew] = places.try_emplace(q.shape.get(), shelf->shapeIndices);
-      if (isNew) addShape(*shelf, *q.shape, std::vector<int>(q.shape->parts.size(), -1));
-      shape.data += place->second;
+      places[q.shape.get()] = shelf->shapeIndices;
+      addShape(*shelf, *q.shape, std::vector<int>(q.shape->parts.size(), -1));
     }
-    data.push_back({static_cast<QueryKind>(q.kind), shape, q.position, q.orientation, q.move, q.reach,
-                    2 * static_cast<double>(boundingRadius(shape)), q.layers, q.mask, q.sensors,
-                    slotOf(tables, q.ignore)});
-  }
+  forEachIndex(count(), [&](int i) {
+    const EngineQuery& q = queries[static_cast<std::size_t>(i)];
+    ShapeData shape = q.shape ? shapeData(q.shape->shape) : ShapeData{{0, 0, 0}, 0, ShapeKind::Sphere, -1};
+    if (shape.data >= 0) shape.data += places.at(q.shape.get());
+    data[static_cast<std::size_t>(i)] = {static_cast<QueryKind>(q.kind),
+                                         shape,
+                                         q.position,
+                                         q.orientation,
+                                         q.move,
+                                         q.reach,
+                                         2 * static_cast<double>(boundingRadius(shape)),
+                                         q.layers,
+                                         q.mask,
+                                         q.sensors,
+                                         slotOf(tables, q.ignore)};
+  });
 }
 
-std::vector<EngineHit> engineHits(const HostTables& tables, const std::vector<QueryHit>& hits) {
-  std::vector<EngineHit> out;
-  out.reserve(hits.size());
-  for (const QueryHit& hit : hits)
-    out.push_back({hit.body < 0 ? -1 : tables.view().idOf[hit.body], hit.fraction, hit.position, hit.n});
+std::vector<EngineHit> engineHits(const HostTables& tables, std::span<const QueryHit> hits) {
+  std::vector<EngineHit> out(hits.size());
+  forEachIndex(static_cast<int>(hits.size()), [&](int i) {
+    const QueryHit& hit = hits[static_cast<std::size_t>(i)];
+    out[static_cast<std::size_t>(i)] = {hit.body < 0 ? -1 : tables.view().idOf[hit.body], hit.fraction,
+                                        hit.position, hit.n};
+  });
   return out;
 }
 

@@ -17,7 +17,7 @@ struct QueryBatch {
   std::optional<HostTables> shelf;  ///< tables of the query shapes
 };
 
-std::vector<EngineHit> engineHits(const HostTables& tables, const std::vector<QueryHit>& hits);
+std::vector<EngineHit> engineHits(const HostTables& tables, std::span<const QueryHit> hits);
 /// The ids of [offsets[i], offsets[i + 1]) for each query, ascending.
 std::vector<std::vector<int>> idsByQuery(const HostTables& tables, const std::vector<int>& offsets,
                                          const std::vector<int>& bodies);

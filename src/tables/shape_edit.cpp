@@ -16,7 +16,7 @@ void addShape(HostTables& tables, const CookedShape& shape, const std::vector<in
   tables.reserve(Per::ShapePart, parts + static_cast<int>(shape.parts.size()));
   for (const auto& v : shape.vectors)
     s.shapeVector[tables.shapeVectors++] = {static_cast<Real>(v[0]), static_cast<Real>(v[1]),
-                                       static_cast<Real>(v[2]), static_cast<Real>(v[3])};
+                                            static_cast<Real>(v[2]), static_cast<Real>(v[3])};
   for (const int index : shape.indices) s.shapeIndex[tables.shapeIndices++] = index;
   for (const int place : shape.vectorPlaces) s.shapeIndex[indices + place] += vectors;
   for (const int place : shape.indexPlaces) s.shapeIndex[indices + place] += indices;

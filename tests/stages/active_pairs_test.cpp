@@ -1,5 +1,4 @@
 /// Pairs without a manifold could not have taken part in the step.
-#include <cstring>
 
 #include "tests/support/core_world.h"
 
@@ -29,8 +28,8 @@ Seen watch(CoreWorld& world, int steps) {
   Seen seen;
   CpuExecutor& executor = world.executor();
   bool due = false;
-  executor.observe([&](const char* stage) {
-    if (!due || std::strcmp(stage, "rows") != 0) return;
+  executor.observe([&](std::string_view stage, std::string_view) {
+    if (!due || stage != "rows") return;
     due = false;
     const SolverData& s = world.view();
     for (int i = 0; i < s.counters->pairs; ++i) {

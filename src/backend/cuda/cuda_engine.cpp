@@ -61,16 +61,19 @@ class CudaEngine final : public ObservableEngine, private PoseCopies {
   void step(StepReport& report) override;
 
   void sortBodies() override;
+  /// Rays run on the device, all other queries on the host over fetched states.
   std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
-    const SolverData device = present();
-    return engineHits(host(),
-                      queries_.run(device, *host().view().step, {host(), queries}, stepper_.stream()));
+    if (std::ranges::all_of(queries, [](const EngineQuery& q) { return q.kind == EngineQuery::Ray; })) {
+      const SolverData device = present();
+      return engineHits(host(),
+                        queries_.castRays(device, *host().view().step, {host(), queries}, stepper_.stream()));
+    }
+    mirror_.fetchAll();
+    return runQueries(host(), queries);
   }
   std::vector<std::vector<int>> overlaps(std::span<const EngineQuery> queries) override {
-    const SolverData device = present();
-    std::vector<int> offsets, bodies;
-    queries_.overlaps(device, *host().view().step, {host(), queries}, stepper_.stream(), offsets, bodies);
-    return idsByQuery(host(), offsets, bodies);
+    mirror_.fetchAll();
+    return runOverlaps(host(), queries);
   }
   void observe(KernelObserver observer) override { stepper_.observe(std::move(observer)); }
   const SolverData& tablesNow() override;

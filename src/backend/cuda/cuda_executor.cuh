@@ -138,10 +138,10 @@ class CudaExecutor : private KernelLauncher {
       sumLevel<kWarp>(level);
   }
   template <class Kernel>
-  requires(!kStrict &&
-           (std::same_as<Kernel, SolveAggregate> ||
-            std::same_as<Kernel, WithSoftNodes<SolveAggregate>>)) void runIn(const Kernel&,
-                                                                                 int* SolverData::*, int) {}
+  requires(!kStrict && (std::same_as<Kernel, SolveAggregate> ||
+                        std::same_as<Kernel, WithSoftNodes<SolveAggregate>>)) void runIn(const Kernel&,
+                                                                                         int* SolverData::*,
+                                                                                         int) {}
   void runIn(const MoveSlice&, int* SolverData::*, int level) {
     run(MoveNode{level}, view().bodiesMove ? view().bodies : 0);
   }
@@ -159,8 +159,7 @@ class CudaExecutor : private KernelLauncher {
     if constexpr (kStrict) return run<SolveCluster>(kernel, n);
     // register use limits these kernels to a quarter of the device's threads
     const int lanes = lanesFor<8, 16, kWarp, 128, 512>(n, residentThreads() / 4);
-    withLanes<8, 16, kWarp>(lanes,
-                            [&]<int kLanes>() { run(SolveClusterByTile<kLanes>{kernel.level}, n); });
+    withLanes<8, 16, kWarp>(lanes, [&]<int kLanes>() { run(SolveClusterByTile<kLanes>{kernel.level}, n); });
     withLanes<128, 512>(lanes, [&]<int kLanes>() { solveFewClusters<kLanes>(kernel.level, n); });
   }
 

@@ -4,6 +4,7 @@
 #include <barrier>
 #include <cstring>
 #include <exception>
+#include <map>
 #include <optional>
 #include <string>
 #include <thread>
@@ -67,7 +68,7 @@ class LockstepEngine final : public Engine {
   /// One of the two engines, and its present kernel.
   struct Side {
     std::unique_ptr<ObservableEngine> engine;
-    std::string stage = "", kernel = "";
+    std::string stage = "", kernel = "", nextStage = "";
     bool ended = false;  ///< its thread has finished this step
     std::exception_ptr error = nullptr;
   };
@@ -81,6 +82,7 @@ class LockstepEngine final : public Engine {
   void run(Side& side, StepReport& report) {
     side.stage.clear(), side.error = nullptr;
     side.engine->observe([this, &side](std::string_view stage, std::string_view kernel) {
+      side.nextStage = stage;
       if (!side.stage.empty()) meeting_->arrive_and_wait();
       side.stage = stage, side.kernel = kernel;
     });
@@ -90,6 +92,7 @@ class LockstepEngine final : public Engine {
       side.error = std::current_exception();
     }
     side.engine->observe({});
+    side.nextStage.clear();
     side.ended = true;
     meeting_->arrive_and_drop();
   }
@@ -97,31 +100,38 @@ class LockstepEngine final : public Engine {
   /// Both threads are at the end of a kernel or of the step.
   void meet() {
     if (!difference_.empty() || (a_.ended && b_.ended)) return;
-    if (a_.ended == b_.ended && a_.stage == b_.stage && a_.kernel == b_.kernel) return compare();
-    difference_ = place() + " beside " + b_.stage + " " + b_.kernel;
+    if (a_.ended == b_.ended && a_.stage == b_.stage && a_.kernel == b_.kernel)
+      return compare(a_.nextStage != a_.stage);
+    difference_ = place(a_.kernel) + " beside " + b_.stage + " " + b_.kernel;
   }
 
-  std::string place() const {
-    const std::string kernel = a_.kernel.empty() ? "" : ", kernel " + a_.kernel;
-    return "step " + std::to_string(step_) + ", stage " + a_.stage + kernel;
+  std::string place(const std::string& kernel) const {
+    return "step " + std::to_string(step_) + ", stage " + a_.stage +
+           (kernel.empty() ? "" : ", kernel " + kernel);
   }
 
-  void compare() {
+  /// Within a stage the order of elements may differ, if a later kernel of it sorts them. A difference counts
+  /// if it is there at the end of the stage, and has the kernel after which its table differed first.
+  void compare(bool stageEnds) {
     const SolverData &s = a_.engine->tablesNow(), &t = b_.engine->tablesNow();
     forEachArray([&]<class T>(const ArrayInfo<T>& array) {
       if (!difference_.empty() || array.life == Lifetime::Unordered) return;
       const T *p = s.*array.member, *q = t.*array.member;
       const std::size_t n = elementsWritten(s, array.per);
       if (!p || !q || std::memcmp(p, q, n * sizeof(T)) == 0) return;
+      const std::string& kernel = firstKernel_.try_emplace(array.name, a_.kernel).first->second;
+      if (!stageEnds) return;
       std::size_t i = 0;
       while (std::memcmp(p + i, q + i, sizeof(T)) == 0) ++i;
-      difference_ = place() + ", table " + array.name + ", element " + std::to_string(i);
+      difference_ = place(kernel) + ", table " + array.name + ", element " + std::to_string(i);
     });
+    if (stageEnds) firstKernel_.clear();
   }
 
   Side a_, b_;
   std::optional<std::barrier<Compare>> meeting_;
   std::int64_t step_ = 0;
+  std::map<std::string, std::string> firstKernel_;  ///< of each table that differs in this stage
   std::string difference_;
 };
 

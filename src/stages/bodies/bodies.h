@@ -27,7 +27,7 @@ RUBBLE_HD inline bool limitSpin(Vec3& w, Real dt) {
 struct PredictBodies {
   static constexpr const char* kStage = "predict";
   RUBBLE_HD void operator()(const SolverData& s, int i) const {
-    const StepConstants& c = *s.step;
+    const StepConstants c = *s.step;
     const BodyParams& p = s.params[i];
     Vec3 v = s.velocity[i], w = s.angularVelocity[i];
     s.fast[i] = 0;
@@ -64,7 +64,7 @@ struct PredictBodies {
     target.unused = 0;
     target.y.p = inertialDisplacement(v, gravity + push, c.dt);
     target.y.q = s.plan.literalRotations ? retract({{0, 0, 0}, Quat{}}, {{0, 0, 0}, c.dt * w1}).q
-                                    : expRotation(c.dt * w1);
+                                         : expRotation(c.dt * w1);
 
     // The guess follows the share of a force that the body followed in the last step. A new force has no such
     // share: the guess includes all of it, as if the body had been given a velocity.
@@ -303,7 +303,7 @@ template <class L> struct SolveBody {
 /// Their work ended with the motion. Only the share that the body followed counts, because rows cancelled the
 /// rest. `start`, `v`: velocities at both ends of the step.
 RUBBLE_HD inline Vec3 unusedPush(const SolverData& s, int i, const Vec3& start, const Vec3& v) {
-  const StepConstants& c = *s.step;
+  const StepConstants c = *s.step;
   const Vec3 push = c.inverseDt * s.target[i].y.p - start;
   return fromFloatBits(s.ccdShareBits[i]) * followedShare(v, start, c.inverseDt * push, c.dt) * push;
 }
@@ -325,7 +325,7 @@ struct BodyEnd {
   bool limited;  ///< the angular velocity is at its limit
 };
 RUBBLE_HD inline BodyEnd endOf(const SolverData& s, int i) {
-  const StepConstants& c = *s.step;
+  const StepConstants c = *s.step;
   const Displacement& d = s.dx[i];
   const bool stopped = s.ccdShareBits[i] != 0;
   const Quat start = s.orientation[i], x = s.dq[i];

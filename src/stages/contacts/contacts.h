@@ -176,7 +176,7 @@ RUBBLE_HD inline Real largestLoad(const SolverData& s, const OrderedPair& o, Rea
 
 /// Initializes the rows of manifold i except for its points. `r` must be all zeros.
 RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) {
-  const StepConstants& c = *s.step;
+  const StepConstants c = *s.step;
   const Manifold& m = s.manifold[i];
   const Pair& pair = s.pair[s.activePair[i]];
   const OrderedPair o = ordered(pair);
@@ -215,7 +215,7 @@ RUBBLE_HD inline PairRows beginRows(const SolverData& s, int i, ContactRows& r) 
 /// Returns whether the point stops a fast approach.
 RUBBLE_HD inline bool buildPoint(const SolverData& s, const Manifold& m, const PairRows& p, int k,
                                  ContactRows& r, int to) {
-  const StepConstants& c = *s.step;
+  const StepConstants c = *s.step;
   const OrderedPair& o = p.bodies;
   const PointAt point = pointAt(m, k, m.normal, p.qa, p.qb, p.t);
   const Real closing = closingSpeed(s, o, r.n, point.lever, p.t);

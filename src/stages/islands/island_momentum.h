@@ -231,7 +231,8 @@ struct RepairBodies {
     const Vec3 arm(s.position[i] - r.center);
     Vec3 v = r.addVelocity + cross(r.addSpin, arm), turn = r.addSpin, given = inertia * r.addSpin;
     if (r.loss > Real(0)) {
-      v -= r.loss * (s.velocity[i] - s.step->inverseDt * s.target[root].y.p - r.velocity - cross(r.spin, arm));
+      v -= r.loss *
+           (s.velocity[i] - s.step->inverseDt * s.target[root].y.p - r.velocity - cross(r.spin, arm));
       turn -= r.loss * (spin - r.spin);
       given -= r.loss * (angularMomentum(q, spin, principal, s.step->dt) - inertia * r.spin);
     }

@@ -67,7 +67,8 @@ template <class F> struct BeginJoints {
       bodies[side] = jointBody(s, body);
       together &= !isDynamic(s, body) || s.nodeOfBody[body] >= 0;
     }
-    beginJoint(*s.step, spec, joint, a, b, bodies, together);
+    const StepConstants c = *s.step;
+    beginJoint(c, spec, joint, a, b, bodies, together);
     placeJoint(spec, joint, offset, a, b);
   }
 };
@@ -114,8 +115,9 @@ template <class F> struct UpdateJointDuals {
       if (at.part == 0) return updateAnchors(s, joint);
     if (!joint.active) return;
     const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
+    const StepConstants c = *s.step;
     forEachPart<F>([&]<int I, class P>() {
-      if (I == at.part) updatePartDuals<F, I, P>(*s.step, spec, joint, a, b);
+      if (I == at.part) updatePartDuals<F, I, P>(c, spec, joint, a, b);
     });
   }
 };

@@ -69,12 +69,14 @@ RUBBLE_HD inline bool comesBefore(const SolverData& s, const QueryHit& a, const 
   return a.fraction < b.fraction || (a.fraction == b.fraction && s.idOf[a.body] < s.idOf[b.body]);
 }
 
-/// The first hit, or the nearest body, among those that lane `lane` of `lanes` visits.
-RUBBLE_HD inline QueryHit answer(const SolverData& s, const QueryData& q, const ShapeTables& own,
-                                 int lane = 0, int lanes = 1) {
+/// The first hit, or the nearest body, among those that lane `lane` of `lanes` visits. One function for each
+/// kind, because each needs other registers.
+template <QueryKind kKind>
+RUBBLE_HD QueryHit answer(const SolverData& s, const QueryData& q, const ShapeTables& own, int lane = 0,
+                          int lanes = 1) {
   QueryHit best{-1, 0, {}, {}};
   double limit = 1, bestDistance = q.reach;
-  const bool closest = q.kind == QueryKind::Closest;
+  constexpr bool closest = kKind == QueryKind::Closest;
   const Vec3d half = closest ? Vec3d{q.reach, q.reach, q.reach} : extent(q);
   const auto take = [&](const QueryHit& hit) {
     if (!comesBefore(s, hit, best)) return;
@@ -86,10 +88,10 @@ RUBBLE_HD inline QueryHit answer(const SolverData& s, const QueryData& q, const 
       [&](int body) {
         if (!looksAt(s, q, body)) return;
         visitParts(s, body, q.position, [&](const PlacedAny& target) {
-          if (q.kind == QueryKind::Ray) {
+          if constexpr (kKind == QueryKind::Ray) {
             const RayImpact m = castRay(target, q.move);
             if (m.fraction <= 1) take({body, m.fraction, q.move * m.fraction, m.n});
-          } else if (closest) {
+          } else if constexpr (closest) {
             const Separation at = nearestPoint(target, bestDistance);
             const bool inside = !(at.distance > 0);
             const double distance = inside ? 0 : at.distance;
@@ -112,7 +114,12 @@ struct RunQuery {
   const QueryData* queries;
   ShapeTables own;
   QueryHit* hits;
-  RUBBLE_HD void operator()(const SolverData& s, int i) const { hits[i] = answer(s, queries[i], own); }
+  RUBBLE_HD void operator()(const SolverData& s, int i) const {
+    const QueryData& q = queries[i];
+    hits[i] = q.kind == QueryKind::Ray       ? answer<QueryKind::Ray>(s, q, own)
+              : q.kind == QueryKind::Closest ? answer<QueryKind::Closest>(s, q, own)
+                                             : answer<QueryKind::Cast>(s, q, own);
+  }
 };
 
 /// found(body) for the bodies that a shape overlaps, in no fixed order.

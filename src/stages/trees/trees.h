@@ -99,9 +99,10 @@ template <class F> struct FindTreeRows {
     const SidePose<F> a = poseOfA(s, spec, joint), b = poseOfB(s, spec, joint);
     TreePart<kSides<F>>& to = s.treeRowsOf<F>()[at.joint].part[at.part];
     to.count = 0;
+    const StepConstants c = *s.step;
     storeVectorized(to, [&](TreePart<kSides<F>>& part) {
       forEachPart<F>([&]<int I, class P>() {
-        if (I == at.part) findTreePart<F, I, P>(*s.step, spec, joint, a, b, own, part);
+        if (I == at.part) findTreePart<F, I, P>(c, spec, joint, a, b, own, part);
       });
       return part.count > 0;
     });
