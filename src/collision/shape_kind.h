@@ -49,8 +49,10 @@ namespace RUBBLE_CORE {
 template <class S> constexpr ShapeKind addedKind() {
   return static_cast<ShapeKind>(static_cast<int>(ShapeKind::FirstAdded) + typeIndex<S>(AddedShapes{}));
 }
-RUBBLE_HD constexpr bool isAdded(ShapeKind kind) {
-  return kind >= ShapeKind::FirstAdded && kind < ShapeKind::Triangle;
+RUBBLE_HD inline bool isAdded([[maybe_unused]] ShapeKind kind) {
+  bool found = false;
+  forEachType(AddedShapes{}, [&]<class S>() { found |= kind == addedKind<S>(); });
+  return found;
 }
 /// Calls f.operator()<S>() for the added shape of that kind.
 template <class Function> RUBBLE_HD void withAddedShape([[maybe_unused]] ShapeKind kind, Function&& f) {

@@ -122,7 +122,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::treeMaxRotation, "treeMaxRotation", "", Per::TreeNode, Lifetime::Work);
   is(&SolverData::treeNeedsProjection, "treeNeedsProjection", "", Per::TreeNode, Lifetime::Work);
   is(&SolverData::projectionLink, "projectionLink", "", Per::TreeNode, Lifetime::Work);
-  is(&SolverData::colorCount, "colorCount", "", Per::Color, Lifetime::Work);
+  is(&SolverData::colorCount, "colorCount", "", Per::Color, Lifetime::Unordered);
   is(&SolverData::colorOffset, "colorOffset", "", Per::Color, Lifetime::Work, 1);
   is(&SolverData::pairOffset, "pairOffset", "", Per::Body, Lifetime::Work, 1);
   is(&SolverData::pair, "pair", "", Per::Pair, Lifetime::Work);
@@ -195,7 +195,7 @@ template <class F> void forEachArray(F&& f) {
   is(&SolverData::nearFeature, "nearFeature", "", Per::NearFeature, Lifetime::Unordered);
   is(&SolverData::nearCount, "nearCount", "", Per::PointOwner, Lifetime::Work);
   is(&SolverData::nearOffset, "nearOffset", "", Per::PointOwner, Lifetime::Work, 1);
-  is(&SolverData::vertexColorCount, "vertexColorCount", "", Per::Color, Lifetime::Work);
+  is(&SolverData::vertexColorCount, "vertexColorCount", "", Per::Color, Lifetime::Unordered);
   is(&SolverData::vertexColorOffset, "vertexColorOffset", "", Per::Color, Lifetime::Work, 1);
   is(&SolverData::pointPair, "pointPair", "", Per::PointPair, Lifetime::Work);
   is(&SolverData::pointContact, "pointContact", "", Per::PointPair, Lifetime::Work);

@@ -144,7 +144,7 @@ JointId World::Impl::addJoint(const JointDef& def, BodyId a, BodyId b, BodyId ca
   record.engine = engineJoint(inEngineFrames(def, a, b), jointBodies(record));
   record.engine.a = a.index, record.engine.b = b.index;
   record.engine.carrierA = carrierA.index, record.engine.carrierB = carrierB.index;
-  const int type = static_cast<int>(record.engine.type);
+  const auto type = static_cast<std::size_t>(record.engine.type);
   int& slot = record.engineSlot;
   if (registry.freeJointSlots[type].empty()) {
     slot = registry.jointSlots[type]++;
@@ -168,7 +168,7 @@ void World::Impl::removeJoint(JointId id) {
   none.type = joint.engine.type;
   wakeBodiesOf(joint);
   engine->apply(SetJoint{joint.engineSlot, none});
-  registry.freeJointSlots[static_cast<int>(none.type)].push_back(joint.engineSlot);
+  registry.freeJointSlots[static_cast<std::size_t>(none.type)].push_back(joint.engineSlot);
   if (!joint.def.name.empty()) registry.jointNames.erase(joint.def.name);
   listJoint(id, joint, false);
   registry.joints.remove(id);

@@ -50,6 +50,33 @@ template <class Hit> void expectSame(const std::vector<Hit>& a, const std::vecto
   EXPECT_GT(hits, least);
 }
 
+/// The kernel of the device: in worlds of other shapes rays run on the host.
+TEST_F(CudaQuery, RaysThroughPrimitiveShapesHitWhatTheyHitOnTheCpu) {
+  Random random(41);
+  Scene scene;
+  for (int i = 0; i < 600; ++i) {
+    BodyDef body;
+    const double size = random.uniform(.1, .6);
+    body.shape = i % 3 == 0   ? Shape::sphere(size)
+                 : i % 3 == 1 ? Shape::box({size, .5 * size, .7 * size})
+                              : Shape::capsule(.4 * size, size);
+    body.position = random.vector(8), body.orientation = random.rotation();
+    scene.bodies.push_back(body);
+  }
+  World device(scene, on("cuda")), host(scene, on("cpu"));
+  meet(device, host);
+  std::vector<RayQuery> rays;
+  for (int i = 0; i < kQueries; ++i) {
+    RayQuery ray;
+    ray.origin = random.vector(12), ray.direction = random.vector(8) - ray.origin;
+    rays.push_back(ray);
+  }
+  const std::vector<RayHit> all = host.castRays(rays);
+  expectSame(device.castRays(rays), all, kQueries / 4);
+  // few rays have a warp each
+  expectSame(device.castRays({rays.data(), 5}), {all.begin(), all.begin() + 5}, -1);
+}
+
 TEST_F(CudaQuery, AnswersAsTheCpuDoes) {
   const Scene scene = randomScene(31);
   World device(scene, on("cuda")), host(scene, on("cpu"));

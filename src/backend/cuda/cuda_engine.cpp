@@ -61,9 +61,10 @@ class CudaEngine final : public ObservableEngine, private PoseCopies {
   void step(StepReport& report) override;
 
   void sortBodies() override;
-  /// Rays run on the device, all other queries on the host over fetched states.
+  /// Rays through primitive shapes run on the device, all other queries on the host over fetched states.
   std::vector<EngineHit> query(std::span<const EngineQuery> queries) override {
-    if (std::ranges::all_of(queries, [](const EngineQuery& q) { return q.kind == EngineQuery::Ray; })) {
+    if (!host().view().generalShapes &&
+        std::ranges::all_of(queries, [](const EngineQuery& q) { return q.kind == EngineQuery::Ray; })) {
       const SolverData device = present();
       return engineHits(host(),
                         queries_.castRays(device, *host().view().step, {host(), queries}, stepper_.stream()));

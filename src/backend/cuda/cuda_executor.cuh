@@ -310,14 +310,15 @@ class CudaExecutor : private KernelLauncher {
       afterKernel_ = false;
     };
     while (true) {
+      copy(&(c.*count), counter(count), cudaMemcpyDeviceToHost);
       copy(&(c.*left), counter(left), cudaMemcpyDeviceToHost);
       copy(&(c.*turn), counter(turn), cudaMemcpyDeviceToHost);
       if (c.*left == 0 || c.*turn >= kMaxRounds) return;
-      forEach(take, count);
+      forEach(take, c.*count);
       c.*left = 0, ++(c.*turn);
       copy(counter(left), &(c.*left), cudaMemcpyHostToDevice);
       copy(counter(turn), &(c.*turn), cudaMemcpyHostToDevice);
-      forEach(propose, count);
+      forEach(propose, c.*count);
     }
   }
 

@@ -144,6 +144,7 @@ struct CudaStepper::Impl {
   /// states, and each has its own graph.
   const Timeline& runWhole() {
     if (observer) {
+      executor.reserveScratch();
       enqueueObserved(0);
       return direct;
     }
