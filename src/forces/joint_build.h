@@ -5,7 +5,7 @@
 ///   Joint    joint of the engine (forces/joint.h); several kinds may share one
 ///   kName    keyword in files
 ///   kDoc     one line
-///   kFields  tuple of the fields that it reads (math/field.h), members of JointDef or of a struct of its own,
+///   kFields  tuple of the fields that it reads (math/field.h): members of JointDef, or of its own struct,
 ///            which definitions then carry in JointDef::own
 ///   build    void (JointBuild&): groups, axes and constants of the joint
 ///   kType    its enumerator (optional; others are numbered after the last enumerator, in list order)

@@ -5,7 +5,7 @@
 ///   kName, kCorners, kHasDual   name; number of vertices; has it multipliers?
 ///   kIsLoad                     true: it applies external loads (optional)
 ///   v, alive                    vertices; 0 once it is torn
-///   Model, set(const Model&)    its constants as they are cooked, in double precision; they are copied from it
+///   Model, set(const Model&)    its constants as they are cooked, in double precision, and their copy
 ///   begin, energy, accumulate   at x^t; energy of a step [J]; force and Hessian of a corner
 ///   updateDual, finish          dual update; does it tear in this step? (kHasDual)
 ///   accumulateGroupHessian      of a cluster of its vertices (forces/group_accumulation.h; optional)

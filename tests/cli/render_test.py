@@ -42,7 +42,8 @@ class Render(Case):
         self.assertEqual(sorted(n for n in os.listdir(self.folder.name) if n.startswith("f_")), ["f_0.png", "f_1.png", "f_2.png"])
 
     def test_a_film_shows_steps_and_what_lies_between(self):
-        # At 120 pictures per second every other one is a step of 1/60 s; those between are neither of their neighbors.
+        # At 120 pictures per second every other one is a step of 1/60 s. Those between are neither of their
+        # neighbors.
         options = ["--size", "128x72", "--samples", "1", "-q"]
         self.rubble("render", self.scene(), "-o", self.path("f_%03d.png"), "--fps", "120", "--steps", "20", *options)
         self.rubble("render", self.scene(), "-o", self.path("every_%d.png"), "--every", "1", "--steps", "20", *options)
